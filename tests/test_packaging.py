@@ -1,0 +1,59 @@
+"""The promises that the project's own files make to one another."""
+
+import re
+import tomllib
+from importlib import metadata
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).resolve().parents[1]
+
+
+@pytest.fixture(scope="module")
+def project() -> dict:
+    return tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]
+
+
+def readme_command(name: str) -> str:
+    match = re.search(rf"<!-- command: {name} -->\n```bash\n(.+?)\n```\n", (ROOT / "README.md").read_text(), re.DOTALL)
+    assert match, f"README.md has no bash block under '<!-- command: {name} -->'"
+    return match[1]
+
+
+def test_readme_gives_the_two_commands_that_the_checks_run():
+    assert readme_command("solve").startswith("pip install . && srs-ik solve ")
+    assert readme_command("test") == 'pip install -e ".[test]" && pytest'
+
+
+def test_installed_version_is_the_one_of_the_project_file(project):
+    assert metadata.version("srs-ik") == project["version"]
+
+
+def test_version_is_written_in_one_place_only(project):
+    writers = [
+        path.relative_to(ROOT)
+        for path in [*ROOT.glob("srs_ik/**/*.py"), ROOT / "CITATION.cff", ROOT / "README.md"]
+        if f'"{project["version"]}"' in path.read_text() or f"version: {project['version']}" in path.read_text()
+    ]
+    assert writers == []
+
+
+def test_core_dependencies_are_the_agreed_ones(project):
+    names = {re.split(r"[<>=~! \[]", requirement)[0] for requirement in project["dependencies"]}
+    assert names == {"pin", "numpy", "numba", "yourdfpy", "meshcat", "scipy", "typer", "rich"}
+
+
+def test_package_says_that_it_is_typed():
+    assert (ROOT / "srs_ik" / "py.typed").is_file()
+
+
+def test_command_srs_ik_is_installed():
+    (command,) = metadata.entry_points(group="console_scripts", name="srs-ik")
+    assert command.value == "srs_ik.cli:main"
+
+
+def test_every_relative_link_of_the_readme_leads_somewhere():
+    text = (ROOT / "README.md").read_text()
+    targets = [t.split("#")[0] for t in re.findall(r"\]\(([^)\s]+)\)", text) if not re.match(r"[a-z]+:|#", t)]
+    assert [target for target in targets if not (ROOT / target).exists()] == []
