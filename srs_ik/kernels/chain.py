@@ -1,0 +1,77 @@
+"""The true chain: forward kinematics and geometric Jacobian from the joint axes as lines."""
+
+from __future__ import annotations
+
+import math
+
+from srs_ik.kernels.jit import kernel
+from srs_ik.kernels.layout import AXES, POINTS, TIP_POSITION, TIP_ROTATION
+from srs_ik.kernels.vectors import add, apply, cross, dot, load3, norm, rotate, sub
+
+
+@kernel
+def turn_about_line(P, joint, c, s, point):
+    """A point of the base frame, turned about the zero-configuration line of a joint (0 to 6)."""
+    origin = load3(P, POINTS + 3 * joint)
+    return add(origin, rotate(load3(P, AXES + 3 * joint), c, s, sub(point, origin)))
+
+
+@kernel
+def forward_kinematics(P, q):
+    """Pose of the tip in the base frame: rotation columns x, y and z, and position."""
+    x = (P[TIP_ROTATION], P[TIP_ROTATION + 3], P[TIP_ROTATION + 6])
+    y = (P[TIP_ROTATION + 1], P[TIP_ROTATION + 4], P[TIP_ROTATION + 7])
+    p = load3(P, TIP_POSITION)
+    for k in range(7):
+        joint = 6 - k
+        c = math.cos(q[joint])
+        s = math.sin(q[joint])
+        axis = load3(P, AXES + 3 * joint)
+        x = rotate(axis, c, s, x)
+        y = rotate(axis, c, s, y)
+        p = turn_about_line(P, joint, c, s, p)
+    return x, y, cross(x, y), p
+
+
+@kernel
+def pose_error(P, q, R, p):
+    """Distance (m) and angle (rad) between the tip at q and a wanted pose (rotation matrix R, position p).
+
+    The angle is taken from sine and cosine together: an arc cosine would lose half of the digits near zero.
+    """
+    x, y, z, position = forward_kinematics(P, q)
+    wanted_x = (R[0], R[3], R[6])
+    wanted_y = (R[1], R[4], R[7])
+    wanted_z = (R[2], R[5], R[8])
+    twice_sine = norm(add(add(cross(x, wanted_x), cross(y, wanted_y)), cross(z, wanted_z)))
+    twice_cosine = dot(x, wanted_x) + dot(y, wanted_y) + dot(z, wanted_z) - 1.0
+    return norm(sub(p, position)), math.atan2(twice_sine, twice_cosine)
+
+
+@kernel
+def joint_lines(P, q, J):
+    """Write axis direction (rows 3 to 5) and moment point x axis (rows 0 to 2) of each joint at q into J (6, 7).
+
+    J is the spatial Jacobian of the base origin; `pose_step` and `jacobian` move it to the tip.
+    """
+    ex = (1.0, 0.0, 0.0)
+    ey = (0.0, 1.0, 0.0)
+    ez = (0.0, 0.0, 1.0)
+    shift = (0.0, 0.0, 0.0)  # point -> M point + shift, M = (ex ey ez) in columns
+    for joint in range(7):
+        a0 = load3(P, AXES + 3 * joint)
+        o0 = load3(P, POINTS + 3 * joint)
+        M = (ex[0], ey[0], ez[0], ex[1], ey[1], ez[1], ex[2], ey[2], ez[2])
+        axis = apply(M, a0)
+        origin = add(apply(M, o0), shift)
+        moment = cross(origin, axis)
+        for i in range(3):
+            J[i, joint] = moment[i]
+            J[i + 3, joint] = axis[i]
+        c = math.cos(q[joint])
+        s = math.sin(q[joint])
+        ex = rotate(axis, c, s, ex)
+        ey = rotate(axis, c, s, ey)
+        ez = rotate(axis, c, s, ez)
+        shift = add(origin, rotate(axis, c, s, sub(shift, origin)))
+    return ex, ey, ez, shift

@@ -1,0 +1,35 @@
+"""The two decorators of this folder: `kernel` for functions called by kernels, `entry` for those called from Python.
+
+Only entry points are cached on disk; their machine code contains all that they call. Numba watches the file of the
+cached function alone, so an edited callee would go unnoticed: the cache is keyed here by a digest of the whole folder.
+"""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Callable
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+from numba import njit
+
+kernel = njit(error_model="numpy", nogil=True)
+"""Decorator of an inner kernel: compiled into its callers."""
+
+
+@cache
+def source_digest() -> str:
+    """Digest of every source file of the kernels."""
+    digest = hashlib.sha256()
+    for path in sorted(Path(__file__).parent.glob("*.py")):
+        digest.update(path.name.encode())
+        digest.update(path.read_bytes())
+    return digest.hexdigest()
+
+
+def entry(function: Callable[..., Any]) -> Callable[..., Any]:
+    """Decorator of an entry point: compiled once, then loaded from disk as long as no kernel's source has changed."""
+    dispatcher = njit(cache=True, error_model="numpy", nogil=True)(function)
+    dispatcher._cache._cache_file._source_stamp = source_digest()
+    return dispatcher

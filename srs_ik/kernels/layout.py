@@ -1,0 +1,84 @@
+"""Layout of the packed limb: one flat array of floats, so that a call from Python passes one argument.
+
+`srs_ik.packing` fills it. Shoulder and wrist are described by the same block, at `SHOULDER` and at `WRIST`, because the
+same functions solve both.
+"""
+
+from __future__ import annotations
+
+# The true chain: seven lines and the tip at zero.
+AXES = 0  # 7 x 3 unit directions
+POINTS = 21  # 7 x 3 points on the axes
+TIP_ROTATION = 42  # 3 x 3
+TIP_POSITION = 51  # 3
+IS_EXACT = 54  # 1.0 if the axes pass their centres within 1e-6 m
+
+# Joint limits.
+LOWER = 55  # 7
+UPPER = 62  # 7
+MIDDLE = 69  # 7, zero where unlimited
+INVERSE_HALF_RANGE = 76  # 7, zero where unlimited
+
+# Centres and the arm-angle reference, base frame.
+SHOULDER_CENTRE = 83  # 3
+WRIST_IN_TIP = 86  # 3
+ELBOW_CENTRE = 89  # 3
+REFERENCE = 92  # 3 unit vector
+REFERENCE_2 = 95  # 3 unit vector perpendicular to it, where S-W is parallel to the reference
+
+# Elbow triangle, with the limb straightened: d^2 = |S-W|^2 = FAR^2 + (FAR^2 - NEAR^2) / 2 (cos x - 1), x = q4 - STRAIGHT.
+STRAIGHT = 98  # the q4 at which S-W is longest
+FAR = 99  # longest S-W
+NEAR = 100  # shortest S-W
+UPPER_ARM = 101  # 3, S to E
+FOREARM = 104  # 3, E to W at q4 = STRAIGHT
+NORMAL_0 = 107  # 3, E-S x W-S = NORMAL_0 + sin x NORMAL_S + (1 - cos x) NORMAL_C
+NORMAL_S = 110
+NORMAL_C = 113
+NORMAL_KIND = 116  # 0 planar, 1 oblique but collinear when straight, 2 general
+
+# A spherical joint: rot(a1, q1) rot(a2, q2) rot(a3, q3). Offsets within the block.
+A1 = 0  # 3
+A2 = 3  # 3
+A3 = 6  # 3
+ACROSS_3 = 9  # 3 unit vector perpendicular to a3
+CROSS_3 = 12  # 3, a3 x ACROSS_3
+PHASE = 15  # q2 at which a1' R a3 is largest
+COS_PHASE = 16
+SIN_PHASE = 17
+OFFSET = 18  # a1' R a3 = OFFSET + GAIN cos(q2 - PHASE)
+GAIN = 19
+TOP_GAP = 20  # 1 - (OFFSET + GAIN)
+BOTTOM_GAP = 21  # 1 + (OFFSET - GAIN)
+ANCHOR_1 = 22  # where joints 1 and 3 like to be when only their sum or difference matters
+ANCHOR_3 = 23
+SHARE_1 = 24  # the part that joint 1 takes of such a sum
+A2_A3 = 25  # a2' a3
+CROSS_23 = 26  # 3, a2 x a3
+FIRST_JOINT = 29  # 0 or 4
+# Limits as linear forms in the rotation R of the joint: form(x, y) = x' R y = value on the bound.
+LIMITED_1 = 30  # 1.0 if joint 1 has less than a full turn
+LIMITED_2 = 31
+LIMITED_3 = 32
+BOUND_1_LOWER = 33  # 3, rot(a1, lower) a2; value A2_A3, y = a3
+BOUND_1_UPPER = 36  # 3
+BOUND_2_LOWER = 39  # value of a1' R a3 at the bound
+BOUND_2_UPPER = 40
+BOUND_3_LOWER = 41  # 3, rot(a3, -lower) a2; value A1_A2, x = a1
+BOUND_3_UPPER = 44  # 3
+A1_A2 = 47
+BLOCK = 48
+
+SHOULDER = 117
+WRIST = SHOULDER + BLOCK
+SIZE = WRIST + BLOCK
+
+# A solution row, the output of the solving kernels.
+ROW_Q = 0  # 7
+ROW_POSITION_ERROR = 7
+ROW_ORIENTATION_ERROR = 8
+ROW_ARM_ANGLE = 9
+ROW_STATUS = 10
+ROW_BRANCH = 11
+ROW_JOINT = 12  # the joint (1 to 7) with the smallest margin to its limits
+ROW = 13

@@ -1,0 +1,123 @@
+"""A spherical joint made of three axes in any directions: from a rotation to three angles.
+
+R = rot(a1, q1) rot(a2, q2) rot(a3, q3). Then a1' R a3 = OFFSET + GAIN cos(q2 - PHASE) gives two q2, and q1 and q3 follow
+as one angle about an axis each. (Elias and Wen 2022 decompose inverse kinematics in the same spirit; the forms used here
+keep all digits near the singular rotations.)
+"""
+
+from __future__ import annotations
+
+import math
+
+from srs_ik.kernels.jit import kernel
+from srs_ik.kernels.layout import (
+    A1,
+    A2,
+    A2_A3,
+    A3,
+    ACROSS_3,
+    ANCHOR_1,
+    ANCHOR_3,
+    BOTTOM_GAP,
+    COS_PHASE,
+    CROSS_3,
+    CROSS_23,
+    GAIN,
+    OFFSET,
+    PHASE,
+    SHARE_1,
+    SIN_PHASE,
+    TOP_GAP,
+)
+from srs_ik.kernels.vectors import across, add, apply, cross, dot, load3, rotate, sub
+
+SINGULAR_SINE = 1e-13
+"""Below this sine of the angle between axes 1 and 3, only the sum or difference of their angles is determined."""
+
+REACH_SLACK = 1e-14
+"""How far a1' R a3 may lie outside its range, by rounding, and still count as on its end."""
+
+
+@kernel
+def wrap(angle):
+    """The angle in [-pi, pi]."""
+    return angle - 2.0 * math.pi * math.floor(angle / (2.0 * math.pi) + 0.5)
+
+
+@kernel
+def middle_angle(P, k, R):
+    """Cosine and sine of x = |q2 - PHASE|, and whether R can be reached at all (else x is the nearest)."""
+    a1 = load3(P, k + A1)
+    v = apply(R, load3(P, k + A3))
+    up = sub(v, a1)
+    down = add(v, a1)
+    # 1 - m and 1 + m for m = a1'v, as squares of differences: full precision where v is near +-a1.
+    top = 0.5 * dot(up, up) - P[k + TOP_GAP]
+    bottom = 0.5 * dot(down, down) - P[k + BOTTOM_GAP]
+    reached = top > -REACH_SLACK and bottom > -REACH_SLACK
+    top = max(top, 0.0)
+    bottom = max(bottom, 0.0)
+    total = top + bottom
+    return (bottom - top) / total, 2.0 * math.sqrt(top * bottom) / total, reached
+
+
+@kernel
+def outer_angles(P, k, R, c2, s2, anchor_1, anchor_3, share_1):
+    """Angles q1 and q3 for a rotation and the cosine and sine of q2.
+
+    Where axes 1 and 3 are parallel the free difference is split so that q1 and q3 leave their anchors in the ratio
+    share_1 : 1 - share_1.
+    """
+    a1 = load3(P, k + A1)
+    a2 = load3(P, k + A2)
+    a3 = load3(P, k + A3)
+    v = apply(R, a3)
+    y = apply(R, load3(P, k + ACROSS_3))
+    t = (1.0 - c2) * P[k + A2_A3]
+    cross_23 = load3(P, k + CROSS_23)
+    u = (
+        c2 * a3[0] + s2 * cross_23[0] + t * a2[0],
+        c2 * a3[1] + s2 * cross_23[1] + t * a2[1],
+        c2 * a3[2] + s2 * cross_23[2] + t * a2[2],
+    )
+    # Project before multiplying: u and v may both be almost a1, and the small parts across a1 hold the answer.
+    u_across = across(u, a1)
+    v_across = across(v, a1)
+    size2 = dot(u_across, u_across)
+    if size2 > SINGULAR_SINE * SINGULAR_SINE:
+        s1 = dot(a1, cross(u_across, v_across))
+        c1 = dot(u_across, v_across)
+        length = math.sqrt(s1 * s1 + c1 * c1)
+        q1 = math.atan2(s1, c1)
+        if length > 0.0:
+            s1 /= length
+            c1 /= length
+        else:
+            s1 = 0.0
+            c1 = 1.0
+        z = rotate(a2, c2, -s2, rotate(a1, c1, -s1, y))
+        return q1, math.atan2(dot(load3(P, k + CROSS_3), z), dot(load3(P, k + ACROSS_3), z))
+    z = rotate(a2, c2, -s2, y)
+    turn = math.atan2(dot(load3(P, k + CROSS_3), z), dot(load3(P, k + ACROSS_3), z))
+    sign = 1.0 if dot(u, a1) > 0.0 else -1.0  # sign q1 + q3 = turn
+    rest = wrap(turn - sign * anchor_1 - anchor_3)
+    return anchor_1 + sign * share_1 * rest, anchor_3 + (1.0 - share_1) * rest
+
+
+@kernel
+def decompose(P, k, R):
+    """Both decompositions of R by the spherical joint at block k: (q1, q2, q3) twice, and whether R is reachable."""
+    c, s, reached = middle_angle(P, k, R)
+    x = math.atan2(s, c)
+    cp = P[k + COS_PHASE]
+    sp = P[k + SIN_PHASE]
+    cc = cp * c
+    ss = sp * s
+    sc = sp * c
+    cs = cp * s
+    anchor_1 = P[k + ANCHOR_1]
+    anchor_3 = P[k + ANCHOR_3]
+    share_1 = P[k + SHARE_1]
+    q1, q3 = outer_angles(P, k, R, cc - ss, sc + cs, anchor_1, anchor_3, share_1)
+    q1b, q3b = outer_angles(P, k, R, cc + ss, sc - cs, anchor_1, anchor_3, share_1)
+    return (q1, P[k + PHASE] + x, q3), (q1b, P[k + PHASE] - x, q3b), reached

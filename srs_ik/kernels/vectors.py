@@ -1,0 +1,131 @@
+"""Vectors as tuples of three floats, matrices as tuples of nine in row-major order."""
+
+from __future__ import annotations
+
+import math
+
+from srs_ik.kernels.jit import kernel
+
+
+@kernel
+def load3(P, k):
+    """Three consecutive figures of the packed limb."""
+    return (P[k], P[k + 1], P[k + 2])
+
+
+@kernel
+def load9(P, k):
+    """Nine consecutive figures of the packed limb, a matrix."""
+    return (P[k], P[k + 1], P[k + 2], P[k + 3], P[k + 4], P[k + 5], P[k + 6], P[k + 7], P[k + 8])
+
+
+@kernel
+def add(a, b):
+    """Sum."""
+    return (a[0] + b[0], a[1] + b[1], a[2] + b[2])
+
+
+@kernel
+def sub(a, b):
+    """Difference."""
+    return (a[0] - b[0], a[1] - b[1], a[2] - b[2])
+
+
+@kernel
+def scale(s, a):
+    """Multiple."""
+    return (s * a[0], s * a[1], s * a[2])
+
+
+@kernel
+def along(a, s, b):
+    """The point a + s b."""
+    return (a[0] + s * b[0], a[1] + s * b[1], a[2] + s * b[2])
+
+
+@kernel
+def dot(a, b):
+    """Scalar product."""
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+
+
+@kernel
+def cross(a, b):
+    """Vector product."""
+    return (a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0])
+
+
+@kernel
+def norm(a):
+    """Length."""
+    return math.sqrt(a[0] * a[0] + a[1] * a[1] + a[2] * a[2])
+
+
+@kernel
+def across(a, u):
+    """The part of a perpendicular to the unit vector u."""
+    return along(a, -dot(u, a), u)
+
+
+@kernel
+def rotate(axis, c, s, v):
+    """The vector v turned about a unit axis by the angle with cosine c and sine s (Rodrigues)."""
+    k = (1.0 - c) * dot(axis, v)
+    x = cross(axis, v)
+    return (
+        c * v[0] + s * x[0] + k * axis[0],
+        c * v[1] + s * x[1] + k * axis[1],
+        c * v[2] + s * x[2] + k * axis[2],
+    )
+
+
+@kernel
+def apply(M, v):
+    """M v."""
+    return (
+        M[0] * v[0] + M[1] * v[1] + M[2] * v[2],
+        M[3] * v[0] + M[4] * v[1] + M[5] * v[2],
+        M[6] * v[0] + M[7] * v[1] + M[8] * v[2],
+    )
+
+
+@kernel
+def apply_transposed(M, v):
+    """M' v."""
+    return (
+        M[0] * v[0] + M[3] * v[1] + M[6] * v[2],
+        M[1] * v[0] + M[4] * v[1] + M[7] * v[2],
+        M[2] * v[0] + M[5] * v[1] + M[8] * v[2],
+    )
+
+
+@kernel
+def matmul(A, B):
+    """A B."""
+    return (
+        A[0] * B[0] + A[1] * B[3] + A[2] * B[6],
+        A[0] * B[1] + A[1] * B[4] + A[2] * B[7],
+        A[0] * B[2] + A[1] * B[5] + A[2] * B[8],
+        A[3] * B[0] + A[4] * B[3] + A[5] * B[6],
+        A[3] * B[1] + A[4] * B[4] + A[5] * B[7],
+        A[3] * B[2] + A[4] * B[5] + A[5] * B[8],
+        A[6] * B[0] + A[7] * B[3] + A[8] * B[6],
+        A[6] * B[1] + A[7] * B[4] + A[8] * B[7],
+        A[6] * B[2] + A[7] * B[5] + A[8] * B[8],
+    )
+
+
+@kernel
+def frame_to_frame(x1, y1, z1, x0, y0, z0):
+    """The rotation that takes the right-handed frame (x0, y0, z0) to (x1, y1, z1)."""
+    return (
+        x1[0] * x0[0] + y1[0] * y0[0] + z1[0] * z0[0],
+        x1[0] * x0[1] + y1[0] * y0[1] + z1[0] * z0[1],
+        x1[0] * x0[2] + y1[0] * y0[2] + z1[0] * z0[2],
+        x1[1] * x0[0] + y1[1] * y0[0] + z1[1] * z0[0],
+        x1[1] * x0[1] + y1[1] * y0[1] + z1[1] * z0[1],
+        x1[1] * x0[2] + y1[1] * y0[2] + z1[1] * z0[2],
+        x1[2] * x0[0] + y1[2] * y0[0] + z1[2] * z0[0],
+        x1[2] * x0[1] + y1[2] * y0[1] + z1[2] * z0[1],
+        x1[2] * x0[2] + y1[2] * y0[2] + z1[2] * z0[2],
+    )
