@@ -1,0 +1,120 @@
+"""Errors that this package raises on purpose; every one is a single sentence, and carries the figures it speaks of.
+
+Out of reach and out of limits are no errors: they are answers with a status.
+"""
+
+from __future__ import annotations
+
+import difflib
+from collections.abc import Iterable, Sequence
+from typing import Any
+
+_LISTED = 40
+"""Longest list of names that is spelled out in a message; the fields of an error always hold all of them."""
+
+
+class SrsIkError(Exception):
+    """Base class of all errors of this package."""
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        # The default calls the class with the finished message, which is not what every constructor takes.
+        return _restore, (type(self), self.args, self.__dict__)
+
+
+class InvalidRobot(SrsIkError):
+    """A robot description that cannot be read, or that contradicts itself.
+
+    Attributes:
+        source: what was read, as the message calls it; empty if unknown.
+    """
+
+    def __init__(self, message: str, source: object = "") -> None:
+        super().__init__(message)
+        self.source = str(source)
+
+
+class FrameNotFound(SrsIkError):
+    """A base or tip frame that the robot does not have.
+
+    Attributes:
+        frame: the name that was asked for.
+        available: names of the frames that there are, in the order of the robot.
+    """
+
+    def __init__(self, frame: str, available: Iterable[str], robot: str = "") -> None:
+        self.frame = str(frame)
+        self.available = tuple(available)
+        where = f" in robot {robot!r}" if robot else ""
+        message = f"there is no frame {self.frame!r}{where}{did_you_mean(self.frame, self.available)}"
+        super().__init__(f"{message}; its frames are {listed(self.available)}" if self.available else message)
+
+
+class NotAnSrsLimb(SrsIkError):
+    """A chain of joints that is no shoulder-elbow-wrist limb.
+
+    Attributes:
+        joint_names: the joints in question, from the base outwards; seven unless the chain has another number of them.
+        misses_mm: for each joint the distance of its axis from the common point it ought to pass, millimetres; empty if
+            the chain was refused for another reason than its axes.
+    """
+
+    def __init__(self, message: str, joint_names: Sequence[str] = (), misses_mm: Sequence[float] = ()) -> None:
+        super().__init__(message)
+        self.joint_names = tuple(joint_names)
+        self.misses_mm = tuple(float(miss) for miss in misses_mm)
+
+
+class AmbiguousLimb(SrsIkError):
+    """Several limbs that fit the question.
+
+    Attributes:
+        candidates: (base, tip) frame names of each.
+    """
+
+    def __init__(self, message: str, candidates: Iterable[tuple[str, str]] = ()) -> None:
+        super().__init__(message)
+        self.candidates = tuple((str(base), str(tip)) for base, tip in candidates)
+
+
+class MissingExtra(SrsIkError):
+    """Something that needs an optional part of the installation.
+
+    Attributes:
+        extra: name of the extra of this package that brings it.
+    """
+
+    def __init__(self, extra: str, needed_for: str) -> None:
+        super().__init__(f"{needed_for} needs an optional part of srs_ik: pip install 'srs-ik[{extra}]'")
+        self.extra = extra
+
+
+class InvalidPose(SrsIkError, ValueError):
+    """A pose of the wrong shape, with entries that are not finite, or whose rotation is none."""
+
+
+class InvalidConfiguration(SrsIkError, ValueError):
+    """Joint angles of the wrong number, or with entries that are not finite."""
+
+
+class InvalidTask(SrsIkError, ValueError):
+    """A task whose vectors have the wrong shape, are not finite, or leave a direction undefined."""
+
+
+def did_you_mean(name: str, known: Iterable[str]) -> str:
+    """The clause " (did you mean ...?)" for a misspelt name, or "" where no known name is close to it."""
+    by_folded = {candidate.casefold(): candidate for candidate in known}
+    close = [by_folded[match] for match in difflib.get_close_matches(name.casefold(), by_folded, n=3)]
+    return f" (did you mean {' or '.join(repr(match) for match in close)}?)" if close else ""
+
+
+def listed(names: Sequence[str]) -> str:
+    """Names as one comma-separated list, cut short where there are very many."""
+    shown = ", ".join(names[:_LISTED])
+    return shown if len(names) <= _LISTED else f"{shown} and {len(names) - _LISTED} more"
+
+
+def _restore(cls: type[SrsIkError], args: tuple[Any, ...], state: dict[str, Any]) -> SrsIkError:
+    error = cls.__new__(cls, *args)
+    error.args = args
+    error.__dict__.update(state)
+    return error

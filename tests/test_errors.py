@@ -1,0 +1,75 @@
+import copy
+import pickle
+
+import pytest
+
+from srs_ik import errors
+
+EVERY_ERROR = [
+    (errors.SrsIkError("something is wrong"), {}),
+    (errors.InvalidRobot("arm.urdf: it is empty", source="arm.urdf"), {"source": "arm.urdf"}),
+    (
+        errors.FrameNotFound("tool", ["base", "tool0"], robot="arm"),
+        {"frame": "tool", "available": ("base", "tool0")},
+    ),
+    (
+        errors.NotAnSrsLimb("no limb", joint_names=["a", "b"], misses_mm=[0.0, 1.5]),
+        {"joint_names": ("a", "b"), "misses_mm": (0.0, 1.5)},
+    ),
+    (
+        errors.AmbiguousLimb("two arms", candidates=[("l0", "l7"), ("r0", "r7")]),
+        {"candidates": (("l0", "l7"), ("r0", "r7"))},
+    ),
+    (errors.MissingExtra("robots", "the robot 'human_left'"), {"extra": "robots"}),
+    (errors.InvalidPose("a pose is 4x4"), {}),
+    (errors.InvalidConfiguration("q has 7 angles"), {}),
+    (errors.InvalidTask("a direction has no length"), {}),
+]
+
+
+def test_every_error_of_the_module_is_in_this_test():
+    declared = {cls for cls in vars(errors).values() if isinstance(cls, type) and issubclass(cls, Exception)}
+    assert {type(error) for error, _ in EVERY_ERROR} == declared
+
+
+@pytest.mark.parametrize(("error", "fields"), EVERY_ERROR, ids=lambda value: type(value).__name__)
+def test_errors_carry_their_fields_and_survive_pickle_and_copy(error, fields):
+    for again in (error, pickle.loads(pickle.dumps(error)), copy.copy(error)):
+        assert type(again) is type(error)
+        assert isinstance(again, errors.SrsIkError)
+        assert str(again) == str(error)
+        assert vars(again) == fields
+
+
+@pytest.mark.parametrize(("error", "fields"), EVERY_ERROR, ids=lambda value: type(value).__name__)
+def test_messages_are_one_line(error, fields):
+    assert "\n" not in str(error)
+
+
+@pytest.mark.parametrize("cls", [errors.InvalidPose, errors.InvalidConfiguration, errors.InvalidTask])
+def test_malformed_input_is_also_a_value_error(cls):
+    with pytest.raises(ValueError, match="wrong shape"):
+        raise cls("wrong shape")
+
+
+def test_frame_not_found_offers_the_frame_that_was_meant_and_lists_the_others():
+    message = str(errors.FrameNotFound("Tool_O", ["base_link", "tool_0", "camera"], robot="arm"))
+    assert "'Tool_O' in robot 'arm' (did you mean 'tool_0'?)" in message
+    assert "base_link, tool_0, camera" in message
+
+
+def test_a_long_list_of_frames_is_cut_in_the_message_but_whole_in_the_field():
+    names = [f"frame_{i}" for i in range(500)]
+    error = errors.FrameNotFound("zzz", names)
+    assert error.available == tuple(names)
+    assert "frame_39" in str(error)
+    assert "frame_40" not in str(error)
+    assert "460 more" in str(error)
+
+
+def test_nothing_is_offered_where_nothing_is_close():
+    assert errors.did_you_mean("qqq", ["base_link"]) == ""
+
+
+def test_missing_extra_gives_the_command_that_brings_it():
+    assert "pip install 'srs-ik[robots]'" in str(errors.MissingExtra("robots", "this robot"))
