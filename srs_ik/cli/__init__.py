@@ -1,0 +1,36 @@
+"""The command line `srs-ik`: list robots, inspect a robot file, solve a pose."""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import sys
+
+
+def main() -> None:
+    """Run `srs-ik` with the arguments of this process, and exit.
+
+    The exit status is 0 on success, 1 where there is no solution or no S-R-S limb, 2 for wrong input (with one line on
+    standard error), 130 after an interruption.
+    """
+    try:
+        for stream in (sys.stdout, sys.stderr):
+            # A joint name that the terminal's encoding lacks must not end in a traceback.
+            stream.reconfigure(errors="backslashreplace")  # type: ignore[union-attr]
+        # Imported here, so that an interruption while the libraries load is quiet too.
+        from srs_ik.cli.app import app
+
+        app(prog_name="srs-ik")
+    except KeyboardInterrupt:
+        sys.exit(130)
+    finally:
+        _close_quietly()
+
+
+def _close_quietly() -> None:
+    """Flush standard output; if its reader is gone, let nothing be said about it at exit."""
+    try:
+        sys.stdout.flush()
+    except BrokenPipeError:
+        with contextlib.suppress(OSError):
+            os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())

@@ -1,0 +1,79 @@
+"""The command group: its commands, and how every wrong input becomes one line on standard error."""
+
+from __future__ import annotations
+
+import sys
+from importlib import metadata
+from typing import Annotated, Any
+
+import typer
+from typer.core import TyperGroup
+
+from srs_ik.cli import inspect, robots, solve
+
+EXIT_NO_SOLUTION = 1
+EXIT_WRONG_INPUT = 2
+
+
+class OneLineGroup(TyperGroup):
+    """A command group that answers wrong input with one line on standard error and exit status 2.
+
+    Errors that are neither the command line's nor the package's own are faults of the program and pass unchanged.
+    """
+
+    def main(self, *args: Any, standalone_mode: bool = True, **kwargs: Any) -> Any:
+        """Run the group; arguments as for the base class."""
+        try:
+            result = super().main(*args, standalone_mode=False, **kwargs)
+        except BrokenPipeError:
+            # The reader of a pipe has seen enough.
+            result = EXIT_NO_SOLUTION
+        except Exception as error:
+            line = _wrong_input(error)
+            if line is None or not standalone_mode:
+                raise
+            print(f"srs-ik: {line}", file=sys.stderr)
+            result = EXIT_WRONG_INPUT
+        if standalone_mode:
+            sys.exit(result if isinstance(result, int) else 0)
+        return result
+
+
+def _wrong_input(error: Exception) -> str | None:
+    """The error in one line if it is the user's input that is wrong, else None."""
+    from srs_ik.errors import SrsIkError
+
+    # The command-line library's own errors are told by their method, because typer has moved their base class about.
+    formatted = getattr(error, "format_message", None)
+    if formatted is None and not isinstance(error, SrsIkError):
+        return None
+    return " ".join(str(formatted() if formatted else error).split())
+
+
+def _show_version(wanted: bool) -> None:
+    if wanted:
+        typer.echo(metadata.version("srs-ik"))
+        raise typer.Exit
+
+
+app = typer.Typer(cls=OneLineGroup, add_completion=False, pretty_exceptions_enable=False, rich_markup_mode=None)
+
+
+@app.callback(invoke_without_command=True)
+def srs_ik(
+    context: typer.Context,
+    version: Annotated[
+        bool, typer.Option("--version", help="Print the version and leave.", is_eager=True, callback=_show_version)
+    ] = False,
+) -> None:
+    """Inverse kinematics of 7-joint shoulder-elbow-wrist (S-R-S) arms, in metres and radians.
+
+    Exit status: 0 on success, 1 where there is no solution, 2 for wrong input.
+    """
+    if context.invoked_subcommand is None:
+        typer.echo(context.get_help())
+
+
+app.command("robots")(robots.robots)
+app.command("inspect")(inspect.inspect)
+app.command("solve")(solve.solve)

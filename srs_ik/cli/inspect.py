@@ -1,0 +1,150 @@
+"""`srs-ik inspect`: what the package sees in a robot file."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import typer
+
+from srs_ik.cli.options import AsJson, Base, Source, Tip
+
+if TYPE_CHECKING:
+    from rich.console import Console
+
+    from srs_ik.arm import Arm
+
+
+def inspect(source: Source, base: Base = None, tip: Tip = None, as_json: AsJson = False) -> None:
+    """Show the 7-joint arms that are recognised in a robot.
+
+    With each arm: its kind, lengths and joint limits, and by how many millimetres its axes miss the shoulder and wrist
+    centres. An arm is exact, near (solved all the same, on its true axes), or refused. Exit status 1 if none is
+    accepted.
+    """
+    from srs_ik.cli.render import console, print_json
+
+    findings = _chosen(source, base, tip) if base or tip else _all(source)
+    if as_json:
+        print_json({"source": source, "limbs": [{k: v for k, v in f.items() if k != "describe"} for f in findings]})
+    else:
+        out = console()
+        for finding in findings:
+            _print_finding(out, finding)
+    if not findings:
+        typer.echo(f"srs-ik: {source} has no chain of 7 consecutive revolute joints.", err=True)
+    if not any(finding["kind"] != "refused" for finding in findings):
+        raise typer.Exit(1)
+
+
+def _all(source: str) -> list[dict[str, Any]]:
+    from srs_ik.loading import find_limbs, load
+
+    findings = []
+    for report in find_limbs(source):
+        if report.limb is not None:
+            findings.append(_accepted(load(source, base=report.base, tip=report.tip)))
+        else:
+            findings.append(_refused(report.base, report.tip, report.joint_names, report.misses_mm, report.reason))
+    return findings
+
+
+def _chosen(source: str, base: str | None, tip: str | None) -> list[dict[str, Any]]:
+    from srs_ik.errors import NotAnSrsLimb
+    from srs_ik.loading import load
+
+    try:
+        return [_accepted(load(source, base=base, tip=tip))]
+    except NotAnSrsLimb as error:
+        return [_refused(base, tip, error.joint_names, error.misses_mm, str(error))]
+
+
+def _accepted(arm: Arm) -> dict[str, Any]:
+    limb = arm.limb
+    return {
+        "base": arm.base,
+        "tip": arm.tip,
+        "kind": limb.kind,
+        "reason": "",
+        "joint_names": list(arm.joint_names),
+        "misses_mm": 1e3 * limb.misses,
+        "wrist_kind": limb.wrist_kind,
+        "upper_arm": limb.upper_arm,
+        "forearm": limb.forearm,
+        "hand": limb.hand,
+        "elbow_offset": limb.elbow_offset,
+        "shoulder": limb.shoulder,
+        "elbow": limb.elbow,
+        "wrist": limb.wrist,
+        "reference": limb.reference,
+        "axes": limb.axes,
+        "lower": arm.lower,
+        "upper": arm.upper,
+        "velocity_limit": arm.velocity_limit,
+        "effort_limit": arm.effort_limit,
+    }
+
+
+def _refused(base: str | None, tip: str | None, joint_names: Any, misses_mm: Any, reason: str) -> dict[str, Any]:
+    return {
+        "base": base,
+        "tip": tip,
+        "kind": "refused",
+        "reason": reason,
+        "joint_names": list(joint_names),
+        "misses_mm": misses_mm,
+    }
+
+
+def _print_finding(out: Console, finding: dict[str, Any]) -> None:
+    from srs_ik.cli.render import direction, fixed, table
+
+    names, misses = finding["joint_names"], finding["misses_mm"]
+    chain = f"{finding['base'] or '?'} -> {finding['tip'] or '?'}"
+    if finding["kind"] == "refused":
+        out.print(f"{chain}: refused, no S-R-S arm")
+        out.print(f"  {finding['reason']}")
+        if len(misses) != len(names) or not names:
+            return
+        out.print(
+            table(("joint", "axis misses its centre by (mm)"), zip(names, (fixed(m, 3) for m in misses), strict=True))
+        )
+        return
+
+    out.print(f"{chain}: {finding['kind']} S-R-S arm, {finding['wrist_kind']} wrist")
+    lengths = [
+        (name.replace("_", " "), fixed(1e3 * finding[name], 3))
+        for name in ("upper_arm", "forearm", "hand", "elbow_offset")
+    ]
+    out.print(table(("length", "mm"), lengths))
+    centres = [(name, *(fixed(1e3 * x, 3) for x in finding[name])) for name in ("shoulder", "elbow", "wrist")]
+    out.print(table(("centre at zero, in the base frame", "x (mm)", "y (mm)", "z (mm)"), centres))
+    out.print(
+        f"The arm angle is zero where the elbow lies towards ({direction(finding['reference'])}) of the base frame."
+    )
+    rows = [
+        (name, direction(axis), fixed(miss, 4)) for name, axis, miss in zip(names, finding["axes"], misses, strict=True)
+    ]
+    out.print(table(("joint", "axis at zero", "misses its centre by (mm)"), rows, left=2))
+    out.print(_limits(finding))
+
+
+def _limits(finding: dict[str, Any]) -> Any:
+    import numpy as np
+
+    from srs_ik.cli.render import fixed, table
+
+    columns = ("joint", "lower (deg)", "upper (deg)", "lower (rad)", "upper (rad)", "velocity (rad/s)", "effort (N m)")
+    lower, upper = finding["lower"], finding["upper"]
+    rows = [
+        (
+            name,
+            fixed(np.rad2deg(lower[i]), 2),
+            fixed(np.rad2deg(upper[i]), 2),
+            fixed(lower[i], 5),
+            fixed(upper[i], 5),
+            fixed(finding["velocity_limit"][i], 4),
+            fixed(finding["effort_limit"][i], 2),
+        )
+        for i, name in enumerate(finding["joint_names"])
+    ]
+    return table(columns, rows)

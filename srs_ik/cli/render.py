@@ -1,0 +1,65 @@
+"""What the commands print: tables for people, JSON for programs."""
+
+from __future__ import annotations
+
+import json
+import math
+import sys
+from collections.abc import Iterable, Sequence
+from typing import Any
+
+import numpy as np
+from rich import box
+from rich.console import Console
+from rich.table import Table
+
+PIPE_WIDTH = 200
+"""Columns of the output where it is no terminal: wide enough to wrap no table."""
+
+
+def console() -> Console:
+    """A console on standard output that prints names as they are."""
+    return Console(
+        width=None if sys.stdout.isatty() else PIPE_WIDTH, markup=False, emoji=False, highlight=False, soft_wrap=False
+    )
+
+
+def table(columns: Sequence[str], rows: Iterable[Sequence[str]], *, title: str | None = None, left: int = 1) -> Table:
+    """A plain table; the first `left` columns are text and stand on the left, the rest are numbers."""
+    result = Table(box=box.SIMPLE_HEAD, title=title, title_justify="left", title_style="", pad_edge=False)
+    for i, column in enumerate(columns):
+        result.add_column(column, justify="left" if i < left else "right", no_wrap=i >= left, overflow="fold")
+    for row in rows:
+        result.add_row(*row)
+    return result
+
+
+def fixed(value: float, digits: int) -> str:
+    """A number with that many decimals; "-" where there is none, and no negative zero."""
+    if not math.isfinite(value):
+        return "-"
+    return f"{round(value, digits) + 0.0:.{digits}f}"
+
+
+def direction(vector: np.ndarray) -> str:
+    """A vector as three numbers, short where they are whole."""
+    return " ".join(f"{round(float(x), 4) + 0.0:g}" for x in vector)
+
+
+def print_json(answer: object) -> None:
+    """Print an answer as JSON: arrays as lists, and null for what is infinite or not a number."""
+    print(json.dumps(_plain(answer), indent=2, allow_nan=False), flush=True)
+
+
+def _plain(value: Any) -> Any:
+    if isinstance(value, dict):
+        return {str(key): _plain(item) for key, item in value.items()}
+    if isinstance(value, np.ndarray):
+        return _plain(value.tolist())
+    if isinstance(value, (list, tuple)):
+        return [_plain(item) for item in value]
+    if isinstance(value, np.generic):
+        return _plain(value.item())
+    if isinstance(value, float) and not math.isfinite(value):
+        return None
+    return value

@@ -1,0 +1,214 @@
+"""`srs-ik solve`: joint angles for a pose."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from srs_ik.cli.options import AsJson, Base, Four, Seven, Source, Three, Tip, numbers
+
+if TYPE_CHECKING:
+    import numpy as np
+    from rich.console import Console
+
+    from srs_ik.arm import Arm
+    from srs_ik.solution import Solution
+
+QUATERNION_TOLERANCE = 1e-3
+"""A quaternion typed with four digits is still one; it is normalised."""
+
+JOINTS = "Q1 .. Q7"
+
+
+def solve(
+    source: Source,
+    xyz: Annotated[
+        Three | None, typer.Option(metavar="X Y Z", help="Position of the tip in the base frame, metres.")
+    ] = None,
+    rpy: Annotated[
+        Three | None,
+        typer.Option(
+            metavar="R P Y", help="Orientation as in a URDF: about the fixed x, then y, then z axis, radians."
+        ),
+    ] = None,
+    quat: Annotated[
+        Four | None, typer.Option(metavar="X Y Z W", help="Orientation as a unit quaternion, the scalar part last.")
+    ] = None,
+    from_q: Annotated[
+        Seven | None, typer.Option(metavar=JOINTS, help="Instead of a pose: the pose that these joint angles reach.")
+    ] = None,
+    base: Base = None,
+    tip: Tip = None,
+    arm_angle: Annotated[
+        str | None, typer.Option(metavar="ANGLE", help="Arm angle of the posture; zero as 'srs-ik inspect' says.")
+    ] = None,
+    seed: Annotated[
+        Seven | None, typer.Option(metavar=JOINTS, help="Choose the posture nearest to these joint angles.")
+    ] = None,
+    branch: Annotated[
+        int | None, typer.Option(min=0, max=7, metavar="0..7", help="Choose the posture from this branch.")
+    ] = None,
+    every: Annotated[bool, typer.Option("--all", help="Print every solution, not the best alone.")] = False,
+    no_limits: Annotated[bool, typer.Option("--no-limits", help="Ignore the joint limits.")] = False,
+    degrees: Annotated[
+        bool, typer.Option("--degrees", help="Angles are given in degrees (--rpy, --from-q, --arm-angle, --seed).")
+    ] = False,
+    as_json: AsJson = False,
+) -> None:
+    """Find the joint angles that bring the tip of an arm to a pose.
+
+    The pose is --xyz with --rpy or --quat, or that of --from-q. Without --arm-angle and --seed the posture farthest
+    from the joint limits is chosen. Exit status 1 if there is no solution; the closest posture is printed then.
+    """
+    unit = math.pi / 180.0 if degrees else 1.0
+    if every and (seed is not None or branch is not None):
+        raise typer.BadParameter("--all prints every solution and goes with neither --seed nor --branch.")
+    angle = None if arm_angle is None else unit * numbers("--arm-angle", [arm_angle])[0]
+    start = None if seed is None else [unit * x for x in numbers("--seed", seed)]
+    pose = _read_pose(xyz, rpy, quat, unit)
+    if from_q is None and pose is None:
+        raise typer.BadParameter("give a pose: --xyz with --rpy or --quat, or --from-q.")
+    if from_q is not None and pose is not None:
+        raise typer.BadParameter("--from-q is a pose already and goes with none of --xyz, --rpy and --quat.")
+    configuration = None if from_q is None else [unit * x for x in numbers("--from-q", from_q)]
+
+    from srs_ik.loading import load
+
+    arm = load(source, base=base, tip=tip)
+    if pose is None:
+        pose = arm.forward_kinematics(configuration).homogeneous
+    respect_limits = not no_limits
+    if every:
+        solutions = list(arm.solve_all(pose, arm_angle=angle, respect_limits=respect_limits))
+        best = solutions[0] if solutions else arm.solve(pose, arm_angle=angle, respect_limits=respect_limits)
+        solved = [s for s in solutions if s]
+    else:
+        best = arm.solve(pose, arm_angle=angle, seed=start, branch=branch, respect_limits=respect_limits)
+        solved = [best] if best else []
+
+    if as_json:
+        _print_json(arm, pose, best, solved if every else None)
+    else:
+        _print_tables(arm, best, solved if every and solved else None)
+    if not solved:
+        typer.echo(f"srs-ik: {best.status.name}: {best.message}", err=True)
+        raise typer.Exit(1)
+
+
+def _read_pose(xyz: Three | None, rpy: Three | None, quat: Four | None, unit: float) -> np.ndarray | None:
+    """The (4, 4) pose of the tip in the base frame that the options give, or None if they give none."""
+    if xyz is None and rpy is None and quat is None:
+        return None
+    if rpy is not None and quat is not None:
+        raise typer.BadParameter("--rpy and --quat are two ways to give the orientation: give one.")
+    if xyz is None:
+        raise typer.BadParameter("an orientation alone is no pose: give the position with --xyz X Y Z.")
+
+    import numpy as np
+    import pinocchio as pin
+
+    T_base_tip = np.eye(4)
+    T_base_tip[:3, 3] = numbers("--xyz", xyz)
+    if rpy is not None:
+        T_base_tip[:3, :3] = pin.rpy.rpyToMatrix(unit * np.array(numbers("--rpy", rpy)))
+    elif quat is not None:
+        components = np.array(numbers("--quat", quat))
+        length = float(np.linalg.norm(components))
+        if abs(length - 1.0) > QUATERNION_TOLERANCE:
+            raise typer.BadParameter(f"--quat is a rotation only if its length is 1, not {length:.6g}.")
+        T_base_tip[:3, :3] = pin.Quaternion(components / length).toRotationMatrix()
+    else:
+        raise typer.BadParameter(
+            "a position alone is no pose: give the orientation with --rpy R P Y or --quat X Y Z W."
+        )
+    return T_base_tip
+
+
+def _print_json(arm: Arm, pose: np.ndarray, best: Solution, solutions: list[Solution] | None) -> None:
+    from srs_ik.cli.render import print_json
+
+    answer = {
+        "robot": arm.name,
+        "base": arm.base,
+        "tip": arm.tip,
+        "joint_names": list(arm.joint_names),
+        "T_base_tip": pose,
+        **_fields(best),
+    }
+    if solutions is not None:
+        answer["solutions"] = [_fields(s) for s in solutions]
+    print_json(answer)
+
+
+def _fields(solution: Solution) -> dict[str, Any]:
+    return {
+        "status": solution.status.name,
+        "message": solution.message,
+        "q": solution.q,
+        "branch": solution.branch,
+        "arm_angle": solution.arm_angle,
+        "position_error": solution.position_error,
+        "orientation_error": solution.orientation_error,
+    }
+
+
+def _print_tables(arm: Arm, best: Solution, solutions: list[Solution] | None) -> None:
+    from srs_ik.cli.render import console
+
+    out = console()
+    out.print(f"{arm.name}: {arm.tip} in {arm.base}")
+    if solutions is None:
+        _print_solution(out, arm, best)
+    else:
+        _print_solutions(out, arm, solutions)
+
+
+def _print_solution(out: Console, arm: Arm, solution: Solution) -> None:
+    import numpy as np
+
+    from srs_ik.cli.render import fixed, table
+
+    margin = _margins(arm, solution)
+    rows = [
+        (name, fixed(q, 9), fixed(np.rad2deg(q), 4), fixed(np.rad2deg(m), 2))
+        for name, q, m in zip(arm.joint_names, solution.q, margin, strict=True)
+    ]
+    out.print(table(("joint", "rad", "deg", "to the limit (deg)"), rows))
+    facts = [
+        ("status", solution.status.name),
+        ("branch", str(solution.branch)),
+        ("arm angle", f"{fixed(solution.arm_angle, 9)} rad, {fixed(math.degrees(solution.arm_angle), 4)} deg"),
+        ("position error", f"{solution.position_error:.1e} m"),
+        ("orientation error", f"{solution.orientation_error:.1e} rad"),
+    ]
+    for name, fact in facts:
+        out.print(f"{name:<18}{fact}")
+
+
+def _print_solutions(out: Console, arm: Arm, solutions: list[Solution]) -> None:
+    import numpy as np
+
+    from srs_ik.cli.render import fixed, table
+
+    rows = [
+        (
+            str(s.branch),
+            fixed(math.degrees(s.arm_angle), 2),
+            *(fixed(np.rad2deg(q), 2) for q in s.q),
+            fixed(np.rad2deg(_margins(arm, s).min()), 2),
+        )
+        for s in solutions
+    ]
+    columns = ("branch", "arm angle", *(f"q{i}" for i in range(1, 8)), "to the limit")
+    out.print(table(columns, rows, title="all angles in degrees", left=0))
+    worst = max(s.position_error for s in solutions), max(s.orientation_error for s in solutions)
+    out.print(f"{len(solutions)} solutions, errors up to {worst[0]:.1e} m and {worst[1]:.1e} rad")
+
+
+def _margins(arm: Arm, solution: Solution) -> np.ndarray:
+    """(7,) distance of each joint to its nearer limit, radians; infinite where continuous."""
+    import numpy as np
+
+    return np.minimum(solution.q - arm.lower, arm.upper - solution.q)
