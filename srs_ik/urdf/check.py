@@ -1,0 +1,238 @@
+"""Checks of a URDF's elements before any library sees them, so that what is wrong is said in one clear sentence."""
+
+from __future__ import annotations
+
+import math
+import re
+from xml.etree.ElementTree import Element
+
+from srs_ik.errors import InvalidRobot, did_you_mean
+
+MAX_LINKS = 5000
+MAX_DEPTH = 500
+"""Longest chain of joints. Pinocchio reads a tree by recursion; far longer chains overflow the stack of a thread."""
+
+JOINT_TYPES = ("revolute", "continuous", "prismatic", "fixed", "floating", "planar")
+_WITH_AXIS = frozenset({"revolute", "continuous", "prismatic", "planar"})
+_WITH_RANGE = frozenset({"revolute", "prismatic"})
+
+_MIN_AXIS = 1e-6
+"""Shortest joint axis that is taken for a direction; unit axes are the rule."""
+
+_NUMBER = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?")
+_TINY = 1e-300
+_INERTIA = ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")
+
+
+def check(robot: Element, source: str) -> frozenset[str]:
+    """Check the elements of a robot, and settle in place what files leave open.
+
+    Every figure is replaced by its shortest exact decimal form. Negative or absent efforts and velocities become 0,
+    which means "not given" (Pinocchio refuses negative ones). Elements without effect are removed: limits and axes of
+    joints that have none, inertias without mass or matrix, and `<mimic>`.
+
+    Args:
+        robot: the element `<robot>`, as `srs_ik.urdf.document.parse` returns it; changed in place.
+        source: what error messages call it.
+
+    Returns:
+        Names of the joints that mimic another one.
+
+    Raises:
+        InvalidRobot: names are missing or used twice, figures are no finite numbers, a range is reversed, an axis has
+            no direction, or links and joints are not one tree.
+    """
+    return _Checker(source).robot(robot)
+
+
+class _Checker:
+    """The checks, with the source that their messages name."""
+
+    def __init__(self, source: str) -> None:
+        self.source = source
+
+    def fail(self, what: str) -> InvalidRobot:
+        return InvalidRobot(f"{self.source}: {what}", self.source)
+
+    def robot(self, robot: Element) -> frozenset[str]:
+        self.name(robot, "the <robot> element")
+        links, joints = robot.findall("link"), robot.findall("joint")
+        if not links:
+            raise self.fail("there is no <link> in it")
+        if len(links) > MAX_LINKS:
+            raise self.fail(f"it has {len(links)} links, more than the {MAX_LINKS} that are read")
+        self.unique([self.name(link, f"<link> number {k}") for k, link in enumerate(links, 1)], "link")
+        self.unique([self.name(joint, f"<joint> number {k}") for k, joint in enumerate(joints, 1)], "joint")
+        for link in links:
+            self.link(link)
+        mimicking = {joint.attrib["name"] for joint in joints if self.joint(joint)}
+        self.tree([link.attrib["name"] for link in links], joints)
+        # The version decides whether quaternions count; otherwise it only makes parsers complain of ones they do not know.
+        has_quaternion = any("quat_xyzw" in origin.attrib for origin in robot.iter("origin"))
+        kept = {"name", "version"} if has_quaternion else {"name"}
+        robot.attrib = {key: value for key, value in robot.attrib.items() if key in kept}
+        return frozenset(mimicking)
+
+    def name(self, element: Element, which: str) -> str:
+        name = element.get("name", "")
+        if not name.strip():
+            raise self.fail(f"{which} has no name")
+        return name
+
+    def unique(self, names: list[str], what: str) -> None:
+        seen: set[str] = set()
+        for name in names:
+            if name in seen:
+                raise self.fail(f"the {what} name {_quoted(name)} is used twice")
+            seen.add(name)
+
+    def link(self, link: Element) -> None:
+        inertial = link.find("inertial")
+        if inertial is None:
+            return
+        where = f"inertia of link {_quoted(link.attrib['name'])}"
+        mass, inertia = inertial.find("mass"), inertial.find("inertia")
+        if (
+            mass is None
+            or inertia is None
+            or "value" not in mass.attrib
+            or any(k not in inertia.attrib for k in _INERTIA)
+        ):
+            link.remove(inertial)
+            return
+        self.number(mass, "value", where)
+        for key in _INERTIA:
+            self.number(inertia, key, where)
+        self.origin(inertial, where)
+
+    def joint(self, joint: Element) -> bool:
+        """Check one joint; true if it mimics another."""
+        where = f"joint {_quoted(joint.attrib['name'])}"
+        kind = joint.get("type")
+        if kind is None:
+            raise self.fail(f"{where} has no type; types are {', '.join(JOINT_TYPES)}")
+        if kind not in JOINT_TYPES:
+            raise self.fail(f"{where} has the unknown type {_quoted(kind)}; types are {', '.join(JOINT_TYPES)}")
+        joint.attrib = {"name": joint.attrib["name"], "type": kind}
+        for end in ("parent", "child"):
+            element = joint.find(end)
+            if element is None or not element.get("link", "").strip():
+                raise self.fail(f"{where} has no {end} link")
+        self.origin(joint, where)
+        self.axis(joint, kind, where)
+        self.limit(joint, kind, where)
+        self.dynamics(joint, kind, where)
+        mimic = joint.find("mimic")
+        if mimic is None:
+            return False
+        joint.remove(mimic)
+        return kind != "fixed"
+
+    def origin(self, element: Element, where: str) -> None:
+        origin = element.find("origin")
+        if origin is not None:
+            for key, length in (("xyz", 3), ("rpy", 3), ("quat_xyzw", 4)):
+                if key in origin.attrib:
+                    self.vector(origin, key, length, where)
+
+    def axis(self, joint: Element, kind: str, where: str) -> None:
+        axis = joint.find("axis")
+        if axis is None:
+            return
+        if kind not in _WITH_AXIS:
+            joint.remove(axis)
+        elif "xyz" not in axis.attrib:
+            raise self.fail(f"{where} has an <axis> without xyz")
+        elif math.hypot(*self.vector(axis, "xyz", 3, where)) < _MIN_AXIS:
+            raise self.fail(f"{where} has the axis {_quoted(axis.attrib['xyz'])}, which has no direction")
+
+    def limit(self, joint: Element, kind: str, where: str) -> None:
+        limit = joint.find("limit")
+        if limit is None:
+            if kind in _WITH_RANGE:
+                raise self.fail(f"{where} is {kind} but has no <limit>; one without stops has the type continuous")
+            return
+        if kind not in _WITH_RANGE and kind != "continuous":
+            joint.remove(limit)
+            return
+        kept = {key: max(0.0, self.number(limit, key, where, 0.0)) for key in ("effort", "velocity")}
+        if kind in _WITH_RANGE:
+            lower, upper = (self.number(limit, key, where, 0.0) for key in ("lower", "upper"))
+            if lower > upper:
+                raise self.fail(f"{where} has the lower limit {lower!r} above its upper limit {upper!r}")
+            kept |= {"lower": lower, "upper": upper}
+        limit.attrib = {key: repr(value) for key, value in kept.items()}
+
+    def dynamics(self, joint: Element, kind: str, where: str) -> None:
+        dynamics = joint.find("dynamics")
+        if dynamics is None:
+            return
+        values = {key: self.number(dynamics, key, where, 0.0) for key in ("damping", "friction")}
+        if kind == "fixed" or min(values.values()) < 0.0:
+            joint.remove(dynamics)
+        else:
+            dynamics.attrib = {key: repr(value) for key, value in values.items()}
+
+    def number(self, element: Element, key: str, where: str, default: float | None = None) -> float:
+        if key not in element.attrib and default is not None:
+            return default
+        value = self.figure(element.attrib[key], f"<{element.tag}> {key} of {where}")
+        element.attrib[key] = repr(value)
+        return value
+
+    def vector(self, element: Element, key: str, length: int, where: str) -> list[float]:
+        words = element.attrib[key].split()
+        what = f"<{element.tag}> {key} of {where}"
+        if len(words) != length:
+            raise self.fail(f"{what} is {_quoted(element.attrib[key])}, not {length} numbers")
+        values = [self.figure(word, what) for word in words]
+        element.attrib[key] = " ".join(map(repr, values))
+        return values
+
+    def figure(self, text: str, what: str) -> float:
+        word = text.strip()
+        value = float(word) if _NUMBER.fullmatch(word) else math.nan
+        if not math.isfinite(value):
+            raise self.fail(f"{what} is {_quoted(text)}, not a finite number")
+        return value if abs(value) > _TINY else 0.0
+
+    def tree(self, links: list[str], joints: list[Element]) -> None:
+        """Check that links and joints are one tree that is not too deep."""
+        known = set(links)
+        joint_above: dict[str, str] = {}
+        children: dict[str, list[str]] = {}
+        for joint in joints:
+            where = _quoted(joint.attrib["name"])
+            parent, child = (_attribute(joint, end) for end in ("parent", "child"))
+            for end, link in (("parent", parent), ("child", child)):
+                if link not in known:
+                    raise self.fail(f"the {end} {_quoted(link)} of joint {where} is no link{did_you_mean(link, links)}")
+            if child in joint_above:
+                above = _quoted(joint_above[child])
+                raise self.fail(f"the link {_quoted(child)} is the child of two joints, {above} and {where}")
+            joint_above[child] = joint.attrib["name"]
+            children.setdefault(parent, []).append(child)
+        roots = [link for link in links if link not in joint_above]
+        if len(roots) > 1:
+            names = ", ".join(map(_quoted, roots[:5])) + (", ..." if len(roots) > 5 else "")
+            raise self.fail(f"it has {len(roots)} links without a parent joint, not one: {names}")
+        reached: set[str] = set()
+        level, depth = roots, 0
+        while level:
+            if depth > MAX_DEPTH:
+                raise self.fail(f"it has a chain of more than {MAX_DEPTH} joints, longer than is read")
+            reached.update(level)
+            level = [child for link in level for child in children.get(link, ())]
+            depth += 1
+        lost = [link for link in links if link not in reached]
+        if lost:
+            raise self.fail(f"its joints form a closed loop at the link {_quoted(lost[0])}; a URDF is a tree")
+
+
+def _attribute(joint: Element, end: str) -> str:
+    element = joint.find(end)
+    return "" if element is None else element.attrib["link"]
+
+
+def _quoted(text: str) -> str:
+    return repr(text if len(text) <= 80 else text[:77] + "...")

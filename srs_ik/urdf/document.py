@@ -1,0 +1,103 @@
+"""URDF text to the few elements that motion and mass depend on: links with inertia, joints with their figures.
+
+Visuals, collisions, materials, transmissions, simulator tags and whatever else a file holds are skipped while reading,
+so missing meshes and faulty tags among them do no harm, and a large file stays small in memory.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+from xml.etree.ElementTree import Element
+from xml.parsers import expat
+
+from srs_ik.errors import InvalidRobot
+
+MAX_BYTES = 64 * 2**20
+"""Largest text that is read. Descriptions of whole humanoids have a few hundred kilobytes."""
+
+KEPT: Mapping[str, frozenset[str]] = {
+    "robot": frozenset({"link", "joint"}),
+    "link": frozenset({"inertial"}),
+    "inertial": frozenset({"origin", "mass", "inertia"}),
+    "joint": frozenset({"parent", "child", "origin", "axis", "limit", "dynamics", "mimic"}),
+}
+"""Elements that are kept inside each element; of several where one is meant, the first counts."""
+
+_SEVERAL = frozenset({"link", "joint"})
+
+
+def parse(text: str | bytes, source: str) -> Element:
+    """Read URDF text.
+
+    Args:
+        text: the XML; bytes are decoded as its own declaration says.
+        source: what error messages call it.
+
+    Returns:
+        The element ``<robot>`` with the elements of `KEPT` in it, unchecked.
+
+    Raises:
+        InvalidRobot: the text is empty, too large, no well-formed XML, no URDF, an unexpanded xacro file, or has a
+            document type declaration (which is where entities that expand without end are defined).
+    """
+    if not text.strip():
+        raise InvalidRobot(f"{source} is empty", source)
+    if len(text) > MAX_BYTES:
+        raise InvalidRobot(f"{source} is larger than {MAX_BYTES // 2**20} MiB, too large for a URDF", source)
+    reader = _Reader(source)
+    # Without namespace processing, as other URDF readers do: files with undeclared prefixes in skipped tags are common.
+    parser = expat.ParserCreate()
+    parser.StartElementHandler = reader.start
+    parser.EndElementHandler = reader.end
+    parser.StartDoctypeDeclHandler = reader.doctype
+    try:
+        parser.Parse(text, True)
+    except (expat.ExpatError, LookupError, ValueError) as error:
+        raise InvalidRobot(f"{source} is not well-formed XML: {error}", source) from None
+    if reader.root is None:
+        raise InvalidRobot(f"{source} has no <robot> element", source)
+    return reader.root
+
+
+class _Reader:
+    """Builds the tree of kept elements from the events of the parser."""
+
+    def __init__(self, source: str) -> None:
+        self.source = source
+        self.root: Element | None = None
+        self._open: list[Element] = []
+        self._skipped = 0
+
+    def start(self, tag: str, attributes: dict[str, str]) -> None:
+        if self._skipped:
+            self._skipped += 1
+        elif not self._open:
+            if tag != "robot":
+                message = f"{self.source} is no URDF: its outermost element is <{tag[:60]}>, not <robot>"
+                raise InvalidRobot(message, self.source)
+            self.root = Element(tag, attributes)
+            self._open.append(self.root)
+        elif tag.startswith("xacro:"):
+            message = f"{self.source} is a xacro file: expand it first (xacro robot.urdf.xacro > robot.urdf)"
+            raise InvalidRobot(message, self.source)
+        else:
+            parent = self._open[-1]
+            if tag in KEPT.get(parent.tag, ()) and (tag in _SEVERAL or parent.find(tag) is None):
+                element = Element(tag, attributes)
+                parent.append(element)
+                self._open.append(element)
+            else:
+                self._skipped = 1
+
+    def end(self, tag: str) -> None:
+        if self._skipped:
+            self._skipped -= 1
+        else:
+            self._open.pop()
+
+    def doctype(self, *declaration: Any) -> None:
+        message = (
+            f"{self.source} has a <!DOCTYPE> declaration, which a URDF does not need and which is not read for safety"
+        )
+        raise InvalidRobot(message, self.source)
