@@ -67,7 +67,7 @@ class _Checker:
             self.link(link)
         mimicking = {joint.attrib["name"] for joint in joints if self.joint(joint)}
         self.tree([link.attrib["name"] for link in links], joints)
-        # The version decides whether quaternions count; otherwise it only makes parsers complain of ones they do not know.
+        # The version decides whether quaternions count; without any it only makes parsers complain of unknown ones.
         has_quaternion = any("quat_xyzw" in origin.attrib for origin in robot.iter("origin"))
         kept = {"name", "version"} if has_quaternion else {"name"}
         robot.attrib = {key: value for key, value in robot.attrib.items() if key in kept}
