@@ -10,6 +10,7 @@ import typer
 from typer.core import TyperGroup
 
 from srs_ik.cli import inspect, robots, solve
+from srs_ik.cli.options import NumbersCommand, WrongInput
 
 EXIT_NO_SOLUTION = 1
 EXIT_WRONG_INPUT = 2
@@ -45,7 +46,7 @@ def _wrong_input(error: Exception) -> str | None:
 
     # The command-line library's own errors are told by their method, because typer has moved their base class about.
     formatted = getattr(error, "format_message", None)
-    if formatted is None and not isinstance(error, SrsIkError):
+    if formatted is None and not isinstance(error, (SrsIkError, WrongInput)):
         return None
     return " ".join(str(formatted() if formatted else error).split())
 
@@ -76,4 +77,4 @@ def srs_ik(
 
 app.command("robots")(robots.robots)
 app.command("inspect")(inspect.inspect)
-app.command("solve")(solve.solve)
+app.command("solve", cls=NumbersCommand)(solve.solve)

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 from collections.abc import Sequence
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
+from typer.core import TyperCommand
 
 Source = Annotated[
     str,
@@ -25,24 +27,53 @@ Four = tuple[str, str, str, str]
 Seven = tuple[str, str, str, str, str, str, str]
 
 
+class WrongInput(Exception):
+    """Words on the command line that make no sense; the message is one sentence."""
+
+
+class NumbersCommand(TyperCommand):
+    """A command whose options of several numbers say how many they take.
+
+    The parser behind it hands such an option the next words whatever they are, and then stumbles over the rest: of
+    `--xyz 1 2 --rpy 0 0 0` it would say that three zeros are too many.
+    """
+
+    def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
+        """Check the count of the numbers behind each option, then parse."""
+        counts = {name: param.nargs for param in self.params if param.nargs > 1 for name in param.opts}
+        for i, word in enumerate(args):
+            if word in counts:
+                _check_count(word, counts[word], args[i + 1 :])
+        return super().parse_args(ctx, args)
+
+
+def _check_count(option: str, count: int, following: list[str]) -> None:
+    given = list(itertools.takewhile(_is_number, following))
+    if len(given) == count:
+        return
+    culprit = following[len(given)] if len(given) < min(count, len(following)) else "--"
+    if culprit.startswith("--"):
+        raise WrongInput(f"{option} takes {count} numbers, not {len(given)}")
+    raise WrongInput(f"{option} takes {count} numbers, and {culprit!r} is not a number")
+
+
+def _is_number(word: str) -> bool:
+    try:
+        float(word)
+    except ValueError:
+        return False
+    return True
+
+
 def numbers(option: str, words: Sequence[str]) -> list[float]:
     """Read the numbers that an option was given.
 
-    Words rather than numbers are taken from the command line so that a missing number is called that: in
-    `--xyz 1 2 --rpy 0 0 0` the third word of `--xyz` is `--rpy`.
-
     Raises:
-        typer.BadParameter: if a word is no finite number.
+        WrongInput: if a word is no finite number.
     """
-    values = []
-    for i, word in enumerate(words):
-        try:
-            value = float(word)
-        except ValueError:
-            if word.startswith("--"):
-                raise typer.BadParameter(f"{option} takes {len(words)} numbers, not {i}.") from None
-            raise typer.BadParameter(f"{option} takes {len(words)} numbers, and {word!r} is not a number.") from None
-        if not math.isfinite(value):
-            raise typer.BadParameter(f"{option} takes {len(words)} finite numbers, not {word}.")
-        values.append(value)
-    return values
+    for word in words:
+        if not _is_number(word):
+            raise WrongInput(f"{option} takes a number, not {word!r}")
+        if not math.isfinite(float(word)):
+            raise WrongInput(f"{option} takes finite numbers, not {word}")
+    return [float(word) for word in words]

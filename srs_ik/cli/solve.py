@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from srs_ik.cli.options import AsJson, Base, Four, Seven, Source, Three, Tip, numbers
+from srs_ik.cli.options import AsJson, Base, Four, Seven, Source, Three, Tip, WrongInput, numbers
 
 if TYPE_CHECKING:
     import numpy as np
@@ -47,9 +47,7 @@ def solve(
     seed: Annotated[
         Seven | None, typer.Option(metavar=JOINTS, help="Choose the posture nearest to these joint angles.")
     ] = None,
-    branch: Annotated[
-        int | None, typer.Option(min=0, max=7, metavar="0..7", help="Choose the posture from this branch.")
-    ] = None,
+    branch: Annotated[int | None, typer.Option(metavar="0..7", help="Choose the posture from this branch.")] = None,
     every: Annotated[bool, typer.Option("--all", help="Print every solution, not the best alone.")] = False,
     no_limits: Annotated[bool, typer.Option("--no-limits", help="Ignore the joint limits.")] = False,
     degrees: Annotated[
@@ -64,14 +62,16 @@ def solve(
     """
     unit = math.pi / 180.0 if degrees else 1.0
     if every and (seed is not None or branch is not None):
-        raise typer.BadParameter("--all prints every solution and goes with neither --seed nor --branch.")
+        raise WrongInput("--all prints every solution and goes with neither --seed nor --branch")
+    if branch is not None and branch not in range(8):
+        raise WrongInput(f"--branch is a whole number from 0 to 7, not {branch}")
     angle = None if arm_angle is None else unit * numbers("--arm-angle", [arm_angle])[0]
     start = None if seed is None else [unit * x for x in numbers("--seed", seed)]
     pose = _read_pose(xyz, rpy, quat, unit)
     if from_q is None and pose is None:
-        raise typer.BadParameter("give a pose: --xyz with --rpy or --quat, or --from-q.")
+        raise WrongInput("give a pose: --xyz with --rpy or --quat, or --from-q")
     if from_q is not None and pose is not None:
-        raise typer.BadParameter("--from-q is a pose already and goes with none of --xyz, --rpy and --quat.")
+        raise WrongInput("--from-q is a pose already and goes with none of --xyz, --rpy and --quat")
     configuration = None if from_q is None else [unit * x for x in numbers("--from-q", from_q)]
 
     from srs_ik.loading import load
@@ -102,9 +102,9 @@ def _read_pose(xyz: Three | None, rpy: Three | None, quat: Four | None, unit: fl
     if xyz is None and rpy is None and quat is None:
         return None
     if rpy is not None and quat is not None:
-        raise typer.BadParameter("--rpy and --quat are two ways to give the orientation: give one.")
+        raise WrongInput("--rpy and --quat are two ways to give the orientation: give one")
     if xyz is None:
-        raise typer.BadParameter("an orientation alone is no pose: give the position with --xyz X Y Z.")
+        raise WrongInput("an orientation alone is no pose: give the position with --xyz X Y Z")
 
     import numpy as np
     import pinocchio as pin
@@ -117,12 +117,10 @@ def _read_pose(xyz: Three | None, rpy: Three | None, quat: Four | None, unit: fl
         components = np.array(numbers("--quat", quat))
         length = float(np.linalg.norm(components))
         if abs(length - 1.0) > QUATERNION_TOLERANCE:
-            raise typer.BadParameter(f"--quat is a rotation only if its length is 1, not {length:.6g}.")
+            raise WrongInput(f"--quat is a rotation only if its length is 1, not {length:.6g}")
         T_base_tip[:3, :3] = pin.Quaternion(components / length).toRotationMatrix()
     else:
-        raise typer.BadParameter(
-            "a position alone is no pose: give the orientation with --rpy R P Y or --quat X Y Z W."
-        )
+        raise WrongInput("a position alone is no pose: give the orientation with --rpy R P Y or --quat X Y Z W")
     return T_base_tip
 
 

@@ -1,0 +1,374 @@
+"""The command line: what it prints is true, and what is wrong is said in one line."""
+
+import json
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pinocchio as pin
+import pytest
+from typer.testing import CliRunner
+
+from srs_ik import cli, zoo
+from srs_ik.cli.app import app
+
+REAL = Path(__file__).resolve().parents[2] / "shared" / "urdf"
+POSE = ["--xyz", "0.5", "0.1", "0.6", "--rpy", "0", "3.14159", "0"]
+Q = ["0.3", "0.7", "-0.4", "-1.1", "0.5", "0.8", "-0.2"]
+
+
+def run(*words: str):
+    return CliRunner().invoke(app, list(words))
+
+
+def answer(*words: str, exit_code: int = 0) -> dict:
+    result = run(*words, "--json")
+    assert result.exit_code == exit_code, result.stderr or result.exception
+    return json.loads(result.stdout)
+
+
+def run_apart(words: list[str], **environment: str) -> subprocess.CompletedProcess:
+    """Run the installed command in a process of its own."""
+    command = [sys.executable, "-c", "from srs_ik.cli import main; main()", *words]
+    return subprocess.run(command, capture_output=True, text=True, timeout=300, env={**os.environ, **environment})
+
+
+def real(name: str) -> str:
+    path = REAL / f"{name}.urdf"
+    if not path.is_file():
+        pytest.skip(f"{path.name} is not here")
+    return str(path)
+
+
+def pose_by_pinocchio(robot: str, q: list[float]) -> np.ndarray:
+    """Pose of the tip in the base frame, from the untouched file of a built-in robot without continuous joints."""
+    card = zoo.card(robot)
+    model = pin.buildModelFromUrdf(str(card.urdf))
+    assert model.nq == 7
+    data = model.createData()
+    pin.framesForwardKinematics(model, data, np.array(q))
+    base, tip = (data.oMf[model.getFrameId(name)] for name in (card.base, card.tip))
+    return (base.inverse() * tip).homogeneous
+
+
+def rotation(roll: float, pitch: float, yaw: float) -> np.ndarray:
+    (cr, cp, cy), (sr, sp, sy) = np.cos([roll, pitch, yaw]), np.sin([roll, pitch, yaw])
+    about_x = np.array([[1, 0, 0], [0, cr, -sr], [0, sr, cr]])
+    about_y = np.array([[cp, 0, sp], [0, 1, 0], [-sp, 0, cp]])
+    about_z = np.array([[cy, -sy, 0], [sy, cy, 0], [0, 0, 1]])
+    return about_z @ about_y @ about_x
+
+
+# robots
+
+
+def test_robots_lists_the_built_in_robots():
+    listed = json.loads(run("robots", "--json").stdout)
+    assert [robot["name"] for robot in listed] == zoo.robots()
+    text = run("robots").stdout
+    assert all(robot["name"] in text and robot["tip"] in text for robot in listed)
+
+
+# inspect
+
+
+def test_inspect_gives_the_published_lengths_of_the_iiwa():
+    (limb,) = answer("inspect", "iiwa14")["limbs"]
+    assert limb["kind"] == "exact"
+    assert limb["wrist_kind"] == "XYX"
+    assert [limb["upper_arm"], limb["forearm"], limb["hand"]] == pytest.approx([0.42, 0.4, 0.126], abs=1e-12)
+    assert limb["elbow_offset"] == pytest.approx(0.0, abs=1e-12)
+    assert np.rad2deg(limb["upper"]) == pytest.approx([170, 120, 170, 120, 170, 120, 175], abs=0.01)
+
+
+def test_inspect_prints_tables_with_millimetres_and_limits_in_both_units():
+    text = run("inspect", "iiwa14").stdout
+    for expected in ("exact", "420.000", "400.000", "126.000", "(deg)", "(rad)", "iiwa_joint_7", "XYX"):
+        assert expected in text
+
+
+def test_inspect_leaves_out_the_limits_of_continuous_joints():
+    (limb,) = answer("inspect", "gen3")["limbs"]
+    assert [x is None for x in limb["upper"]] == [True, False] * 3 + [True]
+    assert limb["kind"] == "near"
+    assert 10.0 < max(limb["misses_mm"]) < 13.0
+
+
+def test_inspect_with_a_tip_looks_at_that_chain_alone():
+    card = zoo.card("iiwa14")
+    (limb,) = answer("inspect", str(card.urdf), "--base", card.base, "--tip", card.tip)["limbs"]
+    assert (limb["base"], limb["tip"]) == (card.base, card.tip)
+
+
+@pytest.mark.parametrize("name", ["franka_fr3", "xarm7", "sawyer"])
+def test_inspect_tells_by_how_many_millimetres_a_refused_arm_misses(name):
+    report = answer("inspect", real(name), exit_code=1)
+    assert {limb["kind"] for limb in report["limbs"]} == {"refused"}
+    assert all(max(miss for miss in limb["misses_mm"] if miss is not None) > 10.0 for limb in report["limbs"])
+    result = run("inspect", real(name))
+    assert result.exit_code == 1
+    assert "refused" in result.stdout
+    assert "(mm)" in result.stdout
+
+
+def test_inspect_shows_both_arms_of_a_file():
+    limbs = answer("inspect", real("openarm_v10_bimanual"))["limbs"]
+    accepted = [limb["tip"] for limb in limbs if limb["kind"] != "refused"]
+    assert len(accepted) == len(set(accepted)) == 2
+
+
+def test_inspect_says_that_a_file_has_no_chain_of_seven(tmp_path):
+    path = tmp_path / "lamp.urdf"
+    path.write_text('<robot name="lamp"><link name="foot"/></robot>')
+    result = run("inspect", str(path))
+    assert result.exit_code == 1
+    assert result.stderr.count("\n") == 1
+    assert "7" in result.stderr
+
+
+# solve
+
+
+def test_solve_finds_joint_angles_that_reach_the_pose_asked_for():
+    found = answer("solve", "iiwa14", *POSE)
+    asked = np.eye(4)
+    asked[:3, :3], asked[:3, 3] = rotation(0.0, 3.14159, 0.0), (0.5, 0.1, 0.6)
+    assert found["status"] == "OK"
+    assert np.allclose(found["T_base_tip"], asked, rtol=0.0, atol=1e-15)
+    assert np.allclose(pose_by_pinocchio("iiwa14", found["q"]), asked, rtol=0.0, atol=1e-11)
+
+
+def test_roll_pitch_and_yaw_are_those_of_a_urdf():
+    found = answer("solve", "iiwa14", "--xyz", "0.4", "-0.2", "0.6", "--rpy", "0.3", "-0.5", "1.1", "--no-limits")
+    assert np.allclose(pose_by_pinocchio("iiwa14", found["q"])[:3, :3], rotation(0.3, -0.5, 1.1), rtol=0.0, atol=1e-11)
+
+
+def test_the_scalar_part_of_a_quaternion_comes_last():
+    quaternion = [str(np.sin(0.15)), "0", "0", str(np.cos(0.15))]
+    found = answer("solve", "iiwa14", "--xyz", "0.4", "-0.2", "0.6", "--quat", *quaternion)
+    assert np.allclose(np.array(found["T_base_tip"])[:3, :3], rotation(0.3, 0.0, 0.0), rtol=0.0, atol=1e-15)
+
+
+def test_degrees_and_radians_say_the_same():
+    words = {"--rpy": [0.0, 3.0, 0.2], "--seed": [float(q) for q in Q]}
+    in_radians = [w for key, values in words.items() for w in (key, *map(str, values))]
+    in_degrees = [w for key, values in words.items() for w in (key, *map(str, np.rad2deg(values)))]
+    xyz = ["--xyz", "0.5", "0.1", "0.6"]
+    one = answer("solve", "iiwa14", *xyz, *in_radians)
+    other = answer("solve", "iiwa14", *xyz, *in_degrees, "--degrees")
+    assert one["q"] == pytest.approx(other["q"], abs=1e-9)
+
+
+def test_from_q_asks_for_the_pose_of_these_joint_angles():
+    found = answer("solve", "iiwa14", "--from-q", *Q)
+    asked = pose_by_pinocchio("iiwa14", [float(q) for q in Q])
+    assert np.allclose(found["T_base_tip"], asked, rtol=0.0, atol=1e-14)
+    assert np.allclose(pose_by_pinocchio("iiwa14", found["q"]), asked, rtol=0.0, atol=1e-11)
+
+
+def test_a_seed_brings_its_own_posture_back():
+    found = answer("solve", "iiwa14", "--from-q", *Q, "--seed", *Q)
+    assert found["q"] == pytest.approx([float(q) for q in Q], abs=1e-6)
+
+
+def test_arm_angle_and_branch_are_kept():
+    found = answer("solve", "iiwa14", *POSE, "--arm-angle", "0.4", "--no-limits", "--branch", "3")
+    assert found["arm_angle"] == pytest.approx(0.4, abs=1e-9)
+    assert found["branch"] == 3
+
+
+def test_all_prints_every_branch_at_an_arm_angle():
+    found = answer("solve", "iiwa14", "--from-q", *Q, "--arm-angle", "0.4", "--all", "--no-limits")
+    assert sorted(s["branch"] for s in found["solutions"]) == list(range(8))
+    for solution in found["solutions"]:
+        assert np.allclose(pose_by_pinocchio("iiwa14", solution["q"]), found["T_base_tip"], rtol=0.0, atol=1e-11)
+    table = run("solve", "iiwa14", "--from-q", *Q, "--arm-angle", "0.4", "--all", "--no-limits")
+    assert table.exit_code == 0
+    assert "8 solutions" in table.stdout
+
+
+def test_the_table_shows_the_joint_angles_of_the_json():
+    found = answer("solve", "iiwa14", *POSE)
+    text = run("solve", "iiwa14", *POSE).stdout
+    for name, q in zip(found["joint_names"], found["q"], strict=True):
+        (line,) = (line for line in text.splitlines() if name in line)
+        radians, degrees = (float(word) for word in line.split()[1:3])
+        assert radians == pytest.approx(q, abs=1e-9)
+        assert degrees == pytest.approx(np.rad2deg(q), abs=1e-4)
+
+
+def test_a_negative_position_is_no_option():
+    found = answer(
+        "solve", "iiwa14", "--xyz", "-0.3", "-0.2", ".7", "--rpy", "-1", "-.2", "-0.3", "--arm-angle", "-0.5"
+    )
+    assert [row[3] for row in found["T_base_tip"]] == [-0.3, -0.2, 0.7, 1.0]
+
+
+@pytest.mark.parametrize("extra", [[], ["--all"]])
+def test_out_of_reach_is_an_answer_with_exit_status_1(extra):
+    words = ["solve", "iiwa14", "--xyz", "3", "0", "0.5", "--rpy", "0", "1.57", "0", *extra]
+    result = run(*words, "--json")
+    assert result.exit_code == 1
+    found = json.loads(result.stdout)
+    assert found["status"] == "UNREACHABLE"
+    assert found["message"]
+    assert found.get("solutions", []) == []
+    asked, reached = np.array(found["T_base_tip"])[:3, 3], pose_by_pinocchio("iiwa14", found["q"])[:3, 3]
+    assert found["position_error"] == pytest.approx(np.linalg.norm(asked - reached), abs=1e-9)
+    assert result.stderr.count("\n") == 1
+    assert "UNREACHABLE" in result.stderr
+    assert "UNREACHABLE" in run(*words).stdout
+
+
+# wrong input
+
+
+@pytest.mark.parametrize(
+    ("words", "named"),
+    [
+        (["solve"], "ROBOT"),
+        (["solve", "iiwa14"], "--xyz"),
+        (["solve", "iiwa14", "--xyz", "1", "2", "3"], "--rpy"),
+        (["solve", "iiwa14", "--rpy", "1", "2", "3"], "--xyz"),
+        (["solve", "iiwa14", "--xyz", "1", "2", "--rpy", "0", "0", "0"], "--xyz takes 3 numbers, not 2"),
+        (["solve", "iiwa14", "--xyz", "1", "2"], "--xyz takes 3 numbers, not 2"),
+        (["solve", "iiwa14", "--xyz", "1", "2", "3", "4", "--rpy", "0", "0", "0"], "--xyz takes 3 numbers, not 4"),
+        (["solve", "iiwa14", "--xyz", "1", "up", "3", "--rpy", "0", "0", "0"], "'up'"),
+        (["solve", "iiwa14", "--xyz", "1", "nan", "3", "--rpy", "0", "0", "0"], "nan"),
+        (["solve", "iiwa14", *POSE, "--seed", "0", "0", "0", "inf", "0", "0", "0"], "inf"),
+        (["solve", "iiwa14", *POSE, "--arm-angle", "nan"], "--arm-angle"),
+        (["solve", "iiwa14", *POSE, "--arm-angle", "up"], "--arm-angle"),
+        (["solve", "iiwa14", *POSE, "--quat", "0", "0", "0", "1"], "--quat"),
+        (["solve", "iiwa14", "--xyz", "1", "2", "3", "--quat", "0", "0", "0", "2"], "--quat"),
+        (["solve", "iiwa14", "--xyz", "1", "2", "3", "--quat", "0", "0", "0", "0"], "--quat"),
+        (["solve", "iiwa14", *POSE, "--from-q", *Q], "--from-q"),
+        (["solve", "iiwa14", "--from-q", "1", "2", "3"], "--from-q takes 7 numbers, not 3"),
+        (["solve", "iiwa14", *POSE, "--branch", "8"], "--branch"),
+        (["solve", "iiwa14", *POSE, "--branch", "-1"], "--branch"),
+        (["solve", "iiwa14", *POSE, "--all", "--branch", "1"], "--all"),
+        (["solve", "iiwa14", *POSE, "--colour"], "--colour"),
+        (["solve", "iiwa41", *POSE], "iiwa41"),
+        (["solve", "no/such/file.urdf", *POSE], "no/such/file.urdf"),
+        (["solve", "iiwa14", *POSE, "--tip", "nose"], "nose"),
+        (["inspect", "no/such/file.urdf"], "no/such/file.urdf"),
+        (["inspect"], "ROBOT"),
+        (["dance"], "dance"),
+        (["--dance"], "--dance"),
+    ],
+)
+def test_wrong_input_is_one_line_that_names_it_and_exit_status_2(words, named):
+    result = run(*words)
+    assert result.exit_code == 2, result.exception
+    assert result.stdout == ""
+    assert result.stderr.startswith("srs-ik: ")
+    assert result.stderr.count("\n") == 1
+    assert named in result.stderr
+
+
+@pytest.mark.parametrize("text", ["", "not XML", "<robot", "<robot name='x'/>", "\x00\x01"])
+@pytest.mark.parametrize("command", [["inspect"], ["solve", *POSE]])
+def test_a_broken_file_is_named_in_one_line(tmp_path, text, command):
+    path = tmp_path / "broken.urdf"
+    path.write_text(text)
+    result = run(command[0], str(path), *command[1:])
+    assert result.exit_code == 2, result.stdout
+    assert result.stderr.count("\n") == 1
+    assert "broken.urdf" in result.stderr
+
+
+def test_several_arms_are_listed_in_one_line():
+    result = run("solve", real("openarm_v10_bimanual"), *POSE)
+    assert result.exit_code == 2
+    assert result.stderr.count("\n") == 1
+    assert "left" in result.stderr
+    assert "right" in result.stderr
+
+
+def test_a_refused_arm_is_one_line_with_millimetres():
+    result = run("solve", real("franka_fr3"), *POSE)
+    assert result.exit_code == 2
+    assert result.stderr.count("\n") == 1
+    assert " mm" in result.stderr
+
+
+def test_faults_of_the_program_are_not_hidden(monkeypatch):
+    def faulty(name):
+        raise RuntimeError("a fault")
+
+    monkeypatch.setattr(zoo, "card", faulty)
+    assert isinstance(run("robots").exception, RuntimeError)
+
+
+# in a process of its own
+
+
+def test_an_error_in_a_process_of_its_own_is_one_line_and_no_traceback():
+    result = run_apart(["solve", "no/such/file.urdf", *POSE])
+    assert result.returncode == 2
+    assert result.stdout == ""
+    assert result.stderr.count("\n") == 1
+    assert result.stderr.startswith("srs-ik: ")
+
+
+def test_json_stands_alone_on_standard_output_of_a_process():
+    result = run_apart(["solve", "human_arm", "--from-q", *Q, "--no-limits", "--json"])
+    assert result.returncode == 0, result.stderr
+    assert result.stderr == ""
+    found = json.loads(result.stdout)
+    assert np.allclose(pose_by_pinocchio("human_arm", found["q"]), found["T_base_tip"], rtol=0.0, atol=1e-11)
+
+
+def test_names_that_the_terminal_cannot_write_are_escaped(tmp_path):
+    card = zoo.card("iiwa14")
+    path = tmp_path / "umlaut.urdf"
+    path.write_text(card.urdf.read_text().replace("iiwa_joint_1", "gelenk_für_[eins]"), encoding="utf-8")
+    result = run_apart(["inspect", str(path)], PYTHONIOENCODING="ascii")
+    assert result.returncode == 0, result.stderr
+    assert r"gelenk_f\xfcr_[eins]" in result.stdout
+
+
+def test_a_reader_that_leaves_early_is_no_error():
+    command = f"{sys.executable} -c 'from srs_ik.cli import main; main()' robots --json"
+    result = subprocess.run(
+        ["bash", "-c", f"{command} | true; echo ${{PIPESTATUS[0]}}"], capture_output=True, text=True, timeout=300
+    )
+    assert result.stderr == ""
+    assert result.stdout.strip() in {"0", "1"}
+
+
+def test_an_interruption_is_quiet(monkeypatch, capsys):
+    def interrupted(*_):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(zoo, "robots", interrupted)
+    monkeypatch.setattr(sys, "argv", ["srs-ik", "robots"])
+    with pytest.raises(SystemExit) as exit_:
+        cli.main()
+    assert exit_.value.code == 130
+    assert capsys.readouterr().err == ""
+
+
+def test_help_and_version_load_no_heavy_library():
+    code = """
+import sys
+from srs_ik.cli import main
+try:
+    main()
+finally:
+    print(*{"numpy", "pinocchio", "numba", "scipy", "yourdfpy", "meshcat"} & set(sys.modules), file=sys.stderr)
+"""
+    for word in ("--help", "--version"):
+        result = subprocess.run([sys.executable, "-c", code, word], capture_output=True, text=True, timeout=300)
+        assert result.returncode == 0
+        assert result.stdout
+        assert result.stderr.split() == []
+
+
+def test_every_command_explains_itself():
+    for command in ("robots", "inspect", "solve"):
+        result = run(command, "--help")
+        assert result.exit_code == 0
+        assert command in result.stdout
+    assert run().stdout == run("--help").stdout
