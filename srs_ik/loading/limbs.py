@@ -1,0 +1,198 @@
+"""Which chains of a robot are limbs: every run of seven revolute joints, recognised, measured and weighed."""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Collection, Sequence
+from dataclasses import dataclass, replace
+from typing import Any, Literal
+
+import numpy as np
+
+from srs_ik.chain import default_base, default_tip, find_frame, measure
+from srs_ik.limb import EXACT_MISS, SrsLimb, Vector, WristKind
+from srs_ik.loading.sources import Description
+from srs_ik.recognition import recognise
+
+_NOT_SHOWN_MM = 1e-3
+"""Misses below a micrometre are rounding of a file's figures, not worth a line of a message."""
+
+
+@dataclass(frozen=True, eq=False)
+class LimbReport:
+    """One chain of seven consecutive revolute joints, and what it is.
+
+    Attributes:
+        base: name of the base frame: the link that carries joint 1, unless the robot is known to be meant otherwise.
+        tip: name of the tip frame: the outermost link fixed to joint 7 before a fork or a moving joint, or as above.
+        joint_names: the seven names, from the base outwards.
+        kind: "exact", "near", or "refused".
+        misses_mm: (7,) distance of each axis from the shoulder centre (1 to 3) or wrist centre (5 to 7), millimetres;
+            NaN where it was refused before there was a centre to measure from.
+        elbow_offset: larger distance of the elbow centre from axes 3 and 5, metres; NaN as above.
+        wrist_kind: "XYX" or "XYZ"; None if refused.
+        limb: the limb between `base` and `tip`; None if refused.
+        reason: one clause that says why it is refused, with axes numbered from 1; empty otherwise.
+        note: which chains that share joints with it were set aside in its favour; empty if there are none.
+    """
+
+    base: str
+    tip: str
+    joint_names: tuple[str, ...]
+    kind: Literal["exact", "near", "refused"]
+    misses_mm: Vector
+    elbow_offset: float
+    wrist_kind: WristKind | None
+    limb: SrsLimb | None
+    reason: str
+    note: str = ""
+
+    def describe(self) -> str:
+        """One sentence for people: between which frames, what it is, and its lengths or what is wrong with it."""
+        ends = f"{self.base} -> {self.tip}"
+        if self.limb is None:
+            return f"{ends} is no S-R-S limb: {explained(self.reason, self.joint_names, self.misses_mm)}."
+        lengths = [f"upper arm {1e3 * self.limb.upper_arm:.1f} mm", f"forearm {1e3 * self.limb.forearm:.1f} mm"]
+        if self.elbow_offset >= EXACT_MISS:
+            lengths.append(f"elbow offset {1e3 * self.elbow_offset:.1f} mm")
+        if self.kind == "near":
+            lengths.append(f"axes miss their centres by up to {self.misses_mm.max():.3f} mm")
+        article = "an exact" if self.kind == "exact" else "a near"
+        note = f"; {self.note}" if self.note else ""
+        return f"{ends} is {article} S-R-S limb with {self.wrist_kind} wrist, {', '.join(lengths)}{note}."
+
+
+@dataclass(frozen=True, eq=False)
+class Candidate:
+    """A report and the joints, as indices into the robot's model, that it is about."""
+
+    joints: tuple[int, ...]
+    report: LimbReport
+
+
+def examine(
+    description: Description,
+    joints: Sequence[int],
+    base: str | None = None,
+    tip: str | None = None,
+    reference: Vector | None = None,
+) -> Candidate:
+    """Recognise seven revolute joints of a robot.
+
+    Args:
+        description: the robot.
+        joints: indices of the joints, from the base outwards.
+        base: name of the base frame; that of the description if the joints do not move it, else the link of joint 1.
+        tip: name of the tip frame; that of the description if joint 7 is the last that moves it, else the default tip.
+        reference: (3,) arm-angle reference in the base frame, if not that of the description or the default.
+    """
+    model = description.robot.model
+    base = base or _meant_base(description, joints) or default_base(model, joints[0])
+    tip = tip or _meant_tip(description, joints) or default_tip(model, joints[-1])
+    lines = measure(model, joints, find_frame(model, base), find_frame(model, tip))
+    if reference is None and base == description.base:
+        reference = description.reference
+    found = recognise(lines.axes, lines.points, lines.T_base_tip_zero, reference)
+    report = LimbReport(
+        base=base,
+        tip=tip,
+        joint_names=tuple(model.names[joint] for joint in joints),
+        kind=found.kind,
+        misses_mm=1e3 * found.misses,
+        elbow_offset=found.elbow_offset,
+        wrist_kind=found.limb.wrist_kind if found.limb is not None else None,
+        limb=found.limb,
+        reason=found.reason,
+    )
+    return Candidate(tuple(joints), report)
+
+
+def weigh(candidates: Collection[Candidate], model: Any) -> list[Candidate]:
+    """Of candidates that share joints keep the best: limbs without a joint in common, then other chains.
+
+    An exact limb goes before a near one, then the smaller miss, then the smaller elbow offset (three joints of a trunk
+    and a shoulder can be a limb of their own, with the collar for an elbow), then the chain farther out. A refused chain
+    that shares joints with a limb (trunk and arm, arm and finger) says nothing and is left out; of refused chains along
+    one way from the root to an end, the one nearest to a limb stays.
+
+    Args:
+        candidates: any candidates of one robot.
+        model: its ``pinocchio.Model``.
+
+    Returns:
+        Limbs in the order of the robot's joints, then refused chains in that order.
+    """
+    accepted = [candidate for candidate in candidates if candidate.report.limb is not None]
+    refused = [candidate for candidate in candidates if candidate.report.limb is None]
+    limbs: list[Candidate] = []
+    for candidate in sorted(accepted, key=_rank_of_limb):
+        rivals = [k for k, limb in enumerate(limbs) if set(limb.joints) & set(candidate.joints)]
+        if not rivals:
+            limbs.append(candidate)
+        for k in rivals:
+            limbs[k] = _noted(limbs[k], candidate)
+    used = {joint for candidate in accepted for joint in candidate.joints}
+    chains: list[Candidate] = []
+    for candidate in sorted(refused, key=_rank_of_refused):
+        if used.isdisjoint(candidate.joints) and not any(_in_line(model, candidate, chain) for chain in chains):
+            chains.append(candidate)
+    return [*sorted(limbs, key=_place), *sorted(chains, key=_place)]
+
+
+def explained(reason: str, joint_names: Sequence[str], misses_mm: Vector) -> str:
+    """A reason of the recognition with the joints' names in it, and every miss that is worth a word."""
+
+    def with_name(match: re.Match[str]) -> str:
+        return f"{match[0]} ({joint_names[int(match[0]) - 1]})"
+
+    clause = re.sub(r"(?<=axis )[1-7]\b|(?<=axes )[1-7]\b|(?<=and )[1-7]\b", with_name, reason)
+    misses = [
+        f"{name} {miss:.3f} mm" for name, miss in zip(joint_names, misses_mm, strict=True) if miss > _NOT_SHOWN_MM
+    ]
+    return f"{clause} (distance of each axis from its centre: {', '.join(misses)})" if misses else clause
+
+
+def _meant_base(description: Description, joints: Sequence[int]) -> str | None:
+    if description.base is None:
+        return None
+    model = description.robot.model
+    movers = model.supports[model.frames[find_frame(model, description.base)].parentJoint]
+    return None if set(movers) & set(joints) else description.base
+
+
+def _meant_tip(description: Description, joints: Sequence[int]) -> str | None:
+    if description.tip is None:
+        return None
+    model = description.robot.model
+    return description.tip if model.frames[find_frame(model, description.tip)].parentJoint == joints[-1] else None
+
+
+def _rank_of_limb(candidate: Candidate) -> tuple[Any, ...]:
+    report = candidate.report
+    exact = report.kind == "exact"
+    miss = 0.0 if exact else float(report.misses_mm.max())
+    # Rounded, so that figures which are equal but for noise leave the decision to the next one.
+    return (not exact, round(miss, 3), round(1e3 * report.elbow_offset, 3), -candidate.joints[-1])
+
+
+def _rank_of_refused(candidate: Candidate) -> tuple[float, int]:
+    worst = float(np.max(candidate.report.misses_mm))
+    return (math.inf if math.isnan(worst) else worst, candidate.joints[-1])
+
+
+def _place(candidate: Candidate) -> tuple[int, ...]:
+    return candidate.joints
+
+
+def _noted(kept: Candidate, other: Candidate) -> Candidate:
+    report = kept.report
+    chain = f"{other.report.base} -> {other.report.tip}"
+    note = f"{report.note}, {chain}" if report.note else f"preferred to chains that share joints with it: {chain}"
+    return Candidate(kept.joints, replace(report, note=note))
+
+
+def _in_line(model: Any, one: Candidate, other: Candidate) -> bool:
+    """True if both chains lie on one way from the root of the robot outwards."""
+    a, b = one.joints[-1], other.joints[-1]
+    return a in list(model.supports[b]) or b in list(model.supports[a]) or bool(set(one.joints) & set(other.joints))
