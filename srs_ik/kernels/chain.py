@@ -6,7 +6,7 @@ import math
 
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout import AXES, POINTS, TIP_POSITION, TIP_ROTATION
-from srs_ik.kernels.vectors import add, apply, cross, dot, load3, norm, rotate, sub
+from srs_ik.kernels.vectors import add, apply, cross, dot, load3, load9, norm, rotate, sub
 
 
 @kernel
@@ -52,26 +52,31 @@ def pose_error(P, q, R, p):
 def joint_lines(P, q, J):
     """Write axis direction (rows 3 to 5) and moment point x axis (rows 0 to 2) of each joint at q into J (6, 7).
 
-    J is the spatial Jacobian of the base origin; `pose_step` and `jacobian` move it to the tip.
+    J is the spatial Jacobian of the base origin. Returns the pose of the tip: rotation columns x, y, z, and position.
     """
-    ex = (1.0, 0.0, 0.0)
-    ey = (0.0, 1.0, 0.0)
-    ez = (0.0, 0.0, 1.0)
-    shift = (0.0, 0.0, 0.0)  # point -> M point + shift, M = (ex ey ez) in columns
+    x = (1.0, 0.0, 0.0)
+    y = (0.0, 1.0, 0.0)
+    z = (0.0, 0.0, 1.0)
+    shift = (0.0, 0.0, 0.0)  # a point of the zero configuration moves to (x y z) point + shift
     for joint in range(7):
-        a0 = load3(P, AXES + 3 * joint)
-        o0 = load3(P, POINTS + 3 * joint)
-        M = (ex[0], ey[0], ez[0], ex[1], ey[1], ez[1], ex[2], ey[2], ez[2])
-        axis = apply(M, a0)
-        origin = add(apply(M, o0), shift)
+        M = (x[0], y[0], z[0], x[1], y[1], z[1], x[2], y[2], z[2])
+        axis = apply(M, load3(P, AXES + 3 * joint))
+        origin = add(apply(M, load3(P, POINTS + 3 * joint)), shift)
         moment = cross(origin, axis)
         for i in range(3):
             J[i, joint] = moment[i]
             J[i + 3, joint] = axis[i]
         c = math.cos(q[joint])
         s = math.sin(q[joint])
-        ex = rotate(axis, c, s, ex)
-        ey = rotate(axis, c, s, ey)
-        ez = rotate(axis, c, s, ez)
+        x = rotate(axis, c, s, x)
+        y = rotate(axis, c, s, y)
+        z = rotate(axis, c, s, z)
         shift = add(origin, rotate(axis, c, s, sub(shift, origin)))
-    return ex, ey, ez, shift
+    M = (x[0], y[0], z[0], x[1], y[1], z[1], x[2], y[2], z[2])
+    H = load9(P, TIP_ROTATION)
+    return (
+        apply(M, (H[0], H[3], H[6])),
+        apply(M, (H[1], H[4], H[7])),
+        apply(M, (H[2], H[5], H[8])),
+        add(apply(M, load3(P, TIP_POSITION)), shift),
+    )

@@ -22,8 +22,6 @@ from srs_ik.kernels.layout import (
     COS_PHASE,
     CROSS_3,
     CROSS_23,
-    GAIN,
-    OFFSET,
     PHASE,
     SHARE_1,
     SIN_PHASE,
@@ -62,11 +60,11 @@ def middle_angle(P, k, R):
 
 
 @kernel
-def outer_angles(P, k, R, c2, s2, anchor_1, anchor_3, share_1):
+def outer_angles(P, k, R, c2, s2, anchor):
     """Angles q1 and q3 for a rotation and the cosine and sine of q2.
 
-    Where axes 1 and 3 are parallel the free difference is split so that q1 and q3 leave their anchors in the ratio
-    share_1 : 1 - share_1.
+    Where axes 1 and 3 are parallel, q1 and q3 are free but for one sum: `anchor` = (q1, q3, share) says where they like
+    to be and which share of the way from there joint 1 takes.
     """
     a1 = load3(P, k + A1)
     a2 = load3(P, k + A2)
@@ -100,12 +98,18 @@ def outer_angles(P, k, R, c2, s2, anchor_1, anchor_3, share_1):
     z = rotate(a2, c2, -s2, y)
     turn = math.atan2(dot(load3(P, k + CROSS_3), z), dot(load3(P, k + ACROSS_3), z))
     sign = 1.0 if dot(u, a1) > 0.0 else -1.0  # sign q1 + q3 = turn
-    rest = wrap(turn - sign * anchor_1 - anchor_3)
-    return anchor_1 + sign * share_1 * rest, anchor_3 + (1.0 - share_1) * rest
+    rest = wrap(turn - sign * anchor[0] - anchor[1])
+    return anchor[0] + sign * anchor[2] * rest, anchor[1] + (1.0 - anchor[2]) * rest
 
 
 @kernel
-def decompose(P, k, R):
+def default_anchor(P, k):
+    """Middle of the ranges of joints 1 and 3, and the share of joint 1 in proportion to its range."""
+    return (P[k + ANCHOR_1], P[k + ANCHOR_3], P[k + SHARE_1])
+
+
+@kernel
+def decompose(P, k, R, anchor):
     """Both decompositions of R by the spherical joint at block k: (q1, q2, q3) twice, and whether R is reachable."""
     c, s, reached = middle_angle(P, k, R)
     x = math.atan2(s, c)
@@ -115,9 +119,6 @@ def decompose(P, k, R):
     ss = sp * s
     sc = sp * c
     cs = cp * s
-    anchor_1 = P[k + ANCHOR_1]
-    anchor_3 = P[k + ANCHOR_3]
-    share_1 = P[k + SHARE_1]
-    q1, q3 = outer_angles(P, k, R, cc - ss, sc + cs, anchor_1, anchor_3, share_1)
-    q1b, q3b = outer_angles(P, k, R, cc + ss, sc - cs, anchor_1, anchor_3, share_1)
+    q1, q3 = outer_angles(P, k, R, cc - ss, sc + cs, anchor)
+    q1b, q3b = outer_angles(P, k, R, cc + ss, sc - cs, anchor)
     return (q1, P[k + PHASE] + x, q3), (q1b, P[k + PHASE] - x, q3b), reached

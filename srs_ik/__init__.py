@@ -1,0 +1,89 @@
+"""Closed-form inverse kinematics for arms built like a human arm: a spherical shoulder, one elbow, a spherical wrist.
+
+    import srs_ik
+    arm = srs_ik.load("iiwa14")
+    solution = arm.solve(arm.forward_kinematics([0.1, 0.5, 0.2, -1.2, 0.3, 0.8, 0.0]))
+"""
+
+from __future__ import annotations
+
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from srs_ik.arm import Arm, Hand, PoseError
+    from srs_ik.errors import (
+        AmbiguousLimb,
+        FrameNotFound,
+        InvalidConfiguration,
+        InvalidPose,
+        InvalidRobot,
+        InvalidTask,
+        MissingExtra,
+        NotAnSrsLimb,
+        SrsIkError,
+    )
+    from srs_ik.limb import SrsLimb
+    from srs_ik.loading import LimbReport, find_limbs, load
+    from srs_ik.solution import BatchSolution, Interval, Solution, Solutions, Status
+    from srs_ik.zoo import robots
+
+__version__ = "0.1.0"
+
+_MODULES = {
+    "arm": ("Arm", "Hand", "PoseError"),
+    "errors": (
+        "AmbiguousLimb",
+        "FrameNotFound",
+        "InvalidConfiguration",
+        "InvalidPose",
+        "InvalidRobot",
+        "InvalidTask",
+        "MissingExtra",
+        "NotAnSrsLimb",
+        "SrsIkError",
+    ),
+    "limb": ("SrsLimb",),
+    "loading": ("LimbReport", "find_limbs", "load"),
+    "solution": ("BatchSolution", "Interval", "Solution", "Solutions", "Status"),
+    "zoo": ("robots",),
+}
+_HOME = {name: module for module, names in _MODULES.items() for name in names}
+
+__all__ = [
+    "AmbiguousLimb",
+    "Arm",
+    "BatchSolution",
+    "FrameNotFound",
+    "Hand",
+    "Interval",
+    "InvalidConfiguration",
+    "InvalidPose",
+    "InvalidRobot",
+    "InvalidTask",
+    "LimbReport",
+    "MissingExtra",
+    "NotAnSrsLimb",
+    "PoseError",
+    "Solution",
+    "Solutions",
+    "SrsIkError",
+    "SrsLimb",
+    "Status",
+    "find_limbs",
+    "load",
+    "robots",
+]
+
+
+def __getattr__(name: str) -> Any:
+    """Import a public name from its module when it is first used."""
+    if name not in _HOME:
+        raise AttributeError(f"module 'srs_ik' has no attribute {name!r}")
+    value = getattr(import_module(f"srs_ik.{_HOME[name]}"), name)
+    globals()[name] = value
+    return value
+
+
+def __dir__() -> list[str]:
+    return sorted([*globals(), *__all__])

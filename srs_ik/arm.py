@@ -1,0 +1,363 @@
+"""The arm: one robot limb, ready to be asked."""
+
+from __future__ import annotations
+
+import threading
+from functools import cached_property
+from typing import Any, NamedTuple
+
+import numpy as np
+import pinocchio as pin
+from numpy.typing import ArrayLike, NDArray
+
+from srs_ik.batch import run_in_threads
+from srs_ik.chain import Chain
+from srs_ik.errors import InvalidConfiguration
+from srs_ik.kernels import entries
+from srs_ik.kernels.intervals import MAX_PIECES
+from srs_ik.kernels.layout import ROW
+from srs_ik.limb import SrsLimb
+from srs_ik.packing import pack
+from srs_ik.pose import PoseLike, as_arm_angle, as_branch, as_joint_vector, as_matrices, as_matrix, invalid_pose
+from srs_ik.solution import BatchSolution, Interval, Solution, Solutions
+
+Array = NDArray[np.float64]
+
+_NO_SEED = np.zeros(7)
+
+
+class PoseError(NamedTuple):
+    """How far a posture is from a pose."""
+
+    position: float
+    """Metres."""
+    orientation: float
+    """Rad."""
+
+
+class Hand(NamedTuple):
+    """Axes of the hand in the tip frame."""
+
+    grasp: tuple[float, float, float]
+    """Direction in which the hand reaches out, the paper's g."""
+    pronosupination: tuple[float, float, float]
+    """Direction across it that turns with the forearm, the paper's phi."""
+
+
+class Arm:
+    """A 7-joint arm with a spherical shoulder, one elbow and a spherical wrist.
+
+    Made by `srs_ik.load`. Joint vectors `q` are always 7 plain angles in radians; poses are those of the tip frame in
+    the base frame, as `pinocchio.SE3` or (4, 4) arrays, metres.
+
+    Attributes:
+        name: name of the robot.
+        base: name of the base frame.
+        tip: name of the tip frame.
+        joint_names: the 7 joint names, from shoulder to wrist.
+        lower: (7,) lower joint limits, rad; -inf where continuous.
+        upper: (7,) upper joint limits, rad; inf where continuous.
+        velocity_limit: (7,) rad/s; inf where the description gives none.
+        effort_limit: (7,) N m; inf where the description gives none.
+        model: `pinocchio.Model` of the 7 joints.
+        limb: the recognised limb.
+        hand: axes of the hand, where known.
+    """
+
+    def __init__(self, chain: Chain, limb: SrsLimb, name: str, hand: Hand | None = None) -> None:
+        self.name = name
+        self.base = chain.base
+        self.tip = chain.tip
+        self.joint_names = chain.joint_names
+        self.lower = chain.lower
+        self.upper = chain.upper
+        self.velocity_limit = chain.velocity_limit
+        self.effort_limit = chain.effort_limit
+        self.model = chain.model
+        self.limb = limb
+        self.hand = hand
+        self._base_frame = chain.model.getFrameId(chain.base)
+        self._tip_frame = chain.model.getFrameId(chain.tip)
+        unlimited = np.full(7, np.inf)
+        self._packed = pack(limb, chain.lower, chain.upper)
+        self._packed_free = pack(limb, -unlimited, unlimited)
+
+    # Forward kinematics, by Pinocchio ---------------------------------------------------------------------------
+
+    def configuration(self, q: ArrayLike) -> Array:
+        """Pinocchio's configuration (model.nq,) of 7 joint angles: a continuous joint is its cosine and sine there.
+
+        Raises:
+            InvalidConfiguration: not 7 finite angles.
+        """
+        q = as_joint_vector(q)
+        configuration = np.empty(self.model.nq)
+        for angle, joint in zip(q, self._joints, strict=True):
+            if joint.nq == 1:
+                configuration[joint.idx_q] = angle
+            else:
+                configuration[joint.idx_q : joint.idx_q + 2] = np.cos(angle), np.sin(angle)
+        return configuration
+
+    def angles(self, configuration: ArrayLike) -> Array:
+        """7 joint angles of a configuration (model.nq,) of Pinocchio; those of continuous joints in [-pi, pi].
+
+        Raises:
+            InvalidConfiguration: not model.nq finite numbers.
+        """
+        values = np.asarray(configuration, dtype=float)
+        if values.shape != (self.model.nq,) or not np.isfinite(values).all():
+            raise InvalidConfiguration(f"a configuration of {self.name} is {self.model.nq} finite numbers")
+        return np.array(
+            [
+                values[j.idx_q] if j.nq == 1 else np.arctan2(values[j.idx_q + 1], values[j.idx_q])
+                for j in self._joints
+            ]
+        )
+
+    def forward_kinematics(self, q: ArrayLike) -> pin.SE3:
+        """Pose of the tip frame in the base frame.
+
+        Raises:
+            InvalidConfiguration: not 7 finite angles.
+        """
+        data = self._data
+        pin.forwardKinematics(self.model, data, self.configuration(q))
+        T_world_base = pin.updateFramePlacement(self.model, data, self._base_frame)
+        return T_world_base.actInv(pin.updateFramePlacement(self.model, data, self._tip_frame))
+
+    def jacobian(self, q: ArrayLike) -> Array:
+        """Geometric Jacobian (6, 7) of the tip point in base axes: linear rows (m/s per rad/s) first, then angular.
+
+        Raises:
+            InvalidConfiguration: not 7 finite angles.
+        """
+        data = self._data
+        J = pin.computeFrameJacobian(
+            self.model, data, self.configuration(q), self._tip_frame, pin.ReferenceFrame.LOCAL_WORLD_ALIGNED
+        )
+        R_base_world = pin.updateFramePlacement(self.model, data, self._base_frame).rotation.T
+        return np.vstack([R_base_world @ J[:3], R_base_world @ J[3:]])
+
+    def verify(self, pose: PoseLike, q: ArrayLike) -> PoseError:
+        """Distance and angle between the tip at q and a pose, by Pinocchio.
+
+        Raises:
+            InvalidPose: not a 4 x 4 pose.
+            InvalidConfiguration: not 7 finite angles.
+        """
+        T_base_wanted = as_matrix(pose)
+        T_base_tip = self.forward_kinematics(q)
+        turn = T_base_tip.rotation.T @ T_base_wanted[:3, :3]
+        skew = np.array([turn[2, 1] - turn[1, 2], turn[0, 2] - turn[2, 0], turn[1, 0] - turn[0, 1]])
+        return PoseError(
+            float(np.linalg.norm(T_base_wanted[:3, 3] - T_base_tip.translation)),
+            float(np.arctan2(np.linalg.norm(skew), np.trace(turn) - 1.0)),
+        )
+
+    def arm_angle(self, q: ArrayLike) -> float:
+        """Arm angle of a configuration, in [-pi, pi), rad: right-handed about shoulder-wrist, zero at `limb.reference`.
+
+        Raises:
+            InvalidConfiguration: not 7 finite angles.
+        """
+        return float(entries.configuration_arm_angle(self._packed, as_joint_vector(q))[0])
+
+    def branch(self, q: ArrayLike) -> int:
+        """Branch of a configuration, 0 to 7.
+
+        Raises:
+            InvalidConfiguration: not 7 finite angles.
+        """
+        return int(entries.configuration_arm_angle(self._packed, as_joint_vector(q))[1])
+
+    # Inverse kinematics -----------------------------------------------------------------------------------------
+
+    def solve(
+        self,
+        pose: PoseLike,
+        arm_angle: float | None = None,
+        seed: ArrayLike | None = None,
+        branch: int | None = None,
+        respect_limits: bool = True,
+    ) -> Solution:
+        """One posture for a pose.
+
+        With an arm angle, the best branch there; else the best of all arm angles. Best is nearest to the seed (least
+        sum of squared differences) if there is one, else farthest from the joint limits, relative to their ranges.
+
+        Args:
+            pose: wanted pose of the tip frame in the base frame.
+            arm_angle: rad; any if not given.
+            seed: (7,) posture to stay near, rad.
+            branch: 0 to 7; any if not given.
+            respect_limits: whether q has to keep the joint limits.
+
+        Raises:
+            InvalidPose: the pose is no finite rigid transform.
+            InvalidConfiguration: seed, arm angle or branch are malformed.
+        """
+        row = np.empty(ROW)
+        verdict = entries.solve(
+            self._packed,
+            self._packed if respect_limits else self._packed_free,
+            as_matrix(pose),
+            arm_angle is not None,
+            0.0 if arm_angle is None else as_arm_angle(arm_angle),
+            -1 if branch is None else as_branch(branch),
+            seed is not None,
+            _NO_SEED if seed is None else as_joint_vector(seed, "seed"),
+            bool(respect_limits),
+            row,
+        )
+        if verdict:
+            raise invalid_pose(verdict)
+        return Solution(row, self.joint_names)
+
+    def solve_all(self, pose: PoseLike, arm_angle: float | None = None, respect_limits: bool = True) -> Solutions:
+        """All postures for a pose: every branch at an arm angle, or one posture for every interval of `intervals`.
+
+        Args:
+            pose: wanted pose of the tip frame in the base frame.
+            arm_angle: rad; without it, each posture is the one farthest from the limits in its interval.
+            respect_limits: whether to leave out postures outside the joint limits.
+
+        Returns:
+            The solutions, in the order of branches; empty if there is none, with a message that says why.
+
+        Raises:
+            InvalidPose: the pose is no finite rigid transform.
+            InvalidConfiguration: the arm angle is not a finite number.
+        """
+        T = as_matrix(pose)
+        respect_limits = bool(respect_limits)
+        if arm_angle is None:
+            rows = np.empty((8 * MAX_PIECES, ROW))
+            searched = self._packed if respect_limits else self._packed_free
+            count = entries.solve_intervals(self._packed, searched, T, respect_limits, rows)
+            if count < 0:
+                raise invalid_pose(-count)
+            rows = rows[:count]
+        else:
+            rows = np.empty((8, ROW))
+            verdict = entries.solve_all(self._packed, T, as_arm_angle(arm_angle), respect_limits, rows)
+            if verdict:
+                raise invalid_pose(verdict)
+        solved = Solutions(rows, self.joint_names)
+        ok = solved.ok
+        if ok.all() and len(rows):
+            return solved
+        if ok.any():
+            return Solutions(rows[ok], self.joint_names)
+        failure = self.solve(T, arm_angle=arm_angle, respect_limits=respect_limits)
+        return Solutions(rows[:0], self.joint_names, failure)
+
+    def solve_batch(
+        self,
+        poses: Any,
+        arm_angle: ArrayLike | None = None,
+        seed: ArrayLike | None = None,
+        branch: int | None = None,
+        all_branches: bool = False,
+        respect_limits: bool = True,
+        threads: int | None = None,
+    ) -> BatchSolution:
+        """`solve` for N poses at once, in compiled code on several threads; the answers are the same.
+
+        Args:
+            poses: (N, 4, 4) array, or a list of poses.
+            arm_angle: one for all, or (N,), rad.
+            seed: (7,) for all, or (N, 7), rad.
+            branch: 0 to 7 for all; any if not given.
+            all_branches: give all 8 branches at the arm angle (which is then required) as (N, 8) arrays; those that are
+                no solution say so in their status.
+            respect_limits: whether q has to keep the joint limits.
+            threads: at most so many; all processors if not given.
+
+        Raises:
+            InvalidPose: a pose is no finite rigid transform; the message names the first one.
+            InvalidConfiguration: seed, arm angle or branch are malformed, or all branches are asked for without an arm
+                angle.
+        """
+        T = as_matrices(poses)
+        n = len(T)
+        psis = _per_pose(0.0 if arm_angle is None else arm_angle, (), n, "arm_angle")
+        seeds = _per_pose(_NO_SEED if seed is None else seed, (7,), n, "seed")
+        chosen = as_branch(branch)
+        respect_limits = bool(respect_limits)
+        verdicts = np.zeros(n, np.int64)
+        if all_branches:
+            if arm_angle is None:
+                raise InvalidConfiguration("all_branches needs an arm_angle; without one, see solve_all and intervals")
+            out = np.empty((n, 8, ROW))
+
+            def work(first: int, last: int) -> None:
+                entries.solve_all_range(self._packed, T, first, last, psis, respect_limits, out, verdicts)
+        else:
+            out = np.empty((n, ROW))
+            searched = self._packed if respect_limits else self._packed_free
+            at_angle, seeded = arm_angle is not None, seed is not None
+
+            def work(first: int, last: int) -> None:
+                entries.solve_range(
+                    self._packed, searched, T, first, last, at_angle, psis, chosen, seeded, seeds, respect_limits, out, verdicts
+                )
+
+        run_in_threads(work, n, threads)
+        if verdicts.any():
+            bad = int(np.flatnonzero(verdicts)[0])
+            raise invalid_pose(int(verdicts[bad]), f" {bad} of {n}")
+        return BatchSolution(out, self.joint_names)
+
+    def intervals(self, pose: PoseLike, respect_limits: bool = True) -> list[Interval]:
+        """Feasible arm angles of every branch, exactly, in the order of branches.
+
+        On a near limb these are the intervals of the nearest exact one.
+
+        Raises:
+            InvalidPose: the pose is no finite rigid transform.
+        """
+        out = np.empty((8 * MAX_PIECES, 3))
+        count = entries.intervals(self._packed if respect_limits else self._packed_free, as_matrix(pose), out)
+        if count < 0:
+            raise invalid_pose(-count)
+        return [Interval(int(b), float(lower), float(upper)) for b, lower, upper in out[:count]]
+
+    # ------------------------------------------------------------------------------------------------------------
+
+    @cached_property
+    def _joints(self) -> list[Any]:
+        return [self.model.joints[i] for i in range(1, 8)]
+
+    @cached_property
+    def _thread_data(self) -> threading.local:
+        return threading.local()
+
+    @property
+    def _data(self) -> Any:
+        """Pinocchio's work space, one for each thread."""
+        local = self._thread_data
+        if not hasattr(local, "data"):
+            local.data = self.model.createData()
+        return local.data
+
+    def __getstate__(self) -> dict[str, Any]:
+        return {k: v for k, v in self.__dict__.items() if k not in ("_joints", "_thread_data")}
+
+    def __repr__(self) -> str:
+        kind = self.limb.kind
+        return f"<Arm {self.name}: {self.base} to {self.tip}, {kind} S-R-S, wrist {self.limb.wrist_kind}>"
+
+
+def _per_pose(value: ArrayLike, shape: tuple[int, ...], n: int, what: str) -> Array:
+    """One value for all poses as an array of length 1, or one a pose."""
+    try:
+        array = np.ascontiguousarray(np.array(value, dtype=np.float64))
+    except (TypeError, ValueError):
+        array = np.full((), np.nan)
+    if array.shape == shape:
+        array = array[None]
+    if array.shape not in ((1, *shape), (n, *shape)) or not np.isfinite(array).all():
+        expected = f"{shape} or {(n, *shape)}" if shape else f"a number or an array of {n}"
+        raise InvalidConfiguration(f"{what} must be finite, {expected}, not of shape {array.shape}")
+    return array

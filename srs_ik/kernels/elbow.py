@@ -1,0 +1,163 @@
+"""The triangle shoulder-elbow-wrist: from a tip pose to the elbow angle, and from the arm angle to the arm's rotation."""
+
+from __future__ import annotations
+
+import math
+
+from srs_ik.kernels.jit import kernel
+from srs_ik.kernels.layout import (
+    AXES,
+    FAR,
+    FOREARM,
+    NEAR,
+    NORMAL_0,
+    NORMAL_C,
+    NORMAL_KIND,
+    NORMAL_S,
+    REFERENCE,
+    REFERENCE_2,
+    SHOULDER_CENTRE,
+    STRAIGHT,
+    TIP_ROTATION,
+    UPPER_ARM,
+    WRIST_IN_TIP,
+)
+from srs_ik.kernels.vectors import (
+    across,
+    add,
+    along,
+    apply,
+    cross,
+    dot,
+    frame_to_frame,
+    load3,
+    load9,
+    norm,
+    rotate,
+    scale,
+    sub,
+)
+
+REFERENCE_SINE = 1e-8
+"""Below this sine between S-W and the reference direction, the second reference direction defines the arm angle."""
+
+
+@kernel
+def unit_across(a, u, spare):
+    """Unit vector of the part of a across the unit vector u; of `spare`, or any, where that vanishes."""
+    b = across(a, u)
+    length = norm(b)
+    if length < REFERENCE_SINE * norm(a) or length == 0.0:
+        b = across(spare, u)
+        length = norm(b)
+        if length < REFERENCE_SINE:
+            b = across((1.0, 0.0, 0.0) if abs(u[0]) < 0.7 else (0.0, 1.0, 0.0), u)
+            length = norm(b)
+    b = across(scale(1.0 / length, b), u)
+    return scale(1.0 / norm(b), b)
+
+
+@kernel
+def shoulder_to_wrist(P, R, p):
+    """Vector from the shoulder to the wrist centre for a tip pose (rotation R, position p)."""
+    return sub(add(p, apply(R, load3(P, WRIST_IN_TIP))), load3(P, SHOULDER_CENTRE))
+
+
+@kernel
+def target_frame(P, sw):
+    """Distance S-W, its direction t, and the direction h0 across it at which the arm angle is zero."""
+    d = norm(sw)
+    # A wrist on the shoulder leaves the direction open: take any, the same one always.
+    t = scale(1.0 / d, sw) if d > 0.0 else load3(P, REFERENCE_2)
+    return d, t, unit_across(load3(P, REFERENCE), t, load3(P, REFERENCE_2))
+
+
+@kernel
+def elbow_bend(P, d):
+    """Cosine and sine of the bend x = |q4 - STRAIGHT| for a distance S-W, and how far d lies outside reach (+far, -near)."""
+    far = (P[FAR] - d) * (P[FAR] + d)
+    near = (d - P[NEAR]) * (d + P[NEAR])
+    miss = 0.0
+    if far < 0.0:
+        miss = d - P[FAR]
+        far = 0.0
+    if near < 0.0:
+        miss = d - P[NEAR]
+        near = 0.0
+    total = far + near
+    return (near - far) / total, 2.0 * math.sqrt(far * near) / total, miss
+
+
+@kernel
+def arm_frame(P, c, s):
+    """Directions in the upper arm's frame: S-W (t), the elbow across it (h), and h x t, for cosine and sine of q4 - STRAIGHT.
+
+    h is the side of S-W on which the elbow lies. Where the limb can be straightened so that S, E and W are collinear, the
+    limit of h from the side of the sign of s is taken: it stays well-defined when the elbow is on the line.
+    """
+    a4 = load3(P, AXES + 9)
+    w = add(load3(P, UPPER_ARM), rotate(a4, c, s, load3(P, FOREARM)))
+    length = norm(w)
+    t = scale(1.0 / length, w) if length > 0.0 else unit_across(a4, a4, load3(P, UPPER_ARM))
+    kind = P[NORMAL_KIND]
+    if kind == 0.0:
+        n = scale(1.0 if s >= 0.0 else -1.0, load3(P, NORMAL_S))
+    elif kind == 1.0:
+        half_c = math.sqrt(0.5 * (1.0 + c)) if c > -0.5 else 0.5 * abs(s) / math.sqrt(0.5 * (1.0 - c))
+        half_s = 0.5 * s / half_c if c > -0.5 else math.copysign(math.sqrt(0.5 * (1.0 - c)), s)
+        sign = 1.0 if s >= 0.0 else -1.0
+        n = add(scale(sign * half_c, load3(P, NORMAL_S)), scale(sign * half_s, load3(P, NORMAL_C)))
+    else:
+        n = along(along(load3(P, NORMAL_0), s, load3(P, NORMAL_S)), 1.0 - c, load3(P, NORMAL_C))
+    n = unit_across(n, t, a4)
+    return t, cross(t, n), n
+
+
+@kernel
+def arm_rotation(t, h0, cos_psi, sin_psi, arm_t, arm_h, arm_n):
+    """Rotation of the upper arm that puts S-W along t and the elbow at the arm angle, h0 being its zero."""
+    h = along(scale(cos_psi, h0), sin_psi, cross(t, h0))
+    return frame_to_frame(t, h, cross(h, t), arm_t, arm_h, arm_n)
+
+
+@kernel
+def hand_rotation(P, R):
+    """Rotation of the hand from the zero configuration for a tip rotation R: R TIP_ROTATION'."""
+    H = load9(P, TIP_ROTATION)
+    return (
+        R[0] * H[0] + R[1] * H[1] + R[2] * H[2],
+        R[0] * H[3] + R[1] * H[4] + R[2] * H[5],
+        R[0] * H[6] + R[1] * H[7] + R[2] * H[8],
+        R[3] * H[0] + R[4] * H[1] + R[5] * H[2],
+        R[3] * H[3] + R[4] * H[4] + R[5] * H[5],
+        R[3] * H[6] + R[4] * H[7] + R[5] * H[8],
+        R[6] * H[0] + R[7] * H[1] + R[8] * H[2],
+        R[6] * H[3] + R[7] * H[4] + R[8] * H[5],
+        R[6] * H[6] + R[7] * H[7] + R[8] * H[8],
+    )
+
+
+@kernel
+def wrist_rotation(P, Rs, c4, s4, hand):
+    """Rotation that the wrist has to add: (Rs rot(a4, q4))' hand."""
+    a4 = load3(P, AXES + 9)
+    x = rotate(a4, c4, -s4, (Rs[0] * hand[0] + Rs[3] * hand[3] + Rs[6] * hand[6],
+                             Rs[1] * hand[0] + Rs[4] * hand[3] + Rs[7] * hand[6],
+                             Rs[2] * hand[0] + Rs[5] * hand[3] + Rs[8] * hand[6]))
+    y = rotate(a4, c4, -s4, (Rs[0] * hand[1] + Rs[3] * hand[4] + Rs[6] * hand[7],
+                             Rs[1] * hand[1] + Rs[4] * hand[4] + Rs[7] * hand[7],
+                             Rs[2] * hand[1] + Rs[5] * hand[4] + Rs[8] * hand[7]))
+    z = cross(x, y)
+    return (x[0], y[0], z[0], x[1], y[1], z[1], x[2], y[2], z[2])
+
+
+@kernel
+def straight_offset(P, q4):
+    """q4 - STRAIGHT."""
+    return q4 - P[STRAIGHT]
+
+
+@kernel
+def arm_angle_of_direction(t, h0, h):
+    """Arm angle of a direction h across t: right-handed about t, zero at h0."""
+    return math.atan2(dot(h, cross(t, h0)), dot(h, h0))

@@ -1,0 +1,290 @@
+"""Entry points: thin array wrappers around the kernels, for one pose and for many.
+
+A solving function writes rows laid out as `ROW_*` in `layout`; statuses are numbered as in `srs_ik.Status`.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from srs_ik.kernels.branches import NO_BRANCH, place
+from srs_ik.kernels.chain import forward_kinematics, pose_error
+from srs_ik.kernels.closure import arm_angle, clipped
+from srs_ik.kernels.elbow import shoulder_to_wrist, straight_offset, target_frame
+from srs_ik.kernels.intervals import MAX_EVENTS, MAX_PIECES, feasible_intervals
+from srs_ik.kernels.jit import entry, kernel
+from srs_ik.kernels.layout import (
+    IS_EXACT,
+    PHASE,
+    ROW_ARM_ANGLE,
+    ROW_BRANCH,
+    ROW_JOINT,
+    ROW_ORIENTATION_ERROR,
+    ROW_POSITION_ERROR,
+    ROW_Q,
+    ROW_STATUS,
+    SHOULDER,
+    WRIST,
+)
+from srs_ik.kernels.scoring import OUTSIDE, tightest_joint
+from srs_ik.kernels.search import evaluate, evaluate_branch, polished, rescue, search_interval
+
+OK = 0.0
+UNREACHABLE = 1.0
+OUT_OF_LIMITS = 2.0
+
+SOLVED = 1e-9
+"""A posture is a solution if position (m) and orientation (rad) errors on the true chain are below this."""
+
+NOT_A_ROTATION = 1e-6
+"""Largest deviation of R'R from the identity that is taken as rounding and removed."""
+
+GOOD_POSE = 0
+NOT_FINITE = 1
+NOT_RIGID = 2
+"""Verdicts on a pose."""
+
+NO_SEED = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+
+
+@kernel
+def read_pose(T):
+    """Rotation, position and verdict of a 4 x 4 pose; rounding in the rotation is removed."""
+    R = (T[0, 0], T[0, 1], T[0, 2], T[1, 0], T[1, 1], T[1, 2], T[2, 0], T[2, 1], T[2, 2])
+    p = (T[0, 3], T[1, 3], T[2, 3])
+    total = p[0] + p[1] + p[2]
+    for i in range(9):
+        total += R[i]
+    total += T[3, 0] + T[3, 1] + T[3, 2] + T[3, 3]
+    if not math.isfinite(total):
+        return R, p, NOT_FINITE
+    if max(abs(T[3, 0]), abs(T[3, 1]), abs(T[3, 2]), abs(T[3, 3] - 1.0)) > NOT_A_ROTATION:
+        return R, p, NOT_RIGID
+    for _ in range(2):
+        xx = R[0] * R[0] + R[3] * R[3] + R[6] * R[6] - 1.0
+        yy = R[1] * R[1] + R[4] * R[4] + R[7] * R[7] - 1.0
+        zz = R[2] * R[2] + R[5] * R[5] + R[8] * R[8] - 1.0
+        xy = R[0] * R[1] + R[3] * R[4] + R[6] * R[7]
+        yz = R[1] * R[2] + R[4] * R[5] + R[7] * R[8]
+        zx = R[2] * R[0] + R[5] * R[3] + R[8] * R[6]
+        off = max(abs(xx), abs(yy), abs(zz), abs(xy), abs(yz), abs(zx))
+        if off > NOT_A_ROTATION:
+            return R, p, NOT_RIGID
+        if off < 1e-15:
+            break
+        # R (3 I - R'R) / 2: the nearest rotation, to second order.
+        R = (
+            R[0] - 0.5 * (R[0] * xx + R[1] * xy + R[2] * zx),
+            R[1] - 0.5 * (R[0] * xy + R[1] * yy + R[2] * yz),
+            R[2] - 0.5 * (R[0] * zx + R[1] * yz + R[2] * zz),
+            R[3] - 0.5 * (R[3] * xx + R[4] * xy + R[5] * zx),
+            R[4] - 0.5 * (R[3] * xy + R[4] * yy + R[5] * yz),
+            R[5] - 0.5 * (R[3] * zx + R[4] * yz + R[5] * zz),
+            R[6] - 0.5 * (R[6] * xx + R[7] * xy + R[8] * zx),
+            R[7] - 0.5 * (R[6] * xy + R[7] * yy + R[8] * yz),
+            R[8] - 0.5 * (R[6] * zx + R[7] * yz + R[8] * zz),
+        )
+    determinant = (
+        R[0] * (R[4] * R[8] - R[5] * R[7]) - R[1] * (R[3] * R[8] - R[5] * R[6]) + R[2] * (R[3] * R[7] - R[4] * R[6])
+    )
+    return R, p, (GOOD_POSE if determinant > 0.0 else NOT_RIGID)
+
+
+@kernel
+def read7(q):
+    """Seven figures of an array as a tuple."""
+    return (q[0], q[1], q[2], q[3], q[4], q[5], q[6])
+
+
+@kernel
+def branch_of(P, q):
+    """Branch of a configuration, from the sides of its elbow, shoulder and wrist."""
+    e = 0 if math.sin(straight_offset(P, q[3])) >= 0.0 else 4
+    s = 0 if math.sin(q[1] - P[SHOULDER + PHASE]) >= 0.0 else 2
+    w = 0 if math.sin(q[5] - P[WRIST + PHASE]) >= 0.0 else 1
+    return e + s + w
+
+
+@kernel
+def write_row(P, place_, R, p, q, branch, lowest, respect, out):
+    """Measure a posture on the true chain, give it its status, and write its row."""
+    outside = respect and lowest >= OUTSIDE
+    if outside:
+        q = clipped(P, q)
+    position, orientation = pose_error(P, q, R, p)
+    for i in range(7):
+        out[ROW_Q + i] = q[i]
+    out[ROW_POSITION_ERROR] = position
+    out[ROW_ORIENTATION_ERROR] = orientation
+    out[ROW_ARM_ANGLE] = arm_angle(P, q, place_[0], place_[1])
+    out[ROW_BRANCH] = branch
+    out[ROW_JOINT] = tightest_joint(P, q)
+    solved = max(position, orientation) < SOLVED
+    if solved:
+        out[ROW_STATUS] = OK
+    elif outside and lowest < NO_BRANCH and place_[5] == 0.0:
+        out[ROW_STATUS] = OUT_OF_LIMITS
+    else:
+        out[ROW_STATUS] = UNREACHABLE
+
+
+@kernel
+def find_intervals(P, place_, out):
+    """Feasible intervals of one pose, with work space of their own."""
+    return feasible_intervals(
+        P,
+        place_,
+        np.empty(MAX_EVENTS),
+        np.empty(MAX_EVENTS, np.int64),
+        np.empty((2, MAX_PIECES, 2)),
+        np.empty((2, MAX_PIECES, 2)),
+        out,
+    )
+
+
+@kernel
+def search(P, F, place_, R, p, branch, seeded, seed, respect, J, A):
+    """Best posture over all arm angles: q, branch, cost. F is the limb whose intervals are searched."""
+    found = np.empty((8 * MAX_PIECES, 3))
+    n = find_intervals(F, place_, found)
+    best_q = seed
+    best = 0
+    lowest = 4.0 * NO_BRANCH
+    for i in range(n):
+        b = int(found[i, 0])
+        if branch >= 0 and b != branch:
+            continue
+        _, q, value = search_interval(P, place_, R, p, b, found[i, 1], found[i, 2], seeded, seed, respect, J, A)
+        if value < lowest:
+            best_q = q
+            best = b
+            lowest = value
+    if lowest < OUTSIDE:
+        return best_q, best, lowest
+    if P[IS_EXACT] != 1.0:
+        q, b, value = rescue(P, place_, R, p, branch, seeded, seed, respect, J, A)
+        if value < lowest:
+            best_q = q
+            best = b
+            lowest = value
+        if lowest < OUTSIDE:
+            return best_q, best, lowest
+    # No posture inside the limits: the least violating one.
+    first = 0 if branch < 0 else branch
+    last = 7 if branch < 0 else branch
+    for b in range(first, last + 1):
+        _, q, value = search_interval(P, place_, R, p, b, -math.pi, math.pi, seeded, seed, respect, J, A)
+        if value < lowest:
+            best_q = q
+            best = b
+            lowest = value
+    return best_q, best, lowest
+
+
+@kernel
+def solve_one(P, F, T, at_angle, psi, branch, seeded, seed, respect, J, A, out):
+    """Solve one pose into a row; returns the verdict on the pose."""
+    R, p, verdict = read_pose(T)
+    if verdict != GOOD_POSE:
+        return verdict
+    place_ = place(P, R, p)
+    if at_angle:
+        q, best, lowest = evaluate(P, place_, R, p, psi, branch, seeded, seed, respect, J, A)
+    else:
+        q, best, lowest = search(P, F, place_, R, p, branch, seeded, seed, respect, J, A)
+    q = polished(P, q, R, p, respect and lowest < OUTSIDE, J, A)
+    write_row(P, place_, R, p, q, best, lowest, respect, out)
+    if at_angle and P[IS_EXACT] == 1.0 and out[ROW_STATUS] == OK:
+        out[ROW_ARM_ANGLE] = psi - 2.0 * math.pi * math.floor((psi + math.pi) / (2.0 * math.pi))
+    return GOOD_POSE
+
+
+@entry
+def solve(P, F, T, at_angle, psi, branch, seeded, seed, respect, out):
+    """Solve one pose into a row of `out`; returns the verdict on the pose."""
+    J = np.empty((6, 7))
+    A = np.empty((7, 8))
+    return solve_one(P, F, T, at_angle, psi, branch, seeded, read7(seed), respect, J, A, out)
+
+
+@entry
+def solve_range(P, F, poses, first, last, at_angle, psis, branch, seeded, seeds, respect, out, verdicts):
+    """Solve the poses first to last - 1; psis and seeds hold one value for all, or one a pose."""
+    J = np.empty((6, 7))
+    A = np.empty((7, 8))
+    for i in range(first, last):
+        psi = psis[i if psis.shape[0] > 1 else 0]
+        seed = read7(seeds[i if seeds.shape[0] > 1 else 0])
+        verdicts[i] = solve_one(P, F, poses[i], at_angle, psi, branch, seeded, seed, respect, J, A, out[i])
+
+
+@kernel
+def all_branches(P, T, psi, respect, J, A, out):
+    """One row a branch at an arm angle, in the order of branches."""
+    R, p, verdict = read_pose(T)
+    if verdict != GOOD_POSE:
+        return verdict
+    place_ = place(P, R, p)
+    for branch in range(8):
+        q, lowest = evaluate_branch(P, place_, R, p, psi, branch, False, NO_SEED, respect, J, A)
+        q = polished(P, q, R, p, respect and lowest < OUTSIDE, J, A)
+        write_row(P, place_, R, p, q, branch, lowest, respect, out[branch])
+    return GOOD_POSE
+
+
+@entry
+def solve_all(P, T, psi, respect, out):
+    """All eight branches of one pose at an arm angle into the rows of `out` (8, ROW)."""
+    return all_branches(P, T, psi, respect, np.empty((6, 7)), np.empty((7, 8)), out)
+
+
+@entry
+def solve_all_range(P, poses, first, last, psis, respect, out, verdicts):
+    """All eight branches of the poses first to last - 1."""
+    J = np.empty((6, 7))
+    A = np.empty((7, 8))
+    for i in range(first, last):
+        psi = psis[i if psis.shape[0] > 1 else 0]
+        verdicts[i] = all_branches(P, poses[i], psi, respect, J, A, out[i])
+
+
+@entry
+def intervals(P, T, out):
+    """Feasible intervals of one pose on the exact limb: number of rows written to `out` (n, 3), or minus the verdict."""
+    R, p, verdict = read_pose(T)
+    if verdict != GOOD_POSE:
+        return -verdict
+    return find_intervals(P, place(P, R, p), out)
+
+
+@entry
+def solve_intervals(P, F, T, respect, out):
+    """The best posture of every feasible interval of one pose: number of rows of `out`, or minus the verdict."""
+    R, p, verdict = read_pose(T)
+    if verdict != GOOD_POSE:
+        return -verdict
+    J = np.empty((6, 7))
+    A = np.empty((7, 8))
+    place_ = place(P, R, p)
+    found = np.empty((8 * MAX_PIECES, 3))
+    n = find_intervals(F, place_, found)
+    for i in range(n):
+        b = int(found[i, 0])
+        _, q, lowest = search_interval(
+            P, place_, R, p, b, found[i, 1], found[i, 2], False, NO_SEED, respect, J, A
+        )
+        q = polished(P, q, R, p, respect and lowest < OUTSIDE, J, A)
+        write_row(P, place_, R, p, q, b, lowest, respect, out[i])
+    return n
+
+
+@entry
+def configuration_arm_angle(P, q):
+    """Arm angle and branch of a configuration."""
+    q = read7(q)
+    x, y, z, p = forward_kinematics(P, q)
+    R = (x[0], y[0], z[0], x[1], y[1], z[1], x[2], y[2], z[2])
+    _, t, h0 = target_frame(P, shoulder_to_wrist(P, R, p))
+    return arm_angle(P, q, t, h0), branch_of(P, q)

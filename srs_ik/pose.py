@@ -1,0 +1,114 @@
+"""Poses and joint vectors as callers give them, checked and brought to plain arrays."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+import pinocchio as pin
+from numpy.typing import ArrayLike, NDArray
+
+from srs_ik.errors import InvalidConfiguration, InvalidPose
+from srs_ik.kernels.entries import NOT_FINITE
+
+Array = NDArray[np.float64]
+PoseLike = Any
+"""A `pinocchio.SE3`, or anything that NumPy reads as a 4 x 4 array."""
+
+_FLOAT = np.dtype(np.float64)
+
+
+def as_matrix(pose: PoseLike) -> Array:
+    """A pose as a (4, 4) array of floats, C-ordered and writeable. Whether it is a rigid transform is checked later.
+
+    Raises:
+        InvalidPose: not 4 x 4, or not numbers.
+    """
+    if type(pose) is np.ndarray and pose.dtype is _FLOAT and pose.shape == (4, 4) and pose.flags.carray:
+        return pose
+    if isinstance(pose, pin.SE3):
+        return pose.homogeneous
+    return _floats(pose, (4, 4), "a pose is a pinocchio.SE3 or a 4 x 4 array")
+
+
+def as_matrices(poses: Any) -> Array:
+    """Many poses as an (N, 4, 4) array; a list of `pinocchio.SE3` will do.
+
+    Raises:
+        InvalidPose: not N x 4 x 4, or not numbers.
+    """
+    if not isinstance(poses, np.ndarray) and not isinstance(poses, pin.SE3):
+        try:
+            poses = list(poses)
+        except TypeError:
+            raise InvalidPose(f"poses are an (N, 4, 4) array or a list of poses, not {type(poses).__name__}") from None
+        if any(isinstance(pose, pin.SE3) for pose in poses):
+            poses = np.stack([as_matrix(pose) for pose in poses])
+        elif not poses:
+            return np.empty((0, 4, 4))
+    return _floats(poses, (None, 4, 4), "poses are an (N, 4, 4) array")
+
+
+def _floats(values: Any, shape: tuple[int | None, ...], what: str) -> Array:
+    try:
+        array = np.array(values, dtype=np.float64, order="C")
+    except (TypeError, ValueError):
+        raise InvalidPose(f"{what}, not {type(values).__name__}") from None
+    if array.ndim != len(shape) or any(n is not None and n != m for n, m in zip(shape, array.shape, strict=True)):
+        raise InvalidPose(f"{what}, not an array of shape {array.shape}")
+    return array
+
+
+def invalid_pose(verdict: int, where: str = "") -> InvalidPose:
+    """The error for a verdict of `kernels.entries.read_pose`; `where` names the pose among many."""
+    if verdict == NOT_FINITE:
+        return InvalidPose(f"the pose{where} has entries that are not finite numbers")
+    return InvalidPose(
+        f"the pose{where} is no rigid transform: R'R must be the identity to 1e-6, det R positive, the last row 0 0 0 1"
+    )
+
+
+def as_joint_vector(q: ArrayLike, what: str = "q") -> Array:
+    """Seven joint angles as a (7,) array of floats.
+
+    Raises:
+        InvalidConfiguration: not seven, not numbers, or not finite.
+    """
+    try:
+        array = np.array(q, dtype=np.float64)
+    except (TypeError, ValueError):
+        raise InvalidConfiguration(f"{what} must be 7 joint angles, not {type(q).__name__}") from None
+    if array.shape != (7,):
+        raise InvalidConfiguration(f"{what} must be 7 joint angles, not an array of shape {array.shape}")
+    if not math.isfinite(array.sum()):
+        raise InvalidConfiguration(f"{what} has entries that are not finite numbers")
+    return array
+
+
+def as_arm_angle(arm_angle: float) -> float:
+    """A finite arm angle.
+
+    Raises:
+        InvalidConfiguration: not a finite number.
+    """
+    try:
+        value = float(arm_angle)
+    except (TypeError, ValueError):
+        value = math.nan
+    if not math.isfinite(value):
+        raise InvalidConfiguration(f"the arm angle must be a finite number of radians, not {arm_angle!r}")
+    return value
+
+
+def as_branch(branch: int | None) -> int:
+    """A branch number, or -1 for any.
+
+    Raises:
+        InvalidConfiguration: not an integer from 0 to 7.
+    """
+    if branch is None:
+        return -1
+    if isinstance(branch, bool) or not isinstance(branch, (int, np.integer)) or not 0 <= branch <= 7:
+        raise InvalidConfiguration(f"a branch is an integer from 0 to 7, not {branch!r}")
+    return int(branch)
