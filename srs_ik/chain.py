@@ -39,6 +39,8 @@ class Chain:
             position. Its nq is 7, and one more for each continuous joint.
         base: name of the base frame; the seven joints do not move it.
         tip: name of the tip frame, moved by joint 7.
+        base_id: index of the base frame in `model`, also where a joint bears the same name.
+        tip_id: index of the tip frame in `model`.
         joint_names: the seven names, from the base outwards.
         axes: (7, 3) unit directions of the joint axes.
         points: (7, 3) a point on each joint axis, metres.
@@ -52,6 +54,8 @@ class Chain:
     model: Any
     base: str
     tip: str
+    base_id: int
+    tip_id: int
     joint_names: tuple[str, ...]
     axes: Vector
     points: Vector
@@ -71,130 +75,202 @@ class Lines:
     T_base_tip_zero: Vector
 
 
-def windows(model: Any, excluded: Collection[str] = ()) -> list[tuple[int, ...]]:
-    """Every run of seven revolute joints of which each is the parent of the next.
+@dataclass(frozen=True)
+class _Frame:
+    name: str
+    rank: int
+    joint: int
+    parent: int
+
+
+class Skeleton:
+    """The joints and frames of a robot at its neutral configuration, looked up once for any number of questions.
 
     Args:
-        model: a ``pinocchio.Model``.
-        excluded: names of joints that cannot take part, such as those that mimic another one.
-
-    Returns:
-        Joint indices of each run, from the base outwards, ordered by the last one.
+        model: a ``pinocchio.Model``; it is not changed.
     """
-    found = []
-    for last in range(1, model.njoints):
-        joints: list[int] = []
-        joint = last
-        while len(joints) < 7 and joint > 0 and is_revolute(model, joint) and model.names[joint] not in excluded:
-            joints.append(joint)
-            joint = int(model.parents[joint])
-        if len(joints) == 7:
-            found.append(tuple(reversed(joints)))
-    return found
 
+    def __init__(self, model: Any) -> None:
+        self.model = model
+        self.joint_names: tuple[str, ...] = tuple(model.names)
+        self.parents: tuple[int, ...] = tuple(int(parent) for parent in model.parents)
+        self._above: list[list[int]] = [[] for _ in self.parents]
+        for joint, parent in enumerate(self.parents[1:], 1):
+            self._above[parent].append(joint)
+        self._data = model.createData()
+        self._J_world = pin.computeJointJacobians(model, self._data, pin.neutral(model))
+        pin.updateFramePlacements(model, self._data)
+        ranks = {kind: rank for rank, kind in enumerate(_FRAME_PREFERENCE)}
+        self._frames = [_Frame(f.name, ranks[f.type], int(f.parentJoint), int(f.parentFrame)) for f in model.frames]
+        self._revolute = [joint.shortname() in _REVOLUTE + _CONTINUOUS for joint in model.joints]
+        joint_rank = ranks[pin.FrameType.JOINT]
+        self._own_frame = {
+            f.joint: k
+            for k, f in enumerate(self._frames)
+            if f.rank == joint_rank and f.name == self.joint_names[f.joint]
+        }
 
-def is_revolute(model: Any, joint: int) -> bool:
-    """True if a joint turns about one fixed axis, with or without stops."""
-    return model.joints[joint].shortname() in _REVOLUTE + _CONTINUOUS
+    def is_revolute(self, joint: int) -> bool:
+        """True if a joint turns about one fixed axis, with or without stops."""
+        return self._revolute[joint]
 
+    def path(self, joint: int) -> list[int]:
+        """The joints from the root of the robot to a joint, itself included."""
+        found = []
+        while joint > 0:
+            found.append(joint)
+            joint = self.parents[joint]
+        return found[::-1]
 
-def joints_between(model: Any, base: str, tip: str) -> list[int]:
-    """Joints that move the tip frame but not the base frame, from the base outwards.
+    def windows(self, excluded: Collection[str] = ()) -> list[tuple[int, ...]]:
+        """Every run of seven revolute joints of which each is the parent of the next.
 
-    Raises:
-        FrameNotFound: one of the frames does not exist.
-    """
-    ends = [model.frames[find_frame(model, name)].parentJoint for name in (base, tip)]
-    base_path, tip_path = (list(model.supports[joint]) for joint in ends)
-    return [int(joint) for joint in tip_path if joint not in base_path]
+        Args:
+            excluded: names of joints that cannot take part, such as those that mimic another one.
 
+        Returns:
+            Joint indices of each run, from the base outwards, ordered by the last one.
+        """
+        usable = [self._revolute[j] and name not in excluded for j, name in enumerate(self.joint_names)]
+        found = []
+        for last in range(1, len(self.parents)):
+            joints: list[int] = []
+            joint = last
+            while len(joints) < 7 and joint > 0 and usable[joint]:
+                joints.append(joint)
+                joint = self.parents[joint]
+            if len(joints) == 7:
+                found.append(tuple(reversed(joints)))
+        return found
 
-def find_frame(model: Any, name: str) -> int:
-    """Index of the frame of a name; a link is preferred to a joint or sensor of the same name.
+    def oddity(self, joints: Sequence[int]) -> int:
+        """How unlike a limb a run of joints lies in its robot: 0 for one that begins and ends where limbs do.
 
-    Raises:
-        FrameNotFound: there is none.
-        InvalidRobot: there are several of the same kind, so the name does not say which is meant.
-    """
-    for kind in _FRAME_PREFERENCE:
-        matches = [k for k, frame in enumerate(model.frames) if frame.name == name and frame.type == kind]
-        if len(matches) > 1:
-            raise InvalidRobot(f"the robot {model.name!r} has {len(matches)} frames named {name!r}", model.name)
-        if matches:
-            return matches[0]
-    raise FrameNotFound(name, frame_names(model), robot=model.name)
+        Limbs begin at the root, at a fork or behind a sliding joint, do not fork on the way, and end where nothing, a
+        fork or a joint that is not revolute follows. Every exception counts 1.
 
+        Args:
+            joints: indices of consecutive revolute joints, from the base outwards.
+        """
+        before, after = self.parents[joints[0]], self._above[joints[-1]]
+        begins_within = before != 0 and self._revolute[before] and len(self._above[before]) == 1
+        ends_within = len(after) == 1 and self._revolute[after[0]]
+        forks = sum(len(self._above[joint]) > 1 for joint in joints[:-1])
+        return int(begins_within) + int(ends_within) + forks
 
-def frame_names(model: Any) -> list[str]:
-    """Names that `find_frame` knows, links first, each once."""
-    ranked = sorted(model.frames, key=lambda frame: _FRAME_PREFERENCE.index(frame.type))
-    return list(dict.fromkeys(frame.name for frame in ranked if frame.name != "universe"))
+    def find_frame(self, name: str) -> int:
+        """Index of the frame of a name; a link is preferred to a joint or sensor of the same name.
 
+        Raises:
+            FrameNotFound: there is none.
+            InvalidRobot: there are several of the same kind, so the name does not say which is meant.
+        """
+        matches = sorted((frame.rank, k) for k, frame in enumerate(self._frames) if frame.name == name)
+        if not matches:
+            raise FrameNotFound(name, self.frame_names(), robot=self.model.name)
+        if len(matches) > 1 and matches[0][0] == matches[1][0]:
+            raise InvalidRobot(f"the robot {self.model.name!r} has several frames named {name!r}", self.model.name)
+        return matches[0][1]
 
-def default_base(model: Any, joint: int) -> str:
-    """Name of the link that carries a joint.
+    def frame_names(self) -> list[str]:
+        """Names that `find_frame` knows, links first, each once."""
+        ranked = sorted(self._frames[1:], key=lambda frame: frame.rank)
+        return list(dict.fromkeys(frame.name for frame in ranked))
 
-    Raises:
-        InvalidRobot: the model was made without frames there, so the base frame has to be named.
-    """
-    own = _joint_frame(model, joint)
-    if own is not None:
-        return model.frames[model.frames[own].parentFrame].name
-    return _frame_on(model, int(model.parents[joint]), "base")
+    def joint_of(self, frame: str) -> int:
+        """Index of the joint that carries a frame, 0 for a frame that no joint moves."""
+        return self._frames[self.find_frame(frame)].joint
 
+    def joints_between(self, base: str, tip: str) -> list[int]:
+        """Joints that move the tip frame but not the base frame, from the base outwards.
 
-def default_tip(model: Any, joint: int) -> str:
-    """Name of the outermost link that is surely the hand of a joint.
+        Raises:
+            FrameNotFound: one of the frames does not exist.
+        """
+        below = self.path(self.joint_of(base))
+        return [joint for joint in self.path(self.joint_of(tip)) if joint not in below]
 
-    From the link that the joint moves, the way goes on as long as there is exactly one child link and it is attached by
-    a fixed joint; it ends at a fork and before a moving joint.
+    def default_base(self, joint: int) -> str:
+        """Name of the link that carries a joint.
 
-    Raises:
-        InvalidRobot: the model was made without frames there, so the tip frame has to be named.
-    """
-    start = _joint_frame(model, joint)
-    if start is None:
-        return _frame_on(model, joint, "tip")
-    links, attached = _frame_children(model)
-    if not links.get(start):
-        return model.frames[start].name
-    tip = links[start][0]
-    while len(attached.get(tip, ())) == 1:
-        (fixed,) = attached[tip]
-        if model.frames[fixed].type != pin.FrameType.FIXED_JOINT or len(links.get(fixed, ())) != 1:
-            break
-        (tip,) = links[fixed]
-    return model.frames[tip].name
+        Raises:
+            InvalidRobot: the model was made without frames there, so the base frame has to be named.
+        """
+        own = self._own_frame.get(joint)
+        if own is not None:
+            return self._frames[self._frames[own].parent].name
+        return self._frame_on(self.parents[joint], "base")
 
+    def default_tip(self, joint: int) -> str:
+        """Name of the outermost link that is surely the hand of a joint.
 
-def carries(model: Any, frame: int, joint: int) -> bool:
-    """True if a frame lies on the way from the root of the robot to a joint, so that the joint hangs on it."""
-    own = _joint_frame(model, joint)
-    if own is None:
-        return model.frames[frame].parentJoint in list(model.supports[model.parents[joint]])
-    above = model.frames[own].parentFrame
-    while above != frame and above != 0:
-        above = model.frames[above].parentFrame
-    return above == frame
+        From the link that the joint moves, the way goes on as long as there is exactly one child link and it is
+        attached by a fixed joint; it ends at a fork and before a moving joint.
 
+        Raises:
+            InvalidRobot: the model was made without frames there, so the tip frame has to be named.
+        """
+        start = self._own_frame.get(joint)
+        if start is None:
+            return self._frame_on(joint, "tip")
+        links = self._children(start, pin.FrameType.BODY)
+        if not links:
+            return self._frames[start].name
+        tip = links[0]
+        while True:
+            fixed = self._children(tip, pin.FrameType.FIXED_JOINT)
+            if len(fixed) != 1 or self._children(tip, pin.FrameType.JOINT):
+                break
+            links = self._children(fixed[0], pin.FrameType.BODY)
+            if len(links) != 1:
+                break
+            (tip,) = links
+        return self._frames[tip].name
 
-def measure(model: Any, joints: Sequence[int], base: int, tip: int) -> Lines:
-    """The axes of revolute joints as lines at the neutral configuration, by Pinocchio's Jacobian.
+    def carries(self, frame: str, joint: int) -> bool:
+        """True if a frame lies on the way from the root of the robot to a joint, so that the joint hangs on it."""
+        wanted, own = self.find_frame(frame), self._own_frame.get(joint)
+        if own is None:
+            return self._frames[wanted].joint in (0, *self.path(self.parents[joint]))
+        above = self._frames[own].parent
+        while above not in (wanted, 0):
+            above = self._frames[above].parent
+        return above == wanted
 
-    Args:
-        model: a ``pinocchio.Model``.
-        joints: indices of the joints.
-        base: index of the base frame.
-        tip: index of the tip frame.
-    """
-    data = model.createData()
-    J_world = pin.computeJointJacobians(model, data, pin.neutral(model))
-    pin.updateFramePlacements(model, data)
-    T_base_world = data.oMf[base].inverse()
-    columns = [model.joints[joint].idx_v for joint in joints]
-    axes = (T_base_world.rotation @ J_world[3:, columns]).T
-    points = np.array([T_base_world.act(data.oMi[joint].translation) for joint in joints])
-    return Lines(axes, points, (T_base_world * data.oMf[tip]).homogeneous)
+    def measure(self, joints: Sequence[int], base: str, tip: str) -> Lines:
+        """The axes of revolute joints as lines, by Pinocchio's Jacobian.
+
+        Args:
+            joints: indices of the joints.
+            base: name of the base frame.
+            tip: name of the tip frame.
+        """
+        T_base_world = self._data.oMf[self.find_frame(base)].inverse()
+        columns = [self.model.joints[joint].idx_v for joint in joints]
+        axes = (T_base_world.rotation @ self._J_world[3:, columns]).T
+        points = np.array([T_base_world.act(self._data.oMi[joint].translation) for joint in joints])
+        return Lines(axes, points, self.transform(base, tip))
+
+    def transform(self, to: str, frame: str) -> Vector:
+        """(4, 4) pose of one frame in another."""
+        T_world_to, T_world_frame = (self._data.oMf[self.find_frame(name)] for name in (to, frame))
+        return T_world_to.actInv(T_world_frame).homogeneous
+
+    def _children(self, frame: int, kind: Any) -> list[int]:
+        rank = _FRAME_PREFERENCE.index(kind)
+        # The first frame is the universe, which is its own parent.
+        return [k for k, f in enumerate(self._frames[1:], 1) if f.parent == frame and f.rank == rank]
+
+    def _frame_on(self, joint: int, end: str) -> str:
+        """Some frame on a joint of a model that has no frames for its joints."""
+        if joint == 0:
+            return self._frames[0].name
+        on_joint = sorted((frame.rank, k) for k, frame in enumerate(self._frames) if frame.joint == joint)
+        if not on_joint:
+            name = self.model.name
+            message = f"the model {name!r} has no frame on joint {self.joint_names[joint]!r}: add one, to be its {end}"
+            raise InvalidRobot(message, name)
+        return self._frames[on_joint[0][1]].name
 
 
 def build_chain(model: Any, joints: Sequence[int], base: str, tip: str) -> Chain:
@@ -212,25 +288,25 @@ def build_chain(model: Any, joints: Sequence[int], base: str, tip: str) -> Chain
         InvalidRobot: Pinocchio cannot lock the other joints, or a joint limit is no number.
     """
     names = tuple(model.names[joint] for joint in joints)
-    for frame in (base, tip):
-        find_frame(model, frame)
     locked = [joint for joint in range(1, model.njoints) if joint not in joints]
     try:
         reduced = pin.buildReducedModel(model, locked, pin.neutral(model)) if locked else pin.Model(model)
     except ValueError as error:
         raise InvalidRobot(f"Pinocchio cannot lock the other joints of {model.name!r}: {error}", model.name) from None
-    base_id, tip_id = find_frame(reduced, base), find_frame(reduced, tip)
-    moved_by = reduced.frames[base_id].parentJoint
+    skeleton = Skeleton(reduced)
+    moved_by = skeleton.joint_of(base)
     if moved_by != 0:
         raise NotAnSrsLimb(f"the base frame {base!r} is moved by joint {names[moved_by - 1]!r} of the limb", names)
-    if reduced.frames[tip_id].parentJoint != 7:
+    if skeleton.joint_of(tip) != 7:
         raise NotAnSrsLimb(f"the tip frame {tip!r} is not moved by joint {names[6]!r}, the last of the limb", names)
-    lines = measure(reduced, range(1, 8), base_id, tip_id)
+    lines = skeleton.measure(range(1, 8), base, tip)
     lower, upper = _position_limits(reduced)
     chain = Chain(
         model=reduced,
         base=base,
         tip=tip,
+        base_id=skeleton.find_frame(base),
+        tip_id=skeleton.find_frame(tip),
         joint_names=names,
         axes=lines.axes,
         points=lines.points,
@@ -262,36 +338,3 @@ def _position_limits(model: Any) -> tuple[Vector, Vector]:
 def _given_or_infinite(limit: Vector) -> Vector:
     values = np.array(limit, dtype=float)
     return np.where((values > 0.0) & (values < _UNLIMITED), values, np.inf)
-
-
-def _joint_frame(model: Any, joint: int) -> int | None:
-    for k, frame in enumerate(model.frames):
-        if frame.type == pin.FrameType.JOINT and frame.parentJoint == joint and frame.name == model.names[joint]:
-            return k
-    return None
-
-
-def _frame_on(model: Any, joint: int, end: str) -> str:
-    """Some frame on a joint of a model that has no frames for its joints."""
-    if joint == 0:
-        return "universe"
-    kinds = {kind: rank for rank, kind in enumerate(_FRAME_PREFERENCE)}
-    on_joint = sorted((kinds[frame.type], k) for k, frame in enumerate(model.frames) if frame.parentJoint == joint)
-    if not on_joint:
-        message = f"the model {model.name!r} has no frame on joint {model.names[joint]!r}; add one and give it as {end}"
-        raise InvalidRobot(message, model.name)
-    return model.frames[on_joint[0][1]].name
-
-
-def _frame_children(model: Any) -> tuple[dict[int, list[int]], dict[int, list[int]]]:
-    """For each frame, the links on it, and the joints, fixed or moving, that hang on it."""
-    links: dict[int, list[int]] = {}
-    attached: dict[int, list[int]] = {}
-    for k, frame in enumerate(model.frames):
-        if k == 0:
-            continue
-        if frame.type == pin.FrameType.BODY:
-            links.setdefault(frame.parentFrame, []).append(k)
-        elif frame.type in (pin.FrameType.JOINT, pin.FrameType.FIXED_JOINT):
-            attached.setdefault(frame.parentFrame, []).append(k)
-    return links, attached

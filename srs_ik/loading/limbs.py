@@ -10,7 +10,7 @@ from typing import Any, Literal
 
 import numpy as np
 
-from srs_ik.chain import default_base, default_tip, find_frame, measure
+from srs_ik.chain import Skeleton
 from srs_ik.limb import EXACT_MISS, SrsLimb, Vector, WristKind
 from srs_ik.loading.sources import Description
 from srs_ik.recognition import recognise
@@ -73,6 +73,7 @@ class Candidate:
 
 def examine(
     description: Description,
+    skeleton: Skeleton,
     joints: Sequence[int],
     base: str | None = None,
     tip: str | None = None,
@@ -82,22 +83,22 @@ def examine(
 
     Args:
         description: the robot.
+        skeleton: its joints and frames.
         joints: indices of the joints, from the base outwards.
         base: name of the base frame; that of the description if the joints do not move it, else the link of joint 1.
         tip: name of the tip frame; that of the description if joint 7 is the last that moves it, else the default tip.
         reference: (3,) arm-angle reference in the base frame, if not that of the description or the default.
     """
-    model = description.robot.model
-    base = base or _meant_base(description, joints) or default_base(model, joints[0])
-    tip = tip or _meant_tip(description, joints) or default_tip(model, joints[-1])
-    lines = measure(model, joints, find_frame(model, base), find_frame(model, tip))
+    base = base or _meant_base(description, skeleton, joints) or skeleton.default_base(joints[0])
+    tip = tip or _meant_tip(description, skeleton, joints) or skeleton.default_tip(joints[-1])
+    lines = skeleton.measure(joints, base, tip)
     if reference is None and base == description.base:
         reference = description.reference
     found = recognise(lines.axes, lines.points, lines.T_base_tip_zero, reference)
     report = LimbReport(
         base=base,
         tip=tip,
-        joint_names=tuple(model.names[joint] for joint in joints),
+        joint_names=tuple(skeleton.joint_names[joint] for joint in joints),
         kind=found.kind,
         misses_mm=1e3 * found.misses,
         elbow_offset=found.elbow_offset,
@@ -108,17 +109,17 @@ def examine(
     return Candidate(tuple(joints), report)
 
 
-def weigh(candidates: Collection[Candidate], model: Any) -> list[Candidate]:
+def weigh(candidates: Collection[Candidate], skeleton: Skeleton) -> list[Candidate]:
     """Of candidates that share joints keep the best: limbs without a joint in common, then other chains.
 
     An exact limb goes before a near one, then the smaller miss, then the smaller elbow offset (three joints of a trunk
-    and a shoulder can be a limb of their own, with the collar for an elbow), then the chain farther out. A refused chain
-    that shares joints with a limb (trunk and arm, arm and finger) says nothing and is left out; of refused chains along
-    one way from the root to an end, the one nearest to a limb stays.
+    and a shoulder can be a limb of their own, with the collar for an elbow), then the chain farther out. A refused
+    chain that shares joints with a limb (trunk and arm, arm and finger) says nothing and is left out; of refused chains
+    along one way from the root to an end, the one stays that lies most like a limb, and then whose axes miss least.
 
     Args:
         candidates: any candidates of one robot.
-        model: its ``pinocchio.Model``.
+        skeleton: its joints and frames.
 
     Returns:
         Limbs in the order of the robot's joints, then refused chains in that order.
@@ -134,8 +135,8 @@ def weigh(candidates: Collection[Candidate], model: Any) -> list[Candidate]:
             limbs[k] = _noted(limbs[k], candidate)
     used = {joint for candidate in accepted for joint in candidate.joints}
     chains: list[Candidate] = []
-    for candidate in sorted(refused, key=_rank_of_refused):
-        if used.isdisjoint(candidate.joints) and not any(_in_line(model, candidate, chain) for chain in chains):
+    for candidate in sorted(refused, key=lambda candidate: _rank_of_refused(skeleton, candidate)):
+        if used.isdisjoint(candidate.joints) and not any(_in_line(skeleton, candidate, chain) for chain in chains):
             chains.append(candidate)
     return [*sorted(limbs, key=_place), *sorted(chains, key=_place)]
 
@@ -153,19 +154,17 @@ def explained(reason: str, joint_names: Sequence[str], misses_mm: Vector) -> str
     return f"{clause} (distance of each axis from its centre: {', '.join(misses)})" if misses else clause
 
 
-def _meant_base(description: Description, joints: Sequence[int]) -> str | None:
+def _meant_base(description: Description, skeleton: Skeleton, joints: Sequence[int]) -> str | None:
     if description.base is None:
         return None
-    model = description.robot.model
-    movers = model.supports[model.frames[find_frame(model, description.base)].parentJoint]
-    return None if set(movers) & set(joints) else description.base
+    movers = skeleton.path(skeleton.joint_of(description.base))
+    return description.base if set(movers).isdisjoint(joints) else None
 
 
-def _meant_tip(description: Description, joints: Sequence[int]) -> str | None:
+def _meant_tip(description: Description, skeleton: Skeleton, joints: Sequence[int]) -> str | None:
     if description.tip is None:
         return None
-    model = description.robot.model
-    return description.tip if model.frames[find_frame(model, description.tip)].parentJoint == joints[-1] else None
+    return description.tip if skeleton.joint_of(description.tip) == joints[-1] else None
 
 
 def _rank_of_limb(candidate: Candidate) -> tuple[Any, ...]:
@@ -176,9 +175,10 @@ def _rank_of_limb(candidate: Candidate) -> tuple[Any, ...]:
     return (not exact, round(miss, 3), round(1e3 * report.elbow_offset, 3), -candidate.joints[-1])
 
 
-def _rank_of_refused(candidate: Candidate) -> tuple[float, int]:
+def _rank_of_refused(skeleton: Skeleton, candidate: Candidate) -> tuple[Any, ...]:
     worst = float(np.max(candidate.report.misses_mm))
-    return (math.inf if math.isnan(worst) else worst, candidate.joints[-1])
+    miss = math.inf if math.isnan(worst) else round(worst, 3)
+    return (skeleton.oddity(candidate.joints), miss, candidate.joints[-1])
 
 
 def _place(candidate: Candidate) -> tuple[int, ...]:
@@ -192,7 +192,7 @@ def _noted(kept: Candidate, other: Candidate) -> Candidate:
     return Candidate(kept.joints, replace(report, note=note))
 
 
-def _in_line(model: Any, one: Candidate, other: Candidate) -> bool:
-    """True if both chains lie on one way from the root of the robot outwards."""
+def _in_line(skeleton: Skeleton, one: Candidate, other: Candidate) -> bool:
+    """True if both chains lie on one way from the root of the robot outwards, or share a joint."""
     a, b = one.joints[-1], other.joints[-1]
-    return a in list(model.supports[b]) or b in list(model.supports[a]) or bool(set(one.joints) & set(other.joints))
+    return a in skeleton.path(b) or b in skeleton.path(a) or not set(one.joints).isdisjoint(other.joints)

@@ -6,19 +6,8 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-import pinocchio as pin
 
-from srs_ik.chain import (
-    Chain,
-    build_chain,
-    carries,
-    default_base,
-    default_tip,
-    find_frame,
-    is_revolute,
-    joints_between,
-    windows,
-)
+from srs_ik.chain import Chain, Skeleton, build_chain
 from srs_ik.errors import AmbiguousLimb, InvalidTask, NotAnSrsLimb, listed
 from srs_ik.limb import Vector
 from srs_ik.loading.limbs import Candidate, LimbReport, examine, explained, weigh
@@ -67,7 +56,7 @@ def load(
         MissingExtra: `source` needs a package that is not installed.
         InvalidTask: `reference` or `hand` is no direction.
     """
-    from srs_ik.arm import Arm
+    from srs_ik.arm import Arm, Hand
 
     asked_reference = None if reference is None else _direction(reference, "reference")
     asked_hand = None if hand is None else _hand(hand)
@@ -83,9 +72,10 @@ def load(
         raise NotAnSrsLimb(
             f"{base} -> {tip} is no S-R-S limb: {explained(found.reason, chain.joint_names, 1e3 * found.misses)}",
             chain.joint_names,
-            1e3 * found.misses,
+            (1e3 * found.misses).tolist(),
         )
-    return Arm(chain, found.limb, name or description.name, hand=asked_hand)
+    axes = None if asked_hand is None else Hand(*(tuple(axis.tolist()) for axis in asked_hand))
+    return Arm(chain, found.limb, name or description.name, hand=axes)
 
 
 def find_limbs(source: Any) -> list[LimbReport]:
@@ -102,62 +92,63 @@ def find_limbs(source: Any) -> list[LimbReport]:
         MissingExtra: `source` needs a package that is not installed.
     """
     description = describe(source)
-    robot = description.robot
-    candidates = [examine(description, joints) for joints in windows(robot.model, robot.mimic_joints)]
-    return [candidate.report for candidate in weigh(candidates, robot.model)]
+    skeleton = Skeleton(description.robot.model)
+    candidates = [examine(description, skeleton, joints) for joints in skeleton.windows(description.robot.mimic_joints)]
+    return [candidate.report for candidate in weigh(candidates, skeleton)]
 
 
 def _choose(description: Description, base: str | None, tip: str | None) -> tuple[tuple[int, ...], str, str]:
     """Joints and frames of the one limb that fits."""
-    model = description.robot.model
+    skeleton = Skeleton(description.robot.model)
     base, tip = base or description.base, tip or description.tip
     for frame in (base, tip):
         if frame is not None:
-            find_frame(model, frame)
-    every = windows(model, description.robot.mimic_joints)
-    fitting = [joints for joints in every if _fits(model, joints, base, tip)]
+            skeleton.find_frame(frame)
+    every = skeleton.windows(description.robot.mimic_joints)
+    fitting = [joints for joints in every if _fits(skeleton, joints, base, tip)]
     if not fitting and base is not None and tip is None:
-        fitting = [joints for joints in every if not _moves(model, joints, base)]
+        movers = skeleton.path(skeleton.joint_of(base))
+        fitting = [joints for joints in every if set(joints).isdisjoint(movers)]
     if not fitting:
-        raise _no_chain(description, base, tip)
-    candidates = weigh([examine(description, joints, base, tip) for joints in fitting], model)
+        raise _no_chain(description, skeleton, base, tip)
+    candidates = weigh([examine(description, skeleton, joints, base, tip) for joints in fitting], skeleton)
     limbs = [candidate for candidate in candidates if candidate.report.limb is not None]
     if not limbs:
         raise _refused(candidates)
     if len(limbs) > 1:
-        raise _ambiguous(model, description.name, limbs)
+        raise _ambiguous(skeleton, description.name, limbs)
     return limbs[0].joints, limbs[0].report.base, limbs[0].report.tip
 
 
-def _fits(model: Any, joints: Sequence[int], base: str | None, tip: str | None) -> bool:
+def _fits(skeleton: Skeleton, joints: Sequence[int], base: str | None, tip: str | None) -> bool:
     if tip is not None:
-        return set(joints) <= set(joints_between(model, base or "universe", tip))
-    return base is None or carries(model, find_frame(model, base), joints[0])
+        return set(joints) <= set(_way(skeleton, base, tip))
+    return base is None or skeleton.carries(base, joints[0])
 
 
-def _moves(model: Any, joints: Sequence[int], frame: str) -> bool:
-    return not set(joints).isdisjoint(model.supports[model.frames[find_frame(model, frame)].parentJoint])
+def _way(skeleton: Skeleton, base: str | None, tip: str) -> list[int]:
+    return skeleton.path(skeleton.joint_of(tip)) if base is None else skeleton.joints_between(base, tip)
 
 
-def _no_chain(description: Description, base: str | None, tip: str | None) -> NotAnSrsLimb:
+def _no_chain(description: Description, skeleton: Skeleton, base: str | None, tip: str | None) -> NotAnSrsLimb:
     """The error for a robot or a way through it that has no seven consecutive revolute joints."""
-    model, mimic = description.robot.model, description.robot.mimic_joints
+    mimic = description.robot.mimic_joints
     if tip is None:
         where = f"{description.name!r}" if base is None else f"what hangs on {base!r}"
         return NotAnSrsLimb(f"{where} has no chain of 7 consecutive revolute joints")
-    joints = joints_between(model, base or "universe", tip)
-    names = [model.names[joint] for joint in joints]
+    joints = _way(skeleton, base, tip)
+    names = [skeleton.joint_names[joint] for joint in joints]
     where = f"between base {base!r} and tip {tip!r}" if base is not None else f"on the way to the tip {tip!r}"
     found = f"{len(names)} moving joint{'s' if len(names) != 1 else ''}" if names else "no moving joint"
     message = f"{where} there are no 7 consecutive revolute joints, but {found}"
     others = [
         f"{name} mimics another joint" if name in mimic else f"{name} is not revolute"
         for name, joint in zip(names, joints, strict=True)
-        if name in mimic or not is_revolute(model, joint)
+        if name in mimic or not skeleton.is_revolute(joint)
     ]
     if names:
         message += f": {listed(names)}" + (f" ({', '.join(others)})" if others else "")
-    if base is not None and len(joints_between(model, tip, base)) >= 7:
+    if base is not None and len(skeleton.joints_between(tip, base)) >= 7:
         message += "; base and tip are perhaps swapped"
     return NotAnSrsLimb(message, names)
 
@@ -169,40 +160,30 @@ def _refused(candidates: Sequence[Candidate]) -> NotAnSrsLimb:
     message = report.describe().removesuffix(".")
     if len(candidates) > 1:
         message = f"none of {len(candidates)} chains of 7 revolute joints is an S-R-S limb; the nearest, {message}"
-    return NotAnSrsLimb(message, report.joint_names, report.misses_mm)
+    return NotAnSrsLimb(message, report.joint_names, report.misses_mm.tolist())
 
 
-def _ambiguous(model: Any, name: str, limbs: Sequence[Candidate]) -> AmbiguousLimb:
-    ends = [(default_base(model, limb.joints[0]), default_tip(model, limb.joints[-1])) for limb in limbs]
+def _ambiguous(skeleton: Skeleton, name: str, limbs: Sequence[Candidate]) -> AmbiguousLimb:
+    ends = [(skeleton.default_base(limb.joints[0]), skeleton.default_tip(limb.joints[-1])) for limb in limbs]
     choices = ", ".join(f"base={base!r} tip={tip!r}" for base, tip in ends)
     return AmbiguousLimb(f"{len(ends)} arms of {name!r} fit, choose one by its base and tip: {choices}", ends)
 
 
 def _meant_reference(description: Description, chain: Chain) -> Vector | None:
     """The reference of the description, turned from its own base frame into that of the chain."""
-    if description.reference is None or description.base is None:
-        return None
-    return _rotation(chain, chain.base, description.base) @ description.reference
+    if description.reference is None or description.base is None or chain.base == description.base:
+        return description.reference
+    return Skeleton(chain.model).transform(chain.base, description.base)[:3, :3] @ description.reference
 
 
 def _meant_hand(description: Description, chain: Chain) -> Vector | None:
     """The hand of the description, turned from its own tip frame into that of the chain; None if apart from it."""
-    if description.hand is None or description.tip is None:
+    if description.hand is None or description.tip is None or chain.tip == description.tip:
+        return description.hand
+    skeleton = Skeleton(chain.model)
+    if skeleton.joint_of(description.tip) != 7:
         return None
-    model = chain.model
-    if model.frames[find_frame(model, description.tip)].parentJoint != 7:
-        return None
-    return description.hand @ _rotation(chain, chain.tip, description.tip).T
-
-
-def _rotation(chain: Chain, to: str, frame: str) -> Vector:
-    """Rotation from one frame's axes to another's, at the zero configuration; exactly one if they are the same."""
-    if to == frame:
-        return np.eye(3)
-    data = chain.model.createData()
-    pin.framesForwardKinematics(chain.model, data, pin.neutral(chain.model))
-    R_world_to, R_world_frame = (data.oMf[find_frame(chain.model, name)].rotation for name in (to, frame))
-    return R_world_to.T @ R_world_frame
+    return description.hand @ skeleton.transform(chain.tip, description.tip)[:3, :3].T
 
 
 def _direction(value: Any, what: str) -> Vector:
