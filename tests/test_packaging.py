@@ -7,6 +7,8 @@ from pathlib import Path
 
 import pytest
 
+import srs_ik
+
 ROOT = Path(__file__).resolve().parents[1]
 
 
@@ -26,17 +28,18 @@ def test_readme_gives_the_two_commands_that_the_checks_run():
     assert readme_command("test") == 'pip install -e ".[test]" && pytest'
 
 
-def test_installed_version_is_the_one_of_the_project_file(project):
-    assert metadata.version("srs-ik") == project["version"]
+def test_installed_version_is_the_one_of_the_package():
+    assert metadata.version("srs-ik") == srs_ik.__version__
 
 
 def test_version_is_written_in_one_place_only(project):
+    assert project["dynamic"] == ["version"]
     writers = [
-        path.relative_to(ROOT)
-        for path in [*ROOT.glob("srs_ik/**/*.py"), ROOT / "CITATION.cff", ROOT / "README.md"]
-        if f'"{project["version"]}"' in path.read_text() or f"version: {project['version']}" in path.read_text()
+        str(path.relative_to(ROOT))
+        for path in [*ROOT.glob("srs_ik/**/*.py"), ROOT / "CITATION.cff", ROOT / "README.md", ROOT / "pyproject.toml"]
+        if re.search(rf"(?m)^\W*(__)?version(__)?\W+{re.escape(srs_ik.__version__)}", path.read_text())
     ]
-    assert writers == []
+    assert writers == ["srs_ik/__init__.py"]
 
 
 def test_core_dependencies_are_the_agreed_ones(project):

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import sys
-from importlib import metadata
 from typing import Annotated, Any
 
 import typer
 from typer.core import TyperGroup
 
+from srs_ik import __version__
 from srs_ik.cli import inspect, robots, solve
 from srs_ik.cli.options import NumbersCommand, WrongInput
 
@@ -22,10 +22,11 @@ class OneLineGroup(TyperGroup):
     Errors that are neither the command line's nor the package's own are faults of the program and pass unchanged.
     """
 
-    def main(self, *args: Any, standalone_mode: bool = True, **kwargs: Any) -> Any:
+    def main(self, *args: Any, **options: Any) -> Any:
         """Run the group; arguments as for the base class."""
+        standalone_mode = options.pop("standalone_mode", True)
         try:
-            result = super().main(*args, standalone_mode=False, **kwargs)
+            result = super().main(*args, **{**options, "standalone_mode": False})
         except BrokenPipeError:
             # The reader of a pipe has seen enough.
             result = EXIT_NO_SOLUTION
@@ -53,7 +54,7 @@ def _wrong_input(error: Exception) -> str | None:
 
 def _show_version(wanted: bool) -> None:
     if wanted:
-        typer.echo(metadata.version("srs-ik"))
+        typer.echo(__version__)
         raise typer.Exit
 
 

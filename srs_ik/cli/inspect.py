@@ -25,10 +25,12 @@ def inspect(source: Source, base: Base = None, tip: Tip = None, as_json: AsJson 
 
     findings = _chosen(source, base, tip) if base or tip else _all(source)
     if as_json:
-        print_json({"source": source, "limbs": [{k: v for k, v in f.items() if k != "describe"} for f in findings]})
+        print_json({"source": source, "limbs": findings})
     else:
         out = console()
-        for finding in findings:
+        for i, finding in enumerate(findings):
+            if i:
+                out.print()
             _print_finding(out, finding)
     if not findings:
         typer.echo(f"srs-ik: {source} has no chain of 7 consecutive revolute joints.", err=True)
@@ -116,6 +118,7 @@ def _print_finding(out: Console, finding: dict[str, Any]) -> None:
         for name in ("upper_arm", "forearm", "hand", "elbow_offset")
     ]
     out.print(table(("length", "mm"), lengths))
+    out.print()
     centres = [(name, *(fixed(1e3 * x, 3) for x in finding[name])) for name in ("shoulder", "elbow", "wrist")]
     out.print(table(("centre at zero, in the base frame", "x (mm)", "y (mm)", "z (mm)"), centres))
     out.print(
@@ -124,7 +127,9 @@ def _print_finding(out: Console, finding: dict[str, Any]) -> None:
     rows = [
         (name, direction(axis), fixed(miss, 4)) for name, axis, miss in zip(names, finding["axes"], misses, strict=True)
     ]
+    out.print()
     out.print(table(("joint", "axis at zero", "misses its centre by (mm)"), rows, left=2))
+    out.print()
     out.print(_limits(finding))
 
 

@@ -26,7 +26,9 @@ def console() -> Console:
 
 def table(columns: Sequence[str], rows: Iterable[Sequence[str]], *, title: str | None = None, left: int = 1) -> Table:
     """A plain table; the first `left` columns are text and stand on the left, the rest are numbers."""
-    result = Table(box=box.SIMPLE_HEAD, title=title, title_justify="left", title_style="", pad_edge=False, show_edge=False)
+    result = Table(
+        box=box.SIMPLE_HEAD, title=title, title_justify="left", title_style="", pad_edge=False, show_edge=False
+    )
     for i, column in enumerate(columns):
         result.add_column(column, justify="left" if i < left else "right", no_wrap=i >= left, overflow="fold")
     for row in rows:

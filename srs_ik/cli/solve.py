@@ -67,40 +67,37 @@ def solve(
         raise WrongInput(f"--branch is a whole number from 0 to 7, not {branch}")
     angle = None if arm_angle is None else unit * numbers("--arm-angle", [arm_angle])[0]
     start = None if seed is None else [unit * x for x in numbers("--seed", seed)]
-    pose = _read_pose(xyz, rpy, quat, unit)
-    if from_q is None and pose is None:
-        raise WrongInput("give a pose: --xyz with --rpy or --quat, or --from-q")
-    if from_q is not None and pose is not None:
+    configuration = [unit * x for x in numbers("--from-q", from_q or ())]
+    if configuration and (xyz or rpy or quat):
         raise WrongInput("--from-q is a pose already and goes with none of --xyz, --rpy and --quat")
-    configuration = None if from_q is None else [unit * x for x in numbers("--from-q", from_q)]
+    pose = None if configuration else _read_pose(xyz, rpy, quat, unit)
 
     from srs_ik.loading import load
 
     arm = load(source, base=base, tip=tip)
     if pose is None:
         pose = arm.forward_kinematics(configuration).homogeneous
-    respect_limits = not no_limits
     if every:
-        solutions = list(arm.solve_all(pose, arm_angle=angle, respect_limits=respect_limits))
-        best = solutions[0] if solutions else arm.solve(pose, arm_angle=angle, respect_limits=respect_limits)
-        solved = [s for s in solutions if s]
+        found = arm.solve_all(pose, arm_angle=angle, respect_limits=not no_limits)
+        best = found[0] if found.failure is None else found.failure
+        solutions = [solution for solution in found if solution]
     else:
-        best = arm.solve(pose, arm_angle=angle, seed=start, branch=branch, respect_limits=respect_limits)
-        solved = [best] if best else []
+        best = arm.solve(pose, arm_angle=angle, seed=start, branch=branch, respect_limits=not no_limits)
+        solutions = [best] if best else []
 
     if as_json:
-        _print_json(arm, pose, best, solved if every else None)
+        _print_json(arm, pose, best, solutions if every else None)
     else:
-        _print_tables(arm, best, solved if every and solved else None)
-    if not solved:
+        _print_tables(arm, best, solutions if every and solutions else None)
+    if not solutions:
         typer.echo(f"srs-ik: {best.status.name}: {best.message}", err=True)
         raise typer.Exit(1)
 
 
-def _read_pose(xyz: Three | None, rpy: Three | None, quat: Four | None, unit: float) -> np.ndarray | None:
-    """The (4, 4) pose of the tip in the base frame that the options give, or None if they give none."""
+def _read_pose(xyz: Three | None, rpy: Three | None, quat: Four | None, unit: float) -> np.ndarray:
+    """The (4, 4) pose of the tip in the base frame that the options give."""
     if xyz is None and rpy is None and quat is None:
-        return None
+        raise WrongInput("give a pose: --xyz with --rpy or --quat, or --from-q")
     if rpy is not None and quat is not None:
         raise WrongInput("--rpy and --quat are two ways to give the orientation: give one")
     if xyz is None:
@@ -181,6 +178,7 @@ def _print_solution(out: Console, arm: Arm, solution: Solution) -> None:
         ("position error", f"{solution.position_error:.1e} m"),
         ("orientation error", f"{solution.orientation_error:.1e} rad"),
     ]
+    out.print()
     for name, fact in facts:
         out.print(f"{name:<18}{fact}")
 
