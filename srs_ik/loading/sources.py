@@ -136,7 +136,6 @@ def _described_file(name: str) -> Path:
 
 
 def _unknown(name: str, known: list[str]) -> InvalidRobot:
-    message = (
-        f"{name!r} is neither a file nor the name of a robot{did_you_mean(name, known)}; there are {listed(known)}"
-    )
-    return InvalidRobot(message, name)
+    shown = name if len(name) <= 80 else name[:77] + "..."
+    hint = did_you_mean(name, known)
+    return InvalidRobot(f"{shown!r} is neither a file nor the name of a robot{hint}; there are {listed(known)}", shown)

@@ -77,6 +77,8 @@ class _Checker:
         name = element.get("name", "")
         if not name.strip():
             raise self.fail(f"{which} has no name")
+        if not name.isprintable():
+            raise self.fail(f"{which} has the name {_quoted(name)}, with characters that cannot be printed")
         return name
 
     def unique(self, names: list[str], what: str) -> None:

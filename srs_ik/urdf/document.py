@@ -41,7 +41,9 @@ def parse(text: str | bytes, source: str) -> Element:
         InvalidRobot: the text is empty, too large, no well-formed XML, no URDF, an unexpanded xacro file, or has a
             document type declaration (which is where entities that expand without end are defined).
     """
-    if not text.strip():
+    # Blank lines before the XML declaration are an error by the letter, and common in strings of programs.
+    text = text.lstrip("\ufeff \t\r\n") if isinstance(text, str) else text.lstrip()
+    if not text:
         raise InvalidRobot(f"{source} is empty", source)
     if len(text) > MAX_BYTES:
         raise InvalidRobot(f"{source} is larger than {MAX_BYTES // 2**20} MiB, too large for a URDF", source)

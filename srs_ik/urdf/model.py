@@ -19,6 +19,8 @@ from srs_ik.errors import InvalidRobot
 from srs_ik.urdf import document
 from srs_ik.urdf.check import check
 
+_LONGEST_LABEL = 300
+
 _STDERR_LOCK = threading.Lock()
 
 
@@ -77,8 +79,10 @@ def is_xml(text: str) -> bool:
 
 
 def _label(path: Path) -> str:
-    """A path as one line."""
+    """A path as one line of a message."""
     text = str(path)
+    if len(text) > _LONGEST_LABEL:
+        text = text[:_LONGEST_LABEL] + "..."
     return text if text.isprintable() else repr(text)
 
 
