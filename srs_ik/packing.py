@@ -11,6 +11,10 @@ ALIGNED = 1e-9
 """Relative size under which a component that should vanish by design is taken as rounding in the robot description."""
 
 
+CLOSED_MISS = 1e-12
+"""Axes that pass their centres within this distance, metres, leave nothing for Newton's method to do."""
+
+
 def pack(limb: SrsLimb, lower: Vector, upper: Vector) -> Vector:
     """The packed limb, read-only, laid out as in `srs_ik.kernels.layout`.
 
@@ -25,7 +29,7 @@ def pack(limb: SrsLimb, lower: Vector, upper: Vector) -> Vector:
     _put(P, at.POINTS, limb.points)
     _put(P, at.TIP_ROTATION, T[:3, :3])
     _put(P, at.TIP_POSITION, T[:3, 3])
-    P[at.IS_EXACT] = float(limb.kind == "exact")
+    P[at.IS_CLOSED] = float(limb.misses.max() < CLOSED_MISS)
 
     _put(P, at.LOWER, lower)
     _put(P, at.UPPER, upper)

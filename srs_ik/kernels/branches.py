@@ -19,8 +19,8 @@ from srs_ik.kernels.elbow import (
 )
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout import SHOULDER, STRAIGHT, WRIST
-from srs_ik.kernels.scoring import OUTSIDE, elbow_part, join, part
-from srs_ik.kernels.spherical import decompose, default_anchor
+from srs_ik.kernels.scoring import elbow_part, join, part
+from srs_ik.kernels.spherical import decompose, default_anchor, middle_angle
 
 NO_BRANCH = 1e12
 """Cost of a branch that does not exist: oblique axes of a spherical joint cannot make the rotation."""
@@ -63,13 +63,18 @@ def anchor(P, k, first, seeded, seed):
 @kernel
 def best_half(P, k, first, R, wanted, seeded, seed, respect):
     """The better of the two solutions of a spherical joint (or the wanted one): angles, sign 0 or 1, cost."""
-    qa, qb, reached = decompose(P, k, R, anchor(P, k, first, seeded, seed))
+    c, s, reached = middle_angle(P, k, R)
+    here = anchor(P, k, first, seeded, seed)
     seed3 = (seed[first], seed[first + 1], seed[first + 2])
-    a, cost_a = part(P, first, qa, seeded, seed3, respect)
-    b, cost_b = part(P, first, qb, seeded, seed3, respect)
-    if wanted == 0 or (wanted < 0 and cost_a <= cost_b):
-        return a, 0, (cost_a if reached else NO_BRANCH)
-    return b, 1, (cost_b if reached else NO_BRANCH)
+    sign = max(wanted, 0)
+    q, cost = part(P, first, decompose(P, k, R, c, s, sign, here), seeded, seed3, respect)
+    if wanted < 0:
+        other, cost_other = part(P, first, decompose(P, k, R, c, s, 1, here), seeded, seed3, respect)
+        if cost_other < cost:
+            q = other
+            sign = 1
+            cost = cost_other
+    return q, sign, (cost if reached else NO_BRANCH)
 
 
 @kernel
@@ -100,6 +105,22 @@ def best_branch(P, place_, psi, branch, seeded, seed, respect):
 
 
 @kernel
-def is_inside(lowest):
-    """Whether a cost is that of a posture that exists and keeps its limits."""
-    return lowest < OUTSIDE
+def elbow_branches(P, place_, psi, elbow, respect, Q):
+    """The four branches on one side of the elbow into rows 0 to 3 of Q (4, 9): seven angles and their cost."""
+    q4, Rs, Rw = rotations(P, place_, elbow, math.cos(psi), math.sin(psi))
+    none = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+    e, cost_e = elbow_part(P, q4, False, 0.0, respect)
+    for sign in range(2):
+        a, _, cost_s = best_half(P, SHOULDER, 0, Rs, sign, False, none, respect)
+        b, _, cost_w = best_half(P, WRIST, 4, Rw, sign, False, none, respect)
+        for other in range(2):
+            s = 2 * sign + other
+            w = 2 * other + sign
+            for i in range(3):
+                Q[s, i] = a[i]
+                Q[w, 4 + i] = b[i]
+            Q[s, 3] = e
+            Q[s, 7] = join(cost_s, cost_e, False, respect)
+            Q[w, 8] = cost_w
+    for branch in range(4):
+        Q[branch, 7] = join(Q[branch, 7], Q[branch, 8], False, respect)

@@ -14,7 +14,7 @@ from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout import (
     AXES,
     ELBOW_CENTRE,
-    IS_EXACT,
+    IS_CLOSED,
     LOWER,
     SHOULDER_CENTRE,
     UPPER,
@@ -98,7 +98,7 @@ def arm_angle(P, q, t, h0):
     On an exact limb it is read off the rotation of the upper arm, which keeps its digits when the elbow is almost
     straight; on a near limb off the position of the elbow centre.
     """
-    if P[IS_EXACT] == 1.0:
+    if P[IS_CLOSED] == 1.0:
         x = straight_offset(P, q[3])
         _, h, _ = arm_frame(P, math.cos(x), math.sin(x))
         return arm_angle_of_direction(t, h0, upper_arm_rotation(P, q, h))
@@ -141,7 +141,7 @@ def close_at_angle(P, q, R, p, t, h0, psi, J, A):
         h0: zero direction of the arm angle.
         psi: wanted arm angle.
         J: (6, 7) work space.
-        A: (7, 8) work space.
+        A: (7, 9) work space.
 
     Returns:
         The posture, and whether pose and arm angle are met.
@@ -192,7 +192,7 @@ def close_free(P, q, R, p, respect, steps, J, A):
         respect: whether to stay inside the joint limits.
         steps: largest number of steps.
         J: (6, 7) work space.
-        A: (7, 8) work space.
+        A: (7, 9) work space.
 
     Returns:
         The posture, and the larger of its position (m) and orientation (rad) errors.

@@ -9,14 +9,14 @@ import math
 
 import numpy as np
 
-from srs_ik.kernels.branches import NO_BRANCH, place
+from srs_ik.kernels.branches import NO_BRANCH, elbow_branches, place
 from srs_ik.kernels.chain import forward_kinematics, pose_error
 from srs_ik.kernels.closure import arm_angle, clipped
 from srs_ik.kernels.elbow import shoulder_to_wrist, straight_offset, target_frame
 from srs_ik.kernels.intervals import MAX_EVENTS, MAX_PIECES, feasible_intervals
 from srs_ik.kernels.jit import entry, kernel
 from srs_ik.kernels.layout import (
-    IS_EXACT,
+    IS_CLOSED,
     PHASE,
     ROW_ARM_ANGLE,
     ROW_BRANCH,
@@ -29,7 +29,7 @@ from srs_ik.kernels.layout import (
     WRIST,
 )
 from srs_ik.kernels.scoring import OUTSIDE, tightest_joint
-from srs_ik.kernels.search import evaluate, evaluate_branch, polished, rescue, search_interval
+from srs_ik.kernels.search import evaluate, evaluate_branch, rescue, search_interval
 
 OK = 0.0
 UNREACHABLE = 1.0
@@ -163,7 +163,7 @@ def search(P, F, place_, R, p, branch, seeded, seed, respect, J, A):
             lowest = value
     if lowest < OUTSIDE:
         return best_q, best, lowest
-    if P[IS_EXACT] != 1.0:
+    if P[IS_CLOSED] != 1.0:
         q, b, value = rescue(P, place_, R, p, branch, seeded, seed, respect, J, A)
         if value < lowest:
             best_q = q
@@ -194,9 +194,8 @@ def solve_one(P, F, T, at_angle, psi, branch, seeded, seed, respect, J, A, out):
         q, best, lowest = evaluate(P, place_, R, p, psi, branch, seeded, seed, respect, J, A)
     else:
         q, best, lowest = search(P, F, place_, R, p, branch, seeded, seed, respect, J, A)
-    q = polished(P, q, R, p, respect and lowest < OUTSIDE, J, A)
     write_row(P, place_, R, p, q, best, lowest, respect, out)
-    if at_angle and P[IS_EXACT] == 1.0 and out[ROW_STATUS] == OK:
+    if at_angle and P[IS_CLOSED] == 1.0 and out[ROW_STATUS] == OK:
         out[ROW_ARM_ANGLE] = psi - 2.0 * math.pi * math.floor((psi + math.pi) / (2.0 * math.pi))
     return GOOD_POSE
 
@@ -205,7 +204,7 @@ def solve_one(P, F, T, at_angle, psi, branch, seeded, seed, respect, J, A, out):
 def solve(P, F, T, at_angle, psi, branch, seeded, seed, respect, out):
     """Solve one pose into a row of `out`; returns the verdict on the pose."""
     J = np.empty((6, 7))
-    A = np.empty((7, 8))
+    A = np.empty((7, 9))
     return solve_one(P, F, T, at_angle, psi, branch, seeded, read7(seed), respect, J, A, out)
 
 
@@ -213,7 +212,7 @@ def solve(P, F, T, at_angle, psi, branch, seeded, seed, respect, out):
 def solve_range(P, F, poses, first, last, at_angle, psis, branch, seeded, seeds, respect, out, verdicts):
     """Solve the poses first to last - 1; psis and seeds hold one value for all, or one a pose."""
     J = np.empty((6, 7))
-    A = np.empty((7, 8))
+    A = np.empty((7, 9))
     for i in range(first, last):
         psi = psis[i if psis.shape[0] > 1 else 0]
         seed = read7(seeds[i if seeds.shape[0] > 1 else 0])
@@ -227,9 +226,15 @@ def all_branches(P, T, psi, respect, J, A, out):
     if verdict != GOOD_POSE:
         return verdict
     place_ = place(P, R, p)
+    if P[IS_CLOSED] == 1.0:
+        for elbow in range(2):
+            elbow_branches(P, place_, psi, elbow, respect, A)
+            for i in range(4):
+                q = (A[i, 0], A[i, 1], A[i, 2], A[i, 3], A[i, 4], A[i, 5], A[i, 6])
+                write_row(P, place_, R, p, q, 4 * elbow + i, A[i, 7], respect, out[4 * elbow + i])
+        return GOOD_POSE
     for branch in range(8):
         q, lowest = evaluate_branch(P, place_, R, p, psi, branch, False, NO_SEED, respect, J, A)
-        q = polished(P, q, R, p, respect and lowest < OUTSIDE, J, A)
         write_row(P, place_, R, p, q, branch, lowest, respect, out[branch])
     return GOOD_POSE
 
@@ -237,14 +242,14 @@ def all_branches(P, T, psi, respect, J, A, out):
 @entry
 def solve_all(P, T, psi, respect, out):
     """All eight branches of one pose at an arm angle into the rows of `out` (8, ROW)."""
-    return all_branches(P, T, psi, respect, np.empty((6, 7)), np.empty((7, 8)), out)
+    return all_branches(P, T, psi, respect, np.empty((6, 7)), np.empty((7, 9)), out)
 
 
 @entry
 def solve_all_range(P, poses, first, last, psis, respect, out, verdicts):
     """All eight branches of the poses first to last - 1."""
     J = np.empty((6, 7))
-    A = np.empty((7, 8))
+    A = np.empty((7, 9))
     for i in range(first, last):
         psi = psis[i if psis.shape[0] > 1 else 0]
         verdicts[i] = all_branches(P, poses[i], psi, respect, J, A, out[i])
@@ -266,7 +271,7 @@ def solve_intervals(P, F, T, respect, out):
     if verdict != GOOD_POSE:
         return -verdict
     J = np.empty((6, 7))
-    A = np.empty((7, 8))
+    A = np.empty((7, 9))
     place_ = place(P, R, p)
     found = np.empty((8 * MAX_PIECES, 3))
     n = find_intervals(F, place_, found)
@@ -275,7 +280,6 @@ def solve_intervals(P, F, T, respect, out):
         _, q, lowest = search_interval(
             P, place_, R, p, b, found[i, 1], found[i, 2], False, NO_SEED, respect, J, A
         )
-        q = polished(P, q, R, p, respect and lowest < OUTSIDE, J, A)
         write_row(P, place_, R, p, q, b, lowest, respect, out[i])
     return n
 

@@ -34,7 +34,7 @@ from srs_ik.kernels.layout import (
     WRIST,
 )
 from srs_ik.kernels.limits import turn_to_middle, violation
-from srs_ik.kernels.spherical import decompose, default_anchor
+from srs_ik.kernels.spherical import decompose, default_anchor, middle_angle
 from srs_ik.kernels.vectors import apply, cross, dot, load3, rotate
 
 MAX_EVENTS = 18
@@ -148,10 +148,13 @@ def fits(P, k, q):
 def feasible_signs(P, k, place_, elbow, psi):
     """Bit set of the solutions (1: first, 2: second) of the spherical joint at block k that keep the limits at psi."""
     _, Rs, Rw = rotations(P, place_, elbow, math.cos(psi), math.sin(psi))
-    a, b, reached = decompose(P, k, Rw if k == WRIST else Rs, default_anchor(P, k))
+    R = Rw if k == WRIST else Rs
+    c, s, reached = middle_angle(P, k, R)
     if not reached:
         return 0
-    return (1 if fits(P, k, a) else 0) | (2 if fits(P, k, b) else 0)
+    here = default_anchor(P, k)
+    first = 1 if fits(P, k, decompose(P, k, R, c, s, 0, here)) else 0
+    return first | (2 if fits(P, k, decompose(P, k, R, c, s, 1, here)) else 0)
 
 
 @kernel

@@ -12,10 +12,22 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
-from numba import njit
+from numba import njit, types
 
-kernel = njit(error_model="numpy", nogil=True)
-"""Decorator of an inner kernel: compiled into its callers."""
+_compile = njit(error_model="numpy", nogil=True, no_cpython_wrapper=True, no_cfunc_wrapper=True)
+
+
+def kernel(function: Callable[..., Any]) -> Callable[..., Any]:
+    """Decorator of an inner kernel: compiled into its callers, and not callable from Python.
+
+    Numba would compile a kernel anew for every constant that it is called with; here a constant counts as its type.
+    """
+    dispatcher = _compile(function)
+    template = dispatcher.get_call_template
+    dispatcher.get_call_template = lambda args, kws: template(
+        tuple(types.unliteral(a) for a in args), {k: types.unliteral(a) for k, a in kws.items()}
+    )
+    return dispatcher
 
 
 @cache

@@ -11,7 +11,7 @@ AXES = 0  # 7 x 3 unit directions
 POINTS = 21  # 7 x 3 points on the axes
 TIP_ROTATION = 42  # 3 x 3
 TIP_POSITION = 51  # 3
-IS_EXACT = 54  # 1.0 if the axes pass their centres within 1e-6 m
+IS_CLOSED = 54  # 1.0 if the axes pass their centres up to rounding, so that the closed form is the answer
 
 # Joint limits.
 LOWER = 55  # 7

@@ -9,10 +9,9 @@ from __future__ import annotations
 import math
 
 from srs_ik.kernels.branches import NO_BRANCH, best_branch
-from srs_ik.kernels.chain import pose_error
 from srs_ik.kernels.closure import CLOSED, clipped, close_at_angle, close_free
 from srs_ik.kernels.jit import kernel
-from srs_ik.kernels.layout import IS_EXACT
+from srs_ik.kernels.layout import IS_CLOSED
 from srs_ik.kernels.scoring import OUTSIDE, cost, turn
 
 STEP = 2.0 * math.pi / 24.0
@@ -41,7 +40,7 @@ def turned(P, q, seeded, seed, respect):
 def evaluate_branch(P, place_, R, p, psi, branch, seeded, seed, respect, J, A):
     """Posture of one branch at an arm angle on the true chain: q, cost (NO_BRANCH where there is none)."""
     q, _, lowest = best_branch(P, place_, psi, branch, seeded, seed, respect)
-    if P[IS_EXACT] == 1.0 or lowest >= NO_BRANCH:
+    if P[IS_CLOSED] == 1.0 or lowest >= NO_BRANCH:
         return q, lowest
     q, closed = close_at_angle(P, q, R, p, place_[0], place_[1], psi, J, A)
     if not closed:
@@ -53,7 +52,7 @@ def evaluate_branch(P, place_, R, p, psi, branch, seeded, seed, respect, J, A):
 @kernel
 def evaluate(P, place_, R, p, psi, branch, seeded, seed, respect, J, A):
     """Best posture at an arm angle over all branches, or in one (0 to 7): q, branch, cost."""
-    if P[IS_EXACT] == 1.0:
+    if P[IS_CLOSED] == 1.0:
         return best_branch(P, place_, psi, branch, seeded, seed, respect)
     if branch >= 0:
         q, lowest = evaluate_branch(P, place_, R, p, psi, branch, seeded, seed, respect, J, A)
@@ -123,16 +122,6 @@ def search_interval(P, place_, R, p, branch, lower, upper, seeded, seed, respect
         if value < lowest:
             return x, qx, value
     return psi, q, lowest
-
-
-@kernel
-def polished(P, q, R, p, respect, J, A):
-    """The posture with what the closed form leaves on a limb that is exact to a micrometre taken away."""
-    position, orientation = pose_error(P, q, R, p)
-    if max(position, orientation) < CLOSED or max(position, orientation) > 1e-4:
-        return q
-    better, error = close_free(P, q, R, p, respect, 8, J, A)
-    return better if error < max(position, orientation) else q
 
 
 @kernel

@@ -109,16 +109,14 @@ def default_anchor(P, k):
 
 
 @kernel
-def decompose(P, k, R, anchor):
-    """Both decompositions of R by the spherical joint at block k: (q1, q2, q3) twice, and whether R is reachable."""
-    c, s, reached = middle_angle(P, k, R)
-    x = math.atan2(s, c)
+def decompose(P, k, R, c, s, sign, anchor):
+    """One decomposition of R by the spherical joint at block k: (q1, q2, q3), q2 above (sign 0) or below its phase (1).
+
+    c and s are the cosine and sine of |q2 - PHASE|, from `middle_angle`.
+    """
+    if sign == 1:
+        s = -s
     cp = P[k + COS_PHASE]
     sp = P[k + SIN_PHASE]
-    cc = cp * c
-    ss = sp * s
-    sc = sp * c
-    cs = cp * s
-    q1, q3 = outer_angles(P, k, R, cc - ss, sc + cs, anchor)
-    q1b, q3b = outer_angles(P, k, R, cc + ss, sc - cs, anchor)
-    return (q1, P[k + PHASE] + x, q3), (q1b, P[k + PHASE] - x, q3b), reached
+    q1, q3 = outer_angles(P, k, R, cp * c - sp * s, sp * c + cp * s, anchor)
+    return (q1, P[k + PHASE] + math.atan2(s, c), q3)
