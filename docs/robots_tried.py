@@ -105,7 +105,8 @@ def files(folder: Path) -> Iterator[tuple[str, Path]]:
 
 def rows(folder: Path, count: int) -> Iterator[str]:
     """The lines of the table."""
-    yield "| file | from | base to tip | recognised as | elbow offset (mm) | axes miss by (mm) | solved | error (m) | (rad) |"
+    heads = ["file", "from", "base to tip", "recognised as", "elbow offset (mm)", "axes miss by (mm)", "solved"]
+    yield f"| {' | '.join([*heads, 'worst error (m)', 'worst error (rad)'])} |"
     yield "|---|---|---|---|--:|--:|--:|--:|--:|"
     for upstream, path in files(folder):
         for report in srs_ik.find_limbs(path):
