@@ -163,14 +163,11 @@ class Skeleton:
 
         Raises:
             FrameNotFound: there is none.
-            InvalidRobot: there are several of the same kind, so the name does not say which is meant.
         """
-        matches = sorted((frame.rank, k) for k, frame in enumerate(self._frames) if frame.name == name)
+        matches = [(frame.rank, k) for k, frame in enumerate(self._frames) if frame.name == name]
         if not matches:
             raise FrameNotFound(name, self.frame_names(), robot=self.model.name)
-        if len(matches) > 1 and matches[0][0] == matches[1][0]:
-            raise InvalidRobot(f"the robot {self.model.name!r} has several frames named {name!r}", self.model.name)
-        return matches[0][1]
+        return min(matches)[1]
 
     def frame_names(self) -> list[str]:
         """Names that `find_frame` knows, links first, each once."""
@@ -285,14 +282,11 @@ def build_chain(model: Any, joints: Sequence[int], base: str, tip: str) -> Chain
     Raises:
         FrameNotFound: one of the frames does not exist.
         NotAnSrsLimb: the joints move the base, or joint 7 does not move the tip.
-        InvalidRobot: Pinocchio cannot lock the other joints, or a joint limit is no number.
+        InvalidRobot: the position limits of a joint are no range.
     """
     names = tuple(model.names[joint] for joint in joints)
     locked = [joint for joint in range(1, model.njoints) if joint not in joints]
-    try:
-        reduced = pin.buildReducedModel(model, locked, pin.neutral(model)) if locked else pin.Model(model)
-    except ValueError as error:
-        raise InvalidRobot(f"Pinocchio cannot lock the other joints of {model.name!r}: {error}", model.name) from None
+    reduced = pin.buildReducedModel(model, locked, pin.neutral(model)) if locked else pin.Model(model)
     skeleton = Skeleton(reduced)
     moved_by = skeleton.joint_of(base)
     if moved_by != 0:
