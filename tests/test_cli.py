@@ -218,6 +218,14 @@ def test_a_negative_position_is_no_option():
     assert [row[3] for row in found["T_base_tip"]] == [-0.3, -0.2, 0.7, 1.0]
 
 
+def test_no_digit_is_cut_off_in_a_narrow_terminal(monkeypatch):
+    monkeypatch.setenv("COLUMNS", "40")
+    words = ["solve", "iiwa14", "--from-q", *Q, "--arm-angle", "0.4", "--all", "--no-limits"]
+    text = run(*words).stdout
+    for solution in answer(*words)["solutions"]:
+        assert all(f"{np.rad2deg(q):.2f}" in text for q in solution["q"])
+
+
 @pytest.mark.parametrize("extra", [[], ["--all"]])
 def test_out_of_reach_is_an_answer_with_exit_status_1(extra):
     words = ["solve", "iiwa14", "--xyz", "3", "0", "0.5", "--rpy", "0", "1.57", "0", *extra]
@@ -348,6 +356,18 @@ def test_a_reader_that_leaves_early_is_no_error():
     )
     assert result.stderr == ""
     assert result.stdout.strip() in {"0", "1"}
+
+
+def test_a_full_disk_is_one_line():
+    if not Path("/dev/full").exists():
+        pytest.skip("/dev/full is not here")
+    for extra in ([], ["--json"]):
+        command = [sys.executable, "-c", "from srs_ik.cli import main; main()", "robots", *extra]
+        with open("/dev/full", "w") as full:
+            result = subprocess.run(command, stdout=full, stderr=subprocess.PIPE, text=True, timeout=300)
+        assert result.returncode == 2
+        assert result.stderr.count("\n") == 1
+        assert "space" in result.stderr
 
 
 def test_an_interruption_is_quiet(monkeypatch, capsys):

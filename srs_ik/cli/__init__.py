@@ -28,9 +28,9 @@ def main() -> None:
 
 
 def _close_quietly() -> None:
-    """Flush standard output; if its reader is gone, let nothing be said about it at exit."""
+    """Flush standard output; if it cannot take the rest, let Python not say so a second time at exit."""
     try:
         sys.stdout.flush()
-    except BrokenPipeError:
+    except OSError:
         with contextlib.suppress(OSError):
             os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())

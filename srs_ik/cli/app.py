@@ -42,9 +42,11 @@ class OneLineGroup(TyperGroup):
 
 
 def _wrong_input(error: Exception) -> str | None:
-    """The error in one line if it is the user's input that is wrong, else None."""
+    """The error in one line if it is the input, or the place of the output, that is wrong, else None."""
     from srs_ik.errors import SrsIkError
 
+    if isinstance(error, OSError):
+        return f"{error.filename or 'cannot write the output'}: {error.strerror or error}"
     # The command-line library's own errors are told by their method, because typer has moved their base class about.
     formatted = getattr(error, "format_message", None)
     if formatted is None and not isinstance(error, (SrsIkError, WrongInput)):

@@ -44,7 +44,7 @@ def _all(source: str) -> list[dict[str, Any]]:
     findings = []
     for report in find_limbs(source):
         if report.limb is not None:
-            findings.append(_accepted(load(source, base=report.base, tip=report.tip)))
+            findings.append(_accepted(load(source, base=report.base, tip=report.tip), report.note))
         else:
             findings.append(_refused(report.base, report.tip, report.joint_names, report.misses_mm, report.reason))
     return findings
@@ -60,13 +60,14 @@ def _chosen(source: str, base: str | None, tip: str | None) -> list[dict[str, An
         return [_refused(base, tip, error.joint_names, error.misses_mm, str(error))]
 
 
-def _accepted(arm: Arm) -> dict[str, Any]:
+def _accepted(arm: Arm, note: str = "") -> dict[str, Any]:
     limb = arm.limb
     return {
         "base": arm.base,
         "tip": arm.tip,
         "kind": limb.kind,
         "reason": "",
+        "note": note,
         "joint_names": list(arm.joint_names),
         "misses_mm": 1e3 * limb.misses,
         "wrist_kind": limb.wrist_kind,
@@ -92,6 +93,7 @@ def _refused(base: str | None, tip: str | None, joint_names: Any, misses_mm: Any
         "tip": tip,
         "kind": "refused",
         "reason": reason,
+        "note": "",
         "joint_names": list(joint_names),
         "misses_mm": misses_mm,
     }
@@ -113,6 +115,8 @@ def _print_finding(out: Console, finding: dict[str, Any]) -> None:
         return
 
     out.print(f"{chain}: {finding['kind']} S-R-S arm, {finding['wrist_kind']} wrist")
+    if finding["note"]:
+        out.print(finding["note"])
     lengths = [
         (name.replace("_", " "), fixed(1e3 * finding[name], 3))
         for name in ("upper_arm", "forearm", "hand", "elbow_offset")

@@ -13,15 +13,18 @@ from rich import box
 from rich.console import Console
 from rich.table import Table
 
-PIPE_WIDTH = 200
-"""Columns of the output where it is no terminal: wide enough to wrap no table."""
+WIDE = 200
+"""Columns that every table of numbers fits into: a terminal may wrap its lines, but no digit is cut off."""
 
 
-def console() -> Console:
-    """A console on standard output that prints names as they are."""
-    return Console(
-        width=None if sys.stdout.isatty() else PIPE_WIDTH, markup=False, emoji=False, highlight=False, soft_wrap=False
-    )
+def console(*, fit: bool = False) -> Console:
+    """A console on standard output that prints names as they are.
+
+    Args:
+        fit: whether texts are wrapped to the width of the terminal; for tables of text alone.
+    """
+    width = None if fit and sys.stdout.isatty() else WIDE
+    return Console(width=width, markup=False, emoji=False, highlight=False)
 
 
 def table(columns: Sequence[str], rows: Iterable[Sequence[str]], *, title: str | None = None, left: int = 1) -> Table:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import typer
+
 from srs_ik.cli.options import AsJson
 
 
@@ -14,11 +16,10 @@ def robots(as_json: AsJson = False) -> None:
     if as_json:
         print_json([{"name": c.name, "description": c.description, "base": c.base, "tip": c.tip} for c in cards])
         return
-    out = console()
-    out.print(
-        table(("robot", "base", "tip", "description"), [(c.name, c.base, c.tip, c.description) for c in cards], left=4)
+    rows = [(c.name, c.base, c.tip, c.description) for c in cards]
+    console(fit=True).print(table(("robot", "base", "tip", "description"), rows, left=4))
+    typer.echo(
+        "\nKnown by name too, with the extra 'robots' (pip install 'srs-ik[robots]'):\n"
+        "human_left and human_right of example-robot-data,\n"
+        "and every name of robot_descriptions, such as iiwa14_description."
     )
-    out.print(
-        "Known by name too, with the extra 'robots' (pip install 'srs-ik[robots]'): human_left and human_right of"
-    )
-    out.print("example-robot-data, and every name of robot_descriptions, such as iiwa14_description.")

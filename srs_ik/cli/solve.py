@@ -197,7 +197,7 @@ def _print_solutions(out: Console, arm: Arm, solutions: list[Solution]) -> None:
         )
         for s in solutions
     ]
-    columns = ("branch", "arm angle", *(f"q{i}" for i in range(1, 8)), "to the limit")
+    columns = ("branch", "arm angle", *(f"q{i}" for i in range(1, 8)), "to limit")
     out.print(table(columns, rows, title="all angles in degrees", left=0))
     worst = max(s.position_error for s in solutions), max(s.orientation_error for s in solutions)
     out.print(f"{len(solutions)} solutions, errors up to {worst[0]:.1e} m and {worst[1]:.1e} rad")
