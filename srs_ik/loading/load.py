@@ -155,7 +155,8 @@ def _no_chain(description: Description, skeleton: Skeleton, base: str | None, ti
 
 def _refused(candidates: Sequence[Candidate]) -> NotAnSrsLimb:
     """The error for chains that are all no limbs; it speaks of the one that is nearest to being one."""
-    worst = [float(np.nan_to_num(candidate.report.misses_mm, nan=np.inf).max()) for candidate in candidates]
+    # Rounded: of mirrored arms with the same misses but for noise, the first.
+    worst = [np.nan_to_num(candidate.report.misses_mm, nan=np.inf).max().round(3) for candidate in candidates]
     report = candidates[int(np.argmin(worst))].report
     message = report.describe().removesuffix(".")
     if len(candidates) > 1:

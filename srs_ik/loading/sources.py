@@ -89,7 +89,7 @@ def _is_path(text: str) -> bool:
     if any(separator in text for separator in separators) or Path(text).suffix:
         return True
     try:
-        return Path(text).exists()
+        return bool(text) and Path(text).exists()
     except (OSError, ValueError):
         return False
 

@@ -1,0 +1,487 @@
+import os
+import subprocess
+import sys
+from importlib import metadata
+
+import numpy as np
+import pinocchio as pin
+import pytest
+import yourdfpy
+from robot_files import SHARED, example_urdf, joint_xml, serial_arm, shared_urdf
+
+from srs_ik import zoo
+from srs_ik.errors import (
+    AmbiguousLimb,
+    FrameNotFound,
+    InvalidRobot,
+    InvalidTask,
+    MissingExtra,
+    NotAnSrsLimb,
+)
+from srs_ik.loading import find_limbs, load, names, sources
+
+ARMS = {
+    "iiwa14_drake_models": [("iiwa_link_0", "iiwa_link_7", "exact", "XYX")],
+    "iiwa14_kuka_experimental": [("base_link", "tool0", "near", "XYX")],
+    "kinova_gen3_7dof": [("base_link", "tool_frame", "near", "XYX")],
+    "kinova_j2s7s300": [("j2s7s300_link_base", "j2s7s300_link_7", "near", "XYX")],
+    "med7_lbr_stack": [("lbr_link_0", "lbr_link_ee", "exact", "XYX")],
+    "motoman_sia10f": [("base_link", "link_tool0", "exact", "XYX")],
+    "motoman_sia5d": [("base_link", "tool0", "exact", "XYX")],
+    "realman_rm75": [("base_link", "Link7", "exact", "XYX")],
+    "openarm_v10_bimanual": [
+        ("openarm_left_link0", "openarm_left_hand", "exact", "XYZ"),
+        ("openarm_right_link0", "openarm_right_hand", "exact", "XYZ"),
+    ],
+    "unitree_h1_2_handless": [
+        ("torso_link", "left_wrist_yaw_link", "near", "XYZ"),
+        ("torso_link", "right_wrist_yaw_link", "near", "XYZ"),
+    ],
+}
+HUMANOIDS = {
+    "human": [("left_clavicle", "left_hand", "exact", "XYZ"), ("right_clavicle", "right_hand", "exact", "XYZ")],
+    "simple_humanoid": [("torso", "l_wrist", "exact", "XYZ"), ("torso", "r_wrist", "exact", "XYZ")],
+    "romeo": [("torso", "l_wrist", "exact", "XYZ"), ("torso", "r_wrist", "exact", "XYZ")],
+}
+REFUSED = {
+    "franka_fr3": [("fr3_link0", "fr3_link8", "fr3_joint7", 58.7)],
+    "xarm7": [("link_base", "link_eef", "joint7", 50.7)],
+    "sawyer": [("right_arm_base_link", "right_hand", "right_j0", 104.4)],
+    "abb_yumi": [
+        ("yumi_body", "gripper_l_base", "yumi_joint_2_l", 20.0),
+        ("yumi_body", "gripper_r_base", "yumi_joint_2_r", 20.0),
+    ],
+}
+
+
+def robot(*parts: str, name: str = "small") -> str:
+    return f'<robot name="{name}">{"".join(parts)}</robot>'
+
+
+def fixed(parent: str, child: str, new: bool = True, origin: str = "0 0 0", rpy: str = "0 0 0") -> str:
+    link = f'<link name="{child}"/>' if new else ""
+    return link + joint_xml(f"{parent}_{child}", parent, child, "fixed", f'<origin xyz="{origin}" rpy="{rpy}"/>')
+
+
+def moving(parent: str, child: str, kind: str = "revolute", axis: str = "0 0 1", origin: str = "0 0 0") -> str:
+    inside = f'<origin xyz="{origin}"/><axis xyz="{axis}"/><limit lower="-1" upper="1" effort="1" velocity="1"/>'
+    return f'<link name="{child}"/>' + joint_xml(f"{parent}_{child}", parent, child, kind, inside)
+
+
+def bimanual() -> str:
+    arms = [serial_arm(prefix=side) + fixed("torso", f"{side}l0", new=False) for side in ("left_", "right_")]
+    return robot('<link name="root"/>', moving("root", "torso"), *arms, name="twins")
+
+
+def summary(report):
+    return (report.base, report.tip, report.kind, report.wrist_kind)
+
+
+# find_limbs
+
+
+@pytest.mark.parametrize("name", ARMS)
+def test_arms_of_real_files_are_found(name):
+    reports = find_limbs(shared_urdf(name))
+    assert [summary(report) for report in reports] == ARMS[name]
+    for report in reports:
+        assert report.limb is not None
+        assert report.limb.kind == report.kind
+        assert report.misses_mm.max() < (1e-3 if report.kind == "exact" else 20)
+        assert report.reason == ""
+        assert f"{report.base} -> {report.tip} is a" in report.describe()
+
+
+@pytest.mark.parametrize("name", HUMANOIDS)
+def test_arms_of_humanoids_are_found_and_nothing_else(name):
+    assert [summary(report) for report in find_limbs(example_urdf(name))] == HUMANOIDS[name]
+
+
+@pytest.mark.parametrize("name", REFUSED)
+def test_other_arms_are_refused_in_millimetres(name):
+    reports = find_limbs(shared_urdf(name))
+    assert len(reports) == len(REFUSED[name])
+    for report, (base, tip, joint, miss) in zip(reports, REFUSED[name], strict=True):
+        assert summary(report) == (base, tip, "refused", None)
+        assert report.limb is None
+        worst = int(np.argmax(report.misses_mm))
+        assert report.joint_names[worst] == joint
+        assert report.misses_mm[worst] == pytest.approx(miss, abs=0.05)
+        assert f"({joint}) misses" in report.describe()
+        assert f"{miss:.1f} mm" in report.describe()
+
+
+@pytest.mark.parametrize("name", REFUSED)
+def test_loading_another_arm_names_the_joints_that_miss(name):
+    with pytest.raises(NotAnSrsLimb) as raised:
+        load(shared_urdf(name))
+    base, tip, joint, miss = REFUSED[name][0]
+    error = raised.value
+    assert f"{base} -> {tip}" in str(error)
+    assert f"{joint} {miss:.1f}"[:-2] in str(error)
+    assert len(error.joint_names) == len(error.misses_mm) == 7
+    assert max(error.misses_mm) == pytest.approx(miss, abs=0.05)
+
+
+@pytest.mark.parametrize("name", [*ARMS, *HUMANOIDS])
+def test_what_is_reported_can_be_loaded(name):
+    path = shared_urdf(name) if name in ARMS else example_urdf(name)
+    for report in find_limbs(path):
+        arm = load(path, base=report.base, tip=report.tip)
+        assert (arm.base, arm.tip, arm.joint_names) == (report.base, report.tip, report.joint_names)
+        assert (arm.limb.kind, arm.limb.wrist_kind) == (report.kind, report.wrist_kind)
+        np.testing.assert_allclose(arm.limb.wrist, report.limb.wrist, atol=1e-12)
+
+
+def test_a_trunk_that_is_a_limb_by_itself_steps_back_behind_the_arm_and_can_be_asked_for():
+    path = example_urdf("human")
+    left, _ = find_limbs(path)
+    assert left.note == "preferred to chains that share joints with it: middle_abdomen -> left_upperarm"
+    assert left.note in left.describe()
+    trunk = load(path, base="middle_abdomen", tip="left_upperarm")
+    assert trunk.joint_names[0] == "middle_thoracic_Z"
+    assert trunk.limb.kind == "exact"
+
+
+def test_a_refused_chain_that_shares_joints_with_a_limb_is_not_reported():
+    xml = robot(
+        '<link name="root"/>',
+        moving("root", "l0").replace('<link name="l0"/>', ""),
+        serial_arm(),
+        moving("l7", "finger"),
+    )
+    (report,) = find_limbs(xml)
+    assert report.joint_names == tuple(f"j{k}" for k in range(1, 8))
+    assert report.note == ""
+
+
+def test_one_report_for_a_chain_that_is_none_however_long():
+    xml = robot(serial_arm("z y x z y x z y x z y x z y", " ".join(["0.2"] * 14)))
+    reports = find_limbs(xml)
+    assert [report.kind for report in reports] == ["refused"]
+    assert "mm" in reports[0].describe()
+
+
+def test_parallel_axes_are_explained_by_the_names_of_their_joints():
+    (report,) = find_limbs(robot(serial_arm("z z y y z y z")))
+    assert np.isnan(report.misses_mm).all()
+    assert report.describe() == "l0 -> l7 is no S-R-S limb: axes 1 (j1) and 2 (j2) are parallel."
+
+
+def test_limbs_come_before_chains_that_are_none():
+    bad = serial_arm(offsets="0 0.1 0.3 0 .3 .2 .1", axes="z y z y z y x", prefix="bad_")
+    xml = robot('<link name="w"/>', bad, fixed("w", "bad_l0", False), serial_arm(), fixed("w", "l0", False))
+    assert [(report.kind, report.tip) for report in find_limbs(xml)] == [("exact", "l7"), ("refused", "bad_l7")]
+
+
+def test_mimicking_joints_are_no_joints_of_a_limb():
+    xml = robot(serial_arm().replace("</joint>", '<mimic joint="j1"/></joint>'))
+    assert find_limbs(xml) == []
+    with pytest.raises(NotAnSrsLimb, match="j7 mimics another joint"):
+        load(xml, tip="l7")
+
+
+# load: which limb
+
+
+def test_two_arms_are_ambiguous_until_one_is_named():
+    xml = bimanual()
+    with pytest.raises(AmbiguousLimb, match="2 arms of 'twins' fit") as raised:
+        load(xml)
+    assert raised.value.candidates == (("left_l0", "left_l7"), ("right_l0", "right_l7"))
+    for base, tip in raised.value.candidates:
+        assert base in str(raised.value)
+        for ends in ({"base": base, "tip": tip}, {"tip": tip}, {"base": base}):
+            arm = load(xml, **ends)
+            assert (arm.base, arm.tip) == (base, tip)
+
+
+@pytest.mark.parametrize("base", ["root", "torso", "right_l0", "right_l7"])
+def test_the_base_may_be_anything_that_the_arm_does_not_move(base):
+    plain, arm = load(bimanual(), tip="left_l7"), load(bimanual(), base=base, tip="left_l7")
+    assert (arm.base, arm.joint_names) == (base, plain.joint_names)
+    assert arm.limb.upper_arm == pytest.approx(plain.limb.upper_arm, abs=1e-12)
+
+
+@pytest.mark.parametrize("base", ["root", "torso"])
+def test_a_base_before_both_arms_does_not_choose_between_them(base):
+    with pytest.raises(AmbiguousLimb):
+        load(bimanual(), base=base)
+
+
+def test_a_base_on_which_nothing_hangs_serves_where_there_is_one_arm():
+    xml = robot(serial_arm(), fixed("l0", "table", origin="1 2 3"))
+    arm = load(xml, base="table")
+    assert (arm.base, arm.tip) == ("table", "l7")
+    np.testing.assert_allclose(arm.limb.T_base_tip_zero[:3, 3], [-1, -2, 0.7 - 3], atol=1e-14)
+
+
+def test_joints_after_the_arm_are_locked_and_the_tip_may_lie_behind_them():
+    xml = robot(
+        serial_arm(), moving("l7", "slide", "prismatic", origin="0 0 .1"), moving("slide", "finger", origin="0 0 .1")
+    )
+    for tip, height in (("l7", 0.7), ("slide", 0.8), ("finger", 0.9)):
+        arm = load(xml, base="l0", tip=tip)
+        assert arm.joint_names == tuple(f"j{k}" for k in range(1, 8))
+        assert arm.limb.T_base_tip_zero[2, 3] == pytest.approx(height)
+
+
+@pytest.mark.parametrize(
+    ("ends", "says"),
+    [
+        (
+            {"base": "l2", "tip": "l7"},
+            "between base 'l2' and tip 'l7' there are no 7 .* but 5 moving joints: j3, j4, j5, j6, j7",
+        ),
+        ({"base": "l0", "tip": "l6"}, "6 moving joints"),
+        ({"base": "l7", "tip": "l0"}, "no moving joint; base and tip are perhaps swapped"),
+        ({"base": "l7", "tip": "l7"}, "no moving joint"),
+        ({"tip": "l1"}, "on the way to the tip 'l1' there are no 7 .* but 1 moving joint: j1"),
+        ({"base": "l3"}, "what hangs on 'l3' has no chain of 7"),
+    ],
+)
+def test_ends_without_seven_joints_between_them(ends, says):
+    with pytest.raises(NotAnSrsLimb, match=says):
+        load(robot(serial_arm()), **ends)
+
+
+def test_a_sliding_joint_within_the_arm_is_named():
+    xml = robot(serial_arm(kinds={4: "prismatic"}))
+    with pytest.raises(NotAnSrsLimb, match=r"j4 is not revolute") as raised:
+        load(xml, base="l0", tip="l7")
+    assert len(raised.value.joint_names) == 7
+    with pytest.raises(NotAnSrsLimb, match="'small' has no chain of 7 consecutive revolute joints"):
+        load(xml)
+
+
+@pytest.mark.parametrize(
+    "ends", [{"base": "nix"}, {"tip": "nix"}, {"base": "l0", "tip": "nix"}, {"base": "nix", "tip": "l7"}]
+)
+def test_unknown_frames(ends):
+    with pytest.raises(FrameNotFound) as raised:
+        load(robot(serial_arm()), **ends)
+    assert raised.value.frame == "nix"
+    assert {"l0", "l7"} <= set(raised.value.available)
+
+
+def test_of_several_refused_chains_the_error_shows_the_nearest():
+    far = serial_arm("z y z y z y x", "0 0 .3 0 .3 0 .3", prefix="far_")
+    near = serial_arm("z y z y z y x", "0 0 .3 0 .3 0 .1", prefix="near_")
+    xml = robot('<link name="w"/>', far, fixed("w", "far_l0", False), near, fixed("w", "near_l0", False))
+    with pytest.raises(NotAnSrsLimb, match=r"none of 2 chains of 7 revolute joints .* near_l0 -> near_l7"):
+        load(xml)
+
+
+# load: from what
+
+
+def test_every_form_of_a_robot_gives_the_same_arm():
+    path = shared_urdf("iiwa14_drake_models")
+    model = pin.buildModelFromUrdf(str(path))
+    before = model.copy()
+    urdf = yourdfpy.URDF.load(str(path), build_scene_graph=False, load_meshes=False)
+    arms = [load(s) for s in (path, str(path), path.read_text(), model, urdf)]
+    assert model == before
+    q = np.linspace(-1, 1, 7)
+    for arm in arms:
+        assert (arm.name, arm.base, arm.tip) == ("iiwa14", "iiwa_link_0", "iiwa_link_7")
+        np.testing.assert_array_equal(arm.lower, arms[0].lower)
+        np.testing.assert_array_equal(arm.effort_limit, arms[0].effort_limit)
+        np.testing.assert_allclose(
+            arm.forward_kinematics(q).homogeneous, arms[0].forward_kinematics(q).homogeneous, rtol=0, atol=1e-14
+        )
+
+
+@pytest.mark.parametrize("name", zoo.robots())
+def test_a_built_in_robot_comes_with_what_its_card_says(name):
+    arm, card = load(name), zoo.card(name)
+    assert (arm.name, arm.base, arm.tip) == (name, card.base, card.tip)
+    np.testing.assert_array_equal(arm.limb.reference, card.reference)
+    assert arm.hand == (card.grasp, card.pronosupination)
+    (report,) = find_limbs(name)
+    assert (report.base, report.tip) == (card.base, card.tip)
+    assert load(name, name="mine").name == "mine"
+
+
+def test_reference_and_hand_of_a_built_in_robot_turn_with_the_frames():
+    plain, turned = load("iiwa14"), load("iiwa14", base="iiwa_link_0", tip="iiwa_link_7")
+    R = plain.limb.T_base_tip_zero[:3, :3].T @ turned.limb.T_base_tip_zero[:3, :3]
+    assert np.abs(R - np.eye(3)).max() > 0.5, "the two tip frames ought to differ"
+    for axis, same in zip(turned.hand, plain.hand, strict=True):
+        np.testing.assert_allclose(R @ axis, same, atol=1e-12)
+    asked = load("iiwa14", reference=[0, -2, 0], hand=[[0, 0, 3], [1, 0, 1]])
+    np.testing.assert_array_equal(asked.limb.reference, [0, -1, 0])
+    np.testing.assert_allclose(asked.hand, [[0, 0, 1], [1, 0, 0]], atol=1e-15)
+
+
+def test_the_reference_of_a_built_in_robot_turns_into_another_base(monkeypatch, tmp_path):
+    text = zoo.card("iiwa14").urdf.read_text()
+    text = text.replace("</robot>", fixed("iiwa_link_0", "tilted", rpy="0.3 0.4 0.5") + "</robot>")
+    path = tmp_path / "iiwa14.urdf"
+    path.write_text(text)
+    card = zoo.card("iiwa14")
+    fields = {field: getattr(card, field) for field in card.__dataclass_fields__} | {"urdf": path}
+    monkeypatch.setattr(zoo, "card", lambda name: type(card)(**fields))
+    arm = load("iiwa14", base="tilted")
+    expected = pin.rpy.rpyToMatrix(0.3, 0.4, 0.5).T @ np.array(card.reference)
+    np.testing.assert_allclose(arm.limb.reference, expected, atol=1e-14)
+
+
+def test_a_name_wins_over_a_file_of_that_name_but_not_over_a_path(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "iiwa14").write_text(robot(serial_arm()))
+    (tmp_path / "my_robot_description").write_text(robot(serial_arm()))
+    assert load("iiwa14").name == "iiwa14"
+    assert load("./iiwa14").name == "small"
+    assert load(tmp_path / "iiwa14").name == "small"
+    assert load("my_robot_description").name == "small"
+
+
+@pytest.mark.parametrize("side", ["left", "right"])
+def test_the_human_arms_of_example_robot_data(side):
+    example_urdf("human")
+    arm = load(f"human_{side}")
+    assert (arm.name, arm.base, arm.tip) == (f"human_{side}", f"{side}_clavicle", f"{side}_hand")
+    assert arm.joint_names[0] == f"{side}_shoulder_Z"
+    assert (arm.limb.kind, arm.limb.wrist_kind) == ("exact", "XYZ")
+    assert (arm.limb.upper_arm, arm.limb.forearm) == pytest.approx((0.276, 0.287), abs=1e-9)
+    # The arm hangs down at zero: the grasp direction goes on along the forearm, the other one is the axis of the elbow.
+    R = arm.limb.T_base_tip_zero[:3, :3]
+    forearm = arm.limb.wrist - arm.limb.elbow
+    np.testing.assert_allclose(R @ arm.hand.grasp, forearm / np.linalg.norm(forearm), atol=1e-12)
+    np.testing.assert_allclose(R @ arm.hand.pronosupination, arm.limb.axes[3], atol=1e-12)
+
+
+def test_the_human_is_found_by_the_package_where_it_is_in_no_prefix(monkeypatch):
+    path = example_urdf("human")
+    monkeypatch.setattr(pin, "__file__", "/nowhere/pinocchio/__init__.py")
+    monkeypatch.setattr(sys, "prefix", "/nowhere")
+    assert sources.describe("human_left").robot.source == str(path)
+
+
+def test_missing_packages_are_named_with_the_command_that_brings_them(monkeypatch):
+    def missing(name):
+        raise metadata.PackageNotFoundError(name)
+
+    monkeypatch.setattr(pin, "__file__", "/nowhere/pinocchio/__init__.py")
+    monkeypatch.setattr(sys, "prefix", "/nowhere")
+    monkeypatch.setattr(metadata, "files", missing)
+    monkeypatch.setitem(sys.modules, "robot_descriptions", None)
+    for name in ("human_left", "iiwa14_description"):
+        with pytest.raises(MissingExtra, match=rf"'{name}'.*pip install 'srs-ik\[robots\]'") as raised:
+            load(name)
+        assert raised.value.extra == "robots"
+
+
+@pytest.fixture
+def robot_descriptions(monkeypatch, tmp_path):
+    """A stand-in for the package, which fetches its files from the network."""
+    package = tmp_path / "robot_descriptions"
+    package.mkdir()
+    (tmp_path / "arm.urdf").write_text(robot(serial_arm(), name="described"))
+    (package / "__init__.py").write_text("")
+    (package / "arm_description.py").write_text(f"URDF_PATH = {str(tmp_path / 'arm.urdf')!r}")
+    (package / "arm_mj_description.py").write_text("MJCF_PATH = 'arm.xml'")
+    (package / "far_description.py").write_text("raise OSError('no network\\nand more')")
+    monkeypatch.syspath_prepend(tmp_path)
+    for module in [name for name in sys.modules if name.partition(".")[0] == "robot_descriptions"]:
+        monkeypatch.delitem(sys.modules, module)
+    yield
+    for module in [name for name in sys.modules if name.partition(".")[0] == "robot_descriptions"]:
+        del sys.modules[module]
+
+
+@pytest.mark.usefixtures("robot_descriptions")
+def test_names_of_robot_descriptions():
+    assert load("arm_description").name == "described"
+    with pytest.raises(
+        InvalidRobot,
+        match=r"'amr_description' is neither .* \(did you mean .*'arm_description'.*; there are arm_description, ",
+    ):
+        load("amr_description")
+    with pytest.raises(InvalidRobot, match="'arm_mj_description' in other formats than URDF only"):
+        load("arm_mj_description")
+    with pytest.raises(InvalidRobot, match=r"files of 'far_description' could not be fetched: no network$"):
+        load("far_description")
+
+
+def test_names_lists_what_load_knows():
+    assert names() == [*zoo.robots(), "human_left", "human_right"]
+
+
+@pytest.mark.parametrize(
+    ("source", "says"),
+    [
+        (
+            "iwa14",
+            r"'iwa14' is neither a file nor the name of a robot \(did you mean 'iiwa14'\?\); there are .*human_left",
+        ),
+        ("human_lef", "did you mean 'human_left' or"),
+        ("nowhere.urdf", r"there is no file nowhere\.urdf"),
+        ("folder/nowhere", "there is no file folder/nowhere"),
+        ("", "neither a file nor the name"),
+        ("x" * 5000, r"\.\.\.' is neither a file"),
+        ("a\0b", "neither a file nor the name"),
+        ("<robot", "not well-formed"),
+        (5, "object of type int"),
+    ],
+)
+def test_sources_that_are_none(source, says):
+    for function in (load, find_limbs):
+        with pytest.raises(InvalidRobot, match=says) as raised:
+            function(source)
+        assert len(str(raised.value)) < 400
+
+
+@pytest.mark.parametrize(
+    ("options", "says"),
+    [
+        ({"reference": [0, 0, 0]}, "reference is .* no direction"),
+        ({"reference": [0, float("nan"), 1]}, "no direction"),
+        ({"reference": [0, 1]}, r"reference has the shape \(2,\), not \(3,\)"),
+        ({"reference": "up"}, "reference is not an array of 3 numbers"),
+        ({"hand": [[1, 0, 0], [2, 0, 0]]}, "parallel"),
+        ({"hand": [1, 0, 0]}, "hand is not a pair"),
+        ({"hand": [[1, 0, 0], [0, 0, 0]]}, "pronosupination of hand is .* no direction"),
+        ({"hand": 3}, "hand is not a pair"),
+    ],
+)
+def test_directions_that_are_none(options, says):
+    with pytest.raises(InvalidTask, match=says):
+        load("iiwa14", **options)
+
+
+# The rest
+
+
+def test_continuous_joints_and_limits_reach_the_arm():
+    arm = load(shared_urdf("kinova_gen3_7dof"))
+    np.testing.assert_array_equal(np.isinf(arm.upper), [True, False] * 3 + [True])
+    assert arm.model.nq == 11
+    arm = load(shared_urdf("iiwa14_kuka_experimental"))
+    assert np.isinf(arm.effort_limit).all()
+    assert np.isfinite(arm.velocity_limit).all()
+
+
+def test_nothing_is_printed_and_nothing_is_written(capfd, tmp_path):
+    text = shared_urdf("unitree_h1_2_handless").read_text()
+    path = tmp_path / "h1.urdf"
+    path.write_text(text)
+    find_limbs(path)
+    load(path, tip="left_wrist_yaw_link")
+    assert capfd.readouterr() == ("", "")
+    assert os.listdir(tmp_path) == ["h1.urdf"]
+    assert path.read_text() == text
+
+
+def test_importing_the_loader_brings_none_of_the_heavy_libraries():
+    heavy = ("yourdfpy", "meshcat", "typer", "rich", "scipy", "trimesh", "robot_descriptions", "numba")
+    code = f"import sys, srs_ik.loading; print([name for name in {heavy} if name in sys.modules])"
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert done.stdout.strip() == "[]"
+
+
+def test_every_shared_file_has_its_expectation():
+    if not SHARED.is_dir():
+        pytest.skip("no files beside the checkout")
+    assert {path.stem for path in SHARED.glob("*.urdf")} == {*ARMS, *REFUSED}
