@@ -17,7 +17,7 @@ from srs_ik.kernels import entries
 from srs_ik.kernels.intervals import MAX_PIECES
 from srs_ik.kernels.layout import ROW
 from srs_ik.limb import SrsLimb
-from srs_ik.packing import pack
+from srs_ik.packing import pack_family
 from srs_ik.pose import PoseLike, as_arm_angle, as_branch, as_joint_vector, as_matrices, as_matrix, invalid_pose
 from srs_ik.solution import BatchSolution, Interval, Solution, Solutions
 
@@ -78,9 +78,7 @@ class Arm:
         self.hand = hand
         self._base_frame = chain.model.getFrameId(chain.base)
         self._tip_frame = chain.model.getFrameId(chain.tip)
-        unlimited = np.full(7, np.inf)
-        self._packed = pack(limb, chain.lower, chain.upper)
-        self._packed_free = pack(limb, -unlimited, unlimited)
+        self._family = pack_family(limb, chain.lower, chain.upper)
 
     # Forward kinematics, by Pinocchio ---------------------------------------------------------------------------
 
@@ -161,7 +159,7 @@ class Arm:
         Raises:
             InvalidConfiguration: not 7 finite angles.
         """
-        return float(entries.configuration_arm_angle(self._packed, as_joint_vector(q))[0])
+        return float(entries.configuration_arm_angle(self._family, as_joint_vector(q))[0])
 
     def branch(self, q: ArrayLike) -> int:
         """Branch of a configuration, 0 to 7.
@@ -169,7 +167,7 @@ class Arm:
         Raises:
             InvalidConfiguration: not 7 finite angles.
         """
-        return int(entries.configuration_arm_angle(self._packed, as_joint_vector(q))[1])
+        return int(entries.configuration_arm_angle(self._family, as_joint_vector(q))[1])
 
     # Inverse kinematics -----------------------------------------------------------------------------------------
 
@@ -199,8 +197,7 @@ class Arm:
         """
         row = np.empty(ROW)
         verdict = entries.solve(
-            self._packed,
-            self._packed if respect_limits else self._packed_free,
+            self._family,
             as_matrix(pose),
             arm_angle is not None,
             0.0 if arm_angle is None else as_arm_angle(arm_angle),
@@ -233,14 +230,13 @@ class Arm:
         respect_limits = bool(respect_limits)
         if arm_angle is None:
             rows = np.empty((8 * MAX_PIECES, ROW))
-            searched = self._packed if respect_limits else self._packed_free
-            count = entries.solve_intervals(self._packed, searched, T, respect_limits, rows)
+            count = entries.solve_intervals(self._family, T, respect_limits, rows)
             if count < 0:
                 raise invalid_pose(-count)
             rows = rows[:count]
         else:
             rows = np.empty((8, ROW))
-            verdict = entries.solve_all(self._packed, T, as_arm_angle(arm_angle), respect_limits, rows)
+            verdict = entries.solve_all(self._family, T, as_arm_angle(arm_angle), respect_limits, rows)
             if verdict:
                 raise invalid_pose(verdict)
         solved = Solutions(rows, self.joint_names)
@@ -292,15 +288,14 @@ class Arm:
             out = np.empty((n, 8, ROW))
 
             def work(first: int, last: int) -> None:
-                entries.solve_all_range(self._packed, T, first, last, psis, respect_limits, out, verdicts)
+                entries.solve_all_range(self._family, T, first, last, psis, respect_limits, out, verdicts)
         else:
             out = np.empty((n, ROW))
-            searched = self._packed if respect_limits else self._packed_free
             at_angle, seeded = arm_angle is not None, seed is not None
 
             def work(first: int, last: int) -> None:
                 entries.solve_range(
-                    self._packed, searched, T, first, last, at_angle, psis, chosen, seeded, seeds, respect_limits, out, verdicts
+                    self._family, T, first, last, at_angle, psis, chosen, seeded, seeds, respect_limits, out, verdicts
                 )
 
         run_in_threads(work, n, threads)
@@ -318,7 +313,7 @@ class Arm:
             InvalidPose: the pose is no finite rigid transform.
         """
         out = np.empty((8 * MAX_PIECES, 3))
-        count = entries.intervals(self._packed if respect_limits else self._packed_free, as_matrix(pose), out)
+        count = entries.intervals(self._family, as_matrix(pose), bool(respect_limits), out)
         if count < 0:
             raise invalid_pose(-count)
         return [Interval(int(b), float(lower), float(upper)) for b, lower, upper in out[:count]]

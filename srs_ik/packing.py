@@ -15,14 +15,26 @@ CLOSED_MISS = 1e-12
 """Axes that pass their centres within this distance, metres, leave nothing for Newton's method to do."""
 
 
-def pack(limb: SrsLimb, lower: Vector, upper: Vector) -> Vector:
-    """The packed limb, read-only, laid out as in `srs_ik.kernels.layout`.
+STRICT = (1e-13, 1e-14, 1e-12, 0.0)
+LOOSE = (3e-11, 1e-12, 1e-11, 1e-10)
+"""Tolerances `SLACK_*` of the layout: those of rounding, and those that still close to 1e-10."""
+
+
+def pack_family(limb: SrsLimb, lower: Vector, upper: Vector) -> Vector:
+    """The limb packed four times, (4, SIZE), read-only: with limits and without, with strict and with loose tolerances.
 
     Args:
         limb: the recognised limb.
         lower: (7,) lower joint limits, rad; -inf where there is none.
         upper: (7,) upper joint limits, rad; inf where there is none.
     """
+    none = np.full(7, np.inf)
+    family = np.array([_pack(limb, lo, hi, slack) for slack in (STRICT, LOOSE) for lo, hi in ((lower, upper), (-none, none))])
+    family.flags.writeable = False
+    return family
+
+
+def _pack(limb: SrsLimb, lower: Vector, upper: Vector, slack: tuple[float, ...]) -> Vector:
     P = np.zeros(at.SIZE)
     T = limb.T_base_tip_zero
     _put(P, at.AXES, limb.axes)
@@ -38,6 +50,7 @@ def pack(limb: SrsLimb, lower: Vector, upper: Vector) -> Vector:
     _put(P, at.MIDDLE, middle)
     _put(P, at.INVERSE_HALF_RANGE, 2.0 / np.maximum(width, 1e-9))
 
+    _put(P, at.SLACK_SINGULAR, np.array(slack))
     _put(P, at.SHOULDER_CENTRE, limb.shoulder)
     _put(P, at.WRIST_IN_TIP, T[:3, :3].T @ (limb.wrist - T[:3, 3]))
     _put(P, at.ELBOW_CENTRE, limb.elbow)
@@ -47,7 +60,6 @@ def pack(limb: SrsLimb, lower: Vector, upper: Vector) -> Vector:
     _pack_elbow(P, limb)
     for block, first in ((at.SHOULDER, 0), (at.WRIST, 4)):
         _pack_spherical(P, block, first, limb.axes[first : first + 3], lower, upper, middle, width)
-    P.flags.writeable = False
     return P
 
 

@@ -129,7 +129,7 @@ def longest(A):
 
 
 @kernel
-def close_at_angle(P, q, R, p, t, h0, psi, J, A):
+def close_at_angle(P, q, R, p, t, h0, psi, steps, J, A):
     """Newton's method for the pose and the arm angle together.
 
     Args:
@@ -140,6 +140,7 @@ def close_at_angle(P, q, R, p, t, h0, psi, J, A):
         t: direction S-W of the pose.
         h0: zero direction of the arm angle.
         psi: wanted arm angle.
+        steps: largest number of steps.
         J: (6, 7) work space.
         A: (7, 9) work space.
 
@@ -148,7 +149,7 @@ def close_at_angle(P, q, R, p, t, h0, psi, J, A):
     """
     h = along(scale(math.cos(psi), h0), math.sin(psi), cross(t, h0))
     b = cross(t, h)
-    for _ in range(12):
+    for _ in range(steps):
         linear, angular = pose_step(P, q, R, p, J)
         reach = sub(elbow_position(P, q), load3(P, SHOULDER_CENTRE))
         off_plane = dot(b, reach)

@@ -12,12 +12,14 @@ import numpy as np
 from srs_ik.kernels.branches import NO_BRANCH, elbow_branches, place
 from srs_ik.kernels.chain import forward_kinematics, pose_error
 from srs_ik.kernels.closure import arm_angle, clipped
-from srs_ik.kernels.elbow import shoulder_to_wrist, straight_offset, target_frame
+from srs_ik.kernels.elbow import shoulder_to_wrist, target_frame
 from srs_ik.kernels.intervals import MAX_EVENTS, MAX_PIECES, feasible_intervals
 from srs_ik.kernels.jit import entry, kernel
 from srs_ik.kernels.layout import (
+    FREE,
     IS_CLOSED,
-    PHASE,
+    LIMITED,
+    LOOSE,
     ROW_ARM_ANGLE,
     ROW_BRANCH,
     ROW_JOINT,
@@ -25,11 +27,9 @@ from srs_ik.kernels.layout import (
     ROW_POSITION_ERROR,
     ROW_Q,
     ROW_STATUS,
-    SHOULDER,
-    WRIST,
 )
 from srs_ik.kernels.scoring import OUTSIDE, tightest_joint
-from srs_ik.kernels.search import evaluate, evaluate_branch, rescue, search_interval
+from srs_ik.kernels.search import branch_of, evaluate, evaluate_again, evaluate_branch, rescue, search_interval
 
 OK = 0.0
 UNREACHABLE = 1.0
@@ -45,6 +45,9 @@ GOOD_POSE = 0
 NOT_FINITE = 1
 NOT_RIGID = 2
 """Verdicts on a pose."""
+
+NEARLY_STRAIGHT = 3e-6
+"""Bends of the elbow below this, rad, cannot be told apart within 1e-11 of reach."""
 
 NO_SEED = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
 
@@ -99,15 +102,6 @@ def read7(q):
 
 
 @kernel
-def branch_of(P, q):
-    """Branch of a configuration, from the sides of its elbow, shoulder and wrist."""
-    e = 0 if math.sin(straight_offset(P, q[3])) >= 0.0 else 4
-    s = 0 if math.sin(q[1] - P[SHOULDER + PHASE]) >= 0.0 else 2
-    w = 0 if math.sin(q[5] - P[WRIST + PHASE]) >= 0.0 else 1
-    return e + s + w
-
-
-@kernel
 def write_row(P, place_, R, p, q, branch, lowest, respect, out):
     """Measure a posture on the true chain, give it its status, and write its row."""
     outside = respect and lowest >= OUTSIDE
@@ -145,8 +139,8 @@ def find_intervals(P, place_, out):
 
 
 @kernel
-def search(P, F, place_, R, p, branch, seeded, seed, respect, J, A):
-    """Best posture over all arm angles: q, branch, cost. F is the limb whose intervals are searched."""
+def search_branches(P, F, place_, R, p, branch, seeded, seed, respect, J, A):
+    """Best posture over the feasible intervals of F: q, branch, cost (more than any posture's if there is none)."""
     found = np.empty((8 * MAX_PIECES, 3))
     n = find_intervals(F, place_, found)
     best_q = seed
@@ -161,9 +155,37 @@ def search(P, F, place_, R, p, branch, seeded, seed, respect, J, A):
             best_q = q
             best = b
             lowest = value
+    return best_q, best, lowest
+
+
+@kernel
+def search(family, place_, R, p, branch, seeded, seed, respect, J, A):
+    """Best posture over all arm angles: q, branch, cost."""
+    strictness = LIMITED if respect else FREE
+    P = family[LIMITED]
+    best_q, best, lowest = search_branches(
+        P, family[strictness], place_, R, p, branch, seeded, seed, respect, J, A
+    )
     if lowest < OUTSIDE:
         return best_q, best, lowest
-    if P[IS_CLOSED] != 1.0:
+    t, h0, bend_c, bend_s, hand, miss = place_
+    if P[IS_CLOSED] == 1.0:
+        # Postures that rounding hides: looser tolerances, and, with the elbow almost straight, all the bends that a pose
+        # cannot tell from each other (a bend x shortens the arm by x^2 / 8 of its length).
+        bend = bend_s
+        x = 1e-9
+        while True:
+            near = (t, h0, math.sqrt(1.0 - bend * bend) if bend_c > 0.0 else bend_c, bend, hand, miss)
+            q, b, value = search_branches(
+                family[LOOSE], family[LOOSE + strictness], near, R, p, branch, seeded, seed, respect, J, A
+            )
+            if value < OUTSIDE:
+                return q, b, value
+            if bend_c < 0.0 or bend_s > NEARLY_STRAIGHT or x > NEARLY_STRAIGHT:
+                break
+            bend = 0.0 if x == 1e-9 else x
+            x *= 2.0
+    else:
         q, b, value = rescue(P, place_, R, p, branch, seeded, seed, respect, J, A)
         if value < lowest:
             best_q = q
@@ -184,16 +206,19 @@ def search(P, F, place_, R, p, branch, seeded, seed, respect, J, A):
 
 
 @kernel
-def solve_one(P, F, T, at_angle, psi, branch, seeded, seed, respect, J, A, out):
+def solve_one(family, T, at_angle, psi, branch, seeded, seed, respect, J, A, out):
     """Solve one pose into a row; returns the verdict on the pose."""
     R, p, verdict = read_pose(T)
     if verdict != GOOD_POSE:
         return verdict
+    P = family[LIMITED]
     place_ = place(P, R, p)
     if at_angle:
         q, best, lowest = evaluate(P, place_, R, p, psi, branch, seeded, seed, respect, J, A)
+        if lowest >= NO_BRANCH and P[IS_CLOSED] != 1.0:
+            q, best, lowest = evaluate_again(P, place_, R, p, psi, branch, seeded, seed, respect, J, A)
     else:
-        q, best, lowest = search(P, F, place_, R, p, branch, seeded, seed, respect, J, A)
+        q, best, lowest = search(family, place_, R, p, branch, seeded, seed, respect, J, A)
     write_row(P, place_, R, p, q, best, lowest, respect, out)
     if at_angle and P[IS_CLOSED] == 1.0 and out[ROW_STATUS] == OK:
         out[ROW_ARM_ANGLE] = psi - 2.0 * math.pi * math.floor((psi + math.pi) / (2.0 * math.pi))
@@ -201,22 +226,22 @@ def solve_one(P, F, T, at_angle, psi, branch, seeded, seed, respect, J, A, out):
 
 
 @entry
-def solve(P, F, T, at_angle, psi, branch, seeded, seed, respect, out):
+def solve(family, T, at_angle, psi, branch, seeded, seed, respect, out):
     """Solve one pose into a row of `out`; returns the verdict on the pose."""
     J = np.empty((6, 7))
     A = np.empty((7, 9))
-    return solve_one(P, F, T, at_angle, psi, branch, seeded, read7(seed), respect, J, A, out)
+    return solve_one(family, T, at_angle, psi, branch, seeded, read7(seed), respect, J, A, out)
 
 
 @entry
-def solve_range(P, F, poses, first, last, at_angle, psis, branch, seeded, seeds, respect, out, verdicts):
+def solve_range(family, poses, first, last, at_angle, psis, branch, seeded, seeds, respect, out, verdicts):
     """Solve the poses first to last - 1; psis and seeds hold one value for all, or one a pose."""
     J = np.empty((6, 7))
     A = np.empty((7, 9))
     for i in range(first, last):
         psi = psis[i if psis.shape[0] > 1 else 0]
         seed = read7(seeds[i if seeds.shape[0] > 1 else 0])
-        verdicts[i] = solve_one(P, F, poses[i], at_angle, psi, branch, seeded, seed, respect, J, A, out[i])
+        verdicts[i] = solve_one(family, poses[i], at_angle, psi, branch, seeded, seed, respect, J, A, out[i])
 
 
 @kernel
@@ -240,41 +265,43 @@ def all_branches(P, T, psi, respect, J, A, out):
 
 
 @entry
-def solve_all(P, T, psi, respect, out):
+def solve_all(family, T, psi, respect, out):
     """All eight branches of one pose at an arm angle into the rows of `out` (8, ROW)."""
-    return all_branches(P, T, psi, respect, np.empty((6, 7)), np.empty((7, 9)), out)
+    return all_branches(family[LIMITED], T, psi, respect, np.empty((6, 7)), np.empty((7, 9)), out)
 
 
 @entry
-def solve_all_range(P, poses, first, last, psis, respect, out, verdicts):
+def solve_all_range(family, poses, first, last, psis, respect, out, verdicts):
     """All eight branches of the poses first to last - 1."""
     J = np.empty((6, 7))
     A = np.empty((7, 9))
     for i in range(first, last):
         psi = psis[i if psis.shape[0] > 1 else 0]
-        verdicts[i] = all_branches(P, poses[i], psi, respect, J, A, out[i])
+        verdicts[i] = all_branches(family[LIMITED], poses[i], psi, respect, J, A, out[i])
 
 
 @entry
-def intervals(P, T, out):
+def intervals(family, T, respect, out):
     """Feasible intervals of one pose on the exact limb: number of rows written to `out` (n, 3), or minus the verdict."""
     R, p, verdict = read_pose(T)
     if verdict != GOOD_POSE:
         return -verdict
+    P = family[LIMITED if respect else FREE]
     return find_intervals(P, place(P, R, p), out)
 
 
 @entry
-def solve_intervals(P, F, T, respect, out):
+def solve_intervals(family, T, respect, out):
     """The best posture of every feasible interval of one pose: number of rows of `out`, or minus the verdict."""
     R, p, verdict = read_pose(T)
     if verdict != GOOD_POSE:
         return -verdict
     J = np.empty((6, 7))
     A = np.empty((7, 9))
+    P = family[LIMITED]
     place_ = place(P, R, p)
     found = np.empty((8 * MAX_PIECES, 3))
-    n = find_intervals(F, place_, found)
+    n = find_intervals(family[LIMITED if respect else FREE], place_, found)
     for i in range(n):
         b = int(found[i, 0])
         _, q, lowest = search_interval(
@@ -285,8 +312,9 @@ def solve_intervals(P, F, T, respect, out):
 
 
 @entry
-def configuration_arm_angle(P, q):
+def configuration_arm_angle(family, q):
     """Arm angle and branch of a configuration."""
+    P = family[LIMITED]
     q = read7(q)
     x, y, z, p = forward_kinematics(P, q)
     R = (x[0], y[0], z[0], x[1], y[1], z[1], x[2], y[2], z[2])

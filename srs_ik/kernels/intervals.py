@@ -30,6 +30,7 @@ from srs_ik.kernels.layout import (
     LIMITED_2,
     LIMITED_3,
     SHOULDER,
+    SLACK_JOIN,
     TOP_GAP,
     WRIST,
 )
@@ -240,7 +241,7 @@ def write_interval(out, n, branch, lower, upper):
 
 
 @kernel
-def intersect(a, na, sign_a, b, nb, sign_b, branch, out, n):
+def intersect(a, na, sign_a, b, nb, sign_b, slack, branch, out, n):
     """Append the arm angles feasible for both a shoulder and a wrist solution."""
     full_a = na == 1 and a[sign_a, 0, 1] - a[sign_a, 0, 0] >= TURN
     full_b = nb == 1 and b[sign_b, 0, 1] - b[sign_b, 0, 0] >= TURN
@@ -258,6 +259,8 @@ def intersect(a, na, sign_a, b, nb, sign_b, branch, out, n):
                 upper = min(a[sign_a, i, 1], b[sign_b, j, 1] + turns * TURN)
                 if lower <= upper:
                     n = write_interval(out, n, branch, lower, upper)
+                elif lower <= upper + slack:
+                    n = write_interval(out, n, branch, 0.5 * (lower + upper), 0.5 * (lower + upper))
     return n
 
 
@@ -290,5 +293,5 @@ def feasible_intervals(P, place_, events, marks, shoulder, wrist, out):
         w = joint_pieces(P, WRIST, place_, elbow, swing, c4, s4, events, marks, wrist)
         for i in range(2):
             for j in range(2):
-                n = intersect(shoulder, s[i], i, wrist, w[j], j, 4 * elbow + 2 * i + j, out, n)
+                n = intersect(shoulder, s[i], i, wrist, w[j], j, P[SLACK_JOIN], 4 * elbow + 2 * i + j, out, n)
     return n

@@ -19,23 +19,29 @@ UPPER = 62  # 7
 MIDDLE = 69  # 7, zero where unlimited
 INVERSE_HALF_RANGE = 76  # 7, zero where unlimited
 
+# Tolerances; the loose set is for poses whose only postures lie within rounding of a singularity or a limit.
+SLACK_SINGULAR = 83  # sine of the angle between axes 1 and 3 of a spherical joint under which they count as parallel
+SLACK_REACH = 84  # how far a1' R a3 may lie outside its range
+SLACK_LIMIT = 85  # how far an angle may lie outside a limit to be put on it, rad
+SLACK_JOIN = 86  # gap that two intervals may leave where they should touch, rad
+
 # Centres and the arm-angle reference, base frame.
-SHOULDER_CENTRE = 83  # 3
-WRIST_IN_TIP = 86  # 3
-ELBOW_CENTRE = 89  # 3
-REFERENCE = 92  # 3 unit vector
-REFERENCE_2 = 95  # 3 unit vector perpendicular to it, where S-W is parallel to the reference
+SHOULDER_CENTRE = 87  # 3
+WRIST_IN_TIP = 90  # 3
+ELBOW_CENTRE = 93  # 3
+REFERENCE = 96  # 3 unit vector
+REFERENCE_2 = 99  # 3 unit vector perpendicular to it, where S-W is parallel to the reference
 
 # Elbow triangle, with the limb straightened: d^2 = |S-W|^2 = FAR^2 + (FAR^2 - NEAR^2) / 2 (cos x - 1), x = q4 - STRAIGHT.
-STRAIGHT = 98  # the q4 at which S-W is longest
-FAR = 99  # longest S-W
-NEAR = 100  # shortest S-W
-UPPER_ARM = 101  # 3, S to E
-FOREARM = 104  # 3, E to W at q4 = STRAIGHT
-NORMAL_0 = 107  # 3, E-S x W-S = NORMAL_0 + sin x NORMAL_S + (1 - cos x) NORMAL_C
-NORMAL_S = 110
-NORMAL_C = 113
-NORMAL_KIND = 116  # 0 planar, 1 oblique but collinear when straight, 2 general
+STRAIGHT = 102  # the q4 at which S-W is longest
+FAR = 103  # longest S-W
+NEAR = 104  # shortest S-W
+UPPER_ARM = 105  # 3, S to E
+FOREARM = 108  # 3, E to W at q4 = STRAIGHT
+NORMAL_0 = 111  # 3, E-S x W-S = NORMAL_0 + sin x NORMAL_S + (1 - cos x) NORMAL_C
+NORMAL_S = 114
+NORMAL_C = 117
+NORMAL_KIND = 120  # 0 planar, 1 oblique but collinear when straight, 2 general
 
 # A spherical joint: rot(a1, q1) rot(a2, q2) rot(a3, q3). Offsets within the block.
 A1 = 0  # 3
@@ -69,9 +75,14 @@ BOUND_3_UPPER = 44  # 3
 A1_A2 = 47
 BLOCK = 48
 
-SHOULDER = 117
+SHOULDER = 121
 WRIST = SHOULDER + BLOCK
 SIZE = WRIST + BLOCK
+
+# A family of packed limbs (4, SIZE): with limits, without, and both again with the loose tolerances.
+LIMITED = 0
+FREE = 1
+LOOSE = 2
 
 # A solution row, the output of the solving kernels.
 ROW_Q = 0  # 7

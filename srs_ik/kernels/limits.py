@@ -5,10 +5,7 @@ from __future__ import annotations
 import math
 
 from srs_ik.kernels.jit import kernel
-from srs_ik.kernels.layout import INVERSE_HALF_RANGE, LOWER, MIDDLE, UPPER
-
-LIMIT_SLACK = 1e-12
-"""An angle this far outside a limit, by rounding, is put on the limit."""
+from srs_ik.kernels.layout import INVERSE_HALF_RANGE, LOWER, MIDDLE, SLACK_LIMIT, UPPER
 
 TURN = 2.0 * math.pi
 
@@ -24,9 +21,9 @@ def settle(P, joint, q):
     """The angle itself, or the limit where it lies outside by no more than rounding."""
     lower = P[LOWER + joint]
     upper = P[UPPER + joint]
-    if lower - LIMIT_SLACK <= q < lower:
+    if lower - P[SLACK_LIMIT] <= q < lower:
         return lower
-    if upper < q <= upper + LIMIT_SLACK:
+    if upper < q <= upper + P[SLACK_LIMIT]:
         return upper
     return q
 
@@ -55,10 +52,10 @@ def turn_to_seed(P, joint, q, seed, respect):
     near = q + TURN * math.floor((seed - q) / TURN + 0.5)
     if not respect:
         return near
-    if near > P[UPPER + joint] + LIMIT_SLACK:
-        near -= TURN * math.ceil((near - P[UPPER + joint] - LIMIT_SLACK) / TURN)
-    elif near < P[LOWER + joint] - LIMIT_SLACK:
-        near += TURN * math.ceil((P[LOWER + joint] - LIMIT_SLACK - near) / TURN)
+    if near > P[UPPER + joint] + P[SLACK_LIMIT]:
+        near -= TURN * math.ceil((near - P[UPPER + joint] - P[SLACK_LIMIT]) / TURN)
+    elif near < P[LOWER + joint] - P[SLACK_LIMIT]:
+        near += TURN * math.ceil((P[LOWER + joint] - P[SLACK_LIMIT] - near) / TURN)
     near = settle(P, joint, near)
     if violation(P, joint, near) > 0.0:
         return turn_to_middle(P, joint, q)

@@ -11,7 +11,7 @@ import math
 from srs_ik.kernels.branches import NO_BRANCH, best_branch
 from srs_ik.kernels.closure import CLOSED, clipped, close_at_angle, close_free
 from srs_ik.kernels.jit import kernel
-from srs_ik.kernels.layout import IS_CLOSED
+from srs_ik.kernels.layout import IS_CLOSED, PHASE, SHOULDER, STRAIGHT, WRIST
 from srs_ik.kernels.scoring import OUTSIDE, cost, turn
 
 STEP = 2.0 * math.pi / 24.0
@@ -21,6 +21,13 @@ REFINE_STEPS = 40
 """Golden-section steps; each leaves 62 % of the bracket."""
 
 GOLDEN = 0.6180339887498949
+
+STEPS = 12
+MORE_STEPS = 40
+"""Steps of Newton's method at an arm angle: from the closed form, and where that failed."""
+
+NEAR_SINGULAR = 0.05
+"""Sine of a middle angle under which a spherical joint or the elbow is close to singular, for a second attempt."""
 
 @kernel
 def turned(P, q, seeded, seed, respect):
@@ -42,7 +49,7 @@ def evaluate_branch(P, place_, R, p, psi, branch, seeded, seed, respect, J, A):
     q, _, lowest = best_branch(P, place_, psi, branch, seeded, seed, respect)
     if P[IS_CLOSED] == 1.0 or lowest >= NO_BRANCH:
         return q, lowest
-    q, closed = close_at_angle(P, q, R, p, place_[0], place_[1], psi, J, A)
+    q, closed = close_at_angle(P, q, R, p, place_[0], place_[1], psi, STEPS, J, A)
     if not closed:
         return q, NO_BRANCH
     q = turned(P, q, seeded, seed, respect)
@@ -122,6 +129,66 @@ def search_interval(P, place_, R, p, branch, lower, upper, seeded, seed, respect
         if value < lowest:
             return x, qx, value
     return psi, q, lowest
+
+
+@kernel
+def branch_of(P, q):
+    """Branch of a configuration, from the sides of its elbow, shoulder and wrist."""
+    e = 0 if math.sin(q[3] - P[STRAIGHT]) >= 0.0 else 4
+    s = 0 if math.sin(q[1] - P[SHOULDER + PHASE]) >= 0.0 else 2
+    w = 0 if math.sin(q[5] - P[WRIST + PHASE]) >= 0.0 else 1
+    return e + s + w
+
+
+@kernel
+def bent(q, phase, side):
+    """A middle angle, moved away from its phase (or the opposite of it) to its side if it is close."""
+    if abs(math.sin(q - phase)) > NEAR_SINGULAR:
+        return q
+    inwards = 2.0 * NEAR_SINGULAR if math.cos(q - phase) > 0.0 else -2.0 * NEAR_SINGULAR
+    return q + inwards if side == 0 else q - inwards
+
+
+@kernel
+def evaluate_again(P, place_, R, p, psi, branch, seeded, seed, respect, J, A):
+    """Second attempt at an arm angle on a near limb, where Newton's method did not close: from many postures.
+
+    Near a singular shoulder or wrist the closed form fixes two joint angles of which the true chain knows little more
+    than their sum. So the starts turn one against the other, and bend what is straight.
+    """
+    best_q = seed
+    best = 0
+    lowest = 2.0 * NO_BRANCH
+    for b in range(8):
+        q0, _, _ = best_branch(P, place_, psi, b, False, seed, False)
+        q2 = bent(q0[1], P[SHOULDER + PHASE], (b >> 1) & 1)
+        q4 = bent(q0[3], P[STRAIGHT], b >> 2)
+        q6 = bent(q0[5], P[WRIST + PHASE], b & 1)
+        turns_s = 6 if q2 != q0[1] else 1
+        turns_w = 6 if q6 != q0[5] else 1
+        against_s = -1.0 if math.cos(q2 - P[SHOULDER + PHASE]) > 0.0 else 1.0
+        against_w = -1.0 if math.cos(q6 - P[WRIST + PHASE]) > 0.0 else 1.0
+        for i in range(turns_s * turns_w):
+            ds = (i % turns_s) * math.pi / 3.0
+            dw = (i // turns_s) * math.pi / 3.0
+            start = (
+                q0[0] + ds,
+                q2,
+                q0[2] + against_s * ds,
+                q4,
+                q0[4] + dw,
+                q6,
+                q0[6] + against_w * dw,
+            )
+            q, closed = close_at_angle(P, start, R, p, place_[0], place_[1], psi, MORE_STEPS, J, A)
+            if closed and (branch < 0 or branch_of(P, q) == branch):
+                q = turned(P, q, seeded, seed, respect)
+                value = cost(P, q, seeded, seed, respect)
+                if value < lowest:
+                    best_q = q
+                    best = branch_of(P, q)
+                    lowest = value
+    return best_q, best, lowest
 
 
 @kernel

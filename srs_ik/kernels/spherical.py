@@ -25,15 +25,11 @@ from srs_ik.kernels.layout import (
     PHASE,
     SHARE_1,
     SIN_PHASE,
+    SLACK_REACH,
+    SLACK_SINGULAR,
     TOP_GAP,
 )
 from srs_ik.kernels.vectors import across, add, apply, cross, dot, load3, rotate, sub
-
-SINGULAR_SINE = 1e-13
-"""Below this sine of the angle between axes 1 and 3, only the sum or difference of their angles is determined."""
-
-REACH_SLACK = 1e-14
-"""How far a1' R a3 may lie outside its range, by rounding, and still count as on its end."""
 
 
 @kernel
@@ -52,7 +48,7 @@ def middle_angle(P, k, R):
     # 1 - m and 1 + m for m = a1'v, as squares of differences: full precision where v is near +-a1.
     top = 0.5 * dot(up, up) - P[k + TOP_GAP]
     bottom = 0.5 * dot(down, down) - P[k + BOTTOM_GAP]
-    reached = top > -REACH_SLACK and bottom > -REACH_SLACK
+    reached = min(top, bottom) > -P[SLACK_REACH]
     top = max(top, 0.0)
     bottom = max(bottom, 0.0)
     total = top + bottom
@@ -82,7 +78,7 @@ def outer_angles(P, k, R, c2, s2, anchor):
     u_across = across(u, a1)
     v_across = across(v, a1)
     size2 = dot(u_across, u_across)
-    if size2 > SINGULAR_SINE * SINGULAR_SINE:
+    if size2 > P[SLACK_SINGULAR] * P[SLACK_SINGULAR]:
         s1 = dot(a1, cross(u_across, v_across))
         c1 = dot(u_across, v_across)
         length = math.sqrt(s1 * s1 + c1 * c1)
