@@ -76,8 +76,8 @@ class Arm:
         self.model = chain.model
         self.limb = limb
         self.hand = hand
-        self._base_frame = chain.model.getFrameId(chain.base)
-        self._tip_frame = chain.model.getFrameId(chain.tip)
+        self._base_frame = chain.base_id
+        self._tip_frame = chain.tip_id
         self._family = pack_family(limb, chain.lower, chain.upper)
 
     # Forward kinematics, by Pinocchio ---------------------------------------------------------------------------

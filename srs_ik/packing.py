@@ -16,7 +16,7 @@ CLOSED_MISS = 1e-12
 
 
 STRICT = (1e-13, 1e-14, 1e-12, 0.0)
-LOOSE = (3e-11, 1e-12, 1e-11, 1e-10)
+LOOSE = (3e-11, 3e-11, 1e-11, 1e-10)
 """Tolerances `SLACK_*` of the layout: those of rounding, and those that still close to 1e-10."""
 
 

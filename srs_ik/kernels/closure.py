@@ -24,6 +24,12 @@ from srs_ik.kernels.vectors import across, add, along, cross, dot, load3, norm, 
 CLOSED = 1e-12
 """A posture whose position (m) and orientation (rad) errors are both below this needs no step."""
 
+ON_LINE = 1e-6
+"""An elbow this close to the line S-W, metres, is on either side of it."""
+
+STALL = 10
+"""After so many steps the error must have come down by a third, or the start was a bad one."""
+
 MAX_STEP = 0.5
 """Longest change of a joint in one step, rad."""
 
@@ -154,7 +160,7 @@ def close_at_angle(P, q, R, p, t, h0, psi, steps, J, A):
         reach = sub(elbow_position(P, q), load3(P, SHOULDER_CENTRE))
         off_plane = dot(b, reach)
         if max(norm(linear), norm(angular)) < 0.1 * CLOSED and abs(off_plane) < CLOSED:
-            return q, dot(h, reach) > 0.0
+            return q, dot(h, reach) > -ON_LINE
         for i in range(3):
             for j in range(7):
                 A[i, j] = J[i, j]
@@ -178,7 +184,7 @@ def close_at_angle(P, q, R, p, t, h0, psi, steps, J, A):
     linear, angular = pose_step(P, q, R, p, J)
     reach = sub(elbow_position(P, q), load3(P, SHOULDER_CENTRE))
     closed = max(norm(linear), norm(angular)) < CLOSED and abs(dot(b, reach)) < 1e3 * CLOSED
-    return q, closed and dot(h, reach) > 0.0
+    return q, closed and dot(h, reach) > -ON_LINE
 
 
 @kernel
@@ -199,11 +205,16 @@ def close_free(P, q, R, p, respect, steps, J, A):
         The posture, and the larger of its position (m) and orientation (rad) errors.
     """
     error = 0.0
+    checkpoint = 1e9
     for step in range(steps):
         linear, angular = pose_step(P, q, R, p, J)
         error = max(norm(linear), norm(angular))
         if error < 0.1 * CLOSED:
             break
+        if step % STALL == 0:
+            if error > 0.7 * checkpoint:
+                break
+            checkpoint = error
         damping = min(1e-4, 1e-2 * error * error)
         blocked = 0
         q_next = q

@@ -21,7 +21,7 @@ INVERSE_HALF_RANGE = 76  # 7, zero where unlimited
 
 # Tolerances; the loose set is for poses whose only postures lie within rounding of a singularity or a limit.
 SLACK_SINGULAR = 83  # sine of the angle between axes 1 and 3 of a spherical joint under which they count as parallel
-SLACK_REACH = 84  # how far a1' R a3 may lie outside its range
+SLACK_REACH = 84  # how far R a3 may lie outside the reach of oblique axes, rad
 SLACK_LIMIT = 85  # how far an angle may lie outside a limit to be put on it, rad
 SLACK_JOIN = 86  # gap that two intervals may leave where they should touch, rad
 

@@ -23,7 +23,7 @@ REFINE_STEPS = 40
 GOLDEN = 0.6180339887498949
 
 STEPS = 12
-MORE_STEPS = 40
+MORE_STEPS = 80
 """Steps of Newton's method at an arm angle: from the closed form, and where that failed."""
 
 NEAR_SINGULAR = 0.05
@@ -156,8 +156,7 @@ def evaluate_again(P, place_, R, p, psi, branch, seeded, seed, respect, J, A):
     Near a singular shoulder or wrist the closed form fixes two joint angles of which the true chain knows little more
     than their sum. So the starts turn one against the other, and bend what is straight.
     """
-    best_q = seed
-    best = 0
+    best_q, best, _ = best_branch(P, place_, psi, branch, seeded, seed, respect)
     lowest = 2.0 * NO_BRANCH
     for b in range(8):
         q0, _, _ = best_branch(P, place_, psi, b, False, seed, False)
@@ -193,7 +192,7 @@ def evaluate_again(P, place_, R, p, psi, branch, seeded, seed, respect, J, A):
 
 @kernel
 def rescue(P, place_, R, p, branch, seeded, seed, respect, J, A):
-    """Last resort on a near limb: free steps from postures all around the circle. Returns psi-free q, branch and cost.
+    """Last resort on a near limb: free steps from postures all around the circle, then from bent ones: q, branch, cost.
 
     Close to the edge of reach, the nearest exact limb may not reach a pose that the true one does, and a given arm angle
     may have no solution where a neighbouring one has.
@@ -203,20 +202,30 @@ def rescue(P, place_, R, p, branch, seeded, seed, respect, J, A):
     lowest = 2.0 * NO_BRANCH
     first = 0 if branch < 0 else branch
     last = 7 if branch < 0 else branch
-    for i in range(12):
-        for b in range(first, last + 1):
-            q, _, value = best_branch(P, place_, 12.0 * STEP - 2.0 * i * STEP, b, seeded, seed, respect)
-            if value >= NO_BRANCH:
-                continue
-            if respect:
-                q = clipped(P, q)
-            q, error = close_free(P, q, R, p, respect, 40, J, A)
-            q = turned(P, q, seeded, seed, respect)
-            value = cost(P, q, seeded, seed, respect)
-            if error > CLOSED:
-                value = OUTSIDE * (2.0 + error)
-            if value < lowest:
-                best_q = q
-                best = b
-                lowest = value
+    for attempt in range(2):
+        for i in range(12):
+            for b in range(first, last + 1):
+                q, _, value = best_branch(P, place_, i * 2.0 * STEP, b, seeded, seed, respect)
+                if value >= NO_BRANCH:
+                    continue
+                if attempt == 1:
+                    q2 = bent(q[1], P[SHOULDER + PHASE], (b >> 1) & 1)
+                    q4 = bent(q[3], P[STRAIGHT], b >> 2)
+                    q6 = bent(q[5], P[WRIST + PHASE], b & 1)
+                    if q2 == q[1] and q4 == q[3] and q6 == q[5]:
+                        continue
+                    q = (q[0], q2, q[2], q4, q[4], q6, q[6])
+                if respect:
+                    q = clipped(P, q)
+                q, error = close_free(P, q, R, p, respect, MORE_STEPS, J, A)
+                q = turned(P, q, seeded, seed, respect)
+                value = cost(P, q, seeded, seed, respect)
+                if error > CLOSED:
+                    value = OUTSIDE * (2.0 + error)
+                if value < lowest:
+                    best_q = q
+                    best = b
+                    lowest = value
+        if lowest < OUTSIDE:
+            break
     return best_q, best, lowest

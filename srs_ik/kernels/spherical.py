@@ -46,9 +46,13 @@ def middle_angle(P, k, R):
     up = sub(v, a1)
     down = add(v, a1)
     # 1 - m and 1 + m for m = a1'v, as squares of differences: full precision where v is near +-a1.
-    top = 0.5 * dot(up, up) - P[k + TOP_GAP]
-    bottom = 0.5 * dot(down, down) - P[k + BOTTOM_GAP]
-    reached = min(top, bottom) > -P[SLACK_REACH]
+    top2 = dot(up, up)
+    bottom2 = dot(down, down)
+    top = 0.5 * top2 - P[k + TOP_GAP]
+    bottom = 0.5 * bottom2 - P[k + BOTTOM_GAP]
+    # Beyond an end by an angle e, the gap is negative by e times the sine of the angle between a1 and v.
+    slack = P[SLACK_REACH]
+    reached = top >= -slack * math.sqrt(top2) and bottom >= -slack * math.sqrt(bottom2)
     top = max(top, 0.0)
     bottom = max(bottom, 0.0)
     total = top + bottom
