@@ -24,9 +24,8 @@ if TYPE_CHECKING:
         SrsIkError,
     )
     from srs_ik.limb import SrsLimb
-    from srs_ik.loading import LimbReport, find_limbs, load
+    from srs_ik.loading import LimbReport, find_limbs, load, robots
     from srs_ik.solution import BatchSolution, Interval, Solution, Solutions, Status
-    from srs_ik.zoo import robots
 
 __version__ = "0.1.0"
 
@@ -44,9 +43,8 @@ _MODULES = {
         "SrsIkError",
     ),
     "limb": ("SrsLimb",),
-    "loading": ("LimbReport", "find_limbs", "load"),
+    "loading": ("LimbReport", "find_limbs", "load", "robots"),
     "solution": ("BatchSolution", "Interval", "Solution", "Solutions", "Status"),
-    "zoo": ("robots",),
 }
 _HOME = {name: module for module, names in _MODULES.items() for name in names}
 

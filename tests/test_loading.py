@@ -18,7 +18,7 @@ from srs_ik.errors import (
     MissingExtra,
     NotAnSrsLimb,
 )
-from srs_ik.loading import find_limbs, load, names, sources
+from srs_ik.loading import find_limbs, load, robots, sources
 
 ARMS = {
     "iiwa14_drake_models": [("iiwa_link_0", "iiwa_link_7", "exact", "XYX")],
@@ -406,7 +406,7 @@ def test_names_of_robot_descriptions():
 
 
 def test_names_lists_what_load_knows():
-    assert names() == [*zoo.robots(), "human_left", "human_right"]
+    assert robots() == [*zoo.robots(), "human_left", "human_right"]
 
 
 @pytest.mark.parametrize(

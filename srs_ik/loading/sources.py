@@ -50,7 +50,7 @@ class Description:
     hand: Vector | None = None
 
 
-def names() -> list[str]:
+def robots() -> list[str]:
     """Names of the robots that can be loaded without a file: the built-in ones, then those of the extra ``robots``.
 
     The descriptions of robot_descriptions are not among them; their names end in ``_description``.
@@ -116,7 +116,7 @@ def _data_files() -> Iterator[Path]:
 def _described_file(name: str) -> Path:
     """The URDF file of a name that is neither built in nor a file: one of robot_descriptions, if anything."""
     if not name.endswith(_DESCRIPTION):
-        raise _unknown(name, names())
+        raise _unknown(name, robots())
     try:
         package = importlib.import_module("robot_descriptions")
     except ImportError:
