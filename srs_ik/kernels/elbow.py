@@ -6,7 +6,11 @@ import math
 
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout import (
+    A1,
+    A3,
+    ACROSS_3,
     AXES,
+    COS_STRAIGHT,
     FAR,
     FOREARM,
     NEAR,
@@ -16,10 +20,13 @@ from srs_ik.kernels.layout import (
     NORMAL_S,
     REFERENCE,
     REFERENCE_2,
+    SHOULDER,
     SHOULDER_CENTRE,
+    SIN_STRAIGHT,
     STRAIGHT,
     TIP_ROTATION,
     UPPER_ARM,
+    WRIST,
     WRIST_IN_TIP,
 )
 from srs_ik.kernels.vectors import (
@@ -27,9 +34,9 @@ from srs_ik.kernels.vectors import (
     add,
     along,
     apply,
+    apply_transposed,
     cross,
     dot,
-    frame_to_frame,
     load3,
     load9,
     norm,
@@ -114,13 +121,6 @@ def arm_frame(P, c, s):
 
 
 @kernel
-def arm_rotation(t, h0, cos_psi, sin_psi, arm_t, arm_h, arm_n):
-    """Rotation of the upper arm that puts S-W along t and the elbow at the arm angle, h0 being its zero."""
-    h = along(scale(cos_psi, h0), sin_psi, cross(t, h0))
-    return frame_to_frame(t, h, cross(h, t), arm_t, arm_h, arm_n)
-
-
-@kernel
 def hand_rotation(P, R):
     """Rotation of the hand from the zero configuration for a tip rotation R: R TIP_ROTATION'."""
     H = load9(P, TIP_ROTATION)
@@ -138,17 +138,67 @@ def hand_rotation(P, R):
 
 
 @kernel
-def wrist_rotation(P, Rs, c4, s4, hand):
-    """Rotation that the wrist has to add: (Rs rot(a4, q4))' hand."""
+def turned_by_arm(frames, w):
+    """Rs(psi) w as constant, cosine and sine part; Rs turns the upper arm, frames = (t, h0, b0, arm t, arm h, arm n)."""
+    t, h0, b0, arm_t, arm_h, arm_n = frames
+    x = dot(arm_t, w)
+    y = dot(arm_h, w)
+    z = dot(arm_n, w)
+    return scale(x, t), along(scale(y, h0), -z, b0), along(scale(y, b0), z, h0)
+
+
+@kernel
+def turned_back_by_arm(frames, w):
+    """Rs(psi)' w as constant, cosine and sine part."""
+    t, h0, b0, arm_t, arm_h, arm_n = frames
+    x = dot(t, w)
+    y = dot(h0, w)
+    z = dot(b0, w)
+    return scale(x, arm_t), along(scale(y, arm_h), -z, arm_n), along(scale(z, arm_h), y, arm_n)
+
+
+@kernel
+def shoulder_motion(P, frames):
+    """What the shoulder has to make: R a3, R ACROSS_3 and R'a1 of its rotation R(psi), three circles of three vectors."""
+    v = turned_by_arm(frames, load3(P, SHOULDER + A3))
+    y = turned_by_arm(frames, load3(P, SHOULDER + ACROSS_3))
+    r = turned_back_by_arm(frames, load3(P, SHOULDER + A1))
+    return v, y, r
+
+
+@kernel
+def wrist_motion(P, frames, c4, s4, hand):
+    """The same for the wrist, whose rotation is (Rs rot(a4, q4))' hand."""
     a4 = load3(P, AXES + 9)
-    x = rotate(a4, c4, -s4, (Rs[0] * hand[0] + Rs[3] * hand[3] + Rs[6] * hand[6],
-                             Rs[1] * hand[0] + Rs[4] * hand[3] + Rs[7] * hand[6],
-                             Rs[2] * hand[0] + Rs[5] * hand[3] + Rs[8] * hand[6]))
-    y = rotate(a4, c4, -s4, (Rs[0] * hand[1] + Rs[3] * hand[4] + Rs[6] * hand[7],
-                             Rs[1] * hand[1] + Rs[4] * hand[4] + Rs[7] * hand[7],
-                             Rs[2] * hand[1] + Rs[5] * hand[4] + Rs[8] * hand[7]))
-    z = cross(x, y)
-    return (x[0], y[0], z[0], x[1], y[1], z[1], x[2], y[2], z[2])
+    v = turned_back_by_arm(frames, apply(hand, load3(P, WRIST + A3)))
+    y = turned_back_by_arm(frames, apply(hand, load3(P, WRIST + ACROSS_3)))
+    r = turned_by_arm(frames, rotate(a4, c4, s4, load3(P, WRIST + A1)))
+    return (
+        (rotate(a4, c4, -s4, v[0]), rotate(a4, c4, -s4, v[1]), rotate(a4, c4, -s4, v[2])),
+        (rotate(a4, c4, -s4, y[0]), rotate(a4, c4, -s4, y[1]), rotate(a4, c4, -s4, y[2])),
+        (apply_transposed(hand, r[0]), apply_transposed(hand, r[1]), apply_transposed(hand, r[2])),
+    )
+
+
+@kernel
+def place(P, R, p):
+    """What all postures of a pose share: S-W direction and arm-angle zero, elbow bend, hand rotation, distance outside reach."""
+    d, t, h0 = target_frame(P, shoulder_to_wrist(P, R, p))
+    c, s, miss = elbow_bend(P, d)
+    return t, h0, c, s, hand_rotation(P, R), miss
+
+
+@kernel
+def elbow_side(P, place_, elbow):
+    """Elbow branch 0 or 1 of a pose: q4, and the motions of shoulder and wrist with the arm angle."""
+    t, h0, c, s, hand, _ = place_
+    if elbow == 1:
+        s = -s
+    c4 = P[COS_STRAIGHT] * c - P[SIN_STRAIGHT] * s
+    s4 = P[SIN_STRAIGHT] * c + P[COS_STRAIGHT] * s
+    arm_t, arm_h, arm_n = arm_frame(P, c, s)
+    frames = (t, h0, cross(t, h0), arm_t, arm_h, arm_n)
+    return math.atan2(s4, c4), shoulder_motion(P, frames), wrist_motion(P, frames, c4, s4, hand)
 
 
 @kernel

@@ -9,10 +9,10 @@ import math
 
 import numpy as np
 
-from srs_ik.kernels.branches import NO_BRANCH, elbow_branches, place
+from srs_ik.kernels.branches import NO_BRANCH, branch_of, elbow_branches
 from srs_ik.kernels.chain import forward_kinematics, pose_error
 from srs_ik.kernels.closure import arm_angle, clipped
-from srs_ik.kernels.elbow import shoulder_to_wrist, target_frame
+from srs_ik.kernels.elbow import elbow_side, place, shoulder_to_wrist, target_frame
 from srs_ik.kernels.intervals import MAX_EVENTS, MAX_PIECES, feasible_intervals
 from srs_ik.kernels.jit import entry, kernel
 from srs_ik.kernels.layout import (
@@ -28,8 +28,9 @@ from srs_ik.kernels.layout import (
     ROW_Q,
     ROW_STATUS,
 )
+from srs_ik.kernels.limits import set_limits
 from srs_ik.kernels.scoring import OUTSIDE, tightest_joint
-from srs_ik.kernels.search import branch_of, evaluate, evaluate_again, evaluate_branch, rescue, search_interval
+from srs_ik.kernels.search import MAX_SAMPLES, evaluate, evaluate_again, evaluate_branch, rescue, search_intervals
 
 OK = 0.0
 UNREACHABLE = 1.0
@@ -143,19 +144,8 @@ def search_branches(P, F, place_, R, p, branch, seeded, seed, respect, J, A):
     """Best posture over the feasible intervals of F: q, branch, cost (more than any posture's if there is none)."""
     found = np.empty((8 * MAX_PIECES, 3))
     n = find_intervals(F, place_, found)
-    best_q = seed
-    best = 0
-    lowest = 4.0 * NO_BRANCH
-    for i in range(n):
-        b = int(found[i, 0])
-        if branch >= 0 and b != branch:
-            continue
-        _, q, value = search_interval(P, place_, R, p, b, found[i, 1], found[i, 2], seeded, seed, respect, J, A)
-        if value < lowest:
-            best_q = q
-            best = b
-            lowest = value
-    return best_q, best, lowest
+    work = np.empty((3, MAX_SAMPLES))
+    return search_intervals(P, place_, R, p, found, 0, n, branch, seeded, seed, respect, work, J, A)
 
 
 @kernel
@@ -163,9 +153,7 @@ def search(family, place_, R, p, branch, seeded, seed, respect, J, A):
     """Best posture over all arm angles: q, branch, cost."""
     strictness = LIMITED if respect else FREE
     P = family[LIMITED]
-    best_q, best, lowest = search_branches(
-        P, family[strictness], place_, R, p, branch, seeded, seed, respect, J, A
-    )
+    best_q, best, lowest = search_branches(P, family[strictness], place_, R, p, branch, seeded, seed, respect, J, A)
     if lowest < OUTSIDE:
         return best_q, best, lowest
     t, h0, bend_c, bend_s, hand, miss = place_
@@ -194,14 +182,15 @@ def search(family, place_, R, p, branch, seeded, seed, respect, J, A):
         if lowest < OUTSIDE:
             return best_q, best, lowest
     # No posture inside the limits: the least violating one.
-    first = 0 if branch < 0 else branch
-    last = 7 if branch < 0 else branch
-    for b in range(first, last + 1):
-        _, q, value = search_interval(P, place_, R, p, b, -math.pi, math.pi, seeded, seed, respect, J, A)
-        if value < lowest:
-            best_q = q
-            best = b
-            lowest = value
+    circles = np.empty((8, 3))
+    for b in range(8):
+        circles[b, 0] = b
+        circles[b, 1] = -math.pi
+        circles[b, 2] = math.pi
+    work = np.empty((3, MAX_SAMPLES))
+    q, b, value = search_intervals(P, place_, R, p, circles, 0, 8, branch, seeded, seed, respect, work, J, A)
+    if value < lowest:
+        return q, b, value
     return best_q, best, lowest
 
 
@@ -259,7 +248,8 @@ def all_branches(P, T, psi, respect, J, A, out):
                 write_row(P, place_, R, p, q, 4 * elbow + i, A[i, 7], respect, out[4 * elbow + i])
         return GOOD_POSE
     for branch in range(8):
-        q, lowest = evaluate_branch(P, place_, R, p, psi, branch, False, NO_SEED, respect, J, A)
+        side = elbow_side(P, place_, branch >> 2)
+        q, lowest = evaluate_branch(P, place_, side, R, p, psi, branch, False, NO_SEED, respect, J, A)
         write_row(P, place_, R, p, q, branch, lowest, respect, out[branch])
     return GOOD_POSE
 
@@ -302,10 +292,10 @@ def solve_intervals(family, T, respect, out):
     place_ = place(P, R, p)
     found = np.empty((8 * MAX_PIECES, 3))
     n = find_intervals(family[LIMITED if respect else FREE], place_, found)
+    work = np.empty((3, MAX_SAMPLES))
     for i in range(n):
-        b = int(found[i, 0])
-        _, q, lowest = search_interval(
-            P, place_, R, p, b, found[i, 1], found[i, 2], False, NO_SEED, respect, J, A
+        q, b, lowest = search_intervals(
+            P, place_, R, p, found, i, i + 1, -1, False, NO_SEED, respect, work, J, A
         )
         write_row(P, place_, R, p, q, b, lowest, respect, out[i])
     return n
@@ -320,3 +310,9 @@ def configuration_arm_angle(family, q):
     R = (x[0], y[0], z[0], x[1], y[1], z[1], x[2], y[2], z[2])
     _, t, h0 = target_frame(P, shoulder_to_wrist(P, R, p))
     return arm_angle(P, q, t, h0), branch_of(P, q)
+
+
+@entry
+def pack_limits(P, lower, upper):
+    """Write the limits (7,) and (7,) into a limb that is being packed."""
+    set_limits(P, lower, upper)

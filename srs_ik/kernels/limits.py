@@ -1,19 +1,131 @@
-"""Joint limits: the turn of an angle that fits them, and how well it fits."""
+"""Joint limits: how they are packed, the turn of an angle that fits them, and how well it fits."""
 
 from __future__ import annotations
 
 import math
 
 from srs_ik.kernels.jit import kernel
-from srs_ik.kernels.layout import INVERSE_HALF_RANGE, LOWER, MIDDLE, SLACK_LIMIT, UPPER
+from srs_ik.kernels.layout import (
+    A1,
+    A2,
+    A3,
+    ANCHOR_1,
+    ANCHOR_3,
+    BOUND_1_LOWER,
+    BOUND_1_UPPER,
+    BOUND_2_LOWER,
+    BOUND_2_UPPER,
+    BOUND_3_LOWER,
+    BOUND_3_UPPER,
+    COS_LOWER,
+    COS_UPPER,
+    INVERSE_HALF_RANGE,
+    LOWER,
+    MIDDLE,
+    RANGE_KIND,
+    SHARE_1,
+    SHOULDER,
+    SIN_LOWER,
+    SIN_UPPER,
+    SLACK_LIMIT,
+    UPPER,
+    WRIST,
+)
+from srs_ik.kernels.vectors import dot, load3, rotate, store3
 
 TURN = 2.0 * math.pi
 
+SMALLEST_RANGE = 1e-9
+"""A joint with a smaller range, rad, counts as one with this range where margins are compared."""
+
 
 @kernel
-def clip(P, joint, q):
-    """The nearest angle inside the limits."""
-    return min(max(q, P[LOWER + joint]), P[UPPER + joint])
+def set_limit(P, joint, lower, upper):
+    """Write the limits of one joint (infinite where there is none)."""
+    P[LOWER + joint] = lower
+    P[UPPER + joint] = upper
+    P[COS_LOWER + joint] = 1.0
+    P[COS_UPPER + joint] = 1.0
+    P[SIN_LOWER + joint] = 0.0
+    P[SIN_UPPER + joint] = 0.0
+    P[INVERSE_HALF_RANGE + joint] = 0.0
+    width = upper - lower
+    if math.isfinite(width):
+        P[MIDDLE + joint] = 0.5 * (lower + upper)
+        P[INVERSE_HALF_RANGE + joint] = 2.0 / max(width, SMALLEST_RANGE)
+    elif math.isfinite(lower):
+        # One limit alone: the turn nearest to half a turn from it keeps it.
+        P[MIDDLE + joint] = lower + math.pi
+    elif math.isfinite(upper):
+        P[MIDDLE + joint] = upper - math.pi
+    else:
+        P[MIDDLE + joint] = 0.0
+    if width >= TURN - P[SLACK_LIMIT]:
+        P[RANGE_KIND + joint] = 0.0
+    else:
+        P[RANGE_KIND + joint] = 1.0 if width <= math.pi else 2.0
+        P[COS_LOWER + joint] = math.cos(lower)
+        P[SIN_LOWER + joint] = math.sin(lower)
+        P[COS_UPPER + joint] = math.cos(upper)
+        P[SIN_UPPER + joint] = math.sin(upper)
+
+
+@kernel
+def set_joint_limits(P, k, first):
+    """Write the limits of the spherical joint at block k as linear forms of its rotation, and its anchors."""
+    a1 = load3(P, k + A1)
+    a2 = load3(P, k + A2)
+    a3 = load3(P, k + A3)
+    if P[RANGE_KIND + first] != 0.0:
+        c, s = P[COS_LOWER + first], P[SIN_LOWER + first]
+        store3(P, k + BOUND_1_LOWER, rotate(a1, c, s, a2))
+        c, s = P[COS_UPPER + first], P[SIN_UPPER + first]
+        store3(P, k + BOUND_1_UPPER, rotate(a1, c, s, a2))
+    if P[RANGE_KIND + first + 1] != 0.0:
+        c, s = P[COS_LOWER + first + 1], P[SIN_LOWER + first + 1]
+        P[k + BOUND_2_LOWER] = dot(a1, rotate(a2, c, s, a3))
+        c, s = P[COS_UPPER + first + 1], P[SIN_UPPER + first + 1]
+        P[k + BOUND_2_UPPER] = dot(a1, rotate(a2, c, s, a3))
+    if P[RANGE_KIND + first + 2] != 0.0:
+        c, s = P[COS_LOWER + first + 2], P[SIN_LOWER + first + 2]
+        store3(P, k + BOUND_3_LOWER, rotate(a3, c, -s, a2))
+        c, s = P[COS_UPPER + first + 2], P[SIN_UPPER + first + 2]
+        store3(P, k + BOUND_3_UPPER, rotate(a3, c, -s, a2))
+    width_1 = min(P[UPPER + first] - P[LOWER + first], TURN)
+    width_3 = min(P[UPPER + first + 2] - P[LOWER + first + 2], TURN)
+    P[k + ANCHOR_1] = P[MIDDLE + first]
+    P[k + ANCHOR_3] = P[MIDDLE + first + 2]
+    P[k + SHARE_1] = width_1 / (width_1 + width_3) if width_1 + width_3 > 0.0 else 0.5
+
+
+@kernel
+def set_limits(P, lower, upper):
+    """Write all that the packed limb knows of its limits; lower and upper hold 7 angles each."""
+    for joint in range(7):
+        set_limit(P, joint, lower[joint], upper[joint])
+    set_joint_limits(P, SHOULDER, 0)
+    set_joint_limits(P, WRIST, 4)
+
+
+@kernel
+def is_inside(P, joint, c, s, size):
+    """Whether the angle with cosine c / size and sine s / size has a turn inside the limits.
+
+    Cross products with the directions of the limits decide, so nothing is lost where a range is narrow or nearly a turn.
+    """
+    kind = P[RANGE_KIND + joint]
+    if kind == 0.0:
+        return True
+    cl = P[COS_LOWER + joint]
+    sl = P[SIN_LOWER + joint]
+    cu = P[COS_UPPER + joint]
+    su = P[SIN_UPPER + joint]
+    slack = P[SLACK_LIMIT] * size
+    above_lower = cl * s - sl * c
+    below_upper = su * c - cu * s
+    if kind == 1.0:
+        return above_lower >= -slack and below_upper >= -slack and (cl + cu) * c + (sl + su) * s >= 0.0
+    return not (above_lower < -slack and below_upper < -slack)
 
 
 @kernel

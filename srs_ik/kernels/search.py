@@ -1,24 +1,36 @@
 """One posture for a pose: at an arm angle, or the best over the whole redundancy.
 
 `evaluate` is the one place where a posture is made: closed form on the exact limb, then, on a near limb, Newton's method
-on the true chain. The search above it works on arm angles alone.
+on the true chain. The search above it works on arm angles alone: it looks at every feasible interval at a spacing that
+follows the joints, and closes in on each peak that may be the best.
 """
 
 from __future__ import annotations
 
 import math
 
-from srs_ik.kernels.branches import NO_BRANCH, best_branch
+from srs_ik.kernels.branches import NO_BRANCH, best_branch, branch_of, side_posture
 from srs_ik.kernels.closure import CLOSED, clipped, close_at_angle, close_free
+from srs_ik.kernels.elbow import elbow_side
 from srs_ik.kernels.jit import kernel
-from srs_ik.kernels.layout import IS_CLOSED, PHASE, SHOULDER, STRAIGHT, WRIST
-from srs_ik.kernels.scoring import OUTSIDE, cost, turn
+from srs_ik.kernels.layout import A1, IS_CLOSED, PHASE, SHOULDER, STRAIGHT, WRIST
+from srs_ik.kernels.scoring import OUTSIDE, cost, elbow_part, turn
+from srs_ik.kernels.vectors import dot, load3
 
-STEP = 2.0 * math.pi / 24.0
+STEP = 2.0 * math.pi / 48.0
 """Widest spacing of the arm angles at which an interval is first looked at."""
 
-REFINE_STEPS = 40
-"""Golden-section steps; each leaves 62 % of the bracket."""
+SMALLEST_COUNT = 8
+"""Fewest parts into which an interval is cut."""
+
+PEAKS = 6
+"""So many of the best peaks are closed in on."""
+
+MAX_SAMPLES = 96
+"""Most arm angles at which an interval is looked at first."""
+
+REFINE_STEPS = 60
+"""Golden-section steps at most; each leaves 62 % of the bracket."""
 
 GOLDEN = 0.6180339887498949
 
@@ -28,6 +40,7 @@ MORE_STEPS = 80
 
 NEAR_SINGULAR = 0.05
 """Sine of a middle angle under which a spherical joint or the elbow is close to singular, for a second attempt."""
+
 
 @kernel
 def turned(P, q, seeded, seed, respect):
@@ -44,9 +57,9 @@ def turned(P, q, seeded, seed, respect):
 
 
 @kernel
-def evaluate_branch(P, place_, R, p, psi, branch, seeded, seed, respect, J, A):
+def evaluate_branch(P, place_, side, R, p, psi, branch, seeded, seed, respect, J, A):
     """Posture of one branch at an arm angle on the true chain: q, cost (NO_BRANCH where there is none)."""
-    q, _, lowest = best_branch(P, place_, psi, branch, seeded, seed, respect)
+    q, _, lowest = side_posture(P, side, psi, (branch >> 1) & 1, branch & 1, seeded, seed, respect)
     if P[IS_CLOSED] == 1.0 or lowest >= NO_BRANCH:
         return q, lowest
     q, closed = close_at_angle(P, q, R, p, place_[0], place_[1], psi, STEPS, J, A)
@@ -61,31 +74,35 @@ def evaluate(P, place_, R, p, psi, branch, seeded, seed, respect, J, A):
     """Best posture at an arm angle over all branches, or in one (0 to 7): q, branch, cost."""
     if P[IS_CLOSED] == 1.0:
         return best_branch(P, place_, psi, branch, seeded, seed, respect)
-    if branch >= 0:
-        q, lowest = evaluate_branch(P, place_, R, p, psi, branch, seeded, seed, respect, J, A)
-        return q, branch, lowest
-    best_q, lowest = evaluate_branch(P, place_, R, p, psi, 0, seeded, seed, respect, J, A)
+    best_q = seed
     best = 0
-    for b in range(1, 8):
-        q, value = evaluate_branch(P, place_, R, p, psi, b, seeded, seed, respect, J, A)
-        if value < lowest:
-            best_q = q
-            best = b
-            lowest = value
+    lowest = 4.0 * NO_BRANCH
+    for elbow in range(2):
+        if branch >= 0 and branch >> 2 != elbow:
+            continue
+        side = elbow_side(P, place_, elbow)
+        for b in range(4 * elbow, 4 * elbow + 4):
+            if branch >= 0 and b != branch:
+                continue
+            q, value = evaluate_branch(P, place_, side, R, p, psi, b, seeded, seed, respect, J, A)
+            if value < lowest:
+                best_q = q
+                best = b
+                lowest = value
     return best_q, best, lowest
 
 
 @kernel
-def refine(P, place_, R, p, branch, lower, upper, seeded, seed, respect, J, A):
+def refine(P, place_, side, R, p, branch, lower, upper, seeded, seed, respect, J, A):
     """Golden-section search for the best arm angle of a branch between two arm angles: psi, q, cost."""
     a = lower
     b = upper
     x = b - GOLDEN * (b - a)
     y = a + GOLDEN * (b - a)
-    qx, _, fx = evaluate(P, place_, R, p, x, branch, seeded, seed, respect, J, A)
-    qy, _, fy = evaluate(P, place_, R, p, y, branch, seeded, seed, respect, J, A)
+    qx, fx = evaluate_branch(P, place_, side, R, p, x, branch, seeded, seed, respect, J, A)
+    qy, fy = evaluate_branch(P, place_, side, R, p, y, branch, seeded, seed, respect, J, A)
     for _ in range(REFINE_STEPS):
-        if b - a < 1e-9:
+        if b - a < 1e-10:
             break
         if fx <= fy:
             b = y
@@ -93,51 +110,159 @@ def refine(P, place_, R, p, branch, lower, upper, seeded, seed, respect, J, A):
             qy = qx
             fy = fx
             x = b - GOLDEN * (b - a)
-            qx, _, fx = evaluate(P, place_, R, p, x, branch, seeded, seed, respect, J, A)
+            qx, fx = evaluate_branch(P, place_, side, R, p, x, branch, seeded, seed, respect, J, A)
         else:
             a = x
             x = y
             qx = qy
             fx = fy
             y = a + GOLDEN * (b - a)
-            qy, _, fy = evaluate(P, place_, R, p, y, branch, seeded, seed, respect, J, A)
+            qy, fy = evaluate_branch(P, place_, side, R, p, y, branch, seeded, seed, respect, J, A)
     if fx <= fy:
         return x, qx, fx
     return y, qy, fy
 
 
 @kernel
-def search_interval(P, place_, R, p, branch, lower, upper, seeded, seed, respect, J, A):
-    """Best arm angle of a branch in an interval: psi, q, cost."""
-    psi = lower
-    q, _, lowest = evaluate(P, place_, R, p, lower, branch, seeded, seed, respect, J, A)
-    count = int(math.ceil((upper - lower) / STEP)) + 1
-    step = (upper - lower) / count
-    best = 0
-    for i in range(1, count + 1):
-        x = lower + i * step if i < count else upper
-        qx, _, value = evaluate(P, place_, R, p, x, branch, seeded, seed, respect, J, A)
-        if value < lowest:
-            psi = x
-            q = qx
-            lowest = value
-            best = i
-    if step > 0.0:
-        a = lower + max(best - 1, 0) * step
-        b = lower + min(best + 1, count) * step
-        x, qx, value = refine(P, place_, R, p, branch, a, b, seeded, seed, respect, J, A)
-        if value < lowest:
-            return x, qx, value
-    return psi, q, lowest
+def add_sample(samples, n, x, lower, upper):
+    """Insert an arm angle, if it lies inside, into the sorted first n samples."""
+    if not lower < x < upper or n >= MAX_SAMPLES:
+        return n
+    i = n
+    while i > 0 and samples[i - 1] > x:
+        samples[i] = samples[i - 1]
+        i -= 1
+    samples[i] = x
+    return n + 1
 
 
 @kernel
-def branch_of(P, q):
-    """Branch of a configuration, from the sides of its elbow, shoulder and wrist."""
-    e = 0 if math.sin(q[3] - P[STRAIGHT]) >= 0.0 else 4
-    s = 0 if math.sin(q[1] - P[SHOULDER + PHASE]) >= 0.0 else 2
-    w = 0 if math.sin(q[5] - P[WRIST + PHASE]) >= 0.0 else 1
-    return e + s + w
+def add_swings(P, k, motion, lower, upper, samples, n):
+    """Samples where a spherical joint passes close to its singularity, and joints 1 and 3 turn fast.
+
+    There they move like the arc tangent of the distance over the closest distance, so the samples follow a tangent.
+    """
+    circle = motion[0]
+    a1 = load3(P, k + A1)
+    constant = dot(a1, circle[0])
+    c = dot(a1, circle[1])
+    s = dot(a1, circle[2])
+    r = math.sqrt(c * c + s * s)
+    if r < 1e-9:
+        return n
+    for end in range(2):
+        closest = constant + r if end == 0 else -(constant - r)
+        middle = math.atan2(s, c) if end == 0 else math.atan2(-s, -c)
+        width = math.sqrt(max(2.0 * (1.0 - closest), 1e-16)) / r
+        if width > 0.5:
+            continue
+        for turns in range(-1, 2):
+            for i in range(-4, 5):
+                x = middle + 2.0 * math.pi * turns + width * math.tan(i * math.pi / 10.0)
+                n = add_sample(samples, n, x, lower, upper)
+    return n
+
+
+@kernel
+def take_samples(P, side, lower, upper, samples):
+    """Fill in the sorted arm angles at which to look at an interval first, its ends included; return their number."""
+    samples[0] = lower
+    if upper <= lower:
+        return 1
+    count = max(int(math.ceil((upper - lower) / STEP)), SMALLEST_COUNT)
+    for i in range(1, count + 1):
+        samples[i] = lower + (upper - lower) * i / count
+    samples[count] = upper
+    n = add_swings(P, SHOULDER, side[1], lower, upper, samples, count + 1)
+    return add_swings(P, WRIST, side[2], lower, upper, samples, n)
+
+
+@kernel
+def keep_peak(peaks, n, value, branch, lower, upper):
+    """Keep a peak among the best, sorted by value; return how many are kept."""
+    if n == PEAKS and value >= peaks[n - 1, 0]:
+        return n
+    i = min(n, PEAKS - 1)
+    while i > 0 and peaks[i - 1, 0] > value:
+        for j in range(4):
+            peaks[i, j] = peaks[i - 1, j]
+        i -= 1
+    peaks[i, 0] = value
+    peaks[i, 1] = branch
+    peaks[i, 2] = lower
+    peaks[i, 3] = upper
+    return min(n + 1, PEAKS)
+
+
+@kernel
+def scan(P, side, branch, lower, upper, seeded, seed, respect, samples, values, peaks, n):
+    """Look at an interval of a branch and keep its peaks, on the exact limb; return how many are kept in all."""
+    count = take_samples(P, side, lower, upper, samples)
+    for i in range(count):
+        _, _, values[i] = side_posture(
+            P, side, samples[i], (branch >> 1) & 1, branch & 1, seeded, seed, respect
+        )
+    for i in range(count):
+        before = values[i - 1] if i > 0 else values[i] + 1.0
+        behind = values[i + 1] if i + 1 < count else values[i] + 1.0
+        if values[i] <= before and values[i] <= behind:
+            n = keep_peak(
+                peaks, n, values[i], branch, samples[max(i - 1, 0)], samples[min(i + 1, count - 1)]
+            )
+    return n
+
+
+@kernel
+def search_peaks(P, place_, R, p, seeded, seed, respect, peaks, n, J, A):
+    """Close in on peaks on the true chain: q, branch, cost of the best."""
+    best_q = seed
+    best = 0
+    lowest = 4.0 * NO_BRANCH
+    for i in range(n):
+        branch = int(peaks[i, 1])
+        side = elbow_side(P, place_, branch >> 2)
+        a = peaks[i, 2]
+        b = peaks[i, 3]
+        _, q, value = refine(P, place_, side, R, p, branch, a, b, seeded, seed, respect, J, A)
+        for end in range(2):
+            # A golden section never touches the ends of its bracket.
+            qe, ve = evaluate_branch(
+                P, place_, side, R, p, a if end == 0 else b, branch, seeded, seed, respect, J, A
+            )
+            if ve <= value:
+                q = qe
+                value = ve
+        if value < lowest:
+            best_q = q
+            best = branch
+            lowest = value
+    return best_q, best, lowest
+
+
+@kernel
+def search_intervals(P, place_, R, p, found, first, last, branch, seeded, seed, respect, work, J, A):
+    """Best posture over the intervals in rows first to last - 1 of found: q, branch, cost.
+
+    work is (3, MAX_SAMPLES) work space.
+    """
+    samples = work[0]
+    values = work[1]
+    peaks = work[2, : 4 * PEAKS].reshape((PEAKS, 4))
+    n = 0
+    elbow = -1
+    side = elbow_side(P, place_, 0)
+    for i in range(first, last):
+        b = int(found[i, 0])
+        if branch >= 0 and b != branch:
+            continue
+        if b >> 2 != elbow:
+            elbow = b >> 2
+            side = elbow_side(P, place_, elbow)
+        _, floor = elbow_part(P, side[0], seeded, seed[3], respect)
+        if n == PEAKS and floor >= peaks[n - 1, 0]:
+            continue
+        n = scan(P, side, b, found[i, 1], found[i, 2], seeded, seed, respect, samples, values, peaks, n)
+    return search_peaks(P, place_, R, p, seeded, seed, respect, peaks, n, J, A)
 
 
 @kernel
@@ -147,6 +272,20 @@ def bent(q, phase, side):
         return q
     inwards = 2.0 * NEAR_SINGULAR if math.cos(q - phase) > 0.0 else -2.0 * NEAR_SINGULAR
     return q + inwards if side == 0 else q - inwards
+
+
+@kernel
+def bend(P, q, branch):
+    """A posture with elbow, shoulder and wrist moved away from their singularities, to the sides of a branch."""
+    return (
+        q[0],
+        bent(q[1], P[SHOULDER + PHASE], (branch >> 1) & 1),
+        q[2],
+        bent(q[3], P[STRAIGHT], branch >> 2),
+        q[4],
+        bent(q[5], P[WRIST + PHASE], branch & 1),
+        q[6],
+    )
 
 
 @kernel
@@ -160,32 +299,22 @@ def evaluate_again(P, place_, R, p, psi, branch, seeded, seed, respect, J, A):
     lowest = 2.0 * NO_BRANCH
     for b in range(8):
         q0, _, _ = best_branch(P, place_, psi, b, False, seed, False)
-        q2 = bent(q0[1], P[SHOULDER + PHASE], (b >> 1) & 1)
-        q4 = bent(q0[3], P[STRAIGHT], b >> 2)
-        q6 = bent(q0[5], P[WRIST + PHASE], b & 1)
-        turns_s = 6 if q2 != q0[1] else 1
-        turns_w = 6 if q6 != q0[5] else 1
-        against_s = -1.0 if math.cos(q2 - P[SHOULDER + PHASE]) > 0.0 else 1.0
-        against_w = -1.0 if math.cos(q6 - P[WRIST + PHASE]) > 0.0 else 1.0
+        q = bend(P, q0, b)
+        turns_s = 6 if q[1] != q0[1] else 1
+        turns_w = 6 if q[5] != q0[5] else 1
+        against_s = -1.0 if math.cos(q[1] - P[SHOULDER + PHASE]) > 0.0 else 1.0
+        against_w = -1.0 if math.cos(q[5] - P[WRIST + PHASE]) > 0.0 else 1.0
         for i in range(turns_s * turns_w):
             ds = (i % turns_s) * math.pi / 3.0
             dw = (i // turns_s) * math.pi / 3.0
-            start = (
-                q0[0] + ds,
-                q2,
-                q0[2] + against_s * ds,
-                q4,
-                q0[4] + dw,
-                q6,
-                q0[6] + against_w * dw,
-            )
-            q, closed = close_at_angle(P, start, R, p, place_[0], place_[1], psi, MORE_STEPS, J, A)
-            if closed and (branch < 0 or branch_of(P, q) == branch):
-                q = turned(P, q, seeded, seed, respect)
-                value = cost(P, q, seeded, seed, respect)
+            start = (q[0] + ds, q[1], q[2] + against_s * ds, q[3], q[4] + dw, q[5], q[6] + against_w * dw)
+            closed_q, closed = close_at_angle(P, start, R, p, place_[0], place_[1], psi, MORE_STEPS, J, A)
+            if closed and (branch < 0 or branch_of(P, closed_q) == branch):
+                closed_q = turned(P, closed_q, seeded, seed, respect)
+                value = cost(P, closed_q, seeded, seed, respect)
                 if value < lowest:
-                    best_q = q
-                    best = branch_of(P, q)
+                    best_q = closed_q
+                    best = branch_of(P, closed_q)
                     lowest = value
     return best_q, best, lowest
 
@@ -205,16 +334,11 @@ def rescue(P, place_, R, p, branch, seeded, seed, respect, J, A):
     for attempt in range(2):
         for i in range(12):
             for b in range(first, last + 1):
-                q, _, value = best_branch(P, place_, i * 2.0 * STEP, b, seeded, seed, respect)
+                q, _, value = best_branch(P, place_, i * math.pi / 6.0, b, seeded, seed, respect)
                 if value >= NO_BRANCH:
                     continue
                 if attempt == 1:
-                    q2 = bent(q[1], P[SHOULDER + PHASE], (b >> 1) & 1)
-                    q4 = bent(q[3], P[STRAIGHT], b >> 2)
-                    q6 = bent(q[5], P[WRIST + PHASE], b & 1)
-                    if q2 == q[1] and q4 == q[3] and q6 == q[5]:
-                        continue
-                    q = (q[0], q2, q[2], q4, q[4], q6, q[6])
+                    q = bend(P, q, b)
                 if respect:
                     q = clipped(P, q)
                 q, error = close_free(P, q, R, p, respect, MORE_STEPS, J, A)

@@ -1,8 +1,8 @@
 """A spherical joint made of three axes in any directions: from a rotation to three angles.
 
-R = rot(a1, q1) rot(a2, q2) rot(a3, q3). Then a1' R a3 = OFFSET + GAIN cos(q2 - PHASE) gives two q2, and q1 and q3 follow
-as one angle about an axis each. (Elias and Wen 2022 decompose inverse kinematics in the same spirit; the forms used here
-keep all digits near the singular rotations.)
+R = rot(a1, q1) rot(a2, q2) rot(a3, q3). The cosine a1' R a3 depends on q2 alone and gives two of them; q1 and q3 follow as
+one angle about an axis each. (Elias and Wen 2022 decompose inverse kinematics in the same spirit; the forms used here
+keep all digits near the singular rotations.) Of R only two columns are needed: v = R a3 and y = R ACROSS_3.
 """
 
 from __future__ import annotations
@@ -22,14 +22,13 @@ from srs_ik.kernels.layout import (
     COS_PHASE,
     CROSS_3,
     CROSS_23,
-    PHASE,
     SHARE_1,
     SIN_PHASE,
     SLACK_REACH,
     SLACK_SINGULAR,
     TOP_GAP,
 )
-from srs_ik.kernels.vectors import across, add, apply, cross, dot, load3, rotate, sub
+from srs_ik.kernels.vectors import across, add, cross, dot, load3, rotate, sub
 
 
 @kernel
@@ -39,10 +38,9 @@ def wrap(angle):
 
 
 @kernel
-def middle_angle(P, k, R):
-    """Cosine and sine of x = |q2 - PHASE|, and whether R can be reached at all (else x is the nearest)."""
+def middle_angle(P, k, v):
+    """Cosine and sine of x = |q2 - PHASE|, and whether v can be reached at all (else x is the nearest)."""
     a1 = load3(P, k + A1)
-    v = apply(R, load3(P, k + A3))
     up = sub(v, a1)
     down = add(v, a1)
     # 1 - m and 1 + m for m = a1'v, as squares of differences: full precision where v is near +-a1.
@@ -60,17 +58,19 @@ def middle_angle(P, k, R):
 
 
 @kernel
-def outer_angles(P, k, R, c2, s2, anchor):
-    """Angles q1 and q3 for a rotation and the cosine and sine of q2.
+def sines(P, k, v, y, c, s, sign):
+    """One solution as unscaled cosines and sines: (c1, s1, c2, s2, c3, s3) and the common length of (c1, s1).
 
-    Where axes 1 and 3 are parallel, q1 and q3 are free but for one sum: `anchor` = (q1, q3, share) says where they like
-    to be and which share of the way from there joint 1 takes.
+    q2 lies above (sign 0) or below (1) its phase; c and s come from `middle_angle`. Where axes 1 and 3 are parallel the
+    length is 0, q1 is taken as zero, and (c3, s3) belong to the sum or difference of q1 and q3.
     """
+    if sign == 1:
+        s = -s
+    c2 = P[k + COS_PHASE] * c - P[k + SIN_PHASE] * s
+    s2 = P[k + SIN_PHASE] * c + P[k + COS_PHASE] * s
     a1 = load3(P, k + A1)
     a2 = load3(P, k + A2)
     a3 = load3(P, k + A3)
-    v = apply(R, a3)
-    y = apply(R, load3(P, k + ACROSS_3))
     t = (1.0 - c2) * P[k + A2_A3]
     cross_23 = load3(P, k + CROSS_23)
     u = (
@@ -82,41 +82,41 @@ def outer_angles(P, k, R, c2, s2, anchor):
     u_across = across(u, a1)
     v_across = across(v, a1)
     size2 = dot(u_across, u_across)
+    c1 = 1.0
+    s1 = 0.0
+    length = 0.0
     if size2 > P[SLACK_SINGULAR] * P[SLACK_SINGULAR]:
         s1 = dot(a1, cross(u_across, v_across))
         c1 = dot(u_across, v_across)
         length = math.sqrt(s1 * s1 + c1 * c1)
-        q1 = math.atan2(s1, c1)
         if length > 0.0:
-            s1 /= length
             c1 /= length
+            s1 /= length
         else:
-            s1 = 0.0
             c1 = 1.0
-        z = rotate(a2, c2, -s2, rotate(a1, c1, -s1, y))
-        return q1, math.atan2(dot(load3(P, k + CROSS_3), z), dot(load3(P, k + ACROSS_3), z))
-    z = rotate(a2, c2, -s2, y)
-    turn = math.atan2(dot(load3(P, k + CROSS_3), z), dot(load3(P, k + ACROSS_3), z))
-    sign = 1.0 if dot(u, a1) > 0.0 else -1.0  # sign q1 + q3 = turn
-    rest = wrap(turn - sign * anchor[0] - anchor[1])
-    return anchor[0] + sign * anchor[2] * rest, anchor[1] + (1.0 - anchor[2]) * rest
+            s1 = 0.0
+    z = rotate(a2, c2, -s2, rotate(a1, c1, -s1, y))
+    return c1, s1, c2, s2, dot(load3(P, k + ACROSS_3), z), dot(load3(P, k + CROSS_3), z), length
+
+
+@kernel
+def angles(P, k, v, y, c, s, sign, anchor):
+    """One solution as angles (q1, q2, q3).
+
+    Where axes 1 and 3 are parallel, q1 and q3 are free but for one sum: `anchor` = (q1, q3, share) says where they like
+    to be and which share of the way from there joint 1 takes.
+    """
+    c1, s1, c2, s2, c3, s3, length = sines(P, k, v, y, c, s, sign)
+    q2 = math.atan2(s2, c2)
+    if length > 0.0:
+        return math.atan2(s1, c1), q2, math.atan2(s3, c3)
+    upright = c > 0.0
+    toward = 1.0 if upright else -1.0  # toward q1 + q3 is what R fixes
+    rest = wrap(math.atan2(s3, c3) - toward * anchor[0] - anchor[1])
+    return anchor[0] + toward * anchor[2] * rest, q2, anchor[1] + (1.0 - anchor[2]) * rest
 
 
 @kernel
 def default_anchor(P, k):
     """Middle of the ranges of joints 1 and 3, and the share of joint 1 in proportion to its range."""
     return (P[k + ANCHOR_1], P[k + ANCHOR_3], P[k + SHARE_1])
-
-
-@kernel
-def decompose(P, k, R, c, s, sign, anchor):
-    """One decomposition of R by the spherical joint at block k: (q1, q2, q3), q2 above (sign 0) or below its phase (1).
-
-    c and s are the cosine and sine of |q2 - PHASE|, from `middle_angle`.
-    """
-    if sign == 1:
-        s = -s
-    cp = P[k + COS_PHASE]
-    sp = P[k + SIN_PHASE]
-    q1, q3 = outer_angles(P, k, R, cp * c - sp * s, sp * c + cp * s, anchor)
-    return (q1, P[k + PHASE] + math.atan2(s, c), q3)

@@ -14,6 +14,14 @@ def load3(P, k):
 
 
 @kernel
+def store3(P, k, v):
+    """Write three consecutive figures of a limb that is being packed."""
+    P[k] = v[0]
+    P[k + 1] = v[1]
+    P[k + 2] = v[2]
+
+
+@kernel
 def load9(P, k):
     """Nine consecutive figures of the packed limb, a matrix."""
     return (P[k], P[k + 1], P[k + 2], P[k + 3], P[k + 4], P[k + 5], P[k + 6], P[k + 7], P[k + 8])
@@ -100,32 +108,10 @@ def apply_transposed(M, v):
 
 
 @kernel
-def matmul(A, B):
-    """A B."""
+def swing(a, b, c, cosine, sine):
+    """The vector a + cosine b + sine c, on a circle."""
     return (
-        A[0] * B[0] + A[1] * B[3] + A[2] * B[6],
-        A[0] * B[1] + A[1] * B[4] + A[2] * B[7],
-        A[0] * B[2] + A[1] * B[5] + A[2] * B[8],
-        A[3] * B[0] + A[4] * B[3] + A[5] * B[6],
-        A[3] * B[1] + A[4] * B[4] + A[5] * B[7],
-        A[3] * B[2] + A[4] * B[5] + A[5] * B[8],
-        A[6] * B[0] + A[7] * B[3] + A[8] * B[6],
-        A[6] * B[1] + A[7] * B[4] + A[8] * B[7],
-        A[6] * B[2] + A[7] * B[5] + A[8] * B[8],
-    )
-
-
-@kernel
-def frame_to_frame(x1, y1, z1, x0, y0, z0):
-    """The rotation that takes the right-handed frame (x0, y0, z0) to (x1, y1, z1)."""
-    return (
-        x1[0] * x0[0] + y1[0] * y0[0] + z1[0] * z0[0],
-        x1[0] * x0[1] + y1[0] * y0[1] + z1[0] * z0[1],
-        x1[0] * x0[2] + y1[0] * y0[2] + z1[0] * z0[2],
-        x1[1] * x0[0] + y1[1] * y0[0] + z1[1] * z0[0],
-        x1[1] * x0[1] + y1[1] * y0[1] + z1[1] * z0[1],
-        x1[1] * x0[2] + y1[1] * y0[2] + z1[1] * z0[2],
-        x1[2] * x0[0] + y1[2] * y0[0] + z1[2] * z0[0],
-        x1[2] * x0[1] + y1[2] * y0[1] + z1[2] * z0[1],
-        x1[2] * x0[2] + y1[2] * y0[2] + z1[2] * z0[2],
+        a[0] + cosine * b[0] + sine * c[0],
+        a[1] + cosine * b[1] + sine * c[1],
+        a[2] + cosine * b[2] + sine * c[2],
     )
