@@ -1,8 +1,8 @@
 """Closed-form inverse kinematics for arms built like a human arm: a spherical shoulder, one elbow, a spherical wrist.
 
-    import srs_ik
-    arm = srs_ik.load("iiwa14")
-    solution = arm.solve(arm.forward_kinematics([0.1, 0.5, 0.2, -1.2, 0.3, 0.8, 0.0]))
+import srs_ik
+arm = srs_ik.load("iiwa14")
+solution = arm.solve(arm.forward_kinematics([0.1, 0.5, 0.2, -1.2, 0.3, 0.8, 0.0]))
 """
 
 from __future__ import annotations

@@ -107,10 +107,7 @@ class Arm:
         if values.shape != (self.model.nq,) or not np.isfinite(values).all():
             raise InvalidConfiguration(f"a configuration of {self.name} is {self.model.nq} finite numbers")
         return np.array(
-            [
-                values[j.idx_q] if j.nq == 1 else np.arctan2(values[j.idx_q + 1], values[j.idx_q])
-                for j in self._joints
-            ]
+            [values[j.idx_q] if j.nq == 1 else np.arctan2(values[j.idx_q + 1], values[j.idx_q]) for j in self._joints]
         )
 
     def forward_kinematics(self, q: ArrayLike) -> pin.SE3:
@@ -233,20 +230,19 @@ class Arm:
             count = entries.solve_intervals(self._family, T, respect_limits, rows)
             if count < 0:
                 raise invalid_pose(-count)
-            rows = rows[:count]
+            solved = Solutions(rows[:count], self.joint_names)
+            ok = solved.ok
+            if not ok.all():
+                solved = Solutions(rows[:count][ok], self.joint_names)
         else:
             rows = np.empty((8, ROW))
-            verdict = entries.solve_all(self._family, T, as_arm_angle(arm_angle), respect_limits, rows)
-            if verdict:
-                raise invalid_pose(verdict)
-        solved = Solutions(rows, self.joint_names)
-        ok = solved.ok
-        if ok.all() and len(rows):
-            return solved
-        if ok.any():
-            return Solutions(rows[ok], self.joint_names)
-        failure = self.solve(T, arm_angle=arm_angle, respect_limits=respect_limits)
-        return Solutions(rows[:0], self.joint_names, failure)
+            count = entries.solve_all(self._family, T, as_arm_angle(arm_angle), respect_limits, rows)
+            if count < 0:
+                raise invalid_pose(-count)
+            solved = Solutions(rows[:count], self.joint_names)
+        if not len(solved):
+            solved.failure = self.solve(T, arm_angle=arm_angle, respect_limits=respect_limits)
+        return solved
 
     def solve_batch(
         self,

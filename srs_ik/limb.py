@@ -46,7 +46,7 @@ class SrsLimb:
 
     @cached_property
     def kind(self) -> Kind:
-        """"exact" if all axes pass their centres within 1e-6 m, else "near" (solved by Newton's method on the true chain)."""
+        """ "exact" if all axes pass their centres within 1e-6 m, else "near" (solved by Newton's method on the true chain)."""
         return "exact" if float(self.misses.max()) < EXACT_MISS else "near"
 
     @cached_property

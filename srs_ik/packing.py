@@ -30,7 +30,9 @@ def pack_family(limb: SrsLimb, lower: Vector, upper: Vector) -> Vector:
         upper: (7,) upper joint limits, rad; inf where there is none.
     """
     none = np.full(7, np.inf)
-    family = np.array([_pack(limb, lo, hi, slack) for slack in (STRICT, LOOSE) for lo, hi in ((lower, upper), (-none, none))])
+    family = np.array(
+        [_pack(limb, lo, hi, slack) for slack in (STRICT, LOOSE) for lo, hi in ((lower, upper), (-none, none))]
+    )
     family.flags.writeable = False
     return family
 

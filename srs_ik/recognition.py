@@ -90,8 +90,12 @@ def recognise(axes: Vector, points: Vector, T_base_tip_zero: Vector, reference: 
         centre = "shoulder" if worst < 3 else "wrist"
         reason = f"axis {worst + 1} misses the {centre} centre by {1e3 * misses[worst]:.1f} mm"
         return Recognition("refused", misses, limb.elbow_offset, None, reason)
-    if min(line_distance(shoulder, points[3], axes[3]), line_distance(wrist, points[3], axes[3])) < 1e-3 * max(reach, 1e-9):
-        return Recognition("refused", misses, limb.elbow_offset, None, "axis 4 passes through the shoulder or wrist centre")
+    if min(line_distance(shoulder, points[3], axes[3]), line_distance(wrist, points[3], axes[3])) < 1e-3 * max(
+        reach, 1e-9
+    ):
+        return Recognition(
+            "refused", misses, limb.elbow_offset, None, "axis 4 passes through the shoulder or wrist centre"
+        )
     return Recognition(limb.kind, misses, limb.elbow_offset, limb, "")
 
 

@@ -59,7 +59,7 @@ def best_half(P, k, first, motion, cos_psi, sin_psi, wanted, seeded, seed, respe
 @kernel
 def side_posture(P, side, psi, shoulder, wrist, seeded, seed, respect):
     """The best posture on one side of the elbow at an arm angle (signs -1: any): q, branch without its elbow bit, cost."""
-    q4, motion_s, motion_w = side
+    q4, motion_s, motion_w, _ = side
     c = math.cos(psi)
     s = math.sin(psi)
     a, sign_s, cost_s = best_half(P, SHOULDER, 0, motion_s, c, s, shoulder, seeded, seed, respect)
@@ -90,7 +90,7 @@ def best_branch(P, place_, psi, branch, seeded, seed, respect):
 @kernel
 def elbow_branches(P, place_, psi, elbow, respect, Q):
     """The four branches on one side of the elbow into rows 0 to 3 of Q (4, 9): seven angles, their cost, work space."""
-    q4, motion_s, motion_w = elbow_side(P, place_, elbow)
+    q4, motion_s, motion_w, _ = elbow_side(P, place_, elbow)
     c = math.cos(psi)
     s = math.sin(psi)
     none = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)

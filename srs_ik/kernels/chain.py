@@ -17,35 +17,65 @@ def turn_about_line(P, joint, c, s, point):
 
 
 @kernel
+def turn_frame(P, joint, angle, x, y, p):
+    """A frame, given by its x and y directions and its origin, turned about the zero-configuration line of a joint."""
+    c = math.cos(angle)
+    s = math.sin(angle)
+    axis = load3(P, AXES + 3 * joint)
+    return rotate(axis, c, s, x), rotate(axis, c, s, y), turn_about_line(P, joint, c, s, p)
+
+
+@kernel
 def forward_kinematics(P, q):
     """Pose of the tip in the base frame: rotation columns x, y and z, and position."""
-    x = (P[TIP_ROTATION], P[TIP_ROTATION + 3], P[TIP_ROTATION + 6])
-    y = (P[TIP_ROTATION + 1], P[TIP_ROTATION + 4], P[TIP_ROTATION + 7])
-    p = load3(P, TIP_POSITION)
-    for k in range(7):
-        joint = 6 - k
-        c = math.cos(q[joint])
-        s = math.sin(q[joint])
-        axis = load3(P, AXES + 3 * joint)
-        x = rotate(axis, c, s, x)
-        y = rotate(axis, c, s, y)
-        p = turn_about_line(P, joint, c, s, p)
+    x, y, p = hand_frame(P, q)
+    for k in range(3):
+        x, y, p = turn_frame(P, 2 - k, q[2 - k], x, y, p)
     return x, y, cross(x, y), p
 
 
 @kernel
-def pose_error(P, q, R, p):
-    """Distance (m) and angle (rad) between the tip at q and a wanted pose (rotation matrix R, position p).
+def hand_frame(P, q):
+    """The tip moved by joints 4 to 7 alone: directions x and y, and origin."""
+    x = (P[TIP_ROTATION], P[TIP_ROTATION + 3], P[TIP_ROTATION + 6])
+    y = (P[TIP_ROTATION + 1], P[TIP_ROTATION + 4], P[TIP_ROTATION + 7])
+    p = load3(P, TIP_POSITION)
+    for k in range(4):
+        x, y, p = turn_frame(P, 6 - k, q[6 - k], x, y, p)
+    return x, y, p
+
+
+@kernel
+def arm_frame_at(P, q):
+    """The base frame moved by joints 1 to 3, as a rotation matrix and an origin: what these joints do to any point."""
+    x = (1.0, 0.0, 0.0)
+    y = (0.0, 1.0, 0.0)
+    p = (0.0, 0.0, 0.0)
+    for k in range(3):
+        x, y, p = turn_frame(P, 2 - k, q[2 - k], x, y, p)
+    z = cross(x, y)
+    return (x[0], y[0], z[0], x[1], y[1], z[1], x[2], y[2], z[2]), p
+
+
+@kernel
+def frame_error(x, y, z, position, R, p):
+    """Distance (m) and angle (rad) between a frame and a wanted pose (rotation matrix R, position p).
 
     The angle is taken from sine and cosine together: an arc cosine would lose half of the digits near zero.
     """
-    x, y, z, position = forward_kinematics(P, q)
     wanted_x = (R[0], R[3], R[6])
     wanted_y = (R[1], R[4], R[7])
     wanted_z = (R[2], R[5], R[8])
     twice_sine = norm(add(add(cross(x, wanted_x), cross(y, wanted_y)), cross(z, wanted_z)))
     twice_cosine = dot(x, wanted_x) + dot(y, wanted_y) + dot(z, wanted_z) - 1.0
     return norm(sub(p, position)), math.atan2(twice_sine, twice_cosine)
+
+
+@kernel
+def pose_error(P, q, R, p):
+    """Distance (m) and angle (rad) between the tip at q and a wanted pose (rotation matrix R, position p)."""
+    x, y, z, position = forward_kinematics(P, q)
+    return frame_error(x, y, z, position, R, p)
 
 
 @kernel

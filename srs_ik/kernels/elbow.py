@@ -190,7 +190,7 @@ def place(P, R, p):
 
 @kernel
 def elbow_side(P, place_, elbow):
-    """Elbow branch 0 or 1 of a pose: q4, and the motions of shoulder and wrist with the arm angle."""
+    """Elbow branch 0 or 1 of a pose: q4, the motions of shoulder and wrist with the arm angle, S-W seen from the forearm."""
     t, h0, c, s, hand, _ = place_
     if elbow == 1:
         s = -s
@@ -198,7 +198,8 @@ def elbow_side(P, place_, elbow):
     s4 = P[SIN_STRAIGHT] * c + P[COS_STRAIGHT] * s
     arm_t, arm_h, arm_n = arm_frame(P, c, s)
     frames = (t, h0, cross(t, h0), arm_t, arm_h, arm_n)
-    return math.atan2(s4, c4), shoulder_motion(P, frames), wrist_motion(P, frames, c4, s4, hand)
+    from_forearm = rotate(load3(P, AXES + 9), c4, -s4, arm_t)
+    return math.atan2(s4, c4), shoulder_motion(P, frames), wrist_motion(P, frames, c4, s4, hand), from_forearm
 
 
 @kernel

@@ -10,11 +10,11 @@ import math
 import numpy as np
 
 from srs_ik.kernels.branches import NO_BRANCH, branch_of, elbow_branches
-from srs_ik.kernels.chain import forward_kinematics, pose_error
+from srs_ik.kernels.chain import arm_frame_at, forward_kinematics, frame_error, hand_frame, pose_error
 from srs_ik.kernels.closure import arm_angle, clipped
 from srs_ik.kernels.elbow import elbow_side, place, shoulder_to_wrist, target_frame
 from srs_ik.kernels.intervals import MAX_EVENTS, MAX_PIECES, feasible_intervals
-from srs_ik.kernels.jit import entry, kernel
+from srs_ik.kernels.jit import entry, inline, kernel
 from srs_ik.kernels.layout import (
     FREE,
     IS_CLOSED,
@@ -27,10 +27,13 @@ from srs_ik.kernels.layout import (
     ROW_POSITION_ERROR,
     ROW_Q,
     ROW_STATUS,
+    SIZE,
 )
 from srs_ik.kernels.limits import set_limits
+from srs_ik.kernels.nearest import first_guess, tighten
 from srs_ik.kernels.scoring import OUTSIDE, tightest_joint
 from srs_ik.kernels.search import MAX_SAMPLES, evaluate, evaluate_again, evaluate_branch, rescue, search_intervals
+from srs_ik.kernels.vectors import add, apply, cross
 
 OK = 0.0
 UNREACHABLE = 1.0
@@ -49,6 +52,9 @@ NOT_RIGID = 2
 
 NEARLY_STRAIGHT = 3e-6
 """Bends of the elbow below this, rad, cannot be told apart within 1e-11 of reach."""
+
+ONE_VALLEY = 0.3
+"""An interval shorter than this, rad, whose postures all lie in the box of a seeded search has one minimum."""
 
 NO_SEED = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
 
@@ -103,26 +109,34 @@ def read7(q):
 
 
 @kernel
-def write_row(P, place_, R, p, q, branch, lowest, respect, out):
-    """Measure a posture on the true chain, give it its status, and write its row."""
-    outside = respect and lowest >= OUTSIDE
-    if outside:
-        q = clipped(P, q)
-    position, orientation = pose_error(P, q, R, p)
+def write_row(place_, q, branch, psi, outside, exists, position, orientation, joint, out):
+    """Write a posture with its measured errors, and the status that follows from them."""
     for i in range(7):
         out[ROW_Q + i] = q[i]
     out[ROW_POSITION_ERROR] = position
     out[ROW_ORIENTATION_ERROR] = orientation
-    out[ROW_ARM_ANGLE] = arm_angle(P, q, place_[0], place_[1])
+    out[ROW_ARM_ANGLE] = psi - 2.0 * math.pi * math.floor((psi + math.pi) / (2.0 * math.pi))
     out[ROW_BRANCH] = branch
-    out[ROW_JOINT] = tightest_joint(P, q)
-    solved = max(position, orientation) < SOLVED
-    if solved:
+    out[ROW_JOINT] = joint
+    if max(position, orientation) < SOLVED:
         out[ROW_STATUS] = OK
-    elif outside and lowest < NO_BRANCH and place_[5] == 0.0:
+    elif outside and exists and place_[5] == 0.0:
         out[ROW_STATUS] = OUT_OF_LIMITS
     else:
         out[ROW_STATUS] = UNREACHABLE
+
+
+@kernel
+def measure_row(P, place_, R, p, q, branch, lowest, respect, out):
+    """Measure a posture on the true chain and write its row; outside its limits, it is put on them first."""
+    outside = respect and lowest >= OUTSIDE
+    joint = 0
+    if outside:
+        joint = tightest_joint(P, q)
+        q = clipped(P, q)
+    position, orientation = pose_error(P, q, R, p)
+    psi = arm_angle(P, q, place_[0], place_[1])
+    write_row(place_, q, branch, psi, outside, lowest < NO_BRANCH, position, orientation, joint, out)
 
 
 @kernel
@@ -149,10 +163,44 @@ def search_branches(P, F, place_, R, p, branch, seeded, seed, respect, J, A):
 
 
 @kernel
+def without(found, n, branch, psi):
+    """Drop the short interval around a known minimum; return the number of intervals that are left."""
+    left = 0
+    for i in range(n):
+        ahead = (psi - found[i, 1]) - 2.0 * math.pi * math.floor((psi - found[i, 1]) / (2.0 * math.pi))
+        width = found[i, 2] - found[i, 1]
+        if int(found[i, 0]) == branch and width < ONE_VALLEY and ahead <= width:
+            continue
+        found[left, 0] = found[i, 0]
+        found[left, 1] = found[i, 1]
+        found[left, 2] = found[i, 2]
+        left += 1
+    return left
+
+
+@inline
 def search(family, place_, R, p, branch, seeded, seed, respect, J, A):
     """Best posture over all arm angles: q, branch, cost."""
     strictness = LIMITED if respect else FREE
     P = family[LIMITED]
+    if seeded and branch < 0 and P[IS_CLOSED] == 1.0:
+        psi, q, best, lowest, minimum = first_guess(P, place_, seed, respect)
+        if lowest < OUTSIDE:
+            box = np.empty(SIZE)
+            tighten(family[strictness], seed, math.sqrt(lowest) * (1.0 + 1e-9) + 1e-12, box)
+            found = np.empty((8 * MAX_PIECES, 3))
+            n = find_intervals(box, place_, found)
+            if minimum:
+                n = without(found, n, best, psi)
+            if n == 0:
+                return q, best, lowest
+            work = np.empty((3, MAX_SAMPLES))
+            nearer_q, nearer, value = search_intervals(
+                P, place_, R, p, found, 0, n, branch, seeded, seed, respect, work, J, A
+            )
+            if value < lowest:
+                return nearer_q, nearer, value
+            return q, best, lowest
     best_q, best, lowest = search_branches(P, family[strictness], place_, R, p, branch, seeded, seed, respect, J, A)
     if lowest < OUTSIDE:
         return best_q, best, lowest
@@ -194,7 +242,7 @@ def search(family, place_, R, p, branch, seeded, seed, respect, J, A):
     return best_q, best, lowest
 
 
-@kernel
+@inline
 def solve_one(family, T, at_angle, psi, branch, seeded, seed, respect, J, A, out):
     """Solve one pose into a row; returns the verdict on the pose."""
     R, p, verdict = read_pose(T)
@@ -208,8 +256,8 @@ def solve_one(family, T, at_angle, psi, branch, seeded, seed, respect, J, A, out
             q, best, lowest = evaluate_again(P, place_, R, p, psi, branch, seeded, seed, respect, J, A)
     else:
         q, best, lowest = search(family, place_, R, p, branch, seeded, seed, respect, J, A)
-    write_row(P, place_, R, p, q, best, lowest, respect, out)
-    if at_angle and P[IS_CLOSED] == 1.0 and out[ROW_STATUS] == OK:
+    measure_row(P, place_, R, p, q, best, lowest, respect, out)
+    if at_angle and out[ROW_STATUS] == OK:
         out[ROW_ARM_ANGLE] = psi - 2.0 * math.pi * math.floor((psi + math.pi) / (2.0 * math.pi))
     return GOOD_POSE
 
@@ -233,7 +281,7 @@ def solve_range(family, poses, first, last, at_angle, psis, branch, seeded, seed
         verdicts[i] = solve_one(family, poses[i], at_angle, psi, branch, seeded, seed, respect, J, A, out[i])
 
 
-@kernel
+@inline
 def all_branches(P, T, psi, respect, J, A, out):
     """One row a branch at an arm angle, in the order of branches."""
     R, p, verdict = read_pose(T)
@@ -243,21 +291,41 @@ def all_branches(P, T, psi, respect, J, A, out):
     if P[IS_CLOSED] == 1.0:
         for elbow in range(2):
             elbow_branches(P, place_, psi, elbow, respect, A)
+            hands = (hand_frame(P, read7(A[0])), hand_frame(P, read7(A[1])))
+            arms = (arm_frame_at(P, read7(A[0])), arm_frame_at(P, read7(A[2])))
             for i in range(4):
-                q = (A[i, 0], A[i, 1], A[i, 2], A[i, 3], A[i, 4], A[i, 5], A[i, 6])
-                write_row(P, place_, R, p, q, 4 * elbow + i, A[i, 7], respect, out[4 * elbow + i])
+                branch = 4 * elbow + i
+                q = read7(A[i])
+                if A[i, 7] >= OUTSIDE:
+                    measure_row(P, place_, R, p, q, branch, A[i, 7], respect, out[branch])
+                    continue
+                M, shift = arms[i >> 1]
+                x, y, origin = hands[i & 1]
+                x = apply(M, x)
+                y = apply(M, y)
+                position, orientation = frame_error(x, y, cross(x, y), add(apply(M, origin), shift), R, p)
+                write_row(place_, q, branch, psi, False, True, position, orientation, 0, out[branch])
         return GOOD_POSE
     for branch in range(8):
         side = elbow_side(P, place_, branch >> 2)
         q, lowest = evaluate_branch(P, place_, side, R, p, psi, branch, False, NO_SEED, respect, J, A)
-        write_row(P, place_, R, p, q, branch, lowest, respect, out[branch])
+        measure_row(P, place_, R, p, q, branch, lowest, respect, out[branch])
     return GOOD_POSE
 
 
 @entry
 def solve_all(family, T, psi, respect, out):
-    """All eight branches of one pose at an arm angle into the rows of `out` (8, ROW)."""
-    return all_branches(family[LIMITED], T, psi, respect, np.empty((6, 7)), np.empty((7, 9)), out)
+    """The branches of one pose that are solutions at an arm angle, in order: number of rows of `out`, or minus the verdict."""
+    verdict = all_branches(family[LIMITED], T, psi, respect, np.empty((6, 7)), np.empty((7, 9)), out)
+    if verdict != GOOD_POSE:
+        return -verdict
+    n = 0
+    for i in range(8):
+        if out[i, ROW_STATUS] == OK:
+            if n < i:
+                out[n] = out[i]
+            n += 1
+    return n
 
 
 @entry
@@ -294,10 +362,8 @@ def solve_intervals(family, T, respect, out):
     n = find_intervals(family[LIMITED if respect else FREE], place_, found)
     work = np.empty((3, MAX_SAMPLES))
     for i in range(n):
-        q, b, lowest = search_intervals(
-            P, place_, R, p, found, i, i + 1, -1, False, NO_SEED, respect, work, J, A
-        )
-        write_row(P, place_, R, p, q, b, lowest, respect, out[i])
+        q, b, lowest = search_intervals(P, place_, R, p, found, i, i + 1, -1, False, NO_SEED, respect, work, J, A)
+        measure_row(P, place_, R, p, q, b, lowest, respect, out[i])
     return n
 
 

@@ -298,7 +298,7 @@ def feasible_intervals(P, place_, events, marks, shoulder, wrist, out):
     """
     n = 0
     for elbow in range(2):
-        q4, motion_s, motion_w = elbow_side(P, place_, elbow)
+        q4, motion_s, motion_w, _ = elbow_side(P, place_, elbow)
         if violation(P, 3, turn_to_middle(P, 3, q4)) > 0.0:
             continue
         s = joint_pieces(P, SHOULDER, motion_s, events, marks, shoulder)

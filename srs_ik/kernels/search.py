@@ -38,6 +38,10 @@ STEPS = 12
 MORE_STEPS = 80
 """Steps of Newton's method at an arm angle: from the closed form, and where that failed."""
 
+ALMOST = 0.1
+JITTERS = 100
+"""A near limb that comes this close to a pose (m, rad) is tried from so many more postures around."""
+
 NEAR_SINGULAR = 0.05
 """Sine of a middle angle under which a spherical joint or the elbow is close to singular, for a second attempt."""
 
@@ -199,16 +203,12 @@ def scan(P, side, branch, lower, upper, seeded, seed, respect, samples, values, 
     """Look at an interval of a branch and keep its peaks, on the exact limb; return how many are kept in all."""
     count = take_samples(P, side, lower, upper, samples)
     for i in range(count):
-        _, _, values[i] = side_posture(
-            P, side, samples[i], (branch >> 1) & 1, branch & 1, seeded, seed, respect
-        )
+        _, _, values[i] = side_posture(P, side, samples[i], (branch >> 1) & 1, branch & 1, seeded, seed, respect)
     for i in range(count):
         before = values[i - 1] if i > 0 else values[i] + 1.0
         behind = values[i + 1] if i + 1 < count else values[i] + 1.0
         if values[i] <= before and values[i] <= behind:
-            n = keep_peak(
-                peaks, n, values[i], branch, samples[max(i - 1, 0)], samples[min(i + 1, count - 1)]
-            )
+            n = keep_peak(peaks, n, values[i], branch, samples[max(i - 1, 0)], samples[min(i + 1, count - 1)])
     return n
 
 
@@ -226,9 +226,7 @@ def search_peaks(P, place_, R, p, seeded, seed, respect, peaks, n, J, A):
         _, q, value = refine(P, place_, side, R, p, branch, a, b, seeded, seed, respect, J, A)
         for end in range(2):
             # A golden section never touches the ends of its bracket.
-            qe, ve = evaluate_branch(
-                P, place_, side, R, p, a if end == 0 else b, branch, seeded, seed, respect, J, A
-            )
+            qe, ve = evaluate_branch(P, place_, side, R, p, a if end == 0 else b, branch, seeded, seed, respect, J, A)
             if ve <= value:
                 q = qe
                 value = ve
@@ -320,6 +318,34 @@ def evaluate_again(P, place_, R, p, psi, branch, seeded, seed, respect, J, A):
 
 
 @kernel
+def jitter(q, state, size):
+    """A posture with every joint moved by up to `size`, by a linear congruential generator: the same one always."""
+    state = (state * 1103515245 + 12345) % 2147483648
+    a = size * (state / 1073741824.0 - 1.0)
+    state = (state * 1103515245 + 12345) % 2147483648
+    b = size * (state / 1073741824.0 - 1.0)
+    state = (state * 1103515245 + 12345) % 2147483648
+    c = size * (state / 1073741824.0 - 1.0)
+    state = (state * 1103515245 + 12345) % 2147483648
+    d = size * (state / 1073741824.0 - 1.0)
+    state = (state * 1103515245 + 12345) % 2147483648
+    e = size * (state / 1073741824.0 - 1.0)
+    return (q[0] + a, q[1] + b, q[2] + c, q[3] + d, q[4] + e, q[5] + a * 0.7 - b, q[6] + c * 0.7 - d), state
+
+
+@kernel
+def free_start(P, q, R, p, seeded, seed, respect, J, A):
+    """Free steps from one posture: q and its cost, more than any posture's if the pose is not reached."""
+    if respect:
+        q = clipped(P, q)
+    q, error = close_free(P, q, R, p, respect, MORE_STEPS, J, A)
+    q = turned(P, q, seeded, seed, respect)
+    if error > CLOSED:
+        return q, OUTSIDE * (2.0 + error)
+    return q, cost(P, q, seeded, seed, respect)
+
+
+@kernel
 def rescue(P, place_, R, p, branch, seeded, seed, respect, J, A):
     """Last resort on a near limb: free steps from postures all around the circle, then from bent ones: q, branch, cost.
 
@@ -335,21 +361,26 @@ def rescue(P, place_, R, p, branch, seeded, seed, respect, J, A):
         for i in range(12):
             for b in range(first, last + 1):
                 q, _, value = best_branch(P, place_, i * math.pi / 6.0, b, seeded, seed, respect)
-                if value >= NO_BRANCH:
-                    continue
-                if attempt == 1:
-                    q = bend(P, q, b)
-                if respect:
-                    q = clipped(P, q)
-                q, error = close_free(P, q, R, p, respect, MORE_STEPS, J, A)
-                q = turned(P, q, seeded, seed, respect)
-                value = cost(P, q, seeded, seed, respect)
-                if error > CLOSED:
-                    value = OUTSIDE * (2.0 + error)
-                if value < lowest:
-                    best_q = q
-                    best = b
-                    lowest = value
+                if value < NO_BRANCH:
+                    if attempt == 1:
+                        q = bend(P, q, b)
+                    q, value = free_start(P, q, R, p, seeded, seed, respect, J, A)
+                    if value < lowest:
+                        best_q = q
+                        best = b
+                        lowest = value
         if lowest < OUTSIDE:
-            break
+            return best_q, best, lowest
+    if lowest < OUTSIDE * (2.0 + ALMOST):
+        state = 1
+        around = best_q
+        for i in range(JITTERS):
+            q, state = jitter(around, state, 0.02 if i % 2 == 0 else 0.3)
+            q, value = free_start(P, q, R, p, seeded, seed, respect, J, A)
+            if value < lowest:
+                best_q = q
+                best = branch_of(P, q)
+                lowest = value
+                if lowest < OUTSIDE:
+                    break
     return best_q, best, lowest

@@ -1,0 +1,130 @@
+"""The posture nearest to a seed, over all branches and arm angles.
+
+A local search gives a posture at some distance D. A nearer one would have every joint within D of the seed: so the exact
+intervals for limits tightened to that box hold all that can still be better, which is little or nothing.
+"""
+
+from __future__ import annotations
+
+import math
+
+from srs_ik.kernels.branches import NO_BRANCH, side_posture
+from srs_ik.kernels.elbow import elbow_side
+from srs_ik.kernels.jit import kernel
+from srs_ik.kernels.layout import A1, A2, A3, ACROSS_3, LOWER, SHOULDER, UPPER, WRIST
+from srs_ik.kernels.limits import set_joint_limits, set_limit
+from srs_ik.kernels.scoring import OUTSIDE
+from srs_ik.kernels.selfmotion import rates
+from srs_ik.kernels.vectors import dot, load3, rotate
+
+NEWTON_STEPS = 12
+
+CONVERGED = 1e-11
+"""A step of the arm angle below this, rad, ends the local search."""
+
+
+@kernel
+def spherical_columns(P, k, q1, q2, q3):
+    """R a3 and R ACROSS_3 of the spherical joint at block k at three angles."""
+    a1 = load3(P, k + A1)
+    a2 = load3(P, k + A2)
+    a3 = load3(P, k + A3)
+    c1, s1, c2, s2 = math.cos(q1), math.sin(q1), math.cos(q2), math.sin(q2)
+    y = rotate(a3, math.cos(q3), math.sin(q3), load3(P, k + ACROSS_3))
+    return rotate(a1, c1, s1, rotate(a2, c2, s2, a3)), rotate(a1, c1, s1, rotate(a2, c2, s2, y))
+
+
+@kernel
+def seed_angle(P, side, seed):
+    """The arm angle at which shoulder and wrist are turned most like the seed's."""
+    v, y = spherical_columns(P, SHOULDER, seed[0], seed[1], seed[2])
+    circle_v, circle_y, _ = side[1]
+    c = dot(v, circle_v[1]) + dot(y, circle_y[1])
+    s = dot(v, circle_v[2]) + dot(y, circle_y[2])
+    v, y = spherical_columns(P, WRIST, seed[4], seed[5], seed[6])
+    circle_v, circle_y, _ = side[2]
+    c += dot(v, circle_v[1]) + dot(y, circle_y[1])
+    s += dot(v, circle_v[2]) + dot(y, circle_y[2])
+    return math.atan2(s, c)
+
+
+@kernel
+def descend(P, place_, side, psi, branch, seed, respect):
+    """Newton's method (Gauss-Newton) from an arm angle to the nearest posture of its branch: psi, q, cost, converged."""
+    t = place_[0]
+    w = side[3]
+    shoulder = (branch >> 1) & 1
+    wrist = branch & 1
+    q, _, lowest = side_posture(P, side, psi, shoulder, wrist, True, seed, respect)
+    for _ in range(NEWTON_STEPS):
+        if lowest >= OUTSIDE:
+            return psi, q, lowest, False
+        rate, good = rates(P, q, t, w)
+        if not good:
+            return psi, q, lowest, False
+        slope = 0.0
+        curvature = 0.0
+        for j in range(7):
+            slope += (q[j] - seed[j]) * rate[j]
+            curvature += rate[j] * rate[j]
+        step = -slope / curvature
+        if abs(step) < CONVERGED:
+            return psi, q, lowest, True
+        better_q, _, value = side_posture(P, side, psi + step, shoulder, wrist, True, seed, respect)
+        halvings = 0
+        while value > lowest and halvings < 4:
+            step *= 0.5
+            halvings += 1
+            better_q, _, value = side_posture(P, side, psi + step, shoulder, wrist, True, seed, respect)
+        if value >= lowest:
+            return psi, q, lowest, abs(step) < 1e-8
+        psi += step
+        q = better_q
+        lowest = value
+    return psi, q, lowest, False
+
+
+@kernel
+def first_guess(P, place_, seed, respect):
+    """A posture near the seed by local search: psi, q, branch, cost, and whether it is a local minimum."""
+    best_psi = 0.0
+    best_q = seed
+    best = 0
+    lowest = 4.0 * NO_BRANCH
+    minimum = False
+    for elbow in range(2):
+        side = elbow_side(P, place_, elbow)
+        across = side[0] - seed[3]
+        across -= 2.0 * math.pi * math.floor(across / (2.0 * math.pi) + 0.5)
+        if across * across >= lowest:
+            continue
+        psi = seed_angle(P, side, seed)
+        _, b, value = side_posture(P, side, psi, -1, -1, True, seed, respect)
+        if value >= OUTSIDE:
+            continue
+        psi, q, value, converged = descend(P, place_, side, psi, b, seed, respect)
+        if value < lowest:
+            best_psi = psi
+            best_q = q
+            best = 4 * elbow + b
+            lowest = value
+            minimum = converged
+    return best_psi, best_q, best, lowest, minimum
+
+
+@kernel
+def tighten(P, seed, distance, box):
+    """Copy the packed limb to `box` with its limits tightened to the seed +- distance; return whether any range is left."""
+    for i in range(P.shape[0]):
+        box[i] = P[i]
+    some = True
+    for j in range(7):
+        lower = max(P[LOWER + j], seed[j] - distance)
+        upper = min(P[UPPER + j], seed[j] + distance)
+        if lower > upper:
+            some = False
+            lower = upper
+        set_limit(box, j, lower, upper)
+    set_joint_limits(box, SHOULDER, 0)
+    set_joint_limits(box, WRIST, 4)
+    return some
