@@ -28,8 +28,9 @@ class SrsLimb:
         shoulder: (3,) shoulder centre S, the common point of axes 1 to 3 (least squares if they miss it).
         elbow: (3,) elbow centre E, the point of axis 4 nearest to axes 3 and 5.
         wrist: (3,) wrist centre W, the common point of axes 5 to 7 (least squares if they miss it).
-        reference: (3,) unit vector; the arm angle is zero where the elbow lies in the half-plane that starts at the line
-            S-W and contains this direction. The default is the direction of axis 1, its largest component positive.
+        reference: (3,) unit vector; the arm angle is zero where the elbow lies in the half-plane that starts at the
+            line S-W and contains this direction. The default is the direction of axis 1, its largest component
+            positive.
         misses: (7,) distance of each axis from its centre, metres; zero for axis 4.
         wrist_kind: "XYX" if axes 5 and 7 are nearer to parallel than to perpendicular at zero, else "XYZ".
     """
@@ -46,7 +47,7 @@ class SrsLimb:
 
     @cached_property
     def kind(self) -> Kind:
-        """ "exact" if all axes pass their centres within 1e-6 m, else "near" (solved by Newton's method on the true chain)."""
+        """Either "exact", if all axes pass their centres within 1e-6 m, or "near", solved on the true axes."""
         return "exact" if float(self.misses.max()) < EXACT_MISS else "near"
 
     @cached_property

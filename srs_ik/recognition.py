@@ -42,8 +42,8 @@ class Recognition:
 def recognise(axes: Vector, points: Vector, T_base_tip_zero: Vector, reference: Vector | None = None) -> Recognition:
     """Classify seven joint axes at the zero configuration, all in the base frame.
 
-    The shoulder centre is the point nearest to axes 1 to 3 in the least-squares sense, the wrist centre that of axes 5 to
-    7; the elbow may lie anywhere on axis 4 (an elbow offset is no obstacle), and directions are arbitrary.
+    The shoulder centre is the point nearest to axes 1 to 3 in the least-squares sense, the wrist centre that of axes 5
+    to 7; the elbow may lie anywhere on axis 4 (an elbow offset is no obstacle), and directions are arbitrary.
 
     Args:
         axes: (7, 3) directions, of any length.
@@ -112,7 +112,7 @@ def _nearest_point(axes: Vector, points: Vector) -> Vector:
 
 
 def _elbow_centre(axes: Vector, points: Vector, shoulder: Vector, wrist: Vector) -> Vector:
-    """The point of axis 4 nearest to axes 3 and 5; midway between the feet of S and W where those are parallel to it."""
+    """Point of axis 4 nearest to axes 3 and 5; midway between the feet of S and W where those are parallel to it."""
     axis, origin = axes[3], points[3]
     numerator = denominator = 0.0
     for k in (2, 4):

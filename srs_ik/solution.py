@@ -24,7 +24,7 @@ class Status(IntEnum):
     UNREACHABLE = 1
     """No posture reaches the pose; the closest one is given: the arm stretched, or folded, towards the target."""
     OUT_OF_LIMITS = 2
-    """Postures reach the pose, but none inside the joint limits; the least violating one is given, put on its limits."""
+    """Postures reach the pose, but none inside the joint limits; the least violating one is given, put on limits."""
 
 
 _STATUSES = tuple(Status)
@@ -77,7 +77,7 @@ class Solution:
             return f"Solved in branch {self.branch} at arm angle {self.arm_angle:.6g} rad, within {errors}."
         if self.status is Status.OUT_OF_LIMITS:
             blocking = self._joint_names[int(self._row[at.ROW_JOINT]) - 1]
-            return f"No posture that was sought keeps the joint limits; joint {blocking} blocks, and q put on the limits leaves {errors}."
+            return f"No posture sought keeps the joint limits; {blocking} blocks, and q put on them leaves {errors}."
         return f"The pose is out of reach for the postures that were sought; the closest one leaves {errors}."
 
     def as_dict(self) -> dict[str, float]:

@@ -1,7 +1,7 @@
 """The eight branches at an arm angle, on the exact limb.
 
-A branch is numbered 4 e + 2 s + w: e = 0 where q4 - STRAIGHT is positive, s = 0 and w = 0 where q2 and q6 lie above their
-phase. Two elbow angles give two rotations of the arm; each has two shoulder and two wrist solutions.
+A branch is numbered 4 e + 2 s + w: e = 0 where q4 - STRAIGHT is positive, s = 0 and w = 0 where q2 and q6 lie above
+their phase. Two elbow angles give two rotations of the arm; each has two shoulder and two wrist solutions.
 """
 
 from __future__ import annotations
@@ -58,7 +58,7 @@ def best_half(P, k, first, motion, cos_psi, sin_psi, wanted, seeded, seed, respe
 
 @kernel
 def side_posture(P, side, psi, shoulder, wrist, seeded, seed, respect):
-    """The best posture on one side of the elbow at an arm angle (signs -1: any): q, branch without its elbow bit, cost."""
+    """Best posture on one side of the elbow at an arm angle (signs -1: any): q, branch without its elbow bit, cost."""
     q4, motion_s, motion_w, _ = side
     c = math.cos(psi)
     s = math.sin(psi)

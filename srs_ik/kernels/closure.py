@@ -36,7 +36,7 @@ MAX_STEP = 0.5
 
 @kernel
 def pose_step(P, q, R, p, J):
-    """The twist (linear then angular, tip point, base axes) that leads from the tip at q to the pose; J is filled for it."""
+    """Twist (linear then angular, tip point, base axes) that leads from the tip at q to the pose; fills J for it."""
     x, y, z, position = joint_lines(P, q, J)
     for joint in range(7):
         axis = (J[3, joint], J[4, joint], J[5, joint])
@@ -53,7 +53,7 @@ def pose_step(P, q, R, p, J):
 
 @kernel
 def solve_linear(A, n):
-    """Solve the n x n system in A (n, n + 1) in place by elimination with pivoting; the solution is left in column n."""
+    """Solve the n x n system in A (n, n + 1) in place by elimination with pivoting; the solution ends in column n."""
     for k in range(n):
         pivot = k
         for i in range(k + 1, n):
@@ -113,7 +113,7 @@ def arm_angle(P, q, t, h0):
 
 @kernel
 def moved(q, A, factor):
-    """q plus a multiple of column 7 of A."""
+    """The posture q plus a multiple of column 7 of A."""
     return (
         q[0] + factor * A[0, 7],
         q[1] + factor * A[1, 7],

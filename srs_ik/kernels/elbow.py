@@ -1,4 +1,4 @@
-"""The triangle shoulder-elbow-wrist: from a tip pose to the elbow angle, and from the arm angle to the arm's rotation."""
+"""The triangle shoulder-elbow-wrist: from a tip pose to the elbow angle, from the arm angle to the arm's rotation."""
 
 from __future__ import annotations
 
@@ -81,7 +81,7 @@ def target_frame(P, sw):
 
 @kernel
 def elbow_bend(P, d):
-    """Cosine and sine of the bend x = |q4 - STRAIGHT| for a distance S-W, and how far d lies outside reach (+far, -near)."""
+    """Cosine and sine of the bend |q4 - STRAIGHT| for a length d of S-W; how far d is out of reach (+far, -near)."""
     far = (P[FAR] - d) * (P[FAR] + d)
     near = (d - P[NEAR]) * (d + P[NEAR])
     miss = 0.0
@@ -97,10 +97,11 @@ def elbow_bend(P, d):
 
 @kernel
 def arm_frame(P, c, s):
-    """Directions in the upper arm's frame: S-W (t), the elbow across it (h), and h x t, for cosine and sine of q4 - STRAIGHT.
+    """Directions in the upper arm's frame: S-W (t), the elbow across it (h), and h x t.
 
-    h is the side of S-W on which the elbow lies. Where the limb can be straightened so that S, E and W are collinear, the
-    limit of h from the side of the sign of s is taken: it stays well-defined when the elbow is on the line.
+    c and s are cosine and sine of q4 - STRAIGHT. h is the side of S-W on which the elbow lies. Where the limb can be
+    straightened so that S, E and W are collinear, the limit of h from the side of the sign of s is taken: it stays
+    well-defined when the elbow is on the line.
     """
     a4 = load3(P, AXES + 9)
     w = add(load3(P, UPPER_ARM), rotate(a4, c, s, load3(P, FOREARM)))
@@ -139,7 +140,7 @@ def hand_rotation(P, R):
 
 @kernel
 def turned_by_arm(frames, w):
-    """Rs(psi) w as constant, cosine and sine part; Rs turns the upper arm, frames = (t, h0, b0, arm t, arm h, arm n)."""
+    """Rs(psi) w as constant, cosine, sine part; Rs turns the upper arm, frames = (t, h0, b0, arm t, arm h, arm n)."""
     t, h0, b0, arm_t, arm_h, arm_n = frames
     x = dot(arm_t, w)
     y = dot(arm_h, w)
@@ -159,7 +160,7 @@ def turned_back_by_arm(frames, w):
 
 @kernel
 def shoulder_motion(P, frames):
-    """What the shoulder has to make: R a3, R ACROSS_3 and R'a1 of its rotation R(psi), three circles of three vectors."""
+    """What the shoulder has to make: R a3, R ACROSS_3, R'a1 of its rotation R(psi), three circles of three vectors."""
     v = turned_by_arm(frames, load3(P, SHOULDER + A3))
     y = turned_by_arm(frames, load3(P, SHOULDER + ACROSS_3))
     r = turned_back_by_arm(frames, load3(P, SHOULDER + A1))
@@ -182,7 +183,7 @@ def wrist_motion(P, frames, c4, s4, hand):
 
 @kernel
 def place(P, R, p):
-    """What all postures of a pose share: S-W direction and arm-angle zero, elbow bend, hand rotation, distance outside reach."""
+    """What postures of a pose share: S-W direction, arm-angle zero, elbow bend, hand rotation, miss of the reach."""
     d, t, h0 = target_frame(P, shoulder_to_wrist(P, R, p))
     c, s, miss = elbow_bend(P, d)
     return t, h0, c, s, hand_rotation(P, R), miss
@@ -190,7 +191,7 @@ def place(P, R, p):
 
 @kernel
 def elbow_side(P, place_, elbow):
-    """Elbow branch 0 or 1 of a pose: q4, the motions of shoulder and wrist with the arm angle, S-W seen from the forearm."""
+    """Elbow branch 0 or 1: q4, the motions of shoulder and wrist with the arm angle, S-W seen from the forearm."""
     t, h0, c, s, hand, _ = place_
     if elbow == 1:
         s = -s

@@ -206,8 +206,8 @@ def search(family, place_, R, p, branch, seeded, seed, respect, J, A):
         return best_q, best, lowest
     t, h0, bend_c, bend_s, hand, miss = place_
     if P[IS_CLOSED] == 1.0:
-        # Postures that rounding hides: looser tolerances, and, with the elbow almost straight, all the bends that a pose
-        # cannot tell from each other (a bend x shortens the arm by x^2 / 8 of its length).
+        # Postures that rounding hides: looser tolerances, and, with the elbow almost straight, all the bends that a
+        # pose cannot tell from each other (a bend x shortens the arm by x^2 / 8 of its length).
         bend = bend_s
         x = 1e-9
         while True:
@@ -315,7 +315,7 @@ def all_branches(P, T, psi, respect, J, A, out):
 
 @entry
 def solve_all(family, T, psi, respect, out):
-    """The branches of one pose that are solutions at an arm angle, in order: number of rows of `out`, or minus the verdict."""
+    """Branches of one pose that are solutions at an arm angle, in order: number of rows, or minus the verdict."""
     verdict = all_branches(family[LIMITED], T, psi, respect, np.empty((6, 7)), np.empty((7, 9)), out)
     if verdict != GOOD_POSE:
         return -verdict
@@ -340,7 +340,7 @@ def solve_all_range(family, poses, first, last, psis, respect, out, verdicts):
 
 @entry
 def intervals(family, T, respect, out):
-    """Feasible intervals of one pose on the exact limb: number of rows written to `out` (n, 3), or minus the verdict."""
+    """Feasible intervals of one pose on the exact limb: number of rows of `out` (n, 3), or minus the verdict."""
     R, p, verdict = read_pose(T)
     if verdict != GOOD_POSE:
         return -verdict

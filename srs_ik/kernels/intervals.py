@@ -1,8 +1,9 @@
-"""Feasible arm angles of the eight branches, exactly: from the roots of linear forms in cosine and sine of the arm angle.
+"""Feasible arm angles of the eight branches, exactly: from roots of linear forms in cosine and sine of the arm angle.
 
-With the elbow angle fixed, every vector that the shoulder or the wrist has to turn moves on a circle with the arm angle. A
-joint reaches a limit where one linear form vanishes (method of Shimizu et al. 2008 and Faria et al. 2018, here for axes
-in any direction), so the arm angles at which anything can change are known; between two of them one test decides.
+With the elbow angle fixed, every vector that the shoulder or the wrist has to turn moves on a circle with the arm
+angle. A joint reaches a limit where one linear form vanishes (method of Shimizu et al. 2008 and Faria et al. 2018, here
+for axes in any direction), so the arm angles at which anything can change are known; between two of them one test
+decides.
 """
 
 from __future__ import annotations
@@ -80,7 +81,7 @@ def add_roots(x, circle, value, events, n):
 
 @kernel
 def joint_events(P, k, motion, events):
-    """All arm angles at which the spherical joint at block k reaches a limit, the end of its reach, or a singularity."""
+    """Arm angles at which the spherical joint at block k reaches a limit, the end of its reach, or a singularity."""
     v, _, r = motion
     a1 = load3(P, k + A1)
     first = int(P[k + FIRST_JOINT])
@@ -144,7 +145,7 @@ def feasible_signs(P, k, motion, psi):
 
 @kernel
 def mark_gaps(P, k, motion, events, marks):
-    """Find the events of a spherical joint and mark the gap behind each with its feasible signs; return their number."""
+    """Find the events of a spherical joint, mark the gap behind each with its feasible signs; return their number."""
     n = joint_events(P, k, motion, events)
     for i in range(n):
         end = events[i + 1] if i + 1 < n else events[0] + TURN

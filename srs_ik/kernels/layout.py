@@ -37,7 +37,7 @@ ELBOW_CENTRE = 128  # 3
 REFERENCE = 131  # 3 unit vector
 REFERENCE_2 = 134  # 3 unit vector perpendicular to it, where S-W is parallel to the reference
 
-# Elbow triangle, with the limb straightened: d^2 = |S-W|^2 = FAR^2 + (FAR^2 - NEAR^2) / 2 (cos x - 1), x = q4 - STRAIGHT.
+# Elbow triangle, with the limb straightened: |S-W|^2 = FAR^2 + (FAR^2 - NEAR^2) / 2 (cos x - 1), x = q4 - STRAIGHT.
 STRAIGHT = 137  # the q4 at which S-W is longest
 COS_STRAIGHT = 138
 SIN_STRAIGHT = 139

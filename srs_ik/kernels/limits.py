@@ -111,7 +111,8 @@ def set_limits(P, lower, upper):
 def is_inside(P, joint, c, s, size):
     """Whether the angle with cosine c / size and sine s / size has a turn inside the limits.
 
-    Cross products with the directions of the limits decide, so nothing is lost where a range is narrow or nearly a turn.
+    Cross products with the directions of the limits decide, so nothing is lost where a range is narrow or nearly a
+    turn.
     """
     kind = P[RANGE_KIND + joint]
     if kind == 0.0:

@@ -1,7 +1,7 @@
 """The posture nearest to a seed, over all branches and arm angles.
 
-A local search gives a posture at some distance D. A nearer one would have every joint within D of the seed: so the exact
-intervals for limits tightened to that box hold all that can still be better, which is little or nothing.
+A local search gives a posture at some distance D. A nearer one would have every joint within D of the seed: so the
+exact intervals for limits tightened to that box hold all that can still be better, which is little or nothing.
 """
 
 from __future__ import annotations
@@ -50,7 +50,7 @@ def seed_angle(P, side, seed):
 
 @kernel
 def descend(P, place_, side, psi, branch, seed, respect):
-    """Newton's method (Gauss-Newton) from an arm angle to the nearest posture of its branch: psi, q, cost, converged."""
+    """Gauss-Newton steps from an arm angle to the nearest posture of its branch: psi, q, cost, converged."""
     t = place_[0]
     w = side[3]
     shoulder = (branch >> 1) & 1
@@ -114,7 +114,7 @@ def first_guess(P, place_, seed, respect):
 
 @kernel
 def tighten(P, seed, distance, box):
-    """Copy the packed limb to `box` with its limits tightened to the seed +- distance; return whether any range is left."""
+    """Copy the packed limb to `box` with its limits tightened to seed +- distance; return whether any range is left."""
     for i in range(P.shape[0]):
         box[i] = P[i]
     some = True

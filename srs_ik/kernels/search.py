@@ -1,8 +1,8 @@
 """One posture for a pose: at an arm angle, or the best over the whole redundancy.
 
-`evaluate` is the one place where a posture is made: closed form on the exact limb, then, on a near limb, Newton's method
-on the true chain. The search above it works on arm angles alone: it looks at every feasible interval at a spacing that
-follows the joints, and closes in on each peak that may be the best.
+`evaluate` is the one place where a posture is made: closed form on the exact limb, then, on a near limb, Newton's
+method on the true chain. The search above it works on arm angles alone: it looks at every feasible interval at a
+spacing that follows the joints, and closes in on each peak that may be the best.
 """
 
 from __future__ import annotations
@@ -173,7 +173,7 @@ def take_samples(P, side, lower, upper, samples):
     samples[0] = lower
     if upper <= lower:
         return 1
-    count = max(int(math.ceil((upper - lower) / STEP)), SMALLEST_COUNT)
+    count = max(math.ceil((upper - lower) / STEP), SMALLEST_COUNT)
     for i in range(1, count + 1):
         samples[i] = lower + (upper - lower) * i / count
     samples[count] = upper
@@ -347,10 +347,10 @@ def free_start(P, q, R, p, seeded, seed, respect, J, A):
 
 @kernel
 def rescue(P, place_, R, p, branch, seeded, seed, respect, J, A):
-    """Last resort on a near limb: free steps from postures all around the circle, then from bent ones: q, branch, cost.
+    """Last resort on a near limb, free steps from postures on the circle, then from bent ones: q, branch, cost.
 
-    Close to the edge of reach, the nearest exact limb may not reach a pose that the true one does, and a given arm angle
-    may have no solution where a neighbouring one has.
+    Close to the edge of reach, the nearest exact limb may not reach a pose that the true one does, and a given arm
+    angle may have no solution where a neighbouring one has.
     """
     best_q = seed
     best = 0

@@ -30,7 +30,7 @@ def spherical_rates(P, k, q1, q2, w):
 
 @kernel
 def rates(P, q, t, w):
-    """dq / d(arm angle) on the exact limb: seven rates, and whether they are determined.
+    """Derivative of q by the arm angle on the exact limb: seven rates, and whether they are determined.
 
     The arm turns about the direction S-W: t in the base frame, w in the frame of axis 5 (the forearm at zero wrist
     angles). What the arm turns, the wrist turns back.

@@ -1,8 +1,8 @@
 """A spherical joint made of three axes in any directions: from a rotation to three angles.
 
-R = rot(a1, q1) rot(a2, q2) rot(a3, q3). The cosine a1' R a3 depends on q2 alone and gives two of them; q1 and q3 follow as
-one angle about an axis each. (Elias and Wen 2022 decompose inverse kinematics in the same spirit; the forms used here
-keep all digits near the singular rotations.) Of R only two columns are needed: v = R a3 and y = R ACROSS_3.
+R = rot(a1, q1) rot(a2, q2) rot(a3, q3). The cosine a1' R a3 depends on q2 alone and gives two of them; q1 and q3 follow
+as one angle about an axis each. (Elias and Wen 2022 decompose inverse kinematics in the same spirit; the forms used
+here keep all digits near the singular rotations.) Of R only two columns are needed: v = R a3 and y = R ACROSS_3.
 """
 
 from __future__ import annotations
