@@ -48,7 +48,7 @@ def tolerance(name: str) -> float:
 def load(name: str) -> srs_ik.Arm:
     if name in BUILT_IN:
         return srs_ik.load(name)
-    file, base, tip = REAL[name]
+    _, base, tip = REAL[name]
     return srs_ik.load(file_of(name), base=base, tip=tip)
 
 

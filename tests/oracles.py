@@ -15,7 +15,7 @@ TURN = 2.0 * np.pi
 
 
 class Forward:
-    """Forward kinematics by Pinocchio on a whole robot as its file has it, all other joints at their neutral position."""
+    """Forward kinematics by Pinocchio on a whole robot as it is described, all other joints at neutral."""
 
     def __init__(self, source: Path | pin.Model, base: str, tip: str, joint_names: Sequence[str]) -> None:
         self.model = source if isinstance(source, pin.Model) else whole_robot(source)
@@ -48,7 +48,7 @@ class Forward:
 
 
 def whole_robot(path: Path) -> pin.Model:
-    """The file as it is; where Pinocchio refuses a negative effort or velocity, which no pose depends on, without it."""
+    """The file as it is, but for negative effort or velocity limits: Pinocchio refuses them, and no pose needs them."""
     text = path.read_text()
     if re.search(r'(effort|velocity)="-', text):
         return pin.buildModelFromXML(re.sub(r'(effort|velocity)="-[\d.]+"', r'\1="0"', text))
@@ -224,8 +224,8 @@ def random_limb(
 
     Args:
         seed: of the random figures.
-        pattern: spherical axes along the "coordinate" axes, in a "tilted" orthogonal frame, or "oblique" of any direction.
-        elbow: "straight" with axis 4 through the upper arm and the forearm, "offset" with axis 4 anywhere (bent at zero).
+        pattern: spherical axes along the "coordinate" axes, in a "tilted" orthogonal frame, or "oblique" to each other.
+        elbow: "straight" with axis 4 across the line of upper arm and forearm, "offset" with axis 4 anywhere.
         limits: "usual", "narrow", "wide", "beyond" (half a turn), "continuous", or "mixed" of these.
         miss: how far axes are moved off their centres at most, as a part of the length shoulder-elbow-wrist.
     """
@@ -245,9 +245,9 @@ def random_limb(
     E, W = S + upper_arm, S + upper_arm + forearm
     centres = np.array([S, E, W])
     points = np.array([(S, S, S, E, W, W, W)[k] + axes[k] * rng.normal() * size for k in range(7)])
-    if miss:
-        for k in (0, 1, 2, 4, 5, 6):
-            points[k] += unit(rng) * miss * rng.uniform(0.0, 1.0) * (np.linalg.norm(upper_arm) + np.linalg.norm(forearm))
+    largest = miss * (np.linalg.norm(upper_arm) + np.linalg.norm(forearm))
+    for k in (0, 1, 2, 4, 5, 6):
+        points[k] += unit(rng) * rng.uniform(0.0, largest)
     bounds = np.array([_limits(rng, limits) for _ in range(7)])
     model = pin.Model()
     model.name = f"random_{seed}"

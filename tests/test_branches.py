@@ -1,0 +1,207 @@
+"""The eight branches at an arm angle, their numbers, and the arm angle itself."""
+
+import arms
+import numpy as np
+import pytest
+from hypothesis import given
+from oracles import (
+    Forward,
+    arm_angle,
+    distance,
+    geometric_arm_angle,
+    limbs,
+    middle_phase,
+    other_elbow_reaches,
+    wrapped,
+)
+from test_solve import STEADY
+
+import srs_ik
+
+
+def gap(a, b):
+    """Largest difference of joint angles, modulo whole turns."""
+    return np.abs(wrapped(a - b)).max(axis=-1)
+
+
+def assert_distinct(q):
+    n = len(q)
+    apart = gap(q[:, None], q[None]) + np.eye(n)
+    assert apart.min() > 1e-6
+
+
+@pytest.mark.parametrize("name", arms.EXACT)
+def test_eight_branches_hold_the_configuration(name):
+    arm, forward = arms.load(name), arms.forward(name)
+    complete = 0
+    for q in arms.configurations(name, 100):
+        pose, psi = forward(q), arm.arm_angle(q)
+        every = arm.solve_all(pose, arm_angle=psi, respect_limits=False)
+        assert gap(every.q, q).min() < 1e-6
+        if other_elbow_reaches(arm.limb, q) > 0.0:
+            complete += 1
+            assert every.branch.tolist() == list(range(8))
+        else:
+            # Oblique axes do not make every rotation: folded the other way, the elbow may ask too much of them.
+            first = 4 * int(every[0].branch >= 4)
+            assert every.branch.tolist() == list(range(first, first + 4))
+        assert_distinct(every.q)
+        for solution in every:
+            assert solution
+            assert max(distance(pose, forward(solution.q))) < 1e-11
+    assert complete == 100 or name.startswith("romeo")
+    assert complete > 50
+
+
+@pytest.mark.parametrize("name", arms.EVERY)
+def test_the_arm_angle_is_that_of_the_elbow(name):
+    arm, forward = arms.load(name), arms.forward(name)
+    for q in arms.generator(name, 11).uniform(-np.pi, np.pi, (50, 7)):
+        assert abs(wrapped(arm.arm_angle(q) - arm_angle(forward, arm.limb, q))) < 1e-9
+        assert -np.pi <= arm.arm_angle(q) < np.pi
+
+
+@pytest.mark.parametrize("name", arms.EXACT)
+def test_all_branches_put_the_elbow_at_the_arm_angle(name):
+    arm, forward = arms.load(name), arms.forward(name)
+    for q in arms.configurations(name, 20, 12):
+        psi = float(wrapped(arm.arm_angle(q) + 0.1))
+        for solution in arm.solve_all(forward(q), arm_angle=psi, respect_limits=False):
+            assert abs(wrapped(solution.arm_angle - psi)) < 1e-12
+            assert abs(wrapped(arm_angle(forward, arm.limb, solution.q) - psi)) < 1e-9
+
+
+@pytest.mark.parametrize("name", ["iiwa14", "human_arm", "sia5d", "openarm_left", "romeo_left"])
+def test_the_same_elbow_position_has_the_same_arm_angle(name):
+    """Shoulder and wrist branches and the hand's rotation leave the elbow where it is."""
+    arm, forward = arms.load(name), arms.forward(name)
+    for q in arms.configurations(name, 20, 13):
+        elbow, psi = forward.carried(q, 4, arm.limb.elbow), arm.arm_angle(q)
+        every = arm.solve_all(forward(q), arm_angle=psi, respect_limits=False)
+        same = [s for s in every if np.linalg.norm(forward.carried(s.q, 4, arm.limb.elbow) - elbow) < 1e-9]
+        assert len(same) >= 4
+        assert max(abs(wrapped(arm.arm_angle(s.q) - psi)) for s in same) < 1e-9
+
+
+def test_elbow_branches_of_an_arm_without_offset_share_the_elbow_position():
+    arm, forward = arms.load("iiwa14"), arms.forward("iiwa14")
+    for q in arms.configurations("iiwa14", 20, 14):
+        every = arm.solve_all(forward(q), arm_angle=arm.arm_angle(q), respect_limits=False)
+        elbows = np.array([forward.carried(s.q, 4, arm.limb.elbow) for s in every])
+        assert np.ptp(elbows, axis=0).max() < 1e-9
+
+
+@pytest.mark.parametrize("name", ["iiwa14", "human_arm", "sia5d"])
+def test_the_arm_angle_is_right_handed_about_shoulder_to_wrist(name):
+    arm, forward = arms.load(name), arms.forward(name)
+    for q in arms.configurations(name, 20, 15):
+        pose, psi = forward(q), arm.arm_angle(q)
+        W = forward.carried(q, 7, arm.limb.wrist)
+        turned = arm.solve(pose, arm_angle=psi + 0.2, branch=arm.branch(q), respect_limits=False)
+        before, after = (forward.carried(p, 4, arm.limb.elbow) for p in (q, turned.q))
+        assert geometric_arm_angle(arm.limb.shoulder, after, W, before - arm.limb.shoulder) == pytest.approx(0.2)
+
+
+@pytest.mark.parametrize("name", ["iiwa14", "human_arm", "openarm_left", "sia5d"])
+def test_arm_angle_zero_is_in_the_half_plane_of_the_reference(name):
+    arm, forward = arms.load(name), arms.forward(name)
+    S, reference = arm.limb.shoulder, arm.limb.reference
+    for q in arms.configurations(name, 20, 16):
+        solution = arm.solve(forward(q), arm_angle=0.0, respect_limits=False)
+        E, W = (forward.carried(solution.q, k, p) for k, p in ((4, arm.limb.elbow), (7, arm.limb.wrist)))
+        normal = np.cross(W - S, reference)
+        assert abs((E - S) @ normal) < 1e-9
+        assert np.cross(W - S, E - S) @ normal > 0.0
+
+
+def test_another_reference_shifts_the_arm_angle_and_nothing_else():
+    arm, other = arms.load("iiwa14"), srs_ik.load("iiwa14", reference=[0.3, -2.0, 0.4])
+    for q in arms.configurations("iiwa14", 20, 17):
+        S, W = arm.limb.shoulder, arms.forward("iiwa14").carried(q, 7, arm.limb.wrist)
+        shift = geometric_arm_angle(S, S + other.limb.reference, W, arm.limb.reference)
+        assert abs(wrapped(arm.arm_angle(q) - other.arm_angle(q) - shift)) < 1e-9
+        assert arm.branch(q) == other.branch(q)
+
+
+def test_branch_numbers_are_the_signs_of_the_middle_joints():
+    arm = arms.load("iiwa14")
+    for branch in range(8):
+        signs = [-1.0 if branch & bit else 1.0 for bit in (2, 4, 1)]
+        q = np.array([0.3, 0.7 * signs[0], -0.4, 1.1 * signs[1], 0.5, 0.6 * signs[2], -0.2])
+        assert arm.branch(q) == branch
+        assert arm.solve(arm.forward_kinematics(q), seed=q).branch == branch
+
+
+def check_numbers(arm, q):
+    """Bits against the sides of the middle positions, which plain geometry gives for axes of any direction."""
+    axes = arm.limb.axes
+    shoulder = np.sin(q[..., 1] - middle_phase(*axes[:3]))
+    wrist = np.sin(q[..., 5] - middle_phase(*axes[4:]))
+    a4, S, E, W = axes[3], arm.limb.shoulder, arm.limb.elbow, arm.limb.wrist
+    back, forth = ((p - E) - a4 * (a4 @ (p - E)) for p in (S, W))
+    straight = np.arctan2(a4 @ np.cross(forth, -back), forth @ -back)
+    elbow = np.sin(q[..., 3] - straight)
+    return 4 * (elbow < 0.0) + 2 * (shoulder < 0.0) + (wrist < 0.0)
+
+
+@pytest.mark.parametrize("name", arms.EXACT)
+def test_branch_numbers_of_real_arms(name):
+    arm = arms.load(name)
+    for q in arms.configurations(name, 30, 18):
+        assert arm.branch(q) == check_numbers(arm, q)
+        every = arm.solve_all(arm.forward_kinematics(q), arm_angle=arm.arm_angle(q), respect_limits=False)
+        assert (every.branch == check_numbers(arm, every.q)).all()
+
+
+@STEADY
+@given(limbs())
+def test_random_limbs_have_all_their_branches(limb):
+    arm = srs_ik.load(limb.model, base="base", tip="tool")
+    forward = Forward(limb.model, "base", "tool", arm.joint_names)
+    for _ in range(3):
+        q = limb.rng.uniform(-np.pi, np.pi, 7)
+        pose, psi = forward(q), arm.arm_angle(q)
+        assert abs(wrapped(psi - arm_angle(forward, arm.limb, q))) < 1e-9
+        every = arm.solve_all(pose, arm_angle=psi, respect_limits=False)
+        assert gap(every.q, q).min() < 1e-6
+        assert (every.branch == check_numbers(arm, every.q)).all()
+        assert len(every) == (8 if other_elbow_reaches(arm.limb, q) > 0.0 else 4)
+        assert_distinct(every.q)
+        for solution in every:
+            assert max(distance(pose, forward(solution.q))) < 1e-10
+
+
+@STEADY
+@given(limbs(miss=0.01))
+def test_random_limbs_whose_axes_miss_their_centres_hold_the_configuration(limb):
+    arm = srs_ik.load(limb.model, base="base", tip="tool")
+    forward = Forward(limb.model, "base", "tool", arm.joint_names)
+    q = limb.rng.uniform(-np.pi, np.pi, 7)
+    pose = forward(q)
+    every = arm.solve_all(pose, arm_angle=arm.arm_angle(q), respect_limits=False)
+    assert gap(every.q, q).min() < 1e-6
+    assert_distinct(every.q)
+    for solution in every:
+        assert max(distance(pose, forward(solution.q))) < 1e-9
+
+
+@pytest.mark.parametrize("name", ["iiwa14", "human_arm", "openarm_right"])
+def test_with_limits_solve_all_keeps_exactly_the_branches_inside(name):
+    arm, forward = arms.load(name), arms.forward(name)
+    some_left_out = False
+    for q in arms.configurations(name, 50, 19):
+        pose, psi = forward(q), arm.arm_angle(q)
+        every = arm.solve_all(pose, arm_angle=psi, respect_limits=False)
+        kept = arm.solve_all(pose, arm_angle=psi)
+        fits = [s.branch for s in every if any_turn_fits(s.q, arm)]
+        assert kept.branch.tolist() == fits
+        some_left_out |= len(fits) < 8
+        assert arm.branch(q) in fits
+        assert (kept.q >= arm.lower).all()
+        assert (kept.q <= arm.upper).all()
+    assert some_left_out
+
+
+def any_turn_fits(q, arm):
+    turned = wrapped(q)[:, None] + 2.0 * np.pi * np.arange(-2, 3)
+    return bool(((turned >= arm.lower[:, None]) & (turned <= arm.upper[:, None])).any(axis=1).all())

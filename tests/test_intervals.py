@@ -1,0 +1,229 @@
+"""Feasible arm angles against a sweep that knows nothing of intervals."""
+
+from itertools import pairwise
+
+import arms
+import numpy as np
+import pytest
+from hypothesis import given
+from oracles import inside, limbs, middle_phase, other_elbow_reaches, random_limb, room, wrapped
+from test_solve import STEADY
+
+import srs_ik
+from srs_ik import Interval, Status
+
+TURN = 2.0 * np.pi
+SWEPT = ("iiwa14", "human_arm", "sia5d", "openarm_left", "romeo_left", "human_left", "med7")
+NEAR = ("gen3", "iiwa14_experimental", "j2s7s300", "h1_2_left", "rm75")
+
+
+def sweep(arm, pose, angles):
+    """(len(angles), 8) booleans: whether the posture of each branch exists and keeps the limits in some turn."""
+    poses = np.broadcast_to(pose.homogeneous, (len(angles), 4, 4))
+    batch = arm.solve_batch(poses, arm_angle=angles, all_branches=True, respect_limits=False)
+    return batch.ok & (room(batch.q, arm.lower, arm.upper) >= 0.0).all(axis=-1)
+
+
+def covered(intervals, branch, angles):
+    """Whether arm angles lie in an interval of a branch, and how far they are from the nearest end."""
+    inside_any = np.zeros(len(angles), bool)
+    from_end = np.full(len(angles), np.inf)
+    for interval in intervals:
+        if interval.branch == branch:
+            inside_any |= (angles - interval.lower) % TURN <= interval.upper - interval.lower
+            for end in (interval.lower, interval.upper):
+                from_end = np.minimum(from_end, np.abs(wrapped(angles - end)))
+    return inside_any, from_end
+
+
+def disagreements(arm, pose, intervals, count=720):
+    """Arm angles at which sweep and intervals differ although no end is within 1e-9."""
+    angles = wrapped(np.linspace(-np.pi, np.pi, count, endpoint=False) + 1e-4)
+    feasible = sweep(arm, pose, angles)
+    wrong = []
+    for branch in range(8):
+        inside_any, from_end = covered(intervals, branch, angles)
+        wrong += [(branch, psi) for psi in angles[(feasible[:, branch] != inside_any) & (from_end > 1e-9)]]
+    return wrong
+
+
+def assert_well_formed(intervals):
+    assert [i.branch for i in intervals] == sorted(i.branch for i in intervals)
+    for i in intervals:
+        assert isinstance(i, Interval)
+        assert 0 <= i.branch <= 7
+        assert -np.pi <= i.lower < np.pi
+        assert i.lower <= i.upper <= i.lower + TURN + 1e-12
+        assert i.lower in i
+        assert i.upper in i
+        assert 0.5 * (i.lower + i.upper) in i
+    for branch in range(8):
+        own = sorted((i for i in intervals if i.branch == branch), key=lambda i: i.lower)
+        for a, b in pairwise(own):
+            assert a.upper <= b.lower + 1e-9, "intervals of a branch overlap"
+        if len(own) > 1:
+            assert own[-1].upper - TURN <= own[0].lower + 1e-9, "the last one overlaps the first"
+
+
+@pytest.mark.parametrize("name", SWEPT)
+def test_intervals_are_what_a_sweep_finds(name):
+    arm, forward = arms.load(name), arms.forward(name)
+    partial = 0
+    for q in arms.configurations(name, 25, 41):
+        pose = forward(q)
+        intervals = arm.intervals(pose)
+        assert_well_formed(intervals)
+        assert disagreements(arm, pose, intervals) == []
+        assert any(i.branch == arm.branch(q) and arm.arm_angle(q) in i for i in intervals)
+        partial += any(i.width < TURN - 0.1 for i in intervals)
+    assert partial > 5
+
+
+@pytest.mark.parametrize("name", NEAR)
+def test_intervals_of_arms_whose_axes_miss_their_centres(name):
+    arm, forward = arms.load(name), arms.forward(name)
+    for q in arms.configurations(name, 10, 42):
+        pose = forward(q)
+        intervals = arm.intervals(pose)
+        assert_well_formed(intervals)
+        assert disagreements(arm, pose, intervals, 240) == []
+
+
+@STEADY
+@given(limbs(limits=("usual", "narrow", "wide", "beyond", "mixed")))
+def test_intervals_of_random_limbs(limb):
+    arm = srs_ik.load(limb.model, base="base", tip="tool")
+    for _ in range(3):
+        q = limb.configuration()
+        pose = arm.forward_kinematics(q)
+        intervals = arm.intervals(pose)
+        assert_well_formed(intervals)
+        assert disagreements(arm, pose, intervals) == []
+        own = [i for i in intervals if i.branch == arm.branch(q)]
+        psi = arm.arm_angle(q)
+        # An interval may be narrower than the rounding of the arm angle.
+        assert min(min(abs(wrapped(psi - i.lower)), abs(wrapped(psi - i.upper))) * (psi not in i) for i in own) < 1e-9
+
+
+def test_narrow_intervals_are_not_missed():
+    """Limits of a ten-thousandth of a radian: a sweep would need luck."""
+    found = 0
+    for seed in range(40):
+        limb = random_limb(seed, "oblique", "offset", "narrow")
+        arm = srs_ik.load(limb.model, base="base", tip="tool")
+        q = limb.configuration()
+        intervals = arm.intervals(arm.forward_kinematics(q))
+        own = [i for i in intervals if i.branch == arm.branch(q)]
+        assert len(own) >= 1
+        found += any(i.width < 1e-3 for i in own)
+    assert found > 10
+
+
+@pytest.mark.parametrize("name", SWEPT)
+def test_every_end_has_a_reason(name):
+    """At an end a joint is on its limit, or passes a singular posture, or the axes reach no farther."""
+    arm, forward = arms.load(name), arms.forward(name)
+    phases = {1: middle_phase(*arm.limb.axes[:3]), 5: middle_phase(*arm.limb.axes[4:])}
+    ends = 0
+    for q in arms.configurations(name, 25, 43):
+        pose = forward(q)
+        for i in arm.intervals(pose):
+            if i.width >= TURN - 1e-9:
+                continue
+            for end in (i.lower, i.upper):
+                solution = arm.solve(pose, arm_angle=end, branch=i.branch, respect_limits=False)
+                if not solution:
+                    continue
+                limit = np.abs(room(solution.q, arm.lower, arm.upper)).min()
+                singular = min(abs(np.sin(solution.q[k] - phase)) for k, phase in phases.items())
+                assert min(limit, singular) < 1e-6
+                ends += 1
+    assert ends > 20
+
+
+@pytest.mark.parametrize("name", SWEPT)
+def test_postures_on_and_inside_the_ends_keep_the_limits(name):
+    arm, forward = arms.load(name), arms.forward(name)
+    for q in arms.configurations(name, 25, 44):
+        pose = forward(q)
+        for i in arm.intervals(pose):
+            for psi in (i.lower + 1e-9, i.upper - 1e-9, 0.5 * (i.lower + i.upper)):
+                if psi in i:
+                    solution = arm.solve(pose, arm_angle=psi, branch=i.branch)
+                    assert solution.status is Status.OK
+                    assert inside(solution.q, arm.lower, arm.upper)
+
+
+def test_without_limits_every_branch_is_a_whole_circle():
+    arm = arms.load("iiwa14")
+    for q in arms.configurations("iiwa14", 20, 45):
+        intervals = arm.intervals(arm.forward_kinematics(q), respect_limits=False)
+        assert sorted({i.branch for i in intervals}) == list(range(8))
+        for branch in range(8):
+            assert sum(i.width for i in intervals if i.branch == branch) == pytest.approx(TURN)
+
+
+def test_without_limits_oblique_axes_have_their_reach():
+    arm = arms.load("romeo_left")
+    for q in arms.configurations("romeo_left", 10, 46):
+        pose = arm.forward_kinematics(q)
+        angles = wrapped(np.linspace(-np.pi, np.pi, 720, endpoint=False) + 1e-4)
+        poses = np.broadcast_to(pose.homogeneous, (720, 4, 4))
+        exists = arm.solve_batch(poses, arm_angle=angles, all_branches=True, respect_limits=False).ok
+        intervals = arm.intervals(pose, respect_limits=False)
+        for branch in range(8):
+            inside_any, from_end = covered(intervals, branch, angles)
+            assert (inside_any == exists[:, branch])[from_end > 1e-9].all()
+        assert other_elbow_reaches(arm.limb, q) <= 0.0 or len({i.branch for i in intervals}) == 8
+
+
+def test_continuous_joints_alone_leave_whole_circles():
+    limb = random_limb(3, "tilted", "offset", "continuous")
+    arm = srs_ik.load(limb.model, base="base", tip="tool")
+    pose = arm.forward_kinematics(limb.configuration())
+    limited, free = arm.intervals(pose), arm.intervals(pose, respect_limits=False)
+    assert limited == free
+    assert sum(i.width for i in free) == pytest.approx(8 * TURN)
+
+
+@pytest.mark.parametrize("name", ["iiwa14", "human_arm", "openarm_right"])
+def test_no_interval_means_out_of_limits(name):
+    arm = arms.load(name)
+    seen = {False: 0, True: 0}
+    for q in arms.generator(name, 47).uniform(-np.pi, np.pi, (60, 7)):
+        pose = arm.forward_kinematics(q)
+        feasible = bool(arm.intervals(pose))
+        solution = arm.solve(pose)
+        assert solution.status is (Status.OK if feasible else Status.OUT_OF_LIMITS)
+        seen[feasible] += 1
+    assert min(seen.values()) > 3
+
+
+@pytest.mark.parametrize("name", SWEPT)
+def test_solve_all_gives_one_posture_an_interval(name):
+    arm, forward = arms.load(name), arms.forward(name)
+    for q in arms.configurations(name, 15, 48):
+        pose = forward(q)
+        intervals = arm.intervals(pose)
+        every = arm.solve_all(pose)
+        assert every.branch.tolist() == [i.branch for i in intervals]
+        for solution, interval in zip(every, intervals, strict=True):
+            assert inside(solution.q, arm.lower, arm.upper)
+            psi = solution.arm_angle
+            assert psi in interval or min(abs(wrapped(psi - e)) for e in (interval.lower, interval.upper)) < 1e-9
+
+
+def test_out_of_reach_has_no_interval():
+    arm = arms.load("iiwa14")
+    pose = arm.forward_kinematics(np.zeros(7))
+    pose.translation = pose.translation + np.array([0.0, 0.0, 0.5])
+    assert not arm.solve(pose)
+    assert not any(arm.solve(pose, arm_angle=0.5 * (i.lower + i.upper), branch=i.branch) for i in arm.intervals(pose))
+    assert arm.intervals(pose) == []
+
+
+def test_interval_of_the_seam():
+    interval = Interval(3, 3.0, 3.5)
+    assert interval.width == pytest.approx(0.5)
+    for psi, expected in ((3.2, True), (3.4 - TURN, True), (2.9, False), (3.6 - TURN, False), (3.5, True)):
+        assert (psi in interval) is expected

@@ -1,0 +1,196 @@
+"""Singular postures and their neighbourhood: no digit lost, no pose missed."""
+
+import arms
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from oracles import Forward, distance, inside, middle_phase, random_limb
+from test_solve import STEADY
+
+import srs_ik
+from srs_ik import Status
+
+NAMES = ("iiwa14", "gen3", "human_arm", "openarm_left", "sia5d", "med7", "humanoid_left", "rm75")
+OFFSETS = (0.0, 1e-16, 1e-12, 1e-9, 1e-8, 1e-7, 1e-6, 1e-5, 1e-4)
+TOGETHER = ((1,), (3,), (5,), (1, 3), (1, 5), (3, 5), (1, 3, 5))
+
+
+def phases(limb):
+    """Singular angles of joints 2, 4 and 6."""
+    a4, S, E, W = limb.axes[3], limb.shoulder, limb.elbow, limb.wrist
+    back, forth = ((p - E) - a4 * (a4 @ (p - E)) for p in (S, W))
+    straight = np.arctan2(a4 @ np.cross(forth, -back), forth @ -back)
+    found = {1: middle_phase(*limb.axes[:3]), 3: straight, 5: middle_phase(*limb.axes[4:])}
+    # Exactly zero where it is zero but for rounding: that is where people put their arms.
+    return {joint: 0.0 if abs(angle) < 1e-12 else angle for joint, angle in found.items()}
+
+
+def singular_configurations(name):
+    """Middle joints at and near their singular angles, one to three at once, the others random."""
+    arm, rng = arms.load(name), arms.generator(name, 31)
+    singular = phases(arm.limb)
+    for q in arms.configurations(name, 2, 32):
+        for joints in TOGETHER:
+            for offset in OFFSETS:
+                placed = q.copy()
+                for joint in joints:
+                    placed[joint] = singular[joint] + offset * rng.choice([-1.0, 1.0])
+                yield np.clip(placed, arm.lower, arm.upper)
+
+
+def closed(arm):
+    """Whether all axes meet exactly, so that the closed form is the whole answer."""
+    return float(arm.limb.misses.max()) < 1e-12
+
+
+def assert_met(arm, forward, pose, solution, respect_limits=True):
+    assert solution.status is Status.OK, solution
+    assert np.isfinite(solution.q).all()
+    assert np.isfinite([solution.arm_angle, solution.position_error, solution.orientation_error]).all()
+    assert max(distance(pose, forward(solution.q))) < 1e-9
+    if respect_limits:
+        assert inside(solution.q, arm.lower, arm.upper)
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_singular_poses_are_met(name):
+    arm, forward = arms.load(name), arms.forward(name)
+    for q in singular_configurations(name):
+        pose = forward(q)
+        assert_met(arm, forward, pose, arm.solve(pose))
+        assert_met(arm, forward, pose, arm.solve(pose, seed=q))
+        assert_met(arm, forward, pose, arm.solve(pose, respect_limits=False), respect_limits=False)
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_singular_poses_are_met_at_an_arm_angle_without_limits(name):
+    arm, forward = arms.load(name), arms.forward(name)
+    for q in singular_configurations(name):
+        pose = forward(q)
+        # Where the axes miss, a stretched arm reaches the same pose at no other arm angle.
+        for arm_angle in (arm.arm_angle(q), 0.0, 2.0)[: 3 if closed(arm) else 1]:
+            solution = arm.solve(pose, arm_angle=arm_angle, respect_limits=False)
+            assert_met(arm, forward, pose, solution, respect_limits=False)
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_singular_postures_are_found_again_from_their_seed(name):
+    """The seed itself meets the pose to the last digit: an arm that is where it should be does not move."""
+    arm, forward = arms.load(name), arms.forward(name)
+    for q in singular_configurations(name):
+        solution = arm.solve(forward(q), seed=q)
+        assert np.abs(solution.q - q).max() < 1e-6
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_singular_poses_have_branches_without_limits(name):
+    arm, forward = arms.load(name), arms.forward(name)
+    for q in singular_configurations(name):
+        pose = forward(q)
+        every = arm.solve_all(pose, arm_angle=0.4 if closed(arm) else arm.arm_angle(q), respect_limits=False)
+        assert len(every) > 0
+        for solution in every:
+            assert_met(arm, forward, pose, solution, respect_limits=False)
+
+
+@pytest.mark.parametrize(
+    "name", ["openarm_left", "openarm_right", "human_arm", "human_left", "humanoid_left", "romeo_left"]
+)
+def test_elbow_on_its_limits(name):
+    """On many arms the straight elbow is the limit itself."""
+    arm, forward = arms.load(name), arms.forward(name)
+    for q in arms.configurations(name, 25, 33):
+        for limit in (arm.lower[3], arm.upper[3]):
+            q[3] = limit
+            pose = forward(q)
+            assert_met(arm, forward, pose, arm.solve(pose))
+            assert_met(arm, forward, pose, arm.solve(pose, seed=q))
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_all_joints_on_limits(name):
+    """The corners of the range are inside it."""
+    arm, forward, rng = arms.load(name), arms.forward(name), arms.generator(name, 34)
+    for q in arms.configurations(name, 40, 35):
+        for joint in rng.permutation(7)[: rng.integers(1, 8)]:
+            limit = (arm.lower, arm.upper)[rng.integers(2)][joint]
+            q[joint] = limit if np.isfinite(limit) else q[joint]
+        pose = forward(q)
+        assert_met(arm, forward, pose, arm.solve(pose))
+
+
+@pytest.mark.parametrize("name", ["iiwa14", "gen3", "human_arm", "sia5d", "rm75"])
+def test_wrist_on_axis_1(name):
+    """Shoulder, wrist and the arm-angle reference in one line: the arm angle's own singular line."""
+    arm, forward = arms.load(name), arms.forward(name)
+    axes, S, W = arm.limb.axes, arm.limb.shoulder, arm.limb.wrist
+    found = 0
+    for q in arms.configurations(name, 30, 36):
+        pose = forward(q)
+        wrist = forward.carried(q, 7, W)
+        # Moving the target shifts the wrist centre with it, onto axis 1 at the same distance from the shoulder.
+        for side in (1.0, -1.0):
+            target = S + side * axes[0] * np.linalg.norm(wrist - S)
+            moved = pose.copy()
+            moved.translation = pose.translation + target - wrist
+            for solution in (
+                arm.solve(moved, respect_limits=False),
+                arm.solve(moved, arm_angle=0.3, respect_limits=False),
+                arm.solve(moved, seed=q, respect_limits=False),
+            ):
+                assert_met(arm, forward, moved, solution, respect_limits=False)
+            limited = arm.solve(moved)
+            assert inside(limited.q, arm.lower, arm.upper)
+            found += bool(limited)
+    assert found > 0
+
+
+def test_stretched_upright_arm():
+    """Everything singular at once: the zero posture of the iiwa."""
+    arm, forward = arms.load("iiwa14"), arms.forward("iiwa14")
+    pose = forward(np.zeros(7))
+    for options in ({}, {"arm_angle": 1.0}, {"seed": np.zeros(7)}, {"respect_limits": False}, {"branch": 3}):
+        solution = arm.solve(pose, **options)
+        assert_met(arm, forward, pose, solution)
+    assert np.abs(arm.solve(pose, seed=np.zeros(7)).q).max() < 1e-6
+    seed = np.array([0.4, 0.0, -0.3, 0.0, 0.2, 0.0, 0.1])
+    assert np.abs(arm.solve(forward(seed), seed=seed).q - seed).max() < 1e-6
+
+
+SINGULAR = {
+    "seed": st.integers(0, 2**32 - 1),
+    "pattern": st.sampled_from(["coordinate", "tilted", "oblique"]),
+    "elbow": st.sampled_from(["straight", "offset"]),
+    "offset": st.sampled_from(OFFSETS),
+    "joints": st.sampled_from(TOGETHER),
+    "miss": st.sampled_from([0.0, 1e-9, 0.003]),
+}
+
+
+def singular_case(seed, pattern, elbow, offset, joints, miss):
+    """A random limb without limits, and a configuration at or near singular angles, on either side of the axis."""
+    limb = random_limb(seed, pattern, elbow, "continuous", miss)
+    arm = srs_ik.load(limb.model, base="base", tip="tool")
+    singular, q = phases(arm.limb), limb.configuration()
+    for joint in joints:
+        q[joint] = singular[joint] + offset * limb.rng.choice([-1.0, 1.0]) + np.pi * limb.rng.integers(2)
+    return arm, q
+
+
+@STEADY
+@given(**SINGULAR)
+def test_singular_postures_of_random_limbs(seed, pattern, elbow, offset, joints, miss):
+    arm, q = singular_case(seed, pattern, elbow, offset, joints, miss)
+    forward = Forward(arm.model, "base", "tool", arm.joint_names)
+    pose = forward(q)
+    assert_met(arm, forward, pose, arm.solve(pose))
+    assert_met(arm, forward, pose, arm.solve(pose, seed=q))
+    assert_met(arm, forward, pose, arm.solve(pose, arm_angle=arm.arm_angle(q)))
+
+
+@STEADY
+@given(**SINGULAR)
+def test_singular_postures_of_random_limbs_are_found_again_from_their_seed(seed, pattern, elbow, offset, joints, miss):
+    arm, q = singular_case(seed, pattern, elbow, offset, joints, miss)
+    assert np.abs(arm.solve(arm.forward_kinematics(q), seed=q).q - q).max() < 1e-6
