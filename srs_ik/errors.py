@@ -81,11 +81,13 @@ class MissingExtra(SrsIkError):
 
     Attributes:
         extra: name of the extra of this package that brings it.
+        command: the pip command that installs it.
     """
 
     def __init__(self, extra: str, needed_for: str) -> None:
-        super().__init__(f"{needed_for} needs an optional part of srs_ik: pip install 'srs-ik[{extra}]'")
         self.extra = extra
+        self.command = f"pip install 'srs-ik[{extra}]'"
+        super().__init__(f"{needed_for} needs an optional part of srs_ik: {self.command}")
 
 
 class InvalidPose(SrsIkError, ValueError):

@@ -11,8 +11,10 @@ import pinocchio as pin
 import pytest
 from typer.testing import CliRunner
 
+import srs_ik
 from srs_ik import cli, zoo
 from srs_ik.cli.app import app
+from srs_ik.loading import sources
 
 REAL = Path(__file__).resolve().parents[2] / "shared" / "urdf"
 POSE = ["--xyz", "0.5", "0.1", "0.6", "--rpy", "0", "1.5707963", "0"]
@@ -64,11 +66,21 @@ def rotation(roll: float, pitch: float, yaw: float) -> np.ndarray:
 # robots
 
 
-def test_robots_lists_the_built_in_robots():
+def test_robots_lists_every_name_that_load_knows():
     listed = json.loads(run("robots", "--json").stdout)
-    assert [robot["name"] for robot in listed] == zoo.robots()
+    assert [robot["name"] for robot in listed] == srs_ik.robots()
     text = run("robots").stdout
     assert all(robot["name"] in text and robot["tip"] in text for robot in listed)
+
+
+def test_robots_gives_the_command_for_what_is_not_installed(monkeypatch):
+    monkeypatch.setattr(sources, "_data_files", lambda: iter(()))
+    listed = {robot["name"]: robot for robot in json.loads(run("robots", "--json").stdout)}
+    assert listed["iiwa14"]["installed"]
+    assert listed["iiwa14"]["install"] is None
+    assert not listed["human_left"]["installed"]
+    assert listed["human_left"]["install"] == "pip install 'srs-ik[robots]'"
+    assert "For human_left and human_right: pip install 'srs-ik[robots]'" in run("robots").stdout
 
 
 # inspect

@@ -371,6 +371,17 @@ def test_missing_packages_are_named_with_the_command_that_brings_them(monkeypatc
         with pytest.raises(MissingExtra, match=rf"'{name}'.*pip install 'srs-ik\[robots\]'") as raised:
             load(name)
         assert raised.value.extra == "robots"
+    commands = {entry.name: entry.install for entry in sources.catalogue()}
+    assert list(commands) == robots()
+    assert commands["iiwa14"] == ""
+    assert commands["human_left"] == commands["human_right"] == "pip install 'srs-ik[robots]'"
+
+
+def test_the_catalogue_names_the_frames_that_load_takes():
+    for entry in sources.catalogue():
+        if not entry.install:
+            arm = load(entry.name)
+            assert (arm.base, arm.tip) == (entry.base, entry.tip)
 
 
 @pytest.fixture

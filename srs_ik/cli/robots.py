@@ -1,4 +1,4 @@
-"""`srs-ik robots`: the robots that come with the package."""
+"""`srs-ik robots`: the robots that have names."""
 
 from __future__ import annotations
 
@@ -8,18 +8,37 @@ from srs_ik.cli.options import AsJson
 
 
 def robots(as_json: AsJson = False) -> None:
-    """List the built-in robots."""
-    from srs_ik import zoo
+    """List the robots that are known by name, and what has to be installed for those that are missing here."""
     from srs_ik.cli.render import console, print_json, table
+    from srs_ik.loading.sources import catalogue
 
-    cards = [zoo.card(name) for name in zoo.robots()]
+    entries = catalogue()
     if as_json:
-        print_json([{"name": c.name, "description": c.description, "base": c.base, "tip": c.tip} for c in cards])
+        print_json(
+            [
+                {
+                    "name": entry.name,
+                    "description": entry.description,
+                    "base": entry.base,
+                    "tip": entry.tip,
+                    "installed": not entry.install,
+                    "install": entry.install or None,
+                }
+                for entry in entries
+            ]
+        )
         return
-    rows = [(c.name, c.base, c.tip, c.description) for c in cards]
-    console(fit=True).print(table(("robot", "base", "tip", "description"), rows, left=4))
+    rows = [
+        (entry.name, entry.base, entry.tip, "no" if entry.install else "yes", entry.description) for entry in entries
+    ]
+    console(fit=True).print(table(("robot", "base", "tip", "installed", "description"), rows, left=5))
+    missing: dict[str, list[str]] = {}
+    for entry in entries:
+        if entry.install:
+            missing.setdefault(entry.install, []).append(entry.name)
+    typer.echo()
+    for command, names in missing.items():
+        typer.echo(f"For {' and '.join(names)}: {command}")
     typer.echo(
-        "\nKnown by name too, with the extra 'robots' (pip install 'srs-ik[robots]'):\n"
-        "human_left and human_right of example-robot-data,\n"
-        "and every name of robot_descriptions, such as iiwa14_description."
+        "Names of robot_descriptions, such as iiwa14_description, are known too, where that package is installed."
     )

@@ -29,6 +29,25 @@ _HUMAN_HAND = np.array([[0.0, -1.0, 0.0], [0.0, 0.0, 1.0]])
 _DESCRIPTION = "_description"
 
 
+@dataclass(frozen=True)
+class NamedRobot:
+    """A robot that `load` knows by name.
+
+    Attributes:
+        name: what `load` takes.
+        description: one line for lists.
+        base: name of its base frame.
+        tip: name of its tip frame.
+        install: the pip command without which it cannot be loaded; empty if nothing is missing.
+    """
+
+    name: str
+    description: str
+    base: str
+    tip: str
+    install: str = ""
+
+
 @dataclass(frozen=True, eq=False)
 class Description:
     """A robot, and how it is meant to be used as far as its source says so.
@@ -56,6 +75,25 @@ def robots() -> list[str]:
     The descriptions of robot_descriptions are not among them; their names end in ``_description``.
     """
     return [*zoo.robots(), *_HUMANS]
+
+
+def catalogue() -> list[NamedRobot]:
+    """The robots of `robots`, in its order, each with whether it can be loaded in this installation.
+
+    Raises:
+        InvalidRobot: the card of a built-in robot is damaged.
+    """
+    cards = [zoo.card(name) for name in zoo.robots()]
+    entries = [NamedRobot(card.name, card.description, card.base, card.tip) for card in cards]
+    for name, (base, tip) in _HUMANS.items():
+        try:
+            _human_file(name)
+            install = ""
+        except MissingExtra as error:
+            install = error.command
+        side = name.removeprefix("human_").capitalize()
+        entries.append(NamedRobot(name, f"{side} arm of the human of example-robot-data", base, tip, install))
+    return entries
 
 
 def describe(source: Any) -> Description:
