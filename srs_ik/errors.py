@@ -81,13 +81,16 @@ class MissingExtra(SrsIkError):
 
     Attributes:
         extra: name of the extra of this package that brings it.
-        command: the pip command that installs it.
     """
 
     def __init__(self, extra: str, needed_for: str) -> None:
         self.extra = extra
-        self.command = f"pip install 'srs-ik[{extra}]'"
         super().__init__(f"{needed_for} needs an optional part of srs_ik: {self.command}")
+
+    @property
+    def command(self) -> str:
+        """The pip command that installs the extra."""
+        return f"pip install 'srs-ik[{self.extra}]'"
 
 
 class InvalidPose(SrsIkError, ValueError):
