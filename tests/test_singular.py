@@ -26,12 +26,14 @@ def phases(limb):
     return {joint: 0.0 if abs(angle) < 1e-12 else angle for joint, angle in found.items()}
 
 
-def singular_configurations(name):
+def singular_configurations(name, elbow=True):
     """Middle joints at and near their singular angles, one to three at once, the others random."""
     arm, rng = arms.load(name), arms.generator(name, 31)
     singular = phases(arm.limb)
     for q in arms.configurations(name, 2, 32):
         for joints in TOGETHER:
+            if 3 in joints and not elbow:
+                continue
             for offset in OFFSETS:
                 placed = q.copy()
                 for joint in joints:
@@ -66,9 +68,9 @@ def test_singular_poses_are_met(name):
 @pytest.mark.parametrize("name", NAMES)
 def test_singular_poses_are_met_at_an_arm_angle_without_limits(name):
     arm, forward = arms.load(name), arms.forward(name)
-    for q in singular_configurations(name):
+    # An elbow on the line S-W has no arm angle. If all axes meet any one will do; if not, there is hardly a right one.
+    for q in singular_configurations(name, elbow=closed(arm)):
         pose = forward(q)
-        # Where the axes miss, a stretched arm reaches the same pose at no other arm angle.
         for arm_angle in (arm.arm_angle(q), 0.0, 2.0)[: 3 if closed(arm) else 1]:
             solution = arm.solve(pose, arm_angle=arm_angle, respect_limits=False)
             assert_met(arm, forward, pose, solution, respect_limits=False)
@@ -86,7 +88,7 @@ def test_singular_postures_are_found_again_from_their_seed(name):
 @pytest.mark.parametrize("name", NAMES)
 def test_singular_poses_have_branches_without_limits(name):
     arm, forward = arms.load(name), arms.forward(name)
-    for q in singular_configurations(name):
+    for q in singular_configurations(name, elbow=closed(arm)):
         pose = forward(q)
         every = arm.solve_all(pose, arm_angle=0.4 if closed(arm) else arm.arm_angle(q), respect_limits=False)
         assert len(every) > 0
@@ -186,7 +188,9 @@ def test_singular_postures_of_random_limbs(seed, pattern, elbow, offset, joints,
     pose = forward(q)
     assert_met(arm, forward, pose, arm.solve(pose))
     assert_met(arm, forward, pose, arm.solve(pose, seed=q))
-    assert_met(arm, forward, pose, arm.solve(pose, arm_angle=arm.arm_angle(q)))
+    # The elbow on the line S-W has no arm angle, and neither oblique axes nor such as miss a centre take just any.
+    if 3 not in joints or (pattern != "oblique" and miss == 0.0):
+        assert_met(arm, forward, pose, arm.solve(pose, arm_angle=arm.arm_angle(q)))
 
 
 @STEADY
