@@ -1,0 +1,196 @@
+"""`Arm.solve_batch`: the same answers as one call at a time, bit for bit, on any number of threads."""
+
+from concurrent.futures import ThreadPoolExecutor
+
+import arms
+import numpy as np
+import pinocchio as pin
+import pytest
+
+from srs_ik import InvalidConfiguration, InvalidPose, SrsIkError, Status
+
+COUNT = 100
+NAMES = ("iiwa14", "gen3", "romeo_left")
+
+
+def poses_of(name, count=COUNT):
+    """Poses inside the limits and outside, within reach and out of it."""
+    arm = arms.load(name)
+    q = np.vstack([arms.configurations(name, count // 2, 51), arms.generator(name, 52).uniform(-3, 3, (count // 2, 7))])
+    poses = np.array([arm.forward_kinematics(x).homogeneous for x in q])
+    poses[::10, :3, 3] *= 3.0
+    return q, poses
+
+
+def assert_same(one, other):
+    """Bit for bit, signs of zeros included."""
+    for field in ("q", "status", "branch", "arm_angle", "position_error", "orientation_error"):
+        a, b = np.asarray(getattr(one, field)), np.asarray(getattr(other, field))
+        assert a.tobytes() == b.tobytes(), field
+
+
+def options_of(name, q):
+    rng = arms.generator(name, 53)
+    angles, seeds = rng.uniform(-4.0, 4.0, len(q)), q + rng.uniform(-1.0, 1.0, q.shape)
+    return {
+        "none": ({}, lambda i: {}),
+        "one arm angle": ({"arm_angle": 0.3}, lambda i: {"arm_angle": 0.3}),
+        "arm angles": ({"arm_angle": angles}, lambda i: {"arm_angle": angles[i]}),
+        "one seed": ({"seed": seeds[0]}, lambda i: {"seed": seeds[0]}),
+        "seeds": ({"seed": seeds}, lambda i: {"seed": seeds[i]}),
+        "seeds at arm angles": (
+            {"seed": seeds, "arm_angle": angles},
+            lambda i: {"seed": seeds[i], "arm_angle": angles[i]},
+        ),
+        "branch": ({"branch": 5}, lambda i: {"branch": 5}),
+        "no limits": ({"respect_limits": False}, lambda i: {"respect_limits": False}),
+    }
+
+
+@pytest.mark.parametrize("kind", list(options_of("iiwa14", np.zeros((1, 7)))))
+@pytest.mark.parametrize("name", NAMES)
+def test_batch_equals_single_calls(name, kind):
+    arm = arms.load(name)
+    q, poses = poses_of(name)
+    batch_options, single_options = options_of(name, q)[kind]
+    alone = arm.solve_batch(poses, threads=1, **batch_options)
+    assert_same(alone, arm.solve_batch(poses, threads=2, **batch_options))
+    assert_same(alone, arm.solve_batch(poses, **batch_options))
+    for i, pose in enumerate(poses):
+        single = arm.solve(pose, **single_options(i))
+        assert_same(alone[i], single)
+        assert alone[i].message == single.message == alone.message(i)
+    assert alone.solved == np.count_nonzero(alone.ok) < COUNT
+    assert alone.solved > 0 or kind == "branch"
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_all_branches_equal_solve_all(name):
+    arm = arms.load(name)
+    _, poses = poses_of(name)
+    angles = arms.generator(name, 54).uniform(-3.0, 3.0, COUNT)
+    for respect_limits in (True, False):
+        options = {"arm_angle": angles, "all_branches": True, "respect_limits": respect_limits}
+        batch = arm.solve_batch(poses, threads=1, **options)
+        assert_same(batch, arm.solve_batch(poses, threads=2, **options))
+        assert batch.q.shape == (COUNT, 8, 7)
+        assert batch.status.shape == (COUNT, 8)
+        assert (batch.branch == np.arange(8)).all()
+        for i, pose in enumerate(poses):
+            every = arm.solve_all(pose, arm_angle=angles[i], respect_limits=respect_limits)
+            assert batch.branch[i][batch.ok[i]].tolist() == every.branch.tolist()
+            assert batch.q[i][batch.ok[i]].tobytes() == every.q.tobytes()
+
+
+def test_many_python_threads_at_once():
+    arm = arms.load("gen3")
+    q, poses = poses_of("gen3")
+
+    def work(i):
+        return arm.solve(poses[i], seed=q[i]), arm.verify(poses[i], q[i]), arm.jacobian(q[i]), arm.intervals(poses[i])
+
+    expected = [work(i) for i in range(COUNT)]
+    with ThreadPoolExecutor(6) as pool:
+        found = list(pool.map(work, list(range(COUNT)) * 3))
+        batches = list(pool.map(lambda _: arm.solve_batch(poses, seed=q, threads=2), range(4)))
+    for i, (solution, error, J, intervals) in enumerate(found):
+        before = expected[i % COUNT]
+        assert_same(solution, before[0])
+        assert error == before[1]
+        assert (before[2] == J).all()
+        assert intervals == before[3]
+    for batch in batches:
+        assert_same(batch, batches[0])
+
+
+def test_poses_in_any_form_are_the_same():
+    arm = arms.load("iiwa14")
+    _, poses = poses_of("iiwa14", 40)
+    expected = arm.solve_batch(poses)
+    frozen = poses.copy()
+    frozen.flags.writeable = False
+    wide = np.zeros((40, 4, 8))
+    wide[:, :, ::2] = poses
+    forms = [
+        [pin.SE3(T) for T in poses],
+        list(poses),
+        poses.tolist(),
+        tuple(poses),
+        frozen,
+        np.asfortranarray(poses),
+        wide[:, :, ::2],
+        np.ascontiguousarray(poses[::-1])[::-1],
+        (T for T in poses),
+    ]
+    for form in forms:
+        assert_same(arm.solve_batch(form), expected)
+    assert (frozen == poses).all()
+
+
+def test_no_pose_and_one_pose():
+    arm = arms.load("iiwa14")
+    for none in ([], np.empty((0, 4, 4))):
+        empty = arm.solve_batch(none)
+        assert len(empty) == 0
+        assert empty.q.shape == (0, 7)
+        assert empty.solved == 0
+    pose = arm.forward_kinematics(np.full(7, 0.3))
+    assert_same(arm.solve_batch([pose])[0], arm.solve(pose))
+    assert arm.solve_batch([], arm_angle=0.0, all_branches=True).q.shape == (0, 8, 7)
+
+
+def test_batches_index_into_solutions():
+    arm = arms.load("iiwa14")
+    _, poses = poses_of("iiwa14", 20)
+    batch = arm.solve_batch(poses, arm_angle=0.1, all_branches=True)
+    assert_same(batch[3], arm.solve_batch(poses[3:4], arm_angle=0.1, all_branches=True)[0])
+    assert batch[3, 2].branch == 2
+    assert batch[3, 2].message == batch.message(3, 2)
+    assert repr(batch) == f"BatchSolution({batch.solved} of 160 solved)"
+    assert batch[0].status.tolist() == [int(batch[0, k].status) for k in range(8)]
+    assert set(batch.status.ravel().tolist()) <= {int(s) for s in Status}
+
+
+def test_a_bad_pose_is_named():
+    arm = arms.load("iiwa14")
+    _, poses = poses_of("iiwa14")
+    for threads in (1, 2):
+        for bad, value in (((70, 0, 3), np.nan), ((70, 1, 1), 4.0)):
+            spoilt = poses.copy()
+            spoilt[bad] = value
+            with pytest.raises(InvalidPose, match=r"\b70\b"):
+                arm.solve_batch(spoilt, threads=threads)
+
+
+@pytest.mark.parametrize(
+    ("options", "error"),
+    [
+        ({"arm_angle": np.zeros(3)}, InvalidConfiguration),
+        ({"arm_angle": np.zeros((4, 1))}, InvalidConfiguration),
+        ({"arm_angle": np.nan}, InvalidConfiguration),
+        ({"arm_angle": [0.0, 1.0, np.inf, 0.0]}, InvalidConfiguration),
+        ({"arm_angle": "zero"}, InvalidConfiguration),
+        ({"seed": np.zeros(6)}, InvalidConfiguration),
+        ({"seed": np.zeros((3, 7))}, InvalidConfiguration),
+        ({"seed": np.full((4, 7), np.nan)}, InvalidConfiguration),
+        ({"seed": "home"}, InvalidConfiguration),
+        ({"branch": 8}, InvalidConfiguration),
+        ({"branch": -1}, InvalidConfiguration),
+        ({"branch": 1.0}, InvalidConfiguration),
+        ({"all_branches": True}, InvalidConfiguration),
+        ({"threads": 0}, SrsIkError),
+        ({"threads": 1.5}, SrsIkError),
+        ({"threads": True}, SrsIkError),
+    ],
+)
+def test_malformed_options_are_refused(options, error):
+    arm = arms.load("iiwa14")
+    with pytest.raises(error) as raised:
+        arm.solve_batch(np.broadcast_to(np.eye(4), (4, 4, 4)), **options)
+    assert "\n" not in str(raised.value)
+
+
+@pytest.mark.parametrize("poses", [np.eye(4), np.zeros((3, 3, 3)), 7, None, "poses", [np.eye(4), np.eye(3)], pin.SE3()])
+def test_malformed_poses_are_refused(poses):
+    with pytest.raises(InvalidPose):
+        arms.load("iiwa14").solve_batch(poses)

@@ -1,0 +1,189 @@
+"""What callers give: any sensible form is taken, everything malformed is refused in one sentence."""
+
+import warnings
+
+import arms
+import numpy as np
+import pinocchio as pin
+import pytest
+
+from srs_ik import InvalidConfiguration, InvalidPose, SrsIkError
+
+
+def changed(index, value):
+    T = np.eye(4)
+    T[index] = value
+    return T
+
+
+BAD_POSES = {
+    "nothing": None,
+    "text": "pose",
+    "number": 3.0,
+    "rotation alone": np.eye(3),
+    "three rows": np.eye(4)[:3],
+    "flat": np.eye(4).ravel(),
+    "many": np.zeros((2, 4, 4)),
+    "ragged": [[1.0, 0.0], [0.0]],
+    "objects": np.full((4, 4), None),
+    "complex": np.eye(4) * 1j,
+    "NaN in the position": changed((0, 3), np.nan),
+    "NaN in the rotation": changed((1, 2), np.nan),
+    "NaN in the last row": changed((3, 0), np.nan),
+    "infinite position": changed((2, 3), np.inf),
+    "infinities that cancel": changed(([0, 1], [3, 3]), [np.inf, -np.inf]),
+    "zeros": np.zeros((4, 4)),
+    "mirror": np.diag([1.0, 1.0, -1.0, 1.0]),
+    "scaled": np.diag([2.0, 2.0, 2.0, 1.0]),
+    "sheared": changed((0, 1), 1e-3),
+    "hardly a rotation": changed((0, 0), 1.0 + 1e-5),
+    "scaled last row": changed((3, 3), 2.0),
+    "projective": changed((3, 1), 0.1),
+    "transposed": pin.SE3(np.eye(3), np.array([0.4, 0.0, 0.3])).homogeneous.T,
+    "quaternion and position": np.array([0.4, 0.0, 0.3, 0.0, 0.0, 0.0, 1.0]),
+}
+
+BAD_VECTORS = {
+    "nothing": None,
+    "text": "home",
+    "number": 1.0,
+    "six": np.zeros(6),
+    "eight": np.zeros(8),
+    "column": np.zeros((7, 1)),
+    "row": np.zeros((1, 7)),
+    "NaN": [0, 0, np.nan, 0, 0, 0, 0],
+    "infinite": [0, 0, np.inf, 0, 0, 0, 0],
+    "infinities that cancel": [0, -np.inf, np.inf, 0, 0, 0, 0],
+    "ragged": [[0.0], [0.0, 1.0]],
+    "complex": np.full(7, 1j),
+    "names": {"a": 1.0},
+}
+
+
+def assert_one_sentence(raised):
+    text = str(raised.value)
+    assert isinstance(raised.value, SrsIkError)
+    assert isinstance(raised.value, ValueError)
+    assert 10 < len(text) < 200
+    assert "\n" not in text
+    assert ". " not in text
+
+
+@pytest.mark.parametrize("pose", BAD_POSES.values(), ids=BAD_POSES)
+@pytest.mark.parametrize("method", ["solve", "solve at angle", "solve_all", "solve_all at angle", "intervals"])
+def test_malformed_poses_are_refused(method, pose):
+    arm = arms.load("iiwa14")
+    call, *at_angle = method.split(" at ")
+    with pytest.raises(InvalidPose) as raised, warnings.catch_warnings(action="error"):
+        getattr(arm, call)(pose, **({"arm_angle": 0.1} if at_angle else {}))
+    assert_one_sentence(raised)
+
+
+@pytest.mark.parametrize("pose", BAD_POSES.values(), ids=BAD_POSES)
+def test_malformed_poses_are_not_verified(pose):
+    with pytest.raises(InvalidPose) as raised:
+        arms.load("iiwa14").verify(pose, np.zeros(7))
+    assert_one_sentence(raised)
+
+
+@pytest.mark.parametrize("q", BAD_VECTORS.values(), ids=BAD_VECTORS)
+@pytest.mark.parametrize("method", ["forward_kinematics", "jacobian", "configuration", "arm_angle", "branch"])
+def test_malformed_joint_vectors_are_refused(method, q):
+    with pytest.raises(InvalidConfiguration) as raised, warnings.catch_warnings(action="error"):
+        getattr(arms.load("iiwa14"), method)(q)
+    assert_one_sentence(raised)
+
+
+@pytest.mark.parametrize("q", [bad for bad in BAD_VECTORS.values() if bad is not None])
+def test_malformed_seeds_are_refused_by_name(q):
+    with pytest.raises(InvalidConfiguration, match="seed") as raised, warnings.catch_warnings(action="error"):
+        arms.load("iiwa14").solve(np.eye(4), seed=q)
+    assert_one_sentence(raised)
+
+
+@pytest.mark.parametrize("arm_angle", [np.nan, np.inf, -np.inf, "north", [0.1, 0.2], {}, 1j, np.zeros(2)])
+def test_malformed_arm_angles_are_refused(arm_angle):
+    arm = arms.load("iiwa14")
+    for call in (arm.solve, arm.solve_all):
+        with pytest.raises(InvalidConfiguration, match="arm angle") as raised:
+            call(np.eye(4), arm_angle=arm_angle)
+        assert_one_sentence(raised)
+
+
+@pytest.mark.parametrize("branch", [-1, 8, 1.5, "0", True, np.nan, [0]])
+def test_malformed_branches_are_refused(branch):
+    with pytest.raises(InvalidConfiguration, match="branch") as raised:
+        arms.load("iiwa14").solve(np.eye(4), branch=branch)
+    assert_one_sentence(raised)
+
+
+@pytest.mark.parametrize("configuration", [None, "home", np.zeros(7), np.zeros(12), np.full(11, np.nan), 1.0])
+def test_malformed_configurations_are_refused(configuration):
+    arm = arms.load("gen3")
+    assert arm.model.nq == 11
+    with pytest.raises(InvalidConfiguration) as raised:
+        arm.angles(configuration)
+    assert_one_sentence(raised)
+
+
+def test_poses_in_any_form_are_the_same():
+    arm = arms.load("iiwa14")
+    pose = arm.forward_kinematics([0.1, 0.5, 0.2, -1.2, 0.3, 0.8, 0.0])
+    T = pose.homogeneous
+    frozen = T.copy()
+    frozen.flags.writeable = False
+    wide = np.zeros((4, 8))
+    wide[:, ::2] = T
+    expected = arm.solve(pose).q
+    for form in (T, frozen, T.tolist(), np.asfortranarray(T), wide[:, ::2], T.astype(np.longdouble), [*map(tuple, T)]):
+        before = np.array(form, dtype=float)
+        assert (arm.solve(form).q == expected).all()
+        assert (np.array(form, dtype=float) == before).all(), "the caller's pose was changed"
+
+
+def test_joint_vectors_in_any_form_are_the_same():
+    arm = arms.load("iiwa14")
+    q = [0, 1, 0, -1, 0, 1, 0]
+    expected = arm.forward_kinematics(np.array(q, dtype=float)).homogeneous
+    for form in (q, tuple(q), np.array(q), np.array(q, dtype=np.float32), np.repeat(q, 2)[::2]):
+        assert (arm.forward_kinematics(form).homogeneous == expected).all()
+
+
+def test_rounding_in_a_rotation_is_removed():
+    """Rotations from files in single precision: the nearest rotation is what is solved."""
+    arm, rng = arms.load("iiwa14"), arms.generator("iiwa14", 61)
+    for q in arms.configurations("iiwa14", 20, 62):
+        T = arm.forward_kinematics(q).homogeneous
+        rounded = T.copy()
+        rounded[:3, :3] += rng.uniform(-1e-7, 1e-7, (3, 3))
+        u, _, vt = np.linalg.svd(rounded[:3, :3])
+        nearest = rounded.copy()
+        nearest[:3, :3] = u @ vt
+        solution = arm.solve(rounded)
+        assert solution
+        error = arm.verify(nearest, solution.q)
+        assert max(error) < 1e-11
+
+
+@pytest.mark.parametrize("far", [1e3, 1e9, 1e150, 1e160, 1e300])
+def test_poses_at_absurd_distances_are_answered(far):
+    for name in ("iiwa14", "gen3"):
+        arm = arms.load(name)
+        T = np.eye(4)
+        T[:3, 3] = far * np.array([1.0, -0.5, 0.2])
+        for solution in (arm.solve(T), arm.solve(T, arm_angle=0.1), arm.solve(T, seed=np.zeros(7))):
+            assert not solution
+            assert np.isfinite(solution.q).all()
+            assert ((solution.q >= arm.lower) & (solution.q <= arm.upper)).all()
+            assert solution.position_error > 0.5 * far
+            assert -np.pi <= solution.arm_angle < np.pi
+
+
+def test_arm_angles_of_many_turns_are_the_same_angle():
+    arm = arms.load("iiwa14")
+    pose = arm.forward_kinematics([0.1, 0.5, 0.2, -1.2, 0.3, 0.8, 0.0])
+    expected = arm.solve(pose, arm_angle=0.7)
+    for turns in (-3, -1, 1, 50):
+        solution = arm.solve(pose, arm_angle=0.7 + 2.0 * np.pi * turns)
+        assert np.abs(solution.q - expected.q).max() < 1e-10
+        assert solution.arm_angle == pytest.approx(0.7)
