@@ -15,11 +15,11 @@ from srs_ik.chain import Chain
 from srs_ik.errors import InvalidConfiguration
 from srs_ik.kernels import entries
 from srs_ik.kernels.intervals import MAX_PIECES
-from srs_ik.kernels.layout import ROW
+from srs_ik.kernels.layout import LIMITED, ROW, STRAIGHT
 from srs_ik.limb import SrsLimb
 from srs_ik.packing import pack_family
 from srs_ik.pose import PoseLike, as_arm_angle, as_branch, as_joint_vector, as_matrices, as_matrix, invalid_pose
-from srs_ik.solution import BatchSolution, Interval, Solution, Solutions
+from srs_ik.solution import BatchSolution, ElbowRange, Interval, Solution, Solutions
 
 Array = NDArray[np.float64]
 
@@ -79,6 +79,8 @@ class Arm:
         self._base_frame = chain.base_id
         self._tip_frame = chain.tip_id
         self._family = pack_family(limb, chain.lower, chain.upper)
+        straight = float(self._family[LIMITED, STRAIGHT])
+        self._elbow = ElbowRange(straight, float(chain.lower[3]), float(chain.upper[3]))
 
     # Forward kinematics, by Pinocchio ---------------------------------------------------------------------------
 
@@ -206,7 +208,7 @@ class Arm:
         )
         if verdict:
             raise invalid_pose(verdict)
-        return Solution(row, self.joint_names)
+        return Solution(row, self.joint_names, self._elbow)
 
     def solve_all(self, pose: PoseLike, arm_angle: float | None = None, respect_limits: bool = True) -> Solutions:
         """All postures for a pose: every branch at an arm angle, or one posture for every interval of `intervals`.
@@ -230,18 +232,22 @@ class Arm:
             count = entries.solve_intervals(self._family, T, respect_limits, rows)
             if count < 0:
                 raise invalid_pose(-count)
-            solved = Solutions(rows[:count], self.joint_names)
+            solved = Solutions(rows[:count], self.joint_names, elbow=self._elbow)
             ok = solved.ok
             if not ok.all():
-                solved = Solutions(rows[:count][ok], self.joint_names)
+                solved = Solutions(rows[:count][ok], self.joint_names, elbow=self._elbow)
         else:
             rows = np.empty((8, ROW))
             count = entries.solve_all(self._family, T, as_arm_angle(arm_angle), respect_limits, rows)
             if count < 0:
                 raise invalid_pose(-count)
-            solved = Solutions(rows[:count], self.joint_names)
+            solved = Solutions(rows[:count], self.joint_names, elbow=self._elbow)
         if not len(solved):
-            solved.failure = self.solve(T, arm_angle=arm_angle, respect_limits=respect_limits)
+            best = self.solve(T, arm_angle=arm_angle, respect_limits=respect_limits)
+            if best:
+                # Where only rounding leaves room for a posture, the looser search for one alone may still find it.
+                return Solutions.of_one(best)
+            solved.failure = best
         return solved
 
     def solve_batch(
@@ -298,7 +304,7 @@ class Arm:
         if verdicts.any():
             bad = int(np.flatnonzero(verdicts)[0])
             raise invalid_pose(int(verdicts[bad]), f" {bad} of {n}")
-        return BatchSolution(out, self.joint_names)
+        return BatchSolution(out, self.joint_names, self._elbow)
 
     def intervals(self, pose: PoseLike, respect_limits: bool = True) -> list[Interval]:
         """Feasible arm angles of every branch, exactly, in the order of branches.

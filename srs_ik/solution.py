@@ -6,7 +6,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from enum import IntEnum
 from functools import cached_property
-from typing import Any, overload
+from typing import Any, NamedTuple, overload
 
 import numpy as np
 from numpy.typing import NDArray
@@ -29,15 +29,33 @@ class Status(IntEnum):
 
 _STATUSES = tuple(Status)
 
+_NO_ERROR = 1e-9
+"""Errors below this, m or rad, are those of a solution, and no part of what is wrong."""
+
+_ON_THE_SPOT = 1e-6
+"""A joint this near to an angle, rad, is at it."""
+
+
+class ElbowRange(NamedTuple):
+    """What joint 4 can do; with it, the message of an answer out of reach says how the arm lies."""
+
+    straight: float
+    """Angle at which the wrist is farthest from the shoulder, rad."""
+    lower: float
+    """Lower limit, rad; -inf where continuous."""
+    upper: float
+    """Upper limit, rad; inf where continuous."""
+
 
 class Solution:
     """One posture for one pose; true in a boolean test if and only if its status is `Status.OK`."""
 
-    __slots__ = ("_joint_names", "_row")
+    __slots__ = ("_elbow", "_joint_names", "_row")
 
-    def __init__(self, row: Array, joint_names: Sequence[str]) -> None:
+    def __init__(self, row: Array, joint_names: Sequence[str], elbow: ElbowRange | None = None) -> None:
         self._row = row
         self._joint_names = joint_names
+        self._elbow = elbow
 
     @property
     def q(self) -> Array:
@@ -71,14 +89,37 @@ class Solution:
 
     @property
     def message(self) -> str:
-        """One sentence for a person."""
-        errors = f"{self.position_error:.3g} m and {self.orientation_error:.3g} rad"
+        """One sentence for a person: how well the pose is met, or what is in the way and what is left of the error."""
         if self.status is Status.OK:
-            return f"Solved in branch {self.branch} at arm angle {self.arm_angle:.6g} rad, within {errors}."
-        if self.status is Status.OUT_OF_LIMITS:
-            blocking = self._joint_names[int(self._row[at.ROW_JOINT]) - 1]
-            return f"No posture sought keeps the joint limits; {blocking} blocks, and q put on them leaves {errors}."
-        return f"The pose is out of reach for the postures that were sought; the closest one leaves {errors}."
+            errors = f"{self.position_error:.2g} m and {self.orientation_error:.2g} rad"
+            return f"Solved in branch {self.branch} at arm angle {self.arm_angle:.6g} rad, to {errors}."
+        if self.status is Status.UNREACHABLE:
+            return f"No posture sought reaches the pose; the one given{self._lie()} misses it by {self._miss()}."
+        joint = int(self._row[at.ROW_JOINT])
+        stop = f" stops at {np.rad2deg(self.q[joint - 1]):.6g} deg"
+        where = f"; {self._joint_names[joint - 1]}{stop}" if joint else ""
+        return (
+            "The pose is within reach, but no posture sought keeps the joint limits"
+            f"{where}, and the posture given misses it by {self._miss()}."
+        )
+
+    def _miss(self) -> str:
+        """The errors that are more than rounding."""
+        errors = (self.position_error, "m"), (self.orientation_error, "rad")
+        return " and ".join(f"{error:.3g} {unit}" for error, unit in errors if error >= _NO_ERROR)
+
+    def _lie(self) -> str:
+        """How the arm lies in an answer out of reach, as far as that is known."""
+        if self._elbow is None:
+            return ""
+        q4 = float(self.q[3])
+        bend = abs((q4 - self._elbow.straight + np.pi) % (2.0 * np.pi) - np.pi)
+        lie = "stretched" if bend < 0.5 * np.pi else "folded"
+        if min(bend, np.pi - bend) < _ON_THE_SPOT:
+            return f", with the arm {lie},"
+        if min(abs(q4 - self._elbow.lower), abs(q4 - self._elbow.upper)) < _ON_THE_SPOT:
+            return f", with the arm {lie} as far as {self._joint_names[3]} goes ({np.rad2deg(q4):.6g} deg),"
+        return ""
 
     def as_dict(self) -> dict[str, float]:
         """Joint angles by joint name, rad, in the order of the joints."""
@@ -98,9 +139,13 @@ class Solution:
 class _Rows:
     """Arrays over solution rows, named as the fields of `Solution`."""
 
-    def __init__(self, rows: Array, joint_names: Sequence[str]) -> None:
+    def __init__(self, rows: Array, joint_names: Sequence[str], elbow: ElbowRange | None = None) -> None:
         self._rows = rows
         self._joint_names = joint_names
+        self._elbow = elbow
+
+    def _solution(self, row: Array) -> Solution:
+        return Solution(row, self._joint_names, self._elbow)
 
     @property
     def q(self) -> Array:
@@ -147,8 +192,14 @@ class Solutions(_Rows, Sequence[Solution]):
     Where it is empty, `status` is empty too; `message` says why.
     """
 
-    def __init__(self, rows: Array, joint_names: Sequence[str], failure: Solution | None = None) -> None:
-        super().__init__(rows, joint_names)
+    def __init__(
+        self,
+        rows: Array,
+        joint_names: Sequence[str],
+        failure: Solution | None = None,
+        elbow: ElbowRange | None = None,
+    ) -> None:
+        super().__init__(rows, joint_names, elbow)
         self.failure = failure
         """The best posture that is no solution, where there is no solution; else None."""
 
@@ -159,17 +210,22 @@ class Solutions(_Rows, Sequence[Solution]):
             return self.failure.message
         return f"{len(self)} {'posture' if len(self) == 1 else 'postures'} found."
 
+    @classmethod
+    def of_one(cls, solution: Solution) -> Solutions:
+        """The sequence of this solution alone."""
+        return cls(solution._row[None], solution._joint_names, elbow=solution._elbow)
+
     @overload
     def __getitem__(self, index: int) -> Solution: ...
     @overload
     def __getitem__(self, index: slice) -> Solutions: ...
     def __getitem__(self, index: int | slice) -> Solution | Solutions:
         if isinstance(index, slice):
-            return Solutions(self._rows[index], self._joint_names, self.failure)
-        return Solution(self._rows[index], self._joint_names)
+            return Solutions(self._rows[index], self._joint_names, self.failure, self._elbow)
+        return self._solution(self._rows[index])
 
     def __iter__(self) -> Iterator[Solution]:
-        return (Solution(row, self._joint_names) for row in self._rows)
+        return map(self._solution, self._rows)
 
     def __repr__(self) -> str:
         return f"Solutions({self.message})"
@@ -184,7 +240,7 @@ class BatchSolution(_Rows):
 
     def __getitem__(self, index: int | tuple[int, ...]) -> Any:
         row = self._rows[index]
-        return Solution(row, self._joint_names) if row.ndim == 1 else BatchSolution(row, self._joint_names)
+        return self._solution(row) if row.ndim == 1 else BatchSolution(row, self._joint_names, self._elbow)
 
     @cached_property
     def solved(self) -> int:

@@ -198,7 +198,16 @@ def test_all_prints_every_branch_at_an_arm_angle():
         assert np.allclose(pose_by_pinocchio("iiwa14", solution["q"]), found["T_base_tip"], rtol=0.0, atol=1e-11)
     table = run("solve", "iiwa14", "--from-q", *Q, "--arm-angle", "0.4", "--all", "--no-limits")
     assert table.exit_code == 0
-    assert "8 solutions" in table.stdout
+    assert "8 solutions, the branches at this arm angle" in table.stdout
+
+
+def test_all_without_an_arm_angle_prints_a_posture_for_every_interval():
+    words = ["solve", "iiwa14", "--from-q", *Q, "--all"]
+    found = answer(*words)
+    intervals = srs_ik.load("iiwa14").intervals(np.array(found["T_base_tip"]))
+    assert [s["branch"] for s in found["solutions"]] == [interval.branch for interval in intervals]
+    assert all(s["arm_angle"] in i for s, i in zip(found["solutions"], intervals, strict=True))
+    assert f"{len(intervals)} solutions, the best of each interval" in run(*words).stdout
 
 
 def test_the_table_shows_the_joint_angles_of_the_json():

@@ -48,7 +48,10 @@ def solve(
         Seven | None, typer.Option(metavar=JOINTS, help="Choose the posture nearest to these joint angles.")
     ] = None,
     branch: Annotated[int | None, typer.Option(metavar="0..7", help="Choose the posture from this branch.")] = None,
-    every: Annotated[bool, typer.Option("--all", help="Print every solution, not the best alone.")] = False,
+    every: Annotated[
+        bool,
+        typer.Option("--all", help="Print every branch at the arm angle; without one, a posture for every interval."),
+    ] = False,
     no_limits: Annotated[bool, typer.Option("--no-limits", help="Ignore the joint limits.")] = False,
     degrees: Annotated[
         bool, typer.Option("--degrees", help="Angles are given in degrees (--rpy, --from-q, --arm-angle, --seed).")
@@ -88,7 +91,7 @@ def solve(
     if as_json:
         _print_json(arm, pose, best, solutions if every else None)
     else:
-        _print_tables(arm, best, solutions if every and solutions else None)
+        _print_tables(arm, best, solutions if every and solutions else None, angle is not None)
     if not solutions:
         typer.echo(f"srs-ik: {best.status.name}: {best.message}", err=True)
         raise typer.Exit(1)
@@ -149,7 +152,7 @@ def _fields(solution: Solution) -> dict[str, Any]:
     }
 
 
-def _print_tables(arm: Arm, best: Solution, solutions: list[Solution] | None) -> None:
+def _print_tables(arm: Arm, best: Solution, solutions: list[Solution] | None, at_angle: bool) -> None:
     from srs_ik.cli.render import console
 
     out = console()
@@ -157,7 +160,7 @@ def _print_tables(arm: Arm, best: Solution, solutions: list[Solution] | None) ->
     if solutions is None:
         _print_solution(out, arm, best)
     else:
-        _print_solutions(out, arm, solutions)
+        _print_solutions(out, arm, solutions, at_angle)
 
 
 def _print_solution(out: Console, arm: Arm, solution: Solution) -> None:
@@ -175,15 +178,15 @@ def _print_solution(out: Console, arm: Arm, solution: Solution) -> None:
         ("status", solution.status.name),
         ("branch", str(solution.branch)),
         ("arm angle", f"{fixed(solution.arm_angle, 9)} rad, {fixed(math.degrees(solution.arm_angle), 4)} deg"),
-        ("position error", f"{solution.position_error:.1e} m"),
-        ("orientation error", f"{solution.orientation_error:.1e} rad"),
+        ("position error", f"{solution.position_error:.3g} m"),
+        ("orientation error", f"{solution.orientation_error:.3g} rad"),
     ]
     out.print()
     for name, fact in facts:
         out.print(f"{name:<18}{fact}")
 
 
-def _print_solutions(out: Console, arm: Arm, solutions: list[Solution]) -> None:
+def _print_solutions(out: Console, arm: Arm, solutions: list[Solution], at_angle: bool) -> None:
     import numpy as np
 
     from srs_ik.cli.render import fixed, table
@@ -200,7 +203,9 @@ def _print_solutions(out: Console, arm: Arm, solutions: list[Solution]) -> None:
     columns = ("branch", "arm angle", *(f"q{i}" for i in range(1, 8)), "to limit")
     out.print(table(columns, rows, title="all angles in degrees", left=0))
     worst = max(s.position_error for s in solutions), max(s.orientation_error for s in solutions)
-    out.print(f"{len(solutions)} solutions, errors up to {worst[0]:.1e} m and {worst[1]:.1e} rad")
+    count = f"{len(solutions)} {'solution' if len(solutions) == 1 else 'solutions'}"
+    meaning = "the branches at this arm angle" if at_angle else "the best of each interval of feasible arm angles"
+    out.print(f"{count}, {meaning}; errors up to {worst[0]:.1e} m and {worst[1]:.1e} rad")
 
 
 def _margins(arm: Arm, solution: Solution) -> np.ndarray:
