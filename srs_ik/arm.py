@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import threading
 from functools import cached_property
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 import pinocchio as pin
@@ -20,6 +20,9 @@ from srs_ik.limb import SrsLimb
 from srs_ik.packing import pack_family
 from srs_ik.pose import PoseLike, as_arm_angle, as_branch, as_joint_vector, as_matrices, as_matrix, invalid_pose
 from srs_ik.solution import BatchSolution, ElbowRange, Interval, Solution, Solutions
+
+if TYPE_CHECKING:
+    from srs_ik.path import PathSolution
 
 Array = NDArray[np.float64]
 
@@ -305,6 +308,33 @@ class Arm:
             bad = int(np.flatnonzero(verdicts)[0])
             raise invalid_pose(int(verdicts[bad]), f" {bad} of {n}")
         return BatchSolution(out, self.joint_names, self._elbow)
+
+    def solve_path(
+        self,
+        poses: Any,
+        seed: ArrayLike | None = None,
+        dt: float | None = None,
+        longest_step: float = 0.5,
+    ) -> PathSolution:
+        """A continuous joint path through N poses, inside the limits, chosen over the whole path and not step by step.
+
+        Branches and arm angles of all poses are chosen together (fewest breaks, then least sum of squared joint steps),
+        then the arm angles are moved off their grid until the steps are least. A path through a singular pose does not
+        flip there; where nothing continues it, the answer says at which sample and why.
+
+        Args:
+            poses: (N, 4, 4) array, or a list of poses.
+            seed: (7,) posture to start from, rad.
+            dt: time between two poses, seconds; with it, steps beyond the velocity limits are avoided where possible.
+            longest_step: a joint step beyond this, rad, is a break.
+
+        Raises:
+            InvalidPose: a pose is no finite rigid transform; the message names the first one.
+            InvalidConfiguration: seed, dt or longest_step are malformed.
+        """
+        from srs_ik.path import solve_path
+
+        return solve_path(self, poses, seed, dt, longest_step)
 
     def intervals(self, pose: PoseLike, respect_limits: bool = True) -> list[Interval]:
         """Feasible arm angles of every branch, exactly, in the order of branches.

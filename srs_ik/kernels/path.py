@@ -1,0 +1,293 @@
+"""A joint path for a sequence of poses, chosen over the whole sequence at once.
+
+Every pose has a grid of postures: two elbow sides, a set of arm angles, two shoulder and two wrist solutions. Dynamic
+programming finds the sequence with the fewest breaks and then the least sum of squared joint steps; shoulder and wrist
+steps add up, so the sixteen ways from one arm angle to another cost eight distances. Arm angles are counted from a
+direction that is carried along the path, so that the documented zero may be singular on the way without harm.
+"""
+
+from __future__ import annotations
+
+import math
+
+from srs_ik.kernels.elbow import arm_angle_of_direction, elbow_side, target_frame, unit_across
+from srs_ik.kernels.jit import kernel
+from srs_ik.kernels.layout import RANGE_KIND, SHOULDER, SLACK_SINGULAR, WRIST
+from srs_ik.kernels.limits import TURN, turn_to_middle, violation
+from srs_ik.kernels.spherical import angles, default_anchor, middle_angle
+from srs_ik.kernels.vectors import across, norm, swing
+
+GRID = 48
+"""Arm angles that are the same for every pose."""
+
+EXTRA = 8
+"""Arm angles of a pose of its own: one for each feasible interval that the grid misses."""
+
+SLOTS = GRID + EXTRA
+
+WINDOW = 4
+"""Grid steps that the arm angle may change from one pose to the next."""
+
+NEARLY_STRAIGHT = 0.35
+"""Sine of the bend under which the elbow may change sides, at any arm angle."""
+
+BREAK = 1e6
+"""Cost of a step that is too long to be continuous."""
+
+TOO_FAST = 1e3
+"""Cost of a step above a velocity limit."""
+
+IMPOSSIBLE = 1e15
+
+NONE = 0.0
+FIXED = 1.0
+FREE_SUM = 2.0
+FREE_DIFFERENCE = 3.0
+"""Marks of a half posture: there is none; determined; only q1 + q3, or q3 - q1, is determined."""
+
+
+@kernel
+def carry(t, zero, fresh):
+    """The direction of arm angle zero, carried from the pose before to the S-W direction t (a fresh one if it vanishes)."""
+    if norm(across(zero, t)) < 1e-6:
+        return fresh
+    return unit_across(zero, t, fresh)
+
+
+@kernel
+def carried_angle(P, sw, zero):
+    """Carried zero direction of a pose, and the arm angle at which it lies."""
+    _, t, h0 = target_frame(P, sw)
+    z = carry(t, zero, h0)
+    return z, arm_angle_of_direction(t, h0, z)
+
+
+@kernel
+def half_states(P, k, first, motion, psi, out):
+    """Write both solutions of a spherical joint at an arm angle into out (2, 4): three angles and a mark."""
+    c = math.cos(psi)
+    s = math.sin(psi)
+    v0, y0, _ = motion
+    v = swing(v0[0], v0[1], v0[2], c, s)
+    y = swing(y0[0], y0[1], y0[2], c, s)
+    cm, sm, reached = middle_angle(P, k, v)
+    for sign in range(2):
+        q = angles(P, k, v, y, cm, sm, sign, default_anchor(P, k))
+        mark = FIXED if reached else NONE
+        for j in range(3):
+            angle = turn_to_middle(P, first + j, q[j])
+            out[sign, j] = angle
+            if violation(P, first + j, angle) > 0.0:
+                mark = NONE
+        if mark == FIXED and sm < P[SLACK_SINGULAR]:
+            mark = FREE_SUM if cm > 0.0 else FREE_DIFFERENCE
+        out[sign, 3] = mark
+
+
+@kernel
+def fill_states(P, place_, zero_angle, slots, count, shoulder, wrist, elbow):
+    """Fill in all states of a pose: shoulder and wrist (2, SLOTS, 2, 4), elbow (2, 2) as q4 and a mark."""
+    for e in range(2):
+        q4, motion_s, motion_w, _ = elbow_side(P, place_, e)
+        q4 = turn_to_middle(P, 3, q4)
+        elbow[e, 0] = q4
+        elbow[e, 1] = NONE if violation(P, 3, q4) > 0.0 else FIXED
+        for k in range(count):
+            psi = slots[k] + zero_angle
+            half_states(P, SHOULDER, 0, motion_s, psi, shoulder[e, k])
+            half_states(P, WRIST, 4, motion_w, psi, wrist[e, k])
+
+
+@kernel
+def add_missed(found, n, zero_angle, slots):
+    """Append to the grid the middle of each feasible interval that holds no arm angle of it; return the number of slots."""
+    count = GRID
+    step = TURN / GRID
+    for i in range(n):
+        lower = found[i, 1] - zero_angle
+        upper = found[i, 2] - zero_angle
+        if math.ceil((lower + math.pi) / step) * step - math.pi > upper and count < SLOTS:
+            middle = 0.5 * (lower + upper)
+            slots[count] = middle - TURN * math.floor((middle + math.pi) / TURN)
+            count += 1
+    return count
+
+
+@kernel
+def difference(P, joint, a, b):
+    """Joint step from a to b; the shorter way round for a joint that turns without end."""
+    d = b - a
+    if P[RANGE_KIND + joint] == 0.0:
+        d -= TURN * math.floor(d / TURN + 0.5)
+    return d
+
+
+@kernel
+def step_cost(P, joint, d, longest):
+    """Squared step of one joint, with the penalty of a step beyond the longest continuous one, or beyond its velocity."""
+    size = abs(d)
+    value = d * d
+    if size > longest[1, joint]:
+        value += BREAK
+    elif size > longest[0, joint]:
+        value += TOO_FAST * (size / longest[0, joint])
+    return value
+
+
+@kernel
+def half_distance(P, first, a, b, longest):
+    """Cost of a step between two states of a spherical joint."""
+    if a[3] == NONE or b[3] == NONE:
+        return IMPOSSIBLE
+    d1 = difference(P, first, a[0], b[0])
+    d2 = difference(P, first + 1, a[1], b[1])
+    d3 = difference(P, first + 2, a[2], b[2])
+    mark = max(a[3], b[3])
+    if mark != FIXED:
+        # One of the two can be moved freely along the null direction: only the rest of the step counts.
+        toward = 1.0 if mark == FREE_SUM else -1.0
+        rest = toward * d1 + d3
+        rest = 0.5 * (rest - TURN * math.floor(rest / TURN + 0.5))
+        d1 = toward * rest
+        d3 = rest
+    return (
+        step_cost(P, first, d1, longest) + step_cost(P, first + 1, d2, longest) + step_cost(P, first + 2, d3, longest)
+    )
+
+
+@kernel
+def state_number(e, k, s, w):
+    """Number of a state: elbow side, slot, shoulder and wrist solution."""
+    return ((e * SLOTS + k) * 2 + s) * 2 + w
+
+
+@kernel
+def relax(P, e0, j, e1, k, before, now, longest, cost, ds, dw, best, back):
+    """Try the sixteen ways from slot j on elbow side e0 to slot k on side e1."""
+    shoulder0, wrist0, elbow0 = before
+    shoulder1, wrist1, elbow1 = now
+    base = step_cost(P, 3, difference(P, 3, elbow0[e0, 0], elbow1[e1, 0]), longest)
+    for a in range(2):
+        for b in range(2):
+            ds[a, b] = half_distance(P, 0, shoulder0[e0, j, a], shoulder1[e1, k, b], longest)
+            dw[a, b] = half_distance(P, 4, wrist0[e0, j, a], wrist1[e1, k, b], longest)
+    for s0 in range(2):
+        for w0 in range(2):
+            number = state_number(e0, j, s0, w0)
+            so_far = cost[number] + base
+            if so_far >= IMPOSSIBLE:
+                continue
+            for s1 in range(2):
+                for w1 in range(2):
+                    value = so_far + ds[s0, s1] + dw[w0, w1]
+                    target = state_number(e1, k, s1, w1)
+                    if value < best[target]:
+                        best[target] = value
+                        back[target] = number
+
+
+@kernel
+def advance(P, before, now, count0, count1, slots1, bend0, bend1, longest, cost, ds, dw, best, back):
+    """One step of the dynamic programme: costs `best` and predecessors `back` of the states of the next pose."""
+    for i in range(best.shape[0]):
+        best[i] = IMPOSSIBLE
+        back[i] = -1
+    step = TURN / GRID
+    change_sides = max(bend0, bend1) < NEARLY_STRAIGHT
+    for e1 in range(2):
+        if now[2][e1, 1] == NONE:
+            continue
+        for e0 in range(2):
+            if before[2][e0, 1] == NONE or (e0 != e1 and not change_sides):
+                continue
+            for k in range(count1):
+                middle = k if k < GRID else int(math.floor((slots1[k] + math.pi) / step + 0.5))
+                if e0 != e1:
+                    for j in range(count0):
+                        relax(P, e0, j, e1, k, before, now, longest, cost, ds, dw, best, back)
+                    continue
+                for i in range(-WINDOW, WINDOW + 1):
+                    j = (middle + i) % GRID
+                    relax(P, e0, j, e1, k, before, now, longest, cost, ds, dw, best, back)
+                for j in range(GRID, count0):
+                    relax(P, e0, j, e1, k, before, now, longest, cost, ds, dw, best, back)
+
+
+@kernel
+def is_possible(now, e, k, s, w):
+    """Whether a state is a posture inside the limits."""
+    return now[2][e, 1] != NONE and now[0][e, k, s, 3] != NONE and now[1][e, k, w, 3] != NONE
+
+
+@kernel
+def leap(P, before, now, count1, cost, best, back):
+    """Where no continuous step leads, break: from the cheapest state of the pose before to every state of this one.
+
+    The squared distance is part of the cost, so of all breaks the shortest is preferred.
+    """
+    start = 0
+    for i in range(cost.shape[0]):
+        if cost[i] < cost[start]:
+            start = i
+    if cost[start] >= IMPOSSIBLE:
+        return
+    w0 = start % 2
+    s0 = (start // 2) % 2
+    j = (start // 4) % SLOTS
+    e0 = start // (4 * SLOTS)
+    for e in range(2):
+        for k in range(count1):
+            for s in range(2):
+                for w in range(2):
+                    number = state_number(e, k, s, w)
+                    if not is_possible(now, e, k, s, w):
+                        continue
+                    value = cost[start] + 8.0 * BREAK
+                    d = difference(P, 3, before[2][e0, 0], now[2][e, 0])
+                    value += d * d
+                    for i in range(3):
+                        d = difference(P, i, before[0][e0, j, s0, i], now[0][e, k, s, i])
+                        value += d * d
+                        d = difference(P, 4 + i, before[1][e0, j, w0, i], now[1][e, k, w, i])
+                        value += d * d
+                    if value < best[number]:
+                        best[number] = value
+                        back[number] = start
+
+
+@kernel
+def begin(P, now, count, seeded, seed, cost):
+    """Costs of the states of a first pose: squared distance from the seed, if there is one."""
+    for i in range(cost.shape[0]):
+        cost[i] = IMPOSSIBLE
+    for e in range(2):
+        for k in range(count):
+            for s in range(2):
+                for w in range(2):
+                    if is_possible(now, e, k, s, w):
+                        value = 0.0
+                        if seeded:
+                            d = difference(P, 3, seed[3], now[2][e, 0])
+                            value = d * d
+                            for i in range(3):
+                                d = difference(P, i, seed[i], now[0][e, k, s, i])
+                                value += d * d
+                                d = difference(P, 4 + i, seed[4 + i], now[1][e, k, w, i])
+                                value += d * d
+                        cost[state_number(e, k, s, w)] = value
+
+
+@kernel
+def carried_zeros(P, sws, zeros, angles_):
+    """Carry the zero direction along the whole path: its arm angle at each pose. sws holds the S-W vectors (n, 3)."""
+    zero = (0.0, 0.0, 0.0)
+    for i in range(sws.shape[0]):
+        sw = (sws[i, 0], sws[i, 1], sws[i, 2])
+        zero, angles_[i] = carried_angle(P, sw, zero)
+        zeros[i, 0], zeros[i, 1], zeros[i, 2] = zero
+
+
+@kernel
+def bend_sine(place_):
+    """Sine of the elbow's bend; no elbow changes sides far from it."""
+    return place_[3] if place_[2] > 0.0 else 1.0

@@ -1,0 +1,232 @@
+"""Entry points for joint paths: choose postures for all poses of a path, then make the path smooth."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from srs_ik.kernels.elbow import place, shoulder_to_wrist
+from srs_ik.kernels.entries import GOOD_POSE, find_intervals, measure_row, read7, read_pose
+from srs_ik.kernels.intervals import MAX_PIECES
+from srs_ik.kernels.jit import entry, kernel
+from srs_ik.kernels.layout import FAR, IS_CLOSED, LIMITED, MIDDLE, ROW_ARM_ANGLE
+from srs_ik.kernels.path import (
+    BREAK,
+    GRID,
+    IMPOSSIBLE,
+    SLOTS,
+    add_missed,
+    advance,
+    begin,
+    bend_sine,
+    carried_zeros,
+    fill_states,
+    is_possible,
+    leap,
+)
+from srs_ik.kernels.scoring import OUTSIDE
+from srs_ik.kernels.smoothing import (
+    SWEEPS,
+    assemble,
+    close_to,
+    feasible_move,
+    is_linked,
+    posture,
+    solve_tridiagonal,
+    squared_step,
+    wrapped,
+    write_rates,
+)
+
+STATES = 8 * SLOTS
+
+NO_STATE = -2
+"""Predecessor of the states of a pose that has none."""
+
+NEAR_MISS = 0.03
+"""How far beyond reach, relative to it, a near limb's nearest exact limb may find a pose."""
+
+
+@kernel
+def within_reach(P, place_):
+    """Whether the pose may be reached, as far as the nearest exact limb can tell."""
+    return abs(place_[5]) <= (1e-9 if P[IS_CLOSED] == 1.0 else NEAR_MISS * P[FAR])
+
+
+@kernel
+def any_state(now, count):
+    """Whether a pose has a posture inside the limits among its states."""
+    for e in range(2):
+        for k in range(count):
+            for s in range(2):
+                for w in range(2):
+                    if is_possible(now, e, k, s, w):
+                        return True
+    return False
+
+
+@entry
+def plan(family, poses, seeded, seed, longest, psis, branches, verdicts):
+    """Choose arm angle and branch (-1 where there is no posture) for each pose; see `path`.
+
+    Args:
+        family: packed limb.
+        poses: (n, 4, 4).
+        seeded: whether to start near a seed.
+        seed: (7,).
+        longest: (2, 7) joint steps, by velocity and by continuity.
+        psis: (n,) output.
+        branches: (n,) integer output.
+        verdicts: (n,) integer output, on the poses.
+    """
+    P = family[LIMITED]
+    n = poses.shape[0]
+    sws = np.empty((n, 3))
+    for i in range(n):
+        R, p, verdicts[i] = read_pose(poses[i])
+        if verdicts[i] != GOOD_POSE:
+            return
+        sws[i, 0], sws[i, 1], sws[i, 2] = shoulder_to_wrist(P, R, p)
+    zero_angles = np.empty(n)
+    carried_zeros(P, sws, np.empty((n, 3)), zero_angles)
+
+    back = np.full((n, STATES), NO_STATE, np.int16)
+    extra = np.zeros((n, SLOTS))
+    stores = (
+        (np.empty((2, SLOTS, 2, 4)), np.empty((2, SLOTS, 2, 4)), np.empty((2, 2))),
+        (np.empty((2, SLOTS, 2, 4)), np.empty((2, SLOTS, 2, 4)), np.empty((2, 2))),
+    )
+    current = 0
+    cost = np.empty(STATES)
+    best = np.empty(STATES)
+    found = np.empty((8 * MAX_PIECES, 3))
+    ds = np.empty((2, 2))
+    dw = np.empty((2, 2))
+    start = read7(seed)
+    count0 = 0
+    bend0 = 1.0
+    last = -1
+    for i in range(n):
+        R, p, _ = read_pose(poses[i])
+        place_ = place(P, R, p)
+        slots = extra[i]
+        for k in range(GRID):
+            slots[k] = -math.pi + k * (2.0 * math.pi / GRID)
+        if not within_reach(P, place_):
+            continue
+        count = add_missed(found, find_intervals(P, place_, found), zero_angles[i], slots)
+        now = stores[current]
+        before = stores[1 - current]
+        fill_states(P, place_, zero_angles[i], slots, count, now[0], now[1], now[2])
+        if not any_state(now, count):
+            continue
+        bend1 = bend_sine(place_)
+        if last < 0:
+            begin(P, now, count, seeded, start, cost)
+            back[i, :] = -1
+        else:
+            advance(
+                P, before, now, count0, count, slots, bend0, bend1, longest, cost, ds, dw, best, back[i]
+            )
+            if best.min() >= cost.min() + BREAK:
+                leap(P, before, now, count, cost, best, back[i])
+            for k in range(STATES):
+                cost[k] = best[k]
+        count0 = count
+        bend0 = bend1
+        last = i
+        current = 1 - current
+    for i in range(n):
+        branches[i] = -1
+        psis[i] = zero_angles[i]
+    if last < 0:
+        return
+    number = 0
+    for k in range(STATES):
+        if cost[k] < cost[number]:
+            number = k
+    if cost[number] >= IMPOSSIBLE:
+        return
+    for i in range(last, -1, -1):
+        if back[i, 0] == NO_STATE:
+            continue
+        psis[i] = extra[i, (number // 4) % SLOTS] + zero_angles[i]
+        branches[i] = 4 * (number // (4 * SLOTS)) + number % 4
+        number = back[i, number]
+
+
+@entry
+def smooth(family, poses, seeded, seed, longest, psis, branches, q):
+    """Move the arm angles of a chosen path, in place, so that the squared joint steps become least; write its postures.
+
+    Postures are those of the nearest exact limb; `finish` closes them on the true chain.
+    """
+    P = family[LIMITED]
+    n = poses.shape[0]
+    start = read7(seed)
+    rate = np.zeros((n, 7))
+    linked = np.zeros(n, np.bool_)
+    diagonal = np.empty(n)
+    beside = np.empty(n)
+    move = np.empty(n)
+    trial = psis.copy()
+    q_trial = np.empty((n, 7))
+    lowest = math.inf
+    for _ in range(SWEEPS):
+        total = 0.0
+        near = start if seeded else read7(P[MIDDLE:])
+        for i in range(n):
+            if branches[i] < 0:
+                linked[i] = False
+                if i > 0:
+                    linked[i - 1] = False
+                for j in range(7):
+                    q_trial[i, j] = near[j]
+                    rate[i, j] = 0.0
+                continue
+            R, p, _ = read_pose(poses[i])
+            place_ = place(P, R, p)
+            here, _, w = posture(P, place_, trial[i], branches[i], near)
+            for j in range(7):
+                q_trial[i, j] = here[j]
+            write_rates(P, place_, here, w, rate[i])
+            linked[i] = True
+            if i > 0 and linked[i - 1]:
+                linked[i - 1] = is_linked(P, near, here, longest)
+                total += squared_step(P, near, here) if linked[i - 1] else BREAK
+            elif i == 0 and seeded:
+                total += squared_step(P, start, here)
+            near = here
+        if total > lowest * (1.0 - 1e-6):
+            if total < lowest:
+                q[:] = q_trial
+                psis[:] = trial
+            break
+        lowest = total
+        q[:] = q_trial
+        psis[:] = trial
+        assemble(P, q, rate, linked, seeded, start, diagonal, beside, move, n)
+        solve_tridiagonal(diagonal, beside, move, n)
+        for i in range(n):
+            if branches[i] >= 0 and move[i] != 0.0:
+                R, p, _ = read_pose(poses[i])
+                place_ = place(P, R, p)
+                trial[i] = psis[i] + feasible_move(P, place_, psis[i], move[i], branches[i], read7(q[i]))
+
+
+@entry
+def finish(family, poses, psis, branches, q, out):
+    """Close the postures of a path on the true chain and write their rows (n, ROW); where there is none, the row stays."""
+    P = family[LIMITED]
+    J = np.empty((6, 7))
+    A = np.empty((7, 9))
+    for i in range(poses.shape[0]):
+        if branches[i] < 0:
+            continue
+        R, p, _ = read_pose(poses[i])
+        place_ = place(P, R, p)
+        here, closed = close_to(P, place_, R, p, read7(q[i]), psis[i], True, J, A)
+        measure_row(P, place_, R, p, here, branches[i], 0.0 if closed else OUTSIDE, True, out[i])
+        if P[IS_CLOSED] == 1.0:
+            out[i, ROW_ARM_ANGLE] = wrapped(psis[i])
