@@ -30,7 +30,7 @@ from srs_ik.kernels.layout import (
     SIZE,
 )
 from srs_ik.kernels.limits import set_limits
-from srs_ik.kernels.nearest import first_guess, tighten
+from srs_ik.kernels.nearest import first_guess, first_guess_near, tighten
 from srs_ik.kernels.scoring import OUTSIDE, tightest_joint
 from srs_ik.kernels.search import MAX_SAMPLES, evaluate, evaluate_again, evaluate_branch, rescue, search_intervals
 from srs_ik.kernels.vectors import add, apply, cross
@@ -52,6 +52,9 @@ NOT_RIGID = 2
 
 NEARLY_STRAIGHT = 3e-6
 """Bends of the elbow below this, rad, cannot be told apart within 1e-11 of reach."""
+
+BETWEEN_LIMBS = 0.05
+"""How far the joints of a near limb may be from those of its nearest exact limb, rad, away from singularities."""
 
 ONE_VALLEY = 0.3
 """An interval shorter than this, rad, whose postures all lie in the box of a seeded search has one minimum."""
@@ -135,6 +138,8 @@ def measure_row(P, place_, R, p, q, branch, lowest, respect, out):
         joint = tightest_joint(P, q)
         q = clipped(P, q)
     position, orientation = pose_error(P, q, R, p)
+    if P[IS_CLOSED] != 1.0:
+        branch = branch_of(P, q)
     psi = arm_angle(P, q, place_[0], place_[1])
     write_row(place_, q, branch, psi, outside, lowest < NO_BRANCH, position, orientation, joint, out)
 
@@ -183,11 +188,16 @@ def search(family, place_, R, p, branch, seeded, seed, respect, J, A):
     """Best posture over all arm angles: q, branch, cost."""
     strictness = LIMITED if respect else FREE
     P = family[LIMITED]
-    if seeded and branch < 0 and P[IS_CLOSED] == 1.0:
-        psi, q, best, lowest, minimum = first_guess(P, place_, seed, respect)
+    if seeded and branch < 0:
+        slack = 1e-12
+        if P[IS_CLOSED] == 1.0:
+            psi, q, best, lowest, minimum = first_guess(P, place_, seed, respect)
+        else:
+            psi, q, best, lowest, minimum = first_guess_near(P, place_, R, p, seed, respect, J, A)
+            slack = BETWEEN_LIMBS
         if lowest < OUTSIDE:
             box = np.empty(SIZE)
-            tighten(family[strictness], seed, math.sqrt(lowest) * (1.0 + 1e-9) + 1e-12, box)
+            tighten(family[strictness], seed, math.sqrt(lowest) * (1.0 + 1e-9) + slack, box)
             found = np.empty((8 * MAX_PIECES, 3))
             n = find_intervals(box, place_, found)
             if minimum:
@@ -252,8 +262,10 @@ def solve_one(family, T, at_angle, psi, branch, seeded, seed, respect, J, A, out
     place_ = place(P, R, p)
     if at_angle:
         q, best, lowest = evaluate(P, place_, R, p, psi, branch, seeded, seed, respect, J, A)
-        if lowest >= NO_BRANCH and P[IS_CLOSED] != 1.0:
-            q, best, lowest = evaluate_again(P, place_, R, p, psi, branch, seeded, seed, respect, J, A)
+        if lowest >= OUTSIDE and P[IS_CLOSED] != 1.0:
+            again, other, value = evaluate_again(P, place_, R, p, psi, branch, seeded, seed, respect, J, A)
+            if value < lowest:
+                q, best, lowest = again, other, value
     else:
         q, best, lowest = search(family, place_, R, p, branch, seeded, seed, respect, J, A)
     measure_row(P, place_, R, p, q, best, lowest, respect, out)

@@ -8,16 +8,22 @@ from __future__ import annotations
 
 import math
 
-from srs_ik.kernels.branches import NO_BRANCH, side_posture
+from srs_ik.kernels.branches import NO_BRANCH, branch_of, side_posture
+from srs_ik.kernels.closure import CLOSED, MAX_STEP, close_free, longest, moved, pose_step, shortest_step
 from srs_ik.kernels.elbow import elbow_side
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout import A1, A2, A3, ACROSS_3, LOWER, SHOULDER, UPPER, WRIST
 from srs_ik.kernels.limits import set_joint_limits, set_limit
-from srs_ik.kernels.scoring import OUTSIDE
+from srs_ik.kernels.scoring import OUTSIDE, cost
+from srs_ik.kernels.search import turned
 from srs_ik.kernels.selfmotion import rates
-from srs_ik.kernels.vectors import dot, load3, rotate
+from srs_ik.kernels.vectors import along, dot, load3, norm, rotate, sub
 
 NEWTON_STEPS = 12
+
+SLIDE_STEPS = 30
+SLID = 3e-12
+"""Steps on the true chain, and the size of the last one, rad."""
 
 CONVERGED = 1e-11
 """A step of the arm angle below this, rad, ends the local search."""
@@ -110,6 +116,57 @@ def first_guess(P, place_, seed, respect):
             lowest = value
             minimum = converged
     return best_psi, best_q, best, lowest, minimum
+
+
+@kernel
+def slide(P, q, R, p, seed, J, A):
+    """Gauss-Newton on the true chain to the posture nearest to a seed, from one close to it: q, converged.
+
+    Each step is the one nearest to the seed among those that close the pose to first order.
+    """
+    for _ in range(SLIDE_STEPS):
+        linear, angular = pose_step(P, q, R, p, J)
+        wish = (0.0, 0.0, 0.0)
+        turn_wish = (0.0, 0.0, 0.0)
+        for j in range(7):
+            d = seed[j] - q[j]
+            wish = along(wish, d, (J[0, j], J[1, j], J[2, j]))
+            turn_wish = along(turn_wish, d, (J[3, j], J[4, j], J[5, j]))
+        shortest_step(J, sub(linear, wish), sub(angular, turn_wish), 0, 0.0, A)
+        for j in range(7):
+            A[j, 7] += seed[j] - q[j]
+        size = longest(A)
+        if size > MAX_STEP:
+            return q, False
+        q = moved(q, A, 1.0)
+        if size < SLID and max(norm(linear), norm(angular)) < SLID:
+            return q, True
+    return q, False
+
+
+@kernel
+def settle_near(P, q, R, p, seed, respect, J, A):
+    """From a posture to the nearest one around it on the true chain: q, cost, and whether it is a local minimum."""
+    q, error = close_free(P, q, R, p, False, 12, J, A)
+    if error > CLOSED:
+        return q, NO_BRANCH, False
+    better, minimum = slide(P, q, R, p, seed, J, A)
+    if minimum:
+        q = better
+    q = turned(P, q, True, seed, respect)
+    return q, cost(P, q, True, seed, respect), minimum
+
+
+@kernel
+def first_guess_near(P, place_, R, p, seed, respect, J, A):
+    """`first_guess` on a near limb, on the true chain: from the seed itself, and from the guess on the exact limb."""
+    psi, start, branch, guess, _ = first_guess(P, place_, seed, False)
+    q, lowest, minimum = settle_near(P, seed, R, p, seed, respect, J, A)
+    if guess < OUTSIDE:
+        other, value, other_minimum = settle_near(P, start, R, p, seed, respect, J, A)
+        if value < lowest:
+            return psi, other, branch, value, other_minimum
+    return psi, q, branch_of(P, q), lowest, minimum
 
 
 @kernel

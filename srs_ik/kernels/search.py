@@ -38,6 +38,9 @@ STEPS = 12
 MORE_STEPS = 80
 """Steps of Newton's method at an arm angle: from the closed form, and where that failed."""
 
+ATTEMPTS = 9
+"""Arm angles from which a given one is tried."""
+
 ALMOST = 0.1
 JITTERS = 100
 """A near limb that comes this close to a pose (m, rad) is tried from so many more postures around."""
@@ -67,7 +70,7 @@ def evaluate_branch(P, place_, side, R, p, psi, branch, seeded, seed, respect, J
     if P[IS_CLOSED] == 1.0 or lowest >= NO_BRANCH:
         return q, lowest
     q, closed = close_at_angle(P, q, R, p, place_[0], place_[1], psi, STEPS, J, A)
-    if not closed:
+    if not closed or branch_of(P, q) != branch:
         return q, NO_BRANCH
     q = turned(P, q, seeded, seed, respect)
     return q, cost(P, q, seeded, seed, respect)
@@ -295,25 +298,32 @@ def evaluate_again(P, place_, R, p, psi, branch, seeded, seed, respect, J, A):
     """
     best_q, best, _ = best_branch(P, place_, psi, branch, seeded, seed, respect)
     lowest = 2.0 * NO_BRANCH
-    for b in range(8):
-        q0, _, _ = best_branch(P, place_, psi, b, False, seed, False)
-        q = bend(P, q0, b)
-        turns_s = 6 if q[1] != q0[1] else 1
-        turns_w = 6 if q[5] != q0[5] else 1
-        against_s = -1.0 if math.cos(q[1] - P[SHOULDER + PHASE]) > 0.0 else 1.0
-        against_w = -1.0 if math.cos(q[5] - P[WRIST + PHASE]) > 0.0 else 1.0
-        for i in range(turns_s * turns_w):
-            ds = (i % turns_s) * math.pi / 3.0
-            dw = (i // turns_s) * math.pi / 3.0
-            start = (q[0] + ds, q[1], q[2] + against_s * ds, q[3], q[4] + dw, q[5], q[6] + against_w * dw)
-            closed_q, closed = close_at_angle(P, start, R, p, place_[0], place_[1], psi, MORE_STEPS, J, A)
-            if closed and (branch < 0 or branch_of(P, closed_q) == branch):
-                closed_q = turned(P, closed_q, seeded, seed, respect)
-                value = cost(P, closed_q, seeded, seed, respect)
-                if value < lowest:
-                    best_q = closed_q
-                    best = branch_of(P, closed_q)
-                    lowest = value
+    for attempt in range(ATTEMPTS):
+        # At the arm angle itself, then from either side of it, farther and farther.
+        from_psi = psi + (0.0 if attempt == 0 else (0.25 if attempt % 2 == 0 else -0.25) * ((attempt + 1) // 2))
+        for b in range(8):
+            q0, _, exists = best_branch(P, place_, from_psi, b, False, seed, False)
+            if exists >= NO_BRANCH:
+                continue
+            q = bend(P, q0, b)
+            turns_s = 6 if q[1] != q0[1] else 1
+            turns_w = 6 if q[5] != q0[5] else 1
+            against_s = -1.0 if math.cos(q[1] - P[SHOULDER + PHASE]) > 0.0 else 1.0
+            against_w = -1.0 if math.cos(q[5] - P[WRIST + PHASE]) > 0.0 else 1.0
+            for i in range(turns_s * turns_w):
+                ds = (i % turns_s) * math.pi / 3.0
+                dw = (i // turns_s) * math.pi / 3.0
+                start = (q[0] + ds, q[1], q[2] + against_s * ds, q[3], q[4] + dw, q[5], q[6] + against_w * dw)
+                closed_q, closed = close_at_angle(P, start, R, p, place_[0], place_[1], psi, MORE_STEPS, J, A)
+                if closed and (branch < 0 or branch_of(P, closed_q) == branch):
+                    closed_q = turned(P, closed_q, seeded, seed, respect)
+                    value = cost(P, closed_q, seeded, seed, respect)
+                    if value < lowest:
+                        best_q = closed_q
+                        best = branch_of(P, closed_q)
+                        lowest = value
+        if lowest < OUTSIDE:
+            break
     return best_q, best, lowest
 
 
