@@ -30,7 +30,7 @@ from srs_ik.kernels.layout import (
     SIZE,
 )
 from srs_ik.kernels.limits import set_limits
-from srs_ik.kernels.nearest import first_guess, first_guess_near, tighten
+from srs_ik.kernels.nearest import first_guess, first_guess_near, slid, tighten
 from srs_ik.kernels.scoring import OUTSIDE, tightest_joint
 from srs_ik.kernels.search import MAX_SAMPLES, evaluate, evaluate_again, evaluate_branch, rescue, search_intervals
 from srs_ik.kernels.vectors import add, apply, cross
@@ -208,6 +208,8 @@ def search(family, place_, R, p, branch, seeded, seed, respect, J, A):
             nearer_q, nearer, value = search_intervals(
                 P, place_, R, p, found, 0, n, branch, seeded, seed, respect, work, J, A
             )
+            if value < OUTSIDE and P[IS_CLOSED] != 1.0:
+                nearer_q, value, _ = slid(P, nearer_q, R, p, seed, respect, J, A)
             if value < lowest:
                 return nearer_q, nearer, value
             return q, best, lowest

@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 
 from srs_ik.kernels.branches import NO_BRANCH, branch_of, side_posture
-from srs_ik.kernels.closure import CLOSED, MAX_STEP, close_free, longest, moved, pose_step, shortest_step
+from srs_ik.kernels.closure import CLOSED, MAX_STEP, clipped, close_free, longest, moved, pose_step, shortest_step
 from srs_ik.kernels.elbow import elbow_side
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout import A1, A2, A3, ACROSS_3, LOWER, SHOULDER, UPPER, WRIST
@@ -119,26 +119,34 @@ def first_guess(P, place_, seed, respect):
 
 
 @kernel
-def slide(P, q, R, p, seed, J, A):
+def slide(P, q, R, p, seed, respect, J, A):
     """Gauss-Newton on the true chain to the posture nearest to a seed, from one close to it: q, converged.
 
-    Each step is the one nearest to the seed among those that close the pose to first order.
+    Each step is the one nearest to the seed among those that close the pose to first order; a joint that would leave its
+    limits stays on the limit.
     """
+    blocked = 0
     for _ in range(SLIDE_STEPS):
         linear, angular = pose_step(P, q, R, p, J)
         wish = (0.0, 0.0, 0.0)
         turn_wish = (0.0, 0.0, 0.0)
         for j in range(7):
-            d = seed[j] - q[j]
+            d = 0.0 if (blocked >> j) & 1 else seed[j] - q[j]
             wish = along(wish, d, (J[0, j], J[1, j], J[2, j]))
             turn_wish = along(turn_wish, d, (J[3, j], J[4, j], J[5, j]))
-        shortest_step(J, sub(linear, wish), sub(angular, turn_wish), 0, 0.0, A)
+        shortest_step(J, sub(linear, wish), sub(angular, turn_wish), blocked, 0.0, A)
         for j in range(7):
-            A[j, 7] += seed[j] - q[j]
+            if not (blocked >> j) & 1:
+                A[j, 7] += seed[j] - q[j]
         size = longest(A)
         if size > MAX_STEP:
             return q, False
         q = moved(q, A, 1.0)
+        if respect:
+            for j in range(7):
+                if q[j] < P[LOWER + j] or q[j] > P[UPPER + j]:
+                    blocked |= 1 << j
+            q = clipped(P, q)
         if size < SLID and max(norm(linear), norm(angular)) < SLID:
             return q, True
     return q, False
@@ -150,11 +158,30 @@ def settle_near(P, q, R, p, seed, respect, J, A):
     q, error = close_free(P, q, R, p, False, 12, J, A)
     if error > CLOSED:
         return q, NO_BRANCH, False
-    better, minimum = slide(P, q, R, p, seed, J, A)
+    better, minimum = slide(P, q, R, p, seed, False, J, A)
     if minimum:
         q = better
     q = turned(P, q, True, seed, respect)
-    return q, cost(P, q, True, seed, respect), minimum
+    value = cost(P, q, True, seed, respect)
+    if value < OUTSIDE:
+        return q, value, minimum
+    # The free minimum breaks a limit: any posture inside still bounds the distance.
+    q, error = close_free(P, clipped(P, q), R, p, True, 40, J, A)
+    if error > CLOSED:
+        return q, NO_BRANCH, False
+    return slid(P, q, R, p, seed, respect, J, A)
+
+
+@kernel
+def slid(P, q, R, p, seed, respect, J, A):
+    """A posture, or the nearer one that it slides to on the true chain: q, cost, and False as no free minimum."""
+    lowest = cost(P, q, True, seed, respect)
+    nearer, converged = slide(P, q, R, p, seed, respect, J, A)
+    if converged:
+        value = cost(P, nearer, True, seed, respect)
+        if value < lowest:
+            return nearer, value, False
+    return q, lowest, False
 
 
 @kernel
