@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from srs_ik.errors import InvalidConfiguration
 from srs_ik.kernels import path_entries
-from srs_ik.kernels.layout import ROW, ROW_STATUS
+from srs_ik.kernels.layout import ROW, ROW_ARM_ANGLE, ROW_BRANCH, ROW_STATUS
 from srs_ik.pose import as_joint_vector, as_matrices, invalid_pose
 from srs_ik.solution import BatchSolution, Status
 
@@ -74,31 +74,82 @@ def solve_path(
     T = as_matrices(poses)
     n = len(T)
     longest = _longest_steps(arm, dt, longest_step)
-    start = np.zeros(7) if seed is None else as_joint_vector(seed, "seed")
-    psis, q = np.zeros(n), np.zeros((n, 7))
-    branches, verdicts = np.full(n, -1), np.zeros(n, np.int64)
-    rows = np.full((n, ROW), np.nan)
-    if n:
-        family, seeded = arm._family, seed is not None
-        path_entries.plan(family, T, seeded, start, longest, psis, branches, verdicts)
-        if verdicts.any():
-            bad = int(np.flatnonzero(verdicts)[0])
-            raise invalid_pose(int(verdicts[bad]), f" {bad} of {n}")
-        path_entries.smooth(family, T, seeded, start, longest, psis, branches, q)
-        path_entries.finish(family, T, psis, branches, q, rows)
-    previous: Array | None = start if seed is not None else None
-    for i in np.flatnonzero((branches < 0) | (rows[:, ROW_STATUS] != Status.OK)):
-        # No posture was found on the nearest exact limb: the full search has the last word, near the sample before.
-        near = rows[i - 1, :7] if i else previous
-        rows[i] = arm.solve(T[i], seed=near)._row
-    q = _unwound(arm, rows[:, :7], previous)
-    rows[:, :7] = q
-    steps = np.diff(q, axis=0)
+    start = None if seed is None else as_joint_vector(seed, "seed")
+    if not n:
+        return PathSolution(np.empty((0, ROW)), arm.joint_names, np.empty((0, 7)), [])
+    keys, verdicts = np.zeros(n, np.bool_), np.zeros(n, np.int64)
+    path_entries.choose_keys(arm._family, T, keys, verdicts)
+    if verdicts.any():
+        bad = int(np.flatnonzero(verdicts)[0])
+        raise invalid_pose(int(verdicts[bad]), f" {bad} of {n}")
+    planned = _planned(arm, T, keys, start, longest)
+    tracked = _tracked(arm, T, planned[0, :7] if start is None else start, longest)
+    rows = planned
+    if tracked is not None and _cost(arm, tracked, start, longest) < _cost(arm, planned, start, longest):
+        rows = tracked
+    rows[:, :7] = _unwound(arm, rows[:, :7], start)
+    steps = np.diff(rows[:, :7], axis=0)
     return PathSolution(rows, arm.joint_names, steps, _breaks(arm, rows, steps, longest[1]))
 
 
+def _planned(arm: Any, T: Array, keys: NDArray[np.bool_], start: Array | None, longest: Array) -> Array:
+    """Rows of the path that dynamic programming finds, and smoothing makes even."""
+    n = len(T)
+    psis, branches = np.empty(n), np.empty(n, np.int64)
+    seed = np.zeros(7) if start is None else start
+    path_entries.plan(arm._family, T, keys, start is not None, seed, longest, psis, branches)
+    if not keys.all() and (branches < 0).any():
+        # Between two planned poses the path changes branches, or ends: there, every pose is planned.
+        keys = keys.copy()
+        keys[_widened(branches < 0)] = True
+        path_entries.plan(arm._family, T, keys, start is not None, seed, longest, psis, branches)
+    return _smoothed(arm, T, start, longest, psis, branches)
+
+
+def _widened(where: NDArray[np.bool_]) -> NDArray[np.bool_]:
+    """The marked samples and their neighbours."""
+    wide = where.copy()
+    wide[1:] |= where[:-1]
+    wide[:-1] |= where[1:]
+    return wide
+
+
+def _tracked(arm: Any, T: Array, start: Array, longest: Array) -> Array | None:
+    """Rows of the path that goes on to the nearest posture each time, made even; None if it gets stuck."""
+    rows = np.empty((len(T), ROW))
+    if path_entries.track(arm._family, T, start, rows) < len(T):
+        return None
+    psis, branches = rows[:, ROW_ARM_ANGLE].copy(), rows[:, ROW_BRANCH].astype(np.int64)
+    return _smoothed(arm, T, start, longest, psis, branches)
+
+
+def _smoothed(
+    arm: Any, T: Array, start: Array | None, longest: Array, psis: Array, branches: NDArray[np.int64]
+) -> Array:
+    """Rows of a path given by arm angles and branches, which are moved in place."""
+    q = np.zeros((len(T), 7))
+    rows = np.full((len(T), ROW), np.nan)
+    seed = np.zeros(7) if start is None else start
+    path_entries.smooth(arm._family, T, start is not None, seed, longest, psis, branches, q)
+    path_entries.finish(arm._family, T, psis, branches, q, rows)
+    for i in np.flatnonzero((branches < 0) | (rows[:, ROW_STATUS] != Status.OK)):
+        # No posture was found on the nearest exact limb: the full search has the last word, near the sample before.
+        rows[i] = arm.solve(T[i], seed=rows[i - 1, :7] if i else start)._row
+    return rows
+
+
+def _cost(arm: Any, rows: Array, start: Array | None, longest: Array) -> tuple[int, float]:
+    """Breaks of a path, then its sum of squared joint steps from the start on."""
+    q = _unwound(arm, rows[:, :7], start)
+    if start is not None:
+        q = np.vstack([start, q])
+    steps = np.diff(q, axis=0)
+    unreached = int((rows[:, ROW_STATUS] != Status.OK).sum())
+    return unreached + int((np.abs(steps) > longest[1]).any(axis=1).sum()), float((steps**2).sum())
+
+
 def _longest_steps(arm: Any, dt: float | None, longest_step: float) -> Array:
-    """(2, 7) joint steps by velocity and by continuity."""
+    """(3, 7) joint steps by velocity and by continuity, and the square of the shortest of all."""
     if not (np.isscalar(longest_step) and np.isfinite(longest_step) and longest_step > 0.0):
         raise InvalidConfiguration(f"longest_step must be a positive number of radians, not {longest_step!r}")
     by_velocity = np.full(7, np.inf)
@@ -106,7 +157,8 @@ def _longest_steps(arm: Any, dt: float | None, longest_step: float) -> Array:
         if not (np.isscalar(dt) and np.isfinite(dt) and dt > 0.0):
             raise InvalidConfiguration(f"dt must be a positive number of seconds, not {dt!r}")
         by_velocity = arm.velocity_limit * float(dt)
-    return np.vstack([by_velocity, np.full(7, float(longest_step))])
+    by_continuity = np.full(7, float(longest_step))
+    return np.vstack([by_velocity, by_continuity, np.full(7, min(by_velocity.min(), by_continuity.min()) ** 2)])
 
 
 def _unwound(arm: Any, q: Array, start: Array | None) -> Array:

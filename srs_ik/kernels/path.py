@@ -15,9 +15,9 @@ from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout import RANGE_KIND, SHOULDER, SLACK_SINGULAR, WRIST
 from srs_ik.kernels.limits import TURN, turn_to_middle, violation
 from srs_ik.kernels.spherical import angles, default_anchor, middle_angle
-from srs_ik.kernels.vectors import across, norm, swing
+from srs_ik.kernels.vectors import across, cross, norm, swing
 
-GRID = 48
+GRID = 24
 """Arm angles that are the same for every pose."""
 
 EXTRA = 8
@@ -25,8 +25,8 @@ EXTRA = 8
 
 SLOTS = GRID + EXTRA
 
-WINDOW = 4
-"""Grid steps that the arm angle may change from one pose to the next."""
+AGILITY = 3.0
+"""The arm angle may change by one grid step, and so many times as much as the pose turns, from one pose to the next."""
 
 NEARLY_STRAIGHT = 0.35
 """Sine of the bend under which the elbow may change sides, at any arm angle."""
@@ -150,6 +150,9 @@ def half_distance(P, first, a, b, longest):
         rest = 0.5 * (rest - TURN * math.floor(rest / TURN + 0.5))
         d1 = toward * rest
         d3 = rest
+    total = d1 * d1 + d2 * d2 + d3 * d3
+    if total < longest[2, 0]:
+        return total
     return (
         step_cost(P, first, d1, longest) + step_cost(P, first + 1, d2, longest) + step_cost(P, first + 2, d3, longest)
     )
@@ -162,10 +165,36 @@ def state_number(e, k, s, w):
 
 
 @kernel
+def has_state(shoulder, wrist):
+    """Whether a slot holds any posture inside the limits."""
+    return max(shoulder[0, 3], shoulder[1, 3]) > NONE and max(wrist[0, 3], wrist[1, 3]) > NONE
+
+
+@kernel
+def pose_change(place0, place1):
+    """How much a pose differs from another as the arm sees it, rad: direction S-W, bend, and hand."""
+    t0, _, c0, s0, hand0, _ = place0
+    t1, _, c1, s1, hand1, _ = place1
+    trace = 0.0
+    for i in range(9):
+        trace += hand0[i] * hand1[i]
+    turn = math.acos(min(max(0.5 * (trace - 1.0), -1.0), 1.0))
+    return norm(cross(t0, t1)) + abs(c0 * s1 - s0 * c1) + turn
+
+
+@kernel
+def window_of(change):
+    """Grid steps that the arm angle may change with a change of the pose."""
+    return min(1 + int(AGILITY * change * GRID / TURN), GRID // 2)
+
+
+@kernel
 def relax(P, e0, j, e1, k, before, now, longest, cost, ds, dw, best, back):
     """Try the sixteen ways from slot j on elbow side e0 to slot k on side e1."""
     shoulder0, wrist0, elbow0 = before
     shoulder1, wrist1, elbow1 = now
+    if not (has_state(shoulder0[e0, j], wrist0[e0, j]) and has_state(shoulder1[e1, k], wrist1[e1, k])):
+        return
     base = step_cost(P, 3, difference(P, 3, elbow0[e0, 0], elbow1[e1, 0]), longest)
     for a in range(2):
         for b in range(2):
@@ -187,13 +216,12 @@ def relax(P, e0, j, e1, k, before, now, longest, cost, ds, dw, best, back):
 
 
 @kernel
-def advance(P, before, now, count0, count1, slots1, bend0, bend1, longest, cost, ds, dw, best, back):
+def advance(P, before, now, count0, count1, slots1, window, change_sides, longest, cost, ds, dw, best, back):
     """One step of the dynamic programme: costs `best` and predecessors `back` of the states of the next pose."""
     for i in range(best.shape[0]):
         best[i] = IMPOSSIBLE
         back[i] = -1
     step = TURN / GRID
-    change_sides = max(bend0, bend1) < NEARLY_STRAIGHT
     for e1 in range(2):
         if now[2][e1, 1] == NONE:
             continue
@@ -206,7 +234,7 @@ def advance(P, before, now, count0, count1, slots1, bend0, bend1, longest, cost,
                     for j in range(count0):
                         relax(P, e0, j, e1, k, before, now, longest, cost, ds, dw, best, back)
                     continue
-                for i in range(-WINDOW, WINDOW + 1):
+                for i in range(-window, window + 1 if 2 * window < GRID else window):
                     j = (middle + i) % GRID
                     relax(P, e0, j, e1, k, before, now, longest, cost, ds, dw, best, back)
                 for j in range(GRID, count0):

@@ -7,14 +7,15 @@ import math
 import numpy as np
 
 from srs_ik.kernels.elbow import place, shoulder_to_wrist
-from srs_ik.kernels.entries import GOOD_POSE, find_intervals, measure_row, read7, read_pose
+from srs_ik.kernels.entries import GOOD_POSE, OK, find_intervals, measure_row, read7, read_pose, solve_one
 from srs_ik.kernels.intervals import MAX_PIECES
 from srs_ik.kernels.jit import entry, kernel
-from srs_ik.kernels.layout import FAR, IS_CLOSED, LIMITED, MIDDLE, ROW_ARM_ANGLE
+from srs_ik.kernels.layout import FAR, IS_CLOSED, LIMITED, MIDDLE, ROW_ARM_ANGLE, ROW_STATUS
 from srs_ik.kernels.path import (
     BREAK,
     GRID,
     IMPOSSIBLE,
+    NEARLY_STRAIGHT,
     SLOTS,
     add_missed,
     advance,
@@ -24,6 +25,8 @@ from srs_ik.kernels.path import (
     fill_states,
     is_possible,
     leap,
+    pose_change,
+    window_of,
 )
 from srs_ik.kernels.scoring import OUTSIDE
 from srs_ik.kernels.smoothing import (
@@ -40,6 +43,9 @@ from srs_ik.kernels.smoothing import (
 )
 
 STATES = 8 * SLOTS
+
+KEY_CHANGE = 0.04
+"""A path is planned at poses this far apart, rad."""
 
 NO_STATE = -2
 """Predecessor of the states of a pose that has none."""
@@ -66,27 +72,61 @@ def any_state(now, count):
     return False
 
 
+@kernel
+def interpolate(keys, psis, branches):
+    """Fill in the poses between two planned ones of the same branch, arm angles the shorter way round."""
+    last = 0
+    for i in range(1, psis.shape[0]):
+        if not keys[i]:
+            continue
+        if branches[i] >= 0 and branches[i] == branches[last]:
+            across = wrapped(psis[i] - psis[last])
+            for k in range(last + 1, i):
+                psis[k] = psis[last] + across * (k - last) / (i - last)
+                branches[k] = branches[i]
+        last = i
+
+
 @entry
-def plan(family, poses, seeded, seed, longest, psis, branches, verdicts):
-    """Choose arm angle and branch (-1 where there is no posture) for each pose; see `path`.
+def choose_keys(family, poses, keys, verdicts):
+    """Mark the poses among which a path is planned: the ends, and one for every `KEY_CHANGE` that the pose turns."""
+    P = family[LIMITED]
+    n = poses.shape[0]
+    R, p, verdicts[0] = read_pose(poses[0])
+    if verdicts[0] != GOOD_POSE:
+        return
+    before = place(P, R, p)
+    keys[0] = True
+    keys[n - 1] = True
+    for i in range(1, n):
+        R, p, verdicts[i] = read_pose(poses[i])
+        if verdicts[i] != GOOD_POSE:
+            return
+        here = place(P, R, p)
+        if pose_change(before, here) > KEY_CHANGE or within_reach(P, before) != within_reach(P, here):
+            keys[i - 1] = True
+            before = here
+
+
+@entry
+def plan(family, poses, keys, seeded, seed, longest, psis, branches):
+    """Choose arm angle and branch for each pose (branch -1 where there is none, or its neighbours disagree); see `path`.
 
     Args:
         family: packed limb.
         poses: (n, 4, 4).
+        keys: (n,) the poses that are planned; between two of the same branch the arm angle is interpolated.
         seeded: whether to start near a seed.
         seed: (7,).
-        longest: (2, 7) joint steps, by velocity and by continuity.
+        longest: (3, 7) joint steps, by velocity and by continuity, and the square of the shortest of all.
         psis: (n,) output.
         branches: (n,) integer output.
-        verdicts: (n,) integer output, on the poses.
     """
     P = family[LIMITED]
     n = poses.shape[0]
     sws = np.empty((n, 3))
     for i in range(n):
-        R, p, verdicts[i] = read_pose(poses[i])
-        if verdicts[i] != GOOD_POSE:
-            return
+        R, p, _ = read_pose(poses[i])
         sws[i, 0], sws[i, 1], sws[i, 2] = shoulder_to_wrist(P, R, p)
     zero_angles = np.empty(n)
     carried_zeros(P, sws, np.empty((n, 3)), zero_angles)
@@ -106,8 +146,13 @@ def plan(family, poses, seeded, seed, longest, psis, branches, verdicts):
     start = read7(seed)
     count0 = 0
     bend0 = 1.0
+    R, p, _ = read_pose(poses[0])
+    place0 = place(P, R, p)
     last = -1
+    allowed = longest.copy()
     for i in range(n):
+        if not keys[i]:
+            continue
         R, p, _ = read_pose(poses[i])
         place_ = place(P, R, p)
         slots = extra[i]
@@ -126,20 +171,23 @@ def plan(family, poses, seeded, seed, longest, psis, branches, verdicts):
             begin(P, now, count, seeded, start, cost)
             back[i, :] = -1
         else:
-            advance(
-                P, before, now, count0, count, slots, bend0, bend1, longest, cost, ds, dw, best, back[i]
-            )
+            window = window_of(pose_change(place0, place_))
+            sides = max(bend0, bend1) < NEARLY_STRAIGHT
+            for j in range(7):
+                allowed[0, j] = longest[0, j] * (i - last)
+            advance(P, before, now, count0, count, slots, window, sides, allowed, cost, ds, dw, best, back[i])
             if best.min() >= cost.min() + BREAK:
                 leap(P, before, now, count, cost, best, back[i])
             for k in range(STATES):
                 cost[k] = best[k]
         count0 = count
         bend0 = bend1
+        place0 = place_
         last = i
         current = 1 - current
     for i in range(n):
         branches[i] = -1
-        psis[i] = zero_angles[i]
+        psis[i] = 0.0
     if last < 0:
         return
     number = 0
@@ -151,9 +199,12 @@ def plan(family, poses, seeded, seed, longest, psis, branches, verdicts):
     for i in range(last, -1, -1):
         if back[i, 0] == NO_STATE:
             continue
-        psis[i] = extra[i, (number // 4) % SLOTS] + zero_angles[i]
+        psis[i] = extra[i, (number // 4) % SLOTS]
         branches[i] = 4 * (number // (4 * SLOTS)) + number % 4
         number = back[i, number]
+    interpolate(keys, psis, branches)
+    for i in range(n):
+        psis[i] += zero_angles[i]
 
 
 @entry
@@ -213,6 +264,20 @@ def smooth(family, poses, seeded, seed, longest, psis, branches, q):
                 R, p, _ = read_pose(poses[i])
                 place_ = place(P, R, p)
                 trial[i] = psis[i] + feasible_move(P, place_, psis[i], move[i], branches[i], read7(q[i]))
+
+
+@entry
+def track(family, poses, start, rows):
+    """The nearest posture to the one before, pose after pose, from a first posture; rows (n, ROW)."""
+    J = np.empty((6, 7))
+    A = np.empty((7, 9))
+    near = read7(start)
+    for i in range(poses.shape[0]):
+        solve_one(family, poses[i], False, 0.0, -1, True, near, True, J, A, rows[i])
+        if rows[i, ROW_STATUS] != OK:
+            return i
+        near = read7(rows[i])
+    return poses.shape[0]
 
 
 @entry
