@@ -83,10 +83,8 @@ def solve_path(
         bad = int(np.flatnonzero(verdicts)[0])
         raise invalid_pose(int(verdicts[bad]), f" {bad} of {n}")
     planned = _planned(arm, T, keys, start, longest)
-    tracked = _tracked(arm, T, planned[0, :7] if start is None else start, longest)
-    rows = planned
-    if tracked is not None and _cost(arm, tracked, start, longest) < _cost(arm, planned, start, longest):
-        rows = tracked
+    candidates = [planned, *_tracked(arm, T, planned[0, :7] if start is None else start, longest)]
+    rows = min(candidates, key=lambda candidate: _cost(arm, candidate, start, longest))
     rows[:, :7] = _unwound(arm, rows[:, :7], start)
     steps = np.diff(rows[:, :7], axis=0)
     return PathSolution(rows, arm.joint_names, steps, _breaks(arm, rows, steps, longest[1]))
@@ -114,13 +112,13 @@ def _widened(where: NDArray[np.bool_]) -> NDArray[np.bool_]:
     return wide
 
 
-def _tracked(arm: Any, T: Array, start: Array, longest: Array) -> Array | None:
-    """Rows of the path that goes on to the nearest posture each time, made even; None if it gets stuck."""
+def _tracked(arm: Any, T: Array, start: Array, longest: Array) -> list[Array]:
+    """Rows of the path that goes on to the nearest posture each time, as it is and made even; none if it gets stuck."""
     rows = np.empty((len(T), ROW))
     if path_entries.track(arm._family, T, start, rows) < len(T):
-        return None
+        return []
     psis, branches = rows[:, ROW_ARM_ANGLE].copy(), rows[:, ROW_BRANCH].astype(np.int64)
-    return _smoothed(arm, T, start, longest, psis, branches)
+    return [rows, _smoothed(arm, T, start, longest, psis, branches)]
 
 
 def _smoothed(

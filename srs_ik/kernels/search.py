@@ -185,19 +185,20 @@ def take_samples(P, side, lower, upper, samples):
 
 
 @kernel
-def keep_peak(peaks, n, value, branch, lower, upper):
+def keep_peak(peaks, n, value, branch, lower, peak, upper):
     """Keep a peak among the best, sorted by value; return how many are kept."""
     if n == PEAKS and value >= peaks[n - 1, 0]:
         return n
     i = min(n, PEAKS - 1)
     while i > 0 and peaks[i - 1, 0] > value:
-        for j in range(4):
+        for j in range(5):
             peaks[i, j] = peaks[i - 1, j]
         i -= 1
     peaks[i, 0] = value
     peaks[i, 1] = branch
     peaks[i, 2] = lower
-    peaks[i, 3] = upper
+    peaks[i, 3] = peak
+    peaks[i, 4] = upper
     return min(n + 1, PEAKS)
 
 
@@ -211,7 +212,9 @@ def scan(P, side, branch, lower, upper, seeded, seed, respect, samples, values, 
         before = values[i - 1] if i > 0 else values[i] + 1.0
         behind = values[i + 1] if i + 1 < count else values[i] + 1.0
         if values[i] <= before and values[i] <= behind:
-            n = keep_peak(peaks, n, values[i], branch, samples[max(i - 1, 0)], samples[min(i + 1, count - 1)])
+            lower_side = samples[max(i - 1, 0)]
+            upper_side = samples[min(i + 1, count - 1)]
+            n = keep_peak(peaks, n, values[i], branch, lower_side, samples[i], upper_side)
     return n
 
 
@@ -224,12 +227,12 @@ def search_peaks(P, place_, R, p, seeded, seed, respect, peaks, n, J, A):
     for i in range(n):
         branch = int(peaks[i, 1])
         side = elbow_side(P, place_, branch >> 2)
-        a = peaks[i, 2]
-        b = peaks[i, 3]
-        _, q, value = refine(P, place_, side, R, p, branch, a, b, seeded, seed, respect, J, A)
-        for end in range(2):
-            # A golden section never touches the ends of its bracket.
-            qe, ve = evaluate_branch(P, place_, side, R, p, a if end == 0 else b, branch, seeded, seed, respect, J, A)
+        _, q, value = refine(
+            P, place_, side, R, p, branch, peaks[i, 2], peaks[i, 4], seeded, seed, respect, J, A
+        )
+        for k in range(2, 5):
+            # A golden section never touches the ends of its bracket, nor a singular posture between them.
+            qe, ve = evaluate_branch(P, place_, side, R, p, peaks[i, k], branch, seeded, seed, respect, J, A)
             if ve <= value:
                 q = qe
                 value = ve
@@ -248,7 +251,7 @@ def search_intervals(P, place_, R, p, found, first, last, branch, seeded, seed, 
     """
     samples = work[0]
     values = work[1]
-    peaks = work[2, : 4 * PEAKS].reshape((PEAKS, 4))
+    peaks = work[2, : 5 * PEAKS].reshape((PEAKS, 5))
     n = 0
     elbow = -1
     side = elbow_side(P, place_, 0)
