@@ -179,6 +179,8 @@ def _breaks(arm: Any, rows: Array, steps: Array, longest: Array) -> list[PathBre
         elif i and (np.abs(steps[i - 1]) > longest).any():
             joint = int(np.abs(steps[i - 1]).argmax())
             jump, name = float(abs(steps[i - 1, joint])), arm.joint_names[joint]
-            why = f"No posture inside the limits continues the path at pose {i}: joint {name} has to jump {jump:.3f} rad."
+            why = (
+                f"No posture inside the limits continues the path at pose {i}: joint {name} has to jump {jump:.3f} rad."
+            )
             breaks.append(PathBreak(i, jump, name, why))
     return breaks

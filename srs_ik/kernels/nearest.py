@@ -122,8 +122,8 @@ def first_guess(P, place_, seed, respect):
 def slide(P, q, R, p, seed, respect, J, A):
     """Gauss-Newton on the true chain to the posture nearest to a seed, from one close to it: q, converged.
 
-    Each step is the one nearest to the seed among those that close the pose to first order; a joint that would leave its
-    limits stays on the limit.
+    Each step is the one nearest to the seed among those that close the pose to first order; a joint that would leave
+    its limits stays on the limit.
     """
     blocked = 0
     for _ in range(SLIDE_STEPS):

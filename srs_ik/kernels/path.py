@@ -48,7 +48,7 @@ FREE_DIFFERENCE = 3.0
 
 @kernel
 def carry(t, zero, fresh):
-    """The direction of arm angle zero, carried from the pose before to the S-W direction t (a fresh one if it vanishes)."""
+    """The direction of arm angle zero, carried from the pose before to the S-W direction t; fresh if it vanishes."""
     if norm(across(zero, t)) < 1e-6:
         return fresh
     return unit_across(zero, t, fresh)
@@ -100,7 +100,7 @@ def fill_states(P, place_, zero_angle, slots, count, shoulder, wrist, elbow):
 
 @kernel
 def add_missed(found, n, zero_angle, slots):
-    """Append to the grid the middle of each feasible interval that holds no arm angle of it; return the number of slots."""
+    """Append to the grid the middle of each feasible interval that it misses; return the number of slots."""
     count = GRID
     step = TURN / GRID
     for i in range(n):
@@ -124,7 +124,7 @@ def difference(P, joint, a, b):
 
 @kernel
 def step_cost(P, joint, d, longest):
-    """Squared step of one joint, with the penalty of a step beyond the longest continuous one, or beyond its velocity."""
+    """Squared step of one joint, with the penalty of a step beyond the longest continuous one or its velocity."""
     size = abs(d)
     value = d * d
     if size > longest[1, joint]:
@@ -229,7 +229,7 @@ def advance(P, before, now, count0, count1, slots1, window, change_sides, longes
             if before[2][e0, 1] == NONE or (e0 != e1 and not change_sides):
                 continue
             for k in range(count1):
-                middle = k if k < GRID else int(math.floor((slots1[k] + math.pi) / step + 0.5))
+                middle = k if k < GRID else round((slots1[k] + math.pi) / step)
                 if e0 != e1:
                     for j in range(count0):
                         relax(P, e0, j, e1, k, before, now, longest, cost, ds, dw, best, back)

@@ -110,7 +110,7 @@ def choose_keys(family, poses, keys, verdicts):
 
 @entry
 def plan(family, poses, keys, seeded, seed, longest, psis, branches):
-    """Choose arm angle and branch for each pose (branch -1 where there is none, or its neighbours disagree); see `path`.
+    """Choose arm angle and branch of each pose (branch -1 where there is none, or its neighbours disagree); see `path`.
 
     Args:
         family: packed limb.
@@ -282,7 +282,7 @@ def track(family, poses, start, rows):
 
 @entry
 def finish(family, poses, psis, branches, q, out):
-    """Close the postures of a path on the true chain and write their rows (n, ROW); where there is none, the row stays."""
+    """Close the postures of a path on the true chain and write their rows (n, ROW), where there are any."""
     P = family[LIMITED]
     J = np.empty((6, 7))
     A = np.empty((7, 9))

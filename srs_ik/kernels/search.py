@@ -227,9 +227,7 @@ def search_peaks(P, place_, R, p, seeded, seed, respect, peaks, n, J, A):
     for i in range(n):
         branch = int(peaks[i, 1])
         side = elbow_side(P, place_, branch >> 2)
-        _, q, value = refine(
-            P, place_, side, R, p, branch, peaks[i, 2], peaks[i, 4], seeded, seed, respect, J, A
-        )
+        _, q, value = refine(P, place_, side, R, p, branch, peaks[i, 2], peaks[i, 4], seeded, seed, respect, J, A)
         for k in range(2, 5):
             # A golden section never touches the ends of its bracket, nor a singular posture between them.
             qe, ve = evaluate_branch(P, place_, side, R, p, peaks[i, k], branch, seeded, seed, respect, J, A)

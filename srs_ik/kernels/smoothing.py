@@ -29,7 +29,7 @@ SLOW_RATE = 20.0
 
 @kernel
 def posture(P, place_, psi, branch, near):
-    """Posture of a branch on the nearest exact limb, in the turns nearest to another posture: q, cost, S-W from the forearm."""
+    """Posture of a branch on the nearest exact limb, in the turns nearest to another one: q, cost, S-W from the forearm."""
     side = elbow_side(P, place_, branch >> 2)
     q, _, value = side_posture(P, side, psi, (branch >> 1) & 1, branch & 1, True, near, True)
     return q, value, side[3]
@@ -48,15 +48,15 @@ def squared_step(P, a, b):
 @kernel
 def is_linked(P, a, b, longest):
     """Whether a step between two postures is continuous."""
+    linked = True
     for j in range(7):
-        if abs(difference(P, j, a[j], b[j])) > longest[1, j]:
-            return False
-    return True
+        linked = linked and abs(difference(P, j, a[j], b[j])) <= longest[1, j]
+    return linked
 
 
 @kernel
 def close_to(P, place_, R, p, q, psi, respect, J, A):
-    """The posture on the true chain: itself on a closed limb, else by Newton's method, the arm angle kept if possible."""
+    """The posture on the true chain: itself, or by Newton's method on a near limb, the arm angle kept if possible."""
     if P[IS_CLOSED] == 1.0:
         return q, True
     closed_q, closed = close_at_angle(P, q, R, p, place_[0], place_[1], psi, STEPS, J, A)
