@@ -148,15 +148,22 @@ def _cost(arm: Any, rows: Array, start: Array | None, longest: Array) -> tuple[i
 
 def _longest_steps(arm: Any, dt: float | None, longest_step: float) -> Array:
     """(3, 7) joint steps by velocity and by continuity, and the square of the shortest of all."""
-    if not (np.isscalar(longest_step) and np.isfinite(longest_step) and longest_step > 0.0):
-        raise InvalidConfiguration(f"longest_step must be a positive number of radians, not {longest_step!r}")
     by_velocity = np.full(7, np.inf)
     if dt is not None:
-        if not (np.isscalar(dt) and np.isfinite(dt) and dt > 0.0):
-            raise InvalidConfiguration(f"dt must be a positive number of seconds, not {dt!r}")
-        by_velocity = arm.velocity_limit * float(dt)
-    by_continuity = np.full(7, float(longest_step))
+        by_velocity = arm.velocity_limit * _positive(dt, "dt", "seconds")
+    longest_step = _positive(longest_step, "longest_step", "radians")
+    by_continuity = np.full(7, longest_step)
     return np.vstack([by_velocity, by_continuity, np.full(7, min(by_velocity.min(), by_continuity.min()) ** 2)])
+
+
+def _positive(value: float, what: str, unit: str) -> float:
+    try:
+        number = float(value)
+    except (TypeError, ValueError):
+        number = np.nan
+    if not (np.isfinite(number) and number > 0.0):
+        raise InvalidConfiguration(f"{what} must be a positive number of {unit}, not {value!r}")
+    return number
 
 
 def _unwound(arm: Any, q: Array, start: Array | None) -> Array:
