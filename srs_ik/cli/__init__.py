@@ -1,4 +1,4 @@
-"""The command line `srs-ik`: list robots, inspect a robot file, solve a pose."""
+"""The command line `srs-ik`: list robots, inspect a robot file, solve a pose, list its feasible arm angles."""
 
 from __future__ import annotations
 

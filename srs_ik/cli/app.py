@@ -9,7 +9,7 @@ import typer
 from typer.core import TyperGroup
 
 from srs_ik import __version__
-from srs_ik.cli import inspect, robots, solve
+from srs_ik.cli import inspect, intervals, robots, solve
 from srs_ik.cli.options import NumbersCommand, WrongInput
 
 EXIT_NO_SOLUTION = 1
@@ -81,3 +81,4 @@ def srs_ik(
 app.command("robots")(robots.robots)
 app.command("inspect")(inspect.inspect)
 app.command("solve", cls=NumbersCommand)(solve.solve)
+app.command("intervals", cls=NumbersCommand)(intervals.intervals)

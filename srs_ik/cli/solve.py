@@ -7,7 +7,8 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from srs_ik.cli.options import AsJson, Base, Four, Seven, Source, Three, Tip, WrongInput, numbers
+from srs_ik.cli.options import AsJson, Base, Seven, Source, Tip, WrongInput, numbers
+from srs_ik.cli.poses import JOINTS, FromQ, NoLimits, Quat, Rpy, Xyz, read_pose, unit_of
 
 if TYPE_CHECKING:
     import numpy as np
@@ -16,29 +17,13 @@ if TYPE_CHECKING:
     from srs_ik.arm import Arm
     from srs_ik.solution import Solution
 
-QUATERNION_TOLERANCE = 1e-3
-"""A quaternion typed with four digits is still one; it is normalised."""
-
-JOINTS = "Q1 .. Q7"
-
 
 def solve(
     source: Source,
-    xyz: Annotated[
-        Three | None, typer.Option(metavar="X Y Z", help="Position of the tip in the base frame, metres.")
-    ] = None,
-    rpy: Annotated[
-        Three | None,
-        typer.Option(
-            metavar="R P Y", help="Orientation as in a URDF: about the fixed x, then y, then z axis, radians."
-        ),
-    ] = None,
-    quat: Annotated[
-        Four | None, typer.Option(metavar="X Y Z W", help="Orientation as a unit quaternion, the scalar part last.")
-    ] = None,
-    from_q: Annotated[
-        Seven | None, typer.Option(metavar=JOINTS, help="Instead of a pose: the pose that these joint angles reach.")
-    ] = None,
+    xyz: Xyz = None,
+    rpy: Rpy = None,
+    quat: Quat = None,
+    from_q: FromQ = None,
     base: Base = None,
     tip: Tip = None,
     arm_angle: Annotated[
@@ -52,7 +37,7 @@ def solve(
         bool,
         typer.Option("--all", help="Print every branch at the arm angle; without one, a posture for every interval."),
     ] = False,
-    no_limits: Annotated[bool, typer.Option("--no-limits", help="Ignore the joint limits.")] = False,
+    no_limits: NoLimits = False,
     degrees: Annotated[
         bool, typer.Option("--degrees", help="Angles are given in degrees (--rpy, --from-q, --arm-angle, --seed).")
     ] = False,
@@ -63,17 +48,14 @@ def solve(
     The pose is --xyz with --rpy or --quat, or that of --from-q. Without --arm-angle and --seed the posture farthest
     from the joint limits is chosen. Exit status 1 if there is no solution; the closest posture is printed then.
     """
-    unit = math.pi / 180.0 if degrees else 1.0
+    unit = unit_of(degrees)
     if every and (seed is not None or branch is not None):
         raise WrongInput("--all prints every solution and goes with neither --seed nor --branch")
     if branch is not None and branch not in range(8):
         raise WrongInput(f"--branch is a whole number from 0 to 7, not {branch}")
     angle = None if arm_angle is None else unit * numbers("--arm-angle", [arm_angle])[0]
     start = None if seed is None else [unit * x for x in numbers("--seed", seed)]
-    configuration = [unit * x for x in numbers("--from-q", from_q or ())]
-    if configuration and (xyz or rpy or quat):
-        raise WrongInput("--from-q is a pose already and goes with none of --xyz, --rpy and --quat")
-    pose = None if configuration else _read_pose(xyz, rpy, quat, unit)
+    pose, configuration = read_pose(xyz, rpy, quat, from_q, unit)
 
     from srs_ik.loading import load
 
@@ -95,33 +77,6 @@ def solve(
     if not solutions:
         typer.echo(f"srs-ik: {best.status.name}: {best.message}", err=True)
         raise typer.Exit(1)
-
-
-def _read_pose(xyz: Three | None, rpy: Three | None, quat: Four | None, unit: float) -> np.ndarray:
-    """The (4, 4) pose of the tip in the base frame that the options give."""
-    if xyz is None and rpy is None and quat is None:
-        raise WrongInput("give a pose: --xyz with --rpy or --quat, or --from-q")
-    if rpy is not None and quat is not None:
-        raise WrongInput("--rpy and --quat are two ways to give the orientation: give one")
-    if xyz is None:
-        raise WrongInput("an orientation alone is no pose: give the position with --xyz X Y Z")
-
-    import numpy as np
-    import pinocchio as pin
-
-    T_base_tip = np.eye(4)
-    T_base_tip[:3, 3] = numbers("--xyz", xyz)
-    if rpy is not None:
-        T_base_tip[:3, :3] = pin.rpy.rpyToMatrix(unit * np.array(numbers("--rpy", rpy)))
-    elif quat is not None:
-        components = np.array(numbers("--quat", quat))
-        length = float(np.linalg.norm(components))
-        if abs(length - 1.0) > QUATERNION_TOLERANCE:
-            raise WrongInput(f"--quat is a rotation only if its length is 1, not {length:.6g}")
-        T_base_tip[:3, :3] = pin.Quaternion(components / length).toRotationMatrix()
-    else:
-        raise WrongInput("a position alone is no pose: give the orientation with --rpy R P Y or --quat X Y Z W")
-    return T_base_tip
 
 
 def _print_json(arm: Arm, pose: np.ndarray, best: Solution, solutions: list[Solution] | None) -> None:

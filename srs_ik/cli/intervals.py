@@ -1,0 +1,102 @@
+"""`srs-ik intervals`: the arm angles at which a pose can be met."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from srs_ik.cli.options import AsJson, Base, Source, Tip
+from srs_ik.cli.poses import FromQ, NoLimits, Quat, Rpy, Xyz, read_pose, unit_of
+
+if TYPE_CHECKING:
+    import numpy as np
+
+    from srs_ik.arm import Arm
+    from srs_ik.solution import Interval
+
+
+def intervals(
+    source: Source,
+    xyz: Xyz = None,
+    rpy: Rpy = None,
+    quat: Quat = None,
+    from_q: FromQ = None,
+    base: Base = None,
+    tip: Tip = None,
+    no_limits: NoLimits = False,
+    degrees: Annotated[bool, typer.Option("--degrees", help="Angles are given in degrees (--rpy, --from-q).")] = False,
+    plot: Annotated[
+        Path | None, typer.Option(metavar="FILE.png", help="Draw the intervals into this file as well (extra 'plot').")
+    ] = None,
+    as_json: AsJson = False,
+) -> None:
+    """List the arm angles at which an arm can bring its tip to a pose, for each of the eight branches.
+
+    An interval starts in [-pi, pi) and may pass pi; the whole circle is -pi to pi. Exit status 1 if there is none.
+    """
+    pose, configuration = read_pose(xyz, rpy, quat, from_q, unit_of(degrees))
+    if plot is not None:
+        from srs_ik.cli.chart import check
+
+        check(plot)
+
+    from srs_ik.loading import load
+
+    arm = load(source, base=base, tip=tip)
+    if pose is None:
+        pose = arm.forward_kinematics(configuration).homogeneous
+    found = arm.intervals(pose, respect_limits=not no_limits)
+    if as_json:
+        _print_json(arm, pose, found)
+    elif found:
+        _print_table(arm, found)
+    if not found:
+        where = "no posture" if no_limits else "no posture inside the joint limits"
+        typer.echo(
+            f"srs-ik: {where} meets the pose, whatever its arm angle; 'srs-ik solve' says what is left", err=True
+        )
+        raise typer.Exit(1)
+    if plot is not None:
+        from srs_ik.cli.chart import draw
+
+        draw(found, f"{arm.name}: arm angles at which {arm.tip} meets the pose", plot)
+
+
+def _print_json(arm: Arm, pose: np.ndarray, found: list[Interval]) -> None:
+    from srs_ik.cli.render import print_json
+
+    print_json(
+        {
+            "robot": arm.name,
+            "base": arm.base,
+            "tip": arm.tip,
+            "T_base_tip": pose,
+            "intervals": [{"branch": i.branch, "lower": i.lower, "upper": i.upper} for i in found],
+        }
+    )
+
+
+def _print_table(arm: Arm, found: list[Interval]) -> None:
+    from srs_ik.cli.render import console, fixed, table
+
+    rows = [
+        (
+            str(i.branch),
+            fixed(math.degrees(i.lower), 4),
+            fixed(math.degrees(i.upper), 4),
+            fixed(math.degrees(i.width), 4),
+            fixed(i.lower, 9),
+            fixed(i.upper, 9),
+        )
+        for i in found
+    ]
+    columns = ("branch", "from (deg)", "to (deg)", "width (deg)", "from (rad)", "to (rad)")
+    out = console()
+    out.print(f"{arm.name}: arm angles for {arm.tip} in {arm.base}")
+    out.print(table(columns, rows, left=0))
+    branches = len({i.branch for i in found})
+    count = f"{len(found)} {'interval' if len(found) == 1 else 'intervals'}"
+    out.print(f"{count} in {branches} {'branch' if branches == 1 else 'branches'}")
