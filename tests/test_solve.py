@@ -162,6 +162,27 @@ def test_on_random_limbs_the_seeded_posture_is_the_nearest(limb):
         assert not found > np.nanmin(swept, initial=np.inf) + 1e-9
 
 
+@pytest.mark.parametrize(
+    ("case", "draws"),
+    [
+        ((3165182844, "oblique", "straight", "wide"), 2),
+        ((3710268475, "oblique", "offset", "wide"), 2),
+        ((3828998945, "coordinate", "straight", "wide"), 2),
+    ],
+)
+def test_ranges_wider_than_a_turn_do_not_hide_the_nearest_posture(case, draws):
+    """Where the turn nearest to the seed leaves the limits, the distance jumps within an interval."""
+    limb = random_limb(*case)
+    arm = srs_ik.load(limb.model, base="base", tip="tool")
+    for _ in range(draws):
+        known = limb.configuration()
+        seed = known + limb.rng.uniform(-1.0, 1.0, 7)
+    pose = arm.forward_kinematics(known)
+    found = np.sum((arm.solve(pose, seed=seed).q - seed) ** 2)
+    swept = np.sum((turns_near(sweep(arm, pose), seed, arm.lower, arm.upper) - seed) ** 2, axis=1)
+    assert found <= np.nanmin(swept) + 1e-9
+
+
 def margin(arm, q):
     """Smallest distance from the limits relative to half the range; 1 for a joint without limits."""
     half = 0.5 * (arm.upper - arm.lower)
@@ -177,6 +198,32 @@ def test_without_a_seed_the_posture_is_farthest_from_the_limits(name):
         solution = arm.solve(pose)
         assert_met(arm, forward, pose, solution, arms.tolerance(name))
         assert margin(arm, solution.q) >= margin(arm, sweep(arm, pose)).max() - 1e-9
+
+
+@STEADY
+@given(limbs(limits=("usual", "wide", "beyond", "continuous")))
+def test_on_random_limbs_the_posture_is_farthest_from_the_limits(limb):
+    arm = srs_ik.load(limb.model, base="base", tip="tool")
+    known = limb.configuration()
+    pose = arm.forward_kinematics(known)
+    best = max(margin(arm, sweep(arm, pose)).max(), margin(arm, known))
+    assert margin(arm, arm.solve(pose).q) >= best - 1e-9
+
+
+@pytest.mark.parametrize(
+    "case",
+    [
+        (506495681, "tilted", "offset", "wide"),
+        (3275039810, "coordinate", "offset", "wide"),
+        (1736716537, "coordinate", "offset", "wide"),
+    ],
+)
+def test_ranges_wider_than_a_turn_do_not_hide_the_posture_farthest_from_the_limits(case):
+    """Such ranges change turns within an interval: the margin has more than one peak there."""
+    limb = random_limb(*case)
+    arm = srs_ik.load(limb.model, base="base", tip="tool")
+    pose = arm.forward_kinematics(limb.configuration())
+    assert margin(arm, arm.solve(pose).q) >= margin(arm, sweep(arm, pose)).max() - 1e-9
 
 
 @pytest.mark.parametrize("name", ["gen3", "gen3_upstream", "j2s7s300"])
