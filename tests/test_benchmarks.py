@@ -1,0 +1,45 @@
+"""The benchmark runs to its end; what it measures is not judged here."""
+
+import json
+import runpy
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).resolve().parents[1]
+
+
+@pytest.fixture(scope="module")
+def quick() -> dict:
+    return runpy.run_path(str(ROOT / "benchmarks" / "quick.py"), run_name="quick")
+
+
+def test_quick_prints_a_table_and_writes_the_same_figures(quick, tmp_path, capsys):
+    path = tmp_path / "quick.json"
+    quick["main"](["--poses", "3", "--no-start", "--json", str(path)])
+    text = capsys.readouterr().out
+    calls = json.loads(path.read_text())["calls"]
+    own = [call for call in calls if call["package"].startswith("srs-ik ")]
+    assert {call["robot"] for call in own} == {"iiwa14", "gen3"}
+    for call in calls:
+        assert 0.0 < call["median_us"] <= call["worst_us"]
+        assert f"| {call['robot']} | {call['package']} | {call['call']} | {call['median_us']:.2f} |" in text
+    for call in own:
+        if call["call"] != "intervals(pose)":
+            assert call["solved"] == call["poses"] == 3
+            assert call["error"] < 1e-9
+
+
+def test_quick_refuses_to_measure_nothing(quick, capsys):
+    with pytest.raises(SystemExit) as left:
+        quick["main"](["--poses", "0"])
+    assert left.value.code == 2
+    assert "--poses" in capsys.readouterr().err
+
+
+def test_times_leave_out_the_first_calls(quick):
+    seen = []
+    times, answers = quick["time_calls"](lambda x: seen.append(x) or x, [(1,), (2,)])
+    assert seen == [1, 2, 1, 2]
+    assert answers == [1, 2]
+    assert (times > 0.0).all()
