@@ -1,58 +1,17 @@
-"""The command line: what it prints is true, and what is wrong is said in one line."""
+"""The command line: what `srs-ik solve` prints is true, and what is wrong is said in one line."""
 
 import json
-import os
 import subprocess
 import sys
 from pathlib import Path
 
 import numpy as np
-import pinocchio as pin
 import pytest
-from typer.testing import CliRunner
+from command_line import POSE, Q, answer, pose_by_pinocchio, run, run_apart
+from robot_files import shared_urdf
 
 import srs_ik
 from srs_ik import cli, zoo
-from srs_ik.cli.app import app
-from srs_ik.loading import sources
-
-REAL = Path(__file__).resolve().parents[2] / "shared" / "urdf"
-POSE = ["--xyz", "0.5", "0.1", "0.6", "--rpy", "0", "1.5707963", "0"]
-Q = ["0.3", "0.7", "-0.4", "-1.1", "0.5", "0.8", "-0.2"]
-
-
-def run(*words: str):
-    return CliRunner().invoke(app, list(words))
-
-
-def answer(*words: str, exit_code: int = 0) -> dict:
-    result = run(*words, "--json")
-    assert result.exit_code == exit_code, result.stderr or result.exception
-    return json.loads(result.stdout)
-
-
-def run_apart(words: list[str], **environment: str) -> subprocess.CompletedProcess:
-    """Run the installed command in a process of its own."""
-    command = [sys.executable, "-c", "from srs_ik.cli import main; main()", *words]
-    return subprocess.run(command, capture_output=True, text=True, timeout=300, env={**os.environ, **environment})
-
-
-def real(name: str) -> str:
-    path = REAL / f"{name}.urdf"
-    if not path.is_file():
-        pytest.skip(f"{path.name} is not here")
-    return str(path)
-
-
-def pose_by_pinocchio(robot: str, q: list[float]) -> np.ndarray:
-    """Pose of the tip in the base frame, from the untouched file of a built-in robot without continuous joints."""
-    card = zoo.card(robot)
-    model = pin.buildModelFromUrdf(str(card.urdf))
-    assert model.nq == 7
-    data = model.createData()
-    pin.framesForwardKinematics(model, data, np.array(q))
-    base, tip = (data.oMf[model.getFrameId(name)] for name in (card.base, card.tip))
-    return (base.inverse() * tip).homogeneous
 
 
 def rotation(roll: float, pitch: float, yaw: float) -> np.ndarray:
@@ -61,83 +20,6 @@ def rotation(roll: float, pitch: float, yaw: float) -> np.ndarray:
     about_y = np.array([[cp, 0, sp], [0, 1, 0], [-sp, 0, cp]])
     about_z = np.array([[cy, -sy, 0], [sy, cy, 0], [0, 0, 1]])
     return about_z @ about_y @ about_x
-
-
-# robots
-
-
-def test_robots_lists_every_name_that_load_knows():
-    listed = json.loads(run("robots", "--json").stdout)
-    assert [robot["name"] for robot in listed] == srs_ik.robots()
-    text = run("robots").stdout
-    assert all(robot["name"] in text and robot["tip"] in text for robot in listed)
-
-
-def test_robots_gives_the_command_for_what_is_not_installed(monkeypatch):
-    monkeypatch.setattr(sources, "_data_files", lambda: iter(()))
-    listed = {robot["name"]: robot for robot in json.loads(run("robots", "--json").stdout)}
-    assert listed["iiwa14"]["installed"]
-    assert listed["iiwa14"]["install"] is None
-    assert not listed["human_left"]["installed"]
-    assert listed["human_left"]["install"] == "pip install 'srs-ik[robots]'"
-    assert "For human_left and human_right: pip install 'srs-ik[robots]'" in run("robots").stdout
-
-
-# inspect
-
-
-def test_inspect_gives_the_published_lengths_of_the_iiwa():
-    (limb,) = answer("inspect", "iiwa14")["limbs"]
-    assert limb["kind"] == "exact"
-    assert limb["wrist_kind"] == "XYX"
-    assert [limb["upper_arm"], limb["forearm"], limb["hand"]] == pytest.approx([0.42, 0.4, 0.126], abs=1e-12)
-    assert limb["elbow_offset"] == pytest.approx(0.0, abs=1e-12)
-    assert np.rad2deg(limb["upper"]) == pytest.approx([170, 120, 170, 120, 170, 120, 175], abs=0.01)
-
-
-def test_inspect_prints_tables_with_millimetres_and_limits_in_both_units():
-    text = run("inspect", "iiwa14").stdout
-    for expected in ("exact", "420.000", "400.000", "126.000", "(deg)", "(rad)", "iiwa_joint_7", "XYX"):
-        assert expected in text
-
-
-def test_inspect_leaves_out_the_limits_of_continuous_joints():
-    (limb,) = answer("inspect", "gen3")["limbs"]
-    assert [x is None for x in limb["upper"]] == [True, False] * 3 + [True]
-    assert limb["kind"] == "near"
-    assert max(limb["misses_mm"]) == pytest.approx(0.5 * 11.7508, abs=1e-3)
-
-
-def test_inspect_with_a_tip_looks_at_that_chain_alone():
-    card = zoo.card("iiwa14")
-    (limb,) = answer("inspect", str(card.urdf), "--base", card.base, "--tip", card.tip)["limbs"]
-    assert (limb["base"], limb["tip"]) == (card.base, card.tip)
-
-
-@pytest.mark.parametrize("name", ["franka_fr3", "xarm7", "sawyer"])
-def test_inspect_tells_by_how_many_millimetres_a_refused_arm_misses(name):
-    report = answer("inspect", real(name), exit_code=1)
-    assert {limb["kind"] for limb in report["limbs"]} == {"refused"}
-    assert all(max(miss for miss in limb["misses_mm"] if miss is not None) > 10.0 for limb in report["limbs"])
-    result = run("inspect", real(name))
-    assert result.exit_code == 1
-    assert "refused" in result.stdout
-    assert "(mm)" in result.stdout
-
-
-def test_inspect_shows_both_arms_of_a_file():
-    limbs = answer("inspect", real("openarm_v10_bimanual"))["limbs"]
-    accepted = [limb["tip"] for limb in limbs if limb["kind"] != "refused"]
-    assert len(accepted) == len(set(accepted)) == 2
-
-
-def test_inspect_says_that_a_file_has_no_chain_of_seven(tmp_path):
-    path = tmp_path / "lamp.urdf"
-    path.write_text('<robot name="lamp"><link name="foot"/></robot>')
-    result = run("inspect", str(path))
-    assert result.exit_code == 1
-    assert result.stderr.count("\n") == 1
-    assert "7" in result.stderr
 
 
 # solve
@@ -320,7 +202,7 @@ def test_a_broken_file_is_named_in_one_line(tmp_path, text, command):
 
 
 def test_several_arms_are_listed_in_one_line():
-    result = run("solve", real("openarm_v10_bimanual"), *POSE)
+    result = run("solve", str(shared_urdf("openarm_v10_bimanual")), *POSE)
     assert result.exit_code == 2
     assert result.stderr.count("\n") == 1
     assert "left" in result.stderr
@@ -328,7 +210,7 @@ def test_several_arms_are_listed_in_one_line():
 
 
 def test_a_refused_arm_is_one_line_with_millimetres():
-    result = run("solve", real("franka_fr3"), *POSE)
+    result = run("solve", str(shared_urdf("franka_fr3")), *POSE)
     assert result.exit_code == 2
     assert result.stderr.count("\n") == 1
     assert " mm" in result.stderr

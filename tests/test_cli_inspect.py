@@ -1,0 +1,83 @@
+"""`srs-ik robots` and `srs-ik inspect`: what is known of a robot without solving anything."""
+
+import json
+
+import numpy as np
+import pytest
+from command_line import answer, run
+from robot_files import shared_urdf
+
+import srs_ik
+from srs_ik import zoo
+from srs_ik.loading import sources
+
+
+def test_robots_lists_every_name_that_load_knows():
+    listed = json.loads(run("robots", "--json").stdout)
+    assert [robot["name"] for robot in listed] == srs_ik.robots()
+    text = run("robots").stdout
+    assert all(robot["name"] in text and robot["tip"] in text for robot in listed)
+
+
+def test_robots_gives_the_command_for_what_is_not_installed(monkeypatch):
+    monkeypatch.setattr(sources, "_data_files", lambda: iter(()))
+    listed = {robot["name"]: robot for robot in json.loads(run("robots", "--json").stdout)}
+    assert listed["iiwa14"]["installed"]
+    assert listed["iiwa14"]["install"] is None
+    assert not listed["human_left"]["installed"]
+    assert listed["human_left"]["install"] == "pip install 'srs-ik[robots]'"
+    assert "For human_left and human_right: pip install 'srs-ik[robots]'" in run("robots").stdout
+
+
+def test_inspect_gives_the_published_lengths_of_the_iiwa():
+    (limb,) = answer("inspect", "iiwa14")["limbs"]
+    assert limb["kind"] == "exact"
+    assert limb["wrist_kind"] == "XYX"
+    assert [limb["upper_arm"], limb["forearm"], limb["hand"]] == pytest.approx([0.42, 0.4, 0.126], abs=1e-12)
+    assert limb["elbow_offset"] == pytest.approx(0.0, abs=1e-12)
+    assert np.rad2deg(limb["upper"]) == pytest.approx([170, 120, 170, 120, 170, 120, 175], abs=0.01)
+
+
+def test_inspect_prints_tables_with_millimetres_and_limits_in_both_units():
+    text = run("inspect", "iiwa14").stdout
+    for expected in ("exact", "420.000", "400.000", "126.000", "(deg)", "(rad)", "iiwa_joint_7", "XYX"):
+        assert expected in text
+
+
+def test_inspect_leaves_out_the_limits_of_continuous_joints():
+    (limb,) = answer("inspect", "gen3")["limbs"]
+    assert [x is None for x in limb["upper"]] == [True, False] * 3 + [True]
+    assert limb["kind"] == "near"
+    assert max(limb["misses_mm"]) == pytest.approx(0.5 * 11.7508, abs=1e-3)
+
+
+def test_inspect_with_a_tip_looks_at_that_chain_alone():
+    card = zoo.card("iiwa14")
+    (limb,) = answer("inspect", str(card.urdf), "--base", card.base, "--tip", card.tip)["limbs"]
+    assert (limb["base"], limb["tip"]) == (card.base, card.tip)
+
+
+@pytest.mark.parametrize("name", ["franka_fr3", "xarm7", "sawyer"])
+def test_inspect_tells_by_how_many_millimetres_a_refused_arm_misses(name):
+    report = answer("inspect", str(shared_urdf(name)), exit_code=1)
+    assert {limb["kind"] for limb in report["limbs"]} == {"refused"}
+    assert all(max(miss for miss in limb["misses_mm"] if miss is not None) > 10.0 for limb in report["limbs"])
+    result = run("inspect", str(shared_urdf(name)))
+    assert result.exit_code == 1
+    assert "refused" in result.stdout
+    assert "(mm)" in result.stdout
+
+
+def test_inspect_shows_both_arms_of_a_file():
+    limbs = answer("inspect", str(shared_urdf("openarm_v10_bimanual")))["limbs"]
+    accepted = [limb["tip"] for limb in limbs if limb["kind"] != "refused"]
+    assert len(accepted) == len(set(accepted)) == 2
+
+
+def test_inspect_says_that_a_file_has_no_chain_of_seven(tmp_path):
+    path = tmp_path / "lamp.urdf"
+    path.write_text('<robot name="lamp"><link name="foot"/></robot>')
+    result = run("inspect", str(path))
+    assert result.exit_code == 1
+    assert result.stderr.count("\n") == 1
+    assert "7" in result.stderr
