@@ -100,3 +100,20 @@ def test_many_answers_speak_like_one(iiwa):
     assert iiwa.solve_batch([pose, far]).message(1) == none.message
     one = iiwa.solve_all(pose, arm_angle=0.4)[:1]
     assert one.message == "1 posture found."
+
+
+@pytest.mark.parametrize("name", ["human_arm", "gen3"])
+def test_where_one_posture_is_found_the_list_of_all_is_not_empty(name):
+    """At several limits at once an interval has no width, and rounding decides whether it is there."""
+    arm = srs_ik.load(name)
+    rng = np.random.default_rng(1)
+    lower, upper = (np.clip(limit, -3.0, 3.0) for limit in (arm.lower, arm.upper))
+    solved = 0
+    for _ in range(60):
+        pose = arm.forward_kinematics(np.where(rng.random(7) < 0.5, lower, upper))
+        found = arm.solve_all(pose)
+        assert len(found) > 0 or not arm.solve(pose)
+        assert found.failure is None or not found.failure
+        assert found.ok.all()
+        solved += len(found) > 0
+    assert solved
