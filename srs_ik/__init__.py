@@ -25,6 +25,9 @@ if TYPE_CHECKING:
     )
     from srs_ik.limb import SrsLimb
     from srs_ik.loading import LimbReport, find_limbs, load, robots
+    from srs_ik.objectives import OBJECTIVES, Objective
+    from srs_ik.optimise import Optimum
+    from srs_ik.printed import PrintedOptimum, printed_optimum
     from srs_ik.solution import BatchSolution, Interval, Solution, Solutions, Status
 
 __version__ = "0.1.0"
@@ -44,11 +47,15 @@ _MODULES = {
     ),
     "limb": ("SrsLimb",),
     "loading": ("LimbReport", "find_limbs", "load", "robots"),
+    "objectives": ("OBJECTIVES", "Objective"),
+    "optimise": ("Optimum",),
+    "printed": ("PrintedOptimum", "printed_optimum"),
     "solution": ("BatchSolution", "Interval", "Solution", "Solutions", "Status"),
 }
 _HOME = {name: module for module, names in _MODULES.items() for name in names}
 
 __all__ = [
+    "OBJECTIVES",
     "AmbiguousLimb",
     "Arm",
     "BatchSolution",
@@ -62,7 +69,10 @@ __all__ = [
     "LimbReport",
     "MissingExtra",
     "NotAnSrsLimb",
+    "Objective",
+    "Optimum",
     "PoseError",
+    "PrintedOptimum",
     "Solution",
     "Solutions",
     "SrsIkError",
@@ -70,6 +80,7 @@ __all__ = [
     "Status",
     "find_limbs",
     "load",
+    "printed_optimum",
     "robots",
 ]
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import threading
+from collections.abc import Callable
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -23,6 +24,10 @@ from srs_ik.solution import BatchSolution, ElbowRange, Interval, Solution, Solut
 
 if TYPE_CHECKING:
     from srs_ik.path import PathSolution
+
+if TYPE_CHECKING:
+    from srs_ik.objectives import Objective
+    from srs_ik.optimise import Optimum
 
 Array = NDArray[np.float64]
 
@@ -349,6 +354,34 @@ class Arm:
         if count < 0:
             raise invalid_pose(-count)
         return [Interval(int(b), float(lower), float(upper)) for b, lower, upper in out[:count]]
+
+    def optimise(
+        self,
+        pose: PoseLike,
+        objective: str | Callable[[Array], float] | Objective,
+        respect_limits: bool = True,
+        **parameters: Any,
+    ) -> Optimum:
+        """The best posture of all that reach a pose: the global optimum over branches and arm angles.
+
+        Args:
+            pose: wanted pose of the tip frame in the base frame.
+            objective: name of a built-in objective (see `Objective`), an `Objective`, or a function of 7 joint angles, rad,
+                to be minimised (with `maximise=True`, maximised).
+            respect_limits: whether q has to keep the joint limits.
+            **parameters: what the objective takes, such as force=, velocity=, twist=, wrench=, reference=, tolerance=.
+
+        Returns:
+            The posture, its value and the interval in which it lies; where no posture reaches the pose, the one that `solve`
+            gives, with the same status.
+
+        Raises:
+            InvalidPose: the pose is no finite rigid transform.
+            InvalidTask: unknown objective, missing or malformed parameter, or a function that gave no finite number.
+        """
+        from srs_ik.optimise import optimise
+
+        return optimise(self, pose, objective, respect_limits, **parameters)
 
     # ------------------------------------------------------------------------------------------------------------
 

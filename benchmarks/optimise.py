@@ -1,0 +1,168 @@
+"""The best posture, measured: against the paper's geometrical posture, against SciPy, and by the clock.
+
+python benchmarks/optimise.py [--robot human_arm] [--poses 300] [--compared 10] [--starts 20]
+
+Prints Markdown tables; docs/optimise.md holds one run of them.
+"""
+
+from __future__ import annotations
+
+import argparse
+import time
+
+import numpy as np
+
+import srs_ik
+from srs_ik import Objective, printed_optimum
+
+SIX = {"twist": "twist", "wrench": "wrench"}
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--robot", default="human_arm", help="robot of the comparison with the geometrical posture")
+    parser.add_argument("--timed", nargs="*", default=["iiwa14", "human_arm", "gen3"], help="robots that are timed")
+    parser.add_argument("--poses", type=int, default=300, help="poses of each comparison and of each timing")
+    parser.add_argument("--compared", type=int, default=10, help="poses an objective that SciPy optimises")
+    parser.add_argument("--starts", type=int, default=20, help="random starts of SciPy a pose")
+    arguments = parser.parse_args()
+    geometric_posture(srs_ik.load(arguments.robot), arguments.poses)
+    times([srs_ik.load(name) for name in arguments.timed], arguments.poses)
+    against_scipy(srs_ik.load("iiwa14"), arguments.compared, arguments.starts)
+
+
+def unit(v: np.ndarray) -> np.ndarray:
+    return v / np.linalg.norm(v)
+
+
+def random_configuration(arm: srs_ik.Arm, rng: np.random.Generator) -> np.ndarray:
+    limited = np.isfinite(arm.lower) & np.isfinite(arm.upper)
+    return rng.uniform(np.where(limited, arm.lower, -np.pi), np.where(limited, arm.upper, np.pi))
+
+
+# The paper's geometrical posture ----------------------------------------------------------------------------------
+
+
+def geometric_arm_angle(arm: srs_ik.Arm, pose: np.ndarray, n: np.ndarray) -> float:
+    """Arm angle of the elbow of a left arm that lies across S-W and n: its axis is as parallel to n as it can be."""
+    limb = arm.limb
+    wrist_in_tip = np.linalg.inv(limb.T_base_tip_zero) @ np.append(limb.wrist, 1.0)
+    t = unit((pose @ wrist_in_tip)[:3] - limb.shoulder)
+    h = unit(np.cross(t, n))
+    if h[1] < 0.0:
+        h = -h
+    zero = limb.reference - t * (t @ limb.reference)
+    return float(np.arctan2(h @ np.cross(t, zero), h @ zero))
+
+
+def wide_tasks(arm: srs_ik.Arm, count: int, rng: np.random.Generator):
+    """Poses of random configurations, with random velocity and force directions across each other."""
+    for _ in range(count):
+        v = unit(rng.normal(size=3))
+        f = unit(np.cross(v, rng.normal(size=3)))
+        yield arm.forward_kinematics(random_configuration(arm, rng)).homogeneous, v, f
+
+
+def grasp_tasks(arm: srs_ik.Arm, count: int, rng: np.random.Generator):
+    """Random reachable positions, the hand along the velocity and its back along the force (the paper's trial, g = v)."""
+    limb = arm.limb
+    reach = limb.upper_arm + limb.forearm
+    grasp, back = np.array(arm.hand.grasp), np.array(arm.hand.pronosupination)
+    hand_axes = np.column_stack([grasp, back, np.cross(grasp, back)])
+    made = 0
+    while made < count:
+        v = unit(rng.normal(size=3))
+        f = unit(np.cross(v, rng.normal(size=3)))
+        pose = np.eye(4)
+        pose[:3, :3] = np.column_stack([v, f, np.cross(v, f)]) @ hand_axes.T
+        wrist = limb.shoulder + unit(rng.normal(size=3)) * reach * rng.uniform(0.2, 0.98)
+        pose[:3, 3] = wrist + limb.hand * v
+        if arm.solve(pose, respect_limits=False):
+            made += 1
+            yield pose, v, f
+
+
+def geometric_posture(arm: srs_ik.Arm, count: int) -> None:
+    print(f"\n### C(geometrical posture) / C(optimum), {arm.name}\n")
+    print("| tasks | limits | poses | median | 90th percentile | worst |\n|---|---|---|---|---|---|")
+    for label, tasks in (("random", wide_tasks), ("g = v", grasp_tasks)):
+        for respect in (False, True):
+            ratios = []
+            for pose, v, f in tasks(arm, count, np.random.default_rng(1)):
+                best = arm.optimise(pose, "force_velocity_ratio", respect, force=f, velocity=v)
+                psi = geometric_arm_angle(arm, pose, np.cross(v, f))
+                posture = arm.solve(pose, arm_angle=psi, respect_limits=respect)
+                if best and posture:
+                    ratios.append(best.objective.value(arm, posture.q) / best.value)
+            if not ratios:
+                continue
+            median, most, worst = np.quantile(ratios, [0.5, 0.9, 1.0])
+            kept = "kept" if respect else "ignored"
+            print(f"| {label} | {kept} | {len(ratios)} | {median:.3g} | {most:.3g} | {worst:.3g} |")
+
+
+# Time ---------------------------------------------------------------------------------------------------------------
+
+
+def random_objective(name: str, arm: srs_ik.Arm, rng: np.random.Generator) -> Objective:
+    if name in SIX:
+        return Objective(name, **{SIX[name]: rng.normal(size=6)})
+    if name == "reference_posture":
+        return Objective(name, reference=random_configuration(arm, rng))
+    if "force" in name:
+        return Objective(name, force=rng.normal(size=3), velocity=rng.normal(size=3))
+    return Objective(name)
+
+
+def times(arms: list[srs_ik.Arm], count: int) -> None:
+    print(f"\n### Time a call, microseconds: median (99th percentile), {count} poses\n")
+    print("| objective |" + "".join(f" {arm.name} |" for arm in arms) + "\n|---|" + "---|" * len(arms))
+    for name in srs_ik.OBJECTIVES:
+        cells = []
+        for arm in arms:
+            rng = np.random.default_rng(2)
+            taken = []
+            for _ in range(count):
+                pose = arm.forward_kinematics(random_configuration(arm, rng)).homogeneous
+                objective = random_objective(name, arm, rng)
+                arm.optimise(pose, objective) if not taken else None
+                start = time.perf_counter()
+                arm.optimise(pose, objective)
+                taken.append(1e6 * (time.perf_counter() - start))
+            cells.append(f" {np.median(taken):.0f} ({np.quantile(taken, 0.99):.0f}) |")
+        print(f"| `{name}` |" + "".join(cells))
+
+
+# SciPy --------------------------------------------------------------------------------------------------------------
+
+
+def against_scipy(arm: srs_ik.Arm, count: int, starts: int) -> None:
+    print(f"\n### The printed optimisation by SciPy, {arm.name}, {count} poses, {starts} random starts each\n")
+    print("| objective | a start finds the optimum | any start does | largest relative gain of SciPy | seconds a pose |")
+    print("|---|---|---|---|---|")
+    for name in srs_ik.OBJECTIVES:
+        rng = np.random.default_rng(3)
+        hits, found, gain, taken = 0, 0, -np.inf, []
+        for _ in range(count):
+            pose = arm.forward_kinematics(random_configuration(arm, rng))
+            exact = arm.optimise(pose, random_objective(name, arm, rng))
+            start = time.perf_counter()
+            printed = printed_optimum(arm, pose, exact.objective, accuracy=1e-8, starts=starts)
+            taken.append(time.perf_counter() - start)
+            if not printed:
+                continue
+            index = 1 if exact.objective.second >= 0 else 0
+            sign = -1.0 if exact.objective.maximise != bool(index) else 1.0
+            best = exact.second_value if index else exact.value
+            reached = printed.second_value if index else printed.value
+            lag = sign * (reached - best) / abs(best)
+            gain = max(gain, -lag)
+            found += lag < 1e-6
+            values = printed.values if not index else np.array([reached])
+            hits += int(np.sum(sign * (values - best) < 1e-6 * abs(best)))
+        share = f"{100.0 * hits / (count * starts):.0f} %" if exact.objective.second < 0 else "-"
+        print(f"| `{name}` | {share} | {found} of {count} | {gain:.1e} | {np.median(taken):.2f} |")
+
+
+if __name__ == "__main__":
+    main()

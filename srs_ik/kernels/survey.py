@@ -1,0 +1,315 @@
+"""Every feasible posture of a pose, sampled: runs of postures close enough to miss nothing between them.
+
+A run is a piece of a curve of postures. On an exact limb the curve is a branch and its parameter the arm angle; the pieces are the
+feasible intervals. On a near limb it is a curve that `trace` has followed on the true chain, its parameter the length along it;
+the ends of the pieces are closed in on.
+"""
+
+from __future__ import annotations
+
+import math
+
+from srs_ik.kernels.branches import NO_BRANCH, side_posture
+from srs_ik.kernels.closure import arm_angle
+from srs_ik.kernels.elbow import elbow_side
+from srs_ik.kernels.jit import kernel
+from srs_ik.kernels.layout import IS_CLOSED
+from srs_ik.kernels.scoring import OUTSIDE, cost
+from srs_ik.kernels.search import GOLDEN, take_samples, turned
+from srs_ik.kernels.trace import NO_SEED, between, difference, follow_all, load_sample, put
+
+LARGEST_MOTION = 0.5
+"""Between neighbouring samples of a branch no joint moves by more than this, rad ..."""
+
+SMALLEST_GAP = 1e-6
+"""... unless they are this close, rad."""
+
+DEPTH = 32
+"""Room for samples on hold while the gap before them is filled: more than the halvings between the two figures above."""
+
+EDGE = 1e-13
+"""The ends of a run are found to this, rad."""
+
+EDGE_STEPS = 100
+DIP_STEPS = 40
+
+SHALLOW = 0.5
+"""A sample this far outside the limits, rad, may have feasible postures beside it."""
+
+RUN = 5
+"""A run: branch, first and last parameter, first row of its samples, and the row behind the last."""
+
+CUTS = 4
+"""Samples for each gap between samples, where a part of a run is sampled again."""
+
+
+@kernel
+def is_exact(P):
+    """Whether the closed form is the answer."""
+    return P[IS_CLOSED] == 1.0
+
+
+@kernel
+def infeasibility(value, respect):
+    """By how much a posture of a cost is not feasible: 0 or less where it is, and then its margin with a minus."""
+    if value >= NO_BRANCH:
+        return value
+    if not respect:
+        return -1.0
+    return value - OUTSIDE if value >= OUTSIDE else value
+
+
+@kernel
+def infeasibility_of(P, row, respect):
+    """The same for a sample."""
+    q = turned(P, load_sample(row), False, NO_SEED, respect)
+    return infeasibility(cost(P, q, False, NO_SEED, respect), respect)
+
+
+@kernel
+def on_curve(P, side, R, p, branch, respect, rows, first, last, x, J, A):
+    """Posture at a parameter, and its infeasibility. On a near limb, rows first to last - 1 are samples of the curve."""
+    if is_exact(P):
+        q, _, value = side_posture(P, side, x, (branch >> 1) & 1, branch & 1, False, NO_SEED, respect)
+        return q, infeasibility(value, respect)
+    low = first
+    high = last - 1
+    while high - low > 1:
+        middle = (low + high) // 2
+        if rows[middle, 0] <= x:
+            low = middle
+        else:
+            high = middle
+    width = rows[high, 0] - rows[low, 0]
+    share = (x - rows[low, 0]) / width if width > 0.0 else 0.0
+    q, met = between(P, R, p, load_sample(rows[low]), load_sample(rows[high]), share, J, A)
+    if not met:
+        return q, NO_BRANCH
+    q = turned(P, q, False, NO_SEED, respect)
+    return q, infeasibility(cost(P, q, False, NO_SEED, respect), respect)
+
+
+@kernel
+def edge(P, side, R, p, branch, respect, rows, first, last, x, fx, y, fy, J, A):
+    """The last feasible parameter from a feasible one, x, towards y, which is not."""
+    for i in range(EDGE_STEPS):
+        if abs(y - x) < EDGE * max(1.0, abs(x)):
+            break
+        m = 0.5 * (x + y)
+        # A secant where both figures are small enough to mean something; every third step halves the gap for certain.
+        if i % 3 != 2 and fy < NO_BRANCH and fy > fx:
+            m = x + (y - x) * min(max(-fx / (fy - fx), 0.01), 0.99)
+        _, f = on_curve(P, side, R, p, branch, respect, rows, first, last, m, J, A)
+        if f <= 0.0:
+            x, fx = m, f
+        else:
+            y, fy = m, f
+    return x
+
+
+@kernel
+def dip(P, side, R, p, branch, respect, rows, first, last, a, b, J, A):
+    """The least infeasible parameter between two, or any feasible one: parameter and infeasibility."""
+    x = b - GOLDEN * (b - a)
+    y = a + GOLDEN * (b - a)
+    wanted = x
+    fx = NO_BRANCH
+    fy = NO_BRANCH
+    for i in range(DIP_STEPS):
+        _, f = on_curve(P, side, R, p, branch, respect, rows, first, last, wanted, J, A)
+        if f <= 0.0:
+            return wanted, f
+        if wanted == x:
+            fx = f
+        else:
+            fy = f
+        if i == 0:
+            wanted = y
+        elif fx <= fy:
+            b, y, fy = y, x, fx
+            x = b - GOLDEN * (b - a)
+            wanted = x
+        else:
+            a, x, fx = x, y, fy
+            y = a + GOLDEN * (b - a)
+            wanted = y
+    return wanted, 1.0
+
+
+@kernel
+def put_run(P, side, R, p, branch, respect, line, first, last, lower, upper, out, n, runs, k, J, A):
+    """Write the run between two feasible parameters of a sampled curve, its samples and ends: rows and runs in use."""
+    if k >= runs.shape[0]:
+        return n, k
+    runs[k, 0] = branch
+    runs[k, 1] = lower
+    runs[k, 2] = upper
+    runs[k, 3] = n
+    q, _ = on_curve(P, side, R, p, branch, respect, line, first, last, lower, J, A)
+    n = put(out, n, lower, q)
+    for i in range(first, last):
+        if lower < line[i, 0] < upper:
+            n = put(out, n, line[i, 0], turned(P, load_sample(line[i]), False, NO_SEED, respect))
+    if upper > lower:
+        q, _ = on_curve(P, side, R, p, branch, respect, line, first, last, upper, J, A)
+        n = put(out, n, upper, q)
+    runs[k, 4] = n
+    return n, (k + 1 if n > runs[k, 3] else k)
+
+
+@kernel
+def cut(P, side, R, p, branch, respect, line, first, last, out, n, runs, k, J, A):
+    """Cut a sampled curve, rows first to last - 1 of line, into its feasible runs: rows and runs in use."""
+    lower = line[first, 0]
+    f_before = -1.0  # infeasibility of the sample before the last one, as long as neither is feasible
+    x0 = lower
+    f0 = infeasibility_of(P, line[first], respect)
+    for i in range(first + 1, last):
+        x1 = line[i, 0]
+        f1 = infeasibility_of(P, line[i], respect)
+        upper = lower - 1.0
+        if f0 > 0.0 and f1 <= 0.0:
+            lower = edge(P, side, R, p, branch, respect, line, first, last, x1, f1, x0, f0, J, A)
+        elif f0 <= 0.0 and f1 > 0.0:
+            upper = edge(P, side, R, p, branch, respect, line, first, last, x0, f0, x1, f1, J, A)
+        elif 0.0 < f0 < f_before and f0 <= f1 and f0 < SHALLOW:
+            x, f = dip(P, side, R, p, branch, respect, line, first, last, line[i - 2, 0], x1, J, A)
+            if f <= 0.0:
+                lower = edge(P, side, R, p, branch, respect, line, first, last, x, f, line[i - 2, 0], f_before, J, A)
+                upper = edge(P, side, R, p, branch, respect, line, first, last, x, f, x1, f1, J, A)
+        if i == last - 1 and f1 <= 0.0:
+            upper = x1
+        if upper >= lower:
+            n, k = put_run(P, side, R, p, branch, respect, line, first, last, lower, upper, out, n, runs, k, J, A)
+        f_before = f0 if f0 > 0.0 else -1.0
+        x0, f0 = x1, f1
+    if last - first == 1 and f0 <= 0.0:
+        n, k = put_run(P, side, R, p, branch, respect, line, first, last, x0, x0, out, n, runs, k, J, A)
+    return n, k
+
+
+@kernel
+def far_apart(a, b):
+    """Whether a joint moves too far between two samples."""
+    d = difference(a, b)
+    largest = max(abs(d[0]), abs(d[1]), abs(d[2]), abs(d[3]), abs(d[4]), abs(d[5]), abs(d[6]))
+    return largest > LARGEST_MOTION
+
+
+@kernel
+def sample_branch(P, side, R, p, branch, lower, upper, work, line, J, A):
+    """Sample an interval of a branch of an exact limb into line, closer where the joints move fast; the number of rows."""
+    wanted = work[0]
+    held = work[1]
+    count = take_samples(P, side, lower, upper, wanted)
+    q, _ = on_curve(P, side, R, p, branch, False, line, 0, 0, lower, J, A)
+    n = put(line, 0, lower, q)
+    for i in range(1, count):
+        held[0] = wanted[i]
+        on_hold = 1
+        while on_hold > 0:
+            x = held[on_hold - 1]
+            next_q, f = on_curve(P, side, R, p, branch, False, line, 0, 0, x, J, A)
+            gap = x - line[n - 1, 0]
+            if on_hold < DEPTH and gap > SMALLEST_GAP and f < NO_BRANCH and far_apart(q, next_q):
+                held[on_hold] = x - 0.5 * gap
+                on_hold += 1
+                continue
+            on_hold -= 1
+            q = next_q
+            n = put(line, n, x, q)
+    return n
+
+
+@kernel
+def unroll(P, rows, curve, respect, line):
+    """Copy a followed curve to line; a closed one begins at a posture outside the limits, if there is any. Number of rows."""
+    first = int(curve[0])
+    count = int(curve[1]) - first
+    start = 0
+    if curve[2] == 1.0:
+        for i in range(count - 1):
+            if infeasibility_of(P, rows[first + i], respect) > 0.0:
+                start = i
+                break
+    length = rows[first + count - 1, 0]
+    n = 0
+    for i in range(count):
+        j = start + i
+        round_ = 0.0
+        if j >= count:
+            j -= count - 1
+            round_ = length
+        n = put(line, n, rows[first + j, 0] + round_, load_sample(rows[first + j]))
+    return n
+
+
+@kernel
+def survey_exact(P, place_, R, p, found, pieces, respect, work, line, out, runs, J, A):
+    """Sample the feasible intervals in the first rows of found (branch, lower, upper): rows and runs in use."""
+    n = 0
+    k = 0
+    elbow = -1
+    side = elbow_side(P, place_, 0)
+    for i in range(pieces):
+        branch = int(found[i, 0])
+        if branch >> 2 != elbow:
+            elbow = branch >> 2
+            side = elbow_side(P, place_, elbow)
+        count = sample_branch(P, side, R, p, branch, found[i, 1], found[i, 2], work, line, J, A)
+        n, k = cut(P, side, R, p, branch, respect, line, 0, count, out, n, runs, k, J, A)
+    return n, k
+
+
+@kernel
+def survey_near(P, place_, R, p, respect, curves, rows, line, out, runs, J, A):
+    """Sample all feasible postures of a near limb: rows and runs in use."""
+    n = 0
+    k = 0
+    side = elbow_side(P, place_, 0)
+    count = follow_all(P, place_, R, p, respect, rows, curves, J, A)
+    for i in range(count):
+        length = unroll(P, rows, curves[i], respect, line)
+        n, k = cut(P, side, R, p, 0, respect, line, 0, length, out, n, runs, k, J, A)
+    return n, k
+
+
+@kernel
+def sample_again(P, side, R, p, respect, rows, run, lower, upper, line, J, A):
+    """Sample a part of a run, a few times as close: rows of line in use."""
+    branch = int(run[0])
+    first = int(run[3])
+    last = int(run[4])
+    q, _ = on_curve(P, side, R, p, branch, respect, rows, first, last, lower, J, A)
+    n = put(line, 0, lower, q)
+    a = lower
+    for i in range(first, last):
+        b = min(rows[i, 0], upper) if i < last - 1 else upper
+        if b <= a:
+            continue
+        for c in range(1, CUTS + 1):
+            x = b if c == CUTS else a + (b - a) * c / CUTS
+            q, _ = on_curve(P, side, R, p, branch, respect, rows, first, last, x, J, A)
+            n = put(line, n, x, q)
+        a = b
+    return n
+
+
+@kernel
+def arm_angles_of_run(P, place_, rows, run):
+    """First and last arm angle of a run. On a near limb: the least and the greatest on its way."""
+    if is_exact(P):
+        return run[1], run[2]
+    first = int(run[3])
+    psi = arm_angle(P, load_sample(rows[first]), place_[0], place_[1])
+    lower = psi
+    upper = psi
+    for i in range(first + 1, int(run[4])):
+        d = arm_angle(P, load_sample(rows[i]), place_[0], place_[1]) - psi
+        psi += d - 2.0 * math.pi * math.floor(d / (2.0 * math.pi) + 0.5)
+        lower = min(lower, psi)
+        upper = max(upper, psi)
+    if upper - lower >= 2.0 * math.pi:
+        return -math.pi, math.pi
+    shift = 2.0 * math.pi * math.floor((lower + math.pi) / (2.0 * math.pi))
+    return lower - shift, upper - shift

@@ -1,0 +1,295 @@
+"""The self-motion of a near limb, followed on its true chain.
+
+All postures that reach a pose form closed curves in the space of joint angles. Those of an exact limb are known in closed form
+(`intervals`); those of a near limb lie beside them but for the neighbourhood of singularities, where they connect otherwise and the
+arm angle may run back and forth. So they are followed step by step, along the null vector of the Jacobian.
+
+The null vector t is oriented so that the determinant of J with t as a last row is positive. Where two curves come close, a
+step from one to the other would keep the direction and turn this orientation around: that is how it is noticed.
+"""
+
+from __future__ import annotations
+
+import math
+
+from srs_ik.kernels.branches import NO_BRANCH, side_posture
+from srs_ik.kernels.closure import CLOSED, close_free, moved, pose_step
+from srs_ik.kernels.elbow import elbow_side
+from srs_ik.kernels.jit import kernel
+from srs_ik.kernels.limits import turn_to_middle, violation
+from srs_ik.kernels.vectors import norm
+
+SAMPLE = 8
+"""A sample of a curve: its parameter, and seven joint angles."""
+
+LONGEST_STEP = 0.3
+"""Length of a step, rad."""
+
+SHORTEST_STEP = 1e-7
+"""Steps shorter than this, rad, mean a curve that cannot be followed."""
+
+SMALLEST_COSINE = 0.93
+"""Cosine of the largest angle by which a curve turns in one step."""
+
+WELL_STRAIGHT = 0.985
+"""Above this cosine, the next step is longer."""
+
+MOST_STEPS = 1500
+
+CORRECTIONS = 12
+"""Newton's steps back to the curve, at most."""
+
+START_STEPS = 40
+STARTS = 8
+"""Arm angles, all around, at which the closed form gives starts."""
+
+BESIDE = 0.08
+"""A posture this close to the chord of a step, as a part of its length, is on the curve."""
+
+MAX_CURVES = 32
+
+CURVE = 3
+"""A curve: first row, the row behind the last, and whether it is closed (its last row then repeats the first)."""
+
+ELBOW_SPARE = 0.5
+"""By so much, rad, q4 of a start may be outside its limits where limits count."""
+
+NO_SEED = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+
+FIRST_GUESS = (0.35, -0.25, 0.45, 0.15, 0.5, -0.4, 0.3)
+"""Any direction: the null vector at a start is oriented afterwards."""
+
+
+@kernel
+def dot7(a, b):
+    """Scalar product."""
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2] + a[3] * b[3] + a[4] * b[4] + a[5] * b[5] + a[6] * b[6]
+
+
+@kernel
+def along7(a, s, b):
+    """The point a + s b."""
+    return (
+        a[0] + s * b[0],
+        a[1] + s * b[1],
+        a[2] + s * b[2],
+        a[3] + s * b[3],
+        a[4] + s * b[4],
+        a[5] + s * b[5],
+        a[6] + s * b[6],
+    )
+
+
+@kernel
+def short_way(angle):
+    """The angle, whole turns apart, in [-pi, pi]."""
+    return angle - 2.0 * math.pi * math.floor(angle / (2.0 * math.pi) + 0.5)
+
+
+@kernel
+def difference(a, b):
+    """b - a, each joint the short way round."""
+    return (
+        short_way(b[0] - a[0]),
+        short_way(b[1] - a[1]),
+        short_way(b[2] - a[2]),
+        short_way(b[3] - a[3]),
+        short_way(b[4] - a[4]),
+        short_way(b[5] - a[5]),
+        short_way(b[6] - a[6]),
+    )
+
+
+@kernel
+def load_sample(row):
+    """Joint angles of a sample."""
+    return (row[1], row[2], row[3], row[4], row[5], row[6], row[7])
+
+
+@kernel
+def put(rows, n, x, q):
+    """Append a sample; return the number of rows, which stays where there is no room."""
+    if n >= rows.shape[0]:
+        return n
+    rows[n, 0] = x
+    for j in range(7):
+        rows[n, 1 + j] = q[j]
+    return n + 1
+
+
+@kernel
+def solve_signed(A):
+    """Solve the 7 x 7 system in A (7, 8 or more) in place, solution in column 7; the sign of the determinant, 0 if singular."""
+    sign = 1.0
+    for k in range(7):
+        pivot = k
+        for i in range(k + 1, 7):
+            if abs(A[i, k]) > abs(A[pivot, k]):
+                pivot = i
+        if abs(A[pivot, k]) < 1e-14:
+            return 0.0
+        if pivot != k:
+            sign = -sign
+            for j in range(k, 8):
+                t = A[k, j]
+                A[k, j] = A[pivot, j]
+                A[pivot, j] = t
+        if A[k, k] < 0.0:
+            sign = -sign
+        for i in range(k + 1, 7):
+            f = A[i, k] / A[k, k]
+            for j in range(k + 1, 8):
+                A[i, j] -= f * A[k, j]
+    for k in range(6, -1, -1):
+        s = A[k, 7]
+        for j in range(k + 1, 7):
+            s -= A[k, j] * A[j, 7]
+        A[k, 7] = s / A[k, k]
+    return sign
+
+
+@kernel
+def load_system(J, d, A):
+    """Write J and a last row d into A, right-hand side zero."""
+    for j in range(7):
+        for i in range(6):
+            A[i, j] = J[i, j]
+        A[6, j] = d[j]
+    for i in range(7):
+        A[i, 7] = 0.0
+
+
+@kernel
+def null_vector(J, near, A):
+    """Unit null vector of J on the side of a direction, and the sign of its orientation (0 where J has lost rank)."""
+    load_system(J, near, A)
+    A[6, 7] = 1.0
+    sign = solve_signed(A)
+    t = moved(NO_SEED, A, 1.0)
+    size = math.sqrt(dot7(t, t))
+    if sign == 0.0 or size == 0.0:
+        return near, 0.0
+    return along7(NO_SEED, 1.0 / size, t), sign
+
+
+@kernel
+def correct(P, q, d, place, R, p, J, A):
+    """Newton's method to the posture for a pose (R, p) with d'q = place: q, whether it is met, J left for it."""
+    error = 1.0
+    for _ in range(CORRECTIONS):
+        linear, angular = pose_step(P, q, R, p, J)
+        off = place - dot7(d, q)
+        error = max(norm(linear), norm(angular))
+        if error < 0.1 * CLOSED and abs(off) < CLOSED:
+            return q, True
+        load_system(J, d, A)
+        for i in range(3):
+            A[i, 7] = linear[i]
+            A[i + 3, 7] = angular[i]
+        A[6, 7] = off
+        if solve_signed(A) == 0.0:
+            return q, False
+        q = moved(q, A, 1.0)
+    return q, error < CLOSED
+
+
+@kernel
+def between(P, R, p, a, b, share, J, A):
+    """The posture of a curve between two samples a and b, at a share of the way along their chord: q, whether it is met."""
+    chord = difference(a, b)
+    length = math.sqrt(dot7(chord, chord))
+    if length == 0.0:
+        return a, True
+    d = along7(NO_SEED, 1.0 / length, chord)
+    start = along7(a, share, chord)
+    return correct(P, start, d, dot7(d, start), R, p, J, A)
+
+
+@kernel
+def is_known(q, t, rows, curves, count):
+    """Whether a posture with the oriented null vector t lies on one of the curves."""
+    for k in range(count):
+        for i in range(int(curves[k, 0]), int(curves[k, 1]) - 1):
+            a = load_sample(rows[i])
+            to_q = difference(a, q)
+            chord = difference(a, load_sample(rows[i + 1]))
+            length2 = dot7(chord, chord)
+            share = dot7(to_q, chord)
+            if length2 == 0.0 or share < -BESIDE * length2 or share > (1.0 + BESIDE) * length2 or dot7(t, chord) < 0.0:
+                continue
+            off = along7(to_q, -share / length2, chord)
+            if dot7(off, off) < BESIDE * BESIDE * length2 + CLOSED:
+                return True
+    return False
+
+
+@kernel
+def follow(P, R, p, q, t, rows, n, J, A):
+    """Follow the curve through q in the direction of its oriented null vector t; rows in use, and whether it closed."""
+    first = q
+    first_t = t
+    n0 = n
+    length = 0.0
+    step = LONGEST_STEP
+    n = put(rows, n, length, q)
+    for _ in range(MOST_STEPS):
+        if n >= rows.shape[0] or step < SHORTEST_STEP:
+            break
+        if n - n0 > 2:
+            back = difference(q, first)
+            ahead = dot7(t, back)
+            off = along7(back, -ahead, t)
+            if 0.0 < ahead <= step and dot7(first_t, t) > SMALLEST_COSINE and dot7(off, off) < 0.1 * ahead * ahead:
+                return put(rows, n, length + ahead, first), True
+        next_q, met = correct(P, along7(q, step, t), t, dot7(t, q) + step, R, p, J, A)
+        if not met:
+            step *= 0.5
+            continue
+        next_t, sign = null_vector(J, t, A)
+        cosine = dot7(t, next_t)
+        if sign <= 0.0 or cosine < SMALLEST_COSINE:
+            step *= 0.5
+            continue
+        q = next_q
+        t = next_t
+        length += step
+        n = put(rows, n, length, q)
+        if cosine > WELL_STRAIGHT:
+            step = min(1.5 * step, LONGEST_STEP)
+    return n, False
+
+
+@kernel
+def follow_all(P, place_, R, p, respect, rows, curves, J, A):
+    """Follow every curve of a pose that the closed form of the nearest exact limb leads to; the number of curves."""
+    n = 0
+    count = 0
+    for branch in range(8):
+        side = elbow_side(P, place_, branch >> 2)
+        if respect and violation(P, 3, turn_to_middle(P, 3, side[0])) > ELBOW_SPARE:
+            continue
+        for i in range(STARTS):
+            psi = (2.0 * i / STARTS - 1.0) * math.pi
+            q, _, value = side_posture(P, side, psi, (branch >> 1) & 1, branch & 1, False, NO_SEED, False)
+            if value >= NO_BRANCH or count >= curves.shape[0]:
+                continue
+            q, error = close_free(P, q, R, p, False, START_STEPS, J, A)
+            if error > CLOSED:
+                continue
+            pose_step(P, q, R, p, J)
+            t, sign = null_vector(J, FIRST_GUESS, A)
+            if sign == 0.0:
+                continue
+            t = along7(NO_SEED, sign, t)
+            if is_known(q, t, rows, curves, count):
+                continue
+            first = n
+            n, closed = follow(P, R, p, q, t, rows, n, J, A)
+            if n - first < 2:
+                n = first
+                continue
+            curves[count, 0] = first
+            curves[count, 1] = n
+            curves[count, 2] = 1.0 if closed else 0.0
+            count += 1
+    return count

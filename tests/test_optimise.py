@@ -1,0 +1,211 @@
+"""`Arm.optimise`: never worse than a dense sweep, on exact and near arms; statuses and input."""
+
+import arms
+import numpy as np
+import pytest
+from hypothesis import HealthCheck, given, settings
+from oracles import distance, inside, limbs
+from test_objectives import NAMES, PARAMETERS
+
+import srs_ik
+from srs_ik import Interval, InvalidPose, InvalidTask, Objective, Optimum, Solution, Status
+
+STEADY = settings(
+    max_examples=15,
+    deadline=None,
+    derandomize=True,
+    database=None,
+    suppress_health_check=[HealthCheck.too_slow, HealthCheck.filter_too_much],
+)
+JACOBIAN = ("force_velocity_ratio", "twist", "wrench", "manipulability")
+COUNT = 720
+
+
+def sweep(arm, pose, respect_limits=True):
+    """(n, 7) postures in every branch all around the circle, those that meet the pose."""
+    angles = np.linspace(-np.pi, np.pi, COUNT, endpoint=False)
+    poses = np.broadcast_to(pose.homogeneous, (COUNT, 4, 4))
+    batch = arm.solve_batch(poses, arm_angle=angles, all_branches=True, respect_limits=respect_limits)
+    return batch.q[batch.ok]
+
+
+def random_parameters(rng, arm, name):
+    parameters = {key: rng.normal(size=np.size(value)) for key, value in PARAMETERS[name].items()}
+    if name == "reference_posture":
+        limited = np.isfinite(arm.upper)
+        parameters["reference"] = rng.uniform(np.where(limited, arm.lower, -3), np.where(limited, arm.upper, 3))
+    return parameters
+
+
+def swept_values(arm, objective, Q):
+    """(n, 1 or 2) values of postures; continuous joints in the turn that suits the objective."""
+    if objective.name == "reference_posture":
+        reference = objective.parameters["reference"]
+        turn = 2.0 * np.pi * np.round((reference - Q) / (2.0 * np.pi))
+        Q = Q + np.where(np.isinf(arm.upper), turn, 0.0)
+    return np.array([objective.values(arm, q) for q in Q])
+
+
+def assert_as_good_as(arm, optimum, values):
+    """No posture of a sweep is better, to 1e-9 relative."""
+    objective = optimum.objective
+    sign = -1.0 if objective.maximise else 1.0
+    first = sign * values[:, 0]
+    slack = 1e-9 * np.abs(first).min() + 1e-15
+    if objective.second < 0:
+        assert sign * optimum.value <= first.min() + slack
+        return
+    best = arm.optimise(arm.forward_kinematics(optimum.q), Objective(objective.name, **objective.parameters, tolerance=0))
+    lowest = sign * best.value
+    assert lowest <= first.min() + slack
+    cap = lowest + objective.tolerance * abs(lowest)
+    assert sign * optimum.value <= cap + slack
+    rivals = -sign * values[first <= cap, 1]
+    if len(rivals):
+        assert -sign * optimum.second_value <= rivals.min() + 1e-9 * np.abs(rivals).min()
+
+
+@pytest.mark.parametrize("robot", ["iiwa14", "gen3", "human_arm", "sia5d", "romeo_left", "j2s7s300"])
+@pytest.mark.parametrize("name", NAMES)
+def test_no_posture_of_a_sweep_is_better(robot, name):
+    arm, forward, rng = arms.load(robot), arms.forward(robot), arms.generator(robot, 50)
+    if name == "gravity_torque" and not any(inertia.mass > 0.0 for inertia in arm.model.inertias):
+        pytest.skip("the file has no masses")
+    for known in arms.configurations(robot, 6, 51):
+        pose = forward(known)
+        optimum = arm.optimise(pose, name, **random_parameters(rng, arm, name))
+        assert optimum.status is Status.OK
+        assert max(distance(pose, forward(optimum.q))) < 1e-9
+        assert inside(optimum.q, arm.lower, arm.upper)
+        slack = 1e-9
+        assert optimum.arm_angle in Interval(0, optimum.interval.lower - slack, optimum.interval.upper + slack)
+        Q = np.vstack([sweep(arm, pose), known])
+        assert_as_good_as(arm, optimum, swept_values(arm, optimum.objective, Q))
+
+
+@pytest.mark.parametrize("robot", ["iiwa14", "gen3"])
+@pytest.mark.parametrize("name", NAMES)
+def test_without_limits_no_posture_of_a_sweep_is_better(robot, name):
+    arm, forward, rng = arms.load(robot), arms.forward(robot), arms.generator(robot, 52)
+    for known in rng.uniform(-np.pi, np.pi, (2, 7)):
+        pose = forward(known)
+        optimum = arm.optimise(pose, name, respect_limits=False, **random_parameters(rng, arm, name))
+        assert optimum.status is Status.OK
+        assert max(distance(pose, forward(optimum.q))) < 1e-9
+        if optimum.objective.second < 0 and name != "reference_posture":
+            values = swept_values(arm, optimum.objective, sweep(arm, pose, respect_limits=False))
+            assert_as_good_as(arm, optimum, values)
+
+
+@STEADY
+@given(limbs())
+def test_on_random_limbs_no_posture_of_a_sweep_is_better(limb):
+    arm = srs_ik.load(limb.model, base="base", tip="tool")
+    for name in JACOBIAN:
+        known = limb.configuration()
+        pose = arm.forward_kinematics(known)
+        optimum = arm.optimise(pose, name, **random_parameters(limb.rng, arm, name))
+        assert optimum.status is Status.OK
+        Q = np.vstack([sweep(arm, pose), known])
+        assert_as_good_as(arm, optimum, swept_values(arm, optimum.objective, Q))
+
+
+@STEADY
+@given(limbs(miss=0.005))
+def test_on_random_near_limbs_the_known_posture_is_not_better(limb):
+    arm = srs_ik.load(limb.model, base="base", tip="tool")
+    for name in JACOBIAN:
+        known = limb.configuration()
+        optimum = arm.optimise(arm.forward_kinematics(known), name, **random_parameters(limb.rng, arm, name))
+        assert optimum.status is Status.OK
+        assert_as_good_as(arm, optimum, swept_values(arm, optimum.objective, known[None]))
+
+
+def test_lexicographic_tolerance_trades_the_first_value_for_the_second():
+    arm = arms.load("iiwa14")
+    for q in arms.configurations("iiwa14", 10, 53):
+        pose = arm.forward_kinematics(q)
+        for name, sign in (("force_then_velocity", 1.0), ("velocity_then_force", -1.0)):
+            found = [arm.optimise(pose, name, **PARAMETERS[name], tolerance=x) for x in (0.0, 1e-3, 0.1, 0.5)]
+            best = found[0].value
+            seconds = [sign * optimum.second_value for optimum in found]
+            assert all(b >= a - 1e-9 * abs(a) for a, b in zip(seconds, seconds[1:], strict=False))
+            for optimum in found:
+                assert sign * optimum.value <= sign * best + (optimum.objective.tolerance + 1e-9) * abs(best)
+
+
+def test_a_function_is_optimised_like_the_built_in_objective_of_the_same_formula():
+    for robot in ("iiwa14", "gen3"):
+        arm = arms.load(robot)
+        for q in arms.configurations(robot, 4, 54):
+            pose = arm.forward_kinematics(q)
+            by_name = arm.optimise(pose, "twist", **PARAMETERS["twist"])
+            own = arm.optimise(pose, lambda x, arm=arm, o=by_name.objective: o.value(arm, x), maximise=True)
+            assert own
+            assert own.value == pytest.approx(by_name.value, rel=1e-9)
+
+
+def test_a_function_with_a_corner_is_optimised():
+    arm = arms.load("iiwa14")
+    target = 0.3
+    for q in arms.configurations("iiwa14", 5, 55):
+        pose = arm.forward_kinematics(q)
+        optimum = arm.optimise(pose, lambda x: abs(x[0] - target))
+        swept = np.abs(sweep(arm, pose)[:, 0] - target).min()
+        assert optimum.value <= swept + 1e-9
+
+
+def test_the_optimum_is_a_solution():
+    arm = arms.load("iiwa14")
+    pose = arm.forward_kinematics(arms.configurations("iiwa14", 1, 56)[0])
+    optimum = arm.optimise(pose.homogeneous, "manipulability")
+    assert isinstance(optimum, Solution)
+    assert isinstance(optimum, Optimum)
+    assert optimum
+    assert repr(optimum).startswith("Optimum(manipulability=")
+    assert optimum.interval.branch == optimum.branch == arm.branch(optimum.q)
+    assert optimum.interval in arm.intervals(pose)
+
+
+def test_ties_between_mirrored_branches_go_to_the_posture_farthest_from_the_limits():
+    arm = arms.load("iiwa14")
+    margin = Objective("limit_margin")
+    for q in arms.configurations("iiwa14", 10, 57):
+        pose = arm.forward_kinematics(q)
+        optimum = arm.optimise(pose, "manipulability")
+        rivals = arm.solve_all(pose, arm_angle=optimum.arm_angle)
+        for rival in rivals:
+            if optimum.objective.value(arm, rival.q) >= optimum.value * (1.0 - 1e-13):
+                assert margin.value(arm, optimum.q) >= margin.value(arm, rival.q) - 1e-6
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_what_is_out_of_reach_or_limits_is_answered_as_by_solve(name):
+    arm = arms.load("human_arm")
+    far = np.eye(4)
+    far[:3, 3] = 0.0, 2.0, 0.0
+    behind = arm.forward_kinematics(np.array([3.0, 0.5, 1.5, 1.0, 1.5, 1.0, 0.5])).homogeneous
+    for pose, status in ((far, Status.UNREACHABLE), (behind, Status.OUT_OF_LIMITS)):
+        optimum = arm.optimise(pose, name, **PARAMETERS[name])
+        solution = arm.solve(pose, seed=REFERENCE if name == "reference_posture" else None)
+        assert optimum.status is solution.status is status
+        assert not optimum
+        assert np.array_equal(optimum.q, solution.q)
+        assert optimum.interval is None
+        assert optimum.value == pytest.approx(optimum.objective.value(arm, optimum.q), rel=1e-12)
+
+
+REFERENCE = PARAMETERS["reference_posture"]["reference"]
+
+
+def test_wrong_input_is_refused():
+    arm = arms.load("iiwa14")
+    with pytest.raises(InvalidTask, match="there is no objective 'twists'"):
+        arm.optimise(np.eye(4), "twists")
+    for objective in ("manipulability", "gravity_torque", "limit_margin", lambda q: 0.0):
+        with pytest.raises(InvalidPose):
+            arm.optimise(np.zeros((4, 4)), objective)
+        with pytest.raises(InvalidPose):
+            arm.optimise(np.eye(3), objective)
+    with pytest.raises(InvalidTask, match="finite number"):
+        arm.optimise(arm.forward_kinematics(np.full(7, 0.3)), lambda q: np.inf)
