@@ -15,7 +15,10 @@ import numpy as np
 import srs_ik
 from srs_ik import Objective, printed_optimum
 
-SIX = {"twist": "twist", "wrench": "wrench"}
+ACCURACY = 1e-9
+"""SciPy may miss the pose by this (m, rad), and gains as much by it."""
+SAME = 1e-6
+"""Values closer than this, relative where they are above 1, are the same optimum."""
 
 
 def main() -> None:
@@ -64,7 +67,7 @@ def wide_tasks(arm: srs_ik.Arm, count: int, rng: np.random.Generator):
 
 
 def grasp_tasks(arm: srs_ik.Arm, count: int, rng: np.random.Generator):
-    """Random reachable positions, the hand along the velocity and its back along the force (the paper's trial, g = v)."""
+    """Random reachable positions, the hand along the velocity, its back along the force (the paper's trial, g = v)."""
     limb = arm.limb
     reach = limb.upper_arm + limb.forearm
     grasp, back = np.array(arm.hand.grasp), np.array(arm.hand.pronosupination)
@@ -105,8 +108,8 @@ def geometric_posture(arm: srs_ik.Arm, count: int) -> None:
 
 
 def random_objective(name: str, arm: srs_ik.Arm, rng: np.random.Generator) -> Objective:
-    if name in SIX:
-        return Objective(name, **{SIX[name]: rng.normal(size=6)})
+    if name in ("twist", "wrench"):
+        return Objective(name, **{name: rng.normal(size=6)})
     if name == "reference_posture":
         return Objective(name, reference=random_configuration(arm, rng))
     if "force" in name:
@@ -115,7 +118,7 @@ def random_objective(name: str, arm: srs_ik.Arm, rng: np.random.Generator) -> Ob
 
 
 def times(arms: list[srs_ik.Arm], count: int) -> None:
-    print(f"\n### Time a call, microseconds: median (99th percentile), {count} poses\n")
+    print(f"\n### Time a call, microseconds: median (90th percentile), {count} poses\n")
     print("| objective |" + "".join(f" {arm.name} |" for arm in arms) + "\n|---|" + "---|" * len(arms))
     for name in srs_ik.OBJECTIVES:
         cells = []
@@ -125,11 +128,12 @@ def times(arms: list[srs_ik.Arm], count: int) -> None:
             for _ in range(count):
                 pose = arm.forward_kinematics(random_configuration(arm, rng)).homogeneous
                 objective = random_objective(name, arm, rng)
-                arm.optimise(pose, objective) if not taken else None
+                if not taken:
+                    arm.optimise(pose, objective)
                 start = time.perf_counter()
                 arm.optimise(pose, objective)
                 taken.append(1e6 * (time.perf_counter() - start))
-            cells.append(f" {np.median(taken):.0f} ({np.quantile(taken, 0.99):.0f}) |")
+            cells.append(f" {np.median(taken):.0f} ({np.quantile(taken, 0.9):.0f}) |")
         print(f"| `{name}` |" + "".join(cells))
 
 
@@ -138,7 +142,7 @@ def times(arms: list[srs_ik.Arm], count: int) -> None:
 
 def against_scipy(arm: srs_ik.Arm, count: int, starts: int) -> None:
     print(f"\n### The printed optimisation by SciPy, {arm.name}, {count} poses, {starts} random starts each\n")
-    print("| objective | a start finds the optimum | any start does | largest relative gain of SciPy | seconds a pose |")
+    print("| objective | starts that end at the optimum | poses | most that SciPy gains | seconds a pose |")
     print("|---|---|---|---|---|")
     for name in srs_ik.OBJECTIVES:
         rng = np.random.default_rng(3)
@@ -146,22 +150,31 @@ def against_scipy(arm: srs_ik.Arm, count: int, starts: int) -> None:
         for _ in range(count):
             pose = arm.forward_kinematics(random_configuration(arm, rng))
             exact = arm.optimise(pose, random_objective(name, arm, rng))
+            objective = exact.objective
             start = time.perf_counter()
-            printed = printed_optimum(arm, pose, exact.objective, accuracy=1e-8, starts=starts)
+            printed = printed_optimum(arm, pose, objective, accuracy=ACCURACY, starts=starts)
             taken.append(time.perf_counter() - start)
             if not printed:
                 continue
-            index = 1 if exact.objective.second >= 0 else 0
-            sign = -1.0 if exact.objective.maximise != bool(index) else 1.0
-            best = exact.second_value if index else exact.value
-            reached = printed.second_value if index else printed.value
-            lag = sign * (reached - best) / abs(best)
-            gain = max(gain, -lag)
-            found += lag < 1e-6
-            values = printed.values if not index else np.array([reached])
-            hits += int(np.sum(sign * (values - best) < 1e-6 * abs(best)))
-        share = f"{100.0 * hits / (count * starts):.0f} %" if exact.objective.second < 0 else "-"
+            sign = -1.0 if objective.maximise else 1.0
+            if objective.second < 0:
+                lags = sign * (printed.values - exact.value)
+            elif is_first_optimum(arm, pose, objective, sign, printed.value):
+                lags = np.array([-sign * (printed.second_value - exact.second_value)])
+            else:  # with a worse first value, the second one has more room, and compares with nothing
+                continue
+            gain = max(gain, -lags.min())
+            same = lags < SAME * max(1.0, abs(exact.value))
+            found += bool(same.any())
+            hits += int(same.sum())
+        share = f"{100.0 * hits / (count * starts):.0f} %" if objective.second < 0 else "-"
         print(f"| `{name}` | {share} | {found} of {count} | {gain:.1e} | {np.median(taken):.2f} |")
+
+
+def is_first_optimum(arm: srs_ik.Arm, pose, objective: Objective, sign: float, value: float) -> bool:
+    """Whether SciPy came as close to the best first value of a lexicographic objective as its tolerance asks."""
+    best = sign * arm.optimise(pose, Objective(objective.name, **objective.parameters, tolerance=0.0)).value
+    return sign * value <= best + objective.tolerance * abs(best) + SAME
 
 
 if __name__ == "__main__":

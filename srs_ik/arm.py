@@ -366,14 +366,15 @@ class Arm:
 
         Args:
             pose: wanted pose of the tip frame in the base frame.
-            objective: name of a built-in objective (see `Objective`), an `Objective`, or a function of 7 joint angles, rad,
+            objective: name of a built-in objective (see `Objective`), an `Objective`, or a function of 7 joint
+                angles, rad,
                 to be minimised (with `maximise=True`, maximised).
             respect_limits: whether q has to keep the joint limits.
             **parameters: what the objective takes, such as force=, velocity=, twist=, wrench=, reference=, tolerance=.
 
         Returns:
-            The posture, its value and the interval in which it lies; where no posture reaches the pose, the one that `solve`
-            gives, with the same status.
+            The posture, its value and the interval in which it lies; where no posture reaches the pose, the one that
+            `solve` gives, with the same status.
 
         Raises:
             InvalidPose: the pose is no finite rigid transform.

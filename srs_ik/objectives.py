@@ -58,23 +58,24 @@ OBJECTIVES = tuple(_DEFINITIONS)
 class Objective:
     """What a posture is judged by; given to `Arm.optimise`.
 
-    With J the Jacobian (6, 7) of the tip point in base axes, linear rows first, and Jp its linear rows; f, v, t and w are the
-    given directions, scaled to length 1 (a twist or wrench as a vector of six, linear part first, metres and radians mixed):
+    With J the Jacobian (6, 7) of the tip point in base axes, linear rows first, and Jp its linear rows; f, v, t and w
+    are the given directions, scaled to length 1 (a twist or wrench as a vector of six, linear part first, metres and
+    radians mixed):
 
     | name | parameters | value | sense |
     |---|---|---|---|
     | `force_velocity_ratio` | `force`, `velocity` | (f'JpJp'f) / (v'JpJp'v), the paper's C | minimised |
-    | `force_then_velocity` | `force`, `velocity`, `tolerance` | f'JpJp'f, m^2; then v'JpJp'v | minimised; then maximised |
-    | `velocity_then_force` | `force`, `velocity`, `tolerance` | v'JpJp'v, m^2; then f'JpJp'f | maximised; then minimised |
+    | `force_then_velocity` | `force`, `velocity`, `tolerance` | f'JpJp'f; then v'JpJp'v, m^2 | minimised; maximised |
+    | `velocity_then_force` | `force`, `velocity`, `tolerance` | v'JpJp'v; then f'JpJp'f, m^2 | maximised; minimised |
     | `twist` | `twist` | t'JJ't | maximised |
     | `wrench` | `wrench` | w'JJ'w | minimised |
     | `manipulability` | | sqrt(det JJ'), m^3 | maximised |
     | `limit_margin` | | smallest distance from a limit over half of the joint's range | maximised |
     | `reference_posture` | `reference` | sum of squared differences from seven angles, rad^2 | minimised |
-    | `gravity_torque` | | sum of squared gravity torques over effort limits, or of torques where a limit is missing | minimised |
+    | `gravity_torque` | | sum of squared gravity torques, relative to the effort limits if all are given | minimised |
 
-    A lexicographic objective takes, among all postures whose first value is within `tolerance` (relative, 0.01 if not given)
-    of the best, the one best by the second.
+    A lexicographic objective takes, among all postures whose first value is within `tolerance` (relative, 0.01 if not
+    given) of the best, the one best by the second.
 
     Args:
         objective: a name, or a function of the seven joint angles (7,), rad, that returns a finite number.
@@ -89,8 +90,8 @@ class Objective:
     Raises:
         InvalidTask: unknown name, missing or unknown parameter, or a vector of wrong shape, not finite, or zero.
 
-    Source: C. Tiseo, S. R. Charitos, M. Mistry, Geometrical Postural Optimisation of 7-DoF Limb-Like Manipulators, equations
-    NumOptimisation, NumOptimisationB, TwistOptimisation, WrenchOptimisation and C.
+    Source: C. Tiseo, S. R. Charitos, M. Mistry, Geometrical Postural Optimisation of 7-DoF Limb-Like Manipulators,
+    equations NumOptimisation, NumOptimisationB, TwistOptimisation, WrenchOptimisation and C.
     """
 
     def __init__(
@@ -114,7 +115,8 @@ class Objective:
             )
         if objective not in _DEFINITIONS:
             raise InvalidTask(
-                f"there is no objective {objective!r}{did_you_mean(objective, OBJECTIVES)}; known are {listed(OBJECTIVES)}"
+                f"there is no objective {objective!r}{did_you_mean(objective, OBJECTIVES)}; "
+                f"known are {listed(OBJECTIVES)}"
             )
         definition = _DEFINITIONS[objective]
         if maximise is not None and bool(maximise) != definition.maximise:
@@ -158,7 +160,9 @@ class Objective:
         return values
 
     def value(self, arm: Arm, q: ArrayLike) -> float:
-        """Value of a posture of an arm, in the objective's own sign and unit; by NumPy and Pinocchio, without the kernels.
+        """Value of a posture of an arm, in the objective's own sign and unit.
+
+        Computed by NumPy and Pinocchio, without the kernels.
 
         Args:
             arm: the arm.

@@ -72,7 +72,9 @@ def optimise(
     if not isinstance(objective, Objective):
         objective = Objective(objective, **parameters)
     elif parameters:
-        raise InvalidTask(f"an Objective has its parameters already; {next(iter(parameters))!r} belongs to its constructor")
+        raise InvalidTask(
+            f"an Objective has its parameters already; {next(iter(parameters))!r} belongs to its constructor"
+        )
     T = as_matrix(pose)
     respect_limits = bool(respect_limits)
     if objective.kind is None:

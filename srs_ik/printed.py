@@ -1,8 +1,9 @@
 """The paper's postural optimisation as it is printed: a numerical optimisation over the seven joint angles.
 
-This is the baseline that `Arm.optimise` is measured against, and shares nothing with it but the objective's formula: kinematics
-and Jacobian are Pinocchio's, the optimiser is SciPy's SLSQP from many random starts. It finds local optima, as any such method
-does; how often they are the global one is a matter of the starts. Nobody should need it to solve a pose.
+This is the baseline that `Arm.optimise` is measured against, and shares nothing with it but the objective's formula:
+kinematics and Jacobian are Pinocchio's, the optimiser is SciPy's SLSQP from many random starts. It finds local
+optima, as any such method does; how often they are the global one is a matter of the starts. Nobody should need it to
+solve a pose.
 """
 
 from __future__ import annotations
@@ -36,7 +37,7 @@ DIFFERENCE = 6e-6
 """Step of the central differences, rad: the cube root of the rounding of a float."""
 
 KEPT = 1.0 + 1e-3
-"""A result counts if its pose error is below the accuracy times this: the optimiser keeps its constraints to rounding only."""
+"""A result counts if its pose error is below the accuracy times this: the optimiser keeps constraints to rounding."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -78,10 +79,11 @@ def printed_optimum(
 ) -> PrintedOptimum:
     """Optimise an objective over q, subject to ||K(q) - x_d|| <= lambda, by SciPy from many starts.
 
-    The ball of radius lambda around the pose is replaced by the cube inscribed in it, whose sides are smooth constraints;
-    with "pose", position (m) and rotation vector (rad) have a cube each. A lexicographic objective is optimised in two stages:
-    the second one under the added constraint that the first stays within the tolerance of its best value. (The print writes the
-    second stage as an arg max inside the constraints; which of the two terms comes first follows the paper's text.)
+    The ball of radius lambda around the pose is replaced by the cube inscribed in it, whose sides are smooth
+    constraints; with "pose", position (m) and rotation vector (rad) have a cube each. A lexicographic objective is
+    optimised in two stages: the second one under the added constraint that the first stays within the tolerance of its
+    best value. (The print writes the second stage as an arg max inside the constraints; which of the two terms comes
+    first follows the paper's text.)
 
     Args:
         arm: the arm.
@@ -99,8 +101,8 @@ def printed_optimum(
         InvalidTask: a wrong objective or parameter, an accuracy that is not positive, or an unknown constraint.
         InvalidConfiguration: a given start is not 7 finite angles.
 
-    Source: C. Tiseo, S. R. Charitos, M. Mistry, Geometrical Postural Optimisation of 7-DoF Limb-Like Manipulators, equations
-    NumOptimisation, NumOptimisationB, TwistOptimisation and WrenchOptimisation.
+    Source: C. Tiseo, S. R. Charitos, M. Mistry, Geometrical Postural Optimisation of 7-DoF Limb-Like Manipulators,
+    equations NumOptimisation, NumOptimisationB, TwistOptimisation and WrenchOptimisation.
     """
     if not isinstance(objective, Objective):
         objective = Objective(objective, **parameters)

@@ -40,8 +40,9 @@ def expected(arm, name, q):
     if name == "manipulability":
         return (np.sqrt(np.linalg.det(J @ J.T)),)
     if name == "limit_margin":
-        room = np.minimum(q - arm.lower, arm.upper - q) / (0.5 * (arm.upper - arm.lower))
-        return (np.nanmin(np.where(np.isfinite(arm.upper), room, np.nan)),)
+        limited = np.isfinite(arm.upper)
+        room = np.minimum(q - arm.lower, arm.upper - q)[limited]
+        return ((room / (0.5 * (arm.upper - arm.lower)[limited])).min(),)
     if name == "reference_posture":
         return (np.sum((q - REFERENCE) ** 2),)
     return (gravity_from_energy(arm, q),)

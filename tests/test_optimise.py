@@ -1,5 +1,7 @@
 """`Arm.optimise`: never worse than a dense sweep, on exact and near arms; statuses and input."""
 
+from itertools import pairwise
+
 import arms
 import numpy as np
 import pytest
@@ -55,7 +57,9 @@ def assert_as_good_as(arm, optimum, values):
     if objective.second < 0:
         assert sign * optimum.value <= first.min() + slack
         return
-    best = arm.optimise(arm.forward_kinematics(optimum.q), Objective(objective.name, **objective.parameters, tolerance=0))
+    best = arm.optimise(
+        arm.forward_kinematics(optimum.q), Objective(objective.name, **objective.parameters, tolerance=0)
+    )
     lowest = sign * best.value
     assert lowest <= first.min() + slack
     cap = lowest + objective.tolerance * abs(lowest)
@@ -129,7 +133,7 @@ def test_lexicographic_tolerance_trades_the_first_value_for_the_second():
             found = [arm.optimise(pose, name, **PARAMETERS[name], tolerance=x) for x in (0.0, 1e-3, 0.1, 0.5)]
             best = found[0].value
             seconds = [sign * optimum.second_value for optimum in found]
-            assert all(b >= a - 1e-9 * abs(a) for a, b in zip(seconds, seconds[1:], strict=False))
+            assert all(b >= a - 1e-9 * abs(a) for a, b in pairwise(seconds))
             for optimum in found:
                 assert sign * optimum.value <= sign * best + (optimum.objective.tolerance + 1e-9) * abs(best)
 

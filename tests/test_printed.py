@@ -1,4 +1,4 @@
-"""The paper's optimisation as printed, by SciPy, against the exact method: independent of the kernels, and never better."""
+"""The paper's optimisation as printed, by SciPy, against the exact method: independent, and never better."""
 
 import arms
 import numpy as np

@@ -1,9 +1,9 @@
 """Minimum of a function of one variable in a bracket, asked for point by point.
 
-The search is turned inside out: `propose` says where the function is wanted next and `tell` takes its value. So one search
-serves objectives that are kernels and objectives that are Python functions. The method is Brent's (Algorithms for
-Minimization without Derivatives, 1973, chapter 5): parabolas where they behave, golden sections where not. It starts with the
-three points of the bracket known.
+The search is turned inside out: `propose` says where the function is wanted next and `tell` takes its value. So one
+search serves objectives that are kernels and objectives that are Python functions. The method is Brent's (Algorithms
+for Minimization without Derivatives, 1973, chapter 5): parabolas where they behave, golden sections where not. It
+starts with the three points of the bracket known.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ WANTED = 10
 COUNT = 11
 RESOLUTION = 12
 STATE = 13
-"""Places in the state of a search, and its length: ends, three best points with their values, last two steps, next point ..."""
+"""Places in the state of a search, and its length: ends, best points and values, last two steps, next point ..."""
 
 SMOOTH = 3e-9
 """Resolution for a smooth function, rad: closer points differ by less than its rounding."""

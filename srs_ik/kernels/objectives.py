@@ -1,8 +1,8 @@
 """What a posture is judged by: figures of its Jacobian and of its joint angles, all to be minimised.
 
-Jp are the linear rows of the Jacobian J of the tip point in base axes. The vectors of a task lie in `params`: the unit force
-direction in places 0 to 2 and the unit velocity direction in 3 to 5, or a unit twist or wrench in 0 to 5, or a posture in 0
-to 6.
+Jp are the linear rows of the Jacobian J of the tip point in base axes. The vectors of a task lie in `params`: the
+unit force direction in places 0 to 2 and the unit velocity direction in 3 to 5, or a unit twist or wrench in 0 to 5,
+or a posture in 0 to 6.
 """
 
 from __future__ import annotations
@@ -47,7 +47,7 @@ def tip_jacobian(P, q, J):
 
 @kernel
 def along_direction(J, params, first, rows):
-    """d'JJ'd for the direction d that starts at place `first` of params and has as many entries as rows count."""
+    """The form d'JJ'd for the direction d that starts at place `first` of params, with an entry for each row."""
     total = 0.0
     for joint in range(7):
         rate = 0.0
@@ -59,9 +59,10 @@ def along_direction(J, params, first, rows):
 
 @kernel
 def volume(J):
-    """sqrt(det JJ') of J (6, 7), which is overwritten: the product of its rows' lengths, each made orthogonal to those before.
+    """The root sqrt(det JJ') of J (6, 7), which is overwritten.
 
-    The determinant itself would lose half of the digits near a singular posture.
+    It is the product of the rows' lengths, each row made orthogonal to those before. The determinant itself would lose
+    half of the digits near a singular posture.
     """
     product = 1.0
     for i in range(6):

@@ -1,4 +1,4 @@
-"""Entry points of `optimise`: the built-in objectives in one call, and the parts of the search for any other objective."""
+"""Entry points of `optimise`: built-in objectives in one call, and the parts of the search for any other objective."""
 
 from __future__ import annotations
 
@@ -68,13 +68,16 @@ def write_posture(P, place_, R, p, q, branch, respect, row):
 
 @entry
 def optimise(family, T, kind, second, tolerance, resolution, params, respect, row, out):
-    """The best posture for a built-in objective, into a row and `out`: FOUND, NO_POSTURE or minus the verdict on the pose.
+    """The best posture for a built-in objective, into a row and `out`.
+
+    Returns FOUND, NO_POSTURE or minus the verdict on the pose.
 
     Args:
         family: packed limbs.
         T: (4, 4) pose.
         kind: objective, a number of `objectives`.
-        second: the objective that decides among the postures which are best by the first one within the tolerance; -1: none.
+        second: the objective that decides among the postures which are best by the first one within the tolerance;
+            -1: none.
         tolerance: relative to the best value of the first objective.
         resolution: of the line searches.
         params: (PARAMS,) figures that belong to the objective.
@@ -131,7 +134,7 @@ def optimise(family, T, kind, second, tolerance, resolution, params, respect, ro
 
 @entry
 def sample(family, T, respect, runs):
-    """Samples of all feasible postures of a pose, (n, SAMPLE), the number of runs written to `runs`, and the verdict."""
+    """Samples of all feasible postures of a pose (n, SAMPLE), the number of runs written, and its verdict."""
     R, p, verdict = read_pose(T)
     if verdict != GOOD_POSE:
         return np.empty((0, SAMPLE)), 0, verdict

@@ -1,7 +1,8 @@
 """The best posture for an objective, over everything that `survey` has sampled.
 
-Every local minimum among the samples is bracketed; those that may still be the best are closed in on, the most promising
-first. Where several postures are equally good, as in branches that mirror each other, the one farthest from its limits wins.
+Every local minimum among the samples is bracketed; those that may still be the best are closed in on, the most
+promising first. Where several postures are equally good, as in branches that mirror each other, the one farthest from
+its limits wins.
 """
 
 from __future__ import annotations
@@ -18,8 +19,7 @@ from srs_ik.kernels.survey import EDGE, EDGE_STEPS, on_curve, sample_again
 from srs_ik.kernels.trace import NO_SEED, load_sample, put
 
 BRACKET = 8
-"""A bracket: value at its middle, run, first, middle and last parameter, values at its ends, and a value below any inside.
-"""
+"""A bracket: value at its middle, run, first, middle and last parameter, values at its ends, a bound below."""
 
 REFUSED = 1e300
 """Value of a posture that does not count."""
@@ -127,8 +127,8 @@ def close_in(
 ):
     """Close in on every bracket that may hold a value within `spread` (relative) of the best.
 
-    Each of those gets its own minimum as value (place 0) and middle (place 3), the others are refused. Returns the index of the
-    best bracket, -1 if there is none, and its posture.
+    Each of those gets its own minimum as value (place 0) and middle (place 3), the others are refused. Returns the
+    index of the best bracket, -1 if there is none, and its posture.
     """
     chosen = -1
     chosen_q = NO_SEED

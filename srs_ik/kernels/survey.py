@@ -1,8 +1,8 @@
 """Every feasible posture of a pose, sampled: runs of postures close enough to miss nothing between them.
 
-A run is a piece of a curve of postures. On an exact limb the curve is a branch and its parameter the arm angle; the pieces are the
-feasible intervals. On a near limb it is a curve that `trace` has followed on the true chain, its parameter the length along it;
-the ends of the pieces are closed in on.
+A run is a piece of a curve of postures. On an exact limb the curve is a branch and its parameter the arm angle; the
+pieces are the feasible intervals. On a near limb it is a curve that `trace` has followed on the true chain, its
+parameter the length along it; the ends of the pieces are closed in on.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ SMALLEST_GAP = 1e-6
 """... unless they are this close, rad."""
 
 DEPTH = 32
-"""Room for samples on hold while the gap before them is filled: more than the halvings between the two figures above."""
+"""Room for samples on hold while the gap before them is filled: more than the halvings between the figures above."""
 
 EDGE = 1e-13
 """The ends of a run are found to this, rad."""
@@ -68,7 +68,7 @@ def infeasibility_of(P, row, respect):
 
 @kernel
 def on_curve(P, side, R, p, branch, respect, rows, first, last, x, J, A):
-    """Posture at a parameter, and its infeasibility. On a near limb, rows first to last - 1 are samples of the curve."""
+    """Posture at a parameter, and its infeasibility; on a near limb, rows first to last - 1 sample the curve."""
     if is_exact(P):
         q, _, value = side_posture(P, side, x, (branch >> 1) & 1, branch & 1, False, NO_SEED, respect)
         return q, infeasibility(value, respect)
@@ -198,7 +198,7 @@ def far_apart(a, b):
 
 @kernel
 def sample_branch(P, side, R, p, branch, lower, upper, work, line, J, A):
-    """Sample an interval of a branch of an exact limb into line, closer where the joints move fast; the number of rows."""
+    """Sample an interval of a branch of an exact limb into line, closer where joints move fast; the number of rows."""
     wanted = work[0]
     held = work[1]
     count = take_samples(P, side, lower, upper, wanted)
@@ -223,7 +223,7 @@ def sample_branch(P, side, R, p, branch, lower, upper, work, line, J, A):
 
 @kernel
 def unroll(P, rows, curve, respect, line):
-    """Copy a followed curve to line; a closed one begins at a posture outside the limits, if there is any. Number of rows."""
+    """Copy a followed curve to line, a closed one from a posture outside the limits on if there is one; rows in use."""
     first = int(curve[0])
     count = int(curve[1]) - first
     start = 0

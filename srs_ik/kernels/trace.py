@@ -1,11 +1,13 @@
 """The self-motion of a near limb, followed on its true chain.
 
-All postures that reach a pose form closed curves in the space of joint angles. Those of an exact limb are known in closed form
-(`intervals`); those of a near limb lie beside them but for the neighbourhood of singularities, where they connect otherwise and the
-arm angle may run back and forth. So they are followed step by step, along the null vector of the Jacobian.
+All postures that reach a pose form closed curves in the space of joint angles. Those of an exact limb are known in
+closed form (`intervals`); those of a near limb lie beside them but for the neighbourhood of singularities, where they
+connect otherwise and the arm angle may run back and forth. So they are followed step by step, along the null vector
+of the Jacobian.
 
-The null vector t is oriented so that the determinant of J with t as a last row is positive. Where two curves come close, a
-step from one to the other would keep the direction and turn this orientation around: that is how it is noticed.
+The null vector t is oriented so that the determinant of J with t as a last row is positive. Where two curves come
+close, a step from one to the other would keep the direction and turn this orientation around: that is how it is
+noticed.
 """
 
 from __future__ import annotations
@@ -88,7 +90,7 @@ def short_way(angle):
 
 @kernel
 def difference(a, b):
-    """b - a, each joint the short way round."""
+    """The difference b - a, each joint the short way round."""
     return (
         short_way(b[0] - a[0]),
         short_way(b[1] - a[1]),
@@ -119,7 +121,7 @@ def put(rows, n, x, q):
 
 @kernel
 def solve_signed(A):
-    """Solve the 7 x 7 system in A (7, 8 or more) in place, solution in column 7; the sign of the determinant, 0 if singular."""
+    """Solve the 7 x 7 system in A (7, 8) in place, solution in column 7; the determinant's sign, 0 if singular."""
     sign = 1.0
     for k in range(7):
         pivot = k
@@ -195,7 +197,7 @@ def correct(P, q, d, place, R, p, J, A):
 
 @kernel
 def between(P, R, p, a, b, share, J, A):
-    """The posture of a curve between two samples a and b, at a share of the way along their chord: q, whether it is met."""
+    """The posture of a curve between samples a and b, at a share of the way along their chord: q, whether it is met."""
     chord = difference(a, b)
     length = math.sqrt(dot7(chord, chord))
     if length == 0.0:
