@@ -29,7 +29,7 @@ SLOW_RATE = 20.0
 
 @kernel
 def posture(P, place_, psi, branch, near):
-    """Posture of a branch on the nearest exact limb, in the turns next to another one: q, cost, S-W from forearm."""
+    """Posture of a branch on the nearest exact limb, turned to be near another one: q, cost, S-W from the forearm."""
     side = elbow_side(P, place_, branch >> 2)
     q, _, value = side_posture(P, side, psi, (branch >> 1) & 1, branch & 1, True, near, True)
     return q, value, side[3]
