@@ -19,7 +19,17 @@ from srs_ik.kernels.intervals import MAX_PIECES
 from srs_ik.kernels.layout import LIMITED, ROW, STRAIGHT
 from srs_ik.limb import SrsLimb
 from srs_ik.packing import pack_family
-from srs_ik.pose import PoseLike, as_arm_angle, as_branch, as_joint_vector, as_matrices, as_matrix, invalid_pose
+from srs_ik.pose import (
+    PoseLike,
+    as_arm_angle,
+    as_branch,
+    as_joint_vector,
+    as_matrices,
+    as_matrix,
+    as_rigid_matrix,
+    invalid_pose,
+    real_array,
+)
 from srs_ik.solution import BatchSolution, ElbowRange, Interval, Solution, Solutions
 
 if TYPE_CHECKING:
@@ -113,7 +123,10 @@ class Arm:
         Raises:
             InvalidConfiguration: not model.nq finite numbers.
         """
-        values = np.asarray(configuration, dtype=float)
+        try:
+            values = real_array(configuration)
+        except (TypeError, ValueError):
+            values = np.empty(0)
         if values.shape != (self.model.nq,) or not np.isfinite(values).all():
             raise InvalidConfiguration(f"a configuration of {self.name} is {self.model.nq} finite numbers")
         return np.array(
@@ -148,10 +161,10 @@ class Arm:
         """Distance and angle between the tip at q and a pose, by Pinocchio.
 
         Raises:
-            InvalidPose: not a 4 x 4 pose.
+            InvalidPose: the pose is no finite rigid transform.
             InvalidConfiguration: not 7 finite angles.
         """
-        T_base_wanted = as_matrix(pose)
+        T_base_wanted = as_rigid_matrix(pose)
         T_base_tip = self.forward_kinematics(q)
         turn = T_base_tip.rotation.T @ T_base_wanted[:3, :3]
         skew = np.array([turn[2, 1] - turn[1, 2], turn[0, 2] - turn[2, 0], turn[1, 0] - turn[0, 1]])
@@ -344,7 +357,8 @@ class Arm:
     def intervals(self, pose: PoseLike, respect_limits: bool = True) -> list[Interval]:
         """Feasible arm angles of every branch, exactly, in the order of branches.
 
-        On a near limb these are the intervals of the nearest exact one.
+        They are the roots of linear forms in cosine and sine of the arm angle, not samples. On a near limb, where there are
+        no such forms, each branch is followed around the circle and every end bisected on the true chain.
 
         Raises:
             InvalidPose: the pose is no finite rigid transform.
@@ -413,7 +427,7 @@ class Arm:
 def _per_pose(value: ArrayLike, shape: tuple[int, ...], n: int, what: str) -> Array:
     """One value for all poses as an array of length 1, or one a pose."""
     try:
-        array = np.ascontiguousarray(np.array(value, dtype=np.float64))
+        array = real_array(value)
     except (TypeError, ValueError):
         array = np.full((), np.nan)
     if array.shape == shape:

@@ -10,7 +10,8 @@ import pinocchio as pin
 from numpy.typing import ArrayLike, NDArray
 
 from srs_ik.errors import InvalidConfiguration, InvalidPose
-from srs_ik.kernels.entries import NOT_FINITE
+from srs_ik.kernels.entries import check_pose
+from srs_ik.kernels.poses import NOT_FINITE
 
 Array = NDArray[np.float64]
 PoseLike = Any
@@ -50,9 +51,35 @@ def as_matrices(poses: Any) -> Array:
     return _floats(poses, (None, 4, 4), "poses are an (N, 4, 4) array")
 
 
+def real_array(values: Any) -> Array:
+    """A new C-ordered array of floats.
+
+    Raises:
+        TypeError: complex numbers, whose imaginary part NumPy would drop.
+        ValueError: not numbers.
+    """
+    raw = np.asarray(values)
+    if raw.dtype.kind == "c":
+        raise TypeError("complex numbers")
+    return np.array(raw, dtype=np.float64, order="C")
+
+
+def as_rigid_matrix(pose: PoseLike) -> Array:
+    """A pose as a (4, 4) array, checked to be a rigid transform.
+
+    Raises:
+        InvalidPose: it is none.
+    """
+    T = as_matrix(pose)
+    verdict = check_pose(T)
+    if verdict:
+        raise invalid_pose(verdict)
+    return T
+
+
 def _floats(values: Any, shape: tuple[int | None, ...], what: str) -> Array:
     try:
-        array = np.array(values, dtype=np.float64, order="C")
+        array = real_array(values)
     except (TypeError, ValueError):
         raise InvalidPose(f"{what}, not {type(values).__name__}") from None
     if array.ndim != len(shape) or any(n is not None and n != m for n, m in zip(shape, array.shape, strict=True)):
@@ -63,7 +90,7 @@ def _floats(values: Any, shape: tuple[int | None, ...], what: str) -> Array:
 def invalid_pose(verdict: int, where: str = "") -> InvalidPose:
     """The error for a verdict of `kernels.entries.read_pose`; `where` names the pose among many."""
     if verdict == NOT_FINITE:
-        return InvalidPose(f"the pose{where} has entries that are not finite numbers")
+        return InvalidPose(f"the pose{where} has entries that are not finite numbers, or are beyond 1e100 m")
     return InvalidPose(
         f"the pose{where} is no rigid transform: R'R must be the identity to 1e-6, det R positive, the last row 0 0 0 1"
     )
@@ -76,12 +103,12 @@ def as_joint_vector(q: ArrayLike, what: str = "q") -> Array:
         InvalidConfiguration: not seven, not numbers, or not finite.
     """
     try:
-        array = np.array(q, dtype=np.float64)
+        array = real_array(q)
     except (TypeError, ValueError):
         raise InvalidConfiguration(f"{what} must be 7 joint angles, not {type(q).__name__}") from None
     if array.shape != (7,):
         raise InvalidConfiguration(f"{what} must be 7 joint angles, not an array of shape {array.shape}")
-    if not math.isfinite(array.sum()):
+    if not math.isfinite(array.dot(array)):
         raise InvalidConfiguration(f"{what} has entries that are not finite numbers")
     return array
 

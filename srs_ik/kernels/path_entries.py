@@ -7,7 +7,7 @@ import math
 import numpy as np
 
 from srs_ik.kernels.elbow import place, shoulder_to_wrist
-from srs_ik.kernels.entries import GOOD_POSE, OK, find_intervals, measure_row, read7, read_pose, solve_one
+from srs_ik.kernels.entries import solve_one
 from srs_ik.kernels.intervals import MAX_PIECES
 from srs_ik.kernels.jit import entry, kernel
 from srs_ik.kernels.layout import FAR, IS_CLOSED, LIMITED, MIDDLE, ROW_ARM_ANGLE, ROW_STATUS
@@ -28,6 +28,9 @@ from srs_ik.kernels.path import (
     pose_change,
     window_of,
 )
+from srs_ik.kernels.poses import GOOD_POSE, read7, read_pose
+from srs_ik.kernels.redundancy import find_intervals
+from srs_ik.kernels.rows import OK, measure_row
 from srs_ik.kernels.scoring import OUTSIDE
 from srs_ik.kernels.smoothing import (
     SWEEPS,

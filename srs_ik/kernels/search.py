@@ -291,7 +291,7 @@ def bend(P, q, branch):
 
 
 @kernel
-def evaluate_again(P, place_, R, p, psi, branch, seeded, seed, respect, J, A):
+def evaluate_again(P, place_, R, p, psi, branch, seeded, seed, respect, attempts, J, A):
     """Second attempt at an arm angle on a near limb, where Newton's method did not close: from many postures.
 
     Near a singular shoulder or wrist the closed form fixes two joint angles of which the true chain knows little more
@@ -299,7 +299,7 @@ def evaluate_again(P, place_, R, p, psi, branch, seeded, seed, respect, J, A):
     """
     best_q, best, _ = best_branch(P, place_, psi, branch, seeded, seed, respect)
     lowest = 2.0 * NO_BRANCH
-    for attempt in range(ATTEMPTS):
+    for attempt in range(attempts):
         # At the arm angle itself, then from either side of it, farther and farther.
         from_psi = psi + (0.0 if attempt == 0 else (0.25 if attempt % 2 == 0 else -0.25) * ((attempt + 1) // 2))
         for b in range(8):

@@ -1,0 +1,151 @@
+"""The whole redundancy of a pose: its feasible intervals, and the best posture over all of them."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from srs_ik.kernels.branches import branch_of
+from srs_ik.kernels.chain import pose_error
+from srs_ik.kernels.closure import arm_angle
+from srs_ik.kernels.intervals import MAX_EVENTS, MAX_PIECES, feasible_intervals
+from srs_ik.kernels.jit import inline, kernel
+from srs_ik.kernels.layout import FAR, FREE, IS_CLOSED, LIMITED, LOOSE, SIZE
+from srs_ik.kernels.nearest import first_guess, first_guess_near, settle_near, slid, tighten
+from srs_ik.kernels.scoring import OUTSIDE
+from srs_ik.kernels.search import MAX_SAMPLES, rescue, search_intervals
+
+NEARLY_STRAIGHT = 3e-6
+"""Bends of the elbow below this, rad, cannot be told apart within 1e-11 of reach."""
+
+MOST_LEVERAGE = 4.0
+"""A seed farther from its nearest posture than so many times the pose error asks for a closer look."""
+
+BETWEEN_LIMBS = 0.05
+"""How far the joints of a near limb may be from those of its nearest exact limb, rad, away from singularities."""
+
+ONE_VALLEY = 0.3
+"""An interval shorter than this, rad, whose postures all lie in the box of a seeded search has one minimum."""
+
+
+@kernel
+def find_intervals(P, place_, out):
+    """Feasible intervals of one pose, with work space of their own."""
+    return feasible_intervals(
+        P,
+        place_,
+        np.empty(MAX_EVENTS),
+        np.empty(MAX_EVENTS, np.int64),
+        np.empty((2, MAX_PIECES, 2)),
+        np.empty((2, MAX_PIECES, 2)),
+        out,
+    )
+
+
+@kernel
+def search_branches(P, F, place_, R, p, branch, seeded, seed, respect, J, A):
+    """Best posture over the feasible intervals of F: q, branch, cost (more than any posture's if there is none)."""
+    found = np.empty((8 * MAX_PIECES, 3))
+    n = find_intervals(F, place_, found)
+    work = np.empty((3, MAX_SAMPLES))
+    return search_intervals(P, place_, R, p, found, 0, n, branch, seeded, seed, respect, work, J, A)
+
+
+@kernel
+def without(found, n, branch, psi):
+    """Drop the short interval around a known minimum; return the number of intervals that are left."""
+    left = 0
+    for i in range(n):
+        ahead = (psi - found[i, 1]) - 2.0 * math.pi * math.floor((psi - found[i, 1]) / (2.0 * math.pi))
+        width = found[i, 2] - found[i, 1]
+        if int(found[i, 0]) == branch and width < ONE_VALLEY and ahead <= width:
+            continue
+        found[left, 0] = found[i, 0]
+        found[left, 1] = found[i, 1]
+        found[left, 2] = found[i, 2]
+        left += 1
+    return left
+
+
+@inline
+def search(family, place_, R, p, branch, seeded, seed, respect, J, A):
+    """Best posture over all arm angles: q, branch, cost."""
+    strictness = LIMITED if respect else FREE
+    P = family[LIMITED]
+    if seeded and branch < 0:
+        slack = 1e-12
+        if P[IS_CLOSED] == 1.0:
+            psi, q, best, lowest, minimum = first_guess(P, place_, seed, respect)
+            position, orientation = pose_error(P, seed, R, p)
+            if lowest > (MOST_LEVERAGE * max(position / P[FAR], orientation)) ** 2:
+                # Suspiciously far: next to a singularity, the seed's own neighbourhood may hold a nearer posture.
+                other, value, still = settle_near(P, seed, R, p, seed, respect, J, A)
+                if value < lowest:
+                    psi, q, best, lowest, minimum = (
+                        arm_angle(P, other, place_[0], place_[1]),
+                        other,
+                        branch_of(P, other),
+                        value,
+                        still,
+                    )
+        else:
+            psi, q, best, lowest, minimum = first_guess_near(P, place_, R, p, seed, respect, J, A)
+            slack = BETWEEN_LIMBS
+        if lowest < OUTSIDE:
+            box = np.empty(SIZE)
+            tighten(family[strictness], seed, math.sqrt(lowest) * (1.0 + 1e-9) + slack, box)
+            found = np.empty((8 * MAX_PIECES, 3))
+            n = find_intervals(box, place_, found)
+            if minimum:
+                n = without(found, n, best, psi)
+            if n == 0:
+                return q, best, lowest
+            work = np.empty((3, MAX_SAMPLES))
+            nearer_q, nearer, value = search_intervals(
+                P, place_, R, p, found, 0, n, branch, seeded, seed, respect, work, J, A
+            )
+            if value < OUTSIDE and P[IS_CLOSED] != 1.0:
+                nearer_q, value, _ = slid(P, nearer_q, R, p, seed, respect, J, A)
+            if value < lowest:
+                return nearer_q, nearer, value
+            return q, best, lowest
+    best_q, best, lowest = search_branches(P, family[strictness], place_, R, p, branch, seeded, seed, respect, J, A)
+    if lowest < OUTSIDE:
+        return best_q, best, lowest
+    t, h0, bend_c, bend_s, hand, miss = place_
+    if P[IS_CLOSED] == 1.0:
+        # Postures that rounding hides: looser tolerances, and, with the elbow almost straight, all the bends that a
+        # pose cannot tell from each other (a bend x shortens the arm by x^2 / 8 of its length).
+        bend = bend_s
+        x = 1e-9
+        while True:
+            near = (t, h0, math.sqrt(1.0 - bend * bend) if bend_c > 0.0 else bend_c, bend, hand, miss)
+            q, b, value = search_branches(
+                family[LOOSE], family[LOOSE + strictness], near, R, p, branch, seeded, seed, respect, J, A
+            )
+            if value < OUTSIDE:
+                return q, b, value
+            if bend_c < 0.0 or bend_s > NEARLY_STRAIGHT or x > NEARLY_STRAIGHT:
+                break
+            bend = 0.0 if x == 1e-9 else x
+            x *= 2.0
+    else:
+        q, b, value = rescue(P, place_, R, p, branch, seeded, seed, respect, J, A)
+        if value < lowest:
+            best_q = q
+            best = b
+            lowest = value
+        if lowest < OUTSIDE:
+            return best_q, best, lowest
+    # No posture inside the limits: the least violating one.
+    circles = np.empty((8, 3))
+    for b in range(8):
+        circles[b, 0] = b
+        circles[b, 1] = -math.pi
+        circles[b, 2] = math.pi
+    work = np.empty((3, MAX_SAMPLES))
+    q, b, value = search_intervals(P, place_, R, p, circles, 0, 8, branch, seeded, seed, respect, work, J, A)
+    if value < lowest:
+        return q, b, value
+    return best_q, best, lowest
