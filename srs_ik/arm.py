@@ -16,7 +16,7 @@ from srs_ik.chain import Chain
 from srs_ik.errors import InvalidConfiguration
 from srs_ik.kernels import entries
 from srs_ik.kernels.intervals import MAX_PIECES
-from srs_ik.kernels.layout import LIMITED, ROW, STRAIGHT
+from srs_ik.kernels.layout import IS_CLOSED, LIMITED, ROW, STRAIGHT
 from srs_ik.limb import SrsLimb
 from srs_ik.packing import pack_family
 from srs_ik.pose import (
@@ -40,8 +40,6 @@ if TYPE_CHECKING:
     from srs_ik.optimise import Optimum
 
 Array = NDArray[np.float64]
-
-_NO_SEED = np.zeros(7)
 
 
 class PoseError(NamedTuple):
@@ -97,6 +95,7 @@ class Arm:
         self._base_frame = chain.base_id
         self._tip_frame = chain.tip_id
         self._family = pack_family(limb, chain.lower, chain.upper)
+        self._is_closed = bool(self._family[0, IS_CLOSED])
         straight = float(self._family[LIMITED, STRAIGHT])
         self._elbow = ElbowRange(straight, float(chain.lower[3]), float(chain.upper[3]))
 
@@ -219,12 +218,11 @@ class Arm:
         verdict = entries.solve(
             self._family,
             as_matrix(pose),
-            arm_angle is not None,
-            0.0 if arm_angle is None else as_arm_angle(arm_angle),
+            None if arm_angle is None else as_arm_angle(arm_angle),
             -1 if branch is None else as_branch(branch),
-            seed is not None,
-            _NO_SEED if seed is None else as_joint_vector(seed, "seed"),
+            None if seed is None else as_joint_vector(seed, "seed"),
             bool(respect_limits),
+            *self._work(),
             row,
         )
         if verdict:
@@ -250,7 +248,7 @@ class Arm:
         respect_limits = bool(respect_limits)
         if arm_angle is None:
             rows = np.empty((8 * MAX_PIECES, ROW))
-            count = entries.solve_intervals(self._family, T, respect_limits, rows)
+            count = entries.solve_intervals(self._family, T, respect_limits, *self._work(), rows)
             if count < 0:
                 raise invalid_pose(-count)
             solved = Solutions(rows[:count], self.joint_names, elbow=self._elbow)
@@ -259,7 +257,7 @@ class Arm:
                 solved = Solutions(rows[:count][ok], self.joint_names, elbow=self._elbow)
         else:
             rows = np.empty((8, ROW))
-            count = entries.solve_all(self._family, T, as_arm_angle(arm_angle), respect_limits, rows)
+            count = entries.solve_all(self._family, T, as_arm_angle(arm_angle), respect_limits, *self._work(), rows)
             if count < 0:
                 raise invalid_pose(-count)
             solved = Solutions(rows[:count], self.joint_names, elbow=self._elbow)
@@ -300,25 +298,26 @@ class Arm:
         """
         T = as_matrices(poses)
         n = len(T)
-        psis = _per_pose(0.0 if arm_angle is None else arm_angle, (), n, "arm_angle")
-        seeds = _per_pose(_NO_SEED if seed is None else seed, (7,), n, "seed")
+        psis = None if arm_angle is None else _per_pose(arm_angle, (), n, "arm_angle")
+        seeds = None if seed is None else _per_pose(seed, (7,), n, "seed")
         chosen = as_branch(branch)
         respect_limits = bool(respect_limits)
         verdicts = np.zeros(n, np.int64)
         if all_branches:
-            if arm_angle is None:
+            if psis is None:
                 raise InvalidConfiguration("all_branches needs an arm_angle; without one, see solve_all and intervals")
             out = np.empty((n, 8, ROW))
 
             def work(first: int, last: int) -> None:
-                entries.solve_all_range(self._family, T, first, last, psis, respect_limits, out, verdicts)
+                entries.solve_all_range(
+                    self._family, T, first, last, psis, respect_limits, *self._work(), out, verdicts
+                )
         else:
             out = np.empty((n, ROW))
-            at_angle, seeded = arm_angle is not None, seed is not None
 
             def work(first: int, last: int) -> None:
                 entries.solve_range(
-                    self._family, T, first, last, at_angle, psis, chosen, seeded, seeds, respect_limits, out, verdicts
+                    self._family, T, first, last, psis, chosen, seeds, respect_limits, *self._work(), out, verdicts
                 )
 
         run_in_threads(work, n, threads)
@@ -357,14 +356,14 @@ class Arm:
     def intervals(self, pose: PoseLike, respect_limits: bool = True) -> list[Interval]:
         """Feasible arm angles of every branch, exactly, in the order of branches.
 
-        They are the roots of linear forms in cosine and sine of the arm angle, not samples. On a near limb, where there are
-        no such forms, each branch is followed around the circle and every end bisected on the true chain.
+        They are the roots of linear forms in cosine and sine of the arm angle, not samples. On a near limb, where there
+        are no such forms, each branch is followed around the circle and every end bisected on the true chain.
 
         Raises:
             InvalidPose: the pose is no finite rigid transform.
         """
         out = np.empty((8 * MAX_PIECES, 3))
-        count = entries.intervals(self._family, as_matrix(pose), bool(respect_limits), out)
+        count = entries.intervals(self._family, as_matrix(pose), bool(respect_limits), *self._work(), out)
         if count < 0:
             raise invalid_pose(-count)
         return [Interval(int(b), float(lower), float(upper)) for b, lower, upper in out[:count]]
@@ -399,6 +398,10 @@ class Arm:
         return optimise(self, pose, objective, respect_limits, **parameters)
 
     # ------------------------------------------------------------------------------------------------------------
+
+    def _work(self) -> tuple[Array | None, Array | None]:
+        """Work space that the kernels of a near limb need in one call; none on a limb that the closed form answers."""
+        return (None, None) if self._is_closed else (np.empty((6, 7)), np.empty((7, 9)))
 
     @cached_property
     def _joints(self) -> list[Any]:

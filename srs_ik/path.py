@@ -115,7 +115,7 @@ def _widened(where: NDArray[np.bool_]) -> NDArray[np.bool_]:
 def _tracked(arm: Any, T: Array, start: Array, longest: Array) -> list[Array]:
     """Rows of the path that goes on to the nearest posture each time, as it is and made even; none if it gets stuck."""
     rows = np.empty((len(T), ROW))
-    if path_entries.track(arm._family, T, start, rows) < len(T):
+    if path_entries.track(arm._family, T, start, *arm._work(), rows) < len(T):
         return []
     psis, branches = rows[:, ROW_ARM_ANGLE].copy(), rows[:, ROW_BRANCH].astype(np.int64)
     return [rows, _smoothed(arm, T, start, longest, psis, branches)]

@@ -1,5 +1,8 @@
 """Entry points: thin array wrappers around the kernels, for one pose and for many.
 
+An argument that is not given is None, and Numba compiles no more than the arguments at hand need. On a limb that the
+closed form answers, J and A are None; else they are work space, (6, 7) and (7, 9) (see `search`).
+
 A solving function writes rows laid out as `ROW_*` in `layout`; statuses are numbered as in `srs_ik.Status`.
 """
 
@@ -14,10 +17,9 @@ from srs_ik.kernels.chain import arm_frame_at, forward_kinematics, frame_error, 
 from srs_ik.kernels.closure import arm_angle
 from srs_ik.kernels.elbow import elbow_side, place, shoulder_to_wrist, target_frame
 from srs_ik.kernels.intervals import MAX_PIECES
-from srs_ik.kernels.jit import entry, inline, kernel
+from srs_ik.kernels.jit import entry, kernel
 from srs_ik.kernels.layout import (
     FREE,
-    IS_CLOSED,
     LIMITED,
     ROW_ARM_ANGLE,
     ROW_JOINT,
@@ -26,7 +28,7 @@ from srs_ik.kernels.layout import (
 from srs_ik.kernels.limits import set_limits
 from srs_ik.kernels.near_intervals import LOOKS, true_intervals
 from srs_ik.kernels.poses import GOOD_POSE, read7, read_pose
-from srs_ik.kernels.redundancy import find_intervals, search
+from srs_ik.kernels.redundancy import find_intervals, search, search_near_seed
 from srs_ik.kernels.rows import OK, OUT_OF_LIMITS, SOLVED, UNREACHABLE, measure_row, write_row
 from srs_ik.kernels.scoring import OUTSIDE, tightest_joint
 from srs_ik.kernels.search import (
@@ -43,70 +45,95 @@ from srs_ik.kernels.vectors import add, apply, cross
 NO_SEED = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
 
 
-@inline
-def solve_one(family, T, at_angle, psi, branch, seeded, seed, respect, J, A, out):
-    """Solve one pose into a row; returns the verdict on the pose."""
+@kernel
+def seed_or_zero(seed):
+    """Seven angles of a seed, or zeros if there is none."""
+    if seed is None:
+        return NO_SEED
+    return read7(seed)
+
+
+@kernel
+def solve_one(family, T, psi, branch, seed, respect, J, A, out):
+    """Solve one pose into a row, at an arm angle and near a seed unless they are None; returns the verdict on it."""
     R, p, verdict = read_pose(T)
     if verdict != GOOD_POSE:
         return verdict
     P = family[LIMITED]
     place_ = place(P, R, p)
-    if at_angle:
-        q, best, lowest = evaluate(P, place_, R, p, psi, branch, seeded, seed, respect, J, A)
-        if lowest >= OUTSIDE and P[IS_CLOSED] != 1.0:
-            again, other, value = evaluate_again(P, place_, R, p, psi, branch, seeded, seed, respect, ATTEMPTS, J, A)
-            if value < lowest:
-                q, best, lowest = again, other, value
+    near = seed_or_zero(seed)
+    seeded = seed is not None
+    if psi is None:
+        q = near
+        best = 0
+        lowest = 4.0 * NO_BRANCH
+        if seed is not None:
+            if branch < 0:
+                F = family[LIMITED if respect else FREE]
+                q, best, lowest = search_near_seed(P, F, place_, R, p, near, respect, J, A)
+        if lowest >= OUTSIDE:
+            q, best, lowest = search(family, place_, R, p, branch, seeded, near, respect, J, A)
     else:
-        q, best, lowest = search(family, place_, R, p, branch, seeded, seed, respect, J, A)
+        q, best, lowest = evaluate(P, place_, R, p, psi, branch, seeded, near, respect, J, A)
+        if J is not None:
+            if lowest >= OUTSIDE:
+                attempts = ATTEMPTS if lowest >= NO_BRANCH else 1
+                again, b, value = evaluate_again(P, place_, R, p, psi, branch, seeded, near, respect, attempts, J, A)
+                if value < lowest:
+                    q, best, lowest = again, b, value
     measure_row(P, place_, R, p, q, best, lowest, respect, out)
-    if respect and out[ROW_STATUS] == UNREACHABLE and P[IS_CLOSED] != 1.0:
-        # Only an attempt without limits can tell what a near limb does not reach from what its limits forbid.
-        q, best, lowest = rescue(P, place_, R, p, branch, seeded, seed, False, J, A)
-        if lowest < OUTSIDE:
-            out[ROW_STATUS] = OUT_OF_LIMITS
-            out[ROW_JOINT] = tightest_joint(P, q)
-    if at_angle and out[ROW_STATUS] == OK:
-        out[ROW_ARM_ANGLE] = psi - 2.0 * math.pi * math.floor((psi + math.pi) / (2.0 * math.pi))
+    if psi is not None:
+        if out[ROW_STATUS] == OK:
+            out[ROW_ARM_ANGLE] = psi - 2.0 * math.pi * math.floor((psi + math.pi) / (2.0 * math.pi))
+    elif J is not None:
+        if respect and out[ROW_STATUS] == UNREACHABLE:
+            # Only an attempt without limits can tell what a near limb does not reach from what its limits forbid.
+            q, best, lowest = rescue(P, place_, R, p, branch, seeded, near, False, J, A)
+            if lowest < OUTSIDE:
+                out[ROW_STATUS] = OUT_OF_LIMITS
+                out[ROW_JOINT] = tightest_joint(P, q)
     return GOOD_POSE
 
 
 @entry
-def solve(family, T, at_angle, psi, branch, seeded, seed, respect, out):
+def solve(family, T, psi, branch, seed, respect, J, A, out):
     """Solve one pose into a row of `out`; returns the verdict on the pose."""
-    J = np.empty((6, 7))
-    A = np.empty((7, 9))
-    return solve_one(family, T, at_angle, psi, branch, seeded, read7(seed), respect, J, A, out)
+    return solve_one(family, T, psi, branch, seed, respect, J, A, out)
+
+
+@kernel
+def own(values, i):
+    """The value of pose i, from one for all, or one a pose, or None."""
+    if values is None:
+        return None
+    return values[i if values.shape[0] > 1 else 0]
 
 
 @entry
-def solve_range(family, poses, first, last, at_angle, psis, branch, seeded, seeds, respect, out, verdicts):
-    """Solve the poses first to last - 1; psis and seeds hold one value for all, or one a pose."""
-    J = np.empty((6, 7))
-    A = np.empty((7, 9))
+def solve_range(family, poses, first, last, psis, branch, seeds, respect, J, A, out, verdicts):
+    """Solve the poses first to last - 1; psis and seeds hold one value for all, or one a pose, or are None."""
     for i in range(first, last):
-        psi = psis[i if psis.shape[0] > 1 else 0]
-        seed = read7(seeds[i if seeds.shape[0] > 1 else 0])
-        verdicts[i] = solve_one(family, poses[i], at_angle, psi, branch, seeded, seed, respect, J, A, out[i])
+        verdicts[i] = solve_one(family, poses[i], own(psis, i), branch, own(seeds, i), respect, J, A, out[i])
 
 
-@inline
+@kernel
 def all_branches(P, T, psi, respect, J, A, out):
     """One row a branch at an arm angle, in the order of branches."""
     R, p, verdict = read_pose(T)
     if verdict != GOOD_POSE:
         return verdict
     place_ = place(P, R, p)
-    if P[IS_CLOSED] == 1.0:
+    if J is None:
+        Q = np.empty((4, 9))
         for elbow in range(2):
-            elbow_branches(P, place_, psi, elbow, respect, A)
-            hands = (hand_frame(P, read7(A[0])), hand_frame(P, read7(A[1])))
-            arms = (arm_frame_at(P, read7(A[0])), arm_frame_at(P, read7(A[2])))
+            elbow_branches(P, place_, psi, elbow, respect, Q)
+            hands = (hand_frame(P, read7(Q[0])), hand_frame(P, read7(Q[1])))
+            arms = (arm_frame_at(P, read7(Q[0])), arm_frame_at(P, read7(Q[2])))
             for i in range(4):
                 branch = 4 * elbow + i
-                q = read7(A[i])
-                if A[i, 7] >= OUTSIDE:
-                    measure_row(P, place_, R, p, q, branch, A[i, 7], respect, out[branch])
+                q = read7(Q[i])
+                if Q[i, 7] >= OUTSIDE:
+                    measure_row(P, place_, R, p, q, branch, Q[i, 7], respect, out[branch])
                     continue
                 M, shift = arms[i >> 1]
                 x, y, origin = hands[i & 1]
@@ -127,9 +154,9 @@ def all_branches(P, T, psi, respect, J, A, out):
 
 
 @entry
-def solve_all(family, T, psi, respect, out):
+def solve_all(family, T, psi, respect, J, A, out):
     """Branches of one pose that are solutions at an arm angle, in order: number of rows, or minus the verdict."""
-    verdict = all_branches(family[LIMITED], T, psi, respect, np.empty((6, 7)), np.empty((7, 9)), out)
+    verdict = all_branches(family[LIMITED], T, psi, respect, J, A, out)
     if verdict != GOOD_POSE:
         return -verdict
     n = 0
@@ -142,49 +169,42 @@ def solve_all(family, T, psi, respect, out):
 
 
 @entry
-def solve_all_range(family, poses, first, last, psis, respect, out, verdicts):
+def solve_all_range(family, poses, first, last, psis, respect, J, A, out, verdicts):
     """All eight branches of the poses first to last - 1."""
-    J = np.empty((6, 7))
-    A = np.empty((7, 9))
     for i in range(first, last):
-        psi = psis[i if psis.shape[0] > 1 else 0]
-        verdicts[i] = all_branches(family[LIMITED], poses[i], psi, respect, J, A, out[i])
+        verdicts[i] = all_branches(family[LIMITED], poses[i], own(psis, i), respect, J, A, out[i])
 
 
 @kernel
-def all_intervals(P, place_, R, p, out):
+def all_intervals(P, place_, R, p, J, A, out):
     """Feasible intervals of one pose on the true chain; none where the pose is out of reach."""
-    if P[IS_CLOSED] == 1.0:
+    if J is None:
         return find_intervals(P, place_, out) if abs(place_[5]) < SOLVED else 0
     found = np.empty((8 * MAX_PIECES, 3))
     n = find_intervals(P, place_, found)
-    J = np.empty((6, 7))
-    A = np.empty((7, 9))
     return true_intervals(P, place_, R, p, found, n, np.empty(2 * LOOKS), np.empty(2 * LOOKS), out, J, A)
 
 
 @entry
-def intervals(family, T, respect, out):
+def intervals(family, T, respect, J, A, out):
     """Feasible intervals of one pose: number of rows written to `out` (n, 3), or minus the verdict."""
     R, p, verdict = read_pose(T)
     if verdict != GOOD_POSE:
         return -verdict
     P = family[LIMITED if respect else FREE]
-    return all_intervals(P, place(P, R, p), R, p, out)
+    return all_intervals(P, place(P, R, p), R, p, J, A, out)
 
 
 @entry
-def solve_intervals(family, T, respect, out):
+def solve_intervals(family, T, respect, J, A, out):
     """The best posture of every feasible interval of one pose: number of rows of `out`, or minus the verdict."""
     R, p, verdict = read_pose(T)
     if verdict != GOOD_POSE:
         return -verdict
-    J = np.empty((6, 7))
-    A = np.empty((7, 9))
     P = family[LIMITED]
     place_ = place(P, R, p)
     found = np.empty((8 * MAX_PIECES, 3))
-    n = all_intervals(family[LIMITED if respect else FREE], place_, R, p, found)
+    n = all_intervals(family[LIMITED if respect else FREE], place_, R, p, J, A, found)
     work = np.empty((3, MAX_SAMPLES))
     for i in range(n):
         q, b, lowest = search_intervals(P, place_, R, p, found, i, i + 1, -1, False, NO_SEED, respect, work, J, A)

@@ -1,7 +1,7 @@
 """Feasible arm angles of a near limb, on its true chain.
 
 There the joint angles are no roots of linear forms any more: each branch is followed around the circle, and every end
-of an interval is found by bisection of the true postures. The intervals of the nearest exact limb say where else to look.
+of an interval is found by bisection of the true postures. The nearest exact limb's intervals say where else to look.
 """
 
 from __future__ import annotations

@@ -270,13 +270,11 @@ def smooth(family, poses, seeded, seed, longest, psis, branches, q):
 
 
 @entry
-def track(family, poses, start, rows):
+def track(family, poses, start, J, A, rows):
     """The nearest posture to the one before, pose after pose, from a first posture; rows (n, ROW)."""
-    J = np.empty((6, 7))
-    A = np.empty((7, 9))
     near = read7(start)
     for i in range(poses.shape[0]):
-        solve_one(family, poses[i], False, 0.0, -1, True, near, True, J, A, rows[i])
+        solve_one(family, poses[i], None, -1, near, True, J, A, rows[i])
         if rows[i, ROW_STATUS] != OK:
             return i
         near = read7(rows[i])

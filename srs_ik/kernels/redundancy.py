@@ -10,7 +10,7 @@ from srs_ik.kernels.branches import branch_of
 from srs_ik.kernels.chain import pose_error
 from srs_ik.kernels.closure import arm_angle
 from srs_ik.kernels.intervals import MAX_EVENTS, MAX_PIECES, feasible_intervals
-from srs_ik.kernels.jit import inline, kernel
+from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout import FAR, FREE, IS_CLOSED, LIMITED, LOOSE, SIZE
 from srs_ik.kernels.nearest import first_guess, first_guess_near, settle_near, slid, tighten
 from srs_ik.kernels.scoring import OUTSIDE
@@ -68,76 +68,86 @@ def without(found, n, branch, psi):
     return left
 
 
-@inline
+@kernel
+def guess(P, place_, R, p, seed, respect, J, A):
+    """A posture near a seed by local search: psi, q, branch, cost, and whether it is a local minimum."""
+    if J is None:
+        psi, q, branch, lowest, minimum = first_guess(P, place_, seed, respect)
+        position, orientation = pose_error(P, seed, R, p)
+        if lowest > (MOST_LEVERAGE * max(position / P[FAR], orientation)) ** 2:
+            # Suspiciously far: next to a singularity, the seed's own neighbourhood may hold a nearer posture.
+            other, value, still = settle_near(P, seed, R, p, seed, respect, np.empty((6, 7)), np.empty((7, 9)))
+            if value < lowest:
+                return arm_angle(P, other, place_[0], place_[1]), other, branch_of(P, other), value, still
+        return psi, q, branch, lowest, minimum
+    return first_guess_near(P, place_, R, p, seed, respect, J, A)
+
+
+@kernel
+def search_near_seed(P, F, place_, R, p, seed, respect, J, A):
+    """The posture nearest to a seed over all branches and arm angles: q, branch, cost (OUTSIDE if none was found)."""
+    psi, q, best, lowest, minimum = guess(P, place_, R, p, seed, respect, J, A)
+    if lowest >= OUTSIDE:
+        return q, best, lowest
+    box = np.empty(SIZE)
+    slack = 1e-12 if P[IS_CLOSED] == 1.0 else BETWEEN_LIMBS
+    tighten(F, seed, math.sqrt(lowest) * (1.0 + 1e-9) + slack, box)
+    found = np.empty((8 * MAX_PIECES, 3))
+    n = find_intervals(box, place_, found)
+    if minimum:
+        n = without(found, n, best, psi)
+    if n == 0:
+        return q, best, lowest
+    work = np.empty((3, MAX_SAMPLES))
+    nearer_q, nearer, value = search_intervals(P, place_, R, p, found, 0, n, -1, True, seed, respect, work, J, A)
+    if J is not None:
+        if value < OUTSIDE:
+            nearer_q, value, _ = slid(P, nearer_q, R, p, seed, respect, J, A)
+    if value < lowest:
+        return nearer_q, nearer, value
+    return q, best, lowest
+
+
+@kernel
+def search_hidden(family, strictness, place_, R, p, branch, seeded, seed, respect, J, A):
+    """Postures that the strict search cannot see: q, branch, cost (OUTSIDE if there is none).
+
+    On a closed limb, those that rounding hides: looser tolerances, and, with the elbow almost straight, all the bends
+    that a pose cannot tell from each other (a bend x shortens the arm by x^2 / 8 of its length). On a near limb, those
+    that its nearest exact limb does not have.
+    """
+    if J is not None:
+        return rescue(family[LIMITED], place_, R, p, branch, seeded, seed, respect, J, A)
+    t, h0, bend_c, bend_s, hand, miss = place_
+    bend = bend_s
+    x = 1e-9
+    while True:
+        near = (t, h0, math.sqrt(1.0 - bend * bend) if bend_c > 0.0 else bend_c, bend, hand, miss)
+        q, b, value = search_branches(
+            family[LOOSE], family[LOOSE + strictness], near, R, p, branch, seeded, seed, respect, J, A
+        )
+        if value < OUTSIDE or bend_c < 0.0 or bend_s > NEARLY_STRAIGHT or x > NEARLY_STRAIGHT:
+            return q, b, value
+        bend = 0.0 if x == 1e-9 else x
+        x *= 2.0
+
+
+@kernel
 def search(family, place_, R, p, branch, seeded, seed, respect, J, A):
     """Best posture over all arm angles: q, branch, cost."""
     strictness = LIMITED if respect else FREE
     P = family[LIMITED]
-    if seeded and branch < 0:
-        slack = 1e-12
-        if P[IS_CLOSED] == 1.0:
-            psi, q, best, lowest, minimum = first_guess(P, place_, seed, respect)
-            position, orientation = pose_error(P, seed, R, p)
-            if lowest > (MOST_LEVERAGE * max(position / P[FAR], orientation)) ** 2:
-                # Suspiciously far: next to a singularity, the seed's own neighbourhood may hold a nearer posture.
-                other, value, still = settle_near(P, seed, R, p, seed, respect, J, A)
-                if value < lowest:
-                    psi, q, best, lowest, minimum = (
-                        arm_angle(P, other, place_[0], place_[1]),
-                        other,
-                        branch_of(P, other),
-                        value,
-                        still,
-                    )
-        else:
-            psi, q, best, lowest, minimum = first_guess_near(P, place_, R, p, seed, respect, J, A)
-            slack = BETWEEN_LIMBS
-        if lowest < OUTSIDE:
-            box = np.empty(SIZE)
-            tighten(family[strictness], seed, math.sqrt(lowest) * (1.0 + 1e-9) + slack, box)
-            found = np.empty((8 * MAX_PIECES, 3))
-            n = find_intervals(box, place_, found)
-            if minimum:
-                n = without(found, n, best, psi)
-            if n == 0:
-                return q, best, lowest
-            work = np.empty((3, MAX_SAMPLES))
-            nearer_q, nearer, value = search_intervals(
-                P, place_, R, p, found, 0, n, branch, seeded, seed, respect, work, J, A
-            )
-            if value < OUTSIDE and P[IS_CLOSED] != 1.0:
-                nearer_q, value, _ = slid(P, nearer_q, R, p, seed, respect, J, A)
-            if value < lowest:
-                return nearer_q, nearer, value
-            return q, best, lowest
-    best_q, best, lowest = search_branches(P, family[strictness], place_, R, p, branch, seeded, seed, respect, J, A)
+    F = family[strictness]
+    best_q, best, lowest = search_branches(P, F, place_, R, p, branch, seeded, seed, respect, J, A)
     if lowest < OUTSIDE:
         return best_q, best, lowest
-    t, h0, bend_c, bend_s, hand, miss = place_
-    if P[IS_CLOSED] == 1.0:
-        # Postures that rounding hides: looser tolerances, and, with the elbow almost straight, all the bends that a
-        # pose cannot tell from each other (a bend x shortens the arm by x^2 / 8 of its length).
-        bend = bend_s
-        x = 1e-9
-        while True:
-            near = (t, h0, math.sqrt(1.0 - bend * bend) if bend_c > 0.0 else bend_c, bend, hand, miss)
-            q, b, value = search_branches(
-                family[LOOSE], family[LOOSE + strictness], near, R, p, branch, seeded, seed, respect, J, A
-            )
-            if value < OUTSIDE:
-                return q, b, value
-            if bend_c < 0.0 or bend_s > NEARLY_STRAIGHT or x > NEARLY_STRAIGHT:
-                break
-            bend = 0.0 if x == 1e-9 else x
-            x *= 2.0
-    else:
-        q, b, value = rescue(P, place_, R, p, branch, seeded, seed, respect, J, A)
-        if value < lowest:
-            best_q = q
-            best = b
-            lowest = value
-        if lowest < OUTSIDE:
-            return best_q, best, lowest
+    q, b, value = search_hidden(family, strictness, place_, R, p, branch, seeded, seed, respect, J, A)
+    if value < lowest:
+        best_q = q
+        best = b
+        lowest = value
+    if lowest < OUTSIDE:
+        return best_q, best, lowest
     # No posture inside the limits: the least violating one.
     circles = np.empty((8, 3))
     for b in range(8):

@@ -3,6 +3,9 @@
 `evaluate` is the one place where a posture is made: closed form on the exact limb, then, on a near limb, Newton's
 method on the true chain. The search above it works on arm angles alone: it looks at every feasible interval at a
 spacing that follows the joints, and closes in on each peak that may be the best.
+
+Where a kernel takes the work spaces J (6, 7) and A (7, 9), None stands for them on a limb that the closed form answers:
+what a near limb needs is then not compiled at all.
 """
 
 from __future__ import annotations
@@ -13,7 +16,7 @@ from srs_ik.kernels.branches import NO_BRANCH, best_branch, branch_of, side_post
 from srs_ik.kernels.closure import CLOSED, clipped, close_at_angle, close_free
 from srs_ik.kernels.elbow import elbow_side
 from srs_ik.kernels.jit import kernel
-from srs_ik.kernels.layout import A1, IS_CLOSED, PHASE, SHOULDER, STRAIGHT, WRIST
+from srs_ik.kernels.layout import A1, PHASE, SHOULDER, STRAIGHT, WRIST
 from srs_ik.kernels.scoring import OUTSIDE, cost, elbow_part, turn
 from srs_ik.kernels.vectors import dot, load3
 
@@ -67,7 +70,9 @@ def turned(P, q, seeded, seed, respect):
 def evaluate_branch(P, place_, side, R, p, psi, branch, seeded, seed, respect, J, A):
     """Posture of one branch at an arm angle on the true chain: q, cost (NO_BRANCH where there is none)."""
     q, _, lowest = side_posture(P, side, psi, (branch >> 1) & 1, branch & 1, seeded, seed, respect)
-    if P[IS_CLOSED] == 1.0 or lowest >= NO_BRANCH:
+    if J is None:
+        return q, lowest
+    if lowest >= NO_BRANCH:
         return q, lowest
     q, closed = close_at_angle(P, q, R, p, place_[0], place_[1], psi, STEPS, J, A)
     if not closed or branch_of(P, q) != branch:
@@ -79,7 +84,7 @@ def evaluate_branch(P, place_, side, R, p, psi, branch, seeded, seed, respect, J
 @kernel
 def evaluate(P, place_, R, p, psi, branch, seeded, seed, respect, J, A):
     """Best posture at an arm angle over all branches, or in one (0 to 7): q, branch, cost."""
-    if P[IS_CLOSED] == 1.0:
+    if J is None:
         return best_branch(P, place_, psi, branch, seeded, seed, respect)
     best_q = seed
     best = 0
