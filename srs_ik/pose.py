@@ -90,7 +90,7 @@ def _floats(values: Any, shape: tuple[int | None, ...], what: str) -> Array:
 def invalid_pose(verdict: int, where: str = "") -> InvalidPose:
     """The error for a verdict of `kernels.entries.read_pose`; `where` names the pose among many."""
     if verdict == NOT_FINITE:
-        return InvalidPose(f"the pose{where} has entries that are not finite numbers, or are beyond 1e100 m")
+        return InvalidPose(f"the pose{where} has entries that are not finite numbers")
     return InvalidPose(
         f"the pose{where} is no rigid transform: R'R must be the identity to 1e-6, det R positive, the last row 0 0 0 1"
     )

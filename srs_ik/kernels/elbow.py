@@ -82,17 +82,14 @@ def target_frame(P, sw):
 @kernel
 def elbow_bend(P, d):
     """Cosine and sine of the bend |q4 - STRAIGHT| for a length d of S-W; how far d is out of reach (+far, -near)."""
+    if d > P[FAR]:
+        return 1.0, 0.0, d - P[FAR]
+    if d < P[NEAR]:
+        return -1.0, 0.0, d - P[NEAR]
     far = (P[FAR] - d) * (P[FAR] + d)
     near = (d - P[NEAR]) * (d + P[NEAR])
-    miss = 0.0
-    if far < 0.0:
-        miss = d - P[FAR]
-        far = 0.0
-    if near < 0.0:
-        miss = d - P[NEAR]
-        near = 0.0
     total = far + near
-    return (near - far) / total, 2.0 * math.sqrt(far * near) / total, miss
+    return (near - far) / total, 2.0 * math.sqrt(far * near) / total, 0.0
 
 
 @kernel

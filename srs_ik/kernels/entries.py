@@ -22,6 +22,7 @@ from srs_ik.kernels.layout import (
     FREE,
     LIMITED,
     ROW_ARM_ANGLE,
+    ROW_BRANCH,
     ROW_JOINT,
     ROW_STATUS,
 )
@@ -150,6 +151,7 @@ def all_branches(P, T, psi, respect, J, A, out):
             if value < lowest:
                 q, lowest = again, value
         measure_row(P, place_, R, p, q, branch, lowest, respect, out[branch])
+        out[branch, ROW_BRANCH] = branch
     return GOOD_POSE
 
 

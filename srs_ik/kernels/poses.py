@@ -9,9 +9,6 @@ from srs_ik.kernels.jit import kernel
 NOT_A_ROTATION = 1e-6
 """Largest deviation of R'R from the identity that is taken as rounding and removed."""
 
-FARTHEST = 1e100
-"""Positions beyond this, metres, are no numbers to compute with."""
-
 GOOD_POSE = 0
 NOT_FINITE = 1
 NOT_RIGID = 2
@@ -23,11 +20,11 @@ def read_pose(T):
     """Rotation, position and verdict of a 4 x 4 pose; rounding in the rotation is removed."""
     R = (T[0, 0], T[0, 1], T[0, 2], T[1, 0], T[1, 1], T[1, 2], T[2, 0], T[2, 1], T[2, 2])
     p = (T[0, 3], T[1, 3], T[2, 3])
-    total = p[0] + p[1] + p[2]
+    total = 0.0 * p[0] + 0.0 * p[1] + 0.0 * p[2]
     for i in range(9):
         total += R[i]
     total += T[3, 0] + T[3, 1] + T[3, 2] + T[3, 3]
-    if not math.isfinite(total) or max(abs(p[0]), abs(p[1]), abs(p[2])) > FARTHEST:
+    if not math.isfinite(total):
         return R, p, NOT_FINITE
     if max(abs(T[3, 0]), abs(T[3, 1]), abs(T[3, 2]), abs(T[3, 3] - 1.0)) > NOT_A_ROTATION:
         return R, p, NOT_RIGID

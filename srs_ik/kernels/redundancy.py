@@ -11,7 +11,7 @@ from srs_ik.kernels.chain import pose_error
 from srs_ik.kernels.closure import arm_angle
 from srs_ik.kernels.intervals import MAX_EVENTS, MAX_PIECES, feasible_intervals
 from srs_ik.kernels.jit import kernel
-from srs_ik.kernels.layout import FAR, FREE, IS_CLOSED, LIMITED, LOOSE, SIZE
+from srs_ik.kernels.layout import FAR, FREE, INVERSE_HALF_RANGE, IS_CLOSED, LIMITED, LOOSE, RANGE_KIND, SIZE
 from srs_ik.kernels.nearest import first_guess, first_guess_near, settle_near, slid, tighten
 from srs_ik.kernels.scoring import OUTSIDE
 from srs_ik.kernels.search import MAX_SAMPLES, rescue, search_intervals
@@ -21,6 +21,9 @@ NEARLY_STRAIGHT = 3e-6
 
 MOST_LEVERAGE = 4.0
 """A seed farther from its nearest posture than so many times the pose error asks for a closer look."""
+
+WIDE_BOX = 0.3
+"""On a near limb, a box of a seeded search wider than this, rad, asks for the whole circles."""
 
 BETWEEN_LIMBS = 0.05
 """How far the joints of a near limb may be from those of its nearest exact limb, rad, away from singularities."""
@@ -69,6 +72,25 @@ def without(found, n, branch, psi):
 
 
 @kernel
+def has_wide_range(P):
+    """Whether a joint has limits more than a turn apart: its nearest turn may jump within an interval."""
+    wide = False
+    for j in range(7):
+        wide = wide or (P[RANGE_KIND + j] == 0.0 and P[INVERSE_HALF_RANGE + j] > 0.0)
+    return wide
+
+
+@kernel
+def whole_circles(out):
+    """Write every arm angle of every branch as eight intervals; return their number."""
+    for b in range(8):
+        out[b, 0] = b
+        out[b, 1] = -math.pi
+        out[b, 2] = math.pi
+    return 8
+
+
+@kernel
 def guess(P, place_, R, p, seed, respect, J, A):
     """A posture near a seed by local search: psi, q, branch, cost, and whether it is a local minimum."""
     if J is None:
@@ -93,8 +115,9 @@ def search_near_seed(P, F, place_, R, p, seed, respect, J, A):
     slack = 1e-12 if P[IS_CLOSED] == 1.0 else BETWEEN_LIMBS
     tighten(F, seed, math.sqrt(lowest) * (1.0 + 1e-9) + slack, box)
     found = np.empty((8 * MAX_PIECES, 3))
-    n = find_intervals(box, place_, found)
-    if minimum:
+    wide = J is not None and lowest > WIDE_BOX * WIDE_BOX
+    n = whole_circles(found) if wide else find_intervals(box, place_, found)
+    if minimum and not has_wide_range(P):
         n = without(found, n, best, psi)
     if n == 0:
         return q, best, lowest
@@ -137,7 +160,7 @@ def search(family, place_, R, p, branch, seeded, seed, respect, J, A):
     """Best posture over all arm angles: q, branch, cost."""
     strictness = LIMITED if respect else FREE
     P = family[LIMITED]
-    F = family[strictness]
+    F = family[strictness if J is None else FREE]
     best_q, best, lowest = search_branches(P, F, place_, R, p, branch, seeded, seed, respect, J, A)
     if lowest < OUTSIDE:
         return best_q, best, lowest
@@ -150,10 +173,7 @@ def search(family, place_, R, p, branch, seeded, seed, respect, J, A):
         return best_q, best, lowest
     # No posture inside the limits: the least violating one.
     circles = np.empty((8, 3))
-    for b in range(8):
-        circles[b, 0] = b
-        circles[b, 1] = -math.pi
-        circles[b, 2] = math.pi
+    whole_circles(circles)
     work = np.empty((3, MAX_SAMPLES))
     q, b, value = search_intervals(P, place_, R, p, circles, 0, 8, branch, seeded, seed, respect, work, J, A)
     if value < lowest:

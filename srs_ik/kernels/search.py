@@ -16,9 +16,25 @@ from srs_ik.kernels.branches import NO_BRANCH, best_branch, branch_of, side_post
 from srs_ik.kernels.closure import CLOSED, clipped, close_at_angle, close_free
 from srs_ik.kernels.elbow import elbow_side
 from srs_ik.kernels.jit import kernel
-from srs_ik.kernels.layout import A1, PHASE, SHOULDER, STRAIGHT, WRIST
+from srs_ik.kernels.layout import (
+    A1,
+    A1_A2,
+    A2,
+    A2_A3,
+    A3,
+    FIRST_JOINT,
+    INVERSE_HALF_RANGE,
+    LOWER,
+    MIDDLE,
+    PHASE,
+    RANGE_KIND,
+    SHOULDER,
+    STRAIGHT,
+    UPPER,
+    WRIST,
+)
 from srs_ik.kernels.scoring import OUTSIDE, cost, elbow_part, turn
-from srs_ik.kernels.vectors import dot, load3
+from srs_ik.kernels.vectors import dot, load3, rotate
 
 STEP = 2.0 * math.pi / 48.0
 """Widest spacing of the arm angles at which an interval is first looked at."""
@@ -26,10 +42,13 @@ STEP = 2.0 * math.pi / 48.0
 SMALLEST_COUNT = 8
 """Fewest parts into which an interval is cut."""
 
-PEAKS = 6
-"""So many of the best peaks are closed in on."""
+PEAKS = 24
+"""So many of the most hopeful peaks are closed in on, as long as they may beat the best so far."""
 
-MAX_SAMPLES = 96
+MOST_RISE = 4.0
+"""A neighbour outside the limits tells nothing of the slope; the cost falls no more than this below a sample."""
+
+MAX_SAMPLES = 160
 """Most arm angles at which an interval is looked at first."""
 
 REFINE_STEPS = 60
@@ -176,7 +195,50 @@ def add_swings(P, k, motion, lower, upper, samples, n):
 
 
 @kernel
-def take_samples(P, side, lower, upper, samples):
+def add_turns(P, k, motion, lower, upper, seeded, seed, samples, n):
+    """Samples where a joint of a spherical joint changes turns, for ranges of more than a turn.
+
+    Next to a seed, that is where the nearer turn leaves the limits, or the seed is half a turn away; else, where the
+    middle of the range is.
+    """
+    first = int(P[k + FIRST_JOINT])
+    a1 = load3(P, k + A1)
+    a2 = load3(P, k + A2)
+    a3 = load3(P, k + A3)
+    for end in range(3):
+        joint = first + end
+        if P[RANGE_KIND + joint] != 0.0 or P[INVERSE_HALF_RANGE + joint] == 0.0:
+            continue
+        half_away = (seed[joint] if seeded else P[MIDDLE + joint]) + math.pi
+        for i in range(3):
+            bound = half_away if i == 0 else (P[LOWER + joint] if i == 1 else P[UPPER + joint])
+            if end == 0:
+                x = rotate(a1, math.cos(bound), math.sin(bound), a2)
+                circle = motion[0]
+                value = P[k + A2_A3]
+            elif end == 1:
+                x = a1
+                circle = motion[0]
+                value = dot(a1, rotate(a2, math.cos(bound), math.sin(bound), a3))
+            else:
+                x = rotate(a3, math.cos(bound), -math.sin(bound), a2)
+                circle = motion[2]
+                value = P[k + A1_A2]
+            c = dot(x, circle[1])
+            s = dot(x, circle[2])
+            rest = value - dot(x, circle[0])
+            r = math.sqrt(c * c + s * s)
+            if abs(rest) < r:
+                apart = math.atan2(math.sqrt((r - rest) * (r + rest)), rest)
+                for turns in range(-1, 2):
+                    middle = math.atan2(s, c) + 2.0 * math.pi * turns
+                    n = add_sample(samples, n, middle + apart, lower, upper)
+                    n = add_sample(samples, n, middle - apart, lower, upper)
+    return n
+
+
+@kernel
+def take_samples(P, side, lower, upper, seeded, seed, samples):
     """Fill in the sorted arm angles at which to look at an interval first, its ends included; return their number."""
     samples[0] = lower
     if upper <= lower:
@@ -186,20 +248,22 @@ def take_samples(P, side, lower, upper, samples):
         samples[i] = lower + (upper - lower) * i / count
     samples[count] = upper
     n = add_swings(P, SHOULDER, side[1], lower, upper, samples, count + 1)
-    return add_swings(P, WRIST, side[2], lower, upper, samples, n)
+    n = add_swings(P, WRIST, side[2], lower, upper, samples, n)
+    n = add_turns(P, SHOULDER, side[1], lower, upper, seeded, seed, samples, n)
+    return add_turns(P, WRIST, side[2], lower, upper, seeded, seed, samples, n)
 
 
 @kernel
-def keep_peak(peaks, n, value, branch, lower, peak, upper):
-    """Keep a peak among the best, sorted by value; return how many are kept."""
-    if n == PEAKS and value >= peaks[n - 1, 0]:
+def keep_peak(peaks, n, hope, branch, lower, peak, upper):
+    """Keep a peak among the most hopeful, sorted by the cost that may hide there; return how many are kept."""
+    if n == PEAKS and hope >= peaks[n - 1, 0]:
         return n
     i = min(n, PEAKS - 1)
-    while i > 0 and peaks[i - 1, 0] > value:
+    while i > 0 and peaks[i - 1, 0] > hope:
         for j in range(5):
             peaks[i, j] = peaks[i - 1, j]
         i -= 1
-    peaks[i, 0] = value
+    peaks[i, 0] = hope
     peaks[i, 1] = branch
     peaks[i, 2] = lower
     peaks[i, 3] = peak
@@ -208,18 +272,19 @@ def keep_peak(peaks, n, value, branch, lower, peak, upper):
 
 
 @kernel
-def scan(P, side, branch, lower, upper, seeded, seed, respect, samples, values, peaks, n):
-    """Look at an interval of a branch and keep its peaks, on the exact limb; return how many are kept in all."""
-    count = take_samples(P, side, lower, upper, samples)
+def scan(P, place_, side, R, p, branch, lower, upper, seeded, seed, respect, samples, values, peaks, n, J, A):
+    """Look at an interval of a branch and keep its peaks; return how many are kept in all."""
+    count = take_samples(P, side, lower, upper, seeded, seed, samples)
     for i in range(count):
-        _, _, values[i] = side_posture(P, side, samples[i], (branch >> 1) & 1, branch & 1, seeded, seed, respect)
+        _, values[i] = evaluate_branch(P, place_, side, R, p, samples[i], branch, seeded, seed, respect, J, A)
     for i in range(count):
-        before = values[i - 1] if i > 0 else values[i] + 1.0
-        behind = values[i + 1] if i + 1 < count else values[i] + 1.0
+        before = values[i - 1] if i > 0 else values[i]
+        behind = values[i + 1] if i + 1 < count else values[i]
         if values[i] <= before and values[i] <= behind:
-            lower_side = samples[max(i - 1, 0)]
-            upper_side = samples[min(i + 1, count - 1)]
-            n = keep_peak(peaks, n, values[i], branch, lower_side, samples[i], upper_side)
+            # Between the neighbours the cost falls no deeper below the sample than they rise above it.
+            rise = max(min(before, OUTSIDE) - values[i], min(behind, OUTSIDE) - values[i], 0.0)
+            hope = values[i] - min(rise, MOST_RISE)
+            n = keep_peak(peaks, n, hope, branch, samples[max(i - 1, 0)], samples[i], samples[min(i + 1, count - 1)])
     return n
 
 
@@ -230,6 +295,8 @@ def search_peaks(P, place_, R, p, seeded, seed, respect, peaks, n, J, A):
     best = 0
     lowest = 4.0 * NO_BRANCH
     for i in range(n):
+        if peaks[i, 0] >= lowest:
+            break
         branch = int(peaks[i, 1])
         side = elbow_side(P, place_, branch >> 2)
         _, q, value = refine(P, place_, side, R, p, branch, peaks[i, 2], peaks[i, 4], seeded, seed, respect, J, A)
@@ -268,7 +335,9 @@ def search_intervals(P, place_, R, p, found, first, last, branch, seeded, seed, 
         _, floor = elbow_part(P, side[0], seeded, seed[3], respect)
         if n == PEAKS and floor >= peaks[n - 1, 0]:
             continue
-        n = scan(P, side, b, found[i, 1], found[i, 2], seeded, seed, respect, samples, values, peaks, n)
+        n = scan(
+            P, place_, side, R, p, b, found[i, 1], found[i, 2], seeded, seed, respect, samples, values, peaks, n, J, A
+        )
     return search_peaks(P, place_, R, p, seeded, seed, respect, peaks, n, J, A)
 
 
@@ -350,14 +419,16 @@ def jitter(q, state, size):
 
 
 @kernel
-def free_start(P, q, R, p, seeded, seed, respect, J, A):
-    """Free steps from one posture: q and its cost, more than any posture's if the pose is not reached."""
+def free_start(P, q, R, p, wanted, seeded, seed, respect, J, A):
+    """Free steps from a posture: q and its cost, more than any posture's if pose or wanted branch are not reached."""
     if respect:
         q = clipped(P, q)
     q, error = close_free(P, q, R, p, respect, MORE_STEPS, J, A)
     q = turned(P, q, seeded, seed, respect)
     if error > CLOSED:
         return q, OUTSIDE * (2.0 + error)
+    if wanted >= 0 and branch_of(P, q) != wanted:
+        return q, OUTSIDE * 10.0
     return q, cost(P, q, seeded, seed, respect)
 
 
@@ -380,7 +451,7 @@ def rescue(P, place_, R, p, branch, seeded, seed, respect, J, A):
                 if value < NO_BRANCH:
                     if attempt == 1:
                         q = bend(P, q, b)
-                    q, value = free_start(P, q, R, p, seeded, seed, respect, J, A)
+                    q, value = free_start(P, q, R, p, branch, seeded, seed, respect, J, A)
                     if value < lowest:
                         best_q = q
                         best = b
@@ -392,7 +463,7 @@ def rescue(P, place_, R, p, branch, seeded, seed, respect, J, A):
         around = best_q
         for i in range(JITTERS):
             q, state = jitter(around, state, 0.02 if i % 2 == 0 else 0.3)
-            q, value = free_start(P, q, R, p, seeded, seed, respect, J, A)
+            q, value = free_start(P, q, R, p, branch, seeded, seed, respect, J, A)
             if value < lowest:
                 best_q = q
                 best = branch_of(P, q)

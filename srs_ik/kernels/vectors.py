@@ -65,8 +65,12 @@ def cross(a, b):
 
 @kernel
 def norm(a):
-    """Length."""
-    return math.sqrt(a[0] * a[0] + a[1] * a[1] + a[2] * a[2])
+    """Length; it does not overflow."""
+    square = a[0] * a[0] + a[1] * a[1] + a[2] * a[2]
+    if square < 1e300:
+        return math.sqrt(square)
+    largest = max(abs(a[0]), abs(a[1]), abs(a[2]))
+    return largest * math.sqrt((a[0] / largest) ** 2 + (a[1] / largest) ** 2 + (a[2] / largest) ** 2)
 
 
 @kernel
