@@ -27,6 +27,7 @@ if TYPE_CHECKING:
     from srs_ik.loading import LimbReport, find_limbs, load, robots
     from srs_ik.objectives import OBJECTIVES, Objective
     from srs_ik.optimise import Optimum
+    from srs_ik.path import PathBreak, PathSolution
     from srs_ik.printed import PrintedOptimum, printed_optimum
     from srs_ik.solution import BatchSolution, Interval, Solution, Solutions, Status
 
@@ -49,6 +50,7 @@ _MODULES = {
     "loading": ("LimbReport", "find_limbs", "load", "robots"),
     "objectives": ("OBJECTIVES", "Objective"),
     "optimise": ("Optimum",),
+    "path": ("PathBreak", "PathSolution"),
     "printed": ("PrintedOptimum", "printed_optimum"),
     "solution": ("BatchSolution", "Interval", "Solution", "Solutions", "Status"),
 }
@@ -71,6 +73,8 @@ __all__ = [
     "NotAnSrsLimb",
     "Objective",
     "Optimum",
+    "PathBreak",
+    "PathSolution",
     "PoseError",
     "PrintedOptimum",
     "Solution",

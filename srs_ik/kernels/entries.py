@@ -31,19 +31,10 @@ from srs_ik.kernels.near_intervals import LOOKS, true_intervals
 from srs_ik.kernels.poses import GOOD_POSE, read7, read_pose
 from srs_ik.kernels.redundancy import find_intervals, search, search_near_seed
 from srs_ik.kernels.rows import OK, OUT_OF_LIMITS, SOLVED, UNREACHABLE, measure_row, write_row
-from srs_ik.kernels.scoring import OUTSIDE, tightest_joint
-from srs_ik.kernels.search import (
-    ATTEMPTS,
-    MAX_SAMPLES,
-    evaluate,
-    evaluate_again,
-    evaluate_branch,
-    rescue,
-    search_intervals,
-)
+from srs_ik.kernels.scoring import NO_SEED, OUTSIDE, tightest_joint
+from srs_ik.kernels.search import MAX_SAMPLES, evaluate, evaluate_branch, search_intervals
+from srs_ik.kernels.second_attempts import ATTEMPTS, evaluate_again, rescue
 from srs_ik.kernels.vectors import add, apply, cross
-
-NO_SEED = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
 
 
 @kernel

@@ -13,7 +13,8 @@ from srs_ik.kernels.elbow import elbow_side
 from srs_ik.kernels.intervals import TURN, join_touching, write_interval
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout import LOWER, RANGE_KIND, UPPER
-from srs_ik.kernels.search import GOLDEN, evaluate_again, evaluate_branch
+from srs_ik.kernels.search import GOLDEN, evaluate_branch
+from srs_ik.kernels.second_attempts import evaluate_again
 
 LOOKS = 96
 """Arm angles of a branch that are looked at, and as many again at most where the exact limb has intervals."""

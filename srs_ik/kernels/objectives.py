@@ -11,9 +11,8 @@ import math
 
 from srs_ik.kernels.chain import joint_lines
 from srs_ik.kernels.jit import kernel
-from srs_ik.kernels.scoring import cost
+from srs_ik.kernels.scoring import NO_SEED, cost
 from srs_ik.kernels.search import turned
-from srs_ik.kernels.trace import NO_SEED
 from srs_ik.kernels.vectors import add, cross
 
 RATIO = 0  # (f'JpJp'f) / (v'JpJp'v)

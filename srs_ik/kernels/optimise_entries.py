@@ -6,17 +6,19 @@ import numpy as np
 
 from srs_ik.kernels.branches import branch_of
 from srs_ik.kernels.elbow import elbow_side, place
-from srs_ik.kernels.entries import GOOD_POSE, find_intervals, measure_row, read_pose
 from srs_ik.kernels.intervals import MAX_PIECES
 from srs_ik.kernels.jit import entry, kernel
 from srs_ik.kernels.layout import FREE, LIMITED, ROW_STATUS
 from srs_ik.kernels.line_search import STATE, propose, start_search, tell
 from srs_ik.kernels.objectives import REFERENCE, objective, toward_reference
 from srs_ik.kernels.optimum import BRACKET, ROUNDING, close_in, find_brackets, survey_best, value_rows
-from srs_ik.kernels.scoring import cost
+from srs_ik.kernels.poses import GOOD_POSE, read_pose
+from srs_ik.kernels.redundancy import find_intervals
+from srs_ik.kernels.rows import measure_row
+from srs_ik.kernels.scoring import NO_SEED, cost
 from srs_ik.kernels.search import MAX_SAMPLES
 from srs_ik.kernels.survey import RUN, arm_angles_of_run, is_exact, on_curve, survey_exact, survey_near
-from srs_ik.kernels.trace import CURVE, MAX_CURVES, NO_SEED, SAMPLE
+from srs_ik.kernels.trace import CURVE, MAX_CURVES, SAMPLE
 
 MAX_RUNS = 8 * MAX_PIECES
 MAX_BRACKETS = 64

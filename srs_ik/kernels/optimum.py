@@ -13,10 +13,10 @@ from srs_ik.kernels.elbow import elbow_side
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.line_search import BEST, F_BEST, propose, start_search, tell
 from srs_ik.kernels.objectives import figure, objective, tip_jacobian
-from srs_ik.kernels.scoring import cost
+from srs_ik.kernels.scoring import NO_SEED, cost
 from srs_ik.kernels.search import STEP
 from srs_ik.kernels.survey import EDGE, EDGE_STEPS, on_curve, sample_again
-from srs_ik.kernels.trace import NO_SEED, load_sample, put
+from srs_ik.kernels.trace import load_sample, put
 
 BRACKET = 8
 """A bracket: value at its middle, run, first, middle and last parameter, values at its ends, a bound below."""

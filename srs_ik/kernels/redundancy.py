@@ -14,7 +14,8 @@ from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout import FAR, FREE, INVERSE_HALF_RANGE, IS_CLOSED, LIMITED, LOOSE, RANGE_KIND, SIZE
 from srs_ik.kernels.nearest import first_guess, first_guess_near, settle_near, slid, tighten
 from srs_ik.kernels.scoring import OUTSIDE
-from srs_ik.kernels.search import MAX_SAMPLES, rescue, search_intervals
+from srs_ik.kernels.search import MAX_SAMPLES, search_intervals
+from srs_ik.kernels.second_attempts import rescue
 
 NEARLY_STRAIGHT = 3e-6
 """Bends of the elbow below this, rad, cannot be told apart within 1e-11 of reach."""

@@ -10,6 +10,9 @@ from __future__ import annotations
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.limits import margin, turn_to_middle, turn_to_seed, violation
 
+NO_SEED = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+"""Stands for a seed where there is none."""
+
 OUTSIDE = 1e6
 """Cost of a part outside its limits, plus the largest violation in rad."""
 

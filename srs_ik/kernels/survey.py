@@ -14,9 +14,9 @@ from srs_ik.kernels.closure import arm_angle
 from srs_ik.kernels.elbow import elbow_side
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout import IS_CLOSED
-from srs_ik.kernels.scoring import OUTSIDE, cost
+from srs_ik.kernels.scoring import NO_SEED, OUTSIDE, cost
 from srs_ik.kernels.search import GOLDEN, take_samples, turned
-from srs_ik.kernels.trace import NO_SEED, between, difference, follow_all, load_sample, put
+from srs_ik.kernels.trace import between, difference, follow_all, load_sample, put
 
 LARGEST_MOTION = 0.5
 """Between neighbouring samples of a branch no joint moves by more than this, rad ..."""
@@ -201,7 +201,7 @@ def sample_branch(P, side, R, p, branch, lower, upper, work, line, J, A):
     """Sample an interval of a branch of an exact limb into line, closer where joints move fast; the number of rows."""
     wanted = work[0]
     held = work[1]
-    count = take_samples(P, side, lower, upper, wanted)
+    count = take_samples(P, side, lower, upper, False, NO_SEED, wanted)
     q, _ = on_curve(P, side, R, p, branch, False, line, 0, 0, lower, J, A)
     n = put(line, 0, lower, q)
     for i in range(1, count):

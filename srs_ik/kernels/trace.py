@@ -19,6 +19,7 @@ from srs_ik.kernels.closure import CLOSED, close_free, moved, pose_step
 from srs_ik.kernels.elbow import elbow_side
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.limits import turn_to_middle, violation
+from srs_ik.kernels.scoring import NO_SEED
 from srs_ik.kernels.vectors import norm
 
 SAMPLE = 8
@@ -55,8 +56,6 @@ CURVE = 3
 
 ELBOW_SPARE = 0.5
 """By so much, rad, q4 of a start may be outside its limits where limits count."""
-
-NO_SEED = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
 
 FIRST_GUESS = (0.35, -0.25, 0.45, 0.15, 0.5, -0.4, 0.3)
 """Any direction: the null vector at a start is oriented afterwards."""

@@ -1,0 +1,157 @@
+"""Second attempts on a near limb, where Newton's method from the closed form did not close or broke the limits."""
+
+from __future__ import annotations
+
+import math
+
+from srs_ik.kernels.branches import NO_BRANCH, best_branch, branch_of
+from srs_ik.kernels.closure import CLOSED, clipped, close_at_angle, close_free
+from srs_ik.kernels.jit import kernel
+from srs_ik.kernels.layout import PHASE, SHOULDER, STRAIGHT, WRIST
+from srs_ik.kernels.scoring import OUTSIDE, cost
+from srs_ik.kernels.search import turned
+
+MORE_STEPS = 80
+"""Steps of Newton's method, which halves the error at best next to a singularity."""
+
+ATTEMPTS = 9
+"""Arm angles from which a given one is tried."""
+
+ALMOST = 0.1
+JITTERS = 100
+"""A near limb that comes this close to a pose (m, rad) is tried from so many more postures around."""
+
+NEAR_SINGULAR = 0.05
+"""Sine of a middle angle under which a spherical joint or the elbow is close to singular, for a second attempt."""
+
+
+@kernel
+def bent(q, phase, side):
+    """A middle angle, moved away from its phase (or the opposite of it) to its side if it is close."""
+    if abs(math.sin(q - phase)) > NEAR_SINGULAR:
+        return q
+    inwards = 2.0 * NEAR_SINGULAR if math.cos(q - phase) > 0.0 else -2.0 * NEAR_SINGULAR
+    return q + inwards if side == 0 else q - inwards
+
+
+@kernel
+def bend(P, q, branch):
+    """A posture with elbow, shoulder and wrist moved away from their singularities, to the sides of a branch."""
+    return (
+        q[0],
+        bent(q[1], P[SHOULDER + PHASE], (branch >> 1) & 1),
+        q[2],
+        bent(q[3], P[STRAIGHT], branch >> 2),
+        q[4],
+        bent(q[5], P[WRIST + PHASE], branch & 1),
+        q[6],
+    )
+
+
+@kernel
+def evaluate_again(P, place_, R, p, psi, branch, seeded, seed, respect, attempts, J, A):
+    """Second attempt at an arm angle on a near limb, where Newton's method did not close: from many postures.
+
+    Near a singular shoulder or wrist the closed form fixes two joint angles of which the true chain knows little more
+    than their sum. So the starts turn one against the other, and bend what is straight.
+    """
+    best_q, best, _ = best_branch(P, place_, psi, branch, seeded, seed, respect)
+    lowest = 2.0 * NO_BRANCH
+    for attempt in range(attempts):
+        # At the arm angle itself, then from either side of it, farther and farther.
+        from_psi = psi + (0.0 if attempt == 0 else (0.25 if attempt % 2 == 0 else -0.25) * ((attempt + 1) // 2))
+        for b in range(8):
+            q0, _, exists = best_branch(P, place_, from_psi, b, False, seed, False)
+            if exists >= NO_BRANCH:
+                continue
+            q = bend(P, q0, b)
+            turns_s = 6 if q[1] != q0[1] else 1
+            turns_w = 6 if q[5] != q0[5] else 1
+            against_s = -1.0 if math.cos(q[1] - P[SHOULDER + PHASE]) > 0.0 else 1.0
+            against_w = -1.0 if math.cos(q[5] - P[WRIST + PHASE]) > 0.0 else 1.0
+            for i in range(turns_s * turns_w):
+                ds = (i % turns_s) * math.pi / 3.0
+                dw = (i // turns_s) * math.pi / 3.0
+                start = (q[0] + ds, q[1], q[2] + against_s * ds, q[3], q[4] + dw, q[5], q[6] + against_w * dw)
+                closed_q, closed = close_at_angle(P, start, R, p, place_[0], place_[1], psi, MORE_STEPS, J, A)
+                if closed and (branch < 0 or branch_of(P, closed_q) == branch):
+                    closed_q = turned(P, closed_q, seeded, seed, respect)
+                    value = cost(P, closed_q, seeded, seed, respect)
+                    if value < lowest:
+                        best_q = closed_q
+                        best = branch_of(P, closed_q)
+                        lowest = value
+        if lowest < OUTSIDE:
+            break
+    return best_q, best, lowest
+
+
+@kernel
+def jitter(q, state, size):
+    """A posture with every joint moved by up to `size`, by a linear congruential generator: the same one always."""
+    state = (state * 1103515245 + 12345) % 2147483648
+    a = size * (state / 1073741824.0 - 1.0)
+    state = (state * 1103515245 + 12345) % 2147483648
+    b = size * (state / 1073741824.0 - 1.0)
+    state = (state * 1103515245 + 12345) % 2147483648
+    c = size * (state / 1073741824.0 - 1.0)
+    state = (state * 1103515245 + 12345) % 2147483648
+    d = size * (state / 1073741824.0 - 1.0)
+    state = (state * 1103515245 + 12345) % 2147483648
+    e = size * (state / 1073741824.0 - 1.0)
+    return (q[0] + a, q[1] + b, q[2] + c, q[3] + d, q[4] + e, q[5] + a * 0.7 - b, q[6] + c * 0.7 - d), state
+
+
+@kernel
+def free_start(P, q, R, p, wanted, seeded, seed, respect, J, A):
+    """Free steps from a posture: q and its cost, more than any posture's if pose or wanted branch are not reached."""
+    if respect:
+        q = clipped(P, q)
+    q, error = close_free(P, q, R, p, respect, MORE_STEPS, J, A)
+    q = turned(P, q, seeded, seed, respect)
+    if error > CLOSED:
+        return q, OUTSIDE * (2.0 + error)
+    if wanted >= 0 and branch_of(P, q) != wanted:
+        return q, OUTSIDE * 10.0
+    return q, cost(P, q, seeded, seed, respect)
+
+
+@kernel
+def rescue(P, place_, R, p, branch, seeded, seed, respect, J, A):
+    """Last resort on a near limb, free steps from postures on the circle, then from bent ones: q, branch, cost.
+
+    Close to the edge of reach, the nearest exact limb may not reach a pose that the true one does, and a given arm
+    angle may have no solution where a neighbouring one has.
+    """
+    best_q = seed
+    best = 0
+    lowest = 2.0 * NO_BRANCH
+    first = 0 if branch < 0 else branch
+    last = 7 if branch < 0 else branch
+    for attempt in range(2):
+        for i in range(12):
+            for b in range(first, last + 1):
+                q, _, value = best_branch(P, place_, i * math.pi / 6.0, b, seeded, seed, respect)
+                if value < NO_BRANCH:
+                    if attempt == 1:
+                        q = bend(P, q, b)
+                    q, value = free_start(P, q, R, p, branch, seeded, seed, respect, J, A)
+                    if value < lowest:
+                        best_q = q
+                        best = b
+                        lowest = value
+        if lowest < OUTSIDE:
+            return best_q, best, lowest
+    if lowest < OUTSIDE * (2.0 + ALMOST):
+        state = 1
+        around = best_q
+        for i in range(JITTERS):
+            q, state = jitter(around, state, 0.02 if i % 2 == 0 else 0.3)
+            q, value = free_start(P, q, R, p, branch, seeded, seed, respect, J, A)
+            if value < lowest:
+                best_q = q
+                best = branch_of(P, q)
+                lowest = value
+                if lowest < OUTSIDE:
+                    break
+    return best_q, best, lowest
