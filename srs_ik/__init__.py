@@ -11,7 +11,7 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from srs_ik.arm import Arm, Hand, PoseError
+    from srs_ik.arm import Arm
     from srs_ik.errors import (
         AmbiguousLimb,
         FrameNotFound,
@@ -23,18 +23,19 @@ if TYPE_CHECKING:
         NotAnSrsLimb,
         SrsIkError,
     )
-    from srs_ik.limb import SrsLimb
+    from srs_ik.limb import Hand, SrsLimb
     from srs_ik.loading import LimbReport, find_limbs, load, robots
     from srs_ik.objectives import OBJECTIVES, Objective
     from srs_ik.optimise import Optimum
     from srs_ik.path import PathBreak, PathSolution
+    from srs_ik.pose import PoseError
     from srs_ik.printed import PrintedOptimum, printed_optimum
     from srs_ik.solution import BatchSolution, Interval, Solution, Solutions, Status
 
 __version__ = "0.1.0"
 
 _MODULES = {
-    "arm": ("Arm", "Hand", "PoseError"),
+    "arm": ("Arm",),
     "errors": (
         "AmbiguousLimb",
         "FrameNotFound",
@@ -46,12 +47,13 @@ _MODULES = {
         "NotAnSrsLimb",
         "SrsIkError",
     ),
-    "limb": ("SrsLimb",),
+    "limb": ("Hand", "SrsLimb"),
     "loading": ("LimbReport", "find_limbs", "load", "robots"),
     "objectives": ("OBJECTIVES", "Objective"),
     "optimise": ("Optimum",),
     "path": ("PathBreak", "PathSolution"),
     "printed": ("PrintedOptimum", "printed_optimum"),
+    "pose": ("PoseError",),
     "solution": ("BatchSolution", "Interval", "Solution", "Solutions", "Status"),
 }
 _HOME = {name: module for module, names in _MODULES.items() for name in names}

@@ -5,7 +5,7 @@ from __future__ import annotations
 import threading
 from collections.abc import Callable
 from functools import cached_property
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import pinocchio as pin
@@ -17,9 +17,10 @@ from srs_ik.errors import InvalidConfiguration
 from srs_ik.kernels import entries
 from srs_ik.kernels.intervals import MAX_PIECES
 from srs_ik.kernels.layout import IS_CLOSED, LIMITED, ROW, STRAIGHT
-from srs_ik.limb import SrsLimb
+from srs_ik.limb import Hand, SrsLimb
 from srs_ik.packing import pack_family
 from srs_ik.pose import (
+    PoseError,
     PoseLike,
     as_arm_angle,
     as_branch,
@@ -28,36 +29,17 @@ from srs_ik.pose import (
     as_matrix,
     as_rigid_matrix,
     invalid_pose,
+    per_pose,
     real_array,
 )
 from srs_ik.solution import BatchSolution, ElbowRange, Interval, Solution, Solutions
 
 if TYPE_CHECKING:
-    from srs_ik.path import PathSolution
-
-if TYPE_CHECKING:
     from srs_ik.objectives import Objective
     from srs_ik.optimise import Optimum
+    from srs_ik.path import PathSolution
 
 Array = NDArray[np.float64]
-
-
-class PoseError(NamedTuple):
-    """How far a posture is from a pose."""
-
-    position: float
-    """Metres."""
-    orientation: float
-    """Rad."""
-
-
-class Hand(NamedTuple):
-    """Axes of the hand in the tip frame."""
-
-    grasp: tuple[float, float, float]
-    """Direction in which the hand reaches out, the paper's g."""
-    pronosupination: tuple[float, float, float]
-    """Direction across it that turns with the forearm, the paper's phi."""
 
 
 class Arm:
@@ -298,8 +280,8 @@ class Arm:
         """
         T = as_matrices(poses)
         n = len(T)
-        psis = None if arm_angle is None else _per_pose(arm_angle, (), n, "arm_angle")
-        seeds = None if seed is None else _per_pose(seed, (7,), n, "seed")
+        psis = None if arm_angle is None else per_pose(arm_angle, (), n, "arm_angle")
+        seeds = None if seed is None else per_pose(seed, (7,), n, "seed")
         chosen = as_branch(branch)
         respect_limits = bool(respect_limits)
         verdicts = np.zeros(n, np.int64)
@@ -425,17 +407,3 @@ class Arm:
     def __repr__(self) -> str:
         kind = self.limb.kind
         return f"<Arm {self.name}: {self.base} to {self.tip}, {kind} S-R-S, wrist {self.limb.wrist_kind}>"
-
-
-def _per_pose(value: ArrayLike, shape: tuple[int, ...], n: int, what: str) -> Array:
-    """One value for all poses as an array of length 1, or one a pose."""
-    try:
-        array = real_array(value)
-    except (TypeError, ValueError):
-        array = np.full((), np.nan)
-    if array.shape == shape:
-        array = array[None]
-    if array.shape not in ((1, *shape), (n, *shape)) or not np.isfinite(array).all():
-        expected = f"{shape} or {(n, *shape)}" if shape else f"a number or an array of {n}"
-        raise InvalidConfiguration(f"{what} must be finite, {expected}, not of shape {array.shape}")
-    return array

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Literal
+from typing import Literal, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,6 +15,15 @@ WristKind = Literal["XYX", "XYZ"]
 
 EXACT_MISS = 1e-6
 """An arm is *exact* when every axis passes its centre within this distance, in metres."""
+
+
+class Hand(NamedTuple):
+    """Axes of the hand in the tip frame."""
+
+    grasp: tuple[float, float, float]
+    """Direction in which the hand reaches out, the paper's g."""
+    pronosupination: tuple[float, float, float]
+    """Direction across it that turns with the forearm, the paper's phi."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 import pinocchio as pin
@@ -18,6 +18,15 @@ PoseLike = Any
 """A `pinocchio.SE3`, or anything that NumPy reads as a 4 x 4 array."""
 
 _FLOAT = np.dtype(np.float64)
+
+
+class PoseError(NamedTuple):
+    """How far a posture is from a pose."""
+
+    position: float
+    """Metres."""
+    orientation: float
+    """Rad."""
 
 
 def as_matrix(pose: PoseLike) -> Array:
@@ -139,3 +148,21 @@ def as_branch(branch: int | None) -> int:
     if isinstance(branch, bool) or not isinstance(branch, (int, np.integer)) or not 0 <= branch <= 7:
         raise InvalidConfiguration(f"a branch is an integer from 0 to 7, not {branch!r}")
     return int(branch)
+
+
+def per_pose(value: ArrayLike, shape: tuple[int, ...], n: int, what: str) -> Array:
+    """One value for all poses as an array of length 1, or one a pose.
+
+    Raises:
+        InvalidConfiguration: of another shape, not numbers, or not finite; `what` names the argument.
+    """
+    try:
+        array = real_array(value)
+    except (TypeError, ValueError):
+        array = np.full((), np.nan)
+    if array.shape == shape:
+        array = array[None]
+    if array.shape not in ((1, *shape), (n, *shape)) or not np.isfinite(array).all():
+        expected = f"{shape} or {(n, *shape)}" if shape else f"a number or an array of {n}"
+        raise InvalidConfiguration(f"{what} must be finite, {expected}, not of shape {array.shape}")
+    return array

@@ -9,7 +9,7 @@ import numpy as np
 
 from srs_ik.chain import Chain, Skeleton, build_chain
 from srs_ik.errors import AmbiguousLimb, InvalidTask, NotAnSrsLimb, listed
-from srs_ik.limb import Vector
+from srs_ik.limb import Hand, Vector
 from srs_ik.loading.limbs import Candidate, LimbReport, examine, explained, weigh
 from srs_ik.loading.sources import Description, describe
 from srs_ik.recognition import recognise
@@ -56,7 +56,7 @@ def load(
         MissingExtra: `source` needs a package that is not installed.
         InvalidTask: `reference` or `hand` is no direction.
     """
-    from srs_ik.arm import Arm, Hand
+    from srs_ik.arm import Arm
 
     asked_reference = None if reference is None else _direction(reference, "reference")
     asked_hand = None if hand is None else _hand(hand)
