@@ -77,7 +77,7 @@ class Arm:
         self._base_frame = chain.base_id
         self._tip_frame = chain.tip_id
         self._family = pack_family(limb, chain.lower, chain.upper)
-        self._is_closed = bool(self._family[0, IS_CLOSED])
+        self._no_work = (None, None) if self._family[LIMITED, IS_CLOSED] else None
         straight = float(self._family[LIMITED, STRAIGHT])
         self._elbow = ElbowRange(straight, float(chain.lower[3]), float(chain.upper[3]))
 
@@ -204,7 +204,7 @@ class Arm:
             -1 if branch is None else as_branch(branch),
             None if seed is None else as_joint_vector(seed, "seed"),
             bool(respect_limits),
-            *self._work(),
+            *(self._no_work or self._work()),
             row,
         )
         if verdict:
@@ -239,11 +239,13 @@ class Arm:
                 solved = Solutions(rows[:count][ok], self.joint_names, elbow=self._elbow)
         else:
             rows = np.empty((8, ROW))
-            count = entries.solve_all(self._family, T, as_arm_angle(arm_angle), respect_limits, *self._work(), rows)
+            psi = as_arm_angle(arm_angle)
+            J, A = self._no_work or self._work()
+            count = entries.solve_all(self._family, T, psi, respect_limits, J, A, rows)
             if count < 0:
                 raise invalid_pose(-count)
-            solved = Solutions(rows[:count], self.joint_names, elbow=self._elbow)
-        if not len(solved):
+            solved = Solutions(rows if count == 8 else rows[:count], self.joint_names, None, self._elbow)
+        if not len(solved._rows):
             best = self.solve(T, arm_angle=arm_angle, respect_limits=respect_limits)
             if best:
                 # Where only rounding leaves room for a posture, the looser search for one alone may still find it.
@@ -383,7 +385,7 @@ class Arm:
 
     def _work(self) -> tuple[Array | None, Array | None]:
         """Work space that the kernels of a near limb need in one call; none on a limb that the closed form answers."""
-        return (None, None) if self._is_closed else (np.empty((6, 7)), np.empty((7, 9)))
+        return self._no_work or (np.empty((6, 7)), np.empty((7, 9)))
 
     @cached_property
     def _joints(self) -> list[Any]:

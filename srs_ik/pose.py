@@ -128,6 +128,8 @@ def as_arm_angle(arm_angle: float) -> float:
     Raises:
         InvalidConfiguration: not a finite number.
     """
+    if type(arm_angle) is float and math.isfinite(arm_angle):
+        return arm_angle
     try:
         value = float(arm_angle)
     except (TypeError, ValueError):

@@ -14,7 +14,6 @@ from srs_ik.kernels.intervals import TURN, join_touching, write_interval
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout import LOWER, RANGE_KIND, UPPER
 from srs_ik.kernels.search import GOLDEN, evaluate_branch
-from srs_ik.kernels.second_attempts import evaluate_again
 
 LOOKS = 96
 """Arm angles of a branch that are looked at, and as many again at most where the exact limb has intervals."""
@@ -32,9 +31,7 @@ def slack_at(P, place_, side, R, p, psi, branch, J, A):
     none = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
     q, value = evaluate_branch(P, place_, side, R, p, psi, branch, False, none, False, J, A)
     if value >= NO_BRANCH:
-        q, _, value = evaluate_again(P, place_, R, p, psi, branch, False, none, False, 1, J, A)
-        if value >= NO_BRANCH:
-            return NOWHERE
+        return NOWHERE
     smallest = 10.0
     for j in range(7):
         if P[RANGE_KIND + j] != 0.0:

@@ -23,7 +23,7 @@ NEARLY_STRAIGHT = 3e-6
 MOST_LEVERAGE = 4.0
 """A seed farther from its nearest posture than so many times the pose error asks for a closer look."""
 
-WIDE_BOX = 0.3
+WIDE_BOX = 1.0
 """On a near limb, a box of a seeded search wider than this, rad, asks for the whole circles."""
 
 BETWEEN_LIMBS = 0.05
