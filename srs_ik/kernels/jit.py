@@ -30,10 +30,6 @@ def kernel(function: Callable[..., Any]) -> Callable[..., Any]:
     return dispatcher
 
 
-inline = njit(inline="always", error_model="numpy")
-"""Decorator of a kernel that is only a layer between others: it becomes part of its callers, which compile sooner."""
-
-
 @cache
 def source_digest() -> str:
     """Digest of every source file of the kernels."""
