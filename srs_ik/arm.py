@@ -2,13 +2,10 @@
 
 from __future__ import annotations
 
-import threading
 from collections.abc import Callable
-from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-import pinocchio as pin
 from numpy.typing import ArrayLike, NDArray
 
 from srs_ik.batch import run_in_threads
@@ -17,20 +14,18 @@ from srs_ik.errors import InvalidConfiguration
 from srs_ik.kernels import entries
 from srs_ik.kernels.intervals import MAX_PIECES
 from srs_ik.kernels.layout import IS_CLOSED, LIMITED, ROW, STRAIGHT
+from srs_ik.kinematics import ChainKinematics
 from srs_ik.limb import Hand, SrsLimb
 from srs_ik.packing import pack_family
 from srs_ik.pose import (
-    PoseError,
     PoseLike,
     as_arm_angle,
     as_branch,
     as_joint_vector,
     as_matrices,
     as_matrix,
-    as_rigid_matrix,
     invalid_pose,
     per_pose,
-    real_array,
 )
 from srs_ik.solution import BatchSolution, ElbowRange, Interval, Solution, Solutions
 
@@ -42,7 +37,7 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 
 
-class Arm:
+class Arm(ChainKinematics):
     """A 7-joint arm with a spherical shoulder, one elbow and a spherical wrist.
 
     Made by `srs_ik.load`. Joint vectors `q` are always 7 plain angles in radians; poses are those of the tip frame in
@@ -63,96 +58,15 @@ class Arm:
     """
 
     def __init__(self, chain: Chain, limb: SrsLimb, name: str, hand: Hand | None = None) -> None:
-        self.name = name
-        self.base = chain.base
-        self.tip = chain.tip
-        self.joint_names = chain.joint_names
-        self.lower = chain.lower
-        self.upper = chain.upper
-        self.velocity_limit = chain.velocity_limit
-        self.effort_limit = chain.effort_limit
-        self.model = chain.model
+        super().__init__(chain, name)
         self.limb = limb
         self.hand = hand
-        self._base_frame = chain.base_id
-        self._tip_frame = chain.tip_id
         self._family = pack_family(limb, chain.lower, chain.upper)
         self._no_work = (None, None) if self._family[LIMITED, IS_CLOSED] else None
         straight = float(self._family[LIMITED, STRAIGHT])
         self._elbow = ElbowRange(straight, float(chain.lower[3]), float(chain.upper[3]))
 
-    # Forward kinematics, by Pinocchio ---------------------------------------------------------------------------
-
-    def configuration(self, q: ArrayLike) -> Array:
-        """Pinocchio's configuration (model.nq,) of 7 joint angles: a continuous joint is its cosine and sine there.
-
-        Raises:
-            InvalidConfiguration: not 7 finite angles.
-        """
-        q = as_joint_vector(q)
-        configuration = np.empty(self.model.nq)
-        for angle, joint in zip(q, self._joints, strict=True):
-            if joint.nq == 1:
-                configuration[joint.idx_q] = angle
-            else:
-                configuration[joint.idx_q : joint.idx_q + 2] = np.cos(angle), np.sin(angle)
-        return configuration
-
-    def angles(self, configuration: ArrayLike) -> Array:
-        """7 joint angles of a configuration (model.nq,) of Pinocchio; those of continuous joints in [-pi, pi].
-
-        Raises:
-            InvalidConfiguration: not model.nq finite numbers.
-        """
-        try:
-            values = real_array(configuration)
-        except (TypeError, ValueError):
-            values = np.empty(0)
-        if values.shape != (self.model.nq,) or not np.isfinite(values).all():
-            raise InvalidConfiguration(f"a configuration of {self.name} is {self.model.nq} finite numbers")
-        return np.array(
-            [values[j.idx_q] if j.nq == 1 else np.arctan2(values[j.idx_q + 1], values[j.idx_q]) for j in self._joints]
-        )
-
-    def forward_kinematics(self, q: ArrayLike) -> pin.SE3:
-        """Pose of the tip frame in the base frame.
-
-        Raises:
-            InvalidConfiguration: not 7 finite angles.
-        """
-        data = self._data
-        pin.forwardKinematics(self.model, data, self.configuration(q))
-        T_world_base = pin.updateFramePlacement(self.model, data, self._base_frame)
-        return T_world_base.actInv(pin.updateFramePlacement(self.model, data, self._tip_frame))
-
-    def jacobian(self, q: ArrayLike) -> Array:
-        """Geometric Jacobian (6, 7) of the tip point in base axes: linear rows (m/s per rad/s) first, then angular.
-
-        Raises:
-            InvalidConfiguration: not 7 finite angles.
-        """
-        data = self._data
-        J = pin.computeFrameJacobian(
-            self.model, data, self.configuration(q), self._tip_frame, pin.ReferenceFrame.LOCAL_WORLD_ALIGNED
-        )
-        R_base_world = pin.updateFramePlacement(self.model, data, self._base_frame).rotation.T
-        return np.vstack([R_base_world @ J[:3], R_base_world @ J[3:]])
-
-    def verify(self, pose: PoseLike, q: ArrayLike) -> PoseError:
-        """Distance and angle between the tip at q and a pose, by Pinocchio.
-
-        Raises:
-            InvalidPose: the pose is no finite rigid transform.
-            InvalidConfiguration: not 7 finite angles.
-        """
-        T_base_wanted = as_rigid_matrix(pose)
-        T_base_tip = self.forward_kinematics(q)
-        turn = T_base_tip.rotation.T @ T_base_wanted[:3, :3]
-        skew = np.array([turn[2, 1] - turn[1, 2], turn[0, 2] - turn[2, 0], turn[1, 0] - turn[0, 1]])
-        return PoseError(
-            float(np.linalg.norm(T_base_wanted[:3, 3] - T_base_tip.translation)),
-            float(np.arctan2(np.linalg.norm(skew), np.trace(turn) - 1.0)),
-        )
+    # Where a configuration is on its circle ----------------------------------------------------------------------
 
     def arm_angle(self, q: ArrayLike) -> float:
         """Arm angle of a configuration, in [-pi, pi), rad: right-handed about shoulder-wrist, zero at `limb.reference`.
@@ -386,25 +300,6 @@ class Arm:
     def _work(self) -> tuple[Array | None, Array | None]:
         """Work space that the kernels of a near limb need in one call; none on a limb that the closed form answers."""
         return self._no_work or (np.empty((6, 7)), np.empty((7, 9)))
-
-    @cached_property
-    def _joints(self) -> list[Any]:
-        return [self.model.joints[i] for i in range(1, 8)]
-
-    @cached_property
-    def _thread_data(self) -> threading.local:
-        return threading.local()
-
-    @property
-    def _data(self) -> Any:
-        """Pinocchio's work space, one for each thread."""
-        local = self._thread_data
-        if not hasattr(local, "data"):
-            local.data = self.model.createData()
-        return local.data
-
-    def __getstate__(self) -> dict[str, Any]:
-        return {k: v for k, v in self.__dict__.items() if k not in ("_joints", "_thread_data")}
 
     def __repr__(self) -> str:
         kind = self.limb.kind

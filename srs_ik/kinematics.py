@@ -1,0 +1,135 @@
+"""Forward kinematics, Jacobian and the measure of a pose: Pinocchio on the 7 joints of the description itself."""
+
+from __future__ import annotations
+
+import threading
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+import pinocchio as pin
+from numpy.typing import ArrayLike, NDArray
+
+from srs_ik.chain import Chain
+from srs_ik.errors import InvalidConfiguration
+from srs_ik.pose import PoseError, PoseLike, as_joint_vector, as_rigid_matrix, real_array
+
+Array = NDArray[np.float64]
+
+
+class ChainKinematics:
+    """The 7 joints between two frames, as Pinocchio computes them; nothing here knows of a shoulder or a wrist.
+
+    Attributes:
+        base: name of the base frame.
+        tip: name of the tip frame.
+        joint_names: the 7 joint names, from shoulder to wrist.
+        lower: (7,) lower joint limits, rad; -inf where continuous.
+        upper: (7,) upper joint limits, rad; inf where continuous.
+        velocity_limit: (7,) rad/s; inf where the description gives none.
+        effort_limit: (7,) N m; inf where the description gives none.
+        model: `pinocchio.Model` of the 7 joints.
+    """
+
+    def __init__(self, chain: Chain, name: str) -> None:
+        self.name = name
+        self.base = chain.base
+        self.tip = chain.tip
+        self.joint_names = chain.joint_names
+        self.lower = chain.lower
+        self.upper = chain.upper
+        self.velocity_limit = chain.velocity_limit
+        self.effort_limit = chain.effort_limit
+        self.model = chain.model
+        self._base_frame = chain.base_id
+        self._tip_frame = chain.tip_id
+
+    def configuration(self, q: ArrayLike) -> Array:
+        """Pinocchio's configuration (model.nq,) of 7 joint angles: a continuous joint is its cosine and sine there.
+
+        Raises:
+            InvalidConfiguration: not 7 finite angles.
+        """
+        q = as_joint_vector(q)
+        configuration = np.empty(self.model.nq)
+        for angle, joint in zip(q, self._joints, strict=True):
+            if joint.nq == 1:
+                configuration[joint.idx_q] = angle
+            else:
+                configuration[joint.idx_q : joint.idx_q + 2] = np.cos(angle), np.sin(angle)
+        return configuration
+
+    def angles(self, configuration: ArrayLike) -> Array:
+        """7 joint angles of a configuration (model.nq,) of Pinocchio; those of continuous joints in [-pi, pi].
+
+        Raises:
+            InvalidConfiguration: not model.nq finite numbers.
+        """
+        try:
+            values = real_array(configuration)
+        except (TypeError, ValueError):
+            values = np.empty(0)
+        if values.shape != (self.model.nq,) or not np.isfinite(values).all():
+            raise InvalidConfiguration(f"a configuration of {self.name} is {self.model.nq} finite numbers")
+        return np.array(
+            [values[j.idx_q] if j.nq == 1 else np.arctan2(values[j.idx_q + 1], values[j.idx_q]) for j in self._joints]
+        )
+
+    def forward_kinematics(self, q: ArrayLike) -> pin.SE3:
+        """Pose of the tip frame in the base frame.
+
+        Raises:
+            InvalidConfiguration: not 7 finite angles.
+        """
+        data = self._data
+        pin.forwardKinematics(self.model, data, self.configuration(q))
+        T_world_base = pin.updateFramePlacement(self.model, data, self._base_frame)
+        return T_world_base.actInv(pin.updateFramePlacement(self.model, data, self._tip_frame))
+
+    def jacobian(self, q: ArrayLike) -> Array:
+        """Geometric Jacobian (6, 7) of the tip point in base axes: linear rows (m/s per rad/s) first, then angular.
+
+        Raises:
+            InvalidConfiguration: not 7 finite angles.
+        """
+        data = self._data
+        J = pin.computeFrameJacobian(
+            self.model, data, self.configuration(q), self._tip_frame, pin.ReferenceFrame.LOCAL_WORLD_ALIGNED
+        )
+        R_base_world = pin.updateFramePlacement(self.model, data, self._base_frame).rotation.T
+        return np.vstack([R_base_world @ J[:3], R_base_world @ J[3:]])
+
+    def verify(self, pose: PoseLike, q: ArrayLike) -> PoseError:
+        """Distance and angle between the tip at q and a pose, by Pinocchio.
+
+        Raises:
+            InvalidPose: the pose is no finite rigid transform.
+            InvalidConfiguration: not 7 finite angles.
+        """
+        T_base_wanted = as_rigid_matrix(pose)
+        T_base_tip = self.forward_kinematics(q)
+        turn = T_base_tip.rotation.T @ T_base_wanted[:3, :3]
+        skew = np.array([turn[2, 1] - turn[1, 2], turn[0, 2] - turn[2, 0], turn[1, 0] - turn[0, 1]])
+        return PoseError(
+            float(np.linalg.norm(T_base_wanted[:3, 3] - T_base_tip.translation)),
+            float(np.arctan2(np.linalg.norm(skew), np.trace(turn) - 1.0)),
+        )
+
+    @cached_property
+    def _joints(self) -> list[Any]:
+        return [self.model.joints[i] for i in range(1, 8)]
+
+    @cached_property
+    def _thread_data(self) -> threading.local:
+        return threading.local()
+
+    @property
+    def _data(self) -> Any:
+        """Pinocchio's work space, one for each thread."""
+        local = self._thread_data
+        if not hasattr(local, "data"):
+            local.data = self.model.createData()
+        return local.data
+
+    def __getstate__(self) -> dict[str, Any]:
+        return {k: v for k, v in self.__dict__.items() if k not in ("_joints", "_thread_data")}
