@@ -59,7 +59,7 @@ def solve_linear(A, n):
         for i in range(k + 1, n):
             if abs(A[i, k]) > abs(A[pivot, k]):
                 pivot = i
-        if abs(A[pivot, k]) < 1e-14:
+        if abs(A[pivot, k]) < 1e-18:
             return False
         if pivot != k:
             for j in range(k, n + 1):

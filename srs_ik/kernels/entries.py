@@ -33,7 +33,7 @@ from srs_ik.kernels.redundancy import find_intervals, search, search_near_seed
 from srs_ik.kernels.rows import OK, OUT_OF_LIMITS, SOLVED, UNREACHABLE, measure_row, write_row
 from srs_ik.kernels.scoring import NO_SEED, OUTSIDE, tightest_joint
 from srs_ik.kernels.search import MAX_SAMPLES, evaluate, evaluate_branch, search_intervals
-from srs_ik.kernels.second_attempts import ATTEMPTS, evaluate_again, rescue
+from srs_ik.kernels.second_attempts import ATTEMPTS, STRETCHED, evaluate_again, rescue, stretched
 from srs_ik.kernels.vectors import add, apply, cross
 
 
@@ -73,6 +73,10 @@ def solve_one(family, T, psi, branch, seed, respect, J, A, out):
                 again, b, value = evaluate_again(P, place_, R, p, psi, branch, seeded, near, respect, attempts, J, A)
                 if value < lowest:
                     q, best, lowest = again, b, value
+                if lowest >= OUTSIDE and abs(place_[3]) < STRETCHED:
+                    again, b, value = stretched(P, place_, R, p, branch, seeded, near, respect, J, A)
+                    if value < lowest:
+                        q, best, lowest = again, b, value
     measure_row(P, place_, R, p, q, best, lowest, respect, out)
     if psi is not None:
         if out[ROW_STATUS] == OK:

@@ -1,5 +1,7 @@
 """The two decorators of this folder: `kernel` for functions called by kernels, `entry` for those called from Python.
 
+With NUMBA_DISABLE_JIT=1 both leave a function as it is, for a debugger.
+
 Only entry points are cached on disk; their machine code contains all that they call. Numba watches the file of the
 cached function alone, so an edited callee would go unnoticed: the cache is keyed here by a digest of the whole folder.
 """
@@ -12,7 +14,7 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
-from numba import njit, types
+from numba import config, njit, types
 
 _compile = njit(error_model="numpy", nogil=True, no_cpython_wrapper=True, no_cfunc_wrapper=True)
 
@@ -22,6 +24,8 @@ def kernel(function: Callable[..., Any]) -> Callable[..., Any]:
 
     Numba would compile a kernel anew for every constant that it is called with; here a constant counts as its type.
     """
+    if config.DISABLE_JIT:
+        return function
     dispatcher = _compile(function)
     template = dispatcher.get_call_template
     dispatcher.get_call_template = lambda args, kws: template(
@@ -42,6 +46,8 @@ def source_digest() -> str:
 
 def entry(function: Callable[..., Any]) -> Callable[..., Any]:
     """Decorator of an entry point: compiled once, then loaded from disk as long as no kernel's source has changed."""
+    if config.DISABLE_JIT:
+        return function
     dispatcher = njit(cache=True, error_model="numpy", nogil=True)(function)
     dispatcher._cache._cache_file._source_stamp = source_digest()
     return dispatcher

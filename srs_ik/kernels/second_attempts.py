@@ -5,11 +5,12 @@ from __future__ import annotations
 import math
 
 from srs_ik.kernels.branches import NO_BRANCH, best_branch, branch_of
-from srs_ik.kernels.closure import CLOSED, clipped, close_at_angle, close_free
+from srs_ik.kernels.closure import CLOSED, ON_LINE, clipped, close_at_angle, close_free, elbow_position
 from srs_ik.kernels.jit import kernel
-from srs_ik.kernels.layout import PHASE, SHOULDER, STRAIGHT, WRIST
+from srs_ik.kernels.layout import PHASE, SHOULDER, SHOULDER_CENTRE, STRAIGHT, WRIST
 from srs_ik.kernels.scoring import OUTSIDE, cost
 from srs_ik.kernels.search import turned
+from srs_ik.kernels.vectors import across, load3, norm, sub
 
 MORE_STEPS = 80
 """Steps of Newton's method, which halves the error at best next to a singularity."""
@@ -20,6 +21,9 @@ ATTEMPTS = 9
 ALMOST = 0.1
 JITTERS = 100
 """A near limb that comes this close to a pose (m, rad) is tried from so many more postures around."""
+
+STRETCHED = 1e-4
+"""Sine of the bend of the elbow under which it may be on the line S-W."""
 
 NEAR_SINGULAR = 0.05
 """Sine of a middle angle under which a spherical joint or the elbow is close to singular, for a second attempt."""
@@ -61,9 +65,7 @@ def evaluate_again(P, place_, R, p, psi, branch, seeded, seed, respect, attempts
         # At the arm angle itself, then from either side of it, farther and farther.
         from_psi = psi + (0.0 if attempt == 0 else (0.25 if attempt % 2 == 0 else -0.25) * ((attempt + 1) // 2))
         for b in range(8):
-            q0, _, exists = best_branch(P, place_, from_psi, b, False, seed, False)
-            if exists >= NO_BRANCH:
-                continue
+            q0, _, _ = best_branch(P, place_, from_psi, b, False, seed, False)
             q = bend(P, q0, b)
             turns_s = 6 if q[1] != q0[1] else 1
             turns_w = 6 if q[5] != q0[5] else 1
@@ -87,19 +89,31 @@ def evaluate_again(P, place_, R, p, psi, branch, seeded, seed, respect, attempts
 
 
 @kernel
-def jitter(q, state, size):
-    """A posture with every joint moved by up to `size`, by a linear congruential generator: the same one always."""
+def random(state):
+    """The next number in [-1, 1] of a linear congruential generator, and its state: the same ones in every run."""
     state = (state * 1103515245 + 12345) % 2147483648
-    a = size * (state / 1073741824.0 - 1.0)
-    state = (state * 1103515245 + 12345) % 2147483648
-    b = size * (state / 1073741824.0 - 1.0)
-    state = (state * 1103515245 + 12345) % 2147483648
-    c = size * (state / 1073741824.0 - 1.0)
-    state = (state * 1103515245 + 12345) % 2147483648
-    d = size * (state / 1073741824.0 - 1.0)
-    state = (state * 1103515245 + 12345) % 2147483648
-    e = size * (state / 1073741824.0 - 1.0)
-    return (q[0] + a, q[1] + b, q[2] + c, q[3] + d, q[4] + e, q[5] + a * 0.7 - b, q[6] + c * 0.7 - d), state
+    return state / 1073741824.0 - 1.0, state
+
+
+@kernel
+def jitter(q, state, turn, bend_by):
+    """A posture with joints 1, 3, 5 and 7 moved by up to `turn` and those between them by up to `bend_by`, rad."""
+    a, state = random(state)
+    b, state = random(state)
+    c, state = random(state)
+    d, state = random(state)
+    e, state = random(state)
+    f, state = random(state)
+    g, state = random(state)
+    return (
+        q[0] + turn * a,
+        q[1] + bend_by * b,
+        q[2] + turn * c,
+        q[3] + bend_by * d,
+        q[4] + turn * e,
+        q[5] + bend_by * f,
+        q[6] + turn * g,
+    ), state
 
 
 @kernel
@@ -109,7 +123,7 @@ def free_start(P, q, R, p, wanted, seeded, seed, respect, J, A):
         q = clipped(P, q)
     q, error = close_free(P, q, R, p, respect, MORE_STEPS, J, A)
     q = turned(P, q, seeded, seed, respect)
-    if error > CLOSED:
+    if error > 10.0 * CLOSED:
         return q, OUTSIDE * (2.0 + error)
     if wanted >= 0 and branch_of(P, q) != wanted:
         return q, OUTSIDE * 10.0
@@ -131,22 +145,24 @@ def rescue(P, place_, R, p, branch, seeded, seed, respect, J, A):
     for attempt in range(2):
         for i in range(12):
             for b in range(first, last + 1):
-                q, _, value = best_branch(P, place_, i * math.pi / 6.0, b, seeded, seed, respect)
-                if value < NO_BRANCH:
-                    if attempt == 1:
-                        q = bend(P, q, b)
-                    q, value = free_start(P, q, R, p, branch, seeded, seed, respect, J, A)
-                    if value < lowest:
-                        best_q = q
-                        best = b
-                        lowest = value
+                # Also from the closest posture of a branch that the nearest exact limb does not have here.
+                q, _, _ = best_branch(P, place_, i * math.pi / 6.0, b, seeded, seed, respect)
+                if attempt == 1:
+                    q = bend(P, q, b)
+                q, value = free_start(P, q, R, p, branch, seeded, seed, respect, J, A)
+                if value < lowest:
+                    best_q = q
+                    best = b
+                    lowest = value
         if lowest < OUTSIDE:
             return best_q, best, lowest
     if lowest < OUTSIDE * (2.0 + ALMOST):
         state = 1
         around = best_q
         for i in range(JITTERS):
-            q, state = jitter(around, state, 0.02 if i % 2 == 0 else 0.3)
+            # A stretched arm may have to turn far about itself for a bend of a micrometre in another direction.
+            turn = 0.02 if i % 3 == 0 else (0.3 if i % 3 == 1 else 2.0)
+            q, state = jitter(around, state, turn, min(turn, 0.3))
             q, value = free_start(P, q, R, p, branch, seeded, seed, respect, J, A)
             if value < lowest:
                 best_q = q
@@ -155,3 +171,11 @@ def rescue(P, place_, R, p, branch, seeded, seed, respect, J, A):
                 if lowest < OUTSIDE:
                     break
     return best_q, best, lowest
+
+
+@kernel
+def stretched(P, place_, R, p, branch, seeded, seed, respect, J, A):
+    """`rescue` where an arm angle is given but the elbow is on the line S-W, and so at every arm angle at once."""
+    q, best, lowest = rescue(P, place_, R, p, branch, seeded, seed, respect, J, A)
+    off_line = norm(across(sub(elbow_position(P, q), load3(P, SHOULDER_CENTRE)), place_[0]))
+    return q, best, (lowest if off_line < 3.0 * ON_LINE else 2.0 * NO_BRANCH)
