@@ -102,6 +102,10 @@ class Skeleton:
         pin.updateFramePlacements(model, self._data)
         ranks = {kind: rank for rank, kind in enumerate(_FRAME_PREFERENCE)}
         self._frames = [_Frame(f.name, ranks[f.type], int(f.parentJoint), int(f.parentFrame)) for f in model.frames]
+        self._below: dict[tuple[int, int], list[int]] = {}
+        # The first frame is the universe, which is its own parent.
+        for k, frame in enumerate(self._frames[1:], 1):
+            self._below.setdefault((frame.parent, frame.rank), []).append(k)
         self._revolute = [joint.shortname() in _REVOLUTE + _CONTINUOUS for joint in model.joints]
         joint_rank = ranks[pin.FrameType.JOINT]
         self._own_frame = {
@@ -254,9 +258,7 @@ class Skeleton:
         return T_world_to.actInv(T_world_frame).homogeneous
 
     def _children(self, frame: int, kind: Any) -> list[int]:
-        rank = _FRAME_PREFERENCE.index(kind)
-        # The first frame is the universe, which is its own parent.
-        return [k for k, f in enumerate(self._frames[1:], 1) if f.parent == frame and f.rank == rank]
+        return self._below.get((frame, _FRAME_PREFERENCE.index(kind)), [])
 
     def _frame_on(self, joint: int, end: str) -> str:
         """Some frame on a joint of a model that has no frames for its joints."""
@@ -286,7 +288,7 @@ def build_chain(model: Any, joints: Sequence[int], base: str, tip: str) -> Chain
     """
     names = tuple(model.names[joint] for joint in joints)
     locked = [joint for joint in range(1, model.njoints) if joint not in joints]
-    reduced = pin.buildReducedModel(model, locked, pin.neutral(model)) if locked else pin.Model(model)
+    reduced = _locked(model, locked) if locked else pin.Model(model)
     skeleton = Skeleton(reduced)
     moved_by = skeleton.joint_of(base)
     if moved_by != 0:
@@ -314,6 +316,24 @@ def build_chain(model: Any, joints: Sequence[int], base: str, tip: str) -> Chain
         if isinstance(value, np.ndarray):
             value.flags.writeable = False
     return chain
+
+
+def _locked(model: Any, joints: Sequence[int]) -> Any:
+    """A model without some joints, which are locked at their neutral position.
+
+    Pinocchio looks frames up by their names while it does this, and stops where a link and a fixed joint share one. So
+    it works on a copy in which all names differ; the names of joints, which do, stay.
+    """
+    copy = pin.Model(model)
+    names = {}
+    for k, frame in enumerate(copy.frames):
+        if k > 0 and frame.type != pin.FrameType.JOINT:
+            names[f"frame {k} {frame.name}"] = frame.name
+            frame.name = f"frame {k} {frame.name}"
+    reduced = pin.buildReducedModel(copy, list(joints), pin.neutral(copy))
+    for frame in reduced.frames:
+        frame.name = names.get(frame.name, frame.name)
+    return reduced
 
 
 def _position_limits(model: Any) -> tuple[Vector, Vector]:

@@ -165,6 +165,27 @@ def test_a_name_means_the_link_before_the_joint():
     assert chain.joint_names[0] == "l0"
 
 
+def test_links_and_fixed_joints_that_share_their_names_do_not_stop_the_locking():
+    # Pinocchio's own function refuses this model.
+    same = '<link name="{0}"/>' + joint_xml("{0}", "{1}", "{0}", "fixed", "")
+    parts = serial_arm(), moving("l7", "finger"), same.format("rubber", "finger"), same.format("tip", "rubber")
+    model = model_of(*parts)
+    with pytest.raises(ValueError, match="Several frames"):
+        pin.buildReducedModel(model, [8], pin.neutral(model))
+    chain = build_chain(model, range(1, 8), "l0", "tip")
+    assert {frame.name for frame in chain.model.frames} == {frame.name for frame in model.frames}
+    assert (chain.model.nq, chain.model.names[7]) == (7, "j7")
+
+
+@pytest.mark.parametrize("name", REAL)
+def test_locked_models_are_those_of_pinocchio(name):
+    model = real_model(name)
+    joints = (Skeleton(model).windows() or [tuple(range(1, 8))])[0]
+    chain = build_chain(model, joints, model.frames[1].name, model.names[joints[-1]])
+    others = [joint for joint in range(1, model.njoints) if joint not in joints]
+    assert chain.model == (pin.buildReducedModel(model, others, pin.neutral(model)) if others else model)
+
+
 def test_joint_frames_can_be_named_too():
     model = model_of(serial_arm())
     chain = build_chain(model, range(1, 8), "l0", "j7")

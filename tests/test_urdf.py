@@ -125,6 +125,10 @@ def test_effort_and_velocity_that_are_not_given_become_zero(inside):
     assert (model.effortLimit[0], model.velocityLimit[0]) == (0.0, 0.0)
 
 
+def test_a_robot_without_a_name_is_called_robot():
+    assert load_model("<robot><link name='a'/></robot>").name == "robot"
+
+
 def test_limits_that_are_left_out_are_zero_as_the_format_says():
     model = load_model(two_joints(AXIS + '<limit upper="1" effort="1" velocity="1"/>')).model
     assert (model.lowerPositionLimit[0], model.upperPositionLimit[0]) == (0.0, 1.0)
@@ -172,7 +176,6 @@ WRONG_TEXT = {
     "xacro": ("<robot name='x'><xacro:include filename='y'/></robot>", "xacro file: expand it"),
     "entities": ('<!DOCTYPE r [<!ENTITY a "b">]><robot name="&a;"><link name="l"/></robot>', "<!DOCTYPE>"),
     "surrogate": ("<robot name='\ud800'/>", "not well-formed"),
-    "no name": ("<robot><link name='a'/></robot>", "<robot> element has no name"),
     "no link": ("<robot name='x'/>", "no <link>"),
     "nameless link": ("<robot name='x'><link/></robot>", "<link> number 1 has no name"),
     "line break": ("<robot name='x'><link name='a&#10;b'/></robot>", "cannot be printed"),
@@ -227,7 +230,29 @@ WRONG_TEXT = {
         ),
         "mass> value of inertia of link 'd' is 'nan'",
     ),
-    "too many links": (robot_xml(links=" ".join(f"l{k}" for k in range(5001))), "5001 links"),
+    "too many links": (robot_xml(links=" ".join(f"l{k}" for k in range(2001))), "2001 links"),
+    "too many elements": ("<robot name='x'>" + "<a/>" * 200_000 + "</robot>", "more than 200000 XML elements"),
+    "too deep in tags": ("<robot name='x'>" + "<a>" * 200_000, "more than 200000 XML elements"),
+    "too much freedom": (
+        robot_xml(
+            *(joint_xml(f"j{k}", "l0", f"l{k + 1}") for k in range(201)), links=" ".join(f"l{k}" for k in range(202))
+        ),
+        "201 degrees of freedom",
+    ),
+    "much freedom a joint": (
+        robot_xml(
+            *(joint_xml(f"j{k}", "l0", f"l{k + 1}", "floating") for k in range(34)),
+            links=" ".join(f"l{k}" for k in range(35)),
+        ),
+        "204 degrees of freedom",
+    ),
+    "long name": (robot_xml(links="a" * 1001), "a name of 1001 characters"),
+    "endless figure": (two_joints(f'<axis xyz="0 0 {"1" * 300_000}x"/>' + LIMIT), "...', not a finite number"),
+    "far away": (two_joints('<origin xyz="0 0 2e6"/>' + AXIS + LIMIT), "'0.0 0.0 2000000.0', farther than 1e+06 m"),
+    "no quaternion": (
+        two_joints('<origin quat_xyzw="0 0 0 0"/>' + AXIS + LIMIT),
+        "quat_xyzw of joint 'first' is '0.0 0.0 0.0 0.0', no rotation",
+    ),
     "too deep": (
         robot_xml(
             *(joint_xml(f"j{k}", f"l{k}", f"l{k + 1}", "fixed", "") for k in range(600)),
@@ -251,14 +276,16 @@ def test_wrong_text_is_refused_in_one_clear_line(case, capfd):
 
 
 def test_no_chain_that_is_accepted_overflows_the_stack_of_a_thread():
-    n = 500
-    joints = (joint_xml(f"j{k}", f"l{k}", f"l{k + 1}") for k in range(n))
+    n, moving = 500, 200
+    inside = AXIS + LIMIT
+    kinds = ["revolute"] * moving + ["fixed"] * (n - moving)
+    joints = (joint_xml(f"j{k}", f"l{k}", f"l{k + 1}", kind, inside) for k, kind in enumerate(kinds))
     xml = robot_xml(*joints, links=" ".join(f"l{k}" for k in range(n + 1)))
     results = []
     thread = threading.Thread(target=lambda: results.append(load_model(xml).model.nv))
     thread.start()
     thread.join()
-    assert results == [n]
+    assert results == [moving]
 
 
 def test_wrong_files_are_refused_and_named(tmp_path):
@@ -277,7 +304,7 @@ def test_wrong_files_are_refused_and_named(tmp_path):
         tmp_path: "is a directory",
         empty: "is empty",
         binary: "not well-formed",
-        huge: "larger than 64 MiB",
+        huge: "larger than 8 MiB",
         fifo: "not a regular file",
         empty / "below.urdf": "cannot be read|there is no file",
         tmp_path / ("x" * 5000): "cannot be read|there is no file",

@@ -8,13 +8,25 @@ from xml.etree.ElementTree import Element
 
 from srs_ik.errors import InvalidRobot, did_you_mean
 
-MAX_LINKS = 5000
+MAX_LINKS = 2000
 MAX_DEPTH = 500
 """Longest chain of joints. Pinocchio reads a tree by recursion; far longer chains overflow the stack of a thread."""
+
+MAX_FREEDOM = 200
+"""Most degrees of freedom. Pinocchio's work space grows with their cube: 0.6 GB here, and 8 GB at 500."""
 
 JOINT_TYPES = ("revolute", "continuous", "prismatic", "fixed", "floating", "planar")
 _WITH_AXIS = frozenset({"revolute", "continuous", "prismatic", "planar"})
 _WITH_RANGE = frozenset({"revolute", "prismatic"})
+
+_FREEDOM = {"revolute": 1, "continuous": 1, "prismatic": 1, "planar": 3, "floating": 6}
+
+LONGEST_NAME = 1000
+LONGEST_NUMBER = 400
+"""Characters of one figure; the longest exact decimal form that programs write has 325."""
+
+FARTHEST = 1e6
+"""Largest component of an origin, metres. Farther out, a position has no micrometres left in double precision."""
 
 _MIN_AXIS = 1e-6
 """Shortest joint axis that is taken for a direction; unit axes are the rule."""
@@ -27,9 +39,9 @@ _INERTIA = ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")
 def check(robot: Element, source: str) -> frozenset[str]:
     """Check the elements of a robot, and settle in place what files leave open.
 
-    Every figure is replaced by its shortest exact decimal form. Negative or absent efforts and velocities become 0,
-    which means "not given" (Pinocchio refuses negative ones). Elements without effect are removed: limits and axes of
-    joints that have none, inertias without mass or matrix, and `<mimic>`.
+    A robot without a name is called "robot". Every figure is replaced by its shortest exact decimal form. Negative or
+    absent efforts and velocities become 0, which means "not given" (Pinocchio refuses negative ones). Elements without
+    effect are removed: limits and axes of joints that have none, inertias without mass or matrix, and `<mimic>`.
 
     Args:
         robot: the element `<robot>`, as `srs_ik.urdf.document.parse` returns it; changed in place.
@@ -55,6 +67,8 @@ class _Checker:
         return InvalidRobot(f"{self.source}: {what}", self.source)
 
     def robot(self, robot: Element) -> frozenset[str]:
+        # Parsers refuse a robot without a name; makers leave it out all the same.
+        robot.attrib["name"] = robot.get("name", "").strip() or "robot"
         self.name(robot, "the <robot> element")
         links, joints = robot.findall("link"), robot.findall("joint")
         if not links:
@@ -65,6 +79,9 @@ class _Checker:
         self.unique([self.name(joint, f"<joint> number {k}") for k, joint in enumerate(joints, 1)], "joint")
         for link in links:
             self.link(link)
+        freedom = sum(_FREEDOM.get(joint.get("type", ""), 0) for joint in joints)
+        if freedom > MAX_FREEDOM:
+            raise self.fail(f"its joints have {freedom} degrees of freedom, more than the {MAX_FREEDOM} that are read")
         mimicking = {joint.attrib["name"] for joint in joints if self.joint(joint)}
         self.tree([link.attrib["name"] for link in links], joints)
         # The version decides whether quaternions count; without any it only makes parsers complain of unknown ones.
@@ -77,6 +94,8 @@ class _Checker:
         name = element.get("name", "")
         if not name.strip():
             raise self.fail(f"{which} has no name")
+        if len(name) > LONGEST_NAME:
+            raise self.fail(f"{which} has a name of {len(name)} characters, {_quoted(name)}; {LONGEST_NAME} are read")
         if not name.isprintable():
             raise self.fail(f"{which} has the name {_quoted(name)}, with characters that cannot be printed")
         return name
@@ -132,10 +151,18 @@ class _Checker:
 
     def origin(self, element: Element, where: str) -> None:
         origin = element.find("origin")
-        if origin is not None:
-            for key, length in (("xyz", 3), ("rpy", 3), ("quat_xyzw", 4)):
-                if key in origin.attrib:
-                    self.vector(origin, key, length, where)
+        if origin is None:
+            return
+        for key, length in (("xyz", 3), ("rpy", 3), ("quat_xyzw", 4)):
+            if key in origin.attrib:
+                values = self.vector(origin, key, length, where)
+                if key == "xyz" and max(map(abs, values)) > FARTHEST:
+                    far = _quoted(origin.attrib[key])
+                    raise self.fail(
+                        f"<origin> xyz of {where} is {far}, farther than {FARTHEST:g} m; figures are metres"
+                    )
+                if key == "quat_xyzw" and not _MIN_AXIS < math.hypot(*values) < FARTHEST:
+                    raise self.fail(f"<origin> quat_xyzw of {where} is {_quoted(origin.attrib[key])}, no rotation")
 
     def axis(self, joint: Element, kind: str, where: str) -> None:
         axis = joint.find("axis")
@@ -193,7 +220,8 @@ class _Checker:
 
     def figure(self, text: str, what: str) -> float:
         word = text.strip()
-        value = float(word) if _NUMBER.fullmatch(word) else math.nan
+        # The length first: the pattern takes time that grows with its square where it fails.
+        value = float(word) if len(word) <= LONGEST_NUMBER and _NUMBER.fullmatch(word) else math.nan
         if not math.isfinite(value):
             raise self.fail(f"{what} is {_quoted(text)}, not a finite number")
         return value if abs(value) > _TINY else 0.0

@@ -13,8 +13,11 @@ from xml.parsers import expat
 
 from srs_ik.errors import InvalidRobot
 
-MAX_BYTES = 64 * 2**20
+MAX_BYTES = 8 * 2**20
 """Largest text that is read. Descriptions of whole humanoids have a few hundred kilobytes."""
+
+MAX_ELEMENTS = 200_000
+"""Most elements that are read, skipped ones included; a humanoid with hands has a few thousand."""
 
 KEPT: Mapping[str, frozenset[str]] = {
     "robot": frozenset({"link", "joint"}),
@@ -38,8 +41,9 @@ def parse(text: str | bytes, source: str) -> Element:
         The element ``<robot>`` with the elements of `KEPT` in it, unchecked.
 
     Raises:
-        InvalidRobot: the text is empty, too large, no well-formed XML, no URDF, an unexpanded xacro file, or has a
-            document type declaration (which is where entities that expand without end are defined).
+        InvalidRobot: the text is empty, too large or of too many elements, no well-formed XML, no URDF, an unexpanded
+            xacro file, or has a document type declaration (which is where entities that expand without end are
+            defined).
     """
     # Blank lines before the XML declaration are an error by the letter, and common in strings of programs.
     text = text.lstrip("\ufeff \t\r\n") if isinstance(text, str) else text.lstrip()
@@ -70,8 +74,13 @@ class _Reader:
         self.root: Element | None = None
         self._open: list[Element] = []
         self._skipped = 0
+        self._count = 0
 
     def start(self, tag: str, attributes: dict[str, str]) -> None:
+        self._count += 1
+        if self._count > MAX_ELEMENTS:
+            message = f"{self.source} has more than {MAX_ELEMENTS} XML elements, too many for a URDF"
+            raise InvalidRobot(message, self.source)
         if self._skipped:
             self._skipped += 1
         elif not self._open:
