@@ -12,6 +12,16 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from srs_ik.arm import Arm
+    from srs_ik.ellipsoids import (
+        Ellipsoid,
+        force_ellipsoid,
+        force_transmission,
+        force_velocity_ratio,
+        isotropy,
+        manipulability,
+        velocity_ellipsoid,
+        velocity_transmission,
+    )
     from srs_ik.errors import (
         AmbiguousLimb,
         FrameNotFound,
@@ -20,6 +30,7 @@ if TYPE_CHECKING:
         InvalidRobot,
         InvalidTask,
         MissingExtra,
+        MissingLimits,
         NotAnSrsLimb,
         SrsIkError,
     )
@@ -28,6 +39,7 @@ if TYPE_CHECKING:
     from srs_ik.objectives import OBJECTIVES, Objective
     from srs_ik.optimise import Optimum
     from srs_ik.path import PathBreak, PathSolution
+    from srs_ik.polytopes import Polytope, force_polytope, velocity_polytope
     from srs_ik.pose import PoseError
     from srs_ik.printed import PrintedOptimum, printed_optimum
     from srs_ik.solution import BatchSolution, Interval, Solution, Solutions, Status
@@ -36,6 +48,16 @@ __version__ = "0.1.0"
 
 _MODULES = {
     "arm": ("Arm",),
+    "ellipsoids": (
+        "Ellipsoid",
+        "force_ellipsoid",
+        "force_transmission",
+        "force_velocity_ratio",
+        "isotropy",
+        "manipulability",
+        "velocity_ellipsoid",
+        "velocity_transmission",
+    ),
     "errors": (
         "AmbiguousLimb",
         "FrameNotFound",
@@ -44,6 +66,7 @@ _MODULES = {
         "InvalidRobot",
         "InvalidTask",
         "MissingExtra",
+        "MissingLimits",
         "NotAnSrsLimb",
         "SrsIkError",
     ),
@@ -52,6 +75,7 @@ _MODULES = {
     "objectives": ("OBJECTIVES", "Objective"),
     "optimise": ("Optimum",),
     "path": ("PathBreak", "PathSolution"),
+    "polytopes": ("Polytope", "force_polytope", "velocity_polytope"),
     "printed": ("PrintedOptimum", "printed_optimum"),
     "pose": ("PoseError",),
     "solution": ("BatchSolution", "Interval", "Solution", "Solutions", "Status"),
@@ -63,6 +87,7 @@ __all__ = [
     "AmbiguousLimb",
     "Arm",
     "BatchSolution",
+    "Ellipsoid",
     "FrameNotFound",
     "Hand",
     "Interval",
@@ -72,11 +97,13 @@ __all__ = [
     "InvalidTask",
     "LimbReport",
     "MissingExtra",
+    "MissingLimits",
     "NotAnSrsLimb",
     "Objective",
     "Optimum",
     "PathBreak",
     "PathSolution",
+    "Polytope",
     "PoseError",
     "PrintedOptimum",
     "Solution",
@@ -85,9 +112,18 @@ __all__ = [
     "SrsLimb",
     "Status",
     "find_limbs",
+    "force_ellipsoid",
+    "force_polytope",
+    "force_transmission",
+    "force_velocity_ratio",
+    "isotropy",
     "load",
+    "manipulability",
     "printed_optimum",
     "robots",
+    "velocity_ellipsoid",
+    "velocity_polytope",
+    "velocity_transmission",
 ]
 
 

@@ -93,6 +93,22 @@ class MissingExtra(SrsIkError):
         return f"pip install 'srs-ik[{self.extra}]'"
 
 
+class MissingLimits(SrsIkError, ValueError):
+    """Joint limits that a question needs and that are not given.
+
+    Attributes:
+        kind: "velocity" or "effort".
+        joints: the joints without a limit.
+    """
+
+    def __init__(self, kind: str, joints: Sequence[str], robot: str = "") -> None:
+        self.kind = kind
+        self.joints = tuple(joints)
+        whose = f"the description of {robot} gives no" if robot else "there is no finite"
+        needed = "velocities in rad/s" if kind == "velocity" else "torques in N m"
+        super().__init__(f"{whose} {kind} limit for {listed(self.joints)}; give the seven {needed} yourself")
+
+
 class InvalidPose(SrsIkError, ValueError):
     """A pose of the wrong shape, with entries that are not finite, or whose rotation is none."""
 

@@ -21,6 +21,7 @@ EVERY_ERROR = [
         {"candidates": (("l0", "l7"), ("r0", "r7"))},
     ),
     (errors.MissingExtra("robots", "the robot 'human_left'"), {"extra": "robots"}),
+    (errors.MissingLimits("effort", ["j1", "j3"], "arm"), {"kind": "effort", "joints": ("j1", "j3")}),
     (errors.InvalidPose("a pose is 4x4"), {}),
     (errors.InvalidConfiguration("q has 7 angles"), {}),
     (errors.InvalidTask("a direction has no length"), {}),
