@@ -43,6 +43,7 @@ if TYPE_CHECKING:
     from srs_ik.pose import PoseError
     from srs_ik.printed import PrintedOptimum, printed_optimum
     from srs_ik.solution import BatchSolution, Interval, Solution, Solutions, Status
+    from srs_ik.task import Posture, Task
 
 __version__ = "0.1.0"
 
@@ -79,6 +80,7 @@ _MODULES = {
     "printed": ("PrintedOptimum", "printed_optimum"),
     "pose": ("PoseError",),
     "solution": ("BatchSolution", "Interval", "Solution", "Solutions", "Status"),
+    "task": ("Posture", "Task"),
 }
 _HOME = {name: module for module, names in _MODULES.items() for name in names}
 
@@ -105,12 +107,14 @@ __all__ = [
     "PathSolution",
     "Polytope",
     "PoseError",
+    "Posture",
     "PrintedOptimum",
     "Solution",
     "Solutions",
     "SrsIkError",
     "SrsLimb",
     "Status",
+    "Task",
     "find_limbs",
     "force_ellipsoid",
     "force_polytope",

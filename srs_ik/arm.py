@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -16,7 +17,7 @@ from srs_ik.kernels.intervals import MAX_PIECES
 from srs_ik.kernels.layout import IS_CLOSED, LIMITED, ROW, STRAIGHT
 from srs_ik.kinematics import ChainKinematics
 from srs_ik.limb import Hand, SrsLimb
-from srs_ik.packing import pack_family
+from srs_ik.packing import pack_family, pack_hand
 from srs_ik.pose import (
     PoseLike,
     as_arm_angle,
@@ -33,6 +34,7 @@ if TYPE_CHECKING:
     from srs_ik.objectives import Objective
     from srs_ik.optimise import Optimum
     from srs_ik.path import PathSolution
+    from srs_ik.task import Posture, Side, Task, Tie
 
 Array = NDArray[np.float64]
 
@@ -295,7 +297,33 @@ class Arm(ChainKinematics):
 
         return optimise(self, pose, objective, respect_limits, **parameters)
 
+    # Tasks ------------------------------------------------------------------------------------------------------
+
+    def posture(self, task: Task, side: Side = "left", tie: Tie = "lower", threads: int | None = None) -> Posture:
+        """Where shoulder, elbow, wrist and hand go for a task: the paper's posture, in closed form, without limits.
+
+        Args:
+            task: one task, or N of them.
+            side: "left" for the elbow towards +y of the base, "right" for -y.
+            tie: which elbow to take where one is above the other: "lower" or "upper".
+            threads: at most so many for N tasks; all processors if not given.
+
+        Returns:
+            Points (3,) in the base frame; for N tasks arrays (N, 3).
+
+        Raises:
+            InvalidTask: no `Task`, or another side or tie.
+        """
+        from srs_ik.task import posture
+
+        return posture(self, task, side, tie, threads)
+
     # ------------------------------------------------------------------------------------------------------------
+
+    @cached_property
+    def _packed_hand(self) -> Array:
+        """What the kernels of tasks know of the hand."""
+        return pack_hand(self.limb, self.hand)
 
     def _work(self) -> tuple[Array | None, Array | None]:
         """Work space that the kernels of a near limb need in one call; none on a limb that the closed form answers."""

@@ -5,8 +5,9 @@ from __future__ import annotations
 import numpy as np
 
 from srs_ik.kernels import layout as at
+from srs_ik.kernels import posture as hand_at
 from srs_ik.kernels.entries import pack_limits
-from srs_ik.limb import SrsLimb, Vector
+from srs_ik.limb import Hand, SrsLimb, Vector
 
 ALIGNED = 1e-9
 """Relative size under which a component that should vanish by design is taken as rounding in the robot description."""
@@ -15,6 +16,12 @@ ALIGNED = 1e-9
 CLOSED_MISS = 1e-12
 """Axes that pass their centres within this distance, metres, leave nothing for Newton's method to do."""
 
+
+FLAT = 1e-12
+"""An arm whose reach differs by less than this, metres, from that of its triangle is flat when stretched or folded."""
+
+NO_HAND = 1e-9
+"""A tip this near to the wrist centre, metres, is in it."""
 
 STRICT = (1e-13, 1e-14, 1e-12, 0.0)
 LOOSE = (3e-11, 3e-11, 1e-11, 1e-10)
@@ -82,9 +89,7 @@ def _pack_elbow(P: Vector, limb: SrsLimb) -> None:
     f_straight = c * f_across + s * np.cross(axis, f_across) + axis * f_along
 
     P[at.STRAIGHT], P[at.COS_STRAIGHT], P[at.SIN_STRAIGHT] = straight, c, s
-    near, far = np.linalg.norm(e_across), np.linalg.norm(f_across)
-    P[at.FAR] = np.hypot(near + far, e_along + f_along)
-    P[at.NEAR] = np.hypot(near - far, e_along + f_along)
+    P[at.NEAR], P[at.FAR] = _reach(limb, 1.0)
     _put(P, at.UPPER_ARM, e)
     _put(P, at.FOREARM, f_straight)
 
@@ -125,3 +130,60 @@ def _pack_spherical(P: Vector, k: int, first: int, axes: Vector) -> None:
 
 def _angle(a: Vector, b: Vector) -> float:
     return float(np.arctan2(np.linalg.norm(np.cross(a, b)), a @ b))
+
+
+def pack_hand(limb: SrsLimb, hand: Hand | None) -> Vector:
+    """What the posture of a task needs to know of the arm, (HAND,), read-only.
+
+    Args:
+        limb: the recognised limb.
+        hand: axes of the hand; without them, the hand is taken to reach out from the wrist straight to the tip.
+    """
+    T = limb.T_base_tip_zero
+    wrist_in_tip = T[:3, :3].T @ (limb.wrist - T[:3, 3])
+    length = limb.hand
+    grasp, across = _hand_axes(wrist_in_tip, hand)
+    reach = -wrist_in_tip / length if length > NO_HAND else grasp
+
+    H = np.zeros(hand_at.HAND)
+    _put(H, hand_at.HAND_GRASP, grasp)
+    _put(H, hand_at.HAND_ACROSS, across)
+    _put(H, hand_at.HAND_REACH, reach)
+    _put(H, hand_at.HAND_WRIST, wrist_in_tip)
+    H[hand_at.HAND_LENGTH], H[hand_at.HAND_ALONG] = length, -wrist_in_tip @ grasp
+    H[hand_at.HAND_UPPER_ARM], H[hand_at.HAND_FOREARM] = limb.upper_arm, limb.forearm
+    H[hand_at.HAND_NEAR], H[hand_at.HAND_FAR] = _flat_reach(limb, 0.0)
+    H[hand_at.HAND_TIP_NEAR], H[hand_at.HAND_TIP_FAR] = _flat_reach(limb, length)
+    H[hand_at.HAND_KNOWN] = float(hand is not None)
+    H.flags.writeable = False
+    return H
+
+
+def _hand_axes(wrist_in_tip: Vector, hand: Hand | None) -> tuple[Vector, Vector]:
+    if hand is not None:
+        return np.array(hand.grasp), np.array(hand.pronosupination)
+    length = float(np.linalg.norm(wrist_in_tip))
+    grasp = -wrist_in_tip / length if length > NO_HAND else np.array([1.0, 0.0, 0.0])
+    across = np.eye(3)[np.argmin(np.abs(grasp))]
+    across = across - grasp * (grasp @ across)
+    return grasp, across / np.linalg.norm(across)
+
+
+def _flat_reach(limb: SrsLimb, length: float) -> tuple[float, float]:
+    """Shortest and longest distance from the shoulder of the point `length` beyond W on the line from E.
+
+    Where the limb lies flat at the ends of its reach, they are exactly those of its triangle.
+    """
+    near, far = _reach(limb, 1.0 + length / limb.forearm)
+    lower = limb.forearm + length
+    flat_near, flat_far = abs(limb.upper_arm - lower), limb.upper_arm + lower
+    return flat_near if near - flat_near < FLAT else near, flat_far if flat_far - far < FLAT else far
+
+
+def _reach(limb: SrsLimb, stretch: float) -> tuple[float, float]:
+    """Shortest and longest distance from the shoulder of the point on the line E-W, `stretch` forearms from E."""
+    axis = limb.axes[3]
+    e, f = limb.elbow - limb.shoulder, stretch * (limb.wrist - limb.elbow)
+    e_along, f_along = float(axis @ e), float(axis @ f)
+    near, far = float(np.linalg.norm(e - axis * e_along)), float(np.linalg.norm(f - axis * f_along))
+    return float(np.hypot(near - far, e_along + f_along)), float(np.hypot(near + far, e_along + f_along))
