@@ -9,7 +9,7 @@ from robot_files import shared_urdf
 
 import srs_ik
 from srs_ik import zoo
-from srs_ik.loading import sources
+from srs_ik.loading import places
 
 
 def test_robots_lists_every_name_that_load_knows():
@@ -20,7 +20,7 @@ def test_robots_lists_every_name_that_load_knows():
 
 
 def test_robots_gives_the_command_for_what_is_not_installed(monkeypatch):
-    monkeypatch.setattr(sources, "_data_files", lambda: iter(()))
+    monkeypatch.setattr(places, "_data_files", lambda file: iter(()))
     listed = {robot["name"]: robot for robot in json.loads(run("robots", "--json").stdout)}
     assert listed["iiwa14"]["installed"]
     assert listed["iiwa14"]["install"] is None

@@ -320,7 +320,7 @@ def test_the_reference_of_a_built_in_robot_turns_into_another_base(monkeypatch, 
     path = tmp_path / "iiwa14.urdf"
     path.write_text(text)
     card = zoo.card("iiwa14")
-    fields = {field: getattr(card, field) for field in card.__dataclass_fields__} | {"urdf": path}
+    fields = {field: getattr(card, field) for field in card.__dataclass_fields__} | {"places": (str(path),)}
     monkeypatch.setattr(zoo, "card", lambda name: type(card)(**fields))
     arm = load("iiwa14", base="tilted")
     expected = pin.rpy.rpyToMatrix(0.3, 0.4, 0.5).T @ np.array(card.reference)
@@ -412,12 +412,13 @@ def test_names_of_robot_descriptions():
         load("amr_description")
     with pytest.raises(InvalidRobot, match="'arm_mj_description' in other formats than URDF only"):
         load("arm_mj_description")
-    with pytest.raises(InvalidRobot, match=r"files of 'far_description' could not be fetched: no network$"):
+    with pytest.raises(InvalidRobot, match=r"'far_description' could not be fetched: no network; where there"):
         load("far_description")
 
 
 def test_names_lists_what_load_knows():
-    assert robots() == [*zoo.robots(), "human_left", "human_right"]
+    assert robots() == [*zoo.robots(), *zoo.adapters()]
+    assert {"iiwa14", "gen3", "human_arm", "human_left", "human_right"} <= set(robots())
 
 
 @pytest.mark.parametrize(

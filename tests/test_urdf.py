@@ -173,7 +173,7 @@ WRONG_TEXT = {
     "not well-formed": ("<robot name='x'><link name='a'></robot>", "not well-formed XML: mismatched tag: line 1"),
     "cut off": ("<robot name='x'><link name='a'/>", "not well-formed"),
     "another format": ("<mujoco/>", "outermost element is <mujoco>, not <robot>"),
-    "xacro": ("<robot name='x'><xacro:include filename='y'/></robot>", "xacro file: expand it"),
+    "xacro": ("<robot name='x'><xacro:include filename='y'/></robot>", "xacro file: give it a name"),
     "entities": ('<!DOCTYPE r [<!ENTITY a "b">]><robot name="&a;"><link name="l"/></robot>', "<!DOCTYPE>"),
     "surrogate": ("<robot name='\ud800'/>", "not well-formed"),
     "no link": ("<robot name='x'/>", "no <link>"),

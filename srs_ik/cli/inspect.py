@@ -2,28 +2,62 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from srs_ik.cli.options import AsJson, Base, Source, Tip
+from srs_ik.cli.options import AsJson, Base, Source, Tip, WrongInput
 
 if TYPE_CHECKING:
     from rich.console import Console
 
     from srs_ik.arm import Arm
+    from srs_ik.loading import LimbReport
 
 
-def inspect(source: Source, base: Base = None, tip: Tip = None, as_json: AsJson = False) -> None:
+Limb = Annotated[
+    str | None,
+    typer.Option(metavar="WORD", help="Which arm: left, right, or a part of one of its names; with --srdf, a group."),
+]
+Srdf = Annotated[Path | None, typer.Option(metavar="FILE", help="A MoveIt SRDF file, for the chains of its groups.")]
+XacroArg = Annotated[
+    list[str] | None, typer.Option("--xacro-arg", metavar="NAME:=VALUE", help="Argument of a xacro file, repeatable.")
+]
+Write = Annotated[
+    Path | None, typer.Option(metavar="robot.toml", help="Write an adapter for the arm, which every command takes.")
+]
+
+
+def inspect(
+    source: Source,
+    base: Base = None,
+    tip: Tip = None,
+    limb: Limb = None,
+    srdf: Srdf = None,
+    xacro_arg: XacroArg = None,
+    write: Write = None,
+    as_json: AsJson = False,
+) -> None:
     """Show the 7-joint arms that are recognised in a robot.
 
     With each arm: its kind, lengths and joint limits, and by how many millimetres its axes miss the shoulder and wrist
     centres. An arm is exact, near (solved all the same, on its true axes), or refused. Exit status 1 if none is
-    accepted.
+    accepted. With --write, an adapter for the one arm is written: a file to correct frames, limits and hand in.
     """
     from srs_ik.cli.render import console, print_json
 
-    findings = _chosen(source, base, tip) if base or tip else _all(source)
+    arguments = _arguments(xacro_arg or [])
+    chosen: dict[str, Any] = {"base": base, "tip": tip, "limb": limb, "srdf": srdf}
+    one = any(value is not None for value in chosen.values())
+    findings = _chosen(source, chosen, arguments) if one else _all(source, arguments)
+    accepted = any(finding["kind"] != "refused" for finding in findings)
+    if write is not None and accepted:
+        from srs_ik.loading import load
+        from srs_ik.loading.adapter import write_adapter
+
+        write_adapter(write, source, load(source, xacro_args=arguments, **chosen), arguments)
+        typer.echo(f"srs-ik: wrote {write}; check it, then try 'srs-ik inspect {write}'", err=True)
     if as_json:
         print_json({"source": source, "limbs": findings})
     else:
@@ -34,40 +68,52 @@ def inspect(source: Source, base: Base = None, tip: Tip = None, as_json: AsJson 
             _print_finding(out, finding)
     if not findings:
         typer.echo(f"srs-ik: {source} has no chain of 7 consecutive revolute joints.", err=True)
-    if not any(finding["kind"] != "refused" for finding in findings):
+    if not accepted:
         raise typer.Exit(1)
 
 
-def _all(source: str) -> list[dict[str, Any]]:
+def _arguments(words: list[str]) -> dict[str, str] | None:
+    arguments = {}
+    for word in words:
+        name, separator, value = word.partition(":=")
+        if not separator or not name:
+            raise WrongInput(f"--xacro-arg takes NAME:=VALUE, not {word!r}")
+        arguments[name] = value
+    return arguments or None
+
+
+def _all(source: str, arguments: dict[str, str] | None) -> list[dict[str, Any]]:
     from srs_ik.loading import find_limbs, load
 
     findings = []
-    for report in find_limbs(source):
+    for report in find_limbs(source, arguments):
         if report.limb is not None:
-            findings.append(_accepted(load(source, base=report.base, tip=report.tip), report.note))
+            arm = load(source, base=report.base, tip=report.tip, xacro_args=arguments)
+            findings.append(_accepted(arm, report))
         else:
             findings.append(_refused(report.base, report.tip, report.joint_names, report.misses_mm, report.reason))
     return findings
 
 
-def _chosen(source: str, base: str | None, tip: str | None) -> list[dict[str, Any]]:
+def _chosen(source: str, chosen: dict[str, Any], arguments: dict[str, str] | None) -> list[dict[str, Any]]:
     from srs_ik.errors import NotAnSrsLimb
     from srs_ik.loading import load
 
     try:
-        return [_accepted(load(source, base=base, tip=tip))]
+        return [_accepted(load(source, xacro_args=arguments, **chosen))]
     except NotAnSrsLimb as error:
-        return [_refused(base, tip, error.joint_names, error.misses_mm, str(error))]
+        return [_refused(chosen["base"], chosen["tip"], error.joint_names, error.misses_mm, str(error))]
 
 
-def _accepted(arm: Arm, note: str = "") -> dict[str, Any]:
+def _accepted(arm: Arm, report: LimbReport | None = None) -> dict[str, Any]:
     limb = arm.limb
     return {
         "base": arm.base,
         "tip": arm.tip,
         "kind": limb.kind,
         "reason": "",
-        "note": note,
+        "note": report.note if report else "",
+        "locked": list(report.locked) if report else [],
         "joint_names": list(arm.joint_names),
         "misses_mm": 1e3 * limb.misses,
         "wrist_kind": limb.wrist_kind,
@@ -117,6 +163,8 @@ def _print_finding(out: Console, finding: dict[str, Any]) -> None:
     out.print(f"{chain}: {finding['kind']} S-R-S arm, {finding['wrist_kind']} wrist")
     if finding["note"]:
         out.print(finding["note"])
+    if finding["locked"]:
+        out.print(f"locked on the way to it: {', '.join(finding['locked'])}")
     lengths = [
         (name.replace("_", " "), fixed(1e3 * finding[name], 3))
         for name in ("upper_arm", "forearm", "hand", "elbow_offset")

@@ -13,7 +13,9 @@ from typer.core import TyperCommand
 Source = Annotated[
     str,
     typer.Argument(
-        metavar="ROBOT|FILE", help="A URDF file, or the name of a robot (see 'srs-ik robots').", show_default=False
+        metavar="ROBOT|FILE",
+        help="The name of a robot (see 'srs-ik robots'), a URDF, xacro or MJCF file, or an adapter (robot.toml).",
+        show_default=False,
     ),
 ]
 Base = Annotated[

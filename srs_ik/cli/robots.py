@@ -21,6 +21,7 @@ def robots(as_json: AsJson = False) -> None:
                     "description": entry.description,
                     "base": entry.base,
                     "tip": entry.tip,
+                    "origin": entry.origin,
                     "installed": not entry.install,
                     "install": entry.install or None,
                 }
@@ -29,9 +30,11 @@ def robots(as_json: AsJson = False) -> None:
         )
         return
     rows = [
-        (entry.name, entry.base, entry.tip, "no" if entry.install else "yes", entry.description) for entry in entries
+        (entry.name, entry.base, entry.tip, "no" if entry.install else "yes", entry.description, entry.origin)
+        for entry in entries
     ]
-    console(fit=True).print(table(("robot", "base", "tip", "installed", "description"), rows, left=5))
+    columns = ("robot", "base", "tip", "here", "description", "from")
+    console(fit=True).print(table(columns, rows, left=len(columns)))
     missing: dict[str, list[str]] = {}
     for entry in entries:
         if entry.install:

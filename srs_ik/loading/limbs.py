@@ -12,6 +12,7 @@ import numpy as np
 
 from srs_ik.chain import Skeleton
 from srs_ik.limb import EXACT_MISS, SrsLimb, Vector, WristKind
+from srs_ik.loading.sides import Side, side_of
 from srs_ik.loading.sources import Description
 from srs_ik.recognition import recognise
 
@@ -34,6 +35,8 @@ class LimbReport:
         wrist_kind: "XYX" or "XYZ"; None if refused.
         limb: the limb between `base` and `tip`; None if refused.
         reason: one clause that says why it is refused, with axes numbered from 1; empty otherwise.
+        locked: names of the other moving joints between the root of the robot and the tip, from the root outwards; an
+            arm has them fixed at their neutral position.
         note: which chains that share joints with it were set aside in its favour; empty if there are none.
     """
 
@@ -46,7 +49,18 @@ class LimbReport:
     wrist_kind: WristKind | None
     limb: SrsLimb | None
     reason: str
+    locked: tuple[str, ...] = ()
     note: str = ""
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Every name by which it may be meant: base, tip and joints."""
+        return (self.base, self.tip, *self.joint_names)
+
+    @property
+    def side(self) -> Side:
+        """Either "left" or "right" where most of its names say so, else "either"."""
+        return side_of(self.names)
 
     def describe(self) -> str:
         """One sentence for people: between which frames, what it is, and its lengths or what is wrong with it."""
@@ -59,8 +73,9 @@ class LimbReport:
         if self.kind == "near":
             lengths.append(f"axes miss their centres by up to {self.misses_mm.max():.3f} mm")
         article = "an exact" if self.kind == "exact" else "a near"
+        locked = f"; locked on the way to it: {', '.join(self.locked)}" if self.locked else ""
         note = f"; {self.note}" if self.note else ""
-        return f"{ends} is {article} S-R-S limb with {self.wrist_kind} wrist, {', '.join(lengths)}{note}."
+        return f"{ends} is {article} S-R-S limb with {self.wrist_kind} wrist, {', '.join(lengths)}{locked}{note}."
 
 
 @dataclass(frozen=True, eq=False)
@@ -105,6 +120,7 @@ def examine(
         wrist_kind=found.limb.wrist_kind if found.limb is not None else None,
         limb=found.limb,
         reason=found.reason,
+        locked=tuple(skeleton.joint_names[k] for k in skeleton.path(skeleton.joint_of(tip)) if k not in joints),
     )
     return Candidate(tuple(joints), report)
 

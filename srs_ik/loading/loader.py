@@ -2,16 +2,22 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+import pinocchio as pin
 
+from srs_ik.adjust import within_limits
+from srs_ik.card import Placement
 from srs_ik.chain import Chain, Skeleton, build_chain
 from srs_ik.errors import AmbiguousLimb, InvalidTask, NotAnSrsLimb, listed
 from srs_ik.limb import Hand, Vector
 from srs_ik.loading.limbs import Candidate, LimbReport, examine, explained, weigh
+from srs_ik.loading.sides import is_meant
 from srs_ik.loading.sources import Description, describe
+from srs_ik.loading.srdf import chain_of
 from srs_ik.recognition import recognise
 
 if TYPE_CHECKING:
@@ -26,6 +32,11 @@ def load(
     name: str | None = None,
     reference: Any = None,
     hand: Any = None,
+    limb: str | None = None,
+    limits: Mapping[str, Mapping[str, float]] | None = None,
+    urdf: Any = None,
+    srdf: str | Path | None = None,
+    xacro_args: Mapping[str, str] | None = None,
 ) -> Arm:
     """Load an S-R-S arm.
 
@@ -34,8 +45,9 @@ def load(
     robot, with `base` alone in what hangs on it, without either in the whole robot.
 
     Args:
-        source: a name (see `robots`; a name of robot_descriptions; "human_left" or "human_right"), the path of a URDF
-            file, URDF text, a ``pinocchio.Model``, or a ``yourdfpy.URDF``. It is not changed; meshes are not needed.
+        source: a name (see `robots`; a name of robot_descriptions), the path of a URDF, xacro or MJCF file or of an
+            adapter (``robot.toml``), an address (``package://NAME/FILE``, ``example-robot-data://FILE``), URDF text, a
+            ``pinocchio.Model``, or a ``yourdfpy.URDF``. It is not changed; meshes are not needed.
         base: name of the base frame, any frame that the arm does not move; by default the link that carries joint 1.
         tip: name of the tip frame, anything that joint 7 moves; by default the outermost link fixed to it, up to where
             links fork or move.
@@ -44,12 +56,18 @@ def load(
             default that of the built-in robot, or axis 1.
         hand: (2, 3) grasp direction and pronosupination direction in the tip frame, of any length, not parallel; the
             second is taken perpendicular to the first. By default those of the built-in robot.
+        limb: which of several limbs: "left", "right", or a part of one of its names; with `srdf`, a group.
+        limits: limits that are not as described: for each joint in question those of "lower", "upper" (rad), "velocity"
+            (rad/s) and "effort" (N m) that change; infinite for none.
+        urdf: the description of a robot with a name or an adapter, where it is not at one of their places.
+        srdf: path or text of a MoveIt SRDF file; base and tip are those of one of its chains.
+        xacro_args: arguments of a xacro file.
 
     Returns:
         The arm.
 
     Raises:
-        InvalidRobot: the description is missing or faulty.
+        InvalidRobot: the description is missing or faulty, or `limits`, `srdf` or `xacro_args` do not fit it.
         FrameNotFound: the robot has no frame `base` or `tip`.
         NotAnSrsLimb: there are no seven such joints, or their axes miss common points by too much.
         AmbiguousLimb: several arms fit.
@@ -60,9 +78,14 @@ def load(
 
     asked_reference = None if reference is None else _direction(reference, "reference")
     asked_hand = None if hand is None else _hand(hand)
-    description = describe(source)
-    joints, base, tip = _choose(description, base, tip)
+    description = describe(source, urdf, xacro_args)
+    if srdf is not None:
+        base, tip = chain_of(srdf, limb)
+        limb = None
+    joints, base, tip = _choose(description, base, tip, limb)
     chain = build_chain(description.robot.model, joints, base, tip)
+    for changes in (description.limits, limits):
+        chain = within_limits(chain, changes) if changes else chain
     if asked_reference is None:
         asked_reference = _meant_reference(description, chain)
     if asked_hand is None:
@@ -75,10 +98,15 @@ def load(
             (1e3 * found.misses).tolist(),
         )
     axes = None if asked_hand is None else Hand(*(tuple(axis.tolist()) for axis in asked_hand))
-    return Arm(chain, found.limb, name or description.name, hand=axes)
+    arm = Arm(chain, found.limb, name or description.name, hand=axes)
+    if description.tool is not None and tip == description.tip:
+        arm = arm.with_tool(_matrix(description.tool), description.tool.name)
+    if description.mount is not None and base == description.base:
+        arm = arm.with_base(_matrix(description.mount), description.mount.name)
+    return arm
 
 
-def find_limbs(source: Any) -> list[LimbReport]:
+def find_limbs(source: Any, xacro_args: Mapping[str, str] | None = None) -> list[LimbReport]:
     """Every chain of seven consecutive revolute joints in a robot, classified and measured.
 
     S-R-S limbs come first, then chains that are none. Of chains that share joints only the best is reported: see `note`
@@ -86,18 +114,21 @@ def find_limbs(source: Any) -> list[LimbReport]:
 
     Args:
         source: as for `load`.
+        xacro_args: arguments of a xacro file.
 
     Raises:
         InvalidRobot: the description is missing or faulty.
         MissingExtra: `source` needs a package that is not installed.
     """
-    description = describe(source)
+    description = describe(source, xacro_args=xacro_args)
     skeleton = Skeleton(description.robot.model)
     candidates = [examine(description, skeleton, joints) for joints in skeleton.windows(description.robot.mimic_joints)]
     return [candidate.report for candidate in weigh(candidates, skeleton)]
 
 
-def _choose(description: Description, base: str | None, tip: str | None) -> tuple[tuple[int, ...], str, str]:
+def _choose(
+    description: Description, base: str | None, tip: str | None, limb: str | None
+) -> tuple[tuple[int, ...], str, str]:
     """Joints and frames of the one limb that fits."""
     skeleton = Skeleton(description.robot.model)
     base, tip = base or description.base, tip or description.tip
@@ -115,9 +146,20 @@ def _choose(description: Description, base: str | None, tip: str | None) -> tupl
     limbs = [candidate for candidate in candidates if candidate.report.limb is not None]
     if not limbs:
         raise _refused(candidates)
+    if limb is not None:
+        limbs = _meant(description, limbs, limb)
     if len(limbs) > 1:
         raise _ambiguous(skeleton, description.name, limbs)
     return limbs[0].joints, limbs[0].report.base, limbs[0].report.tip
+
+
+def _meant(description: Description, limbs: Sequence[Candidate], word: str) -> list[Candidate]:
+    """The limbs that a word means."""
+    found = [limb for limb in limbs if is_meant(word, limb.report.names)]
+    if not found:
+        tips = listed([candidate.report.tip for candidate in limbs])
+        raise NotAnSrsLimb(f"no arm of {description.name!r} has {word!r} in its names; the arms end at {tips}")
+    return found
 
 
 def _fits(skeleton: Skeleton, joints: Sequence[int], base: str | None, tip: str | None) -> bool:
@@ -167,7 +209,9 @@ def _refused(candidates: Sequence[Candidate]) -> NotAnSrsLimb:
 def _ambiguous(skeleton: Skeleton, name: str, limbs: Sequence[Candidate]) -> AmbiguousLimb:
     ends = [(skeleton.default_base(limb.joints[0]), skeleton.default_tip(limb.joints[-1])) for limb in limbs]
     choices = ", ".join(f"base={base!r} tip={tip!r}" for base, tip in ends)
-    return AmbiguousLimb(f"{len(ends)} arms of {name!r} fit, choose one by its base and tip: {choices}", ends)
+    sides = {limb.report.side for limb in limbs}
+    how = "its base and tip, or by limb='left' or 'right'" if sides == {"left", "right"} else "its base and tip"
+    return AmbiguousLimb(f"{len(ends)} arms of {name!r} fit, choose one by {how}: {choices}", ends)
 
 
 def _meant_reference(description: Description, chain: Chain) -> Vector | None:
@@ -185,6 +229,12 @@ def _meant_hand(description: Description, chain: Chain) -> Vector | None:
     if skeleton.joint_of(description.tip) != 7:
         return None
     return description.hand @ skeleton.transform(chain.tip, description.tip)[:3, :3].T
+
+
+def _matrix(placement: Placement) -> Vector:
+    T = np.eye(4)
+    T[:3, :3], T[:3, 3] = pin.rpy.rpyToMatrix(*placement.rpy), placement.xyz
+    return T
 
 
 def _direction(value: Any, what: str) -> Vector:

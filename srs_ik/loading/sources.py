@@ -1,32 +1,22 @@
-"""What a robot may be given as: a known name, a file, XML text, or the object of another library."""
+"""What a robot may be given as: a known name, a file, an address, XML text, or the object of another library."""
 
 from __future__ import annotations
 
-import importlib
 import os
-import pkgutil
-import sys
-from collections.abc import Iterator
-from dataclasses import dataclass
-from importlib import metadata
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-import pinocchio as pin
 
 from srs_ik import zoo
-from srs_ik.errors import InvalidRobot, MissingExtra, did_you_mean, listed
+from srs_ik.card import Placement, RobotCard, read_card
+from srs_ik.errors import InvalidRobot, did_you_mean, listed
 from srs_ik.limb import Vector
+from srs_ik.loading.places import DESCRIPTION, locate, missing
 from srs_ik.urdf import RobotModel, load_model
 from srs_ik.urdf.model import is_xml
-
-_HUMAN_FILE = Path("share", "example-robot-data", "robots", "human_description", "robots", "human.urdf")
-_HUMANS = {f"human_{side}": (f"{side}_clavicle", f"{side}_hand") for side in ("left", "right")}
-# At zero the arm of this model hangs down: -y points along the fingers, z along the axis of the elbow.
-_HUMAN_HAND = np.array([[0.0, -1.0, 0.0], [0.0, 0.0, 1.0]])
-
-_DESCRIPTION = "_description"
 
 
 @dataclass(frozen=True)
@@ -38,13 +28,15 @@ class NamedRobot:
         description: one line for lists.
         base: name of its base frame.
         tip: name of its tip frame.
-        install: the pip command without which it cannot be loaded; empty if nothing is missing.
+        origin: where its description comes from.
+        install: what has to be done before it can be loaded, a pip command where one will do; empty if nothing.
     """
 
     name: str
     description: str
     base: str
     tip: str
+    origin: str
     install: str = ""
 
 
@@ -59,6 +51,9 @@ class Description:
         tip: name of the intended tip frame, or None.
         reference: (3,) arm-angle reference in the frame `base`, or None.
         hand: (2, 3) grasp and pronosupination direction in the frame `tip`, or None.
+        limits: limits that are not those of the model, by joint.
+        tool: frame of a tool in the frame `tip`, or None.
+        mount: the frame `base` in its surroundings, or None.
     """
 
     robot: RobotModel
@@ -67,58 +62,110 @@ class Description:
     tip: str | None = None
     reference: Vector | None = None
     hand: Vector | None = None
+    limits: Mapping[str, Mapping[str, float]] = field(default_factory=dict)
+    tool: Placement | None = None
+    mount: Placement | None = None
 
 
 def robots() -> list[str]:
-    """Names of the robots that can be loaded without a file: the built-in ones, then those of the extra ``robots``.
+    """Names of the robots that can be loaded without a file: the built-in ones, then those that come from elsewhere.
 
     The descriptions of robot_descriptions are not among them; their names end in ``_description``.
     """
-    return [*zoo.robots(), *_HUMANS]
+    return [*zoo.robots(), *zoo.adapters()]
 
 
 def catalogue() -> list[NamedRobot]:
     """The robots of `robots`, in its order, each with whether it can be loaded in this installation.
 
     Raises:
-        InvalidRobot: the card of a built-in robot is damaged.
+        InvalidRobot: the card of a robot is damaged.
     """
-    cards = [zoo.card(name) for name in zoo.robots()]
-    entries = [NamedRobot(card.name, card.description, card.base, card.tip) for card in cards]
-    for name, (base, tip) in _HUMANS.items():
-        try:
-            _human_file(name)
-            install = ""
-        except MissingExtra as error:
-            install = error.command
-        side = name.removeprefix("human_").capitalize()
-        entries.append(NamedRobot(name, f"{side} arm of the human of example-robot-data", base, tip, install))
+    built_in = zoo.robots()
+    entries = []
+    for name in robots():
+        card = zoo.card(name)
+        origin = "this package" if name in built_in else card.sources["description"].url
+        entries.append(NamedRobot(name, card.description, card.base, card.tip, origin, missing(card.places, name)))
     return entries
 
 
-def describe(source: Any) -> Description:
+def describe(source: Any, urdf: Any = None, xacro_args: Mapping[str, str] | None = None) -> Description:
     """Read a robot from anything that `load` takes.
 
     Args:
-        source: a name; else path, text or object as in `srs_ik.urdf.load_model`. A name wins over a file of that name
-            in the working directory; a path object is always a file.
+        source: a name, the path of an adapter (``.toml``) or an address; else path, text or object as in
+            `srs_ik.urdf.load_model`. A name wins over a file of that name in the working directory; a path object is
+            always a file.
+        urdf: what the description of a robot with a name or an adapter is, if not what they say.
+        xacro_args: arguments of a xacro file, beside those of an adapter.
 
     Raises:
         InvalidRobot: there is no such robot or file, or the description is faulty.
         MissingExtra: the name needs a package that is not installed.
     """
+    card = _card(source)
+    if card is not None:
+        return _of_card(card, urdf, xacro_args)
+    if urdf is not None:
+        raise InvalidRobot("urdf= is the description of a robot that is given by its name or by an adapter")
     if isinstance(source, str) and not is_xml(source):
-        if source in zoo.robots():
-            card = zoo.card(source)
-            hand = np.array([card.grasp, card.pronosupination])
-            reference = np.array(card.reference)
-            return Description(load_model(card.urdf), card.name, card.base, card.tip, reference, hand)
-        if source in _HUMANS:
-            base, tip = _HUMANS[source]
-            return Description(load_model(_human_file(source)), source, base, tip, hand=_HUMAN_HAND)
+        if "://" in source:
+            return _at([source], source, xacro_args)
         if not _is_path(source):
-            source = _described_file(source)
-    robot = load_model(source)
+            if not source.endswith(DESCRIPTION):
+                raise _unknown(source)
+            return _at([f"robot_descriptions://{source}"], source, xacro_args)
+    robot = load_model(source, xacro_args)
+    return Description(robot, robot.name)
+
+
+def places_of(source: str | os.PathLike[str]) -> tuple[str, ...]:
+    """Where the description behind a name, path or address may be, as a card says it.
+
+    Raises:
+        InvalidRobot: a text is no name, path or address.
+    """
+    card = _card(source)
+    if card is not None:
+        return card.places
+    if isinstance(source, str) and not _is_path(source):
+        if is_xml(source):
+            raise InvalidRobot("a text has no place; write it into a file first")
+        return (f"robot_descriptions://{source}",)
+    return (source,) if isinstance(source, str) and "://" in source else (str(Path(source).absolute()),)
+
+
+def _card(source: Any) -> RobotCard | None:
+    """The card that a source is or has, or None."""
+    if isinstance(source, str) and not is_xml(source) and source in (*zoo.robots(), *zoo.adapters()):
+        return zoo.card(source)
+    if isinstance(source, str | os.PathLike) and not (isinstance(source, str) and is_xml(source)):
+        path = Path(source)
+        if path.suffix == ".toml":
+            return read_card(path)
+    return None
+
+
+def _of_card(card: RobotCard, urdf: Any, xacro_args: Mapping[str, str] | None) -> Description:
+    arguments = {**card.xacro, **(xacro_args or {})}
+    robot = _at(card.places, card.name, arguments).robot if urdf is None else load_model(urdf, arguments or None)
+    return Description(
+        robot=robot,
+        name=card.name,
+        base=card.base,
+        tip=card.tip,
+        reference=None if card.reference is None else np.array(card.reference),
+        hand=None if card.grasp is None else np.array([card.grasp, card.pronosupination]),
+        limits=card.limits,
+        tool=card.tool,
+        mount=card.mount,
+    )
+
+
+def _at(places: list[str] | tuple[str, ...], name: str, xacro_args: Mapping[str, str] | None) -> Description:
+    found = locate(places, name)
+    robot = load_model(found.path, {**found.xacro_args, **(xacro_args or {})} or None, found.packages)
     return Description(robot, robot.name)
 
 
@@ -132,48 +179,8 @@ def _is_path(text: str) -> bool:
         return False
 
 
-def _human_file(name: str) -> Path:
-    """The file of example-robot-data, which installs no Python module that could be asked for it."""
-    for path in _data_files():
-        if path.is_file():
-            return path
-    raise MissingExtra("robots", f"the robot {name!r}")
-
-
-def _data_files() -> Iterator[Path]:
-    # Pip and conda both put it below the prefix in which they put Pinocchio's libraries.
-    prefixes = [*Path(pin.__file__).resolve().parents, Path(sys.prefix)]
-    yield from (prefix / _HUMAN_FILE for prefix in prefixes)
-    try:
-        files = metadata.files("example-robot-data") or ()
-    except metadata.PackageNotFoundError:
-        return
-    yield from (Path(str(file.locate())) for file in files if file.match(str(_HUMAN_FILE)))
-
-
-def _described_file(name: str) -> Path:
-    """The URDF file of a name that is neither built in nor a file: one of robot_descriptions, if anything."""
-    if not name.endswith(_DESCRIPTION):
-        raise _unknown(name, robots())
-    try:
-        package = importlib.import_module("robot_descriptions")
-    except ImportError:
-        raise MissingExtra("robots", f"the robot {name!r} of robot_descriptions") from None
-    known = [module.name for module in pkgutil.iter_modules(package.__path__) if module.name.endswith(_DESCRIPTION)]
-    if name not in known:
-        raise _unknown(name, known)
-    try:
-        path = getattr(importlib.import_module(f"robot_descriptions.{name}"), "URDF_PATH", None)
-    except Exception as error:
-        # The module fetches its files on import, which fails in as many ways as there are networks.
-        reason = str(error).strip().partition("\n")[0] or type(error).__name__
-        raise InvalidRobot(f"the files of {name!r} could not be fetched: {reason}", name) from error
-    if path is None:
-        raise InvalidRobot(f"robot_descriptions has {name!r} in other formats than URDF only", name)
-    return Path(path)
-
-
-def _unknown(name: str, known: list[str]) -> InvalidRobot:
+def _unknown(name: str) -> InvalidRobot:
     shown = name if len(name) <= 80 else name[:77] + "..."
+    known = robots()
     hint = did_you_mean(name, known)
     return InvalidRobot(f"{shown!r} is neither a file nor the name of a robot{hint}; there are {listed(known)}", shown)

@@ -6,6 +6,7 @@ so missing meshes and faulty tags among them do no harm, and a large file stays 
 
 from __future__ import annotations
 
+import contextlib
 from collections.abc import Mapping
 from typing import Any
 from xml.etree.ElementTree import Element
@@ -27,18 +28,19 @@ KEPT: Mapping[str, frozenset[str]] = {
 }
 """Elements that are kept inside each element; of several where one is meant, the first counts."""
 
-_SEVERAL = frozenset({"link", "joint"})
+_SEVERAL = frozenset({"link", "joint", "group"})
 
 
-def parse(text: str | bytes, source: str) -> Element:
+def parse(text: str | bytes, source: str, kept: Mapping[str, frozenset[str]] = KEPT) -> Element:
     """Read URDF text.
 
     Args:
         text: the XML; bytes are decoded as its own declaration says.
         source: what error messages call it.
+        kept: elements that are kept inside each element; others are for files that are like a URDF.
 
     Returns:
-        The element ``<robot>`` with the elements of `KEPT` in it, unchecked.
+        The element ``<robot>`` with these elements in it, unchecked.
 
     Raises:
         InvalidRobot: the text is empty, too large or of too many elements, no well-formed XML, no URDF, an unexpanded
@@ -51,7 +53,7 @@ def parse(text: str | bytes, source: str) -> Element:
         raise InvalidRobot(f"{source} is empty", source)
     if len(text) > MAX_BYTES:
         raise InvalidRobot(f"{source} is larger than {MAX_BYTES // 2**20} MiB, too large for a URDF", source)
-    reader = _Reader(source)
+    reader = _Reader(source, kept)
     # Without namespace processing, as other URDF readers do: files with undeclared prefixes in skipped tags are common.
     parser = expat.ParserCreate()
     parser.StartElementHandler = reader.start
@@ -66,11 +68,27 @@ def parse(text: str | bytes, source: str) -> Element:
     return reader.root
 
 
+def root_tag(text: bytes) -> str:
+    """Tag of the outermost element of an XML text; "" where it does not begin with one."""
+    found: list[str] = []
+    parser = expat.ParserCreate()
+
+    def start(tag: str, attributes: dict[str, str]) -> None:
+        found.append(tag)
+        raise StopIteration
+
+    parser.StartElementHandler = start
+    with contextlib.suppress(StopIteration, expat.ExpatError, LookupError, ValueError):
+        parser.Parse(text.lstrip()[:MAX_BYTES], True)
+    return found[0] if found else ""
+
+
 class _Reader:
     """Builds the tree of kept elements from the events of the parser."""
 
-    def __init__(self, source: str) -> None:
+    def __init__(self, source: str, kept: Mapping[str, frozenset[str]]) -> None:
         self.source = source
+        self._kept = kept
         self.root: Element | None = None
         self._open: list[Element] = []
         self._skipped = 0
@@ -90,11 +108,11 @@ class _Reader:
             self.root = Element(tag, attributes)
             self._open.append(self.root)
         elif tag.startswith("xacro:"):
-            message = f"{self.source} is a xacro file: expand it first (xacro robot.urdf.xacro > robot.urdf)"
+            message = f"{self.source} is a xacro file: give it a name that ends in .xacro, and it is expanded"
             raise InvalidRobot(message, self.source)
         else:
             parent = self._open[-1]
-            if tag in KEPT.get(parent.tag, ()) and (tag in _SEVERAL or parent.find(tag) is None):
+            if tag in self._kept.get(parent.tag, ()) and (tag in _SEVERAL or parent.find(tag) is None):
                 element = Element(tag, attributes)
                 parent.append(element)
                 self._open.append(element)

@@ -6,7 +6,7 @@ import os
 import sys
 import tempfile
 import threading
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
@@ -16,7 +16,7 @@ from xml.etree.ElementTree import Element, tostring
 import pinocchio as pin
 
 from srs_ik.errors import InvalidRobot
-from srs_ik.urdf import document
+from srs_ik.urdf import document, mjcf, xacro
 from srs_ik.urdf.check import check
 
 _LONGEST_LABEL = 300
@@ -42,18 +42,25 @@ class RobotModel:
     mimic_joints: frozenset[str] = frozenset()
 
 
-def load_model(source: Any) -> RobotModel:
+def load_model(
+    source: Any, xacro_args: Mapping[str, str] | None = None, packages: Mapping[str, str] | None = None
+) -> RobotModel:
     """Read a robot description.
 
     Meshes are not needed, and nothing is written. A ``pinocchio.Model`` is passed on as it is.
 
     Args:
-        source: path of a URDF file (str or path object), URDF text (a str that starts with "<"), a ``yourdfpy.URDF``,
-            or a ``pinocchio.Model``.
+        source: path of a URDF, xacro (``.xacro``) or MJCF file (str or path object), URDF text (a str that starts with
+            "<"), a ``yourdfpy.URDF``, or a ``pinocchio.Model``.
+        xacro_args: arguments of a xacro file.
+        packages: folders of ROS packages that a xacro file needs and that cannot be found otherwise.
 
     Raises:
-        InvalidRobot: there is no such file, or it is no valid URDF; the message says what is wrong.
+        InvalidRobot: there is no such file, or it is no valid description; the message says what is wrong.
+        MissingExtra: a xacro file, and xacro is not installed.
     """
+    if xacro_args and not (isinstance(source, str | os.PathLike) and Path(source).suffix == ".xacro"):
+        raise InvalidRobot("arguments are for xacro files, whose names end in .xacro")
     if isinstance(source, pin.Model):
         return RobotModel(source, source.name or "robot", "the pinocchio.Model")
     if isinstance(source, str) and is_xml(source):
@@ -61,7 +68,15 @@ def load_model(source: Any) -> RobotModel:
     if isinstance(source, str | os.PathLike):
         path = Path(source)
         label = _label(path)
-        return _from_elements(document.parse(_read(path, label), label), label)
+        if path.suffix == ".xacro":
+            text = xacro.expand(path, label, xacro_args or {}, packages)
+            return _from_elements(document.parse(text, label), label)
+        content = read(path, label)
+        if document.root_tag(content) == "mujoco":
+            with _stderr_captured() as printed:
+                model = mjcf.build(path, label, lambda: _first_complaint(printed()))
+            return RobotModel(model, model.name or "robot", label)
+        return _from_elements(document.parse(content, label), label)
     # Whoever holds such an object has imported its package; for all others the import would be a waste.
     yourdfpy = sys.modules.get("yourdfpy")
     if yourdfpy is not None and isinstance(source, yourdfpy.URDF):
@@ -69,7 +84,7 @@ def load_model(source: Any) -> RobotModel:
 
         label = f"the yourdfpy.URDF {getattr(source.robot, 'name', None)!r}"
         return _from_elements(elements(source, label), label)
-    kinds = "a robot's name, the path or text of a URDF, a pinocchio.Model or a yourdfpy.URDF"
+    kinds = "a robot's name, the path or text of a description, a pinocchio.Model or a yourdfpy.URDF"
     raise InvalidRobot(f"a robot is given by {kinds}, not by an object of type {type(source).__name__}")
 
 
@@ -86,7 +101,12 @@ def _label(path: Path) -> str:
     return text if text.isprintable() else repr(text)
 
 
-def _read(path: Path, label: str) -> bytes:
+def read(path: Path, label: str) -> bytes:
+    """Content of a file, cut off where it is too large.
+
+    Raises:
+        InvalidRobot: there is no such file, or it cannot be read.
+    """
     try:
         if path.is_dir():
             raise InvalidRobot(f"{label} is a directory, not a URDF file", label)

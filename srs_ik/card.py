@@ -1,0 +1,270 @@
+"""The card of a robot, ``robot.toml``: what a description does not say, and what an adapter says otherwise."""
+
+from __future__ import annotations
+
+import math
+import tomllib
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from types import MappingProxyType
+from typing import Any, Literal
+
+from srs_ik.errors import InvalidRobot, did_you_mean, listed
+
+CARD_FILE = "robot.toml"
+"""Usual name of a card, and that of the one which makes a folder of the package a robot."""
+
+Vector = tuple[float, float, float]
+
+_SIDES = ("left", "right", "either")
+_LIMITS = ("lower", "upper", "velocity", "effort")
+_UNIT_TOLERANCE = 1e-9
+"""How far a direction may be from unit length, or two of them from a right angle; wide enough for 10 written digits."""
+
+
+@dataclass(frozen=True)
+class Source:
+    """Where a group of figures in a robot's files comes from.
+
+    Attributes:
+        figures: which figures these are.
+        title: title of the publication, with its authors or publisher.
+        year: year of publication; None if it bears none.
+        url: address at its publisher or in a public repository; empty if it has none.
+        page: page, table or file in it; empty if the whole is meant.
+        note: what was done with the figures; empty if they are taken as they are.
+    """
+
+    figures: str
+    title: str
+    year: int | None = None
+    url: str = ""
+    page: str = ""
+    note: str = ""
+
+
+@dataclass(frozen=True)
+class Placement:
+    """A fixed transform as a URDF writes one.
+
+    Attributes:
+        xyz: metres.
+        rpy: angles about the fixed x, then y, then z axis, rad.
+        name: name of the frame that it places.
+    """
+
+    xyz: Vector
+    rpy: Vector
+    name: str
+
+
+@dataclass(frozen=True)
+class RobotCard:
+    """Which chain of a robot to use, and how; everything that is None or empty is left as the description has it.
+
+    Attributes:
+        name: short name.
+        places: where its description may be, the first that is there counts: absolute paths, or addresses as in
+            `srs_ik.loading.places`.
+        base: name of the base frame.
+        tip: name of the tip frame.
+        description: one line for lists.
+        side: "left" or "right" for an arm of that side of a body, else "either".
+        reference: arm-angle reference, a unit vector in the base frame; the arm angle is 0 where the elbow lies
+            towards it.
+        grasp: direction in which the hand grasps, a unit vector in the tip frame.
+        pronosupination: direction that says how the hand is turned about ``grasp``, a unit vector in the tip frame and
+            perpendicular to ``grasp``.
+        limits: for each joint in question those of "lower", "upper" (rad), "velocity" (rad/s) and "effort" (N m) that
+            are not as in the description.
+        xacro: arguments for a description that is a xacro file.
+        tool: frame of a tool in the tip frame.
+        mount: the base frame in a frame of the surroundings.
+        sources: origin of each group of figures, by a short name of the group.
+    """
+
+    name: str
+    places: tuple[str, ...]
+    base: str
+    tip: str
+    description: str = ""
+    side: Literal["left", "right", "either"] = "either"
+    reference: Vector | None = None
+    grasp: Vector | None = None
+    pronosupination: Vector | None = None
+    limits: Mapping[str, Mapping[str, float]] = field(default_factory=dict)
+    xacro: Mapping[str, str] = field(default_factory=dict)
+    tool: Placement | None = None
+    mount: Placement | None = None
+    sources: Mapping[str, Source] = field(default_factory=dict)
+
+    @property
+    def urdf(self) -> Path:
+        """Path of the description of a card that has it beside itself."""
+        return Path(self.places[0])
+
+
+def read_card(path: str | Path) -> RobotCard:
+    """Reads a ``robot.toml``; paths in it are relative to it.
+
+    Raises:
+        InvalidRobot: the file cannot be read, is no TOML, has unknown keys, lacks one, or holds a value of the wrong
+            type, or a direction that is no unit vector.
+    """
+    path = Path(path)
+    return _Reader(path).card(_parse(path))
+
+
+def _parse(path: Path) -> dict[str, Any]:
+    try:
+        return tomllib.loads(path.read_text(encoding="utf-8"))
+    except OSError as error:
+        raise InvalidRobot(f"cannot read {path}: {error.strerror or error}", source=path) from error
+    except (ValueError, RecursionError) as error:  # tomllib's own error, bytes that are no UTF-8, or deep nesting
+        raise InvalidRobot(f"{path} is not valid TOML: {error}", source=path) from error
+
+
+class _Reader:
+    """Takes the values out of one parsed card, each with its check; the file's name goes into every message."""
+
+    def __init__(self, path: Path) -> None:
+        self._path = path
+
+    def card(self, content: dict[str, Any]) -> RobotCard:
+        optional = ("description", "side", "arm_angle", "hand", "limits", "xacro", "tool", "mount", "sources")
+        self._expect_keys(content, "", ("name", "urdf", "frames"), optional)
+        frames = self._table(content, "frames", ("base", "tip"))
+        hand = self._table(content, "hand", ("grasp", "pronosupination")) if "hand" in content else None
+        arm_angle = self._table(content, "arm_angle", ("reference",)) if "arm_angle" in content else None
+        card = RobotCard(
+            name=self._text(content, "name"),
+            places=self._places(content),
+            base=self._text(frames, "base", "frames"),
+            tip=self._text(frames, "tip", "frames"),
+            description=self._text(content, "description") if "description" in content else "",
+            side=self._side(content),
+            reference=self._direction(arm_angle, "reference", "arm_angle") if arm_angle else None,
+            grasp=self._direction(hand, "grasp", "hand") if hand else None,
+            pronosupination=self._direction(hand, "pronosupination", "hand") if hand else None,
+            limits=self._limits(content),
+            xacro=self._xacro(content),
+            tool=self._placement(content, "tool", "tool"),
+            mount=self._placement(content, "mount", "world"),
+            sources=self._sources(content),
+        )
+        if card.grasp and card.pronosupination:
+            cosine = sum(a * b for a, b in zip(card.grasp, card.pronosupination, strict=True))
+            if abs(cosine) > _UNIT_TOLERANCE:
+                raise self._error("'grasp' and 'pronosupination' in [hand] must be perpendicular")
+        return card
+
+    def _places(self, content: dict[str, Any]) -> tuple[str, ...]:
+        value = content["urdf"]
+        places = value if isinstance(value, list) else [value]
+        if not places or not all(isinstance(place, str) and place.strip() for place in places):
+            raise self._error(f"'urdf' must be a path or an address, or a list of them, not {value!r}")
+        folder = self._path.absolute().parent
+        return tuple(place if "://" in place else str(folder / place) for place in places)
+
+    def _side(self, content: dict[str, Any]) -> Literal["left", "right", "either"]:
+        side = self._text(content, "side") if "side" in content else "either"
+        if side not in _SIDES:
+            raise self._error(f"'side' must be one of {', '.join(_SIDES)}, not {side!r}")
+        return side  # type: ignore[return-value]
+
+    def _limits(self, content: dict[str, Any]) -> Mapping[str, Mapping[str, float]]:
+        limits = self._group(content, "limits")
+        for joint in limits:
+            where = f"limits.{joint}"
+            for key in self._table(limits, joint, (), _LIMITS, where):
+                self._number(limits[joint][key], f"{key!r} in [{where}]", finite=False)
+        return MappingProxyType({joint: MappingProxyType(dict(limits[joint])) for joint in limits})
+
+    def _xacro(self, content: dict[str, Any]) -> Mapping[str, str]:
+        arguments = self._group(content, "xacro")
+        return MappingProxyType({key: self._text(arguments, key, "xacro") for key in arguments})
+
+    def _placement(self, content: dict[str, Any], key: str, name: str) -> Placement | None:
+        if key not in content:
+            return None
+        table = self._table(content, key, (), ("xyz", "rpy", "name"))
+        xyz, rpy = (self._three(table[k], f"{k!r} in [{key}]") if k in table else (0.0,) * 3 for k in ("xyz", "rpy"))
+        return Placement(xyz, rpy, self._text(table, "name", key) if "name" in table else name)
+
+    def _sources(self, content: dict[str, Any]) -> Mapping[str, Source]:
+        groups = self._group(content, "sources")
+        sources = {}
+        for group in groups:
+            where = f"sources.{group}"
+            table = self._table(groups, group, ("figures", "title"), ("year", "url", "page", "note"), where)
+            year = table.get("year")
+            if year is not None and (isinstance(year, bool) or not isinstance(year, int)):
+                raise self._error(f"'year' in [{where}] must be a whole number, not {year!r}")
+            texts = {key: self._text(table, key, where) for key in table if key != "year"}
+            sources[group] = Source(year=year, **texts)
+        return MappingProxyType(sources)
+
+    def _group(self, content: dict[str, Any], key: str) -> dict[str, Any]:
+        """A table whose keys are free; empty if it is not there."""
+        table = content.get(key, {})
+        if not isinstance(table, dict):
+            raise self._error(f"'{key}' must be a table, not {table!r}")
+        return table
+
+    def _table(
+        self,
+        content: dict[str, Any],
+        key: str,
+        required: tuple[str, ...],
+        optional: tuple[str, ...] = (),
+        where: str = "",
+    ) -> dict[str, Any]:
+        where = where or key
+        table = content[key]
+        if not isinstance(table, dict):
+            raise self._error(f"'{where}' must be a table, not {table!r}")
+        self._expect_keys(table, where, required, optional)
+        return table
+
+    def _expect_keys(
+        self, table: dict[str, Any], where: str, required: tuple[str, ...], optional: tuple[str, ...] = ()
+    ) -> None:
+        place = f" in [{where}]" if where else ""
+        known = required + optional
+        for key in table:
+            if key not in known:
+                raise self._error(f"unknown key {key!r}{place}{did_you_mean(key, known)}; known are {listed(known)}")
+        for key in required:
+            if key not in table:
+                raise self._error(f"the key {key!r}{place} is missing")
+
+    def _text(self, table: dict[str, Any], key: str, where: str = "") -> str:
+        value = table[key]
+        if not isinstance(value, str) or not value.strip():
+            place = f" in [{where}]" if where else ""
+            raise self._error(f"{key!r}{place} must be a text that is not empty, not {value!r}")
+        return value
+
+    def _number(self, value: Any, what: str, finite: bool = True) -> float:
+        # bool is a kind of int in Python, but true is no figure.
+        if isinstance(value, bool) or not isinstance(value, int | float) or math.isnan(value):
+            raise self._error(f"{what} must be a number, not {value!r}")
+        if finite and math.isinf(value):
+            raise self._error(f"{what} must be finite")
+        return float(value)
+
+    def _three(self, value: Any, what: str) -> Vector:
+        if not isinstance(value, list) or len(value) != 3 or any(type(x) not in (int, float) for x in value):
+            raise self._error(f"{what} must be three numbers, not {value!r}")
+        x, y, z = (self._number(number, what) for number in value)
+        return (x, y, z)
+
+    def _direction(self, table: dict[str, Any], key: str, where: str) -> Vector:
+        vector = self._three(table[key], f"{key!r} in [{where}]")
+        if not abs(math.hypot(*vector) - 1.0) <= _UNIT_TOLERANCE:
+            raise self._error(f"{key!r} in [{where}] must be a unit vector, not {table[key]!r}")
+        return vector
+
+    def _error(self, what: str) -> InvalidRobot:
+        return InvalidRobot(f"{self._path}: {what}", source=self._path)

@@ -1,0 +1,133 @@
+"""A ready adapter, ``robot.toml``, for an arm that was recognised in some description."""
+
+from __future__ import annotations
+
+import json
+import math
+import os
+from collections.abc import Iterable, Mapping
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from srs_ik.errors import InvalidRobot
+from srs_ik.limb import SrsLimb, Vector
+from srs_ik.loading.sides import side_of
+from srs_ik.loading.sources import places_of
+
+if TYPE_CHECKING:
+    from srs_ik.arm import Arm
+
+_SHORT = 1e-3
+"""A hand shorter than this, metres, shows no direction."""
+
+_WRITTEN = 12
+"""Digits of a direction; with fewer it would not be a unit vector."""
+
+
+def write_adapter(path: str | Path, source: str | Path, arm: Arm, xacro_args: Mapping[str, str] | None = None) -> None:
+    """Write an adapter that `load` takes, with the frame conventions of an arm and a comment at each line to check.
+
+    Args:
+        path: the file to write; it must not exist.
+        source: name, path or address from which the arm was loaded.
+        arm: the arm.
+        xacro_args: arguments with which a xacro file was read.
+
+    Raises:
+        InvalidRobot: the file exists, its name does not end in ``.toml``, or it cannot be written.
+    """
+    path = Path(path)
+    if path.suffix != ".toml":
+        raise InvalidRobot(f"an adapter is a file whose name ends in .toml, such as robot.toml, not {path}", path)
+    places = [_as_written(place, path.absolute().parent) for place in places_of(source)]
+    text = _text(arm, places, xacro_args or {})
+    try:
+        with path.open("x", encoding="utf-8") as file:
+            file.write(text)
+    except FileExistsError:
+        raise InvalidRobot(f"{path} exists already; it is not overwritten", path) from None
+    except OSError as error:
+        raise InvalidRobot(f"cannot write {path}: {error.strerror or error}", path) from error
+
+
+def hand_axes(limb: SrsLimb) -> tuple[Vector, Vector]:
+    """A hand as one would draw it: out from the wrist to the tip, and turned as the axis of the elbow at zero.
+
+    Returns:
+        Grasp and pronosupination direction, (3,) orthogonal unit vectors in the tip frame.
+    """
+    R_tip_base = limb.T_base_tip_zero[:3, :3].T
+    reach = limb.T_base_tip_zero[:3, 3] - limb.wrist
+    grasp = _unit(R_tip_base @ (reach if np.linalg.norm(reach) > _SHORT else limb.axes[6]))
+    candidates = [R_tip_base @ limb.axes[k] for k in (3, 5, 0)] + list(np.eye(3))
+    across = next(c for c in candidates if np.linalg.norm(np.cross(grasp, c)) > 0.3)
+    return grasp, _unit(across - grasp * (grasp @ across))
+
+
+def _unit(vector: Vector) -> Vector:
+    vector = vector / np.linalg.norm(vector)
+    # Rounding that is not worth a digit in a file that people read.
+    vector = np.where(np.abs(vector) < 1e-10, 0.0, vector)
+    return vector / np.linalg.norm(vector)
+
+
+def _as_written(place: str, folder: Path) -> str:
+    if "://" in place:
+        return place
+    return Path(os.path.relpath(place, folder)).as_posix()
+
+
+def _text(arm: Arm, places: list[str], xacro_args: Mapping[str, str]) -> str:
+    grasp, across = arm.hand or hand_axes(arm.limb)
+    urdf = _string(places[0]) if len(places) == 1 else f"[{', '.join(map(_string, places))}]"
+    side = side_of((arm.base, arm.tip, *arm.joint_names))
+    lines = [
+        "# Adapter of an arm: srs_ik.load() and srs-ik take this file. Check every line that says 'check'.",
+        f"name = {_string(arm.name)}",
+        f"urdf = {urdf}  # relative to this file",
+        f'side = "{side}"  # of a body: left, right or either; check',
+        "",
+        "[frames]",
+        f"base = {_string(arm.base)}  # poses are given in this frame",
+        f"tip = {_string(arm.tip)}  # poses are those of this frame; check",
+        "",
+        "[arm_angle]",
+        f"reference = {_vector(arm.limb.reference)}  # in the base frame; arm angle 0: the elbow lies there",
+        "",
+        "[hand]  # in the tip frame",
+        f"grasp = {_vector(grasp)}  # the direction in which the hand reaches out; check",
+        f"pronosupination = {_vector(across)}  # across it; check",
+    ]
+    if xacro_args:
+        lines += ["", "[xacro]  # arguments of the xacro file"]
+        lines += [f"{_string(key)} = {_string(value)}" for key, value in xacro_args.items()]
+    lines += ["", "# A tool that the description lacks, in the tip frame (metres, and radians as in a URDF):"]
+    lines += ["# [tool]", "# xyz = [0.0, 0.0, 0.1]", "# rpy = [0.0, 0.0, 0.0]"]
+    lines += ["", "# Where the base frame stands in the room:"]
+    lines += ["# [mount]", "# xyz = [0.0, 0.0, 0.0]", "# rpy = [0.0, 0.0, 0.0]"]
+    lines += ["", "# Limits as they are read, to be corrected (rad, rad/s, N m; inf for none):", "# [limits]"]
+    for k, joint in enumerate(arm.joint_names):
+        figures = zip(
+            ("lower", "upper", "velocity", "effort"),
+            (arm.lower[k], arm.upper[k], arm.velocity_limit[k], arm.effort_limit[k]),
+            strict=True,
+        )
+        values = ", ".join(f"{key} = {_number(value)}" for key, value in figures)
+        lines.append(f"# {_string(joint)} = {{ {values} }}")
+    return "\n".join(lines) + "\n"
+
+
+def _string(text: str) -> str:
+    """A TOML string; its escapes are those of JSON."""
+    return json.dumps(text, ensure_ascii=False).replace("\x7f", "\\u007f")
+
+
+def _vector(values: Iterable[float]) -> str:
+    return "[" + ", ".join(_number(round(float(x), _WRITTEN)) for x in values) + "]"
+
+
+def _number(value: float) -> str:
+    value = float(value) + 0.0
+    return ("inf" if value > 0.0 else "-inf") if math.isinf(value) else repr(value)

@@ -1,0 +1,135 @@
+"""Adapters: what `srs-ik inspect --write` writes, `load` takes."""
+
+import re
+import tomllib
+from pathlib import Path
+
+import numpy as np
+import pytest
+from arms import REAL, configurations, file_of, load
+from command_line import answer, run
+from robot_files import serial_arm
+
+import srs_ik
+from srs_ik.errors import InvalidRobot
+from srs_ik.loading.adapter import hand_axes, write_adapter
+
+
+@pytest.fixture
+def arm_file(tmp_path):
+    path = tmp_path / "models" / "arm.urdf"
+    path.parent.mkdir()
+    path.write_text(f'<robot name="my arm">{serial_arm()}</robot>')
+    return path
+
+
+@pytest.mark.parametrize("name", REAL)
+def test_the_adapter_of_a_real_arm_loads_as_the_arm(name, tmp_path):
+    plain, path = load(name), tmp_path / "robot.toml"
+    write_adapter(path, file_of(name), plain)
+    arm = srs_ik.load(path)
+    assert (arm.name, arm.base, arm.tip, arm.joint_names) == (plain.name, plain.base, plain.tip, plain.joint_names)
+    np.testing.assert_allclose(arm.limb.reference, plain.limb.reference, atol=1e-11)
+    np.testing.assert_array_equal([arm.lower, arm.upper], [plain.lower, plain.upper])
+    for q in configurations(name, 3):
+        pose = plain.forward_kinematics(q)
+        np.testing.assert_array_equal(arm.forward_kinematics(q).homogeneous, pose.homogeneous)
+        assert arm.solve(pose, arm_angle=arm.arm_angle(q), branch=arm.branch(q))
+    side = tomllib.loads(path.read_text())["side"]
+    assert side == next((side for side in ("left", "right") if name.endswith(side)), "either")
+
+
+@pytest.mark.parametrize("name", REAL)
+def test_the_hand_reaches_out_and_its_axes_are_orthogonal(name):
+    limb = load(name).limb
+    grasp, across = hand_axes(limb)
+    assert np.allclose([grasp @ grasp, across @ across, grasp @ across], [1, 1, 0], atol=1e-14)
+    if limb.hand > 2e-3:
+        out = limb.T_base_tip_zero[:3, 3] - limb.wrist
+        np.testing.assert_allclose(limb.T_base_tip_zero[:3, :3] @ grasp * limb.hand, out, atol=1e-9)
+
+
+def test_limits_tool_and_mount_of_an_adapter(arm_file, tmp_path):
+    adapter = tmp_path / "robot.toml"
+    write_adapter(adapter, arm_file, srs_ik.load(arm_file))
+    assert 'urdf = "models/arm.urdf"' in adapter.read_text()
+    plain = srs_ik.load(adapter)
+    text = adapter.read_text()
+    for line in ("[tool]", "xyz = [0.0, 0.0, 0.1]", "rpy = [0.0, 0.0, 0.0]", "[limits]", '"j3" ='):
+        assert f"# {line}" in text
+        text = text.replace(f"# {line}", line, 1)
+    adapter.write_text(text.replace('"j3" = { lower = -2.0', '"j3" = { lower = -1.5') + "[mount]\nxyz = [1, 2, 3]\n")
+    arm = srs_ik.load(adapter)
+    assert (arm.base, arm.tip, arm.lower[2], arm.upper[2]) == ("world", "tool", -1.5, 2.0)
+    expected = np.array([1, 2, 3]) + plain.forward_kinematics(np.zeros(7)).translation + [0, 0, 0.1]
+    np.testing.assert_allclose(arm.forward_kinematics(np.zeros(7)).translation, expected, atol=1e-14)
+
+
+def test_the_commands_take_what_inspect_writes(arm_file, tmp_path):
+    adapter = tmp_path / "robot.toml"
+    result = run("inspect", str(arm_file), "--write", str(adapter))
+    assert result.exit_code == 0
+    assert result.stderr == f"srs-ik: wrote {adapter}; check it, then try 'srs-ik inspect {adapter}'\n"
+    (limb,) = answer("inspect", str(adapter))["limbs"]
+    assert (limb["base"], limb["tip"]) == ("l0", "l7")
+    solved = answer("solve", str(adapter), "--from-q", *["0.1", "0.2", "0.3", "0.4", "0.5", "0.6", "0.7"])
+    assert solved["robot"] == "my arm"
+
+
+def test_names_and_addresses_stay_what_they_are(tmp_path):
+    write_adapter(tmp_path / "a.toml", "human_left", srs_ik.load("human_left"))
+    card = tomllib.loads((tmp_path / "a.toml").read_text())
+    assert card["urdf"] == "example-robot-data://human_description/robots/human.urdf"
+    assert card["hand"]["grasp"] == [0.0, -1.0, 0.0]
+
+
+@pytest.mark.parametrize(
+    ("name", "says"),
+    [("robot.urdf", "name ends in .toml"), ("there.toml", "exists already"), ("no/where.toml", "cannot write")],
+)
+def test_where_no_adapter_is_written(arm_file, tmp_path, name, says):
+    (tmp_path / "there.toml").write_text("")
+    with pytest.raises(InvalidRobot, match=says):
+        write_adapter(tmp_path / name, arm_file, srs_ik.load(arm_file))
+    result = run("inspect", str(arm_file), "--write", str(tmp_path / name))
+    assert result.exit_code == 2
+    assert result.stdout == ""
+    assert result.stderr.count("\n") == 1
+    assert (tmp_path / "there.toml").read_text() == ""
+
+
+def test_nothing_is_written_for_several_arms_or_none(tmp_path):
+    adapter = tmp_path / "robot.toml"
+    path = file_of("humanoid_left")
+    result = run("inspect", str(path), "--write", str(adapter))
+    assert (result.exit_code, result.stdout) == (2, "")
+    assert "limb='left' or 'right'" in result.stderr
+    assert run("inspect", str(path), "--limb", "left", "--write", str(adapter)).exit_code == 0
+    assert srs_ik.load(adapter).tip == "l_wrist"
+    (tmp_path / "lamp.urdf").write_text('<robot name="lamp"><link name="foot"/></robot>')
+    other = tmp_path / "other.toml"
+    assert run("inspect", str(tmp_path / "lamp.urdf"), "--write", str(other)).exit_code == 1
+    assert not other.exists()
+
+
+def test_an_adapter_whose_file_is_gone_names_it(arm_file, tmp_path):
+    adapter = tmp_path / "robot.toml"
+    write_adapter(adapter, arm_file, srs_ik.load(arm_file))
+    arm_file.rename(tmp_path / "moved.urdf")
+    with pytest.raises(InvalidRobot, match=r"there is no file .*arm\.urdf, the description of 'my arm'"):
+        srs_ik.load(adapter)
+    assert srs_ik.load(adapter, urdf=tmp_path / "moved.urdf").name == "my arm"
+    with pytest.raises(InvalidRobot, match="urdf= is the description of a robot that is given by its name"):
+        srs_ik.load(tmp_path / "moved.urdf", urdf=arm_file)
+
+
+def test_the_adapter_of_the_documentation_loads(arm_file, tmp_path):
+    page = (Path(__file__).resolve().parents[1] / "docs" / "add_your_robot.md").read_text()
+    (snippet,) = re.findall(r"```toml\n(.+?)```", page, re.DOTALL)
+    text = arm_file.read_text().replace("l0", "base_link").replace("l7", "flange").replace("j2", "joint_2")
+    (tmp_path / "welder.urdf").write_text(text)
+    (tmp_path / "robot.toml").write_text(snippet.split("[xacro]")[0])
+    arm = srs_ik.load(tmp_path / "robot.toml")
+    assert (arm.name, arm.base, arm.tip, arm.upper[1]) == ("welder", "table", "tool", 1.9)
+    q = [0.1] * 7
+    assert arm.solve(arm.forward_kinematics(q), seed=q)

@@ -1,0 +1,145 @@
+"""Tools, bases and limits: by Pinocchio on the untouched file, with the transforms multiplied on."""
+
+import pickle
+
+import numpy as np
+import pinocchio as pin
+import pytest
+from arms import configurations, forward, load
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+import srs_ik
+from srs_ik.errors import InvalidPose, InvalidRobot
+
+NAMES = ("iiwa14", "gen3", "human_arm")
+vectors = st.tuples(*[st.floats(-3, 3)] * 3)
+
+
+def placement(xyz, rpy) -> pin.SE3:
+    return pin.SE3(pin.rpy.rpyToMatrix(*rpy), np.array(xyz))
+
+
+@given(st.sampled_from(NAMES), vectors, vectors, vectors, vectors, st.integers(0, 99))
+@settings(deadline=None, max_examples=60)
+def test_a_moved_arm_reaches_what_the_plain_arm_reaches(name, xyz, rpy, tool_xyz, tool_rpy, k):
+    T_room_base, T_tip_tool = placement(xyz, rpy), placement(tool_xyz, tool_rpy)
+    plain = load(name)
+    arm = plain.with_tool(T_tip_tool).with_base(T_room_base)
+    q = configurations(name, 100)[k]
+    expected = T_room_base * pin.SE3(forward(name)(q)) * T_tip_tool
+    np.testing.assert_allclose(arm.forward_kinematics(q).homogeneous, expected.homogeneous, rtol=0, atol=1e-13)
+    assert arm.arm_angle(q) == pytest.approx(plain.arm_angle(q), abs=1e-9)
+    assert arm.branch(q) == plain.branch(q)
+    assert (arm.limb.kind, arm.limb.wrist_kind) == (plain.limb.kind, plain.limb.wrist_kind)
+    for solution in (arm.solve(expected), arm.solve(expected, arm_angle=plain.arm_angle(q), seed=q)):
+        assert solution, solution.message
+        reached = T_room_base * pin.SE3(forward(name)(solution.q)) * T_tip_tool
+        np.testing.assert_allclose(reached.homogeneous, expected.homogeneous, rtol=0, atol=1e-9)
+    np.testing.assert_allclose(solution.q, q, atol=1e-7)
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_the_jacobian_is_that_of_the_tool_point_in_the_new_axes(name):
+    arm = load(name).with_tool(placement([0.1, -0.2, 0.3], [1, 2, 3])).with_base(placement([1, 2, 3], [0.3, 0.2, 0.1]))
+    q, h = configurations(name, 1)[0], 1e-6
+    before = arm.forward_kinematics(q)
+    for k, step in enumerate(np.eye(7) * h):
+        ahead, behind = arm.forward_kinematics(q + step), arm.forward_kinematics(q - step)
+        linear = (ahead.translation - behind.translation) / (2 * h)
+        angular = pin.log3(ahead.rotation @ behind.rotation.T) / (2 * h)
+        np.testing.assert_allclose(arm.jacobian(q)[:, k], [*linear, *angular], atol=1e-8)
+    assert arm.verify(before, q).position == 0.0
+
+
+def test_the_plain_arm_stays_as_it_is_and_names_are_numbered():
+    plain = load("iiwa14")
+    frames = plain.model.nframes
+    T = placement([0, 0, 0.1], [0, 0, 0])
+    twice = plain.with_tool(T).with_tool(T).with_base(T).with_base(T)
+    assert (twice.base, twice.tip, plain.model.nframes) == ("world_2", "tool_2", frames)
+    assert (plain.base, plain.tip) == ("iiwa_link_0", "iiwa_link_ee")
+    named = plain.with_tool(T, name="screwdriver").with_base(T, "table")
+    assert (named.base, named.tip, named.name) == ("table", "screwdriver", "iiwa14")
+    assert named.model.existFrame("screwdriver")
+    for move in (plain.with_tool, plain.with_base):
+        with pytest.raises(InvalidRobot, match="has a frame 'iiwa_link_3' already"):
+            move(T, name="iiwa_link_3")
+        with pytest.raises(InvalidPose):
+            move(np.eye(3))
+        with pytest.raises(InvalidPose):
+            move(2 * np.eye(4))
+
+
+def test_the_hand_turns_with_the_tool():
+    plain = load("human_arm")
+    R = pin.rpy.rpyToMatrix(0.3, -1.0, 2.0)
+    arm = plain.with_tool(pin.SE3(R, np.zeros(3)))
+    for turned, axis in zip(arm.hand, plain.hand, strict=True):
+        np.testing.assert_allclose(R @ turned, axis, atol=1e-14)
+    assert plain.with_base(pin.SE3(R, np.ones(3))).hand == plain.hand
+    assert srs_ik.load(plain.model, tip=plain.tip, base=plain.base).with_tool(np.eye(4)).hand is None
+
+
+def test_a_rotation_that_is_one_to_a_millionth_only_leaves_no_error():
+    T = np.eye(4)
+    T[0, 1] = 3e-7
+    arm = load("iiwa14").with_tool(T)
+    pose = arm.forward_kinematics(configurations("iiwa14", 1)[0])
+    np.testing.assert_allclose(pose.rotation.T @ pose.rotation, np.eye(3), rtol=0, atol=1e-14)
+    assert arm.solve(pose).position_error < 1e-12
+
+
+def test_a_moved_arm_can_be_pickled():
+    arm = load("gen3").with_tool(placement([0, 0, 0.2], [0, 0, 1]))
+    q = configurations("gen3", 1)[0]
+    again = pickle.loads(pickle.dumps(arm))
+    np.testing.assert_array_equal(again.forward_kinematics(q).homogeneous, arm.forward_kinematics(q).homogeneous)
+    assert again.with_tool(np.eye(4)).tip == "tool_2"
+
+
+def test_limits_that_are_not_as_described():
+    names = load("iiwa14").joint_names
+    arm = srs_ik.load("iiwa14", limits={names[1]: {"lower": -0.5, "upper": 0.6}, names[6]: {"effort": 9, "upper": 9.0}})
+    plain = load("iiwa14")
+    assert (arm.lower[1], arm.upper[1], arm.effort_limit[6], arm.upper[6]) == (-0.5, 0.6, 9.0, 9.0)
+    assert (arm.model.lowerPositionLimit[1], arm.model.upperPositionLimit[6], arm.model.effortLimit[6]) == (-0.5, 9, 9)
+    others = [0, 2, 3, 4, 5]
+    np.testing.assert_array_equal(arm.lower[others], plain.lower[others])
+    q = np.array([0.1, 1.5, 0.2, -1.0, 0.3, 0.4, 0.5])
+    pose = plain.forward_kinematics(q)
+    assert plain.solve(pose, seed=q)
+    solution = arm.solve(pose, seed=q)
+    assert abs(solution.q[1]) <= 0.6
+    assert (solution.q <= arm.upper).all()
+
+
+def test_continuous_joints_can_be_given_limits_and_others_none():
+    gen3 = load("gen3")
+    first, second = gen3.joint_names[:2]
+    arm = srs_ik.load("gen3", limits={first: {"lower": -1, "upper": 1}, second: {"lower": -np.inf, "upper": np.inf}})
+    assert (arm.lower[0], arm.upper[0]) == (-1, 1)
+    assert np.isinf([arm.lower[1], arm.upper[1]]).all()
+    for q in configurations("gen3", 50):
+        solution = arm.solve(gen3.forward_kinematics(q))
+        assert abs(solution.q[0]) <= 1
+        if abs(q[0]) <= 1:
+            assert solution
+            assert max(gen3.verify(gen3.forward_kinematics(q), solution.q)) < 1e-9
+
+
+@pytest.mark.parametrize(
+    ("limits", "says"),
+    [
+        ({"iiwa_joint_8": {"lower": 0}}, r"'iiwa_joint_8' \(did you mean 'iiwa_joint_7'.*the joints are iiwa_joint_1,"),
+        ({"iiwa_joint_1": {"low": 0}}, "'iiwa_joint_1' has no limit 'low'; limits are lower, upper, velocity, effort"),
+        ({"iiwa_joint_1": {"lower": 5}}, r"lower limit 5.0 and the upper limit 2\.96\d*, no range"),
+        ({"iiwa_joint_1": {"lower": np.inf, "upper": np.inf}}, "no range"),
+        ({"iiwa_joint_1": {"lower": "a"}}, "lower of joint 'iiwa_joint_1' must be a number, not 'a'"),
+        ({"iiwa_joint_1": {"upper": np.nan}}, "must be a number, not nan"),
+        ({"iiwa_joint_1": {"velocity": 0}}, "must be positive"),
+    ],
+)
+def test_limits_that_are_none(limits, says):
+    with pytest.raises(InvalidRobot, match=says):
+        srs_ik.load("iiwa14", limits=limits)

@@ -1,0 +1,266 @@
+"""Where descriptions come from: packages, xacro, SRDF, MJCF, and which of several limbs is meant."""
+
+import sys
+
+import numpy as np
+import pinocchio as pin
+import pytest
+from robot_files import EXAMPLES, example_urdf, joint_xml, serial_arm, shared_urdf
+
+import srs_ik
+from srs_ik.errors import FrameNotFound, InvalidRobot, MissingExtra, NotAnSrsLimb
+from srs_ik.loading.places import missing
+from srs_ik.loading.sides import side_of
+from srs_ik.loading.srdf import chains
+from srs_ik.urdf.packages import find_package, inside
+
+ARM = f'<robot name="small">{serial_arm()}</robot>'
+XACRO = """<robot name="grown" xmlns:xacro="http://www.ros.org/wiki/xacro">
+<xacro:arg name="reach" default="0.3"/>
+<xacro:include filename="$(find small_description)/urdf/arm.xacro"/>
+<xacro:arm reach="$(arg reach)"/>
+</robot>"""
+MACRO = (
+    '<robot xmlns:xacro="http://www.ros.org/wiki/xacro"><xacro:macro name="arm" params="reach">'
+    + serial_arm().replace('xyz="0 0 .3"', 'xyz="0 0 ${reach}"')
+    + "</xacro:macro></robot>"
+)
+
+
+@pytest.fixture
+def package(tmp_path, monkeypatch):
+    """A ROS package in a workspace, as a clone of a repository has it."""
+    folder = tmp_path / "src" / "repository" / "small_description"
+    (folder / "urdf").mkdir(parents=True)
+    (folder / "package.xml").write_text("<package><name>small_description</name></package>")
+    (folder / "urdf" / "small.urdf").write_text(ARM)
+    (folder / "urdf" / "grown.urdf.xacro").write_text(XACRO)
+    (folder / "urdf" / "arm.xacro").write_text(MACRO)
+    monkeypatch.delenv("AMENT_PREFIX_PATH", raising=False)
+    monkeypatch.delenv("ROS_PACKAGE_PATH", raising=False)
+    return folder
+
+
+# ROS packages
+
+
+def test_packages_are_found_below_the_path_of_ros_and_in_installations(package, tmp_path, monkeypatch):
+    assert find_package("small_description") is None
+    for depth in (package, *package.parents[:3]):
+        monkeypatch.setenv("ROS_PACKAGE_PATH", f"/nowhere:{depth}")
+        assert find_package("small_description") == package
+    monkeypatch.delenv("ROS_PACKAGE_PATH")
+    share = tmp_path / "opt" / "share"
+    share.mkdir(parents=True)
+    package.rename(share / "small_description")
+    monkeypatch.setenv("AMENT_PREFIX_PATH", str(tmp_path / "opt"))
+    assert find_package("small_description") == share / "small_description"
+
+
+def test_packages_are_found_around_a_file_by_their_own_name(package):
+    near = package / "urdf" / "grown.urdf.xacro"
+    assert find_package("small_description", near) == package
+    clone = package.rename(package.with_name("clone-of-it"))
+    assert find_package("small_description", clone / "urdf" / "small.urdf") == clone
+    assert find_package("clone-of-it", clone / "urdf" / "small.urdf") is None
+
+
+@pytest.mark.parametrize("name", ["", "..", "a/b", "*", "a b"])
+def test_names_that_are_no_names_of_packages(name, package, monkeypatch):
+    monkeypatch.setenv("ROS_PACKAGE_PATH", str(package.parent))
+    assert find_package(name, package / "urdf" / "small.urdf") is None
+
+
+def test_a_package_address_loads_and_does_not_lead_out_of_the_package(package, monkeypatch):
+    address = "package://small_description/urdf/small.urdf"
+    with pytest.raises(InvalidRobot, match=r"no ROS package 'small_description' here: put the .* ROS_PACKAGE_PATH"):
+        srs_ik.load(address)
+    monkeypatch.setenv("ROS_PACKAGE_PATH", str(package.parent))
+    assert srs_ik.load(address).tip == "l7"
+    assert missing([address], "small") == ""
+    (package.parent / "out.urdf").write_text(ARM)
+    for wrong in ("../out.urdf", "urdf/../../out.urdf", str(package.parent / "out.urdf"), "urdf", ""):
+        with pytest.raises(InvalidRobot, match="has no file"):
+            srs_ik.load(f"package://small_description/{wrong}")
+    assert inside(package, "urdf/small.urdf") == package / "urdf/small.urdf"
+    with pytest.raises(InvalidRobot, match=r"no address of a description \(did you mean 'package'\?\)"):
+        srs_ik.load("packages://small_description/urdf/small.urdf")
+
+
+# xacro
+
+
+def test_xacro_files_with_arguments(package):
+    pytest.importorskip("xacro")
+    path = package / "urdf" / "grown.urdf.xacro"
+    plain, long = srs_ik.load(path), srs_ik.load(str(path), xacro_args={"reach": "0.5"})
+    assert (plain.name, plain.joint_names) == ("grown", tuple(f"j{k}" for k in range(1, 8)))
+    assert (plain.limb.upper_arm, long.limb.upper_arm) == pytest.approx((0.3, 0.5), abs=1e-12)
+    np.testing.assert_array_equal(plain.limb.points, srs_ik.load(ARM).limb.points)
+    (report,) = srs_ik.find_limbs(path, xacro_args={"reach": "0.4"})
+    assert report.limb.upper_arm == pytest.approx(0.4)
+
+
+def test_what_is_wrong_with_a_xacro_file_is_one_line(package, monkeypatch, capfd):
+    pytest.importorskip("xacro")
+    path = package / "urdf" / "grown.urdf.xacro"
+    wrong = {
+        XACRO.replace("$(find small_", "$(find other_"): "needs the ROS package 'other_description', which is not here",
+        XACRO.replace("arm.xacro", "leg.xacro"): "cannot be expanded: .*leg.xacro",
+        XACRO.replace("$(arg reach)", "${1/0}"): "cannot be expanded: .*division by zero",
+        XACRO.replace("$(arg reach)", "$(arg rich)"): "cannot be expanded: .*rich",
+        XACRO.replace("</robot>", ""): "cannot be expanded: .*no element found",
+        XACRO.replace("<xacro:arm", "<xacro:leg"): "cannot be expanded: .*leg",
+        XACRO.replace("$(arg reach)", "x"): "xyz of joint 'j3' is '0 0 x'|'x'",
+    }
+    for text, says in wrong.items():
+        path.write_text(text)
+        with pytest.raises(InvalidRobot, match=says) as raised:
+            srs_ik.load(path)
+        assert len(str(raised.value).splitlines()) == 1
+        assert path.name in str(raised.value)
+    assert capfd.readouterr() == ("", "")
+    with pytest.raises(InvalidRobot, match="there is no file"):
+        srs_ik.load(package / "none.xacro")
+    with pytest.raises(InvalidRobot, match=r"arguments are for xacro files"):
+        srs_ik.load(package / "urdf" / "small.urdf", xacro_args={"a": "b"})
+    monkeypatch.setitem(sys.modules, "xacro", None)
+    with pytest.raises(MissingExtra, match=r"pip install 'srs-ik\[xacro\]'"):
+        srs_ik.load(path)
+
+
+def test_a_recursive_xacro_macro_ends(package):
+    pytest.importorskip("xacro")
+    path = package / "urdf" / "loop.xacro"
+    path.write_text(
+        '<robot name="x" xmlns:xacro="http://www.ros.org/wiki/xacro"><xacro:macro name="a"><xacro:a/></xacro:macro>'
+        "<xacro:a/></robot>"
+    )
+    with pytest.raises(InvalidRobot, match="cannot be expanded"):
+        srs_ik.load(path)
+
+
+# MoveIt
+
+SRDF = """<?xml version="1.0"?>
+<robot name="twins">
+  <group name="left_arm"><chain base_link="left_l0" tip_link="left_l7"/></group>
+  <group name="right_arm"><chain base_link="torso" tip_link="right_l7"/></group>
+  <group name="fingers"><joint name="f1"/></group>
+  <group_state name="home" group="left_arm"/>
+</robot>"""
+
+
+def twins() -> str:
+    sides = [
+        serial_arm(prefix=side) + joint_xml(side, "torso", f"{side}l0", "fixed", "") for side in ("left_", "right_")
+    ]
+    return f'<robot name="twins"><link name="torso"/>{"".join(sides)}</robot>'
+
+
+def test_chains_of_an_srdf_choose_the_limb(tmp_path):
+    path = tmp_path / "twins.srdf"
+    path.write_text(SRDF)
+    assert chains(path) == {"left_arm": ("left_l0", "left_l7"), "right_arm": ("torso", "right_l7")}
+    arm = srs_ik.load(twins(), srdf=path, limb="right_arm")
+    assert (arm.base, arm.tip) == ("torso", "right_l7")
+    assert srs_ik.load(twins(), srdf=SRDF, limb="left_arm").base == "left_l0"
+
+
+@pytest.mark.parametrize(
+    ("srdf", "limb", "says"),
+    [
+        (SRDF, None, "several chains, name one of them as the limb: left_arm, right_arm"),
+        (SRDF, "lef_arm", r"no chain 'lef_arm' \(did you mean 'left_arm'"),
+        ('<robot name="x"/>', None, "no group that is given as a chain"),
+        (SRDF.replace('base_link="left_l0" ', ""), None, "chain of group 'left_arm' lacks base_link or tip_link"),
+        ("<robot", None, "not well-formed"),
+        ("nowhere.srdf", None, "there is no file nowhere.srdf"),
+    ],
+)
+def test_srdf_files_without_the_chain(srdf, limb, says):
+    with pytest.raises(InvalidRobot, match=says):
+        srs_ik.load(twins(), srdf=srdf, limb=limb)
+
+
+def test_a_chain_of_an_srdf_that_the_robot_does_not_have():
+    with pytest.raises(FrameNotFound, match="left_l8"):
+        srs_ik.load(twins(), srdf=SRDF.replace("left_l7", "left_l8"), limb="left_arm")
+
+
+def test_the_srdf_of_romeo_names_its_frames():
+    path = example_urdf("romeo").parents[1] / "srdf" / "romeo_moveit.srdf"
+    if not path.is_file():
+        pytest.skip(f"{path.name} is not installed")
+    assert isinstance(chains(path), dict)
+
+
+# MuJoCo
+
+
+def test_an_mjcf_file_is_read_by_pinocchio(tmp_path):
+    bodies, ends = "", ""
+    for k, (axis, height) in enumerate(zip("zyzyzyz", (0, 0, 0.3, 0, 0.3, 0, 0.1), strict=True), 1):
+        unit = {"z": "0 0 1", "y": "0 1 0"}[axis]
+        bodies += (
+            f'<body name="l{k}" pos="0 0 {height}"><joint name="j{k}" type="hinge" axis="{unit}" range="-2 2" '
+            'limited="true"/><geom type="sphere" size="0.01" mass="1"/>'
+        )
+        ends += "</body>"
+    path = tmp_path / "arm.xml"
+    header = '<mujoco model="small"><compiler angle="radian"/><worldbody>'
+    path.write_text(f"{header}{bodies}{ends}</worldbody></mujoco>")
+    arm, same = srs_ik.load(path, tip="l7"), srs_ik.load(ARM)
+    assert (arm.name, arm.joint_names) == ("small", same.joint_names)
+    np.testing.assert_allclose(arm.upper, same.upper)
+    q = np.linspace(-0.5, 0.7, 7)
+    expected = same.forward_kinematics(q)
+    np.testing.assert_allclose(arm.forward_kinematics(q).homogeneous, expected.homogeneous, atol=1e-14)
+    assert arm.solve(expected)
+    path.write_text(f"{header}{bodies}")
+    with pytest.raises(InvalidRobot, match=r"arm\.xml is an MJCF file that Pinocchio does not read"):
+        srs_ik.load(path)
+
+
+# Which limb
+
+
+@pytest.mark.parametrize(
+    ("names", "side"),
+    [
+        (["openarm_left_joint1", "openarm_left_hand"], "left"),
+        (["LShoulderPitch", "l_wrist"], "left"),
+        (["RARM_SHOULDER_P", "r_wrist"], "right"),
+        (["yumi_joint_1_r"], "right"),
+        (["lbr_link_0", "lbr_link_ee", "roll_link"], "either"),
+        (["left_foot", "right_foot"], "either"),
+        ([], "either"),
+    ],
+)
+def test_sides_are_read_from_names(names, side):
+    assert side_of(names) == side
+
+
+@pytest.mark.parametrize("name", [*EXAMPLES, "openarm_v10_bimanual", "unitree_h1_2_handless"])
+def test_the_limb_of_a_side(name):
+    path = example_urdf(name) if name in EXAMPLES else shared_urdf(name)
+    left, right = srs_ik.find_limbs(path)
+    assert (left.side, right.side) == ("left", "right")
+    assert srs_ik.load(path, limb="left").tip == left.tip
+    assert srs_ik.load(path, limb="RIGHT").tip == right.tip
+    assert srs_ik.load(path, limb=right.joint_names[3]).tip == right.tip
+    with pytest.raises(NotAnSrsLimb, match=rf"no arm of .* has 'middle' in its names; the arms end at {left.tip}, "):
+        srs_ik.load(path, limb="middle")
+
+
+def test_of_more_than_seven_joints_those_of_the_limb_are_taken_and_the_others_said():
+    longer = serial_arm().replace('<link name="l0"/>', "")
+    first = '<link name="root"/><link name="l0"/>' + joint_xml("j0", "root", "l0")
+    xml = f'<robot name="eight">{first}{longer}</robot>'
+    arm = srs_ik.load(xml, base="root", tip="l7")
+    assert arm.joint_names == tuple(f"j{k}" for k in range(1, 8))
+    model = pin.buildModelFromXML(xml)
+    assert model.nq == 8
+    (report,) = srs_ik.find_limbs(xml)
+    assert report.locked == ("j0",)
+    assert report.describe().endswith("; locked on the way to it: j0.")
