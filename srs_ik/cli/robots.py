@@ -2,9 +2,14 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 import typer
 
 from srs_ik.cli.options import AsJson
+
+if TYPE_CHECKING:
+    from srs_ik.loading.sources import NamedRobot
 
 
 def robots(as_json: AsJson = False) -> None:
@@ -23,16 +28,14 @@ def robots(as_json: AsJson = False) -> None:
                     "tip": entry.tip,
                     "origin": entry.origin,
                     "installed": not entry.install,
+                    "fetched_on_first_use": entry.fetched,
                     "install": entry.install or None,
                 }
                 for entry in entries
             ]
         )
         return
-    rows = [
-        (entry.name, entry.base, entry.tip, "no" if entry.install else "yes", entry.description, entry.origin)
-        for entry in entries
-    ]
+    rows = [(entry.name, entry.base, entry.tip, _here(entry), entry.description, entry.origin) for entry in entries]
     columns = ("robot", "base", "tip", "here", "description", "from")
     console(fit=True).print(table(columns, rows, left=len(columns)))
     missing: dict[str, list[str]] = {}
@@ -41,7 +44,11 @@ def robots(as_json: AsJson = False) -> None:
             missing.setdefault(entry.install, []).append(entry.name)
     typer.echo()
     for command, names in missing.items():
-        typer.echo(f"For {' and '.join(names)}: {command}")
+        typer.echo(f"For {', '.join(names)}: {command}")
     typer.echo(
         "Names of robot_descriptions, such as iiwa14_description, are known too, where that package is installed."
     )
+
+
+def _here(entry: NamedRobot) -> str:
+    return "no" if entry.install else "on first use" if entry.fetched else "yes"

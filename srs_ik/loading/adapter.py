@@ -55,12 +55,18 @@ def write_adapter(path: str | Path, source: str | Path, arm: Arm, xacro_args: Ma
 def hand_axes(limb: SrsLimb) -> tuple[Vector, Vector]:
     """A hand as one would draw it: out from the wrist to the tip, and turned as the axis of the elbow at zero.
 
+    Where the tip lies in the wrist, it goes on along the forearm, or along the last axis of an XYX wrist.
+
     Returns:
         Grasp and pronosupination direction, (3,) orthogonal unit vectors in the tip frame.
     """
     R_tip_base = limb.T_base_tip_zero[:3, :3].T
     reach = limb.T_base_tip_zero[:3, 3] - limb.wrist
-    grasp = _unit(R_tip_base @ (reach if np.linalg.norm(reach) > _SHORT else limb.axes[6]))
+    if np.linalg.norm(reach) < _SHORT:
+        reach = limb.wrist - limb.elbow
+        if limb.wrist_kind == "XYX":
+            reach = limb.axes[6] * np.copysign(1.0, limb.axes[6] @ reach)
+    grasp = _unit(R_tip_base @ reach)
     candidates = [R_tip_base @ limb.axes[k] for k in (3, 5, 0)] + list(np.eye(3))
     across = next(c for c in candidates if np.linalg.norm(np.cross(grasp, c)) > 0.3)
     return grasp, _unit(across - grasp * (grasp @ across))

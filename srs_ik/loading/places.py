@@ -10,6 +10,7 @@
 from __future__ import annotations
 
 import importlib
+import importlib.util
 import pkgutil
 import sys
 from collections.abc import Iterator, Mapping, Sequence
@@ -71,12 +72,11 @@ def missing(places: Sequence[str], robot: str) -> str:
     """What has to be done before a robot can be loaded, without fetching anything; "" if nothing."""
     errors = []
     for place in places:
-        scheme, _, rest = place.partition("://")
         try:
-            if scheme == "robot_descriptions":
-                _known_description(rest, robot)
-            else:
-                _find(place, robot)
+            if is_fetched(place):
+                _known_description(place.partition("://")[2], robot)
+            elif _find(place, robot).path.suffix == ".xacro" and importlib.util.find_spec("xacro") is None:
+                raise MissingExtra("xacro", f"the xacro file {place}")
         except MissingExtra as error:
             errors.append(error.command)
         except SrsIkError as error:
@@ -85,6 +85,11 @@ def missing(places: Sequence[str], robot: str) -> str:
             return ""
     # A command is of more use than an explanation.
     return min(errors, key=lambda text: not text.startswith("pip "))
+
+
+def is_fetched(place: str) -> bool:
+    """True if a place is an address of robot_descriptions, which fetches its robots on first use."""
+    return place.startswith("robot_descriptions://")
 
 
 def _find(place: str, robot: str) -> Found:

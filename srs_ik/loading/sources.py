@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -14,7 +14,7 @@ from srs_ik import zoo
 from srs_ik.card import Placement, RobotCard, read_card
 from srs_ik.errors import InvalidRobot, did_you_mean, listed
 from srs_ik.limb import Vector
-from srs_ik.loading.places import DESCRIPTION, locate, missing
+from srs_ik.loading.places import DESCRIPTION, is_fetched, locate, missing
 from srs_ik.urdf import RobotModel, load_model
 from srs_ik.urdf.model import is_xml
 
@@ -30,6 +30,7 @@ class NamedRobot:
         tip: name of its tip frame.
         origin: where its description comes from.
         install: what has to be done before it can be loaded, a pip command where one will do; empty if nothing.
+        fetched: whether its description comes over the network on first use.
     """
 
     name: str
@@ -38,6 +39,7 @@ class NamedRobot:
     tip: str
     origin: str
     install: str = ""
+    fetched: bool = False
 
 
 @dataclass(frozen=True, eq=False)
@@ -81,13 +83,17 @@ def catalogue() -> list[NamedRobot]:
     Raises:
         InvalidRobot: the card of a robot is damaged.
     """
-    built_in = zoo.robots()
-    entries = []
-    for name in robots():
-        card = zoo.card(name)
-        origin = "this package" if name in built_in else card.sources["description"].url
-        entries.append(NamedRobot(name, card.description, card.base, card.tip, origin, missing(card.places, name)))
-    return entries
+    return [_entry(zoo.card(name)) for name in robots()]
+
+
+def _entry(card: RobotCard) -> NamedRobot:
+    description = card.sources.get("description")
+    origin = description.url if description else "this package"
+    install = missing(card.places, card.name)
+    if "ROS_PACKAGE_PATH" in install:
+        install = f"git clone {origin}, and put the folder in which you do on ROS_PACKAGE_PATH"
+    fetched = not install and is_fetched(card.places[0])
+    return NamedRobot(card.name, card.description, card.base, card.tip, origin, install, fetched)
 
 
 def describe(source: Any, urdf: Any = None, xacro_args: Mapping[str, str] | None = None) -> Description:
@@ -148,8 +154,10 @@ def _card(source: Any) -> RobotCard | None:
 
 
 def _of_card(card: RobotCard, urdf: Any, xacro_args: Mapping[str, str] | None) -> Description:
-    arguments = {**card.xacro, **(xacro_args or {})}
-    robot = _at(card.places, card.name, arguments).robot if urdf is None else load_model(urdf, arguments or None)
+    if urdf is None:
+        robot = _at(card.places, card.name, xacro_args, card.xacro).robot
+    else:
+        robot = load_model(urdf, _arguments(urdf, xacro_args, card.xacro))
     return Description(
         robot=robot,
         name=card.name,
@@ -163,10 +171,18 @@ def _of_card(card: RobotCard, urdf: Any, xacro_args: Mapping[str, str] | None) -
     )
 
 
-def _at(places: list[str] | tuple[str, ...], name: str, xacro_args: Mapping[str, str] | None) -> Description:
+def _at(
+    places: Sequence[str], name: str, xacro_args: Mapping[str, str] | None, usual: Mapping[str, str] | None = None
+) -> Description:
     found = locate(places, name)
-    robot = load_model(found.path, {**found.xacro_args, **(xacro_args or {})} or None, found.packages)
+    arguments = _arguments(found.path, xacro_args, {**found.xacro_args, **(usual or {})})
+    robot = load_model(found.path, arguments, found.packages)
     return Description(robot, robot.name)
+
+
+def _arguments(source: Any, asked: Mapping[str, str] | None, usual: Mapping[str, str]) -> Mapping[str, str] | None:
+    """Arguments of a xacro file: those that are asked for, and for the rest the usual ones, which only it has."""
+    return {**usual, **(asked or {})} if str(source).endswith(".xacro") else asked
 
 
 def _is_path(text: str) -> bool:

@@ -1,0 +1,93 @@
+"""Every robot with a name, on its file where that is at hand: 200 poses each, by Pinocchio on the untouched file."""
+
+import numpy as np
+import pytest
+from oracles import Forward, random_angles
+from robot_files import example_urdf, shared_urdf
+
+import srs_ik
+from srs_ik import zoo
+from srs_ik.loading.sources import catalogue
+
+ELSEWHERE = {
+    "human_left": ("example", "human"),
+    "human_right": ("example", "human"),
+    "romeo_left": ("example", "romeo"),
+    "romeo_right": ("example", "romeo"),
+    "med7": ("shared", "med7_lbr_stack"),
+    "j2s7s300": ("shared", "kinova_j2s7s300"),
+    "rm75": ("shared", "realman_rm75"),
+    "sia10": ("shared", "motoman_sia10f"),
+    "openarm_left": ("shared", "openarm_v10_bimanual"),
+    "openarm_right": ("shared", "openarm_v10_bimanual"),
+    "h1_2_left": ("shared", "unitree_h1_2_handless"),
+    "h1_2_right": ("shared", "unitree_h1_2_handless"),
+    "iiwa7": ("shared", "iiwa7"),
+    "med14": ("shared", "med14_lbr_stack"),
+    "sia20": ("shared", "motoman_sia20d"),
+    "sia30": ("shared", "motoman_sia30d"),
+}
+"""The file that each description comes from, or a copy of it, where tests look for one."""
+
+KINDS = {"gen3": "near", "j2s7s300": "near", "h1_2_left": "near", "h1_2_right": "near"}
+
+
+def file_of(name: str):
+    if name not in ELSEWHERE:
+        return zoo.card(name).urdf
+    kind, file = ELSEWHERE[name]
+    return example_urdf(file) if kind == "example" else shared_urdf(file)
+
+
+@pytest.mark.parametrize("name", srs_ik.robots())
+def test_200_poses_of_every_named_robot(name):
+    path, card = file_of(name), zoo.card(name)
+    arm = srs_ik.load(name, urdf=path)
+    assert (arm.name, arm.base, arm.tip) == (name, card.base, card.tip)
+    assert arm.limb.kind == KINDS.get(name, "exact")
+    forward = Forward(path, card.base, card.tip, arm.joint_names)
+    rng = np.random.default_rng(20)
+    for _ in range(200):
+        pose = forward(random_angles(rng, arm.lower, arm.upper))
+        solution = arm.solve(pose)
+        assert solution, solution.message
+        assert (arm.lower <= solution.q).all()
+        assert (solution.q <= arm.upper).all()
+        np.testing.assert_allclose(forward(solution.q), pose, rtol=0, atol=1e-9)
+
+
+@pytest.mark.parametrize("name", srs_ik.robots())
+def test_the_hand_reaches_away_from_the_wrist(name):
+    arm = srs_ik.load(name, urdf=file_of(name))
+    if arm.limb.hand > 1e-3:
+        out = arm.limb.T_base_tip_zero[:3, 3] - arm.limb.wrist
+        cosine = arm.limb.T_base_tip_zero[:3, :3] @ arm.hand.grasp @ out / arm.limb.hand
+        assert cosine > 0.99
+    side = zoo.card(name).side
+    assert side == next((side for side in ("left", "right") if name.endswith(side)), side)
+
+
+@pytest.mark.parametrize("name", zoo.adapters())
+def test_an_adapter_says_where_its_description_is_from(name):
+    card = zoo.card(name)
+    assert name in ELSEWHERE
+    assert card.description
+    source = card.sources["description"]
+    assert source.url.startswith("https://github.com/")
+    (entry,) = [entry for entry in catalogue() if entry.name == name]
+    assert entry.origin == source.url
+    if entry.install:
+        assert entry.install.startswith("pip install ") or "ROS_PACKAGE_PATH" in entry.install
+    folder = next(path for path in zoo._folder().iterdir() if path.name == name)
+    assert [path.name for path in folder.iterdir()] == ["robot.toml"]
+
+
+def test_names_of_robot_descriptions_exist_there():
+    pytest.importorskip("robot_descriptions")
+    from importlib.util import find_spec
+
+    for name in zoo.adapters():
+        for place in zoo.card(name).places:
+            scheme, _, module = place.partition("://")
+            if scheme == "robot_descriptions":
+                assert find_spec(f"robot_descriptions.{module}"), place
