@@ -44,6 +44,7 @@ if TYPE_CHECKING:
     from srs_ik.printed import PrintedOptimum, printed_optimum
     from srs_ik.solution import BatchSolution, Interval, Solution, Solutions, Status
     from srs_ik.task import Posture, Task
+    from srs_ik.task_solution import BatchTaskSolution, TaskSolution
 
 __version__ = "0.1.0"
 
@@ -81,6 +82,7 @@ _MODULES = {
     "pose": ("PoseError",),
     "solution": ("BatchSolution", "Interval", "Solution", "Solutions", "Status"),
     "task": ("Posture", "Task"),
+    "task_solution": ("BatchTaskSolution", "TaskSolution"),
 }
 _HOME = {name: module for module, names in _MODULES.items() for name in names}
 
@@ -89,6 +91,7 @@ __all__ = [
     "AmbiguousLimb",
     "Arm",
     "BatchSolution",
+    "BatchTaskSolution",
     "Ellipsoid",
     "FrameNotFound",
     "Hand",
@@ -115,6 +118,7 @@ __all__ = [
     "SrsLimb",
     "Status",
     "Task",
+    "TaskSolution",
     "find_limbs",
     "force_ellipsoid",
     "force_polytope",

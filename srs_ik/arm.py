@@ -37,6 +37,7 @@ if TYPE_CHECKING:
     from srs_ik.optimise import Optimum
     from srs_ik.path import PathSolution
     from srs_ik.task import Posture, Side, Task, Tie
+    from srs_ik.task_solution import BatchTaskSolution, TaskSolution
 
 Array = NDArray[np.float64]
 
@@ -364,6 +365,38 @@ class Arm(ChainKinematics):
         from srs_ik.task import posture
 
         return posture(self, task, side, tie, threads)
+
+    def solve_task(
+        self,
+        task: Task,
+        side: Side = "left",
+        respect_limits: bool = True,
+        tie: Tie = "lower",
+        threads: int | None = None,
+    ) -> TaskSolution | BatchTaskSolution:
+        """Joint angles for a task: its posture, on this arm's own axes and within its limits.
+
+        The pose of the tip follows from the task and the axes of the hand. Of the postures with the elbow where
+        `posture` puts it, the one farthest from the limits is taken; where limits forbid them all, the elbow goes to
+        the nearest feasible arm angle, and `angle_lost` says how far that is. Without a grasp direction the hand
+        lines up with the forearm; without a pronosupination it takes the roll that leaves the wrist most room.
+
+        Args:
+            task: one task, or N of them.
+            side: "left" for the elbow towards +y of the base, "right" for -y.
+            respect_limits: whether q has to keep the joint limits.
+            tie: which elbow to take where one is above the other: "lower" or "upper".
+            threads: at most so many for N tasks; all processors if not given.
+
+        Returns:
+            A `TaskSolution`, or a `BatchTaskSolution` for N tasks.
+
+        Raises:
+            InvalidTask: no `Task`, another side or tie, or an arm whose hand is not known (see `load`).
+        """
+        from srs_ik.task_solution import solve_task
+
+        return solve_task(self, task, side, bool(respect_limits), tie, threads)
 
     # ------------------------------------------------------------------------------------------------------------
 

@@ -193,15 +193,14 @@ def tip_rotation(axes, hand_axes):
 
 
 @kernel
-def wrist_from_tip(H, x, given):
-    """Vector from the tip to the wrist centre of a task with a grasp direction.
+def wrist_from_tip(H, g, phi, rolled):
+    """Vector from the tip to the wrist centre, for a grasp direction and, if the hand is `rolled`, a pronosupination.
 
-    It is exact where the roll of the hand is given too, or where the tip lies on the line through the wrist along the
-    grasp direction; else the part along that direction counts.
+    It is exact where the roll of the hand is known, or where the tip lies on the line through the wrist along the grasp
+    direction; else the part along that direction counts.
     """
-    g = load3(x, TASK_GRASP)
-    if given & PRONOSUPINATION and H[HAND_KNOWN] == 1.0:
-        axes = tip_axes(g, load3(x, TASK_PRONOSUPINATION))
+    if rolled and H[HAND_KNOWN] == 1.0:
+        axes = tip_axes(g, phi)
         y = (axes[1], axes[4], axes[7])
         z = (axes[2], axes[5], axes[8])
         w = load3(H, HAND_WRIST)
@@ -212,21 +211,21 @@ def wrist_from_tip(H, x, given):
 
 
 @kernel
-def plan(P, H, x, given, side, tie):
+def plan(P, H, x, grasped, phi, rolled, side, tie):
     """The posture of a task: elbow, wrist and tip from the shoulder, arm normal, task normal, hand direction, miss.
 
-    The arm's normal m is signed such that the elbow lies towards m x t from any line t in its plane on which it is seen
+    grasped and rolled say whether the grasp direction of the task row x and the pronosupination phi count. The arm's
+    normal m is signed such that the elbow lies towards m x t from any line t in its plane on which it is seen
     from the shoulder.
     """
     n = task_normal(load3(x, TASK_VELOCITY), load3(x, TASK_FORCE))
     target = sub(load3(x, TASK_POSITION), load3(P, SHOULDER_CENTRE))
-    grasped = given & GRASP != 0
     lower = H[HAND_FOREARM]
     near = H[HAND_NEAR]
     far = H[HAND_FAR]
     to_wrist = (0.0, 0.0, 0.0)
     if grasped:
-        to_wrist = wrist_from_tip(H, x, given)
+        to_wrist = wrist_from_tip(H, load3(x, TASK_GRASP), phi, rolled)
         target = add(target, to_wrist)
     else:
         lower += H[HAND_LENGTH]
@@ -243,6 +242,13 @@ def plan(P, H, x, given, side, tie):
         return elbow, end, sub(end, to_wrist), cross(t, h), n, load3(x, TASK_GRASP), d - reached
     direction = scale(1.0 / lower, sub(end, elbow))
     return elbow, along(elbow, H[HAND_FOREARM], direction), end, cross(t, h), n, direction, d - reached
+
+
+@kernel
+def plan_given(P, H, x, given, side, tie):
+    """The posture of a task row, by what it gives."""
+    phi = load3(x, TASK_PRONOSUPINATION)
+    return plan(P, H, x, given & GRASP != 0, phi, given & PRONOSUPINATION != 0, side, tie)
 
 
 @kernel
@@ -276,7 +282,7 @@ def write_posture(P, found, out):
 def posture(family, H, x, given, side, tie, out):
     """Write the posture of one task row."""
     P = family[LIMITED]
-    write_posture(P, plan(P, H, x, given, side, tie), out)
+    write_posture(P, plan_given(P, H, x, given, side, tie), out)
 
 
 @entry
@@ -284,4 +290,4 @@ def posture_range(family, H, tasks, first, last, given, side, tie, out):
     """Write the postures of the task rows first to last - 1."""
     P = family[LIMITED]
     for i in range(first, last):
-        write_posture(P, plan(P, H, tasks[i], given, side, tie), out[i])
+        write_posture(P, plan_given(P, H, tasks[i], given, side, tie), out[i])

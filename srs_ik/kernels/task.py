@@ -1,0 +1,219 @@
+"""From a task to joint angles: its posture, the tip pose that belongs to it, and the arm angle that comes nearest.
+
+Both signs of the pronosupination are right here by construction: the whole rotation of the hand is asked for, where the
+printed equation for joint 5 keeps its sign only half of the time (erratum 6).
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from srs_ik.kernels.branches import best_branch
+from srs_ik.kernels.elbow import elbow_bend, hand_rotation, shoulder_to_wrist, target_frame, unit_across
+from srs_ik.kernels.entries import all_intervals
+from srs_ik.kernels.intervals import MAX_PIECES
+from srs_ik.kernels.jit import entry, kernel
+from srs_ik.kernels.layout import FREE, LIMITED, LOOSE, ROW, ROW_ARM_ANGLE, ROW_JOINT, ROW_STATUS
+from srs_ik.kernels.posture import (
+    AT_SHOULDER,
+    GRASP,
+    HAND_ACROSS,
+    HAND_GRASP,
+    HAND_REACH,
+    HAND_WRIST,
+    PARALLEL,
+    POSTURE,
+    PRONOSUPINATION,
+    TASK_POSITION,
+    TASK_PRONOSUPINATION,
+    plan,
+    planned_arm_angle,
+    tip_axes,
+    tip_rotation,
+    write_posture,
+)
+from srs_ik.kernels.redundancy import find_intervals, search
+from srs_ik.kernels.roll import best_roll
+from srs_ik.kernels.rows import OUT_OF_LIMITS, UNREACHABLE, measure_row
+from srs_ik.kernels.scoring import NO_SEED, OUTSIDE, tightest_joint
+from srs_ik.kernels.search import evaluate
+from srs_ik.kernels.second_attempts import evaluate_again
+from srs_ik.kernels.vectors import cross, load3, norm, swing
+
+# A task solution row: a solution row, a posture row, the pose of the tip, and the arm angle given up.
+TASK_POSTURE = ROW
+TASK_ROTATION = TASK_POSTURE + POSTURE  # 3 x 3
+TASK_TIP = TASK_ROTATION + 9  # 3
+ANGLE_LOST = TASK_TIP + 3  # rad, not negative
+TASK_SOLUTION = ANGLE_LOST + 1
+
+OFF_AXIS = 1e-9
+"""A wrist this far from the line through the tip about which the hand rolls, metres, moves with the roll."""
+
+ROLL_PASSES = 3
+"""So often the roll is chosen anew where it moves the wrist."""
+
+NARROW = 1e-9
+"""Postures of an interval narrower than this, rad, are on their limits by rounding at best."""
+
+SMALLEST_NUDGE = 1e-13
+"""First step, rad, into an interval whose end is on the wrong side of a limit by rounding."""
+
+
+@kernel
+def task_place(P, R, p):
+    """As `elbow.place`, with one direction for every wrist that is at the shoulder up to rounding."""
+    sw = shoulder_to_wrist(P, R, p)
+    if norm(sw) < AT_SHOULDER:
+        sw = (0.0, 0.0, 0.0)
+    d, t, h0 = target_frame(P, sw)
+    c, s, miss = elbow_bend(P, d)
+    return t, h0, c, s, hand_rotation(P, R), miss
+
+
+@kernel
+def between(psi, lower, upper):
+    """The arm angle of an interval nearest to psi, and how far it is."""
+    turn = 2.0 * math.pi
+    ahead = (psi - lower) - turn * math.floor((psi - lower) / turn)
+    width = upper - lower
+    if ahead <= width:
+        return lower + ahead, 0.0
+    if ahead - width <= turn - ahead:
+        return upper, ahead - width
+    return lower, turn - ahead
+
+
+@kernel
+def in_branch(P, place_, R, p, psi, branch, respect, J, A):
+    """Best posture at an arm angle, of a branch (-1: of all): q, branch, cost.
+
+    Out of reach of a near limb, where nothing closes on the true chain, that of its nearest exact limb.
+    """
+    q, b, cost = evaluate(P, place_, R, p, psi, branch, False, NO_SEED, respect, J, A)
+    if J is not None:
+        if cost >= OUTSIDE:
+            if place_[5] != 0.0:
+                return best_branch(P, place_, psi, branch, False, NO_SEED, respect)
+            again, other, value = evaluate_again(P, place_, R, p, psi, branch, False, NO_SEED, respect, 1, J, A)
+            if value < cost:
+                return again, other, value
+    return q, b, cost
+
+
+@kernel
+def at_angle(P, place_, R, p, psi, branch, respect, J, A):
+    """Best posture at an arm angle, in the branch that is preferred (-1: none) if that has one: q, branch, cost."""
+    q, b, cost = in_branch(P, place_, R, p, psi, branch, respect, J, A)
+    if branch >= 0 and cost >= OUTSIDE:
+        return in_branch(P, place_, R, p, psi, -1, respect, J, A)
+    return q, b, cost
+
+
+@kernel
+def nearest_feasible(family, place_, R, p, psi, branch, respect, J, A):
+    """The posture at the feasible arm angle nearest to a wanted one: q, branch, cost; what is best if there is none."""
+    F = family[LIMITED if respect else FREE]
+    found = np.empty((8 * MAX_PIECES, 3))
+    n = find_intervals(F, place_, found) if place_[5] != 0.0 else all_intervals(F, place_, R, p, J, A, found)
+    for _ in range(n):
+        best = -1
+        nearest = 0.0
+        least = 4.0 * math.pi
+        for i in range(n):
+            x, far = between(psi, found[i, 1], found[i, 2])
+            if found[i, 0] >= 0.0 and far < least:
+                best = i
+                nearest = x
+                least = far
+        lower = found[best, 1]
+        upper = found[best, 2]
+        P = family[LOOSE if upper - lower < NARROW else LIMITED]
+        inward = 1.0 if nearest - lower < upper - nearest else -1.0
+        nudge = 0.0
+        while nudge <= upper - lower:
+            q, b, cost = at_angle(P, place_, R, p, nearest + inward * nudge, branch, respect, J, A)
+            if cost < OUTSIDE:
+                return q, b, cost
+            nudge = max(SMALLEST_NUDGE, 8.0 * nudge)
+        found[best, 0] = -1.0
+    if J is not None:
+        if place_[5] != 0.0:
+            return best_branch(family[LIMITED], place_, psi, -1, False, NO_SEED, respect)
+    return search(family, place_, R, p, -1, False, NO_SEED, respect, J, A)
+
+
+@kernel
+def solve_posed(family, R, p, m, branch, respect, J, A, out):
+    """Solve a pose with the elbow in the plane with signed normal m, or as near as can be; the arm angle given up.
+
+    A branch other than -1 is preferred where it is feasible there.
+    """
+    P = family[LIMITED]
+    place_ = task_place(P, R, p)
+    psi = planned_arm_angle(place_[0], place_[1], m)
+    q, b, cost = at_angle(P, place_, R, p, psi, branch, respect, J, A)
+    kept = cost < OUTSIDE
+    if not kept:
+        q, b, cost = nearest_feasible(family, place_, R, p, psi, branch, respect, J, A)
+    measure_row(P, place_, R, p, q, b, cost, respect, out)
+    if kept:
+        out[ROW_ARM_ANGLE] = psi if psi < math.pi else -math.pi
+        return 0.0
+    if J is not None:
+        if respect and out[ROW_STATUS] == UNREACHABLE and place_[5] == 0.0:
+            # On a near limb, only an attempt without limits tells what they forbid from what is out of reach.
+            free, _, value = at_angle(P, place_, R, p, psi, -1, False, J, A)
+            if value < OUTSIDE:
+                out[ROW_STATUS] = OUT_OF_LIMITS
+                out[ROW_JOINT] = tightest_joint(P, free)
+    away = out[ROW_ARM_ANGLE] - psi
+    return abs(away - 2.0 * math.pi * math.floor(away / (2.0 * math.pi) + 0.5))
+
+
+@kernel
+def solve_task_one(family, H, x, given, side, tie, respect, J, A, out):
+    """Solve one task row into a task solution row."""
+    P = family[LIMITED]
+    grasped = given & GRASP != 0
+    phi = load3(x, TASK_PRONOSUPINATION)
+    rolled = given & PRONOSUPINATION != 0
+    posture = plan(P, H, x, grasped, phi, rolled, side, tie)
+    direction = posture[5]
+    in_tip = load3(H, HAND_GRASP if grasped else HAND_REACH)
+    across_tip = load3(H, HAND_ACROSS)
+    if min(norm(cross(direction, phi)), norm(cross(in_tip, across_tip))) < PARALLEL:
+        rolled = False
+    across_tip = unit_across(across_tip, in_tip, load3(H, HAND_GRASP))
+    hand_axes = tip_axes(in_tip, across_tip)
+    p = load3(x, TASK_POSITION)
+    branch = -1
+    if not rolled:
+        phi = unit_across((0.0, 0.0, 1.0), direction, (1.0, 0.0, 0.0))
+        for _ in range(ROLL_PASSES):
+            R = tip_rotation(tip_axes(direction, phi), hand_axes)
+            place_ = task_place(P, R, p)
+            psi = planned_arm_angle(place_[0], place_[1], posture[3])
+            roll, branch = best_roll(P, place_, psi, direction, respect)
+            phi = swing((0.0, 0.0, 0.0), phi, cross(direction, phi), math.cos(roll), math.sin(roll))
+            if not grasped:
+                break
+            if norm(cross(load3(H, HAND_WRIST), in_tip)) < OFF_AXIS:
+                break
+            posture = plan(P, H, x, grasped, phi, True, side, tie)
+    R = tip_rotation(tip_axes(direction, phi), hand_axes)
+    out[ANGLE_LOST] = solve_posed(family, R, p, posture[3], branch, respect, J, A, out)
+    write_posture(P, posture, out[TASK_POSTURE:])
+    for i in range(9):
+        out[TASK_ROTATION + i] = R[i]
+    for i in range(3):
+        out[TASK_TIP + i] = p[i]
+
+
+@entry
+def solve_tasks(family, H, tasks, first, last, given, side, tie, respect, J, A, out):
+    """Solve the task rows first to last - 1."""
+    for i in range(first, last):
+        solve_task_one(family, H, tasks[i], given, side, tie, respect, J, A, out[i])
