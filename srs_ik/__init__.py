@@ -39,6 +39,7 @@ if TYPE_CHECKING:
     from srs_ik.objectives import OBJECTIVES, Objective
     from srs_ik.optimise import Optimum
     from srs_ik.path import PathBreak, PathSolution
+    from srs_ik.plots import plot_arm_angle, plot_ellipsoids, plot_intervals
     from srs_ik.polytopes import Polytope, force_polytope, velocity_polytope
     from srs_ik.pose import PoseError
     from srs_ik.printed import PrintedOptimum, printed_optimum
@@ -77,6 +78,7 @@ _MODULES = {
     "objectives": ("OBJECTIVES", "Objective"),
     "optimise": ("Optimum",),
     "path": ("PathBreak", "PathSolution"),
+    "plots": ("plot_arm_angle", "plot_ellipsoids", "plot_intervals"),
     "polytopes": ("Polytope", "force_polytope", "velocity_polytope"),
     "printed": ("PrintedOptimum", "printed_optimum"),
     "pose": ("PoseError",),
@@ -127,6 +129,9 @@ __all__ = [
     "isotropy",
     "load",
     "manipulability",
+    "plot_arm_angle",
+    "plot_ellipsoids",
+    "plot_intervals",
     "printed_optimum",
     "robots",
     "velocity_ellipsoid",

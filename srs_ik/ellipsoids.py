@@ -10,13 +10,16 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
-from typing import Any, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from srs_ik.errors import InvalidTask, MissingLimits
 from srs_ik.pose import real_array
+
+if TYPE_CHECKING:
+    from srs_ik.kinematics import ChainKinematics
 
 Array = NDArray[np.float64]
 Part = Literal["linear", "angular", "full"]
@@ -208,12 +211,12 @@ def manipulability(J: ArrayLike, part: Part = "full") -> Any:
         part: "full" (m^3), "linear" (m^3) or "angular" (1).
 
     Returns:
-        A number, or (N,).
+        A number, or (N,); exactly 0 at a singular posture.
 
     Raises:
         InvalidTask: J or part are malformed.
     """
-    return _plain(np.prod(np.linalg.svd(_jacobian(J)[..., rows_of(part), :], compute_uv=False), axis=-1))
+    return _plain(np.prod(velocity_ellipsoid(J, None, part).radii, axis=-1))
 
 
 def isotropy(J: ArrayLike, part: Part = "linear") -> Any:
@@ -265,6 +268,19 @@ def rows_of(part: str) -> slice:
     if part not in _ROWS:
         raise InvalidTask(f"part is 'linear', 'angular' or 'full', not {part!r}")
     return _ROWS[part]
+
+
+def limits_of(arm: ChainKinematics, kind: Literal["velocity", "effort"]) -> Array:
+    """The (7,) velocity limits, rad/s, or effort limits, N m, of an arm whose description gives all of them.
+
+    Raises:
+        MissingLimits: it does not; the error has the names of the joints.
+    """
+    given = arm.velocity_limit if kind == "velocity" else arm.effort_limit
+    missing = [name for name, limit in zip(arm.joint_names, given, strict=True) if not np.isfinite(limit)]
+    if missing:
+        raise MissingLimits(kind, missing, arm.name)
+    return given
 
 
 def _principal(J: Array) -> tuple[Array, Array, int | NDArray[np.int64]]:

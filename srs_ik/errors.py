@@ -105,8 +105,8 @@ class MissingLimits(SrsIkError, ValueError):
         self.kind = kind
         self.joints = tuple(joints)
         whose = f"the description of {robot} gives no" if robot else "there is no finite"
-        needed = "velocities in rad/s" if kind == "velocity" else "torques in N m"
-        super().__init__(f"{whose} {kind} limit for {listed(self.joints)}; give the seven {needed} yourself")
+        unit = "rad/s" if kind == "velocity" else "N m"
+        super().__init__(f"{whose} {kind} limit for {listed(self.joints)}; one for every joint is needed, in {unit}")
 
 
 class InvalidPose(SrsIkError, ValueError):

@@ -16,8 +16,8 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import ArrayLike, NDArray
 
-from srs_ik.ellipsoids import RANK_TOLERANCE, UNITS, rows_of
-from srs_ik.errors import InvalidConfiguration, InvalidTask, MissingExtra, MissingLimits
+from srs_ik.ellipsoids import RANK_TOLERANCE, UNITS, limits_of, rows_of
+from srs_ik.errors import InvalidConfiguration, InvalidTask, MissingExtra
 from srs_ik.pose import as_joint_vector, real_array
 
 if TYPE_CHECKING:
@@ -240,11 +240,7 @@ def _lifted(
 
 def _bounds(arm: Arm, kind: Literal["velocity", "effort"], lower: Any, upper: Any) -> tuple[Array, Array]:
     """(7,) least and (7,) largest joint velocities or torques."""
-    given = arm.velocity_limit if kind == "velocity" else arm.effort_limit
-    if upper is None and not np.isfinite(given).all():
-        missing = [name for name, limit in zip(arm.joint_names, given, strict=True) if not np.isfinite(limit)]
-        raise MissingLimits(kind, missing, arm.name)
-    most = given if upper is None else _seven(upper, "upper")
+    most = limits_of(arm, kind) if upper is None else _seven(upper, "upper")
     least = -most if lower is None else _seven(lower, "lower")
     if (least > most).any():
         raise InvalidTask("lower must not be above upper, for any joint")

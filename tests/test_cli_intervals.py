@@ -10,7 +10,7 @@ from typer.testing import CliRunner
 
 import srs_ik
 from srs_ik.cli.app import app
-from srs_ik.cli.chart import bars
+from srs_ik.plots.intervals import bars
 from srs_ik.solution import Interval
 
 POSE = ["--xyz", "0.5", "0.1", "0.6", "--rpy", "0", "1.5707963", "0"]

@@ -247,7 +247,7 @@ def test_a_limit_that_is_not_given_is_named():
     with pytest.raises(srs_ik.MissingLimits, match="velocity limit for joint 1, joint 2"):
         srs_ik.velocity_ellipsoid(J, arm.velocity_limit)
     limit = np.array([60.0, 70.0, np.inf, 50.0, np.inf, 7.0, 9.0])
-    with pytest.raises(srs_ik.MissingLimits, match="effort limit for joint 3, joint 5; give") as caught:
+    with pytest.raises(srs_ik.MissingLimits, match="effort limit for joint 3, joint 5; one for every joint") as caught:
         srs_ik.force_ellipsoid(J, limit)
     assert (caught.value.kind, caught.value.joints) == ("effort", ("joint 3", "joint 5"))
 

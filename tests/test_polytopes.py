@@ -253,7 +253,7 @@ def test_limits_that_are_not_given_are_named():
     with pytest.raises(srs_ik.MissingLimits, match="human_arm gives no velocity limit for ") as caught:
         srs_ik.velocity_polytope(human, np.full(7, 0.1))
     assert caught.value.joints == human.joint_names
-    with pytest.raises(srs_ik.MissingLimits, match="give the seven torques in N m yourself") as caught:
+    with pytest.raises(srs_ik.MissingLimits, match="is needed, in N m") as caught:
         srs_ik.force_polytope(human, np.full(7, 0.1))
     assert caught.value.joints == tuple(np.array(human.joint_names)[np.isinf(human.effort_limit)])
 

@@ -9,7 +9,7 @@ import typer
 from typer.core import TyperGroup
 
 from srs_ik import __version__
-from srs_ik.cli import inspect, intervals, robots, solve
+from srs_ik.cli import ellipsoids, inspect, intervals, plot, robots, solve
 from srs_ik.cli.options import NumbersCommand, WrongInput
 
 EXIT_NO_SOLUTION = 1
@@ -82,3 +82,5 @@ app.command("robots")(robots.robots)
 app.command("inspect")(inspect.inspect)
 app.command("solve", cls=NumbersCommand)(solve.solve)
 app.command("intervals", cls=NumbersCommand)(intervals.intervals)
+app.command("ellipsoids", cls=NumbersCommand)(ellipsoids.ellipsoids)
+app.command("plot", cls=NumbersCommand)(plot.plot)

@@ -39,9 +39,9 @@ def intervals(
     """
     pose, configuration = read_pose(xyz, rpy, quat, from_q, unit_of(degrees))
     if plot is not None:
-        from srs_ik.cli.chart import check
+        from srs_ik.cli.picture import check
 
-        check(plot)
+        check(plot, "--plot")
 
     from srs_ik.loading import load
 
@@ -60,9 +60,9 @@ def intervals(
         )
         raise typer.Exit(1)
     if plot is not None:
-        from srs_ik.cli.chart import draw
+        from srs_ik.plots import plot_intervals
 
-        draw(found, f"{arm.name}: arm angles at which {arm.tip} meets the pose", plot)
+        plot_intervals(arm, pose, respect_limits=not no_limits).savefig(plot)
 
 
 def _print_json(arm: Arm, pose: np.ndarray, found: list[Interval]) -> None:

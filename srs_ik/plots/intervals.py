@@ -1,0 +1,69 @@
+"""The feasible arm angles of the eight branches: one bar a branch, from -180 to 180 degrees."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable
+from typing import TYPE_CHECKING, Any
+
+from srs_ik.plots.figure import EMPTY, VELOCITY, new_figure
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+    from srs_ik.arm import Arm
+    from srs_ik.pose import PoseLike
+    from srs_ik.solution import Interval
+
+BRANCHES = 8
+
+
+def plot_intervals(arm: Arm, pose: PoseLike, respect_limits: bool = True) -> Figure:
+    """Picture of the arm angles at which a pose can be met, for each branch.
+
+    Args:
+        arm: the arm.
+        pose: wanted pose of the tip frame in the base frame.
+        respect_limits: whether the joint limits count.
+
+    Returns:
+        A `matplotlib.figure.Figure`; write it with its method `savefig`.
+
+    Raises:
+        InvalidPose: the pose is no finite rigid transform.
+        MissingExtra: Matplotlib is not installed.
+    """
+    figure = new_figure(8.0, 3.6)
+    draw_intervals(figure.add_subplot(), arm.intervals(pose, respect_limits))
+    figure.axes[0].set_title(f"{arm.name}: arm angles at which {arm.tip} meets the pose")
+    return figure
+
+
+def bars(found: Iterable[Interval]) -> list[list[tuple[float, float]]]:
+    """For each branch the (start, width) of its bars, degrees from -180 to 180: what passes 180 is cut in two."""
+    result: list[list[tuple[float, float]]] = [[] for _ in range(BRANCHES)]
+    for interval in found:
+        start, end = math.degrees(interval.lower), math.degrees(interval.upper)
+        result[interval.branch].append((start, min(end, 180.0) - start))
+        if end > 180.0:
+            result[interval.branch].append((-180.0, end - 360.0 + 180.0))
+    return result
+
+
+def draw_intervals(axes: Any, found: Iterable[Interval]) -> None:
+    """Draw the intervals into Matplotlib axes."""
+    for branch, pieces in enumerate(bars(found)):
+        axes.broken_barh([(-180.0, 360.0)], (branch - 0.4, 0.8), facecolors=EMPTY)
+        # The edge keeps an interval visible that is narrower than a dot.
+        axes.broken_barh(pieces, (branch - 0.4, 0.8), facecolors=VELOCITY, edgecolors=VELOCITY, linewidth=1.0)
+    whole_circle(axes)
+    axes.set_ylim(BRANCHES - 0.5, -0.5)
+    axes.set_yticks(range(BRANCHES))
+    axes.set_xlabel("arm angle (deg)")
+    axes.set_ylabel("branch")
+
+
+def whole_circle(axes: Any) -> None:
+    """Let the x axis be the arm angle, in degrees."""
+    axes.set_xlim(-180.0, 180.0)
+    axes.set_xticks(range(-180, 181, 45))

@@ -1,0 +1,211 @@
+"""Pictures show the figures: what is drawn is read back from the axes, and checked apart from the drawing."""
+
+import sys
+
+import arms
+import numpy as np
+import pytest
+from command_line import POSE, Q, run
+from oracles import inside
+from tip import STRETCHED
+
+import srs_ik
+
+pytest.importorskip("matplotlib")
+from matplotlib.colors import to_rgb
+
+from srs_ik.plots import solids
+from srs_ik.plots.figure import FORCE, VELOCITY
+
+ANGLES = np.array([float(q) for q in Q])
+
+
+def drawn(axes) -> tuple[np.ndarray, np.ndarray]:
+    """Corners (n, 4, 3) of the patches in space, and whether each is see-through, as the ellipsoid is."""
+    (body,) = axes.collections
+    return np.array(body._faces).reshape(-1, 4, 3), np.asarray(body._facecolor3d)[:, 3] < 1.0
+
+
+@pytest.mark.parametrize("name", ["iiwa14", "gen3", "human_arm", "openarm_left"])
+def test_the_drawn_arm_goes_through_its_centres(name):
+    arm, forward = arms.load(name), arms.forward(name)
+    for q in arms.configurations(name, 5, salt=20):
+        shape = solids.skeleton(arm, q)
+        limb = arm.limb
+        expected = [
+            np.zeros(3),
+            limb.shoulder,
+            forward.carried(q, 3, limb.elbow),
+            forward.carried(q, 5, limb.wrist),
+            forward(q).translation,
+        ]
+        assert np.allclose(shape.line, expected, rtol=0.0, atol=1e-12)
+        for joint in range(7):
+            # A joint leaves the points of its own axis where they are.
+            turned = q.copy()
+            turned[joint] += 0.7
+            again = solids.skeleton(arm, turned)
+            assert np.allclose(again.points[joint], shape.points[joint], rtol=0.0, atol=1e-12)
+            assert np.allclose(again.axes[joint], shape.axes[joint], rtol=0.0, atol=1e-12)
+
+
+def test_solids_are_closed_and_turn_outwards():
+    tube = solids.tube(np.array([0.1, 0.2, 0.3]), np.array([0.5, -0.1, 0.4]), 0.05)
+    ball = solids.ellipsoid(np.array([1.0, 2.0, 3.0]), np.diag([0.3, 0.2, 0.1]))
+    for patches, volume in ((tube, np.pi * 0.05**2 * np.linalg.norm([0.4, 0.3, 0.1])), (ball, 4 / 3 * np.pi * 0.006)):
+        a, b, c, d = (patches[:, k] for k in range(4))
+        halves = np.concatenate([np.stack([a, b, c], axis=1), np.stack([a, c, d], axis=1)])
+        signed = np.einsum("ij,ij->i", halves[:, 0], np.cross(halves[:, 1], halves[:, 2])).sum() / 6.0
+        # A little less than the round solid, and positive only if every patch turns outwards.
+        assert 0.96 * volume < signed < volume
+
+
+@pytest.mark.parametrize("part", ["linear", "angular"])
+def test_the_drawn_ellipsoids_are_at_the_tip_and_to_their_scale(part):
+    arm = arms.load("iiwa14")
+    figure = srs_ik.plot_ellipsoids(arm, ANGLES, limits=True, part=part)
+    tip, J = arm.forward_kinematics(ANGLES).translation, arm.jacobian(ANGLES)
+    expected = (
+        srs_ik.velocity_ellipsoid(J, arm.velocity_limit, part),
+        srs_ik.force_ellipsoid(J, arm.effort_limit, part),
+    )
+    for axes, ellipsoid, colour in zip(figure.axes, expected, (VELOCITY, FORCE), strict=True):
+        patches, clear = drawn(axes)
+        points = patches[clear].reshape(-1, 3) - tip
+        size = ellipsoid.radii / ellipsoid.radii.max() * 0.35 * (arm.limb.upper_arm + arm.limb.forearm)
+        assert np.allclose(np.linalg.norm(points @ ellipsoid.axes / size, axis=1), 1.0)
+        assert np.argmax(to_rgb(colour)) == np.argmax(axes.collections[0]._facecolor3d[clear][:, :3].mean(axis=0))
+        assert f"{ellipsoid.radii[0]:.3g}" in axes.get_title()
+        assert ellipsoid.unit in axes.get_title()
+        assert [axes.get_xlabel(), axes.get_ylabel(), axes.get_zlabel()] == ["x (m)", "y (m)", "z (m)"]
+        limits = np.array([axes.get_xlim(), axes.get_ylim(), axes.get_zlim()])
+        assert (patches.reshape(-1, 3) > limits[:, 0] - 1e-9).all()
+        assert (patches.reshape(-1, 3) < limits[:, 1] + 1e-9).all()
+
+
+def test_singular_ellipsoids_are_drawn_flat_and_with_a_dashed_line():
+    arm = arms.load("iiwa14")
+    velocity, force = srs_ik.plot_ellipsoids(arm, STRETCHED).axes
+    assert "flat" in velocity.get_title()
+    assert "unbounded" in force.get_title()
+    assert "∞" in force.get_title()
+    tip = arm.forward_kinematics(STRETCHED).translation
+    line = tip - arm.limb.shoulder
+    patches, clear = drawn(velocity)
+    assert np.abs((patches[clear] - tip) @ line / np.linalg.norm(line)).max() < 1e-2
+    assert len(velocity.lines) == 0
+    (dashed,) = force.lines
+    ends = np.array(dashed.get_data_3d()).T
+    assert np.allclose(np.cross(ends[1] - ends[0], line), 0.0, atol=1e-9)
+
+
+@pytest.mark.parametrize(("name", "branch"), [("iiwa14", None), ("iiwa14", 2), ("gen3", None)])
+def test_lines_against_the_arm_angle_are_postures_at_the_pose(name, branch):
+    arm, forward = arms.load(name), arms.forward(name)
+    pose = forward(ANGLES)
+    figure = srs_ik.plot_arm_angle(arm, pose, branch)
+    top, middle, bottom = figure.axes
+    assert [line.get_label() for line in top.lines] == list(arm.joint_names)
+    psi = middle.lines[0].get_xdata()
+    assert psi[0] == -180.0
+    assert psi[-1] == 180.0
+    # The lines of joint angles have gaps where an angle passes half a turn: read by arm angle, not by place.
+    angles = [dict(zip(*line.get_data(), strict=True)) for line in top.lines]
+    chosen = arm.solve(pose).branch if branch is None else branch
+    assert f"branch {chosen}" in top.get_title()
+    limited = np.isfinite(arm.lower) & np.isfinite(arm.upper)
+    lower, upper = arm.lower[limited], arm.upper[limited]
+    for i in range(0, 721, 45):
+        q = np.deg2rad([joint[psi[i]] for joint in angles])
+        reached = forward(q)
+        assert np.allclose(reached.homogeneous, pose.homogeneous, rtol=0.0, atol=1e-9)
+        J = arm.jacobian(q)
+        assert middle.lines[0].get_ydata()[i] == pytest.approx(np.sqrt(np.linalg.det(J @ J.T)), rel=1e-6)
+        margin = 2.0 * np.min(np.minimum(q[limited] - lower, upper - q[limited]) / (upper - lower))
+        assert bottom.lines[0].get_ydata()[i] == pytest.approx(margin, abs=1e-9)
+        white = any(p.get_x() <= psi[i] <= p.get_x() + p.get_width() for p in bottom.patches)
+        assert white == bool(inside(q, arm.lower, arm.upper)) or abs(margin) < 1e-9
+    assert (top.get_ylabel(), bottom.get_xlabel()) == ("joint angle (deg)", "arm angle (deg)")
+
+
+def test_where_nothing_reaches_the_panels_are_empty():
+    arm = arms.load("iiwa14")
+    far = np.eye(4)
+    far[0, 3] = 5.0
+    top, middle, _ = srs_ik.plot_arm_angle(arm, far).axes
+    assert all(np.isnan(line.get_ydata()).all() for line in (*top.lines, *middle.lines))
+    assert len(srs_ik.plot_intervals(arm, far).axes) == 1
+
+
+def test_wrong_input_is_named():
+    arm = arms.load("iiwa14")
+    with pytest.raises(srs_ik.InvalidTask, match="'full'"):
+        srs_ik.plot_ellipsoids(arm, ANGLES, part="full")
+    with pytest.raises(srs_ik.InvalidConfiguration):
+        srs_ik.plot_ellipsoids(arm, ANGLES[:6])
+    with pytest.raises(srs_ik.InvalidConfiguration):
+        srs_ik.plot_arm_angle(arm, arm.forward_kinematics(ANGLES), branch=8)
+    with pytest.raises(srs_ik.MissingLimits):
+        srs_ik.plot_ellipsoids(arms.load("human_arm"), ANGLES, limits=True)
+
+
+def test_without_matplotlib_the_pip_command_is_given(monkeypatch):
+    monkeypatch.setitem(sys.modules, "matplotlib.figure", None)
+    with pytest.raises(srs_ik.MissingExtra, match=r"pip install 'srs-ik\[plot\]'"):
+        srs_ik.plot_ellipsoids(arms.load("iiwa14"), ANGLES)
+
+
+# srs-ik plot
+
+
+@pytest.mark.parametrize(
+    "words",
+    [
+        ["ellipsoids", "iiwa14", "--from-q", *Q],
+        ["ellipsoids", "iiwa14", *POSE, "--part", "angular", "--limits"],
+        ["arm-angle", "iiwa14", *POSE, "--branch", "0"],
+        ["intervals", "gen3", "--from-q", *Q],
+    ],
+)
+def test_the_command_writes_a_picture_with_something_in_it(words, tmp_path):
+    from matplotlib import image
+
+    path = tmp_path / "picture.png"
+    result = run("plot", *words, "--output", str(path))
+    assert result.exit_code == 0, result.stderr or result.exception
+    assert result.stdout == result.stderr == ""
+    pixels = image.imread(path)[..., :3]
+    assert 0.02 < (pixels.min(axis=2) < 0.9).mean() < 0.95
+
+
+@pytest.mark.parametrize("kind", ["ellipsoids", "arm-angle", "intervals"])
+def test_a_pose_out_of_reach_is_exit_status_1_with_one_line(kind, tmp_path):
+    path = tmp_path / "none.png"
+    result = run("plot", kind, "iiwa14", "--xyz", "5", "0", "0", "--rpy", "0", "0", "0", "--output", str(path))
+    assert result.exit_code == 1
+    assert result.stderr.count("\n") == 1
+    assert not path.exists()
+
+
+@pytest.mark.parametrize(
+    ("words", "named"),
+    [
+        (["ellipsoids", "iiwa14", "--from-q", *Q], "--output FILE.png"),
+        (["ellipsoids", "iiwa14", "--output", "a.png"], "--xyz"),
+        (["shadow", "iiwa14", "--from-q", *Q, "--output", "a.png"], "shadow"),
+        (["intervals", "iiwa14", "--from-q", *Q, "--output", "a.colour"], "a.colour"),
+        (["intervals", "iiwa14", "--from-q", *Q, "--output", "no/such/folder/a.png"], "no/such/folder"),
+        (["arm-angle", "iiwa14", "--from-q", *Q, "--output", "a.png", "--branch", "9"], "not 9"),
+        (["ellipsoids", "iiwa14", "--from-q", *Q, "--output", "a.png", "--part", "full"], "linear or angular"),
+        (
+            ["ellipsoids", "human_arm", "--from-q", *Q, "--output", "a.png", "--limits"],
+            "velocity limit for shoulder_yaw",
+        ),
+    ],
+)
+def test_wrong_words_are_one_line_and_exit_status_2(words, named):
+    result = run("plot", *words)
+    assert result.exit_code == 2, result.exception
+    assert result.stdout == ""
+    assert result.stderr.count("\n") == 1
+    assert named in result.stderr
