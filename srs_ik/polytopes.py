@@ -1,9 +1,9 @@
 """Polytopes: every velocity and every force of the tip that the arm's own joint limits leave, corners and all.
 
-The half-spaces and corners are pycapacity's (A. Skuric, V. Padois, D. Daney, Pycapacity: a real-time task-space
-capacity calculation package for robotics and biomechanics, JOSS 8(89), 2023). It is given each problem in the principal
-axes of the Jacobian, with joint limits of -1 and 1: there a posture next to a singularity is as well conditioned as any
-other, and one at a singularity is a problem of fewer dimensions.
+The half-spaces and a point inside them are pycapacity's (A. Skuric, V. Padois, D. Daney, Pycapacity: a real-time
+task-space capacity calculation package for robotics and biomechanics, JOSS 8(89), 2023), the corners Qhull's. They are
+given each problem in the principal axes of the Jacobian, with joint limits of -1 and 1: there a posture next to a
+singularity is as well conditioned as any other, and one at a singularity is a problem of fewer dimensions.
 """
 
 from __future__ import annotations
@@ -198,11 +198,17 @@ def _corners(H: Array, d: Array) -> Array:
         first, last = ends[H[:, 0] < 0.0].max(), ends[H[:, 0] > 0.0].min()
         fits = last - first > SAME and (d[H[:, 0] == 0.0] >= 0.0).all()
         return np.array([[first], [last]]) if fits else np.empty((0, 1))
-    algorithms = _pycapacity()
-    _, radius = algorithms.chebyshev_ball(H, d[:, None])
+    from scipy.spatial import HalfspaceIntersection, QhullError
+
+    inside, radius = _pycapacity().chebyshev_ball(H, d[:, None])
     if radius[0] < SAME:
         return np.empty((0, size))
-    found = algorithms.hspace_to_vertex(H, d)[0].T
+    half_spaces = np.column_stack([H, -d])
+    try:
+        found = HalfspaceIntersection(half_spaces, inside).intersections
+    except QhullError:
+        # Faces that are parallel but for rounding: moved apart by as much, they have corners.
+        found = HalfspaceIntersection(half_spaces, inside, qhull_options="QJ").intersections
     # Where more faces than necessary meet in a corner, it comes several times.
     distance = np.linalg.norm(found[:, None] - found[None], axis=-1)
     return found[np.unique((distance < SAME).argmax(axis=1))]

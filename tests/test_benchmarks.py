@@ -43,3 +43,18 @@ def test_times_leave_out_the_first_calls(quick):
     assert seen == [1, 2, 1, 2]
     assert answers == [1, 2]
     assert (times > 0.0).all()
+
+
+def test_ellipsoids_prints_times_and_differences(capsys):
+    pytest.importorskip("pycapacity")
+    bench = runpy.run_path(str(ROOT / "benchmarks" / "ellipsoids.py"), run_name="ellipsoids")
+    bench["main"](["--postures", "2"])
+    rows = [line.split(" | ") for line in capsys.readouterr().out.splitlines() if line.startswith("| ")]
+    times = [row for row in rows if len(row) == 2][1:]
+    assert len(times) == 7
+    assert all(int(row[1].rstrip(" |")) > 0 for row in times)
+    random, singular = (row for row in rows if len(row) == 5 and row[0] != "| postures")
+    for row in (random, singular):
+        assert max(float(row[1]), float(row[3])) < 1e-9
+    with pytest.raises(SystemExit):
+        bench["main"](["--postures", "0"])

@@ -84,6 +84,10 @@ def test_polytopes_are_printed_in_the_same_axes():
         for name, low, high in zip("xyz", least, largest, strict=True):
             rows = [line.split() for line in text.splitlines() if line.startswith(f"{name} ")]
             assert [name, f"{low:.6g}", f"{high:.6g}"] in rows
+    weightless = answer(*words, "--no-gravity")["force_polytope"]["vertices"]
+    assert np.allclose(
+        np.array(weightless) @ R.T, srs_ik.force_polytope(arm, ANGLES, gravity=False).vertices, rtol=0.0, atol=1e-9
+    )
     flat = run("ellipsoids", "iiwa14", "--q", *"0000000", "--polytopes").stdout
     assert flat.count("flat across (") == flat.count("unbounded along (") == 2
 

@@ -235,6 +235,20 @@ def test_near_a_singularity_nothing_breaks():
         assert np.isfinite(F.vertices).all()
 
 
+def test_faces_that_are_parallel_but_for_rounding_have_corners():
+    q = [-2.417816442575165, -1.783057472505325, 0.28564346816340613, 1e-12]
+    q += [1.7808749859216526, -0.5950159980364251, -0.15610444092429354]
+    lower = -np.array([18.221282139755424, 0.06734050015006746, 97.56188844865639, 0.32355878489881856])
+    lower = np.append(lower, [-0.07368139865717356, -0.273421548850758, -0.01860365105271702])
+    upper = np.array([58.90690886206362, 1.3222900083229197, 0.0196383382135379, 0.019317456956343605])
+    upper = np.append(upper, [0.02168554051493714, 0.04164246417094409, 0.10165851909415556])
+    arm = arms.load("human_arm")
+    P = srs_ik.velocity_polytope(arm, q, lower=lower, upper=upper)
+    J = arm.jacobian(q)[:3]
+    for u in directions("human_arm"):
+        assert P.extent_along(u) == pytest.approx(np.maximum((u @ J) * lower, (u @ J) * upper).sum(), abs=1e-8)
+
+
 def test_an_arm_too_weak_for_its_weight_can_exert_nothing():
     arm = arms.load("iiwa14")
     weak = srs_ik.force_polytope(arm, Q, upper=np.full(7, 1.0))

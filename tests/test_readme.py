@@ -32,6 +32,18 @@ def test_snippets_run_and_solve(path, monkeypatch):
     assert np.allclose(reached.homogeneous, names["pose"].homogeneous, rtol=0.0, atol=1e-11)
 
 
+def test_snippets_of_the_ellipsoids_run_and_draw(monkeypatch, tmp_path):
+    pytest.importorskip("matplotlib")
+    pytest.importorskip("pycapacity")
+    monkeypatch.chdir(tmp_path)
+    names: dict = {}
+    with contextlib.redirect_stdout(io.StringIO()):
+        for snippet in snippets("docs/ellipsoids.md"):
+            exec(compile(snippet, "docs/ellipsoids.md", "exec"), names)
+    assert names["velocity"].rank == names["strong"].rank == 3
+    assert {path.name for path in tmp_path.iterdir()} == {"ellipsoids.png", "arm_angle.png", "intervals.png"}
+
+
 def test_the_first_snippet_is_complete_by_line_30():
     lines = (ROOT / "README.md").read_text().splitlines()
     opening = lines.index("```python")

@@ -58,6 +58,9 @@ def ellipsoids(
         bool,
         typer.Option("--polytopes", help="Also the polytopes within the arm's own limits (extra 'polytopes')."),
     ] = False,
+    no_gravity: Annotated[
+        bool, typer.Option("--no-gravity", help="Leave the arm's own weight out of the force polytope.")
+    ] = False,
     degrees: Annotated[bool, typer.Option("--degrees", help="--q is given in degrees.")] = False,
     as_json: AsJson = False,
 ) -> None:
@@ -109,7 +112,7 @@ def ellipsoids(
             "singular": ellipsoid.singular,
             "along": None if direction is None else ellipsoid.radius_along(direction),
         }
-    bodies = _polytopes(arm, angles, part.value) if polytopes else []
+    bodies = _polytopes(arm, angles, part.value, not no_gravity) if polytopes else []
     for body in bodies:
         answer[f"{body.kind}_polytope"] = {
             "unit": body.unit,
@@ -126,10 +129,10 @@ def ellipsoids(
     _print(arm, answer, shown, bodies, R, direction)
 
 
-def _polytopes(arm: Arm, q: list[float], part: Any) -> list[Polytope]:
+def _polytopes(arm: Arm, q: list[float], part: Any, gravity: bool) -> list[Polytope]:
     from srs_ik.polytopes import force_polytope, velocity_polytope
 
-    return [velocity_polytope(arm, q, part), force_polytope(arm, q, part)]
+    return [velocity_polytope(arm, q, part), force_polytope(arm, q, part, gravity=gravity)]
 
 
 def _print(
