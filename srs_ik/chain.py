@@ -173,6 +173,10 @@ class Skeleton:
             raise FrameNotFound(name, self.frame_names(), robot=self.model.name)
         return min(matches)[1]
 
+    def has_frame(self, name: str) -> bool:
+        """True if `find_frame` knows a name."""
+        return any(frame.name == name for frame in self._frames)
+
     def frame_names(self) -> list[str]:
         """Names that `find_frame` knows, links first, each once."""
         ranked = sorted(self._frames[1:], key=lambda frame: frame.rank)

@@ -6,6 +6,7 @@ Out of reach and out of limits are no errors: they are answers with a status.
 from __future__ import annotations
 
 import difflib
+import math
 from collections.abc import Iterable, Sequence
 from typing import Any
 
@@ -41,11 +42,12 @@ class FrameNotFound(SrsIkError):
         available: names of the frames that there are, in the order of the robot.
     """
 
-    def __init__(self, frame: str, available: Iterable[str], robot: str = "") -> None:
+    def __init__(self, frame: str, available: Iterable[str], robot: str = "", source: str = "") -> None:
         self.frame = str(frame)
         self.available = tuple(available)
         where = f" in robot {robot!r}" if robot else ""
-        message = f"there is no frame {self.frame!r}{where}{did_you_mean(self.frame, self.available)}"
+        message = f"{source}: " if source else ""
+        message += f"there is no frame {self.frame!r}{where}{did_you_mean(self.frame, self.available)}"
         super().__init__(f"{message}; its frames are {listed(self.available)}" if self.available else message)
 
 
@@ -56,10 +58,18 @@ class NotAnSrsLimb(SrsIkError):
         joint_names: the joints in question, from the base outwards; seven unless the chain has another number of them.
         misses_mm: for each joint the distance of its axis from the common point it ought to pass, millimetres; empty if
             the chain was refused for another reason than its axes.
+        allowed_mm: largest distance that is accepted, millimetres; NaN where there is none.
     """
 
-    def __init__(self, message: str, joint_names: Sequence[str] = (), misses_mm: Sequence[float] = ()) -> None:
+    def __init__(
+        self,
+        message: str,
+        joint_names: Sequence[str] = (),
+        misses_mm: Sequence[float] = (),
+        allowed_mm: float = math.nan,
+    ) -> None:
         super().__init__(message)
+        self.allowed_mm = float(allowed_mm)
         self.joint_names = tuple(joint_names)
         self.misses_mm = tuple(float(miss) for miss in misses_mm)
 

@@ -6,6 +6,7 @@ joints, plays no part.
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import Literal
 
@@ -29,6 +30,7 @@ class Recognition:
         misses: (7,) distance of each axis from its centre, metres; zero for axis 4.
         elbow_offset: larger distance of the elbow centre from axes 3 and 5, metres.
         limb: the limb, or None if refused.
+        allowed: largest miss that would still be accepted, metres.
         reason: one clause that says why it is refused, empty otherwise. Axes are numbered from 1.
     """
 
@@ -36,6 +38,7 @@ class Recognition:
     misses: Vector
     elbow_offset: float
     limb: SrsLimb | None
+    allowed: float
     reason: str
 
 
@@ -86,21 +89,21 @@ def recognise(axes: Vector, points: Vector, T_base_tip_zero: Vector, reference: 
     )
     reach = limb.upper_arm + limb.forearm
     worst = int(misses.argmax())
-    if misses[worst] >= max(EXACT_MISS, NEAR_MISS_RATIO * reach):
+    allowed = max(EXACT_MISS, NEAR_MISS_RATIO * reach)
+    if misses[worst] >= allowed:
         centre = "shoulder" if worst < 3 else "wrist"
         reason = f"axis {worst + 1} misses the {centre} centre by {1e3 * misses[worst]:.1f} mm"
-        return Recognition("refused", misses, limb.elbow_offset, None, reason)
+        return Recognition("refused", misses, limb.elbow_offset, None, allowed, reason)
     if min(line_distance(shoulder, points[3], axes[3]), line_distance(wrist, points[3], axes[3])) < 1e-3 * max(
         reach, 1e-9
     ):
-        return Recognition(
-            "refused", misses, limb.elbow_offset, None, "axis 4 passes through the shoulder or wrist centre"
-        )
-    return Recognition(limb.kind, misses, limb.elbow_offset, limb, "")
+        reason = "axis 4 passes through the shoulder or wrist centre"
+        return Recognition("refused", misses, limb.elbow_offset, None, allowed, reason)
+    return Recognition(limb.kind, misses, limb.elbow_offset, limb, allowed, "")
 
 
 def _refused(reason: str) -> Recognition:
-    return Recognition("refused", np.full(7, np.nan), float("nan"), None, reason)
+    return Recognition("refused", np.full(7, np.nan), math.nan, None, math.nan, reason)
 
 
 def _nearest_point(axes: Vector, points: Vector) -> Vector:

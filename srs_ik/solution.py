@@ -26,6 +26,12 @@ class Status(IntEnum):
     OUT_OF_LIMITS = 2
     """Postures reach the pose, but none inside the joint limits; the least violating one is given, put on limits."""
 
+    def __str__(self) -> str:
+        return self.name
+
+    def __format__(self, spec: str) -> str:
+        return format(self.name, spec)
+
 
 _STATUSES = tuple(Status)
 

@@ -66,6 +66,12 @@ def test_inspect_tells_by_how_many_millimetres_a_refused_arm_misses(name):
     assert result.exit_code == 1
     assert "refused" in result.stdout
     assert "(mm)" in result.stdout
+    rows = [line.split() for line in result.stdout.splitlines() if line.lstrip()[:1] in list("1234567")]
+    assert [row[0] for row in rows] == list("1234567")
+    assert [row[2] for row in rows] == ["shoulder"] * 3 + ["-"] + ["wrist"] * 3
+    (limb,) = report["limbs"]
+    assert [float(row[3]) for row in rows] == pytest.approx([miss or 0.0 for miss in limb["misses_mm"]], abs=6e-4)
+    assert f"Up to {limb['allowed_mm']:.1f} mm would be accepted" in result.stdout
 
 
 def test_inspect_shows_both_arms_of_a_file():

@@ -13,8 +13,8 @@ EVERY_ERROR = [
         {"frame": "tool", "available": ("base", "tool0")},
     ),
     (
-        errors.NotAnSrsLimb("no limb", joint_names=["a", "b"], misses_mm=[0.0, 1.5]),
-        {"joint_names": ("a", "b"), "misses_mm": (0.0, 1.5)},
+        errors.NotAnSrsLimb("no limb", joint_names=["a", "b"], misses_mm=[0.0, 1.5], allowed_mm=1),
+        {"joint_names": ("a", "b"), "misses_mm": (0.0, 1.5), "allowed_mm": 1.0},
     ),
     (
         errors.AmbiguousLimb("two arms", candidates=[("l0", "l7"), ("r0", "r7")]),

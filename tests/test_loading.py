@@ -391,7 +391,7 @@ def robot_descriptions(monkeypatch, tmp_path):
     package.mkdir()
     (tmp_path / "arm.urdf").write_text(robot(serial_arm(), name="described"))
     (package / "__init__.py").write_text("")
-    (package / "arm_description.py").write_text(f"URDF_PATH = {str(tmp_path / 'arm.urdf')!r}")
+    (package / "arm_description.py").write_text(f"print('Cloning'); URDF_PATH = {str(tmp_path / 'arm.urdf')!r}")
     (package / "arm_mj_description.py").write_text("MJCF_PATH = 'arm.xml'")
     (package / "far_description.py").write_text("raise OSError('no network\\nand more')")
     monkeypatch.syspath_prepend(tmp_path)
@@ -443,6 +443,30 @@ def test_sources_that_are_none(source, says):
         with pytest.raises(InvalidRobot, match=says) as raised:
             function(source)
         assert len(str(raised.value)) < 400
+
+
+def test_a_missing_file_is_told_the_files_beside_it(tmp_path):
+    (tmp_path / "left_arm.urdf").write_text("")
+    with pytest.raises(InvalidRobot, match=r"left_amr\.urdf \(did you mean 'left_arm\.urdf'\?\)"):
+        load(tmp_path / "left_amr.urdf")
+
+
+@pytest.mark.usefixtures("robot_descriptions")
+def test_fetching_says_nothing_where_nobody_watches(capfd):
+    load("arm_description")
+    assert capfd.readouterr() == ("", "")
+    with pytest.raises(InvalidRobot, match=r"did you mean 'arm_description'"):
+        load("arm")
+
+
+@pytest.mark.parametrize("name", REFUSED)
+def test_refusals_name_the_file_and_what_would_be_accepted(name):
+    with pytest.raises(NotAnSrsLimb) as raised:
+        load(shared_urdf(name))
+    assert str(raised.value).startswith(str(shared_urdf(name)))
+    worst, allowed = max(raised.value.misses_mm), raised.value.allowed_mm
+    assert 5 < allowed < worst
+    assert f"; {allowed:.1f} mm are allowed" in str(raised.value)
 
 
 @pytest.mark.parametrize(

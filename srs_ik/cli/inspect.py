@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -13,6 +14,7 @@ if TYPE_CHECKING:
     from rich.console import Console
 
     from srs_ik.arm import Arm
+    from srs_ik.errors import NotAnSrsLimb
     from srs_ik.loading import LimbReport
 
 
@@ -91,7 +93,7 @@ def _all(source: str, arguments: dict[str, str] | None) -> list[dict[str, Any]]:
             arm = load(source, base=report.base, tip=report.tip, xacro_args=arguments)
             findings.append(_accepted(arm, report))
         else:
-            findings.append(_refused(report.base, report.tip, report.joint_names, report.misses_mm, report.reason))
+            findings.append(_refused(report, report.base, report.tip, report.reason))
     return findings
 
 
@@ -102,7 +104,7 @@ def _chosen(source: str, chosen: dict[str, Any], arguments: dict[str, str] | Non
     try:
         return [_accepted(load(source, xacro_args=arguments, **chosen))]
     except NotAnSrsLimb as error:
-        return [_refused(chosen["base"], chosen["tip"], error.joint_names, error.misses_mm, str(error))]
+        return [_refused(error, chosen["base"], chosen["tip"], str(error))]
 
 
 def _accepted(arm: Arm, report: LimbReport | None = None) -> dict[str, Any]:
@@ -133,16 +135,34 @@ def _accepted(arm: Arm, report: LimbReport | None = None) -> dict[str, Any]:
     }
 
 
-def _refused(base: str | None, tip: str | None, joint_names: Any, misses_mm: Any, reason: str) -> dict[str, Any]:
+def _refused(found: LimbReport | NotAnSrsLimb, base: str | None, tip: str | None, reason: str) -> dict[str, Any]:
     return {
         "base": base,
         "tip": tip,
         "kind": "refused",
         "reason": reason,
         "note": "",
-        "joint_names": list(joint_names),
-        "misses_mm": misses_mm,
+        "joint_names": list(found.joint_names),
+        "misses_mm": found.misses_mm,
+        "allowed_mm": found.allowed_mm,
     }
+
+
+def _print_refused(out: Console, finding: dict[str, Any], chain: str) -> None:
+    from srs_ik.cli.render import fixed, table
+    from srs_ik.recognition import NEAR_MISS_RATIO
+
+    names, misses = finding["joint_names"], finding["misses_mm"]
+    out.print(f"{chain}: refused, no S-R-S arm")
+    out.print(f"  {finding['reason']}")
+    if len(misses) != 7 or len(names) != 7:
+        return
+    centres = ("shoulder",) * 3 + ("-",) + ("wrist",) * 3
+    rows = zip(map(str, range(1, 8)), names, centres, (fixed(miss, 3) for miss in misses), strict=True)
+    out.print(table(("axis", "joint", "centre", "misses it by (mm)"), rows, left=3))
+    if math.isfinite(finding["allowed_mm"]):
+        part = f"{100 * NEAR_MISS_RATIO:g} % of the length from shoulder over elbow to wrist"
+        out.print(f"Up to {finding['allowed_mm']:.1f} mm would be accepted, {part}.")
 
 
 def _print_finding(out: Console, finding: dict[str, Any]) -> None:
@@ -151,13 +171,7 @@ def _print_finding(out: Console, finding: dict[str, Any]) -> None:
     names, misses = finding["joint_names"], finding["misses_mm"]
     chain = f"{finding['base'] or '?'} -> {finding['tip'] or '?'}"
     if finding["kind"] == "refused":
-        out.print(f"{chain}: refused, no S-R-S arm")
-        out.print(f"  {finding['reason']}")
-        if len(misses) != len(names) or not names:
-            return
-        out.print(
-            table(("joint", "axis misses its centre by (mm)"), zip(names, (fixed(m, 3) for m in misses), strict=True))
-        )
+        _print_refused(out, finding, chain)
         return
 
     out.print(f"{chain}: {finding['kind']} S-R-S arm, {finding['wrist_kind']} wrist")

@@ -31,6 +31,7 @@ class LimbReport:
         kind: "exact", "near", or "refused".
         misses_mm: (7,) distance of each axis from the shoulder centre (1 to 3) or wrist centre (5 to 7), millimetres;
             NaN where it was refused before there was a centre to measure from.
+        allowed_mm: largest miss that is accepted, millimetres; NaN as above.
         elbow_offset: larger distance of the elbow centre from axes 3 and 5, metres; NaN as above.
         wrist_kind: "XYX" or "XYZ"; None if refused.
         limb: the limb between `base` and `tip`; None if refused.
@@ -45,6 +46,7 @@ class LimbReport:
     joint_names: tuple[str, ...]
     kind: Literal["exact", "near", "refused"]
     misses_mm: Vector
+    allowed_mm: float
     elbow_offset: float
     wrist_kind: WristKind | None
     limb: SrsLimb | None
@@ -66,7 +68,9 @@ class LimbReport:
         """One sentence for people: between which frames, what it is, and its lengths or what is wrong with it."""
         ends = f"{self.base} -> {self.tip}"
         if self.limb is None:
-            return f"{ends} is no S-R-S limb: {explained(self.reason, self.joint_names, self.misses_mm)}."
+            return (
+                f"{ends} is no S-R-S limb: {explained(self.reason, self.joint_names, self.misses_mm, self.allowed_mm)}."
+            )
         lengths = [f"upper arm {1e3 * self.limb.upper_arm:.1f} mm", f"forearm {1e3 * self.limb.forearm:.1f} mm"]
         if self.elbow_offset >= EXACT_MISS:
             lengths.append(f"elbow offset {1e3 * self.elbow_offset:.1f} mm")
@@ -116,6 +120,7 @@ def examine(
         joint_names=tuple(skeleton.joint_names[joint] for joint in joints),
         kind=found.kind,
         misses_mm=1e3 * found.misses,
+        allowed_mm=1e3 * found.allowed,
         elbow_offset=found.elbow_offset,
         wrist_kind=found.limb.wrist_kind if found.limb is not None else None,
         limb=found.limb,
@@ -157,8 +162,8 @@ def weigh(candidates: Collection[Candidate], skeleton: Skeleton) -> list[Candida
     return [*sorted(limbs, key=_place), *sorted(chains, key=_place)]
 
 
-def explained(reason: str, joint_names: Sequence[str], misses_mm: Vector) -> str:
-    """A reason of the recognition with the joints' names in it, and every miss that is worth a word."""
+def explained(reason: str, joint_names: Sequence[str], misses_mm: Vector, allowed_mm: float) -> str:
+    """A reason of the recognition with the joints' names in it, every miss worth a word, and what is allowed."""
 
     def with_name(match: re.Match[str]) -> str:
         return f"{match[0]} ({joint_names[int(match[0]) - 1]})"
@@ -167,7 +172,9 @@ def explained(reason: str, joint_names: Sequence[str], misses_mm: Vector) -> str
     misses = [
         f"{name} {miss:.3f} mm" for name, miss in zip(joint_names, misses_mm, strict=True) if miss > _NOT_SHOWN_MM
     ]
-    return f"{clause} (distance of each axis from its centre: {', '.join(misses)})" if misses else clause
+    if not misses:
+        return clause
+    return f"{clause} (distance of each axis from its centre: {', '.join(misses)}; {allowed_mm:.1f} mm are allowed)"
 
 
 def _meant_base(description: Description, skeleton: Skeleton, joints: Sequence[int]) -> str | None:

@@ -12,7 +12,7 @@ import pinocchio as pin
 from srs_ik.adjust import within_limits
 from srs_ik.card import Placement
 from srs_ik.chain import Chain, Skeleton, build_chain
-from srs_ik.errors import AmbiguousLimb, InvalidTask, NotAnSrsLimb, listed
+from srs_ik.errors import AmbiguousLimb, FrameNotFound, InvalidTask, NotAnSrsLimb, listed
 from srs_ik.limb import Hand, Vector
 from srs_ik.loading.limbs import Candidate, LimbReport, examine, explained, weigh
 from srs_ik.loading.sides import is_meant
@@ -92,11 +92,10 @@ def load(
         asked_hand = _meant_hand(description, chain)
     found = recognise(chain.axes, chain.points, chain.T_base_tip_zero, asked_reference)
     if found.limb is None:
-        raise NotAnSrsLimb(
-            f"{base} -> {tip} is no S-R-S limb: {explained(found.reason, chain.joint_names, 1e3 * found.misses)}",
-            chain.joint_names,
-            (1e3 * found.misses).tolist(),
-        )
+        misses_mm, allowed_mm = 1e3 * found.misses, 1e3 * found.allowed
+        clause = explained(found.reason, chain.joint_names, misses_mm, allowed_mm)
+        message = f"{description.robot.source}: {base} -> {tip} is no S-R-S limb: {clause}"
+        raise NotAnSrsLimb(message, chain.joint_names, misses_mm.tolist(), allowed_mm)
     axes = None if asked_hand is None else Hand(*(tuple(axis.tolist()) for axis in asked_hand))
     arm = Arm(chain, found.limb, name or description.name, hand=axes)
     if description.tool is not None and tip == description.tip:
@@ -133,8 +132,9 @@ def _choose(
     skeleton = Skeleton(description.robot.model)
     base, tip = base or description.base, tip or description.tip
     for frame in (base, tip):
-        if frame is not None:
-            skeleton.find_frame(frame)
+        if frame is not None and not skeleton.has_frame(frame):
+            source = description.robot.source
+            raise FrameNotFound(frame, skeleton.frame_names(), robot=description.robot.name, source=source)
     every = skeleton.windows(description.robot.mimic_joints)
     fitting = [joints for joints in every if _fits(skeleton, joints, base, tip)]
     if not fitting and base is not None and tip is None:
@@ -145,11 +145,11 @@ def _choose(
     candidates = weigh([examine(description, skeleton, joints, base, tip) for joints in fitting], skeleton)
     limbs = [candidate for candidate in candidates if candidate.report.limb is not None]
     if not limbs:
-        raise _refused(candidates)
+        raise _refused(description, candidates)
     if limb is not None:
         limbs = _meant(description, limbs, limb)
     if len(limbs) > 1:
-        raise _ambiguous(skeleton, description.name, limbs)
+        raise _ambiguous(skeleton, description, limbs)
     return limbs[0].joints, limbs[0].report.base, limbs[0].report.tip
 
 
@@ -158,7 +158,10 @@ def _meant(description: Description, limbs: Sequence[Candidate], word: str) -> l
     found = [limb for limb in limbs if is_meant(word, limb.report.names)]
     if not found:
         tips = listed([candidate.report.tip for candidate in limbs])
-        raise NotAnSrsLimb(f"no arm of {description.name!r} has {word!r} in its names; the arms end at {tips}")
+        source = description.robot.source
+        raise NotAnSrsLimb(
+            f"{source}: no arm of {description.name!r} has {word!r} in its names; the arms end at {tips}"
+        )
     return found
 
 
@@ -174,10 +177,10 @@ def _way(skeleton: Skeleton, base: str | None, tip: str) -> list[int]:
 
 def _no_chain(description: Description, skeleton: Skeleton, base: str | None, tip: str | None) -> NotAnSrsLimb:
     """The error for a robot or a way through it that has no seven consecutive revolute joints."""
-    mimic = description.robot.mimic_joints
+    mimic, source = description.robot.mimic_joints, description.robot.source
     if tip is None:
         where = f"{description.name!r}" if base is None else f"what hangs on {base!r}"
-        return NotAnSrsLimb(f"{where} has no chain of 7 consecutive revolute joints")
+        return NotAnSrsLimb(f"{source}: {where} has no chain of 7 consecutive revolute joints")
     joints = _way(skeleton, base, tip)
     names = [skeleton.joint_names[joint] for joint in joints]
     where = f"between base {base!r} and tip {tip!r}" if base is not None else f"on the way to the tip {tip!r}"
@@ -192,10 +195,10 @@ def _no_chain(description: Description, skeleton: Skeleton, base: str | None, ti
         message += f": {listed(names)}" + (f" ({', '.join(others)})" if others else "")
     if base is not None and len(skeleton.joints_between(tip, base)) >= 7:
         message += "; base and tip are perhaps swapped"
-    return NotAnSrsLimb(message, names)
+    return NotAnSrsLimb(f"{source}: {message}", names)
 
 
-def _refused(candidates: Sequence[Candidate]) -> NotAnSrsLimb:
+def _refused(description: Description, candidates: Sequence[Candidate]) -> NotAnSrsLimb:
     """The error for chains that are all no limbs; it speaks of the one that is nearest to being one."""
     # Rounded: of mirrored arms with the same misses but for noise, the first.
     worst = [np.nan_to_num(candidate.report.misses_mm, nan=np.inf).max().round(3) for candidate in candidates]
@@ -203,15 +206,17 @@ def _refused(candidates: Sequence[Candidate]) -> NotAnSrsLimb:
     message = report.describe().removesuffix(".")
     if len(candidates) > 1:
         message = f"none of {len(candidates)} chains of 7 revolute joints is an S-R-S limb; the nearest, {message}"
-    return NotAnSrsLimb(message, report.joint_names, report.misses_mm.tolist())
+    message = f"{description.robot.source}: {message}"
+    return NotAnSrsLimb(message, report.joint_names, report.misses_mm.tolist(), report.allowed_mm)
 
 
-def _ambiguous(skeleton: Skeleton, name: str, limbs: Sequence[Candidate]) -> AmbiguousLimb:
+def _ambiguous(skeleton: Skeleton, description: Description, limbs: Sequence[Candidate]) -> AmbiguousLimb:
     ends = [(skeleton.default_base(limb.joints[0]), skeleton.default_tip(limb.joints[-1])) for limb in limbs]
     choices = ", ".join(f"base={base!r} tip={tip!r}" for base, tip in ends)
     sides = {limb.report.side for limb in limbs}
     how = "its base and tip, or by limb='left' or 'right'" if sides == {"left", "right"} else "its base and tip"
-    return AmbiguousLimb(f"{len(ends)} arms of {name!r} fit, choose one by {how}: {choices}", ends)
+    fit = f"{len(ends)} arms of {description.name!r} fit"
+    return AmbiguousLimb(f"{description.robot.source}: {fit}, choose one by {how}: {choices}", ends)
 
 
 def _meant_reference(description: Description, chain: Chain) -> Vector | None:

@@ -9,14 +9,17 @@
 
 from __future__ import annotations
 
+import contextlib
 import importlib
 import importlib.util
+import io
 import pkgutil
 import sys
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from importlib import metadata
 from pathlib import Path
+from types import ModuleType
 
 import pinocchio as pin
 
@@ -141,13 +144,25 @@ def _data_files(relative: Path) -> Iterator[Path]:
     yield from (Path(str(file.locate())) for file in files if file.match(str(relative)))
 
 
+def described_names() -> list[str]:
+    """Names that robot_descriptions knows; none where it is not installed."""
+    try:
+        return _names_in(importlib.import_module("robot_descriptions"))
+    except ImportError:
+        return []
+
+
+def _names_in(package: ModuleType) -> list[str]:
+    return [module.name for module in pkgutil.iter_modules(package.__path__) if module.name.endswith(DESCRIPTION)]
+
+
 def _known_description(name: str, robot: str) -> None:
     """Check that robot_descriptions is installed and has a robot of this name."""
     try:
         package = importlib.import_module("robot_descriptions")
     except ImportError:
         raise MissingExtra("robots", f"the robot {robot!r} of robot_descriptions") from None
-    known = [module.name for module in pkgutil.iter_modules(package.__path__) if module.name.endswith(DESCRIPTION)]
+    known = _names_in(package)
     if name not in known:
         message = f"{name!r} is neither a file nor the name of a robot{did_you_mean(name, known)}"
         raise InvalidRobot(f"{message}; there are {listed(known)}", name)
@@ -156,14 +171,16 @@ def _known_description(name: str, robot: str) -> None:
 def _in_robot_descriptions(name: str, robot: str) -> Found:
     _known_description(name, robot)
     try:
-        module = importlib.import_module(f"robot_descriptions.{name}")
+        with _quiet_unless_watched():
+            module = importlib.import_module(f"robot_descriptions.{name}")
     except Exception as error:
         # The module fetches its files on import, which fails in as many ways as there are networks.
         lines = [line for line in str(error).splitlines() if line.strip()]
         # Of git's report the line that says what went wrong; its first one is the command.
         said = next((line for line in lines if "fatal:" in line), lines[0] if lines else type(error).__name__)
+        said = said.strip().removeprefix("stderr: ").strip("'").removeprefix("fatal: ")
         raise InvalidRobot(
-            f"the files of {name!r} could not be fetched: {said.strip()[:200]}; where there is no network, bring the "
+            f"the files of {name!r} could not be fetched: {said[:200]}; where there is no network, bring the "
             "folder ~/.cache/robot_descriptions of a machine that has one (or name it in ROBOT_DESCRIPTIONS_CACHE)",
             name,
         ) from error
@@ -173,3 +190,11 @@ def _in_robot_descriptions(name: str, robot: str) -> Found:
     if getattr(module, "URDF_PATH", None):
         return Found(Path(path))
     return Found(Path(path), getattr(module, "XACRO_ARGS", {}), getattr(module, "XACRO_PACKAGE_PATHS", {}))
+
+
+@contextlib.contextmanager
+def _quiet_unless_watched() -> Iterator[None]:
+    """Let the progress of a download be seen on a terminal, and keep standard output for answers."""
+    stderr = sys.stderr if sys.stderr is not None and sys.stderr.isatty() else io.StringIO()
+    with contextlib.redirect_stdout(stderr), contextlib.redirect_stderr(stderr):
+        yield

@@ -14,7 +14,7 @@ from srs_ik import zoo
 from srs_ik.card import Placement, RobotCard, read_card
 from srs_ik.errors import InvalidRobot, did_you_mean, listed
 from srs_ik.limb import Vector
-from srs_ik.loading.places import DESCRIPTION, is_fetched, locate, missing
+from srs_ik.loading.places import DESCRIPTION, described_names, is_fetched, locate, missing
 from srs_ik.urdf import RobotModel, load_model
 from srs_ik.urdf.model import is_xml
 
@@ -198,5 +198,6 @@ def _is_path(text: str) -> bool:
 def _unknown(name: str) -> InvalidRobot:
     shown = name if len(name) <= 80 else name[:77] + "..."
     known = robots()
-    hint = did_you_mean(name, known)
+    described = {described.removesuffix(DESCRIPTION): described for described in described_names()}
+    hint = did_you_mean(described.get(name, name), [*known, *described.values()])
     return InvalidRobot(f"{shown!r} is neither a file nor the name of a robot{hint}; there are {listed(known)}", shown)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import os
 import sys
 import tempfile
@@ -15,11 +16,12 @@ from xml.etree.ElementTree import Element, tostring
 
 import pinocchio as pin
 
-from srs_ik.errors import InvalidRobot
+from srs_ik.errors import InvalidRobot, did_you_mean
 from srs_ik.urdf import document, mjcf, xacro
 from srs_ik.urdf.check import check
 
 _LONGEST_LABEL = 300
+_MOST_FILES = 1000
 
 _STDERR_LOCK = threading.Lock()
 
@@ -116,10 +118,19 @@ def read(path: Path, label: str) -> bytes:
             # One byte more than is read tells a file that is too large from one that just fits.
             return file.read(document.MAX_BYTES + 1)
     except FileNotFoundError:
-        raise InvalidRobot(f"there is no file {label}", label) from None
+        raise InvalidRobot(f"there is no file {label}{_close_files(path)}", label) from None
     except (OSError, ValueError) as error:
         reason = error.strerror if isinstance(error, OSError) and error.strerror else str(error)
         raise InvalidRobot(f"{label} cannot be read: {reason}", label) from None
+
+
+def _close_files(path: Path) -> str:
+    """The names of files beside a missing one that are like its own, as a clause."""
+    try:
+        beside = [entry.name for entry in itertools.islice(path.parent.iterdir(), _MOST_FILES)]
+    except (OSError, ValueError):
+        return ""
+    return did_you_mean(path.name, beside)
 
 
 def _from_elements(robot: Element, source: str) -> RobotModel:
