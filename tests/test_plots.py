@@ -6,7 +6,7 @@ import arms
 import numpy as np
 import pytest
 from command_line import POSE, Q, run
-from oracles import inside
+from oracles import inside, random_limb
 from tip import STRETCHED
 
 import srs_ik
@@ -126,6 +126,21 @@ def test_lines_against_the_arm_angle_are_postures_at_the_pose(name, branch):
         white = any(p.get_x() <= psi[i] <= p.get_x() + p.get_width() for p in bottom.patches)
         assert white == bool(inside(q, arm.lower, arm.upper)) or abs(margin) < 1e-9
     assert (top.get_ylabel(), bottom.get_xlabel()) == ("joint angle (deg)", "arm angle (deg)")
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_joints_are_drawn_in_the_turn_that_their_limits_leave(seed):
+    limb = random_limb(seed, limits="beyond")
+    arm = srs_ik.load(limb.model, base="base", tip="tool")
+    pose = arm.forward_kinematics(limb.configuration())
+    top, _, bottom = srs_ik.plot_arm_angle(arm, pose, arm.solve(pose).branch).axes
+    psi, margin = bottom.lines[0].get_data()
+    white = np.array([any(p.get_x() <= x <= p.get_x() + p.get_width() for p in bottom.patches) for x in psi])
+    assert white.any()
+    assert margin[white].min() > -1e-9
+    assert np.nanmax(margin[~white], initial=-1.0) < 1e-9
+    angles = np.concatenate([line.get_ydata() for line in top.lines])
+    assert np.nanmax(np.abs(angles)) <= top.get_ylim()[1]
 
 
 def test_where_nothing_reaches_the_panels_are_empty():

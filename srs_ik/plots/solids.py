@@ -40,22 +40,19 @@ class Skeleton(NamedTuple):
 
 
 def skeleton(arm: Arm, q: Array) -> Skeleton:
-    """The limb at seven joint angles, carried there by Pinocchio."""
-    model, limb = arm.model, arm.limb
-    at_zero, now = ([_placement(arm, model, angles, joint) for joint in range(1, 8)] for angles in (np.zeros(7), q))
-    moved = [T * T_zero.inverse() for T, T_zero in zip(now, at_zero, strict=True)]
+    """The limb at seven joint angles: what it is at zero, turned about one joint axis after the other."""
+    limb = arm.limb
+    moved, T = [], pin.SE3.Identity()
+    for axis, point, angle in zip(limb.axes, limb.points, q, strict=True):
+        turn = pin.AngleAxis(float(angle), axis).toRotationMatrix()
+        T = T * pin.SE3(turn, point - turn @ point)
+        moved.append(T)
     centres = np.repeat([limb.shoulder, limb.elbow, limb.wrist], (3, 1, 3), axis=0)
     along = np.einsum("ij,ij->i", centres - limb.points, limb.axes)
     nearest = limb.points + along[:, None] * limb.axes
-    line = [
-        np.zeros(3),
-        limb.shoulder,
-        moved[2] * limb.elbow,
-        moved[4] * limb.wrist,
-        arm.forward_kinematics(q).translation,
-    ]
+    tip = moved[6] * limb.T_base_tip_zero[:3, 3]
     return Skeleton(
-        np.array(line),
+        np.array([np.zeros(3), limb.shoulder, moved[2] * limb.elbow, moved[4] * limb.wrist, tip]),
         np.array([T * p for T, p in zip(moved, nearest, strict=True)]),
         np.array([T.rotation @ a for T, a in zip(moved, limb.axes, strict=True)]),
     )
@@ -116,10 +113,3 @@ def collection(solids: list[Solid]) -> Any:
 def _patches(grid: Array) -> Array:
     """(n, 4, 3) patches between the points of a grid (rows, columns, 3)."""
     return np.stack([grid[:-1, :-1], grid[:-1, 1:], grid[1:, 1:], grid[1:, :-1]], axis=2).reshape(-1, 4, 3)
-
-
-def _placement(arm: Arm, model: Any, q: Array, joint: int) -> Any:
-    data = model.createData()
-    pin.forwardKinematics(model, data, arm.configuration(q))
-    base = pin.updateFramePlacement(model, data, model.getFrameId(arm.base))
-    return base.actInv(data.oMi[joint])
