@@ -58,10 +58,12 @@ def plot_arm_angle(arm: Arm, pose: PoseLike, branch: int | None = None) -> Figur
     T = as_matrix(pose)
     chosen = arm.solve(T).branch if branch is None else as_branch(branch)
     psi = np.linspace(-np.pi, np.pi, SAMPLES)
-    q = _postures(arm, T, psi, chosen)
+    found = arm.solve_batch(np.tile(T, (SAMPLES, 1, 1)), psi, branch=chosen, respect_limits=False)
+    # What is no number is not drawn: a line ends where the branch does.
+    q = np.where(found.ok[:, None], found.q, np.nan)
     volumes, margins = np.full(SAMPLES, np.nan), np.full(SAMPLES, np.nan)
     margin = Objective("limit_margin").evaluator(arm)
-    for i in np.flatnonzero(np.isfinite(q[:, 0])):
+    for i in np.flatnonzero(found.ok):
         volumes[i], margins[i] = manipulability(arm.jacobian(q[i])), margin(q[i])
 
     top, middle, bottom = figure.subplots(3, sharex=True, height_ratios=(2.2, 1.0, 1.0))
@@ -90,18 +92,6 @@ def plot_arm_angle(arm: Arm, pose: PoseLike, branch: int | None = None) -> Figur
     figure.align_ylabels()
     figure.legend(*top.get_legend_handles_labels(), loc="outside right upper", frameon=False)
     return figure
-
-
-def _postures(arm: Arm, T: Array, psi: Array, branch: int) -> Array:
-    """(N, 7) joint angles, inside the limits where that is possible; not a number where the branch does not exist.
-
-    A line that is not a number is not drawn.
-    """
-    poses = np.tile(T, (len(psi), 1, 1))
-    free = arm.solve_batch(poses, psi, branch=branch, respect_limits=False)
-    # Where a range passes half a turn, it takes the limits to tell in which turn a joint is.
-    within = arm.solve_batch(poses, psi, branch=branch)
-    return np.where(within.ok[:, None], within.q, np.where(free.ok[:, None], free.q, np.nan))
 
 
 def _broken(x: Array, y: Array) -> tuple[Array, Array]:
