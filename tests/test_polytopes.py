@@ -156,6 +156,20 @@ def test_the_arm_has_its_own_limits_and_its_weight():
     assert with_weight.extent_along([0, 0, 1]) < without.extent_along([0, 0, 1]) < with_weight.extent_along([0, 0, -1])
 
 
+@pytest.mark.parametrize("part", PARTS)
+def test_the_ellipsoids_of_the_limits_lie_inside(part):
+    arm = arms.load("iiwa14")
+    for q in arms.configurations("iiwa14", 5, salt=16):
+        J = arm.jacobian(q)
+        for P, e in (
+            (srs_ik.velocity_polytope(arm, q, part), srs_ik.velocity_ellipsoid(J, arm.velocity_limit, part)),
+            (srs_ik.force_polytope(arm, q, part, gravity=False), srs_ik.force_ellipsoid(J, arm.effort_limit, part)),
+        ):
+            normals, offsets = half_spaces(P)
+            farthest = np.linalg.norm((normals @ e.axes) * e.radii, axis=1)
+            assert (farthest < offsets * (1.0 + 1e-9)).all()
+
+
 def test_a_joint_near_its_limit_has_little_time():
     arm = arms.load("iiwa14")
     q = Q.copy()
