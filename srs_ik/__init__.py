@@ -43,6 +43,7 @@ if TYPE_CHECKING:
     from srs_ik.polytopes import Polytope, force_polytope, velocity_polytope
     from srs_ik.pose import PoseError
     from srs_ik.printed import PrintedOptimum, printed_optimum
+    from srs_ik.quaternions import pose_from_xyz_quaternion, pose_from_xyz_rpy, xyz_quaternion
     from srs_ik.solution import BatchSolution, Interval, Solution, Solutions, Status
     from srs_ik.task import Posture, Task
     from srs_ik.task_solution import BatchTaskSolution, TaskSolution
@@ -82,6 +83,7 @@ _MODULES = {
     "polytopes": ("Polytope", "force_polytope", "velocity_polytope"),
     "printed": ("PrintedOptimum", "printed_optimum"),
     "pose": ("PoseError",),
+    "quaternions": ("pose_from_xyz_quaternion", "pose_from_xyz_rpy", "xyz_quaternion"),
     "solution": ("BatchSolution", "Interval", "Solution", "Solutions", "Status"),
     "task": ("Posture", "Task"),
     "task_solution": ("BatchTaskSolution", "TaskSolution"),
@@ -132,11 +134,14 @@ __all__ = [
     "plot_arm_angle",
     "plot_ellipsoids",
     "plot_intervals",
+    "pose_from_xyz_quaternion",
+    "pose_from_xyz_rpy",
     "printed_optimum",
     "robots",
     "velocity_ellipsoid",
     "velocity_polytope",
     "velocity_transmission",
+    "xyz_quaternion",
 ]
 
 

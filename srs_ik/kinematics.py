@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from srs_ik.chain import Chain
 from srs_ik.errors import InvalidConfiguration
+from srs_ik.messages import picked, positions_by_name
 from srs_ik.pose import PoseError, PoseLike, as_joint_vector, as_rigid_matrix, real_array
 
 Array = NDArray[np.float64]
@@ -74,6 +75,18 @@ class ChainKinematics:
         return np.array(
             [values[j.idx_q] if j.nq == 1 else np.arctan2(values[j.idx_q + 1], values[j.idx_q]) for j in self._joints]
         )
+
+    def joint_vector(self, state: Any) -> Array:
+        """7 joint angles out of a joint state, by the names of the joints; other joints in it are left out.
+
+        Args:
+            state: a mapping from joint names to angles, such as `Solution.as_dict` gives, or an object with the fields
+                `name` and `position`, such as a JointState of sensor_msgs; rad.
+
+        Raises:
+            InvalidConfiguration: one of the 7 joints is missing, or its angle is no finite number.
+        """
+        return as_joint_vector(picked(positions_by_name(state), self.joint_names), "the joint state")
 
     def forward_kinematics(self, q: ArrayLike) -> pin.SE3:
         """Pose of the tip frame in the base frame.

@@ -12,10 +12,11 @@ from numpy.typing import ArrayLike, NDArray
 from srs_ik.errors import InvalidConfiguration, InvalidPose
 from srs_ik.kernels.entries import check_pose
 from srs_ik.kernels.poses import NOT_FINITE
+from srs_ik.messages import pose_matrix
 
 Array = NDArray[np.float64]
 PoseLike = Any
-"""A `pinocchio.SE3`, or anything that NumPy reads as a 4 x 4 array."""
+"""A `pinocchio.SE3`, anything that NumPy reads as a 4 x 4 array, or an object like a pose of geometry_msgs."""
 
 _FLOAT = np.dtype(np.float64)
 
@@ -39,25 +40,33 @@ def as_matrix(pose: PoseLike) -> Array:
         return pose
     if isinstance(pose, pin.SE3):
         return pose.homogeneous
-    return _floats(pose, (4, 4), "a pose is a pinocchio.SE3 or a 4 x 4 array")
+    if not isinstance(pose, np.ndarray):
+        T = pose_matrix(pose)
+        if T is not None:
+            return T
+    return _floats(pose, (4, 4), "a pose is a pinocchio.SE3, a 4 x 4 array or a geometry_msgs pose")
 
 
 def as_matrices(poses: Any) -> Array:
-    """Many poses as an (N, 4, 4) array; a list of `pinocchio.SE3` will do.
+    """Many poses as an (N, 4, 4) array; a list of `pinocchio.SE3` or of messages will do, and so will a PoseArray.
 
     Raises:
         InvalidPose: not N x 4 x 4, or not numbers.
     """
     if not isinstance(poses, np.ndarray) and not isinstance(poses, pin.SE3):
         try:
-            poses = list(poses)
+            poses = list(getattr(poses, "poses", poses))
         except TypeError:
             raise InvalidPose(f"poses are an (N, 4, 4) array or a list of poses, not {type(poses).__name__}") from None
-        if any(isinstance(pose, pin.SE3) for pose in poses):
+        if any(isinstance(pose, pin.SE3) or _is_message(pose) for pose in poses):
             poses = np.stack([as_matrix(pose) for pose in poses])
         elif not poses:
             return np.empty((0, 4, 4))
     return _floats(poses, (None, 4, 4), "poses are an (N, 4, 4) array")
+
+
+def _is_message(pose: Any) -> bool:
+    return any(hasattr(pose, field) for field in ("position", "translation", "pose", "transform"))
 
 
 def real_array(values: Any) -> Array:

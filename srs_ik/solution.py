@@ -188,6 +188,10 @@ class _Rows:
         """(...) rad."""
         return self._rows[..., at.ROW_ORIENTATION_ERROR]
 
+    def as_dict(self) -> dict[str, Array]:
+        """(...) joint angles by joint name, rad, in the order of the joints."""
+        return {name: self.q[..., k] for k, name in enumerate(self._joint_names)}
+
     def __len__(self) -> int:
         return len(self._rows)
 
