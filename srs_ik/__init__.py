@@ -32,6 +32,7 @@ if TYPE_CHECKING:
         MissingExtra,
         MissingLimits,
         NotAnSrsLimb,
+        PreviewError,
         SrsIkError,
     )
     from srs_ik.limb import Hand, SrsLimb
@@ -42,6 +43,8 @@ if TYPE_CHECKING:
     from srs_ik.plots import plot_arm_angle, plot_ellipsoids, plot_intervals
     from srs_ik.polytopes import Polytope, force_polytope, velocity_polytope
     from srs_ik.pose import PoseError
+    from srs_ik.preview import Preview
+    from srs_ik.preview.interactive import InteractivePreview
     from srs_ik.printed import PrintedOptimum, printed_optimum
     from srs_ik.quaternions import pose_from_xyz_quaternion, pose_from_xyz_rpy, xyz_quaternion
     from srs_ik.solution import BatchSolution, Interval, Solution, Solutions, Status
@@ -72,6 +75,7 @@ _MODULES = {
         "MissingExtra",
         "MissingLimits",
         "NotAnSrsLimb",
+        "PreviewError",
         "SrsIkError",
     ),
     "limb": ("Hand", "SrsLimb"),
@@ -81,6 +85,8 @@ _MODULES = {
     "path": ("PathBreak", "PathSolution"),
     "plots": ("plot_arm_angle", "plot_ellipsoids", "plot_intervals"),
     "polytopes": ("Polytope", "force_polytope", "velocity_polytope"),
+    "preview": ("Preview",),
+    "preview.interactive": ("InteractivePreview",),
     "printed": ("PrintedOptimum", "printed_optimum"),
     "pose": ("PoseError",),
     "quaternions": ("pose_from_xyz_quaternion", "pose_from_xyz_rpy", "xyz_quaternion"),
@@ -99,6 +105,7 @@ __all__ = [
     "Ellipsoid",
     "FrameNotFound",
     "Hand",
+    "InteractivePreview",
     "Interval",
     "InvalidConfiguration",
     "InvalidPose",
@@ -115,6 +122,8 @@ __all__ = [
     "Polytope",
     "PoseError",
     "Posture",
+    "Preview",
+    "PreviewError",
     "PrintedOptimum",
     "Solution",
     "Solutions",

@@ -38,6 +38,7 @@ if TYPE_CHECKING:
     from srs_ik.path import PathSolution
     from srs_ik.task import Posture, Side, Task, Tie
     from srs_ik.task_solution import BatchTaskSolution, TaskSolution
+    from srs_ik.urdf.model import Drawing
 
 Array = NDArray[np.float64]
 
@@ -60,13 +61,17 @@ class Arm(ChainKinematics):
         model: `pinocchio.Model` of the 7 joints.
         limb: the recognised limb.
         hand: axes of the hand, where known.
+        drawing: where the shapes of the robot are; None if it was loaded from a ``pinocchio.Model`` or MJCF.
     """
 
-    def __init__(self, chain: Chain, limb: SrsLimb, name: str, hand: Hand | None = None) -> None:
+    def __init__(
+        self, chain: Chain, limb: SrsLimb, name: str, hand: Hand | None = None, drawing: Drawing | None = None
+    ) -> None:
         super().__init__(chain, name)
         self._chain = chain
         self.limb = limb
         self.hand = hand
+        self.drawing = drawing
         self._family = pack_family(limb, chain.lower, chain.upper)
         self._no_work = (None, None) if self._family[LIMITED, IS_CLOSED] else None
         straight = float(self._family[LIMITED, STRAIGHT])
@@ -114,7 +119,7 @@ class Arm(ChainKinematics):
         found = recognise(chain.axes, chain.points, chain.T_base_tip_zero, reference)
         if found.limb is None:
             raise NotAnSrsLimb(f"moved, {self.name} is no S-R-S limb: {found.reason}", self.joint_names)
-        return type(self)(chain, found.limb, self.name, hand)
+        return type(self)(chain, found.limb, self.name, hand, self.drawing)
 
     # Where a configuration is on its circle ----------------------------------------------------------------------
 
@@ -408,6 +413,11 @@ class Arm(ChainKinematics):
     def _work(self) -> tuple[Array | None, Array | None]:
         """Work space that the kernels of a near limb need in one call; none on a limb that the closed form answers."""
         return self._no_work or (np.empty((6, 7)), np.empty((7, 9)))
+
+    def __getstate__(self) -> dict[str, Any]:
+        # A yourdfpy.URDF holds functions that cannot be pickled; such a copy of the arm is drawn as a skeleton.
+        lasting = self.drawing is not None and isinstance(self.drawing.content, str | None)
+        return {**super().__getstate__(), "drawing": self.drawing if lasting else None}
 
     def __repr__(self) -> str:
         kind = self.limb.kind

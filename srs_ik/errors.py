@@ -131,6 +131,10 @@ class InvalidTask(SrsIkError, ValueError):
     """A task whose vectors have the wrong shape, are not finite, or leave a direction undefined."""
 
 
+class PreviewError(SrsIkError):
+    """A preview that cannot be served or written, or that is closed already."""
+
+
 def did_you_mean(name: str, known: Iterable[str]) -> str:
     """The clause " (did you mean ...?)" for a misspelt name, or "" where no known name is close to it."""
     by_folded = {candidate.casefold(): candidate for candidate in known}

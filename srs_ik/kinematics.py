@@ -99,6 +99,17 @@ class ChainKinematics:
         T_world_base = pin.updateFramePlacement(self.model, data, self._base_frame)
         return T_world_base.actInv(pin.updateFramePlacement(self.model, data, self._tip_frame))
 
+    def joint_frames(self, q: ArrayLike) -> Array:
+        """(8, 4, 4) poses in the base frame: of the root of the robot, which stands still, and of the 7 joints.
+
+        Raises:
+            InvalidConfiguration: not 7 finite angles.
+        """
+        data = self._data
+        pin.forwardKinematics(self.model, data, self.configuration(q))
+        T_world_base = pin.updateFramePlacement(self.model, data, self._base_frame)
+        return np.stack([T_world_base.actInv(T_world_joint).homogeneous for T_world_joint in data.oMi])
+
     def jacobian(self, q: ArrayLike) -> Array:
         """Geometric Jacobian (6, 7) of the tip point in base axes: linear rows (m/s per rad/s) first, then angular.
 

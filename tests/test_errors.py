@@ -25,6 +25,7 @@ EVERY_ERROR = [
     (errors.InvalidPose("a pose is 4x4"), {}),
     (errors.InvalidConfiguration("q has 7 angles"), {}),
     (errors.InvalidTask("a direction has no length"), {}),
+    (errors.PreviewError("the preview is closed"), {}),
 ]
 
 

@@ -97,7 +97,7 @@ def load(
         message = f"{description.robot.source}: {base} -> {tip} is no S-R-S limb: {clause}"
         raise NotAnSrsLimb(message, chain.joint_names, misses_mm.tolist(), allowed_mm)
     axes = None if asked_hand is None else Hand(*(tuple(axis.tolist()) for axis in asked_hand))
-    arm = Arm(chain, found.limb, name or description.name, hand=axes)
+    arm = Arm(chain, found.limb, name or description.name, hand=axes, drawing=description.robot.drawing)
     if description.tool is not None and tip == description.tip:
         arm = arm.with_tool(_matrix(description.tool), description.tool.name)
     if description.mount is not None and base == description.base:

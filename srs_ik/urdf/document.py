@@ -20,18 +20,21 @@ MAX_BYTES = 8 * 2**20
 MAX_ELEMENTS = 200_000
 """Most elements that are read, skipped ones included; a humanoid with hands has a few thousand."""
 
-KEPT: Mapping[str, frozenset[str]] = {
+Kept = Mapping[str, frozenset[str]]
+"""Elements that are kept inside each element."""
+
+KEPT: Kept = {
     "robot": frozenset({"link", "joint"}),
     "link": frozenset({"inertial"}),
     "inertial": frozenset({"origin", "mass", "inertia"}),
     "joint": frozenset({"parent", "child", "origin", "axis", "limit", "dynamics", "mimic"}),
 }
-"""Elements that are kept inside each element; of several where one is meant, the first counts."""
+"""What motion and mass depend on; of several elements where one is meant, the first counts."""
 
-_SEVERAL = frozenset({"link", "joint", "group"})
+_SEVERAL = frozenset({"link", "joint", "group", "material", "visual", "collision"})
 
 
-def parse(text: str | bytes, source: str, kept: Mapping[str, frozenset[str]] = KEPT) -> Element:
+def parse(text: str | bytes, source: str, kept: Kept = KEPT) -> Element:
     """Read URDF text.
 
     Args:
@@ -86,7 +89,7 @@ def root_tag(text: bytes) -> str:
 class _Reader:
     """Builds the tree of kept elements from the events of the parser."""
 
-    def __init__(self, source: str, kept: Mapping[str, frozenset[str]]) -> None:
+    def __init__(self, source: str, kept: Kept) -> None:
         self.source = source
         self._kept = kept
         self.root: Element | None = None

@@ -27,6 +27,19 @@ _STDERR_LOCK = threading.Lock()
 
 
 @dataclass(frozen=True, eq=False)
+class Drawing:
+    """Where the shapes of a robot's links can be read, once somebody wants to see them.
+
+    Attributes:
+        file: absolute path of the robot's file, beside which its meshes are looked for; None for text and objects.
+        content: URDF text or the ``yourdfpy.URDF``; None if it is what the file holds.
+    """
+
+    file: Path | None
+    content: Any = None
+
+
+@dataclass(frozen=True, eq=False)
 class RobotModel:
     """A robot as Pinocchio sees it, and what Pinocchio does not keep.
 
@@ -36,12 +49,14 @@ class RobotModel:
         source: where it came from, as error messages call it.
         mimic_joints: names of joints that follow another one. `model` has them as joints of their own, but they cannot
             be joints of a limb.
+        drawing: where its shapes are; None for a bare model and for MJCF.
     """
 
     model: Any
     name: str
     source: str
     mimic_joints: frozenset[str] = frozenset()
+    drawing: Drawing | None = None
 
 
 def load_model(
@@ -66,26 +81,26 @@ def load_model(
     if isinstance(source, pin.Model):
         return RobotModel(source, source.name or "robot", "the pinocchio.Model")
     if isinstance(source, str) and is_xml(source):
-        return _from_elements(document.parse(source, "the URDF text"), "the URDF text")
+        return _from_elements(document.parse(source, "the URDF text"), "the URDF text", Drawing(None, source))
     if isinstance(source, str | os.PathLike):
         path = Path(source)
         label = _label(path)
         if path.suffix == ".xacro":
             text = xacro.expand(path, label, xacro_args or {}, packages)
-            return _from_elements(document.parse(text, label), label)
+            return _from_elements(document.parse(text, label), label, Drawing(path.absolute(), text))
         content = read(path, label)
         if document.root_tag(content) == "mujoco":
             with _stderr_captured() as printed:
                 model = mjcf.build(path, label, lambda: _first_complaint(printed()))
             return RobotModel(model, model.name or "robot", label)
-        return _from_elements(document.parse(content, label), label)
+        return _from_elements(document.parse(content, label), label, Drawing(path.absolute()))
     # Whoever holds such an object has imported its package; for all others the import would be a waste.
     yourdfpy = sys.modules.get("yourdfpy")
     if yourdfpy is not None and isinstance(source, yourdfpy.URDF):
         from srs_ik.urdf.from_yourdfpy import elements
 
         label = f"the yourdfpy.URDF {getattr(source.robot, 'name', None)!r}"
-        return _from_elements(elements(source, label), label)
+        return _from_elements(elements(source, label), label, Drawing(None, source))
     kinds = "a robot's name, the path or text of a description, a pinocchio.Model or a yourdfpy.URDF"
     raise InvalidRobot(f"a robot is given by {kinds}, not by an object of type {type(source).__name__}")
 
@@ -133,7 +148,7 @@ def _close_files(path: Path) -> str:
     return did_you_mean(path.name, beside)
 
 
-def _from_elements(robot: Element, source: str) -> RobotModel:
+def _from_elements(robot: Element, source: str, drawing: Drawing) -> RobotModel:
     mimic_joints = check(robot, source)
     text = tostring(robot, encoding="unicode")
     with _stderr_captured() as printed:
@@ -142,7 +157,7 @@ def _from_elements(robot: Element, source: str) -> RobotModel:
         except Exception as error:
             complaint = _first_complaint(printed()) or str(error).strip().partition("\n")[0]
             raise InvalidRobot(f"{source}: {complaint}", source) from None
-    return RobotModel(model, model.name, source, mimic_joints)
+    return RobotModel(model, model.name, source, mimic_joints, drawing)
 
 
 @contextmanager

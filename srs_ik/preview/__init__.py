@@ -1,0 +1,5 @@
+"""A look at an arm: in Meshcat, in a file, or on a page with sliders."""
+
+from srs_ik.preview.view import Preview
+
+__all__ = ["Preview"]

@@ -1,0 +1,296 @@
+"""`InteractivePreview`: a page on which a person moves the target and the elbow, and sees the arm follow."""
+
+from __future__ import annotations
+
+import atexit
+import threading
+import weakref
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Self
+
+import numpy as np
+import pinocchio as pin
+from numpy.typing import ArrayLike, NDArray
+
+from srs_ik.errors import PreviewError
+from srs_ik.pose import PoseLike, as_arm_angle, as_joint_vector, as_rigid_matrix
+from srs_ik.preview import solids
+from srs_ik.preview.circle import arc_solids, circle_solids
+from srs_ik.preview.page import PageCanvas, rotation, serve, stop, wxyz
+from srs_ik.preview.robot import Stage, limb, look, reach, resting
+from srs_ik.urdf.from_yourdfpy import roll_pitch_yaw
+
+if TYPE_CHECKING:
+    from srs_ik.arm import Arm
+    from srs_ik.solution import Interval, Solution
+
+Array = NDArray[np.float64]
+
+_NOTHING = "no posture"
+_CAMERA = np.array([1.1, -0.75, 0.5])
+_PALE = 0.3
+"""Opacity of the arcs of the branches that are not chosen."""
+
+
+class InteractivePreview:
+    """A page with the target, the branch and the arm angle of an arm to play with, served to this machine alone.
+
+    The target is moved by its handles or its figures; the list holds every interval of feasible arm angles, and the
+    slider runs from one end of the chosen one to the other, so the posture keeps the joint limits. Where the target
+    cannot be reached, the closest posture is shown, and the page says why.
+
+    Args:
+        arm: the arm.
+        q: (7,) joint angles to begin with, rad; by default the arm is bent in the middle of its ranges.
+        package_dirs: folders to search for meshes before all others.
+        port: of the page; 0 for any that is free.
+
+    Attributes:
+        arm: the arm.
+        missing: one clause for every shape of the robot that could not be drawn.
+
+    Raises:
+        InvalidConfiguration: q is not 7 finite angles.
+        InvalidRobot: the file that the arm was loaded from is gone, or is no URDF any more.
+        MissingExtra: viser is not installed.
+        PreviewError: the port is taken.
+    """
+
+    def __init__(
+        self,
+        arm: Arm,
+        q: ArrayLike | None = None,
+        package_dirs: Sequence[str | Path] = (),
+        port: int = 0,
+    ) -> None:
+        self.arm = arm
+        start = resting(arm) if q is None else as_joint_vector(q)
+        parts, self.missing = look(arm, package_dirs)
+        self._lock = threading.RLock()
+        self._settling = False
+        self._intervals: list[Interval] = []
+        self._shown: tuple[bytes, int] | None = None
+        self._server = serve(port, f"{arm.name}, {arm.base} to {arm.tip}")
+        self._close = weakref.finalize(self, stop, self._server)
+        # Registered after viser's own end at exit, it comes before that, which prints.
+        self._close.atexit = False
+        atexit.register(self._close)
+        stage = Stage.of(arm, parts)
+        self._canvas = PageCanvas(self._server, stage.R_scene_base)
+        for k in range(8):
+            carried = [p.solid for p in parts if p.joint == k] + [p.solid for p in limb(arm) if p.joint == k]
+            self._canvas.draw(f"joint {k}", carried)
+        self._canvas.draw("base frame", solids.triad(0.16 * reach(arm)))
+        self._look_at(stage)
+        self._add_controls()
+        self.show(arm.forward_kinematics(start), seed=start)
+        # What has to be compiled for the slider is compiled now, and not when somebody moves it.
+        arm.solve(self.target, arm_angle=0.0, branch=0)
+
+    # The page ----------------------------------------------------------------------------------------------------
+
+    @property
+    def url(self) -> str:
+        """Address of the page, on this machine alone."""
+        return f"http://{self._server.get_host()}:{self._server.get_port()}"
+
+    @property
+    def closed(self) -> bool:
+        """Whether the page is gone."""
+        return not self._close.alive
+
+    def close(self) -> None:
+        """End the page and free its port; a second time does nothing."""
+        atexit.unregister(self._close)
+        self._close()
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *exception: object) -> None:
+        self.close()
+
+    def __repr__(self) -> str:
+        return f"<InteractivePreview of {self.arm.name}, {'closed' if self.closed else 'at ' + self.url}>"
+
+    # What is on it -----------------------------------------------------------------------------------------------
+
+    @property
+    def target(self) -> Array:
+        """(4, 4) pose of the target in the base frame."""
+        T = np.eye(4)
+        T[:3, :3], T[:3, 3] = rotation(self._handles.wxyz), self._handles.position
+        return T
+
+    @property
+    def solution(self) -> Solution:
+        """The posture that is shown."""
+        return self._solution
+
+    def show(self, pose: PoseLike, arm_angle: float | None = None, seed: ArrayLike | None = None) -> Solution:
+        """Put the target somewhere, and show a posture there.
+
+        Args:
+            pose: of the tip in the base frame.
+            arm_angle: of the posture, rad; any if not given.
+            seed: (7,) posture to stay near, rad; by default the one that is shown.
+
+        Raises:
+            InvalidPose: the pose is no finite rigid transform.
+            InvalidConfiguration: the arm angle or the seed are malformed.
+            PreviewError: the preview is closed.
+        """
+        T = as_rigid_matrix(pose)
+        psi = None if arm_angle is None else as_arm_angle(arm_angle)
+        near = self._solution.q if seed is None else as_joint_vector(seed, "seed")
+        if self.closed:
+            raise PreviewError("the preview is closed: make a new one")
+        with self._lock:
+            self._aim(T, psi, near)
+        return self._solution
+
+    # --------------------------------------------------------------------------------------------------------------
+
+    def _look_at(self, stage: Stage) -> None:
+        size = reach(self.arm)
+        centre = stage.R_scene_base @ stage.centre
+        self._server.scene.add_grid(
+            "/floor",
+            4.0 * size,
+            4.0 * size,
+            cell_size=0.1,
+            section_size=0.5,
+            position=(0.0, 0.0, centre[2] + stage.floor),
+        )
+        self._server.initial_camera.position = centre + size * _CAMERA
+        self._server.initial_camera.look_at = centre
+
+    def _add_controls(self) -> None:
+        # Without types: viser's own hide that values can be set.
+        gui: Any = self._server.gui
+        self._handles = self._server.scene.add_transform_controls("/scene/target", scale=0.3 * reach(self.arm))
+        self._list = gui.add_dropdown("interval", (_NOTHING,))
+        self._slider = gui.add_slider("arm angle (deg)", -180.0, 180.0, 0.01, 0.0)
+        self._xyz = gui.add_vector3("target (m)", (0.0, 0.0, 0.0), step=0.005)
+        self._rpy = gui.add_vector3("rpy (deg)", (0.0, 0.0, 0.0), step=1.0)
+        self._text = gui.add_markdown("")
+        self._handles.on_update(self._answer(self._target_dragged))
+        self._list.on_update(self._answer(self._interval_chosen))
+        self._slider.on_update(self._answer(self._turn))
+        for figures in (self._xyz, self._rpy):
+            figures.on_update(self._answer(self._figures_typed))
+
+    def _answer(self, act: Callable[[], None]) -> Callable[[Any], None]:
+        """A callback that acts on what the page says now, unless it is this program that has just said so."""
+
+        def callback(event: Any) -> None:
+            with self._lock:
+                if not (self._settling or self.closed):
+                    act()
+
+        return callback
+
+    def _target_dragged(self) -> None:
+        self._aim(self.target, None, self._solution.q)
+
+    def _figures_typed(self) -> None:
+        T = np.eye(4)
+        T[:3, :3] = pin.rpy.rpyToMatrix(np.deg2rad(self._rpy.value))
+        T[:3, 3] = self._xyz.value
+        self._aim(T, None, self._solution.q)
+
+    def _aim(self, T: Array, psi: float | None, near: Array) -> None:
+        """Take a target: its intervals, and the posture nearest to another one."""
+        self._intervals = self.arm.intervals(T)
+        self._solution = self.arm.solve(T, arm_angle=psi, seed=near)
+        # Any posture of the pose says where the circle is.
+        self._anywhere = self.arm.solve(T, respect_limits=False).q
+        self._settle(T)
+
+    def _interval_chosen(self) -> None:
+        if self._intervals:
+            interval = self._intervals[self._names().index(self._list.value)]
+            self._solve(interval, 0.5 * (interval.lower + interval.upper))
+
+    def _turn(self) -> None:
+        if self._intervals:
+            self._solve(self._intervals[self._names().index(self._list.value)], np.deg2rad(self._slider.value))
+
+    def _solve(self, interval: Interval, psi: float) -> None:
+        # Just inside: the slider's ends are rounded, and at the very end a joint is on its limit.
+        margin = min(1e-9, 0.25 * interval.width)
+        inside = min(max(psi, interval.lower + margin), interval.upper - margin)
+        self._solution = self.arm.solve(self.target, arm_angle=inside, branch=interval.branch)
+        self._settle(self.target)
+
+    def _settle(self, T: Array) -> None:
+        """Bring the page in line with the target, its intervals and the posture."""
+        self._settling = True
+        try:
+            with self._server.atomic():
+                self._settle_controls(T)
+                self._draw()
+        finally:
+            self._settling = False
+
+    def _settle_controls(self, T: Array) -> None:
+        # What is as it should be is left alone: it may be in somebody's hand.
+        if np.abs(self.target - T).max() > 1e-9:
+            self._handles.position, self._handles.wxyz = T[:3, 3], wxyz(T[:3, :3])
+        _turn_to(self._xyz, T[:3, 3])
+        _turn_to(self._rpy, np.rad2deg(roll_pitch_yaw(T[:3, :3])))
+        names = self._names()
+        if self._list.options != names:
+            self._list.options = names
+        solution = self._solution
+        chosen = next((k for k, interval in enumerate(self._intervals) if _holds(interval, solution)), None)
+        self._slider.disabled = self._list.disabled = chosen is None
+        if chosen is not None:
+            interval = self._intervals[chosen]
+            self._list.value = names[chosen]
+            lower, upper = (float(angle) for angle in np.rad2deg([interval.lower, interval.upper]))
+            turn = interval.lower + (solution.arm_angle - interval.lower) % (2.0 * np.pi)
+            if (self._slider.min, self._slider.max) != (lower, upper):
+                self._slider.min, self._slider.max = lower, upper
+                self._slider.step = float(np.clip((upper - lower) / 400.0, 1e-6, 0.5))
+            if abs(self._slider.value - np.rad2deg(turn)) > 1e-3:
+                self._slider.value = float(min(np.rad2deg(turn), upper))
+        self._text.content = self._report()
+
+    def _names(self) -> tuple[str, ...]:
+        return tuple(
+            f"branch {i.branch}: {np.rad2deg(i.lower):.2f} to {np.rad2deg(i.upper):.2f} deg" for i in self._intervals
+        ) or (_NOTHING,)
+
+    def _draw(self) -> None:
+        q = self._solution.q
+        for k, T_base_joint in enumerate(self.arm.joint_frames(q)):
+            self._canvas.place(f"joint {k}", T_base_joint)
+        shown = (self.target.tobytes(), self._solution.branch)
+        if shown != self._shown:
+            self._shown = shown
+            self._draw_circle()
+
+    def _draw_circle(self) -> None:
+        self._canvas.draw("elbow circle", circle_solids(self.arm, self._anywhere))
+        arcs = arc_solids(self.arm, self._anywhere, self._intervals)
+        for branch in range(8):
+            pieces = arcs.get(branch, [])
+            if branch != self._solution.branch:
+                pieces = [piece.faded(piece.colour, _PALE) for piece in pieces]
+            self._canvas.draw(f"branch {branch}", pieces)
+
+    def _report(self) -> str:
+        rows = (f"| {name} | {np.rad2deg(angle):.2f} |" for name, angle in self._solution.as_dict().items())
+        return "\n".join([self._solution.message, "", "| joint | deg |", "|---|--:|", *rows])
+
+
+def _turn_to(figures: Any, values: Array) -> None:
+    """Write figures into their fields if they say something else."""
+    if np.abs(np.asarray(figures.value) - values).max() > 1e-6:
+        figures.value = tuple(float(value) for value in values)
+
+
+def _holds(interval: Interval, solution: Solution) -> bool:
+    return bool(solution) and interval.branch == solution.branch and solution.arm_angle in interval

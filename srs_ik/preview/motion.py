@@ -1,0 +1,99 @@
+"""Configurations over time: paths at the rate of a film, and the self-motion of an arm."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from srs_ik.errors import InvalidConfiguration
+from srs_ik.pose import as_branch, real_array
+
+if TYPE_CHECKING:
+    from srs_ik.arm import Arm
+    from srs_ik.solution import Interval
+
+Array = NDArray[np.float64]
+
+FPS = 30.0
+_MOST_FRAMES = 3000
+"""Longer films get fewer frames a second."""
+
+_SWEEP = 0.7
+"""Speed of a shown self-motion, rad of the arm angle a second."""
+
+
+def film(path: Any, dt: float) -> tuple[Array, float]:
+    """A joint path as evenly spaced frames, straight lines in joint space between its samples.
+
+    Args:
+        path: (N, 7) joint angles, rad, or a `PathSolution`.
+        dt: time between two samples, seconds.
+
+    Returns:
+        (M, 7) frames, and how many there are a second.
+
+    Raises:
+        InvalidConfiguration: not N x 7 finite angles with N > 0, or dt is no positive number.
+    """
+    q = joint_path(path)
+    try:
+        step = float(dt)
+    except (TypeError, ValueError):
+        step = np.nan
+    if not (np.isfinite(step) and step > 0.0):
+        raise InvalidConfiguration(f"dt must be a positive number of seconds, not {dt!r}")
+    duration = step * (len(q) - 1)
+    count = int(min(np.ceil(duration * FPS), _MOST_FRAMES - 1)) + 1
+    if count < 2:
+        return q[:1], FPS
+    times, samples = np.linspace(0.0, len(q) - 1.0, count), np.arange(len(q))
+    frames = np.stack([np.interp(times, samples, angles) for angles in q.T], axis=1)
+    return frames, (count - 1) / duration
+
+
+def joint_path(path: Any) -> Array:
+    """(N, 7) joint angles of a path.
+
+    Raises:
+        InvalidConfiguration: not N x 7 finite angles with N > 0.
+    """
+    try:
+        q = real_array(getattr(path, "q", path))
+    except (TypeError, ValueError):
+        raise InvalidConfiguration(f"a joint path is an (N, 7) array of angles, not {type(path).__name__}") from None
+    if q.ndim != 2 or q.shape[1] != 7 or not len(q):
+        raise InvalidConfiguration(f"a joint path is an (N, 7) array of angles, not an array of shape {q.shape}")
+    if not np.isfinite(q).all():
+        raise InvalidConfiguration("the joint path has entries that are not finite numbers")
+    return q
+
+
+def self_motion(arm: Arm, pose: Array, intervals: list[Interval], branch: int | None) -> tuple[Array, Interval] | None:
+    """The arm turned through its widest interval of feasible arm angles, and back, or once around the whole circle.
+
+    Args:
+        arm: the arm.
+        pose: (4, 4) pose that the tip keeps.
+        intervals: those of the pose.
+        branch: 0 to 7 to stay in that branch.
+
+    Returns:
+        (M, 7) frames at `FPS`, rad, and the interval; None if there is no interval.
+    """
+    wanted = as_branch(branch)
+    candidates = [interval for interval in intervals if wanted in (-1, interval.branch)]
+    if not candidates:
+        return None
+    widest = max(candidates, key=lambda interval: interval.width)
+    count = max(2, int(np.ceil(widest.width / _SWEEP * FPS)))
+    # Just inside: at the very end a joint is on its limit, and rounding may put it beyond.
+    margin = min(1e-9, 0.25 * widest.width)
+    psis = np.linspace(widest.lower + margin, widest.upper - margin, count)
+    found = arm.solve_batch(np.tile(pose, (count, 1, 1)), arm_angle=psis, branch=widest.branch)
+    q = found.q[found.ok]
+    if not len(q):
+        return None
+    around = widest.width >= 2.0 * np.pi - 1e-9
+    return (q if around else np.concatenate([q, q[-2:0:-1]])), widest

@@ -1,0 +1,119 @@
+"""Drawing on a page of viser, which unlike Meshcat's has sliders that answer to this program."""
+
+from __future__ import annotations
+
+import contextlib
+import io
+from collections.abc import Iterable
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial.transform import Rotation
+
+from srs_ik.errors import MissingExtra, PreviewError
+from srs_ik.preview.server import HOST
+from srs_ik.preview.solids import Solid
+
+try:
+    import viser
+except ImportError:
+    raise MissingExtra("interactive", "a page with sliders") from None
+
+Array = NDArray[np.float64]
+
+
+class _LoopbackServer(viser.ViserServer):
+    """Viser's server, which does not offer its page to the world when a page asks for it."""
+
+    def request_share_url(self, verbose: bool = True) -> str | None:
+        return None
+
+
+def serve(port: int, label: str) -> viser.ViserServer:
+    """Viser's server on the loopback interface alone, in threads of this process.
+
+    Args:
+        port: of the page; 0 for any that is free.
+        label: title of the page.
+
+    Raises:
+        PreviewError: the port is taken.
+    """
+    try:
+        with _quiet():
+            server = _LoopbackServer(host=HOST, port=port, label=label, verbose=False)
+    except (OSError, OverflowError, RuntimeError) as error:
+        reason = getattr(error, "strerror", None) or error
+        raise PreviewError(f"the preview cannot be served on port {port} of {HOST}: {reason}") from None
+    if port not in (0, server.get_port()):
+        stop(server)
+        raise PreviewError(f"the preview cannot be served on port {port} of {HOST}: it is in use")
+    server.gui.configure_theme(show_logo=False, show_share_button=False)
+    return server
+
+
+def stop(server: viser.ViserServer) -> None:
+    """End a page and free its port."""
+    with _quiet():
+        server.stop()
+
+
+def _quiet() -> Any:
+    """Viser prints an address when it starts and a line when it stops, whatever it is told."""
+    return contextlib.redirect_stdout(io.StringIO())
+
+
+class PageCanvas:
+    """Draws solids under names, each name with a place of its own in the base frame.
+
+    Args:
+        server: the page.
+        R_scene_base: (3, 3) rotation that sets the base frame as it stands in the world.
+    """
+
+    def __init__(self, server: viser.ViserServer, R_scene_base: Array) -> None:
+        self._scene = server.scene
+        self._groups: dict[str, Any] = {}
+        self._scene.add_frame("/scene", show_axes=False, wxyz=wxyz(R_scene_base))
+
+    def draw(self, name: str, solids: Iterable[Solid], T: Array | None = None) -> None:
+        """Draw solids under a name, in place of what was there."""
+        self.erase(name)
+        self._groups[name] = self._scene.add_frame(f"/scene/{name}", show_axes=False)
+        for k, solid in enumerate(solids):
+            self._scene.add_mesh_simple(
+                f"/scene/{name}/{k}",
+                np.asarray(solid.mesh.vertices),
+                np.asarray(solid.mesh.faces),
+                color=solid.colour,
+                opacity=solid.opacity if solid.opacity < 1.0 else None,
+                side="double",
+                cast_shadow=False,
+                receive_shadow=False,
+            )
+        if T is not None:
+            self.place(name, T)
+
+    def place(self, name: str, T: Array) -> None:
+        """Move what a name holds."""
+        group = self._groups[name]
+        group.position, group.wxyz = T[:3, 3], wxyz(T[:3, :3])
+
+    def erase(self, name: str) -> None:
+        """Remove what a name holds; nothing if it is not there."""
+        group = self._groups.pop(name, None)
+        if group is not None:
+            group.remove()
+
+
+def wxyz(R: Array) -> Array:
+    """A rotation as viser's quaternion, scalar part first."""
+    x, y, z, w = Rotation.from_matrix(R).as_quat()
+    return np.array([w, x, y, z])
+
+
+def rotation(quaternion: Any) -> Array:
+    """The (3, 3) rotation of viser's quaternion."""
+    w, x, y, z = np.asarray(quaternion, dtype=float)
+    return Rotation.from_quat([x, y, z, w]).as_matrix()

@@ -1,0 +1,356 @@
+"""`Preview`: an arm and what its answers mean, in a browser or in one file."""
+
+from __future__ import annotations
+
+import html
+import weakref
+import webbrowser
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Literal, Self
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from srs_ik.pose import PoseLike, as_joint_vector, as_rigid_matrix
+from srs_ik.preview import marks, palette, solids
+from srs_ik.preview.canvas import Canvas
+from srs_ik.preview.circle import arc_solids, circle_solids
+from srs_ik.preview.files import write_whole
+from srs_ik.preview.motion import FPS, film, self_motion
+from srs_ik.preview.robot import Part, Stage, limb, look, reach, resting
+from srs_ik.preview.server import Window
+
+if TYPE_CHECKING:
+    from srs_ik.arm import Arm
+    from srs_ik.solution import Interval
+    from srs_ik.task import Posture, Task
+
+Array = NDArray[np.float64]
+
+_GHOST_OPACITY = 0.22
+
+
+class Preview:
+    """An arm in Meshcat, served to the browsers of this machine alone.
+
+    Every `show` method draws its own part of the scene, in place of what it drew before, and leaves the rest. The page
+    lives as long as the object, at most as long as the program; `close`, or a `with` block, ends it earlier.
+
+    Args:
+        arm: the arm; it is shown in the middle of its ranges, the elbow bent, until `show` says otherwise.
+        package_dirs: folders to search for meshes before all others: packages, or folders that hold packages.
+        port: of the page; 0 for any that is free.
+
+    Attributes:
+        arm: the arm.
+        missing: one clause for every shape of the robot that could not be drawn, such as a mesh that is not found.
+
+    Raises:
+        InvalidRobot: the file that the arm was loaded from is gone, or is no URDF any more.
+        PreviewError: the port is taken.
+    """
+
+    def __init__(self, arm: Arm, package_dirs: Sequence[str | Path] = (), port: int = 0) -> None:
+        self.arm = arm
+        self._size = reach(arm)
+        parts, self.missing = look(arm, package_dirs)
+        self._window = Window(port)
+        self._close = weakref.finalize(self, self._window.close)
+        self._canvas = Canvas(self._window)
+        self._robot = parts
+        self._q = resting(arm)
+        self._draw_robot("robot", parts)
+        self._draw_robot("limb", limb(arm))
+        for k in range(8):
+            self._canvas.place(f"tip/joint {k}", np.eye(4))
+        self._canvas.draw("base frame", solids.triad(0.16 * self._size))
+        self._canvas.draw("tip/joint 7/frame", solids.triad(0.12 * self._size), self._T_joint7_tip())
+        self._canvas.stage(Stage.of(arm, parts), self._size)
+        self.show(self._q)
+
+    @property
+    def q(self) -> Array:
+        """(7,) the configuration that is shown, rad; of a motion, its first."""
+        return self._q.copy()
+
+    # The page ----------------------------------------------------------------------------------------------------
+
+    @property
+    def url(self) -> str:
+        """Address of the page, on this machine alone."""
+        return self._window.web_url
+
+    @property
+    def closed(self) -> bool:
+        """Whether the page is gone."""
+        return self._window.closed
+
+    def open(self) -> None:
+        """Open the page in the browser of the desktop."""
+        webbrowser.open(self.url)
+
+    def close(self) -> None:
+        """End the page and free its port; a second time does nothing."""
+        self._close()
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *exception: object) -> None:
+        self.close()
+
+    def html(self) -> str:
+        """The scene as one HTML page that needs neither this program nor a network.
+
+        Raises:
+            PreviewError: the preview is closed.
+        """
+        title = html.escape(f"{self.arm.name}, {self.arm.base} to {self.arm.tip}")
+        return self._canvas.page().replace("<title>MeshCat</title>", f"<title>{title}</title>", 1).lstrip()
+
+    def save(self, path: str | Path) -> Path:
+        """Write the scene, with its motion if it has one, as one HTML file that opens without a server or network.
+
+        The file appears whole or not at all.
+
+        Returns:
+            Where it was written.
+
+        Raises:
+            PreviewError: the preview is closed, or the file cannot be written.
+        """
+        return write_whole(Path(path), self.html())
+
+    def _repr_html_(self) -> str:
+        # A picture of the scene as it is now, which stays with the notebook when the program is gone.
+        page = html.escape(self.html())
+        return f'<iframe srcdoc="{page}" style="width: 100%; height: 420px; border: none"></iframe>'
+
+    def __repr__(self) -> str:
+        return f"<Preview of {self.arm.name}, {'closed' if self.closed else 'at ' + self.url}>"
+
+    # The arm -----------------------------------------------------------------------------------------------------
+
+    def show(self, q: ArrayLike) -> None:
+        """Show the arm at a configuration, with the circle of its elbow; a motion ends.
+
+        Args:
+            q: (7,) joint angles, rad; inside the limits or not.
+
+        Raises:
+            InvalidConfiguration: not 7 finite angles.
+            PreviewError: the preview is closed.
+        """
+        self._q = as_joint_vector(q)
+        self._canvas.halt()
+        for k, T_base_joint in enumerate(self.arm.joint_frames(self._q)):
+            for group in ("robot", "limb", "tip"):
+                self._canvas.place(f"{group}/joint {k}", T_base_joint)
+        self._canvas.draw("elbow circle", circle_solids(self.arm, self._q))
+
+    def show_target(self, pose: PoseLike) -> None:
+        """Show a pose of the tip as a frame.
+
+        Raises:
+            InvalidPose: the pose is no finite rigid transform.
+            PreviewError: the preview is closed.
+        """
+        self._canvas.draw("target", solids.triad(0.18 * self._size), as_rigid_matrix(pose))
+
+    def show_intervals(self, pose: PoseLike, respect_limits: bool = True) -> list[Interval]:
+        """Show the feasible arm angles of a pose as arcs around the circle of the elbow, a colour for each branch.
+
+        Returns:
+            The intervals; none, and nothing is drawn, where no posture reaches the pose.
+
+        Raises:
+            InvalidPose: the pose is no finite rigid transform.
+            PreviewError: the preview is closed.
+        """
+        T = as_rigid_matrix(pose)
+        intervals = self.arm.intervals(T, respect_limits)
+        self._canvas.erase("intervals")
+        self.show_target(T)
+        if intervals:
+            q = self.arm.solve(T, respect_limits=False).q
+            for branch, arcs in arc_solids(self.arm, q, intervals).items():
+                self._canvas.draw(f"intervals/branch {branch}", arcs)
+        return intervals
+
+    def show_ghosts(self, pose: PoseLike, respect_limits: bool = True) -> int:
+        """Show one posture of every other branch that reaches a pose, as pale copies of the arm.
+
+        Returns:
+            How many.
+
+        Raises:
+            InvalidPose: the pose is no finite rigid transform.
+            PreviewError: the preview is closed.
+        """
+        T = as_rigid_matrix(pose)
+        shown = self.arm.branch(self._q)
+        others = {s.branch: s.q for s in self.arm.solve_all(T, respect_limits=respect_limits) if s.branch != shown}
+        self._canvas.erase("ghosts")
+        pale = [
+            Part(part.joint, part.solid.faded(palette.GHOST, _GHOST_OPACITY)) for part in self._robot if part.joint > 0
+        ]
+        for branch, q in others.items():
+            self._draw_robot(f"ghosts/branch {branch}", pale)
+            for k, T_base_joint in enumerate(self.arm.joint_frames(q)):
+                self._canvas.place(f"ghosts/branch {branch}/joint {k}", T_base_joint)
+        return len(others)
+
+    # Motion ------------------------------------------------------------------------------------------------------
+
+    def show_self_motion(self, pose: PoseLike, branch: int | None = None, respect_limits: bool = True) -> bool:
+        """Show how the arm can move while its tip stays: through its widest interval of arm angles, and back.
+
+        Args:
+            pose: pose of the tip in the base frame.
+            branch: 0 to 7 to stay in that branch; by default the one with the widest interval.
+            respect_limits: whether to stay inside the joint limits.
+
+        Returns:
+            Whether there is any posture to show; the intervals are drawn in any case.
+
+        Raises:
+            InvalidPose: the pose is no finite rigid transform.
+            InvalidConfiguration: no branch.
+            PreviewError: the preview is closed.
+        """
+        T = as_rigid_matrix(pose)
+        intervals = self.show_intervals(T, respect_limits)
+        found = self_motion(self.arm, T, intervals, branch)
+        if found is None:
+            return False
+        self.show(found[0][0])
+        self._play(found[0], FPS, repeat=True)
+        return True
+
+    def animate(self, path: Any, dt: float, repeat: bool = True) -> None:
+        """Show a joint path as a motion.
+
+        Args:
+            path: (N, 7) joint angles, rad, or the `PathSolution` of `Arm.solve_path`.
+            dt: time between two samples, seconds.
+            repeat: whether it starts again at its end.
+
+        Raises:
+            InvalidConfiguration: not N x 7 finite angles with N > 0, or dt is no positive number.
+            PreviewError: the preview is closed.
+        """
+        frames, fps = film(path, dt)
+        self.show(frames[0])
+        if len(frames) > 1:
+            self._canvas.erase("elbow circle")
+            self._play(frames, fps, repeat)
+
+    # What an answer means ----------------------------------------------------------------------------------------
+
+    def show_posture(self, posture: Posture, task: Task | None = None) -> None:
+        """Show a posture of `Arm.posture` as sticks, and the task that it is for.
+
+        Args:
+            posture: one posture, not N of them.
+            task: its task, shown as a plane with velocity (blue), force (red), grasp (green) and the normal (violet).
+
+        Raises:
+            InvalidTask: it is N postures or tasks, or none.
+            PreviewError: the preview is closed.
+        """
+        marks.check_single(posture, task)
+        self._canvas.draw("posture", marks.posture_solids(posture, 0.012 * self._size))
+        self._canvas.erase("task")
+        if task is not None:
+            self._canvas.draw("task", marks.task_solids(task, posture.task_normal, 0.25 * self._size))
+
+    def show_ellipsoids(
+        self, q: ArrayLike, part: Literal["linear", "angular"] = "linear", limits: bool = False
+    ) -> None:
+        """Show the arm at a configuration with its velocity (blue) and force ellipsoid (red) at the tip.
+
+        Both are scaled to the size of the arm: what their shapes and directions say is to be seen, not their units.
+        A direction in which any force is held is drawn twice as long as the largest force that has a bound.
+
+        Args:
+            q: (7,) joint angles, rad.
+            part: the linear or the angular ellipsoids.
+            limits: weigh the joints by the velocity and effort limits of the arm.
+
+        Raises:
+            InvalidConfiguration: not 7 finite angles.
+            InvalidTask: no such part.
+            MissingLimits: the limits are wanted and not given.
+            PreviewError: the preview is closed.
+        """
+        from srs_ik.ellipsoids import force_ellipsoid, velocity_ellipsoid
+
+        marks.check_part(part)
+        q = as_joint_vector(q)
+        J, tip = self.arm.jacobian(q), self.arm.forward_kinematics(q).translation
+        velocity = velocity_ellipsoid(J, self.arm.velocity_limit if limits else None, part)
+        force = force_ellipsoid(J, self.arm.effort_limit if limits else None, part)
+        self.show(q)
+        size = 0.24 * self._size
+        self._canvas.draw("velocity", marks.ellipsoid_solids(velocity, tip, size, palette.VELOCITY))
+        self._canvas.draw("force", marks.ellipsoid_solids(force, tip, size, palette.FORCE))
+
+    def show_polytopes(self, q: ArrayLike, part: Literal["linear", "angular"] = "linear") -> None:
+        """Show the arm at a configuration with the polytopes of velocity (blue) and force (red) that its limits allow.
+
+        Each is scaled to the size of the arm.
+
+        Raises:
+            InvalidConfiguration: not 7 finite angles.
+            InvalidTask: no such part.
+            MissingLimits: the robot gives no velocity or effort limits.
+            MissingExtra: the library that computes polytopes is not installed.
+            PreviewError: the preview is closed.
+        """
+        from srs_ik.polytopes import force_polytope, velocity_polytope
+
+        marks.check_part(part)
+        q = as_joint_vector(q)
+        tip = self.arm.forward_kinematics(q).translation
+        found = {
+            "velocity polytope": (velocity_polytope(self.arm, q, part), palette.VELOCITY),
+            "force polytope": (force_polytope(self.arm, q, part), palette.FORCE),
+        }
+        self.show(q)
+        for name, (polytope, colour) in found.items():
+            self._canvas.draw(name, marks.polytope_solids(polytope, tip, 0.35 * self._size, colour))
+
+    def clear(self) -> None:
+        """Remove all but the robot."""
+        self._canvas.halt()
+        for name in _EXTRAS:
+            self._canvas.erase(name)
+
+    # --------------------------------------------------------------------------------------------------------------
+
+    def _draw_robot(self, group: str, parts: Sequence[Part]) -> None:
+        for k in range(8):
+            self._canvas.draw(f"{group}/joint {k}", [part.solid for part in parts if part.joint == k])
+
+    def _play(self, frames: Array, fps: float, repeat: bool) -> None:
+        T = np.stack([self.arm.joint_frames(q) for q in frames])
+        moving = {f"{group}/joint {k}": T[:, k] for group in ("robot", "limb", "tip") for k in range(1, 8)}
+        self._canvas.animate(moving, fps, repeat)
+
+    def _T_joint7_tip(self) -> Array:
+        T_base_joint7 = self.arm.joint_frames(np.zeros(7))[7]
+        return np.linalg.inv(T_base_joint7) @ self.arm.limb.T_base_tip_zero
+
+
+_EXTRAS = (
+    "target",
+    "intervals",
+    "ghosts",
+    "posture",
+    "task",
+    "velocity",
+    "force",
+    "velocity polytope",
+    "force polytope",
+)

@@ -1,0 +1,74 @@
+"""A headless browser for tests: Chromium by playwright, with WebGL in software."""
+
+import io
+import os
+import shutil
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+REQUIRED = "SRS_IK_BROWSER_REQUIRED"
+"""Set where a test that needs a browser must not be skipped."""
+
+SIZE = {"width": 560, "height": 460}
+_NAMES = ("chromium", "chromium-browser", "google-chrome")
+# No sandbox: it needs rights that containers do not have, and the pages are our own.
+_OPTIONS = ["--no-sandbox", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"]
+
+
+def _missing(what: str):
+    if os.environ.get(REQUIRED):
+        pytest.fail(f"{what}, and {REQUIRED} is set")
+    pytest.skip(what)
+
+
+@contextmanager
+def chromium() -> Iterator:
+    """A browser; skips the test where there is none."""
+    try:
+        from playwright.sync_api import sync_playwright
+    except ImportError:
+        _missing("playwright is not installed")
+    with sync_playwright() as playwright:
+        found = next(filter(None, map(shutil.which, _NAMES)), None)
+        path = found or playwright.chromium.executable_path
+        if not Path(path).is_file():
+            _missing("there is no Chromium on this machine")
+        browser = playwright.chromium.launch(executable_path=path, args=_OPTIONS)
+        try:
+            yield browser
+        finally:
+            browser.close()
+
+
+def pixels(page) -> np.ndarray:
+    """(height, width, 3) what the page shows, 0 to 255."""
+    from PIL import Image
+
+    return np.asarray(Image.open(io.BytesIO(page.screenshot())).convert("RGB")).astype(int)
+
+
+def settled(page, within: float = 20.0) -> np.ndarray:
+    """The pixels once they stay as they are for half a second."""
+    last = pixels(page)
+    for _ in range(int(2 * within)):
+        page.wait_for_timeout(500)
+        now = pixels(page)
+        if (now == last).all():
+            return now
+        last = now
+    raise AssertionError(f"the page does not come to rest within {within} s")
+
+
+def changed(one: np.ndarray, other: np.ndarray) -> float:
+    """Share of the pixels that differ visibly."""
+    return float((np.abs(one - other).max(axis=-1) > 24).mean())
+
+
+def orange(image: np.ndarray) -> float:
+    """Share of the pixels in the colour of the joints of the iiwa14, which nothing else in a scene has."""
+    r, g, b = np.moveaxis(image, -1, 0)
+    return float(((r > 170) & (g > 50) & (g < 150) & (b < 90)).mean())

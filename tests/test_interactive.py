@@ -1,0 +1,113 @@
+"""The page with sliders: every control leaves the arm at the target, inside its limits and in the chosen interval."""
+
+import sys
+
+import numpy as np
+import pinocchio as pin
+import pytest
+
+import srs_ik
+
+Q = np.array([0.3, 0.7, -0.4, -1.2, 0.5, 0.8, -0.2])
+
+
+@pytest.fixture(params=["iiwa14", "human_arm"])
+def arm(request):
+    pytest.importorskip("viser")
+    return srs_ik.load(request.param)
+
+
+@pytest.fixture
+def page(arm):
+    with srs_ik.InteractivePreview(arm) as page:
+        yield page
+
+
+def check(page) -> None:
+    arm, solution = page.arm, page.solution
+    assert solution
+    assert max(arm.verify(page.target, solution.q)) < 1e-9
+    assert (solution.q >= arm.lower - 1e-12).all()
+    assert (solution.q <= arm.upper + 1e-12).all()
+    shown = np.deg2rad(page._slider.value) - solution.arm_angle
+    assert abs((shown + np.pi) % (2.0 * np.pi) - np.pi) < 1e-4
+    assert f"branch {solution.branch}:" in page._list.value
+    assert page._slider.min <= page._slider.value <= page._slider.max
+
+
+def test_the_slider_runs_through_the_whole_interval(page):
+    lower, upper = page._slider.min, page._slider.max
+    branch = page.solution.branch
+    for share in np.linspace(0.0, 1.0, 9):
+        page._slider.value = float(lower + share * (upper - lower))
+        check(page)
+        assert page.solution.branch == branch
+    assert (page._slider.min, page._slider.max) == (lower, upper)
+
+
+def test_every_interval_can_be_chosen(page):
+    names = page._list.options
+    expected = page.arm.intervals(page.target)
+    assert len(names) == len(expected) > 0
+    for name, interval in zip(names, expected, strict=True):
+        page._list.value = name
+        check(page)
+        assert page.solution.branch == interval.branch
+        assert page.solution.arm_angle in interval
+
+
+def test_the_target_can_be_dragged_and_typed(page):
+    position = page._xyz.value + np.array([0.0, -0.02, 0.01])
+    page._xyz.value = tuple(position)
+    check(page)
+    assert np.abs(page.target[:3, 3] - position).max() < 1e-9
+    page._handles.position = position + 0.01
+    page._target_dragged()
+    check(page)
+    assert np.abs(np.array(page._xyz.value) - position - 0.01).max() < 1e-5
+    R = pin.rpy.rpyToMatrix(*np.deg2rad(page._rpy.value))
+    assert np.abs(page.target[:3, :3] - R).max() < 1e-5
+
+
+def test_out_of_reach_the_closest_posture_is_shown_and_said(page):
+    T = page.target
+    back = T.copy()
+    T[:3, 3] += 3.0
+    solution = page.show(T)
+    assert not solution
+    assert solution.status is srs_ik.Status.UNREACHABLE
+    assert np.isfinite(solution.q).all()
+    assert page._slider.disabled
+    assert page._list.options == ("no posture",)
+    assert "No posture" in page._text.content
+    page._slider.value = 12.0
+    assert not page.solution
+    page.show(back)
+    assert not page._slider.disabled
+    check(page)
+
+
+def test_wrong_input_is_one_clear_error(page):
+    with pytest.raises(srs_ik.InvalidPose):
+        page.show(np.zeros((4, 4)))
+    with pytest.raises(srs_ik.InvalidConfiguration):
+        page.show(page.target, seed=[1.0])
+    with pytest.raises(srs_ik.InvalidConfiguration):
+        srs_ik.InteractivePreview(page.arm, [1.0])
+    check(page)
+    page.close()
+    with pytest.raises(srs_ik.PreviewError, match="is closed"):
+        page.show(page.target)
+
+
+def test_a_page_cannot_be_shared_with_the_world(page):
+    assert page._server.request_share_url() is None
+
+
+def test_without_viser_the_error_names_the_extra(monkeypatch):
+    for name in ("srs_ik.preview.page", "srs_ik.preview.interactive"):
+        monkeypatch.delitem(sys.modules, name, raising=False)
+    monkeypatch.delitem(vars(srs_ik), "InteractivePreview", raising=False)
+    monkeypatch.setitem(sys.modules, "viser", None)
+    with pytest.raises(srs_ik.MissingExtra, match=r"pip install 'srs-ik\[interactive\]'"):
+        srs_ik.InteractivePreview(None)

@@ -1,0 +1,150 @@
+"""The preview as a person sees it: in a headless browser, by its pixels."""
+
+import numpy as np
+import pytest
+from browser import SIZE, changed, chromium, orange, pixels, settled
+
+import srs_ik
+from srs_ik.preview import Preview
+
+Q = np.array([0.3, 0.7, -0.4, -1.2, 0.5, 0.8, -0.2])
+
+
+@pytest.fixture(scope="module")
+def browser():
+    with chromium() as browser:
+        yield browser
+
+
+@pytest.fixture(scope="module")
+def arm():
+    return srs_ik.load("iiwa14")
+
+
+def opened(browser, url: str, offline: bool = False):
+    """A page, and the list of what went wrong on it, and of the addresses beyond this machine that it asked for."""
+    page = browser.new_page(viewport=SIZE)
+    page.faults = []
+    page.on("pageerror", lambda error: page.faults.append(str(error)))
+    local = ("file:", "data:", "blob:") if offline else ("http://127.0.0.1:", "ws://127.0.0.1:", "data:", "blob:")
+    page.on("request", lambda r: None if r.url.startswith(local) else page.faults.append(r.url))
+    if offline:
+        page.context.set_offline(True)
+    page.goto(url)
+    return page
+
+
+def test_the_page_shows_the_arm_and_follows_it(browser, arm):
+    with Preview(arm) as view:
+        view.show(Q)
+        page = opened(browser, view.url)
+        first = settled(page)
+        assert orange(first) > 0.003
+        view.show(-Q)
+        second = settled(page)
+        assert orange(second) > 0.001
+        assert changed(first, second) > 0.01
+        view.show(Q)
+        assert changed(first, settled(page)) < 0.001
+        assert page.faults == []
+    page.close()
+
+
+def test_everything_that_can_be_shown_changes_the_picture(browser, arm):
+    pose = arm.forward_kinematics(Q)
+    with Preview(arm) as view:
+        view.show(Q)
+        page = opened(browser, view.url)
+        bare = settled(page)
+        shows = {
+            "target": lambda: view.show_target(arm.forward_kinematics(Q + 0.3)),
+            "intervals": lambda: view.show_intervals(pose),
+            "ghosts": lambda: view.show_ghosts(pose),
+            "ellipsoids": lambda: view.show_ellipsoids(Q),
+            "polytopes": lambda: view.show_polytopes(Q),
+        }
+        for name, show in shows.items():
+            show()
+            assert changed(bare, settled(page)) > 0.0005, name
+            view.clear()
+            assert changed(bare, settled(page)) < 0.0001, name
+        assert page.faults == []
+    page.close()
+
+
+def test_a_saved_scene_looks_the_same_without_server_and_network(browser, arm, tmp_path):
+    path = tmp_path / "scene.html"
+    with Preview(arm) as view:
+        view.show(Q)
+        view.show_intervals(arm.forward_kinematics(Q))
+        page = opened(browser, view.url)
+        live = settled(page)
+        page.close()
+        view.save(path)
+    page = opened(browser, path.as_uri(), offline=True)
+    saved = settled(page)
+    assert orange(saved) > 0.003
+    assert changed(live, saved) < 0.005
+    assert page.title() == "iiwa14, iiwa_link_0 to iiwa_link_ee"
+    assert page.faults == []
+    page.close()
+
+
+def test_a_saved_self_motion_moves(browser, arm, tmp_path):
+    with Preview(arm) as view:
+        assert view.show_self_motion(arm.forward_kinematics(Q))
+        view.save(tmp_path / "motion.html")
+    page = opened(browser, (tmp_path / "motion.html").as_uri(), offline=True)
+    page.wait_for_timeout(1500)
+    pictures = []
+    for _ in range(4):
+        pictures.append(pixels(page))
+        page.wait_for_timeout(700)
+    assert min(orange(picture) for picture in pictures) > 0.001
+    assert max(changed(pictures[0], picture) for picture in pictures[1:]) > 0.01
+    assert page.faults == []
+    page.close()
+
+
+def test_a_motion_ends_where_the_arm_is_shown(browser, arm):
+    with Preview(arm) as view:
+        view.show(Q)
+        page = opened(browser, view.url)
+        still = settled(page)
+        view.animate(np.linspace(Q, -Q, 20), 0.05)
+        view.clear()
+        view.show(Q)
+        assert changed(still, settled(page)) < 0.001
+    page.close()
+
+
+def test_the_slider_turns_the_elbow_and_leaves_the_tip(browser, arm):
+    pytest.importorskip("viser")
+    from srs_ik.preview.interactive import InteractivePreview
+
+    with InteractivePreview(arm, Q) as view:
+        before, target = view.solution, view.target
+        page = opened(browser, view.url)
+        slider = page.get_by_role("slider")
+        slider.wait_for()
+        page.wait_for_timeout(1500)
+        first = pixels(page)
+        slider.focus()
+        for _ in range(40):
+            page.keyboard.press("ArrowRight")
+            page.wait_for_timeout(15)
+        for _ in range(40):
+            page.wait_for_timeout(100)
+            if view.solution.arm_angle - before.arm_angle > 0.2:
+                break
+        after = view.solution
+        assert after
+        assert after.branch == before.branch
+        assert after.arm_angle - before.arm_angle > 0.2
+        assert (arm.lower <= after.q).all()
+        assert (after.q <= arm.upper).all()
+        assert max(arm.verify(target, after.q)) < 1e-9
+        page.wait_for_timeout(1500)
+        assert changed(first, pixels(page)) > 0.01
+        assert page.faults == []
+    page.close()
