@@ -1,9 +1,10 @@
 """Damaged robot files in great number: python tests/fuzz.py --count 20000 FOLDER_WITH_URDF_FILES ...
 
-Each mutation goes through everything that a user would do with the file: list its arms, load each, and ask for a pose.
-A process of its own does the work and is watched, since a parser in C++ can end the interpreter or hang. What counts as
-a failure: an exception that is none of the package's, a message of more than one line, a NaN, an answer that says OK
-and is not, more than two seconds, more than 2 GiB of memory, or the end of the process.
+The files are the URDFs of the folders and of the package, an MJCF file and an adapter. Each mutation goes through
+everything that a user would do with the file: list its arms, load each, and ask for a pose. A process of its own does
+the work and is watched, since a parser in C++ can end the interpreter or hang. What counts as a failure: an exception
+that is none of the package's, a message of more than one line, a NaN, an answer that says OK and is not, more than two
+seconds, more than 2 GiB of memory, or the end of the process.
 """
 
 from __future__ import annotations
@@ -17,19 +18,52 @@ import threading
 import time
 from collections import Counter
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 from mutations import mutated
 
-from srs_ik import SrsIkError, find_limbs, load, zoo
+from srs_ik import InvalidRobot, SrsIkError, find_limbs, load, zoo
 
 LONGEST = 2.0
 MEMORY = 2 * 2**30
 
 
-def corpus(folders: list[Path]) -> list[Path]:
-    """The built-in robots, and the files of some folders."""
-    return [zoo.card(name).urdf for name in zoo.robots()] + [p for f in folders for p in sorted(f.rglob("*.urdf"))]
+class Sample(NamedTuple):
+    """A whole file."""
+
+    suffix: str
+    text: str
+
+
+def mjcf() -> str:
+    """An arm of seven joints as MuJoCo describes one."""
+    places = zip(["0 0 1", "0 1 0"] * 3 + ["0 0 1"], [0, 0, 3, 0, 3, 0, 1], strict=True)
+    bodies = "".join(
+        f'<body name="l{k}" pos="0 0 {height}"><joint name="j{k}" type="hinge" axis="{axis}" range="-2 2"/>'
+        '<inertial pos="0 0 0.1" mass="1" diaginertia="0.1 0.1 0.1"/><geom type="sphere" size="0.01"/>'
+        for k, (axis, height) in enumerate(places, 1)
+    )
+    compiler = '<compiler angle="radian" autolimits="true"/><default><joint damping="1"/></default>'
+    return f'<mujoco model="arm">{compiler}<worldbody>{bodies}{"</body>" * 7}</worldbody></mujoco>'
+
+
+def adapter() -> str:
+    """An adapter for a built-in robot, with every table."""
+    card = zoo.card("iiwa14")
+    return (
+        f"name = 'a'\nurdf = '{card.urdf}'\nside = 'left'\n[frames]\nbase = '{card.base}'\ntip = '{card.tip}'\n"
+        "[arm_angle]\nreference = [0, 0, 1.0]\n[hand]\ngrasp = [1, 0, 0]\npronosupination = [0, 0, 1]\n"
+        "[limits]\niiwa_joint_2 = { lower = -1.5, upper = 1.25, velocity = 1, effort = inf }\n"
+        "[tool]\nxyz = [0, 0, 0.1]\nrpy = [0, 0.5, 0]\n[mount]\nxyz = [1, 2, 3]\nname = 'room'\n"
+    )
+
+
+def corpus(folders: list[Path]) -> list[Sample]:
+    """The whole files that are damaged."""
+    urdfs = [zoo.card(name).urdf for name in zoo.robots()] + [p for f in folders for p in sorted(f.rglob("*.urdf"))]
+    samples = [Sample(".urdf", path.read_text()) for path in urdfs]
+    return [*samples, Sample(".xml", mjcf()), Sample(".toml", adapter())]
 
 
 def trial(data: bytes, path: Path) -> str:
@@ -52,7 +86,13 @@ def trial(data: bytes, path: Path) -> str:
         assert report.describe()
         if report.limb is None:
             continue
-        arm = load(path, base=report.base, tip=report.tip)
+        try:
+            arm = load(path, base=report.base, tip=report.tip)
+        except InvalidRobot:
+            # Limits, a tool or a mount that make no sense: only an adapter has them.
+            if path.suffix == ".toml":
+                continue
+            raise
         arms += 1
         q = np.clip(np.linspace(-0.5, 0.6, 7), arm.lower, arm.upper)
         pose = arm.forward_kinematics(q)
@@ -66,20 +106,20 @@ def trial(data: bytes, path: Path) -> str:
     return "solved" if arms else "no limb"
 
 
-def work(paths: list[Path], scratch: Path) -> None:
+def work(samples: list[Sample], scratch: Path) -> None:
     """The watched process: a seed a line on standard input, a verdict a line on standard output."""
     resource.setrlimit(resource.RLIMIT_AS, (8 * 2**30, 8 * 2**30))
-    texts = [path.read_text() for path in paths]
     for name in zoo.robots():
         arm = load(name)
         arm.solve(arm.forward_kinematics(np.full(7, -0.3)))
     print("ready", flush=True)
     for line in sys.stdin:
         seed = int(line)
-        data = mutated(texts[seed % len(texts)], seed)
+        sample = samples[seed % len(samples)]
+        data = mutated(sample.text, seed)
         start = time.monotonic()
         try:
-            verdict = trial(data, scratch)
+            verdict = trial(data, scratch.with_suffix(sample.suffix))
         except Exception as error:
             verdict = f"FAILED {type(error).__name__}: {error}".replace("\n", " ")[:300]
         seconds = time.monotonic() - start
@@ -146,7 +186,8 @@ def main() -> int:
         verdicts[verdict.partition(" ")[0] if verdict.startswith("FAILED") else verdict] += 1
         slowest = max(slowest, float(seconds))
     worker.stop()
-    scratch.unlink(missing_ok=True)
+    for sample in corpus([]):
+        scratch.with_suffix(sample.suffix).unlink(missing_ok=True)
     print(
         f"{options.count} mutations of {len(corpus(options.folders))} files, slowest {slowest:.2f} s: {dict(verdicts)}"
     )

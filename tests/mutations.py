@@ -30,7 +30,7 @@ TAGS = (
 def mutated(text: str, seed: int) -> bytes:
     """A robot file with one to five things wrong, or not: every mutation is decided by the seed alone."""
     rng = random.Random(seed)
-    if rng.random() < 0.4:
+    if rng.random() < 0.4 or not text.lstrip().startswith("<"):
         return _damaged_bytes(text.encode(), rng)
     robot = ElementTree.fromstring(text)
     for _ in range(rng.choice((1, 1, 1, 2, 3, 5))):

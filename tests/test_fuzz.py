@@ -16,13 +16,14 @@ FILES = corpus([SHARED])
 @pytest.mark.parametrize("first", range(0, 200, 25))
 def test_damaged_files_are_refused_or_solved(first, tmp_path):
     for seed in range(first, first + 25):
-        text = FILES[seed % len(FILES)].read_text()
-        assert trial(mutated(text, seed), tmp_path / "damaged.urdf") in ("refused", "no limb", "solved"), f"seed {seed}"
+        sample = FILES[seed % len(FILES)]
+        path = tmp_path / f"damaged{sample.suffix}"
+        assert trial(mutated(sample.text, seed), path) in ("refused", "no limb", "solved"), f"seed {seed}"
 
 
 def test_whole_files_are_solved(tmp_path):
-    for name in zoo.robots():
-        assert trial(zoo.card(name).urdf.read_bytes(), tmp_path / "whole.urdf") == "solved"
+    for sample in corpus([]):
+        assert trial(sample.text.encode(), tmp_path / f"whole{sample.suffix}") == "solved"
 
 
 def test_mutations_depend_on_the_seed_alone():

@@ -217,9 +217,26 @@ def test_an_mjcf_file_is_read_by_pinocchio(tmp_path):
     expected = same.forward_kinematics(q)
     np.testing.assert_allclose(arm.forward_kinematics(q).homogeneous, expected.homogeneous, atol=1e-14)
     assert arm.solve(expected)
-    path.write_text(f"{header}{bodies}")
-    with pytest.raises(InvalidRobot, match=r"arm\.xml is an MJCF file that Pinocchio does not read"):
-        srs_ik.load(path)
+    whole = path.read_text()
+    wrong = {
+        f"{header}{bodies}": "not well-formed XML",
+        whole.replace("hinge", "hinges", 1): "is an MJCF file that Pinocchio does not read",
+        whole.replace('pos="0 0 0.3"', 'pos="0 0 1e9"', 1): "lies nowhere, or farther than",
+        whole.replace('range="-2 2"', 'range="3 2"', 1): "a lower limit above its upper limit",
+        whole.replace("l7", "\ue000", 1): "cannot be printed",
+        whole.replace("<worldbody>", "<worldbody>" + "<a>" * 1000): "nested more than 1000 deep",
+        "<!DOCTYPE a>" + whole: "DOCTYPE",
+        whole.replace(
+            "</worldbody>", '<body><joint type="free"/></body>' * 33 + "</worldbody>"
+        ): "more than the 200 deg",
+        whole.replace("<worldbody>", '<include file="none.xml"/><worldbody>'): "includes '.*none.xml', which cannot be",
+        whole.replace("<worldbody>", '<include file="arm.xml"/><worldbody>'): "includes more than 20 files",
+    }
+    for text, says in wrong.items():
+        path.write_text(text)
+        with pytest.raises(InvalidRobot, match=says) as raised:
+            srs_ik.load(path)
+        assert len(str(raised.value).splitlines()) == 1
 
 
 # Which limb

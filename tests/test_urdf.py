@@ -232,7 +232,7 @@ WRONG_TEXT = {
     ),
     "too many links": (robot_xml(links=" ".join(f"l{k}" for k in range(2001))), "2001 links"),
     "too many elements": ("<robot name='x'>" + "<a/>" * 200_000 + "</robot>", "more than 200000 XML elements"),
-    "too deep in tags": ("<robot name='x'>" + "<a>" * 200_000, "more than 200000 XML elements"),
+    "too deep in tags": ("<robot name='x'>" + "<a>" * 1000, "nested more than 1000 deep"),
     "too much freedom": (
         robot_xml(
             *(joint_xml(f"j{k}", "l0", f"l{k + 1}") for k in range(201)), links=" ".join(f"l{k}" for k in range(202))

@@ -20,6 +20,9 @@ MAX_BYTES = 8 * 2**20
 MAX_ELEMENTS = 200_000
 """Most elements that are read, skipped ones included; a humanoid with hands has a few thousand."""
 
+MAX_DEPTH = 1000
+"""Deepest nesting of elements, which some parsers follow by recursion: bodies of an MJCF file nest, links do not."""
+
 Kept = Mapping[str, frozenset[str]]
 """Elements that are kept inside each element."""
 
@@ -54,18 +57,9 @@ def parse(text: str | bytes, source: str, kept: Kept = KEPT) -> Element:
     text = text.lstrip("\ufeff \t\r\n") if isinstance(text, str) else text.lstrip()
     if not text:
         raise InvalidRobot(f"{source} is empty", source)
-    if len(text) > MAX_BYTES:
-        raise InvalidRobot(f"{source} is larger than {MAX_BYTES // 2**20} MiB, too large for a URDF", source)
+    check_size(text, source)
     reader = _Reader(source, kept)
-    # Without namespace processing, as other URDF readers do: files with undeclared prefixes in skipped tags are common.
-    parser = expat.ParserCreate()
-    parser.StartElementHandler = reader.start
-    parser.EndElementHandler = reader.end
-    parser.StartDoctypeDeclHandler = reader.doctype
-    try:
-        parser.Parse(text, True)
-    except (expat.ExpatError, LookupError, ValueError) as error:
-        raise InvalidRobot(f"{source} is not well-formed XML: {error}", source) from None
+    run(reader, text, source)
     if reader.root is None:
         raise InvalidRobot(f"{source} has no <robot> element", source)
     return reader.root
@@ -86,22 +80,86 @@ def root_tag(text: bytes) -> str:
     return found[0] if found else ""
 
 
-class _Reader:
+def check_size(text: str | bytes, source: str) -> None:
+    """Refuse a text that is too large.
+
+    Raises:
+        InvalidRobot: it is.
+    """
+    if len(text) > MAX_BYTES:
+        raise InvalidRobot(f"{source} is larger than {MAX_BYTES // 2**20} MiB, too large for a robot", source)
+
+
+def run(handler: Guardian, text: str | bytes, source: str) -> None:
+    """Parse a text for its events.
+
+    Raises:
+        InvalidRobot: it is not well-formed, or the handler refuses it.
+    """
+    # Without namespace processing, as other URDF readers do: files with undeclared prefixes in skipped tags are common.
+    parser = expat.ParserCreate()
+    parser.StartElementHandler = handler.start
+    parser.EndElementHandler = handler.end
+    parser.StartDoctypeDeclHandler = handler.doctype
+    try:
+        parser.Parse(text, True)
+    except (expat.ExpatError, LookupError, ValueError) as error:
+        raise InvalidRobot(f"{source} is not well-formed XML: {error}", source) from None
+
+
+class Guardian:
+    """Bounds the elements of a text and their depth while it is parsed.
+
+    Args:
+        source: what error messages call the text.
+    """
+
+    def __init__(self, source: str) -> None:
+        self.source = source
+        self._count = 0
+        self._depth = 0
+
+    def start(self, tag: str, attributes: dict[str, str]) -> None:
+        """An element begins.
+
+        Raises:
+            InvalidRobot: it is one too many, or too deep.
+        """
+        self._count += 1
+        self._depth += 1
+        if self._count > MAX_ELEMENTS:
+            message = f"{self.source} has more than {MAX_ELEMENTS} XML elements, too many for a robot"
+            raise InvalidRobot(message, self.source)
+        if self._depth > MAX_DEPTH:
+            message = f"{self.source} has XML elements nested more than {MAX_DEPTH} deep, too deep for a robot"
+            raise InvalidRobot(message, self.source)
+
+    def end(self, tag: str) -> None:
+        """An element ends."""
+        self._depth -= 1
+
+    def doctype(self, *declaration: Any) -> None:
+        """A document type is declared.
+
+        Raises:
+            InvalidRobot: always.
+        """
+        message = f"{self.source} has a <!DOCTYPE> declaration, which no robot needs and which is not read for safety"
+        raise InvalidRobot(message, self.source)
+
+
+class _Reader(Guardian):
     """Builds the tree of kept elements from the events of the parser."""
 
     def __init__(self, source: str, kept: Kept) -> None:
-        self.source = source
+        super().__init__(source)
         self._kept = kept
         self.root: Element | None = None
         self._open: list[Element] = []
         self._skipped = 0
-        self._count = 0
 
     def start(self, tag: str, attributes: dict[str, str]) -> None:
-        self._count += 1
-        if self._count > MAX_ELEMENTS:
-            message = f"{self.source} has more than {MAX_ELEMENTS} XML elements, too many for a URDF"
-            raise InvalidRobot(message, self.source)
+        super().start(tag, attributes)
         if self._skipped:
             self._skipped += 1
         elif not self._open:
@@ -123,13 +181,8 @@ class _Reader:
                 self._skipped = 1
 
     def end(self, tag: str) -> None:
+        super().end(tag)
         if self._skipped:
             self._skipped -= 1
         else:
             self._open.pop()
-
-    def doctype(self, *declaration: Any) -> None:
-        message = (
-            f"{self.source} has a <!DOCTYPE> declaration, which a URDF does not need and which is not read for safety"
-        )
-        raise InvalidRobot(message, self.source)

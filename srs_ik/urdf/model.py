@@ -91,7 +91,7 @@ def load_model(
         content = read(path, label)
         if document.root_tag(content) == "mujoco":
             with _stderr_captured() as printed:
-                model = mjcf.build(path, label, lambda: _first_complaint(printed()))
+                model = mjcf.build(path, content, label, lambda: _first_complaint(printed()))
             return RobotModel(model, model.name or "robot", label)
         return _from_elements(document.parse(content, label), label, Drawing(path.absolute()))
     # Whoever holds such an object has imported its package; for all others the import would be a waste.
