@@ -24,8 +24,8 @@ _FRAME_PREFERENCE = (
 )
 """Which frame a name means where several kinds bear it: links first, as links and joints often share names."""
 
-_UNLIMITED = 1e300
-"""A limit of this size is Pinocchio's way to say that there is none."""
+_UNLIMITED = 1e6
+"""A limit of this size is a way to say that there is none; Pinocchio's is the largest number, some files have 1e9."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -346,7 +346,7 @@ def _position_limits(model: Any) -> tuple[Vector, Vector]:
         joint = model.joints[k + 1]
         if joint.nq == 1:
             low, high = float(model.lowerPositionLimit[joint.idx_q]), float(model.upperPositionLimit[joint.idx_q])
-            if not low <= high:
+            if not (low <= high and low < _UNLIMITED and high > -_UNLIMITED):
                 raise InvalidRobot(f"joint {model.names[k + 1]!r} has the position limits {low} and {high}", model.name)
             lower[k] = low if low > -_UNLIMITED else -np.inf
             upper[k] = high if high < _UNLIMITED else np.inf

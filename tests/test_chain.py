@@ -274,7 +274,17 @@ def test_a_model_of_a_program_without_limits_or_frames():
         np.testing.assert_array_equal(limit, np.inf)
 
 
-@pytest.mark.parametrize(("low", "high"), [(1.0, -1.0), (np.nan, 1.0), (0.0, np.nan)])
+@pytest.mark.parametrize("limit", [1e6, 1e9, 1e30, 1e300, np.inf])
+def test_limits_that_no_joint_ever_meets_are_none(limit):
+    model = model_of(serial_arm())
+    model.lowerPositionLimit, model.upperPositionLimit = np.full(7, -limit), np.full(7, limit)
+    model.velocityLimit, model.effortLimit = np.full(7, limit), np.full(7, limit)
+    chain = build_chain(model, range(1, 8), "l0", "l7")
+    for figures in (-chain.lower, chain.upper, chain.velocity_limit, chain.effort_limit):
+        np.testing.assert_array_equal(figures, np.inf)
+
+
+@pytest.mark.parametrize(("low", "high"), [(1.0, -1.0), (np.nan, 1.0), (0.0, np.nan), (1e9, 1e300)])
 def test_position_limits_of_a_model_that_are_no_range_are_an_error(low, high):
     model = model_of(serial_arm())
     lower, upper = model.lowerPositionLimit.copy(), model.upperPositionLimit.copy()

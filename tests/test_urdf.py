@@ -208,6 +208,10 @@ WRONG_TEXT = {
         two_joints(AXIS + '<limit lower="1" upper="-1" effort="1" velocity="1"/>'),
         "lower limit 1.0 above its upper",
     ),
+    "limits out of reach": (
+        two_joints(AXIS + '<limit lower="1e9" upper="1e10" effort="1" velocity="1"/>'),
+        "limits 1000000000.0 and 10000000000.0, which are out of any reach",
+    ),
     "no direction": (two_joints('<axis xyz="0 0 0"/>' + LIMIT), "no direction"),
     "NaN": (
         two_joints('<origin xyz="0 nan 0"/>' + AXIS + LIMIT),

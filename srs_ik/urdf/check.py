@@ -26,7 +26,10 @@ LONGEST_NUMBER = 400
 """Characters of one figure; the longest exact decimal form that programs write has 325."""
 
 FARTHEST = 1e6
-"""Largest component of an origin, metres. Farther out, a position has no micrometres left in double precision."""
+"""Largest component of an origin, metres, and where a limit lies out of reach, metres or rad.
+
+Farther out, a position has no micrometres left in double precision.
+"""
 
 _MIN_AXIS = 1e-6
 """Shortest joint axis that is taken for a direction; unit axes are the rule."""
@@ -189,6 +192,8 @@ class _Checker:
             lower, upper = (self.number(limit, key, where, 0.0) for key in ("lower", "upper"))
             if lower > upper:
                 raise self.fail(f"{where} has the lower limit {lower!r} above its upper limit {upper!r}")
+            if lower >= FARTHEST or upper <= -FARTHEST:
+                raise self.fail(f"{where} has the limits {lower!r} and {upper!r}, which are out of any reach")
             kept |= {"lower": lower, "upper": upper}
         limit.attrib = {key: repr(value) for key, value in kept.items()}
 

@@ -105,3 +105,5 @@ def _check(model: Any, label: str) -> None:
             raise InvalidRobot(f"{label}: {name!r} lies nowhere, or farther than {FARTHEST:g} m", label)
     if not (model.lowerPositionLimit <= model.upperPositionLimit).all():
         raise InvalidRobot(f"{label}: a joint has a lower limit above its upper limit", label)
+    if (model.lowerPositionLimit >= FARTHEST).any() or (model.upperPositionLimit <= -FARTHEST).any():
+        raise InvalidRobot(f"{label}: a joint has limits that are out of any reach", label)
