@@ -1,6 +1,7 @@
 """`srs-ik preview`: a page until Ctrl+C, or a file; wrong input is one line."""
 
 import signal
+import socket
 import subprocess
 import sys
 import urllib.request
@@ -56,6 +57,17 @@ def test_wrong_input_is_exit_status_2_with_one_line(words, said):
     result = run("preview", "iiwa14", *words)
     assert result.exit_code == 2
     assert said in result.stderr
+    assert result.stderr.count("\n") == 1
+
+
+def test_a_port_in_use_is_exit_status_2_with_one_line():
+    with socket.socket() as taken:
+        taken.bind(("127.0.0.1", 0))
+        taken.listen()
+        port = str(taken.getsockname()[1])
+        result = run("preview", "iiwa14", "--port", port)
+    assert result.exit_code == 2
+    assert f"port {port}" in result.stderr
     assert result.stderr.count("\n") == 1
 
 

@@ -33,11 +33,6 @@ class ElbowCircle(NamedTuple):
     """Unit vector from shoulder to wrist."""
     radius: float
 
-    def point(self, arm_angle: float) -> Array:
-        """(3,) elbow centre at an arm angle, rad."""
-        across = np.cos(arm_angle) * self.across + np.sin(arm_angle) * np.cross(self.axis, self.across)
-        return self.centre + self.radius * across
-
 
 def elbow_circle(arm: Arm, q: Array) -> ElbowCircle | None:
     """The circle of the elbow at a configuration; None if the arm is stretched, so that there is none."""

@@ -17,6 +17,9 @@ Array = NDArray[np.float64]
 _SHARP = 0.6
 """Edges whose faces meet at more than this angle, rad, are drawn as edges, flatter ones are drawn round."""
 
+_SMALL = 0.03
+"""Spheres up to this radius, metres, are small."""
+
 _SMOOTHED = 200_000
 """Meshes of more faces are not searched for sharp edges, which would take seconds."""
 
@@ -66,8 +69,10 @@ def capsule(radius: float, length: float) -> trimesh.Trimesh:
 
 
 def ball(radius: float, centre: ArrayLike = (0.0, 0.0, 0.0)) -> trimesh.Trimesh:
-    """A sphere."""
-    return trimesh.creation.icosphere(subdivisions=3, radius=radius).apply_translation(np.asarray(centre, dtype=float))
+    """A sphere; small ones of fewer triangles."""
+    return trimesh.creation.icosphere(subdivisions=3 if radius > _SMALL else 2, radius=radius).apply_translation(
+        np.asarray(centre, dtype=float)
+    )
 
 
 def rods(points: Sequence[ArrayLike], radius: float) -> list[trimesh.Trimesh]:
