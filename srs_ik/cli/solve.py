@@ -88,14 +88,15 @@ def _print_json(arm: Arm, pose: np.ndarray, best: Solution, solutions: list[Solu
         "tip": arm.tip,
         "joint_names": list(arm.joint_names),
         "T_base_tip": pose,
-        **_fields(best),
+        **fields(best),
     }
     if solutions is not None:
-        answer["solutions"] = [_fields(s) for s in solutions]
+        answer["solutions"] = [fields(s) for s in solutions]
     print_json(answer)
 
 
-def _fields(solution: Solution) -> dict[str, Any]:
+def fields(solution: Solution) -> dict[str, Any]:
+    """What JSON says of a solution."""
     return {
         "status": solution.status.name,
         "message": solution.message,
@@ -113,12 +114,13 @@ def _print_tables(arm: Arm, best: Solution, solutions: list[Solution] | None, at
     out = console()
     out.print(f"{arm.name}: {arm.tip} in {arm.base}")
     if solutions is None:
-        _print_solution(out, arm, best)
+        print_solution(out, arm, best)
     else:
         _print_solutions(out, arm, solutions, at_angle)
 
 
-def _print_solution(out: Console, arm: Arm, solution: Solution) -> None:
+def print_solution(out: Console, arm: Arm, solution: Solution) -> None:
+    """Print the joint angles of a solution and what they are worth."""
     import numpy as np
 
     from srs_ik.cli.render import fixed, table

@@ -11,11 +11,12 @@ import math
 import numpy as np
 
 from srs_ik.kernels.branches import best_branch
+from srs_ik.kernels.chain import forward_kinematics
 from srs_ik.kernels.elbow import elbow_bend, hand_rotation, shoulder_to_wrist, target_frame, unit_across
 from srs_ik.kernels.entries import all_intervals
 from srs_ik.kernels.intervals import MAX_PIECES
 from srs_ik.kernels.jit import entry, kernel
-from srs_ik.kernels.layout import FREE, LIMITED, LOOSE, ROW, ROW_ARM_ANGLE, ROW_JOINT, ROW_STATUS
+from srs_ik.kernels.layout import FREE, LIMITED, LOOSE, NEAR, ROW, ROW_ARM_ANGLE, ROW_JOINT, ROW_STATUS
 from srs_ik.kernels.posture import (
     AT_SHOULDER,
     GRASP,
@@ -40,7 +41,7 @@ from srs_ik.kernels.rows import OUT_OF_LIMITS, UNREACHABLE, measure_row
 from srs_ik.kernels.scoring import NO_SEED, OUTSIDE, tightest_joint
 from srs_ik.kernels.search import evaluate
 from srs_ik.kernels.second_attempts import evaluate_again
-from srs_ik.kernels.vectors import cross, load3, norm, swing
+from srs_ik.kernels.vectors import add, along, cross, load3, norm, sub, swing
 
 # A task solution row: a solution row, a posture row, the pose of the tip, and the arm angle given up.
 TASK_POSTURE = ROW
@@ -51,6 +52,15 @@ TASK_SOLUTION = ANGLE_LOST + 1
 
 OFF_AXIS = 1e-9
 """A wrist this far from the line through the tip about which the hand rolls, metres, moves with the roll."""
+
+FLAT_BEND = 3e-12
+"""Sine of the bend of a flat arm: outside a limit at the straight arm by more than rounding, and no error by itself."""
+
+FOLD_GAP = 1e-6
+"""Nearer than this to the shoulder, metres, the wrist of a folded arm is moved by a trace of a bend."""
+
+AIMS = 4
+"""Corrections of the aim of a near limb at a target out of reach."""
 
 ROLL_PASSES = 3
 """So often the roll is chosen anew where it moves the wrist."""
@@ -64,12 +74,18 @@ SMALLEST_NUDGE = 1e-13
 
 @kernel
 def task_place(P, R, p):
-    """As `elbow.place`, with one direction for every wrist that is at the shoulder up to rounding."""
+    """As `elbow.place`, but a wrist at the shoulder up to rounding has one direction, and a flat arm a trace of a bend.
+
+    The bend says to which side of a stretched or folded arm the elbow would go, so that a side that limits forbid is
+    not taken, and the joints move continuously as the arm comes to lie flat.
+    """
     sw = shoulder_to_wrist(P, R, p)
     if norm(sw) < AT_SHOULDER:
         sw = (0.0, 0.0, 0.0)
     d, t, h0 = target_frame(P, sw)
     c, s, miss = elbow_bend(P, d)
+    if c > 0.0 or P[NEAR] > FOLD_GAP:
+        s = max(s, FLAT_BEND)
     return t, h0, c, s, hand_rotation(P, R), miss
 
 
@@ -87,16 +103,32 @@ def between(psi, lower, upper):
 
 
 @kernel
+def out_of_reach(P, place_, R, p, psi, branch, respect):
+    """The posture of a near limb that lies flat towards a wrist out of reach, the hand as wanted: q, branch, cost.
+
+    It is that of the nearest exact limb, aimed beside the target by as much as the true chain ends beside its own.
+    """
+    end = along(p, -place_[5], place_[0])
+    aim = end
+    q, b, cost = best_branch(P, place_, psi, branch, False, NO_SEED, respect)
+    for _ in range(AIMS):
+        _, _, _, tip = forward_kinematics(P, q)
+        aim = add(aim, sub(end, tip))
+        q, b, cost = best_branch(P, task_place(P, R, aim), psi, branch, False, NO_SEED, respect)
+    return q, b, cost
+
+
+@kernel
 def in_branch(P, place_, R, p, psi, branch, respect, J, A):
     """Best posture at an arm angle, of a branch (-1: of all): q, branch, cost.
 
-    Out of reach of a near limb, where nothing closes on the true chain, that of its nearest exact limb.
+    Where a near limb does not reach, nothing closes on its true chain: there it lies as its nearest exact limb would.
     """
     q, b, cost = evaluate(P, place_, R, p, psi, branch, False, NO_SEED, respect, J, A)
     if J is not None:
         if cost >= OUTSIDE:
             if place_[5] != 0.0:
-                return best_branch(P, place_, psi, branch, False, NO_SEED, respect)
+                return out_of_reach(P, place_, R, p, psi, branch, respect)
             again, other, value = evaluate_again(P, place_, R, p, psi, branch, False, NO_SEED, respect, 1, J, A)
             if value < cost:
                 return again, other, value
@@ -114,7 +146,11 @@ def at_angle(P, place_, R, p, psi, branch, respect, J, A):
 
 @kernel
 def nearest_feasible(family, place_, R, p, psi, branch, respect, J, A):
-    """The posture at the feasible arm angle nearest to a wanted one: q, branch, cost; what is best if there is none."""
+    """The posture at the feasible arm angle nearest to a wanted one.
+
+    Returns:
+        q, branch, cost; of the best posture of any kind where none is feasible.
+    """
     F = family[LIMITED if respect else FREE]
     found = np.empty((8 * MAX_PIECES, 3))
     n = find_intervals(F, place_, found) if place_[5] != 0.0 else all_intervals(F, place_, R, p, J, A, found)
@@ -141,7 +177,7 @@ def nearest_feasible(family, place_, R, p, psi, branch, respect, J, A):
         found[best, 0] = -1.0
     if J is not None:
         if place_[5] != 0.0:
-            return best_branch(family[LIMITED], place_, psi, -1, False, NO_SEED, respect)
+            return out_of_reach(family[LIMITED], place_, R, p, psi, -1, respect)
     return search(family, place_, R, p, -1, False, NO_SEED, respect, J, A)
 
 
@@ -155,13 +191,12 @@ def solve_posed(family, R, p, m, branch, respect, J, A, out):
     place_ = task_place(P, R, p)
     psi = planned_arm_angle(place_[0], place_[1], m)
     q, b, cost = at_angle(P, place_, R, p, psi, branch, respect, J, A)
-    kept = cost < OUTSIDE
-    if not kept:
-        q, b, cost = nearest_feasible(family, place_, R, p, psi, branch, respect, J, A)
-    measure_row(P, place_, R, p, q, b, cost, respect, out)
-    if kept:
+    if cost < OUTSIDE:
+        measure_row(P, place_, R, p, q, b, cost, respect, out)
         out[ROW_ARM_ANGLE] = psi if psi < math.pi else -math.pi
         return 0.0
+    q, b, cost = nearest_feasible(family, place_, R, p, psi, branch, respect, J, A)
+    measure_row(P, place_, R, p, q, b, cost, respect, out)
     if J is not None:
         if respect and out[ROW_STATUS] == UNREACHABLE and place_[5] == 0.0:
             # On a near limb, only an attempt without limits tells what they forbid from what is out of reach.
