@@ -43,3 +43,12 @@ bound = np.where(np.isfinite(arm.upper), arm.upper, np.pi)
 poses = [arm.forward_kinematics(rng.uniform(-bound, bound)) for _ in range(200)]
 batch = arm.solve_batch(poses, arm_angle=0.5, all_branches=True)
 print(f"{batch.ok.sum()} postures of {batch.ok.size} branches keep the limits at arm angle 0.5 rad")
+
+# What the hand has to do chooses the posture: pushing a lever ahead and up, the hand along y.
+task = srs_ik.Task([0.3, 0.25, 0.5], velocity=[1.0, 0.0, 0.0], force=[0.0, 0.6, 1.0], grasp=[0.0, 1.0, 0.0])
+for side in ("left", "right"):
+    pushing = arm.solve_task(task, side=side)
+    print(f"{side} elbow: {np.round(pushing.posture.elbow, 3).tolist()}. {pushing.message}")
+    if pushing:
+        error = arm.verify(pushing.T_base_tip, pushing.q)
+        print(f"checked by Pinocchio: {error.position:.1e} m, {error.orientation:.1e} rad")

@@ -51,3 +51,10 @@ for i, T_base_far in enumerate(poses):
 # A twist of the hand that no wrist can make.
 twisted = hand_pose(cup, [-1.0, 0.0, 0.0], [0.0, 0.0, -1.0])
 print(f"hand turned backwards: {arm.solve(twisted).message}")
+
+# What the hand has to do chooses the posture: sawing forwards while the weight is carried, the hand pointing ahead.
+task = srs_ik.Task(cup, velocity=[1.0, 0.0, 0.0], force=[0.0, 0.0, 1.0], grasp=[1.0, 0.0, 0.0])
+sawing = arm.solve_task(task, side="left")
+print(f"sawing: elbow at {np.round(sawing.posture.elbow, 3).tolist()}. {sawing.message}")
+error = arm.verify(sawing.T_base_tip, sawing.q)
+print(f"checked by Pinocchio: {error.position:.1e} m, {error.orientation:.1e} rad")

@@ -46,3 +46,10 @@ T_base_line = np.repeat(T_base_tip[None], 1000, axis=0)
 T_base_line[:, 1, 3] = np.linspace(-0.2, 0.2, 1000)
 batch = arm.solve_batch(T_base_line, seed=solution.q)
 print(f"{batch.solved} of {len(batch)} poses solved, errors up to {batch.position_error.max():.1e} m")
+
+# What the hand has to do chooses the posture: polishing along x and y while pressing down, a thousand strokes at once.
+angles = np.linspace(0.0, np.pi, 1000)
+strokes = np.column_stack([np.cos(angles), np.sin(angles), 0.0 * angles])
+polishing = arm.solve_task(srs_ik.Task([0.5, 0.1, 0.6], strokes, force=[0, 0, -1], grasp=[0, 0, -1]), side="left")
+lost = np.rad2deg(polishing.angle_lost[polishing.ok])
+print(f"{polishing.solved} of 1000 strokes solved, elbows up to {lost.max():.1f} deg from where the strokes want them")

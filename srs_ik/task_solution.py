@@ -109,27 +109,17 @@ def solve_task(
             f"how the hand of {arm.name} lies in its frame {arm.tip!r} is not known: load it with "
             "hand=(grasp, pronosupination), two directions in that frame"
         )
-    rows = task._rows
+    family, hand, rows, given = arm._family, arm._packed_hand, task._rows, task._given
     out = np.empty((len(rows), kernel.TASK_SOLUTION))
+    if task.count is None:
+        J, A = arm._work()
+        kernel.solve_tasks(family, hand, rows, 0, 1, given, sides, ties, respect_limits, J, A, out)
+        return TaskSolution(out[0], arm.joint_names, arm._elbow, arm.limb.shoulder, side)
 
     def work(first: int, last: int) -> None:
-        kernel.solve_tasks(
-            arm._family,
-            arm._packed_hand,
-            rows,
-            first,
-            last,
-            task._given,
-            sides,
-            ties,
-            respect_limits,
-            *arm._work(),
-            out,
-        )
+        J, A = arm._work()
+        kernel.solve_tasks(family, hand, rows, first, last, given, sides, ties, respect_limits, J, A, out)
 
-    if task.count is None:
-        work(0, 1)
-        return TaskSolution(out[0], arm.joint_names, arm._elbow, arm.limb.shoulder, side)
     run_in_threads(work, task.count, threads)
     return BatchTaskSolution(out, arm.joint_names, arm._elbow, arm.limb.shoulder, side)
 

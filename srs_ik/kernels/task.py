@@ -11,7 +11,7 @@ import math
 import numpy as np
 
 from srs_ik.kernels.branches import best_branch
-from srs_ik.kernels.chain import forward_kinematics
+from srs_ik.kernels.chain import forward_kinematics, pose_error
 from srs_ik.kernels.elbow import elbow_bend, hand_rotation, shoulder_to_wrist, target_frame, unit_across
 from srs_ik.kernels.entries import all_intervals
 from srs_ik.kernels.intervals import MAX_PIECES
@@ -37,7 +37,7 @@ from srs_ik.kernels.posture import (
 )
 from srs_ik.kernels.redundancy import find_intervals, search
 from srs_ik.kernels.roll import best_roll
-from srs_ik.kernels.rows import OUT_OF_LIMITS, UNREACHABLE, measure_row
+from srs_ik.kernels.rows import OUT_OF_LIMITS, UNREACHABLE, measure_row, write_row
 from srs_ik.kernels.scoring import NO_SEED, OUTSIDE, tightest_joint
 from srs_ik.kernels.search import evaluate
 from srs_ik.kernels.second_attempts import evaluate_again
@@ -192,8 +192,8 @@ def solve_posed(family, R, p, m, branch, respect, J, A, out):
     psi = planned_arm_angle(place_[0], place_[1], m)
     q, b, cost = at_angle(P, place_, R, p, psi, branch, respect, J, A)
     if cost < OUTSIDE:
-        measure_row(P, place_, R, p, q, b, cost, respect, out)
-        out[ROW_ARM_ANGLE] = psi if psi < math.pi else -math.pi
+        position, orientation = pose_error(P, q, R, p)
+        write_row(place_, q, b, psi, False, True, position, orientation, 0, out)
         return 0.0
     q, b, cost = nearest_feasible(family, place_, R, p, psi, branch, respect, J, A)
     measure_row(P, place_, R, p, q, b, cost, respect, out)
