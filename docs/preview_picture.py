@@ -47,12 +47,9 @@ def ellipsoids(browser: Browser) -> Image.Image:
 def task(browser: Browser) -> Image.Image:
     arm = srs_ik.load("human_arm")
     task = srs_ik.Task(position=[0.45, 0.15, -0.3], velocity=[1, 0, 0], force=[0, 0, -1], grasp=[1, 0, 0])
-    posture = arm.posture(task)
-    pose = arm.forward_kinematics(np.zeros(7))
-    pose.translation = posture.hand
     with srs_ik.Preview(arm) as view:
-        view.show(arm.solve(pose, arm_angle=posture.arm_angle, respect_limits=False).q)
-        view.show_posture(posture, task)
+        view.show(arm.solve_task(task).q)
+        view.show_posture(arm.posture(task), task)
         return photograph(browser, view)
 
 
