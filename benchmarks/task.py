@@ -41,11 +41,12 @@ def paper_tasks(arm: srs_ik.Arm, count: int) -> dict[str, np.ndarray]:
 def single_us(call: Callable[[srs_ik.Task], Any], tasks: list[srs_ik.Task]) -> float:
     """Median time of a call, microseconds."""
     times = []
-    for task in tasks[:20] + tasks:
+    warm_up = tasks[:20]
+    for task in warm_up + tasks:
         begin = time.perf_counter_ns()
         call(task)
         times.append(1e-3 * (time.perf_counter_ns() - begin))
-    return float(np.median(times[20:]))
+    return float(np.median(times[len(warm_up) :]))
 
 
 def batch_us(call: Callable[[], Any], count: int) -> float:

@@ -2,6 +2,7 @@
 
 import json
 import runpy
+import sys
 from pathlib import Path
 
 import pytest
@@ -58,3 +59,12 @@ def test_ellipsoids_prints_times_and_differences(capsys):
         assert max(float(row[1]), float(row[3])) < 1e-9
     with pytest.raises(SystemExit):
         bench["main"](["--postures", "0"])
+
+
+def test_the_benchmark_of_tasks_prints_a_table(monkeypatch, capsys):
+    monkeypatch.setattr(sys, "argv", ["task.py", "--tasks", "2", "--batch", "40"])
+    runpy.run_path(str(ROOT / "benchmarks" / "task.py"), run_name="__main__")
+    lines = capsys.readouterr().out.splitlines()
+    rows = [line.split("|") for line in lines[2:]]
+    assert {row[1].strip() for row in rows} == {"human_arm", "iiwa14", "gen3"}
+    assert all(float(row[3]) > 0.0 and float(row[4]) > 0.0 for row in rows)

@@ -187,6 +187,18 @@ def test_both_sides_and_statuses_of_the_human_arm():
     assert behind.message.startswith("The pose is within reach")
 
 
+def test_joints_move_continuously_as_the_arm_comes_to_be_stretched():
+    """Also where the elbow bends to one side alone: the straight arm keeps the roll with which it gets there."""
+    arm = arms.load("human_arm")
+    towards = unit(np.array([0.8, 0.1, -0.2]))
+    lengths = 0.79 + np.concatenate([-np.geomspace(1e-6, 1e-13, 30), [0.0], np.geomspace(1e-13, 0.1, 30)])
+    s = arm.solve_task(Task(lengths[:, None] * towards, X, [0, 1, 2], pronosupination=Z))
+    assert (s.angle_lost == 0.0).all()
+    assert (s.ok == (lengths < 0.79 + 1e-9)).all()
+    # The bend goes with the root of what the arm lacks: 1e-6 m are 0.003 rad.
+    assert np.abs(s.q - s.q[-1]).max() < 5e-3
+
+
 def test_a_tool_beside_the_grasp_line():
     """The tip of OpenArm lies 4.5 mm beside the line through its wrist: the roll moves the wrist."""
     arm = srs_ik.load(
