@@ -37,7 +37,24 @@ UPSTREAM = {
     "unitree_h1_2_handless": "unitreerobotics/unitree_ros",
     "xarm7": "xArm-Developer/xarm_ros2",
 }
-EXAMPLE_ROBOT_DATA = ("human.urdf", "simple_humanoid.urdf", "romeo.urdf")
+EXAMPLE_ROBOT_DATA = (
+    "human.urdf",
+    "simple_humanoid.urdf",
+    "romeo.urdf",
+    "icub.urdf",
+    "alex_nub_hands.urdf",
+    "b1-z1.urdf",
+    "baxter.urdf",
+    "centauro.urdf",
+    "g1_29dof_rev_1_0.urdf",
+    "panda.urdf",
+    "pr2.urdf",
+    "talos_full_v2.urdf",
+    "tiago.urdf",
+    "tiago_dual.urdf",
+    "tiago_pro.urdf",
+)
+"""One file of every robot there that has a chain of seven joints."""
 
 
 class Measured(NamedTuple):
@@ -111,14 +128,15 @@ def rows(folder: Path, count: int) -> Iterator[str]:
     for upstream, path in files(folder):
         for report in srs_ik.find_limbs(path):
             ends = f"`{report.base}` to `{report.tip}`"
-            miss = np.nanmax(report.misses_mm)
+            # Where axes are parallel there is no centre to miss.
+            miss = "" if np.isnan(report.misses_mm).all() else f"{report.misses_mm.max():.3f}"
             start = f"| {path.name} | {upstream} | {ends} |"
             if report.limb is None:
-                yield f"{start} refused: {report.reason} | | {miss:.3f} | | | |"
+                yield f"{start} refused: {report.reason} | | {miss} | | | |"
                 continue
             m = measure(path, srs_ik.load(path, base=report.base, tip=report.tip), count)
             yield (
-                f"{start} {report.kind}, {report.wrist_kind} wrist | {1e3 * report.elbow_offset:.3f} | {miss:.3f} "
+                f"{start} {report.kind}, {report.wrist_kind} wrist | {1e3 * report.elbow_offset:.3f} | {miss} "
                 f"| {m.solved} of {m.asked} | {m.position_error:.1e} | {m.orientation_error:.1e} |"
             )
 

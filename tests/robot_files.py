@@ -13,6 +13,7 @@ EXAMPLES = {
     "human": "human_description/robots/human.urdf",
     "simple_humanoid": "simple_humanoid_description/urdf/simple_humanoid.urdf",
     "romeo": "romeo_description/urdf/romeo.urdf",
+    "icub": "icub_description/robots/icub.urdf",
 }
 
 

@@ -26,7 +26,8 @@ def test_robots_gives_the_command_for_what_is_not_installed(monkeypatch):
     assert listed["iiwa14"]["install"] is None
     assert not listed["human_left"]["installed"]
     assert listed["human_left"]["install"] == "pip install 'srs-ik[robots]'"
-    assert "For human_left, human_right, romeo_left, romeo_right: pip install 'srs-ik[robots]'" in run("robots").stdout
+    names = "human_left, human_right, icub_left, icub_right, romeo_left, romeo_right"
+    assert f"For {names}: pip install 'srs-ik[robots]'" in run("robots").stdout
 
 
 def test_inspect_gives_the_published_lengths_of_the_iiwa():

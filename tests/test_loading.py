@@ -41,6 +41,7 @@ ARMS = {
 HUMANOIDS = {
     "human": [("left_clavicle", "left_hand", "exact", "XYZ"), ("right_clavicle", "right_hand", "exact", "XYZ")],
     "simple_humanoid": [("torso", "l_wrist", "exact", "XYZ"), ("torso", "r_wrist", "exact", "XYZ")],
+    "icub": [("chest", "l_hand", "exact", "XYZ"), ("chest", "r_hand", "exact", "XYZ")],
     "romeo": [("torso", "l_wrist", "exact", "XYZ"), ("torso", "r_wrist", "exact", "XYZ")],
 }
 REFUSED = {

@@ -12,6 +12,8 @@ from srs_ik.loading.sources import catalogue
 ELSEWHERE = {
     "human_left": ("example", "human"),
     "human_right": ("example", "human"),
+    "icub_left": ("example", "icub"),
+    "icub_right": ("example", "icub"),
     "romeo_left": ("example", "romeo"),
     "romeo_right": ("example", "romeo"),
     "med7": ("shared", "med7_lbr_stack"),
