@@ -7,6 +7,7 @@ from robot_files import example_urdf, shared_urdf
 
 import srs_ik
 from srs_ik import zoo
+from srs_ik.errors import InvalidRobot
 from srs_ik.loading.sources import catalogue
 
 ELSEWHERE = {
@@ -82,6 +83,15 @@ def test_an_adapter_says_where_its_description_is_from(name):
         assert entry.install.startswith("pip install ") or "ROS_PACKAGE_PATH" in entry.install
     folder = next(path for path in zoo._folder().iterdir() if path.name == name)
     assert [path.name for path in folder.iterdir()] == ["robot.toml"]
+
+
+def test_a_description_that_is_not_here_is_told_with_where_it_comes_from(monkeypatch):
+    monkeypatch.delenv("ROS_PACKAGE_PATH", raising=False)
+    monkeypatch.delenv("AMENT_PREFIX_PATH", raising=False)
+    with pytest.raises(
+        InvalidRobot, match=r"lbr_description.*ROS_PACKAGE_PATH; 'med7' comes from https://github.com/.*urdf="
+    ):
+        srs_ik.load("med7")
 
 
 def test_names_of_robot_descriptions_exist_there():

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -14,7 +14,7 @@ from srs_ik import zoo
 from srs_ik.card import Placement, RobotCard, read_card
 from srs_ik.errors import InvalidRobot, did_you_mean, listed
 from srs_ik.limb import Vector
-from srs_ik.loading.places import DESCRIPTION, described_names, is_fetched, locate, missing
+from srs_ik.loading.places import DESCRIPTION, Found, described_names, is_fetched, locate, missing
 from srs_ik.urdf import RobotModel, load_model
 from srs_ik.urdf.model import is_xml
 
@@ -117,11 +117,11 @@ def describe(source: Any, urdf: Any = None, xacro_args: Mapping[str, str] | None
         raise InvalidRobot("urdf= is the description of a robot that is given by its name or by an adapter")
     if isinstance(source, str) and not is_xml(source):
         if "://" in source:
-            return _at([source], source, xacro_args)
+            return _at(source, xacro_args)
         if not _is_path(source):
             if not source.endswith(DESCRIPTION):
                 raise _unknown(source)
-            return _at([f"robot_descriptions://{source}"], source, xacro_args)
+            return _at(f"robot_descriptions://{source}", xacro_args)
     robot = load_model(source, xacro_args)
     return Description(robot, robot.name)
 
@@ -155,7 +155,9 @@ def _card(source: Any) -> RobotCard | None:
 
 def _of_card(card: RobotCard, urdf: Any, xacro_args: Mapping[str, str] | None) -> Description:
     if urdf is None:
-        robot = _at(card.places, card.name, xacro_args, card.xacro).robot
+        found = _located(card)
+        arguments = _arguments(found.path, xacro_args, {**found.xacro_args, **card.xacro})
+        robot = load_model(found.path, arguments, found.packages)
     else:
         robot = load_model(urdf, _arguments(urdf, xacro_args, card.xacro))
     return Description(
@@ -171,12 +173,21 @@ def _of_card(card: RobotCard, urdf: Any, xacro_args: Mapping[str, str] | None) -
     )
 
 
-def _at(
-    places: Sequence[str], name: str, xacro_args: Mapping[str, str] | None, usual: Mapping[str, str] | None = None
-) -> Description:
-    found = locate(places, name)
-    arguments = _arguments(found.path, xacro_args, {**found.xacro_args, **(usual or {})})
-    robot = load_model(found.path, arguments, found.packages)
+def _located(card: RobotCard) -> Found:
+    """The description of a card; where it is not here, the error says where it comes from."""
+    try:
+        return locate(card.places, card.name)
+    except InvalidRobot as error:
+        origin = card.sources.get("description")
+        if origin is None:
+            raise
+        own = f"load({card.name!r}, urdf=...) takes a file of your own"
+        raise InvalidRobot(f"{error}; {card.name!r} comes from {origin.url}, and {own}", card.name) from error
+
+
+def _at(place: str, xacro_args: Mapping[str, str] | None) -> Description:
+    found = locate([place], place.rpartition("://")[2])
+    robot = load_model(found.path, _arguments(found.path, xacro_args, found.xacro_args), found.packages)
     return Description(robot, robot.name)
 
 
