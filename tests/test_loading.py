@@ -393,6 +393,16 @@ def robot_descriptions(monkeypatch, tmp_path):
     (tmp_path / "arm.urdf").write_text(robot(serial_arm(), name="described"))
     (package / "__init__.py").write_text("")
     (package / "arm_description.py").write_text(f"print('Cloning'); URDF_PATH = {str(tmp_path / 'arm.urdf')!r}")
+    (package / "grown_description.py").write_text(
+        f"XACRO_PATH = {str(tmp_path / 'grown.urdf.xacro')!r}\nXACRO_ARGS = {{'reach': '0.35'}}\n"
+        f"XACRO_PACKAGE_PATHS = {{'parts': {str(tmp_path / 'elsewhere')!r}}}\n"
+    )
+    (tmp_path / "grown.urdf.xacro").write_text(
+        '<robot name="grown" xmlns:xacro="http://www.ros.org/wiki/xacro"><xacro:arg name="reach" default="1"/>'
+        '<xacro:include filename="$(find parts)/arm.xacro"/></robot>'
+    )
+    (tmp_path / "elsewhere").mkdir()
+    (tmp_path / "elsewhere" / "arm.xacro").write_text(robot(serial_arm()).replace('"0 0 .3"', '"0 0 $(arg reach)"'))
     (package / "arm_mj_description.py").write_text("MJCF_PATH = 'arm.xml'")
     (package / "far_description.py").write_text("raise OSError('no network\\nand more')")
     monkeypatch.syspath_prepend(tmp_path)
@@ -450,6 +460,14 @@ def test_a_missing_file_is_told_the_files_beside_it(tmp_path):
     (tmp_path / "left_arm.urdf").write_text("")
     with pytest.raises(InvalidRobot, match=r"left_amr\.urdf \(did you mean 'left_arm\.urdf'\?\)"):
         load(tmp_path / "left_amr.urdf")
+
+
+@pytest.mark.usefixtures("robot_descriptions")
+def test_a_xacro_file_of_robot_descriptions_comes_with_its_arguments_and_packages():
+    pytest.importorskip("xacro")
+    assert load("grown_description").limb.upper_arm == pytest.approx(0.35, abs=1e-12)
+    asked = load("robot_descriptions://grown_description", xacro_args={"reach": "0.25"})
+    assert asked.limb.upper_arm == pytest.approx(0.25, abs=1e-12)
 
 
 @pytest.mark.usefixtures("robot_descriptions")

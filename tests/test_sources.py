@@ -225,6 +225,7 @@ def test_an_mjcf_file_is_read_by_pinocchio(tmp_path):
         whole.replace('range="-2 2"', 'range="3 2"', 1): "a lower limit above its upper limit",
         whole.replace("l7", "\ue000", 1): "cannot be printed",
         whole.replace("<worldbody>", "<worldbody>" + "<a>" * 1000): "nested more than 1000 deep",
+        whole.replace('"l2"', '"universe"'): "something in it is called 'universe'",
         "<!DOCTYPE a>" + whole: "DOCTYPE",
         whole.replace(
             "</worldbody>", '<body><joint type="free"/></body>' * 33 + "</worldbody>"

@@ -99,6 +99,10 @@ def _check(model: Any, label: str) -> None:
         raise InvalidRobot(f"{label}: a name in it is no text", label) from None
     if not all(name.isprintable() and len(name) <= LONGEST_NAME for name in names):
         raise InvalidRobot(f"{label}: a name in it cannot be printed, or is longer than {LONGEST_NAME}", label)
+    if "universe" in names[1:]:
+        raise InvalidRobot(
+            f"{label}: something in it is called 'universe', which is Pinocchio's name of the world", label
+        )
     placements = [frame.placement for frame in model.frames]
     for name, place in [*zip(model.names, model.jointPlacements, strict=True), *zip(names, placements, strict=True)]:
         if not np.abs(place.homogeneous).max() <= FARTHEST:
