@@ -11,12 +11,12 @@ from numpy.typing import ArrayLike, NDArray
 
 from srs_ik.batch import run_in_threads
 from srs_ik.chain import Chain
-from srs_ik.errors import InvalidConfiguration, NotAnSrsLimb
+from srs_ik.errors import InvalidConfiguration
 from srs_ik.kernels import entries
 from srs_ik.kernels.intervals import MAX_PIECES
 from srs_ik.kernels.layout import IS_CLOSED, LIMITED, ROW, STRAIGHT
-from srs_ik.kinematics import ChainKinematics
 from srs_ik.limb import Hand, SrsLimb
+from srs_ik.mounted import MountedLimb
 from srs_ik.packing import pack_family, pack_hand
 from srs_ik.pose import (
     PoseLike,
@@ -25,11 +25,9 @@ from srs_ik.pose import (
     as_joint_vector,
     as_matrices,
     as_matrix,
-    as_rigid_matrix,
     invalid_pose,
     per_pose,
 )
-from srs_ik.recognition import recognise
 from srs_ik.solution import BatchSolution, ElbowRange, Interval, Solution, Solutions
 
 if TYPE_CHECKING:
@@ -43,7 +41,7 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 
 
-class Arm(ChainKinematics):
+class Arm(MountedLimb):
     """A 7-joint arm with a spherical shoulder, one elbow and a spherical wrist.
 
     Made by `srs_ik.load`. Joint vectors `q` are always 7 plain angles in radians; poses are those of the tip frame in
@@ -67,59 +65,11 @@ class Arm(ChainKinematics):
     def __init__(
         self, chain: Chain, limb: SrsLimb, name: str, hand: Hand | None = None, drawing: Drawing | None = None
     ) -> None:
-        super().__init__(chain, name)
-        self._chain = chain
-        self.limb = limb
-        self.hand = hand
-        self.drawing = drawing
+        super().__init__(chain, limb, name, hand, drawing)
         self._family = pack_family(limb, chain.lower, chain.upper)
         self._no_work = (None, None) if self._family[LIMITED, IS_CLOSED] else None
         straight = float(self._family[LIMITED, STRAIGHT])
         self._elbow = ElbowRange(straight, float(chain.lower[3]), float(chain.upper[3]))
-
-    # The arm as it is used ---------------------------------------------------------------------------------------
-
-    def with_tool(self, T_tip_tool: PoseLike, name: str | None = None) -> Arm:
-        """This arm with a tool: poses are those of the tool's frame from then on. The arm itself stays as it is.
-
-        Args:
-            T_tip_tool: pose of the tool in the tip frame.
-            name: name of the tool's frame; by default "tool", numbered where that is taken.
-
-        Raises:
-            InvalidPose: no finite rigid transform.
-            InvalidRobot: the robot has a frame of that name already.
-        """
-        from srs_ik.adjust import with_tool
-
-        T = as_rigid_matrix(T_tip_tool)
-        hand = self.hand and Hand(*(tuple((T[:3, :3].T @ axis).tolist()) for axis in self.hand))
-        return self._again(with_tool(self._chain, T, name), self.limb.reference, hand)
-
-    def with_base(self, T_newbase_base: PoseLike, name: str | None = None) -> Arm:
-        """This arm in other surroundings: poses are given in their frame from then on. The arm itself stays as it is.
-
-        The reference of the arm angle turns with the arm, so that every posture keeps its arm angle.
-
-        Args:
-            T_newbase_base: pose of the base frame in the new base frame, such as that of a table or a room.
-            name: name of the new base frame; by default "world", numbered where that is taken.
-
-        Raises:
-            InvalidPose: no finite rigid transform.
-            InvalidRobot: the robot has a frame of that name already.
-        """
-        from srs_ik.adjust import on_base
-
-        T = as_rigid_matrix(T_newbase_base)
-        return self._again(on_base(self._chain, T, name), T[:3, :3] @ self.limb.reference, self.hand)
-
-    def _again(self, chain: Chain, reference: Array, hand: Hand | None) -> Arm:
-        """This arm, made anew from a chain with the same joints."""
-        found = recognise(chain.axes, chain.points, chain.T_base_tip_zero, reference)
-        if found.limb is None:
-            raise NotAnSrsLimb(f"moved, {self.name} is no S-R-S limb: {found.reason}", self.joint_names)
-        return type(self)(chain, found.limb, self.name, hand, self.drawing)
 
     # Where a configuration is on its circle ----------------------------------------------------------------------
 
