@@ -15,6 +15,9 @@ from srs_ik.errors import InvalidRobot, did_you_mean, listed
 CARD_FILE = "robot.toml"
 """Usual name of a card, and that of the one which makes a folder of the package a robot."""
 
+MAX_BYTES = 2**18
+"""Largest card that is read; a full one has a few kilobytes."""
+
 Vector = tuple[float, float, float]
 
 _SIDES = ("left", "right", "either")
@@ -118,11 +121,20 @@ def read_card(path: str | Path) -> RobotCard:
 
 def _parse(path: Path) -> dict[str, Any]:
     try:
-        return tomllib.loads(path.read_text(encoding="utf-8"))
-    except OSError as error:
-        raise InvalidRobot(f"cannot read {path}: {error.strerror or error}", source=path) from error
+        if path.exists() and not path.is_file():
+            raise InvalidRobot(f"{path} is not a regular file", source=path)
+        with path.open("rb") as file:
+            content = file.read(MAX_BYTES + 1)
+    except (OSError, ValueError) as error:  # the latter for a path that no system takes
+        reason = getattr(error, "strerror", None) or error
+        raise InvalidRobot(f"cannot read {path}: {reason}", source=path) from error
+    if len(content) > MAX_BYTES:
+        raise InvalidRobot(f"{path} is larger than {MAX_BYTES // 2**10} KiB, too large for a card", source=path)
+    try:
+        return tomllib.loads(content.decode())
     except (ValueError, RecursionError) as error:  # tomllib's own error, bytes that are no UTF-8, or deep nesting
-        raise InvalidRobot(f"{path} is not valid TOML: {error}", source=path) from error
+        reason = " ".join(str(error).split())
+        raise InvalidRobot(f"{path} is not valid TOML: {reason}", source=path) from error
 
 
 class _Reader:

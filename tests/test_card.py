@@ -1,6 +1,7 @@
 """Cards: what is read from a robot.toml, and what is said about a damaged one."""
 
 import dataclasses
+import os
 from pathlib import Path
 
 import numpy as np
@@ -172,3 +173,20 @@ def test_a_card_that_is_no_text(toy):
     path.write_bytes(b"name = \xff")
     with pytest.raises(InvalidRobot, match="is not valid TOML"):
         read_card(path)
+
+
+def test_files_that_are_no_cards(tmp_path: Path):
+    path = tmp_path / CARD_FILE
+    wrong = {"larger than 256 KiB": "#" * (2**18 + 1), "is not valid TOML": "a = " + "[" * 100_000}
+    for says, text in wrong.items():
+        path.write_text(text)
+        with pytest.raises(InvalidRobot, match=says) as raised:
+            read_card(path)
+        assert len(str(raised.value).splitlines()) == 1
+    path.unlink()
+    os.mkfifo(path)
+    with pytest.raises(InvalidRobot, match="is not a regular file"):
+        read_card(path)
+    for name in ("nul\0.toml", "x" * 5000 + ".toml", "."):
+        with pytest.raises(InvalidRobot, match=r"cannot read|is not a regular file"):
+            read_card(tmp_path / name)
