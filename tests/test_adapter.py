@@ -1,5 +1,6 @@
 """Adapters: what `srs-ik inspect --write` writes, `load` takes."""
 
+import json
 import re
 import tomllib
 from pathlib import Path
@@ -133,3 +134,19 @@ def test_the_adapter_of_the_documentation_loads(arm_file, tmp_path):
     assert (arm.name, arm.base, arm.tip, arm.upper[1]) == ("welder", "table", "tool", 1.9)
     q = [0.1] * 7
     assert arm.solve(arm.forward_kinematics(q), seed=q)
+
+
+@pytest.mark.parametrize("command", ["solve", "intervals", "task", "ellipsoids"])
+def test_every_command_takes_the_word_for_a_limb(command):
+    path = str(file_of("humanoid_left"))
+    options = {
+        "solve": ["--from-q", *"0000000"],
+        "intervals": ["--from-q", *"0000000"],
+        "task": ["--xyz", "0.3", "0.2", "0.1", "--velocity", "1", "0", "0", "--force", "0", "0", "1"],
+        "ellipsoids": ["--q", *"0000000"],
+    }
+    assert "limb='left' or 'right'" in run(command, path, *options[command]).stderr
+    for side, tip in (("left", "l_wrist"), ("right", "r_wrist")):
+        result = run(command, path, "--limb", side, *options[command], "--json")
+        assert result.exit_code in (0, 1), result.stderr
+        assert json.loads(result.stdout)["tip"] == tip

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from srs_ik.cli.options import AsJson, Base, Seven, Source, Three, Tip, WrongInput, numbers
+from srs_ik.cli.options import AsJson, Base, Limb, Seven, Source, Three, Tip, WrongInput, numbers
 from srs_ik.cli.poses import JOINTS, unit_of
 
 if TYPE_CHECKING:
@@ -46,6 +46,7 @@ def ellipsoids(
     q: Annotated[Seven | None, typer.Option(metavar=JOINTS, help="Joint angles of the arm; has to be given.")] = None,
     base: Base = None,
     tip: Tip = None,
+    limb: Limb = None,
     part: PartOption = Part.linear,
     limits: Annotated[
         bool, typer.Option("--limits", help="Weigh the joints by the arm's velocity and torque limits.")
@@ -84,7 +85,7 @@ def ellipsoids(
     from srs_ik.ellipsoids import force_ellipsoid, isotropy, limits_of, manipulability, velocity_ellipsoid
     from srs_ik.loading import load
 
-    arm = load(source, base=base, tip=tip)
+    arm = load(source, base=base, tip=tip, limb=limb)
     velocity_limit, effort_limit = (limits_of(arm, kind) for kind in ("velocity", "effort")) if limits else (None, None)
     J = arm.jacobian(angles)
     R = arm.forward_kinematics(angles).rotation if axes is Axes.tip else np.eye(3)

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from srs_ik.cli.options import AsJson, Base, Source, Tip, WrongInput
+from srs_ik.cli.options import AsJson, Base, Limb, Source, Tip, WrongInput
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -18,11 +18,9 @@ if TYPE_CHECKING:
     from srs_ik.loading import LimbReport
 
 
-Limb = Annotated[
-    str | None,
-    typer.Option(metavar="WORD", help="Which arm: left, right, or a part of one of its names; with --srdf, a group."),
+Srdf = Annotated[
+    Path | None, typer.Option(metavar="FILE", help="A MoveIt SRDF file; --limb is then one of its groups.")
 ]
-Srdf = Annotated[Path | None, typer.Option(metavar="FILE", help="A MoveIt SRDF file, for the chains of its groups.")]
 XacroArg = Annotated[
     list[str] | None, typer.Option("--xacro-arg", metavar="NAME:=VALUE", help="Argument of a xacro file, repeatable.")
 ]

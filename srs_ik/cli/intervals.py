@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from srs_ik.cli.options import AsJson, Base, Source, Tip
+from srs_ik.cli.options import AsJson, Base, Limb, Source, Tip
 from srs_ik.cli.poses import FromQ, NoLimits, Quat, Rpy, Xyz, read_pose, unit_of
 
 if TYPE_CHECKING:
@@ -26,6 +26,7 @@ def intervals(
     from_q: FromQ = None,
     base: Base = None,
     tip: Tip = None,
+    limb: Limb = None,
     no_limits: NoLimits = False,
     degrees: Annotated[bool, typer.Option("--degrees", help="Angles are given in degrees (--rpy, --from-q).")] = False,
     plot: Annotated[
@@ -45,7 +46,7 @@ def intervals(
 
     from srs_ik.loading import load
 
-    arm = load(source, base=base, tip=tip)
+    arm = load(source, base=base, tip=tip, limb=limb)
     if pose is None:
         pose = arm.forward_kinematics(configuration).homogeneous
     found = arm.intervals(pose, respect_limits=not no_limits)

@@ -22,6 +22,9 @@ Base = Annotated[
     str | None, typer.Option(metavar="FRAME", help="Base frame; may be left out where there is one choice.")
 ]
 Tip = Annotated[str | None, typer.Option(metavar="FRAME", help="Tip frame; may be left out where there is one choice.")]
+Limb = Annotated[
+    str | None, typer.Option(metavar="WORD", help="Which of several arms: left, right, or a part of one of its names.")
+]
 AsJson = Annotated[bool, typer.Option("--json", help="Print JSON and nothing else, in metres and radians.")]
 
 Three = tuple[str, str, str]

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from srs_ik.cli.options import AsJson, Base, Seven, Source, Tip, WrongInput, numbers
+from srs_ik.cli.options import AsJson, Base, Limb, Seven, Source, Tip, WrongInput, numbers
 from srs_ik.cli.poses import JOINTS, FromQ, NoLimits, Quat, Rpy, Xyz, read_pose, unit_of
 
 if TYPE_CHECKING:
@@ -26,6 +26,7 @@ def solve(
     from_q: FromQ = None,
     base: Base = None,
     tip: Tip = None,
+    limb: Limb = None,
     arm_angle: Annotated[
         str | None, typer.Option(metavar="ANGLE", help="Arm angle of the posture; zero as 'srs-ik inspect' says.")
     ] = None,
@@ -59,7 +60,7 @@ def solve(
 
     from srs_ik.loading import load
 
-    arm = load(source, base=base, tip=tip)
+    arm = load(source, base=base, tip=tip, limb=limb)
     if pose is None:
         pose = arm.forward_kinematics(configuration).homogeneous
     if every:

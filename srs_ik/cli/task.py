@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from srs_ik.cli.options import AsJson, Base, Source, Three, Tip, WrongInput, numbers
+from srs_ik.cli.options import AsJson, Base, Limb, Source, Three, Tip, WrongInput, numbers
 from srs_ik.cli.poses import NoLimits, Xyz
 
 if TYPE_CHECKING:
@@ -66,6 +66,7 @@ def task(
     ] = None,
     base: Base = None,
     tip: Tip = None,
+    limb: Limb = None,
     no_limits: NoLimits = False,
     as_json: AsJson = False,
 ) -> None:
@@ -94,7 +95,7 @@ def task(
     from srs_ik.task_solution import TaskSolution
 
     wanted = Task(position, **given)
-    arm = load(source, base=base, tip=tip, hand=None if axes is None else [axes[:3], axes[3:]])
+    arm = load(source, base=base, tip=tip, limb=limb, hand=None if axes is None else [axes[:3], axes[3:]])
     solution = arm.solve_task(wanted, side.value, not no_limits, tie.value)
     assert isinstance(solution, TaskSolution)
     if as_json:
