@@ -142,7 +142,12 @@ def test_every_command_takes_the_word_for_a_limb(command):
     options = {
         "solve": ["--from-q", *"0000000"],
         "intervals": ["--from-q", *"0000000"],
-        "task": ["--xyz", "0.3", "0.2", "0.1", "--velocity", "1", "0", "0", "--force", "0", "0", "1"],
+        "task": [
+            *("--xyz", "0.3", "0.2", "0.1"),
+            *("--velocity", "1", "0", "0"),
+            *("--force", "0", "0", "1"),
+            *("--hand", *"100001"),
+        ],
         "ellipsoids": ["--q", *"0000000"],
     }
     assert "limb='left' or 'right'" in run(command, path, *options[command]).stderr
