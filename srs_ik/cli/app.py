@@ -9,7 +9,7 @@ import typer
 from typer.core import TyperGroup
 
 from srs_ik import __version__
-from srs_ik.cli import ellipsoids, inspect, intervals, plot, preview, robots, solve, task
+from srs_ik.cli import ellipsoids, inspect, intervals, plot, preview, reproduce, robots, solve, task
 from srs_ik.cli.options import NumbersCommand, WrongInput
 
 EXIT_NO_SOLUTION = 1
@@ -86,3 +86,4 @@ app.command("ellipsoids", cls=NumbersCommand)(ellipsoids.ellipsoids)
 app.command("plot", cls=NumbersCommand)(plot.plot)
 app.command("preview", cls=NumbersCommand)(preview.preview)
 app.command("task", cls=NumbersCommand)(task.task)
+app.command("reproduce", cls=NumbersCommand)(reproduce.reproduce)
