@@ -57,6 +57,7 @@ def _pack(limb: SrsLimb, lower: Vector, upper: Vector, slack: tuple[float, ...])
     _put(P, at.SHOULDER_CENTRE, limb.shoulder)
     _put(P, at.WRIST_IN_TIP, T[:3, :3].T @ (limb.wrist - T[:3, 3]))
     _put(P, at.ELBOW_CENTRE, limb.elbow)
+    P[at.MISS] = limb.misses.max()
     _put(P, at.REFERENCE, limb.reference)
     _put(P, at.REFERENCE_2, _second_reference(limb))
 

@@ -16,6 +16,7 @@ from srs_ik.kernels.branches import NO_BRANCH, branch_of, elbow_branches
 from srs_ik.kernels.chain import arm_frame_at, forward_kinematics, frame_error, hand_frame
 from srs_ik.kernels.closure import arm_angle
 from srs_ik.kernels.elbow import elbow_side, place, shoulder_to_wrist, target_frame
+from srs_ik.kernels.followed_angle import best_at_angle, find_at_angle, may_reach
 from srs_ik.kernels.intervals import MAX_PIECES
 from srs_ik.kernels.jit import entry, kernel
 from srs_ik.kernels.layout import (
@@ -27,13 +28,13 @@ from srs_ik.kernels.layout import (
     ROW_STATUS,
 )
 from srs_ik.kernels.limits import set_limits
-from srs_ik.kernels.near_intervals import LOOKS, true_intervals
+from srs_ik.kernels.near_intervals import best_of_true_intervals, true_intervals
 from srs_ik.kernels.poses import GOOD_POSE, read7, read_pose
 from srs_ik.kernels.redundancy import find_intervals, search, search_near_seed
 from srs_ik.kernels.rows import OK, OUT_OF_LIMITS, SOLVED, UNREACHABLE, measure_row, write_row
 from srs_ik.kernels.scoring import NO_SEED, OUTSIDE, tightest_joint
 from srs_ik.kernels.search import MAX_SAMPLES, evaluate, evaluate_branch, search_intervals
-from srs_ik.kernels.second_attempts import ATTEMPTS, STRETCHED, evaluate_again, rescue, stretched
+from srs_ik.kernels.second_attempts import ATTEMPTS, STRETCHED, evaluate_again, is_unsure, rescue, stretched
 from srs_ik.kernels.vectors import add, apply, cross
 
 
@@ -68,11 +69,17 @@ def solve_one(family, T, psi, branch, seed, respect, J, A, out):
     else:
         q, best, lowest = evaluate(P, place_, R, p, psi, branch, seeded, near, respect, J, A)
         if J is not None:
-            if lowest >= OUTSIDE:
-                attempts = ATTEMPTS if lowest >= NO_BRANCH else 1
-                again, b, value = evaluate_again(P, place_, R, p, psi, branch, seeded, near, respect, attempts, J, A)
+            if lowest >= NO_BRANCH or (lowest >= OUTSIDE and is_unsure(P, q)):
+                again, b, value = best_at_angle(P, place_, R, p, psi, branch, seeded, near, respect, J, A)
                 if value < lowest:
                     q, best, lowest = again, b, value
+                if lowest >= OUTSIDE and may_reach(P, place_):
+                    attempts = ATTEMPTS if lowest >= NO_BRANCH else 1
+                    again, b, value = evaluate_again(
+                        P, place_, R, p, psi, branch, seeded, near, respect, attempts, J, A
+                    )
+                    if value < lowest:
+                        q, best, lowest = again, b, value
                 if lowest >= OUTSIDE and abs(place_[3]) < STRETCHED:
                     again, b, value = stretched(P, place_, R, p, branch, seeded, near, respect, J, A)
                     if value < lowest:
@@ -138,13 +145,17 @@ def all_branches(P, T, psi, respect, J, A, out):
                 position, orientation = frame_error(x, y, cross(x, y), add(apply(M, origin), shift), R, p)
                 write_row(place_, q, branch, psi, False, True, position, orientation, 0, out[branch])
         return GOOD_POSE
+    found = np.empty((8, 8))
+    followed = False
     for branch in range(8):
         side = elbow_side(P, place_, branch >> 2)
         q, lowest = evaluate_branch(P, place_, side, R, p, psi, branch, False, NO_SEED, respect, J, A)
-        if lowest >= NO_BRANCH:
-            again, _, value = evaluate_again(P, place_, R, p, psi, branch, False, NO_SEED, respect, 1, J, A)
-            if value < lowest:
-                q, lowest = again, value
+        if lowest >= NO_BRANCH or (lowest >= OUTSIDE and is_unsure(P, q)):
+            if not followed:
+                find_at_angle(P, place_, R, p, psi, False, NO_SEED, respect, found, J, A)
+                followed = True
+            if found[branch, 7] < lowest:
+                q, lowest = read7(found[branch]), found[branch, 7]
         measure_row(P, place_, R, p, q, branch, lowest, respect, out[branch])
         out[branch, ROW_BRANCH] = branch
     return GOOD_POSE
@@ -173,13 +184,9 @@ def solve_all_range(family, poses, first, last, psis, respect, J, A, out, verdic
 
 
 @kernel
-def all_intervals(P, place_, R, p, J, A, out):
-    """Feasible intervals of one pose on the true chain; none where the pose is out of reach."""
-    if J is None:
-        return find_intervals(P, place_, out) if abs(place_[5]) < SOLVED else 0
-    found = np.empty((8 * MAX_PIECES, 3))
-    n = find_intervals(P, place_, found)
-    return true_intervals(P, place_, R, p, found, n, np.empty(2 * LOOKS), np.empty(2 * LOOKS), out, J, A)
+def exact_intervals(P, place_, out):
+    """Feasible intervals of one pose of a limb that the closed form answers; none where the pose is out of reach."""
+    return find_intervals(P, place_, out) if abs(place_[5]) < SOLVED else 0
 
 
 @entry
@@ -188,8 +195,11 @@ def intervals(family, T, respect, J, A, out):
     R, p, verdict = read_pose(T)
     if verdict != GOOD_POSE:
         return -verdict
-    P = family[LIMITED if respect else FREE]
-    return all_intervals(P, place(P, R, p), R, p, J, A, out)
+    P = family[LIMITED]
+    place_ = place(P, R, p)
+    if J is None:
+        return exact_intervals(family[LIMITED if respect else FREE], place_, out)
+    return true_intervals(P, place_, R, p, respect, out, J, A)
 
 
 @entry
@@ -200,11 +210,13 @@ def solve_intervals(family, T, respect, J, A, out):
         return -verdict
     P = family[LIMITED]
     place_ = place(P, R, p)
+    if J is not None:
+        return best_of_true_intervals(P, place_, R, p, respect, out, J, A)
     found = np.empty((8 * MAX_PIECES, 3))
-    n = all_intervals(family[LIMITED if respect else FREE], place_, R, p, J, A, found)
+    n = exact_intervals(family[LIMITED if respect else FREE], place_, found)
     work = np.empty((3, MAX_SAMPLES))
     for i in range(n):
-        q, b, lowest = search_intervals(P, place_, R, p, found, i, i + 1, -1, False, NO_SEED, respect, work, J, A)
+        q, b, lowest = search_intervals(P, place_, found, i, i + 1, -1, False, NO_SEED, respect, work)
         measure_row(P, place_, R, p, q, b, lowest, respect, out[i])
     return n
 

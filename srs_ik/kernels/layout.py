@@ -79,7 +79,8 @@ BLOCK = 43
 
 SHOULDER = 158
 WRIST = SHOULDER + BLOCK
-SIZE = WRIST + BLOCK
+MISS = WRIST + BLOCK  # largest distance of an axis from its centre, of the true chain
+SIZE = MISS + 1
 
 # A family of packed limbs (4, SIZE): with limits, without, and both again with the loose tolerances.
 LIMITED = 0

@@ -17,16 +17,22 @@ from srs_ik.kernels.redundancy import find_intervals
 from srs_ik.kernels.rows import measure_row
 from srs_ik.kernels.scoring import NO_SEED, cost
 from srs_ik.kernels.search import MAX_SAMPLES
-from srs_ik.kernels.survey import RUN, arm_angles_of_run, is_exact, on_curve, survey_exact, survey_near
-from srs_ik.kernels.trace import CURVE, MAX_CURVES, SAMPLE
+from srs_ik.kernels.survey import (
+    MAX_RUNS,
+    RUN,
+    SPARE_ROWS,
+    arm_angles_of_run,
+    is_exact,
+    near_runs,
+    on_curve,
+    survey_exact,
+)
+from srs_ik.kernels.trace import SAMPLE
 
-MAX_RUNS = 8 * MAX_PIECES
 MAX_BRACKETS = 64
 
 ROWS_A_PIECE = 160
-SPARE_ROWS = 1024
-CURVE_ROWS = 8192
-"""Room for samples: for each interval of an exact limb, for all together, and for all curves of a near limb."""
+"""Room for the samples of each interval of an exact limb."""
 
 OUT_VALUE = 0
 OUT_SECOND = 1
@@ -51,12 +57,7 @@ def survey(family, place_, R, p, respect, runs, J, A):
         work = np.empty((2, MAX_SAMPLES))
         n, k = survey_exact(P, place_, R, p, found, pieces, respect, work, line, rows, runs, J, A)
         return rows, n, k, line
-    curves = np.empty((MAX_CURVES, CURVE))
-    followed = np.empty((CURVE_ROWS, SAMPLE))
-    rows = np.empty((CURVE_ROWS + SPARE_ROWS, SAMPLE))
-    line = np.empty((CURVE_ROWS, SAMPLE))
-    n, k = survey_near(P, place_, R, p, respect, curves, followed, line, rows, runs, J, A)
-    return rows, n, k, line
+    return near_runs(P, place_, R, p, respect, runs, J, A)
 
 
 @kernel

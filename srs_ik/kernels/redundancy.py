@@ -9,22 +9,20 @@ import numpy as np
 from srs_ik.kernels.branches import branch_of
 from srs_ik.kernels.chain import pose_error
 from srs_ik.kernels.closure import arm_angle
+from srs_ik.kernels.followed import search_followed
 from srs_ik.kernels.intervals import MAX_EVENTS, MAX_PIECES, feasible_intervals
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout import FAR, FREE, INVERSE_HALF_RANGE, IS_CLOSED, LIMITED, LOOSE, RANGE_KIND, SIZE
-from srs_ik.kernels.nearest import first_guess, first_guess_near, settle_near, slid, tighten
+from srs_ik.kernels.nearest import first_guess, first_guess_near, settle_near, tighten
 from srs_ik.kernels.scoring import OUTSIDE
 from srs_ik.kernels.search import MAX_SAMPLES, search_intervals
-from srs_ik.kernels.second_attempts import rescue
+from srs_ik.kernels.second_attempts import look_around, rescue
 
 NEARLY_STRAIGHT = 3e-6
 """Bends of the elbow below this, rad, cannot be told apart within 1e-11 of reach."""
 
 MOST_LEVERAGE = 4.0
 """A seed farther from its nearest posture than so many times the pose error asks for a closer look."""
-
-WIDE_BOX = 1.0
-"""On a near limb, a box of a seeded search wider than this, rad, asks for the whole circles."""
 
 BETWEEN_LIMBS = 0.05
 """How far the joints of a near limb may be from those of its nearest exact limb, rad, away from singularities."""
@@ -48,12 +46,12 @@ def find_intervals(P, place_, out):
 
 
 @kernel
-def search_branches(P, F, place_, R, p, branch, seeded, seed, respect, J, A):
+def search_branches(P, F, place_, branch, seeded, seed, respect):
     """Best posture over the feasible intervals of F: q, branch, cost (more than any posture's if there is none)."""
     found = np.empty((8 * MAX_PIECES, 3))
     n = find_intervals(F, place_, found)
     work = np.empty((3, MAX_SAMPLES))
-    return search_intervals(P, place_, R, p, found, 0, n, branch, seeded, seed, respect, work, J, A)
+    return search_intervals(P, place_, found, 0, n, branch, seeded, seed, respect, work)
 
 
 @kernel
@@ -116,40 +114,34 @@ def search_near_seed(P, F, place_, R, p, seed, respect, J, A):
     slack = 1e-12 if P[IS_CLOSED] == 1.0 else BETWEEN_LIMBS
     tighten(F, seed, math.sqrt(lowest) * (1.0 + 1e-9) + slack, box)
     found = np.empty((8 * MAX_PIECES, 3))
-    wide = J is not None and lowest > WIDE_BOX * WIDE_BOX
-    n = whole_circles(found) if wide else find_intervals(box, place_, found)
+    n = find_intervals(box, place_, found)
     if minimum and not has_wide_range(P):
         n = without(found, n, best, psi)
     if n == 0:
         return q, best, lowest
-    work = np.empty((3, MAX_SAMPLES))
-    nearer_q, nearer, value = search_intervals(P, place_, R, p, found, 0, n, -1, True, seed, respect, work, J, A)
-    if J is not None:
-        if value < OUTSIDE:
-            nearer_q, value, _ = slid(P, nearer_q, R, p, seed, respect, J, A)
+    if J is None:
+        work = np.empty((3, MAX_SAMPLES))
+        nearer_q, nearer, value = search_intervals(P, place_, found, 0, n, -1, True, seed, respect, work)
+    else:
+        nearer_q, nearer, value = search_followed(P, place_, R, p, -1, True, seed, respect, respect, J, A)
     if value < lowest:
         return nearer_q, nearer, value
     return q, best, lowest
 
 
 @kernel
-def search_hidden(family, strictness, place_, R, p, branch, seeded, seed, respect, J, A):
-    """Postures that the strict search cannot see: q, branch, cost (OUTSIDE if there is none).
+def search_hidden(family, strictness, place_, branch, seeded, seed, respect):
+    """Postures of a closed limb that rounding hides from the strict search: q, branch, cost (OUTSIDE if there is none).
 
-    On a closed limb, those that rounding hides: looser tolerances, and, with the elbow almost straight, all the bends
-    that a pose cannot tell from each other (a bend x shortens the arm by x^2 / 8 of its length). On a near limb, those
-    that its nearest exact limb does not have.
+    Looser tolerances, and, with the elbow almost straight, all the bends that a pose cannot tell from each other (a
+    bend x shortens the arm by x^2 / 8 of its length).
     """
-    if J is not None:
-        return rescue(family[LIMITED], place_, R, p, branch, seeded, seed, respect, J, A)
     t, h0, bend_c, bend_s, hand, miss = place_
     bend = bend_s
     x = 1e-9
     while True:
         near = (t, h0, math.sqrt(1.0 - bend * bend) if bend_c > 0.0 else bend_c, bend, hand, miss)
-        q, b, value = search_branches(
-            family[LOOSE], family[LOOSE + strictness], near, R, p, branch, seeded, seed, respect, J, A
-        )
+        q, b, value = search_branches(family[LOOSE], family[LOOSE + strictness], near, branch, seeded, seed, respect)
         if value < OUTSIDE or bend_c < 0.0 or bend_s > NEARLY_STRAIGHT or x > NEARLY_STRAIGHT:
             return q, b, value
         bend = 0.0 if x == 1e-9 else x
@@ -158,25 +150,32 @@ def search_hidden(family, strictness, place_, R, p, branch, seeded, seed, respec
 
 @kernel
 def search(family, place_, R, p, branch, seeded, seed, respect, J, A):
-    """Best posture over all arm angles: q, branch, cost."""
+    """Best posture over all arm angles: q, branch, cost; the least violating one where none keeps the limits."""
     strictness = LIMITED if respect else FREE
     P = family[LIMITED]
-    F = family[strictness if J is None else FREE]
-    best_q, best, lowest = search_branches(P, F, place_, R, p, branch, seeded, seed, respect, J, A)
-    if lowest < OUTSIDE:
-        return best_q, best, lowest
-    q, b, value = search_hidden(family, strictness, place_, R, p, branch, seeded, seed, respect, J, A)
+    if J is None:
+        q, best, lowest = search_branches(P, family[strictness], place_, branch, seeded, seed, respect)
+        if lowest < OUTSIDE:
+            return q, best, lowest
+        hidden, b, value = search_hidden(family, strictness, place_, branch, seeded, seed, respect)
+    else:
+        q, best, lowest = search_followed(P, place_, R, p, branch, seeded, seed, respect, respect, J, A)
+        if lowest < OUTSIDE:
+            return q, best, lowest
+        hidden, b, value = look_around(P, place_, R, p, branch, seeded, seed, respect, J, A)
+        if value >= OUTSIDE:
+            hidden, b, value = rescue(P, place_, R, p, branch, seeded, seed, respect, J, A)
     if value < lowest:
-        best_q = q
-        best = b
-        lowest = value
+        q, best, lowest = hidden, b, value
     if lowest < OUTSIDE:
-        return best_q, best, lowest
-    # No posture inside the limits: the least violating one.
-    circles = np.empty((8, 3))
-    whole_circles(circles)
-    work = np.empty((3, MAX_SAMPLES))
-    q, b, value = search_intervals(P, place_, R, p, circles, 0, 8, branch, seeded, seed, respect, work, J, A)
+        return q, best, lowest
+    if J is None:
+        circles = np.empty((8, 3))
+        whole_circles(circles)
+        work = np.empty((3, MAX_SAMPLES))
+        outside, b, value = search_intervals(P, place_, circles, 0, 8, branch, seeded, seed, respect, work)
+    else:
+        outside, b, value = search_followed(P, place_, R, p, branch, seeded, seed, respect, False, J, A)
     if value < lowest:
-        return q, b, value
-    return best_q, best, lowest
+        return outside, b, value
+    return q, best, lowest

@@ -80,10 +80,11 @@ def evaluate_branch(P, place_, side, R, p, psi, branch, seeded, seed, respect, J
         return q, lowest
     if lowest >= NO_BRANCH:
         return q, lowest
-    q, closed = close_at_angle(P, q, R, p, place_[0], place_[1], psi, STEPS, J, A)
-    if not closed or branch_of(P, q) != branch:
+    closed_q, closed = close_at_angle(P, q, R, p, place_[0], place_[1], psi, STEPS, J, A)
+    if not closed or branch_of(P, closed_q) != branch:
+        # Newton's method may have met the pose, but elsewhere: that is no answer.
         return q, NO_BRANCH
-    q = turned(P, q, seeded, seed, respect)
+    q = turned(P, closed_q, seeded, seed, respect)
     return q, cost(P, q, seeded, seed, respect)
 
 
@@ -111,14 +112,21 @@ def evaluate(P, place_, R, p, psi, branch, seeded, seed, respect, J, A):
 
 
 @kernel
-def refine(P, place_, side, R, p, branch, lower, upper, seeded, seed, respect, J, A):
+def branch_at(P, side, psi, branch, seeded, seed, respect):
+    """Posture of one branch at an arm angle on the exact limb: q, cost."""
+    q, _, lowest = side_posture(P, side, psi, (branch >> 1) & 1, branch & 1, seeded, seed, respect)
+    return q, lowest
+
+
+@kernel
+def refine(P, side, branch, lower, upper, seeded, seed, respect):
     """Golden-section search for the best arm angle of a branch between two arm angles: psi, q, cost."""
     a = lower
     b = upper
     x = b - GOLDEN * (b - a)
     y = a + GOLDEN * (b - a)
-    qx, fx = evaluate_branch(P, place_, side, R, p, x, branch, seeded, seed, respect, J, A)
-    qy, fy = evaluate_branch(P, place_, side, R, p, y, branch, seeded, seed, respect, J, A)
+    qx, fx = branch_at(P, side, x, branch, seeded, seed, respect)
+    qy, fy = branch_at(P, side, y, branch, seeded, seed, respect)
     for _ in range(REFINE_STEPS):
         if b - a < 1e-10:
             break
@@ -128,14 +136,14 @@ def refine(P, place_, side, R, p, branch, lower, upper, seeded, seed, respect, J
             qy = qx
             fy = fx
             x = b - GOLDEN * (b - a)
-            qx, fx = evaluate_branch(P, place_, side, R, p, x, branch, seeded, seed, respect, J, A)
+            qx, fx = branch_at(P, side, x, branch, seeded, seed, respect)
         else:
             a = x
             x = y
             qx = qy
             fx = fy
             y = a + GOLDEN * (b - a)
-            qy, fy = evaluate_branch(P, place_, side, R, p, y, branch, seeded, seed, respect, J, A)
+            qy, fy = branch_at(P, side, y, branch, seeded, seed, respect)
     if fx <= fy:
         return x, qx, fx
     return y, qy, fy
@@ -259,11 +267,11 @@ def keep_peak(peaks, n, hope, branch, lower, peak, upper):
 
 
 @kernel
-def scan(P, place_, side, R, p, branch, lower, upper, seeded, seed, respect, samples, values, peaks, n, J, A):
+def scan(P, side, branch, lower, upper, seeded, seed, respect, samples, values, peaks, n):
     """Look at an interval of a branch and keep its peaks; return how many are kept in all."""
     count = take_samples(P, side, lower, upper, seeded, seed, samples)
     for i in range(count):
-        _, values[i] = evaluate_branch(P, place_, side, R, p, samples[i], branch, seeded, seed, respect, J, A)
+        _, values[i] = branch_at(P, side, samples[i], branch, seeded, seed, respect)
     for i in range(count):
         before = values[i - 1] if i > 0 else values[i]
         behind = values[i + 1] if i + 1 < count else values[i]
@@ -276,8 +284,8 @@ def scan(P, place_, side, R, p, branch, lower, upper, seeded, seed, respect, sam
 
 
 @kernel
-def search_peaks(P, place_, R, p, seeded, seed, respect, peaks, n, J, A):
-    """Close in on peaks on the true chain: q, branch, cost of the best."""
+def search_peaks(P, place_, seeded, seed, respect, peaks, n):
+    """Close in on peaks: q, branch, cost of the best."""
     best_q = seed
     best = 0
     lowest = 4.0 * NO_BRANCH
@@ -286,10 +294,10 @@ def search_peaks(P, place_, R, p, seeded, seed, respect, peaks, n, J, A):
             break
         branch = int(peaks[i, 1])
         side = elbow_side(P, place_, branch >> 2)
-        _, q, value = refine(P, place_, side, R, p, branch, peaks[i, 2], peaks[i, 4], seeded, seed, respect, J, A)
+        _, q, value = refine(P, side, branch, peaks[i, 2], peaks[i, 4], seeded, seed, respect)
         for k in range(2, 5):
             # A golden section never touches the ends of its bracket, nor a singular posture between them.
-            qe, ve = evaluate_branch(P, place_, side, R, p, peaks[i, k], branch, seeded, seed, respect, J, A)
+            qe, ve = branch_at(P, side, peaks[i, k], branch, seeded, seed, respect)
             if ve <= value:
                 q = qe
                 value = ve
@@ -301,7 +309,7 @@ def search_peaks(P, place_, R, p, seeded, seed, respect, peaks, n, J, A):
 
 
 @kernel
-def search_intervals(P, place_, R, p, found, first, last, branch, seeded, seed, respect, work, J, A):
+def search_intervals(P, place_, found, first, last, branch, seeded, seed, respect, work):
     """Best posture over the intervals in rows first to last - 1 of found: q, branch, cost.
 
     work is (3, MAX_SAMPLES) work space.
@@ -322,7 +330,5 @@ def search_intervals(P, place_, R, p, found, first, last, branch, seeded, seed, 
         _, floor = elbow_part(P, side[0], seeded, seed[3], respect)
         if n == PEAKS and floor >= peaks[n - 1, 0]:
             continue
-        n = scan(
-            P, place_, side, R, p, b, found[i, 1], found[i, 2], seeded, seed, respect, samples, values, peaks, n, J, A
-        )
-    return search_peaks(P, place_, R, p, seeded, seed, respect, peaks, n, J, A)
+        n = scan(P, side, b, found[i, 1], found[i, 2], seeded, seed, respect, samples, values, peaks, n)
+    return search_peaks(P, place_, seeded, seed, respect, peaks, n)

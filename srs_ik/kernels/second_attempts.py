@@ -5,15 +5,21 @@ from __future__ import annotations
 import math
 
 from srs_ik.kernels.branches import NO_BRANCH, best_branch, branch_of
-from srs_ik.kernels.closure import CLOSED, ON_LINE, clipped, close_at_angle, close_free, elbow_position
+from srs_ik.kernels.closure import CLOSED, ON_LINE, clipped, close_at_angle, close_free, elbow_position, pose_step
 from srs_ik.kernels.jit import kernel
-from srs_ik.kernels.layout import PHASE, SHOULDER, SHOULDER_CENTRE, STRAIGHT, WRIST
+from srs_ik.kernels.layout import FAR, MISS, PHASE, SHOULDER, SHOULDER_CENTRE, STRAIGHT, WRIST
 from srs_ik.kernels.scoring import OUTSIDE, cost
-from srs_ik.kernels.search import turned
+from srs_ik.kernels.search import STEPS, turned
 from srs_ik.kernels.vectors import across, load3, norm, sub
 
 MORE_STEPS = 80
 """Steps of Newton's method, which halves the error at best next to a singularity."""
+
+MET = 1e-10
+"""Pose errors (m, rad) that Newton's method may leave next to a singularity."""
+
+LOOKS = 48
+"""Arm angles all around the circle."""
 
 ATTEMPTS = 9
 """Arm angles from which a given one is tried."""
@@ -22,11 +28,25 @@ ALMOST = 0.1
 JITTERS = 100
 """A near limb that comes this close to a pose (m, rad) is tried from so many more postures around."""
 
+UNSURE = 16.0
+WIDEST_UNSURE = 0.35
+"""Sine of a middle angle, for each part of its reach by which a limb misses, under which branches are unsure."""
+
 STRETCHED = 1e-4
 """Sine of the bend of the elbow under which it may be on the line S-W."""
 
 NEAR_SINGULAR = 0.05
 """Sine of a middle angle under which a spherical joint or the elbow is close to singular, for a second attempt."""
+
+
+@kernel
+def is_unsure(P, q):
+    """Whether a posture of a near limb is so close to a singularity that there may be others at its arm angle."""
+    width = min(WIDEST_UNSURE, UNSURE * P[MISS] / P[FAR])
+    s2 = abs(math.sin(q[1] - P[SHOULDER + PHASE]))
+    s4 = abs(math.sin(q[3] - P[STRAIGHT]))
+    s6 = abs(math.sin(q[5] - P[WRIST + PHASE]))
+    return min(s2, s4, s6) < width
 
 
 @kernel
@@ -128,6 +148,31 @@ def free_start(P, q, R, p, wanted, seeded, seed, respect, J, A):
     if wanted >= 0 and branch_of(P, q) != wanted:
         return q, OUTSIDE * 10.0
     return q, cost(P, q, seeded, seed, respect)
+
+
+@kernel
+def look_around(P, place_, R, p, branch, seeded, seed, respect, J, A):
+    """Postures from arm angles all around the circle, where curves cross and cannot be followed: q, branch, cost."""
+    best_q = seed
+    best = 0
+    lowest = 2.0 * NO_BRANCH
+    for i in range(LOOKS):
+        psi = i * 2.0 * math.pi / LOOKS
+        for b in range(8):
+            q, _, _ = best_branch(P, place_, psi, b, seeded, seed, respect)
+            q, _ = close_at_angle(P, q, R, p, place_[0], place_[1], psi, STEPS, J, A)
+            linear, angular = pose_step(P, q, R, p, J)
+            here = branch_of(P, q)
+            if max(norm(linear), norm(angular)) > MET or (branch >= 0 and here != branch):
+                continue
+            # At another arm angle perhaps, but a posture for the pose.
+            q = turned(P, q, seeded, seed, respect)
+            value = cost(P, q, seeded, seed, respect)
+            if value < lowest:
+                best_q = q
+                best = here
+                lowest = value
+    return best_q, best, lowest
 
 
 @kernel

@@ -9,14 +9,18 @@ from __future__ import annotations
 
 import math
 
+import numpy as np
+
 from srs_ik.kernels.branches import NO_BRANCH, side_posture
 from srs_ik.kernels.closure import arm_angle
 from srs_ik.kernels.elbow import elbow_side
+from srs_ik.kernels.gaps import put_gaps
+from srs_ik.kernels.intervals import MAX_PIECES
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout import IS_CLOSED
 from srs_ik.kernels.scoring import NO_SEED, OUTSIDE, cost
 from srs_ik.kernels.search import GOLDEN, take_samples, turned
-from srs_ik.kernels.trace import between, difference, follow_all, load_sample, put
+from srs_ik.kernels.trace import CURVE, MAX_CURVES, SAMPLE, between, difference, follow_all, load_sample, put
 
 LARGEST_MOTION = 0.5
 """Between neighbouring samples of a branch no joint moves by more than this, rad ..."""
@@ -35,6 +39,12 @@ DIP_STEPS = 40
 
 SHALLOW = 0.5
 """A sample this far outside the limits, rad, may have feasible postures beside it."""
+
+MAX_RUNS = 8 * MAX_PIECES
+
+SPARE_ROWS = 1024
+CURVE_ROWS = 8192
+"""Room for samples: beside those of each interval of an exact limb, and for all curves of a near limb."""
 
 RUN = 5
 """A run: branch, first and last parameter, first row of its samples, and the row behind the last."""
@@ -222,8 +232,11 @@ def sample_branch(P, side, R, p, branch, lower, upper, work, line, J, A):
 
 
 @kernel
-def unroll(P, rows, curve, respect, line):
-    """Copy a followed curve to line, a closed one from a posture outside the limits on if there is one; rows in use."""
+def unroll(P, R, p, rows, curve, respect, line, J, A):
+    """Copy a followed curve to line, a closed one from a posture outside the limits on if there is one; rows in use.
+
+    Where limits count, the gaps between them get samples of their own.
+    """
     first = int(curve[0])
     count = int(curve[1]) - first
     start = 0
@@ -234,13 +247,20 @@ def unroll(P, rows, curve, respect, line):
                 break
     length = rows[first + count - 1, 0]
     n = 0
+    x = 0.0
+    q = NO_SEED
     for i in range(count):
         j = start + i
         round_ = 0.0
         if j >= count:
             j -= count - 1
             round_ = length
-        n = put(line, n, rows[first + j, 0] + round_, load_sample(rows[first + j]))
+        next_x = rows[first + j, 0] + round_
+        next_q = load_sample(rows[first + j])
+        if respect and i > 0:
+            n = put_gaps(P, R, p, x, q, next_x, next_q, line, n, J, A)
+        n = put(line, n, next_x, next_q)
+        x, q = next_x, next_q
     return n
 
 
@@ -269,9 +289,20 @@ def survey_near(P, place_, R, p, respect, curves, rows, line, out, runs, J, A):
     side = elbow_side(P, place_, 0)
     count = follow_all(P, place_, R, p, respect, rows, curves, J, A)
     for i in range(count):
-        length = unroll(P, rows, curves[i], respect, line)
+        length = unroll(P, R, p, rows, curves[i], respect, line, J, A)
         n, k = cut(P, side, R, p, 0, respect, line, 0, length, out, n, runs, k, J, A)
     return n, k
+
+
+@kernel
+def near_runs(P, place_, R, p, respect, runs, J, A):
+    """`survey_near` with room of its own: samples, rows and runs in use, and spare rows for samples of one curve."""
+    curves = np.empty((MAX_CURVES, CURVE))
+    followed = np.empty((CURVE_ROWS, SAMPLE))
+    rows = np.empty((CURVE_ROWS + SPARE_ROWS, SAMPLE))
+    line = np.empty((CURVE_ROWS, SAMPLE))
+    n, k = survey_near(P, place_, R, p, respect, curves, followed, line, rows, runs, J, A)
+    return rows, n, k, line
 
 
 @kernel

@@ -37,7 +37,7 @@ SMALLEST_COSINE = 0.93
 WELL_STRAIGHT = 0.985
 """Above this cosine, the next step is longer."""
 
-MOST_STEPS = 1500
+MOST_STEPS = 600
 
 CORRECTIONS = 12
 """Newton's steps back to the curve, at most."""
@@ -177,12 +177,14 @@ def null_vector(J, near, A):
 def correct(P, q, d, place, R, p, J, A):
     """Newton's method to the posture for a pose (R, p) with d'q = place: q, whether it is met, J left for it."""
     error = 1.0
-    for _ in range(CORRECTIONS):
+    for i in range(CORRECTIONS + 1):
         linear, angular = pose_step(P, q, R, p, J)
         off = place - dot7(d, q)
         error = max(norm(linear), norm(angular))
         if error < 0.1 * CLOSED and abs(off) < CLOSED:
             return q, True
+        if i == CORRECTIONS:
+            break
         load_system(J, d, A)
         for i in range(3):
             A[i, 7] = linear[i]
@@ -225,8 +227,11 @@ def is_known(q, t, rows, curves, count):
 
 
 @kernel
-def follow(P, R, p, q, t, rows, n, J, A):
-    """Follow the curve through q in the direction of its oriented null vector t; rows in use, and whether it closed."""
+def follow(P, R, p, q, t, way, rows, n, J, A):
+    """Follow the curve through q along its oriented null vector t (way = 1.0), or against it (-1.0).
+
+    Returns the rows in use, whether the curve has closed, and the last posture with its null vector.
+    """
     first = q
     first_t = t
     n0 = n
@@ -238,11 +243,11 @@ def follow(P, R, p, q, t, rows, n, J, A):
             break
         if n - n0 > 2:
             back = difference(q, first)
-            ahead = dot7(t, back)
-            off = along7(back, -ahead, t)
+            ahead = way * dot7(t, back)
+            off = along7(back, -way * ahead, t)
             if 0.0 < ahead <= step and dot7(first_t, t) > SMALLEST_COSINE and dot7(off, off) < 0.1 * ahead * ahead:
-                return put(rows, n, length + ahead, first), True
-        next_q, met = correct(P, along7(q, step, t), t, dot7(t, q) + step, R, p, J, A)
+                return put(rows, n, length + ahead, first), True, q, t
+        next_q, met = correct(P, along7(q, way * step, t), t, dot7(t, q) + way * step, R, p, J, A)
         if not met:
             step *= 0.5
             continue
@@ -257,7 +262,22 @@ def follow(P, R, p, q, t, rows, n, J, A):
         n = put(rows, n, length, q)
         if cosine > WELL_STRAIGHT:
             step = min(1.5 * step, LONGEST_STEP)
-    return n, False
+    return n, False, q, t
+
+
+@kernel
+def reverse(rows, first, n):
+    """Turn the samples of an open curve around, in the rows first to n - 1."""
+    length = rows[n - 1, 0]
+    for i in range(first, n):
+        rows[i, 0] = length - rows[i, 0]
+    i = first
+    j = n - 1
+    while i < j:
+        for c in range(SAMPLE):
+            rows[i, c], rows[j, c] = rows[j, c], rows[i, c]
+        i += 1
+        j -= 1
 
 
 @kernel
@@ -285,7 +305,11 @@ def follow_all(P, place_, R, p, respect, rows, curves, J, A):
             if is_known(q, t, rows, curves, count):
                 continue
             first = n
-            n, closed = follow(P, R, p, q, t, rows, n, J, A)
+            n, closed, q, t = follow(P, R, p, q, t, 1.0, rows, n, J, A)
+            if not closed:
+                # It ends where curves cross: all of it lies behind that end.
+                n, closed, _, _ = follow(P, R, p, q, t, -1.0, rows, first, J, A)
+                reverse(rows, first, n)
             if n - first < 2:
                 n = first
                 continue

@@ -1,0 +1,103 @@
+"""Postures of a near limb at an arm angle, where Newton's method from the closed form does not lead to them.
+
+Next to a singularity a branch may have several postures at one arm angle, or none. All of them lie where the curves
+that `trace` follows pass the arm angle.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from srs_ik.kernels.branches import NO_BRANCH, branch_of
+from srs_ik.kernels.closure import arm_angle, close_at_angle
+from srs_ik.kernels.jit import kernel
+from srs_ik.kernels.layout import FAR, MISS
+from srs_ik.kernels.scoring import cost
+from srs_ik.kernels.search import STEPS, turned
+from srs_ik.kernels.survey import MAX_RUNS, RUN, near_runs
+from srs_ik.kernels.trace import between, difference, dot7, load_sample, short_way
+
+HALVINGS = 30
+"""Steps that close in on an arm angle between two samples, before Newton's method takes over."""
+
+CLOSE_BY = 1e-4
+"""Newton's method moves a posture no farther than this, rad, squared."""
+
+REACH_SLACK = 8.0
+"""A near limb reaches no farther than its nearest exact limb and so many times its largest miss."""
+
+
+@kernel
+def may_reach(P, place_):
+    """Whether a pose is not so far out of reach that a near limb cannot have a posture for it."""
+    return abs(place_[5]) <= REACH_SLACK * P[MISS] + 1e-9 * P[FAR]
+
+
+@kernel
+def passing(P, place_, R, p, psi, a, b, ahead_a, ahead_b, J, A):
+    """The posture between two samples of a curve at an arm angle that lies between theirs, and whether it is met."""
+    low = 0.0
+    high = 1.0
+    share = 0.5
+    q = a
+    for i in range(HALVINGS):
+        share = low + (high - low) * (ahead_a / (ahead_a - ahead_b) if i % 3 != 2 else 0.5)
+        q, met = between(P, R, p, a, b, share, J, A)
+        if not met:
+            return q, False
+        ahead = short_way(arm_angle(P, q, place_[0], place_[1]) - psi)
+        if abs(ahead) < 1e-9 or high - low < 1e-12:
+            break
+        if ahead * ahead_a > 0.0:
+            low, ahead_a = share, ahead
+        else:
+            high, ahead_b = share, ahead
+    exact, met = close_at_angle(P, q, R, p, place_[0], place_[1], psi, STEPS, J, A)
+    moved = difference(q, exact)
+    return exact, met and dot7(moved, moved) < CLOSE_BY
+
+
+@kernel
+def find_at_angle(P, place_, R, p, psi, seeded, seed, respect, out, J, A):
+    """Write the best posture of every branch at an arm angle, and its cost, into the rows of out (8, 8)."""
+    for branch in range(8):
+        out[branch, 7] = 2.0 * NO_BRANCH
+    if not may_reach(P, place_):
+        return
+    runs = np.empty((MAX_RUNS, RUN))
+    rows, _, k, _ = near_runs(P, place_, R, p, False, runs, J, A)
+    for index in range(k):
+        first = int(runs[index, 3])
+        a = load_sample(rows[first])
+        at_a = arm_angle(P, a, place_[0], place_[1])
+        for i in range(first + 1, int(runs[index, 4])):
+            b = load_sample(rows[i])
+            at_b = arm_angle(P, b, place_[0], place_[1])
+            ahead_a = short_way(at_a - psi)
+            ahead_b = ahead_a + short_way(at_b - at_a)
+            if ahead_a * ahead_b <= 0.0 and ahead_a != ahead_b:
+                q, met = passing(P, place_, R, p, psi, a, b, ahead_a, ahead_b, J, A)
+                branch = branch_of(P, q)
+                q = turned(P, q, seeded, seed, respect)
+                value = cost(P, q, seeded, seed, respect)
+                if met and value < out[branch, 7]:
+                    for j in range(7):
+                        out[branch, j] = q[j]
+                    out[branch, 7] = value
+            a, at_a = b, at_b
+
+
+@kernel
+def best_at_angle(P, place_, R, p, psi, wanted, seeded, seed, respect, J, A):
+    """Best posture at an arm angle over all branches, or in one (0 to 7): q, branch, cost."""
+    found = np.empty((8, 8))
+    find_at_angle(P, place_, R, p, psi, seeded, seed, respect, found, J, A)
+    best = 0 if wanted < 0 else wanted
+    if wanted < 0:
+        for branch in range(1, 8):
+            if found[branch, 7] < found[best, 7]:
+                best = branch
+    row = found[best]
+    if row[7] >= NO_BRANCH:
+        return seed, best, row[7]
+    return (row[0], row[1], row[2], row[3], row[4], row[5], row[6]), best, row[7]
