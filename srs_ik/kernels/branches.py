@@ -10,13 +10,17 @@ import math
 
 from srs_ik.kernels.elbow import elbow_side
 from srs_ik.kernels.jit import kernel
-from srs_ik.kernels.layout import PHASE, SHOULDER, STRAIGHT, WRIST
+from srs_ik.kernels.layout import FAR, MISS, PHASE, SHOULDER, STRAIGHT, WRIST
 from srs_ik.kernels.scoring import elbow_part, join, part
 from srs_ik.kernels.spherical import angles, default_anchor, middle_angle
 from srs_ik.kernels.vectors import swing
 
 NO_BRANCH = 1e12
 """Cost of a branch that does not exist: oblique axes of a spherical joint cannot make the rotation."""
+
+UNSURE = 16.0
+WIDEST_UNSURE = 0.35
+"""Sine of a middle angle, for each part of its reach by which a limb misses, under which branches are unsure."""
 
 
 @kernel
@@ -26,6 +30,16 @@ def branch_of(P, q):
     s = 0 if math.sin(q[1] - P[SHOULDER + PHASE]) >= 0.0 else 2
     w = 0 if math.sin(q[5] - P[WRIST + PHASE]) >= 0.0 else 1
     return e + s + w
+
+
+@kernel
+def is_unsure(P, q):
+    """Whether a posture of a near limb is so close to a singularity that there may be others at its arm angle."""
+    width = min(WIDEST_UNSURE, UNSURE * P[MISS] / P[FAR])
+    s2 = abs(math.sin(q[1] - P[SHOULDER + PHASE]))
+    s4 = abs(math.sin(q[3] - P[STRAIGHT]))
+    s6 = abs(math.sin(q[5] - P[WRIST + PHASE]))
+    return min(s2, s4, s6) < width
 
 
 @kernel

@@ -12,7 +12,7 @@ import math
 
 import numpy as np
 
-from srs_ik.kernels.branches import NO_BRANCH, branch_of, elbow_branches
+from srs_ik.kernels.branches import NO_BRANCH, branch_of, elbow_branches, is_unsure
 from srs_ik.kernels.chain import arm_frame_at, forward_kinematics, frame_error, hand_frame
 from srs_ik.kernels.closure import arm_angle
 from srs_ik.kernels.elbow import elbow_side, place, shoulder_to_wrist, target_frame
@@ -34,7 +34,7 @@ from srs_ik.kernels.redundancy import find_intervals, search, search_near_seed
 from srs_ik.kernels.rows import OK, OUT_OF_LIMITS, SOLVED, UNREACHABLE, measure_row, write_row
 from srs_ik.kernels.scoring import NO_SEED, OUTSIDE, tightest_joint
 from srs_ik.kernels.search import MAX_SAMPLES, evaluate, evaluate_branch, search_intervals
-from srs_ik.kernels.second_attempts import ATTEMPTS, STRETCHED, evaluate_again, is_unsure, rescue, stretched
+from srs_ik.kernels.second_attempts import ATTEMPTS, STRETCHED, evaluate_again, rescue, stretched
 from srs_ik.kernels.vectors import add, apply, cross
 
 

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 
-from srs_ik.kernels.branches import NO_BRANCH, branch_of, side_posture
+from srs_ik.kernels.branches import NO_BRANCH, branch_of, is_unsure, side_posture
 from srs_ik.kernels.closure import CLOSED, MAX_STEP, clipped, close_free, longest, moved, pose_step, shortest_step
 from srs_ik.kernels.elbow import elbow_side
 from srs_ik.kernels.jit import kernel
@@ -24,6 +24,10 @@ NEWTON_STEPS = 12
 SLIDE_STEPS = 30
 SLID = 3e-12
 """Steps on the true chain, and the size of the last one, rad."""
+
+VALLEY = 0.3
+MOST_STARTS = 24
+"""Local searches start this far apart in arm angle, rad; more of them than this are no better than to follow curves."""
 
 CONVERGED = 1e-11
 """A step of the arm angle below this, rad, ends the local search."""
@@ -197,18 +201,50 @@ def first_guess_near(P, place_, R, p, seed, respect, J, A):
 
 
 @kernel
-def tighten(P, seed, distance, box):
-    """Copy the packed limb to `box` with its limits tightened to seed +- distance; return whether any range is left."""
+def look_beside(P, place_, R, p, found, n, q, best, lowest, seed, respect, J, A):
+    """Local searches on the true chain from the nearest exact limb's postures in the intervals of found.
+
+    Returns the best posture, its branch and cost, and whether they tell all: not next to a singularity, where the true
+    postures are elsewhere.
+    """
+    starts = 0
+    for i in range(n):
+        starts += math.ceil((found[i, 2] - found[i, 1]) / VALLEY)
+    if starts > MOST_STARTS or is_unsure(P, q):
+        return q, best, lowest, False
+    for i in range(n):
+        branch = int(found[i, 0])
+        side = elbow_side(P, place_, branch >> 2)
+        width = found[i, 2] - found[i, 1]
+        count = max(math.ceil(width / VALLEY), 1)
+        for k in range(count):
+            psi = found[i, 1] + width * (k + 0.5) / count
+            start, _, value = side_posture(P, side, psi, (branch >> 1) & 1, branch & 1, True, seed, False)
+            if value >= NO_BRANCH or is_unsure(P, start):
+                return q, best, lowest, False
+            start, error = close_free(P, start, R, p, False, NEWTON_STEPS, J, A)
+            other, minimum = slide(P, start, R, p, seed, False, J, A)
+            if error > CLOSED or not minimum:
+                return q, best, lowest, False
+            other = turned(P, other, True, seed, respect)
+            if cost(P, other, True, seed, False) >= lowest:
+                continue
+            value = cost(P, other, True, seed, respect)
+            if value >= OUTSIDE:
+                # The nearest posture of this valley may be on a limit.
+                return q, best, lowest, False
+            q, best, lowest = other, branch_of(P, other), value
+    return q, best, lowest, True
+
+
+@kernel
+def tighten(P, seed, distance, slack, box):
+    """Copy the packed limb to `box` with its limits tightened to seed +- distance, then widened by some slack."""
     for i in range(P.shape[0]):
         box[i] = P[i]
-    some = True
     for j in range(7):
-        lower = max(P[LOWER + j], seed[j] - distance)
-        upper = min(P[UPPER + j], seed[j] + distance)
-        if lower > upper:
-            some = False
-            lower = upper
-        set_limit(box, j, lower, upper)
+        lower = max(P[LOWER + j], seed[j] - distance) - slack
+        upper = min(P[UPPER + j], seed[j] + distance) + slack
+        set_limit(box, j, min(lower, upper), upper)
     set_joint_limits(box, SHOULDER, 0)
     set_joint_limits(box, WRIST, 4)
-    return some

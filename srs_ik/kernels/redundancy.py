@@ -12,8 +12,8 @@ from srs_ik.kernels.closure import arm_angle
 from srs_ik.kernels.followed import search_followed
 from srs_ik.kernels.intervals import MAX_EVENTS, MAX_PIECES, feasible_intervals
 from srs_ik.kernels.jit import kernel
-from srs_ik.kernels.layout import FAR, FREE, INVERSE_HALF_RANGE, IS_CLOSED, LIMITED, LOOSE, RANGE_KIND, SIZE
-from srs_ik.kernels.nearest import first_guess, first_guess_near, settle_near, tighten
+from srs_ik.kernels.layout import FAR, FREE, INVERSE_HALF_RANGE, IS_CLOSED, LIMITED, LOOSE, MISS, RANGE_KIND, SIZE
+from srs_ik.kernels.nearest import first_guess, first_guess_near, look_beside, settle_near, tighten
 from srs_ik.kernels.scoring import OUTSIDE
 from srs_ik.kernels.search import MAX_SAMPLES, search_intervals
 from srs_ik.kernels.second_attempts import look_around, rescue
@@ -25,7 +25,9 @@ MOST_LEVERAGE = 4.0
 """A seed farther from its nearest posture than so many times the pose error asks for a closer look."""
 
 BETWEEN_LIMBS = 0.05
-"""How far the joints of a near limb may be from those of its nearest exact limb, rad, away from singularities."""
+NEARNESS = 10.0
+"""A near limb's joints are no farther from those of its nearest exact limb, rad, away from singularities: the former at
+most, the latter for each part of its reach by which it misses."""
 
 ONE_VALLEY = 0.3
 """An interval shorter than this, rad, whose postures all lie in the box of a seeded search has one minimum."""
@@ -80,6 +82,12 @@ def has_wide_range(P):
 
 
 @kernel
+def between_limbs(P):
+    """How far a posture may be from one of the nearest exact limb, rad, away from singularities."""
+    return 1e-12 if P[IS_CLOSED] == 1.0 else min(BETWEEN_LIMBS, NEARNESS * P[MISS] / P[FAR])
+
+
+@kernel
 def whole_circles(out):
     """Write every arm angle of every branch as eight intervals; return their number."""
     for b in range(8):
@@ -110,12 +118,13 @@ def search_near_seed(P, F, place_, R, p, seed, respect, J, A):
     psi, q, best, lowest, minimum = guess(P, place_, R, p, seed, respect, J, A)
     if lowest >= OUTSIDE:
         return q, best, lowest
+    distance = math.sqrt(lowest)
     box = np.empty(SIZE)
-    slack = 1e-12 if P[IS_CLOSED] == 1.0 else BETWEEN_LIMBS
-    tighten(F, seed, math.sqrt(lowest) * (1.0 + 1e-9) + slack, box)
+    tighten(F, seed, distance * (1.0 + 1e-9), between_limbs(P), box)
     found = np.empty((8 * MAX_PIECES, 3))
     n = find_intervals(box, place_, found)
-    if minimum and not has_wide_range(P):
+    # In a box of less than a turn, no joint has two turns to choose from.
+    if minimum and (distance < 3.0 or not has_wide_range(P)):
         n = without(found, n, best, psi)
     if n == 0:
         return q, best, lowest
@@ -123,6 +132,9 @@ def search_near_seed(P, F, place_, R, p, seed, respect, J, A):
         work = np.empty((3, MAX_SAMPLES))
         nearer_q, nearer, value = search_intervals(P, place_, found, 0, n, -1, True, seed, respect, work)
     else:
+        q, best, lowest, sure = look_beside(P, place_, R, p, found, n, q, best, lowest, seed, respect, J, A)
+        if sure:
+            return q, best, lowest
         nearer_q, nearer, value = search_followed(P, place_, R, p, -1, True, seed, respect, respect, J, A)
     if value < lowest:
         return nearer_q, nearer, value

@@ -7,7 +7,7 @@ import math
 from srs_ik.kernels.branches import NO_BRANCH, best_branch, branch_of
 from srs_ik.kernels.closure import CLOSED, ON_LINE, clipped, close_at_angle, close_free, elbow_position, pose_step
 from srs_ik.kernels.jit import kernel
-from srs_ik.kernels.layout import FAR, MISS, PHASE, SHOULDER, SHOULDER_CENTRE, STRAIGHT, WRIST
+from srs_ik.kernels.layout import PHASE, SHOULDER, SHOULDER_CENTRE, STRAIGHT, WRIST
 from srs_ik.kernels.scoring import OUTSIDE, cost
 from srs_ik.kernels.search import STEPS, turned
 from srs_ik.kernels.vectors import across, load3, norm, sub
@@ -28,25 +28,11 @@ ALMOST = 0.1
 JITTERS = 100
 """A near limb that comes this close to a pose (m, rad) is tried from so many more postures around."""
 
-UNSURE = 16.0
-WIDEST_UNSURE = 0.35
-"""Sine of a middle angle, for each part of its reach by which a limb misses, under which branches are unsure."""
-
 STRETCHED = 1e-4
 """Sine of the bend of the elbow under which it may be on the line S-W."""
 
 NEAR_SINGULAR = 0.05
 """Sine of a middle angle under which a spherical joint or the elbow is close to singular, for a second attempt."""
-
-
-@kernel
-def is_unsure(P, q):
-    """Whether a posture of a near limb is so close to a singularity that there may be others at its arm angle."""
-    width = min(WIDEST_UNSURE, UNSURE * P[MISS] / P[FAR])
-    s2 = abs(math.sin(q[1] - P[SHOULDER + PHASE]))
-    s4 = abs(math.sin(q[3] - P[STRAIGHT]))
-    s6 = abs(math.sin(q[5] - P[WRIST + PHASE]))
-    return min(s2, s4, s6) < width
 
 
 @kernel

@@ -12,7 +12,7 @@ import math
 import numpy as np
 
 from srs_ik.kernels.branches import NO_BRANCH, side_posture
-from srs_ik.kernels.closure import arm_angle
+from srs_ik.kernels.closure import arm_angle, clipped
 from srs_ik.kernels.elbow import elbow_side
 from srs_ik.kernels.gaps import put_gaps
 from srs_ik.kernels.intervals import MAX_PIECES
@@ -90,11 +90,14 @@ def on_curve(P, side, R, p, branch, respect, rows, first, last, x, J, A):
             low = middle
         else:
             high = middle
-    width = rows[high, 0] - rows[low, 0]
-    share = (x - rows[low, 0]) / width if width > 0.0 else 0.0
-    q, met = between(P, R, p, load_sample(rows[low]), load_sample(rows[high]), share, J, A)
-    if not met:
-        return q, NO_BRANCH
+    if x in (rows[low, 0], rows[high, 0]):
+        # The sample itself: the end of a run keeps the limits to the last bit.
+        q = load_sample(rows[low if x == rows[low, 0] else high])
+    else:
+        share = (x - rows[low, 0]) / (rows[high, 0] - rows[low, 0])
+        q, met = between(P, R, p, load_sample(rows[low]), load_sample(rows[high]), share, J, A)
+        if not met:
+            return q, NO_BRANCH
     q = turned(P, q, False, NO_SEED, respect)
     return q, infeasibility(cost(P, q, False, NO_SEED, respect), respect)
 
@@ -155,14 +158,15 @@ def put_run(P, side, R, p, branch, respect, line, first, last, lower, upper, out
     runs[k, 1] = lower
     runs[k, 2] = upper
     runs[k, 3] = n
+    # The ends are on a limit up to rounding: on it, so that they count as inside.
     q, _ = on_curve(P, side, R, p, branch, respect, line, first, last, lower, J, A)
-    n = put(out, n, lower, q)
+    n = put(out, n, lower, clipped(P, q) if respect else q)
     for i in range(first, last):
         if lower < line[i, 0] < upper:
             n = put(out, n, line[i, 0], turned(P, load_sample(line[i]), False, NO_SEED, respect))
     if upper > lower:
         q, _ = on_curve(P, side, R, p, branch, respect, line, first, last, upper, J, A)
-        n = put(out, n, upper, q)
+        n = put(out, n, upper, clipped(P, q) if respect else q)
     runs[k, 4] = n
     return n, (k + 1 if n > runs[k, 3] else k)
 
