@@ -10,14 +10,14 @@ import math
 import numpy as np
 
 from srs_ik.kernels.branches import NO_BRANCH, branch_of
-from srs_ik.kernels.closure import arm_angle
+from srs_ik.kernels.closure import arm_angle, close_free
 from srs_ik.kernels.elbow import elbow_side
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout import INVERSE_HALF_RANGE
 from srs_ik.kernels.line_search import BEST, F_BEST, SHARP, STATE, propose, start_search, tell
 from srs_ik.kernels.nearest import slid
 from srs_ik.kernels.scoring import OUTSIDE, cost
-from srs_ik.kernels.search import GOLDEN, turned
+from srs_ik.kernels.search import GOLDEN, STEPS, turned
 from srs_ik.kernels.survey import MAX_RUNS, RUN, near_runs, on_curve
 from srs_ik.kernels.trace import load_sample, short_way
 
@@ -265,4 +265,7 @@ def search_followed(P, place_, R, p, branch, seeded, seed, respect, inside, J, A
         nearer, value, _ = slid(P, q, R, p, seed, respect, J, A)
         if value < lowest and (branch < 0 or branch_of(P, nearer) == branch):
             q, lowest = nearer, value
+    if lowest < OUTSIDE:
+        # A joint that was a rounding outside its limits has been put on them; the others make up for it.
+        q, _ = close_free(P, q, R, p, respect, STEPS, J, A)
     return q, branch_of(P, q), lowest

@@ -1,7 +1,8 @@
-"""Where a followed curve jumps over a gap between the limits of a joint.
+"""Samples of a followed curve beside its own, so that nothing between two samples is overlooked where limits count.
 
-Joint limits of almost a turn leave a narrow gap. Two samples on either side of it both keep the limits; so that the
-gap between them is not overlooked, a sample is put into it.
+Joint limits of almost a turn leave a narrow gap: two samples on either side of it may both keep the limits, so one is
+put into the gap. And between two samples that break the limits of different joints there may be postures that keep
+them all: so samples are put where each of those joints passes its limit.
 """
 
 from __future__ import annotations
@@ -10,6 +11,7 @@ import math
 
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout import LOWER, MIDDLE, RANGE_KIND, UPPER
+from srs_ik.kernels.limits import turn_to_middle, violation
 from srs_ik.kernels.trace import between, difference, put, short_way
 
 HALVINGS = 45
@@ -66,13 +68,48 @@ def put_gaps(P, R, p, x_a, a, x_b, b, line, n, J, A):
         q, share, met = into_gap(P, R, p, a, b, j, way[j], J, A)
         if met:
             n = insert(line, first, n, x_a + share * (x_b - x_a), q)
-    # Between the gaps of two joints there may be room.
-    i = first
-    while i < n - 1:
-        x = 0.5 * (line[i, 0] + line[i + 1, 0])
-        q, met = between(P, R, p, a, b, (x - x_a) / (x_b - x_a), J, A)
-        if met:
-            n = insert(line, first, n, x, q)
-            i += 1
-        i += 1
+    return n
+
+
+@kernel
+def joint_outside(P, j, q):
+    """Whether a joint of a posture breaks its limits in every turn."""
+    return violation(P, j, turn_to_middle(P, j, q[j])) > 0.0
+
+
+@kernel
+def any_outside(P, q):
+    """Whether a posture breaks a limit."""
+    outside = False
+    for j in range(7):
+        outside = outside or joint_outside(P, j, q)
+    return outside
+
+
+@kernel
+def put_bounds(P, R, p, x_a, a, x_b, b, line, n, J, A):
+    """Append samples where joints pass a limit between two postures of a curve, if both break limits; rows in use."""
+    if not any_outside(P, a) or not any_outside(P, b):
+        return n
+    first = n
+    for j in range(7):
+        leaves = joint_outside(P, j, b)
+        if joint_outside(P, j, a) == leaves:
+            continue
+        # Shares of the way on which the joint is inside, and outside.
+        inside = 0.0 if leaves else 1.0
+        outside = 1.0 - inside
+        inside_q = a if leaves else b
+        for _ in range(HALVINGS):
+            share = 0.5 * (inside + outside)
+            q, met = between(P, R, p, a, b, share, J, A)
+            if not met:
+                break
+            if joint_outside(P, j, q):
+                outside = share
+            else:
+                inside = share
+                inside_q = q
+        if 0.0 < inside < 1.0:
+            n = insert(line, first, n, x_a + inside * (x_b - x_a), inside_q)
     return n

@@ -22,7 +22,7 @@ from srs_ik.kernels.vectors import along, dot, load3, norm, rotate, sub
 NEWTON_STEPS = 12
 
 SLIDE_STEPS = 30
-SLID = 3e-12
+SLID = 1e-11
 """Steps on the true chain, and the size of the last one, rad."""
 
 VALLEY = 0.3
@@ -130,8 +130,11 @@ def slide(P, q, R, p, seed, respect, J, A):
     its limits stays on the limit.
     """
     blocked = 0
+    size = 1.0
     for _ in range(SLIDE_STEPS):
         linear, angular = pose_step(P, q, R, p, J)
+        if size < SLID and max(norm(linear), norm(angular)) < CLOSED:
+            return q, True
         wish = (0.0, 0.0, 0.0)
         turn_wish = (0.0, 0.0, 0.0)
         for j in range(7):
@@ -151,8 +154,6 @@ def slide(P, q, R, p, seed, respect, J, A):
                 if q[j] < P[LOWER + j] or q[j] > P[UPPER + j]:
                     blocked |= 1 << j
             q = clipped(P, q)
-        if size < SLID and max(norm(linear), norm(angular)) < SLID:
-            return q, True
     return q, False
 
 

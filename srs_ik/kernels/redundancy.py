@@ -6,14 +6,14 @@ import math
 
 import numpy as np
 
-from srs_ik.kernels.branches import branch_of
+from srs_ik.kernels.branches import branch_of, is_unsure
 from srs_ik.kernels.chain import pose_error
-from srs_ik.kernels.closure import arm_angle
+from srs_ik.kernels.closure import CLOSED, arm_angle, close_free
 from srs_ik.kernels.followed import search_followed
 from srs_ik.kernels.intervals import MAX_EVENTS, MAX_PIECES, feasible_intervals
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout import FAR, FREE, INVERSE_HALF_RANGE, IS_CLOSED, LIMITED, LOOSE, MISS, RANGE_KIND, SIZE
-from srs_ik.kernels.nearest import first_guess, first_guess_near, look_beside, settle_near, tighten
+from srs_ik.kernels.nearest import first_guess, first_guess_near, look_beside, settle_near, slid, tighten
 from srs_ik.kernels.scoring import OUTSIDE
 from srs_ik.kernels.search import MAX_SAMPLES, search_intervals
 from srs_ik.kernels.second_attempts import look_around, rescue
@@ -23,6 +23,13 @@ NEARLY_STRAIGHT = 3e-6
 
 MOST_LEVERAGE = 4.0
 """A seed farther from its nearest posture than so many times the pose error asks for a closer look."""
+
+HARDLY = 1e-5
+"""A limb that misses by less than this part of its reach is one with rounded figures."""
+
+HARDLY_FARTHER = 1e-4
+FEW_STEPS = 12
+"""Its nearest posture is found in a few steps, and no farther from a seed, in squared rad, than this."""
 
 BETWEEN_LIMBS = 0.05
 NEARNESS = 10.0
@@ -113,6 +120,29 @@ def guess(P, place_, R, p, seed, respect, J, A):
 
 
 @kernel
+def search_hardly_near(P, place_, R, p, found, n, q, best, lowest, seed, respect, J, A):
+    """The nearest posture in intervals of a limb that hardly differs from its nearest exact limb: q, branch, cost.
+
+    That limb's own nearest posture, settled on the true chain; only next to a singularity are the curves followed.
+    """
+    work = np.empty((3, MAX_SAMPLES))
+    start, branch, value = search_intervals(P, place_, found, 0, n, -1, True, seed, respect, work)
+    if value >= OUTSIDE and not is_unsure(P, q):
+        return q, best, lowest
+    if value < OUTSIDE and not is_unsure(P, start) and not is_unsure(P, q):
+        if value >= lowest:
+            return q, best, lowest
+        start, error = close_free(P, start, R, p, respect, FEW_STEPS, J, A)
+        settled, there, _ = slid(P, start, R, p, seed, respect, J, A)
+        if error < CLOSED and there < value + HARDLY_FARTHER:
+            return (settled, branch_of(P, settled), there) if there < lowest else (q, best, lowest)
+    start, branch, value = search_followed(P, place_, R, p, -1, True, seed, respect, respect, J, A)
+    if value < lowest:
+        return start, branch, value
+    return q, best, lowest
+
+
+@kernel
 def search_near_seed(P, F, place_, R, p, seed, respect, J, A):
     """The posture nearest to a seed over all branches and arm angles: q, branch, cost (OUTSIDE if none was found)."""
     psi, q, best, lowest, minimum = guess(P, place_, R, p, seed, respect, J, A)
@@ -131,6 +161,8 @@ def search_near_seed(P, F, place_, R, p, seed, respect, J, A):
     if J is None:
         work = np.empty((3, MAX_SAMPLES))
         nearer_q, nearer, value = search_intervals(P, place_, found, 0, n, -1, True, seed, respect, work)
+    elif P[MISS] < HARDLY * P[FAR]:
+        return search_hardly_near(P, place_, R, p, found, n, q, best, lowest, seed, respect, J, A)
     else:
         q, best, lowest, sure = look_beside(P, place_, R, p, found, n, q, best, lowest, seed, respect, J, A)
         if sure:

@@ -149,7 +149,10 @@ def look_around(P, place_, R, p, branch, seeded, seed, respect, J, A):
             q, _ = close_at_angle(P, q, R, p, place_[0], place_[1], psi, STEPS, J, A)
             linear, angular = pose_step(P, q, R, p, J)
             here = branch_of(P, q)
-            if max(norm(linear), norm(angular)) > MET or (branch >= 0 and here != branch):
+            error = max(norm(linear), norm(angular))
+            if CLOSED < error < MET:
+                q, error = close_free(P, q, R, p, respect, STEPS, J, A)
+            if error > MET or (branch >= 0 and here != branch):
                 continue
             # At another arm angle perhaps, but a posture for the pose.
             q = turned(P, q, seeded, seed, respect)

@@ -14,7 +14,7 @@ import numpy as np
 from srs_ik.kernels.branches import NO_BRANCH, side_posture
 from srs_ik.kernels.closure import arm_angle, clipped
 from srs_ik.kernels.elbow import elbow_side
-from srs_ik.kernels.gaps import put_gaps
+from srs_ik.kernels.gaps import put_bounds, put_gaps
 from srs_ik.kernels.intervals import MAX_PIECES
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout import IS_CLOSED
@@ -45,6 +45,9 @@ MAX_RUNS = 8 * MAX_PIECES
 SPARE_ROWS = 1024
 CURVE_ROWS = 8192
 """Room for samples: beside those of each interval of an exact limb, and for all curves of a near limb."""
+
+MOST_GAPS = 8
+"""One for each joint between two samples."""
 
 RUN = 5
 """A run: branch, first and last parameter, first row of its samples, and the row behind the last."""
@@ -250,6 +253,7 @@ def unroll(P, R, p, rows, curve, respect, line, J, A):
                 start = i
                 break
     length = rows[first + count - 1, 0]
+    gaps = np.empty((MOST_GAPS, SAMPLE))
     n = 0
     x = 0.0
     q = NO_SEED
@@ -262,7 +266,12 @@ def unroll(P, R, p, rows, curve, respect, line, J, A):
         next_x = rows[first + j, 0] + round_
         next_q = load_sample(rows[first + j])
         if respect and i > 0:
-            n = put_gaps(P, R, p, x, q, next_x, next_q, line, n, J, A)
+            for k in range(put_gaps(P, R, p, x, q, next_x, next_q, gaps, 0, J, A)):
+                gap_q = load_sample(gaps[k])
+                n = put_bounds(P, R, p, x, q, gaps[k, 0], gap_q, line, n, J, A)
+                n = put(line, n, gaps[k, 0], gap_q)
+                x, q = gaps[k, 0], gap_q
+            n = put_bounds(P, R, p, x, q, next_x, next_q, line, n, J, A)
         n = put(line, n, next_x, next_q)
         x, q = next_x, next_q
     return n
