@@ -14,7 +14,7 @@ from srs_ik.kernels import objectives as kinds
 from srs_ik.kernels import optimise_entries as kernel
 from srs_ik.kernels.layout import IS_CLOSED, LIMITED, ROW, ROW_BRANCH
 from srs_ik.kernels.optimum import BRACKET, REFUSED
-from srs_ik.kernels.survey import RUN
+from srs_ik.kernels.survey import MAX_RUNS, RUN
 from srs_ik.objectives import Objective
 from srs_ik.pose import PoseLike, as_matrix, invalid_pose
 from srs_ik.solution import Interval, Solution
@@ -95,7 +95,7 @@ def _judged(arm: Arm, solution: Solution, T: Array, objective: Objective, respec
 
 def _interval_around(arm: Arm, T: Array, solution: Solution, respect_limits: bool) -> Interval:
     """The feasible interval with a solution in it."""
-    runs = np.empty((kernel.MAX_RUNS, RUN))
+    runs = np.empty((MAX_RUNS, RUN))
     rows, k, _ = kernel.sample(arm._family, T, respect_limits, runs)
     psi = solution.arm_angle
     for nearest in np.argsort(np.abs(np.sin(0.5 * (rows[:, 1:] - solution.q))).max(axis=1))[:_NEIGHBOURS]:
@@ -138,7 +138,7 @@ def _by_function(arm: Arm, T: Array, objective: Objective, respect_limits: bool)
     """The optimum of an objective that is a Python function, by the same search."""
     evaluate = objective.evaluator(arm)
     sign = -1.0 if objective.maximise else 1.0
-    runs = np.empty((kernel.MAX_RUNS, RUN))
+    runs = np.empty((MAX_RUNS, RUN))
     rows, k, verdict = kernel.sample(arm._family, T, respect_limits, runs)
     if verdict:
         raise invalid_pose(verdict)

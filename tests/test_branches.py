@@ -14,6 +14,7 @@ from oracles import (
     other_elbow_reaches,
     wrapped,
 )
+from test_singular import phases
 from test_solve import STEADY
 
 import srs_ik
@@ -171,17 +172,24 @@ def test_random_limbs_have_all_their_branches(limb):
             assert max(distance(pose, forward(solution.q))) < 1e-10
 
 
-@pytest.mark.xfail(reason="limbs that miss by 1 % of reach: a branch next to a singularity may be missed", strict=False)
 @STEADY
 @given(limbs(miss=0.01))
 def test_random_limbs_whose_axes_miss_their_centres_hold_the_configuration(limb):
+    """Away from singularities: next to one, a branch may have two postures at an arm angle, or lie elsewhere."""
     arm = srs_ik.load(limb.model, base="base", tip="tool")
     forward = Forward(limb.model, "base", "tool", arm.joint_names)
-    q = limb.rng.uniform(-np.pi, np.pi, 7)
-    pose = forward(q)
-    every = arm.solve_all(pose, arm_angle=arm.arm_angle(q), respect_limits=False)
-    assert gap(every.q, q).min() < 1e-6
-    assert_distinct(every.q)
+    singular = phases(arm.limb)
+    for _ in range(3):
+        q = limb.rng.uniform(-np.pi, np.pi, 7)
+        pose = forward(q)
+        every = arm.solve_all(pose, arm_angle=arm.arm_angle(q), respect_limits=False)
+        if min(abs(np.sin(q[joint] - phase)) for joint, phase in singular.items()) > 0.35:
+            assert gap(every.q, q).min() < 1e-6
+        assert_distinct(every.q)
+        check_met(forward, pose, every)
+
+
+def check_met(forward, pose, every):
     for solution in every:
         assert max(distance(pose, forward(solution.q))) < 1e-9
 

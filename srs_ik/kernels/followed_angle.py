@@ -1,4 +1,4 @@
-"""Postures of a near limb at an arm angle, where Newton's method from the closed form does not lead to them.
+"""Postures at an arm angle, also of a near limb where Newton's method from the closed form does not lead to them.
 
 Next to a singularity a branch may have several postures at one arm angle, or none. All of them lie where the curves
 that `trace` follows pass the arm angle.
@@ -8,12 +8,13 @@ from __future__ import annotations
 
 import numpy as np
 
-from srs_ik.kernels.branches import NO_BRANCH, branch_of
+from srs_ik.kernels.branches import NO_BRANCH, branch_of, is_unsure
 from srs_ik.kernels.closure import arm_angle, close_at_angle
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout import FAR, MISS
-from srs_ik.kernels.scoring import cost
-from srs_ik.kernels.search import STEPS, turned
+from srs_ik.kernels.scoring import OUTSIDE, cost
+from srs_ik.kernels.search import STEPS, evaluate, turned
+from srs_ik.kernels.second_attempts import ATTEMPTS, STRETCHED, evaluate_again, stretched
 from srs_ik.kernels.survey import MAX_RUNS, RUN, near_runs
 from srs_ik.kernels.trace import between, difference, dot7, load_sample, short_way
 
@@ -101,3 +102,25 @@ def best_at_angle(P, place_, R, p, psi, wanted, seeded, seed, respect, J, A):
     if row[7] >= NO_BRANCH:
         return seed, best, row[7]
     return (row[0], row[1], row[2], row[3], row[4], row[5], row[6]), best, row[7]
+
+
+@kernel
+def solve_at_angle(P, place_, R, p, psi, wanted, seeded, seed, respect, J, A):
+    """Best posture at an arm angle over all branches, or in one (0 to 7), by all means there are: q, branch, cost."""
+    q, best, lowest = evaluate(P, place_, R, p, psi, wanted, seeded, seed, respect, J, A)
+    if J is not None:
+        if lowest < OUTSIDE or (lowest < NO_BRANCH and not is_unsure(P, q)) or not may_reach(P, place_):
+            return q, best, lowest
+        other, b, value = best_at_angle(P, place_, R, p, psi, wanted, seeded, seed, respect, J, A)
+        if value < lowest:
+            q, best, lowest = other, b, value
+        if lowest >= OUTSIDE:
+            attempts = ATTEMPTS if lowest >= NO_BRANCH else 1
+            other, b, value = evaluate_again(P, place_, R, p, psi, wanted, seeded, seed, respect, attempts, J, A)
+            if value < lowest:
+                q, best, lowest = other, b, value
+        if lowest >= OUTSIDE and abs(place_[3]) < STRETCHED:
+            other, b, value = stretched(P, place_, R, p, wanted, seeded, seed, respect, J, A)
+            if value < lowest:
+                q, best, lowest = other, b, value
+    return q, best, lowest

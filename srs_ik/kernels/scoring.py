@@ -16,6 +16,9 @@ NO_SEED = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
 OUTSIDE = 1e6
 """Cost of a part outside its limits, plus the largest violation in rad."""
 
+UNMET = 1.5 * OUTSIDE
+"""Postures that meet their pose cost less, however far outside their limits; those that do not, more."""
+
 
 @kernel
 def turn(P, joint, q, seeded, seed, respect):

@@ -14,6 +14,7 @@ from srs_ik.kernels.branches import best_branch
 from srs_ik.kernels.chain import forward_kinematics, pose_error
 from srs_ik.kernels.elbow import elbow_bend, hand_rotation, shoulder_to_wrist, target_frame, unit_across
 from srs_ik.kernels.entries import all_intervals
+from srs_ik.kernels.followed_angle import solve_at_angle
 from srs_ik.kernels.intervals import MAX_PIECES
 from srs_ik.kernels.jit import entry, kernel
 from srs_ik.kernels.layout import FREE, LIMITED, LOOSE, NEAR, ROW, ROW_ARM_ANGLE, ROW_JOINT, ROW_STATUS
@@ -39,8 +40,6 @@ from srs_ik.kernels.redundancy import find_intervals, search
 from srs_ik.kernels.roll import best_roll
 from srs_ik.kernels.rows import OUT_OF_LIMITS, UNREACHABLE, measure_row, write_row
 from srs_ik.kernels.scoring import NO_SEED, OUTSIDE, tightest_joint
-from srs_ik.kernels.search import evaluate
-from srs_ik.kernels.second_attempts import evaluate_again
 from srs_ik.kernels.vectors import add, along, cross, load3, norm, sub, swing
 
 # A task solution row: a solution row, a posture row, the pose of the tip, and the arm angle given up.
@@ -124,14 +123,10 @@ def in_branch(P, place_, R, p, psi, branch, respect, J, A):
 
     Where a near limb does not reach, nothing closes on its true chain: there it lies as its nearest exact limb would.
     """
-    q, b, cost = evaluate(P, place_, R, p, psi, branch, False, NO_SEED, respect, J, A)
+    q, b, cost = solve_at_angle(P, place_, R, p, psi, branch, False, NO_SEED, respect, J, A)
     if J is not None:
-        if cost >= OUTSIDE:
-            if place_[5] != 0.0:
-                return out_of_reach(P, place_, R, p, psi, branch, respect)
-            again, other, value = evaluate_again(P, place_, R, p, psi, branch, False, NO_SEED, respect, 1, J, A)
-            if value < cost:
-                return again, other, value
+        if cost >= OUTSIDE and place_[5] != 0.0:
+            return out_of_reach(P, place_, R, p, psi, branch, respect)
     return q, b, cost
 
 
@@ -151,9 +146,11 @@ def nearest_feasible(family, place_, R, p, psi, branch, respect, J, A):
     Returns:
         q, branch, cost; of the best posture of any kind where none is feasible.
     """
-    F = family[LIMITED if respect else FREE]
     found = np.empty((8 * MAX_PIECES, 3))
-    n = find_intervals(F, place_, found) if place_[5] != 0.0 else all_intervals(F, place_, R, p, J, A, found)
+    if place_[5] != 0.0:
+        n = find_intervals(family[LIMITED if respect else FREE], place_, found)
+    else:
+        n = all_intervals(family, place_, R, p, respect, J, A, found)
     for _ in range(n):
         best = -1
         nearest = 0.0
