@@ -110,6 +110,12 @@ def _pack_elbow(P: Vector, limb: SrsLimb) -> None:
     _put(P, at.NORMAL_C, normal_c)
 
 
+def _cosine(a: Vector, b: Vector) -> float:
+    """Cosine of the angle between two axes; exactly zero where they are perpendicular up to rounding."""
+    cosine = float(a @ b)
+    return 0.0 if abs(cosine) < 1e-15 else cosine
+
+
 def _pack_spherical(P: Vector, k: int, first: int, axes: Vector) -> None:
     a1, a2, a3 = axes
     _put(P, k + at.A1, a1)
@@ -124,7 +130,7 @@ def _pack_spherical(P: Vector, k: int, first: int, axes: Vector) -> None:
     alpha, beta = _angle(a1, a2), _angle(a2, a3)
     P[k + at.TOP_GAP] = 2.0 * np.sin(0.5 * (alpha - beta)) ** 2
     P[k + at.BOTTOM_GAP] = 2.0 * np.sin(0.5 * (np.pi - alpha - beta)) ** 2
-    P[k + at.A1_A2], P[k + at.A2_A3] = a1 @ a2, a2 @ a3
+    P[k + at.A1_A2], P[k + at.A2_A3] = _cosine(a1, a2), _cosine(a2, a3)
     _put(P, k + at.CROSS_23, np.cross(a2, a3))
     P[k + at.FIRST_JOINT] = first
 

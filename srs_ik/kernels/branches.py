@@ -8,15 +8,18 @@ from __future__ import annotations
 
 import math
 
-from srs_ik.kernels.elbow import elbow_side
+from srs_ik.kernels.elbow import side_at
 from srs_ik.kernels.jit import kernel
-from srs_ik.kernels.layout import FAR, MISS, PHASE, SHOULDER, STRAIGHT, WRIST
-from srs_ik.kernels.scoring import elbow_part, join, part
-from srs_ik.kernels.spherical import angles, default_anchor, middle_angle
+from srs_ik.kernels.layout import A1_A2, A2_A3, FAR, MISS, PHASE, SHOULDER, STRAIGHT, WRIST
+from srs_ik.kernels.scoring import NO_SEED, elbow_part, join, part
+from srs_ik.kernels.spherical import angles, default_anchor, middle_angle, mirrored
 from srs_ik.kernels.vectors import swing
 
 NO_BRANCH = 1e12
 """Cost of a branch that does not exist: oblique axes of a spherical joint cannot make the rotation."""
+
+NEARLY_SINGULAR = 1e-6
+"""Sine of a middle angle under which each solution of a spherical joint is computed for itself."""
 
 UNSURE = 60.0
 WIDEST_UNSURE = 0.5
@@ -51,23 +54,52 @@ def anchor(P, k, first, seeded, seed):
 
 
 @kernel
-def best_half(P, k, first, motion, cos_psi, sin_psi, wanted, seeded, seed, respect):
+def two_solutions(P, k, v, y, seeded, first, seed):
+    """Both solutions of a spherical joint for R a3 = v and R ACROSS_3 = y, and whether v can be reached."""
+    c, s, reached = middle_angle(P, k, v)
+    here = anchor(P, k, first, seeded, seed)
+    above = angles(P, k, v, y, c, s, 0, here)
+    if s > NEARLY_SINGULAR and P[k + A1_A2] == 0.0 and P[k + A2_A3] == 0.0:
+        return above, mirrored(P, k, above), reached
+    return above, angles(P, k, v, y, c, s, 1, here), reached
+
+
+@kernel
+def better_half(P, k, first, v, y, wanted, seeded, seed, respect):
     """The better of the two solutions of a spherical joint (or the wanted one): angles, sign 0 or 1, cost."""
+    seed3 = (seed[first], seed[first + 1], seed[first + 2])
+    if wanted >= 0:
+        c, s, reached = middle_angle(P, k, v)
+        q = angles(P, k, v, y, c, s, wanted, anchor(P, k, first, seeded, seed))
+        q, cost = part(P, first, q, seeded, seed3, respect)
+        return q, wanted, (cost if reached else NO_BRANCH)
+    above, below, reached = two_solutions(P, k, v, y, seeded, first, seed)
+    q, cost = part(P, first, above, seeded, seed3, respect)
+    other, cost_other = part(P, first, below, seeded, seed3, respect)
+    if not reached:
+        return q, 0, NO_BRANCH
+    if cost_other < cost:
+        return other, 1, cost_other
+    return q, 0, cost
+
+
+@kernel
+def best_half(P, k, first, motion, cos_psi, sin_psi, wanted, seeded, seed, respect):
+    """`better_half` on the circles of a motion at an arm angle."""
     v0, y0, _ = motion
     v = swing(v0[0], v0[1], v0[2], cos_psi, sin_psi)
     y = swing(y0[0], y0[1], y0[2], cos_psi, sin_psi)
-    c, s, reached = middle_angle(P, k, v)
-    here = anchor(P, k, first, seeded, seed)
-    seed3 = (seed[first], seed[first + 1], seed[first + 2])
-    sign = max(wanted, 0)
-    q, cost = part(P, first, angles(P, k, v, y, c, s, sign, here), seeded, seed3, respect)
-    if wanted < 0:
-        other, cost_other = part(P, first, angles(P, k, v, y, c, s, 1, here), seeded, seed3, respect)
-        if cost_other < cost:
-            q = other
-            sign = 1
-            cost = cost_other
-    return q, sign, (cost if reached else NO_BRANCH)
+    return better_half(P, k, first, v, y, wanted, seeded, seed, respect)
+
+
+@kernel
+def whole(P, q4, a, sign_s, cost_s, b, sign_w, cost_w, seeded, seed, respect):
+    """Shoulder, elbow and wrist put together: q, branch without its elbow bit, cost."""
+    e, cost_e = elbow_part(P, q4, seeded, seed[3], respect)
+    total = join(join(cost_s, cost_w, seeded, respect), cost_e, seeded, respect)
+    if max(cost_s, cost_w) >= NO_BRANCH:
+        total = NO_BRANCH
+    return (a[0], a[1], a[2], e, b[0], b[1], b[2]), 2 * sign_s + sign_w, total
 
 
 @kernel
@@ -78,24 +110,29 @@ def side_posture(P, side, psi, shoulder, wrist, seeded, seed, respect):
     s = math.sin(psi)
     a, sign_s, cost_s = best_half(P, SHOULDER, 0, motion_s, c, s, shoulder, seeded, seed, respect)
     b, sign_w, cost_w = best_half(P, WRIST, 4, motion_w, c, s, wrist, seeded, seed, respect)
-    e, cost_e = elbow_part(P, q4, seeded, seed[3], respect)
-    total = join(join(cost_s, cost_w, seeded, respect), cost_e, seeded, respect)
-    if max(cost_s, cost_w) >= NO_BRANCH:
-        total = NO_BRANCH
-    return (a[0], a[1], a[2], e, b[0], b[1], b[2]), 2 * sign_s + sign_w, total
+    return whole(P, q4, a, sign_s, cost_s, b, sign_w, cost_w, seeded, seed, respect)
+
+
+@kernel
+def posture_at(P, place_, elbow, c, s, shoulder, wrist, seeded, seed, respect):
+    """`side_posture` for cosine and sine of one arm angle, without the circles that many would share."""
+    q4, v, y, v_w, y_w = side_at(P, place_, elbow, c, s)
+    a, sign_s, cost_s = better_half(P, SHOULDER, 0, v, y, shoulder, seeded, seed, respect)
+    b, sign_w, cost_w = better_half(P, WRIST, 4, v_w, y_w, wrist, seeded, seed, respect)
+    return whole(P, q4, a, sign_s, cost_s, b, sign_w, cost_w, seeded, seed, respect)
 
 
 @kernel
 def best_branch(P, place_, psi, branch, seeded, seed, respect):
     """The best posture at an arm angle over all branches (or in the wanted one, 0 to 7): q, branch, cost."""
+    c = math.cos(psi)
+    s = math.sin(psi)
     if branch >= 0:
-        side = elbow_side(P, place_, branch >> 2)
-        q, _, lowest = side_posture(P, side, psi, (branch >> 1) & 1, branch & 1, seeded, seed, respect)
+        wanted_s = (branch >> 1) & 1
+        q, _, lowest = posture_at(P, place_, branch >> 2, c, s, wanted_s, branch & 1, seeded, seed, respect)
         return q, branch, lowest
-    side = elbow_side(P, place_, 0)
-    q, best, lowest = side_posture(P, side, psi, -1, -1, seeded, seed, respect)
-    side = elbow_side(P, place_, 1)
-    other, b, value = side_posture(P, side, psi, -1, -1, seeded, seed, respect)
+    q, best, lowest = posture_at(P, place_, 0, c, s, -1, -1, seeded, seed, respect)
+    other, b, value = posture_at(P, place_, 1, c, s, -1, -1, seeded, seed, respect)
     if value < lowest:
         return other, 4 + b, value
     return q, best, lowest
@@ -104,14 +141,16 @@ def best_branch(P, place_, psi, branch, seeded, seed, respect):
 @kernel
 def elbow_branches(P, place_, psi, elbow, respect, Q):
     """The four branches on one side of the elbow into rows 0 to 3 of Q (4, 9): seven angles, their cost, work space."""
-    q4, motion_s, motion_w, _ = elbow_side(P, place_, elbow)
-    c = math.cos(psi)
-    s = math.sin(psi)
-    none = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+    q4, v, y, v_w, y_w = side_at(P, place_, elbow, math.cos(psi), math.sin(psi))
+    none = (0.0, 0.0, 0.0)
     e, cost_e = elbow_part(P, q4, False, 0.0, respect)
+    shoulder, other_shoulder, reached_s = two_solutions(P, SHOULDER, v, y, False, 0, NO_SEED)
+    wrist, other_wrist, reached_w = two_solutions(P, WRIST, v_w, y_w, False, 4, NO_SEED)
     for sign in range(2):
-        a, _, cost_s = best_half(P, SHOULDER, 0, motion_s, c, s, sign, False, none, respect)
-        b, _, cost_w = best_half(P, WRIST, 4, motion_w, c, s, sign, False, none, respect)
+        a, cost_s = part(P, 0, shoulder if sign == 0 else other_shoulder, False, none, respect)
+        b, cost_w = part(P, 4, wrist if sign == 0 else other_wrist, False, none, respect)
+        cost_s = cost_s if reached_s else NO_BRANCH
+        cost_w = cost_w if reached_w else NO_BRANCH
         for other in range(2):
             with_s = 2 * sign + other
             with_w = 2 * other + sign

@@ -201,6 +201,32 @@ def elbow_side(P, place_, elbow):
 
 
 @kernel
+def side_at(P, place_, elbow, cos_psi, sin_psi):
+    """`elbow_side` at one arm angle: q4, and what R a3 and R ACROSS_3 have to be for the shoulder, then the wrist."""
+    t, h0, c, s, hand, _ = place_
+    if elbow == 1:
+        s = -s
+    c4 = P[COS_STRAIGHT] * c - P[SIN_STRAIGHT] * s
+    s4 = P[SIN_STRAIGHT] * c + P[COS_STRAIGHT] * s
+    a4 = load3(P, AXES + 9)
+    arm_t, arm_h, arm_n = arm_frame(P, c, s)
+    h = along(scale(cos_psi, h0), sin_psi, cross(t, h0))
+    n = cross(h, t)
+    # What takes the frame (arm_t, arm_h, arm_n) of the upper arm to (t, h, n) takes the wrist's back.
+    v = turned_frame((t, h, n), (arm_t, arm_h, arm_n), load3(P, SHOULDER + A3))
+    y = turned_frame((t, h, n), (arm_t, arm_h, arm_n), load3(P, SHOULDER + ACROSS_3))
+    v_w = turned_frame((arm_t, arm_h, arm_n), (t, h, n), apply(hand, load3(P, WRIST + A3)))
+    y_w = turned_frame((arm_t, arm_h, arm_n), (t, h, n), apply(hand, load3(P, WRIST + ACROSS_3)))
+    return math.atan2(s4, c4), v, y, rotate(a4, c4, -s4, v_w), rotate(a4, c4, -s4, y_w)
+
+
+@kernel
+def turned_frame(to, source, w):
+    """A vector turned as the orthonormal frame `source` is turned into `to`."""
+    return along(along(scale(dot(source[0], w), to[0]), dot(source[1], w), to[1]), dot(source[2], w), to[2])
+
+
+@kernel
 def straight_offset(P, q4):
     """q4 - STRAIGHT."""
     return q4 - P[STRAIGHT]

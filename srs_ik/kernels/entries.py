@@ -8,8 +8,6 @@ A solving function writes rows laid out as `ROW_*` in `layout`; statuses are num
 
 from __future__ import annotations
 
-import math
-
 import numpy as np
 
 from srs_ik.kernels.branches import NO_BRANCH, branch_of, elbow_branches, is_unsure
@@ -22,7 +20,6 @@ from srs_ik.kernels.jit import entry, kernel
 from srs_ik.kernels.layout import (
     FREE,
     LIMITED,
-    ROW_ARM_ANGLE,
     ROW_BRANCH,
     ROW_JOINT,
     ROW_STATUS,
@@ -31,7 +28,7 @@ from srs_ik.kernels.limits import set_limits
 from srs_ik.kernels.near_intervals import best_of_true_intervals, true_intervals
 from srs_ik.kernels.poses import GOOD_POSE, read7, read_pose
 from srs_ik.kernels.redundancy import find_intervals, search, search_near_seed
-from srs_ik.kernels.rows import OK, OUT_OF_LIMITS, SOLVED, UNREACHABLE, measure_row, write_row
+from srs_ik.kernels.rows import OK, OUT_OF_LIMITS, SOLVED, UNREACHABLE, measure_row, measure_row_at, write_row
 from srs_ik.kernels.scoring import NO_SEED, OUTSIDE, UNMET, tightest_joint
 from srs_ik.kernels.search import MAX_SAMPLES, evaluate_branch, search_intervals
 from srs_ik.kernels.second_attempts import rescue
@@ -68,11 +65,8 @@ def solve_one(family, T, psi, branch, seed, respect, J, A, out):
             q, best, lowest = search(family, place_, R, p, branch, seeded, near, respect, J, A)
     else:
         q, best, lowest = solve_at_angle(P, place_, R, p, psi, branch, seeded, near, respect, J, A)
-    measure_row(P, place_, R, p, q, best, lowest, respect, out)
-    if psi is not None:
-        if out[ROW_STATUS] == OK:
-            out[ROW_ARM_ANGLE] = psi - 2.0 * math.pi * math.floor((psi + math.pi) / (2.0 * math.pi))
-    elif J is not None:
+    measure_row_at(P, place_, R, p, psi, q, best, lowest, respect, out)
+    if psi is None and J is not None:
         if respect and out[ROW_STATUS] == UNREACHABLE:
             # Only a posture without limits can tell what a near limb does not reach from what its limits forbid.
             if lowest >= UNMET:

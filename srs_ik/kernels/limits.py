@@ -34,6 +34,7 @@ from srs_ik.kernels.layout import (
 from srs_ik.kernels.vectors import dot, load3, rotate, store3
 
 TURN = 2.0 * math.pi
+PER_TURN = 1.0 / TURN
 
 SMALLEST_RANGE = 1e-9
 """A joint with a smaller range, rad, counts as one with this range where margins are compared."""
@@ -132,13 +133,8 @@ def is_inside(P, joint, c, s, size):
 @kernel
 def settle(P, joint, q):
     """The angle itself, or the limit where it lies outside by no more than rounding."""
-    lower = P[LOWER + joint]
-    upper = P[UPPER + joint]
-    if lower - P[SLACK_LIMIT] <= q < lower:
-        return lower
-    if upper < q <= upper + P[SLACK_LIMIT]:
-        return upper
-    return q
+    inside = min(max(q, P[LOWER + joint]), P[UPPER + joint])
+    return inside if abs(q - inside) <= P[SLACK_LIMIT] else q
 
 
 @kernel
@@ -156,13 +152,13 @@ def margin(P, joint, q):
 @kernel
 def turn_to_middle(P, joint, q):
     """The turn of an angle nearest to the middle of the range (to zero for a joint without limits)."""
-    return settle(P, joint, q + TURN * math.floor((P[MIDDLE + joint] - q) / TURN + 0.5))
+    return settle(P, joint, q + TURN * math.floor((P[MIDDLE + joint] - q) * PER_TURN + 0.5))
 
 
 @kernel
 def turn_to_seed(P, joint, q, seed, respect):
     """The turn of an angle nearest to a seed; with limits, the nearest one inside them where there is one."""
-    near = q + TURN * math.floor((seed - q) / TURN + 0.5)
+    near = q + TURN * math.floor((seed - q) * PER_TURN + 0.5)
     if not respect:
         return near
     if near > P[UPPER + joint] + P[SLACK_LIMIT]:

@@ -49,6 +49,12 @@ def write_row(place_, q, branch, psi, outside, exists, position, orientation, jo
 @kernel
 def measure_row(P, place_, R, p, q, branch, lowest, respect, out):
     """Measure a posture on the true chain and write its row; outside its limits, it is put on them first."""
+    measure_row_at(P, place_, R, p, None, q, branch, lowest, respect, out)
+
+
+@kernel
+def measure_row_at(P, place_, R, p, psi, q, branch, lowest, respect, out):
+    """The same for a posture that has the arm angle psi where it meets its pose (None: not known)."""
     outside = respect and lowest >= OUTSIDE
     joint = 0
     if outside:
@@ -57,5 +63,9 @@ def measure_row(P, place_, R, p, q, branch, lowest, respect, out):
     position, orientation = pose_error(P, q, R, p)
     if P[IS_CLOSED] != 1.0:
         branch = branch_of(P, q)
-    psi = arm_angle(P, q, place_[0], place_[1])
-    write_row(place_, q, branch, psi, outside, lowest < NO_BRANCH, position, orientation, joint, out)
+    if psi is None:
+        angle = arm_angle(P, q, place_[0], place_[1])
+    else:
+        solved = max(position, orientation) < SOLVED
+        angle = psi if solved else arm_angle(P, q, place_[0], place_[1])
+    write_row(place_, q, branch, angle, outside, lowest < NO_BRANCH, position, orientation, joint, out)

@@ -45,20 +45,36 @@ def join(a, b, seeded, respect):
 
 
 @kernel
+def margin_part(P, first, q, respect):
+    """`part` where the goal is the margin to the limits."""
+    a = turn_to_middle(P, first, q[0])
+    b = turn_to_middle(P, first + 1, q[1])
+    c = turn_to_middle(P, first + 2, q[2])
+    total = max(-margin(P, first, a), -margin(P, first + 1, b), -margin(P, first + 2, c))
+    outside = max(violation(P, first, a), violation(P, first + 1, b), violation(P, first + 2, c))
+    return (a, b, c), (OUTSIDE + outside if respect and outside > 0.0 else total)
+
+
+@kernel
+def seed_part(P, first, q, seed, respect):
+    """`part` where the goal is a seed."""
+    a = turn_to_seed(P, first, q[0], seed[0], respect)
+    b = turn_to_seed(P, first + 1, q[1], seed[1], respect)
+    c = turn_to_seed(P, first + 2, q[2], seed[2], respect)
+    total = (a - seed[0]) ** 2 + (b - seed[1]) ** 2 + (c - seed[2]) ** 2
+    outside = max(violation(P, first, a), violation(P, first + 1, b), violation(P, first + 2, c))
+    return (a, b, c), (OUTSIDE + outside if respect and outside > 0.0 else total)
+
+
+@kernel
 def part(P, first, q, seeded, seed, respect):
-    """Three joints from `first` on: the turns of their angles that suit the goal, and their cost."""
-    s0, s1, s2 = seed
-    a = turn(P, first, q[0], seeded, s0, respect)
-    b = turn(P, first + 1, q[1], seeded, s1, respect)
-    c = turn(P, first + 2, q[2], seeded, s2, respect)
-    if respect:
-        outside = max(violation(P, first, a), violation(P, first + 1, b), violation(P, first + 2, c))
-        if outside > 0.0:
-            return (a, b, c), OUTSIDE + outside
-    x = joint_cost(P, first, a, seeded, s0)
-    y = joint_cost(P, first + 1, b, seeded, s1)
-    z = joint_cost(P, first + 2, c, seeded, s2)
-    return (a, b, c), (x + y + z if seeded else max(x, y, z))
+    """Three joints from `first` on: the turns of their angles that suit the goal, and their cost.
+
+    Each goal has a kernel of its own: asked joint by joint, the question of the goal takes most of the time.
+    """
+    if seeded:
+        return seed_part(P, first, q, seed, respect)
+    return margin_part(P, first, q, respect)
 
 
 @kernel

@@ -22,6 +22,7 @@ from srs_ik.kernels.layout import (
     COS_PHASE,
     CROSS_3,
     CROSS_23,
+    PHASE,
     SHARE_1,
     SIN_PHASE,
     SLACK_REACH,
@@ -114,6 +115,12 @@ def angles(P, k, v, y, c, s, sign, anchor):
     toward = 1.0 if upright else -1.0  # toward q1 + q3 is what R fixes
     rest = wrap(math.atan2(s3, c3) - toward * anchor[0] - anchor[1])
     return anchor[0] + toward * anchor[2] * rest, q2, anchor[1] + (1.0 - anchor[2]) * rest
+
+
+@kernel
+def mirrored(P, k, q):
+    """The other solution where axis 2 is perpendicular to axes 1 and 3, away from the singular rotations."""
+    return q[0] + math.pi, 2.0 * P[k + PHASE] - q[1], q[2] + math.pi
 
 
 @kernel
