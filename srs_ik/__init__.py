@@ -35,6 +35,7 @@ if TYPE_CHECKING:
         PreviewError,
         SrsIkError,
     )
+    from srs_ik.feasible import IntervalsBatch
     from srs_ik.limb import Hand, SrsLimb
     from srs_ik.loading import LimbReport, find_limbs, load, robots
     from srs_ik.objectives import OBJECTIVES, Objective
@@ -78,6 +79,7 @@ _MODULES = {
         "PreviewError",
         "SrsIkError",
     ),
+    "feasible": ("IntervalsBatch",),
     "limb": ("Hand", "SrsLimb"),
     "loading": ("LimbReport", "find_limbs", "load", "robots"),
     "objectives": ("OBJECTIVES", "Objective"),
@@ -107,6 +109,7 @@ __all__ = [
     "Hand",
     "InteractivePreview",
     "Interval",
+    "IntervalsBatch",
     "InvalidConfiguration",
     "InvalidPose",
     "InvalidRobot",

@@ -27,10 +27,12 @@ from srs_ik.pose import (
     as_matrix,
     invalid_pose,
     per_pose,
+    refuse_bad_poses,
 )
 from srs_ik.solution import BatchSolution, ElbowRange, Interval, Solution, Solutions
 
 if TYPE_CHECKING:
+    from srs_ik.feasible import IntervalsBatch
     from srs_ik.objectives import Objective
     from srs_ik.optimise import Optimum
     from srs_ik.path import PathSolution
@@ -185,7 +187,7 @@ class Arm(MountedLimb):
         """`solve` for N poses at once, in compiled code on several threads; the answers are the same.
 
         Args:
-            poses: (N, 4, 4) array, or a list of poses.
+            poses: (N, 4, 4) array, or a list of poses. Arrays of floats, in C order and writeable, are not copied.
             arm_angle: one for all, or (N,), rad.
             seed: (7,) for all, or (N, 7), rad.
             branch: 0 to 7 for all; any if not given.
@@ -205,7 +207,7 @@ class Arm(MountedLimb):
         seeds = None if seed is None else per_pose(seed, (7,), n, "seed")
         chosen = as_branch(branch)
         respect_limits = bool(respect_limits)
-        verdicts = np.zeros(n, np.int64)
+        verdicts = np.zeros(n, np.int8)
         if all_branches:
             if psis is None:
                 raise InvalidConfiguration("all_branches needs an arm_angle; without one, see solve_all and intervals")
@@ -224,9 +226,7 @@ class Arm(MountedLimb):
                 )
 
         run_in_threads(work, n, threads)
-        if verdicts.any():
-            bad = int(np.flatnonzero(verdicts)[0])
-            raise invalid_pose(int(verdicts[bad]), f" {bad} of {n}")
+        refuse_bad_poses(verdicts)
         return BatchSolution(out, self.joint_names, self._elbow)
 
     def solve_path(
@@ -270,6 +270,24 @@ class Arm(MountedLimb):
         if count < 0:
             raise invalid_pose(-count)
         return [Interval(int(b), float(lower), float(upper)) for b, lower, upper in out[:count]]
+
+    def intervals_batch(self, poses: Any, respect_limits: bool = True, threads: int | None = None) -> IntervalsBatch:
+        """`intervals` for N poses at once, in compiled code on several threads; the answers are the same.
+
+        Args:
+            poses: (N, 4, 4) array, or a list of poses. Arrays of floats, in C order and writeable, are not copied.
+            respect_limits: whether the joint limits have to be kept.
+            threads: at most so many; all processors if not given.
+
+        Returns:
+            The intervals of all poses in flat arrays; `[i]` lists those of one pose.
+
+        Raises:
+            InvalidPose: a pose is no finite rigid transform; the message names the first one.
+        """
+        from srs_ik.feasible import intervals_batch
+
+        return intervals_batch(self, poses, bool(respect_limits), threads)
 
     def optimise(
         self,

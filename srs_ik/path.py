@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 from srs_ik.errors import InvalidConfiguration
 from srs_ik.kernels import path_entries
 from srs_ik.kernels.layout import ROW, ROW_ARM_ANGLE, ROW_BRANCH, ROW_STATUS
-from srs_ik.pose import as_joint_vector, as_matrices, invalid_pose
+from srs_ik.pose import as_joint_vector, as_matrices, refuse_bad_poses
 from srs_ik.solution import BatchSolution, Status
 
 Array = NDArray[np.float64]
@@ -79,9 +79,7 @@ def solve_path(
         return PathSolution(np.empty((0, ROW)), arm.joint_names, np.empty((0, 7)), [])
     keys, verdicts = np.zeros(n, np.bool_), np.zeros(n, np.int64)
     path_entries.choose_keys(arm._family, T, keys, verdicts)
-    if verdicts.any():
-        bad = int(np.flatnonzero(verdicts)[0])
-        raise invalid_pose(int(verdicts[bad]), f" {bad} of {n}")
+    refuse_bad_poses(verdicts)
     planned = _planned(arm, T, keys, start, longest)
     candidates = [planned, *_tracked(arm, T, planned[0, :7] if start is None else start, longest)]
     rows = min(candidates, key=lambda candidate: _cost(arm, candidate, start, longest))

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, TypeGuard
 
 import numpy as np
 import pinocchio as pin
@@ -50,6 +50,8 @@ def as_matrix(pose: PoseLike) -> Array:
 def as_matrices(poses: Any) -> Array:
     """Many poses as an (N, 4, 4) array; a list of `pinocchio.SE3` or of messages will do, and so will a PoseArray.
 
+    An array of floats in C order and writeable is not copied.
+
     Raises:
         InvalidPose: not N x 4 x 4, or not numbers.
     """
@@ -95,9 +97,14 @@ def as_rigid_matrix(pose: PoseLike) -> Array:
     return T
 
 
+def _is_plain(values: Any) -> TypeGuard[Array]:
+    """Whether a kernel can read an array as it is: floats in C order, in writeable memory."""
+    return type(values) is np.ndarray and values.dtype is _FLOAT and values.flags.carray
+
+
 def _floats(values: Any, shape: tuple[int | None, ...], what: str) -> Array:
     try:
-        array = real_array(values)
+        array = values if _is_plain(values) else real_array(values)
     except (TypeError, ValueError):
         raise InvalidPose(f"{what}, not {type(values).__name__}") from None
     if array.ndim != len(shape) or any(n is not None and n != m for n, m in zip(shape, array.shape, strict=True)):
@@ -112,6 +119,17 @@ def invalid_pose(verdict: int, where: str = "") -> InvalidPose:
     return InvalidPose(
         f"the pose{where} is no rigid transform: R'R must be the identity to 1e-6, det R positive, the last row 0 0 0 1"
     )
+
+
+def refuse_bad_poses(verdicts: NDArray[np.signedinteger]) -> None:
+    """Raise the error for the first of many poses that is none.
+
+    Raises:
+        InvalidPose: one is no finite rigid transform.
+    """
+    if verdicts.any():
+        bad = int((verdicts != 0).argmax())
+        raise invalid_pose(int(verdicts[bad]), f" {bad} of {len(verdicts)}")
 
 
 def as_joint_vector(q: ArrayLike, what: str = "q") -> Array:
@@ -162,18 +180,23 @@ def as_branch(branch: int | None) -> int:
 
 
 def per_pose(value: ArrayLike, shape: tuple[int, ...], n: int, what: str) -> Array:
-    """One value for all poses as an array of length 1, or one a pose.
+    """One value for all poses as an array of length 1, or one a pose; plain arrays are not copied.
 
     Raises:
         InvalidConfiguration: of another shape, not numbers, or not finite; `what` names the argument.
     """
     try:
-        array = real_array(value)
+        array = value if _is_plain(value) else real_array(value)
     except (TypeError, ValueError):
         array = np.full((), np.nan)
     if array.shape == shape:
         array = array[None]
-    if array.shape not in ((1, *shape), (n, *shape)) or not np.isfinite(array).all():
+    if array.shape not in ((1, *shape), (n, *shape)) or not _all_finite(array):
         expected = f"{shape} or {(n, *shape)}" if shape else f"a number or an array of {n}"
         raise InvalidConfiguration(f"{what} must be finite, {expected}, not of shape {array.shape}")
     return array
+
+
+def _all_finite(array: Array) -> bool:
+    """Whether there is neither NaN nor infinity in an array, found without another one of its size."""
+    return not array.size or (math.isfinite(array.min()) and math.isfinite(array.max()))

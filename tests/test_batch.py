@@ -1,6 +1,9 @@
 """`Arm.solve_batch`: the same answers as one call at a time, bit for bit, on any number of threads."""
 
-from concurrent.futures import ThreadPoolExecutor
+import multiprocessing
+import threading
+import tracemalloc
+from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor
 
 import arms
 import numpy as np
@@ -8,6 +11,7 @@ import pinocchio as pin
 import pytest
 
 from srs_ik import InvalidConfiguration, InvalidPose, SrsIkError, Status
+from srs_ik.batch import run_in_threads
 
 COUNT = 100
 NAMES = ("iiwa14", "gen3", "romeo_left")
@@ -103,6 +107,40 @@ def test_many_python_threads_at_once():
         assert_same(batch, batches[0])
 
 
+def solved_in_a_process(arm, poses, angles):
+    return arm.solve_batch(poses, arm_angle=angles, threads=2).q.tobytes()
+
+
+@pytest.mark.parametrize("method", [m for m in ("fork", "spawn") if m in multiprocessing.get_all_start_methods()])
+def test_several_processes_at_once(method):
+    arm = arms.load("iiwa14")
+    q, poses = poses_of("iiwa14")
+    angles = np.array([arm.arm_angle(x) for x in q])
+    expected = solved_in_a_process(arm, poses, angles)
+    with ProcessPoolExecutor(2, mp_context=multiprocessing.get_context(method)) as pool:
+        assert set(pool.map(solved_in_a_process, [arm] * 3, [poses] * 3, [angles] * 3)) == {expected}
+
+
+@pytest.mark.parametrize("all_branches", [False, True])
+def test_memory_is_that_of_the_answers(all_branches):
+    arm = arms.load("iiwa14")
+    q = arms.configurations("iiwa14", 50, 55)
+    poses = np.tile([arm.forward_kinematics(x).homogeneous for x in q], (400, 1, 1))
+    angles = np.tile([arm.arm_angle(x) for x in q], 400)
+    options = {"arm_angle": angles, "all_branches": all_branches}
+    if not all_branches:
+        options["seed"] = np.tile(q, (400, 1))
+    arm.solve_batch(poses[:50], **{k: v[:50] if k != "all_branches" else v for k, v in options.items()})
+    tracemalloc.start()
+    try:
+        batch = arm.solve_batch(poses, **options)
+        now, peak = tracemalloc.get_traced_memory()
+    finally:
+        tracemalloc.stop()
+    given = poses.nbytes + angles.nbytes + (0 if all_branches else options["seed"].nbytes)
+    assert batch.q.base.nbytes <= now < peak < batch.q.base.nbytes + 0.1 * (given + batch.q.base.nbytes)
+
+
 def test_poses_in_any_form_are_the_same():
     arm = arms.load("iiwa14")
     _, poses = poses_of("iiwa14", 40)
@@ -194,3 +232,35 @@ def test_malformed_options_are_refused(options, error):
 def test_malformed_poses_are_refused(poses):
     with pytest.raises(InvalidPose):
         arms.load("iiwa14").solve_batch(poses)
+
+
+@pytest.mark.parametrize("threads", [1, 2, 3, 16, None])
+@pytest.mark.parametrize("count", [0, 1, 7, 8, 15, 16, 17, 100, 1001])
+@pytest.mark.parametrize("slow", [False, True])
+def test_ranges_cover_every_pose_once(count, threads, slow):
+    done = np.zeros(count, int)
+    together = []
+    at_work = set()
+
+    def work(first, last):
+        at_work.add(threading.get_ident())
+        together.append(len(at_work))
+        done[first:last] += 1
+        if slow:
+            threading.Event().wait(0.001)
+
+    run_in_threads(work, count, threads)
+    assert (done == 1).all()
+    assert threads is None or max(together) <= threads
+    if slow and count >= 100 and threads in (2, 3):
+        assert max(together) > 1
+
+
+def test_an_error_in_a_thread_comes_through():
+    def work(first, last):
+        threading.Event().wait(0.001)
+        if first >= 500:
+            raise ArithmeticError(first)
+
+    with pytest.raises(ArithmeticError):
+        run_in_threads(work, 1000, 2)
