@@ -104,7 +104,7 @@ def test_nothing_is_written_for_several_arms_or_none(tmp_path):
     path = file_of("humanoid_left")
     result = run("inspect", str(path), "--write", str(adapter))
     assert (result.exit_code, result.stdout) == (2, "")
-    assert "limb='left' or 'right'" in result.stderr
+    assert "--limb left or --limb right" in result.stderr
     assert run("inspect", str(path), "--limb", "left", "--write", str(adapter)).exit_code == 0
     assert srs_ik.load(adapter).tip == "l_wrist"
     (tmp_path / "lamp.urdf").write_text('<robot name="lamp"><link name="foot"/></robot>')
@@ -150,7 +150,7 @@ def test_every_command_takes_the_word_for_a_limb(command):
         ],
         "ellipsoids": ["--q", *"0000000"],
     }
-    assert "limb='left' or 'right'" in run(command, path, *options[command]).stderr
+    assert "--limb left or --limb right" in run(command, path, *options[command]).stderr
     for side, tip in (("left", "l_wrist"), ("right", "r_wrist")):
         result = run(command, path, "--limb", side, *options[command], "--json")
         assert result.exit_code in (0, 1), result.stderr

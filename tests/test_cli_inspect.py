@@ -88,3 +88,10 @@ def test_inspect_says_that_a_file_has_no_chain_of_seven(tmp_path):
     assert result.exit_code == 1
     assert result.stderr.count("\n") == 1
     assert "7" in result.stderr
+
+
+def test_inspect_of_an_adapter_shows_its_arm_and_no_other(tmp_path):
+    path, adapter = shared_urdf("openarm_v10_bimanual"), tmp_path / "robot.toml"
+    assert run("inspect", str(path), "--limb", "right", "--write", str(adapter)).exit_code == 0
+    (limb,) = answer("inspect", str(adapter))["limbs"]
+    assert (limb["base"], limb["tip"]) == ("openarm_right_link0", "openarm_right_hand")

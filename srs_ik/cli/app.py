@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import sys
 from typing import Annotated, Any
 
@@ -11,6 +12,7 @@ from typer.core import TyperGroup
 from srs_ik import __version__
 from srs_ik.cli import ellipsoids, inspect, intervals, plot, preview, reproduce, robots, solve, task
 from srs_ik.cli.options import NumbersCommand, WrongInput
+from srs_ik.cli.waiting import announce_compilation
 
 EXIT_NO_SOLUTION = 1
 EXIT_WRONG_INPUT = 2
@@ -43,8 +45,11 @@ class OneLineGroup(TyperGroup):
 
 def _wrong_input(error: Exception) -> str | None:
     """The error in one line if it is the input, or the place of the output, that is wrong, else None."""
-    from srs_ik.errors import SrsIkError
+    from srs_ik.errors import AmbiguousLimb, SrsIkError
 
+    if isinstance(error, AmbiguousLimb):
+        # What is an argument in Python is an option here.
+        return re.sub(r"\b(base|tip|limb)='([^']*)'", r"--\1 \2", str(error))
     if isinstance(error, OSError):
         return f"{error.filename or 'cannot write the output'}: {error.strerror or error}"
     # The command-line library's own errors are told by their method, because typer has moved their base class about.
@@ -76,6 +81,8 @@ def srs_ik(
     """
     if context.invoked_subcommand is None:
         typer.echo(context.get_help())
+    elif "--help" not in sys.argv:
+        announce_compilation()
 
 
 app.command("robots")(robots.robots)

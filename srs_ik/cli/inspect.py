@@ -49,7 +49,7 @@ def inspect(
 
     arguments = _arguments(xacro_arg or [])
     chosen: dict[str, Any] = {"base": base, "tip": tip, "limb": limb, "srdf": srdf}
-    one = any(value is not None for value in chosen.values())
+    one = any(value is not None for value in chosen.values()) or _names_one_arm(source, arguments)
     findings = _chosen(source, chosen, arguments) if one else _all(source, arguments)
     accepted = any(finding["kind"] != "refused" for finding in findings)
     if write is not None and accepted:
@@ -80,6 +80,13 @@ def _arguments(words: list[str]) -> dict[str, str] | None:
             raise WrongInput(f"--xacro-arg takes NAME:=VALUE, not {word!r}")
         arguments[name] = value
     return arguments or None
+
+
+def _names_one_arm(source: str, arguments: dict[str, str] | None) -> bool:
+    """True for an adapter and for the name of an arm: of a robot with two they mean one."""
+    from srs_ik.loading.sources import describe
+
+    return describe(source, xacro_args=arguments).tip is not None
 
 
 def _all(source: str, arguments: dict[str, str] | None) -> list[dict[str, Any]]:

@@ -214,7 +214,7 @@ def _ambiguous(skeleton: Skeleton, description: Description, limbs: Sequence[Can
     ends = [(skeleton.default_base(limb.joints[0]), skeleton.default_tip(limb.joints[-1])) for limb in limbs]
     choices = ", ".join(f"base={base!r} tip={tip!r}" for base, tip in ends)
     sides = {limb.report.side for limb in limbs}
-    how = "its base and tip, or by limb='left' or 'right'" if sides == {"left", "right"} else "its base and tip"
+    how = "its base and tip, or by limb='left' or limb='right'" if sides == {"left", "right"} else "its base and tip"
     fit = f"{len(ends)} arms of {description.name!r} fit"
     return AmbiguousLimb(f"{description.robot.source}: {fit}, choose one by {how}: {choices}", ends)
 

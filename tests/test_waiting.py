@@ -1,0 +1,34 @@
+"""Whoever waits for a compilation in a terminal is told so, once; a program that reads standard error is not."""
+
+import os
+import subprocess
+import sys
+
+import pytest
+
+pty = pytest.importorskip("pty")
+
+COMPILE_TWICE = """
+from srs_ik.cli.waiting import announce_compilation
+announce_compilation()
+from numba import njit
+double = njit(lambda x: 2 * x)
+print(double(2), double(2.5))
+"""
+
+
+def test_a_terminal_gets_one_line():
+    ours, theirs = pty.openpty()
+    try:
+        subprocess.run([sys.executable, "-c", COMPILE_TWICE], stderr=theirs, stdout=subprocess.PIPE, check=True)
+        said = os.read(ours, 4096).decode()
+    finally:
+        os.close(theirs)
+        os.close(ours)
+    assert said.count("\n") == 1
+    assert said.startswith("srs-ik: compiling")
+
+
+def test_a_pipe_gets_nothing():
+    result = subprocess.run([sys.executable, "-c", COMPILE_TWICE], capture_output=True, text=True, check=True)
+    assert (result.stdout, result.stderr) == ("4 5.0\n", "")
