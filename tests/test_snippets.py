@@ -1,8 +1,8 @@
 """Every Python and bash block of the README and the documentation runs as it stands, page by page, as a reader would.
 
 The blocks of a page share one namespace and one empty folder, but for the robots of the checkout. What a block needs
-is said by an HTML comment on the line above it: `<!-- not run: WHY -->`, `<!-- exit status 1 -->`, `<!-- needs: MODULE -->`,
-or `<!-- command: NAME -->` for what `.ci/run` runs.
+is said by an HTML comment on the line above it: `<!-- not run: WHY -->`, `<!-- exit status 1 -->`,
+`<!-- needs: MODULE -->`, or `<!-- command: NAME -->` for what `.ci/run` runs.
 """
 
 import contextlib
