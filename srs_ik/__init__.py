@@ -48,6 +48,7 @@ if TYPE_CHECKING:
     from srs_ik.preview.interactive import InteractivePreview
     from srs_ik.printed import PrintedOptimum, printed_optimum
     from srs_ik.quaternions import pose_from_xyz_quaternion, pose_from_xyz_rpy, xyz_quaternion
+    from srs_ik.self_motion import SelfMotion
     from srs_ik.solution import BatchSolution, Interval, Solution, Solutions, Status
     from srs_ik.task import Posture, Task
     from srs_ik.task_solution import BatchTaskSolution, TaskSolution
@@ -92,6 +93,7 @@ _MODULES = {
     "printed": ("PrintedOptimum", "printed_optimum"),
     "pose": ("PoseError",),
     "quaternions": ("pose_from_xyz_quaternion", "pose_from_xyz_rpy", "xyz_quaternion"),
+    "self_motion": ("SelfMotion",),
     "solution": ("BatchSolution", "Interval", "Solution", "Solutions", "Status"),
     "task": ("Posture", "Task"),
     "task_solution": ("BatchTaskSolution", "TaskSolution"),
@@ -128,6 +130,7 @@ __all__ = [
     "Preview",
     "PreviewError",
     "PrintedOptimum",
+    "SelfMotion",
     "Solution",
     "Solutions",
     "SrsIkError",

@@ -16,8 +16,7 @@ from srs_ik.kernels import entries
 from srs_ik.kernels.intervals import MAX_PIECES
 from srs_ik.kernels.layout import IS_CLOSED, LIMITED, ROW, STRAIGHT
 from srs_ik.limb import Hand, SrsLimb
-from srs_ik.mounted import MountedLimb
-from srs_ik.packing import pack_family, pack_hand
+from srs_ik.packing import pack_hand
 from srs_ik.pose import (
     PoseLike,
     as_arm_angle,
@@ -29,6 +28,7 @@ from srs_ik.pose import (
     per_pose,
     refuse_bad_poses,
 )
+from srs_ik.redundancy import RedundantLimb
 from srs_ik.solution import BatchSolution, ElbowRange, Interval, Solution, Solutions
 
 if TYPE_CHECKING:
@@ -36,6 +36,7 @@ if TYPE_CHECKING:
     from srs_ik.objectives import Objective
     from srs_ik.optimise import Optimum
     from srs_ik.path import PathSolution
+    from srs_ik.self_motion import SelfMotion
     from srs_ik.task import Posture, Side, Task, Tie
     from srs_ik.task_solution import BatchTaskSolution, TaskSolution
     from srs_ik.urdf.model import Drawing
@@ -43,7 +44,7 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 
 
-class Arm(MountedLimb):
+class Arm(RedundantLimb):
     """A 7-joint arm with a spherical shoulder, one elbow and a spherical wrist.
 
     Made by `srs_ik.load`. Joint vectors `q` are always 7 plain angles in radians; poses are those of the tip frame in
@@ -68,28 +69,9 @@ class Arm(MountedLimb):
         self, chain: Chain, limb: SrsLimb, name: str, hand: Hand | None = None, drawing: Drawing | None = None
     ) -> None:
         super().__init__(chain, limb, name, hand, drawing)
-        self._family = pack_family(limb, chain.lower, chain.upper)
         self._no_work = (None, None) if self._family[LIMITED, IS_CLOSED] else None
         straight = float(self._family[LIMITED, STRAIGHT])
         self._elbow = ElbowRange(straight, float(chain.lower[3]), float(chain.upper[3]))
-
-    # Where a configuration is on its circle ----------------------------------------------------------------------
-
-    def arm_angle(self, q: ArrayLike) -> float:
-        """Arm angle of a configuration, in [-pi, pi), rad: right-handed about shoulder-wrist, zero at `limb.reference`.
-
-        Raises:
-            InvalidConfiguration: not 7 finite angles.
-        """
-        return float(entries.configuration_arm_angle(self._family, as_joint_vector(q))[0])
-
-    def branch(self, q: ArrayLike) -> int:
-        """Branch of a configuration, 0 to 7.
-
-        Raises:
-            InvalidConfiguration: not 7 finite angles.
-        """
-        return int(entries.configuration_arm_angle(self._family, as_joint_vector(q))[1])
 
     # Inverse kinematics -----------------------------------------------------------------------------------------
 
@@ -288,6 +270,28 @@ class Arm(MountedLimb):
         from srs_ik.feasible import intervals_batch
 
         return intervals_batch(self, poses, bool(respect_limits), threads)
+
+    def self_motion(
+        self, pose: PoseLike, branch: int | None = None, count: int = 91, respect_limits: bool = True
+    ) -> list[SelfMotion]:
+        """How the arm can move while its tip stays: postures evenly spaced in arm angle through every interval.
+
+        Args:
+            pose: pose of the tip frame in the base frame.
+            branch: 0 to 7 for the intervals of that branch alone.
+            count: postures an interval, from end to end; at least 2. Those of a whole circle end where they begin.
+            respect_limits: whether to stay inside the joint limits.
+
+        Returns:
+            One `SelfMotion` for each of `intervals`, in their order; empty where no posture reaches the pose.
+
+        Raises:
+            InvalidPose: the pose is no finite rigid transform.
+            InvalidConfiguration: no branch, or no count.
+        """
+        from srs_ik.self_motion import self_motion
+
+        return self_motion(self, pose, branch, count, bool(respect_limits))
 
     def optimise(
         self,

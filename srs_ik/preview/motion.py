@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from srs_ik.errors import InvalidConfiguration
 from srs_ik.pose import as_branch, real_array
+from srs_ik.self_motion import through
 
 if TYPE_CHECKING:
     from srs_ik.arm import Arm
@@ -70,7 +71,9 @@ def joint_path(path: Any) -> Array:
     return q
 
 
-def self_motion(arm: Arm, pose: Array, intervals: list[Interval], branch: int | None) -> tuple[Array, Interval] | None:
+def self_motion(
+    arm: Arm, pose: Array, intervals: list[Interval], branch: int | None, respect_limits: bool
+) -> tuple[Array, Interval] | None:
     """The arm turned through its widest interval of feasible arm angles, and back, or once around the whole circle.
 
     Args:
@@ -78,6 +81,7 @@ def self_motion(arm: Arm, pose: Array, intervals: list[Interval], branch: int | 
         pose: (4, 4) pose that the tip keeps.
         intervals: those of the pose.
         branch: 0 to 7 to stay in that branch.
+        respect_limits: whether the intervals are those inside the joint limits.
 
     Returns:
         (M, 7) frames at `FPS`, rad, and the interval; None if there is no interval.
@@ -88,10 +92,7 @@ def self_motion(arm: Arm, pose: Array, intervals: list[Interval], branch: int | 
         return None
     widest = max(candidates, key=lambda interval: interval.width)
     count = max(2, int(np.ceil(widest.width / _SWEEP * FPS)))
-    # Just inside: at the very end a joint is on its limit, and rounding may put it beyond.
-    margin = min(1e-9, 0.25 * widest.width)
-    psis = np.linspace(widest.lower + margin, widest.upper - margin, count)
-    found = arm.solve_batch(np.tile(pose, (count, 1, 1)), arm_angle=psis, branch=widest.branch)
+    found = through(arm, pose, widest, count, respect_limits)
     q = found.q[found.ok]
     if not len(q):
         return None

@@ -221,7 +221,7 @@ class Preview:
         """
         T = as_rigid_matrix(pose)
         intervals = self.show_intervals(T, respect_limits)
-        found = self_motion(self.arm, T, intervals, branch)
+        found = self_motion(self.arm, T, intervals, branch, bool(respect_limits))
         if found is None:
             return False
         self.show(found[0][0])
