@@ -67,9 +67,10 @@ class RedundantLimb(MountedLimb):
     def self_motion_tangent(self, q: ArrayLike) -> Array:
         """How the joints move with the arm angle while the tip stands still: dq/d(arm angle), (7,), rad/rad.
 
-        It is the last column of the inverse of `jacobian` with `arm_angle_jacobian` below it. All are zero where that
-        matrix is singular, because the arm angle has no derivative or the joints would have to move infinitely fast:
-        with the outer axes of the shoulder or of the wrist in line. Close to these places they grow without bound.
+        Where `jacobian` with `arm_angle_jacobian` below it is regular, it is the last column of the inverse of that
+        matrix; on an exact limb with a straight elbow, it is the motion that keeps that straight. All are zero where
+        the arm angle has no derivative, and where the joints would have to move infinitely fast: with the outer axes of
+        the shoulder or of the wrist in line. Close to these places they grow without bound.
 
         Raises:
             InvalidConfiguration: not 7 finite angles.

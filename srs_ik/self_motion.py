@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 
 _INSIDE = 1e-9
-"""Samples stay this far inside the ends of an interval, rad: on the very end, rounding may put a joint past its limit."""
+"""Samples stay this far inside the ends of an interval, rad; on an end, rounding may put a joint past its limit."""
 
 
 class SelfMotion(BatchSolution):

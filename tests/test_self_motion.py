@@ -51,7 +51,7 @@ def test_the_tangent_is_the_slope_of_solved_postures(name):
     arm, forward = arms.load(name), arms.forward(name)
     compared = 0
     for q in arms.configurations(name, 30, 61):
-        if np.linalg.svd(stacked(arm, q), compute_uv=False)[-1] < 0.05:
+        if np.linalg.svd(stacked(arm, q), compute_uv=False)[-1] < 0.03:
             continue  # differences of solved postures have no digits there
         pose, psi = forward(q), arm.arm_angle(q)
         options = {"seed": q, "branch": arm.branch(q), "respect_limits": False}
@@ -62,7 +62,7 @@ def test_the_tangent_is_the_slope_of_solved_postures(name):
         scale = np.abs(tangent).max()
         np.testing.assert_allclose(tangent, (after.q - before.q) / 2e-5, rtol=0.0, atol=1e-5 * scale**3)
         compared += 1
-    assert compared > 15
+    assert compared > 10
 
 
 @pytest.mark.parametrize("miss", [0.0, 5e-3])

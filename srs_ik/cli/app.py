@@ -10,7 +10,7 @@ import typer
 from typer.core import TyperGroup
 
 from srs_ik import __version__
-from srs_ik.cli import ellipsoids, inspect, intervals, plot, preview, reproduce, robots, solve, task
+from srs_ik.cli import ellipsoids, inspect, intervals, path, plot, preview, reproduce, robots, solve, task
 from srs_ik.cli.options import NumbersCommand, WrongInput
 from srs_ik.cli.waiting import announce_compilation
 
@@ -89,6 +89,7 @@ app.command("robots")(robots.robots)
 app.command("inspect")(inspect.inspect)
 app.command("solve", cls=NumbersCommand)(solve.solve)
 app.command("intervals", cls=NumbersCommand)(intervals.intervals)
+app.command("path", cls=NumbersCommand)(path.path)
 app.command("ellipsoids", cls=NumbersCommand)(ellipsoids.ellipsoids)
 app.command("plot", cls=NumbersCommand)(plot.plot)
 app.command("preview", cls=NumbersCommand)(preview.preview)

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from srs_ik.cli import objective as objectives
 from srs_ik.cli.options import AsJson, Base, Limb, Seven, Source, Tip, WrongInput, numbers
 from srs_ik.cli.poses import JOINTS, FromQ, NoLimits, Quat, Rpy, Xyz, read_pose, unit_of
 
@@ -34,26 +35,41 @@ def solve(
         Seven | None, typer.Option(metavar=JOINTS, help="Choose the posture nearest to these joint angles.")
     ] = None,
     branch: Annotated[int | None, typer.Option(metavar="0..7", help="Choose the posture from this branch.")] = None,
+    objective: objectives.Name = None,
+    force: objectives.Force = None,
+    velocity: objectives.Velocity = None,
+    twist: objectives.Twist = None,
+    wrench: objectives.Wrench = None,
+    reference: objectives.Reference = None,
+    tolerance: objectives.Tolerance = None,
     every: Annotated[
         bool,
         typer.Option("--all", help="Print every branch at the arm angle; without one, a posture for every interval."),
     ] = False,
     no_limits: NoLimits = False,
     degrees: Annotated[
-        bool, typer.Option("--degrees", help="Angles are given in degrees (--rpy, --from-q, --arm-angle, --seed).")
+        bool,
+        typer.Option(
+            "--degrees", help="Angles are given in degrees (--rpy, --from-q, --arm-angle, --seed, --reference)."
+        ),
     ] = False,
     as_json: AsJson = False,
 ) -> None:
     """Find the joint angles that bring the tip of an arm to a pose.
 
-    The pose is --xyz with --rpy or --quat, or that of --from-q. Without --arm-angle and --seed the posture farthest
-    from the joint limits is chosen. Exit status 1 if there is no solution; the closest posture is printed then.
+    The pose is --xyz with --rpy or --quat, or that of --from-q. Without --arm-angle, --seed and --objective the posture
+    farthest from the joint limits is chosen. Exit status 1 if there is no solution, with the closest posture.
     """
     unit = unit_of(degrees)
     if every and (seed is not None or branch is not None):
         raise WrongInput("--all prints every solution and goes with neither --seed nor --branch")
     if branch is not None and branch not in range(8):
         raise WrongInput(f"--branch is a whole number from 0 to 7, not {branch}")
+    judged = objectives.read_objective(objective, force, velocity, twist, wrench, reference, tolerance, unit)
+    if judged is not None and (every or any(x is not None for x in (arm_angle, seed, branch))):
+        raise WrongInput(
+            "--objective goes with none of --arm-angle, --seed, --branch and --all: it searches all postures"
+        )
     angle = None if arm_angle is None else unit * numbers("--arm-angle", [arm_angle])[0]
     start = None if seed is None else [unit * x for x in numbers("--seed", seed)]
     pose, configuration = read_pose(xyz, rpy, quat, from_q, unit)
@@ -68,7 +84,10 @@ def solve(
         best = found[0] if found.failure is None else found.failure
         solutions = [solution for solution in found if solution]
     else:
-        best = arm.solve(pose, arm_angle=angle, seed=start, branch=branch, respect_limits=not no_limits)
+        if judged is not None:
+            best = arm.optimise(pose, judged, respect_limits=not no_limits)
+        else:
+            best = arm.solve(pose, arm_angle=angle, seed=start, branch=branch, respect_limits=not no_limits)
         solutions = [best] if best else []
 
     if as_json:
@@ -98,7 +117,9 @@ def _print_json(arm: Arm, pose: np.ndarray, best: Solution, solutions: list[Solu
 
 def fields(solution: Solution) -> dict[str, Any]:
     """What JSON says of a solution."""
-    return {
+    from srs_ik.optimise import Optimum
+
+    answer = {
         "status": solution.status.name,
         "message": solution.message,
         "q": solution.q,
@@ -107,6 +128,13 @@ def fields(solution: Solution) -> dict[str, Any]:
         "position_error": solution.position_error,
         "orientation_error": solution.orientation_error,
     }
+    if isinstance(solution, Optimum):
+        within = solution.interval
+        answer["objective"] = solution.objective.name
+        answer["value"] = solution.value
+        answer["second_value"] = solution.second_value
+        answer["interval"] = None if within is None else {"lower": within.lower, "upper": within.upper}
+    return answer
 
 
 def _print_tables(arm: Arm, best: Solution, solutions: list[Solution] | None, at_angle: bool) -> None:
@@ -125,6 +153,7 @@ def print_solution(out: Console, arm: Arm, solution: Solution) -> None:
     import numpy as np
 
     from srs_ik.cli.render import fixed, table
+    from srs_ik.optimise import Optimum
 
     margin = _margins(arm, solution)
     rows = [
@@ -139,9 +168,13 @@ def print_solution(out: Console, arm: Arm, solution: Solution) -> None:
         ("position error", f"{solution.position_error:.3g} m"),
         ("orientation error", f"{solution.orientation_error:.3g} rad"),
     ]
+    if isinstance(solution, Optimum):
+        second = "" if solution.second_value is None else f", then {solution.second_value:.9g}"
+        facts.append((solution.objective.name, f"{solution.value:.9g}{second} ({solution.objective.unit})"))
+    width = max(18, *(len(name) + 2 for name, _ in facts))
     out.print()
     for name, fact in facts:
-        out.print(f"{name:<18}{fact}")
+        out.print(f"{name:<{width}}{fact}")
 
 
 def _print_solutions(out: Console, arm: Arm, solutions: list[Solution], at_angle: bool) -> None:

@@ -11,6 +11,7 @@ from srs_ik.kernels.closure import ON_LINE, elbow_position, longest, moved
 from srs_ik.kernels.elbow import REFERENCE_SINE, arm_frame, straight_offset
 from srs_ik.kernels.jit import entry, kernel
 from srs_ik.kernels.layout import (
+    AXES,
     IS_CLOSED,
     LIMITED,
     NORMAL_0,
@@ -23,8 +24,9 @@ from srs_ik.kernels.layout import (
 )
 from srs_ik.kernels.poses import read7
 from srs_ik.kernels.scoring import NO_SEED
+from srs_ik.kernels.selfmotion import rates
 from srs_ik.kernels.trace import load_system, solve_signed
-from srs_ik.kernels.vectors import across, add, along, cross, dot, load3, norm, scale, sub
+from srs_ik.kernels.vectors import across, add, along, cross, dot, load3, norm, rotate, scale, sub
 
 FASTEST = 1e9
 """Joint rates above this, rad/rad, belong to a posture at which the arm angle stands still."""
@@ -66,7 +68,7 @@ def bend_rate(P, c, s, arm_h):
 def gradient(P, q, J, g):
     """Write the seven derivatives of the arm angle into g; fills J with the joint lines at q.
 
-    Returns the tip position, and whether the derivatives exist: g is zero where the wrist is on the
+    Returns the tip position, the direction S-W, and whether the derivatives exist: g is zero where the wrist is on the
     shoulder, where S-W is along the reference direction, and on a near limb where the elbow is on S-W.
     """
     x, y, z, p = joint_lines(P, q, J)
@@ -76,14 +78,14 @@ def gradient(P, q, J, g):
     wrist = along(along(along(p, inner[0], x), inner[1], y), inner[2], z)
     sw = sub(wrist, load3(P, SHOULDER_CENTRE))
     d = norm(sw)
+    t = scale(1.0 / max(d, ON_LINE), sw)
     if d < ON_LINE:
-        return p, False
-    t = scale(1.0 / d, sw)
+        return p, t, False
     reference = load3(P, REFERENCE)
     h0 = across(reference, t)
     sine = norm(h0)
     if sine < REFERENCE_SINE:
-        return p, False
+        return p, t, False
     # When S-W tilts, the zero direction turns about it.
     turn = scale(dot(t, reference) / (sine * sine * d), cross(t, h0))
     if P[IS_CLOSED] == 1.0:
@@ -94,38 +96,45 @@ def gradient(P, q, J, g):
         for joint in range(3):
             g[joint] = dot((J[3, joint], J[4, joint], J[5, joint]), t) + dot(turn, point_velocity(J, joint, wrist))
         g[3] = bend_rate(P, c, s, arm_h) + dot(turn, point_velocity(J, 3, wrist))
-        return p, True
+        return p, t, True
     elbow = elbow_position(P, q)
     reach = sub(elbow, load3(P, SHOULDER_CENTRE))
     h = across(reach, t)
     r = norm(h)
     if r < ON_LINE:
-        return p, False
+        return p, t, False
     b = scale(1.0 / (r * r), cross(t, h))
     turn = along(turn, -dot(t, reach) / d, b)
     for joint in range(7):
         g[joint] = dot(turn, point_velocity(J, joint, wrist))
         if joint < 3:
             g[joint] += dot(b, point_velocity(J, joint, elbow))
-    return p, True
+    return p, t, True
 
 
 @entry
 def arm_angle_jacobian(family, q, g):
     """Write d(arm angle)/dq into g (7,); returns whether it exists, else g is zero."""
-    return gradient(family[LIMITED], read7(q), np.empty((6, 7)), g)[1]
+    return gradient(family[LIMITED], read7(q), np.empty((6, 7)), g)[2]
 
 
 @kernel
 def tangent(P, q):
-    """dq/d(arm angle) with the tip at rest, and whether it exists: rates v with J v = 0 and an arm angle of rate 1.
+    """dq/d(arm angle) with the tip at rest, and whether it exists.
 
-    J is the Jacobian of the true chain.
+    On an exact limb the arm turns about S-W, stiff in the elbow, also where that is straight. On a near limb they are
+    the rates v with J v = 0 and an arm angle of rate 1, J being the Jacobian of the true chain.
     """
     J = np.empty((6, 7))
     g = np.empty(7)
     A = np.empty((7, 8))
-    p, exists = gradient(P, q, J, g)
+    p, t, exists = gradient(P, q, J, g)
+    if exists and P[IS_CLOSED] == 1.0:
+        bend = straight_offset(P, q[3])
+        arm_t, _, _ = arm_frame(P, math.cos(bend), math.sin(bend))
+        from_forearm = rotate(load3(P, AXES + 9), math.cos(q[3]), -math.sin(q[3]), arm_t)
+        v, exists = rates(P, q, t, from_forearm)
+        return v if exists else NO_SEED, exists
     if exists:
         for joint in range(7):
             v = point_velocity(J, joint, p)

@@ -1,0 +1,130 @@
+"""`srs-ik path`: a continuous joint path through the poses of a file."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from srs_ik.cli.options import AsJson, Base, Limb, Seven, Source, Tip, WrongInput, numbers
+from srs_ik.cli.pose_file import read_poses, write_path
+from srs_ik.cli.poses import JOINTS, unit_of
+
+if TYPE_CHECKING:
+    from srs_ik.arm import Arm
+    from srs_ik.path import PathSolution
+
+
+def path(
+    source: Source,
+    poses: Annotated[
+        Path,
+        typer.Argument(
+            metavar="FILE.csv",
+            help="Poses of the tip, one a line; the header names x, y, z and roll, pitch, yaw or qx, qy, qz, qw.",
+            show_default=False,
+        ),
+    ],
+    base: Base = None,
+    tip: Tip = None,
+    limb: Limb = None,
+    seed: Annotated[
+        Seven | None, typer.Option(metavar=JOINTS, help="Start near these joint angles; anywhere if not given.")
+    ] = None,
+    dt: Annotated[
+        str | None,
+        typer.Option(metavar="SECONDS", help="Time between two poses: keep the velocity limits where possible."),
+    ] = None,
+    longest_step: Annotated[
+        str | None, typer.Option(metavar="ANGLE", help="A joint step beyond this is a break; 0.5 rad if not given.")
+    ] = None,
+    out: Annotated[
+        Path | None,
+        typer.Option(metavar="FILE.csv", help="Write the joint angles here, radians, if there is no break."),
+    ] = None,
+    degrees: Annotated[
+        bool, typer.Option("--degrees", help="Angles are given in degrees (roll, pitch, yaw, --seed, --longest-step).")
+    ] = False,
+    as_json: AsJson = False,
+) -> None:
+    """Find a continuous joint path through many poses, inside the joint limits, chosen as a whole.
+
+    Exit status 1 where the path has to break; a line on standard error says at which pose, and why.
+    """
+    unit = unit_of(degrees)
+    options: dict[str, object] = {}
+    if seed is not None:
+        options["seed"] = [unit * x for x in numbers("--seed", seed)]
+    if dt is not None:
+        options["dt"] = _positive("--dt", dt)
+    if longest_step is not None:
+        options["longest_step"] = unit * _positive("--longest-step", longest_step)
+    T_base_tip, lines = read_poses(poses, unit)
+
+    from srs_ik.loading import load
+
+    arm = load(source, base=base, tip=tip, limb=limb)
+    found = arm.solve_path(T_base_tip, **options)  # type: ignore[arg-type]
+    if out is not None and found:
+        write_path(out, arm, found, options.get("dt"))  # type: ignore[arg-type]
+    if as_json:
+        _print_json(arm, found, lines)
+    else:
+        _print_table(arm, found)
+    if not found:
+        first, others = found.breaks[0], len(found.breaks) - 1
+        more = f" ({others} more)" if others else ""
+        typer.echo(f"srs-ik: {poses}, line {lines[first.sample]}: {first.message}{more}", err=True)
+        raise typer.Exit(1)
+
+
+def _positive(option: str, word: str) -> float:
+    (figure,) = numbers(option, [word])
+    if not figure > 0.0:
+        raise WrongInput(f"{option} takes a positive number, not {word}")
+    return figure
+
+
+def _print_json(arm: Arm, found: PathSolution, lines: list[int]) -> None:
+    from srs_ik.cli.render import print_json
+
+    print_json(
+        {
+            "robot": arm.name,
+            "base": arm.base,
+            "tip": arm.tip,
+            "joint_names": list(arm.joint_names),
+            "q": found.q,
+            "status": [found[i].status.name for i in range(len(found))],
+            "branch": found.branch,
+            "arm_angle": found.arm_angle,
+            "largest_step": found.largest_step,
+            "breaks": [
+                {"sample": b.sample, "line": lines[b.sample], "joint": b.joint, "jump": b.jump, "message": b.message}
+                for b in found.breaks
+            ],
+        }
+    )
+
+
+def _print_table(arm: Arm, found: PathSolution) -> None:
+    """For every joint the range that it goes through, and its largest step."""
+    import numpy as np
+
+    from srs_ik.cli.render import console, fixed, table
+
+    steps = np.abs(found.steps).max(axis=0, initial=0.0)
+    rows = [
+        (name, *(fixed(math.degrees(angle), 4) for angle in (first, least, most, step)))
+        for name, first, least, most, step in zip(
+            arm.joint_names, found.q[0], found.q.min(axis=0), found.q.max(axis=0), steps, strict=True
+        )
+    ]
+    out = console()
+    out.print(f"{arm.name}: {arm.tip} in {arm.base}, {len(found)} {'pose' if len(found) == 1 else 'poses'}")
+    out.print(table(("joint", "first (deg)", "least", "most", "largest step"), rows))
+    worst = found.position_error.max(), found.orientation_error.max()
+    breaks = f"{len(found.breaks)} {'break' if len(found.breaks) == 1 else 'breaks'}"
+    out.print(f"{breaks}; errors up to {worst[0]:.1e} m and {worst[1]:.1e} rad")

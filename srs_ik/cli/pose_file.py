@@ -1,0 +1,119 @@
+"""Tables of poses and of joint angles as CSV files."""
+
+from __future__ import annotations
+
+import csv
+import math
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from srs_ik.cli.options import WrongInput
+
+if TYPE_CHECKING:
+    import numpy as np
+
+    from srs_ik.arm import Arm
+    from srs_ik.path import PathSolution
+
+POSITION = ("x", "y", "z")
+RPY = ("roll", "pitch", "yaw")
+QUATERNION = ("qx", "qy", "qz", "qw")
+
+
+def read_poses(path: Path, unit: float) -> tuple[np.ndarray, list[int]]:
+    """The poses of a CSV file whose header names the columns.
+
+    The columns are x, y, z in metres and either roll, pitch, yaw or qx, qy, qz, qw, in any order. Other columns and
+    empty lines are left out.
+
+    Args:
+        path: the file.
+        unit: radians in the unit of roll, pitch and yaw.
+
+    Returns:
+        (N, 4, 4) poses, and the line of the file on which each stands.
+
+    Raises:
+        WrongInput: the header lacks a column, or a line a number; the message says which line.
+        OSError: the file cannot be read.
+    """
+    import numpy as np
+
+    from srs_ik.errors import InvalidPose
+    from srs_ik.quaternions import pose_from_xyz_quaternion, pose_from_xyz_rpy
+
+    try:
+        text = path.read_text(encoding="utf-8-sig")
+    except UnicodeDecodeError:
+        raise WrongInput(f"{path} is no text file") from None
+    reader = csv.reader(text.splitlines(), skipinitialspace=True)
+    try:
+        table = [(reader.line_num, row) for row in reader if any(cell.strip() for cell in row)]
+    except csv.Error as error:
+        raise WrongInput(f"{path}, line {reader.line_num}: {error}") from None
+    if not table:
+        raise WrongInput(f"{path} is empty: its first line names the columns {', '.join((*POSITION, *RPY))}")
+    columns, turned = _columns(path, *table[0])
+    poses, lines = [], []
+    for line, row in table[1:]:
+        figures = list(_figures(f"{path}, line {line}", row, columns))
+        position, orientation = figures[:3], figures[3:]
+        try:
+            if turned:
+                pose = pose_from_xyz_quaternion(position, orientation, order="xyzw")
+            else:
+                pose = pose_from_xyz_rpy(position, [unit * angle for angle in orientation])
+        except InvalidPose as error:
+            raise WrongInput(f"{path}, line {line}: {error}") from None
+        poses.append(pose.homogeneous)
+        lines.append(line)
+    if not poses:
+        raise WrongInput(f"{path} has a header and no poses below it")
+    return np.array(poses), lines
+
+
+def _columns(path: Path, line: int, header: Sequence[str]) -> tuple[dict[str, int], bool]:
+    """Where the columns of a pose stand, in order, and whether its orientation is a quaternion."""
+    names = [name.strip().lower() for name in header]
+    twice = next((name for name in names if name and names.count(name) > 1), None)
+    if twice is not None:
+        raise WrongInput(f"{path}, line {line}: there are two columns {twice!r}")
+    turned, by_angles = (any(name in names for name in kind) for kind in (QUATERNION, RPY))
+    if turned and by_angles:
+        raise WrongInput(f"{path}, line {line}: give either {', '.join(RPY)} or {', '.join(QUATERNION)}")
+    wanted = (*POSITION, *(QUATERNION if turned else RPY))
+    missing = [name for name in wanted if name not in names]
+    if missing:
+        either = "" if turned or by_angles else f" (or {', '.join(QUATERNION)})"
+        raise WrongInput(
+            f"{path}, line {line}: the header must name the columns {', '.join(wanted)}{either}; "
+            f"it lacks {', '.join(missing)}"
+        )
+    return {name: names.index(name) for name in wanted}, turned
+
+
+def _figures(where: str, row: Sequence[str], columns: dict[str, int]) -> Iterator[float]:
+    for name, index in columns.items():
+        if index >= len(row):
+            raise WrongInput(f"{where}: there is no {name}; the line ends after {len(row)} columns")
+        try:
+            figure = float(row[index])
+        except ValueError:
+            figure = math.nan
+        if not math.isfinite(figure):
+            raise WrongInput(f"{where}: {name} must be a finite number, not {row[index].strip()!r}")
+        yield figure
+
+
+def write_path(path: Path, arm: Arm, found: PathSolution, dt: float | None) -> None:
+    """Write the joint angles of a path, rad, a line for each pose: the joints by name, after the time if it is known.
+
+    Raises:
+        OSError: the file cannot be written.
+    """
+    with path.open("w", newline="", encoding="utf-8") as file:
+        writer = csv.writer(file)
+        writer.writerow([*(["t"] if dt else []), *arm.joint_names])
+        for i, q in enumerate(found.q.tolist()):
+            writer.writerow([*([i * dt] if dt else []), *q])

@@ -1,0 +1,195 @@
+"""`srs-ik path` and `srs-ik solve --objective` print what the arm answers; wrong input is one line."""
+
+import csv
+
+import numpy as np
+import pytest
+from command_line import POSE, answer, run
+
+import srs_ik
+
+Q = [0.2, 0.6, 0.1, -1.2, 0.2, 0.8, 0.1]
+
+
+def line_of_poses(count, far=0.2):
+    T = srs_ik.load("iiwa14").forward_kinematics(Q).homogeneous
+    poses = np.repeat(T[None], count, axis=0)
+    poses[:, 1, 3] += np.linspace(0.0, far, count)
+    return poses
+
+
+def write(path, poses, kind="rpy"):
+    import pinocchio as pin
+
+    with path.open("w", newline="") as file:
+        writer = csv.writer(file)
+        names = ["roll", "pitch", "yaw"] if kind != "quaternion" else ["qw", "qx", "qy", "qz"]
+        writer.writerow([*names, "x", "y", "z", "remark"])
+        for T in poses:
+            if kind == "quaternion":
+                x, y, z, w = pin.Quaternion(T[:3, :3].copy()).coeffs()
+                turn = [w, x, y, z]
+            else:
+                turn = pin.rpy.matrixToRpy(T[:3, :3]) * (180.0 / np.pi if kind == "degrees" else 1.0)
+            writer.writerow([*(repr(float(v)) for v in (*turn, *T[:3, 3])), "a, b"])
+    return str(path)
+
+
+@pytest.mark.parametrize("kind", ["rpy", "quaternion", "degrees"])
+def test_the_path_of_a_file_is_that_of_the_arm(tmp_path, kind):
+    poses = line_of_poses(30)
+    seed = np.rad2deg(Q) if kind == "degrees" else Q
+    words = ["--seed", *map(str, seed), *(["--degrees"] if kind == "degrees" else [])]
+    out = tmp_path / "joints.csv"
+    got = answer("path", "iiwa14", write(tmp_path / "poses.csv", poses, kind), *words, "--dt", "0.1", "--out", str(out))
+    arm = srs_ik.load("iiwa14")
+    expected = arm.solve_path(poses, seed=Q, dt=0.1)
+    assert expected
+    np.testing.assert_allclose(got["q"], expected.q, atol=1e-7)
+    assert got["status"] == ["OK"] * 30
+    assert got["breaks"] == []
+    assert got["largest_step"] == pytest.approx(expected.largest_step, abs=1e-7)
+    rows = list(csv.reader(out.open()))
+    assert rows[0] == ["t", *arm.joint_names]
+    written = np.array(rows[1:], float)
+    np.testing.assert_array_equal(written[:, 1:], got["q"])
+    np.testing.assert_allclose(written[:, 0], 0.1 * np.arange(30))
+
+
+def test_the_table_names_every_joint_and_its_largest_step(tmp_path):
+    poses = line_of_poses(20)
+    result = run("path", "iiwa14", write(tmp_path / "poses.csv", poses))
+    assert result.exit_code == 0, result.stderr
+    path = srs_ik.load("iiwa14").solve_path(poses)
+    rows = {line.split()[0]: line.split() for line in result.stdout.splitlines() if len(line.split()) == 5}
+    for k, name in enumerate(srs_ik.load("iiwa14").joint_names):
+        assert float(rows[name][4]) == pytest.approx(np.rad2deg(np.abs(path.steps[:, k]).max()), abs=1e-3)
+    assert "0 breaks" in result.stdout
+
+
+def test_a_broken_path_is_exit_status_1_with_the_line_of_the_file(tmp_path):
+    out = tmp_path / "joints.csv"
+    file = write(tmp_path / "poses.csv", line_of_poses(40, far=1.5))
+    result = run("path", "iiwa14", file, "--out", str(out))
+    first = srs_ik.load("iiwa14").solve_path(line_of_poses(40, far=1.5)).breaks[0]
+    assert result.exit_code == 1
+    assert result.stderr.count("\n") == 1
+    assert f"poses.csv, line {first.sample + 2}: Pose {first.sample} is not reached" in result.stderr
+    assert not out.exists()
+    broken = answer("path", "iiwa14", file, exit_code=1)
+    assert broken["breaks"][0]["sample"] == first.sample
+    assert broken["breaks"][0]["line"] == first.sample + 2
+    assert broken["status"][first.sample] == "UNREACHABLE"
+
+
+@pytest.mark.parametrize(
+    ("text", "named"),
+    [
+        ("", "is empty"),
+        ("x,y,z,roll,pitch,yaw\n", "no poses"),
+        ("x,y,z\n1,2,3\n", "line 1: the header must name the columns x, y, z, roll, pitch, yaw (or qx, qy, qz, qw)"),
+        ("x,y,roll,pitch,yaw\n", "it lacks z"),
+        ("x,y,z,qx,qy,qz\n", "it lacks qw"),
+        ("x,y,z,roll,pitch,yaw,qw\n", "either"),
+        ("x,x,y,z,roll,pitch,yaw\n", "two columns 'x'"),
+        ("x,y,z,roll,pitch,yaw\n.5,.1,.6,0,1.5,0\n\n.5,.1,up,0,1.5,0\n", "line 4: z must be a finite number, not 'up'"),
+        ("x,y,z,roll,pitch,yaw\n.5,.1,.6,0,nan,0\n", "line 2: pitch must be a finite number, not 'nan'"),
+        ("x,y,z,roll,pitch,yaw\n.5,.1,.6\n", "line 2: there is no roll; the line ends after 3 columns"),
+        ("x,y,z,qx,qy,qz,qw\n.5,.1,.6,0,0,0,2\n", "line 2: a quaternion is a rotation only if its length is 1, not 2"),
+    ],
+)
+def test_a_wrong_file_is_one_line_with_its_place(tmp_path, text, named):
+    file = tmp_path / "poses.csv"
+    file.write_text(text)
+    result = run("path", "iiwa14", str(file))
+    assert result.exit_code == 2, result.exception
+    assert result.stdout == ""
+    assert result.stderr.count("\n") == 1
+    assert named in result.stderr
+    assert "poses.csv" in result.stderr
+
+
+@pytest.mark.parametrize(
+    ("words", "named"),
+    [
+        (["--dt", "0"], "--dt takes a positive number"),
+        (["--longest-step", "-1"], "--longest-step"),
+        (["--seed", "1", "2"], "--seed takes 7 numbers, not 2"),
+        (["--out", "no/such/folder/q.csv"], "no/such/folder"),
+        (["--tip", "nose"], "nose"),
+    ],
+)
+def test_wrong_options_are_one_line(tmp_path, words, named):
+    result = run("path", "iiwa14", write(tmp_path / "poses.csv", line_of_poses(3)), *words)
+    assert result.exit_code == 2, result.exception
+    assert result.stderr.count("\n") == 1
+    assert named in result.stderr
+
+
+def test_missing_and_binary_files_are_one_line(tmp_path):
+    binary = tmp_path / "poses.csv"
+    binary.write_bytes(b"\xff\xfe\x00\x01")
+    for file, named in ((tmp_path / "none.csv", "No such file"), (binary, "no text file"), (tmp_path, "directory")):
+        result = run("path", "iiwa14", str(file))
+        assert result.exit_code == 2
+        assert result.stderr.count("\n") == 1
+        assert named in result.stderr
+
+
+# solve --objective ------------------------------------------------------------------------------------------------
+
+OBJECTIVES = {
+    "manipulability": ([], {}),
+    "force_velocity_ratio": (
+        ["--force", "0", "0", "1", "--velocity", "1", "0", "0"],
+        {"force": [0, 0, 1], "velocity": [1, 0, 0]},
+    ),
+    "force_then_velocity": (
+        ["--force", "0", "0", "1", "--velocity", "1", "0", "0", "--tolerance", "0.2"],
+        {"force": [0, 0, 1], "velocity": [1, 0, 0], "tolerance": 0.2},
+    ),
+    "twist": (["--twist", *"100010"], {"twist": [1, 0, 0, 0, 1, 0]}),
+    "wrench": (["--wrench", *"001000"], {"wrench": [0, 0, 1, 0, 0, 0]}),
+    "reference_posture": (["--reference", *map(str, Q)], {"reference": Q}),
+}
+
+
+@pytest.mark.parametrize("name", OBJECTIVES)
+def test_solve_gives_the_optimum_of_the_arm(name):
+    words, parameters = OBJECTIVES[name]
+    got = answer("solve", "iiwa14", *POSE, "--objective", name, *words)
+    best = srs_ik.load("iiwa14").optimise(np.array(got["T_base_tip"]), name, **parameters)
+    assert got["objective"] == name
+    assert got["q"] == best.q.tolist()
+    assert got["value"] == best.value
+    assert got["second_value"] == best.second_value
+    assert got["interval"] == {"lower": best.interval.lower, "upper": best.interval.upper}
+    text = run("solve", "iiwa14", *POSE, "--objective", name, *words).stdout
+    assert f"{best.value:.9g}" in next(line for line in text.splitlines() if line.startswith(name))
+
+
+def test_an_objective_out_of_reach_is_exit_status_1():
+    far = answer("solve", "iiwa14", "--xyz", "2", "0", "0", *POSE[4:], "--objective", "manipulability", exit_code=1)
+    assert far["status"] == "UNREACHABLE"
+    assert far["interval"] is None
+
+
+@pytest.mark.parametrize(
+    ("words", "named"),
+    [
+        (["--objective", "manipulation"], "did you mean 'manipulability'"),
+        (["--objective", "twist"], "needs twist="),
+        (["--objective", "twist", "--force", "0", "0", "1"], "takes no parameter 'force'"),
+        (["--objective", "twist", "--twist", "0", "0", "1"], "--twist takes 6 numbers, not 3"),
+        (["--objective", "manipulability", "--seed", *"1234567"], "--objective goes with none"),
+        (["--objective", "manipulability", "--all"], "--objective goes with none"),
+        (["--force", "0", "0", "1"], "--force is a parameter of an objective"),
+        (["--objective", "force_then_velocity", "--tolerance", "much"], "--tolerance takes a number, not 'much'"),
+    ],
+)
+def test_a_wrong_objective_is_one_line(words, named):
+    result = run("solve", "iiwa14", *POSE, *words)
+    assert result.exit_code == 2, result.exception
+    assert result.stdout == ""
+    assert result.stderr.count("\n") == 1
+    assert named in result.stderr
