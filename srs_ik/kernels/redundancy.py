@@ -12,10 +12,10 @@ from srs_ik.kernels.closure import CLOSED, arm_angle, close_free
 from srs_ik.kernels.followed import search_followed
 from srs_ik.kernels.intervals import MAX_EVENTS, MAX_PIECES, feasible_intervals
 from srs_ik.kernels.jit import kernel
-from srs_ik.kernels.layout import FAR, FREE, INVERSE_HALF_RANGE, IS_CLOSED, LIMITED, LOOSE, MISS, RANGE_KIND, SIZE
+from srs_ik.kernels.layout import FAR, FREE, IS_CLOSED, LIMITED, LOOSE, MISS, SIZE
 from srs_ik.kernels.nearest import first_guess, first_guess_near, look_beside, settle_near, slid, tighten
 from srs_ik.kernels.scoring import OUTSIDE
-from srs_ik.kernels.search import MAX_SAMPLES, search_intervals
+from srs_ik.kernels.search import MAX_SAMPLES, has_wide_range, search_intervals
 from srs_ik.kernels.second_attempts import look_around, rescue
 
 NEARLY_STRAIGHT = 3e-6
@@ -77,15 +77,6 @@ def without(found, n, branch, psi):
         found[left, 2] = found[i, 2]
         left += 1
     return left
-
-
-@kernel
-def has_wide_range(P):
-    """Whether a joint has limits more than a turn apart: its nearest turn may jump within an interval."""
-    wide = False
-    for j in range(7):
-        wide = wide or (P[RANGE_KIND + j] == 0.0 and P[INVERSE_HALF_RANGE + j] > 0.0)
-    return wide
 
 
 @kernel

@@ -40,13 +40,16 @@ STEP = 2.0 * math.pi / 48.0
 SMALLEST_COUNT = 8
 """Fewest parts into which an interval is cut."""
 
-PEAKS = 24
+PEAKS = 32
 """So many of the most hopeful peaks are closed in on, as long as they may beat the best so far."""
 
 MOST_RISE = 4.0
 """A neighbour outside the limits tells nothing of the slope; the cost falls no more than this below a sample."""
 
-MAX_SAMPLES = 160
+BESIDE = 1e-8
+"""So close on either side of a change of turns a sample is taken, rad: the cost may jump there."""
+
+MAX_SAMPLES = 256
 """Most arm angles at which an interval is looked at first."""
 
 REFINE_STEPS = 60
@@ -227,8 +230,9 @@ def add_turns(P, k, motion, lower, upper, seeded, seed, samples, n):
                 apart = math.atan2(math.sqrt((r - rest) * (r + rest)), rest)
                 for turns in range(-1, 2):
                     middle = math.atan2(s, c) + 2.0 * math.pi * turns
-                    n = add_sample(samples, n, middle + apart, lower, upper)
-                    n = add_sample(samples, n, middle - apart, lower, upper)
+                    for change in (middle + apart, middle - apart):
+                        n = add_sample(samples, n, change - BESIDE, lower, upper)
+                        n = add_sample(samples, n, change + BESIDE, lower, upper)
     return n
 
 
@@ -284,23 +288,39 @@ def scan(P, side, branch, lower, upper, seeded, seed, respect, samples, values, 
 
 
 @kernel
+def has_wide_range(P):
+    """Whether a joint has limits more than a turn apart: its nearest turn may jump within an interval."""
+    wide = False
+    for j in range(7):
+        wide = wide or (P[RANGE_KIND + j] == 0.0 and P[INVERSE_HALF_RANGE + j] > 0.0)
+    return wide
+
+
+@kernel
 def search_peaks(P, place_, seeded, seed, respect, peaks, n):
     """Close in on peaks: q, branch, cost of the best."""
     best_q = seed
     best = 0
     lowest = 4.0 * NO_BRANCH
+    wide = has_wide_range(P)
     for i in range(n):
         if peaks[i, 0] >= lowest:
             break
         branch = int(peaks[i, 1])
         side = elbow_side(P, place_, branch >> 2)
-        _, q, value = refine(P, side, branch, peaks[i, 2], peaks[i, 4], seeded, seed, respect)
+        if wide:
+            # The cost may jump at the peak itself, where a joint changes turns.
+            _, q, value = refine(P, side, branch, peaks[i, 2], peaks[i, 3], seeded, seed, respect)
+            _, qe, ve = refine(P, side, branch, peaks[i, 3], peaks[i, 4], seeded, seed, respect)
+            if ve < value:
+                q, value = qe, ve
+        else:
+            _, q, value = refine(P, side, branch, peaks[i, 2], peaks[i, 4], seeded, seed, respect)
         for k in range(2, 5):
             # A golden section never touches the ends of its bracket, nor a singular posture between them.
             qe, ve = branch_at(P, side, peaks[i, k], branch, seeded, seed, respect)
             if ve <= value:
-                q = qe
-                value = ve
+                q, value = qe, ve
         if value < lowest:
             best_q = q
             best = branch
