@@ -327,6 +327,9 @@ class Arm(RedundantLimb):
     def posture(self, task: Task, side: Side = "left", tie: Tie = "lower", threads: int | None = None) -> Posture:
         """Where shoulder, elbow, wrist and hand go for a task: the paper's posture, in closed form, without limits.
 
+        It aligns the plane of the arm with that of the task, and is not the optimum of the paper's cost C (erratum 11);
+        that is what `optimise` finds.
+
         Args:
             task: one task, or N of them.
             side: "left" for the elbow towards +y of the base, "right" for -y.

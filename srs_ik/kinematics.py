@@ -126,6 +126,9 @@ class ChainKinematics:
     def verify(self, pose: PoseLike, q: ArrayLike) -> PoseError:
         """Distance and angle between the tip at q and a pose, by Pinocchio.
 
+        The angle is taken from sine and cosine together: by arc cosine alone, as the paper has it (erratum 8), errors
+        end at 3e-8 rad.
+
         Raises:
             InvalidPose: the pose is no finite rigid transform.
             InvalidConfiguration: not 7 finite angles.

@@ -1,7 +1,9 @@
 """From a task to joint angles: its posture, the tip pose that belongs to it, and the arm angle that comes nearest.
 
-Both signs of the pronosupination are right here by construction: the whole rotation of the hand is asked for, where the
-printed equation for joint 5 keeps its sign only half of the time (erratum 6).
+Joint angles come from the whole rotation of the hand by way of the general closed form, where the paper (eqs.
+IKShoulder, IKElbow, Wrist) takes one dot product after the other. So four errata have no place here: q_3 from a point
+on the axis of joint 3 (erratum 3), q_4 from a difference of unit vectors (4), a frame that is not printed (5), and q_5
+that keeps the sign of the pronosupination only half of the time (6).
 """
 
 from __future__ import annotations
