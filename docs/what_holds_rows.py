@@ -246,9 +246,9 @@ def optimal_posture(figures: dict[str, Any], scipy: dict[str, Any]) -> Row:
         verdict(ratio["most"] < 1.01),
         f"C over the optimum of its pose: median {ratio['median']:.2f}, 90th percentile {ratio['most']:.1f}, worst "
         f"{ratio['worst']:.0f}; {100 * others:.0f} % of other elbow positions are better. The better of left and right "
-        f"arm: median {either['median']:.2f}, 90th percentile {either['most']:.1f}. Over the paper's own optimisation, by "
-        f"SciPy from {scipy['starts']} starts: median "
-        f"{scipy['C_over_scipy']['median']:.2f} of {scipy['C_over_scipy']['count']} tasks (erratum 11)",
+        f"arm: median {either['median']:.2f}, 90th percentile {either['most']:.1f}. Over the paper's own optimisation, "
+        f"by SciPy from {scipy['starts']} starts: median {scipy['C_over_scipy']['median']:.2f} of "
+        f"{scipy['C_over_scipy']['count']} tasks (erratum 11)",
         COMMAND,
     )
 
