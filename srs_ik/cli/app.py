@@ -10,7 +10,7 @@ import typer
 from typer.core import TyperGroup
 
 from srs_ik import __version__
-from srs_ik.cli import ellipsoids, inspect, intervals, path, plot, preview, reproduce, robots, solve, task
+from srs_ik.cli import bench, ellipsoids, inspect, intervals, path, plot, preview, reproduce, robots, solve, task
 from srs_ik.cli.options import NumbersCommand, WrongInput
 from srs_ik.cli.waiting import announce_compilation
 
@@ -95,3 +95,4 @@ app.command("plot", cls=NumbersCommand)(plot.plot)
 app.command("preview", cls=NumbersCommand)(preview.preview)
 app.command("task", cls=NumbersCommand)(task.task)
 app.command("reproduce", cls=NumbersCommand)(reproduce.reproduce)
+app.command("bench")(bench.bench)
