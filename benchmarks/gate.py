@@ -19,7 +19,7 @@ from srs_ik.bench.work import Work
 
 POSES = 200
 ROUNDS = 40
-BOUNDS = {"solve_batch at arm angles": 12.0, "eight branches": 25.0, "intervals_batch": 80.0, "solve": 40.0}
+BOUNDS = {"solve_batch at arm angles": 20.0, "eight branches": 26.0, "intervals_batch": 90.0, "solve": 45.0}
 
 
 def least_us(call: Callable[[], Any], poses: int) -> float:

@@ -152,7 +152,7 @@ def pinocchio(arm: srs_ik.Arm, work: Work) -> Iterator[Timed]:
 
 
 def roboticstoolbox(arm: srs_ik.Arm, work: Work) -> Iterator[Timed]:
-    """Levenberg-Marquardt of the Robotics Toolbox, compiled: one search from the seed, to half a squared error of 1e-18."""
+    """Levenberg-Marquardt of the Robotics Toolbox, compiled: one search from the seed, asked for 1e-18."""
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
         import roboticstoolbox as rtb

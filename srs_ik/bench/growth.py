@@ -34,8 +34,8 @@ class Growth:
         threads: threads it was given.
         us: time a pose, microseconds; the least of some calls where they are short.
         answers_mb: size of the answers, megabytes; None where memory is not measured.
-        memory_mb: most memory that the process held during the call beyond what it had before, megabytes. The answers are
-            in it; poses and arm angles were there before, and a copy of them would show.
+        memory_mb: most memory that the process held during the call beyond what it had before, megabytes. The answers
+            are in it; poses and arm angles were there before, and a copy of them would show.
     """
 
     robot: str
@@ -73,9 +73,10 @@ def one_size(robot: str, size: int, threads: int) -> dict[str, float | None]:
     if size < LONG:
         return {"us": best_time(call) / size}
     batch, seconds, peak = _measured(call)
-    answers = batch.q.base.nbytes
-    us = {"us": 1e6 * seconds / size}
-    return us if peak is None else {**us, "answers_mb": 1e-6 * answers, "memory_mb": 1e-6 * peak}
+    figures: dict[str, float | None] = {"us": 1e6 * seconds / size}
+    if peak is not None:
+        figures |= {"answers_mb": 1e-6 * batch._rows.nbytes, "memory_mb": 1e-6 * peak}
+    return figures
 
 
 def _resident(field: str) -> int:
