@@ -12,7 +12,7 @@ def announce_compilation() -> None:
         return
     from numba.core import event
 
-    class Announcement(event.Listener):
+    class Announcement(event.Listener):  # type: ignore[misc]
         said = False
 
         def on_start(self, event: Any) -> None:
