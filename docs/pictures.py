@@ -5,6 +5,7 @@ Run: python docs/pictures.py
 
 from pathlib import Path
 
+import concept_pictures
 import numpy as np
 
 import srs_ik
@@ -22,6 +23,9 @@ def main() -> None:
         "singular": srs_ik.plot_ellipsoids(arm, STRETCHED, limits=True),
         "arm_angle": srs_ik.plot_arm_angle(arm, pose),
         "intervals": srs_ik.plot_intervals(arm, pose),
+        "limb": concept_pictures.limb(),
+        "redundancy": concept_pictures.redundancy(),
+        "posture": concept_pictures.posture(),
     }
     FOLDER.mkdir(exist_ok=True)
     for name, figure in figures.items():

@@ -1,5 +1,6 @@
 """The examples run to their end, and what they print is what they promise."""
 
+import json
 import re
 import runpy
 import sys
@@ -57,3 +58,23 @@ def test_a_file_that_is_not_there_is_named(run_example, capsys):
         run_example("any_urdf.py", "no/such/file.urdf")
     assert left.value.code == 2
     assert "no/such/file.urdf" in capsys.readouterr().err
+
+
+def test_the_cells_of_the_notebook_run_in_their_order(tmp_path, monkeypatch, capsys):
+    pytest.importorskip("matplotlib")
+    monkeypatch.chdir(tmp_path)
+    notebook = json.loads((ROOT / "examples" / "tour.ipynb").read_text())
+    assert (notebook["nbformat"], notebook["nbformat_minor"]) == (4, 5)
+    cells = [cell for cell in notebook["cells"] if cell["cell_type"] == "code"]
+    # Outputs would be figures that nobody measures again.
+    assert not any(cell["outputs"] or cell["execution_count"] for cell in cells)
+    names: dict = {}
+    for cell in cells:
+        exec(compile("".join(cell["source"]), "tour.ipynb", "exec"), names)
+    assert names["solution"]
+    assert names["near"]
+    assert names["up"]
+    assert bool(names["path"])
+    assert names["intervals"]
+    assert "continuous: True" in capsys.readouterr().out
+    assert (tmp_path / "tour.html").stat().st_size > 100_000
