@@ -68,3 +68,17 @@ def test_the_benchmark_of_tasks_prints_a_table(monkeypatch, capsys):
     rows = [line.split("|") for line in lines[2:]]
     assert {row[1].strip() for row in rows} == {"human_arm", "iiwa14", "gen3"}
     assert all(float(row[3]) > 0.0 and float(row[4]) > 0.0 for row in rows)
+
+
+def test_the_benchmark_of_the_redundancy_prints_what_does_not_hold(monkeypatch, capsys):
+    monkeypatch.syspath_prepend(str(ROOT / "benchmarks"))
+    bench = runpy.run_path(str(ROOT / "benchmarks" / "redundancy.py"), run_name="redundancy")
+    bench["main"](["--scale", "0.01", "--parts", "intervals"])
+    rows = [line.split("|") for line in capsys.readouterr().out.splitlines() if line.startswith("| `")]
+    assert {row[1].strip(" `") for row in rows} >= {"iiwa14", "human_arm"}
+    for row in rows:
+        assert int(row[2]) > 0
+        assert int(row[4]) > 0
+        assert int(row[5]) == 0
+    with pytest.raises(SystemExit):
+        bench["main"](["--scale", "0"])
