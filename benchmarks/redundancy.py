@@ -116,7 +116,7 @@ def arcs(count: int) -> None:
         for answer, (pose, seed) in zip(answers, near, strict=True)
     )
     print(
-        f"\n### iiwa14 against ssik, {count} poses; benchmarks/quick.py has the times\n\n| | srs_ik | ssik |\n|---|--:|--:|"
+        f"\n### iiwa14 against ssik, {count} poses (times: benchmarks/quick.py)\n\n| | srs_ik | ssik |\n|---|--:|--:|"
     )
     print(f"| feasible arcs | {ours} | {theirs} |\n| arcs that the other does not have | {invented} | {missed} |")
     print(f"| largest distance of two ends (rad) | {worst:.0e} | |")
@@ -260,7 +260,7 @@ def least_step(arm: srs_ik.Arm, pose: np.ndarray, after: np.ndarray, count: int)
 def paths(arm: srs_ik.Arm, scale: float) -> None:
     print(f"\n### Paths, {arm.name}; a step is the distance of two postures next to each other, all joints together\n")
     print(
-        "| path | poses | breaks | largest step (rad) | least possible | ratio | largest step of a joint | CPU us a pose |"
+        "| path | poses | breaks | largest step (rad) | least possible | ratio | largest of a joint | CPU us a pose |"
     )
     print("|---|--:|--:|--:|--:|--:|--:|--:|")
     for name, count in (
