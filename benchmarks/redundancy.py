@@ -15,9 +15,10 @@ from importlib import util
 
 import numpy as np
 from optimise import random_configuration, random_objective
-from quick import machine, time_calls
 
 import srs_ik
+from srs_ik.bench.report import machine
+from srs_ik.bench.timing import time_calls
 
 TURN = 2.0 * np.pi
 SAME = 1e-9
