@@ -2,7 +2,7 @@
 
 python benchmarks/redundancy.py [--scale 1.0] [--urdf openarm_left=FILE] [--parts intervals arcs seeds optima paths]
 
-Prints Markdown tables; docs/redundancy.md holds one run of them. Robots whose files are not here are left out; --urdf
+Prints Markdown tables; docs/redundancy.md holds the outcome. Robots whose files are not here are left out; --urdf
 says where one is.
 """
 
