@@ -73,7 +73,7 @@ def _call(row: Timed) -> Sequence[str]:
         _whole(row.inside),
         error,
         _whole(row.farther),
-        str(row.found),
+        f"{row.found / row.poses:.2f}",
     )
 
 
