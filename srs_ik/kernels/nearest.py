@@ -9,10 +9,34 @@ from __future__ import annotations
 import math
 
 from srs_ik.kernels.branches import NO_BRANCH, branch_of, is_unsure, side_posture
-from srs_ik.kernels.closure import CLOSED, MAX_STEP, clipped, close_free, longest, moved, pose_step, shortest_step
+from srs_ik.kernels.closure import (
+    CLOSED,
+    MAX_STEP,
+    arm_angle,
+    clipped,
+    close_free,
+    longest,
+    moved,
+    pose_step,
+    shortest_step,
+)
 from srs_ik.kernels.elbow import elbow_side
 from srs_ik.kernels.jit import kernel
-from srs_ik.kernels.layout import A1, A2, A3, ACROSS_3, LOWER, SHOULDER, UPPER, WRIST
+from srs_ik.kernels.layout import (
+    A1,
+    A2,
+    A3,
+    ACROSS_3,
+    FAR,
+    IS_CLOSED,
+    LOWER,
+    MISS,
+    PHASE,
+    SHOULDER,
+    STRAIGHT,
+    UPPER,
+    WRIST,
+)
 from srs_ik.kernels.limits import set_joint_limits, set_limit
 from srs_ik.kernels.scoring import OUTSIDE, cost
 from srs_ik.kernels.search import turned
@@ -24,6 +48,11 @@ NEWTON_STEPS = 12
 SLIDE_STEPS = 30
 SLID = 1e-11
 """Steps on the true chain, and the size of the last one, rad."""
+
+BETWEEN_LIMBS = 0.05
+NEARNESS = 10.0
+"""A near limb's joints are no farther from those of its nearest exact limb, rad, away from singularities: the former at
+most, the latter for each part of its reach by which it misses."""
 
 VALLEY = 0.3
 MOST_STARTS = 24
@@ -190,10 +219,35 @@ def slid(P, q, R, p, seed, respect, J, A):
 
 
 @kernel
+def between_limbs(P):
+    """How far a posture may be from one of the nearest exact limb, rad, away from singularities."""
+    return 1e-12 if P[IS_CLOSED] == 1.0 else min(BETWEEN_LIMBS, NEARNESS * P[MISS] / P[FAR])
+
+
+@kernel
+def is_alone(P, seed, lowest):
+    """Whether a local minimum this near to a seed (squared distance) is the only one that near.
+
+    Two postures of a pose no farther from the seed than D turn the upper arm by no more than 2 sqrt(3) D apart, and so
+    are within that arm angle of each other; and they are of one branch if no middle angle of the seed is within D of
+    where branches meet.
+    """
+    distance = math.sqrt(lowest)
+    if 4.0 * math.sqrt(3.0) * distance > VALLEY:
+        return False
+    s2 = abs(math.sin(seed[1] - P[SHOULDER + PHASE]))
+    s4 = abs(math.sin(seed[3] - P[STRAIGHT]))
+    s6 = abs(math.sin(seed[5] - P[WRIST + PHASE]))
+    return min(s2, s4, s6) > distance + between_limbs(P)
+
+
+@kernel
 def first_guess_near(P, place_, R, p, seed, respect, J, A):
     """`first_guess` on a near limb, on the true chain: from the seed itself, and from the guess on the exact limb."""
-    psi, start, branch, guess, _ = first_guess(P, place_, seed, False)
     q, lowest, minimum = settle_near(P, seed, R, p, seed, respect, J, A)
+    if minimum and is_alone(P, seed, lowest):
+        return arm_angle(P, q, place_[0], place_[1]), q, branch_of(P, q), lowest, minimum
+    psi, start, branch, guess, _ = first_guess(P, place_, seed, False)
     if guess < OUTSIDE:
         other, value, other_minimum = settle_near(P, start, R, p, seed, respect, J, A)
         if value < lowest:

@@ -12,8 +12,17 @@ from srs_ik.kernels.closure import CLOSED, arm_angle, close_free
 from srs_ik.kernels.followed import search_followed
 from srs_ik.kernels.intervals import MAX_EVENTS, MAX_PIECES, feasible_intervals
 from srs_ik.kernels.jit import kernel
-from srs_ik.kernels.layout import FAR, FREE, IS_CLOSED, LIMITED, LOOSE, MISS, SIZE
-from srs_ik.kernels.nearest import first_guess, first_guess_near, look_beside, settle_near, slid, tighten
+from srs_ik.kernels.layout import FAR, FREE, LIMITED, LOOSE, MISS, SIZE
+from srs_ik.kernels.nearest import (
+    between_limbs,
+    first_guess,
+    first_guess_near,
+    is_alone,
+    look_beside,
+    settle_near,
+    slid,
+    tighten,
+)
 from srs_ik.kernels.scoring import OUTSIDE
 from srs_ik.kernels.search import MAX_SAMPLES, has_wide_range, search_intervals
 from srs_ik.kernels.second_attempts import look_around, rescue
@@ -30,11 +39,6 @@ HARDLY = 1e-5
 HARDLY_FARTHER = 1e-4
 FEW_STEPS = 12
 """Its nearest posture is found in a few steps, and no farther from a seed, in squared rad, than this."""
-
-BETWEEN_LIMBS = 0.05
-NEARNESS = 10.0
-"""A near limb's joints are no farther from those of its nearest exact limb, rad, away from singularities: the former at
-most, the latter for each part of its reach by which it misses."""
 
 ONE_VALLEY = 0.3
 """An interval shorter than this, rad, whose postures all lie in the box of a seeded search has one minimum."""
@@ -77,12 +81,6 @@ def without(found, n, branch, psi):
         found[left, 2] = found[i, 2]
         left += 1
     return left
-
-
-@kernel
-def between_limbs(P):
-    """How far a posture may be from one of the nearest exact limb, rad, away from singularities."""
-    return 1e-12 if P[IS_CLOSED] == 1.0 else min(BETWEEN_LIMBS, NEARNESS * P[MISS] / P[FAR])
 
 
 @kernel
@@ -138,6 +136,8 @@ def search_near_seed(P, F, place_, R, p, seed, respect, J, A):
     """The posture nearest to a seed over all branches and arm angles: q, branch, cost (OUTSIDE if none was found)."""
     psi, q, best, lowest, minimum = guess(P, place_, R, p, seed, respect, J, A)
     if lowest >= OUTSIDE:
+        return q, best, lowest
+    if minimum and is_alone(P, seed, lowest):
         return q, best, lowest
     distance = math.sqrt(lowest)
     box = np.empty(SIZE)
