@@ -24,6 +24,9 @@ HALVINGS = 30
 CLOSE_BY = 1e-4
 """Newton's method moves a posture no farther than this, rad, squared."""
 
+AT_SEED = 1e-12
+"""A posture this close to a seed, rad squared, is the nearest one."""
+
 REACH_SLACK = 8.0
 """A near limb reaches no farther than its nearest exact limb and so many times its largest miss."""
 
@@ -109,7 +112,10 @@ def solve_at_angle(P, place_, R, p, psi, wanted, seeded, seed, respect, J, A):
     """Best posture at an arm angle over all branches, or in one (0 to 7), by all means there are: q, branch, cost."""
     q, best, lowest = evaluate(P, place_, R, p, psi, wanted, seeded, seed, respect, J, A)
     if J is not None:
-        if lowest < OUTSIDE or (lowest < NO_BRANCH and not is_unsure(P, q)) or not may_reach(P, place_):
+        unsure = is_unsure(P, q)
+        # Next to a singularity, Newton's method may have missed the branch that is nearest to a seed.
+        good = lowest < OUTSIDE and not (seeded and unsure and lowest > AT_SEED)
+        if good or (OUTSIDE <= lowest < NO_BRANCH and not unsure) or not may_reach(P, place_):
             return q, best, lowest
         other, b, value = best_at_angle(P, place_, R, p, psi, wanted, seeded, seed, respect, J, A)
         if value < lowest:
