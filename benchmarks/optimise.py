@@ -11,6 +11,8 @@ import argparse
 import time
 
 import numpy as np
+from rich.console import Console
+from rich.progress import track
 
 import srs_ik
 from srs_ik import Objective, printed_optimum
@@ -144,10 +146,11 @@ def against_scipy(arm: srs_ik.Arm, count: int, starts: int) -> None:
     print(f"\n### The printed optimisation by SciPy, {arm.name}, {count} poses, {starts} random starts each\n")
     print("| objective | starts that end at the optimum | poses | most that SciPy gains | seconds a pose |")
     print("|---|---|---|---|---|")
+    rows = []
     for name in srs_ik.OBJECTIVES:
         rng = np.random.default_rng(3)
         hits, found, gain, taken = 0, 0, -np.inf, []
-        for _ in range(count):
+        for _ in track(range(count), name, console=Console(stderr=True)):
             pose = arm.forward_kinematics(random_configuration(arm, rng))
             exact = arm.optimise(pose, random_objective(name, arm, rng))
             objective = exact.objective
@@ -168,7 +171,8 @@ def against_scipy(arm: srs_ik.Arm, count: int, starts: int) -> None:
             found += bool(same.any())
             hits += int(same.sum())
         share = f"{100.0 * hits / (count * starts):.0f} %" if objective.second < 0 else "-"
-        print(f"| `{name}` | {share} | {found} of {count} | {gain:.1e} | {np.median(taken):.2f} |")
+        rows.append(f"| `{name}` | {share} | {found} of {count} | {gain:.1e} | {np.median(taken):.2f} |")
+    print("\n".join(rows))
 
 
 def is_first_optimum(arm: srs_ik.Arm, pose, objective: Objective, sign: float, value: float) -> bool:

@@ -14,38 +14,18 @@ from collections.abc import Sequence
 from importlib import util
 
 import numpy as np
-from optimise import random_configuration, random_objective
+from optimise import against_scipy, geometric_posture, random_configuration, random_objective
+from rich.console import Console
+from rich.progress import track
+from swept import SAME, TURN, Chain, difference, excess, sweep, swept_values, turned, wrapped
 
 import srs_ik
 from srs_ik.bench.report import machine
 from srs_ik.bench.timing import time_calls
 
-TURN = 2.0 * np.pi
-SAME = 1e-9
-"""Arm angles this near to an end (rad), distances (rad) and values (relative) this near to each other, are equal."""
 LIMITED = ("iiwa14", "human_arm", "openarm_left", "romeo_left", "human_left", "icub_left")
 SEEDED = ("iiwa14", "gen3", "openarm_left")
-
-
-def wrapped(angle: np.ndarray) -> np.ndarray:
-    return (np.asarray(angle) + np.pi) % TURN - np.pi
-
-
-def sweep(arm: srs_ik.Arm, pose: np.ndarray, count: int) -> tuple[np.ndarray, srs_ik.BatchSolution]:
-    """Arm angles all around the circle, off any round figure, and every branch there without regard to limits."""
-    angles = wrapped(np.linspace(-np.pi, np.pi, count, endpoint=False) + 1e-4)
-    poses = np.broadcast_to(pose, (count, 4, 4))
-    return angles, arm.solve_batch(poses, arm_angle=angles, all_branches=True, respect_limits=False)
-
-
-def turned(arm: srs_ik.Arm, q: np.ndarray, near: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Every joint in the turn inside its limits that is nearest to an angle, and whether there is one for all seven."""
-    turns = q[..., None] + TURN * np.arange(-3, 4)
-    away = np.where(
-        (turns >= arm.lower[:, None]) & (turns <= arm.upper[:, None]), np.abs(turns - near[:, None]), np.inf
-    )
-    best = away.argmin(-1)
-    return np.take_along_axis(turns, best[..., None], -1)[..., 0], np.isfinite(away.min(-1)).all(-1)
+OPTIMISED = ("iiwa14", "human_arm", "gen3")
 
 
 def poses_of(arm: srs_ik.Arm, count: int, seed: int) -> list[np.ndarray]:
@@ -184,42 +164,35 @@ def seeds(arms: Sequence[srs_ik.Arm], count: int, swept: int) -> None:
 # Optima -------------------------------------------------------------------------------------------------------------
 
 
-def optima(arm: srs_ik.Arm, count: int) -> None:
-    print(f"\n### The optimum against the best of 8 x 720 postures inside the limits, {arm.name}, {count} poses\n")
-    print(
-        "| objective | poses | worse than the sweep | how close the sweep comes, relative, median |\n|---|--:|--:|--:|"
-    )
+def optima(arms: Sequence[srs_ik.Arm], count: int) -> None:
     rng = np.random.default_rng(13)
-    names = [name for name in srs_ik.OBJECTIVES if "then" not in name]
-    gaps: dict[str, list[float]] = {name: [] for name in names}
-    for _ in range(count):
-        pose = arm.forward_kinematics(random_configuration(arm, rng)).homogeneous
-        _, batch = sweep(arm, pose, 720)
-        q, inside = turned(arm, batch.q, np.zeros(7))
-        Q = q[batch.ok & inside]
-        J = np.array([arm.jacobian(row) for row in Q])
-        for name in names:
-            best = arm.optimise(pose, random_objective(name, arm, rng))
-            values = swept_values(arm, best.objective, Q, J)
-            if len(values):
-                sign = -1.0 if best.objective.maximise else 1.0
-                gaps[name].append(float((sign * (values - best.value)).min() / max(abs(best.value), 1e-12)))
-    for name in names:
-        worse = sum(gap < -SAME for gap in gaps[name])
-        print(f"| `{name}` | {len(gaps[name])} | {worse} | {np.median(gaps[name]):.0e} |")
-
-
-def swept_values(arm: srs_ik.Arm, objective: srs_ik.Objective, Q: np.ndarray, J: np.ndarray) -> np.ndarray:
-    """Values of postures (n, 7) with the Jacobians (n, 6, 7)."""
-    given = objective.parameters
-    if objective.name == "force_velocity_ratio":
-        f, v = (((given[key] @ J[:, :3]) ** 2).sum(-1) for key in ("force", "velocity"))
-        return f / v
-    if objective.name in ("twist", "wrench"):
-        return ((given[objective.name] @ J) ** 2).sum(-1)
-    if objective.name == "manipulability":
-        return np.prod(np.linalg.svd(J, compute_uv=False), axis=-1) if len(J) else np.empty(0)
-    return np.array([objective.value(arm, q) for q in Q])
+    print(f"\n### The optimum against the best of 8 x 720 postures inside the limits, {count} poses an arm\n")
+    print("| objective | arm | poses | worse than the sweep | by up to | sweep behind, median | NumPy off Pinocchio |")
+    print("|---|---|--:|--:|--:|--:|--:|")
+    rows = []
+    for arm in arms:
+        chain = Chain(arm)
+        gaps: dict[str, list[float]] = {name: [] for name in srs_ik.OBJECTIVES}
+        off = dict.fromkeys(srs_ik.OBJECTIVES, 0.0)
+        for _ in track(range(count), arm.name, console=Console(stderr=True)):
+            pose = arm.forward_kinematics(random_configuration(arm, rng)).homogeneous
+            _, batch = sweep(arm, pose, 720)
+            swept = batch.q[batch.ok]
+            for name in srs_ik.OBJECTIVES:
+                best = arm.optimise(pose, random_objective(name, arm, rng))
+                q, inside = turned(arm, swept, best.objective.parameters.get("reference", np.zeros(7)))
+                Q = q[inside]
+                if not len(Q):
+                    continue
+                values = swept_values(arm, chain, best.objective, Q)
+                some = int(rng.integers(len(Q)))
+                off[name] = max(off[name], difference(arm, best.objective, Q[some], [v[some] for v in values]))
+                gaps[name].append(excess(arm, pose, best, values) if best else np.inf)
+        for name, found in gaps.items():
+            worse = sum(gap > SAME for gap in found)
+            figures = f"{max(0.0, *found):.0e} | {-np.median(found):.0e} | {off[name]:.0e}"
+            rows.append(f"| `{name}` | `{arm.name}` | {len(found)} | {worse} | {figures} |")
+    print("\n".join(sorted(rows, key=lambda row: srs_ik.OBJECTIVES.index(row.split("`")[1]))))
 
 
 # Paths --------------------------------------------------------------------------------------------------------------
@@ -318,7 +291,9 @@ def main(arguments: Sequence[str] | None = None) -> None:
     if "seeds" in chosen.parts:
         seeds(load_all(SEEDED, files), share(10_000), share(200))
     if "optima" in chosen.parts:
-        optima(srs_ik.load("iiwa14"), share(300))
+        optima(load_all(OPTIMISED, files), share(300))
+        geometric_posture(srs_ik.load("human_arm"), share(300))
+        against_scipy(srs_ik.load("iiwa14"), share(60), 20)
     if "paths" in chosen.parts:
         paths(srs_ik.load("iiwa14"), chosen.scale)
 

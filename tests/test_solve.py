@@ -218,10 +218,7 @@ def test_on_random_limbs_the_posture_is_farthest_from_the_limits(limb):
     [
         (506495681, "tilted", "offset", "wide"),
         (3275039810, "coordinate", "offset", "wide"),
-        pytest.param(
-            (1736716537, "coordinate", "offset", "wide"),
-            marks=pytest.mark.xfail(reason="ranges wider than a turn: 1.5e-5 of the range off the best", strict=True),
-        ),
+        (1736716537, "coordinate", "offset", "wide"),
     ],
 )
 def test_ranges_wider_than_a_turn_do_not_hide_the_posture_farthest_from_the_limits(case):
@@ -230,6 +227,38 @@ def test_ranges_wider_than_a_turn_do_not_hide_the_posture_farthest_from_the_limi
     arm = srs_ik.load(limb.model, base="base", tip="tool")
     pose = arm.forward_kinematics(limb.configuration())
     assert margin(arm, arm.solve(pose).q) >= margin(arm, sweep(arm, pose)).max() - 1e-9
+
+
+def best_around(arm, pose, found, width=1e-3):
+    """Largest margin of its branch close to a posture, at arm angles on both sides of it down to rounding."""
+    steps = width * 10.0 ** -np.arange(0.0, 11.0, 0.25)
+    angles = found.arm_angle + np.concatenate([-steps, steps])
+    poses = np.broadcast_to(pose.homogeneous, (len(angles), 4, 4))
+    batch = arm.solve_batch(poses, arm_angle=angles, branch=found.branch, respect_limits=False)
+    return margin(arm, batch.q[batch.ok]).max()
+
+
+@pytest.mark.parametrize("name", ["iiwa14", "human_arm", "openarm_left", "romeo_left", "rm75"])
+@pytest.mark.parametrize("respect", [True, False])
+def test_no_arm_angle_next_to_the_farthest_posture_has_more_margin(name, respect):
+    arm, forward = arms.load(name), arms.forward(name)
+    for q in arms.configurations(name, 25, 9):
+        pose = forward(q)
+        solution = arm.solve(pose, respect_limits=respect)
+        assert margin(arm, solution.q) >= best_around(arm, pose, solution) - 1e-10
+
+
+@STEADY
+@given(limbs(limits=("usual", "wide", "beyond", "mixed")))
+def test_each_interval_has_its_posture_farthest_from_the_limits(limb):
+    arm = srs_ik.load(limb.model, base="base", tip="tool")
+    pose = arm.forward_kinematics(limb.configuration())
+    Q = sweep(arm, pose, 360)
+    Q = Q[margin(arm, Q) >= 0.0]
+    branches, angles = np.array([arm.branch(q) for q in Q]), np.array([arm.arm_angle(q) for q in Q])
+    for interval, solution in zip(arm.intervals(pose), arm.solve_all(pose), strict=True):
+        within = (branches == interval.branch) & ((angles - interval.lower) % (2.0 * np.pi) < interval.width)
+        assert margin(arm, solution.q) >= margin(arm, Q[within]).max(initial=0.0) - 1e-9
 
 
 @pytest.mark.parametrize("name", ["gen3", "gen3_upstream", "j2s7s300"])

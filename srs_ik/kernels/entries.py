@@ -15,7 +15,7 @@ from srs_ik.kernels.chain import arm_frame_at, forward_kinematics, frame_error, 
 from srs_ik.kernels.closure import arm_angle
 from srs_ik.kernels.elbow import elbow_side, place, shoulder_to_wrist, target_frame
 from srs_ik.kernels.followed_angle import find_at_angle, solve_at_angle
-from srs_ik.kernels.intervals import MAX_PIECES
+from srs_ik.kernels.intervals import MAX_PIECES, find_intervals
 from srs_ik.kernels.jit import entry, kernel
 from srs_ik.kernels.layout import (
     FREE,
@@ -27,10 +27,11 @@ from srs_ik.kernels.layout import (
 from srs_ik.kernels.limits import set_limits
 from srs_ik.kernels.near_intervals import best_of_true_intervals, true_intervals
 from srs_ik.kernels.poses import GOOD_POSE, read7, read_pose
-from srs_ik.kernels.redundancy import find_intervals, search, search_near_seed
+from srs_ik.kernels.redundancy import search, search_near_seed
 from srs_ik.kernels.rows import OK, OUT_OF_LIMITS, SOLVED, UNREACHABLE, measure_row, measure_row_at, write_row
+from srs_ik.kernels.samples import MAX_SAMPLES
 from srs_ik.kernels.scoring import NO_SEED, OUTSIDE, UNMET, tightest_joint
-from srs_ik.kernels.search import MAX_SAMPLES, evaluate_branch, search_intervals
+from srs_ik.kernels.search import evaluate_branch, search_intervals
 from srs_ik.kernels.second_attempts import rescue
 from srs_ik.kernels.vectors import add, apply, cross
 
@@ -167,7 +168,7 @@ def all_intervals(family, place_, R, p, respect, J, A, out):
     """Feasible intervals of one pose on the true chain; none where the pose is out of reach."""
     if J is not None:
         return true_intervals(family[LIMITED], place_, R, p, respect, out, J, A)
-    return find_intervals(family[LIMITED if respect else FREE], place_, out) if abs(place_[5]) < SOLVED else 0
+    return find_intervals(family[LIMITED if respect else FREE], place_, -1, out) if abs(place_[5]) < SOLVED else 0
 
 
 @entry

@@ -14,10 +14,10 @@ from srs_ik.kernels.closure import arm_angle, close_free
 from srs_ik.kernels.elbow import elbow_side
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout import INVERSE_HALF_RANGE
-from srs_ik.kernels.line_search import BEST, F_BEST, SHARP, STATE, propose, start_search, tell
+from srs_ik.kernels.line_search import BEST, F_BEST, GOLDEN, SHARP, STATE, propose, start_search, tell
 from srs_ik.kernels.nearest import slid
 from srs_ik.kernels.scoring import OUTSIDE, cost
-from srs_ik.kernels.search import GOLDEN, STEPS, turned
+from srs_ik.kernels.search import STEPS, turned
 from srs_ik.kernels.survey import MAX_RUNS, RUN, near_runs, on_curve
 from srs_ik.kernels.trace import load_sample, short_way
 

@@ -10,6 +10,8 @@ from __future__ import annotations
 
 import math
 
+import numpy as np
+
 from srs_ik.kernels.elbow import elbow_side
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout import (
@@ -129,8 +131,8 @@ def fits(P, k, v, y, c, s, sign):
 
 
 @kernel
-def feasible_signs(P, k, motion, psi):
-    """Bit set of the solutions (1: first, 2: second) of the spherical joint at block k that keep the limits at psi."""
+def feasible_signs(P, k, motion, psi, wanted):
+    """Which of the wanted solutions (bits 1: first, 2: second) of a spherical joint keep the limits at psi."""
     cos_psi = math.cos(psi)
     sin_psi = math.sin(psi)
     v0, y0, _ = motion
@@ -139,19 +141,19 @@ def feasible_signs(P, k, motion, psi):
     c, s, reached = middle_angle(P, k, v)
     if not reached:
         return 0
-    first = 1 if fits(P, k, v, y, c, s, 0) else 0
-    return first | (2 if fits(P, k, v, y, c, s, 1) else 0)
+    first = 1 if wanted & 1 and fits(P, k, v, y, c, s, 0) else 0
+    return first | (2 if wanted & 2 and fits(P, k, v, y, c, s, 1) else 0)
 
 
 @kernel
-def mark_gaps(P, k, motion, events, marks):
+def mark_gaps(P, k, motion, wanted, events, marks):
     """Find the events of a spherical joint, mark the gap behind each with its feasible signs; return their number."""
     n = joint_events(P, k, motion, events)
     for i in range(n):
         end = events[i + 1] if i + 1 < n else events[0] + TURN
         marks[i] = -1
         if end > events[i]:
-            marks[i] = feasible_signs(P, k, motion, 0.5 * (events[i] + end))
+            marks[i] = feasible_signs(P, k, motion, 0.5 * (events[i] + end), wanted)
     # Equal events leave no gap between them: it takes after the gap before it, and so parts and joins nothing.
     before = marks[n - 1] if n > 0 else 0
     for i in range(n):
@@ -170,7 +172,7 @@ def write_piece(pieces, sign, n, lower, upper):
 
 
 @kernel
-def sign_pieces(P, k, motion, events, marks, n, sign, pieces):
+def sign_pieces(P, k, motion, wanted, events, marks, n, sign, pieces):
     """Feasible arm angles of one solution of a spherical joint as circular intervals, from marked gaps; their number.
 
     A full circle is the single piece (-pi, pi).
@@ -201,21 +203,21 @@ def sign_pieces(P, k, motion, events, marks, n, sign, pieces):
     # Single arm angles at which a joint just touches a limit from outside.
     for i in range(n):
         before = marks[i - 1 if i > 0 else n - 1]
-        if (before | marks[i]) & bit == 0 and feasible_signs(P, k, motion, events[i]) & bit:
+        if wanted & bit and (before | marks[i]) & bit == 0 and feasible_signs(P, k, motion, events[i], bit):
             count = write_piece(pieces, sign, count, events[i], events[i])
     return count
 
 
 @kernel
-def joint_pieces(P, k, motion, events, marks, pieces):
-    """Feasible arm angles of the spherical joint at block k; the number of pieces of each of its two solutions."""
-    n = mark_gaps(P, k, motion, events, marks)
+def joint_pieces(P, k, motion, wanted, events, marks, pieces):
+    """Feasible arm angles of the wanted solutions of a spherical joint (bits); how many pieces each of the two has."""
+    n = mark_gaps(P, k, motion, wanted, events, marks)
     if n == 0:
         events[0] = 0.0
-        marks[0] = feasible_signs(P, k, motion, 0.0)
+        marks[0] = feasible_signs(P, k, motion, 0.0, wanted)
         n = 1
-    n0 = sign_pieces(P, k, motion, events, marks, n, 0, pieces)
-    return n0, sign_pieces(P, k, motion, events, marks, n, 1, pieces)
+    n0 = sign_pieces(P, k, motion, wanted, events, marks, n, 0, pieces)
+    return n0, sign_pieces(P, k, motion, wanted, events, marks, n, 1, pieces)
 
 
 @kernel
@@ -285,12 +287,13 @@ def intersect(a, na, sign_a, b, nb, sign_b, slack, branch, out, n):
 
 
 @kernel
-def feasible_intervals(P, place_, events, marks, shoulder, wrist, out):
+def feasible_intervals(P, place_, branch, events, marks, shoulder, wrist, out):
     """Write (branch, lower, upper) of every feasible interval of arm angles into the rows of out; return their number.
 
     Args:
         P: packed limb; packed without limits where they are not to count (the reach of oblique axes always does).
         place_: the pose, from `elbow.place`.
+        branch: the only one that is wanted; -1: all.
         events: (MAX_EVENTS,) work space.
         marks: (MAX_EVENTS,) integer work space.
         shoulder: (2, MAX_PIECES, 2) work space.
@@ -298,15 +301,34 @@ def feasible_intervals(P, place_, events, marks, shoulder, wrist, out):
         out: (n, 3) output, branch after branch and sorted; 8 x MAX_PIECES rows always suffice.
     """
     n = 0
+    wanted_s = 3 if branch < 0 else 1 << ((branch >> 1) & 1)
+    wanted_w = 3 if branch < 0 else 1 << (branch & 1)
     for elbow in range(2):
+        if branch >= 0 and branch >> 2 != elbow:
+            continue
         q4, motion_s, motion_w, _ = elbow_side(P, place_, elbow)
         if violation(P, 3, turn_to_middle(P, 3, q4)) > 0.0:
             continue
-        s = joint_pieces(P, SHOULDER, motion_s, events, marks, shoulder)
+        s = joint_pieces(P, SHOULDER, motion_s, wanted_s, events, marks, shoulder)
         if s[0] + s[1] == 0:
             continue
-        w = joint_pieces(P, WRIST, motion_w, events, marks, wrist)
+        w = joint_pieces(P, WRIST, motion_w, wanted_w, events, marks, wrist)
         for i in range(2):
             for j in range(2):
                 n = intersect(shoulder, s[i], i, wrist, w[j], j, P[SLACK_JOIN], 4 * elbow + 2 * i + j, out, n)
     return n
+
+
+@kernel
+def find_intervals(P, place_, branch, out):
+    """Feasible intervals of one pose (in one branch, if it is wanted), with work space of their own."""
+    return feasible_intervals(
+        P,
+        place_,
+        branch,
+        np.empty(MAX_EVENTS),
+        np.empty(MAX_EVENTS, np.int64),
+        np.empty((2, MAX_PIECES, 2)),
+        np.empty((2, MAX_PIECES, 2)),
+        out,
+    )

@@ -36,7 +36,8 @@ SHARP = 1e-11
 
 MOST_STEPS = 80
 
-GOLDEN_PART = 0.3819660112501051
+GOLDEN = 0.6180339887498949
+"""A golden section leaves this part of its bracket."""
 
 
 @kernel
@@ -80,7 +81,7 @@ def propose(S):
             step = math.copysign(finest, middle - x)
     else:
         S[STEP_BEFORE] = S[HIGH] - x if x < middle else S[LOW] - x
-        step = GOLDEN_PART * S[STEP_BEFORE]
+        step = (1.0 - GOLDEN) * S[STEP_BEFORE]
     S[STEP] = step
     S[WANTED] = x + (step if abs(step) >= finest else math.copysign(finest, step))
     return S[WANTED], True

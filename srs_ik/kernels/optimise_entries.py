@@ -6,17 +6,16 @@ import numpy as np
 
 from srs_ik.kernels.branches import branch_of
 from srs_ik.kernels.elbow import elbow_side, place
-from srs_ik.kernels.intervals import MAX_PIECES
+from srs_ik.kernels.intervals import MAX_PIECES, find_intervals
 from srs_ik.kernels.jit import entry, kernel
 from srs_ik.kernels.layout import FREE, LIMITED, ROW_STATUS
 from srs_ik.kernels.line_search import STATE, propose, start_search, tell
 from srs_ik.kernels.objectives import REFERENCE, objective, toward_reference
 from srs_ik.kernels.optimum import BRACKET, ROUNDING, close_in, find_brackets, survey_best, value_rows
 from srs_ik.kernels.poses import GOOD_POSE, read_pose
-from srs_ik.kernels.redundancy import find_intervals
 from srs_ik.kernels.rows import measure_row
+from srs_ik.kernels.samples import MAX_SAMPLES
 from srs_ik.kernels.scoring import NO_SEED, cost
-from srs_ik.kernels.search import MAX_SAMPLES
 from srs_ik.kernels.survey import (
     MAX_RUNS,
     RUN,
@@ -51,7 +50,7 @@ def survey(family, place_, R, p, respect, runs, J, A):
     P = family[LIMITED]
     if is_exact(P):
         found = np.empty((8 * MAX_PIECES, 3))
-        pieces = find_intervals(family[LIMITED if respect else FREE], place_, found)
+        pieces = find_intervals(family[LIMITED if respect else FREE], place_, -1, found)
         rows = np.empty((ROWS_A_PIECE * pieces + SPARE_ROWS, SAMPLE))
         line = np.empty((SPARE_ROWS, SAMPLE))
         work = np.empty((2, MAX_SAMPLES))

@@ -13,8 +13,8 @@ from srs_ik.kernels.elbow import elbow_side
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.line_search import BEST, F_BEST, propose, start_search, tell
 from srs_ik.kernels.objectives import figure, objective, tip_jacobian
+from srs_ik.kernels.samples import STEP
 from srs_ik.kernels.scoring import NO_SEED, cost
-from srs_ik.kernels.search import STEP
 from srs_ik.kernels.survey import EDGE, EDGE_STEPS, on_curve, sample_again
 from srs_ik.kernels.trace import load_sample, put
 

@@ -8,7 +8,7 @@ import numpy as np
 
 from srs_ik.kernels.elbow import place, shoulder_to_wrist
 from srs_ik.kernels.entries import solve_one
-from srs_ik.kernels.intervals import MAX_PIECES
+from srs_ik.kernels.intervals import MAX_PIECES, find_intervals
 from srs_ik.kernels.jit import entry, kernel
 from srs_ik.kernels.layout import FAR, IS_CLOSED, LIMITED, MIDDLE, ROW_ARM_ANGLE, ROW_STATUS
 from srs_ik.kernels.path import (
@@ -29,7 +29,6 @@ from srs_ik.kernels.path import (
     window_of,
 )
 from srs_ik.kernels.poses import GOOD_POSE, read7, read_pose
-from srs_ik.kernels.redundancy import find_intervals
 from srs_ik.kernels.rows import OK, measure_row
 from srs_ik.kernels.scoring import OUTSIDE
 from srs_ik.kernels.smoothing import (
@@ -163,7 +162,7 @@ def plan(family, poses, keys, seeded, seed, longest, psis, branches):
             slots[k] = -math.pi + k * (2.0 * math.pi / GRID)
         if not within_reach(P, place_):
             continue
-        count = add_missed(found, find_intervals(P, place_, found), zero_angles[i], slots)
+        count = add_missed(found, find_intervals(P, place_, -1, found), zero_angles[i], slots)
         now = stores[current]
         before = stores[1 - current]
         fill_states(P, place_, zero_angles[i], slots, count, now[0], now[1], now[2])

@@ -10,7 +10,7 @@ from srs_ik.kernels.branches import branch_of, is_unsure
 from srs_ik.kernels.chain import pose_error
 from srs_ik.kernels.closure import CLOSED, arm_angle, close_free
 from srs_ik.kernels.followed import search_followed
-from srs_ik.kernels.intervals import MAX_EVENTS, MAX_PIECES, feasible_intervals
+from srs_ik.kernels.intervals import MAX_PIECES, find_intervals
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout import FAR, FREE, LIMITED, LOOSE, MISS, SIZE
 from srs_ik.kernels.nearest import (
@@ -23,8 +23,9 @@ from srs_ik.kernels.nearest import (
     slid,
     tighten,
 )
+from srs_ik.kernels.samples import MAX_SAMPLES
 from srs_ik.kernels.scoring import OUTSIDE
-from srs_ik.kernels.search import MAX_SAMPLES, has_wide_range, search_intervals
+from srs_ik.kernels.search import has_wide_range, search_intervals
 from srs_ik.kernels.second_attempts import look_around, rescue
 
 NEARLY_STRAIGHT = 3e-6
@@ -45,24 +46,10 @@ ONE_VALLEY = 0.3
 
 
 @kernel
-def find_intervals(P, place_, out):
-    """Feasible intervals of one pose, with work space of their own."""
-    return feasible_intervals(
-        P,
-        place_,
-        np.empty(MAX_EVENTS),
-        np.empty(MAX_EVENTS, np.int64),
-        np.empty((2, MAX_PIECES, 2)),
-        np.empty((2, MAX_PIECES, 2)),
-        out,
-    )
-
-
-@kernel
 def search_branches(P, F, place_, branch, seeded, seed, respect):
     """Best posture over the feasible intervals of F: q, branch, cost (more than any posture's if there is none)."""
     found = np.empty((8 * MAX_PIECES, 3))
-    n = find_intervals(F, place_, found)
+    n = find_intervals(F, place_, branch, found)
     work = np.empty((3, MAX_SAMPLES))
     return search_intervals(P, place_, found, 0, n, branch, seeded, seed, respect, work)
 
@@ -143,7 +130,7 @@ def search_near_seed(P, F, place_, R, p, seed, respect, J, A):
     box = np.empty(SIZE)
     tighten(F, seed, distance * (1.0 + 1e-9), between_limbs(P), box)
     found = np.empty((8 * MAX_PIECES, 3))
-    n = find_intervals(box, place_, found)
+    n = find_intervals(box, place_, -1, found)
     # In a box of less than a turn, no joint has two turns to choose from.
     if minimum and (distance < 3.0 or not has_wide_range(P)):
         n = without(found, n, best, psi)

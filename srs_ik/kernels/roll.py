@@ -173,7 +173,7 @@ def search_piece(P, motion, sign, lower, upper):
 def wrist_rolls(P, motion, respect, pieces):
     """Feasible rolls of both wrist solutions into pieces (2, MAX_PIECES, 2); their numbers. Any roll without limits."""
     if respect:
-        return joint_pieces(P, WRIST, motion, np.empty(MAX_EVENTS), np.empty(MAX_EVENTS, np.int64), pieces)
+        return joint_pieces(P, WRIST, motion, 3, np.empty(MAX_EVENTS), np.empty(MAX_EVENTS, np.int64), pieces)
     for sign in range(2):
         pieces[sign, 0, 0] = -math.pi
         pieces[sign, 0, 1] = math.pi
@@ -216,11 +216,11 @@ def shoulder_room(P, place_, room):
     q4, motion, _, _ = elbow_side(P, place_, 0)
     first = (0, 0)
     if violation(P, 3, turn_to_middle(P, 3, q4)) == 0.0:
-        first = joint_pieces(P, SHOULDER, motion, events, marks, room[0])
+        first = joint_pieces(P, SHOULDER, motion, 3, events, marks, room[0])
     q4, motion, _, _ = elbow_side(P, place_, 1)
     second = (0, 0)
     if violation(P, 3, turn_to_middle(P, 3, q4)) == 0.0:
-        second = joint_pieces(P, SHOULDER, motion, events, marks, room[1])
+        second = joint_pieces(P, SHOULDER, motion, 3, events, marks, room[1])
     return first, second
 
 

@@ -17,7 +17,7 @@ from srs_ik.kernels.chain import forward_kinematics, pose_error
 from srs_ik.kernels.elbow import elbow_bend, hand_rotation, shoulder_to_wrist, target_frame, unit_across
 from srs_ik.kernels.entries import all_intervals
 from srs_ik.kernels.followed_angle import solve_at_angle
-from srs_ik.kernels.intervals import MAX_PIECES
+from srs_ik.kernels.intervals import MAX_PIECES, find_intervals
 from srs_ik.kernels.jit import entry, kernel
 from srs_ik.kernels.layout import FREE, LIMITED, LOOSE, NEAR, ROW, ROW_ARM_ANGLE, ROW_JOINT, ROW_STATUS
 from srs_ik.kernels.posture import (
@@ -38,7 +38,7 @@ from srs_ik.kernels.posture import (
     tip_rotation,
     write_posture,
 )
-from srs_ik.kernels.redundancy import find_intervals, search
+from srs_ik.kernels.redundancy import search
 from srs_ik.kernels.roll import best_roll
 from srs_ik.kernels.rows import OUT_OF_LIMITS, UNREACHABLE, measure_row, write_row
 from srs_ik.kernels.scoring import NO_SEED, OUTSIDE, tightest_joint
@@ -150,7 +150,7 @@ def nearest_feasible(family, place_, R, p, psi, branch, respect, J, A):
     """
     found = np.empty((8 * MAX_PIECES, 3))
     if place_[5] != 0.0:
-        n = find_intervals(family[LIMITED if respect else FREE], place_, found)
+        n = find_intervals(family[LIMITED if respect else FREE], place_, -1, found)
     else:
         n = all_intervals(family, place_, R, p, respect, J, A, found)
     for _ in range(n):
