@@ -118,6 +118,10 @@ class Skeleton:
         """True if a joint turns about one fixed axis, with or without stops."""
         return self._revolute[joint]
 
+    def hanging_on(self, joint: int) -> tuple[int, ...]:
+        """The joints of any kind of which a joint is the parent."""
+        return tuple(self._above[joint])
+
     def path(self, joint: int) -> list[int]:
         """The joints from the root of the robot to a joint, itself included."""
         found = []
@@ -135,17 +139,19 @@ class Skeleton:
         Returns:
             Joint indices of each run, from the base outwards, ordered by the last one.
         """
-        usable = [self._revolute[j] and name not in excluded for j, name in enumerate(self.joint_names)]
-        found = []
-        for last in range(1, len(self.parents)):
-            joints: list[int] = []
-            joint = last
-            while len(joints) < 7 and joint > 0 and usable[joint]:
-                joints.append(joint)
-                joint = self.parents[joint]
-            if len(joints) == 7:
-                found.append(tuple(reversed(joints)))
-        return found
+        return [run[-7:] for run in self._runs(excluded) if len(run) >= 7]
+
+    def longest_run(self, excluded: Collection[str] = ()) -> tuple[int, ...]:
+        """The most revolute joints in a row, as for `windows`; the first of equals."""
+        return max(self._runs(excluded), key=len, default=())
+
+    def _runs(self, excluded: Collection[str]) -> list[tuple[int, ...]]:
+        """For each joint the revolute joints in a row that end with it, from the base outwards; maybe none."""
+        runs: list[tuple[int, ...]] = [()]
+        for joint, name in enumerate(self.joint_names[1:], 1):
+            usable = self._revolute[joint] and name not in excluded
+            runs.append((*runs[self.parents[joint]], joint) if usable else ())
+        return runs
 
     def oddity(self, joints: Sequence[int]) -> int:
         """How unlike a limb a run of joints lies in its robot: 0 for one that begins and ends where limbs do.

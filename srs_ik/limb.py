@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Literal, NamedTuple
@@ -76,8 +77,14 @@ class SrsLimb:
 
     @cached_property
     def elbow_offset(self) -> float:
-        """Larger distance of the elbow centre from axis 3 and from axis 5, metres; zero where all three axes meet."""
-        return max(line_distance(self.elbow, self.points[i], self.axes[i]) for i in (2, 4))
+        """Larger distance of the elbow centre from axis 3 and from axis 5, metres; zero where all three axes meet.
+
+        An axis counts where it runs along its segment, within 45 degrees: one across it, such as axis 5 of a wrist
+        without forearm roll, does not pass the elbow at all.
+        """
+        lengths = {2: self.upper_arm, 4: self.forearm}
+        offsets = {i: line_distance(self.elbow, self.points[i], self.axes[i]) for i in lengths}
+        return max((offset for i, offset in offsets.items() if offset < math.sqrt(0.5) * lengths[i]), default=0.0)
 
 
 def line_distance(point: Vector, line_point: Vector, line_direction: Vector) -> float:

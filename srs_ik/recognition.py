@@ -28,7 +28,7 @@ class Recognition:
     Attributes:
         kind: "exact" (all misses under 1e-6 m), "near", or "refused".
         misses: (7,) distance of each axis from its centre, metres; zero for axis 4.
-        elbow_offset: larger distance of the elbow centre from axes 3 and 5, metres.
+        elbow_offset: larger distance of the elbow centre from axes 3 and 5 where these run along the arm, metres.
         limb: the limb, or None if refused.
         allowed: largest miss that would still be accepted, metres.
         reason: one clause that says why it is refused, empty otherwise. Axes are numbered from 1.

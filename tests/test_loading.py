@@ -1,4 +1,5 @@
 import os
+import re
 import subprocess
 import sys
 from importlib import metadata
@@ -271,6 +272,27 @@ def test_of_several_refused_chains_the_error_shows_the_nearest():
     xml = robot('<link name="w"/>', far, fixed("w", "far_l0", False), near, fixed("w", "near_l0", False))
     with pytest.raises(NotAnSrsLimb, match=r"none of 2 chains of 7 revolute joints .* near_l0 -> near_l7"):
         load(xml)
+
+
+def test_an_arm_of_six_joints_with_fingers_is_told_where_it_forks():
+    six = serial_arm("z y z y z y", "0 0 .3 0 .3 0")
+    hinge = '<origin xyz="0.03 0.04 0.1"/><axis xyz="1 0 0"/><limit lower="0" upper="1" effort="1" velocity="1"/>'
+    fingers = "".join(
+        f'<link name="{name}"/>' + joint_xml(f"{name}_joint", "l6", name, inside=hinge)
+        for name in ("left_finger", "right_finger")
+    )
+    reports = find_limbs(robot(six, fingers))
+    forks = "it forks after axis 6 (j6), on which 2 joints hang: a hand may begin there"
+    assert [report.note for report in reports] == [forks]
+    assert reports[0].side == "either"
+    with pytest.raises(NotAnSrsLimb, match=re.escape(forks)):
+        load(robot(six, fingers))
+
+
+def test_the_longest_chain_is_named_where_none_is_long_enough():
+    with pytest.raises(NotAnSrsLimb, match="the longest has 5: j1, j2, j3, j4, j5") as raised:
+        load(robot(serial_arm(kinds={6: "prismatic"})))
+    assert raised.value.joint_names == ("j1", "j2", "j3", "j4", "j5")
 
 
 # load: from what

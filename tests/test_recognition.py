@@ -40,8 +40,18 @@ def test_centres_of_random_limbs_are_found(limb):
 
     for step in (1e-3, -1e-3, 0.1, -0.1):
         assert squares(E) <= squares(E + step * a4) + 1e-12
-    offset = max(np.linalg.norm(np.cross(limb.axes[k], E - limb.points[k])) for k in (2, 4))
+    ways = {k: E - centre for k, centre in ((2, limb.centres[0]), (4, limb.centres[2]))}
+    along = [k for k, way in ways.items() if abs(limb.axes[k] @ way) > np.sqrt(0.5) * np.linalg.norm(way)]
+    offset = max((np.linalg.norm(np.cross(limb.axes[k], ways[k])) for k in along), default=0.0)
     assert found.elbow_offset == pytest.approx(offset, abs=1e-9)
+
+
+def test_an_axis_across_the_forearm_is_no_elbow_offset():
+    axes = [[0, 1, 0], [1, 0, 0], [0, 0, 1], [0, 1, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]]
+    points = [[0, 0, 0]] * 3 + [[0, 0, -0.28]] + [[0, 0, -0.56]] * 3
+    assert recognise(np.array(axes), np.array(points), TIP).elbow_offset == 0.0
+    points[3] = [0.05, 0, -0.28]
+    assert recognise(np.array(axes), np.array(points), TIP).elbow_offset == pytest.approx(0.05)
 
 
 @STEADY

@@ -65,6 +65,17 @@ def test_packages_are_found_around_a_file_by_their_own_name(package):
     assert find_package("clone-of-it", clone / "urdf" / "small.urdf") is None
 
 
+def test_a_folder_that_bears_the_name_will_do_where_no_package_does(package, tmp_path, monkeypatch):
+    bare = tmp_path / "copied" / "small_description"
+    (bare / "urdf").mkdir(parents=True)
+    assert find_package("small_description", bare / "urdf" / "arm.xacro") == bare
+    monkeypatch.setenv("ROS_PACKAGE_PATH", str(tmp_path / "copied"))
+    assert find_package("small_description") == bare
+    assert find_package("small_description", package / "urdf" / "small.urdf") == package
+    (bare / "package.xml").write_text("<package><name>another</name></package>")
+    assert find_package("small_description") is None
+
+
 @pytest.mark.parametrize("name", ["", "..", "a/b", "*", "a b"])
 def test_names_that_are_no_names_of_packages(name, package, monkeypatch):
     monkeypatch.setenv("ROS_PACKAGE_PATH", str(package.parent))
@@ -198,6 +209,41 @@ def test_the_srdf_of_romeo_names_its_frames():
 # MuJoCo
 
 
+def test_an_mjcf_file_is_read_with_what_it_includes(tmp_path):
+    """As MuJoCo reads it: wherever includes stand, however often a section comes, and defaults after their use."""
+    folder = tmp_path / "parts"
+    folder.mkdir()
+    inner = "".join(
+        f'<body name="l{k}" pos="0 0 {height}"><joint name="j{k}" class="turning" axis="{axis}"/>'
+        for k, (axis, height) in enumerate(
+            zip(("0 1 0", "0 0 1", "0 1 0", "0 0 1", "0 1 0", "0 0 1"), (0, 0.3, 0, 0.3, 0, 0.1), strict=True), 2
+        )
+    )
+    wrap = "<mujocoinclude>{}</mujocoinclude>".format
+    (folder / "arm.xml").write_text(wrap(inner + "</body>" * 6))
+    (folder / "floor.xml").write_text('<mujoco><worldbody><geom type="plane" size="1 1 1"/></worldbody></mujoco>')
+    (folder / "defaults.xml").write_text(
+        wrap('<default><default class="turning"><joint range="-2 2" limited="true"/></default></default>')
+    )
+    scene = tmp_path / "scene.xml"
+    scene.write_text(
+        '<mujoco model="scene"><compiler angle="radian"/><include file="parts/floor.xml"/><worldbody>'
+        '<body name="l1"><joint name="j1" class="turning" axis="0 0 1"/><include file="parts/arm.xml"/></body>'
+        '</worldbody><include file="parts/defaults.xml"/></mujoco>'
+    )
+    arm, same = srs_ik.load(scene), srs_ik.load(ARM)
+    assert arm.joint_names == same.joint_names
+    np.testing.assert_allclose(arm.lower, same.lower)
+    q = np.linspace(-0.5, 0.7, 7)
+    tip = arm.forward_kinematics(q).homogeneous
+    np.testing.assert_allclose(tip, same.forward_kinematics(q).homogeneous, atol=1e-14)
+    assert set(tmp_path.iterdir()) == {folder, scene}
+    (folder / "arm.xml").write_text(wrap("<a>" * 900 + "</a>" * 900))
+    (folder / "floor.xml").write_text(wrap("<a>" * 900 + '<include file="parts/arm.xml"/>' + "</a>" * 900))
+    with pytest.raises(InvalidRobot, match="nested"):
+        srs_ik.load(scene)
+
+
 def test_an_mjcf_file_is_read_by_pinocchio(tmp_path):
     bodies, ends = "", ""
     for k, (axis, height) in enumerate(zip("zyzyzyz", (0, 0, 0.3, 0, 0.3, 0, 0.1), strict=True), 1):
@@ -220,7 +266,8 @@ def test_an_mjcf_file_is_read_by_pinocchio(tmp_path):
     whole = path.read_text()
     wrong = {
         f"{header}{bodies}": "not well-formed XML",
-        whole.replace("hinge", "hinges", 1): "is an MJCF file that Pinocchio does not read",
+        whole.replace("hinge", "hinges", 1): "is an MJCF file that Pinocchio does not read: [^/]*$",
+        "<mujoco><worldbody/></mujoco>": "without any <body>",
         whole.replace('pos="0 0 0.3"', 'pos="0 0 1e9"', 1): "lies nowhere, or farther than",
         whole.replace('range="-2 2"', 'range="3 2"', 1): "a lower limit above its upper limit",
         whole.replace("l7", "\ue000", 1): "cannot be printed",
@@ -252,11 +299,23 @@ def test_an_mjcf_file_is_read_by_pinocchio(tmp_path):
         (["yumi_joint_1_r"], "right"),
         (["lbr_link_0", "lbr_link_ee", "roll_link"], "either"),
         (["left_foot", "right_foot"], "either"),
+        (["base", "right_hand", "joint1", "joint2"], "either"),
+        (["link_base", "left_finger", "left_drive", "joint1"], "either"),
+        (["torso", "left_hand", "left_joint1"], "left"),
         ([], "either"),
     ],
 )
 def test_sides_are_read_from_names(names, side):
     assert side_of(names) == side
+
+
+def test_a_single_arm_is_meant_by_the_side_that_one_of_its_names_says():
+    arm = ARM.replace('"l7"', '"right_hand"')
+    (report,) = srs_ik.find_limbs(arm)
+    assert report.side == "either"
+    assert srs_ik.load(arm, limb="right").tip == "right_hand"
+    with pytest.raises(NotAnSrsLimb, match="no arm of 'small' has 'left' in its names"):
+        srs_ik.load(arm, limb="left")
 
 
 @pytest.mark.parametrize("name", [*EXAMPLES, "openarm_v10_bimanual", "unitree_h1_2_handless"])

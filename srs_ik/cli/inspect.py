@@ -67,7 +67,7 @@ def inspect(
                 out.print()
             _print_finding(out, finding)
     if not findings:
-        typer.echo(f"srs-ik: {source} has no chain of 7 consecutive revolute joints.", err=True)
+        typer.echo(f"srs-ik: {_why_nothing(source, arguments)}.", err=True)
     if not accepted:
         raise typer.Exit(1)
 
@@ -98,8 +98,20 @@ def _all(source: str, arguments: dict[str, str] | None) -> list[dict[str, Any]]:
             arm = load(source, base=report.base, tip=report.tip, xacro_args=arguments)
             findings.append(_accepted(arm, report))
         else:
-            findings.append(_refused(report, report.base, report.tip, report.reason))
+            findings.append(_refused(report, report.base, report.tip, report.reason, report.note))
     return findings
+
+
+def _why_nothing(source: str, arguments: dict[str, str] | None) -> str:
+    """Why there is nothing to show."""
+    from srs_ik.errors import NotAnSrsLimb
+    from srs_ik.loading import load
+
+    try:
+        load(source, xacro_args=arguments)
+    except NotAnSrsLimb as error:
+        return str(error)
+    return f"{source} has no chain of 7 consecutive revolute joints"
 
 
 def _chosen(source: str, chosen: dict[str, Any], arguments: dict[str, str] | None) -> list[dict[str, Any]]:
@@ -140,13 +152,15 @@ def _accepted(arm: Arm, report: LimbReport | None = None) -> dict[str, Any]:
     }
 
 
-def _refused(found: LimbReport | NotAnSrsLimb, base: str | None, tip: str | None, reason: str) -> dict[str, Any]:
+def _refused(
+    found: LimbReport | NotAnSrsLimb, base: str | None, tip: str | None, reason: str, note: str = ""
+) -> dict[str, Any]:
     return {
         "base": base,
         "tip": tip,
         "kind": "refused",
         "reason": reason,
-        "note": "",
+        "note": note,
         "joint_names": list(found.joint_names),
         "misses_mm": found.misses_mm,
         "allowed_mm": found.allowed_mm,
@@ -160,6 +174,8 @@ def _print_refused(out: Console, finding: dict[str, Any], chain: str) -> None:
     names, misses = finding["joint_names"], finding["misses_mm"]
     out.print(f"{chain}: refused, no S-R-S arm")
     out.print(f"  {finding['reason']}")
+    if finding["note"]:
+        out.print(f"  {finding['note']}")
     if len(misses) != 7 or len(names) != 7:
         return
     centres = ("shoulder",) * 3 + ("-",) + ("wrist",) * 3

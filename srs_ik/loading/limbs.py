@@ -19,6 +19,9 @@ from srs_ik.recognition import recognise
 _NOT_SHOWN_MM = 1e-3
 """Misses below a micrometre are rounding of a file's figures, not worth a line of a message."""
 
+_SHORTEST_ARM = 4
+"""Joints before a fork that are rather an arm with a hand to come than a trunk with arms to come."""
+
 
 @dataclass(frozen=True, eq=False)
 class LimbReport:
@@ -32,13 +35,15 @@ class LimbReport:
         misses_mm: (7,) distance of each axis from the shoulder centre (1 to 3) or wrist centre (5 to 7), millimetres;
             NaN where it was refused before there was a centre to measure from.
         allowed_mm: largest miss that is accepted, millimetres; NaN as above.
-        elbow_offset: larger distance of the elbow centre from axes 3 and 5, metres; NaN as above.
+        elbow_offset: larger distance of the elbow centre from axes 3 and 5 where these run along the arm, metres; NaN
+            as above.
         wrist_kind: "XYX" or "XYZ"; None if refused.
         limb: the limb between `base` and `tip`; None if refused.
         reason: one clause that says why it is refused, with axes numbered from 1; empty otherwise.
         locked: names of the other moving joints between the root of the robot and the tip, from the root outwards; an
             arm has them fixed at their neutral position.
-        note: which chains that share joints with it were set aside in its favour; empty if there are none.
+        note: which chains that share joints with it were set aside in its favour or, if refused, where it forks on its
+            way, as an arm of six joints does with the fingers of its gripper; empty if there is nothing to say.
     """
 
     base: str
@@ -68,9 +73,7 @@ class LimbReport:
         """One sentence for people: between which frames, what it is, and its lengths or what is wrong with it."""
         ends = f"{self.base} -> {self.tip}"
         if self.limb is None:
-            return (
-                f"{ends} is no S-R-S limb: {explained(self.reason, self.joint_names, self.misses_mm, self.allowed_mm)}."
-            )
+            return f"{ends} is no S-R-S limb: {self.explain()}."
         lengths = [f"upper arm {1e3 * self.limb.upper_arm:.1f} mm", f"forearm {1e3 * self.limb.forearm:.1f} mm"]
         if self.elbow_offset >= EXACT_MISS:
             lengths.append(f"elbow offset {1e3 * self.elbow_offset:.1f} mm")
@@ -80,6 +83,11 @@ class LimbReport:
         locked = f"; locked on the way to it: {', '.join(self.locked)}" if self.locked else ""
         note = f"; {self.note}" if self.note else ""
         return f"{ends} is {article} S-R-S limb with {self.wrist_kind} wrist, {', '.join(lengths)}{locked}{note}."
+
+    def explain(self) -> str:
+        """The reason of a refusal with the joints' names and millimetres in it; empty if it is a limb."""
+        clause = explained(self.reason, self.joint_names, self.misses_mm, self.allowed_mm)
+        return f"{clause}; {self.note}" if self.limb is None and self.note else clause
 
 
 @dataclass(frozen=True, eq=False)
@@ -126,6 +134,7 @@ def examine(
         limb=found.limb,
         reason=found.reason,
         locked=tuple(skeleton.joint_names[k] for k in skeleton.path(skeleton.joint_of(tip)) if k not in joints),
+        note=_fork(skeleton, joints) if found.limb is None else "",
     )
     return Candidate(tuple(joints), report)
 
@@ -175,6 +184,17 @@ def explained(reason: str, joint_names: Sequence[str], misses_mm: Vector, allowe
     if not misses:
         return clause
     return f"{clause} (distance of each axis from its centre: {', '.join(misses)}; {allowed_mm:.1f} mm are allowed)"
+
+
+def _fork(skeleton: Skeleton, joints: Sequence[int]) -> str:
+    """Where a run of joints forks on its way, as a clause; empty if it does not."""
+    for number, joint in enumerate(joints[:-1], 1):
+        hanging = skeleton.hanging_on(joint)
+        if len(hanging) > 1:
+            part = "a hand" if number >= _SHORTEST_ARM else "an arm"
+            where = f"axis {number} ({skeleton.joint_names[joint]})"
+            return f"it forks after {where}, on which {len(hanging)} joints hang: {part} may begin there"
+    return ""
 
 
 def _meant_base(description: Description, skeleton: Skeleton, joints: Sequence[int]) -> str | None:

@@ -180,7 +180,9 @@ def _no_chain(description: Description, skeleton: Skeleton, base: str | None, ti
     mimic, source = description.robot.mimic_joints, description.robot.source
     if tip is None:
         where = f"{description.name!r}" if base is None else f"what hangs on {base!r}"
-        return NotAnSrsLimb(f"{source}: {where} has no chain of 7 consecutive revolute joints")
+        run = [skeleton.joint_names[joint] for joint in skeleton.longest_run(mimic)] if base is None else []
+        longest = f"; the longest has {len(run)}: {listed(run)}" if run else ""
+        return NotAnSrsLimb(f"{source}: {where} has no chain of 7 consecutive revolute joints{longest}", run)
     joints = _way(skeleton, base, tip)
     names = [skeleton.joint_names[joint] for joint in joints]
     where = f"between base {base!r} and tip {tip!r}" if base is not None else f"on the way to the tip {tip!r}"
@@ -205,7 +207,10 @@ def _refused(description: Description, candidates: Sequence[Candidate]) -> NotAn
     report = candidates[int(np.argmin(worst))].report
     message = report.describe().removesuffix(".")
     if len(candidates) > 1:
-        message = f"none of {len(candidates)} chains of 7 revolute joints is an S-R-S limb; the nearest, {message}"
+        message = (
+            f"none of {len(candidates)} chains of 7 revolute joints is an S-R-S limb; nearest to one is "
+            f"{report.base} -> {report.tip}: {report.explain()}"
+        )
     message = f"{description.robot.source}: {message}"
     return NotAnSrsLimb(message, report.joint_names, report.misses_mm.tolist(), report.allowed_mm)
 

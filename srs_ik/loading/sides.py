@@ -16,20 +16,20 @@ _RIGHT = frozenset({"right", "r", "rarm", "rhand"})
 
 
 def side_of(names: Iterable[str]) -> Side:
-    """The side of a body that most of some names speak of; "either" where they speak of none, or of both alike."""
-    left = right = 0
-    for name in names:
-        words = {word.casefold() for word in _WORDS.findall(name)}
-        left += not words.isdisjoint(_LEFT)
-        right += not words.isdisjoint(_RIGHT)
-    if left == right:
-        return "either"
-    return "left" if left > right else "right"
+    """The side of a body that more than half of some names speak of, else "either".
+
+    One name is not enough: single arms end in a "right_hand" by habit, and every gripper has a left finger.
+    """
+    words = [{word.casefold() for word in _WORDS.findall(name)} for name in names]
+    if 2 * sum(not said.isdisjoint(_LEFT) for said in words) > len(words):
+        return "left"
+    return "right" if 2 * sum(not said.isdisjoint(_RIGHT) for said in words) > len(words) else "either"
 
 
 def is_meant(word: str, names: Iterable[str]) -> bool:
     """True if a limb with these names is meant by a word: "left", "right", or anything that stands in one of them."""
     names = list(names)
-    if word.casefold() in ("left", "right"):
-        return side_of(names) == word.casefold()
+    side = side_of(names)
+    if word.casefold() in ("left", "right") and side != "either":
+        return side == word.casefold()
     return any(word.casefold() in name.casefold() for name in names)

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import tempfile
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
+from xml.etree.ElementTree import Element, fromstring, tostring
 
 import numpy as np
 import pinocchio as pin
@@ -34,12 +36,58 @@ def build(path: Path, content: bytes, label: str, first_complaint: Callable[[], 
     """
     _Guardian(path, label).read(content)
     try:
-        model = pin.buildModelFromMJCF(str(path))
+        # Pinocchio reads MJCF from files only.
+        with tempfile.TemporaryDirectory() as folder:
+            file = Path(folder, "whole.xml")
+            file.write_bytes(_whole(content, path.absolute().parent, label))
+            model = pin.buildModelFromMJCF(str(file))
+    except InvalidRobot:
+        raise
     except Exception as error:
-        complaint = first_complaint() or " ".join(str(error).split())
+        # What it throws ends with the message, after the place in its own source.
+        complaint = first_complaint() or " ".join(str(error).rpartition("message:")[2].split())
         raise InvalidRobot(f"{label} is an MJCF file that Pinocchio does not read: {complaint}", label) from None
     _check(model, label)
     return model
+
+
+def _whole(content: bytes, folder: Path, label: str) -> bytes:
+    """An MJCF text as MuJoCo understands it, for Pinocchio, which reads the letter.
+
+    Files that it includes are put in their places; sections of the same name, such as the bodies of a robot and the
+    floor of a scene, become one; defaults come before what they are for; and the folder of meshes is an absolute path.
+
+    Raises:
+        InvalidRobot: with what it includes it is nested too deep.
+    """
+    try:
+        root = fromstring(content.lstrip())
+        _include(root, folder)
+        sections = {"compiler": Element("compiler"), "default": Element("default")}
+        for section in root:
+            first = sections.setdefault(section.tag, section)
+            if first is not section:
+                first.attrib |= section.attrib
+                first.extend(section)
+        compiler = sections["compiler"].attrib
+        compiler["meshdir"] = str(folder / compiler.get("meshdir", compiler.get("assetdir", "")))
+        root[:] = list(sections.values())
+        text: bytes = tostring(root)
+    except RecursionError:
+        raise InvalidRobot(f"{label} has XML elements nested too deep for a robot", label) from None
+    document.run(document.Guardian(label), text, label)
+    return text
+
+
+def _include(element: Element, folder: Path) -> None:
+    # All paths are relative to the main file.
+    for k, child in reversed(list(enumerate(element))):
+        if child.tag == "include":
+            included = fromstring((folder / child.get("file", "")).read_bytes().lstrip())
+            _include(included, folder)
+            element[k : k + 1] = list(included)
+        else:
+            _include(child, folder)
 
 
 class _Guardian(document.Guardian):
@@ -52,6 +100,7 @@ class _Guardian(document.Guardian):
         self._untyped = 0
         self._defaults = 0
         self._usual = 1
+        self._bodies = 0
         self._included: list[Path] = []
 
     def read(self, content: bytes) -> None:
@@ -65,6 +114,8 @@ class _Guardian(document.Guardian):
                 raise InvalidRobot(f"{self.source} includes {str(file)!r}, which cannot be read", self.source) from None
             document.check_size(content, str(file))
             document.run(self, content.lstrip(), str(file))
+        if not self._bodies:
+            raise InvalidRobot(f"{self.source} is an MJCF file without any <body>", self.source)
         if self._freedom + self._untyped * self._usual > MAX_FREEDOM:
             message = f"{self.source} has more than the {MAX_FREEDOM} degrees of freedom that are read"
             raise InvalidRobot(message, self.source)
@@ -81,6 +132,8 @@ class _Guardian(document.Guardian):
             self._untyped += 1
         elif tag == "freejoint":
             self._freedom += _FREEDOM["free"]
+        elif tag == "body":
+            self._bodies += 1
         elif tag == "include":
             # The list grows while it is gone through, so that files of included files are bounded too.
             self._included.append(self._folder / attributes.get("file", ""))

@@ -17,7 +17,8 @@ def find_package(name: str, near: Path | None = None) -> Path | None:
     """Folder of a ROS package, or None.
 
     Looked for around a file (in the folders above it, and their subfolders, as in a clone of a repository), then in the
-    installations of AMENT_PREFIX_PATH, then below the folders of ROS_PACKAGE_PATH.
+    installations of AMENT_PREFIX_PATH, then below the folders of ROS_PACKAGE_PATH. Where none says that it is the
+    package, a folder that only bears its name will do, as in collections that leave out ``package.xml``.
 
     Args:
         name: name of the package.
@@ -25,7 +26,9 @@ def find_package(name: str, near: Path | None = None) -> Path | None:
     """
     if not _NAME.fullmatch(name):
         return None
-    return next((folder for folder in _candidates(name, near) if _is_package(folder, name)), None)
+    candidates = list(_candidates(name, near))
+    named = (folder for folder in candidates if folder.name == name and _is_bare(folder))
+    return next((folder for folder in candidates if _is_package(folder, name)), None) or next(named, None)
 
 
 def inside(package: Path, path: str) -> Path | None:
@@ -58,3 +61,8 @@ def _is_package(folder: Path, name: str) -> bool:
         return False
     match = re.search(r"<name>\s*([^<\s]+)\s*</name>", text)
     return match is not None and match[1] == name
+
+
+def _is_bare(folder: Path) -> bool:
+    """True if a folder says nothing of which package it is."""
+    return folder.is_dir() and not (folder / _PACKAGE_XML).exists()
