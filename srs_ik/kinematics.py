@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from srs_ik.chain import Chain
 from srs_ik.errors import InvalidConfiguration
+from srs_ik.gravity import weights
 from srs_ik.messages import picked, positions_by_name
 from srs_ik.pose import PoseError, PoseLike, as_joint_vector, as_rigid_matrix, real_array
 
@@ -141,6 +142,11 @@ class ChainKinematics:
             float(np.linalg.norm(T_base_wanted[:3, 3] - T_base_tip.translation)),
             float(np.arctan2(np.linalg.norm(skew), np.trace(turn) - 1.0)),
         )
+
+    @cached_property
+    def _weights(self) -> Array:
+        """What the kernels know of the arm's masses."""
+        return weights(self)
 
     @cached_property
     def _joints(self) -> list[Any]:

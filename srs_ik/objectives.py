@@ -6,10 +6,10 @@ from collections.abc import Callable
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
-import pinocchio as pin
 from numpy.typing import ArrayLike, NDArray
 
 from srs_ik.errors import InvalidTask, did_you_mean, listed
+from srs_ik.gravity import gravity_torque, require_masses, torque_scales
 from srs_ik.kernels import objectives as kinds
 from srs_ik.kernels.limits import SMALLEST_RANGE
 from srs_ik.pose import as_joint_vector
@@ -24,6 +24,8 @@ DEFAULT_TOLERANCE = 0.01
 
 LARGEST_TOLERANCE = 1e3
 
+NO_MASSES = "objective 'gravity_torque' needs them"
+
 
 class _Definition(NamedTuple):
     """A built-in objective."""
@@ -32,8 +34,8 @@ class _Definition(NamedTuple):
     """Parameters that are directions, and how many entries each has."""
     maximise: bool
     unit: str
-    kind: int | None = None
-    """Number of the kernel, where one computes it."""
+    kind: int
+    """Number of the kernel that computes it."""
     second: int = -1
     """The kernel that decides among the postures best by the first one."""
 
@@ -48,7 +50,7 @@ _DEFINITIONS = {
     "manipulability": _Definition({}, True, "m^3", kinds.MANIPULABILITY),
     "limit_margin": _Definition({}, True, "1", kinds.LIMIT_MARGIN),
     "reference_posture": _Definition({"reference": 7}, False, "rad^2", kinds.REFERENCE),
-    "gravity_torque": _Definition({}, False, "1 or (N m)^2"),
+    "gravity_torque": _Definition({}, False, "1 or (N m)^2", kinds.GRAVITY),
 }
 
 OBJECTIVES = tuple(_DEFINITIONS)
@@ -151,9 +153,16 @@ class Objective:
         """Number of the kernel that decides among the postures best by the first one, or -1."""
         return self._definition.second if self._definition else -1
 
-    def packed(self, respect_limits: bool) -> Array:
-        """(PARAMS,) parameters as the kernels read them."""
+    def packed(self, arm: Arm, respect_limits: bool) -> Array:
+        """(PARAMS,) parameters as the kernels read them.
+
+        Raises:
+            InvalidTask: gravity is asked for, and the arm's description has no masses.
+        """
         values = np.zeros(kinds.PARAMS)
+        if self.kind == kinds.GRAVITY:
+            require_masses(arm, NO_MASSES)
+            values[kinds.WEIGHT :] = arm._weights
         flat = np.concatenate([*self.parameters.values(), np.empty(0)])
         values[: flat.size] = flat
         values[kinds.RESPECT] = respect_limits
@@ -177,7 +186,7 @@ class Objective:
     def values(self, arm: Arm, q: ArrayLike) -> tuple[float, ...]:
         """The value, and for a lexicographic objective that of the second one too; see `value`."""
         q = as_joint_vector(q)
-        if self.kind in (None, kinds.LIMIT_MARGIN, kinds.REFERENCE):
+        if self.kind in (None, kinds.LIMIT_MARGIN, kinds.REFERENCE, kinds.GRAVITY):
             return (self.evaluator(arm)(q),)
         J = arm.jacobian(q)
         if self.kind == kinds.MANIPULABILITY:
@@ -200,7 +209,7 @@ class Objective:
             reference = self.parameters["reference"]
             return lambda q: float(np.sum((q - reference) ** 2))
         if self.name == "gravity_torque":
-            return _gravity_torque(arm)
+            return _squared_torque(arm)
         return lambda q: self.value(arm, q)
 
     def __repr__(self) -> str:
@@ -261,16 +270,6 @@ def _limit_margin(arm: Arm, q: Array) -> float:
     return float(np.min(1.0 - np.abs(q[limited] - middle) / half, initial=1.0))
 
 
-def _gravity_torque(arm: Arm) -> Callable[[Array], float]:
-    if not any(inertia.mass > 0.0 for inertia in arm.model.inertias):
-        raise InvalidTask(f"objective 'gravity_torque' needs masses, and the description of {arm.name} has none")
-    model, data = arm.model, arm.model.createData()
-    # Torques of different joints compare by their limits; that takes all of them.
-    scale = 1.0 / arm.effort_limit if np.isfinite(arm.effort_limit).all() else np.ones(7)
-    straight = model.nq == 7
-
-    def value(q: Array) -> float:
-        torque = pin.computeGeneralizedGravity(model, data, q if straight else arm.configuration(q)) * scale
-        return float(torque @ torque)
-
-    return value
+def _squared_torque(arm: Arm) -> Callable[[Array], float]:
+    torque, scales = gravity_torque(arm, NO_MASSES), torque_scales(arm)
+    return lambda q: float(np.sum((torque(q) * scales) ** 2))

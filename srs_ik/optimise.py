@@ -25,8 +25,8 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 
 
-_NEIGHBOURS = 4
-"""So many samples next to a posture are asked for the interval in which it lies."""
+_ROUNDING = 1e-9
+"""A posture this near to the end of an interval, rad, is on it."""
 
 
 class Optimum(Solution):
@@ -94,16 +94,13 @@ def _judged(arm: Arm, solution: Solution, T: Array, objective: Objective, respec
 
 
 def _interval_around(arm: Arm, T: Array, solution: Solution, respect_limits: bool) -> Interval:
-    """The feasible interval with a solution in it."""
-    runs = np.empty((MAX_RUNS, RUN))
-    rows, k, _ = kernel.sample(arm._family, T, respect_limits, runs)
+    """The feasible interval with a solution in it, or at the rounding of its ends; a point where there is none."""
     psi = solution.arm_angle
-    for nearest in np.argsort(np.abs(np.sin(0.5 * (rows[:, 1:] - solution.q))).max(axis=1))[:_NEIGHBOURS]:
-        run = int(np.searchsorted(runs[:k, 3], nearest, side="right")) - 1
-        lower, upper = kernel.interval(arm._family, T, rows, runs[run])
-        interval = Interval(solution.branch, float(lower), float(upper))
-        if psi in interval:
-            return interval
+    for interval in arm.intervals(T, respect_limits):
+        if interval.branch == solution.branch:
+            off = abs(np.remainder(psi - 0.5 * (interval.lower + interval.upper) + np.pi, 2.0 * np.pi) - np.pi)
+            if off <= 0.5 * interval.width + _ROUNDING:
+                return interval
     return Interval(solution.branch, psi, psi)
 
 
@@ -117,7 +114,7 @@ def _by_kernel(arm: Arm, T: Array, objective: Objective, respect_limits: bool) -
         objective.second,
         objective.tolerance,
         line.SHARP if objective.kind == kinds.LIMIT_MARGIN else line.SMOOTH,
-        objective.packed(respect_limits),
+        objective.packed(arm, respect_limits),
         respect_limits,
         row,
         out,

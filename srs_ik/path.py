@@ -178,10 +178,11 @@ def _unwound(arm: Any, q: Array, start: Array | None) -> Array:
 def _breaks(arm: Any, rows: Array, steps: Array, longest: Array) -> list[PathBreak]:
     breaks = []
     answers = BatchSolution(rows, arm.joint_names)
-    for i in range(len(rows)):
+    jumps = np.append(False, (np.abs(steps) > longest).any(axis=1))
+    for i in np.flatnonzero(jumps | ~answers.ok).tolist():
         if not answers.ok[i]:
             breaks.append(PathBreak(i, 0.0, "", f"Pose {i} is not reached: {answers.message(i)}"))
-        elif i and (np.abs(steps[i - 1]) > longest).any():
+        else:
             joint = int(np.abs(steps[i - 1]).argmax())
             jump, name = float(abs(steps[i - 1, joint])), arm.joint_names[joint]
             why = (

@@ -13,11 +13,11 @@ from itertools import pairwise
 from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
-import pinocchio as pin
 from numpy.typing import ArrayLike, NDArray
 
 from srs_ik.ellipsoids import RANK_TOLERANCE, UNITS, limits_of, rows_of
 from srs_ik.errors import InvalidConfiguration, InvalidTask, MissingExtra
+from srs_ik.gravity import gravity_torque
 from srs_ik.pose import as_joint_vector, real_array
 
 if TYPE_CHECKING:
@@ -163,7 +163,7 @@ def force_polytope(
     least, most = _bounds(arm, "effort", lower, upper)
     if (least == most).any():
         raise InvalidTask("a force polytope needs lower torque limits that are below the upper ones")
-    load = _gravity(arm, q) if gravity else np.zeros(7)
+    load = gravity_torque(arm, "gravity=False leaves its weight out")(q) if gravity else np.zeros(7)
     J = arm.jacobian(q)[_rows_of(part)]
     middle, half = 0.5 * (most + least), 0.5 * (most - least)
     U, stretch, V, rank = _principal(J / half)
@@ -278,13 +278,6 @@ def _within_horizon(arm: Arm, q: Array, least: Array, most: Array, horizon: Any)
     if (least > most).any():
         raise InvalidTask("lower must not be above what the horizon leaves of upper, for any joint")
     return least, most
-
-
-def _gravity(arm: Arm, q: Array) -> Array:
-    """(7,) joint torques that hold the arm up, N m."""
-    if not any(inertia.mass > 0.0 for inertia in arm.model.inertias):
-        raise InvalidTask(f"the description of {arm.name} has no masses; gravity=False leaves its weight out")
-    return np.asarray(pin.computeGeneralizedGravity(arm.model, arm.model.createData(), arm.configuration(q)))
 
 
 def _rows_of(part: str) -> slice:

@@ -25,13 +25,13 @@ from srs_ik.kernels.layout import (
     ROW_STATUS,
 )
 from srs_ik.kernels.limits import set_limits
+from srs_ik.kernels.margin import farthest
 from srs_ik.kernels.near_intervals import best_of_true_intervals, true_intervals
 from srs_ik.kernels.poses import GOOD_POSE, read7, read_pose
 from srs_ik.kernels.redundancy import search, search_near_seed
 from srs_ik.kernels.rows import OK, OUT_OF_LIMITS, SOLVED, UNREACHABLE, measure_row, measure_row_at, write_row
-from srs_ik.kernels.samples import MAX_SAMPLES
 from srs_ik.kernels.scoring import NO_SEED, OUTSIDE, UNMET, tightest_joint
-from srs_ik.kernels.search import evaluate_branch, search_intervals
+from srs_ik.kernels.search import evaluate_branch
 from srs_ik.kernels.second_attempts import rescue
 from srs_ik.kernels.vectors import add, apply, cross
 
@@ -192,9 +192,8 @@ def solve_intervals(family, T, respect, J, A, out):
         return best_of_true_intervals(P, place_, R, p, respect, out, J, A)
     found = np.empty((8 * MAX_PIECES, 3))
     n = all_intervals(family, place_, R, p, respect, J, A, found)
-    work = np.empty((3, MAX_SAMPLES))
     for i in range(n):
-        q, b, lowest = search_intervals(P, place_, found, i, i + 1, -1, False, NO_SEED, respect, work)
+        q, b, lowest = farthest(P, place_, found, i, i + 1, -1, respect)
         measure_row(P, place_, R, p, q, b, lowest, respect, out[i])
     return n
 

@@ -2,7 +2,7 @@
 
 Jp are the linear rows of the Jacobian J of the tip point in base axes. The vectors of a task lie in `params`: the
 unit force direction in places 0 to 2 and the unit velocity direction in 3 to 5, or a unit twist or wrench in 0 to 5,
-or a posture in 0 to 6.
+or a posture in 0 to 6; behind them lie the weights of the arm.
 """
 
 from __future__ import annotations
@@ -10,6 +10,7 @@ from __future__ import annotations
 import math
 
 from srs_ik.kernels.chain import joint_lines
+from srs_ik.kernels.gravity import WEIGHTS, squared_torque
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.scoring import NO_SEED, cost
 from srs_ik.kernels.search import turned
@@ -24,10 +25,15 @@ MANIPULABILITY = 5  # -sqrt(det JJ')
 LIMIT_MARGIN = 6  # minus the smallest distance from a limit, over half of the joint's range
 REFERENCE = 7  # sum of squared differences from the posture in places 0 to 6 of params
 
+GRAVITY = 8  # sum of squared gravity torques
+
 RESPECT = 7
 """Place in params that says whether turns have to keep the limits (1.0) or not."""
 
-PARAMS = 8
+WEIGHT = 8
+"""Place in params from which on the figures of `gravity` lie."""
+
+PARAMS = WEIGHT + WEIGHTS
 
 SMALLEST = 1e-300
 """Stands for a denominator of zero."""
@@ -116,5 +122,7 @@ def objective(P, kind, params, q, J):
         return cost(P, q, False, NO_SEED, False)
     if kind == REFERENCE:
         return cost(P, toward_reference(P, params, q), True, reference(params), False)
+    if kind == GRAVITY:
+        return squared_torque(P, params[WEIGHT:], q, J)
     tip_jacobian(P, q, J)
     return figure(kind, params, J)

@@ -29,7 +29,8 @@ AGILITY = 3.0
 """The arm angle may change by one grid step, and so many times as much as the pose turns, from one pose to the next."""
 
 NEARLY_STRAIGHT = 0.35
-"""Sine of the bend under which the elbow may change sides, at any arm angle."""
+STRAIGHTER = 0.05
+"""Sines of the bend under which the elbow may change sides: at most, and between two poses that hardly differ."""
 
 BREAK = 1e6
 """Cost of a step that is too long to be continuous."""
@@ -165,12 +166,6 @@ def state_number(e, k, s, w):
 
 
 @kernel
-def has_state(shoulder, wrist):
-    """Whether a slot holds any posture inside the limits."""
-    return max(shoulder[0, 3], shoulder[1, 3]) > NONE and max(wrist[0, 3], wrist[1, 3]) > NONE
-
-
-@kernel
 def pose_change(place0, place1):
     """How much a pose differs from another as the arm sees it, rad: direction S-W, bend, and hand."""
     t0, _, c0, s0, hand0, _ = place0
@@ -189,56 +184,86 @@ def window_of(change):
 
 
 @kernel
-def relax(P, e0, j, e1, k, before, now, longest, cost, ds, dw, best, back):
-    """Try the sixteen ways from slot j on elbow side e0 to slot k on side e1."""
-    shoulder0, wrist0, elbow0 = before
-    shoulder1, wrist1, elbow1 = now
-    if not (has_state(shoulder0[e0, j], wrist0[e0, j]) and has_state(shoulder1[e1, k], wrist1[e1, k])):
-        return
-    base = step_cost(P, 3, difference(P, 3, elbow0[e0, 0], elbow1[e1, 0]), longest)
-    for a in range(2):
-        for b in range(2):
-            ds[a, b] = half_distance(P, 0, shoulder0[e0, j, a], shoulder1[e1, k, b], longest)
-            dw[a, b] = half_distance(P, 4, wrist0[e0, j, a], wrist1[e1, k, b], longest)
-    for s0 in range(2):
-        for w0 in range(2):
-            number = state_number(e0, j, s0, w0)
-            so_far = cost[number] + base
-            if so_far >= IMPOSSIBLE:
-                continue
-            for s1 in range(2):
-                for w1 in range(2):
-                    value = so_far + ds[s0, s1] + dw[w0, w1]
-                    target = state_number(e1, k, s1, w1)
-                    if value < best[target]:
-                        best[target] = value
-                        back[target] = number
+def half_state(states, e, k, sign):
+    """A state of a spherical joint: three angles and a mark."""
+    return (states[e, k, sign, 0], states[e, k, sign, 1], states[e, k, sign, 2], states[e, k, sign, 3])
 
 
 @kernel
-def advance(P, before, now, count0, count1, slots1, window, change_sides, longest, cost, ds, dw, best, back):
-    """One step of the dynamic programme: costs `best` and predecessors `back` of the states of the next pose."""
+def both(states, e, k):
+    """The two states of a spherical joint at a slot, and whether any of them is a posture."""
+    a = half_state(states, e, k, 0)
+    b = half_state(states, e, k, 1)
+    return a, b, max(a[3], b[3]) > NONE
+
+
+@kernel
+def relax(P, e0, j, e1, k, base, before, now_s, now_w, longest, cost, best, back):
+    """Try the sixteen ways from slot j on elbow side e0 to slot k on side e1, whose elbow step costs `base`.
+
+    now_s and now_w are the pairs of half states of slot k.
+    """
+    s0, s1, any_s = both(before[0], e0, j)
+    w0, w1, any_w = both(before[1], e0, j)
+    if not (any_s and any_w):
+        return
+    first = state_number(e0, j, 0, 0)
+    target = state_number(e1, k, 0, 0)
+    s00 = base + half_distance(P, 0, s0, now_s[0], longest)
+    s01 = base + half_distance(P, 0, s0, now_s[1], longest)
+    s10 = base + half_distance(P, 0, s1, now_s[0], longest)
+    s11 = base + half_distance(P, 0, s1, now_s[1], longest)
+    for w in range(2):
+        wrist = w0 if w == 0 else w1
+        to_first = half_distance(P, 4, wrist, now_w[0], longest)
+        to_second = half_distance(P, 4, wrist, now_w[1], longest)
+        for s in range(2):
+            # Shoulder and wrist steps add up: the cheaper shoulder before serves both wrists behind.
+            number = first + w
+            so_far = cost[number] + (s00 if s == 0 else s01)
+            other = cost[number + 2] + (s10 if s == 0 else s11)
+            if other < so_far:
+                number, so_far = number + 2, other
+            place = target + 2 * s
+            if so_far + to_first < best[place]:
+                best[place] = so_far + to_first
+                back[place] = number
+            if so_far + to_second < best[place + 1]:
+                best[place + 1] = so_far + to_second
+                back[place + 1] = number
+
+
+@kernel
+def advance(P, before, now, count0, count1, slots0, slots1, window, change_sides, longest, cost, best, back):
+    """One step of the dynamic programme: costs `best` and predecessors `back` of the states of the next pose.
+
+    With the elbow nearly straight, it may change sides from any arm angle to any.
+    """
     for i in range(best.shape[0]):
         best[i] = IMPOSSIBLE
         back[i] = -1
     step = TURN / GRID
     for e1 in range(2):
-        if now[2][e1, 1] == NONE:
-            continue
         for e0 in range(2):
-            if before[2][e0, 1] == NONE or (e0 != e1 and not change_sides):
+            if now[2][e1, 1] == NONE or before[2][e0, 1] == NONE or (e0 != e1 and not change_sides):
                 continue
+            base = step_cost(P, 3, difference(P, 3, before[2][e0, 0], now[2][e1, 0]), longest)
+            reach = GRID // 2 if e0 != e1 else window
             for k in range(count1):
-                middle = k if k < GRID else round((slots1[k] + math.pi) / step)
-                if e0 != e1:
-                    for j in range(count0):
-                        relax(P, e0, j, e1, k, before, now, longest, cost, ds, dw, best, back)
+                s0, s1, any_s = both(now[0], e1, k)
+                w0, w1, any_w = both(now[1], e1, k)
+                if not (any_s and any_w):
                     continue
-                for i in range(-window, window + 1 if 2 * window < GRID else window):
+                now_s = (s0, s1)
+                now_w = (w0, w1)
+                middle = round((slots1[k] + math.pi) / step)
+                for i in range(-reach, reach + 1 if 2 * reach < GRID else reach):
                     j = (middle + i) % GRID
-                    relax(P, e0, j, e1, k, before, now, longest, cost, ds, dw, best, back)
+                    relax(P, e0, j, e1, k, base, before, now_s, now_w, longest, cost, best, back)
                 for j in range(GRID, count0):
-                    relax(P, e0, j, e1, k, before, now, longest, cost, ds, dw, best, back)
+                    d = slots0[j] - slots1[k]
+                    if abs(d - TURN * math.floor(d / TURN + 0.5)) <= (reach + 1) * step:
+                        relax(P, e0, j, e1, k, base, before, now_s, now_w, longest, cost, best, back)
 
 
 @kernel
@@ -316,6 +341,8 @@ def carried_zeros(P, sws, zeros, angles_):
 
 
 @kernel
-def bend_sine(place_):
-    """Sine of the elbow's bend; no elbow changes sides far from it."""
-    return place_[3] if place_[2] > 0.0 else 1.0
+def may_change_sides(place0, place1, change):
+    """Whether the elbow may change sides between two poses that differ by a change: it has to be nearly straight."""
+    bend0 = place0[3] if place0[2] > 0.0 else 1.0
+    bend1 = place1[3] if place1[2] > 0.0 else 1.0
+    return max(bend0, bend1) < min(STRAIGHTER + 2.0 * change, NEARLY_STRAIGHT)

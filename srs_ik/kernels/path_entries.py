@@ -15,16 +15,15 @@ from srs_ik.kernels.path import (
     BREAK,
     GRID,
     IMPOSSIBLE,
-    NEARLY_STRAIGHT,
     SLOTS,
     add_missed,
     advance,
     begin,
-    bend_sine,
     carried_zeros,
     fill_states,
     is_possible,
     leap,
+    may_change_sides,
     pose_change,
     window_of,
 )
@@ -143,11 +142,8 @@ def plan(family, poses, keys, seeded, seed, longest, psis, branches):
     cost = np.empty(STATES)
     best = np.empty(STATES)
     found = np.empty((8 * MAX_PIECES, 3))
-    ds = np.empty((2, 2))
-    dw = np.empty((2, 2))
     start = read7(seed)
     count0 = 0
-    bend0 = 1.0
     R, p, _ = read_pose(poses[0])
     place0 = place(P, R, p)
     last = -1
@@ -168,22 +164,21 @@ def plan(family, poses, keys, seeded, seed, longest, psis, branches):
         fill_states(P, place_, zero_angles[i], slots, count, now[0], now[1], now[2])
         if not any_state(now, count):
             continue
-        bend1 = bend_sine(place_)
         if last < 0:
             begin(P, now, count, seeded, start, cost)
             back[i, :] = -1
         else:
-            window = window_of(pose_change(place0, place_))
-            sides = max(bend0, bend1) < NEARLY_STRAIGHT
+            change = pose_change(place0, place_)
+            window = window_of(change)
+            sides = may_change_sides(place0, place_, change)
             for j in range(7):
                 allowed[0, j] = longest[0, j] * (i - last)
-            advance(P, before, now, count0, count, slots, window, sides, allowed, cost, ds, dw, best, back[i])
+            advance(P, before, now, count0, count, extra[last], slots, window, sides, allowed, cost, best, back[i])
             if best.min() >= cost.min() + BREAK:
                 leap(P, before, now, count, cost, best, back[i])
             for k in range(STATES):
                 cost[k] = best[k]
         count0 = count
-        bend0 = bend1
         place0 = place_
         last = i
         current = 1 - current

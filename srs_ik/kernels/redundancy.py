@@ -6,13 +6,15 @@ import math
 
 import numpy as np
 
-from srs_ik.kernels.branches import branch_of, is_unsure
+from srs_ik.kernels.branches import NO_BRANCH, branch_of, is_unsure
 from srs_ik.kernels.chain import pose_error
 from srs_ik.kernels.closure import CLOSED, arm_angle, close_free
+from srs_ik.kernels.elbow import elbow_side
 from srs_ik.kernels.followed import search_followed
 from srs_ik.kernels.intervals import MAX_PIECES, find_intervals
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout import FAR, FREE, LIMITED, LOOSE, MISS, SIZE
+from srs_ik.kernels.margin import branch_at, farthest
 from srs_ik.kernels.nearest import (
     between_limbs,
     first_guess,
@@ -23,9 +25,8 @@ from srs_ik.kernels.nearest import (
     slid,
     tighten,
 )
-from srs_ik.kernels.samples import MAX_SAMPLES
+from srs_ik.kernels.nearest_within import nearest_within, way_between
 from srs_ik.kernels.scoring import OUTSIDE
-from srs_ik.kernels.search import has_wide_range, search_intervals
 from srs_ik.kernels.second_attempts import look_around, rescue
 
 NEARLY_STRAIGHT = 3e-6
@@ -42,7 +43,7 @@ FEW_STEPS = 12
 """Its nearest posture is found in a few steps, and no farther from a seed, in squared rad, than this."""
 
 ONE_VALLEY = 0.3
-"""An interval shorter than this, rad, whose postures all lie in the box of a seeded search has one minimum."""
+"""An interval shorter than this, rad, whose ends are close to a minimum in it, has no other one."""
 
 
 @kernel
@@ -50,19 +51,36 @@ def search_branches(P, F, place_, branch, seeded, seed, respect):
     """Best posture over the feasible intervals of F: q, branch, cost (more than any posture's if there is none)."""
     found = np.empty((8 * MAX_PIECES, 3))
     n = find_intervals(F, place_, branch, found)
-    work = np.empty((3, MAX_SAMPLES))
-    return search_intervals(P, place_, found, 0, n, branch, seeded, seed, respect, work)
+    return best_within(P, place_, found, n, branch, seeded, seed, respect)
 
 
 @kernel
-def without(found, n, branch, psi):
+def best_within(P, place_, found, n, branch, seeded, seed, respect):
+    """Best posture over the intervals in the first n rows of found: q, branch, cost."""
+    if seeded:
+        return nearest_within(P, place_, found, n, branch, seed, respect, 4.0 * NO_BRANCH)
+    return farthest(P, place_, found, 0, n, branch, respect)
+
+
+@kernel
+def is_short(P, place_, q, branch, lower, upper, seed, respect):
+    """Whether the postures at both ends of an interval are close to one in it."""
+    side = elbow_side(P, place_, branch >> 2)
+    a, _ = branch_at(P, side, lower, branch, True, seed, respect)
+    b, _ = branch_at(P, side, upper, branch, True, seed, respect)
+    return max(way_between(a, q), way_between(q, b)) < ONE_VALLEY
+
+
+@kernel
+def without(P, place_, found, n, q, branch, psi, seed, respect):
     """Drop the short interval around a known minimum; return the number of intervals that are left."""
     left = 0
     for i in range(n):
         ahead = (psi - found[i, 1]) - 2.0 * math.pi * math.floor((psi - found[i, 1]) / (2.0 * math.pi))
         width = found[i, 2] - found[i, 1]
         if int(found[i, 0]) == branch and width < ONE_VALLEY and ahead <= width:
-            continue
+            if is_short(P, place_, q, branch, found[i, 1], found[i, 2], seed, respect):
+                continue
         found[left, 0] = found[i, 0]
         found[left, 1] = found[i, 1]
         found[left, 2] = found[i, 2]
@@ -101,8 +119,7 @@ def search_hardly_near(P, place_, R, p, found, n, q, best, lowest, seed, respect
 
     That limb's own nearest posture, settled on the true chain; only next to a singularity are the curves followed.
     """
-    work = np.empty((3, MAX_SAMPLES))
-    start, branch, value = search_intervals(P, place_, found, 0, n, -1, True, seed, respect, work)
+    start, branch, value = nearest_within(P, place_, found, n, -1, seed, respect, 4.0 * NO_BRANCH)
     if value >= OUTSIDE and not is_unsure(P, q):
         return q, best, lowest
     if value < OUTSIDE and not is_unsure(P, start) and not is_unsure(P, q):
@@ -132,13 +149,12 @@ def search_near_seed(P, F, place_, R, p, seed, respect, J, A):
     found = np.empty((8 * MAX_PIECES, 3))
     n = find_intervals(box, place_, -1, found)
     # In a box of less than a turn, no joint has two turns to choose from.
-    if minimum and (distance < 3.0 or not has_wide_range(P)):
-        n = without(found, n, best, psi)
+    if minimum and distance < 3.0:
+        n = without(P, place_, found, n, q, best, psi, seed, respect)
     if n == 0:
         return q, best, lowest
     if J is None:
-        work = np.empty((3, MAX_SAMPLES))
-        nearer_q, nearer, value = search_intervals(P, place_, found, 0, n, -1, True, seed, respect, work)
+        nearer_q, nearer, value = nearest_within(P, place_, found, n, -1, seed, respect, lowest)
     elif P[MISS] < HARDLY * P[FAR]:
         return search_hardly_near(P, place_, R, p, found, n, q, best, lowest, seed, respect, J, A)
     else:
@@ -194,8 +210,7 @@ def search(family, place_, R, p, branch, seeded, seed, respect, J, A):
     if J is None:
         circles = np.empty((8, 3))
         whole_circles(circles)
-        work = np.empty((3, MAX_SAMPLES))
-        outside, b, value = search_intervals(P, place_, circles, 0, 8, branch, seeded, seed, respect, work)
+        outside, b, value = best_within(P, place_, circles, 8, branch, seeded, seed, respect)
     else:
         outside, b, value = search_followed(P, place_, R, p, branch, seeded, seed, respect, False, J, A)
     if value < lowest:

@@ -76,60 +76,70 @@ def add_swings(P, k, motion, lower, upper, samples, n):
 
 
 @kernel
-def add_turns(P, k, motion, lower, upper, seeded, seed, samples, n):
-    """Samples where a joint of a spherical joint changes turns, for ranges of more than a turn.
-
-    Next to a seed, that is where the nearer turn leaves the limits, or the seed is half a turn away; else, where the
-    middle of the range is.
-    """
-    first = int(P[k + FIRST_JOINT])
+def add_changes(P, k, motion, joint, angle, lower, upper, samples, n):
+    """Samples on both sides of where a joint of the spherical joint at block k passes an angle."""
     a1 = load3(P, k + A1)
     a2 = load3(P, k + A2)
     a3 = load3(P, k + A3)
-    for end in range(3):
-        joint = first + end
-        if P[RANGE_KIND + joint] != 0.0 or P[INVERSE_HALF_RANGE + joint] == 0.0:
-            continue
-        half_away = (seed[joint] if seeded else P[MIDDLE + joint]) + math.pi
-        for i in range(3):
-            bound = half_away if i == 0 else (P[LOWER + joint] if i == 1 else P[UPPER + joint])
-            if end == 0:
-                x = rotate(a1, math.cos(bound), math.sin(bound), a2)
-                circle = motion[0]
-                value = P[k + A2_A3]
-            elif end == 1:
-                x = a1
-                circle = motion[0]
-                value = dot(a1, rotate(a2, math.cos(bound), math.sin(bound), a3))
-            else:
-                x = rotate(a3, math.cos(bound), -math.sin(bound), a2)
-                circle = motion[2]
-                value = P[k + A1_A2]
-            c = dot(x, circle[1])
-            s = dot(x, circle[2])
-            rest = value - dot(x, circle[0])
-            r = math.sqrt(c * c + s * s)
-            if abs(rest) < r:
-                apart = math.atan2(math.sqrt((r - rest) * (r + rest)), rest)
-                for turns in range(-1, 2):
-                    middle = math.atan2(s, c) + 2.0 * math.pi * turns
-                    for change in (middle + apart, middle - apart):
-                        n = add_sample(samples, n, change - BESIDE, lower, upper)
-                        n = add_sample(samples, n, change + BESIDE, lower, upper)
+    c = math.cos(angle)
+    s = math.sin(angle)
+    place = joint - int(P[k + FIRST_JOINT])
+    if place == 0:
+        x, circle, value = rotate(a1, c, s, a2), motion[0], P[k + A2_A3]
+    elif place == 1:
+        x, circle, value = a1, motion[0], dot(a1, rotate(a2, c, s, a3))
+    else:
+        x, circle, value = rotate(a3, c, -s, a2), motion[2], P[k + A1_A2]
+    c = dot(x, circle[1])
+    s = dot(x, circle[2])
+    rest = value - dot(x, circle[0])
+    r = math.sqrt(c * c + s * s)
+    if abs(rest) < r:
+        apart = math.atan2(math.sqrt((r - rest) * (r + rest)), rest)
+        for turns in range(-1, 2):
+            middle = math.atan2(s, c) + 2.0 * math.pi * turns
+            for change in (middle + apart, middle - apart):
+                n = add_sample(samples, n, change - BESIDE, lower, upper)
+                n = add_sample(samples, n, change + BESIDE, lower, upper)
     return n
 
 
 @kernel
-def take_samples(P, side, lower, upper, seeded, seed, samples):
-    """Fill in the sorted arm angles at which to look at an interval first, its ends included; return their number."""
+def add_turns(P, side, seeded, lower, upper, samples, n):
+    """Samples where a joint changes turns, for ranges of more than a turn.
+
+    Next to a seed, that is where the nearer turn leaves the limits; else, half a turn from the middle of the range.
+    """
+    for joint in range(7):
+        if joint == 3 or P[RANGE_KIND + joint] != 0.0 or P[INVERSE_HALF_RANGE + joint] == 0.0:
+            continue
+        k = SHOULDER if joint < 3 else WRIST
+        motion = side[1] if joint < 3 else side[2]
+        if seeded:
+            n = add_changes(P, k, motion, joint, P[LOWER + joint], lower, upper, samples, n)
+            n = add_changes(P, k, motion, joint, P[UPPER + joint], lower, upper, samples, n)
+        else:
+            n = add_changes(P, k, motion, joint, P[MIDDLE + joint] + math.pi, lower, upper, samples, n)
+    return n
+
+
+@kernel
+def spread_evenly(lower, upper, widest, fewest, samples):
+    """Fill in arm angles from end to end, no farther apart than `widest`; return their number."""
     samples[0] = lower
     if upper <= lower:
         return 1
-    count = max(math.ceil((upper - lower) / STEP), SMALLEST_COUNT)
-    for i in range(1, count + 1):
+    count = max(math.ceil((upper - lower) / widest), fewest)
+    for i in range(1, count):
         samples[i] = lower + (upper - lower) * i / count
     samples[count] = upper
-    n = add_swings(P, SHOULDER, side[1], lower, upper, samples, count + 1)
+    return count + 1
+
+
+@kernel
+def take_samples(P, side, lower, upper, samples):
+    """Fill in the sorted arm angles at which to look at an interval first, its ends included; return their number."""
+    n = spread_evenly(lower, upper, STEP, SMALLEST_COUNT, samples)
+    n = add_swings(P, SHOULDER, side[1], lower, upper, samples, n)
     n = add_swings(P, WRIST, side[2], lower, upper, samples, n)
-    n = add_turns(P, SHOULDER, side[1], lower, upper, seeded, seed, samples, n)
-    return add_turns(P, WRIST, side[2], lower, upper, seeded, seed, samples, n)
+    return add_turns(P, side, False, lower, upper, samples, n)

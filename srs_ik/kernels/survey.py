@@ -220,7 +220,7 @@ def sample_branch(P, side, R, p, branch, lower, upper, work, line, J, A):
     """Sample an interval of a branch of an exact limb into line, closer where joints move fast; the number of rows."""
     wanted = work[0]
     held = work[1]
-    count = take_samples(P, side, lower, upper, False, NO_SEED, wanted)
+    count = take_samples(P, side, lower, upper, wanted)
     q, _ = on_curve(P, side, R, p, branch, False, line, 0, 0, lower, J, A)
     n = put(line, 0, lower, q)
     for i in range(1, count):
