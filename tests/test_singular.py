@@ -96,6 +96,25 @@ def test_singular_poses_have_branches_without_limits(name):
             assert_met(arm, forward, pose, solution, respect_limits=False)
 
 
+@pytest.mark.parametrize("name", ["iiwa14", "human_arm", "openarm_left", "humanoid_left"])
+def test_a_flat_elbow_is_the_limit_of_its_branch(name):
+    """At an arm angle, every branch goes continuously to the straight arm, each elbow from its own side."""
+    arm = arms.load(name)
+    straight = phases(arm.limb)[3]
+    for q in arms.configurations(name, 3, 36):
+        q[3] = straight
+        flat = arm.forward_kinematics(q)
+        q[3] += 1e-5
+        almost = arm.forward_kinematics(q)
+        for branch in range(8):
+            there, before = (arm.solve(T, arm_angle=0.7, branch=branch, respect_limits=False) for T in (flat, almost))
+            assert np.abs(np.exp(1j * there.q) - np.exp(1j * before.q)).max() < 1e-3
+        q[3] = -0.0
+        other = q.copy()
+        other[3] = 0.0
+        assert arm.arm_angle(q) == arm.arm_angle(other)
+
+
 @pytest.mark.parametrize(
     "name", ["openarm_left", "openarm_right", "human_arm", "human_left", "humanoid_left", "romeo_left"]
 )

@@ -43,6 +43,7 @@ from srs_ik.kernels.vectors import (
     rotate,
     scale,
     sub,
+    times_transposed,
 )
 
 REFERENCE_SINE = 1e-8
@@ -97,8 +98,8 @@ def arm_frame(P, c, s):
     """Directions in the upper arm's frame: S-W (t), the elbow across it (h), and h x t.
 
     c and s are cosine and sine of q4 - STRAIGHT. h is the side of S-W on which the elbow lies. Where the limb can be
-    straightened so that S, E and W are collinear, the limit of h from the side of the sign of s is taken: it stays
-    well-defined when the elbow is on the line.
+    straightened so that S, E and W are collinear, the limit of h from the side of the sign of s is taken, be s zero or
+    not: it stays well-defined when the elbow is on the line, and each elbow branch has its own.
     """
     a4 = load3(P, AXES + 9)
     w = add(load3(P, UPPER_ARM), rotate(a4, c, s, load3(P, FOREARM)))
@@ -106,11 +107,11 @@ def arm_frame(P, c, s):
     t = scale(1.0 / length, w) if length > 0.0 else unit_across(a4, a4, load3(P, UPPER_ARM))
     kind = P[NORMAL_KIND]
     if kind == 0.0:
-        n = scale(1.0 if s >= 0.0 else -1.0, load3(P, NORMAL_S))
+        n = scale(math.copysign(1.0, s), load3(P, NORMAL_S))
     elif kind == 1.0:
         half_c = math.sqrt(0.5 * (1.0 + c)) if c > -0.5 else 0.5 * abs(s) / math.sqrt(0.5 * (1.0 - c))
         half_s = 0.5 * s / half_c if c > -0.5 else math.copysign(math.sqrt(0.5 * (1.0 - c)), s)
-        sign = 1.0 if s >= 0.0 else -1.0
+        sign = math.copysign(1.0, s)
         n = add(scale(sign * half_c, load3(P, NORMAL_S)), scale(sign * half_s, load3(P, NORMAL_C)))
     else:
         n = along(along(load3(P, NORMAL_0), s, load3(P, NORMAL_S)), 1.0 - c, load3(P, NORMAL_C))
@@ -121,18 +122,7 @@ def arm_frame(P, c, s):
 @kernel
 def hand_rotation(P, R):
     """Rotation of the hand from the zero configuration for a tip rotation R: R TIP_ROTATION'."""
-    H = load9(P, TIP_ROTATION)
-    return (
-        R[0] * H[0] + R[1] * H[1] + R[2] * H[2],
-        R[0] * H[3] + R[1] * H[4] + R[2] * H[5],
-        R[0] * H[6] + R[1] * H[7] + R[2] * H[8],
-        R[3] * H[0] + R[4] * H[1] + R[5] * H[2],
-        R[3] * H[3] + R[4] * H[4] + R[5] * H[5],
-        R[3] * H[6] + R[4] * H[7] + R[5] * H[8],
-        R[6] * H[0] + R[7] * H[1] + R[8] * H[2],
-        R[6] * H[3] + R[7] * H[4] + R[8] * H[5],
-        R[6] * H[6] + R[7] * H[7] + R[8] * H[8],
-    )
+    return times_transposed(R, load9(P, TIP_ROTATION))
 
 
 @kernel
@@ -187,14 +177,28 @@ def place(P, R, p):
 
 
 @kernel
-def elbow_side(P, place_, elbow):
-    """Elbow branch 0 or 1: q4, the motions of shoulder and wrist with the arm angle, S-W seen from the forearm."""
-    t, h0, c, s, hand, _ = place_
-    if elbow == 1:
-        s = -s
+def elbow_at(P, place_, elbow):
+    """The arm in elbow branch 0 or 1: cosine and sine of q4, and `arm_frame`."""
+    c = place_[2]
+    s = -place_[3] if elbow == 1 else place_[3]
     c4 = P[COS_STRAIGHT] * c - P[SIN_STRAIGHT] * s
     s4 = P[SIN_STRAIGHT] * c + P[COS_STRAIGHT] * s
-    arm_t, arm_h, arm_n = arm_frame(P, c, s)
+    return c4, s4, arm_frame(P, c, s)
+
+
+@kernel
+def frame_at(place_, cos_psi, sin_psi):
+    """The frame of `arm_frame` in the base frame, at an arm angle: S-W, the elbow across it, their normal."""
+    t = place_[0]
+    h = along(scale(cos_psi, place_[1]), sin_psi, cross(t, place_[1]))
+    return t, h, cross(h, t)
+
+
+@kernel
+def elbow_side(P, place_, elbow):
+    """Elbow branch 0 or 1: q4, the motions of shoulder and wrist with the arm angle, S-W seen from the forearm."""
+    t, h0, _, _, hand, _ = place_
+    c4, s4, (arm_t, arm_h, arm_n) = elbow_at(P, place_, elbow)
     frames = (t, h0, cross(t, h0), arm_t, arm_h, arm_n)
     from_forearm = rotate(load3(P, AXES + 9), c4, -s4, arm_t)
     return math.atan2(s4, c4), shoulder_motion(P, frames), wrist_motion(P, frames, c4, s4, hand), from_forearm
@@ -203,20 +207,15 @@ def elbow_side(P, place_, elbow):
 @kernel
 def side_at(P, place_, elbow, cos_psi, sin_psi):
     """`elbow_side` at one arm angle: q4, and what R a3 and R ACROSS_3 have to be for the shoulder, then the wrist."""
-    t, h0, c, s, hand, _ = place_
-    if elbow == 1:
-        s = -s
-    c4 = P[COS_STRAIGHT] * c - P[SIN_STRAIGHT] * s
-    s4 = P[SIN_STRAIGHT] * c + P[COS_STRAIGHT] * s
+    hand = place_[4]
+    c4, s4, arm = elbow_at(P, place_, elbow)
+    base = frame_at(place_, cos_psi, sin_psi)
     a4 = load3(P, AXES + 9)
-    arm_t, arm_h, arm_n = arm_frame(P, c, s)
-    h = along(scale(cos_psi, h0), sin_psi, cross(t, h0))
-    n = cross(h, t)
-    # What takes the frame (arm_t, arm_h, arm_n) of the upper arm to (t, h, n) takes the wrist's back.
-    v = turned_frame((t, h, n), (arm_t, arm_h, arm_n), load3(P, SHOULDER + A3))
-    y = turned_frame((t, h, n), (arm_t, arm_h, arm_n), load3(P, SHOULDER + ACROSS_3))
-    v_w = turned_frame((arm_t, arm_h, arm_n), (t, h, n), apply(hand, load3(P, WRIST + A3)))
-    y_w = turned_frame((arm_t, arm_h, arm_n), (t, h, n), apply(hand, load3(P, WRIST + ACROSS_3)))
+    # What takes the frame of the upper arm to that of the base takes the wrist's back.
+    v = turned_frame(base, arm, load3(P, SHOULDER + A3))
+    y = turned_frame(base, arm, load3(P, SHOULDER + ACROSS_3))
+    v_w = turned_frame(arm, base, apply(hand, load3(P, WRIST + A3)))
+    y_w = turned_frame(arm, base, apply(hand, load3(P, WRIST + ACROSS_3)))
     return math.atan2(s4, c4), v, y, rotate(a4, c4, -s4, v_w), rotate(a4, c4, -s4, y_w)
 
 
@@ -228,8 +227,8 @@ def turned_frame(to, source, w):
 
 @kernel
 def straight_offset(P, q4):
-    """q4 - STRAIGHT."""
-    return q4 - P[STRAIGHT]
+    """q4 - STRAIGHT, never -0.0: the angle of a flat elbow does not say on which side it is; it counts as the first."""
+    return (q4 - P[STRAIGHT]) + 0.0
 
 
 @kernel

@@ -175,24 +175,6 @@ def tip_axes(grasp, across):
 
 
 @kernel
-def tip_rotation(axes, hand_axes):
-    """Rotation of the tip frame that takes the hand's axes (tip frame) to the wanted ones (base frame)."""
-    A = axes
-    B = hand_axes
-    return (
-        A[0] * B[0] + A[1] * B[1] + A[2] * B[2],
-        A[0] * B[3] + A[1] * B[4] + A[2] * B[5],
-        A[0] * B[6] + A[1] * B[7] + A[2] * B[8],
-        A[3] * B[0] + A[4] * B[1] + A[5] * B[2],
-        A[3] * B[3] + A[4] * B[4] + A[5] * B[5],
-        A[3] * B[6] + A[4] * B[7] + A[5] * B[8],
-        A[6] * B[0] + A[7] * B[1] + A[8] * B[2],
-        A[6] * B[3] + A[7] * B[4] + A[8] * B[5],
-        A[6] * B[6] + A[7] * B[7] + A[8] * B[8],
-    )
-
-
-@kernel
 def wrist_from_tip(H, g, phi, rolled):
     """Vector from the tip to the wrist centre, for a grasp direction and, if the hand is `rolled`, a pronosupination.
 

@@ -11,7 +11,7 @@ import math
 import numpy as np
 
 from srs_ik.kernels.branches import best_half
-from srs_ik.kernels.elbow import arm_frame, elbow_side
+from srs_ik.kernels.elbow import elbow_at, elbow_side, frame_at, turned_frame
 from srs_ik.kernels.intervals import MAX_EVENTS, MAX_PIECES, joint_pieces
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout import (
@@ -19,11 +19,9 @@ from srs_ik.kernels.layout import (
     A3,
     ACROSS_3,
     AXES,
-    COS_STRAIGHT,
     INVERSE_HALF_RANGE,
     MIDDLE,
     SHOULDER,
-    SIN_STRAIGHT,
     WRIST,
 )
 from srs_ik.kernels.limits import turn_to_middle, violation
@@ -61,39 +59,29 @@ def on_axis(axis, a):
 
 
 @kernel
-def back(frame, a4, c4, s4, a):
-    """A vector of the base frame seen from the forearm; frame = (t, h, n, arm t, arm h, arm n)."""
-    t, h, n, arm_t, arm_h, arm_n = frame
-    return rotate(a4, c4, -s4, swing(scale(dot(t, a), arm_t), arm_h, arm_n, dot(h, a), dot(n, a)))
-
-
-@kernel
-def forth(frame, a4, c4, s4, a):
-    """A vector of the forearm in the base frame."""
-    t, h, n, arm_t, arm_h, arm_n = frame
-    a = rotate(a4, c4, s4, a)
-    return swing(scale(dot(arm_t, a), t), h, n, dot(arm_h, a), dot(arm_n, a))
-
-
-@kernel
 def roll_motion(P, place_, elbow, psi, axis):
     """What the wrist has to make at an arm angle, as circles over the roll of the hand about an axis (base frame)."""
-    t, h0, c, s, hand, _ = place_
-    if elbow == 1:
-        s = -s
-    c4 = P[COS_STRAIGHT] * c - P[SIN_STRAIGHT] * s
-    s4 = P[SIN_STRAIGHT] * c + P[COS_STRAIGHT] * s
-    arm_t, arm_h, arm_n = arm_frame(P, c, s)
-    h = swing((0.0, 0.0, 0.0), h0, cross(t, h0), math.cos(psi), math.sin(psi))
-    frame = (t, h, cross(h, t), arm_t, arm_h, arm_n)
+    hand = place_[4]
+    c4, s4, arm = elbow_at(P, place_, elbow)
+    base = frame_at(place_, math.cos(psi), math.sin(psi))
     a4 = load3(P, AXES + 9)
     v = on_axis(axis, apply(hand, load3(P, WRIST + A3)))
     y = on_axis(axis, apply(hand, load3(P, WRIST + ACROSS_3)))
-    r = on_axis(axis, forth(frame, a4, c4, s4, load3(P, WRIST + A1)))
+    r = on_axis(axis, turned_frame(base, arm, rotate(a4, c4, s4, load3(P, WRIST + A1))))
     return (
-        (back(frame, a4, c4, s4, v[0]), back(frame, a4, c4, s4, v[1]), back(frame, a4, c4, s4, v[2])),
-        (back(frame, a4, c4, s4, y[0]), back(frame, a4, c4, s4, y[1]), back(frame, a4, c4, s4, y[2])),
+        in_forearm(base, arm, a4, c4, s4, v),
+        in_forearm(base, arm, a4, c4, s4, y),
         (apply_transposed(hand, r[0]), apply_transposed(hand, r[1]), apply_transposed(hand, scale(-1.0, r[2]))),
+    )
+
+
+@kernel
+def in_forearm(base, arm, a4, c4, s4, circle):
+    """A circle of the base frame seen from the forearm."""
+    return (
+        rotate(a4, c4, -s4, turned_frame(arm, base, circle[0])),
+        rotate(a4, c4, -s4, turned_frame(arm, base, circle[1])),
+        rotate(a4, c4, -s4, turned_frame(arm, base, circle[2])),
     )
 
 

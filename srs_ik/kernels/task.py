@@ -35,14 +35,13 @@ from srs_ik.kernels.posture import (
     plan,
     planned_arm_angle,
     tip_axes,
-    tip_rotation,
     write_posture,
 )
 from srs_ik.kernels.redundancy import search
 from srs_ik.kernels.roll import best_roll
 from srs_ik.kernels.rows import OUT_OF_LIMITS, UNREACHABLE, measure_row, write_row
 from srs_ik.kernels.scoring import NO_SEED, OUTSIDE, tightest_joint
-from srs_ik.kernels.vectors import add, along, cross, load3, norm, sub, swing
+from srs_ik.kernels.vectors import add, along, cross, load3, norm, sub, swing, times_transposed
 
 # A task solution row: a solution row, a posture row, the pose of the tip, and the arm angle given up.
 TASK_POSTURE = ROW
@@ -227,7 +226,7 @@ def solve_task_one(family, H, x, given, side, tie, respect, J, A, out):
     if not rolled:
         phi = unit_across((0.0, 0.0, 1.0), direction, (1.0, 0.0, 0.0))
         for _ in range(ROLL_PASSES):
-            R = tip_rotation(tip_axes(direction, phi), hand_axes)
+            R = times_transposed(tip_axes(direction, phi), hand_axes)
             place_ = task_place(P, R, p)
             psi = planned_arm_angle(place_[0], place_[1], posture[3])
             roll, branch = best_roll(P, place_, psi, direction, respect)
@@ -237,7 +236,7 @@ def solve_task_one(family, H, x, given, side, tie, respect, J, A, out):
             if norm(cross(load3(H, HAND_WRIST), in_tip)) < OFF_AXIS:
                 break
             posture = plan(P, H, x, grasped, phi, True, side, tie)
-    R = tip_rotation(tip_axes(direction, phi), hand_axes)
+    R = times_transposed(tip_axes(direction, phi), hand_axes)
     out[ANGLE_LOST] = solve_posed(family, R, p, posture[3], branch, respect, J, A, out)
     write_posture(P, posture, out[TASK_POSTURE:])
     for i in range(9):
