@@ -353,30 +353,30 @@ class Arm(RedundantLimb):
         respect_limits: bool = True,
         tie: Tie = "lower",
         threads: int | None = None,
+        seed: ArrayLike | None = None,
     ) -> TaskSolution | BatchTaskSolution:
         """Joint angles for a task: its posture, on this arm's own axes and within its limits.
 
-        The pose of the tip follows from the task and the axes of the hand. Of the postures with the elbow where
-        `posture` puts it, the one farthest from the limits is taken; where limits forbid them all, the elbow goes to
-        the nearest feasible arm angle, and `angle_lost` says how far that is. Without a grasp direction the hand
-        lines up with the forearm; without a pronosupination it takes the roll that leaves the wrist most room.
+        The pose of the tip follows from the task and the axes of the hand. With the elbow where `posture` puts it, the
+        branch nearest to the seed is taken, or the one farthest from the limits; where they forbid all, the elbow goes
+        to the nearest feasible arm angle, and `angle_lost` says how far. Without a grasp direction the hand lines up
+        with the forearm; without a pronosupination its roll is that of the seed, or leaves the wrist most room.
 
         Args:
-            task: one task, or N of them.
+            task: one task, or N of them, for a `BatchTaskSolution`.
             side: "left" for the elbow towards +y of the base, "right" for -y.
             respect_limits: whether q has to keep the joint limits.
             tie: which elbow to take where one is above the other: "lower" or "upper".
             threads: at most so many for N tasks; all processors if not given.
-
-        Returns:
-            A `TaskSolution`, or a `BatchTaskSolution` for N tasks.
+            seed: (7,) posture to stay near, for all, or (N, 7), rad.
 
         Raises:
             InvalidTask: no `Task`, another side or tie, or an arm whose hand is not known (see `load`).
+            InvalidConfiguration: a malformed seed.
         """
         from srs_ik.task_solution import solve_task
 
-        return solve_task(self, task, side, bool(respect_limits), tie, threads)
+        return solve_task(self, task, side, bool(respect_limits), tie, threads, seed)
 
     # ------------------------------------------------------------------------------------------------------------
 

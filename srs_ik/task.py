@@ -130,7 +130,8 @@ class Task:
 class Posture:
     """Where the arm goes for a task, in the base frame, metres; for N tasks every field is an array over N.
 
-    It is what the geometry of the arm allows, joint limits apart. On a near limb it is that of the nearest exact one.
+    It is what the geometry of the arm allows, joint limits apart. On a near limb that of `Arm.posture` is the nearest
+    exact limb's, and that of a solved task the true chain's.
     """
 
     __slots__ = ("_rows", "_shoulder", "side")

@@ -6,11 +6,12 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from srs_ik.batch import run_in_threads
 from srs_ik.errors import InvalidTask
 from srs_ik.kernels import task as kernel
+from srs_ik.pose import per_pose
 from srs_ik.solution import BatchSolution, ElbowRange, Solution, Status
 from srs_ik.task import Posture, Side, Task, Tie, signs
 
@@ -100,7 +101,13 @@ class BatchTaskSolution(BatchSolution):
 
 
 def solve_task(
-    arm: Arm, task: Task, side: Side, respect_limits: bool, tie: Tie, threads: int | None
+    arm: Arm,
+    task: Task,
+    side: Side,
+    respect_limits: bool,
+    tie: Tie,
+    threads: int | None,
+    seed: ArrayLike | None,
 ) -> TaskSolution | BatchTaskSolution:
     """See `Arm.solve_task`."""
     sides, ties = signs(task, side, tie)
@@ -110,15 +117,16 @@ def solve_task(
             "hand=(grasp, pronosupination), two directions in that frame"
         )
     family, hand, rows, given = arm._family, arm._packed_hand, task._rows, task._given
+    seeds = None if seed is None else per_pose(seed, (7,), len(rows), "seed")
     out = np.empty((len(rows), kernel.TASK_SOLUTION))
     if task.count is None:
         J, A = arm._work()
-        kernel.solve_tasks(family, hand, rows, 0, 1, given, sides, ties, respect_limits, J, A, out)
+        kernel.solve_tasks(family, hand, rows, 0, 1, given, sides, ties, seeds, respect_limits, J, A, out)
         return TaskSolution(out[0], arm.joint_names, arm._elbow, arm.limb.shoulder, side)
 
     def work(first: int, last: int) -> None:
         J, A = arm._work()
-        kernel.solve_tasks(family, hand, rows, first, last, given, sides, ties, respect_limits, J, A, out)
+        kernel.solve_tasks(family, hand, rows, first, last, given, sides, ties, seeds, respect_limits, J, A, out)
 
     run_in_threads(work, task.count, threads)
     return BatchTaskSolution(out, arm.joint_names, arm._elbow, arm.limb.shoulder, side)

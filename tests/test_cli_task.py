@@ -35,6 +35,20 @@ def test_the_roll_and_the_limits_can_be_left_out():
     assert upper["status"] == "OK"
 
 
+def test_a_seed_chooses_the_branch():
+    words = ["task", "iiwa14", "--xyz", "0.5", "0.1", "0.6", *TASK[4:], "--grasp", "0", "0", "-1", "--no-limits"]
+    task = Task([0.5, 0.1, 0.6], [1, 0, 0], [0, 0, 1], [0, 0, -1])
+    plain = answer(*words)
+    # Axis 2 mirrored, axes 1 and 3 turned by half a turn: the other shoulder of the same posture.
+    seed = np.array(plain["q"]) * [1, -1, 1, 1, 1, 1, 1] + np.pi * np.array([1, 0, 1, 0, 0, 0, 0])
+    found = answer(*words, "--seed", *map(str, seed))
+    assert found["branch"] == plain["branch"] ^ 2
+    assert found["q"] == pytest.approx(seed, abs=1e-8)
+    assert found["q"] == arms.load("iiwa14").solve_task(task, respect_limits=False, seed=seed).q.tolist()
+    result = run(*words, "--seed", *"1234567"[:6], "x")
+    assert (result.exit_code, "--seed" in result.stderr) == (2, True)
+
+
 def test_tables_name_the_points_and_the_joints():
     result = run("task", "iiwa14", "--xyz", "0.5", "0.1", "0.6", *TASK[4:], "--grasp", "0", "0", "-1")
     assert result.exit_code == 0

@@ -111,16 +111,14 @@ def test_the_five_errors_are_those_of_the_papers_forward_kinematics(limb):
             assert max(off) < 1e-11
 
 
-@pytest.mark.parametrize(("name", "elbow"), [("iiwa14", 1e-10), ("gen3", 0.1)])
-def test_errors_of_other_arms_are_those_of_pinocchio_on_their_files(name, elbow):
+@pytest.mark.parametrize("name", ["iiwa14", "gen3"])
+def test_errors_of_other_arms_are_those_of_pinocchio_on_their_files(name):
     arm = arms.load(name)
     x_d, v, f = reached_tasks(arm, 20)
     task = Task(x_d, v, f, v, f)
     errors, solved = five_errors(arm, task, "left")
     assert solved >= 19
-    assert max(errors[key].max() for key in FIVE[1:]) < (1e-10 if name == "iiwa14" else 0.005)
-    assert errors["elbow_m"].max() < elbow
-    assert max(errors[key].max() for key in FIVE[2:]) < 1e-10
+    assert max(errors[key].max() for key in FIVE) < 1e-10
     solution = arm.solve_task(task, "left", respect_limits=False)
     tips = [arms.forward(name)(q) for q, ok in zip(solution.q, solution.ok, strict=True) if ok]
     hand = [np.linalg.norm(T.translation - x) for T, x in zip(tips, x_d[solution.ok], strict=True)]

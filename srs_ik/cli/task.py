@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from srs_ik.cli.options import AsJson, Base, Limb, Source, Three, Tip, WrongInput, numbers
-from srs_ik.cli.poses import NoLimits, Xyz
+from srs_ik.cli.options import AsJson, Base, Limb, Seven, Source, Three, Tip, WrongInput, numbers
+from srs_ik.cli.poses import JOINTS, NoLimits, Xyz
 
 if TYPE_CHECKING:
     from srs_ik.arm import Arm
@@ -57,6 +57,10 @@ def task(
     ] = None,
     side: Annotated[Side, typer.Option(help="Elbow towards +y of the base (left) or -y (right).")] = Side.LEFT,
     tie: Annotated[Tie, typer.Option(help="Elbow to take where one is above the other.")] = Tie.LOWER,
+    seed: Annotated[
+        Seven | None,
+        typer.Option(metavar=JOINTS, help="Joint angles to stay near, rad: in branch, and in a roll left free."),
+    ] = None,
     hand: Annotated[
         Six | None,
         typer.Option(
@@ -89,6 +93,7 @@ def task(
     }
     position = numbers("--xyz", xyz)
     axes = None if hand is None else numbers("--hand", hand)
+    start = None if seed is None else numbers("--seed", seed)
 
     from srs_ik.loading import load
     from srs_ik.task import Task
@@ -96,7 +101,7 @@ def task(
 
     wanted = Task(position, **given)
     arm = load(source, base=base, tip=tip, limb=limb, hand=None if axes is None else [axes[:3], axes[3:]])
-    solution = arm.solve_task(wanted, side.value, not no_limits, tie.value)
+    solution = arm.solve_task(wanted, side.value, not no_limits, tie.value, seed=start)
     assert isinstance(solution, TaskSolution)
     if as_json:
         _print_json(arm, solution)

@@ -36,9 +36,13 @@ def ik_accuracy(arm: Arm, progress: Progress, count: int = 1000) -> Outcome:
 
     The paper's third experiment: g = v and phi = f, without joint limits. The paper does not say where its targets
     are; these are the first that the arm reaches, of points uniform in the sphere of its reach. The joint angles go
-    through Pinocchio on the arm's description. On a near limb the posture is that of the nearest exact one: the
-    elbow of the true chain lies beside it, and a hand at the end of its reach may be out of that of the true chain.
-    Errors are those of the tasks that are solved.
+    through Pinocchio on the arm's description. Errors are those of the tasks that are solved.
+
+    Elbow centre and wrist centre are points of links: the point of axis 4 nearest to axes 3 and 5, and one at rest in
+    the hand. The elbow of the posture is the apex of the triangle on S-W, in the
+    plane that suits the task, with upper arm and forearm as sides; on a near limb, whose S-E and E-W change by
+    millimetres, as long as they are in that posture. So the elbow's error there is the distance from that plane. A hand
+    at the very end of the reach may be out of that of the true chain.
 
     Raises:
         InvalidTask: how the hand of the arm lies in the tip frame is not known.

@@ -193,44 +193,50 @@ def wrist_from_tip(H, g, phi, rolled):
 
 
 @kernel
-def plan(P, H, x, grasped, phi, rolled, side, tie):
+def lengths_of(H, grasped):
+    """Lengths of the nearest exact limb: upper arm, forearm, shortest and longest distance of what has to reach."""
+    if grasped:
+        return H[HAND_UPPER_ARM], H[HAND_FOREARM], H[HAND_NEAR], H[HAND_FAR]
+    return H[HAND_UPPER_ARM], H[HAND_FOREARM], H[HAND_TIP_NEAR], H[HAND_TIP_FAR]
+
+
+@kernel
+def plan(P, H, x, grasped, phi, rolled, side, tie, lengths):
     """The posture of a task: elbow, wrist and tip from the shoulder, arm normal, task normal, hand direction, miss.
 
-    grasped and rolled say whether the grasp direction of the task row x and the pronosupination phi count. The arm's
-    normal m is signed such that the elbow lies towards m x t from any line t in its plane on which it is seen
-    from the shoulder.
+    grasped and rolled say whether the grasp direction of the task row x and the pronosupination phi count; lengths are
+    as in `lengths_of`. The arm's normal m is signed such that the elbow lies towards m x t from any line t in its plane
+    on which it is seen from the shoulder.
     """
     n = task_normal(load3(x, TASK_VELOCITY), load3(x, TASK_FORCE))
     target = sub(load3(x, TASK_POSITION), load3(P, SHOULDER_CENTRE))
-    lower = H[HAND_FOREARM]
-    near = H[HAND_NEAR]
-    far = H[HAND_FAR]
+    upper, forearm, near, far = lengths
+    lower = forearm
     to_wrist = (0.0, 0.0, 0.0)
     if grasped:
         to_wrist = wrist_from_tip(H, load3(x, TASK_GRASP), phi, rolled)
         target = add(target, to_wrist)
     else:
         lower += H[HAND_LENGTH]
-        near = H[HAND_TIP_NEAR]
-        far = H[HAND_TIP_FAR]
     d = norm(target)
     t = load3(P, REFERENCE_2) if d < AT_SHOULDER else unit(target)
     h = elbow_direction(t, n, side, tie)
     reached = min(max(d, near), far)
-    foot, across = elbow_foot(H[HAND_UPPER_ARM], lower, reached)
+    foot, across = elbow_foot(upper, lower, reached)
     elbow = along(scale(foot, t), across, h)
     end = scale(reached, t)
     if grasped:
         return elbow, end, sub(end, to_wrist), cross(t, h), n, load3(x, TASK_GRASP), d - reached
     direction = scale(1.0 / lower, sub(end, elbow))
-    return elbow, along(elbow, H[HAND_FOREARM], direction), end, cross(t, h), n, direction, d - reached
+    return elbow, along(elbow, forearm, direction), end, cross(t, h), n, direction, d - reached
 
 
 @kernel
 def plan_given(P, H, x, given, side, tie):
     """The posture of a task row, by what it gives."""
+    grasped = given & GRASP != 0
     phi = load3(x, TASK_PRONOSUPINATION)
-    return plan(P, H, x, given & GRASP != 0, phi, given & PRONOSUPINATION != 0, side, tie)
+    return plan(P, H, x, grasped, phi, given & PRONOSUPINATION != 0, side, tie, lengths_of(H, grasped))
 
 
 @kernel

@@ -10,23 +10,16 @@ import math
 
 import numpy as np
 
-from srs_ik.kernels.branches import best_half
-from srs_ik.kernels.elbow import elbow_at, elbow_side, frame_at, turned_frame
-from srs_ik.kernels.intervals import MAX_EVENTS, MAX_PIECES, joint_pieces
+from srs_ik.kernels.branches import anchor
+from srs_ik.kernels.elbow import elbow_at, elbow_side, frame_at, side_at, turned_frame
+from srs_ik.kernels.hand_directions import MAX_CROSSINGS, wrist_crossings
+from srs_ik.kernels.intervals import MAX_EVENTS, MAX_PIECES, add_event, joint_pieces
 from srs_ik.kernels.jit import kernel
-from srs_ik.kernels.layout import (
-    A1,
-    A3,
-    ACROSS_3,
-    AXES,
-    INVERSE_HALF_RANGE,
-    MIDDLE,
-    SHOULDER,
-    WRIST,
-)
-from srs_ik.kernels.limits import turn_to_middle, violation
+from srs_ik.kernels.layout import A1, A3, ACROSS_3, AXES, INVERSE_HALF_RANGE, MIDDLE, SHOULDER, WRIST
+from srs_ik.kernels.limits import turn_to_middle, turn_to_seed, violation
 from srs_ik.kernels.scoring import NO_SEED, OUTSIDE, elbow_part
-from srs_ik.kernels.spherical import angles, default_anchor, middle_angle
+from srs_ik.kernels.spherical import angles, middle_angle
+from srs_ik.kernels.steady import TIE, steady_half
 from srs_ik.kernels.vectors import across, apply, apply_transposed, cross, dot, load3, rotate, scale, swing
 
 STEP = 2.0 * math.pi / 48.0
@@ -42,11 +35,8 @@ REFINED = 1e-10
 EVENNESS = 1e-4
 """Weight of the joints' squared distances from their middles: it decides between rolls of the same margin."""
 
-WALK = math.pi / 180.0
-"""Step, rad, at which arm angles are tried where the wanted one has no feasible roll."""
-
-BISECTIONS = 36
-"""Halvings that bring a step of WALK down to 3e-13 rad."""
+SMALLEST_NUDGE = 1e-13
+"""First step, rad, into an interval whose end is on the wrong side of a limit by rounding."""
 
 NONE = 1e12
 """Cost of a roll that does not exist."""
@@ -86,14 +76,21 @@ def in_forearm(base, arm, a4, c4, s4, circle):
 
 
 @kernel
-def roll_cost(P, motion, roll, sign):
-    """How far the wrist is from the middles of its ranges, 1 on a limit; a joint without limits counts with +-pi."""
+def wrist_at(P, motion, roll, sign, seeded, seed):
+    """One solution of the wrist at a roll: its angles, and whether it exists."""
     c = math.cos(roll)
     s = math.sin(roll)
     v0, y0, _ = motion
     v = swing(v0[0], v0[1], v0[2], c, s)
     cosine, sine, reached = middle_angle(P, WRIST, v)
-    q = angles(P, WRIST, v, swing(y0[0], y0[1], y0[2], c, s), cosine, sine, sign, default_anchor(P, WRIST))
+    y = swing(y0[0], y0[1], y0[2], c, s)
+    return angles(P, WRIST, v, y, cosine, sine, sign, anchor(P, WRIST, 4, seeded, seed)), reached
+
+
+@kernel
+def roll_cost(P, motion, roll, sign):
+    """How far the wrist is from the middles of its ranges, 1 on a limit; a joint without limits counts with +-pi."""
+    q, reached = wrist_at(P, motion, roll, sign, False, NO_SEED)
     worst = 0.0
     total = 0.0
     for i in range(3):
@@ -145,16 +142,27 @@ def search_piece(P, motion, sign, lower, upper):
         if here <= before and here <= behind:
             x = lower + (upper - lower) * max(i - 2, 0) / max(count, 1)
             y = lower + (upper - lower) * min(i, count) / max(count, 1)
-            if here < lowest:
+            if here < lowest - TIE:
                 best = lower + (upper - lower) * (i - 1) / max(count, 1)
                 lowest = here
             roll, cost = refine_roll(P, motion, sign, x, y)
-            if cost < lowest:
+            if cost < lowest - TIE:
                 best = roll
                 lowest = cost
         before = here
         here = behind
     return best, lowest
+
+
+@kernel
+def keep_roll(P, motion, sign, lower, upper, seed, respect):
+    """The roll of an interval nearest to 0, and how far the wrist is from a seed there, rad squared."""
+    roll, _ = between(0.0, lower, upper)
+    q, reached = wrist_at(P, motion, roll, sign, True, seed)
+    total = 0.0
+    for i in range(3):
+        total += (turn_to_seed(P, 4 + i, q[i], seed[4 + i], respect) - seed[4 + i]) ** 2
+    return roll, total if reached else NONE
 
 
 @kernel
@@ -169,27 +177,35 @@ def wrist_rolls(P, motion, respect, pieces):
 
 
 @kernel
-def best_roll_at(P, place_, psi, axis, respect):
-    """The most comfortable roll at an arm angle: roll, branch in which it is, cost (NONE where there is no roll)."""
+def best_roll_at(P, place_, psi, axis, seeded, seed, respect):
+    """The best roll at an arm angle: roll, branch in which it is, cost (NONE where there is no roll).
+
+    It is the most comfortable one, or with a seed the nearest to 0 in the branch that is then nearest to the seed.
+    """
     pieces = np.empty((2, MAX_PIECES, 2))
     best = 0.0
     branch = -1
     lowest = NONE
     for elbow in range(2):
-        q4, motion_s, _, _ = elbow_side(P, place_, elbow)
-        _, cost_e = elbow_part(P, q4, False, 0.0, respect)
-        cosine = math.cos(psi)
-        _, shoulder, cost_s = best_half(P, SHOULDER, 0, motion_s, cosine, math.sin(psi), -1, False, NO_SEED, respect)
+        q4, v, y, _, _ = side_at(P, place_, elbow, math.cos(psi), math.sin(psi))
+        _, cost_e = elbow_part(P, q4, seeded, seed[3], respect)
+        _, shoulder, cost_s = steady_half(P, SHOULDER, 0, v, y, seeded, seed, respect)
         if max(cost_e, cost_s) >= OUTSIDE:
             continue
         motion = roll_motion(P, place_, elbow, psi, axis)
         counts = wrist_rolls(P, motion, respect, pieces)
         for sign in range(2):
             for i in range(counts[sign]):
-                roll, cost = search_piece(P, motion, sign, pieces[sign, i, 0], pieces[sign, i, 1])
-                # The arm's own margin decides between the elbow's two sides where it is the smaller one.
-                total = max(cost, 1.0 + max(cost_e, cost_s)) + EVENNESS * cost if cost < NONE else NONE
-                if total < lowest:
+                lower = pieces[sign, i, 0]
+                upper = pieces[sign, i, 1]
+                if seeded:
+                    roll, cost = keep_roll(P, motion, sign, lower, upper, seed, respect)
+                    total = cost_e + cost_s + cost
+                else:
+                    roll, cost = search_piece(P, motion, sign, lower, upper)
+                    # The arm's own margin decides between the elbow's two sides where it is the smaller one.
+                    total = max(cost, 1.0 + max(cost_e, cost_s)) + EVENNESS * cost
+                if cost < NONE and total < lowest - TIE:
                     best = roll
                     branch = 4 * elbow + 2 * shoulder + sign
                     lowest = total
@@ -197,81 +213,110 @@ def best_roll_at(P, place_, psi, axis, respect):
 
 
 @kernel
-def shoulder_room(P, place_, room):
-    """Arm angles that the shoulder allows on each side of the elbow, intervals (2, 2, MAX_PIECES, 2); their numbers."""
-    events = np.empty(MAX_EVENTS)
-    marks = np.empty(MAX_EVENTS, np.int64)
-    q4, motion, _, _ = elbow_side(P, place_, 0)
-    first = (0, 0)
-    if violation(P, 3, turn_to_middle(P, 3, q4)) == 0.0:
-        first = joint_pieces(P, SHOULDER, motion, 3, events, marks, room[0])
-    q4, motion, _, _ = elbow_side(P, place_, 1)
-    second = (0, 0)
-    if violation(P, 3, turn_to_middle(P, 3, q4)) == 0.0:
-        second = joint_pieces(P, SHOULDER, motion, 3, events, marks, room[1])
-    return first, second
-
-
-@kernel
 def is_within(pieces, counts, psi):
     """Whether an arm angle lies in an interval of either shoulder solution."""
-    turn = 2.0 * math.pi
     for sign in range(2):
         for i in range(counts[sign]):
-            ahead = psi - pieces[sign, i, 0]
-            if ahead - turn * math.floor(ahead / turn) <= pieces[sign, i, 1] - pieces[sign, i, 0]:
+            if between(psi, pieces[sign, i, 0], pieces[sign, i, 1])[1] == 0.0:
                 return True
     return False
 
 
 @kernel
-def some_roll_at(P, place_, room, counts, psi, axis):
-    """Whether the limits leave any roll at an arm angle."""
-    pieces = np.empty((2, MAX_PIECES, 2))
-    for elbow in range(2):
-        if is_within(room[elbow], counts[elbow], psi):
-            n = wrist_rolls(P, roll_motion(P, place_, elbow, psi, axis), True, pieces)
-            if n[0] + n[1] > 0:
-                return True
-    return False
+def between(psi, lower, upper):
+    """The arm angle of an interval nearest to psi, and how far it is."""
+    turn = 2.0 * math.pi
+    ahead = (psi - lower) - turn * math.floor((psi - lower) / turn)
+    width = upper - lower
+    if ahead <= width:
+        return lower + ahead, 0.0
+    if ahead - width <= turn - ahead:
+        return upper, ahead - width
+    return lower, turn - ahead
 
 
 @kernel
-def nearest_with_roll(P, place_, psi, axis):
-    """The arm angle nearest to psi that leaves a roll: at steps of WALK on both sides, the first success bisected.
+def changes(P, place_, elbow, line, room, counts, axis, psis):
+    """Write the sorted arm angles at which a roll can come to be feasible, or cease to; return their number."""
+    c4, s4, arm = elbow_at(P, place_, elbow)
+    wanted = rotate(load3(P, AXES + 9), c4, -s4, turned_frame(arm, frame_at(place_, 1.0, 0.0), axis))
+    n = wrist_crossings(P, line, wanted, apply_transposed(place_[4], axis), psis)
+    for sign in range(2):
+        for i in range(counts[sign]):
+            n = add_event(room[sign, i, 0], psis, n)
+            n = add_event(room[sign, i, 1], psis, n)
+    return n
 
-    Where there is none, psi itself.
+
+@kernel
+def nearest_gap(P, place_, elbow, psi, axis, farthest):
+    """The interval nearest to psi, on one side of the elbow, of arm angles that leave a roll: lower, upper.
+
+    Lower is above upper where none is nearer than `farthest`.
     """
-    room = np.empty((2, 2, MAX_PIECES, 2))
-    counts = shoulder_room(P, place_, room)
-    if counts[0][0] + counts[0][1] + counts[1][0] + counts[1][1] == 0:
-        return psi
-    for step in range(1, 181):
-        for sign in range(2):
-            outward = WALK if sign == 0 else -WALK
-            if some_roll_at(P, place_, room, counts, psi + step * outward, axis):
-                closed = psi + (step - 1) * outward
-                opened = psi + step * outward
-                for _ in range(BISECTIONS):
-                    middle = 0.5 * (closed + opened)
-                    if some_roll_at(P, place_, room, counts, middle, axis):
-                        opened = middle
-                    else:
-                        closed = middle
-                return opened
-    return psi
+    nothing = (1.0, -1.0)
+    q4, motion, _, line = elbow_side(P, place_, elbow)
+    if violation(P, 3, turn_to_middle(P, 3, q4)) > 0.0:
+        return nothing
+    room = np.empty((2, MAX_PIECES, 2))
+    counts = joint_pieces(P, SHOULDER, motion, 3, np.empty(MAX_EVENTS), np.empty(MAX_EVENTS, np.int64), room)
+    psis = np.empty(MAX_CROSSINGS + 4 * MAX_PIECES)
+    n = changes(P, place_, elbow, line, room, counts, axis, psis)
+    tried = np.zeros(n, np.bool_)
+    pieces = np.empty((2, MAX_PIECES, 2))
+    for _ in range(n):
+        best = -1
+        lower = 0.0
+        upper = 0.0
+        least = farthest
+        for i in range(n):
+            end = psis[i + 1] if i + 1 < n else psis[0] + 2.0 * math.pi
+            _, away = between(psi, psis[i], end)
+            if not tried[i] and end > psis[i] and away < least:
+                best, lower, upper, least = i, psis[i], end, away
+        if best < 0:
+            return nothing
+        tried[best] = True
+        middle = 0.5 * (lower + upper)
+        if is_within(room, counts, middle):
+            rolls = wrist_rolls(P, roll_motion(P, place_, elbow, middle, axis), True, pieces)
+            if rolls[0] + rolls[1] > 0:
+                return lower, upper
+    return nothing
 
 
 @kernel
-def best_roll(P, place_, psi, axis, respect):
-    """The most comfortable roll at an arm angle, or where limits leave none there, at the nearest that leaves one.
+def nearest_roll(P, place_, psi, axis, seeded, seed):
+    """The best roll at the arm angle nearest to psi that leaves one inside the limits: roll, branch, cost."""
+    lower = 1.0
+    upper = -1.0
+    least = 4.0 * math.pi
+    for elbow in range(2):
+        a, b = nearest_gap(P, place_, elbow, psi, axis, least)
+        if a <= b:
+            lower, upper = a, b
+            least = between(psi, a, b)[1]
+    nearest, _ = between(psi, lower, upper)
+    inward = 1.0 if nearest - lower < upper - nearest else -1.0
+    nudge = 0.0
+    while nudge <= upper - lower:
+        roll, branch, cost = best_roll_at(P, place_, nearest + inward * nudge, axis, seeded, seed, True)
+        if cost < NONE:
+            return roll, branch, cost
+        nudge = max(SMALLEST_NUDGE, 8.0 * nudge)
+    return 0.0, -1, NONE
+
+
+@kernel
+def best_roll(P, place_, psi, axis, seeded, seed, respect):
+    """The best roll at an arm angle, or where limits leave none there, at the nearest arm angle that leaves one.
 
     Returns:
-        The roll, and the branch in which it is comfortable.
+        The roll, and its branch.
     """
-    roll, branch, cost = best_roll_at(P, place_, psi, axis, respect)
+    roll, branch, cost = best_roll_at(P, place_, psi, axis, seeded, seed, respect)
     if respect and cost >= NONE:
-        roll, branch, cost = best_roll_at(P, place_, nearest_with_roll(P, place_, psi, axis), axis, True)
+        roll, branch, cost = nearest_roll(P, place_, psi, axis, seeded, seed)
         if cost >= NONE:
-            roll, branch, cost = best_roll_at(P, place_, psi, axis, False)
+            roll, branch, _ = best_roll_at(P, place_, psi, axis, seeded, seed, False)
     return roll, branch

@@ -12,14 +12,15 @@ import math
 
 import numpy as np
 
-from srs_ik.kernels.branches import best_branch
+from srs_ik.kernels.branches import NO_BRANCH, best_branch, branch_of
 from srs_ik.kernels.chain import forward_kinematics, pose_error
 from srs_ik.kernels.elbow import elbow_bend, hand_rotation, shoulder_to_wrist, target_frame, unit_across
-from srs_ik.kernels.entries import all_intervals
+from srs_ik.kernels.entries import all_intervals, own, seed_or_zero
 from srs_ik.kernels.followed_angle import solve_at_angle
 from srs_ik.kernels.intervals import MAX_PIECES, find_intervals
 from srs_ik.kernels.jit import entry, kernel
 from srs_ik.kernels.layout import FREE, LIMITED, LOOSE, NEAR, ROW, ROW_ARM_ANGLE, ROW_JOINT, ROW_STATUS
+from srs_ik.kernels.poses import read7
 from srs_ik.kernels.posture import (
     AT_SHOULDER,
     GRASP,
@@ -32,16 +33,19 @@ from srs_ik.kernels.posture import (
     PRONOSUPINATION,
     TASK_POSITION,
     TASK_PRONOSUPINATION,
+    lengths_of,
     plan,
     planned_arm_angle,
     tip_axes,
     write_posture,
 )
 from srs_ik.kernels.redundancy import search
-from srs_ik.kernels.roll import best_roll
-from srs_ik.kernels.rows import OUT_OF_LIMITS, UNREACHABLE, measure_row, write_row
+from srs_ik.kernels.roll import SMALLEST_NUDGE, best_roll, between
+from srs_ik.kernels.rows import OK, OUT_OF_LIMITS, UNREACHABLE, measure_row, write_row
 from srs_ik.kernels.scoring import NO_SEED, OUTSIDE, tightest_joint
-from srs_ik.kernels.vectors import add, along, cross, load3, norm, sub, swing, times_transposed
+from srs_ik.kernels.steady import steady_branch
+from srs_ik.kernels.true_posture import settle_posture
+from srs_ik.kernels.vectors import add, along, cross, load3, norm, scale, sub, swing, times_transposed
 
 # A task solution row: a solution row, a posture row, the pose of the tip, and the arm angle given up.
 TASK_POSTURE = ROW
@@ -68,9 +72,6 @@ ROLL_PASSES = 3
 NARROW = 1e-9
 """Postures of an interval narrower than this, rad, are on their limits by rounding at best."""
 
-SMALLEST_NUDGE = 1e-13
-"""First step, rad, into an interval whose end is on the wrong side of a limit by rounding."""
-
 
 @kernel
 def task_place(P, R, p):
@@ -90,19 +91,6 @@ def task_place(P, R, p):
 
 
 @kernel
-def between(psi, lower, upper):
-    """The arm angle of an interval nearest to psi, and how far it is."""
-    turn = 2.0 * math.pi
-    ahead = (psi - lower) - turn * math.floor((psi - lower) / turn)
-    width = upper - lower
-    if ahead <= width:
-        return lower + ahead, 0.0
-    if ahead - width <= turn - ahead:
-        return upper, ahead - width
-    return lower, turn - ahead
-
-
-@kernel
 def out_of_reach(P, place_, R, p, psi, branch, respect):
     """The posture of a near limb that lies flat towards a wrist out of reach, the hand as wanted: q, branch, cost.
 
@@ -119,12 +107,15 @@ def out_of_reach(P, place_, R, p, psi, branch, respect):
 
 
 @kernel
-def in_branch(P, place_, R, p, psi, branch, respect, J, A):
+def in_branch(P, place_, R, p, psi, branch, seeded, seed, respect, J, A):
     """Best posture at an arm angle, of a branch (-1: of all): q, branch, cost.
 
     Where a near limb does not reach, nothing closes on its true chain: there it lies as its nearest exact limb would.
     """
-    q, b, cost = solve_at_angle(P, place_, R, p, psi, branch, False, NO_SEED, respect, J, A)
+    if J is None:
+        if branch < 0 and not seeded:
+            return steady_branch(P, place_, math.cos(psi), math.sin(psi), respect)
+    q, b, cost = solve_at_angle(P, place_, R, p, psi, branch, seeded, seed, respect, J, A)
     if J is not None:
         if cost >= OUTSIDE and place_[5] != 0.0:
             return out_of_reach(P, place_, R, p, psi, branch, respect)
@@ -132,16 +123,16 @@ def in_branch(P, place_, R, p, psi, branch, respect, J, A):
 
 
 @kernel
-def at_angle(P, place_, R, p, psi, branch, respect, J, A):
+def at_angle(P, place_, R, p, psi, branch, seeded, seed, respect, J, A):
     """Best posture at an arm angle, in the branch that is preferred (-1: none) if that has one: q, branch, cost."""
-    q, b, cost = in_branch(P, place_, R, p, psi, branch, respect, J, A)
+    q, b, cost = in_branch(P, place_, R, p, psi, branch, seeded, seed, respect, J, A)
     if branch >= 0 and cost >= OUTSIDE:
-        return in_branch(P, place_, R, p, psi, -1, respect, J, A)
+        return in_branch(P, place_, R, p, psi, -1, seeded, seed, respect, J, A)
     return q, b, cost
 
 
 @kernel
-def nearest_feasible(family, place_, R, p, psi, branch, respect, J, A):
+def nearest_feasible(family, place_, R, p, psi, branch, seeded, seed, respect, J, A):
     """The posture at the feasible arm angle nearest to a wanted one.
 
     Returns:
@@ -168,7 +159,7 @@ def nearest_feasible(family, place_, R, p, psi, branch, respect, J, A):
         inward = 1.0 if nearest - lower < upper - nearest else -1.0
         nudge = 0.0
         while nudge <= upper - lower:
-            q, b, cost = at_angle(P, place_, R, p, nearest + inward * nudge, branch, respect, J, A)
+            q, b, cost = at_angle(P, place_, R, p, nearest + inward * nudge, branch, seeded, seed, respect, J, A)
             if cost < OUTSIDE:
                 return q, b, cost
             nudge = max(SMALLEST_NUDGE, 8.0 * nudge)
@@ -176,11 +167,11 @@ def nearest_feasible(family, place_, R, p, psi, branch, respect, J, A):
     if J is not None:
         if place_[5] != 0.0:
             return out_of_reach(family[LIMITED], place_, R, p, psi, -1, respect)
-    return search(family, place_, R, p, -1, False, NO_SEED, respect, J, A)
+    return search(family, place_, R, p, -1, seeded, seed, respect, J, A)
 
 
 @kernel
-def solve_posed(family, R, p, m, branch, respect, J, A, out):
+def solve_posed(family, R, p, m, branch, seeded, seed, respect, J, A, out):
     """Solve a pose with the elbow in the plane with signed normal m, or as near as can be; the arm angle given up.
 
     A branch other than -1 is preferred where it is feasible there.
@@ -188,17 +179,17 @@ def solve_posed(family, R, p, m, branch, respect, J, A, out):
     P = family[LIMITED]
     place_ = task_place(P, R, p)
     psi = planned_arm_angle(place_[0], place_[1], m)
-    q, b, cost = at_angle(P, place_, R, p, psi, branch, respect, J, A)
+    q, b, cost = at_angle(P, place_, R, p, psi, branch, seeded, seed, respect, J, A)
     if cost < OUTSIDE:
         position, orientation = pose_error(P, q, R, p)
         write_row(place_, q, b, psi, False, True, position, orientation, 0, out)
         return 0.0
-    q, b, cost = nearest_feasible(family, place_, R, p, psi, branch, respect, J, A)
+    q, b, cost = nearest_feasible(family, place_, R, p, psi, branch, seeded, seed, respect, J, A)
     measure_row(P, place_, R, p, q, b, cost, respect, out)
     if J is not None:
         if respect and out[ROW_STATUS] == UNREACHABLE and place_[5] == 0.0:
             # On a near limb, only an attempt without limits tells what they forbid from what is out of reach.
-            free, _, value = at_angle(P, place_, R, p, psi, -1, False, J, A)
+            free, _, value = at_angle(P, place_, R, p, psi, -1, seeded, seed, False, J, A)
             if value < OUTSIDE:
                 out[ROW_STATUS] = OUT_OF_LIMITS
                 out[ROW_JOINT] = tightest_joint(P, free)
@@ -207,46 +198,111 @@ def solve_posed(family, R, p, m, branch, respect, J, A, out):
 
 
 @kernel
-def solve_task_one(family, H, x, given, side, tie, respect, J, A, out):
+def choose_roll(P, H, x, grasped, found, hand_axes, side, tie, seeded, seed, respect):
+    """A pronosupination for a hand that leaves it free, the posture that goes with it, and its branch."""
+    p = load3(x, TASK_POSITION)
+    direction = found[5]
+    towards = (0.0, 0.0, 1.0)
+    if seeded:
+        tip_x, tip_y, tip_z, _ = forward_kinematics(P, seed)
+        towards = swing(scale(hand_axes[1], tip_x), tip_y, tip_z, hand_axes[4], hand_axes[7])
+    phi = unit_across(towards, direction, (1.0, 0.0, 0.0))
+    moves_wrist = grasped and norm(cross(load3(H, HAND_WRIST), load3(H, HAND_GRASP))) >= OFF_AXIS
+    branch = -1
+    for _ in range(ROLL_PASSES if moves_wrist else 1):
+        place_ = task_place(P, times_transposed(tip_axes(direction, phi), hand_axes), p)
+        psi = planned_arm_angle(place_[0], place_[1], found[3])
+        roll, branch = best_roll(P, place_, psi, direction, seeded, seed, respect)
+        phi = swing((0.0, 0.0, 0.0), phi, cross(direction, phi), math.cos(roll), math.sin(roll))
+        if moves_wrist:
+            found = plan(P, H, x, grasped, phi, True, side, tie, lengths_of(H, grasped))
+    return phi, found, branch
+
+
+@kernel
+def solve_true(family, H, x, grasped, phi, side, tie, found, hand_axes, branch, seeded, seed, respect, J, A, out):
+    """Solve the task of a near limb for the posture of its true chain.
+
+    Where limits push the elbow away, that is the posture without them, in the branch of the nearest exact limb's best;
+    where the true chain has none, out of reach say, it is that of the nearest exact limb.
+
+    Returns:
+        The posture, the rotation of the tip, and the arm angle given up.
+    """
+    P = family[LIMITED]
+    p = load3(x, TASK_POSITION)
+    R = times_transposed(tip_axes(found[5], phi), hand_axes)
+    place_ = task_place(P, R, p)
+    psi = planned_arm_angle(place_[0], place_[1], found[3])
+    if branch >= 0 or seeded:
+        start, _, _ = best_branch(P, place_, psi, branch, seeded, seed, respect)
+    else:
+        start, _, _ = steady_branch(P, place_, math.cos(psi), math.sin(psi), respect)
+    q = start
+    lowest = NO_BRANCH
+    lost = 0.0
+    exact = found
+    # From the closed form; next to a singularity, where that may lead astray, from the seed too; then from any posture.
+    for attempt in range(3):
+        if attempt == 1 and seeded:
+            start = seed
+        elif attempt == 2:
+            if lowest < OUTSIDE:
+                break
+            lost = solve_posed(family, R, p, found[3], branch, seeded, seed, respect, J, A, out)
+            if out[ROW_STATUS] != OK or lost > 0.0:
+                return found, R, lost
+            start = read7(out)
+        if attempt != 1 or seeded:
+            there, R_there, q_there, value = settle_posture(
+                P, H, x, grasped, phi, side, tie, exact, hand_axes, start, seeded, seed, respect, J, A
+            )
+            if value < lowest:
+                found, R, q, lowest = there, R_there, q_there, value
+    if lowest < OUTSIDE:
+        place_ = task_place(P, R, p)
+        psi = planned_arm_angle(place_[0], place_[1], found[3])
+        position, orientation = pose_error(P, q, R, p)
+        write_row(place_, q, branch_of(P, q), psi, False, True, position, orientation, 0, out)
+    return found, R, lost
+
+
+@kernel
+def solve_task_one(family, H, x, given, side, tie, seeds, i, respect, J, A, out):
     """Solve one task row into a task solution row."""
     P = family[LIMITED]
+    seeded = seeds is not None
+    seed = seed_or_zero(own(seeds, i))
     grasped = given & GRASP != 0
     phi = load3(x, TASK_PRONOSUPINATION)
     rolled = given & PRONOSUPINATION != 0
-    posture = plan(P, H, x, grasped, phi, rolled, side, tie)
-    direction = posture[5]
+    found = plan(P, H, x, grasped, phi, rolled, side, tie, lengths_of(H, grasped))
     in_tip = load3(H, HAND_GRASP if grasped else HAND_REACH)
     across_tip = load3(H, HAND_ACROSS)
-    if min(norm(cross(direction, phi)), norm(cross(in_tip, across_tip))) < PARALLEL:
+    if min(norm(cross(found[5], phi)), norm(cross(in_tip, across_tip))) < PARALLEL:
         rolled = False
-    across_tip = unit_across(across_tip, in_tip, load3(H, HAND_GRASP))
-    hand_axes = tip_axes(in_tip, across_tip)
-    p = load3(x, TASK_POSITION)
+    hand_axes = tip_axes(in_tip, unit_across(across_tip, in_tip, load3(H, HAND_GRASP)))
     branch = -1
     if not rolled:
-        phi = unit_across((0.0, 0.0, 1.0), direction, (1.0, 0.0, 0.0))
-        for _ in range(ROLL_PASSES):
-            R = times_transposed(tip_axes(direction, phi), hand_axes)
-            place_ = task_place(P, R, p)
-            psi = planned_arm_angle(place_[0], place_[1], posture[3])
-            roll, branch = best_roll(P, place_, psi, direction, respect)
-            phi = swing((0.0, 0.0, 0.0), phi, cross(direction, phi), math.cos(roll), math.sin(roll))
-            if not grasped:
-                break
-            if norm(cross(load3(H, HAND_WRIST), in_tip)) < OFF_AXIS:
-                break
-            posture = plan(P, H, x, grasped, phi, True, side, tie)
-    R = times_transposed(tip_axes(direction, phi), hand_axes)
-    out[ANGLE_LOST] = solve_posed(family, R, p, posture[3], branch, respect, J, A, out)
-    write_posture(P, posture, out[TASK_POSTURE:])
-    for i in range(9):
-        out[TASK_ROTATION + i] = R[i]
-    for i in range(3):
-        out[TASK_TIP + i] = p[i]
+        phi, found, branch = choose_roll(P, H, x, grasped, found, hand_axes, side, tie, seeded, seed, respect)
+    p = load3(x, TASK_POSITION)
+    if J is None:
+        R = times_transposed(tip_axes(found[5], phi), hand_axes)
+        out[ANGLE_LOST] = solve_posed(family, R, p, found[3], branch, seeded, seed, respect, J, A, out)
+    else:
+        found, R, lost = solve_true(
+            family, H, x, grasped, phi, side, tie, found, hand_axes, branch, seeded, seed, respect, J, A, out
+        )
+        out[ANGLE_LOST] = lost
+    write_posture(P, found, out[TASK_POSTURE:])
+    for k in range(9):
+        out[TASK_ROTATION + k] = R[k]
+    for k in range(3):
+        out[TASK_TIP + k] = p[k]
 
 
 @entry
-def solve_tasks(family, H, tasks, first, last, given, side, tie, respect, J, A, out):
-    """Solve the task rows first to last - 1."""
+def solve_tasks(family, H, tasks, first, last, given, side, tie, seeds, respect, J, A, out):
+    """Solve the task rows first to last - 1; seeds are one for all, or one a task, or None."""
     for i in range(first, last):
-        solve_task_one(family, H, tasks[i], given, side, tie, respect, J, A, out[i])
+        solve_task_one(family, H, tasks[i], given, side, tie, seeds, i, respect, J, A, out[i])
