@@ -186,6 +186,33 @@ def test_ranges_wider_than_a_turn_do_not_hide_the_nearest_posture(case, draws):
     assert found <= np.nanmin(swept) + 1e-9
 
 
+@pytest.mark.parametrize(
+    ("name", "known", "seed"),
+    [
+        (
+            "iiwa14",
+            [-0.56979093, 0.00139116, -1.5405611, 2.00097128, -0.48572252, 1.86619936, 1.830081],
+            [-0.60341158, 0.09375826, -1.47034097, 2.08894391, -0.43478061, 1.87344514, 1.78183229],
+        ),
+        (
+            "iiwa14",
+            [-0.65393697, 0.00158977, 2.71701349, 0.24258021, -0.350234, 0.2468485, -1.28436867],
+            [-0.13593496, -0.82966419, 2.74586432, 0.06838578, -1.13045896, 0.28060483, -0.29198377],
+        ),
+        (
+            "human_arm",
+            [0.33046059, -1.52775775, -0.39685713, -1.59807569, 0.67271174, -1.25564728, 0.51601712],
+            [-0.03198023, 0.2900085, -1.43884463, -1.44581142, 0.8434332, -0.2807988, 0.10455025],
+        ),
+    ],
+)
+def test_a_second_valley_next_to_a_singularity_does_not_hide_the_nearest_posture(name, known, seed):
+    """Within less than 0.3 rad of arm angle the distance has two minima there."""
+    arm = arms.load(name)
+    solution = arm.solve(arm.forward_kinematics(known), seed=seed)
+    assert np.linalg.norm(solution.q - seed) <= np.linalg.norm(np.subtract(known, seed)) + 1e-9
+
+
 def margin(arm, q):
     """Smallest distance from the limits relative to half the range; 1 for a joint without limits."""
     half = 0.5 * (arm.upper - arm.lower)
