@@ -16,7 +16,7 @@ from srs_ik.kernels.branches import NO_BRANCH, best_branch, branch_of
 from srs_ik.kernels.chain import forward_kinematics, pose_error
 from srs_ik.kernels.elbow import elbow_bend, hand_rotation, shoulder_to_wrist, target_frame, unit_across
 from srs_ik.kernels.entries import all_intervals, own, seed_or_zero
-from srs_ik.kernels.followed_angle import solve_at_angle
+from srs_ik.kernels.followed_angle import may_reach, solve_at_angle
 from srs_ik.kernels.intervals import MAX_PIECES, find_intervals
 from srs_ik.kernels.jit import entry, kernel
 from srs_ik.kernels.layout import FREE, LIMITED, LOOSE, NEAR, ROW, ROW_ARM_ANGLE, ROW_JOINT, ROW_STATUS
@@ -115,6 +115,9 @@ def in_branch(P, place_, R, p, psi, branch, seeded, seed, respect, J, A):
     if J is None:
         if branch < 0 and not seeded:
             return steady_branch(P, place_, math.cos(psi), math.sin(psi), respect)
+    if J is not None:
+        if not may_reach(P, place_):
+            return out_of_reach(P, place_, R, p, psi, branch, respect)
     q, b, cost = solve_at_angle(P, place_, R, p, psi, branch, seeded, seed, respect, J, A)
     if J is not None:
         if cost >= OUTSIDE and place_[5] != 0.0:
@@ -253,7 +256,7 @@ def solve_true(family, H, x, grasped, phi, side, tie, found, hand_axes, branch, 
             if out[ROW_STATUS] != OK or lost > 0.0:
                 return found, R, lost
             start = read7(out)
-        if attempt != 1 or seeded:
+        if may_reach(P, place_) and (attempt != 1 or seeded):
             there, R_there, q_there, value = settle_posture(
                 P, H, x, grasped, phi, side, tie, exact, hand_axes, start, seeded, seed, respect, J, A
             )
