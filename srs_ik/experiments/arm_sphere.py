@@ -68,7 +68,7 @@ def _draw(postures: dict[Any, Posture], x_d: Array, from_shoulder: Array, farthe
         add_limbs(axes, lines[side], side)
         ok = postures[side].reached
         axes.scatter(*x_d[ok].T, s=5, color="black", depthshade=False, label="target, reached")
-        axes.scatter(*x_d[~ok].T, s=7, marker="x", linewidths=0.5, color="0.6", depthshade=False, label="not reached")
+        axes.scatter(*x_d[~ok].T, s=7, marker="x", linewidths=0.5, color="0.3", depthshade=False, label="not reached")
         space(axes, [x_d, *lines.values()])
         axes.view_init(elev=20, azim=-60)
         axes.set_title(f"{side} arm, {len(x_d)} targets", fontsize=10)

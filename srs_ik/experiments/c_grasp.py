@@ -26,6 +26,7 @@ EXTENSIONS = np.linspace(0.05, 1.0, 20)
 _DRAWN = (0.3, 0.5, 0.7, 0.85, 0.95)
 _SINGULAR = np.log(1e9)
 """Where C or its inverse is larger, one of its terms is rounding."""
+_GRASP_LINE = {"N": "-", "F": "--", "V": ":"}
 _GRASP_MARK = {"N": "o", "F": "s", "V": "^"}
 _UP = np.array([0.0, 0.0, 1.0])
 
@@ -159,12 +160,14 @@ def _draw(C: dict[str, dict[Side, Array]], extensions: Array, theta: Array) -> F
         rows = [row for row in rows if row["reached"]]
         x, middle = ([row[name] for row in rows] for name in ("extension", "geometric_mean"))
         span = [[row[name] for row in rows] for name in ("least", "largest")]
-        axes.fill_between(x, *np.maximum(span, 1e-6), color=shade, alpha=0.18, linewidth=0)
-        axes.plot(x, middle, color=shade, marker=_GRASP_MARK[grasp], label=f"{grasp}-grasp: geometric mean and range")
+        style: dict[str, Any] = {"color": shade, "linestyle": _GRASP_LINE[grasp]}
+        axes.fill_between(x, *np.maximum(span, 1e-6), color=shade, alpha=0.12, linewidth=0)
+        axes.plot(x, np.maximum(span, 1e-6).T, linewidth=0.8, **style)
+        axes.plot(x, middle, marker=_GRASP_MARK[grasp], label=f"{grasp}-grasp: geometric mean and range", **style)
     axes.set(yscale="log", ylim=(0.5 * low, 2.0 * high), xlabel="distance of the target from the shoulder (reaches)")
-    axes.set_ylabel("C over the directions reached (1)")
+    axes.set_ylabel("C (1)")
     axes.legend(fontsize=8, loc="upper left")
-    axes.set_title(f"left arm, {len(theta)} directions", fontsize=10)
+    axes.set_title(f"left arm, those of {len(theta)} directions that are reached", fontsize=10)
     return figure
 
 
