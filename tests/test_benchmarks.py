@@ -7,6 +7,9 @@ from pathlib import Path
 
 import pytest
 
+import srs_ik
+from srs_ik import zoo
+
 ROOT = Path(__file__).resolve().parents[1]
 
 
@@ -82,3 +85,33 @@ def test_the_benchmark_of_the_redundancy_prints_what_does_not_hold(monkeypatch, 
         assert int(row[5]) == 0
     with pytest.raises(SystemExit):
         bench["main"](["--scale", "0"])
+
+
+@pytest.fixture(scope="module")
+def no_false_ok() -> dict:
+    sys.path.append(str(ROOT / "benchmarks"))
+    try:
+        return runpy.run_path(str(ROOT / "benchmarks" / "no_false_ok.py"), run_name="no_false_ok")
+    finally:
+        sys.path.pop()
+
+
+def test_a_thousand_poses_have_no_false_answer(no_false_ok, monkeypatch, capsys):
+    monkeypatch.setitem(no_false_ok["main"].__globals__, "CHUNK", 20)
+    assert no_false_ok["main"](["--count", "1000"]) == 0
+    line = capsys.readouterr().out
+    assert line.startswith("1,000 poses, ")
+    assert "0 not finite, 0 outside limits, 0 false OK, 0 false errors, 0 missed inside" in line
+
+
+def test_false_answers_are_counted(no_false_ok, monkeypatch, capsys):
+    """An arm that is measured on the file of another one has postures for other poses."""
+    measured = no_false_ok["Untouched"](zoo.card("gen3").urdf, srs_ik.load("gen3"))
+    lying = no_false_ok["Subject"]("lying", srs_ik.load("iiwa14"), measured)
+    monkeypatch.setitem(no_false_ok["main"].__globals__, "CHUNK", 20)
+    monkeypatch.setitem(no_false_ok["main"].__globals__, "subjects", lambda files, out: [lying])
+    assert no_false_ok["main"](["--count", "400"]) == 1
+    out = capsys.readouterr().out
+    for kind in ("false OK", "false errors", "missed inside"):
+        assert f"{kind}: lying, poses " in out
+        assert f" 0 {kind}" not in out

@@ -6,7 +6,7 @@ import re
 import numpy as np
 import pytest
 from command_line import answer, run
-from robot_files import shared_urdf
+from robot_files import joint_xml, serial_arm, shared_urdf
 
 import srs_ik
 from srs_ik import zoo
@@ -53,6 +53,31 @@ def test_inspect_leaves_out_the_limits_of_continuous_joints():
     assert [x is None for x in limb["upper"]] == [True, False] * 3 + [True]
     assert limb["kind"] == "near"
     assert max(limb["misses_mm"]) == pytest.approx(0.5 * 11.7508, abs=1e-3)
+
+
+def test_inspect_of_a_chosen_arm_says_what_is_locked_on_the_way_to_it(tmp_path):
+    trunk = joint_xml("waist", "floor", "l0")
+    path = tmp_path / "on_a_waist.urdf"
+    path.write_text(f'<robot name="on_a_waist"><link name="floor"/>{serial_arm()}{trunk}</robot>')
+    for options in ((), ("--limb", "l7"), ("--tip", "l7")):
+        (limb,) = answer("inspect", str(path), *options)["limbs"]
+        assert limb["locked"] == ["waist"]
+
+
+def test_inspect_says_where_a_chain_forks_and_which_is_the_longest(tmp_path):
+    path = tmp_path / "six.urdf"
+    hinge = '<origin xyz="0.03 0.04 0.1"/><axis xyz="1 0 0"/><limit lower="0" upper="1" effort="1" velocity="1"/>'
+    six = serial_arm("z y z y z y", "0 0 .3 0 .3 0")
+    fingers = "".join(f'<link name="f{k}"/>' + joint_xml(f"f{k}_joint", "l6", f"f{k}", inside=hinge) for k in (1, 2))
+    path.write_text(f'<robot name="six">{six}{fingers}</robot>')
+    result = run("inspect", str(path))
+    assert result.exit_code == 1
+    said = " ".join(result.stdout.split())
+    assert "it forks after axis 6 (j6), on which 2 joints hang: a hand may begin there" in said
+    path.write_text(f'<robot name="six">{six}</robot>')
+    result = run("inspect", str(path))
+    assert result.exit_code == 1
+    assert "no chain of 7 consecutive revolute joints; the longest has 6: j1" in result.stderr
 
 
 def test_inspect_with_a_tip_looks_at_that_chain_alone():

@@ -1,5 +1,9 @@
 """Every robot with a name, on its file where that is at hand: 200 poses each, by Pinocchio on the untouched file."""
 
+import tempfile
+from importlib import metadata
+from pathlib import Path
+
 import numpy as np
 import pytest
 from oracles import Forward, random_angles
@@ -8,7 +12,9 @@ from robot_files import example_urdf, shared_urdf
 import srs_ik
 from srs_ik import zoo
 from srs_ik.errors import InvalidRobot
+from srs_ik.loading.places import locate
 from srs_ik.loading.sources import catalogue
+from srs_ik.urdf import xacro
 
 ELSEWHERE = {
     "human_left": ("example", "human"),
@@ -25,12 +31,12 @@ ELSEWHERE = {
     "openarm_right": ("shared", "openarm_v10_bimanual"),
     "h1_2_left": ("shared", "unitree_h1_2_handless"),
     "h1_2_right": ("shared", "unitree_h1_2_handless"),
-    "iiwa7": ("shared", "iiwa7"),
-    "med14": ("shared", "med14_lbr_stack"),
-    "sia20": ("shared", "motoman_sia20d"),
-    "sia30": ("shared", "motoman_sia30d"),
+    "iiwa7": ("installed", "differentiable-robot-model"),
+    "med14": ("clone", "lbr_fri_ros2_stack"),
+    "sia20": ("clone", "motoman"),
+    "sia30": ("clone", "motoman"),
 }
-"""The file that each description comes from, or a copy of it, where tests look for one."""
+"""The file that each description comes from, or a copy of it: where tests look for one, without fetching any."""
 
 KINDS = {"gen3": "near", "j2s7s300": "near", "h1_2_left": "near", "h1_2_right": "near"}
 
@@ -39,7 +45,35 @@ def file_of(name: str):
     if name not in ELSEWHERE:
         return zoo.card(name).urdf
     kind, file = ELSEWHERE[name]
+    if kind == "installed":
+        return installed_file(file, "kuka_iiwa/urdf/iiwa7.urdf")
+    if kind == "clone":
+        return cloned_file(zoo.card(name).places[0], file)
     return example_urdf(file) if kind == "example" else shared_urdf(file)
+
+
+def installed_file(package: str, wanted: str) -> Path:
+    """A file of an installed package; this one needs `pip install --no-deps`."""
+    try:
+        files = metadata.files(package) or ()
+    except metadata.PackageNotFoundError:
+        files = ()
+    for file in files:
+        if str(file).endswith(wanted):
+            return Path(str(file.locate()))
+    pytest.skip(f"{package} is not installed")
+
+
+def cloned_file(place: str, repository: str) -> Path:
+    """URDF of a xacro file in a clone on ROS_PACKAGE_PATH, made by the package xacro."""
+    pytest.importorskip("xacro")
+    try:
+        path = locate([place], repository).path
+    except InvalidRobot:
+        pytest.skip(f"no clone of {repository} is on ROS_PACKAGE_PATH")
+    expanded = Path(tempfile.mkdtemp()) / f"{path.stem}.urdf"
+    expanded.write_text(xacro.expand(path, path.name, {}))
+    return expanded
 
 
 @pytest.mark.parametrize("name", srs_ik.robots())

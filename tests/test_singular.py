@@ -85,6 +85,20 @@ def test_singular_postures_are_found_again_from_their_seed(name):
         assert np.abs(solution.q - q).max() < 1e-6
 
 
+@pytest.mark.parametrize("name", ["iiwa14", "human_arm", "sia5d", "med7"])
+def test_a_seed_does_not_turn_the_outer_joints_of_a_singular_wrist_out_of_their_limits(name):
+    """Only the sum of joints 5 and 7 is fixed there; half-way to a seed each may be outside where others are inside."""
+    arm, rng = arms.load(name), arms.generator(name, 35)
+    forward, wrist = arms.forward(name), phases(arm.limb)[5]
+    for q in arms.configurations(name, 40, 36):
+        q[5] = np.clip(wrist, arm.lower[5], arm.upper[5])
+        outer = (arm.lower, arm.upper)[rng.integers(2)]
+        q[[4, 6]] = outer[[4, 6]] + rng.uniform(0.0, 0.2, 2) * np.sign(-outer[[4, 6]])
+        pose = forward(q)
+        solution = arm.solve(pose, arm_angle=arm.arm_angle(q), seed=rng.uniform(arm.lower, arm.upper))
+        assert_met(arm, forward, pose, solution)
+
+
 @pytest.mark.parametrize("name", NAMES)
 def test_singular_poses_have_branches_without_limits(name):
     arm, forward = arms.load(name), arms.forward(name)

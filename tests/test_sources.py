@@ -119,7 +119,9 @@ def test_what_is_wrong_with_a_xacro_file_is_one_line(package, monkeypatch, capfd
         XACRO.replace("$(find small_", "$(find other_"): "needs the ROS package 'other_description', which is not here",
         XACRO.replace("arm.xacro", "leg.xacro"): "cannot be expanded: .*leg.xacro",
         XACRO.replace("$(arg reach)", "${1/0}"): "cannot be expanded: .*division by zero",
-        XACRO.replace("$(arg reach)", "$(arg rich)"): "cannot be expanded: .*rich",
+        XACRO.replace("$(arg reach)", "$(arg rich)"): "argument 'rich' has no value: .* --xacro-arg rich:=VALUE$",
+        '<robot name="a" xmlns:xacro="http://ros.org/wiki/xacro"><xacro:macro name="m"><link name="l"/></xacro:macro>'
+        "</robot>": "expands to nothing: .*macros",
         XACRO.replace("</robot>", ""): "cannot be expanded: .*no element found",
         XACRO.replace("<xacro:arm", "<xacro:leg"): "cannot be expanded: .*leg",
         XACRO.replace("$(arg reach)", "x"): "xyz of joint 'j3' is '0 0 x'|'x'",

@@ -116,10 +116,12 @@ def _why_nothing(source: str, arguments: dict[str, str] | None) -> str:
 
 def _chosen(source: str, chosen: dict[str, Any], arguments: dict[str, str] | None) -> list[dict[str, Any]]:
     from srs_ik.errors import NotAnSrsLimb
-    from srs_ik.loading import load
+    from srs_ik.loading import find_limbs, load
 
     try:
-        return [_accepted(load(source, xacro_args=arguments, **chosen))]
+        arm = load(source, xacro_args=arguments, **chosen)
+        reports = [report for report in find_limbs(source, arguments) if report.joint_names == arm.joint_names]
+        return [_accepted(arm, reports[0] if reports else None)]
     except NotAnSrsLimb as error:
         return [_refused(error, chosen["base"], chosen["tip"], str(error))]
 

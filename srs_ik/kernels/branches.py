@@ -46,18 +46,18 @@ def is_unsure(P, q):
 
 
 @kernel
-def anchor(P, k, first, seeded, seed):
+def anchor(P, k, first, seeded, seed, respect):
     """Where joints 1 and 3 of a spherical joint go when it is singular: half-way to the seed each, or mid-range."""
     if seeded:
-        return (seed[first], seed[first + 2], 0.5)
+        return (seed[first], seed[first + 2], 0.5, first if respect else -1)
     return default_anchor(P, k)
 
 
 @kernel
-def two_solutions(P, k, v, y, seeded, first, seed):
+def two_solutions(P, k, v, y, seeded, first, seed, respect):
     """Both solutions of a spherical joint for R a3 = v and R ACROSS_3 = y, and whether v can be reached."""
     c, s, reached = middle_angle(P, k, v)
-    here = anchor(P, k, first, seeded, seed)
+    here = anchor(P, k, first, seeded, seed, respect)
     above = angles(P, k, v, y, c, s, 0, here)
     if s > NEARLY_SINGULAR and P[k + A1_A2] == 0.0 and P[k + A2_A3] == 0.0:
         return above, mirrored(P, k, above), reached
@@ -70,10 +70,10 @@ def better_half(P, k, first, v, y, wanted, seeded, seed, respect):
     seed3 = (seed[first], seed[first + 1], seed[first + 2])
     if wanted >= 0:
         c, s, reached = middle_angle(P, k, v)
-        q = angles(P, k, v, y, c, s, wanted, anchor(P, k, first, seeded, seed))
+        q = angles(P, k, v, y, c, s, wanted, anchor(P, k, first, seeded, seed, respect))
         q, cost = part(P, first, q, seeded, seed3, respect)
         return q, wanted, (cost if reached else NO_BRANCH)
-    above, below, reached = two_solutions(P, k, v, y, seeded, first, seed)
+    above, below, reached = two_solutions(P, k, v, y, seeded, first, seed, respect)
     q, cost = part(P, first, above, seeded, seed3, respect)
     other, cost_other = part(P, first, below, seeded, seed3, respect)
     if not reached:
@@ -144,8 +144,8 @@ def elbow_branches(P, place_, psi, elbow, respect, Q):
     q4, v, y, v_w, y_w = side_at(P, place_, elbow, math.cos(psi), math.sin(psi))
     none = (0.0, 0.0, 0.0)
     e, cost_e = elbow_part(P, q4, False, 0.0, respect)
-    shoulder, other_shoulder, reached_s = two_solutions(P, SHOULDER, v, y, False, 0, NO_SEED)
-    wrist, other_wrist, reached_w = two_solutions(P, WRIST, v_w, y_w, False, 4, NO_SEED)
+    shoulder, other_shoulder, reached_s = two_solutions(P, SHOULDER, v, y, False, 0, NO_SEED, False)
+    wrist, other_wrist, reached_w = two_solutions(P, WRIST, v_w, y_w, False, 4, NO_SEED, False)
     for sign in range(2):
         a, cost_s = part(P, 0, shoulder if sign == 0 else other_shoulder, False, none, respect)
         b, cost_w = part(P, 4, wrist if sign == 0 else other_wrist, False, none, respect)

@@ -54,7 +54,12 @@ def expand(path: Path, label: str, arguments: Mapping[str, str], packages: Mappi
             if isinstance(cause, InvalidRobot):
                 raise cause from None
             reason = " ".join(str(cause).split()) or type(cause).__name__
+            if isinstance(cause, substitution.ArgException):
+                reason = f"its argument {reason!r} has no value: give it one, --xacro-arg {reason}:=VALUE"
             raise InvalidRobot(f"{label} cannot be expanded: {reason}", label) from None
+        if not document.getElementsByTagName("link"):
+            reason = "it has no <link> of its own; if it only defines macros, take the file that uses them"
+            raise InvalidRobot(f"{label} expands to nothing: {reason}", label)
         return str(document.toxml())
 
 
