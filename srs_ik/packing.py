@@ -128,11 +128,15 @@ def _pack_spherical(P: Vector, k: int, first: int, axes: Vector) -> None:
     phase = np.arctan2(a1 @ np.cross(a2, a3), a1 @ a3 - (a1 @ a2) * (a2 @ a3))
     P[k + at.PHASE], P[k + at.COS_PHASE], P[k + at.SIN_PHASE] = phase, np.cos(phase), np.sin(phase)
     alpha, beta = _angle(a1, a2), _angle(a2, a3)
-    P[k + at.TOP_GAP] = 2.0 * np.sin(0.5 * (alpha - beta)) ** 2
-    P[k + at.BOTTOM_GAP] = 2.0 * np.sin(0.5 * (np.pi - alpha - beta)) ** 2
+    P[k + at.TOP_GAP], P[k + at.BOTTOM_GAP] = _gap(alpha - beta), _gap(np.pi - alpha - beta)
     P[k + at.A1_A2], P[k + at.A2_A3] = _cosine(a1, a2), _cosine(a2, a3)
     _put(P, k + at.CROSS_23, np.cross(a2, a3))
     P[k + at.FIRST_JOINT] = first
+
+
+def _gap(angle: float) -> float:
+    """1 - cos of an angle; exactly zero where it is rounding, or axes 1 and 3 could never be quite parallel."""
+    return 0.0 if abs(angle) < 4e-15 else float(2.0 * np.sin(0.5 * angle) ** 2)
 
 
 def _angle(a: Vector, b: Vector) -> float:
