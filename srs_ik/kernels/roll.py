@@ -76,7 +76,7 @@ def in_forearm(base, arm, a4, c4, s4, circle):
 
 
 @kernel
-def wrist_at(P, motion, roll, sign, seeded, seed):
+def wrist_at(P, motion, roll, sign, seeded, seed, respect):
     """One solution of the wrist at a roll: its angles, and whether it exists."""
     c = math.cos(roll)
     s = math.sin(roll)
@@ -84,13 +84,13 @@ def wrist_at(P, motion, roll, sign, seeded, seed):
     v = swing(v0[0], v0[1], v0[2], c, s)
     cosine, sine, reached = middle_angle(P, WRIST, v)
     y = swing(y0[0], y0[1], y0[2], c, s)
-    return angles(P, WRIST, v, y, cosine, sine, sign, anchor(P, WRIST, 4, seeded, seed)), reached
+    return angles(P, WRIST, v, y, cosine, sine, sign, anchor(P, WRIST, 4, seeded, seed, respect)), reached
 
 
 @kernel
 def roll_cost(P, motion, roll, sign):
     """How far the wrist is from the middles of its ranges, 1 on a limit; a joint without limits counts with +-pi."""
-    q, reached = wrist_at(P, motion, roll, sign, False, NO_SEED)
+    q, reached = wrist_at(P, motion, roll, sign, False, NO_SEED, False)
     worst = 0.0
     total = 0.0
     for i in range(3):
@@ -158,7 +158,7 @@ def search_piece(P, motion, sign, lower, upper):
 def keep_roll(P, motion, sign, lower, upper, seed, respect):
     """The roll of an interval nearest to 0, and how far the wrist is from a seed there, rad squared."""
     roll, _ = between(0.0, lower, upper)
-    q, reached = wrist_at(P, motion, roll, sign, True, seed)
+    q, reached = wrist_at(P, motion, roll, sign, True, seed, respect)
     total = 0.0
     for i in range(3):
         total += (turn_to_seed(P, 4 + i, q[i], seed[4 + i], respect) - seed[4 + i]) ** 2

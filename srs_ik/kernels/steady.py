@@ -21,7 +21,7 @@ def steady_half(P, k, first, v, y, seeded, seed, respect):
     """The better solution of a spherical joint for R a3 = v and R ACROSS_3 = y: angles, sign 0 or 1, cost."""
     if seeded:
         return better_half(P, k, first, v, y, -1, seeded, seed, respect)
-    above, below, reached = two_solutions(P, k, v, y, False, first, NO_SEED)
+    above, below, reached = two_solutions(P, k, v, y, False, first, NO_SEED, respect)
     q, cost = margin_part(P, first, above, respect)
     other, cost_other = margin_part(P, first, below, respect)
     if not reached:
