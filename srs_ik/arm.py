@@ -100,16 +100,16 @@ class Arm(RedundantLimb):
             InvalidConfiguration: seed, arm angle or branch are malformed.
         """
         row = np.empty(ROW)
-        verdict = entries.solve(
-            self._family,
-            as_matrix(pose),
-            None if arm_angle is None else as_arm_angle(arm_angle),
-            -1 if branch is None else as_branch(branch),
-            None if seed is None else as_joint_vector(seed, "seed"),
-            bool(respect_limits),
-            *(self._no_work or self._work()),
-            row,
-        )
+        T = as_matrix(pose)
+        chosen = -1 if branch is None else as_branch(branch)
+        near = None if seed is None else as_joint_vector(seed, "seed")
+        respect_limits = bool(respect_limits)
+        J, A = self._no_work or self._work()
+        if arm_angle is None:
+            verdict = entries.solve(self._family, T, chosen, near, respect_limits, J, A, row)
+        else:
+            psi = as_arm_angle(arm_angle)
+            verdict = entries.solve_at(self._family, T, psi, chosen, near, respect_limits, J, A, row)
         if verdict:
             raise invalid_pose(verdict)
         return Solution(row, self.joint_names, self._elbow)
@@ -194,18 +194,25 @@ class Arm(RedundantLimb):
             if psis is None:
                 raise InvalidConfiguration("all_branches needs an arm_angle; without one, see solve_all and intervals")
             out = np.empty((n, 8, ROW))
+            rows = out.reshape(-1, ROW)
 
             def work(first: int, last: int) -> None:
                 entries.solve_all_range(
-                    self._family, T, first, last, psis, respect_limits, *self._work(), out, verdicts
+                    self._family, T, first, last, psis, respect_limits, *self._work(), rows, verdicts
                 )
         else:
             out = np.empty((n, ROW))
 
             def work(first: int, last: int) -> None:
-                entries.solve_range(
-                    self._family, T, first, last, psis, chosen, seeds, respect_limits, *self._work(), out, verdicts
-                )
+                J, A = self._work()
+                if psis is None:
+                    entries.solve_range(
+                        self._family, T, first, last, chosen, seeds, respect_limits, J, A, out, verdicts
+                    )
+                else:
+                    entries.solve_at_range(
+                        self._family, T, first, last, psis, chosen, seeds, respect_limits, J, A, out, verdicts
+                    )
 
         run_in_threads(work, n, threads)
         refuse_bad_poses(verdicts)

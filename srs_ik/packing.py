@@ -101,6 +101,7 @@ def _pack_elbow(P: Vector, limb: SrsLimb) -> None:
     scale = float(np.linalg.norm(e) * np.linalg.norm(f))
     if max(abs(e_along), abs(f_along)) < ALIGNED * np.sqrt(scale):
         P[at.NORMAL_KIND] = 0.0
+        normal_s = axis * np.sign(axis @ normal_s)
     elif np.linalg.norm(normal_0) < ALIGNED * scale:
         P[at.NORMAL_KIND] = 1.0
     else:

@@ -22,6 +22,7 @@ from srs_ik.kernels.layout import (
     SHOULDER_CENTRE,
     WRIST_IN_TIP,
 )
+from srs_ik.kernels.memory import row
 from srs_ik.kernels.poses import read7
 from srs_ik.kernels.scoring import NO_SEED
 from srs_ik.kernels.selfmotion import rates
@@ -115,7 +116,7 @@ def gradient(P, q, J, g):
 @entry
 def arm_angle_jacobian(family, q, g):
     """Write d(arm angle)/dq into g (7,); returns whether it exists, else g is zero."""
-    return gradient(family[LIMITED], read7(q), np.empty((6, 7)), g)[2]
+    return gradient(row(family, LIMITED), read7(q), np.empty((6, 7)), g)[2]
 
 
 @kernel
@@ -149,7 +150,7 @@ def tangent(P, q):
 @entry
 def self_motion_tangent(family, q, out):
     """Write dq/d(arm angle) at rest of the tip into out (7,); returns whether it exists, else out is zero."""
-    v, exists = tangent(family[LIMITED], read7(q))
+    v, exists = tangent(row(family, LIMITED), read7(q))
     for joint in range(7):
         out[joint] = v[joint]
     return exists

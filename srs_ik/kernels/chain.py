@@ -6,7 +6,7 @@ import math
 
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout import AXES, POINTS, TIP_POSITION, TIP_ROTATION
-from srs_ik.kernels.vectors import add, apply, cross, dot, load3, load9, norm, rotate, sub
+from srs_ik.kernels.vectors import add, apply, cross, dot, load3, load9, norm, rotate, rotation, sub, times
 
 
 @kernel
@@ -19,10 +19,9 @@ def turn_about_line(P, joint, c, s, point):
 @kernel
 def turn_frame(P, joint, angle, x, y, p):
     """A frame, given by its x and y directions and its origin, turned about the zero-configuration line of a joint."""
-    c = math.cos(angle)
-    s = math.sin(angle)
-    axis = load3(P, AXES + 3 * joint)
-    return rotate(axis, c, s, x), rotate(axis, c, s, y), turn_about_line(P, joint, c, s, p)
+    M = rotation(load3(P, AXES + 3 * joint), math.cos(angle), math.sin(angle))
+    origin = load3(P, POINTS + 3 * joint)
+    return apply(M, x), apply(M, y), add(origin, apply(M, sub(p, origin)))
 
 
 @kernel
@@ -48,26 +47,32 @@ def hand_frame(P, q):
 @kernel
 def arm_frame_at(P, q):
     """The base frame moved by joints 1 to 3, as a rotation matrix and an origin: what these joints do to any point."""
-    x = (1.0, 0.0, 0.0)
-    y = (0.0, 1.0, 0.0)
-    p = (0.0, 0.0, 0.0)
-    for k in range(3):
-        x, y, p = turn_frame(P, 2 - k, q[2 - k], x, y, p)
-    z = cross(x, y)
-    return (x[0], y[0], z[0], x[1], y[1], z[1], x[2], y[2], z[2]), p
+    M = rotation(load3(P, AXES), math.cos(q[0]), math.sin(q[0]))
+    N = rotation(load3(P, AXES + 3), math.cos(q[1]), math.sin(q[1]))
+    K = rotation(load3(P, AXES + 6), math.cos(q[2]), math.sin(q[2]))
+    NK = times(N, K)
+    a = load3(P, POINTS)
+    b = load3(P, POINTS + 3)
+    c = load3(P, POINTS + 6)
+    # a + M (b - a + N (c - b - K c))
+    p = add(a, apply(M, add(sub(b, a), apply(N, sub(sub(c, b), apply(K, c))))))
+    return times(M, NK), p
 
 
 @kernel
 def frame_error(x, y, z, position, R, p):
     """Distance (m) and angle (rad) between a frame and a wanted pose (rotation matrix R, position p).
 
-    The angle is taken from sine and cosine together: an arc cosine would lose half of the digits near zero.
+    The angle is taken from sine and cosine together: an arc cosine would lose half of the digits near zero. Where it is
+    tiny, it is its tangent.
     """
     wanted_x = (R[0], R[3], R[6])
     wanted_y = (R[1], R[4], R[7])
     wanted_z = (R[2], R[5], R[8])
     twice_sine = norm(add(add(cross(x, wanted_x), cross(y, wanted_y)), cross(z, wanted_z)))
     twice_cosine = dot(x, wanted_x) + dot(y, wanted_y) + dot(z, wanted_z) - 1.0
+    if twice_sine < 1e-8 * twice_cosine:
+        return norm(sub(p, position)), twice_sine / twice_cosine
     return norm(sub(p, position)), math.atan2(twice_sine, twice_cosine)
 
 
@@ -84,25 +89,20 @@ def joint_lines(P, q, J):
 
     J is the spatial Jacobian of the base origin. Returns the pose of the tip: rotation columns x, y, z, and position.
     """
-    x = (1.0, 0.0, 0.0)
-    y = (0.0, 1.0, 0.0)
-    z = (0.0, 0.0, 1.0)
-    shift = (0.0, 0.0, 0.0)  # a point of the zero configuration moves to (x y z) point + shift
+    M = (1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0)
+    shift = (0.0, 0.0, 0.0)  # a point of the zero configuration moves to M point + shift
     for joint in range(7):
-        M = (x[0], y[0], z[0], x[1], y[1], z[1], x[2], y[2], z[2])
-        axis = apply(M, load3(P, AXES + 3 * joint))
-        origin = add(apply(M, load3(P, POINTS + 3 * joint)), shift)
+        line = load3(P, AXES + 3 * joint)
+        point = load3(P, POINTS + 3 * joint)
+        axis = apply(M, line)
+        origin = add(apply(M, point), shift)
         moment = cross(origin, axis)
         for i in range(3):
             J[i, joint] = moment[i]
             J[i + 3, joint] = axis[i]
-        c = math.cos(q[joint])
-        s = math.sin(q[joint])
-        x = rotate(axis, c, s, x)
-        y = rotate(axis, c, s, y)
-        z = rotate(axis, c, s, z)
-        shift = add(origin, rotate(axis, c, s, sub(shift, origin)))
-    M = (x[0], y[0], z[0], x[1], y[1], z[1], x[2], y[2], z[2])
+        angle = q[joint]
+        M = times(M, rotation(line, math.cos(angle), math.sin(angle)))
+        shift = sub(origin, apply(M, point))
     H = load9(P, TIP_ROTATION)
     return (
         apply(M, (H[0], H[3], H[6])),

@@ -30,8 +30,22 @@ ON_LINE = 1e-6
 STALL = 10
 """After so many steps the error must have come down by a third, or the start was a bad one."""
 
+LAST_STEP = 3e-8
+"""A Newton step this short, rad, leaves an error of the order of its square: nothing."""
+
 MAX_STEP = 0.5
 """Longest change of a joint in one step, rad."""
+
+
+@kernel
+def twist_to(x, y, z, position, R, p):
+    """Twist (linear, of the tip point, then angular; base axes) that leads from a frame to a pose."""
+    sine2 = add(add(cross(x, (R[0], R[3], R[6])), cross(y, (R[1], R[4], R[7]))), cross(z, (R[2], R[5], R[8])))
+    cosine2 = dot(x, (R[0], R[3], R[6])) + dot(y, (R[1], R[4], R[7])) + dot(z, (R[2], R[5], R[8])) - 1.0
+    twice_sine = norm(sine2)
+    angle = math.atan2(twice_sine, cosine2)
+    turn = scale(angle / twice_sine if twice_sine > 1e-9 else 0.5, sine2)
+    return sub(p, position), turn
 
 
 @kernel
@@ -43,17 +57,28 @@ def pose_step(P, q, R, p, J):
         v = add((J[0, joint], J[1, joint], J[2, joint]), cross(axis, position))
         for i in range(3):
             J[i, joint] = v[i]
-    sine2 = add(add(cross(x, (R[0], R[3], R[6])), cross(y, (R[1], R[4], R[7]))), cross(z, (R[2], R[5], R[8])))
-    cosine2 = dot(x, (R[0], R[3], R[6])) + dot(y, (R[1], R[4], R[7])) + dot(z, (R[2], R[5], R[8])) - 1.0
-    twice_sine = norm(sine2)
-    angle = math.atan2(twice_sine, cosine2)
-    turn = scale(angle / twice_sine if twice_sine > 1e-9 else 0.5, sine2)
-    return sub(p, position), turn
+    return twist_to(x, y, z, position, R, p)
+
+
+@kernel
+def add_row(A, i, f, r):
+    """Add a multiple of eight figures to a row."""
+    A[i, 0] += f * r[0]
+    A[i, 1] += f * r[1]
+    A[i, 2] += f * r[2]
+    A[i, 3] += f * r[3]
+    A[i, 4] += f * r[4]
+    A[i, 5] += f * r[5]
+    A[i, 6] += f * r[6]
+    A[i, 7] += f * r[7]
 
 
 @kernel
 def solve_linear(A, n):
-    """Solve the n x n system in A (n, n + 1) in place by elimination with pivoting; the solution ends in column n."""
+    """Solve the n x n system in A (n, 9), n up to 7, by elimination with pivoting; the solution ends in column n.
+
+    Every row is worked on in all of its first eight columns: a fixed number of them is faster than those that matter.
+    """
     for k in range(n):
         pivot = k
         for i in range(k + 1, n):
@@ -62,19 +87,17 @@ def solve_linear(A, n):
         if abs(A[pivot, k]) < 1e-18:
             return False
         if pivot != k:
-            for j in range(k, n + 1):
+            for j in range(8):
                 t = A[k, j]
                 A[k, j] = A[pivot, j]
                 A[pivot, j] = t
-        for i in range(k + 1, n):
-            f = A[i, k] / A[k, k]
-            for j in range(k + 1, n + 1):
-                A[i, j] -= f * A[k, j]
-    for k in range(n - 1, -1, -1):
-        s = A[k, n]
-        for j in range(k + 1, n):
-            s -= A[k, j] * A[j, n]
-        A[k, n] = s / A[k, k]
+        f = 1.0 / A[k, k]
+        r = (f * A[k, 0], f * A[k, 1], f * A[k, 2], f * A[k, 3], f * A[k, 4], f * A[k, 5], f * A[k, 6], f * A[k, 7])
+        for i in range(n):
+            f = 0.0 if i == k else A[i, k]
+            add_row(A, i, -f, r)
+        for j in range(8):
+            A[k, j] = r[j]
     return True
 
 
@@ -84,7 +107,8 @@ def elbow_position(P, q):
     e = load3(P, ELBOW_CENTRE)
     for k in range(3):
         joint = 2 - k
-        e = turn_about_line(P, joint, math.cos(q[joint]), math.sin(q[joint]), e)
+        angle = q[joint]
+        e = turn_about_line(P, joint, math.cos(angle), math.sin(angle), e)
     return e
 
 
@@ -93,7 +117,8 @@ def upper_arm_rotation(P, q, v):
     """A vector of the upper arm's frame in the base frame."""
     for k in range(3):
         joint = 2 - k
-        v = rotate(load3(P, AXES + 3 * joint), math.cos(q[joint]), math.sin(q[joint]), v)
+        angle = q[joint]
+        v = rotate(load3(P, AXES + 3 * joint), math.cos(angle), math.sin(angle), v)
     return v
 
 
@@ -135,7 +160,31 @@ def longest(A):
 
 
 @kernel
-def close_at_angle(P, q, R, p, t, h0, psi, steps, J, A):
+def equations_at_angle(P, q, R, p, b, A):
+    """Write the seven equations of a Newton step at q into A: the pose, and no way across the half-plane with normal b.
+
+    Returns the error of the pose (m, rad) and the vector from the shoulder to the elbow centre.
+    """
+    x, y, z, position = joint_lines(P, q, A)
+    linear, angular = twist_to(x, y, z, position, R, p)
+    # The joint lines give velocities at the base origin.
+    at_origin = add(linear, cross(position, angular))
+    for i in range(3):
+        A[i, 7] = at_origin[i]
+        A[i + 3, 7] = angular[i]
+    elbow = elbow_position(P, q)
+    lever = cross(elbow, b)
+    for j in range(3):
+        A[6, j] = dot(b, (A[0, j], A[1, j], A[2, j])) + dot(lever, (A[3, j], A[4, j], A[5, j]))
+        A[6, j + 3] = 0.0
+    A[6, 6] = 0.0
+    reach = sub(elbow, load3(P, SHOULDER_CENTRE))
+    A[6, 7] = -dot(b, reach)
+    return max(norm(linear), norm(angular)), reach
+
+
+@kernel
+def close_at_angle(P, q, R, p, t, h0, psi, steps, A):
     """Newton's method for the pose and the arm angle together.
 
     Args:
@@ -147,7 +196,6 @@ def close_at_angle(P, q, R, p, t, h0, psi, steps, J, A):
         h0: zero direction of the arm angle.
         psi: wanted arm angle.
         steps: largest number of steps.
-        J: (6, 7) work space.
         A: (7, 9) work space.
 
     Returns:
@@ -156,35 +204,17 @@ def close_at_angle(P, q, R, p, t, h0, psi, steps, J, A):
     h = along(scale(math.cos(psi), h0), math.sin(psi), cross(t, h0))
     b = cross(t, h)
     for _ in range(steps):
-        linear, angular = pose_step(P, q, R, p, J)
-        reach = sub(elbow_position(P, q), load3(P, SHOULDER_CENTRE))
-        off_plane = dot(b, reach)
-        if max(norm(linear), norm(angular)) < 0.1 * CLOSED and abs(off_plane) < CLOSED:
+        error, reach = equations_at_angle(P, q, R, p, b, A)
+        if error < 0.1 * CLOSED and abs(A[6, 7]) < CLOSED:
             return q, dot(h, reach) > -ON_LINE
-        for i in range(3):
-            for j in range(7):
-                A[i, j] = J[i, j]
-                A[i + 3, j] = J[i + 3, j]
-            A[i, 7] = linear[i]
-            A[i + 3, 7] = angular[i]
-        elbow = add(reach, load3(P, SHOULDER_CENTRE))
-        tip = sub(p, linear)
-        for j in range(7):
-            A[6, j] = 0.0
-            if j < 3:
-                axis = (J[3, j], J[4, j], J[5, j])
-                # Velocity of the elbow: that of the tip point, moved from tip to elbow.
-                v = add((J[0, j], J[1, j], J[2, j]), cross(axis, sub(elbow, tip)))
-                A[6, j] = dot(b, v)
-        A[6, 7] = -off_plane
         if not solve_linear(A, 7):
             return q, False
         size = longest(A)
         q = moved(q, A, 1.0 if size < MAX_STEP else MAX_STEP / size)
-    linear, angular = pose_step(P, q, R, p, J)
-    reach = sub(elbow_position(P, q), load3(P, SHOULDER_CENTRE))
-    closed = max(norm(linear), norm(angular)) < CLOSED and abs(dot(b, reach)) < 1e3 * CLOSED
-    return q, closed and dot(h, reach) > -ON_LINE
+        if size < LAST_STEP:
+            return q, dot(h, reach) > -ON_LINE
+    error, reach = equations_at_angle(P, q, R, p, b, A)
+    return q, error < CLOSED and abs(A[6, 7]) < 1e3 * CLOSED and dot(h, reach) > -ON_LINE
 
 
 @kernel

@@ -55,13 +55,19 @@ def unit_across(a, u, spare):
     """Unit vector of the part of a across the unit vector u; of `spare`, or any, where that vanishes."""
     b = across(a, u)
     length = norm(b)
-    if length < REFERENCE_SINE * norm(a) or length == 0.0:
+    size = norm(a)
+    if length < REFERENCE_SINE * size or length == 0.0:
+        size = 1.0
         b = across(spare, u)
         length = norm(b)
         if length < REFERENCE_SINE:
             b = across((1.0, 0.0, 0.0) if abs(u[0]) < 0.7 else (0.0, 1.0, 0.0), u)
             length = norm(b)
-    b = across(scale(1.0 / length, b), u)
+    b = scale(1.0 / length, b)
+    if length > 0.1 * size:
+        return b
+    # Most of a is gone: what rounding left along u counts now.
+    b = across(b, u)
     return scale(1.0 / norm(b), b)
 
 
@@ -89,8 +95,8 @@ def elbow_bend(P, d):
         return -1.0, 0.0, d - P[NEAR]
     far = (P[FAR] - d) * (P[FAR] + d)
     near = (d - P[NEAR]) * (d + P[NEAR])
-    total = far + near
-    return (near - far) / total, 2.0 * math.sqrt(far * near) / total, 0.0
+    share = 1.0 / (far + near)
+    return (near - far) * share, 2.0 * math.sqrt(far * near) * share, 0.0
 
 
 @kernel
@@ -107,8 +113,9 @@ def arm_frame(P, c, s):
     t = scale(1.0 / length, w) if length > 0.0 else unit_across(a4, a4, load3(P, UPPER_ARM))
     kind = P[NORMAL_KIND]
     if kind == 0.0:
-        n = scale(math.copysign(1.0, s), load3(P, NORMAL_S))
-    elif kind == 1.0:
+        n = across(scale(math.copysign(1.0, s), load3(P, NORMAL_S)), t)
+        return t, cross(t, n), n
+    if kind == 1.0:
         half_c = math.sqrt(0.5 * (1.0 + c)) if c > -0.5 else 0.5 * abs(s) / math.sqrt(0.5 * (1.0 - c))
         half_s = 0.5 * s / half_c if c > -0.5 else math.copysign(math.sqrt(0.5 * (1.0 - c)), s)
         sign = math.copysign(1.0, s)

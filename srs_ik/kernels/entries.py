@@ -13,7 +13,7 @@ import numpy as np
 from srs_ik.kernels.branches import NO_BRANCH, branch_of, elbow_branches, is_unsure
 from srs_ik.kernels.chain import arm_frame_at, forward_kinematics, frame_error, hand_frame
 from srs_ik.kernels.closure import arm_angle
-from srs_ik.kernels.elbow import elbow_side, place, shoulder_to_wrist, target_frame
+from srs_ik.kernels.elbow import place, shoulder_to_wrist, target_frame
 from srs_ik.kernels.followed_angle import find_at_angle, solve_at_angle
 from srs_ik.kernels.intervals import MAX_PIECES, find_intervals
 from srs_ik.kernels.jit import entry, kernel
@@ -26,12 +26,13 @@ from srs_ik.kernels.layout import (
 )
 from srs_ik.kernels.limits import set_limits
 from srs_ik.kernels.margin import farthest
+from srs_ik.kernels.memory import row
 from srs_ik.kernels.near_intervals import best_of_true_intervals, true_intervals
 from srs_ik.kernels.poses import GOOD_POSE, read7, read_pose
 from srs_ik.kernels.redundancy import search, search_near_seed
 from srs_ik.kernels.rows import OK, OUT_OF_LIMITS, SOLVED, UNREACHABLE, measure_row, measure_row_at, write_row
 from srs_ik.kernels.scoring import NO_SEED, OUTSIDE, UNMET, tightest_joint
-from srs_ik.kernels.search import evaluate_branch
+from srs_ik.kernels.search import evaluate
 from srs_ik.kernels.second_attempts import rescue
 from srs_ik.kernels.vectors import add, apply, cross
 
@@ -45,29 +46,40 @@ def seed_or_zero(seed):
 
 
 @kernel
-def solve_one(family, T, psi, branch, seed, respect, J, A, out):
-    """Solve one pose into a row, at an arm angle and near a seed unless they are None; returns the verdict on it."""
+def own(values, i):
+    """The value of pose i, from one for all, or one a pose."""
+    return values[i if values.shape[0] > 1 else 0]
+
+
+@kernel
+def own_seed(seeds, i):
+    """The seed of pose i, from one for all, or one a pose, or None."""
+    if seeds is None:
+        return None
+    return row(seeds, i if seeds.shape[0] > 1 else 0)
+
+
+@kernel
+def solve_row(family, T, branch, seed, respect, J, A, out):
+    """Solve one pose over all arm angles into a row; returns the verdict on it."""
     R, p, verdict = read_pose(T)
     if verdict != GOOD_POSE:
         return verdict
-    P = family[LIMITED]
+    P = row(family, LIMITED)
     place_ = place(P, R, p)
     near = seed_or_zero(seed)
     seeded = seed is not None
-    if psi is None:
-        q = near
-        best = 0
-        lowest = 4.0 * NO_BRANCH
-        if seed is not None:
-            if branch < 0:
-                F = family[LIMITED if respect else FREE]
-                q, best, lowest = search_near_seed(P, F, place_, R, p, near, respect, J, A)
-        if lowest >= OUTSIDE:
-            q, best, lowest = search(family, place_, R, p, branch, seeded, near, respect, J, A)
-    else:
-        q, best, lowest = solve_at_angle(P, place_, R, p, psi, branch, seeded, near, respect, J, A)
-    measure_row_at(P, place_, R, p, psi, q, best, lowest, respect, out)
-    if psi is None and J is not None:
+    q = near
+    best = 0
+    lowest = 4.0 * NO_BRANCH
+    if seed is not None:
+        if branch < 0:
+            F = row(family, LIMITED if respect else FREE)
+            q, best, lowest = search_near_seed(P, F, place_, R, p, near, respect, J, A)
+    if lowest >= OUTSIDE:
+        q, best, lowest = search(family, place_, R, p, branch, seeded, near, respect, J, A)
+    measure_row(P, place_, R, p, q, best, lowest, respect, out)
+    if J is not None:
         if respect and out[ROW_STATUS] == UNREACHABLE:
             # Only a posture without limits can tell what a near limb does not reach from what its limits forbid.
             if lowest >= UNMET:
@@ -78,30 +90,51 @@ def solve_one(family, T, psi, branch, seed, respect, J, A, out):
     return GOOD_POSE
 
 
-@entry
-def solve(family, T, psi, branch, seed, respect, J, A, out):
-    """Solve one pose into a row of `out`; returns the verdict on the pose."""
-    return solve_one(family, T, psi, branch, seed, respect, J, A, out)
-
-
 @kernel
-def own(values, i):
-    """The value of pose i, from one for all, or one a pose, or None."""
-    if values is None:
-        return None
-    return values[i if values.shape[0] > 1 else 0]
+def solve_row_at(family, T, psi, branch, seed, respect, J, A, out):
+    """Solve one pose at an arm angle into a row; returns the verdict on it."""
+    R, p, verdict = read_pose(T)
+    if verdict != GOOD_POSE:
+        return verdict
+    P = row(family, LIMITED)
+    place_ = place(P, R, p)
+    near = seed_or_zero(seed)
+    q, best, lowest = solve_at_angle(P, place_, R, p, psi, branch, seed is not None, near, respect, J, A)
+    measure_row_at(P, place_, R, p, psi, q, best, lowest, respect, out)
+    return GOOD_POSE
 
 
 @entry
-def solve_range(family, poses, first, last, psis, branch, seeds, respect, J, A, out, verdicts):
-    """Solve the poses first to last - 1; psis and seeds hold one value for all, or one a pose, or are None."""
+def solve(family, T, branch, seed, respect, J, A, out):
+    """Solve one pose into a row of `out`, the best posture of all arm angles; returns the verdict on the pose."""
+    return solve_row(family, row(T, 0), branch, own_seed(seed, 0), respect, J, A, row(out, 0))
+
+
+@entry
+def solve_at(family, T, psi, branch, seed, respect, J, A, out):
+    """Solve one pose at an arm angle into a row of `out`; returns the verdict on the pose."""
+    return solve_row_at(family, row(T, 0), psi, branch, own_seed(seed, 0), respect, J, A, row(out, 0))
+
+
+@entry
+def solve_range(family, poses, first, last, branch, seeds, respect, J, A, out, verdicts):
+    """`solve` for the poses first to last - 1; seeds hold one for all, or one a pose, or are None."""
     for i in range(first, last):
-        verdicts[i] = solve_one(family, poses[i], own(psis, i), branch, own(seeds, i), respect, J, A, out[i])
+        verdicts[i] = solve_row(family, row(poses, i), branch, own_seed(seeds, i), respect, J, A, row(out, i))
+
+
+@entry
+def solve_at_range(family, poses, first, last, psis, branch, seeds, respect, J, A, out, verdicts):
+    """`solve_at` for the poses first to last - 1; psis and seeds hold one for all, or one a pose."""
+    for i in range(first, last):
+        verdicts[i] = solve_row_at(
+            family, row(poses, i), own(psis, i), branch, own_seed(seeds, i), respect, J, A, row(out, i)
+        )
 
 
 @kernel
-def all_branches(P, T, psi, respect, J, A, out):
-    """One row a branch at an arm angle, in the order of branches."""
+def all_branches(P, T, psi, respect, J, A, out, first):
+    """One row a branch at an arm angle, in the order of branches: rows `first` to `first + 7` of out."""
     R, p, verdict = read_pose(T)
     if verdict != GOOD_POSE:
         return verdict
@@ -116,35 +149,34 @@ def all_branches(P, T, psi, respect, J, A, out):
                 branch = 4 * elbow + i
                 q = read7(Q[i])
                 if Q[i, 7] >= OUTSIDE:
-                    measure_row(P, place_, R, p, q, branch, Q[i, 7], respect, out[branch])
+                    measure_row(P, place_, R, p, q, branch, Q[i, 7], respect, row(out, first + branch))
                     continue
                 M, shift = arms[i >> 1]
                 x, y, origin = hands[i & 1]
                 x = apply(M, x)
                 y = apply(M, y)
                 position, orientation = frame_error(x, y, cross(x, y), add(apply(M, origin), shift), R, p)
-                write_row(place_, q, branch, psi, False, True, position, orientation, 0, out[branch])
+                write_row(place_, q, branch, psi, False, True, position, orientation, 0, row(out, first + branch))
         return GOOD_POSE
     found = np.empty((8, 8))
     followed = False
     for branch in range(8):
-        side = elbow_side(P, place_, branch >> 2)
-        q, lowest = evaluate_branch(P, place_, side, R, p, psi, branch, False, NO_SEED, respect, J, A)
+        q, _, lowest = evaluate(P, place_, R, p, psi, branch, False, NO_SEED, respect, J, A)
         if lowest >= NO_BRANCH or (lowest >= OUTSIDE and is_unsure(P, q)):
             if not followed:
                 find_at_angle(P, place_, R, p, psi, False, NO_SEED, respect, found, J, A)
                 followed = True
             if found[branch, 7] < lowest:
                 q, lowest = read7(found[branch]), found[branch, 7]
-        measure_row(P, place_, R, p, q, branch, lowest, respect, out[branch])
-        out[branch, ROW_BRANCH] = branch
+        measure_row(P, place_, R, p, q, branch, lowest, respect, row(out, first + branch))
+        out[first + branch, ROW_BRANCH] = branch
     return GOOD_POSE
 
 
 @entry
 def solve_all(family, T, psi, respect, J, A, out):
     """Branches of one pose that are solutions at an arm angle, in order: number of rows, or minus the verdict."""
-    verdict = all_branches(family[LIMITED], T, psi, respect, J, A, out)
+    verdict = all_branches(row(family, LIMITED), row(T, 0), psi, respect, J, A, out, 0)
     if verdict != GOOD_POSE:
         return -verdict
     n = 0
@@ -158,35 +190,36 @@ def solve_all(family, T, psi, respect, J, A, out):
 
 @entry
 def solve_all_range(family, poses, first, last, psis, respect, J, A, out, verdicts):
-    """All eight branches of the poses first to last - 1."""
+    """All eight branches of the poses first to last - 1, in eight rows of `out` a pose."""
     for i in range(first, last):
-        verdicts[i] = all_branches(family[LIMITED], poses[i], own(psis, i), respect, J, A, out[i])
+        verdicts[i] = all_branches(row(family, LIMITED), row(poses, i), own(psis, i), respect, J, A, out, 8 * i)
 
 
 @kernel
 def all_intervals(family, place_, R, p, respect, J, A, out):
     """Feasible intervals of one pose on the true chain; none where the pose is out of reach."""
     if J is not None:
-        return true_intervals(family[LIMITED], place_, R, p, respect, out, J, A)
-    return find_intervals(family[LIMITED if respect else FREE], place_, -1, out) if abs(place_[5]) < SOLVED else 0
+        return true_intervals(row(family, LIMITED), place_, R, p, respect, out, J, A)
+    P = row(family, LIMITED if respect else FREE)
+    return find_intervals(P, place_, -1, out) if abs(place_[5]) < SOLVED else 0
 
 
 @entry
 def intervals(family, T, respect, J, A, out):
     """Feasible intervals of one pose: number of rows written to `out` (n, 3), or minus the verdict."""
-    R, p, verdict = read_pose(T)
+    R, p, verdict = read_pose(row(T, 0))
     if verdict != GOOD_POSE:
         return -verdict
-    return all_intervals(family, place(family[LIMITED], R, p), R, p, respect, J, A, out)
+    return all_intervals(family, place(row(family, LIMITED), R, p), R, p, respect, J, A, out)
 
 
 @entry
 def solve_intervals(family, T, respect, J, A, out):
     """The best posture of every feasible interval of one pose: number of rows of `out`, or minus the verdict."""
-    R, p, verdict = read_pose(T)
+    R, p, verdict = read_pose(row(T, 0))
     if verdict != GOOD_POSE:
         return -verdict
-    P = family[LIMITED]
+    P = row(family, LIMITED)
     place_ = place(P, R, p)
     if J is not None:
         return best_of_true_intervals(P, place_, R, p, respect, out, J, A)
@@ -194,14 +227,14 @@ def solve_intervals(family, T, respect, J, A, out):
     n = all_intervals(family, place_, R, p, respect, J, A, found)
     for i in range(n):
         q, b, lowest = farthest(P, place_, found, i, i + 1, -1, respect)
-        measure_row(P, place_, R, p, q, b, lowest, respect, out[i])
+        measure_row(P, place_, R, p, q, b, lowest, respect, row(out, i))
     return n
 
 
 @entry
 def configuration_arm_angle(family, q):
     """Arm angle and branch of a configuration."""
-    P = family[LIMITED]
+    P = row(family, LIMITED)
     q = read7(q)
     x, y, z, p = forward_kinematics(P, q)
     R = (x[0], y[0], z[0], x[1], y[1], z[1], x[2], y[2], z[2])
@@ -218,4 +251,4 @@ def pack_limits(P, lower, upper):
 @entry
 def check_pose(T):
     """Verdict on a pose."""
-    return read_pose(T)[2]
+    return read_pose(row(T, 0))[2]

@@ -7,6 +7,7 @@ from srs_ik.kernels.entries import all_intervals
 from srs_ik.kernels.intervals import MAX_PIECES
 from srs_ik.kernels.jit import entry
 from srs_ik.kernels.layout import LIMITED
+from srs_ik.kernels.memory import row
 from srs_ik.kernels.poses import GOOD_POSE, read_pose
 
 MOST_INTERVALS = 8 * MAX_PIECES
@@ -32,10 +33,10 @@ def intervals_range(family, poses, first, last, respect, J, A, rows, counts, ver
     used = 0
     i = first
     while i < last and used + MOST_INTERVALS <= rows.shape[0]:
-        R, p, verdicts[i] = read_pose(poses[i])
+        R, p, verdicts[i] = read_pose(row(poses, i))
         counts[i] = 0
         if verdicts[i] == GOOD_POSE:
-            place_ = place(family[LIMITED], R, p)
+            place_ = place(row(family, LIMITED), R, p)
             counts[i] = all_intervals(family, place_, R, p, respect, J, A, rows[used : used + MOST_INTERVALS])
         used += counts[i]
         i += 1

@@ -169,3 +169,10 @@ def turn_to_seed(P, joint, q, seed, respect):
     if violation(P, joint, near) > 0.0:
         return turn_to_middle(P, joint, q)
     return near
+
+
+@kernel
+def middles(P):
+    """The middle of the range of every joint, zero where there is none."""
+    k = MIDDLE
+    return (P[k], P[k + 1], P[k + 2], P[k + 3], P[k + 4], P[k + 5], P[k + 6])

@@ -16,6 +16,7 @@ from srs_ik.kernels.followed import MAX_SPANS, SPAN, best_on, find_spans
 from srs_ik.kernels.intervals import TURN, join_touching, write_interval
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.line_search import STATE
+from srs_ik.kernels.memory import row
 from srs_ik.kernels.rows import measure_row
 from srs_ik.kernels.scoring import NO_SEED
 from srs_ik.kernels.survey import MAX_RUNS, RUN, near_runs
@@ -77,5 +78,5 @@ def best_of_true_intervals(P, place_, R, p, respect, out, J, A):
                 q, lowest = best_on(
                     P, side, R, p, rows, run, spans[j, 2], spans[j, 3], False, NO_SEED, respect, q, lowest, S, J, A
                 )
-        measure_row(P, place_, R, p, q, branch_of(P, q), lowest, respect, out[i])
+        measure_row(P, place_, R, p, q, branch_of(P, q), lowest, respect, row(out, i))
     return n

@@ -33,14 +33,16 @@ from srs_ik.kernels.layout import (
     MISS,
     PHASE,
     SHOULDER,
+    SIZE,
     STRAIGHT,
     UPPER,
     WRIST,
 )
 from srs_ik.kernels.limits import set_joint_limits, set_limit
-from srs_ik.kernels.scoring import OUTSIDE, cost
+from srs_ik.kernels.scoring import NO_SEED, OUTSIDE, cost
 from srs_ik.kernels.search import turned
 from srs_ik.kernels.selfmotion import rates
+from srs_ik.kernels.trace import dot7
 from srs_ik.kernels.vectors import along, dot, load3, norm, rotate, sub
 
 NEWTON_STEPS = 12
@@ -49,10 +51,17 @@ SLIDE_STEPS = 30
 SLID = 1e-11
 """Steps on the true chain, and the size of the last one, rad."""
 
+STRAIGHT_ON = 1e-3
+MOST_SHARE = 2.0
+"""Below this error of the pose (m, rad) the steps are corrected, and by this factor at most."""
+
 BETWEEN_LIMBS = 0.05
 NEARNESS = 10.0
 """A near limb's joints are no farther from those of its nearest exact limb, rad, away from singularities: the former at
 most, the latter for each part of its reach by which it misses."""
+
+CLOSE = 0.1
+"""The search across singularities is for seeds no farther than this from a posture, rad."""
 
 VALLEY = 0.3
 MOST_STARTS = 24
@@ -152,17 +161,28 @@ def first_guess(P, place_, seed, respect):
 
 
 @kernel
+def read_step(A):
+    """Column 7 of A as a tuple."""
+    return (A[0, 7], A[1, 7], A[2, 7], A[3, 7], A[4, 7], A[5, 7], A[6, 7])
+
+
+@kernel
 def slide(P, q, R, p, seed, respect, J, A):
     """Gauss-Newton on the true chain to the posture nearest to a seed, from one close to it: q, converged.
 
-    Each step is the one nearest to the seed among those that close the pose to first order; a joint that would leave
-    its limits stays on the limit.
+    Each step closes the pose to first order and goes towards the seed as far as the pose allows; a joint that would
+    leave its limits stays on the limit. How far to go is corrected by the last two steps (a secant): where the curve of
+    postures is bent as much as the seed is far, the plain steps would swing around the nearest posture.
     """
     blocked = 0
     size = 1.0
+    share = 1.0
+    way = NO_SEED
+    square = 0.0
     for _ in range(SLIDE_STEPS):
         linear, angular = pose_step(P, q, R, p, J)
-        if size < SLID and max(norm(linear), norm(angular)) < CLOSED:
+        error = max(norm(linear), norm(angular))
+        if size < SLID and error < CLOSED:
             return q, True
         wish = (0.0, 0.0, 0.0)
         turn_wish = (0.0, 0.0, 0.0)
@@ -177,45 +197,67 @@ def slide(P, q, R, p, seed, respect, J, A):
         size = longest(A)
         if size > MAX_STEP:
             return q, False
-        q = moved(q, A, 1.0)
+        step = read_step(A)
+        change = square - dot7(way, step)
+        share = min(share * square / change, MOST_SHARE) if error < STRAIGHT_ON and change > 0.0 else 1.0
+        way, square = step, dot7(step, step)
+        q = moved(q, A, share)
         if respect:
             for j in range(7):
                 if q[j] < P[LOWER + j] or q[j] > P[UPPER + j]:
                     blocked |= 1 << j
+                    square = 0.0
             q = clipped(P, q)
     return q, False
 
 
 @kernel
-def settle_near(P, q, R, p, seed, respect, J, A):
-    """From a posture to the nearest one around it on the true chain: q, cost, and whether it is a local minimum."""
-    q, error = close_free(P, q, R, p, False, 12, J, A)
-    if error > CLOSED:
-        return q, NO_BRANCH, False
-    better, minimum = slide(P, q, R, p, seed, False, J, A)
-    if minimum:
-        q = better
+def slid(P, q, R, p, seed, respect, J, A):
+    """A posture, or the nearer one that it slides to on the true chain: q, cost, and whether that is a minimum."""
+    lowest = cost(P, q, True, seed, respect)
+    nearer, converged = slide(P, q, R, p, seed, respect, J, A)
+    if not converged:
+        nearer, error = close_free(P, nearer, R, p, respect, NEWTON_STEPS, J, A)
+        if error > CLOSED:
+            return q, lowest, False
+    value = cost(P, nearer, True, seed, respect)
+    if value < lowest:
+        return nearer, value, converged
+    return q, lowest, False
+
+
+@kernel
+def settled(P, q, R, p, seed, respect, free_minimum, J, A):
+    """A posture of the true chain in its best turn, or one inside the limits: q, cost, and whether it is a minimum."""
     q = turned(P, q, True, seed, respect)
     value = cost(P, q, True, seed, respect)
     if value < OUTSIDE:
-        return q, value, minimum
+        return q, value, free_minimum
     # The free minimum breaks a limit: any posture inside still bounds the distance.
     q, error = close_free(P, clipped(P, q), R, p, True, 40, J, A)
     if error > CLOSED:
         return q, NO_BRANCH, False
-    return slid(P, q, R, p, seed, respect, J, A)
+    q, value, _ = slid(P, q, R, p, seed, respect, J, A)
+    return q, value, False
 
 
 @kernel
-def slid(P, q, R, p, seed, respect, J, A):
-    """A posture, or the nearer one that it slides to on the true chain: q, cost, and False as no free minimum."""
-    lowest = cost(P, q, True, seed, respect)
-    nearer, converged = slide(P, q, R, p, seed, respect, J, A)
-    if converged:
-        value = cost(P, nearer, True, seed, respect)
-        if value < lowest:
-            return nearer, value, False
-    return q, lowest, False
+def settle_slowly(P, q, R, p, seed, respect, J, A):
+    """From a posture to one that closes, and from there to the nearest one around: q, cost, whether it is a minimum."""
+    q, error = close_free(P, q, R, p, False, NEWTON_STEPS, J, A)
+    if error > CLOSED:
+        return q, NO_BRANCH, False
+    q, _, minimum = slid(P, q, R, p, seed, False, J, A)
+    return settled(P, q, R, p, seed, respect, minimum, J, A)
+
+
+@kernel
+def settle_near(P, q, R, p, seed, respect, J, A):
+    """From a posture to the nearest one around it on the true chain: q, cost, and whether it is a local minimum."""
+    better, minimum = slide(P, q, R, p, seed, False, J, A)
+    if minimum:
+        return settled(P, better, R, p, seed, respect, True, J, A)
+    return settle_slowly(P, q, R, p, seed, respect, J, A)
 
 
 @kernel
@@ -253,6 +295,47 @@ def first_guess_near(P, place_, R, p, seed, respect, J, A):
         if value < lowest:
             return psi, other, branch, value, other_minimum
     return psi, q, branch_of(P, q), lowest, minimum
+
+
+@kernel
+def mirrored_angle(q, phase):
+    """A middle angle on the other side of the singularity that it is nearest to."""
+    twice = 2.0 * math.asin(math.sin(q - phase))
+    return q - twice if math.cos(q - phase) > 0.0 else q + twice
+
+
+@kernel
+def look_across(P, R, p, q, best, lowest, minimum, seed, respect, J, A):
+    """Local searches on the true chain from a close seed, mirrored at the singularities that it is close to.
+
+    Returns the best posture, its branch and cost, and whether all searches ended in minima: then they tell all.
+    """
+    reach = math.sqrt(lowest) + between_limbs(P)
+    s2 = abs(math.sin(seed[1] - P[SHOULDER + PHASE]))
+    s4 = abs(math.sin(seed[3] - P[STRAIGHT]))
+    s6 = abs(math.sin(seed[5] - P[WRIST + PHASE]))
+    sure = minimum
+    for sides in range(8):
+        across_2, across_4, across_6 = sides & 1, sides & 2, sides & 4
+        if (across_2 and s2 >= reach) or (across_4 and s4 >= reach) or (across_6 and s6 >= reach):
+            continue
+        start = (
+            seed[0],
+            mirrored_angle(seed[1], P[SHOULDER + PHASE]) if across_2 else seed[1],
+            seed[2],
+            mirrored_angle(seed[3], P[STRAIGHT]) if across_4 else seed[3],
+            seed[4],
+            mirrored_angle(seed[5], P[WRIST + PHASE]) if across_6 else seed[5],
+            seed[6],
+        )
+        other, value, converged = settle_slowly(P, start, R, p, seed, respect, J, A)
+        sure = sure and converged
+        if value < lowest:
+            q, best, lowest = other, branch_of(P, other), value
+        other, value, _ = settle_near(P, start, R, p, seed, respect, J, A)
+        if value < lowest:
+            q, best, lowest = other, branch_of(P, other), value
+    return q, best, lowest, sure
 
 
 @kernel
@@ -295,7 +378,7 @@ def look_beside(P, place_, R, p, found, n, q, best, lowest, seed, respect, J, A)
 @kernel
 def tighten(P, seed, distance, slack, box):
     """Copy the packed limb to `box` with its limits tightened to seed +- distance, then widened by some slack."""
-    for i in range(P.shape[0]):
+    for i in range(SIZE):
         box[i] = P[i]
     for j in range(7):
         lower = max(P[LOWER + j], seed[j] - distance) - slack

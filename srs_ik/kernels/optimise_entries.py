@@ -10,6 +10,7 @@ from srs_ik.kernels.intervals import MAX_PIECES, find_intervals
 from srs_ik.kernels.jit import entry, kernel
 from srs_ik.kernels.layout import FREE, LIMITED, ROW_STATUS
 from srs_ik.kernels.line_search import STATE, propose, start_search, tell
+from srs_ik.kernels.memory import row
 from srs_ik.kernels.objectives import REFERENCE, objective, toward_reference
 from srs_ik.kernels.optimum import BRACKET, ROUNDING, close_in, find_brackets, survey_best, value_rows
 from srs_ik.kernels.poses import GOOD_POSE, read_pose
@@ -47,10 +48,10 @@ FOUND = 1
 @kernel
 def survey(family, place_, R, p, respect, runs, J, A):
     """Samples of all feasible postures, the rows and runs in use, and spare rows for samples of one curve."""
-    P = family[LIMITED]
+    P = row(family, LIMITED)
     if is_exact(P):
         found = np.empty((8 * MAX_PIECES, 3))
-        pieces = find_intervals(family[LIMITED if respect else FREE], place_, -1, found)
+        pieces = find_intervals(row(family, LIMITED if respect else FREE), place_, -1, found)
         rows = np.empty((ROWS_A_PIECE * pieces + SPARE_ROWS, SAMPLE))
         line = np.empty((SPARE_ROWS, SAMPLE))
         work = np.empty((2, MAX_SAMPLES))
@@ -60,16 +61,16 @@ def survey(family, place_, R, p, respect, runs, J, A):
 
 
 @kernel
-def write_posture(P, place_, R, p, q, branch, respect, row):
+def write_posture(P, place_, R, p, q, branch, respect, solution):
     """Measure a feasible posture and write its row; whether it is a solution."""
     if not is_exact(P):
         branch = branch_of(P, q)
-    measure_row(P, place_, R, p, q, branch, cost(P, q, False, NO_SEED, respect), respect, row)
-    return row[ROW_STATUS] == 0.0
+    measure_row(P, place_, R, p, q, branch, cost(P, q, False, NO_SEED, respect), respect, solution)
+    return solution[ROW_STATUS] == 0.0
 
 
 @entry
-def optimise(family, T, kind, second, tolerance, resolution, params, respect, row, out):
+def optimise(family, T, kind, second, tolerance, resolution, params, respect, solution, out):
     """The best posture for a built-in objective, into a row and `out`.
 
     Returns FOUND, NO_POSTURE or minus the verdict on the pose.
@@ -84,13 +85,13 @@ def optimise(family, T, kind, second, tolerance, resolution, params, respect, ro
         resolution: of the line searches.
         params: (PARAMS,) figures that belong to the objective.
         respect: whether the limits have to be kept.
-        row: (ROW,) output.
+        solution: (ROW,) output.
         out: (OUT,) output.
     """
-    R, p, verdict = read_pose(T)
+    R, p, verdict = read_pose(row(T, 0))
     if verdict != GOOD_POSE:
         return -verdict
-    P = family[LIMITED]
+    P = row(family, LIMITED)
     place_ = place(P, R, p)
     J = np.empty((6, 7))
     A = np.empty((7, 9))
@@ -131,16 +132,16 @@ def optimise(family, T, kind, second, tolerance, resolution, params, respect, ro
     out[OUT_VALUE] = objective(P, kind, params, q, J)
     out[OUT_SECOND] = objective(P, second, params, q, J) if second >= 0 else 0.0
     out[OUT_LOWER], out[OUT_UPPER] = arm_angles_of_run(P, place_, rows, runs[run])
-    return FOUND if write_posture(P, place_, R, p, q, int(runs[run, 0]), respect, row) else NO_POSTURE
+    return FOUND if write_posture(P, place_, R, p, q, int(runs[run, 0]), respect, solution) else NO_POSTURE
 
 
 @entry
 def sample(family, T, respect, runs):
     """Samples of all feasible postures of a pose (n, SAMPLE), the number of runs written, and its verdict."""
-    R, p, verdict = read_pose(T)
+    R, p, verdict = read_pose(row(T, 0))
     if verdict != GOOD_POSE:
         return np.empty((0, SAMPLE)), 0, verdict
-    place_ = place(family[LIMITED], R, p)
+    place_ = place(row(family, LIMITED), R, p)
     rows, n, k, _ = survey(family, place_, R, p, respect, runs, np.empty((6, 7)), np.empty((7, 9)))
     return rows[:n], k, GOOD_POSE
 
@@ -170,22 +171,22 @@ def begin(S, bracket, resolution):
 
 
 @entry
-def posture(family, T, rows, run, x, respect, row):
+def posture(family, T, rows, run, x, respect, solution):
     """Posture of a run at a parameter into a row; whether it is a solution."""
-    R, p, _ = read_pose(T)
-    P = family[LIMITED]
+    R, p, _ = read_pose(row(T, 0))
+    P = row(family, LIMITED)
     place_ = place(P, R, p)
     branch = int(run[0])
     side = elbow_side(P, place_, branch >> 2)
     first = int(run[3])
     last = int(run[4])
     q, off = on_curve(P, side, R, p, branch, respect, rows, first, last, x, np.empty((6, 7)), np.empty((7, 9)))
-    return off <= 0.0 and write_posture(P, place_, R, p, q, branch, respect, row)
+    return off <= 0.0 and write_posture(P, place_, R, p, q, branch, respect, solution)
 
 
 @entry
 def interval(family, T, rows, run):
     """First and last arm angle of a run."""
-    R, p, _ = read_pose(T)
-    P = family[LIMITED]
+    R, p, _ = read_pose(row(T, 0))
+    P = row(family, LIMITED)
     return arm_angles_of_run(P, place(P, R, p), rows, run)

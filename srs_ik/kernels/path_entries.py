@@ -7,10 +7,12 @@ import math
 import numpy as np
 
 from srs_ik.kernels.elbow import place, shoulder_to_wrist
-from srs_ik.kernels.entries import solve_one
+from srs_ik.kernels.entries import solve_row
 from srs_ik.kernels.intervals import MAX_PIECES, find_intervals
 from srs_ik.kernels.jit import entry, kernel
-from srs_ik.kernels.layout import FAR, IS_CLOSED, LIMITED, MIDDLE, ROW_ARM_ANGLE, ROW_STATUS
+from srs_ik.kernels.layout import FAR, IS_CLOSED, LIMITED, ROW_ARM_ANGLE, ROW_STATUS
+from srs_ik.kernels.limits import middles
+from srs_ik.kernels.memory import row
 from srs_ik.kernels.path import (
     BREAK,
     GRID,
@@ -91,16 +93,16 @@ def interpolate(keys, psis, branches):
 @entry
 def choose_keys(family, poses, keys, verdicts):
     """Mark the poses among which a path is planned: the ends, and one for every `KEY_CHANGE` that the pose turns."""
-    P = family[LIMITED]
+    P = row(family, LIMITED)
     n = poses.shape[0]
-    R, p, verdicts[0] = read_pose(poses[0])
+    R, p, verdicts[0] = read_pose(row(poses, 0))
     if verdicts[0] != GOOD_POSE:
         return
     before = place(P, R, p)
     keys[0] = True
     keys[n - 1] = True
     for i in range(1, n):
-        R, p, verdicts[i] = read_pose(poses[i])
+        R, p, verdicts[i] = read_pose(row(poses, i))
         if verdicts[i] != GOOD_POSE:
             return
         here = place(P, R, p)
@@ -123,11 +125,11 @@ def plan(family, poses, keys, seeded, seed, longest, psis, branches):
         psis: (n,) output.
         branches: (n,) integer output.
     """
-    P = family[LIMITED]
+    P = row(family, LIMITED)
     n = poses.shape[0]
     sws = np.empty((n, 3))
     for i in range(n):
-        R, p, _ = read_pose(poses[i])
+        R, p, _ = read_pose(row(poses, i))
         sws[i, 0], sws[i, 1], sws[i, 2] = shoulder_to_wrist(P, R, p)
     zero_angles = np.empty(n)
     carried_zeros(P, sws, np.empty((n, 3)), zero_angles)
@@ -144,14 +146,14 @@ def plan(family, poses, keys, seeded, seed, longest, psis, branches):
     found = np.empty((8 * MAX_PIECES, 3))
     start = read7(seed)
     count0 = 0
-    R, p, _ = read_pose(poses[0])
+    R, p, _ = read_pose(row(poses, 0))
     place0 = place(P, R, p)
     last = -1
     allowed = longest.copy()
     for i in range(n):
         if not keys[i]:
             continue
-        R, p, _ = read_pose(poses[i])
+        R, p, _ = read_pose(row(poses, i))
         place_ = place(P, R, p)
         slots = extra[i]
         for k in range(GRID):
@@ -210,7 +212,7 @@ def smooth(family, poses, seeded, seed, longest, psis, branches, q):
 
     Postures are those of the nearest exact limb; `finish` closes them on the true chain.
     """
-    P = family[LIMITED]
+    P = row(family, LIMITED)
     n = poses.shape[0]
     start = read7(seed)
     rate = np.zeros((n, 7))
@@ -223,7 +225,7 @@ def smooth(family, poses, seeded, seed, longest, psis, branches, q):
     lowest = math.inf
     for _ in range(SWEEPS):
         total = 0.0
-        near = start if seeded else read7(P[MIDDLE:])
+        near = start if seeded else middles(P)
         for i in range(n):
             if branches[i] < 0:
                 linked[i] = False
@@ -233,7 +235,7 @@ def smooth(family, poses, seeded, seed, longest, psis, branches, q):
                     q_trial[i, j] = near[j]
                     rate[i, j] = 0.0
                 continue
-            R, p, _ = read_pose(poses[i])
+            R, p, _ = read_pose(row(poses, i))
             place_ = place(P, R, p)
             here, _, w = posture(P, place_, trial[i], branches[i], near)
             for j in range(7):
@@ -258,7 +260,7 @@ def smooth(family, poses, seeded, seed, longest, psis, branches, q):
         solve_tridiagonal(diagonal, beside, move, n)
         for i in range(n):
             if branches[i] >= 0 and move[i] != 0.0:
-                R, p, _ = read_pose(poses[i])
+                R, p, _ = read_pose(row(poses, i))
                 place_ = place(P, R, p)
                 trial[i] = psis[i] + feasible_move(P, place_, psis[i], move[i], branches[i], read7(q[i]))
 
@@ -268,7 +270,7 @@ def track(family, poses, start, J, A, rows):
     """The nearest posture to the one before, pose after pose, from a first posture; rows (n, ROW)."""
     near = read7(start)
     for i in range(poses.shape[0]):
-        solve_one(family, poses[i], None, -1, near, True, J, A, rows[i])
+        solve_row(family, row(poses, i), -1, near, True, J, A, row(rows, i))
         if rows[i, ROW_STATUS] != OK:
             return i
         near = read7(rows[i])
@@ -278,15 +280,15 @@ def track(family, poses, start, J, A, rows):
 @entry
 def finish(family, poses, psis, branches, q, out):
     """Close the postures of a path on the true chain and write their rows (n, ROW), where there are any."""
-    P = family[LIMITED]
+    P = row(family, LIMITED)
     J = np.empty((6, 7))
     A = np.empty((7, 9))
     for i in range(poses.shape[0]):
         if branches[i] < 0:
             continue
-        R, p, _ = read_pose(poses[i])
+        R, p, _ = read_pose(row(poses, i))
         place_ = place(P, R, p)
         here, closed = close_to(P, place_, R, p, read7(q[i]), psis[i], True, J, A)
-        measure_row(P, place_, R, p, here, branches[i], 0.0 if closed else OUTSIDE, True, out[i])
+        measure_row(P, place_, R, p, here, branches[i], 0.0 if closed else OUTSIDE, True, row(out, i))
         if P[IS_CLOSED] == 1.0:
             out[i, ROW_ARM_ANGLE] = wrapped(psis[i])

@@ -17,16 +17,16 @@ NOT_RIGID = 2
 
 @kernel
 def read_pose(T):
-    """Rotation, position and verdict of a 4 x 4 pose; rounding in the rotation is removed."""
-    R = (T[0, 0], T[0, 1], T[0, 2], T[1, 0], T[1, 1], T[1, 2], T[2, 0], T[2, 1], T[2, 2])
-    p = (T[0, 3], T[1, 3], T[2, 3])
+    """Rotation, position and verdict of the 16 figures of a pose; rounding in the rotation is removed."""
+    R = (T[0], T[1], T[2], T[4], T[5], T[6], T[8], T[9], T[10])
+    p = (T[3], T[7], T[11])
     total = 0.0 * p[0] + 0.0 * p[1] + 0.0 * p[2]
     for i in range(9):
         total += R[i]
-    total += T[3, 0] + T[3, 1] + T[3, 2] + T[3, 3]
+    total += T[12] + T[13] + T[14] + T[15]
     if not math.isfinite(total):
         return R, p, NOT_FINITE
-    if max(abs(T[3, 0]), abs(T[3, 1]), abs(T[3, 2]), abs(T[3, 3] - 1.0)) > NOT_A_ROTATION:
+    if max(abs(T[12]), abs(T[13]), abs(T[14]), abs(T[15] - 1.0)) > NOT_A_ROTATION:
         return R, p, NOT_RIGID
     for _ in range(2):
         xx = R[0] * R[0] + R[3] * R[3] + R[6] * R[6] - 1.0
@@ -52,6 +52,8 @@ def read_pose(T):
             R[7] - 0.5 * (R[6] * xy + R[7] * yy + R[8] * yz),
             R[8] - 0.5 * (R[6] * zx + R[7] * yz + R[8] * zz),
         )
+        if off < 1e-8:
+            break
     determinant = (
         R[0] * (R[4] * R[8] - R[5] * R[7]) - R[1] * (R[3] * R[8] - R[5] * R[6]) + R[2] * (R[3] * R[7] - R[4] * R[6])
     )

@@ -18,6 +18,7 @@ import math
 from srs_ik.kernels.elbow import arm_angle_of_direction, target_frame, unit_across
 from srs_ik.kernels.jit import entry, kernel
 from srs_ik.kernels.layout import LIMITED, REFERENCE_2, SHOULDER_CENTRE
+from srs_ik.kernels.memory import row
 from srs_ik.kernels.vectors import add, along, cross, dot, load3, norm, scale, sub
 
 # A task row: position, then directions of unit length; those not given are zero.
@@ -269,13 +270,13 @@ def write_posture(P, found, out):
 @entry
 def posture(family, H, x, given, side, tie, out):
     """Write the posture of one task row."""
-    P = family[LIMITED]
+    P = row(family, LIMITED)
     write_posture(P, plan_given(P, H, x, given, side, tie), out)
 
 
 @entry
 def posture_range(family, H, tasks, first, last, given, side, tie, out):
     """Write the postures of the task rows first to last - 1."""
-    P = family[LIMITED]
+    P = row(family, LIMITED)
     for i in range(first, last):
         write_posture(P, plan_given(P, H, tasks[i], given, side, tie), out[i])

@@ -15,11 +15,14 @@ from srs_ik.kernels.intervals import MAX_PIECES, find_intervals
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout import FAR, FREE, LIMITED, LOOSE, MISS, SIZE
 from srs_ik.kernels.margin import branch_at, farthest
+from srs_ik.kernels.memory import keep, row
 from srs_ik.kernels.nearest import (
+    CLOSE,
     between_limbs,
     first_guess,
     first_guess_near,
     is_alone,
+    look_across,
     look_beside,
     settle_near,
     slid,
@@ -138,19 +141,28 @@ def search_hardly_near(P, place_, R, p, found, n, q, best, lowest, seed, respect
 @kernel
 def search_near_seed(P, F, place_, R, p, seed, respect, J, A):
     """The posture nearest to a seed over all branches and arm angles: q, branch, cost (OUTSIDE if none was found)."""
-    psi, q, best, lowest, minimum = guess(P, place_, R, p, seed, respect, J, A)
+    psi, guessed, branch, lowest, minimum = guess(P, place_, R, p, seed, respect, J, A)
+    q, best = guessed, branch
     if lowest >= OUTSIDE:
         return q, best, lowest
     if minimum and is_alone(P, seed, lowest):
         return q, best, lowest
     distance = math.sqrt(lowest)
-    box = np.empty(SIZE)
+    if J is not None:
+        if distance < CLOSE:
+            q, best, lowest, sure = look_across(P, R, p, q, best, lowest, minimum, seed, respect, J, A)
+            if sure:
+                return q, best, lowest
+            distance = math.sqrt(lowest)
+    boxes = np.empty((1, SIZE))
+    box = row(boxes, 0)
     tighten(F, seed, distance * (1.0 + 1e-9), between_limbs(P), box)
     found = np.empty((8 * MAX_PIECES, 3))
     n = find_intervals(box, place_, -1, found)
+    keep(boxes)
     # In a box of less than a turn, no joint has two turns to choose from.
     if minimum and distance < 3.0:
-        n = without(P, place_, found, n, q, best, psi, seed, respect)
+        n = without(P, place_, found, n, guessed, branch, psi, seed, respect)
     if n == 0:
         return q, best, lowest
     if J is None:
@@ -179,7 +191,9 @@ def search_hidden(family, strictness, place_, branch, seeded, seed, respect):
     x = 1e-9
     while True:
         near = (t, h0, math.sqrt(1.0 - bend * bend) if bend_c > 0.0 else bend_c, bend, hand, miss)
-        q, b, value = search_branches(family[LOOSE], family[LOOSE + strictness], near, branch, seeded, seed, respect)
+        P = row(family, LOOSE)
+        F = row(family, LOOSE + strictness)
+        q, b, value = search_branches(P, F, near, branch, seeded, seed, respect)
         if value < OUTSIDE or bend_c < 0.0 or bend_s > NEARLY_STRAIGHT or x > NEARLY_STRAIGHT:
             return q, b, value
         bend = 0.0 if x == 1e-9 else x
@@ -190,9 +204,9 @@ def search_hidden(family, strictness, place_, branch, seeded, seed, respect):
 def search(family, place_, R, p, branch, seeded, seed, respect, J, A):
     """Best posture over all arm angles: q, branch, cost; the least violating one where none keeps the limits."""
     strictness = LIMITED if respect else FREE
-    P = family[LIMITED]
+    P = row(family, LIMITED)
     if J is None:
-        q, best, lowest = search_branches(P, family[strictness], place_, branch, seeded, seed, respect)
+        q, best, lowest = search_branches(P, row(family, strictness), place_, branch, seeded, seed, respect)
         if lowest < OUTSIDE:
             return q, best, lowest
         hidden, b, value = search_hidden(family, strictness, place_, branch, seeded, seed, respect)

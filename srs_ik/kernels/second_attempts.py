@@ -59,12 +59,36 @@ def bend(P, q, branch):
 
 
 @kernel
-def evaluate_again(P, place_, R, p, psi, branch, seeded, seed, respect, attempts, J, A):
-    """Second attempt at an arm angle on a near limb, where Newton's method did not close: from many postures.
+def from_turned(P, place_, R, p, psi, q0, b, branch, seeded, seed, respect, steps, A):
+    """Postures at an arm angle by Newton's method from one that is bent to the sides of branch b: the best, its cost.
 
     Near a singular shoulder or wrist the closed form fixes two joint angles of which the true chain knows little more
     than their sum. So the starts turn one against the other, and bend what is straight.
     """
+    best_q = q0
+    lowest = 2.0 * NO_BRANCH
+    q = bend(P, q0, b)
+    turns_s = 6 if q[1] != q0[1] else 1
+    turns_w = 6 if q[5] != q0[5] else 1
+    against_s = -1.0 if math.cos(q[1] - P[SHOULDER + PHASE]) > 0.0 else 1.0
+    against_w = -1.0 if math.cos(q[5] - P[WRIST + PHASE]) > 0.0 else 1.0
+    for i in range(turns_s * turns_w):
+        ds = (i % turns_s) * math.pi / 3.0
+        dw = (i // turns_s) * math.pi / 3.0
+        start = (q[0] + ds, q[1], q[2] + against_s * ds, q[3], q[4] + dw, q[5], q[6] + against_w * dw)
+        closed_q, closed = close_at_angle(P, start, R, p, place_[0], place_[1], psi, steps, A)
+        if closed and (branch < 0 or branch_of(P, closed_q) == branch):
+            closed_q = turned(P, closed_q, seeded, seed, respect)
+            value = cost(P, closed_q, seeded, seed, respect)
+            if value < lowest:
+                best_q = closed_q
+                lowest = value
+    return best_q, lowest
+
+
+@kernel
+def evaluate_again(P, place_, R, p, psi, branch, seeded, seed, respect, attempts, A):
+    """Second attempt at an arm angle on a near limb, where Newton's method did not close: from many postures."""
     best_q, best, _ = best_branch(P, place_, psi, branch, seeded, seed, respect)
     lowest = 2.0 * NO_BRANCH
     for attempt in range(attempts):
@@ -72,23 +96,9 @@ def evaluate_again(P, place_, R, p, psi, branch, seeded, seed, respect, attempts
         from_psi = psi + (0.0 if attempt == 0 else (0.25 if attempt % 2 == 0 else -0.25) * ((attempt + 1) // 2))
         for b in range(8):
             q0, _, _ = best_branch(P, place_, from_psi, b, False, seed, False)
-            q = bend(P, q0, b)
-            turns_s = 6 if q[1] != q0[1] else 1
-            turns_w = 6 if q[5] != q0[5] else 1
-            against_s = -1.0 if math.cos(q[1] - P[SHOULDER + PHASE]) > 0.0 else 1.0
-            against_w = -1.0 if math.cos(q[5] - P[WRIST + PHASE]) > 0.0 else 1.0
-            for i in range(turns_s * turns_w):
-                ds = (i % turns_s) * math.pi / 3.0
-                dw = (i // turns_s) * math.pi / 3.0
-                start = (q[0] + ds, q[1], q[2] + against_s * ds, q[3], q[4] + dw, q[5], q[6] + against_w * dw)
-                closed_q, closed = close_at_angle(P, start, R, p, place_[0], place_[1], psi, MORE_STEPS, J, A)
-                if closed and (branch < 0 or branch_of(P, closed_q) == branch):
-                    closed_q = turned(P, closed_q, seeded, seed, respect)
-                    value = cost(P, closed_q, seeded, seed, respect)
-                    if value < lowest:
-                        best_q = closed_q
-                        best = branch_of(P, closed_q)
-                        lowest = value
+            q, value = from_turned(P, place_, R, p, psi, q0, b, branch, seeded, seed, respect, MORE_STEPS, A)
+            if value < lowest:
+                best_q, best, lowest = q, branch_of(P, q), value
         if lowest < OUTSIDE:
             break
     return best_q, best, lowest
@@ -146,7 +156,7 @@ def look_around(P, place_, R, p, branch, seeded, seed, respect, J, A):
         psi = i * 2.0 * math.pi / LOOKS
         for b in range(8):
             q, _, _ = best_branch(P, place_, psi, b, seeded, seed, respect)
-            q, _ = close_at_angle(P, q, R, p, place_[0], place_[1], psi, STEPS, J, A)
+            q, _ = close_at_angle(P, q, R, p, place_[0], place_[1], psi, STEPS, A)
             linear, angular = pose_step(P, q, R, p, J)
             here = branch_of(P, q)
             error = max(norm(linear), norm(angular))

@@ -59,7 +59,7 @@ def close_to(P, place_, R, p, q, psi, respect, J, A):
     """The posture on the true chain: itself, or by Newton's method on a near limb, the arm angle kept if possible."""
     if P[IS_CLOSED] == 1.0:
         return q, True
-    closed_q, closed = close_at_angle(P, q, R, p, place_[0], place_[1], psi, STEPS, J, A)
+    closed_q, closed = close_at_angle(P, q, R, p, place_[0], place_[1], psi, STEPS, A)
     if closed:
         closed_q = turned(P, closed_q, True, q, respect)
         if squared_step(P, q, closed_q) < 0.25:

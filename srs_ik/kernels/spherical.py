@@ -53,12 +53,14 @@ def middle_angle(P, k, v):
     top = 0.5 * top2 - P[k + TOP_GAP]
     bottom = 0.5 * bottom2 - P[k + BOTTOM_GAP]
     # Beyond an end by an angle e, the gap is negative by e times the sine of the angle between a1 and v.
-    slack = P[SLACK_REACH]
-    reached = top >= -slack * math.sqrt(top2) and bottom >= -slack * math.sqrt(bottom2)
-    top = max(top, 0.0)
-    bottom = max(bottom, 0.0)
-    total = top + bottom
-    return (bottom - top) / total, 2.0 * math.sqrt(top * bottom) / total, reached
+    reached = True
+    if min(top, bottom) < 0.0:
+        slack = P[SLACK_REACH]
+        reached = top >= -slack * math.sqrt(top2) and bottom >= -slack * math.sqrt(bottom2)
+        top = max(top, 0.0)
+        bottom = max(bottom, 0.0)
+    share = 1.0 / (top + bottom)
+    return (bottom - top) * share, 2.0 * math.sqrt(top * bottom) * share, reached
 
 
 @kernel
@@ -94,8 +96,9 @@ def sines(P, k, v, y, c, s, sign):
         c1 = dot(u_across, v_across)
         length = math.sqrt(s1 * s1 + c1 * c1)
         if length > 0.0:
-            c1 /= length
-            s1 /= length
+            share = 1.0 / length
+            c1 *= share
+            s1 *= share
         else:
             c1 = 1.0
             s1 = 0.0

@@ -15,11 +15,12 @@ import numpy as np
 from srs_ik.kernels.branches import NO_BRANCH, best_branch, branch_of
 from srs_ik.kernels.chain import forward_kinematics, pose_error
 from srs_ik.kernels.elbow import elbow_bend, hand_rotation, shoulder_to_wrist, target_frame, unit_across
-from srs_ik.kernels.entries import all_intervals, own, seed_or_zero
+from srs_ik.kernels.entries import all_intervals, own_seed, seed_or_zero
 from srs_ik.kernels.followed_angle import may_reach, solve_at_angle
 from srs_ik.kernels.intervals import MAX_PIECES, find_intervals
 from srs_ik.kernels.jit import entry, kernel
 from srs_ik.kernels.layout import FREE, LIMITED, LOOSE, NEAR, ROW, ROW_ARM_ANGLE, ROW_JOINT, ROW_STATUS
+from srs_ik.kernels.memory import row
 from srs_ik.kernels.poses import read7
 from srs_ik.kernels.posture import (
     AT_SHOULDER,
@@ -143,7 +144,7 @@ def nearest_feasible(family, place_, R, p, psi, branch, seeded, seed, respect, J
     """
     found = np.empty((8 * MAX_PIECES, 3))
     if place_[5] != 0.0:
-        n = find_intervals(family[LIMITED if respect else FREE], place_, -1, found)
+        n = find_intervals(row(family, LIMITED if respect else FREE), place_, -1, found)
     else:
         n = all_intervals(family, place_, R, p, respect, J, A, found)
     for _ in range(n):
@@ -158,7 +159,7 @@ def nearest_feasible(family, place_, R, p, psi, branch, seeded, seed, respect, J
                 least = far
         lower = found[best, 1]
         upper = found[best, 2]
-        P = family[LOOSE if upper - lower < NARROW else LIMITED]
+        P = row(family, LOOSE if upper - lower < NARROW else LIMITED)
         inward = 1.0 if nearest - lower < upper - nearest else -1.0
         nudge = 0.0
         while nudge <= upper - lower:
@@ -169,7 +170,7 @@ def nearest_feasible(family, place_, R, p, psi, branch, seeded, seed, respect, J
         found[best, 0] = -1.0
     if J is not None:
         if place_[5] != 0.0:
-            return out_of_reach(family[LIMITED], place_, R, p, psi, -1, respect)
+            return out_of_reach(row(family, LIMITED), place_, R, p, psi, -1, respect)
     return search(family, place_, R, p, -1, seeded, seed, respect, J, A)
 
 
@@ -179,7 +180,7 @@ def solve_posed(family, R, p, m, branch, seeded, seed, respect, J, A, out):
 
     A branch other than -1 is preferred where it is feasible there.
     """
-    P = family[LIMITED]
+    P = row(family, LIMITED)
     place_ = task_place(P, R, p)
     psi = planned_arm_angle(place_[0], place_[1], m)
     q, b, cost = at_angle(P, place_, R, p, psi, branch, seeded, seed, respect, J, A)
@@ -232,7 +233,7 @@ def solve_true(family, H, x, grasped, phi, side, tie, found, hand_axes, branch, 
     Returns:
         The posture, the rotation of the tip, and the arm angle given up.
     """
-    P = family[LIMITED]
+    P = row(family, LIMITED)
     p = load3(x, TASK_POSITION)
     R = times_transposed(tip_axes(found[5], phi), hand_axes)
     place_ = task_place(P, R, p)
@@ -258,7 +259,7 @@ def solve_true(family, H, x, grasped, phi, side, tie, found, hand_axes, branch, 
             start = read7(out)
         if may_reach(P, place_) and (attempt != 1 or seeded):
             there, R_there, q_there, value = settle_posture(
-                P, H, x, grasped, phi, side, tie, exact, hand_axes, start, seeded, seed, respect, J, A
+                P, H, x, grasped, phi, side, tie, exact, hand_axes, start, seeded, seed, respect, A
             )
             if value < lowest:
                 found, R, q, lowest = there, R_there, q_there, value
@@ -273,9 +274,9 @@ def solve_true(family, H, x, grasped, phi, side, tie, found, hand_axes, branch, 
 @kernel
 def solve_task_one(family, H, x, given, side, tie, seeds, i, respect, J, A, out):
     """Solve one task row into a task solution row."""
-    P = family[LIMITED]
+    P = row(family, LIMITED)
     seeded = seeds is not None
-    seed = seed_or_zero(own(seeds, i))
+    seed = seed_or_zero(own_seed(seeds, i))
     grasped = given & GRASP != 0
     phi = load3(x, TASK_PRONOSUPINATION)
     rolled = given & PRONOSUPINATION != 0

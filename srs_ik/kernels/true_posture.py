@@ -35,7 +35,7 @@ def true_lengths(P, H, q, to_wrist, grasped):
 
 
 @kernel
-def settle_posture(P, H, x, grasped, phi, side, tie, found, hand_axes, q, seeded, seed, respect, J, A):
+def settle_posture(P, H, x, grasped, phi, side, tie, found, hand_axes, q, seeded, seed, respect, A):
     """Bring a posture and joint angles near it to agree on the true chain, the roll of the hand fixed by phi.
 
     Args:
@@ -52,7 +52,6 @@ def settle_posture(P, H, x, grasped, phi, side, tie, found, hand_axes, q, seeded
         seeded: whether there is a seed.
         seed: joint angles whose turns are wanted.
         respect: whether the turns have to keep the joint limits.
-        J: (6, 7) work space.
         A: (7, 9) work space.
 
     Returns:
@@ -64,7 +63,7 @@ def settle_posture(P, H, x, grasped, phi, side, tie, found, hand_axes, q, seeded
         to_wrist = shoulder_to_wrist(P, R, p)
         _, t, h0 = target_frame(P, to_wrist)
         psi = planned_arm_angle(t, h0, found[3])
-        q, closed = close_at_angle(P, q, R, p, t, h0, psi, STEPS, J, A)
+        q, closed = close_at_angle(P, q, R, p, t, h0, psi, STEPS, A)
         if not closed:
             break
         direction = found[5]

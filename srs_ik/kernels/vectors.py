@@ -92,6 +92,29 @@ def rotate(axis, c, s, v):
 
 
 @kernel
+def rotation(axis, c, s):
+    """The matrix of the turn about a unit axis by the angle with cosine c and sine s, for more vectors than one."""
+    x, y, z = axis
+    kx = (1.0 - c) * x
+    ky = (1.0 - c) * y
+    kz = (1.0 - c) * z
+    xy = kx * y
+    yz = ky * z
+    zx = kz * x
+    return (
+        c + kx * x,
+        xy - s * z,
+        zx + s * y,
+        xy + s * z,
+        c + ky * y,
+        yz - s * x,
+        zx - s * y,
+        yz + s * x,
+        c + kz * z,
+    )
+
+
+@kernel
 def apply(M, v):
     """M v."""
     return (
@@ -108,6 +131,22 @@ def apply_transposed(M, v):
         M[0] * v[0] + M[3] * v[1] + M[6] * v[2],
         M[1] * v[0] + M[4] * v[1] + M[7] * v[2],
         M[2] * v[0] + M[5] * v[1] + M[8] * v[2],
+    )
+
+
+@kernel
+def times(A, B):
+    """A B."""
+    return (
+        A[0] * B[0] + A[1] * B[3] + A[2] * B[6],
+        A[0] * B[1] + A[1] * B[4] + A[2] * B[7],
+        A[0] * B[2] + A[1] * B[5] + A[2] * B[8],
+        A[3] * B[0] + A[4] * B[3] + A[5] * B[6],
+        A[3] * B[1] + A[4] * B[4] + A[5] * B[7],
+        A[3] * B[2] + A[4] * B[5] + A[5] * B[8],
+        A[6] * B[0] + A[7] * B[3] + A[8] * B[6],
+        A[6] * B[1] + A[7] * B[4] + A[8] * B[7],
+        A[6] * B[2] + A[7] * B[5] + A[8] * B[8],
     )
 
 
