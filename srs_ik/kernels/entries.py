@@ -29,7 +29,7 @@ from srs_ik.kernels.margin import farthest
 from srs_ik.kernels.memory import row
 from srs_ik.kernels.near_intervals import best_of_true_intervals, true_intervals
 from srs_ik.kernels.poses import GOOD_POSE, read7, read_pose
-from srs_ik.kernels.redundancy import search, search_near_seed
+from srs_ik.kernels.redundancy import search_exact, search_near_seed, search_true
 from srs_ik.kernels.rows import OK, OUT_OF_LIMITS, SOLVED, UNREACHABLE, measure_row, measure_row_at, write_row
 from srs_ik.kernels.scoring import NO_SEED, OUTSIDE, UNMET, tightest_joint
 from srs_ik.kernels.search import evaluate
@@ -59,10 +59,9 @@ def own_seed(seeds, i):
     return row(seeds, i if seeds.shape[0] > 1 else 0)
 
 
-@kernel
-def solve_row(family, T, branch, seed, respect, J, A, out):
-    """Solve one pose over all arm angles into a row; returns the verdict on it."""
-    R, p, verdict = read_pose(T)
+def _solve(family, T, branch, seed, respect, J, A, out):
+    """Solve one pose into a row of `out`, the best posture of all arm angles; returns the verdict on the pose."""
+    R, p, verdict = read_pose(row(T, 0))
     if verdict != GOOD_POSE:
         return verdict
     P = row(family, LIMITED)
@@ -77,8 +76,13 @@ def solve_row(family, T, branch, seed, respect, J, A, out):
             F = row(family, LIMITED if respect else FREE)
             q, best, lowest = search_near_seed(P, F, place_, R, p, near, respect, J, A)
     if lowest >= OUTSIDE:
-        q, best, lowest = search(family, place_, R, p, branch, seeded, near, respect, J, A)
-    measure_row(P, place_, R, p, q, best, lowest, respect, out)
+        if J is not None:
+            q, best, lowest = search_true(P, place_, R, p, branch, seeded, near, respect, J, A)
+        elif seed is not None:
+            q, best, lowest = search_exact(family, place_, branch, near, respect)
+        else:
+            q, best, lowest = search_exact(family, place_, branch, None, respect)
+    measure_row(P, place_, R, p, q, best, lowest, respect, row(out, 0))
     if J is not None:
         if respect and out[ROW_STATUS] == UNREACHABLE:
             # Only a posture without limits can tell what a near limb does not reach from what its limits forbid.
@@ -90,30 +94,23 @@ def solve_row(family, T, branch, seed, respect, J, A, out):
     return GOOD_POSE
 
 
-@kernel
-def solve_row_at(family, T, psi, branch, seed, respect, J, A, out):
-    """Solve one pose at an arm angle into a row; returns the verdict on it."""
-    R, p, verdict = read_pose(T)
+def _solve_at(family, T, psi, branch, seed, respect, J, A, out):
+    """Solve one pose at an arm angle into a row of `out`; returns the verdict on the pose."""
+    R, p, verdict = read_pose(row(T, 0))
     if verdict != GOOD_POSE:
         return verdict
     P = row(family, LIMITED)
     place_ = place(P, R, p)
     near = seed_or_zero(seed)
     q, best, lowest = solve_at_angle(P, place_, R, p, psi, branch, seed is not None, near, respect, J, A)
-    measure_row_at(P, place_, R, p, psi, q, best, lowest, respect, out)
+    measure_row_at(P, place_, R, p, psi, q, best, lowest, respect, row(out, 0))
     return GOOD_POSE
 
 
-@entry
-def solve(family, T, branch, seed, respect, J, A, out):
-    """Solve one pose into a row of `out`, the best posture of all arm angles; returns the verdict on the pose."""
-    return solve_row(family, row(T, 0), branch, own_seed(seed, 0), respect, J, A, row(out, 0))
-
-
-@entry
-def solve_at(family, T, psi, branch, seed, respect, J, A, out):
-    """Solve one pose at an arm angle into a row of `out`; returns the verdict on the pose."""
-    return solve_row_at(family, row(T, 0), psi, branch, own_seed(seed, 0), respect, J, A, row(out, 0))
+solve = entry(_solve)
+solve_row = kernel(_solve)
+solve_at = entry(_solve_at)
+solve_row_at = kernel(_solve_at)
 
 
 @entry
@@ -245,7 +242,7 @@ def configuration_arm_angle(family, q):
 @entry
 def pack_limits(P, lower, upper):
     """Write the limits (7,) and (7,) into a limb that is being packed."""
-    set_limits(P, lower, upper)
+    set_limits(row(P, 0), lower, upper)
 
 
 @entry

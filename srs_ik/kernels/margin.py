@@ -18,6 +18,7 @@ from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout import INVERSE_HALF_RANGE, LOWER, MIDDLE, SHOULDER, SIZE, UPPER, WRIST
 from srs_ik.kernels.limits import set_joint_limits, set_limit
 from srs_ik.kernels.line_search import STATE, propose, start_search, tell
+from srs_ik.kernels.memory import keep, row
 from srs_ik.kernels.scoring import NO_SEED, OUTSIDE
 
 GAIN = 1e-11
@@ -99,6 +100,14 @@ def climb(P, side, branch, lower, middle, upper, seeded, seed, respect, S):
 
 
 @kernel
+def copy_interval(source, i, out, k):
+    """Copy row i of some intervals to row k of others. (A whole row assigned takes a second to compile.)"""
+    out[k, 0] = source[i, 0]
+    out[k, 1] = source[i, 1]
+    out[k, 2] = source[i, 2]
+
+
+@kernel
 def keep_within(found, n, window):
     """Cut intervals of one branch to another interval of it; return the number of rows in use."""
     left = n
@@ -112,7 +121,7 @@ def keep_within(found, n, window):
                 found[left, 2] = b
                 left += 1
     for i in range(n, left):
-        found[i - n] = found[i]
+        copy_interval(found, i, found, i - n)
     return left - n
 
 
@@ -122,7 +131,7 @@ def keep_branch(found, n, branch):
     left = 0
     for i in range(n):
         if branch < 0 or int(found[i, 0]) == branch:
-            found[left] = found[i]
+            copy_interval(found, i, found, left)
             left += 1
     return left
 
@@ -135,11 +144,12 @@ def farthest(P, place_, given, first, last, branch, respect):
     """
     sides = (elbow_side(P, place_, 0), elbow_side(P, place_, 1))
     found = np.empty((8 * MAX_PIECES, 3))
-    box = np.empty(SIZE)
+    boxes = np.empty((1, SIZE))
+    box = row(boxes, 0)
     S = np.empty(STATE)
     n = last - first
     for i in range(n):
-        found[i] = given[first + i]
+        copy_interval(given, first + i, found, i)
     n = keep_branch(found, n, branch)
     alone = n == 1
     if alone:
@@ -180,4 +190,5 @@ def farthest(P, place_, given, first, last, branch, respect):
             n = keep_within(found, n, window)
         if n == 0:
             break
+    keep(boxes)
     return best_q, best, lowest

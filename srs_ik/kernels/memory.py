@@ -28,18 +28,24 @@ def _row(array: Any, index: int) -> Any:
 
 
 def _typed_row(typing_context: Any, array: Any, index: Any) -> Any:
-    if not isinstance(array, types.Array) or array.layout != "C":
+    is_pointer = isinstance(array, types.CPointer)
+    if not is_pointer and (not isinstance(array, types.Array) or array.layout != "C"):
         raise TypingError(f"only an array in C order has rows in one piece, not {array}")
 
     def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
-        view = context.make_array(array)(context, builder, arguments[0])
-        offset = arguments[1]
-        for axis in range(1, array.ndim):
-            offset = builder.mul(offset, builder.extract_value(view.shape, axis))
-        return builder.gep(view.data, [offset])
+        first, offset = arguments
+        if not is_pointer:
+            view = context.make_array(array)(context, builder, first)
+            first = view.data
+            for axis in range(1, array.ndim):
+                offset = builder.mul(offset, builder.extract_value(view.shape, axis))
+        return builder.gep(first, [offset])
 
     return types.CPointer(array.dtype)(array, types.intp), generate
 
 
 row = _row if config.DISABLE_JIT else intrinsic(_typed_row)
-"""row(array, index): the figures of array[index] and of the rows behind it, as a pointer to the first."""
+"""row(array, index): the figures of array[index] and of the rows behind it, as a pointer to the first.
+
+The row 0 of a pointer is the pointer itself.
+"""

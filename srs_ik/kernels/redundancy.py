@@ -14,7 +14,7 @@ from srs_ik.kernels.followed import search_followed
 from srs_ik.kernels.intervals import MAX_PIECES, find_intervals
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout import FAR, FREE, LIMITED, LOOSE, MISS, SIZE
-from srs_ik.kernels.margin import branch_at, farthest
+from srs_ik.kernels.margin import branch_at, copy_interval, farthest
 from srs_ik.kernels.memory import keep, row
 from srs_ik.kernels.nearest import (
     CLOSE,
@@ -29,7 +29,7 @@ from srs_ik.kernels.nearest import (
     tighten,
 )
 from srs_ik.kernels.nearest_within import nearest_within, way_between
-from srs_ik.kernels.scoring import OUTSIDE
+from srs_ik.kernels.scoring import NO_SEED, OUTSIDE
 from srs_ik.kernels.second_attempts import look_around, rescue
 
 NEARLY_STRAIGHT = 3e-6
@@ -37,6 +37,10 @@ NEARLY_STRAIGHT = 3e-6
 
 MOST_LEVERAGE = 4.0
 """A seed farther from its nearest posture than so many times the pose error asks for a closer look."""
+
+SMALLEST_BEND = 2.5e-10
+LAST_STAGE = 15
+"""Bends that are tried, rad: this one times powers of two up to about `NEARLY_STRAIGHT`; then limits are given up."""
 
 HARDLY = 1e-5
 """A limb that misses by less than this part of its reach is one with rounded figures."""
@@ -47,22 +51,6 @@ FEW_STEPS = 12
 
 ONE_VALLEY = 0.3
 """An interval shorter than this, rad, whose ends are close to a minimum in it, has no other one."""
-
-
-@kernel
-def search_branches(P, F, place_, branch, seeded, seed, respect):
-    """Best posture over the feasible intervals of F: q, branch, cost (more than any posture's if there is none)."""
-    found = np.empty((8 * MAX_PIECES, 3))
-    n = find_intervals(F, place_, branch, found)
-    return best_within(P, place_, found, n, branch, seeded, seed, respect)
-
-
-@kernel
-def best_within(P, place_, found, n, branch, seeded, seed, respect):
-    """Best posture over the intervals in the first n rows of found: q, branch, cost."""
-    if seeded:
-        return nearest_within(P, place_, found, n, branch, seed, respect, 4.0 * NO_BRANCH)
-    return farthest(P, place_, found, 0, n, branch, respect)
 
 
 @kernel
@@ -84,21 +72,18 @@ def without(P, place_, found, n, q, branch, psi, seed, respect):
         if int(found[i, 0]) == branch and width < ONE_VALLEY and ahead <= width:
             if is_short(P, place_, q, branch, found[i, 1], found[i, 2], seed, respect):
                 continue
-        found[left, 0] = found[i, 0]
-        found[left, 1] = found[i, 1]
-        found[left, 2] = found[i, 2]
+        copy_interval(found, i, found, left)
         left += 1
     return left
 
 
 @kernel
 def whole_circles(out):
-    """Write every arm angle of every branch as eight intervals; return their number."""
+    """Write every arm angle of every branch as eight intervals."""
     for b in range(8):
         out[b, 0] = b
         out[b, 1] = -math.pi
         out[b, 2] = math.pi
-    return 8
 
 
 @kernel
@@ -180,53 +165,59 @@ def search_near_seed(P, F, place_, R, p, seed, respect, J, A):
 
 
 @kernel
-def search_hidden(family, strictness, place_, branch, seeded, seed, respect):
-    """Postures of a closed limb that rounding hides from the strict search: q, branch, cost (OUTSIDE if there is none).
+def search_exact(family, place_, branch, seed, respect):
+    """Best posture of a closed limb over all arm angles: q, branch, cost; the least violating one if all break limits.
 
-    Looser tolerances, and, with the elbow almost straight, all the bends that a pose cannot tell from each other (a
-    bend x shortens the arm by x^2 / 8 of its length).
+    Rounding may hide a posture from the strict search. So looser tolerances follow, and, with the elbow almost
+    straight, all the bends that a pose cannot tell from each other: a bend x shortens the arm by x^2 / 8 of its length.
     """
     t, h0, bend_c, bend_s, hand, miss = place_
-    bend = bend_s
-    x = 1e-9
-    while True:
-        near = (t, h0, math.sqrt(1.0 - bend * bend) if bend_c > 0.0 else bend_c, bend, hand, miss)
-        P = row(family, LOOSE)
-        F = row(family, LOOSE + strictness)
-        q, b, value = search_branches(P, F, near, branch, seeded, seed, respect)
-        if value < OUTSIDE or bend_c < 0.0 or bend_s > NEARLY_STRAIGHT or x > NEARLY_STRAIGHT:
-            return q, b, value
-        bend = 0.0 if x == 1e-9 else x
-        x *= 2.0
+    strictness = LIMITED if respect else FREE
+    found = np.empty((8 * MAX_PIECES, 3))
+    best_q = NO_SEED
+    best = 0
+    lowest = 4.0 * NO_BRANCH
+    for stage in range(LAST_STAGE + 1):
+        near = place_
+        tolerances = LIMITED
+        if 0 < stage < LAST_STAGE:
+            tolerances = LOOSE
+            if stage > 1:
+                if bend_c < 0.0 or bend_s > NEARLY_STRAIGHT:
+                    continue
+                bend = SMALLEST_BEND * 2.0**stage if stage > 2 else 0.0
+                near = (t, h0, math.sqrt(1.0 - bend * bend), bend, hand, miss)
+        P = row(family, tolerances)
+        n = 8
+        if stage < LAST_STAGE:
+            n = find_intervals(row(family, tolerances + strictness), near, branch, found)
+        else:
+            whole_circles(found)
+        if seed is None:
+            q, b, value = farthest(P, near, found, 0, n, branch, respect)
+        else:
+            q, b, value = nearest_within(P, near, found, n, branch, seed, respect, 4.0 * NO_BRANCH)
+        if value < lowest:
+            best_q, best, lowest = q, b, value
+        if lowest < OUTSIDE:
+            break
+    return best_q, best, lowest
 
 
 @kernel
-def search(family, place_, R, p, branch, seeded, seed, respect, J, A):
-    """Best posture over all arm angles: q, branch, cost; the least violating one where none keeps the limits."""
-    strictness = LIMITED if respect else FREE
-    P = row(family, LIMITED)
-    if J is None:
-        q, best, lowest = search_branches(P, row(family, strictness), place_, branch, seeded, seed, respect)
-        if lowest < OUTSIDE:
-            return q, best, lowest
-        hidden, b, value = search_hidden(family, strictness, place_, branch, seeded, seed, respect)
-    else:
-        q, best, lowest = search_followed(P, place_, R, p, branch, seeded, seed, respect, respect, J, A)
-        if lowest < OUTSIDE:
-            return q, best, lowest
-        hidden, b, value = look_around(P, place_, R, p, branch, seeded, seed, respect, J, A)
-        if value >= OUTSIDE:
-            hidden, b, value = rescue(P, place_, R, p, branch, seeded, seed, respect, J, A)
+def search_true(P, place_, R, p, branch, seeded, seed, respect, J, A):
+    """Best posture of a near limb over all arm angles: q, branch, cost; the least violating one if all break limits."""
+    q, best, lowest = search_followed(P, place_, R, p, branch, seeded, seed, respect, respect, J, A)
+    if lowest < OUTSIDE:
+        return q, best, lowest
+    hidden, b, value = look_around(P, place_, R, p, branch, seeded, seed, respect, J, A)
+    if value >= OUTSIDE:
+        hidden, b, value = rescue(P, place_, R, p, branch, seeded, seed, respect, J, A)
     if value < lowest:
         q, best, lowest = hidden, b, value
     if lowest < OUTSIDE:
         return q, best, lowest
-    if J is None:
-        circles = np.empty((8, 3))
-        whole_circles(circles)
-        outside, b, value = best_within(P, place_, circles, 8, branch, seeded, seed, respect)
-    else:
-        outside, b, value = search_followed(P, place_, R, p, branch, seeded, seed, respect, False, J, A)
+    outside, b, value = search_followed(P, place_, R, p, branch, seeded, seed, respect, False, J, A)
     if value < lowest:
         return outside, b, value
     return q, best, lowest

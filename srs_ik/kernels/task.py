@@ -40,7 +40,7 @@ from srs_ik.kernels.posture import (
     tip_axes,
     write_posture,
 )
-from srs_ik.kernels.redundancy import search
+from srs_ik.kernels.redundancy import search_exact, search_true
 from srs_ik.kernels.roll import SMALLEST_NUDGE, best_roll, between
 from srs_ik.kernels.rows import OK, OUT_OF_LIMITS, UNREACHABLE, measure_row, write_row
 from srs_ik.kernels.scoring import NO_SEED, OUTSIDE, tightest_joint
@@ -171,7 +171,10 @@ def nearest_feasible(family, place_, R, p, psi, branch, seeded, seed, respect, J
     if J is not None:
         if place_[5] != 0.0:
             return out_of_reach(row(family, LIMITED), place_, R, p, psi, -1, respect)
-    return search(family, place_, R, p, -1, seeded, seed, respect, J, A)
+        return search_true(row(family, LIMITED), place_, R, p, -1, seeded, seed, respect, J, A)
+    if seeded:
+        return search_exact(family, place_, -1, seed, respect)
+    return search_exact(family, place_, -1, None, respect)
 
 
 @kernel
