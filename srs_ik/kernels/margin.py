@@ -101,7 +101,7 @@ def climb(P, side, branch, lower, middle, upper, seeded, seed, respect, S):
 
 @kernel
 def copy_interval(source, i, out, k):
-    """Copy row i of some intervals to row k of others. (A whole row assigned takes a second to compile.)"""
+    """Copy row i of some intervals to row k of others: a whole row assigned would take a second to compile."""
     out[k, 0] = source[i, 0]
     out[k, 1] = source[i, 1]
     out[k, 2] = source[i, 2]
