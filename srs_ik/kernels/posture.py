@@ -278,5 +278,6 @@ def posture(family, H, x, given, side, tie, out):
 def posture_range(family, H, tasks, first, last, given, side, tie, out):
     """Write the postures of the task rows first to last - 1."""
     P = row(family, LIMITED)
+    hand = row(H, 0)
     for i in range(first, last):
-        write_posture(P, plan_given(P, H, tasks[i], given, side, tie), out[i])
+        write_posture(P, plan_given(P, hand, row(tasks, i), given, side, tie), row(out, i))

@@ -301,7 +301,7 @@ def solve_task_one(family, H, x, given, side, tie, seeds, i, respect, J, A, out)
             family, H, x, grasped, phi, side, tie, found, hand_axes, branch, seeded, seed, respect, J, A, out
         )
         out[ANGLE_LOST] = lost
-    write_posture(P, found, out[TASK_POSTURE:])
+    write_posture(P, found, row(out, TASK_POSTURE))
     for k in range(9):
         out[TASK_ROTATION + k] = R[k]
     for k in range(3):
@@ -311,5 +311,6 @@ def solve_task_one(family, H, x, given, side, tie, seeds, i, respect, J, A, out)
 @entry
 def solve_tasks(family, H, tasks, first, last, given, side, tie, seeds, respect, J, A, out):
     """Solve the task rows first to last - 1; seeds are one for all, or one a task, or None."""
+    hand = row(H, 0)
     for i in range(first, last):
-        solve_task_one(family, H, tasks[i], given, side, tie, seeds, i, respect, J, A, out[i])
+        solve_task_one(family, hand, row(tasks, i), given, side, tie, seeds, i, respect, J, A, row(out, i))
