@@ -10,7 +10,7 @@ import pytest
 from command_line import run
 
 from srs_ik.bench import growth
-from srs_ik.bench.own import batches, single_calls
+from srs_ik.bench.own import BATCH, batches, single_calls
 from srs_ik.bench.report import Report, machine
 from srs_ik.bench.timing import measure, time_calls
 from srs_ik.bench.work import SEED_SPREAD, Work
@@ -90,7 +90,8 @@ def test_every_posture_is_found_and_the_report_shows_every_figure():
         assert row.farther in (None, 0)
         assert f"| {row.call} | {row.median_us:.2f} | {row.p99_us:.2f} | 6 of 6 |" in text
     for row in report.batches:
-        assert f"| {row.call} | 6 | {row.one_thread_us:.3f} | {row.two_threads_us:.3f} |" in text
+        assert 0 < row.poses <= BATCH and row.poses % 6 == 0
+        assert f"| {row.call} | {row.poses:,} | {row.one_thread_us:.3f} | {row.two_threads_us:.3f} |" in text
     for line in ("| iiwa14 | 10 | 2 | 1.500 |  |  |", "| iiwa14 | 1,000,000 | 2 | 1.250 | 104 | 105 |", "| 9.50 |"):
         assert line in text
     assert json.loads(json.dumps(report.as_dict()))["floor_us"] == 0.25

@@ -16,6 +16,10 @@ from srs_ik.bench.work import Work
 PACKAGE = "srs-ik"
 REPEATS = 5
 
+BATCH = 20_000
+LONGEST = 5e5
+"""Poses of a batch, and the microseconds that it may take on one thread."""
+
 
 @dataclass(frozen=True)
 class Batch:
@@ -64,19 +68,28 @@ def _all(solutions: Any) -> Any:
 
 
 def batches(arm: Arm, work: Work) -> Iterator[Batch]:
-    """Batch calls on one thread and on two."""
-    angles = work.arm_angles
-    calls: dict[str, Callable[[int], Any]] = {
-        "solve_batch, arm angle": lambda n: arm.solve_batch(work.poses, angles, threads=n),
-        "solve_batch, arm angle, all branches": lambda n: arm.solve_batch(
-            work.poses, angles, all_branches=True, respect_limits=False, threads=n
+    """Batch calls on one thread and on two; the work is repeated to `BATCH` poses, as far as `LONGEST` allows."""
+
+    def at_angle(work: Work, threads: int, **options: Any) -> Any:
+        return arm.solve_batch(work.poses, work.arm_angles, threads=threads, **options)
+
+    calls: dict[str, Callable[[Work, int], Any]] = {
+        "solve_batch, arm angle": at_angle,
+        "solve_batch, arm angle, branch 0, no limits": lambda work, n: at_angle(
+            work, n, branch=0, respect_limits=False
         ),
-        "solve_batch, seeds": lambda n: arm.solve_batch(work.poses, seed=work.seeds, threads=n),
-        "solve_batch": lambda n: arm.solve_batch(work.poses, threads=n),
-        "intervals_batch": lambda n: arm.intervals_batch(work.poses, threads=n),
+        "solve_batch, arm angle, all branches, no limits": lambda work, n: at_angle(
+            work, n, all_branches=True, respect_limits=False
+        ),
+        "solve_batch, seeds": lambda work, n: arm.solve_batch(work.poses, seed=work.seeds, threads=n),
+        "solve_batch": lambda work, n: arm.solve_batch(work.poses, threads=n),
+        "intervals_batch": lambda work, n: arm.intervals_batch(work.poses, threads=n),
     }
     for name, call in calls.items():
-        yield Batch(arm.name, name, len(work.poses), *(best_time(call, n) / len(work.poses) for n in (1, 2)))
+        once = best_time(call, work, 1, repeats=1)
+        more = work.repeated(max(1, min(BATCH // len(work.poses), int(LONGEST / once))))
+        poses = len(more.poses)
+        yield Batch(arm.name, name, poses, *(best_time(call, more, n) / poses for n in (1, 2)))
 
 
 def best_time(call: Callable[..., Any], *arguments: Any, repeats: int = REPEATS) -> float:

@@ -78,7 +78,7 @@ def _call(row: Timed) -> Sequence[str]:
 
 
 def _batch(row: Batch) -> Sequence[str]:
-    return (row.robot, row.call, str(row.poses), f"{row.one_thread_us:.3f}", f"{row.two_threads_us:.3f}")
+    return (row.robot, row.call, f"{row.poses:,}", f"{row.one_thread_us:.3f}", f"{row.two_threads_us:.3f}")
 
 
 def _growth(row: Growth) -> Sequence[str]:

@@ -41,3 +41,7 @@ class Work:
         seeds = np.clip(q + rng.uniform(-SEED_SPREAD, SEED_SPREAD, q.shape), arm.lower, arm.upper)
         poses = np.array([arm.forward_kinematics(row).homogeneous for row in q]).reshape(count, 4, 4)
         return Work(q, poses, np.array([arm.arm_angle(row) for row in q]), seeds)
+
+    def repeated(self, times: int) -> Work:
+        """The same work so many times over."""
+        return Work(*(np.concatenate([rows] * times) for rows in (self.q, self.poses, self.arm_angles, self.seeds)))
