@@ -15,6 +15,7 @@ import numpy as np
 import pinocchio as pin
 
 import srs_ik
+from srs_ik.bench.own import BATCH, Batch, best_time
 from srs_ik.bench.timing import Timed, measure
 from srs_ik.bench.work import Work
 
@@ -38,18 +39,21 @@ def locked_work(arm: srs_ik.Arm, work: Work) -> list[tuple[np.ndarray]]:
     return [(arm.forward_kinematics(row).homogeneous,) for row in q]
 
 
-def eaik(arm: srs_ik.Arm, work: Work) -> Iterator[Timed]:
-    """EAIK with joint 3 locked: the branches at one value of the redundancy; knows no limits."""
+def eaik_solver(arm: srs_ik.Arm) -> tuple[Any, np.ndarray]:
+    """EAIK's solver with joint 3 locked, and the turn of its tip: it has the axes of the base at zero."""
     from eaik.IK_HP import HPRobot
 
     origins = np.vstack([np.zeros(3), arm.limb.points, arm.limb.T_base_tip_zero[:3, 3]])
-    R = np.asarray(arm.limb.T_base_tip_zero)[:3, :3]
-    solver = HPRobot(arm.limb.axes, np.diff(origins, axis=0), [(2, LOCKED)])
+    turned = np.eye(4)
+    turned[:3, :3] = np.asarray(arm.limb.T_base_tip_zero)[:3, :3].T
+    return HPRobot(arm.limb.axes, np.diff(origins, axis=0), [(2, LOCKED)]), turned
+
+
+def eaik(arm: srs_ik.Arm, work: Work) -> Iterator[Timed]:
+    """EAIK with joint 3 locked: the branches at one value of the redundancy; knows no limits."""
+    solver, turned = eaik_solver(arm)
     if not solver.hasKnownDecomposition():
         return
-    turned = np.eye(4)
-    turned[:3, :3] = R.T
-    poses = locked_work(arm, work)
 
     def call(pose: np.ndarray) -> Any:
         return solver.IK(pose)
@@ -57,10 +61,20 @@ def eaik(arm: srs_ik.Arm, work: Work) -> Iterator[Timed]:
     def postures(answer: Any) -> list[np.ndarray]:
         return [q for q, nearly in zip(answer.Q, answer.is_LS, strict=True) if not nearly]
 
-    # Its tip has the axes of the base at zero; the errors are those of the same posture on our own chain.
-    given = [(pose @ turned,) for (pose,) in poses]
+    # The errors are those of the same posture on our own chain.
+    given = [(pose @ turned,) for (pose,) in locked_work(arm, work)]
     tip_arm = arm.with_tool(turned)
     yield measure(tip_arm, "EAIK", "IK(pose), joint 3 locked, no limits", call, given, postures)
+
+
+def eaik_batch(arm: srs_ik.Arm, work: Work) -> Iterator[Batch]:
+    """EAIK's call for many poses."""
+    solver, turned = eaik_solver(arm)
+    if solver.hasKnownDecomposition():
+        poses = np.array([pose @ turned for (pose,) in locked_work(arm, work)])
+        poses = np.concatenate([poses] * max(1, BATCH // len(poses)))
+        times = (best_time(solver.IK_batched, poses, threads) / len(poses) for threads in (1, 2))
+        yield Batch(arm.name, "EAIK: IK_batched, joint 3 locked, no limits", len(poses), *times)
 
 
 def ik_geo(arm: srs_ik.Arm, work: Work) -> Iterator[Timed]:

@@ -26,7 +26,7 @@ from srs_ik.bench.work import Work
 
 sys.path.insert(0, str(Path(__file__).resolve().parent))
 
-from peers import PEERS
+from peers import PEERS, eaik_batch
 
 ROBOTS = ("iiwa14", "gen3")
 
@@ -44,6 +44,8 @@ def run(poses: int, largest: int, with_starts: bool) -> Report:
                     warnings.simplefilter("ignore")
                     report.calls += peer(arm, work)
         report.batches += batches(arm, work)
+        if util.find_spec("eaik"):
+            report.batches += eaik_batch(arm, work)
         if largest:
             report.growth += growth(robot, largest if robot == "iiwa14" else largest // 1000)
     if with_starts:
