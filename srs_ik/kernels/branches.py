@@ -139,8 +139,8 @@ def best_branch(P, place_, psi, branch, seeded, seed, respect):
 
 
 @kernel
-def elbow_branches(P, place_, psi, elbow, respect, Q):
-    """The four branches on one side of the elbow into rows 0 to 3 of Q (4, 9): seven angles, their cost, work space."""
+def elbow_branches(P, place_, psi, elbow, respect, Q, first):
+    """The four branches on one side of the elbow into four rows of Q: seven angles, their cost, work space."""
     q4, v, y, v_w, y_w = side_at(P, place_, elbow, math.cos(psi), math.sin(psi))
     none = (0.0, 0.0, 0.0)
     e, cost_e = elbow_part(P, q4, False, 0.0, respect)
@@ -152,13 +152,13 @@ def elbow_branches(P, place_, psi, elbow, respect, Q):
         cost_s = cost_s if reached_s else NO_BRANCH
         cost_w = cost_w if reached_w else NO_BRANCH
         for other in range(2):
-            with_s = 2 * sign + other
-            with_w = 2 * other + sign
+            with_s = first + 2 * sign + other
+            with_w = first + 2 * other + sign
             for i in range(3):
                 Q[with_s, i] = a[i]
                 Q[with_w, 4 + i] = b[i]
             Q[with_s, 3] = e
             Q[with_s, 7] = join(cost_s, cost_e, False, respect)
             Q[with_w, 8] = cost_w
-    for row in range(4):
+    for row in range(first, first + 4):
         Q[row, 7] = max(Q[row, 7], Q[row, 8])

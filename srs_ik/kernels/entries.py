@@ -137,23 +137,24 @@ def all_branches(P, T, psi, respect, J, A, out, first):
         return verdict
     place_ = place(P, R, p)
     if J is None:
-        Q = np.empty((4, 9))
         for elbow in range(2):
-            elbow_branches(P, place_, psi, elbow, respect, Q)
-            hands = (hand_frame(P, read7(Q[0])), hand_frame(P, read7(Q[1])))
-            arms = (arm_frame_at(P, read7(Q[0])), arm_frame_at(P, read7(Q[2])))
+            base = first + 4 * elbow
+            elbow_branches(P, place_, psi, elbow, respect, out, base)
+            hands = (hand_frame(P, read7(row(out, base))), hand_frame(P, read7(row(out, base + 1))))
+            arms = (arm_frame_at(P, read7(row(out, base))), arm_frame_at(P, read7(row(out, base + 2))))
             for i in range(4):
-                branch = 4 * elbow + i
-                q = read7(Q[i])
-                if Q[i, 7] >= OUTSIDE:
-                    measure_row(P, place_, R, p, q, branch, Q[i, 7], respect, row(out, first + branch))
+                answer = row(out, base + i)
+                q = read7(answer)
+                cost = answer[7]
+                if cost >= OUTSIDE:
+                    measure_row(P, place_, R, p, q, 4 * elbow + i, cost, respect, answer)
                     continue
                 M, shift = arms[i >> 1]
                 x, y, origin = hands[i & 1]
                 x = apply(M, x)
                 y = apply(M, y)
                 position, orientation = frame_error(x, y, cross(x, y), add(apply(M, origin), shift), R, p)
-                write_row(place_, q, branch, psi, False, True, position, orientation, 0, row(out, first + branch))
+                write_row(place_, q, 4 * elbow + i, psi, False, True, position, orientation, 0, answer)
         return GOOD_POSE
     found = np.empty((8, 8))
     followed = False
