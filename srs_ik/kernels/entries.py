@@ -21,6 +21,7 @@ from srs_ik.kernels.layout import (
     FREE,
     LIMITED,
     ROW_BRANCH,
+    ROW_COST,
     ROW_JOINT,
     ROW_STATUS,
 )
@@ -145,7 +146,7 @@ def all_branches(P, T, psi, respect, J, A, out, first):
             for i in range(4):
                 answer = row(out, base + i)
                 q = read7(answer)
-                cost = answer[7]
+                cost = answer[ROW_COST]
                 if cost >= OUTSIDE:
                     measure_row(P, place_, R, p, q, 4 * elbow + i, cost, respect, answer)
                     continue
@@ -164,8 +165,8 @@ def all_branches(P, T, psi, respect, J, A, out, first):
             if not followed:
                 find_at_angle(P, place_, R, p, psi, False, NO_SEED, respect, found, J, A)
                 followed = True
-            if found[branch, 7] < lowest:
-                q, lowest = read7(found[branch]), found[branch, 7]
+            if found[branch, ROW_COST] < lowest:
+                q, lowest = read7(found[branch]), found[branch, ROW_COST]
         measure_row(P, place_, R, p, q, branch, lowest, respect, row(out, first + branch))
         out[first + branch, ROW_BRANCH] = branch
     return GOOD_POSE

@@ -11,7 +11,8 @@ import numpy as np
 from srs_ik.kernels.branches import NO_BRANCH, best_branch, branch_of, is_unsure
 from srs_ik.kernels.closure import arm_angle, close_at_angle
 from srs_ik.kernels.jit import kernel
-from srs_ik.kernels.layout import FAR, MISS
+from srs_ik.kernels.layout import FAR, MISS, ROW_COST
+from srs_ik.kernels.poses import read7
 from srs_ik.kernels.scoring import OUTSIDE, cost
 from srs_ik.kernels.search import STEPS, bent_place, evaluate, turned
 from srs_ik.kernels.second_attempts import ATTEMPTS, STRETCHED, evaluate_again, from_turned, stretched
@@ -65,7 +66,7 @@ def passing(P, place_, R, p, psi, a, b, ahead_a, ahead_b, J, A):
 def find_at_angle(P, place_, R, p, psi, seeded, seed, respect, out, J, A):
     """Write the best posture of every branch at an arm angle, and its cost, into the rows of out (8, 8)."""
     for branch in range(8):
-        out[branch, 7] = 2.0 * NO_BRANCH
+        out[branch, ROW_COST] = 2.0 * NO_BRANCH
     if not may_reach(P, place_):
         return
     runs = np.empty((MAX_RUNS, RUN))
@@ -84,10 +85,10 @@ def find_at_angle(P, place_, R, p, psi, seeded, seed, respect, out, J, A):
                 branch = branch_of(P, q)
                 q = turned(P, q, seeded, seed, respect)
                 value = cost(P, q, seeded, seed, respect)
-                if met and value < out[branch, 7]:
+                if met and value < out[branch, ROW_COST]:
                     for j in range(7):
                         out[branch, j] = q[j]
-                    out[branch, 7] = value
+                    out[branch, ROW_COST] = value
             a, at_a = b, at_b
 
 
@@ -99,12 +100,12 @@ def best_at_angle(P, place_, R, p, psi, wanted, seeded, seed, respect, J, A):
     best = 0 if wanted < 0 else wanted
     if wanted < 0:
         for branch in range(1, 8):
-            if found[branch, 7] < found[best, 7]:
+            if found[branch, ROW_COST] < found[best, ROW_COST]:
                 best = branch
     row = found[best]
-    if row[7] >= NO_BRANCH:
-        return seed, best, row[7]
-    return (row[0], row[1], row[2], row[3], row[4], row[5], row[6]), best, row[7]
+    if row[ROW_COST] >= NO_BRANCH:
+        return seed, best, row[ROW_COST]
+    return read7(row), best, row[ROW_COST]
 
 
 @kernel

@@ -96,3 +96,4 @@ ROW_STATUS = 10
 ROW_BRANCH = 11
 ROW_JOINT = 12  # the joint (1 to 7) with the smallest margin to its limits
 ROW = 13
+ROW_COST = ROW_POSITION_ERROR  # of q, in the row of a branch until its errors are measured
