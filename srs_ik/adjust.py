@@ -28,7 +28,7 @@ def with_tool(chain: Chain, T_tip_tool: Array, name: str | None = None) -> Chain
         name: name of the tool's frame; by default "tool", numbered where that is taken.
 
     Raises:
-        InvalidRobot: a frame of that name exists.
+        InvalidRobot: a frame of that name exists, or the name is no text.
     """
     T_tip_tool = _rigid(T_tip_tool)
     model = pin.Model(chain.model)
@@ -48,7 +48,7 @@ def on_base(chain: Chain, T_newbase_base: Array, name: str | None = None) -> Cha
         name: name of the new base frame; by default "world", numbered where that is taken.
 
     Raises:
-        InvalidRobot: a frame of that name exists.
+        InvalidRobot: a frame of that name exists, or the name is no text.
     """
     T_newbase_base = _rigid(T_newbase_base)
     model = pin.Model(chain.model)
@@ -120,6 +120,8 @@ def _add_frame(model: Any, joint: int, parent: int, placement: Any, name: str | 
     taken = {frame.name for frame in model.frames}
     if name is None:
         name = next(n for n in (default, *(f"{default}_{k}" for k in range(2, len(taken) + 3))) if n not in taken)
+    elif not isinstance(name, str) or not name:
+        raise InvalidRobot(f"the name of a frame is text, not {name!r:.40}", model.name)
     elif name in taken:
         raise InvalidRobot(f"{model.name!r} has a frame {name!r} already; choose another name", model.name)
     return name, model.addFrame(pin.Frame(name, joint, parent, placement, pin.FrameType.OP_FRAME))

@@ -21,9 +21,10 @@ from srs_ik.pose import (
     PoseLike,
     as_arm_angle,
     as_branch,
-    as_joint_vector,
     as_matrices,
     as_matrix,
+    as_seed,
+    as_seeds,
     invalid_pose,
     per_pose,
     refuse_bad_poses,
@@ -102,7 +103,7 @@ class Arm(RedundantLimb):
         row = np.empty(ROW)
         T = as_matrix(pose)
         chosen = -1 if branch is None else as_branch(branch)
-        near = None if seed is None else as_joint_vector(seed, "seed")
+        near = None if seed is None else as_seed(seed, self.lower, self.upper)
         respect_limits = bool(respect_limits)
         J, A = self._no_work or self._work()
         if arm_angle is None:
@@ -186,7 +187,7 @@ class Arm(RedundantLimb):
         T = as_matrices(poses)
         n = len(T)
         psis = None if arm_angle is None else per_pose(arm_angle, (), n, "arm_angle")
-        seeds = None if seed is None else per_pose(seed, (7,), n, "seed")
+        seeds = None if seed is None else as_seeds(seed, n, self.lower, self.upper)
         chosen = as_branch(branch)
         respect_limits = bool(respect_limits)
         verdicts = np.zeros(n, np.int8)

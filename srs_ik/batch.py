@@ -9,6 +9,8 @@ from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from itertools import pairwise
 
+import numpy as np
+
 from srs_ik.errors import SrsIkError
 
 SMALLEST_RANGE = 8
@@ -32,7 +34,7 @@ def run_in_threads(work: Callable[[int, int], None], count: int, threads: int | 
     """
     if threads is None:
         threads = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
-    elif isinstance(threads, bool) or not isinstance(threads, int) or threads < 1:
+    elif isinstance(threads, bool) or not isinstance(threads, (int, np.integer)) or threads < 1:
         raise SrsIkError(f"threads must be a positive integer, not {threads!r}")
     helpers = min(threads, count // SMALLEST_RANGE) - 1
     if helpers < 1:

@@ -253,6 +253,8 @@ def force_velocity_ratio(J: ArrayLike, force: ArrayLike, velocity: ArrayLike) ->
     Source: C. Tiseo, S. R. Charitos, M. Mistry, Geometrical Postural Optimisation of 7-DoF Limb-Like Manipulators.
     """
     Jp = _jacobian(J)[..., :3, :]
+    # The ratio is that of any multiple of J; of this one, no square is too large or too small for a number.
+    Jp /= np.maximum(np.abs(Jp).max(axis=(-2, -1), keepdims=True), SMALLEST)
     f, v = _directions(force, 3, "force", Jp.shape[:-2]), _directions(velocity, 3, "velocity", Jp.shape[:-2])
     effort, ease = (np.sum(np.einsum("...i,...ij->...j", u, Jp) ** 2, axis=-1) for u in (f, v))
     with np.errstate(over="ignore"):
@@ -265,7 +267,7 @@ def rows_of(part: str) -> slice:
     Raises:
         InvalidTask: there is no such part.
     """
-    if part not in _ROWS:
+    if not isinstance(part, str) or part not in _ROWS:
         raise InvalidTask(f"part is 'linear', 'angular' or 'full', not {part!r}")
     return _ROWS[part]
 

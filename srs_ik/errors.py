@@ -17,6 +17,10 @@ _LISTED = 40
 class SrsIkError(Exception):
     """Base class of all errors of this package."""
 
+    def __init__(self, message: str = "") -> None:
+        # What a message quotes may have lines of its own, such as an array that was given for a number.
+        super().__init__(" ".join(line.strip() for line in message.splitlines()))
+
     def __reduce__(self) -> tuple[Any, ...]:
         # The default calls the class with the finished message, which is not what every constructor takes.
         return _restore, (type(self), self.args, self.__dict__)

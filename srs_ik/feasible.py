@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import operator
 from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any
 
@@ -54,7 +55,7 @@ class IntervalsBatch:
         return len(self.offsets) - 1
 
     def __getitem__(self, index: int) -> list[Interval]:
-        pose = range(len(self))[index]
+        pose = range(len(self))[operator.index(index)]
         of_pose = slice(self.offsets[pose], self.offsets[pose + 1])
         ends = zip(
             self.branch[of_pose].tolist(), self.lower[of_pose].tolist(), self.upper[of_pose].tolist(), strict=True

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import threading
 from functools import cached_property
 from typing import Any
@@ -139,7 +140,7 @@ class ChainKinematics:
         turn = T_base_tip.rotation.T @ T_base_wanted[:3, :3]
         skew = np.array([turn[2, 1] - turn[1, 2], turn[0, 2] - turn[2, 0], turn[1, 0] - turn[0, 1]])
         return PoseError(
-            float(np.linalg.norm(T_base_wanted[:3, 3] - T_base_tip.translation)),
+            math.hypot(*(T_base_wanted[:3, 3] - T_base_tip.translation).tolist()),
             float(np.arctan2(np.linalg.norm(skew), np.trace(turn) - 1.0)),
         )
 

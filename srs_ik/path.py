@@ -9,10 +9,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from srs_ik.errors import InvalidConfiguration
 from srs_ik.kernels import path_entries
 from srs_ik.kernels.layout import ROW, ROW_ARM_ANGLE, ROW_BRANCH, ROW_STATUS
-from srs_ik.pose import as_joint_vector, as_matrices, refuse_bad_poses
+from srs_ik.pose import as_matrices, as_positive, as_seed, refuse_bad_poses
 from srs_ik.solution import BatchSolution, Status
 
 Array = NDArray[np.float64]
@@ -74,7 +73,7 @@ def solve_path(
     T = as_matrices(poses)
     n = len(T)
     longest = _longest_steps(arm, dt, longest_step)
-    start = None if seed is None else as_joint_vector(seed, "seed")
+    start = None if seed is None else as_seed(seed, arm.lower, arm.upper)
     if not n:
         return PathSolution(np.empty((0, ROW)), arm.joint_names, np.empty((0, 7)), [])
     keys, verdicts = np.zeros(n, np.bool_), np.zeros(n, np.int64)
@@ -148,20 +147,10 @@ def _longest_steps(arm: Any, dt: float | None, longest_step: float) -> Array:
     """(3, 7) joint steps by velocity and by continuity, and the square of the shortest of all."""
     by_velocity = np.full(7, np.inf)
     if dt is not None:
-        by_velocity = arm.velocity_limit * _positive(dt, "dt", "seconds")
-    longest_step = _positive(longest_step, "longest_step", "radians")
+        by_velocity = arm.velocity_limit * as_positive(dt, "dt", "seconds")
+    longest_step = as_positive(longest_step, "longest_step", "radians")
     by_continuity = np.full(7, longest_step)
     return np.vstack([by_velocity, by_continuity, np.full(7, min(by_velocity.min(), by_continuity.min()) ** 2)])
-
-
-def _positive(value: float, what: str, unit: str) -> float:
-    try:
-        number = float(value)
-    except (TypeError, ValueError):
-        number = np.nan
-    if not (np.isfinite(number) and number > 0.0):
-        raise InvalidConfiguration(f"{what} must be a positive number of {unit}, not {value!r}")
-    return number
 
 
 def _unwound(arm: Any, q: Array, start: Array | None) -> Array:

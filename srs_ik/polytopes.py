@@ -18,7 +18,7 @@ from numpy.typing import ArrayLike, NDArray
 from srs_ik.ellipsoids import RANK_TOLERANCE, UNITS, limits_of, rows_of
 from srs_ik.errors import InvalidConfiguration, InvalidTask, MissingExtra
 from srs_ik.gravity import gravity_torque
-from srs_ik.pose import as_joint_vector, real_array
+from srs_ik.pose import as_joint_vector, as_positive, real_array
 
 if TYPE_CHECKING:
     from srs_ik.arm import Arm
@@ -265,8 +265,7 @@ def _seven(values: Any, what: str) -> Array:
 
 def _within_horizon(arm: Arm, q: Array, least: Array, most: Array, horizon: Any) -> tuple[Array, Array]:
     """The joint velocities of these that pass no joint limit in that time."""
-    if not isinstance(horizon, (int, float)) or not 0.0 < horizon < np.inf:
-        raise InvalidTask(f"horizon must be a positive number of seconds, not {horizon!r}")
+    horizon = as_positive(horizon, "horizon", "seconds", InvalidTask)
     below, above = q - arm.lower, arm.upper - q
     for name, room in zip(arm.joint_names, np.minimum(below, above), strict=True):
         if room < -SAME:

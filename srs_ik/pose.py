@@ -9,9 +9,9 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import ArrayLike, NDArray
 
-from srs_ik.errors import InvalidConfiguration, InvalidPose
+from srs_ik.errors import InvalidConfiguration, InvalidPose, SrsIkError
 from srs_ik.kernels.entries import check_pose
-from srs_ik.kernels.poses import NOT_FINITE
+from srs_ik.kernels.poses import FARTHEST, NOT_FINITE, TOO_FAR
 from srs_ik.messages import pose_matrix
 
 Array = NDArray[np.float64]
@@ -19,6 +19,12 @@ PoseLike = Any
 """A `pinocchio.SE3`, anything that NumPy reads as a 4 x 4 array, or an object like a pose of geometry_msgs."""
 
 _FLOAT = np.dtype(np.float64)
+
+LARGEST_ANGLE = 1e6
+"""Largest arm angle, and joint angle of a seed, rad: beyond it, rounding alone passes what an answer may be off."""
+
+FARTHEST_SEED = 300.0
+"""So far outside its limits a joint of a seed may be, rad; one that is farther was hardly meant in radians."""
 
 
 class PoseError(NamedTuple):
@@ -76,12 +82,15 @@ def real_array(values: Any) -> Array:
 
     Raises:
         TypeError: complex numbers, whose imaginary part NumPy would drop.
-        ValueError: not numbers.
+        ValueError: not numbers, or integers that no float can hold.
     """
     raw = np.asarray(values)
     if raw.dtype.kind == "c":
         raise TypeError("complex numbers")
-    return np.array(raw, dtype=np.float64, order="C")
+    try:
+        return np.array(raw, dtype=np.float64, order="C")
+    except OverflowError as error:
+        raise ValueError(str(error)) from None
 
 
 def as_rigid_matrix(pose: PoseLike) -> Array:
@@ -116,6 +125,8 @@ def invalid_pose(verdict: int, where: str = "") -> InvalidPose:
     """The error for a verdict of `kernels.entries.read_pose`; `where` names the pose among many."""
     if verdict == NOT_FINITE:
         return InvalidPose(f"the pose{where} has entries that are not finite numbers")
+    if verdict == TOO_FAR:
+        return InvalidPose(f"the pose{where} is farther away than {FARTHEST:g} m")
     return InvalidPose(
         f"the pose{where} is no rigid transform: R'R must be the identity to 1e-6, det R positive, the last row 0 0 0 1"
     )
@@ -144,25 +155,93 @@ def as_joint_vector(q: ArrayLike, what: str = "q") -> Array:
         raise InvalidConfiguration(f"{what} must be 7 joint angles, not {type(q).__name__}") from None
     if array.shape != (7,):
         raise InvalidConfiguration(f"{what} must be 7 joint angles, not an array of shape {array.shape}")
-    if not math.isfinite(array.dot(array)):
+    if not math.isfinite(math.hypot(*array.tolist())):
         raise InvalidConfiguration(f"{what} has entries that are not finite numbers")
     return array
+
+
+def refuse_bad_angles(angles: Array, what: str) -> None:
+    """Raise the error for angles of any shape that no answer can be computed from.
+
+    Raises:
+        InvalidConfiguration: one is not finite, or beyond `LARGEST_ANGLE`.
+    """
+    largest = float(np.abs(angles).max(initial=0.0))
+    if not math.isfinite(largest):
+        raise InvalidConfiguration(f"{what} has entries that are not finite numbers")
+    if largest > LARGEST_ANGLE:
+        raise InvalidConfiguration(f"{what} has an angle of {largest:g} rad; they end at {LARGEST_ANGLE:g} rad")
+
+
+def refuse_far_seeds(seeds: Array, lower: Array, upper: Array) -> None:
+    """Raise the error for seeds (..., 7) that are nowhere near the joint limits (7,), rad.
+
+    Raises:
+        InvalidConfiguration: a joint is outside them by more than `FARTHEST_SEED`, or beyond `LARGEST_ANGLE`.
+    """
+    refuse_bad_angles(seeds, "seed")
+    outside = np.maximum(lower - seeds, seeds - upper).reshape(-1, 7).max(axis=0, initial=0.0)
+    if outside.max() > FARTHEST_SEED:
+        joint = int(outside.argmax())
+        raise InvalidConfiguration(
+            f"seed has joint {joint + 1} {outside[joint]:.6g} rad outside its limits; angles are in radians"
+        )
+
+
+def as_seed(seed: ArrayLike, lower: Array, upper: Array) -> Array:
+    """A posture to stay near, as a (7,) array of floats; `lower` and `upper` are the joint limits (7,), rad.
+
+    Raises:
+        InvalidConfiguration: not seven finite angles, or nowhere near the limits.
+    """
+    array = as_joint_vector(seed, "seed")
+    if math.hypot(*array.tolist()) > FARTHEST_SEED:
+        refuse_far_seeds(array, lower, upper)
+    return array
+
+
+def as_seeds(seeds: ArrayLike, n: int, lower: Array, upper: Array) -> Array:
+    """`as_seed` for n poses: (1, 7) or (n, 7), of one for all or one a pose; plain arrays are not copied.
+
+    Raises:
+        InvalidConfiguration: of another shape, not finite angles, or nowhere near the limits.
+    """
+    array = per_pose(seeds, (7,), n, "seed")
+    if array.size and max(-array.min(), array.max()) > FARTHEST_SEED:
+        refuse_far_seeds(array, lower, upper)
+    return array
+
+
+def as_positive(value: Any, what: str, unit: str, error: type[SrsIkError] = InvalidConfiguration) -> float:
+    """A finite number above zero; `what` names it.
+
+    Raises:
+        error: it is none.
+    """
+    try:
+        number = float(value)
+    except (TypeError, ValueError, OverflowError):
+        number = math.nan
+    if not 0.0 < number < math.inf:
+        raise error(f"{what} must be a positive number of {unit}, not {value!r:.40}")
+    return number
 
 
 def as_arm_angle(arm_angle: float) -> float:
     """A finite arm angle.
 
     Raises:
-        InvalidConfiguration: not a finite number.
+        InvalidConfiguration: not a finite number, or beyond `LARGEST_ANGLE`.
     """
-    if type(arm_angle) is float and math.isfinite(arm_angle):
-        return arm_angle
     try:
         value = float(arm_angle)
-    except (TypeError, ValueError):
+    except (TypeError, ValueError, OverflowError):
         value = math.nan
-    if not math.isfinite(value):
-        raise InvalidConfiguration(f"the arm angle must be a finite number of radians, not {arm_angle!r}")
+    if not abs(value) <= LARGEST_ANGLE:
+        given = f"{arm_angle!r:.40}"
+        raise InvalidConfiguration(
+            f"the arm angle must be a finite number of radians, up to {LARGEST_ANGLE:g}, not {given}"
+        )
     return value
 
 
@@ -180,10 +259,11 @@ def as_branch(branch: int | None) -> int:
 
 
 def per_pose(value: ArrayLike, shape: tuple[int, ...], n: int, what: str) -> Array:
-    """One value for all poses as an array of length 1, or one a pose; plain arrays are not copied.
+    """One angle, or array of them, for all poses as an array of length 1, or one a pose; plain arrays are not copied.
 
     Raises:
-        InvalidConfiguration: of another shape, not numbers, or not finite; `what` names the argument.
+        InvalidConfiguration: of another shape, not numbers, not finite, or beyond `LARGEST_ANGLE`; `what` names the
+            argument.
     """
     try:
         array = value if _is_plain(value) else real_array(value)
@@ -191,12 +271,10 @@ def per_pose(value: ArrayLike, shape: tuple[int, ...], n: int, what: str) -> Arr
         array = np.full((), np.nan)
     if array.shape == shape:
         array = array[None]
-    if array.shape not in ((1, *shape), (n, *shape)) or not _all_finite(array):
+    if array.shape not in ((1, *shape), (n, *shape)):
         expected = f"{shape} or {(n, *shape)}" if shape else f"a number or an array of {n}"
         raise InvalidConfiguration(f"{what} must be finite, {expected}, not of shape {array.shape}")
+    # Two passes, and no other array of its size; a NaN is neither.
+    if array.size and not (array.min() >= -LARGEST_ANGLE and array.max() <= LARGEST_ANGLE):
+        refuse_bad_angles(array, what)
     return array
-
-
-def _all_finite(array: Array) -> bool:
-    """Whether there is neither NaN nor infinity in an array, found without another one of its size."""
-    return not array.size or (math.isfinite(array.min()) and math.isfinite(array.max()))

@@ -18,7 +18,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from srs_ik.errors import InvalidTask
 from srs_ik.objectives import Objective
-from srs_ik.pose import PoseLike, as_joint_vector, as_matrix
+from srs_ik.pose import PoseLike, as_joint_vector, as_positive, as_rigid_matrix
 
 if TYPE_CHECKING:
     from srs_ik.arm import Arm
@@ -97,7 +97,7 @@ def printed_optimum(
         **parameters: what the objective takes.
 
     Raises:
-        InvalidPose: the pose has the wrong shape.
+        InvalidPose: the pose is no finite rigid transform.
         InvalidTask: a wrong objective or parameter, an accuracy that is not positive, or an unknown constraint.
         InvalidConfiguration: a given start is not 7 finite angles.
 
@@ -108,9 +108,8 @@ def printed_optimum(
         objective = Objective(objective, **parameters)
     if constraint not in ("pose", "position"):
         raise InvalidTask(f"constraint must be 'pose' or 'position', not {constraint!r}")
-    if not (np.isfinite(accuracy) and accuracy > 0.0):
-        raise InvalidTask(f"accuracy must be a positive number, not {accuracy!r}")
-    problem = _Problem(arm, pin.SE3(as_matrix(pose)), objective, float(accuracy), constraint == "pose", respect_limits)
+    accuracy = as_positive(accuracy, "accuracy", "metres and radians", InvalidTask)
+    problem = _Problem(arm, pin.SE3(as_rigid_matrix(pose)), objective, accuracy, constraint == "pose", respect_limits)
     return problem.best(problem.starts(starts, seed))
 
 
@@ -135,7 +134,7 @@ class _Problem:
             limited = np.isfinite(self.arm.lower) & np.isfinite(self.arm.upper)
             lower, upper = np.where(limited, self.arm.lower, -np.pi), np.where(limited, self.arm.upper, np.pi)
             return list(np.random.default_rng(seed).uniform(lower, upper, (int(starts), 7)))
-        return [as_joint_vector(q, "a start") for q in np.atleast_2d(np.asarray(starts, dtype=float))]
+        return [as_joint_vector(q, "a start") for q in np.atleast_2d(starts)]
 
     def error(self, q: Array) -> Array:
         """(3,) or (6,): position error in base axes, rotation vector from the wanted orientation in tip axes."""

@@ -245,8 +245,14 @@ class BatchSolution(_Rows):
     """Answers to N poses: every field of `Solution` as an array over N, or over (N, 8) with all branches."""
 
     def message(self, *index: int) -> str:
-        """The sentence for one answer."""
-        return self[index if len(index) > 1 else index[0]].message
+        """The sentence for one answer: of its index, or of pose and branch.
+
+        Raises:
+            IndexError: another number of indices than `status` has axes, or one out of range.
+        """
+        if len(index) != self._rows.ndim - 1:
+            raise IndexError(f"message takes {self._rows.ndim - 1} indices here, not {len(index)}")
+        return self[index].message
 
     def __getitem__(self, index: int | tuple[int, ...]) -> Any:
         row = self._rows[index]

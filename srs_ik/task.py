@@ -270,7 +270,7 @@ def _vectors(name: str, values: Any) -> Array:
             if array.dtype.kind == "c":
                 raise TypeError
             array = array.astype(np.float64)
-    except (TypeError, ValueError):
+    except (TypeError, ValueError, OverflowError):
         raise InvalidTask(f"{name} of a task is 3 numbers, or an (N, 3) array, not {type(values).__name__}") from None
     if array.ndim not in (1, 2) or array.shape[-1] != 3:
         raise InvalidTask(f"{name} of a task is 3 numbers, or an (N, 3) array, not an array of shape {array.shape}")

@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 from srs_ik.batch import run_in_threads
 from srs_ik.errors import InvalidTask
 from srs_ik.kernels import task as kernel
-from srs_ik.pose import per_pose
+from srs_ik.pose import as_seeds
 from srs_ik.solution import BatchSolution, ElbowRange, Solution, Status
 from srs_ik.task import Posture, Side, Task, Tie, signs
 
@@ -117,7 +117,7 @@ def solve_task(
             "hand=(grasp, pronosupination), two directions in that frame"
         )
     family, hand, rows, given = arm._family, arm._packed_hand, task._rows, task._given
-    seeds = None if seed is None else per_pose(seed, (7,), len(rows), "seed")
+    seeds = None if seed is None else as_seeds(seed, len(rows), arm.lower, arm.upper)
     out = np.empty((len(rows), kernel.TASK_SOLUTION))
     if task.count is None:
         J, A = arm._work()

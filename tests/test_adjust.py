@@ -71,6 +71,13 @@ def test_the_plain_arm_stays_as_it_is_and_names_are_numbered():
             move(2 * np.eye(4))
 
 
+@pytest.mark.parametrize("name", ["", 3, ["tool"]])
+def test_the_name_of_a_frame_is_text(name):
+    for move in (load("iiwa14").with_tool, load("iiwa14").with_base):
+        with pytest.raises(srs_ik.InvalidRobot, match="the name of a frame is text"):
+            move(np.eye(4), name=name)
+
+
 def test_the_hand_turns_with_the_tool():
     plain = load("human_arm")
     R = pin.rpy.rpyToMatrix(0.3, -1.0, 2.0)

@@ -184,6 +184,9 @@ def test_batches_index_into_solutions():
     assert_same(batch[3], arm.solve_batch(poses[3:4], arm_angle=0.1, all_branches=True)[0])
     assert batch[3, 2].branch == 2
     assert batch[3, 2].message == batch.message(3, 2)
+    for wrong in ((), (3,), (3, 2, 1)):
+        with pytest.raises(IndexError, match=f"message takes 2 indices here, not {len(wrong)}"):
+            batch.message(*wrong)
     assert repr(batch) == f"BatchSolution({batch.solved} of 160 solved)"
     assert batch[0].status.tolist() == [int(batch[0, k].status) for k in range(8)]
     assert set(batch.status.ravel().tolist()) <= {int(s) for s in Status}

@@ -1,5 +1,7 @@
 """Ellipsoids against motions of the tip by Pinocchio on the whole robot of the file, and plain linear algebra."""
 
+import warnings
+
 import arms
 import numpy as np
 import pinocchio as pin
@@ -171,6 +173,15 @@ def test_figures_of_merit_are_their_formulas():
             assert srs_ik.manipulability(J, part) == pytest.approx(np.sqrt(np.linalg.det(square)), rel=1e-8)
             eigenvalues = np.linalg.eigvalsh(square)
             assert srs_ik.isotropy(J, part) == pytest.approx(np.sqrt(eigenvalues[0] / eigenvalues[-1]), rel=1e-8)
+
+
+@pytest.mark.parametrize("scale", [1e-200, 1e-3, 1e160, 1e300])
+def test_the_ratio_is_that_of_any_multiple_of_the_jacobian(scale):
+    J = np.random.default_rng(5).normal(size=(6, 7))
+    f, v = np.array([1.0, 2.0, 3.0]), np.array([-1.0, 0.5, 0.0])
+    expected = (f @ J[:3] @ J[:3].T @ f) / (v @ J[:3] @ J[:3].T @ v) * (v @ v) / (f @ f)
+    with warnings.catch_warnings(action="error"):
+        assert srs_ik.force_velocity_ratio(scale * J, f, v) == pytest.approx(expected, rel=1e-12)
 
 
 def test_the_ratio_is_the_one_that_optimise_minimises():

@@ -69,6 +69,10 @@ def test_a_long_list_of_frames_is_cut_in_the_message_but_whole_in_the_field():
     assert "460 more" in str(error)
 
 
+def test_what_a_message_quotes_does_not_break_its_line():
+    assert str(errors.SrsIkError("not [[0]\n [1]]")) == "not [[0] [1]]"
+
+
 def test_nothing_is_offered_where_nothing_is_close():
     assert errors.did_you_mean("qqq", ["base_link"]) == ""
 

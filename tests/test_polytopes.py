@@ -318,6 +318,11 @@ def test_a_horizon_is_a_time(horizon):
         srs_ik.velocity_polytope(arms.load("iiwa14"), Q, horizon=horizon)
 
 
+def test_a_horizon_is_any_kind_of_number():
+    expected = srs_ik.velocity_polytope(arms.load("iiwa14"), Q, horizon=0.25).vertices
+    assert (srs_ik.velocity_polytope(arms.load("iiwa14"), Q, horizon=np.float32(0.25)).vertices == expected).all()
+
+
 def test_other_wrong_input():
     arm = arms.load("iiwa14")
     with pytest.raises(srs_ik.InvalidConfiguration):

@@ -7,6 +7,7 @@ import numpy as np
 import pinocchio as pin
 import pytest
 
+import srs_ik
 from srs_ik import InvalidConfiguration, InvalidPose, SrsIkError
 
 
@@ -32,6 +33,8 @@ BAD_POSES = {
     "NaN in the last row": changed((3, 0), np.nan),
     "infinite position": changed((2, 3), np.inf),
     "infinities that cancel": changed(([0, 1], [3, 3]), [np.inf, -np.inf]),
+    "position at the end of numbers": changed((1, 3), -1e308),
+    "integers beyond floats": np.eye(4, dtype=object) * 10**400,
     "zeros": np.zeros((4, 4)),
     "mirror": np.diag([1.0, 1.0, -1.0, 1.0]),
     "scaled": np.diag([2.0, 2.0, 2.0, 1.0]),
@@ -54,6 +57,7 @@ BAD_VECTORS = {
     "NaN": [0, 0, np.nan, 0, 0, 0, 0],
     "infinite": [0, 0, np.inf, 0, 0, 0, 0],
     "infinities that cancel": [0, -np.inf, np.inf, 0, 0, 0, 0],
+    "integers beyond floats": [10**400] * 7,
     "ragged": [[0.0], [0.0, 1.0]],
     "complex": np.full(7, 1j),
     "names": {"a": 1.0},
@@ -101,13 +105,66 @@ def test_malformed_seeds_are_refused_by_name(q):
     assert_one_sentence(raised)
 
 
-@pytest.mark.parametrize("arm_angle", [np.nan, np.inf, -np.inf, "north", [0.1, 0.2], {}, 1j, np.zeros(2)])
+@pytest.mark.parametrize(
+    "arm_angle", [np.nan, np.inf, -np.inf, "north", [0.1, 0.2], {}, 1j, np.zeros((2, 2)), 1e9, 10**400]
+)
 def test_malformed_arm_angles_are_refused(arm_angle):
     arm = arms.load("iiwa14")
     for call in (arm.solve, arm.solve_all):
         with pytest.raises(InvalidConfiguration, match="arm angle") as raised:
             call(np.eye(4), arm_angle=arm_angle)
         assert_one_sentence(raised)
+        with pytest.raises(InvalidConfiguration, match="arm_angle") as raised:
+            arm.solve_batch([np.eye(4)] * 3, arm_angle=arm_angle)
+        assert_one_sentence(raised)
+
+
+SEEDED = {
+    "solve": lambda arm, pose, seed: arm.solve(pose, seed=seed),
+    "solve at angle": lambda arm, pose, seed: arm.solve(pose, arm_angle=0.2, seed=seed),
+    "solve_batch": lambda arm, pose, seed: arm.solve_batch([pose] * 2, seed=seed),
+    "solve_batch of seeds": lambda arm, pose, seed: arm.solve_batch([pose] * 2, seed=[np.zeros(7), seed]),
+    "solve_path": lambda arm, pose, seed: arm.solve_path([pose] * 2, seed=seed),
+    "solve_task": lambda arm, pose, seed: arm.solve_task(
+        srs_ik.Task(pose.translation, [1, 0, 0], [0, 0, 1]), seed=seed
+    ),
+}
+
+
+@pytest.mark.parametrize("call", SEEDED.values(), ids=SEEDED)
+def test_seeds_far_outside_the_limits_are_refused(call):
+    """Beyond them, the distance from the seed would hide whether the limits are kept."""
+    arm = arms.load("iiwa14")
+    q = np.array([0.3, 0.7, -0.4, -1.1, 0.5, 0.8, -0.2])
+    pose = arm.forward_kinematics(q)
+    seed = q.copy()
+    for turns in (1, -5, 40):
+        seed[2] = q[2] + 2.0 * np.pi * turns
+        found = call(arm, pose, seed)
+        assert np.all(found.status == srs_ik.Status.OK), turns
+    seed[2] = 1000.0
+    with pytest.raises(InvalidConfiguration, match=r"seed has joint 3 997.*radians") as raised:
+        call(arm, pose, seed)
+    assert_one_sentence(raised)
+
+
+def test_seeds_of_many_turns_are_kept_where_joints_are_continuous():
+    arm = arms.load("gen3")
+    q = np.array([0.3, 0.7, -0.4, -1.1, 0.5, 0.8, -0.2])
+    seed = q + 2.0 * np.pi * np.array([1000, 0, -3000, 0, 7, 0, 10000])
+    pose = arm.forward_kinematics(q)
+    solution = arm.solve(pose, seed=seed)
+    assert np.abs(solution.q - seed).max() < 1e-9
+    assert max(arm.verify(pose, solution.q)) < 1e-9
+    for turned in (1e7, 1e160):
+        seed[2] = turned
+        assert np.isfinite(arm.forward_kinematics(seed).homogeneous).all()
+        for call in SEEDED.values():
+            with (
+                pytest.raises(InvalidConfiguration, match=r"seed has an angle of 1e\+"),
+                warnings.catch_warnings(action="error"),
+            ):
+                call(arm, pose, seed)
 
 
 @pytest.mark.parametrize("branch", [-1, 8, 1.5, "0", True, np.nan, [0]])

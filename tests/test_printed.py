@@ -6,7 +6,7 @@ import pytest
 from oracles import inside
 from test_objectives import PARAMETERS
 
-from srs_ik import InvalidConfiguration, InvalidTask, Objective, printed_optimum
+from srs_ik import InvalidConfiguration, InvalidPose, InvalidTask, Objective, printed_optimum
 
 ACCURACY = 1e-8
 
@@ -96,6 +96,10 @@ def test_wrong_input_is_refused():
         printed_optimum(arm, pose, "manipulability", constraint="wrist")
     with pytest.raises(InvalidTask, match="accuracy must be"):
         printed_optimum(arm, pose, "manipulability", accuracy=0.0)
+    with pytest.raises(InvalidTask, match="accuracy must be"):
+        printed_optimum(arm, pose, "manipulability", accuracy="high")
+    with pytest.raises(InvalidPose):
+        printed_optimum(arm, np.diag([1.0, 1.0, -1.0, 1.0]), "manipulability")
     with pytest.raises(InvalidTask, match="at least one start"):
         printed_optimum(arm, pose, "manipulability", starts=0)
     with pytest.raises(InvalidConfiguration, match="a start"):

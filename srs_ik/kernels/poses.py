@@ -9,9 +9,13 @@ from srs_ik.kernels.jit import kernel
 NOT_A_ROTATION = 1e-6
 """Largest deviation of R'R from the identity that is taken as rounding and removed."""
 
+FARTHEST = 1e300
+"""Largest coordinate of a pose, metres: sums of a few such figures are finite."""
+
 GOOD_POSE = 0
 NOT_FINITE = 1
 NOT_RIGID = 2
+TOO_FAR = 3
 """Verdicts on a pose."""
 
 
@@ -26,6 +30,8 @@ def read_pose(T):
     total += T[12] + T[13] + T[14] + T[15]
     if not math.isfinite(total):
         return R, p, NOT_FINITE
+    if max(abs(p[0]), abs(p[1]), abs(p[2])) > FARTHEST:
+        return R, p, TOO_FAR
     if max(abs(T[12]), abs(T[13]), abs(T[14]), abs(T[15] - 1.0)) > NOT_A_ROTATION:
         return R, p, NOT_RIGID
     for _ in range(2):

@@ -14,7 +14,7 @@ import pinocchio as pin
 from numpy.typing import ArrayLike, NDArray
 
 from srs_ik.errors import PreviewError
-from srs_ik.pose import PoseLike, as_arm_angle, as_joint_vector, as_rigid_matrix
+from srs_ik.pose import PoseLike, as_arm_angle, as_joint_vector, as_rigid_matrix, as_seed
 from srs_ik.preview import solids
 from srs_ik.preview.circle import arc_solids, circle_solids
 from srs_ik.preview.page import PageCanvas, rotation, serve, stop, wxyz
@@ -143,7 +143,7 @@ class InteractivePreview:
         """
         T = as_rigid_matrix(pose)
         psi = None if arm_angle is None else as_arm_angle(arm_angle)
-        near = self._solution.q if seed is None else as_joint_vector(seed, "seed")
+        near = self._solution.q if seed is None else as_seed(seed, self.arm.lower, self.arm.upper)
         if self.closed:
             raise PreviewError("the preview is closed: make a new one")
         with self._lock:

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from srs_ik.errors import InvalidConfiguration
-from srs_ik.pose import as_branch, real_array
+from srs_ik.pose import as_branch, as_positive, real_array
 from srs_ik.self_motion import through
 
 if TYPE_CHECKING:
@@ -39,12 +39,7 @@ def film(path: Any, dt: float) -> tuple[Array, float]:
         InvalidConfiguration: not N x 7 finite angles with N > 0, or dt is no positive number.
     """
     q = joint_path(path)
-    try:
-        step = float(dt)
-    except (TypeError, ValueError):
-        step = np.nan
-    if not (np.isfinite(step) and step > 0.0):
-        raise InvalidConfiguration(f"dt must be a positive number of seconds, not {dt!r}")
+    step = as_positive(dt, "dt", "seconds")
     duration = step * (len(q) - 1)
     count = int(min(np.ceil(duration * FPS), _MOST_FRAMES - 1)) + 1
     if count < 2:
