@@ -29,8 +29,7 @@ class Untouched:
             if "<robot" not in text:
                 self.model = pin.buildModelFromMJCF(str(path))
             else:
-                # Pinocchio refuses negative limits, which some makers write for "not given"; no pose depends on them.
-                self.model = pin.buildModelFromXML(re.sub(r'(effort|velocity)="-[\d.]+"', r'\1="0"', text))
+                self.model = pin.buildModelFromXML(_readable(text))
         self.data = self.model.createData()
         self.neutral = pin.neutral(self.model)
         self.joints = [self.model.joints[self.model.getJointId(name)] for name in arm.joint_names]
@@ -53,6 +52,17 @@ class Untouched:
         if self.model.existFrame(name, pin.FrameType.BODY):
             return self.model.getFrameId(name, pin.FrameType.BODY)
         return self.model.getFrameId(name)
+
+
+def _readable(urdf: str) -> str:
+    """A URDF without what makers write and Pinocchio refuses, and on which no pose depends.
+
+    These are negative limits, for "not given"; limits of continuous joints that lack one; and shapes of any other kind
+    than the four of a URDF.
+    """
+    urdf = re.sub(r"<(visual|collision)\b[^>]*(?<!/)>.*?</\1>", "", urdf, flags=re.DOTALL)
+    urdf = re.sub(r'(effort|velocity)="-[\d.]+"', r'\1="0"', urdf)
+    return re.sub(r"<limit (?![^>]*\beffort=)", '<limit effort="0" ', urdf)
 
 
 @contextlib.contextmanager

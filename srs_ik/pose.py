@@ -26,6 +26,13 @@ LARGEST_ANGLE = 1e6
 FARTHEST_SEED = 300.0
 """So far outside its limits a joint of a seed may be, rad; one that is farther was hardly meant in radians."""
 
+_MAKERS = {
+    (3,): "; pose_from_xyz_rpy(xyz, [0, 0, 0]) makes one of a position",
+    (6,): "; pose_from_xyz_rpy(xyz, rpy) makes one of two vectors",
+    (7,): "; pose_from_xyz_quaternion(xyz, quaternion, order=...) makes one of two vectors",
+}
+"""What makes a pose of an array of another shape."""
+
 
 class PoseError(NamedTuple):
     """How far a posture is from a pose."""
@@ -117,7 +124,8 @@ def _floats(values: Any, shape: tuple[int | None, ...], what: str) -> Array:
     except (TypeError, ValueError):
         raise InvalidPose(f"{what}, not {type(values).__name__}") from None
     if array.ndim != len(shape) or any(n is not None and n != m for n, m in zip(shape, array.shape, strict=True)):
-        raise InvalidPose(f"{what}, not an array of shape {array.shape}")
+        hint = _MAKERS.get(array.shape, "")
+        raise InvalidPose(f"{what}, not an array of shape {array.shape}{hint}")
     return array
 
 

@@ -102,6 +102,22 @@ def test_the_table_shows_the_joint_angles_of_the_json():
         assert degrees == pytest.approx(np.rad2deg(q), abs=1e-4)
 
 
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        (["solve", "iiwa14", "--armangle", "0"], "solve has no option --armangle (did you mean '--arm-angle'?)"),
+        (["preview", "iiwa14", "--html", "x.html"], "preview has no option --html; it takes --q, --xyz, "),
+        (["robots", "-x"], "robots has no option -x; it takes --json, --help"),
+    ],
+)
+def test_an_option_that_is_none_is_answered_with_those_that_are(words, said):
+    result = run(*words)
+    assert result.exit_code == 2
+    assert result.stderr.startswith(f"srs-ik: {said}")
+    assert result.stderr.count("\n") == 1
+    assert "--save" in result.stderr or words[0] != "preview"
+
+
 def test_a_negative_position_is_no_option():
     found = answer(
         "solve",

@@ -109,6 +109,13 @@ def test_inspect_shows_both_arms_of_a_file():
     assert len(accepted) == len(set(accepted)) == 2
 
 
+def test_inspect_of_an_arm_that_no_word_means_is_wrong_input():
+    result = run("inspect", str(shared_urdf("openarm_v10_bimanual")), "--limb", "middle")
+    assert (result.exit_code, result.stdout) == (2, "")
+    assert "has 'middle' in its names; the arms end at " in result.stderr
+    assert result.stderr.count("\n") == 1
+
+
 def test_inspect_says_that_a_file_has_no_chain_of_seven(tmp_path):
     path = tmp_path / "lamp.urdf"
     path.write_text('<robot name="lamp"><link name="foot"/></robot>')

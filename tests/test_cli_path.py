@@ -92,6 +92,7 @@ def test_a_broken_path_is_exit_status_1_with_the_line_of_the_file(tmp_path):
         ("x,y,z,qx,qy,qz\n", "it lacks qw"),
         ("x,y,z,roll,pitch,yaw,qw\n", "either"),
         ("x,x,y,z,roll,pitch,yaw\n", "two columns 'x'"),
+        ("0.3,0.2,0,0,0,0\n", "line 1: the header must name the columns x, y, z"),
         ("x,y,z,roll,pitch,yaw\n.5,.1,.6,0,1.5,0\n\n.5,.1,up,0,1.5,0\n", "line 4: z must be a finite number, not 'up'"),
         ("x,y,z,roll,pitch,yaw\n.5,.1,.6,0,nan,0\n", "line 2: pitch must be a finite number, not 'nan'"),
         ("x,y,z,roll,pitch,yaw\n.5,.1,.6\n", "line 2: there is no roll; the line ends after 3 columns"),

@@ -128,6 +128,14 @@ def test_a_description_that_is_not_here_is_told_with_where_it_comes_from(monkeyp
         srs_ik.load("med7")
 
 
+def test_a_clone_that_lacks_the_file_is_named_with_what_to_do(monkeypatch, tmp_path):
+    (tmp_path / "lbr_description").mkdir()
+    (tmp_path / "lbr_description" / "package.xml").write_text("<package><name>lbr_description</name></package>")
+    monkeypatch.setenv("ROS_PACKAGE_PATH", str(tmp_path))
+    with pytest.raises(InvalidRobot, match=r"lbr_description has no file 'urdf/med7/med7.xacro': .*ROS_PACKAGE_PATH"):
+        srs_ik.load("med7")
+
+
 def test_names_of_robot_descriptions_exist_there():
     pytest.importorskip("robot_descriptions")
     from importlib.util import find_spec

@@ -183,6 +183,13 @@ def test_malformed_configurations_are_refused(configuration):
     assert_one_sentence(raised)
 
 
+@pytest.mark.parametrize(("length", "maker"), [(3, "xyz_rpy"), (6, "xyz_rpy"), (7, "xyz_quaternion")])
+def test_vectors_that_are_no_pose_are_answered_with_what_makes_one(length, maker):
+    with pytest.raises(InvalidPose, match=rf"not an array of shape \({length},\); pose_from_{maker}\("):
+        srs_ik.load("iiwa14").solve(np.zeros(length))
+    assert callable(getattr(srs_ik, f"pose_from_{maker}"))
+
+
 def test_poses_in_any_form_are_the_same():
     arm = arms.load("iiwa14")
     pose = arm.forward_kinematics([0.1, 0.5, 0.2, -1.2, 0.3, 0.8, 0.0])

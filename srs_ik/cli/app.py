@@ -47,6 +47,8 @@ def _wrong_input(error: Exception) -> str | None:
     """The error in one line if it is the input, or the place of the output, that is wrong, else None."""
     from srs_ik.errors import AmbiguousLimb, SrsIkError
 
+    if hasattr(error, "possibilities") and getattr(error, "option_name", None):
+        return _no_such_option(error)
     if isinstance(error, AmbiguousLimb):
         # What is an argument in Python is an option here.
         return re.sub(r"\b(base|tip|limb)='([^']*)'", r"--\1 \2", str(error))
@@ -57,6 +59,16 @@ def _wrong_input(error: Exception) -> str | None:
     if formatted is None and not isinstance(error, (SrsIkError, WrongInput)):
         return None
     return " ".join(str(formatted() if formatted else error).split())
+
+
+def _no_such_option(error: Any) -> str:
+    """An option that a command lacks, with those of its options that are close, or else all of them."""
+    from srs_ik.errors import did_you_mean
+
+    command = error.ctx.command
+    options = [param.opts[0] for param in command.params if param.opts[0].startswith("--")]
+    hint = did_you_mean(error.option_name, options) or f"; it takes {', '.join([*options, '--help'])}"
+    return f"{error.ctx.info_name} has no option {error.option_name}{hint}"
 
 
 def _show_version(wanted: bool) -> None:

@@ -123,6 +123,9 @@ def _chosen(source: str, chosen: dict[str, Any], arguments: dict[str, str] | Non
         reports = [report for report in find_limbs(source, arguments) if report.joint_names == arm.joint_names]
         return [_accepted(arm, reports[0] if reports else None)]
     except NotAnSrsLimb as error:
+        if not error.joint_names:
+            # Nothing was found that could be shown: the choice is wrong, not the arm.
+            raise
         return [_refused(error, chosen["base"], chosen["tip"], str(error))]
 
 

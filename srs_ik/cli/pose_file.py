@@ -76,9 +76,6 @@ def read_poses(path: Path, unit: float) -> tuple[np.ndarray, list[int]]:
 def _columns(path: Path, line: int, header: Sequence[str]) -> tuple[dict[str, int], bool]:
     """Where the columns of a pose stand, in order, and whether its orientation is a quaternion."""
     names = [name.strip().lower() for name in header]
-    twice = next((name for name in names if name and names.count(name) > 1), None)
-    if twice is not None:
-        raise WrongInput(f"{path}, line {line}: there are two columns {twice!r}")
     turned, by_angles = (any(name in names for name in kind) for kind in (QUATERNION, RPY))
     if turned and by_angles:
         raise WrongInput(f"{path}, line {line}: give either {', '.join(RPY)} or {', '.join(QUATERNION)}")
@@ -90,6 +87,9 @@ def _columns(path: Path, line: int, header: Sequence[str]) -> tuple[dict[str, in
             f"{path}, line {line}: the header must name the columns {', '.join(wanted)}{either}; "
             f"it lacks {', '.join(missing)}"
         )
+    twice = next((name for name in wanted if names.count(name) > 1), None)
+    if twice is not None:
+        raise WrongInput(f"{path}, line {line}: there are two columns {twice!r}")
     return {name: names.index(name) for name in wanted}, turned
 
 

@@ -119,7 +119,8 @@ def _in_ros_package(place: str, rest: str) -> Path:
         raise InvalidRobot(reason, place)
     path = inside(package, file)
     if path is None or not path.is_file():
-        raise InvalidRobot(f"the ROS package {package} has no file {file!r}", place)
+        advice = "put the folder of one that has it on ROS_PACKAGE_PATH, first"
+        raise InvalidRobot(f"the ROS package {package} has no file {file!r}: {advice}", place)
     return path
 
 
