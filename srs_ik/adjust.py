@@ -76,10 +76,12 @@ def within_limits(chain: Chain, limits: Mapping[str, Mapping[str, float]]) -> Ch
             change.
 
     Raises:
-        InvalidRobot: a joint or limit of that name does not exist, a limit is no number, lower is above upper, or a
-            velocity or effort is not positive.
+        InvalidRobot: limits are no mapping of mappings, a joint or limit of that name does not exist, a limit is no
+            number, lower is above upper, or a velocity or effort is not positive.
     """
     arrays = {field: np.array(getattr(chain, field)) for field in _LIMITS.values()}
+    if not isinstance(limits, Mapping) or not all(isinstance(changes, Mapping) for changes in limits.values()):
+        raise InvalidRobot(f"limits are given as {{joint: {{limit: figure}}}}, not as {limits!r:.60}")
     for joint, changes in limits.items():
         if joint not in chain.joint_names:
             hint = did_you_mean(joint, chain.joint_names)

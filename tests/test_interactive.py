@@ -104,10 +104,13 @@ def test_a_page_cannot_be_shared_with_the_world(page):
     assert page._server.request_share_url() is None
 
 
-def test_without_viser_the_error_names_the_extra(monkeypatch):
+def test_without_viser_the_error_names_the_extra_once_a_page_is_made(monkeypatch):
+    """Not before: all public names can be imported whatever is installed."""
+    monkeypatch.setitem(sys.modules, "viser", None)
     for name in ("srs_ik.preview.page", "srs_ik.preview.interactive"):
         monkeypatch.delitem(sys.modules, name, raising=False)
     monkeypatch.delitem(vars(srs_ik), "InteractivePreview", raising=False)
-    monkeypatch.setitem(sys.modules, "viser", None)
+    arm = srs_ik.load("iiwa14")
+    assert [name for name in srs_ik.__all__ if not hasattr(srs_ik, name)] == []
     with pytest.raises(srs_ik.MissingExtra, match=r"pip install 'srs-ik\[interactive\]'"):
-        srs_ik.InteractivePreview(None)
+        srs_ik.InteractivePreview(arm)

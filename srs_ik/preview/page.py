@@ -5,7 +5,7 @@ from __future__ import annotations
 import contextlib
 import io
 from collections.abc import Iterable
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,19 +15,28 @@ from srs_ik.errors import MissingExtra, PreviewError
 from srs_ik.preview.server import HOST
 from srs_ik.preview.solids import Solid
 
-try:
+if TYPE_CHECKING:
     import viser
-except ImportError:
-    raise MissingExtra("interactive", "a page with sliders") from None
 
 Array = NDArray[np.float64]
 
 
-class _LoopbackServer(viser.ViserServer):
-    """Viser's server, which does not offer its page to the world when a page asks for it."""
+def _loopback_server() -> type[viser.ViserServer]:
+    """Viser's server, which does not offer its page to the world when a page asks for it.
 
-    def request_share_url(self, verbose: bool = True) -> str | None:
-        return None
+    Raises:
+        MissingExtra: viser is not installed.
+    """
+    try:
+        import viser
+    except ImportError:
+        raise MissingExtra("interactive", "a page with sliders") from None
+
+    class LoopbackServer(viser.ViserServer):
+        def request_share_url(self, verbose: bool = True) -> str | None:
+            return None
+
+    return LoopbackServer
 
 
 def serve(port: int, label: str) -> viser.ViserServer:
@@ -38,11 +47,13 @@ def serve(port: int, label: str) -> viser.ViserServer:
         label: title of the page.
 
     Raises:
+        MissingExtra: viser is not installed.
         PreviewError: the port is taken.
     """
+    loopback_server = _loopback_server()
     try:
         with _quiet():
-            server = _LoopbackServer(host=HOST, port=port, label=label, verbose=False)
+            server = loopback_server(host=HOST, port=port, label=label, verbose=False)
     except (OSError, OverflowError, RuntimeError) as error:
         reason = getattr(error, "strerror", None) or error
         raise PreviewError(f"the preview cannot be served on port {port} of {HOST}: {reason}") from None
