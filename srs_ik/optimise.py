@@ -17,7 +17,7 @@ from srs_ik.kernels.optimum import BRACKET, REFUSED
 from srs_ik.kernels.survey import MAX_RUNS, RUN
 from srs_ik.objectives import Objective
 from srs_ik.pose import PoseLike, as_matrix, invalid_pose
-from srs_ik.solution import Interval, Solution
+from srs_ik.solution import ElbowRange, Interval, Solution
 
 if TYPE_CHECKING:
     from srs_ik.arm import Arm
@@ -50,8 +50,9 @@ class Optimum(Solution):
         objective: Objective,
         values: Sequence[float],
         interval: Interval | None,
+        elbow: ElbowRange | None = None,
     ) -> None:
-        super().__init__(row, joint_names)
+        super().__init__(row, joint_names, elbow)
         self.objective = objective
         self.value = float(values[0])
         self.second_value = float(values[1]) if len(values) > 1 else None
@@ -90,7 +91,7 @@ def _judged(arm: Arm, solution: Solution, T: Array, objective: Objective, respec
     """A posture that `Arm.solve` gives, as an optimum."""
     interval = _interval_around(arm, T, solution, respect_limits) if solution else None
     values = objective.values(arm, solution.q)
-    return Optimum(solution._row, arm.joint_names, objective, values, interval)
+    return Optimum(solution._row, arm.joint_names, objective, values, interval, arm._elbow)
 
 
 def _interval_around(arm: Arm, T: Array, solution: Solution, respect_limits: bool) -> Interval:

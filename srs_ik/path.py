@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 from srs_ik.kernels import path_entries
 from srs_ik.kernels.layout import ROW, ROW_ARM_ANGLE, ROW_BRANCH, ROW_STATUS
 from srs_ik.pose import as_matrices, as_positive, as_seed, refuse_bad_poses
-from srs_ik.solution import BatchSolution, Status
+from srs_ik.solution import BatchSolution, ElbowRange, Status
 
 Array = NDArray[np.float64]
 
@@ -45,8 +45,15 @@ class PathSolution(BatchSolution):
         steps: (N - 1, 7) joint steps, rad; joints that turn without end go the shorter way round.
     """
 
-    def __init__(self, rows: Array, joint_names: Sequence[str], steps: Array, breaks: list[PathBreak]) -> None:
-        super().__init__(rows, joint_names)
+    def __init__(
+        self,
+        rows: Array,
+        joint_names: Sequence[str],
+        steps: Array,
+        breaks: list[PathBreak],
+        elbow: ElbowRange | None = None,
+    ) -> None:
+        super().__init__(rows, joint_names, elbow)
         self.steps = steps
         self.breaks = breaks
 
@@ -84,7 +91,7 @@ def solve_path(
     rows = min(candidates, key=lambda candidate: _cost(arm, candidate, start, longest))
     rows[:, :7] = _unwound(arm, rows[:, :7], start)
     steps = np.diff(rows[:, :7], axis=0)
-    return PathSolution(rows, arm.joint_names, steps, _breaks(arm, rows, steps, longest[1]))
+    return PathSolution(rows, arm.joint_names, steps, _breaks(arm, rows, steps, longest[1]), arm._elbow)
 
 
 def _planned(arm: Any, T: Array, keys: NDArray[np.bool_], start: Array | None, longest: Array) -> Array:
@@ -166,7 +173,7 @@ def _unwound(arm: Any, q: Array, start: Array | None) -> Array:
 
 def _breaks(arm: Any, rows: Array, steps: Array, longest: Array) -> list[PathBreak]:
     breaks = []
-    answers = BatchSolution(rows, arm.joint_names)
+    answers = BatchSolution(rows, arm.joint_names, arm._elbow)
     jumps = np.append(False, (np.abs(steps) > longest).any(axis=1))
     for i in np.flatnonzero(jumps | ~answers.ok).tolist():
         if not answers.ok[i]:

@@ -66,6 +66,17 @@ def test_a_path_is_no_longer_than_the_greedy_one():
     assert (path.steps**2).sum() <= (np.diff(greedy, axis=0) ** 2).sum() + 1e-9
 
 
+@pytest.mark.parametrize("name", ["iiwa14", "human_arm"])
+def test_postures_on_limits_are_not_past_them(name):
+    """Not by rounding either: a path along the limits, as joint lines between random postures make it."""
+    arm = srs_ik.load(name)
+    for case in (15, 18, 41):
+        ends = 1.1 * np.random.default_rng(case).uniform(arm.lower, arm.upper, (2, 7))
+        known = np.linspace(*np.clip(ends, arm.lower, arm.upper), 30)
+        path = arm.solve_path([arm.forward_kinematics(q) for q in known])
+        assert np.maximum(arm.lower - path.q, path.q - arm.upper).max() <= 0.0
+
+
 def test_continuous_joints_go_on_turning():
     arm = srs_ik.load("gen3")
     turns = np.linspace(0.0, 4.0 * np.pi, 200)

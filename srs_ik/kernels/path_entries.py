@@ -6,6 +6,7 @@ import math
 
 import numpy as np
 
+from srs_ik.kernels.closure import clipped
 from srs_ik.kernels.elbow import place, shoulder_to_wrist
 from srs_ik.kernels.entries import solve_row
 from srs_ik.kernels.intervals import MAX_PIECES, find_intervals
@@ -289,6 +290,6 @@ def finish(family, poses, psis, branches, q, out):
         R, p, _ = read_pose(row(poses, i))
         place_ = place(P, R, p)
         here, closed = close_to(P, place_, R, p, read7(q[i]), psis[i], True, J, A)
-        measure_row(P, place_, R, p, here, branches[i], 0.0 if closed else OUTSIDE, True, row(out, i))
+        measure_row(P, place_, R, p, clipped(P, here), branches[i], 0.0 if closed else OUTSIDE, True, row(out, i))
         if P[IS_CLOSED] == 1.0:
             out[i, ROW_ARM_ANGLE] = wrapped(psis[i])
