@@ -92,13 +92,13 @@ class Arm(RedundantLimb):
         Args:
             pose: wanted pose of the tip frame in the base frame.
             arm_angle: rad; any if not given.
-            seed: (7,) posture to stay near, rad.
+            seed: (7,) posture to stay near, rad; no joint of it more than 300 rad outside its limits.
             branch: 0 to 7; any if not given.
             respect_limits: whether q has to keep the joint limits.
 
         Raises:
-            InvalidPose: the pose is no finite rigid transform.
-            InvalidConfiguration: seed, arm angle or branch are malformed.
+            InvalidPose: the pose is no finite rigid transform, or farther away than 1e300 m.
+            InvalidConfiguration: seed, arm angle or branch are malformed, or one of the angles beyond 1e6 rad.
         """
         row = np.empty(ROW)
         T = as_matrix(pose)
@@ -190,34 +190,24 @@ class Arm(RedundantLimb):
         seeds = None if seed is None else as_seeds(seed, n, self.lower, self.upper)
         chosen = as_branch(branch)
         respect_limits = bool(respect_limits)
-        verdicts = np.zeros(n, np.int8)
-        if all_branches:
+        if all_branches and psis is None:
+            raise InvalidConfiguration("all_branches needs an arm_angle; without one, see solve_all and intervals")
+        limb, verdicts = self._family, np.zeros(n, np.int8)
+        out = np.empty((8 * n if all_branches else n, ROW))
+
+        def work(first: int, last: int) -> None:
+            J, A = self._work()
+            answer = (respect_limits, J, A, out, verdicts)
             if psis is None:
-                raise InvalidConfiguration("all_branches needs an arm_angle; without one, see solve_all and intervals")
-            out = np.empty((n, 8, ROW))
-            rows = out.reshape(-1, ROW)
-
-            def work(first: int, last: int) -> None:
-                entries.solve_all_range(
-                    self._family, T, first, last, psis, respect_limits, *self._work(), rows, verdicts
-                )
-        else:
-            out = np.empty((n, ROW))
-
-            def work(first: int, last: int) -> None:
-                J, A = self._work()
-                if psis is None:
-                    entries.solve_range(
-                        self._family, T, first, last, chosen, seeds, respect_limits, J, A, out, verdicts
-                    )
-                else:
-                    entries.solve_at_range(
-                        self._family, T, first, last, psis, chosen, seeds, respect_limits, J, A, out, verdicts
-                    )
+                entries.solve_range(limb, T, first, last, chosen, seeds, *answer)
+            elif all_branches:
+                entries.solve_all_range(limb, T, first, last, psis, *answer)
+            else:
+                entries.solve_at_range(limb, T, first, last, psis, chosen, seeds, *answer)
 
         run_in_threads(work, n, threads)
         refuse_bad_poses(verdicts)
-        return BatchSolution(out, self.joint_names, self._elbow)
+        return BatchSolution(out.reshape(n, 8, ROW) if all_branches else out, self.joint_names, self._elbow)
 
     def solve_path(
         self,
@@ -313,8 +303,7 @@ class Arm(RedundantLimb):
         Args:
             pose: wanted pose of the tip frame in the base frame.
             objective: name of a built-in objective (see `Objective`), an `Objective`, or a function of 7 joint
-                angles, rad,
-                to be minimised (with `maximise=True`, maximised).
+                angles, rad, to be minimised (with `maximise=True`, maximised).
             respect_limits: whether q has to keep the joint limits.
             **parameters: what the objective takes, such as force=, velocity=, twist=, wrench=, reference=, tolerance=.
 

@@ -53,17 +53,21 @@ TURN = 2.0 * math.pi
 
 
 @kernel
+def insert(x, values, n):
+    """Insert a number into the sorted first n values; return how many they are then."""
+    i = n
+    while i > 0 and values[i - 1] > x:
+        values[i] = values[i - 1]
+        i -= 1
+    values[i] = x
+    return n + 1
+
+
+@kernel
 def add_event(psi, events, n):
     """Insert an arm angle, wrapped to [-pi, pi), into the sorted first n events."""
     psi -= TURN * math.floor((psi + PI) / TURN)
-    if psi >= PI:
-        psi -= TURN
-    i = n
-    while i > 0 and events[i - 1] > psi:
-        events[i] = events[i - 1]
-        i -= 1
-    events[i] = psi
-    return n + 1
+    return insert(psi - TURN if psi >= PI else psi, events, n)
 
 
 @kernel

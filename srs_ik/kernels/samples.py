@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 
+from srs_ik.kernels.intervals import insert
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout import (
     A1,
@@ -40,12 +41,7 @@ def add_sample(samples, n, x, lower, upper):
     """Insert an arm angle, if it lies inside, into the sorted first n samples."""
     if not lower < x < upper or n >= MAX_SAMPLES:
         return n
-    i = n
-    while i > 0 and samples[i - 1] > x:
-        samples[i] = samples[i - 1]
-        i -= 1
-    samples[i] = x
-    return n + 1
+    return insert(x, samples, n)
 
 
 @kernel
