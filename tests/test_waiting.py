@@ -32,3 +32,32 @@ def test_a_terminal_gets_one_line():
 def test_a_pipe_gets_nothing():
     result = subprocess.run([sys.executable, "-c", COMPILE_TWICE], capture_output=True, text=True, check=True)
     assert (result.stdout, result.stderr) == ("4 5.0\n", "")
+
+
+INTERRUPTED = """
+import ctypes, signal, time
+from srs_ik.cli.waiting import let_interrupt
+let_interrupt()
+
+@ctypes.CFUNCTYPE(None)
+def {name}():
+    signal.raise_signal(signal.SIGINT)
+
+try:
+    {name}()
+    for _ in range(100):
+        time.sleep(0.1)
+except KeyboardInterrupt:
+    print("interrupted")
+"""
+
+
+def test_an_interruption_within_the_compiler_is_not_lost():
+    from llvmlite.binding.executionengine import ExecutionEngine
+
+    names = [name for name in vars(ExecutionEngine) if name.startswith("_raw_object_cache")]
+    assert names
+    for name in names:
+        code = INTERRUPTED.format(name=name)
+        result = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=15)
+        assert (result.stdout, result.stderr) == ("interrupted\n", "")

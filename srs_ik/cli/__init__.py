@@ -19,7 +19,9 @@ def main() -> None:
             stream.reconfigure(errors="backslashreplace")  # type: ignore[union-attr]
         # Imported here, so that an interruption while the libraries load is quiet too.
         from srs_ik.cli.app import app
+        from srs_ik.cli.waiting import let_interrupt
 
+        let_interrupt()
         app(prog_name="srs-ik")
     except KeyboardInterrupt:
         sys.exit(130)

@@ -2,8 +2,25 @@
 
 from __future__ import annotations
 
+import signal
 import sys
+import threading
+from types import FrameType
 from typing import Any
+
+_CALLBACKS = "_raw_object_cache"
+"""How the functions begin that LLVM calls while it compiles: an exception in one is printed and lost."""
+
+
+def let_interrupt() -> None:
+    """Make Ctrl+C end the program while it compiles, too."""
+    signal.signal(signal.SIGINT, _interrupt)
+
+
+def _interrupt(number: int, frame: FrameType | None) -> None:
+    if frame is None or not frame.f_code.co_name.startswith(_CALLBACKS):
+        raise KeyboardInterrupt
+    threading.Timer(0.01, signal.raise_signal, (number,)).start()
 
 
 def announce_compilation() -> None:
