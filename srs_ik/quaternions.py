@@ -32,7 +32,7 @@ def pose_from_xyz_quaternion(xyz: ArrayLike, quaternion: ArrayLike, *, order: Or
     Raises:
         InvalidPose: not 3 and 4 finite numbers, a length that is not 1, or another order.
     """
-    if order not in _TO_XYZW:
+    if not isinstance(order, str) or order not in _TO_XYZW:
         raise InvalidPose(f"the order of a quaternion is 'xyzw' or 'wxyz', not {order!r}")
     position, q = _numbers(xyz, 3, "a position"), _numbers(quaternion, 4, "a quaternion")
     length = float(np.linalg.norm(q))
@@ -70,7 +70,7 @@ def xyz_quaternion(pose: Any, *, order: Order) -> tuple[Array, Array]:
     """
     from srs_ik.pose import as_rigid_matrix
 
-    if order not in _FROM_XYZW:
+    if not isinstance(order, str) or order not in _FROM_XYZW:
         raise InvalidPose(f"the order of a quaternion is 'xyzw' or 'wxyz', not {order!r}")
     T = as_rigid_matrix(pose)
     q = pin.Quaternion(np.ascontiguousarray(T[:3, :3])).normalized().coeffs()

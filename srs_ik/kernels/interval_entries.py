@@ -19,7 +19,7 @@ def intervals_range(family, poses, first, last, respect, J, A, rows, counts, ver
     """Intervals of the poses from first to last - 1, as far as rows suffice; returns the next pose and the rows used.
 
     Args:
-        family: the packed limb, three times.
+        family: packed limbs.
         poses: (N, 4, 4) poses.
         first: first pose to be answered.
         last: one behind the last.

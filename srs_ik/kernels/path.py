@@ -124,7 +124,7 @@ def difference(P, joint, a, b):
 
 
 @kernel
-def step_cost(P, joint, d, longest):
+def step_cost(joint, d, longest):
     """Squared step of one joint, with the penalty of a step beyond the longest continuous one or its velocity."""
     size = abs(d)
     value = d * d
@@ -154,9 +154,7 @@ def half_distance(P, first, a, b, longest):
     total = d1 * d1 + d2 * d2 + d3 * d3
     if total < longest[2, 0]:
         return total
-    return (
-        step_cost(P, first, d1, longest) + step_cost(P, first + 1, d2, longest) + step_cost(P, first + 2, d3, longest)
-    )
+    return step_cost(first, d1, longest) + step_cost(first + 1, d2, longest) + step_cost(first + 2, d3, longest)
 
 
 @kernel
@@ -247,7 +245,7 @@ def advance(P, before, now, count0, count1, slots0, slots1, window, change_sides
         for e0 in range(2):
             if now[2][e1, 1] == NONE or before[2][e0, 1] == NONE or (e0 != e1 and not change_sides):
                 continue
-            base = step_cost(P, 3, difference(P, 3, before[2][e0, 0], now[2][e1, 0]), longest)
+            base = step_cost(3, difference(P, 3, before[2][e0, 0], now[2][e1, 0]), longest)
             reach = GRID // 2 if e0 != e1 else window
             for k in range(count1):
                 s0, s1, any_s = both(now[0], e1, k)
