@@ -155,6 +155,20 @@ def test_all_joints_on_limits(name):
         assert_met(arm, forward, pose, arm.solve(pose))
 
 
+@pytest.mark.parametrize("folded", [False, True], ids=["straight", "folded"])
+@pytest.mark.parametrize("seed", range(6))
+def test_all_joints_on_limits_with_a_flat_elbow(seed, folded):
+    """A pose does not tell small bends apart, and only one of them keeps the limits."""
+    limb = random_limb(seed, "oblique", "straight", "usual")
+    arm = srs_ik.load(limb.model, base="base", tip="tool", limits={"joint_4": {"lower": -3.5, "upper": 3.5}})
+    forward = Forward(limb.model, "base", "tool", arm.joint_names)
+    for _ in range(20):
+        q = np.where(limb.rng.random(7) < 0.5, arm.lower, arm.upper)
+        q[3] = phases(arm.limb)[3] + np.pi * folded
+        pose = forward(q)
+        assert_met(arm, forward, pose, arm.solve(pose))
+
+
 @pytest.mark.parametrize("name", ["iiwa14", "gen3", "human_arm", "sia5d", "rm75"])
 def test_wrist_on_axis_1(name):
     """Shoulder, wrist and the arm-angle reference in one line: the arm angle's own singular line."""

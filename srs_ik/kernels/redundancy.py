@@ -32,15 +32,15 @@ from srs_ik.kernels.nearest_within import nearest_within, way_between
 from srs_ik.kernels.scoring import NO_SEED, OUTSIDE
 from srs_ik.kernels.second_attempts import look_around, rescue
 
-NEARLY_STRAIGHT = 3e-6
-"""Bends of the elbow below this, rad, cannot be told apart within 1e-11 of reach."""
+NEARLY_FLAT = 3e-6
+"""Bends of the elbow below this, rad from straight or from folded, cannot be told apart within 1e-11 of reach."""
 
 MOST_LEVERAGE = 4.0
 """A seed farther from its nearest posture than so many times the pose error asks for a closer look."""
 
 SMALLEST_BEND = 2.5e-10
 LAST_STAGE = 15
-"""Bends that are tried, rad: this one times powers of two up to about `NEARLY_STRAIGHT`; then limits are given up."""
+"""Bends that are tried, rad: this one times powers of two up to about `NEARLY_FLAT`; then limits are given up."""
 
 HARDLY = 1e-5
 """A limb that misses by less than this part of its reach is one with rounded figures."""
@@ -168,8 +168,9 @@ def search_near_seed(P, F, place_, R, p, seed, respect, J, A):
 def search_exact(family, place_, branch, seed, respect):
     """Best posture of a closed limb over all arm angles: q, branch, cost; the least violating one if all break limits.
 
-    Rounding may hide a posture from the strict search. So looser tolerances follow, and, with the elbow almost
-    straight, all the bends that a pose cannot tell from each other: a bend x shortens the arm by x^2 / 8 of its length.
+    Rounding may hide a posture from the strict search. So looser tolerances follow, and, with the elbow almost straight
+    or folded, all the bends that a pose cannot tell from each other: a bend x changes the length of the arm by x^2 / 8
+    of it.
     """
     t, h0, bend_c, bend_s, hand, miss = place_
     strictness = LIMITED if respect else FREE
@@ -183,10 +184,10 @@ def search_exact(family, place_, branch, seed, respect):
         if 0 < stage < LAST_STAGE:
             tolerances = LOOSE
             if stage > 1:
-                if bend_c < 0.0 or bend_s > NEARLY_STRAIGHT:
+                if bend_s > NEARLY_FLAT:
                     continue
                 bend = SMALLEST_BEND * 2.0**stage if stage > 2 else 0.0
-                near = (t, h0, math.sqrt(1.0 - bend * bend), bend, hand, miss)
+                near = (t, h0, math.copysign(math.sqrt(1.0 - bend * bend), bend_c), bend, hand, miss)
         P = row(family, tolerances)
         n = 8
         if stage < LAST_STAGE:
