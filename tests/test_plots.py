@@ -221,6 +221,7 @@ def test_a_pose_out_of_reach_is_exit_status_1_with_one_line(kind, tmp_path):
 def test_wrong_words_are_one_line_and_exit_status_2(words, named):
     result = run("plot", *words)
     assert result.exit_code == 2, result.exception
+    assert "Value error" not in result.stderr
     assert result.stdout == ""
     assert result.stderr.count("\n") == 1
     assert named in result.stderr

@@ -58,7 +58,9 @@ def _wrong_input(error: Exception) -> str | None:
     formatted = getattr(error, "format_message", None)
     if formatted is None and not isinstance(error, (SrsIkError, WrongInput)):
         return None
-    return " ".join(str(formatted() if formatted else error).split())
+    said = " ".join(str(formatted() if formatted else error).split())
+    # What typer puts before the message of an enumeration's own error.
+    return said.replace("': Value error, ", "': ")
 
 
 def _no_such_option(error: Any) -> str:
