@@ -384,7 +384,7 @@ class Arm(RedundantLimb):
 
     def _work(self) -> tuple[Array | None, Array | None]:
         """Work space that the kernels of a near limb need in one call; none on a limb that the closed form answers."""
-        return self._no_work or (np.empty((6, 7)), np.empty((7, 9)))
+        return self._no_work or (np.empty((6, 7)), np.empty((16, 9)))
 
     def __getstate__(self) -> dict[str, Any]:
         # A yourdfpy.URDF holds functions that cannot be pickled; such a copy of the arm is drawn as a skeleton.

@@ -139,18 +139,24 @@ def best_branch(P, place_, psi, branch, seeded, seed, respect):
 
 
 @kernel
+def side_solutions(P, place_, psi, elbow, seeded, seed, respect):
+    """On one side of the elbow: q4, both shoulder solutions, both wrist solutions, whether each joint can be so."""
+    q4, v, y, v_w, y_w = side_at(P, place_, elbow, math.cos(psi), math.sin(psi))
+    shoulder = two_solutions(P, SHOULDER, v, y, seeded, 0, seed, respect)
+    return q4, shoulder, two_solutions(P, WRIST, v_w, y_w, seeded, 4, seed, respect)
+
+
+@kernel
 def elbow_branches(P, place_, psi, elbow, respect, Q, first):
     """The four branches on one side of the elbow into four rows of Q: seven angles, their cost, work space."""
-    q4, v, y, v_w, y_w = side_at(P, place_, elbow, math.cos(psi), math.sin(psi))
+    q4, shoulders, wrists = side_solutions(P, place_, psi, elbow, False, NO_SEED, False)
     none = (0.0, 0.0, 0.0)
     e, cost_e = elbow_part(P, q4, False, 0.0, respect)
-    shoulder, other_shoulder, reached_s = two_solutions(P, SHOULDER, v, y, False, 0, NO_SEED, False)
-    wrist, other_wrist, reached_w = two_solutions(P, WRIST, v_w, y_w, False, 4, NO_SEED, False)
     for sign in range(2):
-        a, cost_s = part(P, 0, shoulder if sign == 0 else other_shoulder, False, none, respect)
-        b, cost_w = part(P, 4, wrist if sign == 0 else other_wrist, False, none, respect)
-        cost_s = cost_s if reached_s else NO_BRANCH
-        cost_w = cost_w if reached_w else NO_BRANCH
+        a, cost_s = part(P, 0, shoulders[0] if sign == 0 else shoulders[1], False, none, respect)
+        b, cost_w = part(P, 4, wrists[0] if sign == 0 else wrists[1], False, none, respect)
+        cost_s = cost_s if shoulders[2] else NO_BRANCH
+        cost_w = cost_w if wrists[2] else NO_BRANCH
         for other in range(2):
             with_s = first + 2 * sign + other
             with_w = first + 2 * other + sign
@@ -162,3 +168,17 @@ def elbow_branches(P, place_, psi, elbow, respect, Q, first):
             Q[with_w, 8] = cost_w
     for row in range(first, first + 4):
         Q[row, 7] = max(Q[row, 7], Q[row, 8])
+
+
+@kernel
+def elbow_starts(P, place_, psi, elbow, seeded, seed, respect, Q, first):
+    """The same without turns and costs; returns whether these branches exist."""
+    q4, shoulders, wrists = side_solutions(P, place_, psi, elbow, seeded, seed, respect)
+    for i in range(4):
+        a = shoulders[0] if i < 2 else shoulders[1]
+        b = wrists[0] if i % 2 == 0 else wrists[1]
+        for j in range(3):
+            Q[first + i, j] = a[j]
+            Q[first + i, 4 + j] = b[j]
+        Q[first + i, 3] = q4
+    return shoulders[2] and wrists[2]

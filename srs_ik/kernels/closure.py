@@ -27,6 +27,9 @@ CLOSED = 1e-12
 ON_LINE = 1e-6
 """An elbow this close to the line S-W, metres, is on either side of it."""
 
+STEPS = 12
+"""Steps of Newton's method at an arm angle, from the closed form."""
+
 STALL = 10
 """After so many steps the error must have come down by a third, or the start was a bad one."""
 

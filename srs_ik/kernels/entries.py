@@ -28,12 +28,12 @@ from srs_ik.kernels.layout import (
 from srs_ik.kernels.limits import set_limits
 from srs_ik.kernels.margin import farthest
 from srs_ik.kernels.memory import row
+from srs_ik.kernels.near_branches import FIRST, close_all
 from srs_ik.kernels.near_intervals import best_of_true_intervals, true_intervals
 from srs_ik.kernels.poses import GOOD_POSE, read7, read_pose
 from srs_ik.kernels.redundancy import search_exact, search_near_seed, search_true
 from srs_ik.kernels.rows import OK, OUT_OF_LIMITS, SOLVED, UNREACHABLE, measure_row, measure_row_at, write_row
 from srs_ik.kernels.scoring import NO_SEED, OUTSIDE, UNMET, tightest_joint
-from srs_ik.kernels.search import evaluate
 from srs_ik.kernels.second_attempts import rescue
 from srs_ik.kernels.vectors import add, apply, cross
 
@@ -159,8 +159,9 @@ def all_branches(P, T, psi, respect, J, A, out, first):
         return GOOD_POSE
     found = np.empty((8, 8))
     followed = False
+    close_all(P, place_, R, p, psi, -1, False, NO_SEED, respect, A)
     for branch in range(8):
-        q, _, lowest = evaluate(P, place_, R, p, psi, branch, False, NO_SEED, respect, J, A)
+        q, lowest = read7(row(A, FIRST + branch)), A[FIRST + branch, ROW_COST]
         if lowest >= NO_BRANCH or (lowest >= OUTSIDE and is_unsure(P, q)):
             if not followed:
                 find_at_angle(P, place_, R, p, psi, False, NO_SEED, respect, found, J, A)

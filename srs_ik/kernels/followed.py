@@ -10,14 +10,13 @@ import math
 import numpy as np
 
 from srs_ik.kernels.branches import NO_BRANCH, branch_of
-from srs_ik.kernels.closure import arm_angle, close_free
+from srs_ik.kernels.closure import STEPS, arm_angle, close_free
 from srs_ik.kernels.elbow import elbow_side
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout import INVERSE_HALF_RANGE
 from srs_ik.kernels.line_search import BEST, F_BEST, GOLDEN, SHARP, STATE, propose, start_search, tell
 from srs_ik.kernels.nearest import slid
-from srs_ik.kernels.scoring import OUTSIDE, cost
-from srs_ik.kernels.search import STEPS, turned
+from srs_ik.kernels.scoring import OUTSIDE, cost, turned
 from srs_ik.kernels.survey import MAX_RUNS, RUN, near_runs, on_curve
 from srs_ik.kernels.trace import load_sample, short_way
 

@@ -39,8 +39,7 @@ from srs_ik.kernels.layout import (
     WRIST,
 )
 from srs_ik.kernels.limits import set_joint_limits, set_limit
-from srs_ik.kernels.scoring import NO_SEED, OUTSIDE, cost
-from srs_ik.kernels.search import turned
+from srs_ik.kernels.scoring import NO_SEED, OUTSIDE, cost, turned
 from srs_ik.kernels.selfmotion import rates
 from srs_ik.kernels.trace import dot7
 from srs_ik.kernels.vectors import along, dot, load3, norm, rotate, sub

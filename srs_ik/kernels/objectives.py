@@ -12,8 +12,7 @@ import math
 from srs_ik.kernels.chain import joint_lines
 from srs_ik.kernels.gravity import WEIGHTS, squared_torque
 from srs_ik.kernels.jit import kernel
-from srs_ik.kernels.scoring import NO_SEED, cost
-from srs_ik.kernels.search import turned
+from srs_ik.kernels.scoring import NO_SEED, cost, turned
 from srs_ik.kernels.vectors import add, cross
 
 RATIO = 0  # (f'JpJp'f) / (v'JpJp'v)

@@ -29,6 +29,20 @@ def turn(P, joint, q, seeded, seed, respect):
 
 
 @kernel
+def turned(P, q, seeded, seed, respect):
+    """Every joint in the turn that suits the goal."""
+    return (
+        turn(P, 0, q[0], seeded, seed[0], respect),
+        turn(P, 1, q[1], seeded, seed[1], respect),
+        turn(P, 2, q[2], seeded, seed[2], respect),
+        turn(P, 3, q[3], seeded, seed[3], respect),
+        turn(P, 4, q[4], seeded, seed[4], respect),
+        turn(P, 5, q[5], seeded, seed[5], respect),
+        turn(P, 6, q[6], seeded, seed[6], respect),
+    )
+
+
+@kernel
 def joint_cost(P, joint, q, seeded, seed):
     """Cost of one joint: minus its margin, or its squared distance from the seed."""
     if seeded:

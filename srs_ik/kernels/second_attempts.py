@@ -5,11 +5,19 @@ from __future__ import annotations
 import math
 
 from srs_ik.kernels.branches import NO_BRANCH, best_branch, branch_of
-from srs_ik.kernels.closure import CLOSED, ON_LINE, clipped, close_at_angle, close_free, elbow_position, pose_step
+from srs_ik.kernels.closure import (
+    CLOSED,
+    ON_LINE,
+    STEPS,
+    clipped,
+    close_at_angle,
+    close_free,
+    elbow_position,
+    pose_step,
+)
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout import PHASE, SHOULDER, SHOULDER_CENTRE, STRAIGHT, WRIST
-from srs_ik.kernels.scoring import OUTSIDE, cost
-from srs_ik.kernels.search import STEPS, turned
+from srs_ik.kernels.scoring import OUTSIDE, cost, turned
 from srs_ik.kernels.vectors import across, load3, norm, sub
 
 MORE_STEPS = 80

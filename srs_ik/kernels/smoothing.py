@@ -8,13 +8,12 @@ from __future__ import annotations
 import math
 
 from srs_ik.kernels.branches import side_posture
-from srs_ik.kernels.closure import CLOSED, close_at_angle, close_free
+from srs_ik.kernels.closure import CLOSED, STEPS, close_at_angle, close_free
 from srs_ik.kernels.elbow import elbow_side
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout import IS_CLOSED
 from srs_ik.kernels.path import difference
-from srs_ik.kernels.scoring import OUTSIDE
-from srs_ik.kernels.search import STEPS, turned
+from srs_ik.kernels.scoring import OUTSIDE, turned
 from srs_ik.kernels.selfmotion import rates
 
 SWEEPS = 16

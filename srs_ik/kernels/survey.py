@@ -20,8 +20,7 @@ from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout import IS_CLOSED
 from srs_ik.kernels.line_search import GOLDEN
 from srs_ik.kernels.samples import take_samples
-from srs_ik.kernels.scoring import NO_SEED, OUTSIDE, cost
-from srs_ik.kernels.search import turned
+from srs_ik.kernels.scoring import NO_SEED, OUTSIDE, cost, turned
 from srs_ik.kernels.trace import CURVE, MAX_CURVES, SAMPLE, between, difference, follow_all, load_sample, put
 
 LARGEST_MOTION = 0.5

@@ -8,13 +8,12 @@ triangle is laid, the chain closed on it and measured, and the triangle laid ane
 from __future__ import annotations
 
 from srs_ik.kernels.branches import NO_BRANCH
-from srs_ik.kernels.closure import close_at_angle, elbow_position
+from srs_ik.kernels.closure import STEPS, close_at_angle, elbow_position
 from srs_ik.kernels.elbow import shoulder_to_wrist, target_frame
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout import SHOULDER_CENTRE
 from srs_ik.kernels.posture import HAND_LENGTH, TASK_POSITION, plan, planned_arm_angle, tip_axes
-from srs_ik.kernels.scoring import cost
-from srs_ik.kernels.search import STEPS, turned
+from srs_ik.kernels.scoring import cost, turned
 from srs_ik.kernels.vectors import load3, norm, sub, times_transposed
 
 PASSES = 30
