@@ -8,14 +8,15 @@ from __future__ import annotations
 
 import numpy as np
 
+from srs_ik.kernels.branch_search import search_branch
 from srs_ik.kernels.branches import NO_BRANCH, best_branch, branch_of, is_unsure
 from srs_ik.kernels.closure import STEPS, arm_angle, close_at_angle
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout import FAR, MISS, ROW_COST
-from srs_ik.kernels.near_branches import bent_place, best_of_all
+from srs_ik.kernels.near_branches import best_of_all
 from srs_ik.kernels.poses import read7
 from srs_ik.kernels.scoring import OUTSIDE, cost, turned
-from srs_ik.kernels.second_attempts import ATTEMPTS, STRETCHED, evaluate_again, from_turned, stretched
+from srs_ik.kernels.second_attempts import ATTEMPTS, STRETCHED, evaluate_again, stretched
 from srs_ik.kernels.survey import MAX_RUNS, RUN, near_runs
 from srs_ik.kernels.trace import between, difference, dot7, load_sample, short_way
 
@@ -114,16 +115,18 @@ def solve_at_angle(P, place_, R, p, psi, wanted, seeded, seed, respect, J, A):
     if J is None:
         return best_branch(P, place_, psi, wanted, seeded, seed, respect)
     q, best, lowest = best_of_all(P, place_, R, p, psi, wanted, seeded, seed, respect, A)
-    if lowest >= NO_BRANCH and wanted >= 0:
-        # Cheaper than to follow curves, and mostly enough.
-        start, _, _ = best_branch(P, bent_place(P, place_), psi, wanted, False, seed, False)
-        other, value = from_turned(P, place_, R, p, psi, start, wanted, wanted, seeded, seed, respect, STEPS, A)
+    if not may_reach(P, place_):
+        return q, best, lowest
+    unsure = is_unsure(P, q)
+    if wanted >= 0 and (lowest >= NO_BRANCH or (lowest >= OUTSIDE and unsure)):
+        other, value, complete = search_branch(P, place_, R, p, psi, wanted, seeded, seed, respect, A)
         if value < lowest:
             q, lowest = other, value
-    unsure = is_unsure(P, q)
+        if not seeded and (complete or lowest < NO_BRANCH):
+            return q, best, lowest
     # Next to a singularity, Newton's method may have missed the branch that is nearest to a seed.
     good = lowest < OUTSIDE and not (seeded and unsure and lowest > AT_SEED)
-    if good or (OUTSIDE <= lowest < NO_BRANCH and not unsure) or not may_reach(P, place_):
+    if good or (OUTSIDE <= lowest < NO_BRANCH and not unsure):
         return q, best, lowest
     other, b, value = best_at_angle(P, place_, R, p, psi, wanted, seeded, seed, respect, J, A)
     if value < lowest:

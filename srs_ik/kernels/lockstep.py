@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 
-from srs_ik.kernels.closure import LAST_STEP, MAX_STEP, ON_LINE
+from srs_ik.kernels.closure import CLOSED, LAST_STEP, MAX_STEP, ON_LINE
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.lanes import as_bits, where, whole_number
 from srs_ik.kernels.layout import (
@@ -35,6 +35,7 @@ BEYOND_WRIST = 0b10101010
 NOTHING = 1e-15
 """A step this short, rad, need not be taken."""
 
+SMALLEST = (0.1 * CLOSED) ** 2
 SHORTEST = LAST_STEP * LAST_STEP * LAST_STEP
 
 QUARTER = 1.5707963267948966
@@ -108,7 +109,8 @@ def without_wrist(a, m, wrist, m5, m6, m7):
 def newton_step(P, turns, R, p, h, b):
     """The step of each joint towards a pose and the half-plane (h, normal b) of an arm angle.
 
-    Returns the steps, and whether elbow and hand are on the right side: not half a turn away, where sines vanish too.
+    Returns the steps, the square of what they have to make up for (m, rad), and whether elbow and hand are on the right
+    side: not half a turn away, where sines vanish too.
     """
     a1, m1, M, shift = first_line(P, turns[0])
     a2, m2, M, shift = joint_line(P, 1, turns[1], M, shift)
@@ -130,7 +132,8 @@ def newton_step(P, turns, R, p, h, b):
     cosine2 = dot(x, wanted_x) + dot(y, wanted_y) + dot(z, wanted_z) - 1.0
     # Half an angle for its half sine, and two terms of the series between them.
     angular = scale(0.5 + dot(sine2, sine2) * (1.0 / 48.0), sine2)
-    linear = add(sub(p, position), cross(position, angular))
+    to_position = sub(p, position)
+    linear = add(to_position, cross(position, angular))
     reach = sub(elbow, load3(P, SHOULDER_CENTRE))
     lever = cross(elbow, b)
     e1 = dot(b, m1) + dot(lever, a1)
@@ -160,8 +163,9 @@ def newton_step(P, turns, R, p, h, b):
     rest = along(along(along(s, -d1, s1), -d2, s2), -d3, s3)
     d4 = dot(rest, s4) / dot(s4, s4)
     w = along(along(along(along(angular, -d1, a1), -d2, a2), -d3, a3), -d4, a4)
+    off2 = dot(to_position, to_position) + dot(angular, angular) + e * e
     right = (dot(h, reach) > -ON_LINE) & (cosine2 > 0.0)
-    return (d1, d2, d3, d4, dot(wrist[0], w), dot(wrist[1], w), dot(wrist[2], w)), right
+    return (d1, d2, d3, d4, dot(wrist[0], w), dot(wrist[1], w), dot(wrist[2], w)), off2, right
 
 
 @kernel
@@ -187,14 +191,15 @@ def close_eight(P, q, R, p, t, h0, psi, steps):
     met = 0
     last = 1.0 + 0.0 * q[0]
     for _ in range(steps):
-        d, right = newton_step(P, turns, R, p, h, b)
+        d, off2, right = newton_step(P, turns, R, p, h, b)
         size = larger(larger(larger(abs(d[0]), abs(d[1])), larger(abs(d[2]), abs(d[3]))), larger(abs(d[4]), abs(d[5])))
         size = larger(size, abs(d[6]))
-        f = MAX_STEP / larger(size, MAX_STEP + 0.0 * size)
+        # Steps shrink like squares, so the next one is foreseen. Next to a singularity, rounding may make them long.
+        there = off2 < SMALLEST
+        settled = there | (size * size * size < NOTHING * last * last + SHORTEST)
+        f = where(there & (size > LAST_STEP), 0.0 * size, MAX_STEP / larger(size, MAX_STEP + 0.0 * size))
         d = (f * d[0], f * d[1], f * d[2], f * d[3], f * d[4], f * d[5], f * d[6])
         q = (q[0] + d[0], q[1] + d[1], q[2] + d[2], q[3] + d[3], q[4] + d[4], q[5] + d[5], q[6] + d[6])
-        # Steps shrink like squares: the next one is foreseen.
-        settled = size * size * size < NOTHING * last * last + SHORTEST
         last = size
         met = as_bits(settled & right)
         if as_bits(settled) == ALL:
