@@ -10,11 +10,11 @@ from __future__ import annotations
 
 import numpy as np
 
-from srs_ik.kernels.branches import NO_BRANCH, branch_of, elbow_branches, is_unsure
+from srs_ik.kernels.branches import NO_BRANCH, branch_of, elbow_branches
 from srs_ik.kernels.chain import arm_frame_at, forward_kinematics, frame_error, hand_frame
 from srs_ik.kernels.closure import arm_angle
 from srs_ik.kernels.elbow import place, shoulder_to_wrist, target_frame
-from srs_ik.kernels.followed_angle import find_at_angle, solve_at_angle
+from srs_ik.kernels.followed_angle import solve_all_at_angle, solve_at_angle
 from srs_ik.kernels.intervals import MAX_PIECES, find_intervals
 from srs_ik.kernels.jit import entry, kernel
 from srs_ik.kernels.layout import (
@@ -28,7 +28,6 @@ from srs_ik.kernels.layout import (
 from srs_ik.kernels.limits import set_limits
 from srs_ik.kernels.margin import farthest
 from srs_ik.kernels.memory import row
-from srs_ik.kernels.near_branches import FIRST, close_all
 from srs_ik.kernels.near_intervals import best_of_true_intervals, true_intervals
 from srs_ik.kernels.poses import GOOD_POSE, read7, read_pose
 from srs_ik.kernels.redundancy import search_exact, search_near_seed, search_true
@@ -158,16 +157,9 @@ def all_branches(P, T, psi, respect, J, A, out, first):
                 write_row(place_, q, 4 * elbow + i, psi, False, True, position, orientation, 0, answer)
         return GOOD_POSE
     found = np.empty((8, 8))
-    followed = False
-    close_all(P, place_, R, p, psi, -1, False, NO_SEED, respect, A)
+    solve_all_at_angle(P, place_, R, p, psi, respect, J, A, found)
     for branch in range(8):
-        q, lowest = read7(row(A, FIRST + branch)), A[FIRST + branch, ROW_COST]
-        if lowest >= NO_BRANCH or (lowest >= OUTSIDE and is_unsure(P, q)):
-            if not followed:
-                find_at_angle(P, place_, R, p, psi, False, NO_SEED, respect, found, J, A)
-                followed = True
-            if found[branch, ROW_COST] < lowest:
-                q, lowest = read7(found[branch]), found[branch, ROW_COST]
+        q, lowest = read7(found[branch]), found[branch, ROW_COST]
         measure_row(P, place_, R, p, q, branch, lowest, respect, row(out, first + branch))
         out[first + branch, ROW_BRANCH] = branch
     return GOOD_POSE

@@ -13,9 +13,9 @@ from srs_ik.kernels.branches import NO_BRANCH, best_branch, branch_of, is_unsure
 from srs_ik.kernels.closure import STEPS, arm_angle, close_at_angle
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout import FAR, MISS, ROW_COST
-from srs_ik.kernels.near_branches import best_of_all
+from srs_ik.kernels.near_branches import FIRST, best_of_all, close_all
 from srs_ik.kernels.poses import read7
-from srs_ik.kernels.scoring import OUTSIDE, cost, turned
+from srs_ik.kernels.scoring import NO_SEED, OUTSIDE, cost, turned
 from srs_ik.kernels.second_attempts import ATTEMPTS, STRETCHED, evaluate_again, stretched
 from srs_ik.kernels.survey import MAX_RUNS, RUN, near_runs
 from srs_ik.kernels.trace import between, difference, dot7, load_sample, short_way
@@ -110,23 +110,53 @@ def best_at_angle(P, place_, R, p, psi, wanted, seeded, seed, respect, J, A):
 
 
 @kernel
+def settle_branch(P, place_, R, p, psi, branch, q, lowest, seeded, seed, respect, A):
+    """A second look at a branch that has no posture yet, or one outside its limits: q, cost, whether that is final."""
+    if lowest < OUTSIDE or (lowest < NO_BRANCH and not is_unsure(P, q)) or not may_reach(P, place_):
+        return q, lowest, True
+    other, value, complete = search_branch(P, place_, R, p, psi, branch, seeded, seed, respect, A)
+    if value < lowest:
+        q, lowest = other, value
+    return q, lowest, complete or lowest < NO_BRANCH
+
+
+@kernel
+def solve_all_at_angle(P, place_, R, p, psi, respect, J, A, found):
+    """The posture of every branch at an arm angle, and its cost, into the rows of found (8, 8)."""
+    close_all(P, place_, R, p, psi, -1, False, NO_SEED, respect, A)
+    for branch in range(8):
+        for i in range(8):
+            found[branch, i] = A[FIRST + branch, i]
+    final = True
+    for branch in range(8):
+        q, lowest = read7(found[branch]), found[branch, ROW_COST]
+        q, lowest, settled = settle_branch(P, place_, R, p, psi, branch, q, lowest, False, NO_SEED, respect, A)
+        final = final and settled
+        for i in range(7):
+            found[branch, i] = q[i]
+        found[branch, ROW_COST] = lowest
+    if not final:
+        followed = np.empty((8, 8))
+        find_at_angle(P, place_, R, p, psi, False, NO_SEED, respect, followed, J, A)
+        for branch in range(8):
+            if followed[branch, ROW_COST] < found[branch, ROW_COST]:
+                found[branch] = followed[branch]
+
+
+@kernel
 def solve_at_angle(P, place_, R, p, psi, wanted, seeded, seed, respect, J, A):
     """Best posture at an arm angle over all branches, or in one (0 to 7), by all means there are: q, branch, cost."""
     if J is None:
         return best_branch(P, place_, psi, wanted, seeded, seed, respect)
     q, best, lowest = best_of_all(P, place_, R, p, psi, wanted, seeded, seed, respect, A)
-    if not may_reach(P, place_):
-        return q, best, lowest
-    unsure = is_unsure(P, q)
-    if wanted >= 0 and (lowest >= NO_BRANCH or (lowest >= OUTSIDE and unsure)):
-        other, value, complete = search_branch(P, place_, R, p, psi, wanted, seeded, seed, respect, A)
-        if value < lowest:
-            q, lowest = other, value
-        if not seeded and (complete or lowest < NO_BRANCH):
+    if wanted >= 0:
+        q, lowest, final = settle_branch(P, place_, R, p, psi, wanted, q, lowest, seeded, seed, respect, A)
+        if final and not seeded:
             return q, best, lowest
+    unsure = is_unsure(P, q)
     # Next to a singularity, Newton's method may have missed the branch that is nearest to a seed.
     good = lowest < OUTSIDE and not (seeded and unsure and lowest > AT_SEED)
-    if good or (OUTSIDE <= lowest < NO_BRANCH and not unsure):
+    if good or (OUTSIDE <= lowest < NO_BRANCH and not unsure) or not may_reach(P, place_):
         return q, best, lowest
     other, b, value = best_at_angle(P, place_, R, p, psi, wanted, seeded, seed, respect, J, A)
     if value < lowest:
