@@ -36,7 +36,6 @@ NOTHING = 1e-15
 """A step this short, rad, need not be taken."""
 
 SMALLEST = (0.1 * CLOSED) ** 2
-SHORTEST = LAST_STEP * LAST_STEP * LAST_STEP
 
 QUARTER = 1.5707963267948966
 QUARTER_REST = 6.123233995736766e-17
@@ -189,14 +188,14 @@ def close_eight(P, q, R, p, t, h0, psi, steps):
     b = cross(t, h)
     turns = (turn(q[0]), turn(q[1]), turn(q[2]), turn(q[3]), turn(q[4]), turn(q[5]), turn(q[6]))
     met = 0
-    last = 1.0 + 0.0 * q[0]
+    last = 0.0 * q[0]
     for _ in range(steps):
         d, off2, right = newton_step(P, turns, R, p, h, b)
         size = larger(larger(larger(abs(d[0]), abs(d[1])), larger(abs(d[2]), abs(d[3]))), larger(abs(d[4]), abs(d[5])))
         size = larger(size, abs(d[6]))
         # Steps shrink like squares, so the next one is foreseen. Next to a singularity, rounding may make them long.
         there = off2 < SMALLEST
-        settled = there | (size * size * size < NOTHING * last * last + SHORTEST)
+        settled = there | (size * size * size < NOTHING * last * last)
         f = where(there & (size > LAST_STEP), 0.0 * size, MAX_STEP / larger(size, MAX_STEP + 0.0 * size))
         d = (f * d[0], f * d[1], f * d[2], f * d[3], f * d[4], f * d[5], f * d[6])
         q = (q[0] + d[0], q[1] + d[1], q[2] + d[2], q[3] + d[3], q[4] + d[4], q[5] + d[5], q[6] + d[6])
