@@ -1,10 +1,13 @@
 """`Arm.solve`: poses are met, limits kept, and the posture given is the best one."""
 
+import re
+
 import arms
 import numpy as np
 import pytest
 from hypothesis import HealthCheck, given, settings
 from oracles import Forward, distance, inside, limbs, random_limb, room, wrapped
+from robot_files import serial_arm
 
 import srs_ik
 from srs_ik import Status
@@ -322,3 +325,19 @@ def test_the_same_posture_in_every_turn_inside_the_limits_is_left_alone_without_
     solution = arm.solve(arm.forward_kinematics(q + 4.0 * np.pi))
     assert solution
     assert (np.abs(solution.q) <= np.pi + 1e-12).all()
+
+
+@pytest.mark.parametrize("locked", [(1,), (2,), (3,), (4,), (5,), (6,), (7,), (3, 5), (1, 7)])
+def test_joints_that_their_limits_lock_are_kept_where_they_are(locked, tmp_path):
+    text = f'<robot name="locked">{serial_arm()}</robot>'
+    for k in locked:
+        text = re.sub(rf'(name="j{k}".*?)lower="-2" upper="2"', r'\1lower="0.3" upper="0.3"', text, count=1)
+    path = tmp_path / "locked.urdf"
+    path.write_text(text)
+    arm = srs_ik.load(path)
+    assert [k for k in range(1, 8) if arm.lower[k - 1] == arm.upper[k - 1]] == list(locked)
+    forward = Forward(path, arm.base, arm.tip, arm.joint_names)
+    for q in np.random.default_rng(31).uniform(arm.lower, arm.upper, (30, 7)):
+        pose = forward(q)
+        for seed in (None, q):
+            assert_met(arm, forward, pose, arm.solve(pose, seed=seed), 1e-9)
