@@ -10,11 +10,12 @@ from __future__ import annotations
 import math
 
 from srs_ik.kernels.branches import NO_BRANCH, branch_of, elbow_starts
+from srs_ik.kernels.eight import put_eight, take_eight
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout import FAR, MISS, PHASE, SHOULDER, STRAIGHT, WRIST
 from srs_ik.kernels.lockstep import close_eight
 from srs_ik.kernels.memory import row
-from srs_ik.kernels.near_branches import FIRST, put_eight, take_eight
+from srs_ik.kernels.near_branches import FIRST, WIDTH
 from srs_ik.kernels.poses import read7
 from srs_ik.kernels.scoring import NO_SEED, cost, turned
 
@@ -81,8 +82,8 @@ def put_start(A, i, a, q4, b):
 def close_starts(P, place_, R, p, psi, branch, seeded, seed, respect, best_q, lowest, A):
     """Newton's method from eight postures in A: the best one in a branch, if it is better than the best so far."""
     rows = row(A, FIRST)
-    q, met = close_eight(P, take_eight(rows), R, p, place_[0], place_[1], psi, STEPS)
-    put_eight(rows, met, q)
+    q, met = close_eight(P, take_eight(rows, WIDTH), R, p, place_[0], place_[1], psi, STEPS)
+    put_eight(rows, WIDTH, met, q)
     for i in range(8):
         if (met >> i) & 1 == 1:
             found = read7(row(A, FIRST + i))

@@ -11,18 +11,23 @@ from __future__ import annotations
 import numpy as np
 
 from srs_ik.kernels.branches import NO_BRANCH, branch_of, elbow_branches
-from srs_ik.kernels.chain import arm_frame_at, forward_kinematics, frame_error, hand_frame
+from srs_ik.kernels.chain import forward_kinematics
 from srs_ik.kernels.closure import arm_angle
+from srs_ik.kernels.eight import put_some, take_eight, tip_errors
 from srs_ik.kernels.elbow import place, shoulder_to_wrist, target_frame
 from srs_ik.kernels.followed_angle import solve_all_at_angle, solve_at_angle
 from srs_ik.kernels.intervals import MAX_PIECES, find_intervals
 from srs_ik.kernels.jit import entry, kernel
+from srs_ik.kernels.lanes import as_bits, gather
 from srs_ik.kernels.layout import (
     FREE,
     LIMITED,
+    ROW,
     ROW_BRANCH,
     ROW_COST,
     ROW_JOINT,
+    ROW_ORIENTATION_ERROR,
+    ROW_POSITION_ERROR,
     ROW_STATUS,
 )
 from srs_ik.kernels.limits import set_limits
@@ -34,7 +39,6 @@ from srs_ik.kernels.redundancy import search_exact, search_near_seed, search_tru
 from srs_ik.kernels.rows import OK, OUT_OF_LIMITS, SOLVED, UNREACHABLE, measure_row, measure_row_at, write_row
 from srs_ik.kernels.scoring import NO_SEED, OUTSIDE, UNMET, tightest_joint
 from srs_ik.kernels.second_attempts import rescue
-from srs_ik.kernels.vectors import add, apply, cross
 
 
 @kernel
@@ -138,23 +142,21 @@ def all_branches(P, T, psi, respect, J, A, out, first):
     place_ = place(P, R, p)
     if J is None:
         for elbow in range(2):
-            base = first + 4 * elbow
-            elbow_branches(P, place_, psi, elbow, respect, out, base)
-            hands = (hand_frame(P, read7(row(out, base))), hand_frame(P, read7(row(out, base + 1))))
-            arms = (arm_frame_at(P, read7(row(out, base))), arm_frame_at(P, read7(row(out, base + 2))))
-            for i in range(4):
-                answer = row(out, base + i)
-                q = read7(answer)
-                cost = answer[ROW_COST]
-                if cost >= OUTSIDE:
-                    measure_row(P, place_, R, p, q, 4 * elbow + i, cost, respect, answer)
-                    continue
-                M, shift = arms[i >> 1]
-                x, y, origin = hands[i & 1]
-                x = apply(M, x)
-                y = apply(M, y)
-                position, orientation = frame_error(x, y, cross(x, y), add(apply(M, origin), shift), R, p)
-                write_row(place_, q, 4 * elbow + i, psi, False, True, position, orientation, 0, answer)
+            elbow_branches(P, place_, psi, elbow, respect, out, first + 4 * elbow)
+        rows = row(out, first)
+        position, orientation, measured = tip_errors(P, take_eight(rows, ROW), R, p)
+        measured = measured & (gather(rows, ROW_COST, ROW) < OUTSIDE)
+        put_some(rows, ROW_POSITION_ERROR, ROW, measured, position)
+        put_some(rows, ROW_ORIENTATION_ERROR, ROW, measured, orientation)
+        right = as_bits(measured)
+        for branch in range(8):
+            answer = row(out, first + branch)
+            q = read7(answer)
+            if (right >> branch) & 1 == 1:
+                off, turned = answer[ROW_POSITION_ERROR], answer[ROW_ORIENTATION_ERROR]
+                write_row(place_, q, branch, psi, False, True, off, turned, 0, answer)
+            else:
+                measure_row(P, place_, R, p, q, branch, answer[ROW_COST], respect, answer)
         return GOOD_POSE
     found = np.empty((8, 8))
     solve_all_at_angle(P, place_, R, p, psi, respect, J, A, found)

@@ -11,71 +11,30 @@ import math
 
 from srs_ik.kernels.closure import CLOSED, LAST_STEP, MAX_STEP, ON_LINE
 from srs_ik.kernels.jit import kernel
-from srs_ik.kernels.lanes import as_bits, where, whole_number
+from srs_ik.kernels.lanes import as_bits, where
 from srs_ik.kernels.layout import (
     AXES,
     ELBOW_CENTRE,
-    PHASE,
     POINTS,
-    SHOULDER,
     SHOULDER_CENTRE,
-    STRAIGHT,
     TIP_POSITION,
     TIP_ROTATION,
-    WRIST,
 )
+from srs_ik.kernels.turns import turn, turned_by
 from srs_ik.kernels.vectors import add, along, apply, cross, dot, load3, load9, rotation, scale, sub, times
 
 ALL = 0b11111111
-BEYOND_STRAIGHT = 0b11110000
-BEYOND_SHOULDER = 0b11001100
-BEYOND_WRIST = 0b10101010
-"""The branches, as the bits of their numbers, with q4, q2 and q6 below their phases."""
 
 NOTHING = 1e-15
 """A step this short, rad, need not be taken."""
 
 SMALLEST = (0.1 * CLOSED) ** 2
 
-QUARTER = 1.5707963267948966
-QUARTER_REST = 6.123233995736766e-17
-"""A quarter of a turn, and what rounding has taken of it."""
-
 
 @kernel
 def larger(a, b):
     """The larger of each two floats."""
     return where(a > b, a, b)
-
-
-@kernel
-def small_turn(x):
-    """Cosine and sine of angles up to 0.8 rad, by their power series."""
-    z = x * x
-    c = 1.0 / 479001600.0 - z * (1.0 / 87178291200.0 - z * (1.0 / 20922789888000.0))
-    c = 1.0 / 720.0 - z * (1.0 / 40320.0 - z * (1.0 / 3628800.0 - z * c))
-    s = 1.0 / 39916800.0 - z * (1.0 / 6227020800.0 - z * (1.0 / 1307674368000.0))
-    s = 1.0 / 120.0 - z * (1.0 / 5040.0 - z * (1.0 / 362880.0 - z * s))
-    return 1.0 - z * (0.5 - z * (1.0 / 24.0 - z * c)), x - x * (z * (1.0 / 6.0 - z * s))
-
-
-@kernel
-def turn(q):
-    """Cosine and sine of angles: of what is left of them beside whole quarters of a turn, turned by the quarters."""
-    quarters = whole_number(q / QUARTER)
-    c, s = small_turn((q - quarters * QUARTER) - quarters * QUARTER_REST)
-    halves = whole_number(0.5 * quarters)
-    odd = quarters - 2.0 * halves  # -1, 0 or 1
-    turned = abs(odd) > 0.5
-    sign = 1.0 - 2.0 * abs(halves - 2.0 * whole_number(0.5 * halves))
-    return where(turned, -sign * odd * s, sign * c), where(turned, sign * odd * c, sign * s)
-
-
-@kernel
-def turned_by(turn_, x):
-    """Cosine and sine after a turn by a small angle x."""
-    c, s = small_turn(x)
-    return turn_[0] * c - turn_[1] * s, turn_[1] * c + turn_[0] * s
 
 
 @kernel
@@ -213,15 +172,3 @@ def close_eight(P, q, R, p, t, h0, psi, steps):
             turned_by(turns[6], d[6]),
         )
     return q, met
-
-
-@kernel
-def in_own_branch(P, q):
-    """Which of eight postures, as bits, lie each in the branch of its place among them."""
-    _, s2 = turn(q[1] - P[SHOULDER + PHASE])
-    _, s4 = turn(q[3] - P[STRAIGHT])
-    _, s6 = turn(q[5] - P[WRIST + PHASE])
-    wrong = as_bits(s4 < 0.0) ^ BEYOND_STRAIGHT
-    wrong |= as_bits(s2 < 0.0) ^ BEYOND_SHOULDER
-    wrong |= as_bits(s6 < 0.0) ^ BEYOND_WRIST
-    return ALL & ~wrong

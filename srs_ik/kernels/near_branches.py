@@ -9,11 +9,11 @@ import math
 
 from srs_ik.kernels.branches import NO_BRANCH, branch_of, elbow_starts, side_posture
 from srs_ik.kernels.closure import STEPS, close_at_angle
+from srs_ik.kernels.eight import in_own_branch, put_eight, take_eight
 from srs_ik.kernels.elbow import elbow_side
 from srs_ik.kernels.jit import kernel
-from srs_ik.kernels.lanes import as_mask, gather, scatter, where
 from srs_ik.kernels.layout import FAR, MISS, ROW_COST
-from srs_ik.kernels.lockstep import close_eight, in_own_branch
+from srs_ik.kernels.lockstep import close_eight
 from srs_ik.kernels.memory import row
 from srs_ik.kernels.poses import read7
 from srs_ik.kernels.scoring import cost, turned
@@ -64,33 +64,6 @@ def start_all(P, place_, psi, seeded, seed, respect, A):
 
 
 @kernel
-def take_eight(rows):
-    """Seven figures of eight rows, each as eight floats."""
-    return (
-        gather(rows, 0, WIDTH),
-        gather(rows, 1, WIDTH),
-        gather(rows, 2, WIDTH),
-        gather(rows, 3, WIDTH),
-        gather(rows, 4, WIDTH),
-        gather(rows, 5, WIDTH),
-        gather(rows, 6, WIDTH),
-    )
-
-
-@kernel
-def put_eight(rows, which, q):
-    """Write seven figures into those of eight rows that are given as bits."""
-    mask = as_mask(which)
-    scatter(rows, 0, WIDTH, where(mask, q[0], gather(rows, 0, WIDTH)))
-    scatter(rows, 1, WIDTH, where(mask, q[1], gather(rows, 1, WIDTH)))
-    scatter(rows, 2, WIDTH, where(mask, q[2], gather(rows, 2, WIDTH)))
-    scatter(rows, 3, WIDTH, where(mask, q[3], gather(rows, 3, WIDTH)))
-    scatter(rows, 4, WIDTH, where(mask, q[4], gather(rows, 4, WIDTH)))
-    scatter(rows, 5, WIDTH, where(mask, q[5], gather(rows, 5, WIDTH)))
-    scatter(rows, 6, WIDTH, where(mask, q[6], gather(rows, 6, WIDTH)))
-
-
-@kernel
 def close_all(P, place_, R, p, psi, wanted, seeded, seed, respect, A):
     """The postures of all branches at an arm angle (or of one, 0 to 7) into A, and their costs.
 
@@ -98,9 +71,9 @@ def close_all(P, place_, R, p, psi, wanted, seeded, seed, respect, A):
     """
     exist = start_all(P, bent_place(P, place_), psi, seeded, seed, respect, A)
     rows = row(A, FIRST)
-    q, met = close_eight(P, take_eight(rows), R, p, place_[0], place_[1], psi, STEPS)
+    q, met = close_eight(P, take_eight(rows, WIDTH), R, p, place_[0], place_[1], psi, STEPS)
     met &= exist & in_own_branch(P, q)
-    put_eight(rows, met, q)
+    put_eight(rows, WIDTH, met, q)
     for b in range(8):
         if wanted >= 0 and b != wanted:
             continue

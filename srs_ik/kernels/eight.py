@@ -1,0 +1,94 @@
+"""Eight postures at once: read from rows and written there, measured on the true chain, sorted into branches."""
+
+from __future__ import annotations
+
+from srs_ik.kernels.jit import kernel
+from srs_ik.kernels.lanes import as_bits, as_mask, gather, root, scatter, where
+from srs_ik.kernels.layout import AXES, PHASE, POINTS, SHOULDER, STRAIGHT, TIP_POSITION, TIP_ROTATION, WRIST
+from srs_ik.kernels.turns import turn
+from srs_ik.kernels.vectors import add, apply, cross, dot, load3, load9, rotation, sub
+
+ALL = 0b11111111
+BEYOND_STRAIGHT = 0b11110000
+BEYOND_SHOULDER = 0b11001100
+BEYOND_WRIST = 0b10101010
+"""The branches, as the bits of their numbers, with q4, q2 and q6 below their phases."""
+
+
+@kernel
+def take_eight(rows, width):
+    """The first seven figures of eight rows, each as eight floats."""
+    return (
+        gather(rows, 0, width),
+        gather(rows, 1, width),
+        gather(rows, 2, width),
+        gather(rows, 3, width),
+        gather(rows, 4, width),
+        gather(rows, 5, width),
+        gather(rows, 6, width),
+    )
+
+
+@kernel
+def put_some(rows, column, width, which, x):
+    """Write one figure into those of eight rows that a mask names."""
+    scatter(rows, column, width, where(which, x, gather(rows, column, width)))
+
+
+@kernel
+def put_eight(rows, width, which, q):
+    """Write seven figures into those of eight rows that are named by bits."""
+    mask = as_mask(which)
+    put_some(rows, 0, width, mask, q[0])
+    put_some(rows, 1, width, mask, q[1])
+    put_some(rows, 2, width, mask, q[2])
+    put_some(rows, 3, width, mask, q[3])
+    put_some(rows, 4, width, mask, q[4])
+    put_some(rows, 5, width, mask, q[5])
+    put_some(rows, 6, width, mask, q[6])
+
+
+@kernel
+def turn_frame(P, joint, q, x, y, p):
+    """The frame with directions x and y and origin p, turned about the zero-configuration line of a joint."""
+    c, s = turn(q)
+    M = rotation(load3(P, AXES + 3 * joint), c, s)
+    origin = load3(P, POINTS + 3 * joint)
+    return apply(M, x), apply(M, y), add(origin, apply(M, sub(p, origin)))
+
+
+@kernel
+def tip_errors(P, q, R, p):
+    """How far the tips are from a pose (m), tangents of the angles they are off, and where these are angles, as a mask.
+
+    See `chain.frame_error`: a tangent is the angle where it is tiny.
+    """
+    H = load9(P, TIP_ROTATION)
+    x, y, tip = turn_frame(P, 6, q[6], (H[0], H[3], H[6]), (H[1], H[4], H[7]), load3(P, TIP_POSITION))
+    x, y, tip = turn_frame(P, 5, q[5], x, y, tip)
+    x, y, tip = turn_frame(P, 4, q[4], x, y, tip)
+    x, y, tip = turn_frame(P, 3, q[3], x, y, tip)
+    x, y, tip = turn_frame(P, 2, q[2], x, y, tip)
+    x, y, tip = turn_frame(P, 1, q[1], x, y, tip)
+    x, y, tip = turn_frame(P, 0, q[0], x, y, tip)
+    z = cross(x, y)
+    wanted_x = (R[0], R[3], R[6])
+    wanted_y = (R[1], R[4], R[7])
+    wanted_z = (R[2], R[5], R[8])
+    sine2 = add(add(cross(x, wanted_x), cross(y, wanted_y)), cross(z, wanted_z))
+    twice_sine = root(dot(sine2, sine2))
+    twice_cosine = dot(x, wanted_x) + dot(y, wanted_y) + dot(z, wanted_z) - 1.0
+    off = sub(p, tip)
+    return root(dot(off, off)), twice_sine / twice_cosine, twice_sine < 1e-8 * twice_cosine
+
+
+@kernel
+def in_own_branch(P, q):
+    """Which of eight postures, as bits, lie each in the branch of its place among them."""
+    _, s2 = turn(q[1] - P[SHOULDER + PHASE])
+    _, s4 = turn(q[3] - P[STRAIGHT])
+    _, s6 = turn(q[5] - P[WRIST + PHASE])
+    wrong = as_bits(s4 < 0.0) ^ BEYOND_STRAIGHT
+    wrong |= as_bits(s2 < 0.0) ^ BEYOND_SHOULDER
+    wrong |= as_bits(s6 < 0.0) ^ BEYOND_WRIST
+    return ALL & ~wrong
