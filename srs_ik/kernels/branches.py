@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 
-from srs_ik.kernels.elbow import side_at
+from srs_ik.kernels.elbow import shoulder_columns, side_frames, wrist_columns
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout import A1_A2, A2_A3, FAR, MISS, PHASE, SHOULDER, STRAIGHT, WRIST
 from srs_ik.kernels.scoring import NO_SEED, elbow_part, join, part
@@ -114,11 +114,22 @@ def side_posture(P, side, psi, shoulder, wrist, seeded, seed, respect):
 
 
 @kernel
-def posture_at(P, place_, elbow, c, s, shoulder, wrist, seeded, seed, respect):
-    """`side_posture` for cosine and sine of one arm angle, without the circles that many would share."""
-    q4, v, y, v_w, y_w = side_at(P, place_, elbow, c, s)
+def posture_at(P, place_, elbow, c, s, shoulder, wrist, seeded, seed, respect, bound):
+    """`side_posture` for cosine and sine of one arm angle, without the circles that many would share.
+
+    What costs as much as the bound is not looked at further: no part takes anything off a cost.
+    """
+    base, arm, c4, s4 = side_frames(P, place_, elbow, c, s)
+    q4 = math.atan2(s4, c4)
+    _, cost_e = elbow_part(P, q4, seeded, seed[3], respect)
+    if cost_e >= bound:
+        return seed, 0, cost_e
+    v, y = shoulder_columns(P, base, arm)
     a, sign_s, cost_s = better_half(P, SHOULDER, 0, v, y, shoulder, seeded, seed, respect)
-    b, sign_w, cost_w = better_half(P, WRIST, 4, v_w, y_w, wrist, seeded, seed, respect)
+    if cost_s >= bound:
+        return seed, 0, cost_s
+    v, y = wrist_columns(P, place_, base, arm, c4, s4)
+    b, sign_w, cost_w = better_half(P, WRIST, 4, v, y, wrist, seeded, seed, respect)
     return whole(P, q4, a, sign_s, cost_s, b, sign_w, cost_w, seeded, seed, respect)
 
 
@@ -129,10 +140,10 @@ def best_branch(P, place_, psi, branch, seeded, seed, respect):
     s = math.sin(psi)
     if branch >= 0:
         wanted_s = (branch >> 1) & 1
-        q, _, lowest = posture_at(P, place_, branch >> 2, c, s, wanted_s, branch & 1, seeded, seed, respect)
+        q, _, lowest = posture_at(P, place_, branch >> 2, c, s, wanted_s, branch & 1, seeded, seed, respect, math.inf)
         return q, branch, lowest
-    q, best, lowest = posture_at(P, place_, 0, c, s, -1, -1, seeded, seed, respect)
-    other, b, value = posture_at(P, place_, 1, c, s, -1, -1, seeded, seed, respect)
+    q, best, lowest = posture_at(P, place_, 0, c, s, -1, -1, seeded, seed, respect, math.inf)
+    other, b, value = posture_at(P, place_, 1, c, s, -1, -1, seeded, seed, respect, lowest)
     if value < lowest:
         return other, 4 + b, value
     return q, best, lowest
@@ -141,9 +152,11 @@ def best_branch(P, place_, psi, branch, seeded, seed, respect):
 @kernel
 def side_solutions(P, place_, psi, elbow, seeded, seed, respect):
     """On one side of the elbow: q4, both shoulder solutions, both wrist solutions, whether each joint can be so."""
-    q4, v, y, v_w, y_w = side_at(P, place_, elbow, math.cos(psi), math.sin(psi))
+    base, arm, c4, s4 = side_frames(P, place_, elbow, math.cos(psi), math.sin(psi))
+    v, y = shoulder_columns(P, base, arm)
     shoulder = two_solutions(P, SHOULDER, v, y, seeded, 0, seed, respect)
-    return q4, shoulder, two_solutions(P, WRIST, v_w, y_w, seeded, 4, seed, respect)
+    v, y = wrist_columns(P, place_, base, arm, c4, s4)
+    return math.atan2(s4, c4), shoulder, two_solutions(P, WRIST, v, y, seeded, 4, seed, respect)
 
 
 @kernel

@@ -6,6 +6,7 @@ import math
 
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout import AXES, POINTS, TIP_POSITION, TIP_ROTATION
+from srs_ik.kernels.turns import seven_turns
 from srs_ik.kernels.vectors import add, apply, cross, dot, load3, load9, norm, rotate, rotation, sub, times
 
 
@@ -17,46 +18,31 @@ def turn_about_line(P, joint, c, s, point):
 
 
 @kernel
-def turn_frame(P, joint, angle, x, y, p):
-    """A frame, given by its x and y directions and its origin, turned about the zero-configuration line of a joint."""
-    M = rotation(load3(P, AXES + 3 * joint), math.cos(angle), math.sin(angle))
+def turn_frame(P, joint, turn, x, y, p):
+    """A frame, directions x and y and origin p, turned about the zero-configuration line of a joint, (cosine, sine)."""
+    M = rotation(load3(P, AXES + 3 * joint), turn[0], turn[1])
     origin = load3(P, POINTS + 3 * joint)
     return apply(M, x), apply(M, y), add(origin, apply(M, sub(p, origin)))
 
 
 @kernel
-def forward_kinematics(P, q):
-    """Pose of the tip in the base frame: rotation columns x, y and z, and position."""
-    x, y, p = hand_frame(P, q)
-    for k in range(3):
-        x, y, p = turn_frame(P, 2 - k, q[2 - k], x, y, p)
+def tip_frame(P, turns):
+    """The tip after the turns of all joints, of one posture or of eight: directions x, y and z, and origin."""
+    H = load9(P, TIP_ROTATION)
+    x, y, p = turn_frame(P, 6, turns[6], (H[0], H[3], H[6]), (H[1], H[4], H[7]), load3(P, TIP_POSITION))
+    x, y, p = turn_frame(P, 5, turns[5], x, y, p)
+    x, y, p = turn_frame(P, 4, turns[4], x, y, p)
+    x, y, p = turn_frame(P, 3, turns[3], x, y, p)
+    x, y, p = turn_frame(P, 2, turns[2], x, y, p)
+    x, y, p = turn_frame(P, 1, turns[1], x, y, p)
+    x, y, p = turn_frame(P, 0, turns[0], x, y, p)
     return x, y, cross(x, y), p
 
 
 @kernel
-def hand_frame(P, q):
-    """The tip moved by joints 4 to 7 alone: directions x and y, and origin."""
-    x = (P[TIP_ROTATION], P[TIP_ROTATION + 3], P[TIP_ROTATION + 6])
-    y = (P[TIP_ROTATION + 1], P[TIP_ROTATION + 4], P[TIP_ROTATION + 7])
-    p = load3(P, TIP_POSITION)
-    for k in range(4):
-        x, y, p = turn_frame(P, 6 - k, q[6 - k], x, y, p)
-    return x, y, p
-
-
-@kernel
-def arm_frame_at(P, q):
-    """The base frame moved by joints 1 to 3, as a rotation matrix and an origin: what these joints do to any point."""
-    M = rotation(load3(P, AXES), math.cos(q[0]), math.sin(q[0]))
-    N = rotation(load3(P, AXES + 3), math.cos(q[1]), math.sin(q[1]))
-    K = rotation(load3(P, AXES + 6), math.cos(q[2]), math.sin(q[2]))
-    NK = times(N, K)
-    a = load3(P, POINTS)
-    b = load3(P, POINTS + 3)
-    c = load3(P, POINTS + 6)
-    # a + M (b - a + N (c - b - K c))
-    p = add(a, apply(M, add(sub(b, a), apply(N, sub(sub(c, b), apply(K, c))))))
-    return times(M, NK), p
+def forward_kinematics(P, q):
+    """Pose of the tip in the base frame: rotation columns x, y and z, and position."""
+    return tip_frame(P, seven_turns(q))
 
 
 @kernel

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+from srs_ik.kernels.chain import tip_frame
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.lanes import as_bits, as_mask, gather, root, scatter, where
-from srs_ik.kernels.layout import AXES, PHASE, POINTS, SHOULDER, STRAIGHT, TIP_POSITION, TIP_ROTATION, WRIST
-from srs_ik.kernels.turns import turn
-from srs_ik.kernels.vectors import add, apply, cross, dot, load3, load9, rotation, sub
+from srs_ik.kernels.layout import PHASE, SHOULDER, STRAIGHT, WRIST
+from srs_ik.kernels.turns import turn, turns_of
+from srs_ik.kernels.vectors import add, cross, dot, sub
 
 ALL = 0b11111111
 BEYOND_STRAIGHT = 0b11110000
@@ -49,29 +50,12 @@ def put_eight(rows, width, which, q):
 
 
 @kernel
-def turn_frame(P, joint, q, x, y, p):
-    """The frame with directions x and y and origin p, turned about the zero-configuration line of a joint."""
-    c, s = turn(q)
-    M = rotation(load3(P, AXES + 3 * joint), c, s)
-    origin = load3(P, POINTS + 3 * joint)
-    return apply(M, x), apply(M, y), add(origin, apply(M, sub(p, origin)))
-
-
-@kernel
 def tip_errors(P, q, R, p):
     """How far the tips are from a pose (m), tangents of the angles they are off, and where these are angles, as a mask.
 
     See `chain.frame_error`: a tangent is the angle where it is tiny.
     """
-    H = load9(P, TIP_ROTATION)
-    x, y, tip = turn_frame(P, 6, q[6], (H[0], H[3], H[6]), (H[1], H[4], H[7]), load3(P, TIP_POSITION))
-    x, y, tip = turn_frame(P, 5, q[5], x, y, tip)
-    x, y, tip = turn_frame(P, 4, q[4], x, y, tip)
-    x, y, tip = turn_frame(P, 3, q[3], x, y, tip)
-    x, y, tip = turn_frame(P, 2, q[2], x, y, tip)
-    x, y, tip = turn_frame(P, 1, q[1], x, y, tip)
-    x, y, tip = turn_frame(P, 0, q[0], x, y, tip)
-    z = cross(x, y)
+    x, y, z, tip = tip_frame(P, turns_of(q))
     wanted_x = (R[0], R[3], R[6])
     wanted_y = (R[1], R[4], R[7])
     wanted_z = (R[2], R[5], R[8])

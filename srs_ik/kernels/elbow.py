@@ -212,18 +212,26 @@ def elbow_side(P, place_, elbow):
 
 
 @kernel
-def side_at(P, place_, elbow, cos_psi, sin_psi):
-    """`elbow_side` at one arm angle: q4, and what R a3 and R ACROSS_3 have to be for the shoulder, then the wrist."""
-    hand = place_[4]
+def side_frames(P, place_, elbow, cos_psi, sin_psi):
+    """Elbow branch 0 or 1 at one arm angle: `frame_at`, `arm_frame`, and cosine and sine of q4."""
     c4, s4, arm = elbow_at(P, place_, elbow)
-    base = frame_at(place_, cos_psi, sin_psi)
+    return frame_at(place_, cos_psi, sin_psi), arm, c4, s4
+
+
+@kernel
+def shoulder_columns(P, base, arm):
+    """What R a3 and R ACROSS_3 have to be for the shoulder, which takes the frame of the arm to that of the base."""
+    return turned_frame(base, arm, load3(P, SHOULDER + A3)), turned_frame(base, arm, load3(P, SHOULDER + ACROSS_3))
+
+
+@kernel
+def wrist_columns(P, place_, base, arm, c4, s4):
+    """The same for the wrist, which is left of the hand's rotation when shoulder and elbow are taken back."""
+    hand = place_[4]
     a4 = load3(P, AXES + 9)
-    # What takes the frame of the upper arm to that of the base takes the wrist's back.
-    v = turned_frame(base, arm, load3(P, SHOULDER + A3))
-    y = turned_frame(base, arm, load3(P, SHOULDER + ACROSS_3))
-    v_w = turned_frame(arm, base, apply(hand, load3(P, WRIST + A3)))
-    y_w = turned_frame(arm, base, apply(hand, load3(P, WRIST + ACROSS_3)))
-    return math.atan2(s4, c4), v, y, rotate(a4, c4, -s4, v_w), rotate(a4, c4, -s4, y_w)
+    v = turned_frame(arm, base, apply(hand, load3(P, WRIST + A3)))
+    y = turned_frame(arm, base, apply(hand, load3(P, WRIST + ACROSS_3)))
+    return rotate(a4, c4, -s4, v), rotate(a4, c4, -s4, y)
 
 
 @kernel

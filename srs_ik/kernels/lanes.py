@@ -70,7 +70,7 @@ def teach(operation: Callable[..., Any], kinds: tuple[Any, ...], result: Any, ge
     """Teach Numba what an operation of Python is on operands of some kinds, of which one at least is not a number."""
 
     def fits(given: Any, kind: Any) -> bool:
-        return given == kind or (kind in (EIGHT, types.intp) and isinstance(given, types.Number))
+        return given == kind or (kind in (EIGHT, types.intp, types.float64) and isinstance(given, types.Number))
 
     @infer_global(operation)
     class Template(AbstractTemplate):  # type: ignore[misc]
@@ -121,6 +121,16 @@ def as_mask(number: Any) -> Any:
     return np.unpackbits(np.array([number], np.uint8), bitorder="little").astype(bool)
 
 
+def eight_of(a: Any, b: Any, c: Any, d: Any, e: Any, f: Any, g: Any, h: Any) -> Any:
+    """Eight floats."""
+    return np.array([a, b, c, d, e, f, g, h])
+
+
+def one_of(x: Any, i: Any) -> Any:
+    """One of eight floats."""
+    return x[i]
+
+
 def gather(figures: Any, first: Any, stride: Any) -> Any:
     """Eight figures of an array, from `first` on in steps of `stride`."""
     return figures[first : first + LANES * stride : stride].copy()
@@ -129,6 +139,13 @@ def gather(figures: Any, first: Any, stride: Any) -> Any:
 def scatter(figures: Any, first: Any, stride: Any, x: Any) -> Any:
     """Write eight floats where `gather` reads them."""
     figures[first : first + LANES * stride : stride] = x
+
+
+def _eight_of(builder: Any, *figures: Any) -> Any:
+    x = NOTHING
+    for i, figure in zip(LANE, figures, strict=True):
+        x = builder.insert_element(x, figure, i)
+    return x
 
 
 def _gather(builder: Any, figures: Any, place: Any, stride: Any) -> Any:
@@ -165,5 +182,7 @@ teach(
     lambda builder, a: builder.zext(builder.bitcast(a, ir.IntType(LANES)), ir.IntType(64)),
 )
 teach(as_mask, (types.intp,), MASK, lambda builder, a: builder.bitcast(builder.trunc(a, ir.IntType(LANES)), BITS))
+teach(eight_of, (types.float64,) * LANES, EIGHT, _eight_of)
+teach(one_of, (EIGHT, types.intp), types.float64, lambda builder, x, i: builder.extract_element(x, i))
 teach(gather, (POINTER, types.intp, types.intp), EIGHT, _gather)
 teach(scatter, (POINTER, types.intp, types.intp, EIGHT), types.none, _scatter)

@@ -20,7 +20,7 @@ from srs_ik.kernels.layout import (
     TIP_POSITION,
     TIP_ROTATION,
 )
-from srs_ik.kernels.turns import turn, turned_by
+from srs_ik.kernels.turns import turned_by, turns_of
 from srs_ik.kernels.vectors import add, along, apply, cross, dot, load3, load9, rotation, scale, sub, times
 
 ALL = 0b11111111
@@ -145,7 +145,7 @@ def close_eight(P, q, R, p, t, h0, psi, steps):
     """
     h = along(scale(math.cos(psi), h0), math.sin(psi), cross(t, h0))
     b = cross(t, h)
-    turns = (turn(q[0]), turn(q[1]), turn(q[2]), turn(q[3]), turn(q[4]), turn(q[5]), turn(q[6]))
+    turns = turns_of(q)
     met = 0
     last = 0.0 * q[0]
     for _ in range(steps):

@@ -11,7 +11,7 @@ import math
 import numpy as np
 
 from srs_ik.kernels.branches import anchor
-from srs_ik.kernels.elbow import elbow_at, elbow_side, frame_at, side_at, turned_frame
+from srs_ik.kernels.elbow import elbow_at, elbow_side, frame_at, shoulder_columns, side_frames, turned_frame
 from srs_ik.kernels.hand_directions import MAX_CROSSINGS, wrist_crossings
 from srs_ik.kernels.intervals import MAX_EVENTS, MAX_PIECES, add_event, joint_pieces
 from srs_ik.kernels.jit import kernel
@@ -187,8 +187,9 @@ def best_roll_at(P, place_, psi, axis, seeded, seed, respect):
     branch = -1
     lowest = NONE
     for elbow in range(2):
-        q4, v, y, _, _ = side_at(P, place_, elbow, math.cos(psi), math.sin(psi))
-        _, cost_e = elbow_part(P, q4, seeded, seed[3], respect)
+        base, arm, c4, s4 = side_frames(P, place_, elbow, math.cos(psi), math.sin(psi))
+        _, cost_e = elbow_part(P, math.atan2(s4, c4), seeded, seed[3], respect)
+        v, y = shoulder_columns(P, base, arm)
         _, shoulder, cost_s = steady_half(P, SHOULDER, 0, v, y, seeded, seed, respect)
         if max(cost_e, cost_s) >= OUTSIDE:
             continue

@@ -6,8 +6,10 @@ along a line of tasks the branch changes where another one has more room, and no
 
 from __future__ import annotations
 
+import math
+
 from srs_ik.kernels.branches import NO_BRANCH, better_half, two_solutions, whole
-from srs_ik.kernels.elbow import side_at
+from srs_ik.kernels.elbow import shoulder_columns, side_frames, wrist_columns
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout import SHOULDER, WRIST
 from srs_ik.kernels.scoring import NO_SEED, margin_part
@@ -34,10 +36,12 @@ def steady_half(P, k, first, v, y, seeded, seed, respect):
 @kernel
 def steady_side(P, place_, elbow, c, s, respect):
     """Best posture on one side of the elbow, for cosine and sine of an arm angle: q, branch, cost."""
-    q4, v, y, v_w, y_w = side_at(P, place_, elbow, c, s)
+    base, arm, c4, s4 = side_frames(P, place_, elbow, c, s)
+    v, y = shoulder_columns(P, base, arm)
     a, sign_s, cost_s = steady_half(P, SHOULDER, 0, v, y, False, NO_SEED, respect)
-    b, sign_w, cost_w = steady_half(P, WRIST, 4, v_w, y_w, False, NO_SEED, respect)
-    q, branch, total = whole(P, q4, a, sign_s, cost_s, b, sign_w, cost_w, False, NO_SEED, respect)
+    v, y = wrist_columns(P, place_, base, arm, c4, s4)
+    b, sign_w, cost_w = steady_half(P, WRIST, 4, v, y, False, NO_SEED, respect)
+    q, branch, total = whole(P, math.atan2(s4, c4), a, sign_s, cost_s, b, sign_w, cost_w, False, NO_SEED, respect)
     return q, 4 * elbow + branch, total
 
 

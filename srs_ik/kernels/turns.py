@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from srs_ik.kernels.jit import kernel
-from srs_ik.kernels.lanes import where, whole_number
+from srs_ik.kernels.lanes import eight_of, one_of, where, whole_number
 
 QUARTER = 1.5707963267948966
 QUARTER_REST = 6.123233995736766e-17
@@ -34,7 +34,28 @@ def turn(q):
 
 
 @kernel
+def turns_of(q):
+    """Cosines and sines of seven times eight angles."""
+    return turn(q[0]), turn(q[1]), turn(q[2]), turn(q[3]), turn(q[4]), turn(q[5]), turn(q[6])
+
+
+@kernel
 def turned_by(turn_, x):
     """Cosine and sine after a turn by a small angle x."""
     c, s = small_turn(x)
     return turn_[0] * c - turn_[1] * s, turn_[1] * c + turn_[0] * s
+
+
+@kernel
+def seven_turns(q):
+    """Cosine and sine of each of seven angles."""
+    c, s = turn(eight_of(q[0], q[1], q[2], q[3], q[4], q[5], q[6], 0.0))
+    return (
+        (one_of(c, 0), one_of(s, 0)),
+        (one_of(c, 1), one_of(s, 1)),
+        (one_of(c, 2), one_of(s, 2)),
+        (one_of(c, 3), one_of(s, 3)),
+        (one_of(c, 4), one_of(s, 4)),
+        (one_of(c, 5), one_of(s, 5)),
+        (one_of(c, 6), one_of(s, 6)),
+    )
