@@ -133,6 +133,21 @@ def test_intervals_of_random_limbs(limb):
         assert min(min(abs(wrapped(psi - i.lower)), abs(wrapped(psi - i.upper))) * (psi not in i) for i in own) < 1e-9
 
 
+@pytest.mark.parametrize("elbow", ["straight", "offset"])
+@pytest.mark.parametrize("seed", [3, 5, 7, 9, 11])
+def test_arm_angles_in_intervals_of_near_limbs_are_met(seed, elbow):
+    """Also where Newton's method does not close the branch in question at first, and the others keep no limits."""
+    limb = random_limb(seed, "oblique", elbow, "usual", 0.01)
+    arm = srs_ik.load(limb.model, base="base", tip="tool")
+    for _ in range(3):
+        pose = arm.forward_kinematics(limb.configuration())
+        for interval in arm.intervals(pose):
+            for share in (0.1, 0.5, 0.9):
+                solution = arm.solve(pose, arm_angle=interval.lower + share * interval.width)
+                assert solution, interval
+                assert max(arm.verify(pose, solution.q)) < 1e-9
+
+
 def test_narrow_intervals_are_not_missed():
     """Limits of a ten-thousandth of a radian: a sweep would need luck."""
     found = 0

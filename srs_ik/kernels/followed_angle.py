@@ -121,6 +121,23 @@ def settle_branch(P, place_, R, p, psi, branch, q, lowest, seeded, seed, respect
 
 
 @kernel
+def best_of_open(P, place_, R, p, psi, seeded, seed, respect, A):
+    """Best posture of the branches that `close_all` left without one in A, after a second look: q, branch, cost."""
+    is_open = 0
+    for branch in range(8):
+        is_open |= int(A[FIRST + branch, ROW_COST] >= NO_BRANCH) << branch
+    best_q = seed
+    best = 0
+    lowest = 2.0 * NO_BRANCH
+    for branch in range(8):
+        if (is_open >> branch) & 1 == 1:
+            q, value, _ = settle_branch(P, place_, R, p, psi, branch, best_q, 2.0 * NO_BRANCH, seeded, seed, respect, A)
+            if value < lowest:
+                best_q, best, lowest = q, branch, value
+    return best_q, best, lowest
+
+
+@kernel
 def solve_all_at_angle(P, place_, R, p, psi, respect, J, A, found):
     """The posture of every branch at an arm angle, and its cost, into the rows of found (8, 8)."""
     close_all(P, place_, R, p, psi, -1, False, NO_SEED, respect, A)
@@ -153,6 +170,10 @@ def solve_at_angle(P, place_, R, p, psi, wanted, seeded, seed, respect, J, A):
         q, lowest, final = settle_branch(P, place_, R, p, psi, wanted, q, lowest, seeded, seed, respect, A)
         if final and not seeded:
             return q, best, lowest
+    elif OUTSIDE <= lowest < NO_BRANCH:
+        other, b, value = best_of_open(P, place_, R, p, psi, seeded, seed, respect, A)
+        if value < lowest:
+            q, best, lowest = other, b, value
     unsure = is_unsure(P, q)
     # Next to a singularity, Newton's method may have missed the branch that is nearest to a seed.
     good = lowest < OUTSIDE and not (seeded and unsure and lowest > AT_SEED)
