@@ -5,9 +5,9 @@ from __future__ import annotations
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.lanes import eight_of, one_of, where, whole_number
 
-QUARTER = 1.5707963267948966
-QUARTER_REST = 6.123233995736766e-17
-"""A quarter of a turn, and what rounding has taken of it."""
+QUARTER = 1.5707963267341256
+QUARTER_REST = 6.077100506506192e-11
+"""A quarter of a turn: its first 33 bits, of which small multiples are exact, and the rest of it."""
 
 
 @kernel
