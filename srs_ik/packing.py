@@ -23,6 +23,9 @@ FLAT = 1e-12
 NO_HAND = 1e-9
 """A tip this near to the wrist centre, metres, is in it."""
 
+NO_ROOM = 1e-9
+"""A joint with a narrower range, rad, cannot move."""
+
 STRICT = (1e-13, 1e-14, 1e-12, 0.0)
 LOOSE = (3e-11, 3e-11, 1e-11, 1e-10)
 """Tolerances `SLACK_*` of the layout: those of rounding, and those that still close to 1e-10."""
@@ -37,8 +40,10 @@ def pack_family(limb: SrsLimb, lower: Vector, upper: Vector) -> Vector:
         upper: (7,) upper joint limits, rad; inf where there is none.
     """
     none = np.full(7, np.inf)
+    # Two joints that cannot move leave arm angles without width, which only loose tolerances find.
+    first = LOOSE if np.count_nonzero(upper - lower < NO_ROOM) > 1 else STRICT
     family = np.array(
-        [_pack(limb, lo, hi, slack) for slack in (STRICT, LOOSE) for lo, hi in ((lower, upper), (-none, none))]
+        [_pack(limb, lo, hi, slack) for slack in (first, LOOSE) for lo, hi in ((lower, upper), (-none, none))]
     )
     family.flags.writeable = False
     return family

@@ -162,6 +162,20 @@ def test_narrow_intervals_are_not_missed():
     assert found > 10
 
 
+@pytest.mark.parametrize("locked", [(2, 4), (0, 6), (1, 5)])
+def test_joints_without_room_leave_an_arm_angle(locked):
+    free = arms.load("iiwa14")
+    for q in arms.configurations("iiwa14", 20, 8):
+        limits = {free.joint_names[j]: {"lower": float(q[j]), "upper": float(q[j])} for j in locked}
+        arm = srs_ik.load("iiwa14", limits=limits)
+        pose, psi = arm.forward_kinematics(q), arm.arm_angle(q)
+        inside_any, from_end = covered(arm.intervals(pose), arm.branch(q), np.array([psi]))
+        assert inside_any or from_end < 1e-6
+        for interval in arm.intervals(pose):
+            solution = arm.solve(pose, arm_angle=0.5 * (interval.lower + interval.upper), branch=interval.branch)
+            assert max(distance(pose, free.forward_kinematics(solution.q))) < 1e-7
+
+
 @pytest.mark.parametrize("name", SWEPT)
 def test_every_end_has_a_reason(name):
     """At an end a joint is on its limit, or passes a singular posture, or the axes reach no farther."""

@@ -22,6 +22,7 @@ from srs_ik.kernels.lanes import as_bits, gather
 from srs_ik.kernels.layout import (
     FREE,
     LIMITED,
+    LOOSE,
     ROW,
     ROW_BRANCH,
     ROW_COST,
@@ -194,8 +195,13 @@ def all_intervals(family, place_, R, p, respect, J, A, out):
     """Feasible intervals of one pose on the true chain; none where the pose is out of reach."""
     if J is not None:
         return true_intervals(row(family, LIMITED), place_, R, p, respect, out, J, A)
-    P = row(family, LIMITED if respect else FREE)
-    return find_intervals(P, place_, -1, out) if abs(place_[5]) < SOLVED else 0
+    if abs(place_[5]) >= SOLVED:
+        return 0
+    n = find_intervals(row(family, LIMITED if respect else FREE), place_, -1, out)
+    if n == 0 and respect:
+        # A pose whose postures all lie on limits leaves room by rounding alone.
+        n = find_intervals(row(family, LOOSE), place_, -1, out)
+    return n
 
 
 @entry
