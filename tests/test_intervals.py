@@ -148,6 +148,17 @@ def test_arm_angles_in_intervals_of_near_limbs_are_met(seed, elbow):
                 assert max(arm.verify(pose, solution.q)) < 1e-9
 
 
+@pytest.mark.parametrize("elbow", ["straight", "offset"])
+@pytest.mark.parametrize("seed", [1, 12, 15, 17, 18])
+def test_short_arcs_of_oblique_near_limbs_are_not_missed(seed, elbow):
+    limb = random_limb(seed, "oblique", elbow, "usual", 0.01)
+    arm = srs_ik.load(limb.model, base="base", tip="tool")
+    for _ in range(3):
+        q = limb.configuration()
+        psi, branch = arm.arm_angle(q), arm.branch(q)
+        assert any(psi in i for i in arm.intervals(arm.forward_kinematics(q)) if i.branch == branch)
+
+
 def test_narrow_intervals_are_not_missed():
     """Limits of a ten-thousandth of a radian: a sweep would need luck."""
     found = 0

@@ -18,6 +18,7 @@ from srs_ik.kernels.branches import NO_BRANCH, side_posture
 from srs_ik.kernels.closure import CLOSED, close_free, moved, pose_step
 from srs_ik.kernels.elbow import elbow_side
 from srs_ik.kernels.jit import kernel
+from srs_ik.kernels.layout import BOTTOM_GAP, SHOULDER, TOP_GAP, WRIST
 from srs_ik.kernels.limits import turn_to_middle, violation
 from srs_ik.kernels.scoring import NO_SEED
 from srs_ik.kernels.vectors import norm
@@ -44,7 +45,11 @@ CORRECTIONS = 12
 
 START_STEPS = 40
 STARTS = 8
-"""Arm angles, all around, at which the closed form gives starts."""
+STARTS_OBLIQUE = 48
+"""Arm angles, all around, at which the closed form gives starts; a branch of oblique axes may be a short arc."""
+
+OBLIQUE = 1e-3
+"""Axes are oblique where this part of all directions, as a cosine, is beyond the reach of a shoulder or wrist."""
 
 BESIDE = 0.08
 """A posture this close to the chord of a step, as a part of its length, is on the curve."""
@@ -285,14 +290,17 @@ def follow_all(P, place_, R, p, respect, rows, curves, J, A):
     """Follow every curve of a pose that the closed form of the nearest exact limb leads to; the number of curves."""
     n = 0
     count = 0
+    oblique = P[SHOULDER + TOP_GAP] + P[SHOULDER + BOTTOM_GAP] + P[WRIST + TOP_GAP] + P[WRIST + BOTTOM_GAP] > OBLIQUE
+    starts = STARTS_OBLIQUE if oblique else STARTS
     for branch in range(8):
         side = elbow_side(P, place_, branch >> 2)
         if respect and violation(P, 3, turn_to_middle(P, 3, side[0])) > ELBOW_SPARE:
             continue
-        for i in range(STARTS):
-            psi = (2.0 * i / STARTS - 1.0) * math.pi
+        for i in range(starts):
+            psi = (2.0 * i / starts - 1.0) * math.pi
             q, _, value = side_posture(P, side, psi, (branch >> 1) & 1, branch & 1, False, NO_SEED, False)
-            if value >= NO_BRANCH or count >= curves.shape[0]:
+            # At the edge of the reach of oblique axes, the true chain may have postures where the closed form has none.
+            if (value >= NO_BRANCH and not oblique) or count >= curves.shape[0]:
                 continue
             q, error = close_free(P, q, R, p, False, START_STEPS, J, A)
             if error > CLOSED:
