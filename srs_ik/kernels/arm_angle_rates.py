@@ -7,7 +7,7 @@ import math
 import numpy as np
 
 from srs_ik.kernels.chain import joint_lines
-from srs_ik.kernels.closure import ON_LINE, elbow_position, longest, moved
+from srs_ik.kernels.closure import ON_LINE, elbow_position, longest, moved, solve_linear
 from srs_ik.kernels.elbow import REFERENCE_SINE, arm_frame, straight_offset
 from srs_ik.kernels.jit import entry, kernel
 from srs_ik.kernels.layout import (
@@ -26,7 +26,7 @@ from srs_ik.kernels.memory import row
 from srs_ik.kernels.poses import read7
 from srs_ik.kernels.scoring import NO_SEED
 from srs_ik.kernels.selfmotion import rates
-from srs_ik.kernels.trace import load_system, solve_signed
+from srs_ik.kernels.trace import load_system
 from srs_ik.kernels.vectors import across, add, along, cross, dot, load3, norm, rotate, scale, sub
 
 FASTEST = 1e9
@@ -143,7 +143,7 @@ def tangent(P, q):
                 J[i, joint] = v[i]
         load_system(J, g, A)
         A[6, 7] = 1.0
-        exists = solve_signed(A) != 0.0 and longest(A) < FASTEST
+        exists = solve_linear(A, 7) != 0.0 and longest(A) < FASTEST
     return moved(NO_SEED, A, 1.0) if exists else NO_SEED, exists
 
 

@@ -70,25 +70,54 @@ def pose_error(P, q, R, p):
 
 
 @kernel
+def joint_line(P, joint, turn, M, shift):
+    """Axis and moment about the base origin of a joint, and the motion of points behind it as a matrix and a shift."""
+    line = load3(P, AXES + 3 * joint)
+    point = load3(P, POINTS + 3 * joint)
+    origin = add(apply(M, point), shift)
+    axis = apply(M, line)
+    M = times(M, rotation(line, turn[0], turn[1]))
+    return axis, cross(origin, axis), M, sub(origin, apply(M, point))
+
+
+@kernel
+def first_line(P, turn):
+    """`joint_line` of joint 1, before which nothing moves."""
+    line = load3(P, AXES)
+    point = load3(P, POINTS)
+    M = rotation(line, turn[0], turn[1])
+    return line, cross(point, line), M, sub(point, apply(M, point))
+
+
+@kernel
+def put_line(J, joint, axis, moment):
+    """Write the line of a joint into a column of J."""
+    for i in range(3):
+        J[i, joint] = moment[i]
+        J[i + 3, joint] = axis[i]
+
+
+@kernel
 def joint_lines(P, q, J):
     """Write axis direction (rows 3 to 5) and moment point x axis (rows 0 to 2) of each joint at q into J (6, 7).
 
     J is the spatial Jacobian of the base origin. Returns the pose of the tip: rotation columns x, y, z, and position.
     """
-    M = (1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0)
-    shift = (0.0, 0.0, 0.0)  # a point of the zero configuration moves to M point + shift
-    for joint in range(7):
-        line = load3(P, AXES + 3 * joint)
-        point = load3(P, POINTS + 3 * joint)
-        axis = apply(M, line)
-        origin = add(apply(M, point), shift)
-        moment = cross(origin, axis)
-        for i in range(3):
-            J[i, joint] = moment[i]
-            J[i + 3, joint] = axis[i]
-        angle = q[joint]
-        M = times(M, rotation(line, math.cos(angle), math.sin(angle)))
-        shift = sub(origin, apply(M, point))
+    turns = seven_turns(q)
+    axis, moment, M, shift = first_line(P, turns[0])
+    put_line(J, 0, axis, moment)
+    axis, moment, M, shift = joint_line(P, 1, turns[1], M, shift)
+    put_line(J, 1, axis, moment)
+    axis, moment, M, shift = joint_line(P, 2, turns[2], M, shift)
+    put_line(J, 2, axis, moment)
+    axis, moment, M, shift = joint_line(P, 3, turns[3], M, shift)
+    put_line(J, 3, axis, moment)
+    axis, moment, M, shift = joint_line(P, 4, turns[4], M, shift)
+    put_line(J, 4, axis, moment)
+    axis, moment, M, shift = joint_line(P, 5, turns[5], M, shift)
+    put_line(J, 5, axis, moment)
+    axis, moment, M, shift = joint_line(P, 6, turns[6], M, shift)
+    put_line(J, 6, axis, moment)
     H = load9(P, TIP_ROTATION)
     return (
         apply(M, (H[0], H[3], H[6])),

@@ -80,20 +80,25 @@ def add_row(A, i, f, r):
 def solve_linear(A, n):
     """Solve the n x n system in A (n, 9), n up to 7, by elimination with pivoting; the solution ends in column n.
 
-    Every row is worked on in all of its first eight columns: a fixed number of them is faster than those that matter.
+    Returns the sign of the determinant, 0 where the system is singular. Every row is worked on in all of its first
+    eight columns: a fixed number of them is faster than those that matter.
     """
+    sign = 1.0
     for k in range(n):
         pivot = k
         for i in range(k + 1, n):
             if abs(A[i, k]) > abs(A[pivot, k]):
                 pivot = i
         if abs(A[pivot, k]) < 1e-18:
-            return False
+            return 0.0
         if pivot != k:
+            sign = -sign
             for j in range(8):
                 t = A[k, j]
                 A[k, j] = A[pivot, j]
                 A[pivot, j] = t
+        if A[k, k] < 0.0:
+            sign = -sign
         f = 1.0 / A[k, k]
         r = (f * A[k, 0], f * A[k, 1], f * A[k, 2], f * A[k, 3], f * A[k, 4], f * A[k, 5], f * A[k, 6], f * A[k, 7])
         for i in range(n):
@@ -101,7 +106,7 @@ def solve_linear(A, n):
             add_row(A, i, -f, r)
         for j in range(8):
             A[k, j] = r[j]
-    return True
+    return sign
 
 
 @kernel
@@ -199,7 +204,7 @@ def close_at_angle(P, q, R, p, t, h0, psi, steps, A):
         h0: zero direction of the arm angle.
         psi: wanted arm angle.
         steps: largest number of steps.
-        A: (7, 9) work space.
+        A: (16, 9) work space.
 
     Returns:
         The posture, and whether pose and arm angle are met.
@@ -210,7 +215,7 @@ def close_at_angle(P, q, R, p, t, h0, psi, steps, A):
         error, reach = equations_at_angle(P, q, R, p, b, A)
         if error < 0.1 * CLOSED and abs(A[6, 7]) < CLOSED:
             return q, dot(h, reach) > -ON_LINE
-        if not solve_linear(A, 7):
+        if solve_linear(A, 7) == 0.0:
             return q, False
         size = longest(A)
         q = moved(q, A, 1.0 if size < MAX_STEP else MAX_STEP / size)
@@ -232,7 +237,7 @@ def close_free(P, q, R, p, respect, steps, J, A):
         respect: whether to stay inside the joint limits.
         steps: largest number of steps.
         J: (6, 7) work space.
-        A: (7, 9) work space.
+        A: (16, 9) work space.
 
     Returns:
         The posture, and the larger of its position (m) and orientation (rad) errors.
@@ -285,7 +290,7 @@ def shortest_step(J, linear, angular, blocked, damping, A):
     for i in range(3):
         A[i, 6] = linear[i]
         A[i + 3, 6] = angular[i]
-    solved = solve_linear(A, 6)
+    solved = solve_linear(A, 6) != 0.0
     y0, y1, y2, y3, y4, y5 = A[0, 6], A[1, 6], A[2, 6], A[3, 6], A[4, 6], A[5, 6]
     for j in range(7):
         s = J[0, j] * y0 + J[1, j] * y1 + J[2, j] * y2 + J[3, j] * y3 + J[4, j] * y4 + J[5, j] * y5

@@ -9,12 +9,14 @@ from __future__ import annotations
 
 import math
 
+from srs_ik.kernels.crossing import has_settled, next_parameter, start_crossing, tell_figure
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout import LOWER, MIDDLE, RANGE_KIND, UPPER
-from srs_ik.kernels.limits import turn_to_middle, violation
+from srs_ik.kernels.limits import beyond, turn_to_middle
 from srs_ik.kernels.trace import between, difference, put, short_way
 
 HALVINGS = 45
+CROSSING_STEPS = 60
 
 WELL_INSIDE = 0.5
 """A sample in a gap need not lie closer to its middle than this part of half its width."""
@@ -72,9 +74,9 @@ def put_gaps(P, R, p, x_a, a, x_b, b, line, n, J, A):
 
 
 @kernel
-def joint_outside(P, j, q):
-    """Whether a joint of a posture breaks its limits in every turn."""
-    return violation(P, j, turn_to_middle(P, j, q[j])) > 0.0
+def joint_beyond(P, j, q):
+    """How far a joint of a posture lies outside its limits in the best turn, rad; negative inside."""
+    return beyond(P, j, turn_to_middle(P, j, q[j]))
 
 
 @kernel
@@ -82,7 +84,7 @@ def any_outside(P, q):
     """Whether a posture breaks a limit."""
     outside = False
     for j in range(7):
-        outside = outside or joint_outside(P, j, q)
+        outside = outside or joint_beyond(P, j, q) > 0.0
     return outside
 
 
@@ -93,23 +95,25 @@ def put_bounds(P, R, p, x_a, a, x_b, b, line, n, J, A):
         return n
     first = n
     for j in range(7):
-        leaves = joint_outside(P, j, b)
-        if joint_outside(P, j, a) == leaves:
+        at_a = joint_beyond(P, j, a)
+        at_b = joint_beyond(P, j, b)
+        if (at_a > 0.0) == (at_b > 0.0):
             continue
-        # Shares of the way on which the joint is inside, and outside.
-        inside = 0.0 if leaves else 1.0
-        outside = 1.0 - inside
-        inside_q = a if leaves else b
-        for _ in range(HALVINGS):
-            share = 0.5 * (inside + outside)
+        # Shares of the way at which the joint is inside, and outside.
+        crossing = start_crossing(0.0, at_a, 1.0, at_b) if at_b > 0.0 else start_crossing(1.0, at_b, 0.0, at_a)
+        inside_q = a if at_b > 0.0 else b
+        for _ in range(CROSSING_STEPS):
+            if has_settled(crossing):
+                break
+            share = next_parameter(crossing)
             q, met = between(P, R, p, a, b, share, J, A)
             if not met:
                 break
-            if joint_outside(P, j, q):
-                outside = share
-            else:
-                inside = share
+            f = joint_beyond(P, j, q)
+            crossing = tell_figure(crossing, share, f)
+            if f <= 0.0:
                 inside_q = q
+        inside = crossing[0]
         if 0.0 < inside < 1.0:
             n = insert(line, first, n, x_a + inside * (x_b - x_a), inside_q)
     return n

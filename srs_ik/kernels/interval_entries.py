@@ -25,7 +25,7 @@ def intervals_range(family, poses, first, last, respect, J, A, rows, counts, ver
         last: one behind the last.
         respect: whether the joint limits have to be kept.
         J: (6, 7) work space, or None.
-        A: (7, 9) work space, or None.
+        A: (16, 9) work space, or None.
         rows: (n, 3) output: branch, lower and upper end of each interval, pose after pose; n at least MOST_INTERVALS.
         counts: (N,) output: intervals of each pose.
         verdicts: (N,) output: verdict on each pose.

@@ -144,6 +144,21 @@ def violation(P, joint, q):
 
 
 @kernel
+def beyond(P, joint, q):
+    """How far the angle lies outside its limits, rad; negative inside."""
+    return max(P[LOWER + joint] - q, q - P[UPPER + joint])
+
+
+@kernel
+def beyond_any(P, q):
+    """How far a posture lies outside its limits, rad; negative inside, at least minus half a turn."""
+    worst = -math.pi
+    for joint in range(7):
+        worst = max(worst, beyond(P, joint, q[joint]))
+    return worst
+
+
+@kernel
 def margin(P, joint, q):
     """1 in the middle of the range, 0 on a limit, negative outside, always 1 for a joint without limits."""
     return 1.0 - abs(q - P[MIDDLE + joint]) * P[INVERSE_HALF_RANGE + joint]

@@ -9,19 +9,18 @@ from __future__ import annotations
 
 import math
 
+from srs_ik.kernels.chain import first_line, joint_line
 from srs_ik.kernels.closure import CLOSED, LAST_STEP, MAX_STEP, ON_LINE
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.lanes import as_bits, where
 from srs_ik.kernels.layout import (
-    AXES,
     ELBOW_CENTRE,
-    POINTS,
     SHOULDER_CENTRE,
     TIP_POSITION,
     TIP_ROTATION,
 )
 from srs_ik.kernels.turns import turned_by, turns_of
-from srs_ik.kernels.vectors import add, along, apply, cross, dot, load3, load9, rotation, scale, sub, times
+from srs_ik.kernels.vectors import add, along, apply, cross, dot, load3, load9, scale, sub
 
 ALL = 0b11111111
 
@@ -35,26 +34,6 @@ SMALLEST = (0.1 * CLOSED) ** 2
 def larger(a, b):
     """The larger of each two floats."""
     return where(a > b, a, b)
-
-
-@kernel
-def joint_line(P, joint, turn_, M, shift):
-    """Axis and moment about the base origin of a joint, and the motion of points behind it (see `joint_lines`)."""
-    line = load3(P, AXES + 3 * joint)
-    point = load3(P, POINTS + 3 * joint)
-    origin = add(apply(M, point), shift)
-    axis = apply(M, line)
-    M = times(M, rotation(line, turn_[0], turn_[1]))
-    return axis, cross(origin, axis), M, sub(origin, apply(M, point))
-
-
-@kernel
-def first_line(P, turn_):
-    """`joint_line` of joint 1, before which nothing moves."""
-    line = load3(P, AXES)
-    point = load3(P, POINTS)
-    M = rotation(line, turn_[0], turn_[1])
-    return line, cross(point, line), M, sub(point, apply(M, point))
 
 
 @kernel

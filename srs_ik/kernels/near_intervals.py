@@ -48,7 +48,7 @@ def true_intervals(P, place_, R, p, respect, out, J, A):
         respect: whether the joint limits have to be kept.
         out: (n, 3) output.
         J: (6, 7) work space.
-        A: (7, 9) work space.
+        A: (16, 9) work space.
     """
     runs = np.empty((MAX_RUNS, RUN))
     rows, _, k, _ = near_runs(P, place_, R, p, respect, runs, J, A)

@@ -94,7 +94,7 @@ def optimise(family, T, kind, second, tolerance, resolution, params, respect, so
     P = row(family, LIMITED)
     place_ = place(P, R, p)
     J = np.empty((6, 7))
-    A = np.empty((7, 9))
+    A = np.empty((16, 9))
     S = np.empty(STATE)
     runs = np.empty((MAX_RUNS, RUN))
     rows, n, k, line = survey(family, place_, R, p, respect, runs, J, A)
@@ -142,7 +142,7 @@ def sample(family, T, respect, runs):
     if verdict != GOOD_POSE:
         return np.empty((0, SAMPLE)), 0, verdict
     place_ = place(row(family, LIMITED), R, p)
-    rows, n, k, _ = survey(family, place_, R, p, respect, runs, np.empty((6, 7)), np.empty((7, 9)))
+    rows, n, k, _ = survey(family, place_, R, p, respect, runs, np.empty((6, 7)), np.empty((16, 9)))
     return rows[:n], k, GOOD_POSE
 
 
@@ -180,7 +180,7 @@ def posture(family, T, rows, run, x, respect, solution):
     side = elbow_side(P, place_, branch >> 2)
     first = int(run[3])
     last = int(run[4])
-    q, off = on_curve(P, side, R, p, branch, respect, rows, first, last, x, np.empty((6, 7)), np.empty((7, 9)))
+    q, off = on_curve(P, side, R, p, branch, respect, rows, first, last, x, np.empty((6, 7)), np.empty((16, 9)))
     return off <= 0.0 and write_posture(P, place_, R, p, q, branch, respect, solution)
 
 

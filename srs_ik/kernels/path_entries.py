@@ -283,7 +283,7 @@ def finish(family, poses, psis, branches, q, out):
     """Close the postures of a path on the true chain and write their rows (n, ROW), where there are any."""
     P = row(family, LIMITED)
     J = np.empty((6, 7))
-    A = np.empty((7, 9))
+    A = np.empty((16, 9))
     for i in range(poses.shape[0]):
         if branches[i] < 0:
             continue

@@ -94,7 +94,7 @@ def guess(P, place_, R, p, seed, respect, J, A):
         position, orientation = pose_error(P, seed, R, p)
         if lowest > (MOST_LEVERAGE * max(position / P[FAR], orientation)) ** 2:
             # Suspiciously far: next to a singularity, the seed's own neighbourhood may hold a nearer posture.
-            other, value, still = settle_near(P, seed, R, p, seed, respect, np.empty((6, 7)), np.empty((7, 9)))
+            other, value, still = settle_near(P, seed, R, p, seed, respect, np.empty((6, 7)), np.empty((16, 9)))
             if value < lowest:
                 return arm_angle(P, other, place_[0], place_[1]), other, branch_of(P, other), value, still
         return psi, q, branch, lowest, minimum

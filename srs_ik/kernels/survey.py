@@ -13,14 +13,16 @@ import numpy as np
 
 from srs_ik.kernels.branches import NO_BRANCH, side_posture
 from srs_ik.kernels.closure import arm_angle, clipped
+from srs_ik.kernels.crossing import has_settled, next_parameter, start_crossing, tell_figure
 from srs_ik.kernels.elbow import elbow_side
 from srs_ik.kernels.gaps import put_bounds, put_gaps
 from srs_ik.kernels.intervals import MAX_PIECES
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout import IS_CLOSED
+from srs_ik.kernels.limits import beyond_any
 from srs_ik.kernels.line_search import GOLDEN
 from srs_ik.kernels.samples import take_samples
-from srs_ik.kernels.scoring import NO_SEED, OUTSIDE, cost, turned
+from srs_ik.kernels.scoring import NO_SEED, turned
 from srs_ik.kernels.trace import CURVE, MAX_CURVES, SAMPLE, between, difference, follow_all, load_sample, put
 
 LARGEST_MOTION = 0.5
@@ -31,9 +33,6 @@ SMALLEST_GAP = 1e-6
 
 DEPTH = 32
 """Room for samples on hold while the gap before them is filled: more than the halvings between the figures above."""
-
-EDGE = 1e-13
-"""The ends of a run are found to this, rad."""
 
 EDGE_STEPS = 100
 DIP_STEPS = 40
@@ -64,20 +63,15 @@ def is_exact(P):
 
 
 @kernel
-def infeasibility(value, respect):
-    """By how much a posture of a cost is not feasible: 0 or less where it is, and then its margin with a minus."""
-    if value >= NO_BRANCH:
-        return value
-    if not respect:
-        return -1.0
-    return value - OUTSIDE if value >= OUTSIDE else value
+def infeasibility(P, q, respect):
+    """By how much a posture is not feasible, rad: 0 or less where it is."""
+    return beyond_any(P, q) if respect else -1.0
 
 
 @kernel
 def infeasibility_of(P, row, respect):
     """The same for a sample."""
-    q = turned(P, load_sample(row), False, NO_SEED, respect)
-    return infeasibility(cost(P, q, False, NO_SEED, respect), respect)
+    return infeasibility(P, turned(P, load_sample(row), False, NO_SEED, respect), respect)
 
 
 @kernel
@@ -85,7 +79,7 @@ def on_curve(P, side, R, p, branch, respect, rows, first, last, x, J, A):
     """Posture at a parameter, and its infeasibility; on a near limb, rows first to last - 1 sample the curve."""
     if is_exact(P):
         q, _, value = side_posture(P, side, x, (branch >> 1) & 1, branch & 1, False, NO_SEED, respect)
-        return q, infeasibility(value, respect)
+        return q, (NO_BRANCH if value >= NO_BRANCH else infeasibility(P, q, respect))
     low = first
     high = last - 1
     while high - low > 1:
@@ -103,25 +97,20 @@ def on_curve(P, side, R, p, branch, respect, rows, first, last, x, J, A):
         if not met:
             return q, NO_BRANCH
     q = turned(P, q, False, NO_SEED, respect)
-    return q, infeasibility(cost(P, q, False, NO_SEED, respect), respect)
+    return q, infeasibility(P, q, respect)
 
 
 @kernel
 def edge(P, side, R, p, branch, respect, rows, first, last, x, fx, y, fy, J, A):
     """The last feasible parameter from a feasible one, x, towards y, which is not."""
-    for i in range(EDGE_STEPS):
-        if abs(y - x) < EDGE * max(1.0, abs(x)):
+    crossing = start_crossing(x, fx, y, fy)
+    for _ in range(EDGE_STEPS):
+        if has_settled(crossing):
             break
-        m = 0.5 * (x + y)
-        # A secant where both figures are small enough to mean something; every third step halves the gap for certain.
-        if i % 3 != 2 and fy < NO_BRANCH and fy > fx:
-            m = x + (y - x) * min(max(-fx / (fy - fx), 0.01), 0.99)
+        m = next_parameter(crossing)
         _, f = on_curve(P, side, R, p, branch, respect, rows, first, last, m, J, A)
-        if f <= 0.0:
-            x, fx = m, f
-        else:
-            y, fy = m, f
-    return x
+        crossing = tell_figure(crossing, m, f)
+    return crossing[0]
 
 
 @kernel

@@ -14,12 +14,15 @@ from __future__ import annotations
 
 import math
 
-from srs_ik.kernels.branches import NO_BRANCH, side_posture
-from srs_ik.kernels.closure import CLOSED, close_free, moved, pose_step
-from srs_ik.kernels.elbow import elbow_side
+from srs_ik.kernels.closure import CLOSED, STEPS, close_free, moved, pose_step, solve_linear
+from srs_ik.kernels.eight import put_eight, take_eight
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout import BOTTOM_GAP, SHOULDER, TOP_GAP, WRIST
 from srs_ik.kernels.limits import turn_to_middle, violation
+from srs_ik.kernels.lockstep import close_eight
+from srs_ik.kernels.memory import row
+from srs_ik.kernels.near_branches import FIRST, WIDTH, start_all
+from srs_ik.kernels.poses import read7
 from srs_ik.kernels.scoring import NO_SEED
 from srs_ik.kernels.vectors import norm
 
@@ -53,6 +56,9 @@ OBLIQUE = 1e-3
 
 BESIDE = 0.08
 """A posture this close to the chord of a step, as a part of its length, is on the curve."""
+
+BEYOND = 1.2 * LONGEST_STEP
+"""Farther from a sample, rad, no joint of a posture beside the step from it is: the quicker question."""
 
 MAX_CURVES = 32
 
@@ -107,9 +113,9 @@ def difference(a, b):
 
 
 @kernel
-def load_sample(row):
+def load_sample(sample):
     """Joint angles of a sample."""
-    return (row[1], row[2], row[3], row[4], row[5], row[6], row[7])
+    return (sample[1], sample[2], sample[3], sample[4], sample[5], sample[6], sample[7])
 
 
 @kernel
@@ -121,37 +127,6 @@ def put(rows, n, x, q):
     for j in range(7):
         rows[n, 1 + j] = q[j]
     return n + 1
-
-
-@kernel
-def solve_signed(A):
-    """Solve the 7 x 7 system in A (7, 8) in place, solution in column 7; the determinant's sign, 0 if singular."""
-    sign = 1.0
-    for k in range(7):
-        pivot = k
-        for i in range(k + 1, 7):
-            if abs(A[i, k]) > abs(A[pivot, k]):
-                pivot = i
-        if abs(A[pivot, k]) < 1e-14:
-            return 0.0
-        if pivot != k:
-            sign = -sign
-            for j in range(k, 8):
-                t = A[k, j]
-                A[k, j] = A[pivot, j]
-                A[pivot, j] = t
-        if A[k, k] < 0.0:
-            sign = -sign
-        for i in range(k + 1, 7):
-            f = A[i, k] / A[k, k]
-            for j in range(k + 1, 8):
-                A[i, j] -= f * A[k, j]
-    for k in range(6, -1, -1):
-        s = A[k, 7]
-        for j in range(k + 1, 7):
-            s -= A[k, j] * A[j, 7]
-        A[k, 7] = s / A[k, k]
-    return sign
 
 
 @kernel
@@ -170,7 +145,7 @@ def null_vector(J, near, A):
     """Unit null vector of J on the side of a direction, and the sign of its orientation (0 where J has lost rank)."""
     load_system(J, near, A)
     A[6, 7] = 1.0
-    sign = solve_signed(A)
+    sign = solve_linear(A, 7)
     t = moved(NO_SEED, A, 1.0)
     size = math.sqrt(dot7(t, t))
     if sign == 0.0 or size == 0.0:
@@ -195,7 +170,7 @@ def correct(P, q, d, place, R, p, J, A):
             A[i, 7] = linear[i]
             A[i + 3, 7] = angular[i]
         A[6, 7] = off
-        if solve_signed(A) == 0.0:
+        if solve_linear(A, 7) == 0.0:
             return q, False
         q = moved(q, A, 1.0)
     return q, error < CLOSED
@@ -218,6 +193,8 @@ def is_known(q, t, rows, curves, count):
     """Whether a posture with the oriented null vector t lies on one of the curves."""
     for k in range(count):
         for i in range(int(curves[k, 0]), int(curves[k, 1]) - 1):
+            if abs(short_way(q[1] - rows[i, 2])) > BEYOND or abs(short_way(q[5] - rows[i, 6])) > BEYOND:
+                continue
             a = load_sample(rows[i])
             to_q = difference(a, q)
             chord = difference(a, load_sample(rows[i + 1]))
@@ -291,20 +268,24 @@ def follow_all(P, place_, R, p, respect, rows, curves, J, A):
     n = 0
     count = 0
     oblique = P[SHOULDER + TOP_GAP] + P[SHOULDER + BOTTOM_GAP] + P[WRIST + TOP_GAP] + P[WRIST + BOTTOM_GAP] > OBLIQUE
-    starts = STARTS_OBLIQUE if oblique else STARTS
-    for branch in range(8):
-        side = elbow_side(P, place_, branch >> 2)
-        if respect and violation(P, 3, turn_to_middle(P, 3, side[0])) > ELBOW_SPARE:
-            continue
-        for i in range(starts):
-            psi = (2.0 * i / starts - 1.0) * math.pi
-            q, _, value = side_posture(P, side, psi, (branch >> 1) & 1, branch & 1, False, NO_SEED, False)
+    angles = STARTS_OBLIQUE if oblique else STARTS
+    starts = row(A, FIRST)
+    for i in range(angles):
+        psi = (2.0 * i / angles - 1.0) * math.pi
+        exist = start_all(P, place_, psi, False, NO_SEED, False, A)
+        postures, met = close_eight(P, take_eight(starts, WIDTH), R, p, place_[0], place_[1], psi, STEPS)
+        put_eight(starts, WIDTH, met, postures)
+        for branch in range(8):
+            q = read7(row(A, FIRST + branch))
+            spare = ELBOW_SPARE - violation(P, 3, turn_to_middle(P, 3, q[3])) if respect else ELBOW_SPARE
             # At the edge of the reach of oblique axes, the true chain may have postures where the closed form has none.
-            if (value >= NO_BRANCH and not oblique) or count >= curves.shape[0]:
+            exists = oblique or (exist >> branch) & 1 == 1
+            if spare < 0.0 or not exists or count >= curves.shape[0]:
                 continue
-            q, error = close_free(P, q, R, p, False, START_STEPS, J, A)
-            if error > CLOSED:
-                continue
+            if (met >> branch) & 1 == 0:
+                q, error = close_free(P, q, R, p, False, START_STEPS, J, A)
+                if error > CLOSED:
+                    continue
             pose_step(P, q, R, p, J)
             t, sign = null_vector(J, FIRST_GUESS, A)
             if sign == 0.0:

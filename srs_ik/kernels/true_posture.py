@@ -51,7 +51,7 @@ def settle_posture(P, H, x, grasped, phi, side, tie, found, hand_axes, q, seeded
         seeded: whether there is a seed.
         seed: joint angles whose turns are wanted.
         respect: whether the turns have to keep the joint limits.
-        A: (7, 9) work space.
+        A: (16, 9) work space.
 
     Returns:
         The posture, the rotation of the tip, the joint angles, and their cost: NO_BRANCH where they do not agree.
