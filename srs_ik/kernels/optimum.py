@@ -15,7 +15,7 @@ from srs_ik.kernels.line_search import BEST, F_BEST, propose, start_search, tell
 from srs_ik.kernels.objectives import figure, objective, tip_jacobian
 from srs_ik.kernels.samples import STEP
 from srs_ik.kernels.scoring import NO_SEED, cost
-from srs_ik.kernels.survey import EDGE, EDGE_STEPS, on_curve, sample_again
+from srs_ik.kernels.survey import on_curve, sample_again
 from srs_ik.kernels.trace import load_sample, put
 
 BRACKET = 8
@@ -23,6 +23,10 @@ BRACKET = 8
 
 REFUSED = 1e300
 """Value of a posture that does not count."""
+
+EDGE = 1e-13
+EDGE_STEPS = 100
+"""The end of a stretch of equal values is found to this, rad, in at most so many steps."""
 
 TIE = 1e-12
 """Objectives that differ by less, relatively, are equal."""
