@@ -170,7 +170,7 @@ def solve_at_angle(P, place_, R, p, psi, wanted, seeded, seed, respect, J, A):
         q, lowest, final = settle_branch(P, place_, R, p, psi, wanted, q, lowest, seeded, seed, respect, A)
         if final and not seeded:
             return q, best, lowest
-    elif OUTSIDE <= lowest < NO_BRANCH:
+    elif lowest >= OUTSIDE:
         other, b, value = best_of_open(P, place_, R, p, psi, seeded, seed, respect, A)
         if value < lowest:
             q, best, lowest = other, b, value
