@@ -13,7 +13,7 @@ from srs_ik.kernels.branches import NO_BRANCH, best_branch, branch_of, is_unsure
 from srs_ik.kernels.closure import STEPS, arm_angle, close_at_angle
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout import FAR, MISS, ROW_COST
-from srs_ik.kernels.near_branches import FIRST, best_of_all, close_all
+from srs_ik.kernels.near_branches import FIRST, best_of_all, best_row, close_all
 from srs_ik.kernels.poses import read7
 from srs_ik.kernels.scoring import NO_SEED, OUTSIDE, cost, turned
 from srs_ik.kernels.second_attempts import ATTEMPTS, STRETCHED, evaluate_again, stretched
@@ -94,19 +94,11 @@ def find_at_angle(P, place_, R, p, psi, seeded, seed, respect, out, J, A):
 
 
 @kernel
-def best_at_angle(P, place_, R, p, psi, wanted, seeded, seed, respect, J, A):
-    """Best posture at an arm angle over all branches, or in one (0 to 7): q, branch, cost."""
-    found = np.empty((8, 8))
-    find_at_angle(P, place_, R, p, psi, seeded, seed, respect, found, J, A)
-    best = 0 if wanted < 0 else wanted
-    if wanted < 0:
-        for branch in range(1, 8):
-            if found[branch, ROW_COST] < found[best, ROW_COST]:
-                best = branch
-    row = found[best]
-    if row[ROW_COST] >= NO_BRANCH:
-        return seed, best, row[ROW_COST]
-    return read7(row), best, row[ROW_COST]
+def best_found(found, wanted, seed):
+    """Best of the postures in the rows of found (8, 8), or that of one branch (0 to 7): q, branch, cost."""
+    best = best_row(found, 0, wanted)
+    lowest = found[best, ROW_COST]
+    return (read7(found[best]) if lowest < NO_BRANCH else seed), best, lowest
 
 
 @kernel
@@ -121,38 +113,27 @@ def settle_branch(P, place_, R, p, psi, branch, q, lowest, seeded, seed, respect
 
 
 @kernel
-def best_of_open(P, place_, R, p, psi, seeded, seed, respect, A):
-    """Best posture of the branches that `close_all` left without one in A, after a second look: q, branch, cost."""
-    is_open = 0
-    for branch in range(8):
-        is_open |= int(A[FIRST + branch, ROW_COST] >= NO_BRANCH) << branch
-    best_q = seed
-    best = 0
-    lowest = 2.0 * NO_BRANCH
-    for branch in range(8):
-        if (is_open >> branch) & 1 == 1:
-            q, value, _ = settle_branch(P, place_, R, p, psi, branch, best_q, 2.0 * NO_BRANCH, seeded, seed, respect, A)
-            if value < lowest:
-                best_q, best, lowest = q, branch, value
-    return best_q, best, lowest
-
-
-@kernel
-def solve_all_at_angle(P, place_, R, p, psi, respect, J, A, found):
-    """The posture of every branch at an arm angle, and its cost, into the rows of found (8, 8)."""
-    close_all(P, place_, R, p, psi, -1, False, NO_SEED, respect, A)
+def settle_all(P, place_, R, p, psi, seeded, seed, respect, found, A):
+    """A second look at every branch that `close_all` has left in A, into rows of found (8, 8): whether it is final."""
     for branch in range(8):
         for i in range(8):
             found[branch, i] = A[FIRST + branch, i]
     final = True
     for branch in range(8):
         q, lowest = read7(found[branch]), found[branch, ROW_COST]
-        q, lowest, settled = settle_branch(P, place_, R, p, psi, branch, q, lowest, False, NO_SEED, respect, A)
+        q, lowest, settled = settle_branch(P, place_, R, p, psi, branch, q, lowest, seeded, seed, respect, A)
         final = final and settled
         for i in range(7):
             found[branch, i] = q[i]
         found[branch, ROW_COST] = lowest
-    if not final:
+    return final
+
+
+@kernel
+def solve_all_at_angle(P, place_, R, p, psi, respect, J, A, found):
+    """The posture of every branch at an arm angle, and its cost, into the rows of found (8, 8)."""
+    close_all(P, place_, R, p, psi, -1, False, NO_SEED, respect, A)
+    if not settle_all(P, place_, R, p, psi, False, NO_SEED, respect, found, A):
         followed = np.empty((8, 8))
         find_at_angle(P, place_, R, p, psi, False, NO_SEED, respect, followed, J, A)
         for branch in range(8):
@@ -171,7 +152,9 @@ def solve_at_angle(P, place_, R, p, psi, wanted, seeded, seed, respect, J, A):
         if final and not seeded:
             return q, best, lowest
     elif lowest >= OUTSIDE:
-        other, b, value = best_of_open(P, place_, R, p, psi, seeded, seed, respect, A)
+        found = np.empty((8, 8))
+        settle_all(P, place_, R, p, psi, seeded, seed, respect, found, A)
+        other, b, value = best_found(found, wanted, seed)
         if value < lowest:
             q, best, lowest = other, b, value
     unsure = is_unsure(P, q)
@@ -179,7 +162,9 @@ def solve_at_angle(P, place_, R, p, psi, wanted, seeded, seed, respect, J, A):
     good = lowest < OUTSIDE and not (seeded and unsure and lowest > AT_SEED)
     if good or (OUTSIDE <= lowest < NO_BRANCH and not unsure) or not may_reach(P, place_):
         return q, best, lowest
-    other, b, value = best_at_angle(P, place_, R, p, psi, wanted, seeded, seed, respect, J, A)
+    followed = np.empty((8, 8))
+    find_at_angle(P, place_, R, p, psi, seeded, seed, respect, followed, J, A)
+    other, b, value = best_found(followed, wanted, seed)
     if value < lowest:
         q, best, lowest = other, b, value
     if lowest >= OUTSIDE:

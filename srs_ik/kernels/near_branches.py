@@ -91,12 +91,20 @@ def close_all(P, place_, R, p, psi, wanted, seeded, seed, respect, A):
 
 
 @kernel
+def best_row(rows, first, wanted):
+    """The branch of least cost among eight rows, or the wanted one (0 to 7)."""
+    if wanted >= 0:
+        return wanted
+    best = 0
+    for branch in range(1, 8):
+        if rows[first + branch, ROW_COST] < rows[first + best, ROW_COST]:
+            best = branch
+    return best
+
+
+@kernel
 def best_of_all(P, place_, R, p, psi, wanted, seeded, seed, respect, A):
     """Best posture at an arm angle over all branches, or in one (0 to 7): q, branch, cost."""
     close_all(P, place_, R, p, psi, wanted, seeded, seed, respect, A)
-    best = 0 if wanted < 0 else wanted
-    if wanted < 0:
-        for b in range(1, 8):
-            if A[FIRST + b, ROW_COST] < A[FIRST + best, ROW_COST]:
-                best = b
+    best = best_row(A, FIRST, wanted)
     return read7(row(A, FIRST + best)), best, A[FIRST + best, ROW_COST]
