@@ -27,6 +27,9 @@ ALL = 0b11111111
 NOTHING = 1e-15
 """A step this short, rad, need not be taken."""
 
+SHORT = 0.01
+"""After a longer step, rad, the next one but one is not foreseen."""
+
 SMALLEST = (0.1 * CLOSED) ** 2
 
 
@@ -133,7 +136,7 @@ def close_eight(P, q, R, p, t, h0, psi, steps):
         size = larger(size, abs(d[6]))
         # Steps shrink like squares, so the next one is foreseen. Next to a singularity, rounding may make them long.
         there = off2 < SMALLEST
-        settled = there | (size * size * size < NOTHING * last * last)
+        settled = there | ((size * size * size < NOTHING * last * last) & (last < SHORT))
         f = where(there & (size > LAST_STEP), 0.0 * size, MAX_STEP / larger(size, MAX_STEP + 0.0 * size))
         d = (f * d[0], f * d[1], f * d[2], f * d[3], f * d[4], f * d[5], f * d[6])
         q = (q[0] + d[0], q[1] + d[1], q[2] + d[2], q[3] + d[3], q[4] + d[4], q[5] + d[5], q[6] + d[6])
