@@ -10,7 +10,7 @@ import math
 
 from srs_ik.kernels.elbow import shoulder_columns, side_frames, wrist_columns
 from srs_ik.kernels.jit import kernel
-from srs_ik.kernels.layout import A1_A2, A2_A3, FAR, MISS, PHASE, SHOULDER, STRAIGHT, WRIST
+from srs_ik.kernels.layout import A1_A2, A2_A3, FAR, MISS, PHASE, ROW_COST, SHOULDER, STRAIGHT, WRIST
 from srs_ik.kernels.scoring import NO_SEED, elbow_part, join, part
 from srs_ik.kernels.spherical import angles, default_anchor, middle_angle, mirrored
 from srs_ik.kernels.vectors import swing
@@ -177,10 +177,10 @@ def elbow_branches(P, place_, psi, elbow, respect, Q, first):
                 Q[with_s, i] = a[i]
                 Q[with_w, 4 + i] = b[i]
             Q[with_s, 3] = e
-            Q[with_s, 7] = join(cost_s, cost_e, False, respect)
-            Q[with_w, 8] = cost_w
+            Q[with_s, ROW_COST] = join(cost_s, cost_e, False, respect)
+            Q[with_w, ROW_COST + 1] = cost_w
     for row in range(first, first + 4):
-        Q[row, 7] = max(Q[row, 7], Q[row, 8])
+        Q[row, ROW_COST] = max(Q[row, ROW_COST], Q[row, ROW_COST + 1])
 
 
 @kernel

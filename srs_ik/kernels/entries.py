@@ -1,7 +1,7 @@
 """Entry points: thin array wrappers around the kernels, for one pose and for many.
 
 An argument that is not given is None, and Numba compiles no more than the arguments at hand need. On a limb that the
-closed form answers, J and A are None; else they are work space, (6, 7) and (16, 9) (see `search`).
+closed form answers, J and A are None; else they are work space, (6, 7) and (16, 9) (see `near_branches`).
 
 A solving function writes rows laid out as `ROW_*` in `layout`; statuses are numbered as in `srs_ik.Status`.
 """
