@@ -17,7 +17,7 @@ from srs_ik.kernels.lockstep import close_eight
 from srs_ik.kernels.memory import row
 from srs_ik.kernels.near_branches import FIRST, WIDTH
 from srs_ik.kernels.poses import read7
-from srs_ik.kernels.scoring import NO_SEED, cost, turned
+from srs_ik.kernels.scoring import NO_SEED, OUTSIDE, cost, turned
 
 NEAR = 15.0
 """A middle angle is next to a singularity if its sine is below so many times what axes miss, a part of the reach."""
@@ -97,7 +97,7 @@ def close_starts(P, place_, R, p, psi, branch, seeded, seed, respect, best_q, lo
 
 @kernel
 def search_branch(P, place_, R, p, psi, branch, seeded, seed, respect, A):
-    """The best posture of a branch at an arm angle, next to a singularity.
+    """A posture of a branch at an arm angle, next to a singularity: inside the limits if there is one, near a seed.
 
     Returns the posture, its cost (NO_BRANCH or more where none is found), and whether there cannot well be others: with
     a straight elbow, postures may lie so close together that Newton's method starts from none of them.
@@ -129,4 +129,6 @@ def search_branch(P, place_, R, p, psi, branch, seeded, seed, respect, A):
         put_start(A, i % 8, a, q[3], b)
         if i % 8 == 7 or i == total - 1:
             best_q, lowest = close_starts(P, place_, R, p, psi, branch, seeded, seed, respect, best_q, lowest, A)
+            if lowest < OUTSIDE and not seeded:
+                break
     return best_q, lowest, not straight and (near_s or near_w)
