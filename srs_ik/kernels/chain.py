@@ -46,17 +46,24 @@ def forward_kinematics(P, q):
 
 
 @kernel
+def turn_between(x, y, z, R):
+    """The turn that leads from a frame, or eight, to a rotation: its axis by twice its sine, and twice its cosine."""
+    wanted_x = (R[0], R[3], R[6])
+    wanted_y = (R[1], R[4], R[7])
+    wanted_z = (R[2], R[5], R[8])
+    sine2 = add(add(cross(x, wanted_x), cross(y, wanted_y)), cross(z, wanted_z))
+    return sine2, dot(x, wanted_x) + dot(y, wanted_y) + dot(z, wanted_z) - 1.0
+
+
+@kernel
 def frame_error(x, y, z, position, R, p):
     """Distance (m) and angle (rad) between a frame and a wanted pose (rotation matrix R, position p).
 
     The angle is taken from sine and cosine together: an arc cosine would lose half of the digits near zero. Where it is
     tiny, it is its tangent.
     """
-    wanted_x = (R[0], R[3], R[6])
-    wanted_y = (R[1], R[4], R[7])
-    wanted_z = (R[2], R[5], R[8])
-    twice_sine = norm(add(add(cross(x, wanted_x), cross(y, wanted_y)), cross(z, wanted_z)))
-    twice_cosine = dot(x, wanted_x) + dot(y, wanted_y) + dot(z, wanted_z) - 1.0
+    sine2, twice_cosine = turn_between(x, y, z, R)
+    twice_sine = norm(sine2)
     if twice_sine < 1e-8 * twice_cosine:
         return norm(sub(p, position)), twice_sine / twice_cosine
     return norm(sub(p, position)), math.atan2(twice_sine, twice_cosine)

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 
-from srs_ik.kernels.chain import joint_lines, turn_about_line
+from srs_ik.kernels.chain import joint_lines, turn_about_line, turn_between
 from srs_ik.kernels.elbow import arm_angle_of_direction, arm_frame, straight_offset
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout import (
@@ -43,8 +43,7 @@ MAX_STEP = 0.5
 @kernel
 def twist_to(x, y, z, position, R, p):
     """Twist (linear, of the tip point, then angular; base axes) that leads from a frame to a pose."""
-    sine2 = add(add(cross(x, (R[0], R[3], R[6])), cross(y, (R[1], R[4], R[7]))), cross(z, (R[2], R[5], R[8])))
-    cosine2 = dot(x, (R[0], R[3], R[6])) + dot(y, (R[1], R[4], R[7])) + dot(z, (R[2], R[5], R[8])) - 1.0
+    sine2, cosine2 = turn_between(x, y, z, R)
     twice_sine = norm(sine2)
     angle = math.atan2(twice_sine, cosine2)
     turn = scale(angle / twice_sine if twice_sine > 1e-9 else 0.5, sine2)

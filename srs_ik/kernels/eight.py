@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from srs_ik.kernels.chain import tip_frame
+from srs_ik.kernels.chain import tip_frame, turn_between
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.lanes import as_bits, as_mask, gather, root, scatter, where
 from srs_ik.kernels.layout import PHASE, SHOULDER, STRAIGHT, WRIST
 from srs_ik.kernels.turns import turn, turns_of
-from srs_ik.kernels.vectors import add, cross, dot, sub
+from srs_ik.kernels.vectors import dot, sub
 
 ALL = 0b11111111
 BEYOND_STRAIGHT = 0b11110000
@@ -56,12 +56,8 @@ def tip_errors(P, q, R, p):
     See `chain.frame_error`: a tangent is the angle where it is tiny.
     """
     x, y, z, tip = tip_frame(P, turns_of(q))
-    wanted_x = (R[0], R[3], R[6])
-    wanted_y = (R[1], R[4], R[7])
-    wanted_z = (R[2], R[5], R[8])
-    sine2 = add(add(cross(x, wanted_x), cross(y, wanted_y)), cross(z, wanted_z))
+    sine2, twice_cosine = turn_between(x, y, z, R)
     twice_sine = root(dot(sine2, sine2))
-    twice_cosine = dot(x, wanted_x) + dot(y, wanted_y) + dot(z, wanted_z) - 1.0
     off = sub(p, tip)
     return root(dot(off, off)), twice_sine / twice_cosine, twice_sine < 1e-8 * twice_cosine
 

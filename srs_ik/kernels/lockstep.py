@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 
-from srs_ik.kernels.chain import first_line, joint_line
+from srs_ik.kernels.chain import first_line, joint_line, turn_between
 from srs_ik.kernels.closure import CLOSED, LAST_STEP, MAX_STEP, ON_LINE
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.lanes import as_bits, where
@@ -63,13 +63,8 @@ def newton_step(P, turns, R, p, h, b):
     H = load9(P, TIP_ROTATION)
     x = apply(M, (H[0], H[3], H[6]))
     y = apply(M, (H[1], H[4], H[7]))
-    z = cross(x, y)
-    wanted_x = (R[0], R[3], R[6])
-    wanted_y = (R[1], R[4], R[7])
-    wanted_z = (R[2], R[5], R[8])
     position = add(apply(M, load3(P, TIP_POSITION)), shift)
-    sine2 = add(add(cross(x, wanted_x), cross(y, wanted_y)), cross(z, wanted_z))
-    cosine2 = dot(x, wanted_x) + dot(y, wanted_y) + dot(z, wanted_z) - 1.0
+    sine2, cosine2 = turn_between(x, y, cross(x, y), R)
     # Half an angle for its half sine, and two terms of the series between them.
     angular = scale(0.5 + dot(sine2, sine2) * (1.0 / 48.0), sine2)
     to_position = sub(p, position)
