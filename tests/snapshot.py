@@ -3,8 +3,8 @@
     python tests/snapshot.py before.npz                          # write some 10,000 answers
     python tests/snapshot.py after.npz --against before.npz      # write, and list what differs
 
-A rearrangement of the code keeps every answer to the bit. A change of a method may change `q`, but no status and no cost
-for the worse; the comparison counts both. Files that are not beside the checkout are left out.
+A rearrangement of the code keeps every answer to the bit. A change of a method may change `q`, but makes no status and
+no cost worse; the comparison counts both. Files that are not beside the checkout are left out.
 """
 
 from __future__ import annotations
