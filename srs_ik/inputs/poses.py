@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 from srs_ik.errors import InvalidConfiguration, InvalidPose, SrsIkError
 from srs_ik.inputs.messages import pose_matrix
 from srs_ik.kernels.entries.pose import check_pose
-from srs_ik.kernels.limb.poses import FARTHEST, NOT_FINITE, TOO_FAR
+from srs_ik.kernels.layout.answer import FARTHEST, NOT_FINITE, TOO_FAR
 
 Array = NDArray[np.float64]
 PoseLike = Any
