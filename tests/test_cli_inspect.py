@@ -10,6 +10,7 @@ from robot_files import joint_xml, serial_arm, shared_urdf
 
 import srs_ik
 from srs_ik import zoo
+from srs_ik.errors import install_command
 from srs_ik.loading import places
 
 
@@ -26,10 +27,10 @@ def test_robots_gives_the_command_for_what_is_not_installed(monkeypatch):
     assert listed["iiwa14"]["installed"]
     assert listed["iiwa14"]["install"] is None
     assert not listed["human_left"]["installed"]
-    assert listed["human_left"]["install"] == "pip install 'srs-ik[robots]'"
+    assert listed["human_left"]["install"] == install_command("robots")
     text = " ".join(run("robots").stdout.split())
     # More names where robot_descriptions is not installed either.
-    names = re.search(r"For ([\w, ]+): pip install 'srs-ik\[robots\]'", text)[1].split(", ")
+    names = re.search(rf"For ([\w, ]+): {re.escape(install_command('robots'))}", text)[1].split(", ")
     assert {"human_left", "human_right", "icub_left", "icub_right", "romeo_left", "romeo_right"} <= set(names)
 
 

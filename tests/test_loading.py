@@ -18,6 +18,7 @@ from srs_ik.errors import (
     InvalidTask,
     MissingExtra,
     NotAnSrsLimb,
+    install_command,
 )
 from srs_ik.loading import find_limbs, load, robots, sources
 
@@ -391,13 +392,13 @@ def test_missing_packages_are_named_with_the_command_that_brings_them(monkeypatc
     monkeypatch.setattr(metadata, "files", missing)
     monkeypatch.setitem(sys.modules, "robot_descriptions", None)
     for name in ("human_left", "iiwa14_description"):
-        with pytest.raises(MissingExtra, match=rf"'{name}'.*pip install 'srs-ik\[robots\]'") as raised:
+        with pytest.raises(MissingExtra, match=rf"'{name}'.*{re.escape(install_command('robots'))}") as raised:
             load(name)
         assert raised.value.extra == "robots"
     commands = {entry.name: entry.install for entry in sources.catalogue()}
     assert list(commands) == robots()
     assert commands["iiwa14"] == ""
-    assert commands["human_left"] == commands["human_right"] == "pip install 'srs-ik[robots]'"
+    assert commands["human_left"] == commands["human_right"] == install_command("robots")
 
 
 def test_the_catalogue_names_the_frames_that_load_takes():
