@@ -28,7 +28,7 @@ def drawn(axes) -> tuple[np.ndarray, np.ndarray]:
     return np.array(body._faces).reshape(-1, 4, 3), np.asarray(body._facecolor3d)[:, 3] < 1.0
 
 
-@pytest.mark.parametrize("name", ["iiwa14", "gen3", "human_arm", "openarm_left"])
+@pytest.mark.parametrize("name", arms.here("iiwa14", "gen3", "human_arm", "openarm_left"))
 def test_the_drawn_arm_goes_through_its_centres(name):
     arm, forward = arms.load(name), arms.forward(name)
     for q in arms.configurations(name, 5, salt=20):

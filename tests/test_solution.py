@@ -15,7 +15,7 @@ from test_solve import STEADY
 import srs_ik
 from srs_ik import Solution, Solutions, Status
 
-STRETCHABLE = ("iiwa14", "human_arm", "sia5d", "openarm_left", "med7")
+STRETCHABLE = arms.here("iiwa14", "human_arm", "sia5d", "openarm_left", "med7")
 
 
 def reach(limb):
