@@ -10,9 +10,8 @@ from command_line import answer, run
 from robot_files import at_hand, joint_xml, robot_file, serial_arm
 
 import srs_ik
-from srs_ik import zoo
 from srs_ik.errors import install_command
-from srs_ik.loading import places
+from srs_ik.robot import places, zoo
 
 TWINS = at_hand("made_twins", "openarm_v10_bimanual")
 

@@ -11,7 +11,6 @@ import pytest
 import yourdfpy
 from robot_files import REAL, SHARED, at_hand, example_urdf, joint_xml, robot_file, serial_arm, shared_urdf
 
-from srs_ik import zoo
 from srs_ik.errors import (
     AmbiguousLimb,
     FrameNotFound,
@@ -21,7 +20,8 @@ from srs_ik.errors import (
     NotAnSrsLimb,
     install_command,
 )
-from srs_ik.loading import find_limbs, load, robots, sources
+from srs_ik.loading import find_limbs, load, robots
+from srs_ik.robot import sources, zoo
 
 ARMS = {
     "made_offsets": [("link_0", "tool", "exact", "XYX")],
