@@ -123,8 +123,10 @@ class Preview:
         """
         return write_whole(Path(path), self.html())
 
-    def _repr_html_(self) -> str:
+    def _repr_html_(self) -> str | None:
         # A picture of the scene as it is now, which stays with the notebook when the program is gone.
+        if self.closed:
+            return None
         page = html.escape(self.html())
         return f'<iframe srcdoc="{page}" style="width: 100%; height: 420px; border: none"></iframe>'
 
