@@ -50,4 +50,4 @@ def warn_in_one_line() -> None:
     def show(message: Warning | str, *_: Any) -> None:
         print(f"srs-ik: {message}", file=sys.stderr)
 
-    warnings.showwarning = show
+    warnings.showwarning = show  # type: ignore[assignment]

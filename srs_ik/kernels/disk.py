@@ -16,7 +16,6 @@ import tempfile
 import uuid
 import warnings
 from collections.abc import Callable, Iterator
-from functools import cache
 from pathlib import Path
 from typing import Any
 
