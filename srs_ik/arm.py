@@ -395,10 +395,11 @@ class Arm(ChainKinematics):
             raise NotAnSrsLimb(f"moved, {self.name} is no S-R-S limb: {found.reason}", self.joint_names)
         return type(self)(chain, found.limb, self.name, hand, self.drawing)
 
-    def __getstate__(self) -> dict[str, Any]:
+    def __reduce__(self) -> tuple[Any, ...]:
+        # A copy is made anew, and packed anew: its arrays are read-only like the first ones, as its kernels want them.
         # A yourdfpy.URDF holds functions that cannot be pickled; such a copy of the arm is drawn as a skeleton.
         lasting = self.drawing is not None and isinstance(self.drawing.content, str | None)
-        return {**super().__getstate__(), "drawing": self.drawing if lasting else None}
+        return type(self), (self._chain, self.limb, self.name, self.hand, self.drawing if lasting else None)
 
     def __repr__(self) -> str:
         kind = self.limb.kind

@@ -158,6 +158,3 @@ class ChainKinematics:
         if not hasattr(local, "data"):
             local.data = self.model.createData()
         return local.data
-
-    def __getstate__(self) -> dict[str, Any]:
-        return {k: v for k, v in self.__dict__.items() if k not in ("_joints", "_thread_data")}

@@ -10,7 +10,7 @@ import numpy as np
 import pinocchio as pin
 
 from srs_ik.errors import FrameNotFound, InvalidRobot, NotAnSrsLimb
-from srs_ik.robot.limb import Vector
+from srs_ik.robot.limb import ReadOnlyArrays, Vector
 
 _REVOLUTE = ("JointModelRX", "JointModelRY", "JointModelRZ", "JointModelRevoluteUnaligned")
 _CONTINUOUS = ("JointModelRUBX", "JointModelRUBY", "JointModelRUBZ", "JointModelRevoluteUnboundedUnaligned")
@@ -29,7 +29,7 @@ _UNLIMITED = 1e6
 
 
 @dataclass(frozen=True, eq=False)
-class Chain:
+class Chain(ReadOnlyArrays):
     """Seven revolute joints from a base frame to a tip frame, at the zero configuration, in the base frame.
 
     The arrays are read-only.
@@ -307,7 +307,7 @@ def build_chain(model: Any, joints: Sequence[int], base: str, tip: str) -> Chain
         raise NotAnSrsLimb(f"the tip frame {tip!r} is not moved by joint {names[6]!r}, the last of the limb", names)
     lines = skeleton.measure(range(1, 8), base, tip)
     lower, upper = _position_limits(reduced)
-    chain = Chain(
+    return Chain(
         model=reduced,
         base=base,
         tip=tip,
@@ -322,10 +322,6 @@ def build_chain(model: Any, joints: Sequence[int], base: str, tip: str) -> Chain
         velocity_limit=_given_or_infinite(reduced.velocityLimit),
         effort_limit=_given_or_infinite(reduced.effortLimit),
     )
-    for value in vars(chain).values():
-        if isinstance(value, np.ndarray):
-            value.flags.writeable = False
-    return chain
 
 
 def _locked(model: Any, joints: Sequence[int]) -> Any:
