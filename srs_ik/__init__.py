@@ -36,8 +36,8 @@ if TYPE_CHECKING:
         PreviewError,
         SrsIkError,
     )
-    from srs_ik.inputs.poses import PoseError
-    from srs_ik.inputs.rotations import pose_from_xyz_quaternion, pose_from_xyz_rpy, xyz_quaternion
+    from srs_ik.inputs.poses import PoseError, xyz_quaternion
+    from srs_ik.inputs.rotations import pose_from_xyz_quaternion, pose_from_xyz_rpy
     from srs_ik.inputs.task import Task
     from srs_ik.loading import LimbReport, find_limbs, load, robots
     from srs_ik.paper.printed_optimum import PrintedOptimum, printed_optimum
@@ -92,8 +92,8 @@ _MODULES = {
     "preview": ("Preview",),
     "preview.interactive": ("InteractivePreview",),
     "paper.printed_optimum": ("PrintedOptimum", "printed_optimum"),
-    "inputs.poses": ("PoseError",),
-    "inputs.rotations": ("pose_from_xyz_quaternion", "pose_from_xyz_rpy", "xyz_quaternion"),
+    "inputs.poses": ("PoseError", "xyz_quaternion"),
+    "inputs.rotations": ("pose_from_xyz_quaternion", "pose_from_xyz_rpy"),
     "solve.self_motion": ("SelfMotion",),
     "solve.solution": ("BatchSolution", "Interval", "Solution", "Solutions", "Status"),
     "solve.posture": ("Posture",),
