@@ -61,9 +61,10 @@ def intervals(
         )
         raise typer.Exit(1)
     if plot is not None:
+        from srs_ik.cli.picture import save
         from srs_ik.plots import plot_intervals
 
-        plot_intervals(arm, pose, respect_limits=not no_limits).savefig(plot)
+        save(plot_intervals(arm, pose, respect_limits=not no_limits), plot)
 
 
 def _print_json(arm: Arm, pose: np.ndarray, found: list[Interval]) -> None:

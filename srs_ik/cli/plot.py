@@ -10,7 +10,7 @@ import typer
 
 from srs_ik.cli.ellipsoids import Part
 from srs_ik.cli.options import Base, Limb, Source, Tip, WrongInput
-from srs_ik.cli.picture import check
+from srs_ik.cli.picture import check, save
 from srs_ik.cli.poses import FromQ, NoLimits, Quat, Rpy, Xyz, read_pose, unit_of
 
 if TYPE_CHECKING:
@@ -87,7 +87,7 @@ def plot(
             figure = plots.plot_intervals(arm, pose, respect_limits=not no_limits)
         else:
             figure = plots.plot_arm_angle(arm, pose, branch)
-    figure.savefig(output)
+    save(figure, output)
 
 
 def _solved(arm: Arm, pose: Any, respect_limits: bool) -> Any:

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import csv
+import io
 import math
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from srs_ik.cli.options import WrongInput
+from srs_ik.writing import write_whole
 
 if TYPE_CHECKING:
     import numpy as np
@@ -112,8 +114,9 @@ def write_path(path: Path, arm: Arm, found: PathSolution, dt: float | None) -> N
     Raises:
         OSError: the file cannot be written.
     """
-    with path.open("w", newline="", encoding="utf-8") as file:
-        writer = csv.writer(file)
-        writer.writerow([*(["t"] if dt else []), *arm.joint_names])
-        for i, q in enumerate(found.q.tolist()):
-            writer.writerow([*([i * dt] if dt else []), *q])
+    text = io.StringIO(newline="")
+    writer = csv.writer(text)
+    writer.writerow([*(["t"] if dt else []), *arm.joint_names])
+    for i, q in enumerate(found.q.tolist()):
+        writer.writerow([*([i * dt] if dt else []), *q])
+    write_whole(path, text.getvalue())
