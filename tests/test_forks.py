@@ -61,7 +61,7 @@ thread.join()
 print(len(codes), set(codes))
 """
 COMPILING = """
-from srs_ik.kernels.jit import entry
+from numba import njit
 import srs_ik.forks
 
 def make(k):
@@ -70,7 +70,7 @@ def make(k):
         for i in range(k):
             total += (x + i) ** 2
         return total
-    return entry(f)
+    return njit(f)
 
 done = threading.Event()
 

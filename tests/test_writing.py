@@ -76,6 +76,7 @@ def test_the_wrong_place_is_named(tmp_path, name, kind, words):
 
 
 LIMITED = """
+import resource
 resource.setrlimit(resource.RLIMIT_FSIZE, ({size}, {size}))
 from srs_ik.cli import main
 main()
