@@ -10,10 +10,15 @@ from contextlib import suppress
 from pathlib import Path
 
 
-def write_whole(path: Path, content: bytes | str) -> Path:
+def write_whole(path: Path, content: bytes | str, *, replace: bool = True) -> Path:
     """Write a file by way of one beside it, so that no reader ever finds a part of it; text is UTF-8.
 
     A link stays one, and a file keeps its permissions. Devices and pipes are written to as they are.
+
+    Args:
+        path: the file.
+        content: what is to stand in it.
+        replace: whether it may be there already.
 
     Returns:
         The path.
@@ -23,6 +28,8 @@ def write_whole(path: Path, content: bytes | str) -> Path:
     """
     data = content.encode() if isinstance(content, str) else content
     try:
+        if not replace and os.path.lexists(path):
+            raise FileExistsError(errno.EEXIST, "it exists already")
         if path.is_dir():
             raise IsADirectoryError(errno.EISDIR, "it is a folder")
         if not path.parent.is_dir():

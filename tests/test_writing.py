@@ -106,8 +106,8 @@ def test_commands_on_a_full_disk_leave_what_was_there(tmp_path, poses, command, 
     out = folder / file[command]
     words = {
         "path": ["path", "iiwa14", str(poses), "--out", str(out)],
-        "plot": ["plot", "intervals", "iiwa14", "--from-q", *Q, "--output", str(out)],
-        "intervals": ["intervals", "iiwa14", "--from-q", *Q, "--plot", str(out)],
+        "plot": ["plot", "intervals", "iiwa14", "--q", *Q, "--output", str(out)],
+        "intervals": ["intervals", "iiwa14", "--q", *Q, "--plot", str(out)],
         "preview": ["preview", "iiwa14", "--save", str(out)],
         "reproduce": ["reproduce", "lr-arms", "--out", str(folder)],
     }[command]

@@ -10,7 +10,7 @@ import typer
 
 from srs_ik.cli.options import AsJson, Base, Limb, Seven, Source, Tip, WrongInput, numbers
 from srs_ik.cli.pose_file import read_poses, write_path
-from srs_ik.cli.poses import JOINTS, unit_of
+from srs_ik.cli.poses import JOINTS, angles, unit_of
 
 if TYPE_CHECKING:
     from srs_ik.arm import Arm
@@ -56,7 +56,7 @@ def path(
     unit = unit_of(degrees)
     options: dict[str, object] = {}
     if seed is not None:
-        options["seed"] = [unit * x for x in numbers("--seed", seed)]
+        options["seed"] = angles("--seed", seed, unit)
     if dt is not None:
         options["dt"] = _positive("--dt", dt)
     if longest_step is not None:
