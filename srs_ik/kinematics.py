@@ -11,7 +11,6 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import ArrayLike, NDArray
 
-from srs_ik.analysis.gravity import weights
 from srs_ik.errors import InvalidConfiguration
 from srs_ik.inputs.messages import picked, positions_by_name
 from srs_ik.inputs.poses import PoseError, PoseLike, as_joint_vector, as_rigid_matrix, real_array
@@ -143,11 +142,6 @@ class ChainKinematics:
             math.hypot(*(T_base_wanted[:3, 3] - T_base_tip.translation).tolist()),
             float(np.arctan2(np.linalg.norm(skew), np.trace(turn) - 1.0)),
         )
-
-    @cached_property
-    def _weights(self) -> Array:
-        """What the kernels know of the arm's masses."""
-        return weights(self)
 
     @cached_property
     def _joints(self) -> list[Any]:

@@ -277,6 +277,8 @@ def test_a_notebook_gets_a_page_in_a_frame(view):
     text = view._repr_html_()
     assert text.startswith('<iframe srcdoc="&lt;!DOCTYPE html&gt;')
     assert text.count('"') == 4
+    view.close()
+    assert view._repr_html_() is None
 
 
 def test_a_bare_model_is_a_skeleton():

@@ -24,7 +24,8 @@ from srs_ik.writing import write_whole
 
 if TYPE_CHECKING:
     from srs_ik.arm import Arm
-    from srs_ik.solve.posture import Posture, Task
+    from srs_ik.inputs.task import Task
+    from srs_ik.solve.posture import Posture
     from srs_ik.solve.solution import Interval
 
 Array = NDArray[np.float64]
@@ -128,8 +129,10 @@ class Preview:
         except OSError as error:
             raise PreviewError(f"{path} cannot be written: {error.strerror}") from None
 
-    def _repr_html_(self) -> str:
+    def _repr_html_(self) -> str | None:
         # A picture of the scene as it is now, which stays with the notebook when the program is gone.
+        if self.closed:
+            return None
         page = html.escape(self.html())
         return f'<iframe srcdoc="{page}" style="width: 100%; height: 420px; border: none"></iframe>'
 

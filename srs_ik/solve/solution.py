@@ -11,13 +11,18 @@ from typing import Any, NamedTuple, overload
 import numpy as np
 from numpy.typing import NDArray
 
-from srs_ik.kernels import layout as at
+from srs_ik.kernels.layout import answer as at
 
 Array = NDArray[np.float64]
 
 
 class Status(IntEnum):
-    """What an answer is worth."""
+    """What an answer is worth.
+
+    A status is equal to its name as text and to its number, which arrays hold: ``solution.status == "OK"`` and
+    ``(batch.status == Status.OK).sum()``. It hashes as its number: `in` finds names in a list or tuple of them, and
+    sets and dictionaries want members of `Status`. It has no truth value, since 0 stands for success; a `Solution` has.
+    """
 
     OK = 0
     """The posture reaches the pose: both errors are below 1e-9 (m, rad), limits kept if they were to be."""
@@ -31,6 +36,18 @@ class Status(IntEnum):
 
     def __format__(self, spec: str) -> str:
         return format(self.name, spec)
+
+    def __eq__(self, other: object) -> bool:
+        return self.name == other if isinstance(other, str) else super().__eq__(other)
+
+    def __ne__(self, other: object) -> bool:
+        return self.name != other if isinstance(other, str) else super().__ne__(other)
+
+    # What an array holds and what it is compared with belong into one dictionary.
+    __hash__ = IntEnum.__hash__
+
+    def __bool__(self) -> bool:
+        raise TypeError("a status has no truth value: compare it with Status.OK, or test the solution itself")
 
 
 _STATUSES = tuple(Status)

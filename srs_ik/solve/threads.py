@@ -22,8 +22,8 @@ Result = TypeVar("Result")
 SMALLEST_RANGE = 8
 """Poses that are worth a call, and those that show how long one takes."""
 
-FIRST_RANGE = 128
-"""Poses of the first call where one thread does them all; those of the slowest arms take about a third of a second."""
+FIRST_RANGE = 32
+"""Poses of the first call where one thread does them all; those of the slowest arms take less than a tenth of a second."""
 
 LONGEST = 0.1
 """Seconds that a call takes at most, as far as the one before tells: an interruption is noticed between two calls."""
