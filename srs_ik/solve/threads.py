@@ -23,7 +23,7 @@ SMALLEST_RANGE = 8
 """Poses that are worth a call, and those that show how long one takes."""
 
 FIRST_RANGE = 32
-"""Poses of the first call where one thread does them all; those of the slowest arms take less than a tenth of a second."""
+"""Poses of the first call where one thread does them all; the slowest arms need a tenth of a second for them."""
 
 LONGEST = 0.1
 """Seconds that a call takes at most, as far as the one before tells: an interruption is noticed between two calls."""
