@@ -10,6 +10,8 @@ from __future__ import annotations
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
+from srs_ik.forks import WHOLE
+
 if TYPE_CHECKING:
     from srs_ik.analysis.ellipsoids import (
         Ellipsoid,
@@ -166,7 +168,8 @@ def __getattr__(name: str) -> Any:
     """Import a public name from its module when it is first used."""
     if name not in _HOME:
         raise AttributeError(f"module 'srs_ik' has no attribute {name!r}")
-    value = getattr(import_module(f"srs_ik.{_HOME[name]}"), name)
+    with WHOLE:
+        value = getattr(import_module(f"srs_ik.{_HOME[name]}"), name)
     globals()[name] = value
     return value
 

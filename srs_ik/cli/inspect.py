@@ -130,6 +130,8 @@ def _chosen(source: str, chosen: dict[str, Any], arguments: dict[str, str] | Non
 
 
 def _accepted(arm: Arm, report: LimbReport | None = None) -> dict[str, Any]:
+    from srs_ik.loading.adapter import hand_axes
+
     limb = arm.limb
     return {
         "base": arm.base,
@@ -145,6 +147,8 @@ def _accepted(arm: Arm, report: LimbReport | None = None) -> dict[str, Any]:
         "forearm": limb.forearm,
         "hand": limb.hand,
         "elbow_offset": limb.elbow_offset,
+        "hand_axes": None if arm.hand is None else {name: list(axis) for name, axis in arm.hand._asdict().items()},
+        "hand_axes_as_drawn": dict(zip(("grasp", "pronosupination"), hand_axes(limb), strict=True)),
         "shoulder": limb.shoulder,
         "elbow": limb.elbow,
         "wrist": limb.wrist,
@@ -216,6 +220,7 @@ def _print_finding(out: Console, finding: dict[str, Any]) -> None:
     out.print(
         f"The arm angle is zero where the elbow lies towards ({direction(finding['reference'])}) of the base frame."
     )
+    _print_hand(out, finding)
     rows = [
         (name, direction(axis), fixed(miss, 4)) for name, axis, miss in zip(names, finding["axes"], misses, strict=True)
     ]
@@ -223,6 +228,20 @@ def _print_finding(out: Console, finding: dict[str, Any]) -> None:
     out.print(table(("joint", "axis at zero", "misses its centre by (mm)"), rows, left=2))
     out.print()
     out.print(_limits(finding))
+
+
+def _print_hand(out: Console, finding: dict[str, Any]) -> None:
+    """Where the hand points in the tip frame: as it is given, or else as one would draw it."""
+    from srs_ik.cli.render import direction
+
+    known = finding["hand_axes"]
+    axes = known or finding["hand_axes_as_drawn"]
+    grasp, across = direction(axes["grasp"]), direction(axes["pronosupination"])
+    if known:
+        out.print(f"The hand reaches out along ({grasp}) of the tip frame, with ({across}) across it.")
+    else:
+        out.print(f"No hand is given. From wrist to tip is ({grasp}) of the tip frame, with ({across}) across it:")
+        out.print(f"if the hand points there, 'srs-ik task' takes --hand {grasp} {across}.")
 
 
 def _limits(finding: dict[str, Any]) -> Any:

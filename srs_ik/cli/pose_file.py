@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 import csv
+import io
 import math
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from srs_ik.cli.options import WrongInput
+from srs_ik.cli.poses import warn_of_degrees
+from srs_ik.writing import write_whole
 
 if TYPE_CHECKING:
     import numpy as np
@@ -55,7 +58,7 @@ def read_poses(path: Path, unit: float) -> tuple[np.ndarray, list[int]]:
     if not table:
         raise WrongInput(f"{path} is empty: its first line names the columns {', '.join((*POSITION, *RPY))}")
     columns, turned = _columns(path, *table[0])
-    poses, lines = [], []
+    poses, lines, largest = [], [], 0.0
     for line, row in table[1:]:
         figures = list(_figures(f"{path}, line {line}", row, columns))
         position, orientation = figures[:3], figures[3:]
@@ -63,6 +66,7 @@ def read_poses(path: Path, unit: float) -> tuple[np.ndarray, list[int]]:
             if turned:
                 pose = pose_from_xyz_quaternion(position, orientation, order="xyzw")
             else:
+                largest = max(largest, *orientation, key=abs)
                 pose = pose_from_xyz_rpy(position, [unit * angle for angle in orientation])
         except InvalidPose as error:
             raise WrongInput(f"{path}, line {line}: {error}") from None
@@ -70,6 +74,8 @@ def read_poses(path: Path, unit: float) -> tuple[np.ndarray, list[int]]:
         lines.append(line)
     if not poses:
         raise WrongInput(f"{path} has a header and no poses below it")
+    if unit == 1.0:
+        warn_of_degrees(str(path), [largest], " Then add --degrees.")
     return np.array(poses), lines
 
 
@@ -112,8 +118,9 @@ def write_path(path: Path, arm: Arm, found: PathSolution, dt: float | None) -> N
     Raises:
         OSError: the file cannot be written.
     """
-    with path.open("w", newline="", encoding="utf-8") as file:
-        writer = csv.writer(file)
-        writer.writerow([*(["t"] if dt else []), *arm.joint_names])
-        for i, q in enumerate(found.q.tolist()):
-            writer.writerow([*([i * dt] if dt else []), *q])
+    text = io.StringIO(newline="")
+    writer = csv.writer(text)
+    writer.writerow([*(["t"] if dt else []), *arm.joint_names])
+    for i, q in enumerate(found.q.tolist()):
+        writer.writerow([*([i * dt] if dt else []), *q])
+    write_whole(path, text.getvalue())

@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from srs_ik.cli import objective as objectives
-from srs_ik.cli.options import AsJson, Base, Limb, Seven, Source, Tip, WrongInput, numbers
-from srs_ik.cli.poses import JOINTS, FromQ, NoLimits, Quat, Rpy, Xyz, read_pose, unit_of
+from srs_ik.cli.options import AsJson, Base, Limb, Seven, Source, Tip, WrongInput
+from srs_ik.cli.poses import JOINTS, NoLimits, PoseOfQ, Quat, Rpy, Xyz, angles, read_pose, unit_of
 
 if TYPE_CHECKING:
     import numpy as np
@@ -24,7 +24,7 @@ def solve(
     xyz: Xyz = None,
     rpy: Rpy = None,
     quat: Quat = None,
-    from_q: FromQ = None,
+    q: PoseOfQ = None,
     base: Base = None,
     tip: Tip = None,
     limb: Limb = None,
@@ -49,15 +49,13 @@ def solve(
     no_limits: NoLimits = False,
     degrees: Annotated[
         bool,
-        typer.Option(
-            "--degrees", help="Angles are given in degrees (--rpy, --from-q, --arm-angle, --seed, --reference)."
-        ),
+        typer.Option("--degrees", help="Angles are given in degrees (--rpy, --q, --arm-angle, --seed, --reference)."),
     ] = False,
     as_json: AsJson = False,
 ) -> None:
     """Find the joint angles that bring the tip of an arm to a pose.
 
-    The pose is --xyz with --rpy or --quat, or that of --from-q. Without --arm-angle, --seed and --objective the posture
+    The pose is --xyz with --rpy or --quat, or that of --q. Without --arm-angle, --seed and --objective the posture
     farthest from the joint limits is chosen. Exit status 1 if there is no solution, with the closest posture.
     """
     unit = unit_of(degrees)
@@ -70,9 +68,9 @@ def solve(
         raise WrongInput(
             "--objective goes with none of --arm-angle, --seed, --branch and --all: it searches all postures"
         )
-    angle = None if arm_angle is None else unit * numbers("--arm-angle", [arm_angle])[0]
-    start = None if seed is None else [unit * x for x in numbers("--seed", seed)]
-    pose, configuration = read_pose(xyz, rpy, quat, from_q, unit)
+    angle = None if arm_angle is None else angles("--arm-angle", [arm_angle], unit)[0]
+    start = None if seed is None else angles("--seed", seed, unit)
+    pose, configuration = read_pose(xyz, rpy, quat, q, unit)
 
     from srs_ik.loading import load
 

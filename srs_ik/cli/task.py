@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from srs_ik.cli.options import AsJson, Base, Limb, Seven, Source, Three, Tip, WrongInput, numbers
-from srs_ik.cli.poses import JOINTS, NoLimits, Xyz
+from srs_ik.cli.poses import JOINTS, NoLimits, Xyz, angles
 
 if TYPE_CHECKING:
     from srs_ik.arm import Arm
@@ -93,7 +93,7 @@ def task(
     }
     position = numbers("--xyz", xyz)
     axes = None if hand is None else numbers("--hand", hand)
-    start = None if seed is None else numbers("--seed", seed)
+    start = None if seed is None else angles("--seed", seed, 1.0, "")
 
     from srs_ik.inputs.task import Task
     from srs_ik.loading import load

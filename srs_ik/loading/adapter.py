@@ -15,6 +15,7 @@ from srs_ik.errors import InvalidRobot
 from srs_ik.robot.limb import SrsLimb, Vector
 from srs_ik.robot.sides import side_of
 from srs_ik.robot.sources import places_of
+from srs_ik.writing import write_whole
 
 if TYPE_CHECKING:
     from srs_ik.arm import Arm
@@ -44,8 +45,7 @@ def write_adapter(path: str | Path, source: str | Path, arm: Arm, xacro_args: Ma
     places = [_as_written(place, path.absolute().parent) for place in places_of(source)]
     text = _text(arm, places, xacro_args or {})
     try:
-        with path.open("x", encoding="utf-8") as file:
-            file.write(text)
+        write_whole(path, text, replace=False)
     except FileExistsError:
         raise InvalidRobot(f"{path} exists already; it is not overwritten", path) from None
     except OSError as error:

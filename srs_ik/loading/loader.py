@@ -10,6 +10,7 @@ import numpy as np
 import pinocchio as pin
 
 from srs_ik.errors import AmbiguousLimb, FrameNotFound, InvalidTask, NotAnSrsLimb, listed
+from srs_ik.forks import whole
 from srs_ik.robot import changes
 from srs_ik.robot.candidates import Candidate, LimbReport, examine, explained, weigh
 from srs_ik.robot.card import Placement
@@ -25,6 +26,7 @@ if TYPE_CHECKING:
     from srs_ik.arm import Arm
 
 
+@whole
 def load(
     source: Any,
     base: str | None = None,
@@ -107,6 +109,7 @@ def load(
     return Arm(chain, found.limb, name or description.name, hand=hand_axes, drawing=description.robot.drawing)
 
 
+@whole
 def find_limbs(source: Any, xacro_args: Mapping[str, str] | None = None) -> list[LimbReport]:
     """Every chain of seven consecutive revolute joints in a robot, classified and measured.
 

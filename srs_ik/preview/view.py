@@ -12,14 +12,15 @@ from typing import TYPE_CHECKING, Any, Literal, Self
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from srs_ik.errors import PreviewError
 from srs_ik.inputs.poses import PoseLike, as_joint_vector, as_rigid_matrix
 from srs_ik.preview import marks, palette, solids
 from srs_ik.preview.canvas import Canvas
 from srs_ik.preview.circle import arc_solids, circle_solids
-from srs_ik.preview.files import write_whole
 from srs_ik.preview.motion import FPS, film, self_motion
 from srs_ik.preview.robot import Part, Stage, limb, look, reach, resting
 from srs_ik.preview.server import Window
+from srs_ik.writing import write_whole
 
 if TYPE_CHECKING:
     from srs_ik.arm import Arm
@@ -121,7 +122,12 @@ class Preview:
         Raises:
             PreviewError: the preview is closed, or the file cannot be written.
         """
-        return write_whole(Path(path), self.html())
+        try:
+            return write_whole(Path(path), self.html())
+        except IsADirectoryError:
+            raise PreviewError(f"{path} is a folder: give the name of a file, such as scene.html") from None
+        except OSError as error:
+            raise PreviewError(f"{path} cannot be written: {error.strerror}") from None
 
     def _repr_html_(self) -> str | None:
         # A picture of the scene as it is now, which stays with the notebook when the program is gone.

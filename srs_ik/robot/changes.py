@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Mapping
 from dataclasses import replace
 from typing import Any
@@ -90,6 +91,7 @@ def within_limits(chain: Chain, limits: Mapping[str, Mapping[str, float]]) -> Ch
                 raise InvalidRobot(f"joint {joint!r} has no limit {key!r}; limits are {listed(list(_LIMITS))}")
             arrays[_LIMITS[key]][k] = _figure(value, f"{key} of joint {joint!r}")
         lower, upper = arrays["lower"][k], arrays["upper"][k]
+        _warn_of_degrees(joint, changes)
         if not (lower <= upper and lower < np.inf and upper > -np.inf):
             raise InvalidRobot(f"joint {joint!r} has the lower limit {lower} and the upper limit {upper}, no range")
         if not min(arrays["velocity_limit"][k], arrays["effort_limit"][k]) > 0.0:
@@ -103,6 +105,14 @@ def within_limits(chain: Chain, limits: Mapping[str, Mapping[str, float]]) -> Ch
     model.velocityLimit = arrays["velocity_limit"]
     model.effortLimit = arrays["effort_limit"]
     return replace(chain, model=model, **arrays)
+
+
+def _warn_of_degrees(joint: str, changes: Mapping[str, float]) -> None:
+    figures = [float(changes[key]) for key in ("lower", "upper") if key in changes]
+    largest = max((abs(figure) for figure in figures if np.isfinite(figure)), default=0.0)
+    if 4.0 * np.pi < largest <= 720.0:
+        said = f"limits are in radians, and joint {joint!r} is given {largest:g}: are these degrees?"
+        warnings.warn(said, UserWarning, stacklevel=2)
 
 
 def _figure(value: Any, what: str) -> float:

@@ -6,7 +6,6 @@ import itertools
 import os
 import sys
 import tempfile
-import threading
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -17,13 +16,12 @@ from xml.etree.ElementTree import Element, tostring
 import pinocchio as pin
 
 from srs_ik.errors import InvalidRobot, did_you_mean
+from srs_ik.forks import WHOLE
 from srs_ik.robot.description import document, mjcf, xacro
 from srs_ik.robot.description.check import check
 
 _LONGEST_LABEL = 300
 _MOST_FILES = 1000
-
-_STDERR_LOCK = threading.Lock()
 
 
 @dataclass(frozen=True, eq=False)
@@ -167,7 +165,7 @@ def _stderr_captured() -> Iterator[Callable[[], str]]:
     The descriptor belongs to the whole process: what other threads print meanwhile is kept back too, so the block has
     to be short. It is restored in any case.
     """
-    with _STDERR_LOCK:
+    with WHOLE:
         try:
             saved = os.dup(2)
         except OSError:
