@@ -44,6 +44,17 @@ def chromium() -> Iterator:
             browser.close()
 
 
+@contextmanager
+def another(browser, *options: str) -> Iterator:
+    """A second browser beside a first one, with options of its own."""
+    path = next(filter(None, map(shutil.which, _NAMES)), None) or browser.browser_type.executable_path
+    second = browser.browser_type.launch(executable_path=path, args=[*_OPTIONS, *options])
+    try:
+        yield second
+    finally:
+        second.close()
+
+
 def pixels(page) -> np.ndarray:
     """(height, width, 3) what the page shows, 0 to 255."""
     from PIL import Image

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 from srs_ik.preview import palette
+from srs_ik.preview.document import Caption
 from srs_ik.preview.palette import Rgb
 from srs_ik.preview.robot import Stage
 from srs_ik.preview.server import Window
@@ -34,6 +35,7 @@ class Canvas:
     """
 
     def __init__(self, window: Window) -> None:
+        self._window = window
         self._root = Visualizer(window=window)
         self._animated = False
         self._root["/Background"].set_property("top_color", list(palette.BACKGROUND_TOP))
@@ -98,7 +100,11 @@ class Canvas:
 
     def page(self) -> str:
         """The scene as one HTML page that needs nothing else."""
-        return str(self._root.static_html())
+        return self._window.get_scene()
+
+    def tell(self, caption: Caption) -> None:
+        """Say beside the scene what it shows."""
+        self._window.tell(caption)
 
 
 class _Geometry(TriangularMeshGeometry):

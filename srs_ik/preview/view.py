@@ -16,6 +16,7 @@ from srs_ik.pose import PoseLike, as_joint_vector, as_rigid_matrix
 from srs_ik.preview import marks, palette, solids
 from srs_ik.preview.canvas import Canvas
 from srs_ik.preview.circle import arc_solids, circle_solids
+from srs_ik.preview.document import Caption
 from srs_ik.preview.files import write_whole
 from srs_ik.preview.motion import FPS, film, self_motion
 from srs_ik.preview.robot import Part, Stage, limb, look, reach, resting
@@ -67,6 +68,7 @@ class Preview:
         self._canvas.draw("base frame", solids.triad(0.16 * self._size))
         self._canvas.draw("tip/joint 7/frame", solids.triad(0.12 * self._size), self._T_joint7_tip())
         self._canvas.stage(Stage.of(arm, parts), self._size)
+        self._canvas.tell(Caption(f"{arm.name}, {arm.base} to {arm.tip}"))
         self.show(self._q)
 
     @property
@@ -78,7 +80,7 @@ class Preview:
 
     @property
     def url(self) -> str:
-        """Address of the page, on this machine alone."""
+        """Address of the page, on this machine alone; whoever has it sees the scene."""
         return self._window.web_url
 
     @property
@@ -106,8 +108,7 @@ class Preview:
         Raises:
             PreviewError: the preview is closed.
         """
-        title = html.escape(f"{self.arm.name}, {self.arm.base} to {self.arm.tip}")
-        return self._canvas.page().replace("<title>MeshCat</title>", f"<title>{title}</title>", 1).lstrip()
+        return self._canvas.page()
 
     def save(self, path: str | Path) -> Path:
         """Write the scene, with its motion if it has one, as one HTML file that opens without a server or network.
@@ -125,7 +126,8 @@ class Preview:
     def _repr_html_(self) -> str:
         # A picture of the scene as it is now, which stays with the notebook when the program is gone.
         page = html.escape(self.html())
-        return f'<iframe srcdoc="{page}" style="width: 100%; height: 420px; border: none"></iframe>'
+        style = "width: 100%; height: 420px; border: none"
+        return f'<iframe sandbox="allow-scripts" srcdoc="{page}" style="{style}"></iframe>'
 
     def __repr__(self) -> str:
         return f"<Preview of {self.arm.name}, {'closed' if self.closed else 'at ' + self.url}>"
