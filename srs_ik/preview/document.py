@@ -12,6 +12,7 @@ from collections.abc import Iterable, Sequence
 from dataclasses import asdict, dataclass
 
 from srs_ik.preview.palette import Rgb
+from srs_ik.preview.words import css
 
 _ALONE = "default-src 'none'; script-src 'self' 'unsafe-inline'; style-src 'unsafe-inline'; img-src data: blob:"
 """What the page may load: its own script and pictures that it makes itself; a saved page is under the same policy."""
@@ -36,7 +37,7 @@ class Caption:
 
     def json(self) -> str:
         """As the page takes it, safe in a script too."""
-        legend = [(_css(colour), text) for colour, text in self.legend]
+        legend = [(css(colour), text) for colour, text in self.legend]
         return json.dumps(asdict(self) | {"legend": legend}).replace("<", "\\u003c")
 
 
@@ -110,7 +111,3 @@ connection.binaryType = "arraybuffer";
 connection.onmessage = message =>
   typeof message.data === "string" ? tell(JSON.parse(message.data)) : viewer.handle_command_message(message);
 """
-
-
-def _css(colour: Rgb) -> str:
-    return "#" + "".join(f"{round(255.0 * x):02x}" for x in colour)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import atexit
-import html
 import threading
 import weakref
 from collections.abc import Callable, Sequence
@@ -21,6 +20,7 @@ from srs_ik.preview.circle import arc_solids, circle_solids
 from srs_ik.preview.inbox import FARTHEST, number, numbers
 from srs_ik.preview.page import PageCanvas, rotation, serve, stop, wxyz
 from srs_ik.preview.robot import Stage, limb, look, reach, resting
+from srs_ik.preview.words import report, span, title
 from srs_ik.urdf.from_yourdfpy import roll_pitch_yaw
 
 if TYPE_CHECKING:
@@ -31,7 +31,9 @@ Array = NDArray[np.float64]
 
 _NOTHING = "no posture"
 _TARGET = "/scene/target"
-_CAMERA = np.array([1.1, -0.75, 0.5])
+_CAMERA = np.array([1.4, -0.95, 0.6])
+"""From the centre of what is seen to the camera, in units of its radius."""
+
 _PALE = 0.3
 """Opacity of the arcs of the branches that are not chosen."""
 
@@ -74,7 +76,7 @@ class InteractivePreview:
         self._settling = False
         self._intervals: list[Interval] = []
         self._shown: tuple[bytes, int] | None = None
-        self._server, self._door, self._inbox = serve(port, f"{arm.name}, {arm.base} to {arm.tip}")
+        self._server, self._door, self._inbox = serve(port, title(arm))
         self._close = weakref.finalize(self, stop, self._server)
         # Registered after viser's own end at exit, it comes before that, which prints.
         self._close.atexit = False
@@ -85,9 +87,9 @@ class InteractivePreview:
             carried = [p.solid for p in parts if p.joint == k] + [p.solid for p in limb(arm) if p.joint == k]
             self._canvas.draw(f"joint {k}", carried)
         self._canvas.draw("base frame", solids.triad(0.16 * reach(arm)))
-        self._look_at(stage)
         self._add_controls()
         self.show(arm.forward_kinematics(start), seed=start)
+        self._look_at(stage)
         # What has to be compiled for the slider is compiled now, and not when somebody moves it.
         arm.solve(self.target, arm_angle=0.0, branch=0)
 
@@ -156,18 +158,18 @@ class InteractivePreview:
     # --------------------------------------------------------------------------------------------------------------
 
     def _look_at(self, stage: Stage) -> None:
-        size = reach(self.arm)
-        centre = stage.R_scene_base @ stage.centre
+        centre, radius = self._canvas.extent.sphere()
         self._server.scene.add_grid(
             "/floor",
-            4.0 * size,
-            4.0 * size,
+            4.0 * radius,
+            4.0 * radius,
             cell_size=0.1,
             section_size=0.5,
-            position=(0.0, 0.0, centre[2] + stage.floor),
+            position=(0.0, 0.0, stage.floor),
         )
-        self._server.initial_camera.position = centre + size * _CAMERA
-        self._server.initial_camera.look_at = centre
+        seen = stage.R_scene_base @ centre
+        self._server.initial_camera.position = seen + radius * _CAMERA
+        self._server.initial_camera.look_at = seen
 
     def _add_controls(self) -> None:
         # Without types: viser's own hide that values can be set.
@@ -272,12 +274,10 @@ class InteractivePreview:
                 self._slider.step = float(np.clip((upper - lower) / 400.0, 1e-6, 0.5))
             if abs(self._slider.value - np.rad2deg(turn)) > 1e-3:
                 self._slider.value = float(min(np.rad2deg(turn), upper))
-        self._text.content = self._report()
+        self._text.content = report(solution, self._intervals)
 
     def _names(self) -> tuple[str, ...]:
-        return tuple(
-            f"branch {i.branch}: {np.rad2deg(i.lower):.2f} to {np.rad2deg(i.upper):.2f} deg" for i in self._intervals
-        ) or (_NOTHING,)
+        return tuple(map(span, self._intervals)) or (_NOTHING,)
 
     def _draw(self) -> None:
         q = self._solution.q
@@ -296,15 +296,6 @@ class InteractivePreview:
             if branch != self._solution.branch:
                 pieces = [piece.faded(piece.colour, _PALE) for piece in pieces]
             self._canvas.draw(f"branch {branch}", pieces)
-
-    def _report(self) -> str:
-        # HTML, in which escaping is complete: names and messages are those of a robot file.
-        rows = (
-            f"<tr><td>{html.escape(name)}</td><td align=right>{np.rad2deg(angle):.2f}</td></tr>"
-            for name, angle in self._solution.as_dict().items()
-        )
-        head = "<tr><th align=left>joint</th><th align=right>deg</th></tr>"
-        return f"<p>{html.escape(self._solution.message)}</p><table width='100%'>{head}{''.join(rows)}</table>"
 
 
 def _turn_to(figures: Any, values: Array) -> None:

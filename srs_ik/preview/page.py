@@ -13,6 +13,7 @@ from scipy.spatial.transform import Rotation
 
 from srs_ik.errors import MissingExtra, PreviewError
 from srs_ik.preview.door import HOST, Door
+from srs_ik.preview.extent import Extent
 from srs_ik.preview.solids import Solid
 
 if TYPE_CHECKING:
@@ -85,17 +86,23 @@ class PageCanvas:
     Args:
         server: the page.
         R_scene_base: (3, 3) rotation that sets the base frame as it stands in the world.
+
+    Attributes:
+        extent: how far what is drawn reaches.
     """
 
     def __init__(self, server: viser.ViserServer, R_scene_base: Array) -> None:
         self._scene = server.scene
         self._groups: dict[str, Any] = {}
+        self.extent = Extent()
         self._scene.add_frame("/scene", show_axes=False, wxyz=wxyz(R_scene_base))
 
     def draw(self, name: str, solids: Iterable[Solid], T: Array | None = None) -> None:
         """Draw solids under a name, in place of what was there."""
         self.erase(name)
         self._groups[name] = self._scene.add_frame(f"/scene/{name}", show_axes=False)
+        solids = list(solids)
+        self.extent.draw(name, solids)
         for k, solid in enumerate(solids):
             self._scene.add_mesh_simple(
                 f"/scene/{name}/{k}",
@@ -112,11 +119,13 @@ class PageCanvas:
 
     def place(self, name: str, T: Array) -> None:
         """Move what a name holds."""
+        self.extent.place(name, T)
         group = self._groups[name]
         group.position, group.wxyz = T[:3, 3], wxyz(T[:3, :3])
 
     def erase(self, name: str) -> None:
         """Remove what a name holds; nothing if it is not there."""
+        self.extent.erase(name)
         group = self._groups.pop(name, None)
         if group is not None:
             group.remove()
