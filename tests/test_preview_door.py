@@ -10,7 +10,7 @@ import time
 
 import numpy as np
 import pytest
-from browser import another, chromium
+from browser import PATIENCE, another, chromium
 
 import srs_ik
 from srs_ik.preview import Preview
@@ -214,7 +214,7 @@ ATTACK = """async ([pages, sockets, protocol]) => {
       socket.onmessage = () => done("read");
       socket.onopen = () => done("opened");
       socket.onerror = () => done("");
-      setTimeout(() => done(""), 60000);
+      setTimeout(() => done(""), 200000);
     });
   }
   return seen;
@@ -253,6 +253,7 @@ def test_a_page_of_another_origin_reads_and_writes_nothing(browser, view, kind, 
     sockets = [socket_of(kind, page.replace("http", "ws")) for page in pages]
     with foreign_page(tmp_path, origin) as url:
         page = browser.new_page()
+        page.set_default_timeout(PATIENCE)
         page.goto(url)
         protocol = viser_protocol() if kind == "interactive" else ""
         seen = page.evaluate(ATTACK, [pages, sockets, protocol])
@@ -285,7 +286,7 @@ def test_the_right_address_opens_under_both_names(browser, view, kind):
     for name in ("127.0.0.1", "localhost"):
         page = browser.new_page()
         page.goto(f"http://{name}:{port}{path}")
-        page.get_by_text("iiwa14, iiwa_link_0 to iiwa_link_ee").first.wait_for(timeout=60_000)
+        page.get_by_text("iiwa14, iiwa_link_0 to iiwa_link_ee").first.wait_for(timeout=PATIENCE)
         page.close()
 
 
@@ -328,14 +329,14 @@ LEVEL = [1.0, 0.0, 0.0, 0.0]
 WRONG = [float("nan"), float("inf"), -float("inf"), 1e308, -1e308, 1001.0, None, "0", True, [], {}, 2**63]
 
 
-def wait_until(condition, seconds: float = 60.0) -> None:
+def wait_until(condition, seconds: float = 300.0) -> None:
     deadline = time.monotonic() + seconds
     while not condition():
         assert time.monotonic() < deadline
         time.sleep(0.02)
 
 
-def ends(connection, seconds: float = 60.0) -> int:
+def ends(connection, seconds: float = 300.0) -> int:
     """The code with which the page ends a connection."""
     from websockets.exceptions import ConnectionClosed
 
