@@ -275,8 +275,8 @@ def test_a_saved_file_is_whole_or_not_there(view, tmp_path, monkeypatch):
 
 def test_a_notebook_gets_a_page_in_a_frame(view):
     text = view._repr_html_()
-    assert text.startswith('<iframe srcdoc="&lt;!DOCTYPE html&gt;')
-    assert text.count('"') == 4
+    assert text.startswith('<iframe sandbox="allow-scripts" srcdoc="&lt;!DOCTYPE html&gt;')
+    assert text.count('"') == 6
     view.close()
     assert view._repr_html_() is None
 

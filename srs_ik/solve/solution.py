@@ -118,7 +118,7 @@ class Solution:
         """One sentence for a person: how well the pose is met, or what is in the way and what is left of the error."""
         if self.status is Status.OK:
             errors = f"{self.position_error:.2g} m and {self.orientation_error:.2g} rad"
-            return f"Solved in branch {self.branch} at arm angle {self.arm_angle:.6g} rad, to {errors}."
+            return f"Solved in branch {self.branch} at arm angle {round(self.arm_angle, 9) + 0.0:.6g} rad, to {errors}."
         if self.status is Status.UNREACHABLE:
             unit = " Positions are in metres: is this one in millimetres?" if self.position_error > _FAR else ""
             return f"No posture sought reaches the pose; the one given{self._lie()} misses it by {self._miss()}.{unit}"

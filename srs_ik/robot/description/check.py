@@ -47,7 +47,7 @@ def check(robot: Element, source: str) -> frozenset[str]:
     effect are removed: limits and axes of joints that have none, inertias without mass or matrix, and `<mimic>`.
 
     Args:
-        robot: the element `<robot>`, as `srs_ik.urdf.document.parse` returns it; changed in place.
+        robot: the element `<robot>`, as `srs_ik.robot.description.document.parse` returns it; changed in place.
         source: what error messages call it.
 
     Returns:
