@@ -207,7 +207,7 @@ def test_faulty_shapes_are_left_out_and_said():
 
 def test_a_yourdfpy_robot_is_drawn_like_its_file():
     yourdfpy = pytest.importorskip("yourdfpy")
-    path = str(srs_ik.zoo.card("iiwa14").urdf)
+    path = str(srs_ik.robot.zoo.card("iiwa14").urdf)
     drawn = []
     for source in (path, yourdfpy.URDF.load(path, load_meshes=False)):
         with Preview(srs_ik.load(source, base="iiwa_link_0", tip="iiwa_link_ee")) as view:

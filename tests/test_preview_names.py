@@ -9,7 +9,7 @@ import pytest
 from browser import PATIENCE, chromium
 
 import srs_ik
-from srs_ik import zoo
+from srs_ik.robot import zoo
 from srs_ik.preview import Preview
 from srs_ik.preview.document import Caption, saved
 from srs_ik.preview.words import report

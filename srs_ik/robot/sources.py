@@ -101,8 +101,8 @@ def describe(source: Any, urdf: Any = None, xacro_args: Mapping[str, str] | None
 
     Args:
         source: a name, the path of an adapter (``.toml``) or an address; else path, text or object as in
-            `srs_ik.robot.description.load_model`. A name wins over a file of that name in the working directory; a path object is
-            always a file.
+            `srs_ik.robot.description.load_model`. A name wins over a file of that name in the working directory; a path
+            object is always a file.
         urdf: what the description of a robot with a name or an adapter is, if not what they say.
         xacro_args: arguments of a xacro file, beside those of an adapter.
 
