@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from srs_ik.preview import bounds, palette, solids
 from srs_ik.preview.mesh_files import MeshFinder, MeshMissing, MeshShelf, Piece
 from srs_ik.preview.solids import Solid
-from srs_ik.urdf.shapes import Shape, read_shapes, read_tree
+from srs_ik.robot.description.shapes import Shape, read_shapes, read_tree
 
 if TYPE_CHECKING:
     from srs_ik.arm import Arm

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any, Literal, Self
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from srs_ik.pose import PoseLike, as_joint_vector, as_rigid_matrix
+from srs_ik.inputs.poses import PoseLike, as_joint_vector, as_rigid_matrix
 from srs_ik.preview import marks, palette, solids, words
 from srs_ik.preview.canvas import Canvas
 from srs_ik.preview.circle import arc_solids, circle_solids
@@ -25,8 +25,9 @@ from srs_ik.preview.words import Entry
 
 if TYPE_CHECKING:
     from srs_ik.arm import Arm
-    from srs_ik.solution import Interval
-    from srs_ik.task import Posture, Task
+    from srs_ik.inputs.task import Task
+    from srs_ik.solve.posture import Posture
+    from srs_ik.solve.solution import Interval
 
 Array = NDArray[np.float64]
 
@@ -124,8 +125,10 @@ class Preview:
         """
         return write_whole(Path(path), self.html())
 
-    def _repr_html_(self) -> str:
+    def _repr_html_(self) -> str | None:
         # A picture of the scene as it is now, which stays with the notebook when the program is gone.
+        if self.closed:
+            return None
         page = html.escape(self.html())
         style = "width: 100%; height: 420px; border: none"
         return f'<iframe sandbox="allow-scripts" srcdoc="{page}" style="{style}"></iframe>'
@@ -297,7 +300,7 @@ class Preview:
             MissingLimits: the limits are wanted and not given.
             PreviewError: the preview is closed.
         """
-        from srs_ik.ellipsoids import force_ellipsoid, velocity_ellipsoid
+        from srs_ik.analysis.ellipsoids import force_ellipsoid, velocity_ellipsoid
 
         marks.check_part(part)
         q = as_joint_vector(q)
@@ -322,7 +325,7 @@ class Preview:
             MissingExtra: the library that computes polytopes is not installed.
             PreviewError: the preview is closed.
         """
-        from srs_ik.polytopes import force_polytope, velocity_polytope
+        from srs_ik.analysis.polytopes import force_polytope, velocity_polytope
 
         marks.check_part(part)
         q = as_joint_vector(q)
