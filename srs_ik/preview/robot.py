@@ -125,25 +125,33 @@ class _Drawn:
         self._creased: dict[tuple[str, tuple[float, ...]], list[Piece]] = {}
 
     def add(self, shapes: Sequence[Shape], joint: int, T_joint_link: Array) -> str:
-        """Draw the shapes of a link, all or none of them.
+        """Draw the shapes of a link, none of them if one cannot be shown; those beyond the bounds are left out.
 
         Returns:
-            A clause that says why they cannot be drawn; empty if they are, or are beyond the bounds.
+            A clause that says why one cannot be shown; empty if all can.
         """
         try:
-            pieces = [(shape, mesh, own) for shape in shapes for mesh, own in self._pieces(shape)]
+            found = [(shape, self._pieces(shape)) for shape in shapes if not self._full(shape)]
         except MeshMissing as error:
             return str(error)
-        count = sum(len(mesh.faces) for _, mesh, _ in pieces)
-        if len(self.parts) + len(pieces) > bounds.PIECES or self._triangles + count > bounds.TRIANGLES:
-            self.left_out += len(shapes)
-            self.first_left_out = self.first_left_out or shapes[0].link
-            return ""
-        self._triangles += count
-        for shape, mesh, own in pieces:
-            r, g, b, opacity = own or shape.rgba or palette.PLAIN
-            self.parts.append(Part(joint, _moved(Solid(mesh, (r, g, b), opacity), T_joint_link @ shape.T_link_shape)))
+        for shape, pieces in found:
+            count = sum(len(mesh.faces) for mesh, _ in pieces)
+            if self._full(shape, len(pieces), count):
+                continue
+            self._triangles += count
+            for mesh, own in pieces:
+                r, g, b, opacity = own or shape.rgba or palette.PLAIN
+                T_joint_shape = T_joint_link @ shape.T_link_shape
+                self.parts.append(Part(joint, _moved(Solid(mesh, (r, g, b), opacity), T_joint_shape)))
         return ""
+
+    def _full(self, shape: Shape, pieces: int = 1, triangles: int = 1) -> bool:
+        """Whether there is no room for a shape, of which note is then taken."""
+        full = len(self.parts) + pieces > bounds.PIECES or self._triangles + triangles > bounds.TRIANGLES
+        if full:
+            self.left_out += 1
+            self.first_left_out = self.first_left_out or shape.link
+        return full
 
     def _pieces(self, shape: Shape) -> list[Piece]:
         """The shape in its own frame, not to be changed.
@@ -151,23 +159,27 @@ class _Drawn:
         Raises:
             MeshMissing: it cannot be shown.
         """
-        found: list[Piece]
+        key = shape.file, shape.size
         if shape.kind != "mesh":
-            found = [(_primitive(shape), None)]
-        else:
-            key = shape.file, shape.size
-            if key not in self._creased:
-                self._creased[key] = [
-                    (solids.creased(mesh.copy().apply_scale(shape.size)), own)
-                    for mesh, own in self._shelf.pieces(shape.file)
-                ]
-            found = self._creased[key]
-        T = shape.T_link_shape
-        farthest = max(float(np.abs(T @ [*corner, 1.0]).max()) for mesh, _ in found for corner in mesh.bounds)
-        # Also false for what is no number.
-        if not farthest <= bounds.EXTENT:
-            raise MeshMissing(f"a {shape.kind} reaches farther than {bounds.EXTENT:g} m from its link")
-        return found
+            _check_extent(shape, max(shape.size))
+            return [(_primitive(shape), None)]
+        if key not in self._creased:
+            raw = self._shelf.pieces(shape.file)
+            _check_extent(shape, max(float(np.abs(mesh.bounds * shape.size).max()) for mesh, _ in raw))
+            self._creased[key] = [(solids.creased(mesh.copy().apply_scale(shape.size)), own) for mesh, own in raw]
+        _check_extent(shape, 0.0)
+        return self._creased[key]
+
+
+def _check_extent(shape: Shape, size: float) -> None:
+    """Make sure that a shape that reaches so far from its own origin, metres, stays near its link.
+
+    Raises:
+        MeshMissing: it does not.
+    """
+    # The negation also holds for what is no number.
+    if not size + float(np.abs(shape.T_link_shape[:3, 3]).max()) <= bounds.EXTENT:
+        raise MeshMissing(f"a {shape.kind} reaches farther than {bounds.EXTENT:g} m from its link")
 
 
 def _primitive(shape: Shape) -> trimesh.Trimesh:
