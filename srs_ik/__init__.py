@@ -36,7 +36,7 @@ if TYPE_CHECKING:
         PreviewError,
         SrsIkError,
     )
-    from srs_ik.inputs.poses import PoseError
+    from srs_ik.inputs.poses import PoseError, nearest_pose
     from srs_ik.inputs.rotations import pose_from_xyz_quaternion, pose_from_xyz_rpy, xyz_quaternion
     from srs_ik.loading import LimbReport, find_limbs, load, robots
     from srs_ik.paper.printed_optimum import PrintedOptimum, printed_optimum
@@ -91,7 +91,7 @@ _MODULES = {
     "preview": ("Preview",),
     "preview.interactive": ("InteractivePreview",),
     "paper.printed_optimum": ("PrintedOptimum", "printed_optimum"),
-    "inputs.poses": ("PoseError",),
+    "inputs.poses": ("PoseError", "nearest_pose"),
     "inputs.rotations": ("pose_from_xyz_quaternion", "pose_from_xyz_rpy", "xyz_quaternion"),
     "solve.self_motion": ("SelfMotion",),
     "solve.solution": ("BatchSolution", "Interval", "Solution", "Solutions", "Status"),
@@ -146,6 +146,7 @@ __all__ = [
     "isotropy",
     "load",
     "manipulability",
+    "nearest_pose",
     "plot_arm_angle",
     "plot_ellipsoids",
     "plot_intervals",

@@ -277,7 +277,7 @@ class Arm(RedundantLimb):
         Args:
             pose: pose of the tip frame in the base frame.
             branch: 0 to 7 for the intervals of that branch alone.
-            count: postures an interval, from end to end; at least 2. Those of a whole circle end where they begin.
+            count: postures an interval, from end to end; 2 to 1,000,000. Those of a whole circle end where they begin.
             respect_limits: whether to stay inside the joint limits.
 
         Returns:

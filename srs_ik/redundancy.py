@@ -7,11 +7,12 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from srs_ik.inputs.poses import as_joint_vector
+from srs_ik.inputs.poses import as_bounded_joint_vector
 from srs_ik.kernels.entries import rates
 from srs_ik.mounted import MountedLimb
 from srs_ik.robot.chain import Chain
 from srs_ik.robot.limb import Hand, SrsLimb
+from srs_ik.solve import kinematics
 from srs_ik.solve.packed import pack_family
 
 if TYPE_CHECKING:
@@ -29,21 +30,45 @@ class RedundantLimb(MountedLimb):
         super().__init__(chain, limb, name, hand, drawing)
         self._family = pack_family(limb, chain.lower, chain.upper)
 
+    def forward_kinematics_batch(self, q: ArrayLike, threads: int | None = None) -> Array:
+        """Poses (N, 4, 4) of the tip frame in the base frame, in compiled code on several threads.
+
+        Args:
+            q: (N, 7) joint angles, rad; an array of floats, in C order and writeable, is not copied.
+            threads: at most so many; all processors if not given.
+
+        Raises:
+            InvalidConfiguration: not N times 7 finite angles, or one beyond 1e6 rad.
+        """
+        return kinematics.forward_kinematics_batch(self._family, q, threads)
+
+    def jacobian_batch(self, q: ArrayLike, threads: int | None = None) -> Array:
+        """Geometric Jacobians (N, 6, 7) of the tip point in base axes, as `jacobian` gives them one by one.
+
+        Args:
+            q: (N, 7) joint angles, rad; an array of floats, in C order and writeable, is not copied.
+            threads: at most so many; all processors if not given.
+
+        Raises:
+            InvalidConfiguration: not N times 7 finite angles, or one beyond 1e6 rad.
+        """
+        return kinematics.jacobian_batch(self._family, q, threads)
+
     def arm_angle(self, q: ArrayLike) -> float:
         """Arm angle of a configuration, in [-pi, pi), rad: right-handed about shoulder-wrist, zero at `limb.reference`.
 
         Raises:
-            InvalidConfiguration: not 7 finite angles.
+            InvalidConfiguration: not 7 finite angles, or one beyond 1e6 rad.
         """
-        return float(rates.configuration_arm_angle(self._family, as_joint_vector(q))[0])
+        return float(rates.configuration_arm_angle(self._family, as_bounded_joint_vector(q))[0])
 
     def branch(self, q: ArrayLike) -> int:
         """Branch of a configuration, 0 to 7.
 
         Raises:
-            InvalidConfiguration: not 7 finite angles.
+            InvalidConfiguration: not 7 finite angles, or one beyond 1e6 rad.
         """
-        return int(rates.configuration_arm_angle(self._family, as_joint_vector(q))[1])
+        return int(rates.configuration_arm_angle(self._family, as_bounded_joint_vector(q))[1])
 
     def arm_angle_jacobian(self, q: ArrayLike) -> Array:
         """Derivatives of the arm angle by the joint angles, (7,), rad/rad: its rate is ``arm_angle_jacobian(q) @ dq``.
@@ -55,13 +80,13 @@ class RedundantLimb(MountedLimb):
         these places they grow without bound.
 
         Raises:
-            InvalidConfiguration: not 7 finite angles.
+            InvalidConfiguration: not 7 finite angles, or one beyond 1e6 rad.
 
         Source: the derivative of the definition, for any axes; for perpendicular ones see K. Kreutz-Delgado, M. Long,
         H. Seraji, Kinematic Analysis of 7-DOF Manipulators, IJRR 11(5), 1992.
         """
         derivatives = np.empty(7)
-        rates.arm_angle_jacobian(self._family, as_joint_vector(q), derivatives)
+        rates.arm_angle_jacobian(self._family, as_bounded_joint_vector(q), derivatives)
         return derivatives
 
     def self_motion_tangent(self, q: ArrayLike) -> Array:
@@ -73,8 +98,8 @@ class RedundantLimb(MountedLimb):
         the shoulder or of the wrist in line. Close to these places they grow without bound.
 
         Raises:
-            InvalidConfiguration: not 7 finite angles.
+            InvalidConfiguration: not 7 finite angles, or one beyond 1e6 rad.
         """
         derivatives = np.empty(7)
-        rates.self_motion_tangent(self._family, as_joint_vector(q), derivatives)
+        rates.self_motion_tangent(self._family, as_bounded_joint_vector(q), derivatives)
         return derivatives

@@ -106,7 +106,7 @@ class Skeleton:
         # The first frame is the universe, which is its own parent.
         for k, frame in enumerate(self._frames[1:], 1):
             self._below.setdefault((frame.parent, frame.rank), []).append(k)
-        self._revolute = [joint.shortname() in _REVOLUTE + _CONTINUOUS for joint in model.joints]
+        self._revolute = [is_revolute(joint) for joint in model.joints]
         joint_rank = ranks[pin.FrameType.JOINT]
         self._own_frame = {
             f.joint: k
@@ -354,9 +354,18 @@ def _position_limits(model: Any) -> tuple[Vector, Vector]:
             low, high = float(model.lowerPositionLimit[joint.idx_q]), float(model.upperPositionLimit[joint.idx_q])
             if not (low <= high and low < _UNLIMITED and high > -_UNLIMITED):
                 raise InvalidRobot(f"joint {model.names[k + 1]!r} has the position limits {low} and {high}", model.name)
-            lower[k] = low if low > -_UNLIMITED else -np.inf
-            upper[k] = high if high < _UNLIMITED else np.inf
+            lower[k], upper[k] = unlimited_if_huge(low, high)
     return lower, upper
+
+
+def is_revolute(joint: Any) -> bool:
+    """True if a joint of a ``pinocchio.Model`` turns about one fixed axis, with or without stops."""
+    return joint.shortname() in _REVOLUTE + _CONTINUOUS
+
+
+def unlimited_if_huge(lower: float, upper: float) -> tuple[float, float]:
+    """Limits of a joint, rad; infinite where their size is a way to say that there is none."""
+    return (-np.inf if -np.inf < lower <= -_UNLIMITED else lower), (np.inf if _UNLIMITED <= upper < np.inf else upper)
 
 
 def _given_or_infinite(limit: Vector) -> Vector:
