@@ -36,8 +36,9 @@ if TYPE_CHECKING:
         PreviewError,
         SrsIkError,
     )
-    from srs_ik.inputs.poses import PoseError, nearest_pose
-    from srs_ik.inputs.rotations import pose_from_xyz_quaternion, pose_from_xyz_rpy, xyz_quaternion
+    from srs_ik.inputs.poses import PoseError, nearest_pose, xyz_quaternion
+    from srs_ik.inputs.rotations import pose_from_xyz_quaternion, pose_from_xyz_rpy
+    from srs_ik.inputs.task import Task
     from srs_ik.loading import LimbReport, find_limbs, load, robots
     from srs_ik.paper.printed_optimum import PrintedOptimum, printed_optimum
     from srs_ik.plots import plot_arm_angle, plot_ellipsoids, plot_intervals
@@ -48,7 +49,7 @@ if TYPE_CHECKING:
     from srs_ik.solve.objectives import OBJECTIVES, Objective
     from srs_ik.solve.optimise import Optimum
     from srs_ik.solve.path import PathBreak, PathSolution
-    from srs_ik.solve.posture import Posture, Task
+    from srs_ik.solve.posture import Posture
     from srs_ik.solve.self_motion import SelfMotion
     from srs_ik.solve.solution import BatchSolution, Interval, Solution, Solutions, Status
     from srs_ik.solve.task import BatchTaskSolution, TaskSolution
@@ -91,11 +92,12 @@ _MODULES = {
     "preview": ("Preview",),
     "preview.interactive": ("InteractivePreview",),
     "paper.printed_optimum": ("PrintedOptimum", "printed_optimum"),
-    "inputs.poses": ("PoseError", "nearest_pose"),
-    "inputs.rotations": ("pose_from_xyz_quaternion", "pose_from_xyz_rpy", "xyz_quaternion"),
+    "inputs.poses": ("PoseError", "nearest_pose", "xyz_quaternion"),
+    "inputs.rotations": ("pose_from_xyz_quaternion", "pose_from_xyz_rpy"),
     "solve.self_motion": ("SelfMotion",),
     "solve.solution": ("BatchSolution", "Interval", "Solution", "Solutions", "Status"),
-    "solve.posture": ("Posture", "Task"),
+    "solve.posture": ("Posture",),
+    "inputs.task": ("Task",),
     "solve.task": ("BatchTaskSolution", "TaskSolution"),
 }
 _HOME = {name: module for module, names in _MODULES.items() for name in names}

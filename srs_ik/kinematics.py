@@ -11,12 +11,12 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import ArrayLike, NDArray
 
-from srs_ik.analysis.gravity import weights
 from srs_ik.errors import InvalidConfiguration, did_you_mean
 from srs_ik.inputs.messages import picked, positions_by_name
 from srs_ik.inputs.numbers import real_array
 from srs_ik.inputs.poses import PoseError, PoseLike, as_joint_vector, as_rigid_matrix
-from srs_ik.robot.chain import Chain, is_revolute
+from srs_ik.robot.chain import Chain
+from srs_ik.robot.skeleton import is_revolute
 
 Array = NDArray[np.float64]
 
@@ -169,11 +169,6 @@ class ChainKinematics:
         )
 
     @cached_property
-    def _weights(self) -> Array:
-        """What the kernels know of the arm's masses."""
-        return weights(self)
-
-    @cached_property
     def _joints(self) -> list[Any]:
         return [self.model.joints[i] for i in range(1, 8)]
 
@@ -188,9 +183,6 @@ class ChainKinematics:
         if not hasattr(local, "data"):
             local.data = self.model.createData()
         return local.data
-
-    def __getstate__(self) -> dict[str, Any]:
-        return {k: v for k, v in self.__dict__.items() if k not in ("_joints", "_thread_data")}
 
 
 def _finite(configuration: ArrayLike, model: Any) -> Array:

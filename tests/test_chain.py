@@ -9,8 +9,9 @@ from hypothesis import strategies as st
 from robot_files import EXAMPLES, REAL, at_hand, joint_xml, random_configuration, robot_file, serial_arm
 
 from srs_ik.errors import FrameNotFound, InvalidRobot, NotAnSrsLimb
-from srs_ik.robot.chain import Skeleton, build_chain
+from srs_ik.robot.chain import build_chain
 from srs_ik.robot.description import load_model
+from srs_ik.robot.skeleton import Skeleton
 
 FILES = at_hand(*chains.MAKERS, *REAL, *EXAMPLES)
 

@@ -64,7 +64,7 @@ def fk(
 
 def _parts(T: np.ndarray) -> tuple[list[float], list[float]]:
     """Position and quaternion, the scalar part last."""
-    from srs_ik.inputs.rotations import xyz_quaternion
+    from srs_ik.inputs.poses import xyz_quaternion
 
     xyz, quaternion = xyz_quaternion(T, order="xyzw")
     return xyz.tolist(), quaternion.tolist()

@@ -95,8 +95,8 @@ def task(
     axes = None if hand is None else numbers("--hand", hand)
     start = None if seed is None else numbers("--seed", seed)
 
+    from srs_ik.inputs.task import Task
     from srs_ik.loading import load
-    from srs_ik.solve.posture import Task
     from srs_ik.solve.task import TaskSolution
 
     wanted = Task(position, **given)

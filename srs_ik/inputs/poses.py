@@ -12,8 +12,9 @@ from numpy.typing import ArrayLike, NDArray
 from srs_ik.errors import InvalidConfiguration, InvalidPose, SrsIkError
 from srs_ik.inputs.messages import pose_matrix
 from srs_ik.inputs.numbers import real_array, real_number
+from srs_ik.inputs.rotations import Order, checked_order, quaternion_of
 from srs_ik.kernels.entries.pose import check_pose
-from srs_ik.kernels.limb.poses import FARTHEST, NOT_A_ROTATION, NOT_FINITE, TOO_FAR
+from srs_ik.kernels.layout.answer import FARTHEST, NOT_A_ROTATION, NOT_FINITE, TOO_FAR
 
 Array = NDArray[np.float64]
 PoseLike = Any
@@ -327,3 +328,21 @@ def per_pose(value: ArrayLike, shape: tuple[int, ...], n: int, what: str) -> Arr
     if array.size and not (array.min() >= -LARGEST_ANGLE and array.max() <= LARGEST_ANGLE):
         refuse_bad_angles(array, what)
     return array
+
+
+def xyz_quaternion(pose: Any, *, order: Order) -> tuple[Array, Array]:
+    """Position and unit quaternion of a pose, the scalar part not negative.
+
+    Args:
+        pose: a `pinocchio.SE3` or a (4, 4) array.
+        order: as for `pose_from_xyz_quaternion`.
+
+    Returns:
+        (3,) metres and (4,).
+
+    Raises:
+        InvalidPose: the pose is no finite rigid transform, or another order.
+    """
+    order = checked_order(order)
+    T = as_rigid_matrix(pose)
+    return T[:3, 3].copy(), quaternion_of(T[:3, :3], order)

@@ -17,7 +17,8 @@ from srs_ik.preview.solids import Solid
 if TYPE_CHECKING:
     from srs_ik.analysis.ellipsoids import Ellipsoid
     from srs_ik.analysis.polytopes import Polytope
-    from srs_ik.solve.posture import Posture, Task
+    from srs_ik.inputs.task import Task
+    from srs_ik.solve.posture import Posture
 
 Array = NDArray[np.float64]
 

@@ -23,7 +23,8 @@ from srs_ik.preview.server import Window
 
 if TYPE_CHECKING:
     from srs_ik.arm import Arm
-    from srs_ik.solve.posture import Posture, Task
+    from srs_ik.inputs.task import Task
+    from srs_ik.solve.posture import Posture
     from srs_ik.solve.solution import Interval
 
 Array = NDArray[np.float64]

@@ -35,9 +35,7 @@ def with_tool(chain: Chain, T_tip_tool: Array, name: str | None = None) -> Chain
     model = pin.Model(chain.model)
     tip = model.frames[chain.tip_id]
     name, index = _add_frame(model, tip.parentJoint, chain.tip_id, tip.placement * _se3(T_tip_tool), name, "tool")
-    return replace(
-        chain, model=model, tip=name, tip_id=index, T_base_tip_zero=_read_only(chain.T_base_tip_zero @ T_tip_tool)
-    )
+    return replace(chain, model=model, tip=name, tip_id=index, T_base_tip_zero=chain.T_base_tip_zero @ T_tip_tool)
 
 
 def on_base(chain: Chain, T_newbase_base: Array, name: str | None = None) -> Chain:
@@ -62,9 +60,9 @@ def on_base(chain: Chain, T_newbase_base: Array, name: str | None = None) -> Cha
         model=model,
         base=name,
         base_id=index,
-        axes=_read_only(chain.axes @ R.T),
-        points=_read_only(chain.points @ R.T + p),
-        T_base_tip_zero=_read_only(T_newbase_base @ chain.T_base_tip_zero),
+        axes=chain.axes @ R.T,
+        points=chain.points @ R.T + p,
+        T_base_tip_zero=T_newbase_base @ chain.T_base_tip_zero,
     )
 
 
@@ -80,7 +78,7 @@ def within_limits(chain: Chain, limits: Mapping[str, Mapping[str, float]]) -> Ch
         InvalidRobot: limits are no mapping of mappings, a joint or limit of that name does not exist, a limit is no
             number, lower is above upper, or a velocity or effort is not positive.
     """
-    arrays = {field: np.array(getattr(chain, field)) for field in _LIMITS.values()}
+    arrays: dict[str, Any] = {field: np.array(getattr(chain, field)) for field in _LIMITS.values()}
     if not isinstance(limits, Mapping) or not all(isinstance(changes, Mapping) for changes in limits.values()):
         raise InvalidRobot(f"limits are given as {{joint: {{limit: figure}}}}, not as {limits!r:.60}")
     for joint, changes in limits.items():
@@ -106,8 +104,7 @@ def within_limits(chain: Chain, limits: Mapping[str, Mapping[str, float]]) -> Ch
             model.upperPositionLimit[joint.idx_q] = arrays["upper"][k]
     model.velocityLimit = arrays["velocity_limit"]
     model.effortLimit = arrays["effort_limit"]
-    changed: dict[str, Any] = {field: _read_only(array) for field, array in arrays.items()}
-    return replace(chain, model=model, **changed)
+    return replace(chain, model=model, **arrays)
 
 
 def _figure(value: Any, what: str) -> float:
@@ -138,9 +135,3 @@ def _rigid(T: Array) -> Array:
     rigid = np.eye(4)
     rigid[:3, :3], rigid[:3, 3] = U @ V, T[:3, 3]
     return rigid
-
-
-def _read_only(array: Array) -> Array:
-    array = np.array(array)
-    array.flags.writeable = False
-    return array

@@ -12,11 +12,11 @@ from srs_ik.analysis.gravity import gravity_torque, require_masses, torque_scale
 from srs_ik.errors import InvalidTask, did_you_mean, listed
 from srs_ik.inputs.numbers import real_array, real_number
 from srs_ik.inputs.poses import as_joint_vector, refuse_bad_angles
-from srs_ik.kernels.limb.limits import SMALLEST_RANGE
-from srs_ik.kernels.optimum import objectives as kinds
+from srs_ik.kernels.layout import objectives as kinds
+from srs_ik.kernels.layout.limb import SMALLEST_RANGE
 
 if TYPE_CHECKING:
-    from srs_ik.arm import Arm
+    from srs_ik.kinematics import ChainKinematics
 
 Array = NDArray[np.float64]
 
@@ -155,8 +155,13 @@ class Objective:
         """Number of the kernel that decides among the postures best by the first one, or -1."""
         return self._definition.second if self._definition else -1
 
-    def packed(self, arm: Arm, respect_limits: bool) -> Array:
+    def packed(self, arm: ChainKinematics, weights: Array, respect_limits: bool) -> Array:
         """(PARAMS,) parameters as the kernels read them.
+
+        Args:
+            arm: the arm.
+            weights: its packed masses.
+            respect_limits: whether turns have to keep the limits.
 
         Raises:
             InvalidTask: gravity is asked for, and the arm's description has no masses.
@@ -164,13 +169,13 @@ class Objective:
         values = np.zeros(kinds.PARAMS)
         if self.kind == kinds.GRAVITY:
             require_masses(arm, NO_MASSES)
-            values[kinds.WEIGHT :] = arm._weights
+            values[kinds.WEIGHT :] = weights
         flat = np.concatenate([*self.parameters.values(), np.empty(0)])
         values[: flat.size] = flat
         values[kinds.RESPECT] = respect_limits
         return values
 
-    def value(self, arm: Arm, q: ArrayLike) -> float:
+    def value(self, arm: ChainKinematics, q: ArrayLike) -> float:
         """Value of a posture of an arm, in the objective's own sign and unit.
 
         Computed by NumPy and Pinocchio, without the kernels.
@@ -185,7 +190,7 @@ class Objective:
         """
         return self.values(arm, q)[0]
 
-    def values(self, arm: Arm, q: ArrayLike) -> tuple[float, ...]:
+    def values(self, arm: ChainKinematics, q: ArrayLike) -> tuple[float, ...]:
         """The value, and for a lexicographic objective that of the second one too; see `value`."""
         q = as_joint_vector(q)
         if self.kind in (None, kinds.LIMIT_MARGIN, kinds.REFERENCE, kinds.GRAVITY):
@@ -201,7 +206,7 @@ class Objective:
             return (force / max(velocity, kinds.SMALLEST),)
         return (force, velocity) if self.kind == kinds.FORCE else (velocity, force)
 
-    def evaluator(self, arm: Arm) -> Callable[[Array], float]:
+    def evaluator(self, arm: ChainKinematics) -> Callable[[Array], float]:
         """The function of seven joint angles (7,) that computes the value, for objectives that no kernel computes."""
         if self.function is not None:
             return _checked(self.function, self.name)
@@ -264,13 +269,13 @@ def _checked(function: Callable[[Array], float], name: str) -> Callable[[Array],
     return checked
 
 
-def _limit_margin(arm: Arm, q: Array) -> float:
+def _limit_margin(arm: ChainKinematics, q: Array) -> float:
     limited = np.isfinite(arm.upper) & np.isfinite(arm.lower)
     lower, upper = arm.lower[limited], arm.upper[limited]
     middle, half = 0.5 * (lower + upper), 0.5 * np.maximum(upper - lower, SMALLEST_RANGE)
     return float(np.min(1.0 - np.abs(q[limited] - middle) / half, initial=1.0))
 
 
-def _squared_torque(arm: Arm) -> Callable[[Array], float]:
+def _squared_torque(arm: ChainKinematics) -> Callable[[Array], float]:
     torque, scales = gravity_torque(arm, NO_MASSES), torque_scales(arm)
     return lambda q: float(np.sum((torque(q) * scales) ** 2))

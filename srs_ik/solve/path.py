@@ -11,7 +11,9 @@ from numpy.typing import ArrayLike, NDArray
 
 from srs_ik.inputs.poses import as_matrices, as_positive, as_seed, refuse_bad_poses
 from srs_ik.kernels.entries import path as path_entries
-from srs_ik.kernels.layout import ROW, ROW_ARM_ANGLE, ROW_BRANCH, ROW_STATUS
+from srs_ik.kernels.layout.answer import ROW, ROW_ARM_ANGLE, ROW_BRANCH, ROW_STATUS
+from srs_ik.solve.packed import PackedArm
+from srs_ik.solve.pose import solve
 from srs_ik.solve.solution import BatchSolution, ElbowRange, Status
 
 Array = NDArray[np.float64]
@@ -70,7 +72,7 @@ class PathSolution(BatchSolution):
 
 
 def solve_path(
-    arm: Any,
+    arm: PackedArm,
     poses: Any,
     seed: ArrayLike | None = None,
     dt: float | None = None,
@@ -84,27 +86,27 @@ def solve_path(
     if not n:
         return PathSolution(np.empty((0, ROW)), arm.joint_names, np.empty((0, 7)), [])
     keys, verdicts = np.zeros(n, np.bool_), np.zeros(n, np.int64)
-    path_entries.choose_keys(arm._family, T, keys, verdicts)
+    path_entries.choose_keys(arm.family, T, keys, verdicts)
     refuse_bad_poses(verdicts)
     planned = _planned(arm, T, keys, start, longest)
     candidates = [planned, *_tracked(arm, T, planned[0, :7] if start is None else start, longest)]
     rows = min(candidates, key=lambda candidate: _cost(arm, candidate, start, longest))
     rows[:, :7] = _unwound(arm, rows[:, :7], start)
     steps = np.diff(rows[:, :7], axis=0)
-    return PathSolution(rows, arm.joint_names, steps, _breaks(arm, rows, steps, longest[1]), arm._elbow)
+    return PathSolution(rows, arm.joint_names, steps, _breaks(arm, rows, steps, longest[1]), arm.elbow)
 
 
-def _planned(arm: Any, T: Array, keys: NDArray[np.bool_], start: Array | None, longest: Array) -> Array:
+def _planned(arm: PackedArm, T: Array, keys: NDArray[np.bool_], start: Array | None, longest: Array) -> Array:
     """Rows of the path that dynamic programming finds, and smoothing makes even."""
     n = len(T)
     psis, branches = np.empty(n), np.empty(n, np.int64)
     seed = np.zeros(7) if start is None else start
-    path_entries.plan(arm._family, T, keys, start is not None, seed, longest, psis, branches)
+    path_entries.plan(arm.family, T, keys, start is not None, seed, longest, psis, branches)
     if not keys.all() and (branches < 0).any():
         # Between two planned poses the path changes branches, or ends: there, every pose is planned.
         keys = keys.copy()
         keys[_widened(branches < 0)] = True
-        path_entries.plan(arm._family, T, keys, start is not None, seed, longest, psis, branches)
+        path_entries.plan(arm.family, T, keys, start is not None, seed, longest, psis, branches)
     return _smoothed(arm, T, start, longest, psis, branches)
 
 
@@ -116,31 +118,31 @@ def _widened(where: NDArray[np.bool_]) -> NDArray[np.bool_]:
     return wide
 
 
-def _tracked(arm: Any, T: Array, start: Array, longest: Array) -> list[Array]:
+def _tracked(arm: PackedArm, T: Array, start: Array, longest: Array) -> list[Array]:
     """Rows of the path that goes on to the nearest posture each time, as it is and made even; none if it gets stuck."""
     rows = np.empty((len(T), ROW))
-    if path_entries.track(arm._family, T, start, *arm._work(), rows) < len(T):
+    if path_entries.track(arm.family, T, start, *arm.work(), rows) < len(T):
         return []
     psis, branches = rows[:, ROW_ARM_ANGLE].copy(), rows[:, ROW_BRANCH].astype(np.int64)
     return [rows, _smoothed(arm, T, start, longest, psis, branches)]
 
 
 def _smoothed(
-    arm: Any, T: Array, start: Array | None, longest: Array, psis: Array, branches: NDArray[np.int64]
+    arm: PackedArm, T: Array, start: Array | None, longest: Array, psis: Array, branches: NDArray[np.int64]
 ) -> Array:
     """Rows of a path given by arm angles and branches, which are moved in place."""
     q = np.zeros((len(T), 7))
     rows = np.full((len(T), ROW), np.nan)
     seed = np.zeros(7) if start is None else start
-    path_entries.smooth(arm._family, T, start is not None, seed, longest, psis, branches, q)
-    path_entries.finish(arm._family, T, psis, branches, q, rows)
+    path_entries.smooth(arm.family, T, start is not None, seed, longest, psis, branches, q)
+    path_entries.finish(arm.family, T, psis, branches, q, rows)
     for i in np.flatnonzero((branches < 0) | (rows[:, ROW_STATUS] != Status.OK)):
         # No posture was found on the nearest exact limb: the full search has the last word, near the sample before.
-        rows[i] = arm.solve(T[i], seed=rows[i - 1, :7] if i else start)._row
+        rows[i] = solve(arm, T[i], seed=rows[i - 1, :7] if i else start)._row
     return rows
 
 
-def _cost(arm: Any, rows: Array, start: Array | None, longest: Array) -> tuple[int, float]:
+def _cost(arm: PackedArm, rows: Array, start: Array | None, longest: Array) -> tuple[int, float]:
     """Breaks of a path, then its sum of squared joint steps from the start on."""
     q = _unwound(arm, rows[:, :7], start)
     if start is not None:
@@ -150,7 +152,7 @@ def _cost(arm: Any, rows: Array, start: Array | None, longest: Array) -> tuple[i
     return unreached + int((np.abs(steps) > longest[1]).any(axis=1).sum()), float((steps**2).sum())
 
 
-def _longest_steps(arm: Any, dt: float | None, longest_step: float) -> Array:
+def _longest_steps(arm: PackedArm, dt: float | None, longest_step: float) -> Array:
     """(3, 7) joint steps by velocity and by continuity, and the square of the shortest of all."""
     by_velocity = np.full(7, np.inf)
     if dt is not None:
@@ -160,7 +162,7 @@ def _longest_steps(arm: Any, dt: float | None, longest_step: float) -> Array:
     return np.vstack([by_velocity, by_continuity, np.full(7, min(by_velocity.min(), by_continuity.min()) ** 2)])
 
 
-def _unwound(arm: Any, q: Array, start: Array | None) -> Array:
+def _unwound(arm: PackedArm, q: Array, start: Array | None) -> Array:
     """The same postures with joints that turn without end counted on from sample to sample."""
     q = q.copy()
     endless = np.isinf(arm.lower) & np.isinf(arm.upper)
@@ -171,9 +173,9 @@ def _unwound(arm: Any, q: Array, start: Array | None) -> Array:
     return q
 
 
-def _breaks(arm: Any, rows: Array, steps: Array, longest: Array) -> list[PathBreak]:
+def _breaks(arm: PackedArm, rows: Array, steps: Array, longest: Array) -> list[PathBreak]:
     breaks = []
-    answers = BatchSolution(rows, arm.joint_names, arm._elbow)
+    answers = BatchSolution(rows, arm.joint_names, arm.elbow)
     jumps = np.append(False, (np.abs(steps) > longest).any(axis=1))
     for i in np.flatnonzero(jumps | ~answers.ok).tolist():
         if not answers.ok[i]:

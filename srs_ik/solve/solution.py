@@ -11,7 +11,7 @@ from typing import Any, NamedTuple, overload
 import numpy as np
 from numpy.typing import NDArray
 
-from srs_ik.kernels import layout as at
+from srs_ik.kernels.layout import answer as at
 
 Array = NDArray[np.float64]
 

@@ -6,7 +6,7 @@ from srs_ik.kernels.algebra.pointers import row
 from srs_ik.kernels.algebra.vectors import add, cross
 from srs_ik.kernels.chain.kinematics import forward_kinematics, joint_lines
 from srs_ik.kernels.jit import entry
-from srs_ik.kernels.layout import LIMITED
+from srs_ik.kernels.layout.limb import LIMITED
 from srs_ik.kernels.limb.poses import read7
 
 

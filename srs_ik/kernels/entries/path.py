@@ -7,14 +7,15 @@ import math
 import numpy as np
 
 from srs_ik.kernels.algebra.pointers import row
-from srs_ik.kernels.chain.answer import OK, measure_row
+from srs_ik.kernels.chain.answer import measure_row
 from srs_ik.kernels.chain.newton import clipped
-from srs_ik.kernels.exact.intervals import MAX_PIECES, find_intervals
+from srs_ik.kernels.exact.intervals import find_intervals
 from srs_ik.kernels.jit import entry, kernel
-from srs_ik.kernels.layout import FAR, IS_CLOSED, LIMITED, ROW_ARM_ANGLE, ROW_STATUS
+from srs_ik.kernels.layout.answer import GOOD_POSE, MAX_PIECES, OK, ROW_ARM_ANGLE, ROW_STATUS
+from srs_ik.kernels.layout.limb import FAR, IS_CLOSED, LIMITED
 from srs_ik.kernels.limb.goal import OUTSIDE
 from srs_ik.kernels.limb.limits import middles
-from srs_ik.kernels.limb.poses import GOOD_POSE, read7, read_pose
+from srs_ik.kernels.limb.poses import read7, read_pose
 from srs_ik.kernels.limb.triangle import place, shoulder_to_wrist
 from srs_ik.kernels.path.programme import (
     BREAK,

@@ -12,7 +12,7 @@ import math
 
 from srs_ik.kernels.algebra.vectors import across, cross, norm, swing
 from srs_ik.kernels.jit import kernel
-from srs_ik.kernels.layout import RANGE_KIND, SHOULDER, SLACK_SINGULAR, WRIST
+from srs_ik.kernels.layout.limb import RANGE_KIND, SHOULDER, SLACK_SINGULAR, WRIST
 from srs_ik.kernels.limb.limits import TURN, turn_to_middle, violation
 from srs_ik.kernels.limb.spherical import angles, default_anchor, middle_angle
 from srs_ik.kernels.limb.triangle import arm_angle_of_direction, elbow_side, target_frame, unit_across

@@ -9,7 +9,7 @@ import math
 
 from srs_ik.kernels.chain.newton import CLOSED, STEPS, close_at_angle, close_free
 from srs_ik.kernels.jit import kernel
-from srs_ik.kernels.layout import IS_CLOSED
+from srs_ik.kernels.layout.limb import IS_CLOSED
 from srs_ik.kernels.limb.branches import side_posture
 from srs_ik.kernels.limb.goal import OUTSIDE, turned
 from srs_ik.kernels.limb.self_motion import rates

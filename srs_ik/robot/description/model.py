@@ -11,7 +11,7 @@ from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import IO, Any
 from xml.etree.ElementTree import Element, tostring
 
 import pinocchio as pin
@@ -177,7 +177,7 @@ def _stderr_captured() -> Iterator[Callable[[], str]]:
         try:
             if sys.stderr is not None:
                 sys.stderr.flush()
-            with tempfile.TemporaryFile() as file:
+            with _scratch_file() as file:
 
                 def printed() -> str:
                     file.seek(0)
@@ -190,6 +190,11 @@ def _stderr_captured() -> Iterator[Callable[[], str]]:
                     os.dup2(saved, 2)
         finally:
             os.close(saved)
+
+
+def _scratch_file() -> IO[bytes]:
+    """A file without a name; in memory where the system has that, as there may be no folder to write to."""
+    return os.fdopen(os.memfd_create("stderr"), "r+b") if hasattr(os, "memfd_create") else tempfile.TemporaryFile()
 
 
 def _first_complaint(printed: str) -> str:
