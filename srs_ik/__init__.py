@@ -38,7 +38,7 @@ if TYPE_CHECKING:
         PreviewError,
         SrsIkError,
     )
-    from srs_ik.inputs.poses import PoseError, xyz_quaternion
+    from srs_ik.inputs.poses import PoseError, nearest_pose, xyz_quaternion
     from srs_ik.inputs.rotations import pose_from_xyz_quaternion, pose_from_xyz_rpy
     from srs_ik.inputs.task import Task
     from srs_ik.loading import LimbReport, find_limbs, load, robots
@@ -94,7 +94,7 @@ _MODULES = {
     "preview": ("Preview",),
     "preview.interactive": ("InteractivePreview",),
     "paper.printed_optimum": ("PrintedOptimum", "printed_optimum"),
-    "inputs.poses": ("PoseError", "xyz_quaternion"),
+    "inputs.poses": ("PoseError", "nearest_pose", "xyz_quaternion"),
     "inputs.rotations": ("pose_from_xyz_quaternion", "pose_from_xyz_rpy"),
     "solve.self_motion": ("SelfMotion",),
     "solve.solution": ("BatchSolution", "Interval", "Solution", "Solutions", "Status"),
@@ -150,6 +150,7 @@ __all__ = [
     "isotropy",
     "load",
     "manipulability",
+    "nearest_pose",
     "plot_arm_angle",
     "plot_ellipsoids",
     "plot_intervals",

@@ -10,7 +10,7 @@ import typer
 from typer.core import TyperGroup
 
 from srs_ik import __version__
-from srs_ik.cli import bench, ellipsoids, inspect, intervals, path, plot, preview, reproduce, robots, solve, task
+from srs_ik.cli import bench, ellipsoids, fk, inspect, intervals, path, plot, preview, reproduce, robots, solve, task
 from srs_ik.cli.options import ExampleCommand, NumbersCommand, WrongInput
 from srs_ik.cli.waiting import announce_compilation
 
@@ -117,6 +117,7 @@ def srs_ik(
 
 app.command("robots", cls=ExampleCommand)(robots.robots)
 app.command("inspect", cls=ExampleCommand)(inspect.inspect)
+app.command("fk", cls=NumbersCommand)(fk.fk)
 app.command("solve", cls=NumbersCommand)(solve.solve)
 app.command("intervals", cls=NumbersCommand)(intervals.intervals)
 app.command("path", cls=NumbersCommand)(path.path)

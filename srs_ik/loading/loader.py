@@ -9,8 +9,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import pinocchio as pin
 
-from srs_ik.errors import AmbiguousLimb, FrameNotFound, InvalidTask, NotAnSrsLimb, listed
+from srs_ik.errors import AmbiguousLimb, FrameNotFound, InvalidRobot, InvalidTask, NotAnSrsLimb, listed
 from srs_ik.forks import whole
+from srs_ik.inputs.numbers import real_array
 from srs_ik.robot import changes
 from srs_ik.robot.candidates import Candidate, LimbReport, examine, explained, weigh
 from srs_ik.robot.card import Placement
@@ -70,7 +71,8 @@ def load(
         The arm.
 
     Raises:
-        InvalidRobot: the description is missing or faulty, or `limits`, `srdf` or `xacro_args` do not fit it.
+        InvalidRobot: the description is missing or faulty, `limits`, `srdf` or `xacro_args` do not fit it, or `base`,
+            `tip`, `name` or `limb` is no text.
         FrameNotFound: the robot has no frame `base` or `tip`.
         NotAnSrsLimb: there are no seven such joints, or their axes miss common points by too much.
         AmbiguousLimb: several arms fit.
@@ -79,6 +81,9 @@ def load(
     """
     from srs_ik.arm import Arm
 
+    for what, word in (("base", base), ("tip", tip), ("name", name), ("limb", limb)):
+        if word is not None and not isinstance(word, str):
+            raise InvalidRobot(f"{what} is given as text, not as {word!r:.60}")
     asked_reference = None if reference is None else _direction(reference, "reference")
     asked_hand = None if hand is None else _hand(hand)
     description = describe(source, urdf, xacro_args)
@@ -256,15 +261,17 @@ def _matrix(placement: Placement) -> Vector:
 
 def _direction(value: Any, what: str) -> Vector:
     try:
-        vector = np.asarray(value, dtype=float)
+        vector = real_array(value)
     except (TypeError, ValueError):
         raise InvalidTask(f"{what} is not an array of 3 numbers") from None
     if vector.shape != (3,):
         raise InvalidTask(f"{what} has the shape {vector.shape}, not (3,)")
-    length = float(np.linalg.norm(vector))
-    if not (np.isfinite(length) and length > 1e-9):
+    largest = float(np.abs(vector).max())
+    if not (np.isfinite(largest) and largest > 1e-9):
         raise InvalidTask(f"{what} is {vector.tolist()}, which has no direction")
-    return vector / length
+    # Squares of large figures would pass what a float can hold.
+    vector /= largest
+    return vector / np.linalg.norm(vector)
 
 
 def _hand(value: Any) -> Vector:
