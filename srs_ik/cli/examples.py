@@ -11,6 +11,7 @@ _POSE = "--xyz 0.5 0.1 0.6 --rpy 0 1.5708 0"
 EXAMPLES: dict[str, Sequence[str]] = {
     "robots": ("srs-ik robots", "srs-ik robots --json"),
     "inspect": ("srs-ik inspect iiwa14", "srs-ik inspect my_robot.urdf --limb left --write robot.toml"),
+    "fk": (f"srs-ik fk iiwa14 --q {_Q}", "srs-ik fk iiwa14 --file joints.csv --out poses.csv"),
     "solve": (
         f"srs-ik solve iiwa14 {_POSE}",
         f"srs-ik solve iiwa14 {_POSE} --seed {_Q}",
