@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from enum import StrEnum
 from functools import partial
 from pathlib import Path
@@ -76,7 +77,8 @@ def reproduce(
     arm = load(robot, base=base, tip=tip, limb=limb, hand=None if axes is None else [axes[:3], axes[3:]])
     names = list(EXPERIMENTS) if experiment is Experiment.all else [experiment.value]
     out.mkdir(parents=True, exist_ok=True)
-    with Progress(console=Console(stderr=True), transient=True) as bar:
+    # Where nobody looks, a bar would leave an empty line.
+    with Progress(console=Console(stderr=True), transient=True, disable=not sys.stderr.isatty()) as bar:
         for name in names:
             # Drawing takes about as long as computing.
             task = bar.add_task(name, total=2.0)

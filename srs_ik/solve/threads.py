@@ -22,8 +22,8 @@ Result = TypeVar("Result")
 SMALLEST_RANGE = 8
 """Poses that are worth a call, and those that show how long one takes."""
 
-FIRST_RANGE = 32
-"""Poses of the first call where one thread does them all; the slowest arms need a tenth of a second for them."""
+FIRST_RANGE = 128
+"""Poses of the first call where one thread does them all; the slowest arms need a third of a second for them."""
 
 LONGEST = 0.1
 """Seconds that a call takes at most, as far as the one before tells: an interruption is noticed between two calls."""
@@ -31,9 +31,8 @@ LONGEST = 0.1
 GROWTH = 8
 """How many times longer than the one before a range may be."""
 
-SHARE = 2
-"""Each range is at most what is left, over this and the number of threads: towards the end ranges become short, and
-where a processor has other work too, the other threads do more of them."""
+RANGES = 12
+"""Ranges at least for each of several threads: where a processor has other work too, the other threads do more."""
 
 WORTH_A_THREAD = 2e-4
 """Seconds of work for which threads are started; to start one takes about a quarter of this."""
@@ -70,8 +69,11 @@ def run_in_threads(work: Callable[[int, int], None], count: int, threads: int | 
     elif isinstance(threads, bool) or not isinstance(threads, (int, np.integer)) or threads < 1:
         raise SrsIkError(f"threads must be a positive integer, not {threads!r}")
     helpers = min(threads, processors(), count // SMALLEST_RANGE) - 1
+    if helpers < 1 and count <= FIRST_RANGE:
+        work(0, count)
+        return
     if helpers < 1:
-        _Batch(work, count, 1).work_off(FIRST_RANGE, _watcher.get())
+        _Batch(work, count, count).work_off(FIRST_RANGE, _watcher.get())
         return
     begin = time.perf_counter()
     work(0, SMALLEST_RANGE)
@@ -79,7 +81,7 @@ def run_in_threads(work: Callable[[int, int], None], count: int, threads: int | 
     if pace * (count - SMALLEST_RANGE) < WORTH_A_THREAD:
         work(SMALLEST_RANGE, count)
         return
-    batch = _Batch(work, count, helpers + 1, SMALLEST_RANGE)
+    batch = _Batch(work, count, -(-count // (RANGES * (helpers + 1))), SMALLEST_RANGE)
     _share(batch, max(SMALLEST_RANGE, int(LONGEST / pace)), helpers)
 
 
@@ -89,14 +91,14 @@ class _Batch:
     Args:
         work: does the poses from a first to before a last one.
         count: poses of the batch.
-        threads: how many threads work it off.
+        longest: poses of a range at most, but for those too few to be worth a call.
         begun: poses that are done already.
     """
 
-    def __init__(self, work: Callable[[int, int], None], count: int, threads: int, begun: int = 0) -> None:
+    def __init__(self, work: Callable[[int, int], None], count: int, longest: int, begun: int = 0) -> None:
         self._work = work
         self._count = count
-        self._share = SHARE * threads if threads > 1 else 1
+        self._longest = max(SMALLEST_RANGE, longest)
         self._begun = begun
         self._lock = threading.Lock()
 
@@ -104,8 +106,8 @@ class _Batch:
         """Do ranges until none is left, the first one of at most `size` poses."""
         while True:
             with self._lock:
-                first, left = self._begun, self._count - self._begun
-                length = min(left, size, max(SMALLEST_RANGE, -(-left // self._share)))
+                first = self._begun
+                length = min(self._count - first, size, self._longest)
                 self._begun += length
             if length <= 0:
                 return
