@@ -9,10 +9,10 @@ import pytest
 from browser import PATIENCE, chromium
 
 import srs_ik
-from srs_ik import zoo
 from srs_ik.preview import Preview
 from srs_ik.preview.document import Caption, saved
 from srs_ik.preview.words import report
+from srs_ik.robot import zoo
 
 FILES, NAMES = 20, 10
 """So many files, each with so many names that are shown: 7 joints, the robot, and the base and tip frames."""

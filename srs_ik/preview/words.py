@@ -12,7 +12,7 @@ from srs_ik.preview import palette
 
 if TYPE_CHECKING:
     from srs_ik.arm import Arm
-    from srs_ik.solution import Interval, Solution
+    from srs_ik.solve.solution import Interval, Solution
 
 Entry = tuple[palette.Rgb, str]
 """A colour and what it stands for."""
