@@ -112,5 +112,5 @@ def test_without_viser_the_error_names_the_extra_once_a_page_is_made(monkeypatch
     monkeypatch.delitem(vars(srs_ik), "InteractivePreview", raising=False)
     arm = srs_ik.load("iiwa14")
     assert [name for name in srs_ik.__all__ if not hasattr(srs_ik, name)] == []
-    with pytest.raises(srs_ik.MissingExtra, match=r"pip install 'srs-ik\[interactive\]'"):
+    with pytest.raises(srs_ik.MissingExtra, match=r"pip install .*\[interactive\]'"):
         srs_ik.InteractivePreview(arm)
