@@ -125,8 +125,8 @@ def _draw(
 def _serve(page: Any) -> None:
     """Keep the page until the user has seen enough."""
     _say_missing(page)
-    typer.echo(f"{page.arm.name}: {page.url} (Ctrl+C ends it)")
     try:
+        typer.echo(f"{page.arm.name}: {page.url} (Ctrl+C ends it)")
         while True:
             time.sleep(3600.0)
     except KeyboardInterrupt:

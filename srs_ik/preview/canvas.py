@@ -51,7 +51,7 @@ class Canvas:
         self._root["/Background"].set_property("bottom_color", list(palette.BACKGROUND_BOTTOM))
         self._root["/Axes"].set_property("visible", False)
 
-    def fit(self, stage: Stage) -> None:
+    def fit(self, stage: Stage, closer: bool = False) -> None:
         """Bring all that is drawn before the camera, upright, with a floor of a grid below.
 
         The camera turns about the origin and cannot be told otherwise, so it is the scene that moves. It stays as it is
@@ -59,9 +59,12 @@ class Canvas:
 
         Args:
             stage: how the arm stands.
+            closer: whether to come closer too, where less is drawn than before.
         """
         centre, radius = self._extent.sphere()
-        if np.linalg.norm(centre - self._centre) + radius <= _BEYOND * self._radius:
+        if np.linalg.norm(centre - self._centre) + radius <= _BEYOND * self._radius and not (
+            closer and _BEYOND * radius < self._radius
+        ):
             return
         self._centre, self._radius = centre, radius
         T = np.eye(4)

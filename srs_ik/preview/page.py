@@ -51,10 +51,17 @@ def serve(port: int, label: str) -> Served:
         from srs_ik.preview.inbox import Inbox
     except ImportError:
         raise MissingExtra("interactive", "a page with sliders") from None
+
+    class LoopbackServer(viser.ViserServer):
+        """Viser's server, which does not offer its page to the world when it is asked for it."""
+
+        def request_share_url(self, verbose: bool = True) -> str | None:
+            return None
+
     guard = Guarded(Door(), Inbox())
     try:
         with _quiet(), guarding():
-            server = viser.ViserServer(host=guard, port=port, label=label, verbose=False)
+            server = LoopbackServer(host=guard, port=port, label=label, verbose=False)
     except (OSError, OverflowError, RuntimeError) as error:
         reason = getattr(error, "strerror", None) or error
         raise PreviewError(f"the preview cannot be served on port {port} of {HOST}: {reason}") from None

@@ -351,6 +351,7 @@ class Preview:
         for name in _EXTRAS:
             self._canvas.erase(name)
         self._legend.clear()
+        self._canvas.fit(self._stage, closer=True)
         self._settle()
 
     # --------------------------------------------------------------------------------------------------------------
