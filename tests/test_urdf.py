@@ -10,9 +10,9 @@ from hypothesis import example, given, settings
 from hypothesis import strategies as st
 from robot_files import SHARED, joint_xml, random_configuration, robot_xml, shared_urdf
 
-from srs_ik import zoo
+from srs_ik import bounds, zoo
 from srs_ik.errors import InvalidRobot
-from srs_ik.urdf import document, load_model
+from srs_ik.urdf import load_model
 from srs_ik.urdf.from_yourdfpy import roll_pitch_yaw
 
 FILES = sorted(path.stem for path in SHARED.glob("*.urdf")) or ["iiwa14_drake_models"]
@@ -300,7 +300,7 @@ def test_wrong_files_are_refused_and_named(tmp_path):
     huge = tmp_path / "huge.urdf"
     with huge.open("wb") as file:
         file.write(b"<robot>")
-        file.truncate(document.MAX_BYTES + 10)
+        file.truncate(bounds.XML_BYTES + 10)
     fifo = tmp_path / "fifo"
     os.mkfifo(fifo)
     cases = {

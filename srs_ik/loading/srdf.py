@@ -7,7 +7,8 @@ from pathlib import Path
 
 from srs_ik.errors import InvalidRobot, did_you_mean, listed
 from srs_ik.urdf import document
-from srs_ik.urdf.model import is_xml, read
+from srs_ik.urdf.files import read
+from srs_ik.urdf.model import is_xml
 
 _KEPT: Mapping[str, frozenset[str]] = {"robot": frozenset({"group"}), "group": frozenset({"chain"})}
 

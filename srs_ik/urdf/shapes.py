@@ -13,7 +13,8 @@ import pinocchio as pin
 from numpy.typing import NDArray
 
 from srs_ik.urdf import document
-from srs_ik.urdf.model import Drawing, read
+from srs_ik.urdf.files import read
+from srs_ik.urdf.model import Drawing
 
 Kind = Literal["box", "cylinder", "sphere", "capsule", "mesh"]
 Rgba = tuple[float, float, float, float]
