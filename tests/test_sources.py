@@ -1,14 +1,17 @@
 """Where descriptions come from: packages, xacro, SRDF, MJCF, and which of several limbs is meant."""
 
 import sys
+from pathlib import Path
 
 import numpy as np
 import pinocchio as pin
 import pytest
+from command_line import run
 from robot_files import EXAMPLES, example_urdf, joint_xml, serial_arm, shared_urdf
 
 import srs_ik
 from srs_ik.errors import FrameNotFound, InvalidRobot, MissingExtra, NotAnSrsLimb
+from srs_ik.loading.adapter import write_adapter
 from srs_ik.loading.places import missing
 from srs_ik.loading.sides import side_of
 from srs_ik.loading.srdf import chains
@@ -151,6 +154,73 @@ def test_a_recursive_xacro_macro_ends(package):
     )
     with pytest.raises(InvalidRobot, match="cannot be expanded"):
         srs_ik.load(path)
+
+
+@pytest.fixture
+def expanded(monkeypatch):
+    """The xacro files that are run."""
+    xacro = pytest.importorskip("xacro")
+    seen, process = [], xacro.process_file
+
+    def watched(path, **options):
+        seen.append(Path(path).name)
+        return process(path, **options)
+
+    monkeypatch.setattr(xacro, "process_file", watched)
+    return seen
+
+
+def test_a_xacro_file_that_an_adapter_names_is_run_only_when_allowed(package, tmp_path, expanded):
+    adapter = tmp_path / "robot.toml"
+    source = package / "urdf" / "grown.urdf.xacro"
+    write_adapter(adapter, source, srs_ik.load(source), {"reach": "0.5"})
+    assert "a program: allow_xacro=True, --allow-xacro" in adapter.read_text()
+    expanded.clear()
+    for ask in (srs_ik.load, srs_ik.find_limbs):
+        with pytest.raises(
+            InvalidRobot, match=r"names the xacro file .*grown.urdf.xacro, which is a program: .*--allow-"
+        ):
+            ask(adapter)
+    for command in (["inspect"], ["solve", "--from-q", *"0000000"], ["intervals", "--from-q", *"0000000"]):
+        result = run(*command[:1], str(adapter), *command[1:])
+        assert (result.exit_code, len(result.stderr.splitlines())) == (2, 1)
+        assert "which is a program" in result.stderr
+    assert expanded == []
+    assert srs_ik.load(adapter, allow_xacro=True).limb.upper_arm == pytest.approx(0.5)
+    assert run("inspect", str(adapter), "--allow-xacro").exit_code == 0
+    assert set(expanded) == {source.name}
+
+
+def test_a_xacro_file_of_another_name_is_never_run(package, expanded):
+    for name in ("robot.urdf", "robot.xml", "robot.srdf", "robot"):
+        path = package / name
+        path.write_text(XACRO)
+        for ask in (srs_ik.load, srs_ik.find_limbs):
+            with pytest.raises(InvalidRobot, match="is a xacro file: give it a name that ends"):
+                ask(path)
+        with pytest.raises(InvalidRobot):
+            srs_ik.load(ARM, srdf=path)
+    with pytest.raises(InvalidRobot, match="is a xacro file"):
+        srs_ik.load(XACRO)
+    assert expanded == []
+
+
+def test_a_xacro_file_that_the_user_names_is_run(package, tmp_path, expanded, monkeypatch):
+    monkeypatch.setenv("ROS_PACKAGE_PATH", str(package.parent))
+    assert srs_ik.load("package://small_description/urdf/grown.urdf.xacro").limb
+    with pytest.raises(FrameNotFound):
+        srs_ik.load("iiwa14", urdf=package / "urdf" / "grown.urdf.xacro")
+    assert expanded == ["grown.urdf.xacro"] * 2
+
+
+def test_a_xacro_file_behind_a_name_of_this_package_is_run(package, expanded, monkeypatch):
+    clone = package.parent / "openarm_description"
+    (clone / "urdf" / "robot").mkdir(parents=True)
+    (clone / "urdf" / "robot" / "v10.urdf.xacro").write_text(XACRO)
+    monkeypatch.setenv("ROS_PACKAGE_PATH", str(clone.parent))
+    with pytest.raises(FrameNotFound):
+        srs_ik.load("openarm_left")
+    assert expanded == ["v10.urdf.xacro"]
 
 
 # MoveIt

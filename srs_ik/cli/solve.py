@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from srs_ik.cli import objective as objectives
-from srs_ik.cli.options import AsJson, Base, Limb, Seven, Source, Tip, WrongInput, numbers
+from srs_ik.cli.options import AllowXacro, AsJson, Base, Limb, Seven, Source, Tip, WrongInput, numbers
 from srs_ik.cli.poses import JOINTS, FromQ, NoLimits, Quat, Rpy, Xyz, read_pose, unit_of
 
 if TYPE_CHECKING:
@@ -28,6 +28,7 @@ def solve(
     base: Base = None,
     tip: Tip = None,
     limb: Limb = None,
+    allow_xacro: AllowXacro = False,
     arm_angle: Annotated[
         str | None, typer.Option(metavar="ANGLE", help="Arm angle of the posture; zero as 'srs-ik inspect' says.")
     ] = None,
@@ -76,7 +77,7 @@ def solve(
 
     from srs_ik.loading import load
 
-    arm = load(source, base=base, tip=tip, limb=limb)
+    arm = load(source, base=base, tip=tip, limb=limb, allow_xacro=allow_xacro)
     if pose is None:
         pose = arm.forward_kinematics(configuration).homogeneous
     if every:

@@ -5,16 +5,19 @@ from __future__ import annotations
 import json
 import math
 import os
+import threading
 from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
 
+from srs_ik.card import read_card
 from srs_ik.errors import InvalidRobot
 from srs_ik.limb import SrsLimb, Vector
 from srs_ik.loading.sides import side_of
 from srs_ik.loading.sources import places_of
+from srs_ik.urdf.files import label_of
 
 if TYPE_CHECKING:
     from srs_ik.arm import Arm
@@ -44,12 +47,17 @@ def write_adapter(path: str | Path, source: str | Path, arm: Arm, xacro_args: Ma
     places = [_as_written(place, path.absolute().parent) for place in places_of(source)]
     text = _text(arm, places, xacro_args or {})
     try:
-        with path.open("x", encoding="utf-8") as file:
-            file.write(text)
+        _write_new(path, text)
     except FileExistsError:
-        raise InvalidRobot(f"{path} exists already; it is not overwritten", path) from None
-    except OSError as error:
-        raise InvalidRobot(f"cannot write {path}: {error.strerror or error}", path) from error
+        raise InvalidRobot(f"{label_of(path)} exists already; it is not overwritten", path) from None
+    except (OSError, ValueError) as error:
+        reason = getattr(error, "strerror", None) or error
+        raise InvalidRobot(f"cannot write {label_of(path)}: {reason}", path) from error
+
+
+def names_xacro(path: str | Path) -> bool:
+    """True if a description that an adapter names is a xacro file, as far as its place says so."""
+    return any(map(_is_xacro, read_card(path).places))
 
 
 def hand_axes(limb: SrsLimb) -> tuple[Vector, Vector]:
@@ -72,6 +80,28 @@ def hand_axes(limb: SrsLimb) -> tuple[Vector, Vector]:
     return grasp, _unit(across - grasp * (grasp @ across))
 
 
+def _write_new(path: Path, text: str) -> None:
+    """Write a file that does not exist, whole or not at all: a full disk leaves none."""
+    part = path.with_name(f".srs_ik_{os.getpid()}_{threading.get_ident()}.part")
+    try:
+        with part.open("x", encoding="utf-8") as file:
+            file.write(text)
+            file.flush()
+            os.fsync(file.fileno())
+        try:
+            # Unlike a renaming, a link never takes the place of a file.
+            os.link(part, path)
+        except FileExistsError:
+            raise
+        except OSError:
+            # A file system without links.
+            if path.exists():
+                raise FileExistsError from None
+            part.rename(path)
+    finally:
+        part.unlink(missing_ok=True)
+
+
 def _unit(vector: Vector) -> Vector:
     vector = vector / np.linalg.norm(vector)
     # Rounding that is not worth a digit in a file that people read.
@@ -89,10 +119,12 @@ def _text(arm: Arm, places: list[str], xacro_args: Mapping[str, str]) -> str:
     grasp, across = arm.hand or hand_axes(arm.limb)
     urdf = _string(places[0]) if len(places) == 1 else f"[{', '.join(map(_string, places))}]"
     side = side_of((arm.base, arm.tip, *arm.joint_names))
+    # Whoever gets the adapter from somebody has to say that the program may run.
+    xacro = "; a program: allow_xacro=True, --allow-xacro" if any(map(_is_xacro, places)) else ""
     lines = [
         "# Adapter of an arm: srs_ik.load() and srs-ik take this file. Check every line that says 'check'.",
         f"name = {_string(arm.name)}",
-        f"urdf = {urdf}  # relative to this file",
+        f"urdf = {urdf}  # relative to this file{xacro}",
         f'side = "{side}"  # of a body: left, right or either; check',
         "",
         "[frames]",
@@ -123,6 +155,10 @@ def _text(arm: Arm, places: list[str], xacro_args: Mapping[str, str]) -> str:
         values = ", ".join(f"{key} = {_number(value)}" for key, value in figures)
         lines.append(f"# {_string(joint)} = {{ {values} }}")
     return "\n".join(lines) + "\n"
+
+
+def _is_xacro(place: str) -> bool:
+    return place.endswith(".xacro")
 
 
 def _string(text: str) -> str:

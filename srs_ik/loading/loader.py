@@ -37,6 +37,7 @@ def load(
     urdf: Any = None,
     srdf: str | Path | None = None,
     xacro_args: Mapping[str, str] | None = None,
+    allow_xacro: bool = False,
 ) -> Arm:
     """Load an S-R-S arm.
 
@@ -61,7 +62,9 @@ def load(
             (rad/s) and "effort" (N m) that change; infinite for none.
         urdf: the description of a robot with a name or an adapter, where it is not at one of their places.
         srdf: path or text of a MoveIt SRDF file; base and tip are those of one of its chains.
-        xacro_args: arguments of a xacro file.
+        xacro_args: arguments of a xacro file. Such a file is a program, with what the user may do: load those that you
+            trust.
+        allow_xacro: whether to run a xacro file that an adapter names. One that you name yourself is run in any case.
 
     Returns:
         The arm.
@@ -78,7 +81,7 @@ def load(
 
     asked_reference = None if reference is None else _direction(reference, "reference")
     asked_hand = None if hand is None else _hand(hand)
-    description = describe(source, urdf, xacro_args)
+    description = describe(source, urdf, xacro_args, allow_xacro)
     if srdf is not None:
         base, tip = chain_of(srdf, limb)
         limb = None
@@ -105,7 +108,7 @@ def load(
     return arm
 
 
-def find_limbs(source: Any, xacro_args: Mapping[str, str] | None = None) -> list[LimbReport]:
+def find_limbs(source: Any, xacro_args: Mapping[str, str] | None = None, allow_xacro: bool = False) -> list[LimbReport]:
     """Every chain of seven consecutive revolute joints in a robot, classified and measured.
 
     S-R-S limbs come first, then chains that are none. Of chains that share joints only the best is reported: see `note`
@@ -114,12 +117,13 @@ def find_limbs(source: Any, xacro_args: Mapping[str, str] | None = None) -> list
     Args:
         source: as for `load`.
         xacro_args: arguments of a xacro file.
+        allow_xacro: as for `load`.
 
     Raises:
         InvalidRobot: the description is missing or faulty.
         MissingExtra: `source` needs a package that is not installed.
     """
-    description = describe(source, xacro_args=xacro_args)
+    description = describe(source, xacro_args=xacro_args, allow_xacro=allow_xacro)
     skeleton = Skeleton(description.robot.model)
     candidates = [examine(description, skeleton, joints) for joints in skeleton.windows(description.robot.mimic_joints)]
     return [candidate.report for candidate in weigh(candidates, skeleton)]
