@@ -16,11 +16,11 @@ XML_DEPTH = 1000
 XML_INCLUDES = 20
 """Most files that an MJCF file includes."""
 
-CARD_BYTES = 2**15
-"""Largest adapter; a full one has 3 KB. The parser's memory grows with the square of the length of a dotted key."""
+CARD_BYTES = 2**16
+"""Largest adapter; a full one has 3 KB."""
 
-CARD_DOTS = 8
-"""Most dots in one line of an adapter outside its texts; its tables are two deep, and numbers have a dot each."""
+CARD_KEYS = 8
+"""Most parts of a dotted key of an adapter, of which two are used. The parser's memory grows with their square."""
 
 LINKS = 2000
 """Most links or bodies."""

@@ -16,8 +16,8 @@ from srs_ik import bounds
 _LISTED = 40
 """Longest list of names that is spelled out in a message; the fields of an error always hold all of them."""
 
-_LONGEST = 8000
-"""Characters of a message; forty names of full length and the sentence around them fit."""
+_LONGEST = 2000
+"""Characters of a message."""
 
 
 class SrsIkError(Exception):
@@ -55,9 +55,9 @@ class FrameNotFound(SrsIkError):
     def __init__(self, frame: str, available: Iterable[str], robot: str = "", source: str = "") -> None:
         self.frame = str(frame)
         self.available = tuple(available)
-        where = f" in robot {robot!r}" if robot else ""
+        where = f" in robot {quoted(robot)}" if robot else ""
         message = f"{source}: " if source else ""
-        message += f"there is no frame {self.frame!r}{where}{did_you_mean(self.frame, self.available)}"
+        message += f"there is no frame {quoted(self.frame)}{where}{did_you_mean(self.frame, self.available)}"
         super().__init__(f"{message}; its frames are {listed(self.available)}" if self.available else message)
 
 
@@ -147,7 +147,7 @@ class PreviewError(SrsIkError):
 
 def did_you_mean(name: str, known: Iterable[str]) -> str:
     """The clause " (did you mean ...?)" for a misspelt name, or "" where no known name is close to it."""
-    if len(name) > bounds.COMPARED:
+    if not isinstance(name, str) or len(name) > bounds.COMPARED:
         return ""
     by_folded = {candidate.casefold(): candidate for candidate in known if len(candidate) <= bounds.COMPARED}
     close = [by_folded[match] for match in difflib.get_close_matches(name.casefold(), by_folded, n=3)]

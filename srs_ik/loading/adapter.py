@@ -15,6 +15,7 @@ import numpy as np
 from srs_ik.card import read_card
 from srs_ik.errors import InvalidRobot
 from srs_ik.limb import SrsLimb, Vector
+from srs_ik.loading.arguments import check_path, check_xacro_args
 from srs_ik.loading.sides import side_of
 from srs_ik.loading.sources import places_of
 from srs_ik.urdf.files import label_of
@@ -41,9 +42,13 @@ def write_adapter(path: str | Path, source: str | Path, arm: Arm, xacro_args: Ma
     Raises:
         InvalidRobot: the file exists, its name does not end in ``.toml``, or it cannot be written.
     """
+    check_path("path", path)
+    check_xacro_args(xacro_args)
     path = Path(path)
     if path.suffix != ".toml":
-        raise InvalidRobot(f"an adapter is a file whose name ends in .toml, such as robot.toml, not {path}", path)
+        raise InvalidRobot(
+            f"an adapter is a file whose name ends in .toml, such as robot.toml, not {label_of(path)}", path
+        )
     places = [_as_written(place, path.absolute().parent) for place in places_of(source)]
     text = _text(arm, places, xacro_args or {})
     try:

@@ -14,6 +14,7 @@ from srs_ik.card import Placement
 from srs_ik.chain import Chain, Skeleton, build_chain
 from srs_ik.errors import AmbiguousLimb, FrameNotFound, InvalidTask, NotAnSrsLimb, listed
 from srs_ik.limb import Hand, Vector
+from srs_ik.loading.arguments import check_path, check_texts
 from srs_ik.loading.limbs import Candidate, LimbReport, examine, explained, weigh
 from srs_ik.loading.sides import is_meant
 from srs_ik.loading.sources import Description, describe
@@ -70,7 +71,8 @@ def load(
         The arm.
 
     Raises:
-        InvalidRobot: the description is missing or faulty, or `limits`, `srdf` or `xacro_args` do not fit it.
+        InvalidRobot: the description is missing or faulty, `limits`, `srdf` or `xacro_args` do not fit it, or an argument
+            is of the wrong kind.
         FrameNotFound: the robot has no frame `base` or `tip`.
         NotAnSrsLimb: there are no seven such joints, or their axes miss common points by too much.
         AmbiguousLimb: several arms fit.
@@ -79,6 +81,9 @@ def load(
     """
     from srs_ik.arm import Arm
 
+    check_texts(base=base, tip=tip, name=name, limb=limb)
+    if srdf is not None:
+        check_path("srdf", srdf)
     asked_reference = None if reference is None else _direction(reference, "reference")
     asked_hand = None if hand is None else _hand(hand)
     description = describe(source, urdf, xacro_args, allow_xacro)
@@ -88,7 +93,7 @@ def load(
     joints, base, tip = _choose(description, base, tip, limb)
     chain = build_chain(description.robot.model, joints, base, tip)
     for changes in (description.limits, limits):
-        chain = within_limits(chain, changes) if changes else chain
+        chain = within_limits(chain, changes) if changes is not None else chain
     if asked_reference is None:
         asked_reference = _meant_reference(description, chain)
     if asked_hand is None:
@@ -254,7 +259,7 @@ def _matrix(placement: Placement) -> Vector:
 def _direction(value: Any, what: str) -> Vector:
     try:
         vector = np.asarray(value, dtype=float)
-    except (TypeError, ValueError):
+    except (TypeError, ValueError, OverflowError):
         raise InvalidTask(f"{what} is not an array of 3 numbers") from None
     if vector.shape != (3,):
         raise InvalidTask(f"{what} has the shape {vector.shape}, not (3,)")

@@ -12,8 +12,9 @@ import numpy as np
 
 from srs_ik import zoo
 from srs_ik.card import Placement, RobotCard, read_card
-from srs_ik.errors import InvalidRobot, did_you_mean, listed
+from srs_ik.errors import InvalidRobot, did_you_mean, listed, quoted
 from srs_ik.limb import Vector
+from srs_ik.loading.arguments import check_path, check_xacro_args
 from srs_ik.loading.places import DESCRIPTION, Found, described_names, is_fetched, locate, missing
 from srs_ik.urdf import RobotModel, load_model
 from srs_ik.urdf.model import is_xml
@@ -117,6 +118,7 @@ def describe(
             asked to run.
         MissingExtra: the name needs a package that is not installed.
     """
+    check_xacro_args(xacro_args)
     card = _card(source)
     if card is not None:
         return _of_card(card, urdf, xacro_args, allow_xacro or _is_known(source))
@@ -137,8 +139,9 @@ def places_of(source: str | os.PathLike[str]) -> tuple[str, ...]:
     """Where the description behind a name, path or address may be, as a card says it.
 
     Raises:
-        InvalidRobot: a text is no name, path or address.
+        InvalidRobot: a text is no name, path or address, or the source is of another kind.
     """
+    check_path("source", source)
     card = _card(source)
     if card is not None:
         return card.places
@@ -211,7 +214,11 @@ def _at(place: str, xacro_args: Mapping[str, str] | None) -> Description:
 
 def _arguments(source: Any, asked: Mapping[str, str] | None, usual: Mapping[str, str]) -> Mapping[str, str] | None:
     """Arguments of a xacro file: those that are asked for, and for the rest the usual ones, which only it has."""
-    return {**usual, **(asked or {})} if str(source).endswith(".xacro") else asked
+    return (
+        {**usual, **(asked or {})}
+        if isinstance(source, str | os.PathLike) and os.fspath(source).endswith(".xacro")
+        else asked
+    )
 
 
 def _is_path(text: str) -> bool:
@@ -225,8 +232,9 @@ def _is_path(text: str) -> bool:
 
 
 def _unknown(name: str) -> InvalidRobot:
-    shown = name if len(name) <= 80 else name[:77] + "..."
     known = robots()
     described = {described.removesuffix(DESCRIPTION): described for described in described_names()}
     hint = did_you_mean(described.get(name, name), [*known, *described.values()])
-    return InvalidRobot(f"{shown!r} is neither a file nor the name of a robot{hint}; there are {listed(known)}", shown)
+    return InvalidRobot(
+        f"{quoted(name)} is neither a file nor the name of a robot{hint}; there are {listed(known)}", name
+    )

@@ -15,8 +15,8 @@ from xml.parsers import expat
 from srs_ik import bounds
 from srs_ik.errors import InvalidRobot
 
-_PART = 2**14
-"""Bytes that the parser is given at once."""
+_PART = 2**20
+"""Bytes that the parser is given at once: few enough parts, as it begins a long name or value again with each."""
 
 _READ = re.compile(r"utf-8|utf-8-sig|utf-16|utf-16-[bl]e|ascii|iso8859-\d+|cp125\d|koi8-[rtu]")
 """Encodings that are read, by Python's names: those of one meaning for each byte or code unit."""

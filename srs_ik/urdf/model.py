@@ -73,6 +73,8 @@ def load_model(
         InvalidRobot: there is no such file, or it is no valid description; the message says what is wrong.
         MissingExtra: a xacro file, and xacro is not installed.
     """
+    if isinstance(source, os.PathLike) and isinstance(os.fspath(source), bytes):
+        source = os.fsdecode(source)
     if xacro_args and not (isinstance(source, str | os.PathLike) and Path(source).suffix == ".xacro"):
         raise InvalidRobot("arguments are for xacro files, whose names end in .xacro")
     if isinstance(source, pin.Model):
