@@ -10,6 +10,9 @@ XML_BYTES = 8 * 2**20
 XML_ELEMENTS = 200_000
 """Most elements of an XML text, skipped ones included; a humanoid with hands has a few thousand."""
 
+XML_ATTRIBUTES = 1000
+"""Most attributes of one element; the parser makes all of them at once, before any can be refused."""
+
 XML_DEPTH = 1000
 """Deepest nesting of elements, which some parsers follow by recursion. Bodies of an MJCF file nest, links do not."""
 

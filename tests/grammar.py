@@ -139,7 +139,9 @@ class _Grammar:
 
     def vector(self, count: int = 3, size: float = 1.0) -> str:
         if self.odd():
-            count = self.rng.choice((0, 1, 2, 4, 7, 50_000))
+            count = self.rng.choice((0, 1, 2, 4, 7))
+            if self.chance(0.05):
+                return "0.1 " * 50_000
         return self.rng.choice((" ", " ", " ", "  ", "\n", "\t")).join(self.figure(size) for _ in range(count))
 
     def axis(self) -> str:
@@ -251,9 +253,11 @@ class _Grammar:
         if self.chance(0.04):
             return self.monster("mujoco", "worldbody", "default", "body", "include", "compiler", "equality")
         if self.chance(0.02):
-            body = self.rng.choice(("<body>", "<body><joint/>", "<frame>", "<body pos='0 0 1'>"))
+            tag = self.rng.choice(("body", "body", "frame"))
+            inside = self.rng.choice(("", "<joint/>", "<geom size='1'/>"))
             many = self.rng.choice((100, 300, 600, 990, 5000))
-            return f"<mujoco><worldbody>{body * many}{f'</{body[1:5]}{chr(62) if body[1] == chr(98) else chr(101) + chr(62)}' * many}</worldbody></mujoco>"
+            nested = f"<{tag}>{inside}" * many + f"</{tag}>" * many
+            return f"<mujoco><worldbody>{nested}</worldbody></mujoco>"
         sections = [
             self.tag("compiler", **self.some(angle="radian", eulerseq="xyz", autolimits="true", coordinate="local"))
         ]

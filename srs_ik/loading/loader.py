@@ -71,8 +71,8 @@ def load(
         The arm.
 
     Raises:
-        InvalidRobot: the description is missing or faulty, `limits`, `srdf` or `xacro_args` do not fit it, or an argument
-            is of the wrong kind.
+        InvalidRobot: the description is missing or faulty, `limits`, `srdf` or `xacro_args` do not fit it, or an
+            argument is of the wrong kind.
         FrameNotFound: the robot has no frame `base` or `tip`.
         NotAnSrsLimb: there are no seven such joints, or their axes miss common points by too much.
         AmbiguousLimb: several arms fit.

@@ -23,6 +23,7 @@ _READ = re.compile(r"utf-8|utf-8-sig|utf-16|utf-16-[bl]e|ascii|iso8859-\d+|cp125
 
 _DECLARED = re.compile(rb"(?:\xef\xbb\xbf)?\s*<\?xml\s[^>]{0,200}?encoding\s*=\s*[\"']([A-Za-z0-9._-]{1,40})[\"']")
 _BEFORE = re.compile(r"(?:\s++|<\?.*?\?>|<!--.*?-->)*+", re.DOTALL)
+_CROWDED = re.compile(rf"<(?:[^<=]*+=\s*+[\"']){{{bounds.XML_ATTRIBUTES}}}")
 _TAG = re.compile(r"<([^\s/<>!?]+)")
 
 Kept = Mapping[str, frozenset[str]]
@@ -74,7 +75,8 @@ def run(handler: Guardian, text: str | bytes, source: str) -> None:
     """Parse a text for its events.
 
     Raises:
-        InvalidRobot: it is empty, too large or not well-formed, declares a document type, or the handler refuses it.
+        InvalidRobot: it is empty, too large or not well-formed, declares a document type, has an element of far too
+            many attributes, or the handler refuses it.
     """
     text = _decoded(text, source)
     if not text:
@@ -82,6 +84,9 @@ def run(handler: Guardian, text: str | bytes, source: str) -> None:
     # Before the parser sees it: entities that a document type defines would be expanded, even after an error.
     if _Prolog(text).has_doctype:
         handler.doctype()
+    if _CROWDED.search(text):
+        message = f"{source} has an element of {bounds.XML_ATTRIBUTES} attributes or more, too many for a robot"
+        raise InvalidRobot(message, source)
     # Without namespace processing, as other URDF readers do: files with undeclared prefixes in skipped tags are common.
     parser = expat.ParserCreate("utf-8")
     parser.StartElementHandler = handler.start

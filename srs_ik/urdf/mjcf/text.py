@@ -113,17 +113,23 @@ class _Trees(document.Guardian):
     def read(self, content: bytes, label: str) -> Element:
         # The element that holds what is read: the outermost one, then those that are open in it.
         holder = Element("")
-        self._above = [holder]
+        self._above, self._skipped = [holder], 0
         document.run(self, content, label)
         return holder[0]
 
     def start(self, tag: str, attributes: dict[str, str]) -> None:
         super().start(tag, attributes)
+        # A section is the third, after what holds all and the outermost element.
+        if self._skipped or (len(self._above) == 2 and tag in self._SKIPPED):
+            self._skipped += 1
+            return
         element = Element(tag, attributes)
-        if not any(section.tag in self._SKIPPED for section in self._above[2:3]):
-            self._above[-1].append(element)
+        self._above[-1].append(element)
         self._above.append(element)
 
     def end(self, tag: str) -> None:
         super().end(tag)
-        self._above.pop()
+        if self._skipped:
+            self._skipped -= 1
+        else:
+            self._above.pop()
