@@ -25,7 +25,8 @@ from fuzz import peak_memory, trial
 from grammar import Made, made
 from robot_files import serial_arm
 
-from srs_ik import SrsIkError, load, zoo
+from srs_ik import SrsIkError, load
+from srs_ik.robot import zoo
 
 LONGEST = 2.0
 MEMORY = 300e6

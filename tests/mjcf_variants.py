@@ -21,7 +21,7 @@ import numpy as np
 import pinocchio as pin
 
 from srs_ik import InvalidRobot
-from srs_ik.urdf import load_model
+from srs_ik.robot.description import load_model
 
 FREE, BALL, SLIDE, HINGE = (
     int(kind)

@@ -20,7 +20,7 @@ LONG = "x" * 900
 MEASURE = """
 import resource, sys, time
 import srs_ik
-from srs_ik.urdf import load_model
+from srs_ik.robot.description import load_model
 def peak(): return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
 try: srs_ik.load("nothing.urdf")
 except srs_ik.InvalidRobot: pass

@@ -8,7 +8,7 @@ from robot_files import serial_arm
 
 import srs_ik
 from srs_ik import InvalidRobot, bounds
-from srs_ik.urdf import load_model
+from srs_ik.robot.description import load_model
 
 mujoco = pytest.importorskip("mujoco")
 
@@ -46,7 +46,7 @@ def test_a_file_read_wrongly_would_be_noticed(tmp_path, monkeypatch):
     import mjcf_variants
     import pinocchio as pin
 
-    from srs_ik.urdf.model import RobotModel
+    from srs_ik.robot.description.model import RobotModel
 
     def theirs(path):
         model = pin.buildModelFromMJCF(str(path))

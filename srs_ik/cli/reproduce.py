@@ -70,9 +70,9 @@ def reproduce(
     from rich.console import Console
     from rich.progress import Progress
 
-    from srs_ik.experiments import EXPERIMENTS
-    from srs_ik.experiments.files import write
     from srs_ik.loading import load
+    from srs_ik.paper.experiments import EXPERIMENTS
+    from srs_ik.paper.experiments.files import write
 
     arm = load(
         robot,

@@ -12,13 +12,13 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from srs_ik.card import read_card
 from srs_ik.errors import InvalidRobot
-from srs_ik.limb import SrsLimb, Vector
-from srs_ik.loading.arguments import check_path, check_xacro_args
-from srs_ik.loading.sides import side_of
-from srs_ik.loading.sources import places_of
-from srs_ik.urdf.files import label_of
+from srs_ik.robot.arguments import check_path, check_xacro_args
+from srs_ik.robot.card import read_card
+from srs_ik.robot.description.files import label_of
+from srs_ik.robot.limb import SrsLimb, Vector
+from srs_ik.robot.sides import side_of
+from srs_ik.robot.sources import places_of
 
 if TYPE_CHECKING:
     from srs_ik.arm import Arm
