@@ -163,6 +163,16 @@ def test_whole_numbers_beyond_those_of_the_machine(figure, line, tmp_path):
         srs_ik.load(path)
 
 
+@pytest.mark.parametrize("table", ["tool", "mount"])
+def test_a_tool_out_of_any_reach(table, tmp_path):
+    path = tmp_path / "robot.toml"
+    (tmp_path / "arm.urdf").write_text(ARM)
+    head = 'name = "a"\nurdf = "arm.urdf"\n[frames]\nbase = "l0"\ntip = "l7"\n'
+    path.write_text(f"{head}[{table}]\nxyz = [0, 0, 2e6]\n")
+    with pytest.raises(InvalidRobot, match=rf"\[{table}\] are metres and rad, and none is beyond 1e\+06"):
+        srs_ik.load(path)
+
+
 def test_an_adapter_is_whole_or_not_there(tmp_path, monkeypatch):
     """A disk that fills while it is written leaves nothing, and a file that is there stays as it is."""
     import os

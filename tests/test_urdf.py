@@ -236,6 +236,7 @@ WRONG_TEXT = {
         ),
         "mass> value of inertia of link 'd' is 'nan'",
     ),
+    "joint of Pinocchio": (two_joints(AXIS + LIMIT).replace('"first"', '"universe"'), "Pinocchio's name of the world"),
     "too many links": (robot_xml(links=" ".join(f"l{k}" for k in range(2001))), "2001 links"),
     "too many elements": ("<robot name='x'>" + "<a/>" * 200_000 + "</robot>", "more than 200000 XML elements"),
     "too deep in tags": ("<robot name='x'>" + "<a>" * 1000, "nested more than 1000 deep"),

@@ -215,6 +215,8 @@ class _Reader:
             return None
         table = self._table(content, key, (), ("xyz", "rpy", "name"))
         xyz, rpy = (self._three(table[k], f"{k!r} in [{key}]") if k in table else (0.0,) * 3 for k in ("xyz", "rpy"))
+        if max(map(abs, xyz + rpy)) > bounds.FARTHEST:
+            raise self._error(f"'xyz' and 'rpy' in [{key}] are metres and rad, and none is beyond {bounds.FARTHEST:g}")
         return Placement(xyz, rpy, self._text(table, "name", key) if "name" in table else name)
 
     def _sources(self, content: dict[str, Any]) -> Mapping[str, Source]:

@@ -116,6 +116,8 @@ class _Checker:
     def joint(self, joint: Element) -> bool:
         """Check one joint; true if it mimics another."""
         where = f"joint {quoted(joint.attrib['name'])}"
+        if joint.attrib["name"] == "universe":
+            raise self.fail("a joint of it is called 'universe', which is Pinocchio's name of the world")
         kind = joint.get("type")
         if kind is None:
             raise self.fail(f"{where} has no type; types are {', '.join(JOINT_TYPES)}")
