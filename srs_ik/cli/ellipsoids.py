@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from srs_ik.cli.options import AsJson, Base, Limb, Seven, Source, Three, Tip, WrongInput, numbers
+from srs_ik.cli.options import AllowXacro, AsJson, Base, Limb, Seven, Source, Three, Tip, WrongInput, numbers
 from srs_ik.cli.poses import JOINTS, angles, unit_of
 
 if TYPE_CHECKING:
@@ -47,6 +47,7 @@ def ellipsoids(
     base: Base = None,
     tip: Tip = None,
     limb: Limb = None,
+    allow_xacro: AllowXacro = False,
     part: PartOption = Part.linear,
     limits: Annotated[
         bool, typer.Option("--limits", help="Weigh the joints by the arm's velocity and torque limits.")
@@ -85,7 +86,7 @@ def ellipsoids(
     from srs_ik.analysis.ellipsoids import force_ellipsoid, isotropy, limits_of, manipulability, velocity_ellipsoid
     from srs_ik.loading import load
 
-    arm = load(source, base=base, tip=tip, limb=limb)
+    arm = load(source, base=base, tip=tip, limb=limb, allow_xacro=allow_xacro)
     velocity_limit, effort_limit = (limits_of(arm, kind) for kind in ("velocity", "effort")) if limits else (None, None)
     J = arm.jacobian(configuration)
     R = arm.forward_kinematics(configuration).rotation if axes is Axes.tip else np.eye(3)

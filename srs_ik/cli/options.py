@@ -17,7 +17,8 @@ Source = Annotated[
     str,
     typer.Argument(
         metavar="ROBOT|FILE",
-        help="The name of a robot (see 'srs-ik robots'), a URDF, xacro or MJCF file, or an adapter (robot.toml).",
+        help="The name of a robot (see 'srs-ik robots'), a URDF, xacro or MJCF file, or an adapter (robot.toml). "
+        "A xacro file is a program: name only those that you trust.",
         show_default=False,
     ),
 ]
@@ -27,6 +28,9 @@ Base = Annotated[
 Tip = Annotated[str | None, typer.Option(metavar="FRAME", help="Tip frame; may be left out where there is one choice.")]
 Limb = Annotated[
     str | None, typer.Option(metavar="WORD", help="Which of several arms: left, right, or a part of one of its names.")
+]
+AllowXacro = Annotated[
+    bool, typer.Option("--allow-xacro", help="Run the xacro file that an adapter names; such a file is a program.")
 ]
 AsJson = Annotated[bool, typer.Option("--json", help="Print JSON and nothing else, in metres and radians.")]
 

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from srs_ik.cli.ellipsoids import Part
-from srs_ik.cli.options import Base, Limb, Source, Tip, WrongInput
+from srs_ik.cli.options import AllowXacro, Base, Limb, Source, Tip, WrongInput
 from srs_ik.cli.picture import check, save
 from srs_ik.cli.poses import NoLimits, PoseOfQ, Quat, Rpy, Xyz, read_pose, unit_of
 
@@ -45,6 +45,7 @@ def plot(
     base: Base = None,
     tip: Tip = None,
     limb: Limb = None,
+    allow_xacro: AllowXacro = False,
     branch: Annotated[
         int | None, typer.Option(metavar="0..7", help="Branch of 'arm-angle'; that of 'srs-ik solve' if not given.")
     ] = None,
@@ -72,7 +73,7 @@ def plot(
     from srs_ik import plots
     from srs_ik.loading import load
 
-    arm = load(source, base=base, tip=tip, limb=limb)
+    arm = load(source, base=base, tip=tip, limb=limb, allow_xacro=allow_xacro)
     if kind is Kind.ellipsoids:
         posture = angles if pose is None else _solved(arm, pose, not no_limits)
         figure = plots.plot_ellipsoids(arm, posture, limits, "angular" if part is Part.angular else "linear")

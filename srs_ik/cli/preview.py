@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from srs_ik.cli.options import Base, Limb, Seven, Source, Tip, WrongInput
+from srs_ik.cli.options import AllowXacro, Base, Limb, Seven, Source, Tip, WrongInput
 from srs_ik.cli.poses import JOINTS, Quat, Rpy, Xyz, angles, read_pose, unit_of
 
 if TYPE_CHECKING:
@@ -27,6 +27,7 @@ def preview(
     base: Base = None,
     tip: Tip = None,
     limb: Limb = None,
+    allow_xacro: AllowXacro = False,
     ellipsoids: Annotated[
         bool, typer.Option("--ellipsoids", help="Show the ellipsoids of velocity and force at the tip.")
     ] = False,
@@ -63,7 +64,7 @@ def preview(
 
     from srs_ik.loading import load
 
-    arm = load(source, base=base, tip=tip, limb=limb)
+    arm = load(source, base=base, tip=tip, limb=limb, allow_xacro=allow_xacro)
     if pose is not None:
         solution = arm.solve(pose)
         if not solution:

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from srs_ik.cli import objective as objectives
-from srs_ik.cli.options import AsJson, Base, Limb, Seven, Source, Tip, WrongInput
+from srs_ik.cli.options import AllowXacro, AsJson, Base, Limb, Seven, Source, Tip, WrongInput
 from srs_ik.cli.pose_file import read_poses
 from srs_ik.cli.poses import JOINTS, NoLimits, PoseOfQ, Quat, Rpy, Xyz, angles, read_pose, unit_of
 from srs_ik.cli.solve_file import report
@@ -31,6 +31,7 @@ def solve(
     base: Base = None,
     tip: Tip = None,
     limb: Limb = None,
+    allow_xacro: AllowXacro = False,
     arm_angle: Annotated[
         str | None, typer.Option(metavar="ANGLE", help="Arm angle of the posture; zero as 'srs-ik inspect' says.")
     ] = None,
@@ -93,7 +94,7 @@ def solve(
 
     from srs_ik.loading import load
 
-    arm = load(source, base=base, tip=tip, limb=limb)
+    arm = load(source, base=base, tip=tip, limb=limb, allow_xacro=allow_xacro)
     if file is not None:
         solved = arm.solve_batch(poses, arm_angle=angle, seed=start, branch=branch, respect_limits=not no_limits)
         report(arm, solved, file, lines, out, as_json)

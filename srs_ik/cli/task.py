@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from srs_ik.cli.options import AsJson, Base, Limb, Seven, Source, Three, Tip, WrongInput, numbers
+from srs_ik.cli.options import AllowXacro, AsJson, Base, Limb, Seven, Source, Three, Tip, WrongInput, numbers
 from srs_ik.cli.poses import JOINTS, NoLimits, Xyz, angles
 
 if TYPE_CHECKING:
@@ -71,6 +71,7 @@ def task(
     base: Base = None,
     tip: Tip = None,
     limb: Limb = None,
+    allow_xacro: AllowXacro = False,
     no_limits: NoLimits = False,
     as_json: AsJson = False,
 ) -> None:
@@ -100,7 +101,14 @@ def task(
     from srs_ik.solve.task import TaskSolution
 
     wanted = Task(position, **given)
-    arm = load(source, base=base, tip=tip, limb=limb, hand=None if axes is None else [axes[:3], axes[3:]])
+    arm = load(
+        source,
+        base=base,
+        tip=tip,
+        limb=limb,
+        allow_xacro=allow_xacro,
+        hand=None if axes is None else [axes[:3], axes[3:]],
+    )
     solution = arm.solve_task(wanted, side.value, not no_limits, tie.value, seed=start)
     assert isinstance(solution, TaskSolution)
     if as_json:

@@ -34,5 +34,5 @@ def real_number(value: Any) -> float:
         return math.nan
     try:
         return float(value)
-    except (TypeError, ValueError, OverflowError):
+    except Exception:  # of the object's own making
         return math.nan

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 import pinocchio as pin
 
-from srs_ik.errors import InvalidRobot, did_you_mean, listed
+from srs_ik.errors import InvalidRobot, did_you_mean, listed, quoted
 from srs_ik.inputs.numbers import real_number
 from srs_ik.robot.chain import Chain, unlimited_if_huge
 from srs_ik.robot.limb import Vector
@@ -81,15 +81,17 @@ def within_limits(chain: Chain, limits: Mapping[str, Mapping[str, float]]) -> Ch
     """
     arrays: dict[str, Any] = {field: np.array(getattr(chain, field)) for field in _LIMITS.values()}
     if not isinstance(limits, Mapping) or not all(isinstance(changes, Mapping) for changes in limits.values()):
-        raise InvalidRobot(f"limits are given as {{joint: {{limit: figure}}}}, not as {limits!r:.60}")
+        raise InvalidRobot(f"limits are given as {{joint: {{limit: figure}}}}, not as {quoted(limits)}")
     for joint, changes in limits.items():
         if joint not in chain.joint_names:
             hint = did_you_mean(joint, chain.joint_names) if isinstance(joint, str) else ""
-            raise InvalidRobot(f"limits are given for {joint!r:.60}{hint}; the joints are {listed(chain.joint_names)}")
+            raise InvalidRobot(
+                f"limits are given for {quoted(joint)}{hint}; the joints are {listed(chain.joint_names)}"
+            )
         k = chain.joint_names.index(joint)
         for key, value in changes.items():
             if key not in _LIMITS:
-                raise InvalidRobot(f"joint {joint!r} has no limit {key!r}; limits are {listed(list(_LIMITS))}")
+                raise InvalidRobot(f"joint {joint!r} has no limit {quoted(key)}; limits are {listed(list(_LIMITS))}")
             arrays[_LIMITS[key]][k] = _figure(value, f"{key} of joint {joint!r}")
         lower, upper = unlimited_if_huge(arrays["lower"][k], arrays["upper"][k])
         _warn_of_degrees(joint, changes)
@@ -120,7 +122,7 @@ def _warn_of_degrees(joint: str, changes: Mapping[str, float]) -> None:
 def _figure(value: Any, what: str) -> float:
     figure = real_number(value)
     if np.isnan(figure):
-        raise InvalidRobot(f"{what} must be a number, not {value!r:.60}")
+        raise InvalidRobot(f"{what} must be a number, not {quoted(value)}")
     return figure
 
 

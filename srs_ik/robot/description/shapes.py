@@ -13,7 +13,8 @@ import pinocchio as pin
 from numpy.typing import NDArray
 
 from srs_ik.robot.description import document
-from srs_ik.robot.description.model import Drawing, read
+from srs_ik.robot.description.files import read
+from srs_ik.robot.description.model import Drawing
 
 Kind = Literal["box", "cylinder", "sphere", "capsule", "mesh"]
 Rgba = tuple[float, float, float, float]
