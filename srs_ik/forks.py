@@ -8,7 +8,8 @@ from __future__ import annotations
 import os
 import sys
 import threading
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import ExitStack
 from functools import wraps
 from typing import Any, ParamSpec, TypeVar
 
@@ -18,8 +19,8 @@ R = TypeVar("R")
 WHOLE = threading.RLock()
 """Held by whoever must not be cut in two by a fork."""
 
-_compiler: list[Any] = []
-"""Numba's lock, while a fork holds it."""
+_held = ExitStack()
+"""The locks of Numba and LLVM, while a fork holds them."""
 
 
 def whole(function: Callable[P, R]) -> Callable[P, R]:
@@ -33,19 +34,25 @@ def whole(function: Callable[P, R]) -> Callable[P, R]:
     return call
 
 
+def _locks() -> Iterator[Any]:
+    """Numba's lock of compilations, then that of calls to LLVM, which the collection of garbage takes alone.
+
+    They are not imported: a program that never compiles has no such locks.
+    """
+    yield getattr(sys.modules.get("numba.core.compiler_lock"), "global_compiler_lock", None)
+    yield getattr(getattr(sys.modules.get("llvmlite.binding.ffi"), "lib", None), "_lock", None)
+
+
 def _before() -> None:
     WHOLE.acquire()
-    # Second, as it is in the functions above; and not imported, as a program that never compiles has no such lock.
-    module = sys.modules.get("numba.core.compiler_lock")
-    lock = getattr(module, "global_compiler_lock", None)
-    if lock is not None:
-        lock.acquire()
-        _compiler.append(lock)
+    # In the order in which a compilation takes them.
+    for lock in _locks():
+        if lock is not None:
+            _held.enter_context(lock)
 
 
 def _after() -> None:
-    if _compiler:
-        _compiler.pop().release()
+    _held.close()
     WHOLE.release()
 
 

@@ -324,6 +324,8 @@ import os, signal, sys, threading, time
 import numpy as np
 import srs_ik
 
+# A shell starts what runs in its background with interruptions ignored, and its children inherit that.
+signal.signal(signal.SIGINT, signal.default_int_handler)
 arm = srs_ik.load(sys.argv[1])
 q = np.array([0.3, 0.7, -0.4, -1.1, 0.5, 0.8, -0.2])
 pose = arm.forward_kinematics(q).homogeneous

@@ -152,6 +152,7 @@ def test_many_answers_by_joint_name():
 
 def test_the_snippet_of_the_documentation_runs(capsys):
     page = (Path(__file__).resolve().parents[1] / "docs" / "conventions.md").read_text()
-    (snippet,) = re.findall(r"```python\n(.+?)```", page.split("## With ROS")[1], re.DOTALL)
+    section = page.split("## With ROS")[1].split("\n## ")[0]
+    (snippet,) = re.findall(r"```python\n(.+?)```", section, re.DOTALL)
     exec(compile(snippet, "conventions.md", "exec"), {"srs_ik": srs_ik})
     assert capsys.readouterr().out.startswith("OK {'iiwa_joint_1': ")

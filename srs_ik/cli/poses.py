@@ -80,9 +80,9 @@ def read_pose(
     Raises:
         WrongInput: not exactly one pose is given, or its words are no finite numbers, or its quaternion no rotation.
     """
-    configuration = angles("--q", q or (), unit)
     if q and (xyz or rpy or quat):
         raise WrongInput("--q is a pose already and goes with none of --xyz, --rpy and --quat")
+    configuration = angles("--q", q or (), unit)
     return (None if q else _given_pose(xyz, rpy, quat, unit)), configuration
 
 
