@@ -11,6 +11,7 @@ from srs_ik.kernels.chain import pose_error
 from srs_ik.kernels.closure import CLOSED, arm_angle, close_free
 from srs_ik.kernels.elbow import elbow_side
 from srs_ik.kernels.followed import search_followed
+from srs_ik.kernels.free_splits import NEARLY_FLAT, with_splits
 from srs_ik.kernels.intervals import MAX_PIECES, find_intervals
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout import FAR, FREE, LIMITED, LOOSE, MISS, SIZE
@@ -31,9 +32,6 @@ from srs_ik.kernels.nearest import (
 from srs_ik.kernels.nearest_within import nearest_within, way_between
 from srs_ik.kernels.scoring import NO_SEED, OUTSIDE
 from srs_ik.kernels.second_attempts import look_around, rescue
-
-NEARLY_FLAT = 3e-6
-"""Bends of the elbow below this, rad from straight or from folded, cannot be told apart within 1e-11 of reach."""
 
 MOST_LEVERAGE = 4.0
 """A seed farther from its nearest posture than so many times the pose error asks for a closer look."""
@@ -132,6 +130,7 @@ def search_near_seed(P, F, place_, R, p, seed, respect, J, A):
         return q, best, lowest
     if minimum and is_alone(P, seed, lowest):
         return q, best, lowest
+    q, best, lowest = with_splits(P, place_, R, p, -1, seed, respect, q, best, lowest)
     distance = math.sqrt(lowest)
     if J is not None:
         if distance < CLOSE:
@@ -165,7 +164,7 @@ def search_near_seed(P, F, place_, R, p, seed, respect, J, A):
 
 
 @kernel
-def search_exact(family, place_, branch, seed, respect):
+def search_exact(family, place_, R, p, branch, seed, respect):
     """Best posture of a closed limb over all arm angles: q, branch, cost; the least violating one if all break limits.
 
     Rounding may hide a posture from the strict search. So looser tolerances follow, and, with the elbow almost straight
@@ -200,6 +199,8 @@ def search_exact(family, place_, branch, seed, respect):
             q, b, value = nearest_within(P, near, found, n, branch, seed, respect, 4.0 * NO_BRANCH)
         if value < lowest:
             best_q, best, lowest = q, b, value
+        if stage == 0:
+            best_q, best, lowest = with_splits(P, place_, R, p, branch, seed, respect, best_q, best, lowest)
         if lowest < OUTSIDE:
             break
     return best_q, best, lowest
