@@ -12,9 +12,9 @@ from srs_ik.errors import InvalidTask
 from srs_ik.kernels import line_search as line
 from srs_ik.kernels import objectives as kinds
 from srs_ik.kernels import optimise_entries as kernel
-from srs_ik.kernels.layout import IS_CLOSED, LIMITED, ROW, ROW_BRANCH
-from srs_ik.kernels.optimum import BRACKET, REFUSED
-from srs_ik.kernels.survey import MAX_RUNS, RUN
+from srs_ik.kernels.layout import IS_CLOSED, LIMITED, ROW, ROW_ARM_ANGLE, ROW_BRANCH
+from srs_ik.kernels.optimum import BRACKET, REFUSED, TIE
+from srs_ik.kernels.survey import RUN
 from srs_ik.objectives import Objective
 from srs_ik.pose import PoseLike, as_matrix, invalid_pose
 from srs_ik.solution import ElbowRange, Interval, Solution
@@ -136,36 +136,49 @@ def _by_function(arm: Arm, T: Array, objective: Objective, respect_limits: bool)
     """The optimum of an objective that is a Python function, by the same search."""
     evaluate = objective.evaluator(arm)
     sign = -1.0 if objective.maximise else 1.0
-    runs = np.empty((MAX_RUNS, RUN))
+    runs = np.empty((kernel.MOST_RUNS, RUN))
     rows, k, verdict = kernel.sample(arm._family, T, respect_limits, runs)
     if verdict:
         raise invalid_pose(verdict)
-    values = np.array([sign * evaluate(row[1:]) for row in rows])
-    brackets = np.empty((kernel.MAX_BRACKETS, BRACKET))
-    count = kernel.brackets(rows, values, runs, k, brackets)
 
-    best, best_run = REFUSED, -1
-    state, row, best_row = np.empty(line.STATE), np.empty(ROW), np.empty(ROW)
-    for bracket in brackets[:count]:
-        if bracket[7] >= best:
-            continue
-        run = int(bracket[1])
-        kernel.begin(state, bracket, line.SHARP if objective.function else line.SMOOTH)
-        while True:
-            x, wanted = kernel.next_point(state)
-            if not wanted:
-                break
-            value = REFUSED
-            if kernel.posture(arm._family, T, rows, runs[run], x, respect_limits, row):
-                value = sign * evaluate(row[:7])
-            kernel.answer(state, value)
-        if state[line.F_BEST] >= best:
-            continue
-        if kernel.posture(arm._family, T, rows, runs[run], state[line.BEST], respect_limits, row):
-            best, best_run = float(state[line.F_BEST]), run
-            best_row[:] = row
+    def search(rows: Array, k: int, best: float) -> tuple[float, int, Array]:
+        """Value, run and row of the best posture of some runs; run -1 where none is below `best`."""
+        values = np.array([sign * evaluate(row[1:]) for row in rows])
+        brackets = np.empty((kernel.MAX_BRACKETS, BRACKET))
+        count = kernel.brackets(rows, values, runs, k, brackets)
+        best_run = -1
+        state, row, best_row = np.empty(line.STATE), np.empty(ROW), np.empty(ROW)
+        for bracket in brackets[:count]:
+            if bracket[7] >= best:
+                continue
+            run = int(bracket[1])
+            kernel.begin(state, bracket, line.SHARP if objective.function else line.SMOOTH)
+            while True:
+                x, wanted = kernel.next_point(state)
+                if not wanted:
+                    break
+                value = REFUSED
+                if kernel.posture(arm._family, T, rows, runs[run], x, respect_limits, row):
+                    value = sign * evaluate(row[:7])
+                kernel.answer(state, value)
+            if state[line.F_BEST] >= best:
+                continue
+            if kernel.posture(arm._family, T, rows, runs[run], state[line.BEST], respect_limits, row):
+                best, best_run = float(state[line.F_BEST]), run
+                best_row[:] = row
+        return best, best_run, best_row
+
+    best, best_run, best_row = search(rows, k, REFUSED)
     if best_run < 0:
         return _judged(arm, arm.solve(T, respect_limits=respect_limits), T, objective, respect_limits)
     lower, upper = kernel.interval(arm._family, T, rows, runs[best_run])
+    if runs[best_run, 0] >= kernel.SURFACE:
+        for _ in range(kernel.ROUNDS):
+            rows, k = kernel.star(arm._family, T, best_row[:7].copy(), respect_limits, runs)
+            value, run, row = search(rows, k, best - TIE * abs(best))
+            if run < 0:
+                break
+            best, best_row = value, row
+        lower = upper = best_row[ROW_ARM_ANGLE]
     interval = Interval(int(best_row[ROW_BRANCH]), float(lower), float(upper))
     return Optimum(best_row, arm.joint_names, objective, [sign * best], interval)

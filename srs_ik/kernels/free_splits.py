@@ -14,7 +14,7 @@ import numpy as np
 
 from srs_ik.kernels.branches import NO_BRANCH, branch_of, side_posture
 from srs_ik.kernels.chain import pose_error
-from srs_ik.kernels.closure import CLOSED, close_free
+from srs_ik.kernels.closure import CLOSED, clipped, close_free, moved, pose_step, shortest_step
 from srs_ik.kernels.elbow import elbow_side
 from srs_ik.kernels.intervals import MAX_PIECES, find_intervals
 from srs_ik.kernels.jit import kernel
@@ -26,12 +26,14 @@ from srs_ik.kernels.layout import (
     COS_STRAIGHT,
     FAR,
     FOREARM,
+    LOWER,
     MISS,
-    SIN_STRAIGHT,
     SHOULDER,
+    SIN_STRAIGHT,
     SIZE,
     SLACK_SINGULAR,
     TOP_GAP,
+    UPPER,
     UPPER_ARM,
     WRIST,
 )
@@ -51,7 +53,9 @@ NEARLY_FLAT = 3e-6
 ROUNDED = 1e-5
 """A limb that misses by less than this part of its reach has postures all along such a segment, or next to it."""
 
-CLOSING_STEPS = 40
+CLOSING_STEPS = 20
+GENTLE = 1e-13
+"""Steps to close a posture, and their least damping."""
 
 GIVE = 3e-4
 """A split that is worse by less than this, rad or of a range, may be better once its posture is closed."""
@@ -121,6 +125,29 @@ def is_hopeless(value, lowest, seeded):
 
 
 @kernel
+def close_gently(P, q, R, p, respect, J, A):
+    """Damped steps from a posture to one that meets its pose: q, and the larger of its errors (m, rad).
+
+    Where more than one joint is singular some directions are as good as lost, and rounding alone would lead far along
+    them; the damping leaves them out, as long as the error has no part in them.
+    """
+    blocked = 0
+    for _ in range(CLOSING_STEPS):
+        linear, angular = pose_step(P, q, R, p, J)
+        error = max(norm(linear), norm(angular))
+        if error < 0.1 * CLOSED:
+            return q, error
+        shortest_step(J, linear, angular, blocked, max(GENTLE, 1e-2 * error * error), A)
+        q = moved(q, A, 1.0)
+        if respect:
+            for j in range(7):
+                if q[j] < P[LOWER + j] or q[j] > P[UPPER + j]:
+                    blocked |= 1 << j
+            q = clipped(P, q)
+    return close_free(P, q, R, p, respect, CLOSING_STEPS, J, A)
+
+
+@kernel
 def keep_better(P, R, p, start, branch, value, wanted, seeded, seed, respect, q, best, lowest, J, A):
     """The better of a split, closed on the true chain, and the best posture so far: q, branch, cost."""
     position, orientation = pose_error(P, start, R, p)
@@ -128,7 +155,7 @@ def keep_better(P, R, p, start, branch, value, wanted, seeded, seed, respect, q,
         return (start, branch, value) if value < lowest else (q, best, lowest)
     if is_hopeless(value, lowest, seeded):
         return q, best, lowest
-    closed, error = close_free(P, start, R, p, respect, CLOSING_STEPS, J, A)
+    closed, error = close_gently(P, start, R, p, respect, J, A)
     if error > CLOSED:
         return q, best, lowest
     if seeded:
@@ -181,6 +208,14 @@ def search_near_line(P, wide, place_, R, p, wanted, seed, respect, q, best, lowe
 
 
 @kernel
+def wide_limb(P, wide):
+    """Copy the packed limb to `wide`, which takes axes for parallel that are almost so."""
+    for i in range(SIZE):
+        wide[i] = P[i]
+    wide[SLACK_SINGULAR] = NEARLY_IN_LINE
+
+
+@kernel
 def with_splits(P, place_, R, p, wanted, seed, respect, q, best, lowest):
     """The best posture of a pose as known so far, or a free split that is better: q, branch, cost.
 
@@ -201,9 +236,7 @@ def with_splits(P, place_, R, p, wanted, seed, respect, q, best, lowest):
     t, h0, bend_c, bend_s, hand, miss = place_
     boxes = np.empty((1, SIZE))
     wide = row(boxes, 0)
-    for i in range(SIZE):
-        wide[i] = P[i]
-    wide[SLACK_SINGULAR] = NEARLY_IN_LINE
+    wide_limb(P, wide)
     J, A = np.empty((6, 7)), np.empty((16, 9))
     q, best, lowest = search_near_line(P, wide, place_, R, p, wanted, seed, respect, q, best, lowest, J, A)
     if 0.0 < bend_s < NEARLY_FLAT:
@@ -211,3 +244,12 @@ def with_splits(P, place_, R, p, wanted, seed, respect, q, best, lowest):
         q, best, lowest = search_near_line(P, wide, flat, R, p, wanted, seed, respect, q, best, lowest, J, A)
     keep(boxes)
     return q, best, lowest
+
+
+@kernel
+def settled_split(P, place_, R, p, q, branch, lowest, seed, respect):
+    """A posture next to a singular one, or the nearer one around it that no arm angle can tell apart from it."""
+    if not may_split(P, place_) or lowest >= OUTSIDE:
+        return q, branch, lowest
+    nearer, value, _ = slid(P, q, R, p, seed, respect, np.empty((6, 7)), np.empty((16, 9)))
+    return (nearer, branch_of(P, nearer), value) if value < lowest else (q, branch, lowest)

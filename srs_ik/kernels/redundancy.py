@@ -11,7 +11,7 @@ from srs_ik.kernels.chain import pose_error
 from srs_ik.kernels.closure import CLOSED, arm_angle, close_free
 from srs_ik.kernels.elbow import elbow_side
 from srs_ik.kernels.followed import search_followed
-from srs_ik.kernels.free_splits import NEARLY_FLAT, with_splits
+from srs_ik.kernels.free_splits import NEARLY_FLAT, settled_split, with_splits
 from srs_ik.kernels.intervals import MAX_PIECES, find_intervals
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout import FAR, FREE, LIMITED, LOOSE, MISS, SIZE
@@ -151,6 +151,8 @@ def search_near_seed(P, F, place_, R, p, seed, respect, J, A):
         return q, best, lowest
     if J is None:
         nearer_q, nearer, value = nearest_within(P, place_, found, n, -1, seed, respect, lowest)
+        if value < lowest:
+            nearer_q, nearer, value = settled_split(P, place_, R, p, nearer_q, nearer, value, seed, respect)
     elif P[MISS] < HARDLY * P[FAR]:
         return search_hardly_near(P, place_, R, p, found, n, q, best, lowest, seed, respect, J, A)
     else:

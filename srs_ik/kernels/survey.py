@@ -52,6 +52,9 @@ MOST_GAPS = 8
 RUN = 5
 """A run: branch, first and last parameter, first row of its samples, and the row behind the last."""
 
+SPLIT = 8
+"""A run of an exact limb whose branch is this or more goes along a free split, not along arm angles."""
+
 CUTS = 4
 """Samples for each gap between samples, where a part of a run is sampled again."""
 
@@ -76,8 +79,8 @@ def infeasibility_of(P, row, respect):
 
 @kernel
 def on_curve(P, side, R, p, branch, respect, rows, first, last, x, J, A):
-    """Posture at a parameter, and its infeasibility; on a near limb, rows first to last - 1 sample the curve."""
-    if is_exact(P):
+    """Posture at a parameter, and its infeasibility; rows first to last - 1 sample the curve if no branch gives it."""
+    if is_exact(P) and branch < SPLIT:
         q, _, value = side_posture(P, side, x, (branch >> 1) & 1, branch & 1, False, NO_SEED, respect)
         return q, (NO_BRANCH if value >= NO_BRANCH else infeasibility(P, q, respect))
     low = first
@@ -331,8 +334,8 @@ def sample_again(P, side, R, p, respect, rows, run, lower, upper, line, J, A):
 
 @kernel
 def arm_angles_of_run(P, place_, rows, run):
-    """First and last arm angle of a run. On a near limb: the least and the greatest on its way."""
-    if is_exact(P):
+    """First and last arm angle of a run; where these are not its parameters, the least and the greatest on its way."""
+    if is_exact(P) and run[0] < SPLIT:
         return run[1], run[2]
     first = int(run[3])
     psi = arm_angle(P, load_sample(rows[first]), place_[0], place_[1])
