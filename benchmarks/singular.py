@@ -1,6 +1,6 @@
-"""Whether answers at and next to singular poses are the best of all postures: against a dense sweep that SciPy polishes.
+"""Whether seeded answers at and next to singular poses are the nearest: against a dense sweep that SciPy polishes.
 
-python benchmarks/singular.py [--seeds 1000] [--robots iiwa14 gen3] [--urdf med7=FILE:BASE:TIP] [--random 100]
+python benchmarks/singular.py [--seeds 1000] [--robots iiwa14 human_arm] [--urdf FILE:BASE:TIP] [--random 100]
 
 A pose is that of a random configuration whose shoulder, elbow or wrist is singular, or almost. Its postures are known
 by construction: any split of the sum of the outer joints is one, as far as Newton's method closes it on Pinocchio's own
@@ -11,13 +11,16 @@ answer must not be farther than.
 from __future__ import annotations
 
 import argparse
+import sys
+import tempfile
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from pathlib import Path
 
 import numpy as np
 from rich.progress import track
 from scipy.optimize import minimize
-from swept import TURN, Chain, turned, wrapped
+from swept import Chain, turned, wrapped
 
 import srs_ik
 
@@ -70,7 +73,9 @@ def singular_angles(limb: srs_ik.SrsLimb) -> dict[int, float]:
 
 
 def anywhere(arm: srs_ik.Arm, rng: np.random.Generator) -> np.ndarray:
-    return rng.uniform(np.where(np.isfinite(arm.lower), arm.lower, -np.pi), np.where(np.isfinite(arm.upper), arm.upper, np.pi))
+    return rng.uniform(
+        np.where(np.isfinite(arm.lower), arm.lower, -np.pi), np.where(np.isfinite(arm.upper), arm.upper, np.pi)
+    )
 
 
 def cases(
@@ -99,8 +104,7 @@ class Known:
     def __init__(self, arm: srs_ik.Arm) -> None:
         self.arm = arm
         self.chain = Chain(arm)
-        R_tip = arm.forward_kinematics(np.zeros(7)).rotation
-        self.R_tip = R_tip
+        self.R_tip = arm.forward_kinematics(np.zeros(7)).rotation
         self.singular = singular_angles(arm.limb)
 
     def errors(self, Q: np.ndarray, pose: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -149,12 +153,22 @@ class Known:
         free = [joint for joint in (1, 5) if self.is_singular(q, joint)]
         if not free:
             return q[None]
-        grids = np.meshgrid(*[np.linspace(-np.pi, np.pi, SPLITS if len(free) == 1 else BOTH, endpoint=False)] * len(free))
+        grids = np.meshgrid(
+            *[np.linspace(-np.pi, np.pi, SPLITS if len(free) == 1 else BOTH, endpoint=False)] * len(free)
+        )
         Q = np.tile(q, (grids[0].size, 1))
         for joint, grid in zip(free, grids, strict=True):
             Q[:, joint - 1] += grid.ravel()
             Q[:, joint + 1] -= self.toward(q, joint) * grid.ravel()
         return Q
+
+    def swung(self, q: np.ndarray) -> list[np.ndarray]:
+        """A straight arm at other arm angles, if axes 3 and 5 lie along it."""
+        along = float(self.arm.limb.axes[2] @ self.arm.limb.axes[4])
+        if abs(along) < 1.0 - 1e-9:
+            return []
+        turns = np.linspace(-np.pi, np.pi, 24, endpoint=False)
+        return [q + turn * np.array([0.0, 0.0, 1.0, 0.0, -np.sign(along), 0.0, 0.0]) for turn in turns]
 
     def postures(self, case: Case) -> np.ndarray:
         """Postures of a case's pose, limits aside: of a sweep of arm angles, and of splits of all that is singular."""
@@ -164,18 +178,9 @@ class Known:
         poses = np.broadcast_to(case.pose, (len(angles), 4, 4))
         batch = self.arm.solve_batch(poses, arm_angle=wrapped(angles), all_branches=True, respect_limits=False)
         at_angles = batch.q[batch.ok]
-        if 3 in case.joints and self.is_singular(case.q, 1).any() + self.is_singular(case.q, 5).any():
-            # Every arm angle is singular.
-            starts = [case.q]
-            for turn in np.linspace(-np.pi, np.pi, 24, endpoint=False):
-                q = case.q.copy()
-                if abs(abs(self.arm.limb.axes[2] @ self.arm.limb.axes[4]) - 1.0) < 1e-9:
-                    sign = np.sign(self.arm.limb.axes[2] @ self.arm.limb.axes[4])
-                    q[2] += turn
-                    q[4] -= sign * turn
-                starts.append(q)
-        else:
-            starts = [case.q]
+        starts = [case.q]
+        if 3 in case.joints and (self.is_singular(case.q, 1) or self.is_singular(case.q, 5)):
+            starts += self.swung(case.q)
         near = np.zeros(len(at_angles), bool)
         for joint in (1, 5):
             near |= self.is_singular(at_angles, joint)
@@ -235,3 +240,72 @@ def farther(arm: srs_ik.Arm, known: Known, case: Case) -> float:
     if not solution:
         return np.inf
     return float(np.linalg.norm(solution.q - case.seed) - np.linalg.norm(known.nearest(case) - case.seed))
+
+
+def random_arms(count: int, seed: int) -> Iterator[srs_ik.Arm]:
+    """S-R-S arms of random lengths and limits with perpendicular axes, as a chain of seven joints in one URDF."""
+    rng = np.random.default_rng(seed)
+    for number in range(count):
+        lengths = rng.uniform(0.1, 0.5, 3)
+        # Axes of joints 1 to 7, and the way along z to each from the joint before.
+        axes = ("0 0 1", "0 1 0", "0 0 1", "0 1 0", "0 0 1", "0 1 0", "0 0 1")
+        ways = (0.0, 0.0, 0.0, lengths[0], 0.0 if number % 2 else lengths[1], lengths[1] if number % 2 else 0.0, 0.0)
+        links = "".join(f'<link name="link_{i}"/>' for i in range(9))
+        joints = "".join(
+            f'<joint name="joint_{i + 1}" type="revolute"><parent link="link_{i}"/><child link="link_{i + 1}"/>'
+            f'<origin xyz="0 0 {ways[i]}"/><axis xyz="{axes[i]}"/>'
+            f'<limit lower="{-rng.uniform(1.5, 6.5)}" upper="{rng.uniform(1.5, 6.5)}" effort="1" velocity="1"/></joint>'
+            for i in range(7)
+        )
+        tip = (
+            '<joint name="tip" type="fixed"><parent link="link_7"/><child link="link_8"/>'
+            f'<origin xyz="0.02 0 {lengths[2]}" rpy="0.1 0.2 0.3"/></joint>'
+        )
+        with tempfile.TemporaryDirectory() as folder:
+            file = Path(folder) / f"random_{number}.urdf"
+            file.write_text(f'<robot name="random_{number}">{links}{joints}{tip}</robot>')
+            yield srs_ik.load(file, base="link_0", tip="link_8")
+
+
+def judge(name: str, arm_and_cases: Iterator[tuple[srs_ik.Arm, Known, Case]], count: int) -> int:
+    """Print a row of the table; the number of answers that are farther than a known posture."""
+    worst, failed, tried = -np.inf, 0, 0
+    for arm, known, case in track(arm_and_cases, name, total=count):
+        away = farther(arm, known, case)
+        worst, failed, tried = max(worst, away), failed + (away > WORSE), tried + 1
+        if away > WORSE:
+            print(f"  {arm.name}: joints {[j + 1 for j in case.joints]} off by {case.offset:g}: {away:.3g} rad farther")
+    print(f"| `{name}` | {tried} | {failed} | {worst:.1e} |")
+    return failed
+
+
+def main(arguments: Sequence[str] | None = None) -> None:
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--seeds", type=int, default=1000, help="seeds for each robot")
+    parser.add_argument("--robots", nargs="*", default=["iiwa14", "human_arm"])
+    parser.add_argument("--urdf", nargs="*", default=[], help="FILE:BASE:TIP")
+    parser.add_argument("--random", type=int, default=20, help="random arms, with 10 seeds each")
+    parser.add_argument("--elbow", action="store_true", help="also with a singular elbow")
+    given = parser.parse_args(arguments)
+    together = TOGETHER if given.elbow else ((1,), (5,))
+    loaded = [srs_ik.load(name) for name in given.robots]
+    for text in given.urdf:
+        file, base, tip = text.split(":")
+        loaded.append(srs_ik.load(file, base=base, tip=tip))
+    print("| arm | seeds | farther than a known posture | largest difference (rad) |\n|---|--:|--:|--:|")
+    rng = np.random.default_rng(0)
+    failed = 0
+    for arm in loaded:
+        known = Known(arm)
+        failed += judge(arm.name, ((arm, known, c) for c in cases(arm, given.seeds, rng, together)), given.seeds)
+    made = ((arm, Known(arm)) for arm in random_arms(given.random, 1))
+    failed += judge(
+        "random",
+        ((arm, known, c) for arm, known in made for c in cases(arm, 10, rng, together)),
+        10 * given.random,
+    )
+    sys.exit(1 if failed else 0)
+
+
+if __name__ == "__main__":
+    main()

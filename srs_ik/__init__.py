@@ -36,6 +36,7 @@ if TYPE_CHECKING:
         SrsIkError,
     )
     from srs_ik.feasible import IntervalsBatch
+    from srs_ik.free_splits import FreeSplit
     from srs_ik.limb import Hand, SrsLimb
     from srs_ik.loading import LimbReport, find_limbs, load, robots
     from srs_ik.objectives import OBJECTIVES, Objective
@@ -81,6 +82,7 @@ _MODULES = {
         "SrsIkError",
     ),
     "feasible": ("IntervalsBatch",),
+    "free_splits": ("FreeSplit",),
     "limb": ("Hand", "SrsLimb"),
     "loading": ("LimbReport", "find_limbs", "load", "robots"),
     "objectives": ("OBJECTIVES", "Objective"),
@@ -108,6 +110,7 @@ __all__ = [
     "BatchTaskSolution",
     "Ellipsoid",
     "FrameNotFound",
+    "FreeSplit",
     "Hand",
     "InteractivePreview",
     "Interval",

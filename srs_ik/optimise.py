@@ -14,6 +14,7 @@ from srs_ik.kernels import objectives as kinds
 from srs_ik.kernels import optimise_entries as kernel
 from srs_ik.kernels.layout import IS_CLOSED, LIMITED, ROW, ROW_ARM_ANGLE, ROW_BRANCH
 from srs_ik.kernels.optimum import BRACKET, REFUSED, TIE
+from srs_ik.kernels.split_runs import ROUNDS, SURFACE
 from srs_ik.kernels.survey import RUN
 from srs_ik.objectives import Objective
 from srs_ik.pose import PoseLike, as_matrix, invalid_pose
@@ -172,8 +173,8 @@ def _by_function(arm: Arm, T: Array, objective: Objective, respect_limits: bool)
     if best_run < 0:
         return _judged(arm, arm.solve(T, respect_limits=respect_limits), T, objective, respect_limits)
     lower, upper = kernel.interval(arm._family, T, rows, runs[best_run])
-    if runs[best_run, 0] >= kernel.SURFACE:
-        for _ in range(kernel.ROUNDS):
+    if runs[best_run, 0] >= SURFACE:
+        for _ in range(ROUNDS):
             rows, k = kernel.star(arm._family, T, best_row[:7].copy(), respect_limits, runs)
             value, run, row = search(rows, k, best - TIE * abs(best))
             if run < 0:

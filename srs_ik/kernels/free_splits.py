@@ -28,6 +28,7 @@ from srs_ik.kernels.layout import (
     FOREARM,
     LOWER,
     MISS,
+    PHASE,
     SHOULDER,
     SIN_STRAIGHT,
     SIZE,
@@ -56,6 +57,9 @@ ROUNDED = 1e-5
 CLOSING_STEPS = 20
 GENTLE = 1e-13
 """Steps to close a posture, and their least damping."""
+
+LOOSELY = 1e-11
+"""A split whose posture cannot be closed is one all the same if it meets its pose within this, m and rad."""
 
 GIVE = 3e-4
 """A split that is worse by less than this, rad or of a range, may be better once its posture is closed."""
@@ -117,6 +121,19 @@ def closest(P, k, motion, end):
 
 
 @kernel
+def toward_of(P, k, q2):
+    """1.0 where the outer axes of a spherical joint next to its singularity point the same way, else -1.0."""
+    return 1.0 if math.cos(q2 - P[k + PHASE]) > 0.0 else -1.0
+
+
+@kernel
+def is_in_line(P, k, q2, width):
+    """Whether the outer axes of a spherical joint are within some angle of one line."""
+    gap = P[k + TOP_GAP] if toward_of(P, k, q2) > 0.0 else P[k + BOTTOM_GAP]
+    return gap == 0.0 and abs(math.sin(q2 - P[k + PHASE])) < width
+
+
+@kernel
 def is_hopeless(value, lowest, seeded):
     """Whether a split of some cost stays worse than the best, however its posture is closed."""
     if seeded:
@@ -151,13 +168,15 @@ def close_gently(P, q, R, p, respect, J, A):
 def keep_better(P, R, p, start, branch, value, wanted, seeded, seed, respect, q, best, lowest, J, A):
     """The better of a split, closed on the true chain, and the best posture so far: q, branch, cost."""
     position, orientation = pose_error(P, start, R, p)
-    if value >= OUTSIDE or max(position, orientation) < CLOSED:
+    off = max(position, orientation)
+    if value >= OUTSIDE or off < CLOSED:
         return (start, branch, value) if value < lowest else (q, best, lowest)
     if is_hopeless(value, lowest, seeded):
         return q, best, lowest
     closed, error = close_gently(P, start, R, p, respect, J, A)
     if error > CLOSED:
-        return q, best, lowest
+        # With three joints singular at once, not all of a tiny error can be closed.
+        return (start, branch, value) if off < LOOSELY and value < lowest else (q, best, lowest)
     if seeded:
         closed, value, _ = slid(P, closed, R, p, seed, respect, J, A)
     else:

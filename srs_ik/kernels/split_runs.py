@@ -14,7 +14,14 @@ import numpy as np
 from srs_ik.kernels.branches import NO_BRANCH, side_posture
 from srs_ik.kernels.closure import CLOSED
 from srs_ik.kernels.elbow import elbow_side
-from srs_ik.kernels.free_splits import NEARLY_IN_LINE, close_gently, closest, wide_limb
+from srs_ik.kernels.free_splits import (
+    NEARLY_IN_LINE,
+    close_gently,
+    closest,
+    is_in_line,
+    toward_of,
+    wide_limb,
+)
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout import (
     A1,
@@ -22,7 +29,6 @@ from srs_ik.kernels.layout import (
     AXES,
     BOTTOM_GAP,
     COS_STRAIGHT,
-    PHASE,
     SHOULDER,
     SIN_STRAIGHT,
     SIZE,
@@ -45,6 +51,9 @@ PARTS = 48
 LINES = 12
 """Runs across a surface, and arm angles if each of them has free splits."""
 
+NEARLY = 2.0 * NEARLY_IN_LINE
+"""Outer axes of a posture within this of one line, rad, may have been closed from such a posture."""
+
 HALF = 2.0 * math.pi / LINES
 AROUND = 8
 """Length, to either side, and parts of a run through the best posture of a surface."""
@@ -55,20 +64,6 @@ ROUNDS = 12
 MOST_LINES = 8 * LINES * LINES
 MOST_ROWS = MOST_LINES * (PARTS + 8)
 """Room for the runs and the samples of all segments of a pose."""
-
-
-@kernel
-def toward_of(P, k, q2):
-    """1.0 where the outer axes of a spherical joint next to its singularity point the same way, else -1.0."""
-    return 1.0 if math.cos(q2 - P[k + PHASE]) > 0.0 else -1.0
-
-
-@kernel
-def is_in_line(P, k, q2):
-    """Whether the outer axes of a spherical joint are in line, or almost."""
-    toward = toward_of(P, k, q2)
-    gap = P[k + TOP_GAP] if toward > 0.0 else P[k + BOTTOM_GAP]
-    return gap == 0.0 and abs(math.sin(q2 - P[k + PHASE])) < 2.0 * NEARLY_IN_LINE
 
 
 @kernel
@@ -152,7 +147,7 @@ def survey_splits(P, place_, R, p, respect, line, rows, n, runs, k, J, A):
                     q, _, value = side_posture(wide, side, angle, (branch >> 1) & 1, branch & 1, False, NO_SEED, False)
                     if value >= NO_BRANCH:
                         continue
-                    surface = is_in_line(P, WRIST, q[5]) if i < 2 else is_in_line(P, SHOULDER, q[1])
+                    surface = is_in_line(P, WRIST, q[5], NEARLY) if i < 2 else is_in_line(P, SHOULDER, q[1], NEARLY)
                     code = branch + (SURFACE if surface or everywhere else SPLIT)
                     lines = LINES if surface else 1
                     n, k = put_segment(P, side, R, p, q, i // 2, lines, code, respect, line, rows, n, runs, k, J, A)
@@ -165,8 +160,8 @@ def put_star(P, side, R, p, q, respect, line, rows, runs, J, A):
     """Write the runs through a posture in all directions of its surface: rows and runs in use."""
     n = 0
     k = 0
-    shoulder = is_in_line(P, SHOULDER, q[1])
-    wrist = is_in_line(P, WRIST, q[5])
+    shoulder = is_in_line(P, SHOULDER, q[1], NEARLY)
+    wrist = is_in_line(P, WRIST, q[5], NEARLY)
     for way in range(5):
         if way == 4:
             wanted = abs(math.sin(q[3] - P[STRAIGHT])) < NEARLY_IN_LINE
