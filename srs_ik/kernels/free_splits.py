@@ -16,26 +16,16 @@ from srs_ik.kernels.branches import NO_BRANCH, branch_of, side_posture
 from srs_ik.kernels.chain import pose_error
 from srs_ik.kernels.closure import CLOSED, clipped, close_free, moved, pose_step, shortest_step
 from srs_ik.kernels.elbow import elbow_side
+from srs_ik.kernels.in_line import NEARLY_IN_LINE, closest, may_split, wide_limb
 from srs_ik.kernels.intervals import MAX_PIECES, find_intervals
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout import (
-    A1,
-    A3,
-    AXES,
     BOTTOM_GAP,
-    COS_STRAIGHT,
-    FAR,
-    FOREARM,
     LOWER,
-    MISS,
-    PHASE,
     SHOULDER,
-    SIN_STRAIGHT,
     SIZE,
-    SLACK_SINGULAR,
     TOP_GAP,
     UPPER,
-    UPPER_ARM,
     WRIST,
 )
 from srs_ik.kernels.margin import farthest
@@ -43,94 +33,24 @@ from srs_ik.kernels.memory import keep, row
 from srs_ik.kernels.nearest import slid
 from srs_ik.kernels.nearest_within import nearest_within
 from srs_ik.kernels.scoring import NO_SEED, OUTSIDE, cost
-from srs_ik.kernels.vectors import add, apply, dot, load3, norm, rotate
-
-NEARLY_IN_LINE = 1e-4
-"""Outer axes that come this close to one line, rad, are searched as if they did; wider apart, the curves tell all."""
+from srs_ik.kernels.vectors import norm
 
 NEARLY_FLAT = 3e-6
 """Bends of the elbow below this, rad from straight or from folded, cannot be told apart within 1e-11 of reach."""
 
-ROUNDED = 1e-5
-"""A limb that misses by less than this part of its reach has postures all along such a segment, or next to it."""
+SMALLEST_BEND = 2.5e-10
+BENDS = 7
+"""So many bends that cannot be told apart are tried where the elbow is as good as flat, each four times the last."""
 
 CLOSING_STEPS = 20
 GENTLE = 1e-13
 """Steps to close a posture, and their least damping."""
 
-LOOSELY = 1e-11
+LOOSELY = 3e-11
 """A split whose posture cannot be closed is one all the same if it meets its pose within this, m and rad."""
 
 GIVE = 3e-4
 """A split that is worse by less than this, rad or of a range, may be better once its posture is closed."""
-
-SMALLEST_REACH = 1e-300
-"""Stands for a reach of zero."""
-
-
-@kernel
-def in_line(x, y, P, k):
-    """Whether two axes at cosines x and y from a line that one of them turns about come into line, or almost."""
-    return (P[k + TOP_GAP] == 0.0 and abs(x - y) < NEARLY_IN_LINE) or (
-        P[k + BOTTOM_GAP] == 0.0 and abs(x + y) < NEARLY_IN_LINE
-    )
-
-
-@kernel
-def may_split(P, place_):
-    """Whether the outer axes of the shoulder or the wrist may come into line at some arm angle: a quick test.
-
-    One of the two stands still while the arm angle turns the other about the line S-W; they meet if both are at the
-    same angle from it.
-    """
-    t, _, c, s, hand, _ = place_
-    if P[MISS] > ROUNDED * P[FAR]:
-        return False
-    still_s = dot(load3(P, SHOULDER + A1), t)
-    still_w = dot(apply(hand, load3(P, WRIST + A3)), t)
-    a4 = load3(P, AXES + 9)
-    for elbow in range(2):
-        sine = -s if elbow == 1 else s
-        to_wrist = add(load3(P, UPPER_ARM), rotate(a4, c, sine, load3(P, FOREARM)))
-        share = 1.0 / max(norm(to_wrist), SMALLEST_REACH)
-        if in_line(still_s, share * dot(to_wrist, load3(P, SHOULDER + A3)), P, SHOULDER):
-            return True
-        c4 = P[COS_STRAIGHT] * c - P[SIN_STRAIGHT] * sine
-        s4 = P[SIN_STRAIGHT] * c + P[COS_STRAIGHT] * sine
-        if in_line(still_w, share * dot(to_wrist, rotate(a4, c4, s4, load3(P, WRIST + A1))), P, WRIST):
-            return True
-    return False
-
-
-@kernel
-def closest(P, k, motion, end):
-    """Arm angle at which the outer axes of a spherical joint come closest to one line: it, and how close, rad.
-
-    The end says whether they point the same way there (0) or opposite ways (1). Last, how close they are elsewhere.
-    """
-    circle = motion[0]
-    a1 = load3(P, k + A1)
-    sign = 1.0 if end == 0 else -1.0
-    constant = sign * dot(a1, circle[0])
-    c = sign * dot(a1, circle[1])
-    s = sign * dot(a1, circle[2])
-    r = math.sqrt(c * c + s * s)
-    least = math.sqrt(max(2.0 * (1.0 - constant - r), 0.0))
-    most = math.sqrt(max(2.0 * (1.0 - constant + r), 0.0))
-    return math.atan2(s, c), least, most
-
-
-@kernel
-def toward_of(P, k, q2):
-    """1.0 where the outer axes of a spherical joint next to its singularity point the same way, else -1.0."""
-    return 1.0 if math.cos(q2 - P[k + PHASE]) > 0.0 else -1.0
-
-
-@kernel
-def is_in_line(P, k, q2, width):
-    """Whether the outer axes of a spherical joint are within some angle of one line."""
-    gap = P[k + TOP_GAP] if toward_of(P, k, q2) > 0.0 else P[k + BOTTOM_GAP]
-    return gap == 0.0 and abs(math.sin(q2 - P[k + PHASE])) < width
 
 
 @kernel
@@ -189,9 +109,16 @@ def keep_better(P, R, p, start, branch, value, wanted, seeded, seed, respect, q,
 
 @kernel
 def best_on_circles(P, place_, branch, seed, respect):
-    """The best posture where every arm angle has free splits: q, branch, cost."""
+    """The best posture over all arm angles: q, branch, cost."""
     found = np.empty((8 * MAX_PIECES, 3))
-    n = find_intervals(P, place_, branch, found)
+    n = 0
+    if respect:
+        n = find_intervals(P, place_, branch, found)
+    else:
+        for b in range(8):
+            if branch < 0 or b == branch:
+                found[n, 0], found[n, 1], found[n, 2] = b, -math.pi, math.pi
+                n += 1
     if seed is None:
         return farthest(P, place_, found, 0, n, branch, respect)
     return nearest_within(P, place_, found, n, branch, seed, respect, 4.0 * NO_BRANCH)
@@ -227,14 +154,6 @@ def search_near_line(P, wide, place_, R, p, wanted, seed, respect, q, best, lowe
 
 
 @kernel
-def wide_limb(P, wide):
-    """Copy the packed limb to `wide`, which takes axes for parallel that are almost so."""
-    for i in range(SIZE):
-        wide[i] = P[i]
-    wide[SLACK_SINGULAR] = NEARLY_IN_LINE
-
-
-@kernel
 def with_splits(P, place_, R, p, wanted, seed, respect, q, best, lowest):
     """The best posture of a pose as known so far, or a free split that is better: q, branch, cost.
 
@@ -252,15 +171,23 @@ def with_splits(P, place_, R, p, wanted, seed, respect, q, best, lowest):
     """
     if not may_split(P, place_):
         return q, best, lowest
+    goal = NO_SEED if seed is None else seed
     t, h0, bend_c, bend_s, hand, miss = place_
     boxes = np.empty((1, SIZE))
     wide = row(boxes, 0)
     wide_limb(P, wide)
     J, A = np.empty((6, 7)), np.empty((16, 9))
     q, best, lowest = search_near_line(P, wide, place_, R, p, wanted, seed, respect, q, best, lowest, J, A)
-    if 0.0 < bend_s < NEARLY_FLAT:
-        flat = (t, h0, math.copysign(1.0, bend_c), 0.0, hand, miss)
+    if bend_s < NEARLY_FLAT:
+        straight = math.copysign(1.0, bend_c)
+        flat = (t, h0, straight, 0.0, hand, miss)
         q, best, lowest = search_near_line(P, wide, flat, R, p, wanted, seed, respect, q, best, lowest, J, A)
+        for i in range(BENDS):
+            bent = (t, h0, straight, SMALLEST_BEND * 4.0**i, hand, miss)
+            start, b, value = best_on_circles(P, bent, wanted, seed, respect)
+            q, best, lowest = keep_better(
+                P, R, p, start, b, value, wanted, seed is not None, goal, respect, q, best, lowest, J, A
+            )
     keep(boxes)
     return q, best, lowest
 

@@ -7,7 +7,7 @@ import numpy as np
 from srs_ik.kernels.branches import branch_of
 from srs_ik.kernels.closure import arm_angle
 from srs_ik.kernels.elbow import elbow_side, place
-from srs_ik.kernels.free_splits import may_split
+from srs_ik.kernels.in_line import may_split
 from srs_ik.kernels.intervals import MAX_PIECES, find_intervals
 from srs_ik.kernels.jit import entry, kernel
 from srs_ik.kernels.layout import FREE, LIMITED, ROW_STATUS

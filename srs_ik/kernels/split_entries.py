@@ -8,7 +8,7 @@ import numpy as np
 
 from srs_ik.kernels.branches import NO_BRANCH, side_posture
 from srs_ik.kernels.elbow import elbow_side, place
-from srs_ik.kernels.free_splits import NEARLY_IN_LINE, closest, is_in_line, may_split, wide_limb
+from srs_ik.kernels.in_line import NEARLY_IN_LINE, closest, is_in_line, may_split, wide_limb
 from srs_ik.kernels.jit import entry, kernel
 from srs_ik.kernels.layout import (
     BOTTOM_GAP,

@@ -14,14 +14,8 @@ import numpy as np
 from srs_ik.kernels.branches import NO_BRANCH, side_posture
 from srs_ik.kernels.closure import CLOSED
 from srs_ik.kernels.elbow import elbow_side
-from srs_ik.kernels.free_splits import (
-    NEARLY_IN_LINE,
-    close_gently,
-    closest,
-    is_in_line,
-    toward_of,
-    wide_limb,
-)
+from srs_ik.kernels.free_splits import close_gently
+from srs_ik.kernels.in_line import NEARLY_IN_LINE, closest, is_in_line, toward_of, wide_limb
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout import (
     A1,
