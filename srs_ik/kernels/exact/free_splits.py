@@ -160,7 +160,7 @@ def with_splits(P, place_, R, p, wanted, seed, respect, q, best, lowest):
 
     Args:
         P: packed limb.
-        place_: the pose, from `elbow.place`.
+        place_: the pose, from `triangle.place`.
         R: rotation of the tip pose.
         p: position of the tip pose.
         wanted: the only branch that counts; -1: all.
