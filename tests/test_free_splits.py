@@ -225,3 +225,17 @@ def test_a_path_starts_at_the_nearest_split():
         path = arm.solve_path(np.repeat(pose[None], 3, axis=0), seed=seed)
         assert path
         assert np.linalg.norm(path.q[0] - seed) < np.linalg.norm(splits - seed, axis=1).min() + 1e-6
+
+
+def test_the_arm_angle_of_a_singular_posture_is_in_an_interval():
+    """Even if the limits leave no other arm angle: its curve keeps them for a few of the splits alone."""
+    outer = [arms.load("iiwa14").joint_names[joint] for joint in (0, 2, 4, 6)]
+    arm = srs_ik.load("iiwa14", limits={name: {"lower": -0.3, "upper": 0.3} for name in outer})
+    rng, points = arms.generator("iiwa14", 69), 0
+    for _ in range(200):
+        q, _ = singular(arm, rng, ((1,), (5,)))
+        of_elbow = [i for i in arm.intervals(arm.forward_kinematics(q)) if i.branch // 4 == arm.branch(q) // 4]
+        off = [abs(wrapped(arm.arm_angle(q) - 0.5 * (i.lower + i.upper))) - 0.5 * i.width for i in of_elbow]
+        assert min(off) < 1e-7, q
+        points += of_elbow[int(np.argmin(off))].width < 1e-9
+    assert points > 100
