@@ -41,6 +41,7 @@ if TYPE_CHECKING:
     from srs_ik.loading import LimbReport, find_limbs, load, robots
     from srs_ik.preview import Preview
     from srs_ik.robot.limb import Hand, SrsLimb
+    from srs_ik.solve.free_splits import FreeSplit
     from srs_ik.solve.intervals import IntervalsBatch
     from srs_ik.solve.objectives import OBJECTIVES, Objective
     from srs_ik.solve.optimise import Optimum
@@ -74,6 +75,7 @@ _MODULES = {
         "PreviewError",
         "SrsIkError",
     ),
+    "solve.free_splits": ("FreeSplit",),
     "solve.intervals": ("IntervalsBatch",),
     "robot.limb": ("Hand", "SrsLimb"),
     "loading": ("LimbReport", "find_limbs", "load", "robots"),
@@ -103,6 +105,7 @@ __all__ = [
     "BatchTaskSolution",
     "Ellipsoid",
     "FrameNotFound",
+    "FreeSplit",
     "Hand",
     "Interval",
     "IntervalsBatch",

@@ -25,6 +25,7 @@ from srs_ik.solve.solution import BatchSolution, Interval, Solution, Solutions
 if TYPE_CHECKING:
     from srs_ik.inputs.task import Task
     from srs_ik.robot.description.model import Drawing
+    from srs_ik.solve.free_splits import FreeSplit
     from srs_ik.solve.intervals import IntervalsBatch
     from srs_ik.solve.objectives import Objective
     from srs_ik.solve.optimise import Optimum
@@ -219,6 +220,27 @@ class Arm(ChainKinematics):
         from srs_ik.solve.self_motion import self_motion
 
         return self_motion(self.packed, pose, branch, count, bool(respect_limits))
+
+    def free_splits(self, pose: PoseLike, respect_limits: bool = True) -> list[FreeSplit]:
+        """Where a singular pose fixes only the sum or the difference of two joints: the segments of postures there.
+
+        They hang at single arm angles, at which the outer axes of the shoulder or of the wrist lie in one line within
+        3e-11 rad. `intervals` and `self_motion` go past them with one split; `solve` and `optimise` choose the best.
+        Where shoulder and wrist are singular at once, a segment of each is listed, and any two of them combine.
+
+        Args:
+            pose: pose of the tip frame in the base frame.
+            respect_limits: whether to stay inside the joint limits; else each segment is a whole turn.
+
+        Returns:
+            The segments, of every turn of the sum that the limits allow; empty at ordinary poses, and on near limbs.
+
+        Raises:
+            InvalidPose: the pose is no finite rigid transform.
+        """
+        from srs_ik.solve.free_splits import free_splits
+
+        return free_splits(self.packed, pose, bool(respect_limits))
 
     def optimise(
         self,

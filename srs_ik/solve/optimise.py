@@ -13,7 +13,7 @@ from srs_ik.inputs.poses import PoseLike, as_matrix, invalid_pose
 from srs_ik.kernels.entries import optimum as entries
 from srs_ik.kernels.layout import objectives as kinds
 from srs_ik.kernels.layout import search as at
-from srs_ik.kernels.layout.answer import ROW, ROW_BRANCH
+from srs_ik.kernels.layout.answer import ROW, ROW_ARM_ANGLE, ROW_BRANCH
 from srs_ik.solve import intervals as feasible
 from srs_ik.solve.objectives import Objective
 from srs_ik.solve.pose import solve
@@ -144,36 +144,49 @@ def _by_function(
     """The optimum of an objective that is a Python function, by the same search."""
     evaluate = objective.evaluator(chain)
     sign = -1.0 if objective.maximise else 1.0
-    runs = np.empty((at.MAX_RUNS, at.RUN))
+    runs = np.empty((at.MOST_RUNS, at.RUN))
     rows, k, verdict = entries.sample(arm.family, T, respect_limits, runs)
     if verdict:
         raise invalid_pose(verdict)
-    values = np.array([sign * evaluate(row[1:]) for row in rows])
-    brackets = np.empty((at.MAX_BRACKETS, at.BRACKET))
-    count = entries.brackets(rows, values, runs, k, brackets)
 
-    best, best_run = at.REFUSED, -1
-    state, row, best_row = np.empty(at.STATE), np.empty(ROW), np.empty(ROW)
-    for bracket in brackets[:count]:
-        if bracket[7] >= best:
-            continue
-        run = int(bracket[1])
-        entries.begin(state, bracket, at.SHARP if objective.function else at.SMOOTH)
-        while True:
-            x, wanted = entries.next_point(state)
-            if not wanted:
-                break
-            value = at.REFUSED
-            if entries.posture(arm.family, T, rows, runs[run], x, respect_limits, row):
-                value = sign * evaluate(row[:7])
-            entries.answer(state, value)
-        if state[at.F_BEST] >= best:
-            continue
-        if entries.posture(arm.family, T, rows, runs[run], state[at.BEST], respect_limits, row):
-            best, best_run = float(state[at.F_BEST]), run
-            best_row[:] = row
+    def search(rows: Array, k: int, best: float) -> tuple[float, int, Array]:
+        """Value, run and row of the best posture of some runs; run -1 where none is below `best`."""
+        values = np.array([sign * evaluate(row[1:]) for row in rows])
+        brackets = np.empty((at.MAX_BRACKETS, at.BRACKET))
+        count = entries.brackets(rows, values, runs, k, brackets)
+        best_run = -1
+        state, row, best_row = np.empty(at.STATE), np.empty(ROW), np.empty(ROW)
+        for bracket in brackets[:count]:
+            if bracket[7] >= best:
+                continue
+            run = int(bracket[1])
+            entries.begin(state, bracket, at.SHARP if objective.function else at.SMOOTH)
+            while True:
+                x, wanted = entries.next_point(state)
+                if not wanted:
+                    break
+                value = at.REFUSED
+                if entries.posture(arm.family, T, rows, runs[run], x, respect_limits, row):
+                    value = sign * evaluate(row[:7])
+                entries.answer(state, value)
+            if state[at.F_BEST] >= best:
+                continue
+            if entries.posture(arm.family, T, rows, runs[run], state[at.BEST], respect_limits, row):
+                best, best_run = float(state[at.F_BEST]), run
+                best_row[:] = row
+        return best, best_run, best_row
+
+    best, best_run, best_row = search(rows, k, at.REFUSED)
     if best_run < 0:
         return _judged(arm, chain, solve(arm, T, respect_limits=respect_limits), T, objective, respect_limits)
     lower, upper = entries.interval(arm.family, T, rows, runs[best_run])
+    if runs[best_run, 0] >= at.SURFACE:
+        for _ in range(at.ROUNDS):
+            rows, k = entries.star(arm.family, T, best_row[:7].copy(), respect_limits, runs)
+            value, run, row = search(rows, k, best - at.TIE * abs(best))
+            if run < 0:
+                break
+            best, best_row = value, row
+        lower = upper = best_row[ROW_ARM_ANGLE]
     interval = Interval(int(best_row[ROW_BRANCH]), float(lower), float(upper))
     return Optimum(best_row, arm.joint_names, objective, [sign * best], interval)

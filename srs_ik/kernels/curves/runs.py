@@ -20,6 +20,7 @@ from srs_ik.kernels.curves.gaps import put_bounds, put_gaps
 from srs_ik.kernels.exact.samples import take_samples
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.limb import IS_CLOSED
+from srs_ik.kernels.layout.search import SPLIT
 from srs_ik.kernels.limb.branches import NO_BRANCH, side_posture
 from srs_ik.kernels.limb.goal import NO_SEED, turned
 from srs_ik.kernels.limb.limits import beyond_any
@@ -73,8 +74,8 @@ def infeasibility_of(P, row, respect):
 
 @kernel
 def on_curve(P, side, R, p, branch, respect, rows, first, last, x, J, A):
-    """Posture at a parameter, and its infeasibility; on a near limb, rows first to last - 1 sample the curve."""
-    if is_exact(P):
+    """Posture at a parameter, and its infeasibility; rows first to last - 1 sample the curve if no branch gives it."""
+    if is_exact(P) and branch < SPLIT:
         q, _, value = side_posture(P, side, x, (branch >> 1) & 1, branch & 1, False, NO_SEED, respect)
         return q, (NO_BRANCH if value >= NO_BRANCH else infeasibility(P, q, respect))
     low = first
@@ -328,8 +329,8 @@ def sample_again(P, side, R, p, respect, rows, run, lower, upper, line, J, A):
 
 @kernel
 def arm_angles_of_run(P, place_, rows, run):
-    """First and last arm angle of a run. On a near limb: the least and the greatest on its way."""
-    if is_exact(P):
+    """First and last arm angle of a run; where these are not its parameters, the least and the greatest on its way."""
+    if is_exact(P) and run[0] < SPLIT:
         return run[1], run[2]
     first = int(run[3])
     psi = arm_angle(P, load_sample(rows[first]), place_[0], place_[1])

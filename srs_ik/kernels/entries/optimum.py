@@ -7,6 +7,7 @@ import numpy as np
 from srs_ik.kernels.algebra.minimum import propose, start_search, tell
 from srs_ik.kernels.algebra.pointers import row
 from srs_ik.kernels.chain.answer import measure_row
+from srs_ik.kernels.chain.newton import arm_angle
 from srs_ik.kernels.curves.follow import SAMPLE
 from srs_ik.kernels.curves.runs import SPARE_ROWS, arm_angles_of_run, is_exact, near_runs, on_curve, survey_exact
 from srs_ik.kernels.exact.intervals import find_intervals
@@ -19,21 +20,27 @@ from srs_ik.kernels.layout.search import (
     BRACKET,
     FOUND,
     MAX_BRACKETS,
-    MAX_RUNS,
+    MOST_RUNS,
     NO_POSTURE,
     OUT_LOWER,
     OUT_SECOND,
     OUT_UPPER,
     OUT_VALUE,
+    ROUNDS,
     RUN,
+    SPLIT,
     STATE,
+    SURFACE,
+    TIE,
 )
 from srs_ik.kernels.limb.branches import branch_of
 from srs_ik.kernels.limb.goal import NO_SEED, cost
-from srs_ik.kernels.limb.poses import read_pose
+from srs_ik.kernels.limb.in_line import may_split
+from srs_ik.kernels.limb.poses import read7, read_pose
 from srs_ik.kernels.limb.triangle import elbow_side, place
 from srs_ik.kernels.optimum.objectives import objective, toward_reference
 from srs_ik.kernels.optimum.search import ROUNDING, close_in, find_brackets, survey_best, value_rows
+from srs_ik.kernels.optimum.split_runs import MOST_ROWS, put_star, survey_splits
 
 ROWS_A_PIECE = 160
 """Room for the samples of each interval of an exact limb."""
@@ -46,10 +53,13 @@ def survey(family, place_, R, p, respect, runs, J, A):
     if is_exact(P):
         found = np.empty((8 * MAX_PIECES, 3))
         pieces = find_intervals(row(family, LIMITED if respect else FREE), place_, -1, found)
-        rows = np.empty((ROWS_A_PIECE * pieces + SPARE_ROWS, SAMPLE))
+        splits = may_split(P, place_)
+        rows = np.empty((ROWS_A_PIECE * pieces + SPARE_ROWS + (MOST_ROWS if splits else 0), SAMPLE))
         line = np.empty((SPARE_ROWS, SAMPLE))
         work = np.empty((2, MAX_SAMPLES))
         n, k = survey_exact(P, place_, R, p, found, pieces, respect, work, line, rows, runs, J, A)
+        if splits:
+            n, k = survey_splits(P, place_, R, p, respect, line, rows, n, runs, k, J, A)
         return rows, n, k, line
     return near_runs(P, place_, R, p, respect, runs, J, A)
 
@@ -57,10 +67,32 @@ def survey(family, place_, R, p, respect, runs, J, A):
 @kernel
 def write_posture(P, place_, R, p, q, branch, respect, solution):
     """Measure a feasible posture and write its row; whether it is a solution."""
-    if not is_exact(P):
+    if not is_exact(P) or branch >= SPLIT:
         branch = branch_of(P, q)
     measure_row(P, place_, R, p, q, branch, cost(P, q, False, NO_SEED, respect), respect, solution)
     return solution[ROW_STATUS] == 0.0
+
+
+@kernel
+def best_of_surface(P, place_, R, p, q, respect, kind, params, resolution, S, line, rows, runs, brackets, J, A):
+    """The best posture on the surface around a good one, by runs in all its directions.
+
+    Overwrites rows and runs.
+    """
+    side = elbow_side(P, place_, 0)
+    lowest = objective(P, kind, params, q, J)
+    for _ in range(ROUNDS):
+        n, k = put_star(P, side, R, p, q, respect, line, rows, runs, J, A)
+        values = np.empty(n)
+        value_rows(P, kind, -1, 0.0, params, rows, n, values, J)
+        count = find_brackets(rows, values, runs, k, brackets)
+        best, better = close_in(
+            P, place_, R, p, rows, runs, brackets, count, 0.0, respect, kind, -1, 0.0, params, resolution, S, J, A
+        )
+        if best < 0 or brackets[best, 0] >= lowest - TIE * abs(lowest):
+            break
+        q, lowest = better, brackets[best, 0]
+    return q
 
 
 @entry
@@ -90,7 +122,7 @@ def optimise(family, T, kind, second, tolerance, resolution, params, respect, so
     J = np.empty((6, 7))
     A = np.empty((16, 9))
     S = np.empty(STATE)
-    runs = np.empty((MAX_RUNS, RUN))
+    runs = np.empty((MOST_RUNS, RUN))
     rows, n, k, line = survey(family, place_, R, p, respect, runs, J, A)
     values = np.empty(n)
     value_rows(P, kind, -1, 0.0, params, rows, n, values, J)
@@ -121,12 +153,18 @@ def optimise(family, T, kind, second, tolerance, resolution, params, respect, so
         if best >= 0:
             q = better_q
             run = origin[int(brackets[best, 1])]
+    branch = int(runs[run, 0])
+    lower, upper = arm_angles_of_run(P, place_, rows, runs[run])
+    if second < 0 and branch >= SURFACE:
+        q = best_of_surface(P, place_, R, p, q, respect, kind, params, resolution, S, line, rows, runs, brackets, J, A)
+        lower = arm_angle(P, q, place_[0], place_[1])
+        upper = lower
     if kind == REFERENCE:
         q = toward_reference(P, params, q)
     out[OUT_VALUE] = objective(P, kind, params, q, J)
     out[OUT_SECOND] = objective(P, second, params, q, J) if second >= 0 else 0.0
-    out[OUT_LOWER], out[OUT_UPPER] = arm_angles_of_run(P, place_, rows, runs[run])
-    return FOUND if write_posture(P, place_, R, p, q, int(runs[run, 0]), respect, solution) else NO_POSTURE
+    out[OUT_LOWER], out[OUT_UPPER] = lower, upper
+    return FOUND if write_posture(P, place_, R, p, q, branch, respect, solution) else NO_POSTURE
 
 
 @entry
@@ -138,6 +176,18 @@ def sample(family, T, respect, runs):
     place_ = place(row(family, LIMITED), R, p)
     rows, n, k, _ = survey(family, place_, R, p, respect, runs, np.empty((6, 7)), np.empty((16, 9)))
     return rows[:n], k, GOOD_POSE
+
+
+@entry
+def star(family, T, q, respect, runs):
+    """Samples of the postures around one on a surface of them (n, SAMPLE), and the number of runs written."""
+    R, p, _ = read_pose(row(T, 0))
+    P = row(family, LIMITED)
+    side = elbow_side(P, place(P, R, p), 0)
+    rows = np.empty((SPARE_ROWS, SAMPLE))
+    line = np.empty((SPARE_ROWS, SAMPLE))
+    n, k = put_star(P, side, R, p, read7(q), respect, line, rows, runs, np.empty((6, 7)), np.empty((16, 9)))
+    return rows[:n], k
 
 
 @entry

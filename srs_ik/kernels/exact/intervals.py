@@ -34,7 +34,7 @@ from srs_ik.kernels.layout.limb import (
     WRIST,
 )
 from srs_ik.kernels.limb.limits import is_inside, turn_to_middle, violation
-from srs_ik.kernels.limb.spherical import angles, default_anchor, middle_angle, sines
+from srs_ik.kernels.limb.spherical import angles, middle_anchor, middle_angle, sines
 from srs_ik.kernels.limb.triangle import elbow_side
 
 TOUCH = 1e-12
@@ -122,7 +122,7 @@ def fits(P, k, v, y, c, s, sign):
         return False
     if length > 0.0:
         return is_inside(P, first, c1, s1, 1.0) and is_inside(P, first + 2, c3, s3, 1.0)
-    q = angles(P, k, v, y, c, s, sign, default_anchor(P, k))
+    q = angles(P, k, v, y, c, s, sign, middle_anchor())
     return (
         violation(P, first, turn_to_middle(P, first, q[0])) == 0.0
         and violation(P, first + 2, turn_to_middle(P, first + 2, q[2])) == 0.0

@@ -18,6 +18,7 @@ from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.search import STATE
 from srs_ik.kernels.limb.branches import NO_BRANCH
 from srs_ik.kernels.limb.goal import OUTSIDE, elbow_part
+from srs_ik.kernels.limb.in_line import may_split
 from srs_ik.kernels.limb.triangle import elbow_side
 
 WIDEST = 2.0 * math.pi / 24.0
@@ -30,7 +31,10 @@ LONGEST = 0.1
 """Postures whose neighbours may be nearer than the nearest so far are no farther apart than this, rad ..."""
 
 CLOSEST = 1e-7
-"""... unless their arm angles are so close: a joint changes turns there, or has none of its own."""
+"""... unless their arm angles are so close: a joint changes turns there, or has none of its own ..."""
+
+CLOSEST_OF_ALL = 1e-14
+"""... and next to a singular pose no closer than this: there, half a turn may lie between arm angles as close."""
 
 ARC = 1.1
 """The way between two such postures along their curve, at most, for their distance."""
@@ -66,10 +70,11 @@ def way_between(a, b):
 
 
 @kernel
-def sample(P, side, branch, lower, upper, seed, respect, lowest, wanted, held, rows):
+def sample(P, side, branch, lower, upper, seed, respect, lowest, closest, wanted, held, rows):
     """Fill in rows (MOST, 3) of an interval: arm angle, distance, way from the row before; their number.
 
-    `lowest` is the distance that is to be undercut, `wanted` and `held` are work space.
+    `lowest` is the distance that is to be undercut, `closest` the least gap of arm angles, `wanted` and `held` are work
+    space.
     """
     count = add_turns(P, side, True, lower, upper, wanted, spread_evenly(lower, upper, WIDEST, FEWEST, wanted))
     q, value = branch_at(P, side, lower, branch, True, seed, respect)
@@ -88,7 +93,7 @@ def sample(P, side, branch, lower, upper, seed, respect, lowest, wanted, held, r
             before = rows[n - 1, 1]
             gap = x - rows[n - 1, 0]
             too_far = way > LONGEST or abs(here - before) > way
-            if too_far and on_hold < DEPTH and gap > CLOSEST and least_between(before, here, way) < lowest:
+            if too_far and on_hold < DEPTH and gap > closest and least_between(before, here, way) < lowest:
                 held[on_hold] = x - 0.5 * gap
                 on_hold += 1
                 continue
@@ -148,6 +153,7 @@ def nearest_within(P, place_, found, n, branch, seed, respect, lowest):
     peaks = np.empty((PEAKS, 5))
     S = np.empty(STATE)
     sides = (elbow_side(P, place_, 0), elbow_side(P, place_, 1))
+    closest = CLOSEST_OF_ALL if may_split(P, place_) else CLOSEST
     reached = height(lowest)
     kept = 0
     for i in range(n):
@@ -158,7 +164,7 @@ def nearest_within(P, place_, found, n, branch, seed, respect, lowest):
         _, floor = elbow_part(P, side[0], True, seed[3], respect)
         if height(floor) >= reached:
             continue
-        count = sample(P, side, b, found[i, 1], found[i, 2], seed, respect, reached, wanted, held, rows)
+        count = sample(P, side, b, found[i, 1], found[i, 2], seed, respect, reached, closest, wanted, held, rows)
         kept = find_peaks(rows, count, b, reached, peaks, kept)
         for k in range(count):
             # A little more than the sample, which is to be found again itself.

@@ -32,6 +32,25 @@ MAX_RUNS = 8 * MAX_PIECES
 RUN = 5
 """A run: branch, first and last parameter, first row of its samples, and the row behind the last."""
 
+SPLIT = 8
+"""A run of an exact limb whose branch is this or more goes along a free split, not along arm angles."""
+
+SURFACE = SPLIT + 8
+"""A run of this branch and above is one of many across a surface of postures."""
+
+LINES = 12
+MOST_LINES = 8 * LINES * LINES
+"""Runs across a surface, and arm angles if each of them has free splits; in all of a pose, at most."""
+
+MOST_RUNS = MAX_RUNS + 2 * MOST_LINES
+"""Room for the runs of a pose, free splits included: a limit may cut each of their lines in two."""
+
+ROUNDS = 12
+"""Runs in all directions through the best posture of a surface, at most so many times."""
+
+TIE = 1e-12
+"""Objectives that differ by less, relatively, are equal."""
+
 BRACKET = 8
 """A bracket: value at its middle, run, first, middle and last parameter, values at its ends, a bound below."""
 
@@ -49,3 +68,17 @@ OUT = 4
 
 NO_POSTURE = 0
 FOUND = 1
+
+# A free split: branch without the sides of what is singular, whether shoulder and wrist both are, arm angle, whether
+# any arm angle will do, the first of the two joints (0 or 4), and the postures at both ends.
+SPLIT_BRANCH = 0
+SPLIT_BOTH = 1
+SPLIT_ARM_ANGLE = 2
+SPLIT_EVERYWHERE = 3
+SPLIT_FIRST = 4
+SPLIT_LOWER = 5  # 7
+SPLIT_UPPER = 12  # 7
+SPLIT_ROW = 19
+
+MOST_SPLITS = 128
+"""Room for the free splits of a pose."""

@@ -13,7 +13,7 @@ from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.answer import ROW_COST
 from srs_ik.kernels.layout.limb import A1_A2, A2_A3, FAR, MISS, PHASE, SHOULDER, STRAIGHT, WRIST
 from srs_ik.kernels.limb.goal import NO_SEED, elbow_part, join, part
-from srs_ik.kernels.limb.spherical import angles, default_anchor, middle_angle, mirrored
+from srs_ik.kernels.limb.spherical import angles, middle_angle, mirrored
 from srs_ik.kernels.limb.triangle import shoulder_columns, side_frames, wrist_columns
 
 NO_BRANCH = 1e12
@@ -47,18 +47,16 @@ def is_unsure(P, q):
 
 
 @kernel
-def anchor(P, k, first, seeded, seed, respect):
-    """Where joints 1 and 3 of a spherical joint go when it is singular: half-way to the seed each, or mid-range."""
-    if seeded:
-        return (seed[first], seed[first + 2], 0.5, first if respect else -1)
-    return default_anchor(P, k)
+def anchor(first, seeded, seed, respect):
+    """Where joints 1 and 3 of a spherical joint go when it is singular: near the seed, or far from the limits."""
+    return seeded, seed[first], seed[first + 2], respect
 
 
 @kernel
 def two_solutions(P, k, v, y, seeded, first, seed, respect):
     """Both solutions of a spherical joint for R a3 = v and R ACROSS_3 = y, and whether v can be reached."""
     c, s, reached = middle_angle(P, k, v)
-    here = anchor(P, k, first, seeded, seed, respect)
+    here = anchor(first, seeded, seed, respect)
     above = angles(P, k, v, y, c, s, 0, here)
     if s > NEARLY_SINGULAR and P[k + A1_A2] == 0.0 and P[k + A2_A3] == 0.0:
         return above, mirrored(P, k, above), reached
@@ -71,7 +69,7 @@ def better_half(P, k, first, v, y, wanted, seeded, seed, respect):
     seed3 = (seed[first], seed[first + 1], seed[first + 2])
     if wanted >= 0:
         c, s, reached = middle_angle(P, k, v)
-        q = angles(P, k, v, y, c, s, wanted, anchor(P, k, first, seeded, seed, respect))
+        q = angles(P, k, v, y, c, s, wanted, anchor(first, seeded, seed, respect))
         q, cost = part(P, first, q, seeded, seed3, respect)
         return q, wanted, (cost if reached else NO_BRANCH)
     above, below, reached = two_solutions(P, k, v, y, seeded, first, seed, respect)

@@ -70,6 +70,13 @@ def set_limit(P, joint, lower, upper):
 
 
 @kernel
+def share_of_first(inverse_1, inverse_3):
+    """The part of a sum that leaves joints 1 and 3 the same margin, from their inverse half ranges (0: no limits)."""
+    both = inverse_1 + inverse_3
+    return inverse_3 / both if both > 0.0 else 0.5
+
+
+@kernel
 def set_joint_limits(P, k, first):
     """Write the limits of the spherical joint at block k as linear forms of its rotation, and its anchors."""
     a1 = load3(P, k + A1)
@@ -90,11 +97,9 @@ def set_joint_limits(P, k, first):
         store3(P, k + BOUND_3_LOWER, rotate(a3, c, -s, a2))
         c, s = P[COS_UPPER + first + 2], P[SIN_UPPER + first + 2]
         store3(P, k + BOUND_3_UPPER, rotate(a3, c, -s, a2))
-    width_1 = min(P[UPPER + first] - P[LOWER + first], TURN)
-    width_3 = min(P[UPPER + first + 2] - P[LOWER + first + 2], TURN)
     P[k + ANCHOR_1] = P[MIDDLE + first]
     P[k + ANCHOR_3] = P[MIDDLE + first + 2]
-    P[k + SHARE_1] = width_1 / (width_1 + width_3) if width_1 + width_3 > 0.0 else 0.5
+    P[k + SHARE_1] = share_of_first(P[INVERSE_HALF_RANGE + first], P[INVERSE_HALF_RANGE + first + 2])
 
 
 @kernel

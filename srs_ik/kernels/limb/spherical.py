@@ -17,22 +17,18 @@ from srs_ik.kernels.layout.limb import (
     A2_A3,
     A3,
     ACROSS_3,
-    ANCHOR_1,
-    ANCHOR_3,
     BOTTOM_GAP,
     COS_PHASE,
     CROSS_3,
     CROSS_23,
-    LOWER,
+    FIRST_JOINT,
     PHASE,
-    SHARE_1,
     SIN_PHASE,
-    SLACK_LIMIT,
     SLACK_REACH,
     SLACK_SINGULAR,
     TOP_GAP,
-    UPPER,
 )
+from srs_ik.kernels.limb.splits import nearest_split, rest_of, widest_split
 
 
 @kernel
@@ -110,42 +106,29 @@ def sines(P, k, v, y, c, s, sign):
 def angles(P, k, v, y, c, s, sign, anchor):
     """One solution as angles (q1, q2, q3).
 
-    Where axes 1 and 3 are parallel, q1 and q3 are free but for one sum: `anchor` = (q1, q3, share, first) says where
-    they like to be and which share of the way from there joint 1 takes; with `first`, the index of q1 among the joints,
-    they stay inside their limits as far as the sum allows, and nowhere in particular with -1.
+    Where axes 1 and 3 are parallel, q1 and q3 are free but for one sum: `anchor` = (seeded, q1, q3, respect) asks for
+    the split nearest to a seed, inside the limits if they are respected, or for the one farthest from the limits.
     """
     c1, s1, c2, s2, c3, s3, length = sines(P, k, v, y, c, s, sign)
     q2 = math.atan2(s2, c2)
     if length > 0.0:
         return math.atan2(s1, c1), q2, math.atan2(s3, c3)
-    upright = c > 0.0
-    toward = 1.0 if upright else -1.0  # toward q1 + q3 is what R fixes
-    rest = wrap(math.atan2(s3, c3) - toward * anchor[0] - anchor[1])
-    q1 = anchor[0] + toward * anchor[2] * rest
-    q3 = anchor[1] + (1.0 - anchor[2]) * rest
-    if anchor[3] < 0:
-        return q1, q2, q3
-    shift = kept_shift(P, anchor[3], q1, q3, toward)
-    return q1 + shift, q2, q3 - toward * shift
+    toward = 1.0 if c > 0.0 else -1.0
+    q1, q3 = split(P, k, math.atan2(s3, c3), toward, anchor)
+    return q1, q2, q3
 
 
 @kernel
-def kept_shift(P, first, q1, q3, toward):
-    """How far q1 has to be turned, and q3 against it, until both are inside their limits; 0 if they cannot be.
-
-    Either joint may be a turn away from its limits.
-    """
-    best = math.inf
-    for turns in range(-2, 3):
-        low_3 = P[LOWER + first + 2] + turns * 2.0 * math.pi
-        high_3 = P[UPPER + first + 2] + turns * 2.0 * math.pi
-        low = max(P[LOWER + first] - q1, q3 - high_3 if toward > 0.0 else low_3 - q3)
-        high = min(P[UPPER + first] - q1, q3 - low_3 if toward > 0.0 else high_3 - q3)
-        shift = min(max(0.0, low), high)
-        # Room for the rounding of a sum that only the limits themselves make.
-        if low <= high + P[SLACK_LIMIT] and abs(shift) < abs(best):
-            best = shift
-    return best if abs(best) < math.inf else 0.0
+def split(P, k, total, toward, anchor):
+    """Joints 1 and 3 where only the sum of toward q1 and q3 is known."""
+    seeded, seed_1, seed_3, respect = anchor
+    first = int(P[k + FIRST_JOINT])
+    if not seeded:
+        return widest_split(P, k, first, total, toward)
+    if respect:
+        return nearest_split(P, k, first, total, toward, seed_1, seed_3)
+    half = 0.5 * rest_of(total, toward, seed_1, seed_3)
+    return seed_1 + toward * half, seed_3 + half
 
 
 @kernel
@@ -155,6 +138,6 @@ def mirrored(P, k, q):
 
 
 @kernel
-def default_anchor(P, k):
-    """Middle of the ranges of joints 1 and 3, and the share of joint 1 in proportion to its range."""
-    return (P[k + ANCHOR_1], P[k + ANCHOR_3], P[k + SHARE_1], -1)
+def middle_anchor():
+    """The anchor of the split that is farthest from the limits."""
+    return False, 0.0, 0.0, True

@@ -14,7 +14,7 @@ from srs_ik.kernels.curves.follow import load_sample, put
 from srs_ik.kernels.curves.runs import on_curve, sample_again
 from srs_ik.kernels.exact.samples import STEP
 from srs_ik.kernels.jit import kernel
-from srs_ik.kernels.layout.search import BEST, BRACKET, F_BEST, REFUSED
+from srs_ik.kernels.layout.search import BEST, BRACKET, F_BEST, REFUSED, TIE
 from srs_ik.kernels.limb.goal import NO_SEED, cost
 from srs_ik.kernels.limb.triangle import elbow_side
 from srs_ik.kernels.optimum.objectives import figure, objective, tip_jacobian
@@ -22,9 +22,6 @@ from srs_ik.kernels.optimum.objectives import figure, objective, tip_jacobian
 EDGE = 1e-13
 EDGE_STEPS = 100
 """The end of a stretch of equal values is found to this, rad, in at most so many steps."""
-
-TIE = 1e-12
-"""Objectives that differ by less, relatively, are equal."""
 
 ROUNDING = 1e-13
 """Relative width given to the set of postures that are best by a first objective, beside its tolerance."""

@@ -14,7 +14,7 @@ from srs_ik.kernels.algebra.vectors import across, cross, norm, swing
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.limb import RANGE_KIND, SHOULDER, SLACK_SINGULAR, WRIST
 from srs_ik.kernels.limb.limits import TURN, turn_to_middle, violation
-from srs_ik.kernels.limb.spherical import angles, default_anchor, middle_angle
+from srs_ik.kernels.limb.spherical import angles, middle_anchor, middle_angle
 from srs_ik.kernels.limb.triangle import arm_angle_of_direction, elbow_side, target_frame, unit_across
 
 GRID = 24
@@ -73,7 +73,7 @@ def half_states(P, k, first, motion, psi, out):
     y = swing(y0[0], y0[1], y0[2], c, s)
     cm, sm, reached = middle_angle(P, k, v)
     for sign in range(2):
-        q = angles(P, k, v, y, cm, sm, sign, default_anchor(P, k))
+        q = angles(P, k, v, y, cm, sm, sign, middle_anchor())
         mark = FIXED if reached else NONE
         for j in range(3):
             angle = turn_to_middle(P, first + j, q[j])

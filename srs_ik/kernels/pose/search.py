@@ -11,6 +11,7 @@ from srs_ik.kernels.chain.kinematics import pose_error
 from srs_ik.kernels.chain.newton import CLOSED, arm_angle, close_free
 from srs_ik.kernels.curves.best import search_followed
 from srs_ik.kernels.exact.farthest import branch_at, copy_interval, farthest
+from srs_ik.kernels.exact.free_splits import NEARLY_FLAT, SMALLEST_BEND, settled_split, with_splits
 from srs_ik.kernels.exact.intervals import find_intervals
 from srs_ik.kernels.exact.nearest import (
     CLOSE,
@@ -33,15 +34,11 @@ from srs_ik.kernels.limb.goal import NO_SEED, OUTSIDE
 from srs_ik.kernels.limb.triangle import elbow_side
 from srs_ik.kernels.near.second_attempts import look_around, rescue
 
-NEARLY_FLAT = 3e-6
-"""Bends of the elbow below this, rad from straight or from folded, cannot be told apart within 1e-11 of reach."""
-
 MOST_LEVERAGE = 4.0
 """A seed farther from its nearest posture than so many times the pose error asks for a closer look."""
 
-SMALLEST_BEND = 2.5e-10
 LAST_STAGE = 15
-"""Bends that are tried, rad: this one times powers of two up to about `NEARLY_FLAT`; then limits are given up."""
+"""`SMALLEST_BEND` times powers of two up to about `NEARLY_FLAT` are tried before; then limits are given up."""
 
 HARDLY = 1e-5
 """A limb that misses by less than this part of its reach is one with rounded figures."""
@@ -133,6 +130,7 @@ def search_near_seed(P, F, place_, R, p, seed, respect, J, A):
         return q, best, lowest
     if minimum and is_alone(P, seed, lowest):
         return q, best, lowest
+    q, best, lowest = with_splits(P, place_, R, p, -1, seed, respect, q, best, lowest)
     distance = math.sqrt(lowest)
     if J is not None:
         if distance < CLOSE:
@@ -153,6 +151,8 @@ def search_near_seed(P, F, place_, R, p, seed, respect, J, A):
         return q, best, lowest
     if J is None:
         nearer_q, nearer, value = nearest_within(P, place_, found, n, -1, seed, respect, lowest)
+        if value < lowest:
+            nearer_q, nearer, value = settled_split(P, place_, R, p, nearer_q, nearer, value, seed, respect)
     elif P[MISS] < HARDLY * P[FAR]:
         return search_hardly_near(P, place_, R, p, found, n, q, best, lowest, seed, respect, J, A)
     else:
@@ -166,7 +166,7 @@ def search_near_seed(P, F, place_, R, p, seed, respect, J, A):
 
 
 @kernel
-def search_exact(family, place_, branch, seed, respect):
+def search_exact(family, place_, R, p, branch, seed, respect):
     """Best posture of a closed limb over all arm angles: q, branch, cost; the least violating one if all break limits.
 
     Rounding may hide a posture from the strict search. So looser tolerances follow, and, with the elbow almost straight
@@ -201,6 +201,8 @@ def search_exact(family, place_, branch, seed, respect):
             q, b, value = nearest_within(P, near, found, n, branch, seed, respect, 4.0 * NO_BRANCH)
         if value < lowest:
             best_q, best, lowest = q, b, value
+        if stage == 0:
+            best_q, best, lowest = with_splits(P, place_, R, p, branch, seed, respect, best_q, best, lowest)
         if lowest < OUTSIDE:
             break
     return best_q, best, lowest

@@ -78,9 +78,9 @@ def solve_row(family, T, branch, seed, respect, J, A, out):
         if J is not None:
             q, best, lowest = search_true(P, place_, R, p, branch, seeded, near, respect, J, A)
         elif seed is not None:
-            q, best, lowest = search_exact(family, place_, branch, near, respect)
+            q, best, lowest = search_exact(family, place_, R, p, branch, near, respect)
         else:
-            q, best, lowest = search_exact(family, place_, branch, None, respect)
+            q, best, lowest = search_exact(family, place_, R, p, branch, None, respect)
     measure_row(P, place_, R, p, q, best, lowest, respect, row(out, 0))
     if J is not None:
         if respect and out[ROW_STATUS] == UNREACHABLE:

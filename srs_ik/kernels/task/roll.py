@@ -85,7 +85,7 @@ def wrist_at(P, motion, roll, sign, seeded, seed, respect):
     v = swing(v0[0], v0[1], v0[2], c, s)
     cosine, sine, reached = middle_angle(P, WRIST, v)
     y = swing(y0[0], y0[1], y0[2], c, s)
-    return angles(P, WRIST, v, y, cosine, sine, sign, anchor(P, WRIST, 4, seeded, seed, respect)), reached
+    return angles(P, WRIST, v, y, cosine, sine, sign, anchor(4, seeded, seed, respect)), reached
 
 
 @kernel

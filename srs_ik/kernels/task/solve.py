@@ -181,8 +181,8 @@ def nearest_feasible(family, place_, R, p, psi, branch, seeded, seed, respect, J
             return out_of_reach(row(family, LIMITED), place_, R, p, psi, -1, respect)
         return search_true(row(family, LIMITED), place_, R, p, -1, seeded, seed, respect, J, A)
     if seeded:
-        return search_exact(family, place_, -1, seed, respect)
-    return search_exact(family, place_, -1, None, respect)
+        return search_exact(family, place_, R, p, -1, seed, respect)
+    return search_exact(family, place_, R, p, -1, None, respect)
 
 
 @kernel

@@ -1,0 +1,311 @@
+"""Whether seeded answers at and next to singular poses are the nearest: against a dense sweep that SciPy polishes.
+
+python benchmarks/singular.py [--seeds 1000] [--robots iiwa14 human_arm] [--urdf FILE:BASE:TIP] [--random 100]
+
+A pose is that of a random configuration whose shoulder, elbow or wrist is singular, or almost. Its postures are known
+by construction: any split of the sum of the outer joints is one, as far as Newton's method closes it on Pinocchio's own
+figures; and so are those of a sweep over arm angles. The nearest of them to a seed, polished by SciPy, is what an
+answer must not be farther than.
+"""
+
+from __future__ import annotations
+
+import argparse
+import sys
+import tempfile
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from rich.progress import track
+from scipy.optimize import minimize
+from swept import Chain, turned, wrapped
+
+import srs_ik
+
+OFFSETS = (0.0, 1e-12, 1e-11, 1e-10, 1e-9, 1e-8, 1e-7, 1e-6, 1e-5, 1e-4)
+"""How far the singular joints are off, rad."""
+
+TOGETHER = ((1,), (5,), (1, 5), (1, 3), (3, 5), (1, 3, 5))
+"""Which joints are singular at once, counted from 0: 1 the shoulder's, 3 the elbow, 5 the wrist's."""
+
+CLOSED = 1e-13
+"""A posture meets its pose if position (m) and orientation (rad) errors are below this."""
+
+WORSE = 1e-6
+"""An answer farther from its seed by more than this, rad, than a known posture is a failure."""
+
+SWEPT = 360
+SPLITS = 240
+BOTH = 48
+POLISHED = 4
+
+
+@dataclass(frozen=True)
+class Case:
+    """A posture at or near a singular one, its pose, and a seed."""
+
+    q: np.ndarray
+    pose: np.ndarray
+    seed: np.ndarray
+    joints: tuple[int, ...]
+    offset: float
+
+
+def middle_phase(a1: np.ndarray, a2: np.ndarray, a3: np.ndarray) -> float:
+    """The angle of the middle joint of three that brings the outer two axes as close to one line as can be."""
+    at = a1 @ np.cross(a2, a3), a1 @ a3 - (a1 @ a2) * (a2 @ a3)
+    return float(np.arctan2(*at))
+
+
+def straight(limb: srs_ik.SrsLimb) -> float:
+    """The elbow angle of the stretched arm."""
+    a4 = limb.axes[3]
+    back, forth = ((p - limb.elbow) - a4 * (a4 @ (p - limb.elbow)) for p in (limb.shoulder, limb.wrist))
+    return float(np.arctan2(a4 @ np.cross(forth, -back), forth @ -back))
+
+
+def singular_angles(limb: srs_ik.SrsLimb) -> dict[int, float]:
+    """Angles of joints 2, 4 and 6 at which the limb is singular; exactly zero where they are but for rounding."""
+    found = {1: middle_phase(*limb.axes[:3]), 3: straight(limb), 5: middle_phase(*limb.axes[4:])}
+    return {joint: 0.0 if abs(angle) < 1e-12 else angle for joint, angle in found.items()}
+
+
+def anywhere(arm: srs_ik.Arm, rng: np.random.Generator) -> np.ndarray:
+    return rng.uniform(
+        np.where(np.isfinite(arm.lower), arm.lower, -np.pi), np.where(np.isfinite(arm.upper), arm.upper, np.pi)
+    )
+
+
+def cases(
+    arm: srs_ik.Arm, count: int, rng: np.random.Generator, together: Sequence[tuple[int, ...]] = TOGETHER
+) -> Iterator[Case]:
+    """Random cases whose posture keeps the limits; half of the seeds are within 0.5 rad a joint of another split."""
+    angles = singular_angles(arm.limb)
+    reached = {j for j in angles if arm.lower[j] <= angles[j] <= arm.upper[j]}
+    together = [joints for joints in together if reached.issuperset(joints)]
+    made = 0
+    while made < count and together:
+        joints, offset = together[rng.integers(len(together))], OFFSETS[rng.integers(len(OFFSETS))]
+        q = anywhere(arm, rng)
+        for joint in joints:
+            there = angles[joint] + np.pi * (rng.random() < 0.2)
+            q[joint] = wrapped(there) + offset * rng.choice([-1.0, 1.0])
+        if ((q < arm.lower) | (q > arm.upper)).any():
+            continue
+        made += 1
+        yield Case(q, arm.forward_kinematics(q).homogeneous, anywhere(arm, rng), joints, offset)
+
+
+class Known:
+    """Postures of a pose that are known without the answer in question."""
+
+    def __init__(self, arm: srs_ik.Arm) -> None:
+        self.arm = arm
+        self.chain = Chain(arm)
+        self.R_tip = arm.forward_kinematics(np.zeros(7)).rotation
+        self.singular = singular_angles(arm.limb)
+
+    def errors(self, Q: np.ndarray, pose: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """(n, 6) twists that lead to the pose, (n, 6, 7) Jacobians."""
+        axes, points, _, tip = self.chain.moved(Q)
+        J = np.concatenate([np.cross(axes, tip[:, None] - points), axes], axis=2).transpose(0, 2, 1)
+        turn = np.broadcast_to(np.eye(3), (len(Q), 3, 3))
+        for j in range(7):
+            K = np.cross(np.eye(3), self.chain.axes[j])
+            s, c = np.sin(Q[:, j])[:, None, None], np.cos(Q[:, j])[:, None, None]
+            turn = turn @ (np.eye(3) + s * K + (1.0 - c) * (K @ K))
+        R = turn @ self.R_tip
+        D = pose[:3, :3] @ R.transpose(0, 2, 1)
+        skew = 0.5 * np.stack([D[:, 2, 1] - D[:, 1, 2], D[:, 0, 2] - D[:, 2, 0], D[:, 1, 0] - D[:, 0, 1]], axis=1)
+        sine = np.linalg.norm(skew, axis=1)
+        angle = np.arctan2(sine, 0.5 * (np.trace(D, axis1=1, axis2=2) - 1.0))
+        turn_ = skew * np.where(sine > 1e-9, angle / np.maximum(sine, 1e-9), 1.0)[:, None]
+        return np.concatenate([pose[:3, 3] - tip, turn_], axis=1), J
+
+    def closed(self, Q: np.ndarray, pose: np.ndarray, steps: int = 25) -> tuple[np.ndarray, np.ndarray]:
+        """Postures by shortest Newton steps from some that almost meet a pose, and whether they meet it."""
+        Q = Q.copy()
+        for _ in range(steps):
+            e, J = self.errors(Q, pose)
+            bad = np.abs(e).max(axis=1) > 1e-14
+            if not bad.any():
+                break
+            JJ = J[bad] @ J[bad].transpose(0, 2, 1)
+            square = (e[bad] ** 2).sum(axis=1)
+            JJ += (1e-14 + np.minimum(1e-4, 1e-2 * square))[:, None, None] * np.eye(6)
+            step = np.einsum("nij,ni->nj", J[bad], np.linalg.solve(JJ, e[bad][..., None])[..., 0])
+            size = np.abs(step).max(axis=1, keepdims=True)
+            Q[bad] += step * np.minimum(1.0, 0.3 / np.maximum(size, 1e-300))
+        e, _ = self.errors(Q, pose)
+        return Q, np.abs(e).max(axis=1) < CLOSED
+
+    def toward(self, q: np.ndarray, joint: int) -> float:
+        """1.0 where the outer axes around a singular middle joint (1 or 5) point the same way, else -1.0."""
+        return 1.0 if np.cos(q[joint] - self.singular[joint]) > 0.0 else -1.0
+
+    def is_singular(self, Q: np.ndarray, joint: int) -> np.ndarray:
+        return np.abs(np.sin(Q[..., joint] - self.singular[joint])) < 2e-4
+
+    def splits(self, q: np.ndarray) -> np.ndarray:
+        """Other splits of the sums that a posture next to a singular one leaves free; (n, 7), not yet closed."""
+        free = [joint for joint in (1, 5) if self.is_singular(q, joint)]
+        if not free:
+            return q[None]
+        grids = np.meshgrid(
+            *[np.linspace(-np.pi, np.pi, SPLITS if len(free) == 1 else BOTH, endpoint=False)] * len(free)
+        )
+        Q = np.tile(q, (grids[0].size, 1))
+        for joint, grid in zip(free, grids, strict=True):
+            Q[:, joint - 1] += grid.ravel()
+            Q[:, joint + 1] -= self.toward(q, joint) * grid.ravel()
+        return Q
+
+    def swung(self, q: np.ndarray) -> list[np.ndarray]:
+        """A straight arm at other arm angles, if axes 3 and 5 lie along it."""
+        along = float(self.arm.limb.axes[2] @ self.arm.limb.axes[4])
+        if abs(along) < 1.0 - 1e-9:
+            return []
+        turns = np.linspace(-np.pi, np.pi, 24, endpoint=False)
+        return [q + turn * np.array([0.0, 0.0, 1.0, 0.0, -np.sign(along), 0.0, 0.0]) for turn in turns]
+
+    def postures(self, case: Case) -> np.ndarray:
+        """Postures of a case's pose, limits aside: of a sweep of arm angles, and of splits of all that is singular."""
+        angles = wrapped(np.linspace(-np.pi, np.pi, SWEPT, endpoint=False) + 1e-4)
+        here = self.arm.arm_angle(case.q)
+        angles = np.concatenate([angles, [here], here + np.outer([-1, 1], np.logspace(-12, -2, 21)).ravel()])
+        poses = np.broadcast_to(case.pose, (len(angles), 4, 4))
+        batch = self.arm.solve_batch(poses, arm_angle=wrapped(angles), all_branches=True, respect_limits=False)
+        at_angles = batch.q[batch.ok]
+        starts = [case.q]
+        if 3 in case.joints and (self.is_singular(case.q, 1) or self.is_singular(case.q, 5)):
+            starts += self.swung(case.q)
+        near = np.zeros(len(at_angles), bool)
+        for joint in (1, 5):
+            near |= self.is_singular(at_angles, joint)
+        others = at_angles[near]
+        if len(others):
+            # One of each branch's is enough: those next to it lie on the same segment.
+            keys = np.round(np.exp(1j * others[:, [1, 3, 5]]), 3)
+            _, first = np.unique(keys, axis=0, return_index=True)
+            starts += list(others[first[:16]])
+        around = np.concatenate([self.splits(q) for q in starts])
+        around, met = self.closed(around, case.pose)
+        return np.concatenate([case.q[None], at_angles, around[met]])
+
+    def polish(self, case: Case, q: np.ndarray) -> np.ndarray:
+        """The nearest posture to the seed around one, by SciPy; the posture itself where that does not better it."""
+        arm, seed = self.arm, case.seed
+        bounds = list(zip(arm.lower, arm.upper, strict=True))
+        constraint = {
+            "type": "eq",
+            "fun": lambda x: self.errors(x[None], case.pose)[0][0],
+            "jac": lambda x: -self.errors(x[None], case.pose)[1][0],
+        }
+        found = minimize(
+            lambda x: float(((x - seed) ** 2).sum()),
+            q,
+            jac=lambda x: 2.0 * (x - seed),
+            bounds=bounds,
+            constraints=[constraint],
+            method="SLSQP",
+            options={"maxiter": 60, "ftol": 1e-14},
+        ).x
+        if not np.isfinite(found).all():
+            return q
+        found, met = self.closed(found[None], case.pose)
+        found = found[0]
+        inside = ((found >= arm.lower) & (found <= arm.upper)).all()
+        return found if met[0] and inside and np.linalg.norm(found - seed) < np.linalg.norm(q - seed) else q
+
+    def nearest(self, case: Case) -> np.ndarray:
+        """The known posture nearest to the seed, inside the limits."""
+        Q, inside = turned(self.arm, self.postures(case), case.seed)
+        Q = Q[inside]
+        away = np.linalg.norm(Q - case.seed, axis=1)
+        chosen: list[np.ndarray] = []
+        for i in np.argsort(away):
+            if all(np.abs(Q[i] - q).max() > 0.2 for q in chosen):
+                chosen.append(Q[i])
+            if len(chosen) == POLISHED:
+                break
+        polished = [self.polish(case, q) for q in chosen]
+        return min(polished, key=lambda q: float(np.linalg.norm(q - case.seed)))
+
+
+def farther(arm: srs_ik.Arm, known: Known, case: Case) -> float:
+    """By how much the answer is farther from the seed than the nearest known posture, rad; inf if it is none."""
+    solution = arm.solve(case.pose, seed=case.seed)
+    if not solution:
+        return np.inf
+    return float(np.linalg.norm(solution.q - case.seed) - np.linalg.norm(known.nearest(case) - case.seed))
+
+
+def random_arms(count: int, seed: int) -> Iterator[srs_ik.Arm]:
+    """S-R-S arms of random lengths and limits with perpendicular axes, as a chain of seven joints in one URDF."""
+    rng = np.random.default_rng(seed)
+    for number in range(count):
+        lengths = rng.uniform(0.1, 0.5, 3)
+        # Axes of joints 1 to 7, and the way along z to each from the joint before.
+        axes = ("0 0 1", "0 1 0", "0 0 1", "0 1 0", "0 0 1", "0 1 0", "0 0 1")
+        ways = (0.0, 0.0, 0.0, lengths[0], 0.0 if number % 2 else lengths[1], lengths[1] if number % 2 else 0.0, 0.0)
+        links = "".join(f'<link name="link_{i}"/>' for i in range(9))
+        joints = "".join(
+            f'<joint name="joint_{i + 1}" type="revolute"><parent link="link_{i}"/><child link="link_{i + 1}"/>'
+            f'<origin xyz="0 0 {ways[i]}"/><axis xyz="{axes[i]}"/>'
+            f'<limit lower="{-rng.uniform(1.5, 6.5)}" upper="{rng.uniform(1.5, 6.5)}" effort="1" velocity="1"/></joint>'
+            for i in range(7)
+        )
+        tip = (
+            '<joint name="tip" type="fixed"><parent link="link_7"/><child link="link_8"/>'
+            f'<origin xyz="0.02 0 {lengths[2]}" rpy="0.1 0.2 0.3"/></joint>'
+        )
+        with tempfile.TemporaryDirectory() as folder:
+            file = Path(folder) / f"random_{number}.urdf"
+            file.write_text(f'<robot name="random_{number}">{links}{joints}{tip}</robot>')
+            yield srs_ik.load(file, base="link_0", tip="link_8")
+
+
+def judge(name: str, arm_and_cases: Iterator[tuple[srs_ik.Arm, Known, Case]], count: int) -> int:
+    """Print a row of the table; the number of answers that are farther than a known posture."""
+    worst, failed, tried = -np.inf, 0, 0
+    for arm, known, case in track(arm_and_cases, name, total=count):
+        away = farther(arm, known, case)
+        worst, failed, tried = max(worst, away), failed + (away > WORSE), tried + 1
+        if away > WORSE:
+            print(f"  {arm.name}: joints {[j + 1 for j in case.joints]} off by {case.offset:g}: {away:.3g} rad farther")
+    print(f"| `{name}` | {tried} | {failed} | {worst:.1e} |")
+    return failed
+
+
+def main(arguments: Sequence[str] | None = None) -> None:
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--seeds", type=int, default=1000, help="seeds for each robot")
+    parser.add_argument("--robots", nargs="*", default=["iiwa14", "human_arm"])
+    parser.add_argument("--urdf", nargs="*", default=[], help="FILE:BASE:TIP")
+    parser.add_argument("--random", type=int, default=20, help="random arms, with 10 seeds each")
+    parser.add_argument("--elbow", action="store_true", help="also with a singular elbow")
+    given = parser.parse_args(arguments)
+    together = TOGETHER if given.elbow else ((1,), (5,))
+    loaded = [srs_ik.load(name) for name in given.robots]
+    for text in given.urdf:
+        file, base, tip = text.split(":")
+        loaded.append(srs_ik.load(file, base=base, tip=tip))
+    print("| arm | seeds | farther than a known posture | largest difference (rad) |\n|---|--:|--:|--:|")
+    rng = np.random.default_rng(0)
+    failed = 0
+    for arm in loaded:
+        known = Known(arm)
+        failed += judge(arm.name, ((arm, known, c) for c in cases(arm, given.seeds, rng, together)), given.seeds)
+    made = ((arm, Known(arm)) for arm in random_arms(given.random, 1))
+    failed += judge(
+        "random",
+        ((arm, known, c) for arm, known in made for c in cases(arm, 10, rng, together)),
+        10 * given.random,
+    )
+    sys.exit(1 if failed else 0)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,108 @@
+"""Where the outer axes of a shoulder or a wrist come into line, so that a pose fixes only a sum of their joints."""
+
+from __future__ import annotations
+
+import math
+
+from srs_ik.kernels.algebra.vectors import add, apply, dot, load3, norm, rotate
+from srs_ik.kernels.jit import kernel
+from srs_ik.kernels.layout.limb import (
+    A1,
+    A3,
+    AXES,
+    BOTTOM_GAP,
+    COS_STRAIGHT,
+    FAR,
+    FOREARM,
+    MISS,
+    PHASE,
+    SHOULDER,
+    SIN_STRAIGHT,
+    SIZE,
+    SLACK_SINGULAR,
+    TOP_GAP,
+    UPPER_ARM,
+    WRIST,
+)
+
+NEARLY_IN_LINE = 1e-4
+"""Outer axes that come this close to one line, rad, are searched as if they did; wider apart, the curves tell all."""
+
+ROUNDED = 1e-5
+"""A limb that misses by less than this part of its reach has postures all along a free split, or next to it."""
+
+SMALLEST_REACH = 1e-300
+"""Stands for a reach of zero."""
+
+
+@kernel
+def in_line(x, y, P, k):
+    """Whether two axes at cosines x and y from a line that one of them turns about come into line, or almost."""
+    return (P[k + TOP_GAP] == 0.0 and abs(x - y) < NEARLY_IN_LINE) or (
+        P[k + BOTTOM_GAP] == 0.0 and abs(x + y) < NEARLY_IN_LINE
+    )
+
+
+@kernel
+def may_split(P, place_):
+    """Whether the outer axes of the shoulder or the wrist may come into line at some arm angle: a quick test.
+
+    One of the two stands still while the arm angle turns the other about the line S-W; they meet if both are at the
+    same angle from it.
+    """
+    t, _, c, s, hand, _ = place_
+    if P[MISS] > ROUNDED * P[FAR]:
+        return False
+    still_s = dot(load3(P, SHOULDER + A1), t)
+    still_w = dot(apply(hand, load3(P, WRIST + A3)), t)
+    a4 = load3(P, AXES + 9)
+    for elbow in range(2):
+        sine = -s if elbow == 1 else s
+        to_wrist = add(load3(P, UPPER_ARM), rotate(a4, c, sine, load3(P, FOREARM)))
+        share = 1.0 / max(norm(to_wrist), SMALLEST_REACH)
+        if in_line(still_s, share * dot(to_wrist, load3(P, SHOULDER + A3)), P, SHOULDER):
+            return True
+        c4 = P[COS_STRAIGHT] * c - P[SIN_STRAIGHT] * sine
+        s4 = P[SIN_STRAIGHT] * c + P[COS_STRAIGHT] * sine
+        if in_line(still_w, share * dot(to_wrist, rotate(a4, c4, s4, load3(P, WRIST + A1))), P, WRIST):
+            return True
+    return False
+
+
+@kernel
+def closest(P, k, motion, end):
+    """Arm angle at which the outer axes of a spherical joint come closest to one line: it, and how close, rad.
+
+    The end says whether they point the same way there (0) or opposite ways (1). Last, how close they are elsewhere.
+    """
+    circle = motion[0]
+    a1 = load3(P, k + A1)
+    sign = 1.0 if end == 0 else -1.0
+    constant = sign * dot(a1, circle[0])
+    c = sign * dot(a1, circle[1])
+    s = sign * dot(a1, circle[2])
+    r = math.sqrt(c * c + s * s)
+    least = math.sqrt(max(2.0 * (1.0 - constant - r), 0.0))
+    most = math.sqrt(max(2.0 * (1.0 - constant + r), 0.0))
+    return math.atan2(s, c), least, most
+
+
+@kernel
+def toward_of(P, k, q2):
+    """1.0 where the outer axes of a spherical joint next to its singularity point the same way, else -1.0."""
+    return 1.0 if math.cos(q2 - P[k + PHASE]) > 0.0 else -1.0
+
+
+@kernel
+def is_in_line(P, k, q2, width):
+    """Whether the outer axes of a spherical joint are within some angle of one line."""
+    gap = P[k + TOP_GAP] if toward_of(P, k, q2) > 0.0 else P[k + BOTTOM_GAP]
+    return gap == 0.0 and abs(math.sin(q2 - P[k + PHASE])) < width
+
+
+@kernel
+def wide_limb(P, wide):
+    """Copy the packed limb to `wide`, which takes axes for parallel that are almost so."""
+    for i in range(SIZE):
+        wide[i] = P[i]
+    wide[SLACK_SINGULAR] = NEARLY_IN_LINE

@@ -1,0 +1,157 @@
+"""Runs of postures across free splits, sampled for the search for an optimum: see `free_splits` and `survey`.
+
+The parameter of such a run is how far joint 1 of the singular shoulder or wrist has turned, joint 3 against it. Where
+more than one sum is free at once, many runs cover the surface of postures, and the best is closed in on by runs through
+it in all directions of the surface.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from srs_ik.kernels.algebra.pointers import keep, row
+from srs_ik.kernels.algebra.vectors import dot, load3, rotate
+from srs_ik.kernels.chain.newton import CLOSED
+from srs_ik.kernels.curves.follow import put
+from srs_ik.kernels.curves.runs import cut
+from srs_ik.kernels.exact.free_splits import close_gently
+from srs_ik.kernels.jit import kernel
+from srs_ik.kernels.layout.limb import (
+    A1,
+    A3,
+    AXES,
+    BOTTOM_GAP,
+    COS_STRAIGHT,
+    SHOULDER,
+    SIN_STRAIGHT,
+    SIZE,
+    STRAIGHT,
+    TOP_GAP,
+    WRIST,
+)
+from srs_ik.kernels.layout.search import LINES, MOST_LINES, SPLIT, SURFACE
+from srs_ik.kernels.limb.branches import NO_BRANCH, side_posture
+from srs_ik.kernels.limb.goal import NO_SEED
+from srs_ik.kernels.limb.in_line import NEARLY_IN_LINE, closest, is_in_line, toward_of, wide_limb
+from srs_ik.kernels.limb.triangle import elbow_side
+
+PARTS = 48
+"""Parts of a turn into which a segment is sampled."""
+
+NEARLY = 2.0 * NEARLY_IN_LINE
+"""Outer axes of a posture within this of one line, rad, may have been closed from such a posture."""
+
+HALF = 2.0 * math.pi / LINES
+AROUND = 8
+"""Length, to either side, and parts of a run through the best posture of a surface."""
+
+MOST_ROWS = MOST_LINES * (PARTS + 8)
+"""Room for the samples of all segments of a pose."""
+
+
+@kernel
+def moved_along(q, x1, x3, x5, x7):
+    """A posture with its outer joints turned."""
+    return (q[0] + x1, q[1], q[2] + x3, q[3], q[4] + x5, q[5], q[6] + x7)
+
+
+@kernel
+def split_by(P, k, q, x):
+    """A posture with joint 1 of the spherical joint at block k turned by x, and joint 3 so that their sum stays."""
+    if k == SHOULDER:
+        return moved_along(q, x, -toward_of(P, k, q[1]) * x, 0.0, 0.0)
+    return moved_along(q, 0.0, 0.0, x, -toward_of(P, k, q[5]) * x)
+
+
+@kernel
+def swung_by(P, q, x):
+    """A posture of a straight arm, shoulder to wrist along axes 3 and 5, swung about that line."""
+    a5 = rotate(load3(P, AXES + 9), P[COS_STRAIGHT], P[SIN_STRAIGHT], load3(P, WRIST + A1))
+    return moved_along(q, 0.0, x, -math.copysign(x, dot(load3(P, SHOULDER + A3), a5)), 0.0)
+
+
+@kernel
+def put_line(P, side, R, p, q, way, half, parts, branch, respect, line, rows, n, runs, k, J, A):
+    """Sample a line through a posture and write its feasible runs: rows and runs in use.
+
+    way: 0 split of the shoulder, 1 of the wrist, 2 and 3 both together and against each other, 4 swing of the arm.
+    """
+    count = 0
+    for i in range(parts + 1):
+        x = half * (2.0 * i / parts - 1.0)
+        start = q
+        if way == 4:
+            start = swung_by(P, q, x)
+        else:
+            if way != 1:
+                start = split_by(P, SHOULDER, start, x)
+            if way != 0:
+                start = split_by(P, WRIST, start, -x if way == 3 else x)
+        closed, error = close_gently(P, start, R, p, False, J, A)
+        if error <= CLOSED:
+            count = put(line, count, x, closed)
+        if count > 0 and (error > CLOSED or i == parts):
+            n, k = cut(P, side, R, p, branch, respect, line, 0, count, rows, n, runs, k, J, A)
+            count = 0
+    return n, k
+
+
+@kernel
+def put_segment(P, side, R, p, q, way, lines, branch, respect, line, rows, n, runs, k, J, A):
+    """Write the runs of the segment of a posture, or of its surface, at so many splits of the other spherical joint."""
+    other = WRIST if way == 0 else SHOULDER
+    for i in range(lines):
+        start = split_by(P, other, q, i * 2.0 * math.pi / lines)
+        n, k = put_line(P, side, R, p, start, way, math.pi, PARTS, branch, respect, line, rows, n, runs, k, J, A)
+    return n, k
+
+
+@kernel
+def survey_splits(P, place_, R, p, respect, line, rows, n, runs, k, J, A):
+    """Sample the free splits of a pose behind the n rows and k runs in use: rows and runs in use then."""
+    boxes = np.empty((1, SIZE))
+    wide = row(boxes, 0)
+    wide_limb(P, wide)
+    for elbow in range(2):
+        side = elbow_side(P, place_, elbow)
+        for i in range(4):
+            block = SHOULDER if i < 2 else WRIST
+            if P[block + (TOP_GAP if i % 2 == 0 else BOTTOM_GAP)] != 0.0:
+                continue
+            psi, least, most = closest(P, block, side[1] if i < 2 else side[2], i % 2)
+            if least > NEARLY_IN_LINE:
+                continue
+            everywhere = most < NEARLY_IN_LINE
+            for sign in range(2):
+                branch = 4 * elbow + (sign if i < 2 else 2 * sign)
+                turns = LINES if everywhere else 1
+                for turn in range(turns):
+                    angle = psi + turn * 2.0 * math.pi / turns
+                    q, _, value = side_posture(wide, side, angle, (branch >> 1) & 1, branch & 1, False, NO_SEED, False)
+                    if value >= NO_BRANCH:
+                        continue
+                    surface = is_in_line(P, WRIST, q[5], NEARLY) if i < 2 else is_in_line(P, SHOULDER, q[1], NEARLY)
+                    code = branch + (SURFACE if surface or everywhere else SPLIT)
+                    lines = LINES if surface else 1
+                    n, k = put_segment(P, side, R, p, q, i // 2, lines, code, respect, line, rows, n, runs, k, J, A)
+    keep(boxes)
+    return n, k
+
+
+@kernel
+def put_star(P, side, R, p, q, respect, line, rows, runs, J, A):
+    """Write the runs through a posture in all directions of its surface: rows and runs in use."""
+    n = 0
+    k = 0
+    shoulder = is_in_line(P, SHOULDER, q[1], NEARLY)
+    wrist = is_in_line(P, WRIST, q[5], NEARLY)
+    for way in range(5):
+        if way == 4:
+            wanted = abs(math.sin(q[3] - P[STRAIGHT])) < NEARLY_IN_LINE
+        else:
+            wanted = (shoulder or way == 1) and (wrist or way == 0)
+        if wanted:
+            n, k = put_line(P, side, R, p, q, way, HALF, 2 * AROUND, SURFACE, respect, line, rows, n, runs, k, J, A)
+    return n, k
