@@ -56,5 +56,14 @@ def _after() -> None:
     WHOLE.release()
 
 
+def _after_in_child() -> None:
+    _after()
+    # Numba looks its contexts up under locks that no order leads to. There is one thread now, which holds none of them.
+    registry = sys.modules.get("numba.core.registry")
+    for lookup in vars(getattr(registry, "CPUTarget", object)).values():
+        if hasattr(lookup, "_lock"):
+            lookup._lock = threading.RLock()
+
+
 if hasattr(os, "register_at_fork"):
-    os.register_at_fork(before=_before, after_in_parent=_after, after_in_child=_after)
+    os.register_at_fork(before=_before, after_in_parent=_after, after_in_child=_after_in_child)
