@@ -6,7 +6,7 @@ import numpy as np
 
 from srs_ik.kernels import layout as at
 from srs_ik.kernels import posture as hand_at
-from srs_ik.kernels.entries import pack_limits
+from srs_ik.kernels.entries import measure_shifts, pack_limits
 from srs_ik.limb import Hand, SrsLimb, Vector
 
 ALIGNED = 1e-9
@@ -25,6 +25,11 @@ NO_HAND = 1e-9
 
 NO_ROOM = 1e-9
 """A joint with a narrower range, rad, cannot move."""
+
+SHIFT_SAMPLES = 1024
+SHIFT_QUANTILE = 0.95
+"""Random configurations over which the shift of a near limb is measured, and the part of them that is to keep it: the
+joint that ends an interval is one of seven, and the largest shift of them is measured."""
 
 STRICT = (1e-13, 1e-14, 1e-12, 0.0)
 LOOSE = (3e-11, 3e-11, 1e-11, 1e-10)
@@ -70,7 +75,16 @@ def _pack(limb: SrsLimb, lower: Vector, upper: Vector, slack: tuple[float, ...])
     for block, first in ((at.SHOULDER, 0), (at.WRIST, 4)):
         _pack_spherical(P, block, first, limb.axes[first : first + 3])
     pack_limits(P, np.array(lower, dtype=float), np.array(upper, dtype=float))
+    if P[at.IS_CLOSED] == 0.0:
+        P[at.SHIFT] = _usual_shift(P)
     return P
+
+
+def _usual_shift(P: Vector) -> float:
+    """A shift that most configurations of a near limb keep."""
+    shifts = np.empty(SHIFT_SAMPLES)
+    measure_shifts(P, np.random.default_rng(0).uniform(-np.pi, np.pi, (SHIFT_SAMPLES, 7)), shifts)
+    return float(np.quantile(shifts[shifts > 0.0], SHIFT_QUANTILE))
 
 
 def _put(P: Vector, offset: int, values: Vector) -> None:

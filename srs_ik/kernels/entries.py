@@ -36,6 +36,7 @@ from srs_ik.kernels.margin import farthest
 from srs_ik.kernels.memory import row
 from srs_ik.kernels.near_intervals import best_of_true_intervals, true_intervals
 from srs_ik.kernels.poses import GOOD_POSE, read7, read_pose
+from srs_ik.kernels.predicted import predicted_intervals, shift
 from srs_ik.kernels.redundancy import search_exact, search_near_seed, search_true
 from srs_ik.kernels.rows import OK, OUT_OF_LIMITS, SOLVED, UNREACHABLE, measure_row, measure_row_at, write_row
 from srs_ik.kernels.scoring import NO_SEED, OUTSIDE, UNMET, tightest_joint
@@ -194,7 +195,8 @@ def solve_all_range(family, poses, first, last, psis, respect, J, A, out, verdic
 def all_intervals(family, place_, R, p, respect, J, A, out):
     """Feasible intervals of one pose on the true chain; none where the pose is out of reach."""
     if J is not None:
-        return true_intervals(row(family, LIMITED), place_, R, p, respect, out, J, A)
+        n = predicted_intervals(row(family, LIMITED if respect else FREE), place_, R, p, out)
+        return n if n >= 0 else true_intervals(row(family, LIMITED), place_, R, p, respect, out, J, A)
     if abs(place_[5]) >= SOLVED:
         return 0
     n = find_intervals(row(family, LIMITED if respect else FREE), place_, -1, out)
@@ -246,6 +248,13 @@ def configuration_arm_angle(family, q):
 def pack_limits(P, lower, upper):
     """Write the limits (7,) and (7,) into a limb that is being packed."""
     set_limits(row(P, 0), lower, upper)
+
+
+@entry
+def measure_shifts(P, configurations, shifts):
+    """Write `predicted.shift` of configurations (N, 7) of a limb that is being packed into shifts (N,)."""
+    for i in range(configurations.shape[0]):
+        shifts[i] = shift(row(P, 0), read7(row(configurations, i)))
 
 
 @entry
