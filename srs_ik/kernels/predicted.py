@@ -75,11 +75,12 @@ end lies, and branch."""
 
 MAX_ENDS = 256
 
-POINT = 16
+POINT = 17
 POINT_PSI = 7
 POINT_RATES = 8
 POINT_OFF = 15
-"""A point of a branch: joint angles, arm angle, the rates of the joints with it, how far it is outside the limits."""
+POINT_BRANCH = 16
+"""A point: joint angles, arm angle, the rates of the joints with it, how far it is outside the limits, branch."""
 
 MAX_POINTS = 512
 """Room for the points between two arm angles."""
@@ -205,19 +206,26 @@ def put_end(q, branch, psi, way, first, last, ends, n):
 
 
 @kernel
-def put_points(P, side, branch, R, p, place_, points, n):
-    """Fill in postures and rates of the eight points from row n on, at their arm angles; whether all are met."""
-    for i in range(n, n + 8):
-        q = certain_posture(P, side, branch, points[i, POINT_PSI])
-        for j in range(7):
-            points[i, j] = q[j]
+def close_points(P, R, p, place_, points, n):
+    """Close eight points from row n on at their arm angles, and tell their rates; whether all are met."""
     rows = row(points, n)
     planes = half_planes(place_[0], place_[1], turn(gather(rows, POINT_PSI, POINT)))
     q, rates, met = close_in_planes(P, take_eight(rows, POINT), R, p, planes, STEPS)
     put_eight(rows, POINT, ALL, q)
     for j in range(7):
         scatter(rows, POINT_RATES + j, POINT, rates[j])
-    return met == ALL and in_branches(P, q, branch + 0.0 * q[0]) == ALL
+    return met == ALL and in_branches(P, q, gather(rows, POINT_BRANCH, POINT)) == ALL
+
+
+@kernel
+def put_points(P, sides, R, p, place_, points, n):
+    """Fill in postures and rates of the eight points from row n on, at their arm angles; whether all are met."""
+    for i in range(n, n + 8):
+        branch = int(points[i, POINT_BRANCH])
+        q = certain_posture(P, sides[branch >> 2], branch, points[i, POINT_PSI])
+        for j in range(7):
+            points[i, j] = q[j]
+    return close_points(P, R, p, place_, points, n)
 
 
 @kernel
@@ -257,7 +265,7 @@ def is_decided(P, a, b):
 
 
 @kernel
-def scan(P, side, branch, R, p, place_, lower, upper, points, gaps):
+def scan(P, sides, branch, R, p, place_, lower, upper, points, gaps):
     """Look at the postures of a branch between two arm angles, closely enough to miss no limit; the number of points.
 
     Gaps between points are halved until each is decided. The points are sorted by their arm angles. Returns -1 where
@@ -265,11 +273,12 @@ def scan(P, side, branch, R, p, place_, lower, upper, points, gaps):
     """
     for i in range(8):
         points[i, POINT_PSI] = lower + (upper - lower) * i / 7.0
+        points[i, POINT_BRANCH] = branch
         gaps[i, 0], gaps[i, 1] = i, i + 1
     left = 7
     n = 0
     while True:
-        if not put_points(P, side, branch, R, p, place_, points, n):
+        if not put_points(P, sides, R, p, place_, points, n):
             return -1
         for i in range(n, n + 8):
             points[i, POINT_OFF] = outside_by(P, points[i])
@@ -287,6 +296,7 @@ def scan(P, side, branch, R, p, place_, lower, upper, points, gaps):
         for i in range(8):
             a, b = gaps[i % kept, 0], gaps[i % kept, 1]
             points[n + i, POINT_PSI] = 0.5 * (points[a, POINT_PSI] + points[b, POINT_PSI])
+            points[n + i, POINT_BRANCH] = branch
         left = kept
         for i in range(min(kept, 8)):
             gaps[left, 0], gaps[left, 1] = n + i, gaps[i, 1]
@@ -302,9 +312,9 @@ def scan(P, side, branch, R, p, place_, lower, upper, points, gaps):
 
 
 @kernel
-def put_scanned(P, side, branch, R, p, place_, lower, upper, from_inside, to_inside, ends, n, points, gaps):
+def put_scanned(P, sides, branch, R, p, place_, lower, upper, from_inside, to_inside, ends, n, points, gaps):
     """Append the ends between two arm angles that are inside the limits, or not; their number, -1 where it fails."""
-    count = scan(P, side, branch, R, p, place_, lower, upper, points, gaps)
+    count = scan(P, sides, branch, R, p, place_, lower, upper, points, gaps)
     if count < 0:
         return -1
     if (points[0, POINT_OFF] <= 0.0) != from_inside or (points[count - 1, POINT_OFF] <= 0.0) != to_inside:
@@ -336,13 +346,14 @@ def is_simple(P, q, width, band):
 
 
 @kernel
-def put_edge(P, side, branch, R, p, place_, inside, outside, band, ends, n, points, gaps):
+def put_edge(P, sides, branch, R, p, place_, inside, outside, band, ends, n, points, gaps):
     """Append the ends between arm angles that are feasible for certain and such as cannot be; their number."""
+    side = sides[branch >> 2]
     way = 1.0 if outside > inside else -1.0
     first, last = min(inside, outside), max(inside, outside)
     if is_simple(P, certain_posture(P, side, branch, outside), last - first, band):
         return put_end(certain_posture(P, side, branch, inside), branch, inside, way, first, last, ends, n)
-    return put_scanned(P, side, branch, R, p, place_, first, last, way > 0.0, way < 0.0, ends, n, points, gaps)
+    return put_scanned(P, sides, branch, R, p, place_, first, last, way > 0.0, way < 0.0, ends, n, points, gaps)
 
 
 @kernel
@@ -404,27 +415,27 @@ def parts_inside(certain, n, branch, lower, upper, parts):
 
 
 @kernel
-def put_ends(P, side, branch, R, p, place_, lower, upper, parts, count, band, ends, n, points, gaps):
+def put_ends(P, sides, branch, R, p, place_, lower, upper, parts, count, band, ends, n, points, gaps):
     """Append the ends of what is feasible between two arm angles, of which some parts are for certain; their number.
 
     Returns -1 where it cannot be told.
     """
     if count == 0:
-        return put_scanned(P, side, branch, R, p, place_, lower, upper, False, False, ends, n, points, gaps)
+        return put_scanned(P, sides, branch, R, p, place_, lower, upper, False, False, ends, n, points, gaps)
     whole = upper - lower >= TURN - MARGINS
     start = n
     if not whole:
-        n = put_edge(P, side, branch, R, p, place_, parts[0, 0], lower, band, ends, n, points, gaps)
+        n = put_edge(P, sides, branch, R, p, place_, parts[0, 0], lower, band, ends, n, points, gaps)
     for i in range(count if whole else count - 1):
         if n < 0:
             return n
         a = parts[i, 1]
         b = parts[i + 1, 0] if i + 1 < count else parts[0, 0] + TURN
-        n = put_scanned(P, side, branch, R, p, place_, a, b, True, True, ends, n, points, gaps)
+        n = put_scanned(P, sides, branch, R, p, place_, a, b, True, True, ends, n, points, gaps)
     if n < 0 or n >= MAX_ENDS:
         return -1
     if not whole:
-        return put_edge(P, side, branch, R, p, place_, parts[count - 1, 1], upper, band, ends, n, points, gaps)
+        return put_edge(P, sides, branch, R, p, place_, parts[count - 1, 1], upper, band, ends, n, points, gaps)
     if n > start:
         # On a circle, the first of the ends is an upper one: it comes last, a turn later.
         for j in range(END):
@@ -522,7 +533,7 @@ def predicted_intervals(P, place_, R, p, out):
         start = n_ends
         if count != 1 or parts[0, 1] - parts[0, 0] < TURN - MARGINS:
             n_ends = put_ends(
-                P, side, branch, R, p, place_, lower, upper, parts, count, band, ends, n_ends, points, gaps
+                P, sides, branch, R, p, place_, lower, upper, parts, count, band, ends, n_ends, points, gaps
             )
         if n_ends < 0 or n_ends >= MAX_ENDS:
             return -1

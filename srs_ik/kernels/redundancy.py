@@ -29,6 +29,7 @@ from srs_ik.kernels.nearest import (
     tighten,
 )
 from srs_ik.kernels.nearest_within import nearest_within, way_between
+from srs_ik.kernels.predicted_best import predicted_best
 from srs_ik.kernels.scoring import NO_SEED, OUTSIDE
 from srs_ik.kernels.second_attempts import look_around, rescue
 
@@ -208,6 +209,10 @@ def search_exact(family, place_, branch, seed, respect):
 @kernel
 def search_true(P, place_, R, p, branch, seeded, seed, respect, J, A):
     """Best posture of a near limb over all arm angles: q, branch, cost; the least violating one if all break limits."""
+    if respect and not seeded:
+        q, lowest, certain = predicted_best(P, place_, R, p, branch)
+        if certain:
+            return q, branch_of(P, q), lowest
     q, best, lowest = search_followed(P, place_, R, p, branch, seeded, seed, respect, respect, J, A)
     if lowest < OUTSIDE:
         return q, best, lowest
