@@ -6,9 +6,15 @@ Out of reach and out of limits are no errors: they are answers with a status.
 from __future__ import annotations
 
 import difflib
+import json
 import math
+import shlex
 from collections.abc import Iterable, Sequence
+from importlib import metadata
+from pathlib import Path
 from typing import Any
+from urllib.parse import urlsplit
+from urllib.request import url2pathname
 
 _LISTED = 40
 """Longest list of names that is spelled out in a message; the fields of an error always hold all of them."""
@@ -103,8 +109,8 @@ class MissingExtra(SrsIkError):
 
     @property
     def command(self) -> str:
-        """The pip command that installs the extra."""
-        return f"pip install 'srs-ik[{self.extra}]'"
+        """The pip command that installs the extra from where this package is: a checkout, a folder or an index."""
+        return install_command(self.extra)
 
 
 class MissingLimits(SrsIkError, ValueError):
@@ -137,6 +143,29 @@ class InvalidTask(SrsIkError, ValueError):
 
 class PreviewError(SrsIkError):
     """A preview that cannot be served or written, or that is closed already."""
+
+
+def install_command(extra: str, package: Path = Path(__file__).parent) -> str:
+    """The pip command that brings an extra to the package in a folder, however that was installed."""
+    if _is_project(package.parent):
+        return f"pip install -e {shlex.quote(f'{package.parent}[{extra}]')}"
+    source = _installed_from() or "srs-ik"
+    return f"pip install {shlex.quote(f'{source}[{extra}]')}"
+
+
+def _is_project(folder: Path) -> bool:
+    return (folder / "pyproject.toml").is_file()
+
+
+def _installed_from() -> Path | None:
+    """The folder that pip installed this package from, if it was one and is still there."""
+    try:
+        record = json.loads(metadata.distribution("srs-ik").read_text("direct_url.json") or "{}")
+    except (metadata.PackageNotFoundError, ValueError):
+        return None
+    url = urlsplit(str(record.get("url", "")))
+    folder = Path(url2pathname(url.path))
+    return folder if url.scheme == "file" and _is_project(folder) else None
 
 
 def did_you_mean(name: str, known: Iterable[str]) -> str:

@@ -11,11 +11,10 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import ArrayLike, NDArray
 
-from srs_ik.chain import Chain
 from srs_ik.errors import InvalidConfiguration
-from srs_ik.gravity import weights
-from srs_ik.messages import picked, positions_by_name
-from srs_ik.pose import PoseError, PoseLike, as_joint_vector, as_rigid_matrix, real_array
+from srs_ik.inputs.messages import picked, positions_by_name
+from srs_ik.inputs.poses import PoseError, PoseLike, as_joint_vector, as_rigid_matrix, real_array
+from srs_ik.robot.chain import Chain
 
 Array = NDArray[np.float64]
 
@@ -145,11 +144,6 @@ class ChainKinematics:
         )
 
     @cached_property
-    def _weights(self) -> Array:
-        """What the kernels know of the arm's masses."""
-        return weights(self)
-
-    @cached_property
     def _joints(self) -> list[Any]:
         return [self.model.joints[i] for i in range(1, 8)]
 
@@ -164,6 +158,3 @@ class ChainKinematics:
         if not hasattr(local, "data"):
             local.data = self.model.createData()
         return local.data
-
-    def __getstate__(self) -> dict[str, Any]:
-        return {k: v for k, v in self.__dict__.items() if k not in ("_joints", "_thread_data")}

@@ -8,10 +8,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 from command_line import POSE, Q, answer, pose_by_pinocchio, run, run_apart
-from robot_files import shared_urdf
+from robot_files import at_hand, robot_file
 
 import srs_ik
-from srs_ik import cli, zoo
+from srs_ik import cli
+from srs_ik.robot import zoo
 
 
 def rotation(roll: float, pitch: float, yaw: float) -> np.ndarray:
@@ -217,16 +218,18 @@ def test_a_broken_file_is_named_in_one_line(tmp_path, text, command):
     assert "broken.urdf" in result.stderr
 
 
-def test_several_arms_are_listed_in_one_line():
-    result = run("solve", str(shared_urdf("openarm_v10_bimanual")), *POSE)
+@pytest.mark.parametrize("name", at_hand("made_twins", "openarm_v10_bimanual"))
+def test_several_arms_are_listed_in_one_line(name):
+    result = run("solve", str(robot_file(name)), *POSE)
     assert result.exit_code == 2
     assert result.stderr.count("\n") == 1
     assert "left" in result.stderr
     assert "right" in result.stderr
 
 
-def test_a_refused_arm_is_one_line_with_millimetres():
-    result = run("solve", str(shared_urdf("franka_fr3")), *POSE)
+@pytest.mark.parametrize("name", at_hand("made_fr3", "franka_fr3"))
+def test_a_refused_arm_is_one_line_with_millimetres(name):
+    result = run("solve", str(robot_file(name)), *POSE)
     assert result.exit_code == 2
     assert result.stderr.count("\n") == 1
     assert " mm" in result.stderr

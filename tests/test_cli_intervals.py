@@ -10,8 +10,9 @@ from typer.testing import CliRunner
 
 import srs_ik
 from srs_ik.cli.app import app
+from srs_ik.errors import install_command
 from srs_ik.plots.intervals import bars
-from srs_ik.solution import Interval
+from srs_ik.solve.solution import Interval
 
 POSE = ["--xyz", "0.5", "0.1", "0.6", "--rpy", "0", "1.5707963", "0"]
 # Within reach, but joint 6 would have to pass its limit: the hand points back at the arm.
@@ -124,4 +125,4 @@ def test_without_matplotlib_the_pip_command_is_given(monkeypatch, tmp_path):
     result = run("iiwa14", *POSE, "--plot", str(tmp_path / "bars.png"))
     assert result.exit_code == 2
     assert result.stdout == ""
-    assert result.stderr == "srs-ik: --plot needs an optional part of srs_ik: pip install 'srs-ik[plot]'\n"
+    assert result.stderr == f"srs-ik: --plot needs an optional part of srs_ik: {install_command('plot')}\n"

@@ -13,9 +13,9 @@ from oracles import random_limb, unit
 from tip import FOLDED, ROWS, STRETCHED, held, moved
 
 import srs_ik
-from srs_ik import ellipsoids
+from srs_ik.analysis import ellipsoids
 
-ARMS = ("iiwa14", "gen3", "human_arm", "sia5d", "openarm_left")
+ARMS = arms.here("iiwa14", "gen3", "human_arm", "sia5d", "openarm_left")
 PARTS = ("linear", "angular", "full")
 Q = [0.3, 0.7, -0.4, -1.1, 0.5, 0.8, -0.2]
 

@@ -23,8 +23,8 @@ import srs_ik
 from srs_ik import Interval, Status
 
 TURN = 2.0 * np.pi
-SWEPT = ("iiwa14", "human_arm", "sia5d", "openarm_left", "romeo_left", "human_left", "med7")
-NEAR = ("gen3", "iiwa14_experimental", "j2s7s300", "h1_2_left", "rm75")
+SWEPT = arms.here("iiwa14", "human_arm", "sia5d", "openarm_left", "romeo_left", "human_left", "med7")
+NEAR = arms.here("gen3", "iiwa14_experimental", "j2s7s300", "h1_2_left", "rm75")
 
 
 def sweep(arm, pose, angles):
@@ -254,7 +254,7 @@ def test_continuous_joints_alone_leave_whole_circles():
     assert sum(i.width for i in free) == pytest.approx(8 * TURN)
 
 
-@pytest.mark.parametrize("name", ["iiwa14", "human_arm", "openarm_right"])
+@pytest.mark.parametrize("name", arms.here("iiwa14", "human_arm", "openarm_right"))
 def test_no_interval_means_out_of_limits(name):
     arm = arms.load(name)
     seen = {False: 0, True: 0}

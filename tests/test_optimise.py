@@ -69,7 +69,7 @@ def assert_as_good_as(arm, optimum, values):
         assert -sign * optimum.second_value <= rivals.min() + 1e-9 * np.abs(rivals).min()
 
 
-@pytest.mark.parametrize("robot", ["iiwa14", "gen3", "human_arm", "sia5d", "romeo_left", "j2s7s300"])
+@pytest.mark.parametrize("robot", arms.here("iiwa14", "gen3", "human_arm", "sia5d", "romeo_left", "j2s7s300"))
 @pytest.mark.parametrize("name", NAMES)
 def test_no_posture_of_a_sweep_is_better(robot, name):
     arm, forward, rng = arms.load(robot), arms.forward(robot), arms.generator(robot, 50)

@@ -1,5 +1,6 @@
 """Pictures show the figures: what is drawn is read back from the axes, and checked apart from the drawing."""
 
+import re
 import sys
 
 import arms
@@ -14,6 +15,7 @@ import srs_ik
 pytest.importorskip("matplotlib")
 from matplotlib.colors import to_rgb
 
+from srs_ik.errors import install_command
 from srs_ik.plots import solids
 from srs_ik.plots.figure import FORCE, VELOCITY
 
@@ -26,7 +28,7 @@ def drawn(axes) -> tuple[np.ndarray, np.ndarray]:
     return np.array(body._faces).reshape(-1, 4, 3), np.asarray(body._facecolor3d)[:, 3] < 1.0
 
 
-@pytest.mark.parametrize("name", ["iiwa14", "gen3", "human_arm", "openarm_left"])
+@pytest.mark.parametrize("name", arms.here("iiwa14", "gen3", "human_arm", "openarm_left"))
 def test_the_drawn_arm_goes_through_its_centres(name):
     arm, forward = arms.load(name), arms.forward(name)
     for q in arms.configurations(name, 5, salt=20):
@@ -165,8 +167,9 @@ def test_wrong_input_is_named():
 
 
 def test_without_matplotlib_the_pip_command_is_given(monkeypatch):
+    monkeypatch.delitem(sys.modules, "srs_ik.plots.picture", raising=False)
     monkeypatch.setitem(sys.modules, "matplotlib.figure", None)
-    with pytest.raises(srs_ik.MissingExtra, match=r"pip install 'srs-ik\[plot\]'"):
+    with pytest.raises(srs_ik.MissingExtra, match=re.escape(install_command("plot"))):
         srs_ik.plot_ellipsoids(arms.load("iiwa14"), ANGLES)
 
 

@@ -6,11 +6,11 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from oracles import limbs, random_limb, random_rotation, unit
-from robot_files import shared_urdf
+from robot_files import at_hand, robot_file
 from test_solve import STEADY
 
 import srs_ik
-from srs_ik.recognition import recognise
+from srs_ik.robot.recognition import recognise
 
 TIP = np.eye(4)
 
@@ -210,20 +210,26 @@ def test_folded_and_bent_zeros_are_the_same_arm():
         assert found.elbow_offset == pytest.approx(arm.limb.elbow_offset, abs=1e-9)
 
 
-@pytest.mark.parametrize("file", sorted({file for file, _, _ in arms.REAL.values()}))
-def test_every_limb_of_the_real_files_is_found(file):
-    names = [name for name, (own, _, _) in arms.REAL.items() if own == file]
+@pytest.mark.parametrize("file", sorted({arms.PLACES[name][0] for name in arms.FROM_FILES}))
+def test_every_limb_of_the_files_is_found(file):
+    names = [name for name, (own, _, _) in arms.PLACES.items() if own == file]
     reports = srs_ik.find_limbs(arms.file_of(names[0]))
     found = {(r.base, r.tip): r.kind for r in reports if r.limb is not None}
-    assert found == {arms.REAL[name][1:]: "near" if name in arms.NEAR else "exact" for name in names}
+    assert found == {arms.PLACES[name][1:]: "near" if name in arms.NEAR else "exact" for name in names}
 
 
 @pytest.mark.parametrize(
-    ("file", "millimetres"), [("franka_fr3", 58.667), ("xarm7", 50.667), ("sawyer", 104.424), ("abb_yumi", 20.0)]
+    ("files", "millimetres"),
+    [
+        (("made_fr3", "franka_fr3"), 58.667),
+        (("made_xarm7", "xarm7"), 50.667),
+        (("made_sawyer", "sawyer"), 104.424),
+        (("made_yumi", "abb_yumi"), 20.0),
+    ],
 )
-def test_arms_that_are_none_are_refused_with_their_distances(file, millimetres):
+def test_arms_that_are_none_are_refused_with_their_distances(files, millimetres):
     """Least-squares misses: two thirds of the 88 mm and 76 mm flange offsets of FR3 and xArm 7."""
-    reports = srs_ik.find_limbs(shared_urdf(file))
+    reports = [report for file in at_hand(*files) for report in srs_ik.find_limbs(robot_file(file))]
     assert reports
     for report in reports:
         assert report.kind == "refused"

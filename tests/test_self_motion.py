@@ -12,7 +12,7 @@ import srs_ik
 from srs_ik import InvalidConfiguration, InvalidPose
 
 TURN = 2.0 * np.pi
-ARMS = ("iiwa14", "human_arm", "sia5d", "romeo_left", "openarm_right", "gen3", "j2s7s300", "h1_2_left")
+ARMS = arms.here("iiwa14", "human_arm", "sia5d", "romeo_left", "openarm_right", "gen3", "j2s7s300", "h1_2_left")
 H = 1e-6
 
 

@@ -11,7 +11,7 @@ from test_solve import STEADY
 import srs_ik
 from srs_ik import Status
 
-NAMES = ("iiwa14", "gen3", "human_arm", "openarm_left", "sia5d", "med7", "humanoid_left", "rm75")
+NAMES = arms.here("iiwa14", "gen3", "human_arm", "openarm_left", "sia5d", "med7", "humanoid_left", "rm75")
 OFFSETS = (0.0, 1e-16, 1e-12, 1e-9, 1e-8, 1e-7, 1e-6, 1e-5, 1e-4)
 TOGETHER = ((1,), (3,), (5,), (1, 3), (1, 5), (3, 5), (1, 3, 5))
 
@@ -85,7 +85,7 @@ def test_singular_postures_are_found_again_from_their_seed(name):
         assert np.abs(solution.q - q).max() < 1e-6
 
 
-@pytest.mark.parametrize("name", ["iiwa14", "human_arm", "sia5d", "med7"])
+@pytest.mark.parametrize("name", arms.here("iiwa14", "human_arm", "sia5d", "med7"))
 def test_a_seed_does_not_turn_the_outer_joints_of_a_singular_wrist_out_of_their_limits(name):
     """Only the sum of joints 5 and 7 is fixed there; half-way to a seed each may be outside where others are inside."""
     arm, rng = arms.load(name), arms.generator(name, 35)
@@ -110,7 +110,7 @@ def test_singular_poses_have_branches_without_limits(name):
             assert_met(arm, forward, pose, solution, respect_limits=False)
 
 
-@pytest.mark.parametrize("name", ["iiwa14", "human_arm", "openarm_left", "humanoid_left"])
+@pytest.mark.parametrize("name", arms.here("iiwa14", "human_arm", "openarm_left", "humanoid_left"))
 def test_a_flat_elbow_is_the_limit_of_its_branch(name):
     """At an arm angle, every branch goes continuously to the straight arm, each elbow from its own side."""
     arm = arms.load(name)
@@ -130,7 +130,7 @@ def test_a_flat_elbow_is_the_limit_of_its_branch(name):
 
 
 @pytest.mark.parametrize(
-    "name", ["openarm_left", "openarm_right", "human_arm", "human_left", "humanoid_left", "romeo_left"]
+    "name", arms.here("openarm_left", "openarm_right", "human_arm", "human_left", "humanoid_left", "romeo_left")
 )
 def test_elbow_on_its_limits(name):
     """On many arms the straight elbow is the limit itself."""
@@ -169,7 +169,7 @@ def test_all_joints_on_limits_with_a_flat_elbow(seed, folded):
         assert_met(arm, forward, pose, arm.solve(pose))
 
 
-@pytest.mark.parametrize("name", ["iiwa14", "gen3", "human_arm", "sia5d", "rm75"])
+@pytest.mark.parametrize("name", arms.here("iiwa14", "gen3", "human_arm", "sia5d", "rm75"))
 def test_wrist_on_axis_1(name):
     """Shoulder, wrist and the arm-angle reference in one line: the arm angle's own singular line."""
     arm, forward = arms.load(name), arms.forward(name)

@@ -134,7 +134,7 @@ def turns_near(q, seed, lower, upper):
     return best
 
 
-BEST = ("iiwa14", "gen3", "human_arm", "sia5d", "openarm_left", "romeo_left", "rm75")
+BEST = arms.here("iiwa14", "gen3", "human_arm", "sia5d", "openarm_left", "romeo_left", "rm75")
 
 
 @pytest.mark.parametrize("spread", [0.02, 1.0, 2.5])
@@ -268,7 +268,7 @@ def best_around(arm, pose, found, width=1e-3):
     return margin(arm, batch.q[batch.ok]).max()
 
 
-@pytest.mark.parametrize("name", ["iiwa14", "human_arm", "openarm_left", "romeo_left", "rm75"])
+@pytest.mark.parametrize("name", arms.here("iiwa14", "human_arm", "openarm_left", "romeo_left", "rm75"))
 @pytest.mark.parametrize("respect", [True, False])
 def test_no_arm_angle_next_to_the_farthest_posture_has_more_margin(name, respect):
     arm, forward = arms.load(name), arms.forward(name)
@@ -291,7 +291,7 @@ def test_each_interval_has_its_posture_farthest_from_the_limits(limb):
         assert margin(arm, solution.q) >= margin(arm, Q[within]).max(initial=0.0) - 1e-9
 
 
-@pytest.mark.parametrize("name", ["gen3", "gen3_upstream", "j2s7s300"])
+@pytest.mark.parametrize("name", arms.here("gen3", "gen3_upstream", "j2s7s300"))
 def test_continuous_joints_come_back_in_the_turn_of_the_seed(name):
     arm, rng = arms.load(name), arms.generator(name, 7)
     continuous = np.isinf(arm.upper)

@@ -5,14 +5,14 @@ import sys
 import numpy as np
 import pinocchio as pin
 import pytest
-from robot_files import EXAMPLES, example_urdf, joint_xml, serial_arm, shared_urdf
+from robot_files import EXAMPLES, at_hand, example_urdf, joint_xml, robot_file, serial_arm
 
 import srs_ik
 from srs_ik.errors import FrameNotFound, InvalidRobot, MissingExtra, NotAnSrsLimb
-from srs_ik.loading.places import missing
-from srs_ik.loading.sides import side_of
-from srs_ik.loading.srdf import chains
-from srs_ik.urdf.packages import find_package, inside
+from srs_ik.robot.description.packages import find_package, inside
+from srs_ik.robot.description.srdf import chains
+from srs_ik.robot.places import missing
+from srs_ik.robot.sides import side_of
 
 ARM = f'<robot name="small">{serial_arm()}</robot>'
 XACRO = """<robot name="grown" xmlns:xacro="http://www.ros.org/wiki/xacro">
@@ -320,9 +320,9 @@ def test_a_single_arm_is_meant_by_the_side_that_one_of_its_names_says():
         srs_ik.load(arm, limb="left")
 
 
-@pytest.mark.parametrize("name", [*EXAMPLES, "openarm_v10_bimanual", "unitree_h1_2_handless"])
+@pytest.mark.parametrize("name", at_hand(*EXAMPLES, "made_twins", "openarm_v10_bimanual", "unitree_h1_2_handless"))
 def test_the_limb_of_a_side(name):
-    path = example_urdf(name) if name in EXAMPLES else shared_urdf(name)
+    path = robot_file(name)
     left, right = srs_ik.find_limbs(path)
     assert (left.side, right.side) == ("left", "right")
     assert srs_ik.load(path, limb="left").tip == left.tip

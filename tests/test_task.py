@@ -117,7 +117,7 @@ def test_reached_means_within_the_length_of_the_arm(name, kind):
     assert ((p.miss > 0) == (d > limb.upper_arm + lower)).all()
 
 
-@pytest.mark.parametrize("name", ["iiwa14", "gen3", "human_arm", "openarm_left", "human_left", "med7", "rm75"])
+@pytest.mark.parametrize("name", arms.here("iiwa14", "gen3", "human_arm", "openarm_left", "human_left", "med7", "rm75"))
 def test_batch_equals_single_calls(name):
     arm = arms.load(name)
     x, v, f, g, phi = tasks_of(name, 160)

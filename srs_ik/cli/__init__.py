@@ -19,9 +19,10 @@ def main() -> None:
             stream.reconfigure(errors="backslashreplace")  # type: ignore[union-attr]
         # Imported here, so that an interruption while the libraries load is quiet too.
         from srs_ik.cli.app import app
-        from srs_ik.cli.waiting import let_interrupt
+        from srs_ik.cli.waiting import let_interrupt, warn_in_one_line
 
         let_interrupt()
+        warn_in_one_line()
         app(prog_name="srs-ik")
     except KeyboardInterrupt:
         sys.exit(130)

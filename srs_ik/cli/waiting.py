@@ -5,6 +5,7 @@ from __future__ import annotations
 import signal
 import sys
 import threading
+import warnings
 from types import FrameType
 from typing import Any
 
@@ -41,3 +42,12 @@ def announce_compilation() -> None:
             pass
 
     event.register("numba:compile", Announcement())
+
+
+def warn_in_one_line() -> None:
+    """Print warnings as the command line's other words, without the line of code that they come from."""
+
+    def show(message: Warning | str, *_: Any) -> None:
+        print(f"srs-ik: {message}", file=sys.stderr)
+
+    warnings.showwarning = show  # type: ignore[assignment]

@@ -2,8 +2,8 @@
 
 With NUMBA_DISABLE_JIT=1 both leave a function as it is, for a debugger.
 
-Only entry points are cached on disk; their machine code contains all that they call. Numba watches the file of the
-cached function alone, so an edited callee would go unnoticed: the cache is keyed here by a digest of the whole folder.
+Only entry points are cached on disk (see `disk`); their machine code contains all that they call, so the cache is keyed
+by a digest of the whole folder.
 """
 
 from __future__ import annotations
@@ -15,6 +15,8 @@ from pathlib import Path
 from typing import Any
 
 from numba import config, njit, types
+
+from srs_ik.kernels.disk import KernelCache
 
 _compile = njit(error_model="numpy", nogil=True, no_cpython_wrapper=True, no_cfunc_wrapper=True)
 
@@ -36,10 +38,11 @@ def kernel(function: Callable[..., Any]) -> Callable[..., Any]:
 
 @cache
 def source_digest() -> str:
-    """Digest of every source file of the kernels."""
+    """Digest of every source file of the kernels, in all rooms."""
+    folder = Path(__file__).parent
     digest = hashlib.sha256()
-    for path in sorted(Path(__file__).parent.glob("*.py")):
-        digest.update(path.name.encode())
+    for path in sorted(folder.rglob("*.py")):
+        digest.update(path.relative_to(folder).as_posix().encode())
         digest.update(path.read_bytes())
     return digest.hexdigest()
 
@@ -48,6 +51,6 @@ def entry(function: Callable[..., Any]) -> Callable[..., Any]:
     """Decorator of an entry point: compiled once, then loaded from disk as long as no kernel's source has changed."""
     if config.DISABLE_JIT:
         return function
-    dispatcher = njit(cache=True, error_model="numpy", nogil=True)(function)
-    dispatcher._cache._cache_file._source_stamp = source_digest()
+    dispatcher = njit(error_model="numpy", nogil=True)(function)
+    dispatcher._cache = KernelCache(function, source_digest)
     return dispatcher

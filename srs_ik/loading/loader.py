@@ -9,16 +9,17 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import pinocchio as pin
 
-from srs_ik.adjust import within_limits
-from srs_ik.card import Placement
-from srs_ik.chain import Chain, Skeleton, build_chain
 from srs_ik.errors import AmbiguousLimb, FrameNotFound, InvalidTask, NotAnSrsLimb, listed
-from srs_ik.limb import Hand, Vector
-from srs_ik.loading.limbs import Candidate, LimbReport, examine, explained, weigh
-from srs_ik.loading.sides import is_meant
-from srs_ik.loading.sources import Description, describe
-from srs_ik.loading.srdf import chain_of
-from srs_ik.recognition import recognise
+from srs_ik.robot import changes
+from srs_ik.robot.candidates import Candidate, LimbReport, examine, explained, weigh
+from srs_ik.robot.card import Placement
+from srs_ik.robot.chain import Chain, build_chain
+from srs_ik.robot.description.srdf import chain_of
+from srs_ik.robot.limb import Hand, Vector
+from srs_ik.robot.recognition import default_reference, recognise
+from srs_ik.robot.sides import is_meant
+from srs_ik.robot.skeleton import Skeleton
+from srs_ik.robot.sources import Description, describe
 
 if TYPE_CHECKING:
     from srs_ik.arm import Arm
@@ -84,25 +85,26 @@ def load(
         limb = None
     joints, base, tip = _choose(description, base, tip, limb)
     chain = build_chain(description.robot.model, joints, base, tip)
-    for changes in (description.limits, limits):
-        chain = within_limits(chain, changes) if changes else chain
-    if asked_reference is None:
-        asked_reference = _meant_reference(description, chain)
-    if asked_hand is None:
-        asked_hand = _meant_hand(description, chain)
-    found = recognise(chain.axes, chain.points, chain.T_base_tip_zero, asked_reference)
+    for changed in (description.limits, limits):
+        chain = changes.within_limits(chain, changed) if changed else chain
+    reference = asked_reference if asked_reference is not None else _meant_reference(description, chain)
+    axes = asked_hand if asked_hand is not None else _meant_hand(description, chain)
+    if description.tool is not None and tip == description.tip:
+        T_tip_tool = _matrix(description.tool)
+        chain = changes.with_tool(chain, T_tip_tool, description.tool.name)
+        axes = None if axes is None else axes @ T_tip_tool[:3, :3]
+    if description.mount is not None and base == description.base:
+        T_mount_base = _matrix(description.mount)
+        chain = changes.on_base(chain, T_mount_base, description.mount.name)
+        reference = T_mount_base[:3, :3] @ reference
+    found = recognise(chain.axes, chain.points, chain.T_base_tip_zero, reference)
     if found.limb is None:
         misses_mm, allowed_mm = 1e3 * found.misses, 1e3 * found.allowed
         clause = explained(found.reason, chain.joint_names, misses_mm, allowed_mm)
         message = f"{description.robot.source}: {base} -> {tip} is no S-R-S limb: {clause}"
         raise NotAnSrsLimb(message, chain.joint_names, misses_mm.tolist(), allowed_mm)
-    axes = None if asked_hand is None else Hand(*(tuple(axis.tolist()) for axis in asked_hand))
-    arm = Arm(chain, found.limb, name or description.name, hand=axes, drawing=description.robot.drawing)
-    if description.tool is not None and tip == description.tip:
-        arm = arm.with_tool(_matrix(description.tool), description.tool.name)
-    if description.mount is not None and base == description.base:
-        arm = arm.with_base(_matrix(description.mount), description.mount.name)
-    return arm
+    hand_axes = None if axes is None else Hand(*(tuple(axis.tolist()) for axis in axes))
+    return Arm(chain, found.limb, name or description.name, hand=hand_axes, drawing=description.robot.drawing)
 
 
 def find_limbs(source: Any, xacro_args: Mapping[str, str] | None = None) -> list[LimbReport]:
@@ -224,9 +226,11 @@ def _ambiguous(skeleton: Skeleton, description: Description, limbs: Sequence[Can
     return AmbiguousLimb(f"{description.robot.source}: {fit}, choose one by {how}: {choices}", ends)
 
 
-def _meant_reference(description: Description, chain: Chain) -> Vector | None:
-    """The reference of the description, turned from its own base frame into that of the chain."""
-    if description.reference is None or description.base is None or chain.base == description.base:
+def _meant_reference(description: Description, chain: Chain) -> Vector:
+    """The reference of the description, turned from its own base frame into that of the chain, or the default one."""
+    if description.reference is None:
+        return default_reference(chain.axes[0])
+    if description.base is None or chain.base == description.base:
         return description.reference
     return Skeleton(chain.model).transform(chain.base, description.base)[:3, :3] @ description.reference
 

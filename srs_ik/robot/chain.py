@@ -1,0 +1,133 @@
+"""Seven revolute joints of a robot, every other joint locked, as axes between a base and a tip."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import pinocchio as pin
+
+from srs_ik.errors import InvalidRobot, NotAnSrsLimb
+from srs_ik.robot.limb import ReadOnlyArrays, Vector
+from srs_ik.robot.skeleton import Skeleton
+
+_UNLIMITED = 1e6
+"""A limit of this size is a way to say that there is none; Pinocchio's is the largest number, some files have 1e9."""
+
+
+@dataclass(frozen=True, eq=False)
+class Chain(ReadOnlyArrays):
+    """Seven revolute joints from a base frame to a tip frame, at the zero configuration, in the base frame.
+
+    The arrays are read-only.
+
+    Attributes:
+        model: ``pinocchio.Model`` of exactly these joints; every other joint of the robot is locked at its neutral
+            position. Its nq is 7, and one more for each continuous joint.
+        base: name of the base frame; the seven joints do not move it.
+        tip: name of the tip frame, moved by joint 7.
+        base_id: index of the base frame in `model`, also where a joint bears the same name.
+        tip_id: index of the tip frame in `model`.
+        joint_names: the seven names, from the base outwards.
+        axes: (7, 3) unit directions of the joint axes.
+        points: (7, 3) a point on each joint axis, metres.
+        T_base_tip_zero: (4, 4) pose of the tip frame.
+        lower: (7,) lower joint limits, rad; -inf where continuous.
+        upper: (7,) upper joint limits, rad; inf where continuous.
+        velocity_limit: (7,) rad/s; inf where not given, which a URDF also says by 0 or a negative figure.
+        effort_limit: (7,) N m; inf where not given.
+    """
+
+    model: Any
+    base: str
+    tip: str
+    base_id: int
+    tip_id: int
+    joint_names: tuple[str, ...]
+    axes: Vector
+    points: Vector
+    T_base_tip_zero: Vector
+    lower: Vector
+    upper: Vector
+    velocity_limit: Vector
+    effort_limit: Vector
+
+
+def build_chain(model: Any, joints: Sequence[int], base: str, tip: str) -> Chain:
+    """Lock every joint but seven, and measure those between two frames.
+
+    Args:
+        model: a ``pinocchio.Model``; it is not changed.
+        joints: indices of seven revolute joints, from the base outwards.
+        base: name of the base frame, anywhere on the robot where the seven joints do not move it.
+        tip: name of the tip frame.
+
+    Raises:
+        FrameNotFound: one of the frames does not exist.
+        NotAnSrsLimb: the joints move the base, or joint 7 does not move the tip.
+        InvalidRobot: the position limits of a joint are no range.
+    """
+    names = tuple(model.names[joint] for joint in joints)
+    locked = [joint for joint in range(1, model.njoints) if joint not in joints]
+    reduced = _locked(model, locked) if locked else pin.Model(model)
+    skeleton = Skeleton(reduced)
+    moved_by = skeleton.joint_of(base)
+    if moved_by != 0:
+        raise NotAnSrsLimb(f"the base frame {base!r} is moved by joint {names[moved_by - 1]!r} of the limb", names)
+    if skeleton.joint_of(tip) != 7:
+        raise NotAnSrsLimb(f"the tip frame {tip!r} is not moved by joint {names[6]!r}, the last of the limb", names)
+    lines = skeleton.measure(range(1, 8), base, tip)
+    lower, upper = _position_limits(reduced)
+    return Chain(
+        model=reduced,
+        base=base,
+        tip=tip,
+        base_id=skeleton.find_frame(base),
+        tip_id=skeleton.find_frame(tip),
+        joint_names=names,
+        axes=lines.axes,
+        points=lines.points,
+        T_base_tip_zero=lines.T_base_tip_zero,
+        lower=lower,
+        upper=upper,
+        velocity_limit=_given_or_infinite(reduced.velocityLimit),
+        effort_limit=_given_or_infinite(reduced.effortLimit),
+    )
+
+
+def _locked(model: Any, joints: Sequence[int]) -> Any:
+    """A model without some joints, which are locked at their neutral position.
+
+    Pinocchio looks frames up by their names while it does this, and stops where a link and a fixed joint share one. So
+    it works on a copy in which all names differ; the names of joints, which do, stay.
+    """
+    copy = pin.Model(model)
+    names = {}
+    for k, frame in enumerate(copy.frames):
+        if k > 0 and frame.type != pin.FrameType.JOINT:
+            names[f"frame {k} {frame.name}"] = frame.name
+            frame.name = f"frame {k} {frame.name}"
+    reduced = pin.buildReducedModel(copy, list(joints), pin.neutral(copy))
+    for frame in reduced.frames:
+        frame.name = names.get(frame.name, frame.name)
+    return reduced
+
+
+def _position_limits(model: Any) -> tuple[Vector, Vector]:
+    lower, upper = np.full(7, -np.inf), np.full(7, np.inf)
+    for k in range(7):
+        joint = model.joints[k + 1]
+        if joint.nq == 1:
+            low, high = float(model.lowerPositionLimit[joint.idx_q]), float(model.upperPositionLimit[joint.idx_q])
+            if not (low <= high and low < _UNLIMITED and high > -_UNLIMITED):
+                raise InvalidRobot(f"joint {model.names[k + 1]!r} has the position limits {low} and {high}", model.name)
+            lower[k] = low if low > -_UNLIMITED else -np.inf
+            upper[k] = high if high < _UNLIMITED else np.inf
+    return lower, upper
+
+
+def _given_or_infinite(limit: Vector) -> Vector:
+    values = np.array(limit, dtype=float)
+    return np.where((values > 0.0) & (values < _UNLIMITED), values, np.inf)

@@ -1,0 +1,308 @@
+"""Answers of inverse kinematics: a posture with its status and its measured errors, alone or many in arrays."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from enum import IntEnum
+from functools import cached_property
+from typing import Any, NamedTuple, overload
+
+import numpy as np
+from numpy.typing import NDArray
+
+from srs_ik.kernels.layout import answer as at
+
+Array = NDArray[np.float64]
+
+
+class Status(IntEnum):
+    """What an answer is worth.
+
+    A status is equal to its name as text and to its number, which arrays hold: ``solution.status == "OK"`` and
+    ``(batch.status == Status.OK).sum()``. It hashes as its number: `in` finds names in a list or tuple of them, and
+    sets and dictionaries want members of `Status`. It has no truth value, since 0 stands for success; a `Solution` has.
+    """
+
+    OK = 0
+    """The posture reaches the pose: both errors are below 1e-9 (m, rad), limits kept if they were to be."""
+    UNREACHABLE = 1
+    """No posture reaches the pose; the closest one is given: the arm stretched, or folded, towards the target."""
+    OUT_OF_LIMITS = 2
+    """Postures reach the pose, but none inside the joint limits; the least violating one is given, put on limits."""
+
+    def __str__(self) -> str:
+        return self.name
+
+    def __format__(self, spec: str) -> str:
+        return format(self.name, spec)
+
+    def __eq__(self, other: object) -> bool:
+        return self.name == other if isinstance(other, str) else super().__eq__(other)
+
+    def __ne__(self, other: object) -> bool:
+        return self.name != other if isinstance(other, str) else super().__ne__(other)
+
+    # What an array holds and what it is compared with belong into one dictionary.
+    __hash__ = IntEnum.__hash__
+
+    def __bool__(self) -> bool:
+        raise TypeError("a status has no truth value: compare it with Status.OK, or test the solution itself")
+
+
+_STATUSES = tuple(Status)
+
+_NO_ERROR = 1e-9
+"""Errors below this, m or rad, are those of a solution, and no part of what is wrong."""
+
+_ON_THE_SPOT = 1e-6
+"""A joint this near to an angle, rad, is at it."""
+
+
+class ElbowRange(NamedTuple):
+    """What joint 4 can do; with it, the message of an answer out of reach says how the arm lies."""
+
+    straight: float
+    """Angle at which the wrist is farthest from the shoulder, rad."""
+    lower: float
+    """Lower limit, rad; -inf where continuous."""
+    upper: float
+    """Upper limit, rad; inf where continuous."""
+
+
+class Solution:
+    """One posture for one pose; true in a boolean test if and only if its status is `Status.OK`."""
+
+    __slots__ = ("_elbow", "_joint_names", "_row")
+
+    def __init__(self, row: Array, joint_names: Sequence[str], elbow: ElbowRange | None = None) -> None:
+        self._row = row
+        self._joint_names = joint_names
+        self._elbow = elbow
+
+    @property
+    def q(self) -> Array:
+        """(7,) joint angles, rad; finite in every status."""
+        return self._row[: at.ROW_POSITION_ERROR]
+
+    @property
+    def status(self) -> Status:
+        """Whether the pose is reached, and if not, why."""
+        return _STATUSES[int(self._row[at.ROW_STATUS])]
+
+    @property
+    def branch(self) -> int:
+        """Branch, 4 elbow + 2 shoulder + wrist, each 0 or 1: the side of its middle angle on which the joint lies."""
+        return int(self._row[at.ROW_BRANCH])
+
+    @property
+    def arm_angle(self) -> float:
+        """Arm angle (swivel angle, SEW angle) in [-pi, pi), rad: right-handed about shoulder-wrist."""
+        return float(self._row[at.ROW_ARM_ANGLE])
+
+    @property
+    def position_error(self) -> float:
+        """Distance of the tip at `q` from the pose, metres, by forward kinematics of the chain as described."""
+        return float(self._row[at.ROW_POSITION_ERROR])
+
+    @property
+    def orientation_error(self) -> float:
+        """Angle between the tip at `q` and the pose, rad."""
+        return float(self._row[at.ROW_ORIENTATION_ERROR])
+
+    @property
+    def message(self) -> str:
+        """One sentence for a person: how well the pose is met, or what is in the way and what is left of the error."""
+        if self.status is Status.OK:
+            errors = f"{self.position_error:.2g} m and {self.orientation_error:.2g} rad"
+            return f"Solved in branch {self.branch} at arm angle {self.arm_angle:.6g} rad, to {errors}."
+        if self.status is Status.UNREACHABLE:
+            return f"No posture sought reaches the pose; the one given{self._lie()} misses it by {self._miss()}."
+        joint = int(self._row[at.ROW_JOINT])
+        stop = f" stops at {np.rad2deg(self.q[joint - 1]):.6g} deg"
+        where = f"; {self._joint_names[joint - 1]}{stop}" if joint else ""
+        return (
+            "The pose is within reach, but no posture sought keeps the joint limits"
+            f"{where}, and the posture given misses it by {self._miss()}."
+        )
+
+    def _miss(self) -> str:
+        """The errors that are more than rounding."""
+        errors = (self.position_error, "m"), (self.orientation_error, "rad")
+        return " and ".join(f"{error:.3g} {unit}" for error, unit in errors if error >= _NO_ERROR)
+
+    def _lie(self) -> str:
+        """How the arm lies in an answer out of reach, as far as that is known."""
+        if self._elbow is None:
+            return ""
+        q4 = float(self.q[3])
+        bend = abs((q4 - self._elbow.straight + np.pi) % (2.0 * np.pi) - np.pi)
+        lie = "stretched" if bend < 0.5 * np.pi else "folded"
+        if min(bend, np.pi - bend) < _ON_THE_SPOT:
+            return f", with the arm {lie},"
+        if min(abs(q4 - self._elbow.lower), abs(q4 - self._elbow.upper)) < _ON_THE_SPOT:
+            return f", with the arm {lie} as far as {self._joint_names[3]} goes ({np.rad2deg(q4):.6g} deg),"
+        return ""
+
+    def as_dict(self) -> dict[str, float]:
+        """Joint angles by joint name, rad, in the order of the joints."""
+        return dict(zip(self._joint_names, self.q.tolist(), strict=True))
+
+    def __bool__(self) -> bool:
+        return bool(self._row[at.ROW_STATUS] == Status.OK)
+
+    def __repr__(self) -> str:
+        return (
+            f"Solution(status={self.status.name}, q={np.array2string(self.q, precision=6)}, branch={self.branch}, "
+            f"arm_angle={self.arm_angle:.6g}, position_error={self.position_error:.3g}, "
+            f"orientation_error={self.orientation_error:.3g})"
+        )
+
+
+class _Rows:
+    """Arrays over solution rows, named as the fields of `Solution`."""
+
+    def __init__(self, rows: Array, joint_names: Sequence[str], elbow: ElbowRange | None = None) -> None:
+        self._rows = rows
+        self._joint_names = joint_names
+        self._elbow = elbow
+
+    def _solution(self, row: Array) -> Solution:
+        return Solution(row, self._joint_names, self._elbow)
+
+    @property
+    def q(self) -> Array:
+        """(..., 7) joint angles, rad."""
+        return self._rows[..., : at.ROW_POSITION_ERROR]
+
+    @property
+    def status(self) -> NDArray[np.int64]:
+        """(...) values of `Status`."""
+        return self._rows[..., at.ROW_STATUS].astype(np.int64)
+
+    @property
+    def ok(self) -> NDArray[np.bool_]:
+        """(...) true where the status is `Status.OK`."""
+        return self._rows[..., at.ROW_STATUS] == float(Status.OK)
+
+    @property
+    def branch(self) -> NDArray[np.int64]:
+        """(...) branches, 0 to 7."""
+        return self._rows[..., at.ROW_BRANCH].astype(np.int64)
+
+    @property
+    def arm_angle(self) -> Array:
+        """(...) arm angles, rad."""
+        return self._rows[..., at.ROW_ARM_ANGLE]
+
+    @property
+    def position_error(self) -> Array:
+        """(...) metres."""
+        return self._rows[..., at.ROW_POSITION_ERROR]
+
+    @property
+    def orientation_error(self) -> Array:
+        """(...) rad."""
+        return self._rows[..., at.ROW_ORIENTATION_ERROR]
+
+    def as_dict(self) -> dict[str, Array]:
+        """(...) joint angles by joint name, rad, in the order of the joints."""
+        return {name: self.q[..., k] for k, name in enumerate(self._joint_names)}
+
+    def __len__(self) -> int:
+        return len(self._rows)
+
+
+class Solutions(_Rows, Sequence[Solution]):
+    """All postures that answer one pose: a sequence of `Solution` over arrays (`q` is (n, 7)).
+
+    Where it is empty, `status` is empty too; `message` says why.
+    """
+
+    def __init__(
+        self,
+        rows: Array,
+        joint_names: Sequence[str],
+        failure: Solution | None = None,
+        elbow: ElbowRange | None = None,
+    ) -> None:
+        super().__init__(rows, joint_names, elbow)
+        self.failure = failure
+        """The best posture that is no solution, where there is no solution; else None."""
+
+    @property
+    def message(self) -> str:
+        """One sentence for a person: how many postures, or why there is none."""
+        if self.failure is not None:
+            return self.failure.message
+        return f"{len(self)} {'posture' if len(self) == 1 else 'postures'} found."
+
+    @classmethod
+    def of_one(cls, solution: Solution) -> Solutions:
+        """The sequence of this solution alone."""
+        return cls(solution._row[None], solution._joint_names, elbow=solution._elbow)
+
+    @overload
+    def __getitem__(self, index: int) -> Solution: ...
+    @overload
+    def __getitem__(self, index: slice) -> Solutions: ...
+    def __getitem__(self, index: int | slice) -> Solution | Solutions:
+        if isinstance(index, slice):
+            return Solutions(self._rows[index], self._joint_names, self.failure, self._elbow)
+        return self._solution(self._rows[index])
+
+    def __iter__(self) -> Iterator[Solution]:
+        return map(self._solution, self._rows)
+
+    def __repr__(self) -> str:
+        return f"Solutions({self.message})"
+
+
+class BatchSolution(_Rows):
+    """Answers to N poses: every field of `Solution` as an array over N, or over (N, 8) with all branches."""
+
+    def message(self, *index: int) -> str:
+        """The sentence for one answer: of its index, or of pose and branch.
+
+        Raises:
+            IndexError: another number of indices than `status` has axes, or one out of range.
+        """
+        if len(index) != self._rows.ndim - 1:
+            raise IndexError(f"message takes {self._rows.ndim - 1} indices here, not {len(index)}")
+        return self[index].message
+
+    def __getitem__(self, index: int | tuple[int, ...]) -> Any:
+        row = self._rows[index]
+        return self._solution(row) if row.ndim == 1 else BatchSolution(row, self._joint_names, self._elbow)
+
+    @cached_property
+    def solved(self) -> int:
+        """How many answers have the status `Status.OK`."""
+        return int(self.ok.sum())
+
+    def __repr__(self) -> str:
+        return f"BatchSolution({self.solved} of {self.ok.size} solved)"
+
+
+@dataclass(frozen=True, slots=True)
+class Interval:
+    """Arm angles that are feasible in a branch, ends included.
+
+    Attributes:
+        branch: 0 to 7.
+        lower: first arm angle, in [-pi, pi), rad.
+        upper: last arm angle, rad; it may pass pi. The whole circle is (-pi, pi).
+    """
+
+    branch: int
+    lower: float
+    upper: float
+
+    @property
+    def width(self) -> float:
+        """Length of the interval, rad."""
+        return self.upper - self.lower
+
+    def __contains__(self, arm_angle: float) -> bool:
+        turn = 2.0 * np.pi
+        return bool(self.lower + (arm_angle - self.lower) % turn <= self.upper) or arm_angle == self.upper
