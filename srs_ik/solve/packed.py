@@ -36,9 +36,7 @@ NO_ROOM = 1e-9
 """A joint with a narrower range, rad, cannot move."""
 
 SHIFT_SAMPLES = 1024
-SHIFT_QUANTILE = 0.95
-"""Random configurations over which the shift of a near limb is measured, and the part of them that is to keep it: the
-joint that ends an interval is one of seven, and the largest shift of them is measured."""
+"""Random configurations over which the shift of a near limb is measured."""
 
 STRICT = (1e-13, 1e-14, 1e-12, 0.0)
 LOOSE = (3e-11, 3e-11, 1e-11, 1e-10)
@@ -121,6 +119,8 @@ def pack_family(limb: SrsLimb, lower: Vector, upper: Vector) -> Vector:
     family = np.array(
         [_pack(limb, lo, hi, slack) for slack in (first, LOOSE) for lo, hi in ((lower, upper), (-none, none))]
     )
+    if family[at.LIMITED, at.IS_CLOSED] == 0.0:
+        family[:, at.SHIFT] = _usual_shift(family[at.LIMITED])
     family.flags.writeable = False
     return family
 
@@ -146,16 +146,14 @@ def _pack(limb: SrsLimb, lower: Vector, upper: Vector, slack: tuple[float, ...])
     for block, first in ((at.SHOULDER, 0), (at.WRIST, 4)):
         _pack_spherical(P, block, first, limb.axes[first : first + 3])
     pack_limits(P, np.array(lower, dtype=float), np.array(upper, dtype=float))
-    if P[at.IS_CLOSED] == 0.0:
-        P[at.SHIFT] = _usual_shift(P)
     return P
 
 
 def _usual_shift(P: Vector) -> float:
-    """A shift that most configurations of a near limb keep."""
+    """The largest shift of a near limb over random configurations."""
     shifts = np.empty(SHIFT_SAMPLES)
     measure_shifts(P, np.random.default_rng(0).uniform(-np.pi, np.pi, (SHIFT_SAMPLES, 7)), shifts)
-    return float(np.quantile(shifts[shifts > 0.0], SHIFT_QUANTILE))
+    return float(shifts.max())
 
 
 def _put(P: Vector, offset: int, values: Vector) -> None:

@@ -123,7 +123,8 @@ def is_inside(P, joint, c, s, slack):
     above_lower = cl * s - sl * c
     below_upper = su * c - cu * s
     if kind == 1.0:
-        return above_lower >= -slack and below_upper >= -slack and (cl + cu) * c + (sl + su) * s >= 0.0
+        ahead = (cl + cu) * c + (sl + su) * s
+        return above_lower >= -slack and below_upper >= -slack and ahead >= -2.0 * max(slack, 0.0)
     return not (above_lower < -slack and below_upper < -slack)
 
 

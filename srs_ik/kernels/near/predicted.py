@@ -27,6 +27,8 @@ from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.answer import MAX_PIECES
 from srs_ik.kernels.layout.limb import (
     A1,
+    A1_A2,
+    A2_A3,
     BAND,
     BOTTOM_GAP,
     LOWER,
@@ -45,19 +47,22 @@ from srs_ik.kernels.limb.limits import beyond, set_joint_limits, set_limit, turn
 from srs_ik.kernels.limb.poses import read7
 from srs_ik.kernels.limb.triangle import elbow_side, place
 
-WIDEST_BAND = 0.15
+WIDEST_BAND = 0.2
 """Wider bands tell too little."""
 
 WELL_BENT = 0.5
 """Sine of a middle angle from which on shifts are measured."""
 
-LEAST_BEND = 3.0
+LEAST_BEND = 1.6
 """The elbow is bent by at least so many bands, or it may be straight on the true chain."""
 
 MARGINS = 1e-9
 SPARE = 0.5
 """Ends may be this far, rad, outside the arm angles between which they are expected, and by this part of what is
 between these: the band is not for every joint at every posture."""
+
+OBLIQUE = 1e-2
+"""Cosine between neighbouring axes of a shoulder or wrist from which on a joint's limit is no circle about its axis."""
 
 ALMOST_NOTHING = 1e-4
 """With a narrower band, rad, as many intervals are expected as the nearest exact limb has ..."""
@@ -135,6 +140,15 @@ def shift(P, q):
 def band_of(P, place_):
     """The band of a pose, rad."""
     return P[SHIFT] / place_[3] if place_[3] > 0.0 else math.inf
+
+
+@kernel
+def may_predict(P, place_, band):
+    """Whether a band tells enough: not with the elbow almost straight or folded, nor of oblique axes."""
+    s, w = SHOULDER, WRIST
+    oblique = max(abs(P[s + A1_A2]), abs(P[s + A2_A3]), abs(P[w + A1_A2]), abs(P[w + A2_A3])) > OBLIQUE
+    narrow = band < ALMOST_NOTHING
+    return band < WIDEST_BAND and place_[3] > LEAST_BEND * band and place_[5] == 0.0 and (narrow or not oblique)
 
 
 @kernel
@@ -239,6 +253,20 @@ def outside_by(P, point):
 
 
 @kernel
+def least_sine(P, a, b):
+    """How far shoulder and wrist are from singular at two points."""
+    s2, s6 = sines_of_middles(P, a)
+    t2, t6 = sines_of_middles(P, b)
+    return min(s2, s6, t2, t6)
+
+
+@kernel
+def is_narrow(P, a, b):
+    """Whether two points are so close together that no joint turns much faster between them."""
+    return b[POINT_PSI] - a[POINT_PSI] < CLOSER * least_sine(P, a, b)
+
+
+@kernel
 def is_decided(P, a, b):
     """Whether all postures between two points are inside the limits, or all outside, or one limit is between them."""
     width = b[POINT_PSI] - a[POINT_PSI]
@@ -246,9 +274,7 @@ def is_decided(P, a, b):
         return False
     if width < SMALLEST_GAP:
         return True
-    s2, s6 = sines_of_middles(P, a)
-    t2, t6 = sines_of_middles(P, b)
-    if width > CLOSER * min(s2, s6, t2, t6):
+    if not is_narrow(P, a, b):
         return False
     inside_a, inside_b = a[POINT_OFF] <= 0.0, b[POINT_OFF] <= 0.0
     fastest = 0.0
@@ -498,7 +524,7 @@ def predicted_intervals(P, place_, R, p, out):
         out: (n, 3) output.
     """
     band = band_of(P, place_)
-    if band > WIDEST_BAND or place_[3] < LEAST_BEND * band or place_[5] != 0.0:
+    if not may_predict(P, place_, band):
         return -1
     sides = (elbow_side(P, place_, 0), elbow_side(P, place_, 1))
     for elbow in range(2):

@@ -12,8 +12,9 @@ import math
 import numpy as np
 
 from srs_ik.kernels.algebra.pointers import keep, row
+from srs_ik.kernels.chain.answer import measure_row
 from srs_ik.kernels.chain.newton import arm_angle
-from srs_ik.kernels.exact.farthest import draw_in, farthest
+from srs_ik.kernels.exact.farthest import copy_interval, draw_in, farthest
 from srs_ik.kernels.exact.intervals import TURN, find_intervals
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.answer import MAX_PIECES
@@ -24,21 +25,21 @@ from srs_ik.kernels.limb.limits import turn_to_middle, violation
 from srs_ik.kernels.limb.poses import read7
 from srs_ik.kernels.limb.triangle import elbow_side
 from srs_ik.kernels.near.predicted import (
-    CLOSER,
     FASTER,
-    LEAST_BEND,
     MAX_POINTS,
     POINT,
     POINT_BRANCH,
     POINT_OFF,
     POINT_PSI,
     POINT_RATES,
-    WIDEST_BAND,
     band_of,
     close_points,
+    is_narrow,
     is_near_singularity,
+    least_sine,
+    may_predict,
+    predicted_intervals,
     put_points,
-    sines_of_middles,
     widen,
 )
 
@@ -48,7 +49,7 @@ GAIN = 1e-12
 BREAKS_LIMITS = 2.0
 """Cost of a posture outside its limits, plus how far it is outside, rad."""
 
-SPACING = 0.35
+SPACING = 0.3
 """Widest spacing of the arm angles that are looked at first, rad."""
 
 BEYOND = 0.02
@@ -59,6 +60,9 @@ SHORT_GAP = 0.03
 
 COARSE = 1e-3
 """Between points farther apart, rad, every fourth arm angle is half-way."""
+
+SHORT_SHARE = 0.15
+"""Nor is it wider than this part of how far shoulder and wrist are from singular."""
 
 CLOSING_STEPS = 24
 CLOSED_IN = 1e-7
@@ -187,9 +191,8 @@ def may_be_better_beyond(P, points, count, found, n, lowest):
 @kernel
 def is_short_gap(P, a, b):
     """Whether a gap between two points is so short that its ends tell whether there is a minimum in it."""
-    s2, s6 = sines_of_middles(P, a)
-    t2, t6 = sines_of_middles(P, b)
-    return b[POINT_PSI] - a[POINT_PSI] < min(SHORT_GAP, 0.2 * CLOSER * min(s2, s6, t2, t6))
+    width = b[POINT_PSI] - a[POINT_PSI]
+    return width < SHORT_GAP and width < SHORT_SHARE * least_sine(P, a, b)
 
 
 @kernel
@@ -203,7 +206,7 @@ def halve_gaps(P, sides, R, p, place_, points, n, gaps, left, best, lowest):
         long = 0
         for i in range(left):
             a, b = gaps[i, 0], gaps[i, 1]
-            if least_cost(P, points[a], points[b]) > lowest - GAIN:
+            if is_narrow(P, points[a], points[b]) and least_cost(P, points[a], points[b]) > lowest - GAIN:
                 continue
             gaps[kept, 0], gaps[kept, 1] = a, b
             if not is_short_gap(P, points[a], points[b]):
@@ -292,13 +295,48 @@ def close_in(P, R, p, place_, points, gaps, first, count, work, best_q, lowest):
 
 
 @kernel
+def best_within(P, sides, R, p, place_, found, n, drawn_in, best_q, lowest, points):
+    """The best posture in the intervals in the first n rows of found, if it is better than the best so far: q, cost.
+
+    `drawn_in` says that the intervals end where the limits that are drawn in do, not the limits themselves. Returns
+    also whether the answer is certain.
+    """
+    gaps = np.empty((MAX_POINTS, 2), np.int64)
+    count, left = spread_points(found, n, points, gaps)
+    if count == 0:
+        return best_q, lowest, False
+    for i in range(0, count, 8):
+        if not put_points(P, sides, R, p, place_, points, i):
+            return best_q, lowest, False
+    best, lowest = measure_points(P, points, 0, count, -1, lowest)
+    left, best, lowest = halve_gaps(P, sides, R, p, place_, points, count, gaps, left, best, lowest)
+    if left < 0 or (drawn_in and may_be_better_beyond(P, points, count, found, n, lowest)):
+        return best_q, lowest, False
+    if best >= 0:
+        best_q = read7(points[best])
+    kept = 0
+    for i in range(left):
+        _, slope_a, _ = cost_of(P, points[gaps[i, 0]])
+        _, slope_b, _ = cost_of(P, points[gaps[i, 1]])
+        if slope_a < 0.0 < slope_b:
+            gaps[kept, 0], gaps[kept, 1] = gaps[i, 0], gaps[i, 1]
+            kept += 1
+    work = np.empty((32, POINT))
+    for i in range(0, kept, 8):
+        best_q, lowest, sure = close_in(P, R, p, place_, points, gaps, i, min(kept - i, 8), work, best_q, lowest)
+        if not sure:
+            return best_q, lowest, False
+    return turned(P, best_q, False, NO_SEED, True), lowest, True
+
+
+@kernel
 def predicted_best(P, place_, R, p, branch):
     """Posture of the largest margin over all arm angles (in one branch, if it is wanted).
 
     Returns q, cost, and whether it is certain: inside the limits, and away from singularities.
     """
     band = band_of(P, place_)
-    if band > WIDEST_BAND or place_[3] < LEAST_BEND * band or place_[5] != 0.0:
+    if not may_predict(P, place_, band):
         return NO_SEED, NO_BRANCH, False
     sides = (elbow_side(P, place_, 0), elbow_side(P, place_, 1))
     found = np.empty((8 * MAX_PIECES, 3))
@@ -314,8 +352,8 @@ def predicted_best(P, place_, R, p, branch):
         points[i, POINT_BRANCH] = best_branch
     if not put_points(P, sides, R, p, place_, points, 0):
         return q, NO_BRANCH, False
-    best, lowest = measure_points(P, points, 0, 1, 0, NO_BRANCH)
-    best_q = read7(points[0])
+    _, lowest = measure_points(P, points, 0, 1, 0, NO_BRANCH)
+    q = read7(points[0])
     if lowest >= 0.0:
         return q, NO_BRANCH, False
     boxes = np.empty((2, SIZE))
@@ -327,29 +365,32 @@ def predicted_best(P, place_, R, p, branch):
     for i in range(n):
         if is_near_singularity(P, sides[int(found[i, 0]) >> 2], found[i, 1], found[i, 2], band):
             return q, NO_BRANCH, False
-    gaps = np.empty((MAX_POINTS, 2), np.int64)
-    count, left = spread_points(found, n, points, gaps)
-    if count == 0:
-        return q, NO_BRANCH, False
-    for i in range(0, count, 8):
-        if not put_points(P, sides, R, p, place_, points, i):
-            return q, NO_BRANCH, False
-    best, lowest = measure_points(P, points, 0, count, -1, lowest)
-    left, best, lowest = halve_gaps(P, sides, R, p, place_, points, count, gaps, left, best, lowest)
-    if left < 0 or may_be_better_beyond(P, points, count, found, n, lowest):
-        return q, NO_BRANCH, False
-    if best >= 0:
-        best_q = read7(points[best])
-    kept = 0
-    for i in range(left):
-        _, slope_a, _ = cost_of(P, points[gaps[i, 0]])
-        _, slope_b, _ = cost_of(P, points[gaps[i, 1]])
-        if slope_a < 0.0 < slope_b:
-            gaps[kept, 0], gaps[kept, 1] = gaps[i, 0], gaps[i, 1]
-            kept += 1
-    work = np.empty((32, POINT))
-    for i in range(0, kept, 8):
-        best_q, lowest, sure = close_in(P, R, p, place_, points, gaps, i, min(kept - i, 8), work, best_q, lowest)
-        if not sure:
-            return q, NO_BRANCH, False
-    return turned(P, best_q, False, NO_SEED, True), lowest, True
+    return best_within(P, sides, R, p, place_, found, n, True, q, lowest, points)
+
+
+@kernel
+def predicted_best_of_intervals(P, place_, R, p, respect, out):
+    """Write the posture with the largest margin of every interval into the rows of out; their number, or -1.
+
+    Args:
+        P: packed limb.
+        place_: the pose, from `triangle.place`.
+        R: rotation of the pose.
+        p: position of the pose.
+        respect: whether the joint limits have to be kept.
+        out: (n, ROW) output.
+    """
+    if not respect:
+        return -1
+    found = np.empty((8 * MAX_PIECES, 3))
+    n = predicted_intervals(P, place_, R, p, found)
+    sides = (elbow_side(P, place_, 0), elbow_side(P, place_, 1))
+    points = np.empty((MAX_POINTS, POINT))
+    one = np.empty((1, 3))
+    for i in range(n):
+        copy_interval(found, i, one, 0)
+        q, lowest, certain = best_within(P, sides, R, p, place_, one, 1, False, NO_SEED, NO_BRANCH, points)
+        if not certain or lowest >= 0.0:
+            return -1
+        measure_row(P, place_, R, p, q, int(found[i, 0]), lowest, respect, row(out, i))
+    return n
