@@ -10,6 +10,8 @@ from __future__ import annotations
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
+from srs_ik.forks import WHOLE
+
 if TYPE_CHECKING:
     from srs_ik.analysis.ellipsoids import (
         Ellipsoid,
@@ -36,7 +38,7 @@ if TYPE_CHECKING:
         PreviewError,
         SrsIkError,
     )
-    from srs_ik.inputs.poses import PoseError, xyz_quaternion
+    from srs_ik.inputs.poses import PoseError, nearest_pose, xyz_quaternion
     from srs_ik.inputs.rotations import pose_from_xyz_quaternion, pose_from_xyz_rpy
     from srs_ik.inputs.task import Task
     from srs_ik.loading import LimbReport, find_limbs, load, robots
@@ -92,7 +94,7 @@ _MODULES = {
     "preview": ("Preview",),
     "preview.interactive": ("InteractivePreview",),
     "paper.printed_optimum": ("PrintedOptimum", "printed_optimum"),
-    "inputs.poses": ("PoseError", "xyz_quaternion"),
+    "inputs.poses": ("PoseError", "nearest_pose", "xyz_quaternion"),
     "inputs.rotations": ("pose_from_xyz_quaternion", "pose_from_xyz_rpy"),
     "solve.self_motion": ("SelfMotion",),
     "solve.solution": ("BatchSolution", "Interval", "Solution", "Solutions", "Status"),
@@ -148,6 +150,7 @@ __all__ = [
     "isotropy",
     "load",
     "manipulability",
+    "nearest_pose",
     "plot_arm_angle",
     "plot_ellipsoids",
     "plot_intervals",
@@ -166,7 +169,8 @@ def __getattr__(name: str) -> Any:
     """Import a public name from its module when it is first used."""
     if name not in _HOME:
         raise AttributeError(f"module 'srs_ik' has no attribute {name!r}")
-    value = getattr(import_module(f"srs_ik.{_HOME[name]}"), name)
+    with WHOLE:
+        value = getattr(import_module(f"srs_ik.{_HOME[name]}"), name)
     globals()[name] = value
     return value
 

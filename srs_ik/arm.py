@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from srs_ik.errors import NotAnSrsLimb
-from srs_ik.inputs.poses import PoseLike, as_joint_vector, as_rigid_matrix
+from srs_ik.inputs.poses import PoseLike, as_bounded_joint_vector, as_rigid_matrix
 from srs_ik.kernels.entries import rates
 from srs_ik.kinematics import ChainKinematics
 from srs_ik.robot import changes
@@ -17,6 +17,7 @@ from srs_ik.robot.chain import Chain
 from srs_ik.robot.limb import Hand, SrsLimb
 from srs_ik.robot.recognition import recognise
 from srs_ik.solve import intervals as feasible
+from srs_ik.solve import kinematics
 from srs_ik.solve import pose as pose_solver
 from srs_ik.solve.packed import pack_arm
 from srs_ik.solve.solution import BatchSolution, Interval, Solution, Solutions
@@ -205,7 +206,7 @@ class Arm(ChainKinematics):
         Args:
             pose: pose of the tip frame in the base frame.
             branch: 0 to 7 for the intervals of that branch alone.
-            count: postures an interval, from end to end; at least 2. Those of a whole circle end where they begin.
+            count: postures an interval, from end to end; 2 to 1,000,000. Those of a whole circle end where they begin.
             respect_limits: whether to stay inside the joint limits.
 
         Returns:
@@ -303,23 +304,49 @@ class Arm(ChainKinematics):
 
         return solve_task(self.packed, task, side, bool(respect_limits), tie, threads, seed)
 
+    # Many configurations ----------------------------------------------------------------------------------------
+
+    def forward_kinematics_batch(self, q: ArrayLike, threads: int | None = None) -> Array:
+        """Poses (N, 4, 4) of the tip frame in the base frame, in compiled code on several threads.
+
+        Args:
+            q: (N, 7) joint angles, rad; an array of floats, in C order and writeable, is not copied.
+            threads: at most so many; all processors if not given.
+
+        Raises:
+            InvalidConfiguration: not N times 7 finite angles, or one beyond 1e6 rad.
+        """
+        return kinematics.forward_kinematics_batch(self.packed, q, threads)
+
+    def jacobian_batch(self, q: ArrayLike, threads: int | None = None) -> Array:
+        """Geometric Jacobians (N, 6, 7) of the tip point in base axes, as `jacobian` gives them one by one.
+
+        Args:
+            q: (N, 7) joint angles, rad; an array of floats, in C order and writeable, is not copied.
+            threads: at most so many; all processors if not given.
+
+        Raises:
+            InvalidConfiguration: not N times 7 finite angles, or one beyond 1e6 rad.
+        """
+        return kinematics.jacobian_batch(self.packed, q, threads)
+
     # Redundancy -------------------------------------------------------------------------------------------------
 
     def arm_angle(self, q: ArrayLike) -> float:
         """Arm angle of a configuration, in [-pi, pi), rad: right-handed about shoulder-wrist, zero at `limb.reference`.
 
         Raises:
-            InvalidConfiguration: not 7 finite angles.
+            InvalidConfiguration: not 7 finite angles, or one beyond 1e6 rad.
         """
-        return float(rates.configuration_arm_angle(self.packed.family, as_joint_vector(q))[0])
+        return float(rates.configuration_arm_angle(self.packed.family, as_bounded_joint_vector(q))[0])
 
     def branch(self, q: ArrayLike) -> int:
         """Branch of a configuration, 0 to 7.
 
         Raises:
-            InvalidConfiguration: not 7 finite angles.
+            InvalidConfiguration: not 7 finite angles, or one beyond 1e6 rad.
         """
-        return int(rates.configuration_arm_angle(self.packed.family, as_joint_vector(q))[1])
+        return int(rates.configuration_arm_angle(self.packed.family, as_bounded_joint_vector(q))[1])
 
     def arm_angle_jacobian(self, q: ArrayLike) -> Array:
         """Derivatives of the arm angle by the joint angles, (7,), rad/rad: its rate is ``arm_angle_jacobian(q) @ dq``.
@@ -331,13 +358,13 @@ class Arm(ChainKinematics):
         these places they grow without bound.
 
         Raises:
-            InvalidConfiguration: not 7 finite angles.
+            InvalidConfiguration: not 7 finite angles, or one beyond 1e6 rad.
 
         Source: the derivative of the definition, for any axes; for perpendicular ones see K. Kreutz-Delgado, M. Long,
         H. Seraji, Kinematic Analysis of 7-DOF Manipulators, IJRR 11(5), 1992.
         """
         derivatives = np.empty(7)
-        rates.arm_angle_jacobian(self.packed.family, as_joint_vector(q), derivatives)
+        rates.arm_angle_jacobian(self.packed.family, as_bounded_joint_vector(q), derivatives)
         return derivatives
 
     def self_motion_tangent(self, q: ArrayLike) -> Array:
@@ -349,10 +376,10 @@ class Arm(ChainKinematics):
         the shoulder or of the wrist in line. Close to these places they grow without bound.
 
         Raises:
-            InvalidConfiguration: not 7 finite angles.
+            InvalidConfiguration: not 7 finite angles, or one beyond 1e6 rad.
         """
         derivatives = np.empty(7)
-        rates.self_motion_tangent(self.packed.family, as_joint_vector(q), derivatives)
+        rates.self_motion_tangent(self.packed.family, as_bounded_joint_vector(q), derivatives)
         return derivatives
 
     # Tools and surroundings -------------------------------------------------------------------------------------

@@ -73,7 +73,7 @@ def test_the_commands_take_what_inspect_writes(arm_file, tmp_path):
     assert result.stderr == f"srs-ik: wrote {adapter}; check it, then try 'srs-ik inspect {adapter}'\n"
     (limb,) = answer("inspect", str(adapter))["limbs"]
     assert (limb["base"], limb["tip"]) == ("l0", "l7")
-    solved = answer("solve", str(adapter), "--from-q", *["0.1", "0.2", "0.3", "0.4", "0.5", "0.6", "0.7"])
+    solved = answer("solve", str(adapter), "--q", *["0.1", "0.2", "0.3", "0.4", "0.5", "0.6", "0.7"])
     assert solved["robot"] == "my arm"
 
 
@@ -140,8 +140,8 @@ def test_the_adapter_of_the_documentation_loads(arm_file, tmp_path):
 def test_every_command_takes_the_word_for_a_limb(command):
     path = str(file_of("humanoid_left"))
     options = {
-        "solve": ["--from-q", *"0000000"],
-        "intervals": ["--from-q", *"0000000"],
+        "solve": ["--q", *"0000000"],
+        "intervals": ["--q", *"0000000"],
         "task": [
             *("--xyz", "0.3", "0.2", "0.1"),
             *("--velocity", "1", "0", "0"),

@@ -12,10 +12,9 @@ from oracles import (
     limbs,
     middle_phase,
     other_elbow_reaches,
+    phases,
     wrapped,
 )
-from test_singular import phases
-from test_solve import STEADY
 
 import srs_ik
 
@@ -154,7 +153,6 @@ def test_branch_numbers_of_real_arms(name):
         assert (every.branch == check_numbers(arm, every.q)).all()
 
 
-@STEADY
 @given(limbs())
 def test_random_limbs_have_all_their_branches(limb):
     arm = srs_ik.load(limb.model, base="base", tip="tool")
@@ -172,7 +170,6 @@ def test_random_limbs_have_all_their_branches(limb):
             assert max(distance(pose, forward(solution.q))) < 1e-10
 
 
-@STEADY
 @given(limbs(miss=0.01))
 def test_random_limbs_whose_axes_miss_their_centres_hold_the_configuration(limb):
     """Away from singularities: next to one, a branch may have two postures at an arm angle, or lie elsewhere."""

@@ -33,8 +33,8 @@ def test_json_holds_the_intervals_of_the_arm():
 
 
 def test_the_table_shows_the_intervals_of_the_json():
-    expected = json.loads(run("gen3", "--from-q", *"1234567", "--no-limits", "--json").stdout)["intervals"]
-    text = run("gen3", "--from-q", *"1234567", "--no-limits").stdout
+    expected = json.loads(run("gen3", "--q", *"1234567", "--no-limits", "--json").stdout)["intervals"]
+    text = run("gen3", "--q", *"1234567", "--no-limits").stdout
     rows = [line.split() for line in text.splitlines() if line.strip()[:1].isdigit() and len(line.split()) == 6]
     assert len(rows) == len(expected)
     for row, interval in zip(rows, expected, strict=True):
@@ -102,8 +102,8 @@ def test_bars_that_pass_half_a_turn_are_cut():
     ("words", "named"),
     [
         (["iiwa14"], "--xyz"),
-        (["iiwa14", *POSE, "--from-q", *"1234567"], "--from-q"),
-        (["iiwa14", "--from-q", "1", "2"], "--from-q takes 7 numbers, not 2"),
+        (["iiwa14", *POSE, "--q", *"1234567"], "--q"),
+        (["iiwa14", "--q", "1", "2"], "--q takes 7 numbers, not 2"),
         (["iiwa41", *POSE], "iiwa41"),
         (["iiwa14", *POSE, "--tip", "nose"], "nose"),
         (["iiwa14", *POSE, "--plot", "bars.colour"], "bars.colour"),

@@ -1,5 +1,6 @@
 """The page with sliders: every control leaves the arm at the target, inside its limits and in the chosen interval."""
 
+import re
 import sys
 
 import numpy as np
@@ -7,6 +8,7 @@ import pinocchio as pin
 import pytest
 
 import srs_ik
+from srs_ik.errors import install_command
 
 Q = np.array([0.3, 0.7, -0.4, -1.2, 0.5, 0.8, -0.2])
 
@@ -112,5 +114,5 @@ def test_without_viser_the_error_names_the_extra_once_a_page_is_made(monkeypatch
     monkeypatch.delitem(vars(srs_ik), "InteractivePreview", raising=False)
     arm = srs_ik.load("iiwa14")
     assert [name for name in srs_ik.__all__ if not hasattr(srs_ik, name)] == []
-    with pytest.raises(srs_ik.MissingExtra, match=r"pip install 'srs-ik\[interactive\]'"):
+    with pytest.raises(srs_ik.MissingExtra, match=re.escape(install_command("interactive"))):
         srs_ik.InteractivePreview(arm)

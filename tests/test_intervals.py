@@ -17,7 +17,6 @@ from oracles import (
     room,
     wrapped,
 )
-from test_solve import STEADY
 
 import srs_ik
 from srs_ik import Interval, Status
@@ -117,7 +116,6 @@ def test_intervals_of_arms_whose_axes_miss_their_centres(name):
             assert within[0] == is_feasible(arm, forward, pose, branch, psi)
 
 
-@STEADY
 @given(limbs(limits=("usual", "narrow", "wide", "beyond", "mixed")))
 def test_intervals_of_random_limbs(limb):
     arm = srs_ik.load(limb.model, base="base", tip="tool")

@@ -179,10 +179,10 @@ def test_without_matplotlib_the_pip_command_is_given(monkeypatch):
 @pytest.mark.parametrize(
     "words",
     [
-        ["ellipsoids", "iiwa14", "--from-q", *Q],
+        ["ellipsoids", "iiwa14", "--q", *Q],
         ["ellipsoids", "iiwa14", *POSE, "--part", "angular", "--limits"],
         ["arm-angle", "iiwa14", *POSE, "--branch", "0"],
-        ["intervals", "gen3", "--from-q", *Q],
+        ["intervals", "gen3", "--q", *Q],
     ],
 )
 def test_the_command_writes_a_picture_with_something_in_it(words, tmp_path):
@@ -208,15 +208,15 @@ def test_a_pose_out_of_reach_is_exit_status_1_with_one_line(kind, tmp_path):
 @pytest.mark.parametrize(
     ("words", "named"),
     [
-        (["ellipsoids", "iiwa14", "--from-q", *Q], "--output FILE.png"),
+        (["ellipsoids", "iiwa14", "--q", *Q], "--output FILE.png"),
         (["ellipsoids", "iiwa14", "--output", "a.png"], "--xyz"),
-        (["shadow", "iiwa14", "--from-q", *Q, "--output", "a.png"], "shadow"),
-        (["intervals", "iiwa14", "--from-q", *Q, "--output", "a.colour"], "a.colour"),
-        (["intervals", "iiwa14", "--from-q", *Q, "--output", "no/such/folder/a.png"], "no/such/folder"),
-        (["arm-angle", "iiwa14", "--from-q", *Q, "--output", "a.png", "--branch", "9"], "not 9"),
-        (["ellipsoids", "iiwa14", "--from-q", *Q, "--output", "a.png", "--part", "full"], "linear or angular"),
+        (["shadow", "iiwa14", "--q", *Q, "--output", "a.png"], "shadow"),
+        (["intervals", "iiwa14", "--q", *Q, "--output", "a.colour"], "a.colour"),
+        (["intervals", "iiwa14", "--q", *Q, "--output", "no/such/folder/a.png"], "no/such/folder"),
+        (["arm-angle", "iiwa14", "--q", *Q, "--output", "a.png", "--branch", "9"], "not 9"),
+        (["ellipsoids", "iiwa14", "--q", *Q, "--output", "a.png", "--part", "full"], "linear or angular"),
         (
-            ["ellipsoids", "human_arm", "--from-q", *Q, "--output", "a.png", "--limits"],
+            ["ellipsoids", "human_arm", "--q", *Q, "--output", "a.png", "--limits"],
             "velocity limit for shoulder_yaw",
         ),
     ],

@@ -1,5 +1,6 @@
 """Polytopes against linear programmes, sampled velocities and forces, and torques by Pinocchio's inverse dynamics."""
 
+import re
 import sys
 from collections import Counter
 
@@ -12,6 +13,7 @@ from scipy.optimize import linprog
 from tip import FOLDED, ROWS, STRETCHED, held, moved
 
 import srs_ik
+from srs_ik.errors import install_command
 
 pytest.importorskip("pycapacity")
 
@@ -339,7 +341,7 @@ def test_other_wrong_input():
 
 def test_without_pycapacity_the_pip_command_is_given(monkeypatch):
     monkeypatch.setitem(sys.modules, "pycapacity", None)
-    with pytest.raises(srs_ik.MissingExtra, match=r"pip install 'srs-ik\[polytopes\]'"):
+    with pytest.raises(srs_ik.MissingExtra, match=re.escape(install_command("polytopes"))):
         srs_ik.velocity_polytope(arms.load("iiwa14"), Q)
 
 

@@ -3,8 +3,8 @@
 import arms
 import numpy as np
 import pytest
+from objective_parameters import PARAMETERS
 from oracles import inside
-from test_objectives import PARAMETERS
 
 from srs_ik import InvalidConfiguration, InvalidPose, InvalidTask, Objective, printed_optimum
 

@@ -7,7 +7,6 @@ from hypothesis import given
 from hypothesis import strategies as st
 from oracles import limbs, random_limb, random_rotation, unit
 from robot_files import at_hand, robot_file
-from test_solve import STEADY
 
 import srs_ik
 from srs_ik.robot.recognition import recognise
@@ -21,7 +20,6 @@ def assert_same_limb(one, other, tolerance=1e-9):
         assert getattr(one.limb, field) == pytest.approx(getattr(other.limb, field), abs=tolerance)
 
 
-@STEADY
 @given(limbs())
 def test_centres_of_random_limbs_are_found(limb):
     found = recognise(limb.axes, limb.points, TIP)
@@ -54,7 +52,6 @@ def test_an_axis_across_the_forearm_is_no_elbow_offset():
     assert recognise(np.array(axes), np.array(points), TIP).elbow_offset == pytest.approx(0.05)
 
 
-@STEADY
 @given(st.sampled_from([0.0, 0.004]).flatmap(limbs))
 def test_only_the_lines_count(limb):
     """Neither where on an axis its origin is, nor how long its direction, nor where the base is."""
@@ -71,7 +68,6 @@ def test_only_the_lines_count(limb):
     assert moved.limb.wrist == pytest.approx(R @ found.limb.wrist + t, abs=1e-9)
 
 
-@STEADY
 @given(limbs(miss=0.01))
 def test_centres_of_axes_that_miss_are_least_squares(limb):
     found = recognise(limb.axes, limb.points, TIP)

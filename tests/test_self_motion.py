@@ -6,7 +6,6 @@ import pinocchio as pin
 import pytest
 from hypothesis import given
 from oracles import arm_angle, distance, inside, limbs, wrapped
-from test_solve import STEADY
 
 import srs_ik
 from srs_ik import InvalidConfiguration, InvalidPose
@@ -69,7 +68,6 @@ def test_the_tangent_is_the_slope_of_solved_postures(name):
 def test_derivatives_of_random_limbs(miss):
     compared = 0
 
-    @STEADY
     @given(limbs(miss=miss))
     def on(limb):
         nonlocal compared

@@ -10,7 +10,6 @@ import numpy as np
 import pytest
 from hypothesis import given
 from oracles import distance, inside, limbs
-from test_solve import STEADY
 
 import srs_ik
 from srs_ik import Solution, Solutions, Status
@@ -160,7 +159,6 @@ def test_out_of_limits_is_inside_the_limits_and_truthful(name):
             assert on_limit.any()
 
 
-@STEADY
 @given(limbs(limits=("narrow", "usual", "beyond", "mixed")))
 def test_statuses_of_random_limbs(limb):
     arm = srs_ik.load(limb.model, base="base", tip="tool")

@@ -3,7 +3,7 @@
 import arms
 import numpy as np
 import pytest
-from test_task import GOOD, X, Z, dot, grasps, length, tasks_of, unit
+from random_tasks import GOOD, X, Z, dot, grasps, length, tasks_of, unit
 
 import srs_ik
 from srs_ik import InvalidTask, Status, Task

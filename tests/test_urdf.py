@@ -11,9 +11,10 @@ from hypothesis import example, given, settings
 from hypothesis import strategies as st
 from robot_files import REAL, at_hand, joint_xml, random_configuration, robot_file, robot_xml
 
+from srs_ik import bounds
 from srs_ik.errors import InvalidRobot
 from srs_ik.robot import zoo
-from srs_ik.robot.description import document, load_model
+from srs_ik.robot.description import load_model
 from srs_ik.robot.description.from_yourdfpy import roll_pitch_yaw
 
 FILES = at_hand(*chains.MAKERS, *REAL)
@@ -235,6 +236,7 @@ WRONG_TEXT = {
         ),
         "mass> value of inertia of link 'd' is 'nan'",
     ),
+    "joint of Pinocchio": (two_joints(AXIS + LIMIT).replace('"first"', '"universe"'), "Pinocchio's name of the world"),
     "too many links": (robot_xml(links=" ".join(f"l{k}" for k in range(2001))), "2001 links"),
     "too many elements": ("<robot name='x'>" + "<a/>" * 200_000 + "</robot>", "more than 200000 XML elements"),
     "too deep in tags": ("<robot name='x'>" + "<a>" * 1000, "nested more than 1000 deep"),
@@ -301,7 +303,7 @@ def test_wrong_files_are_refused_and_named(tmp_path):
     huge = tmp_path / "huge.urdf"
     with huge.open("wb") as file:
         file.write(b"<robot>")
-        file.truncate(document.MAX_BYTES + 10)
+        file.truncate(bounds.XML_BYTES + 10)
     fifo = tmp_path / "fifo"
     os.mkfifo(fifo)
     cases = {

@@ -13,6 +13,7 @@ def main() -> None:
     The exit status is 0 on success, 1 where there is no solution or no S-R-S limb, 2 for wrong input (with one line on
     standard error), 130 after an interruption.
     """
+    _open_closed_streams()
     try:
         for stream in (sys.stdout, sys.stderr):
             # A joint name that the terminal's encoding lacks must not end in a traceback.
@@ -28,6 +29,18 @@ def main() -> None:
         sys.exit(130)
     finally:
         _close_quietly()
+
+
+def _open_closed_streams() -> None:
+    """Give a stream that the caller has closed a place to write to, or the next file opened would be that place."""
+    for number, name, mode in ((0, "stdin", "r"), (1, "stdout", "w"), (2, "stderr", "w")):
+        try:
+            os.fstat(number)
+        except OSError:
+            # The lowest number that is free, which is this one.
+            os.open(os.devnull, os.O_RDWR)
+        if getattr(sys, name) is None:
+            setattr(sys, name, os.fdopen(number, mode, closefd=False))
 
 
 def _close_quietly() -> None:

@@ -6,6 +6,8 @@ import signal
 import sys
 import threading
 import warnings
+from collections.abc import Iterator
+from contextlib import contextmanager
 from types import FrameType
 from typing import Any
 
@@ -42,6 +44,23 @@ def announce_compilation() -> None:
             pass
 
     event.register("numba:compile", Announcement())
+
+
+@contextmanager
+def at_work(words: str) -> Iterator[None]:
+    """Within this block, show in a terminal how far a batch is; of other work, that it goes on."""
+    if not sys.stderr.isatty():
+        yield
+        return
+    from rich.console import Console
+    from rich.progress import Progress
+
+    from srs_ik.solve.threads import watched
+
+    with Progress(console=Console(stderr=True), transient=True) as bar:
+        task = bar.add_task(words, total=None)
+        with watched(lambda begun, count: bar.update(task, completed=begun, total=count)):
+            yield
 
 
 def warn_in_one_line() -> None:

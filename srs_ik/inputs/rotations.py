@@ -9,6 +9,7 @@ import pinocchio as pin
 from numpy.typing import ArrayLike, NDArray
 
 from srs_ik.errors import InvalidPose
+from srs_ik.inputs.numbers import real_array
 
 Array = NDArray[np.float64]
 Order = Literal["xyzw", "wxyz"]
@@ -73,7 +74,7 @@ def quaternion_of(R: Array, order: Order) -> Array:
 
 def _numbers(values: ArrayLike, count: int, what: str) -> Array:
     try:
-        array = np.asarray(values, dtype=float)
+        array = real_array(values)
     except (TypeError, ValueError):
         array = np.empty(0)
     if array.shape != (count,) or not np.isfinite(array).all():

@@ -10,7 +10,10 @@ import numpy as np
 import pinocchio as pin
 
 from srs_ik.errors import AmbiguousLimb, FrameNotFound, InvalidTask, NotAnSrsLimb, listed
+from srs_ik.forks import whole
+from srs_ik.inputs.numbers import real_array
 from srs_ik.robot import changes
+from srs_ik.robot.arguments import check_path, check_texts
 from srs_ik.robot.candidates import Candidate, LimbReport, examine, explained, weigh
 from srs_ik.robot.card import Placement
 from srs_ik.robot.chain import Chain, build_chain
@@ -25,6 +28,7 @@ if TYPE_CHECKING:
     from srs_ik.arm import Arm
 
 
+@whole
 def load(
     source: Any,
     base: str | None = None,
@@ -38,6 +42,7 @@ def load(
     urdf: Any = None,
     srdf: str | Path | None = None,
     xacro_args: Mapping[str, str] | None = None,
+    allow_xacro: bool = False,
 ) -> Arm:
     """Load an S-R-S arm.
 
@@ -62,13 +67,16 @@ def load(
             (rad/s) and "effort" (N m) that change; infinite for none.
         urdf: the description of a robot with a name or an adapter, where it is not at one of their places.
         srdf: path or text of a MoveIt SRDF file; base and tip are those of one of its chains.
-        xacro_args: arguments of a xacro file.
+        xacro_args: arguments of a xacro file. Such a file is a program, with what the user may do: load those that you
+            trust.
+        allow_xacro: whether to run a xacro file that an adapter names. One that you name yourself is run in any case.
 
     Returns:
         The arm.
 
     Raises:
-        InvalidRobot: the description is missing or faulty, or `limits`, `srdf` or `xacro_args` do not fit it.
+        InvalidRobot: the description is missing or faulty, `limits`, `srdf` or `xacro_args` do not fit it, or an
+            argument is of the wrong kind.
         FrameNotFound: the robot has no frame `base` or `tip`.
         NotAnSrsLimb: there are no seven such joints, or their axes miss common points by too much.
         AmbiguousLimb: several arms fit.
@@ -77,16 +85,19 @@ def load(
     """
     from srs_ik.arm import Arm
 
+    check_texts(base=base, tip=tip, name=name, limb=limb)
+    if srdf is not None:
+        check_path("srdf", srdf)
     asked_reference = None if reference is None else _direction(reference, "reference")
     asked_hand = None if hand is None else _hand(hand)
-    description = describe(source, urdf, xacro_args)
+    description = describe(source, urdf, xacro_args, allow_xacro)
     if srdf is not None:
         base, tip = chain_of(srdf, limb)
         limb = None
     joints, base, tip = _choose(description, base, tip, limb)
     chain = build_chain(description.robot.model, joints, base, tip)
     for changed in (description.limits, limits):
-        chain = changes.within_limits(chain, changed) if changed else chain
+        chain = changes.within_limits(chain, changed) if changed is not None else chain
     reference = asked_reference if asked_reference is not None else _meant_reference(description, chain)
     axes = asked_hand if asked_hand is not None else _meant_hand(description, chain)
     if description.tool is not None and tip == description.tip:
@@ -107,7 +118,8 @@ def load(
     return Arm(chain, found.limb, name or description.name, hand=hand_axes, drawing=description.robot.drawing)
 
 
-def find_limbs(source: Any, xacro_args: Mapping[str, str] | None = None) -> list[LimbReport]:
+@whole
+def find_limbs(source: Any, xacro_args: Mapping[str, str] | None = None, allow_xacro: bool = False) -> list[LimbReport]:
     """Every chain of seven consecutive revolute joints in a robot, classified and measured.
 
     S-R-S limbs come first, then chains that are none. Of chains that share joints only the best is reported: see `note`
@@ -116,12 +128,13 @@ def find_limbs(source: Any, xacro_args: Mapping[str, str] | None = None) -> list
     Args:
         source: as for `load`.
         xacro_args: arguments of a xacro file.
+        allow_xacro: as for `load`.
 
     Raises:
         InvalidRobot: the description is missing or faulty.
         MissingExtra: `source` needs a package that is not installed.
     """
-    description = describe(source, xacro_args=xacro_args)
+    description = describe(source, xacro_args=xacro_args, allow_xacro=allow_xacro)
     skeleton = Skeleton(description.robot.model)
     candidates = [examine(description, skeleton, joints) for joints in skeleton.windows(description.robot.mimic_joints)]
     return [candidate.report for candidate in weigh(candidates, skeleton)]
@@ -253,15 +266,17 @@ def _matrix(placement: Placement) -> Vector:
 
 def _direction(value: Any, what: str) -> Vector:
     try:
-        vector = np.asarray(value, dtype=float)
-    except (TypeError, ValueError):
+        vector = real_array(value)
+    except (TypeError, ValueError, OverflowError):
         raise InvalidTask(f"{what} is not an array of 3 numbers") from None
     if vector.shape != (3,):
         raise InvalidTask(f"{what} has the shape {vector.shape}, not (3,)")
-    length = float(np.linalg.norm(vector))
-    if not (np.isfinite(length) and length > 1e-9):
+    largest = float(np.abs(vector).max())
+    if not (np.isfinite(largest) and largest > 1e-9):
         raise InvalidTask(f"{what} is {vector.tolist()}, which has no direction")
-    return vector / length
+    # Squares of large figures would pass what a float can hold.
+    vector /= largest
+    return vector / np.linalg.norm(vector)
 
 
 def _hand(value: Any) -> Vector:

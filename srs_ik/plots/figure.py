@@ -12,7 +12,7 @@ if TYPE_CHECKING:
 ARM = "#b8c0c8"
 JOINT = "#59636e"
 VELOCITY = "#2a78b5"
-FORCE = "#d9822b"
+FORCE = "#e64c33"
 EMPTY = "0.93"
 """What is not feasible; the feasible colour is darker in grey as well."""
 

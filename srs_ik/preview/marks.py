@@ -22,6 +22,13 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 
+TASK_LEGEND = [
+    (palette.VELOCITY, "velocity"),
+    (palette.FORCE, "force"),
+    (palette.GRASP, "grasp"),
+    (palette.NORMAL, "normal"),
+]
+
 _THINNEST = 0.01
 """A flat ellipsoid is shown with this share of its largest radius for a thickness."""
 

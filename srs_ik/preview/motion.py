@@ -8,7 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from srs_ik.errors import InvalidConfiguration
-from srs_ik.inputs.poses import as_branch, as_positive, real_array
+from srs_ik.inputs.numbers import real_array
+from srs_ik.inputs.poses import as_branch, as_positive
 from srs_ik.solve.self_motion import through
 
 if TYPE_CHECKING:

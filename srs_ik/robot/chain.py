@@ -123,9 +123,13 @@ def _position_limits(model: Any) -> tuple[Vector, Vector]:
             low, high = float(model.lowerPositionLimit[joint.idx_q]), float(model.upperPositionLimit[joint.idx_q])
             if not (low <= high and low < _UNLIMITED and high > -_UNLIMITED):
                 raise InvalidRobot(f"joint {model.names[k + 1]!r} has the position limits {low} and {high}", model.name)
-            lower[k] = low if low > -_UNLIMITED else -np.inf
-            upper[k] = high if high < _UNLIMITED else np.inf
+            lower[k], upper[k] = unlimited_if_huge(low, high)
     return lower, upper
+
+
+def unlimited_if_huge(lower: float, upper: float) -> tuple[float, float]:
+    """Limits of a joint, rad; infinite where their size is a way to say that there is none."""
+    return (-np.inf if -np.inf < lower <= -_UNLIMITED else lower), (np.inf if _UNLIMITED <= upper < np.inf else upper)
 
 
 def _given_or_infinite(limit: Vector) -> Vector:

@@ -65,7 +65,7 @@ class Skeleton:
         # The first frame is the universe, which is its own parent.
         for k, frame in enumerate(self._frames[1:], 1):
             self._below.setdefault((frame.parent, frame.rank), []).append(k)
-        self._revolute = [joint.shortname() in _REVOLUTE + _CONTINUOUS for joint in model.joints]
+        self._revolute = [is_revolute(joint) for joint in model.joints]
         joint_rank = ranks[pin.FrameType.JOINT]
         self._own_frame = {
             f.joint: k
@@ -239,3 +239,8 @@ class Skeleton:
             message = f"the model {name!r} has no frame on joint {self.joint_names[joint]!r}: add one, to be its {end}"
             raise InvalidRobot(message, name)
         return self._frames[on_joint[0][1]].name
+
+
+def is_revolute(joint: Any) -> bool:
+    """True if a joint of a ``pinocchio.Model`` turns about one fixed axis, with or without stops."""
+    return joint.shortname() in _REVOLUTE + _CONTINUOUS

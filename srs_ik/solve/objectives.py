@@ -10,7 +10,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from srs_ik.analysis.gravity import gravity_torque, require_masses, torque_scales
 from srs_ik.errors import InvalidTask, did_you_mean, listed
-from srs_ik.inputs.poses import as_joint_vector
+from srs_ik.inputs.numbers import real_array, real_number
+from srs_ik.inputs.poses import as_joint_vector, refuse_bad_angles
 from srs_ik.kernels.layout import objectives as kinds
 from srs_ik.kernels.layout.limb import SMALLEST_RANGE
 
@@ -140,6 +141,7 @@ class Objective:
                 raise InvalidTask(f"objective {objective!r} needs {parameter}=, {size} numbers")
             if parameter == "reference":
                 self.parameters[parameter] = as_joint_vector(parameters[parameter], parameter)
+                refuse_bad_angles(self.parameters[parameter], parameter)
             else:
                 self.parameters[parameter] = _direction(parameters[parameter], size, parameter)
 
@@ -226,19 +228,16 @@ def _sense(maximise: bool) -> str:
 
 
 def _tolerance(value: Any) -> float:
-    try:
-        tolerance = float(value)
-    except (TypeError, ValueError):
-        tolerance = np.nan
+    tolerance = real_number(value)
     if not 0.0 <= tolerance <= LARGEST_TOLERANCE:
-        raise InvalidTask(f"tolerance must be a number from 0 to {LARGEST_TOLERANCE:g}, not {value!r}")
+        raise InvalidTask(f"tolerance must be a number from 0 to {LARGEST_TOLERANCE:g}, not {value!r:.40}")
     return tolerance
 
 
 def _direction(value: Any, size: int, what: str) -> Array:
     """A vector of any length, scaled to length 1."""
     try:
-        vector = np.array(value, dtype=np.float64)
+        vector = real_array(value)
     except (TypeError, ValueError):
         raise InvalidTask(f"{what} must be {size} numbers, not {type(value).__name__}") from None
     if vector.shape != (size,):
@@ -256,11 +255,13 @@ def _checked(function: Callable[[Array], float], name: str) -> Callable[[Array],
     """The function, with every answer that is not one finite number refused."""
 
     def checked(q: Array) -> float:
-        answer = function(q)
-        try:
-            value = float(answer)
-        except (TypeError, ValueError):
-            raise InvalidTask(f"objective {name!r} must return a number, not {type(answer).__name__}") from None
+        # What the search goes on with is not the function's to change.
+        view = q.view()
+        view.flags.writeable = False
+        answer = function(view)
+        value = real_number(answer)
+        if np.isnan(value) and not isinstance(answer, float | np.floating):
+            raise InvalidTask(f"objective {name!r} must return a number, not {type(answer).__name__}")
         if not np.isfinite(value):
             raise InvalidTask(f"objective {name!r} must return a finite number, not {value} as at q = {q.tolist()}")
         return value

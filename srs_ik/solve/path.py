@@ -15,11 +15,15 @@ from srs_ik.kernels.layout.answer import ROW, ROW_ARM_ANGLE, ROW_BRANCH, ROW_STA
 from srs_ik.solve.packed import PackedArm
 from srs_ik.solve.pose import solve
 from srs_ik.solve.solution import BatchSolution, ElbowRange, Status
+from srs_ik.solve.threads import Stop, interruptible
 
 Array = NDArray[np.float64]
 
 LONGEST_STEP = 0.5
 """Default of the longest joint step that counts as continuous, rad."""
+
+SHORT = 200
+"""Paths of so many poses at most are done before anybody could interrupt them."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -88,26 +92,36 @@ def solve_path(
     keys, verdicts = np.zeros(n, np.bool_), np.zeros(n, np.int64)
     path_entries.choose_keys(arm.family, T, keys, verdicts)
     refuse_bad_poses(verdicts)
-    planned = _planned(arm, T, keys, start, longest)
-    candidates = [planned, *_tracked(arm, T, planned[0, :7] if start is None else start, longest)]
-    rows = min(candidates, key=lambda candidate: _cost(arm, candidate, start, longest))
+    if n > SHORT:
+        # What has to be compiled is compiled here: in another thread nobody could interrupt it.
+        _best(arm, T[:1], keys[:1], start, longest, np.zeros(1, np.int8))
+    rows = interruptible(lambda stop: _best(arm, T, keys, start, longest, stop), worth_it=n > SHORT)
     rows[:, :7] = _unwound(arm, rows[:, :7], start)
     steps = np.diff(rows[:, :7], axis=0)
     return PathSolution(rows, arm.joint_names, steps, _breaks(arm, rows, steps, longest[1]), arm.elbow)
 
 
-def _planned(arm: PackedArm, T: Array, keys: NDArray[np.bool_], start: Array | None, longest: Array) -> Array:
+def _best(arm: PackedArm, T: Array, keys: NDArray[np.bool_], start: Array | None, longest: Array, stop: Stop) -> Array:
+    """Rows of the better one of a planned path and a path that goes on to the nearest posture each time."""
+    planned = _planned(arm, T, keys, start, longest, stop)
+    candidates = [planned, *_tracked(arm, T, planned[0, :7] if start is None else start, longest, stop)]
+    return min(candidates, key=lambda candidate: _cost(arm, candidate, start, longest))
+
+
+def _planned(
+    arm: PackedArm, T: Array, keys: NDArray[np.bool_], start: Array | None, longest: Array, stop: Stop
+) -> Array:
     """Rows of the path that dynamic programming finds, and smoothing makes even."""
     n = len(T)
     psis, branches = np.empty(n), np.empty(n, np.int64)
     seed = np.zeros(7) if start is None else start
-    path_entries.plan(arm.family, T, keys, start is not None, seed, longest, psis, branches)
+    path_entries.plan(arm.family, T, keys, start is not None, seed, longest, psis, branches, stop)
     if not keys.all() and (branches < 0).any():
         # Between two planned poses the path changes branches, or ends: there, every pose is planned.
         keys = keys.copy()
         keys[_widened(branches < 0)] = True
-        path_entries.plan(arm.family, T, keys, start is not None, seed, longest, psis, branches)
-    return _smoothed(arm, T, start, longest, psis, branches)
+        path_entries.plan(arm.family, T, keys, start is not None, seed, longest, psis, branches, stop)
+    return _smoothed(arm, T, start, longest, psis, branches, stop)
 
 
 def _widened(where: NDArray[np.bool_]) -> NDArray[np.bool_]:
@@ -118,25 +132,27 @@ def _widened(where: NDArray[np.bool_]) -> NDArray[np.bool_]:
     return wide
 
 
-def _tracked(arm: PackedArm, T: Array, start: Array, longest: Array) -> list[Array]:
+def _tracked(arm: PackedArm, T: Array, start: Array, longest: Array, stop: Stop) -> list[Array]:
     """Rows of the path that goes on to the nearest posture each time, as it is and made even; none if it gets stuck."""
     rows = np.empty((len(T), ROW))
-    if path_entries.track(arm.family, T, start, *arm.work(), rows) < len(T):
+    if path_entries.track(arm.family, T, start, *arm.work(), rows, stop) < len(T):
         return []
     psis, branches = rows[:, ROW_ARM_ANGLE].copy(), rows[:, ROW_BRANCH].astype(np.int64)
-    return [rows, _smoothed(arm, T, start, longest, psis, branches)]
+    return [rows, _smoothed(arm, T, start, longest, psis, branches, stop)]
 
 
 def _smoothed(
-    arm: PackedArm, T: Array, start: Array | None, longest: Array, psis: Array, branches: NDArray[np.int64]
+    arm: PackedArm, T: Array, start: Array | None, longest: Array, psis: Array, branches: NDArray[np.int64], stop: Stop
 ) -> Array:
     """Rows of a path given by arm angles and branches, which are moved in place."""
     q = np.zeros((len(T), 7))
     rows = np.full((len(T), ROW), np.nan)
     seed = np.zeros(7) if start is None else start
-    path_entries.smooth(arm.family, T, start is not None, seed, longest, psis, branches, q)
+    path_entries.smooth(arm.family, T, start is not None, seed, longest, psis, branches, q, stop)
     path_entries.finish(arm.family, T, psis, branches, q, rows)
     for i in np.flatnonzero((branches < 0) | (rows[:, ROW_STATUS] != Status.OK)):
+        if stop[0]:
+            break
         # No posture was found on the nearest exact limb: the full search has the last word, near the sample before.
         rows[i] = solve(arm, T[i], seed=rows[i - 1, :7] if i else start)._row
     return rows

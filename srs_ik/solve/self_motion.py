@@ -24,6 +24,10 @@ _INSIDE = 1e-9
 """Samples stay this far inside the ends of an interval, rad; on an end, rounding may put a joint past its limit."""
 
 
+MOST_POSTURES = 1_000_000
+"""Postures an interval that fit into memory, and into some seconds: 100 MB."""
+
+
 class SelfMotion(BatchSolution):
     """The postures of one interval of arm angles, evenly spaced in arm angle, as arrays over them.
 
@@ -47,8 +51,8 @@ def self_motion(
 ) -> list[SelfMotion]:
     """See `Arm.self_motion`."""
     wanted = as_branch(branch)
-    if isinstance(count, bool) or not isinstance(count, int | np.integer) or count < 2:
-        raise InvalidConfiguration(f"count must be an integer of at least 2, not {count!r}")
+    if isinstance(count, bool) or not isinstance(count, int | np.integer) or not 2 <= count <= MOST_POSTURES:
+        raise InvalidConfiguration(f"count must be an integer from 2 to {MOST_POSTURES}, not {count!r:.40}")
     T = as_rigid_matrix(pose)
     wide = [i for i in intervals(arm, T, respect_limits) if wanted in (-1, i.branch)]
     return [through(arm, T, interval, int(count), respect_limits) for interval in wide]

@@ -55,6 +55,9 @@ _STATUSES = tuple(Status)
 _NO_ERROR = 1e-9
 """Errors below this, m or rad, are those of a solution, and no part of what is wrong."""
 
+_FAR = 10.0
+"""Who misses a pose by more than this, metres, has probably been given it in another unit."""
+
 _ON_THE_SPOT = 1e-6
 """A joint this near to an angle, rad, is at it."""
 
@@ -115,9 +118,10 @@ class Solution:
         """One sentence for a person: how well the pose is met, or what is in the way and what is left of the error."""
         if self.status is Status.OK:
             errors = f"{self.position_error:.2g} m and {self.orientation_error:.2g} rad"
-            return f"Solved in branch {self.branch} at arm angle {self.arm_angle:.6g} rad, to {errors}."
+            return f"Solved in branch {self.branch} at arm angle {round(self.arm_angle, 9) + 0.0:.6g} rad, to {errors}."
         if self.status is Status.UNREACHABLE:
-            return f"No posture sought reaches the pose; the one given{self._lie()} misses it by {self._miss()}."
+            unit = " Positions are in metres: is this one in millimetres?" if self.position_error > _FAR else ""
+            return f"No posture sought reaches the pose; the one given{self._lie()} misses it by {self._miss()}.{unit}"
         joint = int(self._row[at.ROW_JOINT])
         stop = f" stops at {np.rad2deg(self.q[joint - 1]):.6g} deg"
         where = f"; {self._joint_names[joint - 1]}{stop}" if joint else ""

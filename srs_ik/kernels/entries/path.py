@@ -114,7 +114,7 @@ def choose_keys(family, poses, keys, verdicts):
 
 
 @entry
-def plan(family, poses, keys, seeded, seed, longest, psis, branches):
+def plan(family, poses, keys, seeded, seed, longest, psis, branches, stop):
     """Choose arm angle and branch of each pose (branch -1 where there is none, or its neighbours disagree); see `path`.
 
     Args:
@@ -126,6 +126,7 @@ def plan(family, poses, keys, seeded, seed, longest, psis, branches):
         longest: (3, 7) joint steps, by velocity and by continuity, and the square of the shortest of all.
         psis: (n,) output.
         branches: (n,) integer output.
+        stop: (1,) set by another thread where nobody wants the answer any more; it is then left as it is.
     """
     P = row(family, LIMITED)
     n = poses.shape[0]
@@ -153,6 +154,8 @@ def plan(family, poses, keys, seeded, seed, longest, psis, branches):
     last = -1
     allowed = longest.copy()
     for i in range(n):
+        if stop[0]:
+            return
         if not keys[i]:
             continue
         R, p, _ = read_pose(row(poses, i))
@@ -209,10 +212,10 @@ def plan(family, poses, keys, seeded, seed, longest, psis, branches):
 
 
 @entry
-def smooth(family, poses, seeded, seed, longest, psis, branches, q):
+def smooth(family, poses, seeded, seed, longest, psis, branches, q, stop):
     """Move the arm angles of a chosen path, in place, so that the squared joint steps become least; write its postures.
 
-    Postures are those of the nearest exact limb; `finish` closes them on the true chain.
+    Postures are those of the nearest exact limb; `finish` closes them on the true chain. For `stop` see `plan`.
     """
     P = row(family, LIMITED)
     n = poses.shape[0]
@@ -229,6 +232,8 @@ def smooth(family, poses, seeded, seed, longest, psis, branches, q):
         total = 0.0
         near = start if seeded else middles(P)
         for i in range(n):
+            if stop[0]:
+                return
             if branches[i] < 0:
                 linked[i] = False
                 if i > 0:
@@ -268,10 +273,15 @@ def smooth(family, poses, seeded, seed, longest, psis, branches, q):
 
 
 @entry
-def track(family, poses, start, J, A, rows):
-    """The nearest posture to the one before, pose after pose, from a first posture; rows (n, ROW)."""
+def track(family, poses, start, J, A, rows, stop):
+    """The nearest posture to the one before, pose after pose, from a first posture; rows (n, ROW).
+
+    For `stop` see `plan`.
+    """
     near = read7(start)
     for i in range(poses.shape[0]):
+        if stop[0]:
+            return i
         solve_row(family, row(poses, i), -1, near, True, J, A, row(rows, i))
         if rows[i, ROW_STATUS] != OK:
             return i

@@ -25,6 +25,9 @@ SOLVED = 1e-9
 FARTHEST = 1e300
 """Largest coordinate of a pose, metres: sums of a few such figures are finite."""
 
+NOT_A_ROTATION = 1e-6
+"""Largest deviation of R'R from the identity that is taken as rounding and removed."""
+
 GOOD_POSE = 0
 NOT_FINITE = 1
 NOT_RIGID = 2

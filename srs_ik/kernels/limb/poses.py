@@ -5,10 +5,7 @@ from __future__ import annotations
 import math
 
 from srs_ik.kernels.jit import kernel
-from srs_ik.kernels.layout.answer import FARTHEST, GOOD_POSE, NOT_FINITE, NOT_RIGID, TOO_FAR
-
-NOT_A_ROTATION = 1e-6
-"""Largest deviation of R'R from the identity that is taken as rounding and removed."""
+from srs_ik.kernels.layout.answer import FARTHEST, GOOD_POSE, NOT_A_ROTATION, NOT_FINITE, NOT_RIGID, TOO_FAR
 
 
 @kernel
