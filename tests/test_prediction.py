@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
+
 import arms
 import numpy as np
 import pytest
@@ -9,6 +11,7 @@ from oracles import random_limb
 from test_intervals import assert_well_formed, disagreements
 
 import srs_ik
+from srs_ik import Status
 
 NEAR = arms.here("gen3", "j2s7s300", "iiwa14_experimental", "rm75")
 
@@ -70,7 +73,7 @@ def test_shallow_gaps_are_found(name):
 
 
 @pytest.mark.parametrize("name", NEAR)
-def test_postures_are_feasible_up_to_the_ends_of_intervals_and_no_farther(name):
+def test_postures_are_feasible_up_to_a_limit_and_no_farther(name):
     arm = arms.load(name)
     ends = 0
     for q in arms.configurations(name, 12, 61):
@@ -79,9 +82,12 @@ def test_postures_are_feasible_up_to_the_ends_of_intervals_and_no_farther(name):
             if not 1e-5 < i.width < 2.0 * np.pi - 1e-5:
                 continue
             for end, inwards in ((i.lower, 1e-7), (i.upper, -1e-7)):
-                assert arm.solve(pose, arm_angle=end + inwards, branch=i.branch)
-                assert not arm.solve(pose, arm_angle=end - inwards, branch=i.branch)
-                ends += 1
+                solution = arm.solve(pose, arm_angle=end + inwards, branch=i.branch)
+                assert solution
+                # The other ends are changes of branch, beside a singular posture.
+                if min((solution.q - arm.lower).min(), (arm.upper - solution.q).min()) < 1e-5:
+                    assert not arm.solve(pose, arm_angle=end - inwards, branch=i.branch)
+                    ends += 1
     assert ends > 30
 
 
@@ -119,6 +125,31 @@ def test_random_limbs_with_square_axes(pattern, elbow, miss):
             intervals = arm.intervals(pose)
             assert_well_formed(intervals)
             assert disagreements(arm, pose, intervals, 180) == []
+
+
+@pytest.mark.parametrize("name", NEAR)
+def test_out_of_reach_the_elbow_is_stretched_and_the_orientation_kept(name):
+    """Wherever the limits allow it: the limb of a far pose's own orientation is looked at without them."""
+    arm = arms.load(name)
+    for q in arms.configurations(name, 10, 64):
+        pose = arm.forward_kinematics(q).homogeneous
+        pose[:3, 3] += 3.0 * (pose[:3, 3] - arm.limb.shoulder)
+        solution = arm.solve(pose, respect_limits=False)
+        assert solution.status == Status.UNREACHABLE
+        reached = arm.forward_kinematics(solution.q).homogeneous
+        assert np.abs(reached[:3, :3] - pose[:3, :3]).max() < 1e-9
+        # No turn about the shoulder and no bend of the elbow brings the wrist nearer: the triangle is flat.
+        wrist = pose[:3, 3] + pose[:3, :3] @ wrist_in_tip(arm)
+        there = reached[:3, 3] + reached[:3, :3] @ wrist_in_tip(arm)
+        reach = sum(np.linalg.norm(b - a) for a, b in pairwise((arm.limb.shoulder, arm.limb.elbow, arm.limb.wrist)))
+        beyond = np.linalg.norm(wrist - arm.limb.shoulder) - reach
+        assert np.linalg.norm(wrist - there) < beyond + 6.0 * arm.limb.misses.max() + 1e-9
+
+
+def wrist_in_tip(arm):
+    """The wrist centre in the tip frame."""
+    T = arm.limb.T_base_tip_zero
+    return T[:3, :3].T @ (arm.limb.wrist - T[:3, 3])
 
 
 def margin(arm, q):
