@@ -133,7 +133,8 @@ def test_out_of_reach_the_elbow_is_stretched_and_the_orientation_kept(name):
     arm = arms.load(name)
     for q in arms.configurations(name, 10, 64):
         pose = arm.forward_kinematics(q).homogeneous
-        pose[:3, 3] += 3.0 * (pose[:3, 3] - arm.limb.shoulder)
+        direction = pose[:3, 3] - arm.limb.shoulder
+        pose[:3, 3] += 2.0 * direction / np.linalg.norm(direction)
         solution = arm.solve(pose, respect_limits=False)
         assert solution.status == Status.UNREACHABLE
         reached = arm.forward_kinematics(solution.q).homogeneous
