@@ -16,12 +16,9 @@ if TYPE_CHECKING:
     from srs_ik.analysis.ellipsoids import (
         Ellipsoid,
         force_ellipsoid,
-        force_transmission,
         force_velocity_ratio,
-        isotropy,
         manipulability,
         velocity_ellipsoid,
-        velocity_transmission,
     )
     from srs_ik.analysis.polytopes import Polytope, force_polytope, velocity_polytope
     from srs_ik.arm import Arm
@@ -42,10 +39,7 @@ if TYPE_CHECKING:
     from srs_ik.inputs.rotations import pose_from_xyz_quaternion, pose_from_xyz_rpy
     from srs_ik.inputs.task import Task
     from srs_ik.loading import LimbReport, find_limbs, load, robots
-    from srs_ik.paper.printed_optimum import PrintedOptimum, printed_optimum
-    from srs_ik.plots import plot_arm_angle, plot_ellipsoids, plot_intervals
     from srs_ik.preview import Preview
-    from srs_ik.preview.interactive import InteractivePreview
     from srs_ik.robot.limb import Hand, SrsLimb
     from srs_ik.solve.intervals import IntervalsBatch
     from srs_ik.solve.objectives import OBJECTIVES, Objective
@@ -63,12 +57,9 @@ _MODULES = {
     "analysis.ellipsoids": (
         "Ellipsoid",
         "force_ellipsoid",
-        "force_transmission",
         "force_velocity_ratio",
-        "isotropy",
         "manipulability",
         "velocity_ellipsoid",
-        "velocity_transmission",
     ),
     "errors": (
         "AmbiguousLimb",
@@ -89,11 +80,8 @@ _MODULES = {
     "solve.objectives": ("OBJECTIVES", "Objective"),
     "solve.optimise": ("Optimum",),
     "solve.path": ("PathBreak", "PathSolution"),
-    "plots": ("plot_arm_angle", "plot_ellipsoids", "plot_intervals"),
     "analysis.polytopes": ("Polytope", "force_polytope", "velocity_polytope"),
     "preview": ("Preview",),
-    "preview.interactive": ("InteractivePreview",),
-    "paper.printed_optimum": ("PrintedOptimum", "printed_optimum"),
     "inputs.poses": ("PoseError", "nearest_pose", "xyz_quaternion"),
     "inputs.rotations": ("pose_from_xyz_quaternion", "pose_from_xyz_rpy"),
     "solve.self_motion": ("SelfMotion",),
@@ -102,6 +90,9 @@ _MODULES = {
     "inputs.task": ("Task",),
     "solve.task": ("BatchTaskSolution", "TaskSolution"),
 }
+NAMESPACES = ("analysis", "paper", "plots", "preview")
+"""Rooms that have public names of their own."""
+
 _HOME = {name: module for module, names in _MODULES.items() for name in names}
 
 __all__ = [
@@ -113,7 +104,6 @@ __all__ = [
     "Ellipsoid",
     "FrameNotFound",
     "Hand",
-    "InteractivePreview",
     "Interval",
     "IntervalsBatch",
     "InvalidConfiguration",
@@ -133,7 +123,6 @@ __all__ = [
     "Posture",
     "Preview",
     "PreviewError",
-    "PrintedOptimum",
     "SelfMotion",
     "Solution",
     "Solutions",
@@ -145,28 +134,23 @@ __all__ = [
     "find_limbs",
     "force_ellipsoid",
     "force_polytope",
-    "force_transmission",
     "force_velocity_ratio",
-    "isotropy",
     "load",
     "manipulability",
     "nearest_pose",
-    "plot_arm_angle",
-    "plot_ellipsoids",
-    "plot_intervals",
     "pose_from_xyz_quaternion",
     "pose_from_xyz_rpy",
-    "printed_optimum",
     "robots",
     "velocity_ellipsoid",
     "velocity_polytope",
-    "velocity_transmission",
     "xyz_quaternion",
 ]
 
 
 def __getattr__(name: str) -> Any:
     """Import a public name from its module when it is first used."""
+    if name in NAMESPACES:
+        return import_module(f"srs_ik.{name}")
     if name not in _HOME:
         raise AttributeError(f"module 'srs_ik' has no attribute {name!r}")
     with WHOLE:
@@ -176,4 +160,4 @@ def __getattr__(name: str) -> Any:
 
 
 def __dir__() -> list[str]:
-    return sorted([*globals(), *__all__])
+    return sorted({*globals(), *__all__, *NAMESPACES})

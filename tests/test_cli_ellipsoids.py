@@ -33,7 +33,7 @@ def test_json_holds_the_ellipsoids(part, limits, axes):
         turned = np.array(found[kind]["axes"]).reshape(len(expected.radii), -1, 3) @ R.T
         assert np.allclose(turned.reshape(len(expected.radii), -1), expected.axes.T, rtol=0.0, atol=1e-12)
     assert found["manipulability"] == pytest.approx(srs_ik.manipulability(J, part))
-    assert found["isotropy"] == pytest.approx(srs_ik.isotropy(J, part))
+    assert found["isotropy"] == pytest.approx(srs_ik.analysis.isotropy(J, part))
     assert found["limits"] is limits
 
 

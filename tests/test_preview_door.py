@@ -32,7 +32,7 @@ def browser():
 
 def interactive(arm):
     pytest.importorskip("viser")
-    return srs_ik.InteractivePreview(arm)
+    return srs_ik.preview.InteractivePreview(arm)
 
 
 @pytest.fixture

@@ -119,7 +119,7 @@ def test_a_file_of_hostile_names_is_text_to_the_page_with_sliders(page, tmp_path
     pytest.importorskip("viser")
     texts = names(FILES * NAMES)[batch : batch + NAMES]
     arm = arm_with(tmp_path, texts)
-    with srs_ik.InteractivePreview(arm) as view:
+    with srs_ik.preview.InteractivePreview(arm) as view:
         page.goto(view.url)
         cells = page.locator("td:first-child")
         cells.first.wait_for(timeout=PATIENCE)
@@ -153,7 +153,7 @@ def test_200_names_are_text_to_the_page_with_sliders(page):
     pytest.importorskip("viser")
     arm, texts = srs_ik.load("iiwa14"), names(FILES * NAMES)
     assert len(set(texts)) == 200
-    with srs_ik.InteractivePreview(arm) as view:
+    with srs_ik.preview.InteractivePreview(arm) as view:
         page.goto(view.url)
         page.locator("td").first.wait_for(timeout=PATIENCE)
         for k in range(0, 200, 7):

@@ -25,7 +25,7 @@ def arm():
 def make(arm, kind: str, **options):
     if kind == "interactive":
         pytest.importorskip("viser")
-        return srs_ik.InteractivePreview(arm, **options)
+        return srs_ik.preview.InteractivePreview(arm, **options)
     return Preview(arm, **options)
 
 
@@ -109,7 +109,7 @@ def test_nothing_is_printed(arm, capfd):
         with contextlib.suppress(urllib.error.HTTPError):
             urllib.request.urlopen(f"http://127.0.0.1:{port_of(view)}/favicon.ico", timeout=10)
     pytest.importorskip("viser")
-    with srs_ik.InteractivePreview(arm):
+    with srs_ik.preview.InteractivePreview(arm):
         pass
     assert capfd.readouterr() == ("", "")
 

@@ -6,7 +6,8 @@ import pytest
 from objective_parameters import PARAMETERS
 from oracles import inside
 
-from srs_ik import InvalidConfiguration, InvalidPose, InvalidTask, Objective, printed_optimum
+from srs_ik import InvalidConfiguration, InvalidPose, InvalidTask, Objective
+from srs_ik.paper import printed_optimum
 
 ACCURACY = 1e-8
 
