@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from srs_ik.analysis.gravity import torque_scales
-from srs_ik.kernels.entries.pose import pack_limits
+from srs_ik.kernels.entries.pose import measure_shifts, pack_limits
 from srs_ik.kernels.layout import limb as at
 from srs_ik.kernels.layout import task as hand_at
 from srs_ik.kernels.layout import weights as weight_at
@@ -34,6 +34,9 @@ NO_HAND = 1e-9
 
 NO_ROOM = 1e-9
 """A joint with a narrower range, rad, cannot move."""
+
+SHIFT_SAMPLES = 1024
+"""Random configurations over which the shift of a near limb is measured."""
 
 STRICT = (1e-13, 1e-14, 1e-12, 0.0)
 LOOSE = (3e-11, 3e-11, 1e-11, 1e-10)
@@ -116,6 +119,8 @@ def pack_family(limb: SrsLimb, lower: Vector, upper: Vector) -> Vector:
     family = np.array(
         [_pack(limb, lo, hi, slack) for slack in (first, LOOSE) for lo, hi in ((lower, upper), (-none, none))]
     )
+    if family[at.LIMITED, at.IS_CLOSED] == 0.0:
+        family[:, at.SHIFT] = _usual_shift(family[at.LIMITED])
     family.flags.writeable = False
     return family
 
@@ -142,6 +147,13 @@ def _pack(limb: SrsLimb, lower: Vector, upper: Vector, slack: tuple[float, ...])
         _pack_spherical(P, block, first, limb.axes[first : first + 3])
     pack_limits(P, np.array(lower, dtype=float), np.array(upper, dtype=float))
     return P
+
+
+def _usual_shift(P: Vector) -> float:
+    """The largest shift of a near limb over random configurations."""
+    shifts = np.empty(SHIFT_SAMPLES)
+    measure_shifts(P, np.random.default_rng(0).uniform(-np.pi, np.pi, (SHIFT_SAMPLES, 7)), shifts)
+    return float(shifts.max())
 
 
 def _put(P: Vector, offset: int, values: Vector) -> None:

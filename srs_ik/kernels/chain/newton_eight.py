@@ -11,7 +11,7 @@ import math
 
 from srs_ik.kernels.algebra.lane_trig import turned_by, turns_of
 from srs_ik.kernels.algebra.lanes import as_bits, where
-from srs_ik.kernels.algebra.vectors import add, along, apply, cross, dot, load3, load9, scale, sub
+from srs_ik.kernels.algebra.vectors import add, along, apply, cross, dot, load3, load9, scale, sub, swing
 from srs_ik.kernels.chain.kinematics import first_line, joint_line, turn_between
 from srs_ik.kernels.chain.newton import CLOSED, LAST_STEP, MAX_STEP, ON_LINE
 from srs_ik.kernels.jit import kernel
@@ -35,6 +35,47 @@ def larger(a, b):
 
 
 @kernel
+def largest(d):
+    """The largest magnitude of seven in each of eight postures."""
+    shoulder = larger(larger(abs(d[0]), abs(d[1])), abs(d[2]))
+    return larger(larger(shoulder, abs(d[3])), larger(larger(abs(d[4]), abs(d[5])), abs(d[6])))
+
+
+@kernel
+def all_along(q, f, d):
+    """The postures q + f d."""
+    return (
+        q[0] + f * d[0],
+        q[1] + f * d[1],
+        q[2] + f * d[2],
+        q[3] + f * d[3],
+        q[4] + f * d[4],
+        q[5] + f * d[5],
+        q[6] + f * d[6],
+    )
+
+
+@kernel
+def all_times(f, d):
+    """The steps f d."""
+    return f * d[0], f * d[1], f * d[2], f * d[3], f * d[4], f * d[5], f * d[6]
+
+
+@kernel
+def turned_by_all(turns, d):
+    """The cosines and sines of eight postures after small steps."""
+    return (
+        turned_by(turns[0], d[0]),
+        turned_by(turns[1], d[1]),
+        turned_by(turns[2], d[2]),
+        turned_by(turns[3], d[3]),
+        turned_by(turns[4], d[4]),
+        turned_by(turns[5], d[5]),
+        turned_by(turns[6], d[6]),
+    )
+
+
+@kernel
 def without_wrist(a, m, wrist, m5, m6, m7):
     """What is left of a motion (a, m) when joints 5 to 7 take its turn a: they are turned by wrist'a."""
     return along(along(along(m, -dot(wrist[0], a), m5), -dot(wrist[1], a), m6), -dot(wrist[2], a), m7)
@@ -44,8 +85,8 @@ def without_wrist(a, m, wrist, m5, m6, m7):
 def newton_step(P, turns, R, p, h, b):
     """The step of each joint towards a pose and the half-plane (h, normal b) of an arm angle.
 
-    Returns the steps, the square of what they have to make up for (m, rad), and whether elbow and hand are on the right
-    side: not half a turn away, where sines vanish too.
+    Returns the steps, the rates with the arm angle at this pose, the square of what the steps have to make up for
+    (m, rad), and whether elbow and hand are on the right side: not half a turn away, where sines vanish too.
     """
     a1, m1, M, shift = first_line(P, turns[0])
     a2, m2, M, shift = joint_line(P, 1, turns[1], M, shift)
@@ -93,54 +134,69 @@ def newton_step(P, turns, R, p, h, b):
     rest = along(along(along(s, -d1, s1), -d2, s2), -d3, s3)
     d4 = dot(rest, s4) / dot(s4, s4)
     w = along(along(along(along(angular, -d1, a1), -d2, a2), -d3, a3), -d4, a4)
+    # The same with nothing to make up for but the elbow's way with the half-plane.
+    share = share * dot(h, reach)
+    r1 = -share * n1
+    r2 = share * n2
+    r3 = -share * n3
+    turning = along(along(scale(-r1, s1), -r2, s2), -r3, s3)
+    r4 = dot(turning, s4) / dot(s4, s4)
+    x = along(along(along(scale(-r1, a1), -r2, a2), -r3, a3), -r4, a4)
     off2 = dot(to_position, to_position) + dot(angular, angular) + e * e
     right = (dot(h, reach) > -ON_LINE) & (cosine2 > 0.0)
-    return (d1, d2, d3, d4, dot(wrist[0], w), dot(wrist[1], w), dot(wrist[2], w)), off2, right
+    d = (d1, d2, d3, d4, dot(wrist[0], w), dot(wrist[1], w), dot(wrist[2], w))
+    return d, (r1, r2, r3, r4, dot(wrist[0], x), dot(wrist[1], x), dot(wrist[2], x)), off2, right
+
+
+@kernel
+def half_planes(t, h0, turn_):
+    """The half-planes of arm angles, given as cosine and sine: directions across S-W, and their normals."""
+    c, s = turn_
+    b0 = cross(t, h0)
+    none = (0.0, 0.0, 0.0)
+    return swing(none, h0, b0, c, s), swing(none, b0, h0, c, -s)
 
 
 @kernel
 def close_eight(P, q, R, p, t, h0, psi, steps):
-    """Newton's method for eight postures, the pose and the arm angle together.
+    """Newton's method for eight postures, the pose and one arm angle together: the postures, which are met, as bits."""
+    q, _, met = close_in_planes(P, q, R, p, half_planes(t, h0, (math.cos(psi), math.sin(psi))), steps)
+    return q, met
+
+
+@kernel
+def close_in_planes(P, q, R, p, planes, steps):
+    """Newton's method for eight postures, the pose and an arm angle together.
 
     Args:
         P: packed limb.
         q: seven times eight joint angles to start from.
         R: rotation of the wanted tip pose.
         p: position of the wanted tip pose.
-        t: direction S-W of the pose.
-        h0: zero direction of the arm angle.
-        psi: wanted arm angle.
+        planes: half-planes of the arm angles, from `half_planes`.
         steps: largest number of steps.
 
     Returns:
-        The postures, and as bits which of them meet pose and arm angle.
+        The postures, their rates with the arm angle before the last step, and as bits which of them meet pose and arm
+        angle.
     """
-    h = along(scale(math.cos(psi), h0), math.sin(psi), cross(t, h0))
-    b = cross(t, h)
+    h, b = planes
+    rates = q
     turns = turns_of(q)
     met = 0
     last = 0.0 * q[0]
     for _ in range(steps):
-        d, off2, right = newton_step(P, turns, R, p, h, b)
-        size = larger(larger(larger(abs(d[0]), abs(d[1])), larger(abs(d[2]), abs(d[3]))), larger(abs(d[4]), abs(d[5])))
-        size = larger(size, abs(d[6]))
+        d, rates, off2, right = newton_step(P, turns, R, p, h, b)
+        size = largest(d)
         # Steps shrink like squares, so the next one is foreseen. Next to a singularity, rounding may make them long.
         there = off2 < SMALLEST
         settled = there | ((size * size * size < NOTHING * last * last) & (last < SHORT))
         f = where(there & (size > LAST_STEP), 0.0 * size, MAX_STEP / larger(size, MAX_STEP + 0.0 * size))
-        d = (f * d[0], f * d[1], f * d[2], f * d[3], f * d[4], f * d[5], f * d[6])
-        q = (q[0] + d[0], q[1] + d[1], q[2] + d[2], q[3] + d[3], q[4] + d[4], q[5] + d[5], q[6] + d[6])
+        d = all_times(f, d)
+        q = all_along(q, 1.0, d)
         last = size
         met = as_bits(settled & right)
         if as_bits(settled) == ALL:
             break
-        turns = (
-            turned_by(turns[0], d[0]),
-            turned_by(turns[1], d[1]),
-            turned_by(turns[2], d[2]),
-            turned_by(turns[3], d[3]),
-            turned_by(turns[4], d[4]),
-            turned_by(turns[5], d[5]),
-            turned_by(turns[6], d[6]),
-        )
-    return q, met
+        turns = turned_by_all(turns, d)
+    return q, rates, met

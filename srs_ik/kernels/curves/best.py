@@ -10,14 +10,15 @@ import math
 import numpy as np
 
 from srs_ik.kernels.algebra.joint_vectors import short_way
-from srs_ik.kernels.algebra.minimum import GOLDEN, propose, start_search, tell
+from srs_ik.kernels.algebra.minimum import propose, start_search, tell
+from srs_ik.kernels.algebra.roots import has_settled, next_parameter, start_crossing, tell_figure
 from srs_ik.kernels.chain.newton import STEPS, arm_angle, close_free
 from srs_ik.kernels.curves.follow import load_sample
 from srs_ik.kernels.curves.runs import near_runs, on_curve
 from srs_ik.kernels.exact.nearest import slid
 from srs_ik.kernels.jit import kernel
-from srs_ik.kernels.layout.limb import INVERSE_HALF_RANGE
-from srs_ik.kernels.layout.search import BEST, F_BEST, MAX_RUNS, RUN, SHARP, STATE
+from srs_ik.kernels.layout.limb import INVERSE_HALF_RANGE, PHASE, SHOULDER, STRAIGHT, WRIST
+from srs_ik.kernels.layout.search import BEST, F_BEST, MAX_RUNS, RUN, SHARP, SMOOTH, STATE
 from srs_ik.kernels.limb.branches import NO_BRANCH, branch_of
 from srs_ik.kernels.limb.goal import OUTSIDE, cost, turned
 from srs_ik.kernels.limb.triangle import elbow_side
@@ -27,8 +28,9 @@ SPAN = 6
 
 MAX_SPANS = 2 * MAX_RUNS
 
-BISECTIONS = 44
-"""Halvings that find where a branch changes: a step of a curve down to its rounding."""
+CHANGE_STEPS = 60
+JUST_OUTSIDE = 1e-12
+"""Steps that find where a branch changes, and the first look behind that, in the parameter of the curve."""
 
 MOST_CHANGES = 6
 """A branch changes no more often between two samples."""
@@ -41,40 +43,62 @@ ARC = 1.1
 
 
 @kernel
+def out_of_branch(P, q, branch):
+    """How far a posture is out of a branch: minus the least sine of a middle angle to its side."""
+    shoulder = math.sin(q[1] - P[SHOULDER + PHASE]) * (-1.0 if branch & 2 else 1.0)
+    elbow = math.sin(q[3] - P[STRAIGHT]) * (-1.0 if branch & 4 else 1.0)
+    wrist = math.sin(q[5] - P[WRIST + PHASE]) * (-1.0 if branch & 1 else 1.0)
+    return -min(shoulder, elbow, wrist)
+
+
+@kernel
 def change_of_branch(P, side, R, p, respect, rows, run, branch, x, y, J, A):
     """Where a curve leaves a branch on the way from parameter x to y: the last one in it, and the first one outside."""
     first = int(run[3])
     last = int(run[4])
-    for _ in range(BISECTIONS):
-        middle = 0.5 * (x + y)
+    q, _ = on_curve(P, side, R, p, 0, respect, rows, first, last, x, J, A)
+    at_x = min(out_of_branch(P, q, branch), 0.0)
+    q, _ = on_curve(P, side, R, p, 0, respect, rows, first, last, y, J, A)
+    crossing = start_crossing(x, at_x, y, max(out_of_branch(P, q, branch), 0.0))
+    for _ in range(CHANGE_STEPS):
+        if has_settled(crossing):
+            break
+        middle = next_parameter(crossing)
         q, _ = on_curve(P, side, R, p, 0, respect, rows, first, last, middle, J, A)
-        if branch_of(P, q) == branch:
-            x = middle
-        else:
-            y = middle
-    return x, y
+        crossing = tell_figure(crossing, middle, out_of_branch(P, q, branch))
+    inside = crossing[0]
+    step = JUST_OUTSIDE
+    while inside + step < crossing[3]:
+        q, _ = on_curve(P, side, R, p, 0, respect, rows, first, last, inside + step, J, A)
+        if branch_of(P, q) != branch:
+            return inside, inside + step
+        step *= 4.0
+    return inside, crossing[3]
 
 
 @kernel
-def turning_angle(P, place_, side, R, p, respect, rows, run, a, b, psi, sign, J, A):
-    """The farthest arm angle, in the direction of a sign, between two parameters; psi is one nearby."""
-    first = int(run[3])
-    last = int(run[4])
-    farthest = psi
-    for _ in range(BISECTIONS):
-        x = b - GOLDEN * (b - a)
-        y = a + GOLDEN * (b - a)
-        qx, _ = on_curve(P, side, R, p, 0, respect, rows, first, last, x, J, A)
-        qy, _ = on_curve(P, side, R, p, 0, respect, rows, first, last, y, J, A)
-        at_x = psi + short_way(arm_angle(P, qx, place_[0], place_[1]) - psi)
-        at_y = psi + short_way(arm_angle(P, qy, place_[0], place_[1]) - psi)
-        if sign * (at_x - at_y) > 0.0:
-            b = y
-            farthest = at_x if sign * (at_x - farthest) > 0.0 else farthest
-        else:
-            a = x
-            farthest = at_y if sign * (at_y - farthest) > 0.0 else farthest
-    return farthest
+def ahead_at(P, place_, side, R, p, respect, rows, run, x, psi, sign, J, A):
+    """How far, in the direction of a sign, the arm angle at a parameter is from one nearby."""
+    q, _ = on_curve(P, side, R, p, 0, respect, rows, int(run[3]), int(run[4]), x, J, A)
+    return sign * short_way(arm_angle(P, q, place_[0], place_[1]) - psi)
+
+
+@kernel
+def turning_angle(P, place_, side, R, p, respect, rows, run, a, x, b, psi, sign, J, A):
+    """The farthest arm angle, in the direction of a sign, between parameters a and b; at x between them it is psi."""
+    at_a = ahead_at(P, place_, side, R, p, respect, rows, run, a, psi, sign, J, A)
+    at_b = ahead_at(P, place_, side, R, p, respect, rows, run, b, psi, sign, J, A)
+    farthest = max(at_a, at_b, 0.0)
+    S = np.empty(STATE)
+    start_search(S, a, x, b, -at_a, 0.0, -at_b, SMOOTH)
+    while True:
+        wanted, more = propose(S)
+        if not more:
+            break
+        ahead = ahead_at(P, place_, side, R, p, respect, rows, run, wanted, psi, sign, J, A)
+        tell(S, -ahead)
+        farthest = max(farthest, ahead)
+    return psi + sign * farthest
 
 
 @kernel
@@ -138,7 +162,7 @@ def spans_of_run(P, place_, side, R, p, respect, rows, runs, index, spans, n, J,
             extend(
                 spans[n - 1],
                 x,
-                turning_angle(P, place_, side, R, p, respect, rows, run, start, rows[i, 0], psi, sign, J, A),
+                turning_angle(P, place_, side, R, p, respect, rows, run, start, x, rows[i, 0], psi, sign, J, A),
             )
         psi += change
         rise = change if x == a else 0.0

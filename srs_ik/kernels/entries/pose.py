@@ -17,9 +17,11 @@ from srs_ik.kernels.jit import entry
 from srs_ik.kernels.layout.answer import GOOD_POSE, MAX_PIECES, OK, ROW_STATUS
 from srs_ik.kernels.layout.limb import LIMITED
 from srs_ik.kernels.limb.limits import set_limits
-from srs_ik.kernels.limb.poses import read_pose
+from srs_ik.kernels.limb.poses import read7, read_pose
 from srs_ik.kernels.limb.triangle import place
 from srs_ik.kernels.near.intervals import best_of_true_intervals
+from srs_ik.kernels.near.predicted import shift
+from srs_ik.kernels.near.predicted_best import predicted_best_of_intervals
 from srs_ik.kernels.pose.intervals import all_intervals
 from srs_ik.kernels.pose.solve import all_branches, own, own_seed, solve_row, solve_row_at
 
@@ -83,7 +85,8 @@ def solve_intervals(family, T, respect, J, A, out):
     P = row(family, LIMITED)
     place_ = place(P, R, p)
     if J is not None:
-        return best_of_true_intervals(P, place_, R, p, respect, out, J, A)
+        n = predicted_best_of_intervals(P, place_, R, p, respect, out)
+        return n if n >= 0 else best_of_true_intervals(P, place_, R, p, respect, out, J, A)
     found = np.empty((8 * MAX_PIECES, 3))
     n = all_intervals(family, place_, R, p, respect, J, A, found)
     for i in range(n):
@@ -96,6 +99,13 @@ def solve_intervals(family, T, respect, J, A, out):
 def pack_limits(P, lower, upper):
     """Write the limits (7,) and (7,) into a limb that is being packed."""
     set_limits(row(P, 0), lower, upper)
+
+
+@entry
+def measure_shifts(P, configurations, shifts):
+    """Write `predicted.shift` of configurations (N, 7) of a limb that is being packed into shifts (N,)."""
+    for i in range(configurations.shape[0]):
+        shifts[i] = shift(row(P, 0), read7(row(configurations, i)))
 
 
 @entry

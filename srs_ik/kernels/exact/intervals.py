@@ -19,6 +19,7 @@ from srs_ik.kernels.layout.limb import (
     A1,
     A1_A2,
     A2_A3,
+    BAND,
     BOTTOM_GAP,
     BOUND_1_LOWER,
     BOUND_1_UPPER,
@@ -30,6 +31,7 @@ from srs_ik.kernels.layout.limb import (
     RANGE_KIND,
     SHOULDER,
     SLACK_JOIN,
+    SLACK_LIMIT,
     TOP_GAP,
     WRIST,
 )
@@ -81,21 +83,31 @@ def add_roots(x, circle, value, events, n):
 
 
 @kernel
+def add_limit(x, circle, value, band, events, n):
+    """Insert the arm angles at which a joint is on a limit, or those at which it is a band away from it."""
+    if band == 0.0:
+        return add_roots(x, circle, value, events, n)
+    n = add_roots(x, circle, value - band, events, n)
+    return add_roots(x, circle, value + band, events, n)
+
+
+@kernel
 def joint_events(P, k, motion, events):
     """Arm angles at which the spherical joint at block k reaches a limit, the end of its reach, or a singularity."""
     v, _, r = motion
     a1 = load3(P, k + A1)
     first = int(P[k + FIRST_JOINT])
+    band = P[BAND]
     n = 0
     if P[RANGE_KIND + first] != 0.0:
-        n = add_roots(load3(P, k + BOUND_1_LOWER), v, P[k + A2_A3], events, n)
-        n = add_roots(load3(P, k + BOUND_1_UPPER), v, P[k + A2_A3], events, n)
+        n = add_limit(load3(P, k + BOUND_1_LOWER), v, P[k + A2_A3], band, events, n)
+        n = add_limit(load3(P, k + BOUND_1_UPPER), v, P[k + A2_A3], band, events, n)
     if P[RANGE_KIND + first + 1] != 0.0:
         n = add_roots(a1, v, P[k + BOUND_2_LOWER], events, n)
         n = add_roots(a1, v, P[k + BOUND_2_UPPER], events, n)
     if P[RANGE_KIND + first + 2] != 0.0:
-        n = add_roots(load3(P, k + BOUND_3_LOWER), r, P[k + A1_A2], events, n)
-        n = add_roots(load3(P, k + BOUND_3_UPPER), r, P[k + A1_A2], events, n)
+        n = add_limit(load3(P, k + BOUND_3_LOWER), r, P[k + A1_A2], band, events, n)
+        n = add_limit(load3(P, k + BOUND_3_UPPER), r, P[k + A1_A2], band, events, n)
     if P[k + TOP_GAP] > TOUCH:
         n = add_roots(a1, v, 1.0 - P[k + TOP_GAP], events, n)
     if P[k + BOTTOM_GAP] > TOUCH:
@@ -118,10 +130,14 @@ def fits(P, k, v, y, c, s, sign):
     """Whether one solution of the spherical joint at block k has turns inside the limits."""
     first = int(P[k + FIRST_JOINT])
     c1, s1, c2, s2, c3, s3, length = sines(P, k, v, y, c, s, sign)
-    if not is_inside(P, first + 1, c2, s2, 1.0):
+    slack = P[SLACK_LIMIT]
+    if not is_inside(P, first + 1, c2, s2, slack):
         return False
+    if P[BAND] != 0.0:
+        slack = P[BAND] / math.sqrt(max(length, 1e-12))
+        return is_inside(P, first, c1, s1, slack) and is_inside(P, first + 2, c3, s3, slack)
     if length > 0.0:
-        return is_inside(P, first, c1, s1, 1.0) and is_inside(P, first + 2, c3, s3, 1.0)
+        return is_inside(P, first, c1, s1, slack) and is_inside(P, first + 2, c3, s3, slack)
     q = angles(P, k, v, y, c, s, sign, middle_anchor())
     return (
         violation(P, first, turn_to_middle(P, first, q[0])) == 0.0

@@ -80,7 +80,9 @@ BLOCK = 43
 SHOULDER = 158
 WRIST = SHOULDER + BLOCK
 MISS = WRIST + BLOCK  # largest distance of an axis from its centre, of the true chain
-SIZE = MISS + 1
+SHIFT = MISS + 1  # how far its joint directions are from those of the closed form, rad, elbow at a right angle
+BAND = SHIFT + 1  # how far the directions of joint axes may be from the true chain's, rad; limits drawn in: negative
+SIZE = BAND + 1
 
 # A family of packed limbs (4, SIZE): with limits, without, and both again with the loose tolerances.
 LIMITED = 0

@@ -11,7 +11,7 @@ import math
 from srs_ik.kernels.algebra.vectors import swing
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.answer import ROW_COST
-from srs_ik.kernels.layout.limb import A1_A2, A2_A3, FAR, MISS, PHASE, SHOULDER, STRAIGHT, WRIST
+from srs_ik.kernels.layout.limb import A1_A2, A2_A3, PHASE, SHIFT, SHOULDER, STRAIGHT, WRIST
 from srs_ik.kernels.limb.goal import NO_SEED, elbow_part, join, part
 from srs_ik.kernels.limb.spherical import angles, middle_angle, mirrored
 from srs_ik.kernels.limb.triangle import shoulder_columns, side_frames, wrist_columns
@@ -22,9 +22,8 @@ NO_BRANCH = 1e12
 NEARLY_SINGULAR = 1e-6
 """Sine of a middle angle under which each solution of a spherical joint is computed for itself."""
 
-UNSURE = 60.0
-WIDEST_UNSURE = 0.5
-"""Sine of a middle angle, for each part of its reach by which a limb misses, under which branches are unsure."""
+UNSURE = 3.0
+"""Branches are unsure within so many times the shift of a limb."""
 
 
 @kernel
@@ -38,12 +37,16 @@ def branch_of(P, q):
 
 @kernel
 def is_unsure(P, q):
-    """Whether a posture of a near limb is so close to a singularity that there may be others at its arm angle."""
-    width = min(WIDEST_UNSURE, UNSURE * P[MISS] / P[FAR])
+    """Whether a posture of a near limb is so close to a singularity that there may be others at its arm angle.
+
+    Shoulder and wrist may be singular within the shift between the limb and its nearest exact one, which a straight
+    elbow makes larger; the elbow's own bend depends on the square root of it.
+    """
     s2 = abs(math.sin(q[1] - P[SHOULDER + PHASE]))
     s4 = abs(math.sin(q[3] - P[STRAIGHT]))
     s6 = abs(math.sin(q[5] - P[WRIST + PHASE]))
-    return min(s2, s4, s6) < width
+    unsure = UNSURE * P[SHIFT]
+    return s4 * min(s2, s4, s6) < unsure
 
 
 @kernel

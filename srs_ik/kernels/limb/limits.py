@@ -112,8 +112,8 @@ def set_limits(P, lower, upper):
 
 
 @kernel
-def is_inside(P, joint, c, s, size):
-    """Whether the angle with cosine c / size and sine s / size has a turn inside the limits.
+def is_inside(P, joint, c, s, slack):
+    """Whether the angle with cosine c and sine s has a turn inside the limits, or no farther out than some slack, rad.
 
     Cross products with the directions of the limits decide, so nothing is lost where a range is narrow or nearly a
     turn.
@@ -125,11 +125,11 @@ def is_inside(P, joint, c, s, size):
     sl = P[SIN_LOWER + joint]
     cu = P[COS_UPPER + joint]
     su = P[SIN_UPPER + joint]
-    slack = P[SLACK_LIMIT] * size
     above_lower = cl * s - sl * c
     below_upper = su * c - cu * s
     if kind == 1.0:
-        return above_lower >= -slack and below_upper >= -slack and (cl + cu) * c + (sl + su) * s >= 0.0
+        ahead = (cl + cu) * c + (sl + su) * s
+        return above_lower >= -slack and below_upper >= -slack and ahead >= -2.0 * max(slack, 0.0)
     return not (above_lower < -slack and below_upper < -slack)
 
 

@@ -8,13 +8,15 @@ from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.answer import SOLVED
 from srs_ik.kernels.layout.limb import FREE, LIMITED, LOOSE
 from srs_ik.kernels.near.intervals import true_intervals
+from srs_ik.kernels.near.predicted import predicted_intervals
 
 
 @kernel
 def all_intervals(family, place_, R, p, respect, J, A, out):
     """Feasible intervals of one pose on the true chain; none where the pose is out of reach."""
     if J is not None:
-        return true_intervals(row(family, LIMITED), place_, R, p, respect, out, J, A)
+        n = predicted_intervals(row(family, LIMITED if respect else FREE), place_, R, p, out)
+        return n if n >= 0 else true_intervals(row(family, LIMITED), place_, R, p, respect, out, J, A)
     if abs(place_[5]) >= SOLVED:
         return 0
     n = find_intervals(row(family, LIMITED if respect else FREE), place_, -1, out)

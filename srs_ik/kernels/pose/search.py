@@ -32,6 +32,7 @@ from srs_ik.kernels.layout.limb import FAR, FREE, LIMITED, LOOSE, MISS, SIZE
 from srs_ik.kernels.limb.branches import NO_BRANCH, branch_of, is_unsure
 from srs_ik.kernels.limb.goal import NO_SEED, OUTSIDE
 from srs_ik.kernels.limb.triangle import elbow_side
+from srs_ik.kernels.near.predicted_best import predicted_best
 from srs_ik.kernels.near.second_attempts import look_around, rescue
 
 MOST_LEVERAGE = 4.0
@@ -211,6 +212,10 @@ def search_exact(family, place_, R, p, branch, seed, respect):
 @kernel
 def search_true(P, place_, R, p, branch, seeded, seed, respect, J, A):
     """Best posture of a near limb over all arm angles: q, branch, cost; the least violating one if all break limits."""
+    if respect and not seeded:
+        q, lowest, certain = predicted_best(P, place_, R, p, branch)
+        if certain:
+            return q, branch_of(P, q), lowest
     q, best, lowest = search_followed(P, place_, R, p, branch, seeded, seed, respect, respect, J, A)
     if lowest < OUTSIDE:
         return q, best, lowest

@@ -30,7 +30,7 @@ from srs_ik.kernels.limb.branches import NO_BRANCH, elbow_branches
 from srs_ik.kernels.limb.goal import NO_SEED, OUTSIDE, UNMET, tightest_joint
 from srs_ik.kernels.limb.poses import read7, read_pose
 from srs_ik.kernels.limb.triangle import place
-from srs_ik.kernels.near.at_angle import solve_all_at_angle, solve_at_angle
+from srs_ik.kernels.near.at_angle import may_reach, solve_all_at_angle, solve_at_angle
 from srs_ik.kernels.near.second_attempts import rescue
 from srs_ik.kernels.pose.search import search_exact, search_near_seed, search_true
 
@@ -75,7 +75,7 @@ def solve_row(family, T, branch, seed, respect, J, A, out):
             F = row(family, LIMITED if respect else FREE)
             q, best, lowest = search_near_seed(P, F, place_, R, p, near, respect, J, A)
     if lowest >= OUTSIDE:
-        if J is not None:
+        if J is not None and may_reach(P, place_):
             q, best, lowest = search_true(P, place_, R, p, branch, seeded, near, respect, J, A)
         elif seed is not None:
             q, best, lowest = search_exact(family, place_, R, p, branch, near, respect)
@@ -83,7 +83,7 @@ def solve_row(family, T, branch, seed, respect, J, A, out):
             q, best, lowest = search_exact(family, place_, R, p, branch, None, respect)
     measure_row(P, place_, R, p, q, best, lowest, respect, row(out, 0))
     if J is not None:
-        if respect and out[ROW_STATUS] == UNREACHABLE:
+        if respect and out[ROW_STATUS] == UNREACHABLE and may_reach(P, place_):
             # Only a posture without limits can tell what a near limb does not reach from what its limits forbid.
             if lowest >= UNMET:
                 q, _, lowest = rescue(P, place_, R, p, branch, seeded, near, False, J, A)

@@ -1,0 +1,95 @@
+"""Ends of feasible intervals on the true chain: from postures inside the limits to the first limit that is met.
+
+Newton's method for eight postures of a near limb in step, with the arm angle as one more unknown. Each step closes the
+pose to first order and goes with the arm angle, one way or the other, until the first joint is on a limit.
+"""
+
+from __future__ import annotations
+
+from srs_ik.kernels.algebra.lane_trig import turn, turned_by, turns_of
+from srs_ik.kernels.algebra.lanes import as_bits, where
+from srs_ik.kernels.chain.newton import LAST_STEP, MAX_STEP
+from srs_ik.kernels.chain.newton_eight import (
+    ALL,
+    NOTHING,
+    SHORT,
+    SMALLEST,
+    all_along,
+    all_times,
+    half_planes,
+    larger,
+    largest,
+    newton_step,
+    turned_by_all,
+)
+from srs_ik.kernels.jit import kernel
+from srs_ik.kernels.layout.limb import LOWER, UPPER
+
+FARTHEST = 1.0
+"""Of an arm angle at which no limit is met within reach, the next one is this far, rad."""
+
+
+@kernel
+def way_to_limit(P, joint, q, rate, way, least):
+    """How much farther in arm angle, in the direction `way` (1.0, -1.0), a joint is on a limit, if before `least`."""
+    ahead = way * rate
+    up = (P[UPPER + joint] - q) / ahead
+    down = (P[LOWER + joint] - q) / ahead
+    least = where((ahead > 0.0) & (up < least), up, least)
+    return where((ahead < 0.0) & (down < least), down, least)
+
+
+@kernel
+def way_to_limits(P, q, rates, way):
+    """How much farther the first joint is on a limit."""
+    least = FARTHEST + 0.0 * way
+    least = way_to_limit(P, 0, q[0], rates[0], way, least)
+    least = way_to_limit(P, 1, q[1], rates[1], way, least)
+    least = way_to_limit(P, 2, q[2], rates[2], way, least)
+    least = way_to_limit(P, 3, q[3], rates[3], way, least)
+    least = way_to_limit(P, 4, q[4], rates[4], way, least)
+    least = way_to_limit(P, 5, q[5], rates[5], way, least)
+    return way_to_limit(P, 6, q[6], rates[6], way, least)
+
+
+@kernel
+def to_limits(P, q, psi, way, R, p, t, h0, steps):
+    """Newton's method from eight postures to the first limits on their way.
+
+    Args:
+        P: packed limb.
+        q: seven times eight joint angles to start from, inside the limits.
+        psi: their arm angles.
+        way: direction of the arm angle in which to go, 1.0 or -1.0.
+        R: rotation of the wanted tip pose.
+        p: position of the wanted tip pose.
+        t: direction S-W of the pose.
+        h0: zero direction of the arm angle.
+        steps: largest number of steps.
+
+    Returns:
+        The postures, their arm angles, and as bits which of them meet the pose on a limit.
+    """
+    turns = turns_of(q)
+    around = turn(psi)
+    met = 0
+    last = 0.0 * psi
+    for _ in range(steps):
+        h, b = half_planes(t, h0, around)
+        d, rates, off2, right = newton_step(P, turns, R, p, h, b)
+        ahead = way * way_to_limits(P, all_along(q, 1.0, d), rates, way)
+        d = all_along(d, ahead, rates)
+        size = larger(largest(d), abs(ahead))
+        foreseen = (size * size * size < NOTHING * last * last) & (last < SHORT) & (off2 < SMALLEST)
+        settled = (size < LAST_STEP) | foreseen
+        f = MAX_STEP / larger(size, MAX_STEP + 0.0 * size)
+        d = all_times(f, d)
+        q = all_along(q, 1.0, d)
+        psi = psi + f * ahead
+        last = size
+        met = as_bits(settled & right)
+        if as_bits(settled) == ALL:
+            break
+        turns = turned_by_all(turns, d)
+        around = turned_by(around, f * ahead)
+    return q, psi, met

@@ -1,0 +1,160 @@
+"""Near limbs away from singularities: intervals and margins that the nearest exact limb predicts, against sweeps."""
+
+from __future__ import annotations
+
+from itertools import pairwise
+
+import arms
+import numpy as np
+import pytest
+from oracles import random_limb
+from test_intervals import assert_well_formed, disagreements
+
+import srs_ik
+from srs_ik import Status
+
+NEAR = arms.here("gen3", "j2s7s300", "iiwa14_experimental", "rm75")
+
+SHALLOW = {
+    "gen3": [
+        (
+            -3.11677045424895,
+            2.1328286828379,
+            -2.21274125031904,
+            -1.36981104765625,
+            2.5735393046219,
+            -1.97821600612058,
+            1.26170610139727,
+        ),
+        (
+            -1.76977324250128,
+            -0.782859919458323,
+            -2.63552388931865,
+            -1.62412473688387,
+            0.652840209624426,
+            1.90886495238282,
+            2.60463240704989,
+        ),
+    ],
+    "j2s7s300": [
+        (
+            1.29904167630024,
+            1.34512069596711,
+            2.57956242847342,
+            2.45990288737313,
+            3.12955233390011,
+            3.23558266598833,
+            0.922459779225693,
+        )
+    ],
+    "iiwa14_experimental": [
+        (
+            -0.721694745470292,
+            -1.83400458576634,
+            2.75183600174833,
+            0.81906162555794,
+            1.06075328513874,
+            1.260780873377,
+            0.469512290832126,
+        )
+    ],
+}
+"""Configurations of poses at which a joint is barely outside its limits for a while, between two feasible intervals."""
+
+
+@pytest.mark.parametrize("name", [name for name in arms.here(*SHALLOW) if name in SHALLOW])
+def test_shallow_gaps_are_found(name):
+    arm = arms.load(name)
+    for q in SHALLOW[name]:
+        pose = arm.forward_kinematics(q)
+        intervals = arm.intervals(pose)
+        assert_well_formed(intervals)
+        assert disagreements(arm, pose, intervals) == []
+
+
+@pytest.mark.parametrize("name", NEAR)
+def test_postures_are_feasible_up_to_a_limit_and_no_farther(name):
+    arm = arms.load(name)
+    ends = 0
+    for q in arms.configurations(name, 12, 61):
+        pose = arm.forward_kinematics(q)
+        for i in arm.intervals(pose):
+            if not 1e-5 < i.width < 2.0 * np.pi - 1e-5:
+                continue
+            for end, inwards in ((i.lower, 1e-7), (i.upper, -1e-7)):
+                solution = arm.solve(pose, arm_angle=end + inwards, branch=i.branch)
+                assert solution
+                # The other ends are changes of branch, beside a singular posture.
+                if min((solution.q - arm.lower).min(), (arm.upper - solution.q).min()) < 1e-5:
+                    assert not arm.solve(pose, arm_angle=end - inwards, branch=i.branch)
+                    ends += 1
+    assert ends > 30
+
+
+@pytest.mark.parametrize("name", NEAR)
+def test_no_swept_posture_is_farther_from_the_limits(name):
+    arm = arms.load(name)
+    for q in arms.configurations(name, 6, 62):
+        pose = arm.forward_kinematics(q)
+        best = margin(arm, arm.solve(pose).q)
+        for psi in np.linspace(-np.pi, np.pi, 240):
+            for solution in arm.solve_all(pose, arm_angle=psi):
+                assert margin(arm, solution.q) <= best + 1e-9
+
+
+@pytest.mark.parametrize("name", NEAR)
+def test_the_best_of_each_interval_is_in_it_and_one_is_the_best_of_all(name):
+    arm = arms.load(name)
+    for q in arms.configurations(name, 6, 63):
+        pose = arm.forward_kinematics(q)
+        found, intervals = arm.solve_all(pose), arm.intervals(pose)
+        assert len(found) == len(intervals)
+        assert all(any(s.branch == i.branch and s.arm_angle in i for i in intervals) for s in found)
+        assert max(margin(arm, s.q) for s in found) == pytest.approx(margin(arm, arm.solve(pose).q), abs=1e-9)
+
+
+@pytest.mark.parametrize("elbow", ["straight", "offset"])
+@pytest.mark.parametrize("pattern", ["coordinate", "tilted"])
+@pytest.mark.parametrize("miss", [1e-6, 0.003])
+def test_random_limbs_with_square_axes(pattern, elbow, miss):
+    for seed in range(4):
+        limb = random_limb(700 + seed, pattern, elbow, "usual", miss)
+        arm = srs_ik.load(limb.model, base="base", tip="tool")
+        for _ in range(2):
+            pose = arm.forward_kinematics(limb.configuration())
+            intervals = arm.intervals(pose)
+            assert_well_formed(intervals)
+            assert disagreements(arm, pose, intervals, 180) == []
+
+
+@pytest.mark.parametrize("name", NEAR)
+def test_out_of_reach_the_elbow_is_stretched_and_the_orientation_kept(name):
+    """Wherever the limits allow it: the limb of a far pose's own orientation is looked at without them."""
+    arm = arms.load(name)
+    for q in arms.configurations(name, 10, 64):
+        pose = arm.forward_kinematics(q).homogeneous
+        direction = pose[:3, 3] - arm.limb.shoulder
+        pose[:3, 3] += 2.0 * direction / np.linalg.norm(direction)
+        solution = arm.solve(pose, respect_limits=False)
+        assert solution.status == Status.UNREACHABLE
+        reached = arm.forward_kinematics(solution.q).homogeneous
+        assert np.abs(reached[:3, :3] - pose[:3, :3]).max() < 1e-9
+        # No turn about the shoulder and no bend of the elbow brings the wrist nearer: the triangle is flat.
+        wrist = pose[:3, 3] + pose[:3, :3] @ wrist_in_tip(arm)
+        there = reached[:3, 3] + reached[:3, :3] @ wrist_in_tip(arm)
+        reach = sum(np.linalg.norm(b - a) for a, b in pairwise((arm.limb.shoulder, arm.limb.elbow, arm.limb.wrist)))
+        beyond = np.linalg.norm(wrist - arm.limb.shoulder) - reach
+        assert np.linalg.norm(wrist - there) < beyond + 6.0 * arm.limb.misses.max() + 1e-9
+
+
+def wrist_in_tip(arm):
+    """The wrist centre in the tip frame."""
+    T = arm.limb.T_base_tip_zero
+    return T[:3, :3].T @ (arm.limb.wrist - T[:3, 3])
+
+
+def margin(arm, q):
+    """Least distance to a limit in parts of half the range; joints without limits do not count."""
+    limited = np.isfinite(arm.lower) & np.isfinite(arm.upper)
+    lower, upper = arm.lower[limited], arm.upper[limited]
+    return float(np.min(1.0 - np.abs(q[limited] - 0.5 * (lower + upper)) / (0.5 * (upper - lower))))
