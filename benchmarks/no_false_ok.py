@@ -29,8 +29,9 @@ from rich.progress import track
 from untouched import Untouched, distances
 
 import srs_ik
-from srs_ik import Arm, Status, zoo
-from srs_ik.loading.places import locate
+from srs_ik import Arm, Status
+from srs_ik.robot import zoo
+from srs_ik.robot.places import locate
 
 OK = 1e-9
 """What the status OK promises, m and rad."""

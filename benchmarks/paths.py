@@ -160,11 +160,15 @@ def main(arguments: Sequence[str] | None = None) -> None:
     files = dict(entry.split("=", 1) for entry in chosen.urdf)
     print(", ".join(f"{name} {value}" for name, value in machine().items()))
     print(f"\n### {chosen.poses} poses a motion\n")
-    print("| arm | kind | motions | breaks, seeded / free | larger sum, seeded / free | sum over the known, median", end="")
+    print(
+        "| arm | kind | motions | breaks, seeded / free | larger sum, seeded / free | sum over the known, median",
+        end="",
+    )
     print(" and worst | largest step over the known, median and worst | CPU us a pose |")
     print("|---|---|--:|--:|--:|--:|--:|--:|")
     for arm in load_all(chosen.arms, files):
-        arm.solve_path([arm.forward_kinematics(np.clip(np.full(7, 0.3), arm.lower, arm.upper))] * 3)
+        for seed in (None, np.clip(np.zeros(7), arm.lower, arm.upper)):
+            arm.solve_path([arm.forward_kinematics(np.clip(np.full(7, 0.3), arm.lower, arm.upper))] * 3, seed=seed)
         for kind in chosen.kinds:
             t = measure(arm, kind, chosen.motions, chosen.poses, chosen.dt, chosen.verbose)
             gains, steps = t.gains or [np.nan], t.steps or [np.nan]

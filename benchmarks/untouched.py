@@ -12,7 +12,7 @@ import numpy as np
 import pinocchio as pin
 
 import srs_ik
-from srs_ik.urdf import xacro
+from srs_ik.robot.description import xacro
 
 
 class Untouched:

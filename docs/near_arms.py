@@ -21,7 +21,7 @@ import numpy as np
 import pinocchio as pin
 
 import srs_ik
-from srs_ik import recognition
+from srs_ik.robot import recognition
 
 PAGE = Path(__file__).with_name("near_arms.md")
 PICTURE = Path(__file__).with_name("pictures") / "near_arms.png"

@@ -15,9 +15,9 @@ from typing import Any
 from what_holds_rows import Row, rows_of_claims, rows_of_experiments
 
 import srs_ik
-from srs_ik.experiments import EXPERIMENTS
-from srs_ik.experiments.c_grasp import EXTENSIONS, GRASPS
-from srs_ik.experiments.ik_accuracy import ANGLES, LENGTHS
+from srs_ik.paper.experiments import EXPERIMENTS
+from srs_ik.paper.experiments.c_grasp import EXTENSIONS, GRASPS
+from srs_ik.paper.experiments.ik_accuracy import ANGLES, LENGTHS
 
 ROOT = Path(__file__).resolve().parents[1]
 PAGE = Path(__file__).with_suffix(".md")

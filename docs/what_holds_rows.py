@@ -9,8 +9,8 @@ from typing import Any, NamedTuple
 import numpy as np
 
 import srs_ik
-from srs_ik.experiments.c_grasp import EXTENSIONS, GRASPS
-from srs_ik.experiments.ik_accuracy import ANGLES, LENGTHS, reached_tasks
+from srs_ik.paper.experiments.c_grasp import EXTENSIONS, GRASPS
+from srs_ik.paper.experiments.ik_accuracy import ANGLES, LENGTHS, reached_tasks
 
 ROOT = Path(__file__).resolve().parents[1]
 COMMAND = "python benchmarks/claims.py"

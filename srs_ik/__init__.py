@@ -11,8 +11,7 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from srs_ik.arm import Arm
-    from srs_ik.ellipsoids import (
+    from srs_ik.analysis.ellipsoids import (
         Ellipsoid,
         force_ellipsoid,
         force_transmission,
@@ -22,6 +21,8 @@ if TYPE_CHECKING:
         velocity_ellipsoid,
         velocity_transmission,
     )
+    from srs_ik.analysis.polytopes import Polytope, force_polytope, velocity_polytope
+    from srs_ik.arm import Arm
     from srs_ik.errors import (
         AmbiguousLimb,
         FrameNotFound,
@@ -35,29 +36,28 @@ if TYPE_CHECKING:
         PreviewError,
         SrsIkError,
     )
-    from srs_ik.feasible import IntervalsBatch
-    from srs_ik.limb import Hand, SrsLimb
+    from srs_ik.inputs.poses import PoseError
+    from srs_ik.inputs.rotations import pose_from_xyz_quaternion, pose_from_xyz_rpy, xyz_quaternion
     from srs_ik.loading import LimbReport, find_limbs, load, robots
-    from srs_ik.objectives import OBJECTIVES, Objective
-    from srs_ik.optimise import Optimum
-    from srs_ik.path import PathBreak, PathSolution
+    from srs_ik.paper.printed_optimum import PrintedOptimum, printed_optimum
     from srs_ik.plots import plot_arm_angle, plot_ellipsoids, plot_intervals
-    from srs_ik.polytopes import Polytope, force_polytope, velocity_polytope
-    from srs_ik.pose import PoseError
     from srs_ik.preview import Preview
     from srs_ik.preview.interactive import InteractivePreview
-    from srs_ik.printed import PrintedOptimum, printed_optimum
-    from srs_ik.quaternions import pose_from_xyz_quaternion, pose_from_xyz_rpy, xyz_quaternion
-    from srs_ik.self_motion import SelfMotion
-    from srs_ik.solution import BatchSolution, Interval, Solution, Solutions, Status
-    from srs_ik.task import Posture, Task
-    from srs_ik.task_solution import BatchTaskSolution, TaskSolution
+    from srs_ik.robot.limb import Hand, SrsLimb
+    from srs_ik.solve.intervals import IntervalsBatch
+    from srs_ik.solve.objectives import OBJECTIVES, Objective
+    from srs_ik.solve.optimise import Optimum
+    from srs_ik.solve.path import PathBreak, PathSolution
+    from srs_ik.solve.posture import Posture, Task
+    from srs_ik.solve.self_motion import SelfMotion
+    from srs_ik.solve.solution import BatchSolution, Interval, Solution, Solutions, Status
+    from srs_ik.solve.task import BatchTaskSolution, TaskSolution
 
 __version__ = "0.1.0"
 
 _MODULES = {
     "arm": ("Arm",),
-    "ellipsoids": (
+    "analysis.ellipsoids": (
         "Ellipsoid",
         "force_ellipsoid",
         "force_transmission",
@@ -80,23 +80,23 @@ _MODULES = {
         "PreviewError",
         "SrsIkError",
     ),
-    "feasible": ("IntervalsBatch",),
-    "limb": ("Hand", "SrsLimb"),
+    "solve.intervals": ("IntervalsBatch",),
+    "robot.limb": ("Hand", "SrsLimb"),
     "loading": ("LimbReport", "find_limbs", "load", "robots"),
-    "objectives": ("OBJECTIVES", "Objective"),
-    "optimise": ("Optimum",),
-    "path": ("PathBreak", "PathSolution"),
+    "solve.objectives": ("OBJECTIVES", "Objective"),
+    "solve.optimise": ("Optimum",),
+    "solve.path": ("PathBreak", "PathSolution"),
     "plots": ("plot_arm_angle", "plot_ellipsoids", "plot_intervals"),
-    "polytopes": ("Polytope", "force_polytope", "velocity_polytope"),
+    "analysis.polytopes": ("Polytope", "force_polytope", "velocity_polytope"),
     "preview": ("Preview",),
     "preview.interactive": ("InteractivePreview",),
-    "printed": ("PrintedOptimum", "printed_optimum"),
-    "pose": ("PoseError",),
-    "quaternions": ("pose_from_xyz_quaternion", "pose_from_xyz_rpy", "xyz_quaternion"),
-    "self_motion": ("SelfMotion",),
-    "solution": ("BatchSolution", "Interval", "Solution", "Solutions", "Status"),
-    "task": ("Posture", "Task"),
-    "task_solution": ("BatchTaskSolution", "TaskSolution"),
+    "paper.printed_optimum": ("PrintedOptimum", "printed_optimum"),
+    "inputs.poses": ("PoseError",),
+    "inputs.rotations": ("pose_from_xyz_quaternion", "pose_from_xyz_rpy", "xyz_quaternion"),
+    "solve.self_motion": ("SelfMotion",),
+    "solve.solution": ("BatchSolution", "Interval", "Solution", "Solutions", "Status"),
+    "solve.posture": ("Posture", "Task"),
+    "solve.task": ("BatchTaskSolution", "TaskSolution"),
 }
 _HOME = {name: module for module, names in _MODULES.items() for name in names}
 

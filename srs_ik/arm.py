@@ -9,15 +9,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from srs_ik.batch import run_in_threads
-from srs_ik.chain import Chain
 from srs_ik.errors import InvalidConfiguration
-from srs_ik.kernels import entries
-from srs_ik.kernels.intervals import MAX_PIECES
-from srs_ik.kernels.layout import IS_CLOSED, LIMITED, ROW, STRAIGHT
-from srs_ik.limb import Hand, SrsLimb
-from srs_ik.packing import pack_hand
-from srs_ik.pose import (
+from srs_ik.inputs.poses import (
     PoseLike,
     as_arm_angle,
     as_branch,
@@ -29,18 +22,25 @@ from srs_ik.pose import (
     per_pose,
     refuse_bad_poses,
 )
+from srs_ik.kernels.entries import pose as entries
+from srs_ik.kernels.exact.intervals import MAX_PIECES
+from srs_ik.kernels.layout import IS_CLOSED, LIMITED, ROW, STRAIGHT
 from srs_ik.redundancy import RedundantLimb
-from srs_ik.solution import BatchSolution, ElbowRange, Interval, Solution, Solutions
+from srs_ik.robot.chain import Chain
+from srs_ik.robot.limb import Hand, SrsLimb
+from srs_ik.solve.packed import pack_hand
+from srs_ik.solve.solution import BatchSolution, ElbowRange, Interval, Solution, Solutions
+from srs_ik.solve.threads import run_in_threads
 
 if TYPE_CHECKING:
-    from srs_ik.feasible import IntervalsBatch
-    from srs_ik.objectives import Objective
-    from srs_ik.optimise import Optimum
-    from srs_ik.path import PathSolution
-    from srs_ik.self_motion import SelfMotion
-    from srs_ik.task import Posture, Side, Task, Tie
-    from srs_ik.task_solution import BatchTaskSolution, TaskSolution
-    from srs_ik.urdf.model import Drawing
+    from srs_ik.robot.description.model import Drawing
+    from srs_ik.solve.intervals import IntervalsBatch
+    from srs_ik.solve.objectives import Objective
+    from srs_ik.solve.optimise import Optimum
+    from srs_ik.solve.path import PathSolution
+    from srs_ik.solve.posture import Posture, Side, Task, Tie
+    from srs_ik.solve.self_motion import SelfMotion
+    from srs_ik.solve.task import BatchTaskSolution, TaskSolution
 
 Array = NDArray[np.float64]
 
@@ -232,7 +232,7 @@ class Arm(RedundantLimb):
             InvalidPose: a pose is no finite rigid transform; the message names the first one.
             InvalidConfiguration: seed, dt or longest_step are malformed.
         """
-        from srs_ik.path import solve_path
+        from srs_ik.solve.path import solve_path
 
         return solve_path(self, poses, seed, dt, longest_step)
 
@@ -265,7 +265,7 @@ class Arm(RedundantLimb):
         Raises:
             InvalidPose: a pose is no finite rigid transform; the message names the first one.
         """
-        from srs_ik.feasible import intervals_batch
+        from srs_ik.solve.intervals import intervals_batch
 
         return intervals_batch(self, poses, bool(respect_limits), threads)
 
@@ -287,7 +287,7 @@ class Arm(RedundantLimb):
             InvalidPose: the pose is no finite rigid transform.
             InvalidConfiguration: no branch, or no count.
         """
-        from srs_ik.self_motion import self_motion
+        from srs_ik.solve.self_motion import self_motion
 
         return self_motion(self, pose, branch, count, bool(respect_limits))
 
@@ -315,7 +315,7 @@ class Arm(RedundantLimb):
             InvalidPose: the pose is no finite rigid transform.
             InvalidTask: unknown objective, missing or malformed parameter, or a function that gave no finite number.
         """
-        from srs_ik.optimise import optimise
+        from srs_ik.solve.optimise import optimise
 
         return optimise(self, pose, objective, respect_limits, **parameters)
 
@@ -339,7 +339,7 @@ class Arm(RedundantLimb):
         Raises:
             InvalidTask: no `Task`, or another side or tie.
         """
-        from srs_ik.task import posture
+        from srs_ik.solve.posture import posture
 
         return posture(self, task, side, tie, threads)
 
@@ -371,7 +371,7 @@ class Arm(RedundantLimb):
             InvalidTask: no `Task`, another side or tie, or an arm whose hand is not known (see `load`).
             InvalidConfiguration: a malformed seed.
         """
-        from srs_ik.task_solution import solve_task
+        from srs_ik.solve.task import solve_task
 
         return solve_task(self, task, side, bool(respect_limits), tie, threads, seed)
 

@@ -11,11 +11,11 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import ArrayLike, NDArray
 
-from srs_ik.chain import Chain
+from srs_ik.analysis.gravity import weights
 from srs_ik.errors import InvalidConfiguration
-from srs_ik.gravity import weights
-from srs_ik.messages import picked, positions_by_name
-from srs_ik.pose import PoseError, PoseLike, as_joint_vector, as_rigid_matrix, real_array
+from srs_ik.inputs.messages import picked, positions_by_name
+from srs_ik.inputs.poses import PoseError, PoseLike, as_joint_vector, as_rigid_matrix, real_array
+from srs_ik.robot.chain import Chain
 
 Array = NDArray[np.float64]
 

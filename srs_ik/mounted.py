@@ -7,16 +7,16 @@ from typing import TYPE_CHECKING, Self
 import numpy as np
 from numpy.typing import NDArray
 
-from srs_ik import adjust
-from srs_ik.chain import Chain
 from srs_ik.errors import NotAnSrsLimb
+from srs_ik.inputs.poses import PoseLike, as_rigid_matrix
 from srs_ik.kinematics import ChainKinematics
-from srs_ik.limb import Hand, SrsLimb
-from srs_ik.pose import PoseLike, as_rigid_matrix
-from srs_ik.recognition import recognise
+from srs_ik.robot import changes
+from srs_ik.robot.chain import Chain
+from srs_ik.robot.limb import Hand, SrsLimb
+from srs_ik.robot.recognition import recognise
 
 if TYPE_CHECKING:
-    from srs_ik.urdf.model import Drawing
+    from srs_ik.robot.description.model import Drawing
 
 Array = NDArray[np.float64]
 
@@ -52,7 +52,7 @@ class MountedLimb(ChainKinematics):
         """
         T = as_rigid_matrix(T_tip_tool)
         hand = self.hand and Hand(*(tuple((T[:3, :3].T @ axis).tolist()) for axis in self.hand))
-        return self._again(adjust.with_tool(self._chain, T, name), self.limb.reference, hand)
+        return self._again(changes.with_tool(self._chain, T, name), self.limb.reference, hand)
 
     def with_base(self, T_newbase_base: PoseLike, name: str | None = None) -> Self:
         """This arm in other surroundings: poses are given in their frame from then on. The arm itself stays as it is.
@@ -68,7 +68,7 @@ class MountedLimb(ChainKinematics):
             InvalidRobot: the robot has a frame of that name already.
         """
         T = as_rigid_matrix(T_newbase_base)
-        return self._again(adjust.on_base(self._chain, T, name), T[:3, :3] @ self.limb.reference, self.hand)
+        return self._again(changes.on_base(self._chain, T, name), T[:3, :3] @ self.limb.reference, self.hand)
 
     def _again(self, chain: Chain, reference: Array, hand: Hand | None) -> Self:
         """This arm, made anew from a chain with the same joints."""

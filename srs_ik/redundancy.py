@@ -7,15 +7,15 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from srs_ik.chain import Chain
-from srs_ik.kernels import arm_angle_rates, entries
-from srs_ik.limb import Hand, SrsLimb
+from srs_ik.inputs.poses import as_joint_vector
+from srs_ik.kernels.entries import rates
 from srs_ik.mounted import MountedLimb
-from srs_ik.packing import pack_family
-from srs_ik.pose import as_joint_vector
+from srs_ik.robot.chain import Chain
+from srs_ik.robot.limb import Hand, SrsLimb
+from srs_ik.solve.packed import pack_family
 
 if TYPE_CHECKING:
-    from srs_ik.urdf.model import Drawing
+    from srs_ik.robot.description.model import Drawing
 
 Array = NDArray[np.float64]
 
@@ -35,7 +35,7 @@ class RedundantLimb(MountedLimb):
         Raises:
             InvalidConfiguration: not 7 finite angles.
         """
-        return float(entries.configuration_arm_angle(self._family, as_joint_vector(q))[0])
+        return float(rates.configuration_arm_angle(self._family, as_joint_vector(q))[0])
 
     def branch(self, q: ArrayLike) -> int:
         """Branch of a configuration, 0 to 7.
@@ -43,7 +43,7 @@ class RedundantLimb(MountedLimb):
         Raises:
             InvalidConfiguration: not 7 finite angles.
         """
-        return int(entries.configuration_arm_angle(self._family, as_joint_vector(q))[1])
+        return int(rates.configuration_arm_angle(self._family, as_joint_vector(q))[1])
 
     def arm_angle_jacobian(self, q: ArrayLike) -> Array:
         """Derivatives of the arm angle by the joint angles, (7,), rad/rad: its rate is ``arm_angle_jacobian(q) @ dq``.
@@ -61,7 +61,7 @@ class RedundantLimb(MountedLimb):
         H. Seraji, Kinematic Analysis of 7-DOF Manipulators, IJRR 11(5), 1992.
         """
         derivatives = np.empty(7)
-        arm_angle_rates.arm_angle_jacobian(self._family, as_joint_vector(q), derivatives)
+        rates.arm_angle_jacobian(self._family, as_joint_vector(q), derivatives)
         return derivatives
 
     def self_motion_tangent(self, q: ArrayLike) -> Array:
@@ -76,5 +76,5 @@ class RedundantLimb(MountedLimb):
             InvalidConfiguration: not 7 finite angles.
         """
         derivatives = np.empty(7)
-        arm_angle_rates.self_motion_tangent(self._family, as_joint_vector(q), derivatives)
+        rates.self_motion_tangent(self._family, as_joint_vector(q), derivatives)
         return derivatives

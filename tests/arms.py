@@ -57,7 +57,7 @@ def forward(name: str) -> Forward:
     """Pinocchio on the whole robot of the file, read without the package."""
     arm = load(name)
     if name in BUILT_IN:
-        from srs_ik import zoo
+        from srs_ik.robot import zoo
 
         return Forward(zoo.card(name).urdf, arm.base, arm.tip, arm.joint_names)
     return Forward(file_of(name), *REAL[name][1:], arm.joint_names)

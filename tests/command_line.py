@@ -9,8 +9,8 @@ import numpy as np
 import pinocchio as pin
 from typer.testing import CliRunner
 
-from srs_ik import zoo
 from srs_ik.cli.app import app
+from srs_ik.robot import zoo
 
 POSE = ["--xyz", "0.5", "0.1", "0.6", "--rpy", "0", "1.5707963", "0"]
 Q = ["0.3", "0.7", "-0.4", "-1.1", "0.5", "0.8", "-0.2"]

@@ -24,7 +24,8 @@ from typing import NamedTuple
 import numpy as np
 from mutations import mutated
 
-from srs_ik import InvalidRobot, SrsIkError, find_limbs, load, zoo
+from srs_ik import InvalidRobot, SrsIkError, find_limbs, load
+from srs_ik.robot import zoo
 
 LONGEST = 2.0
 MEMORY = 2 * 2**30

@@ -11,7 +11,7 @@ import pinocchio as pin
 import pytest
 
 from srs_ik import InvalidConfiguration, InvalidPose, SrsIkError, Status
-from srs_ik.batch import run_in_threads
+from srs_ik.solve.threads import run_in_threads
 
 COUNT = 100
 NAMES = ("iiwa14", "gen3", "romeo_left")

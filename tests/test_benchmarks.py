@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 import srs_ik
-from srs_ik import zoo
+from srs_ik.robot import zoo
 
 ROOT = Path(__file__).resolve().parents[1]
 

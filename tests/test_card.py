@@ -7,9 +7,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from srs_ik import zoo
-from srs_ik.card import CARD_FILE, Placement, RobotCard, Source, read_card
 from srs_ik.errors import InvalidRobot
+from srs_ik.robot import zoo
+from srs_ik.robot.card import CARD_FILE, Placement, RobotCard, Source, read_card
 
 CARD = """
 name = "toy"

@@ -7,9 +7,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from robot_files import EXAMPLES, SHARED, example_urdf, joint_xml, random_configuration, serial_arm, shared_urdf
 
-from srs_ik.chain import Skeleton, build_chain
 from srs_ik.errors import FrameNotFound, InvalidRobot, NotAnSrsLimb
-from srs_ik.urdf import load_model
+from srs_ik.robot.chain import Skeleton, build_chain
+from srs_ik.robot.description import load_model
 
 REAL = [*sorted(path.stem for path in SHARED.glob("*.urdf")), *EXAMPLES]
 

@@ -11,7 +11,8 @@ from command_line import POSE, Q, answer, pose_by_pinocchio, run, run_apart
 from robot_files import shared_urdf
 
 import srs_ik
-from srs_ik import cli, zoo
+from srs_ik import cli
+from srs_ik.robot import zoo
 
 
 def rotation(roll: float, pitch: float, yaw: float) -> np.ndarray:

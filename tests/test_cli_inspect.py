@@ -9,8 +9,7 @@ from command_line import answer, run
 from robot_files import joint_xml, serial_arm, shared_urdf
 
 import srs_ik
-from srs_ik import zoo
-from srs_ik.loading import places
+from srs_ik.robot import places, zoo
 
 
 def test_robots_lists_every_name_that_load_knows():

@@ -9,7 +9,7 @@ import urllib.request
 import pytest
 from command_line import POSE, Q, run
 
-from srs_ik import zoo
+from srs_ik.robot import zoo
 
 FAR = ["--xyz", "5", "0", "0", "--rpy", "0", "0", "0"]
 

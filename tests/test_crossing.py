@@ -5,7 +5,7 @@ import math
 import pytest
 from numba import njit
 
-from srs_ik.kernels.crossing import UNKNOWN, has_settled, next_parameter, start_crossing, tell_figure
+from srs_ik.kernels.algebra.roots import UNKNOWN, has_settled, next_parameter, start_crossing, tell_figure
 
 
 def cubic(x):

@@ -13,7 +13,7 @@ from oracles import random_limb, unit
 from tip import FOLDED, ROWS, STRETCHED, held, moved
 
 import srs_ik
-from srs_ik import ellipsoids
+from srs_ik.analysis import ellipsoids
 
 ARMS = ("iiwa14", "gen3", "human_arm", "sia5d", "openarm_left")
 PARTS = ("linear", "angular", "full")

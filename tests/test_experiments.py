@@ -11,14 +11,14 @@ import pytest
 from command_line import run
 
 from srs_ik import Posture, Task, loading
-from srs_ik.experiments import EXPERIMENTS, files
-from srs_ik.experiments.arm_sphere import arm_sphere
-from srs_ik.experiments.c_grasp import GRASPS, c_grasp
-from srs_ik.experiments.ik_accuracy import five_errors, ik_accuracy, reached_tasks
-from srs_ik.experiments.lr_arms import lr_arms
-from srs_ik.experiments.measure import angle_between, posture_figures, printed_angle_between
-from srs_ik.experiments.setting import SEED, ball, directions, task_directions
-from srs_ik.experiments.walking import SNAPSHOTS, walking
+from srs_ik.paper.experiments import EXPERIMENTS, files
+from srs_ik.paper.experiments.arm_sphere import arm_sphere
+from srs_ik.paper.experiments.c_grasp import GRASPS, c_grasp
+from srs_ik.paper.experiments.ik_accuracy import five_errors, ik_accuracy, reached_tasks
+from srs_ik.paper.experiments.lr_arms import lr_arms
+from srs_ik.paper.experiments.measure import angle_between, posture_figures, printed_angle_between
+from srs_ik.paper.experiments.setting import SEED, ball, directions, task_directions
+from srs_ik.paper.experiments.walking import SNAPSHOTS, walking
 
 FIVE = ("elbow_m", "wrist_m", "hand_m", "grasp_rad", "pronosupination_rad")
 

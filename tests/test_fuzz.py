@@ -8,7 +8,7 @@ from mutations import mutated
 from robot_files import SHARED
 
 import srs_ik
-from srs_ik import zoo
+from srs_ik.robot import zoo
 
 FILES = corpus([SHARED])
 

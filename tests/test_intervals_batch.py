@@ -7,8 +7,9 @@ import numpy as np
 import pinocchio as pin
 import pytest
 
-from srs_ik import Interval, InvalidPose, SrsIkError, feasible
-from srs_ik.kernels.interval_entries import MOST_INTERVALS
+from srs_ik import Interval, InvalidPose, SrsIkError
+from srs_ik.kernels.entries.intervals import MOST_INTERVALS
+from srs_ik.solve import intervals as feasible
 
 COUNT = {"iiwa14": 120, "romeo_left": 120, "gen3": 24}
 

@@ -9,7 +9,8 @@ from pathlib import Path
 
 import pytest
 
-from srs_ik.kernels import entries, jit
+from srs_ik.kernels import jit
+from srs_ik.kernels.entries import pose as entries
 
 FOLDER = Path(jit.__file__).parent
 
@@ -50,7 +51,7 @@ def test_an_unchanged_copy_has_the_same_digest(copied):
     assert digest_of(copied) == jit.source_digest()
 
 
-@pytest.mark.parametrize("file", sorted(path.name for path in FOLDER.glob("*.py")))
+@pytest.mark.parametrize("file", sorted(path.relative_to(FOLDER).as_posix() for path in FOLDER.rglob("*.py")))
 def test_a_change_in_any_file_changes_the_digest(copied, file):
     path = copied / file
     path.write_text(path.read_text() + "\n# changed\n")
@@ -63,10 +64,12 @@ def test_new_renamed_and_missing_files_change_the_digest(copied):
     seen.add(digest_of(copied))
     (copied / "another.py").rename(copied / "other.py")
     seen.add(digest_of(copied))
-    (copied / "other.py").unlink()
-    (copied / "vectors.py").unlink()
+    (copied / "other.py").rename(copied / "limb" / "other.py")
     seen.add(digest_of(copied))
-    assert len(seen) == 4
+    (copied / "limb" / "other.py").unlink()
+    (copied / "algebra" / "vectors.py").unlink()
+    seen.add(digest_of(copied))
+    assert len(seen) == 5
 
 
 def test_files_that_are_no_source_do_not_count(copied):

@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 from numba import njit
 
-from srs_ik.kernels.lanes import (
+from srs_ik.kernels.algebra.lane_trig import seven_turns, small_turn, turn, turned_by
+from srs_ik.kernels.algebra.lanes import (
     LANES,
     as_bits,
     as_mask,
@@ -18,8 +19,7 @@ from srs_ik.kernels.lanes import (
     where,
     whole_number,
 )
-from srs_ik.kernels.memory import keep, row
-from srs_ik.kernels.turns import seven_turns, small_turn, turn, turned_by
+from srs_ik.kernels.algebra.pointers import keep, row
 
 SPECIAL = np.array([0.0, -0.0, 1.0, -2.5, 1e-300, 1e300, np.inf, np.nan])
 COMMON = np.array([0.5, -1.5, 2.5, 3.0, -4.0, 7.25, 1e-3, 0.0])

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from oracles import x_along
 
-from srs_ik.limb import EXACT_MISS, line_distance
+from srs_ik.robot.limb import EXACT_MISS, line_distance
 
 
 def test_lengths_of_the_iiwa():

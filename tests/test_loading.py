@@ -10,7 +10,6 @@ import pytest
 import yourdfpy
 from robot_files import SHARED, example_urdf, joint_xml, serial_arm, shared_urdf
 
-from srs_ik import zoo
 from srs_ik.errors import (
     AmbiguousLimb,
     FrameNotFound,
@@ -19,7 +18,8 @@ from srs_ik.errors import (
     MissingExtra,
     NotAnSrsLimb,
 )
-from srs_ik.loading import find_limbs, load, robots, sources
+from srs_ik.loading import find_limbs, load, robots
+from srs_ik.robot import sources, zoo
 
 ARMS = {
     "iiwa14_drake_models": [("iiwa_link_0", "iiwa_link_7", "exact", "XYX")],

@@ -7,7 +7,7 @@ import pytest
 
 import srs_ik
 from srs_ik import Status
-from srs_ik.solution import Solution
+from srs_ik.solve.solution import Solution
 
 STRAIGHT_POSE = [0.3, 0.7, -0.4, 0.0, 0.5, 0.8, -0.2]
 

@@ -10,11 +10,11 @@ from oracles import Forward, random_angles
 from robot_files import example_urdf, shared_urdf
 
 import srs_ik
-from srs_ik import zoo
 from srs_ik.errors import InvalidRobot
-from srs_ik.loading.places import locate
-from srs_ik.loading.sources import catalogue
-from srs_ik.urdf import xacro
+from srs_ik.robot import zoo
+from srs_ik.robot.description import xacro
+from srs_ik.robot.places import locate
+from srs_ik.robot.sources import catalogue
 
 ELSEWHERE = {
     "human_left": ("example", "human"),

@@ -6,7 +6,7 @@ import pytest
 
 import srs_ik
 from srs_ik import InvalidConfiguration, InvalidTask, Objective
-from srs_ik.objectives import DEFAULT_TOLERANCE
+from srs_ik.solve.objectives import DEFAULT_TOLERANCE
 
 FORCE, VELOCITY = np.array([0.3, -2.0, 1.1]), np.array([1.0, 0.4, -0.2])
 SIX = np.array([0.5, -1.0, 0.2, 2.0, 0.1, -0.7])

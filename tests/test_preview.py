@@ -9,9 +9,9 @@ import pytest
 from scene import Scene
 
 import srs_ik
-from srs_ik import zoo
-from srs_ik.path import PathSolution
 from srs_ik.preview import Preview
+from srs_ik.robot import zoo
+from srs_ik.solve.path import PathSolution
 
 Q = np.array([0.3, 0.7, -0.4, -1.2, 0.5, 0.8, -0.2])
 
@@ -295,7 +295,7 @@ def test_a_bare_model_is_a_skeleton():
 def test_loading_reads_no_shapes_and_imports_nothing_for_them():
     code = (
         "import sys, srs_ik; arm = srs_ik.load('iiwa14');"
-        "unwanted = {'meshcat', 'trimesh', 'viser', 'srs_ik.preview', 'srs_ik.urdf.shapes'};"
+        "unwanted = {'meshcat', 'trimesh', 'viser', 'srs_ik.preview', 'srs_ik.robot.description.shapes'};"
         "print(sorted(unwanted & set(sys.modules)))"
     )
     found = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=120, check=True)

@@ -10,7 +10,7 @@ from robot_files import shared_urdf
 from test_solve import STEADY
 
 import srs_ik
-from srs_ik.recognition import recognise
+from srs_ik.robot.recognition import recognise
 
 TIP = np.eye(4)
 

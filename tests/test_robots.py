@@ -8,7 +8,7 @@ import pinocchio
 import pytest
 import yourdfpy
 
-from srs_ik import zoo
+from srs_ik.robot import zoo
 
 UPSTREAM = Path(__file__).resolve().parents[2] / "shared" / "urdf"
 ROBOTS = zoo.robots()

@@ -9,10 +9,10 @@ from robot_files import EXAMPLES, example_urdf, joint_xml, serial_arm, shared_ur
 
 import srs_ik
 from srs_ik.errors import FrameNotFound, InvalidRobot, MissingExtra, NotAnSrsLimb
-from srs_ik.loading.places import missing
-from srs_ik.loading.sides import side_of
-from srs_ik.loading.srdf import chains
-from srs_ik.urdf.packages import find_package, inside
+from srs_ik.robot.description.packages import find_package, inside
+from srs_ik.robot.description.srdf import chains
+from srs_ik.robot.places import missing
+from srs_ik.robot.sides import side_of
 
 ARM = f'<robot name="small">{serial_arm()}</robot>'
 XACRO = """<robot name="grown" xmlns:xacro="http://www.ros.org/wiki/xacro">

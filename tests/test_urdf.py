@@ -10,10 +10,10 @@ from hypothesis import example, given, settings
 from hypothesis import strategies as st
 from robot_files import SHARED, joint_xml, random_configuration, robot_xml, shared_urdf
 
-from srs_ik import zoo
 from srs_ik.errors import InvalidRobot
-from srs_ik.urdf import document, load_model
-from srs_ik.urdf.from_yourdfpy import roll_pitch_yaw
+from srs_ik.robot import zoo
+from srs_ik.robot.description import document, load_model
+from srs_ik.robot.description.from_yourdfpy import roll_pitch_yaw
 
 FILES = sorted(path.stem for path in SHARED.glob("*.urdf")) or ["iiwa14_drake_models"]
 AXIS, LIMIT = '<axis xyz="0 0 1"/>', '<limit lower="-1" upper="1" effort="1" velocity="1"/>'

@@ -5,9 +5,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from srs_ik import zoo
-from srs_ik.card import CARD_FILE
 from srs_ik.errors import InvalidRobot
+from srs_ik.robot import zoo
+from srs_ik.robot.card import CARD_FILE
 
 
 def test_the_three_robots_are_there():
@@ -61,7 +61,7 @@ def test_a_misspelt_robot_is_recognised():
 
 
 def test_an_installation_without_robots_says_so(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
-    monkeypatch.setattr(zoo, "__file__", str(tmp_path / "srs_ik" / "zoo.py"))
+    monkeypatch.setattr(zoo, "__file__", str(tmp_path / "srs_ik" / "robot" / "zoo.py"))
     with pytest.raises(InvalidRobot, match="folder of built-in robots is missing"):
         zoo.robots()
 
@@ -70,7 +70,7 @@ def test_the_folder_inside_the_package_comes_first(tmp_path: Path, monkeypatch: 
     for folder, name in ((tmp_path / "robots", "outer"), (tmp_path / "srs_ik" / "robots", "inner")):
         (folder / name).mkdir(parents=True)
         (folder / name / CARD_FILE).write_text("")
-    monkeypatch.setattr(zoo, "__file__", str(tmp_path / "srs_ik" / "zoo.py"))
+    monkeypatch.setattr(zoo, "__file__", str(tmp_path / "srs_ik" / "robot" / "zoo.py"))
     assert zoo.adapters() == ["inner"]
 
 
@@ -78,6 +78,6 @@ def test_a_name_is_that_of_the_folder(tmp_path: Path, monkeypatch: pytest.Monkey
     folder = tmp_path / "robots" / "toy"
     folder.mkdir(parents=True)
     (folder / CARD_FILE).write_text('name = "boy"\nurdf = "a.urdf"\n[frames]\nbase = "b"\ntip = "t"\n')
-    monkeypatch.setattr(zoo, "__file__", str(tmp_path / "srs_ik" / "zoo.py"))
+    monkeypatch.setattr(zoo, "__file__", str(tmp_path / "srs_ik" / "robot" / "zoo.py"))
     with pytest.raises(InvalidRobot, match="the name 'boy' must be that of its folder, 'toy'"):
         zoo.card("toy")

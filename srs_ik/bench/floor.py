@@ -9,7 +9,7 @@ from __future__ import annotations
 import numpy as np
 
 from srs_ik.bench.own import best_time
-from srs_ik.kernels.yardstick import transcendental
+from srs_ik.kernels.entries.yardstick import transcendental
 
 COUNT = 20_000
 

@@ -14,9 +14,9 @@ from srs_ik.cli.poses import JOINTS, unit_of
 if TYPE_CHECKING:
     from rich.console import Console
 
+    from srs_ik.analysis.ellipsoids import Ellipsoid
+    from srs_ik.analysis.polytopes import Polytope
     from srs_ik.arm import Arm
-    from srs_ik.ellipsoids import Ellipsoid
-    from srs_ik.polytopes import Polytope
 
 
 ROUNDING = 1e-12
@@ -82,7 +82,7 @@ def ellipsoids(
 
     import numpy as np
 
-    from srs_ik.ellipsoids import force_ellipsoid, isotropy, limits_of, manipulability, velocity_ellipsoid
+    from srs_ik.analysis.ellipsoids import force_ellipsoid, isotropy, limits_of, manipulability, velocity_ellipsoid
     from srs_ik.loading import load
 
     arm = load(source, base=base, tip=tip, limb=limb)
@@ -131,7 +131,7 @@ def ellipsoids(
 
 
 def _polytopes(arm: Arm, q: list[float], part: Any, gravity: bool) -> list[Polytope]:
-    from srs_ik.polytopes import force_polytope, velocity_polytope
+    from srs_ik.analysis.polytopes import force_polytope, velocity_polytope
 
     return [velocity_polytope(arm, q, part), force_polytope(arm, q, part, gravity=gravity)]
 

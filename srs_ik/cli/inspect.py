@@ -84,7 +84,7 @@ def _arguments(words: list[str]) -> dict[str, str] | None:
 
 def _names_one_arm(source: str, arguments: dict[str, str] | None) -> bool:
     """True for an adapter and for the name of an arm: of a robot with two they mean one."""
-    from srs_ik.loading.sources import describe
+    from srs_ik.robot.sources import describe
 
     return describe(source, xacro_args=arguments).tip is not None
 
@@ -174,7 +174,7 @@ def _refused(
 
 def _print_refused(out: Console, finding: dict[str, Any], chain: str) -> None:
     from srs_ik.cli.render import fixed, table
-    from srs_ik.recognition import NEAR_MISS_RATIO
+    from srs_ik.robot.recognition import NEAR_MISS_RATIO
 
     names, misses = finding["joint_names"], finding["misses_mm"]
     out.print(f"{chain}: refused, no S-R-S arm")

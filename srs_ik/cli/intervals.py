@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     import numpy as np
 
     from srs_ik.arm import Arm
-    from srs_ik.solution import Interval
+    from srs_ik.solve.solution import Interval
 
 
 def intervals(

@@ -10,7 +10,7 @@ from srs_ik.cli.options import Seven, Three, WrongInput, numbers
 from srs_ik.cli.poses import JOINTS
 
 if TYPE_CHECKING:
-    from srs_ik.objectives import Objective
+    from srs_ik.solve.objectives import Objective
 
 Six = tuple[str, str, str, str, str, str]
 SIX = "X Y Z RX RY RZ"
@@ -58,7 +58,7 @@ def read_objective(
             raise WrongInput(f"--{next(iter(given))} is a parameter of an objective: give --objective NAME")
         return None
 
-    from srs_ik.objectives import Objective
+    from srs_ik.solve.objectives import Objective
 
     if reference is not None:
         given["reference"] = [unit * x for x in given["reference"]]

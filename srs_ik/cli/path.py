@@ -14,7 +14,7 @@ from srs_ik.cli.poses import JOINTS, unit_of
 
 if TYPE_CHECKING:
     from srs_ik.arm import Arm
-    from srs_ik.path import PathSolution
+    from srs_ik.solve.path import PathSolution
 
 
 def path(

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     import numpy as np
 
     from srs_ik.arm import Arm
-    from srs_ik.path import PathSolution
+    from srs_ik.solve.path import PathSolution
 
 POSITION = ("x", "y", "z")
 RPY = ("roll", "pitch", "yaw")
@@ -41,7 +41,7 @@ def read_poses(path: Path, unit: float) -> tuple[np.ndarray, list[int]]:
     import numpy as np
 
     from srs_ik.errors import InvalidPose
-    from srs_ik.quaternions import pose_from_xyz_quaternion, pose_from_xyz_rpy
+    from srs_ik.inputs.rotations import pose_from_xyz_quaternion, pose_from_xyz_rpy
 
     try:
         text = path.read_text(encoding="utf-8-sig")

@@ -69,9 +69,9 @@ def reproduce(
     from rich.console import Console
     from rich.progress import Progress
 
-    from srs_ik.experiments import EXPERIMENTS
-    from srs_ik.experiments.files import write
     from srs_ik.loading import load
+    from srs_ik.paper.experiments import EXPERIMENTS
+    from srs_ik.paper.experiments.files import write
 
     arm = load(robot, base=base, tip=tip, limb=limb, hand=None if axes is None else [axes[:3], axes[3:]])
     names = list(EXPERIMENTS) if experiment is Experiment.all else [experiment.value]

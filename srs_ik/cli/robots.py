@@ -9,13 +9,13 @@ import typer
 from srs_ik.cli.options import AsJson
 
 if TYPE_CHECKING:
-    from srs_ik.loading.sources import NamedRobot
+    from srs_ik.robot.sources import NamedRobot
 
 
 def robots(as_json: AsJson = False) -> None:
     """List the robots that are known by name, and what has to be installed for those that are missing here."""
     from srs_ik.cli.render import console, print_json, table
-    from srs_ik.loading.sources import catalogue
+    from srs_ik.robot.sources import catalogue
 
     entries = catalogue()
     if as_json:

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from rich.console import Console
 
     from srs_ik.arm import Arm
-    from srs_ik.solution import Solution
+    from srs_ik.solve.solution import Solution
 
 
 def solve(
@@ -117,7 +117,7 @@ def _print_json(arm: Arm, pose: np.ndarray, best: Solution, solutions: list[Solu
 
 def fields(solution: Solution) -> dict[str, Any]:
     """What JSON says of a solution."""
-    from srs_ik.optimise import Optimum
+    from srs_ik.solve.optimise import Optimum
 
     answer = {
         "status": solution.status.name,
@@ -153,7 +153,7 @@ def print_solution(out: Console, arm: Arm, solution: Solution) -> None:
     import numpy as np
 
     from srs_ik.cli.render import fixed, table
-    from srs_ik.optimise import Optimum
+    from srs_ik.solve.optimise import Optimum
 
     margin = _margins(arm, solution)
     rows = [

@@ -12,7 +12,7 @@ from srs_ik.cli.poses import JOINTS, NoLimits, Xyz
 
 if TYPE_CHECKING:
     from srs_ik.arm import Arm
-    from srs_ik.task_solution import TaskSolution
+    from srs_ik.solve.task import TaskSolution
 
 Six = tuple[str, str, str, str, str, str]
 DIRECTION = "X Y Z"
@@ -96,8 +96,8 @@ def task(
     start = None if seed is None else numbers("--seed", seed)
 
     from srs_ik.loading import load
-    from srs_ik.task import Task
-    from srs_ik.task_solution import TaskSolution
+    from srs_ik.solve.posture import Task
+    from srs_ik.solve.task import TaskSolution
 
     wanted = Task(position, **given)
     arm = load(source, base=base, tip=tip, limb=limb, hand=None if axes is None else [axes[:3], axes[3:]])

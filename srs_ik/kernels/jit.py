@@ -36,10 +36,11 @@ def kernel(function: Callable[..., Any]) -> Callable[..., Any]:
 
 @cache
 def source_digest() -> str:
-    """Digest of every source file of the kernels."""
+    """Digest of every source file of the kernels, in all rooms."""
+    folder = Path(__file__).parent
     digest = hashlib.sha256()
-    for path in sorted(Path(__file__).parent.glob("*.py")):
-        digest.update(path.name.encode())
+    for path in sorted(folder.rglob("*.py")):
+        digest.update(path.relative_to(folder).as_posix().encode())
         digest.update(path.read_bytes())
     return digest.hexdigest()
 

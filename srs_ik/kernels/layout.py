@@ -1,7 +1,7 @@
 """Layout of the packed limb: one flat array of floats, so that a call from Python passes one argument.
 
-`srs_ik.packing` fills it. Shoulder and wrist are described by the same block, at `SHOULDER` and at `WRIST`, because the
-same functions solve both.
+`srs_ik.solve.packed` fills it. Shoulder and wrist are described by the same block, at `SHOULDER` and at `WRIST`,
+because the same functions solve both.
 """
 
 from __future__ import annotations

@@ -12,9 +12,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from srs_ik.errors import InvalidRobot
-from srs_ik.limb import SrsLimb, Vector
-from srs_ik.loading.sides import side_of
-from srs_ik.loading.sources import places_of
+from srs_ik.robot.limb import SrsLimb, Vector
+from srs_ik.robot.sides import side_of
+from srs_ik.robot.sources import places_of
 
 if TYPE_CHECKING:
     from srs_ik.arm import Arm

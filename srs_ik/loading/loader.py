@@ -9,16 +9,16 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import pinocchio as pin
 
-from srs_ik.adjust import within_limits
-from srs_ik.card import Placement
-from srs_ik.chain import Chain, Skeleton, build_chain
 from srs_ik.errors import AmbiguousLimb, FrameNotFound, InvalidTask, NotAnSrsLimb, listed
-from srs_ik.limb import Hand, Vector
-from srs_ik.loading.limbs import Candidate, LimbReport, examine, explained, weigh
-from srs_ik.loading.sides import is_meant
-from srs_ik.loading.sources import Description, describe
-from srs_ik.loading.srdf import chain_of
-from srs_ik.recognition import recognise
+from srs_ik.robot.candidates import Candidate, LimbReport, examine, explained, weigh
+from srs_ik.robot.card import Placement
+from srs_ik.robot.chain import Chain, Skeleton, build_chain
+from srs_ik.robot.changes import within_limits
+from srs_ik.robot.description.srdf import chain_of
+from srs_ik.robot.limb import Hand, Vector
+from srs_ik.robot.recognition import recognise
+from srs_ik.robot.sides import is_meant
+from srs_ik.robot.sources import Description, describe
 
 if TYPE_CHECKING:
     from srs_ik.arm import Arm

@@ -7,17 +7,17 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from srs_ik.ellipsoids import manipulability
-from srs_ik.objectives import Objective
+from srs_ik.analysis.ellipsoids import manipulability
+from srs_ik.inputs.poses import as_branch, as_matrix
 from srs_ik.plots.figure import EMPTY, FORCE, JOINT, VELOCITY, new_figure
 from srs_ik.plots.intervals import bars, whole_circle
-from srs_ik.pose import as_branch, as_matrix
+from srs_ik.solve.objectives import Objective
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from srs_ik.arm import Arm
-    from srs_ik.pose import PoseLike
+    from srs_ik.inputs.poses import PoseLike
 
 Array = NDArray[np.float64]
 

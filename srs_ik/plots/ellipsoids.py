@@ -7,11 +7,11 @@ from typing import TYPE_CHECKING, Any, Literal
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from srs_ik.ellipsoids import Ellipsoid, force_ellipsoid, limits_of, velocity_ellipsoid
+from srs_ik.analysis.ellipsoids import Ellipsoid, force_ellipsoid, limits_of, velocity_ellipsoid
 from srs_ik.errors import InvalidTask
+from srs_ik.inputs.poses import as_joint_vector
 from srs_ik.plots.figure import FORCE, VELOCITY, new_figure
 from srs_ik.plots.solids import Skeleton, Solid, arm_solids, collection, ellipsoid, skeleton
-from srs_ik.pose import as_joint_vector
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

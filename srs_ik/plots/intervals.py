@@ -12,8 +12,8 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from srs_ik.arm import Arm
-    from srs_ik.pose import PoseLike
-    from srs_ik.solution import Interval
+    from srs_ik.inputs.poses import PoseLike
+    from srs_ik.solve.solution import Interval
 
 BRANCHES = 8
 

@@ -15,7 +15,7 @@ from srs_ik.preview.solids import Solid
 
 if TYPE_CHECKING:
     from srs_ik.arm import Arm
-    from srs_ik.solution import Interval
+    from srs_ik.solve.solution import Interval
 
 Array = NDArray[np.float64]
 

@@ -14,16 +14,16 @@ import pinocchio as pin
 from numpy.typing import ArrayLike, NDArray
 
 from srs_ik.errors import PreviewError
-from srs_ik.pose import PoseLike, as_arm_angle, as_joint_vector, as_rigid_matrix, as_seed
+from srs_ik.inputs.poses import PoseLike, as_arm_angle, as_joint_vector, as_rigid_matrix, as_seed
 from srs_ik.preview import solids
 from srs_ik.preview.circle import arc_solids, circle_solids
 from srs_ik.preview.page import PageCanvas, rotation, serve, stop, wxyz
 from srs_ik.preview.robot import Stage, limb, look, reach, resting
-from srs_ik.urdf.from_yourdfpy import roll_pitch_yaw
+from srs_ik.robot.description.from_yourdfpy import roll_pitch_yaw
 
 if TYPE_CHECKING:
     from srs_ik.arm import Arm
-    from srs_ik.solution import Interval, Solution
+    from srs_ik.solve.solution import Interval, Solution
 
 Array = NDArray[np.float64]
 

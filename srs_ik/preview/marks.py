@@ -15,9 +15,9 @@ from srs_ik.preview.palette import Rgb
 from srs_ik.preview.solids import Solid
 
 if TYPE_CHECKING:
-    from srs_ik.ellipsoids import Ellipsoid
-    from srs_ik.polytopes import Polytope
-    from srs_ik.task import Posture, Task
+    from srs_ik.analysis.ellipsoids import Ellipsoid
+    from srs_ik.analysis.polytopes import Polytope
+    from srs_ik.solve.posture import Posture, Task
 
 Array = NDArray[np.float64]
 

@@ -12,7 +12,7 @@ import numpy as np
 import trimesh
 from trimesh.resolvers import FilePathResolver
 
-from srs_ik.urdf.packages import find_package
+from srs_ik.robot.description.packages import find_package
 
 FORMATS = frozenset({".dae", ".glb", ".gltf", ".obj", ".off", ".ply", ".stl"})
 """Endings of the files that are read, in lower case; whatever else a robot file names is not opened."""

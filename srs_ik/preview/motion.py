@@ -8,12 +8,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from srs_ik.errors import InvalidConfiguration
-from srs_ik.pose import as_branch, as_positive, real_array
-from srs_ik.self_motion import through
+from srs_ik.inputs.poses import as_branch, as_positive, real_array
+from srs_ik.solve.self_motion import through
 
 if TYPE_CHECKING:
     from srs_ik.arm import Arm
-    from srs_ik.solution import Interval
+    from srs_ik.solve.solution import Interval
 
 Array = NDArray[np.float64]
 

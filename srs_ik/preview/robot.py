@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from srs_ik.preview import palette, solids
 from srs_ik.preview.mesh_files import MeshFinder, MeshMissing, read_mesh
 from srs_ik.preview.solids import Solid
-from srs_ik.urdf.shapes import Shape, read_shapes
+from srs_ik.robot.description.shapes import Shape, read_shapes
 
 if TYPE_CHECKING:
     from srs_ik.arm import Arm

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any, Literal, Self
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from srs_ik.pose import PoseLike, as_joint_vector, as_rigid_matrix
+from srs_ik.inputs.poses import PoseLike, as_joint_vector, as_rigid_matrix
 from srs_ik.preview import marks, palette, solids
 from srs_ik.preview.canvas import Canvas
 from srs_ik.preview.circle import arc_solids, circle_solids
@@ -23,8 +23,8 @@ from srs_ik.preview.server import Window
 
 if TYPE_CHECKING:
     from srs_ik.arm import Arm
-    from srs_ik.solution import Interval
-    from srs_ik.task import Posture, Task
+    from srs_ik.solve.posture import Posture, Task
+    from srs_ik.solve.solution import Interval
 
 Array = NDArray[np.float64]
 
@@ -284,7 +284,7 @@ class Preview:
             MissingLimits: the limits are wanted and not given.
             PreviewError: the preview is closed.
         """
-        from srs_ik.ellipsoids import force_ellipsoid, velocity_ellipsoid
+        from srs_ik.analysis.ellipsoids import force_ellipsoid, velocity_ellipsoid
 
         marks.check_part(part)
         q = as_joint_vector(q)
@@ -308,7 +308,7 @@ class Preview:
             MissingExtra: the library that computes polytopes is not installed.
             PreviewError: the preview is closed.
         """
-        from srs_ik.polytopes import force_polytope, velocity_polytope
+        from srs_ik.analysis.polytopes import force_polytope, velocity_polytope
 
         marks.check_part(part)
         q = as_joint_vector(q)

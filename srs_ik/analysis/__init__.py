@@ -1,0 +1,1 @@
+"""What a posture can do: ellipsoids, polytopes, gravity."""

@@ -1,0 +1,58 @@
+"""The weight of an arm: the torques that hold it, by Pinocchio, and the figures from which kernels compute them."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import TYPE_CHECKING
+
+import numpy as np
+import pinocchio as pin
+from numpy.typing import NDArray
+
+from srs_ik.errors import InvalidTask
+from srs_ik.kernels.optimum import gravity as at
+
+if TYPE_CHECKING:
+    from srs_ik.kinematics import ChainKinematics
+
+Array = NDArray[np.float64]
+
+
+def gravity_torque(arm: ChainKinematics, otherwise: str) -> Callable[[Array], Array]:
+    """The function of seven joint angles (7,) that gives the joint torques (7,) which hold the arm up, N m.
+
+    Args:
+        arm: the arm.
+        otherwise: what to do without masses, for the message.
+
+    Raises:
+        InvalidTask: the arm's description has no masses.
+    """
+    require_masses(arm, otherwise)
+    model, data = arm.model, arm.model.createData()
+    return lambda q: np.array(pin.computeGeneralizedGravity(model, data, arm.configuration(q)))
+
+
+def require_masses(arm: ChainKinematics, otherwise: str) -> None:
+    """Raise InvalidTask, with a word on what to do, for an arm whose description has no masses."""
+    if not any(inertia.mass > 0.0 for inertia in arm.model.inertias):
+        raise InvalidTask(f"the description of {arm.name} has no masses; {otherwise}")
+
+
+def torque_scales(arm: ChainKinematics) -> Array:
+    """(7,) factors by which torques of different joints compare: by their effort limits, if all are given."""
+    return 1.0 / arm.effort_limit if np.isfinite(arm.effort_limit).all() else np.ones(7)
+
+
+def weights(arm: ChainKinematics) -> Array:
+    """(WEIGHTS,) figures of `kernels.gravity`."""
+    frames = arm.joint_frames(np.zeros(7))
+    W = np.empty(at.WEIGHTS)
+    for joint in range(7):
+        T_base_joint, inertia = frames[joint + 1], arm.model.inertias[joint + 1]
+        centre = T_base_joint[:3, :3] @ inertia.lever + T_base_joint[:3, 3]
+        W[at.MASSES + joint] = inertia.mass
+        W[at.MOMENTS + 3 * joint : at.MOMENTS + 3 * joint + 3] = inertia.mass * centre
+    W[at.GRAVITY : at.SCALES] = frames[0, :3, :3] @ arm.model.gravity.linear
+    W[at.SCALES :] = torque_scales(arm)
+    return W

@@ -1,0 +1,87 @@
+"""Poses from position and quaternion, with the order of its four numbers named, and back."""
+
+from __future__ import annotations
+
+from typing import Any, Literal
+
+import numpy as np
+import pinocchio as pin
+from numpy.typing import ArrayLike, NDArray
+
+from srs_ik.errors import InvalidPose
+
+Array = NDArray[np.float64]
+Order = Literal["xyzw", "wxyz"]
+
+_TO_XYZW = {"xyzw": [0, 1, 2, 3], "wxyz": [1, 2, 3, 0]}
+_FROM_XYZW = {"xyzw": [0, 1, 2, 3], "wxyz": [3, 0, 1, 2]}
+
+LENGTH_TOLERANCE = 1e-3
+"""A quaternion written with four digits is still one; it is normalised."""
+
+
+def pose_from_xyz_quaternion(xyz: ArrayLike, quaternion: ArrayLike, *, order: Order) -> pin.SE3:
+    """A pose from a position and a unit quaternion.
+
+    Args:
+        xyz: (3,) metres.
+        quaternion: (4,) unit quaternion, normalised if its length is within 0.001 of 1.
+        order: "xyzw" with the scalar part last, as in ROS, SciPy and Pinocchio; "wxyz" with it first, as in MuJoCo and
+            Eigen's constructor. There is no default, because a wrong order is a wrong rotation without an error.
+
+    Raises:
+        InvalidPose: not 3 and 4 finite numbers, a length that is not 1, or another order.
+    """
+    if not isinstance(order, str) or order not in _TO_XYZW:
+        raise InvalidPose(f"the order of a quaternion is 'xyzw' or 'wxyz', not {order!r}")
+    position, q = _numbers(xyz, 3, "a position"), _numbers(quaternion, 4, "a quaternion")
+    length = float(np.linalg.norm(q))
+    if abs(length - 1.0) > LENGTH_TOLERANCE:
+        raise InvalidPose(f"a quaternion is a rotation only if its length is 1, not {length:.6g}")
+    return pin.SE3(pin.Quaternion(q[_TO_XYZW[order]] / length), position)
+
+
+def pose_from_xyz_rpy(xyz: ArrayLike, rpy: ArrayLike) -> pin.SE3:
+    """A pose from a position and the angles of a URDF.
+
+    Args:
+        xyz: (3,) metres.
+        rpy: (3,) angles about the fixed x, then y, then z axis, rad.
+
+    Raises:
+        InvalidPose: not 3 and 3 finite numbers.
+    """
+    position, angles = _numbers(xyz, 3, "a position"), _numbers(rpy, 3, "roll, pitch and yaw")
+    return pin.SE3(pin.rpy.rpyToMatrix(*angles), position)
+
+
+def xyz_quaternion(pose: Any, *, order: Order) -> tuple[Array, Array]:
+    """Position and unit quaternion of a pose, the scalar part not negative.
+
+    Args:
+        pose: a `pinocchio.SE3` or a (4, 4) array.
+        order: as for `pose_from_xyz_quaternion`.
+
+    Returns:
+        (3,) metres and (4,).
+
+    Raises:
+        InvalidPose: the pose is no finite rigid transform, or another order.
+    """
+    from srs_ik.inputs.poses import as_rigid_matrix
+
+    if not isinstance(order, str) or order not in _FROM_XYZW:
+        raise InvalidPose(f"the order of a quaternion is 'xyzw' or 'wxyz', not {order!r}")
+    T = as_rigid_matrix(pose)
+    q = pin.Quaternion(np.ascontiguousarray(T[:3, :3])).normalized().coeffs()
+    return T[:3, 3].copy(), (q if q[3] >= 0.0 else -q)[_FROM_XYZW[order]]
+
+
+def _numbers(values: ArrayLike, count: int, what: str) -> Array:
+    try:
+        array = np.asarray(values, dtype=float)
+    except (TypeError, ValueError):
+        array = np.empty(0)
+    if array.shape != (count,) or not np.isfinite(array).all():
+        raise InvalidPose(f"{what} is {count} finite numbers, not {values!r}"[:200])
+    return array

@@ -1,0 +1,71 @@
+"""Answers: a posture, measured on the true chain, with the status that follows, written as a row."""
+
+from __future__ import annotations
+
+import math
+
+from srs_ik.kernels.chain.kinematics import pose_error
+from srs_ik.kernels.chain.newton import arm_angle, clipped
+from srs_ik.kernels.jit import kernel
+from srs_ik.kernels.layout import (
+    IS_CLOSED,
+    ROW_ARM_ANGLE,
+    ROW_BRANCH,
+    ROW_JOINT,
+    ROW_ORIENTATION_ERROR,
+    ROW_POSITION_ERROR,
+    ROW_Q,
+    ROW_STATUS,
+)
+from srs_ik.kernels.limb.branches import NO_BRANCH, branch_of
+from srs_ik.kernels.limb.goal import OUTSIDE, tightest_joint
+
+OK = 0.0
+UNREACHABLE = 1.0
+OUT_OF_LIMITS = 2.0
+
+SOLVED = 1e-9
+"""A posture is a solution if position (m) and orientation (rad) errors on the true chain are below this."""
+
+
+@kernel
+def write_row(place_, q, branch, psi, outside, exists, position, orientation, joint, out):
+    """Write a posture with its measured errors, and the status that follows from them."""
+    for i in range(7):
+        out[ROW_Q + i] = q[i]
+    out[ROW_POSITION_ERROR] = position
+    out[ROW_ORIENTATION_ERROR] = orientation
+    out[ROW_ARM_ANGLE] = psi - 2.0 * math.pi * math.floor((psi + math.pi) / (2.0 * math.pi))
+    out[ROW_BRANCH] = branch
+    out[ROW_JOINT] = joint
+    if max(position, orientation) < SOLVED:
+        out[ROW_STATUS] = OK
+    elif outside and exists and place_[5] == 0.0:
+        out[ROW_STATUS] = OUT_OF_LIMITS
+    else:
+        out[ROW_STATUS] = UNREACHABLE
+
+
+@kernel
+def measure_row(P, place_, R, p, q, branch, lowest, respect, out):
+    """Measure a posture on the true chain and write its row; outside its limits, it is put on them first."""
+    measure_row_at(P, place_, R, p, None, q, branch, lowest, respect, out)
+
+
+@kernel
+def measure_row_at(P, place_, R, p, psi, q, branch, lowest, respect, out):
+    """The same for a posture that has the arm angle psi where it meets its pose (None: not known)."""
+    outside = respect and lowest >= OUTSIDE
+    joint = 0
+    if outside:
+        joint = tightest_joint(P, q)
+        q = clipped(P, q)
+    position, orientation = pose_error(P, q, R, p)
+    if P[IS_CLOSED] != 1.0:
+        branch = branch_of(P, q)
+    if psi is None:
+        angle = arm_angle(P, q, place_[0], place_[1])
+    else:
+        solved = max(position, orientation) < SOLVED
+        angle = psi if solved else arm_angle(P, q, place_[0], place_[1])
+    write_row(place_, q, branch, angle, outside, lowest < NO_BRANCH, position, orientation, joint, out)

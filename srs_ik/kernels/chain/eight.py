@@ -1,0 +1,74 @@
+"""Eight postures at once: read from rows and written there, measured on the true chain, sorted into branches."""
+
+from __future__ import annotations
+
+from srs_ik.kernels.algebra.lane_trig import turn, turns_of
+from srs_ik.kernels.algebra.lanes import as_bits, as_mask, gather, root, scatter, where
+from srs_ik.kernels.algebra.vectors import dot, sub
+from srs_ik.kernels.chain.kinematics import tip_frame, turn_between
+from srs_ik.kernels.jit import kernel
+from srs_ik.kernels.layout import PHASE, SHOULDER, STRAIGHT, WRIST
+
+ALL = 0b11111111
+BEYOND_STRAIGHT = 0b11110000
+BEYOND_SHOULDER = 0b11001100
+BEYOND_WRIST = 0b10101010
+"""The branches, as the bits of their numbers, with q4, q2 and q6 below their phases."""
+
+
+@kernel
+def take_eight(rows, width):
+    """The first seven figures of eight rows, each as eight floats."""
+    return (
+        gather(rows, 0, width),
+        gather(rows, 1, width),
+        gather(rows, 2, width),
+        gather(rows, 3, width),
+        gather(rows, 4, width),
+        gather(rows, 5, width),
+        gather(rows, 6, width),
+    )
+
+
+@kernel
+def put_some(rows, column, width, which, x):
+    """Write one figure into those of eight rows that a mask names."""
+    scatter(rows, column, width, where(which, x, gather(rows, column, width)))
+
+
+@kernel
+def put_eight(rows, width, which, q):
+    """Write seven figures into those of eight rows that are named by bits."""
+    mask = as_mask(which)
+    put_some(rows, 0, width, mask, q[0])
+    put_some(rows, 1, width, mask, q[1])
+    put_some(rows, 2, width, mask, q[2])
+    put_some(rows, 3, width, mask, q[3])
+    put_some(rows, 4, width, mask, q[4])
+    put_some(rows, 5, width, mask, q[5])
+    put_some(rows, 6, width, mask, q[6])
+
+
+@kernel
+def tip_errors(P, q, R, p):
+    """How far the tips are from a pose (m), tangents of the angles they are off, and where these are angles, as a mask.
+
+    See `kinematics.frame_error`: a tangent is the angle where it is tiny.
+    """
+    x, y, z, tip = tip_frame(P, turns_of(q))
+    sine2, twice_cosine = turn_between(x, y, z, R)
+    twice_sine = root(dot(sine2, sine2))
+    off = sub(p, tip)
+    return root(dot(off, off)), twice_sine / twice_cosine, twice_sine < 1e-8 * twice_cosine
+
+
+@kernel
+def in_own_branch(P, q):
+    """Which of eight postures, as bits, lie each in the branch of its place among them."""
+    _, s2 = turn(q[1] - P[SHOULDER + PHASE])
+    _, s4 = turn(q[3] - P[STRAIGHT])
+    _, s6 = turn(q[5] - P[WRIST + PHASE])
+    wrong = as_bits(s4 < 0.0) ^ BEYOND_STRAIGHT
+    wrong |= as_bits(s2 < 0.0) ^ BEYOND_SHOULDER
+    wrong |= as_bits(s6 < 0.0) ^ BEYOND_WRIST
+    return ALL & ~wrong

@@ -1,0 +1,276 @@
+"""Newton closure: from a posture that almost reaches a pose to one that reaches it, on the true chain.
+
+Two forms. At a given arm angle the step is square: six equations of the pose, and one that keeps the elbow in its
+half-plane. With the arm angle free, the step is the shortest one, damped, and stays inside the limits.
+"""
+
+from __future__ import annotations
+
+import math
+
+from srs_ik.kernels.algebra.linear import solve_linear
+from srs_ik.kernels.algebra.vectors import across, add, along, cross, dot, load3, norm, rotate, scale, sub
+from srs_ik.kernels.chain.kinematics import joint_lines, turn_about_line, turn_between
+from srs_ik.kernels.jit import kernel
+from srs_ik.kernels.layout import (
+    AXES,
+    ELBOW_CENTRE,
+    IS_CLOSED,
+    LOWER,
+    SHOULDER_CENTRE,
+    UPPER,
+)
+from srs_ik.kernels.limb.triangle import arm_angle_of_direction, arm_frame, straight_offset
+
+CLOSED = 1e-12
+"""A posture whose position (m) and orientation (rad) errors are both below this needs no step."""
+
+ON_LINE = 1e-6
+"""An elbow this close to the line S-W, metres, is on either side of it."""
+
+STEPS = 12
+"""Steps of Newton's method at an arm angle, from the closed form."""
+
+STALL = 10
+"""After so many steps the error must have come down by a third, or the start was a bad one."""
+
+LAST_STEP = 3e-8
+"""A Newton step this short, rad, leaves an error of the order of its square: nothing."""
+
+MAX_STEP = 0.5
+"""Longest change of a joint in one step, rad."""
+
+
+@kernel
+def twist_to(x, y, z, position, R, p):
+    """Twist (linear, of the tip point, then angular; base axes) that leads from a frame to a pose."""
+    sine2, cosine2 = turn_between(x, y, z, R)
+    twice_sine = norm(sine2)
+    angle = math.atan2(twice_sine, cosine2)
+    turn = scale(angle / twice_sine if twice_sine > 1e-9 else 0.5, sine2)
+    return sub(p, position), turn
+
+
+@kernel
+def pose_step(P, q, R, p, J):
+    """Twist (linear then angular, tip point, base axes) that leads from the tip at q to the pose; fills J for it."""
+    x, y, z, position = joint_lines(P, q, J)
+    for joint in range(7):
+        axis = (J[3, joint], J[4, joint], J[5, joint])
+        v = add((J[0, joint], J[1, joint], J[2, joint]), cross(axis, position))
+        for i in range(3):
+            J[i, joint] = v[i]
+    return twist_to(x, y, z, position, R, p)
+
+
+@kernel
+def elbow_position(P, q):
+    """The elbow centre in the base frame: a point of axis 4, moved by joints 1 to 3."""
+    e = load3(P, ELBOW_CENTRE)
+    for k in range(3):
+        joint = 2 - k
+        angle = q[joint]
+        e = turn_about_line(P, joint, math.cos(angle), math.sin(angle), e)
+    return e
+
+
+@kernel
+def upper_arm_rotation(P, q, v):
+    """A vector of the upper arm's frame in the base frame."""
+    for k in range(3):
+        joint = 2 - k
+        angle = q[joint]
+        v = rotate(load3(P, AXES + 3 * joint), math.cos(angle), math.sin(angle), v)
+    return v
+
+
+@kernel
+def arm_angle(P, q, t, h0):
+    """Arm angle of a configuration whose S-W direction is t and whose zero direction is h0.
+
+    On an exact limb it is read off the rotation of the upper arm, which keeps its digits when the elbow is almost
+    straight; on a near limb off the position of the elbow centre.
+    """
+    if P[IS_CLOSED] == 1.0:
+        x = straight_offset(P, q[3])
+        _, h, _ = arm_frame(P, math.cos(x), math.sin(x))
+        return arm_angle_of_direction(t, h0, upper_arm_rotation(P, q, h))
+    return arm_angle_of_direction(t, h0, across(sub(elbow_position(P, q), load3(P, SHOULDER_CENTRE)), t))
+
+
+@kernel
+def moved(q, A, factor):
+    """The posture q plus a multiple of column 7 of A."""
+    return (
+        q[0] + factor * A[0, 7],
+        q[1] + factor * A[1, 7],
+        q[2] + factor * A[2, 7],
+        q[3] + factor * A[3, 7],
+        q[4] + factor * A[4, 7],
+        q[5] + factor * A[5, 7],
+        q[6] + factor * A[6, 7],
+    )
+
+
+@kernel
+def longest(A):
+    """Largest magnitude in column 7 of A."""
+    size = 0.0
+    for i in range(7):
+        size = max(size, abs(A[i, 7]))
+    return size
+
+
+@kernel
+def equations_at_angle(P, q, R, p, b, A):
+    """Write the seven equations of a Newton step at q into A: the pose, and no way across the half-plane with normal b.
+
+    Returns the error of the pose (m, rad) and the vector from the shoulder to the elbow centre.
+    """
+    x, y, z, position = joint_lines(P, q, A)
+    linear, angular = twist_to(x, y, z, position, R, p)
+    # The joint lines give velocities at the base origin.
+    at_origin = add(linear, cross(position, angular))
+    for i in range(3):
+        A[i, 7] = at_origin[i]
+        A[i + 3, 7] = angular[i]
+    elbow = elbow_position(P, q)
+    lever = cross(elbow, b)
+    for j in range(3):
+        A[6, j] = dot(b, (A[0, j], A[1, j], A[2, j])) + dot(lever, (A[3, j], A[4, j], A[5, j]))
+        A[6, j + 3] = 0.0
+    A[6, 6] = 0.0
+    reach = sub(elbow, load3(P, SHOULDER_CENTRE))
+    A[6, 7] = -dot(b, reach)
+    return max(norm(linear), norm(angular)), reach
+
+
+@kernel
+def close_at_angle(P, q, R, p, t, h0, psi, steps, A):
+    """Newton's method for the pose and the arm angle together.
+
+    Args:
+        P: packed limb.
+        q: posture to start from.
+        R: rotation of the wanted tip pose.
+        p: position of the wanted tip pose.
+        t: direction S-W of the pose.
+        h0: zero direction of the arm angle.
+        psi: wanted arm angle.
+        steps: largest number of steps.
+        A: (16, 9) work space.
+
+    Returns:
+        The posture, and whether pose and arm angle are met.
+    """
+    h = along(scale(math.cos(psi), h0), math.sin(psi), cross(t, h0))
+    b = cross(t, h)
+    for _ in range(steps):
+        error, reach = equations_at_angle(P, q, R, p, b, A)
+        if error < 0.1 * CLOSED and abs(A[6, 7]) < CLOSED:
+            return q, dot(h, reach) > -ON_LINE
+        if solve_linear(A, 7) == 0.0:
+            return q, False
+        size = longest(A)
+        q = moved(q, A, 1.0 if size < MAX_STEP else MAX_STEP / size)
+        if size < LAST_STEP:
+            return q, dot(h, reach) > -ON_LINE
+    error, reach = equations_at_angle(P, q, R, p, b, A)
+    return q, error < CLOSED and abs(A[6, 7]) < 1e3 * CLOSED and dot(h, reach) > -ON_LINE
+
+
+@kernel
+def close_free(P, q, R, p, respect, steps, J, A):
+    """Shortest damped steps towards the pose, the arm angle left free, inside the limits if they are respected.
+
+    Args:
+        P: packed limb.
+        q: posture to start from.
+        R: rotation of the wanted tip pose.
+        p: position of the wanted tip pose.
+        respect: whether to stay inside the joint limits.
+        steps: largest number of steps.
+        J: (6, 7) work space.
+        A: (16, 9) work space.
+
+    Returns:
+        The posture, and the larger of its position (m) and orientation (rad) errors.
+    """
+    error = 0.0
+    checkpoint = 1e9
+    for step in range(steps):
+        linear, angular = pose_step(P, q, R, p, J)
+        error = max(norm(linear), norm(angular))
+        if error < 0.1 * CLOSED:
+            break
+        if step % STALL == 0:
+            if error > 0.7 * checkpoint:
+                break
+            checkpoint = error
+        damping = min(1e-4, 1e-2 * error * error)
+        blocked = 0
+        q_next = q
+        for _ in range(7):
+            shortest_step(J, linear, angular, blocked, damping, A)
+            size = longest(A)
+            q_next = moved(q, A, 1.0 if size < MAX_STEP else MAX_STEP / size)
+            if not respect:
+                break
+            again = 0
+            for j in range(7):
+                if (blocked >> j) & 1 == 0:
+                    low = q_next[j] < P[LOWER + j] and q[j] <= P[LOWER + j] + 1e-9
+                    high = q_next[j] > P[UPPER + j] and q[j] >= P[UPPER + j] - 1e-9
+                    if low or high:
+                        again |= 1 << j
+            if again == 0:
+                break
+            blocked |= again
+        q = clipped(P, q_next) if respect else q_next
+    return q, error
+
+
+@kernel
+def shortest_step(J, linear, angular, blocked, damping, A):
+    """Write into column 7 of A the shortest joint step for a twist, joints in the bit set `blocked` held still."""
+    for i in range(6):
+        for k in range(6):
+            s = 0.0
+            for j in range(7):
+                if (blocked >> j) & 1 == 0:
+                    s += J[i, j] * J[k, j]
+            A[i, k] = s
+        A[i, i] += damping + 1e-16
+    for i in range(3):
+        A[i, 6] = linear[i]
+        A[i + 3, 6] = angular[i]
+    solved = solve_linear(A, 6) != 0.0
+    y0, y1, y2, y3, y4, y5 = A[0, 6], A[1, 6], A[2, 6], A[3, 6], A[4, 6], A[5, 6]
+    for j in range(7):
+        s = J[0, j] * y0 + J[1, j] * y1 + J[2, j] * y2 + J[3, j] * y3 + J[4, j] * y4 + J[5, j] * y5
+        A[j, 7] = s if solved and (blocked >> j) & 1 == 0 else 0.0
+
+
+@kernel
+def clipped(P, q):
+    """The posture with every joint inside its limits."""
+    return (
+        min(max(q[0], P[LOWER]), P[UPPER]),
+        min(max(q[1], P[LOWER + 1]), P[UPPER + 1]),
+        min(max(q[2], P[LOWER + 2]), P[UPPER + 2]),
+        min(max(q[3], P[LOWER + 3]), P[UPPER + 3]),
+        min(max(q[4], P[LOWER + 4]), P[UPPER + 4]),
+        min(max(q[5], P[LOWER + 5]), P[UPPER + 5]),
+        min(max(q[6], P[LOWER + 6]), P[UPPER + 6]),
+    )
+
+
+@kernel
+def load_system(J, d, A):
+    """Write J and a last row d into A, right-hand side zero."""
+    for j in range(7):
+        for i in range(6):
+            A[i, j] = J[i, j]
+        A[6, j] = d[j]
+    for i in range(7):
+        A[i, 7] = 0.0

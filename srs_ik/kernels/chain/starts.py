@@ -1,0 +1,110 @@
+"""The eight branches of a near limb at an arm angle, on its true chain.
+
+The closed form of the nearest exact limb gives the starts; Newton's method takes all of them to the true chain in step.
+"""
+
+from __future__ import annotations
+
+import math
+
+from srs_ik.kernels.algebra.pointers import row
+from srs_ik.kernels.chain.eight import in_own_branch, put_eight, take_eight
+from srs_ik.kernels.chain.newton import STEPS, close_at_angle
+from srs_ik.kernels.chain.newton_eight import close_eight
+from srs_ik.kernels.jit import kernel
+from srs_ik.kernels.layout import FAR, MISS, ROW_COST
+from srs_ik.kernels.limb.branches import NO_BRANCH, branch_of, elbow_starts, side_posture
+from srs_ik.kernels.limb.goal import cost, turned
+from srs_ik.kernels.limb.poses import read7
+from srs_ik.kernels.limb.triangle import elbow_side
+
+MOST_BENT = 0.3
+"""Widest bend of the elbow, rad, that counts as almost straight."""
+
+FIRST = 8
+WIDTH = 9
+"""The branches are in the rows of the work space A (16, 9) from FIRST on: seven angles, the cost, one to spare."""
+
+
+@kernel
+def bent_place(P, place_):
+    """A place whose elbow is not almost straight: there the bend depends on the square root of what the limb misses.
+
+    The bends of the true chain at a pose are so different that Newton's method starts better from a wider one.
+    """
+    t, h0, c, s, hand, miss = place_
+    bend = min(MOST_BENT, math.sqrt(8.0 * P[MISS] / P[FAR]))
+    if s >= bend:
+        return place_
+    return t, h0, math.copysign(math.sqrt(1.0 - bend * bend), c), bend, hand, miss
+
+
+@kernel
+def evaluate_branch(P, place_, side, R, p, psi, branch, seeded, seed, respect, A):
+    """Posture of one branch at an arm angle on the true chain: q, cost (NO_BRANCH where there is none)."""
+    q, _, lowest = side_posture(P, side, psi, (branch >> 1) & 1, branch & 1, seeded, seed, respect)
+    if lowest >= NO_BRANCH:
+        return q, lowest
+    closed_q, closed = close_at_angle(P, q, R, p, place_[0], place_[1], psi, STEPS, A)
+    if not closed or branch_of(P, closed_q) != branch:
+        # Newton's method may have met the pose, but elsewhere: that is no answer.
+        return q, NO_BRANCH
+    q = turned(P, closed_q, seeded, seed, respect)
+    return q, cost(P, q, seeded, seed, respect)
+
+
+@kernel
+def start_all(P, place_, psi, seeded, seed, respect, A):
+    """Write the closed form's posture of every branch at an arm angle into A; which exist, as bits."""
+    exist = 0
+    for elbow in range(2):
+        if elbow_starts(P, place_, psi, elbow, seeded, seed, respect, A, FIRST + 4 * elbow):
+            exist |= 0b1111 << 4 * elbow
+    return exist
+
+
+@kernel
+def close_all(P, place_, R, p, psi, wanted, seeded, seed, respect, A):
+    """The postures of all branches at an arm angle (or of one, 0 to 7) into A, and their costs.
+
+    A cost is NO_BRANCH where there is no posture.
+    """
+    exist = start_all(P, bent_place(P, place_), psi, seeded, seed, respect, A)
+    rows = row(A, FIRST)
+    q, met = close_eight(P, take_eight(rows, WIDTH), R, p, place_[0], place_[1], psi, STEPS)
+    met &= exist & in_own_branch(P, q)
+    put_eight(rows, WIDTH, met, q)
+    for b in range(8):
+        if wanted >= 0 and b != wanted:
+            continue
+        q = read7(row(A, FIRST + b))
+        lowest = NO_BRANCH
+        if (met >> b) & 1 == 1:
+            q = turned(P, q, seeded, seed, respect)
+            lowest = cost(P, q, seeded, seed, respect)
+        elif (exist >> b) & 1 == 1:
+            side = elbow_side(P, place_, b >> 2)
+            q, lowest = evaluate_branch(P, place_, side, R, p, psi, b, seeded, seed, respect, A)
+        for j in range(7):
+            A[FIRST + b, j] = q[j]
+        A[FIRST + b, ROW_COST] = lowest
+
+
+@kernel
+def best_row(rows, first, wanted):
+    """The branch of least cost among eight rows, or the wanted one (0 to 7)."""
+    if wanted >= 0:
+        return wanted
+    best = 0
+    for branch in range(1, 8):
+        if rows[first + branch, ROW_COST] < rows[first + best, ROW_COST]:
+            best = branch
+    return best
+
+
+@kernel
+def best_of_all(P, place_, R, p, psi, wanted, seeded, seed, respect, A):
+    """Best posture at an arm angle over all branches, or in one (0 to 7): q, branch, cost."""
+    close_all(P, place_, R, p, psi, wanted, seeded, seed, respect, A)
+    best = best_row(A, FIRST, wanted)
+    return read7(row(A, FIRST + best)), best, A[FIRST + best, ROW_COST]

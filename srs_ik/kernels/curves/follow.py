@@ -1,0 +1,260 @@
+"""The self-motion of a near limb, followed on its true chain.
+
+All postures that reach a pose form closed curves in the space of joint angles. Those of an exact limb are known in
+closed form (`intervals`); those of a near limb lie beside them but for the neighbourhood of singularities, where they
+connect otherwise and the arm angle may run back and forth. So they are followed step by step, along the null vector
+of the Jacobian.
+
+The null vector t is oriented so that the determinant of J with t as a last row is positive. Where two curves come
+close, a step from one to the other would keep the direction and turn this orientation around: that is how it is
+noticed.
+"""
+
+from __future__ import annotations
+
+import math
+
+from srs_ik.kernels.algebra.joint_vectors import along7, difference, dot7, short_way
+from srs_ik.kernels.algebra.linear import solve_linear
+from srs_ik.kernels.algebra.pointers import row
+from srs_ik.kernels.algebra.vectors import norm
+from srs_ik.kernels.chain.eight import put_eight, take_eight
+from srs_ik.kernels.chain.newton import CLOSED, STEPS, close_free, load_system, moved, pose_step
+from srs_ik.kernels.chain.newton_eight import close_eight
+from srs_ik.kernels.chain.starts import FIRST, WIDTH, start_all
+from srs_ik.kernels.jit import kernel
+from srs_ik.kernels.layout import BOTTOM_GAP, SHOULDER, TOP_GAP, WRIST
+from srs_ik.kernels.limb.goal import NO_SEED
+from srs_ik.kernels.limb.limits import turn_to_middle, violation
+from srs_ik.kernels.limb.poses import read7
+
+SAMPLE = 8
+"""A sample of a curve: its parameter, and seven joint angles."""
+
+LONGEST_STEP = 0.3
+"""Length of a step, rad."""
+
+SHORTEST_STEP = 1e-7
+"""Steps shorter than this, rad, mean a curve that cannot be followed."""
+
+SMALLEST_COSINE = 0.93
+"""Cosine of the largest angle by which a curve turns in one step."""
+
+WELL_STRAIGHT = 0.985
+"""Above this cosine, the next step is longer."""
+
+MOST_STEPS = 600
+
+CORRECTIONS = 12
+"""Newton's steps back to the curve, at most."""
+
+START_STEPS = 40
+STARTS = 8
+STARTS_OBLIQUE = 48
+"""Arm angles, all around, at which the closed form gives starts; a branch of oblique axes may be a short arc."""
+
+OBLIQUE = 1e-3
+"""Axes are oblique where this part of all directions, as a cosine, is beyond the reach of a shoulder or wrist."""
+
+BESIDE = 0.08
+"""A posture this close to the chord of a step, as a part of its length, is on the curve."""
+
+BEYOND = 1.2 * LONGEST_STEP
+"""Farther from a sample, rad, no joint of a posture beside the step from it is: the quicker question."""
+
+MAX_CURVES = 32
+
+CURVE = 3
+"""A curve: first row, the row behind the last, and whether it is closed (its last row then repeats the first)."""
+
+ELBOW_SPARE = 0.5
+"""By so much, rad, q4 of a start may be outside its limits where limits count."""
+
+FIRST_GUESS = (0.35, -0.25, 0.45, 0.15, 0.5, -0.4, 0.3)
+"""Any direction: the null vector at a start is oriented afterwards."""
+
+
+@kernel
+def load_sample(sample):
+    """Joint angles of a sample."""
+    return (sample[1], sample[2], sample[3], sample[4], sample[5], sample[6], sample[7])
+
+
+@kernel
+def put(rows, n, x, q):
+    """Append a sample; return the number of rows, which stays where there is no room."""
+    if n >= rows.shape[0]:
+        return n
+    rows[n, 0] = x
+    for j in range(7):
+        rows[n, 1 + j] = q[j]
+    return n + 1
+
+
+@kernel
+def null_vector(J, near, A):
+    """Unit null vector of J on the side of a direction, and the sign of its orientation (0 where J has lost rank)."""
+    load_system(J, near, A)
+    A[6, 7] = 1.0
+    sign = solve_linear(A, 7)
+    t = moved(NO_SEED, A, 1.0)
+    size = math.sqrt(dot7(t, t))
+    if sign == 0.0 or size == 0.0:
+        return near, 0.0
+    return along7(NO_SEED, 1.0 / size, t), sign
+
+
+@kernel
+def correct(P, q, d, place, R, p, J, A):
+    """Newton's method to the posture for a pose (R, p) with d'q = place: q, whether it is met, J left for it."""
+    error = 1.0
+    for i in range(CORRECTIONS + 1):
+        linear, angular = pose_step(P, q, R, p, J)
+        off = place - dot7(d, q)
+        error = max(norm(linear), norm(angular))
+        if error < 0.1 * CLOSED and abs(off) < CLOSED:
+            return q, True
+        if i == CORRECTIONS:
+            break
+        load_system(J, d, A)
+        for i in range(3):
+            A[i, 7] = linear[i]
+            A[i + 3, 7] = angular[i]
+        A[6, 7] = off
+        if solve_linear(A, 7) == 0.0:
+            return q, False
+        q = moved(q, A, 1.0)
+    return q, error < CLOSED
+
+
+@kernel
+def between(P, R, p, a, b, share, J, A):
+    """The posture of a curve between samples a and b, at a share of the way along their chord: q, whether it is met."""
+    chord = difference(a, b)
+    length = math.sqrt(dot7(chord, chord))
+    if length == 0.0:
+        return a, True
+    d = along7(NO_SEED, 1.0 / length, chord)
+    start = along7(a, share, chord)
+    return correct(P, start, d, dot7(d, start), R, p, J, A)
+
+
+@kernel
+def is_known(q, t, rows, curves, count):
+    """Whether a posture with the oriented null vector t lies on one of the curves."""
+    for k in range(count):
+        for i in range(int(curves[k, 0]), int(curves[k, 1]) - 1):
+            if abs(short_way(q[1] - rows[i, 2])) > BEYOND or abs(short_way(q[5] - rows[i, 6])) > BEYOND:
+                continue
+            a = load_sample(rows[i])
+            to_q = difference(a, q)
+            chord = difference(a, load_sample(rows[i + 1]))
+            length2 = dot7(chord, chord)
+            share = dot7(to_q, chord)
+            if length2 == 0.0 or share < -BESIDE * length2 or share > (1.0 + BESIDE) * length2 or dot7(t, chord) < 0.0:
+                continue
+            off = along7(to_q, -share / length2, chord)
+            if dot7(off, off) < BESIDE * BESIDE * length2 + CLOSED:
+                return True
+    return False
+
+
+@kernel
+def follow(P, R, p, q, t, way, rows, n, J, A):
+    """Follow the curve through q along its oriented null vector t (way = 1.0), or against it (-1.0).
+
+    Returns the rows in use, whether the curve has closed, and the last posture with its null vector.
+    """
+    first = q
+    first_t = t
+    n0 = n
+    length = 0.0
+    step = LONGEST_STEP
+    n = put(rows, n, length, q)
+    for _ in range(MOST_STEPS):
+        if n >= rows.shape[0] or step < SHORTEST_STEP:
+            break
+        if n - n0 > 2:
+            back = difference(q, first)
+            ahead = way * dot7(t, back)
+            off = along7(back, -way * ahead, t)
+            if 0.0 < ahead <= step and dot7(first_t, t) > SMALLEST_COSINE and dot7(off, off) < 0.1 * ahead * ahead:
+                return put(rows, n, length + ahead, first), True, q, t
+        next_q, met = correct(P, along7(q, way * step, t), t, dot7(t, q) + way * step, R, p, J, A)
+        if not met:
+            step *= 0.5
+            continue
+        next_t, sign = null_vector(J, t, A)
+        cosine = dot7(t, next_t)
+        if sign <= 0.0 or cosine < SMALLEST_COSINE:
+            step *= 0.5
+            continue
+        q = next_q
+        t = next_t
+        length += step
+        n = put(rows, n, length, q)
+        if cosine > WELL_STRAIGHT:
+            step = min(1.5 * step, LONGEST_STEP)
+    return n, False, q, t
+
+
+@kernel
+def reverse(rows, first, n):
+    """Turn the samples of an open curve around, in the rows first to n - 1."""
+    length = rows[n - 1, 0]
+    for i in range(first, n):
+        rows[i, 0] = length - rows[i, 0]
+    i = first
+    j = n - 1
+    while i < j:
+        for c in range(SAMPLE):
+            rows[i, c], rows[j, c] = rows[j, c], rows[i, c]
+        i += 1
+        j -= 1
+
+
+@kernel
+def follow_all(P, place_, R, p, respect, rows, curves, J, A):
+    """Follow every curve of a pose that the closed form of the nearest exact limb leads to; the number of curves."""
+    n = 0
+    count = 0
+    oblique = P[SHOULDER + TOP_GAP] + P[SHOULDER + BOTTOM_GAP] + P[WRIST + TOP_GAP] + P[WRIST + BOTTOM_GAP] > OBLIQUE
+    angles = STARTS_OBLIQUE if oblique else STARTS
+    starts = row(A, FIRST)
+    for i in range(angles):
+        psi = (2.0 * i / angles - 1.0) * math.pi
+        exist = start_all(P, place_, psi, False, NO_SEED, False, A)
+        postures, met = close_eight(P, take_eight(starts, WIDTH), R, p, place_[0], place_[1], psi, STEPS)
+        put_eight(starts, WIDTH, met, postures)
+        for branch in range(8):
+            q = read7(row(A, FIRST + branch))
+            spare = ELBOW_SPARE - violation(P, 3, turn_to_middle(P, 3, q[3])) if respect else ELBOW_SPARE
+            # At the edge of the reach of oblique axes, the true chain may have postures where the closed form has none.
+            exists = oblique or (exist >> branch) & 1 == 1
+            if spare < 0.0 or not exists or count >= curves.shape[0]:
+                continue
+            if (met >> branch) & 1 == 0:
+                q, error = close_free(P, q, R, p, False, START_STEPS, J, A)
+                if error > CLOSED:
+                    continue
+            pose_step(P, q, R, p, J)
+            t, sign = null_vector(J, FIRST_GUESS, A)
+            if sign == 0.0:
+                continue
+            t = along7(NO_SEED, sign, t)
+            if is_known(q, t, rows, curves, count):
+                continue
+            first = n
+            n, closed, q, t = follow(P, R, p, q, t, 1.0, rows, n, J, A)
+            if not closed:
+                # It ends where curves cross: all of it lies behind that end.
+                n, closed, _, _ = follow(P, R, p, q, t, -1.0, rows, first, J, A)
+                reverse(rows, first, n)
+            if n - first < 2:
+                n = first
+                continue
+            curves[count, 0] = first
+            curves[count, 1] = n
+            curves[count, 2] = 1.0 if closed else 0.0
+            count += 1
+    return count

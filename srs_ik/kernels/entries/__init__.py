@@ -1,0 +1,1 @@
+"""The counter where Python meets kernels; nothing outside imports any kernel but these, and `layout`."""

@@ -1,0 +1,116 @@
+"""Entry points: thin array wrappers around the kernels, for one pose and for many.
+
+An argument that is not given is None, and Numba compiles no more than the arguments at hand need. On a limb that the
+closed form answers, J and A are None; else they are work space, (6, 7) and (16, 9) (see `chain.starts`).
+
+A solving function writes rows laid out as `ROW_*` in `layout`; statuses are numbered as in `srs_ik.Status`.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from srs_ik.kernels.algebra.pointers import row
+from srs_ik.kernels.chain.answer import OK, measure_row
+from srs_ik.kernels.exact.farthest import farthest
+from srs_ik.kernels.exact.intervals import MAX_PIECES
+from srs_ik.kernels.jit import entry
+from srs_ik.kernels.layout import (
+    LIMITED,
+    ROW_STATUS,
+)
+from srs_ik.kernels.limb.limits import set_limits
+from srs_ik.kernels.limb.poses import GOOD_POSE, read_pose
+from srs_ik.kernels.limb.triangle import place
+from srs_ik.kernels.near.intervals import best_of_true_intervals
+from srs_ik.kernels.pose.intervals import all_intervals
+from srs_ik.kernels.pose.solve import all_branches, own, own_seed, solve_row, solve_row_at
+
+
+@entry
+def solve(family, T, branch, seed, respect, J, A, out):
+    """`solve_row` of one pose."""
+    return solve_row(family, row(T, 0), branch, seed, respect, J, A, row(out, 0))
+
+
+@entry
+def solve_at(family, T, psi, branch, seed, respect, J, A, out):
+    """`solve_row_at` of one pose."""
+    return solve_row_at(family, row(T, 0), psi, branch, seed, respect, J, A, row(out, 0))
+
+
+@entry
+def solve_range(family, poses, first, last, branch, seeds, respect, J, A, out, verdicts):
+    """`solve` for the poses first to last - 1; seeds hold one for all, or one a pose, or are None."""
+    for i in range(first, last):
+        verdicts[i] = solve_row(family, row(poses, i), branch, own_seed(seeds, i), respect, J, A, row(out, i))
+
+
+@entry
+def solve_at_range(family, poses, first, last, psis, branch, seeds, respect, J, A, out, verdicts):
+    """`solve_at` for the poses first to last - 1; psis and seeds hold one for all, or one a pose."""
+    for i in range(first, last):
+        verdicts[i] = solve_row_at(
+            family, row(poses, i), own(psis, i), branch, own_seed(seeds, i), respect, J, A, row(out, i)
+        )
+
+
+@entry
+def solve_all(family, T, psi, respect, J, A, out):
+    """Branches of one pose that are solutions at an arm angle, in order: number of rows, or minus the verdict."""
+    verdict = all_branches(row(family, LIMITED), row(T, 0), psi, respect, J, A, out, 0)
+    if verdict != GOOD_POSE:
+        return -verdict
+    n = 0
+    for i in range(8):
+        if out[i, ROW_STATUS] == OK:
+            if n < i:
+                out[n] = out[i]
+            n += 1
+    return n
+
+
+@entry
+def solve_all_range(family, poses, first, last, psis, respect, J, A, out, verdicts):
+    """All eight branches of the poses first to last - 1, in eight rows of `out` a pose."""
+    for i in range(first, last):
+        verdicts[i] = all_branches(row(family, LIMITED), row(poses, i), own(psis, i), respect, J, A, out, 8 * i)
+
+
+@entry
+def intervals(family, T, respect, J, A, out):
+    """Feasible intervals of one pose: number of rows written to `out` (n, 3), or minus the verdict."""
+    R, p, verdict = read_pose(row(T, 0))
+    if verdict != GOOD_POSE:
+        return -verdict
+    return all_intervals(family, place(row(family, LIMITED), R, p), R, p, respect, J, A, out)
+
+
+@entry
+def solve_intervals(family, T, respect, J, A, out):
+    """The best posture of every feasible interval of one pose: number of rows of `out`, or minus the verdict."""
+    R, p, verdict = read_pose(row(T, 0))
+    if verdict != GOOD_POSE:
+        return -verdict
+    P = row(family, LIMITED)
+    place_ = place(P, R, p)
+    if J is not None:
+        return best_of_true_intervals(P, place_, R, p, respect, out, J, A)
+    found = np.empty((8 * MAX_PIECES, 3))
+    n = all_intervals(family, place_, R, p, respect, J, A, found)
+    for i in range(n):
+        q, b, lowest = farthest(P, place_, found, i, i + 1, -1, respect)
+        measure_row(P, place_, R, p, q, b, lowest, respect, row(out, i))
+    return n
+
+
+@entry
+def pack_limits(P, lower, upper):
+    """Write the limits (7,) and (7,) into a limb that is being packed."""
+    set_limits(row(P, 0), lower, upper)
+
+
+@entry
+def check_pose(T):
+    """Verdict on a pose."""
+    return read_pose(row(T, 0))[2]

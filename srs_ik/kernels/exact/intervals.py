@@ -1,0 +1,338 @@
+"""Feasible arm angles of the eight branches, exactly: from roots of linear forms in cosine and sine of the arm angle.
+
+With the elbow angle fixed, every vector that the shoulder or the wrist has to turn moves on a circle with the arm
+angle. A joint reaches a limit where one linear form vanishes (method of Shimizu et al. 2008 and Faria et al. 2018, here
+for axes in any direction), so the arm angles at which anything can change are known; between two of them one test
+decides.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from srs_ik.kernels.algebra.vectors import dot, load3, swing
+from srs_ik.kernels.jit import kernel
+from srs_ik.kernels.layout import (
+    A1,
+    A1_A2,
+    A2_A3,
+    BOTTOM_GAP,
+    BOUND_1_LOWER,
+    BOUND_1_UPPER,
+    BOUND_2_LOWER,
+    BOUND_2_UPPER,
+    BOUND_3_LOWER,
+    BOUND_3_UPPER,
+    FIRST_JOINT,
+    RANGE_KIND,
+    SHOULDER,
+    SLACK_JOIN,
+    TOP_GAP,
+    WRIST,
+)
+from srs_ik.kernels.limb.limits import is_inside, turn_to_middle, violation
+from srs_ik.kernels.limb.spherical import angles, default_anchor, middle_angle, sines
+from srs_ik.kernels.limb.triangle import elbow_side
+
+MAX_EVENTS = 18
+"""Most arm angles at which one spherical joint can start or stop to be feasible."""
+
+MAX_PIECES = 2 * MAX_EVENTS
+"""Most intervals of one branch."""
+
+TOUCH = 1e-12
+"""A linear form that misses its value by less than this, relative to its swing, touches it."""
+
+SAME = 1e-12
+"""Ends closer than this, rad, are one."""
+
+PI = math.pi
+TURN = 2.0 * math.pi
+
+
+@kernel
+def insert(x, values, n):
+    """Insert a number into the sorted first n values; return how many they are then."""
+    i = n
+    while i > 0 and values[i - 1] > x:
+        values[i] = values[i - 1]
+        i -= 1
+    values[i] = x
+    return n + 1
+
+
+@kernel
+def add_event(psi, events, n):
+    """Insert an arm angle, wrapped to [-pi, pi), into the sorted first n events."""
+    psi -= TURN * math.floor((psi + PI) / TURN)
+    return insert(psi - TURN if psi >= PI else psi, events, n)
+
+
+@kernel
+def add_roots(x, circle, value, events, n):
+    """Insert the arm angles at which a vector on a circle has the product `value` with x."""
+    c = dot(x, circle[1])
+    s = dot(x, circle[2])
+    rest = value - dot(x, circle[0])
+    r = math.sqrt(c * c + s * s)
+    if r < 1e-15 or abs(rest) > r * (1.0 + TOUCH):
+        return n
+    middle = math.atan2(s, c)
+    apart = math.atan2(math.sqrt(max((r - rest) * (r + rest), 0.0)), rest)
+    n = add_event(middle + apart, events, n)
+    return add_event(middle - apart, events, n)
+
+
+@kernel
+def joint_events(P, k, motion, events):
+    """Arm angles at which the spherical joint at block k reaches a limit, the end of its reach, or a singularity."""
+    v, _, r = motion
+    a1 = load3(P, k + A1)
+    first = int(P[k + FIRST_JOINT])
+    n = 0
+    if P[RANGE_KIND + first] != 0.0:
+        n = add_roots(load3(P, k + BOUND_1_LOWER), v, P[k + A2_A3], events, n)
+        n = add_roots(load3(P, k + BOUND_1_UPPER), v, P[k + A2_A3], events, n)
+    if P[RANGE_KIND + first + 1] != 0.0:
+        n = add_roots(a1, v, P[k + BOUND_2_LOWER], events, n)
+        n = add_roots(a1, v, P[k + BOUND_2_UPPER], events, n)
+    if P[RANGE_KIND + first + 2] != 0.0:
+        n = add_roots(load3(P, k + BOUND_3_LOWER), r, P[k + A1_A2], events, n)
+        n = add_roots(load3(P, k + BOUND_3_UPPER), r, P[k + A1_A2], events, n)
+    if P[k + TOP_GAP] > TOUCH:
+        n = add_roots(a1, v, 1.0 - P[k + TOP_GAP], events, n)
+    if P[k + BOTTOM_GAP] > TOUCH:
+        n = add_roots(a1, v, P[k + BOTTOM_GAP] - 1.0, events, n)
+    # Passing through axes 1 and 3 parallel, joints 1 and 3 jump by half a turn within the branch.
+    constant = dot(a1, v[0])
+    c = dot(a1, v[1])
+    s = dot(a1, v[2])
+    r1 = math.sqrt(c * c + s * s)
+    if r1 > 1e-15:
+        if constant + r1 > 1.0 - TOUCH:
+            n = add_event(math.atan2(s, c), events, n)
+        if constant - r1 < TOUCH - 1.0:
+            n = add_event(math.atan2(-s, -c), events, n)
+    return n
+
+
+@kernel
+def fits(P, k, v, y, c, s, sign):
+    """Whether one solution of the spherical joint at block k has turns inside the limits."""
+    first = int(P[k + FIRST_JOINT])
+    c1, s1, c2, s2, c3, s3, length = sines(P, k, v, y, c, s, sign)
+    if not is_inside(P, first + 1, c2, s2, 1.0):
+        return False
+    if length > 0.0:
+        return is_inside(P, first, c1, s1, 1.0) and is_inside(P, first + 2, c3, s3, 1.0)
+    q = angles(P, k, v, y, c, s, sign, default_anchor(P, k))
+    return (
+        violation(P, first, turn_to_middle(P, first, q[0])) == 0.0
+        and violation(P, first + 2, turn_to_middle(P, first + 2, q[2])) == 0.0
+    )
+
+
+@kernel
+def feasible_signs(P, k, motion, psi, wanted):
+    """Which of the wanted solutions (bits 1: first, 2: second) of a spherical joint keep the limits at psi."""
+    cos_psi = math.cos(psi)
+    sin_psi = math.sin(psi)
+    v0, y0, _ = motion
+    v = swing(v0[0], v0[1], v0[2], cos_psi, sin_psi)
+    y = swing(y0[0], y0[1], y0[2], cos_psi, sin_psi)
+    c, s, reached = middle_angle(P, k, v)
+    if not reached:
+        return 0
+    first = 1 if wanted & 1 and fits(P, k, v, y, c, s, 0) else 0
+    return first | (2 if wanted & 2 and fits(P, k, v, y, c, s, 1) else 0)
+
+
+@kernel
+def mark_gaps(P, k, motion, wanted, events, marks):
+    """Find the events of a spherical joint, mark the gap behind each with its feasible signs; return their number."""
+    n = joint_events(P, k, motion, events)
+    for i in range(n):
+        end = events[i + 1] if i + 1 < n else events[0] + TURN
+        marks[i] = -1
+        if end > events[i]:
+            marks[i] = feasible_signs(P, k, motion, 0.5 * (events[i] + end), wanted)
+    # Equal events leave no gap between them: it takes after the gap before it, and so parts and joins nothing.
+    before = marks[n - 1] if n > 0 else 0
+    for i in range(n):
+        if marks[i] < 0:
+            marks[i] = before
+        before = marks[i]
+    return n
+
+
+@kernel
+def write_piece(pieces, sign, n, lower, upper):
+    """Append an interval to the pieces of a solution."""
+    pieces[sign, n, 0] = lower
+    pieces[sign, n, 1] = upper
+    return n + 1
+
+
+@kernel
+def sign_pieces(P, k, motion, wanted, events, marks, n, sign, pieces):
+    """Feasible arm angles of one solution of a spherical joint as circular intervals, from marked gaps; their number.
+
+    A full circle is the single piece (-pi, pi).
+    """
+    bit = 1 << sign
+    start = -1
+    some = False
+    for i in range(n):
+        if marks[i] & bit:
+            some = True
+            if not marks[i - 1 if i > 0 else n - 1] & bit:
+                start = i
+                break
+    if some and start < 0:
+        return write_piece(pieces, sign, 0, -PI, PI)
+    count = 0
+    i = 0
+    while start >= 0 and i < n:
+        length = 0
+        while i + length < n and marks[(start + i + length) % n] & bit:
+            length += 1
+        if length == 0:
+            i += 1
+            continue
+        last = (start + i) % n + length
+        count = write_piece(pieces, sign, count, events[(start + i) % n], events[last % n] + TURN * (last // n))
+        i += length
+    # Single arm angles at which a joint just touches a limit from outside.
+    for i in range(n):
+        before = marks[i - 1 if i > 0 else n - 1]
+        if wanted & bit and (before | marks[i]) & bit == 0 and feasible_signs(P, k, motion, events[i], bit):
+            count = write_piece(pieces, sign, count, events[i], events[i])
+    return count
+
+
+@kernel
+def joint_pieces(P, k, motion, wanted, events, marks, pieces):
+    """Feasible arm angles of the wanted solutions of a spherical joint (bits); how many pieces each of the two has."""
+    n = mark_gaps(P, k, motion, wanted, events, marks)
+    if n == 0:
+        events[0] = 0.0
+        marks[0] = feasible_signs(P, k, motion, 0.0, wanted)
+        n = 1
+    n0 = sign_pieces(P, k, motion, wanted, events, marks, n, 0, pieces)
+    return n0, sign_pieces(P, k, motion, wanted, events, marks, n, 1, pieces)
+
+
+@kernel
+def write_interval(out, first, n, branch, lower, upper):
+    """Insert an interval, lower end brought to [-pi, pi), into the sorted rows first to n - 1 of a branch."""
+    if n >= out.shape[0]:
+        return n
+    shift = TURN * math.floor((lower + PI) / TURN)
+    i = n
+    while i > first and out[i - 1, 1] > lower - shift:
+        out[i, 1] = out[i - 1, 1]
+        out[i, 2] = out[i - 1, 2]
+        i -= 1
+    out[i, 1] = lower - shift
+    out[i, 2] = upper - shift
+    out[n, 0] = branch
+    return n + 1
+
+
+@kernel
+def join_touching(out, first, n):
+    """Join the sorted intervals of a branch that touch, also around the circle; return the number of rows in use."""
+    last = first
+    for i in range(first + 1, n):
+        if out[i, 1] <= out[last, 2] + SAME:
+            out[last, 2] = max(out[last, 2], out[i, 2])
+        else:
+            last += 1
+            out[last, 1] = out[i, 1]
+            out[last, 2] = out[i, 2]
+    if last > first and out[first, 1] + TURN <= out[last, 2] + SAME:
+        upper = max(out[last, 2], out[first, 2] + TURN)
+        for i in range(first, last):
+            out[i, 1] = out[i + 1, 1]
+            out[i, 2] = out[i + 1, 2]
+        last -= 1
+        out[last, 2] = upper
+    if out[first, 2] - out[first, 1] >= TURN - SAME:
+        out[first, 1] = -PI
+        out[first, 2] = PI
+    return last + 1
+
+
+@kernel
+def intersect(a, na, sign_a, b, nb, sign_b, slack, branch, out, n):
+    """Append the arm angles feasible for both a shoulder and a wrist solution."""
+    if na == 0 or nb == 0:
+        return n
+    first = n
+    if b[sign_b, 0, 1] - b[sign_b, 0, 0] >= TURN:
+        for i in range(na):
+            n = write_interval(out, first, n, branch, a[sign_a, i, 0], a[sign_a, i, 1])
+    elif a[sign_a, 0, 1] - a[sign_a, 0, 0] >= TURN:
+        for j in range(nb):
+            n = write_interval(out, first, n, branch, b[sign_b, j, 0], b[sign_b, j, 1])
+    else:
+        for i in range(na):
+            for j in range(nb):
+                for turns in range(-1, 2):
+                    lower = max(a[sign_a, i, 0], b[sign_b, j, 0] + turns * TURN)
+                    upper = min(a[sign_a, i, 1], b[sign_b, j, 1] + turns * TURN)
+                    if lower <= upper:
+                        n = write_interval(out, first, n, branch, lower, upper)
+                    elif lower <= upper + slack:
+                        n = write_interval(out, first, n, branch, 0.5 * (lower + upper), 0.5 * (lower + upper))
+    return join_touching(out, first, n) if n > first else n
+
+
+@kernel
+def feasible_intervals(P, place_, branch, events, marks, shoulder, wrist, out):
+    """Write (branch, lower, upper) of every feasible interval of arm angles into the rows of out; return their number.
+
+    Args:
+        P: packed limb; packed without limits where they are not to count (the reach of oblique axes always does).
+        place_: the pose, from `triangle.place`.
+        branch: the only one that is wanted; -1: all.
+        events: (MAX_EVENTS,) work space.
+        marks: (MAX_EVENTS,) integer work space.
+        shoulder: (2, MAX_PIECES, 2) work space.
+        wrist: (2, MAX_PIECES, 2) work space.
+        out: (n, 3) output, branch after branch and sorted; 8 x MAX_PIECES rows always suffice.
+    """
+    n = 0
+    wanted_s = 3 if branch < 0 else 1 << ((branch >> 1) & 1)
+    wanted_w = 3 if branch < 0 else 1 << (branch & 1)
+    for elbow in range(2):
+        if branch >= 0 and branch >> 2 != elbow:
+            continue
+        q4, motion_s, motion_w, _ = elbow_side(P, place_, elbow)
+        if violation(P, 3, turn_to_middle(P, 3, q4)) > 0.0:
+            continue
+        s = joint_pieces(P, SHOULDER, motion_s, wanted_s, events, marks, shoulder)
+        if s[0] + s[1] == 0:
+            continue
+        w = joint_pieces(P, WRIST, motion_w, wanted_w, events, marks, wrist)
+        for i in range(2):
+            for j in range(2):
+                n = intersect(shoulder, s[i], i, wrist, w[j], j, P[SLACK_JOIN], 4 * elbow + 2 * i + j, out, n)
+    return n
+
+
+@kernel
+def find_intervals(P, place_, branch, out):
+    """Feasible intervals of one pose (in one branch, if it is wanted), with work space of their own."""
+    return feasible_intervals(
+        P,
+        place_,
+        branch,
+        np.empty(MAX_EVENTS),
+        np.empty(MAX_EVENTS, np.int64),
+        np.empty((2, MAX_PIECES, 2)),
+        np.empty((2, MAX_PIECES, 2)),
+        out,
+    )

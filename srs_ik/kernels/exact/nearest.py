@@ -1,0 +1,387 @@
+"""The posture nearest to a seed, over all branches and arm angles.
+
+A local search gives a posture at some distance D. A nearer one would have every joint within D of the seed: so the
+exact intervals for limits tightened to that box hold all that can still be better, which is little or nothing.
+"""
+
+from __future__ import annotations
+
+import math
+
+from srs_ik.kernels.algebra.joint_vectors import dot7
+from srs_ik.kernels.algebra.vectors import along, dot, load3, norm, rotate, sub
+from srs_ik.kernels.chain.newton import (
+    CLOSED,
+    MAX_STEP,
+    arm_angle,
+    clipped,
+    close_free,
+    longest,
+    moved,
+    pose_step,
+    shortest_step,
+)
+from srs_ik.kernels.jit import kernel
+from srs_ik.kernels.layout import (
+    A1,
+    A2,
+    A3,
+    ACROSS_3,
+    FAR,
+    IS_CLOSED,
+    LOWER,
+    MISS,
+    PHASE,
+    SHOULDER,
+    SIZE,
+    STRAIGHT,
+    UPPER,
+    WRIST,
+)
+from srs_ik.kernels.limb.branches import NO_BRANCH, branch_of, is_unsure, side_posture
+from srs_ik.kernels.limb.goal import NO_SEED, OUTSIDE, cost, turned
+from srs_ik.kernels.limb.limits import set_joint_limits, set_limit
+from srs_ik.kernels.limb.self_motion import rates
+from srs_ik.kernels.limb.triangle import elbow_side
+
+NEWTON_STEPS = 12
+
+SLIDE_STEPS = 30
+SLID = 1e-11
+"""Steps on the true chain, and the size of the last one, rad."""
+
+STRAIGHT_ON = 1e-3
+MOST_SHARE = 2.0
+"""Below this error of the pose (m, rad) the steps are corrected, and by this factor at most."""
+
+BETWEEN_LIMBS = 0.05
+NEARNESS = 10.0
+"""A near limb's joints are no farther from those of its nearest exact limb, rad, away from singularities: the former at
+most, the latter for each part of its reach by which it misses."""
+
+CLOSE = 0.1
+"""The search across singularities is for seeds no farther than this from a posture, rad."""
+
+VALLEY = 0.3
+MOST_STARTS = 24
+"""Local searches start this far apart in arm angle, rad; more of them than this are no better than to follow curves."""
+
+CONVERGED = 1e-11
+"""A step of the arm angle below this, rad, ends the local search."""
+
+
+@kernel
+def spherical_columns(P, k, q1, q2, q3):
+    """R a3 and R ACROSS_3 of the spherical joint at block k at three angles."""
+    a1 = load3(P, k + A1)
+    a2 = load3(P, k + A2)
+    a3 = load3(P, k + A3)
+    c1, s1, c2, s2 = math.cos(q1), math.sin(q1), math.cos(q2), math.sin(q2)
+    y = rotate(a3, math.cos(q3), math.sin(q3), load3(P, k + ACROSS_3))
+    return rotate(a1, c1, s1, rotate(a2, c2, s2, a3)), rotate(a1, c1, s1, rotate(a2, c2, s2, y))
+
+
+@kernel
+def seed_angle(P, side, seed):
+    """The arm angle at which shoulder and wrist are turned most like the seed's."""
+    v, y = spherical_columns(P, SHOULDER, seed[0], seed[1], seed[2])
+    circle_v, circle_y, _ = side[1]
+    c = dot(v, circle_v[1]) + dot(y, circle_y[1])
+    s = dot(v, circle_v[2]) + dot(y, circle_y[2])
+    v, y = spherical_columns(P, WRIST, seed[4], seed[5], seed[6])
+    circle_v, circle_y, _ = side[2]
+    c += dot(v, circle_v[1]) + dot(y, circle_y[1])
+    s += dot(v, circle_v[2]) + dot(y, circle_y[2])
+    return math.atan2(s, c)
+
+
+@kernel
+def descend(P, place_, side, psi, branch, seed, respect):
+    """Gauss-Newton steps from an arm angle to the nearest posture of its branch: psi, q, cost, converged."""
+    t = place_[0]
+    w = side[3]
+    shoulder = (branch >> 1) & 1
+    wrist = branch & 1
+    q, _, lowest = side_posture(P, side, psi, shoulder, wrist, True, seed, respect)
+    for _ in range(NEWTON_STEPS):
+        if lowest >= OUTSIDE:
+            return psi, q, lowest, False
+        rate, good = rates(P, q, t, w)
+        if not good:
+            return psi, q, lowest, False
+        slope = 0.0
+        curvature = 0.0
+        for j in range(7):
+            slope += (q[j] - seed[j]) * rate[j]
+            curvature += rate[j] * rate[j]
+        step = -slope / curvature
+        if abs(step) < CONVERGED:
+            return psi, q, lowest, True
+        better_q, _, value = side_posture(P, side, psi + step, shoulder, wrist, True, seed, respect)
+        halvings = 0
+        while value > lowest and halvings < 4:
+            step *= 0.5
+            halvings += 1
+            better_q, _, value = side_posture(P, side, psi + step, shoulder, wrist, True, seed, respect)
+        if value >= lowest:
+            return psi, q, lowest, abs(step) < 1e-8
+        psi += step
+        q = better_q
+        lowest = value
+    return psi, q, lowest, False
+
+
+@kernel
+def first_guess(P, place_, seed, respect):
+    """A posture near the seed by local search: psi, q, branch, cost, and whether it is a local minimum."""
+    best_psi = 0.0
+    best_q = seed
+    best = 0
+    lowest = 4.0 * NO_BRANCH
+    minimum = False
+    for elbow in range(2):
+        side = elbow_side(P, place_, elbow)
+        across = side[0] - seed[3]
+        across -= 2.0 * math.pi * math.floor(across / (2.0 * math.pi) + 0.5)
+        if across * across >= lowest:
+            continue
+        psi = seed_angle(P, side, seed)
+        _, b, value = side_posture(P, side, psi, -1, -1, True, seed, respect)
+        if value >= OUTSIDE:
+            continue
+        psi, q, value, converged = descend(P, place_, side, psi, b, seed, respect)
+        if value < lowest:
+            best_psi = psi
+            best_q = q
+            best = 4 * elbow + b
+            lowest = value
+            minimum = converged
+    return best_psi, best_q, best, lowest, minimum
+
+
+@kernel
+def read_step(A):
+    """Column 7 of A as a tuple."""
+    return (A[0, 7], A[1, 7], A[2, 7], A[3, 7], A[4, 7], A[5, 7], A[6, 7])
+
+
+@kernel
+def slide(P, q, R, p, seed, respect, J, A):
+    """Gauss-Newton on the true chain to the posture nearest to a seed, from one close to it: q, converged.
+
+    Each step closes the pose to first order and goes towards the seed as far as the pose allows; a joint that would
+    leave its limits stays on the limit. How far to go is corrected by the last two steps (a secant): where the curve of
+    postures is bent as much as the seed is far, the plain steps would swing around the nearest posture.
+    """
+    blocked = 0
+    size = 1.0
+    share = 1.0
+    way = NO_SEED
+    square = 0.0
+    for _ in range(SLIDE_STEPS):
+        linear, angular = pose_step(P, q, R, p, J)
+        error = max(norm(linear), norm(angular))
+        if size < SLID and error < CLOSED:
+            return q, True
+        wish = (0.0, 0.0, 0.0)
+        turn_wish = (0.0, 0.0, 0.0)
+        for j in range(7):
+            d = 0.0 if (blocked >> j) & 1 else seed[j] - q[j]
+            wish = along(wish, d, (J[0, j], J[1, j], J[2, j]))
+            turn_wish = along(turn_wish, d, (J[3, j], J[4, j], J[5, j]))
+        shortest_step(J, sub(linear, wish), sub(angular, turn_wish), blocked, 0.0, A)
+        for j in range(7):
+            if not (blocked >> j) & 1:
+                A[j, 7] += seed[j] - q[j]
+        size = longest(A)
+        if size > MAX_STEP:
+            return q, False
+        step = read_step(A)
+        change = square - dot7(way, step)
+        share = min(share * square / change, MOST_SHARE) if error < STRAIGHT_ON and change > 0.0 else 1.0
+        way, square = step, dot7(step, step)
+        q = moved(q, A, share)
+        if respect:
+            for j in range(7):
+                if q[j] < P[LOWER + j] or q[j] > P[UPPER + j]:
+                    blocked |= 1 << j
+                    square = 0.0
+            q = clipped(P, q)
+    return q, False
+
+
+@kernel
+def slid(P, q, R, p, seed, respect, J, A):
+    """A posture, or the nearer one that it slides to on the true chain: q, cost, and whether that is a minimum."""
+    lowest = cost(P, q, True, seed, respect)
+    nearer, converged = slide(P, q, R, p, seed, respect, J, A)
+    if not converged:
+        nearer, error = close_free(P, nearer, R, p, respect, NEWTON_STEPS, J, A)
+        if error > CLOSED:
+            return q, lowest, False
+    value = cost(P, nearer, True, seed, respect)
+    if value < lowest:
+        return nearer, value, converged
+    return q, lowest, False
+
+
+@kernel
+def settled(P, q, R, p, seed, respect, free_minimum, J, A):
+    """A posture of the true chain in its best turn, or one inside the limits: q, cost, and whether it is a minimum."""
+    q = turned(P, q, True, seed, respect)
+    value = cost(P, q, True, seed, respect)
+    if value < OUTSIDE:
+        return q, value, free_minimum
+    # The free minimum breaks a limit: any posture inside still bounds the distance.
+    q, error = close_free(P, clipped(P, q), R, p, True, 40, J, A)
+    if error > CLOSED:
+        return q, NO_BRANCH, False
+    q, value, _ = slid(P, q, R, p, seed, respect, J, A)
+    return q, value, False
+
+
+@kernel
+def settle_slowly(P, q, R, p, seed, respect, J, A):
+    """From a posture to one that closes, and from there to the nearest one around: q, cost, whether it is a minimum."""
+    q, error = close_free(P, q, R, p, False, NEWTON_STEPS, J, A)
+    if error > CLOSED:
+        return q, NO_BRANCH, False
+    q, _, minimum = slid(P, q, R, p, seed, False, J, A)
+    return settled(P, q, R, p, seed, respect, minimum, J, A)
+
+
+@kernel
+def settle_near(P, q, R, p, seed, respect, J, A):
+    """From a posture to the nearest one around it on the true chain: q, cost, and whether it is a local minimum."""
+    better, minimum = slide(P, q, R, p, seed, False, J, A)
+    if minimum:
+        return settled(P, better, R, p, seed, respect, True, J, A)
+    return settle_slowly(P, q, R, p, seed, respect, J, A)
+
+
+@kernel
+def between_limbs(P):
+    """How far a posture may be from one of the nearest exact limb, rad, away from singularities."""
+    return 1e-12 if P[IS_CLOSED] == 1.0 else min(BETWEEN_LIMBS, NEARNESS * P[MISS] / P[FAR])
+
+
+@kernel
+def is_alone(P, seed, lowest):
+    """Whether a local minimum this near to a seed (squared distance) is the only one that near.
+
+    Two postures of a pose no farther from the seed than D turn the upper arm by no more than 2 sqrt(3) D apart, and so
+    are within that arm angle of each other; and they are of one branch if no middle angle of the seed is within D of
+    where branches meet.
+    """
+    distance = math.sqrt(lowest)
+    if 4.0 * math.sqrt(3.0) * distance > VALLEY:
+        return False
+    s2 = abs(math.sin(seed[1] - P[SHOULDER + PHASE]))
+    s4 = abs(math.sin(seed[3] - P[STRAIGHT]))
+    s6 = abs(math.sin(seed[5] - P[WRIST + PHASE]))
+    return min(s2, s4, s6) > distance + between_limbs(P)
+
+
+@kernel
+def first_guess_near(P, place_, R, p, seed, respect, J, A):
+    """`first_guess` on a near limb, on the true chain: from the seed itself, and from the guess on the exact limb."""
+    q, lowest, minimum = settle_near(P, seed, R, p, seed, respect, J, A)
+    if minimum and is_alone(P, seed, lowest):
+        return arm_angle(P, q, place_[0], place_[1]), q, branch_of(P, q), lowest, minimum
+    psi, start, branch, guess, _ = first_guess(P, place_, seed, False)
+    if guess < OUTSIDE:
+        other, value, other_minimum = settle_near(P, start, R, p, seed, respect, J, A)
+        if value < lowest:
+            return psi, other, branch, value, other_minimum
+    return psi, q, branch_of(P, q), lowest, minimum
+
+
+@kernel
+def mirrored_angle(q, phase):
+    """A middle angle on the other side of the singularity that it is nearest to."""
+    twice = 2.0 * math.asin(math.sin(q - phase))
+    return q - twice if math.cos(q - phase) > 0.0 else q + twice
+
+
+@kernel
+def look_across(P, R, p, q, best, lowest, minimum, seed, respect, J, A):
+    """Local searches on the true chain from a close seed, mirrored at the singularities that it is close to.
+
+    Returns the best posture, its branch and cost, and whether all searches ended in minima: then they tell all.
+    """
+    reach = math.sqrt(lowest) + between_limbs(P)
+    s2 = abs(math.sin(seed[1] - P[SHOULDER + PHASE]))
+    s4 = abs(math.sin(seed[3] - P[STRAIGHT]))
+    s6 = abs(math.sin(seed[5] - P[WRIST + PHASE]))
+    sure = minimum
+    for sides in range(8):
+        across_2, across_4, across_6 = sides & 1, sides & 2, sides & 4
+        if (across_2 and s2 >= reach) or (across_4 and s4 >= reach) or (across_6 and s6 >= reach):
+            continue
+        start = (
+            seed[0],
+            mirrored_angle(seed[1], P[SHOULDER + PHASE]) if across_2 else seed[1],
+            seed[2],
+            mirrored_angle(seed[3], P[STRAIGHT]) if across_4 else seed[3],
+            seed[4],
+            mirrored_angle(seed[5], P[WRIST + PHASE]) if across_6 else seed[5],
+            seed[6],
+        )
+        other, value, converged = settle_slowly(P, start, R, p, seed, respect, J, A)
+        sure = sure and converged
+        if value < lowest:
+            q, best, lowest = other, branch_of(P, other), value
+        other, value, _ = settle_near(P, start, R, p, seed, respect, J, A)
+        if value < lowest:
+            q, best, lowest = other, branch_of(P, other), value
+    return q, best, lowest, sure
+
+
+@kernel
+def look_beside(P, place_, R, p, found, n, q, best, lowest, seed, respect, J, A):
+    """Local searches on the true chain from the nearest exact limb's postures in the intervals of found.
+
+    Returns the best posture, its branch and cost, and whether they tell all: not next to a singularity, where the true
+    postures are elsewhere.
+    """
+    starts = 0
+    for i in range(n):
+        starts += math.ceil((found[i, 2] - found[i, 1]) / VALLEY)
+    if starts > MOST_STARTS or is_unsure(P, q):
+        return q, best, lowest, False
+    for i in range(n):
+        branch = int(found[i, 0])
+        side = elbow_side(P, place_, branch >> 2)
+        width = found[i, 2] - found[i, 1]
+        count = max(math.ceil(width / VALLEY), 1)
+        for k in range(count):
+            psi = found[i, 1] + width * (k + 0.5) / count
+            start, _, value = side_posture(P, side, psi, (branch >> 1) & 1, branch & 1, True, seed, False)
+            if value >= NO_BRANCH or is_unsure(P, start):
+                return q, best, lowest, False
+            start, error = close_free(P, start, R, p, False, NEWTON_STEPS, J, A)
+            other, minimum = slide(P, start, R, p, seed, False, J, A)
+            if error > CLOSED or not minimum:
+                return q, best, lowest, False
+            other = turned(P, other, True, seed, respect)
+            if cost(P, other, True, seed, False) >= lowest:
+                continue
+            value = cost(P, other, True, seed, respect)
+            if value >= OUTSIDE:
+                # The nearest posture of this valley may be on a limit.
+                return q, best, lowest, False
+            q, best, lowest = other, branch_of(P, other), value
+    return q, best, lowest, True
+
+
+@kernel
+def tighten(P, seed, distance, slack, box):
+    """Copy the packed limb to `box` with its limits tightened to seed +- distance, then widened by some slack."""
+    for i in range(SIZE):
+        box[i] = P[i]
+    for j in range(7):
+        lower = max(P[LOWER + j], seed[j] - distance) - slack
+        upper = min(P[UPPER + j], seed[j] + distance) + slack
+        set_limit(box, j, min(lower, upper), upper)
+    set_joint_limits(box, SHOULDER, 0)
+    set_joint_limits(box, WRIST, 4)

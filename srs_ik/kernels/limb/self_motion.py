@@ -1,0 +1,40 @@
+"""Self-motion: how the joints move when the arm angle changes and the tip stands still."""
+
+from __future__ import annotations
+
+import math
+
+from srs_ik.kernels.algebra.vectors import cross, dot, load3, rotate, scale
+from srs_ik.kernels.jit import kernel
+from srs_ik.kernels.layout import A1, A2, A3, SHOULDER, WRIST
+
+SINGULAR_RATE = 1e-9
+"""Below this triple product of the three axes of a spherical joint, its joint rates are not determined."""
+
+
+@kernel
+def spherical_rates(P, k, q1, q2, w):
+    """Rates of the three joints at block k that turn the outer side with angular velocity w, in the frame of axis 1."""
+    a1 = load3(P, k + A1)
+    c1, s1 = math.cos(q1), math.sin(q1)
+    a2 = rotate(a1, c1, s1, load3(P, k + A2))
+    a3 = rotate(a1, c1, s1, rotate(load3(P, k + A2), math.cos(q2), math.sin(q2), load3(P, k + A3)))
+    n1 = cross(a2, a3)
+    volume = dot(a1, n1)
+    if abs(volume) < SINGULAR_RATE:
+        return 0.0, 0.0, 0.0, False
+    n2 = cross(a3, a1)
+    n3 = cross(a1, a2)
+    return dot(w, n1) / volume, dot(w, n2) / volume, dot(w, n3) / volume, True
+
+
+@kernel
+def rates(P, q, t, w):
+    """Derivative of q by the arm angle on the exact limb: seven rates, and whether they are determined.
+
+    The arm turns about the direction S-W: t in the base frame, w in the frame of axis 5 (the forearm at zero wrist
+    angles). What the arm turns, the wrist turns back.
+    """
+    r1, r2, r3, good_s = spherical_rates(P, SHOULDER, q[0], q[1], t)
+    r5, r6, r7, good_w = spherical_rates(P, WRIST, q[4], q[5], scale(-1.0, w))
+    return (r1, r2, r3, 0.0, r5, r6, r7), good_s and good_w

@@ -1,0 +1,180 @@
+"""Postures at an arm angle, also of a near limb where Newton's method from the closed form does not lead to them.
+
+Next to a singularity a branch may have several postures at one arm angle, or none. All of them lie where the curves
+that `trace` follows pass the arm angle.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from srs_ik.kernels.algebra.joint_vectors import difference, dot7, short_way
+from srs_ik.kernels.chain.newton import STEPS, arm_angle, close_at_angle
+from srs_ik.kernels.chain.starts import FIRST, best_of_all, best_row, close_all
+from srs_ik.kernels.curves.follow import between, load_sample
+from srs_ik.kernels.curves.runs import MAX_RUNS, RUN, near_runs
+from srs_ik.kernels.jit import kernel
+from srs_ik.kernels.layout import FAR, MISS, ROW_COST
+from srs_ik.kernels.limb.branches import NO_BRANCH, best_branch, branch_of, is_unsure
+from srs_ik.kernels.limb.goal import NO_SEED, OUTSIDE, cost, turned
+from srs_ik.kernels.limb.poses import read7
+from srs_ik.kernels.near.branch_search import search_branch
+from srs_ik.kernels.near.second_attempts import ATTEMPTS, STRETCHED, evaluate_again, stretched
+
+HALVINGS = 30
+"""Steps that close in on an arm angle between two samples, before Newton's method takes over."""
+
+CLOSE_BY = 1e-4
+"""Newton's method moves a posture no farther than this, rad, squared."""
+
+AT_SEED = 1e-12
+"""A posture this close to a seed, rad squared, is the nearest one."""
+
+REACH_SLACK = 8.0
+"""A near limb reaches no farther than its nearest exact limb and so many times its largest miss."""
+
+
+@kernel
+def may_reach(P, place_):
+    """Whether a pose is not so far out of reach that a near limb cannot have a posture for it."""
+    return abs(place_[5]) <= REACH_SLACK * P[MISS] + 1e-9 * P[FAR]
+
+
+@kernel
+def passing(P, place_, R, p, psi, a, b, ahead_a, ahead_b, J, A):
+    """The posture between two samples of a curve at an arm angle that lies between theirs, and whether it is met."""
+    low = 0.0
+    high = 1.0
+    share = 0.5
+    q = a
+    for i in range(HALVINGS):
+        share = low + (high - low) * (ahead_a / (ahead_a - ahead_b) if i % 3 != 2 else 0.5)
+        q, met = between(P, R, p, a, b, share, J, A)
+        if not met:
+            return q, False
+        ahead = short_way(arm_angle(P, q, place_[0], place_[1]) - psi)
+        if abs(ahead) < 1e-9 or high - low < 1e-12:
+            break
+        if ahead * ahead_a > 0.0:
+            low, ahead_a = share, ahead
+        else:
+            high, ahead_b = share, ahead
+    exact, met = close_at_angle(P, q, R, p, place_[0], place_[1], psi, STEPS, A)
+    moved = difference(q, exact)
+    return exact, met and dot7(moved, moved) < CLOSE_BY
+
+
+@kernel
+def find_at_angle(P, place_, R, p, psi, seeded, seed, respect, out, J, A):
+    """Write the best posture of every branch at an arm angle, and its cost, into the rows of out (8, 8)."""
+    for branch in range(8):
+        out[branch, ROW_COST] = 2.0 * NO_BRANCH
+    if not may_reach(P, place_):
+        return
+    runs = np.empty((MAX_RUNS, RUN))
+    rows, _, k, _ = near_runs(P, place_, R, p, False, runs, J, A)
+    for index in range(k):
+        first = int(runs[index, 3])
+        a = load_sample(rows[first])
+        at_a = arm_angle(P, a, place_[0], place_[1])
+        for i in range(first + 1, int(runs[index, 4])):
+            b = load_sample(rows[i])
+            at_b = arm_angle(P, b, place_[0], place_[1])
+            ahead_a = short_way(at_a - psi)
+            ahead_b = ahead_a + short_way(at_b - at_a)
+            if ahead_a * ahead_b <= 0.0 and ahead_a != ahead_b:
+                q, met = passing(P, place_, R, p, psi, a, b, ahead_a, ahead_b, J, A)
+                branch = branch_of(P, q)
+                q = turned(P, q, seeded, seed, respect)
+                value = cost(P, q, seeded, seed, respect)
+                if met and value < out[branch, ROW_COST]:
+                    for j in range(7):
+                        out[branch, j] = q[j]
+                    out[branch, ROW_COST] = value
+            a, at_a = b, at_b
+
+
+@kernel
+def best_found(found, wanted, seed):
+    """Best of the postures in the rows of found (8, 8), or that of one branch (0 to 7): q, branch, cost."""
+    best = best_row(found, 0, wanted)
+    lowest = found[best, ROW_COST]
+    return (read7(found[best]) if lowest < NO_BRANCH else seed), best, lowest
+
+
+@kernel
+def settle_branch(P, place_, R, p, psi, branch, q, lowest, seeded, seed, respect, A):
+    """A second look at a branch that has no posture yet, or one outside its limits: q, cost, whether that is final."""
+    if lowest < OUTSIDE or (lowest < NO_BRANCH and not is_unsure(P, q)) or not may_reach(P, place_):
+        return q, lowest, True
+    other, value, complete = search_branch(P, place_, R, p, psi, branch, seeded, seed, respect, A)
+    if value < lowest:
+        q, lowest = other, value
+    return q, lowest, complete or lowest < NO_BRANCH
+
+
+@kernel
+def settle_all(P, place_, R, p, psi, seeded, seed, respect, found, A):
+    """A second look at every branch that `close_all` has left in A, into rows of found (8, 8): whether it is final."""
+    for branch in range(8):
+        for i in range(8):
+            found[branch, i] = A[FIRST + branch, i]
+    final = True
+    for branch in range(8):
+        q, lowest = read7(found[branch]), found[branch, ROW_COST]
+        q, lowest, settled = settle_branch(P, place_, R, p, psi, branch, q, lowest, seeded, seed, respect, A)
+        final = final and settled
+        for i in range(7):
+            found[branch, i] = q[i]
+        found[branch, ROW_COST] = lowest
+    return final
+
+
+@kernel
+def solve_all_at_angle(P, place_, R, p, psi, respect, J, A, found):
+    """The posture of every branch at an arm angle, and its cost, into the rows of found (8, 8)."""
+    close_all(P, place_, R, p, psi, -1, False, NO_SEED, respect, A)
+    if not settle_all(P, place_, R, p, psi, False, NO_SEED, respect, found, A):
+        followed = np.empty((8, 8))
+        find_at_angle(P, place_, R, p, psi, False, NO_SEED, respect, followed, J, A)
+        for branch in range(8):
+            if followed[branch, ROW_COST] < found[branch, ROW_COST]:
+                found[branch] = followed[branch]
+
+
+@kernel
+def solve_at_angle(P, place_, R, p, psi, wanted, seeded, seed, respect, J, A):
+    """Best posture at an arm angle over all branches, or in one (0 to 7), by all means there are: q, branch, cost."""
+    if J is None:
+        return best_branch(P, place_, psi, wanted, seeded, seed, respect)
+    q, best, lowest = best_of_all(P, place_, R, p, psi, wanted, seeded, seed, respect, A)
+    if wanted >= 0:
+        q, lowest, final = settle_branch(P, place_, R, p, psi, wanted, q, lowest, seeded, seed, respect, A)
+        if final and not seeded:
+            return q, best, lowest
+    elif lowest >= OUTSIDE:
+        found = np.empty((8, 8))
+        settle_all(P, place_, R, p, psi, seeded, seed, respect, found, A)
+        other, b, value = best_found(found, wanted, seed)
+        if value < lowest:
+            q, best, lowest = other, b, value
+    unsure = is_unsure(P, q)
+    # Next to a singularity, Newton's method may have missed the branch that is nearest to a seed.
+    good = lowest < OUTSIDE and not (seeded and unsure and lowest > AT_SEED)
+    if good or (OUTSIDE <= lowest < NO_BRANCH and not unsure) or not may_reach(P, place_):
+        return q, best, lowest
+    followed = np.empty((8, 8))
+    find_at_angle(P, place_, R, p, psi, seeded, seed, respect, followed, J, A)
+    other, b, value = best_found(followed, wanted, seed)
+    if value < lowest:
+        q, best, lowest = other, b, value
+    if lowest >= OUTSIDE:
+        attempts = ATTEMPTS if lowest >= NO_BRANCH else 1
+        other, b, value = evaluate_again(P, place_, R, p, psi, wanted, seeded, seed, respect, attempts, A)
+        if value < lowest:
+            q, best, lowest = other, b, value
+    if lowest >= OUTSIDE and abs(place_[3]) < STRETCHED:
+        other, b, value = stretched(P, place_, R, p, wanted, seeded, seed, respect, J, A)
+        if value < lowest:
+            q, best, lowest = other, b, value
+    return q, best, lowest

@@ -1,0 +1,233 @@
+"""Second attempts on a near limb, where Newton's method from the closed form did not close or broke the limits."""
+
+from __future__ import annotations
+
+import math
+
+from srs_ik.kernels.algebra.vectors import across, load3, norm, sub
+from srs_ik.kernels.chain.newton import (
+    CLOSED,
+    ON_LINE,
+    STEPS,
+    clipped,
+    close_at_angle,
+    close_free,
+    elbow_position,
+    pose_step,
+)
+from srs_ik.kernels.jit import kernel
+from srs_ik.kernels.layout import PHASE, SHOULDER, SHOULDER_CENTRE, STRAIGHT, WRIST
+from srs_ik.kernels.limb.branches import NO_BRANCH, best_branch, branch_of
+from srs_ik.kernels.limb.goal import OUTSIDE, cost, turned
+
+MORE_STEPS = 80
+"""Steps of Newton's method, which halves the error at best next to a singularity."""
+
+MET = 1e-10
+"""Pose errors (m, rad) that Newton's method may leave next to a singularity."""
+
+LOOKS = 48
+"""Arm angles all around the circle."""
+
+ATTEMPTS = 9
+"""Arm angles from which a given one is tried."""
+
+ALMOST = 0.1
+JITTERS = 100
+"""A near limb that comes this close to a pose (m, rad) is tried from so many more postures around."""
+
+STRETCHED = 1e-4
+"""Sine of the bend of the elbow under which it may be on the line S-W."""
+
+NEAR_SINGULAR = 0.05
+"""Sine of a middle angle under which a spherical joint or the elbow is close to singular, for a second attempt."""
+
+
+@kernel
+def bent(q, phase, side):
+    """A middle angle, moved away from its phase (or the opposite of it) to its side if it is close."""
+    if abs(math.sin(q - phase)) > NEAR_SINGULAR:
+        return q
+    inwards = 2.0 * NEAR_SINGULAR if math.cos(q - phase) > 0.0 else -2.0 * NEAR_SINGULAR
+    return q + inwards if side == 0 else q - inwards
+
+
+@kernel
+def bend(P, q, branch):
+    """A posture with elbow, shoulder and wrist moved away from their singularities, to the sides of a branch."""
+    return (
+        q[0],
+        bent(q[1], P[SHOULDER + PHASE], (branch >> 1) & 1),
+        q[2],
+        bent(q[3], P[STRAIGHT], branch >> 2),
+        q[4],
+        bent(q[5], P[WRIST + PHASE], branch & 1),
+        q[6],
+    )
+
+
+@kernel
+def from_turned(P, place_, R, p, psi, q0, b, branch, seeded, seed, respect, steps, A):
+    """Postures at an arm angle by Newton's method from one that is bent to the sides of branch b: the best, its cost.
+
+    Near a singular shoulder or wrist the closed form fixes two joint angles of which the true chain knows little more
+    than their sum. So the starts turn one against the other, and bend what is straight.
+    """
+    best_q = q0
+    lowest = 2.0 * NO_BRANCH
+    q = bend(P, q0, b)
+    turns_s = 6 if q[1] != q0[1] else 1
+    turns_w = 6 if q[5] != q0[5] else 1
+    against_s = -1.0 if math.cos(q[1] - P[SHOULDER + PHASE]) > 0.0 else 1.0
+    against_w = -1.0 if math.cos(q[5] - P[WRIST + PHASE]) > 0.0 else 1.0
+    for i in range(turns_s * turns_w):
+        ds = (i % turns_s) * math.pi / 3.0
+        dw = (i // turns_s) * math.pi / 3.0
+        start = (q[0] + ds, q[1], q[2] + against_s * ds, q[3], q[4] + dw, q[5], q[6] + against_w * dw)
+        closed_q, closed = close_at_angle(P, start, R, p, place_[0], place_[1], psi, steps, A)
+        if closed and (branch < 0 or branch_of(P, closed_q) == branch):
+            closed_q = turned(P, closed_q, seeded, seed, respect)
+            value = cost(P, closed_q, seeded, seed, respect)
+            if value < lowest:
+                best_q = closed_q
+                lowest = value
+    return best_q, lowest
+
+
+@kernel
+def evaluate_again(P, place_, R, p, psi, branch, seeded, seed, respect, attempts, A):
+    """Second attempt at an arm angle on a near limb, where Newton's method did not close: from many postures."""
+    best_q, best, _ = best_branch(P, place_, psi, branch, seeded, seed, respect)
+    lowest = 2.0 * NO_BRANCH
+    for attempt in range(attempts):
+        # At the arm angle itself, then from either side of it, farther and farther.
+        from_psi = psi + (0.0 if attempt == 0 else (0.25 if attempt % 2 == 0 else -0.25) * ((attempt + 1) // 2))
+        for b in range(8):
+            q0, _, _ = best_branch(P, place_, from_psi, b, False, seed, False)
+            q, value = from_turned(P, place_, R, p, psi, q0, b, branch, seeded, seed, respect, MORE_STEPS, A)
+            if value < lowest:
+                best_q, best, lowest = q, branch_of(P, q), value
+        if lowest < OUTSIDE:
+            break
+    return best_q, best, lowest
+
+
+@kernel
+def random(state):
+    """The next number in [-1, 1] of a linear congruential generator, and its state: the same ones in every run."""
+    state = (state * 1103515245 + 12345) % 2147483648
+    return state / 1073741824.0 - 1.0, state
+
+
+@kernel
+def jitter(q, state, turn, bend_by):
+    """A posture with joints 1, 3, 5 and 7 moved by up to `turn` and those between them by up to `bend_by`, rad."""
+    a, state = random(state)
+    b, state = random(state)
+    c, state = random(state)
+    d, state = random(state)
+    e, state = random(state)
+    f, state = random(state)
+    g, state = random(state)
+    return (
+        q[0] + turn * a,
+        q[1] + bend_by * b,
+        q[2] + turn * c,
+        q[3] + bend_by * d,
+        q[4] + turn * e,
+        q[5] + bend_by * f,
+        q[6] + turn * g,
+    ), state
+
+
+@kernel
+def free_start(P, q, R, p, wanted, seeded, seed, respect, J, A):
+    """Free steps from a posture: q and its cost, more than any posture's if pose or wanted branch are not reached."""
+    if respect:
+        q = clipped(P, q)
+    q, error = close_free(P, q, R, p, respect, MORE_STEPS, J, A)
+    q = turned(P, q, seeded, seed, respect)
+    if error > 10.0 * CLOSED:
+        return q, OUTSIDE * (2.0 + error)
+    if wanted >= 0 and branch_of(P, q) != wanted:
+        return q, OUTSIDE * 10.0
+    return q, cost(P, q, seeded, seed, respect)
+
+
+@kernel
+def look_around(P, place_, R, p, branch, seeded, seed, respect, J, A):
+    """Postures from arm angles all around the circle, where curves cross and cannot be followed: q, branch, cost."""
+    best_q = seed
+    best = 0
+    lowest = 2.0 * NO_BRANCH
+    for i in range(LOOKS):
+        psi = i * 2.0 * math.pi / LOOKS
+        for b in range(8):
+            q, _, _ = best_branch(P, place_, psi, b, seeded, seed, respect)
+            q, _ = close_at_angle(P, q, R, p, place_[0], place_[1], psi, STEPS, A)
+            linear, angular = pose_step(P, q, R, p, J)
+            here = branch_of(P, q)
+            error = max(norm(linear), norm(angular))
+            if CLOSED < error < MET:
+                q, error = close_free(P, q, R, p, respect, STEPS, J, A)
+            if error > MET or (branch >= 0 and here != branch):
+                continue
+            # At another arm angle perhaps, but a posture for the pose.
+            q = turned(P, q, seeded, seed, respect)
+            value = cost(P, q, seeded, seed, respect)
+            if value < lowest:
+                best_q = q
+                best = here
+                lowest = value
+    return best_q, best, lowest
+
+
+@kernel
+def rescue(P, place_, R, p, branch, seeded, seed, respect, J, A):
+    """Last resort on a near limb, free steps from postures on the circle, then from bent ones: q, branch, cost.
+
+    Close to the edge of reach, the nearest exact limb may not reach a pose that the true one does, and a given arm
+    angle may have no solution where a neighbouring one has.
+    """
+    best_q = seed
+    best = 0
+    lowest = 2.0 * NO_BRANCH
+    first = 0 if branch < 0 else branch
+    last = 7 if branch < 0 else branch
+    for attempt in range(2):
+        for i in range(12):
+            for b in range(first, last + 1):
+                # Also from the closest posture of a branch that the nearest exact limb does not have here.
+                q, _, _ = best_branch(P, place_, i * math.pi / 6.0, b, seeded, seed, respect)
+                if attempt == 1:
+                    q = bend(P, q, b)
+                q, value = free_start(P, q, R, p, branch, seeded, seed, respect, J, A)
+                if value < lowest:
+                    best_q = q
+                    best = b
+                    lowest = value
+        if lowest < OUTSIDE:
+            return best_q, best, lowest
+    if lowest < OUTSIDE * (2.0 + ALMOST):
+        state = 1
+        around = best_q
+        for i in range(JITTERS):
+            # A stretched arm may have to turn far about itself for a bend of a micrometre in another direction.
+            turn = 0.02 if i % 3 == 0 else (0.3 if i % 3 == 1 else 2.0)
+            q, state = jitter(around, state, turn, min(turn, 0.3))
+            q, value = free_start(P, q, R, p, branch, seeded, seed, respect, J, A)
+            if value < lowest:
+                best_q = q
+                best = branch_of(P, q)
+                lowest = value
+                if lowest < OUTSIDE:
+                    break
+    return best_q, best, lowest
+
+
+@kernel
+def stretched(P, place_, R, p, branch, seeded, seed, respect, J, A):
+    """`rescue` where an arm angle is given but the elbow is on the line S-W, and so at every arm angle at once."""
+    q, best, lowest = rescue(P, place_, R, p, branch, seeded, seed, respect, J, A)
+    off_line = norm(across(sub(elbow_position(P, q), load3(P, SHOULDER_CENTRE)), place_[0]))
+    return q, best, (lowest if off_line < 3.0 * ON_LINE else 2.0 * NO_BRANCH)

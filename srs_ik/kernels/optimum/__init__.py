@@ -1,0 +1,1 @@
+"""Objectives, and the search for the best posture."""

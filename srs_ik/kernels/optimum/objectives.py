@@ -1,0 +1,127 @@
+"""What a posture is judged by: figures of its Jacobian and of its joint angles, all to be minimised.
+
+Jp are the linear rows of the Jacobian J of the tip point in base axes. The vectors of a task lie in `params`: the
+unit force direction in places 0 to 2 and the unit velocity direction in 3 to 5, or a unit twist or wrench in 0 to 5,
+or a posture in 0 to 6; behind them lie the weights of the arm.
+"""
+
+from __future__ import annotations
+
+import math
+
+from srs_ik.kernels.algebra.vectors import add, cross
+from srs_ik.kernels.chain.kinematics import joint_lines
+from srs_ik.kernels.jit import kernel
+from srs_ik.kernels.limb.goal import NO_SEED, cost, turned
+from srs_ik.kernels.optimum.gravity import WEIGHTS, squared_torque
+
+RATIO = 0  # (f'JpJp'f) / (v'JpJp'v)
+FORCE = 1  # f'JpJp'f
+VELOCITY = 2  # -(v'JpJp'v)
+TWIST = 3  # -(t'JJ't)
+WRENCH = 4  # w'JJ'w
+MANIPULABILITY = 5  # -sqrt(det JJ')
+LIMIT_MARGIN = 6  # minus the smallest distance from a limit, over half of the joint's range
+REFERENCE = 7  # sum of squared differences from the posture in places 0 to 6 of params
+
+GRAVITY = 8  # sum of squared gravity torques
+
+RESPECT = 7
+"""Place in params that says whether turns have to keep the limits (1.0) or not."""
+
+WEIGHT = 8
+"""Place in params from which on the figures of `gravity` lie."""
+
+PARAMS = WEIGHT + WEIGHTS
+
+SMALLEST = 1e-300
+"""Stands for a denominator of zero."""
+
+
+@kernel
+def tip_jacobian(P, q, J):
+    """Write the Jacobian of the tip point in base axes into J (6, 7), linear rows first."""
+    _, _, _, position = joint_lines(P, q, J)
+    for joint in range(7):
+        v = add((J[0, joint], J[1, joint], J[2, joint]), cross((J[3, joint], J[4, joint], J[5, joint]), position))
+        J[0, joint] = v[0]
+        J[1, joint] = v[1]
+        J[2, joint] = v[2]
+
+
+@kernel
+def along_direction(J, params, first, rows):
+    """The form d'JJ'd for the direction d that starts at place `first` of params, with an entry for each row."""
+    total = 0.0
+    for joint in range(7):
+        rate = 0.0
+        for i in range(rows):
+            rate += J[i, joint] * params[first + i]
+        total += rate * rate
+    return total
+
+
+@kernel
+def volume(J):
+    """The root sqrt(det JJ') of J (6, 7), which is overwritten.
+
+    It is the product of the rows' lengths, each row made orthogonal to those before. The determinant itself would lose
+    half of the digits near a singular posture.
+    """
+    product = 1.0
+    for i in range(6):
+        length2 = 0.0
+        for j in range(7):
+            length2 += J[i, j] * J[i, j]
+        product *= math.sqrt(length2)
+        if length2 == 0.0:
+            return 0.0
+        for k in range(i + 1, 6):
+            share = 0.0
+            for j in range(7):
+                share += J[i, j] * J[k, j]
+            share /= length2
+            for j in range(7):
+                J[k, j] -= share * J[i, j]
+    return product
+
+
+@kernel
+def reference(params):
+    """The reference posture."""
+    return (params[0], params[1], params[2], params[3], params[4], params[5], params[6])
+
+
+@kernel
+def toward_reference(P, params, q):
+    """The posture with every joint in the turn nearest to the reference, inside its limits where they are respected."""
+    return turned(P, q, True, reference(params), params[RESPECT] == 1.0)
+
+
+@kernel
+def figure(kind, params, J):
+    """Value of an objective for a Jacobian, which may be overwritten."""
+    if kind == RATIO:
+        return along_direction(J, params, 0, 3) / max(along_direction(J, params, 3, 3), SMALLEST)
+    if kind == FORCE:
+        return along_direction(J, params, 0, 3)
+    if kind == VELOCITY:
+        return -along_direction(J, params, 3, 3)
+    if kind == TWIST:
+        return -along_direction(J, params, 0, 6)
+    if kind == WRENCH:
+        return along_direction(J, params, 0, 6)
+    return -volume(J)
+
+
+@kernel
+def objective(P, kind, params, q, J):
+    """Value of an objective at a posture; J is work space."""
+    if kind == LIMIT_MARGIN:
+        return cost(P, q, False, NO_SEED, False)
+    if kind == REFERENCE:
+        return cost(P, toward_reference(P, params, q), True, reference(params), False)
+    if kind == GRAVITY:
+        return squared_torque(P, params[WEIGHT:], q, J)
+    tip_jacobian(P, q, J)
+    return figure(kind, params, J)

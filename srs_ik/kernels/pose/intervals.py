@@ -1,0 +1,28 @@
+"""Feasible arm angles of one pose, either kind of limb."""
+
+from __future__ import annotations
+
+from srs_ik.kernels.algebra.pointers import row
+from srs_ik.kernels.chain.answer import SOLVED
+from srs_ik.kernels.exact.intervals import find_intervals
+from srs_ik.kernels.jit import kernel
+from srs_ik.kernels.layout import (
+    FREE,
+    LIMITED,
+    LOOSE,
+)
+from srs_ik.kernels.near.intervals import true_intervals
+
+
+@kernel
+def all_intervals(family, place_, R, p, respect, J, A, out):
+    """Feasible intervals of one pose on the true chain; none where the pose is out of reach."""
+    if J is not None:
+        return true_intervals(row(family, LIMITED), place_, R, p, respect, out, J, A)
+    if abs(place_[5]) >= SOLVED:
+        return 0
+    n = find_intervals(row(family, LIMITED if respect else FREE), place_, -1, out)
+    if n == 0 and respect:
+        # A pose whose postures all lie on limits leaves room by rounding alone.
+        n = find_intervals(row(family, LOOSE), place_, -1, out)
+    return n

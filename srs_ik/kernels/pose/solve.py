@@ -1,0 +1,139 @@
+"""One pose, either kind of limb: the best posture of all arm angles, or at one; and all eight branches at one.
+
+A solving function writes rows laid out as `ROW_*` in `layout`; statuses are numbered as in `srs_ik.Status`. On a limb
+that the closed form answers, J and A are None; else they are work space, (6, 7) and (16, 9) (see `chain.starts`).
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from srs_ik.kernels.algebra.lanes import as_bits, gather
+from srs_ik.kernels.algebra.pointers import row
+from srs_ik.kernels.chain.answer import OUT_OF_LIMITS, UNREACHABLE, measure_row, measure_row_at, write_row
+from srs_ik.kernels.chain.eight import put_some, take_eight, tip_errors
+from srs_ik.kernels.jit import kernel
+from srs_ik.kernels.layout import (
+    FREE,
+    LIMITED,
+    ROW,
+    ROW_BRANCH,
+    ROW_COST,
+    ROW_JOINT,
+    ROW_ORIENTATION_ERROR,
+    ROW_POSITION_ERROR,
+    ROW_STATUS,
+)
+from srs_ik.kernels.limb.branches import NO_BRANCH, elbow_branches
+from srs_ik.kernels.limb.goal import NO_SEED, OUTSIDE, UNMET, tightest_joint
+from srs_ik.kernels.limb.poses import GOOD_POSE, read7, read_pose
+from srs_ik.kernels.limb.triangle import place
+from srs_ik.kernels.near.at_angle import solve_all_at_angle, solve_at_angle
+from srs_ik.kernels.near.second_attempts import rescue
+from srs_ik.kernels.pose.search import search_exact, search_near_seed, search_true
+
+
+@kernel
+def seed_or_zero(seed):
+    """Seven angles of a seed, or zeros if there is none."""
+    if seed is None:
+        return NO_SEED
+    return read7(seed)
+
+
+@kernel
+def own(values, i):
+    """The value of pose i, from one for all, or one a pose."""
+    return values[i if values.shape[0] > 1 else 0]
+
+
+@kernel
+def own_seed(seeds, i):
+    """The seed of pose i, from one for all, or one a pose, or None."""
+    if seeds is None:
+        return None
+    return row(seeds, i if seeds.shape[0] > 1 else 0)
+
+
+@kernel
+def solve_row(family, T, branch, seed, respect, J, A, out):
+    """Solve one pose into a row of `out`, the best posture of all arm angles; returns the verdict on the pose."""
+    R, p, verdict = read_pose(row(T, 0))
+    if verdict != GOOD_POSE:
+        return verdict
+    P = row(family, LIMITED)
+    place_ = place(P, R, p)
+    near = seed_or_zero(seed)
+    seeded = seed is not None
+    q = near
+    best = 0
+    lowest = 4.0 * NO_BRANCH
+    if seed is not None:
+        if branch < 0:
+            F = row(family, LIMITED if respect else FREE)
+            q, best, lowest = search_near_seed(P, F, place_, R, p, near, respect, J, A)
+    if lowest >= OUTSIDE:
+        if J is not None:
+            q, best, lowest = search_true(P, place_, R, p, branch, seeded, near, respect, J, A)
+        elif seed is not None:
+            q, best, lowest = search_exact(family, place_, branch, near, respect)
+        else:
+            q, best, lowest = search_exact(family, place_, branch, None, respect)
+    measure_row(P, place_, R, p, q, best, lowest, respect, row(out, 0))
+    if J is not None:
+        if respect and out[ROW_STATUS] == UNREACHABLE:
+            # Only a posture without limits can tell what a near limb does not reach from what its limits forbid.
+            if lowest >= UNMET:
+                q, _, lowest = rescue(P, place_, R, p, branch, seeded, near, False, J, A)
+            if lowest < UNMET:
+                out[ROW_STATUS] = OUT_OF_LIMITS
+                out[ROW_JOINT] = tightest_joint(P, q)
+    return GOOD_POSE
+
+
+@kernel
+def solve_row_at(family, T, psi, branch, seed, respect, J, A, out):
+    """Solve one pose at an arm angle into a row of `out`; returns the verdict on the pose."""
+    R, p, verdict = read_pose(row(T, 0))
+    if verdict != GOOD_POSE:
+        return verdict
+    P = row(family, LIMITED)
+    place_ = place(P, R, p)
+    near = seed_or_zero(seed)
+    q, best, lowest = solve_at_angle(P, place_, R, p, psi, branch, seed is not None, near, respect, J, A)
+    measure_row_at(P, place_, R, p, psi, q, best, lowest, respect, row(out, 0))
+    return GOOD_POSE
+
+
+@kernel
+def all_branches(P, T, psi, respect, J, A, out, first):
+    """One row a branch at an arm angle, in the order of branches: rows `first` to `first + 7` of out."""
+    R, p, verdict = read_pose(T)
+    if verdict != GOOD_POSE:
+        return verdict
+    place_ = place(P, R, p)
+    if J is None:
+        for elbow in range(2):
+            elbow_branches(P, place_, psi, elbow, respect, out, first + 4 * elbow)
+        rows = row(out, first)
+        position, orientation, measured = tip_errors(P, take_eight(rows, ROW), R, p)
+        measured = measured & (gather(rows, ROW_COST, ROW) < OUTSIDE)
+        put_some(rows, ROW_POSITION_ERROR, ROW, measured, position)
+        put_some(rows, ROW_ORIENTATION_ERROR, ROW, measured, orientation)
+        right = as_bits(measured)
+        for branch in range(8):
+            answer = row(out, first + branch)
+            q = read7(answer)
+            if (right >> branch) & 1 == 1:
+                off, turned = answer[ROW_POSITION_ERROR], answer[ROW_ORIENTATION_ERROR]
+                write_row(place_, q, branch, psi, False, True, off, turned, 0, answer)
+            else:
+                measure_row(P, place_, R, p, q, branch, answer[ROW_COST], respect, answer)
+        return GOOD_POSE
+    found = np.empty((8, 8))
+    solve_all_at_angle(P, place_, R, p, psi, respect, J, A, found)
+    for branch in range(8):
+        q, lowest = read7(found[branch]), found[branch, ROW_COST]
+        measure_row(P, place_, R, p, q, branch, lowest, respect, row(out, first + branch))
+        out[first + branch, ROW_BRANCH] = branch
+    return GOOD_POSE

@@ -1,0 +1,1 @@
+"""Postures for a task: the plane of the arm laid into that of velocity and force."""

@@ -1,0 +1,1 @@
+"""The source paper: its numerical optimisation as printed, and its experiments."""

@@ -1,0 +1,92 @@
+"""What an experiment leaves behind: its picture and its figures, in files that appear whole or not at all."""
+
+from __future__ import annotations
+
+import io
+import json
+import os
+import platform
+from importlib.metadata import version
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from srs_ik.paper.experiments.setting import SEED, Outcome
+
+if TYPE_CHECKING:
+    from srs_ik.arm import Arm
+
+_PACKAGES = {"numpy": "numpy", "numba": "numba", "pinocchio": "pin", "matplotlib": "matplotlib"}
+
+
+def write(folder: Path, name: str, arm: Arm, outcome: Outcome) -> list[Path]:
+    """Write NAME.png, NAME.svg and NAME.json into a folder that exists.
+
+    Returns:
+        The three paths.
+
+    Raises:
+        MissingExtra: Matplotlib is not installed.
+        OSError: a file cannot be written; what was there before is still there.
+    """
+    import matplotlib
+
+    figure = outcome.draw()
+    contents: dict[str, bytes] = {}
+    # Neither a date nor random names: the same picture is the same file.
+    with matplotlib.rc_context({"svg.hashsalt": name}):
+        for ending, metadata in (("png", {"Software": None}), ("svg", {"Date": None, "Creator": None})):
+            buffer = io.BytesIO()
+            figure.savefig(buffer, format=ending, metadata=metadata)
+            contents[ending] = buffer.getvalue()
+    contents["json"] = (json.dumps(plain(report(name, arm, outcome)), indent=1, allow_nan=False) + "\n").encode()
+    return [_write_whole(folder / f"{name}.{ending}", content) for ending, content in contents.items()]
+
+
+def report(name: str, arm: Arm, outcome: Outcome) -> dict[str, Any]:
+    """An experiment's figures, with what they belong to."""
+    from srs_ik import __version__
+
+    limb = arm.limb
+    return {
+        "experiment": name,
+        "robot": arm.name,
+        "base": arm.base,
+        "tip": arm.tip,
+        "limb": {"kind": limb.kind, "wrist": limb.wrist_kind},
+        "lengths_m": {"upper_arm": limb.upper_arm, "forearm": limb.forearm, "hand": limb.hand},
+        "seed": SEED,
+        "versions": {
+            "srs_ik": __version__,
+            "python": platform.python_version(),
+            **{name: version(package) for name, package in _PACKAGES.items()},
+        },
+        "figures": outcome.figures,
+    }
+
+
+def plain(value: Any) -> Any:
+    """Figures as JSON has them: arrays as lists, and None for what is infinite or does not exist."""
+    if isinstance(value, dict):
+        return {str(key): plain(item) for key, item in value.items()}
+    if isinstance(value, np.ndarray):
+        return plain(value.tolist())
+    if isinstance(value, (list, tuple)):
+        return [plain(item) for item in value]
+    if isinstance(value, np.generic):
+        return plain(value.item())
+    if isinstance(value, float) and not np.isfinite(value):
+        return None
+    return value
+
+
+def _write_whole(path: Path, content: bytes) -> Path:
+    """Write a file by way of one beside it."""
+    partial = path.with_name(f".{path.name}.{os.getpid()}")
+    try:
+        partial.write_bytes(content)
+        os.replace(partial, path)
+    finally:
+        partial.unlink(missing_ok=True)
+    return path

@@ -1,0 +1,147 @@
+"""A chain as it is used: with a tool, on another base, within other limits."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import pinocchio as pin
+
+from srs_ik.errors import InvalidRobot, did_you_mean, listed
+from srs_ik.robot.chain import Chain
+from srs_ik.robot.limb import Vector
+
+_LIMITS = {"lower": "lower", "upper": "upper", "velocity": "velocity_limit", "effort": "effort_limit"}
+"""What a limit is called in an adapter, and in a chain."""
+
+Array = Vector
+
+
+def with_tool(chain: Chain, T_tip_tool: Array, name: str | None = None) -> Chain:
+    """The chain with a tool's frame for its tip.
+
+    Args:
+        chain: the chain, which stays as it is.
+        T_tip_tool: (4, 4) pose of the tool in the tip frame.
+        name: name of the tool's frame; by default "tool", numbered where that is taken.
+
+    Raises:
+        InvalidRobot: a frame of that name exists, or the name is no text.
+    """
+    T_tip_tool = _rigid(T_tip_tool)
+    model = pin.Model(chain.model)
+    tip = model.frames[chain.tip_id]
+    name, index = _add_frame(model, tip.parentJoint, chain.tip_id, tip.placement * _se3(T_tip_tool), name, "tool")
+    return replace(
+        chain, model=model, tip=name, tip_id=index, T_base_tip_zero=_read_only(chain.T_base_tip_zero @ T_tip_tool)
+    )
+
+
+def on_base(chain: Chain, T_newbase_base: Array, name: str | None = None) -> Chain:
+    """The chain with a frame of its surroundings for its base.
+
+    Args:
+        chain: the chain, which stays as it is.
+        T_newbase_base: (4, 4) pose of the present base frame in the new one.
+        name: name of the new base frame; by default "world", numbered where that is taken.
+
+    Raises:
+        InvalidRobot: a frame of that name exists, or the name is no text.
+    """
+    T_newbase_base = _rigid(T_newbase_base)
+    model = pin.Model(chain.model)
+    base = model.frames[chain.base_id]
+    placement = base.placement * _se3(T_newbase_base).inverse()
+    name, index = _add_frame(model, base.parentJoint, chain.base_id, placement, name, "world")
+    R, p = T_newbase_base[:3, :3], T_newbase_base[:3, 3]
+    return replace(
+        chain,
+        model=model,
+        base=name,
+        base_id=index,
+        axes=_read_only(chain.axes @ R.T),
+        points=_read_only(chain.points @ R.T + p),
+        T_base_tip_zero=_read_only(T_newbase_base @ chain.T_base_tip_zero),
+    )
+
+
+def within_limits(chain: Chain, limits: Mapping[str, Mapping[str, float]]) -> Chain:
+    """The chain with other limits; infinite ones are none.
+
+    Args:
+        chain: the chain, which stays as it is.
+        limits: for each joint in question those of "lower", "upper" (rad), "velocity" (rad/s) and "effort" (N m) that
+            change.
+
+    Raises:
+        InvalidRobot: limits are no mapping of mappings, a joint or limit of that name does not exist, a limit is no
+            number, lower is above upper, or a velocity or effort is not positive.
+    """
+    arrays = {field: np.array(getattr(chain, field)) for field in _LIMITS.values()}
+    if not isinstance(limits, Mapping) or not all(isinstance(changes, Mapping) for changes in limits.values()):
+        raise InvalidRobot(f"limits are given as {{joint: {{limit: figure}}}}, not as {limits!r:.60}")
+    for joint, changes in limits.items():
+        if joint not in chain.joint_names:
+            hint = did_you_mean(joint, chain.joint_names)
+            raise InvalidRobot(f"limits are given for {joint!r}{hint}; the joints are {listed(chain.joint_names)}")
+        k = chain.joint_names.index(joint)
+        for key, value in changes.items():
+            if key not in _LIMITS:
+                raise InvalidRobot(f"joint {joint!r} has no limit {key!r}; limits are {listed(list(_LIMITS))}")
+            arrays[_LIMITS[key]][k] = _figure(value, f"{key} of joint {joint!r}")
+        lower, upper = arrays["lower"][k], arrays["upper"][k]
+        if not (lower <= upper and lower < np.inf and upper > -np.inf):
+            raise InvalidRobot(f"joint {joint!r} has the lower limit {lower} and the upper limit {upper}, no range")
+        if not min(arrays["velocity_limit"][k], arrays["effort_limit"][k]) > 0.0:
+            raise InvalidRobot(f"velocity and effort of joint {joint!r} must be positive; inf where there is no limit")
+    model = pin.Model(chain.model)
+    for k in range(7):
+        joint = model.joints[k + 1]
+        if joint.nq == 1:
+            model.lowerPositionLimit[joint.idx_q] = arrays["lower"][k]
+            model.upperPositionLimit[joint.idx_q] = arrays["upper"][k]
+    model.velocityLimit = arrays["velocity_limit"]
+    model.effortLimit = arrays["effort_limit"]
+    changed: dict[str, Any] = {field: _read_only(array) for field, array in arrays.items()}
+    return replace(chain, model=model, **changed)
+
+
+def _figure(value: Any, what: str) -> float:
+    try:
+        figure = float(value)
+    except (TypeError, ValueError):
+        figure = np.nan
+    if np.isnan(figure):
+        raise InvalidRobot(f"{what} must be a number, not {value!r}")
+    return figure
+
+
+def _add_frame(model: Any, joint: int, parent: int, placement: Any, name: str | None, default: str) -> tuple[str, int]:
+    taken = {frame.name for frame in model.frames}
+    if name is None:
+        name = next(n for n in (default, *(f"{default}_{k}" for k in range(2, len(taken) + 3))) if n not in taken)
+    elif not isinstance(name, str) or not name:
+        raise InvalidRobot(f"the name of a frame is text, not {name!r:.40}", model.name)
+    elif name in taken:
+        raise InvalidRobot(f"{model.name!r} has a frame {name!r} already; choose another name", model.name)
+    return name, model.addFrame(pin.Frame(name, joint, parent, placement, pin.FrameType.OP_FRAME))
+
+
+def _se3(T: Array) -> Any:
+    return pin.SE3(T[:3, :3].copy(), T[:3, 3].copy())
+
+
+def _rigid(T: Array) -> Array:
+    """The transform with the rotation that is nearest to its own, which may be one to a millionth only."""
+    U, _, V = np.linalg.svd(T[:3, :3])
+    rigid = np.eye(4)
+    rigid[:3, :3], rigid[:3, 3] = U @ V, T[:3, 3]
+    return rigid
+
+
+def _read_only(array: Array) -> Array:
+    array = np.array(array)
+    array.flags.writeable = False
+    return array

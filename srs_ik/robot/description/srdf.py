@@ -1,0 +1,60 @@
+"""Chains of a MoveIt SRDF file: which frames a planning group goes from and to."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+
+from srs_ik.errors import InvalidRobot, did_you_mean, listed
+from srs_ik.robot.description import document
+from srs_ik.robot.description.model import is_xml, read
+
+_KEPT: Mapping[str, frozenset[str]] = {"robot": frozenset({"group"}), "group": frozenset({"chain"})}
+
+
+def chains(source: str | Path) -> dict[str, tuple[str, str]]:
+    """Base and tip frame of every group that is given as one chain.
+
+    Args:
+        source: path or text of an SRDF file.
+
+    Raises:
+        InvalidRobot: the file is missing or no SRDF.
+    """
+    if isinstance(source, str) and is_xml(source):
+        text: str | bytes = source
+        label = "the SRDF text"
+    else:
+        label = str(source)
+        text = read(Path(source), label)
+    found = {}
+    for group in document.parse(text, label, _KEPT).findall("group"):
+        chain = group.find("chain")
+        if chain is None or not group.get("name"):
+            continue
+        base, tip = chain.get("base_link"), chain.get("tip_link")
+        if not base or not tip:
+            raise InvalidRobot(f"{label}: the chain of group {group.get('name')!r} lacks base_link or tip_link", label)
+        found[group.attrib["name"]] = (base, tip)
+    return found
+
+
+def chain_of(source: str | Path, group: str | None) -> tuple[str, str]:
+    """Base and tip frame of one group, of the only one where none is named.
+
+    Raises:
+        InvalidRobot: the file is missing or no SRDF, has no such group, or several and none is named.
+    """
+    found = chains(source)
+    names = list(found)
+    label = "the SRDF" if isinstance(source, str) and is_xml(source) else str(source)
+    if not names:
+        raise InvalidRobot(f"{label} has no group that is given as a chain; name base and tip instead", label)
+    if group is None:
+        if len(names) > 1:
+            raise InvalidRobot(f"{label} has several chains, name one of them as the limb: {listed(names)}", label)
+        group = names[0]
+    if group not in found:
+        hint = did_you_mean(group, names)
+        raise InvalidRobot(f"{label} has no chain {group!r}{hint}; its chains are {listed(names)}", label)
+    return found[group]

@@ -1,0 +1,1 @@
+"""The questions an arm is asked, one a file."""

@@ -1,0 +1,100 @@
+"""Feasible arm angles of many poses: as many intervals a pose as it has, one behind another in flat arrays."""
+
+from __future__ import annotations
+
+import operator
+from collections.abc import Iterator
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from srs_ik.inputs.poses import as_matrices, refuse_bad_poses
+from srs_ik.kernels.entries.intervals import MOST_INTERVALS, intervals_range
+from srs_ik.solve.solution import Interval
+from srs_ik.solve.threads import run_in_threads
+
+if TYPE_CHECKING:
+    from srs_ik.arm import Arm
+
+Array = NDArray[np.float64]
+
+BLOCK = 64 * MOST_INTERVALS
+"""Intervals that a thread gathers before it puts them aside: half a megabyte, and hundreds of poses."""
+
+
+class IntervalsBatch:
+    """Feasible arm angles of N poses, those of pose i from `offsets[i]` to `offsets[i + 1]` - 1; `[i]` lists them.
+
+    Attributes:
+        branch: (M,) branch of each interval, 0 to 7.
+        lower: (M,) first arm angle, in [-pi, pi), rad.
+        upper: (M,) last arm angle, rad; it may pass pi. The whole circle is (-pi, pi).
+        offsets: (N + 1,) where the intervals of each pose begin, and behind the last one, M.
+    """
+
+    __slots__ = ("branch", "lower", "offsets", "upper")
+
+    def __init__(self, branch: NDArray[np.int64], lower: Array, upper: Array, offsets: NDArray[np.int64]) -> None:
+        self.branch = branch
+        self.lower = lower
+        self.upper = upper
+        self.offsets = offsets
+
+    @property
+    def counts(self) -> NDArray[np.int64]:
+        """(N,) number of intervals of each pose; zero where there is no posture."""
+        return np.diff(self.offsets)
+
+    @property
+    def width(self) -> Array:
+        """(M,) length of each interval, rad."""
+        return self.upper - self.lower
+
+    def __len__(self) -> int:
+        return len(self.offsets) - 1
+
+    def __getitem__(self, index: int) -> list[Interval]:
+        pose = range(len(self))[operator.index(index)]
+        of_pose = slice(self.offsets[pose], self.offsets[pose + 1])
+        ends = zip(
+            self.branch[of_pose].tolist(), self.lower[of_pose].tolist(), self.upper[of_pose].tolist(), strict=True
+        )
+        return [Interval(*each) for each in ends]
+
+    def __iter__(self) -> Iterator[list[Interval]]:
+        return map(self.__getitem__, range(len(self)))
+
+    def __repr__(self) -> str:
+        return f"IntervalsBatch({len(self.branch)} intervals of {len(self)} poses)"
+
+
+def intervals_batch(arm: Arm, poses: Any, respect_limits: bool, threads: int | None) -> IntervalsBatch:
+    """Feasible arm angles of many poses; see `Arm.intervals_batch`."""
+    T = as_matrices(poses)
+    n = len(T)
+    verdicts = np.zeros(n, np.int8)
+    offsets = np.zeros(n + 1, np.int64)
+    blocks: list[tuple[int, Array]] = []
+
+    def work(first: int, last: int) -> None:
+        rows = np.empty((BLOCK, 3))
+        space = arm._work()
+        while first < last:
+            begin = first
+            first, used = intervals_range(
+                arm._family, T, begin, last, respect_limits, *space, rows, offsets[1:], verdicts
+            )
+            blocks.append((begin, rows[:used].copy()))
+
+    run_in_threads(work, n, threads)
+    refuse_bad_poses(verdicts)
+    np.cumsum(offsets, out=offsets)
+    m = int(offsets[-1])
+    branch, lower, upper = np.empty(m, np.int64), np.empty(m), np.empty(m)
+    blocks.sort(key=lambda block: block[0])
+    while blocks:
+        begin, rows = blocks.pop()
+        at = slice(offsets[begin], offsets[begin] + len(rows))
+        branch[at], lower[at], upper[at] = rows.T
+    return IntervalsBatch(branch, lower, upper, offsets)

@@ -1,0 +1,193 @@
+"""The search for a joint path: strips block by block, the way back through them, and its refinement."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from srs_ik.inputs.poses import refuse_bad_poses
+from srs_ik.kernels.entries import path as entries
+from srs_ik.kernels.entries.path import BREAK, MOST_NODES, MOST_STRIPS, NODE, STRIP, STRIP_FIRST
+from srs_ik.kernels.layout import ROW, ROW_STATUS
+from srs_ik.solve.solution import Status
+
+if TYPE_CHECKING:
+    from srs_ik.arm import Arm
+
+Array = NDArray[np.float64]
+
+BLOCK_NODES = 16 * MOST_NODES
+BLOCK_STRIPS = 16 * MOST_STRIPS
+BLOCK_POSES = 512
+"""Size of a block: about ten megabytes."""
+
+KEPT = 8
+"""So many blocks are kept; of longer paths, the others are computed again on the way back."""
+
+WIDTHS = np.array([0.12, 0.04])
+"""Joint steps between the postures of a corridor, rad, before all arm angles move at once."""
+
+FINE_WIDTHS = 0.12 * 0.5 ** np.arange(12)
+"""The same where corridors alone have to do: with limits of speed."""
+
+
+@dataclass
+class Problem:
+    """A path to be found.
+
+    Attributes:
+        arm: the arm.
+        T: (n, 4, 4) poses.
+        seed: (7,) posture before the first one, or None.
+        settings: (SETTINGS, 7), see the kernels of the programme.
+        limited: whether there are velocity limits.
+        known: (n, 7) postures that are given.
+        has_known: (n,) where they are.
+    """
+
+    arm: Arm
+    T: Array
+    seed: Array | None
+    settings: Array
+    limited: bool
+    known: Array
+    has_known: NDArray[np.bool_]
+
+
+class Way:
+    """Postures of a path: joint angles, arm angles, branches, and the ends of the strips in which they lie."""
+
+    def __init__(self, n: int) -> None:
+        self.q = np.zeros((n, 7))
+        self.psi = np.zeros(n)
+        self.branch = np.zeros(n, np.int64)
+        self.bounds = np.zeros((n, 2))
+        self.reached = np.zeros(n, np.bool_)
+        self.cost = 0.0
+
+
+class Block:
+    """The strips of some key poses, and the costs of their postures."""
+
+    def __init__(
+        self, problem: Problem, keys: NDArray[np.int64], first: int, exact: bool, before: Carry | None
+    ) -> None:
+        self.problem, self.keys, self.first, self.exact, self.before = problem, keys, first, exact, before
+        self.arrays: tuple[Any, ...] | None = None
+        self.count = 0
+        self.reached = 0
+
+    def fill(self) -> tuple[Any, ...]:
+        """Its arrays, computed if they are not there."""
+        if self.arrays is not None:
+            return self.arrays
+        nodes, cost = np.empty((BLOCK_NODES, NODE)), np.empty(BLOCK_NODES)
+        strips, ends = np.empty((BLOCK_STRIPS, STRIP)), np.zeros((BLOCK_POSES + 1, 4), np.int64)
+        carried = -1
+        if self.before is not None:
+            carried = self.before.pose
+            n, m = len(self.before.nodes), len(self.before.strips)
+            nodes[:n], cost[:n], strips[:m] = self.before.nodes, self.before.cost, self.before.strips
+            ends[0] = 0, n, 0, m
+        p = self.problem
+        space = p.arm._work()
+        answer = (p.settings, p.limited, self.exact, *space, nodes, cost, strips, ends)
+        after, self.reached = entries.sweep(
+            p.arm._family, p.T, self.keys, self.first, carried, p.known, p.has_known, p.seed, *answer
+        )
+        self.count = after - self.first
+        self.arrays = nodes, cost, strips, ends
+        return self.arrays
+
+    def carry(self) -> Carry | None:
+        """The last pose of it that is reached."""
+        if self.reached == 0:
+            return self.before
+        nodes, cost, strips, ends = self.fill()
+        a, b, c, d = ends[self.reached]
+        own = strips[c:d].copy()
+        own[:, STRIP_FIRST:] -= a
+        return Carry(int(self.keys[self.first + self.reached - 1]), nodes[a:b].copy(), cost[a:b].copy(), own)
+
+
+@dataclass
+class Carry:
+    """The strips of one pose, on the way from a block to the next."""
+
+    pose: int
+    nodes: Array
+    cost: Array
+    strips: Array
+
+
+def find_way(problem: Problem, keys: NDArray[np.int64], exact: bool) -> Way:
+    """The best way through the strips of the key poses."""
+    blocks: list[Block] = []
+    first, before = 0, None
+    while first < len(keys):
+        block = Block(problem, keys, first, exact, before)
+        block.fill()
+        before, first = block.carry(), first + block.count
+        if len(blocks) >= KEPT:
+            blocks[-KEPT].arrays = None
+        blocks.append(block)
+    way = Way(len(problem.T))
+    following = -1
+    for block in reversed(blocks):
+        place = way.q, way.psi, way.branch, way.bounds
+        settings = problem.settings, problem.limited
+        arrays = block.fill()
+        following, least = entries.go_back(keys, block.first, block.count, following, *settings, *arrays, *place)
+        if least >= 0.0:
+            way.cost = least
+        ends = arrays[3][1 : block.count + 1]
+        way.reached[keys[block.first : block.first + block.count]] = ends[:, 1] > ends[:, 0]
+        block.arrays = None
+    return way
+
+
+def search(problem: Problem) -> Way:
+    """The best path: planned at key poses, filled in between, and refined."""
+    arm, T = problem.arm, problem.T
+    marks, verdicts = np.zeros(len(T), np.bool_), np.zeros(len(T), np.int64)
+    entries.choose_keys(arm._family, T, problem.has_known, marks, verdicts)
+    refuse_bad_poses(verdicts)
+    while True:
+        keys = np.flatnonzero(marks)
+        way = find_way(problem, keys, False)
+        missed = np.zeros(len(T), np.bool_)
+        if way.cost < 0.5 * BREAK:
+            place = way.q, way.psi, way.branch, way.bounds, missed
+            entries.fill_between(arm._family, T, keys, way.reached, problem.settings, *place, *arm._work())
+        if marks.all() or not (missed.any() or way.cost >= 0.5 * BREAK or not way.reached[keys].all()):
+            break
+        # Between two planned poses the path does something of its own: there, every pose is planned.
+        marks |= missed if missed.any() else True
+    if way.cost >= 0.5 * BREAK:
+        way = find_way(problem, keys, True)
+    improve(problem, way)
+    return way
+
+
+def improve(problem: Problem, way: Way) -> None:
+    """Move the postures of a path to the best ones near them."""
+    chain = np.flatnonzero(way.reached)
+    widths = FINE_WIDTHS if problem.limited else WIDTHS
+    fixed = problem.has_known | (way.branch < 0)
+    place = (problem.T, chain, fixed, way.bounds, widths, not problem.limited, problem.seed, problem.settings)
+    work = problem.arm._work()
+    entries.refine(problem.arm._family, *place, problem.limited, way.q, way.psi, way.branch, *work)
+
+
+def rows_of(problem: Problem, way: Way) -> Array:
+    """Rows of the postures of a path; where there is none, that of the search for one pose near the one before."""
+    arm, T = problem.arm, problem.T
+    rows = np.full((len(T), ROW), np.nan)
+    chain = np.flatnonzero(way.reached)
+    entries.finish(arm._family, T, chain, way.q, way.psi, way.branch, *arm._work(), rows)
+    for i in np.flatnonzero(~way.reached | (rows[:, ROW_STATUS] != Status.OK)).tolist():
+        rows[i] = arm.solve(T[i], seed=rows[i - 1, :7] if i else problem.seed)._row
+    return rows

@@ -1,0 +1,62 @@
+"""Self-motion: the postures that an arm can go through while its tip stands still, for drawing and for sampling."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from srs_ik.errors import InvalidConfiguration
+from srs_ik.inputs.poses import PoseLike, as_branch, as_rigid_matrix
+from srs_ik.kernels.layout import ROW
+from srs_ik.solve.solution import BatchSolution, Interval
+
+if TYPE_CHECKING:
+    from srs_ik.arm import Arm
+
+Array = NDArray[np.float64]
+
+_INSIDE = 1e-9
+"""Samples stay this far inside the ends of an interval, rad; on an end, rounding may put a joint past its limit."""
+
+
+class SelfMotion(BatchSolution):
+    """The postures of one interval of arm angles, evenly spaced in arm angle, as arrays over them.
+
+    Each is in the turns nearest to the one before, so that the rows of `q` draw a curve.
+
+    Attributes:
+        interval: the `Interval` that they go through, from `interval.lower` to `interval.upper`.
+    """
+
+    def __init__(self, rows: Array, joint_names: Sequence[str], interval: Interval) -> None:
+        super().__init__(rows, joint_names)
+        self.interval = interval
+
+    def __repr__(self) -> str:
+        i = self.interval
+        return f"SelfMotion({self.solved} postures in branch {i.branch}, {i.lower:.6g} to {i.upper:.6g} rad)"
+
+
+def self_motion(arm: Arm, pose: PoseLike, branch: int | None, count: int, respect_limits: bool) -> list[SelfMotion]:
+    """See `Arm.self_motion`."""
+    wanted = as_branch(branch)
+    if isinstance(count, bool) or not isinstance(count, int | np.integer) or count < 2:
+        raise InvalidConfiguration(f"count must be an integer of at least 2, not {count!r}")
+    T = as_rigid_matrix(pose)
+    intervals = [i for i in arm.intervals(T, respect_limits) if wanted in (-1, i.branch)]
+    return [through(arm, T, interval, int(count), respect_limits) for interval in intervals]
+
+
+def through(arm: Arm, T: Array, interval: Interval, count: int, respect_limits: bool) -> SelfMotion:
+    """The self-motion through one interval of a pose (4, 4)."""
+    inside = min(_INSIDE, 0.25 * interval.width)
+    rows = np.empty((count, ROW))
+    before = None
+    for row, psi in zip(rows, np.linspace(interval.lower + inside, interval.upper - inside, count), strict=True):
+        found = arm.solve(T, float(psi), before, interval.branch, respect_limits)
+        row[:] = found._row
+        before = found.q if found else before
+    return SelfMotion(rows, arm.joint_names, interval)

@@ -1,0 +1,141 @@
+"""Answers of `Arm.solve_task`: joint angles, and how near they come to the posture that the task asks for."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from srs_ik.errors import InvalidTask
+from srs_ik.inputs.poses import as_seeds
+from srs_ik.kernels.entries import task as entries
+from srs_ik.kernels.task import solve as kernel
+from srs_ik.solve.posture import Posture, Side, Task, Tie, signs
+from srs_ik.solve.solution import BatchSolution, ElbowRange, Solution, Status
+from srs_ik.solve.threads import run_in_threads
+
+if TYPE_CHECKING:
+    from srs_ik.arm import Arm
+
+Array = NDArray[np.float64]
+
+_POSTURE = slice(kernel.TASK_POSTURE, kernel.TASK_ROTATION)
+
+
+class TaskSolution(Solution):
+    """Joint angles for one task.
+
+    A `Solution` of the pose that the task asks of the tip, and with it the figures below. Where the target is out of
+    reach its status is `UNREACHABLE`, and q that of the stretched or folded posture.
+    """
+
+    __slots__ = ("_shoulder", "_side")
+
+    def __init__(
+        self, row: Array, joint_names: Sequence[str], elbow: ElbowRange | None, shoulder: Array, side: Side
+    ) -> None:
+        super().__init__(row, joint_names, elbow)
+        self._shoulder = shoulder
+        self._side = side
+
+    @property
+    def posture(self) -> Posture:
+        """The posture that the task asks for."""
+        return Posture(self._row[_POSTURE], self._shoulder, self._side)
+
+    @property
+    def T_base_tip(self) -> Array:
+        """(4, 4) pose of the tip that the task asks for; a roll of the hand that was left free is chosen in it."""
+        return _poses(self._row)
+
+    @property
+    def angle_lost(self) -> float:
+        """How far the arm angle of q is from that of the posture, rad; 0 where the elbow is where the task wants it."""
+        return float(self._row[kernel.ANGLE_LOST])
+
+    @property
+    def message(self) -> str:
+        """One sentence for a person."""
+        if self.status is Status.OK and self.angle_lost > 0.0:
+            lost = f"{np.rad2deg(self.angle_lost):.3g} deg"
+            return f"Solved, but the joint limits keep the elbow {lost} from where the task wants it."
+        return super().message
+
+    def __repr__(self) -> str:
+        return f"TaskSolution(angle_lost={self.angle_lost:.6g}, {super().__repr__()})"
+
+
+class BatchTaskSolution(BatchSolution):
+    """Joint angles for N tasks: every field of `TaskSolution` as an array over N."""
+
+    def __init__(
+        self, rows: Array, joint_names: Sequence[str], elbow: ElbowRange | None, shoulder: Array, side: Side
+    ) -> None:
+        super().__init__(rows, joint_names, elbow)
+        self._shoulder = shoulder
+        self._side = side
+
+    @property
+    def posture(self) -> Posture:
+        """The postures that the tasks ask for, its fields arrays over N."""
+        return Posture(self._rows[:, _POSTURE], self._shoulder, self._side)
+
+    @property
+    def T_base_tip(self) -> Array:
+        """(N, 4, 4) poses of the tip that the tasks ask for."""
+        return _poses(self._rows)
+
+    @property
+    def angle_lost(self) -> Array:
+        """(N,) how far the arm angles are from those of the postures, rad."""
+        return self._rows[:, kernel.ANGLE_LOST]
+
+    def __getitem__(self, index: Any) -> Any:
+        row = self._rows[index]
+        kind = TaskSolution if row.ndim == 1 else BatchTaskSolution
+        return kind(row, self._joint_names, self._elbow, self._shoulder, self._side)
+
+    def __repr__(self) -> str:
+        return f"BatchTaskSolution({self.solved} of {self.ok.size} solved)"
+
+
+def solve_task(
+    arm: Arm,
+    task: Task,
+    side: Side,
+    respect_limits: bool,
+    tie: Tie,
+    threads: int | None,
+    seed: ArrayLike | None,
+) -> TaskSolution | BatchTaskSolution:
+    """See `Arm.solve_task`."""
+    sides, ties = signs(task, side, tie)
+    if arm.hand is None:
+        raise InvalidTask(
+            f"how the hand of {arm.name} lies in its frame {arm.tip!r} is not known: load it with "
+            "hand=(grasp, pronosupination), two directions in that frame"
+        )
+    family, hand, rows, given = arm._family, arm._packed_hand, task._rows, task._given
+    seeds = None if seed is None else as_seeds(seed, len(rows), arm.lower, arm.upper)
+    out = np.empty((len(rows), kernel.TASK_SOLUTION))
+    if task.count is None:
+        J, A = arm._work()
+        entries.solve_tasks(family, hand, rows, 0, 1, given, sides, ties, seeds, respect_limits, J, A, out)
+        return TaskSolution(out[0], arm.joint_names, arm._elbow, arm.limb.shoulder, side)
+
+    def work(first: int, last: int) -> None:
+        J, A = arm._work()
+        entries.solve_tasks(family, hand, rows, first, last, given, sides, ties, seeds, respect_limits, J, A, out)
+
+    run_in_threads(work, task.count, threads)
+    return BatchTaskSolution(out, arm.joint_names, arm._elbow, arm.limb.shoulder, side)
+
+
+def _poses(rows: Array) -> Array:
+    T = np.zeros((*rows.shape[:-1], 4, 4))
+    T[..., :3, :3] = rows[..., kernel.TASK_ROTATION : kernel.TASK_TIP].reshape(*rows.shape[:-1], 3, 3)
+    T[..., :3, 3] = rows[..., kernel.TASK_TIP : kernel.ANGLE_LOST]
+    T[..., 3, 3] = 1.0
+    return T

@@ -1,5 +1,0 @@
-"""Reading robot descriptions: a file, XML text, or a ``yourdfpy.URDF`` becomes a ``pinocchio.Model``."""
-
-from srs_ik.urdf.model import RobotModel, load_model
-
-__all__ = ["RobotModel", "load_model"]
