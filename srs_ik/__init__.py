@@ -47,7 +47,8 @@ if TYPE_CHECKING:
     from srs_ik.solve.intervals import IntervalsBatch
     from srs_ik.solve.objectives import OBJECTIVES, Objective
     from srs_ik.solve.optimise import Optimum
-    from srs_ik.solve.path import PathBreak, PathSolution
+    from srs_ik.solve.path import PathSolution
+    from srs_ik.solve.path_breaks import PathBreak
     from srs_ik.solve.posture import Posture, Task
     from srs_ik.solve.self_motion import SelfMotion
     from srs_ik.solve.solution import BatchSolution, Interval, Solution, Solutions, Status
@@ -85,7 +86,8 @@ _MODULES = {
     "loading": ("LimbReport", "find_limbs", "load", "robots"),
     "solve.objectives": ("OBJECTIVES", "Objective"),
     "solve.optimise": ("Optimum",),
-    "solve.path": ("PathBreak", "PathSolution"),
+    "solve.path": ("PathSolution",),
+    "solve.path_breaks": ("PathBreak",),
     "plots": ("plot_arm_angle", "plot_ellipsoids", "plot_intervals"),
     "analysis.polytopes": ("Polytope", "force_polytope", "velocity_polytope"),
     "preview": ("Preview",),

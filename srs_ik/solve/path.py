@@ -2,40 +2,42 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass
-from typing import Any
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from srs_ik.inputs.poses import as_matrices, as_positive, as_seed
-from srs_ik.kernels.entries.path import BY_CONTINUITY, BY_VELOCITY, INVERSE_PERIOD, PERIOD, SETTINGS
+from srs_ik.errors import InvalidConfiguration, MissingLimits
+from srs_ik.inputs.poses import as_joint_vector, as_matrices, as_positive, as_seed
+from srs_ik.kernels.entries.path import (
+    BY_CONTINUITY,
+    BY_VELOCITY,
+    INVERSE_PERIOD,
+    INVERSE_SPEED,
+    PERIOD,
+    SETTINGS,
+)
 from srs_ik.kernels.layout import ROW
+from srs_ik.solve.path_aims import closed as closed_way
+from srs_ik.solve.path_aims import least_largest_step
+from srs_ik.solve.path_breaks import PathBreak, breaks_of
 from srs_ik.solve.path_search import Problem, rows_of, search
 from srs_ik.solve.solution import BatchSolution, ElbowRange
+
+if TYPE_CHECKING:
+    from srs_ik.arm import Arm
 
 Array = NDArray[np.float64]
 
 LONGEST_STEP = 0.5
 """Default of the longest joint step that counts as continuous, rad."""
 
+OBJECTIVES = ("sum_of_squares", "largest_step", "time")
+"""What a path can be asked to make least, among those with the fewest breaks."""
 
-@dataclass(frozen=True, slots=True)
-class PathBreak:
-    """A place where a path is not continuous, or not on its pose.
-
-    Attributes:
-        sample: index of the pose at which it happens.
-        jump: largest joint step from the sample before, rad; 0 at a pose that is not reached.
-        joint: name of the joint that makes it.
-        message: one sentence that says why.
-    """
-
-    sample: int
-    jump: float
-    joint: str
-    message: str
+ON_POSE = 1e-6
+"""A posture that is given may miss its pose by so much, m and rad."""
 
 
 class PathSolution(BatchSolution):
@@ -71,38 +73,73 @@ class PathSolution(BatchSolution):
 
 
 def solve_path(
-    arm: Any,
+    arm: Arm,
     poses: Any,
     seed: ArrayLike | None = None,
     dt: float | None = None,
     longest_step: float = LONGEST_STEP,
+    objective: str = "sum_of_squares",
+    known: Mapping[int, ArrayLike] | None = None,
+    closed: bool = False,
 ) -> PathSolution:
     """See `Arm.solve_path`."""
     T = as_matrices(poses)
     n = len(T)
-    settings = _settings(arm, dt, longest_step)
+    if objective not in OBJECTIVES:
+        raise InvalidConfiguration(f"objective is one of {', '.join(OBJECTIVES)}, not {objective!r}")
+    settings = _settings(arm, dt, longest_step, objective)
     start = None if seed is None else as_seed(seed, arm.lower, arm.upper)
     if not n:
         return PathSolution(np.empty((0, ROW)), arm.joint_names, np.empty((0, 7)), [])
-    problem = Problem(arm, T, start, settings, dt is not None, np.zeros((n, 7)), np.zeros(n, np.bool_))
-    rows = rows_of(problem, search(problem))
+    even = objective == "sum_of_squares"
+    given, has_given = _known(arm, T, known or {})
+    problem = Problem(arm, T, start, settings, dt is not None, given, has_given, np.zeros((n, 7)), even=even)
+    if closed:
+        if np.abs(T[0] - T[-1]).max() > ON_POSE:
+            raise InvalidConfiguration("a closed path ends at its first pose, and the last pose is another one")
+        if objective == "largest_step":
+            raise InvalidConfiguration("a closed path is asked for the least sum of squares or time, not largest_step")
+        way = closed_way(problem)
+    else:
+        way = least_largest_step(problem) if objective == "largest_step" else search(problem)
+    rows = rows_of(problem, way)
     rows[:, :7] = _unwound(arm, rows[:, :7], start)
     steps = np.diff(rows[:, :7], axis=0)
-    return PathSolution(rows, arm.joint_names, steps, _breaks(arm, rows, steps, settings[BY_CONTINUITY]), arm._elbow)
+    return PathSolution(rows, arm.joint_names, steps, breaks_of(problem, way, rows, steps), arm._elbow)
 
 
-def _settings(arm: Any, dt: float | None, longest_step: float) -> Array:
+def _known(arm: Arm, T: Array, known: Mapping[int, ArrayLike]) -> tuple[Array, NDArray[np.bool_]]:
+    """(n, 7) postures that are given, and (n,) where they are."""
+    given, has_given = np.zeros((len(T), 7)), np.zeros(len(T), np.bool_)
+    for index, posture in known.items():
+        if not isinstance(index, int) or not -len(T) <= index < len(T):
+            raise InvalidConfiguration(f"known: there is no pose {index}; the path has {len(T)}")
+        q = as_joint_vector(posture, f"the posture of pose {index}")
+        if (q < arm.lower).any() or (q > arm.upper).any():
+            raise InvalidConfiguration(f"known: the posture of pose {index} is outside the joint limits")
+        if max(arm.verify(T[index], q)) > ON_POSE:
+            raise InvalidConfiguration(f"known: the posture given for pose {index} does not meet it")
+        given[index], has_given[index] = q, True
+    return given, has_given
+
+
+def _settings(arm: Arm, dt: float | None, longest_step: float, objective: str) -> Array:
     """(SETTINGS, 7) of the programme: longest joint steps by velocity and by continuity, turns of endless joints."""
     settings = np.zeros((SETTINGS, 7))
     settings[BY_VELOCITY] = np.inf if dt is None else arm.velocity_limit * as_positive(dt, "dt", "seconds")
     settings[BY_CONTINUITY] = as_positive(longest_step, "longest_step", "radians")
+    if objective == "time":
+        missing = ~(np.isfinite(arm.velocity_limit) & (arm.velocity_limit > 0.0))
+        if missing.any():
+            raise MissingLimits("velocity", [arm.joint_names[j] for j in np.flatnonzero(missing)], arm.name)
+        settings[INVERSE_SPEED] = 1.0 / arm.velocity_limit
     endless = np.isinf(arm.lower) & np.isinf(arm.upper)
     settings[PERIOD, endless] = 2.0 * np.pi
     settings[INVERSE_PERIOD, endless] = 0.5 / np.pi
     return settings
 
 
-def _unwound(arm: Any, q: Array, start: Array | None) -> Array:
+def _unwound(arm: Arm, q: Array, start: Array | None) -> Array:
     """The same postures with joints that turn without end counted on from sample to sample."""
     q = q.copy()
     endless = np.isinf(arm.lower) & np.isinf(arm.upper)
@@ -111,20 +148,3 @@ def _unwound(arm: Any, q: Array, start: Array | None) -> Array:
         if start is not None:
             q[:, endless] += 2.0 * np.pi * np.round((start - q[0])[endless] / (2.0 * np.pi))
     return q
-
-
-def _breaks(arm: Any, rows: Array, steps: Array, longest: Array) -> list[PathBreak]:
-    breaks = []
-    answers = BatchSolution(rows, arm.joint_names, arm._elbow)
-    jumps = np.append(False, (np.abs(steps) > longest).any(axis=1))
-    for i in np.flatnonzero(jumps | ~answers.ok).tolist():
-        if not answers.ok[i]:
-            breaks.append(PathBreak(i, 0.0, "", f"Pose {i} is not reached: {answers.message(i)}"))
-        else:
-            joint = int(np.abs(steps[i - 1]).argmax())
-            jump, name = float(abs(steps[i - 1, joint])), arm.joint_names[joint]
-            why = (
-                f"No posture inside the limits continues the path at pose {i}: joint {name} has to jump {jump:.3f} rad."
-            )
-            breaks.append(PathBreak(i, jump, name, why))
-    return breaks

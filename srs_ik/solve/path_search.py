@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -10,7 +10,17 @@ from numpy.typing import NDArray
 
 from srs_ik.inputs.poses import refuse_bad_poses
 from srs_ik.kernels.entries import path as entries
-from srs_ik.kernels.entries.path import BREAK, MOST_NODES, MOST_STRIPS, NODE, STRIP, STRIP_FIRST
+from srs_ik.kernels.entries.path import (
+    BREAK,
+    BY_VELOCITY,
+    INVERSE_PERIOD,
+    MOST_NODES,
+    MOST_STRIPS,
+    NODE,
+    PERIOD,
+    STRIP,
+    STRIP_FIRST,
+)
 from srs_ik.kernels.layout import ROW, ROW_STATUS
 from srs_ik.solve.solution import Status
 
@@ -30,8 +40,15 @@ KEPT = 8
 WIDTHS = np.array([0.12, 0.04])
 """Joint steps between the postures of a corridor, rad, before all arm angles move at once."""
 
-FINE_WIDTHS = 0.12 * 0.5 ** np.arange(12)
+FINE_WIDTHS: Array = 0.12 * 0.5 ** np.arange(12.0)
 """The same where corridors alone have to do: with limits of speed."""
+
+
+ROUNDS = 4
+RADIUS = 0.4
+"""A path that changes branches is searched for again so often at most, so far around the last one, rad."""
+
+LEAST_GAIN = 1e-6
 
 
 @dataclass
@@ -46,6 +63,9 @@ class Problem:
         limited: whether there are velocity limits.
         known: (n, 7) postures that are given.
         has_known: (n,) where they are.
+        near: (n, 7) postures around which strips are finer.
+        radius: how far around, rad; 0: nowhere.
+        even: whether squared joint steps are what counts.
     """
 
     arm: Arm
@@ -55,6 +75,17 @@ class Problem:
     limited: bool
     known: Array
     has_known: NDArray[np.bool_]
+    near: Array
+    radius: float = 0.0
+    even: bool = True
+
+
+@dataclass
+class Wall:
+    """A pose that no continuous path reaches, and the postures of the pose before from which none does."""
+
+    sample: int
+    before: Array
 
 
 class Way:
@@ -67,6 +98,7 @@ class Way:
         self.bounds = np.zeros((n, 2))
         self.reached = np.zeros(n, np.bool_)
         self.cost = 0.0
+        self.walls: list[Wall] = []
 
 
 class Block:
@@ -96,11 +128,27 @@ class Block:
         space = p.arm._work()
         answer = (p.settings, p.limited, self.exact, *space, nodes, cost, strips, ends)
         after, self.reached = entries.sweep(
-            p.arm._family, p.T, self.keys, self.first, carried, p.known, p.has_known, p.seed, *answer
+            p.arm._family, p.T, self.keys, self.first, carried, p.known, p.has_known, p.near, p.radius, p.seed, *answer
         )
         self.count = after - self.first
         self.arrays = nodes, cost, strips, ends
         return self.arrays
+
+    def walls(self) -> list[Wall]:
+        """Where all ways need one more break, if breaks are made as late as can be."""
+        nodes, cost, _, ends = self.fill()
+        found, last, level = [], -1, -1
+        for number in range(self.count + 1):
+            a, b = ends[number, :2]
+            if a == b:
+                continue
+            needed = int(cost[a:b].min() // BREAK)
+            if last >= 0 and needed > level:
+                c, d = ends[last, :2]
+                open_ended = nodes[c:d][cost[c:d] < (level + 1) * BREAK, :7]
+                found.append(Wall(int(self.keys[self.first + number - 1]), open_ended.copy()))
+            last, level = number, needed
+        return found
 
     def carry(self) -> Carry | None:
         """The last pose of it that is reached."""
@@ -135,6 +183,8 @@ def find_way(problem: Problem, keys: NDArray[np.int64], exact: bool) -> Way:
             blocks[-KEPT].arrays = None
         blocks.append(block)
     way = Way(len(problem.T))
+    if before is not None and before.cost.min() >= BREAK and not exact:
+        way.walls = [wall for block in blocks for wall in block.walls()]
     following = -1
     for block in reversed(blocks):
         place = way.q, way.psi, way.branch, way.bounds
@@ -146,6 +196,9 @@ def find_way(problem: Problem, keys: NDArray[np.int64], exact: bool) -> Way:
         ends = arrays[3][1 : block.count + 1]
         way.reached[keys[block.first : block.first + block.count]] = ends[:, 1] > ends[:, 0]
         block.arrays = None
+    if problem.arm._work()[0] is not None:
+        # Along the curves of a near limb, limits are looked at step by step.
+        way.bounds[:] = -np.inf, np.inf
     return way
 
 
@@ -167,19 +220,69 @@ def search(problem: Problem) -> Way:
         # Between two planned poses the path does something of its own: there, every pose is planned.
         marks |= missed if missed.any() else True
     if way.cost >= 0.5 * BREAK:
+        walls = way.walls
         way = find_way(problem, keys, True)
+        way.walls = walls
     improve(problem, way)
+    return search_around(problem, way)
+
+
+def search_around(problem: Problem, way: Way) -> Way:
+    """The best path around one: strips are finer there, so it changes branches where that is best."""
+    chain = np.flatnonzero(way.reached)
+    for _ in range(ROUNDS):
+        if not np.diff(way.branch[chain]).any():
+            break
+        again = find_way(replace(problem, near=way.q, radius=RADIUS), chain, False)
+        improve(problem, again)
+        if not again.cost < way.cost * (1.0 - LEAST_GAIN):
+            break
+        way = again
     return way
 
 
 def improve(problem: Problem, way: Way) -> None:
     """Move the postures of a path to the best ones near them."""
+    if not problem.even:
+        refine(problem, way, FINE_WIDTHS, False)
+        return
+    planned = copy(way)
+    refine(replace(problem, limited=False), way, WIDTHS, True)
+    if problem.limited and is_too_fast(problem, way):
+        # All at once, arm angles keep no velocity limits: then corridors alone, finer and finer.
+        way.q, way.psi, way.branch, way.bounds = planned.q, planned.psi, planned.branch, planned.bounds
+        refine(problem, way, FINE_WIDTHS, False)
+
+
+def refine(problem: Problem, way: Way, widths: Array, even: bool) -> None:
+    """Move the postures of a path, in place, through corridors of some widths, and all at once where that will do."""
     chain = np.flatnonzero(way.reached)
-    widths = FINE_WIDTHS if problem.limited else WIDTHS
     fixed = problem.has_known | (way.branch < 0)
-    place = (problem.T, chain, fixed, way.bounds, widths, not problem.limited, problem.seed, problem.settings)
+    place = (problem.T, chain, fixed, way.bounds, widths, even, problem.seed, problem.settings)
     work = problem.arm._work()
-    entries.refine(problem.arm._family, *place, problem.limited, way.q, way.psi, way.branch, *work)
+    way.cost = entries.refine(problem.arm._family, *place, problem.limited, way.q, way.psi, way.branch, *work)
+
+
+def copy(way: Way) -> Way:
+    """A copy of the postures of a path."""
+    other = Way(len(way.q))
+    other.q, other.psi, other.branch = way.q.copy(), way.psi.copy(), way.branch.copy()
+    other.bounds, other.reached, other.cost = way.bounds.copy(), way.reached.copy(), way.cost
+    return other
+
+
+def steps_of(problem: Problem, q: Array) -> Array:
+    """Joint steps of a path, joints without end the shorter way round."""
+    steps = np.diff(q, axis=0)
+    turns = np.round(steps * problem.settings[INVERSE_PERIOD])
+    return steps - problem.settings[PERIOD] * turns
+
+
+def is_too_fast(problem: Problem, way: Way) -> bool:
+    """Whether a path breaks a velocity limit."""
+    chain = np.flatnonzero(way.reached)
+    limits = problem.settings[BY_VELOCITY] * np.diff(chain)[:, None]
+    return bool((np.abs(steps_of(problem, way.q[chain])) > limits * (1.0 + 1e-9)).any())
 
 
 def rows_of(problem: Problem, way: Way) -> Array:

@@ -113,6 +113,8 @@ def sweep(
     carried,
     known,
     has_known,
+    near,
+    radius,
     seed,
     settings,
     limited,
@@ -134,6 +136,8 @@ def sweep(
         carried: the pose before it that is reached, as the arrays hold it already, at `ends[0]`; -1: none.
         known: (n, 7) postures that are given.
         has_known: (n,) where they are.
+        near: (n, 7) postures around which strips are finer.
+        radius: how far around, rad; 0: nowhere.
         seed: (7,) posture before the first one, or None.
         settings: (SETTINGS, 7).
         limited: whether there are velocity limits.
@@ -174,7 +178,23 @@ def sweep(
             m = list_strips(nodes, linked, n, n + 1, strips, m)
             n += 1
         else:
-            n, m = pose_strips(family, row(poses, pose), found, nodes, linked, n, strips, m, work, turns, wide, J, A)
+            n, m = pose_strips(
+                family,
+                row(poses, pose),
+                read7(row(near, pose)),
+                radius,
+                found,
+                nodes,
+                linked,
+                n,
+                strips,
+                m,
+                work,
+                turns,
+                wide,
+                J,
+                A,
+            )
         ends[at, 1] = n
         ends[at, 3] = m
         if ends[at, 1] > ends[at, 0]:
@@ -276,7 +296,7 @@ def refine(family, poses, chain, fixed, bounds, widths, even, seed, settings, li
     """Move the postures of a path, in place, to the best ones near them.
 
     `widths` (m,) are those of the corridors, one after the other; `even` says whether squared joint steps are all that
-    counts, so that all arm angles move at once in the end. The others are those of `corridor`.
+    counts, so that all arm angles move at once in the end. The others are those of `corridor`. Returns the cost.
     """
     put_on_poses(family, poses, chain, fixed, q, psi, branch, J, A)
     lowest = path_cost(chain, seed, settings, limited, q)
@@ -290,7 +310,8 @@ def refine(family, poses, chain, fixed, bounds, widths, even, seed, settings, li
         else:
             lowest = total
     if even:
-        smooth(family, poses, chain, fixed, bounds, seed, settings, q, psi, branch, J, A)
+        lowest = smooth(family, poses, chain, fixed, bounds, seed, settings, q, psi, branch, J, A)
+    return lowest
 
 
 @entry

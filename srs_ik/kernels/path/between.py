@@ -8,17 +8,16 @@ import numpy as np
 
 from srs_ik.kernels.algebra.pointers import row
 from srs_ik.kernels.algebra.vectors import cross, norm
-from srs_ik.kernels.chain.answer import OK
-from srs_ik.kernels.chain.newton import arm_angle
+from srs_ik.kernels.chain.newton import CLOSED, STEPS, arm_angle, close_free
 from srs_ik.kernels.exact.intervals import MAX_PIECES, find_intervals
 from srs_ik.kernels.jit import kernel
-from srs_ik.kernels.layout import LIMITED, LOOSE, ROW, ROW_ARM_ANGLE, ROW_BRANCH, ROW_STATUS
+from srs_ik.kernels.layout import LIMITED, LOOSE
+from srs_ik.kernels.limb.branches import branch_of
 from srs_ik.kernels.limb.limits import TURN
 from srs_ik.kernels.limb.poses import read7, read_pose
 from srs_ik.kernels.limb.triangle import elbow_side, place
 from srs_ik.kernels.path.followed import away, posture_of, settled
-from srs_ik.kernels.path.programme import BY_CONTINUITY, largest, steps_between
-from srs_ik.kernels.pose.solve import solve_row
+from srs_ik.kernels.path.programme import BY_CONTINUITY, steps_between
 
 ON_LIMIT = 1e-9
 
@@ -58,25 +57,21 @@ def follow_on(family, poses, before, i, behind, settings, q, psi, branch, bounds
     near = part_of_way(start, e, (i - before) / (behind - before))
     reach = 0.5 * settings[BY_CONTINUITY, 0]
     R, p, _ = read_pose(row(poses, i))
-    place_ = place(P, R, p)
-    if branch[before] >= 0 and branch[before] == branch[behind]:
-        angle = arm_angle(P, near, place_[0], place_[1])
-        side = elbow_side(P, place_, branch[before] >> 2)
-        here, good = posture_of(P, place_, side, R, p, angle, branch[before], near, True, False, J, A)
-        here, inside = settled(P, here, ON_LIMIT)
-        if good and inside and away(here, near) < reach:
-            write_posture(q, psi, branch, i, here, angle, branch[before])
-            write_bounds(family, place_, branch[before], angle, bounds, i, J)
-            return True
-    answer = np.empty(ROW)
-    solve_row(family, row(poses, i), -1, near, True, J, A, row(answer, 0))
-    here = read7(answer)
-    e = steps_between(settings, near, here)
-    if answer[ROW_STATUS] != OK or largest(e) > reach:
+    if A is not None:
+        here, error = close_free(P, near, R, p, True, 2 * STEPS, J, A)
+        good = error < CLOSED and away(here, near) < reach
+        write_posture(q, psi, branch, i, here, 0.0, branch_of(P, here))
+        bounds[i, 0], bounds[i, 1] = -math.inf, math.inf
+        return good
+    if branch[before] < 0 or branch[before] != branch[behind]:
         return False
-    write_posture(q, psi, branch, i, part_of_way(near, e, 1.0), answer[ROW_ARM_ANGLE], int(answer[ROW_BRANCH]))
-    write_bounds(family, place_, branch[i], psi[i], bounds, i, J)
-    return True
+    place_ = place(P, R, p)
+    angle = arm_angle(P, near, place_[0], place_[1])
+    here, good = posture_of(P, elbow_side(P, place_, branch[before] >> 2), angle, branch[before], near, True)
+    here, inside = settled(P, here, ON_LIMIT)
+    write_posture(q, psi, branch, i, here, angle, branch[before])
+    write_bounds(family, place_, branch[before], angle, bounds, i)
+    return good and inside and away(here, near) < reach
 
 
 @kernel
@@ -89,15 +84,14 @@ def write_posture(q, psi, branch, i, here, angle, number):
 
 
 @kernel
-def write_bounds(family, place_, number, angle, bounds, i, J):
-    """Write the ends of the interval around an arm angle; on a near limb, limits are looked at step by step."""
+def write_bounds(family, place_, number, angle, bounds, i):
+    """Write the ends of the interval around an arm angle."""
     bounds[i, 0] = -math.inf
     bounds[i, 1] = math.inf
-    if J is None:
-        found = np.empty((8 * MAX_PIECES, 3))
-        for k in range(find_intervals(row(family, LOOSE), place_, number, found)):
-            low, high = found[k, 1], found[k, 2]
-            turns = TURN * math.floor((angle - low + ON_LIMIT) / TURN)
-            if angle <= high + turns + ON_LIMIT and high - low < TURN - ON_LIMIT:
-                bounds[i, 0] = low + turns
-                bounds[i, 1] = high + turns
+    found = np.empty((8 * MAX_PIECES, 3))
+    for k in range(find_intervals(row(family, LOOSE), place_, number, found)):
+        low, high = found[k, 1], found[k, 2]
+        turns = TURN * math.floor((angle - low + ON_LIMIT) / TURN)
+        if angle <= high + turns + ON_LIMIT and high - low < TURN - ON_LIMIT:
+            bounds[i, 0] = low + turns
+            bounds[i, 1] = high + turns

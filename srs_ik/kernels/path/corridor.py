@@ -7,13 +7,14 @@ import math
 import numpy as np
 
 from srs_ik.kernels.algebra.pointers import row
-from srs_ik.kernels.chain.arm_angle_rates import tangent
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout import IS_CLOSED, LIMITED, PHASE, SHOULDER, WRIST
+from srs_ik.kernels.limb.goal import NO_SEED
 from srs_ik.kernels.limb.poses import read7, read_pose
 from srs_ik.kernels.limb.self_motion import rates
 from srs_ik.kernels.limb.triangle import elbow_side, place
 from srs_ik.kernels.path.followed import away, posture_of, settled
+from srs_ik.kernels.path.near_strips import direction, moved_along
 from srs_ik.kernels.path.pose_strips import list_strips
 from srs_ik.kernels.path.programme import advance, cheapest, first_costs, largest, scale_settings, step_back
 from srs_ik.kernels.path.strips import NODE, NODE_PSI, STRIP, put_node
@@ -36,23 +37,25 @@ FARTHEST = 0.5
 
 
 @kernel
-def moving_rates(P, place_, side, q):
-    """Joint rates with the arm angle, and whether there are any."""
-    if P[IS_CLOSED] == 1.0:
-        return rates(P, q, place_[0], side[3])
-    return tangent(P, q)
+def moving_rates(P, place_, side, q, R, p, J, A):
+    """Joint rates with the arm angle, on a near limb along its curve, and whether there are any."""
+    if A is not None:
+        return direction(P, q, R, p, J, A)
+    return rates(P, q, place_[0], side[3])
 
 
 @kernel
 def split_of(P, q):
     """How joints turn at a singular posture while the pose stands still: seven rates, and whether there are any."""
+    if P[IS_CLOSED] != 1.0:
+        return NO_SEED, False
     s = q[1] - P[SHOULDER + PHASE]
     w = q[5] - P[WRIST + PHASE]
     if abs(math.sin(s)) < SPLIT:
         return (1.0, 0.0, math.copysign(1.0, -math.cos(s)), 0.0, 0.0, 0.0, 0.0), True
     if abs(math.sin(w)) < SPLIT:
         return (0.0, 0.0, 0.0, 0.0, 1.0, 0.0, math.copysign(1.0, -math.cos(w))), True
-    return (0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0), False
+    return NO_SEED, False
 
 
 @kernel
@@ -64,13 +67,19 @@ def along_split(P, q, split, x):
 
 
 @kernel
-def beside(P, place_, side, R, p, psi, move, branch, q, bounds, farthest, J, A):
-    """The posture at an arm angle moved on, or half as far, or a quarter: posture, arm angle, whether there is one."""
+def beside(P, side, R, p, psi, move, v, branch, q, bounds, farthest, J, A):
+    """The posture at an arm angle moved on, or half as far, or a quarter: posture, arm angle, whether there is one.
+
+    On a near limb, the posture so far along its curve, whose direction is v.
+    """
     for _ in range(3):
         there = min(max(psi + move, bounds[0]), bounds[1])
         if there == psi:
             break
-        moved, good = posture_of(P, place_, side, R, p, there, branch, q, True, False, J, A)
+        if A is not None:
+            moved, good = moved_along(P, q, v, move, R, p, J, A)
+        else:
+            moved, good = posture_of(P, side, there, branch, q, True)
         moved, inside = settled(P, moved, ON_LIMIT)
         if good and inside and away(moved, q) < farthest:
             return moved, there, True
@@ -88,7 +97,7 @@ def put_across(P, T, q, psi, branch, fixed, bounds, width, nodes, n, J, A):
     place_ = place(P, R, p)
     side = elbow_side(P, place_, branch >> 2)
     split, is_singular = split_of(P, q)
-    v, good = moving_rates(P, place_, side, q)
+    v, good = moving_rates(P, place_, side, q, R, p, J, A)
     move = min(width / max(largest(v), 1e-3), WIDEST_MOVE)
     for k in range(ACROSS):
         x = float(k - WIDTH)
@@ -101,9 +110,7 @@ def put_across(P, T, q, psi, branch, fixed, bounds, width, nodes, n, J, A):
                 put_node(nodes, n, turned, psi, branch)
                 n += 1
         elif good:
-            moved, there, found = beside(
-                P, place_, side, R, p, psi, x * move, branch, q, bounds, 4.0 * WIDTH * width, J, A
-            )
+            moved, there, found = beside(P, side, R, p, psi, x * move, v, branch, q, bounds, 4.0 * WIDTH * width, J, A)
             if found:
                 put_node(nodes, n, moved, there, branch)
                 n += 1
@@ -168,6 +175,18 @@ def corridor(family, poses, chain, fixed, bounds, width, seed, settings, limited
 
 
 @kernel
+def on_pose(P, T, q, psi, branch, J, A):
+    """The posture at an arm angle next to one that almost meets its pose, on a near limb the nearest one."""
+    R, p, _ = read_pose(T)
+    if A is not None:
+        v, good = direction(P, q, R, p, J, A)
+        if not good:
+            return q, False
+        return moved_along(P, q, v, 0.0, R, p, J, A)
+    return posture_of(P, elbow_side(P, place(P, R, p), branch >> 2), psi, branch, q, True)
+
+
+@kernel
 def settle_on(P, T, nodes, at, branch, q, psi, i, J, A):
     """Take the posture at a place between two of a corridor, or the nearer one of them."""
     k = math.floor(at)
@@ -187,13 +206,10 @@ def settle_on(P, T, nodes, at, branch, q, psi, i, J, A):
             a[6] + t * (b[6] - a[6]),
         )
         there = nodes[k, NODE_PSI] + t * (nodes[following, NODE_PSI] - nodes[k, NODE_PSI])
-        if nodes[k, NODE_PSI] == nodes[following, NODE_PSI]:
+        if A is None and nodes[k, NODE_PSI] == nodes[following, NODE_PSI]:
             nearer = between
         else:
-            R, p, _ = read_pose(T)
-            place_ = place(P, R, p)
-            side = elbow_side(P, place_, branch >> 2)
-            found, good = posture_of(P, place_, side, R, p, there, branch, between, True, False, J, A)
+            found, good = on_pose(P, T, between, there, branch, J, A)
             found, inside = settled(P, found, ON_LIMIT)
             if good and inside and away(found, between) < away(a, b) + 0.1:
                 nearer, angle = found, there
@@ -213,10 +229,7 @@ def put_on_poses(family, poses, chain, fixed, q, psi, branch, J, A):
         _, is_singular = split_of(P, here)
         if fixed[i] or is_singular:
             continue
-        R, p, _ = read_pose(row(poses, i))
-        place_ = place(P, R, p)
-        side = elbow_side(P, place_, branch[i] >> 2)
-        found, good = posture_of(P, place_, side, R, p, psi[i], branch[i], here, True, False, J, A)
+        found, good = on_pose(P, row(poses, i), here, psi[i], branch[i], J, A)
         found, inside = settled(P, found, ON_LIMIT)
         all_good = all_good and good and inside
         if good and inside and away(found, here) < FARTHEST:

@@ -5,16 +5,10 @@ from __future__ import annotations
 import math
 
 from srs_ik.kernels.algebra.vectors import swing
-from srs_ik.kernels.chain.newton import close_at_angle
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout import LOWER, RANGE_KIND, SHOULDER, UPPER, WRIST
-from srs_ik.kernels.limb.branches import NO_BRANCH
 from srs_ik.kernels.limb.limits import TURN, turn_to_middle
 from srs_ik.kernels.limb.spherical import angles, default_anchor, middle_angle
-from srs_ik.kernels.near.at_angle import solve_at_angle
-
-NEWTON = 8
-"""Steps of Newton's method from the posture before."""
 
 
 @kernel
@@ -51,20 +45,8 @@ def half_posture(P, k, first, motion, c, s, sign, near, followed):
 
 
 @kernel
-def posture_of(P, place_, side, R, p, psi, branch, near, followed, thorough, J, A):
-    """The posture of a branch at an arm angle, turned to follow another one, and whether there is one.
-
-    With `thorough`, a posture of a near limb that Newton's method misses from there is looked for by all means.
-    """
-    if A is not None:
-        if followed:
-            q, closed = close_at_angle(P, near, R, p, place_[0], place_[1], psi, NEWTON, A)
-            if closed and away(q, near) < 1.0:
-                return turn_all(P, q, near, True), True
-        if not thorough:
-            return near, False
-        q, _, lowest = solve_at_angle(P, place_, R, p, psi, branch, followed, near, False, J, A)
-        return turn_all(P, q, near, followed), lowest < NO_BRANCH
+def posture_of(P, side, psi, branch, near, followed):
+    """The posture of a branch of an exact limb at an arm angle, following another one, and whether there is one."""
     c = math.cos(psi)
     s = math.sin(psi)
     a, reached_s = half_posture(P, SHOULDER, 0, side[1], c, s, (branch >> 1) & 1, near, followed)
@@ -96,3 +78,13 @@ def settled(P, q, slack):
         min(max(q[5], P[LOWER + 5]), P[UPPER + 5]),
         min(max(q[6], P[LOWER + 6]), P[UPPER + 6]),
     ), inside
+
+
+@kernel
+def turned_away(q, near):
+    """Largest joint step between two postures, whole turns left out."""
+    most = 0.0
+    for j in range(7):
+        d = q[j] - near[j]
+        most = max(most, abs(d - TURN * math.floor(d / TURN + 0.5)))
+    return most

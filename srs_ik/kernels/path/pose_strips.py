@@ -14,8 +14,8 @@ from srs_ik.kernels.layout import LIMITED, LOOSE, LOWER, UPPER
 from srs_ik.kernels.limb.limits import TURN
 from srs_ik.kernels.limb.poses import read7, read_pose
 from srs_ik.kernels.limb.triangle import elbow_side, place
-from srs_ik.kernels.near.intervals import true_intervals
 from srs_ik.kernels.path.followed import away, settled
+from srs_ik.kernels.path.near_strips import take_runs
 from srs_ik.kernels.path.strips import (
     NODE,
     NODE_BRANCH,
@@ -31,27 +31,26 @@ from srs_ik.kernels.path.strips import (
 
 
 @kernel
-def path_intervals(family, place_, R, p, found, J, A):
-    """Feasible intervals of a pose, those included for which two joints on their limits leave one arm angle alone."""
-    if J is not None:
-        return true_intervals(row(family, LIMITED), place_, R, p, True, found, J, A)
-    return find_intervals(row(family, LOOSE), place_, -1, found) if abs(place_[5]) < SOLVED else 0
+def pose_strips(family, T, near, radius, found, nodes, linked, n, strips, m, work, turns, wide, J, A):
+    """Write the strips of a pose, finer around a posture: the next free rows of postures and strips.
 
-
-@kernel
-def pose_strips(family, T, found, nodes, linked, n, strips, m, work, turns, wide, J, A):
-    """Write the strips of a pose: the next free rows of postures and strips."""
+    Loose tolerances find also the arm angles that two joints on their limits leave alone.
+    """
     P = row(family, LIMITED)
     R, p, _ = read_pose(T)
     place_ = place(P, R, p)
-    count = path_intervals(family, place_, R, p, found, J, A)
-    sides = (elbow_side(P, place_, 0), elbow_side(P, place_, 1))
     begin = n
+    if J is not None:
+        n = take_runs(P, place_, R, p, near, radius, nodes, linked, n, J, A)
+        n = turn_strips(P, nodes, linked, begin, n, turns) if wide else keep_inside(P, nodes, linked, begin, n)
+        return n, list_strips(nodes, linked, begin, n, strips, m)
+    count = find_intervals(row(family, LOOSE), place_, -1, found) if abs(place_[5]) < SOLVED else 0
+    sides = (elbow_side(P, place_, 0), elbow_side(P, place_, 1))
     for i in range(count):
         branch = int(found[i, 0])
         side = sides[0] if branch < 4 else sides[1]
         first = n
-        n = take_strip(P, place_, side, R, p, branch, found[i, 1], found[i, 2], nodes, linked, n, work, J, A)
+        n = take_strip(P, side, branch, (found[i, 1], found[i, 2]), near, radius, nodes, linked, n, work)
         n = turn_strips(P, nodes, linked, first, n, turns) if wide else keep_inside(P, nodes, linked, first, n)
     return n, list_strips(nodes, linked, begin, n, strips, m)
 

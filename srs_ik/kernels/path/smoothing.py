@@ -90,7 +90,7 @@ def hold(chain, bounds, psi, move, rate):
 
 
 @kernel
-def write_rates(P, poses, chain, fixed, branch, q, rate):
+def write_rates(P, poses, chain, fixed, branch, q, rate, J, A):
     """Joint rates with the arm angle, zero where they cannot be used."""
     for c in range(chain.shape[0]):
         i = chain[c]
@@ -100,7 +100,8 @@ def write_rates(P, poses, chain, fixed, branch, q, rate):
         if usable:
             R, p, _ = read_pose(row(poses, i))
             place_ = place(P, R, p)
-            v, usable = moving_rates(P, place_, elbow_side(P, place_, branch[i] >> 2), here)
+            side = elbow_side(P, place_, branch[i] >> 2)
+            v, usable = moving_rates(P, place_, side, here, R, p, J, A)
             usable = usable and largest(v) < FASTEST
             for j in range(7):
                 rate[i, j] = v[j] if usable else 0.0
@@ -124,12 +125,12 @@ def move_all(P, poses, chain, bounds, branch, q, psi, rate, move, q_moved, psi_m
             side = elbow_side(P, place_, branch[i] >> 2)
             here, there, _ = beside(
                 P,
-                place_,
                 side,
                 R,
                 p,
                 psi[i],
                 math.copysign(size, move[c]),
+                read7(row(rate, i)),
                 branch[i],
                 here,
                 row(bounds, i),
@@ -155,7 +156,7 @@ def smooth(family, poses, chain, fixed, bounds, seed, settings, q, psi, branch, 
     fresh = True
     for _ in range(SWEEPS):
         if fresh:
-            write_rates(P, poses, chain, fixed, branch, q, rate)
+            write_rates(P, poses, chain, fixed, branch, q, rate, J, A)
             assemble(chain, seed, settings, 0.0, q, rate, diagonal, next_to, move)
             hold(chain, bounds, psi, move, rate)
         assemble(chain, seed, settings, damping, q, rate, diagonal, next_to, move)

@@ -16,7 +16,7 @@ from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout import INVERSE_HALF_RANGE, LOWER, RANGE_KIND, SHOULDER, UPPER, WRIST
 from srs_ik.kernels.limb.goal import NO_SEED
 from srs_ik.kernels.limb.poses import read7
-from srs_ik.kernels.path.followed import away, posture_of, turn_all
+from srs_ik.kernels.path.followed import away, posture_of, turn_all, turned_away
 
 NODE = 10
 NODE_PSI = 7
@@ -30,6 +30,9 @@ STRIP_LAST = 15
 
 SPACING = 0.25
 """Farthest that a joint moves between two postures of a strip, rad."""
+
+FINE_SPACING = 0.05
+"""The same next to a posture that is nearly the best."""
 
 WIDEST = 0.7
 """Farthest apart in arm angle, rad."""
@@ -77,44 +80,57 @@ def first_angles(P, side, lower, upper, targets):
 
 
 @kernel
-def take_strip(P, place_, side, R, p, branch, lower, upper, nodes, linked, n, work, J, A):
-    """Write the postures of an interval from row n on, and whether each is linked to the next; the next free row."""
+def widest_step(q, ahead, near, radius):
+    """Joint step from a posture to the next above which there are others between, fine within a radius of a posture."""
+    if radius == 0.0:
+        return SPACING
+    return FINE_SPACING if turned_away(q, near) < radius + 2.0 * away(ahead, q) else math.inf
+
+
+@kernel
+def take_strip(P, side, branch, ends, near, radius, nodes, linked, n, work):
+    """Write the postures of an interval from row n on, and whether each is linked to the next; the next free row.
+
+    With a radius, only those so near to the posture `near`, and close together.
+    """
     targets, stack = work
-    count = first_angles(P, side, lower, upper, targets)
+    count = first_angles(P, side, ends[0], ends[1], targets)
     q = NO_SEED
-    psi = lower
+    psi = ends[0]
     begun = False
+    written = False
     for i in range(count):
         if begun and targets[i] <= psi:
             continue
-        top = 0
-        wanted, good = posture_of(P, place_, side, R, p, targets[i], branch, q, begun, True, J, A)
+        wanted, good = posture_of(P, side, targets[i], branch, q, begun)
         if not good:
             continue
-        if not begun:
-            q, psi, begun = wanted, targets[i], True
-            put_node(nodes, n, q, psi, branch)
-            linked[n] = False
-            n += 1
-            continue
         put_node(stack, 0, wanted, targets[i], branch)
+        top = 0
         while top >= 0 and n < nodes.shape[0]:
             ahead = stack[top, NODE_PSI]
-            wanted = turn_all(P, read7(row(stack, top)), q, True)
+            wanted = turn_all(P, read7(row(stack, top)), q, begun)
             middle = 0.5 * (psi + ahead)
             apart = away(wanted, q)
-            if apart > SPACING and ahead - psi > CLOSEST * max(1.0, abs(psi)) and psi < middle < ahead:
-                if top + 1 < DEEPEST:
-                    between, good = posture_of(P, place_, side, R, p, middle, branch, q, True, True, J, A)
+            if begun and apart > widest_step(q, wanted, near, radius) and psi < middle < ahead:
+                if ahead - psi > CLOSEST * max(1.0, abs(psi)) and top + 1 < DEEPEST:
+                    between, good = posture_of(P, side, middle, branch, q, True)
                     if good:
                         top += 1
                         put_node(stack, top, between, middle, branch)
                         continue
-            linked[n - 1] = apart <= SPACING or is_split(q, wanted)
-            q, psi = wanted, ahead
-            put_node(nodes, n, q, psi, branch)
-            linked[n] = False
-            n += 1
+            if written:
+                linked[n - 1] = begun and (apart <= SPACING or is_split(q, wanted))
+            if radius == 0.0 or turned_away(wanted, near) < radius:
+                put_node(nodes, n, wanted, ahead, branch)
+                linked[n] = False
+                written = True
+                n += 1
+            else:
+                if written:
+                    linked[n - 1] = False
+                written = False
+            q, psi, begun = wanted, ahead, True
             top -= 1
     return n
 
