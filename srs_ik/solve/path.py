@@ -16,6 +16,7 @@ from srs_ik.kernels.entries.path import (
     INVERSE_PERIOD,
     INVERSE_SPEED,
     PERIOD,
+    POWER,
     SETTINGS,
 )
 from srs_ik.kernels.layout import ROW
@@ -133,6 +134,7 @@ def _settings(arm: Arm, dt: float | None, longest_step: float, objective: str) -
         if missing.any():
             raise MissingLimits("velocity", [arm.joint_names[j] for j in np.flatnonzero(missing)], arm.name)
         settings[INVERSE_SPEED] = 1.0 / arm.velocity_limit
+        settings[POWER] = 1.0
     endless = np.isinf(arm.lower) & np.isinf(arm.upper)
     settings[PERIOD, endless] = 2.0 * np.pi
     settings[INVERSE_PERIOD, endless] = 0.5 / np.pi

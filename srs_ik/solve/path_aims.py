@@ -6,17 +6,12 @@ from dataclasses import replace
 
 import numpy as np
 
-from srs_ik.kernels.entries.path import BREAK, BY_CONTINUITY
-from srs_ik.solve.path_search import FINE_WIDTHS, Problem, Way, copy, find_way, refine, search, steps_of
+from srs_ik.kernels.entries.path import BREAK, INVERSE_SPEED, POWER
+from srs_ik.solve.path_search import FINE_WIDTHS, Problem, Way, copy, find_way, refine, search, search_around, steps_of
 
-HALVINGS = 8
-"""How often the largest step is looked for half-way between what is possible and what is not."""
-
-TIGHTER = (0.97, 0.99, 0.997, 0.999)
-"""Shares of the largest step that a path within a corridor is asked to keep, each as long as it can."""
-
-RADIUS = 1.0
-"""So far around the last path the next one is looked for, rad."""
+POWERS = (8.0, 32.0, 128.0)
+"""Powers of the largest step of each pose whose sum is made least, one after the other: the higher, the more it counts
+how large the largest of all is."""
 
 STARTS = 6
 """Most postures at which a closed path is tried to begin."""
@@ -33,36 +28,23 @@ def largest_step(problem: Problem, way: Way) -> float:
     return float(np.abs(steps_of(problem, q)).max(initial=0.0))
 
 
-def with_longest(problem: Problem, longest: float) -> Problem:
-    """The same problem with another longest step."""
-    settings = problem.settings.copy()
-    settings[BY_CONTINUITY] = longest
-    return replace(problem, settings=settings, even=False)
-
-
 def least_largest_step(problem: Problem) -> Way:
-    """The path whose largest joint step is least, and with that the sum of squared ones."""
-    way = search(problem)
+    """The path whose largest joint step is least."""
+    way = search(replace(problem, even=True))
     if way.cost >= 0.5 * BREAK:
         return way
     chain = np.flatnonzero(way.reached)
-    possible, impossible = largest_step(problem, way), 0.0
-    for _ in range(HALVINGS):
-        narrow = with_longest(problem, 0.5 * (possible + impossible))
-        found = find_way(replace(narrow, near=way.q, radius=RADIUS), chain, False)
-        if found.cost < 0.5 * BREAK:
-            refine(narrow, found, FINE_WIDTHS, False)
-        if found.cost < 0.5 * BREAK and largest_step(problem, found) < possible:
-            way, possible = found, largest_step(problem, found)
-        else:
-            impossible = float(narrow.settings[BY_CONTINUITY, 0])
-    for share in TIGHTER:
-        for _ in range(HALVINGS):
-            narrow, found = with_longest(problem, share * possible), copy(way)
-            refine(narrow, found, FINE_WIDTHS, False)
-            if found.cost >= 0.5 * BREAK or largest_step(problem, found) >= possible:
-                break
-            way, possible = found, largest_step(problem, found)
+    for power in POWERS:
+        settings = problem.settings.copy()
+        settings[INVERSE_SPEED] = 1.0 / max(largest_step(problem, way), 1e-12)
+        settings[POWER] = power
+        steep = replace(problem, settings=settings, even=False)
+        found = find_way(steep, chain, False) if power == POWERS[0] else copy(way)
+        refine(steep, found, FINE_WIDTHS, False)
+        if found.cost < 0.5 * BREAK and largest_step(problem, found) <= largest_step(problem, way):
+            way = search_around(steep, found)
+            if largest_step(problem, way) > largest_step(problem, found):
+                way = found
     return way
 
 

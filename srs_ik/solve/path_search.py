@@ -46,9 +46,10 @@ FINE_WIDTHS: Array = 0.12 * 0.5 ** np.arange(12.0)
 
 ROUNDS = 4
 RADIUS = 0.4
-"""A path that changes branches is searched for again so often at most, so far around the last one, rad."""
+"""A path is searched for again so often at most, so far around the last one, rad."""
 
-LEAST_GAIN = 1e-6
+LEAST_GAIN = 1e-3
+"""A search that gains less, relative to all, is the last one."""
 
 
 @dataclass
@@ -228,16 +229,18 @@ def search(problem: Problem) -> Way:
 
 
 def search_around(problem: Problem, way: Way) -> Way:
-    """The best path around one: strips are finer there, so it changes branches where that is best."""
+    """The best path around one: strips are finer there, so branches change where that is best."""
     chain = np.flatnonzero(way.reached)
     for _ in range(ROUNDS):
-        if not np.diff(way.branch[chain]).any():
+        if problem.even and not np.diff(way.branch[chain]).any():
             break
         again = find_way(replace(problem, near=way.q, radius=RADIUS), chain, False)
         improve(problem, again)
-        if not again.cost < way.cost * (1.0 - LEAST_GAIN):
+        gain = way.cost - again.cost
+        if gain > 0.0:
+            way = again
+        if not gain > LEAST_GAIN * way.cost:
             break
-        way = again
     return way
 
 

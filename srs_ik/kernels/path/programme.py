@@ -27,9 +27,13 @@ BY_CONTINUITY = 1
 PERIOD = 2
 INVERSE_PERIOD = 3
 INVERSE_SPEED = 4
-SETTINGS = 5
-"""Rows of the settings of a path, seven figures each: longest steps, a turn for joints without end or zero, 1 / it,
-and one over the velocity limits where the least time is wanted, else zero."""
+POWER = 5
+SETTINGS = 6
+"""Rows of the settings of a path, seven figures each: longest steps, a turn for joints without end or zero, 1 / it.
+
+Where the slowest joint counts in place of the squares of all: by what steps are divided, which else is zero, and the
+power to which the largest one is raised.
+"""
 
 CUTS = 24
 """Steps of the search for the least time between two postures."""
@@ -94,13 +98,13 @@ def kept(e, d, t0, t1, settings, kind):
 
 @kernel
 def step_value(settings, e, share):
-    """What a step counts: its squares, for all joints together, or the time that the slowest joint takes."""
+    """What a step counts: its squares, for all joints together, or a power of the time that the slowest joint takes."""
     if settings[INVERSE_SPEED, 0] == 0.0:
         return share * product(e, e)
     longest = 0.0
     for j in range(7):
         longest = max(longest, abs(e[j]) * settings[INVERSE_SPEED, j])
-    return longest
+    return longest if settings[POWER, 0] == 1.0 else longest ** settings[POWER, 0]
 
 
 @kernel

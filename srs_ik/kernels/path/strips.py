@@ -28,7 +28,7 @@ STRIP_FIRST = 14
 STRIP_LAST = 15
 """A strip: least and largest angle of every joint, the rows of its first and last posture."""
 
-SPACING = 0.25
+SPACING = 0.35
 """Farthest that a joint moves between two postures of a strip, rad."""
 
 FINE_SPACING = 0.05
