@@ -1,18 +1,20 @@
 """The best way through the strips of a path's poses: fewest breaks, then least sum of squared joint steps.
 
 Dynamic programming over the postures of the strips, which may come from anywhere between two postures of the pose
-before, not from these alone: there, joint angles and the cost so far are taken as straight lines, so the best place is
-known in closed form, and coarse strips make no coarse path. Only distances of joints count, so a path passes
-singularities, where branches meet, like any other place.
+before, not from these alone: there, joint angles are taken as straight lines and the cost so far as a parabola, so the
+best place is known in closed form, and coarse strips make no coarse path. Only distances of joints count, so a path
+passes singularities, where branches meet, like any other place.
 """
 
 from __future__ import annotations
 
 import math
 
+import numpy as np
+
 from srs_ik.kernels.algebra.pointers import row
 from srs_ik.kernels.jit import kernel
-from srs_ik.kernels.path.strips import NODE_WAY, STRIP_FIRST, STRIP_LAST
+from srs_ik.kernels.path.strips import NODE_SAG, NODE_WAY, STRIP_FIRST, STRIP_LAST
 
 BREAK = 1e10
 """Cost of a step that is too long to be continuous."""
@@ -108,19 +110,19 @@ def step_value(settings, e, share):
 
 
 @kernel
-def step_cost(e, d, va, vb, t0, t1, settings, share):
-    """Least of va + t (vb - va) and the value of the step e - t d, for t from t0 to t1, and where it is."""
+def step_cost(e, d, va, vb, sag, t0, t1, settings, share):
+    """Least of va + t (vb - va) - sag t (1 - t) and the value of the step e - t d, t from t0 to t1, and where it is."""
     if settings[INVERSE_SPEED, 0] != 0.0:
         return quickest(e, d, va, vb, t0, t1, settings)
     size = product(d, d) * share
     across = product(e, d) * share
-    slope = across - 0.5 * (vb - va)
+    slope = across + 0.5 * (sag - (vb - va))
     t = t0
-    if size > 1e-18:
-        t = min(max(slope / size, t0), t1)
+    if size + sag > 1e-18:
+        t = min(max(slope / (size + sag), t0), t1)
     elif slope > 0.0:
         t = t1
-    return va + t * (vb - va) + share * product(e, e) - t * (2.0 * across - t * size), t
+    return va + t * (vb - va) - sag * t * (1.0 - t) + share * product(e, e) - t * (2.0 * across - t * size), t
 
 
 @kernel
@@ -152,8 +154,12 @@ def moved_on(e, d, t):
 
 
 @kernel
-def try_cell(e, a, b, va, vb, settings, limited, share, best, at, place):
-    """Step from between two postures a and b of a strip, e being that from a: least cost and its place, if better."""
+def try_cell(e, a, b, ends, settings, limited, share, best, at, place):
+    """Step from between two postures a and b of a strip, e being that from a: least cost and its place, if better.
+
+    `ends` are the costs of both, and by how much those between sag.
+    """
+    va, vb, sag = ends
     d = along_cell(a, b)
     t0, t1 = 0.0, 1.0
     if vb > va + 0.5 * TOO_FAST:
@@ -171,7 +177,7 @@ def try_cell(e, a, b, va, vb, settings, limited, share, best, at, place):
             t0, t1 = slow0, slow1
         else:
             extra = TOO_FAST
-    value, t = step_cost(e, d, va, vb, t0, t1, settings, share)
+    value, t = step_cost(e, d, va, vb, sag, t0, t1, settings, share)
     if extra > 0.0:
         over = 0.0
         for j in range(7):
@@ -192,7 +198,7 @@ def try_strip(q, nodes, cost, first, last, settings, limited, share, best, at):
     i = first
     while i <= last:
         following = min(i + 1, last)
-        if min(cost[i], cost[following]) >= best:
+        if min(cost[i], cost[following]) - 0.25 * nodes[i, NODE_SAG] >= best:
             i += 1
             continue
         e = steps_between(settings, row(nodes, i), q)
@@ -206,9 +212,8 @@ def try_strip(q, nodes, cost, first, last, settings, limited, share, best, at):
                 while i < last and nodes[i + 1, NODE_WAY] <= way:
                     i += 1
                 continue
-        best, at = try_cell(
-            e, row(nodes, i), row(nodes, following), cost[i], cost[following], settings, limited, share, best, at, i
-        )
+        ends = (cost[i], cost[following], nodes[i, NODE_SAG])
+        best, at = try_cell(e, row(nodes, i), row(nodes, following), ends, settings, limited, share, best, at, i)
         i += 1
     return best, at
 
@@ -259,9 +264,45 @@ def first_costs(nodes, cost, first, last, seed, settings):
     """Costs of the postures of a first pose: squared joint steps from the seed, if there is one."""
     for i in range(first, last):
         cost[i] = 0.0
+        nodes[i, NODE_SAG] = 0.0
         if seed is not None:
+            if i + 1 < last and settings[INVERSE_SPEED, 0] == 0.0:
+                d = along_cell(row(nodes, i), row(nodes, i + 1))
+                nodes[i, NODE_SAG] = product(d, d)
             e = steps_between(settings, seed, row(nodes, i))
             cost[i] = step_value(settings, e, 1.0) + (BREAK if largest(e) > settings[BY_CONTINUITY, 0] else 0.0)
+
+
+@kernel
+def origin_step(nodes, settings, i, place):
+    """The steps to a posture from its place among those of the pose before."""
+    k = math.floor(place)
+    e = steps_between(settings, row(nodes, k), row(nodes, i))
+    if place == k:
+        return e
+    return moved_on(e, along_cell(row(nodes, k), row(nodes, k + 1)), place - k)
+
+
+@kernel
+def write_sags(nodes, cost, places, strips, now, settings, share):
+    """How far the costs between two postures of a strip lie below their straight line: by the change of their slope.
+
+    The slope at a posture is twice the step to it. Costs that come from a step turn up no faster than its square.
+    """
+    for b in range(now[2], now[3]):
+        first, last = int(strips[b, STRIP_FIRST]), int(strips[b, STRIP_LAST])
+        for i in range(first, last + 1):
+            nodes[i, NODE_SAG] = 0.0
+        if settings[INVERSE_SPEED, 0] != 0.0:
+            continue
+        for i in range(first, last):
+            at, following = places[i - now[0]], places[i + 1 - now[0]]
+            if at < 0.0 or following < 0.0 or abs(cost[i + 1] - cost[i]) > 0.5 * TOO_FAST:
+                continue
+            d = along_cell(row(nodes, i), row(nodes, i + 1))
+            turn = product(origin_step(nodes, settings, i + 1, following), d)
+            turn -= product(origin_step(nodes, settings, i, at), d)
+            nodes[i, NODE_SAG] = share * min(max(turn, 0.0), product(d, d))
 
 
 @kernel
@@ -279,6 +320,7 @@ def advance(nodes, cost, strips, before, now, settings, limited, share, exact):
         share: by which squared steps count.
         exact: whether a break may come from every posture of the pose before, or from the cheapest alone.
     """
+    places = np.full(now[1] - now[0], -1.0)
     for i in range(now[0], now[1]):
         cost[i] = IMPOSSIBLE
     for b in range(now[2], now[3]):
@@ -287,14 +329,21 @@ def advance(nodes, cost, strips, before, now, settings, limited, share, exact):
                 continue
             first, last = int(strips[a, STRIP_FIRST]), int(strips[a, STRIP_LAST])
             for i in range(int(strips[b, STRIP_FIRST]), int(strips[b, STRIP_LAST]) + 1):
-                cost[i], _ = try_strip(row(nodes, i), nodes, cost, first, last, settings, limited, share, cost[i], 0.0)
+                k = i - now[0]
+                cost[i], places[k] = try_strip(
+                    row(nodes, i), nodes, cost, first, last, settings, limited, share, cost[i], places[k]
+                )
     start = cheapest(cost, before[0], before[1])
     least = cost[start] + BREAK
     if exact or cost[cheapest(cost, now[0], now[1])] > least:
         first, last = (before[0], before[1]) if exact else (start, start + 1)
         for i in range(now[0], now[1]):
             if cost[i] > least:
+                before_leap = cost[i]
                 cost[i], _ = leap(row(nodes, i), nodes, cost, first, last, settings, cost[i], 0.0)
+                if cost[i] < before_leap:
+                    places[i - now[0]] = -1.0
+    write_sags(nodes, cost, places, strips, now, settings, share)
 
 
 @kernel

@@ -1,9 +1,10 @@
 """The postures of a pose as strips: runs of postures from end to end of each feasible interval of arm angles.
 
-A posture of a strip is a row of figures (`NODE`): seven joint angles, its arm angle, its way along the strip, and its
-branch. Rows are close enough, in joint angles, that what lies between two of them is almost straight: next to a
-singularity, where joints 1 and 3 (or 5 and 7) turn by half a turn while the arm angle stands still, there are as many
-as the joints need. Where a joint has more than one turn, each combination of turns has strips of its own.
+A posture of a strip is a row of figures (`NODE`): seven joint angles, its arm angle, its way along the strip, its
+branch, and how far the costs sag towards the next one. Rows are close enough, in joint angles, that what lies between
+two of them is almost straight: next to a singularity, where joints 1 and 3 (or 5 and 7) turn by half a turn while the
+arm angle stands still, there are as many as the joints need. Where a joint has more than one turn, each combination of
+turns has strips of its own.
 """
 
 from __future__ import annotations
@@ -18,10 +19,11 @@ from srs_ik.kernels.limb.goal import NO_SEED
 from srs_ik.kernels.limb.poses import read7
 from srs_ik.kernels.path.followed import away, posture_of, turn_all, turned_away
 
-NODE = 10
+NODE = 11
 NODE_PSI = 7
 NODE_WAY = 8
 NODE_BRANCH = 9
+NODE_SAG = 10
 
 STRIP = 16
 STRIP_FIRST = 14
