@@ -198,7 +198,8 @@ def try_strip(q, nodes, cost, first, last, settings, limited, share, best, at):
     i = first
     while i <= last:
         following = min(i + 1, last)
-        if min(cost[i], cost[following]) - 0.25 * nodes[i, NODE_SAG] >= best:
+        sag = nodes[i, NODE_SAG] if following > i else 0.0
+        if min(cost[i], cost[following]) - 0.25 * sag >= best:
             i += 1
             continue
         e = steps_between(settings, row(nodes, i), q)
@@ -212,7 +213,7 @@ def try_strip(q, nodes, cost, first, last, settings, limited, share, best, at):
                 while i < last and nodes[i + 1, NODE_WAY] <= way:
                     i += 1
                 continue
-        ends = (cost[i], cost[following], nodes[i, NODE_SAG])
+        ends = (cost[i], cost[following], sag)
         best, at = try_cell(e, row(nodes, i), row(nodes, following), ends, settings, limited, share, best, at, i)
         i += 1
     return best, at
