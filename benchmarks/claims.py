@@ -151,7 +151,7 @@ def printed_optimisation(arm: srs_ik.Arm, task: srs_ik.Task, starts: int = 20) -
     for i, q in enumerate(solution.q):
         T, v, f = solution.T_base_tip[i], task.velocity[i], task.force[i]
         words: dict[str, Any] = {"force": f, "velocity": v, "respect_limits": False}
-        printed = srs_ik.printed_optimum(arm, T, "force_velocity_ratio", accuracy=1e-9, starts=starts, **words)
+        printed = srs_ik.paper.printed_optimum(arm, T, "force_velocity_ratio", accuracy=1e-9, starts=starts, **words)
         exact = arm.optimise(T, "force_velocity_ratio", **words)
         if printed:
             over_scipy.append(srs_ik.force_velocity_ratio(arm.jacobian(q), f, v) / printed.value)

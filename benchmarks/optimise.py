@@ -15,7 +15,8 @@ from rich.console import Console
 from rich.progress import track
 
 import srs_ik
-from srs_ik import Objective, printed_optimum
+from srs_ik import Objective
+from srs_ik.paper import printed_optimum
 
 ACCURACY = 1e-9
 """SciPy may miss the pose by this (m, rad), and gains as much by it."""

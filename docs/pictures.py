@@ -19,10 +19,10 @@ def main() -> None:
     arm = srs_ik.load("iiwa14")
     pose = arm.forward_kinematics(Q)
     figures = {
-        "ellipsoids": srs_ik.plot_ellipsoids(arm, Q, limits=True),
-        "singular": srs_ik.plot_ellipsoids(arm, STRETCHED, limits=True),
-        "arm_angle": srs_ik.plot_arm_angle(arm, pose),
-        "intervals": srs_ik.plot_intervals(arm, pose),
+        "ellipsoids": srs_ik.plots.plot_ellipsoids(arm, Q, limits=True),
+        "singular": srs_ik.plots.plot_ellipsoids(arm, STRETCHED, limits=True),
+        "arm_angle": srs_ik.plots.plot_arm_angle(arm, pose),
+        "intervals": srs_ik.plots.plot_intervals(arm, pose),
         "limb": concept_pictures.limb(),
         "redundancy": concept_pictures.redundancy(),
         "posture": concept_pictures.posture(),

@@ -22,7 +22,7 @@ for ellipsoid in (velocity, force):
     for radius, axis in zip(ellipsoid.radii, ellipsoid.axes.T, strict=True):
         print(f"  {radius:8.3f}  along {np.round(axis, 3)}")
 print(f"straight up: {velocity.radius_along([0, 0, 1]):.3f} m/s, {force.radius_along([0, 0, 1]):.1f} N")
-print(f"manipulability {srs_ik.manipulability(J):.4f} m^3, isotropy {srs_ik.isotropy(J):.3f}")
+print(f"manipulability {srs_ik.manipulability(J):.4f} m^3, isotropy {srs_ik.analysis.isotropy(J):.3f}")
 
 # The joint velocities behind the first axis, and where Pinocchio says that they take the tip in a microsecond.
 rate = arm.velocity_limit**2 * (velocity.axes[:, 0] @ J[:3]) / velocity.radii[0]
@@ -48,7 +48,7 @@ except srs_ik.MissingExtra as missing:
 with tempfile.TemporaryDirectory() as folder:
     try:
         picture = Path(folder) / "ellipsoids.png"
-        srs_ik.plot_ellipsoids(arm, q, limits=True).savefig(picture)
+        srs_ik.plots.plot_ellipsoids(arm, q, limits=True).savefig(picture)
         print(f"{picture.name}: {picture.stat().st_size} bytes")
     except srs_ik.MissingExtra as missing:
         print(missing)

@@ -10,16 +10,15 @@ from __future__ import annotations
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
+from srs_ik.forks import WHOLE
+
 if TYPE_CHECKING:
     from srs_ik.analysis.ellipsoids import (
         Ellipsoid,
         force_ellipsoid,
-        force_transmission,
         force_velocity_ratio,
-        isotropy,
         manipulability,
         velocity_ellipsoid,
-        velocity_transmission,
     )
     from srs_ik.analysis.polytopes import Polytope, force_polytope, velocity_polytope
     from srs_ik.arm import Arm
@@ -36,20 +35,18 @@ if TYPE_CHECKING:
         PreviewError,
         SrsIkError,
     )
-    from srs_ik.inputs.poses import PoseError
-    from srs_ik.inputs.rotations import pose_from_xyz_quaternion, pose_from_xyz_rpy, xyz_quaternion
+    from srs_ik.inputs.poses import PoseError, nearest_pose, xyz_quaternion
+    from srs_ik.inputs.rotations import pose_from_xyz_quaternion, pose_from_xyz_rpy
+    from srs_ik.inputs.task import Task
     from srs_ik.loading import LimbReport, find_limbs, load, robots
-    from srs_ik.paper.printed_optimum import PrintedOptimum, printed_optimum
-    from srs_ik.plots import plot_arm_angle, plot_ellipsoids, plot_intervals
     from srs_ik.preview import Preview
-    from srs_ik.preview.interactive import InteractivePreview
     from srs_ik.robot.limb import Hand, SrsLimb
     from srs_ik.solve.intervals import IntervalsBatch
     from srs_ik.solve.objectives import OBJECTIVES, Objective
     from srs_ik.solve.optimise import Optimum
     from srs_ik.solve.path import PathSolution
     from srs_ik.solve.path_breaks import PathBreak
-    from srs_ik.solve.posture import Posture, Task
+    from srs_ik.solve.posture import Posture
     from srs_ik.solve.self_motion import SelfMotion
     from srs_ik.solve.solution import BatchSolution, Interval, Solution, Solutions, Status
     from srs_ik.solve.task import BatchTaskSolution, TaskSolution
@@ -61,12 +58,9 @@ _MODULES = {
     "analysis.ellipsoids": (
         "Ellipsoid",
         "force_ellipsoid",
-        "force_transmission",
         "force_velocity_ratio",
-        "isotropy",
         "manipulability",
         "velocity_ellipsoid",
-        "velocity_transmission",
     ),
     "errors": (
         "AmbiguousLimb",
@@ -88,18 +82,19 @@ _MODULES = {
     "solve.optimise": ("Optimum",),
     "solve.path": ("PathSolution",),
     "solve.path_breaks": ("PathBreak",),
-    "plots": ("plot_arm_angle", "plot_ellipsoids", "plot_intervals"),
     "analysis.polytopes": ("Polytope", "force_polytope", "velocity_polytope"),
     "preview": ("Preview",),
-    "preview.interactive": ("InteractivePreview",),
-    "paper.printed_optimum": ("PrintedOptimum", "printed_optimum"),
-    "inputs.poses": ("PoseError",),
-    "inputs.rotations": ("pose_from_xyz_quaternion", "pose_from_xyz_rpy", "xyz_quaternion"),
+    "inputs.poses": ("PoseError", "nearest_pose", "xyz_quaternion"),
+    "inputs.rotations": ("pose_from_xyz_quaternion", "pose_from_xyz_rpy"),
     "solve.self_motion": ("SelfMotion",),
     "solve.solution": ("BatchSolution", "Interval", "Solution", "Solutions", "Status"),
-    "solve.posture": ("Posture", "Task"),
+    "solve.posture": ("Posture",),
+    "inputs.task": ("Task",),
     "solve.task": ("BatchTaskSolution", "TaskSolution"),
 }
+NAMESPACES = ("analysis", "paper", "plots", "preview")
+"""Rooms that have public names of their own."""
+
 _HOME = {name: module for module, names in _MODULES.items() for name in names}
 
 __all__ = [
@@ -111,7 +106,6 @@ __all__ = [
     "Ellipsoid",
     "FrameNotFound",
     "Hand",
-    "InteractivePreview",
     "Interval",
     "IntervalsBatch",
     "InvalidConfiguration",
@@ -131,7 +125,6 @@ __all__ = [
     "Posture",
     "Preview",
     "PreviewError",
-    "PrintedOptimum",
     "SelfMotion",
     "Solution",
     "Solutions",
@@ -143,33 +136,30 @@ __all__ = [
     "find_limbs",
     "force_ellipsoid",
     "force_polytope",
-    "force_transmission",
     "force_velocity_ratio",
-    "isotropy",
     "load",
     "manipulability",
-    "plot_arm_angle",
-    "plot_ellipsoids",
-    "plot_intervals",
+    "nearest_pose",
     "pose_from_xyz_quaternion",
     "pose_from_xyz_rpy",
-    "printed_optimum",
     "robots",
     "velocity_ellipsoid",
     "velocity_polytope",
-    "velocity_transmission",
     "xyz_quaternion",
 ]
 
 
 def __getattr__(name: str) -> Any:
     """Import a public name from its module when it is first used."""
+    if name in NAMESPACES:
+        return import_module(f"srs_ik.{name}")
     if name not in _HOME:
         raise AttributeError(f"module 'srs_ik' has no attribute {name!r}")
-    value = getattr(import_module(f"srs_ik.{_HOME[name]}"), name)
+    with WHOLE:
+        value = getattr(import_module(f"srs_ik.{_HOME[name]}"), name)
     globals()[name] = value
     return value
 
 
 def __dir__() -> list[str]:
-    return sorted([*globals(), *__all__])
+    return sorted({*globals(), *__all__, *NAMESPACES})

@@ -3,49 +3,40 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Self
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from srs_ik.errors import InvalidConfiguration
-from srs_ik.inputs.poses import (
-    PoseLike,
-    as_arm_angle,
-    as_branch,
-    as_matrices,
-    as_matrix,
-    as_seed,
-    as_seeds,
-    invalid_pose,
-    per_pose,
-    refuse_bad_poses,
-)
-from srs_ik.kernels.entries import pose as entries
-from srs_ik.kernels.exact.intervals import MAX_PIECES
-from srs_ik.kernels.layout import IS_CLOSED, LIMITED, ROW, STRAIGHT
-from srs_ik.redundancy import RedundantLimb
+from srs_ik.errors import NotAnSrsLimb
+from srs_ik.inputs.poses import PoseLike, as_bounded_joint_vector, as_rigid_matrix
+from srs_ik.kernels.entries import rates
+from srs_ik.kinematics import ChainKinematics
+from srs_ik.robot import changes
 from srs_ik.robot.chain import Chain
 from srs_ik.robot.limb import Hand, SrsLimb
-from srs_ik.solve.packed import pack_hand
-from srs_ik.solve.solution import BatchSolution, ElbowRange, Interval, Solution, Solutions
-from srs_ik.solve.threads import run_in_threads
+from srs_ik.robot.recognition import recognise
+from srs_ik.solve import intervals as feasible
+from srs_ik.solve import kinematics
+from srs_ik.solve import pose as pose_solver
+from srs_ik.solve.packed import pack_arm
+from srs_ik.solve.solution import BatchSolution, Interval, Solution, Solutions
 
 if TYPE_CHECKING:
+    from srs_ik.inputs.task import Task
     from srs_ik.robot.description.model import Drawing
     from srs_ik.solve.intervals import IntervalsBatch
     from srs_ik.solve.objectives import Objective
     from srs_ik.solve.optimise import Optimum
     from srs_ik.solve.path import PathSolution
-    from srs_ik.solve.posture import Posture, Side, Task, Tie
+    from srs_ik.solve.posture import Posture, Side, Tie
     from srs_ik.solve.self_motion import SelfMotion
     from srs_ik.solve.task import BatchTaskSolution, TaskSolution
 
 Array = NDArray[np.float64]
 
 
-class Arm(RedundantLimb):
+class Arm(ChainKinematics):
     """A 7-joint arm with a spherical shoulder, one elbow and a spherical wrist.
 
     Made by `srs_ik.load`. Joint vectors `q` are always 7 plain angles in radians; poses are those of the tip frame in
@@ -64,15 +55,18 @@ class Arm(RedundantLimb):
         limb: the recognised limb.
         hand: axes of the hand, where known.
         drawing: where the shapes of the robot are; None if it was loaded from a ``pinocchio.Model`` or MJCF.
+        packed: what the kernels know of the arm.
     """
 
     def __init__(
         self, chain: Chain, limb: SrsLimb, name: str, hand: Hand | None = None, drawing: Drawing | None = None
     ) -> None:
-        super().__init__(chain, limb, name, hand, drawing)
-        self._no_work = (None, None) if self._family[LIMITED, IS_CLOSED] else None
-        straight = float(self._family[LIMITED, STRAIGHT])
-        self._elbow = ElbowRange(straight, float(chain.lower[3]), float(chain.upper[3]))
+        super().__init__(chain, name)
+        self._chain = chain
+        self.limb = limb
+        self.hand = hand
+        self.drawing = drawing
+        self.packed = pack_arm(self, limb, hand)
 
     # Inverse kinematics -----------------------------------------------------------------------------------------
 
@@ -100,20 +94,7 @@ class Arm(RedundantLimb):
             InvalidPose: the pose is no finite rigid transform, or farther away than 1e300 m.
             InvalidConfiguration: seed, arm angle or branch are malformed, or one of the angles beyond 1e6 rad.
         """
-        row = np.empty(ROW)
-        T = as_matrix(pose)
-        chosen = -1 if branch is None else as_branch(branch)
-        near = None if seed is None else as_seed(seed, self.lower, self.upper)
-        respect_limits = bool(respect_limits)
-        J, A = self._no_work or self._work()
-        if arm_angle is None:
-            verdict = entries.solve(self._family, T, chosen, near, respect_limits, J, A, row)
-        else:
-            psi = as_arm_angle(arm_angle)
-            verdict = entries.solve_at(self._family, T, psi, chosen, near, respect_limits, J, A, row)
-        if verdict:
-            raise invalid_pose(verdict)
-        return Solution(row, self.joint_names, self._elbow)
+        return pose_solver.solve(self.packed, pose, arm_angle, seed, branch, respect_limits)
 
     def solve_all(self, pose: PoseLike, arm_angle: float | None = None, respect_limits: bool = True) -> Solutions:
         """All postures for a pose: every branch at an arm angle, or one posture for every interval of `intervals`.
@@ -130,32 +111,7 @@ class Arm(RedundantLimb):
             InvalidPose: the pose is no finite rigid transform.
             InvalidConfiguration: the arm angle is not a finite number.
         """
-        T = as_matrix(pose)
-        respect_limits = bool(respect_limits)
-        if arm_angle is None:
-            rows = np.empty((8 * MAX_PIECES, ROW))
-            count = entries.solve_intervals(self._family, T, respect_limits, *self._work(), rows)
-            if count < 0:
-                raise invalid_pose(-count)
-            solved = Solutions(rows[:count], self.joint_names, elbow=self._elbow)
-            ok = solved.ok
-            if not ok.all():
-                solved = Solutions(rows[:count][ok], self.joint_names, elbow=self._elbow)
-        else:
-            rows = np.empty((8, ROW))
-            psi = as_arm_angle(arm_angle)
-            J, A = self._no_work or self._work()
-            count = entries.solve_all(self._family, T, psi, respect_limits, J, A, rows)
-            if count < 0:
-                raise invalid_pose(-count)
-            solved = Solutions(rows if count == 8 else rows[:count], self.joint_names, None, self._elbow)
-        if not len(solved._rows):
-            best = self.solve(T, arm_angle=arm_angle, respect_limits=respect_limits)
-            if best:
-                # Where only rounding leaves room for a posture, the looser search for one alone may still find it.
-                return Solutions.of_one(best)
-            solved.failure = best
-        return solved
+        return pose_solver.solve_all(self.packed, pose, arm_angle, bool(respect_limits))
 
     def solve_batch(
         self,
@@ -184,30 +140,9 @@ class Arm(RedundantLimb):
             InvalidConfiguration: seed, arm angle or branch are malformed, or all branches are asked for without an arm
                 angle.
         """
-        T = as_matrices(poses)
-        n = len(T)
-        psis = None if arm_angle is None else per_pose(arm_angle, (), n, "arm_angle")
-        seeds = None if seed is None else as_seeds(seed, n, self.lower, self.upper)
-        chosen = as_branch(branch)
-        respect_limits = bool(respect_limits)
-        if all_branches and psis is None:
-            raise InvalidConfiguration("all_branches needs an arm_angle; without one, see solve_all and intervals")
-        limb, verdicts = self._family, np.zeros(n, np.int8)
-        out = np.empty((8 * n if all_branches else n, ROW))
-
-        def work(first: int, last: int) -> None:
-            J, A = self._work()
-            answer = (respect_limits, J, A, out, verdicts)
-            if psis is None:
-                entries.solve_range(limb, T, first, last, chosen, seeds, *answer)
-            elif all_branches:
-                entries.solve_all_range(limb, T, first, last, psis, *answer)
-            else:
-                entries.solve_at_range(limb, T, first, last, psis, chosen, seeds, *answer)
-
-        run_in_threads(work, n, threads)
-        refuse_bad_poses(verdicts)
-        return BatchSolution(out.reshape(n, 8, ROW) if all_branches else out, self.joint_names, self._elbow)
+        return pose_solver.solve_batch(
+            self.packed, poses, arm_angle, seed, branch, all_branches, bool(respect_limits), threads
+        )
 
     def solve_path(
         self,
@@ -244,7 +179,7 @@ class Arm(RedundantLimb):
         """
         from srs_ik.solve.path import solve_path
 
-        return solve_path(self, poses, seed, dt, longest_step, objective, known, closed)
+        return solve_path(self.packed, poses, seed, dt, longest_step, objective, known, closed)
 
     def intervals(self, pose: PoseLike, respect_limits: bool = True) -> list[Interval]:
         """Feasible arm angles of every branch, exactly, in the order of branches.
@@ -255,11 +190,7 @@ class Arm(RedundantLimb):
         Raises:
             InvalidPose: the pose is no finite rigid transform.
         """
-        out = np.empty((8 * MAX_PIECES, 3))
-        count = entries.intervals(self._family, as_matrix(pose), bool(respect_limits), *self._work(), out)
-        if count < 0:
-            raise invalid_pose(-count)
-        return [Interval(int(b), float(lower), float(upper)) for b, lower, upper in out[:count]]
+        return feasible.intervals(self.packed, pose, bool(respect_limits))
 
     def intervals_batch(self, poses: Any, respect_limits: bool = True, threads: int | None = None) -> IntervalsBatch:
         """`intervals` for N poses at once, in compiled code on several threads; the answers are the same.
@@ -275,9 +206,7 @@ class Arm(RedundantLimb):
         Raises:
             InvalidPose: a pose is no finite rigid transform; the message names the first one.
         """
-        from srs_ik.solve.intervals import intervals_batch
-
-        return intervals_batch(self, poses, bool(respect_limits), threads)
+        return feasible.intervals_batch(self.packed, poses, bool(respect_limits), threads)
 
     def self_motion(
         self, pose: PoseLike, branch: int | None = None, count: int = 91, respect_limits: bool = True
@@ -287,7 +216,7 @@ class Arm(RedundantLimb):
         Args:
             pose: pose of the tip frame in the base frame.
             branch: 0 to 7 for the intervals of that branch alone.
-            count: postures an interval, from end to end; at least 2. Those of a whole circle end where they begin.
+            count: postures an interval, from end to end; 2 to 1,000,000. Those of a whole circle end where they begin.
             respect_limits: whether to stay inside the joint limits.
 
         Returns:
@@ -299,7 +228,7 @@ class Arm(RedundantLimb):
         """
         from srs_ik.solve.self_motion import self_motion
 
-        return self_motion(self, pose, branch, count, bool(respect_limits))
+        return self_motion(self.packed, pose, branch, count, bool(respect_limits))
 
     def optimise(
         self,
@@ -327,7 +256,7 @@ class Arm(RedundantLimb):
         """
         from srs_ik.solve.optimise import optimise
 
-        return optimise(self, pose, objective, respect_limits, **parameters)
+        return optimise(self.packed, self, pose, objective, respect_limits, **parameters)
 
     # Tasks ------------------------------------------------------------------------------------------------------
 
@@ -351,7 +280,7 @@ class Arm(RedundantLimb):
         """
         from srs_ik.solve.posture import posture
 
-        return posture(self, task, side, tie, threads)
+        return posture(self.packed, task, side, tie, threads)
 
     def solve_task(
         self,
@@ -383,23 +312,131 @@ class Arm(RedundantLimb):
         """
         from srs_ik.solve.task import solve_task
 
-        return solve_task(self, task, side, bool(respect_limits), tie, threads, seed)
+        return solve_task(self.packed, task, side, bool(respect_limits), tie, threads, seed)
 
-    # ------------------------------------------------------------------------------------------------------------
+    # Many configurations ----------------------------------------------------------------------------------------
 
-    @cached_property
-    def _packed_hand(self) -> Array:
-        """What the kernels of tasks know of the hand."""
-        return pack_hand(self.limb, self.hand)
+    def forward_kinematics_batch(self, q: ArrayLike, threads: int | None = None) -> Array:
+        """Poses (N, 4, 4) of the tip frame in the base frame, in compiled code on several threads.
 
-    def _work(self) -> tuple[Array | None, Array | None]:
-        """Work space that the kernels of a near limb need in one call; none on a limb that the closed form answers."""
-        return self._no_work or (np.empty((6, 7)), np.empty((16, 9)))
+        Args:
+            q: (N, 7) joint angles, rad; an array of floats, in C order and writeable, is not copied.
+            threads: at most so many; all processors if not given.
 
-    def __getstate__(self) -> dict[str, Any]:
+        Raises:
+            InvalidConfiguration: not N times 7 finite angles, or one beyond 1e6 rad.
+        """
+        return kinematics.forward_kinematics_batch(self.packed, q, threads)
+
+    def jacobian_batch(self, q: ArrayLike, threads: int | None = None) -> Array:
+        """Geometric Jacobians (N, 6, 7) of the tip point in base axes, as `jacobian` gives them one by one.
+
+        Args:
+            q: (N, 7) joint angles, rad; an array of floats, in C order and writeable, is not copied.
+            threads: at most so many; all processors if not given.
+
+        Raises:
+            InvalidConfiguration: not N times 7 finite angles, or one beyond 1e6 rad.
+        """
+        return kinematics.jacobian_batch(self.packed, q, threads)
+
+    # Redundancy -------------------------------------------------------------------------------------------------
+
+    def arm_angle(self, q: ArrayLike) -> float:
+        """Arm angle of a configuration, in [-pi, pi), rad: right-handed about shoulder-wrist, zero at `limb.reference`.
+
+        Raises:
+            InvalidConfiguration: not 7 finite angles, or one beyond 1e6 rad.
+        """
+        return float(rates.configuration_arm_angle(self.packed.family, as_bounded_joint_vector(q))[0])
+
+    def branch(self, q: ArrayLike) -> int:
+        """Branch of a configuration, 0 to 7.
+
+        Raises:
+            InvalidConfiguration: not 7 finite angles, or one beyond 1e6 rad.
+        """
+        return int(rates.configuration_arm_angle(self.packed.family, as_bounded_joint_vector(q))[1])
+
+    def arm_angle_jacobian(self, q: ArrayLike) -> Array:
+        """Derivatives of the arm angle by the joint angles, (7,), rad/rad: its rate is ``arm_angle_jacobian(q) @ dq``.
+
+        Below `jacobian` it makes a square matrix, ``np.vstack([arm.jacobian(q), arm.arm_angle_jacobian(q)])``, that is
+        regular where the tip pose and the arm angle together determine the joint rates. All are zero where the arm
+        angle has no derivative: with shoulder to wrist along `limb.reference` (to 1e-8 rad), with the wrist on the
+        shoulder, and, on a near limb alone, with the elbow on the line between them (to a micrometre). Close to
+        these places they grow without bound.
+
+        Raises:
+            InvalidConfiguration: not 7 finite angles, or one beyond 1e6 rad.
+
+        Source: the derivative of the definition, for any axes; for perpendicular ones see K. Kreutz-Delgado, M. Long,
+        H. Seraji, Kinematic Analysis of 7-DOF Manipulators, IJRR 11(5), 1992.
+        """
+        derivatives = np.empty(7)
+        rates.arm_angle_jacobian(self.packed.family, as_bounded_joint_vector(q), derivatives)
+        return derivatives
+
+    def self_motion_tangent(self, q: ArrayLike) -> Array:
+        """How the joints move with the arm angle while the tip stands still: dq/d(arm angle), (7,), rad/rad.
+
+        Where `jacobian` with `arm_angle_jacobian` below it is regular, it is the last column of the inverse of that
+        matrix; on an exact limb with a straight elbow, it is the motion that keeps that straight. All are zero where
+        the arm angle has no derivative, and where the joints would have to move infinitely fast: with the outer axes of
+        the shoulder or of the wrist in line. Close to these places they grow without bound.
+
+        Raises:
+            InvalidConfiguration: not 7 finite angles, or one beyond 1e6 rad.
+        """
+        derivatives = np.empty(7)
+        rates.self_motion_tangent(self.packed.family, as_bounded_joint_vector(q), derivatives)
+        return derivatives
+
+    # Tools and surroundings -------------------------------------------------------------------------------------
+
+    def with_tool(self, T_tip_tool: PoseLike, name: str | None = None) -> Self:
+        """This arm with a tool: poses are those of the tool's frame from then on. The arm itself stays as it is.
+
+        Args:
+            T_tip_tool: pose of the tool in the tip frame.
+            name: name of the tool's frame; by default "tool", numbered where that is taken.
+
+        Raises:
+            InvalidPose: no finite rigid transform.
+            InvalidRobot: the robot has a frame of that name already.
+        """
+        T = as_rigid_matrix(T_tip_tool)
+        hand = self.hand and Hand(*(tuple((T[:3, :3].T @ axis).tolist()) for axis in self.hand))
+        return self._again(changes.with_tool(self._chain, T, name), self.limb.reference, hand)
+
+    def with_base(self, T_newbase_base: PoseLike, name: str | None = None) -> Self:
+        """This arm in other surroundings: poses are given in their frame from then on. The arm itself stays as it is.
+
+        The reference of the arm angle turns with the arm, so that every posture keeps its arm angle.
+
+        Args:
+            T_newbase_base: pose of the base frame in the new base frame, such as that of a table or a room.
+            name: name of the new base frame; by default "world", numbered where that is taken.
+
+        Raises:
+            InvalidPose: no finite rigid transform.
+            InvalidRobot: the robot has a frame of that name already.
+        """
+        T = as_rigid_matrix(T_newbase_base)
+        return self._again(changes.on_base(self._chain, T, name), T[:3, :3] @ self.limb.reference, self.hand)
+
+    def _again(self, chain: Chain, reference: Array, hand: Hand | None) -> Self:
+        """This arm, made anew from a chain with the same joints."""
+        found = recognise(chain.axes, chain.points, chain.T_base_tip_zero, reference)
+        if found.limb is None:
+            raise NotAnSrsLimb(f"moved, {self.name} is no S-R-S limb: {found.reason}", self.joint_names)
+        return type(self)(chain, found.limb, self.name, hand, self.drawing)
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        # A copy is made anew, and packed anew: its arrays are read-only like the first ones, as its kernels want them.
         # A yourdfpy.URDF holds functions that cannot be pickled; such a copy of the arm is drawn as a skeleton.
         lasting = self.drawing is not None and isinstance(self.drawing.content, str | None)
-        return {**super().__getstate__(), "drawing": self.drawing if lasting else None}
+        return type(self), (self._chain, self.limb, self.name, self.hand, self.drawing if lasting else None)
 
     def __repr__(self) -> str:
         kind = self.limb.kind

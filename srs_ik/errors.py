@@ -6,12 +6,24 @@ Out of reach and out of limits are no errors: they are answers with a status.
 from __future__ import annotations
 
 import difflib
+import json
 import math
+import reprlib
+import shlex
 from collections.abc import Iterable, Sequence
+from importlib import metadata
+from pathlib import Path
 from typing import Any
+from urllib.parse import urlsplit
+from urllib.request import url2pathname
+
+from srs_ik import bounds
 
 _LISTED = 40
 """Longest list of names that is spelled out in a message; the fields of an error always hold all of them."""
+
+_LONGEST = 2000
+"""Characters of a message."""
 
 
 class SrsIkError(Exception):
@@ -19,7 +31,7 @@ class SrsIkError(Exception):
 
     def __init__(self, message: str = "") -> None:
         # What a message quotes may have lines of its own, such as an array that was given for a number.
-        super().__init__(" ".join(line.strip() for line in message.splitlines()))
+        super().__init__(_shortened(" ".join(line.strip() for line in message.splitlines()), _LONGEST))
 
     def __reduce__(self) -> tuple[Any, ...]:
         # The default calls the class with the finished message, which is not what every constructor takes.
@@ -49,9 +61,9 @@ class FrameNotFound(SrsIkError):
     def __init__(self, frame: str, available: Iterable[str], robot: str = "", source: str = "") -> None:
         self.frame = str(frame)
         self.available = tuple(available)
-        where = f" in robot {robot!r}" if robot else ""
+        where = f" in robot {quoted(robot)}" if robot else ""
         message = f"{source}: " if source else ""
-        message += f"there is no frame {self.frame!r}{where}{did_you_mean(self.frame, self.available)}"
+        message += f"there is no frame {quoted(self.frame)}{where}{did_you_mean(self.frame, self.available)}"
         super().__init__(f"{message}; its frames are {listed(self.available)}" if self.available else message)
 
 
@@ -103,8 +115,8 @@ class MissingExtra(SrsIkError):
 
     @property
     def command(self) -> str:
-        """The pip command that installs the extra."""
-        return f"pip install 'srs-ik[{self.extra}]'"
+        """The pip command that installs the extra from where this package is: a checkout, a folder or an index."""
+        return install_command(self.extra)
 
 
 class MissingLimits(SrsIkError, ValueError):
@@ -139,17 +151,61 @@ class PreviewError(SrsIkError):
     """A preview that cannot be served or written, or that is closed already."""
 
 
+def install_command(extra: str, package: Path = Path(__file__).parent) -> str:
+    """The pip command that brings an extra to the package in a folder, however that was installed."""
+    if _is_project(package.parent):
+        return f"pip install -e {shlex.quote(f'{package.parent}[{extra}]')}"
+    source = _installed_from() or "srs-ik"
+    return f"pip install {shlex.quote(f'{source}[{extra}]')}"
+
+
+def _is_project(folder: Path) -> bool:
+    return (folder / "pyproject.toml").is_file()
+
+
+def _installed_from() -> Path | None:
+    """The folder that pip installed this package from, if it was one and is still there."""
+    try:
+        record = json.loads(metadata.distribution("srs-ik").read_text("direct_url.json") or "{}")
+    except (metadata.PackageNotFoundError, ValueError):
+        return None
+    url = urlsplit(str(record.get("url", "")))
+    folder = Path(url2pathname(url.path))
+    return folder if url.scheme == "file" and _is_project(folder) else None
+
+
 def did_you_mean(name: str, known: Iterable[str]) -> str:
     """The clause " (did you mean ...?)" for a misspelt name, or "" where no known name is close to it."""
-    by_folded = {candidate.casefold(): candidate for candidate in known}
+    if not isinstance(name, str) or len(name) > bounds.COMPARED:
+        return ""
+    by_folded = {candidate.casefold(): candidate for candidate in known if len(candidate) <= bounds.COMPARED}
     close = [by_folded[match] for match in difflib.get_close_matches(name.casefold(), by_folded, n=3)]
     return f" (did you mean {' or '.join(repr(match) for match in close)}?)" if close else ""
 
 
+def quoted(value: object) -> str:
+    """A name or value in quotation marks, on one line, cut short where it is long."""
+    return (
+        repr(_shortened(value, bounds.SHOWN)) if isinstance(value, str) else _shortened(_spelled(value), bounds.SHOWN)
+    )
+
+
 def listed(names: Sequence[str]) -> str:
-    """Names as one comma-separated list, cut short where there are very many."""
-    shown = ", ".join(names[:_LISTED])
+    """Names as one comma-separated list, cut short where they are long or very many."""
+    shown = ", ".join(_shortened(name, bounds.SHOWN) for name in names[:_LISTED])
     return shown if len(names) <= _LISTED else f"{shown} and {len(names) - _LISTED} more"
+
+
+def _spelled(value: object) -> str:
+    try:
+        return reprlib.repr(value)
+    except Exception:
+        # Python writes no whole number of more than 4300 digits, and an object may write itself as it likes.
+        return f"an object of type {type(value).__name__}"
+
+
+def _shortened(text: str, length: int) -> str:
+    return text if len(text) <= length else f"{text[: length - 3]}..."
 
 
 def _restore(cls: type[SrsIkError], args: tuple[Any, ...], state: dict[str, Any]) -> SrsIkError:

@@ -11,11 +11,12 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import ArrayLike, NDArray
 
-from srs_ik.analysis.gravity import weights
-from srs_ik.errors import InvalidConfiguration
+from srs_ik.errors import InvalidConfiguration, did_you_mean
 from srs_ik.inputs.messages import picked, positions_by_name
-from srs_ik.inputs.poses import PoseError, PoseLike, as_joint_vector, as_rigid_matrix, real_array
+from srs_ik.inputs.numbers import real_array
+from srs_ik.inputs.poses import PoseError, PoseLike, as_joint_vector, as_rigid_matrix
 from srs_ik.robot.chain import Chain
+from srs_ik.robot.skeleton import is_revolute
 
 Array = NDArray[np.float64]
 
@@ -47,36 +48,59 @@ class ChainKinematics:
         self._base_frame = chain.base_id
         self._tip_frame = chain.tip_id
 
-    def configuration(self, q: ArrayLike) -> Array:
+    def configuration(self, q: ArrayLike, model: Any = None, others: ArrayLike | None = None) -> Array:
         """Pinocchio's configuration (model.nq,) of 7 joint angles: a continuous joint is its cosine and sine there.
 
+        Args:
+            q: (7,) joint angles, rad.
+            model: `pinocchio.Model` of the whole robot, which has these joints by name; that of the arm if not given.
+            others: (model.nq,) configuration of that robot, for its other joints; its neutral one if not given.
+
         Raises:
-            InvalidConfiguration: not 7 finite angles.
+            InvalidConfiguration: not 7 finite angles, a model that lacks one of the joints, or others of another size.
         """
         q = as_joint_vector(q)
-        configuration = np.empty(self.model.nq)
-        for angle, joint in zip(q, self._joints, strict=True):
+        if model is None and others is not None:
+            raise InvalidConfiguration("others are those of a whole robot: give its model, too")
+        joints = self._joints if model is None else self._joints_in(model)
+        configuration = np.empty(self.model.nq) if model is None else _whole(model, others)
+        for angle, joint in zip(q, joints, strict=True):
             if joint.nq == 1:
                 configuration[joint.idx_q] = angle
             else:
                 configuration[joint.idx_q : joint.idx_q + 2] = np.cos(angle), np.sin(angle)
         return configuration
 
-    def angles(self, configuration: ArrayLike) -> Array:
+    def angles(self, configuration: ArrayLike, model: Any = None) -> Array:
         """7 joint angles of a configuration (model.nq,) of Pinocchio; those of continuous joints in [-pi, pi].
 
+        Args:
+            configuration: of the model.
+            model: `pinocchio.Model` of the whole robot, which has these joints by name; that of the arm if not given.
+
         Raises:
-            InvalidConfiguration: not model.nq finite numbers.
+            InvalidConfiguration: not model.nq finite numbers, or a model that lacks one of the joints.
         """
-        try:
-            values = real_array(configuration)
-        except (TypeError, ValueError):
-            values = np.empty(0)
-        if values.shape != (self.model.nq,) or not np.isfinite(values).all():
-            raise InvalidConfiguration(f"a configuration of {self.name} is {self.model.nq} finite numbers")
+        joints = self._joints if model is None else self._joints_in(model)
+        values = _finite(configuration, self.model if model is None else model)
         return np.array(
-            [values[j.idx_q] if j.nq == 1 else np.arctan2(values[j.idx_q + 1], values[j.idx_q]) for j in self._joints]
+            [values[j.idx_q] if j.nq == 1 else np.arctan2(values[j.idx_q + 1], values[j.idx_q]) for j in joints]
         )
+
+    def _joints_in(self, model: Any) -> list[Any]:
+        """The seven joints, by their names, in the model of a whole robot."""
+        if not isinstance(model, pin.Model):
+            raise InvalidConfiguration(f"the whole robot is a pinocchio.Model, not {type(model).__name__}")
+        names = list(model.names)
+        for name in self.joint_names:
+            if name not in names:
+                hint = did_you_mean(name, names)
+                raise InvalidConfiguration(f"the model {model.name!r} has no joint {name!r}{hint}")
+        joints = [model.joints[names.index(name)] for name in self.joint_names]
+        for name, joint in zip(self.joint_names, joints, strict=True):
+            if not is_revolute(joint):
+                raise InvalidConfiguration(f"joint {name!r} of the model {model.name!r} does not turn about one axis")
+        return joints
 
     def joint_vector(self, state: Any) -> Array:
         """7 joint angles out of a joint state, by the names of the joints; other joints in it are left out.
@@ -145,11 +169,6 @@ class ChainKinematics:
         )
 
     @cached_property
-    def _weights(self) -> Array:
-        """What the kernels know of the arm's masses."""
-        return weights(self)
-
-    @cached_property
     def _joints(self) -> list[Any]:
         return [self.model.joints[i] for i in range(1, 8)]
 
@@ -165,5 +184,22 @@ class ChainKinematics:
             local.data = self.model.createData()
         return local.data
 
-    def __getstate__(self) -> dict[str, Any]:
-        return {k: v for k, v in self.__dict__.items() if k not in ("_joints", "_thread_data")}
+
+def _finite(configuration: ArrayLike, model: Any) -> Array:
+    """A configuration (model.nq,) as a new array of floats.
+
+    Raises:
+        InvalidConfiguration: another size, or not finite numbers.
+    """
+    try:
+        values = real_array(configuration)
+    except (TypeError, ValueError):
+        values = np.empty(0)
+    if values.shape != (model.nq,) or not np.isfinite(values).all():
+        raise InvalidConfiguration(f"a configuration of {model.name} is {model.nq} finite numbers")
+    return values
+
+
+def _whole(model: Any, others: ArrayLike | None) -> Array:
+    """A configuration of a whole robot that its caller may write into."""
+    return np.array(pin.neutral(model)) if others is None else _finite(others, model)

@@ -1,4 +1,4 @@
-"""The real and built-in arms that tests of the solver go through, each loaded once a process."""
+"""The built-in, made and real arms that tests of the solver go through, each loaded once a process."""
 
 from __future__ import annotations
 
@@ -7,9 +7,21 @@ from functools import cache
 
 import numpy as np
 from oracles import Forward, random_angles
-from robot_files import EXAMPLES, example_urdf, shared_urdf
+from robot_files import at_hand, robot_file
 
 import srs_ik
+
+MADE = {
+    "made_offsets": ("made_offsets", "link_0", "tool"),
+    "made_bent": ("made_bent", "link_0", "tool"),
+    "made_rounded": ("made_rounded", "link_0", "tool"),
+    "made_near": ("made_near", "link_0", "tool"),
+    "made_folded": ("made_folded", "link_0", "tool"),
+    "made_oblique": ("made_oblique", "link_0", "tool"),
+    "made_left": ("made_twins", "left_link_0", "left_tool"),
+    "made_right": ("made_twins", "right_link_0", "right_tool"),
+}
+"""File, base and tip of every limb in the files that `chains` makes."""
 
 REAL = {
     "iiwa14_drake": ("iiwa14_drake_models", "iiwa_link_0", "iiwa_link_7"),
@@ -31,11 +43,53 @@ REAL = {
     "romeo_left": ("romeo", "torso", "l_wrist"),
     "romeo_right": ("romeo", "torso", "r_wrist"),
 }
-"""File, base and tip of every limb that the files at hand contain."""
+"""File, base and tip of every limb in the files of makers."""
+
+PLACES = MADE | REAL
 
 BUILT_IN = ("iiwa14", "gen3", "human_arm")
-NEAR = ("iiwa14_experimental", "gen3_upstream", "gen3", "j2s7s300", "h1_2_left", "h1_2_right")
-EVERY = (*BUILT_IN, *REAL)
+NEAR = (
+    "made_near",
+    "made_folded",
+    "made_oblique",
+    "iiwa14_experimental",
+    "gen3_upstream",
+    "gen3",
+    "j2s7s300",
+    "h1_2_left",
+    "h1_2_right",
+)
+
+
+STANDS_FOR = {
+    "made_offsets": ("iiwa14_drake", "med7", "sia10f"),
+    "made_bent": ("sia5d",),
+    "made_rounded": ("rm75",),
+    "made_near": ("iiwa14_experimental",),
+    "gen3": ("gen3_upstream",),
+    "made_folded": ("j2s7s300",),
+    "made_oblique": ("h1_2_left", "h1_2_right"),
+    "made_left": ("openarm_left",),
+    "made_right": ("openarm_right",),
+}
+"""The arms of files that may not be at hand, and what is always tried for them."""
+
+_STAND_IN = {real: made for made, reals in STANDS_FOR.items() for real in reals}
+
+
+def here(*names: str) -> tuple[str, ...]:
+    """Those of some arms whose files are at hand, and for each real one, here or not, what stands for it."""
+    found: dict[str, None] = {}
+    for name in names:
+        if name in _STAND_IN:
+            found[_STAND_IN[name]] = None
+        if name in BUILT_IN or at_hand(PLACES[name][0]):
+            found[name] = None
+    return tuple(found)
+
+
+FROM_FILES = tuple(name for name in here(*REAL) if name not in BUILT_IN)
+EVERY = (*BUILT_IN, *FROM_FILES)
 EXACT = tuple(name for name in EVERY if name not in NEAR)
 
 
@@ -48,7 +102,7 @@ def tolerance(name: str) -> float:
 def load(name: str) -> srs_ik.Arm:
     if name in BUILT_IN:
         return srs_ik.load(name)
-    _, base, tip = REAL[name]
+    _, base, tip = PLACES[name]
     return srs_ik.load(file_of(name), base=base, tip=tip)
 
 
@@ -60,12 +114,11 @@ def forward(name: str) -> Forward:
         from srs_ik.robot import zoo
 
         return Forward(zoo.card(name).urdf, arm.base, arm.tip, arm.joint_names)
-    return Forward(file_of(name), *REAL[name][1:], arm.joint_names)
+    return Forward(file_of(name), *PLACES[name][1:], arm.joint_names)
 
 
 def file_of(name: str):
-    file = REAL[name][0]
-    return example_urdf(file) if file in EXAMPLES else shared_urdf(file)
+    return robot_file(PLACES[name][0])
 
 
 def generator(name: str, salt: int = 0) -> np.random.Generator:

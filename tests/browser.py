@@ -3,6 +3,7 @@
 import io
 import os
 import shutil
+import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -12,6 +13,9 @@ import pytest
 
 REQUIRED = "SRS_IK_BROWSER_REQUIRED"
 """Set where a test that needs a browser must not be skipped."""
+
+PATIENCE = 300_000
+"""Milliseconds for what takes one on a machine at rest: WebGL is drawn by a processor that others use as well."""
 
 SIZE = {"width": 560, "height": 460}
 _NAMES = ("chromium", "chromium-browser", "google-chrome")
@@ -37,30 +41,57 @@ def chromium() -> Iterator:
         path = found or playwright.chromium.executable_path
         if not Path(path).is_file():
             _missing("there is no Chromium on this machine")
-        browser = playwright.chromium.launch(executable_path=path, args=_OPTIONS)
+        browser = playwright.chromium.launch(executable_path=path, args=_OPTIONS, timeout=PATIENCE)
         try:
             yield browser
         finally:
             browser.close()
 
 
+@contextmanager
+def another(browser, *options: str) -> Iterator:
+    """A second browser beside a first one, with options of its own."""
+    path = next(filter(None, map(shutil.which, _NAMES)), None) or browser.browser_type.executable_path
+    second = browser.browser_type.launch(executable_path=path, args=[*_OPTIONS, *options], timeout=PATIENCE)
+    try:
+        yield second
+    finally:
+        second.close()
+
+
 def pixels(page) -> np.ndarray:
     """(height, width, 3) what the page shows, 0 to 255."""
     from PIL import Image
 
-    return np.asarray(Image.open(io.BytesIO(page.screenshot())).convert("RGB")).astype(int)
+    return np.asarray(Image.open(io.BytesIO(page.screenshot(timeout=PATIENCE))).convert("RGB")).astype(int)
 
 
-def settled(page, within: float = 20.0) -> np.ndarray:
-    """The pixels once they stay as they are for half a second."""
+def settled(page) -> np.ndarray:
+    """The pixels once they stay as they are while the page draws again and again."""
     last = pixels(page)
-    for _ in range(int(2 * within)):
+    deadline = time.monotonic() + 1e-3 * PATIENCE
+    while time.monotonic() < deadline:
+        page.evaluate(_FRAMES, 20)
         page.wait_for_timeout(500)
         now = pixels(page)
         if (now == last).all():
             return now
         last = now
-    raise AssertionError(f"the page does not come to rest within {within} s")
+    raise AssertionError(f"the page does not come to rest within {1e-3 * PATIENCE} s")
+
+
+_FRAMES = """count => new Promise(done => {
+  const next = () => count-- ? requestAnimationFrame(next) : done();
+  next();
+})"""
+
+
+def until(page, condition) -> None:
+    """Wait for a condition of this program, while the page goes on."""
+    deadline = time.monotonic() + 1e-3 * PATIENCE
+    while not condition():
+        assert time.monotonic() < deadline
+        page.wait_for_timeout(50)
 
 
 def changed(one: np.ndarray, other: np.ndarray) -> float:

@@ -111,6 +111,16 @@ def middle_phase(a1: np.ndarray, a2: np.ndarray, a3: np.ndarray) -> float:
     return float(np.arctan2(at[1] - at[3], at[0] - at[2]))
 
 
+def phases(limb):
+    """Singular angles of joints 2, 4 and 6."""
+    a4, S, E, W = limb.axes[3], limb.shoulder, limb.elbow, limb.wrist
+    back, forth = ((p - E) - a4 * (a4 @ (p - E)) for p in (S, W))
+    straight = np.arctan2(a4 @ np.cross(forth, -back), forth @ -back)
+    found = {1: middle_phase(*limb.axes[:3]), 3: straight, 5: middle_phase(*limb.axes[4:])}
+    # Exactly zero where it is zero but for rounding: that is where people put their arms.
+    return {joint: 0.0 if abs(angle) < 1e-12 else angle for joint, angle in found.items()}
+
+
 def reaches(axes: np.ndarray, R: np.ndarray) -> float:
     """How far inside its reach three axes through one point make a rotation: negative where they cannot."""
     a1, a2, a3 = axes

@@ -1,8 +1,9 @@
-"""Real robot files for tests, skipped by name where they are not at hand, and small robots written for a test."""
+"""Robot files for tests: made ones always, real ones where they are at hand, and small robots written for a test."""
 
 from importlib import metadata
 from pathlib import Path
 
+import chains
 import numpy as np
 import pinocchio as pin
 import pytest
@@ -15,6 +16,37 @@ EXAMPLES = {
     "romeo": "romeo_description/urdf/romeo.urdf",
     "icub": "icub_description/robots/icub.urdf",
 }
+
+
+REAL = (
+    "abb_yumi",
+    "franka_fr3",
+    "iiwa14_drake_models",
+    "iiwa14_kuka_experimental",
+    "kinova_gen3_7dof",
+    "kinova_j2s7s300",
+    "med7_lbr_stack",
+    "motoman_sia10f",
+    "motoman_sia5d",
+    "openarm_v10_bimanual",
+    "realman_rm75",
+    "sawyer",
+    "unitree_h1_2_handless",
+    "xarm7",
+)
+"""Files of makers, which are not part of this project: tests use those that lie beside the checkout."""
+
+
+def at_hand(*names: str) -> list[str]:
+    """Those of some files that are here, in their order."""
+    return [name for name in names if name not in REAL or (SHARED / f"{name}.urdf").is_file()]
+
+
+def robot_file(name: str) -> Path:
+    """A made robot, one of example-robot-data, or a real file beside the checkout; skips the test without it."""
+    if name in chains.MAKERS:
+        return chains.file_of(name)
+    return example_urdf(name) if name in EXAMPLES else shared_urdf(name)
 
 
 def shared_urdf(name: str) -> Path:

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from arms import REAL, configurations, file_of, load
+from arms import FROM_FILES, configurations, file_of, load
 from command_line import answer, run
 from robot_files import serial_arm
 
@@ -24,8 +24,8 @@ def arm_file(tmp_path):
     return path
 
 
-@pytest.mark.parametrize("name", REAL)
-def test_the_adapter_of_a_real_arm_loads_as_the_arm(name, tmp_path):
+@pytest.mark.parametrize("name", FROM_FILES)
+def test_the_adapter_of_an_arm_loads_as_the_arm(name, tmp_path):
     plain, path = load(name), tmp_path / "robot.toml"
     write_adapter(path, file_of(name), plain)
     arm = srs_ik.load(path)
@@ -40,7 +40,7 @@ def test_the_adapter_of_a_real_arm_loads_as_the_arm(name, tmp_path):
     assert side == next((side for side in ("left", "right") if name.endswith(side)), "either")
 
 
-@pytest.mark.parametrize("name", REAL)
+@pytest.mark.parametrize("name", FROM_FILES)
 def test_the_hand_reaches_out_and_its_axes_are_orthogonal(name):
     limb = load(name).limb
     grasp, across = hand_axes(limb)
@@ -73,7 +73,7 @@ def test_the_commands_take_what_inspect_writes(arm_file, tmp_path):
     assert result.stderr == f"srs-ik: wrote {adapter}; check it, then try 'srs-ik inspect {adapter}'\n"
     (limb,) = answer("inspect", str(adapter))["limbs"]
     assert (limb["base"], limb["tip"]) == ("l0", "l7")
-    solved = answer("solve", str(adapter), "--from-q", *["0.1", "0.2", "0.3", "0.4", "0.5", "0.6", "0.7"])
+    solved = answer("solve", str(adapter), "--q", *["0.1", "0.2", "0.3", "0.4", "0.5", "0.6", "0.7"])
     assert solved["robot"] == "my arm"
 
 
@@ -140,8 +140,8 @@ def test_the_adapter_of_the_documentation_loads(arm_file, tmp_path):
 def test_every_command_takes_the_word_for_a_limb(command):
     path = str(file_of("humanoid_left"))
     options = {
-        "solve": ["--from-q", *"0000000"],
-        "intervals": ["--from-q", *"0000000"],
+        "solve": ["--q", *"0000000"],
+        "intervals": ["--q", *"0000000"],
         "task": [
             *("--xyz", "0.3", "0.2", "0.1"),
             *("--velocity", "1", "0", "0"),

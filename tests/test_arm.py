@@ -62,7 +62,7 @@ def test_the_model_has_the_seven_joints(name):
     assert arm.model.existFrame(arm.tip)
 
 
-@pytest.mark.parametrize("name", ["gen3", "j2s7s300", "iiwa14"])
+@pytest.mark.parametrize("name", arms.here("gen3", "j2s7s300", "iiwa14"))
 def test_configurations_and_angles_are_each_others_inverse(name):
     arm = arms.load(name)
     for q in arms.configurations(name, 20, 83):
@@ -83,7 +83,7 @@ def test_turns_of_continuous_joints_are_one_configuration():
     assert max(distance(arm.forward_kinematics(q), arm.forward_kinematics(turned))) < 1e-14
 
 
-@pytest.mark.parametrize("name", ["iiwa14", "gen3", "h1_2_left"])
+@pytest.mark.parametrize("name", arms.here("iiwa14", "gen3", "h1_2_left"))
 def test_verify_measures_distance_and_angle(name):
     arm, rng = arms.load(name), arms.generator(name, 84)
     for q in arms.configurations(name, 20, 85):

@@ -1,6 +1,8 @@
 """`Arm.solve_batch`: the same answers as one call at a time, bit for bit, on any number of threads."""
 
 import multiprocessing
+import subprocess
+import sys
 import threading
 import tracemalloc
 from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor
@@ -11,7 +13,7 @@ import pinocchio as pin
 import pytest
 
 from srs_ik import InvalidConfiguration, InvalidPose, SrsIkError, Status
-from srs_ik.solve.threads import run_in_threads
+from srs_ik.solve.threads import interruptible, processors, run_in_threads, watched
 
 COUNT = 100
 NAMES = ("iiwa14", "gen3", "romeo_left")
@@ -254,8 +256,9 @@ def test_ranges_cover_every_pose_once(count, threads, slow):
 
     run_in_threads(work, count, threads)
     assert (done == 1).all()
-    assert threads is None or max(together) <= threads
-    if slow and count >= 100 and threads in (2, 3):
+    assert threads is None or max(together, default=1) <= threads
+    assert max(together, default=1) <= processors()
+    if slow and count >= 100 and threads in (2, 3) and processors() > 1:
         assert max(together) > 1
 
 
@@ -267,3 +270,113 @@ def test_an_error_in_a_thread_comes_through():
 
     with pytest.raises(ArithmeticError):
         run_in_threads(work, 1000, 2)
+
+
+def test_far_more_threads_than_processors_are_not_started():
+    started = set()
+
+    def work(first, last):
+        started.add(threading.get_ident())
+        threading.Event().wait(0.0005)
+
+    run_in_threads(work, 10000, 4000)
+    assert len(started) <= processors()
+
+
+@pytest.mark.parametrize("threads", [1, 2])
+@pytest.mark.parametrize("seconds", [1e-6, 2e-4, 5e-3, 0.05])
+def test_no_call_is_long(threads, seconds):
+    """However slow the poses are, a call takes about a tenth of a second, from the second one on."""
+    lengths = []
+
+    def work(first, last):
+        lengths.append(last - first)
+        threading.Event().wait(seconds * (last - first) if seconds > 1e-4 else 0.0)
+
+    run_in_threads(work, int(1.0 / seconds) if seconds > 1e-4 else 100_000, threads)
+    if seconds > 1e-4:
+        longest = max(lengths[1:], default=0)
+        assert longest * seconds < 0.2 or longest == 8
+        assert lengths[0] <= 128
+    else:
+        assert len(lengths) < 60
+
+
+@pytest.mark.parametrize("threads", [1, 2])
+def test_a_watcher_hears_how_far_a_batch_is(threads):
+    heard = []
+
+    def work(first, last):
+        threading.Event().wait(1e-4 * (last - first))
+
+    with watched(lambda begun, count: heard.append((begun, count))):
+        run_in_threads(work, 5000, threads)
+    assert len(heard) > 2
+    assert all(count == 5000 for _, count in heard)
+    assert [begun for begun, _ in heard] == sorted(begun for begun, _ in heard)
+    assert heard[-1][0] == 5000
+    run_in_threads(work, 500, threads)
+    assert heard[-1][1] == 5000
+
+
+INTERRUPTED = """
+import os, signal, sys, threading, time
+import numpy as np
+import srs_ik
+
+arm = srs_ik.load(sys.argv[1])
+q = np.array([0.3, 0.7, -0.4, -1.1, 0.5, 0.8, -0.2])
+pose = arm.forward_kinematics(q).homogeneous
+many = np.repeat(pose[None], int(sys.argv[3]), axis=0)
+many[:, 0, 3] += np.linspace(0.0, 0.05, len(many))
+call = {
+    "solve_batch": lambda poses: arm.solve_batch(poses, seed=q, threads=int(sys.argv[4])),
+    "intervals_batch": lambda poses: arm.intervals_batch(poses, threads=int(sys.argv[4])),
+    "solve_path": lambda poses: arm.solve_path(poses, seed=q),
+}[sys.argv[2]]
+call(many[:300])
+pressed = []
+
+def press():
+    pressed.append(time.perf_counter())
+    os.kill(os.getpid(), signal.SIGINT)
+
+threading.Timer(1.0, press).start()
+begin = time.perf_counter()
+try:
+    call(many)
+    print("done", time.perf_counter() - begin)
+except KeyboardInterrupt:
+    print("interrupted", time.perf_counter() - pressed[0])
+ended = time.perf_counter()
+import atexit
+atexit.register(lambda: print("left", time.perf_counter() - ended))
+"""
+
+
+@pytest.mark.parametrize(
+    ("call", "count", "threads"),
+    [
+        ("solve_batch", 1_000_000, 1),
+        ("solve_batch", 2_000_000, 2),
+        ("intervals_batch", 1_000_000, 1),
+        ("solve_path", 60_000, 1),
+    ],
+)
+def test_an_interruption_is_heard_within_a_second(call, count, threads):
+    command = [sys.executable, "-c", INTERRUPTED, "iiwa14", call, str(count), str(threads)]
+    done = subprocess.run(command, capture_output=True, text=True, timeout=600)
+    (how, after), (_, left) = (line.split() for line in done.stdout.splitlines())
+    assert how == "interrupted", done.stdout + done.stderr
+    assert float(after) < 1.0
+    assert float(left) < 1.0
+
+
+def test_what_is_interruptible_answers_and_fails_as_it_would_alone():
+    assert interruptible(lambda stop: int(stop[0]), worth_it=True) == 0
+    with pytest.raises(ArithmeticError):
+        interruptible(lambda stop: _fail(), worth_it=True)
+
+
+def _fail():
+    raise ArithmeticError

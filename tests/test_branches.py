@@ -12,10 +12,9 @@ from oracles import (
     limbs,
     middle_phase,
     other_elbow_reaches,
+    phases,
     wrapped,
 )
-from test_singular import phases
-from test_solve import STEADY
 
 import srs_ik
 
@@ -72,7 +71,7 @@ def test_all_branches_put_the_elbow_at_the_arm_angle(name):
             assert abs(wrapped(arm_angle(forward, arm.limb, solution.q) - psi)) < 1e-9
 
 
-@pytest.mark.parametrize("name", ["iiwa14", "human_arm", "sia5d", "openarm_left", "romeo_left"])
+@pytest.mark.parametrize("name", arms.here("iiwa14", "human_arm", "sia5d", "openarm_left", "romeo_left"))
 def test_the_same_elbow_position_has_the_same_arm_angle(name):
     """Shoulder and wrist branches and the hand's rotation leave the elbow where it is."""
     arm, forward = arms.load(name), arms.forward(name)
@@ -92,7 +91,7 @@ def test_elbow_branches_of_an_arm_without_offset_share_the_elbow_position():
         assert np.ptp(elbows, axis=0).max() < 1e-9
 
 
-@pytest.mark.parametrize("name", ["iiwa14", "human_arm", "sia5d"])
+@pytest.mark.parametrize("name", arms.here("iiwa14", "human_arm", "sia5d"))
 def test_the_arm_angle_is_right_handed_about_shoulder_to_wrist(name):
     arm, forward = arms.load(name), arms.forward(name)
     for q in arms.configurations(name, 20, 15):
@@ -103,7 +102,7 @@ def test_the_arm_angle_is_right_handed_about_shoulder_to_wrist(name):
         assert geometric_arm_angle(arm.limb.shoulder, after, W, before - arm.limb.shoulder) == pytest.approx(0.2)
 
 
-@pytest.mark.parametrize("name", ["iiwa14", "human_arm", "openarm_left", "sia5d"])
+@pytest.mark.parametrize("name", arms.here("iiwa14", "human_arm", "openarm_left", "sia5d"))
 def test_arm_angle_zero_is_in_the_half_plane_of_the_reference(name):
     arm, forward = arms.load(name), arms.forward(name)
     S, reference = arm.limb.shoulder, arm.limb.reference
@@ -154,7 +153,6 @@ def test_branch_numbers_of_real_arms(name):
         assert (every.branch == check_numbers(arm, every.q)).all()
 
 
-@STEADY
 @given(limbs())
 def test_random_limbs_have_all_their_branches(limb):
     arm = srs_ik.load(limb.model, base="base", tip="tool")
@@ -172,7 +170,6 @@ def test_random_limbs_have_all_their_branches(limb):
             assert max(distance(pose, forward(solution.q))) < 1e-10
 
 
-@STEADY
 @given(limbs(miss=0.01))
 def test_random_limbs_whose_axes_miss_their_centres_hold_the_configuration(limb):
     """Away from singularities: next to one, a branch may have two postures at an arm angle, or lie elsewhere."""
@@ -194,7 +191,7 @@ def check_met(forward, pose, every):
         assert max(distance(pose, forward(solution.q))) < 1e-9
 
 
-@pytest.mark.parametrize("name", ["iiwa14", "human_arm", "openarm_right"])
+@pytest.mark.parametrize("name", arms.here("iiwa14", "human_arm", "openarm_right"))
 def test_with_limits_solve_all_keeps_exactly_the_branches_inside(name):
     arm, forward = arms.load(name), arms.forward(name)
     some_left_out = False

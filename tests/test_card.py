@@ -177,7 +177,7 @@ def test_a_card_that_is_no_text(toy):
 
 def test_files_that_are_no_cards(tmp_path: Path):
     path = tmp_path / CARD_FILE
-    wrong = {"larger than 256 KiB": "#" * (2**18 + 1), "is not valid TOML": "a = " + "[" * 100_000}
+    wrong = {"larger than 64 KiB": "#" * (2**16 + 1), "is not valid TOML": "a = " + "[" * 60_000}
     for says, text in wrong.items():
         path.write_text(text)
         with pytest.raises(InvalidRobot, match=says) as raised:

@@ -1,21 +1,23 @@
 import pickle
 
+import chains
 import numpy as np
 import pinocchio as pin
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from robot_files import EXAMPLES, SHARED, example_urdf, joint_xml, random_configuration, serial_arm, shared_urdf
+from robot_files import EXAMPLES, REAL, at_hand, joint_xml, random_configuration, robot_file, serial_arm
 
 from srs_ik.errors import FrameNotFound, InvalidRobot, NotAnSrsLimb
-from srs_ik.robot.chain import Skeleton, build_chain
+from srs_ik.robot.chain import build_chain
 from srs_ik.robot.description import load_model
+from srs_ik.robot.skeleton import Skeleton
 
-REAL = [*sorted(path.stem for path in SHARED.glob("*.urdf")), *EXAMPLES]
+FILES = at_hand(*chains.MAKERS, *REAL, *EXAMPLES)
 
 
-def real_model(name: str) -> pin.Model:
-    return load_model(example_urdf(name) if name in EXAMPLES else shared_urdf(name)).model
+def model_in(name: str) -> pin.Model:
+    return load_model(robot_file(name)).model
 
 
 def model_of(*parts: str) -> pin.Model:
@@ -54,9 +56,9 @@ def pose_in_whole_robot(model, chain, q):
     return data.oMf[base].actInv(data.oMf[tip]).homogeneous
 
 
-@pytest.mark.parametrize("name", REAL)
+@pytest.mark.parametrize("name", FILES)
 def test_the_lines_and_the_reduced_model_move_as_the_whole_robot_does(name):
-    model = real_model(name)
+    model = model_in(name)
     skeleton = Skeleton(model)
     windows = skeleton.windows()
     assert windows
@@ -75,8 +77,9 @@ def test_the_lines_and_the_reduced_model_move_as_the_whole_robot_does(name):
             np.testing.assert_allclose(reduced, expected, rtol=0, atol=1e-13)
 
 
-def test_measuring_in_the_whole_robot_or_in_seven_joints_is_the_same():
-    model = real_model("unitree_h1_2_handless")
+@pytest.mark.parametrize("name", at_hand("made_twins", "unitree_h1_2_handless"))
+def test_measuring_in_the_whole_robot_or_in_seven_joints_is_the_same(name):
+    model = model_in(name)
     skeleton = Skeleton(model)
     for joints in skeleton.windows():
         base, tip = skeleton.default_base(joints[0]), skeleton.default_tip(joints[-1])
@@ -177,9 +180,9 @@ def test_links_and_fixed_joints_that_share_their_names_do_not_stop_the_locking()
     assert (chain.model.nq, chain.model.names[7]) == (7, "j7")
 
 
-@pytest.mark.parametrize("name", REAL)
+@pytest.mark.parametrize("name", FILES)
 def test_locked_models_are_those_of_pinocchio(name):
-    model = real_model(name)
+    model = model_in(name)
     joints = (Skeleton(model).windows() or [tuple(range(1, 8))])[0]
     chain = build_chain(model, joints, model.frames[1].name, model.names[joints[-1]])
     others = [joint for joint in range(1, model.njoints) if joint not in joints]

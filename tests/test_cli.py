@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from command_line import POSE, Q, answer, pose_by_pinocchio, run, run_apart
-from robot_files import shared_urdf
+from robot_files import at_hand, robot_file
 
 import srs_ik
 from srs_ik import cli
@@ -57,14 +57,14 @@ def test_degrees_and_radians_say_the_same():
 
 
 def test_from_q_asks_for_the_pose_of_these_joint_angles():
-    found = answer("solve", "iiwa14", "--from-q", *Q)
+    found = answer("solve", "iiwa14", "--q", *Q)
     asked = pose_by_pinocchio("iiwa14", [float(q) for q in Q])
     assert np.allclose(found["T_base_tip"], asked, rtol=0.0, atol=1e-14)
     assert np.allclose(pose_by_pinocchio("iiwa14", found["q"]), asked, rtol=0.0, atol=1e-11)
 
 
 def test_a_seed_brings_its_own_posture_back():
-    found = answer("solve", "iiwa14", "--from-q", *Q, "--seed", *Q)
+    found = answer("solve", "iiwa14", "--q", *Q, "--seed", *Q)
     assert found["q"] == pytest.approx([float(q) for q in Q], abs=1e-6)
 
 
@@ -75,17 +75,17 @@ def test_arm_angle_and_branch_are_kept():
 
 
 def test_all_prints_every_branch_at_an_arm_angle():
-    found = answer("solve", "iiwa14", "--from-q", *Q, "--arm-angle", "0.4", "--all", "--no-limits")
+    found = answer("solve", "iiwa14", "--q", *Q, "--arm-angle", "0.4", "--all", "--no-limits")
     assert sorted(s["branch"] for s in found["solutions"]) == list(range(8))
     for solution in found["solutions"]:
         assert np.allclose(pose_by_pinocchio("iiwa14", solution["q"]), found["T_base_tip"], rtol=0.0, atol=1e-11)
-    table = run("solve", "iiwa14", "--from-q", *Q, "--arm-angle", "0.4", "--all", "--no-limits")
+    table = run("solve", "iiwa14", "--q", *Q, "--arm-angle", "0.4", "--all", "--no-limits")
     assert table.exit_code == 0
     assert "8 solutions, the branches at this arm angle" in table.stdout
 
 
 def test_all_without_an_arm_angle_prints_a_posture_for_every_interval():
-    words = ["solve", "iiwa14", "--from-q", *Q, "--all"]
+    words = ["solve", "iiwa14", "--q", *Q, "--all"]
     found = answer(*words)
     intervals = srs_ik.load("iiwa14").intervals(np.array(found["T_base_tip"]))
     assert [s["branch"] for s in found["solutions"]] == [interval.branch for interval in intervals]
@@ -140,7 +140,7 @@ def test_a_negative_position_is_no_option():
 
 def test_no_digit_is_cut_off_in_a_narrow_terminal(monkeypatch):
     monkeypatch.setenv("COLUMNS", "40")
-    words = ["solve", "iiwa14", "--from-q", *Q, "--arm-angle", "0.4", "--all", "--no-limits"]
+    words = ["solve", "iiwa14", "--q", *Q, "--arm-angle", "0.4", "--all", "--no-limits"]
     text = run(*words).stdout
     for solution in answer(*words)["solutions"]:
         assert all(f"{np.rad2deg(q):.2f}" in text for q in solution["q"])
@@ -183,8 +183,8 @@ def test_out_of_reach_is_an_answer_with_exit_status_1(extra):
         (["solve", "iiwa14", *POSE, "--quat", "0", "0", "0", "1"], "--quat"),
         (["solve", "iiwa14", "--xyz", "1", "2", "3", "--quat", "0", "0", "0", "2"], "--quat"),
         (["solve", "iiwa14", "--xyz", "1", "2", "3", "--quat", "0", "0", "0", "0"], "--quat"),
-        (["solve", "iiwa14", *POSE, "--from-q", *Q], "--from-q"),
-        (["solve", "iiwa14", "--from-q", "1", "2", "3"], "--from-q takes 7 numbers, not 3"),
+        (["solve", "iiwa14", *POSE, "--q", *Q], "--q"),
+        (["solve", "iiwa14", "--q", "1", "2", "3"], "--q takes 7 numbers, not 3"),
         (["solve", "iiwa14", *POSE, "--branch", "8"], "--branch"),
         (["solve", "iiwa14", *POSE, "--branch", "-1"], "--branch"),
         (["solve", "iiwa14", *POSE, "--all", "--branch", "1"], "--all"),
@@ -218,16 +218,18 @@ def test_a_broken_file_is_named_in_one_line(tmp_path, text, command):
     assert "broken.urdf" in result.stderr
 
 
-def test_several_arms_are_listed_in_one_line():
-    result = run("solve", str(shared_urdf("openarm_v10_bimanual")), *POSE)
+@pytest.mark.parametrize("name", at_hand("made_twins", "openarm_v10_bimanual"))
+def test_several_arms_are_listed_in_one_line(name):
+    result = run("solve", str(robot_file(name)), *POSE)
     assert result.exit_code == 2
     assert result.stderr.count("\n") == 1
     assert "left" in result.stderr
     assert "right" in result.stderr
 
 
-def test_a_refused_arm_is_one_line_with_millimetres():
-    result = run("solve", str(shared_urdf("franka_fr3")), *POSE)
+@pytest.mark.parametrize("name", at_hand("made_fr3", "franka_fr3"))
+def test_a_refused_arm_is_one_line_with_millimetres(name):
+    result = run("solve", str(robot_file(name)), *POSE)
     assert result.exit_code == 2
     assert result.stderr.count("\n") == 1
     assert " mm" in result.stderr
@@ -253,7 +255,7 @@ def test_an_error_in_a_process_of_its_own_is_one_line_and_no_traceback():
 
 
 def test_json_stands_alone_on_standard_output_of_a_process():
-    result = run_apart(["solve", "human_arm", "--from-q", *Q, "--no-limits", "--json"])
+    result = run_apart(["solve", "human_arm", "--q", *Q, "--no-limits", "--json"])
     assert result.returncode == 0, result.stderr
     assert result.stderr == ""
     found = json.loads(result.stdout)

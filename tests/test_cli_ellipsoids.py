@@ -7,6 +7,7 @@ import pytest
 from command_line import Q, answer, run
 
 import srs_ik
+from srs_ik.errors import install_command
 
 ANGLES = [float(q) for q in Q]
 
@@ -32,7 +33,7 @@ def test_json_holds_the_ellipsoids(part, limits, axes):
         turned = np.array(found[kind]["axes"]).reshape(len(expected.radii), -1, 3) @ R.T
         assert np.allclose(turned.reshape(len(expected.radii), -1), expected.axes.T, rtol=0.0, atol=1e-12)
     assert found["manipulability"] == pytest.approx(srs_ik.manipulability(J, part))
-    assert found["isotropy"] == pytest.approx(srs_ik.isotropy(J, part))
+    assert found["isotropy"] == pytest.approx(srs_ik.analysis.isotropy(J, part))
     assert found["limits"] is limits
 
 
@@ -118,4 +119,4 @@ def test_without_pycapacity_the_pip_command_is_given(monkeypatch):
     monkeypatch.setitem(sys.modules, "pycapacity", None)
     result = run("ellipsoids", "iiwa14", "--q", *Q, "--polytopes")
     assert result.exit_code == 2
-    assert result.stderr == "srs-ik: a polytope needs an optional part of srs_ik: pip install 'srs-ik[polytopes]'\n"
+    assert result.stderr == f"srs-ik: a polytope needs an optional part of srs_ik: {install_command('polytopes')}\n"

@@ -3,13 +3,17 @@
 import json
 import re
 
+import arms
 import numpy as np
 import pytest
 from command_line import answer, run
-from robot_files import joint_xml, serial_arm, shared_urdf
+from robot_files import at_hand, joint_xml, robot_file, serial_arm
 
 import srs_ik
+from srs_ik.errors import install_command
 from srs_ik.robot import places, zoo
+
+TWINS = at_hand("made_twins", "openarm_v10_bimanual")
 
 
 def test_robots_lists_every_name_that_load_knows():
@@ -25,10 +29,10 @@ def test_robots_gives_the_command_for_what_is_not_installed(monkeypatch):
     assert listed["iiwa14"]["installed"]
     assert listed["iiwa14"]["install"] is None
     assert not listed["human_left"]["installed"]
-    assert listed["human_left"]["install"] == "pip install 'srs-ik[robots]'"
+    assert listed["human_left"]["install"] == install_command("robots")
     text = " ".join(run("robots").stdout.split())
     # More names where robot_descriptions is not installed either.
-    names = re.search(r"For ([\w, ]+): pip install 'srs-ik\[robots\]'", text)[1].split(", ")
+    names = re.search(rf"For ([\w, ]+): {re.escape(install_command('robots'))}", text)[1].split(", ")
     assert {"human_left", "human_right", "icub_left", "icub_right", "romeo_left", "romeo_right"} <= set(names)
 
 
@@ -85,12 +89,12 @@ def test_inspect_with_a_tip_looks_at_that_chain_alone():
     assert (limb["base"], limb["tip"]) == (card.base, card.tip)
 
 
-@pytest.mark.parametrize("name", ["franka_fr3", "xarm7", "sawyer"])
+@pytest.mark.parametrize("name", at_hand("made_fr3", "made_xarm7", "made_sawyer", "franka_fr3", "xarm7", "sawyer"))
 def test_inspect_tells_by_how_many_millimetres_a_refused_arm_misses(name):
-    report = answer("inspect", str(shared_urdf(name)), exit_code=1)
+    report = answer("inspect", str(robot_file(name)), exit_code=1)
     assert {limb["kind"] for limb in report["limbs"]} == {"refused"}
     assert all(max(miss for miss in limb["misses_mm"] if miss is not None) > 10.0 for limb in report["limbs"])
-    result = run("inspect", str(shared_urdf(name)))
+    result = run("inspect", str(robot_file(name)))
     assert result.exit_code == 1
     assert "refused" in result.stdout
     assert "(mm)" in result.stdout
@@ -102,14 +106,16 @@ def test_inspect_tells_by_how_many_millimetres_a_refused_arm_misses(name):
     assert f"Up to {limb['allowed_mm']:.1f} mm would be accepted" in result.stdout
 
 
-def test_inspect_shows_both_arms_of_a_file():
-    limbs = answer("inspect", str(shared_urdf("openarm_v10_bimanual")))["limbs"]
+@pytest.mark.parametrize("name", TWINS)
+def test_inspect_shows_both_arms_of_a_file(name):
+    limbs = answer("inspect", str(robot_file(name)))["limbs"]
     accepted = [limb["tip"] for limb in limbs if limb["kind"] != "refused"]
     assert len(accepted) == len(set(accepted)) == 2
 
 
-def test_inspect_of_an_arm_that_no_word_means_is_wrong_input():
-    result = run("inspect", str(shared_urdf("openarm_v10_bimanual")), "--limb", "middle")
+@pytest.mark.parametrize("name", TWINS)
+def test_inspect_of_an_arm_that_no_word_means_is_wrong_input(name):
+    result = run("inspect", str(robot_file(name)), "--limb", "middle")
     assert (result.exit_code, result.stdout) == (2, "")
     assert "has 'middle' in its names; the arms end at " in result.stderr
     assert result.stderr.count("\n") == 1
@@ -124,8 +130,10 @@ def test_inspect_says_that_a_file_has_no_chain_of_seven(tmp_path):
     assert "7" in result.stderr
 
 
-def test_inspect_of_an_adapter_shows_its_arm_and_no_other(tmp_path):
-    path, adapter = shared_urdf("openarm_v10_bimanual"), tmp_path / "robot.toml"
+@pytest.mark.parametrize("name", TWINS)
+def test_inspect_of_an_adapter_shows_its_arm_and_no_other(name, tmp_path):
+    path, adapter = robot_file(name), tmp_path / "robot.toml"
     assert run("inspect", str(path), "--limb", "right", "--write", str(adapter)).exit_code == 0
     (limb,) = answer("inspect", str(adapter))["limbs"]
-    assert (limb["base"], limb["tip"]) == ("openarm_right_link0", "openarm_right_hand")
+    places = {"made_twins": "made_right", "openarm_v10_bimanual": "openarm_right"}
+    assert (limb["base"], limb["tip"]) == arms.PLACES[places[name]][1:]

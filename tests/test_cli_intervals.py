@@ -10,6 +10,7 @@ from typer.testing import CliRunner
 
 import srs_ik
 from srs_ik.cli.app import app
+from srs_ik.errors import install_command
 from srs_ik.plots.intervals import bars
 from srs_ik.solve.solution import Interval
 
@@ -32,8 +33,8 @@ def test_json_holds_the_intervals_of_the_arm():
 
 
 def test_the_table_shows_the_intervals_of_the_json():
-    expected = json.loads(run("gen3", "--from-q", *"1234567", "--no-limits", "--json").stdout)["intervals"]
-    text = run("gen3", "--from-q", *"1234567", "--no-limits").stdout
+    expected = json.loads(run("gen3", "--q", *"1234567", "--no-limits", "--json").stdout)["intervals"]
+    text = run("gen3", "--q", *"1234567", "--no-limits").stdout
     rows = [line.split() for line in text.splitlines() if line.strip()[:1].isdigit() and len(line.split()) == 6]
     assert len(rows) == len(expected)
     for row, interval in zip(rows, expected, strict=True):
@@ -101,8 +102,8 @@ def test_bars_that_pass_half_a_turn_are_cut():
     ("words", "named"),
     [
         (["iiwa14"], "--xyz"),
-        (["iiwa14", *POSE, "--from-q", *"1234567"], "--from-q"),
-        (["iiwa14", "--from-q", "1", "2"], "--from-q takes 7 numbers, not 2"),
+        (["iiwa14", *POSE, "--q", *"1234567"], "--q"),
+        (["iiwa14", "--q", "1", "2"], "--q takes 7 numbers, not 2"),
         (["iiwa41", *POSE], "iiwa41"),
         (["iiwa14", *POSE, "--tip", "nose"], "nose"),
         (["iiwa14", *POSE, "--plot", "bars.colour"], "bars.colour"),
@@ -124,4 +125,4 @@ def test_without_matplotlib_the_pip_command_is_given(monkeypatch, tmp_path):
     result = run("iiwa14", *POSE, "--plot", str(tmp_path / "bars.png"))
     assert result.exit_code == 2
     assert result.stdout == ""
-    assert result.stderr == "srs-ik: --plot needs an optional part of srs_ik: pip install 'srs-ik[plot]'\n"
+    assert result.stderr == f"srs-ik: --plot needs an optional part of srs_ik: {install_command('plot')}\n"

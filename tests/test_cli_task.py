@@ -75,8 +75,10 @@ def test_out_of_reach_is_exit_status_1_and_still_an_answer():
     assert result.stderr.count("\n") == 1
 
 
-def test_a_hand_can_be_given():
-    words = ["task", str(arms.file_of("med7")), "--base", "lbr_link_0", "--tip", "lbr_link_ee"]
+@pytest.mark.parametrize("name", arms.here("med7"))
+def test_a_hand_can_be_given(name):
+    _, base, tip = arms.PLACES[name]
+    words = ["task", str(arms.file_of(name)), "--base", base, "--tip", tip]
     words += ["--xyz", "0.4", "0.1", "0.5", *TASK[4:], "--grasp", "0", "0", "-1"]
     result = run(*words)
     assert result.exit_code == 2

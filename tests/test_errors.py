@@ -1,9 +1,16 @@
 import copy
+import json
 import pickle
+import re
+import shlex
+import tomllib
+from pathlib import Path
 
 import pytest
 
 from srs_ik import errors
+
+ROOT = Path(__file__).resolve().parents[1]
 
 EVERY_ERROR = [
     (errors.SrsIkError("something is wrong"), {}),
@@ -77,5 +84,43 @@ def test_nothing_is_offered_where_nothing_is_close():
     assert errors.did_you_mean("qqq", ["base_link"]) == ""
 
 
-def test_missing_extra_gives_the_command_that_brings_it():
-    assert "pip install 'srs-ik[robots]'" in str(errors.MissingExtra("robots", "this robot"))
+def test_missing_extra_gives_the_command_that_brings_it_to_the_checkout():
+    error = errors.MissingExtra("robots", "this robot")
+    assert str(error) == f"this robot needs an optional part of srs_ik: {error.command}"
+    *command, requirement = shlex.split(error.command)
+    assert command == ["pip", "install", "-e"]
+    assert requirement == f"{ROOT}[robots]"
+
+
+def test_every_extra_that_is_asked_for_is_one_of_the_project():
+    asked = {
+        extra
+        for path in (ROOT / "srs_ik").rglob("*.py")
+        for extra in re.findall(r'MissingExtra\("(\w+)"', path.read_text())
+    }
+    known = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]["optional-dependencies"]
+    assert len(asked) >= 4
+    assert asked <= set(known)
+
+
+@pytest.mark.parametrize(
+    ("record", "expected"),
+    [
+        (None, "pip install 'srs-ik[plot]'"),
+        ("no JSON", "pip install 'srs-ik[plot]'"),
+        ({"url": "https://example.org/srs_ik.whl", "archive_info": {}}, "pip install 'srs-ik[plot]'"),
+        ({"url": "FOLDER/gone", "dir_info": {}}, "pip install 'srs-ik[plot]'"),
+        ({"url": "FOLDER/a%20checkout", "dir_info": {}}, "pip install 'FOLDER/a checkout[plot]'"),
+    ],
+)
+def test_the_command_is_that_of_the_folder_it_was_installed_from(tmp_path, monkeypatch, record, expected):
+    site = tmp_path / "site"
+    (site / "srs_ik-9.dist-info").mkdir(parents=True)
+    (site / "srs_ik-9.dist-info" / "METADATA").write_text("Metadata-Version: 2.1\nName: srs-ik\nVersion: 9\n")
+    (tmp_path / "a checkout").mkdir()
+    (tmp_path / "a checkout" / "pyproject.toml").touch()
+    if record is not None:
+        text = record if isinstance(record, str) else json.dumps(record).replace("FOLDER", tmp_path.as_uri())
+        (site / "srs_ik-9.dist-info" / "direct_url.json").write_text(text)
+    monkeypatch.syspath_prepend(site)
+    assert errors.install_command("plot", site / "srs_ik") == expected.replace("FOLDER", str(tmp_path))

@@ -1,5 +1,6 @@
 """The page with sliders: every control leaves the arm at the target, inside its limits and in the chosen interval."""
 
+import re
 import sys
 
 import numpy as np
@@ -7,6 +8,7 @@ import pinocchio as pin
 import pytest
 
 import srs_ik
+from srs_ik.errors import install_command
 
 Q = np.array([0.3, 0.7, -0.4, -1.2, 0.5, 0.8, -0.2])
 
@@ -19,7 +21,7 @@ def arm(request):
 
 @pytest.fixture
 def page(arm):
-    with srs_ik.InteractivePreview(arm) as page:
+    with srs_ik.preview.InteractivePreview(arm) as page:
         yield page
 
 
@@ -93,7 +95,7 @@ def test_wrong_input_is_one_clear_error(page):
     with pytest.raises(srs_ik.InvalidConfiguration):
         page.show(page.target, seed=[1.0])
     with pytest.raises(srs_ik.InvalidConfiguration):
-        srs_ik.InteractivePreview(page.arm, [1.0])
+        srs_ik.preview.InteractivePreview(page.arm, [1.0])
     check(page)
     page.close()
     with pytest.raises(srs_ik.PreviewError, match="is closed"):
@@ -107,10 +109,11 @@ def test_a_page_cannot_be_shared_with_the_world(page):
 def test_without_viser_the_error_names_the_extra_once_a_page_is_made(monkeypatch):
     """Not before: all public names can be imported whatever is installed."""
     monkeypatch.setitem(sys.modules, "viser", None)
-    for name in ("srs_ik.preview.page", "srs_ik.preview.interactive"):
+    for name in ("srs_ik.preview", "srs_ik.preview.page", "srs_ik.preview.interactive"):
         monkeypatch.delitem(sys.modules, name, raising=False)
-    monkeypatch.delitem(vars(srs_ik), "InteractivePreview", raising=False)
+    for name in ("Preview", "preview"):
+        monkeypatch.delitem(vars(srs_ik), name, raising=False)
     arm = srs_ik.load("iiwa14")
     assert [name for name in srs_ik.__all__ if not hasattr(srs_ik, name)] == []
-    with pytest.raises(srs_ik.MissingExtra, match=r"pip install 'srs-ik\[interactive\]'"):
-        srs_ik.InteractivePreview(arm)
+    with pytest.raises(srs_ik.MissingExtra, match=re.escape(install_command("interactive"))):
+        srs_ik.preview.InteractivePreview(arm)

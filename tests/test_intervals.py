@@ -17,14 +17,13 @@ from oracles import (
     room,
     wrapped,
 )
-from test_solve import STEADY
 
 import srs_ik
 from srs_ik import Interval, Status
 
 TURN = 2.0 * np.pi
-SWEPT = ("iiwa14", "human_arm", "sia5d", "openarm_left", "romeo_left", "human_left", "med7")
-NEAR = ("gen3", "iiwa14_experimental", "j2s7s300", "h1_2_left", "rm75")
+SWEPT = arms.here("iiwa14", "human_arm", "sia5d", "openarm_left", "romeo_left", "human_left", "med7")
+NEAR = arms.here("gen3", "iiwa14_experimental", "j2s7s300", "h1_2_left", "rm75")
 
 
 def sweep(arm, pose, angles):
@@ -117,7 +116,6 @@ def test_intervals_of_arms_whose_axes_miss_their_centres(name):
             assert within[0] == is_feasible(arm, forward, pose, branch, psi)
 
 
-@STEADY
 @given(limbs(limits=("usual", "narrow", "wide", "beyond", "mixed")))
 def test_intervals_of_random_limbs(limb):
     arm = srs_ik.load(limb.model, base="base", tip="tool")
@@ -254,7 +252,7 @@ def test_continuous_joints_alone_leave_whole_circles():
     assert sum(i.width for i in free) == pytest.approx(8 * TURN)
 
 
-@pytest.mark.parametrize("name", ["iiwa14", "human_arm", "openarm_right"])
+@pytest.mark.parametrize("name", arms.here("iiwa14", "human_arm", "openarm_right"))
 def test_no_interval_means_out_of_limits(name):
     arm = arms.load(name)
     seen = {False: 0, True: 0}

@@ -8,7 +8,7 @@ import pinocchio as pin
 import pytest
 
 from srs_ik import Interval, InvalidPose, SrsIkError
-from srs_ik.kernels.entries.intervals import MOST_INTERVALS
+from srs_ik.kernels.layout.answer import MOST_INTERVALS
 from srs_ik.solve import intervals as feasible
 
 COUNT = {"iiwa14": 120, "romeo_left": 120, "gen3": 24}

@@ -81,7 +81,7 @@ def test_errors_that_are_only_rounding_are_not_named(iiwa):
 def test_an_answer_without_a_known_elbow_does_not_say_how_the_arm_lies(iiwa):
     row = iiwa.solve(iiwa.forward_kinematics(STRAIGHT_POSE))._row.copy()
     row[7], row[10] = 0.5, Status.UNREACHABLE
-    assert "stretched" in Solution(row, iiwa.joint_names, iiwa._elbow).message
+    assert "stretched" in Solution(row, iiwa.joint_names, iiwa.packed.elbow).message
     assert "stretched" not in Solution(row, iiwa.joint_names).message
 
 

@@ -5,20 +5,13 @@ from itertools import pairwise
 import arms
 import numpy as np
 import pytest
-from hypothesis import HealthCheck, given, settings
+from hypothesis import given, settings
+from objective_parameters import NAMES, PARAMETERS
 from oracles import distance, inside, limbs
-from test_objectives import NAMES, PARAMETERS
 
 import srs_ik
 from srs_ik import Interval, InvalidPose, InvalidTask, Objective, Optimum, Solution, Status
 
-STEADY = settings(
-    max_examples=15,
-    deadline=None,
-    derandomize=True,
-    database=None,
-    suppress_health_check=[HealthCheck.too_slow, HealthCheck.filter_too_much],
-)
 JACOBIAN = ("force_velocity_ratio", "twist", "wrench", "manipulability")
 COUNT = 720
 
@@ -69,7 +62,7 @@ def assert_as_good_as(arm, optimum, values):
         assert -sign * optimum.second_value <= rivals.min() + 1e-9 * np.abs(rivals).min()
 
 
-@pytest.mark.parametrize("robot", ["iiwa14", "gen3", "human_arm", "sia5d", "romeo_left", "j2s7s300"])
+@pytest.mark.parametrize("robot", arms.here("iiwa14", "gen3", "human_arm", "sia5d", "romeo_left", "j2s7s300"))
 @pytest.mark.parametrize("name", NAMES)
 def test_no_posture_of_a_sweep_is_better(robot, name):
     arm, forward, rng = arms.load(robot), arms.forward(robot), arms.generator(robot, 50)
@@ -101,7 +94,7 @@ def test_without_limits_no_posture_of_a_sweep_is_better(robot, name):
             assert_as_good_as(arm, optimum, values)
 
 
-@STEADY
+@settings(max_examples=15)
 @given(limbs())
 def test_on_random_limbs_no_posture_of_a_sweep_is_better(limb):
     arm = srs_ik.load(limb.model, base="base", tip="tool")
@@ -114,7 +107,7 @@ def test_on_random_limbs_no_posture_of_a_sweep_is_better(limb):
         assert_as_good_as(arm, optimum, swept_values(arm, optimum.objective, Q))
 
 
-@STEADY
+@settings(max_examples=15)
 @given(limbs(miss=0.005))
 def test_on_random_near_limbs_the_known_posture_is_not_better(limb):
     arm = srs_ik.load(limb.model, base="base", tip="tool")

@@ -1,5 +1,6 @@
 """Pictures show the figures: what is drawn is read back from the axes, and checked apart from the drawing."""
 
+import re
 import sys
 
 import arms
@@ -14,6 +15,7 @@ import srs_ik
 pytest.importorskip("matplotlib")
 from matplotlib.colors import to_rgb
 
+from srs_ik.errors import install_command
 from srs_ik.plots import solids
 from srs_ik.plots.figure import FORCE, VELOCITY
 
@@ -26,7 +28,7 @@ def drawn(axes) -> tuple[np.ndarray, np.ndarray]:
     return np.array(body._faces).reshape(-1, 4, 3), np.asarray(body._facecolor3d)[:, 3] < 1.0
 
 
-@pytest.mark.parametrize("name", ["iiwa14", "gen3", "human_arm", "openarm_left"])
+@pytest.mark.parametrize("name", arms.here("iiwa14", "gen3", "human_arm", "openarm_left"))
 def test_the_drawn_arm_goes_through_its_centres(name):
     arm, forward = arms.load(name), arms.forward(name)
     for q in arms.configurations(name, 5, salt=20):
@@ -63,7 +65,7 @@ def test_solids_are_closed_and_turn_outwards():
 @pytest.mark.parametrize("part", ["linear", "angular"])
 def test_the_drawn_ellipsoids_are_at_the_tip_and_to_their_scale(part):
     arm = arms.load("iiwa14")
-    figure = srs_ik.plot_ellipsoids(arm, ANGLES, limits=True, part=part)
+    figure = srs_ik.plots.plot_ellipsoids(arm, ANGLES, limits=True, part=part)
     tip, J = arm.forward_kinematics(ANGLES).translation, arm.jacobian(ANGLES)
     expected = (
         srs_ik.velocity_ellipsoid(J, arm.velocity_limit, part),
@@ -85,7 +87,7 @@ def test_the_drawn_ellipsoids_are_at_the_tip_and_to_their_scale(part):
 
 def test_singular_ellipsoids_are_drawn_flat_and_with_a_dashed_line():
     arm = arms.load("iiwa14")
-    velocity, force = srs_ik.plot_ellipsoids(arm, STRETCHED).axes
+    velocity, force = srs_ik.plots.plot_ellipsoids(arm, STRETCHED).axes
     assert "flat" in velocity.get_title()
     assert "unbounded" in force.get_title()
     assert "∞" in force.get_title()
@@ -103,7 +105,7 @@ def test_singular_ellipsoids_are_drawn_flat_and_with_a_dashed_line():
 def test_lines_against_the_arm_angle_are_postures_at_the_pose(name, branch):
     arm, forward = arms.load(name), arms.forward(name)
     pose = forward(ANGLES)
-    figure = srs_ik.plot_arm_angle(arm, pose, branch)
+    figure = srs_ik.plots.plot_arm_angle(arm, pose, branch)
     top, middle, bottom = figure.axes
     assert [line.get_label() for line in top.lines] == list(arm.joint_names)
     psi = middle.lines[0].get_xdata()
@@ -133,7 +135,7 @@ def test_joints_are_drawn_in_the_turn_that_their_limits_leave(seed):
     limb = random_limb(seed, limits="beyond")
     arm = srs_ik.load(limb.model, base="base", tip="tool")
     pose = arm.forward_kinematics(limb.configuration())
-    top, _, bottom = srs_ik.plot_arm_angle(arm, pose, arm.solve(pose).branch).axes
+    top, _, bottom = srs_ik.plots.plot_arm_angle(arm, pose, arm.solve(pose).branch).axes
     psi, margin = bottom.lines[0].get_data()
     white = np.array([any(p.get_x() <= x <= p.get_x() + p.get_width() for p in bottom.patches) for x in psi])
     assert white.any()
@@ -147,27 +149,28 @@ def test_where_nothing_reaches_the_panels_are_empty():
     arm = arms.load("iiwa14")
     far = np.eye(4)
     far[0, 3] = 5.0
-    top, middle, _ = srs_ik.plot_arm_angle(arm, far).axes
+    top, middle, _ = srs_ik.plots.plot_arm_angle(arm, far).axes
     assert all(np.isnan(line.get_ydata()).all() for line in (*top.lines, *middle.lines))
-    assert len(srs_ik.plot_intervals(arm, far).axes) == 1
+    assert len(srs_ik.plots.plot_intervals(arm, far).axes) == 1
 
 
 def test_wrong_input_is_named():
     arm = arms.load("iiwa14")
     with pytest.raises(srs_ik.InvalidTask, match="'full'"):
-        srs_ik.plot_ellipsoids(arm, ANGLES, part="full")
+        srs_ik.plots.plot_ellipsoids(arm, ANGLES, part="full")
     with pytest.raises(srs_ik.InvalidConfiguration):
-        srs_ik.plot_ellipsoids(arm, ANGLES[:6])
+        srs_ik.plots.plot_ellipsoids(arm, ANGLES[:6])
     with pytest.raises(srs_ik.InvalidConfiguration):
-        srs_ik.plot_arm_angle(arm, arm.forward_kinematics(ANGLES), branch=8)
+        srs_ik.plots.plot_arm_angle(arm, arm.forward_kinematics(ANGLES), branch=8)
     with pytest.raises(srs_ik.MissingLimits):
-        srs_ik.plot_ellipsoids(arms.load("human_arm"), ANGLES, limits=True)
+        srs_ik.plots.plot_ellipsoids(arms.load("human_arm"), ANGLES, limits=True)
 
 
 def test_without_matplotlib_the_pip_command_is_given(monkeypatch):
+    monkeypatch.delitem(sys.modules, "srs_ik.plots.picture", raising=False)
     monkeypatch.setitem(sys.modules, "matplotlib.figure", None)
-    with pytest.raises(srs_ik.MissingExtra, match=r"pip install 'srs-ik\[plot\]'"):
-        srs_ik.plot_ellipsoids(arms.load("iiwa14"), ANGLES)
+    with pytest.raises(srs_ik.MissingExtra, match=re.escape(install_command("plot"))):
+        srs_ik.plots.plot_ellipsoids(arms.load("iiwa14"), ANGLES)
 
 
 # srs-ik plot
@@ -176,10 +179,10 @@ def test_without_matplotlib_the_pip_command_is_given(monkeypatch):
 @pytest.mark.parametrize(
     "words",
     [
-        ["ellipsoids", "iiwa14", "--from-q", *Q],
+        ["ellipsoids", "iiwa14", "--q", *Q],
         ["ellipsoids", "iiwa14", *POSE, "--part", "angular", "--limits"],
         ["arm-angle", "iiwa14", *POSE, "--branch", "0"],
-        ["intervals", "gen3", "--from-q", *Q],
+        ["intervals", "gen3", "--q", *Q],
     ],
 )
 def test_the_command_writes_a_picture_with_something_in_it(words, tmp_path):
@@ -205,15 +208,15 @@ def test_a_pose_out_of_reach_is_exit_status_1_with_one_line(kind, tmp_path):
 @pytest.mark.parametrize(
     ("words", "named"),
     [
-        (["ellipsoids", "iiwa14", "--from-q", *Q], "--output FILE.png"),
+        (["ellipsoids", "iiwa14", "--q", *Q], "--output FILE.png"),
         (["ellipsoids", "iiwa14", "--output", "a.png"], "--xyz"),
-        (["shadow", "iiwa14", "--from-q", *Q, "--output", "a.png"], "shadow"),
-        (["intervals", "iiwa14", "--from-q", *Q, "--output", "a.colour"], "a.colour"),
-        (["intervals", "iiwa14", "--from-q", *Q, "--output", "no/such/folder/a.png"], "no/such/folder"),
-        (["arm-angle", "iiwa14", "--from-q", *Q, "--output", "a.png", "--branch", "9"], "not 9"),
-        (["ellipsoids", "iiwa14", "--from-q", *Q, "--output", "a.png", "--part", "full"], "linear or angular"),
+        (["shadow", "iiwa14", "--q", *Q, "--output", "a.png"], "shadow"),
+        (["intervals", "iiwa14", "--q", *Q, "--output", "a.colour"], "a.colour"),
+        (["intervals", "iiwa14", "--q", *Q, "--output", "no/such/folder/a.png"], "no/such/folder"),
+        (["arm-angle", "iiwa14", "--q", *Q, "--output", "a.png", "--branch", "9"], "not 9"),
+        (["ellipsoids", "iiwa14", "--q", *Q, "--output", "a.png", "--part", "full"], "linear or angular"),
         (
-            ["ellipsoids", "human_arm", "--from-q", *Q, "--output", "a.png", "--limits"],
+            ["ellipsoids", "human_arm", "--q", *Q, "--output", "a.png", "--limits"],
             "velocity limit for shoulder_yaw",
         ),
     ],

@@ -1,5 +1,6 @@
 """Polytopes against linear programmes, sampled velocities and forces, and torques by Pinocchio's inverse dynamics."""
 
+import re
 import sys
 from collections import Counter
 
@@ -12,12 +13,13 @@ from scipy.optimize import linprog
 from tip import FOLDED, ROWS, STRETCHED, held, moved
 
 import srs_ik
+from srs_ik.errors import install_command
 
 pytest.importorskip("pycapacity")
 
 Q = np.array([0.3, 0.7, -0.4, -1.1, 0.5, 0.8, -0.2])
 PARTS = ("linear", "angular")
-ARMS = ("iiwa14", "gen3", "human_arm", "openarm_left")
+ARMS = arms.here("iiwa14", "gen3", "human_arm", "openarm_left")
 LEAST, MOST = -np.linspace(1.0, 2.0, 7), np.linspace(2.5, 0.5, 7)
 
 
@@ -286,8 +288,9 @@ def test_limits_that_are_not_given_are_named():
     assert caught.value.joints == tuple(np.array(human.joint_names)[np.isinf(human.effort_limit)])
 
 
-def test_an_arm_without_masses_is_named():
-    arm = arms.load("iiwa14_experimental")
+@pytest.mark.parametrize("name", arms.here("iiwa14_experimental"))
+def test_an_arm_without_masses_is_named(name):
+    arm = arms.load(name)
     limits = np.full(7, 50.0)
     with pytest.raises(srs_ik.InvalidTask, match="has no masses"):
         srs_ik.force_polytope(arm, Q, upper=limits)
@@ -338,7 +341,7 @@ def test_other_wrong_input():
 
 def test_without_pycapacity_the_pip_command_is_given(monkeypatch):
     monkeypatch.setitem(sys.modules, "pycapacity", None)
-    with pytest.raises(srs_ik.MissingExtra, match=r"pip install 'srs-ik\[polytopes\]'"):
+    with pytest.raises(srs_ik.MissingExtra, match=re.escape(install_command("polytopes"))):
         srs_ik.velocity_polytope(arms.load("iiwa14"), Q)
 
 

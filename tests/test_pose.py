@@ -251,3 +251,146 @@ def test_arm_angles_of_many_turns_are_the_same_angle():
         solution = arm.solve(pose, arm_angle=0.7 + 2.0 * np.pi * turns)
         assert np.abs(solution.q - expected.q).max() < 1e-10
         assert solution.arm_angle == pytest.approx(0.7)
+
+
+# A matrix that is nearly a pose
+
+
+@pytest.mark.parametrize("size", [0.0, 1e-7, 1e-5, 1e-3, 0.03])
+def test_the_nearest_pose_is_nearer_than_any_other(size):
+    rng = np.random.default_rng(3)
+    for _ in range(20):
+        T = pin.SE3.Random().homogeneous
+        noisy = T.copy()
+        noisy[:3, :3] += size * rng.uniform(-1.0, 1.0, (3, 3))
+        pose = srs_ik.nearest_pose(noisy)
+        R = pose.rotation
+        assert np.abs(R.T @ R - np.eye(3)).max() < 1e-15 * 10
+        assert np.linalg.det(R) > 0.0
+        assert (pose.translation == T[:3, 3]).all()
+        best = np.linalg.norm(R - noisy[:3, :3])
+        assert best <= np.linalg.norm(T - noisy) + 1e-15
+        for axis in np.vstack([np.eye(3), -np.eye(3), rng.normal(size=(10, 3))]):
+            for angle in (1e-6, 1e-4, 1e-2):
+                other = R @ pin.exp3(angle * axis / np.linalg.norm(axis))
+                assert np.linalg.norm(other - noisy[:3, :3]) >= best - 1e-15
+        arm = arms.load("iiwa14")
+        if size > 1e-6:
+            with pytest.raises(InvalidPose, match=r"srs_ik\.nearest_pose\(matrix\)"):
+                arm.solve(noisy)
+        assert arm.solve(pose).q.shape == (7,)
+
+
+def test_single_precision_is_near_enough():
+    arm = arms.load("iiwa14")
+    q = np.array([0.3, 0.7, -0.4, -1.1, 0.5, 0.8, -0.2])
+    pose = arm.forward_kinematics(q)
+    rounded = np.round(pose.homogeneous, 4)
+    with pytest.raises(InvalidPose):
+        arm.solve(rounded)
+    solution = arm.solve(srs_ik.nearest_pose(rounded), seed=q)
+    assert solution.status == "OK"
+    assert np.abs(solution.q - q).max() < 1e-3
+
+
+@pytest.mark.parametrize(
+    ("matrix", "says"),
+    [
+        (np.diag([1.0, 1.0, -1.0, 1.0]), "left-handed"),
+        (np.diag([1000.0, 1000.0, 1000.0, 1.0]), "stretches by 1000, 1000, 1000"),
+        (np.diag([1.0, 1.0, 0.0, 1.0]), "stretches by 1, 1, 0"),
+        (np.zeros((4, 4)), "last row of a pose is 0 0 0 1, not 0 0 0 0"),
+        (np.full((4, 4), np.nan), "not finite"),
+        (np.eye(3), "not an array of shape"),
+        (np.eye(4) * (1 + 0j), "not ndarray"),
+    ],
+    ids=str,
+)
+def test_what_is_far_from_a_pose_has_no_nearest_one(matrix, says):
+    with pytest.raises(InvalidPose, match=says):
+        srs_ik.nearest_pose(matrix)
+
+
+# What is no number, and arguments that nobody means
+
+COMPLEX = np.complex128(0.5 + 0.1j)
+SILLY = {
+    "complex arm angle": lambda arm, T: arm.solve(T, arm_angle=COMPLEX),
+    "complex position": lambda arm, T: srs_ik.pose_from_xyz_rpy(np.array([1j, 0, 0]), [0, 0, 0]),
+    "complex quaternion": lambda arm, T: srs_ik.pose_from_xyz_quaternion(
+        [0, 0, 0], np.array([0, 0, 0, 1 + 0j]), order="xyzw"
+    ),
+    "complex direction": lambda arm, T: srs_ik.Objective("twist", twist=np.full(6, COMPLEX)),
+    "complex tolerance": lambda arm, T: srs_ik.Objective("force_then_velocity", tolerance=COMPLEX, **DIRECTIONS),
+    "complex limit": lambda arm, T: srs_ik.load("iiwa14", limits={"iiwa_joint_1": {"lower": COMPLEX}}),
+    "complex reference": lambda arm, T: srs_ik.load("iiwa14", reference=np.array([1, 1j, 0])),
+    "complex hand": lambda arm, T: srs_ik.load("iiwa14", hand=np.array([[1j, 0, 1], [0, 1, 0]])),
+    "complex time": lambda arm, T: arm.solve_path([T, T], dt=COMPLEX),
+    "complex step": lambda arm, T: arm.solve_path([T, T], longest_step=COMPLEX),
+    "complex value": lambda arm, T: arm.optimise(T, lambda q: COMPLEX),
+    "text for a value": lambda arm, T: arm.optimise(T, lambda q: "3"),
+    "huge value": lambda arm, T: arm.optimise(T, lambda q: 10**400),
+    "huge position": lambda arm, T: srs_ik.pose_from_xyz_rpy([10**400, 0, 0], [0, 0, 0]),
+    "huge direction": lambda arm, T: srs_ik.Objective("twist", twist=[10**400] * 6),
+    "huge tolerance": lambda arm, T: srs_ik.Objective("force_then_velocity", tolerance=10**400, **DIRECTIONS),
+    "huge limit": lambda arm, T: srs_ik.load("iiwa14", limits={"iiwa_joint_1": {"lower": 10**400}}),
+    "huge reference": lambda arm, T: srs_ik.load("iiwa14", reference=[10**400, 0, 0]),
+    "far reference posture": lambda arm, T: srs_ik.Objective("reference_posture", reference=[1e160] * 7),
+    "far joints": lambda arm, T: arm.arm_angle([1e160] * 7),
+    "far joints of a branch": lambda arm, T: arm.branch([1e7] * 7),
+    "far joints of a gradient": lambda arm, T: arm.arm_angle_jacobian([1e160] * 7),
+    "far joints of a tangent": lambda arm, T: arm.self_motion_tangent([1e160] * 7),
+    "a thousand million postures": lambda arm, T: arm.self_motion(T, count=10**9),
+    "more postures than memory": lambda arm, T: arm.self_motion(T, count=10**30),
+    "limb": lambda arm, T: srs_ik.load("iiwa14", limb=5),
+    "base": lambda arm, T: srs_ik.load("iiwa14", base=5),
+    "tip": lambda arm, T: srs_ik.load("iiwa14", tip=[]),
+    "name": lambda arm, T: srs_ik.load("iiwa14", name=5),
+    "joint of a limit": lambda arm, T: srs_ik.load("iiwa14", limits={5: {}}),
+    "limits": lambda arm, T: srs_ik.load("iiwa14", limits=5),
+}
+DIRECTIONS = {"force": [1, 0, 0], "velocity": [0, 1, 0]}
+
+
+@pytest.mark.parametrize("call", SILLY.values(), ids=SILLY)
+def test_what_nobody_means_is_refused_in_one_line(call):
+    arm = arms.load("iiwa14")
+    T = arm.forward_kinematics([0.1, 0.5, 0.2, -1.2, 0.3, 0.8, 0.0])
+    with pytest.raises(SrsIkError) as raised, warnings.catch_warnings(action="error"):
+        call(arm, T)
+    assert "\n" not in str(raised.value)
+    assert 10 < len(str(raised.value)) < 400
+
+
+@pytest.mark.parametrize("far", [1e7, 1e160, 1e308])
+def test_limits_beyond_any_turn_are_none(far):
+    arm = srs_ik.load("iiwa14", limits={"iiwa_joint_1": {"lower": -far, "upper": far}})
+    assert (arm.lower[0], arm.upper[0]) == (-np.inf, np.inf)
+    q = np.array([0.1, 0.5, 0.2, -1.2, 0.3, 0.8, 0.0])
+    with warnings.catch_warnings(action="error"):
+        solution = arm.solve(arm.forward_kinematics(q))
+    assert solution
+    assert np.abs(solution.q).max() < 10.0
+
+
+@pytest.mark.parametrize("far", [1e3, 1e160, 1e308])
+def test_directions_may_be_of_any_length(far):
+    with warnings.catch_warnings(action="error"):
+        arm = srs_ik.load("iiwa14", reference=[far, far, 0], hand=[[0, 0, far], [far, 0, 0]])
+    np.testing.assert_allclose(arm.limb.reference, np.array([1, 1, 0]) / np.sqrt(2.0), atol=1e-15)
+    assert arm.hand.grasp == (0.0, 0.0, 1.0)
+
+
+@pytest.mark.parametrize("name", ["iiwa14", "gen3"])
+def test_a_function_cannot_change_the_postures_that_it_judges(name):
+    arm = arms.load(name)
+    T = arm.forward_kinematics([0.1, 0.5, 0.2, -1.2, 0.3, 0.8, 0.0])
+
+    def spoiling(q):
+        q[:] = 0.0
+        return 1.0
+
+    with pytest.raises(ValueError, match="read-only"):
+        arm.optimise(T, spoiling)
+    best = arm.optimise(T, lambda q: float(np.sum((q - 0.2) ** 2)))
+    assert max(arm.verify(T, best.q)) < 1e-9

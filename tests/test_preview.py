@@ -1,15 +1,19 @@
 """What a preview draws lies where Pinocchio says that it is, and wrong input is one clear error."""
 
+import json
 import subprocess
 import sys
 
 import numpy as np
 import pinocchio as pin
 import pytest
+import umsgpack
+from meshcat.servers.tree import find_node
+from robot_files import joint_xml, robot_xml, serial_arm
 from scene import Scene
 
 import srs_ik
-from srs_ik.preview import Preview
+from srs_ik.preview import Preview, palette, words
 from srs_ik.robot import zoo
 from srs_ik.solve.path import PathSolution
 
@@ -275,8 +279,10 @@ def test_a_saved_file_is_whole_or_not_there(view, tmp_path, monkeypatch):
 
 def test_a_notebook_gets_a_page_in_a_frame(view):
     text = view._repr_html_()
-    assert text.startswith('<iframe srcdoc="&lt;!DOCTYPE html&gt;')
-    assert text.count('"') == 4
+    assert text.startswith('<iframe sandbox="allow-scripts" srcdoc="&lt;!DOCTYPE html&gt;')
+    assert text.count('"') == 6
+    view.close()
+    assert view._repr_html_() is None
 
 
 def test_a_bare_model_is_a_skeleton():
@@ -300,3 +306,106 @@ def test_loading_reads_no_shapes_and_imports_nothing_for_them():
     )
     found = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=120, check=True)
     assert found.stdout.strip() == "[]"
+
+
+def to_hex(colour) -> str:
+    return "#" + "".join(f"{round(255 * x):02x}" for x in colour)
+
+
+class Said:
+    """The caption that a page is told, as it comes through the door."""
+
+    def __init__(self, view) -> None:
+        told = json.loads(view._window._bridge.caption)
+        self.title, self.lines, self.legend = told["title"], told["lines"], dict(map(reversed, told["legend"]))
+
+
+def test_the_page_says_which_arm_it_is_and_what_its_colours_mean(view, arm):
+    view.show(Q)
+    said = Said(view)
+    assert said.title == "iiwa14, iiwa_link_0 to iiwa_link_ee"
+    assert said.lines == [f"arm angle {np.rad2deg(arm.arm_angle(Q)):.2f} deg, branch {arm.branch(Q)}"]
+    assert said.legend == {}
+    intervals = view.show_intervals(arm.forward_kinematics(Q))
+    colours = {f"branch {k}": to_hex(palette.BRANCHES[k]) for k in {interval.branch for interval in intervals}}
+    assert Said(view).legend == colours
+    view.show_ellipsoids(Q)
+    measures = {"ellipsoid of velocity": to_hex(palette.VELOCITY), "ellipsoid of force": to_hex(palette.FORCE)}
+    assert Said(view).legend == colours | measures
+    assert json.dumps(Said(view).lines)[1:-1] in view.html()
+    view.clear()
+    assert Said(view).legend == {}
+
+
+def test_zero_is_said_without_a_sign(view):
+    assert [words.degrees(angle) for angle in (-1e-9, 0.0, 4.3e-16, -0.5, np.pi)] == [
+        "0.00", "0.00", "0.00", "-28.65", "180.00"
+    ]  # fmt: skip
+    q = np.array([0.0, 0.5, 0.0, 1.2, 0.0, 0.5, 0.0])
+    message = view.arm.solve(view.arm.forward_kinematics(q), seed=q).message
+    assert "arm angle 0 rad" in message
+
+
+def test_a_saved_page_holds_no_secret(view, tmp_path):
+    secret = view.url.rstrip("/").rpartition("/")[2]
+    assert len(secret) == 32
+    assert secret not in view.save(tmp_path / "scene.html").read_text()
+    assert "127.0.0.1" not in view.html()
+
+
+@pytest.mark.parametrize("name", zoo.robots())
+def test_the_camera_sees_all_that_is_shown(name):
+    """In a view of 75 degrees, as wide as high; also once something far away is shown."""
+    arm = srs_ik.load(name)
+    far = arm.forward_kinematics(np.zeros(7)).homogeneous
+    far[:3, 3] += 2.5
+    with Preview(arm) as view:
+        spans = []
+        for show in (lambda: None, lambda: view.show_target(far), lambda: view.show(np.zeros(7))):
+            show()
+            points = seen(view)
+            assert np.degrees(np.arctan(np.abs(points[:, :2] / points[:, 2:]).max())) < 37.5
+            spans.append(np.abs(points[:, :2] / points[:, 2:]).max())
+            assert (points[:, 2] > 0.0).all()
+        # It is not lost in a corner of the picture either.
+        assert spans[0] > 0.35
+
+
+def seen(view) -> np.ndarray:
+    """All that is drawn in the frame of the camera: to the right, upwards, and away from it."""
+    tree, scene = view._window._bridge.tree, Scene(view)
+    points = np.concatenate([*scene.solids("robot"), *scene.solids("limb"), *scene.vertices("elbow circle")])
+    if "target" in scene.names():
+        T = scene.transform("target")
+        points = np.concatenate([points, np.concatenate(scene.vertices("target")) @ T[:3, :3].T + T[:3, 3]])
+    T = np.array(umsgpack.unpackb(find_node(tree, ["meshcat"]).transform)["matrix"], dtype=float).reshape(4, 4).T
+    x, z, minus_y = umsgpack.unpackb(find_node(tree, ["Cameras", "default", "rotated", "<object>"]).properties[-1])[
+        "value"
+    ]
+    eye = np.array([x, -minus_y, z])
+    away = -eye / np.linalg.norm(eye)
+    right = np.cross(away, [0.0, 0.0, 1.0])
+    right /= np.linalg.norm(right)
+    return (points @ T[:3, :3].T + T[:3, 3] - eye) @ np.array([right, np.cross(right, away), away]).T
+
+
+def test_other_limbs_are_shown_without_meshes():
+    """Two legs and a head, as rods along the joints that carry them."""
+    places = {"hip_l": "0 .1 -.1", "knee_l": "0 0 -.4", "hip_r": "0 -.1 -.1", "knee_r": "0 0 -.4", "head": "0 0 .5"}
+    carriers = {"hip_l": "l0", "knee_l": "hip_l", "hip_r": "l0", "knee_r": "hip_r", "head": "l0"}
+    moving = '<axis xyz="0 1 0"/><limit lower="-1" upper="1" effort="1" velocity="1"/>'
+    limbs = [
+        joint_xml(f"to_{link}", carriers[link], link, inside=f'<origin xyz="{at}"/>{moving}')
+        for link, at in places.items()
+    ]
+    arm = srs_ik.load(robot_xml(serial_arm(), *limbs, links=" ".join(places)), base="l0", tip="l7")
+    with Preview(arm) as view:
+        still = np.concatenate(Scene(view).solids("robot", [0]))
+    for end in ([0, 0.1, -0.5], [0, -0.1, -0.5], [0, 0, 0.5]):
+        assert np.linalg.norm(still - end, axis=1).min() < 0.03
+    assert still[:, 2].min() > -0.53
+
+
+def test_force_has_one_colour_in_all_pictures():
+    figure = pytest.importorskip("srs_ik.plots.figure")
+    assert to_hex(palette.FORCE) == figure.FORCE

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from browser import SIZE, changed, chromium, orange, pixels, settled
+from browser import PATIENCE, SIZE, changed, chromium, orange, pixels, settled, until
 
 import srs_ik
 from srs_ik.preview import Preview
@@ -30,6 +30,7 @@ def opened(browser, url: str, offline: bool = False):
     page.on("request", lambda r: None if r.url.startswith(local) else page.faults.append(r.url))
     if offline:
         page.context.set_offline(True)
+    page.set_default_timeout(PATIENCE)
     page.goto(url)
     return page
 
@@ -95,11 +96,10 @@ def test_a_saved_self_motion_moves(browser, arm, tmp_path):
         assert view.show_self_motion(arm.forward_kinematics(Q))
         view.save(tmp_path / "motion.html")
     page = opened(browser, (tmp_path / "motion.html").as_uri(), offline=True)
-    page.wait_for_timeout(1500)
-    pictures = []
-    for _ in range(4):
-        pictures.append(pixels(page))
-        page.wait_for_timeout(700)
+    # The picture is drawn once what it is made of is there, and then it moves.
+    until(page, lambda: orange(pixels(page)) > 0.001)
+    pictures = [pixels(page)]
+    until(page, lambda: pictures.append(pixels(page)) or changed(pictures[0], pictures[-1]) > 0.01)
     assert min(orange(picture) for picture in pictures) > 0.001
     assert max(changed(pictures[0], picture) for picture in pictures[1:]) > 0.01
     assert page.faults == []
@@ -127,16 +127,11 @@ def test_the_slider_turns_the_elbow_and_leaves_the_tip(browser, arm):
         page = opened(browser, view.url)
         slider = page.get_by_role("slider")
         slider.wait_for()
-        page.wait_for_timeout(1500)
-        first = pixels(page)
+        first = settled(page)
         slider.focus()
         for _ in range(40):
             page.keyboard.press("ArrowRight")
-            page.wait_for_timeout(15)
-        for _ in range(40):
-            page.wait_for_timeout(100)
-            if view.solution.arm_angle - before.arm_angle > 0.2:
-                break
+        until(page, lambda: view.solution.arm_angle - before.arm_angle > 0.2)
         after = view.solution
         assert after
         assert after.branch == before.branch
@@ -144,7 +139,6 @@ def test_the_slider_turns_the_elbow_and_leaves_the_tip(browser, arm):
         assert (arm.lower <= after.q).all()
         assert (after.q <= arm.upper).all()
         assert max(arm.verify(target, after.q)) < 1e-9
-        page.wait_for_timeout(1500)
-        assert changed(first, pixels(page)) > 0.01
+        until(page, lambda: changed(first, pixels(page)) > 0.01)
         assert page.faults == []
     page.close()

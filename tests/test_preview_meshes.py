@@ -11,6 +11,7 @@ from scene import Scene
 import srs_ik
 from srs_ik.preview import Preview
 from srs_ik.preview.mesh_files import MeshFinder, MeshMissing, read_mesh
+from srs_ik.robot import zoo
 
 
 @pytest.fixture
@@ -207,7 +208,7 @@ def test_faulty_shapes_are_left_out_and_said():
 
 def test_a_yourdfpy_robot_is_drawn_like_its_file():
     yourdfpy = pytest.importorskip("yourdfpy")
-    path = str(srs_ik.zoo.card("iiwa14").urdf)
+    path = str(zoo.card("iiwa14").urdf)
     drawn = []
     for source in (path, yourdfpy.URDF.load(path, load_meshes=False)):
         with Preview(srs_ik.load(source, base="iiwa_link_0", tip="iiwa_link_ee")) as view:

@@ -3,10 +3,11 @@
 import arms
 import numpy as np
 import pytest
+from objective_parameters import PARAMETERS
 from oracles import inside
-from test_objectives import PARAMETERS
 
-from srs_ik import InvalidConfiguration, InvalidPose, InvalidTask, Objective, printed_optimum
+from srs_ik import InvalidConfiguration, InvalidPose, InvalidTask, Objective
+from srs_ik.paper import printed_optimum
 
 ACCURACY = 1e-8
 

@@ -6,8 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from oracles import limbs, random_limb, random_rotation, unit
-from robot_files import shared_urdf
-from test_solve import STEADY
+from robot_files import at_hand, robot_file
 
 import srs_ik
 from srs_ik.robot.recognition import recognise
@@ -21,7 +20,6 @@ def assert_same_limb(one, other, tolerance=1e-9):
         assert getattr(one.limb, field) == pytest.approx(getattr(other.limb, field), abs=tolerance)
 
 
-@STEADY
 @given(limbs())
 def test_centres_of_random_limbs_are_found(limb):
     found = recognise(limb.axes, limb.points, TIP)
@@ -54,7 +52,6 @@ def test_an_axis_across_the_forearm_is_no_elbow_offset():
     assert recognise(np.array(axes), np.array(points), TIP).elbow_offset == pytest.approx(0.05)
 
 
-@STEADY
 @given(st.sampled_from([0.0, 0.004]).flatmap(limbs))
 def test_only_the_lines_count(limb):
     """Neither where on an axis its origin is, nor how long its direction, nor where the base is."""
@@ -71,7 +68,6 @@ def test_only_the_lines_count(limb):
     assert moved.limb.wrist == pytest.approx(R @ found.limb.wrist + t, abs=1e-9)
 
 
-@STEADY
 @given(limbs(miss=0.01))
 def test_centres_of_axes_that_miss_are_least_squares(limb):
     found = recognise(limb.axes, limb.points, TIP)
@@ -210,20 +206,26 @@ def test_folded_and_bent_zeros_are_the_same_arm():
         assert found.elbow_offset == pytest.approx(arm.limb.elbow_offset, abs=1e-9)
 
 
-@pytest.mark.parametrize("file", sorted({file for file, _, _ in arms.REAL.values()}))
-def test_every_limb_of_the_real_files_is_found(file):
-    names = [name for name, (own, _, _) in arms.REAL.items() if own == file]
+@pytest.mark.parametrize("file", sorted({arms.PLACES[name][0] for name in arms.FROM_FILES}))
+def test_every_limb_of_the_files_is_found(file):
+    names = [name for name, (own, _, _) in arms.PLACES.items() if own == file]
     reports = srs_ik.find_limbs(arms.file_of(names[0]))
     found = {(r.base, r.tip): r.kind for r in reports if r.limb is not None}
-    assert found == {arms.REAL[name][1:]: "near" if name in arms.NEAR else "exact" for name in names}
+    assert found == {arms.PLACES[name][1:]: "near" if name in arms.NEAR else "exact" for name in names}
 
 
 @pytest.mark.parametrize(
-    ("file", "millimetres"), [("franka_fr3", 58.667), ("xarm7", 50.667), ("sawyer", 104.424), ("abb_yumi", 20.0)]
+    ("files", "millimetres"),
+    [
+        (("made_fr3", "franka_fr3"), 58.667),
+        (("made_xarm7", "xarm7"), 50.667),
+        (("made_sawyer", "sawyer"), 104.424),
+        (("made_yumi", "abb_yumi"), 20.0),
+    ],
 )
-def test_arms_that_are_none_are_refused_with_their_distances(file, millimetres):
+def test_arms_that_are_none_are_refused_with_their_distances(files, millimetres):
     """Least-squares misses: two thirds of the 88 mm and 76 mm flange offsets of FR3 and xArm 7."""
-    reports = srs_ik.find_limbs(shared_urdf(file))
+    reports = [report for file in at_hand(*files) for report in srs_ik.find_limbs(robot_file(file))]
     assert reports
     for report in reports:
         assert report.kind == "refused"

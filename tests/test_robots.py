@@ -1,16 +1,16 @@
 """The URDFs of the built-in robots, against the upstream files and the formulas that they stand for."""
 
 import xml.etree.ElementTree as ElementTree
-from pathlib import Path
 
 import numpy as np
 import pinocchio
 import pytest
 import yourdfpy
+from robot_files import SHARED
 
 from srs_ik.robot import zoo
 
-UPSTREAM = Path(__file__).resolve().parents[2] / "shared" / "urdf"
+UPSTREAM = SHARED
 ROBOTS = zoo.robots()
 
 

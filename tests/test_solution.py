@@ -1,18 +1,20 @@
 """Statuses that tell the truth, and the answers as objects."""
 
+import copy
 import itertools
+import json
+import pickle
 
 import arms
 import numpy as np
 import pytest
 from hypothesis import given
 from oracles import distance, inside, limbs
-from test_solve import STEADY
 
 import srs_ik
 from srs_ik import Solution, Solutions, Status
 
-STRETCHABLE = ("iiwa14", "human_arm", "sia5d", "openarm_left", "med7")
+STRETCHABLE = arms.here("iiwa14", "human_arm", "sia5d", "openarm_left", "med7")
 
 
 def reach(limb):
@@ -157,7 +159,6 @@ def test_out_of_limits_is_inside_the_limits_and_truthful(name):
             assert on_limit.any()
 
 
-@STEADY
 @given(limbs(limits=("narrow", "usual", "beyond", "mixed")))
 def test_statuses_of_random_limbs(limb):
     arm = srs_ik.load(limb.model, base="base", tip="tool")
@@ -249,3 +250,28 @@ def test_statuses_are_numbers_and_names():
         " OUT_OF_LIMITS",
     )
     assert Status.OK == 0
+
+
+@pytest.mark.parametrize("status", Status)
+def test_a_status_is_equal_to_its_name_and_to_its_number(status):
+    others = [name for name in Status.__members__ if name != status.name]
+    assert status == status.name
+    assert status.name == status
+    assert not status != status.name  # noqa: SIM202 (another method)
+    assert not any(status == name for name in (*others, status.name.lower(), ""))
+    assert all(name != status for name in others)
+    assert status in [status.name]
+    assert status == int(status) == np.int64(status)
+    assert status != int(status) + 1
+    # What it is equal to in an array finds it in a dictionary.
+    assert hash(status) == hash(int(status))
+    assert {int(status): 1}[status] == {status: 1}[int(status)] == 1
+    assert (np.array([0, 1, 2]) == status).tolist() == [k == int(status) for k in range(3)]
+    assert copy.deepcopy(status) is pickle.loads(pickle.dumps(status)) is status
+    assert json.loads(json.dumps([status])) == [int(status)]
+
+
+@pytest.mark.parametrize("status", Status)
+def test_a_status_alone_is_neither_true_nor_false(status):
+    with pytest.raises(TypeError, match=r"compare it with Status\.OK, or test the solution"):
+        bool(status)

@@ -5,20 +5,12 @@ import re
 import arms
 import numpy as np
 import pytest
-from hypothesis import HealthCheck, given, settings
+from hypothesis import given
 from oracles import Forward, distance, inside, limbs, random_limb, room, wrapped
 from robot_files import serial_arm
 
 import srs_ik
 from srs_ik import Status
-
-STEADY = settings(
-    max_examples=60,
-    deadline=None,
-    derandomize=True,
-    database=None,
-    suppress_health_check=[HealthCheck.too_slow, HealthCheck.filter_too_much],
-)
 
 
 def assert_met(arm, forward, pose, solution, tolerance, respect_limits=True):
@@ -99,13 +91,11 @@ def check_random(limb, tolerance, every_angle=True):
             assert max(solution.position_error, solution.orientation_error) > 1e-9
 
 
-@STEADY
 @given(limbs())
 def test_random_limbs_are_solved(limb):
     check_random(limb, 1e-10)
 
 
-@STEADY
 @given(limbs(miss=0.01))
 def test_random_limbs_whose_axes_miss_their_centres_are_solved(limb):
     """A branch of such a limb may have two postures at an arm angle, of which a given one finds only the first."""
@@ -134,7 +124,7 @@ def turns_near(q, seed, lower, upper):
     return best
 
 
-BEST = ("iiwa14", "gen3", "human_arm", "sia5d", "openarm_left", "romeo_left", "rm75")
+BEST = arms.here("iiwa14", "gen3", "human_arm", "sia5d", "openarm_left", "romeo_left", "rm75")
 
 
 @pytest.mark.parametrize("spread", [0.02, 1.0, 2.5])
@@ -152,7 +142,6 @@ def test_the_seeded_posture_is_the_nearest(name, spread):
         assert not found > np.nanmin(swept, initial=np.inf) + 1e-9
 
 
-@STEADY
 @given(limbs())
 def test_on_random_limbs_the_seeded_posture_is_the_nearest(limb):
     arm = srs_ik.load(limb.model, base="base", tip="tool")
@@ -233,7 +222,6 @@ def test_without_a_seed_the_posture_is_farthest_from_the_limits(name):
         assert margin(arm, solution.q) >= margin(arm, sweep(arm, pose)).max() - 1e-9
 
 
-@STEADY
 @given(limbs(limits=("usual", "wide", "beyond", "continuous")))
 def test_on_random_limbs_the_posture_is_farthest_from_the_limits(limb):
     arm = srs_ik.load(limb.model, base="base", tip="tool")
@@ -268,7 +256,7 @@ def best_around(arm, pose, found, width=1e-3):
     return margin(arm, batch.q[batch.ok]).max()
 
 
-@pytest.mark.parametrize("name", ["iiwa14", "human_arm", "openarm_left", "romeo_left", "rm75"])
+@pytest.mark.parametrize("name", arms.here("iiwa14", "human_arm", "openarm_left", "romeo_left", "rm75"))
 @pytest.mark.parametrize("respect", [True, False])
 def test_no_arm_angle_next_to_the_farthest_posture_has_more_margin(name, respect):
     arm, forward = arms.load(name), arms.forward(name)
@@ -278,7 +266,6 @@ def test_no_arm_angle_next_to_the_farthest_posture_has_more_margin(name, respect
         assert margin(arm, solution.q) >= best_around(arm, pose, solution) - 1e-10
 
 
-@STEADY
 @given(limbs(limits=("usual", "wide", "beyond", "mixed")))
 def test_each_interval_has_its_posture_farthest_from_the_limits(limb):
     arm = srs_ik.load(limb.model, base="base", tip="tool")
@@ -291,7 +278,7 @@ def test_each_interval_has_its_posture_farthest_from_the_limits(limb):
         assert margin(arm, solution.q) >= margin(arm, Q[within]).max(initial=0.0) - 1e-9
 
 
-@pytest.mark.parametrize("name", ["gen3", "gen3_upstream", "j2s7s300"])
+@pytest.mark.parametrize("name", arms.here("gen3", "gen3_upstream", "j2s7s300"))
 def test_continuous_joints_come_back_in_the_turn_of_the_seed(name):
     arm, rng = arms.load(name), arms.generator(name, 7)
     continuous = np.isinf(arm.upper)

@@ -1,14 +1,18 @@
 """Where descriptions come from: packages, xacro, SRDF, MJCF, and which of several limbs is meant."""
 
+import re
 import sys
+from pathlib import Path
 
 import numpy as np
 import pinocchio as pin
 import pytest
-from robot_files import EXAMPLES, example_urdf, joint_xml, serial_arm, shared_urdf
+from command_line import run
+from robot_files import EXAMPLES, at_hand, example_urdf, joint_xml, robot_file, serial_arm
 
 import srs_ik
-from srs_ik.errors import FrameNotFound, InvalidRobot, MissingExtra, NotAnSrsLimb
+from srs_ik.errors import FrameNotFound, InvalidRobot, MissingExtra, NotAnSrsLimb, install_command
+from srs_ik.loading.adapter import write_adapter
 from srs_ik.robot.description.packages import find_package, inside
 from srs_ik.robot.description.srdf import chains
 from srs_ik.robot.places import missing
@@ -138,7 +142,7 @@ def test_what_is_wrong_with_a_xacro_file_is_one_line(package, monkeypatch, capfd
     with pytest.raises(InvalidRobot, match=r"arguments are for xacro files"):
         srs_ik.load(package / "urdf" / "small.urdf", xacro_args={"a": "b"})
     monkeypatch.setitem(sys.modules, "xacro", None)
-    with pytest.raises(MissingExtra, match=r"pip install 'srs-ik\[xacro\]'"):
+    with pytest.raises(MissingExtra, match=re.escape(install_command("xacro"))):
         srs_ik.load(path)
 
 
@@ -151,6 +155,73 @@ def test_a_recursive_xacro_macro_ends(package):
     )
     with pytest.raises(InvalidRobot, match="cannot be expanded"):
         srs_ik.load(path)
+
+
+@pytest.fixture
+def expanded(monkeypatch):
+    """The xacro files that are run."""
+    xacro = pytest.importorskip("xacro")
+    seen, process = [], xacro.process_file
+
+    def watched(path, **options):
+        seen.append(Path(path).name)
+        return process(path, **options)
+
+    monkeypatch.setattr(xacro, "process_file", watched)
+    return seen
+
+
+def test_a_xacro_file_that_an_adapter_names_is_run_only_when_allowed(package, tmp_path, expanded):
+    adapter = tmp_path / "robot.toml"
+    source = package / "urdf" / "grown.urdf.xacro"
+    write_adapter(adapter, source, srs_ik.load(source), {"reach": "0.5"})
+    assert "a program: allow_xacro=True, --allow-xacro" in adapter.read_text()
+    expanded.clear()
+    for ask in (srs_ik.load, srs_ik.find_limbs):
+        with pytest.raises(
+            InvalidRobot, match=r"names the xacro file .*grown.urdf.xacro, which is a program: .*--allow-"
+        ):
+            ask(adapter)
+    for command in (["inspect"], ["solve", "--from-q", *"0000000"], ["intervals", "--from-q", *"0000000"]):
+        result = run(*command[:1], str(adapter), *command[1:])
+        assert (result.exit_code, len(result.stderr.splitlines())) == (2, 1)
+        assert "which is a program" in result.stderr
+    assert expanded == []
+    assert srs_ik.load(adapter, allow_xacro=True).limb.upper_arm == pytest.approx(0.5)
+    assert run("inspect", str(adapter), "--allow-xacro").exit_code == 0
+    assert set(expanded) == {source.name}
+
+
+def test_a_xacro_file_of_another_name_is_never_run(package, expanded):
+    for name in ("robot.urdf", "robot.xml", "robot.srdf", "robot"):
+        path = package / name
+        path.write_text(XACRO)
+        for ask in (srs_ik.load, srs_ik.find_limbs):
+            with pytest.raises(InvalidRobot, match="is a xacro file: give it a name that ends"):
+                ask(path)
+        with pytest.raises(InvalidRobot):
+            srs_ik.load(ARM, srdf=path)
+    with pytest.raises(InvalidRobot, match="is a xacro file"):
+        srs_ik.load(XACRO)
+    assert expanded == []
+
+
+def test_a_xacro_file_that_the_user_names_is_run(package, tmp_path, expanded, monkeypatch):
+    monkeypatch.setenv("ROS_PACKAGE_PATH", str(package.parent))
+    assert srs_ik.load("package://small_description/urdf/grown.urdf.xacro").limb
+    with pytest.raises(FrameNotFound):
+        srs_ik.load("iiwa14", urdf=package / "urdf" / "grown.urdf.xacro")
+    assert expanded == ["grown.urdf.xacro"] * 2
+
+
+def test_a_xacro_file_behind_a_name_of_this_package_is_run(package, expanded, monkeypatch):
+    clone = package.parent / "openarm_description"
+    (clone / "urdf" / "robot").mkdir(parents=True)
+    (clone / "urdf" / "robot" / "v10.urdf.xacro").write_text(XACRO)
+    monkeypatch.setenv("ROS_PACKAGE_PATH", str(clone.parent))
+    with pytest.raises(FrameNotFound):
+        srs_ik.load("openarm_left")
+    assert expanded == ["v10.urdf.xacro"]
 
 
 # MoveIt
@@ -241,12 +312,13 @@ def test_an_mjcf_file_is_read_with_what_it_includes(tmp_path):
     np.testing.assert_allclose(tip, same.forward_kinematics(q).homogeneous, atol=1e-14)
     assert set(tmp_path.iterdir()) == {folder, scene}
     (folder / "arm.xml").write_text(wrap("<a>" * 900 + "</a>" * 900))
-    (folder / "floor.xml").write_text(wrap("<a>" * 900 + '<include file="parts/arm.xml"/>' + "</a>" * 900))
+    (folder / "floor.xml").write_text(wrap("<a>" * 900 + '<include file="parts/arms.xml"/>' + "</a>" * 900))
+    (folder / "arms.xml").write_text(wrap("<a>" * 900 + "</a>" * 900))
     with pytest.raises(InvalidRobot, match="nested"):
         srs_ik.load(scene)
 
 
-def test_an_mjcf_file_is_read_by_pinocchio(tmp_path):
+def test_an_mjcf_file_is_read(tmp_path):
     bodies, ends = "", ""
     for k, (axis, height) in enumerate(zip("zyzyzyz", (0, 0, 0.3, 0, 0.3, 0, 0.1), strict=True), 1):
         unit = {"z": "0 0 1", "y": "0 1 0"}[axis]
@@ -268,9 +340,9 @@ def test_an_mjcf_file_is_read_by_pinocchio(tmp_path):
     whole = path.read_text()
     wrong = {
         f"{header}{bodies}": "not well-formed XML",
-        whole.replace("hinge", "hinges", 1): "is an MJCF file that Pinocchio does not read: [^/]*$",
+        whole.replace("hinge", "hinges", 1): "type of joint 'j1' is 'hinges', not one of hinge, slide, ball, free$",
         "<mujoco><worldbody/></mujoco>": "without any <body>",
-        whole.replace('pos="0 0 0.3"', 'pos="0 0 1e9"', 1): "lies nowhere, or farther than",
+        whole.replace('pos="0 0 0.3"', 'pos="0 0 1e9"', 1): "'0 0 1e9', farther than 1e\\+06 m",
         whole.replace('range="-2 2"', 'range="3 2"', 1): "a lower limit above its upper limit",
         whole.replace("l7", "\ue000", 1): "cannot be printed",
         whole.replace("<worldbody>", "<worldbody>" + "<a>" * 1000): "nested more than 1000 deep",
@@ -280,8 +352,11 @@ def test_an_mjcf_file_is_read_by_pinocchio(tmp_path):
             "</worldbody>", '<body><joint type="free"/></body>' * 33 + "</worldbody>"
         ): "more than the 200 deg",
         whole.replace("<worldbody>", '<include file="none.xml"/><worldbody>'): "includes '.*none.xml', which cannot be",
-        whole.replace("<worldbody>", '<include file="arm.xml"/><worldbody>'): "includes more than 20 files",
+        whole.replace("<worldbody>", '<include file="arm.xml"/><worldbody>'): "includes the file 'arm.xml' twice, or",
+        whole.replace("<worldbody>", '<include file="0.xml"/><worldbody>'): "includes more than 20 files",
     }
+    for k in range(21):
+        (tmp_path / f"{k}.xml").write_text(f'<mujoco><include file="{k + 1}.xml"/></mujoco>')
     for text, says in wrong.items():
         path.write_text(text)
         with pytest.raises(InvalidRobot, match=says) as raised:
@@ -320,9 +395,9 @@ def test_a_single_arm_is_meant_by_the_side_that_one_of_its_names_says():
         srs_ik.load(arm, limb="left")
 
 
-@pytest.mark.parametrize("name", [*EXAMPLES, "openarm_v10_bimanual", "unitree_h1_2_handless"])
+@pytest.mark.parametrize("name", at_hand(*EXAMPLES, "made_twins", "openarm_v10_bimanual", "unitree_h1_2_handless"))
 def test_the_limb_of_a_side(name):
-    path = example_urdf(name) if name in EXAMPLES else shared_urdf(name)
+    path = robot_file(name)
     left, right = srs_ik.find_limbs(path)
     assert (left.side, right.side) == ("left", "right")
     assert srs_ik.load(path, limb="left").tip == left.tip

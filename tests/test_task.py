@@ -5,51 +5,13 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from random_tasks import COUNT, GOOD, X, Y, Z, dot, grasps, length, tasks_of, unit
 
 import srs_ik
 from srs_ik import InvalidTask, SrsIkError, Task
 
-COUNT = 100_000
 LEVEL = 1e-9
 SIDES = {"left": 1.0, "right": -1.0}
-X, Y, Z = np.eye(3)
-
-
-def length(a):
-    return np.linalg.norm(a, axis=-1)
-
-
-def unit(a):
-    return a / length(a)[..., None]
-
-
-def dot(a, b):
-    return np.sum(a * b, axis=-1)
-
-
-def tasks_of(name, count=COUNT, salt=0):
-    """Positions in 1.2 times the reach, and directions: random, parallel, along the target, in level planes."""
-    arm, rng = arms.load(name), arms.generator(name, 900 + salt)
-    limb = arm.limb
-    reach = limb.upper_arm + limb.forearm + limb.hand
-    offset = unit(rng.normal(size=(count, 3))) * (1.2 * reach * rng.uniform(size=count) ** (1 / 3))[:, None]
-    v, f, g, phi = (rng.normal(size=(count, 3)) * rng.uniform(1e-3, 1e3, (count, 1)) for _ in range(4))
-    kind = np.arange(count) % 16
-    f[kind == 1] = -2.5 * v[kind == 1]
-    offset[kind == 2] = 0.4 * unit(np.cross(v, f)[kind == 2])
-    offset[kind == 3] = 0.0
-    offset[kind == 4] = limb.hand * unit(g)[kind == 4]
-    v[kind == 5] = Z
-    f[kind == 5] = 3.0 * Z
-    offset[kind == 6] = [[0.5, 0.0, 0.1]]
-    v[kind == 6], f[kind == 6] = X, Z
-    offset[kind == 7] *= 1e-14
-    offset[kind == 8] *= 1e14
-    return limb.shoulder + offset, v, f, g, phi
-
-
-def grasps(g, phi):
-    return {"none": {}, "grasp": {"grasp": g}, "grasp and roll": {"grasp": g, "pronosupination": phi}}
 
 
 @pytest.mark.parametrize("side", SIDES)
@@ -117,7 +79,7 @@ def test_reached_means_within_the_length_of_the_arm(name, kind):
     assert ((p.miss > 0) == (d > limb.upper_arm + lower)).all()
 
 
-@pytest.mark.parametrize("name", ["iiwa14", "gen3", "human_arm", "openarm_left", "human_left", "med7", "rm75"])
+@pytest.mark.parametrize("name", arms.here("iiwa14", "gen3", "human_arm", "openarm_left", "human_left", "med7", "rm75"))
 def test_batch_equals_single_calls(name):
     arm = arms.load(name)
     x, v, f, g, phi = tasks_of(name, 160)
@@ -222,9 +184,6 @@ def test_the_elbow_angle_agrees_with_the_arm():
     solution = arm.solve(T, arm_angle=p.arm_angle, respect_limits=False)
     forward = arms.forward("human_arm")
     assert forward.carried(solution.q, 3, arm.limb.elbow) == pytest.approx(p.elbow, abs=1e-12)
-
-
-GOOD = {"position": [0.4, 0, 0], "velocity": X, "force": Z}
 
 
 @pytest.mark.parametrize(

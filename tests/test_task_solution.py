@@ -3,7 +3,7 @@
 import arms
 import numpy as np
 import pytest
-from test_task import GOOD, X, Z, dot, grasps, length, tasks_of, unit
+from random_tasks import GOOD, X, Z, dot, grasps, length, tasks_of, unit
 
 import srs_ik
 from srs_ik import InvalidTask, Status, Task
@@ -118,7 +118,7 @@ def test_the_angle_lost_is_the_least(name):
     assert lost >= 10
 
 
-@pytest.mark.parametrize("name", ["gen3", "gen3_upstream", "j2s7s300"])
+@pytest.mark.parametrize("name", arms.here("gen3", "gen3_upstream", "j2s7s300"))
 def test_on_the_true_chain_no_elbow_is_aligned_better(name):
     """The elbow axis, against a sweep of the true self-motion by Pinocchio: all branches and arm angles."""
     arm = arms.load("gen3") if name == "gen3" else with_hand(name, [[0, 0, 1], [1, 0, 0]])
@@ -147,7 +147,7 @@ def test_on_the_true_chain_no_elbow_is_aligned_better(name):
 
 
 def with_hand(name, hand):
-    _, base, tip = arms.REAL[name]
+    _, base, tip = arms.PLACES[name]
     return srs_ik.load(arms.file_of(name), base=base, tip=tip, hand=hand)
 
 
@@ -356,12 +356,11 @@ def test_joints_move_continuously_as_the_arm_comes_to_be_stretched():
     assert np.abs(s.q - s.q[-1]).max() < 5e-3
 
 
-def test_a_tool_beside_the_grasp_line():
+@pytest.mark.parametrize("name", arms.here("openarm_left"))
+def test_a_tool_beside_the_grasp_line(name):
     """The tip of OpenArm lies 4.5 mm beside the line through its wrist: the roll moves the wrist."""
-    arm = srs_ik.load(
-        arms.file_of("openarm_left"), base="openarm_left_link0", tip="openarm_left_hand", hand=[[0, 0, 1], [1, 0, 0]]
-    )
-    rng = arms.generator("openarm_left", 14)
+    arm = with_hand(name, [[0, 0, 1], [1, 0, 0]])
+    rng = arms.generator(name, 14)
     x = arm.limb.shoulder + 0.3 * unit(rng.normal(size=(200, 3)))
     v, f, g, phi = rng.normal(size=(4, 200, 3))
     for extra in grasps(g, phi).values():
@@ -371,7 +370,7 @@ def test_a_tool_beside_the_grasp_line():
         for i in np.flatnonzero(s.ok & p.reached):
             T = arm.forward_kinematics(s.q[i])
             assert length(T.translation - x[i]) < 1e-11
-            assert length(arms.forward("openarm_left").carried(s.q[i], 3, arm.limb.elbow) - p.elbow[i]) < 1e-11
+            assert length(arms.forward(name).carried(s.q[i], 3, arm.limb.elbow) - p.elbow[i]) < 1e-11
             if extra:
                 assert T.rotation[:, 2] == pytest.approx(unit(g[i]), abs=1e-11)
                 assert length(wrist_at(arm, T) - p.wrist[i]) < 1e-11
@@ -380,7 +379,7 @@ def test_a_tool_beside_the_grasp_line():
 
 
 def test_an_arm_whose_hand_is_not_known():
-    arm = arms.load("med7")
+    arm = arms.load("made_offsets")
     assert arm.posture(Task(**GOOD)).elbow.shape == (3,)
     with pytest.raises(InvalidTask, match=r"load it with hand=\(grasp, pronosupination\)"):
         arm.solve_task(Task(**GOOD))

@@ -2,20 +2,22 @@ import os
 import re
 import threading
 
+import chains
 import numpy as np
 import pinocchio as pin
 import pytest
 import yourdfpy
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
-from robot_files import SHARED, joint_xml, random_configuration, robot_xml, shared_urdf
+from robot_files import REAL, at_hand, joint_xml, random_configuration, robot_file, robot_xml
 
+from srs_ik import bounds
 from srs_ik.errors import InvalidRobot
 from srs_ik.robot import zoo
-from srs_ik.robot.description import document, load_model
+from srs_ik.robot.description import load_model
 from srs_ik.robot.description.from_yourdfpy import roll_pitch_yaw
 
-FILES = sorted(path.stem for path in SHARED.glob("*.urdf")) or ["iiwa14_drake_models"]
+FILES = at_hand(*chains.MAKERS, *REAL)
 AXIS, LIMIT = '<axis xyz="0 0 1"/>', '<limit lower="-1" upper="1" effort="1" velocity="1"/>'
 
 
@@ -27,8 +29,8 @@ def two_joints(inside: str, kind: str = "revolute") -> str:
 
 
 @pytest.mark.parametrize("name", FILES)
-def test_real_files_give_the_model_that_pinocchio_makes_of_the_untouched_file(name, capfd):
-    path = shared_urdf(name)
+def test_files_give_the_model_that_pinocchio_makes_of_the_untouched_file(name, capfd):
+    path = robot_file(name)
     ours = load_model(path).model
     assert capfd.readouterr() == ("", "")
     theirs = pin.buildModelFromUrdf(str(path))
@@ -46,7 +48,7 @@ def test_real_files_give_the_model_that_pinocchio_makes_of_the_untouched_file(na
 
 @pytest.mark.parametrize("name", FILES)
 def test_a_yourdfpy_robot_loses_no_digit(name):
-    path = shared_urdf(name)
+    path = robot_file(name)
     urdf = yourdfpy.URDF.load(str(path), build_scene_graph=False, load_meshes=False)
     ours, theirs = load_model(urdf).model, load_model(path).model
     rng = np.random.default_rng(1)
@@ -234,6 +236,7 @@ WRONG_TEXT = {
         ),
         "mass> value of inertia of link 'd' is 'nan'",
     ),
+    "joint of Pinocchio": (two_joints(AXIS + LIMIT).replace('"first"', '"universe"'), "Pinocchio's name of the world"),
     "too many links": (robot_xml(links=" ".join(f"l{k}" for k in range(2001))), "2001 links"),
     "too many elements": ("<robot name='x'>" + "<a/>" * 200_000 + "</robot>", "more than 200000 XML elements"),
     "too deep in tags": ("<robot name='x'>" + "<a>" * 1000, "nested more than 1000 deep"),
@@ -300,7 +303,7 @@ def test_wrong_files_are_refused_and_named(tmp_path):
     huge = tmp_path / "huge.urdf"
     with huge.open("wb") as file:
         file.write(b"<robot>")
-        file.truncate(document.MAX_BYTES + 10)
+        file.truncate(bounds.XML_BYTES + 10)
     fifo = tmp_path / "fifo"
     os.mkfifo(fifo)
     cases = {

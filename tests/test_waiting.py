@@ -1,6 +1,7 @@
 """Whoever waits for a compilation in a terminal is told so, once; a program that reads standard error is not."""
 
 import os
+import re
 import subprocess
 import sys
 
@@ -61,3 +62,35 @@ def test_an_interruption_within_the_compiler_is_not_lost():
         code = INTERRUPTED.format(name=name)
         result = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=15)
         assert (result.stdout, result.stderr) == ("interrupted\n", "")
+
+
+BATCH = """
+import time
+from srs_ik.cli.waiting import at_work
+from srs_ik.solve.threads import run_in_threads
+
+with at_work("many poses"):
+    run_in_threads(lambda first, last: time.sleep(0.001 * (last - first)), 1500, {threads})
+print("done")
+"""
+
+
+@pytest.mark.parametrize("threads", [1, 2])
+def test_a_terminal_shows_how_far_a_batch_is(threads):
+    ours, theirs = pty.openpty()
+    try:
+        program = [sys.executable, "-c", BATCH.format(threads=threads)]
+        done = subprocess.run(
+            program, stderr=theirs, stdout=subprocess.PIPE, check=True, env={**os.environ, "TERM": "xterm"}
+        )
+        said = os.read(ours, 1 << 16).decode()
+    finally:
+        os.close(theirs)
+        os.close(ours)
+    assert done.stdout == b"done\n"
+    assert "many poses" in said
+    shares = {int(share) for share in re.findall(r"(\d+)%", said)}
+    assert max(shares) == 100
+    assert len(shares) > 3
+    silent = subprocess.run(program, capture_output=True, check=True)
+    assert silent.stderr == b""

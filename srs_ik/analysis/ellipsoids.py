@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from srs_ik.errors import InvalidTask, MissingLimits
-from srs_ik.inputs.poses import real_array
+from srs_ik.inputs.numbers import real_array
 
 if TYPE_CHECKING:
     from srs_ik.kinematics import ChainKinematics

@@ -1,4 +1,4 @@
-"""The weight of an arm: the torques that hold it, by Pinocchio, and the figures from which kernels compute them."""
+"""The weight of an arm: the torques that hold it, by Pinocchio."""
 
 from __future__ import annotations
 
@@ -10,7 +10,6 @@ import pinocchio as pin
 from numpy.typing import NDArray
 
 from srs_ik.errors import InvalidTask
-from srs_ik.kernels.optimum import gravity as at
 
 if TYPE_CHECKING:
     from srs_ik.kinematics import ChainKinematics
@@ -42,17 +41,3 @@ def require_masses(arm: ChainKinematics, otherwise: str) -> None:
 def torque_scales(arm: ChainKinematics) -> Array:
     """(7,) factors by which torques of different joints compare: by their effort limits, if all are given."""
     return 1.0 / arm.effort_limit if np.isfinite(arm.effort_limit).all() else np.ones(7)
-
-
-def weights(arm: ChainKinematics) -> Array:
-    """(WEIGHTS,) figures of `kernels.gravity`."""
-    frames = arm.joint_frames(np.zeros(7))
-    W = np.empty(at.WEIGHTS)
-    for joint in range(7):
-        T_base_joint, inertia = frames[joint + 1], arm.model.inertias[joint + 1]
-        centre = T_base_joint[:3, :3] @ inertia.lever + T_base_joint[:3, 3]
-        W[at.MASSES + joint] = inertia.mass
-        W[at.MOMENTS + 3 * joint : at.MOMENTS + 3 * joint + 3] = inertia.mass * centre
-    W[at.GRAVITY : at.SCALES] = frames[0, :3, :3] @ arm.model.gravity.linear
-    W[at.SCALES :] = torque_scales(arm)
-    return W

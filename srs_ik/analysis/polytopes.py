@@ -18,10 +18,11 @@ from numpy.typing import ArrayLike, NDArray
 from srs_ik.analysis.ellipsoids import RANK_TOLERANCE, UNITS, limits_of, rows_of
 from srs_ik.analysis.gravity import gravity_torque
 from srs_ik.errors import InvalidConfiguration, InvalidTask, MissingExtra
-from srs_ik.inputs.poses import as_joint_vector, as_positive, real_array
+from srs_ik.inputs.numbers import real_array
+from srs_ik.inputs.poses import as_joint_vector, as_positive
 
 if TYPE_CHECKING:
-    from srs_ik.arm import Arm
+    from srs_ik.kinematics import ChainKinematics
 
 Array = NDArray[np.float64]
 
@@ -99,7 +100,7 @@ class Polytope:
 
 
 def velocity_polytope(
-    arm: Arm,
+    arm: ChainKinematics,
     q: ArrayLike,
     part: Literal["linear", "angular"] = "linear",
     lower: ArrayLike | None = None,
@@ -135,7 +136,7 @@ def velocity_polytope(
 
 
 def force_polytope(
-    arm: Arm,
+    arm: ChainKinematics,
     q: ArrayLike,
     part: Literal["linear", "angular"] = "linear",
     lower: ArrayLike | None = None,
@@ -244,7 +245,7 @@ def _lifted(
     return Polytope(kind, part, vertices, faces, rank, U[:, rank:])
 
 
-def _bounds(arm: Arm, kind: Literal["velocity", "effort"], lower: Any, upper: Any) -> tuple[Array, Array]:
+def _bounds(arm: ChainKinematics, kind: Literal["velocity", "effort"], lower: Any, upper: Any) -> tuple[Array, Array]:
     """(7,) least and (7,) largest joint velocities or torques."""
     most = limits_of(arm, kind) if upper is None else _seven(upper, "upper")
     least = -most if lower is None else _seven(lower, "lower")
@@ -263,7 +264,7 @@ def _seven(values: Any, what: str) -> Array:
     return array
 
 
-def _within_horizon(arm: Arm, q: Array, least: Array, most: Array, horizon: Any) -> tuple[Array, Array]:
+def _within_horizon(arm: ChainKinematics, q: Array, least: Array, most: Array, horizon: Any) -> tuple[Array, Array]:
     """The joint velocities of these that pass no joint limit in that time."""
     horizon = as_positive(horizon, "horizon", "seconds", InvalidTask)
     below, above = q - arm.lower, arm.upper - q

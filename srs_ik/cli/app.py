@@ -10,12 +10,20 @@ import typer
 from typer.core import TyperGroup
 
 from srs_ik import __version__
-from srs_ik.cli import bench, ellipsoids, inspect, intervals, path, plot, preview, reproduce, robots, solve, task
-from srs_ik.cli.options import NumbersCommand, WrongInput
+from srs_ik.cli import bench, ellipsoids, fk, inspect, intervals, path, plot, preview, reproduce, robots, solve, task
+from srs_ik.cli.options import ExampleCommand, NumbersCommand, WrongInput
 from srs_ik.cli.waiting import announce_compilation
 
 EXIT_NO_SOLUTION = 1
 EXIT_WRONG_INPUT = 2
+
+_HAND_OPTION = (
+    "give its grasp and pronosupination direction there, --hand GX GY GZ PX PY PZ; "
+    "'srs-ik inspect' says where the hand points"
+)
+
+WIDEST_HELP = 120
+"""Columns of a help text, where the terminal has them."""
 
 
 class OneLineGroup(TyperGroup):
@@ -45,13 +53,15 @@ class OneLineGroup(TyperGroup):
 
 def _wrong_input(error: Exception) -> str | None:
     """The error in one line if it is the input, or the place of the output, that is wrong, else None."""
-    from srs_ik.errors import AmbiguousLimb, SrsIkError
+    from srs_ik.errors import AmbiguousLimb, InvalidTask, SrsIkError
 
     if hasattr(error, "possibilities") and getattr(error, "option_name", None):
         return _no_such_option(error)
     if isinstance(error, AmbiguousLimb):
         # What is an argument in Python is an option here.
         return re.sub(r"\b(base|tip|limb)='([^']*)'", r"--\1 \2", str(error))
+    if isinstance(error, InvalidTask):
+        return re.sub(r"load it with hand=\(.*", _HAND_OPTION, str(error))
     if isinstance(error, OSError):
         return f"{error.filename or 'cannot write the output'}: {error.strerror or error}"
     # The command-line library's own errors are told by their method, because typer has moved their base class about.
@@ -79,7 +89,13 @@ def _show_version(wanted: bool) -> None:
         raise typer.Exit
 
 
-app = typer.Typer(cls=OneLineGroup, add_completion=False, pretty_exceptions_enable=False, rich_markup_mode=None)
+app = typer.Typer(
+    cls=OneLineGroup,
+    add_completion=False,
+    pretty_exceptions_enable=False,
+    rich_markup_mode=None,
+    context_settings={"max_content_width": WIDEST_HELP},
+)
 
 
 @app.callback(invoke_without_command=True)
@@ -99,8 +115,9 @@ def srs_ik(
         announce_compilation()
 
 
-app.command("robots")(robots.robots)
-app.command("inspect")(inspect.inspect)
+app.command("robots", cls=ExampleCommand)(robots.robots)
+app.command("inspect", cls=ExampleCommand)(inspect.inspect)
+app.command("fk", cls=NumbersCommand)(fk.fk)
 app.command("solve", cls=NumbersCommand)(solve.solve)
 app.command("intervals", cls=NumbersCommand)(intervals.intervals)
 app.command("path", cls=NumbersCommand)(path.path)
@@ -109,4 +126,4 @@ app.command("plot", cls=NumbersCommand)(plot.plot)
 app.command("preview", cls=NumbersCommand)(preview.preview)
 app.command("task", cls=NumbersCommand)(task.task)
 app.command("reproduce", cls=NumbersCommand)(reproduce.reproduce)
-app.command("bench")(bench.bench)
+app.command("bench", cls=ExampleCommand)(bench.bench)

@@ -42,6 +42,7 @@ def bench(
     from srs_ik.bench.work import Work
     from srs_ik.cli.render import print_json
     from srs_ik.loading import load
+    from srs_ik.writing import write_whole
 
     names = robots or ["iiwa14", "gen3"]
     arms = [load(name) for name in names]
@@ -55,7 +56,7 @@ def bench(
     if start:
         report.start = starts()
     if out is not None:
-        out.write_text(json.dumps(report.as_dict(), indent=2) + "\n")
+        write_whole(out, json.dumps(report.as_dict(), indent=2) + "\n")
     if as_json:
         print_json(report.as_dict())
     else:

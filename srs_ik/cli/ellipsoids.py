@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from srs_ik.cli.options import AsJson, Base, Limb, Seven, Source, Three, Tip, WrongInput, numbers
-from srs_ik.cli.poses import JOINTS, unit_of
+from srs_ik.cli.options import AllowXacro, AsJson, Base, Limb, Seven, Source, Three, Tip, WrongInput, numbers
+from srs_ik.cli.poses import JOINTS, angles, unit_of
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -47,6 +47,7 @@ def ellipsoids(
     base: Base = None,
     tip: Tip = None,
     limb: Limb = None,
+    allow_xacro: AllowXacro = False,
     part: PartOption = Part.linear,
     limits: Annotated[
         bool, typer.Option("--limits", help="Weigh the joints by the arm's velocity and torque limits.")
@@ -73,7 +74,7 @@ def ellipsoids(
     """
     if q is None:
         raise WrongInput(f"give the joint angles: --q {JOINTS}")
-    angles = [unit_of(degrees) * x for x in numbers("--q", q)]
+    configuration = angles("--q", q, unit_of(degrees))
     direction = None if along is None else numbers("--along", along)
     if part is Part.full and (direction is not None or polytopes):
         raise WrongInput("--along and --polytopes go with --part linear or angular")
@@ -85,10 +86,10 @@ def ellipsoids(
     from srs_ik.analysis.ellipsoids import force_ellipsoid, isotropy, limits_of, manipulability, velocity_ellipsoid
     from srs_ik.loading import load
 
-    arm = load(source, base=base, tip=tip, limb=limb)
+    arm = load(source, base=base, tip=tip, limb=limb, allow_xacro=allow_xacro)
     velocity_limit, effort_limit = (limits_of(arm, kind) for kind in ("velocity", "effort")) if limits else (None, None)
-    J = arm.jacobian(angles)
-    R = arm.forward_kinematics(angles).rotation if axes is Axes.tip else np.eye(3)
+    J = arm.jacobian(configuration)
+    R = arm.forward_kinematics(configuration).rotation if axes is Axes.tip else np.eye(3)
     shown = [
         velocity_ellipsoid(J, velocity_limit, part.value).in_axes(R),
         force_ellipsoid(J, effort_limit, part.value).in_axes(R),
@@ -97,7 +98,7 @@ def ellipsoids(
         "robot": arm.name,
         "base": arm.base,
         "tip": arm.tip,
-        "q": angles,
+        "q": configuration,
         "part": part.value,
         "axes": axes.value,
         "limits": limits,
@@ -113,7 +114,7 @@ def ellipsoids(
             "singular": ellipsoid.singular,
             "along": None if direction is None else ellipsoid.radius_along(direction),
         }
-    bodies = _polytopes(arm, angles, part.value, not no_gravity) if polytopes else []
+    bodies = _polytopes(arm, configuration, part.value, not no_gravity) if polytopes else []
     for body in bodies:
         answer[f"{body.kind}_polytope"] = {
             "unit": body.unit,

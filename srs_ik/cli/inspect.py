@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from srs_ik.cli.options import AsJson, Base, Limb, Source, Tip, WrongInput
+from srs_ik.cli.options import AllowXacro, AsJson, Base, Limb, Source, Tip, WrongInput
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -36,6 +36,7 @@ def inspect(
     limb: Limb = None,
     srdf: Srdf = None,
     xacro_arg: XacroArg = None,
+    allow_xacro: AllowXacro = False,
     write: Write = None,
     as_json: AsJson = False,
 ) -> None:
@@ -44,20 +45,22 @@ def inspect(
     With each arm: its kind, lengths and joint limits, and by how many millimetres its axes miss the shoulder and wrist
     centres. An arm is exact, near (solved all the same, on its true axes), or refused. Exit status 1 if none is
     accepted. With --write, an adapter for the one arm is written: a file to correct frames, limits and hand in.
+    URDF and MJCF files and adapters are data; a xacro file is a program, and runs with what you may do.
     """
     from srs_ik.cli.render import console, print_json
 
-    arguments = _arguments(xacro_arg or [])
+    reading: dict[str, Any] = {"xacro_args": _arguments(xacro_arg or []), "allow_xacro": allow_xacro}
     chosen: dict[str, Any] = {"base": base, "tip": tip, "limb": limb, "srdf": srdf}
-    one = any(value is not None for value in chosen.values()) or _names_one_arm(source, arguments)
-    findings = _chosen(source, chosen, arguments) if one else _all(source, arguments)
+    one = any(value is not None for value in chosen.values()) or _names_one_arm(source, reading)
+    findings = _chosen(source, chosen, reading) if one else _all(source, reading)
     accepted = any(finding["kind"] != "refused" for finding in findings)
     if write is not None and accepted:
         from srs_ik.loading import load
-        from srs_ik.loading.adapter import write_adapter
+        from srs_ik.loading.adapter import names_xacro, write_adapter
 
-        write_adapter(write, source, load(source, xacro_args=arguments, **chosen), arguments)
-        typer.echo(f"srs-ik: wrote {write}; check it, then try 'srs-ik inspect {write}'", err=True)
+        write_adapter(write, source, load(source, **reading, **chosen), reading["xacro_args"])
+        allowed = " --allow-xacro" if names_xacro(write) else ""
+        typer.echo(f"srs-ik: wrote {write}; check it, then try 'srs-ik inspect {write}{allowed}'", err=True)
     if as_json:
         print_json({"source": source, "limbs": findings})
     else:
@@ -67,7 +70,7 @@ def inspect(
                 out.print()
             _print_finding(out, finding)
     if not findings:
-        typer.echo(f"srs-ik: {_why_nothing(source, arguments)}.", err=True)
+        typer.echo(f"srs-ik: {_why_nothing(source, reading)}.", err=True)
     if not accepted:
         raise typer.Exit(1)
 
@@ -82,45 +85,45 @@ def _arguments(words: list[str]) -> dict[str, str] | None:
     return arguments or None
 
 
-def _names_one_arm(source: str, arguments: dict[str, str] | None) -> bool:
+def _names_one_arm(source: str, reading: dict[str, Any]) -> bool:
     """True for an adapter and for the name of an arm: of a robot with two they mean one."""
     from srs_ik.robot.sources import describe
 
-    return describe(source, xacro_args=arguments).tip is not None
+    return describe(source, **reading).tip is not None
 
 
-def _all(source: str, arguments: dict[str, str] | None) -> list[dict[str, Any]]:
+def _all(source: str, reading: dict[str, Any]) -> list[dict[str, Any]]:
     from srs_ik.loading import find_limbs, load
 
     findings = []
-    for report in find_limbs(source, arguments):
+    for report in find_limbs(source, **reading):
         if report.limb is not None:
-            arm = load(source, base=report.base, tip=report.tip, xacro_args=arguments)
+            arm = load(source, base=report.base, tip=report.tip, **reading)
             findings.append(_accepted(arm, report))
         else:
             findings.append(_refused(report, report.base, report.tip, report.reason, report.note))
     return findings
 
 
-def _why_nothing(source: str, arguments: dict[str, str] | None) -> str:
+def _why_nothing(source: str, reading: dict[str, Any]) -> str:
     """Why there is nothing to show."""
     from srs_ik.errors import NotAnSrsLimb
     from srs_ik.loading import load
 
     try:
-        load(source, xacro_args=arguments)
+        load(source, **reading)
     except NotAnSrsLimb as error:
         return str(error)
     return f"{source} has no chain of 7 consecutive revolute joints"
 
 
-def _chosen(source: str, chosen: dict[str, Any], arguments: dict[str, str] | None) -> list[dict[str, Any]]:
+def _chosen(source: str, chosen: dict[str, Any], reading: dict[str, Any]) -> list[dict[str, Any]]:
     from srs_ik.errors import NotAnSrsLimb
     from srs_ik.loading import find_limbs, load
 
     try:
-        arm = load(source, xacro_args=arguments, **chosen)
-        reports = [report for report in find_limbs(source, arguments) if report.joint_names == arm.joint_names]
+        arm = load(source, **reading, **chosen)
+        reports = [report for report in find_limbs(source, **reading) if report.joint_names == arm.joint_names]
         return [_accepted(arm, reports[0] if reports else None)]
     except NotAnSrsLimb as error:
         if not error.joint_names:
@@ -130,6 +133,8 @@ def _chosen(source: str, chosen: dict[str, Any], arguments: dict[str, str] | Non
 
 
 def _accepted(arm: Arm, report: LimbReport | None = None) -> dict[str, Any]:
+    from srs_ik.loading.adapter import hand_axes
+
     limb = arm.limb
     return {
         "base": arm.base,
@@ -145,6 +150,8 @@ def _accepted(arm: Arm, report: LimbReport | None = None) -> dict[str, Any]:
         "forearm": limb.forearm,
         "hand": limb.hand,
         "elbow_offset": limb.elbow_offset,
+        "hand_axes": None if arm.hand is None else {name: list(axis) for name, axis in arm.hand._asdict().items()},
+        "hand_axes_as_drawn": dict(zip(("grasp", "pronosupination"), hand_axes(limb), strict=True)),
         "shoulder": limb.shoulder,
         "elbow": limb.elbow,
         "wrist": limb.wrist,
@@ -216,6 +223,7 @@ def _print_finding(out: Console, finding: dict[str, Any]) -> None:
     out.print(
         f"The arm angle is zero where the elbow lies towards ({direction(finding['reference'])}) of the base frame."
     )
+    _print_hand(out, finding)
     rows = [
         (name, direction(axis), fixed(miss, 4)) for name, axis, miss in zip(names, finding["axes"], misses, strict=True)
     ]
@@ -223,6 +231,20 @@ def _print_finding(out: Console, finding: dict[str, Any]) -> None:
     out.print(table(("joint", "axis at zero", "misses its centre by (mm)"), rows, left=2))
     out.print()
     out.print(_limits(finding))
+
+
+def _print_hand(out: Console, finding: dict[str, Any]) -> None:
+    """Where the hand points in the tip frame: as it is given, or else as one would draw it."""
+    from srs_ik.cli.render import direction
+
+    known = finding["hand_axes"]
+    axes = known or finding["hand_axes_as_drawn"]
+    grasp, across = direction(axes["grasp"]), direction(axes["pronosupination"])
+    if known:
+        out.print(f"The hand reaches out along ({grasp}) of the tip frame, with ({across}) across it.")
+    else:
+        out.print(f"No hand is given. From wrist to tip is ({grasp}) of the tip frame, with ({across}) across it:")
+        out.print(f"if the hand points there, 'srs-ik task' takes --hand {grasp} {across}.")
 
 
 def _limits(finding: dict[str, Any]) -> Any:

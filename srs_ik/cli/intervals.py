@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from srs_ik.cli.options import AsJson, Base, Limb, Source, Tip
-from srs_ik.cli.poses import FromQ, NoLimits, Quat, Rpy, Xyz, read_pose, unit_of
+from srs_ik.cli.options import AllowXacro, AsJson, Base, Limb, Source, Tip
+from srs_ik.cli.poses import NoLimits, PoseOfQ, Quat, Rpy, Xyz, read_pose, unit_of
 
 if TYPE_CHECKING:
     import numpy as np
@@ -23,12 +23,13 @@ def intervals(
     xyz: Xyz = None,
     rpy: Rpy = None,
     quat: Quat = None,
-    from_q: FromQ = None,
+    q: PoseOfQ = None,
     base: Base = None,
     tip: Tip = None,
     limb: Limb = None,
+    allow_xacro: AllowXacro = False,
     no_limits: NoLimits = False,
-    degrees: Annotated[bool, typer.Option("--degrees", help="Angles are given in degrees (--rpy, --from-q).")] = False,
+    degrees: Annotated[bool, typer.Option("--degrees", help="Angles are given in degrees (--rpy, --q).")] = False,
     plot: Annotated[
         Path | None, typer.Option(metavar="FILE.png", help="Draw the intervals into this file as well (extra 'plot').")
     ] = None,
@@ -38,7 +39,7 @@ def intervals(
 
     An interval starts in [-pi, pi) and may pass pi; the whole circle is -pi to pi. Exit status 1 if there is none.
     """
-    pose, configuration = read_pose(xyz, rpy, quat, from_q, unit_of(degrees))
+    pose, configuration = read_pose(xyz, rpy, quat, q, unit_of(degrees))
     if plot is not None:
         from srs_ik.cli.picture import check
 
@@ -46,7 +47,7 @@ def intervals(
 
     from srs_ik.loading import load
 
-    arm = load(source, base=base, tip=tip, limb=limb)
+    arm = load(source, base=base, tip=tip, limb=limb, allow_xacro=allow_xacro)
     if pose is None:
         pose = arm.forward_kinematics(configuration).homogeneous
     found = arm.intervals(pose, respect_limits=not no_limits)
@@ -61,9 +62,10 @@ def intervals(
         )
         raise typer.Exit(1)
     if plot is not None:
+        from srs_ik.cli.picture import save
         from srs_ik.plots import plot_intervals
 
-        plot_intervals(arm, pose, respect_limits=not no_limits).savefig(plot)
+        save(plot_intervals(arm, pose, respect_limits=not no_limits), plot)
 
 
 def _print_json(arm: Arm, pose: np.ndarray, found: list[Interval]) -> None:

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from srs_ik.cli.options import Seven, Three, WrongInput, numbers
-from srs_ik.cli.poses import JOINTS
+from srs_ik.cli.poses import JOINTS, angles
 
 if TYPE_CHECKING:
     from srs_ik.solve.objectives import Objective
@@ -61,5 +61,5 @@ def read_objective(
     from srs_ik.solve.objectives import Objective
 
     if reference is not None:
-        given["reference"] = [unit * x for x in given["reference"]]
+        given["reference"] = angles("--reference", reference, unit)
     return Objective(name, **given)

@@ -4,17 +4,21 @@ from __future__ import annotations
 
 import itertools
 import math
+import sys
 from collections.abc import Sequence
 from typing import Annotated, Any
 
 import typer
 from typer.core import TyperCommand
 
+from srs_ik.cli.examples import with_examples
+
 Source = Annotated[
     str,
     typer.Argument(
         metavar="ROBOT|FILE",
-        help="The name of a robot (see 'srs-ik robots'), a URDF, xacro or MJCF file, or an adapter (robot.toml).",
+        help="The name of a robot (see 'srs-ik robots'), a URDF, xacro or MJCF file, or an adapter (robot.toml). "
+        "A xacro file is a program: name only those that you trust.",
         show_default=False,
     ),
 ]
@@ -25,6 +29,9 @@ Tip = Annotated[str | None, typer.Option(metavar="FRAME", help="Tip frame; may b
 Limb = Annotated[
     str | None, typer.Option(metavar="WORD", help="Which of several arms: left, right, or a part of one of its names.")
 ]
+AllowXacro = Annotated[
+    bool, typer.Option("--allow-xacro", help="Run the xacro file that an adapter names; such a file is a program.")
+]
 AsJson = Annotated[bool, typer.Option("--json", help="Print JSON and nothing else, in metres and radians.")]
 
 Three = tuple[str, str, str]
@@ -32,11 +39,26 @@ Four = tuple[str, str, str, str]
 Seven = tuple[str, str, str, str, str, str, str]
 
 
+FORMER_Q = "--from-q"
+"""What --q was called in some commands; still understood in all."""
+
+
 class WrongInput(Exception):
     """Words on the command line that make no sense; the message is one sentence."""
 
 
-class NumbersCommand(TyperCommand):
+def warn(text: str) -> None:
+    """Print one line on standard error about what is probably meant otherwise."""
+    print(f"srs-ik: {text}", file=sys.stderr)
+
+
+class ExampleCommand(TyperCommand):
+    """A command whose help ends with examples."""
+
+    get_help = with_examples(TyperCommand.get_help)
+
+
+class NumbersCommand(ExampleCommand):
     """A command whose options of several numbers say how many they take.
 
     The parser behind it hands such an option the next words whatever they are, and then stumbles over the rest: of
@@ -45,6 +67,8 @@ class NumbersCommand(TyperCommand):
 
     def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
         """Check the count of the numbers behind each option, then parse."""
+        if any("--q" in param.opts for param in self.params):
+            args = ["--q" if word == FORMER_Q else word for word in args]
         counts = {name: param.nargs for param in self.params if param.nargs > 1 for name in param.opts}
         for i, word in enumerate(args):
             if word in counts:

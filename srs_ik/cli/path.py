@@ -9,10 +9,11 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from srs_ik.cli.options import AsJson, Base, Limb, Seven, Source, Tip, WrongInput, numbers
+from srs_ik.cli.options import AllowXacro, AsJson, Base, Limb, Seven, Source, Tip, WrongInput, numbers
 from srs_ik.cli.picture import check
 from srs_ik.cli.pose_file import read_poses, write_path
-from srs_ik.cli.poses import JOINTS, unit_of
+from srs_ik.cli.poses import JOINTS, angles, unit_of
+from srs_ik.cli.waiting import at_work
 
 if TYPE_CHECKING:
     from srs_ik.arm import Arm
@@ -40,6 +41,7 @@ def path(
     base: Base = None,
     tip: Tip = None,
     limb: Limb = None,
+    allow_xacro: AllowXacro = False,
     seed: Annotated[
         Seven | None, typer.Option(metavar=JOINTS, help="Start near these joint angles; anywhere if not given.")
     ] = None,
@@ -78,7 +80,7 @@ def path(
         check(plot, "--plot")
     options: dict[str, object] = {"objective": objective.value, "closed": closed}
     if seed is not None:
-        options["seed"] = [unit * x for x in numbers("--seed", seed)]
+        options["seed"] = angles("--seed", seed, unit)
     if dt is not None:
         options["dt"] = _positive("--dt", dt)
     if longest_step is not None:
@@ -87,8 +89,9 @@ def path(
 
     from srs_ik.loading import load
 
-    arm = load(source, base=base, tip=tip, limb=limb)
-    found = arm.solve_path(T_base_tip, **options)  # type: ignore[arg-type]
+    arm = load(source, base=base, tip=tip, limb=limb, allow_xacro=allow_xacro)
+    with at_work(f"a path through {len(T_base_tip)} poses"):
+        found = arm.solve_path(T_base_tip, **options)  # type: ignore[arg-type]
     if out is not None and found:
         write_path(out, arm, found, options.get("dt"))  # type: ignore[arg-type]
     if plot is not None:

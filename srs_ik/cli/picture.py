@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+import io
 from pathlib import Path
+from typing import Any
 
 from srs_ik.cli.options import WrongInput
 from srs_ik.errors import MissingExtra
+from srs_ik.writing import write_whole
 
 
 def check(path: Path, option: str) -> None:
@@ -24,3 +27,14 @@ def check(path: Path, option: str) -> None:
         raise WrongInput(f"{option} takes the name of a picture, such as intervals.png, not {str(path)!r}")
     if not path.parent.is_dir():
         raise WrongInput(f"{option}: there is no folder {str(path.parent)!r}")
+
+
+def save(figure: Any, path: Path) -> None:
+    """Write a Matplotlib figure, in the format that the name ends in.
+
+    Raises:
+        OSError: the file cannot be written.
+    """
+    content = io.BytesIO()
+    figure.savefig(content, format=path.suffix.lstrip(".").lower())
+    write_whole(path, content.getvalue())

@@ -9,9 +9,9 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from srs_ik.cli.ellipsoids import Part
-from srs_ik.cli.options import Base, Limb, Source, Tip, WrongInput
-from srs_ik.cli.picture import check
-from srs_ik.cli.poses import FromQ, NoLimits, Quat, Rpy, Xyz, read_pose, unit_of
+from srs_ik.cli.options import AllowXacro, Base, Limb, Source, Tip, WrongInput
+from srs_ik.cli.picture import check, save
+from srs_ik.cli.poses import NoLimits, PoseOfQ, Quat, Rpy, Xyz, read_pose, unit_of
 
 if TYPE_CHECKING:
     from srs_ik.arm import Arm
@@ -41,10 +41,11 @@ def plot(
     xyz: Xyz = None,
     rpy: Rpy = None,
     quat: Quat = None,
-    from_q: FromQ = None,
+    q: PoseOfQ = None,
     base: Base = None,
     tip: Tip = None,
     limb: Limb = None,
+    allow_xacro: AllowXacro = False,
     branch: Annotated[
         int | None, typer.Option(metavar="0..7", help="Branch of 'arm-angle'; that of 'srs-ik solve' if not given.")
     ] = None,
@@ -53,11 +54,11 @@ def plot(
         bool, typer.Option("--limits", help="Weigh the joints of 'ellipsoids' by the arm's own limits.")
     ] = False,
     no_limits: NoLimits = False,
-    degrees: Annotated[bool, typer.Option("--degrees", help="Angles are given in degrees (--rpy, --from-q).")] = False,
+    degrees: Annotated[bool, typer.Option("--degrees", help="Angles are given in degrees (--rpy, --q).")] = False,
 ) -> None:
     """Draw a picture of an arm at a pose into a file (extra 'plot').
 
-    'ellipsoids' shows the posture of --from-q itself, or at a pose the one that 'srs-ik solve' finds. Exit status 1 if
+    'ellipsoids' shows the posture of --q itself, or at a pose the one that 'srs-ik solve' finds. Exit status 1 if
     there is none.
     """
     if output is None:
@@ -66,19 +67,19 @@ def plot(
         raise WrongInput(f"--branch is a whole number from 0 to 7, not {branch}")
     if kind is Kind.ellipsoids and part is Part.full:
         raise WrongInput("--part of a picture is linear or angular")
-    pose, q = read_pose(xyz, rpy, quat, from_q, unit_of(degrees))
+    pose, angles = read_pose(xyz, rpy, quat, q, unit_of(degrees))
     check(output, "--output")
 
     from srs_ik import plots
     from srs_ik.loading import load
 
-    arm = load(source, base=base, tip=tip, limb=limb)
+    arm = load(source, base=base, tip=tip, limb=limb, allow_xacro=allow_xacro)
     if kind is Kind.ellipsoids:
-        posture = q if pose is None else _solved(arm, pose, not no_limits)
+        posture = angles if pose is None else _solved(arm, pose, not no_limits)
         figure = plots.plot_ellipsoids(arm, posture, limits, "angular" if part is Part.angular else "linear")
     else:
         if pose is None:
-            pose = arm.forward_kinematics(q).homogeneous
+            pose = arm.forward_kinematics(angles).homogeneous
         found = arm.intervals(pose, respect_limits=not no_limits)
         if not found:
             typer.echo("srs-ik: no posture meets the pose; 'srs-ik solve' says what is left", err=True)
@@ -87,7 +88,7 @@ def plot(
             figure = plots.plot_intervals(arm, pose, respect_limits=not no_limits)
         else:
             figure = plots.plot_arm_angle(arm, pose, branch)
-    figure.savefig(output)
+    save(figure, output)
 
 
 def _solved(arm: Arm, pose: Any, respect_limits: bool) -> Any:

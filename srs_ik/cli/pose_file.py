@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 import csv
+import io
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from srs_ik.cli.options import WrongInput
+from srs_ik.cli.poses import warn_of_degrees
+from srs_ik.writing import write_whole
 
 if TYPE_CHECKING:
     import numpy as np
@@ -43,6 +46,36 @@ def read_poses(path: Path, unit: float) -> tuple[np.ndarray, list[int]]:
     from srs_ik.errors import InvalidPose
     from srs_ik.inputs.rotations import pose_from_xyz_quaternion, pose_from_xyz_rpy
 
+    table = read_table(path, (*POSITION, *RPY))
+    columns, turned = _columns(path, *table[0])
+    poses, lines, largest = [], [], 0.0
+    for line, row in table[1:]:
+        values = list(figures(f"{path}, line {line}", row, columns))
+        position, orientation = values[:3], values[3:]
+        try:
+            if turned:
+                pose = pose_from_xyz_quaternion(position, orientation, order="xyzw")
+            else:
+                largest = max(largest, *orientation, key=abs)
+                pose = pose_from_xyz_rpy(position, [unit * angle for angle in orientation])
+        except InvalidPose as error:
+            raise WrongInput(f"{path}, line {line}: {error}") from None
+        poses.append(pose.homogeneous)
+        lines.append(line)
+    if not poses:
+        raise WrongInput(f"{path} has a header and no poses below it")
+    if unit == 1.0:
+        warn_of_degrees(str(path), [largest], " Then add --degrees.")
+    return np.array(poses), lines
+
+
+def read_table(path: Path, columns: Sequence[str]) -> list[tuple[int, list[str]]]:
+    """The lines of a CSV file that are not empty, each with its number; the first names its columns, such as these.
+
+    Raises:
+        WrongInput: no text, no CSV, or nothing in it.
+        OSError: the file cannot be read.
+    """
     try:
         text = path.read_text(encoding="utf-8-sig")
     except UnicodeDecodeError:
@@ -53,24 +86,8 @@ def read_poses(path: Path, unit: float) -> tuple[np.ndarray, list[int]]:
     except csv.Error as error:
         raise WrongInput(f"{path}, line {reader.line_num}: {error}") from None
     if not table:
-        raise WrongInput(f"{path} is empty: its first line names the columns {', '.join((*POSITION, *RPY))}")
-    columns, turned = _columns(path, *table[0])
-    poses, lines = [], []
-    for line, row in table[1:]:
-        figures = list(_figures(f"{path}, line {line}", row, columns))
-        position, orientation = figures[:3], figures[3:]
-        try:
-            if turned:
-                pose = pose_from_xyz_quaternion(position, orientation, order="xyzw")
-            else:
-                pose = pose_from_xyz_rpy(position, [unit * angle for angle in orientation])
-        except InvalidPose as error:
-            raise WrongInput(f"{path}, line {line}: {error}") from None
-        poses.append(pose.homogeneous)
-        lines.append(line)
-    if not poses:
-        raise WrongInput(f"{path} has a header and no poses below it")
-    return np.array(poses), lines
+        raise WrongInput(f"{path} is empty: its first line names the columns {', '.join(columns)}")
+    return table
 
 
 def _columns(path: Path, line: int, header: Sequence[str]) -> tuple[dict[str, int], bool]:
@@ -93,7 +110,12 @@ def _columns(path: Path, line: int, header: Sequence[str]) -> tuple[dict[str, in
     return {name: names.index(name) for name in wanted}, turned
 
 
-def _figures(where: str, row: Sequence[str], columns: dict[str, int]) -> Iterator[float]:
+def figures(where: str, row: Sequence[str], columns: dict[str, int]) -> Iterator[float]:
+    """The finite numbers of a line in some columns; `where` names the line.
+
+    Raises:
+        WrongInput: one is missing, or is none.
+    """
     for name, index in columns.items():
         if index >= len(row):
             raise WrongInput(f"{where}: there is no {name}; the line ends after {len(row)} columns")
@@ -112,8 +134,19 @@ def write_path(path: Path, arm: Arm, found: PathSolution, dt: float | None) -> N
     Raises:
         OSError: the file cannot be written.
     """
-    with path.open("w", newline="", encoding="utf-8") as file:
-        writer = csv.writer(file)
-        writer.writerow([*(["t"] if dt else []), *arm.joint_names])
-        for i, q in enumerate(found.q.tolist()):
-            writer.writerow([*([i * dt] if dt else []), *q])
+    times = ([i * dt] if dt else [] for i in range(len(found)))
+    rows = ([*time, *q] for time, q in zip(times, found.q.tolist(), strict=True))
+    write_table(path, (*(["t"] if dt else []), *arm.joint_names), rows)
+
+
+def write_table(path: Path, header: Sequence[str], rows: Iterable[Sequence[object]]) -> None:
+    """Write a CSV file, whole or not at all.
+
+    Raises:
+        OSError: the file cannot be written.
+    """
+    text = io.StringIO(newline="")
+    writer = csv.writer(text)
+    writer.writerow(header)
+    writer.writerows(rows)
+    write_whole(path, text.getvalue())

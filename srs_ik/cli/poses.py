@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from srs_ik.cli.options import Four, Seven, Three, WrongInput, numbers
+from srs_ik.cli.options import Four, Seven, Three, WrongInput, numbers, warn
 
 if TYPE_CHECKING:
     import numpy as np
@@ -25,8 +26,8 @@ Rpy = Annotated[
 Quat = Annotated[
     Four | None, typer.Option(metavar="X Y Z W", help="Orientation as a unit quaternion, the scalar part last.")
 ]
-FromQ = Annotated[
-    Seven | None, typer.Option(metavar=JOINTS, help="Instead of a pose: the pose that these joint angles reach.")
+PoseOfQ = Annotated[
+    Seven | None, typer.Option("--q", metavar=JOINTS, help="Instead of a pose: the pose that these joint angles reach.")
 ]
 NoLimits = Annotated[bool, typer.Option("--no-limits", help="Ignore the joint limits.")]
 
@@ -36,8 +37,33 @@ def unit_of(degrees: bool) -> float:
     return math.pi / 180.0 if degrees else 1.0
 
 
+def angles(option: str, words: Sequence[str], unit: float, remedy: str = " Then add --degrees.") -> list[float]:
+    """Angles in radians; a line on standard error where they are given as such and look like degrees.
+
+    Args:
+        option: the option that they belong to.
+        words: the angles.
+        unit: radians in the unit in which they are given.
+        remedy: end of that line: what to do.
+
+    Raises:
+        WrongInput: a word is no finite number.
+    """
+    given = numbers(option, words)
+    if unit == 1.0:
+        warn_of_degrees(option, given, remedy)
+    return [unit * angle for angle in given]
+
+
+def warn_of_degrees(where: str, given: Sequence[float], remedy: str) -> None:
+    """Print a line on standard error if an angle in radians is more than a turn."""
+    largest = max(given, key=abs, default=0.0)
+    if abs(largest) > 2.0 * math.pi:
+        warn(f"{where} is in radians, and {largest:g} rad is more than a turn: are these degrees?{remedy}")
+
+
 def read_pose(
-    xyz: Three | None, rpy: Three | None, quat: Four | None, from_q: Seven | None, unit: float
+    xyz: Three | None, rpy: Three | None, quat: Four | None, q: Seven | None, unit: float
 ) -> tuple[np.ndarray | None, list[float]]:
     """The pose of the tip in the base frame that the options give, or the joint angles that reach it.
 
@@ -45,7 +71,7 @@ def read_pose(
         xyz: words for the position, metres.
         rpy: words for three angles.
         quat: words for a quaternion.
-        from_q: words for seven joint angles.
+        q: words for seven joint angles.
         unit: radians in the unit of the angles.
 
     Returns:
@@ -54,15 +80,15 @@ def read_pose(
     Raises:
         WrongInput: not exactly one pose is given, or its words are no finite numbers, or its quaternion no rotation.
     """
-    q = [unit * x for x in numbers("--from-q", from_q or ())]
+    configuration = angles("--q", q or (), unit)
     if q and (xyz or rpy or quat):
-        raise WrongInput("--from-q is a pose already and goes with none of --xyz, --rpy and --quat")
-    return (None if q else _given_pose(xyz, rpy, quat, unit)), q
+        raise WrongInput("--q is a pose already and goes with none of --xyz, --rpy and --quat")
+    return (None if q else _given_pose(xyz, rpy, quat, unit)), configuration
 
 
 def _given_pose(xyz: Three | None, rpy: Three | None, quat: Four | None, unit: float) -> np.ndarray:
     if xyz is None and rpy is None and quat is None:
-        raise WrongInput("give a pose: --xyz with --rpy or --quat, or --from-q")
+        raise WrongInput("give a pose: --xyz with --rpy or --quat, or --q")
     if rpy is not None and quat is not None:
         raise WrongInput("--rpy and --quat are two ways to give the orientation: give one")
     if xyz is None:
@@ -74,7 +100,7 @@ def _given_pose(xyz: Three | None, rpy: Three | None, quat: Four | None, unit: f
     T_base_tip = np.eye(4)
     T_base_tip[:3, 3] = numbers("--xyz", xyz)
     if rpy is not None:
-        T_base_tip[:3, :3] = pin.rpy.rpyToMatrix(unit * np.array(numbers("--rpy", rpy)))
+        T_base_tip[:3, :3] = pin.rpy.rpyToMatrix(np.array(angles("--rpy", rpy, unit)))
     elif quat is not None:
         components = np.array(numbers("--quat", quat))
         length = float(np.linalg.norm(components))

@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from srs_ik.cli.options import Base, Limb, Seven, Source, Tip, WrongInput, numbers
-from srs_ik.cli.poses import JOINTS, Quat, Rpy, Xyz, read_pose, unit_of
+from srs_ik.cli.options import AllowXacro, Base, Limb, Seven, Source, Tip, WrongInput
+from srs_ik.cli.poses import JOINTS, Quat, Rpy, Xyz, angles, read_pose, unit_of
 
 if TYPE_CHECKING:
     import numpy as np
@@ -27,6 +27,7 @@ def preview(
     base: Base = None,
     tip: Tip = None,
     limb: Limb = None,
+    allow_xacro: AllowXacro = False,
     ellipsoids: Annotated[
         bool, typer.Option("--ellipsoids", help="Show the ellipsoids of velocity and force at the tip.")
     ] = False,
@@ -58,29 +59,29 @@ def preview(
     if q is not None and (xyz or rpy or quat):
         raise WrongInput("--q is a posture already and goes with none of --xyz, --rpy and --quat")
     unit = unit_of(degrees)
-    angles = None if q is None else [unit * x for x in numbers("--q", q)]
+    shown = None if q is None else angles("--q", q, unit)
     pose = read_pose(xyz, rpy, quat, None, unit)[0] if xyz or rpy or quat else None
 
     from srs_ik.loading import load
 
-    arm = load(source, base=base, tip=tip, limb=limb)
+    arm = load(source, base=base, tip=tip, limb=limb, allow_xacro=allow_xacro)
     if pose is not None:
         solution = arm.solve(pose)
         if not solution:
             typer.echo(f"srs-ik: {solution.status.name}: {solution.message}", err=True)
             raise typer.Exit(1)
-        angles = solution.q.tolist()
+        shown = solution.q.tolist()
     if interactive:
         from srs_ik.preview.interactive import InteractivePreview
 
-        with InteractivePreview(arm, angles, meshes or (), port) as page:
+        with InteractivePreview(arm, shown, meshes or (), port) as page:
             _serve(page)
         return
 
     from srs_ik.preview import Preview
 
     with Preview(arm, meshes or (), port) as view:
-        _draw(view, arm, angles, pose, ellipsoids, ghosts, self_motion)
+        _draw(view, arm, shown, pose, ellipsoids, ghosts, self_motion)
         if save is None:
             _serve(view)
         else:
@@ -125,8 +126,8 @@ def _draw(
 def _serve(page: Any) -> None:
     """Keep the page until the user has seen enough."""
     _say_missing(page)
-    typer.echo(f"{page.arm.name}: {page.url} (Ctrl+C ends it)")
     try:
+        typer.echo(f"{page.arm.name}: {page.url} (Ctrl+C ends it)")
         while True:
             time.sleep(3600.0)
     except KeyboardInterrupt:

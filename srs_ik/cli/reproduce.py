@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from enum import StrEnum
 from functools import partial
 from pathlib import Path
@@ -9,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from srs_ik.cli.options import Base, Limb, Tip, WrongInput, numbers
+from srs_ik.cli.options import AllowXacro, Base, Limb, Tip, WrongInput, numbers
 from srs_ik.cli.picture import check
 from srs_ik.cli.task import Six
 
@@ -46,6 +47,7 @@ def reproduce(
     base: Base = None,
     tip: Tip = None,
     limb: Limb = None,
+    allow_xacro: AllowXacro = False,
     hand: Annotated[
         Six | None,
         typer.Option(
@@ -73,10 +75,18 @@ def reproduce(
     from srs_ik.paper.experiments import EXPERIMENTS
     from srs_ik.paper.experiments.files import write
 
-    arm = load(robot, base=base, tip=tip, limb=limb, hand=None if axes is None else [axes[:3], axes[3:]])
+    arm = load(
+        robot,
+        base=base,
+        tip=tip,
+        limb=limb,
+        allow_xacro=allow_xacro,
+        hand=None if axes is None else [axes[:3], axes[3:]],
+    )
     names = list(EXPERIMENTS) if experiment is Experiment.all else [experiment.value]
     out.mkdir(parents=True, exist_ok=True)
-    with Progress(console=Console(stderr=True), transient=True) as bar:
+    # Where nobody looks, a bar would leave an empty line.
+    with Progress(console=Console(stderr=True), transient=True, disable=not sys.stderr.isatty()) as bar:
         for name in names:
             # Drawing takes about as long as computing.
             task = bar.add_task(name, total=2.0)

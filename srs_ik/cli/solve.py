@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 import math
+from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
 from srs_ik.cli import objective as objectives
-from srs_ik.cli.options import AsJson, Base, Limb, Seven, Source, Tip, WrongInput, numbers
-from srs_ik.cli.poses import JOINTS, FromQ, NoLimits, Quat, Rpy, Xyz, read_pose, unit_of
+from srs_ik.cli.options import AllowXacro, AsJson, Base, Limb, Seven, Source, Tip, WrongInput
+from srs_ik.cli.pose_file import read_poses
+from srs_ik.cli.poses import JOINTS, NoLimits, PoseOfQ, Quat, Rpy, Xyz, angles, read_pose, unit_of
+from srs_ik.cli.solve_file import report
 
 if TYPE_CHECKING:
     import numpy as np
@@ -24,10 +27,11 @@ def solve(
     xyz: Xyz = None,
     rpy: Rpy = None,
     quat: Quat = None,
-    from_q: FromQ = None,
+    q: PoseOfQ = None,
     base: Base = None,
     tip: Tip = None,
     limb: Limb = None,
+    allow_xacro: AllowXacro = False,
     arm_angle: Annotated[
         str | None, typer.Option(metavar="ANGLE", help="Arm angle of the posture; zero as 'srs-ik inspect' says.")
     ] = None,
@@ -46,19 +50,26 @@ def solve(
         bool,
         typer.Option("--all", help="Print every branch at the arm angle; without one, a posture for every interval."),
     ] = False,
+    file: Annotated[
+        Path | None,
+        typer.Option(metavar="POSES.csv", help="Solve every pose of a file as 'srs-ik path' reads it, each by itself."),
+    ] = None,
+    out: Annotated[
+        Path | None,
+        typer.Option(metavar="JOINTS.csv", help="With --file: write joint angles, radians, and statuses here."),
+    ] = None,
     no_limits: NoLimits = False,
     degrees: Annotated[
         bool,
-        typer.Option(
-            "--degrees", help="Angles are given in degrees (--rpy, --from-q, --arm-angle, --seed, --reference)."
-        ),
+        typer.Option("--degrees", help="Angles are given in degrees (--rpy, --q, --arm-angle, --seed, --reference)."),
     ] = False,
     as_json: AsJson = False,
 ) -> None:
     """Find the joint angles that bring the tip of an arm to a pose.
 
-    The pose is --xyz with --rpy or --quat, or that of --from-q. Without --arm-angle, --seed and --objective the posture
-    farthest from the joint limits is chosen. Exit status 1 if there is no solution, with the closest posture.
+    The pose is --xyz with --rpy or --quat, or that of --q; --file has many. Without --arm-angle, --seed and
+    --objective the posture farthest from the joint limits is chosen. Exit status 1 if there is no solution, with the
+    closest posture, or if a pose of the file has none.
     """
     unit = unit_of(degrees)
     if every and (seed is not None or branch is not None):
@@ -70,13 +81,24 @@ def solve(
         raise WrongInput(
             "--objective goes with none of --arm-angle, --seed, --branch and --all: it searches all postures"
         )
-    angle = None if arm_angle is None else unit * numbers("--arm-angle", [arm_angle])[0]
-    start = None if seed is None else [unit * x for x in numbers("--seed", seed)]
-    pose, configuration = read_pose(xyz, rpy, quat, from_q, unit)
+    angle = None if arm_angle is None else angles("--arm-angle", [arm_angle], unit)[0]
+    start = None if seed is None else angles("--seed", seed, unit)
+    if file is not None and (every or judged or xyz or rpy or quat or q):
+        raise WrongInput("--file has the poses: it goes with none of --xyz, --rpy, --quat, --q, --all and --objective")
+    if out is not None and file is None:
+        raise WrongInput("--out writes what becomes of the poses of --file; for one pose there is --json")
+    if file is not None:
+        poses, lines = read_poses(file, unit)
+    else:
+        pose, configuration = read_pose(xyz, rpy, quat, q, unit)
 
     from srs_ik.loading import load
 
-    arm = load(source, base=base, tip=tip, limb=limb)
+    arm = load(source, base=base, tip=tip, limb=limb, allow_xacro=allow_xacro)
+    if file is not None:
+        solved = arm.solve_batch(poses, arm_angle=angle, seed=start, branch=branch, respect_limits=not no_limits)
+        report(arm, solved, file, lines, out, as_json)
+        return
     if pose is None:
         pose = arm.forward_kinematics(configuration).homogeneous
     if every:

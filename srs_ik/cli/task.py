@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from srs_ik.cli.options import AsJson, Base, Limb, Seven, Source, Three, Tip, WrongInput, numbers
-from srs_ik.cli.poses import JOINTS, NoLimits, Xyz
+from srs_ik.cli.options import AllowXacro, AsJson, Base, Limb, Seven, Source, Three, Tip, WrongInput, numbers
+from srs_ik.cli.poses import JOINTS, NoLimits, Xyz, angles
 
 if TYPE_CHECKING:
     from srs_ik.arm import Arm
@@ -71,6 +71,7 @@ def task(
     base: Base = None,
     tip: Tip = None,
     limb: Limb = None,
+    allow_xacro: AllowXacro = False,
     no_limits: NoLimits = False,
     as_json: AsJson = False,
 ) -> None:
@@ -93,14 +94,21 @@ def task(
     }
     position = numbers("--xyz", xyz)
     axes = None if hand is None else numbers("--hand", hand)
-    start = None if seed is None else numbers("--seed", seed)
+    start = None if seed is None else angles("--seed", seed, 1.0, "")
 
+    from srs_ik.inputs.task import Task
     from srs_ik.loading import load
-    from srs_ik.solve.posture import Task
     from srs_ik.solve.task import TaskSolution
 
     wanted = Task(position, **given)
-    arm = load(source, base=base, tip=tip, limb=limb, hand=None if axes is None else [axes[:3], axes[3:]])
+    arm = load(
+        source,
+        base=base,
+        tip=tip,
+        limb=limb,
+        allow_xacro=allow_xacro,
+        hand=None if axes is None else [axes[:3], axes[3:]],
+    )
     solution = arm.solve_task(wanted, side.value, not no_limits, tie.value, seed=start)
     assert isinstance(solution, TaskSolution)
     if as_json:

@@ -5,6 +5,9 @@ from __future__ import annotations
 import signal
 import sys
 import threading
+import warnings
+from collections.abc import Iterator
+from contextlib import contextmanager
 from types import FrameType
 from typing import Any
 
@@ -41,3 +44,29 @@ def announce_compilation() -> None:
             pass
 
     event.register("numba:compile", Announcement())
+
+
+@contextmanager
+def at_work(words: str) -> Iterator[None]:
+    """Within this block, show in a terminal how far a batch is; of other work, that it goes on."""
+    if not sys.stderr.isatty():
+        yield
+        return
+    from rich.console import Console
+    from rich.progress import Progress
+
+    from srs_ik.solve.threads import watched
+
+    with Progress(console=Console(stderr=True), transient=True) as bar:
+        task = bar.add_task(words, total=None)
+        with watched(lambda begun, count: bar.update(task, completed=begun, total=count)):
+            yield
+
+
+def warn_in_one_line() -> None:
+    """Print warnings as the command line's other words, without the line of code that they come from."""
+
+    def show(message: Warning | str, *_: Any) -> None:
+        print(f"srs-ik: {message}", file=sys.stderr)
+
+    warnings.showwarning = show  # type: ignore[assignment]

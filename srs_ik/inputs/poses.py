@@ -11,8 +11,10 @@ from numpy.typing import ArrayLike, NDArray
 
 from srs_ik.errors import InvalidConfiguration, InvalidPose, SrsIkError
 from srs_ik.inputs.messages import pose_matrix
+from srs_ik.inputs.numbers import real_array, real_number
+from srs_ik.inputs.rotations import Order, checked_order, quaternion_of
 from srs_ik.kernels.entries.pose import check_pose
-from srs_ik.kernels.limb.poses import FARTHEST, NOT_FINITE, TOO_FAR
+from srs_ik.kernels.layout.answer import FARTHEST, NOT_A_ROTATION, NOT_FINITE, TOO_FAR
 
 Array = NDArray[np.float64]
 PoseLike = Any
@@ -25,6 +27,9 @@ LARGEST_ANGLE = 1e6
 
 FARTHEST_SEED = 300.0
 """So far outside its limits a joint of a seed may be, rad; one that is farther was hardly meant in radians."""
+
+FARTHEST_FROM_ROTATION = 0.1
+"""How much a matrix may stretch to be taken for a rotation with errors."""
 
 _MAKERS = {
     (3,): "; pose_from_xyz_rpy(xyz, [0, 0, 0]) makes one of a position",
@@ -84,22 +89,6 @@ def _is_message(pose: Any) -> bool:
     return any(hasattr(pose, field) for field in ("position", "translation", "pose", "transform"))
 
 
-def real_array(values: Any) -> Array:
-    """A new C-ordered array of floats.
-
-    Raises:
-        TypeError: complex numbers, whose imaginary part NumPy would drop.
-        ValueError: not numbers, or integers that no float can hold.
-    """
-    raw = np.asarray(values)
-    if raw.dtype.kind == "c":
-        raise TypeError("complex numbers")
-    try:
-        return np.array(raw, dtype=np.float64, order="C")
-    except OverflowError as error:
-        raise ValueError(str(error)) from None
-
-
 def as_rigid_matrix(pose: PoseLike) -> Array:
     """A pose as a (4, 4) array, checked to be a rigid transform.
 
@@ -111,6 +100,35 @@ def as_rigid_matrix(pose: PoseLike) -> Array:
     if verdict:
         raise invalid_pose(verdict)
     return T
+
+
+def nearest_pose(matrix: Any) -> pin.SE3:
+    """The pose nearest to a matrix whose rotation is one up to rounding or noise, as in files and from sensors.
+
+    Args:
+        matrix: (4, 4) array, or anything else that is taken for a pose. The lengths of the axes in its rotation may be
+            off by up to 10 %.
+
+    Returns:
+        The same position, and the rotation that is nearest in the sum of squared differences (by SVD).
+
+    Raises:
+        InvalidPose: not 4 x 4, not finite, or no pose by more than that: scaled, mirrored, or of another last row.
+
+    Source: P. H. Schoenemann, A generalized solution of the orthogonal Procrustes problem, Psychometrika 31, 1966.
+    """
+    T = as_matrix(matrix)
+    if not np.isfinite(T).all():
+        raise invalid_pose(NOT_FINITE)
+    if np.abs(T[3] - (0.0, 0.0, 0.0, 1.0)).max() > NOT_A_ROTATION:
+        raise InvalidPose(f"the last row of a pose is 0 0 0 1, not {' '.join(f'{x:.6g}' for x in T[3])}")
+    U, stretch, V = np.linalg.svd(T[:3, :3])
+    if np.linalg.det(U @ V) < 0.0:
+        raise InvalidPose("the matrix mirrors: its axes are left-handed")
+    if np.abs(stretch - 1.0).max() > FARTHEST_FROM_ROTATION:
+        lengths = ", ".join(f"{x:.4g}" for x in stretch)
+        raise InvalidPose(f"the matrix is far from a rotation: it stretches by {lengths}, where a pose has 1, 1, 1")
+    return pin.SE3(U @ V, T[:3, 3].copy())
 
 
 def _is_plain(values: Any) -> TypeGuard[Array]:
@@ -137,6 +155,7 @@ def invalid_pose(verdict: int, where: str = "") -> InvalidPose:
         return InvalidPose(f"the pose{where} is farther away than {FARTHEST:g} m")
     return InvalidPose(
         f"the pose{where} is no rigid transform: R'R must be the identity to 1e-6, det R positive, the last row 0 0 0 1"
+        "; srs_ik.nearest_pose(matrix) makes one of a matrix that is nearly one"
     )
 
 
@@ -165,6 +184,35 @@ def as_joint_vector(q: ArrayLike, what: str = "q") -> Array:
         raise InvalidConfiguration(f"{what} must be 7 joint angles, not an array of shape {array.shape}")
     if not math.isfinite(math.hypot(*array.tolist())):
         raise InvalidConfiguration(f"{what} has entries that are not finite numbers")
+    return array
+
+
+def as_bounded_joint_vector(q: ArrayLike) -> Array:
+    """`as_joint_vector` for kernels, whose sines and cosines end at `LARGEST_ANGLE`.
+
+    Raises:
+        InvalidConfiguration: not seven, not numbers, not finite, or beyond `LARGEST_ANGLE`.
+    """
+    array = as_joint_vector(q)
+    refuse_bad_angles(array, "q")
+    return array
+
+
+def as_joint_vectors(q: Any, what: str = "q") -> Array:
+    """Many configurations as an (N, 7) array of floats in C order; a plain array is not copied.
+
+    Raises:
+        InvalidConfiguration: not N x 7, not numbers, not finite, or beyond `LARGEST_ANGLE`.
+    """
+    try:
+        array = q if _is_plain(q) else real_array(q if isinstance(q, np.ndarray) else list(q))
+    except (TypeError, ValueError):
+        raise InvalidConfiguration(f"{what} must be N times 7 joint angles, not {type(q).__name__}") from None
+    if array.shape == (0,):
+        return np.empty((0, 7))
+    if array.ndim != 2 or array.shape[1] != 7:
+        raise InvalidConfiguration(f"{what} must be N times 7 joint angles, not an array of shape {array.shape}")
+    refuse_bad_angles(array, what)
     return array
 
 
@@ -226,10 +274,7 @@ def as_positive(value: Any, what: str, unit: str, error: type[SrsIkError] = Inva
     Raises:
         error: it is none.
     """
-    try:
-        number = float(value)
-    except (TypeError, ValueError, OverflowError):
-        number = math.nan
+    number = real_number(value)
     if not 0.0 < number < math.inf:
         raise error(f"{what} must be a positive number of {unit}, not {value!r:.40}")
     return number
@@ -241,10 +286,7 @@ def as_arm_angle(arm_angle: float) -> float:
     Raises:
         InvalidConfiguration: not a finite number, or beyond `LARGEST_ANGLE`.
     """
-    try:
-        value = float(arm_angle)
-    except (TypeError, ValueError, OverflowError):
-        value = math.nan
+    value = real_number(arm_angle)
     if not abs(value) <= LARGEST_ANGLE:
         given = f"{arm_angle!r:.40}"
         raise InvalidConfiguration(
@@ -286,3 +328,21 @@ def per_pose(value: ArrayLike, shape: tuple[int, ...], n: int, what: str) -> Arr
     if array.size and not (array.min() >= -LARGEST_ANGLE and array.max() <= LARGEST_ANGLE):
         refuse_bad_angles(array, what)
     return array
+
+
+def xyz_quaternion(pose: Any, *, order: Order) -> tuple[Array, Array]:
+    """Position and unit quaternion of a pose, the scalar part not negative.
+
+    Args:
+        pose: a `pinocchio.SE3` or a (4, 4) array.
+        order: as for `pose_from_xyz_quaternion`.
+
+    Returns:
+        (3,) metres and (4,).
+
+    Raises:
+        InvalidPose: the pose is no finite rigid transform, or another order.
+    """
+    order = checked_order(order)
+    T = as_rigid_matrix(pose)
+    return T[:3, 3].copy(), quaternion_of(T[:3, :3], order)

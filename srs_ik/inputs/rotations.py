@@ -1,14 +1,15 @@
-"""Poses from position and quaternion, with the order of its four numbers named, and back."""
+"""Poses from position and quaternion, with the order of its four numbers named, or from the angles of a URDF."""
 
 from __future__ import annotations
 
-from typing import Any, Literal
+from typing import Any, Literal, cast
 
 import numpy as np
 import pinocchio as pin
 from numpy.typing import ArrayLike, NDArray
 
 from srs_ik.errors import InvalidPose
+from srs_ik.inputs.numbers import real_array
 
 Array = NDArray[np.float64]
 Order = Literal["xyzw", "wxyz"]
@@ -32,8 +33,7 @@ def pose_from_xyz_quaternion(xyz: ArrayLike, quaternion: ArrayLike, *, order: Or
     Raises:
         InvalidPose: not 3 and 4 finite numbers, a length that is not 1, or another order.
     """
-    if not isinstance(order, str) or order not in _TO_XYZW:
-        raise InvalidPose(f"the order of a quaternion is 'xyzw' or 'wxyz', not {order!r}")
+    order = checked_order(order)
     position, q = _numbers(xyz, 3, "a position"), _numbers(quaternion, 4, "a quaternion")
     length = float(np.linalg.norm(q))
     if abs(length - 1.0) > LENGTH_TOLERANCE:
@@ -55,31 +55,26 @@ def pose_from_xyz_rpy(xyz: ArrayLike, rpy: ArrayLike) -> pin.SE3:
     return pin.SE3(pin.rpy.rpyToMatrix(*angles), position)
 
 
-def xyz_quaternion(pose: Any, *, order: Order) -> tuple[Array, Array]:
-    """Position and unit quaternion of a pose, the scalar part not negative.
-
-    Args:
-        pose: a `pinocchio.SE3` or a (4, 4) array.
-        order: as for `pose_from_xyz_quaternion`.
-
-    Returns:
-        (3,) metres and (4,).
+def checked_order(order: Any) -> Order:
+    """The order of a quaternion.
 
     Raises:
-        InvalidPose: the pose is no finite rigid transform, or another order.
+        InvalidPose: it is neither "xyzw" nor "wxyz".
     """
-    from srs_ik.inputs.poses import as_rigid_matrix
+    if not isinstance(order, str) or order not in _TO_XYZW:
+        raise InvalidPose(f"the order of a quaternion is 'xyzw' or 'wxyz', not {order!r:.40}")
+    return cast(Order, order)
 
-    if not isinstance(order, str) or order not in _FROM_XYZW:
-        raise InvalidPose(f"the order of a quaternion is 'xyzw' or 'wxyz', not {order!r}")
-    T = as_rigid_matrix(pose)
-    q = pin.Quaternion(np.ascontiguousarray(T[:3, :3])).normalized().coeffs()
-    return T[:3, 3].copy(), (q if q[3] >= 0.0 else -q)[_FROM_XYZW[order]]
+
+def quaternion_of(R: Array, order: Order) -> Array:
+    """(4,) unit quaternion of a rotation matrix (3, 3), the scalar part not negative."""
+    q = pin.Quaternion(np.ascontiguousarray(R)).normalized().coeffs()
+    return (q if q[3] >= 0.0 else -q)[_FROM_XYZW[order]]
 
 
 def _numbers(values: ArrayLike, count: int, what: str) -> Array:
     try:
-        array = np.asarray(values, dtype=float)
+        array = real_array(values)
     except (TypeError, ValueError):
         array = np.empty(0)
     if array.shape != (count,) or not np.isfinite(array).all():

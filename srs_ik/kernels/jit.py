@@ -2,8 +2,8 @@
 
 With NUMBA_DISABLE_JIT=1 both leave a function as it is, for a debugger.
 
-Only entry points are cached on disk; their machine code contains all that they call. Numba watches the file of the
-cached function alone, so an edited callee would go unnoticed: the cache is keyed here by a digest of the whole folder.
+Only entry points are cached on disk (see `disk`); their machine code contains all that they call, so the cache is keyed
+by a digest of the whole folder.
 """
 
 from __future__ import annotations
@@ -15,6 +15,8 @@ from pathlib import Path
 from typing import Any
 
 from numba import config, njit, types
+
+from srs_ik.kernels.disk import KernelCache
 
 _compile = njit(error_model="numpy", nogil=True, no_cpython_wrapper=True, no_cfunc_wrapper=True)
 
@@ -49,6 +51,6 @@ def entry(function: Callable[..., Any]) -> Callable[..., Any]:
     """Decorator of an entry point: compiled once, then loaded from disk as long as no kernel's source has changed."""
     if config.DISABLE_JIT:
         return function
-    dispatcher = njit(cache=True, error_model="numpy", nogil=True)(function)
-    dispatcher._cache._cache_file._source_stamp = source_digest()
+    dispatcher = njit(error_model="numpy", nogil=True)(function)
+    dispatcher._cache = KernelCache(function, source_digest)
     return dispatcher

@@ -12,9 +12,13 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from srs_ik.errors import InvalidRobot
+from srs_ik.robot.arguments import check_path, check_xacro_args
+from srs_ik.robot.card import read_card
+from srs_ik.robot.description.files import label_of
 from srs_ik.robot.limb import SrsLimb, Vector
 from srs_ik.robot.sides import side_of
 from srs_ik.robot.sources import places_of
+from srs_ik.writing import write_whole
 
 if TYPE_CHECKING:
     from srs_ik.arm import Arm
@@ -38,18 +42,27 @@ def write_adapter(path: str | Path, source: str | Path, arm: Arm, xacro_args: Ma
     Raises:
         InvalidRobot: the file exists, its name does not end in ``.toml``, or it cannot be written.
     """
+    check_path("path", path)
+    check_xacro_args(xacro_args)
     path = Path(path)
     if path.suffix != ".toml":
-        raise InvalidRobot(f"an adapter is a file whose name ends in .toml, such as robot.toml, not {path}", path)
+        raise InvalidRobot(
+            f"an adapter is a file whose name ends in .toml, such as robot.toml, not {label_of(path)}", path
+        )
     places = [_as_written(place, path.absolute().parent) for place in places_of(source)]
     text = _text(arm, places, xacro_args or {})
     try:
-        with path.open("x", encoding="utf-8") as file:
-            file.write(text)
+        write_whole(path, text, replace=False)
     except FileExistsError:
-        raise InvalidRobot(f"{path} exists already; it is not overwritten", path) from None
-    except OSError as error:
-        raise InvalidRobot(f"cannot write {path}: {error.strerror or error}", path) from error
+        raise InvalidRobot(f"{label_of(path)} exists already; it is not overwritten", path) from None
+    except (OSError, ValueError) as error:
+        reason = getattr(error, "strerror", None) or error
+        raise InvalidRobot(f"cannot write {label_of(path)}: {reason}", path) from error
+
+
+def names_xacro(path: str | Path) -> bool:
+    """True if a description that an adapter names is a xacro file, as far as its place says so."""
+    return any(map(_is_xacro, read_card(path).places))
 
 
 def hand_axes(limb: SrsLimb) -> tuple[Vector, Vector]:
@@ -89,10 +102,12 @@ def _text(arm: Arm, places: list[str], xacro_args: Mapping[str, str]) -> str:
     grasp, across = arm.hand or hand_axes(arm.limb)
     urdf = _string(places[0]) if len(places) == 1 else f"[{', '.join(map(_string, places))}]"
     side = side_of((arm.base, arm.tip, *arm.joint_names))
+    # Whoever gets the adapter from somebody has to say that the program may run.
+    xacro = "; a program: allow_xacro=True, --allow-xacro" if any(map(_is_xacro, places)) else ""
     lines = [
         "# Adapter of an arm: srs_ik.load() and srs-ik take this file. Check every line that says 'check'.",
         f"name = {_string(arm.name)}",
-        f"urdf = {urdf}  # relative to this file",
+        f"urdf = {urdf}  # relative to this file{xacro}",
         f'side = "{side}"  # of a body: left, right or either; check',
         "",
         "[frames]",
@@ -123,6 +138,10 @@ def _text(arm: Arm, places: list[str], xacro_args: Mapping[str, str]) -> str:
         values = ", ".join(f"{key} = {_number(value)}" for key, value in figures)
         lines.append(f"# {_string(joint)} = {{ {values} }}")
     return "\n".join(lines) + "\n"
+
+
+def _is_xacro(place: str) -> bool:
+    return place.endswith(".xacro")
 
 
 def _string(text: str) -> str:

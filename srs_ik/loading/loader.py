@@ -10,20 +10,25 @@ import numpy as np
 import pinocchio as pin
 
 from srs_ik.errors import AmbiguousLimb, FrameNotFound, InvalidTask, NotAnSrsLimb, listed
+from srs_ik.forks import whole
+from srs_ik.inputs.numbers import real_array
+from srs_ik.robot import changes
+from srs_ik.robot.arguments import check_path, check_texts
 from srs_ik.robot.candidates import Candidate, LimbReport, examine, explained, weigh
 from srs_ik.robot.card import Placement
-from srs_ik.robot.chain import Chain, Skeleton, build_chain
-from srs_ik.robot.changes import within_limits
+from srs_ik.robot.chain import Chain, build_chain
 from srs_ik.robot.description.srdf import chain_of
 from srs_ik.robot.limb import Hand, Vector
-from srs_ik.robot.recognition import recognise
+from srs_ik.robot.recognition import default_reference, recognise
 from srs_ik.robot.sides import is_meant
+from srs_ik.robot.skeleton import Skeleton
 from srs_ik.robot.sources import Description, describe
 
 if TYPE_CHECKING:
     from srs_ik.arm import Arm
 
 
+@whole
 def load(
     source: Any,
     base: str | None = None,
@@ -37,6 +42,7 @@ def load(
     urdf: Any = None,
     srdf: str | Path | None = None,
     xacro_args: Mapping[str, str] | None = None,
+    allow_xacro: bool = False,
 ) -> Arm:
     """Load an S-R-S arm.
 
@@ -61,13 +67,16 @@ def load(
             (rad/s) and "effort" (N m) that change; infinite for none.
         urdf: the description of a robot with a name or an adapter, where it is not at one of their places.
         srdf: path or text of a MoveIt SRDF file; base and tip are those of one of its chains.
-        xacro_args: arguments of a xacro file.
+        xacro_args: arguments of a xacro file. Such a file is a program, with what the user may do: load those that you
+            trust.
+        allow_xacro: whether to run a xacro file that an adapter names. One that you name yourself is run in any case.
 
     Returns:
         The arm.
 
     Raises:
-        InvalidRobot: the description is missing or faulty, or `limits`, `srdf` or `xacro_args` do not fit it.
+        InvalidRobot: the description is missing or faulty, `limits`, `srdf` or `xacro_args` do not fit it, or an
+            argument is of the wrong kind.
         FrameNotFound: the robot has no frame `base` or `tip`.
         NotAnSrsLimb: there are no seven such joints, or their axes miss common points by too much.
         AmbiguousLimb: several arms fit.
@@ -76,36 +85,41 @@ def load(
     """
     from srs_ik.arm import Arm
 
+    check_texts(base=base, tip=tip, name=name, limb=limb)
+    if srdf is not None:
+        check_path("srdf", srdf)
     asked_reference = None if reference is None else _direction(reference, "reference")
     asked_hand = None if hand is None else _hand(hand)
-    description = describe(source, urdf, xacro_args)
+    description = describe(source, urdf, xacro_args, allow_xacro)
     if srdf is not None:
         base, tip = chain_of(srdf, limb)
         limb = None
     joints, base, tip = _choose(description, base, tip, limb)
     chain = build_chain(description.robot.model, joints, base, tip)
-    for changes in (description.limits, limits):
-        chain = within_limits(chain, changes) if changes else chain
-    if asked_reference is None:
-        asked_reference = _meant_reference(description, chain)
-    if asked_hand is None:
-        asked_hand = _meant_hand(description, chain)
-    found = recognise(chain.axes, chain.points, chain.T_base_tip_zero, asked_reference)
+    for changed in (description.limits, limits):
+        chain = changes.within_limits(chain, changed) if changed is not None else chain
+    reference = asked_reference if asked_reference is not None else _meant_reference(description, chain)
+    axes = asked_hand if asked_hand is not None else _meant_hand(description, chain)
+    if description.tool is not None and tip == description.tip:
+        T_tip_tool = _matrix(description.tool)
+        chain = changes.with_tool(chain, T_tip_tool, description.tool.name)
+        axes = None if axes is None else axes @ T_tip_tool[:3, :3]
+    if description.mount is not None and base == description.base:
+        T_mount_base = _matrix(description.mount)
+        chain = changes.on_base(chain, T_mount_base, description.mount.name)
+        reference = T_mount_base[:3, :3] @ reference
+    found = recognise(chain.axes, chain.points, chain.T_base_tip_zero, reference)
     if found.limb is None:
         misses_mm, allowed_mm = 1e3 * found.misses, 1e3 * found.allowed
         clause = explained(found.reason, chain.joint_names, misses_mm, allowed_mm)
         message = f"{description.robot.source}: {base} -> {tip} is no S-R-S limb: {clause}"
         raise NotAnSrsLimb(message, chain.joint_names, misses_mm.tolist(), allowed_mm)
-    axes = None if asked_hand is None else Hand(*(tuple(axis.tolist()) for axis in asked_hand))
-    arm = Arm(chain, found.limb, name or description.name, hand=axes, drawing=description.robot.drawing)
-    if description.tool is not None and tip == description.tip:
-        arm = arm.with_tool(_matrix(description.tool), description.tool.name)
-    if description.mount is not None and base == description.base:
-        arm = arm.with_base(_matrix(description.mount), description.mount.name)
-    return arm
+    hand_axes = None if axes is None else Hand(*(tuple(axis.tolist()) for axis in axes))
+    return Arm(chain, found.limb, name or description.name, hand=hand_axes, drawing=description.robot.drawing)
 
 
-def find_limbs(source: Any, xacro_args: Mapping[str, str] | None = None) -> list[LimbReport]:
+@whole
+def find_limbs(source: Any, xacro_args: Mapping[str, str] | None = None, allow_xacro: bool = False) -> list[LimbReport]:
     """Every chain of seven consecutive revolute joints in a robot, classified and measured.
 
     S-R-S limbs come first, then chains that are none. Of chains that share joints only the best is reported: see `note`
@@ -114,12 +128,13 @@ def find_limbs(source: Any, xacro_args: Mapping[str, str] | None = None) -> list
     Args:
         source: as for `load`.
         xacro_args: arguments of a xacro file.
+        allow_xacro: as for `load`.
 
     Raises:
         InvalidRobot: the description is missing or faulty.
         MissingExtra: `source` needs a package that is not installed.
     """
-    description = describe(source, xacro_args=xacro_args)
+    description = describe(source, xacro_args=xacro_args, allow_xacro=allow_xacro)
     skeleton = Skeleton(description.robot.model)
     candidates = [examine(description, skeleton, joints) for joints in skeleton.windows(description.robot.mimic_joints)]
     return [candidate.report for candidate in weigh(candidates, skeleton)]
@@ -224,9 +239,11 @@ def _ambiguous(skeleton: Skeleton, description: Description, limbs: Sequence[Can
     return AmbiguousLimb(f"{description.robot.source}: {fit}, choose one by {how}: {choices}", ends)
 
 
-def _meant_reference(description: Description, chain: Chain) -> Vector | None:
-    """The reference of the description, turned from its own base frame into that of the chain."""
-    if description.reference is None or description.base is None or chain.base == description.base:
+def _meant_reference(description: Description, chain: Chain) -> Vector:
+    """The reference of the description, turned from its own base frame into that of the chain, or the default one."""
+    if description.reference is None:
+        return default_reference(chain.axes[0])
+    if description.base is None or chain.base == description.base:
         return description.reference
     return Skeleton(chain.model).transform(chain.base, description.base)[:3, :3] @ description.reference
 
@@ -249,15 +266,17 @@ def _matrix(placement: Placement) -> Vector:
 
 def _direction(value: Any, what: str) -> Vector:
     try:
-        vector = np.asarray(value, dtype=float)
-    except (TypeError, ValueError):
+        vector = real_array(value)
+    except (TypeError, ValueError, OverflowError):
         raise InvalidTask(f"{what} is not an array of 3 numbers") from None
     if vector.shape != (3,):
         raise InvalidTask(f"{what} has the shape {vector.shape}, not (3,)")
-    length = float(np.linalg.norm(vector))
-    if not (np.isfinite(length) and length > 1e-9):
+    largest = float(np.abs(vector).max())
+    if not (np.isfinite(largest) and largest > 1e-9):
         raise InvalidTask(f"{what} is {vector.tolist()}, which has no direction")
-    return vector / length
+    # Squares of large figures would pass what a float can hold.
+    vector /= largest
+    return vector / np.linalg.norm(vector)
 
 
 def _hand(value: Any) -> Vector:

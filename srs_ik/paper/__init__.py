@@ -1,1 +1,5 @@
 """The source paper: its numerical optimisation as printed, and its experiments."""
+
+from srs_ik.paper.optimum import PrintedOptimum, printed_optimum
+
+__all__ = ["PrintedOptimum", "printed_optimum"]

@@ -12,7 +12,7 @@ if TYPE_CHECKING:
 ARM = "#b8c0c8"
 JOINT = "#59636e"
 VELOCITY = "#2a78b5"
-FORCE = "#d9822b"
+FORCE = "#e64c33"
 EMPTY = "0.93"
 """What is not feasible; the feasible colour is darker in grey as well."""
 
@@ -20,13 +20,14 @@ EMPTY = "0.93"
 def new_figure(width: float, height: float) -> Figure:
     """A figure of this size in inches.
 
-    It is the figure itself rather than one of pyplot: no window system is asked for, and nothing is left behind.
+    It is the figure itself rather than one of pyplot: no window system is asked for, and nothing is left behind. A
+    notebook shows it where it is the last value of a cell.
 
     Raises:
         MissingExtra: Matplotlib is not installed.
     """
     try:
-        from matplotlib.figure import Figure
+        from srs_ik.plots.picture import Picture
     except ImportError:
         raise MissingExtra("plot", "a picture") from None
-    return Figure(figsize=(width, height), dpi=150, layout="constrained")
+    return Picture(figsize=(width, height), dpi=150, layout="constrained")

@@ -1,5 +1,6 @@
 """A look at an arm: in Meshcat, in a file, or on a page with sliders."""
 
+from srs_ik.preview.interactive import InteractivePreview
 from srs_ik.preview.view import Preview
 
-__all__ = ["Preview"]
+__all__ = ["InteractivePreview", "Preview"]

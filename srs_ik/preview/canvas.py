@@ -13,6 +13,8 @@ from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 from srs_ik.preview import palette
+from srs_ik.preview.document import Caption
+from srs_ik.preview.extent import Extent
 from srs_ik.preview.palette import Rgb
 from srs_ik.preview.robot import Stage
 from srs_ik.preview.server import Window
@@ -22,8 +24,14 @@ Array = NDArray[np.float64]
 
 _FOREVER = 1_000_000
 
-_CAMERA = np.array([1.12, -0.76, 0.48])
-"""Where the camera is in units of what it is to see: in front, to one side and above."""
+_CAMERA = np.array([0.78, -0.53, 0.33])
+"""Direction from what is seen to the camera: in front, to one side and above."""
+
+_DISTANCE = 1.6
+"""From the centre of what is seen to the camera in units of its radius: at 75 degrees all of it is seen."""
+
+_BEYOND = 1.02
+"""Where something reaches beyond so many radii of what was seen, the camera steps back."""
 
 
 class Canvas:
@@ -34,35 +42,47 @@ class Canvas:
     """
 
     def __init__(self, window: Window) -> None:
+        self._window = window
         self._root = Visualizer(window=window)
         self._animated = False
+        self._extent = Extent()
+        self._centre, self._radius = np.zeros(3), 0.0
         self._root["/Background"].set_property("top_color", list(palette.BACKGROUND_TOP))
         self._root["/Background"].set_property("bottom_color", list(palette.BACKGROUND_BOTTOM))
         self._root["/Axes"].set_property("visible", False)
 
-    def stage(self, stage: Stage, size: float) -> None:
-        """Bring the arm before the camera, upright, with a floor of a grid below.
+    def fit(self, stage: Stage, closer: bool = False) -> None:
+        """Bring all that is drawn before the camera, upright, with a floor of a grid below.
 
-        The camera turns about the origin and cannot be told otherwise, so it is the scene that moves.
+        The camera turns about the origin and cannot be told otherwise, so it is the scene that moves. It stays as it is
+        as long as everything is in view: it may have been turned by hand.
 
         Args:
-            stage: how it stands.
-            size: radius about the centre that is to be seen, metres.
+            stage: how the arm stands.
+            closer: whether to come closer too, where less is drawn than before.
         """
+        centre, radius = self._extent.sphere()
+        if np.linalg.norm(centre - self._centre) + radius <= _BEYOND * self._radius and not (
+            closer and _BEYOND * radius < self._radius
+        ):
+            return
+        self._centre, self._radius = centre, radius
         T = np.eye(4)
         T[:3, :3] = stage.R_scene_base
-        T[:3, 3] = -stage.R_scene_base @ stage.centre
+        T[:3, 3] = -stage.R_scene_base @ centre
         self._root.set_transform(T)
-        cells = np.diag([0.2 * size, 0.2 * size, 1.0, 1.0])
-        cells[2, 3] = stage.floor
+        cells = np.diag([0.2 * radius, 0.2 * radius, 1.0, 1.0])
+        cells[2, 3] = stage.floor + T[2, 3]
         self._root["/Grid"].set_transform(cells)
         # The camera's own axes have y upwards.
-        x, y, z = _CAMERA * size
+        x, y, z = _CAMERA / np.linalg.norm(_CAMERA) * _DISTANCE * radius
         self._root["/Cameras/default/rotated/<object>"].set_property("position", [x, z, -y])
 
     def draw(self, name: str, solids: Iterable[Solid], T: Array | None = None) -> None:
         """Draw solids under a name, in place of what was there."""
         self.erase(name)
+        solids = list(solids)
+        self._extent.draw(name, solids)
         for k, solid in enumerate(solids):
             self._root[name][str(k)].set_object(_Geometry(solid), _material(solid))
         if T is not None:
@@ -70,10 +90,12 @@ class Canvas:
 
     def place(self, name: str, T: Array) -> None:
         """Move what a name holds."""
+        self._extent.place(name, T)
         self._root[name].set_transform(np.asarray(T, dtype=float))
 
     def erase(self, name: str) -> None:
         """Remove a name and all below it."""
+        self._extent.erase(name)
         self._root[name].delete()
 
     def animate(self, poses: Mapping[str, Array], fps: float, repeat: bool) -> None:
@@ -98,7 +120,11 @@ class Canvas:
 
     def page(self) -> str:
         """The scene as one HTML page that needs nothing else."""
-        return str(self._root.static_html())
+        return self._window.get_scene()
+
+    def tell(self, caption: Caption) -> None:
+        """Say beside the scene what it shows."""
+        self._window.tell(caption)
 
 
 class _Geometry(TriangularMeshGeometry):

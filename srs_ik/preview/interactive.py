@@ -17,8 +17,10 @@ from srs_ik.errors import PreviewError
 from srs_ik.inputs.poses import PoseLike, as_arm_angle, as_joint_vector, as_rigid_matrix, as_seed
 from srs_ik.preview import solids
 from srs_ik.preview.circle import arc_solids, circle_solids
+from srs_ik.preview.inbox import FARTHEST, number, numbers
 from srs_ik.preview.page import PageCanvas, rotation, serve, stop, wxyz
 from srs_ik.preview.robot import Stage, limb, look, reach, resting
+from srs_ik.preview.words import report, span, title
 from srs_ik.robot.description.from_yourdfpy import roll_pitch_yaw
 
 if TYPE_CHECKING:
@@ -28,7 +30,10 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 
 _NOTHING = "no posture"
-_CAMERA = np.array([1.1, -0.75, 0.5])
+_TARGET = "/scene/target"
+_CAMERA = np.array([1.4, -0.95, 0.6])
+"""From the centre of what is seen to the camera, in units of its radius."""
+
 _PALE = 0.3
 """Opacity of the arcs of the branches that are not chosen."""
 
@@ -71,7 +76,7 @@ class InteractivePreview:
         self._settling = False
         self._intervals: list[Interval] = []
         self._shown: tuple[bytes, int] | None = None
-        self._server = serve(port, f"{arm.name}, {arm.base} to {arm.tip}")
+        self._server, self._door, self._inbox = serve(port, title(arm))
         self._close = weakref.finalize(self, stop, self._server)
         # Registered after viser's own end at exit, it comes before that, which prints.
         self._close.atexit = False
@@ -82,9 +87,9 @@ class InteractivePreview:
             carried = [p.solid for p in parts if p.joint == k] + [p.solid for p in limb(arm) if p.joint == k]
             self._canvas.draw(f"joint {k}", carried)
         self._canvas.draw("base frame", solids.triad(0.16 * reach(arm)))
-        self._look_at(stage)
         self._add_controls()
         self.show(arm.forward_kinematics(start), seed=start)
+        self._look_at(stage)
         # What has to be compiled for the slider is compiled now, and not when somebody moves it.
         arm.solve(self.target, arm_angle=0.0, branch=0)
 
@@ -92,8 +97,8 @@ class InteractivePreview:
 
     @property
     def url(self) -> str:
-        """Address of the page, on this machine alone."""
-        return f"http://{self._server.get_host()}:{self._server.get_port()}"
+        """Address of the page, on this machine alone; whoever has it can move the target."""
+        return self._door.url
 
     @property
     def closed(self) -> bool:
@@ -153,33 +158,39 @@ class InteractivePreview:
     # --------------------------------------------------------------------------------------------------------------
 
     def _look_at(self, stage: Stage) -> None:
-        size = reach(self.arm)
-        centre = stage.R_scene_base @ stage.centre
+        centre, radius = self._canvas.extent.sphere()
         self._server.scene.add_grid(
             "/floor",
-            4.0 * size,
-            4.0 * size,
+            4.0 * radius,
+            4.0 * radius,
             cell_size=0.1,
             section_size=0.5,
-            position=(0.0, 0.0, centre[2] + stage.floor),
+            position=(0.0, 0.0, stage.floor),
         )
-        self._server.initial_camera.position = centre + size * _CAMERA
-        self._server.initial_camera.look_at = centre
+        seen = stage.R_scene_base @ centre
+        self._server.initial_camera.position = seen + radius * _CAMERA
+        self._server.initial_camera.look_at = seen
 
     def _add_controls(self) -> None:
         # Without types: viser's own hide that values can be set.
         gui: Any = self._server.gui
-        self._handles = self._server.scene.add_transform_controls("/scene/target", scale=0.3 * reach(self.arm))
+        self._handles = self._server.scene.add_transform_controls(_TARGET, scale=0.3 * reach(self.arm))
         self._list = gui.add_dropdown("interval", (_NOTHING,))
         self._slider = gui.add_slider("arm angle (deg)", -180.0, 180.0, 0.01, 0.0)
-        self._xyz = gui.add_vector3("target (m)", (0.0, 0.0, 0.0), step=0.005)
+        ends: Any = {"min": (-FARTHEST,) * 3, "max": (FARTHEST,) * 3}
+        self._xyz = gui.add_vector3("target (m)", (0.0, 0.0, 0.0), step=0.005, **ends)
         self._rpy = gui.add_vector3("rpy (deg)", (0.0, 0.0, 0.0), step=1.0)
-        self._text = gui.add_markdown("")
+        self._text = gui.add_html("")
         self._handles.on_update(self._answer(self._target_dragged))
         self._list.on_update(self._answer(self._interval_chosen))
         self._slider.on_update(self._answer(self._turn))
         for figures in (self._xyz, self._rpy):
             figures.on_update(self._answer(self._figures_typed))
+        self._inbox.expect_pose(_TARGET)
+        self._inbox.expect(self._list._impl.uuid, lambda value: value in self._list.options)
+        self._inbox.expect(self._slider._impl.uuid, number)
+        self._inbox.expect(self._xyz._impl.uuid, lambda value: numbers(value, 3, FARTHEST))
+        self._inbox.expect(self._rpy._impl.uuid, lambda value: numbers(value, 3))
 
     def _answer(self, act: Callable[[], None]) -> Callable[[Any], None]:
         """A callback that acts on what the page says now, unless it is this program that has just said so."""
@@ -209,13 +220,20 @@ class InteractivePreview:
         self._settle(T)
 
     def _interval_chosen(self) -> None:
-        if self._intervals:
-            interval = self._intervals[self._names().index(self._list.value)]
+        interval = self._chosen()
+        if interval is not None:
             self._solve(interval, 0.5 * (interval.lower + interval.upper))
 
     def _turn(self) -> None:
-        if self._intervals:
-            self._solve(self._intervals[self._names().index(self._list.value)], np.deg2rad(self._slider.value))
+        interval = self._chosen()
+        if interval is not None:
+            self._solve(interval, np.deg2rad(self._slider.value))
+
+    def _chosen(self) -> Interval | None:
+        """The interval that the list names; none if it was one of another target."""
+        return next(
+            (i for i, name in zip(self._intervals, self._names(), strict=False) if name == self._list.value), None
+        )
 
     def _solve(self, interval: Interval, psi: float) -> None:
         # Just inside: the slider's ends are rounded, and at the very end a joint is on its limit.
@@ -256,12 +274,10 @@ class InteractivePreview:
                 self._slider.step = float(np.clip((upper - lower) / 400.0, 1e-6, 0.5))
             if abs(self._slider.value - np.rad2deg(turn)) > 1e-3:
                 self._slider.value = float(min(np.rad2deg(turn), upper))
-        self._text.content = self._report()
+        self._text.content = report(solution, self._intervals)
 
     def _names(self) -> tuple[str, ...]:
-        return tuple(
-            f"branch {i.branch}: {np.rad2deg(i.lower):.2f} to {np.rad2deg(i.upper):.2f} deg" for i in self._intervals
-        ) or (_NOTHING,)
+        return tuple(map(span, self._intervals)) or (_NOTHING,)
 
     def _draw(self) -> None:
         q = self._solution.q
@@ -280,10 +296,6 @@ class InteractivePreview:
             if branch != self._solution.branch:
                 pieces = [piece.faded(piece.colour, _PALE) for piece in pieces]
             self._canvas.draw(f"branch {branch}", pieces)
-
-    def _report(self) -> str:
-        rows = (f"| {name} | {np.rad2deg(angle):.2f} |" for name, angle in self._solution.as_dict().items())
-        return "\n".join([self._solution.message, "", "| joint | deg |", "|---|--:|", *rows])
 
 
 def _turn_to(figures: Any, values: Array) -> None:

@@ -17,9 +17,17 @@ from srs_ik.preview.solids import Solid
 if TYPE_CHECKING:
     from srs_ik.analysis.ellipsoids import Ellipsoid
     from srs_ik.analysis.polytopes import Polytope
-    from srs_ik.solve.posture import Posture, Task
+    from srs_ik.inputs.task import Task
+    from srs_ik.solve.posture import Posture
 
 Array = NDArray[np.float64]
+
+TASK_LEGEND = [
+    (palette.VELOCITY, "velocity"),
+    (palette.FORCE, "force"),
+    (palette.GRASP, "grasp"),
+    (palette.NORMAL, "normal"),
+]
 
 _THINNEST = 0.01
 """A flat ellipsoid is shown with this share of its largest radius for a thickness."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 import os
 from collections.abc import Iterator, Sequence
 from pathlib import Path
@@ -12,10 +13,13 @@ import numpy as np
 import trimesh
 from trimesh.resolvers import FilePathResolver
 
+from srs_ik.preview import bounds, mesh_check
 from srs_ik.robot.description.packages import find_package
 
 FORMATS = frozenset({".dae", ".glb", ".gltf", ".obj", ".off", ".ply", ".stl"})
 """Endings of the files that are read, in lower case; whatever else a robot file names is not opened."""
+
+_BESIDE = frozenset({".bin", ".mtl"})
 
 _PACKAGE_SCHEMES = ("package", "model")
 
@@ -101,19 +105,81 @@ class MeshFinder:
         raise MeshMissing(f"{name!r} is not found")
 
 
-def read_mesh(path: Path) -> list[tuple[trimesh.Trimesh, tuple[float, float, float, float] | None]]:
+Rgba = tuple[float, float, float, float]
+Piece = tuple[trimesh.Trimesh, Rgba | None]
+
+
+class MeshShelf:
+    """Mesh files in memory: each is read once, however often the robot shows it, and not beyond the bounds."""
+
+    def __init__(self, finder: MeshFinder) -> None:
+        self._finder = finder
+        self._left = bounds.ALL_BYTES
+        self._read: dict[Path, list[Piece] | MeshMissing] = {}
+
+    def pieces(self, name: str) -> list[Piece]:
+        """The pieces of a mesh in metres, each with its colour and opacity if it has any; not to be changed.
+
+        Args:
+            name: as the robot file gives it.
+
+        Raises:
+            MeshMissing: it is not found, cannot be read, is beyond the bounds, or holds no triangles.
+        """
+        path = self._finder.find(name)
+        if path not in self._read:
+            try:
+                self._left -= (size := file_size(path))
+                if self._left < 0:
+                    self._left += size
+                    raise MeshMissing(
+                        f"{str(path)!r} is left out: {bounds.ALL_BYTES >> 20} MiB of meshes are read in all"
+                    )
+                self._read[path] = read_mesh(path)
+            except MeshMissing as error:
+                self._read[path] = error
+        found = self._read[path]
+        if isinstance(found, MeshMissing):
+            raise found
+        return found
+
+
+def file_size(path: Path) -> int:
+    """Bytes of a mesh file.
+
+    Raises:
+        MeshMissing: they are too many, or the file is gone.
+    """
+    try:
+        size = path.stat().st_size
+    except OSError as error:
+        raise MeshMissing(f"{str(path)!r} cannot be read ({error.strerror})") from None
+    if size > bounds.MESH_BYTES:
+        many, most = size / 2**20, bounds.MESH_BYTES >> 20
+        raise MeshMissing(f"{str(path)!r} has {many:.0f} MiB, more than the {most} MiB that are read of a mesh")
+    return size
+
+
+def read_mesh(path: Path) -> list[Piece]:
     """The pieces of a mesh file in metres, each with its colour and opacity if it has any.
 
     Raises:
-        MeshMissing: the file cannot be read, or holds no triangles.
+        MeshMissing: the file cannot be read, is beyond the bounds, or holds no triangles.
     """
+    kind = path.suffix.lower()
     try:
-        scene = trimesh.load_scene(str(path), resolver=_Beside(str(path)))
-        scale = _metres(scene.units) if path.suffix.lower() == ".dae" else 1.0
+        with open(path, "rb") as file:
+            # It may have grown since its size was asked for.
+            content = file.read(bounds.MESH_BYTES)
+        options: dict[str, Any] = {"skip_materials": True} if mesh_check.check(content, kind) else {}
+        scene = trimesh.load_scene(io.BytesIO(content), kind[1:], _Beside(str(path)), **options)
+        scale = _metres(scene.units) if kind == ".dae" else 1.0
         pieces = [piece for piece in scene.dump() if isinstance(piece, trimesh.Trimesh) and len(piece.faces)]
         for piece in pieces:
             piece.apply_scale(scale)
         found = [(piece, _colour(piece)) for piece in pieces]
+    except mesh_check.Beyond as error:
+        raise MeshMissing(f"{str(path)!r} {error}") from None
     except Exception as error:
         # Readers of seven formats fail in as many ways as there are damaged files.
         raise MeshMissing(f"{str(path)!r} cannot be read ({type(error).__name__})") from error
@@ -123,12 +189,19 @@ def read_mesh(path: Path) -> list[tuple[trimesh.Trimesh, tuple[float, float, flo
 
 
 class _Beside(FilePathResolver):
-    """Finds the files that a mesh names in its turn, such as materials, in its own folder and those below it."""
+    """Finds the materials and numbers that a mesh names in its turn, in its own folder and those below it.
+
+    Pictures are not opened: a shape has one colour here, and a small picture may hold gigabytes.
+    """
 
     def get(self, name: str) -> bytes:
         path = os.path.normpath(name.strip())
         if os.path.isabs(path) or path.split(os.sep)[0] == os.pardir:
             raise ValueError(f"{name!r} is not beside the mesh")
+        if Path(path).suffix.lower() not in _BESIDE:
+            raise ValueError(f"{name!r} is not read")
+        if not (file := Path(self.parent, path)).is_file() or file.stat().st_size > bounds.MESH_BYTES:
+            raise ValueError(f"{name!r} is no file that is read")
         return super().get(name)
 
 
@@ -137,7 +210,7 @@ def _metres(units: str | None) -> float:
     return float(units.partition("*")[0]) if units and "*" in units else 1.0
 
 
-def _colour(mesh: Any) -> tuple[float, float, float, float] | None:
+def _colour(mesh: Any) -> Rgba | None:
     visual = mesh.visual
     if visual.kind is None:
         return None

@@ -8,7 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from srs_ik.errors import InvalidConfiguration
-from srs_ik.inputs.poses import as_branch, as_positive, real_array
+from srs_ik.inputs.numbers import real_array
+from srs_ik.inputs.poses import as_branch, as_positive
 from srs_ik.solve.self_motion import through
 
 if TYPE_CHECKING:
@@ -87,7 +88,7 @@ def self_motion(
         return None
     widest = max(candidates, key=lambda interval: interval.width)
     count = max(2, int(np.ceil(widest.width / _SWEEP * FPS)))
-    found = through(arm, pose, widest, count, respect_limits)
+    found = through(arm.packed, pose, widest, count, respect_limits)
     q = found.q[found.ok]
     if not len(q):
         return None

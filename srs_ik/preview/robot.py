@@ -2,19 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 import pinocchio as pin
+import trimesh
 from numpy.typing import NDArray
 
-from srs_ik.preview import palette, solids
-from srs_ik.preview.mesh_files import MeshFinder, MeshMissing, read_mesh
+from srs_ik.preview import bounds, palette, solids
+from srs_ik.preview.mesh_files import MeshFinder, MeshMissing, MeshShelf, Piece
 from srs_ik.preview.solids import Solid
-from srs_ik.robot.description.shapes import Shape, read_shapes
+from srs_ik.robot.description.shapes import Shape, read_shapes, read_tree
 
 if TYPE_CHECKING:
     from srs_ik.arm import Arm
@@ -52,12 +53,10 @@ class Look(NamedTuple):
 class Stage(NamedTuple):
     """How the arm stands before the camera."""
 
-    centre: Array
-    """(3,) the shoulder in the base frame, which the camera turns about."""
     R_scene_base: Array
     """(3, 3) rotation that sets the root of the robot upright, or the base frame where that was given to the arm."""
     floor: float
-    """Height of the lowest part that stands still, above the centre, metres."""
+    """Height of the lowest part that stands still, above the base frame, metres."""
 
     @classmethod
     def of(cls, arm: Arm, parts: Sequence[Part]) -> Stage:
@@ -68,8 +67,7 @@ class Stage(NamedTuple):
         R = np.eye(3) if base.type == pin.FrameType.OP_FRAME else T_base_root[:3, :3].T
         standing = [part.solid.mesh.vertices @ T_base_root[:3, :3].T for part in parts if part.joint == 0]
         heights = [float((R @ T_base_root[:3, 3])[2] + (points @ R[2]).min(initial=0.0)) for points in standing]
-        level = float(R[2] @ arm.limb.shoulder)
-        return cls(arm.limb.shoulder, R, min([0.0, *heights]) - level)
+        return cls(R, min([0.0, *heights]))
 
 
 def look(arm: Arm, folders: Sequence[str | Path] = ()) -> Look:
@@ -83,28 +81,115 @@ def look(arm: Arm, folders: Sequence[str | Path] = ()) -> Look:
         InvalidRobot: the file that the arm was loaded from is gone, or is no URDF any more.
     """
     shapes, senseless = read_shapes(arm.drawing)
-    finder = MeshFinder(arm.drawing.file if arm.drawing else None, folders)
+    shelf = MeshShelf(MeshFinder(arm.drawing.file if arm.drawing else None, folders))
     frames = {f.name: f for f in arm.model.frames if f.type == pin.FrameType.BODY}
-    parts: list[Part] = []
+    drawn = _Drawn(shelf)
     missing = [f"{senseless} shapes have no size or an unknown form"] if senseless else []
     bare = set()
-    for link in dict.fromkeys(shape.link for shape in shapes if shape.link in frames):
-        visuals = [shape for shape in shapes if shape.link == link and shape.visual]
-        found: list[Solid] = []
+    for link, own in _by_link(shapes, frames).items():
+        T_joint_link, joint = frames[link].placement.homogeneous, frames[link].parentJoint
+        clause = drawn.add([shape for shape in own if shape.visual], joint, T_joint_link)
+        if clause:
+            missing.append(f"{link}: {clause}")
+            spare = [shape for shape in own if not shape.visual and shape.kind != "mesh"]
+            if not spare or drawn.add(spare, joint, T_joint_link):
+                bare.add(link)
+    if drawn.left_out:
+        most = f"{bounds.PIECES:,} shapes with {bounds.TRIANGLES:,} triangles are drawn of a robot"
+        missing.append(f"{drawn.left_out} shapes, the first of link {drawn.first_left_out}: {most}")
+    carried = {part.joint for part in drawn.parts}
+    if any(frames[link].parentJoint for link in bare) or not carried & set(range(1, 8)):
+        drawn.parts += skeleton(arm)
+    if bare or not carried:
+        drawn.parts += body(arm)[: bounds.PIECES]
+    return Look(drawn.parts, missing)
+
+
+def _by_link(shapes: Sequence[Shape], frames: Mapping[str, pin.Frame]) -> dict[str, list[Shape]]:
+    found: dict[str, list[Shape]] = {}
+    for shape in shapes:
+        if shape.link in frames:
+            found.setdefault(shape.link, []).append(shape)
+    return found
+
+
+class _Drawn:
+    """The parts of a robot as they come together, within the bounds of what is drawn."""
+
+    def __init__(self, shelf: MeshShelf) -> None:
+        self.parts: list[Part] = []
+        self.left_out = 0
+        self.first_left_out = ""
+        self._triangles = 0
+        self._shelf = shelf
+        self._creased: dict[tuple[str, tuple[float, ...]], list[Piece]] = {}
+
+    def add(self, shapes: Sequence[Shape], joint: int, T_joint_link: Array) -> str:
+        """Draw the shapes of a link, none of them if one cannot be shown; those beyond the bounds are left out.
+
+        Returns:
+            A clause that says why one cannot be shown; empty if all can.
+        """
         try:
-            found = [solid for shape in visuals for solid in _solids(shape, finder)]
+            found = [(shape, self._pieces(shape)) for shape in shapes if not self._full(shape)]
         except MeshMissing as error:
-            missing.append(f"{link}: {error}")
-            spare = [s for s in shapes if s.link == link and not s.visual and s.kind != "mesh"]
-            found = [solid for shape in spare for solid in _solids(shape, finder)]
-            if not found:
-                bare.add(frames[link].parentJoint)
-        T_joint_link = frames[link].placement.homogeneous
-        parts += [Part(frames[link].parentJoint, _moved(solid, T_joint_link)) for solid in found]
-    carried = {part.joint for part in parts}
-    if bare - {0} or not carried & set(range(1, 8)):
-        parts += skeleton(arm)
-    return Look(parts, missing)
+            return str(error)
+        for shape, pieces in found:
+            count = sum(len(mesh.faces) for mesh, _ in pieces)
+            if self._full(shape, len(pieces), count):
+                continue
+            self._triangles += count
+            for mesh, own in pieces:
+                r, g, b, opacity = own or shape.rgba or palette.PLAIN
+                T_joint_shape = T_joint_link @ shape.T_link_shape
+                self.parts.append(Part(joint, _moved(Solid(mesh, (r, g, b), opacity), T_joint_shape)))
+        return ""
+
+    def _full(self, shape: Shape, pieces: int = 1, triangles: int = 1) -> bool:
+        """Whether there is no room for a shape, of which note is then taken."""
+        full = len(self.parts) + pieces > bounds.PIECES or self._triangles + triangles > bounds.TRIANGLES
+        if full:
+            self.left_out += 1
+            self.first_left_out = self.first_left_out or shape.link
+        return full
+
+    def _pieces(self, shape: Shape) -> list[Piece]:
+        """The shape in its own frame, not to be changed.
+
+        Raises:
+            MeshMissing: it cannot be shown.
+        """
+        key = shape.file, shape.size
+        if shape.kind != "mesh":
+            _check_extent(shape, max(shape.size))
+            return [(_primitive(shape), None)]
+        if key not in self._creased:
+            raw = self._shelf.pieces(shape.file)
+            _check_extent(shape, max(float(np.abs(mesh.bounds * shape.size).max()) for mesh, _ in raw))
+            self._creased[key] = [(solids.creased(mesh.copy().apply_scale(shape.size)), own) for mesh, own in raw]
+        _check_extent(shape, 0.0)
+        return self._creased[key]
+
+
+def _check_extent(shape: Shape, size: float) -> None:
+    """Make sure that a shape that reaches so far from its own origin, metres, stays near its link.
+
+    Raises:
+        MeshMissing: it does not.
+    """
+    # The negation also holds for what is no number.
+    if not size + float(np.abs(shape.T_link_shape[:3, 3]).max()) <= bounds.EXTENT:
+        raise MeshMissing(f"a {shape.kind} reaches farther than {bounds.EXTENT:g} m from its link")
+
+
+def _primitive(shape: Shape) -> trimesh.Trimesh:
+    if shape.kind == "box":
+        return solids.box(shape.size)
+    if shape.kind == "sphere":
+        return solids.ball(*shape.size)
+    if shape.kind == "capsule":
+        return solids.capsule(*shape.size)
+    return solids.cylinder(*shape.size)
 
 
 def skeleton(arm: Arm) -> list[Part]:
@@ -122,6 +207,14 @@ def skeleton(arm: Arm) -> list[Part]:
             bones += [Solid(drum, palette.JOINT) for drum in drums]
         parts += [Part(k, _moved(bone, T_joint_base)) for bone in bones]
     return parts
+
+
+def body(arm: Arm) -> list[Part]:
+    """What stands still of the rest of the robot, its other limbs, as rods from each link to those that it carries."""
+    still = [f for f in arm.model.frames if f.type == pin.FrameType.BODY and not f.parentJoint]
+    places = {frame.name: frame.placement.translation for frame in still}
+    ends = [(places[a], places[b]) for a, b in read_tree(arm.drawing) if a in places and b in places]
+    return [Part(0, Solid(rod, palette.BONE)) for pair in ends for rod in solids.rods(pair, 0.016 * reach(arm))]
 
 
 def limb(arm: Arm) -> list[Part]:
@@ -157,27 +250,6 @@ def resting(arm: Arm) -> Array:
     spans = [np.linalg.norm((arm.joint_frames(bent)[4] @ to_wrist)[:3] - arm.limb.shoulder) for bent in bends]
     wanted = _BENT * (arm.limb.upper_arm + arm.limb.forearm)
     return bends[int(np.argmin(np.abs(np.array(spans) - wanted)))]
-
-
-def _solids(shape: Shape, finder: MeshFinder) -> list[Solid]:
-    """The shape in the frame of its link."""
-    if shape.kind == "mesh":
-        pieces = [
-            (solids.creased(mesh.apply_scale(shape.size)), own) for mesh, own in read_mesh(finder.find(shape.file))
-        ]
-    elif shape.kind == "box":
-        pieces = [(solids.box(shape.size), None)]
-    elif shape.kind == "sphere":
-        pieces = [(solids.ball(*shape.size), None)]
-    elif shape.kind == "capsule":
-        pieces = [(solids.capsule(*shape.size), None)]
-    else:
-        pieces = [(solids.cylinder(*shape.size), None)]
-    found = []
-    for mesh, own in pieces:
-        r, g, b, opacity = own or shape.rgba or palette.PLAIN
-        found.append(_moved(Solid(mesh, (r, g, b), opacity), shape.T_link_shape))
-    return found
 
 
 def _moved(solid: Solid, T: Array) -> Solid:

@@ -8,43 +8,82 @@ from __future__ import annotations
 
 import asyncio
 import threading
+from collections.abc import Iterator
 from concurrent.futures import Future
+from pathlib import Path
 from typing import Any
 
 import tornado.httpserver
 import tornado.netutil
 import tornado.web
+import tornado.websocket
+import umsgpack
 import zmq
-from meshcat.servers.zmqserver import (
-    VIEWER_HTML,
-    VIEWER_ROOT,
-    StaticFileHandlerNoCache,
-    WebSocketHandler,
-    ZMQWebSocketBridge,
-)
+from meshcat.servers.tree import walk
+from meshcat.servers.zmqserver import VIEWER_ROOT, ZMQWebSocketBridge
 from meshcat.visualizer import ViewerWindow
 
 from srs_ik.errors import PreviewError
+from srs_ik.preview import document
+from srs_ik.preview.document import Caption
+from srs_ik.preview.door import HEADERS, HOST, Door
 
-HOST = "127.0.0.1"
+_SCRIPT = Path(VIEWER_ROOT, "main.min.js")
 
-_HOSTS = r"(127\.0\.0\.1|localhost)"
-"""Names under which pages are served; a page of another name that resolves to this machine gets nothing."""
+_UNTITLED = Caption("Preview")
+_CAPTION, _SCENE = b"caption", b"scene"
+_LONGEST = 1024
+"""Bytes that a browser may send at once, though nobody listens."""
 
 _INSIDE = "inproc://srs_ik"
 _ANSWER_WITHIN = 20_000
 """Milliseconds after which a silent server counts as gone."""
 
 
-class _Socket(WebSocketHandler):
-    """A browser's connection, without the prints of the original."""
+class _Handler(tornado.web.RequestHandler):
+    """Answers those whom the door admits."""
+
+    def initialize(self, bridge: _Bridge) -> None:
+        self.bridge = bridge
+
+    def prepare(self) -> None:
+        """Refuse whoever lacks the address or comes from elsewhere, for whatever is asked."""
+        headers = self.request.headers
+        admitted = self.bridge.door.admits(self.request.uri or "", headers.get_list("Host"), headers.get_list("Origin"))
+        if not admitted:
+            raise tornado.web.HTTPError(403)
+
+    def set_default_headers(self) -> None:
+        for name, value in (HEADERS | {"Content-Security-Policy": document.POLICY}).items():
+            self.set_header(name, value)
+
+
+class _Page(_Handler):
+    """The page, and the script that it runs."""
+
+    def get(self, name: str) -> None:
+        self.set_header("Content-Type", "text/javascript" if name else "text/html; charset=utf-8")
+        self.write(_SCRIPT.read_bytes() if name else document.live())
+
+
+class _Nothing(_Handler):
+    """Whatever else is asked for."""
+
+    def prepare(self) -> None:
+        super().prepare()
+        raise tornado.web.HTTPError(404)
+
+
+class _Socket(_Handler, tornado.websocket.WebSocketHandler):
+    """A browser's connection."""
 
     def open(self) -> None:
         self.bridge.websocket_pool.add(self)
+        self.write_message(self.bridge.caption)
         self.bridge.send_scene(self)
 
     def on_message(self, message: str | bytes) -> None:
-        # Only pictures come this way, and none are asked for.
+        # The page says nothing, and is not listened to.
         pass
 
     def on_close(self) -> None:
@@ -56,23 +95,45 @@ class _Bridge(ZMQWebSocketBridge):
 
     def __init__(self, context: zmq.Context, port: int) -> None:
         self.context = context
-        self.port = port
+        self.door = Door()
+        self.caption = _UNTITLED.json()
         self.http_server: tornado.httpserver.HTTPServer | None = None
         super().__init__(zmq_url=_INSIDE, host=HOST, port=port)
-        self.web_url = f"http://{HOST}:{self.port}/static/"
+        self.web_url = self.door.url
 
     def make_app(self) -> tornado.web.Application:
-        app = tornado.web.Application(log_function=lambda handler: None)
-        files = {"path": VIEWER_ROOT, "default_filename": VIEWER_HTML}
-        app.add_handlers(
-            _HOSTS, [(r"/static/(.*)", StaticFileHandlerNoCache, files), (r"/", _Socket, {"bridge": self})]
+        bridge = {"bridge": self}
+        app = tornado.web.Application(
+            [(r"/[^/]+/(main\.min\.js)?", _Page, bridge), (r"/[^/]+/scene", _Socket, bridge)],
+            default_handler_class=_Nothing,
+            default_handler_args=bridge,
+            log_function=lambda handler: None,
+            websocket_max_message_size=_LONGEST,
         )
         app.listen = self._listen  # type: ignore[method-assign, assignment]
         return app
 
+    def handle_zmq(self, frames: list[bytes]) -> None:
+        """Answer the drawing side: a caption, the question for the scene, or a command of Meshcat's."""
+        if frames[0] == _CAPTION:
+            self.caption = frames[1].decode()
+            for browser in self.websocket_pool:
+                browser.write_message(self.caption)
+            self.zmq_socket.send(b"ok")
+        elif frames[0] == _SCENE:
+            self.zmq_socket.send_multipart([b"ok", *self._commands()])
+        else:
+            super().handle_zmq(frames)
+
+    def _commands(self) -> Iterator[bytes]:
+        """All that draws the scene, in order."""
+        for node in walk(self.tree):
+            parts = [node.object, *node.properties, node.transform, node.animation]
+            yield from (part for part in parts if part is not None)
+
     def _listen(self, port: int, **options: Any) -> None:
         sockets = tornado.netutil.bind_sockets(port, HOST)
-        self.port = sockets[0].getsockname()[1]
+        self.door.port = sockets[0].getsockname()[1]
         self.http_server = tornado.httpserver.HTTPServer(self.app)
         self.http_server.add_sockets(sockets)
 
@@ -97,6 +158,7 @@ class Window(ViewerWindow):
     def __init__(self, port: int = 0) -> None:
         self.context = zmq.Context()
         self.closed = False
+        self._caption = _UNTITLED
         self._lock = threading.Lock()
         self._ready: Future[_Bridge] = Future()
         # A daemon: the page goes when the program ends, and does not keep it from ending.
@@ -119,25 +181,35 @@ class Window(ViewerWindow):
         Raises:
             PreviewError: the preview is closed, or its server does not answer.
         """
-        with self._lock:
-            self._check_open()
-            try:
-                super().send(command)
-            except zmq.ZMQError as error:
-                raise PreviewError(f"the preview's server does not answer: {error}") from None
+        drawn = command.lower()
+        self._ask([drawn["type"].encode(), drawn["path"].encode(), umsgpack.packb(drawn)])
 
-    def get_scene(self) -> str:
-        """The scene as one HTML page.
+    def tell(self, caption: Caption) -> None:
+        """Put a caption on the page.
 
         Raises:
             PreviewError: the preview is closed, or its server does not answer.
         """
+        self._ask([_CAPTION, caption.json().encode()])
+        self._caption = caption
+
+    def get_scene(self) -> str:
+        """The scene as one HTML page that needs nothing else.
+
+        Raises:
+            PreviewError: the preview is closed, or its server does not answer.
+        """
+        return document.saved(self._caption, _SCRIPT.read_text(encoding="utf-8"), self._ask([_SCENE])[1:])
+
+    def _ask(self, frames: list[bytes]) -> list[bytes]:
         with self._lock:
             self._check_open()
             try:
-                return str(super().get_scene())
+                self.zmq_socket.send_multipart(frames)
+                answer: list[bytes] = self.zmq_socket.recv_multipart()
             except zmq.ZMQError as error:
                 raise PreviewError(f"the preview's server does not answer: {error}") from None
+        return answer
 
     def close(self) -> None:
         """Stop the server and free its port; a second time does nothing."""

@@ -12,18 +12,22 @@ from typing import TYPE_CHECKING, Any, Literal, Self
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from srs_ik.errors import PreviewError
 from srs_ik.inputs.poses import PoseLike, as_joint_vector, as_rigid_matrix
-from srs_ik.preview import marks, palette, solids
+from srs_ik.preview import marks, palette, solids, words
 from srs_ik.preview.canvas import Canvas
 from srs_ik.preview.circle import arc_solids, circle_solids
-from srs_ik.preview.files import write_whole
+from srs_ik.preview.document import Caption
 from srs_ik.preview.motion import FPS, film, self_motion
 from srs_ik.preview.robot import Part, Stage, limb, look, reach, resting
 from srs_ik.preview.server import Window
+from srs_ik.preview.words import Entry
+from srs_ik.writing import write_whole
 
 if TYPE_CHECKING:
     from srs_ik.arm import Arm
-    from srs_ik.solve.posture import Posture, Task
+    from srs_ik.inputs.task import Task
+    from srs_ik.solve.posture import Posture
     from srs_ik.solve.solution import Interval
 
 Array = NDArray[np.float64]
@@ -66,7 +70,8 @@ class Preview:
             self._canvas.place(f"tip/joint {k}", np.eye(4))
         self._canvas.draw("base frame", solids.triad(0.16 * self._size))
         self._canvas.draw("tip/joint 7/frame", solids.triad(0.12 * self._size), self._T_joint7_tip())
-        self._canvas.stage(Stage.of(arm, parts), self._size)
+        self._stage = Stage.of(arm, parts)
+        self._legend: dict[str, list[Entry]] = {}
         self.show(self._q)
 
     @property
@@ -78,7 +83,7 @@ class Preview:
 
     @property
     def url(self) -> str:
-        """Address of the page, on this machine alone."""
+        """Address of the page, on this machine alone; whoever has it sees the scene."""
         return self._window.web_url
 
     @property
@@ -106,8 +111,7 @@ class Preview:
         Raises:
             PreviewError: the preview is closed.
         """
-        title = html.escape(f"{self.arm.name}, {self.arm.base} to {self.arm.tip}")
-        return self._canvas.page().replace("<title>MeshCat</title>", f"<title>{title}</title>", 1).lstrip()
+        return self._canvas.page()
 
     def save(self, path: str | Path) -> Path:
         """Write the scene, with its motion if it has one, as one HTML file that opens without a server or network.
@@ -120,12 +124,20 @@ class Preview:
         Raises:
             PreviewError: the preview is closed, or the file cannot be written.
         """
-        return write_whole(Path(path), self.html())
+        try:
+            return write_whole(Path(path), self.html())
+        except IsADirectoryError:
+            raise PreviewError(f"{path} is a folder: give the name of a file, such as scene.html") from None
+        except OSError as error:
+            raise PreviewError(f"{path} cannot be written: {error.strerror}") from None
 
-    def _repr_html_(self) -> str:
+    def _repr_html_(self) -> str | None:
         # A picture of the scene as it is now, which stays with the notebook when the program is gone.
+        if self.closed:
+            return None
         page = html.escape(self.html())
-        return f'<iframe srcdoc="{page}" style="width: 100%; height: 420px; border: none"></iframe>'
+        style = "width: 100%; height: 420px; border: none"
+        return f'<iframe sandbox="allow-scripts" srcdoc="{page}" style="{style}"></iframe>'
 
     def __repr__(self) -> str:
         return f"<Preview of {self.arm.name}, {'closed' if self.closed else 'at ' + self.url}>"
@@ -148,6 +160,8 @@ class Preview:
             for group in ("robot", "limb", "tip"):
                 self._canvas.place(f"{group}/joint {k}", T_base_joint)
         self._canvas.draw("elbow circle", circle_solids(self.arm, self._q))
+        self._posture = f"arm angle {words.degrees(self.arm.arm_angle(self._q))} deg, branch {self.arm.branch(self._q)}"
+        self._settle()
 
     def show_target(self, pose: PoseLike) -> None:
         """Show a pose of the tip as a frame.
@@ -157,6 +171,7 @@ class Preview:
             PreviewError: the preview is closed.
         """
         self._canvas.draw("target", solids.triad(0.18 * self._size), as_rigid_matrix(pose))
+        self._settle()
 
     def show_intervals(self, pose: PoseLike, respect_limits: bool = True) -> list[Interval]:
         """Show the feasible arm angles of a pose as arcs around the circle of the elbow, a colour for each branch.
@@ -176,6 +191,7 @@ class Preview:
             q = self.arm.solve(T, respect_limits=False).q
             for branch, arcs in arc_solids(self.arm, q, intervals).items():
                 self._canvas.draw(f"intervals/branch {branch}", arcs)
+        self._settle("intervals", words.branches(interval.branch for interval in intervals))
         return intervals
 
     def show_ghosts(self, pose: PoseLike, respect_limits: bool = True) -> int:
@@ -199,6 +215,7 @@ class Preview:
             self._draw_robot(f"ghosts/branch {branch}", pale)
             for k, T_base_joint in enumerate(self.arm.joint_frames(q)):
                 self._canvas.place(f"ghosts/branch {branch}/joint {k}", T_base_joint)
+        self._settle("ghosts", [(palette.GHOST, f"{len(others)} other branches")] if others else [])
         return len(others)
 
     # Motion ------------------------------------------------------------------------------------------------------
@@ -224,8 +241,10 @@ class Preview:
         found = self_motion(self.arm, T, intervals, branch, bool(respect_limits))
         if found is None:
             return False
-        self.show(found[0][0])
-        self._play(found[0], FPS, repeat=True)
+        frames, widest = found
+        self.show(frames[0])
+        self._posture = f"arm angle in {words.span(widest)}"
+        self._play(frames, FPS, repeat=True)
         return True
 
     def animate(self, path: Any, dt: float, repeat: bool = True) -> None:
@@ -244,6 +263,7 @@ class Preview:
         self.show(frames[0])
         if len(frames) > 1:
             self._canvas.erase("elbow circle")
+            self._posture = f"a path of {len(frames) / fps:.1f} s"
             self._play(frames, fps, repeat)
 
     # What an answer means ----------------------------------------------------------------------------------------
@@ -264,6 +284,8 @@ class Preview:
         self._canvas.erase("task")
         if task is not None:
             self._canvas.draw("task", marks.task_solids(task, posture.task_normal, 0.25 * self._size))
+        self._settle("posture", [(palette.POSTURE, "posture")])
+        self._settle("task", marks.TASK_LEGEND if task is not None else [])
 
     def show_ellipsoids(
         self, q: ArrayLike, part: Literal["linear", "angular"] = "linear", limits: bool = False
@@ -295,6 +317,7 @@ class Preview:
         size = 0.24 * self._size
         self._canvas.draw("velocity", marks.ellipsoid_solids(velocity, tip, size, palette.VELOCITY))
         self._canvas.draw("force", marks.ellipsoid_solids(force, tip, size, palette.FORCE))
+        self._settle("velocity", _measures(part, "ellipsoid"))
 
     def show_polytopes(self, q: ArrayLike, part: Literal["linear", "angular"] = "linear") -> None:
         """Show the arm at a configuration with the polytopes of velocity (blue) and force (red) that its limits allow.
@@ -320,14 +343,26 @@ class Preview:
         self.show(q)
         for name, (polytope, colour) in found.items():
             self._canvas.draw(name, marks.polytope_solids(polytope, tip, 0.35 * self._size, colour))
+        self._settle("velocity polytope", _measures(part, "polytope"))
 
     def clear(self) -> None:
         """Remove all but the robot."""
         self._canvas.halt()
         for name in _EXTRAS:
             self._canvas.erase(name)
+        self._legend.clear()
+        self._canvas.fit(self._stage, closer=True)
+        self._settle()
 
     # --------------------------------------------------------------------------------------------------------------
+
+    def _settle(self, name: str | None = None, legend: Sequence[Entry] = ()) -> None:
+        """Bring what is drawn into view and say what it is; under a name, what its colours stand for."""
+        if name is not None:
+            self._legend[name] = list(legend)
+        self._canvas.fit(self._stage)
+        entries = [entry for part in self._legend.values() for entry in part]
+        self._canvas.tell(Caption(words.title(self.arm), [self._posture], entries))
 
     def _draw_robot(self, group: str, parts: Sequence[Part]) -> None:
         for k in range(8):
@@ -337,10 +372,16 @@ class Preview:
         T = np.stack([self.arm.joint_frames(q) for q in frames])
         moving = {f"{group}/joint {k}": T[:, k] for group in ("robot", "limb", "tip") for k in range(1, 8)}
         self._canvas.animate(moving, fps, repeat)
+        self._settle()
 
     def _T_joint7_tip(self) -> Array:
         T_base_joint7 = self.arm.joint_frames(np.zeros(7))[7]
         return np.linalg.inv(T_base_joint7) @ self.arm.limb.T_base_tip_zero
+
+
+def _measures(part: str, shape: str) -> list[Entry]:
+    velocity, force = ("velocity", "force") if part == "linear" else ("angular velocity", "moment")
+    return [(palette.VELOCITY, f"{shape} of {velocity}"), (palette.FORCE, f"{shape} of {force}")]
 
 
 _EXTRAS = (

@@ -10,10 +10,10 @@ from typing import Any, Literal
 
 import numpy as np
 
-from srs_ik.robot.chain import Skeleton
 from srs_ik.robot.limb import EXACT_MISS, SrsLimb, Vector, WristKind
 from srs_ik.robot.recognition import recognise
 from srs_ik.robot.sides import Side, side_of
+from srs_ik.robot.skeleton import Skeleton
 from srs_ik.robot.sources import Description
 
 _NOT_SHOWN_MM = 1e-3

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 import tomllib
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -10,15 +11,21 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import Any, Literal
 
-from srs_ik.errors import InvalidRobot, did_you_mean, listed
+from srs_ik import bounds
+from srs_ik.errors import InvalidRobot, did_you_mean, listed, quoted
 
 CARD_FILE = "robot.toml"
 """Usual name of a card, and that of the one which makes a folder of the package a robot."""
 
-MAX_BYTES = 2**18
-"""Largest card that is read; a full one has a few kilobytes."""
-
 Vector = tuple[float, float, float]
+
+_TEXTS = re.compile(
+    r'''"""(?:\\.|[^\\])*?(?:"""|\Z)|\'{3}.*?(?:\'{3}|\Z)|"(?:\\.|[^"\\\n])*+"?|'[^'\n]*+'?|\#[^\n]*+''',
+    re.DOTALL | re.VERBOSE,
+)
+"""Texts and comments of TOML, in which dots mean nothing; one without an end is where its parser stops."""
+
+_TOO_DOTTED = re.compile(rf"(?<![\w-])(?:[\w-]++[ \t]*+\.[ \t]*+){{{bounds.CARD_KEYS}}}")
 
 _SIDES = ("left", "right", "either")
 _LIMITS = ("lower", "upper", "velocity", "effort")
@@ -124,16 +131,20 @@ def _parse(path: Path) -> dict[str, Any]:
         if path.exists() and not path.is_file():
             raise InvalidRobot(f"{path} is not a regular file", source=path)
         with path.open("rb") as file:
-            content = file.read(MAX_BYTES + 1)
+            content = file.read(bounds.CARD_BYTES + 1)
     except (OSError, ValueError) as error:  # the latter for a path that no system takes
         reason = getattr(error, "strerror", None) or error
         raise InvalidRobot(f"cannot read {path}: {reason}", source=path) from error
-    if len(content) > MAX_BYTES:
-        raise InvalidRobot(f"{path} is larger than {MAX_BYTES // 2**10} KiB, too large for a card", source=path)
+    if len(content) > bounds.CARD_BYTES:
+        raise InvalidRobot(f"{path} is larger than {bounds.CARD_BYTES // 2**10} KiB, too large for a card", source=path)
     try:
-        return tomllib.loads(content.decode())
+        text = content.decode()
+        if _TOO_DOTTED.search(_TEXTS.sub("t", text)):
+            message = f"{path} has a key of more than {bounds.CARD_KEYS} parts; those of a card have two"
+            raise InvalidRobot(message, source=path)
+        return tomllib.loads(text)
     except (ValueError, RecursionError) as error:  # tomllib's own error, bytes that are no UTF-8, or deep nesting
-        reason = " ".join(str(error).split())
+        reason = quoted(" ".join(str(error).split()))[1:-1]
         raise InvalidRobot(f"{path} is not valid TOML: {reason}", source=path) from error
 
 
@@ -175,23 +186,25 @@ class _Reader:
         value = content["urdf"]
         places = value if isinstance(value, list) else [value]
         if not places or not all(isinstance(place, str) and place.strip() for place in places):
-            raise self._error(f"'urdf' must be a path or an address, or a list of them, not {value!r}")
+            raise self._error(f"'urdf' must be a path or an address, or a list of them, not {quoted(value)}")
         folder = self._path.absolute().parent
         return tuple(place if "://" in place else str(folder / place) for place in places)
 
     def _side(self, content: dict[str, Any]) -> Literal["left", "right", "either"]:
         side = self._text(content, "side") if "side" in content else "either"
         if side not in _SIDES:
-            raise self._error(f"'side' must be one of {', '.join(_SIDES)}, not {side!r}")
+            raise self._error(f"'side' must be one of {', '.join(_SIDES)}, not {quoted(side)}")
         return side  # type: ignore[return-value]
 
     def _limits(self, content: dict[str, Any]) -> Mapping[str, Mapping[str, float]]:
-        limits = self._group(content, "limits")
-        for joint in limits:
-            where = f"limits.{joint}"
-            for key in self._table(limits, joint, (), _LIMITS, where):
-                self._number(limits[joint][key], f"{key!r} in [{where}]", finite=False)
-        return MappingProxyType({joint: MappingProxyType(dict(limits[joint])) for joint in limits})
+        groups = self._group(content, "limits")
+        limits = {}
+        for joint in groups:
+            where = f"limits.{quoted(joint)[1:-1]}"
+            table = self._table(groups, joint, (), _LIMITS, where)
+            figures = {key: self._number(table[key], f"{key!r} in [{where}]", finite=False) for key in table}
+            limits[joint] = MappingProxyType(figures)
+        return MappingProxyType(limits)
 
     def _xacro(self, content: dict[str, Any]) -> Mapping[str, str]:
         arguments = self._group(content, "xacro")
@@ -202,17 +215,19 @@ class _Reader:
             return None
         table = self._table(content, key, (), ("xyz", "rpy", "name"))
         xyz, rpy = (self._three(table[k], f"{k!r} in [{key}]") if k in table else (0.0,) * 3 for k in ("xyz", "rpy"))
+        if max(map(abs, xyz + rpy)) > bounds.FARTHEST:
+            raise self._error(f"'xyz' and 'rpy' in [{key}] are metres and rad, and none is beyond {bounds.FARTHEST:g}")
         return Placement(xyz, rpy, self._text(table, "name", key) if "name" in table else name)
 
     def _sources(self, content: dict[str, Any]) -> Mapping[str, Source]:
         groups = self._group(content, "sources")
         sources = {}
         for group in groups:
-            where = f"sources.{group}"
+            where = f"sources.{quoted(group)[1:-1]}"
             table = self._table(groups, group, ("figures", "title"), ("year", "url", "page", "note"), where)
             year = table.get("year")
             if year is not None and (isinstance(year, bool) or not isinstance(year, int)):
-                raise self._error(f"'year' in [{where}] must be a whole number, not {year!r}")
+                raise self._error(f"'year' in [{where}] must be a whole number, not {quoted(year)}")
             texts = {key: self._text(table, key, where) for key in table if key != "year"}
             sources[group] = Source(year=year, **texts)
         return MappingProxyType(sources)
@@ -221,7 +236,7 @@ class _Reader:
         """A table whose keys are free; empty if it is not there."""
         table = content.get(key, {})
         if not isinstance(table, dict):
-            raise self._error(f"'{key}' must be a table, not {table!r}")
+            raise self._error(f"'{key}' must be a table, not {quoted(table)}")
         return table
 
     def _table(
@@ -235,7 +250,7 @@ class _Reader:
         where = where or key
         table = content[key]
         if not isinstance(table, dict):
-            raise self._error(f"'{where}' must be a table, not {table!r}")
+            raise self._error(f"'{where}' must be a table, not {quoted(table)}")
         self._expect_keys(table, where, required, optional)
         return table
 
@@ -246,36 +261,41 @@ class _Reader:
         known = required + optional
         for key in table:
             if key not in known:
-                raise self._error(f"unknown key {key!r}{place}{did_you_mean(key, known)}; known are {listed(known)}")
+                hint = did_you_mean(key, known)
+                raise self._error(f"unknown key {quoted(key)}{place}{hint}; known are {listed(known)}")
         for key in required:
             if key not in table:
-                raise self._error(f"the key {key!r}{place} is missing")
+                raise self._error(f"the key {quoted(key)}{place} is missing")
 
     def _text(self, table: dict[str, Any], key: str, where: str = "") -> str:
         value = table[key]
         if not isinstance(value, str) or not value.strip():
             place = f" in [{where}]" if where else ""
-            raise self._error(f"{key!r}{place} must be a text that is not empty, not {value!r}")
+            raise self._error(f"{quoted(key)}{place} must be a text that is not empty, not {quoted(value)}")
         return value
 
     def _number(self, value: Any, what: str, finite: bool = True) -> float:
         # bool is a kind of int in Python, but true is no figure.
-        if isinstance(value, bool) or not isinstance(value, int | float) or math.isnan(value):
-            raise self._error(f"{what} must be a number, not {value!r}")
-        if finite and math.isinf(value):
+        try:
+            figure = math.nan if isinstance(value, bool) or not isinstance(value, int | float) else float(value)
+        except OverflowError:
+            raise self._error(f"{what} is larger than numbers of the machine") from None
+        if math.isnan(figure):
+            raise self._error(f"{what} must be a number, not {quoted(value)}")
+        if finite and math.isinf(figure):
             raise self._error(f"{what} must be finite")
-        return float(value)
+        return figure
 
     def _three(self, value: Any, what: str) -> Vector:
         if not isinstance(value, list) or len(value) != 3 or any(type(x) not in (int, float) for x in value):
-            raise self._error(f"{what} must be three numbers, not {value!r}")
+            raise self._error(f"{what} must be three numbers, not {quoted(value)}")
         x, y, z = (self._number(number, what) for number in value)
         return (x, y, z)
 
     def _direction(self, table: dict[str, Any], key: str, where: str) -> Vector:
-        vector = self._three(table[key], f"{key!r} in [{where}]")
+        vector = self._three(table[key], f"{quoted(key)} in [{where}]")
         if not abs(math.hypot(*vector) - 1.0) <= _UNIT_TOLERANCE:
-            raise self._error(f"{key!r} in [{where}] must be a unit vector, not {table[key]!r}")
+            raise self._error(f"{quoted(key)} in [{where}] must be a unit vector, not {quoted(table[key])}")
         return vector
 
     def _error(self, what: str) -> InvalidRobot:

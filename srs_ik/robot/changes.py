@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Mapping
 from dataclasses import replace
 from typing import Any
@@ -9,8 +10,9 @@ from typing import Any
 import numpy as np
 import pinocchio as pin
 
-from srs_ik.errors import InvalidRobot, did_you_mean, listed
-from srs_ik.robot.chain import Chain
+from srs_ik.errors import InvalidRobot, did_you_mean, listed, quoted
+from srs_ik.inputs.numbers import real_number
+from srs_ik.robot.chain import Chain, unlimited_if_huge
 from srs_ik.robot.limb import Vector
 
 _LIMITS = {"lower": "lower", "upper": "upper", "velocity": "velocity_limit", "effort": "effort_limit"}
@@ -34,9 +36,7 @@ def with_tool(chain: Chain, T_tip_tool: Array, name: str | None = None) -> Chain
     model = pin.Model(chain.model)
     tip = model.frames[chain.tip_id]
     name, index = _add_frame(model, tip.parentJoint, chain.tip_id, tip.placement * _se3(T_tip_tool), name, "tool")
-    return replace(
-        chain, model=model, tip=name, tip_id=index, T_base_tip_zero=_read_only(chain.T_base_tip_zero @ T_tip_tool)
-    )
+    return replace(chain, model=model, tip=name, tip_id=index, T_base_tip_zero=chain.T_base_tip_zero @ T_tip_tool)
 
 
 def on_base(chain: Chain, T_newbase_base: Array, name: str | None = None) -> Chain:
@@ -61,9 +61,9 @@ def on_base(chain: Chain, T_newbase_base: Array, name: str | None = None) -> Cha
         model=model,
         base=name,
         base_id=index,
-        axes=_read_only(chain.axes @ R.T),
-        points=_read_only(chain.points @ R.T + p),
-        T_base_tip_zero=_read_only(T_newbase_base @ chain.T_base_tip_zero),
+        axes=chain.axes @ R.T,
+        points=chain.points @ R.T + p,
+        T_base_tip_zero=T_newbase_base @ chain.T_base_tip_zero,
     )
 
 
@@ -79,21 +79,25 @@ def within_limits(chain: Chain, limits: Mapping[str, Mapping[str, float]]) -> Ch
         InvalidRobot: limits are no mapping of mappings, a joint or limit of that name does not exist, a limit is no
             number, lower is above upper, or a velocity or effort is not positive.
     """
-    arrays = {field: np.array(getattr(chain, field)) for field in _LIMITS.values()}
+    arrays: dict[str, Any] = {field: np.array(getattr(chain, field)) for field in _LIMITS.values()}
     if not isinstance(limits, Mapping) or not all(isinstance(changes, Mapping) for changes in limits.values()):
-        raise InvalidRobot(f"limits are given as {{joint: {{limit: figure}}}}, not as {limits!r:.60}")
+        raise InvalidRobot(f"limits are given as {{joint: {{limit: figure}}}}, not as {quoted(limits)}")
     for joint, changes in limits.items():
         if joint not in chain.joint_names:
-            hint = did_you_mean(joint, chain.joint_names)
-            raise InvalidRobot(f"limits are given for {joint!r}{hint}; the joints are {listed(chain.joint_names)}")
+            hint = did_you_mean(joint, chain.joint_names) if isinstance(joint, str) else ""
+            raise InvalidRobot(
+                f"limits are given for {quoted(joint)}{hint}; the joints are {listed(chain.joint_names)}"
+            )
         k = chain.joint_names.index(joint)
         for key, value in changes.items():
             if key not in _LIMITS:
-                raise InvalidRobot(f"joint {joint!r} has no limit {key!r}; limits are {listed(list(_LIMITS))}")
+                raise InvalidRobot(f"joint {joint!r} has no limit {quoted(key)}; limits are {listed(list(_LIMITS))}")
             arrays[_LIMITS[key]][k] = _figure(value, f"{key} of joint {joint!r}")
-        lower, upper = arrays["lower"][k], arrays["upper"][k]
+        lower, upper = unlimited_if_huge(arrays["lower"][k], arrays["upper"][k])
+        _warn_of_degrees(joint, changes)
         if not (lower <= upper and lower < np.inf and upper > -np.inf):
             raise InvalidRobot(f"joint {joint!r} has the lower limit {lower} and the upper limit {upper}, no range")
+        arrays["lower"][k], arrays["upper"][k] = lower, upper
         if not min(arrays["velocity_limit"][k], arrays["effort_limit"][k]) > 0.0:
             raise InvalidRobot(f"velocity and effort of joint {joint!r} must be positive; inf where there is no limit")
     model = pin.Model(chain.model)
@@ -104,17 +108,21 @@ def within_limits(chain: Chain, limits: Mapping[str, Mapping[str, float]]) -> Ch
             model.upperPositionLimit[joint.idx_q] = arrays["upper"][k]
     model.velocityLimit = arrays["velocity_limit"]
     model.effortLimit = arrays["effort_limit"]
-    changed: dict[str, Any] = {field: _read_only(array) for field, array in arrays.items()}
-    return replace(chain, model=model, **changed)
+    return replace(chain, model=model, **arrays)
+
+
+def _warn_of_degrees(joint: str, changes: Mapping[str, float]) -> None:
+    figures = [float(changes[key]) for key in ("lower", "upper") if key in changes]
+    largest = max((abs(figure) for figure in figures if np.isfinite(figure)), default=0.0)
+    if 4.0 * np.pi < largest <= 720.0:
+        said = f"limits are in radians, and joint {joint!r} is given {largest:g}: are these degrees?"
+        warnings.warn(said, UserWarning, stacklevel=2)
 
 
 def _figure(value: Any, what: str) -> float:
-    try:
-        figure = float(value)
-    except (TypeError, ValueError):
-        figure = np.nan
+    figure = real_number(value)
     if np.isnan(figure):
-        raise InvalidRobot(f"{what} must be a number, not {value!r}")
+        raise InvalidRobot(f"{what} must be a number, not {quoted(value)}")
     return figure
 
 
@@ -139,9 +147,3 @@ def _rigid(T: Array) -> Array:
     rigid = np.eye(4)
     rigid[:3, :3], rigid[:3, 3] = U @ V, T[:3, 3]
     return rigid
-
-
-def _read_only(array: Array) -> Array:
-    array = np.array(array)
-    array.flags.writeable = False
-    return array

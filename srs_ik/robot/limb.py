@@ -27,9 +27,25 @@ class Hand(NamedTuple):
     """Direction across it that turns with the forearm, the paper's phi."""
 
 
+class ReadOnlyArrays:
+    """A dataclass whose arrays are read-only, in copies too: NumPy forgets that when an array is copied or pickled.
+
+    Kernels are compiled for read-only arrays apart, and an array that took changes would hide that they are ignored.
+    """
+
+    def __post_init__(self) -> None:
+        for value in vars(self).values():
+            if isinstance(value, np.ndarray):
+                value.flags.writeable = False
+
+    def __setstate__(self, state: dict[str, object]) -> None:
+        vars(self).update(state)
+        self.__post_init__()
+
+
 @dataclass(frozen=True, eq=False)
-class SrsLimb:
-    """A spherical-revolute-spherical limb, in the base frame at the zero configuration.
+class SrsLimb(ReadOnlyArrays):
+    """A spherical-revolute-spherical limb, in the base frame at the zero configuration; its arrays are read-only.
 
     Attributes:
         axes: (7, 3) unit directions of the joint axes.

@@ -75,7 +75,7 @@ def recognise(axes: Vector, points: Vector, T_base_tip_zero: Vector, reference: 
         if i != 3:
             misses[i] = line_distance(shoulder if i < 3 else wrist, points[i], axes[i])
 
-    direction = _default_reference(axes[0]) if reference is None else np.asarray(reference, dtype=float)
+    direction = default_reference(axes[0]) if reference is None else np.asarray(reference, dtype=float)
     limb = SrsLimb(
         axes=axes,
         points=points,
@@ -127,7 +127,8 @@ def _elbow_centre(axes: Vector, points: Vector, shoulder: Vector, wrist: Vector)
     return origin + axis * (numerator / denominator)
 
 
-def _default_reference(axis: Vector) -> Vector:
+def default_reference(axis: Vector) -> Vector:
+    """Where the elbow lies at arm angle zero unless it is said otherwise: along axis 1, its largest part positive."""
     largest = axis[np.abs(axis).argmax()]
     return axis * np.sign(largest)
 

@@ -10,8 +10,9 @@ from typing import Any
 
 import numpy as np
 
-from srs_ik.errors import InvalidRobot, did_you_mean, listed
+from srs_ik.errors import InvalidRobot, did_you_mean, listed, quoted
 from srs_ik.robot import zoo
+from srs_ik.robot.arguments import check_path, check_xacro_args
 from srs_ik.robot.card import Placement, RobotCard, read_card
 from srs_ik.robot.description import RobotModel, load_model
 from srs_ik.robot.description.model import is_xml
@@ -96,23 +97,31 @@ def _entry(card: RobotCard) -> NamedRobot:
     return NamedRobot(card.name, card.description, card.base, card.tip, origin, install, fetched)
 
 
-def describe(source: Any, urdf: Any = None, xacro_args: Mapping[str, str] | None = None) -> Description:
+def describe(
+    source: Any, urdf: Any = None, xacro_args: Mapping[str, str] | None = None, allow_xacro: bool = False
+) -> Description:
     """Read a robot from anything that `load` takes.
+
+    A xacro file is a program. One is run where it is named as such by `source` or `urdf`, or stands behind a name that
+    this package or robot_descriptions knows; one that somebody's adapter names is run only if that is allowed.
 
     Args:
         source: a name, the path of an adapter (``.toml``) or an address; else path, text or object as in
-            `srs_ik.urdf.load_model`. A name wins over a file of that name in the working directory; a path object is
-            always a file.
+            `srs_ik.robot.description.load_model`. A name wins over a file of that name in the working directory; a path
+            object is always a file.
         urdf: what the description of a robot with a name or an adapter is, if not what they say.
         xacro_args: arguments of a xacro file, beside those of an adapter.
+        allow_xacro: whether to run a xacro file that an adapter names.
 
     Raises:
-        InvalidRobot: there is no such robot or file, or the description is faulty.
+        InvalidRobot: there is no such robot or file, the description is faulty, or it is a xacro file that nobody has
+            asked to run.
         MissingExtra: the name needs a package that is not installed.
     """
+    check_xacro_args(xacro_args)
     card = _card(source)
     if card is not None:
-        return _of_card(card, urdf, xacro_args)
+        return _of_card(card, urdf, xacro_args, allow_xacro or _is_known(source))
     if urdf is not None:
         raise InvalidRobot("urdf= is the description of a robot that is given by its name or by an adapter")
     if isinstance(source, str) and not is_xml(source):
@@ -130,8 +139,9 @@ def places_of(source: str | os.PathLike[str]) -> tuple[str, ...]:
     """Where the description behind a name, path or address may be, as a card says it.
 
     Raises:
-        InvalidRobot: a text is no name, path or address.
+        InvalidRobot: a text is no name, path or address, or the source is of another kind.
     """
+    check_path("source", source)
     card = _card(source)
     if card is not None:
         return card.places
@@ -142,9 +152,14 @@ def places_of(source: str | os.PathLike[str]) -> tuple[str, ...]:
     return (source,) if isinstance(source, str) and "://" in source else (str(Path(source).absolute()),)
 
 
+def _is_known(source: Any) -> bool:
+    """True for the name of a robot of this package."""
+    return isinstance(source, str) and not is_xml(source) and source in (*zoo.robots(), *zoo.adapters())
+
+
 def _card(source: Any) -> RobotCard | None:
     """The card that a source is or has, or None."""
-    if isinstance(source, str) and not is_xml(source) and source in (*zoo.robots(), *zoo.adapters()):
+    if _is_known(source):
         return zoo.card(source)
     if isinstance(source, str | os.PathLike) and not (isinstance(source, str) and is_xml(source)):
         path = Path(source)
@@ -153,9 +168,15 @@ def _card(source: Any) -> RobotCard | None:
     return None
 
 
-def _of_card(card: RobotCard, urdf: Any, xacro_args: Mapping[str, str] | None) -> Description:
+def _of_card(card: RobotCard, urdf: Any, xacro_args: Mapping[str, str] | None, allow_xacro: bool) -> Description:
     if urdf is None:
         found = _located(card)
+        if found.path.suffix == ".xacro" and not allow_xacro:
+            message = (
+                f"the adapter of {card.name!r} names the xacro file {found.path}, which is a program: if you trust it, "
+                "allow_xacro=True or --allow-xacro runs it"
+            )
+            raise InvalidRobot(message, card.name)
         arguments = _arguments(found.path, xacro_args, {**found.xacro_args, **card.xacro})
         robot = load_model(found.path, arguments, found.packages)
     else:
@@ -193,7 +214,11 @@ def _at(place: str, xacro_args: Mapping[str, str] | None) -> Description:
 
 def _arguments(source: Any, asked: Mapping[str, str] | None, usual: Mapping[str, str]) -> Mapping[str, str] | None:
     """Arguments of a xacro file: those that are asked for, and for the rest the usual ones, which only it has."""
-    return {**usual, **(asked or {})} if str(source).endswith(".xacro") else asked
+    return (
+        {**usual, **(asked or {})}
+        if isinstance(source, str | os.PathLike) and os.fspath(source).endswith(".xacro")
+        else asked
+    )
 
 
 def _is_path(text: str) -> bool:
@@ -207,8 +232,9 @@ def _is_path(text: str) -> bool:
 
 
 def _unknown(name: str) -> InvalidRobot:
-    shown = name if len(name) <= 80 else name[:77] + "..."
     known = robots()
     described = {described.removesuffix(DESCRIPTION): described for described in described_names()}
     hint = did_you_mean(described.get(name, name), [*known, *described.values()])
-    return InvalidRobot(f"{shown!r} is neither a file nor the name of a robot{hint}; there are {listed(known)}", shown)
+    return InvalidRobot(
+        f"{quoted(name)} is neither a file nor the name of a robot{hint}; there are {listed(known)}", name
+    )

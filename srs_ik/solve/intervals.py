@@ -1,4 +1,4 @@
-"""Feasible arm angles of many poses: as many intervals a pose as it has, one behind another in flat arrays."""
+"""Feasible arm angles, of one pose and of many: there as many intervals a pose as it has, behind one another."""
 
 from __future__ import annotations
 
@@ -9,13 +9,14 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from srs_ik.inputs.poses import as_matrices, refuse_bad_poses
-from srs_ik.kernels.entries.intervals import MOST_INTERVALS, intervals_range
+from srs_ik.inputs.poses import PoseLike, as_matrices, as_matrix, invalid_pose, refuse_bad_poses
+from srs_ik.kernels.entries import intervals as entries
+from srs_ik.kernels.layout.answer import MOST_INTERVALS
 from srs_ik.solve.solution import Interval
 from srs_ik.solve.threads import run_in_threads
 
 if TYPE_CHECKING:
-    from srs_ik.arm import Arm
+    from srs_ik.solve.packed import PackedArm
 
 Array = NDArray[np.float64]
 
@@ -69,7 +70,16 @@ class IntervalsBatch:
         return f"IntervalsBatch({len(self.branch)} intervals of {len(self)} poses)"
 
 
-def intervals_batch(arm: Arm, poses: Any, respect_limits: bool, threads: int | None) -> IntervalsBatch:
+def intervals(arm: PackedArm, pose: PoseLike, respect_limits: bool) -> list[Interval]:
+    """Feasible arm angles of one pose; see `Arm.intervals`."""
+    out = np.empty((MOST_INTERVALS, 3))
+    count = entries.intervals(arm.family, as_matrix(pose), respect_limits, *arm.work(), out)
+    if count < 0:
+        raise invalid_pose(-count)
+    return [Interval(int(b), float(lower), float(upper)) for b, lower, upper in out[:count]]
+
+
+def intervals_batch(arm: PackedArm, poses: Any, respect_limits: bool, threads: int | None) -> IntervalsBatch:
     """Feasible arm angles of many poses; see `Arm.intervals_batch`."""
     T = as_matrices(poses)
     n = len(T)
@@ -79,11 +89,11 @@ def intervals_batch(arm: Arm, poses: Any, respect_limits: bool, threads: int | N
 
     def work(first: int, last: int) -> None:
         rows = np.empty((BLOCK, 3))
-        space = arm._work()
+        space = arm.work()
         while first < last:
             begin = first
-            first, used = intervals_range(
-                arm._family, T, begin, last, respect_limits, *space, rows, offsets[1:], verdicts
+            first, used = entries.intervals_range(
+                arm.family, T, begin, last, respect_limits, *space, rows, offsets[1:], verdicts
             )
             blocks.append((begin, rows[:used].copy()))
 

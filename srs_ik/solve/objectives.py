@@ -10,12 +10,13 @@ from numpy.typing import ArrayLike, NDArray
 
 from srs_ik.analysis.gravity import gravity_torque, require_masses, torque_scales
 from srs_ik.errors import InvalidTask, did_you_mean, listed
-from srs_ik.inputs.poses import as_joint_vector
-from srs_ik.kernels.limb.limits import SMALLEST_RANGE
-from srs_ik.kernels.optimum import objectives as kinds
+from srs_ik.inputs.numbers import real_array, real_number
+from srs_ik.inputs.poses import as_joint_vector, refuse_bad_angles
+from srs_ik.kernels.layout import objectives as kinds
+from srs_ik.kernels.layout.limb import SMALLEST_RANGE
 
 if TYPE_CHECKING:
-    from srs_ik.arm import Arm
+    from srs_ik.kinematics import ChainKinematics
 
 Array = NDArray[np.float64]
 
@@ -140,6 +141,7 @@ class Objective:
                 raise InvalidTask(f"objective {objective!r} needs {parameter}=, {size} numbers")
             if parameter == "reference":
                 self.parameters[parameter] = as_joint_vector(parameters[parameter], parameter)
+                refuse_bad_angles(self.parameters[parameter], parameter)
             else:
                 self.parameters[parameter] = _direction(parameters[parameter], size, parameter)
 
@@ -153,8 +155,13 @@ class Objective:
         """Number of the kernel that decides among the postures best by the first one, or -1."""
         return self._definition.second if self._definition else -1
 
-    def packed(self, arm: Arm, respect_limits: bool) -> Array:
+    def packed(self, arm: ChainKinematics, weights: Array, respect_limits: bool) -> Array:
         """(PARAMS,) parameters as the kernels read them.
+
+        Args:
+            arm: the arm.
+            weights: its packed masses.
+            respect_limits: whether turns have to keep the limits.
 
         Raises:
             InvalidTask: gravity is asked for, and the arm's description has no masses.
@@ -162,13 +169,13 @@ class Objective:
         values = np.zeros(kinds.PARAMS)
         if self.kind == kinds.GRAVITY:
             require_masses(arm, NO_MASSES)
-            values[kinds.WEIGHT :] = arm._weights
+            values[kinds.WEIGHT :] = weights
         flat = np.concatenate([*self.parameters.values(), np.empty(0)])
         values[: flat.size] = flat
         values[kinds.RESPECT] = respect_limits
         return values
 
-    def value(self, arm: Arm, q: ArrayLike) -> float:
+    def value(self, arm: ChainKinematics, q: ArrayLike) -> float:
         """Value of a posture of an arm, in the objective's own sign and unit.
 
         Computed by NumPy and Pinocchio, without the kernels.
@@ -183,7 +190,7 @@ class Objective:
         """
         return self.values(arm, q)[0]
 
-    def values(self, arm: Arm, q: ArrayLike) -> tuple[float, ...]:
+    def values(self, arm: ChainKinematics, q: ArrayLike) -> tuple[float, ...]:
         """The value, and for a lexicographic objective that of the second one too; see `value`."""
         q = as_joint_vector(q)
         if self.kind in (None, kinds.LIMIT_MARGIN, kinds.REFERENCE, kinds.GRAVITY):
@@ -199,7 +206,7 @@ class Objective:
             return (force / max(velocity, kinds.SMALLEST),)
         return (force, velocity) if self.kind == kinds.FORCE else (velocity, force)
 
-    def evaluator(self, arm: Arm) -> Callable[[Array], float]:
+    def evaluator(self, arm: ChainKinematics) -> Callable[[Array], float]:
         """The function of seven joint angles (7,) that computes the value, for objectives that no kernel computes."""
         if self.function is not None:
             return _checked(self.function, self.name)
@@ -221,19 +228,16 @@ def _sense(maximise: bool) -> str:
 
 
 def _tolerance(value: Any) -> float:
-    try:
-        tolerance = float(value)
-    except (TypeError, ValueError):
-        tolerance = np.nan
+    tolerance = real_number(value)
     if not 0.0 <= tolerance <= LARGEST_TOLERANCE:
-        raise InvalidTask(f"tolerance must be a number from 0 to {LARGEST_TOLERANCE:g}, not {value!r}")
+        raise InvalidTask(f"tolerance must be a number from 0 to {LARGEST_TOLERANCE:g}, not {value!r:.40}")
     return tolerance
 
 
 def _direction(value: Any, size: int, what: str) -> Array:
     """A vector of any length, scaled to length 1."""
     try:
-        vector = np.array(value, dtype=np.float64)
+        vector = real_array(value)
     except (TypeError, ValueError):
         raise InvalidTask(f"{what} must be {size} numbers, not {type(value).__name__}") from None
     if vector.shape != (size,):
@@ -251,11 +255,13 @@ def _checked(function: Callable[[Array], float], name: str) -> Callable[[Array],
     """The function, with every answer that is not one finite number refused."""
 
     def checked(q: Array) -> float:
-        answer = function(q)
-        try:
-            value = float(answer)
-        except (TypeError, ValueError):
-            raise InvalidTask(f"objective {name!r} must return a number, not {type(answer).__name__}") from None
+        # What the search goes on with is not the function's to change.
+        view = q.view()
+        view.flags.writeable = False
+        answer = function(view)
+        value = real_number(answer)
+        if np.isnan(value) and not isinstance(answer, float | np.floating):
+            raise InvalidTask(f"objective {name!r} must return a number, not {type(answer).__name__}")
         if not np.isfinite(value):
             raise InvalidTask(f"objective {name!r} must return a finite number, not {value} as at q = {q.tolist()}")
         return value
@@ -263,13 +269,13 @@ def _checked(function: Callable[[Array], float], name: str) -> Callable[[Array],
     return checked
 
 
-def _limit_margin(arm: Arm, q: Array) -> float:
+def _limit_margin(arm: ChainKinematics, q: Array) -> float:
     limited = np.isfinite(arm.upper) & np.isfinite(arm.lower)
     lower, upper = arm.lower[limited], arm.upper[limited]
     middle, half = 0.5 * (lower + upper), 0.5 * np.maximum(upper - lower, SMALLEST_RANGE)
     return float(np.min(1.0 - np.abs(q[limited] - middle) / half, initial=1.0))
 
 
-def _squared_torque(arm: Arm) -> Callable[[Array], float]:
+def _squared_torque(arm: ChainKinematics) -> Callable[[Array], float]:
     torque, scales = gravity_torque(arm, NO_MASSES), torque_scales(arm)
     return lambda q: float(np.sum((torque(q) * scales) ** 2))

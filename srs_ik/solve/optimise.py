@@ -10,17 +10,18 @@ from numpy.typing import NDArray
 
 from srs_ik.errors import InvalidTask
 from srs_ik.inputs.poses import PoseLike, as_matrix, invalid_pose
-from srs_ik.kernels.algebra import minimum as line
-from srs_ik.kernels.curves.runs import MAX_RUNS, RUN
-from srs_ik.kernels.entries import optimum as kernel
-from srs_ik.kernels.layout import IS_CLOSED, LIMITED, ROW, ROW_BRANCH
-from srs_ik.kernels.optimum import objectives as kinds
-from srs_ik.kernels.optimum.search import BRACKET, REFUSED
+from srs_ik.kernels.entries import optimum as entries
+from srs_ik.kernels.layout import objectives as kinds
+from srs_ik.kernels.layout import search as at
+from srs_ik.kernels.layout.answer import ROW, ROW_BRANCH
+from srs_ik.solve import intervals as feasible
 from srs_ik.solve.objectives import Objective
+from srs_ik.solve.pose import solve
 from srs_ik.solve.solution import ElbowRange, Interval, Solution
 
 if TYPE_CHECKING:
-    from srs_ik.arm import Arm
+    from srs_ik.kinematics import ChainKinematics
+    from srs_ik.solve.packed import PackedArm
 
 Array = NDArray[np.float64]
 
@@ -63,13 +64,14 @@ class Optimum(Solution):
 
 
 def optimise(
-    arm: Arm,
+    arm: PackedArm,
+    chain: ChainKinematics,
     pose: PoseLike,
     objective: str | Callable[[Array], float] | Objective,
     respect_limits: bool = True,
     **parameters: Any,
 ) -> Optimum:
-    """See `Arm.optimise`."""
+    """See `Arm.optimise`; `chain` is the arm as Pinocchio computes it, for what no kernel does."""
     if not isinstance(objective, Objective):
         objective = Objective(objective, **parameters)
     elif parameters:
@@ -79,25 +81,29 @@ def optimise(
     T = as_matrix(pose)
     respect_limits = bool(respect_limits)
     if objective.kind is None:
-        return _by_function(arm, T, objective, respect_limits)
-    if objective.kind in (kinds.LIMIT_MARGIN, kinds.REFERENCE) and arm._family[LIMITED, IS_CLOSED]:
+        return _by_function(arm, chain, T, objective, respect_limits)
+    if objective.kind in (kinds.LIMIT_MARGIN, kinds.REFERENCE) and arm.closed:
         # What `solve` is made for, on an exact limb.
         seed = objective.parameters.get("reference")
-        return _judged(arm, arm.solve(T, seed=seed, respect_limits=respect_limits), T, objective, respect_limits)
-    return _by_kernel(arm, T, objective, respect_limits)
+        return _judged(
+            arm, chain, solve(arm, T, seed=seed, respect_limits=respect_limits), T, objective, respect_limits
+        )
+    return _by_kernel(arm, chain, T, objective, respect_limits)
 
 
-def _judged(arm: Arm, solution: Solution, T: Array, objective: Objective, respect_limits: bool) -> Optimum:
-    """A posture that `Arm.solve` gives, as an optimum."""
+def _judged(
+    arm: PackedArm, chain: ChainKinematics, solution: Solution, T: Array, objective: Objective, respect_limits: bool
+) -> Optimum:
+    """A posture that `solve` gives, as an optimum."""
     interval = _interval_around(arm, T, solution, respect_limits) if solution else None
-    values = objective.values(arm, solution.q)
-    return Optimum(solution._row, arm.joint_names, objective, values, interval, arm._elbow)
+    values = objective.values(chain, solution.q)
+    return Optimum(solution._row, arm.joint_names, objective, values, interval, arm.elbow)
 
 
-def _interval_around(arm: Arm, T: Array, solution: Solution, respect_limits: bool) -> Interval:
+def _interval_around(arm: PackedArm, T: Array, solution: Solution, respect_limits: bool) -> Interval:
     """The feasible interval with a solution in it, or at the rounding of its ends; a point where there is none."""
     psi = solution.arm_angle
-    for interval in arm.intervals(T, respect_limits):
+    for interval in feasible.intervals(arm, T, respect_limits):
         if interval.branch == solution.branch:
             off = abs(np.remainder(psi - 0.5 * (interval.lower + interval.upper) + np.pi, 2.0 * np.pi) - np.pi)
             if off <= 0.5 * interval.width + _ROUNDING:
@@ -105,67 +111,69 @@ def _interval_around(arm: Arm, T: Array, solution: Solution, respect_limits: boo
     return Interval(solution.branch, psi, psi)
 
 
-def _by_kernel(arm: Arm, T: Array, objective: Objective, respect_limits: bool) -> Optimum:
+def _by_kernel(arm: PackedArm, chain: ChainKinematics, T: Array, objective: Objective, respect_limits: bool) -> Optimum:
     """The optimum of an objective that kernels compute."""
-    row, out = np.empty(ROW), np.empty(kernel.OUT)
-    found = kernel.optimise(
-        arm._family,
+    row, out = np.empty(ROW), np.empty(at.OUT)
+    found = entries.optimise(
+        arm.family,
         T,
         objective.kind,
         objective.second,
         objective.tolerance,
-        line.SHARP if objective.kind == kinds.LIMIT_MARGIN else line.SMOOTH,
-        objective.packed(arm, respect_limits),
+        at.SHARP if objective.kind == kinds.LIMIT_MARGIN else at.SMOOTH,
+        objective.packed(chain, arm.weights, respect_limits),
         respect_limits,
         row,
         out,
     )
     if found < 0:
         raise invalid_pose(-found)
-    if found == kernel.NO_POSTURE:
-        return _judged(arm, arm.solve(T, respect_limits=respect_limits), T, objective, respect_limits)
+    if found == at.NO_POSTURE:
+        return _judged(arm, chain, solve(arm, T, respect_limits=respect_limits), T, objective, respect_limits)
     sign = -1.0 if objective.maximise else 1.0
-    values = [sign * out[kernel.OUT_VALUE]]
+    values = [sign * out[at.OUT_VALUE]]
     if objective.second >= 0:  # of the other sense, always
-        values.append(-sign * out[kernel.OUT_SECOND])
-    interval = Interval(int(row[ROW_BRANCH]), float(out[kernel.OUT_LOWER]), float(out[kernel.OUT_UPPER]))
+        values.append(-sign * out[at.OUT_SECOND])
+    interval = Interval(int(row[ROW_BRANCH]), float(out[at.OUT_LOWER]), float(out[at.OUT_UPPER]))
     return Optimum(row, arm.joint_names, objective, values, interval)
 
 
-def _by_function(arm: Arm, T: Array, objective: Objective, respect_limits: bool) -> Optimum:
+def _by_function(
+    arm: PackedArm, chain: ChainKinematics, T: Array, objective: Objective, respect_limits: bool
+) -> Optimum:
     """The optimum of an objective that is a Python function, by the same search."""
-    evaluate = objective.evaluator(arm)
+    evaluate = objective.evaluator(chain)
     sign = -1.0 if objective.maximise else 1.0
-    runs = np.empty((MAX_RUNS, RUN))
-    rows, k, verdict = kernel.sample(arm._family, T, respect_limits, runs)
+    runs = np.empty((at.MAX_RUNS, at.RUN))
+    rows, k, verdict = entries.sample(arm.family, T, respect_limits, runs)
     if verdict:
         raise invalid_pose(verdict)
     values = np.array([sign * evaluate(row[1:]) for row in rows])
-    brackets = np.empty((kernel.MAX_BRACKETS, BRACKET))
-    count = kernel.brackets(rows, values, runs, k, brackets)
+    brackets = np.empty((at.MAX_BRACKETS, at.BRACKET))
+    count = entries.brackets(rows, values, runs, k, brackets)
 
-    best, best_run = REFUSED, -1
-    state, row, best_row = np.empty(line.STATE), np.empty(ROW), np.empty(ROW)
+    best, best_run = at.REFUSED, -1
+    state, row, best_row = np.empty(at.STATE), np.empty(ROW), np.empty(ROW)
     for bracket in brackets[:count]:
         if bracket[7] >= best:
             continue
         run = int(bracket[1])
-        kernel.begin(state, bracket, line.SHARP if objective.function else line.SMOOTH)
+        entries.begin(state, bracket, at.SHARP if objective.function else at.SMOOTH)
         while True:
-            x, wanted = kernel.next_point(state)
+            x, wanted = entries.next_point(state)
             if not wanted:
                 break
-            value = REFUSED
-            if kernel.posture(arm._family, T, rows, runs[run], x, respect_limits, row):
+            value = at.REFUSED
+            if entries.posture(arm.family, T, rows, runs[run], x, respect_limits, row):
                 value = sign * evaluate(row[:7])
-            kernel.answer(state, value)
-        if state[line.F_BEST] >= best:
+            entries.answer(state, value)
+        if state[at.F_BEST] >= best:
             continue
-        if kernel.posture(arm._family, T, rows, runs[run], state[line.BEST], respect_limits, row):
-            best, best_run = float(state[line.F_BEST]), run
+        if entries.posture(arm.family, T, rows, runs[run], state[at.BEST], respect_limits, row):
+            best, best_run = float(state[at.F_BEST]), run
             best_row[:] = row
     if best_run < 0:
-        return _judged(arm, arm.solve(T, respect_limits=respect_limits), T, objective, respect_limits)
-    lower, upper = kernel.interval(arm._family, T, rows, runs[best_run])
+        return _judged(arm, chain, solve(arm, T, respect_limits=respect_limits), T, objective, respect_limits)
+    lower, upper = entries.interval(arm.family, T, rows, runs[best_run])
     interval = Interval(int(best_row[ROW_BRANCH]), float(lower), float(upper))
     return Optimum(best_row, arm.joint_names, objective, [sign * best], interval)

@@ -1,13 +1,22 @@
-"""From a limb and its joint limits to the flat array that the kernels read."""
+"""What kernels know of an arm, and the answers made from their rows: packed once, passed to every question."""
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
 import numpy as np
 
-from srs_ik.kernels import layout as at
+from srs_ik.analysis.gravity import torque_scales
 from srs_ik.kernels.entries.pose import pack_limits
-from srs_ik.kernels.task import posture as hand_at
+from srs_ik.kernels.layout import limb as at
+from srs_ik.kernels.layout import task as hand_at
+from srs_ik.kernels.layout import weights as weight_at
 from srs_ik.robot.limb import Hand, SrsLimb, Vector
+from srs_ik.solve.solution import ElbowRange
+
+if TYPE_CHECKING:
+    from srs_ik.kinematics import ChainKinematics
 
 ALIGNED = 1e-9
 """Relative size under which a component that should vanish by design is taken as rounding in the robot description."""
@@ -29,6 +38,68 @@ NO_ROOM = 1e-9
 STRICT = (1e-13, 1e-14, 1e-12, 0.0)
 LOOSE = (3e-11, 3e-11, 1e-11, 1e-10)
 """Tolerances `SLACK_*` of the layout: those of rounding, and those that still close to 1e-10."""
+
+
+@dataclass(frozen=True, eq=False)
+class PackedArm:
+    """All that drivers of kernels need of an arm; every array is read-only.
+
+    Attributes:
+        name: name of the robot, for messages.
+        tip: name of the tip frame, for messages.
+        joint_names: the 7 joint names, from shoulder to wrist.
+        lower: (7,) lower joint limits, rad; -inf where continuous.
+        upper: (7,) upper joint limits, rad; inf where continuous.
+        velocity_limit: (7,) rad/s; inf where the description gives none.
+        family: (4, SIZE) the packed limb, see `pack_family`.
+        hand: (HAND,) the packed hand, see `pack_hand`.
+        weights: (WEIGHTS,) the packed masses, see `pack_weights`.
+        shoulder: (3,) shoulder centre in the base frame, metres.
+        elbow: where the elbow is straight, and its limits.
+        closed: whether the closed form of the limb is the answer, without a correction on the true chain.
+    """
+
+    name: str
+    tip: str
+    joint_names: tuple[str, ...]
+    lower: Vector
+    upper: Vector
+    velocity_limit: Vector
+    family: Vector
+    hand: Vector
+    weights: Vector
+    shoulder: Vector
+    elbow: ElbowRange
+    closed: bool
+
+    def work(self) -> tuple[Vector | None, Vector | None]:
+        """Work space that the kernels of a near limb need in one call; none where the closed form is the answer."""
+        return (None, None) if self.closed else (np.empty((6, 7)), np.empty((16, 9)))
+
+
+def pack_arm(arm: ChainKinematics, limb: SrsLimb, hand: Hand | None) -> PackedArm:
+    """What kernels know of an arm.
+
+    Args:
+        arm: the 7 joints of the description.
+        limb: the limb that was recognised in them.
+        hand: axes of the hand, where known.
+    """
+    family = pack_family(limb, arm.lower, arm.upper)
+    return PackedArm(
+        name=arm.name,
+        tip=arm.tip,
+        joint_names=arm.joint_names,
+        lower=arm.lower,
+        upper=arm.upper,
+        velocity_limit=arm.velocity_limit,
+        family=family,
+        hand=pack_hand(limb, hand),
+        weights=pack_weights(arm),
+        shoulder=limb.shoulder,
+        elbow=ElbowRange(float(family[at.LIMITED, at.STRAIGHT]), float(arm.lower[3]), float(arm.upper[3])),
+        closed=bool(family[at.LIMITED, at.IS_CLOSED]),
+    )
 
 
 def pack_family(limb: SrsLimb, lower: Vector, upper: Vector) -> Vector:
@@ -204,3 +275,18 @@ def _reach(limb: SrsLimb, stretch: float) -> tuple[float, float]:
     e_along, f_along = float(axis @ e), float(axis @ f)
     near, far = float(np.linalg.norm(e - axis * e_along)), float(np.linalg.norm(f - axis * f_along))
     return float(np.hypot(near - far, e_along + f_along)), float(np.hypot(near + far, e_along + f_along))
+
+
+def pack_weights(arm: ChainKinematics) -> Vector:
+    """The masses of an arm as the kernels of gravity read them, (WEIGHTS,), read-only."""
+    frames = arm.joint_frames(np.zeros(7))
+    W = np.empty(weight_at.WEIGHTS)
+    for joint in range(7):
+        T_base_joint, inertia = frames[joint + 1], arm.model.inertias[joint + 1]
+        centre = T_base_joint[:3, :3] @ inertia.lever + T_base_joint[:3, 3]
+        W[weight_at.MASSES + joint] = inertia.mass
+        _put(W, weight_at.MOMENTS + 3 * joint, inertia.mass * centre)
+    _put(W, weight_at.GRAVITY, frames[0, :3, :3] @ arm.model.gravity.linear)
+    _put(W, weight_at.SCALES, torque_scales(arm))
+    W.flags.writeable = False
+    return W

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -19,20 +20,24 @@ from srs_ik.kernels.entries.path import (
     POWER,
     SETTINGS,
 )
-from srs_ik.kernels.layout import ROW
+from srs_ik.kernels.layout.answer import ROW
 from srs_ik.solve.path_aims import closed as closed_way
 from srs_ik.solve.path_aims import least_largest_step
 from srs_ik.solve.path_breaks import PathBreak, breaks_of
-from srs_ik.solve.path_search import Problem, rows_of, search
+from srs_ik.solve.path_search import Problem, Way, off_pose, rows_of, search
 from srs_ik.solve.solution import BatchSolution, ElbowRange
+from srs_ik.solve.threads import interruptible
 
 if TYPE_CHECKING:
-    from srs_ik.arm import Arm
+    from srs_ik.solve.packed import PackedArm
 
 Array = NDArray[np.float64]
 
 LONGEST_STEP = 0.5
 """Default of the longest joint step that counts as continuous, rad."""
+
+SHORT = 200
+"""Paths of so many poses at most are done before anybody could interrupt them."""
 
 OBJECTIVES = ("sum_of_squares", "largest_step", "time")
 """What a path can be asked to make least, among those with the fewest breaks."""
@@ -74,7 +79,7 @@ class PathSolution(BatchSolution):
 
 
 def solve_path(
-    arm: Arm,
+    arm: PackedArm,
     poses: Any,
     seed: ArrayLike | None = None,
     dt: float | None = None,
@@ -95,21 +100,28 @@ def solve_path(
     even = objective == "sum_of_squares"
     given, has_given = _known(arm, T, known or {})
     problem = Problem(arm, T, start, settings, dt is not None, given, has_given, np.zeros((n, 7)), even=even)
-    if closed:
-        if np.abs(T[0] - T[-1]).max() > ON_POSE:
-            raise InvalidConfiguration("a closed path ends at its first pose, and the last pose is another one")
-        if objective == "largest_step":
-            raise InvalidConfiguration("a closed path is asked for the least sum of squares or time, not largest_step")
-        way = closed_way(problem)
-    else:
-        way = least_largest_step(problem) if objective == "largest_step" else search(problem)
-    rows = rows_of(problem, way)
+    if closed and np.abs(T[0] - T[-1]).max() > ON_POSE:
+        raise InvalidConfiguration("a closed path ends at its first pose, and the last pose is another one")
+    if closed and objective == "largest_step":
+        raise InvalidConfiguration("a closed path is asked for the least sum of squares or time, not largest_step")
+    find = closed_way if closed else least_largest_step if objective == "largest_step" else search
+    if n > SHORT:
+        # What has to be compiled is compiled here: in another thread nobody could interrupt it.
+        one = replace(problem, T=T[:1], known=given[:1], has_known=has_given[:1], near=problem.near[:1])
+        rows_of(one, search(one))
+    way, rows = interruptible(lambda stop: _found(find, replace(problem, stop=stop)), worth_it=n > SHORT)
     rows[:, :7] = _unwound(arm, rows[:, :7], start)
     steps = np.diff(rows[:, :7], axis=0)
-    return PathSolution(rows, arm.joint_names, steps, breaks_of(problem, way, rows, steps), arm._elbow)
+    return PathSolution(rows, arm.joint_names, steps, breaks_of(problem, way, rows, steps), arm.elbow)
 
 
-def _known(arm: Arm, T: Array, known: Mapping[int, ArrayLike]) -> tuple[Array, NDArray[np.bool_]]:
+def _found(find: Callable[[Problem], Way], problem: Problem) -> tuple[Way, Array]:
+    """A path, and the rows of its postures."""
+    way = find(problem)
+    return way, rows_of(problem, way)
+
+
+def _known(arm: PackedArm, T: Array, known: Mapping[int, ArrayLike]) -> tuple[Array, NDArray[np.bool_]]:
     """(n, 7) postures that are given, and (n,) where they are."""
     given, has_given = np.zeros((len(T), 7)), np.zeros(len(T), np.bool_)
     for index, posture in known.items():
@@ -118,13 +130,13 @@ def _known(arm: Arm, T: Array, known: Mapping[int, ArrayLike]) -> tuple[Array, N
         q = as_joint_vector(posture, f"the posture of pose {index}")
         if (q < arm.lower).any() or (q > arm.upper).any():
             raise InvalidConfiguration(f"known: the posture of pose {index} is outside the joint limits")
-        if max(arm.verify(T[index], q)) > ON_POSE:
+        if off_pose(arm, T[index], q) > ON_POSE:
             raise InvalidConfiguration(f"known: the posture given for pose {index} does not meet it")
         given[index], has_given[index] = q, True
     return given, has_given
 
 
-def _settings(arm: Arm, dt: float | None, longest_step: float, objective: str) -> Array:
+def _settings(arm: PackedArm, dt: float | None, longest_step: float, objective: str) -> Array:
     """(SETTINGS, 7) of the programme: longest joint steps by velocity and by continuity, turns of endless joints."""
     settings = np.zeros((SETTINGS, 7))
     settings[BY_VELOCITY] = np.inf if dt is None else arm.velocity_limit * as_positive(dt, "dt", "seconds")
@@ -141,7 +153,7 @@ def _settings(arm: Arm, dt: float | None, longest_step: float, objective: str) -
     return settings
 
 
-def _unwound(arm: Arm, q: Array, start: Array | None) -> Array:
+def _unwound(arm: PackedArm, q: Array, start: Array | None) -> Array:
     """The same postures with joints that turn without end counted on from sample to sample."""
     q = q.copy()
     endless = np.isinf(arm.lower) & np.isinf(arm.upper)

@@ -8,6 +8,7 @@ import numpy as np
 
 from srs_ik.kernels.entries.path import BREAK, INVERSE_SPEED, POWER
 from srs_ik.solve.path_search import FINE_WIDTHS, Problem, Way, copy, find_way, refine, search, search_around, steps_of
+from srs_ik.solve.pose import solve_all
 
 POWERS = (8.0, 32.0, 128.0)
 """Powers of the largest step of each pose whose sum is made least, one after the other: the higher, the more it counts
@@ -52,7 +53,7 @@ def closed(problem: Problem) -> Way:
     """A path that ends in the posture in which it begins."""
     n = len(problem.T)
     free = search(problem)
-    others = problem.arm.solve_all(problem.T[0])
+    others = solve_all(problem.arm, problem.T[0], None, True)
     starts = [free.q[0], free.q[-1], *(s.q for s in others)][:STARTS] if free.reached[[0, -1]].all() else []
     if problem.has_known[[0, -1]].any():
         starts = [problem.known[0 if problem.has_known[0] else -1]]

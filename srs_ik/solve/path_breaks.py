@@ -10,10 +10,11 @@ from numpy.typing import NDArray
 
 from srs_ik.kernels.entries.path import BY_CONTINUITY
 from srs_ik.solve.path_search import Problem, Wall, Way, find_way
+from srs_ik.solve.pose import solve
 from srs_ik.solve.solution import BatchSolution
 
 if TYPE_CHECKING:
-    from srs_ik.arm import Arm
+    from srs_ik.solve.packed import PackedArm
 
 Array = NDArray[np.float64]
 
@@ -46,7 +47,7 @@ def breaks_of(problem: Problem, way: Way, rows: Array, steps: Array) -> list[Pat
     """The breaks of a path, from the rows of its postures and its joint steps."""
     arm = problem.arm
     longest = problem.settings[BY_CONTINUITY]
-    answers = BatchSolution(rows, arm.joint_names, arm._elbow)
+    answers = BatchSolution(rows, arm.joint_names, arm.elbow)
     jumps = np.append(False, (np.abs(steps) > longest).any(axis=1))
     after_gap = np.append(False, ~answers.ok[:-1])
     inner = np.flatnonzero(jumps & answers.ok & ~after_gap).tolist()
@@ -95,10 +96,10 @@ def _windows(problem: Problem, way: Way, count: int) -> list[tuple[int, int, str
 
 def _reason(problem: Problem, wall: Wall) -> str:
     """What stops the postures before a wall: a joint's limit, a step that is too long, or the reach."""
-    arm: Arm = problem.arm
+    arm: PackedArm = problem.arm
     chosen = wall.before[np.linspace(0, len(wall.before) - 1, min(len(wall.before), LOOKED_AT)).astype(int)]
     pose = problem.T[wall.sample]
-    free = [(arm.solve(pose, seed=q, respect_limits=False), q) for q in chosen]
+    free = [(solve(arm, pose, seed=q, respect_limits=False), q) for q in chosen]
     met = [(float(np.abs(s.q - q).max()), s.q, q) for s, q in free if s]
     if not met:
         return "no posture reaches the pose"

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -21,11 +21,13 @@ from srs_ik.kernels.entries.path import (
     STRIP,
     STRIP_FIRST,
 )
-from srs_ik.kernels.layout import ROW, ROW_STATUS
+from srs_ik.kernels.layout.answer import ROW, ROW_ORIENTATION_ERROR, ROW_POSITION_ERROR, ROW_STATUS
+from srs_ik.solve.pose import solve
 from srs_ik.solve.solution import Status
+from srs_ik.solve.threads import Stop
 
 if TYPE_CHECKING:
-    from srs_ik.arm import Arm
+    from srs_ik.solve.packed import PackedArm
 
 Array = NDArray[np.float64]
 
@@ -52,6 +54,10 @@ LEAST_GAIN = 1e-3
 """A search that gains less, relative to all, is the last one."""
 
 
+class Stopped(Exception):
+    """Nobody wants the answer any more."""
+
+
 @dataclass
 class Problem:
     """A path to be found.
@@ -67,9 +73,10 @@ class Problem:
         near: (n, 7) postures around which strips are finer.
         radius: how far around, rad; 0: nowhere.
         even: whether squared joint steps are what counts.
+        stop: (1,) set by another thread where nobody wants the answer any more.
     """
 
-    arm: Arm
+    arm: PackedArm
     T: Array
     seed: Array | None
     settings: Array
@@ -79,6 +86,7 @@ class Problem:
     near: Array
     radius: float = 0.0
     even: bool = True
+    stop: Stop = field(default_factory=lambda: np.zeros(1, np.int8))
 
 
 @dataclass
@@ -126,11 +134,24 @@ class Block:
             nodes[:n], cost[:n], strips[:m] = self.before.nodes, self.before.cost, self.before.strips
             ends[0] = 0, n, 0, m
         p = self.problem
-        space = p.arm._work()
+        space = p.arm.work()
         answer = (p.settings, p.limited, self.exact, *space, nodes, cost, strips, ends)
         after, self.reached = entries.sweep(
-            p.arm._family, p.T, self.keys, self.first, carried, p.known, p.has_known, p.near, p.radius, p.seed, *answer
+            p.arm.family,
+            p.T,
+            self.keys,
+            self.first,
+            carried,
+            p.stop,
+            p.known,
+            p.has_known,
+            p.near,
+            p.radius,
+            p.seed,
+            *answer,
         )
+        if p.stop[0]:
+            raise Stopped
         self.count = after - self.first
         self.arrays = nodes, cost, strips, ends
         return self.arrays
@@ -197,7 +218,7 @@ def find_way(problem: Problem, keys: NDArray[np.int64], exact: bool) -> Way:
         ends = arrays[3][1 : block.count + 1]
         way.reached[keys[block.first : block.first + block.count]] = ends[:, 1] > ends[:, 0]
         block.arrays = None
-    if problem.arm._work()[0] is not None:
+    if problem.arm.work()[0] is not None:
         # Along the curves of a near limb, limits are looked at step by step.
         way.bounds[:] = -np.inf, np.inf
     return way
@@ -207,7 +228,7 @@ def search(problem: Problem) -> Way:
     """The best path: planned at key poses, filled in between, and refined."""
     arm, T = problem.arm, problem.T
     marks, verdicts = np.zeros(len(T), np.bool_), np.zeros(len(T), np.int64)
-    entries.choose_keys(arm._family, T, problem.has_known, marks, verdicts)
+    entries.choose_keys(arm.family, T, problem.has_known, marks, verdicts)
     refuse_bad_poses(verdicts)
     while True:
         keys = np.flatnonzero(marks)
@@ -215,7 +236,7 @@ def search(problem: Problem) -> Way:
         missed = np.zeros(len(T), np.bool_)
         if way.cost < 0.5 * BREAK:
             place = way.q, way.psi, way.branch, way.bounds, missed
-            entries.fill_between(arm._family, T, keys, way.reached, problem.settings, *place, *arm._work())
+            entries.fill_between(arm.family, T, keys, way.reached, problem.settings, *place, *arm.work())
         if marks.all() or not (missed.any() or way.cost >= 0.5 * BREAK or not way.reached[keys].all()):
             break
         # Between two planned poses the path does something of its own: there, every pose is planned.
@@ -262,8 +283,8 @@ def refine(problem: Problem, way: Way, widths: Array, even: bool) -> None:
     chain = np.flatnonzero(way.reached)
     fixed = problem.has_known | (way.branch < 0)
     place = (problem.T, chain, fixed, way.bounds, widths, even, problem.seed, problem.settings)
-    work = problem.arm._work()
-    way.cost = entries.refine(problem.arm._family, *place, problem.limited, way.q, way.psi, way.branch, *work)
+    work = problem.arm.work()
+    way.cost = entries.refine(problem.arm.family, *place, problem.limited, way.q, way.psi, way.branch, *work)
 
 
 def copy(way: Way) -> Way:
@@ -293,7 +314,15 @@ def rows_of(problem: Problem, way: Way) -> Array:
     arm, T = problem.arm, problem.T
     rows = np.full((len(T), ROW), np.nan)
     chain = np.flatnonzero(way.reached)
-    entries.finish(arm._family, T, chain, way.q, way.psi, way.branch, *arm._work(), rows)
+    entries.finish(arm.family, T, chain, way.q, way.psi, way.branch, *arm.work(), rows)
     for i in np.flatnonzero(~way.reached | (rows[:, ROW_STATUS] != Status.OK)).tolist():
-        rows[i] = arm.solve(T[i], seed=rows[i - 1, :7] if i else problem.seed)._row
+        rows[i] = solve(arm, T[i], seed=rows[i - 1, :7] if i else problem.seed)._row
     return rows
+
+
+def off_pose(arm: PackedArm, pose: Array, q: Array) -> float:
+    """How far a posture is off a pose, the larger of m and rad."""
+    rows = np.empty((1, ROW))
+    one = np.zeros(1, np.int64)
+    entries.finish(arm.family, pose[None], one, q[None], np.zeros(1), one - 1, None, None, rows)
+    return float(rows[0, ROW_POSITION_ERROR : ROW_ORIENTATION_ERROR + 1].max())

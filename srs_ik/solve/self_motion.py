@@ -10,16 +10,22 @@ from numpy.typing import NDArray
 
 from srs_ik.errors import InvalidConfiguration
 from srs_ik.inputs.poses import PoseLike, as_branch, as_rigid_matrix
-from srs_ik.kernels.layout import ROW
+from srs_ik.kernels.layout.answer import ROW
+from srs_ik.solve.intervals import intervals
+from srs_ik.solve.pose import solve
 from srs_ik.solve.solution import BatchSolution, Interval
 
 if TYPE_CHECKING:
-    from srs_ik.arm import Arm
+    from srs_ik.solve.packed import PackedArm
 
 Array = NDArray[np.float64]
 
 _INSIDE = 1e-9
 """Samples stay this far inside the ends of an interval, rad; on an end, rounding may put a joint past its limit."""
+
+
+MOST_POSTURES = 1_000_000
+"""Postures an interval that fit into memory, and into some seconds: 100 MB."""
 
 
 class SelfMotion(BatchSolution):
@@ -40,23 +46,25 @@ class SelfMotion(BatchSolution):
         return f"SelfMotion({self.solved} postures in branch {i.branch}, {i.lower:.6g} to {i.upper:.6g} rad)"
 
 
-def self_motion(arm: Arm, pose: PoseLike, branch: int | None, count: int, respect_limits: bool) -> list[SelfMotion]:
+def self_motion(
+    arm: PackedArm, pose: PoseLike, branch: int | None, count: int, respect_limits: bool
+) -> list[SelfMotion]:
     """See `Arm.self_motion`."""
     wanted = as_branch(branch)
-    if isinstance(count, bool) or not isinstance(count, int | np.integer) or count < 2:
-        raise InvalidConfiguration(f"count must be an integer of at least 2, not {count!r}")
+    if isinstance(count, bool) or not isinstance(count, int | np.integer) or not 2 <= count <= MOST_POSTURES:
+        raise InvalidConfiguration(f"count must be an integer from 2 to {MOST_POSTURES}, not {count!r:.40}")
     T = as_rigid_matrix(pose)
-    intervals = [i for i in arm.intervals(T, respect_limits) if wanted in (-1, i.branch)]
-    return [through(arm, T, interval, int(count), respect_limits) for interval in intervals]
+    wide = [i for i in intervals(arm, T, respect_limits) if wanted in (-1, i.branch)]
+    return [through(arm, T, interval, int(count), respect_limits) for interval in wide]
 
 
-def through(arm: Arm, T: Array, interval: Interval, count: int, respect_limits: bool) -> SelfMotion:
+def through(arm: PackedArm, T: Array, interval: Interval, count: int, respect_limits: bool) -> SelfMotion:
     """The self-motion through one interval of a pose (4, 4)."""
     inside = min(_INSIDE, 0.25 * interval.width)
     rows = np.empty((count, ROW))
     before = None
     for row, psi in zip(rows, np.linspace(interval.lower + inside, interval.upper - inside, count), strict=True):
-        found = arm.solve(T, float(psi), before, interval.branch, respect_limits)
+        found = solve(arm, T, float(psi), before, interval.branch, respect_limits)
         row[:] = found._row
         before = found.q if found else before
     return SelfMotion(rows, arm.joint_names, interval)

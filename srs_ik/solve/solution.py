@@ -11,13 +11,18 @@ from typing import Any, NamedTuple, overload
 import numpy as np
 from numpy.typing import NDArray
 
-from srs_ik.kernels import layout as at
+from srs_ik.kernels.layout import answer as at
 
 Array = NDArray[np.float64]
 
 
 class Status(IntEnum):
-    """What an answer is worth."""
+    """What an answer is worth.
+
+    A status is equal to its name as text and to its number, which arrays hold: ``solution.status == "OK"`` and
+    ``(batch.status == Status.OK).sum()``. It hashes as its number: `in` finds names in a list or tuple of them, and
+    sets and dictionaries want members of `Status`. It has no truth value, since 0 stands for success; a `Solution` has.
+    """
 
     OK = 0
     """The posture reaches the pose: both errors are below 1e-9 (m, rad), limits kept if they were to be."""
@@ -32,11 +37,26 @@ class Status(IntEnum):
     def __format__(self, spec: str) -> str:
         return format(self.name, spec)
 
+    def __eq__(self, other: object) -> bool:
+        return self.name == other if isinstance(other, str) else super().__eq__(other)
+
+    def __ne__(self, other: object) -> bool:
+        return self.name != other if isinstance(other, str) else super().__ne__(other)
+
+    # What an array holds and what it is compared with belong into one dictionary.
+    __hash__ = IntEnum.__hash__
+
+    def __bool__(self) -> bool:
+        raise TypeError("a status has no truth value: compare it with Status.OK, or test the solution itself")
+
 
 _STATUSES = tuple(Status)
 
 _NO_ERROR = 1e-9
 """Errors below this, m or rad, are those of a solution, and no part of what is wrong."""
+
+_FAR = 10.0
+"""Who misses a pose by more than this, metres, has probably been given it in another unit."""
 
 _ON_THE_SPOT = 1e-6
 """A joint this near to an angle, rad, is at it."""
@@ -98,9 +118,10 @@ class Solution:
         """One sentence for a person: how well the pose is met, or what is in the way and what is left of the error."""
         if self.status is Status.OK:
             errors = f"{self.position_error:.2g} m and {self.orientation_error:.2g} rad"
-            return f"Solved in branch {self.branch} at arm angle {self.arm_angle:.6g} rad, to {errors}."
+            return f"Solved in branch {self.branch} at arm angle {round(self.arm_angle, 9) + 0.0:.6g} rad, to {errors}."
         if self.status is Status.UNREACHABLE:
-            return f"No posture sought reaches the pose; the one given{self._lie()} misses it by {self._miss()}."
+            unit = " Positions are in metres: is this one in millimetres?" if self.position_error > _FAR else ""
+            return f"No posture sought reaches the pose; the one given{self._lie()} misses it by {self._miss()}.{unit}"
         joint = int(self._row[at.ROW_JOINT])
         stop = f" stops at {np.rad2deg(self.q[joint - 1]):.6g} deg"
         where = f"; {self._joint_names[joint - 1]}{stop}" if joint else ""

@@ -3,25 +3,24 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from srs_ik.errors import InvalidTask
 from srs_ik.inputs.poses import as_seeds
+from srs_ik.inputs.task import Task
 from srs_ik.kernels.entries import task as entries
-from srs_ik.kernels.task import solve as kernel
-from srs_ik.solve.posture import Posture, Side, Task, Tie, signs
+from srs_ik.kernels.layout import task as at
+from srs_ik.solve.packed import PackedArm
+from srs_ik.solve.posture import Posture, Side, Tie, signs
 from srs_ik.solve.solution import BatchSolution, ElbowRange, Solution, Status
 from srs_ik.solve.threads import run_in_threads
 
-if TYPE_CHECKING:
-    from srs_ik.arm import Arm
-
 Array = NDArray[np.float64]
 
-_POSTURE = slice(kernel.TASK_POSTURE, kernel.TASK_ROTATION)
+_POSTURE = slice(at.TASK_POSTURE, at.TASK_ROTATION)
 
 
 class TaskSolution(Solution):
@@ -53,7 +52,7 @@ class TaskSolution(Solution):
     @property
     def angle_lost(self) -> float:
         """How far the arm angle of q is from that of the posture, rad; 0 where the elbow is where the task wants it."""
-        return float(self._row[kernel.ANGLE_LOST])
+        return float(self._row[at.ANGLE_LOST])
 
     @property
     def message(self) -> str:
@@ -90,7 +89,7 @@ class BatchTaskSolution(BatchSolution):
     @property
     def angle_lost(self) -> Array:
         """(N,) how far the arm angles are from those of the postures, rad."""
-        return self._rows[:, kernel.ANGLE_LOST]
+        return self._rows[:, at.ANGLE_LOST]
 
     def __getitem__(self, index: Any) -> Any:
         row = self._rows[index]
@@ -102,7 +101,7 @@ class BatchTaskSolution(BatchSolution):
 
 
 def solve_task(
-    arm: Arm,
+    arm: PackedArm,
     task: Task,
     side: Side,
     respect_limits: bool,
@@ -112,30 +111,31 @@ def solve_task(
 ) -> TaskSolution | BatchTaskSolution:
     """See `Arm.solve_task`."""
     sides, ties = signs(task, side, tie)
-    if arm.hand is None:
+    if not arm.hand[at.HAND_KNOWN]:
         raise InvalidTask(
             f"how the hand of {arm.name} lies in its frame {arm.tip!r} is not known: load it with "
             "hand=(grasp, pronosupination), two directions in that frame"
         )
-    family, hand, rows, given = arm._family, arm._packed_hand, task._rows, task._given
+    rows, given = task._rows, task._given
     seeds = None if seed is None else as_seeds(seed, len(rows), arm.lower, arm.upper)
-    out = np.empty((len(rows), kernel.TASK_SOLUTION))
-    if task.count is None:
-        J, A = arm._work()
-        entries.solve_tasks(family, hand, rows, 0, 1, given, sides, ties, seeds, respect_limits, J, A, out)
-        return TaskSolution(out[0], arm.joint_names, arm._elbow, arm.limb.shoulder, side)
+    out = np.empty((len(rows), at.TASK_SOLUTION))
 
     def work(first: int, last: int) -> None:
-        J, A = arm._work()
-        entries.solve_tasks(family, hand, rows, first, last, given, sides, ties, seeds, respect_limits, J, A, out)
+        J, A = arm.work()
+        entries.solve_tasks(
+            arm.family, arm.hand, rows, first, last, given, sides, ties, seeds, respect_limits, J, A, out
+        )
 
+    if task.count is None:
+        work(0, 1)
+        return TaskSolution(out[0], arm.joint_names, arm.elbow, arm.shoulder, side)
     run_in_threads(work, task.count, threads)
-    return BatchTaskSolution(out, arm.joint_names, arm._elbow, arm.limb.shoulder, side)
+    return BatchTaskSolution(out, arm.joint_names, arm.elbow, arm.shoulder, side)
 
 
 def _poses(rows: Array) -> Array:
     T = np.zeros((*rows.shape[:-1], 4, 4))
-    T[..., :3, :3] = rows[..., kernel.TASK_ROTATION : kernel.TASK_TIP].reshape(*rows.shape[:-1], 3, 3)
-    T[..., :3, 3] = rows[..., kernel.TASK_TIP : kernel.ANGLE_LOST]
+    T[..., :3, :3] = rows[..., at.TASK_ROTATION : at.TASK_TIP].reshape(*rows.shape[:-1], 3, 3)
+    T[..., :3, 3] = rows[..., at.TASK_TIP : at.ANGLE_LOST]
     T[..., 3, 3] = 1.0
     return T

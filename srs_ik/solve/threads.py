@@ -1,75 +1,157 @@
-"""Work on many poses: compiled ranges that release the interpreter lock, spread over threads."""
+"""Work on many poses: compiled ranges that release the interpreter lock, spread over threads, and soon interrupted."""
 
 from __future__ import annotations
 
 import os
+import threading
 import time
-from collections import deque
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from concurrent.futures import ThreadPoolExecutor
-from itertools import pairwise
+from contextlib import contextmanager
+from contextvars import ContextVar
+from typing import TypeVar
 
 import numpy as np
+from numpy.typing import NDArray
 
 from srs_ik.errors import SrsIkError
+
+Stop = NDArray[np.int8]
+Result = TypeVar("Result")
 
 SMALLEST_RANGE = 8
 """Poses that are worth a call, and those that show how long one takes."""
 
-RANGES = 16
-"""Ranges for each thread: where a processor has other work too, the other threads do more of them."""
+FIRST_RANGE = 128
+"""Poses of the first call where one thread does them all; the slowest arms need a third of a second for them."""
+
+LONGEST = 0.1
+"""Seconds that a call takes at most, as far as the one before tells: an interruption is noticed between two calls."""
+
+GROWTH = 8
+"""How many times longer than the one before a range may be."""
+
+RANGES = 12
+"""Ranges at least for each of several threads: where a processor has other work too, the other threads do more."""
 
 WORTH_A_THREAD = 2e-4
 """Seconds of work for which threads are started; to start one takes about a quarter of this."""
+
+_watcher: ContextVar[Callable[[int, int], None] | None] = ContextVar("watcher", default=None)
+
+
+@contextmanager
+def watched(watcher: Callable[[int, int], None]) -> Iterator[None]:
+    """Within this block, tell how far the batches of this thread are: watcher(poses begun, poses of the batch)."""
+    token = _watcher.set(watcher)
+    try:
+        yield
+    finally:
+        _watcher.reset(token)
+
+
+def processors() -> int:
+    """Processors that this process may use."""
+    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
 
 def run_in_threads(work: Callable[[int, int], None], count: int, threads: int | None) -> None:
     """Call work(first, last) on ranges that cover 0 to count, at the same time on up to `threads` threads.
 
-    The calling thread is one of them. Each range writes its own part of the output, so the result does not depend on
-    their number.
+    The calling thread is one of them; there are no more than processors. Each range writes its own part of the output,
+    so the result does not depend on their number. After an interruption or an error no range is begun any more.
 
     Raises:
         SrsIkError: `threads` is not a positive integer.
     """
     if threads is None:
-        threads = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+        threads = processors()
     elif isinstance(threads, bool) or not isinstance(threads, (int, np.integer)) or threads < 1:
         raise SrsIkError(f"threads must be a positive integer, not {threads!r}")
-    helpers = min(threads, count // SMALLEST_RANGE) - 1
-    if helpers < 1:
+    helpers = min(threads, processors(), count // SMALLEST_RANGE) - 1
+    if helpers < 1 and count <= FIRST_RANGE:
         work(0, count)
+        return
+    if helpers < 1:
+        _Batch(work, count, count).work_off(FIRST_RANGE, _watcher.get())
         return
     begin = time.perf_counter()
     work(0, SMALLEST_RANGE)
-    rest = count - SMALLEST_RANGE
-    if (time.perf_counter() - begin) * rest < WORTH_A_THREAD * SMALLEST_RANGE:
+    pace = (time.perf_counter() - begin) / SMALLEST_RANGE
+    if pace * (count - SMALLEST_RANGE) < WORTH_A_THREAD:
         work(SMALLEST_RANGE, count)
         return
-    ranges = min(RANGES * (helpers + 1), -(-rest // SMALLEST_RANGE))
-    edges = [SMALLEST_RANGE + rest * k // ranges for k in range(ranges + 1)]
-    _share(work, deque(pairwise(edges)), helpers)
+    batch = _Batch(work, count, -(-count // (RANGES * (helpers + 1))), SMALLEST_RANGE)
+    _share(batch, max(SMALLEST_RANGE, int(LONGEST / pace)), helpers)
 
 
-def _share(work: Callable[[int, int], None], left: deque[tuple[int, int]], helpers: int) -> None:
-    """Do ranges until none is left, with so many helping threads; those that come too late are not waited for."""
+class _Batch:
+    """What is left of a batch, handed out in ranges.
 
-    def take_ranges() -> None:
+    Args:
+        work: does the poses from a first to before a last one.
+        count: poses of the batch.
+        longest: poses of a range at most, but for those too few to be worth a call.
+        begun: poses that are done already.
+    """
+
+    def __init__(self, work: Callable[[int, int], None], count: int, longest: int, begun: int = 0) -> None:
+        self._work = work
+        self._count = count
+        self._longest = max(SMALLEST_RANGE, longest)
+        self._begun = begun
+        self._lock = threading.Lock()
+
+    def work_off(self, size: int, watcher: Callable[[int, int], None] | None = None) -> None:
+        """Do ranges until none is left, the first one of at most `size` poses."""
         while True:
-            try:
-                first, last = left.popleft()
-            except IndexError:
+            with self._lock:
+                first = self._begun
+                length = min(self._count - first, size, self._longest)
+                self._begun += length
+            if length <= 0:
                 return
-            work(first, last)
+            begin = time.perf_counter()
+            self._work(first, first + length)
+            took = time.perf_counter() - begin
+            size = max(SMALLEST_RANGE, int(length * min(GROWTH, LONGEST / max(took, 1e-9))))
+            if watcher is not None:
+                watcher(self._begun, self._count)
 
+    def abandon(self) -> None:
+        """Leave the rest undone."""
+        with self._lock:
+            self._begun = self._count
+
+
+def _share(batch: _Batch, size: int, helpers: int) -> None:
+    """Work a batch off with so many helping threads; those that come too late are not waited for."""
     pool = ThreadPoolExecutor(helpers)
     try:
-        helping = [pool.submit(take_ranges) for _ in range(helpers)]
-        take_ranges()
+        helping = [pool.submit(batch.work_off, size) for _ in range(helpers)]
+        batch.work_off(size, _watcher.get())
         for helper in helping:
             if not helper.cancel():
                 helper.result()
     finally:
-        # After an error or an interrupt nobody begins another range, and the helpers end after the one they are in.
-        left.clear()
+        # After an error or an interrupt the helpers end after the range that they are in.
+        batch.abandon()
         pool.shutdown(wait=False, cancel_futures=True)
+
+
+def interruptible(compute: Callable[[Stop], Result], *, worth_it: bool) -> Result:
+    """compute(stop), where an interruption ends the waiting at once and sets stop[0], for kernels that look at it.
+
+    Args:
+        compute: what to compute.
+        worth_it: whether it takes long enough to be worth a thread; only the main thread can be interrupted.
+    """
+    stop = np.zeros(1, np.int8)
+    if not worth_it or threading.current_thread() is not threading.main_thread():
+        return compute(stop)
+    pool = ThreadPoolExecutor(1)
+    try:
+        return pool.submit(compute, stop).result()
+    finally:
+        stop[0] = 1
+        pool.shutdown(wait=False)

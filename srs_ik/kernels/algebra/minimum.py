@@ -11,28 +11,21 @@ from __future__ import annotations
 import math
 
 from srs_ik.kernels.jit import kernel
-
-LOW = 0
-HIGH = 1
-BEST = 2
-SECOND = 3
-THIRD = 4
-F_BEST = 5
-F_SECOND = 6
-F_THIRD = 7
-STEP = 8
-STEP_BEFORE = 9
-WANTED = 10
-COUNT = 11
-RESOLUTION = 12
-STATE = 13
-"""Places in the state of a search, and its length: ends, best points and values, last two steps, next point ..."""
-
-SMOOTH = 3e-9
-"""Resolution for a smooth function, rad: closer points differ by less than its rounding."""
-
-SHARP = 1e-11
-"""Resolution for a function whose minimum may be a corner."""
+from srs_ik.kernels.layout.search import (
+    BEST,
+    COUNT,
+    F_BEST,
+    F_SECOND,
+    F_THIRD,
+    HIGH,
+    LOW,
+    RESOLUTION,
+    SECOND,
+    STEP,
+    STEP_BEFORE,
+    THIRD,
+    WANTED,
+)
 
 MOST_STEPS = 80
 

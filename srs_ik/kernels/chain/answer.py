@@ -7,8 +7,9 @@ import math
 from srs_ik.kernels.chain.kinematics import pose_error
 from srs_ik.kernels.chain.newton import arm_angle, clipped
 from srs_ik.kernels.jit import kernel
-from srs_ik.kernels.layout import (
-    IS_CLOSED,
+from srs_ik.kernels.layout.answer import (
+    OK,
+    OUT_OF_LIMITS,
     ROW_ARM_ANGLE,
     ROW_BRANCH,
     ROW_JOINT,
@@ -16,16 +17,12 @@ from srs_ik.kernels.layout import (
     ROW_POSITION_ERROR,
     ROW_Q,
     ROW_STATUS,
+    SOLVED,
+    UNREACHABLE,
 )
+from srs_ik.kernels.layout.limb import IS_CLOSED
 from srs_ik.kernels.limb.branches import NO_BRANCH, branch_of
 from srs_ik.kernels.limb.goal import OUTSIDE, tightest_joint
-
-OK = 0.0
-UNREACHABLE = 1.0
-OUT_OF_LIMITS = 2.0
-
-SOLVED = 1e-9
-"""A posture is a solution if position (m) and orientation (rad) errors on the true chain are below this."""
 
 
 @kernel

@@ -11,7 +11,7 @@ from srs_ik.kernels.algebra.vectors import across, add, along, cross, dot, load3
 from srs_ik.kernels.chain.kinematics import joint_lines
 from srs_ik.kernels.chain.newton import ON_LINE, elbow_position, load_system, longest, moved
 from srs_ik.kernels.jit import kernel
-from srs_ik.kernels.layout import (
+from srs_ik.kernels.layout.limb import (
     AXES,
     IS_CLOSED,
     NORMAL_0,

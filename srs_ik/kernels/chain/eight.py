@@ -7,7 +7,7 @@ from srs_ik.kernels.algebra.lanes import as_bits, as_mask, gather, root, scatter
 from srs_ik.kernels.algebra.vectors import dot, sub
 from srs_ik.kernels.chain.kinematics import tip_frame, turn_between
 from srs_ik.kernels.jit import kernel
-from srs_ik.kernels.layout import PHASE, SHOULDER, STRAIGHT, WRIST
+from srs_ik.kernels.layout.limb import PHASE, SHOULDER, STRAIGHT, WRIST
 
 ALL = 0b11111111
 BEYOND_STRAIGHT = 0b11110000

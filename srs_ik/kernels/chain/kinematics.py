@@ -7,7 +7,7 @@ import math
 from srs_ik.kernels.algebra.lane_trig import seven_turns
 from srs_ik.kernels.algebra.vectors import add, apply, cross, dot, load3, load9, norm, rotate, rotation, sub, times
 from srs_ik.kernels.jit import kernel
-from srs_ik.kernels.layout import AXES, POINTS, TIP_POSITION, TIP_ROTATION
+from srs_ik.kernels.layout.limb import AXES, POINTS, TIP_POSITION, TIP_ROTATION
 
 
 @kernel

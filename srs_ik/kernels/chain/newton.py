@@ -12,14 +12,7 @@ from srs_ik.kernels.algebra.linear import solve_linear
 from srs_ik.kernels.algebra.vectors import across, add, along, cross, dot, load3, norm, rotate, scale, sub
 from srs_ik.kernels.chain.kinematics import joint_lines, turn_about_line, turn_between
 from srs_ik.kernels.jit import kernel
-from srs_ik.kernels.layout import (
-    AXES,
-    ELBOW_CENTRE,
-    IS_CLOSED,
-    LOWER,
-    SHOULDER_CENTRE,
-    UPPER,
-)
+from srs_ik.kernels.layout.limb import AXES, ELBOW_CENTRE, IS_CLOSED, LOWER, SHOULDER_CENTRE, UPPER
 from srs_ik.kernels.limb.triangle import arm_angle_of_direction, arm_frame, straight_offset
 
 CLOSED = 1e-12

@@ -15,12 +15,7 @@ from srs_ik.kernels.algebra.vectors import add, along, apply, cross, dot, load3,
 from srs_ik.kernels.chain.kinematics import first_line, joint_line, turn_between
 from srs_ik.kernels.chain.newton import CLOSED, LAST_STEP, MAX_STEP, ON_LINE
 from srs_ik.kernels.jit import kernel
-from srs_ik.kernels.layout import (
-    ELBOW_CENTRE,
-    SHOULDER_CENTRE,
-    TIP_POSITION,
-    TIP_ROTATION,
-)
+from srs_ik.kernels.layout.limb import ELBOW_CENTRE, SHOULDER_CENTRE, TIP_POSITION, TIP_ROTATION
 
 ALL = 0b11111111
 

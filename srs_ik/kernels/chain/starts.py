@@ -12,7 +12,8 @@ from srs_ik.kernels.chain.eight import in_own_branch, put_eight, take_eight
 from srs_ik.kernels.chain.newton import STEPS, close_at_angle
 from srs_ik.kernels.chain.newton_eight import close_eight
 from srs_ik.kernels.jit import kernel
-from srs_ik.kernels.layout import FAR, MISS, ROW_COST
+from srs_ik.kernels.layout.answer import ROW_COST
+from srs_ik.kernels.layout.limb import FAR, MISS
 from srs_ik.kernels.limb.branches import NO_BRANCH, branch_of, elbow_starts, side_posture
 from srs_ik.kernels.limb.goal import cost, turned
 from srs_ik.kernels.limb.poses import read7

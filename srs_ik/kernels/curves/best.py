@@ -10,13 +10,14 @@ import math
 import numpy as np
 
 from srs_ik.kernels.algebra.joint_vectors import short_way
-from srs_ik.kernels.algebra.minimum import BEST, F_BEST, GOLDEN, SHARP, STATE, propose, start_search, tell
+from srs_ik.kernels.algebra.minimum import GOLDEN, propose, start_search, tell
 from srs_ik.kernels.chain.newton import STEPS, arm_angle, close_free
 from srs_ik.kernels.curves.follow import load_sample
-from srs_ik.kernels.curves.runs import MAX_RUNS, RUN, near_runs, on_curve
+from srs_ik.kernels.curves.runs import near_runs, on_curve
 from srs_ik.kernels.exact.nearest import slid
 from srs_ik.kernels.jit import kernel
-from srs_ik.kernels.layout import INVERSE_HALF_RANGE
+from srs_ik.kernels.layout.limb import INVERSE_HALF_RANGE
+from srs_ik.kernels.layout.search import BEST, F_BEST, MAX_RUNS, RUN, SHARP, STATE
 from srs_ik.kernels.limb.branches import NO_BRANCH, branch_of
 from srs_ik.kernels.limb.goal import OUTSIDE, cost, turned
 from srs_ik.kernels.limb.triangle import elbow_side

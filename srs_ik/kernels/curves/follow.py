@@ -23,7 +23,7 @@ from srs_ik.kernels.chain.newton import CLOSED, STEPS, close_free, load_system, 
 from srs_ik.kernels.chain.newton_eight import close_eight
 from srs_ik.kernels.chain.starts import FIRST, WIDTH, start_all
 from srs_ik.kernels.jit import kernel
-from srs_ik.kernels.layout import BOTTOM_GAP, SHOULDER, TOP_GAP, WRIST
+from srs_ik.kernels.layout.limb import BOTTOM_GAP, SHOULDER, TOP_GAP, WRIST
 from srs_ik.kernels.limb.goal import NO_SEED
 from srs_ik.kernels.limb.limits import turn_to_middle, violation
 from srs_ik.kernels.limb.poses import read7

@@ -13,7 +13,7 @@ from srs_ik.kernels.algebra.joint_vectors import difference, short_way
 from srs_ik.kernels.algebra.roots import has_settled, next_parameter, start_crossing, tell_figure
 from srs_ik.kernels.curves.follow import between, put
 from srs_ik.kernels.jit import kernel
-from srs_ik.kernels.layout import LOWER, MIDDLE, RANGE_KIND, UPPER
+from srs_ik.kernels.layout.limb import LOWER, MIDDLE, RANGE_KIND, UPPER
 from srs_ik.kernels.limb.limits import beyond, turn_to_middle
 
 HALVINGS = 45

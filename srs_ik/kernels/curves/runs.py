@@ -17,10 +17,9 @@ from srs_ik.kernels.algebra.roots import has_settled, next_parameter, start_cros
 from srs_ik.kernels.chain.newton import arm_angle, clipped
 from srs_ik.kernels.curves.follow import CURVE, MAX_CURVES, SAMPLE, between, follow_all, load_sample, put
 from srs_ik.kernels.curves.gaps import put_bounds, put_gaps
-from srs_ik.kernels.exact.intervals import MAX_PIECES
 from srs_ik.kernels.exact.samples import take_samples
 from srs_ik.kernels.jit import kernel
-from srs_ik.kernels.layout import IS_CLOSED
+from srs_ik.kernels.layout.limb import IS_CLOSED
 from srs_ik.kernels.limb.branches import NO_BRANCH, side_posture
 from srs_ik.kernels.limb.goal import NO_SEED, turned
 from srs_ik.kernels.limb.limits import beyond_any
@@ -41,7 +40,6 @@ DIP_STEPS = 40
 SHALLOW = 0.5
 """A sample this far outside the limits, rad, may have feasible postures beside it."""
 
-MAX_RUNS = 8 * MAX_PIECES
 
 SPARE_ROWS = 1024
 CURVE_ROWS = 8192
@@ -50,8 +48,6 @@ CURVE_ROWS = 8192
 MOST_GAPS = 8
 """One for each joint between two samples."""
 
-RUN = 5
-"""A run: branch, first and last parameter, first row of its samples, and the row behind the last."""
 
 CUTS = 4
 """Samples for each gap between samples, where a part of a run is sampled again."""

@@ -3,15 +3,12 @@
 from __future__ import annotations
 
 from srs_ik.kernels.algebra.pointers import row
-from srs_ik.kernels.exact.intervals import MAX_PIECES
 from srs_ik.kernels.jit import entry
-from srs_ik.kernels.layout import LIMITED
-from srs_ik.kernels.limb.poses import GOOD_POSE, read_pose
+from srs_ik.kernels.layout.answer import GOOD_POSE, MOST_INTERVALS
+from srs_ik.kernels.layout.limb import LIMITED
+from srs_ik.kernels.limb.poses import read_pose
 from srs_ik.kernels.limb.triangle import place
 from srs_ik.kernels.pose.intervals import all_intervals
-
-MOST_INTERVALS = 8 * MAX_PIECES
-"""Most intervals of one pose."""
 
 
 @entry
@@ -41,3 +38,12 @@ def intervals_range(family, poses, first, last, respect, J, A, rows, counts, ver
         used += counts[i]
         i += 1
     return i, used
+
+
+@entry
+def intervals(family, T, respect, J, A, out):
+    """Feasible intervals of one pose: number of rows written to `out` (n, 3), or minus the verdict."""
+    R, p, verdict = read_pose(row(T, 0))
+    if verdict != GOOD_POSE:
+        return -verdict
+    return all_intervals(family, place(row(family, LIMITED), R, p), R, p, respect, J, A, out)

@@ -4,45 +4,39 @@ from __future__ import annotations
 
 import numpy as np
 
-from srs_ik.kernels.algebra.minimum import STATE, propose, start_search, tell
+from srs_ik.kernels.algebra.minimum import propose, start_search, tell
 from srs_ik.kernels.algebra.pointers import row
 from srs_ik.kernels.chain.answer import measure_row
 from srs_ik.kernels.curves.follow import SAMPLE
-from srs_ik.kernels.curves.runs import (
-    MAX_RUNS,
-    RUN,
-    SPARE_ROWS,
-    arm_angles_of_run,
-    is_exact,
-    near_runs,
-    on_curve,
-    survey_exact,
-)
-from srs_ik.kernels.exact.intervals import MAX_PIECES, find_intervals
+from srs_ik.kernels.curves.runs import SPARE_ROWS, arm_angles_of_run, is_exact, near_runs, on_curve, survey_exact
+from srs_ik.kernels.exact.intervals import find_intervals
 from srs_ik.kernels.exact.samples import MAX_SAMPLES
 from srs_ik.kernels.jit import entry, kernel
-from srs_ik.kernels.layout import FREE, LIMITED, ROW_STATUS
+from srs_ik.kernels.layout.answer import GOOD_POSE, MAX_PIECES, ROW_STATUS
+from srs_ik.kernels.layout.limb import FREE, LIMITED
+from srs_ik.kernels.layout.objectives import REFERENCE
+from srs_ik.kernels.layout.search import (
+    BRACKET,
+    FOUND,
+    MAX_BRACKETS,
+    MAX_RUNS,
+    NO_POSTURE,
+    OUT_LOWER,
+    OUT_SECOND,
+    OUT_UPPER,
+    OUT_VALUE,
+    RUN,
+    STATE,
+)
 from srs_ik.kernels.limb.branches import branch_of
 from srs_ik.kernels.limb.goal import NO_SEED, cost
-from srs_ik.kernels.limb.poses import GOOD_POSE, read_pose
+from srs_ik.kernels.limb.poses import read_pose
 from srs_ik.kernels.limb.triangle import elbow_side, place
-from srs_ik.kernels.optimum.objectives import REFERENCE, objective, toward_reference
-from srs_ik.kernels.optimum.search import BRACKET, ROUNDING, close_in, find_brackets, survey_best, value_rows
-
-MAX_BRACKETS = 64
+from srs_ik.kernels.optimum.objectives import objective, toward_reference
+from srs_ik.kernels.optimum.search import ROUNDING, close_in, find_brackets, survey_best, value_rows
 
 ROWS_A_PIECE = 160
 """Room for the samples of each interval of an exact limb."""
-
-OUT_VALUE = 0
-OUT_SECOND = 1
-OUT_LOWER = 2
-OUT_UPPER = 3
-OUT = 4
-"""What an optimum is beside its row: value, value of the second objective, ends of the interval."""
-
-NO_POSTURE = 0
-FOUND = 1
 
 
 @kernel

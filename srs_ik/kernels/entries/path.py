@@ -10,13 +10,13 @@ from srs_ik.kernels.algebra.pointers import row
 from srs_ik.kernels.chain.answer import measure_row
 from srs_ik.kernels.chain.kinematics import pose_error
 from srs_ik.kernels.chain.newton import CLOSED, STEPS, clipped, close_free
-from srs_ik.kernels.exact.intervals import MAX_PIECES
 from srs_ik.kernels.exact.samples import MAX_SAMPLES
 from srs_ik.kernels.jit import entry
-from srs_ik.kernels.layout import IS_CLOSED, LIMITED, ROW_ARM_ANGLE
+from srs_ik.kernels.layout.answer import GOOD_POSE, MAX_PIECES, ROW_ARM_ANGLE
+from srs_ik.kernels.layout.limb import IS_CLOSED, LIMITED
 from srs_ik.kernels.limb.branches import branch_of
 from srs_ik.kernels.limb.limits import TURN
-from srs_ik.kernels.limb.poses import GOOD_POSE, read7, read_pose
+from srs_ik.kernels.limb.poses import read7, read_pose
 from srs_ik.kernels.limb.triangle import place
 from srs_ik.kernels.path.between import follow_on, pose_change
 from srs_ik.kernels.path.corridor import corridor, put_on_poses
@@ -113,6 +113,7 @@ def sweep(
     keys,
     first,
     carried,
+    stop,
     known,
     has_known,
     near,
@@ -136,6 +137,7 @@ def sweep(
         keys: (k,) the poses that count.
         first: number of the first key pose.
         carried: the pose before it that is reached, as the arrays hold it already, at `ends[0]`; -1: none.
+        stop: (1,) set by another thread where nobody wants the answer any more; the arrays are then left as they are.
         known: (n, 7) postures that are given.
         has_known: (n,) where they are.
         near: (n, 7) postures around which strips are finer.
@@ -169,7 +171,7 @@ def sweep(
     i = first
     while i < keys.shape[0] and n + MOST_NODES <= nodes.shape[0] and m + MOST_STRIPS <= strips.shape[0]:
         at = i - first + 1
-        if at >= ends.shape[0]:
+        if at >= ends.shape[0] or stop[0]:
             break
         pose = keys[i]
         ends[at, 0] = n

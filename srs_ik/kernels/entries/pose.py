@@ -11,16 +11,13 @@ from __future__ import annotations
 import numpy as np
 
 from srs_ik.kernels.algebra.pointers import row
-from srs_ik.kernels.chain.answer import OK, measure_row
+from srs_ik.kernels.chain.answer import measure_row
 from srs_ik.kernels.exact.farthest import farthest
-from srs_ik.kernels.exact.intervals import MAX_PIECES
 from srs_ik.kernels.jit import entry
-from srs_ik.kernels.layout import (
-    LIMITED,
-    ROW_STATUS,
-)
+from srs_ik.kernels.layout.answer import GOOD_POSE, MAX_PIECES, OK, ROW_STATUS
+from srs_ik.kernels.layout.limb import LIMITED
 from srs_ik.kernels.limb.limits import set_limits
-from srs_ik.kernels.limb.poses import GOOD_POSE, read_pose
+from srs_ik.kernels.limb.poses import read_pose
 from srs_ik.kernels.limb.triangle import place
 from srs_ik.kernels.near.intervals import best_of_true_intervals
 from srs_ik.kernels.pose.intervals import all_intervals
@@ -75,15 +72,6 @@ def solve_all_range(family, poses, first, last, psis, respect, J, A, out, verdic
     """All eight branches of the poses first to last - 1, in eight rows of `out` a pose."""
     for i in range(first, last):
         verdicts[i] = all_branches(row(family, LIMITED), row(poses, i), own(psis, i), respect, J, A, out, 8 * i)
-
-
-@entry
-def intervals(family, T, respect, J, A, out):
-    """Feasible intervals of one pose: number of rows written to `out` (n, 3), or minus the verdict."""
-    R, p, verdict = read_pose(row(T, 0))
-    if verdict != GOOD_POSE:
-        return -verdict
-    return all_intervals(family, place(row(family, LIMITED), R, p), R, p, respect, J, A, out)
 
 
 @entry

@@ -9,9 +9,7 @@ from srs_ik.kernels.chain.arm_angle_rates import gradient, tangent
 from srs_ik.kernels.chain.kinematics import forward_kinematics
 from srs_ik.kernels.chain.newton import arm_angle
 from srs_ik.kernels.jit import entry
-from srs_ik.kernels.layout import (
-    LIMITED,
-)
+from srs_ik.kernels.layout.limb import LIMITED
 from srs_ik.kernels.limb.branches import branch_of
 from srs_ik.kernels.limb.poses import read7
 from srs_ik.kernels.limb.triangle import shoulder_to_wrist, target_frame

@@ -4,9 +4,7 @@ from __future__ import annotations
 
 from srs_ik.kernels.algebra.pointers import row
 from srs_ik.kernels.jit import entry
-from srs_ik.kernels.layout import (
-    LIMITED,
-)
+from srs_ik.kernels.layout.limb import LIMITED
 from srs_ik.kernels.task.posture import (
     plan_given,
     read_task,

@@ -11,11 +11,13 @@ import math
 
 import numpy as np
 
-from srs_ik.kernels.algebra.minimum import STATE, propose, start_search, tell
+from srs_ik.kernels.algebra.minimum import propose, start_search, tell
 from srs_ik.kernels.algebra.pointers import keep, row
-from srs_ik.kernels.exact.intervals import MAX_PIECES, TURN, find_intervals
+from srs_ik.kernels.exact.intervals import TURN, find_intervals
 from srs_ik.kernels.jit import kernel
-from srs_ik.kernels.layout import INVERSE_HALF_RANGE, LOWER, MIDDLE, SHOULDER, SIZE, UPPER, WRIST
+from srs_ik.kernels.layout.answer import MAX_PIECES
+from srs_ik.kernels.layout.limb import INVERSE_HALF_RANGE, LOWER, MIDDLE, SHOULDER, SIZE, UPPER, WRIST
+from srs_ik.kernels.layout.search import STATE
 from srs_ik.kernels.limb.branches import NO_BRANCH, side_posture
 from srs_ik.kernels.limb.goal import NO_SEED, OUTSIDE
 from srs_ik.kernels.limb.limits import set_joint_limits, set_limit

@@ -14,7 +14,8 @@ import numpy as np
 
 from srs_ik.kernels.algebra.vectors import dot, load3, swing
 from srs_ik.kernels.jit import kernel
-from srs_ik.kernels.layout import (
+from srs_ik.kernels.layout.answer import MAX_EVENTS, MAX_PIECES
+from srs_ik.kernels.layout.limb import (
     A1,
     A1_A2,
     A2_A3,
@@ -35,12 +36,6 @@ from srs_ik.kernels.layout import (
 from srs_ik.kernels.limb.limits import is_inside, turn_to_middle, violation
 from srs_ik.kernels.limb.spherical import angles, default_anchor, middle_angle, sines
 from srs_ik.kernels.limb.triangle import elbow_side
-
-MAX_EVENTS = 18
-"""Most arm angles at which one spherical joint can start or stop to be feasible."""
-
-MAX_PIECES = 2 * MAX_EVENTS
-"""Most intervals of one branch."""
 
 TOUCH = 1e-12
 """A linear form that misses its value by less than this, relative to its swing, touches it."""

@@ -22,7 +22,7 @@ from srs_ik.kernels.chain.newton import (
     shortest_step,
 )
 from srs_ik.kernels.jit import kernel
-from srs_ik.kernels.layout import (
+from srs_ik.kernels.layout.limb import (
     A1,
     A2,
     A3,

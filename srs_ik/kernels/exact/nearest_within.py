@@ -12,10 +12,10 @@ import math
 import numpy as np
 
 from srs_ik.kernels.algebra.joint_vectors import difference, dot7
-from srs_ik.kernels.algebra.minimum import STATE
 from srs_ik.kernels.exact.farthest import branch_at, climb
 from srs_ik.kernels.exact.samples import MAX_SAMPLES, add_turns, spread_evenly
 from srs_ik.kernels.jit import kernel
+from srs_ik.kernels.layout.search import STATE
 from srs_ik.kernels.limb.branches import NO_BRANCH
 from srs_ik.kernels.limb.goal import OUTSIDE, elbow_part
 from srs_ik.kernels.limb.triangle import elbow_side

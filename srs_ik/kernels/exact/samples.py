@@ -7,7 +7,7 @@ import math
 from srs_ik.kernels.algebra.vectors import dot, load3, rotate
 from srs_ik.kernels.exact.intervals import insert
 from srs_ik.kernels.jit import kernel
-from srs_ik.kernels.layout import (
+from srs_ik.kernels.layout.limb import (
     A1,
     A1_A2,
     A2,

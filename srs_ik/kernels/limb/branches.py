@@ -10,7 +10,8 @@ import math
 
 from srs_ik.kernels.algebra.vectors import swing
 from srs_ik.kernels.jit import kernel
-from srs_ik.kernels.layout import A1_A2, A2_A3, FAR, MISS, PHASE, ROW_COST, SHOULDER, STRAIGHT, WRIST
+from srs_ik.kernels.layout.answer import ROW_COST
+from srs_ik.kernels.layout.limb import A1_A2, A2_A3, FAR, MISS, PHASE, SHOULDER, STRAIGHT, WRIST
 from srs_ik.kernels.limb.goal import NO_SEED, elbow_part, join, part
 from srs_ik.kernels.limb.spherical import angles, default_anchor, middle_angle, mirrored
 from srs_ik.kernels.limb.triangle import shoulder_columns, side_frames, wrist_columns

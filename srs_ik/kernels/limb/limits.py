@@ -6,7 +6,7 @@ import math
 
 from srs_ik.kernels.algebra.vectors import dot, load3, rotate, store3
 from srs_ik.kernels.jit import kernel
-from srs_ik.kernels.layout import (
+from srs_ik.kernels.layout.limb import (
     A1,
     A2,
     A3,
@@ -29,15 +29,13 @@ from srs_ik.kernels.layout import (
     SIN_LOWER,
     SIN_UPPER,
     SLACK_LIMIT,
+    SMALLEST_RANGE,
     UPPER,
     WRIST,
 )
 
 TURN = 2.0 * math.pi
 PER_TURN = 1.0 / TURN
-
-SMALLEST_RANGE = 1e-9
-"""A joint with a smaller range, rad, counts as one with this range where margins are compared."""
 
 
 @kernel

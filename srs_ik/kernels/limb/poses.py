@@ -5,18 +5,7 @@ from __future__ import annotations
 import math
 
 from srs_ik.kernels.jit import kernel
-
-NOT_A_ROTATION = 1e-6
-"""Largest deviation of R'R from the identity that is taken as rounding and removed."""
-
-FARTHEST = 1e300
-"""Largest coordinate of a pose, metres: sums of a few such figures are finite."""
-
-GOOD_POSE = 0
-NOT_FINITE = 1
-NOT_RIGID = 2
-TOO_FAR = 3
-"""Verdicts on a pose."""
+from srs_ik.kernels.layout.answer import FARTHEST, GOOD_POSE, NOT_A_ROTATION, NOT_FINITE, NOT_RIGID, TOO_FAR
 
 
 @kernel

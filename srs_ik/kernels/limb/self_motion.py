@@ -6,7 +6,7 @@ import math
 
 from srs_ik.kernels.algebra.vectors import cross, dot, load3, rotate, scale
 from srs_ik.kernels.jit import kernel
-from srs_ik.kernels.layout import A1, A2, A3, SHOULDER, WRIST
+from srs_ik.kernels.layout.limb import A1, A2, A3, SHOULDER, WRIST
 
 SINGULAR_RATE = 1e-9
 """Below this triple product of the three axes of a spherical joint, its joint rates are not determined."""

@@ -11,7 +11,7 @@ import math
 
 from srs_ik.kernels.algebra.vectors import across, add, cross, dot, load3, rotate, sub
 from srs_ik.kernels.jit import kernel
-from srs_ik.kernels.layout import (
+from srs_ik.kernels.layout.limb import (
     A1,
     A2,
     A2_A3,

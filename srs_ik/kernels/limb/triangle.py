@@ -21,7 +21,7 @@ from srs_ik.kernels.algebra.vectors import (
     times_transposed,
 )
 from srs_ik.kernels.jit import kernel
-from srs_ik.kernels.layout import (
+from srs_ik.kernels.layout.limb import (
     A1,
     A3,
     ACROSS_3,

@@ -12,9 +12,11 @@ from srs_ik.kernels.algebra.joint_vectors import difference, dot7, short_way
 from srs_ik.kernels.chain.newton import STEPS, arm_angle, close_at_angle
 from srs_ik.kernels.chain.starts import FIRST, best_of_all, best_row, close_all
 from srs_ik.kernels.curves.follow import between, load_sample
-from srs_ik.kernels.curves.runs import MAX_RUNS, RUN, near_runs
+from srs_ik.kernels.curves.runs import near_runs
 from srs_ik.kernels.jit import kernel
-from srs_ik.kernels.layout import FAR, MISS, ROW_COST
+from srs_ik.kernels.layout.answer import ROW_COST
+from srs_ik.kernels.layout.limb import FAR, MISS
+from srs_ik.kernels.layout.search import MAX_RUNS, RUN
 from srs_ik.kernels.limb.branches import NO_BRANCH, best_branch, branch_of, is_unsure
 from srs_ik.kernels.limb.goal import NO_SEED, OUTSIDE, cost, turned
 from srs_ik.kernels.limb.poses import read7

@@ -14,7 +14,7 @@ from srs_ik.kernels.chain.eight import put_eight, take_eight
 from srs_ik.kernels.chain.newton_eight import close_eight
 from srs_ik.kernels.chain.starts import FIRST, WIDTH
 from srs_ik.kernels.jit import kernel
-from srs_ik.kernels.layout import FAR, MISS, PHASE, SHOULDER, STRAIGHT, WRIST
+from srs_ik.kernels.layout.limb import FAR, MISS, PHASE, SHOULDER, STRAIGHT, WRIST
 from srs_ik.kernels.limb.branches import NO_BRANCH, branch_of, elbow_starts
 from srs_ik.kernels.limb.goal import NO_SEED, OUTSIDE, cost, turned
 from srs_ik.kernels.limb.poses import read7

@@ -10,13 +10,13 @@ import math
 
 import numpy as np
 
-from srs_ik.kernels.algebra.minimum import STATE
 from srs_ik.kernels.algebra.pointers import row
 from srs_ik.kernels.chain.answer import measure_row
 from srs_ik.kernels.curves.best import MAX_SPANS, SPAN, best_on, find_spans
-from srs_ik.kernels.curves.runs import MAX_RUNS, RUN, near_runs
+from srs_ik.kernels.curves.runs import near_runs
 from srs_ik.kernels.exact.intervals import TURN, join_touching, write_interval
 from srs_ik.kernels.jit import kernel
+from srs_ik.kernels.layout.search import MAX_RUNS, RUN, STATE
 from srs_ik.kernels.limb.branches import NO_BRANCH, branch_of
 from srs_ik.kernels.limb.goal import NO_SEED
 from srs_ik.kernels.limb.triangle import elbow_side

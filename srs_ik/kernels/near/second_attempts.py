@@ -16,7 +16,7 @@ from srs_ik.kernels.chain.newton import (
     pose_step,
 )
 from srs_ik.kernels.jit import kernel
-from srs_ik.kernels.layout import PHASE, SHOULDER, SHOULDER_CENTRE, STRAIGHT, WRIST
+from srs_ik.kernels.layout.limb import PHASE, SHOULDER, SHOULDER_CENTRE, STRAIGHT, WRIST
 from srs_ik.kernels.limb.branches import NO_BRANCH, best_branch, branch_of
 from srs_ik.kernels.limb.goal import OUTSIDE, cost, turned
 

@@ -10,13 +10,8 @@ import math
 
 from srs_ik.kernels.algebra.vectors import add, along, cross, dot, load3, rotate
 from srs_ik.kernels.jit import kernel
-from srs_ik.kernels.layout import AXES, POINTS
-
-MASSES = 0  # 7
-MOMENTS = 7  # 7 x 3
-GRAVITY = 28  # 3
-SCALES = 31  # 7
-WEIGHTS = 38
+from srs_ik.kernels.layout.limb import AXES, POINTS
+from srs_ik.kernels.layout.weights import GRAVITY, MASSES, MOMENTS, SCALES
 
 
 @kernel

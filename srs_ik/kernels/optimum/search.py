@@ -9,20 +9,15 @@ from __future__ import annotations
 
 import math
 
-from srs_ik.kernels.algebra.minimum import BEST, F_BEST, propose, start_search, tell
+from srs_ik.kernels.algebra.minimum import propose, start_search, tell
 from srs_ik.kernels.curves.follow import load_sample, put
 from srs_ik.kernels.curves.runs import on_curve, sample_again
 from srs_ik.kernels.exact.samples import STEP
 from srs_ik.kernels.jit import kernel
+from srs_ik.kernels.layout.search import BEST, BRACKET, F_BEST, REFUSED
 from srs_ik.kernels.limb.goal import NO_SEED, cost
 from srs_ik.kernels.limb.triangle import elbow_side
 from srs_ik.kernels.optimum.objectives import figure, objective, tip_jacobian
-
-BRACKET = 8
-"""A bracket: value at its middle, run, first, middle and last parameter, values at its ends, a bound below."""
-
-REFUSED = 1e300
-"""Value of a posture that does not count."""
 
 EDGE = 1e-13
 EDGE_STEPS = 100

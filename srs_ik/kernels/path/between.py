@@ -9,9 +9,10 @@ import numpy as np
 from srs_ik.kernels.algebra.pointers import row
 from srs_ik.kernels.algebra.vectors import cross, norm
 from srs_ik.kernels.chain.newton import CLOSED, STEPS, arm_angle, close_free
-from srs_ik.kernels.exact.intervals import MAX_PIECES, find_intervals
+from srs_ik.kernels.exact.intervals import find_intervals
 from srs_ik.kernels.jit import kernel
-from srs_ik.kernels.layout import LIMITED, LOOSE
+from srs_ik.kernels.layout.answer import MAX_PIECES
+from srs_ik.kernels.layout.limb import LIMITED, LOOSE
 from srs_ik.kernels.limb.branches import branch_of
 from srs_ik.kernels.limb.limits import TURN
 from srs_ik.kernels.limb.poses import read7, read_pose

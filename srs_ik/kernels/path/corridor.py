@@ -8,7 +8,7 @@ import numpy as np
 
 from srs_ik.kernels.algebra.pointers import row
 from srs_ik.kernels.jit import kernel
-from srs_ik.kernels.layout import IS_CLOSED, LIMITED, PHASE, SHOULDER, WRIST
+from srs_ik.kernels.layout.limb import IS_CLOSED, LIMITED, PHASE, SHOULDER, WRIST
 from srs_ik.kernels.limb.goal import NO_SEED
 from srs_ik.kernels.limb.poses import read7, read_pose
 from srs_ik.kernels.limb.self_motion import rates

@@ -6,7 +6,7 @@ import math
 
 from srs_ik.kernels.algebra.vectors import swing
 from srs_ik.kernels.jit import kernel
-from srs_ik.kernels.layout import LOWER, RANGE_KIND, SHOULDER, UPPER, WRIST
+from srs_ik.kernels.layout.limb import LOWER, RANGE_KIND, SHOULDER, UPPER, WRIST
 from srs_ik.kernels.limb.limits import TURN, turn_to_middle
 from srs_ik.kernels.limb.spherical import angles, default_anchor, middle_angle
 

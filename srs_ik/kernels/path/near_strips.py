@@ -9,8 +9,9 @@ import numpy as np
 from srs_ik.kernels.algebra.joint_vectors import along7, dot7
 from srs_ik.kernels.chain.newton import pose_step
 from srs_ik.kernels.curves.follow import FIRST_GUESS, between, correct, load_sample, null_vector
-from srs_ik.kernels.curves.runs import MAX_RUNS, RUN, near_runs
+from srs_ik.kernels.curves.runs import near_runs
 from srs_ik.kernels.jit import kernel
+from srs_ik.kernels.layout.search import MAX_RUNS, RUN
 from srs_ik.kernels.limb.branches import branch_of
 from srs_ik.kernels.limb.goal import NO_SEED
 from srs_ik.kernels.path.followed import away, turn_all, turned_away

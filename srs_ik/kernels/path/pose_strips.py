@@ -7,10 +7,10 @@ import math
 import numpy as np
 
 from srs_ik.kernels.algebra.pointers import row
-from srs_ik.kernels.chain.answer import SOLVED
 from srs_ik.kernels.exact.intervals import find_intervals
 from srs_ik.kernels.jit import kernel
-from srs_ik.kernels.layout import LIMITED, LOOSE, LOWER, UPPER
+from srs_ik.kernels.layout.answer import SOLVED
+from srs_ik.kernels.layout.limb import LIMITED, LOOSE, LOWER, UPPER
 from srs_ik.kernels.limb.limits import TURN
 from srs_ik.kernels.limb.poses import read7, read_pose
 from srs_ik.kernels.limb.triangle import elbow_side, place

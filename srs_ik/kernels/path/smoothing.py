@@ -12,7 +12,7 @@ import numpy as np
 
 from srs_ik.kernels.algebra.pointers import row
 from srs_ik.kernels.jit import kernel
-from srs_ik.kernels.layout import LIMITED
+from srs_ik.kernels.layout.limb import LIMITED
 from srs_ik.kernels.limb.poses import read7, read_pose
 from srs_ik.kernels.limb.triangle import elbow_side, place
 from srs_ik.kernels.path.corridor import beside, moving_rates, split_of

@@ -14,7 +14,7 @@ import math
 from srs_ik.kernels.algebra.pointers import row
 from srs_ik.kernels.exact.samples import add_changes
 from srs_ik.kernels.jit import kernel
-from srs_ik.kernels.layout import INVERSE_HALF_RANGE, LOWER, RANGE_KIND, SHOULDER, UPPER, WRIST
+from srs_ik.kernels.layout.limb import INVERSE_HALF_RANGE, LOWER, RANGE_KIND, SHOULDER, UPPER, WRIST
 from srs_ik.kernels.limb.goal import NO_SEED
 from srs_ik.kernels.limb.poses import read7
 from srs_ik.kernels.path.followed import away, posture_of, turn_all, turned_away

@@ -3,14 +3,10 @@
 from __future__ import annotations
 
 from srs_ik.kernels.algebra.pointers import row
-from srs_ik.kernels.chain.answer import SOLVED
 from srs_ik.kernels.exact.intervals import find_intervals
 from srs_ik.kernels.jit import kernel
-from srs_ik.kernels.layout import (
-    FREE,
-    LIMITED,
-    LOOSE,
-)
+from srs_ik.kernels.layout.answer import SOLVED
+from srs_ik.kernels.layout.limb import FREE, LIMITED, LOOSE
 from srs_ik.kernels.near.intervals import true_intervals
 
 

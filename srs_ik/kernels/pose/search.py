@@ -11,7 +11,7 @@ from srs_ik.kernels.chain.kinematics import pose_error
 from srs_ik.kernels.chain.newton import CLOSED, arm_angle, close_free
 from srs_ik.kernels.curves.best import search_followed
 from srs_ik.kernels.exact.farthest import branch_at, copy_interval, farthest
-from srs_ik.kernels.exact.intervals import MAX_PIECES, find_intervals
+from srs_ik.kernels.exact.intervals import find_intervals
 from srs_ik.kernels.exact.nearest import (
     CLOSE,
     between_limbs,
@@ -26,7 +26,8 @@ from srs_ik.kernels.exact.nearest import (
 )
 from srs_ik.kernels.exact.nearest_within import nearest_within, way_between
 from srs_ik.kernels.jit import kernel
-from srs_ik.kernels.layout import FAR, FREE, LIMITED, LOOSE, MISS, SIZE
+from srs_ik.kernels.layout.answer import MAX_PIECES
+from srs_ik.kernels.layout.limb import FAR, FREE, LIMITED, LOOSE, MISS, SIZE
 from srs_ik.kernels.limb.branches import NO_BRANCH, branch_of, is_unsure
 from srs_ik.kernels.limb.goal import NO_SEED, OUTSIDE
 from srs_ik.kernels.limb.triangle import elbow_side

@@ -10,12 +10,12 @@ import numpy as np
 
 from srs_ik.kernels.algebra.lanes import as_bits, gather
 from srs_ik.kernels.algebra.pointers import row
-from srs_ik.kernels.chain.answer import OUT_OF_LIMITS, UNREACHABLE, measure_row, measure_row_at, write_row
+from srs_ik.kernels.chain.answer import measure_row, measure_row_at, write_row
 from srs_ik.kernels.chain.eight import put_some, take_eight, tip_errors
 from srs_ik.kernels.jit import kernel
-from srs_ik.kernels.layout import (
-    FREE,
-    LIMITED,
+from srs_ik.kernels.layout.answer import (
+    GOOD_POSE,
+    OUT_OF_LIMITS,
     ROW,
     ROW_BRANCH,
     ROW_COST,
@@ -23,10 +23,12 @@ from srs_ik.kernels.layout import (
     ROW_ORIENTATION_ERROR,
     ROW_POSITION_ERROR,
     ROW_STATUS,
+    UNREACHABLE,
 )
+from srs_ik.kernels.layout.limb import FREE, LIMITED
 from srs_ik.kernels.limb.branches import NO_BRANCH, elbow_branches
 from srs_ik.kernels.limb.goal import NO_SEED, OUTSIDE, UNMET, tightest_joint
-from srs_ik.kernels.limb.poses import GOOD_POSE, read7, read_pose
+from srs_ik.kernels.limb.poses import read7, read_pose
 from srs_ik.kernels.limb.triangle import place
 from srs_ik.kernels.near.at_angle import solve_all_at_angle, solve_at_angle
 from srs_ik.kernels.near.second_attempts import rescue

@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 
 from srs_ik.kernels.jit import kernel
-from srs_ik.kernels.layout import SHOULDER, WRIST
+from srs_ik.kernels.layout.limb import SHOULDER, WRIST
 from srs_ik.kernels.limb.branches import NO_BRANCH, better_half, two_solutions, whole
 from srs_ik.kernels.limb.goal import NO_SEED, margin_part
 from srs_ik.kernels.limb.triangle import shoulder_columns, side_frames, wrist_columns

@@ -10,11 +10,12 @@ from __future__ import annotations
 from srs_ik.kernels.algebra.vectors import load3, norm, sub, times_transposed
 from srs_ik.kernels.chain.newton import STEPS, close_at_angle, elbow_position
 from srs_ik.kernels.jit import kernel
-from srs_ik.kernels.layout import SHOULDER_CENTRE
+from srs_ik.kernels.layout.limb import SHOULDER_CENTRE
+from srs_ik.kernels.layout.task import HAND_LENGTH, TASK_POSITION
 from srs_ik.kernels.limb.branches import NO_BRANCH
 from srs_ik.kernels.limb.goal import cost, turned
 from srs_ik.kernels.limb.triangle import shoulder_to_wrist, target_frame
-from srs_ik.kernels.task.posture import HAND_LENGTH, TASK_POSITION, plan, planned_arm_angle, tip_axes
+from srs_ik.kernels.task.posture import plan, planned_arm_angle, tip_axes
 
 PASSES = 30
 """So often a triangle is laid at most; each pass leaves a few hundredths of the change of the one before."""

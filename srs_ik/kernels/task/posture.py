@@ -17,47 +17,41 @@ import math
 
 from srs_ik.kernels.algebra.vectors import add, along, cross, dot, load3, norm, scale, sub
 from srs_ik.kernels.jit import kernel
-from srs_ik.kernels.layout import REFERENCE_2, SHOULDER_CENTRE
+from srs_ik.kernels.layout.limb import REFERENCE_2, SHOULDER_CENTRE
+from srs_ik.kernels.layout.task import (
+    ARM_ANGLE,
+    DIRECTION,
+    ELBOW,
+    GRASP,
+    HAND_ACROSS,
+    HAND_ALONG,
+    HAND_FAR,
+    HAND_FOREARM,
+    HAND_GRASP,
+    HAND_KNOWN,
+    HAND_LENGTH,
+    HAND_NEAR,
+    HAND_TIP_FAR,
+    HAND_TIP_NEAR,
+    HAND_UPPER_ARM,
+    HAND_WRIST,
+    MISS,
+    NO_DIRECTION,
+    NORMAL,
+    NOT_FINITE,
+    PRONOSUPINATION,
+    ROLL_OPEN,
+    TASK,
+    TASK_FORCE,
+    TASK_GRASP,
+    TASK_NORMAL,
+    TASK_POSITION,
+    TASK_PRONOSUPINATION,
+    TASK_VELOCITY,
+    TIP,
+    WRIST,
+)
 from srs_ik.kernels.limb.triangle import arm_angle_of_direction, target_frame, unit_across
-
-# A task row: position, then directions of unit length; those not given are zero.
-TASK_POSITION = 0
-TASK_VELOCITY = 3
-TASK_FORCE = 6
-TASK_GRASP = 9
-TASK_PRONOSUPINATION = 12
-TASK = 15
-
-# What a task gives, as a bit set.
-GRASP = 1
-PRONOSUPINATION = 2
-
-# The packed hand, filled in by `srs_ik.solve.packed.pack_hand`.
-HAND_GRASP = 0  # 3, tip frame, as are the two directions across and along
-HAND_ACROSS = 3  # 3
-HAND_REACH = 6  # 3, from the wrist to the tip
-HAND_WRIST = 9  # 3, the wrist centre
-HAND_LENGTH = 12  # wrist to tip
-HAND_ALONG = 13  # the part of it along the grasp direction
-HAND_UPPER_ARM = 14
-HAND_FOREARM = 15
-HAND_NEAR = 16  # shortest and longest distance of the wrist from the shoulder
-HAND_FAR = 17
-HAND_TIP_NEAR = 18  # and of the tip, with the hand in line with the forearm
-HAND_TIP_FAR = 19
-HAND_KNOWN = 20  # 1.0 if the axes of the hand are known; else it is taken to reach out along its grasp direction
-HAND = 21
-
-# A posture row.
-ELBOW = 0  # 3
-WRIST = 3  # 3
-TIP = 6  # 3
-NORMAL = 9  # 3
-TASK_NORMAL = 12  # 3
-DIRECTION = 15  # 3
-ARM_ANGLE = 18
-MISS = 19  # how far the target is beyond (positive) or within (negative) what the arm reaches
-POSTURE = 20
 
 PARALLEL = 1e-8
 """Directions at a smaller sine than this leave the plane between them undefined."""
@@ -67,12 +61,6 @@ LEVEL = 1e-9
 
 AT_SHOULDER = 1e-12
 """A target this near to the shoulder, metres, gives no direction."""
-
-
-NOT_FINITE = 1
-NO_DIRECTION = 2
-ROLL_OPEN = 3
-"""What can be wrong with a task."""
 
 
 @kernel

@@ -14,11 +14,34 @@ import numpy as np
 
 from srs_ik.kernels.algebra.pointers import row
 from srs_ik.kernels.algebra.vectors import add, along, cross, load3, norm, scale, sub, swing, times_transposed
-from srs_ik.kernels.chain.answer import OK, OUT_OF_LIMITS, UNREACHABLE, measure_row, write_row
+from srs_ik.kernels.chain.answer import measure_row, write_row
 from srs_ik.kernels.chain.kinematics import forward_kinematics, pose_error
-from srs_ik.kernels.exact.intervals import MAX_PIECES, find_intervals
+from srs_ik.kernels.exact.intervals import find_intervals
 from srs_ik.kernels.jit import kernel
-from srs_ik.kernels.layout import FREE, LIMITED, LOOSE, NEAR, ROW, ROW_ARM_ANGLE, ROW_JOINT, ROW_STATUS
+from srs_ik.kernels.layout.answer import (
+    MAX_PIECES,
+    OK,
+    OUT_OF_LIMITS,
+    ROW_ARM_ANGLE,
+    ROW_JOINT,
+    ROW_STATUS,
+    UNREACHABLE,
+)
+from srs_ik.kernels.layout.limb import FREE, LIMITED, LOOSE, NEAR
+from srs_ik.kernels.layout.task import (
+    ANGLE_LOST,
+    GRASP,
+    HAND_ACROSS,
+    HAND_GRASP,
+    HAND_REACH,
+    HAND_WRIST,
+    PRONOSUPINATION,
+    TASK_POSITION,
+    TASK_POSTURE,
+    TASK_PRONOSUPINATION,
+    TASK_ROTATION,
+    TASK_TIP,
+)
 from srs_ik.kernels.limb.branches import NO_BRANCH, best_branch, branch_of
 from srs_ik.kernels.limb.goal import NO_SEED, OUTSIDE, tightest_joint
 from srs_ik.kernels.limb.poses import read7
@@ -31,16 +54,7 @@ from srs_ik.kernels.task.branch import steady_branch
 from srs_ik.kernels.task.near_posture import settle_posture
 from srs_ik.kernels.task.posture import (
     AT_SHOULDER,
-    GRASP,
-    HAND_ACROSS,
-    HAND_GRASP,
-    HAND_REACH,
-    HAND_WRIST,
     PARALLEL,
-    POSTURE,
-    PRONOSUPINATION,
-    TASK_POSITION,
-    TASK_PRONOSUPINATION,
     lengths_of,
     plan,
     planned_arm_angle,
@@ -48,13 +62,6 @@ from srs_ik.kernels.task.posture import (
     write_posture,
 )
 from srs_ik.kernels.task.roll import SMALLEST_NUDGE, best_roll, between
-
-# A task solution row: a solution row, a posture row, the pose of the tip, and the arm angle given up.
-TASK_POSTURE = ROW
-TASK_ROTATION = TASK_POSTURE + POSTURE  # 3 x 3
-TASK_TIP = TASK_ROTATION + 9  # 3
-ANGLE_LOST = TASK_TIP + 3  # rad, not negative
-TASK_SOLUTION = ANGLE_LOST + 1
 
 OFF_AXIS = 1e-9
 """A wrist this far from the line through the tip about which the hand rolls, metres, moves with the roll."""

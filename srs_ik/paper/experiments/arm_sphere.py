@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from srs_ik.inputs.task import Task
 from srs_ik.paper.experiments.drawing import COLOUR, MARK, add_limbs, limb_lines, space
 from srs_ik.paper.experiments.measure import microseconds, posture_figures, solve
 from srs_ik.paper.experiments.setting import (
@@ -20,7 +21,7 @@ from srs_ik.paper.experiments.setting import (
     task_directions,
 )
 from srs_ik.plots.figure import new_figure
-from srs_ik.solve.posture import Posture, Task
+from srs_ik.solve.posture import Posture
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

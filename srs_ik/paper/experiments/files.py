@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import io
 import json
-import os
 import platform
 from importlib.metadata import version
 from pathlib import Path
@@ -13,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from srs_ik.paper.experiments.setting import SEED, Outcome
+from srs_ik.writing import write_whole
 
 if TYPE_CHECKING:
     from srs_ik.arm import Arm
@@ -41,7 +41,7 @@ def write(folder: Path, name: str, arm: Arm, outcome: Outcome) -> list[Path]:
             figure.savefig(buffer, format=ending, metadata=metadata)
             contents[ending] = buffer.getvalue()
     contents["json"] = (json.dumps(plain(report(name, arm, outcome)), indent=1, allow_nan=False) + "\n").encode()
-    return [_write_whole(folder / f"{name}.{ending}", content) for ending, content in contents.items()]
+    return [write_whole(folder / f"{name}.{ending}", content) for ending, content in contents.items()]
 
 
 def report(name: str, arm: Arm, outcome: Outcome) -> dict[str, Any]:
@@ -79,14 +79,3 @@ def plain(value: Any) -> Any:
     if isinstance(value, float) and not np.isfinite(value):
         return None
     return value
-
-
-def _write_whole(path: Path, content: bytes) -> Path:
-    """Write a file by way of one beside it."""
-    partial = path.with_name(f".{path.name}.{os.getpid()}")
-    try:
-        partial.write_bytes(content)
-        os.replace(partial, path)
-    finally:
-        partial.unlink(missing_ok=True)
-    return path

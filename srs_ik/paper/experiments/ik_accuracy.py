@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from srs_ik.inputs.task import Task
 from srs_ik.paper.experiments.drawing import COLOUR, MARK
 from srs_ik.paper.experiments.measure import (
     angle_between,
@@ -18,7 +19,7 @@ from srs_ik.paper.experiments.measure import (
 )
 from srs_ik.paper.experiments.setting import BOTH, SEED, Array, Outcome, Progress, ball, reach, task_directions
 from srs_ik.plots.figure import new_figure
-from srs_ik.solve.posture import Side, Task
+from srs_ik.solve.posture import Side
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

@@ -13,7 +13,8 @@ from srs_ik.paper.experiments.setting import Array, unit
 
 if TYPE_CHECKING:
     from srs_ik.arm import Arm
-    from srs_ik.solve.posture import Posture, Side, Task
+    from srs_ik.inputs.task import Task
+    from srs_ik.solve.posture import Posture, Side
     from srs_ik.solve.task import BatchTaskSolution
 
 _SWEEP = 720

@@ -6,11 +6,12 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
+from srs_ik.inputs.task import Task
 from srs_ik.paper.experiments.drawing import COLOUR
 from srs_ik.paper.experiments.measure import task_ease
 from srs_ik.paper.experiments.setting import Array, Outcome, Progress
 from srs_ik.plots.figure import new_figure
-from srs_ik.solve.posture import Task, Tie
+from srs_ik.solve.posture import Tie
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

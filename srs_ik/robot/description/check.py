@@ -3,17 +3,11 @@
 from __future__ import annotations
 
 import math
-import re
 from xml.etree.ElementTree import Element
 
-from srs_ik.errors import InvalidRobot, did_you_mean
-
-MAX_LINKS = 2000
-MAX_DEPTH = 500
-"""Longest chain of joints. Pinocchio reads a tree by recursion; far longer chains overflow the stack of a thread."""
-
-MAX_FREEDOM = 200
-"""Most degrees of freedom. Pinocchio's work space grows with their cube: 0.6 GB here, and 8 GB at 500."""
+from srs_ik import bounds
+from srs_ik.errors import InvalidRobot, did_you_mean, quoted
+from srs_ik.robot.description.figures import figure
 
 JOINT_TYPES = ("revolute", "continuous", "prismatic", "fixed", "floating", "planar")
 _WITH_AXIS = frozenset({"revolute", "continuous", "prismatic", "planar"})
@@ -21,21 +15,9 @@ _WITH_RANGE = frozenset({"revolute", "prismatic"})
 
 _FREEDOM = {"revolute": 1, "continuous": 1, "prismatic": 1, "planar": 3, "floating": 6}
 
-LONGEST_NAME = 1000
-LONGEST_NUMBER = 400
-"""Characters of one figure; the longest exact decimal form that programs write has 325."""
-
-FARTHEST = 1e6
-"""Largest component of an origin, metres, and where a limit lies out of reach, metres or rad.
-
-Farther out, a position has no micrometres left in double precision.
-"""
-
 _MIN_AXIS = 1e-6
 """Shortest joint axis that is taken for a direction; unit axes are the rule."""
 
-_NUMBER = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?")
-_TINY = 1e-300
 _INERTIA = ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")
 
 
@@ -47,7 +29,7 @@ def check(robot: Element, source: str) -> frozenset[str]:
     effect are removed: limits and axes of joints that have none, inertias without mass or matrix, and `<mimic>`.
 
     Args:
-        robot: the element `<robot>`, as `srs_ik.urdf.document.parse` returns it; changed in place.
+        robot: the element `<robot>`, as `srs_ik.robot.description.document.parse` returns it; changed in place.
         source: what error messages call it.
 
     Returns:
@@ -76,15 +58,17 @@ class _Checker:
         links, joints = robot.findall("link"), robot.findall("joint")
         if not links:
             raise self.fail("there is no <link> in it")
-        if len(links) > MAX_LINKS:
-            raise self.fail(f"it has {len(links)} links, more than the {MAX_LINKS} that are read")
+        if len(links) > bounds.LINKS:
+            raise self.fail(f"it has {len(links)} links, more than the {bounds.LINKS} that are read")
         self.unique([self.name(link, f"<link> number {k}") for k, link in enumerate(links, 1)], "link")
         self.unique([self.name(joint, f"<joint> number {k}") for k, joint in enumerate(joints, 1)], "joint")
         for link in links:
             self.link(link)
         freedom = sum(_FREEDOM.get(joint.get("type", ""), 0) for joint in joints)
-        if freedom > MAX_FREEDOM:
-            raise self.fail(f"its joints have {freedom} degrees of freedom, more than the {MAX_FREEDOM} that are read")
+        if freedom > bounds.FREEDOM:
+            raise self.fail(
+                f"its joints have {freedom} degrees of freedom, more than the {bounds.FREEDOM} that are read"
+            )
         mimicking = {joint.attrib["name"] for joint in joints if self.joint(joint)}
         self.tree([link.attrib["name"] for link in links], joints)
         # The version decides whether quaternions count; without any it only makes parsers complain of unknown ones.
@@ -97,24 +81,24 @@ class _Checker:
         name = element.get("name", "")
         if not name.strip():
             raise self.fail(f"{which} has no name")
-        if len(name) > LONGEST_NAME:
-            raise self.fail(f"{which} has a name of {len(name)} characters, {_quoted(name)}; {LONGEST_NAME} are read")
+        if len(name) > bounds.NAME:
+            raise self.fail(f"{which} has a name of {len(name)} characters, {quoted(name)}; {bounds.NAME} are read")
         if not name.isprintable():
-            raise self.fail(f"{which} has the name {_quoted(name)}, with characters that cannot be printed")
+            raise self.fail(f"{which} has the name {quoted(name)}, with characters that cannot be printed")
         return name
 
     def unique(self, names: list[str], what: str) -> None:
         seen: set[str] = set()
         for name in names:
             if name in seen:
-                raise self.fail(f"the {what} name {_quoted(name)} is used twice")
+                raise self.fail(f"the {what} name {quoted(name)} is used twice")
             seen.add(name)
 
     def link(self, link: Element) -> None:
         inertial = link.find("inertial")
         if inertial is None:
             return
-        where = f"inertia of link {_quoted(link.attrib['name'])}"
+        where = f"inertia of link {quoted(link.attrib['name'])}"
         mass, inertia = inertial.find("mass"), inertial.find("inertia")
         if (
             mass is None
@@ -131,12 +115,14 @@ class _Checker:
 
     def joint(self, joint: Element) -> bool:
         """Check one joint; true if it mimics another."""
-        where = f"joint {_quoted(joint.attrib['name'])}"
+        where = f"joint {quoted(joint.attrib['name'])}"
+        if joint.attrib["name"] == "universe":
+            raise self.fail("a joint of it is called 'universe', which is Pinocchio's name of the world")
         kind = joint.get("type")
         if kind is None:
             raise self.fail(f"{where} has no type; types are {', '.join(JOINT_TYPES)}")
         if kind not in JOINT_TYPES:
-            raise self.fail(f"{where} has the unknown type {_quoted(kind)}; types are {', '.join(JOINT_TYPES)}")
+            raise self.fail(f"{where} has the unknown type {quoted(kind)}; types are {', '.join(JOINT_TYPES)}")
         joint.attrib = {"name": joint.attrib["name"], "type": kind}
         for end in ("parent", "child"):
             element = joint.find(end)
@@ -159,13 +145,13 @@ class _Checker:
         for key, length in (("xyz", 3), ("rpy", 3), ("quat_xyzw", 4)):
             if key in origin.attrib:
                 values = self.vector(origin, key, length, where)
-                if key == "xyz" and max(map(abs, values)) > FARTHEST:
-                    far = _quoted(origin.attrib[key])
+                if key == "xyz" and max(map(abs, values)) > bounds.FARTHEST:
+                    far = quoted(origin.attrib[key])
                     raise self.fail(
-                        f"<origin> xyz of {where} is {far}, farther than {FARTHEST:g} m; figures are metres"
+                        f"<origin> xyz of {where} is {far}, farther than {bounds.FARTHEST:g} m; figures are metres"
                     )
-                if key == "quat_xyzw" and not _MIN_AXIS < math.hypot(*values) < FARTHEST:
-                    raise self.fail(f"<origin> quat_xyzw of {where} is {_quoted(origin.attrib[key])}, no rotation")
+                if key == "quat_xyzw" and not _MIN_AXIS < math.hypot(*values) < bounds.FARTHEST:
+                    raise self.fail(f"<origin> quat_xyzw of {where} is {quoted(origin.attrib[key])}, no rotation")
 
     def axis(self, joint: Element, kind: str, where: str) -> None:
         axis = joint.find("axis")
@@ -176,7 +162,7 @@ class _Checker:
         elif "xyz" not in axis.attrib:
             raise self.fail(f"{where} has an <axis> without xyz")
         elif math.hypot(*self.vector(axis, "xyz", 3, where)) < _MIN_AXIS:
-            raise self.fail(f"{where} has the axis {_quoted(axis.attrib['xyz'])}, which has no direction")
+            raise self.fail(f"{where} has the axis {quoted(axis.attrib['xyz'])}, which has no direction")
 
     def limit(self, joint: Element, kind: str, where: str) -> None:
         limit = joint.find("limit")
@@ -192,7 +178,7 @@ class _Checker:
             lower, upper = (self.number(limit, key, where, 0.0) for key in ("lower", "upper"))
             if lower > upper:
                 raise self.fail(f"{where} has the lower limit {lower!r} above its upper limit {upper!r}")
-            if lower >= FARTHEST or upper <= -FARTHEST:
+            if lower >= bounds.FARTHEST or upper <= -bounds.FARTHEST:
                 raise self.fail(f"{where} has the limits {lower!r} and {upper!r}, which are out of any reach")
             kept |= {"lower": lower, "upper": upper}
         limit.attrib = {key: repr(value) for key, value in kept.items()}
@@ -218,18 +204,16 @@ class _Checker:
         words = element.attrib[key].split()
         what = f"<{element.tag}> {key} of {where}"
         if len(words) != length:
-            raise self.fail(f"{what} is {_quoted(element.attrib[key])}, not {length} numbers")
+            raise self.fail(f"{what} is {quoted(element.attrib[key])}, not {length} numbers")
         values = [self.figure(word, what) for word in words]
         element.attrib[key] = " ".join(map(repr, values))
         return values
 
     def figure(self, text: str, what: str) -> float:
-        word = text.strip()
-        # The length first: the pattern takes time that grows with its square where it fails.
-        value = float(word) if len(word) <= LONGEST_NUMBER and _NUMBER.fullmatch(word) else math.nan
-        if not math.isfinite(value):
-            raise self.fail(f"{what} is {_quoted(text)}, not a finite number")
-        return value if abs(value) > _TINY else 0.0
+        value = figure(text)
+        if math.isnan(value):
+            raise self.fail(f"{what} is {quoted(text)}, not a finite number")
+        return value
 
     def tree(self, links: list[str], joints: list[Element]) -> None:
         """Check that links and joints are one tree that is not too deep."""
@@ -237,37 +221,33 @@ class _Checker:
         joint_above: dict[str, str] = {}
         children: dict[str, list[str]] = {}
         for joint in joints:
-            where = _quoted(joint.attrib["name"])
+            where = quoted(joint.attrib["name"])
             parent, child = (_attribute(joint, end) for end in ("parent", "child"))
             for end, link in (("parent", parent), ("child", child)):
                 if link not in known:
-                    raise self.fail(f"the {end} {_quoted(link)} of joint {where} is no link{did_you_mean(link, links)}")
+                    raise self.fail(f"the {end} {quoted(link)} of joint {where} is no link{did_you_mean(link, links)}")
             if child in joint_above:
-                above = _quoted(joint_above[child])
-                raise self.fail(f"the link {_quoted(child)} is the child of two joints, {above} and {where}")
+                above = quoted(joint_above[child])
+                raise self.fail(f"the link {quoted(child)} is the child of two joints, {above} and {where}")
             joint_above[child] = joint.attrib["name"]
             children.setdefault(parent, []).append(child)
         roots = [link for link in links if link not in joint_above]
         if len(roots) > 1:
-            names = ", ".join(map(_quoted, roots[:5])) + (", ..." if len(roots) > 5 else "")
+            names = ", ".join(map(quoted, roots[:5])) + (", ..." if len(roots) > 5 else "")
             raise self.fail(f"it has {len(roots)} links without a parent joint, not one: {names}")
         reached: set[str] = set()
         level, depth = roots, 0
         while level:
-            if depth > MAX_DEPTH:
-                raise self.fail(f"it has a chain of more than {MAX_DEPTH} joints, longer than is read")
+            if depth > bounds.CHAIN:
+                raise self.fail(f"it has a chain of more than {bounds.CHAIN} joints, longer than is read")
             reached.update(level)
             level = [child for link in level for child in children.get(link, ())]
             depth += 1
         lost = [link for link in links if link not in reached]
         if lost:
-            raise self.fail(f"its joints form a closed loop at the link {_quoted(lost[0])}; a URDF is a tree")
+            raise self.fail(f"its joints form a closed loop at the link {quoted(lost[0])}; a URDF is a tree")
 
 
 def _attribute(joint: Element, end: str) -> str:
     element = joint.find(end)
     return "" if element is None else element.attrib["link"]
-
-
-def _quoted(text: str) -> str:
-    return repr(text if len(text) <= 80 else text[:77] + "...")

@@ -6,22 +6,25 @@ so missing meshes and faulty tags among them do no harm, and a large file stays 
 
 from __future__ import annotations
 
-import contextlib
+import codecs
+import re
 from collections.abc import Mapping
-from typing import Any
 from xml.etree.ElementTree import Element
 from xml.parsers import expat
 
+from srs_ik import bounds
 from srs_ik.errors import InvalidRobot
 
-MAX_BYTES = 8 * 2**20
-"""Largest text that is read. Descriptions of whole humanoids have a few hundred kilobytes."""
+_PART = 2**20
+"""Bytes that the parser is given at once: few enough parts, as it begins a long name or value again with each."""
 
-MAX_ELEMENTS = 200_000
-"""Most elements that are read, skipped ones included; a humanoid with hands has a few thousand."""
+_READ = re.compile(r"utf-8|utf-8-sig|utf-16|utf-16-[bl]e|ascii|iso8859-\d+|cp125\d|koi8-[rtu]")
+"""Encodings that are read, by Python's names: those of one meaning for each byte or code unit."""
 
-MAX_DEPTH = 1000
-"""Deepest nesting of elements, which some parsers follow by recursion: bodies of an MJCF file nest, links do not."""
+_DECLARED = re.compile(rb"(?:\xef\xbb\xbf)?\s*<\?xml\s[^>]{0,200}?encoding\s*=\s*[\"']([A-Za-z0-9._-]{1,40})[\"']")
+_BEFORE = re.compile(r"(?:\s++|<\?.*?\?>|<!--.*?-->)*+", re.DOTALL)
+_CROWDED = re.compile(rf"<(?:[^<=]*+=\s*+[\"']){{{bounds.XML_ATTRIBUTES}}}")
+_TAG = re.compile(r"<([^\s/<>!?]+)")
 
 Kept = Mapping[str, frozenset[str]]
 """Elements that are kept inside each element."""
@@ -53,11 +56,6 @@ def parse(text: str | bytes, source: str, kept: Kept = KEPT) -> Element:
             xacro file, or has a document type declaration (which is where entities that expand without end are
             defined).
     """
-    # Blank lines before the XML declaration are an error by the letter, and common in strings of programs.
-    text = text.lstrip("\ufeff \t\r\n") if isinstance(text, str) else text.lstrip()
-    if not text:
-        raise InvalidRobot(f"{source} is empty", source)
-    check_size(text, source)
     reader = _Reader(source, kept)
     run(reader, text, source)
     if reader.root is None:
@@ -67,44 +65,85 @@ def parse(text: str | bytes, source: str, kept: Kept = KEPT) -> Element:
 
 def root_tag(text: bytes) -> str:
     """Tag of the outermost element of an XML text; "" where it does not begin with one."""
-    found: list[str] = []
-    parser = expat.ParserCreate()
-
-    def start(tag: str, attributes: dict[str, str]) -> None:
-        found.append(tag)
-        raise StopIteration
-
-    parser.StartElementHandler = start
-    with contextlib.suppress(StopIteration, expat.ExpatError, LookupError, ValueError):
-        parser.Parse(text.lstrip()[:MAX_BYTES], True)
-    return found[0] if found else ""
-
-
-def check_size(text: str | bytes, source: str) -> None:
-    """Refuse a text that is too large.
-
-    Raises:
-        InvalidRobot: it is.
-    """
-    if len(text) > MAX_BYTES:
-        raise InvalidRobot(f"{source} is larger than {MAX_BYTES // 2**20} MiB, too large for a robot", source)
+    try:
+        return _Prolog(_decoded(text, "")).tag
+    except InvalidRobot:
+        return ""
 
 
 def run(handler: Guardian, text: str | bytes, source: str) -> None:
     """Parse a text for its events.
 
     Raises:
-        InvalidRobot: it is not well-formed, or the handler refuses it.
+        InvalidRobot: it is empty, too large or not well-formed, declares a document type, has an element of far too
+            many attributes, or the handler refuses it.
     """
+    text = _decoded(text, source)
+    if not text:
+        raise InvalidRobot(f"{source} is empty", source)
+    # Before the parser sees it: entities that a document type defines would be expanded, even after an error.
+    if _Prolog(text).has_doctype:
+        handler.doctype()
+    if _CROWDED.search(text):
+        message = f"{source} has an element of {bounds.XML_ATTRIBUTES} attributes or more, too many for a robot"
+        raise InvalidRobot(message, source)
     # Without namespace processing, as other URDF readers do: files with undeclared prefixes in skipped tags are common.
-    parser = expat.ParserCreate()
+    parser = expat.ParserCreate("utf-8")
     parser.StartElementHandler = handler.start
     parser.EndElementHandler = handler.end
     parser.StartDoctypeDeclHandler = handler.doctype
     try:
-        parser.Parse(text, True)
-    except (expat.ExpatError, LookupError, ValueError) as error:
+        content = text.encode()
+        # In parts: after an error the parser reads on to the end of what it was given.
+        for start in range(0, len(content), _PART):
+            parser.Parse(content[start : start + _PART], False)
+        parser.Parse(b"", True)
+    except (expat.ExpatError, ValueError) as error:
         raise InvalidRobot(f"{source} is not well-formed XML: {error}", source) from None
+
+
+def _decoded(text: str | bytes, source: str) -> str:
+    """XML as text, without what comes before its declaration or first element.
+
+    Blank lines there are an error by the letter, and common in strings of programs.
+
+    Raises:
+        InvalidRobot: it is too large, or not in the encoding that it declares.
+    """
+    if len(text) > bounds.XML_BYTES:
+        raise InvalidRobot(f"{source} is larger than {bounds.XML_BYTES // 2**20} MiB, too large for a robot", source)
+    if isinstance(text, bytes):
+        encoding = _encoding(text)
+        try:
+            if not _READ.fullmatch(codecs.lookup(encoding).name):
+                raise LookupError(f"unknown encoding {encoding!r}")
+            text = text.decode(encoding)
+        except (LookupError, ValueError) as error:
+            raise InvalidRobot(f"{source} is not well-formed XML: {error}", source) from None
+    return text.lstrip("\ufeff \t\r\n")
+
+
+def _encoding(text: bytes) -> str:
+    """The encoding of an XML text: by its first bytes, else as it declares, else UTF-8."""
+    if text.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)):
+        return "utf-16"
+    declared = _DECLARED.match(text)
+    return declared[1].decode() if declared else "utf-8"
+
+
+class _Prolog:
+    """What comes before the content of an XML text.
+
+    Attributes:
+        has_doctype: whether it declares a document type.
+        tag: tag of the outermost element; "" where there is none.
+    """
+
+    def __init__(self, text: str) -> None:
+        end = _BEFORE.match(text).end()  # type: ignore[union-attr]
+        self.has_doctype = text.startswith("<!DOCTYPE", end)
+        tag = _TAG.match(text, end)
+        self.tag = tag[1] if tag else ""
 
 
 class Guardian:
@@ -127,18 +166,18 @@ class Guardian:
         """
         self._count += 1
         self._depth += 1
-        if self._count > MAX_ELEMENTS:
-            message = f"{self.source} has more than {MAX_ELEMENTS} XML elements, too many for a robot"
+        if self._count > bounds.XML_ELEMENTS:
+            message = f"{self.source} has more than {bounds.XML_ELEMENTS} XML elements, too many for a robot"
             raise InvalidRobot(message, self.source)
-        if self._depth > MAX_DEPTH:
-            message = f"{self.source} has XML elements nested more than {MAX_DEPTH} deep, too deep for a robot"
+        if self._depth > bounds.XML_DEPTH:
+            message = f"{self.source} has XML elements nested more than {bounds.XML_DEPTH} deep, too deep for a robot"
             raise InvalidRobot(message, self.source)
 
     def end(self, tag: str) -> None:
         """An element ends."""
         self._depth -= 1
 
-    def doctype(self, *declaration: Any) -> None:
+    def doctype(self, *declaration: object) -> None:
         """A document type is declared.
 
         Raises:

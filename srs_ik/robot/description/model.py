@@ -2,28 +2,23 @@
 
 from __future__ import annotations
 
-import itertools
 import os
 import sys
 import tempfile
-import threading
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import IO, Any
 from xml.etree.ElementTree import Element, tostring
 
 import pinocchio as pin
 
-from srs_ik.errors import InvalidRobot, did_you_mean
+from srs_ik.errors import InvalidRobot
+from srs_ik.forks import WHOLE
 from srs_ik.robot.description import document, mjcf, xacro
 from srs_ik.robot.description.check import check
-
-_LONGEST_LABEL = 300
-_MOST_FILES = 1000
-
-_STDERR_LOCK = threading.Lock()
+from srs_ik.robot.description.files import label_of, read
 
 
 @dataclass(frozen=True, eq=False)
@@ -47,8 +42,8 @@ class RobotModel:
         model: the ``pinocchio.Model`` of the whole robot. In it an effort or velocity limit of 0 means "not given".
         name: the robot's own name.
         source: where it came from, as error messages call it.
-        mimic_joints: names of joints that follow another one. `model` has them as joints of their own, but they cannot
-            be joints of a limb.
+        mimic_joints: names of joints that follow another one, or are tied to one. `model` has them as joints of their
+            own, but they cannot be joints of a limb.
         drawing: where its shapes are; None for a bare model and for MJCF.
     """
 
@@ -76,6 +71,8 @@ def load_model(
         InvalidRobot: there is no such file, or it is no valid description; the message says what is wrong.
         MissingExtra: a xacro file, and xacro is not installed.
     """
+    if isinstance(source, os.PathLike) and isinstance(os.fspath(source), bytes):
+        source = os.fsdecode(source)
     if xacro_args and not (isinstance(source, str | os.PathLike) and Path(source).suffix == ".xacro"):
         raise InvalidRobot("arguments are for xacro files, whose names end in .xacro")
     if isinstance(source, pin.Model):
@@ -84,15 +81,14 @@ def load_model(
         return _from_elements(document.parse(source, "the URDF text"), "the URDF text", Drawing(None, source))
     if isinstance(source, str | os.PathLike):
         path = Path(source)
-        label = _label(path)
+        label = label_of(path)
         if path.suffix == ".xacro":
             text = xacro.expand(path, label, xacro_args or {}, packages)
             return _from_elements(document.parse(text, label), label, Drawing(path.absolute(), text))
         content = read(path, label)
         if document.root_tag(content) == "mujoco":
-            with _stderr_captured() as printed:
-                model = mjcf.build(path, content, label, lambda: _first_complaint(printed()))
-            return RobotModel(model, model.name or "robot", label)
+            model, tied = mjcf.build(path, content, label)
+            return RobotModel(model, model.name, label, tied)
         return _from_elements(document.parse(content, label), label, Drawing(path.absolute()))
     # Whoever holds such an object has imported its package; for all others the import would be a waste.
     yourdfpy = sys.modules.get("yourdfpy")
@@ -108,44 +104,6 @@ def load_model(
 def is_xml(text: str) -> bool:
     """True if a string is XML text rather than a name or a path."""
     return text.lstrip("\ufeff \t\r\n").startswith("<")
-
-
-def _label(path: Path) -> str:
-    """A path as one line of a message."""
-    text = str(path)
-    if len(text) > _LONGEST_LABEL:
-        text = text[:_LONGEST_LABEL] + "..."
-    return text if text.isprintable() else repr(text)
-
-
-def read(path: Path, label: str) -> bytes:
-    """Content of a file, cut off where it is too large.
-
-    Raises:
-        InvalidRobot: there is no such file, or it cannot be read.
-    """
-    try:
-        if path.is_dir():
-            raise InvalidRobot(f"{label} is a directory, not a URDF file", label)
-        if path.exists() and not path.is_file():
-            raise InvalidRobot(f"{label} is not a regular file", label)
-        with path.open("rb") as file:
-            # One byte more than is read tells a file that is too large from one that just fits.
-            return file.read(document.MAX_BYTES + 1)
-    except FileNotFoundError:
-        raise InvalidRobot(f"there is no file {label}{_close_files(path)}", label) from None
-    except (OSError, ValueError) as error:
-        reason = error.strerror if isinstance(error, OSError) and error.strerror else str(error)
-        raise InvalidRobot(f"{label} cannot be read: {reason}", label) from None
-
-
-def _close_files(path: Path) -> str:
-    """The names of files beside a missing one that are like its own, as a clause."""
-    try:
-        beside = [entry.name for entry in itertools.islice(path.parent.iterdir(), _MOST_FILES)]
-    except (OSError, ValueError):
-        return ""
-    return did_you_mean(path.name, beside)
 
 
 def _from_elements(robot: Element, source: str, drawing: Drawing) -> RobotModel:
@@ -167,7 +125,7 @@ def _stderr_captured() -> Iterator[Callable[[], str]]:
     The descriptor belongs to the whole process: what other threads print meanwhile is kept back too, so the block has
     to be short. It is restored in any case.
     """
-    with _STDERR_LOCK:
+    with WHOLE:
         try:
             saved = os.dup(2)
         except OSError:
@@ -177,7 +135,7 @@ def _stderr_captured() -> Iterator[Callable[[], str]]:
         try:
             if sys.stderr is not None:
                 sys.stderr.flush()
-            with tempfile.TemporaryFile() as file:
+            with _scratch_file() as file:
 
                 def printed() -> str:
                     file.seek(0)
@@ -190,6 +148,11 @@ def _stderr_captured() -> Iterator[Callable[[], str]]:
                     os.dup2(saved, 2)
         finally:
             os.close(saved)
+
+
+def _scratch_file() -> IO[bytes]:
+    """A file without a name; in memory where the system has that, as there may be no folder to write to."""
+    return os.fdopen(os.memfd_create("stderr"), "r+b") if hasattr(os, "memfd_create") else tempfile.TemporaryFile()
 
 
 def _first_complaint(printed: str) -> str:

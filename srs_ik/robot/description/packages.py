@@ -7,6 +7,9 @@ import re
 from collections.abc import Iterator
 from pathlib import Path
 
+from srs_ik.errors import InvalidRobot
+from srs_ik.robot.description.files import read
+
 _NAME = re.compile(r"[A-Za-z0-9_-]+")
 _PACKAGE_XML = "package.xml"
 _DEPTH = 3
@@ -55,11 +58,13 @@ def _entries(variable: str) -> list[Path]:
 
 def _is_package(folder: Path, name: str) -> bool:
     """True if a folder is the package of a name: by its package.xml, as a clone may have any folder name."""
+    file = folder / _PACKAGE_XML
     try:
-        text = (folder / _PACKAGE_XML).read_text(encoding="utf-8", errors="replace")
-    except OSError:
+        # No pipe, which would be waited for.
+        text = read(file, str(file)).decode(errors="replace") if file.is_file() else ""
+    except (InvalidRobot, OSError):
         return False
-    match = re.search(r"<name>\s*([^<\s]+)\s*</name>", text)
+    match = re.search(r"<name>\s*+([^<\s]++)\s*+</name>", text)
     return match is not None and match[1] == name
 
 

@@ -13,7 +13,8 @@ import pinocchio as pin
 from numpy.typing import NDArray
 
 from srs_ik.robot.description import document
-from srs_ik.robot.description.model import Drawing, read
+from srs_ik.robot.description.files import read
+from srs_ik.robot.description.model import Drawing
 
 Kind = Literal["box", "cylinder", "sphere", "capsule", "mesh"]
 Rgba = tuple[float, float, float, float]
@@ -26,6 +27,8 @@ _KEPT: document.Kept = {
     "geometry": frozenset({"box", "cylinder", "sphere", "capsule", "mesh"}),
     "material": frozenset({"color"}),
 }
+
+_TREE: document.Kept = {"robot": frozenset({"joint"}), "joint": frozenset({"parent", "child"})}
 
 
 @dataclass(frozen=True, eq=False)
@@ -65,15 +68,37 @@ def read_shapes(drawing: Drawing | None) -> tuple[list[Shape], int]:
     """
     if drawing is None:
         return [], 0
-    content, label = drawing.content, str(drawing.file or "the URDF text")
-    if content is None and drawing.file is not None:
-        content = read(drawing.file, label)
+    content, label = _content(drawing)
     if isinstance(content, str | bytes):
         found = list(_of_elements(document.parse(content, label, _KEPT)))
     else:
         found = list(_of_yourdfpy(content))
     shapes = [shape for shape in found if shape is not None]
     return shapes, len(found) - len(shapes)
+
+
+def read_tree(drawing: Drawing | None) -> list[tuple[str, str]]:
+    """The names of the two links that each joint of a robot connects, the carrying one first.
+
+    Raises:
+        InvalidRobot: the file is gone, or is no URDF any more.
+    """
+    if drawing is None:
+        return []
+    content, label = _content(drawing)
+    if not isinstance(content, str | bytes):
+        return [(joint.parent, joint.child) for joint in content.robot.joints]
+    joints = document.parse(content, label, _TREE).iterfind("joint")
+    ends = [(joint.find("parent"), joint.find("child")) for joint in joints]
+    return [(p.get("link", ""), c.get("link", "")) for p, c in ends if p is not None and c is not None]
+
+
+def _content(drawing: Drawing) -> tuple[Any, str]:
+    """What the robot was read from, and how messages call it."""
+    label = str(drawing.file or "the URDF text")
+    if drawing.content is None and drawing.file is not None:
+        return read(drawing.file, label), label
+    return drawing.content, label
 
 
 def _of_elements(robot: Element) -> Iterator[Shape | None]:

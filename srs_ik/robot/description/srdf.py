@@ -7,7 +7,8 @@ from pathlib import Path
 
 from srs_ik.errors import InvalidRobot, did_you_mean, listed
 from srs_ik.robot.description import document
-from srs_ik.robot.description.model import is_xml, read
+from srs_ik.robot.description.files import read
+from srs_ik.robot.description.model import is_xml
 
 _KEPT: Mapping[str, frozenset[str]] = {"robot": frozenset({"group"}), "group": frozenset({"chain"})}
 

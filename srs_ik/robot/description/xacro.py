@@ -26,7 +26,7 @@ def expand(path: Path, label: str, arguments: Mapping[str, str], packages: Mappi
         path: the file.
         label: what error messages call it.
         arguments: values of its ``<xacro:arg>``.
-        packages: folders of ROS packages that cannot be found otherwise, see `srs_ik.urdf.packages`.
+        packages: folders of ROS packages that cannot be found otherwise, see `srs_ik.robot.description.packages`.
 
     Raises:
         MissingExtra: xacro is not installed.

@@ -87,13 +87,5 @@ LIMITED = 0
 FREE = 1
 LOOSE = 2
 
-# A solution row, the output of the solving kernels.
-ROW_Q = 0  # 7
-ROW_POSITION_ERROR = 7
-ROW_ORIENTATION_ERROR = 8
-ROW_ARM_ANGLE = 9
-ROW_STATUS = 10
-ROW_BRANCH = 11
-ROW_JOINT = 12  # the joint (1 to 7) with the smallest margin to its limits
-ROW = 13
-ROW_COST = ROW_POSITION_ERROR  # of q, in the row of a branch until its errors are measured
+SMALLEST_RANGE = 1e-9
+"""A joint with a smaller range, rad, counts as one with this range where margins are compared."""

@@ -1,0 +1,93 @@
+"""`srs-ik fk`: where the tip of an arm is."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from srs_ik.cli.joint_file import read_joints
+from srs_ik.cli.options import AsJson, Base, Limb, Seven, Source, Tip, WrongInput
+from srs_ik.cli.pose_file import POSITION, QUATERNION, write_table
+from srs_ik.cli.poses import JOINTS, angles, unit_of
+
+if TYPE_CHECKING:
+    import numpy as np
+
+    from srs_ik.arm import Arm
+
+
+def fk(
+    source: Source,
+    q: Annotated[Seven | None, typer.Option(metavar=JOINTS, help="Joint angles of the arm.")] = None,
+    file: Annotated[
+        Path | None,
+        typer.Option(
+            metavar="JOINTS.csv", help="Joint angles of many configurations, one a line; the header names the joints."
+        ),
+    ] = None,
+    base: Base = None,
+    tip: Tip = None,
+    limb: Limb = None,
+    out: Annotated[
+        Path | None,
+        typer.Option(metavar="POSES.csv", help="Write the poses here, as 'srs-ik path' and 'solve --file' read them."),
+    ] = None,
+    degrees: Annotated[bool, typer.Option("--degrees", help="Joint angles are given in degrees.")] = False,
+    as_json: AsJson = False,
+) -> None:
+    """Show the pose of the tip of an arm, in its base frame, for given joint angles.
+
+    One configuration by --q, or those of a CSV file by --file, such as 'srs-ik path --out' and 'solve --out' write.
+    """
+    if (q is None) == (file is None):
+        raise WrongInput(f"give the joint angles: --q {JOINTS}, or --file JOINTS.csv")
+    unit = unit_of(degrees)
+    given = None if q is None else angles("--q", q, unit)
+
+    import numpy as np
+
+    from srs_ik.loading import load
+
+    arm = load(source, base=base, tip=tip, limb=limb)
+    configurations = unit * read_joints(file, arm.joint_names) if file is not None else np.array([given])
+    poses = arm.forward_kinematics_batch(configurations)
+    if out is not None:
+        write_table(out, (*POSITION, *QUATERNION), ([*xyz, *quaternion] for xyz, quaternion in map(_parts, poses)))
+    if as_json:
+        _print_json(arm, configurations, poses, many=file is not None)
+    else:
+        _print_table(arm, poses)
+
+
+def _parts(T: np.ndarray) -> tuple[list[float], list[float]]:
+    """Position and quaternion, the scalar part last."""
+    from srs_ik.inputs.poses import xyz_quaternion
+
+    xyz, quaternion = xyz_quaternion(T, order="xyzw")
+    return xyz.tolist(), quaternion.tolist()
+
+
+def _print_json(arm: Arm, configurations: np.ndarray, poses: np.ndarray, many: bool) -> None:
+    from srs_ik.cli.render import print_json
+
+    answer = {"robot": arm.name, "base": arm.base, "tip": arm.tip, "joint_names": list(arm.joint_names)}
+    print_json(
+        {**answer, "q": configurations if many else configurations[0], "T_base_tip": poses if many else poses[0]}
+    )
+
+
+def _print_table(arm: Arm, poses: np.ndarray) -> None:
+    import pinocchio as pin
+
+    from srs_ik.cli.render import console, fixed, table
+
+    rows = []
+    for k, T in enumerate(poses, 1):
+        xyz, quaternion = _parts(T)
+        rpy = pin.rpy.matrixToRpy(T[:3, :3]).tolist()
+        rows.append((str(k), *(fixed(x, 9) for x in (*xyz, *rpy, *quaternion))))
+    out = console()
+    out.print(f"{arm.name}: {arm.tip} in {arm.base}, metres and radians")
+    out.print(table(("", *POSITION, "roll", "pitch", "yaw", *QUATERNION), rows))

@@ -1,0 +1,42 @@
+"""Tables of joint angles as CSV files."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from srs_ik.cli.options import WrongInput
+from srs_ik.cli.pose_file import figures, read_table
+
+if TYPE_CHECKING:
+    import numpy as np
+
+
+def read_joints(path: Path, joint_names: Sequence[str]) -> np.ndarray:
+    """The joint angles of a CSV file whose header names the joints, (N, 7), in the unit of the file.
+
+    The columns are the names of the joints, or q1 to q7, in any order. Other columns and empty lines are left out.
+
+    Raises:
+        WrongInput: the header lacks a joint, or a line a number; the message says which line.
+        OSError: the file cannot be read.
+    """
+    import numpy as np
+
+    (line, header), *rows = read_table(path, joint_names)
+    names = [name.strip() for name in header]
+    wanted = tuple(joint_names) if any(name in names for name in joint_names) else tuple(f"q{k}" for k in range(1, 8))
+    missing = [name for name in wanted if name not in names]
+    if missing:
+        raise WrongInput(
+            f"{path}, line {line}: the header must name the joints {', '.join(joint_names)}, or q1 to q7; "
+            f"it lacks {', '.join(missing)}"
+        )
+    twice = next((name for name in wanted if names.count(name) > 1), None)
+    if twice is not None:
+        raise WrongInput(f"{path}, line {line}: there are two columns {twice!r}")
+    columns = {name: names.index(name) for name in wanted}
+    if not rows:
+        raise WrongInput(f"{path} has a header and no joint angles below it")
+    return np.array([list(figures(f"{path}, line {at}", row, columns)) for at, row in rows])

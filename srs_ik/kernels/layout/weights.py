@@ -1,0 +1,9 @@
+"""What kernels know of the masses of an arm."""
+
+from __future__ import annotations
+
+MASSES = 0  # 7
+MOMENTS = 7  # 7 x 3
+GRAVITY = 28  # 3
+SCALES = 31  # 7
+WEIGHTS = 38

@@ -1,0 +1,115 @@
+"""Postures for one pose and for many: the best, one for every branch or interval, and batches of them."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from srs_ik.errors import InvalidConfiguration
+from srs_ik.inputs.poses import (
+    PoseLike,
+    as_arm_angle,
+    as_branch,
+    as_matrices,
+    as_matrix,
+    as_seed,
+    as_seeds,
+    invalid_pose,
+    per_pose,
+    refuse_bad_poses,
+)
+from srs_ik.kernels.entries import pose as entries
+from srs_ik.kernels.layout.answer import MOST_INTERVALS, ROW
+from srs_ik.solve.packed import PackedArm
+from srs_ik.solve.solution import BatchSolution, Solution, Solutions
+from srs_ik.solve.threads import run_in_threads
+
+
+def solve(
+    arm: PackedArm,
+    pose: PoseLike,
+    arm_angle: float | None = None,
+    seed: ArrayLike | None = None,
+    branch: int | None = None,
+    respect_limits: bool = True,
+) -> Solution:
+    """See `Arm.solve`."""
+    row = np.empty(ROW)
+    T = as_matrix(pose)
+    chosen = -1 if branch is None else as_branch(branch)
+    near = None if seed is None else as_seed(seed, arm.lower, arm.upper)
+    respect_limits = bool(respect_limits)
+    J, A = arm.work()
+    if arm_angle is None:
+        verdict = entries.solve(arm.family, T, chosen, near, respect_limits, J, A, row)
+    else:
+        psi = as_arm_angle(arm_angle)
+        verdict = entries.solve_at(arm.family, T, psi, chosen, near, respect_limits, J, A, row)
+    if verdict:
+        raise invalid_pose(verdict)
+    return Solution(row, arm.joint_names, arm.elbow)
+
+
+def solve_all(arm: PackedArm, pose: PoseLike, arm_angle: float | None, respect_limits: bool) -> Solutions:
+    """See `Arm.solve_all`."""
+    T = as_matrix(pose)
+    if arm_angle is None:
+        rows = np.empty((MOST_INTERVALS, ROW))
+        count = entries.solve_intervals(arm.family, T, respect_limits, *arm.work(), rows)
+    else:
+        rows = np.empty((8, ROW))
+        psi = as_arm_angle(arm_angle)
+        J, A = arm.work()
+        count = entries.solve_all(arm.family, T, psi, respect_limits, J, A, rows)
+    if count < 0:
+        raise invalid_pose(-count)
+    solved = Solutions(rows if count == len(rows) else rows[:count], arm.joint_names, None, arm.elbow)
+    if arm_angle is None:
+        ok = solved.ok
+        if not ok.all():
+            solved = Solutions(rows[:count][ok], arm.joint_names, None, arm.elbow)
+    if not len(solved._rows):
+        best = solve(arm, T, arm_angle=arm_angle, respect_limits=respect_limits)
+        if best:
+            # Where only rounding leaves room for a posture, the looser search for one alone may still find it.
+            return Solutions.of_one(best)
+        solved.failure = best
+    return solved
+
+
+def solve_batch(
+    arm: PackedArm,
+    poses: Any,
+    arm_angle: ArrayLike | None,
+    seed: ArrayLike | None,
+    branch: int | None,
+    all_branches: bool,
+    respect_limits: bool,
+    threads: int | None,
+) -> BatchSolution:
+    """See `Arm.solve_batch`."""
+    T = as_matrices(poses)
+    n = len(T)
+    psis = None if arm_angle is None else per_pose(arm_angle, (), n, "arm_angle")
+    seeds = None if seed is None else as_seeds(seed, n, arm.lower, arm.upper)
+    chosen = as_branch(branch)
+    if all_branches and psis is None:
+        raise InvalidConfiguration("all_branches needs an arm_angle; without one, see solve_all and intervals")
+    limb, verdicts = arm.family, np.zeros(n, np.int8)
+    out = np.empty((8 * n if all_branches else n, ROW))
+
+    def work(first: int, last: int) -> None:
+        J, A = arm.work()
+        answer = (respect_limits, J, A, out, verdicts)
+        if psis is None:
+            entries.solve_range(limb, T, first, last, chosen, seeds, *answer)
+        elif all_branches:
+            entries.solve_all_range(limb, T, first, last, psis, *answer)
+        else:
+            entries.solve_at_range(limb, T, first, last, psis, chosen, seeds, *answer)
+
+    run_in_threads(work, n, threads)
+    refuse_bad_poses(verdicts)
+    return BatchSolution(out.reshape(n, 8, ROW) if all_branches else out, arm.joint_names, arm.elbow)

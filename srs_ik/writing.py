@@ -1,0 +1,66 @@
+"""Files that appear whole or not at all."""
+
+from __future__ import annotations
+
+import errno
+import os
+import shutil
+import uuid
+from contextlib import suppress
+from pathlib import Path
+
+
+def write_whole(path: Path, content: bytes | str, *, replace: bool = True) -> Path:
+    """Write a file by way of one beside it, so that no reader ever finds a part of it; text is UTF-8.
+
+    A link stays one, and a file keeps its permissions. Devices and pipes are written to as they are.
+
+    Args:
+        path: the file.
+        content: what is to stand in it.
+        replace: whether it may be there already.
+
+    Returns:
+        The path.
+
+    Raises:
+        OSError: it cannot be written, with `filename` the path; what was there before is still there.
+    """
+    data = content.encode() if isinstance(content, str) else content
+    try:
+        if not replace and os.path.lexists(path):
+            raise FileExistsError(errno.EEXIST, "it exists already")
+        if path.is_dir():
+            raise IsADirectoryError(errno.EISDIR, "it is a folder")
+        if not path.parent.is_dir():
+            raise FileNotFoundError(errno.ENOENT, f"there is no folder {str(path.parent)!r}")
+        if _is_stream(path):
+            path.write_bytes(data)
+        else:
+            _replace(path.resolve(), data)
+    except OSError as error:
+        # Made from a number, it is the error of its kind.
+        raise OSError(error.errno, error.strerror or str(error), str(path)) from None
+    return path
+
+
+def _is_stream(path: Path) -> bool:
+    """Whether there is nothing to put another file in place of; below /dev, even a file is open somewhere."""
+    return Path("/dev") in path.absolute().parents or (path.exists() and not path.is_file())
+
+
+def _replace(path: Path, data: bytes) -> None:
+    partial = path.with_name(f".{path.name[:40]}.{uuid.uuid4().hex[:12]}")
+    try:
+        with partial.open("xb") as file:
+            file.write(data)
+            file.flush()
+            # Some file systems find out that they are full only now.
+            os.fsync(file.fileno())
+        with suppress(FileNotFoundError):
+            shutil.copymode(path, partial)
+        partial.replace(path)
+    except BaseException:
+        with suppress(OSError):
+            partial.unlink()
+        raise

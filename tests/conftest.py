@@ -1,0 +1,54 @@
+"""How all tests run: profiles of Hypothesis, and the marks that follow from what a test needs."""
+
+import os
+
+import arms
+import pytest
+from hypothesis import HealthCheck, settings
+from robot_files import REAL
+
+# The same examples in every run: a failure is one of the code. HYPOTHESIS_PROFILE=thorough looks for new ones.
+_COMMON = {
+    "deadline": None,  # the first example may compile
+    "database": None,
+    "suppress_health_check": [HealthCheck.too_slow, HealthCheck.filter_too_much],
+}
+settings.register_profile("fast", max_examples=25, derandomize=True, **_COMMON)
+settings.register_profile("ci", max_examples=60, derandomize=True, **_COMMON)
+settings.register_profile("thorough", max_examples=1000, derandomize=False, print_blob=True, **_COMMON)
+settings.load_profile(os.environ.get("HYPOTHESIS_PROFILE", "fast"))
+
+SLOW = {
+    "test_adapter",
+    "test_bench",
+    "test_benchmarks",
+    "test_cli_preview",
+    "test_copies",
+    "test_examples",
+    "test_experiments",
+    "test_fuzz",
+    "test_kernels_disk",
+    "test_kernels_jit",
+    "test_named_robots",
+    "test_path",
+    "test_preview_browser",
+    "test_preview_server",
+    "test_printed",
+    "test_snippets",
+    "test_waiting",
+    "test_what_holds",
+}
+"""Modules whose tests start processes, compile in them, or search for long."""
+
+_REAL = {*REAL, *arms.REAL}
+
+
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    for item in items:
+        parameters = item.callspec.params.values() if hasattr(item, "callspec") else ()
+        if any(isinstance(value, str) and value in _REAL for value in parameters):
+            item.add_marker(pytest.mark.files)
+        if "browser" in item.fixturenames or item.path.stem == "test_preview_browser":
+            item.add_marker(pytest.mark.browser)
+        if item.path.stem in SLOW:
+            item.add_marker(pytest.mark.slow)

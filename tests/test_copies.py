@@ -1,0 +1,132 @@
+"""Copied and pickled arms and answers: as guarded as the first ones, and nothing is compiled for them."""
+
+import copy
+import gc
+import multiprocessing
+import pickle
+from concurrent.futures import ProcessPoolExecutor
+
+import arms
+import numpy as np
+import pytest
+from numba.core.dispatcher import Dispatcher
+
+import srs_ik
+from srs_ik import Task
+
+COPIES = {
+    "pickled": lambda thing: pickle.loads(pickle.dumps(thing)),
+    "pickled by the oldest protocol": lambda thing: pickle.loads(pickle.dumps(thing, protocol=2)),
+    "copied": copy.copy,
+    "deeply copied": copy.deepcopy,
+    "twice": lambda thing: pickle.loads(pickle.dumps(copy.deepcopy(thing))),
+}
+TASK = Task([0.45, 0.1, 0.5], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0])
+
+
+def arrays_of(arm):
+    for owner in (arm, arm.limb):
+        yield from ((name, value) for name, value in vars(owner).items() if isinstance(value, np.ndarray))
+
+
+def compiled() -> tuple[int, int]:
+    """Signatures of all functions that Numba has compiled or read in this process, and how often it had to compile."""
+    functions = [thing for thing in gc.get_objects() if isinstance(thing, Dispatcher)]
+    return sum(len(f.signatures) for f in functions), sum(sum(f.stats.cache_misses.values()) for f in functions)
+
+
+def ask(arm) -> list:
+    """Everything that an arm can be asked, or as much as calls each kind of kernel."""
+    q = np.array([0.3, 0.7, -0.4, -1.1, 0.5, 0.8, -0.2])
+    pose = arm.forward_kinematics(q)
+    poses = np.array([pose.homogeneous] * 9)
+    batch = arm.solve_batch(poses, seed=q)
+    return [
+        arm.solve(pose).q,
+        arm.solve(pose, seed=q).q,
+        arm.solve(pose, arm_angle=0.2).q,
+        arm.solve_all(pose).q,
+        arm.solve_all(pose, arm_angle=0.2).q,
+        batch.q,
+        np.array([[i.branch, i.lower, i.upper] for i in arm.intervals(pose)]),
+        np.array([arm.arm_angle(q), arm.branch(q), *arm.arm_angle_jacobian(q), *arm.self_motion_tangent(q)]),
+        arm.optimise(pose, "manipulability").q,
+        arm.optimise(pose, "gravity_torque").q,
+        arm.solve_task(TASK).q,
+    ]
+
+
+@pytest.mark.parametrize("how", COPIES)
+def test_arrays_of_a_copy_take_no_changes(how):
+    arm = srs_ik.load("iiwa14")
+    ask(arm)
+    other = COPIES[how](arm)
+    for one in (arm, other):
+        for name, array in arrays_of(one):
+            if not name.startswith("_"):
+                with pytest.raises(ValueError, match="read-only"):
+                    array[...] = 0.1
+    assert {name for name, _ in arrays_of(other)} >= {"lower", "upper", "velocity_limit", "effort_limit", "axes"}
+
+
+def test_nothing_is_compiled_for_copies():
+    arm = srs_ik.load("iiwa14")
+    moved = arm.with_tool(np.eye(4))
+    expected, expected_moved = ask(arm), ask(moved)
+    before = compiled()
+    assert before[0] > 10
+    for how in COPIES.values():
+        for one, answers in ((arm, expected), (moved, expected_moved)):
+            for a, b in zip(ask(how(one)), answers, strict=True):
+                assert a.tobytes() == b.tobytes()
+    assert compiled() == before
+
+
+def asked_elsewhere(arm):
+    return [array.tobytes() for array in ask(arm)], compiled()[1]
+
+
+@pytest.mark.parametrize("method", ["spawn", "forkserver"])
+def test_nothing_is_compiled_in_other_processes(method):
+    if method not in multiprocessing.get_all_start_methods():
+        pytest.skip(f"there is no {method} here")
+    arm = srs_ik.load("iiwa14")
+    expected = [array.tobytes() for array in ask(arm)]
+    with ProcessPoolExecutor(1, mp_context=multiprocessing.get_context(method)) as pool:
+        answers, misses = pool.submit(asked_elsewhere, arm).result(timeout=300)
+    assert answers == expected
+    assert misses == 0
+
+
+@pytest.mark.parametrize("how", [how for how in COPIES if how != "copied"])
+def test_answers_can_be_copied(how):
+    arm = arms.load("iiwa14")
+    q = np.array([0.3, 0.7, -0.4, -1.1, 0.5, 0.8, -0.2])
+    pose, far = arm.forward_kinematics(q), np.eye(4)
+    far[:3, 3] = 9.0
+    poses = np.array([pose.homogeneous, far])
+    answers = [
+        arm.solve(pose),
+        arm.solve(far),
+        arm.solve_all(pose),
+        arm.solve_all(far),
+        arm.solve_batch(poses),
+        arm.solve_path([pose, pose]),
+        arm.optimise(pose, "manipulability"),
+        arm.solve_task(TASK),
+    ]
+    for answer in answers:
+        other = COPIES[how](answer)
+        assert repr(other) == repr(answer)
+        assert bool(other) == bool(answer)
+        assert other.q.tobytes() == answer.q.tobytes()
+        assert (np.asarray(other.status) == np.asarray(answer.status)).all()
+        if not callable(answer.message):
+            assert other.message == answer.message
+    batch = COPIES[how](answers[4])
+    assert [batch.message(i) for i in range(2)] == [answers[4].message(i) for i in range(2)]
+    intervals = arm.intervals(pose)
+    assert COPIES[how](intervals) == intervals
+    assert COPIES[how](TASK).position.tolist() == TASK.position.tolist()
+    with pytest.raises(ValueError, match="read-only"):
+        COPIES[how](TASK).position[0] = 1.0

@@ -1,0 +1,113 @@
+"""Numbers that know no arm, against NumPy and SciPy: linear systems, minima, seven angles as a vector."""
+
+import math
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from numba import njit
+from scipy.optimize import minimize_scalar
+
+from srs_ik.kernels.algebra.joint_vectors import along7, difference, dot7, short_way
+from srs_ik.kernels.algebra.linear import solve_linear
+from srs_ik.kernels.algebra.minimum import propose, start_search, tell
+from srs_ik.kernels.layout.search import BEST, F_BEST, SHARP, SMOOTH, STATE
+
+ANGLE = st.floats(-20.0, 20.0)
+SEVEN = st.tuples(*[ANGLE] * 7)
+
+
+@njit
+def solved(A, n):
+    return solve_linear(A, n)
+
+
+@njit
+def vectors(a, s, b):
+    return dot7(a, b), along7(a, s, b), difference(a, b)
+
+
+@njit
+def short(angle):
+    return short_way(angle)
+
+
+@settings(deadline=None)  # the first example compiles
+@given(st.integers(1, 7), st.integers(0, 2**32 - 1))
+def test_linear_systems_are_solved_as_numpy_solves_them(n, seed):
+    rng = np.random.default_rng(seed)
+    M, b = rng.normal(size=(n, n)), rng.normal(size=n)
+    A = np.zeros((n, 9))
+    A[:, :n], A[:, n] = M, b
+    sign = solved(A, n)
+    expected = np.linalg.solve(M, b)
+    # Elimination with row pivots loses some digits where a matrix is nearly singular.
+    allowed = 1e-13 * np.linalg.cond(M) * max(1.0, np.abs(expected).max())
+    np.testing.assert_allclose(A[:, n], expected, rtol=0, atol=allowed)
+    assert sign == np.sign(np.linalg.det(M))
+
+
+@pytest.mark.parametrize("n", range(1, 8))
+def test_a_singular_system_is_told(n):
+    A = np.zeros((n, 9))
+    A[:, : n - 1] = np.eye(n)[:, : n - 1]
+    A[:, n] = 1.0
+    assert solved(A, n) == 0.0
+
+
+@settings(deadline=None)  # the first example compiles
+@given(SEVEN, ANGLE, SEVEN)
+def test_seven_angles_as_a_vector(a, s, b):
+    product, moved, steps = vectors(a, s, b)
+    assert product == pytest.approx(np.dot(a, b), rel=1e-13, abs=1e-11)
+    np.testing.assert_allclose(moved, np.add(a, np.multiply(s, b)), rtol=1e-15, atol=1e-12)
+    turned = np.subtract(b, a)
+    # The same direction on the circle, and no longer way round than half a turn.
+    np.testing.assert_allclose(np.exp(1j * np.array(steps)), np.exp(1j * turned), rtol=0, atol=1e-13)
+    assert np.abs(steps).max() <= math.pi + 1e-12
+
+
+@settings(deadline=None)  # the first example compiles
+@given(st.floats(-1e6, 1e6))
+def test_the_short_way_is_an_angle_a_whole_number_of_turns_away(angle):
+    turns = (angle - short(angle)) / (2.0 * math.pi)
+    assert turns == pytest.approx(round(turns), abs=1e-9)
+    assert abs(short(angle)) <= math.pi + 1e-9
+
+
+def quartic(x):
+    return (x - 0.3) ** 4 + 0.1 * x
+
+
+def valley(x):
+    return math.cos(3.0 * x) + 0.2 * x * x
+
+
+def corner(x):
+    return abs(x - 0.7) + 0.1 * x
+
+
+@pytest.mark.parametrize(("function", "bracket"), [(quartic, (-1, 0, 2)), (valley, (0.2, 1, 2)), (corner, (0, 0.5, 2))])
+def test_minima_are_those_of_scipy(function, bracket):
+    compiled = njit(function)
+
+    @njit
+    def search(a, x, b, resolution):
+        S = np.empty(STATE)
+        start_search(S, a, x, b, compiled(a), compiled(x), compiled(b), resolution)
+        for asked in range(200):
+            point, wanted = propose(S)
+            if not wanted:
+                return S[BEST], S[F_BEST], asked
+            tell(S, compiled(point))
+        return S[BEST], S[F_BEST], 200
+
+    a, x, b = map(float, bracket)
+    assert function(x) < min(function(a), function(b))
+    at, lowest, asked = search(a, x, b, SHARP if function is corner else SMOOTH)
+    expected = minimize_scalar(function, bracket=(a, x, b), method="brent", options={"xtol": 1e-10})
+    # A smooth minimum is flat to the square root of rounding, about 1e-8 of its height.
+    assert at == pytest.approx(expected.x, abs=2e-4 if function is quartic else 1e-7)
+    assert lowest <= expected.fun + 1e-10
+    assert asked <= 80

@@ -1,0 +1,197 @@
+"""MJCF files against MuJoCo itself, and by name what is refused."""
+
+import os
+
+import numpy as np
+import pytest
+from robot_files import serial_arm
+
+import srs_ik
+from srs_ik import InvalidRobot, bounds
+from srs_ik.robot.description import load_model
+
+mujoco = pytest.importorskip("mujoco")
+
+from mjcf_variants import Maker, compared, write  # noqa: E402
+
+ARM = f'<robot name="small">{serial_arm()}</robot>'
+PLACES = list(zip("zyzyzyz", (0, 0, 0.3, 0, 0.3, 0, 0.1), strict=True))
+AXES = {"y": "0 1 0", "z": "0 0 1"}
+
+
+def arm(joint: str = 'range="-2 2"', body: str = "", before: str = "", after: str = "", angle: str = "radian") -> str:
+    """The arm of `serial_arm`, with more attributes on each joint and body and more sections."""
+    bodies = "".join(
+        f'<body name="l{k}" pos="0 0 {height}" {body}><joint name="j{k}" axis="{AXES[axis]}" {joint}/>'
+        '<geom size="0.01" mass="1"/>'
+        for k, (axis, height) in enumerate(PLACES, 1)
+    )
+    world = f"<worldbody>{bodies}{'</body>' * 7}</worldbody>"
+    return f'<mujoco model="small"><compiler angle="{angle}"/>{before}{world}{after}</mujoco>'
+
+
+def test_variants_agree_with_mujoco_or_are_refused(tmp_path):
+    verdicts = []
+    for seed in range(200):
+        folder = tmp_path / str(seed)
+        folder.mkdir()
+        verdicts.append(compared(write(Maker(seed).whole(), folder), seed).partition(":")[0])
+    assert verdicts.count("agrees") > 150
+    assert verdicts.count("refused") < 8
+    assert verdicts.count("refused by both") > 10
+
+
+def test_a_file_read_wrongly_would_be_noticed(tmp_path, monkeypatch):
+    """The comparison fails where Pinocchio's own reader of MJCF stands for this one."""
+    import mjcf_variants
+    import pinocchio as pin
+
+    from srs_ik.robot.description.model import RobotModel
+
+    def theirs(path):
+        model = pin.buildModelFromMJCF(str(path))
+        return RobotModel(model, model.name, str(path))
+
+    monkeypatch.setattr(mjcf_variants, "load_model", theirs)
+    text = arm(body='euler="0.3 0.2 0.1"', before='<compiler eulerseq="XYZ"/>')
+    with pytest.raises(AssertionError, match="misses by"):
+        compared(write({"main.xml": text}, tmp_path), 0)
+
+
+DIFFERENTLY = {
+    "Euler angles about fixed axes": arm(body='euler="0.3 0.2 0.1"', before='<compiler eulerseq="XYZ"/>'),
+    "mixed Euler angles": arm(body='euler="0.3 0.2 0.1"', before='<compiler eulerseq="xYz"/>'),
+    "anchor of a default class": arm(before='<default><joint pos="0 0.03 0"/></default>'),
+    "axis of any length": arm(body='axisangle="0 0 5 0.3"'),
+    "limits that do not count": arm('range="-2 2" limited="false"'),
+    "limits in degrees": arm('range="-100 100"', angle="degree"),
+    "a reference": arm('range="-2 2" ref="0.4"'),
+    "quaternion of any length": arm(body='quat="5 0.1 0.2 0.3"'),
+    "crooked axes": arm(body='xyaxes="2 0.1 0 0.3 1 0.1"'),
+}
+
+
+@pytest.mark.parametrize("case", DIFFERENTLY)
+def test_what_readers_get_wrong(case, tmp_path):
+    assert compared(write({"main.xml": DIFFERENTLY[case]}, tmp_path), 0) == "agrees"
+    limits = load_model(tmp_path / "main.xml").model.upperPositionLimit
+    np.testing.assert_allclose(limits, np.inf if "do not" in case else np.deg2rad(100) if "degrees" in case else 2.0)
+
+
+REFUSED = {
+    arm(body='twist="1"'): "body 'l1' has the attribute 'twist', which is not understood",
+    arm('spin="1"'): "joint 'j1' has the attribute 'spin', which is not understood",
+    arm('limited="yes"'): "limited of joint 'j1' is 'yes', not one of true, false, auto",
+    arm('range="2 -2"'): "joint 'j1' has the range 2 -2: a lower limit above its upper limit",
+    arm('class="a"'): "joint 'j1' has the class 'a', which is not defined",
+    arm(body='axisangle="0 0 0 1"'): "axisangle of body 'l1' has no direction",
+    arm(body='quat="1 0 0 0" euler="1 0 0"'): "body 'l1' has an orientation by euler and by quat",
+    arm(before='<compiler coordinate="global"/>'): "coordinate of <compiler> is 'global'",
+    arm(before='<compiler eulerseq="abc"/>'): "eulerseq of <compiler> is 'abc'",
+    arm(before='<compiler speed="1"/>'): "<compiler> has the attribute 'speed'",
+    arm(before='<compiler autolimits="false"/>'): "joint 'j1' has a range but no limited",
+    arm(after="<worldbody><attach prefix='a'/></worldbody>"): "body 'world' has a <attach>, which is not understood",
+    arm(after="<worldbody><replicate count='2'><body/></replicate></worldbody>"): "has a <replicate>",
+    arm(after="<equality><gear/></equality>"): "<gear> of <equality> is not understood",
+    arm(after="<equality><joint joint1='j9'/></equality>"): "joint1 of <joint> of <equality> is 'j9', which is not",
+    arm(after="<arms/>"): "<mujoco> has a <arms>, which is not understood",
+}
+
+
+@pytest.mark.parametrize("text", REFUSED, ids=REFUSED.values())
+def test_what_is_not_understood_is_refused_by_name(text, tmp_path):
+    path = write({"main.xml": text}, tmp_path)
+    with pytest.raises(InvalidRobot) as raised:
+        load_model(path)
+    assert REFUSED[text] in str(raised.value)
+
+
+@pytest.mark.parametrize(
+    ("constraint", "tied"),
+    [
+        ('<joint joint1="j2" joint2="j4"/>', {"j2", "j4"}),
+        ('<joint joint1="j2"/>', {"j2"}),
+        ('<joint joint1="j2" active="false"/>', set()),
+        ('<connect body1="l3" body2="l6" anchor="0 0 0"/>', {"j4", "j5", "j6"}),
+        ('<weld body1="l2"/>', {"j1", "j2"}),
+        ('<tendon tendon1="t"/>', {"j3", "j7"}),
+    ],
+)
+def test_joints_that_are_tied_are_no_joints_of_a_limb(constraint, tied, tmp_path):
+    tendon = '<tendon><fixed name="t"><joint joint="j3" coef="1"/><joint joint="j7" coef="1"/></fixed></tendon>'
+    path = write({"main.xml": arm(after=f"{tendon}<equality>{constraint}</equality>")}, tmp_path)
+    assert compared(path, 0) == "agrees"
+    assert load_model(path).mimic_joints == tied
+    assert len(srs_ik.find_limbs(path)) == (not tied)
+
+
+def test_several_joints_of_one_body_are_a_shoulder(tmp_path):
+    """As in models of people: three joints at one place, on one body."""
+    shoulder = "".join(f'<joint name="j{k}" axis="{AXES[axis]}" range="-2 2"/>' for k, axis in enumerate("zyz", 1))
+    rest = "".join(
+        f'<body name="l{k}" pos="0 0 {height}"><joint name="j{k}" axis="{AXES[axis]}" range="-2 2"/>'
+        for k, (axis, height) in enumerate([("y", 0.3), *PLACES[4:]], 4)
+    )
+    world = f'<worldbody><body name="upper">{shoulder}{rest}{"</body>" * 5}</worldbody>'
+    path = write({"main.xml": f'<mujoco><compiler angle="radian"/>{world}</mujoco>'}, tmp_path)
+    loaded, same = srs_ik.load(path), srs_ik.load(ARM)
+    assert loaded.joint_names == same.joint_names
+    q = np.linspace(-0.5, 0.7, 7)
+    np.testing.assert_allclose(
+        loaded.forward_kinematics(q).homogeneous, same.forward_kinematics(q).homogeneous, atol=1e-14
+    )
+
+
+def test_every_arm_of_a_scene_is_read(tmp_path):
+    second = arm().partition("<worldbody>")[2].replace('"l', '"r').replace('"j', '"k')
+    path = write({"main.xml": arm().replace("</worldbody></mujoco>", "") + second}, tmp_path)
+    assert [report.tip for report in srs_ik.find_limbs(path)] == ["l7", "r7"]
+
+
+def test_masses_that_depend_on_meshes_are_unknown(tmp_path):
+    path = write({"main.xml": arm()}, tmp_path)
+    assert srs_ik.load(path).model.inertias[3].mass == 1.0
+    mesh = '<body><joint/><geom type="mesh" mesh="nowhere"/></body>'
+    write({"main.xml": arm().replace("</worldbody>", f"{mesh}</worldbody>")}, tmp_path)
+    assert [inertia.mass for inertia in load_model(path).model.inertias] == [0.0] * 9
+
+
+# Bounds
+
+
+def test_files_that_never_end_are_refused(tmp_path):
+    """A pipe that nobody writes to, a circle of includes, and a file that includes itself under another name."""
+    os.mkfifo(tmp_path / "fifo")
+    (tmp_path / "again.xml").symlink_to(tmp_path / "main.xml")
+    (tmp_path / "a.xml").write_text('<mujoco><include file="b.xml"/></mujoco>')
+    (tmp_path / "b.xml").write_text('<mujoco><include file="a.xml"/></mujoco>')
+    for name, says in {
+        "fifo": "'fifo', which cannot be read: .* is not a regular file",
+        "a.xml": "includes the file 'a.xml' twice, or in a circle",
+        "again.xml": "includes the file 'again.xml' twice, or in a circle",
+        "/dev/zero": "'/dev/zero', which cannot be read: .* is not a regular file",
+        "": "an <include> names one file",
+    }.items():
+        path = write({"main.xml": arm(before=f'<include file="{name}"/>')}, tmp_path)
+        with pytest.raises(InvalidRobot, match=says):
+            load_model(path)
+
+
+@pytest.mark.parametrize(
+    ("inside", "says"),
+    [
+        ("<body/>" * 60_000, f"more than the {bounds.LINKS} bodies that are read"),
+        ("<body>" * 501 + "</body>" * 501, f"a chain of more than {bounds.CHAIN} joints"),
+        ("<body><joint/></body>" * 201, f"more than the {bounds.FREEDOM} degrees of freedom"),
+        ("<geom/>" * 200_000, f"more than {bounds.XML_ELEMENTS} XML elements"),
+        ('<body name="' + "a" * 1001 + '"/>', f"longer than {bounds.NAME}"),
+        ('<body pos="0 0 2e6"/>', "pos of body 'body8' is '0 0 2e6', farther than 1e+06 m"),
+        ('<body pos="0 0 9e5"/>' * 2 + '<body pos="0 0 9e5"><body pos="0 0 9e5"/></body>', "lies nowhere, or farther"),
+    ],
+)
+def test_bounds(inside, says, tmp_path):
+    path = write({"main.xml": arm().replace("</worldbody>", f"{inside}</worldbody>")}, tmp_path)
+    with pytest.raises(InvalidRobot) as raised:
+        load_model(path)
+    assert says in str(raised.value)
+    assert len(str(raised.value)) < 500
