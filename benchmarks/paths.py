@@ -3,8 +3,8 @@
 python benchmarks/paths.py [--motions 20] [--poses 200] [--urdf med14=FILE ...] [--arms iiwa14 ...] [--kinds cross ...]
 
 A known motion is a sum of two sines a joint inside the limits. Whoever is given its poses must not break, and must not
-take more than it: less is possible. Prints a Markdown table; docs/paths.md holds the outcome. Robots whose files are
-not here are left out; --urdf says where one is.
+take more than it: less is possible. Prints a Markdown table; docs/redundancy.md holds the outcome. Robots whose files
+are not here are left out; --urdf says where one is.
 """
 
 from __future__ import annotations
