@@ -45,7 +45,8 @@ if TYPE_CHECKING:
     from srs_ik.solve.intervals import IntervalsBatch
     from srs_ik.solve.objectives import OBJECTIVES, Objective
     from srs_ik.solve.optimise import Optimum
-    from srs_ik.solve.path import PathBreak, PathSolution
+    from srs_ik.solve.path import PathSolution
+    from srs_ik.solve.path_breaks import PathBreak
     from srs_ik.solve.posture import Posture
     from srs_ik.solve.self_motion import SelfMotion
     from srs_ik.solve.solution import BatchSolution, Interval, Solution, Solutions, Status
@@ -81,7 +82,8 @@ _MODULES = {
     "loading": ("LimbReport", "find_limbs", "load", "robots"),
     "solve.objectives": ("OBJECTIVES", "Objective"),
     "solve.optimise": ("Optimum",),
-    "solve.path": ("PathBreak", "PathSolution"),
+    "solve.path": ("PathSolution",),
+    "solve.path_breaks": ("PathBreak",),
     "analysis.polytopes": ("Polytope", "force_polytope", "velocity_polytope"),
     "preview": ("Preview",),
     "inputs.poses": ("PoseError", "nearest_pose", "xyz_quaternion"),

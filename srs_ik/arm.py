@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING, Any, Self
 
 import numpy as np
@@ -151,26 +151,36 @@ class Arm(ChainKinematics):
         seed: ArrayLike | None = None,
         dt: float | None = None,
         longest_step: float = 0.5,
+        objective: str = "sum_of_squares",
+        known: Mapping[int, ArrayLike] | None = None,
+        closed: bool = False,
     ) -> PathSolution:
         """A continuous joint path through N poses, inside the limits, chosen over the whole path and not step by step.
 
         Branches and arm angles of all poses are chosen together (fewest breaks, then least sum of squared joint steps),
-        then the arm angles are moved off their grid until the steps are least. A path through a singular pose does not
-        flip there; where nothing continues it, the answer says at which sample and why.
+        from all postures between the limits and in all turns. A path through a singular pose does not flip there; where
+        nothing continues it, the answer says at which sample and why, and between which samples it has to break.
 
         Args:
             poses: (N, 4, 4) array, or a list of poses.
             seed: (7,) posture to start from, rad.
             dt: time between two poses, seconds; with it, steps beyond the velocity limits are avoided where possible.
             longest_step: a joint step beyond this, rad, is a break.
+            objective: what is least among the paths with the fewest breaks: "sum_of_squares" of the joint steps, the
+                "largest_step" of a joint, or the "time" at the velocity limits.
+            known: postures that the path has to take, (7,) by the index of their pose.
+            closed: whether the path has to end in the posture in which it begins (but for whole turns of joints without
+                end); its last pose is its first one.
 
         Raises:
             InvalidPose: a pose is no finite rigid transform; the message names the first one.
-            InvalidConfiguration: seed, dt or longest_step are malformed.
+            InvalidConfiguration: seed, dt, longest_step or objective are malformed, a known posture is outside the
+                limits or not on its pose, or a closed path ends at another pose.
+            MissingLimits: the least time is asked for, and a joint has no velocity limit.
         """
         from srs_ik.solve.path import solve_path
 
-        return solve_path(self.packed, poses, seed, dt, longest_step)
+        return solve_path(self.packed, poses, seed, dt, longest_step, objective, known, closed)
 
     def intervals(self, pose: PoseLike, respect_limits: bool = True) -> list[Interval]:
         """Feasible arm angles of every branch, exactly, in the order of branches.

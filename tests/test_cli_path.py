@@ -82,6 +82,20 @@ def test_a_broken_path_is_exit_status_1_with_the_line_of_the_file(tmp_path):
     assert broken["status"][first.sample] == "UNREACHABLE"
 
 
+def test_the_picture_of_the_strips_is_drawn(tmp_path):
+    picture = tmp_path / "strips.png"
+    poses = line_of_poses(12)
+    got = answer(
+        "path", "iiwa14", write(tmp_path / "poses.csv", poses), "--objective", "largest_step", "--plot", str(picture)
+    )
+    assert picture.read_bytes().startswith(b"\x89PNG")
+    expected = srs_ik.load("iiwa14").solve_path(poses, objective="largest_step")
+    np.testing.assert_allclose(got["largest_step"], expected.largest_step, atol=1e-7)
+    wrong = run("path", "iiwa14", write(tmp_path / "poses.csv", poses), "--plot", "strips.sheet")
+    assert wrong.exit_code == 2
+    assert "--plot" in wrong.stderr
+
+
 @pytest.mark.parametrize(
     ("text", "named"),
     [

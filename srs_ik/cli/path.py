@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import math
+from enum import StrEnum
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from srs_ik.cli.options import AllowXacro, AsJson, Base, Limb, Seven, Source, Tip, WrongInput, numbers
+from srs_ik.cli.picture import check
 from srs_ik.cli.pose_file import read_poses, write_path
 from srs_ik.cli.poses import JOINTS, angles, unit_of
 from srs_ik.cli.waiting import at_work
@@ -16,6 +18,14 @@ from srs_ik.cli.waiting import at_work
 if TYPE_CHECKING:
     from srs_ik.arm import Arm
     from srs_ik.solve.path import PathSolution
+
+
+class Least(StrEnum):
+    """What a path makes least."""
+
+    sum_of_squares = "sum_of_squares"
+    largest_step = "largest_step"
+    time = "time"
 
 
 def path(
@@ -42,6 +52,16 @@ def path(
     longest_step: Annotated[
         str | None, typer.Option(metavar="ANGLE", help="A joint step beyond this is a break; 0.5 rad if not given.")
     ] = None,
+    objective: Annotated[
+        Least, typer.Option(help="What is least among the paths with the fewest breaks.")
+    ] = Least.sum_of_squares,
+    closed: Annotated[
+        bool, typer.Option("--closed", help="End in the posture of the beginning; the last pose is the first one.")
+    ] = False,
+    plot: Annotated[
+        Path | None,
+        typer.Option(metavar="FILE.png", help="Draw the feasible arm angles along the path, and the path in them."),
+    ] = None,
     out: Annotated[
         Path | None,
         typer.Option(metavar="FILE.csv", help="Write the joint angles here, radians, if there is no break."),
@@ -56,7 +76,9 @@ def path(
     Exit status 1 where the path has to break; a line on standard error says at which pose, and why.
     """
     unit = unit_of(degrees)
-    options: dict[str, object] = {}
+    if plot is not None:
+        check(plot, "--plot")
+    options: dict[str, object] = {"objective": objective.value, "closed": closed}
     if seed is not None:
         options["seed"] = angles("--seed", seed, unit)
     if dt is not None:
@@ -72,6 +94,10 @@ def path(
         found = arm.solve_path(T_base_tip, **options)  # type: ignore[arg-type]
     if out is not None and found:
         write_path(out, arm, found, options.get("dt"))  # type: ignore[arg-type]
+    if plot is not None:
+        from srs_ik.plots import plot_path
+
+        plot_path(arm, T_base_tip, found).savefig(plot)
     if as_json:
         _print_json(arm, found, lines)
     else:
@@ -105,7 +131,15 @@ def _print_json(arm: Arm, found: PathSolution, lines: list[int]) -> None:
             "arm_angle": found.arm_angle,
             "largest_step": found.largest_step,
             "breaks": [
-                {"sample": b.sample, "line": lines[b.sample], "joint": b.joint, "jump": b.jump, "message": b.message}
+                {
+                    "sample": b.sample,
+                    "line": lines[b.sample],
+                    "joint": b.joint,
+                    "jump": b.jump,
+                    "earliest": b.earliest,
+                    "latest": b.latest,
+                    "message": b.message,
+                }
                 for b in found.breaks
             ],
         }

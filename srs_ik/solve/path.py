@@ -2,20 +2,34 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass
-from typing import Any
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from srs_ik.inputs.poses import as_matrices, as_positive, as_seed, refuse_bad_poses
-from srs_ik.kernels.entries import path as path_entries
-from srs_ik.kernels.layout.answer import ROW, ROW_ARM_ANGLE, ROW_BRANCH, ROW_STATUS
-from srs_ik.solve.packed import PackedArm
-from srs_ik.solve.pose import solve
-from srs_ik.solve.solution import BatchSolution, ElbowRange, Status
-from srs_ik.solve.threads import Stop, interruptible
+from srs_ik.errors import InvalidConfiguration, MissingLimits
+from srs_ik.inputs.poses import as_joint_vector, as_matrices, as_positive, as_seed
+from srs_ik.kernels.entries.path import (
+    BY_CONTINUITY,
+    BY_VELOCITY,
+    INVERSE_PERIOD,
+    INVERSE_SPEED,
+    PERIOD,
+    POWER,
+    SETTINGS,
+)
+from srs_ik.kernels.layout.answer import ROW
+from srs_ik.solve.path_aims import closed as closed_way
+from srs_ik.solve.path_aims import least_largest_step
+from srs_ik.solve.path_breaks import PathBreak, breaks_of
+from srs_ik.solve.path_search import Problem, Way, off_pose, rows_of, search
+from srs_ik.solve.solution import BatchSolution, ElbowRange
+from srs_ik.solve.threads import interruptible
+
+if TYPE_CHECKING:
+    from srs_ik.solve.packed import PackedArm
 
 Array = NDArray[np.float64]
 
@@ -25,22 +39,11 @@ LONGEST_STEP = 0.5
 SHORT = 200
 """Paths of so many poses at most are done before anybody could interrupt them."""
 
+OBJECTIVES = ("sum_of_squares", "largest_step", "time")
+"""What a path can be asked to make least, among those with the fewest breaks."""
 
-@dataclass(frozen=True, slots=True)
-class PathBreak:
-    """A place where a path is not continuous, or not on its pose.
-
-    Attributes:
-        sample: index of the pose at which it happens.
-        jump: largest joint step from the sample before, rad; 0 at a pose that is not reached.
-        joint: name of the joint that makes it.
-        message: one sentence that says why.
-    """
-
-    sample: int
-    jump: float
-    joint: str
-    message: str
+ON_POSE = 1e-6
+"""A posture that is given may miss its pose by so much, m and rad."""
 
 
 class PathSolution(BatchSolution):
@@ -81,101 +84,73 @@ def solve_path(
     seed: ArrayLike | None = None,
     dt: float | None = None,
     longest_step: float = LONGEST_STEP,
+    objective: str = "sum_of_squares",
+    known: Mapping[int, ArrayLike] | None = None,
+    closed: bool = False,
 ) -> PathSolution:
     """See `Arm.solve_path`."""
     T = as_matrices(poses)
     n = len(T)
-    longest = _longest_steps(arm, dt, longest_step)
+    if objective not in OBJECTIVES:
+        raise InvalidConfiguration(f"objective is one of {', '.join(OBJECTIVES)}, not {objective!r}")
+    settings = _settings(arm, dt, longest_step, objective)
     start = None if seed is None else as_seed(seed, arm.lower, arm.upper)
     if not n:
         return PathSolution(np.empty((0, ROW)), arm.joint_names, np.empty((0, 7)), [])
-    keys, verdicts = np.zeros(n, np.bool_), np.zeros(n, np.int64)
-    path_entries.choose_keys(arm.family, T, keys, verdicts)
-    refuse_bad_poses(verdicts)
+    even = objective == "sum_of_squares"
+    given, has_given = _known(arm, T, known or {})
+    problem = Problem(arm, T, start, settings, dt is not None, given, has_given, np.zeros((n, 7)), even=even)
+    if closed and np.abs(T[0] - T[-1]).max() > ON_POSE:
+        raise InvalidConfiguration("a closed path ends at its first pose, and the last pose is another one")
+    if closed and objective == "largest_step":
+        raise InvalidConfiguration("a closed path is asked for the least sum of squares or time, not largest_step")
+    find = closed_way if closed else least_largest_step if objective == "largest_step" else search
     if n > SHORT:
         # What has to be compiled is compiled here: in another thread nobody could interrupt it.
-        _best(arm, T[:1], keys[:1], start, longest, np.zeros(1, np.int8))
-    rows = interruptible(lambda stop: _best(arm, T, keys, start, longest, stop), worth_it=n > SHORT)
+        one = replace(problem, T=T[:1], known=given[:1], has_known=has_given[:1], near=problem.near[:1])
+        rows_of(one, search(one))
+    way, rows = interruptible(lambda stop: _found(find, replace(problem, stop=stop)), worth_it=n > SHORT)
     rows[:, :7] = _unwound(arm, rows[:, :7], start)
     steps = np.diff(rows[:, :7], axis=0)
-    return PathSolution(rows, arm.joint_names, steps, _breaks(arm, rows, steps, longest[1]), arm.elbow)
+    return PathSolution(rows, arm.joint_names, steps, breaks_of(problem, way, rows, steps), arm.elbow)
 
 
-def _best(arm: PackedArm, T: Array, keys: NDArray[np.bool_], start: Array | None, longest: Array, stop: Stop) -> Array:
-    """Rows of the better one of a planned path and a path that goes on to the nearest posture each time."""
-    planned = _planned(arm, T, keys, start, longest, stop)
-    candidates = [planned, *_tracked(arm, T, planned[0, :7] if start is None else start, longest, stop)]
-    return min(candidates, key=lambda candidate: _cost(arm, candidate, start, longest))
+def _found(find: Callable[[Problem], Way], problem: Problem) -> tuple[Way, Array]:
+    """A path, and the rows of its postures."""
+    way = find(problem)
+    return way, rows_of(problem, way)
 
 
-def _planned(
-    arm: PackedArm, T: Array, keys: NDArray[np.bool_], start: Array | None, longest: Array, stop: Stop
-) -> Array:
-    """Rows of the path that dynamic programming finds, and smoothing makes even."""
-    n = len(T)
-    psis, branches = np.empty(n), np.empty(n, np.int64)
-    seed = np.zeros(7) if start is None else start
-    path_entries.plan(arm.family, T, keys, start is not None, seed, longest, psis, branches, stop)
-    if not keys.all() and (branches < 0).any():
-        # Between two planned poses the path changes branches, or ends: there, every pose is planned.
-        keys = keys.copy()
-        keys[_widened(branches < 0)] = True
-        path_entries.plan(arm.family, T, keys, start is not None, seed, longest, psis, branches, stop)
-    return _smoothed(arm, T, start, longest, psis, branches, stop)
+def _known(arm: PackedArm, T: Array, known: Mapping[int, ArrayLike]) -> tuple[Array, NDArray[np.bool_]]:
+    """(n, 7) postures that are given, and (n,) where they are."""
+    given, has_given = np.zeros((len(T), 7)), np.zeros(len(T), np.bool_)
+    for index, posture in known.items():
+        if not isinstance(index, int) or not -len(T) <= index < len(T):
+            raise InvalidConfiguration(f"known: there is no pose {index}; the path has {len(T)}")
+        q = as_joint_vector(posture, f"the posture of pose {index}")
+        if (q < arm.lower).any() or (q > arm.upper).any():
+            raise InvalidConfiguration(f"known: the posture of pose {index} is outside the joint limits")
+        if off_pose(arm, T[index], q) > ON_POSE:
+            raise InvalidConfiguration(f"known: the posture given for pose {index} does not meet it")
+        given[index], has_given[index] = q, True
+    return given, has_given
 
 
-def _widened(where: NDArray[np.bool_]) -> NDArray[np.bool_]:
-    """The marked samples and their neighbours."""
-    wide = where.copy()
-    wide[1:] |= where[:-1]
-    wide[:-1] |= where[1:]
-    return wide
-
-
-def _tracked(arm: PackedArm, T: Array, start: Array, longest: Array, stop: Stop) -> list[Array]:
-    """Rows of the path that goes on to the nearest posture each time, as it is and made even; none if it gets stuck."""
-    rows = np.empty((len(T), ROW))
-    if path_entries.track(arm.family, T, start, *arm.work(), rows, stop) < len(T):
-        return []
-    psis, branches = rows[:, ROW_ARM_ANGLE].copy(), rows[:, ROW_BRANCH].astype(np.int64)
-    return [rows, _smoothed(arm, T, start, longest, psis, branches, stop)]
-
-
-def _smoothed(
-    arm: PackedArm, T: Array, start: Array | None, longest: Array, psis: Array, branches: NDArray[np.int64], stop: Stop
-) -> Array:
-    """Rows of a path given by arm angles and branches, which are moved in place."""
-    q = np.zeros((len(T), 7))
-    rows = np.full((len(T), ROW), np.nan)
-    seed = np.zeros(7) if start is None else start
-    path_entries.smooth(arm.family, T, start is not None, seed, longest, psis, branches, q, stop)
-    path_entries.finish(arm.family, T, psis, branches, q, rows)
-    for i in np.flatnonzero((branches < 0) | (rows[:, ROW_STATUS] != Status.OK)):
-        if stop[0]:
-            break
-        # No posture was found on the nearest exact limb: the full search has the last word, near the sample before.
-        rows[i] = solve(arm, T[i], seed=rows[i - 1, :7] if i else start)._row
-    return rows
-
-
-def _cost(arm: PackedArm, rows: Array, start: Array | None, longest: Array) -> tuple[int, float]:
-    """Breaks of a path, then its sum of squared joint steps from the start on."""
-    q = _unwound(arm, rows[:, :7], start)
-    if start is not None:
-        q = np.vstack([start, q])
-    steps = np.diff(q, axis=0)
-    unreached = int((rows[:, ROW_STATUS] != Status.OK).sum())
-    return unreached + int((np.abs(steps) > longest[1]).any(axis=1).sum()), float((steps**2).sum())
-
-
-def _longest_steps(arm: PackedArm, dt: float | None, longest_step: float) -> Array:
-    """(3, 7) joint steps by velocity and by continuity, and the square of the shortest of all."""
-    by_velocity = np.full(7, np.inf)
-    if dt is not None:
-        by_velocity = arm.velocity_limit * as_positive(dt, "dt", "seconds")
-    longest_step = as_positive(longest_step, "longest_step", "radians")
-    by_continuity = np.full(7, longest_step)
-    return np.vstack([by_velocity, by_continuity, np.full(7, min(by_velocity.min(), by_continuity.min()) ** 2)])
+def _settings(arm: PackedArm, dt: float | None, longest_step: float, objective: str) -> Array:
+    """(SETTINGS, 7) of the programme: longest joint steps by velocity and by continuity, turns of endless joints."""
+    settings = np.zeros((SETTINGS, 7))
+    settings[BY_VELOCITY] = np.inf if dt is None else arm.velocity_limit * as_positive(dt, "dt", "seconds")
+    settings[BY_CONTINUITY] = as_positive(longest_step, "longest_step", "radians")
+    if objective == "time":
+        missing = ~(np.isfinite(arm.velocity_limit) & (arm.velocity_limit > 0.0))
+        if missing.any():
+            raise MissingLimits("velocity", [arm.joint_names[j] for j in np.flatnonzero(missing)], arm.name)
+        settings[INVERSE_SPEED] = 1.0 / arm.velocity_limit
+        settings[POWER] = 1.0
+    endless = np.isinf(arm.lower) & np.isinf(arm.upper)
+    settings[PERIOD, endless] = 2.0 * np.pi
+    settings[INVERSE_PERIOD, endless] = 0.5 / np.pi
+    return settings
 
 
 def _unwound(arm: PackedArm, q: Array, start: Array | None) -> Array:
@@ -187,20 +162,3 @@ def _unwound(arm: PackedArm, q: Array, start: Array | None) -> Array:
         if start is not None:
             q[:, endless] += 2.0 * np.pi * np.round((start - q[0])[endless] / (2.0 * np.pi))
     return q
-
-
-def _breaks(arm: PackedArm, rows: Array, steps: Array, longest: Array) -> list[PathBreak]:
-    breaks = []
-    answers = BatchSolution(rows, arm.joint_names, arm.elbow)
-    jumps = np.append(False, (np.abs(steps) > longest).any(axis=1))
-    for i in np.flatnonzero(jumps | ~answers.ok).tolist():
-        if not answers.ok[i]:
-            breaks.append(PathBreak(i, 0.0, "", f"Pose {i} is not reached: {answers.message(i)}"))
-        else:
-            joint = int(np.abs(steps[i - 1]).argmax())
-            jump, name = float(abs(steps[i - 1, joint])), arm.joint_names[joint]
-            why = (
-                f"No posture inside the limits continues the path at pose {i}: joint {name} has to jump {jump:.3f} rad."
-            )
-            breaks.append(PathBreak(i, jump, name, why))
-    return breaks

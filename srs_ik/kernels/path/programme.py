@@ -1,346 +1,384 @@
-"""A joint path for a sequence of poses, chosen over the whole sequence at once.
+"""The best way through the strips of a path's poses: fewest breaks, then least sum of squared joint steps.
 
-Every pose has a grid of postures: two elbow sides, a set of arm angles, two shoulder and two wrist solutions. Dynamic
-programming finds the sequence with the fewest breaks and then the least sum of squared joint steps; shoulder and wrist
-steps add up, so the sixteen ways from one arm angle to another cost eight distances. Arm angles are counted from a
-direction that is carried along the path, so that the documented zero may be singular on the way without harm.
+Dynamic programming over the postures of the strips, which may come from anywhere between two postures of the pose
+before, not from these alone: there, joint angles are taken as straight lines and the cost so far as a parabola, so the
+best place is known in closed form, and coarse strips make no coarse path. Only distances of joints count, so a path
+passes singularities, where branches meet, like any other place.
 """
 
 from __future__ import annotations
 
 import math
 
-from srs_ik.kernels.algebra.vectors import across, cross, norm, swing
+import numpy as np
+
+from srs_ik.kernels.algebra.pointers import row
 from srs_ik.kernels.jit import kernel
-from srs_ik.kernels.layout.limb import RANGE_KIND, SHOULDER, SLACK_SINGULAR, WRIST
-from srs_ik.kernels.limb.limits import TURN, turn_to_middle, violation
-from srs_ik.kernels.limb.spherical import angles, middle_anchor, middle_angle
-from srs_ik.kernels.limb.triangle import arm_angle_of_direction, elbow_side, target_frame, unit_across
+from srs_ik.kernels.path.strips import NODE_SAG, NODE_WAY, STRIP_FIRST, STRIP_LAST
 
-GRID = 24
-"""Arm angles that are the same for every pose."""
-
-EXTRA = 8
-"""Arm angles of a pose of its own: one for each feasible interval that the grid misses."""
-
-SLOTS = GRID + EXTRA
-
-AGILITY = 3.0
-"""The arm angle may change by one grid step, and so many times as much as the pose turns, from one pose to the next."""
-
-NEARLY_STRAIGHT = 0.35
-STRAIGHTER = 0.05
-"""Sines of the bend under which the elbow may change sides: at most, and between two poses that hardly differ."""
-
-BREAK = 1e6
+BREAK = 1e10
 """Cost of a step that is too long to be continuous."""
 
-TOO_FAST = 1e3
+TOO_FAST = 1e5
 """Cost of a step above a velocity limit."""
 
 IMPOSSIBLE = 1e15
 
-NONE = 0.0
-FIXED = 1.0
-FREE_SUM = 2.0
-FREE_DIFFERENCE = 3.0
-"""Marks of a half posture: there is none; determined; only q1 + q3, or q3 - q1, is determined."""
+BY_VELOCITY = 0
+BY_CONTINUITY = 1
+PERIOD = 2
+INVERSE_PERIOD = 3
+INVERSE_SPEED = 4
+POWER = 5
+SETTINGS = 6
+"""Rows of the settings of a path, seven figures each: longest steps, a turn for joints without end or zero, 1 / it.
+
+Where the slowest joint counts in place of the squares of all: by what steps are divided, which else is zero, and the
+power to which the largest one is raised.
+"""
+
+CUTS = 24
+"""Steps of the search for the least time between two postures."""
 
 
 @kernel
-def carry(t, zero, fresh):
-    """The direction of arm angle zero, carried from the pose before to the S-W direction t; fresh if it vanishes."""
-    if norm(across(zero, t)) < 1e-6:
-        return fresh
-    return unit_across(zero, t, fresh)
-
-
-@kernel
-def carried_angle(P, sw, zero):
-    """Carried zero direction of a pose, and the arm angle at which it lies."""
-    _, t, h0 = target_frame(P, sw)
-    z = carry(t, zero, h0)
-    return z, arm_angle_of_direction(t, h0, z)
-
-
-@kernel
-def half_states(P, k, first, motion, psi, out):
-    """Write both solutions of a spherical joint at an arm angle into out (2, 4): three angles and a mark."""
-    c = math.cos(psi)
-    s = math.sin(psi)
-    v0, y0, _ = motion
-    v = swing(v0[0], v0[1], v0[2], c, s)
-    y = swing(y0[0], y0[1], y0[2], c, s)
-    cm, sm, reached = middle_angle(P, k, v)
-    for sign in range(2):
-        q = angles(P, k, v, y, cm, sm, sign, middle_anchor())
-        mark = FIXED if reached else NONE
-        for j in range(3):
-            angle = turn_to_middle(P, first + j, q[j])
-            out[sign, j] = angle
-            if violation(P, first + j, angle) > 0.0:
-                mark = NONE
-        if mark == FIXED and sm < P[SLACK_SINGULAR]:
-            mark = FREE_SUM if cm > 0.0 else FREE_DIFFERENCE
-        out[sign, 3] = mark
-
-
-@kernel
-def fill_states(P, place_, zero_angle, slots, count, shoulder, wrist, elbow):
-    """Fill in all states of a pose: shoulder and wrist (2, SLOTS, 2, 4), elbow (2, 2) as q4 and a mark."""
-    for e in range(2):
-        q4, motion_s, motion_w, _ = elbow_side(P, place_, e)
-        q4 = turn_to_middle(P, 3, q4)
-        elbow[e, 0] = q4
-        elbow[e, 1] = NONE if violation(P, 3, q4) > 0.0 else FIXED
-        for k in range(count):
-            psi = slots[k] + zero_angle
-            half_states(P, SHOULDER, 0, motion_s, psi, shoulder[e, k])
-            half_states(P, WRIST, 4, motion_w, psi, wrist[e, k])
-
-
-@kernel
-def add_missed(found, n, zero_angle, slots):
-    """Append to the grid the middle of each feasible interval that it misses; return the number of slots."""
-    count = GRID
-    step = TURN / GRID
-    for i in range(n):
-        lower = found[i, 1] - zero_angle
-        upper = found[i, 2] - zero_angle
-        if math.ceil((lower + math.pi) / step) * step - math.pi > upper and count < SLOTS:
-            middle = 0.5 * (lower + upper)
-            slots[count] = middle - TURN * math.floor((middle + math.pi) / TURN)
-            count += 1
-    return count
-
-
-@kernel
-def difference(P, joint, a, b):
+def step_of(settings, j, a, b):
     """Joint step from a to b; the shorter way round for a joint that turns without end."""
     d = b - a
-    if P[RANGE_KIND + joint] == 0.0:
-        d -= TURN * math.floor(d / TURN + 0.5)
-    return d
+    return d - settings[PERIOD, j] * math.floor(d * settings[INVERSE_PERIOD, j] + 0.5)
 
 
 @kernel
-def step_cost(joint, d, longest):
-    """Squared step of one joint, with the penalty of a step beyond the longest continuous one or its velocity."""
-    size = abs(d)
-    value = d * d
-    if size > longest[1, joint]:
-        value += BREAK
-    elif size > longest[0, joint]:
-        value += TOO_FAST * (size / longest[0, joint])
-    return value
+def steps_between(settings, a, b):
+    """The seven joint steps from a to b."""
+    return (
+        step_of(settings, 0, a[0], b[0]),
+        step_of(settings, 1, a[1], b[1]),
+        step_of(settings, 2, a[2], b[2]),
+        step_of(settings, 3, a[3], b[3]),
+        step_of(settings, 4, a[4], b[4]),
+        step_of(settings, 5, a[5], b[5]),
+        step_of(settings, 6, a[6], b[6]),
+    )
 
 
 @kernel
-def half_distance(P, first, a, b, longest):
-    """Cost of a step between two states of a spherical joint."""
-    if a[3] == NONE or b[3] == NONE:
-        return IMPOSSIBLE
-    d1 = difference(P, first, a[0], b[0])
-    d2 = difference(P, first + 1, a[1], b[1])
-    d3 = difference(P, first + 2, a[2], b[2])
-    mark = max(a[3], b[3])
-    if mark != FIXED:
-        # One of the two can be moved freely along the null direction: only the rest of the step counts.
-        toward = 1.0 if mark == FREE_SUM else -1.0
-        rest = toward * d1 + d3
-        rest = 0.5 * (rest - TURN * math.floor(rest / TURN + 0.5))
-        d1 = toward * rest
-        d3 = rest
-    total = d1 * d1 + d2 * d2 + d3 * d3
-    if total < longest[2, 0]:
-        return total
-    return step_cost(first, d1, longest) + step_cost(first + 1, d2, longest) + step_cost(first + 2, d3, longest)
+def along_cell(a, b):
+    """The seven joint steps from one posture of a strip to the next."""
+    return (b[0] - a[0], b[1] - a[1], b[2] - a[2], b[3] - a[3], b[4] - a[4], b[5] - a[5], b[6] - a[6])
 
 
 @kernel
-def state_number(e, k, s, w):
-    """Number of a state: elbow side, slot, shoulder and wrist solution."""
-    return ((e * SLOTS + k) * 2 + s) * 2 + w
+def largest(e):
+    """Largest joint step."""
+    return max(max(max(abs(e[0]), abs(e[1])), max(abs(e[2]), abs(e[3]))), max(max(abs(e[4]), abs(e[5])), abs(e[6])))
 
 
 @kernel
-def pose_change(place0, place1):
-    """How much a pose differs from another as the arm sees it, rad: direction S-W, bend, and hand."""
-    t0, _, c0, s0, hand0, _ = place0
-    t1, _, c1, s1, hand1, _ = place1
-    trace = 0.0
-    for i in range(9):
-        trace += hand0[i] * hand1[i]
-    turn = math.acos(min(max(0.5 * (trace - 1.0), -1.0), 1.0))
-    return norm(cross(t0, t1)) + abs(c0 * s1 - s0 * c1) + turn
+def product(a, b):
+    """Scalar product of joint steps."""
+    return ((a[0] * b[0] + a[1] * b[1]) + (a[2] * b[2] + a[3] * b[3])) + ((a[4] * b[4] + a[5] * b[5]) + a[6] * b[6])
 
 
 @kernel
-def window_of(change):
-    """Grid steps that the arm angle may change with a change of the pose."""
-    return min(1 + int(AGILITY * change * GRID / TURN), GRID // 2)
+def kept(e, d, t0, t1, settings, kind):
+    """The part of t0 to t1 in which no step of e - t d is too long; empty if its end is below its begin."""
+    for j in range(7):
+        longest = settings[kind, j]
+        x, y = e[j], d[j]
+        if abs(x) <= longest and abs(x - y) <= longest:
+            continue
+        if abs(y) < 1e-12:
+            if abs(x) > longest * (1.0 + 1e-9):
+                return 1.0, 0.0
+            continue
+        one, other = (x - longest) / y, (x + longest) / y
+        t0 = max(t0, min(one, other))
+        t1 = min(t1, max(one, other))
+    return t0, t1
 
 
 @kernel
-def half_state(states, e, k, sign):
-    """A state of a spherical joint: three angles and a mark."""
-    return (states[e, k, sign, 0], states[e, k, sign, 1], states[e, k, sign, 2], states[e, k, sign, 3])
+def step_value(settings, e, share):
+    """What a step counts: its squares, for all joints together, or a power of the time that the slowest joint takes."""
+    if settings[INVERSE_SPEED, 0] == 0.0:
+        return share * product(e, e)
+    longest = 0.0
+    for j in range(7):
+        longest = max(longest, abs(e[j]) * settings[INVERSE_SPEED, j])
+    return longest if settings[POWER, 0] == 1.0 else longest ** settings[POWER, 0]
 
 
 @kernel
-def both(states, e, k):
-    """The two states of a spherical joint at a slot, and whether any of them is a posture."""
-    a = half_state(states, e, k, 0)
-    b = half_state(states, e, k, 1)
-    return a, b, max(a[3], b[3]) > NONE
+def step_cost(e, d, va, vb, sag, t0, t1, settings, share):
+    """Least of va + t (vb - va) - sag t (1 - t) and the value of the step e - t d, t from t0 to t1, and where it is."""
+    if settings[INVERSE_SPEED, 0] != 0.0:
+        return quickest(e, d, va, vb, t0, t1, settings)
+    size = product(d, d) * share
+    across = product(e, d) * share
+    slope = across + 0.5 * (sag - (vb - va))
+    t = t0
+    if size + sag > 1e-18:
+        t = min(max(slope / (size + sag), t0), t1)
+    elif slope > 0.0:
+        t = t1
+    return va + t * (vb - va) - sag * t * (1.0 - t) + share * product(e, e) - t * (2.0 * across - t * size), t
 
 
 @kernel
-def relax(P, e0, j, e1, k, base, before, now_s, now_w, longest, cost, best, back):
-    """Try the sixteen ways from slot j on elbow side e0 to slot k on side e1, whose elbow step costs `base`.
+def quickest(e, d, va, vb, t0, t1, settings):
+    """`step_cost` for the time, which is convex in t: by cutting off a third each time."""
+    for _ in range(CUTS):
+        left, right = t0 + (t1 - t0) / 3.0, t1 - (t1 - t0) / 3.0
+        at_left = left * (vb - va) + step_value(settings, moved_on(e, d, left), 1.0)
+        if at_left <= right * (vb - va) + step_value(settings, moved_on(e, d, right), 1.0):
+            t1 = right
+        else:
+            t0 = left
+    t = 0.5 * (t0 + t1)
+    return va + t * (vb - va) + step_value(settings, moved_on(e, d, t), 1.0), t
 
-    now_s and now_w are the pairs of half states of slot k.
+
+@kernel
+def moved_on(e, d, t):
+    """The steps e - t d."""
+    return (
+        e[0] - t * d[0],
+        e[1] - t * d[1],
+        e[2] - t * d[2],
+        e[3] - t * d[3],
+        e[4] - t * d[4],
+        e[5] - t * d[5],
+        e[6] - t * d[6],
+    )
+
+
+@kernel
+def try_cell(e, a, b, ends, settings, limited, share, best, at, place):
+    """Step from between two postures a and b of a strip, e being that from a: least cost and its place, if better.
+
+    `ends` are the costs of both, and by how much those between sag.
     """
-    s0, s1, any_s = both(before[0], e0, j)
-    w0, w1, any_w = both(before[1], e0, j)
-    if not (any_s and any_w):
-        return
-    first = state_number(e0, j, 0, 0)
-    target = state_number(e1, k, 0, 0)
-    s00 = base + half_distance(P, 0, s0, now_s[0], longest)
-    s01 = base + half_distance(P, 0, s0, now_s[1], longest)
-    s10 = base + half_distance(P, 0, s1, now_s[0], longest)
-    s11 = base + half_distance(P, 0, s1, now_s[1], longest)
-    for w in range(2):
-        wrist = w0 if w == 0 else w1
-        to_first = half_distance(P, 4, wrist, now_w[0], longest)
-        to_second = half_distance(P, 4, wrist, now_w[1], longest)
-        for s in range(2):
-            # Shoulder and wrist steps add up: the cheaper shoulder before serves both wrists behind.
-            number = first + w
-            so_far = cost[number] + (s00 if s == 0 else s01)
-            other = cost[number + 2] + (s10 if s == 0 else s11)
-            if other < so_far:
-                number, so_far = number + 2, other
-            place = target + 2 * s
-            if so_far + to_first < best[place]:
-                best[place] = so_far + to_first
-                back[place] = number
-            if so_far + to_second < best[place + 1]:
-                best[place + 1] = so_far + to_second
-                back[place + 1] = number
+    va, vb, sag = ends
+    d = along_cell(a, b)
+    t0, t1 = 0.0, 1.0
+    if vb > va + 0.5 * TOO_FAST:
+        # Only one end belongs to the better ways.
+        t1, vb = 0.0, va
+    elif va > vb + 0.5 * TOO_FAST:
+        t0, va = 1.0, vb
+    t0, t1 = kept(e, d, t0, t1, settings, BY_CONTINUITY)
+    if t0 > t1:
+        return best, at
+    extra = 0.0
+    if limited:
+        slow0, slow1 = kept(e, d, t0, t1, settings, BY_VELOCITY)
+        if slow0 <= slow1:
+            t0, t1 = slow0, slow1
+        else:
+            extra = TOO_FAST
+    value, t = step_cost(e, d, va, vb, sag, t0, t1, settings, share)
+    if extra > 0.0:
+        over = 0.0
+        for j in range(7):
+            over = max(over, abs(e[j] - t * d[j]) / settings[BY_VELOCITY, j])
+        value += extra * over
+    if value < best:
+        return value, place + t
+    return best, at
 
 
 @kernel
-def advance(P, before, now, count0, count1, slots0, slots1, window, change_sides, longest, cost, best, back):
-    """One step of the dynamic programme: costs `best` and predecessors `back` of the states of the next pose.
+def try_strip(q, nodes, cost, first, last, settings, limited, share, best, at):
+    """The cheapest way to a posture q from a strip of the pose before, if better: cost, and place (row and part).
 
-    With the elbow nearly straight, it may change sides from any arm angle to any.
+    Postures that are too far away are skipped by their distance: none moves on faster than the strip is long.
     """
-    for i in range(best.shape[0]):
-        best[i] = IMPOSSIBLE
-        back[i] = -1
-    step = TURN / GRID
-    for e1 in range(2):
-        for e0 in range(2):
-            if now[2][e1, 1] == NONE or before[2][e0, 1] == NONE or (e0 != e1 and not change_sides):
+    reach = settings[BY_CONTINUITY, 0]
+    i = first
+    while i <= last:
+        following = min(i + 1, last)
+        sag = nodes[i, NODE_SAG] if following > i else 0.0
+        if min(cost[i], cost[following]) - 0.25 * sag >= best:
+            i += 1
+            continue
+        e = steps_between(settings, row(nodes, i), q)
+        distance = largest(e)
+        if distance > reach:
+            way = nodes[i, NODE_WAY] + (distance - reach)
+            if nodes[last, NODE_WAY] < way:
+                break
+            if nodes[following, NODE_WAY] <= way and following > i:
+                i = following
+                while i < last and nodes[i + 1, NODE_WAY] <= way:
+                    i += 1
                 continue
-            base = step_cost(3, difference(P, 3, before[2][e0, 0], now[2][e1, 0]), longest)
-            reach = GRID // 2 if e0 != e1 else window
-            for k in range(count1):
-                s0, s1, any_s = both(now[0], e1, k)
-                w0, w1, any_w = both(now[1], e1, k)
-                if not (any_s and any_w):
-                    continue
-                now_s = (s0, s1)
-                now_w = (w0, w1)
-                middle = round((slots1[k] + math.pi) / step)
-                for i in range(-reach, reach + 1 if 2 * reach < GRID else reach):
-                    j = (middle + i) % GRID
-                    relax(P, e0, j, e1, k, base, before, now_s, now_w, longest, cost, best, back)
-                for j in range(GRID, count0):
-                    d = slots0[j] - slots1[k]
-                    if abs(d - TURN * math.floor(d / TURN + 0.5)) <= (reach + 1) * step:
-                        relax(P, e0, j, e1, k, base, before, now_s, now_w, longest, cost, best, back)
+        ends = (cost[i], cost[following], sag)
+        best, at = try_cell(e, row(nodes, i), row(nodes, following), ends, settings, limited, share, best, at, i)
+        i += 1
+    return best, at
 
 
 @kernel
-def is_possible(now, e, k, s, w):
-    """Whether a state is a posture inside the limits."""
-    return now[2][e, 1] != NONE and now[0][e, k, s, 3] != NONE and now[1][e, k, w, 3] != NONE
+def boxes_meet(a, b, settings):
+    """Whether two strips may have postures no farther apart than a continuous step."""
+    reach = settings[BY_CONTINUITY, 0]
+    for k in range(7):
+        j = (3, 1, 5, 0, 2, 4, 6)[k]
+        middle = step_of(settings, j, 0.5 * (a[j] + a[7 + j]), 0.5 * (b[j] + b[7 + j]))
+        if abs(middle) > reach + 0.5 * ((a[7 + j] - a[j]) + (b[7 + j] - b[j])):
+            return False
+    return True
 
 
 @kernel
-def leap(P, before, now, count1, cost, best, back):
-    """Where no continuous step leads, break: from the cheapest state of the pose before to every state of this one.
+def leap(q, nodes, cost, first, last, settings, best, at):
+    """A break on the way to a posture q: from anywhere among rows first to last - 1, the nearest one if they cost."""
+    for i in range(first, last):
+        if cost[i] + BREAK < best:
+            e = steps_between(settings, row(nodes, i), q)
+            value = cost[i] + BREAK + step_value(settings, e, 1.0)
+            if value < best:
+                best, at = value, float(i)
+    return best, at
 
-    The squared distance is part of the cost, so of all breaks the shortest is preferred.
+
+@kernel
+def cheapest(cost, first, last):
+    """The cheapest of the rows first to last - 1."""
+    best = first
+    for i in range(first + 1, last):
+        if cost[i] < cost[best]:
+            best = i
+    return best
+
+
+@kernel
+def scale_settings(settings, between, scaled):
+    """Write the settings for a step over so many poses: as many times as fast."""
+    for j in range(7):
+        scaled[BY_VELOCITY, j] = settings[BY_VELOCITY, j] * between
+
+
+@kernel
+def first_costs(nodes, cost, first, last, seed, settings):
+    """Costs of the postures of a first pose: squared joint steps from the seed, if there is one."""
+    for i in range(first, last):
+        cost[i] = 0.0
+        nodes[i, NODE_SAG] = 0.0
+        if seed is not None:
+            if i + 1 < last and settings[INVERSE_SPEED, 0] == 0.0:
+                d = along_cell(row(nodes, i), row(nodes, i + 1))
+                nodes[i, NODE_SAG] = product(d, d)
+            e = steps_between(settings, seed, row(nodes, i))
+            cost[i] = step_value(settings, e, 1.0) + (BREAK if largest(e) > settings[BY_CONTINUITY, 0] else 0.0)
+
+
+@kernel
+def origin_step(nodes, settings, i, place):
+    """The steps to a posture from its place among those of the pose before."""
+    k = math.floor(place)
+    e = steps_between(settings, row(nodes, k), row(nodes, i))
+    if place == k:
+        return e
+    return moved_on(e, along_cell(row(nodes, k), row(nodes, k + 1)), place - k)
+
+
+@kernel
+def write_sags(nodes, cost, places, strips, now, settings, share):
+    """How far the costs between two postures of a strip lie below their straight line: by the change of their slope.
+
+    The slope at a posture is twice the step to it. Costs that come from a step turn up no faster than its square.
     """
-    start = 0
-    for i in range(cost.shape[0]):
-        if cost[i] < cost[start]:
-            start = i
-    if cost[start] >= IMPOSSIBLE:
-        return
-    w0 = start % 2
-    s0 = (start // 2) % 2
-    j = (start // 4) % SLOTS
-    e0 = start // (4 * SLOTS)
-    for e in range(2):
-        for k in range(count1):
-            for s in range(2):
-                for w in range(2):
-                    number = state_number(e, k, s, w)
-                    if not is_possible(now, e, k, s, w):
-                        continue
-                    value = cost[start] + 8.0 * BREAK
-                    d = difference(P, 3, before[2][e0, 0], now[2][e, 0])
-                    value += d * d
-                    for i in range(3):
-                        d = difference(P, i, before[0][e0, j, s0, i], now[0][e, k, s, i])
-                        value += d * d
-                        d = difference(P, 4 + i, before[1][e0, j, w0, i], now[1][e, k, w, i])
-                        value += d * d
-                    if value < best[number]:
-                        best[number] = value
-                        back[number] = start
+    for b in range(now[2], now[3]):
+        first, last = int(strips[b, STRIP_FIRST]), int(strips[b, STRIP_LAST])
+        for i in range(first, last + 1):
+            nodes[i, NODE_SAG] = 0.0
+        if settings[INVERSE_SPEED, 0] != 0.0:
+            continue
+        for i in range(first, last):
+            at, following = places[i - now[0]], places[i + 1 - now[0]]
+            if at < 0.0 or following < 0.0 or abs(cost[i + 1] - cost[i]) > 0.5 * TOO_FAST:
+                continue
+            d = along_cell(row(nodes, i), row(nodes, i + 1))
+            turn = product(origin_step(nodes, settings, i + 1, following), d)
+            turn -= product(origin_step(nodes, settings, i, at), d)
+            nodes[i, NODE_SAG] = share * min(max(turn, 0.0), product(d, d))
 
 
 @kernel
-def begin(P, now, count, seeded, seed, cost):
-    """Costs of the states of a first pose: squared distance from the seed, if there is one."""
-    for i in range(cost.shape[0]):
+def advance(nodes, cost, strips, before, now, settings, limited, share, exact):
+    """Costs of the postures of a pose from those of the pose before.
+
+    Args:
+        nodes: (n, NODE) postures.
+        cost: (n,) their costs.
+        strips: (m, STRIP) strips.
+        before: first row of the pose before in `nodes` and one behind its last, the same in `strips`.
+        now: the same of this pose.
+        settings: (SETTINGS, 7).
+        limited: whether there are velocity limits.
+        share: by which squared steps count.
+        exact: whether a break may come from every posture of the pose before, or from the cheapest alone.
+    """
+    places = np.full(now[1] - now[0], -1.0)
+    for i in range(now[0], now[1]):
         cost[i] = IMPOSSIBLE
-    for e in range(2):
-        for k in range(count):
-            for s in range(2):
-                for w in range(2):
-                    if is_possible(now, e, k, s, w):
-                        value = 0.0
-                        if seeded:
-                            d = difference(P, 3, seed[3], now[2][e, 0])
-                            value = d * d
-                            for i in range(3):
-                                d = difference(P, i, seed[i], now[0][e, k, s, i])
-                                value += d * d
-                                d = difference(P, 4 + i, seed[4 + i], now[1][e, k, w, i])
-                                value += d * d
-                        cost[state_number(e, k, s, w)] = value
+    for b in range(now[2], now[3]):
+        for a in range(before[2], before[3]):
+            if not boxes_meet(row(strips, a), row(strips, b), settings):
+                continue
+            first, last = int(strips[a, STRIP_FIRST]), int(strips[a, STRIP_LAST])
+            for i in range(int(strips[b, STRIP_FIRST]), int(strips[b, STRIP_LAST]) + 1):
+                k = i - now[0]
+                cost[i], places[k] = try_strip(
+                    row(nodes, i), nodes, cost, first, last, settings, limited, share, cost[i], places[k]
+                )
+    start = cheapest(cost, before[0], before[1])
+    least = cost[start] + BREAK
+    if exact or cost[cheapest(cost, now[0], now[1])] > least:
+        first, last = (before[0], before[1]) if exact else (start, start + 1)
+        for i in range(now[0], now[1]):
+            if cost[i] > least:
+                before_leap = cost[i]
+                cost[i], _ = leap(row(nodes, i), nodes, cost, first, last, settings, cost[i], 0.0)
+                if cost[i] < before_leap:
+                    places[i - now[0]] = -1.0
+    write_sags(nodes, cost, places, strips, now, settings, share)
 
 
 @kernel
-def carried_zeros(P, sws, zeros, angles_):
-    """Carry the zero direction along the whole path: its arm angle at each pose. sws holds the S-W vectors (n, 3)."""
-    zero = (0.0, 0.0, 0.0)
-    for i in range(sws.shape[0]):
-        sw = (sws[i, 0], sws[i, 1], sws[i, 2])
-        zero, angles_[i] = carried_angle(P, sw, zero)
-        zeros[i, 0], zeros[i, 1], zeros[i, 2] = zero
+def step_back(q, nodes, cost, strips, before, settings, limited, share):
+    """The best place of the pose before on the way to a posture q: cost, row and part of the way to the next row."""
+    best, at = IMPOSSIBLE, -1.0
+    for a in range(before[2], before[3]):
+        first, last = int(strips[a, STRIP_FIRST]), int(strips[a, STRIP_LAST])
+        best, at = try_strip(q, nodes, cost, first, last, settings, limited, share, best, at)
+    return leap(q, nodes, cost, before[0], before[1], settings, best, at)
 
 
 @kernel
-def may_change_sides(place0, place1, change):
-    """Whether the elbow may change sides between two poses that differ by a change: it has to be nearly straight."""
-    bend0 = place0[3] if place0[2] > 0.0 else 1.0
-    bend1 = place1[3] if place1[2] > 0.0 else 1.0
-    return max(bend0, bend1) < min(STRAIGHTER + 2.0 * change, NEARLY_STRAIGHT)
+def path_cost(chain, seed, settings, limited, q):
+    """Breaks, steps that are too fast, and the value of all steps of a path."""
+    total = 0.0
+    for c in range(chain.shape[0]):
+        here = row(q, chain[c])
+        between = 1
+        if c > 0:
+            between = chain[c] - chain[c - 1]
+            e = steps_between(settings, row(q, chain[c - 1]), here)
+        elif seed is not None:
+            e = steps_between(settings, seed, here)
+        else:
+            continue
+        total += step_value(settings, e, 1.0 / between)
+        if largest(e) > settings[BY_CONTINUITY, 0]:
+            total += BREAK
+        elif limited:
+            if c > 0:
+                over = 0.0
+                for j in range(7):
+                    over = max(over, abs(e[j]) / (between * settings[BY_VELOCITY, j]))
+                if over > 1.0 + 1e-9:
+                    total += TOO_FAST * over
+    return total

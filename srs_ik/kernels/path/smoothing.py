@@ -1,131 +1,179 @@
-"""A chosen joint path made smooth: arm angles moved off their grid so that the squared joint steps become least.
+"""A path made the best of its kind: all arm angles moved at once, by Newton's method, to the least squared joint steps.
 
-Each posture moves with its own arm angle alone, so the least-squares step is one tridiagonal system for the whole path.
+Each posture moves with its own arm angle alone, so a step of Gauss and Newton is one tridiagonal system for the whole
+path. Arm angles on an end of their strip that want to go beyond it stay there (projected as by Bertsekas 1982).
 """
 
 from __future__ import annotations
 
 import math
 
-from srs_ik.kernels.chain.newton import CLOSED, STEPS, close_at_angle, close_free
+import numpy as np
+
+from srs_ik.kernels.algebra.pointers import row
 from srs_ik.kernels.jit import kernel
-from srs_ik.kernels.layout.limb import IS_CLOSED
-from srs_ik.kernels.limb.branches import side_posture
-from srs_ik.kernels.limb.goal import OUTSIDE, turned
-from srs_ik.kernels.limb.self_motion import rates
-from srs_ik.kernels.limb.triangle import elbow_side
-from srs_ik.kernels.path.programme import difference
+from srs_ik.kernels.layout.limb import LIMITED
+from srs_ik.kernels.limb.poses import read7, read_pose
+from srs_ik.kernels.limb.triangle import elbow_side, place
+from srs_ik.kernels.path.corridor import beside, moving_rates, split_of
+from srs_ik.kernels.path.programme import largest, path_cost, step_of
 
-SWEEPS = 16
-"""Most Gauss-Newton steps of a path."""
+SWEEPS = 24
+"""Most steps of a path."""
 
-LONGEST_MOVE = 0.3
-"""Longest move of an arm angle in one step, rad."""
+LONGEST_MOVE = 0.25
+"""Longest move of a joint in one step, rad."""
 
-SLOW_RATE = 20.0
+ENOUGH = 1e-8
+"""A step that gains less, relative to all, is the last one."""
+
+FASTEST = 1e5
 """Joint rates above this, rad/rad, belong to a posture next to a singularity: its arm angle stays."""
 
-
-@kernel
-def posture(P, place_, psi, branch, near):
-    """Posture of a branch on the nearest exact limb, turned to be near another one: q, cost, S-W from the forearm."""
-    side = elbow_side(P, place_, branch >> 2)
-    q, _, value = side_posture(P, side, psi, (branch >> 1) & 1, branch & 1, True, near, True)
-    return q, value, side[3]
+ON_END = 1e-9
 
 
 @kernel
-def squared_step(P, a, b):
-    """Squared distance of two postures, joints without end the shorter way round."""
-    total = 0.0
-    for j in range(7):
-        d = difference(P, j, a[j], b[j])
-        total += d * d
-    return total
-
-
-@kernel
-def is_linked(P, a, b, longest):
-    """Whether a step between two postures is continuous."""
-    linked = True
-    for j in range(7):
-        linked = linked and abs(difference(P, j, a[j], b[j])) <= longest[1, j]
-    return linked
-
-
-@kernel
-def close_to(P, place_, R, p, q, psi, respect, J, A):
-    """The posture on the true chain: itself, or by Newton's method on a near limb, the arm angle kept if possible."""
-    if P[IS_CLOSED] == 1.0:
-        return q, True
-    closed_q, closed = close_at_angle(P, q, R, p, place_[0], place_[1], psi, STEPS, A)
-    if closed:
-        closed_q = turned(P, closed_q, True, q, respect)
-        if squared_step(P, q, closed_q) < 0.25:
-            return closed_q, True
-    closed_q, error = close_free(P, q, R, p, respect, 2 * STEPS, J, A)
-    return turned(P, closed_q, True, q, respect), error < CLOSED
-
-
-@kernel
-def solve_tridiagonal(diagonal, beside, x, n):
+def solve_tridiagonal(diagonal, next_to, x, n):
     """Solve a symmetric tridiagonal system in place; x holds the right-hand side, then the solution."""
     for i in range(1, n):
-        f = beside[i - 1] / diagonal[i - 1]
-        diagonal[i] -= f * beside[i - 1]
+        f = next_to[i - 1] / diagonal[i - 1]
+        diagonal[i] -= f * next_to[i - 1]
         x[i] -= f * x[i - 1]
     x[n - 1] /= diagonal[n - 1]
     for i in range(n - 2, -1, -1):
-        x[i] = (x[i] - beside[i] * x[i + 1]) / diagonal[i]
+        x[i] = (x[i] - next_to[i] * x[i + 1]) / diagonal[i]
 
 
 @kernel
-def assemble(P, q, rate, linked, seeded, seed, diagonal, beside, move, n):
-    """Gauss-Newton system of a run of n postures q (n, 7) with rates (n, 7); `linked` says which steps count."""
-    for i in range(n):
-        diagonal[i] = 1e-9
-        beside[i] = 0.0
-        move[i] = 0.0
-    for i in range(n):
+def assemble(chain, seed, settings, damping, q, rate, diagonal, next_to, move):
+    """System of a step for the arm angles of a path with postures q (n, 7) and rates (n, 7)."""
+    n = chain.shape[0]
+    for c in range(n):
+        diagonal[c] = 1e-12
+        next_to[c] = 0.0
+        move[c] = 0.0
+    for c in range(n):
+        i = chain[c]
         for j in range(7):
             r = rate[i, j]
-            if i == 0 and seeded:
+            if c == 0 and seed is not None:
                 diagonal[0] += r * r
-                move[0] += r * difference(P, j, q[0, j], seed[j])
-            if i + 1 < n and linked[i]:
-                d = difference(P, j, q[i, j], q[i + 1, j])
-                s = rate[i + 1, j]
-                diagonal[i] += r * r
-                diagonal[i + 1] += s * s
-                beside[i] -= r * s
-                move[i] += r * d
-                move[i + 1] -= s * d
+                move[0] += r * step_of(settings, j, q[i, j], seed[j])
+            if c + 1 < n:
+                following = chain[c + 1]
+                share = 1.0 / (following - i)
+                d = share * step_of(settings, j, q[i, j], q[following, j])
+                s = rate[following, j]
+                diagonal[c] += share * r * r
+                diagonal[c + 1] += share * s * s
+                next_to[c] -= share * r * s
+                move[c] += r * d
+                move[c + 1] -= s * d
+    for c in range(n):
+        diagonal[c] *= 1.0 + damping
 
 
 @kernel
-def write_rates(P, place_, q, w, rate):
-    """Joint rates with the arm angle, zero where they are too fast to be used."""
-    values, good = rates(P, q, place_[0], w)
-    fastest = 0.0
-    for j in range(7):
-        fastest = max(fastest, abs(values[j]))
-    for j in range(7):
-        rate[j] = values[j] if good and fastest < SLOW_RATE else 0.0
+def hold(chain, bounds, psi, move, rate):
+    """Take the rates of postures that want to pass the ends of their strips; whether there are any."""
+    some = False
+    for c in range(chain.shape[0]):
+        i = chain[c]
+        low = psi[i] <= bounds[i, 0] + ON_END and move[c] < 0.0
+        high = psi[i] >= bounds[i, 1] - ON_END and move[c] > 0.0
+        if low or high:
+            some = True
+            for j in range(7):
+                rate[i, j] = 0.0
+    return some
 
 
 @kernel
-def feasible_move(P, place_, psi, move, branch, near):
-    """The largest of move, move / 2, ... that keeps the limits."""
-    move = min(max(move, -LONGEST_MOVE), LONGEST_MOVE)
-    for _ in range(4):
-        _, value, _ = posture(P, place_, psi + move, branch, near)
-        if value < OUTSIDE:
-            return move
-        move *= 0.5
-    return 0.0
+def write_rates(P, poses, chain, fixed, branch, q, rate, J, A):
+    """Joint rates with the arm angle, zero where they cannot be used."""
+    for c in range(chain.shape[0]):
+        i = chain[c]
+        here = read7(row(q, i))
+        _, is_singular = split_of(P, here)
+        usable = not fixed[i] and not is_singular
+        if usable:
+            R, p, _ = read_pose(row(poses, i))
+            place_ = place(P, R, p)
+            side = elbow_side(P, place_, branch[i] >> 2)
+            v, usable = moving_rates(P, place_, side, here, R, p, J, A)
+            usable = usable and largest(v) < FASTEST
+            for j in range(7):
+                rate[i, j] = v[j] if usable else 0.0
+        else:
+            for j in range(7):
+                rate[i, j] = 0.0
 
 
 @kernel
-def wrapped(angle):
-    """The angle in [-pi, pi)."""
-    return angle - 2.0 * math.pi * math.floor((angle + math.pi) / (2.0 * math.pi))
+def move_all(P, poses, chain, bounds, branch, q, psi, rate, move, q_moved, psi_moved, J, A):
+    """Write the postures with their arm angles moved on, as far as limits let them."""
+    for c in range(chain.shape[0]):
+        i = chain[c]
+        here = read7(row(q, i))
+        there = psi[i]
+        fastest = largest(row(rate, i))
+        if fastest > 0.0 and move[c] != 0.0:
+            size = min(abs(move[c]), LONGEST_MOVE / fastest)
+            R, p, _ = read_pose(row(poses, i))
+            place_ = place(P, R, p)
+            side = elbow_side(P, place_, branch[i] >> 2)
+            here, there, _ = beside(
+                P,
+                side,
+                R,
+                p,
+                psi[i],
+                math.copysign(size, move[c]),
+                read7(row(rate, i)),
+                branch[i],
+                here,
+                row(bounds, i),
+                4.0 * LONGEST_MOVE,
+                J,
+                A,
+            )
+        psi_moved[i] = there
+        for j in range(7):
+            q_moved[i, j] = here[j]
+
+
+@kernel
+def smooth(family, poses, chain, fixed, bounds, seed, settings, q, psi, branch, J, A):
+    """Move the postures of a path, in place, so that its squared joint steps become least; see `corridor`."""
+    P = row(family, LIMITED)
+    n = chain.shape[0]
+    rate = np.zeros(q.shape)
+    q_moved, psi_moved = q.copy(), psi.copy()
+    diagonal, next_to, move = np.empty(n), np.empty(n), np.empty(n)
+    lowest = path_cost(chain, seed, settings, False, q)
+    damping = 0.0
+    fresh = True
+    for _ in range(SWEEPS):
+        if fresh:
+            write_rates(P, poses, chain, fixed, branch, q, rate, J, A)
+            assemble(chain, seed, settings, 0.0, q, rate, diagonal, next_to, move)
+            hold(chain, bounds, psi, move, rate)
+        assemble(chain, seed, settings, damping, q, rate, diagonal, next_to, move)
+        solve_tridiagonal(diagonal, next_to, move, n)
+        move_all(P, poses, chain, bounds, branch, q, psi, rate, move, q_moved, psi_moved, J, A)
+        total = path_cost(chain, seed, settings, False, q_moved)
+        fresh = total < lowest
+        if fresh:
+            gain = lowest - total
+            lowest = total
+            q[:] = q_moved
+            psi[:] = psi_moved
+            damping *= 0.1
+            if gain < ENOUGH * lowest:
+                break
+        elif damping > 1e3:
+            break
+        else:
+            damping = max(10.0 * damping, 0.1)
+    return lowest

@@ -1,0 +1,98 @@
+"""Postures of the poses between two at which a path is planned."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from srs_ik.kernels.algebra.pointers import row
+from srs_ik.kernels.algebra.vectors import cross, norm
+from srs_ik.kernels.chain.newton import CLOSED, STEPS, arm_angle, close_free
+from srs_ik.kernels.exact.intervals import find_intervals
+from srs_ik.kernels.jit import kernel
+from srs_ik.kernels.layout.answer import MAX_PIECES
+from srs_ik.kernels.layout.limb import LIMITED, LOOSE
+from srs_ik.kernels.limb.branches import branch_of
+from srs_ik.kernels.limb.limits import TURN
+from srs_ik.kernels.limb.poses import read7, read_pose
+from srs_ik.kernels.limb.triangle import elbow_side, place
+from srs_ik.kernels.path.followed import away, posture_of, settled
+from srs_ik.kernels.path.programme import BY_CONTINUITY, steps_between
+
+ON_LIMIT = 1e-9
+
+
+@kernel
+def pose_change(place0, place1):
+    """How much a pose differs from another as the arm sees it, rad: direction S-W, bend, and hand."""
+    t0, _, c0, s0, hand0, _ = place0
+    t1, _, c1, s1, hand1, _ = place1
+    trace = 0.0
+    for i in range(9):
+        trace += hand0[i] * hand1[i]
+    turn = math.acos(min(max(0.5 * (trace - 1.0), -1.0), 1.0))
+    return norm(cross(t0, t1)) + abs(c0 * s1 - s0 * c1) + turn
+
+
+@kernel
+def part_of_way(a, e, t):
+    """The posture a moved on by a part of the joint steps e."""
+    return (
+        a[0] + t * e[0],
+        a[1] + t * e[1],
+        a[2] + t * e[2],
+        a[3] + t * e[3],
+        a[4] + t * e[4],
+        a[5] + t * e[5],
+        a[6] + t * e[6],
+    )
+
+
+@kernel
+def follow_on(family, poses, before, i, behind, settings, q, psi, branch, bounds, J, A):
+    """Write a posture of pose i near the straight line between those of two others; whether there is one."""
+    P = row(family, LIMITED)
+    start = read7(row(q, before))
+    e = steps_between(settings, start, row(q, behind))
+    near = part_of_way(start, e, (i - before) / (behind - before))
+    reach = 0.5 * settings[BY_CONTINUITY, 0]
+    R, p, _ = read_pose(row(poses, i))
+    if A is not None:
+        here, error = close_free(P, near, R, p, True, 2 * STEPS, J, A)
+        good = error < CLOSED and away(here, near) < reach
+        write_posture(q, psi, branch, i, here, 0.0, branch_of(P, here))
+        bounds[i, 0], bounds[i, 1] = -math.inf, math.inf
+        return good
+    if branch[before] < 0 or branch[before] != branch[behind]:
+        return False
+    place_ = place(P, R, p)
+    angle = arm_angle(P, near, place_[0], place_[1])
+    here, good = posture_of(P, elbow_side(P, place_, branch[before] >> 2), angle, branch[before], near, True)
+    here, inside = settled(P, here, ON_LIMIT)
+    write_posture(q, psi, branch, i, here, angle, branch[before])
+    write_bounds(family, place_, branch[before], angle, bounds, i)
+    return good and inside and away(here, near) < reach
+
+
+@kernel
+def write_posture(q, psi, branch, i, here, angle, number):
+    """Write the posture of a pose."""
+    for j in range(7):
+        q[i, j] = here[j]
+    psi[i] = angle
+    branch[i] = number
+
+
+@kernel
+def write_bounds(family, place_, number, angle, bounds, i):
+    """Write the ends of the interval around an arm angle."""
+    bounds[i, 0] = -math.inf
+    bounds[i, 1] = math.inf
+    found = np.empty((8 * MAX_PIECES, 3))
+    for k in range(find_intervals(row(family, LOOSE), place_, number, found)):
+        low, high = found[k, 1], found[k, 2]
+        turns = TURN * math.floor((angle - low + ON_LIMIT) / TURN)
+        if angle <= high + turns + ON_LIMIT and high - low < TURN - ON_LIMIT:
+            bounds[i, 0] = low + turns
+            bounds[i, 1] = high + turns

@@ -1,0 +1,90 @@
+"""Postures of a branch that follow one another: at an arm angle, in the turns of the posture before."""
+
+from __future__ import annotations
+
+import math
+
+from srs_ik.kernels.algebra.vectors import swing
+from srs_ik.kernels.jit import kernel
+from srs_ik.kernels.layout.limb import LOWER, RANGE_KIND, SHOULDER, UPPER, WRIST
+from srs_ik.kernels.limb.limits import TURN, turn_to_middle
+from srs_ik.kernels.limb.spherical import angles, middle_angle
+
+
+@kernel
+def turn_on(P, joint, angle, near, followed):
+    """The turn of a joint angle: inside the limits if these tell, else the one nearest to the posture before."""
+    if not followed or P[RANGE_KIND + joint] != 0.0:
+        return turn_to_middle(P, joint, angle)
+    return angle + TURN * math.floor((near - angle) / TURN + 0.5)
+
+
+@kernel
+def turn_all(P, q, near, followed):
+    """`turn_on` for all joints."""
+    return (
+        turn_on(P, 0, q[0], near[0], followed),
+        turn_on(P, 1, q[1], near[1], followed),
+        turn_on(P, 2, q[2], near[2], followed),
+        turn_on(P, 3, q[3], near[3], followed),
+        turn_on(P, 4, q[4], near[4], followed),
+        turn_on(P, 5, q[5], near[5], followed),
+        turn_on(P, 6, q[6], near[6], followed),
+    )
+
+
+@kernel
+def half_posture(P, k, first, motion, c, s, sign, near, followed):
+    """One solution of a spherical joint at cosine and sine of an arm angle, and whether its axes can make it."""
+    v0, y0, _ = motion
+    v = swing(v0[0], v0[1], v0[2], c, s)
+    y = swing(y0[0], y0[1], y0[2], c, s)
+    cm, sm, reached = middle_angle(P, k, v)
+    anchor = (followed, near[first], near[first + 2], True)
+    return angles(P, k, v, y, cm, sm, sign, anchor), reached
+
+
+@kernel
+def posture_of(P, side, psi, branch, near, followed):
+    """The posture of a branch of an exact limb at an arm angle, following another one, and whether there is one."""
+    c = math.cos(psi)
+    s = math.sin(psi)
+    a, reached_s = half_posture(P, SHOULDER, 0, side[1], c, s, (branch >> 1) & 1, near, followed)
+    b, reached_w = half_posture(P, WRIST, 4, side[2], c, s, branch & 1, near, followed)
+    return turn_all(P, (a[0], a[1], a[2], side[0], b[0], b[1], b[2]), near, followed), reached_s and reached_w
+
+
+@kernel
+def away(q, near):
+    """Largest joint step between two postures."""
+    most = 0.0
+    for j in range(7):
+        most = max(most, abs(q[j] - near[j]))
+    return most
+
+
+@kernel
+def settled(P, q, slack):
+    """The posture with joints that lie outside their limits by rounding put on them, and whether it is inside then."""
+    inside = True
+    for j in range(7):
+        inside = inside and q[j] <= P[UPPER + j] + slack and q[j] >= P[LOWER + j] - slack
+    return (
+        min(max(q[0], P[LOWER + 0]), P[UPPER + 0]),
+        min(max(q[1], P[LOWER + 1]), P[UPPER + 1]),
+        min(max(q[2], P[LOWER + 2]), P[UPPER + 2]),
+        min(max(q[3], P[LOWER + 3]), P[UPPER + 3]),
+        min(max(q[4], P[LOWER + 4]), P[UPPER + 4]),
+        min(max(q[5], P[LOWER + 5]), P[UPPER + 5]),
+        min(max(q[6], P[LOWER + 6]), P[UPPER + 6]),
+    ), inside
+
+
+@kernel
+def turned_away(q, near):
+    """Largest joint step between two postures, whole turns left out."""
+    most = 0.0
+    for j in range(7):
+        d = q[j] - near[j]
+        most = max(most, abs(d - TURN * math.floor(d / TURN + 0.5)))
+    return most

@@ -1,0 +1,82 @@
+"""The feasible arm angles of all branches over a path, with the line that the path takes through them."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from srs_ik.inputs.poses import as_matrices
+from srs_ik.plots.figure import EMPTY, FORCE, VELOCITY, new_figure
+from srs_ik.plots.intervals import BRANCHES
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+    from srs_ik.arm import Arm
+    from srs_ik.solve.path import PathSolution
+
+MOST_COLUMNS = 400
+"""Poses that are drawn of a longer path."""
+
+
+def plot_path(arm: Arm, poses: Any, path: PathSolution) -> Figure:
+    """Picture of the strips of a path: over the poses, the feasible arm angles of each branch, and the chosen line.
+
+    Args:
+        arm: the arm.
+        poses: (N, 4, 4) array, or a list of poses.
+        path: the answer of `Arm.solve_path` for them.
+
+    Returns:
+        A `matplotlib.figure.Figure`; write it with its method `savefig`.
+
+    Raises:
+        InvalidPose: a pose is no finite rigid transform.
+        MissingExtra: Matplotlib is not installed.
+    """
+    T = as_matrices(poses)
+    figure = new_figure(9.0, 7.0)
+    grid = figure.subplots(BRANCHES // 2, 2, sharex=True, sharey=True)
+    drawn = np.unique(np.linspace(0, len(T) - 1, min(len(T), MOST_COLUMNS)).astype(int))
+    width = (drawn[-1] - drawn[0]) / max(len(drawn) - 1, 1) if len(drawn) > 1 else 1.0
+    found = arm.intervals_batch(T[drawn])
+    for branch, axes in enumerate(grid.T.flat):
+        axes.set_facecolor(EMPTY)
+        _draw_strips(axes, drawn, width, found, branch)
+        _draw_line(axes, path, branch)
+        for pause in path.breaks:
+            axes.axvline(pause.sample - 0.5, color="black", linewidth=0.8, linestyle=":")
+        axes.set_title(f"branch {branch}", fontsize=8)
+        axes.set_xlim(-0.5, len(T) - 0.5)
+        axes.set_ylim(-180.0, 180.0)
+        axes.set_yticks(range(-180, 181, 90))
+    figure.supxlabel("pose")
+    figure.supylabel("arm angle (deg)")
+    count = f"{len(path.breaks)} {'break' if len(path.breaks) == 1 else 'breaks'}"
+    figure.suptitle(f"{arm.name}: feasible arm angles along the path, and the path through them ({count})")
+    return figure
+
+
+def _draw_strips(axes: Any, drawn: Any, width: float, found: Any, branch: int) -> None:
+    """One bar a pose and interval; what passes 180 degrees is cut in two."""
+    columns = np.repeat(drawn, found.counts)[found.branch == branch]
+    lower = np.degrees(found.lower[found.branch == branch])
+    upper = np.degrees(found.upper[found.branch == branch])
+    over = upper > 180.0
+    x = np.concatenate([columns, columns[over]])
+    bottom = np.concatenate([lower, np.full(over.sum(), -180.0)])
+    top = np.concatenate([np.minimum(upper, 180.0), upper[over] - 360.0])
+    axes.bar(x, top - bottom, width, bottom, color=VELOCITY, alpha=0.45, linewidth=0.0)
+
+
+def _draw_line(axes: Any, path: PathSolution, branch: int) -> None:
+    """The path where it is in a branch, broken where the arm angle passes half a turn."""
+    psi = np.where(path.branch == branch, np.degrees(path.arm_angle), math.nan)
+    gaps = np.flatnonzero(np.abs(np.diff(psi)) > 180.0) + 1
+    axes.plot(np.insert(np.arange(len(psi), dtype=float), gaps, math.nan), np.insert(psi, gaps, math.nan), color=FORCE)
+    alone = np.isfinite(psi)
+    alone[1:] &= ~np.isfinite(psi[:-1])
+    alone[:-1] &= ~np.isfinite(psi[1:])
+    axes.plot(np.flatnonzero(alone), psi[alone], ".", color=FORCE, markersize=3)

@@ -1,0 +1,113 @@
+"""Why a path breaks: where strips end, and between which poses a break cannot be avoided."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from srs_ik.kernels.entries.path import BY_CONTINUITY
+from srs_ik.solve.path_search import Problem, Wall, Way, find_way
+from srs_ik.solve.pose import solve
+from srs_ik.solve.solution import BatchSolution
+
+if TYPE_CHECKING:
+    from srs_ik.solve.packed import PackedArm
+
+Array = NDArray[np.float64]
+
+LOOKED_AT = 24
+"""So many postures before a wall are asked at most what stops them."""
+
+
+@dataclass(frozen=True, slots=True)
+class PathBreak:
+    """A place where a path is not continuous, or not on its pose.
+
+    Attributes:
+        sample: index of the pose at which it happens.
+        jump: largest joint step from the sample before, rad; 0 at a pose that is not reached.
+        joint: name of the joint that makes it.
+        message: one sentence that says why, and a second one that says where a break cannot be avoided.
+        earliest: first pose at which this break may happen in a path with so few breaks; None where not known.
+        latest: last pose at which it may happen: beyond the pose before, nothing goes on.
+    """
+
+    sample: int
+    jump: float
+    joint: str
+    message: str
+    earliest: int | None = None
+    latest: int | None = None
+
+
+def breaks_of(problem: Problem, way: Way, rows: Array, steps: Array) -> list[PathBreak]:
+    """The breaks of a path, from the rows of its postures and its joint steps."""
+    arm = problem.arm
+    longest = problem.settings[BY_CONTINUITY]
+    answers = BatchSolution(rows, arm.joint_names, arm.elbow)
+    jumps = np.append(False, (np.abs(steps) > longest).any(axis=1))
+    after_gap = np.append(False, ~answers.ok[:-1])
+    inner = np.flatnonzero(jumps & answers.ok & ~after_gap).tolist()
+    windows = _windows(problem, way, len(inner))
+    breaks = []
+    for i in np.flatnonzero(jumps | ~answers.ok).tolist():
+        if not answers.ok[i]:
+            breaks.append(PathBreak(i, 0.0, "", f"Pose {i} is not reached: {answers.message(i)}"))
+            continue
+        joint = int(np.abs(steps[i - 1]).argmax())
+        jump, name = float(abs(steps[i - 1, joint])), arm.joint_names[joint]
+        message = (
+            f"No posture inside the limits continues the path at pose {i}: joint {name} has to jump {jump:.3f} rad."
+        )
+        earliest = latest = None
+        if i in inner and windows:
+            earliest, latest, why = windows[inner.index(i)]
+            where = f"between poses {earliest - 1} and {latest}" if earliest < latest else f"before pose {latest}"
+            message += f" A break {where} cannot be avoided: at pose {latest}, {why}."
+        breaks.append(PathBreak(i, jump, name, message, earliest, latest))
+    return breaks
+
+
+def _windows(problem: Problem, way: Way, count: int) -> list[tuple[int, int, str]]:
+    """First and last pose of each break, and what stops the path there; empty where these cannot be told apart."""
+    walls = way.walls
+    if count == 0 or len(walls) != count:
+        return []
+    n = len(problem.T)
+    T, known, has_known = problem.T[::-1], problem.known[::-1], problem.has_known[::-1]
+    if problem.seed is not None:
+        # Backwards, the seed is one more pose at the end, with one posture.
+        T = np.concatenate([T, T[-1:]])
+        known, has_known = np.vstack([known, problem.seed]), np.append(has_known, True)
+    back = replace(problem, T=np.ascontiguousarray(T), seed=None, known=known.copy(), has_known=has_known.copy())
+    back.near = back.known
+    backwards = find_way(back, np.arange(len(T)), False).walls
+    if len(backwards) != count:
+        return []
+    firsts = [n - wall.sample for wall in reversed(backwards)]
+    return [
+        (max(1, min(first, wall.sample)), wall.sample, _reason(problem, wall))
+        for first, wall in zip(firsts, walls, strict=True)
+    ]
+
+
+def _reason(problem: Problem, wall: Wall) -> str:
+    """What stops the postures before a wall: a joint's limit, a step that is too long, or the reach."""
+    arm: PackedArm = problem.arm
+    chosen = wall.before[np.linspace(0, len(wall.before) - 1, min(len(wall.before), LOOKED_AT)).astype(int)]
+    pose = problem.T[wall.sample]
+    free = [(solve(arm, pose, seed=q, respect_limits=False), q) for q in chosen]
+    met = [(float(np.abs(s.q - q).max()), s.q, q) for s, q in free if s]
+    if not met:
+        return "no posture reaches the pose"
+    step, q, before = min(met, key=lambda each: each[0])
+    beyond = np.maximum(arm.lower - q, q - arm.upper)
+    joint = int(beyond.argmax())
+    if beyond[joint] > 0.0:
+        side = "lower" if q[joint] < arm.lower[joint] else "upper"
+        return f"joint {arm.joint_names[joint]} would have to pass its {side} limit by {beyond[joint]:.3f} rad"
+    joint = int(np.abs(q - before).argmax())
+    return f"joint {arm.joint_names[joint]} would have to move by {step:.3f} rad in one step"

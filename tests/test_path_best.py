@@ -1,0 +1,169 @@
+"""Joint paths are the best there are: against brute force, and never worse than a motion that is known."""
+
+import numpy as np
+import pytest
+from arms import forward, generator, load
+from path_oracle import best_path, swept_postures
+
+import srs_ik
+
+LONGEST = 0.5
+
+
+def known_motion(arm, rng, count, step):
+    """(count, 7) angles inside the limits: two sines a joint, the largest joint step as given."""
+    lower, upper = np.maximum(arm.lower, -4.0), np.minimum(arm.upper, 4.0)
+    size = 0.5 * (upper - lower) * rng.uniform(0.3, 1.1, 7)
+    middle = 0.5 * (lower + upper)
+    middle = middle + np.maximum(0.5 * (upper - lower) - size, 0.0) * rng.uniform(-1.0, 1.0, 7)
+    share, rate = rng.uniform(0.2, 0.8, 7), rng.uniform(3.0, 12.0, (2, 7))
+    start = rng.uniform(0.0, 6.3, (2, 7))
+
+    def at(t):
+        first, second = np.sin(rate[:, None] * t[:, None] + start[:, None])
+        return np.clip(middle + size * (share * first + (1.0 - share) * second), lower, upper)
+
+    rough = np.abs(np.diff(at(np.linspace(0.0, 1.0, 400)), axis=0)).max() * 399
+    return at(np.linspace(0.0, step * (count - 1) / rough, count))
+
+
+def poses_of(arm, known):
+    return np.array([arm.forward_kinematics(q).homogeneous for q in known])
+
+
+def total(path, seed):
+    squares = (path.steps**2).sum()
+    return squares if seed is None else squares + ((path.q[0] - seed) ** 2).sum()
+
+
+def assert_on_poses(name, arm, poses, path):
+    assert path.ok.all()
+    assert ((path.q >= arm.lower) & (path.q <= arm.upper)).all()
+    for pose, q in zip(poses, path.q, strict=True):
+        assert np.abs(forward(name)(q).homogeneous - pose).max() < 1e-8
+
+
+@pytest.mark.parametrize("name", ["iiwa14", "human_left", "sia10f", "openarm_left", "gen3"])
+@pytest.mark.parametrize("seeded", [True, False])
+def test_a_known_motion_is_never_better(name, seeded):
+    arm, rng = load(name), generator(name, 31)
+    for _ in range(8 if name != "gen3" else 3):
+        known = known_motion(arm, rng, 100, rng.uniform(0.05, 0.14))
+        poses = poses_of(arm, known)
+        seed = known[0] if seeded else None
+        path = arm.solve_path(poses, seed=seed)
+        assert not path.breaks
+        assert_on_poses(name, arm, poses, path)
+        assert total(path, seed) <= (np.diff(known, axis=0) ** 2).sum() * (1.0 + 1e-6)
+
+
+@pytest.mark.parametrize("name", ["iiwa14", "human_left", "sia10f", "openarm_left"])
+@pytest.mark.parametrize("case", ["free", "seeded", "broken"])
+def test_brute_force_finds_nothing_better(name, case):
+    """As many breaks as an exhaustive search over a fine sweep, and no larger sum."""
+    arm, rng = load(name), generator(name, 32)
+    known = known_motion(arm, rng, 8, rng.uniform(0.1, 0.3))
+    if case == "broken":
+        # No motion leads from one half to the other: a break, wherever it costs least.
+        known[4:] = known_motion(arm, rng, 4, 0.1)
+    poses = poses_of(arm, known)
+    seed = known[0] if case == "seeded" else None
+    breaks, least = best_path(arm, [swept_postures(arm, pose, 240) for pose in poses], seed, LONGEST)
+    path = arm.solve_path(poses, seed=seed)
+    assert len(path.breaks) <= breaks
+    if len(path.breaks) == breaks:
+        assert total(path, seed) <= least * (1.0 + 1e-3)
+
+
+def broken(arm, rng):
+    """Poses of two motions that have nothing to do with each other."""
+    return poses_of(arm, np.vstack([known_motion(arm, rng, 30, 0.1), known_motion(arm, rng, 30, 0.1)]))
+
+
+@pytest.mark.parametrize("name", ["iiwa14", "human_left"])
+def test_a_break_says_between_which_poses_it_cannot_be_avoided(name):
+    arm, rng = load(name), generator(name, 33)
+    for _ in range(4):
+        poses = broken(arm, rng)
+        path = arm.solve_path(poses)
+        assert len(path.breaks) == 1
+        found = path.breaks[0]
+        assert found.earliest <= found.sample <= found.latest
+        assert "cannot be avoided" in found.message
+        # The poses before, and those behind, need none; one pose more does.
+        assert arm.solve_path(poses[: found.latest])
+        assert not arm.solve_path(poses[: found.latest + 1])
+        assert arm.solve_path(poses[found.earliest :])
+        assert not arm.solve_path(poses[found.earliest - 1 :])
+
+
+def test_a_posture_that_is_given_is_taken():
+    arm, rng = load("iiwa14"), generator("iiwa14", 34)
+    known = known_motion(arm, rng, 60, 0.1)
+    poses = poses_of(arm, known)
+    path = arm.solve_path(poses, known={20: known[20], -1: known[-1]})
+    assert path
+    np.testing.assert_array_equal(path.q[[20, 59]], known[[20, 59]])
+    assert (path.steps**2).sum() >= (arm.solve_path(poses).steps ** 2).sum() - 1e-9
+
+
+def test_a_closed_path_ends_where_it_begins():
+    arm = load("iiwa14")
+    turn = np.linspace(0.0, 2.0 * np.pi, 80)
+    poses = np.repeat(arm.forward_kinematics([0.3, 0.7, -0.4, -1.1, 0.5, 0.8, -0.2]).homogeneous[None], 80, 0)
+    poses[:, :3, 3] += 0.15 * np.stack([0.0 * turn, np.sin(turn), np.cos(turn) - 1.0], 1)
+    poses[-1] = poses[0]
+    path, free = arm.solve_path(poses, closed=True), arm.solve_path(poses)
+    assert path
+    np.testing.assert_array_equal(path.q[0], path.q[-1])
+    assert (free.steps**2).sum() - 1e-9 <= (path.steps**2).sum() <= 1.5 * (free.steps**2).sum()
+
+
+def test_the_largest_step_and_the_time_are_smaller_where_they_are_wanted():
+    arm, rng = load("iiwa14"), generator("iiwa14", 35)
+    for _ in range(3):
+        known = known_motion(arm, rng, 60, 0.1)
+        poses = poses_of(arm, known)
+        even = arm.solve_path(poses)
+        gentle, quick = (arm.solve_path(poses, objective=name) for name in ("largest_step", "time"))
+        assert gentle
+        assert quick
+        assert gentle.largest_step <= min(even.largest_step, 1.02 * np.abs(np.diff(known, axis=0)).max())
+        times = [(np.abs(p.steps) / arm.velocity_limit).max(1).sum() for p in (quick, even)]
+        assert times[0] <= times[1] + 1e-9
+
+
+def test_velocity_limits_that_a_known_motion_keeps_are_kept():
+    arm, rng = load("iiwa14"), generator("iiwa14", 36)
+    for _ in range(3):
+        known = known_motion(arm, rng, 80, 0.1)
+        dt = 1.05 * (np.abs(np.diff(known, axis=0)) / arm.velocity_limit).max()
+        path = arm.solve_path(poses_of(arm, known), seed=known[0], dt=dt)
+        assert path
+        assert (np.abs(path.steps) <= arm.velocity_limit * dt * (1.0 + 1e-9)).all()
+
+
+def test_a_long_path_is_found_block_by_block():
+    arm = load("iiwa14")
+    rng = generator("iiwa14", 37)
+    short = known_motion(arm, rng, 700, 0.1)
+    path = arm.solve_path(poses_of(arm, short), seed=short[0])
+    assert path
+    assert total(path, short[0]) <= (np.diff(short, axis=0) ** 2).sum()
+
+
+@pytest.mark.parametrize(
+    ("options", "named"),
+    [
+        ({"objective": "jerk"}, "objective is one of"),
+        ({"known": {9: np.zeros(7)}}, "no pose 9"),
+        ({"known": {0: np.full(7, 9.0)}}, "outside the joint limits"),
+        ({"known": {0: np.zeros(7)}}, "does not meet it"),
+        ({"closed": True}, "closed"),
+    ],
+)
+def test_wrong_wishes_are_refused(options, named):
+    arm = load("iiwa14")
+    poses = poses_of(arm, np.linspace(np.full(7, 0.2), np.full(7, 0.4), 3))
+    with pytest.raises(srs_ik.InvalidConfiguration, match=named):
+        arm.solve_path(poses, **options)
