@@ -61,8 +61,8 @@ def _after_in_child() -> None:
     # Numba looks its contexts up under locks that no order leads to. There is one thread now, which holds none of them.
     registry = sys.modules.get("numba.core.registry")
     for lookup in vars(getattr(registry, "CPUTarget", object)).values():
-        if hasattr(lookup, "_lock"):
-            lookup._lock = threading.RLock()
+        for name in {"_lock", "lock"} & set(getattr(lookup, "__dict__", ())):
+            setattr(lookup, name, threading.RLock())
 
 
 if hasattr(os, "register_at_fork"):
