@@ -19,8 +19,8 @@ from srs_ik.kernels.layout.limb import LIMITED
 from srs_ik.kernels.limb.limits import set_limits
 from srs_ik.kernels.limb.poses import read7, read_pose
 from srs_ik.kernels.limb.triangle import place
+from srs_ik.kernels.near.band import shift
 from srs_ik.kernels.near.intervals import best_of_true_intervals
-from srs_ik.kernels.near.predicted import shift
 from srs_ik.kernels.near.predicted_best import predicted_best_of_intervals
 from srs_ik.kernels.pose.intervals import all_intervals
 from srs_ik.kernels.pose.solve import all_branches, own, own_seed, solve_row, solve_row_at

@@ -24,7 +24,9 @@ from srs_ik.kernels.limb.goal import NO_SEED, turned
 from srs_ik.kernels.limb.limits import turn_to_middle, violation
 from srs_ik.kernels.limb.poses import read7
 from srs_ik.kernels.limb.triangle import elbow_side
-from srs_ik.kernels.near.predicted import (
+from srs_ik.kernels.near.band import band_of, is_near_singularity, may_predict, widen
+from srs_ik.kernels.near.predicted import predicted_intervals
+from srs_ik.kernels.near.scan import (
     FASTER,
     MAX_POINTS,
     POINT,
@@ -32,15 +34,10 @@ from srs_ik.kernels.near.predicted import (
     POINT_OFF,
     POINT_PSI,
     POINT_RATES,
-    band_of,
     close_points,
     is_narrow,
-    is_near_singularity,
     least_sine,
-    may_predict,
-    predicted_intervals,
     put_points,
-    widen,
 )
 
 GAIN = 1e-12

@@ -1,0 +1,171 @@
+"""A stretch of arm angles looked at closely on the true chain: points eight at a time, until no limit can be missed."""
+
+from __future__ import annotations
+
+from srs_ik.kernels.algebra.lane_trig import turn
+from srs_ik.kernels.algebra.lanes import as_bits, gather, scatter, whole_number
+from srs_ik.kernels.algebra.pointers import row
+from srs_ik.kernels.chain.eight import put_eight, take_eight
+from srs_ik.kernels.chain.newton import STEPS
+from srs_ik.kernels.chain.newton_eight import ALL, close_in_planes, half_planes
+from srs_ik.kernels.exact.intervals import PI
+from srs_ik.kernels.jit import kernel
+from srs_ik.kernels.layout.limb import PHASE, SHOULDER, STRAIGHT, WRIST
+from srs_ik.kernels.limb.limits import beyond, turn_to_middle
+from srs_ik.kernels.near.band import certain_posture, sines_of_middles
+
+POINT = 17
+POINT_PSI = 7
+POINT_RATES = 8
+POINT_OFF = 15
+POINT_BRANCH = 16
+"""A point: joint angles, arm angle, the rates of the joints with it, how far it is outside the limits, branch."""
+
+MAX_POINTS = 512
+"""Room for the points between two arm angles."""
+
+LARGEST_GAP = 0.3
+SMALLEST_GAP = 1e-9
+"""Between points farther apart than the first, rad, there may be anything; closer than the second, nothing."""
+
+CLOSER = 0.7
+"""Gaps are narrower than this part of how far shoulder and wrist are from singular, rad: there joints turn fast."""
+
+LONGEST_CROSSING = 0.2
+"""Where a limit is between two points, no joint moves farther than this, rad."""
+
+FASTER = 1.5
+"""Between two points no joint moves faster than at the faster one, but for this factor."""
+
+
+@kernel
+def close_points(P, R, p, place_, points, n):
+    """Close eight points from row n on at their arm angles, and tell their rates; whether all are met."""
+    rows = row(points, n)
+    planes = half_planes(place_[0], place_[1], turn(gather(rows, POINT_PSI, POINT)))
+    q, rates, met = close_in_planes(P, take_eight(rows, POINT), R, p, planes, STEPS)
+    put_eight(rows, POINT, ALL, q)
+    for j in range(7):
+        scatter(rows, POINT_RATES + j, POINT, rates[j])
+    return met == ALL and in_branches(P, q, gather(rows, POINT_BRANCH, POINT)) == ALL
+
+
+@kernel
+def put_points(P, sides, R, p, place_, points, n):
+    """Fill in postures and rates of the eight points from row n on, at their arm angles; whether all are met."""
+    for i in range(n, n + 8):
+        branch = int(points[i, POINT_BRANCH])
+        q = certain_posture(P, sides[branch >> 2], branch, points[i, POINT_PSI])
+        for j in range(7):
+            points[i, j] = q[j]
+    return close_points(P, R, p, place_, points, n)
+
+
+@kernel
+def outside_by(P, point):
+    """By how much a point is outside the limits, rad."""
+    worst = -PI
+    for j in range(7):
+        worst = max(worst, beyond(P, j, turn_to_middle(P, j, point[j])))
+    return worst
+
+
+@kernel
+def least_sine(P, a, b):
+    """How far shoulder and wrist are from singular at two points."""
+    s2, s6 = sines_of_middles(P, a)
+    t2, t6 = sines_of_middles(P, b)
+    return min(s2, s6, t2, t6)
+
+
+@kernel
+def is_narrow(P, a, b):
+    """Whether two points are so close together that no joint turns much faster between them."""
+    return b[POINT_PSI] - a[POINT_PSI] < CLOSER * least_sine(P, a, b)
+
+
+@kernel
+def is_decided(P, a, b):
+    """Whether all postures between two points are inside the limits, or all outside, or one limit is between them."""
+    width = b[POINT_PSI] - a[POINT_PSI]
+    if width > LARGEST_GAP:
+        return False
+    if width < SMALLEST_GAP:
+        return True
+    if not is_narrow(P, a, b):
+        return False
+    inside_a, inside_b = a[POINT_OFF] <= 0.0, b[POINT_OFF] <= 0.0
+    fastest = 0.0
+    least = -2.0 * PI
+    most = -2.0 * PI
+    for j in range(7):
+        way = FASTER * max(abs(a[POINT_RATES + j]), abs(b[POINT_RATES + j])) * width
+        both = beyond(P, j, turn_to_middle(P, j, a[j])) + beyond(P, j, turn_to_middle(P, j, b[j]))
+        fastest = max(fastest, way)
+        least = max(least, 0.5 * (both - way))
+        most = max(most, 0.5 * (both + way))
+    if inside_a != inside_b:
+        return fastest < LONGEST_CROSSING
+    return most <= 0.0 if inside_a else least > 0.0
+
+
+@kernel
+def scan(P, sides, branch, R, p, place_, lower, upper, points, gaps):
+    """Look at the postures of a branch between two arm angles, closely enough to miss no limit; the number of points.
+
+    Gaps between points are halved until each is decided. The points are sorted by their arm angles. Returns -1 where
+    this cannot be done.
+    """
+    for i in range(8):
+        points[i, POINT_PSI] = lower + (upper - lower) * i / 7.0
+        points[i, POINT_BRANCH] = branch
+        gaps[i, 0], gaps[i, 1] = i, i + 1
+    left = 7
+    n = 0
+    while True:
+        if not put_points(P, sides, R, p, place_, points, n):
+            return -1
+        for i in range(n, n + 8):
+            points[i, POINT_OFF] = outside_by(P, points[i])
+        n += 8
+        kept = 0
+        for i in range(left):
+            if not is_decided(P, points[gaps[i, 0]], points[gaps[i, 1]]):
+                gaps[kept, 0], gaps[kept, 1] = gaps[i, 0], gaps[i, 1]
+                kept += 1
+        if kept == 0:
+            break
+        if n + 8 > MAX_POINTS:
+            return -1
+        # Eight gaps at a time; the others wait.
+        for i in range(8):
+            a, b = gaps[i % kept, 0], gaps[i % kept, 1]
+            points[n + i, POINT_PSI] = 0.5 * (points[a, POINT_PSI] + points[b, POINT_PSI])
+            points[n + i, POINT_BRANCH] = branch
+        left = kept
+        for i in range(min(kept, 8)):
+            gaps[left, 0], gaps[left, 1] = n + i, gaps[i, 1]
+            gaps[i, 1] = n + i
+            left += 1
+    for i in range(1, n):
+        k = i
+        while k > 0 and points[k - 1, POINT_PSI] > points[k, POINT_PSI]:
+            for c in range(POINT):
+                points[k, c], points[k - 1, c] = points[k - 1, c], points[k, c]
+            k -= 1
+    return n
+
+
+@kernel
+def in_branches(P, q, branches):
+    """Which of eight postures, as bits, lie each in its branch."""
+    _, s2 = turn(q[1] - P[SHOULDER + PHASE])
+    _, s4 = turn(q[3] - P[STRAIGHT])
+    _, s6 = turn(q[5] - P[WRIST + PHASE])
+    elbow = whole_number((branches - 1.5) * 0.25)
+    rest = branches - 4.0 * elbow
+    shoulder = whole_number((rest - 0.5) * 0.5)
+    wrist = rest - 2.0 * shoulder
+    return as_bits(
+        ((1.0 - 2.0 * elbow) * s4 > 0.0) & ((1.0 - 2.0 * shoulder) * s2 > 0.0) & ((1.0 - 2.0 * wrist) * s6 > 0.0)
+    )
