@@ -131,7 +131,7 @@ print(view.url, flush=True)
 def test_nothing_is_left_of_a_program(kind, end, status):
     if kind == "interactive":
         pytest.importorskip("viser")
-    maker = "InteractivePreview" if kind == "interactive" else "Preview"
+    maker = "preview.InteractivePreview" if kind == "interactive" else "Preview"
     script = SCRIPT.format(maker=maker, end=end)
     with subprocess.Popen(
         [sys.executable, "-c", script],

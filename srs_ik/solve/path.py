@@ -21,10 +21,12 @@ from srs_ik.kernels.entries.path import (
     SETTINGS,
 )
 from srs_ik.kernels.layout.answer import ROW
+from srs_ik.solve.free_splits import free_splits
 from srs_ik.solve.path_aims import closed as closed_way
 from srs_ik.solve.path_aims import least_largest_step
 from srs_ik.solve.path_breaks import PathBreak, breaks_of
-from srs_ik.solve.path_search import Problem, Way, off_pose, rows_of, search
+from srs_ik.solve.path_search import Problem, Way, off_pose, rows_of, search, steps_of
+from srs_ik.solve.pose import solve
 from srs_ik.solve.solution import BatchSolution, ElbowRange
 from srs_ik.solve.threads import interruptible
 
@@ -118,7 +120,30 @@ def solve_path(
 def _found(find: Callable[[Problem], Way], problem: Problem) -> tuple[Way, Array]:
     """A path, and the rows of its postures."""
     way = find(problem)
+    start = _split_start(problem)
+    if start is not None:
+        known, has_known = problem.known.copy(), problem.has_known.copy()
+        known[0], has_known[0] = start, True
+        other = find(replace(problem, known=known, has_known=has_known))
+        way = min(way, other, key=lambda way: _price(problem, way))
     return way, rows_of(problem, way)
+
+
+def _split_start(problem: Problem) -> Array | None:
+    """The posture nearest to the start where the first pose leaves the split of two joints open: no strip holds all."""
+    arm, pose = problem.arm, problem.T[0]
+    if problem.seed is None or problem.has_known[0] or not arm.closed or not free_splits(arm, pose, True):
+        return None
+    nearest = solve(arm, pose, seed=problem.seed)
+    return nearest.q if nearest else None
+
+
+def _price(problem: Problem, way: Way) -> tuple[int, float]:
+    """Poses that are not reached and steps that are too long, then the sum of squared joint steps from the start on."""
+    q = way.q[way.reached]
+    steps = steps_of(problem, q if problem.seed is None else np.vstack([problem.seed, q]))
+    breaks = int((np.abs(steps) > problem.settings[BY_CONTINUITY]).any(axis=1).sum())
+    return int((~way.reached).sum()) + breaks, float((steps**2).sum())
 
 
 def _known(arm: PackedArm, T: Array, known: Mapping[int, ArrayLike]) -> tuple[Array, NDArray[np.bool_]]:
