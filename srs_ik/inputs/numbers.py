@@ -29,6 +29,8 @@ def real_array(values: Any) -> Array:
 
 def real_number(value: Any) -> float:
     """A number as a float; NaN for what is none."""
+    if isinstance(value, float):
+        return float(value)
     # NumPy drops an imaginary part with no more than a warning, and float() reads text.
     if isinstance(value, str | bytes | bytearray) or np.iscomplexobj(value):
         return math.nan
