@@ -6,12 +6,15 @@ import json
 import math
 import sys
 from collections.abc import Iterable, Sequence
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from rich import box
 from rich.console import Console
 from rich.table import Table
+
+if TYPE_CHECKING:
+    from srs_ik.solve.solution import Solution
 
 WIDE = 200
 """Columns that every table of numbers fits into: a terminal may wrap its lines, but no digit is cut off."""
@@ -68,3 +71,25 @@ def _plain(value: Any) -> Any:
     if isinstance(value, float) and not math.isfinite(value):
         return None
     return value
+
+
+def fields(solution: Solution) -> dict[str, Any]:
+    """What JSON says of a solution."""
+    from srs_ik.solve.optimise import Optimum
+
+    answer = {
+        "status": solution.status.name,
+        "message": solution.message,
+        "q": solution.q,
+        "branch": solution.branch,
+        "arm_angle": solution.arm_angle,
+        "position_error": solution.position_error,
+        "orientation_error": solution.orientation_error,
+    }
+    if isinstance(solution, Optimum):
+        within = solution.interval
+        answer["objective"] = solution.objective.name
+        answer["value"] = solution.value
+        answer["second_value"] = solution.second_value
+        answer["interval"] = None if within is None else {"lower": within.lower, "upper": within.upper}
+    return answer

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
@@ -122,7 +122,7 @@ def solve(
 
 
 def _print_json(arm: Arm, pose: np.ndarray, best: Solution, solutions: list[Solution] | None) -> None:
-    from srs_ik.cli.render import print_json
+    from srs_ik.cli.render import fields, print_json
 
     answer = {
         "robot": arm.name,
@@ -135,28 +135,6 @@ def _print_json(arm: Arm, pose: np.ndarray, best: Solution, solutions: list[Solu
     if solutions is not None:
         answer["solutions"] = [fields(s) for s in solutions]
     print_json(answer)
-
-
-def fields(solution: Solution) -> dict[str, Any]:
-    """What JSON says of a solution."""
-    from srs_ik.solve.optimise import Optimum
-
-    answer = {
-        "status": solution.status.name,
-        "message": solution.message,
-        "q": solution.q,
-        "branch": solution.branch,
-        "arm_angle": solution.arm_angle,
-        "position_error": solution.position_error,
-        "orientation_error": solution.orientation_error,
-    }
-    if isinstance(solution, Optimum):
-        within = solution.interval
-        answer["objective"] = solution.objective.name
-        answer["value"] = solution.value
-        answer["second_value"] = solution.second_value
-        answer["interval"] = None if within is None else {"lower": within.lower, "upper": within.upper}
-    return answer
 
 
 def _print_tables(arm: Arm, best: Solution, solutions: list[Solution] | None, at_angle: bool) -> None:

@@ -44,8 +44,7 @@ def _row(solution: Solution) -> list[object]:
 
 
 def _print_json(arm: Arm, found: BatchSolution, lines: list[int]) -> None:
-    from srs_ik.cli.render import print_json
-    from srs_ik.cli.solve import fields
+    from srs_ik.cli.render import fields, print_json
 
     answer = {"robot": arm.name, "base": arm.base, "tip": arm.tip, "joint_names": list(arm.joint_names)}
     answers = [{"line": line, **fields(found[i])} for i, line in enumerate(lines)]

@@ -121,8 +121,7 @@ def task(
 
 
 def _print_json(arm: Arm, solution: TaskSolution) -> None:
-    from srs_ik.cli.render import print_json
-    from srs_ik.cli.solve import fields
+    from srs_ik.cli.render import fields, print_json
 
     posture = solution.posture
     names = ("shoulder", "elbow", "wrist", "hand", "normal", "task_normal", "direction", "arm_angle", "reached", "miss")
