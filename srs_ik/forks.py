@@ -5,6 +5,9 @@ A fork waits for what holds `WHOLE`, such as the loading of a robot, and for the
 
 from __future__ import annotations
 
+# These take locks of their own around a fork. Imported while one waits here, they would release what they never took.
+import concurrent.futures.thread  # noqa: F401
+import logging  # noqa: F401
 import os
 import sys
 import threading

@@ -120,22 +120,30 @@ def solve_path(
 def _found(find: Callable[[Problem], Way], problem: Problem) -> tuple[Way, Array]:
     """A path, and the rows of its postures."""
     way = find(problem)
-    start = _split_start(problem)
-    if start is not None:
-        known, has_known = problem.known.copy(), problem.has_known.copy()
-        known[0], has_known[0] = start, True
-        other = find(replace(problem, known=known, has_known=has_known))
-        way = min(way, other, key=lambda way: _price(problem, way))
+    held = _with_held_splits(problem)
+    if held is not None:
+        way = min(way, find(held), key=lambda way: _price(problem, way))
     return way, rows_of(problem, way)
 
 
-def _split_start(problem: Problem) -> Array | None:
-    """The posture nearest to the start where the first pose leaves the split of two joints open: no strip holds all."""
-    arm, pose = problem.arm, problem.T[0]
-    if problem.seed is None or problem.has_known[0] or not arm.closed or not free_splits(arm, pose, True):
+def _with_held_splits(problem: Problem) -> Problem | None:
+    """The path with the first poses held nearest to the start, while they leave the split of two joints open.
+
+    No strip holds all splits. None where the first pose leaves none open, or there is no start.
+    """
+    arm, before = problem.arm, problem.seed
+    known, has_known = problem.known.copy(), problem.has_known.copy()
+    if before is None or not arm.closed:
         return None
-    nearest = solve(arm, pose, seed=problem.seed)
-    return nearest.q if nearest else None
+    for i, pose in enumerate(problem.T):
+        if has_known[i] or not free_splits(arm, pose, True):
+            break
+        nearest = solve(arm, pose, seed=before)
+        if not nearest:
+            break
+        known[i], has_known[i] = nearest.q, True
+        before = nearest.q
+    return replace(problem, known=known, has_known=has_known) if (has_known != problem.has_known).any() else None
 
 
 def _price(problem: Problem, way: Way) -> tuple[int, float]:
