@@ -6,6 +6,7 @@ import math
 
 import numpy as np
 
+from srs_ik.kernels.algebra.joint_vectors import along7
 from srs_ik.kernels.algebra.pointers import row
 from srs_ik.kernels.algebra.vectors import cross, norm
 from srs_ik.kernels.chain.newton import CLOSED, STEPS, arm_angle, close_free
@@ -36,26 +37,12 @@ def pose_change(place0, place1):
 
 
 @kernel
-def part_of_way(a, e, t):
-    """The posture a moved on by a part of the joint steps e."""
-    return (
-        a[0] + t * e[0],
-        a[1] + t * e[1],
-        a[2] + t * e[2],
-        a[3] + t * e[3],
-        a[4] + t * e[4],
-        a[5] + t * e[5],
-        a[6] + t * e[6],
-    )
-
-
-@kernel
 def follow_on(family, poses, before, i, behind, settings, q, psi, branch, bounds, J, A):
     """Write a posture of pose i near the straight line between those of two others; whether there is one."""
     P = row(family, LIMITED)
     start = read7(row(q, before))
     e = steps_between(settings, start, row(q, behind))
-    near = part_of_way(start, e, (i - before) / (behind - before))
+    near = along7(start, (i - before) / (behind - before), e)
     reach = 0.5 * settings[BY_CONTINUITY, 0]
     R, p, _ = read_pose(row(poses, i))
     if A is not None:
