@@ -3,14 +3,15 @@
 With NUMBA_DISABLE_JIT=1 both leave a function as it is, for a debugger.
 
 Only entry points are cached on disk (see `disk`); their machine code contains all that they call, so the cache is keyed
-by a digest of the whole folder.
+by a digest of the entry's file and of every kernel file that it imports, however indirectly.
 """
 
 from __future__ import annotations
 
 import hashlib
+import re
 from collections.abc import Callable
-from functools import cache
+from functools import cache, partial
 from pathlib import Path
 from typing import Any
 
@@ -36,21 +37,40 @@ def kernel(function: Callable[..., Any]) -> Callable[..., Any]:
     return dispatcher
 
 
+_FOLDER = Path(__file__).parent
+_IMPORT = re.compile(rb"^[ \t]*(?:from|import)[ \t]+([\w.]+)", re.MULTILINE)
+
+
 @cache
-def source_digest() -> str:
-    """Digest of every source file of the kernels, in all rooms."""
-    folder = Path(__file__).parent
+def _imported(path: Path) -> tuple[Path, ...]:
+    """Kernel files that a kernel file names in its imports; a room that is named stands for all its files."""
+    found: list[Path] = []
+    for name in _IMPORT.findall(path.read_bytes()):
+        parts = name.decode().split(".")
+        if _FOLDER.name in parts:
+            below = _FOLDER.joinpath(*parts[parts.index(_FOLDER.name) + 1 :])
+            found += below.rglob("*.py") if below.is_dir() else [below.with_suffix(".py")]
+    return tuple(path for path in found if path.is_file())
+
+
+@cache
+def source_digest(path: Path) -> str:
+    """Digest of a kernel file and of every kernel file that it imports, however indirectly."""
+    files, waiting = {path, Path(__file__)}, [path]
+    while waiting:
+        new = set(_imported(waiting.pop())) - files
+        files |= new
+        waiting += new
     digest = hashlib.sha256()
-    for path in sorted(folder.rglob("*.py")):
-        digest.update(path.relative_to(folder).as_posix().encode())
-        digest.update(path.read_bytes())
+    for file in sorted(files):
+        digest.update(hashlib.sha256(file.read_bytes()).digest())
     return digest.hexdigest()
 
 
 def entry(function: Callable[..., Any]) -> Callable[..., Any]:
-    """Decorator of an entry point: compiled once, then loaded from disk as long as no kernel's source has changed."""
+    """Decorator of an entry point: compiled once, then loaded from disk until a source that it needs has changed."""
     if config.DISABLE_JIT:
         return function
     dispatcher = njit(error_model="numpy", nogil=True)(function)
-    dispatcher._cache = KernelCache(function, source_digest)
+    dispatcher._cache = KernelCache(function, partial(source_digest, Path(function.__code__.co_filename)))
     return dispatcher
