@@ -26,6 +26,7 @@ if TYPE_CHECKING:
         AmbiguousLimb,
         FrameNotFound,
         InvalidConfiguration,
+        InvalidController,
         InvalidPose,
         InvalidRobot,
         InvalidTask,
@@ -67,6 +68,7 @@ _MODULES = {
         "AmbiguousLimb",
         "FrameNotFound",
         "InvalidConfiguration",
+        "InvalidController",
         "InvalidPose",
         "InvalidRobot",
         "InvalidTask",
@@ -94,7 +96,7 @@ _MODULES = {
     "inputs.task": ("Task",),
     "solve.task": ("BatchTaskSolution", "TaskSolution"),
 }
-NAMESPACES = ("analysis", "paper", "plots", "preview")
+NAMESPACES = ("analysis", "control", "paper", "plots", "preview", "sim")
 """Rooms that have public names of their own."""
 
 _HOME = {name: module for module, names in _MODULES.items() for name in names}
@@ -112,6 +114,7 @@ __all__ = [
     "Interval",
     "IntervalsBatch",
     "InvalidConfiguration",
+    "InvalidController",
     "InvalidPose",
     "InvalidRobot",
     "InvalidTask",

@@ -147,6 +147,10 @@ class InvalidTask(SrsIkError, ValueError):
     """A task whose vectors have the wrong shape, are not finite, or leave a direction undefined."""
 
 
+class InvalidController(SrsIkError, ValueError):
+    """A controller whose figures are malformed, that is not passive, or that an arm cannot have."""
+
+
 class PreviewError(SrsIkError):
     """A preview that cannot be served or written, or that is closed already."""
 
