@@ -19,7 +19,7 @@ from srs_ik.kernels.layout import control as at
 if TYPE_CHECKING:
     from srs_ik.arm import Arm
     from srs_ik.inputs.task import Task
-    from srs_ik.solve.posture import Side
+    from srs_ik.solve.posture import Side, Tie
     from srs_ik.solve.solution import Solution
 
 Array = NDArray[np.float64]
@@ -127,8 +127,17 @@ class TorqueController:
         self._aim(T, self._elbow_at(self.solution.q), angle, restart)
         return self.solution
 
-    def set_task(self, task: Task, side: Side = "left", restart: bool = True) -> Any:
+    def set_task(
+        self, task: Task, side: Side = "left", restart: bool = True, respect_limits: bool = True, tie: Tie = "lower"
+    ) -> Any:
         """Aim at a task of the paper: the tip where `Arm.solve_task` wants it, the elbow of its geometric posture.
+
+        Args:
+            task: one task.
+            side: as for `Arm.solve_task`.
+            restart: as for `set_target`.
+            respect_limits: as for `Arm.solve_task`.
+            tie: as for `Arm.solve_task`.
 
         Returns:
             The solution of `Arm.solve_task`, which is kept as `solution`.
@@ -136,7 +145,7 @@ class TorqueController:
         Raises:
             InvalidTask: several tasks at once, or another side.
         """
-        found = self.arm.solve_task(task, side)
+        found = self.arm.solve_task(task, side, respect_limits, tie)
         if np.ndim(found.q) != 1:
             raise InvalidTask("a controller takes one task at a time")
         self.solution = found  # type: ignore[assignment]
@@ -152,6 +161,21 @@ class TorqueController:
         """
         q = as_bounded_joint_vector(q)
         self._aim(self.arm.forward_kinematics(q).homogeneous, self._elbow_at(q), self.arm.arm_angle(q), restart)
+
+    def set_elbow(self, point: ArrayLike) -> None:
+        """Aim the elbow at a point (3,), m, base frame; tip and orientation keep their targets.
+
+        Raises:
+            InvalidController: not three finite figures.
+        """
+        try:
+            where = real_array(point)
+        except (TypeError, ValueError):
+            where = np.empty(0)
+        if where.shape != (3,) or not np.isfinite(where).all():
+            raise InvalidController(f"the elbow is aimed at a point of (3,) finite figures, not {point!r}")
+        self._put({at.ELBOW: where})
+        self.elbow_target = where
 
     def restart(self) -> None:
         """Forget all peaks: the next tick begins a new divergence at every port."""
@@ -221,17 +245,24 @@ class TorqueController:
         return point
 
     def _aim(self, T: Array, elbow: Array, arm_angle: float, restart: bool) -> None:
-        values = {
-            at.TIP: T[:3, 3],
-            at.ORIENTATION: T[:3, :3].ravel(),
-            at.ELBOW: elbow,
-            at.ARM_ANGLE: np.array([arm_angle]),
-        }
-        for port in self._rows[: len(self.ports)]:
-            target = values[port[at.KIND]]
-            port[at.TARGET : at.TARGET + target.size] = target
+        self.elbow_target = elbow
+        self._put(
+            {
+                at.TIP: T[:3, 3],
+                at.ORIENTATION: T[:3, :3].ravel(),
+                at.ELBOW: elbow,
+                at.ARM_ANGLE: np.array([arm_angle]),
+            }
+        )
         if restart:
             self.restart()
+
+    def _put(self, targets: dict[float, Array]) -> None:
+        """Write targets into the rows of the ports, by kind."""
+        for port in self._rows[: len(self.ports)]:
+            target = targets.get(float(port[at.KIND]))
+            if target is not None:
+                port[at.TARGET : at.TARGET + target.size] = target
 
 
 def _resting(arm: Arm) -> Array:

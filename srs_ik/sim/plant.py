@@ -138,6 +138,10 @@ class Plant:
         """Push no more."""
         self.data.qfrc_applied[:] = 0.0
 
+    def fall_exactly(self) -> None:
+        """Integrate by the method of Runge and Kutta of order 4 from now on, for comparison with other programs."""
+        self.model.opt.integrator = self._mujoco.mjtIntegrator.mjINT_RK4
+
     # Figures ----------------------------------------------------------------------------------------------------
 
     @property

@@ -112,8 +112,8 @@ def sampled_response(port, state, setting, forces, out):
     x = setting[1]
     v = 0.0
     period = setting[2]
-    late = math.floor(setting[3] / period)
-    rest = setting[3] - late * period
+    late = min(math.floor(setting[3] / period + 1e-9), len(forces) - 2)
+    rest = max(setting[3] - late * period, 0.0)
     for i in range(len(forces)):
         forces[i] = 0.0
     for k in range(len(out)):
