@@ -134,12 +134,11 @@ def test_sampled_motion_is_that_of_a_plain_simulation(law):
     out, state = np.empty((n, 3)), np.zeros(at.STATE)
     state[at.LAST : at.LAST + 3] = -1.0
     entries.sampled_response(profile.row(law), state, np.array([mass, start, period, delay]), np.zeros(2), out)
-    x, v, last, peak, back = start, 0.0, None, 0.0, False
+    x, v, peak, back = start, 0.0, 0.0, False
     for k in range(n):
         size = abs(x)
-        if last is not None and size != last:
-            back = size < last
-        last, peak = size, peak if back else size
+        back = k > 0 and x * v < 0.0
+        peak = max(size, peak) if back else size
         pull = float(force(size))
         if back and law == "A":
             pull = float(force(peak)) * (2.0 * size / peak - 1.0)
@@ -229,7 +228,7 @@ def test_joint_limits_push_back_within_their_zone_alone():
 def test_the_peak_is_the_largest_error_of_the_current_divergence():
     arm = arms.load("iiwa14")
     start = np.array([0.1, 0.5, 0.0, -1.2, 0.2, 0.7, 0.0])
-    c = TorqueController(arm, [FractalImpedance("tip", TIP)], gravity=False)
+    c = TorqueController(arm, [FractalImpedance("tip", TIP, switch="error")], gravity=False)
     c.set_posture(start)
     way = np.array([0.0, 0.05, 0.10, 0.15, 0.12, 0.08, 0.04, 0.06, 0.07, 0.05])
     sizes, readings = [], []

@@ -259,10 +259,11 @@ class TorqueController:
 
     def _put(self, targets: dict[float, Array]) -> None:
         """Write targets into the rows of the ports, by kind."""
-        for port in self._rows[: len(self.ports)]:
+        for port, state in zip(self._rows[: len(self.ports)], self._states, strict=False):
             target = targets.get(float(port[at.KIND]))
             if target is not None:
                 port[at.TARGET : at.TARGET + target.size] = target
+                state[at.MOVED] = 1.0
 
 
 def _resting(arm: Arm) -> Array:

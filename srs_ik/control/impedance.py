@@ -34,8 +34,9 @@ class FractalImpedance:
         per_axis: whether each base axis has its peak by itself, as published; else the distance and its direction
             count, which are the same in every frame. A turn is its rotation vector in base axes.
         damping: N s/m or N m s/rad, against the velocity of the place; none as published.
-        switch: None for the change between the ways where the error itself grows or shrinks, as a moving target needs;
-            a speed (m/s, rad/s) for the sign of the velocity with this tolerance, as published (0.01 m/s).
+        switch: speed (m/s, rad/s) at which the error has to shrink to count as shrinking, by the velocity of the place;
+            0.01 m/s as published. In a tick whose target has moved the size of the error itself decides; "error" for
+            that in every tick, where no velocity is to be trusted: it tells the turning point one period late.
         may_inject: whether a profile and law that inject energy are let through, for comparison.
 
     Raises:
@@ -47,7 +48,7 @@ class FractalImpedance:
     law: Law = "A"
     per_axis: bool = False
     damping: float = 0.0
-    switch: float | None = None
+    switch: float | Literal["error"] = 0.0
     may_inject: bool = False
 
     def __post_init__(self) -> None:
@@ -55,14 +56,14 @@ class FractalImpedance:
             raise InvalidController(f"an impedance is on one of {', '.join(_KINDS)}, not on {self.on!r}")
         check_law(self.profile, self.law, self.may_inject)
         not_negative(self.damping, "damping")
-        if self.switch is not None:
+        if self.switch != "error":
             not_negative(self.switch, "speed of the switch")
 
     def row(self) -> Array:
         """(PORT,) the port as kernels read it, its target still empty."""
         port = self.profile.row(self.law, float(self.damping))
         port[at.KIND], port[at.PER_AXIS] = _KINDS[self.on], float(self.per_axis and self.on != "arm_angle")
-        port[at.SWITCH] = -1.0 if self.switch is None else float(self.switch)
+        port[at.SWITCH] = -1.0 if self.switch == "error" else float(self.switch)
         return port
 
 

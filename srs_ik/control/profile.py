@@ -126,7 +126,7 @@ class ForceProfile:
     def row(self, law: Law = "A", damping: float = 0.0) -> Array:
         """(PORT,) what kernels read of a port with this profile, its kind and target still empty."""
         port = np.zeros(at.PORT)
-        port[at.LAW], port[at.PROFILE], port[at.SWITCH] = LAWS[law], _SHAPES[self.shape], -1.0
+        port[at.LAW], port[at.PROFILE], port[at.SWITCH] = LAWS[law], _SHAPES[self.shape], 0.0
         port[at.STIFFNESS], port[at.LARGEST], port[at.DAMPING] = self.stiffness, self.largest, damping
         port[at.KNEE], port[at.WIDTH] = self.knee, self.width
         return port

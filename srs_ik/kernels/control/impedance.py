@@ -22,6 +22,7 @@ from srs_ik.kernels.layout.control import (
     LAW,
     LAW_A,
     LAW_B,
+    MOVED,
     PEAK,
     PER_AXIS,
     POWER,
@@ -47,13 +48,14 @@ def response(port, size, peak, converging):
 def remember(port, state, axis, size, growth):
     """Note the size of an error, and whether it grows: a new peak. Returns whether the axis converges.
 
-    `growth` is the rate of the size for a target at rest (m/s, rad/s).
+    `growth` is the rate of the size for a target at rest (m/s, rad/s). It tells at once what the size itself tells one
+    period late; for a target that has moved it says nothing.
     """
     last = state[LAST + axis]
     converging = state[CONVERGING + axis] != 0.0
     if last < 0.0:
         converging = False
-    elif port[SWITCH] >= 0.0:
+    elif port[SWITCH] >= 0.0 and state[MOVED] == 0.0:
         converging = growth < -port[SWITCH]
     elif size != last:
         converging = size < last
@@ -93,6 +95,7 @@ def pull(port, state, error, velocity):
         state[ENERGY] = energy(port, size)
     damping = port[DAMPING]
     total = (h[0] - damping * velocity[0], h[1] - damping * velocity[1], h[2] - damping * velocity[2])
+    state[MOVED] = 0.0
     for i in range(3):
         state[ERROR + i] = error[i]
         state[FORCE + i] = h[i]

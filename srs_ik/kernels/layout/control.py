@@ -7,7 +7,7 @@ KIND = 0  # one of the kinds below
 JOINT = 1  # 0 to 6, of a joint limit
 LAW = 2  # one of the laws below
 PER_AXIS = 3  # 1.0: each base axis by itself; 0.0: the distance and its direction
-SWITCH = 4  # speed (m/s, rad/s) under which the error still counts as growing; negative: by the error itself
+SWITCH = 4  # speed (m/s, rad/s) under which the error counts as growing; negative: by the error itself
 PROFILE = 5  # one of the profiles below
 STIFFNESS = 6  # N/m, N m/rad: slope of the force at zero
 LARGEST = 7  # N, N m: the force is never larger
@@ -42,7 +42,8 @@ ERROR = 9  # 3: m, rad
 FORCE = 12  # 3: N, N m, without damping
 ENERGY = 15  # J: of the profile at the error, what the port can give back at most
 POWER = 16  # W: that flows into the arm, with damping
-STATE = 17
+MOVED = 17  # 1.0 where the target has moved since the last tick
+STATE = 18
 
 # What holds for the whole controller.
 MAX_TORQUE = 0  # 7, N m
