@@ -35,7 +35,7 @@ ARMATURE = 0.005
 """Of each joint, kg m^2: two links of the shoulder have no mass of their own, and tables of segments leave out what
 muscles add. Without it the mass matrix is singular where axes 1 and 3 are in line."""
 
-MOVEMENTS, DURATION, SECONDS = 100, 0.8, 1.4
+MOVEMENTS, DURATION, SECONDS = 100, 0.8, 1.2
 EVERY = 4
 PLANS = {
     "none": "told at once",

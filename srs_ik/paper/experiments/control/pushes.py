@@ -21,12 +21,12 @@ BACK_M, BACK_DEG = 1e-3, 0.5
 
 RUNS = {
     "per_axis": 100,
-    "radial": 100,
+    "radial": 20,
     "radial_damped": 20,
-    "spring": 20,
-    "linear": 20,
-    "operational": 20,
-    "joint": 20,
+    "spring": 10,
+    "linear": 10,
+    "operational": 10,
+    "joint": 10,
 }
 """Pushes of each controller, half on the tip and half on the elbow."""
 

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
     from srs_ik.arm import Arm
 
-RUNS = {"per_axis": 20, "radial": 20, "linear": 5, "operational": 5, "operational_pinv": 5, "joint": 5}
+RUNS = {"per_axis": 20, "radial": 5, "linear": 3, "operational": 3, "operational_pinv": 3, "joint": 3}
 """Seeds of each controller."""
 
 BEYOND = 1.05
@@ -41,7 +41,7 @@ def stretch(arm: Arm, progress: Progress, short: bool = False) -> Outcome:
     for i, (kind, count) in enumerate(RUNS.items()):
         figures["stretch"][kind], shown[kind] = _stretched(arm, kind, 1 if short else count, 0.05 if short else 1.0)
         progress(0.8 * (i + 1) / len(RUNS))
-    figures["forbidden"] = _forbidden(arm, 2 if short else TARGETS, 0.3 if short else 3.0)
+    figures["forbidden"] = _forbidden(arm, 2 if short else TARGETS, 2 if short else 12, 0.3 if short else 3.0)
     progress(1.0)
     return Outcome(figures, lambda: _draw(figures, shown))
 
@@ -98,11 +98,11 @@ def _one(arm: Arm, plant: Plant, controller: Any, q: Array, slowness: float) -> 
     return record, float(record.errors(T)[0][-1])
 
 
-def _forbidden(arm: Arm, count: int, seconds: float) -> dict[str, Any]:
+def _forbidden(arm: Arm, count: int, starts: int, seconds: float) -> dict[str, Any]:
     """How much farther from a target the tip stays than it would have to, where limits or reach forbid it.
 
     Targets of the tip point alone: half of them beyond the reach, half around the shoulder, where the elbow's limit
-    ends the way. The least distance within the limits is that of SciPy's L-BFGS-B from 20 starts.
+    ends the way. The least distance within the limits is that of SciPy's L-BFGS-B from 12 starts.
     """
     rng = np.random.default_rng(SEED)
     reach = arm.limb.upper_arm + arm.limb.forearm + arm.limb.hand
@@ -119,7 +119,7 @@ def _forbidden(arm: Arm, count: int, seconds: float) -> dict[str, Any]:
         distance = 1.15 * reach if i % 2 else 0.15 * reach
         T = arm.forward_kinematics(home(arm)).homogeneous
         T[:3, 3] = arm.limb.shoulder + distance * directions(rng, 1)[0]
-        least.append(_least_distance(arm, T[:3, 3], lower, upper, rng))
+        least.append(_least_distance(arm, T[:3, 3], lower, upper, rng.uniform(lower, upper, (starts, 7))))
         for kind, controller in kinds.items():
             plant = Plant(arm, damping=4.0 * DAMPING)
             plant.reset(home(arm))
@@ -140,12 +140,11 @@ def _forbidden(arm: Arm, count: int, seconds: float) -> dict[str, Any]:
     }
 
 
-def _least_distance(arm: Arm, point: Array, lower: Array, upper: Array, rng: np.random.Generator) -> float:
+def _least_distance(arm: Arm, point: Array, lower: Array, upper: Array, starts: Array) -> float:
     def squared(q: Array) -> tuple[float, Array]:
         off = arm.forward_kinematics(q).translation - point
         return float(off @ off), 2.0 * arm.jacobian(q)[:3].T @ off
 
-    starts = rng.uniform(lower, upper, (20, 7))
     found = [
         minimize(squared, q, jac=True, method="L-BFGS-B", bounds=list(zip(lower, upper, strict=True))) for q in starts
     ]
