@@ -6,13 +6,24 @@ The torques of all ports add up, each by the transpose of its own Jacobian. Noth
 from __future__ import annotations
 
 import math
+from typing import Any, NamedTuple
 
 from srs_ik.kernels.algebra.vectors import add, dot, load3, load9, scale, sub
 from srs_ik.kernels.chain.arm_angle_rates import gradient, point_velocity
 from srs_ik.kernels.chain.newton import arm_angle, elbow_position, twist_to
 from srs_ik.kernels.control.impedance import pull
 from srs_ik.kernels.jit import kernel
-from srs_ik.kernels.layout.control import ARM_ANGLE, ELBOW, JOINT, KIND, ORIENTATION, TARGET, TIP
+from srs_ik.kernels.layout.control import (
+    ARM_ANGLE,
+    DERIVATIVES,
+    ELBOW,
+    JOINT,
+    KIND,
+    ORIENTATION,
+    TARGET,
+    TIP,
+    TORQUE,
+)
 from srs_ik.kernels.limb.spherical import wrap
 from srs_ik.kernels.limb.triangle import shoulder_to_wrist, target_frame
 
@@ -20,43 +31,58 @@ STEEPEST = 20.0
 """Largest length of the derivatives of the arm angle, rad/rad, that torques follow; beyond, they are scaled to it."""
 
 
+class Motion(NamedTuple):
+    """How the arm moves in a tick."""
+
+    q: Any
+    """Seven joint angles."""
+    v: Any
+    """Seven joint speeds."""
+    frame: Any
+    """Directions x, y and z of the tip, and its point."""
+    J: Any
+    """(6, 7) lines of the joints."""
+
+
 @kernel
-def pull_point(port, state, point, J, v, joints, torque):
+def pull_point(port, state, point, joints, motion, torque):
     """Pull a point, carried by the first so many joints, to the target of a port."""
     velocity = (0.0, 0.0, 0.0)
     for joint in range(joints):
-        velocity = add(velocity, scale(v[joint], point_velocity(J, joint, point)))
+        velocity = add(velocity, scale(motion.v[joint], point_velocity(motion.J, joint, point)))
     h = pull(port, state, sub(load3(port, TARGET), point), velocity)
     for joint in range(joints):
-        torque[joint] += dot(point_velocity(J, joint, point), h)
+        torque[joint] += dot(point_velocity(motion.J, joint, point), h)
 
 
 @kernel
-def turn_tip(port, state, frame, J, v, torque):
+def turn_tip(port, state, motion, torque):
     """Turn the tip to the rotation of a port, about the axis of the shortest turn."""
-    x, y, z, p = frame
+    J = motion.J
+    x, y, z, p = motion.frame
     _, turn = twist_to(x, y, z, p, load9(port, TARGET), p)
     velocity = (0.0, 0.0, 0.0)
     for joint in range(7):
-        velocity = add(velocity, scale(v[joint], (J[3, joint], J[4, joint], J[5, joint])))
+        velocity = add(velocity, scale(motion.v[joint], (J[3, joint], J[4, joint], J[5, joint])))
     h = pull(port, state, turn, velocity)
     for joint in range(7):
         torque[joint] += dot((J[3, joint], J[4, joint], J[5, joint]), h)
 
 
 @kernel
-def angle_at(P, q, frame):
+def angle_at(P, motion):
     """Arm angle of a configuration whose tip frame is known."""
-    x, y, z, p = frame
+    x, y, z, p = motion.frame
     R = (x[0], y[0], z[0], x[1], y[1], z[1], x[2], y[2], z[2])
     _, t, h0 = target_frame(P, shoulder_to_wrist(P, R, p))
-    return arm_angle(P, q, t, h0)
+    return arm_angle(P, motion.q, t, h0)
 
 
 @kernel
-def turn_elbow(P, port, state, frame, q, J, v, derivatives, torque):
+def turn_elbow(P, port, state, motion, work):
     """Turn the elbow about the line from shoulder to wrist, to the arm angle of a port."""
-    exists = gradient(P, q, J, derivatives)[2]
+    derivatives = work[DERIVATIVES]
+    exists = gradient(P, motion.q, motion.J, derivatives)[2]
     rate = 0.0
     steepness = 0.0
     for joint in range(7):
@@ -64,33 +90,34 @@ def turn_elbow(P, port, state, frame, q, J, v, derivatives, torque):
     share = min(1.0, STEEPEST / steepness) if steepness > 0.0 else 0.0
     for joint in range(7):
         derivatives[joint] *= share
-        rate += derivatives[joint] * v[joint]
-    error = wrap(port[TARGET] - angle_at(P, q, frame)) if exists else 0.0
+        rate += derivatives[joint] * motion.v[joint]
+    error = wrap(port[TARGET] - angle_at(P, motion)) if exists else 0.0
     h = pull(port, state, (error, 0.0, 0.0), (rate, 0.0, 0.0))
     for joint in range(7):
-        torque[joint] += derivatives[joint] * h[0]
+        work[TORQUE, joint] += derivatives[joint] * h[0]
 
 
 @kernel
-def keep_off(port, state, q, v, torque):
+def keep_off(port, state, motion, torque):
     """Push a joint out of the zone before its lower or upper limit."""
     joint = int(port[JOINT])
-    error = max(port[TARGET] - q[joint], 0.0) + min(port[TARGET + 1] - q[joint], 0.0)
-    speed = v[joint] if error != 0.0 else 0.0
+    error = max(port[TARGET] - motion.q[joint], 0.0) + min(port[TARGET + 1] - motion.q[joint], 0.0)
+    speed = motion.v[joint] if error != 0.0 else 0.0
     torque[joint] += pull(port, state, (error, 0.0, 0.0), (speed, 0.0, 0.0))[0]
 
 
 @kernel
-def act(P, port, state, frame, q, J, v, derivatives, torque):
-    """Add the torques of one port."""
+def act(P, port, state, motion, work):
+    """Add the torques of one port to the row TORQUE of the work of a tick."""
     kind = port[KIND]
+    torque = work[TORQUE]
     if kind == TIP:
-        pull_point(port, state, frame[3], J, v, 7, torque)
+        pull_point(port, state, motion.frame[3], 7, motion, torque)
     elif kind == ORIENTATION:
-        turn_tip(port, state, frame, J, v, torque)
+        turn_tip(port, state, motion, torque)
     elif kind == ELBOW:
-        pull_point(port, state, elbow_position(P, q), J, v, 3, torque)
+        pull_point(port, state, elbow_position(P, motion.q), 3, motion, torque)
     elif kind == ARM_ANGLE:
-        turn_elbow(P, port, state, frame, q, J, v, derivatives, torque)
+        turn_elbow(P, port, state, motion, work)
     else:
-        keep_off(port, state, q, v, torque)
+        keep_off(port, state, motion, torque)

@@ -9,11 +9,10 @@ from srs_ik.kernels.chain.kinematics import joint_lines
 from srs_ik.kernels.chain.newton import elbow_position
 from srs_ik.kernels.control.gravity import hold
 from srs_ik.kernels.control.impedance import along_axis, response
-from srs_ik.kernels.control.ports import act
+from srs_ik.kernels.control.ports import Motion, act
 from srs_ik.kernels.control.profile import energy, force
 from srs_ik.kernels.jit import entry
 from srs_ik.kernels.layout.control import (
-    DERIVATIVES,
     GRAVITY,
     LARGEST_SPEED,
     LINES,
@@ -39,20 +38,18 @@ def tick(family, weights, ports, states, bounds, motion, work):
             return False
     P = row(family, LIMITED)
     q = read7(row(motion, 0))
-    v = read7(row(motion, 1))
-    torque = work[TORQUE]
     J = work[LINES : LINES + 6]
+    now = Motion(q, read7(row(motion, 1)), joint_lines(P, q, J), J)
     for joint in range(7):
-        torque[joint] = 0.0
+        work[TORQUE, joint] = 0.0
         work[WEIGHT, joint] = 0.0
-    frame = joint_lines(P, q, J)
     for i in range(len(ports)):
-        act(P, row(ports, i), states[i], frame, q, J, v, work[DERIVATIVES], torque)
+        act(P, row(ports, i), states[i], now, work)
     if bounds[GRAVITY] == 1.0:
         hold(P, row(weights, 0), q, work)
     for joint in range(7):
         largest = bounds[MAX_TORQUE + joint]
-        torque[joint] = max(-largest, min(largest, torque[joint] + work[WEIGHT, joint]))
+        work[TORQUE, joint] = max(-largest, min(largest, work[TORQUE, joint] + work[WEIGHT, joint]))
     return True
 
 

@@ -25,13 +25,16 @@ RUNS = {"per_axis": 20, "radial": 5, "linear": 3, "operational": 3, "operational
 BEYOND = 1.05
 """Farthest target, in distances from shoulder to wrist with the elbow straight."""
 
-OUT, STAY, HOME = 2.0, 0.5, 1.0
+OUT, STAY, HOME = 3.0, 0.5, 1.0
 """Seconds on the way out and again on the way back, at the far end, and at home."""
 
 FAST, FLIP = 3.0, 1.0
 """A joint speed, rad/s, and a change of the arm angle between start and end, rad, that a stretch should stay below."""
 
 TARGETS = 12
+
+CLOSE = 2e-3
+"""A tip this much farther from its target than it has to be, m, is as near as can be: MuJoCo's limits are soft."""
 
 
 def stretch(arm: Arm, progress: Progress, short: bool = False) -> Outcome:
@@ -41,7 +44,7 @@ def stretch(arm: Arm, progress: Progress, short: bool = False) -> Outcome:
     for i, (kind, count) in enumerate(RUNS.items()):
         figures["stretch"][kind], shown[kind] = _stretched(arm, kind, 1 if short else count, 0.05 if short else 1.0)
         progress(0.8 * (i + 1) / len(RUNS))
-    figures["forbidden"] = _forbidden(arm, 2 if short else TARGETS, 2 if short else 12, 0.3 if short else 3.0)
+    figures["forbidden"] = _forbidden(arm, 2 if short else TARGETS, 2 if short else 12, 0.3 if short else 8.0)
     progress(1.0)
     return Outcome(figures, lambda: _draw(figures, shown))
 
@@ -102,14 +105,16 @@ def _forbidden(arm: Arm, count: int, starts: int, seconds: float) -> dict[str, A
     """How much farther from a target the tip stays than it would have to, where limits or reach forbid it.
 
     Targets of the tip point alone: half of them beyond the reach, half around the shoulder, where the elbow's limit
-    ends the way. The least distance within the limits is that of SciPy's L-BFGS-B from 12 starts.
+    ends the way. Eight seconds; by distance and direction, damped, and axis by axis, where another sum is least. The
+    least distance within the limits is that of SciPy's L-BFGS-B from 12 starts.
     """
     rng = np.random.default_rng(SEED)
     reach = arm.limb.upper_arm + arm.limb.forearm + arm.limb.hand
     lower, upper = np.maximum(arm.lower, -np.pi), np.minimum(arm.upper, np.pi)
-    alone = [FractalImpedance("tip", TIP, per_axis=True)]
+    alone = [FractalImpedance("tip", TIP, damping=20.0)]
     kinds = {
         "tip_alone": TorqueController(arm, alone),
+        "tip_alone_per_axis": TorqueController(arm, [FractalImpedance("tip", TIP, per_axis=True)]),
         "tip_and_repelling_limits": TorqueController(arm, alone, limits=True),
         "all_ports": fractal(arm),
     }
@@ -133,7 +138,7 @@ def _forbidden(arm: Arm, count: int, starts: int, seconds: float) -> dict[str, A
             kind: {
                 "median_farther_m": float(np.median(values)),
                 "worst_farther_m": float(max(values)),
-                "within_1_mm": int(sum(value < 1e-3 for value in values)),
+                "within_2_mm": int(sum(value < CLOSE for value in values)),
             }
             for kind, values in more.items()
         },
