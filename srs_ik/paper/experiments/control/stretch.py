@@ -25,7 +25,7 @@ RUNS = {"per_axis": 20, "radial": 5, "linear": 3, "operational": 3, "operational
 BEYOND = 1.05
 """Farthest target, in distances from shoulder to wrist with the elbow straight."""
 
-OUT, STAY, HOME = 3.0, 0.5, 1.0
+OUT, STAY, HOME = 4.0, 0.5, 1.0
 """Seconds on the way out and again on the way back, at the far end, and at home."""
 
 FAST, FLIP = 3.0, 1.0
