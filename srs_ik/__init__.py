@@ -39,6 +39,7 @@ if TYPE_CHECKING:
     from srs_ik.inputs.rotations import pose_from_xyz_quaternion, pose_from_xyz_rpy
     from srs_ik.inputs.task import Task
     from srs_ik.loading import LimbReport, find_limbs, load, robots
+    from srs_ik.maps.placement import Placement, base_placement
     from srs_ik.preview import Preview
     from srs_ik.robot.limb import Hand, SrsLimb
     from srs_ik.solve.free_splits import FreeSplit
@@ -80,6 +81,7 @@ _MODULES = {
     "solve.intervals": ("IntervalsBatch",),
     "robot.limb": ("Hand", "SrsLimb"),
     "loading": ("LimbReport", "find_limbs", "load", "robots"),
+    "maps.placement": ("Placement", "base_placement"),
     "solve.objectives": ("OBJECTIVES", "Objective"),
     "solve.optimise": ("Optimum",),
     "solve.path": ("PathSolution",),
@@ -123,6 +125,7 @@ __all__ = [
     "Optimum",
     "PathBreak",
     "PathSolution",
+    "Placement",
     "Polytope",
     "PoseError",
     "Posture",
@@ -136,6 +139,7 @@ __all__ = [
     "Status",
     "Task",
     "TaskSolution",
+    "base_placement",
     "find_limbs",
     "force_ellipsoid",
     "force_polytope",
