@@ -26,6 +26,7 @@ if TYPE_CHECKING:
         AmbiguousLimb,
         FrameNotFound,
         InvalidConfiguration,
+        InvalidMap,
         InvalidPose,
         InvalidRobot,
         InvalidTask,
@@ -39,7 +40,9 @@ if TYPE_CHECKING:
     from srs_ik.inputs.rotations import pose_from_xyz_quaternion, pose_from_xyz_rpy
     from srs_ik.inputs.task import Task
     from srs_ik.loading import LimbReport, find_limbs, load, robots
+    from srs_ik.maps.build import build_map
     from srs_ik.maps.placement import Placement, base_placement
+    from srs_ik.maps.reader import open_map
     from srs_ik.preview import Preview
     from srs_ik.robot.limb import Hand, SrsLimb
     from srs_ik.solve.free_splits import FreeSplit
@@ -68,6 +71,7 @@ _MODULES = {
         "AmbiguousLimb",
         "FrameNotFound",
         "InvalidConfiguration",
+        "InvalidMap",
         "InvalidPose",
         "InvalidRobot",
         "InvalidTask",
@@ -81,7 +85,9 @@ _MODULES = {
     "solve.intervals": ("IntervalsBatch",),
     "robot.limb": ("Hand", "SrsLimb"),
     "loading": ("LimbReport", "find_limbs", "load", "robots"),
+    "maps.build": ("build_map",),
     "maps.placement": ("Placement", "base_placement"),
+    "maps.reader": ("open_map",),
     "solve.objectives": ("OBJECTIVES", "Objective"),
     "solve.optimise": ("Optimum",),
     "solve.path": ("PathSolution",),
@@ -96,7 +102,7 @@ _MODULES = {
     "inputs.task": ("Task",),
     "solve.task": ("BatchTaskSolution", "TaskSolution"),
 }
-NAMESPACES = ("analysis", "paper", "plots", "preview")
+NAMESPACES = ("analysis", "maps", "paper", "plots", "preview")
 """Rooms that have public names of their own."""
 
 _HOME = {name: module for module, names in _MODULES.items() for name in names}
@@ -114,6 +120,7 @@ __all__ = [
     "Interval",
     "IntervalsBatch",
     "InvalidConfiguration",
+    "InvalidMap",
     "InvalidPose",
     "InvalidRobot",
     "InvalidTask",
@@ -140,6 +147,7 @@ __all__ = [
     "Task",
     "TaskSolution",
     "base_placement",
+    "build_map",
     "find_limbs",
     "force_ellipsoid",
     "force_polytope",
@@ -147,6 +155,7 @@ __all__ = [
     "load",
     "manipulability",
     "nearest_pose",
+    "open_map",
     "pose_from_xyz_quaternion",
     "pose_from_xyz_rpy",
     "robots",

@@ -147,6 +147,10 @@ class InvalidTask(SrsIkError, ValueError):
     """A task whose vectors have the wrong shape, are not finite, or leave a direction undefined."""
 
 
+class InvalidMap(SrsIkError, ValueError):
+    """A map that cannot be made as it is asked for, or a store that holds none, or that of another robot."""
+
+
 class PreviewError(SrsIkError):
     """A preview that cannot be served or written, or that is closed already."""
 

@@ -16,6 +16,7 @@ from srs_ik.cli import (
     fk,
     inspect,
     intervals,
+    map,
     path,
     place,
     plot,
@@ -136,6 +137,7 @@ app.command("solve", cls=NumbersCommand)(solve.solve)
 app.command("intervals", cls=NumbersCommand)(intervals.intervals)
 app.command("path", cls=NumbersCommand)(path.path)
 app.command("place", cls=NumbersCommand)(place.place)
+app.add_typer(map.map_app, name="map")
 app.command("ellipsoids", cls=NumbersCommand)(ellipsoids.ellipsoids)
 app.command("plot", cls=NumbersCommand)(plot.plot)
 app.command("preview", cls=NumbersCommand)(preview.preview)

@@ -120,8 +120,17 @@ def base_placement(
 
 def _checked(poses: Any) -> Array:
     T = as_matrices(poses)
-    refuse_bad_poses(np.array([check_pose(each) for each in T], np.int8))
+    refuse_no_poses(T)
     return T
+
+
+def refuse_no_poses(T: Array) -> None:
+    """Raise the error for the first of (N, 4, 4) that is no finite rigid transform.
+
+    Raises:
+        InvalidPose: there is one.
+    """
+    refuse_bad_poses(np.array([check_pose(each) for each in T], np.int8))
 
 
 def _inverses(T: Array) -> Array:

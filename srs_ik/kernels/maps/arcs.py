@@ -44,30 +44,32 @@ def put_arc(lowest, highest, limits, arcs, n):
 
 
 @kernel
+def joined(arcs, n):
+    """Join n sorted arcs that touch, also around the circle; the first that is left, and one behind the last."""
+    last = 0
+    for i in range(1, n):
+        if arcs[i, 0] <= arcs[last, 0] + arcs[last, 1] + SAME:
+            arcs[last, 1] = max(arcs[last, 1], arcs[i, 0] + arcs[i, 1] - arcs[last, 0])
+        else:
+            last += 1
+            arcs[last, 0], arcs[last, 1] = arcs[i, 0], arcs[i, 1]
+    # The last one may go on past the start of the first ones.
+    first = 0
+    while first < last and arcs[first, 0] + TURN <= arcs[last, 0] + arcs[last, 1] + SAME:
+        arcs[last, 1] = max(arcs[last, 1], arcs[first, 0] + arcs[first, 1] + TURN - arcs[last, 0])
+        first += 1
+    return first, last + 1
+
+
+@kernel
 def write_arcs(arcs, n, most, out):
     """Write the union of n sorted arcs (-1: the whole circle) to a cell, at most `most` of them, and none behind."""
-    count = 0
-    if n < 0:
-        out[CELL_ARCS], out[CELL_ARCS + 1] = -PI, TURN
-        count = 1
-    for i in range(max(n, 0)):
-        last = CELL_ARCS + 2 * (count - 1)
-        if count > 0 and arcs[i, 0] <= out[last] + out[last + 1] + SAME:
-            out[last + 1] = max(out[last + 1], arcs[i, 0] + arcs[i, 1] - out[last])
-        elif count < most:
-            out[last + 2], out[last + 3] = arcs[i, 0], arcs[i, 1]
-            count += 1
-    # The last arcs may go on past the start of the first ones.
-    while count > 1:
-        last = CELL_ARCS + 2 * (count - 1)
-        end = out[last] + out[last + 1] - TURN
-        if out[CELL_ARCS] > end + SAME:
-            break
-        out[last + 1] = max(out[last + 1], out[CELL_ARCS] + out[CELL_ARCS + 1] + TURN - out[last])
-        for k in range(CELL_ARCS, last):
-            out[k] = out[k + 2]
-        count -= 1
-    if count == 1 and out[CELL_ARCS + 1] >= TURN - SAME:
-        out[CELL_ARCS], out[CELL_ARCS + 1] = -PI, TURN
-    for k in range(CELL_ARCS + 2 * count, CELL_ARCS + 2 * most):
+    for k in range(CELL_ARCS, CELL_ARCS + 2 * most):
         out[k] = 0.0
+    first, end = (0, 0) if n <= 0 else joined(arcs, n)
+    if n < 0 or (end - first == 1 and arcs[first, 1] >= TURN - SAME):
+        out[CELL_ARCS], out[CELL_ARCS + 1] = -PI, TURN
+        return
+    for i in range(first, min(end, first + most)):
+        k = CELL_ARCS + 2 * (i - first)
+        out[k], out[k + 1] = arcs[i, 0], arcs[i, 1]
