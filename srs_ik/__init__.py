@@ -27,6 +27,7 @@ if TYPE_CHECKING:
         FrameNotFound,
         InvalidConfiguration,
         InvalidController,
+        InvalidMap,
         InvalidPose,
         InvalidRobot,
         InvalidTask,
@@ -40,6 +41,9 @@ if TYPE_CHECKING:
     from srs_ik.inputs.rotations import pose_from_xyz_quaternion, pose_from_xyz_rpy
     from srs_ik.inputs.task import Task
     from srs_ik.loading import LimbReport, find_limbs, load, robots
+    from srs_ik.maps.build import build_map
+    from srs_ik.maps.placement import Placement, base_placement
+    from srs_ik.maps.reader import open_map
     from srs_ik.preview import Preview
     from srs_ik.robot.limb import Hand, SrsLimb
     from srs_ik.solve.free_splits import FreeSplit
@@ -69,6 +73,7 @@ _MODULES = {
         "FrameNotFound",
         "InvalidConfiguration",
         "InvalidController",
+        "InvalidMap",
         "InvalidPose",
         "InvalidRobot",
         "InvalidTask",
@@ -82,6 +87,9 @@ _MODULES = {
     "solve.intervals": ("IntervalsBatch",),
     "robot.limb": ("Hand", "SrsLimb"),
     "loading": ("LimbReport", "find_limbs", "load", "robots"),
+    "maps.build": ("build_map",),
+    "maps.placement": ("Placement", "base_placement"),
+    "maps.reader": ("open_map",),
     "solve.objectives": ("OBJECTIVES", "Objective"),
     "solve.optimise": ("Optimum",),
     "solve.path": ("PathSolution",),
@@ -96,7 +104,7 @@ _MODULES = {
     "inputs.task": ("Task",),
     "solve.task": ("BatchTaskSolution", "TaskSolution"),
 }
-NAMESPACES = ("analysis", "control", "paper", "plots", "preview", "sim")
+NAMESPACES = ("analysis", "control", "maps", "paper", "plots", "preview", "sim")
 """Rooms that have public names of their own."""
 
 _HOME = {name: module for module, names in _MODULES.items() for name in names}
@@ -115,6 +123,7 @@ __all__ = [
     "IntervalsBatch",
     "InvalidConfiguration",
     "InvalidController",
+    "InvalidMap",
     "InvalidPose",
     "InvalidRobot",
     "InvalidTask",
@@ -126,6 +135,7 @@ __all__ = [
     "Optimum",
     "PathBreak",
     "PathSolution",
+    "Placement",
     "Polytope",
     "PoseError",
     "Posture",
@@ -139,6 +149,8 @@ __all__ = [
     "Status",
     "Task",
     "TaskSolution",
+    "base_placement",
+    "build_map",
     "find_limbs",
     "force_ellipsoid",
     "force_polytope",
@@ -146,6 +158,7 @@ __all__ = [
     "load",
     "manipulability",
     "nearest_pose",
+    "open_map",
     "pose_from_xyz_quaternion",
     "pose_from_xyz_rpy",
     "robots",

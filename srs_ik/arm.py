@@ -209,6 +209,23 @@ class Arm(ChainKinematics):
         """
         return feasible.intervals_batch(self.packed, poses, bool(respect_limits), threads)
 
+    def reachable_batch(self, poses: Any, threads: int | None = None) -> NDArray[np.bool_]:
+        """Whether a posture inside the joint limits meets each of N poses: `intervals_batch` cut short at the first.
+
+        Args:
+            poses: (N, 4, 4) array, or a list of poses. Arrays of floats, in C order and writeable, are not copied.
+            threads: at most so many; all processors if not given.
+
+        Returns:
+            (N,) true where there is one.
+
+        Raises:
+            InvalidPose: a pose is no finite rigid transform; the message names the first one.
+        """
+        from srs_ik.solve.reachable import reachable_batch
+
+        return reachable_batch(self.packed, poses, threads)
+
     def self_motion(
         self, pose: PoseLike, branch: int | None = None, count: int = 91, respect_limits: bool = True
     ) -> list[SelfMotion]:

@@ -151,6 +151,10 @@ class InvalidController(SrsIkError, ValueError):
     """A controller whose figures are malformed, that is not passive, or that an arm cannot have."""
 
 
+class InvalidMap(SrsIkError, ValueError):
+    """A map that cannot be made as it is asked for, or a store that holds none, or that of another robot."""
+
+
 class PreviewError(SrsIkError):
     """A preview that cannot be served or written, or that is closed already."""
 
