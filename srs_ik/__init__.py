@@ -93,6 +93,7 @@ _MODULES = {
     "solve.posture": ("Posture",),
     "inputs.task": ("Task",),
     "solve.task": ("BatchTaskSolution", "TaskSolution"),
+    "solve.tracker": ("Tracker", "TrackerStatus", "TrackerStep"),
 }
 NAMESPACES = ("analysis", "paper", "plots", "preview")
 """Rooms that have public names of their own."""
@@ -136,6 +137,9 @@ __all__ = [
     "Status",
     "Task",
     "TaskSolution",
+    "Tracker",
+    "TrackerStatus",
+    "TrackerStep",
     "find_limbs",
     "force_ellipsoid",
     "force_polytope",
