@@ -10,7 +10,21 @@ import typer
 from typer.core import TyperGroup
 
 from srs_ik import __version__
-from srs_ik.cli import bench, ellipsoids, fk, inspect, intervals, path, plot, preview, reproduce, robots, solve, task
+from srs_ik.cli import (
+    bench,
+    ellipsoids,
+    fk,
+    follow,
+    inspect,
+    intervals,
+    path,
+    plot,
+    preview,
+    reproduce,
+    robots,
+    solve,
+    task,
+)
 from srs_ik.cli.options import ExampleCommand, NumbersCommand, WrongInput
 from srs_ik.cli.waiting import announce_compilation
 
@@ -121,6 +135,7 @@ app.command("fk", cls=NumbersCommand)(fk.fk)
 app.command("solve", cls=NumbersCommand)(solve.solve)
 app.command("intervals", cls=NumbersCommand)(intervals.intervals)
 app.command("path", cls=NumbersCommand)(path.path)
+app.command("follow", cls=NumbersCommand)(follow.follow)
 app.command("ellipsoids", cls=NumbersCommand)(ellipsoids.ellipsoids)
 app.command("plot", cls=NumbersCommand)(plot.plot)
 app.command("preview", cls=NumbersCommand)(preview.preview)
