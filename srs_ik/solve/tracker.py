@@ -32,7 +32,7 @@ FULL_SPEED_IN = 0.2
 AHEAD = 0.2
 """Seconds between the present and the pose that the elbow is planned for."""
 
-AVERAGED = 0.02
+AVERAGED = 0.006
 """Seconds over which the velocity of a target is averaged, at least."""
 
 PATIENCE = 0.05

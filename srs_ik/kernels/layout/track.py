@@ -22,7 +22,8 @@ TICK = 66  # updates so far
 ELSEWHERE = 67  # what is known of postures that reach the target: `UNKNOWN` ...
 STARTED = 68  # 1.0 once there was a target
 ESTIMATE = 69  # 12, the target before the last stage of smoothing: rotation, position
-STATE = 81
+COAST = 81  # updates since the tip was on the target, close to it
+STATE = 82
 
 # Verdicts on a target that the goal does not reach.
 UNKNOWN = 0.0

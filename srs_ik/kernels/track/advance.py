@@ -17,8 +17,10 @@ from srs_ik.kernels.chain.newton import clipped
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.limb import LOWER, UPPER
 from srs_ik.kernels.layout.track import (
+    ACCELERATION,
     BAD_TARGET,
     BEHIND,
+    COAST,
     DETOUR,
     DETOUR_END,
     ELSEWHERE,
@@ -61,6 +63,7 @@ from srs_ik.kernels.layout.track import (
 from srs_ik.kernels.limb.goal import NO_SEED
 from srs_ik.kernels.limb.poses import read7
 from srs_ik.kernels.limb.triangle import place
+from srs_ik.kernels.track.catch_up import CLOSE_BY, catch_up, way_left
 from srs_ik.kernels.track.closest import approach, between, error_at, minus
 from srs_ik.kernels.track.elbow import own_motion
 from srs_ik.kernels.track.elsewhere import look_elsewhere, out_of_reach, way_between
@@ -78,6 +81,9 @@ CLOSE = 1e-6
 
 TOGETHER = 1e-12
 """Joints this close to the goal, rad, have met it."""
+
+COAST_FOR = 150
+"""Updates that a tip close to its target may take to come back on the straight way; then other ways are looked for."""
 
 STUCK_FOR = 10
 AGAIN = 25
@@ -214,6 +220,18 @@ def most_behind(S, C, q):
 
 
 @kernel
+def hardest(S, C, v):
+    """The joint (1 to 7) that uses most of its velocity or acceleration."""
+    worst, most = 0, -1.0
+    for j in range(7):
+        change = abs(v[j] - S[V + j]) / (C[ACCELERATION + j] * C[PERIOD])
+        used = max(abs(v[j]) / C[SPEED + j], change)
+        if used > most:
+            worst, most = j + 1, used
+    return worst
+
+
+@kernel
 def verdict(P, S, C, q, size, place_):
     """Status, reason, and the joint that is farthest behind."""
     if S[ON] == 1.0 or (size < CLOSE and way_between(q, read7(row(S, GOAL))) < CLOSE):
@@ -294,17 +312,32 @@ def advance(P, S, C, given, work, out):
     if S[ON] == 1.0:
         d, on = stay_on(P, S, C, pose, own, box, (J, A))
         v = scaled(1.0 / C[PERIOD], d)
-    if on:
+    near = False
+    if not on and S[COAST] < COAST_FOR:
+        left = way_left(P, S)
+        near = left[3] < CLOSE_BY
+        if near:
+            v = scaled(1.0 / C[PERIOD], catch_up(P, S, C, left, own, box, (J, A)))
+    if on or near:
         after, v = step_to(P, S, C, v)
         store7(S, GOAL, after)
         store7(S, GOAL_RATE, v)
+        if near:
+            _, size = error_at(P, after, R_target, p_target, J)
+            on = size < MET
+        S[COAST] = 0.0 if on else S[COAST] + 1.0
     else:
         size = move_goal(P, S, C, pose, (J, A))
         after, v = step_to(P, S, C, follow_goal(S, C, box[0], box[1]))
         on = size < MET and way_between(after, read7(row(S, GOAL))) < TOGETHER
+        if size < CLOSE:
+            S[COAST] = 0.0
     S[ON] = 1.0 if on else 0.0
-    watch(P, S, size, place_)
-    said = verdict(P, S, C, after, size, place_)
+    if near and not on:
+        said = LIMITED, BEHIND, hardest(S, C, v)
+    else:
+        watch(P, S, size, place_)
+        said = verdict(P, S, C, after, size, place_)
     if has != 1:
         said = HELD, LOST_TARGET if has == 0 else BAD_TARGET, said[2]
         R, p = R_target, p_target
