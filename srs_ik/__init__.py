@@ -103,6 +103,7 @@ _MODULES = {
     "solve.posture": ("Posture",),
     "inputs.task": ("Task",),
     "solve.task": ("BatchTaskSolution", "TaskSolution"),
+    "solve.tracker": ("Tracker", "TrackerStatus", "TrackerStep"),
 }
 NAMESPACES = ("analysis", "control", "maps", "paper", "plots", "preview", "sim")
 """Rooms that have public names of their own."""
@@ -151,6 +152,9 @@ __all__ = [
     "TaskSolution",
     "base_placement",
     "build_map",
+    "Tracker",
+    "TrackerStatus",
+    "TrackerStep",
     "find_limbs",
     "force_ellipsoid",
     "force_polytope",

@@ -33,6 +33,7 @@ if TYPE_CHECKING:
     from srs_ik.solve.posture import Posture, Side, Tie
     from srs_ik.solve.self_motion import SelfMotion
     from srs_ik.solve.task import BatchTaskSolution, TaskSolution
+    from srs_ik.solve.tracker import Tracker
 
 Array = NDArray[np.float64]
 
@@ -181,6 +182,37 @@ class Arm(ChainKinematics):
         from srs_ik.solve.path import solve_path
 
         return solve_path(self.packed, poses, seed, dt, longest_step, objective, known, closed)
+
+    def tracker(
+        self,
+        q0: ArrayLike,
+        dt: float,
+        velocity_limit: ArrayLike | None = None,
+        acceleration_limit: ArrayLike | None = None,
+        elbow: Any = "keep",
+        smoothing: float = 0.0,
+    ) -> Tracker:
+        """A follower of a target pose that moves: `update(pose)` gives the joint angles for the end of each period.
+
+        Args:
+            q0: (7,) joint angles to begin with, at rest, rad.
+            dt: seconds between two updates.
+            velocity_limit: one for all joints, or (7,), rad/s; those of the description if not given.
+            acceleration_limit: one for all joints, or (7,), rad/s^2; if not given, what brings each joint to
+                its largest velocity in 0.2 s.
+            elbow: "keep" (it moves as little as the target and the limits allow), an arm angle, rad, or an `Objective`
+                or its name ("limit_margin" for farthest from the limits) that it follows downhill.
+            smoothing: time constant of a filter that takes jitter from the target, seconds; a target at constant
+                velocity is followed without a lag.
+
+        Raises:
+            InvalidConfiguration: a malformed argument, or q0 outside the joint limits.
+            InvalidTask: no such objective, or one that is no kernel.
+            MissingLimits: the description gives a joint no velocity limit, and none is given here.
+        """
+        from srs_ik.solve.tracker import Tracker
+
+        return Tracker(self.packed, self, q0, dt, velocity_limit, acceleration_limit, elbow, smoothing)
 
     def intervals(self, pose: PoseLike, respect_limits: bool = True) -> list[Interval]:
         """Feasible arm angles of every branch, exactly, in the order of branches.

@@ -19,6 +19,10 @@ from srs_ik.cli import (
     map,
     path,
     place,
+    follow,
+    inspect,
+    intervals,
+    path,
     plot,
     preview,
     reproduce,
@@ -138,6 +142,7 @@ app.command("intervals", cls=NumbersCommand)(intervals.intervals)
 app.command("path", cls=NumbersCommand)(path.path)
 app.command("place", cls=NumbersCommand)(place.place)
 app.add_typer(map.map_app, name="map")
+app.command("follow", cls=NumbersCommand)(follow.follow)
 app.command("ellipsoids", cls=NumbersCommand)(ellipsoids.ellipsoids)
 app.command("plot", cls=NumbersCommand)(plot.plot)
 app.command("preview", cls=NumbersCommand)(preview.preview)
