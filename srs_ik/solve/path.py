@@ -11,7 +11,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from srs_ik.errors import InvalidConfiguration, MissingLimits
 from srs_ik.inputs.poses import as_joint_vector, as_matrices, as_positive, as_seed
-from srs_ik.kernels.entries.path import (
+from srs_ik.kernels.layout.answer import ROW
+from srs_ik.kernels.layout.path import (
     BY_CONTINUITY,
     BY_VELOCITY,
     INVERSE_PERIOD,
@@ -20,7 +21,6 @@ from srs_ik.kernels.entries.path import (
     POWER,
     SETTINGS,
 )
-from srs_ik.kernels.layout.answer import ROW
 from srs_ik.solve.free_splits import free_splits
 from srs_ik.solve.path_aims import closed as closed_way
 from srs_ik.solve.path_aims import least_largest_step

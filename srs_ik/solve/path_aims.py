@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from srs_ik.kernels.entries.path import BREAK, INVERSE_SPEED, POWER
+from srs_ik.kernels.layout.path import BREAK, INVERSE_SPEED, POWER
 from srs_ik.solve.path_search import FINE_WIDTHS, Problem, Way, copy, find_way, refine, search, search_around, steps_of
 from srs_ik.solve.pose import solve_all
 

@@ -10,18 +10,9 @@ from numpy.typing import NDArray
 
 from srs_ik.inputs.poses import refuse_bad_poses
 from srs_ik.kernels.entries import path as entries
-from srs_ik.kernels.entries.path import (
-    BREAK,
-    BY_VELOCITY,
-    INVERSE_PERIOD,
-    MOST_NODES,
-    MOST_STRIPS,
-    NODE,
-    PERIOD,
-    STRIP,
-    STRIP_FIRST,
-)
+from srs_ik.kernels.entries.path import MOST_NODES, MOST_STRIPS
 from srs_ik.kernels.layout.answer import ROW, ROW_ORIENTATION_ERROR, ROW_POSITION_ERROR, ROW_STATUS
+from srs_ik.kernels.layout.path import BREAK, BY_VELOCITY, INVERSE_PERIOD, NODE, PERIOD, STRIP, STRIP_FIRST
 from srs_ik.solve.pose import solve
 from srs_ik.solve.solution import Status
 from srs_ik.solve.threads import Stop
@@ -42,12 +33,15 @@ KEPT = 8
 WIDTHS = np.array([0.12, 0.04])
 """Joint steps between the postures of a corridor, rad, before all arm angles move at once."""
 
+FINE: Array = np.empty(0)
+"""None, where strips were fine already."""
+
 FINE_WIDTHS: Array = 0.12 * 0.5 ** np.arange(12.0)
 """The same where corridors alone have to do: with limits of speed."""
 
 
 ROUNDS = 4
-RADIUS = 0.4
+RADIUS = 0.25
 """A path is searched for again so often at most, so far around the last one, rad."""
 
 LEAST_GAIN = 1e-3
@@ -71,8 +65,11 @@ class Problem:
         known: (n, 7) postures that are given.
         has_known: (n,) where they are.
         near: (n, 7) postures around which strips are finer.
+        bridges: (b, 7) postures that strips miss.
+        bridged: (b,) to which poses they belong, in order.
         radius: how far around, rad; 0: nowhere.
         even: whether squared joint steps are what counts.
+        in_closed_form: whether to go by the nearest exact limb of a near one.
         stop: (1,) set by another thread where nobody wants the answer any more.
     """
 
@@ -86,7 +83,18 @@ class Problem:
     near: Array
     radius: float = 0.0
     even: bool = True
+    in_closed_form: bool = False
     stop: Stop = field(default_factory=lambda: np.zeros(1, np.int8))
+    bridges: Array = field(default_factory=lambda: np.empty((0, 7)))
+    bridged: NDArray[np.int64] = field(default_factory=lambda: np.empty(0, np.int64))
+
+    def work(self) -> tuple[Array | None, Array | None]:
+        """Work space of the kernels; none where the closed form is asked for alone."""
+        return (None, None) if self.in_closed_form else self.arm.work()
+
+    def bridge_ends(self) -> NDArray[np.int64]:
+        """(n + 1,) the first bridge of each pose."""
+        return np.searchsorted(self.bridged, np.arange(len(self.T) + 1))
 
 
 @dataclass
@@ -134,7 +142,7 @@ class Block:
             nodes[:n], cost[:n], strips[:m] = self.before.nodes, self.before.cost, self.before.strips
             ends[0] = 0, n, 0, m
         p = self.problem
-        space = p.arm.work()
+        space = p.work()
         answer = (p.settings, p.limited, self.exact, *space, nodes, cost, strips, ends)
         after, self.reached = entries.sweep(
             p.arm.family,
@@ -145,6 +153,8 @@ class Block:
             p.stop,
             p.known,
             p.has_known,
+            p.bridges,
+            p.bridge_ends(),
             p.near,
             p.radius,
             p.seed,
@@ -218,7 +228,7 @@ def find_way(problem: Problem, keys: NDArray[np.int64], exact: bool) -> Way:
         ends = arrays[3][1 : block.count + 1]
         way.reached[keys[block.first : block.first + block.count]] = ends[:, 1] > ends[:, 0]
         block.arrays = None
-    if problem.arm.work()[0] is not None:
+    if problem.work()[0] is not None:
         # Along the curves of a near limb, limits are looked at step by step.
         way.bounds[:] = -np.inf, np.inf
     return way
@@ -226,6 +236,29 @@ def find_way(problem: Problem, keys: NDArray[np.int64], exact: bool) -> Way:
 
 def search(problem: Problem) -> Way:
     """The best path: planned at key poses, filled in between, and refined."""
+    if problem.arm.closed or problem.in_closed_form:
+        return planned(problem)
+    # A near limb moves almost like the exact one next to it: what is best for that one is closed on the true chain.
+    way = planned(replace(problem, in_closed_form=True))
+    if way.cost < 0.5 * BREAK and way.reached.all() and close(problem, way):
+        improve(problem, way)
+        if way.cost < 0.5 * BREAK:
+            return way
+    return planned(problem)
+
+
+def close(problem: Problem, way: Way) -> bool:
+    """Take the postures of a path to their poses, on the true chain and inside the limits; whether all could be."""
+    met = np.zeros(len(way.q), np.bool_)
+    entries.bridge(problem.arm.family, problem.T, way.q, met, *problem.arm.work())
+    way.bounds[:] = -np.inf, np.inf
+    way.psi[:] = 0.0
+    way.branch[~problem.has_known] = 0
+    return bool(met.all())
+
+
+def planned(problem: Problem) -> Way:
+    """`search` on the true chain, or on the nearest exact limb."""
     arm, T = problem.arm, problem.T
     marks, verdicts = np.zeros(len(T), np.bool_), np.zeros(len(T), np.int64)
     entries.choose_keys(arm.family, T, problem.has_known, marks, verdicts)
@@ -233,11 +266,19 @@ def search(problem: Problem) -> Way:
     while True:
         keys = np.flatnonzero(marks)
         way = find_way(problem, keys, False)
+        whole = way.cost < 0.5 * BREAK and bool(way.reached[keys].all())
         missed = np.zeros(len(T), np.bool_)
-        if way.cost < 0.5 * BREAK:
+        if whole:
             place = way.q, way.psi, way.branch, way.bounds, missed
-            entries.fill_between(arm.family, T, keys, way.reached, problem.settings, *place, *arm.work())
-        if marks.all() or not (missed.any() or way.cost >= 0.5 * BREAK or not way.reached[keys].all()):
+            entries.fill_between(arm.family, T, keys, way.reached, problem.settings, *place, *problem.work())
+            if not missed.any():
+                improve(problem, way)
+                return search_around(problem, way)
+            near = find_around(problem, way, np.arange(len(T)))
+            if near.cost < 0.5 * BREAK and near.reached.all():
+                improve(problem, near, FINE)
+                return near
+        if marks.all():
             break
         # Between two planned poses the path does something of its own: there, every pose is planned.
         marks |= missed if missed.any() else True
@@ -249,14 +290,21 @@ def search(problem: Problem) -> Way:
     return search_around(problem, way)
 
 
+def find_around(problem: Problem, way: Way, chain: NDArray[np.int64]) -> Way:
+    """The best way through strips that are fine about a path, and nowhere else."""
+    return find_way(replace(problem, near=way.q, radius=RADIUS), chain, False)
+
+
 def search_around(problem: Problem, way: Way) -> Way:
     """The best path around one: strips are finer there, so branches change where that is best."""
     chain = np.flatnonzero(way.reached)
     for _ in range(ROUNDS):
         if problem.even and not np.diff(way.branch[chain]).any():
             break
-        again = find_way(replace(problem, near=way.q, radius=RADIUS), chain, False)
-        improve(problem, again)
+        again = find_around(problem, way, chain)
+        if not again.reached[chain].all():
+            break
+        improve(problem, again, FINE)
         gain = way.cost - again.cost
         if gain > 0.0:
             way = again
@@ -265,13 +313,13 @@ def search_around(problem: Problem, way: Way) -> Way:
     return way
 
 
-def improve(problem: Problem, way: Way) -> None:
+def improve(problem: Problem, way: Way, widths: Array | None = None) -> None:
     """Move the postures of a path to the best ones near them."""
     if not problem.even:
         refine(problem, way, FINE_WIDTHS, False)
         return
     planned = copy(way)
-    refine(replace(problem, limited=False), way, WIDTHS, True)
+    refine(replace(problem, limited=False), way, WIDTHS if widths is None else widths, True)
     if problem.limited and is_too_fast(problem, way):
         # All at once, arm angles keep no velocity limits: then corridors alone, finer and finer.
         way.q, way.psi, way.branch, way.bounds = planned.q, planned.psi, planned.branch, planned.bounds
@@ -283,7 +331,7 @@ def refine(problem: Problem, way: Way, widths: Array, even: bool) -> None:
     chain = np.flatnonzero(way.reached)
     fixed = problem.has_known | (way.branch < 0)
     place = (problem.T, chain, fixed, way.bounds, widths, even, problem.seed, problem.settings)
-    work = problem.arm.work()
+    work = problem.work()
     way.cost = entries.refine(problem.arm.family, *place, problem.limited, way.q, way.psi, way.branch, *work)
 
 
