@@ -250,9 +250,10 @@ def cheapest(cost, first, last):
 
 @kernel
 def scale_settings(settings, between, scaled):
-    """Write the settings for a step over so many poses: as many times as fast."""
+    """Write the settings for a step over so many poses: as many times as fast, and twice as far at most."""
     for j in range(7):
         scaled[BY_VELOCITY, j] = settings[BY_VELOCITY, j] * between
+        scaled[BY_CONTINUITY, j] = settings[BY_CONTINUITY, j] * min(between, 2)
 
 
 @kernel

@@ -14,7 +14,7 @@ import numpy as np
 from srs_ik.kernels.algebra.pointers import row
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.limb import LIMITED
-from srs_ik.kernels.layout.path import LARGEST, SLOWEST, Line, System
+from srs_ik.kernels.layout.path import LARGEST, SLOWEST, SQUARES, Line, System
 from srs_ik.kernels.path.corridor import beside, moving_rates, posture_at, split_of, spot_of
 from srs_ik.kernels.path.edges import (
     CROSS,
@@ -45,6 +45,17 @@ FASTEST = 1e5
 """Joint rates above this, rad/rad, belong to a posture next to a singularity: its arm angle stays."""
 
 ON_END = 1e-9
+
+LEAST_PART = 0.1
+"""Whoever can go less than this part of its way to the end of its strip is held ..."""
+
+HOLDS = 3
+"""... and the others asked again, so often at most."""
+
+HALVINGS = 5
+"""A step that does not gain is made shorter so often, before all is damped."""
+
+MOST_DAMPING = 1e2
 
 
 @kernel
@@ -187,6 +198,40 @@ def moved_direction(rate, i):
 
 
 @kernel
+def hold_beyond(course, line, move, rate):
+    """Take the rates of postures that can go less than a part of their way to the end of their strip; are there any?"""
+    some = False
+    for c in range(course.chain.shape[0]):
+        i = course.chain[c]
+        room = course.bounds[i, 1] - line.psi[i] if move[c] > 0.0 else line.psi[i] - course.bounds[i, 0]
+        if abs(move[c]) > ON_END and room < LEAST_PART * abs(move[c]) and largest(row(rate, i)) > 0.0:
+            some = True
+            for j in range(7):
+                rate[i, j] = 0.0
+    return some
+
+
+@kernel
+def direct(course, line, aim, settings, problem, damping):
+    """Write how far all arm angles move in a step into `system.spare`; `problem` are steps, bound, rates and system."""
+    steps, t, rate, system = problem
+    chain = course.chain
+    n = chain.shape[0]
+    for _ in range(HOLDS):
+        corner = assemble(chain, aim, settings, steps, t, rate, system)
+        solve_system(system, corner, damping, n)
+        if not hold_beyond(course, line, system.move, rate):
+            break
+    # Together they go as far as the fastest one may: each by itself, they would part.
+    part = 1.0
+    if aim.kind != SQUARES:
+        for c in range(n):
+            part = min(part, LONGEST_MOVE / max(abs(system.move[c]) * largest(row(rate, chain[c])), LONGEST_MOVE))
+    for c in range(n):
+        system.spare[c] = part * system.move[c]
+
+
+@kernel
 def smooth(family, course, line, seed, aim, settings, space):
     """Move the postures of a path, in place, so that what is aimed at becomes least; see `corridor`. Returns it."""
     P = row(family, LIMITED)
@@ -200,32 +245,32 @@ def smooth(family, course, line, seed, aim, settings, space):
     write_steps(chain, seed, settings, line.q, steps)
     lowest, t = value_of(aim, chain, settings, steps, first)
     damping = 0.0
-    fresh = True
     for _ in range(SWEEPS):
-        if lowest == OUTSIDE:
+        if lowest == OUTSIDE or damping > MOST_DAMPING:
             break
         write_steps(chain, seed, settings, line.q, steps)
-        if fresh:
-            write_rates(P, course, line, rate, space)
-            assemble(chain, aim, settings, steps, t, rate, system)
-            hold(chain, course.bounds, line.psi, system.move, rate)
-        corner = assemble(chain, aim, settings, steps, t, rate, system)
-        solve_system(system, corner, damping, n)
-        move_all(P, course, line, rate, system.move, moved, space)
-        write_steps(chain, seed, settings, moved.q, steps)
-        total, t_moved = value_of(aim, chain, settings, steps, first)
-        fresh = total < lowest
-        if fresh:
-            gain = lowest - total
-            lowest = total
-            t = t_moved
-            line.q[:] = moved.q
-            line.psi[:] = moved.psi
-            damping *= 0.1
-            if gain < (ENOUGH_OF_WEIGHT * n * aim.weight if aim.weight > 0.0 else ENOUGH * lowest):
+        write_rates(P, course, line, rate, space)
+        assemble(chain, aim, settings, steps, t, rate, system)
+        hold(chain, course.bounds, line.psi, system.move, rate)
+        direct(course, line, aim, settings, (steps, t, rate, system), damping)
+        gain = 0.0
+        for _ in range(HALVINGS):
+            move_all(P, course, line, rate, system.spare, moved, space)
+            write_steps(chain, seed, settings, moved.q, steps)
+            total, t_moved = value_of(aim, chain, settings, steps, first)
+            if total < lowest:
+                gain = lowest - total
+                lowest = total
+                t = t_moved
+                line.q[:] = moved.q
+                line.psi[:] = moved.psi
                 break
-        elif damping > 1e3:
-            break
-        else:
+            for c in range(n):
+                system.spare[c] *= 0.5 if aim.kind == SQUARES else 0.3
+        if gain == 0.0:
             damping = max(10.0 * damping, 0.1)
+            continue
+        damping *= 0.1
+        if gain < (ENOUGH_OF_WEIGHT * n * aim.weight if aim.weight > 0.0 else ENOUGH * lowest):
+            break
     return lowest
