@@ -10,7 +10,21 @@ import typer
 from typer.core import TyperGroup
 
 from srs_ik import __version__
-from srs_ik.cli import bench, ellipsoids, fk, inspect, intervals, path, plot, preview, reproduce, robots, solve, task
+from srs_ik.cli import (
+    bench,
+    ellipsoids,
+    fk,
+    inspect,
+    intervals,
+    path,
+    plot,
+    preview,
+    reproduce,
+    robots,
+    solve,
+    task,
+    warm,
+)
 from srs_ik.cli.options import ExampleCommand, NumbersCommand, WrongInput
 from srs_ik.cli.waiting import announce_compilation
 
@@ -134,3 +148,4 @@ app.command("preview", cls=NumbersCommand)(preview.preview)
 app.command("task", cls=NumbersCommand)(task.task)
 app.command("reproduce", cls=NumbersCommand)(reproduce.reproduce)
 app.command("bench", cls=ExampleCommand)(bench.bench)
+app.command("warm")(warm.warm)

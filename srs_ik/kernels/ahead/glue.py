@@ -9,6 +9,7 @@ from pkgutil import iter_modules
 
 from srs_ik.kernels import layout
 from srs_ik.kernels.ahead.signatures import Argument, Entry
+from srs_ik.kernels.native import limb_mark
 
 HERE = Path(__file__).parent
 NAME = "srs_ik"
@@ -26,7 +27,7 @@ _ABOUT = """\
 """
 
 _FILES = """
-/* Read a limb that `srs-ik inspect ROBOT --limb FILE` wrote: 0; 1: no limb of this version, 2: cannot be read. */
+/* Read a limb that `srs-ik inspect ROBOT --packed FILE` wrote: 0; 1: no limb of this version, 2: cannot be read. */
 int srs_ik_read_limb(const char *path, double family[4][SRS_IK_LIMB_SIZE]);
 
 /* The kind of processor that the kernels at work are compiled for. */
@@ -112,7 +113,9 @@ def library(entries: Sequence[Entry], targets: Sequence[tuple[str, str]]) -> str
     lines += ["};", "static int at = 0;", f"#define TARGETS {len(targets)}", ""]
     lines += ["static bool fits(int target) {", "    switch (target) {"]
     lines += [f"    case {i}: return {check};" for i, (_, check) in enumerate(targets)]
-    lines += ["    }", "    return false;", "}", "", (HERE / "library.c").read_text()]
+    mark = ", ".join(map(str, limb_mark()))
+    lines += ["    }", "    return false;", "}", "", f"static const unsigned char limb_mark[16] = {{{mark}}};", ""]
+    lines += [(HERE / "library.c").read_text()]
     for e in entries:
         bits = " | ".join(f"({name} == NULL) << {i}" for i, name in enumerate(e.optional)) or "0"
         names = ", ".join(name for _, name in _parameters(e))

@@ -56,8 +56,9 @@ class CompiledKernels(BuildHookInterface):
             return "no Numba to compile them"
         scratch = Path(tempfile.mkdtemp())
         build_data["srs_ik_scratch"] = str(scratch)
-        # Neither the order of sets nor what a user's folder holds may change what is made.
-        environment = {**os.environ, "PYTHONPATH": self.root, "PYTHONHASHSEED": "0", "SRS_IK_JIT": "1"}
+        # The order of sets must not change what is made.
+        path = os.pathsep.join(filter(None, (self.root, os.environ.get("PYTHONPATH"))))
+        environment = {**os.environ, "PYTHONPATH": path, "PYTHONHASHSEED": "0", "SRS_IK_JIT": "1"}
         command = [sys.executable, "-m", "srs_ik.kernels.ahead.build", str(scratch)]
         done = subprocess.run(command, cwd=scratch, env=environment, check=False)
         if done.returncode:

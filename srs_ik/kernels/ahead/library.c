@@ -24,7 +24,7 @@ int srs_ik_read_limb(const char *path, double family[4][SRS_IK_LIMB_SIZE]) {
     if (file == NULL) return 2;
     const size_t figures = 4 * SRS_IK_LIMB_SIZE;
     const bool whole = fread(head, sizeof head, 1, file) == 1 && fread(&count, sizeof count, 1, file) == 1;
-    const bool fitting = whole && memcmp(head, "srs_ik limb 1\n\0\0", sizeof head) == 0 && count == (int64_t)figures;
+    const bool fitting = whole && memcmp(head, limb_mark, sizeof head) == 0 && count == (int64_t)figures;
     const bool read = fitting && fread(family, sizeof(double), figures, file) == figures && fgetc(file) == EOF;
     fclose(file);
     return read ? 0 : 1;

@@ -54,6 +54,11 @@ def compiled_entry(function: Callable[..., Any]) -> Callable[..., Any]:
     return getattr(extension(), f"{function.__module__.rpartition('.')[2]}_{function.__name__}")
 
 
+def limb_mark() -> bytes:
+    """The first 16 bytes of a file with a packed limb: what it is, and of which columns."""
+    return b"srs_ik\n\0" + hashlib.sha256((KERNELS / "layout" / "limb.py").read_bytes()).digest()[:8]
+
+
 def at_work() -> str:
     """How kernels are run in this process, in words."""
     found = extension()
