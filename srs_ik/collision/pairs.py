@@ -1,0 +1,200 @@
+"""Which bodies of an arm are watched for meeting each other, and why others are not."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from itertools import combinations
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from srs_ik.collision.bodies import Body
+from srs_ik.robot.description.shapes import read_tree
+from srs_ik.robot.description.srdf import disabled_pairs
+
+if TYPE_CHECKING:
+    from srs_ik.kinematics import ChainKinematics
+    from srs_ik.robot.description.model import Drawing
+
+Array = NDArray[np.float64]
+
+POSTURES = 200
+"""Random postures inside the limits, at which pairs are looked at."""
+
+ALWAYS = 0.95
+"""Bodies that touch at more than this share of them touch by design."""
+
+_BETWEEN = 3
+"""Whether bodies with no more joints than this between them can meet at all is tried to be proved ..."""
+
+_TRIES = 1500
+"""... in so many steps."""
+
+_APART = 1e-4
+"""Bodies nearer than this, m, are not taken to be apart: coal's own tolerance is 1e-6."""
+
+
+@dataclass(frozen=True)
+class Pair:
+    """Two bodies of an arm.
+
+    Attributes:
+        first: name of the one nearer to the base.
+        second: name of the other.
+        kept: whether they are watched.
+        reason: why, in a word or two.
+    """
+
+    first: str
+    second: str
+    kept: bool
+    reason: str
+
+
+def find_pairs(
+    arm: ChainKinematics, bodies: Sequence[Body], drawing: Drawing | None, srdf: str | Path | None = None
+) -> list[Pair]:
+    """All pairs of bodies of an arm, each kept or not, with the reason.
+
+    Bodies on one joint are rigid to each other, and links that one joint connects touch at it. With an SRDF, what that
+    disables is not watched; without, what touches at more than 95 % of random postures on the real shapes, and what is
+    proved never to meet: the distance at the middle of a box of joint angles, and how far any point can move in it.
+
+    Args:
+        arm: the seven joints.
+        bodies: its bodies.
+        drawing: where the tree of links is.
+        srdf: path or text of an SRDF file.
+
+    Raises:
+        InvalidRobot: the SRDF file is missing or no SRDF.
+    """
+    disabled = disabled_pairs(srdf) if srdf is not None else {}
+    neighbours = _neighbours(arm, bodies, drawing)
+    survey = None
+    pairs = []
+    for i, j in combinations(range(len(bodies)), 2):
+        a, b = bodies[i], bodies[j]
+        if a.joint > b.joint:
+            i, j, a, b = j, i, b, a
+        names = frozenset((a.name, b.name))
+        if a.joint == b.joint:
+            pairs.append(Pair(a.name, b.name, False, "on one joint"))
+        elif srdf is not None:
+            kept = names not in disabled
+            pairs.append(Pair(a.name, b.name, kept, "watched" if kept else f"SRDF: {disabled[names]}"))
+        elif names in neighbours:
+            pairs.append(Pair(a.name, b.name, False, "adjacent"))
+        else:
+            survey = survey or _Survey(arm, bodies)
+            reason = survey.reason(i, j)
+            pairs.append(Pair(a.name, b.name, not reason, reason or "watched"))
+    return pairs
+
+
+def with_overrides(
+    pairs: Iterable[Pair], keep: Iterable[tuple[str, str]], drop: Iterable[tuple[str, str]]
+) -> list[Pair]:
+    """The pairs, some of them watched or not as their caller says."""
+    kept, dropped = {frozenset(p) for p in keep}, {frozenset(p) for p in drop}
+    out = []
+    for pair in pairs:
+        names = frozenset((pair.first, pair.second))
+        if names in kept and pair.reason != "on one joint":
+            pair = Pair(pair.first, pair.second, True, "watched, as asked for")
+        elif names in dropped:
+            pair = Pair(pair.first, pair.second, False, "dropped, as asked for")
+        out.append(pair)
+    return out
+
+
+def _neighbours(arm: ChainKinematics, bodies: Sequence[Body], drawing: Drawing | None) -> set[frozenset[str]]:
+    """Names of bodies that one of the joints connects, links without shapes between them left out."""
+    joint_of = {frame.name: frame.parentJoint for frame in arm.model.frames if frame.name}
+    shaped = {body.name for body in bodies}
+    carrier: dict[str, str] = {child: parent for parent, child in read_tree(drawing)}
+    found = set()
+    for body in bodies:
+        link, crossed = body.name, 0
+        while link in carrier:
+            parent = carrier[link]
+            crossed += joint_of.get(parent) != joint_of.get(link)
+            link = parent
+            if link in shaped:
+                if crossed:
+                    found.add(frozenset((body.name, link)))
+                break
+    return found
+
+
+class _Survey:
+    """Bodies at random postures, and what that says of their pairs."""
+
+    def __init__(self, arm: ChainKinematics, bodies: Sequence[Body]) -> None:
+        from srs_ik.collision.real import RealBodies, transform
+
+        self._arm, self._bodies, self._transform = arm, bodies, transform
+        self._real = RealBodies(bodies)
+        self._lower = np.where(np.isfinite(arm.lower), arm.lower, -np.pi)
+        self._upper = np.where(np.isfinite(arm.upper), arm.upper, np.pi)
+        q = np.random.default_rng(0).uniform(self._lower, self._upper, (POSTURES, 7))
+        self._postures = [self._frames(row) for row in q]
+        zero = arm.joint_frames(np.zeros(7))[:, :3, 3]
+        self._hops = np.linalg.norm(np.diff(zero, axis=0), axis=1)
+        self._sizes = [_size(body) for body in bodies]
+
+    def _frames(self, q: Array) -> list[Any]:
+        return [self._transform(T) for T in self._arm.joint_frames(q)]
+
+    def reason(self, i: int, j: int) -> str:
+        """Why two bodies need not be watched; empty where they have to."""
+        if self._always_touch(i, j):
+            return f"touch at more than {ALWAYS:.0%} of postures"
+        if self._bodies[j].joint - self._bodies[i].joint <= _BETWEEN and self._never_meet(i, j):
+            return "never meet (proved)"
+        return ""
+
+    def _always_touch(self, i: int, j: int) -> bool:
+        free = 0
+        for frames in self._postures:
+            free += not (self._real.hull_distance(frames, i, j) <= 0.0 and self._real.meet(frames, i, j))
+            if free >= (1.0 - ALWAYS) * POSTURES:
+                return False
+        return True
+
+    def _never_meet(self, i: int, j: int) -> bool:
+        """Whether all joint angles between two bodies are proved to keep them apart."""
+        first, last = self._bodies[i].joint, self._bodies[j].joint
+        # How far a turn of each joint between them moves a point of the second body at most.
+        reach = np.array([self._hops[k:last].sum() + self._sizes[j] for k in range(first + 1, last + 1)])
+        joints = slice(first, last)
+        waiting = [(self._lower[joints], self._upper[joints])]
+        for _ in range(_TRIES):
+            if not waiting:
+                return True
+            lower, upper = waiting.pop()
+            q = 0.5 * (self._lower + self._upper)
+            q[joints] = 0.5 * (lower + upper)
+            moves = 0.5 * (upper - lower) * reach
+            frames = self._frames(q)
+            distance = self._real.hull_distance(frames, i, j)
+            if distance <= _APART + moves.sum():
+                distance = self._real.distance(frames, i, j)
+                if distance <= _APART:
+                    return False
+            if distance > _APART + moves.sum():
+                continue
+            widest = int(moves.argmax())
+            middle = 0.5 * (lower[widest] + upper[widest])
+            below, above = upper.copy(), lower.copy()
+            below[widest], above[widest] = middle, middle
+            waiting += [(lower, below), (above, upper)]
+        return False
+
+
+def _size(body: Body) -> float:
+    """Largest distance of a point of a body from the origin of its joint, m."""
+    return float((np.linalg.norm(body.spheres[:, :3], axis=1) + body.spheres[:, 3]).max())
