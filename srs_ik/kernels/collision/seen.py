@@ -62,7 +62,8 @@ def still_frames(P, place_, R, p):
 def turning_frames(P, place_, elbow):
     """How rows of the upper arm and of the forearm are seen at arm angle zero: matrix and shift of each."""
     c4, s4, (t, h, n) = elbow_at(P, place_, elbow)
-    M = (t[0], t[1], t[2], h[0], h[1], h[2], n[0], n[1], n[2])
+    # The normal of the arm is h x t.
+    M = (t[0], t[1], t[2], h[0], h[1], h[2], -n[0], -n[1], -n[2])
     shoulder = load3(P, SHOULDER_CENTRE)
     bend = rotation(load3(P, AXES + 9), c4, s4)
     joint = load3(P, ELBOW_CENTRE)
