@@ -15,7 +15,7 @@ Kind = Literal["box", "cylinder", "sphere", "capsule", "mesh"]
 _SECTIONS = 24
 """Sides of the prism around a cylinder."""
 
-_AROUND = 16
+_AROUND = 12
 """Directions around an axis, of planes."""
 
 

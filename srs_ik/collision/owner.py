@@ -18,6 +18,7 @@ from srs_ik.kinematics import ChainKinematics
 if TYPE_CHECKING:
     from srs_ik.collision.bodies import Body
     from srs_ik.collision.pairs import Pair
+    from srs_ik.collision.ranges import JointRange
     from srs_ik.collision.scene import Scene
     from srs_ik.collision.tables import OwnTables, Tables
     from srs_ik.robot.description.model import Drawing
@@ -150,22 +151,21 @@ class BodyOwner(ChainKinematics):
         if tables is None or not tables.fits(scene):
             own: OwnTables | None = state.get("_own")
             if own is None:
-                bodies, pairs = self._found
-                own = state["_own"] = OwnTables(self, self.limb, bodies, pairs)
+                own = state["_own"] = OwnTables(self, self.limb, *self._found)
             tables = state["_tables"] = Tables(own, scene)
         return tables
 
     @property
-    def _found(self) -> tuple[list[Body], list[Pair]]:
+    def _found(self) -> tuple[list[Body], list[Pair], list[JointRange]]:
         state = self.__dict__
         if "_bodies_found" not in state:
             with WHOLE, _finding:
                 if "_bodies_found" not in state:
                     state["_bodies_found"] = self._find()
-        found: tuple[list[Body], list[Pair]] = state["_bodies_found"]
+        found: tuple[list[Body], list[Pair], list[JointRange]] = state["_bodies_found"]
         return found
 
-    def _find(self) -> tuple[list[Body], list[Pair]]:
+    def _find(self) -> tuple[list[Body], list[Pair], list[JointRange]]:
         from srs_ik.collision.bodies import link_bodies
         from srs_ik.collision.pairs import find_pairs, with_overrides
         from srs_ik.collision.sphere_files import read_spheres
@@ -178,8 +178,11 @@ class BodyOwner(ChainKinematics):
             for name in pair:
                 if name not in names:
                     raise InvalidScene(f"{self.name} has no body {quoted(name)}; it has {', '.join(sorted(names))}")
-        pairs = find_pairs(self, bodies, self.drawing, plan.srdf or None)
-        return bodies, with_overrides(pairs, plan.keep, plan.drop)
+        pairs, ranges = find_pairs(self, bodies, self.drawing, plan.srdf or None)
+        pairs = with_overrides(pairs, plan.keep, plan.drop)
+        dropped = {frozenset((pair.first, pair.second)) for pair in pairs if not pair.kept}
+        ranges = [r for r in ranges if frozenset((bodies[r.first].name, bodies[r.second].name)) not in dropped]
+        return bodies, pairs, ranges
 
 
 _finding = threading.RLock()

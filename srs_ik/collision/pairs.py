@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from itertools import combinations
@@ -11,7 +12,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from srs_ik.collision import store
 from srs_ik.collision.bodies import Body
+from srs_ik.collision.ranges import BOXES, JointRange, key_of, least_distances
 from srs_ik.robot.description.shapes import read_tree
 from srs_ik.robot.description.srdf import disabled_pairs
 
@@ -37,6 +40,10 @@ _APART = 1e-4
 """Bodies nearer than this, m, are not taken to be apart: coal's own tolerance is 1e-6."""
 
 
+_FAR_APART = 0.02
+"""Where even the hulls of two bodies are this far apart, m, their distance is near enough to that of the bodies."""
+
+
 @dataclass(frozen=True)
 class Pair:
     """Two bodies of an arm.
@@ -56,8 +63,8 @@ class Pair:
 
 def find_pairs(
     arm: ChainKinematics, bodies: Sequence[Body], drawing: Drawing | None, srdf: str | Path | None = None
-) -> list[Pair]:
-    """All pairs of bodies of an arm, each kept or not, with the reason.
+) -> tuple[list[Pair], list[JointRange]]:
+    """All pairs of bodies of an arm, each kept or not, with the reason, and those that the range of a joint watches.
 
     Bodies on one joint are rigid to each other, and links that one joint connects touch at it. With an SRDF, what that
     disables is not watched; without, what touches at more than 95 % of random postures on the real shapes, and what is
@@ -76,6 +83,7 @@ def find_pairs(
     neighbours = _neighbours(arm, bodies, drawing)
     survey = None
     pairs = []
+    ranges = []
     for i, j in combinations(range(len(bodies)), 2):
         a, b = bodies[i], bodies[j]
         if a.joint > b.joint:
@@ -83,16 +91,21 @@ def find_pairs(
         names = frozenset((a.name, b.name))
         if a.joint == b.joint:
             pairs.append(Pair(a.name, b.name, False, "on one joint"))
-        elif srdf is not None:
-            kept = names not in disabled
-            pairs.append(Pair(a.name, b.name, kept, "watched" if kept else f"SRDF: {disabled[names]}"))
-        elif names in neighbours:
+        elif names in disabled:
+            pairs.append(Pair(a.name, b.name, False, f"SRDF: {disabled[names]}"))
+        elif srdf is not None and b.joint != a.joint + 2:
+            pairs.append(Pair(a.name, b.name, True, "watched"))
+        elif names in neighbours and srdf is None:
             pairs.append(Pair(a.name, b.name, False, "adjacent"))
         else:
             survey = survey or _Survey(arm, bodies)
-            reason = survey.reason(i, j)
-            pairs.append(Pair(a.name, b.name, not reason, reason or "watched"))
-    return pairs
+            reason = survey.reason(i, j) if srdf is None else ""
+            if not reason and b.joint == a.joint + 2:
+                ranges.append(survey.joint_range(i, j))
+                pairs.append(Pair(a.name, b.name, True, f"watched, by the range of {arm.joint_names[a.joint]}"))
+            else:
+                pairs.append(Pair(a.name, b.name, not reason, reason or "watched"))
+    return pairs, ranges
 
 
 def with_overrides(
@@ -143,6 +156,9 @@ class _Survey:
         q = np.random.default_rng(0).uniform(self._lower, self._upper, (POSTURES, 7))
         self._postures = [self._frames(row) for row in q]
         zero = arm.joint_frames(np.zeros(7))[:, :3, 3]
+        # Each axis in the frame of its own joint.
+        axes = [arm.jacobian(np.zeros(7))[3:, k] for k in range(7)]
+        self._axes = [arm.joint_frames(np.zeros(7))[k + 1, :3, :3].T @ axes[k] for k in range(7)]
         self._hops = np.linalg.norm(np.diff(zero, axis=0), axis=1)
         self._sizes = [_size(body) for body in bodies]
 
@@ -156,6 +172,39 @@ class _Survey:
         if self._bodies[j].joint - self._bodies[i].joint <= _BETWEEN and self._never_meet(i, j):
             return "never meet (proved)"
         return ""
+
+    def joint_range(self, i: int, j: int) -> JointRange:
+        """How near two bodies come that are two joints apart, told by the joint between them."""
+        k = self._bodies[i].joint
+        edges = np.linspace(self._lower[k], self._upper[k], BOXES + 1)
+        turn = float(self._lower[k + 1]), float(min(self._upper[k + 1], self._lower[k + 1] + 2.0 * np.pi))
+        reaches = float(self._hops[k + 1] + self._sizes[j]), self._from_axis(j)
+        zero = self._arm.joint_frames(np.zeros(7))
+        rows = [body.spheres for body in (self._bodies[i], self._bodies[j])]
+        figures = [form.T for b in (i, j) for form in self._bodies[b].forms]
+        digest = hashlib.sha256(key_of(edges, turn, reaches, zero, *rows, *figures)).hexdigest()
+        kept = store.load(digest)
+        if kept is None:
+            q = 0.5 * (self._lower + self._upper)
+
+            def distance(first: float, second: float) -> float:
+                q[k], q[k + 1] = first, second
+                frames = self._frames(q)
+                hulls = self._real.hull_distance(frames, i, j)
+                return hulls if hulls > _FAR_APART else self._real.distance(frames, i, j)
+
+            bounds = least_distances(distance, edges, turn, reaches) - _APART
+            kept = np.zeros((BOXES, 4))
+            kept[:, 0] = bounds
+            store.keep(digest, kept)
+        return JointRange(i, j, k, edges, kept[:, 0])
+
+    def _from_axis(self, j: int) -> float:
+        """Largest distance of a point of a body from the axis of its joint, m."""
+        body = self._bodies[j]
+        axis = self._axes[body.joint - 1]
+        across = np.cross(body.spheres[:, :3], axis)
+        return float((np.linalg.norm(across, axis=1) + body.spheres[:, 3]).max())
 
     def _always_touch(self, i: int, j: int) -> bool:
         free = 0

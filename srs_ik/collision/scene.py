@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from srs_ik.collision.forms import Form, ball_around, planes
+from srs_ik.collision.forms import Form, ball_around, planes, row_of_spheres
 from srs_ik.errors import InvalidPose, InvalidScene, did_you_mean, listed, quoted
 from srs_ik.inputs.numbers import real_array, real_number
 from srs_ik.inputs.poses import PoseLike, as_rigid_matrix
@@ -82,8 +82,9 @@ class Scene:
     Without objects, it is the arm's own bodies that count. Every object has a name and can be moved. Answers with
     ``scene=`` keep clear of it by its margin and that of the question together.
 
-    Boxes, cylinders and capsules count as convex solids between planes, which stick out of their rounded edges by no
-    more than a tenth of the distance that is kept; meshes as spheres that cover them; points as spheres.
+    Boxes and cylinders count as convex solids between planes; where a sphere comes to their edges and corners they keep
+    it farther away than need be, by less than a tenth of its radius. Capsules are rows of spheres, meshes are covered
+    by spheres, and points are spheres.
 
     Args:
         exact: whether real shapes count, by coal, and not the spheres that cover the links; this takes longer.
@@ -305,8 +306,9 @@ class Scene:
     def _add_form(self, name: str, T: Array, kind: Any, size: tuple[float, ...]) -> None:
         form = Form(kind, size, np.eye(4))
         thing = Thing(_name(name), T, (form,))
-        if kind == "sphere":
-            thing.add(at.SPHERES, ball_around(form)[None], ball_around(form))
+        spheres = row_of_spheres(form)
+        if spheres is not None and len(spheres) <= CELL:
+            thing.add(at.SPHERES, spheres, ball_of(spheres))
         else:
             thing.add(at.PLANES, planes(form), ball_around(form))
         self._put(thing)

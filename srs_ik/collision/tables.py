@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from srs_ik.collision.bodies import Body, revolved
 from srs_ik.collision.pairs import Pair
+from srs_ik.collision.ranges import JointRange
 from srs_ik.collision.scene import Scene, ball_of
 from srs_ik.kernels.layout import collision as at
 
@@ -62,6 +63,7 @@ class Tables:
         moving = [k for k in range(g) if own.joints[k] > 0]
         self.pairs = np.array([*kept, *((a, b) for a in moving for b in range(g, g + n))], np.int64).reshape(-1, 2)
         self.slack = own.slack
+        self.ranges = own.ranges
         self._local = threading.local()
 
     def fits(self, scene: Scene) -> bool:
@@ -93,7 +95,14 @@ class Tables:
 class OwnTables:
     """The part of the tables that is the arm's own."""
 
-    def __init__(self, arm: ChainKinematics, limb: SrsLimb, bodies: Sequence[Body], pairs: Sequence[Pair]) -> None:
+    def __init__(
+        self,
+        arm: ChainKinematics,
+        limb: SrsLimb,
+        bodies: Sequence[Body],
+        pairs: Sequence[Pair],
+        ranges: Sequence[JointRange],
+    ) -> None:
         frames = arm.joint_frames(np.zeros(7))
         lines = (limb.axes, limb.points)
         rows = [_rows(arm, body, frames, lines) for body in bodies]
@@ -104,10 +113,12 @@ class OwnTables:
         self.rows = np.concatenate(rows)
         self.balls = np.array([ball_of(own) for own in rows])
         index = {name: k for k, name in enumerate(self.names)}
+        self.ranges = list(ranges)
+        ranged = {frozenset((self.names[r.first], self.names[r.second])) for r in ranges}
         self.pairs = []
         for pair in pairs:
             a, b = index[pair.first], index[pair.second]
-            if pair.kept:
+            if pair.kept and frozenset((pair.first, pair.second)) not in ranged:
                 # What turns comes first.
                 self.pairs.append((a, b) if self.places[a] >= self.places[b] else (b, a))
         self.slack = np.zeros(at.SLACK)

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from srs_ik.collision.ranges import tightened
 from srs_ik.collision.scene import Scene, as_margin
 from srs_ik.errors import InvalidConfiguration, InvalidScene
 from srs_ik.inputs.poses import (
@@ -27,6 +28,7 @@ from srs_ik.kernels.layout.answer import MOST_INTERVALS, ROW, ROW_STATUS
 from srs_ik.solve import pose as pose_solver
 from srs_ik.solve.goals import Goal
 from srs_ik.solve.intervals import IntervalsBatch
+from srs_ik.solve.packed import pack_family
 from srs_ik.solve.solution import BatchSolution, Collision, Interval, Solution, Solutions, Status
 from srs_ik.solve.threads import run_in_threads
 
@@ -55,6 +57,7 @@ class Surroundings:
         self.margin = scene.margin + as_margin(margin)
         self.tables: Tables = arm.tables(scene)
         self.slack = self.tables.with_margin(self.margin)
+        self.tight, self.jammed = _tight_family(arm, packed, self.tables, self.margin)
 
     def feasible(self, T: Array, respect: bool) -> Array:
         """(n, 3) intervals of a pose that keep the limits, whatever they hit: branch, lower, upper.
@@ -68,8 +71,22 @@ class Surroundings:
             raise invalid_pose(-count)
         return found[:count]
 
-    def free(self, T: Array, found: Array) -> Array:
-        """(n, 3) what bodies leave of some intervals of a pose."""
+    def in_range(self, T: Array, found: Array, respect: bool) -> Array:
+        """(n, 3) intervals in which bodies two joints apart keep the margin; `found` are those that keep the limits."""
+        family = self.tight[bool(respect)]
+        if family is None:
+            return found
+        if self.jammed is not None or not len(found):
+            return found[:0]
+        rows = np.empty((MOST_INTERVALS, 3))
+        return rows[: interval_entries.intervals(family, T, True, *self.packed.work(), rows)]
+
+    def free(self, T: Array, found: Array, respect: bool) -> Array:
+        """(n, 3) what bodies leave of the intervals of a pose that keep the limits."""
+        if not self.scene.exact:
+            found = self.in_range(T, found, respect)
+        if not len(found):
+            return found
         if self.scene.exact:
             from srs_ik.solve.certified import certified_free
 
@@ -127,7 +144,7 @@ class Surroundings:
     def intervals(self, pose: PoseLike, respect: bool) -> list[Interval]:
         """See `Arm.intervals`."""
         T = as_matrix(pose)
-        rows = self.free(T, self.feasible(T, respect))
+        rows = self.free(T, self.feasible(T, respect), respect)
         return [Interval(int(b), float(lower), float(upper)) for b, lower, upper in rows]
 
     def intervals_batch(self, poses: Any, respect: bool, threads: int | None) -> IntervalsBatch:
@@ -137,7 +154,7 @@ class Surroundings:
 
         def work(first: int, last: int) -> None:
             for i in range(first, last):
-                found[i] = self.free(T[i], self.feasible(T[i], respect)).copy()
+                found[i] = self.free(T[i], self.feasible(T[i], respect), respect).copy()
 
         run_in_threads(work, len(T), threads)
         offsets = np.cumsum([0, *(len(rows) for rows in found)])
@@ -192,6 +209,21 @@ class Surroundings:
         run_in_threads(work, n, threads)
         return BatchSolution(rows if all_branches else rows[:, 0], arm.joint_names, arm.elbow, hits)
 
+    def jam(self, q: Array) -> Collision | None:
+        """Which bodies two joints apart come too close at a posture, and how much is missing to the margin at least."""
+        worst = None
+        for each in self.tables.ranges:
+            lower, upper = each.edges[0], each.edges[-1]
+            angle = q[each.joint]
+            if not lower <= angle <= upper:
+                angle = (angle - lower) % (2.0 * np.pi) + lower
+            k = min(int(np.searchsorted(each.edges, angle, side="right")) - 1, len(each.bounds) - 1)
+            missing = self.margin - float(each.bounds[k])
+            if worst is None or missing > worst.depth:
+                names = self.tables.names
+                worst = Collision(names[each.first], names[each.second], max(missing, 0.0))
+        return worst
+
     def collision(self, wide: Array) -> Collision | None:
         """Who is nearest to whom at an arm angle, and how much is missing to the margin."""
         if wide[at.WIDE_FIRST] < 0:
@@ -205,18 +237,20 @@ def solve(
     around: Surroundings, T: Array, psi: float | None, near: Array | None, branch: int, respect: bool
 ) -> Solution:
     """The best posture that hits nothing, of one branch or of all (-1), at one arm angle or at all."""
-    found = around.feasible(T, respect)
-    if branch >= 0:
-        found = found[found[:, 0] == branch]
-    if psi is not None:
-        found = _at(found, psi)
+    every = around.feasible(T, respect)
+    found = _chosen(every, branch, psi)
     if not len(found):
         return pose_solver.solve(around.packed, T, psi, near, None if branch < 0 else branch, respect)
-    free = around.free(T, found)
-    if psi is not None:
-        free = _at(free, psi)
+    free = _chosen(around.free(T, every, respect), branch, psi)
     solution = _best(around, T, free, psi, near, respect) if len(free) else None
     return solution or _hitting(around, T, found, psi, respect)
+
+
+def _chosen(found: Array, branch: int, psi: float | None) -> Array:
+    """Those of some intervals that are of a branch (-1: any), and hold an arm angle, if there is one."""
+    if branch >= 0:
+        found = found[found[:, 0] == branch]
+    return found if psi is None else _at(found, psi)
 
 
 def _at(found: Array, psi: float) -> Array:
@@ -248,23 +282,22 @@ def _best(
 
 def _hitting(around: Surroundings, T: Array, found: Array, psi: float | None, respect: bool) -> Solution:
     """The posture with the largest clearance of those that all hit something."""
-    wide = around.widest(T, found) if psi is None else around.clearance(T, int(found[0, 0]) >> 2, psi)
-    branch = int(wide[at.WIDE_BRANCH]) if psi is None else int(found[0, 0])
+    in_range = around.in_range(T, found, respect)
+    if psi is not None:
+        in_range = _at(in_range, psi)
+    among = in_range if len(in_range) else found
+    wide = around.widest(T, among) if psi is None else around.clearance(T, int(among[0, 0]) >> 2, psi)
+    branch = int(wide[at.WIDE_BRANCH]) if psi is None else int(among[0, 0])
     solution = pose_solver.solve(around.packed, T, float(wide[at.WIDE_ARM_ANGLE]), None, branch, respect)
     solution._row[ROW_STATUS] = Status.COLLISION
-    solution.collision = around.collision(wide)
+    solution.collision = around.jam(solution.q) if not len(in_range) else around.collision(wide)
     return solution
 
 
 def solve_all(around: Surroundings, T: Array, psi: float | None, respect: bool) -> Solutions:
     """One posture for every free interval, or those at an arm angle."""
     arm = around.packed
-    found = around.feasible(T, respect)
-    if psi is not None:
-        found = _at(found, psi)
-    free = around.free(T, found)
-    if psi is not None:
-        free = _at(free, psi)
+    free = _chosen(around.free(T, around.feasible(T, respect), respect), -1, psi)
     each = (_best(around, T, row[None], psi, None, respect) for row in free)
     rows = [answer._row for answer in each if answer is not None]
     if rows:
@@ -273,3 +306,31 @@ def solve_all(around: Surroundings, T: Array, psi: float | None, respect: bool) 
     if failure:
         return Solutions.of_one(failure)
     return Solutions(np.empty((0, ROW)), arm.joint_names, failure, arm.elbow)
+
+
+def _tight_family(
+    arm: BodyOwner, packed: PackedArm, tables: Tables, margin: float
+) -> tuple[tuple[Array | None, Array | None], Any]:
+    """Packed limbs whose limits keep bodies two joints apart from each other: without and with the other limits.
+
+    None where these need no limits. The second is what leaves no range at all.
+    """
+    if not tables.ranges:
+        return (None, None), None
+    known: dict[float, Any] = arm.__dict__.setdefault("_tight", {})
+    if margin not in known:
+        if len(known) >= _MARGINS:
+            known.clear()
+        families: list[Array | None] = []
+        jammed = None
+        for lower, upper in ((np.full(7, -np.inf), np.full(7, np.inf)), (packed.lower, packed.upper)):
+            low, high, jammed = tightened(tables.ranges, margin, lower, upper)
+            same = np.array_equal(low, lower) and np.array_equal(high, upper) and jammed is None
+            families.append(None if same else pack_family(arm.limb, low, np.maximum(low, high)))
+        known[margin] = tuple(families), jammed
+    found: tuple[tuple[Array | None, Array | None], Any] = known[margin]
+    return found
+
+
+_MARGINS = 64
+"""Most margins for which limits are kept."""

@@ -123,7 +123,8 @@ def forbid_spheres(world, a, b, more, arcs, n):
 def forbid_planes(world, a, b, more, arcs, n, free):
     """Add the arcs that a group of spheres, which turns, and a convex solid may forbid."""
     for i in range(world.groups[a, FIRST], world.groups[a, LAST]):
-        n = forbid_solid(world, i, b, more, arcs, n, free)
+        if may_meet(world.local, i, b, more):
+            n = forbid_solid(world, i, b, more, arcs, n, free)
     return n
 
 
