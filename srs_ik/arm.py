@@ -329,6 +329,9 @@ class Arm(BodyOwner):
         pose: PoseLike,
         objective: str | Callable[[Array], float] | Objective,
         respect_limits: bool = True,
+        *,
+        scene: Scene | None = None,
+        margin: float = 0.0,
         **parameters: Any,
     ) -> Optimum:
         """The best posture of all that reach a pose: the global optimum over branches and arm angles.
@@ -336,8 +339,11 @@ class Arm(BodyOwner):
         Args:
             pose: wanted pose of the tip frame in the base frame.
             objective: name of a built-in objective (see `Objective`), an `Objective`, or a function of 7 joint
-                angles, rad, to be minimised (with `maximise=True`, maximised).
+                angles, rad, to be minimised (with `maximise=True`, maximised). With a scene also "clearance", the
+                least distance of all bodies that are watched, m, by the spheres, which is maximised.
             respect_limits: whether q has to keep the joint limits.
+            scene: what must not be touched, the arm's own bodies included; nothing is looked at if not given.
+            margin: what is to be left between any two bodies, m.
             **parameters: what the objective takes, such as force=, velocity=, twist=, wrench=, reference=, tolerance=.
 
         Returns:
@@ -347,7 +353,13 @@ class Arm(BodyOwner):
         Raises:
             InvalidPose: the pose is no finite rigid transform.
             InvalidTask: unknown objective, missing or malformed parameter, or a function that gave no finite number.
+            InvalidScene: no `Scene`, or no margin.
+            NoBodies: no shapes of the arm are at hand.
         """
+        if scene is not None:
+            from srs_ik.solve.collisions import optimise as optimise_free
+
+            return optimise_free(self._in(scene, margin), pose, objective, bool(respect_limits), **parameters)
         from srs_ik.solve.optimise import optimise
 
         return optimise(self.packed, self, pose, objective, respect_limits, **parameters)

@@ -46,9 +46,9 @@ class JointRange:
     edges: Array
     bounds: Array
 
-    def allowed(self, margin: float) -> tuple[float, float] | None:
-        """The widest range of the joint in which the bodies keep a margin, m; None for none."""
-        kept = self.bounds > margin
+    def allowed(self) -> tuple[float, float] | None:
+        """The widest range of the joint in which the bodies do not meet; None for none."""
+        kept = self.bounds > 0.0
         if kept.all():
             return float(self.edges[0]), float(self.edges[-1])
         starts = np.flatnonzero(kept & ~np.concatenate([[False], kept[:-1]]))
@@ -104,13 +104,11 @@ def _least(distance: Callable[[float], float], turn: tuple[float, float], reach:
     return min(parts)[0]
 
 
-def tightened(
-    ranges: Iterable[JointRange], margin: float, lower: Array, upper: Array
-) -> tuple[Array, Array, JointRange | None]:
-    """Limits (7,) within which all pairs keep a margin, and the pair that leaves none, where there is one."""
+def tightened(ranges: Iterable[JointRange], lower: Array, upper: Array) -> tuple[Array, Array, JointRange | None]:
+    """Limits (7,) within which no such pair meets, and the pair that leaves none, where there is one."""
     low, high = np.array(lower), np.array(upper)
     for each in ranges:
-        allowed = each.allowed(margin)
+        allowed = each.allowed()
         if allowed is None:
             return low, high, each
         k = each.joint

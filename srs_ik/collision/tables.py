@@ -36,6 +36,7 @@ class Tables:
         bodies: (rows, BODY_ROW).
         groups: (G, GROUP).
         pairs: (n, 2).
+        formless: (m, 2) those with clouds and half-spaces.
         slack: (SLACK,) with a margin of zero.
         names: of each group.
     """
@@ -62,6 +63,8 @@ class Tables:
         kept = [(a, b) for a, b in own.pairs if not {own.names[a], own.names[b]} & replaced]
         moving = [k for k in range(g) if own.joints[k] > 0]
         self.pairs = np.array([*kept, *((a, b) for a in moving for b in range(g, g + n))], np.int64).reshape(-1, 2)
+        bare = [not (thing.forms or thing.parts) for thing in things for _ in thing.kinds]
+        self.formless = self.pairs[np.isin(self.pairs[:, 1], g + np.flatnonzero(bare))]
         self.slack = own.slack
         self.ranges = own.ranges
         self._local = threading.local()

@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from srs_ik.collision.ranges import tightened
+from srs_ik.collision.ranges import JointRange, tightened
 from srs_ik.collision.scene import Scene, as_margin
-from srs_ik.errors import InvalidConfiguration, InvalidScene
+from srs_ik.errors import InvalidConfiguration, InvalidScene, InvalidTask
 from srs_ik.inputs.poses import (
     PoseLike,
     as_arm_angle,
@@ -26,14 +27,17 @@ from srs_ik.kernels.entries import intervals as interval_entries
 from srs_ik.kernels.layout import collision as at
 from srs_ik.kernels.layout.answer import MOST_INTERVALS, ROW, ROW_STATUS
 from srs_ik.solve import pose as pose_solver
-from srs_ik.solve.goals import Goal
+from srs_ik.solve.goals import Search, goal_of
 from srs_ik.solve.intervals import IntervalsBatch
+from srs_ik.solve.objectives import Objective
+from srs_ik.solve.optimise import Optimum
 from srs_ik.solve.packed import pack_family
 from srs_ik.solve.solution import BatchSolution, Collision, Interval, Solution, Solutions, Status
 from srs_ik.solve.threads import run_in_threads
 
 if TYPE_CHECKING:
     from srs_ik.collision.owner import BodyOwner
+    from srs_ik.collision.real import RealWorld
     from srs_ik.collision.tables import Tables
     from srs_ik.solve.packed import PackedArm
 
@@ -57,7 +61,7 @@ class Surroundings:
         self.margin = scene.margin + as_margin(margin)
         self.tables: Tables = arm.tables(scene)
         self.slack = self.tables.with_margin(self.margin)
-        self.tight, self.jammed = _tight_family(arm, packed, self.tables, self.margin)
+        self.tight, self.jammed = _tight_family(arm, packed, self.tables)
 
     def feasible(self, T: Array, respect: bool) -> Array:
         """(n, 3) intervals of a pose that keep the limits, whatever they hit: branch, lower, upper.
@@ -72,7 +76,7 @@ class Surroundings:
         return found[:count]
 
     def in_range(self, T: Array, found: Array, respect: bool) -> Array:
-        """(n, 3) intervals in which bodies two joints apart keep the margin; `found` are those that keep the limits."""
+        """(n, 3) intervals in which bodies two joints apart do not meet; `found` are those that keep the limits."""
         family = self.tight[bool(respect)]
         if family is None:
             return found
@@ -83,14 +87,27 @@ class Surroundings:
 
     def free(self, T: Array, found: Array, respect: bool) -> Array:
         """(n, 3) what bodies leave of the intervals of a pose that keep the limits."""
-        if not self.scene.exact:
-            found = self.in_range(T, found, respect)
-        if not len(found):
-            return found
-        if self.scene.exact:
+        return self.free_and_undecided(T, found, respect)[0]
+
+    def free_and_undecided(self, T: Array, found: Array, respect: bool) -> tuple[Array, float]:
+        """The same, and the width of what is counted as forbidden without having been decided, rad."""
+        if self.scene.exact and self.packed.closed and len(found):
             from srs_ik.solve.certified import certified_free
 
-            return certified_free(self, T, found)
+            return certified_free(self, T, found, respect)
+        return self.by_spheres(T, self.in_range(T, found, respect)), 0.0
+
+    def by_spheres(self, T: Array, found: Array) -> Array:
+        """(n, 3) what the spheres leave of some intervals."""
+        return self._cut(T, found, self.tables.pairs)
+
+    def clear_of_formless(self, T: Array, found: Array) -> Array:
+        """(n, 3) what clouds and half-spaces leave of some intervals."""
+        return self._cut(T, found, self.tables.formless)
+
+    def _cut(self, T: Array, found: Array, pairs: NDArray[np.int64]) -> Array:
+        if not (len(found) and len(pairs)):
+            return found
         tables = self.tables
         out = np.empty((MOST_INTERVALS, 3))
         count = entries.free_intervals(
@@ -98,7 +115,7 @@ class Surroundings:
             T,
             tables.bodies,
             tables.groups,
-            tables.pairs,
+            pairs,
             self.slack,
             *tables.work(),
             found,
@@ -106,6 +123,17 @@ class Surroundings:
             out,
         )
         return out[:count]
+
+    def real_world(self) -> RealWorld:
+        """The real forms, for coal."""
+        from srs_ik.collision.real import RealWorld
+
+        state = self.arm.__dict__
+        world: RealWorld | None = state.get("_real_world")
+        now = self.scene.version, self.scene.moves
+        if world is None or world.scene is not self.scene or world.version != now:
+            world = state["_real_world"] = RealWorld(self.arm, self.scene)
+        return world
 
     def widest(self, T: Array, found: Array) -> Array:
         """(WIDE,) the arm angle of largest clearance over some intervals of a pose."""
@@ -210,7 +238,7 @@ class Surroundings:
         return BatchSolution(rows if all_branches else rows[:, 0], arm.joint_names, arm.elbow, hits)
 
     def jam(self, q: Array) -> Collision | None:
-        """Which bodies two joints apart come too close at a posture, and how much is missing to the margin at least."""
+        """Which bodies two joints apart meet at a posture, and how deep by the bound on their distance."""
         worst = None
         for each in self.tables.ranges:
             lower, upper = each.edges[0], each.edges[-1]
@@ -218,7 +246,7 @@ class Surroundings:
             if not lower <= angle <= upper:
                 angle = (angle - lower) % (2.0 * np.pi) + lower
             k = min(int(np.searchsorted(each.edges, angle, side="right")) - 1, len(each.bounds) - 1)
-            missing = self.margin - float(each.bounds[k])
+            missing = -float(each.bounds[k])
             if worst is None or missing > worst.depth:
                 names = self.tables.names
                 worst = Collision(names[each.first], names[each.second], max(missing, 0.0))
@@ -268,11 +296,11 @@ def _best(
     """The best posture in free intervals; None where none of them closes."""
     arm = around.packed
     if psi is not None:
-        goal = Goal(arm, near)
+        goal = goal_of(arm, near)
         answers = (pose_solver.solve(arm, T, psi, near, int(row[0]), respect) for row in free)
         return goal.best(answer for answer in answers if answer)
     if not arm.closed:
-        return Goal(arm, near).search(T, free, respect)
+        return goal_of(arm, near).over(T, free, respect)
     row = np.empty(ROW)
     seed = np.zeros(7) if near is None else near
     entries.best_within(arm.family, T, free, len(free), -1, seed, near is not None, respect, row)
@@ -308,29 +336,88 @@ def solve_all(around: Surroundings, T: Array, psi: float | None, respect: bool) 
     return Solutions(np.empty((0, ROW)), arm.joint_names, failure, arm.elbow)
 
 
+def optimise(
+    around: Surroundings,
+    pose: PoseLike,
+    objective: str | Callable[[Array], float] | Objective,
+    respect: bool,
+    **parameters: Any,
+) -> Optimum:
+    """See `Arm.optimise`: over what bodies leave, by samples and by closing in on the best; `clearance` certainly."""
+    T = as_matrix(pose)
+    every = around.feasible(T, respect)
+    free = around.free(T, every, respect)
+    if isinstance(objective, str) and objective == CLEARANCE:
+        if parameters:
+            raise InvalidTask(f"objective 'clearance' takes no parameter {next(iter(parameters))!r}")
+        return _widest(around, T, free, respect)
+    if not isinstance(objective, Objective):
+        objective = Objective(objective, **parameters)
+    elif parameters:
+        raise InvalidTask(
+            f"an Objective has its parameters already; {next(iter(parameters))!r} belongs to its constructor"
+        )
+    if objective.second >= 0:
+        raise InvalidTask(f"objective {objective.name!r}, one after another, is not known beside a scene")
+    sign = -1.0 if objective.maximise else 1.0
+    value = objective.evaluator(around.arm)
+    found = Search(around.packed, lambda q: sign * value(q)).over(T, free, respect)
+    solution = found or solve(around, T, None, None, -1, respect)
+    values = objective.values(around.arm, solution.q)
+    return _optimum(solution, objective, values, free, around.packed)
+
+
+CLEARANCE = "clearance"
+
+
+def _widest(around: Surroundings, T: Array, free: Array, respect: bool) -> Optimum:
+    """The posture of largest clearance, within a micrometre, by the spheres."""
+
+    def clearance(q: Array) -> float:
+        elbow, psi = around.arm.branch(q) >> 2, around.arm.arm_angle(q)  # type: ignore[attr-defined]
+        return float(around.clearance(T, elbow, psi)[at.WIDE_CLEARANCE])
+
+    goal = Objective(clearance, maximise=True)
+    if not len(free):
+        solution = solve(around, T, None, None, -1, respect)
+        return Optimum(solution._row, around.packed.joint_names, goal, [clearance(solution.q)], None)
+    wide = around.widest(T, free)
+    branch = int(wide[at.WIDE_BRANCH])
+    solution = pose_solver.solve(around.packed, T, float(wide[at.WIDE_ARM_ANGLE]), None, branch, respect)
+    return _optimum(solution, goal, [float(wide[at.WIDE_CLEARANCE])], free, around.packed)
+
+
+def _optimum(solution: Solution, objective: Objective, values: Sequence[float], free: Array, arm: PackedArm) -> Optimum:
+    """A posture as an optimum, with the free interval that it lies in."""
+    interval = None
+    if solution:
+        own = free[free[:, 0] == solution.branch]
+        inside = _at(np.column_stack([own[:, 0], own[:, 1] - 1e-9, own[:, 2] + 1e-9]), solution.arm_angle)
+        if len(inside):
+            k = int(np.argmax((solution.arm_angle - own[:, 1] + 1e-9) % (2 * np.pi) <= own[:, 2] - own[:, 1] + 2e-9))
+            interval = Interval(int(own[k, 0]), float(own[k, 1]), float(own[k, 2]))
+    optimum = Optimum(solution._row, arm.joint_names, objective, values, interval, solution._elbow)
+    optimum.collision = solution.collision
+    return optimum
+
+
 def _tight_family(
-    arm: BodyOwner, packed: PackedArm, tables: Tables, margin: float
-) -> tuple[tuple[Array | None, Array | None], Any]:
+    arm: BodyOwner, packed: PackedArm, tables: Tables
+) -> tuple[tuple[Array | None, Array | None], JointRange | None]:
     """Packed limbs whose limits keep bodies two joints apart from each other: without and with the other limits.
 
     None where these need no limits. The second is what leaves no range at all.
     """
     if not tables.ranges:
         return (None, None), None
-    known: dict[float, Any] = arm.__dict__.setdefault("_tight", {})
-    if margin not in known:
-        if len(known) >= _MARGINS:
-            known.clear()
+    known: dict[str, Any] = arm.__dict__
+    if "_tight" not in known:
         families: list[Array | None] = []
         jammed = None
         for lower, upper in ((np.full(7, -np.inf), np.full(7, np.inf)), (packed.lower, packed.upper)):
-            low, high, jammed = tightened(tables.ranges, margin, lower, upper)
+            low, high, jammed = tightened(tables.ranges, lower, upper)
             same = np.array_equal(low, lower) and np.array_equal(high, upper) and jammed is None
             families.append(None if same else pack_family(arm.limb, low, np.maximum(low, high)))
-        known[margin] = tuple(families), jammed
-    found: tuple[tuple[Array | None, Array | None], Any] = known[margin]
+        known["_tight"] = (families[0], families[1]), jammed
+    found: tuple[tuple[Array | None, Array | None], JointRange | None] = known["_tight"]
     return found
-
-
-_MARGINS = 64
-"""Most margins for which limits are kept."""

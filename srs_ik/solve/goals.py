@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -28,29 +28,26 @@ _WORST = 1e6
 """Cost of an arm angle at which no posture is found."""
 
 
-class Goal:
-    """Nearest to a seed, or farthest from the limits."""
+class Search:
+    """The best posture over intervals of arm angles, by samples, and by closing in on the best of them.
 
-    def __init__(self, arm: PackedArm, seed: Array | None) -> None:
+    Args:
+        arm: the arm.
+        cost: of seven joint angles; lower is better.
+        seed: posture in whose turns joints come back, if there is one.
+    """
+
+    def __init__(self, arm: PackedArm, cost: Callable[[Array], float], seed: Array | None = None) -> None:
         self._arm = arm
+        self.cost = cost
         self._seed = seed
-        limited = np.isfinite(arm.lower) & np.isfinite(arm.upper)
-        self._limited = limited
-        self._middle = 0.5 * (arm.lower[limited] + arm.upper[limited])
-        self._half = 0.5 * np.maximum(arm.upper[limited] - arm.lower[limited], SMALLEST_RANGE)
-
-    def cost(self, q: Array) -> float:
-        """Squared distance from the seed, or minus the margin to the limits."""
-        if self._seed is not None:
-            return float(np.sum((q - self._seed) ** 2))
-        return float(np.max(np.abs(q[self._limited] - self._middle) / self._half, initial=0.0)) - 1.0
 
     def best(self, answers: Iterable[Solution]) -> Solution | None:
         """The best of some postures; None where there is none."""
         return min(answers, key=lambda answer: self.cost(answer.q), default=None)
 
-    def search(self, T: Array, free: Array, respect: bool) -> Solution | None:
-        """The best posture found over intervals (n, 3) of a pose: by samples, and by closing in on the best of them."""
+    def over(self, T: Array, free: Array, respect: bool) -> Solution | None:
+        """The best posture found over intervals (n, 3) of a pose; None where none closes."""
         best: Solution | None = None
         lowest = _WORST
         for branch, lower, upper in free:
@@ -62,8 +59,8 @@ class Goal:
             k = int(np.argmin(costs))
             if costs[k] < lowest:
                 best, lowest = answers[k], costs[k]
-            ends = angles[max(k - 1, 0)], angles[min(k + 1, count - 1)]
-            if costs[k] < lowest + 1.0 and ends[0] < ends[1]:
+            ends = float(angles[max(k - 1, 0)]), float(angles[min(k + 1, count - 1)])
+            if costs[k] < _WORST and ends[0] < ends[1]:
                 closer = self._close_in(T, ends, int(branch), respect)
                 if closer is not None and self.cost(closer.q) < lowest:
                     best, lowest = closer, self.cost(closer.q)
@@ -79,3 +76,13 @@ class Goal:
 
         found = minimize_scalar(cost, bounds=ends, method="bounded", options={"xatol": 1e-9})
         return self._at(T, float(found.x), branch, respect)
+
+
+def goal_of(arm: PackedArm, seed: Array | None) -> Search:
+    """The search that `solve` stands for: nearest to a seed, or farthest from the limits."""
+    if seed is not None:
+        return Search(arm, lambda q: float(np.sum((q - seed) ** 2)), seed)
+    limited = np.isfinite(arm.lower) & np.isfinite(arm.upper)
+    middle = 0.5 * (arm.lower[limited] + arm.upper[limited])
+    half = 0.5 * np.maximum(arm.upper[limited] - arm.lower[limited], SMALLEST_RANGE)
+    return Search(arm, lambda q: float(np.max(np.abs(q[limited] - middle) / half, initial=0.0)) - 1.0)

@@ -144,7 +144,7 @@ class Solution:
             unit = " Positions are in metres: is this one in millimetres?" if self.position_error > _FAR else ""
             return f"No posture sought reaches the pose; the one given{self._lie()} misses it by {self._miss()}.{unit}"
         if self.status is Status.COLLISION:
-            return f"Postures inside the limits reach the pose, but in each of them {self._hit()}."
+            return f"Postures inside the limits reach the pose, but each hits something{self._hit()}."
         joint = int(self._row[at.ROW_JOINT])
         stop = f" stops at {np.rad2deg(self.q[joint - 1]):.6g} deg"
         where = f"; {self._joint_names[joint - 1]}{stop}" if joint else ""
@@ -154,11 +154,11 @@ class Solution:
         )
 
     def _hit(self) -> str:
-        """What hits what."""
+        """What hits what, as the end of a sentence."""
         if self.collision is None:
-            return "something hits something"
+            return ""
         first, second, depth = self.collision
-        return f"something hits something; in the one given {first} and {second} are {1e3 * depth:.3g} mm too close"
+        return f": in the one given {first} and {second} are {1e3 * depth:.3g} mm too close"
 
     def _miss(self) -> str:
         """The errors that are more than rounding."""
