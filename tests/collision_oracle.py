@@ -6,7 +6,6 @@ import numpy as np
 import pinocchio as pin
 
 import srs_ik
-from srs_ik.robot import zoo
 
 
 class Truth:
@@ -15,7 +14,8 @@ class Truth:
     def __init__(self, file, arm: srs_ik.Arm, folders=()) -> None:
         self.arm = arm
         self.model = pin.buildModelFromUrdf(str(file))
-        kind = pin.GeometryType.COLLISION
+        visual = any(body.source == "visual" for body in arm.bodies)
+        kind = pin.GeometryType.VISUAL if visual else pin.GeometryType.COLLISION
         self.shapes = pin.buildGeomFromUrdf(self.model, str(file), kind, package_dirs=[str(f) for f in folders])
         owner = [self.model.frames[shape.parentFrame].name for shape in self.shapes.geometryObjects]
         kept = {frozenset((pair.first, pair.second)) for pair in arm.pairs if pair.kept}
@@ -47,11 +47,9 @@ class Truth:
         return bool(pin.computeCollisions(self.shapes, self.shape_data, True))
 
 
-def file_of(name: str):
-    """Robot file of a built-in arm, and folders of its meshes."""
-    card = zoo.card(name)
-    folder = next((p.parent for p in card.urdf.parents if p.name == "robots"), card.urdf.parent)
-    return card.urdf, [folder]
+def file_of(arm: srs_ik.Arm):
+    """Robot file of an arm, and folders of its meshes."""
+    return arm.drawing.file, list(arm.drawing.file.parents)[:-1]
 
 
 def spheres_at(arm: srs_ik.Arm, tables, q: np.ndarray) -> list[np.ndarray]:

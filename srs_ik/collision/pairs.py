@@ -33,8 +33,19 @@ ALWAYS = 0.95
 _BETWEEN = 3
 """Whether bodies with no more joints than this between them can meet at all is tried to be proved ..."""
 
-_TRIES = 1500
-"""... in so many steps."""
+_TRIES = 4000
+"""... in so many steps ..."""
+
+_COARSE = 0.004
+"""... down to where no point moves farther than this, m."""
+
+_MOST_DOUBTFUL = 400
+
+_ENOUGH = 0.8
+"""A range that keeps two bodies apart is worth more than their spheres where it is this share of the joint's own."""
+
+_NEVER = 1e3
+"""Stands for a distance without end, m."""
 
 _APART = 1e-4
 """Bodies nearer than this, m, are not taken to be apart: coal's own tolerance is 1e-6."""
@@ -100,11 +111,16 @@ def find_pairs(
         else:
             survey = survey or _Survey(arm, bodies)
             reason = survey.reason(i, j) if srdf is None else ""
-            if not reason and b.joint == a.joint + 2:
-                ranges.append(survey.joint_range(i, j))
-                pairs.append(Pair(a.name, b.name, True, f"watched, by the range of {arm.joint_names[a.joint]}"))
-            else:
-                pairs.append(Pair(a.name, b.name, not reason, reason or "watched"))
+            found = None if reason or b.joint - a.joint > _BETWEEN else survey.where(i, j)
+            if found is None and not reason and b.joint == a.joint + 2:
+                found = survey.joint_range(i, j)
+            if found is not None and found.bounds.min() > 0.0:
+                reason = "never meet (proved)"
+            elif found is not None:
+                ranges.append(found)
+                pairs.append(Pair(a.name, b.name, True, f"watched, by the range of {arm.joint_names[found.joint]}"))
+                continue
+            pairs.append(Pair(a.name, b.name, not reason, reason or "watched"))
     return pairs, ranges
 
 
@@ -155,11 +171,9 @@ class _Survey:
         self._upper = np.where(np.isfinite(arm.upper), arm.upper, np.pi)
         q = np.random.default_rng(0).uniform(self._lower, self._upper, (POSTURES, 7))
         self._postures = [self._frames(row) for row in q]
-        zero = arm.joint_frames(np.zeros(7))[:, :3, 3]
-        # Each axis in the frame of its own joint.
-        axes = [arm.jacobian(np.zeros(7))[3:, k] for k in range(7)]
-        self._axes = [arm.joint_frames(np.zeros(7))[k + 1, :3, :3].T @ axes[k] for k in range(7)]
-        self._hops = np.linalg.norm(np.diff(zero, axis=0), axis=1)
+        self._zero = arm.joint_frames(np.zeros(7))
+        self._axes = arm.jacobian(np.zeros(7))[3:].T
+        self._hops = np.linalg.norm(np.diff(self._zero[:, :3, 3], axis=0), axis=1)
         self._sizes = [_size(body) for body in bodies]
 
     def _frames(self, q: Array) -> list[Any]:
@@ -169,8 +183,6 @@ class _Survey:
         """Why two bodies need not be watched; empty where they have to."""
         if self._always_touch(i, j):
             return f"touch at more than {ALWAYS:.0%} of postures"
-        if self._bodies[j].joint - self._bodies[i].joint <= _BETWEEN and self._never_meet(i, j):
-            return "never meet (proved)"
         return ""
 
     def joint_range(self, i: int, j: int) -> JointRange:
@@ -178,11 +190,8 @@ class _Survey:
         k = self._bodies[i].joint
         edges = np.linspace(self._lower[k], self._upper[k], BOXES + 1)
         turn = float(self._lower[k + 1]), float(min(self._upper[k + 1], self._lower[k + 1] + 2.0 * np.pi))
-        reaches = float(self._hops[k + 1] + self._sizes[j]), self._from_axis(j)
-        zero = self._arm.joint_frames(np.zeros(7))
-        rows = [body.spheres for body in (self._bodies[i], self._bodies[j])]
-        figures = [form.T for b in (i, j) for form in self._bodies[b].forms]
-        digest = hashlib.sha256(key_of(edges, turn, reaches, zero, *rows, *figures)).hexdigest()
+        reaches = tuple(self._reaches(i, j).tolist())
+        digest = self._digest(i, j, b"range")
         kept = store.load(digest)
         if kept is None:
             q = 0.5 * (self._lower + self._upper)
@@ -199,12 +208,21 @@ class _Survey:
             store.keep(digest, kept)
         return JointRange(i, j, k, edges, kept[:, 0])
 
-    def _from_axis(self, j: int) -> float:
-        """Largest distance of a point of a body from the axis of its joint, m."""
-        body = self._bodies[j]
-        axis = self._axes[body.joint - 1]
-        across = np.cross(body.spheres[:, :3], axis)
-        return float((np.linalg.norm(across, axis=1) + body.spheres[:, 3]).max())
+    def _reaches(self, i: int, j: int) -> Array:
+        """How far a turn of each joint between two bodies moves a point of the one against the other, at most."""
+        first, last = self._bodies[i].joint, self._bodies[j].joint
+        reach = np.array([self._hops[k:last].sum() + self._sizes[j] for k in range(first + 1, last + 1)])
+        # The first of these joints may as well turn the first body, and the last one turns the second about its axis.
+        reach[0] = min(reach[0], self._from_axis(i, first))
+        reach[-1] = min(reach[-1], self._from_axis(j, last - 1))
+        return reach
+
+    def _from_axis(self, i: int, k: int) -> float:
+        """Largest distance of a point of a body from the axis of joint k, 0 to 6, at one end of it, m."""
+        rows, zero = self._bodies[i].spheres, self._zero[self._bodies[i].joint]
+        centres = rows[:, :3] @ zero[:3, :3].T + zero[:3, 3]
+        across = np.cross(centres - self._zero[k + 1, :3, 3], self._axes[k])
+        return float((np.linalg.norm(across, axis=1) + rows[:, 3]).max())
 
     def _always_touch(self, i: int, j: int) -> bool:
         free = 0
@@ -214,34 +232,71 @@ class _Survey:
                 return False
         return True
 
-    def _never_meet(self, i: int, j: int) -> bool:
-        """Whether all joint angles between two bodies are proved to keep them apart."""
+    def where(self, i: int, j: int) -> JointRange | None:
+        """A range of one joint in which two bodies are proved not to meet; None where it leaves too little.
+
+        Its bounds are infinite where they never meet, and minus infinity elsewhere.
+        """
         first, last = self._bodies[i].joint, self._bodies[j].joint
-        # How far a turn of each joint between them moves a point of the second body at most.
-        reach = np.array([self._hops[k:last].sum() + self._sizes[j] for k in range(first + 1, last + 1)])
+        digest = self._digest(i, j, b"where")
+        kept = store.load(digest)
+        if kept is None:
+            kept = np.full((BOXES + 1, 4), -np.inf)
+            boxes = self._doubtful(i, j)
+            best = 0.0
+            for k in range(first, last) if boxes is not None else ():
+                edges = np.linspace(self._lower[k], self._upper[k], BOXES + 1)
+                bounds = np.full(BOXES, np.inf)
+                for lower, upper in boxes or []:
+                    bounds[(edges[:-1] <= upper[k - first]) & (edges[1:] >= lower[k - first])] = -np.inf
+                allowed = JointRange(i, j, k, edges, bounds).allowed()
+                share = (allowed[1] - allowed[0]) / (edges[-1] - edges[0]) if allowed else 0.0
+                if share > best:
+                    best = share
+                    kept[:, 0], kept[:-1, 1], kept[:, 2], kept[:, 3] = edges, bounds, k, share
+            kept = np.clip(kept, -_NEVER, _NEVER)
+            store.keep(digest, kept)
+        if kept[0, 3] < _ENOUGH:
+            return None
+        return JointRange(i, j, int(kept[0, 2]), kept[:, 0].copy(), kept[:-1, 1].copy())
+
+    def _doubtful(self, i: int, j: int) -> list[tuple[Array, Array]] | None:
+        """Boxes of the joint angles between two bodies in which they may meet; None where these are too many."""
+        first, last = self._bodies[i].joint, self._bodies[j].joint
+        reach = self._reaches(i, j)
         joints = slice(first, last)
         waiting = [(self._lower[joints], self._upper[joints])]
+        doubtful: list[tuple[Array, Array]] = []
+        q = 0.5 * (self._lower + self._upper)
         for _ in range(_TRIES):
             if not waiting:
-                return True
+                return doubtful
             lower, upper = waiting.pop()
-            q = 0.5 * (self._lower + self._upper)
             q[joints] = 0.5 * (lower + upper)
             moves = 0.5 * (upper - lower) * reach
             frames = self._frames(q)
             distance = self._real.hull_distance(frames, i, j)
             if distance <= _APART + moves.sum():
                 distance = self._real.distance(frames, i, j)
-                if distance <= _APART:
-                    return False
             if distance > _APART + moves.sum():
+                continue
+            if moves.sum() < _COARSE:
+                doubtful.append((lower, upper))
+                if len(doubtful) > _MOST_DOUBTFUL:
+                    return None
                 continue
             widest = int(moves.argmax())
             middle = 0.5 * (lower[widest] + upper[widest])
             below, above = upper.copy(), lower.copy()
             below[widest], above[widest] = middle, middle
             waiting += [(lower, below), (above, upper)]
-        return False
+        return None
+
+    def _digest(self, i: int, j: int, what: bytes) -> str:
+        """What tells a question about two bodies from all others."""
+        bodies = self._bodies[i], self._bodies[j]
+        figures = [figure for body in bodies for figure in (body.spheres, *(form.T for form in body.forms))]
+        return hashlib.sha256(what + key_of(self._lower, self._upper, self._zero, *figures)).hexdigest()
 
 
 def _size(body: Body) -> float:
