@@ -22,6 +22,9 @@ if TYPE_CHECKING:
     )
     from srs_ik.analysis.polytopes import Polytope, force_polytope, velocity_polytope
     from srs_ik.arm import Arm
+    from srs_ik.collision.bodies import Body
+    from srs_ik.collision.pairs import Pair
+    from srs_ik.collision.scene import Scene
     from srs_ik.errors import (
         AmbiguousLimb,
         FrameNotFound,
@@ -30,9 +33,11 @@ if TYPE_CHECKING:
         InvalidMap,
         InvalidPose,
         InvalidRobot,
+        InvalidScene,
         InvalidTask,
         MissingExtra,
         MissingLimits,
+        NoBodies,
         NotAnSrsLimb,
         PreviewError,
         SrsIkError,
@@ -54,7 +59,7 @@ if TYPE_CHECKING:
     from srs_ik.solve.path_breaks import PathBreak
     from srs_ik.solve.posture import Posture
     from srs_ik.solve.self_motion import SelfMotion
-    from srs_ik.solve.solution import BatchSolution, Interval, Solution, Solutions, Status
+    from srs_ik.solve.solution import BatchSolution, Collision, Interval, Solution, Solutions, Status
     from srs_ik.solve.task import BatchTaskSolution, TaskSolution
 
 __version__ = "0.1.0"
@@ -68,6 +73,9 @@ _MODULES = {
         "manipulability",
         "velocity_ellipsoid",
     ),
+    "collision.bodies": ("Body",),
+    "collision.pairs": ("Pair",),
+    "collision.scene": ("Scene",),
     "errors": (
         "AmbiguousLimb",
         "FrameNotFound",
@@ -76,9 +84,11 @@ _MODULES = {
         "InvalidMap",
         "InvalidPose",
         "InvalidRobot",
+        "InvalidScene",
         "InvalidTask",
         "MissingExtra",
         "MissingLimits",
+        "NoBodies",
         "NotAnSrsLimb",
         "PreviewError",
         "SrsIkError",
@@ -99,7 +109,7 @@ _MODULES = {
     "inputs.poses": ("PoseError", "nearest_pose", "xyz_quaternion"),
     "inputs.rotations": ("pose_from_xyz_quaternion", "pose_from_xyz_rpy"),
     "solve.self_motion": ("SelfMotion",),
-    "solve.solution": ("BatchSolution", "Interval", "Solution", "Solutions", "Status"),
+    "solve.solution": ("BatchSolution", "Collision", "Interval", "Solution", "Solutions", "Status"),
     "solve.posture": ("Posture",),
     "inputs.task": ("Task",),
     "solve.task": ("BatchTaskSolution", "TaskSolution"),
@@ -116,6 +126,8 @@ __all__ = [
     "Arm",
     "BatchSolution",
     "BatchTaskSolution",
+    "Body",
+    "Collision",
     "Ellipsoid",
     "FrameNotFound",
     "FreeSplit",
@@ -127,13 +139,16 @@ __all__ = [
     "InvalidMap",
     "InvalidPose",
     "InvalidRobot",
+    "InvalidScene",
     "InvalidTask",
     "LimbReport",
     "MissingExtra",
     "MissingLimits",
+    "NoBodies",
     "NotAnSrsLimb",
     "Objective",
     "Optimum",
+    "Pair",
     "PathBreak",
     "PathSolution",
     "Placement",
@@ -142,6 +157,7 @@ __all__ = [
     "Posture",
     "Preview",
     "PreviewError",
+    "Scene",
     "SelfMotion",
     "Solution",
     "Solutions",
