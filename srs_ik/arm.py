@@ -258,7 +258,6 @@ class Arm(BodyOwner):
 
         return Tracker(self.packed, self, q0, dt, velocity_limit, acceleration_limit, elbow, smoothing)
 
-    def intervals(self, pose: PoseLike, respect_limits: bool = True) -> list[Interval]:
     def intervals(
         self, pose: PoseLike, respect_limits: bool = True, *, scene: Scene | None = None, margin: float = 0.0
     ) -> list[Interval]:

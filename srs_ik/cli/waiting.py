@@ -11,9 +11,9 @@ from contextlib import contextmanager
 from types import FrameType
 from typing import Any, TypeVar
 
-T = TypeVar("T")
-
 from srs_ik.kernels.native import extension
+
+T = TypeVar("T")
 
 _CALLBACKS = "_raw_object_cache"
 """How the functions begin that LLVM calls while it compiles: an exception in one is printed and lost."""
