@@ -28,6 +28,7 @@ SLOW = {
     "test_examples",
     "test_experiments",
     "test_fuzz",
+    "test_map_engine",
     "test_kernels_disk",
     "test_kernels_jit",
     "test_named_robots",
