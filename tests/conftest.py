@@ -23,6 +23,7 @@ SLOW = {
     "test_bench",
     "test_benchmarks",
     "test_cli_preview",
+    "test_control_experiments",
     "test_copies",
     "test_examples",
     "test_experiments",
