@@ -322,6 +322,46 @@ def combine(
     typer.echo(repr(combined(open_map(first), open_map(second), out)))
 
 
+@map_app.command("plot", cls=ExampleCommand)
+def plot(
+    folder: Folder,
+    output: Annotated[Path, typer.Option(metavar="FILE.png", help="Picture to write (.png, .pdf, .svg).")],
+    measure: Annotated[str | None, typer.Option(metavar="NAME", help="What to colour: a measure, or yaw.")] = None,
+    shell: Annotated[bool, typer.Option("--shell", help="Draw the shell around what is reached instead.")] = False,
+) -> None:
+    """Draw a slice of a map, coloured by a measure, or the shell of what is reached."""
+    from srs_ik.cli.picture import check, save
+
+    check(output, "--output")
+
+    from srs_ik.maps.reader import open_map
+    from srs_ik.plots import plot_map, plot_shell
+
+    chart = open_map(folder)
+    usual = "yaw" if chart.plan.arcs else "reached"
+    save(plot_shell(chart) if shell else plot_map(chart, measure or usual), output)
+
+
+@map_app.command("preview", cls=ExampleCommand)
+def preview(
+    folder: Folder,
+    source: Source,
+    out: Annotated[Path, typer.Option("--save", metavar="FILE.html", help="Page to write; it needs no server.")],
+    step: Annotated[str | None, typer.Option(metavar="METRES", help="Distance between points.")] = None,
+    whole: Annotated[bool, typer.Option("--whole", help="Show the half in front (y < 0) too.")] = False,
+) -> None:
+    """Write a page of the arm in the coloured cloud of what it reaches."""
+    from srs_ik.maps.reader import open_map
+    from srs_ik.preview import Preview, show_map
+
+    arm = _arm(source, folder)
+    with Preview(arm) as view:
+        apart = None if step is None else numbers("--step", [step])[0]
+        count = show_map(view, open_map(folder, arm), apart, cut=not whole)
+        view.save(out)
+    typer.echo(f"{out}: {count:,} points")
+
+
 @map_app.command("export", cls=ExampleCommand)
 def export(
     folder: Folder,

@@ -19,8 +19,8 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 Kind = Literal["half-plane", "box"]
 
-CELLS_A_TASK = 200_000
-"""Cells of a task at most, but for those of one position: some 10 MB while it is at work."""
+CELLS_A_TASK = 100_000
+"""Cells of a task at most, but for those of one position: some 5 MB while it is at work."""
 
 SIDE = {"half-plane": 16, "box": 6}
 """Positions of a task along each direction at most."""

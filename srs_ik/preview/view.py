@@ -394,4 +394,6 @@ _EXTRAS = (
     "force",
     "velocity polytope",
     "force polytope",
+    "reach",
+    "yaw arcs",
 )

@@ -1,0 +1,101 @@
+"""`srs-ik map` makes, describes, checks, draws and exports maps; wrong input is one line."""
+
+import json
+
+import numpy as np
+import pytest
+from command_line import answer, run
+
+import srs_ik
+from srs_ik.maps import open_map
+
+pytest.importorskip("zarr")
+
+GRID = ("--step", "0.2", "--orientations", "72")
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    path = tmp_path_factory.mktemp("maps") / "map.zarr"
+    made = run("map", "make", "iiwa14", "--out", str(path), *GRID)
+    assert made.exit_code == 0, made.stderr
+    assert "100 % done" in made.stdout
+    return str(path)
+
+
+def test_info_says_what_the_map_holds(folder):
+    said = answer("map", "info", folder)
+    assert said["cells"] == 5 * 10 * 72
+    assert said["done"] == 1.0
+    assert said["reached"] == pytest.approx((open_map(folder).measure("reached") > 0).mean())
+    assert "half-plane, 5 x 10 positions" in run("map", "info", folder).stdout
+
+
+def test_making_it_again_changes_nothing_and_another_robot_is_refused(folder):
+    assert run("map", "make", "iiwa14", "--out", folder, *GRID).exit_code == 0
+    other = run("map", "make", "human_arm", "--out", folder, *GRID)
+    assert other.exit_code == 2
+    assert "map of another robot (iiwa14" in other.stderr
+
+
+def test_query_verify_and_estimate(folder, tmp_path):
+    poses = tmp_path / "poses.csv"
+    poses.write_text("x,y,z,roll,pitch,yaw\n0.4,0.2,0.5,0.1,1.2,0.3\n5,5,5,0,0,0\n")
+    found = run("map", "query", folder, str(poses), "--exact", "iiwa14", "--json")
+    assert found.exit_code == 1
+    arm = srs_ik.load("iiwa14")
+    T = srs_ik.pose_from_xyz_rpy([0.4, 0.2, 0.5], [0.1, 1.2, 0.3])
+    rows = json.loads(found.stdout)
+    assert [row["reached"] for row in rows] == [1.0, 0.0]
+    assert rows[0]["width"] == pytest.approx(sum(i.width for i in arm.intervals(T)), rel=1e-6)
+    assert run("map", "query", folder, str(poses)).exit_code == 1
+    checked = answer("map", "verify", folder, "iiwa14", "--count", "200")
+    assert checked["right"]
+    assert checked["cells"] == 200
+    assert answer("map", "estimate", "iiwa14", *GRID)["cells"] == 3600
+
+
+def test_export_plot_and_preview(folder, tmp_path):
+    for name in ("m.npz", "m.vti", "m.h5"):
+        assert run("map", "export", folder, str(tmp_path / name)).exit_code == 0
+        assert (tmp_path / name).stat().st_size > 1000
+    with np.load(tmp_path / "m.npz") as arrays:
+        assert arrays["reached"].shape == (5, 10, 72)
+    assert run("map", "plot", folder, "--output", str(tmp_path / "m.png")).exit_code == 0
+    assert run("map", "plot", folder, "--shell", "--output", str(tmp_path / "s.png")).exit_code == 0
+    assert (tmp_path / "s.png").stat().st_size > 5000
+    page = tmp_path / "m.html"
+    shown = run("map", "preview", folder, "iiwa14", "--save", str(page))
+    assert shown.exit_code == 0, shown.stderr
+    assert "points" in shown.stdout
+    assert page.stat().st_size > 100_000
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        (("make", "iiwa14", "--out", "x.zarr", "--orientations", "13"), "12 x 4^k x rolls"),
+        (("make", "iiwa14", "--out", "x.zarr", "--step", "0"), "step of a map"),
+        (("make", "iiwa14", "--out", "x.zarr", "--measure", "margins"), "did you mean 'margin'"),
+        (("info", "nowhere.zarr"), "holds no map"),
+        (("export", "nowhere.zarr", "m.txt"), ".npz, .vti or .h5"),
+    ],
+)
+def test_wrong_input_is_one_line(words, said):
+    found = run("map", *words)
+    assert found.exit_code == 2
+    assert said in found.stderr
+    assert len(found.stderr.splitlines()) == 1
+
+
+def test_two_maps_are_compared_and_combined(tmp_path):
+    box = ("--bounds", "-0.4", "0.4", "-0.4", "0.4", "0.2", "0.8")
+    paths = [str(tmp_path / name) for name in ("a.zarr", "b.zarr")]
+    for robot, path in zip(("iiwa14", "human_arm"), paths, strict=True):
+        assert run("map", "make", robot, "--out", path, *GRID, *box).exit_code == 0
+    a, b = (open_map(path).measure("reached") > 0 for path in paths)
+    said = answer("map", "compare", *paths)
+    assert said["first"] == pytest.approx((a & ~b).mean())
+    both = str(tmp_path / "both.zarr")
+    assert run("map", "combine", *paths, "--out", both).exit_code == 0
+    np.testing.assert_array_equal(open_map(both).measure("reached") > 0, a | b)
