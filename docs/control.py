@@ -148,7 +148,7 @@ def late(rule: dict[str, Any], rate: dict[str, Any], shares: dict[str, Any]) -> 
 
 
 def singular(stretch: dict[str, Any]) -> Row:
-    own, plain, damped = (stretch[name] for name in ("per_axis", "operational_pinv", "operational"))
+    own, plain, damped, linear = (stretch[name] for name in ("per_axis", "operational_pinv", "operational", "linear"))
     return Row(
         "Robust at singular configurations",
         HOLDS if own["below_3_rad_s"] == own["seeds"] and own["flips"] == 0 else CORRECTED,
@@ -159,7 +159,8 @@ def singular(stretch: dict[str, Any]) -> Row:
         f"{plain['largest_joint_speed_rad_s']['worst']:.2g} rad/s and {plain['largest_torque_N_m']:.3g} N m asked "
         "for with "
         f"the plain inverse, {damped['largest_joint_speed_rad_s']['worst']:.2g} rad/s and "
-        f"{damped['largest_torque_N_m']:.3g} N m with the damped one",
+        f"{damped['largest_torque_N_m']:.3g} N m with the damped one. Springs and dampers stay at "
+        f"{linear['largest_joint_speed_rad_s']['worst']:.2g} rad/s: it is the transposed Jacobian, not the law",
         COMMAND,
     )
 
