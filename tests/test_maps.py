@@ -287,3 +287,22 @@ def test_an_estimate_counts_the_cells_that_are_made(made):
     assert found.cells == chart.plan.cells
     assert found.tasks == len(chart.plan.blocks)
     assert 0.0 < found.seconds < 100.0
+
+
+def test_pictures_and_previews_show_the_arcs(made):
+    from srs_ik.plots import plot_map, plot_yaw_arcs
+    from srs_ik.preview import Preview, show_map, show_yaw_arcs
+
+    chart, arm = made
+    pose = arm.forward_kinematics(0.5 * (arm.lower + arm.upper) + 0.1)
+    (arcs,) = yaw_arcs(arm, [pose])
+    drawn = plot_yaw_arcs(arm, pose).axes[0].patches[1:]
+    assert sum(bar.get_width() for bar in drawn) == pytest.approx(arcs[:, 1].sum())
+    shown = plot_map(chart, "yaw").axes[0].images[0].get_array()
+    assert shown.T.filled(0.0) == pytest.approx(chart.mean("yaw"))
+    with pytest.raises(srs_ik.InvalidMap, match="no picture of 'rotation'"):
+        plot_map(chart, "rotation")
+    with Preview(arm) as view:
+        np.testing.assert_array_equal(show_yaw_arcs(view, pose), arcs)
+        assert show_map(view, chart, cut=False) == len(cloud(chart)[0])
+        assert "turned about axis 1" in view.html()

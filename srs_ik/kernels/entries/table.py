@@ -82,5 +82,11 @@ task.posture(family, H, x: float[TASK], given, side, tie, out: float[POSTURE]&)
 task.posture_range(family, H, tasks: float[n, TASK], first, last, given, side, tie, out: float[n, POSTURE]&)
 task.solve_tasks(family, H, tasks: float[n, TASK], first, last, given, side, tie, seeds, respect, J, A, out: float[n,
     TASK_SOLUTION]&)
+maps.reachable_range(family, poses, first, last, out: int[n]&)
+maps.measure_range(family, poses, first, last, limits: float[2], margin: int, out: float[n, c]&)
+maps.measure_cells(family, points: float[k, 3], rotations: float[m, 9], limits: float[2], margin: int, out:
+    float[r, c]&)
+near_maps.reachable_range(family, poses, first, last, out: int[n]&)
+near_maps.measure_range(family, poses, first, last, limits: float[2], out: float[n, c]&)
 yardstick.transcendental(angles: float[n, 8], out: float[n]&)
 """
