@@ -25,6 +25,7 @@ from srs_ik.solve.solution import BatchSolution, Interval, Solution, Solutions
 if TYPE_CHECKING:
     from srs_ik.inputs.task import Task
     from srs_ik.robot.description.model import Drawing
+    from srs_ik.solve.derivatives import SolutionDerivatives
     from srs_ik.solve.free_splits import FreeSplit
     from srs_ik.solve.intervals import IntervalsBatch
     from srs_ik.solve.objectives import Objective
@@ -445,6 +446,24 @@ class Arm(ChainKinematics):
         derivatives = np.empty(7)
         rates.self_motion_tangent(self.packed.family, as_bounded_joint_vector(q), derivatives)
         return derivatives
+
+    def solution_derivatives(self, q: ArrayLike) -> SolutionDerivatives:
+        """How a solution changes with its pose and its arm angle: dq/d(pose) and dq/d(arm angle), analytic.
+
+        They are the inverse of `jacobian` with `arm_angle_jacobian` below it, and do not exist where that is singular.
+
+        Args:
+            q: (7,) joint angles of a solution, inside its limits, rad.
+
+        Returns:
+            (7, 6) by a small motion of the tip, linear part first, the tip point in base axes; (7,) by the arm angle.
+
+        Raises:
+            InvalidConfiguration: not 7 finite angles, or one beyond 1e6 rad.
+        """
+        from srs_ik.solve.derivatives import solution_derivatives
+
+        return solution_derivatives(self, q)
 
     # Tools and surroundings -------------------------------------------------------------------------------------
 

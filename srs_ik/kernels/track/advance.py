@@ -82,7 +82,7 @@ CLOSE = 1e-6
 TOGETHER = 1e-12
 """Joints this close to the goal, rad, have met it."""
 
-COAST_FOR = 150
+COAST_FOR = 250
 """Updates that a tip close to its target may take to come back on the straight way; then other ways are looked for."""
 
 STUCK_FOR = 10

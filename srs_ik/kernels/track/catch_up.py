@@ -18,7 +18,7 @@ from srs_ik.kernels.track.closest import approach, between
 from srs_ik.kernels.track.limits import stopping_speed
 from srs_ik.kernels.track.target import load_target, part_of_way
 
-CLOSE_BY = 0.05
+CLOSE_BY = 0.15
 """A tip this close to its target, m and, by `LENGTH`, rad, comes back on the straight way."""
 
 LEVER = 0.25
