@@ -28,14 +28,13 @@ for t in np.arange(0.0, 4.0, dt):
     recording.append(None if rng.uniform() < 0.05 else hand)
 
 # The filter takes away what no hand does; it does not lag at constant velocity.
-tracker = arm.tracker(q0, dt, smoothing=0.03, elbow="limit_margin")
+tracker = arm.tracker(q0, dt, smoothing=0.08, elbow="limit_margin")
 steps = [tracker.update(pose) for pose in recording]
 
 print(Counter(str(step.status) for step in steps))
 print("at the jump:", steps[301].message)
-velocity, acceleration = (
-    np.abs([getattr(s, name) for s in steps]).max(axis=0) for name in ("velocity", "acceleration")
-)
+velocity = np.abs([step.velocity for step in steps]).max(axis=0)
+acceleration = np.abs([step.acceleration for step in steps]).max(axis=0)
 print("largest velocities, share of the limits:     ", np.round(velocity / tracker.velocity_limit, 2))
 print("largest accelerations, share of the limits:  ", np.round(acceleration / tracker.acceleration_limit, 2))
 

@@ -21,8 +21,8 @@ SMALLEST = 1e-9
 class SolutionDerivatives(NamedTuple):
     """First derivatives of the joint angles that `Arm.solve` gives for a pose and an arm angle.
 
-    With ``dx`` a small motion of the tip, linear part first (metres, rad; the tip point, base axes), and ``dpsi`` one of
-    the arm angle, the solution of the moved pose is q + ``pose @ dx + arm_angle * dpsi``, to first order.
+    With ``dx`` a small motion of the tip, linear part first (metres, rad; the tip point, base axes), and ``dpsi`` one
+    of the arm angle, the solution of the moved pose is q + ``pose @ dx + arm_angle * dpsi``, to first order.
     """
 
     pose: Array
