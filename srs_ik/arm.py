@@ -192,6 +192,7 @@ class Arm(ChainKinematics):
         acceleration_limit: ArrayLike | None = None,
         elbow: Any = "keep",
         smoothing: float = 0.0,
+        jerk_limit: ArrayLike | None = None,
     ) -> Tracker:
         """A follower of a target pose that moves: `update(pose)` gives the joint angles for the end of each period.
 
@@ -205,15 +206,18 @@ class Arm(ChainKinematics):
                 or its name ("limit_margin" for farthest from the limits) that it follows downhill.
             smoothing: time constant of a filter that takes jitter from the target, seconds; a target at constant
                 velocity is followed without a lag.
+            jerk_limit: one for all joints, or (7,), rad/s^3; by Ruckig (extra `jerk`), which follows what comes out
+                without it.
 
         Raises:
             InvalidConfiguration: a malformed argument, or q0 outside the joint limits.
             InvalidTask: no such objective, or one that is no kernel.
+            MissingExtra: a limit of the jerk is given, and ruckig is not installed.
             MissingLimits: the description gives a joint no velocity limit, and none is given here.
         """
         from srs_ik.solve.tracker import Tracker
 
-        return Tracker(self.packed, self, q0, dt, velocity_limit, acceleration_limit, elbow, smoothing)
+        return Tracker(self.packed, self, q0, dt, velocity_limit, acceleration_limit, elbow, smoothing, jerk_limit)
 
     def intervals(self, pose: PoseLike, respect_limits: bool = True) -> list[Interval]:
         """Feasible arm angles of every branch, exactly, in the order of branches.
