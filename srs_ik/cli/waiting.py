@@ -11,6 +11,8 @@ from contextlib import contextmanager
 from types import FrameType
 from typing import Any, TypeVar
 
+from srs_ik.kernels.native import extension
+
 T = TypeVar("T")
 
 _CALLBACKS = "_raw_object_cache"
@@ -29,8 +31,11 @@ def _interrupt(number: int, frame: FrameType | None) -> None:
 
 
 def announce_compilation() -> None:
-    """Print one line on standard error when something is first compiled; programs that read it, and logs, get none."""
-    if not sys.stderr.isatty():
+    """Print one line on standard error when something is first compiled; programs that read it, and logs, get none.
+
+    Where the kernels were compiled when the package was built, nothing is.
+    """
+    if not sys.stderr.isatty() or extension() is not None:
         return
     from numba.core import event
 
@@ -40,7 +45,8 @@ def announce_compilation() -> None:
         def on_start(self, event: Any) -> None:
             if not self.said:
                 self.said = True
-                print("srs-ik: compiling for this machine, once; it takes up to half a minute", file=sys.stderr)
+                words = "compiling for this machine, once; it takes up to a minute ('srs-ik warm': all at once)"
+                print(f"srs-ik: {words}", file=sys.stderr)
 
         def on_end(self, event: Any) -> None:
             pass
