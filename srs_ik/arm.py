@@ -568,7 +568,7 @@ class Arm(BodyOwner):
         """
         from srs_ik.solve.derivatives import solution_derivatives
 
-        return solution_derivatives(self, q)
+        return solution_derivatives(self.jacobian(q), self.arm_angle_jacobian(q))
 
     # Tools and surroundings -------------------------------------------------------------------------------------
 

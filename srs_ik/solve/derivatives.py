@@ -2,15 +2,10 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
-
-from srs_ik.inputs.poses import as_bounded_joint_vector
-
-if TYPE_CHECKING:
-    from srs_ik.arm import Arm
+from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 
@@ -33,11 +28,14 @@ class SolutionDerivatives(NamedTuple):
     """Whether there are any; else both arrays are zero."""
 
 
-def solution_derivatives(arm: Arm, q: ArrayLike) -> SolutionDerivatives:
-    """See `Arm.solution_derivatives`."""
-    q = as_bounded_joint_vector(q)
-    M = np.vstack([arm.jacobian(q), arm.arm_angle_jacobian(q)])
-    U, stretch, V = np.linalg.svd(M)
+def solution_derivatives(by_pose: Array, by_angle: Array) -> SolutionDerivatives:
+    """See `Arm.solution_derivatives`.
+
+    Args:
+        by_pose: (6, 7) Jacobian of the tip point.
+        by_angle: (7,) derivatives of the arm angle.
+    """
+    U, stretch, V = np.linalg.svd(np.vstack([by_pose, by_angle]))
     if stretch[-1] < SMALLEST:
         return SolutionDerivatives(np.zeros((7, 6)), np.zeros(7), False)
     inverse = (V.T / stretch) @ U.T

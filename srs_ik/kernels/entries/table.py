@@ -82,5 +82,6 @@ task.posture(family, H, x: float[TASK], given, side, tie, out: float[POSTURE]&)
 task.posture_range(family, H, tasks: float[n, TASK], first, last, given, side, tie, out: float[n, POSTURE]&)
 task.solve_tasks(family, H, tasks: float[n, TASK], first, last, given, side, tie, seeds, respect, J, A, out: float[n,
     TASK_SOLUTION]&)
+track.update(family, state: float[s]&, settings: float[c], T, given, work: float[2, 16, 9]&, out: float[o]&)
 yardstick.transcendental(angles: float[n, 8], out: float[n]&)
 """
