@@ -27,6 +27,7 @@ if TYPE_CHECKING:
     from srs_ik.inputs.task import Task
     from srs_ik.robot.description.model import Drawing
     from srs_ik.solve.collisions import Surroundings
+    from srs_ik.solve.derivatives import SolutionDerivatives
     from srs_ik.solve.free_splits import FreeSplit
     from srs_ik.solve.intervals import IntervalsBatch
     from srs_ik.solve.objectives import Objective
@@ -235,6 +236,7 @@ class Arm(BodyOwner):
         acceleration_limit: ArrayLike | None = None,
         elbow: Any = "keep",
         smoothing: float = 0.0,
+        jerk_limit: ArrayLike | None = None,
     ) -> Tracker:
         """A follower of a target pose that moves: `update(pose)` gives the joint angles for the end of each period.
 
@@ -248,15 +250,18 @@ class Arm(BodyOwner):
                 or its name ("limit_margin" for farthest from the limits) that it follows downhill.
             smoothing: time constant of a filter that takes jitter from the target, seconds; a target at constant
                 velocity is followed without a lag.
+            jerk_limit: one for all joints, or (7,), rad/s^3; by Ruckig (extra `jerk`), which follows what comes out
+                without it.
 
         Raises:
             InvalidConfiguration: a malformed argument, or q0 outside the joint limits.
             InvalidTask: no such objective, or one that is no kernel.
+            MissingExtra: a limit of the jerk is given, and ruckig is not installed.
             MissingLimits: the description gives a joint no velocity limit, and none is given here.
         """
         from srs_ik.solve.tracker import Tracker
 
-        return Tracker(self.packed, self, q0, dt, velocity_limit, acceleration_limit, elbow, smoothing)
+        return Tracker(self.packed, self, q0, dt, velocity_limit, acceleration_limit, elbow, smoothing, jerk_limit)
 
     def intervals(
         self, pose: PoseLike, respect_limits: bool = True, *, scene: Scene | None = None, margin: float = 0.0
@@ -546,6 +551,24 @@ class Arm(BodyOwner):
         derivatives = np.empty(7)
         rates.self_motion_tangent(self.packed.family, as_bounded_joint_vector(q), derivatives)
         return derivatives
+
+    def solution_derivatives(self, q: ArrayLike) -> SolutionDerivatives:
+        """How a solution changes with its pose and its arm angle: dq/d(pose) and dq/d(arm angle), analytic.
+
+        They are the inverse of `jacobian` with `arm_angle_jacobian` below it, and do not exist where that is singular.
+
+        Args:
+            q: (7,) joint angles of a solution, inside its limits, rad.
+
+        Returns:
+            (7, 6) by a small motion of the tip, linear part first, the tip point in base axes; (7,) by the arm angle.
+
+        Raises:
+            InvalidConfiguration: not 7 finite angles, or one beyond 1e6 rad.
+        """
+        from srs_ik.solve.derivatives import solution_derivatives
+
+        return solution_derivatives(self.jacobian(q), self.arm_angle_jacobian(q))
 
     # Tools and surroundings -------------------------------------------------------------------------------------
 

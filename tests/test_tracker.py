@@ -252,3 +252,24 @@ def test_jitter_is_smoothed_without_a_lag():
         roughness.append(np.mean(rough[1000:]))
     assert ends[1] < 5e-4
     assert roughness[1] < 0.3 * roughness[0]
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_the_jerk_is_limited_too(kind):
+    pytest.importorskip("ruckig")
+    arm = arms.load("iiwa14")
+    moving = motion(arm, 3, 2.0, DT, kind, trouble=True)
+    tracker = tracker_of("iiwa14", moving.q0, jerk_limit=200.0, smoothing=0.02)
+    q, _ = follow("iiwa14", moving.given, tracker)
+    assert_limits_kept("iiwa14", moving.q0, q, tracker)
+    jerk = np.diff(np.vstack([np.repeat(moving.q0[None], 3, axis=0), q]), n=3, axis=0) / DT**3
+    # The third difference of figures rounded to 4e-16 rad has errors of 4e-7 rad/s^3.
+    assert np.abs(jerk).max() <= 200.0 + 1e-6
+    end = moving.true[-1] if kind not in ("reach", "hand") else arm.forward_kinematics(q[-1])
+    for _ in range(1500):
+        step = tracker.update(end)
+    assert np.abs(step.velocity).max() < 1e-3
+    off = np.linalg.norm(
+        arms.forward("iiwa14")(step.q).translation - np.asarray(getattr(end, "homogeneous", end))[:3, 3]
+    )
+    assert step.position_error == pytest.approx(off, abs=1e-9)

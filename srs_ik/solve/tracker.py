@@ -19,6 +19,7 @@ from srs_ik.kernels.layout.objectives import PARAMS
 from srs_ik.solve.objectives import Objective
 from srs_ik.solve.pose import solve
 from srs_ik.solve.solution import Solution
+from srs_ik.solve.tracker_jerk import JerkFilter
 
 if TYPE_CHECKING:
     from srs_ik.kinematics import ChainKinematics
@@ -37,6 +38,10 @@ AVERAGED = 0.006
 
 PATIENCE = 0.05
 """Time constant, seconds, in which a target that is lost is expected to slow down."""
+
+
+TOGETHER = 1e-6
+"""With limits of the jerk, joints this close to where they should be, rad, are there."""
 
 
 class TrackerStatus(StrEnum):
@@ -146,6 +151,7 @@ class Tracker:
         dt: seconds between two updates.
         velocity_limit: (7,) rad/s.
         acceleration_limit: (7,) rad/s^2.
+        jerk_limit: (7,) rad/s^3, or None.
     """
 
     def __init__(
@@ -158,6 +164,7 @@ class Tracker:
         acceleration_limit: ArrayLike | None = None,
         elbow: Any = "keep",
         smoothing: float = 0.0,
+        jerk_limit: ArrayLike | None = None,
     ) -> None:
         self._packed, self._chain = packed, chain
         self.dt = as_positive(dt, "dt", "seconds")
@@ -172,6 +179,7 @@ class Tracker:
         self._settings[[at.AHEAD, at.PATIENCE]] = AHEAD, PATIENCE
         self._work = np.zeros((2, 16, 9))
         self._nowhere = np.eye(4)
+        self.jerk_limit = None if jerk_limit is None else _limits(jerk_limit, packed, "jerk_limit", np.empty(7))
         self.elbow = elbow
         self.smoothing = smoothing
         self.reset(q0)
@@ -179,7 +187,7 @@ class Tracker:
     @property
     def q(self) -> Array:
         """(7,) joint angles of the last update, rad."""
-        return self._state[at.Q : at.V].copy()
+        return self._state[at.Q : at.V].copy() if self._jerk is None else self._sent[1].copy()
 
     @property
     def elbow(self) -> Any:
@@ -230,6 +238,11 @@ class Tracker:
         self._state[at.Q : at.V] = self._state[at.GOAL : at.GOAL_RATE] = q
         # The first target may be where the tip is.
         self._state[at.ON] = 1.0
+        self._jerk: JerkFilter | None = None
+        if self.jerk_limit is not None:
+            bounds = self.velocity_limit, self.acceleration_limit, self.jerk_limit
+            self._jerk = JerkFilter(q, self.dt, (self._packed.lower, self._packed.upper), bounds)
+            self._sent = np.array([q, q])
 
     def update(self, pose: PoseLike | None) -> TrackerStep:
         """The joint angles for the end of the next period.
@@ -247,7 +260,28 @@ class Tracker:
         else:
             T = as_matrix(pose)
             update(self._packed.family, self._state, self._settings, T, 1, self._work, out)
+        if self._jerk is not None:
+            self._send(self._jerk, out, None if pose is None else T)
         return TrackerStep(out, self._packed.joint_names)
+
+    def _send(self, jerk: JerkFilter, out: Array, T: Array | None) -> None:
+        """Limit the jerk of a step, and write what comes of it."""
+        wanted = out[at.STEP_Q : at.STEP_V].copy()
+        q = jerk.step(wanted, out[at.STEP_V : at.STEP_A])
+        before, last = self._sent
+        self._sent = np.array([last, q])
+        out[at.STEP_Q : at.STEP_V] = q
+        out[at.STEP_V : at.STEP_A] = (q - last) / self.dt
+        out[at.STEP_A : at.STEP_STATUS] = (q - 2.0 * last + before) / self.dt**2
+        behind = np.abs(wanted - q)
+        if out[at.STEP_REASON] != at.BAD_TARGET:
+            goal = self._target() if T is None and self._state[at.STARTED] else T
+            if goal is not None:
+                error = self._chain.verify(goal, q)
+                out[at.STEP_POSITION_ERROR], out[at.STEP_ORIENTATION_ERROR] = error
+        if out[at.STEP_STATUS] == at.OK and behind.max() > TOGETHER:
+            out[at.STEP_STATUS], out[at.STEP_REASON] = at.LIMITED, at.BEHIND
+            out[at.STEP_JOINT] = 1.0 + int((behind / self.velocity_limit).argmax())
 
     def reconfigure(self, pose: PoseLike | None = None) -> Solution:
         """Let the arm go to the posture of a pose that is nearest to the present one, in whatever configuration.

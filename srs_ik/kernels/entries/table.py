@@ -88,5 +88,6 @@ maps.measure_cells(family, points: float[k, 3], rotations: float[m, 9], limits: 
     float[r, c]&)
 near_maps.reachable_range(family, poses, first, last, out: int[n]&)
 near_maps.measure_range(family, poses, first, last, limits: float[2], out: float[n, c]&)
+track.update(family, state: float[s]&, settings: float[c], T, given, work: float[2, 16, 9]&, out: float[o]&)
 yardstick.transcendental(angles: float[n, 8], out: float[n]&)
 """

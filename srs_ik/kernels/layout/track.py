@@ -23,7 +23,8 @@ ELSEWHERE = 67  # what is known of postures that reach the target: `UNKNOWN` ...
 STARTED = 68  # 1.0 once there was a target
 ESTIMATE = 69  # 12, the target before the last stage of smoothing: rotation, position
 COAST = 81  # updates since the tip was on the target, close to it
-STATE = 82
+PACE = 82  # 6, how fast the smoothed target itself moves: linear, angular
+STATE = 88
 
 # Verdicts on a target that the goal does not reach.
 UNKNOWN = 0.0

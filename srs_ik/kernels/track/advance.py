@@ -42,6 +42,7 @@ from srs_ik.kernels.layout.track import (
     OUT_OF_REACH,
     PERIOD,
     RECONFIGURE,
+    ROTATION,
     SPEED,
     STARTED,
     STEP_A,
@@ -68,7 +69,7 @@ from srs_ik.kernels.track.closest import approach, between, error_at, minus
 from srs_ik.kernels.track.elbow import own_motion
 from srs_ik.kernels.track.elsewhere import look_elsewhere, out_of_reach, way_between
 from srs_ik.kernels.track.limits import fastest_all, slowest_all, toward
-from srs_ik.kernels.track.target import load_target, lose_target, take_target
+from srs_ik.kernels.track.target import keep_pace, load_pose, lose_target, take_target
 
 FASTER = 3.0
 """The goal may move so many times as fast as the joints."""
@@ -82,7 +83,7 @@ CLOSE = 1e-6
 TOGETHER = 1e-12
 """Joints this close to the goal, rad, have met it."""
 
-COAST_FOR = 150
+COAST_FOR = 250
 """Updates that a tip close to its target may take to come back on the straight way; then other ways are looked for."""
 
 STUCK_FOR = 10
@@ -294,6 +295,8 @@ def advance(P, S, C, given, work, out):
     q, v = read7(row(S, Q)), read7(row(S, V))
     box = slowest_all(P, C, q, v), fastest_all(P, C, q, v)
     S[TICK] += 1.0
+    known = S[STARTED] == 1.0
+    shown = load_pose(S, ROTATION)
     if has == 1:
         take_target(S, C, R, p)
     elif S[STARTED] == 1.0:
@@ -304,7 +307,9 @@ def advance(P, S, C, given, work, out):
         out[STEP_POSITION_ERROR] = out[STEP_ORIENTATION_ERROR] = math.inf
         write_step(S, C, after, v, (HELD, NO_TARGET_YET if has == 0 else BAD_TARGET, 0), out)
         return
-    R_target, p_target, _, _ = load_target(S)
+    if known:
+        keep_pace(S, C, shown)
+    R_target, p_target = load_pose(S, ROTATION)
     pose = R_target, p_target
     place_ = place(P, R_target, p_target)
     own = own_motion(P, S, C, task, J)

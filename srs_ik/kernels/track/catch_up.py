@@ -11,14 +11,14 @@ from srs_ik.kernels.chain.kinematics import forward_kinematics
 from srs_ik.kernels.chain.newton import twist_to
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.limb import FAR
-from srs_ik.kernels.layout.track import ACCELERATION, LENGTH, PERIOD, Q, V
+from srs_ik.kernels.layout.track import ACCELERATION, LENGTH, PERIOD, ROTATION, Q, V
 from srs_ik.kernels.limb.goal import NO_SEED
 from srs_ik.kernels.limb.poses import read7
 from srs_ik.kernels.track.closest import approach, between
 from srs_ik.kernels.track.limits import stopping_speed
-from srs_ik.kernels.track.target import load_target, part_of_way
+from srs_ik.kernels.track.target import load_pace, load_pose, part_of_way
 
-CLOSE_BY = 0.05
+CLOSE_BY = 0.15
 """A tip this close to its target, m and, by `LENGTH`, rad, comes back on the straight way."""
 
 LEVER = 0.25
@@ -35,7 +35,7 @@ def tip_pose(P, q):
 @kernel
 def way_left(P, S):
     """The way of the tip to the target, linear and angular, and its size: metres, turns by `LENGTH`."""
-    R, p, _, _ = load_target(S)
+    R, p = load_pose(S, ROTATION)
     tip = tip_pose(P, read7(row(S, Q)))
     T = tip[0]
     linear, angular = twist_to((T[0], T[3], T[6]), (T[1], T[4], T[7]), (T[2], T[5], T[8]), tip[1], R, p)
@@ -48,7 +48,7 @@ def catch_up(P, S, C, left, own, box, work):
     """The step that brings the tip closest to where it should be after a period, on its way back to the target."""
     period = C[PERIOD]
     tip, linear, angular, _ = left
-    _, _, v, w = load_target(S)
+    v, w = load_pace(S)
     # The way relative to a target that moves on.
     behind, turned = along(linear, -period, v), along(angular, -period, w)
     size = math.sqrt(dot(behind, behind) + LENGTH * LENGTH * dot(turned, turned))

@@ -31,6 +31,7 @@ from srs_ik.kernels.layout.track import (
     PERIOD,
     PLAN,
     PLAN_LEFT,
+    ROTATION,
     SPEED,
     TICK,
 )
@@ -41,7 +42,7 @@ from srs_ik.kernels.limb.triangle import elbow_side, place
 from srs_ik.kernels.optimum.objectives import objective
 from srs_ik.kernels.track.closest import minus
 from srs_ik.kernels.track.elsewhere import nearest_in, way_between
-from srs_ik.kernels.track.target import load_target, moved_on
+from srs_ik.kernels.track.target import load_pace, load_pose, moved_on
 
 EVERY = 4
 """Updates from one plan to the next."""
@@ -197,7 +198,8 @@ def plan(P, S, C, task, J):
     """Plan for the pose a while ahead, with the arm stretched where that is just out of reach."""
     S[PLAN_LEFT] = 0.0
     q = read7(row(S, GOAL))
-    R, p, v, w = load_target(S)
+    R, p = load_pose(S, ROTATION)
+    v, w = load_pace(S)
     here = place(P, R, p)
     R, p = moved_on(R, p, v, w, C[AHEAD])
     place_ = place(P, R, p)

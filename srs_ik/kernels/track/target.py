@@ -13,12 +13,16 @@ from srs_ik.kernels.layout.track import (
     ESTIMATE,
     GAMMA,
     LOST,
+    PACE,
     PATIENCE,
     PERIOD,
     ROTATION,
     STARTED,
     TWIST,
 )
+
+PACED = 0.005
+"""Seconds over which the velocity of the smoothed target is averaged."""
 
 JUMP = 0.05
 """A target this far from where it was expected, metres, has jumped: its velocity is not known any more."""
@@ -137,3 +141,20 @@ def lose_target(S, C):
     store_pose(S, ESTIMATE, R, p)
     store_twist(S, scale(slower, v), scale(slower, w))
     S[LOST] += 1.0
+
+
+@kernel
+def keep_pace(S, C, before):
+    """Average how fast the smoothed target moves, from its pose before; what has jumped is at rest."""
+    linear, angular = way_to(before, load_pose(S, ROTATION))
+    jumped = norm(linear) > JUMP or norm(angular) > JUMP_TURN
+    share = C[PERIOD] / (C[PERIOD] + PACED)
+    for i in range(3):
+        S[PACE + i] = 0.0 if jumped else S[PACE + i] + share * (linear[i] / C[PERIOD] - S[PACE + i])
+        S[PACE + 3 + i] = 0.0 if jumped else S[PACE + 3 + i] + share * (angular[i] / C[PERIOD] - S[PACE + 3 + i])
+
+
+@kernel
+def load_pace(S):
+    """How fast the smoothed target moves, linear and angular."""
+    return (S[PACE], S[PACE + 1], S[PACE + 2]), (S[PACE + 3], S[PACE + 4], S[PACE + 5])
