@@ -62,14 +62,13 @@ def compiled(whole: bytes, symbols: list[str], target: str) -> bytes:
     return backend.emit(whole, triple(), processor, "", names)
 
 
-def build(folder: Path) -> None:
+def build(folder: Path, entries: tuple[Entry, ...]) -> None:
     """Put the compiled kernels, the extension and the header into a folder.
 
     Raises:
         NoCompiler: the glue cannot be compiled.
     """
     linking.c_compiler()
-    entries = read_table()
     begin = time.monotonic()
     work = parts(entries)
     symbols = [symbol for part in work for _, _, symbol in part]
@@ -104,8 +103,10 @@ def _say(words: str) -> None:
 if __name__ == "__main__":
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("folder", type=Path)
+    parser.add_argument("--room", help="only the entries of a room, to try something")
+    given = parser.parse_args()
     os.environ["SRS_IK_JIT"] = "1"
     try:
-        build(parser.parse_args().folder)
+        build(given.folder, tuple(entry for entry in read_table() if given.room in (None, entry.room)))
     except linking.NoCompiler as error:
         sys.exit(str(error))
