@@ -3,7 +3,7 @@
 Run: python benchmarks/ahead.py FOLDER [ROBOT]...
 
 FOLDER is an installed package with compiled kernels: pip install --no-deps --target FOLDER a wheel of this checkout.
-Two processes answer by turns, one on each; a figure is the least of many turns, as a shared machine is slow at times.
+Two processes answer by turns, one on each; a figure is the least processor time of many turns, that of all threads.
 """
 
 from __future__ import annotations
@@ -26,10 +26,10 @@ from srs_ik.bench.exercise import calls
 from srs_ik.kernels.native import at_work
 
 def seconds(call, count):
-    begin = time.perf_counter()
+    begin = time.process_time()
     for _ in range(count):
         call()
-    return (time.perf_counter() - begin) / count
+    return (time.process_time() - begin) / count
 
 made = calls(srs_ik.load(sys.argv[1]))
 counts = {}
@@ -57,7 +57,8 @@ def worker(robot: str, environment: dict[str, str]) -> subprocess.Popen[str]:
 
 def asked(process: subprocess.Popen[str], name: str) -> float:
     """Seconds of a call."""
-    assert process.stdin is not None and process.stdout is not None
+    assert process.stdin is not None
+    assert process.stdout is not None
     process.stdin.write(f"{name}\n")
     process.stdin.flush()
     return float(process.stdout.readline())

@@ -321,6 +321,17 @@ def test_other_threads_of_python_run_during_a_call(installed):
     assert int(run_installed(installed, LOCK)) >= 3
 
 
+BY_PYTHON = """
+import json, sys
+import srs_ik
+arm = srs_ik.load(sys.argv[1])
+q = [0.3, 0.7, -0.4, -1.1, 0.5, 0.8, -0.2]
+pose = arm.forward_kinematics(q)
+ends = [(i.branch, i.lower, i.upper) for i in arm.intervals(pose)]
+print(json.dumps({"q": arm.solve(pose, seed=q).q.tolist(), "ends": ends}))
+"""
+
+
 @pytest.mark.skipif(shutil.which("cc") is None, reason="needs a C compiler")
 @pytest.mark.parametrize("robot", ROBOTS)
 def test_the_c_example_gives_the_same_answers(installed, tmp_path, robot):
@@ -334,13 +345,11 @@ def test_the_c_example_gives_the_same_answers(installed, tmp_path, robot):
     first, second, *rows, last = subprocess.run(
         [str(program), str(limb)], check=True, capture_output=True, text=True
     ).stdout.splitlines()
-    arm = srs_ik.load(robot)
-    q = np.array([0.3, 0.7, -0.4, -1.1, 0.5, 0.8, -0.2])
-    pose = arm.forward_kinematics(q)
+    expected = json.loads(run_installed(installed, BY_PYTHON, robot))
     status, *angles = first.removeprefix("status ").replace(":", "").split()
     assert status == "0"
-    np.testing.assert_allclose(np.array(angles, dtype=float), arm.solve(pose, seed=q).q, atol=1e-9)
-    ends = [(i.branch, i.lower, i.upper) for i in arm.intervals(pose)]
+    np.testing.assert_allclose(np.array(angles, dtype=float), expected["q"], atol=1e-9)
+    ends = expected["ends"]
     found = [
         [float(word) for word in row.replace("branch", "").replace("to", "").replace(":", "").split()] for row in rows
     ]
