@@ -14,9 +14,12 @@ from srs_ik.cli import (
     bench,
     ellipsoids,
     fk,
+    follow,
     inspect,
     intervals,
+    map,
     path,
+    place,
     plot,
     preview,
     reproduce,
@@ -142,6 +145,9 @@ app.command("fk", cls=NumbersCommand)(fk.fk)
 app.command("solve", cls=NumbersCommand)(solve.solve)
 app.command("intervals", cls=NumbersCommand)(intervals.intervals)
 app.command("path", cls=NumbersCommand)(path.path)
+app.command("place", cls=NumbersCommand)(place.place)
+app.add_typer(map.map_app, name="map")
+app.command("follow", cls=NumbersCommand)(follow.follow)
 app.command("ellipsoids", cls=NumbersCommand)(ellipsoids.ellipsoids)
 app.command("plot", cls=NumbersCommand)(plot.plot)
 app.command("preview", cls=NumbersCommand)(preview.preview)

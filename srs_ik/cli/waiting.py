@@ -6,12 +6,14 @@ import signal
 import sys
 import threading
 import warnings
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from types import FrameType
-from typing import Any
+from typing import Any, TypeVar
 
 from srs_ik.kernels.native import extension
+
+T = TypeVar("T")
 
 _CALLBACKS = "_raw_object_cache"
 """How the functions begin that LLVM calls while it compiles: an exception in one is printed and lost."""
@@ -67,6 +69,17 @@ def at_work(words: str) -> Iterator[None]:
         task = bar.add_task(words, total=None)
         with watched(lambda begun, count: bar.update(task, completed=begun, total=count)):
             yield
+
+
+def counted(items: Sequence[T], words: str) -> Iterator[T]:
+    """Go through items, and show in a terminal how far that is."""
+    if not sys.stderr.isatty():
+        yield from items
+        return
+    from rich.console import Console
+    from rich.progress import track
+
+    yield from track(items, words, console=Console(stderr=True), transient=True)
 
 
 def warn_in_one_line() -> None:

@@ -57,8 +57,8 @@ class CompiledKernels(BuildHookInterface):
         scratch = Path(tempfile.mkdtemp())
         build_data["srs_ik_scratch"] = str(scratch)
         # The order of sets must not change what is made.
-        path = os.pathsep.join(filter(None, (self.root, os.environ.get("PYTHONPATH"))))
-        environment = {**os.environ, "PYTHONPATH": path, "PYTHONHASHSEED": "0", "SRS_IK_JIT": "1"}
+        sources = os.pathsep.join(filter(None, (self.root, os.environ.get("PYTHONPATH"))))
+        environment = {**os.environ, "PYTHONPATH": sources, "PYTHONHASHSEED": "0", "SRS_IK_JIT": "1"}
         command = [sys.executable, "-m", "srs_ik.kernels.ahead.build", str(scratch)]
         done = subprocess.run(command, cwd=scratch, env=environment, check=False)
         if done.returncode:
