@@ -52,5 +52,5 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
             item.add_marker(pytest.mark.files)
         if "browser" in item.fixturenames or item.path.stem == "test_preview_browser":
             item.add_marker(pytest.mark.browser)
-        if item.path.stem in SLOW:
+        if item.path.stem in SLOW or "installed" in item.fixturenames:
             item.add_marker(pytest.mark.slow)

@@ -44,7 +44,7 @@ def test_version_is_written_in_one_place_only(project):
 
 def test_core_dependencies_are_the_agreed_ones(project):
     names = {re.split(r"[<>=~! \[]", requirement)[0] for requirement in project["dependencies"]}
-    assert names == {"pin", "numpy", "numba", "yourdfpy", "meshcat", "scipy", "typer", "rich"}
+    assert names == {"pin", "numpy", "yourdfpy", "meshcat", "scipy", "typer", "rich"}
 
 
 def test_package_says_that_it_is_typed():

@@ -39,6 +39,7 @@ def calls(arm: srs_ik.Arm, count: int = POSES) -> dict[str, Call]:
     task = srs_ik.Task([0.4, 0.2, 0.5], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0])
     target = pose.translation + np.linspace(0.0, 0.05, count)[:, None]
     tasks = srs_ik.Task(target, np.tile([1.0, 0.0, 0.0], (count, 1)), np.tile([0.0, 0.0, 1.0], (count, 1)))
+    tracker = arm.tracker(q, 0.01, np.full(7, 1.0), np.full(7, 10.0))
     return {
         "solve": lambda: arm.solve(pose),
         "solve, seed": lambda: arm.solve(pose, seed=q),
@@ -70,6 +71,8 @@ def calls(arm: srs_ik.Arm, count: int = POSES) -> dict[str, Call]:
         "tasks": lambda: arm.solve_task(tasks),
         "forward kinematics, batch": lambda: arm.forward_kinematics_batch(work.q),
         "Jacobian, batch": lambda: arm.jacobian_batch(work.q),
+        "reachable, batch": lambda: arm.reachable_batch(work.poses),
+        "tracker": lambda: tracker.update(pose),
         "arm angle": lambda: arm.arm_angle(q),
         "arm angle's Jacobian": lambda: arm.arm_angle_jacobian(q),
         "self-motion tangent": lambda: arm.self_motion_tangent(q),

@@ -29,7 +29,7 @@ def warm() -> None:
         return
     begin = time.monotonic()
     with Progress(console=Console(stderr=True)) as bar, ThreadPoolExecutor(len(ROBOTS)) as pool:
-        tasks = [bar.add_task(f"kernels for robots like {robot}", total=33) for robot in ROBOTS]
+        tasks = [bar.add_task(f"kernels for robots like {robot}", total=35) for robot in ROBOTS]
 
         def follow(robot: str, task: object) -> None:
             for _ in _asked(robot):

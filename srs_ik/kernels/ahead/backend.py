@@ -43,7 +43,14 @@ def emit(bitcode: bytes, triple: str, processor: str, features: str, rename: dic
     options.loop_vectorization = True
     options.slp_vectorization = False
     builder = llvm.create_pass_builder(machine, options)
+    # References that a function counts up and down again are found before it is inlined into others.
+    first = llvm.create_new_module_pass_manager()
+    for add in (first.add_sroa_pass, first.add_simplify_cfg_pass, first.add_instruction_combine_pass):
+        add()
+    first.add_refprune_pass()
+    first.run(module, builder)
     passes = builder.getModulePassManager()
+    passes.add_refprune_pass()
     passes.run(module, builder)
     for function in module.functions:
         if function.name in rename:

@@ -10,12 +10,15 @@ import sys
 import tempfile
 import time
 from concurrent.futures import ProcessPoolExecutor
+from importlib import import_module
 from multiprocessing import get_context
 from pathlib import Path
 
+from srs_ik.kernels import entries as counter
 from srs_ik.kernels.ahead import backend, glue, linking
 from srs_ik.kernels.ahead.frontend import translate_all
-from srs_ik.kernels.ahead.signatures import Entry, read_table
+from srs_ik.kernels.ahead.signatures import Entry, read_table, rooms
+from srs_ik.kernels.disk import KernelCache
 from srs_ik.kernels.native import source_digest
 
 X86 = (
@@ -37,6 +40,19 @@ def triple() -> str:
     import llvmlite.binding as llvm
 
     return str(llvm.get_process_triple())
+
+
+def unlisted() -> list[str]:
+    """Entries that the table has no line for; Numba has to be at work in this process."""
+    listed = {(entry.room, entry.name) for entry in read_table()}
+    found = []
+    for room in rooms():
+        module = import_module(f"{counter.__name__}.{room}")
+        for name, value in vars(module).items():
+            own = getattr(getattr(value, "py_func", None), "__module__", "") == module.__name__
+            if own and isinstance(value._cache, KernelCache) and (room, name) not in listed:
+                found.append(f"{room}.{name}")
+    return found
 
 
 def parts(entries: tuple[Entry, ...]) -> list[list[Work]]:
@@ -62,14 +78,13 @@ def compiled(whole: bytes, symbols: list[str], target: str) -> bytes:
     return backend.emit(whole, triple(), processor, "", names)
 
 
-def build(folder: Path) -> None:
+def build(folder: Path, entries: tuple[Entry, ...]) -> None:
     """Put the compiled kernels, the extension and the header into a folder.
 
     Raises:
         NoCompiler: the glue cannot be compiled.
     """
     linking.c_compiler()
-    entries = read_table()
     begin = time.monotonic()
     work = parts(entries)
     symbols = [symbol for part in work for _, _, symbol in part]
@@ -104,8 +119,12 @@ def _say(words: str) -> None:
 if __name__ == "__main__":
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("folder", type=Path)
+    parser.add_argument("--room", help="only the entries of a room, to try something")
+    given = parser.parse_args()
     os.environ["SRS_IK_JIT"] = "1"
+    if unlisted():
+        sys.exit(f"entries/table.py has no line for {', '.join(unlisted())}")
     try:
-        build(parser.parse_args().folder)
+        build(given.folder, tuple(entry for entry in read_table() if given.room in (None, entry.room)))
     except linking.NoCompiler as error:
         sys.exit(str(error))

@@ -101,18 +101,29 @@ def _argument(room: str, text: str) -> Argument:
 def _size(room: str, text: str) -> int | str:
     if text.isdigit():
         return int(text)
-    return int(_named_size(room, text)) if text.isupper() and len(text) > 1 else text
+    of, _, name = text.rpartition(".")
+    return _named_size(of or room, name) if len(name) > 1 and name.isupper() else text
 
 
-def _named_size(room: str, name: str) -> Any:
-    for module in (
-        f"{entries.__name__}.{room}",
-        *(f"{layout.__name__}.{m.name}" for m in iter_modules(layout.__path__)),
-    ):
-        value = getattr(importlib.import_module(module), name, None)
-        if isinstance(value, int):
-            return value
-    raise ValueError(f"no size {name} in {room} and in layout")
+def _named_size(room: str, name: str) -> int:
+    """A size of a room of entries, of its namesake in `layout`, or of another one there if it is the only one."""
+    columns = [f"{layout.__name__}.{each.name}" for each in iter_modules(layout.__path__)]
+    own = [f"{entries.__name__}.{room}", f"{layout.__name__}.{room}"]
+    found = {each: _constant(each, name) for each in (*own, *columns) if _constant(each, name) is not None}
+    values = {value for each, value in found.items() if each not in own}
+    for each in own:
+        if each in found:
+            return int(found[each])
+    if len(values) != 1:
+        raise ValueError(f"{len(values)} sizes {name} for {room}: name one of {', '.join(found) or 'layout'}")
+    return int(values.pop())
+
+
+def _constant(module: str, name: str) -> Any:
+    try:
+        return getattr(importlib.import_module(module), name, None)
+    except ModuleNotFoundError:
+        return None
 
 
 def rooms() -> list[str]:

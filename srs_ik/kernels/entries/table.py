@@ -2,7 +2,7 @@
 
 A line reads as the entry's own head, with types; those of `ARGUMENTS` need not be repeated, and what is indented goes
 on the line above. Scalars are `int`, `float` and `bool`. An array is its element and its shape, `float[n, 7]`, in C
-order: a number, or a name in capitals of `layout` or of the entry's file, is that size, and a letter any size, the same
+order: a number, or a name in capitals of the entry's file or of `layout`, is that size, and a letter any size, the same
 wherever it stands in a line. Behind an array, `&` says that the entry writes to it, and `?` that it may be None; `?J`
 is None where J is. Each combination of arguments that are None is compiled by itself.
 """
@@ -10,7 +10,7 @@ is None where J is. Each combination of arguments that are None is compiled by i
 from __future__ import annotations
 
 ARGUMENTS = """
-family: float[4, SIZE]
+family: float[4, limb.SIZE]
 T: float[4, 4]
 poses: float[n, 4, 4]
 first: int
@@ -28,8 +28,16 @@ H: float[HAND]
 given: int
 side: float
 tie: float
-settings: float[SETTINGS, 7]
+settings: float[path.SETTINGS, 7]
 limited: bool
+bodies: float[b, BODY_ROW]
+groups: int[g, GROUP]
+pairs: int[p, 2]
+slack: float[SLACK]
+local: float[l, LOCAL_ROW]&
+ready: int[g]&
+found: float[f, 3]
+port: float[p]
 """
 """What is meant by names that have one meaning in all rooms; a line may say otherwise."""
 
@@ -41,11 +49,11 @@ pose.solve_at_range(family, poses, first, last, psis, branch, seeds, respect, J,
 pose.solve_all(family, T, psi, respect, J, A, out: float[8, ROW]&) -> int
 pose.solve_all_range(family, poses, first, last, psis, respect, J, A, out: float[r, ROW]&, verdicts)
 pose.solve_intervals(family, T, respect, J, A, out: float[MOST_INTERVALS, ROW]&) -> int
-pose.pack_limits(P: float[SIZE]&, lower: float[7], upper: float[7])
-pose.measure_shifts(P: float[SIZE], configurations: float[n, 7], shifts: float[n]&)
+pose.pack_limits(P: float[limb.SIZE]&, lower: float[7], upper: float[7])
+pose.measure_shifts(P: float[limb.SIZE], configurations: float[n, 7], shifts: float[n]&)
 pose.check_pose(T) -> int
-intervals.intervals_range(family, poses, first, last, respect, J, A, rows: float[r, 3]&, counts: int[n]&, verdicts) ->
-    (int, int)
+intervals.intervals_range(family, poses, first, last, respect, J, A, rows: float[r, 3]&, counts: int[n]&, verdicts)
+    -> (int, int)
 intervals.intervals(family, T, respect, J, A, out: float[MOST_INTERVALS, 3]&) -> int
 free_splits.free_splits(family, T, respect, out: float[MOST_SPLITS, SPLIT_ROW]&) -> int
 kinematics.forward_range(family, q: float[n, 7], first, last, out: float[n, 4, 4]&)
@@ -56,27 +64,32 @@ rates.configuration_arm_angle(family, q: float[7]) -> (float, int)
 optimum.optimise(family, T, kind: int, second: int, tolerance: float, resolution: float, params: float[PARAMS],
     respect, solution: float[ROW]&, out: float[OUT]&) -> int
 optimum.sample(family, T, respect, runs: float[MOST_RUNS, RUN]&, rows: float[n, SAMPLE]&) -> (int, int, int)
-optimum.star(family, T, q: float[7], respect, runs: float[MOST_RUNS, RUN]&, rows: float[SPARE_ROWS, SAMPLE]&) -> (int,
-    int)
-optimum.brackets(rows: float[n, SAMPLE], values: float[n], runs: float[MOST_RUNS, RUN], k: int, out:
-    float[MAX_BRACKETS, BRACKET]&) -> int
-optimum.next_point(S: float[STATE]&) -> (float, bool)
-optimum.answer(S: float[STATE]&, f: float) -> bool
-optimum.begin(S: float[STATE]&, bracket: float[BRACKET], resolution: float)
-optimum.posture(family, T, rows: float[n, SAMPLE], run: float[RUN], x: float, respect, solution: float[ROW]&) -> bool
+optimum.star(family, T, q: float[7], respect, runs: float[MOST_RUNS, RUN]&, rows: float[SPARE_ROWS, SAMPLE]&) ->
+    (int, int)
+optimum.brackets(rows: float[n, SAMPLE], values: float[n], runs: float[MOST_RUNS, RUN], k: int,
+    out: float[MAX_BRACKETS, BRACKET]&) -> int
+optimum.next_point(S: float[search.STATE]&) -> (float, bool)
+optimum.answer(S: float[search.STATE]&, f: float) -> bool
+optimum.begin(S: float[search.STATE]&, bracket: float[BRACKET], resolution: float)
+optimum.posture(family, T, rows: float[n, SAMPLE], run: float[RUN], x: float, respect, solution: float[ROW]&) ->
+    bool
 optimum.interval(family, T, rows: float[n, SAMPLE], run: float[RUN]) -> (float, float)
 path.choose_keys(family, poses, has_known: bool[n], keys: bool[n]&, verdicts: int[n]&)
 path.sweep(family, poses, keys: int[k], first, carried: int, stop: byte[1], known: float[n, 7], has_known: bool[n],
-    near: float[n, 7], radius: float, seed, settings, limited, exact: bool, J, A, nodes: float[N, NODE]&, cost:
-    float[N]&, strips: float[M, STRIP]&, ends: int[e, 4]&) -> (int, int)
-path.go_back(keys: int[k], first, count: int, following: int, settings, limited, nodes: float[N, NODE], cost:
-    float[N], strips: float[M, STRIP], ends: int[e, 4], q: float[n, 7]&, psi: float[n]&, branch: int[n]&, bounds:
-    float[n, 2]&) -> (int, float)
-path.fill_between(family, poses, keys: int[k], reached: bool[n]&, settings, q: float[n, 7]&, psi: float[n]&, branch:
-    int[n]&, bounds: float[n, 2]&, missed: bool[n]&, J, A)
+    bridges: float[b, 7], bridge_ends: int[h], near: float[n, 7], radius: float, seed, settings, limited,
+    exact: bool, J, A, nodes: float[N, NODE]&, cost: float[N]&, strips: float[M, STRIP]&, ends: int[e, 4]&) -> (int,
+    int)
+path.go_back(keys: int[k], first, count: int, following: int, settings, limited, nodes: float[N, NODE],
+    cost: float[N], strips: float[M, STRIP], ends: int[e, 4], q: float[n, 7]&, psi: float[n]&, branch: int[n]&,
+    bounds: float[n, 2]&) -> (int, float)
+path.fill_between(family, poses, keys: int[k], reached: bool[n]&, settings, q: float[n, 7]&, psi: float[n]&,
+    branch: int[n]&, bounds: float[n, 2]&, missed: bool[n]&, J, A)
 path.refine(family, poses, chain: int[c], fixed: bool[n], bounds: float[n, 2], widths: float[m], even: bool, seed,
     settings, limited, q: float[n, 7]&, psi: float[n]&, branch: int[n]&, J, A) -> float
 path.finish(family, poses, chain: int[c], q: float[n, 7], psi: float[n], branch: int[n], J, A, out: float[n, ROW]&)
+path.polish(family, poses, chain: int[c], fixed: bool[n], bounds: float[n, 2], seed, settings, kind: int,
+    scale: float[7], weights: float[w], q: float[n, 7]&, psi: float[n]&, branch: int[n]&, J, A) -> float
+path.bridge(family, poses, starts: float[n, 7]&, met: bool[n]&, J: float[6, 7]&, A: float[16, 9]&)
 task.read_tasks(raw: float[n, TASK], given, out: float[n, TASK]&) -> (int, int)
 task.posture(family, H, x: float[TASK], given, side, tie, out: float[POSTURE]&)
 task.posture_range(family, H, tasks: float[n, TASK], first, last, given, side, tie, out: float[n, POSTURE]&)
@@ -89,5 +102,29 @@ maps.measure_cells(family, points: float[k, 3], rotations: float[m, 9], limits: 
 near_maps.reachable_range(family, poses, first, last, out: int[n]&)
 near_maps.measure_range(family, poses, first, last, limits: float[2], out: float[n, c]&)
 track.update(family, state: float[s]&, settings: float[c], T, given, work: float[2, 16, 9]&, out: float[o]&)
+task.solve_tasks(family, H, tasks: float[n, TASK], first, last, given, side, tie, seeds, respect, J, A,
+    out: float[n, TASK_SOLUTION]&)
 yardstick.transcendental(angles: float[n, 8], out: float[n]&)
+collision.forbidden(family, T, bodies, groups, pairs, slack, local, ready, arcs: float[2, MOST_ARCS, 2]&,
+    counts: int[2]&)
+collision.free_intervals(family, T, bodies, groups, pairs, slack, local, ready, found, n: int, out: float[o, 3]&) ->
+    int
+collision.clearance(family, T, bodies, groups, pairs, local, ready, elbow: int, psi, out: float[WIDE]&)
+collision.widest(family, T, bodies, groups, pairs, local, ready, found, n: int, out: float[WIDE]&)
+collision.best_within(family, T, found, n: int, branch, seed: float[7], seeded: bool, respect, out: float[ROW]&) ->
+    float
+control.tick(family, weights: float[WEIGHTS], ports: float[n, PORT], states: float[n, STATE]&, bounds: float[b],
+    motion: float[2, 7], work: float[w, 7]&) -> bool
+control.elbow_point(family, q: float[7], out: float[3]&)
+control.profile_values(port, distances: float[n], forces: float[n]&, energies: float[n]&)
+control.converging_force(port, peak: float, sizes: float[n], forces: float[n]&)
+control.free_response(port, mass: float, start: float, dt: float, positions: float[n]&)
+control.sampled_response(port, state: float[STATE]&, setting: float[4], forces: float[m]&, out: float[n, 3]&)
+maps.reachable_range(family, poses, first, last, out: int[n]&)
+maps.measure_range(family, poses, first, last, limits: float[2], margin: int, out: float[n, c]&)
+maps.measure_cells(family, points: float[n, 3], rotations: float[m, 9], limits: float[2], margin: int,
+    out: float[o, c]&)
+near_maps.reachable_range(family, poses, first, last, out: int[n]&)
+near_maps.measure_range(family, poses, first, last, limits: float[2], out: float[n, c]&)
+track.update(family, state: float[STATE]&, settings: float[s], T, given, work: float[2, 16, 9]&, out: float[STEP]&)
 """

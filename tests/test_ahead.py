@@ -1,0 +1,374 @@
+"""Kernels compiled ahead of time: their table, and what is made of it, against Numba and a C compiler."""
+
+import inspect
+import json
+import os
+import shutil
+import subprocess
+import sys
+from importlib import import_module
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import srs_ik
+from srs_ik.bench import exercise
+from srs_ik.kernels import entries, native
+from srs_ik.kernels.ahead import build, glue
+from srs_ik.kernels.ahead.signatures import read_table, rooms
+
+ROOT = Path(__file__).resolve().parents[1]
+ROBOTS = ("iiwa14", "gen3")
+
+
+def entries_in_source() -> dict[str, tuple[str, ...]]:
+    """Names and arguments of all functions below `@entry`, as their files say."""
+    found = {}
+    for room in rooms():
+        module = import_module(f"{entries.__name__}.{room}")
+        for name, value in vars(module).items():
+            function = getattr(value, "py_func", value)
+            if inspect.isfunction(function) and function.__module__ == module.__name__:
+                head = inspect.getsource(function).split("def ")[0]
+                if "@entry" in head.split():
+                    found[f"{room}.{name}"] = tuple(inspect.signature(function).parameters)
+    return found
+
+
+def test_the_table_names_every_entry_and_its_arguments():
+    table = {f"{e.room}.{e.name}": tuple(a.name for a in e.arguments) for e in read_table()}
+    missing = sorted(entries_in_source().keys() - table)
+    assert not missing, f"entries/table.py needs a line for {', '.join(missing)}"
+    assert table == entries_in_source()
+
+
+def test_a_line_that_cannot_be_read_is_named():
+    for line in ("solve(x: float)", "pose.solve(x: number)", "pose.solve(never_heard_of)"):
+        with pytest.raises(ValueError, match=r"no (entry|argument)"):
+            read_table(line)
+
+
+def test_variants_are_all_combinations_of_what_may_be_absent():
+    (entry,) = read_table("pose.solve(seed, J, A, out: float[n, ROW]&) -> int")
+    assert entry.optional == ("seed", "J")
+    assert entry.variants == [set(), {"seed"}, {"J"}, {"J", "seed"}]
+    assert (entry.sizes, entry.results) == (("n",), ("int",))
+    assert entry.arguments[-1].shape == ("n", 13)
+
+
+@pytest.mark.skipif(shutil.which("cc") is None, reason="needs a C compiler")
+@pytest.mark.parametrize("language", ["c", "c++"])
+def test_the_header_is_plain_c_and_cpp(tmp_path, language):
+    (tmp_path / "srs_ik.h").write_text(glue.header(read_table()))
+    (tmp_path / "user.c").write_text('#include "srs_ik.h"\n')
+    command = ["cc", "-x", language, "-fsyntax-only", "-Wall", "-Wextra", "-Wpedantic", "-Werror", "user.c"]
+    subprocess.run(command, cwd=tmp_path, check=True)
+
+
+def numba_kind(kind) -> str:
+    """A type as Numba compiled for it, without what makes no other code: whether an array may be written to."""
+    from numba import types
+
+    return str(kind.copy(readonly=False)) if isinstance(kind, types.Array) else str(types.unliteral(kind))
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("robot", ROBOTS)
+def test_what_numba_compiles_for_every_question_is_in_the_table(robot):
+    """Numba sees the arguments of each call; the table has to name them all, and the results."""
+    from srs_ik.kernels.ahead.frontend import _ELEMENTS, numba_type
+
+    for call in exercise.calls(srs_ik.load(robot)).values():
+        call()
+    seen = 0
+    for entry in read_table():
+        dispatcher = getattr(import_module(f"{entries.__name__}.{entry.room}"), entry.name)
+        known = [
+            tuple("none" if a.absent_with in absent else numba_kind(numba_type(a)) for a in entry.arguments)
+            for absent in entry.variants
+        ]
+        for compiled in dispatcher.overloads.values():
+            assert tuple(map(numba_kind, compiled.signature.args)) in known, f"{entry.room}.{entry.name}"
+            result = compiled.signature.return_type
+            found = tuple(result) if hasattr(result, "__iter__") else () if str(result) == "none" else (result,)
+            assert found == tuple(_ELEMENTS[each] for each in entry.results)
+            seen += 1
+    assert seen > 30
+
+
+# Of what follows, everything runs on compiled kernels, in a copy of the package as a wheel would install it.
+
+
+@pytest.fixture(scope="module")
+def installed(request, tmp_path_factory) -> Path:
+    """A folder with the package and its compiled kernels; they are compiled again where a source has changed."""
+    tools = b"".join(
+        path.read_bytes() for path in sorted((ROOT / "srs_ik/kernels/ahead").glob("*.[pc]*")) if path.is_file()
+    )
+    import hashlib
+
+    stamp = hashlib.sha256(native.source_digest().encode() + tools).hexdigest()[:16]
+    made = request.config.cache.mkdir("compiled_kernels") / stamp
+    if not (made / "srs_ik.h").is_file():
+        shutil.rmtree(made.parent, ignore_errors=True)
+        environment = {**os.environ, "PYTHONPATH": str(ROOT), "PYTHONHASHSEED": "0"}
+        subprocess.run([sys.executable, "-m", "srs_ik.kernels.ahead.build", str(made)], check=True, env=environment)
+    folder = tmp_path_factory.mktemp("installed")
+    left_out = shutil.ignore_patterns("__pycache__")
+    shutil.copytree(ROOT / "srs_ik", folder / "srs_ik", ignore=left_out)
+    shutil.copytree(ROOT / "robots", folder / "srs_ik" / "robots", ignore=left_out)
+    for path in made.iterdir():
+        shutil.copy(path, folder / "srs_ik" / "kernels" / "native")
+    return folder
+
+
+WITHOUT_NUMBA = "import sys; sys.modules['numba'] = sys.modules['llvmlite'] = None\n"
+
+
+def run_installed(installed: Path, program: str, *words: str, **environment: str) -> str:
+    """What a program prints that runs on the compiled kernels, with no Numba to be had."""
+    clean = {name: value for name, value in os.environ.items() if not name.startswith(("SRS_IK", "NUMBA", "PYTHON"))}
+    return subprocess.run(
+        [sys.executable, "-c", WITHOUT_NUMBA + program, *words],
+        cwd=installed,
+        env={**clean, "PYTHONPATH": str(installed), **environment},
+        capture_output=True,
+        text=True,
+        check=True,
+        timeout=300,
+    ).stdout
+
+
+ANSWERS = """
+import json
+import numpy as np
+import srs_ik
+from srs_ik.bench.work import Work
+
+def figures(answer):
+    return np.nan_to_num(np.asarray(answer, dtype=float)).ravel().tolist()
+
+def answers(robot):
+    arm = srs_ik.load(robot)
+    w = Work.of(arm, 40)
+    far = np.roll(w.q, 1, axis=0)
+    way = np.array([arm.forward_kinematics(w.q[0] + 0.02 * i).homogeneous for i in range(12)])
+    task = srs_ik.Task([0.4, 0.2, 0.5], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0])
+    found = {
+        "margin": arm.solve_batch(w.poses).q,
+        "seeded": arm.solve_batch(w.poses, seed=w.seeds).q,
+        "far seeds": arm.solve_batch(w.poses, seed=far).status,
+        "arm angles": arm.solve_batch(w.poses, w.arm_angles).q,
+        "branches": arm.solve_batch(w.poses, w.arm_angles, all_branches=True).status,
+        "intervals": [x for i in arm.intervals_batch(w.poses) for each in i for x in (each.lower, each.upper)],
+        "all": [len(arm.solve_all(pose)) for pose in w.poses],
+        "optimum": [arm.optimise(pose, "manipulability").value for pose in w.poses[:6]],
+        "function": [arm.optimise(pose, lambda q: float(q @ q)).value for pose in w.poses[:3]],
+        "path": arm.solve_path(way, seed=w.q[0]).q,
+        "posture": [arm.posture(task).arm_angle],
+        "kinematics": [arm.forward_kinematics_batch(w.q), ],
+        "tangent": arm.self_motion_tangent(w.q[0]),
+        "gradient": arm.arm_angle_jacobian(w.q[0]),
+    }
+    return {name: figures(value) for name, value in found.items()}
+"""
+PRINT_ANSWERS = ANSWERS + "\nimport sys; print(json.dumps(answers(sys.argv[1])))"
+
+
+def answers_of(installed: Path, robot: str, **environment: str) -> dict[str, np.ndarray]:
+    printed = json.loads(run_installed(installed, PRINT_ANSWERS, robot, **environment))
+    return {name: np.array(value) for name, value in printed.items()}
+
+
+def same(found: dict[str, np.ndarray], expected: dict[str, np.ndarray]) -> None:
+    """Equal within rounding: 1e-8 rad or m, a thousandth of what any answer is used to; postures of optima are flat."""
+    assert found.keys() == expected.keys()
+    for name, value in expected.items():
+        assert value.size
+        np.testing.assert_allclose(found[name], value, rtol=1e-8, atol=1e-8, err_msg=name)
+
+
+@pytest.mark.parametrize("robot", ROBOTS)
+def test_compiled_ahead_and_compiled_by_numba_give_the_same_answers(installed, robot):
+    here: dict = {}
+    exec(ANSWERS, here)
+    expected = {name: np.array(value) for name, value in here["answers"](robot).items()}
+    assert native.extension() is None
+    same(answers_of(installed, robot), expected)
+
+
+@pytest.mark.skipif(len(build.targets()) < 2, reason="one kind of processor")
+@pytest.mark.parametrize("robot", ROBOTS)
+def test_machines_without_wide_registers_give_the_same_answers(installed, robot):
+    names = [name for name, _ in build.targets()]
+    best, least = (answers_of(installed, robot, SRS_IK_TARGET=name) for name in (names[-1], names[0]))
+    same(least, best)
+
+
+@pytest.mark.parametrize("robot", ROBOTS)
+def test_every_question_is_answered_without_numba(installed, robot):
+    program = "from srs_ik.bench.exercise import first_calls; first_calls(sys.argv[1])"
+    assert run_installed(installed, program, robot).count("\n") == 35
+
+
+FIRST = """
+import srs_ik
+from srs_ik.kernels.native import at_work
+arm = srs_ik.load("gen3")
+pose = arm.forward_kinematics([0.3, 0.7, -0.4, -1.1, 0.5, 0.8, -0.2])
+assert arm.solve(pose) and arm.intervals(pose) and arm.optimise(pose, "manipulability")
+print(at_work())
+"""
+
+
+def test_four_processes_at_once_in_a_read_only_place_without_a_home(installed):
+    for path in (installed, *installed.rglob("*")):
+        path.chmod(path.stat().st_mode & ~0o222)
+    before = set(installed.rglob("*"))
+    environment = {"PATH": os.environ["PATH"], "PYTHONPATH": str(installed), "HOME": "/nowhere"}
+    command = [sys.executable, "-W", "error", "-c", WITHOUT_NUMBA + FIRST]
+    started = [
+        subprocess.Popen(command, cwd="/", env=environment, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+        for _ in range(4)
+    ]
+    said = [process.communicate(timeout=300) for process in started]
+    for path in (installed, *installed.rglob("*")):
+        path.chmod(path.stat().st_mode | 0o200)
+    assert all(out.startswith("compiled when the package was built") and not err for out, err in said), said
+    assert {path for path in installed.rglob("*") if path.suffix != ".pyc" and path.name != "__pycache__"} <= before
+
+
+def test_a_kernel_that_was_edited_since_is_not_answered_by_what_was_compiled(installed, tmp_path):
+    copy = tmp_path / "edited"
+    shutil.copytree(installed, copy, ignore=shutil.ignore_patterns("__pycache__"))
+    path = copy / "srs_ik/kernels/limb/triangle.py"
+    path.write_text(path.read_text() + "\n# edited\n")
+    assert run_installed(copy, "from srs_ik.kernels import native; print(native.extension())") == "None\n"
+
+
+def test_by_numba_on_demand_and_a_clear_line_where_there_is_none(installed):
+    program = "from srs_ik.kernels.native import at_work; print(at_work())"
+    assert run_installed(installed, program, SRS_IK_JIT="1") == "compiled by Numba when first needed\n"
+    program = "try:\n    import srs_ik.arm\nexcept ImportError as error:\n    print(error)"
+    said = run_installed(installed, program, SRS_IK_JIT="1")
+    assert "pip install 'srs-ik[jit]'" in said
+    assert said.count("\n") == 1
+
+
+def test_version_tells_which_kernels_are_at_work(installed):
+    program = "from srs_ik.cli import main; sys.argv = ['srs-ik', '--version', '--verbose']; main()"
+    version, kernels = run_installed(installed, program).splitlines()
+    assert version == srs_ik.__version__
+    assert kernels.startswith("kernels: compiled when the package was built, for ")
+
+
+WRONG = """
+import numpy as np
+from srs_ik.kernels.native import extension
+e = extension()
+good = np.zeros((4, 4)); good[3, 3] = 1
+for wrong in (None, 1.0, [1], np.zeros(16), np.zeros((4, 4), np.float32), np.zeros((4, 4), order="F")[:, ::-1]):
+    try:
+        e.pose_check_pose(wrong)
+    except TypeError as error:
+        assert str(error).startswith("check_pose: T must be float[4, 4] in C order"), error
+    else:
+        raise AssertionError(wrong)
+frozen = np.zeros(7); frozen.flags.writeable = False
+for arguments in ((np.zeros((4, 247)), np.zeros(7), frozen), (np.zeros((4, 247)),), ()):
+    try:
+        e.rates_arm_angle_jacobian(*arguments)
+    except TypeError:
+        continue
+    raise AssertionError(arguments)
+class Own(np.ndarray): pass
+assert e.pose_check_pose(good.view(Own)) == e.pose_check_pose(good)
+print("ok")
+"""
+
+
+def test_arguments_that_are_not_those_of_the_table_are_refused(installed):
+    assert run_installed(installed, WRONG) == "ok\n"
+
+
+LOCK = """
+import threading
+import numpy as np
+import srs_ik
+arm = srs_ik.load("iiwa14")
+poses = np.tile(arm.forward_kinematics(np.full(7, 0.4)).homogeneous, (20_000, 1, 1))
+done = threading.Event()
+count = [0]
+def tick():
+    while not done.wait(0.001):
+        count[0] += 1
+ticker = threading.Thread(target=tick)
+ticker.start()
+from srs_ik.kernels.entries import pose
+out, verdicts = np.empty((len(poses), 13)), np.zeros(len(poses), np.int8)
+seeds = np.random.default_rng(0).uniform(-1, 1, (len(poses), 7))
+before = count[0]
+pose.solve_range(arm.packed.family, poses, 0, len(poses), -1, seeds, True, None, None, out, verdicts)
+during = count[0] - before
+done.set()
+print(during)
+"""
+
+
+def test_other_threads_of_python_run_during_a_call(installed):
+    """One call of some 100 ms, in which another thread wakes every millisecond; with the lock held it would not."""
+    assert int(run_installed(installed, LOCK)) >= 3
+
+
+BY_PYTHON = """
+import json, sys
+import srs_ik
+arm = srs_ik.load(sys.argv[1])
+q = [0.3, 0.7, -0.4, -1.1, 0.5, 0.8, -0.2]
+pose = arm.forward_kinematics(q)
+ends = [(i.branch, i.lower, i.upper) for i in arm.intervals(pose)]
+print(json.dumps({"q": arm.solve(pose, seed=q).q.tolist(), "ends": ends}))
+"""
+
+
+@pytest.mark.skipif(shutil.which("cc") is None, reason="needs a C compiler")
+@pytest.mark.parametrize("robot", ROBOTS)
+def test_the_c_example_gives_the_same_answers(installed, tmp_path, robot):
+    limb = tmp_path / "robot.limb"
+    command = "from srs_ik.cli import main; main()"
+    run_installed(installed, f"sys.argv = ['srs-ik', 'inspect', {robot!r}, '--packed', {str(limb)!r}]; {command}")
+    flags = run_installed(installed, "from srs_ik.kernels.native.__main__ import main; main(sys.argv[1:])").split()
+    program = tmp_path / "solve"
+    options = ["-std=c11", "-Wall", "-Wextra", "-Werror"]
+    subprocess.run(["cc", *options, str(ROOT / "examples/solve.c"), *flags, "-o", str(program)], check=True)
+    first, second, *rows, last = subprocess.run(
+        [str(program), str(limb)], check=True, capture_output=True, text=True
+    ).stdout.splitlines()
+    expected = json.loads(run_installed(installed, BY_PYTHON, robot))
+    status, *angles = first.removeprefix("status ").replace(":", "").split()
+    assert status == "0"
+    np.testing.assert_allclose(np.array(angles, dtype=float), expected["q"], atol=1e-9)
+    ends = expected["ends"]
+    found = [
+        [float(word) for word in row.replace("branch", "").replace("to", "").replace(":", "").split()] for row in rows
+    ]
+    assert second == f"{len(ends)} intervals"
+    np.testing.assert_allclose(found, ends, atol=1e-9)
+    assert last.startswith("1000 of 1000 solved")
+    no_limb = tmp_path / "no.limb"
+    no_limb.write_bytes(limb.read_bytes()[:-1])
+    assert subprocess.run([str(program), str(no_limb)], check=False, capture_output=True).returncode == 2
+
+
+@pytest.mark.slow
+def test_two_builds_of_a_room_give_the_same_objects(tmp_path):
+    made = []
+    for name in ("one", "two"):
+        environment = {**os.environ, "PYTHONPATH": str(ROOT), "PYTHONHASHSEED": "0"}
+        folder = tmp_path / name
+        command = [sys.executable, "-m", "srs_ik.kernels.ahead.build", str(folder), "--room", "kinematics"]
+        subprocess.run(command, check=True, env=environment)
+        made.append({path.name: path.read_bytes() for path in folder.iterdir()})
+    assert made[0] == made[1]
+    assert len(made[0]) == 3
