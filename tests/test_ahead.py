@@ -104,7 +104,7 @@ def test_what_numba_compiles_for_every_question_is_in_the_table(robot):
 def installed(request, tmp_path_factory) -> Path:
     """A folder with the package and its compiled kernels; they are compiled again where a source has changed."""
     tools = b"".join(
-        path.read_bytes() for path in sorted((ROOT / "srs_ik/kernels/ahead").glob("*.[pc]*")) if path.is_file()
+        path.read_bytes() for path in sorted((ROOT / "srs_ik/kernels/ahead").glob("*.[pch]*")) if path.is_file()
     )
     import hashlib
 

@@ -23,7 +23,7 @@ from srs_ik.kernels.native import source_digest
 
 X86 = (
     ("x86-64-v2", "true"),
-    ("x86-64-v3", '__builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma") && __builtin_cpu_supports("bmi2")'),
+    ("x86-64-v3", "has_x86_64_v3()"),
 )
 """Kinds of processors, the best last, and how C asks for them."""
 

@@ -97,6 +97,7 @@ def variant_symbol(target: str, entry: Entry, variant: int) -> str:
 def library(entries: Sequence[Entry], targets: Sequence[tuple[str, str]]) -> str:
     """C that hands a call on to the variant that fits; targets are names and the checks for them, best last."""
     lines = [f'#include "{NAME}.h"', "#include <stdio.h>", "#include <stdlib.h>", "#include <string.h>", ""]
+    lines.append((HERE / "processor.h").read_text())
     lines.append("typedef struct {")
     lines += [f"    int (*{e.symbol}[{len(e.variants)}])({_types(e)});" for e in entries]
     lines += ["} functions;", ""]

@@ -11,10 +11,6 @@ int srs_ik_choose(const char *target) {
 
 /* The best that this machine takes; SRS_IK_TARGET names another. */
 __attribute__((constructor)) static void choose_best(void) {
-#if defined(__x86_64__)
-    /* Some compilers' own constructor for it may come later. */
-    __builtin_cpu_init();
-#endif
     for (int i = 0; i < TARGETS; i++)
         if (fits(i)) at = i;
     const char *wanted = getenv("SRS_IK_TARGET");

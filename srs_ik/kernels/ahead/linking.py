@@ -54,7 +54,9 @@ def link(folder: Path, name: str, objects: Sequence[Path]) -> tuple[Path, Path]:
     library = folder / (f"lib{name}.dylib" if mac else f"lib{name}.so")
     own_name = f"-Wl,-install_name,@rpath/{library.name}" if mac else f"-Wl,-soname,{library.name}"
     sources = ["library.c", "runtime.c", *map(str, objects)]
-    _run([*compiler, own_name, *sources, "-o", library.name, "-lm"], folder)
+    # What kernels ask of Numba's runtime has to be in `runtime.c`; better to hear it here than at the first import.
+    whole = [] if mac else ["-Wl,--no-undefined"]
+    _run([*compiler, own_name, *whole, *sources, "-o", library.name, "-lm"], folder)
     extension = folder / "entries.abi3.so"
     beside = ["-undefined", "dynamic_lookup", "-Wl,-rpath,@loader_path"] if mac else ["-Wl,-rpath,$ORIGIN"]
     python = f"-I{sysconfig.get_path('include')}"

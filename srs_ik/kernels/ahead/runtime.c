@@ -32,3 +32,21 @@ __attribute__((visibility("hidden"))) void NRT_Free(void *made) { free(made); }
 
 /* Called by the last one who lets go. */
 __attribute__((visibility("hidden"))) void NRT_MemInfo_call_dtor(void *made) { free(made); }
+
+/* New strides of an array in C order; arrays in any other order are not reshaped by kernels: 0. */
+__attribute__((visibility("hidden"))) int numba_attempt_nocopy_reshape(
+    intptr_t axes, const intptr_t *sizes, const intptr_t *strides, intptr_t new_axes, const intptr_t *new_sizes,
+    intptr_t *new_strides, intptr_t item, int fortran) {
+    intptr_t stride = item;
+    for (intptr_t i = axes - 1; i >= 0; i--) {
+        if (sizes[i] != 1 && strides[i] != stride) return 0;
+        stride *= sizes[i];
+    }
+    if (fortran) return 0;
+    stride = item;
+    for (intptr_t i = new_axes - 1; i >= 0; i--) {
+        new_strides[i] = stride;
+        stride *= new_sizes[i];
+    }
+    return 1;
+}
