@@ -20,8 +20,6 @@ EXAMPLES: dict[str, Sequence[str]] = {
     ),
     "intervals": (f"srs-ik intervals iiwa14 {_POSE}", f"srs-ik intervals iiwa14 --q {_Q} --plot intervals.png"),
     "path": ("srs-ik path iiwa14 poses.csv --dt 0.01 --out joints.csv",),
-    "make": ("srs-ik map make iiwa14 --out iiwa14.zarr --step 0.05 --orientations 2304",),
-    "verify": ("srs-ik map verify iiwa14.zarr iiwa14",),
     "place": ("srs-ik place iiwa14 poses.csv --grid -1 1 21 -1 1 21 --by width",),
     "follow": (
         "srs-ik follow iiwa14 poses.csv --dt 0.002 --out joints.csv",
