@@ -28,6 +28,12 @@ ROUNDS = 4
 RADIUS = 0.25
 """A path is searched for again so often at most, so far around the last one, rad."""
 
+SHORT = 32
+"""A path of so many poses at most is planned at each of them, and with strips that are fine everywhere."""
+
+EVERYWHERE = 4.0
+"""Farther than any joint angle from any other, whole turns left out, rad."""
+
 LEAST_GAIN = 1e-3
 """A search that gains less, relative to all, is the last one."""
 
@@ -74,9 +80,13 @@ def planned(problem: Problem) -> Way:
     marks, verdicts = np.zeros(len(T), np.bool_), np.zeros(len(T), np.int64)
     entries.choose_keys(arm.family, T, problem.has_known, marks, verdicts)
     refuse_bad_poses(verdicts)
+    fine = problem
+    if len(T) <= SHORT and problem.work()[0] is None:
+        marks[:] = True
+        fine = replace(problem, radius=EVERYWHERE)
     while True:
         keys = np.flatnonzero(marks)
-        way = find_way(problem, keys, False)
+        way = find_way(fine, keys, False)
         whole = way.cost < 0.5 * BREAK and bool(way.reached[keys].all())
         missed = np.zeros(len(T), np.bool_)
         if whole:
