@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
+
 import numpy as np
 from numba import njit
 
@@ -80,7 +82,7 @@ def best_path(arm: srs_ik.Arm, nodes: list[np.ndarray], seed: np.ndarray | None,
     cost = np.zeros(len(nodes[0]))
     if seed is not None:
         cost = advance(seed[None], np.zeros(1), nodes[0], longest, endless)
-    for before, now in zip(nodes, nodes[1:], strict=False):
+    for before, now in pairwise(nodes):
         cost = advance(before, cost, now, longest, endless)
     total = float(cost.min())
     return int(total // BREAK), total % BREAK

@@ -67,8 +67,8 @@ optimum.posture(family, T, rows: float[n, SAMPLE], run: float[RUN], x: float, re
 optimum.interval(family, T, rows: float[n, SAMPLE], run: float[RUN]) -> (float, float)
 path.choose_keys(family, poses, has_known: bool[n], keys: bool[n]&, verdicts: int[n]&)
 path.sweep(family, poses, keys: int[k], first, carried: int, stop: byte[1], known: float[n, 7], has_known: bool[n],
-    near: float[n, 7], radius: float, seed, settings, limited, exact: bool, J, A, nodes: float[N, NODE]&, cost:
-    float[N]&, strips: float[M, STRIP]&, ends: int[e, 4]&) -> (int, int)
+    bridges: float[b, 7], bridge_ends: int[c], near: float[n, 7], radius: float, seed, settings, limited, exact: bool,
+    J, A, nodes: float[N, NODE]&, cost: float[N]&, strips: float[M, STRIP]&, ends: int[e, 4]&) -> (int, int)
 path.go_back(keys: int[k], first, count: int, following: int, settings, limited, nodes: float[N, NODE], cost:
     float[N], strips: float[M, STRIP], ends: int[e, 4], q: float[n, 7]&, psi: float[n]&, branch: int[n]&, bounds:
     float[n, 2]&) -> (int, float)
@@ -76,6 +76,9 @@ path.fill_between(family, poses, keys: int[k], reached: bool[n]&, settings, q: f
     int[n]&, bounds: float[n, 2]&, missed: bool[n]&, J, A)
 path.refine(family, poses, chain: int[c], fixed: bool[n], bounds: float[n, 2], widths: float[m], even: bool, seed,
     settings, limited, q: float[n, 7]&, psi: float[n]&, branch: int[n]&, J, A) -> float
+path.polish(family, poses, chain: int[c], fixed: bool[n], bounds: float[n, 2], seed, settings, kind: int, scale:
+    float[7], weights: float[w], q: float[n, 7]&, psi: float[n]&, branch: int[n]&, J, A) -> float
+path.bridge(family, poses, starts: float[n, 7]&, met: bool[n]&, J: float[6, 7]&, A: float[16, 9]&)
 path.finish(family, poses, chain: int[c], q: float[n, 7], psi: float[n], branch: int[n], J, A, out: float[n, ROW]&)
 task.read_tasks(raw: float[n, TASK], given, out: float[n, TASK]&) -> (int, int)
 task.posture(family, H, x: float[TASK], given, side, tie, out: float[POSTURE]&)
