@@ -31,6 +31,9 @@ RADIUS = 0.25
 SHORT = 32
 """A path of so many poses at most is planned at each of them, and with strips that are fine everywhere."""
 
+FINE_POSES = 256
+"""The same where a path with smaller steps is looked for."""
+
 EVERYWHERE = 4.0
 """Farther than any joint angle from any other, whole turns left out, rad."""
 
@@ -48,7 +51,16 @@ def search(problem: Problem) -> Way:
         keep_limits(problem, way, copy(way))
     if (too_fast(problem, way) > JUST_ABOVE).any():
         way = min(way, found(problem), key=lambda each: worth(problem, each))
+    if (too_fast(problem, way) > JUST_ABOVE).any() and way.reached.all() and may_be_fine(problem):
+        other = find_way(replace(problem, radius=EVERYWHERE), np.arange(len(problem.T)), False)
+        improve(problem, other, FINE)
+        way = min(way, other, key=lambda each: worth(problem, each))
     return way
+
+
+def may_be_fine(problem: Problem) -> bool:
+    """Whether strips may be fine everywhere: a short path, of an arm in closed form."""
+    return len(problem.T) <= FINE_POSES and problem.work()[0] is None
 
 
 def found(problem: Problem) -> Way:
