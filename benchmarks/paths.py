@@ -134,6 +134,31 @@ def measure(arm: srs_ik.Arm, kind: str, motions: int, count: int, dt: bool, verb
     return tally
 
 
+def measure_ssik(arm: srs_ik.Arm, kind: str, motions: int, count: int) -> str:
+    """ssik's own paths from the known start on the same motions: how many are whole and inside the limits."""
+    from ssik import Manipulator
+
+    theirs = Manipulator.from_prebuilt(arm.name)
+    whole, gains, taken = 0, [], 0.0
+    for number in range(motions):
+        rng = np.random.default_rng([zlib.crc32(arm.name.encode()), KINDS.index(kind), number])
+        known = known_motion(arm, rng, kind, count)
+        poses = np.array([theirs.fk(q) for q in known])
+        begin = time.process_time()
+        track = theirs.solve_path(poses, q0=known[0])
+        taken += time.process_time() - begin
+        for label in track.tracks:
+            q = np.asarray(track.q(label))
+            if len(q) == count and ((q >= arm.lower) & (q <= arm.upper)).all():
+                steps = np.vstack([q[0] - known[0], np.diff(q, axis=0)])
+                if np.abs(steps).max() <= 0.5:
+                    whole += 1
+                    gains.append((steps**2).sum() / (np.diff(known, axis=0) ** 2).sum())
+                    break
+    ratio = f"{np.median(gains):.3f}, {max(gains):.3f}" if gains else "none"
+    return f"| ssik | {kind} | {motions} | {whole} whole | {ratio} | {1e6 * taken / (motions * count):.0f} |"
+
+
 def load_all(names: Sequence[str], files: dict[str, str]) -> list[srs_ik.Arm]:
     """The robots whose files are here."""
     arms = []
@@ -152,6 +177,7 @@ def main(arguments: Sequence[str] | None = None) -> None:
     parser.add_argument("--arms", nargs="+", default=ARMS)
     parser.add_argument("--kinds", nargs="+", choices=KINDS, default=KINDS)
     parser.add_argument("--dt", action="store_true", help="with the velocity limits that the known motion just keeps")
+    parser.add_argument("--ssik", action="store_true", help="ssik's paths on the same motions too, for its own arms")
     parser.add_argument("--verbose", action="store_true", help="name the motions that fail")
     parser.add_argument(
         "--urdf", nargs="*", default=[], metavar="ROBOT=FILE", help="files of robots that are elsewhere"
@@ -178,6 +204,8 @@ def main(arguments: Sequence[str] | None = None) -> None:
                 f"| {np.median(steps):.2f}, {max(steps):.2f} | {1e6 * t.taken / t.poses:.0f} |",
                 flush=True,
             )
+            if chosen.ssik:
+                print(measure_ssik(arm, kind, chosen.motions, chosen.poses), flush=True)
 
 
 if __name__ == "__main__":

@@ -210,7 +210,7 @@ class Arm(BodyOwner):
         Args:
             poses: (N, 4, 4) array, or a list of poses.
             seed: (7,) posture to start from, rad.
-            dt: time between two poses, seconds; with it, steps beyond the velocity limits are avoided where possible.
+            dt: time between two poses, seconds; with it, velocity limits are kept where a path is found that does.
             longest_step: a joint step beyond this, rad, is a break.
             objective: what is least among the paths with the fewest breaks: "sum_of_squares" of the joint steps, the
                 "largest_step" of a joint, or the "time" at the velocity limits.

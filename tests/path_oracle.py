@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-from itertools import pairwise, product
+from itertools import pairwise
 
 import numpy as np
-from scipy.spatial import cKDTree
-from scipy.spatial.distance import cdist
+from numba import njit
 
 import srs_ik
 
@@ -31,40 +30,59 @@ def swept_postures(arm: srs_ik.Arm, pose: np.ndarray, count: int) -> np.ndarray:
     return rows
 
 
+@njit(cache=True)
+def advance(before: np.ndarray, cost: np.ndarray, now: np.ndarray, longest: float, endless: np.ndarray) -> np.ndarray:
+    """(m,) least costs of postures now from those of postures before, all pairs; one of a break where it is cheaper.
+
+    Postures before are sorted by their first joint that has ends, so that those too far away in it are left out.
+    """
+    key = 0
+    while endless[key] and key < 6:
+        key += 1
+    order = np.argsort(before[:, key])
+    keys = before[order, key]
+    cheapest = cost.min()
+    best = np.empty(len(now))
+    for i in range(len(now)):
+        least = 1e300
+        first, last = 0, len(order)
+        if not endless[key]:
+            first = np.searchsorted(keys, now[i, key] - longest)
+            last = np.searchsorted(keys, now[i, key] + longest, side="right")
+        for k in range(first, last):
+            total, most = cost[order[k]], 0.0
+            for j in range(7):
+                d = now[i, j] - before[order[k], j]
+                if endless[j]:
+                    d -= TURN * np.floor(d / TURN + 0.5)
+                most = max(most, abs(d))
+                total += d * d
+                if most > longest or total >= least:
+                    break
+            if most <= longest and total < least:
+                least = total
+        if least > cheapest + BREAK:
+            for k in range(len(before)):
+                total = cost[k] + BREAK
+                if total >= least:
+                    continue
+                for j in range(7):
+                    d = now[i, j] - before[k, j]
+                    if endless[j]:
+                        d -= TURN * np.floor(d / TURN + 0.5)
+                    total += d * d
+                least = min(least, total)
+        best[i] = least
+    return best
+
+
 def best_path(arm: srs_ik.Arm, nodes: list[np.ndarray], seed: np.ndarray | None, longest: float) -> tuple[int, float]:
     """Fewest breaks, and with so many the least sum of squared joint steps, over postures given for each pose."""
     endless = np.isinf(arm.lower) & np.isinf(arm.upper)
-    box = np.where(endless, TURN, 0.0)
-
-    def steps(a: np.ndarray, b: np.ndarray) -> np.ndarray:
-        d = b - a
-        return d - np.where(endless, TURN * np.round(d / TURN), 0.0)
-
     cost = np.zeros(len(nodes[0]))
     if seed is not None:
-        d = steps(seed, nodes[0])
-        cost = (d**2).sum(1) + BREAK * (np.abs(d).max(1) > longest)
+        cost = advance(seed[None], np.zeros(1), nodes[0], longest, endless)
     for before, now in pairwise(nodes):
-        place = cKDTree(np.where(endless, before % TURN, before), boxsize=box)
-        best = np.full(len(now), np.inf)
-        asked = np.where(endless, now % TURN, now)
-        pairs = place.query_ball_point(asked, longest, p=np.inf)
-        counts = np.array([len(p) for p in pairs])
-        if counts.sum():
-            first = np.concatenate([p for p in pairs if p]).astype(int)
-            second = np.repeat(np.arange(len(now)), counts)
-            value = cost[first] + (steps(before[first], now[second]) ** 2).sum(1)
-            np.minimum.at(best, second, value)
-        late = best > cost.min() + BREAK
-        if late.any():
-            # cdist knows no joints without end: a turn either way is as near.
-            shifts = product(*[(-TURN, 0.0, TURN) if e else (0.0,) for e in endless])
-            there = now[late]
-            least = np.full(late.sum(), np.inf)
-            for shift in shifts:
-                squared = cdist(there + np.array(shift), before, "sqeuclidean")
-                least = np.minimum(least, (squared + cost).min(1))
-            best[late] = np.minimum(best[late], least + BREAK)
-        cost = best
+        cost = advance(before, cost, now, longest, endless)
     total = float(cost.min())
     return int(total // BREAK), total % BREAK

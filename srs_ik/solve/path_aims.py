@@ -10,7 +10,7 @@ from srs_ik.kernels.layout.path import BREAK, BY_VELOCITY
 from srs_ik.solve.path_blocks import find_way
 from srs_ik.solve.path_polish import WIDTHS, polish, refine
 from srs_ik.solve.path_problem import LARGEST_STEP, SUM_OF_SQUARES, Problem, Way, worth
-from srs_ik.solve.path_search import search
+from srs_ik.solve.path_search import EVERYWHERE, may_be_fine, search
 from srs_ik.solve.pose import solve_all
 
 SEARCHES = 3
@@ -44,6 +44,8 @@ def least_largest_step(problem: Problem) -> Way:
         settings = problem.settings.copy()
         settings[BY_VELOCITY] = BELOW * worth(problem, way)[1]
         slower = replace(problem, settings=settings, limited=True, objective=SUM_OF_SQUARES)
+        if may_be_fine(problem):
+            slower = replace(slower, radius=EVERYWHERE)
         other = find_way(slower, np.flatnonzero(way.reached), False)
         if other.cost >= 0.5 * BREAK:
             break

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from srs_ik.kernels.entries import path as entries
-from srs_ik.kernels.layout.path import BREAK, BY_CONTINUITY, INVERSE_PERIOD, PERIOD
+from srs_ik.kernels.layout.path import BY_CONTINUITY, INVERSE_PERIOD, PERIOD
 from srs_ik.solve.path_blocks import Block
 from srs_ik.solve.path_problem import Problem
 
@@ -24,6 +24,12 @@ MOST_STARTS = 24
 MOST_OF_ALL = 4000
 """... and so many of a path."""
 
+LOST = 0.4
+"""A posture with none of the next pose closer than this part of the longest step has lost its strip."""
+
+SPACING = 0.35
+"""Farthest that a joint moves between two postures of a strip, rad."""
+
 APART = 1e-4
 """Postures closer than this, rad, are one."""
 
@@ -34,33 +40,30 @@ def bridged(problem: Problem) -> Problem:
     where: list[int] = []
     first, before, tried = 0, None, 0
     keys = np.arange(len(problem.T))
-    reachable = np.empty((0, 7))
+    reachable = np.empty((0, 7)) if problem.seed is None else problem.seed[None]
     while first < len(keys) and tried < MOST_OF_ALL:
         block = Block(problem, keys, first, False, before)
-        nodes, cost, _, ends = block.fill()
-        for number in range(1, block.count + 1):
-            pose = first + number - 1
-            a, b = ends[number, :2]
+        nodes, _, _, ends = block.fill()
+        for pose in range(first, first + block.count):
+            a, b = ends[pose - first + 1, :2]
             there = nodes[a:b, :7]
+            apart = _distances(problem, reachable, there)
             new = np.empty((0, 7))
-            if len(reachable) and tried < MOST_OF_ALL and not problem.has_known[pose]:
-                lost = reachable[_distances(problem, reachable, there).min(axis=1, initial=np.inf) > _apart(problem)]
+            if pose > 0 and tried < MOST_OF_ALL and not problem.has_known[pose]:
+                lost = reachable[apart.min(axis=1, initial=np.inf) > LOST * problem.settings[BY_CONTINUITY, 0]]
                 starts = lost[np.unique(np.linspace(0, len(lost) - 1, min(len(lost), MOST_STARTS)).astype(int))]
                 tried += len(starts)
                 new = _taken(problem, pose, starts)
                 found.append(new)
                 where += [pose] * len(new)
-            level = np.floor(cost[a:b].min(initial=np.inf) / BREAK)
-            reachable = np.vstack([there[cost[a:b] < (level + 1.0) * BREAK], new])
+            near = apart.min(axis=0, initial=np.inf) < problem.settings[BY_CONTINUITY, 0] + SPACING
+            reachable = np.vstack([there[near], new])
+            if not len(reachable):
+                reachable = there
         before, first = block.carry(), first + block.count
     if not where:
         return problem
     return replace(problem, bridges=np.ascontiguousarray(np.vstack(found)), bridged=np.array(where, np.int64))
-
-
-def _apart(problem: Problem) -> float:
-    """A posture with none of the next pose closer than this has lost its strip."""
-    return 0.4 * float(problem.settings[BY_CONTINUITY, 0])
 
 
 def _distances(problem: Problem, a: Array, b: Array) -> Array:

@@ -28,6 +28,15 @@ ROUNDS = 4
 RADIUS = 0.25
 """A path is searched for again so often at most, so far around the last one, rad."""
 
+SHORT = 32
+"""A path of so many poses at most is planned at each of them, and with strips that are fine everywhere."""
+
+FINE_POSES = 256
+"""The same where a path with smaller steps is looked for."""
+
+EVERYWHERE = 4.0
+"""Farther than any joint angle from any other, whole turns left out, rad."""
+
 LEAST_GAIN = 1e-3
 """A search that gains less, relative to all, is the last one."""
 
@@ -42,7 +51,16 @@ def search(problem: Problem) -> Way:
         keep_limits(problem, way, copy(way))
     if (too_fast(problem, way) > JUST_ABOVE).any():
         way = min(way, found(problem), key=lambda each: worth(problem, each))
+    if (too_fast(problem, way) > JUST_ABOVE).any() and way.reached.all() and may_be_fine(problem):
+        other = find_way(replace(problem, radius=EVERYWHERE), np.arange(len(problem.T)), False)
+        improve(problem, other, FINE)
+        way = min(way, other, key=lambda each: worth(problem, each))
     return way
+
+
+def may_be_fine(problem: Problem) -> bool:
+    """Whether strips may be fine everywhere: a short path, of an arm in closed form."""
+    return len(problem.T) <= FINE_POSES and problem.work()[0] is None
 
 
 def found(problem: Problem) -> Way:
@@ -74,9 +92,13 @@ def planned(problem: Problem) -> Way:
     marks, verdicts = np.zeros(len(T), np.bool_), np.zeros(len(T), np.int64)
     entries.choose_keys(arm.family, T, problem.has_known, marks, verdicts)
     refuse_bad_poses(verdicts)
+    fine = problem
+    if len(T) <= SHORT and problem.work()[0] is None:
+        marks[:] = True
+        fine = replace(problem, radius=EVERYWHERE)
     while True:
         keys = np.flatnonzero(marks)
-        way = find_way(problem, keys, False)
+        way = find_way(fine, keys, False)
         whole = way.cost < 0.5 * BREAK and bool(way.reached[keys].all())
         missed = np.zeros(len(T), np.bool_)
         if whole:

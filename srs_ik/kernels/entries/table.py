@@ -93,15 +93,6 @@ path.bridge(family, poses, starts: float[n, 7]&, met: bool[n]&, J: float[6, 7]&,
 task.read_tasks(raw: float[n, TASK], given, out: float[n, TASK]&) -> (int, int)
 task.posture(family, H, x: float[TASK], given, side, tie, out: float[POSTURE]&)
 task.posture_range(family, H, tasks: float[n, TASK], first, last, given, side, tie, out: float[n, POSTURE]&)
-task.solve_tasks(family, H, tasks: float[n, TASK], first, last, given, side, tie, seeds, respect, J, A, out: float[n,
-    TASK_SOLUTION]&)
-maps.reachable_range(family, poses, first, last, out: int[n]&)
-maps.measure_range(family, poses, first, last, limits: float[2], margin: int, out: float[n, c]&)
-maps.measure_cells(family, points: float[k, 3], rotations: float[m, 9], limits: float[2], margin: int, out:
-    float[r, c]&)
-near_maps.reachable_range(family, poses, first, last, out: int[n]&)
-near_maps.measure_range(family, poses, first, last, limits: float[2], out: float[n, c]&)
-track.update(family, state: float[s]&, settings: float[c], T, given, work: float[2, 16, 9]&, out: float[o]&)
 task.solve_tasks(family, H, tasks: float[n, TASK], first, last, given, side, tie, seeds, respect, J, A,
     out: float[n, TASK_SOLUTION]&)
 yardstick.transcendental(angles: float[n, 8], out: float[n]&)
