@@ -22,15 +22,22 @@ if TYPE_CHECKING:
     )
     from srs_ik.analysis.polytopes import Polytope, force_polytope, velocity_polytope
     from srs_ik.arm import Arm
+    from srs_ik.collision.bodies import Body
+    from srs_ik.collision.pairs import Pair
+    from srs_ik.collision.scene import Scene
     from srs_ik.errors import (
         AmbiguousLimb,
         FrameNotFound,
         InvalidConfiguration,
+        InvalidController,
+        InvalidMap,
         InvalidPose,
         InvalidRobot,
+        InvalidScene,
         InvalidTask,
         MissingExtra,
         MissingLimits,
+        NoBodies,
         NotAnSrsLimb,
         PreviewError,
         SrsIkError,
@@ -39,6 +46,9 @@ if TYPE_CHECKING:
     from srs_ik.inputs.rotations import pose_from_xyz_quaternion, pose_from_xyz_rpy
     from srs_ik.inputs.task import Task
     from srs_ik.loading import LimbReport, find_limbs, load, robots
+    from srs_ik.maps.build import build_map
+    from srs_ik.maps.placement import Placement, base_placement
+    from srs_ik.maps.reader import open_map
     from srs_ik.preview import Preview
     from srs_ik.robot.limb import Hand, SrsLimb
     from srs_ik.solve.free_splits import FreeSplit
@@ -49,7 +59,7 @@ if TYPE_CHECKING:
     from srs_ik.solve.path_breaks import PathBreak
     from srs_ik.solve.posture import Posture
     from srs_ik.solve.self_motion import SelfMotion
-    from srs_ik.solve.solution import BatchSolution, Interval, Solution, Solutions, Status
+    from srs_ik.solve.solution import BatchSolution, Collision, Interval, Solution, Solutions, Status
     from srs_ik.solve.task import BatchTaskSolution, TaskSolution
 
 __version__ = "0.1.0"
@@ -63,15 +73,22 @@ _MODULES = {
         "manipulability",
         "velocity_ellipsoid",
     ),
+    "collision.bodies": ("Body",),
+    "collision.pairs": ("Pair",),
+    "collision.scene": ("Scene",),
     "errors": (
         "AmbiguousLimb",
         "FrameNotFound",
         "InvalidConfiguration",
+        "InvalidController",
+        "InvalidMap",
         "InvalidPose",
         "InvalidRobot",
+        "InvalidScene",
         "InvalidTask",
         "MissingExtra",
         "MissingLimits",
+        "NoBodies",
         "NotAnSrsLimb",
         "PreviewError",
         "SrsIkError",
@@ -80,6 +97,9 @@ _MODULES = {
     "solve.intervals": ("IntervalsBatch",),
     "robot.limb": ("Hand", "SrsLimb"),
     "loading": ("LimbReport", "find_limbs", "load", "robots"),
+    "maps.build": ("build_map",),
+    "maps.placement": ("Placement", "base_placement"),
+    "maps.reader": ("open_map",),
     "solve.objectives": ("OBJECTIVES", "Objective"),
     "solve.optimise": ("Optimum",),
     "solve.path": ("PathSolution",),
@@ -89,12 +109,13 @@ _MODULES = {
     "inputs.poses": ("PoseError", "nearest_pose", "xyz_quaternion"),
     "inputs.rotations": ("pose_from_xyz_quaternion", "pose_from_xyz_rpy"),
     "solve.self_motion": ("SelfMotion",),
-    "solve.solution": ("BatchSolution", "Interval", "Solution", "Solutions", "Status"),
+    "solve.solution": ("BatchSolution", "Collision", "Interval", "Solution", "Solutions", "Status"),
     "solve.posture": ("Posture",),
     "inputs.task": ("Task",),
     "solve.task": ("BatchTaskSolution", "TaskSolution"),
+    "solve.tracker": ("Tracker", "TrackerStatus", "TrackerStep"),
 }
-NAMESPACES = ("analysis", "paper", "plots", "preview")
+NAMESPACES = ("analysis", "control", "maps", "paper", "plots", "preview", "sim")
 """Rooms that have public names of their own."""
 
 _HOME = {name: module for module, names in _MODULES.items() for name in names}
@@ -105,6 +126,8 @@ __all__ = [
     "Arm",
     "BatchSolution",
     "BatchTaskSolution",
+    "Body",
+    "Collision",
     "Ellipsoid",
     "FrameNotFound",
     "FreeSplit",
@@ -112,22 +135,29 @@ __all__ = [
     "Interval",
     "IntervalsBatch",
     "InvalidConfiguration",
+    "InvalidController",
+    "InvalidMap",
     "InvalidPose",
     "InvalidRobot",
+    "InvalidScene",
     "InvalidTask",
     "LimbReport",
     "MissingExtra",
     "MissingLimits",
+    "NoBodies",
     "NotAnSrsLimb",
     "Objective",
     "Optimum",
+    "Pair",
     "PathBreak",
     "PathSolution",
+    "Placement",
     "Polytope",
     "PoseError",
     "Posture",
     "Preview",
     "PreviewError",
+    "Scene",
     "SelfMotion",
     "Solution",
     "Solutions",
@@ -136,6 +166,11 @@ __all__ = [
     "Status",
     "Task",
     "TaskSolution",
+    "Tracker",
+    "TrackerStatus",
+    "TrackerStep",
+    "base_placement",
+    "build_map",
     "find_limbs",
     "force_ellipsoid",
     "force_polytope",
@@ -143,6 +178,7 @@ __all__ = [
     "load",
     "manipulability",
     "nearest_pose",
+    "open_map",
     "pose_from_xyz_quaternion",
     "pose_from_xyz_rpy",
     "robots",

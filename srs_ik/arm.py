@@ -8,10 +8,10 @@ from typing import TYPE_CHECKING, Any, Self
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from srs_ik.collision.owner import BodyOwner, BodyPlan
 from srs_ik.errors import NotAnSrsLimb
 from srs_ik.inputs.poses import PoseLike, as_bounded_joint_vector, as_rigid_matrix
 from srs_ik.kernels.entries import rates
-from srs_ik.kinematics import ChainKinematics
 from srs_ik.robot import changes
 from srs_ik.robot.chain import Chain
 from srs_ik.robot.limb import Hand, SrsLimb
@@ -23,8 +23,10 @@ from srs_ik.solve.packed import pack_arm
 from srs_ik.solve.solution import BatchSolution, Interval, Solution, Solutions
 
 if TYPE_CHECKING:
+    from srs_ik.collision.scene import Scene
     from srs_ik.inputs.task import Task
     from srs_ik.robot.description.model import Drawing
+    from srs_ik.solve.collisions import Surroundings
     from srs_ik.solve.free_splits import FreeSplit
     from srs_ik.solve.intervals import IntervalsBatch
     from srs_ik.solve.objectives import Objective
@@ -33,11 +35,12 @@ if TYPE_CHECKING:
     from srs_ik.solve.posture import Posture, Side, Tie
     from srs_ik.solve.self_motion import SelfMotion
     from srs_ik.solve.task import BatchTaskSolution, TaskSolution
+    from srs_ik.solve.tracker import Tracker
 
 Array = NDArray[np.float64]
 
 
-class Arm(ChainKinematics):
+class Arm(BodyOwner):
     """A 7-joint arm with a spherical shoulder, one elbow and a spherical wrist.
 
     Made by `srs_ik.load`. Joint vectors `q` are always 7 plain angles in radians; poses are those of the tip frame in
@@ -56,17 +59,25 @@ class Arm(ChainKinematics):
         limb: the recognised limb.
         hand: axes of the hand, where known.
         drawing: where the shapes of the robot are; None if it was loaded from a ``pinocchio.Model`` or MJCF.
+        plan: how its bodies are found.
         packed: what the kernels know of the arm.
     """
 
     def __init__(
-        self, chain: Chain, limb: SrsLimb, name: str, hand: Hand | None = None, drawing: Drawing | None = None
+        self,
+        chain: Chain,
+        limb: SrsLimb,
+        name: str,
+        hand: Hand | None = None,
+        drawing: Drawing | None = None,
+        plan: BodyPlan | None = None,
     ) -> None:
         super().__init__(chain, name)
         self._chain = chain
         self.limb = limb
         self.hand = hand
         self.drawing = drawing
+        self.plan = plan or BodyPlan()
         self.packed = pack_arm(self, limb, hand)
 
     # Inverse kinematics -----------------------------------------------------------------------------------------
@@ -78,6 +89,9 @@ class Arm(ChainKinematics):
         seed: ArrayLike | None = None,
         branch: int | None = None,
         respect_limits: bool = True,
+        *,
+        scene: Scene | None = None,
+        margin: float = 0.0,
     ) -> Solution:
         """One posture for a pose.
 
@@ -90,20 +104,36 @@ class Arm(ChainKinematics):
             seed: (7,) posture to stay near, rad; no joint of it more than 300 rad outside its limits.
             branch: 0 to 7; any if not given.
             respect_limits: whether q has to keep the joint limits.
+            scene: what must not be touched, the arm's own bodies included; nothing is looked at if not given.
+            margin: what is to be left between any two bodies, m.
 
         Raises:
             InvalidPose: the pose is no finite rigid transform, or farther away than 1e300 m.
             InvalidConfiguration: seed, arm angle or branch are malformed, or one of the angles beyond 1e6 rad.
+            InvalidScene: no `Scene`, or no margin.
+            NoBodies: no shapes of the arm are at hand.
         """
+        if scene is not None:
+            return self._in(scene, margin).solve(pose, arm_angle, seed, branch, bool(respect_limits))
         return pose_solver.solve(self.packed, pose, arm_angle, seed, branch, respect_limits)
 
-    def solve_all(self, pose: PoseLike, arm_angle: float | None = None, respect_limits: bool = True) -> Solutions:
+    def solve_all(
+        self,
+        pose: PoseLike,
+        arm_angle: float | None = None,
+        respect_limits: bool = True,
+        *,
+        scene: Scene | None = None,
+        margin: float = 0.0,
+    ) -> Solutions:
         """All postures for a pose: every branch at an arm angle, or one posture for every interval of `intervals`.
 
         Args:
             pose: wanted pose of the tip frame in the base frame.
             arm_angle: rad; without it, each posture is the one farthest from the limits in its interval.
             respect_limits: whether to leave out postures outside the joint limits.
+            scene: what must not be touched, the arm's own bodies included; nothing is looked at if not given.
+            margin: what is to be left between any two bodies, m.
 
         Returns:
             The solutions, in the order of branches; empty if there is none, with a message that says why.
@@ -111,7 +141,11 @@ class Arm(ChainKinematics):
         Raises:
             InvalidPose: the pose is no finite rigid transform.
             InvalidConfiguration: the arm angle is not a finite number.
+            InvalidScene: no `Scene`, or no margin.
+            NoBodies: no shapes of the arm are at hand.
         """
+        if scene is not None:
+            return self._in(scene, margin).solve_all(pose, arm_angle, bool(respect_limits))
         return pose_solver.solve_all(self.packed, pose, arm_angle, bool(respect_limits))
 
     def solve_batch(
@@ -123,6 +157,9 @@ class Arm(ChainKinematics):
         all_branches: bool = False,
         respect_limits: bool = True,
         threads: int | None = None,
+        *,
+        scene: Scene | None = None,
+        margin: float = 0.0,
     ) -> BatchSolution:
         """`solve` for N poses at once, in compiled code on several threads; the answers are the same.
 
@@ -135,12 +172,20 @@ class Arm(ChainKinematics):
                 no solution say so in their status.
             respect_limits: whether q has to keep the joint limits.
             threads: at most so many; all processors if not given.
+            scene: what must not be touched, the arm's own bodies included; nothing is looked at if not given.
+            margin: what is to be left between any two bodies, m.
 
         Raises:
             InvalidPose: a pose is no finite rigid transform; the message names the first one.
             InvalidConfiguration: seed, arm angle or branch are malformed, or all branches are asked for without an arm
                 angle.
+            InvalidScene: no `Scene`, or no margin.
+            NoBodies: no shapes of the arm are at hand.
         """
+        if scene is not None:
+            return self._in(scene, margin).solve_batch(
+                poses, arm_angle, seed, branch, all_branches, bool(respect_limits), threads
+            )
         return pose_solver.solve_batch(
             self.packed, poses, arm_angle, seed, branch, all_branches, bool(respect_limits), threads
         )
@@ -182,32 +227,108 @@ class Arm(ChainKinematics):
 
         return solve_path(self.packed, poses, seed, dt, longest_step, objective, known, closed)
 
-    def intervals(self, pose: PoseLike, respect_limits: bool = True) -> list[Interval]:
+    def tracker(
+        self,
+        q0: ArrayLike,
+        dt: float,
+        velocity_limit: ArrayLike | None = None,
+        acceleration_limit: ArrayLike | None = None,
+        elbow: Any = "keep",
+        smoothing: float = 0.0,
+    ) -> Tracker:
+        """A follower of a target pose that moves: `update(pose)` gives the joint angles for the end of each period.
+
+        Args:
+            q0: (7,) joint angles to begin with, at rest, rad.
+            dt: seconds between two updates.
+            velocity_limit: one for all joints, or (7,), rad/s; those of the description if not given.
+            acceleration_limit: one for all joints, or (7,), rad/s^2; if not given, what brings each joint to
+                its largest velocity in 0.2 s.
+            elbow: "keep" (it moves as little as the target and the limits allow), an arm angle, rad, or an `Objective`
+                or its name ("limit_margin" for farthest from the limits) that it follows downhill.
+            smoothing: time constant of a filter that takes jitter from the target, seconds; a target at constant
+                velocity is followed without a lag.
+
+        Raises:
+            InvalidConfiguration: a malformed argument, or q0 outside the joint limits.
+            InvalidTask: no such objective, or one that is no kernel.
+            MissingLimits: the description gives a joint no velocity limit, and none is given here.
+        """
+        from srs_ik.solve.tracker import Tracker
+
+        return Tracker(self.packed, self, q0, dt, velocity_limit, acceleration_limit, elbow, smoothing)
+
+    def intervals(
+        self, pose: PoseLike, respect_limits: bool = True, *, scene: Scene | None = None, margin: float = 0.0
+    ) -> list[Interval]:
         """Feasible arm angles of every branch, exactly, in the order of branches.
 
         They are the roots of linear forms in cosine and sine of the arm angle, not samples. On a near limb, where there
         are no such forms, each branch is followed around the circle and every end bisected on the true chain.
 
+        With a scene, they are what bodies leave of that: arcs that spheres forbid, exactly (see `Scene`).
+
+        Args:
+            pose: wanted pose of the tip frame in the base frame.
+            respect_limits: whether the joint limits have to be kept.
+            scene: what must not be touched, the arm's own bodies included; nothing is looked at if not given.
+            margin: what is to be left between any two bodies, m.
+
         Raises:
             InvalidPose: the pose is no finite rigid transform.
+            InvalidScene: no `Scene`, or no margin.
+            NoBodies: no shapes of the arm are at hand.
         """
+        if scene is not None:
+            return self._in(scene, margin).intervals(pose, bool(respect_limits))
         return feasible.intervals(self.packed, pose, bool(respect_limits))
 
-    def intervals_batch(self, poses: Any, respect_limits: bool = True, threads: int | None = None) -> IntervalsBatch:
+    def intervals_batch(
+        self,
+        poses: Any,
+        respect_limits: bool = True,
+        threads: int | None = None,
+        *,
+        scene: Scene | None = None,
+        margin: float = 0.0,
+    ) -> IntervalsBatch:
         """`intervals` for N poses at once, in compiled code on several threads; the answers are the same.
 
         Args:
             poses: (N, 4, 4) array, or a list of poses. Arrays of floats, in C order and writeable, are not copied.
             respect_limits: whether the joint limits have to be kept.
             threads: at most so many; all processors if not given.
+            scene: what must not be touched, the arm's own bodies included; nothing is looked at if not given.
+            margin: what is to be left between any two bodies, m.
 
         Returns:
             The intervals of all poses in flat arrays; `[i]` lists those of one pose.
 
         Raises:
             InvalidPose: a pose is no finite rigid transform; the message names the first one.
+            InvalidScene: no `Scene`, or no margin.
+            NoBodies: no shapes of the arm are at hand.
         """
+        if scene is not None:
+            return self._in(scene, margin).intervals_batch(poses, bool(respect_limits), threads)
         return feasible.intervals_batch(self.packed, poses, bool(respect_limits), threads)
+
+    def reachable_batch(self, poses: Any, threads: int | None = None) -> NDArray[np.bool_]:
+        """Whether a posture inside the joint limits meets each of N poses: `intervals_batch` cut short at the first.
+
+        Args:
+            poses: (N, 4, 4) array, or a list of poses. Arrays of floats, in C order and writeable, are not copied.
+            threads: at most so many; all processors if not given.
+
+        Returns:
+            (N,) true where there is one.
+
+        Raises:
+            InvalidPose: a pose is no finite rigid transform; the message names the first one.
+        """
+        from srs_ik.solve.reachable import reachable_batch
+
+        return reachable_batch(self.packed, poses, threads)
 
     def self_motion(
         self, pose: PoseLike, branch: int | None = None, count: int = 91, respect_limits: bool = True
@@ -257,6 +378,9 @@ class Arm(ChainKinematics):
         pose: PoseLike,
         objective: str | Callable[[Array], float] | Objective,
         respect_limits: bool = True,
+        *,
+        scene: Scene | None = None,
+        margin: float = 0.0,
         **parameters: Any,
     ) -> Optimum:
         """The best posture of all that reach a pose: the global optimum over branches and arm angles.
@@ -264,8 +388,11 @@ class Arm(ChainKinematics):
         Args:
             pose: wanted pose of the tip frame in the base frame.
             objective: name of a built-in objective (see `Objective`), an `Objective`, or a function of 7 joint
-                angles, rad, to be minimised (with `maximise=True`, maximised).
+                angles, rad, to be minimised (with `maximise=True`, maximised). With a scene also "clearance", the
+                least distance of all bodies that are watched, m, by the spheres, which is maximised.
             respect_limits: whether q has to keep the joint limits.
+            scene: what must not be touched, the arm's own bodies included; nothing is looked at if not given.
+            margin: what is to be left between any two bodies, m.
             **parameters: what the objective takes, such as force=, velocity=, twist=, wrench=, reference=, tolerance=.
 
         Returns:
@@ -275,7 +402,13 @@ class Arm(ChainKinematics):
         Raises:
             InvalidPose: the pose is no finite rigid transform.
             InvalidTask: unknown objective, missing or malformed parameter, or a function that gave no finite number.
+            InvalidScene: no `Scene`, or no margin.
+            NoBodies: no shapes of the arm are at hand.
         """
+        if scene is not None:
+            from srs_ik.solve.collisions import optimise as optimise_free
+
+            return optimise_free(self._in(scene, margin), pose, objective, bool(respect_limits), **parameters)
         from srs_ik.solve.optimise import optimise
 
         return optimise(self.packed, self, pose, objective, respect_limits, **parameters)
@@ -452,13 +585,23 @@ class Arm(ChainKinematics):
         found = recognise(chain.axes, chain.points, chain.T_base_tip_zero, reference)
         if found.limb is None:
             raise NotAnSrsLimb(f"moved, {self.name} is no S-R-S limb: {found.reason}", self.joint_names)
-        return type(self)(chain, found.limb, self.name, hand, self.drawing)
+        return type(self)(chain, found.limb, self.name, hand, self.drawing, self.plan)
+
+    def _planned(self, plan: BodyPlan) -> Self:
+        return type(self)(self._chain, self.limb, self.name, self.hand, self.drawing, plan)
+
+    def _in(self, scene: Scene, margin: float) -> Surroundings:
+        """This arm in a scene."""
+        from srs_ik.solve.collisions import Surroundings
+
+        return Surroundings(self, self.packed, scene, margin)
 
     def __reduce__(self) -> tuple[Any, ...]:
         # A copy is made anew, and packed anew: its arrays are read-only like the first ones, as its kernels want them.
         # A yourdfpy.URDF holds functions that cannot be pickled; such a copy of the arm is drawn as a skeleton.
         lasting = self.drawing is not None and isinstance(self.drawing.content, str | None)
-        return type(self), (self._chain, self.limb, self.name, self.hand, self.drawing if lasting else None)
+        drawing = self.drawing if lasting else None
+        return type(self), (self._chain, self.limb, self.name, self.hand, drawing, self.plan)
 
     def __repr__(self) -> str:
         kind = self.limb.kind

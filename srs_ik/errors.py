@@ -147,6 +147,22 @@ class InvalidTask(SrsIkError, ValueError):
     """A task whose vectors have the wrong shape, are not finite, or leave a direction undefined."""
 
 
+class InvalidController(SrsIkError, ValueError):
+    """A controller whose figures are malformed, that is not passive, or that an arm cannot have."""
+
+
+class InvalidMap(SrsIkError, ValueError):
+    """A map that cannot be made as it is asked for, or a store that holds none, or that of another robot."""
+
+
+class InvalidScene(SrsIkError, ValueError):
+    """A scene, or an object in it, of wrong sizes, with entries that are not finite, or whose name is not known."""
+
+
+class NoBodies(SrsIkError):
+    """An arm of whose links no shapes are at hand, so that nothing can be said of what they hit."""
+
+
 class PreviewError(SrsIkError):
     """A preview that cannot be served or written, or that is closed already."""
 

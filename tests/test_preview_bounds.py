@@ -13,8 +13,9 @@ import trimesh
 from robot_files import robot_xml, serial_arm
 
 import srs_ik
-from srs_ik.preview import Preview, bounds
-from srs_ik.preview.mesh_files import MeshFinder, MeshMissing, MeshShelf, read_mesh
+from srs_ik.meshes import bounds
+from srs_ik.meshes.files import MeshFinder, MeshMissing, MeshShelf, read_mesh
+from srs_ik.preview import Preview
 from srs_ik.preview.robot import look
 
 

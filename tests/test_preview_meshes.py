@@ -9,8 +9,8 @@ from robot_files import example_urdf, serial_arm
 from scene import Scene
 
 import srs_ik
+from srs_ik.meshes.files import MeshFinder, MeshMissing, read_mesh
 from srs_ik.preview import Preview
-from srs_ik.preview.mesh_files import MeshFinder, MeshMissing, read_mesh
 from srs_ik.robot import zoo
 
 

@@ -27,6 +27,9 @@ XacroArg = Annotated[
 Write = Annotated[
     Path | None, typer.Option(metavar="robot.toml", help="Write an adapter for the arm, which every command takes.")
 ]
+Packed = Annotated[
+    Path | None, typer.Option(metavar="FILE", help="Write the one arm as C programs read it; see docs/cpp.md.")
+]
 
 
 def inspect(
@@ -38,6 +41,7 @@ def inspect(
     xacro_arg: XacroArg = None,
     allow_xacro: AllowXacro = False,
     write: Write = None,
+    packed: Packed = None,
     as_json: AsJson = False,
 ) -> None:
     """Show the 7-joint arms that are recognised in a robot.
@@ -61,6 +65,13 @@ def inspect(
         write_adapter(write, source, load(source, **reading, **chosen), reading["xacro_args"])
         allowed = " --allow-xacro" if names_xacro(write) else ""
         typer.echo(f"srs-ik: wrote {write}; check it, then try 'srs-ik inspect {write}{allowed}'", err=True)
+    if packed is not None and accepted:
+        from srs_ik.loading import load
+        from srs_ik.solve.packed import limb_file
+        from srs_ik.writing import write_whole
+
+        write_whole(packed, limb_file(load(source, **reading, **chosen).packed))
+        typer.echo(f"srs-ik: wrote {packed}", err=True)
     if as_json:
         print_json({"source": source, "limbs": findings})
     else:

@@ -12,8 +12,9 @@ import pinocchio as pin
 import trimesh
 from numpy.typing import NDArray
 
-from srs_ik.preview import bounds, palette, solids
-from srs_ik.preview.mesh_files import MeshFinder, MeshMissing, MeshShelf, Piece
+from srs_ik.meshes import bounds
+from srs_ik.meshes.files import MeshFinder, MeshMissing, MeshShelf, Piece
+from srs_ik.preview import palette, solids
 from srs_ik.preview.solids import Solid
 from srs_ik.robot.description.shapes import Shape, read_shapes, read_tree
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from enum import IntEnum
 from functools import cached_property
@@ -30,6 +30,8 @@ class Status(IntEnum):
     """No posture reaches the pose; the closest one is given: the arm stretched, or folded, towards the target."""
     OUT_OF_LIMITS = 2
     """Postures reach the pose, but none inside the joint limits; the least violating one is given, put on limits."""
+    COLLISION = 3
+    """Postures inside the limits reach the pose, but each hits something; that of largest clearance is given."""
 
     def __str__(self) -> str:
         return self.name
@@ -73,15 +75,34 @@ class ElbowRange(NamedTuple):
     """Upper limit, rad; inf where continuous."""
 
 
+class Collision(NamedTuple):
+    """Two bodies that meet, or come closer than the margin."""
+
+    first: str
+    """A link of the arm, or what it holds."""
+    second: str
+    """Another one, or an object of the scene."""
+    depth: float
+    """How much is missing to the margin, m, by the spheres; how deep they are in each other where that is zero."""
+
+
 class Solution:
     """One posture for one pose; true in a boolean test if and only if its status is `Status.OK`."""
 
-    __slots__ = ("_elbow", "_joint_names", "_row")
+    __slots__ = ("_elbow", "_joint_names", "_row", "collision")
 
-    def __init__(self, row: Array, joint_names: Sequence[str], elbow: ElbowRange | None = None) -> None:
+    def __init__(
+        self,
+        row: Array,
+        joint_names: Sequence[str],
+        elbow: ElbowRange | None = None,
+        collision: Collision | None = None,
+    ) -> None:
         self._row = row
         self._joint_names = joint_names
         self._elbow = elbow
+        self.collision = collision
+        """What hits what, where the status is `Status.COLLISION`; else None."""
 
     @property
     def q(self) -> Array:
@@ -122,6 +143,8 @@ class Solution:
         if self.status is Status.UNREACHABLE:
             unit = " Positions are in metres: is this one in millimetres?" if self.position_error > _FAR else ""
             return f"No posture sought reaches the pose; the one given{self._lie()} misses it by {self._miss()}.{unit}"
+        if self.status is Status.COLLISION:
+            return f"Postures inside the limits reach the pose, but each hits something{self._hit()}."
         joint = int(self._row[at.ROW_JOINT])
         stop = f" stops at {np.rad2deg(self.q[joint - 1]):.6g} deg"
         where = f"; {self._joint_names[joint - 1]}{stop}" if joint else ""
@@ -129,6 +152,13 @@ class Solution:
             "The pose is within reach, but no posture sought keeps the joint limits"
             f"{where}, and the posture given misses it by {self._miss()}."
         )
+
+    def _hit(self) -> str:
+        """What hits what, as the end of a sentence."""
+        if self.collision is None:
+            return ""
+        first, second, depth = self.collision
+        return f": in the one given {first} and {second} are {1e3 * depth:.3g} mm too close"
 
     def _miss(self) -> str:
         """The errors that are more than rounding."""
@@ -265,6 +295,17 @@ class Solutions(_Rows, Sequence[Solution]):
 class BatchSolution(_Rows):
     """Answers to N poses: every field of `Solution` as an array over N, or over (N, 8) with all branches."""
 
+    def __init__(
+        self,
+        rows: Array,
+        joint_names: Sequence[str],
+        elbow: ElbowRange | None = None,
+        collisions: Mapping[tuple[int, ...], Collision] | None = None,
+    ) -> None:
+        super().__init__(rows, joint_names, elbow)
+        self.collisions = dict(collisions or {})
+        """What hits what, by the index of the pose (and of the branch), where the status is `Status.COLLISION`."""
+
     def message(self, *index: int) -> str:
         """The sentence for one answer: of its index, or of pose and branch.
 
@@ -277,7 +318,19 @@ class BatchSolution(_Rows):
 
     def __getitem__(self, index: int | tuple[int, ...]) -> Any:
         row = self._rows[index]
-        return self._solution(row) if row.ndim == 1 else BatchSolution(row, self._joint_names, self._elbow)
+        if row.ndim > 1:
+            return BatchSolution(row, self._joint_names, self._elbow, self._collisions_of(index))
+        place = tuple(range(n)[i] for n, i in zip(self._rows.shape, np.atleast_1d(index).tolist(), strict=False))
+        return Solution(row, self._joint_names, self._elbow, self.collisions.get(place))
+
+    def _collisions_of(self, index: Any) -> dict[tuple[int, ...], Collision]:
+        """Those of a part of the answers."""
+        if not self.collisions:
+            return {}
+        numbers = np.arange(self._rows[..., 0].size).reshape(self._rows.shape[:-1])
+        whole = {int(numbers[place]): hit for place, hit in self.collisions.items()}
+        part = numbers[index]
+        return {place: whole[int(k)] for place, k in np.ndenumerate(part) if int(k) in whole}
 
     @cached_property
     def solved(self) -> int:

@@ -12,6 +12,8 @@ from srs_ik.robot.description.model import is_xml
 
 _KEPT: Mapping[str, frozenset[str]] = {"robot": frozenset({"group"}), "group": frozenset({"chain"})}
 
+_PAIRS: Mapping[str, frozenset[str]] = {"robot": frozenset({"disable_collisions"})}
+
 
 def chains(source: str | Path) -> dict[str, tuple[str, str]]:
     """Base and tip frame of every group that is given as one chain.
@@ -22,12 +24,7 @@ def chains(source: str | Path) -> dict[str, tuple[str, str]]:
     Raises:
         InvalidRobot: the file is missing or no SRDF.
     """
-    if isinstance(source, str) and is_xml(source):
-        text: str | bytes = source
-        label = "the SRDF text"
-    else:
-        label = str(source)
-        text = read(Path(source), label)
+    text, label = _text(source)
     found = {}
     for group in document.parse(text, label, _KEPT).findall("group"):
         chain = group.find("chain")
@@ -38,6 +35,27 @@ def chains(source: str | Path) -> dict[str, tuple[str, str]]:
             raise InvalidRobot(f"{label}: the chain of group {group.get('name')!r} lacks base_link or tip_link", label)
         found[group.attrib["name"]] = (base, tip)
     return found
+
+
+def disabled_pairs(source: str | Path) -> dict[frozenset[str], str]:
+    """Pairs of links that need not be watched for collisions, and the reason that is given for each.
+
+    Args:
+        source: path or text of an SRDF file.
+
+    Raises:
+        InvalidRobot: the file is missing or no SRDF.
+    """
+    text, label = _text(source)
+    pairs = document.parse(text, label, _PAIRS).findall("disable_collisions")
+    return {frozenset((pair.get("link1", ""), pair.get("link2", ""))): pair.get("reason", "disabled") for pair in pairs}
+
+
+def _text(source: str | Path) -> tuple[str | bytes, str]:
+    """An SRDF file, or the text of one, and how messages call it."""
+    if isinstance(source, str) and is_xml(source):
+        return source, "the SRDF text"
+    return read(Path(source), str(source)), str(source)
 
 
 def chain_of(source: str | Path, group: str | None) -> tuple[str, str]:

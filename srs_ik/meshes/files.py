@@ -13,7 +13,7 @@ import numpy as np
 import trimesh
 from trimesh.resolvers import FilePathResolver
 
-from srs_ik.preview import bounds, mesh_check
+from srs_ik.meshes import bounds, check
 from srs_ik.robot.description.packages import find_package
 
 FORMATS = frozenset({".dae", ".glb", ".gltf", ".obj", ".off", ".ply", ".stl"})
@@ -171,14 +171,14 @@ def read_mesh(path: Path) -> list[Piece]:
         with open(path, "rb") as file:
             # It may have grown since its size was asked for.
             content = file.read(bounds.MESH_BYTES)
-        options: dict[str, Any] = {"skip_materials": True} if mesh_check.check(content, kind) else {}
+        options: dict[str, Any] = {"skip_materials": True} if check.check(content, kind) else {}
         scene = trimesh.load_scene(io.BytesIO(content), kind[1:], _Beside(str(path)), **options)
         scale = _metres(scene.units) if kind == ".dae" else 1.0
         pieces = [piece for piece in scene.dump() if isinstance(piece, trimesh.Trimesh) and len(piece.faces)]
         for piece in pieces:
             piece.apply_scale(scale)
         found = [(piece, _colour(piece)) for piece in pieces]
-    except mesh_check.Beyond as error:
+    except check.Beyond as error:
         raise MeshMissing(f"{str(path)!r} {error}") from None
     except Exception as error:
         # Readers of seven formats fail in as many ways as there are damaged files.

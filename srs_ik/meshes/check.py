@@ -8,7 +8,7 @@ import re
 import struct
 from xml.etree import ElementTree
 
-from srs_ik.preview import bounds
+from srs_ik.meshes import bounds
 
 _SHOWING = ("instance_geometry", "instance_controller")
 _DEEPEST = 200

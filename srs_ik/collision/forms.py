@@ -1,0 +1,140 @@
+"""Forms in space, of links and of objects: their surface as triangles, and planes around those that are convex."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+Kind = Literal["box", "cylinder", "sphere", "capsule", "mesh"]
+
+_SECTIONS = 24
+"""Sides of the prism around a cylinder."""
+
+_AROUND = 12
+"""Directions around an axis, of planes."""
+
+
+@dataclass(frozen=True, eq=False)
+class Form:
+    """A form in the frame of what carries it.
+
+    Attributes:
+        kind: a cylinder or capsule has its axis along z, and its centre in the origin.
+        size: box: 3 edges; cylinder and capsule: radius and length (of its cylinder); sphere: radius, m; mesh: none.
+        T: (4, 4) where it is.
+        vertices: (n, 3) of a mesh, m.
+        faces: (m, 3) of a mesh.
+    """
+
+    kind: Kind
+    size: tuple[float, ...]
+    T: Array
+    vertices: Array | None = None
+    faces: NDArray[np.int64] | None = None
+
+    def moved(self, T: Array) -> Form:
+        """The form in another frame."""
+        return Form(self.kind, self.size, T @ self.T, self.vertices, self.faces)
+
+
+def surface(form: Form) -> tuple[Array, NDArray[np.int64]]:
+    """Vertices and faces, in the frame of the carrier, that go around a form; those of a mesh are its own."""
+    import trimesh
+
+    if form.kind == "mesh":
+        assert form.vertices is not None
+        assert form.faces is not None
+        vertices, faces = form.vertices, form.faces
+    elif form.kind == "box":
+        mesh = trimesh.creation.box(np.array(form.size))
+        vertices, faces = mesh.vertices, mesh.faces
+    elif form.kind == "cylinder":
+        radius, length = form.size
+        mesh = trimesh.creation.cylinder(radius / math.cos(math.pi / _SECTIONS), length, sections=_SECTIONS)
+        vertices, faces = mesh.vertices, mesh.faces
+    else:
+        radius, length = (form.size[0], 0.0) if form.kind == "sphere" else form.size
+        ball = trimesh.creation.icosphere(subdivisions=3)
+        # Its faces lie inside of the sphere: their planes are moved out as far as the nearest one needs it.
+        depth = float(np.einsum("ij,ij->i", ball.triangles_center, ball.face_normals).min())
+        points = ball.vertices * (radius / depth)
+        if length:
+            from scipy.spatial import ConvexHull
+
+            up = np.array([0.0, 0.0, 0.5 * length])
+            points = np.concatenate([points + up, points - up])
+            faces = _outwards(points, ConvexHull(points).simplices)
+        else:
+            faces = ball.faces
+        vertices = points
+    return np.asarray(vertices @ form.T[:3, :3].T + form.T[:3, 3], dtype=float), np.asarray(faces, dtype=np.int64)
+
+
+def _outwards(points: Array, faces: NDArray[np.int32]) -> NDArray[np.int64]:
+    a, b, c = (points[faces[:, k]] for k in range(3))
+    inwards = np.einsum("ij,ij->i", np.cross(b - a, c - a), a - points.mean(axis=0)) < 0.0
+    out = faces.astype(np.int64)
+    out[inwards] = out[inwards][:, ::-1]
+    return out
+
+
+def row_of_spheres(form: Form) -> Array | None:
+    """(n, 4) spheres that cover a sphere or a capsule with next to nothing beyond it; None for other forms."""
+    if form.kind == "sphere":
+        return np.array([[*form.T[:3, 3], form.size[0]]])
+    if form.kind != "capsule":
+        return None
+    radius, length = form.size
+    count = 1 + math.ceil(length / (0.6 * radius))
+    spacing = length / max(count - 1, 1)
+    z = np.linspace(-0.5 * length, 0.5 * length, count)
+    centres = np.column_stack([np.zeros((count, 2)), z]) @ form.T[:3, :3].T + form.T[:3, 3]
+    return np.column_stack([centres, np.full(count, math.hypot(radius, 0.5 * spacing))])
+
+
+def planes(form: Form) -> Array:
+    """(n, 4) planes, normals outwards and offsets, between which a convex form lies; in the frame of the carrier.
+
+    Faces and, so that little is lost where spheres touch edges and corners, planes across these.
+    """
+    if form.kind == "box":
+        half = 0.5 * np.array(form.size)
+        grid = np.array(np.meshgrid([-1, 0, 1], [-1, 0, 1], [-1, 0, 1])).reshape(3, -1).T
+        normals = grid[np.any(grid != 0, axis=1)].astype(float)
+        normals /= np.linalg.norm(normals, axis=1, keepdims=True)
+        offsets = np.abs(normals) @ half
+    else:
+        radius, length = form.size
+        tilts = [0.0, 0.25 * math.pi] if form.kind == "cylinder" else [0.0, math.pi / 6.0, math.pi / 3.0]
+        turns = 2.0 * math.pi * np.arange(_AROUND) / _AROUND
+        rows = [
+            np.column_stack([math.cos(t) * np.cos(turns), math.cos(t) * np.sin(turns), np.full(_AROUND, math.sin(t))])
+            for t in sorted({*tilts, *(-tilt for tilt in tilts)})
+        ]
+        normals = np.concatenate([*rows, [[0.0, 0.0, 1.0], [0.0, 0.0, -1.0]]])
+        along = 0.5 * length * np.abs(normals[:, 2])
+        across = radius * (np.hypot(normals[:, 0], normals[:, 1]) if form.kind == "cylinder" else 1.0)
+        offsets = along + across
+    turned = normals @ form.T[:3, :3].T
+    return np.column_stack([turned, offsets + turned @ form.T[:3, 3]])
+
+
+def ball_around(form: Form) -> Array:
+    """(4,) a sphere that contains a form."""
+    if form.kind == "mesh":
+        assert form.vertices is not None
+        points = form.vertices @ form.T[:3, :3].T + form.T[:3, 3]
+        centre = 0.5 * (points.min(axis=0) + points.max(axis=0))
+        return np.array([*centre, float(np.linalg.norm(points - centre, axis=1).max())])
+    if form.kind == "box":
+        radius = 0.5 * float(np.linalg.norm(form.size))
+    elif form.kind == "cylinder":
+        radius = math.hypot(form.size[0], 0.5 * form.size[1])
+    else:
+        radius = form.size[0] + (0.5 * form.size[1] if form.kind == "capsule" else 0.0)
+    return np.array([*form.T[:3, 3], radius])

@@ -1,0 +1,196 @@
+"""An arm with bodies: what it is covered by, which pairs are watched, what it holds."""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Self
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from srs_ik.errors import InvalidScene, quoted
+from srs_ik.forks import WHOLE
+from srs_ik.kinematics import ChainKinematics
+
+if TYPE_CHECKING:
+    from srs_ik.collision.bodies import Body
+    from srs_ik.collision.pairs import Pair
+    from srs_ik.collision.ranges import JointRange
+    from srs_ik.collision.scene import Scene
+    from srs_ik.collision.tables import OwnTables, Tables
+    from srs_ik.robot.description.model import Drawing
+    from srs_ik.robot.limb import SrsLimb
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class BodyPlan:
+    """How the bodies of an arm are found.
+
+    Attributes:
+        folders: to search for meshes.
+        spheres: file of spheres of the links; empty for none.
+        srdf: path or text of an SRDF file; empty for none.
+        keep: pairs of bodies that are watched in any case.
+        drop: pairs of bodies that are not watched.
+        held: what the hand holds, poses in the frame of joint 7.
+    """
+
+    folders: tuple[str, ...] = ()
+    spheres: str = ""
+    srdf: str = ""
+    keep: tuple[tuple[str, str], ...] = ()
+    drop: tuple[tuple[str, str], ...] = ()
+    held: tuple[Body, ...] = ()
+
+
+class BodyOwner(ChainKinematics):
+    """What an arm knows of its bodies; found when first asked for, in seconds, and kept in the user's cache folder."""
+
+    limb: SrsLimb
+    drawing: Drawing | None
+    plan: BodyPlan
+
+    def _planned(self, plan: BodyPlan) -> Self:
+        raise NotImplementedError
+
+    @property
+    def bodies(self) -> list[Body]:
+        """The links that have shapes, as spheres that cover these for certain, and what the hand holds.
+
+        Raises:
+            NoBodies: there are no shapes, or meshes of a link are not at hand.
+            InvalidRobot: a file is gone, or is no URDF or SRDF any more.
+        """
+        return list(self._found[0])
+
+    @property
+    def pairs(self) -> list[Pair]:
+        """All pairs of bodies, each watched or not, with the reason; see `bodies` for what is raised."""
+        return list(self._found[1])
+
+    def with_bodies(
+        self,
+        folders: Sequence[str | Path] = (),
+        spheres: str | Path | None = None,
+        srdf: str | Path | None = None,
+        keep: Iterable[tuple[str, str]] = (),
+        drop: Iterable[tuple[str, str]] = (),
+    ) -> Self:
+        """This arm with bodies found in another way. The arm itself stays as it is.
+
+        Args:
+            folders: folders to search for meshes.
+            spheres: file with spheres of the links in place of their shapes: of cuRobo (YAML) or foam (JSON).
+            srdf: path or text of an SRDF file; its disabled pairs are not watched, and all others are.
+            keep: pairs of names that are watched in any case.
+            drop: pairs of names that are not watched, on your word.
+        """
+        text = "" if srdf is None else str(srdf)
+        file = "" if spheres is None else str(Path(spheres).absolute())
+        given = BodyPlan(tuple(map(str, folders)), file, text, _pairs(keep), _pairs(drop), self.plan.held)
+        return self._planned(given)
+
+    def with_object(
+        self,
+        name: str,
+        pose: Any,
+        size: ArrayLike | None = None,
+        *,
+        radius: float | None = None,
+        length: float | None = None,
+        file: str | Path | None = None,
+    ) -> Self:
+        """This arm with an object in its hand, which counts as a part of it. The arm itself stays as it is.
+
+        Args:
+            name: of the object.
+            pose: of the object in the tip frame.
+            size: (3,) edges of a box, m.
+            radius: of a sphere, or with `length` of a cylinder along z, m.
+            length: of a cylinder, m.
+            file: a mesh.
+
+        Raises:
+            InvalidScene: the name is taken, the pose is none, sizes are not positive, or not one kind of form is given.
+        """
+        from srs_ik.collision.bodies import held
+        from srs_ik.collision.scene import Scene
+
+        scene = Scene()
+        given = (size is not None, radius is not None, file is not None)
+        if sum(given) != 1 or (length is not None and radius is None):
+            raise InvalidScene(f"{quoted(name)} is given by a size, by a radius (and a length), or by a file")
+        if size is not None:
+            scene.add_box(name, pose, size)
+        elif file is not None:
+            scene.add_mesh(name, pose, file)
+        elif radius is not None:
+            # A sphere has a pose, too: its centre.
+            scene.add_cylinder(name, pose, radius, radius if length is None else length)
+        thing = next(iter(scene))
+        forms = [form.moved(thing.T) for form in thing.forms]
+        if radius is not None and length is None:
+            forms = [replace(forms[0], kind="sphere", size=(float(radius),))]
+        if name in {body.name for body in self.plan.held}:
+            raise InvalidScene(f"{self.name} holds {quoted(name)} already")
+        frames = self.joint_frames(np.zeros(7))
+        T_joint_tip = np.linalg.inv(frames[7]) @ self.forward_kinematics(np.zeros(7)).homogeneous
+        return self._planned(replace(self.plan, held=(*self.plan.held, held(name, forms, T_joint_tip))))
+
+    def tables(self, scene: Scene) -> Tables:
+        """What kernels know of this arm in a scene; made once, and patched where objects move."""
+        from srs_ik.collision.tables import OwnTables, Tables
+
+        state = self.__dict__
+        tables: Tables | None = state.get("_tables")
+        if tables is None or not tables.fits(scene):
+            own: OwnTables | None = state.get("_own")
+            if own is None:
+                own = state["_own"] = OwnTables(self, self.limb, *self._found)
+            tables = state["_tables"] = Tables(own, scene)
+        return tables
+
+    @property
+    def _found(self) -> tuple[list[Body], list[Pair], list[JointRange]]:
+        state = self.__dict__
+        if "_bodies_found" not in state:
+            with WHOLE, _finding:
+                if "_bodies_found" not in state:
+                    state["_bodies_found"] = self._find()
+        found: tuple[list[Body], list[Pair], list[JointRange]] = state["_bodies_found"]
+        return found
+
+    def _find(self) -> tuple[list[Body], list[Pair], list[JointRange]]:
+        from srs_ik.collision.bodies import link_bodies
+        from srs_ik.collision.pairs import find_pairs, with_overrides
+        from srs_ik.collision.sphere_files import read_spheres
+
+        plan = self.plan
+        spheres = read_spheres(plan.spheres) if plan.spheres else None
+        bodies = [*link_bodies(self, self.drawing, plan.folders, spheres), *plan.held]
+        names = {body.name for body in bodies}
+        for pair in (*plan.keep, *plan.drop):
+            for name in pair:
+                if name not in names:
+                    raise InvalidScene(f"{self.name} has no body {quoted(name)}; it has {', '.join(sorted(names))}")
+        pairs, ranges = find_pairs(self, bodies, self.drawing, plan.srdf or None)
+        pairs = with_overrides(pairs, plan.keep, plan.drop)
+        dropped = {frozenset((pair.first, pair.second)) for pair in pairs if not pair.kept}
+        ranges = [r for r in ranges if frozenset((bodies[r.first].name, bodies[r.second].name)) not in dropped]
+        return bodies, pairs, ranges
+
+
+_finding = threading.RLock()
+
+
+def _pairs(pairs: Iterable[tuple[str, str]]) -> tuple[tuple[str, str], ...]:
+    try:
+        found = tuple((str(a), str(b)) for a, b in pairs)
+    except (TypeError, ValueError):
+        raise InvalidScene("pairs of bodies are given as [(name, name), ...]") from None
+    return found

@@ -1,0 +1,412 @@
+"""What stands around an arm: named objects that can be moved, and what is to be left between them and the arm."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from srs_ik.collision.forms import Form, ball_around, planes, row_of_spheres
+from srs_ik.errors import InvalidPose, InvalidScene, did_you_mean, listed, quoted
+from srs_ik.inputs.numbers import real_array, real_number
+from srs_ik.inputs.poses import PoseLike, as_rigid_matrix
+from srs_ik.kernels.layout import collision as at
+
+if TYPE_CHECKING:
+    from srs_ik.arm import Arm
+
+Array = NDArray[np.float64]
+
+LARGEST = 1e4
+"""Largest size and coordinate of an object, m."""
+
+MESH_SPHERES = 96
+"""Spheres that cover a mesh, about."""
+
+CELL = 32
+"""Points of a cloud that are looked at together."""
+
+MOST_POINTS = 2_000_000
+MOST_TRIANGLES = 1_000_000
+
+
+class Thing:
+    """One object: groups of rows in its own frame, and where it is.
+
+    Attributes:
+        name: of the object.
+        forms: its real forms, in its own frame; empty for half-spaces and clouds.
+        T: (4, 4) pose in the base frame.
+        labels: of each group, the name that messages give.
+        replaces: links of the arm's own robot that this object stands for.
+    """
+
+    def __init__(self, name: str, T: Array, forms: Sequence[Form] = ()) -> None:
+        self.name = name
+        self.T = T
+        self.forms = tuple(forms)
+        self.labels: list[str] = []
+        self.replaces: frozenset[str] = frozenset()
+        self.kinds: list[int] = []
+        self.rows: list[Array] = []
+        self.balls: list[Array] = []
+        self.parts: list[tuple[str, tuple[Form, ...]]] = []
+
+    def add(self, kind: int, rows: Array, ball: Array, label: str = "") -> None:
+        """Add a group of rows, with a sphere (4,) that contains it."""
+        self.kinds.append(kind)
+        self.rows.append(np.ascontiguousarray(rows, dtype=float))
+        self.balls.append(np.asarray(ball, dtype=float))
+        self.labels.append(label or self.name)
+
+    def placed(self) -> tuple[Array, Array]:
+        """Balls (G, 4) and rows (n, 4) in the base frame."""
+        R, p = self.T[:3, :3], self.T[:3, 3]
+        balls = np.array(self.balls)
+        balls[:, :3] = balls[:, :3] @ R.T + p
+        rows = np.concatenate(self.rows)
+        flat = np.repeat(self.kinds, [len(group) for group in self.rows]) == at.PLANES
+        turned = rows[:, :3] @ R.T
+        rows[:, :3] = np.where(flat[:, None], turned, turned + p)
+        rows[:, 3] += np.where(flat, turned @ p, 0.0)
+        return balls, rows
+
+
+class Scene:
+    """What an arm must not touch, in the base frame of the arm; metres and radians.
+
+    Without objects, it is the arm's own bodies that count. Every object has a name and can be moved. Answers with
+    ``scene=`` keep clear of it by its margin and that of the question together.
+
+    Boxes and cylinders count as convex solids between planes; where a sphere comes to their edges and corners they keep
+    it farther away than need be, by less than a tenth of its radius. Capsules are rows of spheres, meshes are covered
+    by spheres, and points are spheres.
+
+    Args:
+        exact: whether real shapes count, by coal, and not the spheres that cover the links; this takes longer.
+        margin: m, to be left everywhere.
+
+    Attributes:
+        exact: as given.
+        margin: as given.
+
+    Raises:
+        InvalidScene: the margin is no finite number, or negative.
+    """
+
+    def __init__(self, exact: bool = False, margin: float = 0.0) -> None:
+        self.exact = bool(exact)
+        self.margin = as_margin(margin)
+        self._things: dict[str, Thing] = {}
+        self.version = 0
+        """Changes with the objects that there are."""
+        self.moves = 0
+        """Changes with where they are."""
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Names of the objects, in the order in which they were added."""
+        return tuple(self._things)
+
+    def __len__(self) -> int:
+        return len(self._things)
+
+    def __iter__(self) -> Iterator[Thing]:
+        return iter(self._things.values())
+
+    def __contains__(self, name: object) -> bool:
+        return name in self._things
+
+    def add_sphere(self, name: str, centre: ArrayLike, radius: float) -> None:
+        """Add a sphere.
+
+        Raises:
+            InvalidScene: the name is taken, or the figures are not finite or not positive.
+        """
+        T = np.eye(4)
+        T[:3, 3] = _vector(centre, 3, f"centre of {quoted(name)}")
+        self._add_form(name, T, "sphere", (_positive(radius, f"radius of {quoted(name)}"),))
+
+    def add_box(self, name: str, pose: PoseLike, size: ArrayLike) -> None:
+        """Add a box about the origin of a pose; size (3,) are its edges, m.
+
+        Raises:
+            InvalidScene: the name is taken, the pose is none, or an edge is not positive and finite.
+        """
+        what = f"size of {quoted(name)}"
+        edges = tuple(_positive(edge, what) for edge in _vector(size, 3, what))
+        self._add_form(name, _pose(pose, name), "box", edges)
+
+    def add_cylinder(self, name: str, pose: PoseLike, radius: float, length: float) -> None:
+        """Add a cylinder about the z axis of a pose, m.
+
+        Raises:
+            InvalidScene: the name is taken, the pose is none, or a size is not positive and finite.
+        """
+        self._add_form(name, _pose(pose, name), "cylinder", self._round(name, radius, length))
+
+    def add_capsule(self, name: str, pose: PoseLike, radius: float, length: float) -> None:
+        """Add a capsule about the z axis of a pose: a cylinder of this length, and half a sphere at each end, m.
+
+        Raises:
+            InvalidScene: the name is taken, the pose is none, or a size is not positive and finite.
+        """
+        self._add_form(name, _pose(pose, name), "capsule", self._round(name, radius, length))
+
+    def add_mesh(self, name: str, pose: PoseLike, file: str | Path, scale: ArrayLike = 1.0) -> None:
+        """Add a mesh, covered by spheres.
+
+        Args:
+            name: of the object.
+            pose: of the frame of the mesh.
+            file: .stl, .obj, .dae, .ply, .off, .glb or .gltf.
+            scale: one factor, or one for each axis.
+
+        Raises:
+            InvalidScene: the name is taken, the pose or the scale is none, or the file cannot be read.
+        """
+        from srs_ik.meshes.files import FORMATS, MeshMissing, file_size, read_mesh
+
+        path = Path(file)
+        factors = np.broadcast_to(real_array(scale), 3) if np.size(scale) in (1, 3) else np.zeros(3)
+        if not (np.isfinite(factors).all() and factors.all()):
+            raise InvalidScene(f"scale of {quoted(name)} must be one number or three, not zero")
+        if path.suffix.lower() not in FORMATS:
+            raise InvalidScene(f"{quoted(str(file))} is none of {', '.join(sorted(FORMATS))}")
+        try:
+            file_size(path)
+            meshes = [mesh for mesh, _ in read_mesh(path)]
+        except MeshMissing as error:
+            raise InvalidScene(f"the mesh of {quoted(name)} is not at hand: {error}") from None
+        starts = np.cumsum([0, *(len(mesh.vertices) for mesh in meshes)])
+        faces = np.concatenate([mesh.faces + start for mesh, start in zip(meshes, starts[:-1], strict=True)])
+        self.add_triangles(name, pose, np.concatenate([mesh.vertices for mesh in meshes]) * factors, faces)
+
+    def add_triangles(self, name: str, pose: PoseLike, vertices: ArrayLike, faces: ArrayLike) -> None:
+        """Add a mesh of vertices (n, 3), m, and faces (m, 3), covered by spheres.
+
+        Raises:
+            InvalidScene: the name is taken, the pose is none, or these are no triangles.
+        """
+        from srs_ik.collision.bodies import covered_mesh
+
+        points = _points(vertices, name)
+        triangles = np.asarray(faces)
+        fits = triangles.ndim == 2 and triangles.shape[1:] == (3,) and 0 < len(triangles) <= MOST_TRIANGLES
+        if not (fits and triangles.dtype.kind in "iu" and triangles.min() >= 0 and triangles.max() < len(points)):
+            raise InvalidScene(
+                f"faces of {quoted(name)} are (m, 3) places in its vertices, at least one and at most {MOST_TRIANGLES}"
+            )
+        triangles = triangles.astype(np.int64)
+        thing = Thing(_name(name), _pose(pose, name), (Form("mesh", (), np.eye(4), points, triangles),))
+        self._put_spheres(thing, covered_mesh(points, triangles, MESH_SPHERES)[0])
+        self._put(thing)
+
+    def add_points(self, name: str, points: ArrayLike, radius: float) -> None:
+        """Add a cloud of points (N, 3), each a sphere of one radius, m.
+
+        Raises:
+            InvalidScene: the name is taken, there are no points or more than 2,000,000, or figures are not finite, or
+                the radius is negative.
+        """
+        cloud = _points(points, name)
+        size = real_number(radius)
+        if not 0.0 <= size <= LARGEST:
+            raise InvalidScene(f"radius of {quoted(name)} must be a number from 0 to {LARGEST:g} m, not {radius!r:.40}")
+        thing = Thing(_name(name), np.eye(4))
+        self._put_spheres(thing, np.column_stack([cloud, np.full(len(cloud), size)]))
+        self._put(thing)
+
+    def add_half_space(self, name: str, point: ArrayLike, normal: ArrayLike) -> None:
+        """Add all that lies on the other side of a plane; the side that the normal points to is free.
+
+        Raises:
+            InvalidScene: the name is taken, figures are not finite, or the normal is zero.
+        """
+        origin = _vector(point, 3, f"point of {quoted(name)}")
+        direction = _vector(normal, 3, f"normal of {quoted(name)}")
+        length = float(np.linalg.norm(direction))
+        if length < 1e-9:
+            raise InvalidScene(f"normal of {quoted(name)} must not be zero: it gives a direction")
+        thing = Thing(_name(name), np.eye(4))
+        unit = direction / length
+        thing.add(at.PLANES, np.array([[*unit, unit @ origin]]), np.array([*origin, np.inf]))
+        self._put(thing)
+
+    def add_arm(
+        self, name: str, other: Arm, q: ArrayLike, pose: PoseLike | None = None, beside: Arm | None = None
+    ) -> None:
+        """Add another arm, standing at a posture.
+
+        Args:
+            name: of the object; messages call its bodies ``name/link``.
+            other: the arm.
+            q: (7,) where it stands, rad.
+            pose: of its base frame in that of the arm that asks.
+            beside: instead of a pose, an arm of the same robot: the one that asks.
+
+        Raises:
+            InvalidScene: the name is taken, the pose is none, or neither or both of pose and `beside` are given.
+            InvalidConfiguration: not 7 finite angles.
+            NoBodies: no shapes of the other arm are at hand.
+        """
+        if (pose is None) == (beside is None):
+            raise InvalidScene(
+                f"where {quoted(name)} stands is given by a pose, or by an arm of the same robot: beside="
+            )
+        frames = other.joint_frames(q)
+        T = _pose(pose, name) if beside is None else beside.joint_frames(np.zeros(7))[0] @ np.linalg.inv(frames[0])
+        thing = Thing(_name(name), T)
+        bodies = other.bodies if beside is None else [body for body in other.bodies if body.joint]
+        thing.replaces = frozenset(body.name for body in bodies) if beside is not None else frozenset()
+        for body in bodies:
+            F = frames[body.joint]
+            rows = np.column_stack([body.spheres[:, :3] @ F[:3, :3].T + F[:3, 3], body.spheres[:, 3]])
+            label = f"{thing.name}/{body.name}"
+            thing.add(at.SPHERES, rows, ball_of(rows), label)
+            thing.parts.append((label, tuple(form.moved(F) for form in body.forms)))
+        self._put(thing)
+
+    def move(self, name: str, pose: PoseLike) -> None:
+        """Put an object somewhere else, by the pose of its own frame in the base frame.
+
+        That of a cloud or a half-space, whose figures were given in the base frame, is the identity at first.
+
+        Raises:
+            InvalidScene: there is no such object, or the pose is none.
+        """
+        thing = self._find(name)
+        thing.T = _pose(pose, name)
+        self.moves += 1
+
+    def remove(self, name: str) -> None:
+        """Take an object away.
+
+        Raises:
+            InvalidScene: there is no such object.
+        """
+        self._find(name)
+        del self._things[name]
+        self.version += 1
+
+    def _find(self, name: str) -> Thing:
+        if name not in self._things:
+            known = list(self._things)
+            hint = did_you_mean(name, known)
+            raise InvalidScene(f"the scene has no {quoted(name)}{hint}; it has {listed(known) or 'no object'}")
+        return self._things[name]
+
+    def _round(self, name: str, radius: float, length: float) -> tuple[float, float]:
+        return _positive(radius, f"radius of {quoted(name)}"), _positive(length, f"length of {quoted(name)}")
+
+    def _add_form(self, name: str, T: Array, kind: Any, size: tuple[float, ...]) -> None:
+        form = Form(kind, size, np.eye(4))
+        thing = Thing(_name(name), T, (form,))
+        spheres = row_of_spheres(form)
+        if spheres is not None and len(spheres) <= CELL:
+            thing.add(at.SPHERES, spheres, ball_of(spheres))
+        else:
+            thing.add(at.PLANES, planes(form), ball_around(form))
+        self._put(thing)
+
+    def _put_spheres(self, thing: Thing, rows: Array) -> None:
+        """The spheres of an object in cells of neighbours."""
+        for cell in _cells(rows):
+            thing.add(at.SPHERES, cell, ball_of(cell))
+
+    def _put(self, thing: Thing) -> None:
+        if thing.name in self._things:
+            raise InvalidScene(f"the scene has {quoted(thing.name)} already; move it, remove it, or take another name")
+        self._things[thing.name] = thing
+        self.version += 1
+
+    def __repr__(self) -> str:
+        return f"Scene({listed(self.names)})" if self._things else "Scene(empty)"
+
+
+def as_margin(value: Any) -> float:
+    """A margin, m.
+
+    Raises:
+        InvalidScene: no number from 0 to 1e4.
+    """
+    margin = real_number(value)
+    if not 0.0 <= margin <= LARGEST:
+        raise InvalidScene(f"margin must be a number from 0 to {LARGEST:g} m, not {value!r:.40}")
+    return margin
+
+
+def ball_of(rows: Array) -> Array:
+    """(4,) a sphere that contains spheres (n, 4)."""
+    low, high = (rows[:, :3] - rows[:, 3:]).min(axis=0), (rows[:, :3] + rows[:, 3:]).max(axis=0)
+    centre = 0.5 * (low + high)
+    radius = float((np.linalg.norm(rows[:, :3] - centre, axis=1) + rows[:, 3]).max())
+    return np.array([*centre, radius * (1.0 + 1e-12) + 1e-12])
+
+
+def _cells(rows: Array) -> list[Array]:
+    """Spheres in cells of at most `CELL`, halved along their longest side."""
+    cells, waiting = [], [rows]
+    while waiting:
+        cell = waiting.pop()
+        if len(cell) <= CELL:
+            cells.append(cell)
+            continue
+        axis = int(np.ptp(cell[:, :3], axis=0).argmax())
+        half = len(cell) // 2
+        order = np.argpartition(cell[:, axis], half)
+        waiting += [cell[order[:half]], cell[order[half:]]]
+    return cells
+
+
+def _name(name: Any) -> str:
+    if not isinstance(name, str) or not name.strip() or len(name) > 200:
+        raise InvalidScene(f"an object has a name, a text of up to 200 characters, not {quoted(name)}")
+    return name
+
+
+def _pose(pose: PoseLike, name: str) -> Array:
+    try:
+        T = np.array(as_rigid_matrix(pose))
+    except InvalidPose as error:
+        raise InvalidScene(f"pose of {quoted(name)}: {error}") from None
+    if np.abs(T[:3, 3]).max() > LARGEST:
+        raise InvalidScene(f"pose of {quoted(name)} is farther away than {LARGEST:g} m")
+    return T
+
+
+def _vector(value: Any, count: int, what: str) -> Array:
+    try:
+        vector = real_array(value)
+    except (TypeError, ValueError):
+        raise InvalidScene(f"{what} must be {count} numbers, not {type(value).__name__}") from None
+    if vector.shape != (count,):
+        raise InvalidScene(f"{what} must be {count} numbers, not an array of shape {vector.shape}")
+    if not (np.abs(vector) <= LARGEST).all():
+        raise InvalidScene(f"{what} must be finite and no larger than {LARGEST:g} m, not {vector.tolist()}")
+    return vector
+
+
+def _positive(value: Any, what: str) -> float:
+    number = real_number(value)
+    if not (0.0 < number <= LARGEST and math.isfinite(number)):
+        raise InvalidScene(f"{what} must be a positive number up to {LARGEST:g} m, not {value!r:.40}")
+    return number
+
+
+def _points(points: Any, name: str) -> Array:
+    try:
+        cloud = real_array(points)
+    except (TypeError, ValueError):
+        raise InvalidScene(f"points of {quoted(name)} are an (N, 3) array, not {type(points).__name__}") from None
+    if cloud.ndim != 2 or cloud.shape[1] != 3 or not 0 < len(cloud) <= MOST_POINTS:
+        raise InvalidScene(
+            f"points of {quoted(name)} are an (N, 3) array of 1 to {MOST_POINTS} points, not one of shape {cloud.shape}"
+        )
+    if not (np.abs(cloud) <= LARGEST).all():
+        raise InvalidScene(f"points of {quoted(name)} must be finite and no farther away than {LARGEST:g} m")
+    return cloud

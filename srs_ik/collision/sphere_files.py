@@ -1,0 +1,88 @@
+"""Spheres of links as other programs write them: robot files of cuRobo (YAML), and foam's results (JSON)."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from srs_ik.errors import InvalidScene, MissingExtra, quoted
+from srs_ik.inputs.numbers import real_number
+from srs_ik.robot.description.files import label_of, read
+
+Array = NDArray[np.float64]
+
+_WRAPPERS = ("robot_cfg", "kinematics", "collision_spheres", "spheres")
+_CENTRES = ("center", "centre", "origin")
+
+
+def read_spheres(file: str | Path) -> dict[str, Array]:
+    """Spheres (n, 4) of links by name, in the frames of these links: centre and radius, m.
+
+    Spheres without a radius, or with one that is not positive, are left out: cuRobo writes them for links that have
+    none.
+
+    Raises:
+        InvalidScene: the file holds no spheres of links.
+        InvalidRobot: there is no such file, or it cannot be read.
+        MissingExtra: a YAML file, and no reader for it is installed.
+    """
+    path = Path(file)
+    content = read_tree_of(path)
+    for _ in range(len(_WRAPPERS)):
+        inner = next((content[key] for key in _WRAPPERS if isinstance(content, Mapping) and key in content), None)
+        if inner is None:
+            break
+        content = read_tree_of(path.parent / inner) if isinstance(inner, str) else inner
+    if not isinstance(content, Mapping) or not content:
+        raise InvalidScene(f"{label_of(path)} holds no spheres by the names of links")
+    return {str(link): _rows(rows, f"{label_of(path)}, link {quoted(str(link))}") for link, rows in content.items()}
+
+
+def read_tree_of(path: Path) -> Any:
+    """What a JSON or YAML file holds.
+
+    Raises:
+        InvalidScene: it is no JSON or YAML.
+        InvalidRobot: there is no such file, or it cannot be read.
+        MissingExtra: a YAML file, and no reader for it is installed.
+    """
+    text = read(path, label_of(path))
+    try:
+        if path.suffix.lower() in (".yml", ".yaml"):
+            try:
+                import yaml
+            except ImportError:
+                raise MissingExtra("scene", "a YAML file") from None
+            try:
+                return yaml.safe_load(text)
+            except yaml.YAMLError as error:
+                raise ValueError(str(error)) from None
+        return json.loads(text)
+    except (ValueError, RecursionError) as error:
+        raise InvalidScene(f"{label_of(path)} is not what its name says: {error}") from None
+
+
+def _rows(spheres: Any, where: str) -> Array:
+    if isinstance(spheres, Mapping):
+        spheres = next((spheres[key] for key in _WRAPPERS if key in spheres), None)
+    if not isinstance(spheres, Sequence) or isinstance(spheres, str):
+        raise InvalidScene(f"{where}: spheres are a list of centres and radii")
+    rows = [row for sphere in spheres if (row := _row(sphere, where))[3] > 0.0]
+    return np.array(rows).reshape(-1, 4)
+
+
+def _row(sphere: Any, where: str) -> list[float]:
+    if isinstance(sphere, Mapping):
+        centre = next((sphere[key] for key in _CENTRES if key in sphere), None)
+        figures = [*(centre if isinstance(centre, Sequence) else ()), sphere.get("radius", 0.0)]
+    else:
+        figures = list(sphere) if isinstance(sphere, Sequence) else []
+    row = [real_number(figure) for figure in figures]
+    if len(row) != 4 or not np.isfinite(row).all() or max(map(abs, row)) > 1e3:
+        raise InvalidScene(f"{where}: {quoted(str(sphere))} is no centre (3) with a radius, m")
+    return row

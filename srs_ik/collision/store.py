@@ -1,0 +1,62 @@
+"""Spheres on disk: what took seconds to find is kept under the digest of what it covers, in the user's cache folder.
+
+`SRS_IK_CACHE` names another folder; an empty value keeps nothing.
+"""
+
+from __future__ import annotations
+
+import io
+import os
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from srs_ik.writing import write_whole
+
+Array = NDArray[np.float64]
+
+_VERSION = "1"
+"""Of the way in which spheres are found."""
+
+_memory: dict[str, Array] = {}
+
+
+def _folder() -> Path | None:
+    named = os.environ.get("SRS_IK_CACHE")
+    if named is not None:
+        return Path(named) if named else None
+    root = os.environ.get("XDG_CACHE_HOME")
+    return (Path(root) if root else Path.home() / ".cache") / "srs_ik" / "spheres"
+
+
+def load(key: str) -> Array | None:
+    """What was kept under a key, (n, 4); None where there is nothing that can be read."""
+    if key in _memory:
+        return _memory[key]
+    folder = _folder()
+    if folder is None:
+        return None
+    try:
+        rows = np.load(folder / f"{key}-{_VERSION}.npy", allow_pickle=False)
+    except (OSError, ValueError, EOFError):
+        return None
+    if rows.ndim != 2 or rows.shape[1] != 4 or rows.dtype != np.float64 or not np.isfinite(rows).all():
+        return None
+    _memory[key] = rows
+    return np.asarray(rows)
+
+
+def keep(key: str, rows: Array) -> None:
+    """Keep rows (n, 4) under a key; where there is no folder to write to, in memory alone."""
+    _memory[key] = rows
+    folder = _folder()
+    if folder is None:
+        return
+    buffer = io.BytesIO()
+    np.save(buffer, rows)
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        write_whole(folder / f"{key}-{_VERSION}.npy", buffer.getvalue())
+    except OSError:
+        return

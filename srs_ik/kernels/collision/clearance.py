@@ -1,0 +1,154 @@
+"""How far bodies are from each other at an arm angle, and the arm angle at which that is most, over all of them.
+
+A body that turns about the line S-W moves no farther than its distance from it times the angle: so between two arm
+angles the clearance is known within bounds, and what cannot hold the largest is left out.
+"""
+
+from __future__ import annotations
+
+import math
+
+from srs_ik.kernels.collision.forbidden import distance_of, fixed_clearance
+from srs_ik.kernels.collision.seen import is_turning, see_group
+from srs_ik.kernels.jit import kernel
+from srs_ik.kernels.layout.collision import FIRST, KIND, LAST, NO_GROUP, PLANES, RHO, SIZE, WIDE_TOLERANCE, U, X, Y
+
+MOST_PARTS = 512
+"""Room for the parts of an interval that may hold the largest clearance."""
+
+
+@kernel
+def turned_distance(local, i, j, turn):
+    """Distance of the turning sphere i, at an arm angle given by cosine and sine, and the still sphere j."""
+    c, s = turn
+    u = local[i, U] - local[j, U]
+    x = c * local[i, X] - s * local[i, Y] - local[j, X]
+    y = s * local[i, X] + c * local[i, Y] - local[j, Y]
+    return math.sqrt(u * u + x * x + y * y) - local[i, SIZE] - local[j, SIZE]
+
+
+@kernel
+def turned_height(world, i, g, turn):
+    """How far the turning sphere i lies outside of a convex solid at an arm angle, at least."""
+    local = world.local
+    c, s = turn
+    u = local[i, U]
+    x = c * local[i, X] - s * local[i, Y]
+    y = s * local[i, X] + c * local[i, Y]
+    best = -math.inf
+    for j in range(world.groups[g, FIRST], world.groups[g, LAST]):
+        best = max(best, local[j, U] * u + local[j, X] * x + local[j, Y] * y - local[j, SIZE])
+    return best - local[i, SIZE]
+
+
+@kernel
+def pair_clearance(world, a, b, turn, least):
+    """Clearance of two groups, the first of which turns, or `least` where it is no less."""
+    groups, local = world.groups, world.local
+    planes = groups[b, KIND] == PLANES
+    for i in range(groups[a, FIRST], groups[a, LAST]):
+        if planes:
+            least = min(least, turned_height(world, i, b, turn))
+        elif turned_distance(local, i, b, turn) < least:
+            for j in range(groups[b, FIRST], groups[b, LAST]):
+                least = min(least, turned_distance(local, i, j, turn))
+    return least
+
+
+@kernel
+def turning_clearance(world, elbow, frames, psi):
+    """Least clearance at an arm angle of all pairs that it moves against each other, and the pair: m, row of pairs."""
+    still, turning = frames
+    groups, pairs, local = world.groups, world.pairs, world.local
+    turn = (math.cos(psi), math.sin(psi))
+    least = math.inf
+    pair = NO_GROUP
+    for k in range(pairs.shape[0]):
+        a, b = pairs[k, 0], pairs[k, 1]
+        if not is_turning(world, a) or is_turning(world, b):
+            continue
+        if turned_distance(local, a, b, turn) >= least:
+            continue
+        see_group(world, b, elbow, still, turning)
+        if groups[b, KIND] == PLANES and turned_height(world, a, b, turn) >= least:
+            continue
+        see_group(world, a, elbow, still, turning)
+        value = pair_clearance(world, a, b, turn, least)
+        if value < least:
+            least, pair = value, k
+    return least, pair
+
+
+@kernel
+def resting_clearance(world, elbow, frames):
+    """Least clearance of all pairs that no arm angle moves against each other, and the pair: m, row of pairs."""
+    still, turning = frames
+    pairs = world.pairs
+    least = math.inf
+    pair = NO_GROUP
+    for k in range(pairs.shape[0]):
+        a, b = pairs[k, 0], pairs[k, 1]
+        if is_turning(world, a) and not is_turning(world, b):
+            continue
+        if distance_of(world.local, a, b) >= least:
+            continue
+        see_group(world, a, elbow, still, turning)
+        see_group(world, b, elbow, still, turning)
+        value = fixed_clearance(world, a, b, least)
+        if value < least:
+            least, pair = value, k
+    return least, pair
+
+
+@kernel
+def farthest_from_line(world):
+    """A distance from the line S-W that no centre of a turning sphere exceeds, m."""
+    largest = 0.0
+    for g in range(world.groups.shape[0]):
+        if is_turning(world, g):
+            largest = max(largest, world.local[g, RHO] + world.local[g, SIZE])
+    return largest
+
+
+@kernel
+def put_part(parts, n, lower, upper, value, rate):
+    """Append a part of an interval: its ends, the clearance in its middle, and what that may be at most."""
+    parts[n, 0], parts[n, 1], parts[n, 2] = lower, upper, value + 0.5 * rate * (upper - lower)
+    return n + 1
+
+
+@kernel
+def widest_within(world, elbow, frames, ends, best, parts):
+    """The arm angle of largest clearance between two: arm angle and clearance, m; those of `best` where none is larger.
+
+    Only pairs that the arm angle moves count.
+    """
+    rate = farthest_from_line(world)
+    lower, upper = ends
+    best_psi, largest = best
+    middle = 0.5 * (lower + upper)
+    value, _ = turning_clearance(world, elbow, frames, middle)
+    if value > largest:
+        best_psi, largest = middle, value
+    n = put_part(parts, 0, lower, upper, value, rate)
+    while n > 0:
+        top = 0
+        for i in range(n):
+            if parts[i, 2] > parts[top, 2]:
+                top = i
+        if not parts[top, 2] > largest + WIDE_TOLERANCE or n + 1 >= parts.shape[0]:
+            break
+        lower, upper = parts[top, 0], parts[top, 1]
+        n -= 1
+        parts[top, 0], parts[top, 1], parts[top, 2] = parts[n, 0], parts[n, 1], parts[n, 2]
+        half = 0.5 * (lower + upper)
+        for side in range(2):
+            a = lower if side == 0 else half
+            b = half if side == 0 else upper
+            middle = 0.5 * (a + b)
+            value, _ = turning_clearance(world, elbow, frames, middle)
+            if value > largest:
+                best_psi, largest = middle, value
+            if value + 0.5 * rate * (b - a) > largest + WIDE_TOLERANCE:
+                n = put_part(parts, n, a, b, value, rate)
+    return best_psi, largest

@@ -1,0 +1,143 @@
+"""Bodies as they are seen from the line shoulder-wrist: along it, and across it at arm angle zero."""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+from srs_ik.kernels.algebra.vectors import apply, cross, dot, load3, rotation, scale, sub, times
+from srs_ik.kernels.jit import kernel
+from srs_ik.kernels.layout.collision import (
+    BASE,
+    FIRST,
+    FORE,
+    KIND,
+    LAST,
+    PLACE,
+    PLANES,
+    RHO,
+    SIZE,
+    TIP,
+    UPPER,
+    U,
+    X,
+    Y,
+)
+from srs_ik.kernels.layout.limb import AXES, ELBOW_CENTRE, SHOULDER_CENTRE, TIP_POSITION
+from srs_ik.kernels.limb.triangle import elbow_at
+
+
+class World(NamedTuple):
+    """The tables of bodies, and work space for how they are seen."""
+
+    bodies: object
+    """(rows, BODY_ROW), the balls around the groups first."""
+    groups: object
+    """(G, GROUP) integers."""
+    pairs: object
+    """(n, 2) groups that may meet; one that turns is the first."""
+    local: object
+    """(rows, LOCAL_ROW) work space: the rows as they are seen."""
+    ready: object
+    """(G,) integers, work space: for which elbow the rows of a group are seen."""
+
+
+STILL = 3
+"""In `ready`: seen for both elbows."""
+
+
+@kernel
+def still_frames(P, place_, R, p):
+    """How rows at the base and at the tip are seen: matrix and shift of each."""
+    t, h0 = place_[0], place_[1]
+    b0 = cross(t, h0)
+    M = (t[0], t[1], t[2], h0[0], h0[1], h0[2], b0[0], b0[1], b0[2])
+    shoulder = load3(P, SHOULDER_CENTRE)
+    hand = place_[4]
+    moved = sub(sub(p, apply(hand, load3(P, TIP_POSITION))), shoulder)
+    return (M, scale(-1.0, apply(M, shoulder))), (times(M, hand), apply(M, moved))
+
+
+@kernel
+def turning_frames(P, place_, elbow):
+    """How rows of the upper arm and of the forearm are seen at arm angle zero: matrix and shift of each."""
+    c4, s4, (t, h, n) = elbow_at(P, place_, elbow)
+    # The normal of the arm is h x t.
+    M = (t[0], t[1], t[2], h[0], h[1], h[2], -n[0], -n[1], -n[2])
+    shoulder = load3(P, SHOULDER_CENTRE)
+    bend = rotation(load3(P, AXES + 9), c4, s4)
+    joint = load3(P, ELBOW_CENTRE)
+    moved = sub(sub(joint, apply(bend, joint)), shoulder)
+    return (M, scale(-1.0, apply(M, shoulder))), (times(M, bend), apply(M, moved))
+
+
+@kernel
+def see(world, i, frame, shift):
+    """Look at one row of spheres."""
+    bodies, local = world.bodies, world.local
+    M, b = frame
+    v = apply(M, (bodies[i, 0], bodies[i, 1], bodies[i, 2]))
+    local[i, U] = v[0] + b[0]
+    local[i, X] = v[1] + b[1]
+    local[i, Y] = v[2] + b[2]
+    local[i, RHO] = math.sqrt(local[i, X] * local[i, X] + local[i, Y] * local[i, Y])
+    local[i, SIZE] = bodies[i, 3] + shift
+
+
+@kernel
+def see_plane(world, i, frame):
+    """Look at one plane of a solid at the base."""
+    bodies, local = world.bodies, world.local
+    M, b = frame
+    v = apply(M, (bodies[i, 0], bodies[i, 1], bodies[i, 2]))
+    local[i, U], local[i, X], local[i, Y] = v
+    local[i, RHO] = math.sqrt(v[1] * v[1] + v[2] * v[2])
+    local[i, SIZE] = bodies[i, 3] + dot(v, b)
+
+
+@kernel
+def see_rows(world, g, stamp, frame):
+    """Look at the rows of a group, unless that has been done."""
+    if world.ready[g] == stamp:
+        return
+    world.ready[g] = stamp
+    planes = world.groups[g, KIND] == PLANES
+    for i in range(world.groups[g, FIRST], world.groups[g, LAST]):
+        if planes:
+            see_plane(world, i, frame)
+        else:
+            see(world, i, frame, 0.0)
+
+
+@kernel
+def is_turning(world, g):
+    """Whether a group turns with the arm angle."""
+    return world.groups[g, PLACE] >= UPPER
+
+
+@kernel
+def frame_of(world, g, still, turning):
+    """How the rows of a group are seen."""
+    place = world.groups[g, PLACE]
+    if place == BASE:
+        return still[0]
+    if place == TIP:
+        return still[1]
+    return turning[1] if place == FORE else turning[0]
+
+
+@kernel
+def see_group(world, g, elbow, still, turning):
+    """Look at the rows of a group, unless that has been done for this elbow."""
+    stamp = elbow + 1 if is_turning(world, g) else STILL
+    see_rows(world, g, stamp, frame_of(world, g, still, turning))
+
+
+@kernel
+def see_balls(world, elbow, still, turning):
+    """Look at the balls around the groups: at all of them for the first elbow, then at those that turn."""
+    for g in range(world.groups.shape[0]):
+        if elbow == 0:
+            world.ready[g] = 0
+        if elbow == 0 or is_turning(world, g):
+            see(world, g, frame_of(world, g, still, turning), 0.0)

@@ -1,0 +1,186 @@
+"""Entry points for bodies: free arm angles, the widest posture, and the best posture that is free.
+
+The tables of bodies are those of `layout.collision`; `local` (rows, LOCAL_ROW) and `ready` (G,) are work space.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from srs_ik.kernels.algebra.pointers import row
+from srs_ik.kernels.chain.answer import measure_row
+from srs_ik.kernels.collision.arcs import add_all, add_arc, cut
+from srs_ik.kernels.collision.clearance import MOST_PARTS, resting_clearance, turning_clearance, widest_within
+from srs_ik.kernels.collision.drift import drifted
+from srs_ik.kernels.collision.forbidden import forbid
+from srs_ik.kernels.collision.seen import World, see_balls, still_frames, turning_frames
+from srs_ik.kernels.exact.farthest import farthest
+from srs_ik.kernels.exact.nearest_within import nearest_within
+from srs_ik.kernels.jit import entry, kernel
+from srs_ik.kernels.layout.collision import (
+    MARGIN,
+    MOST_ARCS,
+    NO_GROUP,
+    WIDE_ARM_ANGLE,
+    WIDE_BRANCH,
+    WIDE_CLEARANCE,
+    WIDE_FIRST,
+    WIDE_SECOND,
+)
+from srs_ik.kernels.layout.limb import LIMITED
+from srs_ik.kernels.limb.branches import NO_BRANCH
+from srs_ik.kernels.limb.goal import NO_SEED
+from srs_ik.kernels.limb.poses import read7, read_pose
+from srs_ik.kernels.limb.triangle import place
+
+
+@kernel
+def widened(arcs, n, by, free):
+    """Widen every piece of a set by an angle at both ends; return how many pieces there are."""
+    if by == 0.0 or n == 0:
+        return n
+    if by >= math.pi:
+        return add_all(arcs)
+    for i in range(n):
+        free[i, 0], free[i, 1] = arcs[i, 0], arcs[i, 1]
+    count = n
+    n = 0
+    for i in range(count):
+        n = add_arc(arcs, n, 0.5 * (free[i, 0] + free[i, 1]), 0.5 * (free[i, 1] - free[i, 0]) + by)
+    return n
+
+
+@kernel
+def forbidden_arcs(P, T, world, slack, arcs, counts, free):
+    """Write the forbidden arm angles of both elbows into arcs (2, MOST_ARCS, 2), and how many pieces they are."""
+    R, p, _ = read_pose(T)
+    place_ = place(P, R, p)
+    still = still_frames(P, place_, R, p)
+    off, wide = drifted(P, place_, R, p, slack)
+    for elbow in range(2):
+        frames = (still, turning_frames(P, place_, elbow))
+        see_balls(world, elbow, still, frames[1])
+        n = forbid(world, elbow, frames, slack[MARGIN] + off, arcs[elbow], free)
+        counts[elbow] = widened(arcs[elbow], n, wide, free)
+
+
+@entry
+def forbidden(family, T, bodies, groups, pairs, slack, local, ready, arcs, counts):
+    """Forbidden arm angles of one pose: sorted pieces between -pi and pi, for each elbow.
+
+    Args:
+        family: packed limbs.
+        T: (4, 4) pose, a good one.
+        bodies: (rows, BODY_ROW).
+        groups: (G, GROUP) integers.
+        pairs: (n, 2) integers.
+        slack: (SLACK,) margin and drift.
+        local: (rows, LOCAL_ROW) work space.
+        ready: (G,) integers, work space.
+        arcs: (2, MOST_ARCS, 2) output.
+        counts: (2,) integers, output: pieces of each elbow.
+    """
+    world = World(bodies, groups, pairs, local, ready)
+    forbidden_arcs(row(family, LIMITED), row(T, 0), world, slack, arcs, counts, np.empty((MOST_ARCS, 2)))
+
+
+@entry
+def free_intervals(family, T, bodies, groups, pairs, slack, local, ready, found, n, out):
+    """What bodies leave of the first n intervals of one pose in found (n, 3): number of rows written to out."""
+    world = World(bodies, groups, pairs, local, ready)
+    arcs = np.empty((2, MOST_ARCS, 2))
+    counts = np.zeros(2, np.int64)
+    forbidden_arcs(row(family, LIMITED), row(T, 0), world, slack, arcs, counts, np.empty((MOST_ARCS, 2)))
+    return cut(found, n, arcs, counts, out)
+
+
+@entry
+def clearance(family, T, bodies, groups, pairs, local, ready, elbow, psi, out):
+    """Least clearance of one pose at an arm angle into out (WIDE,), with the two groups that are nearest."""
+    world = World(bodies, groups, pairs, local, ready)
+    P = row(family, LIMITED)
+    R, p, _ = read_pose(row(T, 0))
+    place_ = place(P, R, p)
+    still = still_frames(P, place_, R, p)
+    see_balls(world, 0, still, turning_frames(P, place_, 0))
+    frames = (still, turning_frames(P, place_, elbow))
+    see_balls(world, elbow, still, frames[1])
+    least, pair = turning_clearance(world, elbow, frames, psi)
+    resting, other = resting_clearance(world, elbow, frames)
+    put_wide(world, psi, elbow << 2, min(least, resting), pair if least <= resting else other, out)
+
+
+@kernel
+def put_wide(world, psi, branch, value, pair, out):
+    """Write an arm angle with its clearance and the two groups that are nearest there."""
+    out[WIDE_ARM_ANGLE], out[WIDE_BRANCH], out[WIDE_CLEARANCE] = psi, branch, value
+    out[WIDE_FIRST] = world.pairs[pair, 0] if pair != NO_GROUP else NO_GROUP
+    out[WIDE_SECOND] = world.pairs[pair, 1] if pair != NO_GROUP else NO_GROUP
+
+
+@entry
+def widest(family, T, bodies, groups, pairs, local, ready, found, n, out):
+    """The largest clearance over the first n intervals of one pose in found (n, 3), into out (WIDE,).
+
+    Where two bodies that no arm angle moves against each other are nearest, the others are as far apart as they can.
+    """
+    world = World(bodies, groups, pairs, local, ready)
+    P = row(family, LIMITED)
+    R, p, _ = read_pose(row(T, 0))
+    place_ = place(P, R, p)
+    still = still_frames(P, place_, R, p)
+    parts = np.empty((MOST_PARTS, 3))
+    best = -math.inf
+    out[WIDE_CLEARANCE] = -math.inf
+    for elbow in range(2):
+        frames = (still, turning_frames(P, place_, elbow))
+        see_balls(world, elbow, still, frames[1])
+        resting, other = resting_clearance(world, elbow, frames)
+        psi, turning = 0.0, -math.inf
+        branch = -1
+        for i in range(n):
+            if int(found[i, 0]) >> 2 == elbow:
+                ends = (found[i, 1], found[i, 2])
+                before = turning
+                psi, turning = widest_within(world, elbow, frames, ends, (psi, turning), parts)
+                if turning > before:
+                    branch = int(found[i, 0])
+        if branch < 0 or (min(turning, resting), turning) <= (out[WIDE_CLEARANCE], best):
+            continue
+        best = turning
+        _, pair = turning_clearance(world, elbow, frames, psi)
+        put_wide(world, psi, branch, min(turning, resting), pair if turning <= resting else other, out)
+
+
+@entry
+def best_within(family, T, found, n, branch, seed, seeded, respect, out):
+    """The best posture of an exact limb over the first n intervals in found (n, 3), into a row; its cost.
+
+    Args:
+        family: packed limbs.
+        T: (4, 4) pose, a good one.
+        found: (n, 3) branch, lower and upper end of each interval.
+        n: how many.
+        branch: the only one that is wanted; -1: all.
+        seed: (7,) posture to be near to.
+        seeded: whether that is the goal; else the margin to the limits.
+        respect: whether the joint limits have to be kept.
+        out: (ROW,) output.
+    """
+    P = row(family, LIMITED)
+    R, p, _ = read_pose(row(T, 0))
+    place_ = place(P, R, p)
+    q, best, lowest = NO_SEED, 0, 4.0 * NO_BRANCH
+    if seeded:
+        near = read7(seed)
+        q, best, lowest = nearest_within(P, place_, found, n, branch, near, respect, lowest)
+    else:
+        for i in range(n):
+            if branch < 0 or int(found[i, 0]) == branch:
+                other, b, cost = farthest(P, place_, found, i, i + 1, -1, respect)
+                if cost < lowest:
+                    q, best, lowest = other, b, cost
+    measure_row(P, place_, R, p, q, best, lowest, respect, row(out, 0))
+    return lowest

@@ -1,0 +1,80 @@
+"""What collides, told by Pinocchio on the robot's own file, and clearances of spheres told by NumPy and Pinocchio."""
+
+from __future__ import annotations
+
+import numpy as np
+import pinocchio as pin
+
+import srs_ik
+
+
+class Truth:
+    """The shapes of a robot file, as Pinocchio reads them, with the pairs that an arm watches."""
+
+    def __init__(self, file, arm: srs_ik.Arm, folders=()) -> None:
+        self.arm = arm
+        self.model = pin.buildModelFromUrdf(str(file))
+        visual = any(body.source == "visual" for body in arm.bodies)
+        kind = pin.GeometryType.VISUAL if visual else pin.GeometryType.COLLISION
+        self.shapes = pin.buildGeomFromUrdf(self.model, str(file), kind, package_dirs=[str(f) for f in folders])
+        owner = [self.model.frames[shape.parentFrame].name for shape in self.shapes.geometryObjects]
+        kept = {frozenset((pair.first, pair.second)) for pair in arm.pairs if pair.kept}
+        for i in range(len(owner)):
+            for j in range(i + 1, len(owner)):
+                if frozenset((owner[i], owner[j])) in kept:
+                    self.shapes.addCollisionPair(pin.CollisionPair(i, j))
+        self.owner = owner
+        self._data()
+
+    def _data(self) -> None:
+        self.data, self.shape_data = self.model.createData(), pin.GeometryData(self.shapes)
+
+    def add(self, name: str, T_base: np.ndarray, geometry) -> None:
+        """Add an object to the scene, and pairs of it with all that the arm moves."""
+        pin.forwardKinematics(self.model, self.data, pin.neutral(self.model))
+        pin.updateFramePlacements(self.model, self.data)
+        T_world = self.data.oMf[self.model.getFrameId(self.arm.base)].homogeneous @ T_base
+        index = self.shapes.addGeometryObject(pin.GeometryObject(name, 0, pin.SE3(T_world), geometry))
+        moved = {body.name for body in self.arm.bodies if body.joint > 0}
+        for i, link in enumerate(self.owner):
+            if link in moved:
+                self.shapes.addCollisionPair(pin.CollisionPair(i, index))
+        self._data()
+
+    def collides(self, q: np.ndarray) -> bool:
+        whole = self.arm.configuration(q, self.model)
+        pin.updateGeometryPlacements(self.model, self.data, self.shapes, self.shape_data, whole)
+        return bool(pin.computeCollisions(self.shapes, self.shape_data, True))
+
+
+def file_of(arm: srs_ik.Arm):
+    """Robot file of an arm, and folders of its meshes."""
+    return arm.drawing.file, list(arm.drawing.file.parents)[:-1]
+
+
+def spheres_at(arm: srs_ik.Arm, tables, q: np.ndarray) -> list[np.ndarray]:
+    """(n, 4) spheres of every group of some tables at a posture, by Pinocchio; solids are None.
+
+    A group of the upper arm goes with joint 3, one of the forearm with joint 4, and one of the hand with joint 7.
+    """
+    frames, zero = arm.joint_frames(q), arm.joint_frames(np.zeros(7))
+    carriers = (0, 7, 3, 4)
+    found = []
+    for first, last, place, kind, _ in tables.groups:
+        T = frames[carriers[place]] @ np.linalg.inv(zero[carriers[place]])
+        rows = tables.bodies[first:last]
+        spheres = np.column_stack([rows[:, :3] @ T[:3, :3].T + T[:3, 3], rows[:, 3]])
+        found.append(spheres if kind == 0 else None)
+    return found
+
+
+def clearance(arm: srs_ik.Arm, tables, q: np.ndarray) -> float:
+    """Least distance of the spheres of all pairs of groups at a posture, m."""
+    spheres = spheres_at(arm, tables, q)
+    least = np.inf
+    for a, b in tables.pairs:
+        if spheres[b] is None:
+            continue
+        gap = np.linalg.norm(spheres[a][:, None, :3] - spheres[b][None, :, :3], axis=2)
+        least = min(least, float((gap - spheres[a][:, None, 3] - spheres[b][None, :, 3]).min()))
+    return least
