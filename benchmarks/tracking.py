@@ -4,7 +4,8 @@
     python benchmarks/tracking.py --robots gen3 --kinds hand reach --trouble --picture docs/tracking.png
 
 Each gets the same joint limits as far as it knows them: ssik a speed, Pink speeds and accelerations, Mink speeds. A
-target that is lost is None for ours and the last one for the others. On target is a tip within 1 mm and 10 mrad of where
+target that is lost is None for ours and the last one for the others.
+On target is a tip within 1 mm and 10 mrad of where
 the target truly is, by Pinocchio; a freeze is 50 ms without a motion while the tip is off a target; a flip a
 joint that moves by more than 0.2 rad in a period.
 """
@@ -215,7 +216,8 @@ def main(words: list[str] | None = None) -> None:
                     f"| `{robot}` | {kind} | {name} | {100.0 * np.mean([s['on'] for s in said]):.1f} % "
                     f"| {max(s['velocity'] for s in said):.2f} | {max(s['acceleration'] for s in said):.3g} "
                     f"| {np.mean([s['push'] for s in said]):.3f} | {sum(s['freezes'] for s in said):.0f} "
-                    f"| {sum(s['flips'] for s in said):.0f} | {np.median(took):.1f} | {np.percentile(took, 99.9):.0f} |",
+                    f"| {sum(s['flips'] for s in said):.0f} | {np.median(took):.1f} | {np.percentile(took, 99.9):.0f} "
+                    "|",
                     flush=True,
                 )
     if given.picture:
