@@ -1,4 +1,4 @@
-"""The best posture of a near limb, over the curves that `trace` follows on its true chain.
+"""The best posture of a near limb, over the curves that `follow` follows on its true chain.
 
 A run is a feasible piece of a curve (`survey`); a span is a part of a run on which the branch stays the same.
 """
@@ -13,8 +13,10 @@ from srs_ik.kernels.algebra.joint_vectors import along7, short_way
 from srs_ik.kernels.algebra.minimum import propose, start_search, tell
 from srs_ik.kernels.algebra.roots import has_settled, next_parameter, start_crossing, tell_figure
 from srs_ik.kernels.chain.newton import STEPS, arm_angle, close_free, pose_step
-from srs_ik.kernels.curves.follow import FIRST_GUESS, load_sample, null_vector
-from srs_ik.kernels.curves.runs import near_runs, on_curve, sample_before
+from srs_ik.kernels.curves.ends import on_curve, sample_before
+from srs_ik.kernels.curves.follow import FIRST_GUESS, null_vector
+from srs_ik.kernels.curves.in_step import load_sample
+from srs_ik.kernels.curves.runs import near_runs
 from srs_ik.kernels.exact.nearest import slid
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.limb import INVERSE_HALF_RANGE, PHASE, SHOULDER, STRAIGHT, WRIST
