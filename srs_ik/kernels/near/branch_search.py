@@ -1,7 +1,8 @@
 """One branch of a near limb at an arm angle, next to a singularity, where the closed form starts from the wrong place.
 
 There the closed form fixes angles of which the true chain knows little more than a sum: joints 1 and 3 of a singular
-shoulder, 5 and 7 of a singular wrist. So Newton's method starts from turns and bends all over, eight at a time.
+shoulder, 5 and 7 of a singular wrist, the arm angle and the bend of a straight elbow. So Newton's method starts from
+turns and bends all over, eight at a time.
 """
 
 from __future__ import annotations
@@ -13,7 +14,7 @@ from srs_ik.kernels.chain.eight import put_eight, take_eight
 from srs_ik.kernels.chain.newton_eight import close_eight
 from srs_ik.kernels.chain.starts import FIRST, WIDTH
 from srs_ik.kernels.jit import kernel
-from srs_ik.kernels.layout.limb import FAR, MISS, PHASE, SHOULDER, WRIST
+from srs_ik.kernels.layout.limb import FAR, MISS, PHASE, SHOULDER, STRAIGHT, WRIST
 from srs_ik.kernels.limb.branches import NO_BRANCH, branch_of, elbow_starts
 from srs_ik.kernels.limb.goal import NO_SEED, OUTSIDE, cost, turned
 from srs_ik.kernels.limb.poses import read7
@@ -22,7 +23,7 @@ NEAR = 15.0
 """A middle angle is next to a singularity if its sine is below so many times what axes miss, a part of the reach."""
 
 NEAR_STRAIGHT = 25.0
-"""The elbow is almost straight if its bend is below the root of this times what axes miss, a part of the reach."""
+"""The same for the elbow, whose bend depends on the square root of what axes miss, and on which the others depend."""
 
 WIDEST = 0.7
 """No larger sine is next to a singularity."""
@@ -36,6 +37,11 @@ TURNS = 8
 BENDS = (1.0, 0.1, 0.01, 3.0)
 """Middle angles of a singular shoulder or wrist, in parts of what is near."""
 
+ARM_ANGLES = 4
+ELBOW_BENDS = (0.0025, 0.01, 0.04, 0.15, 0.5)
+ELBOW_STARTS = 40
+"""Starts of a straight elbow: its bends, in parts of what is near, each to both sides and at arm angles all around."""
+
 
 @kernel
 def turn_and_bend(q, i, phase, side, near):
@@ -48,6 +54,19 @@ def turn_and_bend(q, i, phase, side, near):
     if math.cos(q[1] - phase) > 0.0:
         return q[0] + turn, phase + x, q[2] - turn
     return q[0] + turn, phase + math.pi - x, q[2] + turn
+
+
+@kernel
+def elbow_start(P, place_, psi, branch, k, near, A):
+    """The k-th start with a straight elbow: the closed form with another bend, at another arm angle."""
+    t, h0, c, _, hand, miss = place_
+    bend = near * ELBOW_BENDS[k // (2 * ARM_ANGLES)]
+    bent = (t, h0, math.copysign(math.sqrt(1.0 - bend * bend), c), bend, hand, miss)
+    from_psi = psi + ((k >> 1) % ARM_ANGLES) * 2.0 * math.pi / ARM_ANGLES
+    # Axes may miss by more than the elbow is bent: then it lies where the other branch of the closed form has it.
+    elbow_starts(P, bent, from_psi, (branch >> 2) ^ (k & 1), False, NO_SEED, False, A, 0)
+    q = read7(row(A, branch & 3))
+    return q if k & 1 == 0 else (q[0], q[1], q[2], 2.0 * P[STRAIGHT] - q[3], q[4], q[5], q[6])
 
 
 @kernel
@@ -80,30 +99,36 @@ def close_starts(P, place_, R, p, psi, branch, seeded, seed, respect, best_q, lo
 def search_branch(P, place_, R, p, psi, branch, seeded, seed, respect, A):
     """A posture of a branch at an arm angle, next to a singularity: inside the limits if there is one, near a seed.
 
-    Returns the posture, its cost (NO_BRANCH or more where none is found), and whether there cannot well be others. With
-    a straight elbow it does not look: postures may lie so close together that only their curves tell them apart.
+    Returns the posture, its cost (NO_BRANCH or more where none is found), and whether there cannot well be others: with
+    a straight elbow, postures may lie so close together that Newton's method starts from none of them.
     """
     miss = P[MISS] / P[FAR]
+    near = min(WIDEST, math.sqrt(NEAR_STRAIGHT * miss))
+    straight = place_[3] < near
+    if not straight:
+        near = min(WIDEST, NEAR * miss)
     elbow_starts(P, place_, psi, branch >> 2, False, NO_SEED, False, A, 0)
-    q = read7(row(A, branch & 3))
-    lowest = 2.0 * NO_BRANCH
-    if place_[3] < min(WIDEST, math.sqrt(NEAR_STRAIGHT * miss)):
-        return q, lowest, False
-    near = min(WIDEST, NEAR * miss)
+    start = read7(row(A, branch & 3))
     phase_s = P[SHOULDER + PHASE]
     phase_w = P[WRIST + PHASE]
-    near_s = abs(math.sin(q[1] - phase_s)) < near
-    near_w = abs(math.sin(q[5] - phase_w)) < near
-    turns = 1 + TURNS * (len(BENDS) // 2 if near_s and near_w else len(BENDS))
+    near_s = abs(math.sin(start[1] - phase_s)) < near
+    near_w = abs(math.sin(start[5] - phase_w)) < near
+    count = int(straight) + int(near_s) + int(near_w)
+    turns = 1 + TURNS * (len(BENDS) >> (count - 1)) if count > 0 else 1
     starts_s = turns if near_s else 1
-    total = starts_s * (turns if near_w else 1)
-    best_q = q
+    starts = starts_s * (turns if near_w else 1)
+    total = starts * (ELBOW_STARTS if straight else 1)
+    q = start
+    best_q = start
+    lowest = 2.0 * NO_BRANCH
     for i in range(total):
+        if straight and i % starts == 0:
+            q = elbow_start(P, place_, psi, branch, i // starts, near, A)
         a = turn_and_bend((q[0], q[1], q[2]), i % starts_s, phase_s, (branch >> 1) & 1, near)
-        b = turn_and_bend((q[4], q[5], q[6]), i // starts_s, phase_w, branch & 1, near)
+        b = turn_and_bend((q[4], q[5], q[6]), i % starts // starts_s, phase_w, branch & 1, near)
         put_start(A, i % 8, a, q[3], b)
         if i % 8 == 7 or i == total - 1:
             best_q, lowest = close_starts(P, place_, R, p, psi, branch, seeded, seed, respect, best_q, lowest, A)
             if lowest < OUTSIDE and not seeded:
                 break
-    return best_q, lowest, near_s or near_w
+    return best_q, lowest, not straight and (near_s or near_w)
