@@ -8,9 +8,10 @@ singularity, the steps do not settle, and the posture counts as not met.
 from __future__ import annotations
 
 import math
+from typing import Any, NamedTuple
 
 from srs_ik.kernels.algebra.lane_trig import turned_by, turns_of
-from srs_ik.kernels.algebra.lanes import as_bits, where
+from srs_ik.kernels.algebra.lanes import as_bits, root, where
 from srs_ik.kernels.algebra.vectors import add, along, apply, cross, dot, load3, load9, scale, sub, swing
 from srs_ik.kernels.chain.kinematics import first_line, joint_line, turn_between
 from srs_ik.kernels.chain.newton import CLOSED, LAST_STEP, MAX_STEP, ON_LINE
@@ -81,13 +82,24 @@ def without_wrist(a, m, wrist, m5, m6, m7):
     return along(along(along(m, -dot(wrist[0], a), m5), -dot(wrist[1], a), m6), -dot(wrist[2], a), m7)
 
 
-@kernel
-def newton_step(P, turns, R, p, h, b):
-    """The step of each joint towards a pose and the half-plane (h, normal b) of an arm angle.
+class Reduced(NamedTuple):
+    """Eight postures' equations of a pose, joints 5 to 7 eliminated: what is left of four joints, and of the pose."""
 
-    Returns the steps, the rates with the arm angle at this pose, the square of what the steps have to make up for
-    (m, rad), and whether elbow and hand are on the right side: not half a turn away, where sines vanish too.
-    """
+    axes: Any  # of joints 1 to 4
+    motions: Any  # of joints 1 to 3, as moments about the base origin
+    s: Any  # what is left of the motions of joints 1 to 4
+    rest: Any  # what is left of the way to the pose
+    wrist: Any  # the inverse of axes 5 to 7
+    volume: Any  # what these axes span
+    to_position: Any
+    angular: Any
+    elbow: Any
+    forward: Any  # twice the cosine of the turn to the pose: not half a turn away, where sines vanish too
+
+
+@kernel
+def reduced(P, turns, R, p):
+    """The equations of a pose at eight postures, given as cosines and sines."""
     a1, m1, M, shift = first_line(P, turns[0])
     a2, m2, M, shift = joint_line(P, 1, turns[1], M, shift)
     a3, m3, M, shift = joint_line(P, 2, turns[2], M, shift)
@@ -105,22 +117,47 @@ def newton_step(P, turns, R, p, h, b):
     angular = scale(0.5 + dot(sine2, sine2) * (1.0 / 48.0), sine2)
     to_position = sub(p, position)
     linear = add(to_position, cross(position, angular))
-    reach = sub(elbow, load3(P, SHOULDER_CENTRE))
-    lever = cross(elbow, b)
+    inverse5 = cross(a6, a7)
+    volume = dot(a5, inverse5)
+    share = 1.0 / volume
+    wrist = (scale(share, inverse5), scale(share, cross(a7, a5)), scale(share, cross(a5, a6)))
+    s = (
+        without_wrist(a1, m1, wrist, m5, m6, m7),
+        without_wrist(a2, m2, wrist, m5, m6, m7),
+        without_wrist(a3, m3, wrist, m5, m6, m7),
+        without_wrist(a4, m4, wrist, m5, m6, m7),
+    )
+    rest = without_wrist(angular, linear, wrist, m5, m6, m7)
+    return Reduced((a1, a2, a3, a4), (m1, m2, m3), s, rest, wrist, volume, to_position, angular, elbow, cosine2)
+
+
+@kernel
+def with_wrist(made, turn_, d1, d2, d3, d4):
+    """The steps of four joints and what the wrist does about them, to make up for a turn."""
+    a1, a2, a3, a4 = made.axes
+    w = along(along(along(along(turn_, -d1, a1), -d2, a2), -d3, a3), -d4, a4)
+    return d1, d2, d3, d4, dot(made.wrist[0], w), dot(made.wrist[1], w), dot(made.wrist[2], w)
+
+
+@kernel
+def newton_step(P, turns, R, p, h, b):
+    """The step of each joint towards a pose and the half-plane (h, normal b) of an arm angle.
+
+    Returns the steps, the rates with the arm angle at this pose, the square of what the steps have to make up for
+    (m, rad), and whether elbow and hand are on the right side.
+    """
+    made = reduced(P, turns, R, p)
+    a1, a2, a3, _ = made.axes
+    m1, m2, m3 = made.motions
+    s1, s2, s3, s4 = made.s
+    reach = sub(made.elbow, load3(P, SHOULDER_CENTRE))
+    lever = cross(made.elbow, b)
     e1 = dot(b, m1) + dot(lever, a1)
     e2 = dot(b, m2) + dot(lever, a2)
     e3 = dot(b, m3) + dot(lever, a3)
     e = -dot(b, reach)
-
-    inverse5 = cross(a6, a7)
-    share = 1.0 / dot(a5, inverse5)
-    wrist = (scale(share, inverse5), scale(share, cross(a7, a5)), scale(share, cross(a5, a6)))
-    s1 = without_wrist(a1, m1, wrist, m5, m6, m7)
-    s2 = without_wrist(a2, m2, wrist, m5, m6, m7)
-    s3 = without_wrist(a3, m3, wrist, m5, m6, m7)
-    s4 = without_wrist(a4, m4, wrist, m5, m6, m7)
-    s = without_wrist(angular, linear, wrist, m5, m6, m7)
-    # s1 d1 + ... + s4 d4 = s and e1 d1 + e2 d2 + e3 d3 = e.
+    # s1 d1 + ... + s4 d4 = rest and e1 d1 + e2 d2 + e3 d3 = e.
+    s = made.rest
     g1 = cross(s1, s4)
     g2 = cross(s2, s4)
     g3 = cross(s3, s4)
@@ -132,20 +169,69 @@ def newton_step(P, turns, R, p, h, b):
     d2 = share * (e3 * dot(s, g1) - e1 * dot(s, g3) + e * n2)
     d3 = share * (e1 * dot(s, g2) - e2 * dot(s, g1) - e * n3)
     rest = along(along(along(s, -d1, s1), -d2, s2), -d3, s3)
-    d4 = dot(rest, s4) / dot(s4, s4)
-    w = along(along(along(along(angular, -d1, a1), -d2, a2), -d3, a3), -d4, a4)
+    d = with_wrist(made, made.angular, d1, d2, d3, dot(rest, s4) / dot(s4, s4))
     # The same with nothing to make up for but the elbow's way with the half-plane.
     share = share * dot(h, reach)
     r1 = -share * n1
     r2 = share * n2
     r3 = -share * n3
     turning = along(along(scale(-r1, s1), -r2, s2), -r3, s3)
-    r4 = dot(turning, s4) / dot(s4, s4)
-    x = along(along(along(scale(-r1, a1), -r2, a2), -r3, a3), -r4, a4)
-    off2 = dot(to_position, to_position) + dot(angular, angular) + e * e
-    right = (dot(h, reach) > -ON_LINE) & (cosine2 > 0.0)
-    d = (d1, d2, d3, d4, dot(wrist[0], w), dot(wrist[1], w), dot(wrist[2], w))
-    return d, (r1, r2, r3, r4, dot(wrist[0], x), dot(wrist[1], x), dot(wrist[2], x)), off2, right
+    rates = with_wrist(made, (0.0, 0.0, 0.0), r1, r2, r3, dot(turning, s4) / dot(s4, s4))
+    off2 = dot(made.to_position, made.to_position) + dot(made.angular, made.angular) + e * e
+    right = (dot(h, reach) > -ON_LINE) & (made.forward > 0.0)
+    return d, rates, off2, right
+
+
+@kernel
+def dot_four(a, b):
+    """Scalar products of four figures each."""
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2] + a[3] * b[3]
+
+
+@kernel
+def dot_seven(a, b):
+    """Scalar products of seven figures each."""
+    return dot_four(a, b) + a[4] * b[4] + a[5] * b[5] + a[6] * b[6]
+
+
+@kernel
+def curve_step(P, turns, R, p, d, off):
+    """The step of each joint towards a pose in which it goes by `off` in a direction d, and the way of the curve there.
+
+    Returns the steps, the unit vectors along the curves (oriented like `follow.null_vector`), the square of what the
+    steps have to make up for (m, rad), and whether the hand is on the right side.
+    """
+    made = reduced(P, turns, R, p)
+    s1, s2, s3, s4 = made.s
+    g12 = cross(s1, s2)
+    g34 = cross(s3, s4)
+    n = (dot(s2, g34), -dot(s1, g34), dot(s4, g12), -dot(s3, g12))
+    along_curve = with_wrist(made, (0.0, 0.0, 0.0), n[0], n[1], n[2], n[3])
+    size2 = dot_seven(along_curve, along_curve)
+    t = all_times(where(made.volume < 0.0, 0.0 * size2 - 1.0, 0.0 * size2 + 1.0) / root(size2), along_curve)
+    # The shortest way of four joints to what is left of the pose, by the inverse of S S'.
+    x = (s1[0], s2[0], s3[0], s4[0])
+    y = (s1[1], s2[1], s3[1], s4[1])
+    z = (s1[2], s2[2], s3[2], s4[2])
+    xx, yy, zz = dot_four(x, x), dot_four(y, y), dot_four(z, z)
+    xy, xz, yz = dot_four(x, y), dot_four(x, z), dot_four(y, z)
+    c = made.rest
+    cx, cy, cz = yy * zz - yz * yz, xz * yz - xy * zz, xy * yz - xz * yy
+    share = 1.0 / (xx * cx + xy * cy + xz * cz)
+    u = share * (cx * c[0] + cy * c[1] + cz * c[2])
+    v = share * (cy * c[0] + (xx * zz - xz * xz) * c[1] + (xy * xz - xx * yz) * c[2])
+    w = share * (cz * c[0] + (xy * xz - xx * yz) * c[1] + (xx * yy - xy * xy) * c[2])
+    step = with_wrist(
+        made,
+        made.angular,
+        x[0] * u + y[0] * v + z[0] * w,
+        x[1] * u + y[1] * v + z[1] * w,
+        x[2] * u + y[2] * v + z[2] * w,
+        x[3] * u + y[3] * v + z[3] * w,
+    )
+    step = all_along(step, (off - dot_seven(d, step)) / dot_seven(d, t), t)
+    off2 = dot(made.to_position, made.to_position) + dot(made.angular, made.angular)
+    return step, t, off2, made.forward > 0.0
 
 
 @kernel

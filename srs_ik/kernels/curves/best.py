@@ -1,4 +1,4 @@
-"""The best posture of a near limb, over the curves that `trace` follows on its true chain.
+"""The best posture of a near limb, over the curves that `follow` follows on its true chain.
 
 A run is a feasible piece of a curve (`survey`); a span is a part of a run on which the branch stays the same.
 """
@@ -9,12 +9,14 @@ import math
 
 import numpy as np
 
-from srs_ik.kernels.algebra.joint_vectors import short_way
+from srs_ik.kernels.algebra.joint_vectors import along7, short_way
 from srs_ik.kernels.algebra.minimum import propose, start_search, tell
 from srs_ik.kernels.algebra.roots import has_settled, next_parameter, start_crossing, tell_figure
-from srs_ik.kernels.chain.newton import STEPS, arm_angle, close_free
-from srs_ik.kernels.curves.follow import load_sample
-from srs_ik.kernels.curves.runs import near_runs, on_curve
+from srs_ik.kernels.chain.newton import STEPS, arm_angle, close_free, pose_step
+from srs_ik.kernels.curves.ends import on_curve, sample_before
+from srs_ik.kernels.curves.follow import FIRST_GUESS, null_vector
+from srs_ik.kernels.curves.in_step import load_sample
+from srs_ik.kernels.curves.runs import near_runs
 from srs_ik.kernels.exact.nearest import slid
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.limb import INVERSE_HALF_RANGE, PHASE, SHOULDER, STRAIGHT, WRIST
@@ -34,6 +36,12 @@ JUST_OUTSIDE = 1e-12
 
 MOST_CHANGES = 6
 """A branch changes no more often between two samples."""
+
+LITTLE = 1e-6
+"""A step that tells whether an arm angle rises, rad."""
+
+WELL_BENT = 0.6
+"""Beside a sample where the arm angle turns around, it is less steep than this part of what comes next."""
 
 TURNING = 1e-9
 """An arm angle that goes back by more than this, rad, has turned around."""
@@ -102,6 +110,34 @@ def turning_angle(P, place_, side, R, p, respect, rows, run, a, x, b, psi, sign,
 
 
 @kernel
+def turn_at(P, place_, q, R, p, J, A):
+    """Whether the arm angle rises (1.0) or falls (-1.0) along a curve at a posture."""
+    pose_step(P, q, R, p, J)
+    way, sign = null_vector(J, FIRST_GUESS, A)
+    t, h0 = place_[0], place_[1]
+    change = short_way(arm_angle(P, along7(q, LITTLE, way), t, h0) - arm_angle(P, q, t, h0))
+    return math.copysign(1.0, sign * change)
+
+
+@kernel
+def slope(P, place_, a, b):
+    """How fast the arm angle changes between two samples."""
+    before = arm_angle(P, load_sample(a), place_[0], place_[1])
+    return short_way(arm_angle(P, load_sample(b), place_[0], place_[1]) - before) / (b[0] - a[0])
+
+
+@kernel
+def may_turn(P, place_, rows, end, way, run):
+    """Whether the arm angle may turn around between the sample at an end of a run and the next one, along `way`."""
+    third = end + 2 * way
+    if not int(run[3]) <= third < int(run[4]):
+        return True
+    # On a parabola with its top in the first part, this part is at most half as steep as the second one.
+    outer, inner = slope(P, place_, rows[end], rows[end + way]), slope(P, place_, rows[end + way], rows[third])
+    return outer * inner < WELL_BENT * inner * inner
+
+
+@kernel
 def open_span(spans, n, index, branch, x, psi):
     """Begin a span; return the number of spans."""
     if n >= spans.shape[0]:
@@ -124,6 +160,24 @@ def extend(span, x, psi):
 
 
 @kernel
+def take_turn(P, place_, side, R, p, respect, rows, run, span, x, psi, rise, change, behind, J, A):
+    """Let a span reach to where the arm angle turns around before parameter x, if it does; how it goes on from there.
+
+    The span so far ends at psi, where the arm angle rises or falls like `rise`; at x it has changed by `change` and
+    goes on like `behind`.
+    """
+    if abs(change) > TURNING and change * rise < 0.0 and abs(rise) > TURNING:
+        # Somewhere between the samples before and behind the last one.
+        a = max(span[2], rows[max(sample_before(rows, int(run[3]), int(run[4]), span[3]) - 1, int(run[3])), 0])
+        sign = math.copysign(1.0, rise)
+        extend(span, span[3], turning_angle(P, place_, side, R, p, respect, rows, run, a, span[3], x, psi, sign, J, A))
+    elif abs(change) > TURNING and change * behind < 0.0:
+        sign = math.copysign(1.0, change)
+        extend(span, x, turning_angle(P, place_, side, R, p, respect, rows, run, span[3], span[3], x, psi, sign, J, A))
+    return change
+
+
+@kernel
 def spans_of_run(P, place_, side, R, p, respect, rows, runs, index, spans, n, J, A):
     """Append the spans of a run; return the number of spans."""
     run = runs[index]
@@ -136,36 +190,35 @@ def spans_of_run(P, place_, side, R, p, respect, rows, runs, index, spans, n, J,
     branch = branch_of(P, q)
     psi = arm_angle(P, q, t, h0)
     n = open_span(spans, n, index, branch, x, psi)
-    rise = 0.0
+    rise = turn_at(P, place_, q, R, p, J, A) if may_turn(P, place_, rows, first, 1, run) else 0.0
     for i in range(first + 1, last):
         q = load_sample(rows[i])
-        a = x
         for _ in range(MOST_CHANGES):
             if branch_of(P, q) == branch:
                 break
             inside, outside = change_of_branch(P, side, R, p, respect, rows, run, branch, x, rows[i, 0], J, A)
-            for end in (inside, outside):
-                there, _ = on_curve(P, side, R, p, 0, respect, rows, first, last, end, J, A)
-                psi += short_way(arm_angle(P, there, t, h0) - psi)
-                if end == inside:
-                    extend(spans[n - 1], end, psi)
-                else:
-                    branch = branch_of(P, there)
-                    n = open_span(spans, n, index, branch, end, psi)
-            x = outside
-            rise = 0.0
-        change = short_way(arm_angle(P, q, t, h0) - psi)
-        if change * rise < 0.0 and min(abs(change), abs(rise)) > TURNING:
-            # It has turned around somewhere between the samples before and behind the last one.
-            start = max(spans[n - 1, 2], rows[max(i - 2, first), 0])
-            sign = math.copysign(1.0, rise)
-            extend(
-                spans[n - 1],
-                x,
-                turning_angle(P, place_, side, R, p, respect, rows, run, start, x, rows[i, 0], psi, sign, J, A),
+            there, _ = on_curve(P, side, R, p, 0, respect, rows, first, last, inside, J, A)
+            change = short_way(arm_angle(P, there, t, h0) - psi)
+            behind = turn_at(P, place_, there, R, p, J, A)
+            rise = take_turn(
+                P, place_, side, R, p, respect, rows, run, spans[n - 1], inside, psi, rise, change, behind, J, A
             )
+            psi += change
+            extend(spans[n - 1], inside, psi)
+            there, _ = on_curve(P, side, R, p, 0, respect, rows, first, last, outside, J, A)
+            psi += short_way(arm_angle(P, there, t, h0) - psi)
+            branch = branch_of(P, there)
+            n = open_span(spans, n, index, branch, outside, psi)
+            x = outside
+            rise = behind
+        change = short_way(arm_angle(P, q, t, h0) - psi)
+        behind = change
+        if i == last - 1 and may_turn(P, place_, rows, i, -1, run):
+            behind = turn_at(P, place_, q, R, p, J, A)
+        rise = take_turn(
+            P, place_, side, R, p, respect, rows, run, spans[n - 1], rows[i, 0], psi, rise, change, behind, J, A
+        )
         psi += change
-        rise = change if x == a else 0.0
         x = rows[i, 0]
         extend(spans[n - 1], x, psi)
     return n

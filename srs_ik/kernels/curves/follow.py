@@ -14,34 +14,37 @@ from __future__ import annotations
 
 import math
 
+import numpy as np
+
 from srs_ik.kernels.algebra.joint_vectors import along7, difference, dot7, short_way
+from srs_ik.kernels.algebra.lane_trig import turns_of
 from srs_ik.kernels.algebra.linear import solve_linear
 from srs_ik.kernels.algebra.pointers import row
 from srs_ik.kernels.algebra.vectors import norm
 from srs_ik.kernels.chain.eight import put_eight, take_eight
 from srs_ik.kernels.chain.newton import CLOSED, STEPS, close_free, load_system, moved, pose_step
-from srs_ik.kernels.chain.newton_eight import close_eight
+from srs_ik.kernels.chain.newton_eight import close_eight, curve_step
 from srs_ik.kernels.chain.starts import FIRST, WIDTH, start_all
+from srs_ik.kernels.curves.in_step import (
+    BESIDE,
+    BEYOND,
+    LONGEST_STEP,
+    MARK,
+    SAMPLE,
+    SHORTEST_STEP,
+    SMALLEST_COSINE,
+    WELL_STRAIGHT,
+    follow_marks,
+    join_pieces,
+    load_sample,
+    one_of_seven,
+    put_mark,
+)
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.limb import BOTTOM_GAP, SHOULDER, TOP_GAP, WRIST
 from srs_ik.kernels.limb.goal import NO_SEED
 from srs_ik.kernels.limb.limits import turn_to_middle, violation
 from srs_ik.kernels.limb.poses import read7
-
-SAMPLE = 8
-"""A sample of a curve: its parameter, and seven joint angles."""
-
-LONGEST_STEP = 0.3
-"""Length of a step, rad."""
-
-SHORTEST_STEP = 1e-7
-"""Steps shorter than this, rad, mean a curve that cannot be followed."""
-
-SMALLEST_COSINE = 0.93
-"""Cosine of the largest angle by which a curve turns in one step."""
-
-WELL_STRAIGHT = 0.985
-"""Above this cosine, the next step is longer."""
 
 MOST_STEPS = 600
 
@@ -56,12 +59,6 @@ STARTS_OBLIQUE = 48
 OBLIQUE = 1e-3
 """Axes are oblique where this part of all directions, as a cosine, is beyond the reach of a shoulder or wrist."""
 
-BESIDE = 0.08
-"""A posture this close to the chord of a step, as a part of its length, is on the curve."""
-
-BEYOND = 1.2 * LONGEST_STEP
-"""Farther from a sample, rad, no joint of a posture beside the step from it is: the quicker question."""
-
 MAX_CURVES = 32
 
 CURVE = 3
@@ -72,12 +69,6 @@ ELBOW_SPARE = 0.5
 
 FIRST_GUESS = (0.35, -0.25, 0.45, 0.15, 0.5, -0.4, 0.3)
 """Any direction: the null vector at a start is oriented afterwards."""
-
-
-@kernel
-def load_sample(sample):
-    """Joint angles of a sample."""
-    return (sample[1], sample[2], sample[3], sample[4], sample[5], sample[6], sample[7])
 
 
 @kernel
@@ -214,47 +205,96 @@ def reverse(rows, first, n):
 
 
 @kernel
-def follow_all(P, place_, R, p, respect, rows, curves, J, A):
-    """Follow every curve of a pose that the closed form of the nearest exact limb leads to; the number of curves."""
-    n = 0
-    count = 0
-    oblique = P[SHOULDER + TOP_GAP] + P[SHOULDER + BOTTOM_GAP] + P[WRIST + TOP_GAP] + P[WRIST + BOTTOM_GAP] > OBLIQUE
-    angles = STARTS_OBLIQUE if oblique else STARTS
+def extend_back(P, R, p, rows, curves, k, n, J, A):
+    """Follow an open curve against its way from where it begins, and put that before it; rows in use."""
+    first, last = int(curves[k, 0]), int(curves[k, 1])
+    q = load_sample(rows[first])
+    pose_step(P, q, R, p, J)
+    t, sign = null_vector(J, FIRST_GUESS, A)
+    end, _, _, _ = follow(P, R, p, q, along7(NO_SEED, sign, t), -1.0, rows, n, J, A)
+    if sign == 0.0 or end - n < 2:
+        return n
+    reverse(rows, n, end)
+    length = rows[end - 1, 0]
+    curves[k, 0] = n
+    for i in range(first + 1, last):
+        end = put(rows, end, length + rows[i, 0], load_sample(rows[i]))
+    curves[k, 1] = end
+    return end
+
+
+@kernel
+def put_marks(P, place_, R, p, respect, angles, marks, missed, A):
+    """Marks on all curves, from the closed form at arm angles all around; how many, and how many starts are missed.
+
+    `missed` takes the postures from which Newton's method in step does not reach the pose.
+    """
     starts = row(A, FIRST)
+    count = 0
+    n_missed = 0
+    oblique = angles > STARTS
     for i in range(angles):
         psi = (2.0 * i / angles - 1.0) * math.pi
+        known = count
         exist = start_all(P, place_, psi, False, NO_SEED, False, A)
-        postures, met = close_eight(P, take_eight(starts, WIDTH), R, p, place_[0], place_[1], psi, STEPS)
-        put_eight(starts, WIDTH, met, postures)
+        q, met = close_eight(P, take_eight(starts, WIDTH), R, p, place_[0], place_[1], psi, STEPS)
+        put_eight(starts, WIDTH, met, q)
+        _, t, _, _ = curve_step(P, turns_of(q), R, p, q, 0.0 * q[0])
         for branch in range(8):
             q = read7(row(A, FIRST + branch))
             spare = ELBOW_SPARE - violation(P, 3, turn_to_middle(P, 3, q[3])) if respect else ELBOW_SPARE
             # At the edge of the reach of oblique axes, the true chain may have postures where the closed form has none.
-            exists = oblique or (exist >> branch) & 1 == 1
-            if spare < 0.0 or not exists or count >= curves.shape[0]:
+            if spare < 0.0 or not (oblique or (exist >> branch) & 1 == 1):
                 continue
-            if (met >> branch) & 1 == 0:
-                q, error = close_free(P, q, R, p, False, START_STEPS, J, A)
-                if error > CLOSED:
-                    continue
-            pose_step(P, q, R, p, J)
-            t, sign = null_vector(J, FIRST_GUESS, A)
-            if sign == 0.0:
-                continue
-            t = along7(NO_SEED, sign, t)
-            if is_known(q, t, rows, curves, count):
-                continue
-            first = n
-            n, closed, q, t = follow(P, R, p, q, t, 1.0, rows, n, J, A)
-            if not closed:
-                # It ends where curves cross: all of it lies behind that end.
-                n, closed, _, _ = follow(P, R, p, q, t, -1.0, rows, first, J, A)
-                reverse(rows, first, n)
-            if n - first < 2:
-                n = first
-                continue
-            curves[count, 0] = first
-            curves[count, 1] = n
-            curves[count, 2] = 1.0 if closed else 0.0
-            count += 1
+            if (met >> branch) & 1 == 1:
+                count = put_mark(marks, known, count, q, one_of_seven(t, branch))
+            else:
+                for j in range(7):
+                    missed[n_missed, j] = q[j]
+                n_missed += 1
+    return count, n_missed
+
+
+@kernel
+def follow_all(P, place_, R, p, respect, rows, curves, J, A):
+    """Follow every curve of a pose that the closed form of the nearest exact limb leads to; the number of curves."""
+    oblique = P[SHOULDER + TOP_GAP] + P[SHOULDER + BOTTOM_GAP] + P[WRIST + TOP_GAP] + P[WRIST + BOTTOM_GAP] > OBLIQUE
+    angles = STARTS_OBLIQUE if oblique else STARTS
+    marks = np.empty((8 * angles, MARK))
+    missed = np.empty((8 * angles, 7))
+    pieces = np.empty((rows.shape[0], SAMPLE))
+    n = 0
+    count = 0
+    n_marks, n_missed = put_marks(P, place_, R, p, respect, angles, marks, missed, A)
+    if n_marks > 0:
+        follow_marks(P, R, p, marks, n_marks, pieces)
+        n, count = join_pieces(marks, n_marks, pieces, rows, curves)
+    for k in range(count):
+        if curves[k, 2] == 0.0:
+            # It begins where curves cross, before its first mark.
+            n = extend_back(P, R, p, rows, curves, k, n, J, A)
+    for i in range(n_missed):
+        q, error = close_free(P, read7(missed[i]), R, p, False, START_STEPS, J, A)
+        if error > CLOSED or count >= curves.shape[0]:
+            continue
+        pose_step(P, q, R, p, J)
+        t, sign = null_vector(J, FIRST_GUESS, A)
+        if sign == 0.0:
+            continue
+        t = along7(NO_SEED, sign, t)
+        if is_known(q, t, rows, curves, count):
+            continue
+        first = n
+        n, closed, q, t = follow(P, R, p, q, t, 1.0, rows, n, J, A)
+        if not closed:
+            # It ends where curves cross: all of it lies behind that end.
+            n, closed, _, _ = follow(P, R, p, q, t, -1.0, rows, first, J, A)
+            reverse(rows, first, n)
+        if n - first < 2:
+            n = first
+            continue
+        curves[count, 0] = first
+        curves[count, 1] = n
+        curves[count, 2] = 1.0 if closed else 0.0
+        count += 1
     return count

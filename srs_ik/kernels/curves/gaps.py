@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 
-from srs_ik.kernels.algebra.joint_vectors import difference, short_way
+from srs_ik.kernels.algebra.joint_vectors import difference, dot7, short_way
 from srs_ik.kernels.algebra.roots import has_settled, next_parameter, start_crossing, tell_figure
 from srs_ik.kernels.curves.follow import between, put
 from srs_ik.kernels.jit import kernel
@@ -18,6 +18,10 @@ from srs_ik.kernels.limb.limits import beyond, turn_to_middle
 
 HALVINGS = 45
 CROSSING_STEPS = 60
+
+BULGE = 0.25
+"""A joint is off the straight way between two samples by no more than this part of their distance squared: curves turn
+by less than the angle whose cosine is `SMALLEST_COSINE` in the longest step."""
 
 WELL_INSIDE = 0.5
 """A sample in a gap need not lie closer to its middle than this part of half its width."""
@@ -90,9 +94,75 @@ def any_outside(P, q):
 
 
 @kernel
+def may_be_inside(P, a, b, bulge):
+    """Whether some posture may keep all limits on a way between two that is bent by no more than `bulge`, rad."""
+    low = 0.0
+    high = 1.0
+    for j in range(7):
+        at_a = joint_beyond(P, j, a) - bulge
+        at_b = joint_beyond(P, j, b) - bulge
+        if at_a > 0.0 and at_b > 0.0:
+            return False
+        if at_a > 0.0:
+            low = max(low, at_a / (at_a - at_b))
+        elif at_b > 0.0:
+            high = min(high, at_a / (at_a - at_b))
+    return low <= high
+
+
+@kernel
+def bulge_between(P, R, p, a, b, bulge, J, A):
+    """The posture farthest outside a limit between two that keep it, if the way is bent out of it.
+
+    Returns the posture, its share of the way, and whether there is one.
+    """
+    for j in range(7):
+        at_a = joint_beyond(P, j, a)
+        at_b = joint_beyond(P, j, b)
+        if max(at_a, at_b) < -bulge or max(at_a, at_b) > 0.0:
+            continue
+        q, met = between(P, R, p, a, b, 0.5, J, A)
+        if not met:
+            continue
+        middle = joint_beyond(P, j, q)
+        share = 0.5
+        bent = at_a + at_b - 2.0 * middle
+        if middle <= 0.0 and bent < 0.0:
+            # The top of a parabola.
+            share = min(max(0.5 - 0.25 * (at_b - at_a) / bent, 0.05), 0.95)
+            q, met = between(P, R, p, a, b, share, J, A)
+            middle = joint_beyond(P, j, q) if met else middle
+        if middle > 0.0:
+            return q, share, True
+    return a, 0.0, False
+
+
+@kernel
 def put_bounds(P, R, p, x_a, a, x_b, b, line, n, J, A):
-    """Append samples where joints pass a limit between two postures of a curve, if both break limits; rows in use."""
-    if not any_outside(P, a) or not any_outside(P, b):
+    """Append samples between two postures of a curve, so that nothing hides between them; return the rows in use.
+
+    Where both break limits, one where each joint passes a limit; else one that breaks a limit that both keep.
+    """
+    chord = difference(a, b)
+    bulge = BULGE * dot7(chord, chord)
+    outside_a, outside_b = any_outside(P, a), any_outside(P, b)
+    if outside_a and outside_b:
+        return put_crossings(P, R, p, x_a, a, x_b, b, bulge, line, n, J, A)
+    q, share, found = bulge_between(P, R, p, a, b, bulge, J, A)
+    if found:
+        x = x_a + share * (x_b - x_a)
+        if outside_a:
+            n = put_crossings(P, R, p, x_a, a, x, q, bulge, line, n, J, A)
+        n = put(line, n, x, q)
+        if outside_b:
+            n = put_crossings(P, R, p, x, q, x_b, b, bulge, line, n, J, A)
+    return n
+
+
+@kernel
+def put_crossings(P, R, p, x_a, a, x_b, b, bulge, line, n, J, A):
+    """Append samples where joints pass a limit between two postures that break limits; return the rows in use."""
+    if not may_be_inside(P, a, b, bulge):
         return n
     first = n
     for j in range(7):

@@ -12,18 +12,16 @@ import math
 import numpy as np
 
 from srs_ik.kernels.algebra.joint_vectors import difference
-from srs_ik.kernels.algebra.minimum import GOLDEN
-from srs_ik.kernels.algebra.roots import has_settled, next_parameter, start_crossing, tell_figure
 from srs_ik.kernels.chain.newton import arm_angle, clipped
-from srs_ik.kernels.curves.follow import CURVE, MAX_CURVES, SAMPLE, between, follow_all, load_sample, put
+from srs_ik.kernels.curves.ends import dip, edge, infeasibility_of, is_exact, on_curve
+from srs_ik.kernels.curves.follow import CURVE, MAX_CURVES, follow_all, put
 from srs_ik.kernels.curves.gaps import put_bounds, put_gaps
+from srs_ik.kernels.curves.in_step import SAMPLE, load_sample
 from srs_ik.kernels.exact.samples import take_samples
 from srs_ik.kernels.jit import kernel
-from srs_ik.kernels.layout.limb import IS_CLOSED
 from srs_ik.kernels.layout.search import SPLIT
-from srs_ik.kernels.limb.branches import NO_BRANCH, side_posture
+from srs_ik.kernels.limb.branches import NO_BRANCH
 from srs_ik.kernels.limb.goal import NO_SEED, turned
-from srs_ik.kernels.limb.limits import beyond_any
 from srs_ik.kernels.limb.triangle import elbow_side
 
 LARGEST_MOTION = 0.5
@@ -34,9 +32,6 @@ SMALLEST_GAP = 1e-6
 
 DEPTH = 32
 """Room for samples on hold while the gap before them is filled: more than the halvings between the figures above."""
-
-EDGE_STEPS = 100
-DIP_STEPS = 40
 
 SHALLOW = 0.5
 """A sample this far outside the limits, rad, may have feasible postures beside it."""
@@ -52,92 +47,6 @@ MOST_GAPS = 8
 
 CUTS = 4
 """Samples for each gap between samples, where a part of a run is sampled again."""
-
-
-@kernel
-def is_exact(P):
-    """Whether the closed form is the answer."""
-    return P[IS_CLOSED] == 1.0
-
-
-@kernel
-def infeasibility(P, q, respect):
-    """By how much a posture is not feasible, rad: 0 or less where it is."""
-    return beyond_any(P, q) if respect else -1.0
-
-
-@kernel
-def infeasibility_of(P, row, respect):
-    """The same for a sample."""
-    return infeasibility(P, turned(P, load_sample(row), False, NO_SEED, respect), respect)
-
-
-@kernel
-def on_curve(P, side, R, p, branch, respect, rows, first, last, x, J, A):
-    """Posture at a parameter, and its infeasibility; rows first to last - 1 sample the curve if no branch gives it."""
-    if is_exact(P) and branch < SPLIT:
-        q, _, value = side_posture(P, side, x, (branch >> 1) & 1, branch & 1, False, NO_SEED, respect)
-        return q, (NO_BRANCH if value >= NO_BRANCH else infeasibility(P, q, respect))
-    low = first
-    high = last - 1
-    while high - low > 1:
-        middle = (low + high) // 2
-        if rows[middle, 0] <= x:
-            low = middle
-        else:
-            high = middle
-    if x in (rows[low, 0], rows[high, 0]):
-        # The sample itself: the end of a run keeps the limits to the last bit.
-        q = load_sample(rows[low if x == rows[low, 0] else high])
-    else:
-        share = (x - rows[low, 0]) / (rows[high, 0] - rows[low, 0])
-        q, met = between(P, R, p, load_sample(rows[low]), load_sample(rows[high]), share, J, A)
-        if not met:
-            return q, NO_BRANCH
-    q = turned(P, q, False, NO_SEED, respect)
-    return q, infeasibility(P, q, respect)
-
-
-@kernel
-def edge(P, side, R, p, branch, respect, rows, first, last, x, fx, y, fy, J, A):
-    """The last feasible parameter from a feasible one, x, towards y, which is not."""
-    crossing = start_crossing(x, fx, y, fy)
-    for _ in range(EDGE_STEPS):
-        if has_settled(crossing):
-            break
-        m = next_parameter(crossing)
-        _, f = on_curve(P, side, R, p, branch, respect, rows, first, last, m, J, A)
-        crossing = tell_figure(crossing, m, f)
-    return crossing[0]
-
-
-@kernel
-def dip(P, side, R, p, branch, respect, rows, first, last, a, b, J, A):
-    """The least infeasible parameter between two, or any feasible one: parameter and infeasibility."""
-    x = b - GOLDEN * (b - a)
-    y = a + GOLDEN * (b - a)
-    wanted = x
-    fx = NO_BRANCH
-    fy = NO_BRANCH
-    for i in range(DIP_STEPS):
-        _, f = on_curve(P, side, R, p, branch, respect, rows, first, last, wanted, J, A)
-        if f <= 0.0:
-            return wanted, f
-        if wanted == x:
-            fx = f
-        else:
-            fy = f
-        if i == 0:
-            wanted = y
-        elif fx <= fy:
-            b, y, fy = y, x, fx
-            x = b - GOLDEN * (b - a)
-            wanted = x
-        else:
-            a, x, fx = x, y, fy
-            y = a + GOLDEN * (b - a)
-            wanted = y
-    return wanted, 1.0
 
 
 @kernel

@@ -8,8 +8,9 @@ from srs_ik.kernels.algebra.minimum import propose, start_search, tell
 from srs_ik.kernels.algebra.pointers import row
 from srs_ik.kernels.chain.answer import measure_row
 from srs_ik.kernels.chain.newton import arm_angle
-from srs_ik.kernels.curves.follow import SAMPLE
-from srs_ik.kernels.curves.runs import SPARE_ROWS, arm_angles_of_run, is_exact, near_runs, on_curve, survey_exact
+from srs_ik.kernels.curves.ends import is_exact, on_curve
+from srs_ik.kernels.curves.in_step import SAMPLE
+from srs_ik.kernels.curves.runs import SPARE_ROWS, arm_angles_of_run, near_runs, survey_exact
 from srs_ik.kernels.exact.intervals import find_intervals
 from srs_ik.kernels.exact.samples import MAX_SAMPLES
 from srs_ik.kernels.jit import entry, kernel

@@ -1,7 +1,7 @@
 """Postures at an arm angle, also of a near limb where Newton's method from the closed form does not lead to them.
 
 Next to a singularity a branch may have several postures at one arm angle, or none. All of them lie where the curves
-that `trace` follows pass the arm angle.
+that `follow` follows pass the arm angle.
 """
 
 from __future__ import annotations
@@ -11,7 +11,8 @@ import numpy as np
 from srs_ik.kernels.algebra.joint_vectors import difference, dot7, short_way
 from srs_ik.kernels.chain.newton import STEPS, arm_angle, close_at_angle
 from srs_ik.kernels.chain.starts import FIRST, best_of_all, best_row, close_all
-from srs_ik.kernels.curves.follow import between, load_sample
+from srs_ik.kernels.curves.follow import between
+from srs_ik.kernels.curves.in_step import load_sample
 from srs_ik.kernels.curves.runs import near_runs
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.answer import ROW_COST

@@ -37,6 +37,7 @@ from srs_ik.kernels.near.scan import (
     close_points,
     is_narrow,
     least_sine,
+    put_between,
     put_points,
 )
 
@@ -193,7 +194,7 @@ def is_short_gap(P, a, b):
 
 
 @kernel
-def halve_gaps(P, sides, R, p, place_, points, n, gaps, left, best, lowest):
+def halve_gaps(P, R, p, place_, points, n, gaps, left, best, lowest):
     """Halve gaps that may hide a better point until they are short.
 
     Returns the number of gaps that are left (-1: it fails), the best point and its cost.
@@ -214,13 +215,7 @@ def halve_gaps(P, sides, R, p, place_, points, n, gaps, left, best, lowest):
         left = kept
         if long == 0:
             return left, best, lowest
-        if n + 8 > MAX_POINTS:
-            return -1, best, lowest
-        for i in range(8):
-            a, b = gaps[i % long, 0], gaps[i % long, 1]
-            points[n + i, POINT_PSI] = 0.5 * (points[a, POINT_PSI] + points[b, POINT_PSI])
-            points[n + i, POINT_BRANCH] = points[a, POINT_BRANCH]
-        if not put_points(P, sides, R, p, place_, points, n):
+        if n + 8 > MAX_POINTS or not put_between(P, R, p, place_, points, gaps, long, n):
             return -1, best, lowest
         best, lowest = measure_points(P, points, n, n + 8, best, lowest)
         for i in range(min(long, 8)):
@@ -306,7 +301,7 @@ def best_within(P, sides, R, p, place_, found, n, drawn_in, best_q, lowest, poin
         if not put_points(P, sides, R, p, place_, points, i):
             return best_q, lowest, False
     best, lowest = measure_points(P, points, 0, count, -1, lowest)
-    left, best, lowest = halve_gaps(P, sides, R, p, place_, points, count, gaps, left, best, lowest)
+    left, best, lowest = halve_gaps(P, R, p, place_, points, count, gaps, left, best, lowest)
     if left < 0 or (drawn_in and may_be_better_beyond(P, points, count, found, n, lowest)):
         return best_q, lowest, False
     if best >= 0:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from srs_ik.kernels.algebra.joint_vectors import short_way
 from srs_ik.kernels.algebra.lane_trig import turn
 from srs_ik.kernels.algebra.lanes import as_bits, gather, scatter, whole_number
 from srs_ik.kernels.algebra.pointers import row
@@ -58,6 +59,25 @@ def put_points(P, sides, R, p, place_, points, n):
         q = certain_posture(P, sides[branch >> 2], branch, points[i, POINT_PSI])
         for j in range(7):
             points[i, j] = q[j]
+    return close_points(P, R, p, place_, points, n)
+
+
+@kernel
+def put_between(P, R, p, place_, points, pairs, count, n):
+    """Put eight points half-way between pairs of points, from row n on; whether all are met.
+
+    The pairs are the first `count` rows of `pairs`; the last of the eight repeat the first.
+    """
+    for i in range(8):
+        a, b = pairs[i % count, 0], pairs[i % count, 1]
+        width = points[b, POINT_PSI] - points[a, POINT_PSI]
+        # The cubic through both postures with their rates.
+        for j in range(7):
+            rates = points[a, POINT_RATES + j] - points[b, POINT_RATES + j]
+            half = 0.5 * short_way(points[b, j] - points[a, j])
+            points[n + i, j] = points[a, j] + half + 0.125 * width * rates
+        points[n + i, POINT_PSI] = points[a, POINT_PSI] + 0.5 * width
+        points[n + i, POINT_BRANCH] = points[a, POINT_BRANCH]
     return close_points(P, R, p, place_, points, n)
 
 
@@ -121,13 +141,12 @@ def scan(P, sides, branch, R, p, place_, lower, upper, points, gaps):
         points[i, POINT_BRANCH] = branch
         gaps[i, 0], gaps[i, 1] = i, i + 1
     left = 7
-    n = 0
+    n = 8
+    if not put_points(P, sides, R, p, place_, points, 0):
+        return -1
     while True:
-        if not put_points(P, sides, R, p, place_, points, n):
-            return -1
-        for i in range(n, n + 8):
+        for i in range(n - 8, n):
             points[i, POINT_OFF] = outside_by(P, points[i])
-        n += 8
         kept = 0
         for i in range(left):
             if not is_decided(P, points[gaps[i, 0]], points[gaps[i, 1]]):
@@ -135,18 +154,15 @@ def scan(P, sides, branch, R, p, place_, lower, upper, points, gaps):
                 kept += 1
         if kept == 0:
             break
-        if n + 8 > MAX_POINTS:
-            return -1
         # Eight gaps at a time; the others wait.
-        for i in range(8):
-            a, b = gaps[i % kept, 0], gaps[i % kept, 1]
-            points[n + i, POINT_PSI] = 0.5 * (points[a, POINT_PSI] + points[b, POINT_PSI])
-            points[n + i, POINT_BRANCH] = branch
+        if n + 8 > MAX_POINTS or not put_between(P, R, p, place_, points, gaps, kept, n):
+            return -1
         left = kept
         for i in range(min(kept, 8)):
             gaps[left, 0], gaps[left, 1] = n + i, gaps[i, 1]
             gaps[i, 1] = n + i
             left += 1
+        n += 8
     for i in range(1, n):
         k = i
         while k > 0 and points[k - 1, POINT_PSI] > points[k, POINT_PSI]:

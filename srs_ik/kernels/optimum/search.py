@@ -10,8 +10,10 @@ from __future__ import annotations
 import math
 
 from srs_ik.kernels.algebra.minimum import propose, start_search, tell
-from srs_ik.kernels.curves.follow import load_sample, put
-from srs_ik.kernels.curves.runs import on_curve, sample_again
+from srs_ik.kernels.curves.ends import on_curve
+from srs_ik.kernels.curves.follow import put
+from srs_ik.kernels.curves.in_step import load_sample
+from srs_ik.kernels.curves.runs import sample_again
 from srs_ik.kernels.exact.samples import STEP
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.search import BEST, BRACKET, F_BEST, REFUSED, TIE

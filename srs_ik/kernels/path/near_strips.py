@@ -11,7 +11,8 @@ import numpy as np
 
 from srs_ik.kernels.algebra.joint_vectors import along7, dot7
 from srs_ik.kernels.chain.newton import CLOSED, STEPS, close_free, pose_step
-from srs_ik.kernels.curves.follow import FIRST_GUESS, between, correct, load_sample, null_vector
+from srs_ik.kernels.curves.follow import FIRST_GUESS, between, correct, null_vector
+from srs_ik.kernels.curves.in_step import load_sample
 from srs_ik.kernels.curves.runs import near_runs
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.path import NODE

@@ -1,0 +1,191 @@
+"""Postures between samples of a curve, and the last one inside the limits.
+
+On an exact limb the curve is a branch and its parameter the arm angle; on a near limb it is a curve that `follow` has
+followed on the true chain, its parameter the length along it.
+"""
+
+from __future__ import annotations
+
+from srs_ik.kernels.algebra.joint_vectors import along7, difference, dot7, short_way
+from srs_ik.kernels.algebra.minimum import GOLDEN
+from srs_ik.kernels.algebra.roots import has_settled, next_parameter, start_crossing, tell_figure
+from srs_ik.kernels.curves.follow import between, correct
+from srs_ik.kernels.curves.in_step import load_sample
+from srs_ik.kernels.jit import kernel
+from srs_ik.kernels.layout.limb import IS_CLOSED, LOWER, UPPER
+from srs_ik.kernels.layout.search import SPLIT
+from srs_ik.kernels.limb.branches import NO_BRANCH, side_posture
+from srs_ik.kernels.limb.goal import NO_SEED, turned
+from srs_ik.kernels.limb.limits import beyond, beyond_any, turn_to_middle
+
+EDGE_STEPS = 100
+DIP_STEPS = 40
+
+LIMITS_IN_TURN = 3
+ON_LIMIT = 1e-12
+ASTRAY = 0.1
+"""An edge is looked for on so many limits, one after the other; a posture on one, rad, keeps it; and it is no farther
+from the way between two samples, squared and in parts of it."""
+
+
+@kernel
+def is_exact(P):
+    """Whether the closed form is the answer."""
+    return P[IS_CLOSED] == 1.0
+
+
+@kernel
+def infeasibility(P, q, respect):
+    """By how much a posture is not feasible, rad: 0 or less where it is."""
+    return beyond_any(P, q) if respect else -1.0
+
+
+@kernel
+def infeasibility_of(P, row, respect):
+    """The same for a sample."""
+    return infeasibility(P, turned(P, load_sample(row), False, NO_SEED, respect), respect)
+
+
+@kernel
+def sample_before(rows, first, last, x):
+    """The row of the sample before a parameter, of those in rows first to last - 1; never the last one."""
+    low = first
+    high = last - 1
+    while high - low > 1:
+        middle = (low + high) // 2
+        if rows[middle, 0] <= x:
+            low = middle
+        else:
+            high = middle
+    return low
+
+
+@kernel
+def on_curve(P, side, R, p, branch, respect, rows, first, last, x, J, A):
+    """Posture at a parameter, and its infeasibility; rows first to last - 1 sample the curve if no branch gives it."""
+    if is_exact(P) and branch < SPLIT:
+        q, _, value = side_posture(P, side, x, (branch >> 1) & 1, branch & 1, False, NO_SEED, respect)
+        return q, (NO_BRANCH if value >= NO_BRANCH else infeasibility(P, q, respect))
+    low = sample_before(rows, first, last, x)
+    high = min(low + 1, last - 1)
+    if x in (rows[low, 0], rows[high, 0]):
+        # The sample itself: the end of a run keeps the limits to the last bit.
+        q = load_sample(rows[low if x == rows[low, 0] else high])
+    else:
+        share = (x - rows[low, 0]) / (rows[high, 0] - rows[low, 0])
+        q, met = between(P, R, p, load_sample(rows[low]), load_sample(rows[high]), share, J, A)
+        if not met:
+            return q, NO_BRANCH
+    q = turned(P, q, False, NO_SEED, respect)
+    return q, infeasibility(P, q, respect)
+
+
+@kernel
+def first_limit(P, a, b):
+    """The limit that is met first on the straight way from a posture inside to one outside: joint, limit, share."""
+    joint = -1
+    limit = 0.0
+    least = 2.0
+    for j in range(7):
+        at_b = turn_to_middle(P, j, b[j])
+        at_a = turn_to_middle(P, j, a[j])
+        off = beyond(P, j, at_b)
+        if off > 0.0:
+            inside = max(-beyond(P, j, at_a), 0.0)
+            if inside < least * (inside + off):
+                joint, least = j, inside / (inside + off)
+                limit = P[UPPER + j] if at_b > P[UPPER + j] else P[LOWER + j]
+    return joint, limit, least
+
+
+@kernel
+def only(joint, x):
+    """A vector whose one figure is x."""
+    return (
+        x if joint == 0 else 0.0,
+        x if joint == 1 else 0.0,
+        x if joint == 2 else 0.0,
+        x if joint == 3 else 0.0,
+        x if joint == 4 else 0.0,
+        x if joint == 5 else 0.0,
+        x if joint == 6 else 0.0,
+    )
+
+
+@kernel
+def edge_on_limit(P, R, p, rows, first, last, x, y, J, A):
+    """`edge` by Newton's method for the pose and the limit together, and whether that is met between two samples."""
+    low = sample_before(rows, first, last, 0.5 * (x + y))
+    start, end = load_sample(rows[low]), load_sample(rows[low + 1])
+    width = rows[low + 1, 0] - rows[low, 0]
+    chord = difference(start, end)
+    a = along7(start, (x - rows[low, 0]) / width, chord)
+    b = along7(start, (y - rows[low, 0]) / width, chord)
+    if min(x, y) < rows[low, 0] or max(x, y) > rows[low + 1, 0]:
+        return x, False
+    for _ in range(LIMITS_IN_TURN):
+        joint, limit, share = first_limit(P, a, b)
+        if joint < 0:
+            return x, False
+        q = along7(a, share, difference(a, b))
+        # The same limit, a whole turn away or not.
+        limit = q[joint] + short_way(limit - q[joint])
+        q, met = correct(P, q, only(joint, 1.0), limit, R, p, J, A)
+        if not met:
+            return x, False
+        to_q = difference(start, q)
+        share = dot7(to_q, chord) / dot7(chord, chord)
+        off = along7(to_q, -share, chord)
+        found = rows[low, 0] + share * width
+        if dot7(off, off) > ASTRAY * dot7(chord, chord) or (found - x) * (found - y) > 0.0:
+            return x, False
+        if infeasibility(P, turned(P, q, False, NO_SEED, True), True) < ON_LIMIT:
+            return found, True
+        b = q
+    return x, False
+
+
+@kernel
+def edge(P, side, R, p, branch, respect, rows, first, last, x, fx, y, fy, J, A):
+    """The last feasible parameter from a feasible one, x, towards y, which is not."""
+    if not is_exact(P):
+        found, met = edge_on_limit(P, R, p, rows, first, last, x, y, J, A)
+        if met:
+            return found
+    crossing = start_crossing(x, fx, y, fy)
+    for _ in range(EDGE_STEPS):
+        if has_settled(crossing):
+            break
+        m = next_parameter(crossing)
+        _, f = on_curve(P, side, R, p, branch, respect, rows, first, last, m, J, A)
+        crossing = tell_figure(crossing, m, f)
+    return crossing[0]
+
+
+@kernel
+def dip(P, side, R, p, branch, respect, rows, first, last, a, b, J, A):
+    """The least infeasible parameter between two, or any feasible one: parameter and infeasibility."""
+    x = b - GOLDEN * (b - a)
+    y = a + GOLDEN * (b - a)
+    wanted = x
+    fx = NO_BRANCH
+    fy = NO_BRANCH
+    for i in range(DIP_STEPS):
+        _, f = on_curve(P, side, R, p, branch, respect, rows, first, last, wanted, J, A)
+        if f <= 0.0:
+            return wanted, f
+        if wanted == x:
+            fx = f
+        else:
+            fy = f
+        if i == 0:
+            wanted = y
+        elif fx <= fy:
+            b, y, fy = y, x, fx
+            x = b - GOLDEN * (b - a)
+            wanted = x
+        else:
+            a, x, fx = x, y, fy
+            y = a + GOLDEN * (b - a)
+            wanted = y
+    return wanted, 1.0

@@ -1,0 +1,90 @@
+"""Curves of near limbs: closed, on their pose, through every known configuration; nothing hides between samples."""
+
+from __future__ import annotations
+
+import arms
+import numba
+import numpy as np
+import pytest
+from oracles import random_limb
+
+import srs_ik
+from srs_ik.kernels.algebra.pointers import row
+from srs_ik.kernels.curves.follow import CURVE, MAX_CURVES, follow_all
+from srs_ik.kernels.curves.in_step import SAMPLE
+from srs_ik.kernels.limb.poses import read_pose
+from srs_ik.kernels.limb.triangle import place
+
+NEAR = arms.here("gen3", "j2s7s300", "h1_2_left", "rm75")
+
+
+@numba.njit(error_model="numpy")
+def curves_of(family, T, J, A, rows, curves):
+    R, p, _ = read_pose(row(T, 0))
+    P = row(family, 0)
+    return follow_all(P, place(P, R, p), R, p, False, rows, curves, J, A)
+
+
+def followed(arm, pose):
+    """The curves of a pose: (N, 7) samples and whether they close."""
+    rows, curves = np.empty((8192, SAMPLE)), np.empty((MAX_CURVES, CURVE))
+    T = np.ascontiguousarray(pose.homogeneous)[None]
+    count = curves_of(arm.packed.family, T, np.empty((6, 7)), np.empty((16, 9)), rows, curves)
+    return [(rows[int(first) : int(last), 1:], closed == 1.0) for first, last, closed in curves[:count]]
+
+
+def away(angles):
+    return np.abs((angles + np.pi) % (2.0 * np.pi) - np.pi)
+
+
+@pytest.mark.parametrize("name", NEAR)
+def test_curves_are_closed_on_the_pose_and_pass_every_known_configuration(name):
+    arm, forward = arms.load(name), arms.forward(name)
+    for q in arms.configurations(name, 25, 91):
+        pose = arm.forward_kinematics(q)
+        nearest = np.inf
+        for samples, closed in followed(arm, pose):
+            assert closed
+            assert away(samples[-1] - samples[0]).max() < 1e-9
+            for sample in samples[::7]:
+                assert np.abs(forward(sample).homogeneous - pose.homogeneous).max() < 1e-9
+            steps = np.linalg.norm(away(np.diff(samples, axis=0)), axis=1)
+            assert steps.max() < 0.35
+            nearest = min(nearest, np.linalg.norm(away(samples - q), axis=1).min())
+        # Half a step and what a curve bends in it.
+        assert nearest < 0.2
+
+
+@pytest.mark.parametrize("name", NEAR)
+def test_no_curve_is_followed_twice(name):
+    arm = arms.load(name)
+    for q in arms.configurations(name, 10, 92):
+        curves = [samples for samples, _ in followed(arm, arm.forward_kinematics(q))]
+        for i, one in enumerate(curves):
+            for other in curves[:i]:
+                for sample in one[:-1:5]:
+                    assert np.linalg.norm(away(other - sample), axis=1).min() > 1e-6
+
+
+HIDDEN = {
+    "bulge": ("tilted", 1001, 0.002, 17, True),  # a joint is outside for a moment, next to the limit of another
+    "bulge between": ("coordinate", 1005, 0.005, 18, True),  # ... between two samples that keep all limits
+    "turning": ("tilted", 1007, 0.01, 8, False),  # the arm angle turns around where a curve begins
+}
+"""Random limbs, the number of the configuration, and whether limits count."""
+
+
+@pytest.mark.parametrize("what", HIDDEN)
+def test_nothing_hides_between_samples(what):
+    pattern, seed, miss, number, respect = HIDDEN[what]
+    limb = random_limb(seed, pattern, "offset", "usual", miss)
+    arm = srs_ik.load(limb.model, base="base", tip="tool")
+    q = [limb.configuration() for _ in range(number + 1)][-1]
+    pose = arm.forward_kinematics(q)
+    intervals = arm.intervals(pose, respect_limits=respect)
+    for i in intervals:
+        for psi in np.linspace(i.lower, i.upper, 42)[1:-1]:
+            assert arm.solve(pose, arm_angle=psi, branch=i.branch, respect_limits=respect)
+    for psi in np.linspace(-np.pi, np.pi, 720):
+        for solution in arm.solve_all(pose, arm_angle=psi, respect_limits=respect):
+            assert any(solution.branch == i.branch and psi in i for i in intervals)
