@@ -9,6 +9,7 @@ not by spheres.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -76,7 +77,7 @@ def least_distances(
     bounds = np.empty(len(edges) - 1)
     for k in range(len(bounds)):
         first, half = 0.5 * (edges[k] + edges[k + 1]), 0.5 * (edges[k + 1] - edges[k])
-        bounds[k] = _least(lambda x, at=first: distance(at, x), turn, reaches[1]) - half * reaches[0]
+        bounds[k] = _least(partial(distance, float(first)), turn, reaches[1]) - half * reaches[0]
     return bounds
 
 

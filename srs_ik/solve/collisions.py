@@ -246,7 +246,8 @@ class Surroundings:
             if not lower <= angle <= upper:
                 angle = (angle - lower) % (2.0 * np.pi) + lower
             k = min(int(np.searchsorted(each.edges, angle, side="right")) - 1, len(each.bounds) - 1)
-            missing = -float(each.bounds[k])
+            # Of a pair that is proved apart elsewhere, no depth is known.
+            missing = -max(float(each.bounds[k]), -1.0)
             if worst is None or missing > worst.depth:
                 names = self.tables.names
                 worst = Collision(names[each.first], names[each.second], max(missing, 0.0))
