@@ -29,6 +29,8 @@ if TYPE_CHECKING:
         AmbiguousLimb,
         FrameNotFound,
         InvalidConfiguration,
+        InvalidController,
+        InvalidMap,
         InvalidPose,
         InvalidRobot,
         InvalidScene,
@@ -44,6 +46,9 @@ if TYPE_CHECKING:
     from srs_ik.inputs.rotations import pose_from_xyz_quaternion, pose_from_xyz_rpy
     from srs_ik.inputs.task import Task
     from srs_ik.loading import LimbReport, find_limbs, load, robots
+    from srs_ik.maps.build import build_map
+    from srs_ik.maps.placement import Placement, base_placement
+    from srs_ik.maps.reader import open_map
     from srs_ik.preview import Preview
     from srs_ik.robot.limb import Hand, SrsLimb
     from srs_ik.solve.free_splits import FreeSplit
@@ -75,6 +80,8 @@ _MODULES = {
         "AmbiguousLimb",
         "FrameNotFound",
         "InvalidConfiguration",
+        "InvalidController",
+        "InvalidMap",
         "InvalidPose",
         "InvalidRobot",
         "InvalidScene",
@@ -90,6 +97,9 @@ _MODULES = {
     "solve.intervals": ("IntervalsBatch",),
     "robot.limb": ("Hand", "SrsLimb"),
     "loading": ("LimbReport", "find_limbs", "load", "robots"),
+    "maps.build": ("build_map",),
+    "maps.placement": ("Placement", "base_placement"),
+    "maps.reader": ("open_map",),
     "solve.objectives": ("OBJECTIVES", "Objective"),
     "solve.optimise": ("Optimum",),
     "solve.path": ("PathSolution",),
@@ -103,8 +113,9 @@ _MODULES = {
     "solve.posture": ("Posture",),
     "inputs.task": ("Task",),
     "solve.task": ("BatchTaskSolution", "TaskSolution"),
+    "solve.tracker": ("Tracker", "TrackerStatus", "TrackerStep"),
 }
-NAMESPACES = ("analysis", "paper", "plots", "preview")
+NAMESPACES = ("analysis", "control", "maps", "paper", "plots", "preview", "sim")
 """Rooms that have public names of their own."""
 
 _HOME = {name: module for module, names in _MODULES.items() for name in names}
@@ -124,6 +135,8 @@ __all__ = [
     "Interval",
     "IntervalsBatch",
     "InvalidConfiguration",
+    "InvalidController",
+    "InvalidMap",
     "InvalidPose",
     "InvalidRobot",
     "InvalidScene",
@@ -138,6 +151,7 @@ __all__ = [
     "Pair",
     "PathBreak",
     "PathSolution",
+    "Placement",
     "Polytope",
     "PoseError",
     "Posture",
@@ -152,6 +166,11 @@ __all__ = [
     "Status",
     "Task",
     "TaskSolution",
+    "Tracker",
+    "TrackerStatus",
+    "TrackerStep",
+    "base_placement",
+    "build_map",
     "find_limbs",
     "force_ellipsoid",
     "force_polytope",
@@ -159,6 +178,7 @@ __all__ = [
     "load",
     "manipulability",
     "nearest_pose",
+    "open_map",
     "pose_from_xyz_quaternion",
     "pose_from_xyz_rpy",
     "robots",

@@ -35,6 +35,7 @@ if TYPE_CHECKING:
     from srs_ik.solve.posture import Posture, Side, Tie
     from srs_ik.solve.self_motion import SelfMotion
     from srs_ik.solve.task import BatchTaskSolution, TaskSolution
+    from srs_ik.solve.tracker import Tracker
 
 Array = NDArray[np.float64]
 
@@ -226,6 +227,37 @@ class Arm(BodyOwner):
 
         return solve_path(self.packed, poses, seed, dt, longest_step, objective, known, closed)
 
+    def tracker(
+        self,
+        q0: ArrayLike,
+        dt: float,
+        velocity_limit: ArrayLike | None = None,
+        acceleration_limit: ArrayLike | None = None,
+        elbow: Any = "keep",
+        smoothing: float = 0.0,
+    ) -> Tracker:
+        """A follower of a target pose that moves: `update(pose)` gives the joint angles for the end of each period.
+
+        Args:
+            q0: (7,) joint angles to begin with, at rest, rad.
+            dt: seconds between two updates.
+            velocity_limit: one for all joints, or (7,), rad/s; those of the description if not given.
+            acceleration_limit: one for all joints, or (7,), rad/s^2; if not given, what brings each joint to
+                its largest velocity in 0.2 s.
+            elbow: "keep" (it moves as little as the target and the limits allow), an arm angle, rad, or an `Objective`
+                or its name ("limit_margin" for farthest from the limits) that it follows downhill.
+            smoothing: time constant of a filter that takes jitter from the target, seconds; a target at constant
+                velocity is followed without a lag.
+
+        Raises:
+            InvalidConfiguration: a malformed argument, or q0 outside the joint limits.
+            InvalidTask: no such objective, or one that is no kernel.
+            MissingLimits: the description gives a joint no velocity limit, and none is given here.
+        """
+        from srs_ik.solve.tracker import Tracker
+
+        return Tracker(self.packed, self, q0, dt, velocity_limit, acceleration_limit, elbow, smoothing)
+
     def intervals(
         self, pose: PoseLike, respect_limits: bool = True, *, scene: Scene | None = None, margin: float = 0.0
     ) -> list[Interval]:
@@ -280,6 +312,23 @@ class Arm(BodyOwner):
         if scene is not None:
             return self._in(scene, margin).intervals_batch(poses, bool(respect_limits), threads)
         return feasible.intervals_batch(self.packed, poses, bool(respect_limits), threads)
+
+    def reachable_batch(self, poses: Any, threads: int | None = None) -> NDArray[np.bool_]:
+        """Whether a posture inside the joint limits meets each of N poses: `intervals_batch` cut short at the first.
+
+        Args:
+            poses: (N, 4, 4) array, or a list of poses. Arrays of floats, in C order and writeable, are not copied.
+            threads: at most so many; all processors if not given.
+
+        Returns:
+            (N,) true where there is one.
+
+        Raises:
+            InvalidPose: a pose is no finite rigid transform; the message names the first one.
+        """
+        from srs_ik.solve.reachable import reachable_batch
+
+        return reachable_batch(self.packed, poses, threads)
 
     def self_motion(
         self, pose: PoseLike, branch: int | None = None, count: int = 91, respect_limits: bool = True

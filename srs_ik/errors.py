@@ -147,6 +147,14 @@ class InvalidTask(SrsIkError, ValueError):
     """A task whose vectors have the wrong shape, are not finite, or leave a direction undefined."""
 
 
+class InvalidController(SrsIkError, ValueError):
+    """A controller whose figures are malformed, that is not passive, or that an arm cannot have."""
+
+
+class InvalidMap(SrsIkError, ValueError):
+    """A map that cannot be made as it is asked for, or a store that holds none, or that of another robot."""
+
+
 class InvalidScene(SrsIkError, ValueError):
     """A scene, or an object in it, of wrong sizes, with entries that are not finite, or whose name is not known."""
 

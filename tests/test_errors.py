@@ -31,6 +31,7 @@ EVERY_ERROR = [
     (errors.MissingLimits("effort", ["j1", "j3"], "arm"), {"kind": "effort", "joints": ("j1", "j3")}),
     (errors.InvalidPose("a pose is 4x4"), {}),
     (errors.InvalidConfiguration("q has 7 angles"), {}),
+    (errors.InvalidController("law A is not passive"), {}),
     (errors.InvalidTask("a direction has no length"), {}),
     (errors.PreviewError("the preview is closed"), {}),
 ]

@@ -13,6 +13,7 @@ from typing import Any
 from srs_ik.bench.growth import Growth
 from srs_ik.bench.own import Batch
 from srs_ik.bench.timing import Timed
+from srs_ik.kernels.native import at_work
 
 FIRST_ANSWER = {
     "import_s": "`import srs_ik` in a new process",
@@ -96,7 +97,7 @@ def _table(columns: Sequence[str], texts: int, rows: Iterable[Sequence[str]]) ->
     return "\n".join("| " + " | ".join(cells) + " |" for cells in (columns, rule, *rows))
 
 
-def machine(packages: Sequence[str] = ("srs-ik", "pin", "numpy", "numba")) -> dict[str, str]:
+def machine(packages: Sequence[str] = ("srs-ik", "pin", "numpy")) -> dict[str, str]:
     """What the figures belong to; the load says how much else the machine had to do."""
     cpu = platform.processor() or platform.machine()
     details = Path("/proc/cpuinfo")
@@ -105,4 +106,10 @@ def machine(packages: Sequence[str] = ("srs-ik", "pin", "numpy", "numba")) -> di
         cpu = models[0] if models else cpu
     load = f"{os.getloadavg()[0]:.1f}" if hasattr(os, "getloadavg") else "unknown"
     versions = {name: metadata.version(name) for name in packages}
-    return {"CPU": f"{cpu}, {os.cpu_count()} cores", "load": load, "Python": platform.python_version(), **versions}
+    return {
+        "CPU": f"{cpu}, {os.cpu_count()} cores",
+        "load": load,
+        "Python": platform.python_version(),
+        **versions,
+        "kernels": at_work(),
+    }

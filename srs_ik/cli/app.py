@@ -10,7 +10,24 @@ import typer
 from typer.core import TyperGroup
 
 from srs_ik import __version__
-from srs_ik.cli import bench, ellipsoids, fk, inspect, intervals, path, plot, preview, reproduce, robots, solve, task
+from srs_ik.cli import (
+    bench,
+    ellipsoids,
+    fk,
+    follow,
+    inspect,
+    intervals,
+    map,
+    path,
+    place,
+    plot,
+    preview,
+    reproduce,
+    robots,
+    solve,
+    task,
+    warm,
+)
 from srs_ik.cli.options import ExampleCommand, NumbersCommand, WrongInput
 from srs_ik.cli.waiting import announce_compilation
 
@@ -83,9 +100,13 @@ def _no_such_option(error: Any) -> str:
     return f"{error.ctx.info_name} has no option {error.option_name}{hint}"
 
 
-def _show_version(wanted: bool) -> None:
+def _show_version(context: typer.Context, wanted: bool) -> None:
     if wanted:
         typer.echo(__version__)
+        if context.params.get("verbose"):
+            from srs_ik.kernels.native import at_work
+
+            typer.echo(f"kernels: {at_work()}")
         raise typer.Exit
 
 
@@ -102,7 +123,10 @@ app = typer.Typer(
 def srs_ik(
     context: typer.Context,
     version: Annotated[
-        bool, typer.Option("--version", help="Print the version and leave.", is_eager=True, callback=_show_version)
+        bool, typer.Option("--version", help="Print the version and leave.", callback=_show_version)
+    ] = False,
+    verbose: Annotated[
+        bool, typer.Option("--verbose", help="With --version: how kernels are compiled, too.", is_eager=True)
     ] = False,
 ) -> None:
     """Inverse kinematics of 7-joint shoulder-elbow-wrist (S-R-S) arms, in metres and radians.
@@ -121,9 +145,13 @@ app.command("fk", cls=NumbersCommand)(fk.fk)
 app.command("solve", cls=NumbersCommand)(solve.solve)
 app.command("intervals", cls=NumbersCommand)(intervals.intervals)
 app.command("path", cls=NumbersCommand)(path.path)
+app.command("place", cls=NumbersCommand)(place.place)
+app.add_typer(map.map_app, name="map")
+app.command("follow", cls=NumbersCommand)(follow.follow)
 app.command("ellipsoids", cls=NumbersCommand)(ellipsoids.ellipsoids)
 app.command("plot", cls=NumbersCommand)(plot.plot)
 app.command("preview", cls=NumbersCommand)(preview.preview)
 app.command("task", cls=NumbersCommand)(task.task)
 app.command("reproduce", cls=NumbersCommand)(reproduce.reproduce)
 app.command("bench", cls=ExampleCommand)(bench.bench)
+app.command("warm")(warm.warm)

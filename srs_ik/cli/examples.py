@@ -20,6 +20,11 @@ EXAMPLES: dict[str, Sequence[str]] = {
     ),
     "intervals": (f"srs-ik intervals iiwa14 {_POSE}", f"srs-ik intervals iiwa14 --q {_Q} --plot intervals.png"),
     "path": ("srs-ik path iiwa14 poses.csv --dt 0.01 --out joints.csv",),
+    "place": ("srs-ik place iiwa14 poses.csv --grid -1 1 21 -1 1 21 --by width",),
+    "follow": (
+        "srs-ik follow iiwa14 poses.csv --dt 0.002 --out joints.csv",
+        "srs-ik follow iiwa14 poses.csv --dt 0.01 --smoothing 0.05 --elbow limit_margin --json",
+    ),
     "ellipsoids": (f"srs-ik ellipsoids iiwa14 --q {_Q} --limits --along 0 0 1",),
     "plot": (
         f"srs-ik plot intervals iiwa14 {_POSE} --output intervals.png",

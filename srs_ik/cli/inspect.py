@@ -27,6 +27,9 @@ XacroArg = Annotated[
 Write = Annotated[
     Path | None, typer.Option(metavar="robot.toml", help="Write an adapter for the arm, which every command takes.")
 ]
+Packed = Annotated[
+    Path | None, typer.Option(metavar="FILE", help="Write the one arm as C programs read it; see docs/cpp.md.")
+]
 
 
 def inspect(
@@ -41,6 +44,7 @@ def inspect(
     bodies: Annotated[
         bool, typer.Option("--bodies", help="Show the bodies of the one arm: spheres, and pairs that are watched.")
     ] = False,
+    packed: Packed = None,
     as_json: AsJson = False,
 ) -> None:
     """Show the 7-joint arms that are recognised in a robot.
@@ -73,6 +77,13 @@ def inspect(
         if srdf is not None:
             arm = arm.with_bodies(srdf=srdf)
         answer |= bodies_of(arm)
+    if packed is not None and accepted:
+        from srs_ik.loading import load
+        from srs_ik.solve.packed import limb_file
+        from srs_ik.writing import write_whole
+
+        write_whole(packed, limb_file(load(source, **reading, **chosen).packed))
+        typer.echo(f"srs-ik: wrote {packed}", err=True)
     if as_json:
         print_json(answer)
     else:

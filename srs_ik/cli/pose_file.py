@@ -43,13 +43,40 @@ def read_poses(path: Path, unit: float) -> tuple[np.ndarray, list[int]]:
     """
     import numpy as np
 
+    table = read_table(path, (*POSITION, *RPY))
+    poses, lines = _poses(path, table, unit, lost=False)
+    return np.array(poses), lines
+
+
+def read_targets(path: Path, unit: float) -> list[np.ndarray | None]:
+    """The poses of a CSV file as `read_poses` does, one a period; None where a line has nan in place of one.
+
+    Args:
+        path: the file.
+        unit: radians in the unit of roll, pitch and yaw.
+
+    Raises:
+        WrongInput: the header lacks a column, or a line some of its numbers; the message says which line.
+        OSError: the file cannot be read.
+    """
+    return _poses(path, read_table(path, (*POSITION, *RPY)), unit, lost=True)[0]
+
+
+def _poses(
+    path: Path, table: list[tuple[int, list[str]]], unit: float, lost: bool
+) -> tuple[list[np.ndarray | None], list[int]]:
+    """The poses of a table and their lines; where targets may be lost, None for a line of nan."""
     from srs_ik.errors import InvalidPose
     from srs_ik.inputs.rotations import pose_from_xyz_quaternion, pose_from_xyz_rpy
 
-    table = read_table(path, (*POSITION, *RPY))
     columns, turned = _columns(path, *table[0])
-    poses, lines, largest = [], [], 0.0
+    poses: list[np.ndarray | None] = []
+    lines, largest = [], 0.0
     for line, row in table[1:]:
+        if lost and all(_is_nan(row, index) for index in columns.values()):
+            poses.append(None)
+            lines.append(line)
+            continue
         values = list(figures(f"{path}, line {line}", row, columns))
         position, orientation = values[:3], values[3:]
         try:
@@ -66,7 +93,12 @@ def read_poses(path: Path, unit: float) -> tuple[np.ndarray, list[int]]:
         raise WrongInput(f"{path} has a header and no poses below it")
     if unit == 1.0:
         warn_of_degrees(str(path), [largest], " Then add --degrees.")
-    return np.array(poses), lines
+    return poses, lines
+
+
+def _is_nan(row: Sequence[str], index: int) -> bool:
+    """Whether a cell says that it is no number."""
+    return index < len(row) and row[index].strip().lower() == "nan"
 
 
 def read_table(path: Path, columns: Sequence[str]) -> list[tuple[int, list[str]]]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import sys
+from collections.abc import Callable
 from enum import StrEnum
 from functools import partial
 from pathlib import Path
@@ -17,7 +18,11 @@ from srs_ik.cli.task import Six
 if TYPE_CHECKING:
     from rich.progress import Progress, TaskID
 
+    from srs_ik.arm import Arm
+    from srs_ik.paper.experiments.setting import Outcome
+
 PAPERS_LIMB = "human_arm"
+CONTROLLED_ARM = "iiwa14"
 
 
 class Experiment(StrEnum):
@@ -29,6 +34,7 @@ class Experiment(StrEnum):
     c_grasp = "c-grasp"
     walking = "walking"
     all = "all"
+    control = "control"
 
 
 def reproduce(
@@ -36,14 +42,20 @@ def reproduce(
         Experiment,
         typer.Argument(
             help="Left and right arms at one target; targets in a sphere; errors of the inverse kinematics; C against "
-            "extension and grasp; a walking leg; or all of them.",
+            "extension and grasp; a walking leg; or all of these five. And control: torque control in simulation, ten "
+            "experiments (extra 'sim').",
             show_default=False,
         ),
     ],
     out: Annotated[Path | None, typer.Option(metavar="DIR", help="Folder of the results; has to be given.")] = None,
     robot: Annotated[
-        str, typer.Option(metavar="ROBOT|FILE", help="Another arm than the paper's limb, by name or file.")
-    ] = PAPERS_LIMB,
+        str | None,
+        typer.Option(
+            metavar="ROBOT|FILE",
+            help="Another arm than the paper's limb, by name or file; control takes iiwa14 if none is named.",
+            show_default=False,
+        ),
+    ] = None,
     base: Base = None,
     tip: Tip = None,
     limb: Limb = None,
@@ -55,11 +67,15 @@ def reproduce(
             help="Grasp and pronosupination direction of the hand in the tip frame, for a robot that gives none.",
         ),
     ] = None,
+    short: Annotated[
+        bool, typer.Option("--short", help="Control alone: few seeds and short motions, to see that all runs.")
+    ] = False,
 ) -> None:
     """Repeat the experiments of the source paper on its limb, or on any arm (extra 'plot').
 
     Each leaves a picture, NAME.png and NAME.svg, and its figures in NAME.json. The folder is made if it is not there.
-    Joint limits play no part, as in the paper.
+    Joint limits play no part, as in the paper. "control" is what the paper leaves to the future: some minutes in
+    MuJoCo, with the names control-NAME.
     """
     if out is None:
         raise WrongInput("name the folder of the results: --out DIR")
@@ -72,28 +88,46 @@ def reproduce(
     from rich.progress import Progress
 
     from srs_ik.loading import load
-    from srs_ik.paper.experiments import EXPERIMENTS
     from srs_ik.paper.experiments.files import write
 
+    chosen = _chosen(experiment, short)
     arm = load(
-        robot,
+        robot or (CONTROLLED_ARM if experiment is Experiment.control else PAPERS_LIMB),
         base=base,
         tip=tip,
         limb=limb,
         allow_xacro=allow_xacro,
         hand=None if axes is None else [axes[:3], axes[3:]],
     )
-    names = list(EXPERIMENTS) if experiment is Experiment.all else [experiment.value]
     out.mkdir(parents=True, exist_ok=True)
     # Where nobody looks, a bar would leave an empty line.
     with Progress(console=Console(stderr=True), transient=True, disable=not sys.stderr.isatty()) as bar:
-        for name in names:
+        for name, run in chosen.items():
             # Drawing takes about as long as computing.
             task = bar.add_task(name, total=2.0)
-            outcome = EXPERIMENTS[name](arm, partial(_advance, bar, task))
+            outcome = run(arm, partial(_advance, bar, task))
             for path in write(out, name, arm, outcome):
                 typer.echo(path)
             bar.update(task, completed=2.0)
+
+
+def _chosen(experiment: Experiment, short: bool) -> dict[str, Callable[[Arm, Callable[[float], None]], Outcome]]:
+    """The experiments to run, by name, each a function of an arm and a progress.
+
+    Raises:
+        MissingExtra: MuJoCo is not installed, and control is chosen.
+    """
+    if experiment is Experiment.control:
+        from srs_ik.paper.experiments.control import CONTROL
+        from srs_ik.sim.model import import_mujoco
+
+        import_mujoco()
+        return {name: partial(run, short=short) for name, run in CONTROL.items()}
+    from srs_ik.paper.experiments import EXPERIMENTS
+
+    if short:
+        raise WrongInput("--short is for control alone")
+    return dict(EXPERIMENTS) if experiment is Experiment.all else {experiment.value: EXPERIMENTS[experiment.value]}
 
 
 def _advance(bar: Progress, task: TaskID, share: float) -> None:

@@ -6,10 +6,14 @@ import signal
 import sys
 import threading
 import warnings
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from types import FrameType
-from typing import Any
+from typing import Any, TypeVar
+
+from srs_ik.kernels.native import extension
+
+T = TypeVar("T")
 
 _CALLBACKS = "_raw_object_cache"
 """How the functions begin that LLVM calls while it compiles: an exception in one is printed and lost."""
@@ -27,8 +31,11 @@ def _interrupt(number: int, frame: FrameType | None) -> None:
 
 
 def announce_compilation() -> None:
-    """Print one line on standard error when something is first compiled; programs that read it, and logs, get none."""
-    if not sys.stderr.isatty():
+    """Print one line on standard error when something is first compiled; programs that read it, and logs, get none.
+
+    Where the kernels were compiled when the package was built, nothing is.
+    """
+    if not sys.stderr.isatty() or extension() is not None:
         return
     from numba.core import event
 
@@ -38,7 +45,8 @@ def announce_compilation() -> None:
         def on_start(self, event: Any) -> None:
             if not self.said:
                 self.said = True
-                print("srs-ik: compiling for this machine, once; it takes up to half a minute", file=sys.stderr)
+                words = "compiling for this machine, once; it takes up to a minute ('srs-ik warm': all at once)"
+                print(f"srs-ik: {words}", file=sys.stderr)
 
         def on_end(self, event: Any) -> None:
             pass
@@ -61,6 +69,17 @@ def at_work(words: str) -> Iterator[None]:
         task = bar.add_task(words, total=None)
         with watched(lambda begun, count: bar.update(task, completed=begun, total=count)):
             yield
+
+
+def counted(items: Sequence[T], words: str) -> Iterator[T]:
+    """Go through items, and show in a terminal how far that is."""
+    if not sys.stderr.isatty():
+        yield from items
+        return
+    from rich.console import Console
+    from rich.progress import track
+
+    yield from track(items, words, console=Console(stderr=True), transient=True)
 
 
 def warn_in_one_line() -> None:

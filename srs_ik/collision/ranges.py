@@ -77,7 +77,7 @@ def least_distances(
     bounds = np.empty(len(edges) - 1)
     for k in range(len(bounds)):
         first, half = 0.5 * (edges[k] + edges[k + 1]), 0.5 * (edges[k + 1] - edges[k])
-        bounds[k] = _least(partial(distance, float(first)), turn, reaches[1]) - half * reaches[0]
+        bounds[k] = _least(partial(distance, first), turn, reaches[1]) - half * reaches[0]
     return bounds
 
 

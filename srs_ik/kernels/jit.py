@@ -1,9 +1,12 @@
 """The two decorators of this folder: `kernel` for functions called by kernels, `entry` for those called from Python.
 
-With NUMBA_DISABLE_JIT=1 both leave a function as it is, for a debugger.
+Where the entries were compiled when the package was built (see `native`), an entry is its compiled form, the kernels
+behind it are never called, and Numba need not be there. Else, or with SRS_IK_JIT=1, Numba compiles what is called. With
+NUMBA_DISABLE_JIT=1 a function stays as it is, for a debugger.
 
-Only entry points are cached on disk (see `disk`); their machine code contains all that they call, so the cache is keyed
-by a digest of the entry's file and of every kernel file that it imports, however indirectly.
+Of what Numba compiles, only entry points are cached on disk (see `disk`); their machine code contains all that they
+call, so the cache is keyed by a digest of the entry's file and of every kernel file that it imports, however
+indirectly.
 """
 
 from __future__ import annotations
@@ -15,11 +18,25 @@ from functools import cache, partial
 from pathlib import Path
 from typing import Any
 
-from numba import config, njit, types
+from srs_ik.kernels import native
 
-from srs_ik.kernels.disk import KernelCache
+AHEAD = native.extension() is not None
+"""Whether entries were compiled when the package was built."""
 
-_compile = njit(error_model="numpy", nogil=True, no_cpython_wrapper=True, no_cfunc_wrapper=True)
+BY_NUMBA = not AHEAD and not native.asked_for("NUMBA_DISABLE_JIT")
+"""Whether Numba compiles what is called."""
+
+if BY_NUMBA:
+    try:
+        from numba import njit, types
+    except ImportError as error:
+        raise ImportError(
+            "srs_ik has no compiled kernels here, and no Numba to compile them: pip install 'srs-ik[jit]'"
+        ) from error
+
+    from srs_ik.kernels.disk import KernelCache
+
+    _compile = njit(error_model="numpy", nogil=True, no_cpython_wrapper=True, no_cfunc_wrapper=True)
 
 
 def kernel(function: Callable[..., Any]) -> Callable[..., Any]:
@@ -27,7 +44,7 @@ def kernel(function: Callable[..., Any]) -> Callable[..., Any]:
 
     Numba would compile a kernel anew for every constant that it is called with; here a constant counts as its type.
     """
-    if config.DISABLE_JIT:
+    if not BY_NUMBA:
         return function
     dispatcher = _compile(function)
     template = dispatcher.get_call_template
@@ -68,8 +85,13 @@ def source_digest(path: Path) -> str:
 
 
 def entry(function: Callable[..., Any]) -> Callable[..., Any]:
-    """Decorator of an entry point: compiled once, then loaded from disk until a source that it needs has changed."""
-    if config.DISABLE_JIT:
+    """Decorator of an entry point: compiled with the package, or once by Numba, then loaded from disk.
+
+    What is loaded from disk is out of date where a source that it needs has changed.
+    """
+    if AHEAD:
+        return native.compiled_entry(function)
+    if not BY_NUMBA:
         return function
     dispatcher = njit(error_model="numpy", nogil=True)(function)
     dispatcher._cache = KernelCache(function, partial(source_digest, Path(function.__code__.co_filename)))

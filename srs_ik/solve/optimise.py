@@ -29,6 +29,9 @@ Array = NDArray[np.float64]
 _ROUNDING = 1e-9
 """A posture this near to the end of an interval, rad, is on it."""
 
+_USUAL_ROWS = 4096
+"""Room for the samples of a pose; the few that have more are sampled again."""
+
 
 class Optimum(Solution):
     """The best posture for an objective.
@@ -145,9 +148,14 @@ def _by_function(
     evaluate = objective.evaluator(chain)
     sign = -1.0 if objective.maximise else 1.0
     runs = np.empty((at.MOST_RUNS, at.RUN))
-    rows, k, verdict = entries.sample(arm.family, T, respect_limits, runs)
+    rows = np.empty((_USUAL_ROWS, entries.SAMPLE))
+    n, k, verdict = entries.sample(arm.family, T, respect_limits, runs, rows)
     if verdict:
         raise invalid_pose(verdict)
+    if n > len(rows):
+        rows = np.empty((n, entries.SAMPLE))
+        entries.sample(arm.family, T, respect_limits, runs, rows)
+    rows = rows[:n]
 
     def search(rows: Array, k: int, best: float) -> tuple[float, int, Array]:
         """Value, run and row of the best posture of some runs; run -1 where none is below `best`."""
@@ -182,8 +190,9 @@ def _by_function(
     lower, upper = entries.interval(arm.family, T, rows, runs[best_run])
     if runs[best_run, 0] >= at.SURFACE:
         for _ in range(at.ROUNDS):
-            rows, k = entries.star(arm.family, T, best_row[:7].copy(), respect_limits, runs)
-            value, run, row = search(rows, k, best - at.TIE * abs(best))
+            rows = np.empty((entries.SPARE_ROWS, entries.SAMPLE))
+            n, k = entries.star(arm.family, T, best_row[:7].copy(), respect_limits, runs, rows)
+            value, run, row = search(rows[:n], k, best - at.TIE * abs(best))
             if run < 0:
                 break
             best, best_row = value, row

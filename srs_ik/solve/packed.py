@@ -12,6 +12,7 @@ from srs_ik.kernels.entries.pose import measure_shifts, pack_limits
 from srs_ik.kernels.layout import limb as at
 from srs_ik.kernels.layout import task as hand_at
 from srs_ik.kernels.layout import weights as weight_at
+from srs_ik.kernels.native import limb_mark
 from srs_ik.robot.limb import Hand, SrsLimb, Vector
 from srs_ik.solve.solution import ElbowRange
 
@@ -103,6 +104,11 @@ def pack_arm(arm: ChainKinematics, limb: SrsLimb, hand: Hand | None) -> PackedAr
         elbow=ElbowRange(float(family[at.LIMITED, at.STRAIGHT]), float(arm.lower[3]), float(arm.upper[3])),
         closed=bool(family[at.LIMITED, at.IS_CLOSED]),
     )
+
+
+def limb_file(arm: PackedArm) -> bytes:
+    """The packed limb of an arm as a file that `srs_ik_read_limb` of the C library reads."""
+    return limb_mark() + np.int64(arm.family.size).tobytes() + np.ascontiguousarray(arm.family, "<f8").tobytes()
 
 
 def pack_family(limb: SrsLimb, lower: Vector, upper: Vector) -> Vector:

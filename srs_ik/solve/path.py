@@ -11,7 +11,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from srs_ik.errors import InvalidConfiguration, MissingLimits
 from srs_ik.inputs.poses import as_joint_vector, as_matrices, as_positive, as_seed
-from srs_ik.kernels.entries.path import (
+from srs_ik.kernels.layout.answer import ROW
+from srs_ik.kernels.layout.path import (
     BY_CONTINUITY,
     BY_VELOCITY,
     INVERSE_PERIOD,
@@ -20,12 +21,12 @@ from srs_ik.kernels.entries.path import (
     POWER,
     SETTINGS,
 )
-from srs_ik.kernels.layout.answer import ROW
 from srs_ik.solve.free_splits import free_splits
+from srs_ik.solve.path_aims import best
 from srs_ik.solve.path_aims import closed as closed_way
-from srs_ik.solve.path_aims import least_largest_step
 from srs_ik.solve.path_breaks import PathBreak, breaks_of
-from srs_ik.solve.path_search import Problem, Way, off_pose, rows_of, search, steps_of
+from srs_ik.solve.path_problem import OBJECTIVES, TIME, Problem, Way, worth
+from srs_ik.solve.path_search import off_pose, rows_of
 from srs_ik.solve.pose import solve
 from srs_ik.solve.solution import BatchSolution, ElbowRange
 from srs_ik.solve.threads import interruptible
@@ -40,9 +41,6 @@ LONGEST_STEP = 0.5
 
 SHORT = 200
 """Paths of so many poses at most are done before anybody could interrupt them."""
-
-OBJECTIVES = ("sum_of_squares", "largest_step", "time")
-"""What a path can be asked to make least, among those with the fewest breaks."""
 
 ON_POSE = 1e-6
 """A posture that is given may miss its pose by so much, m and rad."""
@@ -99,18 +97,15 @@ def solve_path(
     start = None if seed is None else as_seed(seed, arm.lower, arm.upper)
     if not n:
         return PathSolution(np.empty((0, ROW)), arm.joint_names, np.empty((0, 7)), [])
-    even = objective == "sum_of_squares"
     given, has_given = _known(arm, T, known or {})
-    problem = Problem(arm, T, start, settings, dt is not None, given, has_given, np.zeros((n, 7)), even=even)
+    problem = Problem(arm, T, start, settings, dt is not None, given, has_given, np.zeros((n, 7)), objective=objective)
     if closed and np.abs(T[0] - T[-1]).max() > ON_POSE:
         raise InvalidConfiguration("a closed path ends at its first pose, and the last pose is another one")
-    if closed and objective == "largest_step":
-        raise InvalidConfiguration("a closed path is asked for the least sum of squares or time, not largest_step")
-    find = closed_way if closed else least_largest_step if objective == "largest_step" else search
+    find = closed_way if closed else best
     if n > SHORT:
         # What has to be compiled is compiled here: in another thread nobody could interrupt it.
         one = replace(problem, T=T[:1], known=given[:1], has_known=has_given[:1], near=problem.near[:1])
-        rows_of(one, search(one))
+        rows_of(one, find(one))
     way, rows = interruptible(lambda stop: _found(find, replace(problem, stop=stop)), worth_it=n > SHORT)
     rows[:, :7] = _unwound(arm, rows[:, :7], start)
     steps = np.diff(rows[:, :7], axis=0)
@@ -122,7 +117,7 @@ def _found(find: Callable[[Problem], Way], problem: Problem) -> tuple[Way, Array
     way = find(problem)
     held = _with_held_splits(problem)
     if held is not None:
-        way = min(way, find(held), key=lambda way: _price(problem, way))
+        way = min(way, find(held), key=lambda way: worth(problem, way))
     return way, rows_of(problem, way)
 
 
@@ -146,14 +141,6 @@ def _with_held_splits(problem: Problem) -> Problem | None:
     return replace(problem, known=known, has_known=has_known) if (has_known != problem.has_known).any() else None
 
 
-def _price(problem: Problem, way: Way) -> tuple[int, float]:
-    """Poses that are not reached and steps that are too long, then the sum of squared joint steps from the start on."""
-    q = way.q[way.reached]
-    steps = steps_of(problem, q if problem.seed is None else np.vstack([problem.seed, q]))
-    breaks = int((np.abs(steps) > problem.settings[BY_CONTINUITY]).any(axis=1).sum())
-    return int((~way.reached).sum()) + breaks, float((steps**2).sum())
-
-
 def _known(arm: PackedArm, T: Array, known: Mapping[int, ArrayLike]) -> tuple[Array, NDArray[np.bool_]]:
     """(n, 7) postures that are given, and (n,) where they are."""
     given, has_given = np.zeros((len(T), 7)), np.zeros(len(T), np.bool_)
@@ -174,7 +161,7 @@ def _settings(arm: PackedArm, dt: float | None, longest_step: float, objective: 
     settings = np.zeros((SETTINGS, 7))
     settings[BY_VELOCITY] = np.inf if dt is None else arm.velocity_limit * as_positive(dt, "dt", "seconds")
     settings[BY_CONTINUITY] = as_positive(longest_step, "longest_step", "radians")
-    if objective == "time":
+    if objective == TIME:
         missing = ~(np.isfinite(arm.velocity_limit) & (arm.velocity_limit > 0.0))
         if missing.any():
             raise MissingLimits("velocity", [arm.joint_names[j] for j in np.flatnonzero(missing)], arm.name)

@@ -6,13 +6,18 @@ from dataclasses import replace
 
 import numpy as np
 
-from srs_ik.kernels.entries.path import BREAK, INVERSE_SPEED, POWER
-from srs_ik.solve.path_search import FINE_WIDTHS, Problem, Way, copy, find_way, refine, search, search_around, steps_of
+from srs_ik.kernels.layout.path import BREAK, BY_VELOCITY
+from srs_ik.solve.path_blocks import find_way
+from srs_ik.solve.path_polish import WIDTHS, polish, refine
+from srs_ik.solve.path_problem import LARGEST_STEP, SUM_OF_SQUARES, Problem, Way, worth
+from srs_ik.solve.path_search import search
 from srs_ik.solve.pose import solve_all
 
-POWERS = (8.0, 32.0, 128.0)
-"""Powers of the largest step of each pose whose sum is made least, one after the other: the higher, the more it counts
-how large the largest of all is."""
+SEARCHES = 3
+"""A path with a smaller largest step is searched for so often at most ..."""
+
+BELOW = 0.97
+"""... where steps are to be below this part of the last one."""
 
 STARTS = 6
 """Most postures at which a closed path is tried to begin."""
@@ -21,57 +26,57 @@ TURNS = 3
 """How often the place moves at which a closed path is held."""
 
 
-def largest_step(problem: Problem, way: Way) -> float:
-    """Largest joint step of a path, that from the seed included."""
-    q = way.q[way.reached]
-    if problem.seed is not None:
-        q = np.vstack([problem.seed, q])
-    return float(np.abs(steps_of(problem, q)).max(initial=0.0))
+def best(problem: Problem) -> Way:
+    """The best path by what it is asked to make least."""
+    return least_largest_step(problem) if problem.objective == LARGEST_STEP else search(problem)
 
 
 def least_largest_step(problem: Problem) -> Way:
-    """The path whose largest joint step is least."""
-    way = search(replace(problem, even=True))
+    """The path whose largest joint step is least, from that of the least sum of squares on.
+
+    Moved all at once, a path is the best one near it; then one is searched for whose steps are smaller.
+    """
+    way = search(replace(problem, objective=SUM_OF_SQUARES))
     if way.cost >= 0.5 * BREAK:
         return way
-    chain = np.flatnonzero(way.reached)
-    for power in POWERS:
+    polish(problem, way)
+    for _ in range(SEARCHES):
         settings = problem.settings.copy()
-        settings[INVERSE_SPEED] = 1.0 / max(largest_step(problem, way), 1e-12)
-        settings[POWER] = power
-        steep = replace(problem, settings=settings, even=False)
-        found = find_way(steep, chain, False) if power == POWERS[0] else copy(way)
-        refine(steep, found, FINE_WIDTHS, False)
-        if found.cost < 0.5 * BREAK and largest_step(problem, found) <= largest_step(problem, way):
-            way = search_around(steep, found)
-            if largest_step(problem, way) > largest_step(problem, found):
-                way = found
+        settings[BY_VELOCITY] = BELOW * worth(problem, way)[1]
+        slower = replace(problem, settings=settings, limited=True, objective=SUM_OF_SQUARES)
+        other = find_way(slower, np.flatnonzero(way.reached), False)
+        if other.cost >= 0.5 * BREAK:
+            break
+        refine(slower, other, WIDTHS, False)
+        polish(problem, other)
+        if not worth(problem, other) < worth(problem, way):
+            break
+        way = other
     return way
 
 
 def closed(problem: Problem) -> Way:
     """A path that ends in the posture in which it begins."""
     n = len(problem.T)
-    free = search(problem)
+    free = best(problem)
     others = solve_all(problem.arm, problem.T[0], None, True)
     starts = [free.q[0], free.q[-1], *(s.q for s in others)][:STARTS] if free.reached[[0, -1]].all() else []
     if problem.has_known[[0, -1]].any():
         starts = [problem.known[0 if problem.has_known[0] else -1]]
-    best = free
-    lowest = np.inf
+    found, lowest = free, (len(problem.T) + 1, np.inf)
     for start in starts:
         known, has_known = problem.known.copy(), problem.has_known.copy()
         known[[0, -1]] = start
         has_known[[0, -1]] = True
-        way = search(replace(problem, known=known, has_known=has_known))
-        if way.cost < lowest:
-            best, lowest = way, way.cost
-    if problem.seed is not None or problem.has_known.any() or not np.isfinite(lowest) or not best.reached.all():
-        return best
+        way = best(replace(problem, known=known, has_known=has_known))
+        if worth(problem, way) < lowest:
+            found, lowest = way, worth(problem, way)
+    if problem.seed is not None or problem.has_known.any() or lowest[0] or not found.reached.all():
+        return found
     # The start was no free choice: held in its middle, the same circle may move there.
     for _ in range(TURNS):
-        best = _rolled(problem, best, n // 2)
-    return best
+        found = _rolled(problem, found, n // 2)
+    return found
 
 
 def _rolled(problem: Problem, way: Way, by: int) -> Way:
@@ -86,8 +91,8 @@ def _rolled(problem: Problem, way: Way, by: int) -> Way:
     has_known[[0, -1]] = True
     near = turned.q.copy()
     narrow = replace(problem, T=problem.T[order], seed=None, known=near, has_known=has_known)
-    found = search(narrow)
-    if not found.cost < way.cost:
+    found = best(narrow)
+    if not worth(narrow, found) < worth(narrow, turned):
         return way
     back = np.append(np.roll(np.arange(n - 1), by), 0 if by == 0 else (n - 1 - by) % (n - 1))
     result = Way(n)

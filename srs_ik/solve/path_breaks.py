@@ -8,8 +8,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from srs_ik.kernels.entries.path import BY_CONTINUITY
-from srs_ik.solve.path_search import Problem, Wall, Way, find_way
+from srs_ik.kernels.layout.path import BY_CONTINUITY
+from srs_ik.solve.path_blocks import find_way
+from srs_ik.solve.path_problem import Problem, Wall, Way
 from srs_ik.solve.pose import solve
 from srs_ik.solve.solution import BatchSolution
 

@@ -42,6 +42,9 @@ from srs_ik.kernels.optimum.objectives import objective, toward_reference
 from srs_ik.kernels.optimum.search import ROUNDING, close_in, find_brackets, survey_best, value_rows
 from srs_ik.kernels.optimum.split_runs import MOST_ROWS, put_star, survey_splits
 
+__all__ = ["SAMPLE", "SPARE_ROWS"]
+"""What a search in Python has to know of the kernels behind these."""
+
 ROWS_A_PIECE = 160
 """Room for the samples of each interval of an exact limb."""
 
@@ -168,26 +171,29 @@ def optimise(family, T, kind, second, tolerance, resolution, params, respect, so
 
 
 @entry
-def sample(family, T, respect, runs):
-    """Samples of all feasible postures of a pose (n, SAMPLE), the number of runs written, and its verdict."""
+def sample(family, T, respect, runs, rows):
+    """Samples of all feasible postures of a pose: how many there are, the number of runs written, and the verdict.
+
+    They are written to `rows` (n, SAMPLE) where that holds them all, else nothing is.
+    """
     R, p, verdict = read_pose(row(T, 0))
     if verdict != GOOD_POSE:
-        return np.empty((0, SAMPLE)), 0, verdict
+        return 0, 0, verdict
     place_ = place(row(family, LIMITED), R, p)
-    rows, n, k, _ = survey(family, place_, R, p, respect, runs, np.empty((6, 7)), np.empty((16, 9)))
-    return rows[:n], k, GOOD_POSE
+    found, n, k, _ = survey(family, place_, R, p, respect, runs, np.empty((6, 7)), np.empty((16, 9)))
+    if n <= rows.shape[0]:
+        rows[:n] = found[:n]
+    return n, k, GOOD_POSE
 
 
 @entry
-def star(family, T, q, respect, runs):
-    """Samples of the postures around one on a surface of them (n, SAMPLE), and the number of runs written."""
+def star(family, T, q, respect, runs, rows):
+    """Samples of the postures around one on a surface, in `rows` (SPARE_ROWS, SAMPLE): the number of rows and runs."""
     R, p, _ = read_pose(row(T, 0))
     P = row(family, LIMITED)
     side = elbow_side(P, place(P, R, p), 0)
-    rows = np.empty((SPARE_ROWS, SAMPLE))
     line = np.empty((SPARE_ROWS, SAMPLE))
-    n, k = put_star(P, side, R, p, read7(q), respect, line, rows, runs, np.empty((6, 7)), np.empty((16, 9)))
-    return rows[:n], k
+    return put_star(P, side, R, p, read7(q), respect, line, rows, runs, np.empty((6, 7)), np.empty((16, 9)))
 
 
 @entry

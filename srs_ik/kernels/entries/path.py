@@ -1,4 +1,7 @@
-"""Entry points for joint paths: the strips of all poses, the best way through them, and its refinement."""
+"""Entry points for joint paths: the strips of all poses, the best way through them, and its refinement.
+
+They take plain arrays, whatever their number; behind them, what travels together goes as one.
+"""
 
 from __future__ import annotations
 
@@ -14,56 +17,41 @@ from srs_ik.kernels.exact.samples import MAX_SAMPLES
 from srs_ik.kernels.jit import entry
 from srs_ik.kernels.layout.answer import GOOD_POSE, MAX_PIECES, ROW_ARM_ANGLE
 from srs_ik.kernels.layout.limb import IS_CLOSED, LIMITED
+from srs_ik.kernels.layout.path import (
+    NODE,
+    NODE_BRANCH,
+    NODE_PSI,
+    SQUARES,
+    STRIP_FIRST,
+    STRIP_LAST,
+    Aim,
+    Around,
+    Course,
+    Desk,
+    Line,
+    Rules,
+    Sheet,
+    Space,
+    Span,
+)
 from srs_ik.kernels.limb.branches import branch_of
 from srs_ik.kernels.limb.limits import TURN
 from srs_ik.kernels.limb.poses import read7, read_pose
 from srs_ik.kernels.limb.triangle import place
-from srs_ik.kernels.path.between import follow_on, pose_change
+from srs_ik.kernels.path.between import between_two, follow_on, pose_change
+from srs_ik.kernels.path.bridge import bridge_to
 from srs_ik.kernels.path.corridor import corridor, put_on_poses
 from srs_ik.kernels.path.pose_strips import list_strips, pose_strips
 from srs_ik.kernels.path.programme import (
-    BREAK,
-    BY_CONTINUITY,
-    BY_VELOCITY,
-    INVERSE_PERIOD,
-    INVERSE_SPEED,
-    PERIOD,
-    POWER,
-    SETTINGS,
     advance,
     cheapest,
     first_costs,
     path_cost,
-    scale_settings,
+    rules_for,
     step_back,
 )
 from srs_ik.kernels.path.smoothing import smooth
-from srs_ik.kernels.path.strips import (
-    DEEPEST,
-    NODE,
-    NODE_BRANCH,
-    NODE_PSI,
-    STRIP,
-    STRIP_FIRST,
-    STRIP_LAST,
-    is_wide,
-    put_node,
-)
-
-__all__ = [
-    "BREAK",
-    "BY_CONTINUITY",
-    "BY_VELOCITY",
-    "INVERSE_PERIOD",
-    "INVERSE_SPEED",
-    "NODE",
-    "PERIOD",
-    "POWER",
-    "SETTINGS",
-    "STRIP",
-    "STRIP_FIRST",
-]
-"""What the search has to know of the kernels behind these."""
+from srs_ik.kernels.path.strips import DEEPEST, put_node
 
 MOST_NODES = 4096
 """Most postures of a pose."""
@@ -71,7 +59,7 @@ MOST_NODES = 4096
 MOST_STRIPS = 512
 """Most strips of a pose."""
 
-KEY_CHANGE = 0.04
+KEY_CHANGE = 0.25
 """A path is planned at poses this far apart, rad."""
 
 FARTHEST_KEY = 8
@@ -116,6 +104,8 @@ def sweep(
     stop,
     known,
     has_known,
+    bridges,
+    bridge_ends,
     near,
     radius,
     seed,
@@ -140,6 +130,8 @@ def sweep(
         stop: (1,) set by another thread where nobody wants the answer any more; the arrays are then left as they are.
         known: (n, 7) postures that are given.
         has_known: (n,) where they are.
+        bridges: (b, 7) postures beside those of the strips, one pose after the other.
+        bridge_ends: (n + 1,) the first of each pose.
         near: (n, 7) postures around which strips are finer.
         radius: how far around, rad; 0: nowhere.
         seed: (7,) posture before the first one, or None.
@@ -157,14 +149,8 @@ def sweep(
     Returns:
         The number of the next key pose, and the row in `ends` of the last one that is reached (0: none).
     """
-    P = row(family, LIMITED)
-    wide = False
-    for joint in range(7):
-        wide = wide or is_wide(P, joint)
-    linked = np.zeros(nodes.shape[0], np.bool_)
-    found = np.empty((8 * MAX_PIECES, 3))
-    work = (np.empty(MAX_SAMPLES), np.empty((DEEPEST, NODE)))
-    turns = np.zeros(7)
+    sheet = Sheet(nodes, np.zeros(nodes.shape[0], np.bool_), cost, strips)
+    desk = Desk(np.empty((8 * MAX_PIECES, 3)), np.empty(MAX_SAMPLES), np.empty((DEEPEST, NODE)), np.zeros((3, 7)))
     scaled = settings.copy()
     last = 0
     n, m = ends[0, 1], ends[0, 3]
@@ -178,38 +164,24 @@ def sweep(
         ends[at, 2] = m
         if has_known[pose]:
             put_node(nodes, n, read7(row(known, pose)), 0.0, -1)
-            linked[n] = False
-            m = list_strips(nodes, linked, n, n + 1, strips, m)
             n += 1
         else:
-            n, m = pose_strips(
-                family,
-                row(poses, pose),
-                read7(row(near, pose)),
-                radius,
-                found,
-                nodes,
-                linked,
-                n,
-                strips,
-                m,
-                work,
-                turns,
-                wide,
-                J,
-                A,
-            )
+            around = Around(read7(row(near, pose)), radius)
+            n = pose_strips(family, row(poses, pose), around, sheet, n, desk, J, A)
+            for k in range(bridge_ends[pose], bridge_ends[pose + 1]):
+                put_node(nodes, n, read7(row(bridges, k)), 0.0, -1)
+                sheet.linked[n] = False
+                n += 1
+        m = list_strips(sheet, ends[at, 0], n, m)
         ends[at, 1] = n
         ends[at, 3] = m
-        if ends[at, 1] > ends[at, 0]:
+        if n > ends[at, 0]:
+            now = Span(ends[at, 0], n, ends[at, 2], m)
             if carried < 0:
-                first_costs(nodes, cost, ends[at, 0], n, seed, settings)
+                first_costs(sheet, now, seed, settings)
             else:
-                between = pose - carried
-                scale_settings(settings, between, scaled)
-                before = (ends[last, 0], ends[last, 1], ends[last, 2], ends[last, 3])
-                now = (ends[at, 0], n, ends[at, 2], m)
-                advance(nodes, cost, strips, before, now, scaled, limited, 1.0 / between, exact)
+                before = Span(ends[last, 0], ends[last, 1], ends[last, 2], ends[last, 3])
+                advance(sheet, before, now, rules_for(settings, scaled, pose - carried, limited), exact)
             carried = pose
             last = at
         i += 1
@@ -239,20 +211,19 @@ def go_back(keys, first, count, following, settings, limited, nodes, cost, strip
     Returns:
         The first pose of these that is reached, or `following`; and the least cost if there was none behind these.
     """
+    sheet = Sheet(nodes, cost, cost, strips)
     scaled = settings.copy()
     least = -1.0
     for j in range(count, 0, -1):
         if ends[j, 0] == ends[j, 1]:
             continue
         pose = keys[first + j - 1]
-        before = (ends[j, 0], ends[j, 1], ends[j, 2], ends[j, 3])
+        span = Span(ends[j, 0], ends[j, 1], ends[j, 2], ends[j, 3])
         if following < 0:
-            at = float(cheapest(cost, before[0], before[1]))
+            at = float(cheapest(cost, span.first, span.last))
             least = cost[int(at)]
         else:
-            between = following - pose
-            scale_settings(settings, between, scaled)
-            _, at = step_back(row(q, following), nodes, cost, strips, before, scaled, limited, 1.0 / between)
+            _, at = step_back(row(q, following), sheet, span, rules_for(settings, scaled, following - pose, limited))
         k = math.floor(at)
         t = at - k
         next_row = k + 1 if t > 0.0 else k
@@ -260,7 +231,7 @@ def go_back(keys, first, count, following, settings, limited, nodes, cost, strip
             q[pose, i] = nodes[k, i] + t * (nodes[next_row, i] - nodes[k, i])
         psi[pose] = nodes[k, NODE_PSI] + t * (nodes[next_row, NODE_PSI] - nodes[k, NODE_PSI])
         branch[pose] = int(nodes[k, NODE_BRANCH])
-        for s in range(before[2], before[3]):
+        for s in range(span.first_strip, span.last_strip):
             if strips[s, STRIP_FIRST] <= k <= strips[s, STRIP_LAST]:
                 low, high = nodes[int(strips[s, STRIP_FIRST]), NODE_PSI], nodes[int(strips[s, STRIP_LAST]), NODE_PSI]
                 # The whole circle has no ends.
@@ -274,8 +245,10 @@ def go_back(keys, first, count, following, settings, limited, nodes, cost, strip
 def fill_between(family, poses, keys, reached, settings, q, psi, branch, bounds, missed, J, A):
     """Fill in the poses between key poses that are reached: postures near the straight line from one to the other.
 
-    Marks in `missed` where there is none; other arguments as in `go_back`.
+    Marks in `missed` where there is none, and writes the point of that line; other arguments as in `go_back`.
     """
+    course = Course(poses, keys, reached, bounds)
+    line = Line(q, psi, branch)
     last = -1
     for number in range(keys.shape[0]):
         pose = keys[number]
@@ -290,8 +263,10 @@ def fill_between(family, poses, keys, reached, settings, q, psi, branch, bounds,
                 missed[i] = True
         if last >= 0:
             for i in range(last + 1, pose):
-                reached[i] = follow_on(family, poses, last, i, pose, settings, q, psi, branch, bounds, J, A)
-                missed[i] = not reached[i]
+                missed[i] = not follow_on(family, course, line, (last, i, pose), settings, J, A)
+                reached[i] = not missed[i]
+                if missed[i]:
+                    between_two(line, (last, i, pose), settings)
         last = pose
 
 
@@ -302,11 +277,15 @@ def refine(family, poses, chain, fixed, bounds, widths, even, seed, settings, li
     `widths` (m,) are those of the corridors, one after the other; `even` says whether squared joint steps are all that
     counts, so that all arm angles move at once in the end. The others are those of `corridor`. Returns the cost.
     """
-    put_on_poses(family, poses, chain, fixed, q, psi, branch, J, A)
+    course = Course(poses, chain, fixed, bounds)
+    line = Line(q, psi, branch)
+    space = Space(J, A)
+    rules = Rules(settings, limited, 1.0)
+    put_on_poses(family, course, line, space)
     lowest = path_cost(chain, seed, settings, limited, q)
     for width in widths:
         q_before, psi_before = q.copy(), psi.copy()
-        corridor(family, poses, chain, fixed, bounds, width, seed, settings, limited, q, psi, branch, J, A)
+        corridor(family, course, line, width, seed, rules, space)
         total = path_cost(chain, seed, settings, limited, q)
         if total > lowest:
             q[:] = q_before
@@ -314,8 +293,49 @@ def refine(family, poses, chain, fixed, bounds, widths, even, seed, settings, li
         else:
             lowest = total
     if even:
-        lowest = smooth(family, poses, chain, fixed, bounds, seed, settings, q, psi, branch, J, A)
+        lowest = smooth(family, course, line, seed, Aim(SQUARES, settings[0], 0.0), settings, space)
+        lowest = path_cost(chain, seed, settings, False, q)
     return lowest
+
+
+@entry
+def polish(family, poses, chain, fixed, bounds, seed, settings, kind, scale, weights, q, psi, branch, J, A):
+    """Move all postures of a path at once, in place, to what makes a kind of sum least, by barriers less and less wide.
+
+    Args:
+        family: packed limb.
+        poses: (n, 4, 4).
+        chain: (k,) the poses that the path reaches.
+        fixed: (n,) whether a posture has to stay.
+        bounds: (n, 2) least and largest arm angle of each.
+        seed: (7,) posture before the first one, or None.
+        settings: (SETTINGS, 7).
+        kind: `WITHIN`, `LARGEST` or `SLOWEST`.
+        scale: (7,) by which joint steps are multiplied.
+        weights: (w,) of the barriers, one after the other.
+        q: (n, 7).
+        psi: (n,).
+        branch: (n,).
+        J: (6, 7) work space, or None.
+        A: (16, 9) work space, or None.
+
+    Returns:
+        The value with the last barrier; 1e300 where the path begins beyond its limits.
+    """
+    course = Course(poses, chain, fixed, bounds)
+    line = Line(q, psi, branch)
+    lowest = 0.0
+    for weight in weights:
+        lowest = smooth(family, course, line, seed, Aim(kind, scale, weight), settings, Space(J, A))
+    return lowest
+
+
+@entry
+def bridge(family, poses, starts, met, J, A):
+    """Take postures (n, 7), in place, to poses (n, 4, 4) inside the limits; `met` (n,) says which meet theirs then."""
+    for i in range(starts.shape[0]):
+        R, p, _ = read_pose(row(poses, i))
+        met[i] = bridge_to(row(family, LIMITED), R, p, row(starts, i), J, A)
 
 
 @entry

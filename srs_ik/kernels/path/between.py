@@ -14,12 +14,13 @@ from srs_ik.kernels.exact.intervals import find_intervals
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.answer import MAX_PIECES
 from srs_ik.kernels.layout.limb import LIMITED, LOOSE
+from srs_ik.kernels.layout.path import BY_CONTINUITY
 from srs_ik.kernels.limb.branches import branch_of
 from srs_ik.kernels.limb.limits import TURN
 from srs_ik.kernels.limb.poses import read7, read_pose
 from srs_ik.kernels.limb.triangle import elbow_side, place
 from srs_ik.kernels.path.followed import away, posture_of, settled
-from srs_ik.kernels.path.programme import BY_CONTINUITY, steps_between
+from srs_ik.kernels.path.programme import steps_between
 
 ON_LIMIT = 1e-9
 
@@ -37,49 +38,63 @@ def pose_change(place0, place1):
 
 
 @kernel
-def follow_on(family, poses, before, i, behind, settings, q, psi, branch, bounds, J, A):
-    """Write a posture of pose i near the straight line between those of two others; whether there is one."""
+def between_two(line, at, settings):
+    """Write the point of the straight line between two postures of a path, and return it; `at` as in `follow_on`."""
+    before, i, behind = at
+    start = read7(row(line.q, before))
+    near = along7(start, (i - before) / (behind - before), steps_between(settings, start, row(line.q, behind)))
+    for j in range(7):
+        line.q[i, j] = near[j]
+    return near
+
+
+@kernel
+def follow_on(family, course, line, at, settings, J, A):
+    """Write a posture near the straight line between those of two other poses; whether there is one.
+
+    `at` are the numbers of the pose before, of this one and of the pose behind.
+    """
+    before, i, behind = at
     P = row(family, LIMITED)
-    start = read7(row(q, before))
-    e = steps_between(settings, start, row(q, behind))
-    near = along7(start, (i - before) / (behind - before), e)
+    near = between_two(line, at, settings)
     reach = 0.5 * settings[BY_CONTINUITY, 0]
-    R, p, _ = read_pose(row(poses, i))
+    R, p, _ = read_pose(row(course.poses, i))
     if A is not None:
         here, error = close_free(P, near, R, p, True, 2 * STEPS, J, A)
         good = error < CLOSED and away(here, near) < reach
-        write_posture(q, psi, branch, i, here, 0.0, branch_of(P, here))
-        bounds[i, 0], bounds[i, 1] = -math.inf, math.inf
+        write_posture(line, i, here, 0.0, branch_of(P, here))
+        course.bounds[i, 0], course.bounds[i, 1] = -math.inf, math.inf
         return good
-    if branch[before] < 0 or branch[before] != branch[behind]:
+    if line.branch[before] < 0 or line.branch[before] != line.branch[behind]:
         return False
+    branch = line.branch[before]
     place_ = place(P, R, p)
     angle = arm_angle(P, near, place_[0], place_[1])
-    here, good = posture_of(P, elbow_side(P, place_, branch[before] >> 2), angle, branch[before], near, True)
+    here, good = posture_of(P, elbow_side(P, place_, branch >> 2), angle, branch, near, True)
     here, inside = settled(P, here, ON_LIMIT)
-    write_posture(q, psi, branch, i, here, angle, branch[before])
-    write_bounds(family, place_, branch[before], angle, bounds, i)
+    write_posture(line, i, here, angle, branch)
+    write_bounds(family, place_, branch, angle, row(course.bounds, i))
     return good and inside and away(here, near) < reach
 
 
 @kernel
-def write_posture(q, psi, branch, i, here, angle, number):
+def write_posture(line, i, here, angle, number):
     """Write the posture of a pose."""
     for j in range(7):
-        q[i, j] = here[j]
-    psi[i] = angle
-    branch[i] = number
+        line.q[i, j] = here[j]
+    line.psi[i] = angle
+    line.branch[i] = number
 
 
 @kernel
-def write_bounds(family, place_, number, angle, bounds, i):
+def write_bounds(family, place_, number, angle, bounds):
     """Write the ends of the interval around an arm angle."""
-    bounds[i, 0] = -math.inf
-    bounds[i, 1] = math.inf
+    bounds[0] = -math.inf
+    bounds[1] = math.inf
     found = np.empty((8 * MAX_PIECES, 3))
     for k in range(find_intervals(row(family, LOOSE), place_, number, found)):
         low, high = found[k, 1], found[k, 2]
         turns = TURN * math.floor((angle - low + ON_LIMIT) / TURN)
         if angle <= high + turns + ON_LIMIT and high - low < TURN - ON_LIMIT:
-            bounds[i, 0] = low + turns
-            bounds[i, 1] = high + turns
+            bounds[0] = low + turns
+            bounds[1] = high + turns

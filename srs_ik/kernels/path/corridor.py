@@ -6,18 +6,21 @@ import math
 
 import numpy as np
 
+from srs_ik.kernels.algebra.joint_vectors import along7
 from srs_ik.kernels.algebra.pointers import row
+from srs_ik.kernels.chain.newton import CLOSED, STEPS, close_free
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.limb import IS_CLOSED, LIMITED, PHASE, SHOULDER, WRIST
+from srs_ik.kernels.layout.path import NODE, NODE_PSI, STRIP, Posture, Sheet, Span, Spot
 from srs_ik.kernels.limb.goal import NO_SEED
 from srs_ik.kernels.limb.poses import read7, read_pose
 from srs_ik.kernels.limb.self_motion import rates
 from srs_ik.kernels.limb.triangle import elbow_side, place
-from srs_ik.kernels.path.followed import away, posture_of, settled
+from srs_ik.kernels.path.followed import along_cell, away, posture_of, settled
 from srs_ik.kernels.path.near_strips import direction, moved_along
 from srs_ik.kernels.path.pose_strips import list_strips
-from srs_ik.kernels.path.programme import advance, cheapest, first_costs, largest, scale_settings, step_back
-from srs_ik.kernels.path.strips import NODE, NODE_PSI, STRIP, put_node
+from srs_ik.kernels.path.programme import advance, cheapest, first_costs, largest, rules_for, step_back
+from srs_ik.kernels.path.strips import put_node
 
 WIDTH = 2
 """Postures to each side."""
@@ -37,11 +40,24 @@ FARTHEST = 0.5
 
 
 @kernel
-def moving_rates(P, place_, side, q, R, p, J, A):
+def spot_of(P, T):
+    """What all configurations of a pose share."""
+    R, p, _ = read_pose(T)
+    return Spot(R, p, place(P, R, p))
+
+
+@kernel
+def posture_at(line, i):
+    """The posture of a path at a pose."""
+    return Posture(read7(row(line.q, i)), line.psi[i], line.branch[i])
+
+
+@kernel
+def moving_rates(P, spot, here, J, A):
     """Joint rates with the arm angle, on a near limb along its curve, and whether there are any."""
     if A is not None:
-        return direction(P, q, R, p, J, A)
-    return rates(P, q, place_[0], side[3])
+        return direction(P, here.q, spot.R, spot.p, J, A)
+    return rates(P, here.q, spot.place[0], elbow_side(P, spot.place, here.branch >> 2)[3])
 
 
 @kernel
@@ -67,127 +83,134 @@ def along_split(P, q, split, x):
 
 
 @kernel
-def beside(P, side, R, p, psi, move, v, branch, q, bounds, farthest, J, A):
-    """The posture at an arm angle moved on, or half as far, or a quarter: posture, arm angle, whether there is one.
-
-    On a near limb, the posture so far along its curve, whose direction is v.
-    """
-    for _ in range(3):
-        there = min(max(psi + move, bounds[0]), bounds[1])
-        if there == psi:
-            break
-        if A is not None:
-            moved, good = moved_along(P, q, v, move, R, p, J, A)
-        else:
-            moved, good = posture_of(P, side, there, branch, q, True)
-        moved, inside = settled(P, moved, ON_LIMIT)
-        if good and inside and away(moved, q) < farthest:
-            return moved, there, True
-        move *= 0.5
-    return q, psi, False
+def moved_by(P, spot, here, motion, J, A):
+    """The posture with its arm angle moved, on a near limb so far along its curve; `motion` as in `beside`."""
+    v, move = motion
+    if A is not None:
+        return moved_along(P, here.q, v, move, spot.R, spot.p, J, A)
+    return posture_of(P, elbow_side(P, spot.place, here.branch >> 2), here.psi + move, here.branch, here.q, True)
 
 
 @kernel
-def put_across(P, T, q, psi, branch, fixed, bounds, width, nodes, n, J, A):
-    """Write the postures of a corridor at a pose, that of the path in the middle; the next free row."""
-    if fixed:
-        put_node(nodes, n, q, psi, branch)
+def beside(P, spot, here, motion, ends, J, A):
+    """The posture moved on, or half as far, or a quarter: posture, arm angle, whether there is one.
+
+    Args:
+        P: packed limb.
+        spot: its pose.
+        here: the posture.
+        motion: the direction of its curve, and how far it is to be moved.
+        ends: least and largest arm angle, and the longest joint step.
+        J: (6, 7) work space, or None.
+        A: (16, 9) work space, or None.
+    """
+    v, move = motion
+    for _ in range(3):
+        there = min(max(here.psi + move, ends[0]), ends[1])
+        if there == here.psi:
+            break
+        moved, good = moved_by(P, spot, here, (v, there - here.psi), J, A)
+        moved, inside = settled(P, moved, ON_LIMIT)
+        if good and inside and away(moved, here.q) < ends[2]:
+            return moved, there, True
+        move *= 0.5
+    return here.q, here.psi, False
+
+
+@kernel
+def put_across(P, course, line, at, sheet, n, space):
+    """Write the postures of a corridor at a pose, that of the path in the middle; the next free row.
+
+    `at` are the number of the pose and the joint step from one posture of the corridor to the next.
+    """
+    i, width = at
+    here = posture_at(line, i)
+    nodes = sheet.nodes
+    if course.fixed[i]:
+        put_node(nodes, n, here.q, here.psi, here.branch)
         return n + 1
-    R, p, _ = read_pose(T)
-    place_ = place(P, R, p)
-    side = elbow_side(P, place_, branch >> 2)
-    split, is_singular = split_of(P, q)
-    v, good = moving_rates(P, place_, side, q, R, p, J, A)
+    spot = spot_of(P, row(course.poses, i))
+    split, is_singular = split_of(P, here.q)
+    v, good = moving_rates(P, spot, here, space.J, space.A)
     move = min(width / max(largest(v), 1e-3), WIDEST_MOVE)
+    ends = (course.bounds[i, 0], course.bounds[i, 1], 4.0 * WIDTH * width)
     for k in range(ACROSS):
         x = float(k - WIDTH)
         if k == WIDTH:
-            put_node(nodes, n, q, psi, branch)
+            put_node(nodes, n, here.q, here.psi, here.branch)
             n += 1
         elif is_singular:
-            turned, inside = along_split(P, q, split, x * width)
+            turned, inside = along_split(P, here.q, split, x * width)
             if inside:
-                put_node(nodes, n, turned, psi, branch)
+                put_node(nodes, n, turned, here.psi, here.branch)
                 n += 1
         elif good:
-            moved, there, found = beside(P, side, R, p, psi, x * move, v, branch, q, bounds, 4.0 * WIDTH * width, J, A)
+            moved, there, found = beside(P, spot, here, (v, x * move), ends, space.J, space.A)
             if found:
-                put_node(nodes, n, moved, there, branch)
+                put_node(nodes, n, moved, there, here.branch)
                 n += 1
     return n
 
 
 @kernel
-def corridor(family, poses, chain, fixed, bounds, width, seed, settings, limited, q, psi, branch, J, A):
+def corridor(family, course, line, width, seed, rules, space):
     """Move the postures of a path, in place, to the best way through the corridor around them.
 
     Args:
         family: packed limb.
-        poses: (n, 4, 4).
-        chain: (k,) the poses that the path reaches.
-        fixed: (n,) whether a posture has to stay.
-        bounds: (n, 2) least and largest arm angle of each.
+        course: the poses, and what is known of them.
+        line: the postures.
         width: joint step from one posture of the corridor to the next, rad.
         seed: (7,) posture before the first one, or None.
-        settings: (SETTINGS, 7).
-        limited: whether there are velocity limits.
-        q: (n, 7).
-        psi: (n,).
-        branch: (n,).
-        J: (6, 7) work space, or None.
-        A: (16, 9) work space, or None.
+        rules: what a step over one pose counts.
+        space: work space of a near limb.
     """
     P = row(family, LIMITED)
+    chain = course.chain
     count = chain.shape[0]
-    nodes = np.empty((count * ACROSS, NODE))
-    linked = np.ones(count * ACROSS, np.bool_)
-    cost = np.empty(count * ACROSS)
-    strips = np.empty((count, STRIP))
-    ends = np.empty((count + 1, 2), np.int64)
-    scaled = settings.copy()
-    n = 0
+    room = count * ACROSS
+    sheet = Sheet(np.empty((room, NODE)), np.ones(room, np.bool_), np.empty(room), np.empty((count, STRIP)))
+    ends = np.zeros(count + 1, np.int64)
+    scaled = rules.settings.copy()
     for c in range(count):
         i = chain[c]
-        ends[c, 0] = n
-        n = put_across(
-            P, row(poses, i), read7(row(q, i)), psi[i], branch[i], fixed[i], row(bounds, i), width, nodes, n, J, A
-        )
-        ends[c, 1] = n
-        list_strips(nodes, linked, ends[c, 0], n, strips, c)
+        ends[c + 1] = put_across(P, course, line, (i, width), sheet, ends[c], space)
+        list_strips(sheet, ends[c], ends[c + 1], c)
+        now = Span(ends[c], ends[c + 1], c, c + 1)
         if c == 0:
-            first_costs(nodes, cost, ends[c, 0], n, seed, settings)
+            first_costs(sheet, now, seed, rules.settings)
             continue
-        between = i - chain[c - 1]
-        scale_settings(settings, between, scaled)
-        before = (ends[c - 1, 0], ends[c - 1, 1], c - 1, c)
-        advance(nodes, cost, strips, before, (ends[c, 0], n, c, c + 1), scaled, limited, 1.0 / between, True)
+        stepped = rules_for(rules.settings, scaled, i - chain[c - 1], rules.limited)
+        advance(sheet, Span(ends[c - 1], ends[c], c - 1, c), now, stepped, True)
     for c in range(count - 1, -1, -1):
         i = chain[c]
         if c == count - 1:
-            at = float(cheapest(cost, ends[c, 0], ends[c, 1]))
+            at = float(cheapest(sheet.cost, ends[c], ends[c + 1]))
         else:
-            between = chain[c + 1] - i
-            scale_settings(settings, between, scaled)
-            before = (ends[c, 0], ends[c, 1], c, c + 1)
-            _, at = step_back(row(q, chain[c + 1]), nodes, cost, strips, before, scaled, limited, 1.0 / between)
-        if not fixed[i]:
-            settle_on(P, row(poses, i), nodes, at, branch[i], q, psi, i, J, A)
+            stepped = rules_for(rules.settings, scaled, chain[c + 1] - i, rules.limited)
+            _, at = step_back(row(line.q, chain[c + 1]), sheet, Span(ends[c], ends[c + 1], c, c + 1), stepped)
+        if not course.fixed[i]:
+            settle_on(P, course, line, i, sheet.nodes, at, space)
 
 
 @kernel
-def on_pose(P, T, q, psi, branch, J, A):
+def on_pose(P, T, here, J, A):
     """The posture at an arm angle next to one that almost meets its pose, on a near limb the nearest one."""
-    R, p, _ = read_pose(T)
+    spot = spot_of(P, T)
     if A is not None:
-        v, good = direction(P, q, R, p, J, A)
-        if not good:
-            return q, False
-        return moved_along(P, q, v, 0.0, R, p, J, A)
-    return posture_of(P, elbow_side(P, place(P, R, p), branch >> 2), psi, branch, q, True)
+        v, good = direction(P, here.q, spot.R, spot.p, J, A)
+        if good:
+            q, good = moved_along(P, here.q, v, 0.0, spot.R, spot.p, J, A)
+            _, inside = settled(P, q, ON_LIMIT)
+            if good and inside:
+                return q, True
+        q, error = close_free(P, here.q, spot.R, spot.p, True, 2 * STEPS, J, A)
+        return q, error < CLOSED
+    return posture_of(P, elbow_side(P, spot.place, here.branch >> 2), here.psi, here.branch, here.q, True)
 
 
 @kernel
-def settle_on(P, T, nodes, at, branch, q, psi, i, J, A):
+def settle_on(P, course, line, i, nodes, at, space):
     """Take the posture at a place between two of a corridor, or the nearer one of them."""
     k = math.floor(at)
     t = at - k
@@ -196,43 +219,38 @@ def settle_on(P, T, nodes, at, branch, q, psi, i, J, A):
     angle = nodes[k if t < 0.5 else following, NODE_PSI]
     if t > 0.0:
         a, b = read7(row(nodes, k)), read7(row(nodes, following))
-        between = (
-            a[0] + t * (b[0] - a[0]),
-            a[1] + t * (b[1] - a[1]),
-            a[2] + t * (b[2] - a[2]),
-            a[3] + t * (b[3] - a[3]),
-            a[4] + t * (b[4] - a[4]),
-            a[5] + t * (b[5] - a[5]),
-            a[6] + t * (b[6] - a[6]),
-        )
+        between = along7(a, t, along_cell(a, b))
         there = nodes[k, NODE_PSI] + t * (nodes[following, NODE_PSI] - nodes[k, NODE_PSI])
-        if A is None and nodes[k, NODE_PSI] == nodes[following, NODE_PSI]:
+        _, is_singular = split_of(P, between)
+        if is_singular and nodes[k, NODE_PSI] == nodes[following, NODE_PSI]:
             nearer = between
         else:
-            found, good = on_pose(P, T, between, there, branch, J, A)
+            wanted = Posture(between, there, line.branch[i])
+            found, good = on_pose(P, row(course.poses, i), wanted, space.J, space.A)
             found, inside = settled(P, found, ON_LIMIT)
             if good and inside and away(found, between) < away(a, b) + 0.1:
                 nearer, angle = found, there
-    psi[i] = angle
+    line.psi[i] = angle
     for j in range(7):
-        q[i, j] = nearer[j]
+        line.q[i, j] = nearer[j]
 
 
 @kernel
-def put_on_poses(family, poses, chain, fixed, q, psi, branch, J, A):
+def put_on_poses(family, course, line, space):
     """Bring postures from the straight lines between those of a strip to their poses; whether all could be."""
     P = row(family, LIMITED)
     all_good = True
-    for c in range(chain.shape[0]):
-        i = chain[c]
-        here = read7(row(q, i))
-        _, is_singular = split_of(P, here)
-        if fixed[i] or is_singular:
+    for c in range(course.chain.shape[0]):
+        i = course.chain[c]
+        here = posture_at(line, i)
+        _, is_singular = split_of(P, here.q)
+        if course.fixed[i] or is_singular:
             continue
-        found, good = on_pose(P, row(poses, i), here, psi[i], branch[i], J, A)
+        found, good = on_pose(P, row(course.poses, i), here, space.J, space.A)
         found, inside = settled(P, found, ON_LIMIT)
-        all_good = all_good and good and inside
-        if good and inside and away(found, here) < FARTHEST:
+        good = good and inside and away(found, here.q) < FARTHEST
+        all_good = all_good and good
+        if good:
             for j in range(7):
-                q[i, j] = found[j]
+                line.q[i, j] = found[j]
     return all_good

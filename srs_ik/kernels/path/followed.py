@@ -34,23 +34,21 @@ def turn_all(P, q, near, followed):
 
 
 @kernel
-def half_posture(P, k, first, motion, c, s, sign, near, followed):
+def half_posture(P, k, motion, turn, sign, anchor):
     """One solution of a spherical joint at cosine and sine of an arm angle, and whether its axes can make it."""
     v0, y0, _ = motion
-    v = swing(v0[0], v0[1], v0[2], c, s)
-    y = swing(y0[0], y0[1], y0[2], c, s)
+    v = swing(v0[0], v0[1], v0[2], turn[0], turn[1])
+    y = swing(y0[0], y0[1], y0[2], turn[0], turn[1])
     cm, sm, reached = middle_angle(P, k, v)
-    anchor = (followed, near[first], near[first + 2], True)
     return angles(P, k, v, y, cm, sm, sign, anchor), reached
 
 
 @kernel
 def posture_of(P, side, psi, branch, near, followed):
     """The posture of a branch of an exact limb at an arm angle, following another one, and whether there is one."""
-    c = math.cos(psi)
-    s = math.sin(psi)
-    a, reached_s = half_posture(P, SHOULDER, 0, side[1], c, s, (branch >> 1) & 1, near, followed)
-    b, reached_w = half_posture(P, WRIST, 4, side[2], c, s, branch & 1, near, followed)
+    turn = (math.cos(psi), math.sin(psi))
+    a, reached_s = half_posture(P, SHOULDER, side[1], turn, (branch >> 1) & 1, (followed, near[0], near[2], True))
+    b, reached_w = half_posture(P, WRIST, side[2], turn, branch & 1, (followed, near[4], near[6], True))
     return turn_all(P, (a[0], a[1], a[2], side[0], b[0], b[1], b[2]), near, followed), reached_s and reached_w
 
 
@@ -88,3 +86,9 @@ def turned_away(q, near):
         d = q[j] - near[j]
         most = max(most, abs(d - TURN * math.floor(d / TURN + 0.5)))
     return most
+
+
+@kernel
+def along_cell(a, b):
+    """The seven joint steps from one posture of a strip to the next."""
+    return (b[0] - a[0], b[1] - a[1], b[2] - a[2], b[3] - a[3], b[4] - a[4], b[5] - a[5], b[6] - a[6])

@@ -1,4 +1,7 @@
-"""The strips of a near limb: its curves of postures, followed on the true chain, whatever their branches."""
+"""The strips of a near limb: its curves of postures, followed on the true chain, whatever their branches.
+
+Coarse strips are all curves of a pose; fine ones are the piece of one curve about a posture.
+"""
 
 from __future__ import annotations
 
@@ -7,15 +10,16 @@ import math
 import numpy as np
 
 from srs_ik.kernels.algebra.joint_vectors import along7, dot7
-from srs_ik.kernels.chain.newton import pose_step
+from srs_ik.kernels.chain.newton import CLOSED, STEPS, close_free, pose_step
 from srs_ik.kernels.curves.follow import FIRST_GUESS, between, correct, load_sample, null_vector
 from srs_ik.kernels.curves.runs import near_runs
 from srs_ik.kernels.jit import kernel
+from srs_ik.kernels.layout.path import NODE
 from srs_ik.kernels.layout.search import MAX_RUNS, RUN
 from srs_ik.kernels.limb.branches import branch_of
 from srs_ik.kernels.limb.goal import NO_SEED
-from srs_ik.kernels.path.followed import away, turn_all, turned_away
-from srs_ik.kernels.path.strips import put_node, widest_step
+from srs_ik.kernels.path.followed import away, turn_all
+from srs_ik.kernels.path.strips import FINE_SPACING, SPACING, put_node
 
 MOST_PARTS = 16
 """A step of a followed curve is cut into so many at most."""
@@ -37,39 +41,73 @@ def moved_along(P, q, v, x, R, p, J, A):
 
 
 @kernel
-def put_near(P, q, near, radius, nodes, linked, n, follows):
+def put_next(P, q, sheet, n, follows):
     """Append a posture, linked to the one before if that is wanted; the next free row."""
-    if n >= nodes.shape[0] or (radius > 0.0 and turned_away(q, near) > radius):
+    if n >= sheet.nodes.shape[0]:
         return n
     if follows:
-        linked[n - 1] = True
-    put_node(nodes, n, q, 0.0, branch_of(P, q))
-    linked[n] = False
+        sheet.linked[n - 1] = True
+    put_node(sheet.nodes, n, q, 0.0, branch_of(P, q))
+    sheet.linked[n] = False
     return n + 1
 
 
 @kernel
-def take_runs(P, place_, R, p, near, radius, nodes, linked, n, J, A):
+def take_runs(P, spot, sheet, n, J, A):
     """Write the postures of all curves from row n on; the next free row."""
+    R, p = spot.R, spot.p
     runs = np.empty((MAX_RUNS, RUN))
-    rows, _, count, _ = near_runs(P, place_, R, p, True, runs, J, A)
+    rows, _, count, _ = near_runs(P, spot.place, R, p, True, runs, J, A)
     for k in range(count):
         q = NO_SEED
-        follows = False
         for i in range(int(runs[k, 3]), int(runs[k, 4])):
             begun = i > int(runs[k, 3])
             wanted = turn_all(P, load_sample(rows[i]), q, begun)
             if begun:
-                apart = away(wanted, q)
-                parts = min(math.ceil(apart / widest_step(q, wanted, near, radius)), MOST_PARTS)
+                parts = min(math.ceil(away(wanted, q) / SPACING), MOST_PARTS)
                 for part in range(1, parts):
                     inner, met = between(P, R, p, q, wanted, part / parts, J, A)
                     if met:
-                        before = n
-                        n = put_near(P, turn_all(P, inner, q, True), near, radius, nodes, linked, n, follows)
-                        follows = n > before
-            before = n
-            n = put_near(P, wanted, near, radius, nodes, linked, n, follows)
-            follows = n > before
+                        n = put_next(P, turn_all(P, inner, q, True), sheet, n, True)
+            n = put_next(P, wanted, sheet, n, begun)
             q = wanted
+    return n
+
+
+@kernel
+def take_line(P, spot, around, sheet, n, J, A):
+    """Write the postures of the curve through the one that is nearest to `around`, about it; the next free row."""
+    middle, error = close_free(P, around.q, spot.R, spot.p, True, 2 * STEPS, J, A)
+    if not error < CLOSED:
+        return n
+    first = n
+    count = math.ceil(around.radius / FINE_SPACING)
+    n = walk(P, spot, (middle, -FINE_SPACING, count), sheet, n, J, A)
+    for i in range((n - first) // 2):
+        for j in range(NODE):
+            here, there = sheet.nodes[first + i, j], sheet.nodes[n - 1 - i, j]
+            sheet.nodes[first + i, j] = there
+            sheet.nodes[n - 1 - i, j] = here
+    put_node(sheet.nodes, n, middle, 0.0, branch_of(P, middle))
+    n = walk(P, spot, (middle, FINE_SPACING, count), sheet, n + 1, J, A)
+    for i in range(first, n):
+        sheet.linked[i] = i + 1 < n
+    return n
+
+
+@kernel
+def walk(P, spot, begin, sheet, n, J, A):
+    """Follow a curve from a posture on, so far a step, so many steps, and write what is met; the next free row."""
+    q, step, count = begin
+    v, good = direction(P, q, spot.R, spot.p, J, A)
+    for _ in range(count):
+        if not good:
+            break
+        q, good = moved_along(P, q, v, step, spot.R, spot.p, J, A)
+        if not good:
+            break
+        put_node(sheet.nodes, n, q, 0.0, branch_of(P, q))
+        n += 1
+        v_next, good = direction(P, q, spot.R, spot.p, J, A)
+        v = along7(NO_SEED, math.copysign(1.0, dot7(v, v_next)), v_next)
     return n

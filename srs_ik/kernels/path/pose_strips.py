@@ -4,55 +4,95 @@ from __future__ import annotations
 
 import math
 
-import numpy as np
-
+from srs_ik.kernels.algebra.joint_vectors import along7
 from srs_ik.kernels.algebra.pointers import row
 from srs_ik.kernels.exact.intervals import find_intervals
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.answer import SOLVED
-from srs_ik.kernels.layout.limb import LIMITED, LOOSE, LOWER, UPPER
-from srs_ik.kernels.limb.limits import TURN
-from srs_ik.kernels.limb.poses import read7, read_pose
-from srs_ik.kernels.limb.triangle import elbow_side, place
-from srs_ik.kernels.path.followed import away, settled
-from srs_ik.kernels.path.near_strips import take_runs
-from srs_ik.kernels.path.strips import (
+from srs_ik.kernels.layout.limb import LIMITED, LOOSE, LOWER, PHASE, SHOULDER, UPPER, WRIST
+from srs_ik.kernels.layout.path import (
     NODE,
     NODE_BRANCH,
     NODE_PSI,
     NODE_WAY,
-    ROUNDING,
     STRIP_FIRST,
     STRIP_LAST,
-    is_wide,
-    put_node,
-    take_strip,
+    STRIP_LEAST,
+    Spot,
 )
+from srs_ik.kernels.limb.limits import TURN
+from srs_ik.kernels.limb.poses import read7, read_pose
+from srs_ik.kernels.limb.spherical import wrap
+from srs_ik.kernels.limb.triangle import elbow_side, place
+from srs_ik.kernels.path.followed import along_cell, away, settled
+from srs_ik.kernels.path.near_strips import take_line, take_runs
+from srs_ik.kernels.path.strips import ROUNDING, is_wide, put_node, take_strip
 
 
 @kernel
-def pose_strips(family, T, near, radius, found, nodes, linked, n, strips, m, work, turns, wide, J, A):
-    """Write the strips of a pose, finer around a posture: the next free rows of postures and strips.
+def pose_strips(family, T, around, sheet, n, desk, J, A):
+    """Write the postures of a pose from row n on, finer around one of them; the next free row.
 
     Loose tolerances find also the arm angles that two joints on their limits leave alone.
     """
     P = row(family, LIMITED)
     R, p, _ = read_pose(T)
     place_ = place(P, R, p)
-    begin = n
     if J is not None:
-        n = take_runs(P, place_, R, p, near, radius, nodes, linked, n, J, A)
-        n = turn_strips(P, nodes, linked, begin, n, turns) if wide else keep_inside(P, nodes, linked, begin, n)
-        return n, list_strips(nodes, linked, begin, n, strips, m)
-    count = find_intervals(row(family, LOOSE), place_, -1, found) if abs(place_[5]) < SOLVED else 0
+        first = n
+        if around.radius > 0.0:
+            n = take_line(P, Spot(R, p, place_), around, sheet, n, J, A)
+        else:
+            n = take_runs(P, Spot(R, p, place_), sheet, n, J, A)
+        return within_limits(P, sheet, first, n, desk)
+    if not abs(place_[5]) < SOLVED:
+        return n
     sides = (elbow_side(P, place_, 0), elbow_side(P, place_, 1))
-    for i in range(count):
-        branch = int(found[i, 0])
+    if around.radius == 0.0:
+        return branch_strips(family, place_, sides, -1, around, sheet, n, desk)
+    for branch in range(8):
+        if may_be_near(P, sides[0] if branch < 4 else sides[1], branch, around):
+            n = branch_strips(family, place_, sides, branch, around, sheet, n, desk)
+    return n
+
+
+@kernel
+def branch_strips(family, place_, sides, wanted, around, sheet, n, desk):
+    """Write the postures of the intervals of a branch, or of all (-1); the next free row."""
+    P = row(family, LIMITED)
+    for i in range(find_intervals(row(family, LOOSE), place_, wanted, desk.found)):
+        branch = int(desk.found[i, 0])
         side = sides[0] if branch < 4 else sides[1]
         first = n
-        n = take_strip(P, side, branch, (found[i, 1], found[i, 2]), near, radius, nodes, linked, n, work)
-        n = turn_strips(P, nodes, linked, first, n, turns) if wide else keep_inside(P, nodes, linked, first, n)
-    return n, list_strips(nodes, linked, begin, n, strips, m)
+        n = take_strip(P, side, (branch, desk.found[i, 1], desk.found[i, 2]), around, sheet, n, desk)
+        n = within_limits(P, sheet, first, n, desk)
+    return n
+
+
+@kernel
+def may_be_near(P, side, branch, around):
+    """Whether a branch may have postures about a given one: joints 2, 4 and 6 lie to its side, or close."""
+    if abs(wrap(side[0] - around.q[3])) > around.radius:
+        return False
+    return is_on_side(P[SHOULDER + PHASE], around.q[1], (branch >> 1) & 1, around.radius) and is_on_side(
+        P[WRIST + PHASE], around.q[5], branch & 1, around.radius
+    )
+
+
+@kernel
+def is_on_side(phase, angle, sign, radius):
+    """Whether a joint angle is above its phase (sign 0) or below it (1), or that close to it."""
+    x = wrap(angle - phase)
+    return min(abs(x), math.pi - abs(x)) < radius or (x < 0.0) == (sign == 1)
+
+
+@kernel
+def within_limits(P, sheet, first, last, desk):
+    """Keep the postures inside the limits, in all turns of joints that have more than one; the next free row."""
+    for joint in range(7):
+        if is_wide(P, joint):
+            return turn_strips(P, sheet, first, last, desk.turns)
+    return keep_inside(P, sheet.nodes, sheet.linked, first, last)
 
 
 @kernel
@@ -85,25 +125,78 @@ def turns_inside(P, joint, nodes, n0, n1):
 
 
 @kernel
-def put_turned(P, nodes, linked, n0, n1, turns, n):
-    """Append a run of postures, joints turned by whole turns, as far as they are inside the limits then."""
+def turned_by(q, turns):
+    """A posture with joints turned by whole turns."""
+    return (
+        q[0] + TURN * turns[0],
+        q[1] + TURN * turns[1],
+        q[2] + TURN * turns[2],
+        q[3] + TURN * turns[3],
+        q[4] + TURN * turns[4],
+        q[5] + TURN * turns[5],
+        q[6] + TURN * turns[6],
+    )
+
+
+@kernel
+def part_inside(P, a, b):
+    """The part of the way from a posture inside the limits to one outside that is inside."""
+    t = 1.0
+    for j in range(7):
+        d = b[j] - a[j]
+        if b[j] > P[UPPER + j] and d > 0.0:
+            t = min(t, (P[UPPER + j] - a[j]) / d)
+        elif b[j] < P[LOWER + j] and d < 0.0:
+            t = min(t, (P[LOWER + j] - a[j]) / d)
+    return max(t, 0.0)
+
+
+@kernel
+def put_end(P, inner, outer, sheet, n, follows):
+    """Append the last posture inside the limits on the way from row `inner` to row `outer`; the next free row."""
+    nodes = sheet.nodes
+    a, b = read7(row(nodes, inner)), read7(row(nodes, outer))
+    t = part_inside(P, a, b)
+    if n >= nodes.shape[0] or t == 0.0:
+        return n
+    q, _ = settled(P, along7(a, t, along_cell(a, b)), ROUNDING)
+    put_node(nodes, n, q, nodes[inner, NODE_PSI] + t * (nodes[outer, NODE_PSI] - nodes[inner, NODE_PSI]), 0.0)
+    nodes[n, NODE_BRANCH] = nodes[inner, NODE_BRANCH]
+    sheet.linked[n] = False
+    if follows:
+        sheet.linked[n - 1] = True
+    return n + 1
+
+
+@kernel
+def put_turned(P, sheet, first, last, turns, n):
+    """Append a run of postures, joints turned by whole turns, as far as they are inside the limits then.
+
+    Where a linked pair has one posture inside alone, the run goes on to the limit between them.
+    """
+    nodes, linked = sheet.nodes, sheet.linked
+    room = nodes.shape[0] - 2
     before = False
-    for i in range(n0, n1):
-        q = read7(row(nodes, i))
-        q = (
-            q[0] + TURN * turns[0],
-            q[1] + TURN * turns[1],
-            q[2] + TURN * turns[2],
-            q[3] + TURN * turns[3],
-            q[4] + TURN * turns[4],
-            q[5] + TURN * turns[5],
-            q[6] + TURN * turns[6],
-        )
-        q, inside = settled(P, q, ROUNDING)
-        if inside and n < nodes.shape[0]:
+    for i in range(first, last):
+        turned = turned_by(read7(row(nodes, i)), turns)
+        q, inside = settled(P, turned, ROUNDING)
+        follows = i > first and linked[i - 1]
+        if follows and inside != before and n < room:
+            # Rows behind those in use hold the pair as it is turned.
+            put_node(
+                nodes, room, turned_by(read7(row(nodes, i - 1)), turns), nodes[i - 1, NODE_PSI], nodes[i, NODE_BRANCH]
+            )
+            put_node(nodes, room + 1, turned, nodes[i, NODE_PSI], nodes[i, NODE_BRANCH])
+            n0 = n
+            if inside:
+                n = put_end(P, room + 1, room, sheet, n, False)
+                before = n > n0
+            else:
+                n = put_end(P, room, room + 1, sheet, n, True)
+        if inside and n < room:
             put_node(nodes, n, q, nodes[i, NODE_PSI], nodes[i, NODE_BRANCH])
             linked[n] = False
-            if before and linked[i - 1]:
+            if before and follows:
                 linked[n - 1] = True
             n += 1
         before = inside
@@ -111,51 +204,60 @@ def put_turned(P, nodes, linked, n0, n1, turns, n):
 
 
 @kernel
-def turn_strips(P, nodes, linked, n0, n1, turns):
-    """Replace a run of postures by one run for each combination of turns inside the limits; the next free row."""
-    firsts = np.zeros(7, np.int64)
-    counts = np.ones(7, np.int64)
+def turn_strips(P, sheet, first, last, turns):
+    """Replace a run of postures by one run for each combination of turns inside the limits; the next free row.
+
+    `turns` (3, 7) is work space: the turns of a run, the first ones, and how many there are.
+    """
+    nodes, linked = sheet.nodes, sheet.linked
     total = 1
     for joint in range(7):
+        turns[1, joint] = 0.0
+        turns[2, joint] = 1.0
         if is_wide(P, joint):
-            first, last = turns_inside(P, joint, nodes, n0, n1)
-            firsts[joint] = first
-            counts[joint] = max(last - first + 1, 0)
-            total *= counts[joint]
-    n = n1
+            low, high = turns_inside(P, joint, nodes, first, last)
+            turns[1, joint] = low
+            turns[2, joint] = max(high - low + 1, 0)
+        total *= int(turns[2, joint])
+    n = last
     for number in range(total):
         rest = number
         for joint in range(7):
-            turns[joint] = firsts[joint] + rest % counts[joint]
-            rest //= counts[joint]
-        n = put_turned(P, nodes, linked, n0, n1, turns, n)
-    for i in range(n1, n):
+            count = int(turns[2, joint])
+            turns[0, joint] = turns[1, joint] + rest % count
+            rest //= count
+        n = put_turned(P, sheet, first, last, row(turns, 0), n)
+    for i in range(last, n):
         for j in range(NODE):
-            nodes[n0 + i - n1, j] = nodes[i, j]
-        linked[n0 + i - n1] = linked[i]
-    return n0 + n - n1
+            nodes[first + i - last, j] = nodes[i, j]
+        linked[first + i - last] = linked[i]
+    return first + n - last
 
 
 @kernel
-def list_strips(nodes, linked, n0, n1, strips, count):
-    """Measure the strips among the postures of rows n0 to n1 - 1 and list them; returns how many there are."""
-    start = n0
-    for i in range(n0, n1):
+def list_strips(sheet, first, last, count):
+    """Measure the strips among the postures of rows first to last - 1 and list them; returns how many there are."""
+    nodes, strips = sheet.nodes, sheet.strips
+    start = first
+    for i in range(first, last):
         if i == start:
             nodes[i, NODE_WAY] = 0.0
         else:
             nodes[i, NODE_WAY] = nodes[i - 1, NODE_WAY] + away(row(nodes, i), row(nodes, i - 1))
-        if linked[i] and i + 1 < n1:
+        if sheet.linked[i] and i + 1 < last:
             continue
         if count < strips.shape[0]:
             for j in range(7):
-                strips[count, j] = nodes[start, j]
-                strips[count, 7 + j] = nodes[start, j]
+                least = nodes[start, j]
+                most = least
                 for k in range(start + 1, i + 1):
-                    strips[count, j] = min(strips[count, j], nodes[k, j])
-                    strips[count, 7 + j] = max(strips[count, 7 + j], nodes[k, j])
+                    least = min(least, nodes[k, j])
+                    most = max(most, nodes[k, j])
+                strips[count, j] = least
+                strips[count, 7 + j] = most
             strips[count, STRIP_FIRST] = start
             strips[count, STRIP_LAST] = i
+            strips[count, STRIP_LEAST] = 0.0
             count += 1
         start = i + 1
     return count

@@ -14,28 +14,24 @@ import numpy as np
 
 from srs_ik.kernels.algebra.pointers import row
 from srs_ik.kernels.jit import kernel
-from srs_ik.kernels.path.strips import NODE_SAG, NODE_WAY, STRIP_FIRST, STRIP_LAST
-
-BREAK = 1e10
-"""Cost of a step that is too long to be continuous."""
-
-TOO_FAST = 1e5
-"""Cost of a step above a velocity limit."""
-
-IMPOSSIBLE = 1e15
-
-BY_VELOCITY = 0
-BY_CONTINUITY = 1
-PERIOD = 2
-INVERSE_PERIOD = 3
-INVERSE_SPEED = 4
-POWER = 5
-SETTINGS = 6
-"""Rows of the settings of a path, seven figures each: longest steps, a turn for joints without end or zero, 1 / it.
-
-Where the slowest joint counts in place of the squares of all: by what steps are divided, which else is zero, and the
-power to which the largest one is raised.
-"""
+from srs_ik.kernels.layout.path import (
+    BREAK,
+    BY_CONTINUITY,
+    BY_VELOCITY,
+    IMPOSSIBLE,
+    INVERSE_PERIOD,
+    INVERSE_SPEED,
+    NODE_SAG,
+    NODE_WAY,
+    PERIOD,
+    POWER,
+    STRIP_FIRST,
+    STRIP_LAST,
+    STRIP_LEAST,
+    TOO_FAST,
+    Rules,
+)
+from srs_ik.kernels.path.followed import along_cell
 
 CUTS = 24
 """Steps of the search for the least time between two postures."""
@@ -60,12 +56,6 @@ def steps_between(settings, a, b):
         step_of(settings, 5, a[5], b[5]),
         step_of(settings, 6, a[6], b[6]),
     )
-
-
-@kernel
-def along_cell(a, b):
-    """The seven joint steps from one posture of a strip to the next."""
-    return (b[0] - a[0], b[1] - a[1], b[2] - a[2], b[3] - a[3], b[4] - a[4], b[5] - a[5], b[6] - a[6])
 
 
 @kernel
@@ -110,10 +100,12 @@ def step_value(settings, e, share):
 
 
 @kernel
-def step_cost(e, d, va, vb, sag, t0, t1, settings, share):
+def step_cost(e, d, ends, t0, t1, rules):
     """Least of va + t (vb - va) - sag t (1 - t) and the value of the step e - t d, t from t0 to t1, and where it is."""
-    if settings[INVERSE_SPEED, 0] != 0.0:
-        return quickest(e, d, va, vb, t0, t1, settings)
+    va, vb, sag = ends
+    if rules.settings[INVERSE_SPEED, 0] != 0.0:
+        return quickest(e, d, va, vb, t0, t1, rules.settings)
+    share = rules.share
     size = product(d, d) * share
     across = product(e, d) * share
     slope = across + 0.5 * (sag - (vb - va))
@@ -154,12 +146,13 @@ def moved_on(e, d, t):
 
 
 @kernel
-def try_cell(e, a, b, ends, settings, limited, share, best, at, place):
+def try_cell(e, a, b, ends, rules, found, place):
     """Step from between two postures a and b of a strip, e being that from a: least cost and its place, if better.
 
-    `ends` are the costs of both, and by how much those between sag.
+    `ends` are the costs of both, and by how much those between sag; `found` the least cost so far and its place.
     """
     va, vb, sag = ends
+    settings = rules.settings
     d = along_cell(a, b)
     t0, t1 = 0.0, 1.0
     if vb > va + 0.5 * TOO_FAST:
@@ -169,37 +162,39 @@ def try_cell(e, a, b, ends, settings, limited, share, best, at, place):
         t0, va = 1.0, vb
     t0, t1 = kept(e, d, t0, t1, settings, BY_CONTINUITY)
     if t0 > t1:
-        return best, at
+        return found
     extra = 0.0
-    if limited:
+    if rules.limited:
         slow0, slow1 = kept(e, d, t0, t1, settings, BY_VELOCITY)
         if slow0 <= slow1:
             t0, t1 = slow0, slow1
         else:
             extra = TOO_FAST
-    value, t = step_cost(e, d, va, vb, sag, t0, t1, settings, share)
+    value, t = step_cost(e, d, (va, vb, sag), t0, t1, rules)
     if extra > 0.0:
         over = 0.0
         for j in range(7):
             over = max(over, abs(e[j] - t * d[j]) / settings[BY_VELOCITY, j])
         value += extra * over
-    if value < best:
-        return value, place + t
-    return best, at
+    return (value, place + t) if value < found[0] else found
 
 
 @kernel
-def try_strip(q, nodes, cost, first, last, settings, limited, share, best, at):
+def try_strip(q, sheet, strip, rules, found):
     """The cheapest way to a posture q from a strip of the pose before, if better: cost, and place (row and part).
 
     Postures that are too far away are skipped by their distance: none moves on faster than the strip is long.
     """
+    nodes, cost, settings = sheet.nodes, sheet.cost, rules.settings
+    first, last = int(sheet.strips[strip, STRIP_FIRST]), int(sheet.strips[strip, STRIP_LAST])
+    if sheet.strips[strip, STRIP_LEAST] >= found[0]:
+        return found
     reach = settings[BY_CONTINUITY, 0]
     i = first
     while i <= last:
         following = min(i + 1, last)
         sag = nodes[i, NODE_SAG] if following > i else 0.0
-        if min(cost[i], cost[following]) - 0.25 * sag >= best:
+        if min(cost[i], cost[following]) - 0.25 * sag >= found[0]:
             i += 1
             continue
         e = steps_between(settings, row(nodes, i), q)
@@ -214,9 +209,9 @@ def try_strip(q, nodes, cost, first, last, settings, limited, share, best, at):
                     i += 1
                 continue
         ends = (cost[i], cost[following], sag)
-        best, at = try_cell(e, row(nodes, i), row(nodes, following), ends, settings, limited, share, best, at, i)
+        found = try_cell(e, row(nodes, i), row(nodes, following), ends, rules, found, float(i))
         i += 1
-    return best, at
+    return found
 
 
 @kernel
@@ -232,15 +227,15 @@ def boxes_meet(a, b, settings):
 
 
 @kernel
-def leap(q, nodes, cost, first, last, settings, best, at):
+def leap(q, sheet, first, last, settings, found):
     """A break on the way to a posture q: from anywhere among rows first to last - 1, the nearest one if they cost."""
     for i in range(first, last):
-        if cost[i] + BREAK < best:
-            e = steps_between(settings, row(nodes, i), q)
-            value = cost[i] + BREAK + step_value(settings, e, 1.0)
-            if value < best:
-                best, at = value, float(i)
-    return best, at
+        if sheet.cost[i] + BREAK < found[0]:
+            e = steps_between(settings, row(sheet.nodes, i), q)
+            value = sheet.cost[i] + BREAK + step_value(settings, e, 1.0)
+            if value < found[0]:
+                found = (value, float(i))
+    return found
 
 
 @kernel
@@ -255,23 +250,33 @@ def cheapest(cost, first, last):
 
 @kernel
 def scale_settings(settings, between, scaled):
-    """Write the settings for a step over so many poses: as many times as fast."""
+    """Write the settings for a step over so many poses: as many times as fast, and twice as far at most."""
     for j in range(7):
         scaled[BY_VELOCITY, j] = settings[BY_VELOCITY, j] * between
+        scaled[BY_CONTINUITY, j] = settings[BY_CONTINUITY, j] * min(between, 2)
 
 
 @kernel
-def first_costs(nodes, cost, first, last, seed, settings):
+def rules_for(settings, scaled, between, limited):
+    """What a step over so many poses counts; `scaled` are the settings with room for its speeds."""
+    scale_settings(settings, between, scaled)
+    return Rules(scaled, limited, 1.0 / between)
+
+
+@kernel
+def first_costs(sheet, span, seed, settings):
     """Costs of the postures of a first pose: squared joint steps from the seed, if there is one."""
-    for i in range(first, last):
+    nodes, cost = sheet.nodes, sheet.cost
+    for i in range(span.first, span.last):
         cost[i] = 0.0
         nodes[i, NODE_SAG] = 0.0
         if seed is not None:
-            if i + 1 < last and settings[INVERSE_SPEED, 0] == 0.0:
+            if i + 1 < span.last and settings[INVERSE_SPEED, 0] == 0.0:
                 d = along_cell(row(nodes, i), row(nodes, i + 1))
                 nodes[i, NODE_SAG] = product(d, d)
             e = steps_between(settings, seed, row(nodes, i))
             cost[i] = step_value(settings, e, 1.0) + (BREAK if largest(e) > settings[BY_CONTINUITY, 0] else 0.0)
+    write_least(sheet, span)
 
 
 @kernel
@@ -285,76 +290,79 @@ def origin_step(nodes, settings, i, place):
 
 
 @kernel
-def write_sags(nodes, cost, places, strips, now, settings, share):
+def write_sags(sheet, places, span, rules):
     """How far the costs between two postures of a strip lie below their straight line: by the change of their slope.
 
     The slope at a posture is twice the step to it. Costs that come from a step turn up no faster than its square.
     """
-    for b in range(now[2], now[3]):
+    nodes, cost, strips, settings = sheet.nodes, sheet.cost, sheet.strips, rules.settings
+    for b in range(span.first_strip, span.last_strip):
         first, last = int(strips[b, STRIP_FIRST]), int(strips[b, STRIP_LAST])
         for i in range(first, last + 1):
             nodes[i, NODE_SAG] = 0.0
         if settings[INVERSE_SPEED, 0] != 0.0:
             continue
         for i in range(first, last):
-            at, following = places[i - now[0]], places[i + 1 - now[0]]
+            at, following = places[i - span.first], places[i + 1 - span.first]
             if at < 0.0 or following < 0.0 or abs(cost[i + 1] - cost[i]) > 0.5 * TOO_FAST:
                 continue
             d = along_cell(row(nodes, i), row(nodes, i + 1))
             turn = product(origin_step(nodes, settings, i + 1, following), d)
             turn -= product(origin_step(nodes, settings, i, at), d)
-            nodes[i, NODE_SAG] = share * min(max(turn, 0.0), product(d, d))
+            nodes[i, NODE_SAG] = rules.share * min(max(turn, 0.0), product(d, d))
 
 
 @kernel
-def advance(nodes, cost, strips, before, now, settings, limited, share, exact):
-    """Costs of the postures of a pose from those of the pose before.
+def write_least(sheet, span):
+    """What no posture of each strip costs less than."""
+    for b in range(span.first_strip, span.last_strip):
+        least = IMPOSSIBLE
+        for i in range(int(sheet.strips[b, STRIP_FIRST]), int(sheet.strips[b, STRIP_LAST]) + 1):
+            least = min(least, sheet.cost[i] - 0.25 * sheet.nodes[i, NODE_SAG])
+        sheet.strips[b, STRIP_LEAST] = least
 
-    Args:
-        nodes: (n, NODE) postures.
-        cost: (n,) their costs.
-        strips: (m, STRIP) strips.
-        before: first row of the pose before in `nodes` and one behind its last, the same in `strips`.
-        now: the same of this pose.
-        settings: (SETTINGS, 7).
-        limited: whether there are velocity limits.
-        share: by which squared steps count.
-        exact: whether a break may come from every posture of the pose before, or from the cheapest alone.
+
+@kernel
+def advance(sheet, before, now, rules, exact):
+    """Costs of the postures of a pose, span `now`, from those of the pose before.
+
+    Unless `exact`, breaks come from the cheapest posture alone, and strips that need one more break than it go on
+    nowhere: a break there is as good.
     """
-    places = np.full(now[1] - now[0], -1.0)
-    for i in range(now[0], now[1]):
+    nodes, cost, strips = sheet.nodes, sheet.cost, sheet.strips
+    places = np.full(now.last - now.first, -1.0)
+    for i in range(now.first, now.last):
         cost[i] = IMPOSSIBLE
-    for b in range(now[2], now[3]):
-        for a in range(before[2], before[3]):
-            if not boxes_meet(row(strips, a), row(strips, b), settings):
-                continue
-            first, last = int(strips[a, STRIP_FIRST]), int(strips[a, STRIP_LAST])
-            for i in range(int(strips[b, STRIP_FIRST]), int(strips[b, STRIP_LAST]) + 1):
-                k = i - now[0]
-                cost[i], places[k] = try_strip(
-                    row(nodes, i), nodes, cost, first, last, settings, limited, share, cost[i], places[k]
-                )
-    start = cheapest(cost, before[0], before[1])
+    start = cheapest(cost, before.first, before.last)
     least = cost[start] + BREAK
-    if exact or cost[cheapest(cost, now[0], now[1])] > least:
-        first, last = (before[0], before[1]) if exact else (start, start + 1)
-        for i in range(now[0], now[1]):
+    for b in range(now.first_strip, now.last_strip):
+        for a in range(before.first_strip, before.last_strip):
+            if strips[a, STRIP_LEAST] >= (IMPOSSIBLE if exact else least):
+                continue
+            if not boxes_meet(row(strips, a), row(strips, b), rules.settings):
+                continue
+            for i in range(int(strips[b, STRIP_FIRST]), int(strips[b, STRIP_LAST]) + 1):
+                k = i - now.first
+                cost[i], places[k] = try_strip(row(nodes, i), sheet, a, rules, (cost[i], places[k]))
+    if exact or cost[cheapest(cost, now.first, now.last)] > least:
+        first, last = (before.first, before.last) if exact else (start, start + 1)
+        for i in range(now.first, now.last):
             if cost[i] > least:
                 before_leap = cost[i]
-                cost[i], _ = leap(row(nodes, i), nodes, cost, first, last, settings, cost[i], 0.0)
+                cost[i], _ = leap(row(nodes, i), sheet, first, last, rules.settings, (cost[i], 0.0))
                 if cost[i] < before_leap:
-                    places[i - now[0]] = -1.0
-    write_sags(nodes, cost, places, strips, now, settings, share)
+                    places[i - now.first] = -1.0
+    write_sags(sheet, places, now, rules)
+    write_least(sheet, now)
 
 
 @kernel
-def step_back(q, nodes, cost, strips, before, settings, limited, share):
+def step_back(q, sheet, before, rules):
     """The best place of the pose before on the way to a posture q: cost, row and part of the way to the next row."""
-    best, at = IMPOSSIBLE, -1.0
-    for a in range(before[2], before[3]):
-        first, last = int(strips[a, STRIP_FIRST]), int(strips[a, STRIP_LAST])
-        best, at = try_strip(q, nodes, cost, first, last, settings, limited, share, best, at)
-    return leap(q, nodes, cost, before[0], before[1], settings, best, at)
+    found = (IMPOSSIBLE, -1.0)
+    for a in range(before.first_strip, before.last_strip):
+        found = try_strip(q, sheet, a, rules, found)
+    return leap(q, sheet, before.first, before.last, rules.settings, found)
 
 
 @kernel

@@ -1,7 +1,8 @@
-"""A path made the best of its kind: all arm angles moved at once, by Newton's method, to the least squared joint steps.
+"""A path made the best of its kind: all arm angles moved at once, by Newton's method.
 
 Each posture moves with its own arm angle alone, so a step of Gauss and Newton is one tridiagonal system for the whole
-path. Arm angles on an end of their strip that want to go beyond it stay there (projected as by Bertsekas 1982).
+path, with one more row and column where all steps share a bound. Arm angles on an end of their strip that want to go
+beyond it stay there (projected as by Bertsekas 1982).
 """
 
 from __future__ import annotations
@@ -13,10 +14,20 @@ import numpy as np
 from srs_ik.kernels.algebra.pointers import row
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.limb import LIMITED
-from srs_ik.kernels.limb.poses import read7, read_pose
-from srs_ik.kernels.limb.triangle import elbow_side, place
-from srs_ik.kernels.path.corridor import beside, moving_rates, split_of
-from srs_ik.kernels.path.programme import largest, path_cost, step_of
+from srs_ik.kernels.layout.path import LARGEST, SLOWEST, SQUARES, Line, System
+from srs_ik.kernels.path.corridor import beside, moving_rates, posture_at, split_of, spot_of
+from srs_ik.kernels.path.edges import (
+    CROSS,
+    GRADIENT,
+    OUTSIDE,
+    TERMS,
+    WEIGHT,
+    bound_of,
+    value_of,
+    write_steps,
+    write_terms,
+)
+from srs_ik.kernels.path.programme import largest
 
 SWEEPS = 24
 """Most steps of a path."""
@@ -25,53 +36,87 @@ LONGEST_MOVE = 0.25
 """Longest move of a joint in one step, rad."""
 
 ENOUGH = 1e-8
-"""A step that gains less, relative to all, is the last one."""
+"""A step that gains less, relative to all, is the last one ..."""
+
+ENOUGH_OF_WEIGHT = 0.02
+"""... and with a barrier one that gains less of its weight for each step of the path."""
 
 FASTEST = 1e5
 """Joint rates above this, rad/rad, belong to a posture next to a singularity: its arm angle stays."""
 
 ON_END = 1e-9
 
+LEAST_PART = 0.1
+"""Whoever can go less than this part of its way to the end of its strip is held ..."""
+
+HOLDS = 3
+"""... and the others asked again, so often at most."""
+
+HALVINGS = 5
+"""A step that does not gain is made shorter so often, before all is damped."""
+
+MOST_DAMPING = 1e2
+
 
 @kernel
-def solve_tridiagonal(diagonal, next_to, x, n):
-    """Solve a symmetric tridiagonal system in place; x holds the right-hand side, then the solution."""
+def factor(diagonal, next_to, shares, n):
+    """Factor a symmetric tridiagonal matrix: its diagonal in place, and by how much of each row the next one falls."""
     for i in range(1, n):
-        f = next_to[i - 1] / diagonal[i - 1]
-        diagonal[i] -= f * next_to[i - 1]
-        x[i] -= f * x[i - 1]
+        shares[i] = next_to[i - 1] / diagonal[i - 1]
+        diagonal[i] -= shares[i] * next_to[i - 1]
+
+
+@kernel
+def solve_factored(diagonal, next_to, shares, x, n):
+    """Solve with such a factored matrix; x holds the right-hand side, then the solution."""
+    for i in range(1, n):
+        x[i] -= shares[i] * x[i - 1]
     x[n - 1] /= diagonal[n - 1]
     for i in range(n - 2, -1, -1):
         x[i] = (x[i] - next_to[i] * x[i + 1]) / diagonal[i]
 
 
 @kernel
-def assemble(chain, seed, settings, damping, q, rate, diagonal, next_to, move):
-    """System of a step for the arm angles of a path with postures q (n, 7) and rates (n, 7)."""
+def assemble(chain, aim, settings, steps, t, rate, system):
+    """Write the system of a step for the arm angles of a path with rates (n, 7).
+
+    Returned is the corner below its border.
+    """
     n = chain.shape[0]
+    terms = system.terms
     for c in range(n):
-        diagonal[c] = 1e-12
-        next_to[c] = 0.0
-        move[c] = 0.0
+        system.diagonal[c] = 1e-12
+        system.next_to[c] = 0.0
+        system.move[c] = 0.0
+        system.border[c] = 0.0
+    corner = 0.0
     for c in range(n):
-        i = chain[c]
+        bound = bound_of(aim, steps, c, c + 1) if aim.kind == SLOWEST else t
+        by_bound = write_terms(aim, chain, settings, steps, c, bound, terms)
+        if aim.kind == LARGEST:
+            corner += by_bound
+        bend = -1.0 / by_bound if aim.kind == SLOWEST else 0.0
+        aa, ab, bb, ua, ub, ga, gb = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
         for j in range(7):
-            r = rate[i, j]
-            if c == 0 and seed is not None:
-                diagonal[0] += r * r
-                move[0] += r * step_of(settings, j, q[i, j], seed[j])
-            if c + 1 < n:
-                following = chain[c + 1]
-                share = 1.0 / (following - i)
-                d = share * step_of(settings, j, q[i, j], q[following, j])
-                s = rate[following, j]
-                diagonal[c] += share * r * r
-                diagonal[c + 1] += share * s * s
-                next_to[c] -= share * r * s
-                move[c] += r * d
-                move[c + 1] -= s * d
-    for c in range(n):
-        diagonal[c] *= 1.0 + damping
+            a = rate[chain[c - 1], j] if c > 0 else 0.0
+            b = rate[chain[c], j]
+            w = terms[WEIGHT, j]
+            aa += w * a * a
+            ab += w * a * b
+            bb += w * b * b
+            ua += terms[CROSS, j] * a
+            ub += terms[CROSS, j] * b
+            ga += terms[GRADIENT, j] * a
+            gb += terms[GRADIENT, j] * b
+        system.diagonal[c] += bb + bend * ub * ub
+        system.move[c] -= gb
+        system.border[c] += ub
+        if c > 0:
+            system.diagonal[c - 1] += aa + bend * ua * ua
+            system.next_to[c - 1] -= ab + bend * ua * ub
+            system.move[c - 1] += ga
+            system.border[c - 1] -= ua
+    return corner
 
 
 @kernel
@@ -90,90 +135,142 @@ def hold(chain, bounds, psi, move, rate):
 
 
 @kernel
-def write_rates(P, poses, chain, fixed, branch, q, rate, J, A):
-    """Joint rates with the arm angle, zero where they cannot be used."""
-    for c in range(chain.shape[0]):
-        i = chain[c]
-        here = read7(row(q, i))
-        _, is_singular = split_of(P, here)
-        usable = not fixed[i] and not is_singular
-        if usable:
-            R, p, _ = read_pose(row(poses, i))
-            place_ = place(P, R, p)
-            side = elbow_side(P, place_, branch[i] >> 2)
-            v, usable = moving_rates(P, place_, side, here, R, p, J, A)
-            usable = usable and largest(v) < FASTEST
-            for j in range(7):
-                rate[i, j] = v[j] if usable else 0.0
-        else:
-            for j in range(7):
-                rate[i, j] = 0.0
+def solve_system(system, corner, damping, n):
+    """How far all arm angles move, into `system.move`; the matrix and its border are used up."""
+    for c in range(n):
+        system.diagonal[c] *= 1.0 + damping
+    shares = system.shares
+    factor(system.diagonal, system.next_to, shares, n)
+    solve_factored(system.diagonal, system.next_to, shares, system.move, n)
+    if corner > 0.0:
+        above, below = 0.0, corner
+        border = system.spare
+        border[:] = system.border
+        solve_factored(system.diagonal, system.next_to, shares, system.border, n)
+        for c in range(n):
+            above -= border[c] * system.move[c]
+            below -= border[c] * system.border[c]
+        if below > 0.0:
+            for c in range(n):
+                system.move[c] -= system.border[c] * above / below
 
 
 @kernel
-def move_all(P, poses, chain, bounds, branch, q, psi, rate, move, q_moved, psi_moved, J, A):
+def write_rates(P, course, line, rate, space):
+    """Joint rates with the arm angle, zero where they cannot be used."""
+    for c in range(course.chain.shape[0]):
+        i = course.chain[c]
+        here = posture_at(line, i)
+        _, is_singular = split_of(P, here.q)
+        usable = not course.fixed[i] and not is_singular
+        for j in range(7):
+            rate[i, j] = 0.0
+        if usable:
+            v, usable = moving_rates(P, spot_of(P, row(course.poses, i)), here, space.J, space.A)
+            if usable and largest(v) < FASTEST:
+                for j in range(7):
+                    rate[i, j] = v[j]
+
+
+@kernel
+def move_all(P, course, line, rate, move, moved, space):
     """Write the postures with their arm angles moved on, as far as limits let them."""
-    for c in range(chain.shape[0]):
-        i = chain[c]
-        here = read7(row(q, i))
-        there = psi[i]
+    for c in range(course.chain.shape[0]):
+        i = course.chain[c]
+        here = posture_at(line, i)
+        q, there = here.q, here.psi
         fastest = largest(row(rate, i))
         if fastest > 0.0 and move[c] != 0.0:
             size = min(abs(move[c]), LONGEST_MOVE / fastest)
-            R, p, _ = read_pose(row(poses, i))
-            place_ = place(P, R, p)
-            side = elbow_side(P, place_, branch[i] >> 2)
-            here, there, _ = beside(
-                P,
-                side,
-                R,
-                p,
-                psi[i],
-                math.copysign(size, move[c]),
-                read7(row(rate, i)),
-                branch[i],
-                here,
-                row(bounds, i),
-                4.0 * LONGEST_MOVE,
-                J,
-                A,
-            )
-        psi_moved[i] = there
+            ends = (course.bounds[i, 0], course.bounds[i, 1], 4.0 * LONGEST_MOVE)
+            motion = (moved_direction(rate, i), math.copysign(size, move[c]))
+            spot = spot_of(P, row(course.poses, i))
+            q, there, _ = beside(P, spot, here, motion, ends, space.J, space.A)
+        moved.psi[i] = there
         for j in range(7):
-            q_moved[i, j] = here[j]
+            moved.q[i, j] = q[j]
 
 
 @kernel
-def smooth(family, poses, chain, fixed, bounds, seed, settings, q, psi, branch, J, A):
-    """Move the postures of a path, in place, so that its squared joint steps become least; see `corridor`."""
-    P = row(family, LIMITED)
+def moved_direction(rate, i):
+    """The rates of a posture."""
+    return (rate[i, 0], rate[i, 1], rate[i, 2], rate[i, 3], rate[i, 4], rate[i, 5], rate[i, 6])
+
+
+@kernel
+def hold_beyond(course, line, move, rate):
+    """Take the rates of postures that can go less than a part of their way to the end of their strip; are there any?"""
+    some = False
+    for c in range(course.chain.shape[0]):
+        i = course.chain[c]
+        room = course.bounds[i, 1] - line.psi[i] if move[c] > 0.0 else line.psi[i] - course.bounds[i, 0]
+        if abs(move[c]) > ON_END and room < LEAST_PART * abs(move[c]) and largest(row(rate, i)) > 0.0:
+            some = True
+            for j in range(7):
+                rate[i, j] = 0.0
+    return some
+
+
+@kernel
+def direct(course, line, aim, settings, problem, damping):
+    """Write how far all arm angles move in a step into `system.spare`; `problem` are steps, bound, rates and system."""
+    steps, t, rate, system = problem
+    chain = course.chain
     n = chain.shape[0]
-    rate = np.zeros(q.shape)
-    q_moved, psi_moved = q.copy(), psi.copy()
-    diagonal, next_to, move = np.empty(n), np.empty(n), np.empty(n)
-    lowest = path_cost(chain, seed, settings, False, q)
-    damping = 0.0
-    fresh = True
-    for _ in range(SWEEPS):
-        if fresh:
-            write_rates(P, poses, chain, fixed, branch, q, rate, J, A)
-            assemble(chain, seed, settings, 0.0, q, rate, diagonal, next_to, move)
-            hold(chain, bounds, psi, move, rate)
-        assemble(chain, seed, settings, damping, q, rate, diagonal, next_to, move)
-        solve_tridiagonal(diagonal, next_to, move, n)
-        move_all(P, poses, chain, bounds, branch, q, psi, rate, move, q_moved, psi_moved, J, A)
-        total = path_cost(chain, seed, settings, False, q_moved)
-        fresh = total < lowest
-        if fresh:
-            gain = lowest - total
-            lowest = total
-            q[:] = q_moved
-            psi[:] = psi_moved
-            damping *= 0.1
-            if gain < ENOUGH * lowest:
-                break
-        elif damping > 1e3:
+    for _ in range(HOLDS):
+        corner = assemble(chain, aim, settings, steps, t, rate, system)
+        solve_system(system, corner, damping, n)
+        if not hold_beyond(course, line, system.move, rate):
             break
-        else:
+    # Together they go as far as the fastest one may: each by itself, they would part.
+    part = 1.0
+    if aim.kind != SQUARES:
+        for c in range(n):
+            part = min(part, LONGEST_MOVE / max(abs(system.move[c]) * largest(row(rate, chain[c])), LONGEST_MOVE))
+    for c in range(n):
+        system.spare[c] = part * system.move[c]
+
+
+@kernel
+def smooth(family, course, line, seed, aim, settings, space):
+    """Move the postures of a path, in place, so that what is aimed at becomes least; see `corridor`. Returns it."""
+    P = row(family, LIMITED)
+    chain = course.chain
+    n = chain.shape[0]
+    first = 0 if seed is not None else 1
+    rate = np.zeros(line.q.shape)
+    moved = Line(line.q.copy(), line.psi.copy(), line.branch)
+    steps = np.empty((n, 7))
+    system = System(np.empty(n), np.empty(n), np.empty(n), np.empty(n), np.empty(n), np.empty(n), np.empty((TERMS, 7)))
+    write_steps(chain, seed, settings, line.q, steps)
+    lowest, t = value_of(aim, chain, settings, steps, first)
+    damping = 0.0
+    for _ in range(SWEEPS):
+        if lowest == OUTSIDE or damping > MOST_DAMPING:
+            break
+        write_steps(chain, seed, settings, line.q, steps)
+        write_rates(P, course, line, rate, space)
+        assemble(chain, aim, settings, steps, t, rate, system)
+        hold(chain, course.bounds, line.psi, system.move, rate)
+        direct(course, line, aim, settings, (steps, t, rate, system), damping)
+        gain = 0.0
+        for _ in range(HALVINGS):
+            move_all(P, course, line, rate, system.spare, moved, space)
+            write_steps(chain, seed, settings, moved.q, steps)
+            total, t_moved = value_of(aim, chain, settings, steps, first)
+            if total < lowest:
+                gain = lowest - total
+                lowest = total
+                t = t_moved
+                line.q[:] = moved.q
+                line.psi[:] = moved.psi
+                break
+            for c in range(n):
+                system.spare[c] *= 0.5 if aim.kind == SQUARES else 0.3
+        if gain == 0.0:
             damping = max(10.0 * damping, 0.1)
+            continue
+        damping *= 0.1
+        if gain < (ENOUGH_OF_WEIGHT * n * aim.weight if aim.weight > 0.0 else ENOUGH * lowest):
+            break
     return lowest

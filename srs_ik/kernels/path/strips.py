@@ -15,20 +15,10 @@ from srs_ik.kernels.algebra.pointers import row
 from srs_ik.kernels.exact.samples import add_changes
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.limb import INVERSE_HALF_RANGE, LOWER, RANGE_KIND, SHOULDER, UPPER, WRIST
+from srs_ik.kernels.layout.path import NODE_BRANCH, NODE_PSI
 from srs_ik.kernels.limb.goal import NO_SEED
 from srs_ik.kernels.limb.poses import read7
 from srs_ik.kernels.path.followed import away, posture_of, turn_all, turned_away
-
-NODE = 11
-NODE_PSI = 7
-NODE_WAY = 8
-NODE_BRANCH = 9
-NODE_SAG = 10
-
-STRIP = 16
-STRIP_FIRST = 14
-STRIP_LAST = 15
-"""A strip: least and largest angle of every joint, the rows of its first and last posture."""
 
 SPACING = 0.35
 """Farthest that a joint moves between two postures of a strip, rad."""
@@ -82,23 +72,25 @@ def first_angles(P, side, lower, upper, targets):
 
 
 @kernel
-def widest_step(q, ahead, near, radius):
-    """Joint step from a posture to the next above which there are others between, fine within a radius of a posture."""
-    if radius == 0.0:
+def widest_step(q, ahead, around):
+    """Joint step from a posture to the next above which there are others between, fine about a posture."""
+    if around.radius == 0.0:
         return SPACING
-    return FINE_SPACING if turned_away(q, near) < radius + 2.0 * away(ahead, q) else math.inf
+    return FINE_SPACING if turned_away(q, around.q) < around.radius + 2.0 * away(ahead, q) else math.inf
 
 
 @kernel
-def take_strip(P, side, branch, ends, near, radius, nodes, linked, n, work):
-    """Write the postures of an interval from row n on, and whether each is linked to the next; the next free row.
+def take_strip(P, side, interval, around, sheet, n, desk):
+    """Write the postures of an interval (branch, lower, upper) from row n on, and their links; the next free row.
 
-    With a radius, only those so near to the posture `near`, and close together.
+    Fine strips hold only the postures that are as near as is asked for, close together.
     """
-    targets, stack = work
-    count = first_angles(P, side, ends[0], ends[1], targets)
+    branch, lower, upper = interval
+    nodes, linked = sheet.nodes, sheet.linked
+    targets, stack = desk.targets, desk.stack
+    count = first_angles(P, side, lower, upper, targets)
     q = NO_SEED
-    psi = ends[0]
+    psi = lower
     begun = False
     written = False
     for i in range(count):
@@ -114,7 +106,7 @@ def take_strip(P, side, branch, ends, near, radius, nodes, linked, n, work):
             wanted = turn_all(P, read7(row(stack, top)), q, begun)
             middle = 0.5 * (psi + ahead)
             apart = away(wanted, q)
-            if begun and apart > widest_step(q, wanted, near, radius) and psi < middle < ahead:
+            if begun and apart > widest_step(q, wanted, around) and psi < middle < ahead:
                 if ahead - psi > CLOSEST * max(1.0, abs(psi)) and top + 1 < DEEPEST:
                     between, good = posture_of(P, side, middle, branch, q, True)
                     if good:
@@ -123,7 +115,7 @@ def take_strip(P, side, branch, ends, near, radius, nodes, linked, n, work):
                         continue
             if written:
                 linked[n - 1] = begun and (apart <= SPACING or is_split(q, wanted))
-            if radius == 0.0 or turned_away(wanted, near) < radius:
+            if around.radius == 0.0 or turned_away(wanted, around.q) < around.radius:
                 put_node(nodes, n, wanted, ahead, branch)
                 linked[n] = False
                 written = True

@@ -11,7 +11,9 @@ import numpy as np
 from srs_ik.kernels.algebra.lanes import as_bits, gather
 from srs_ik.kernels.algebra.pointers import row
 from srs_ik.kernels.chain.answer import measure_row, measure_row_at, write_row
+from srs_ik.kernels.chain.closest import closest
 from srs_ik.kernels.chain.eight import put_some, take_eight, tip_errors
+from srs_ik.kernels.chain.newton import clipped
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.answer import (
     GOOD_POSE,
@@ -26,8 +28,8 @@ from srs_ik.kernels.layout.answer import (
     UNREACHABLE,
 )
 from srs_ik.kernels.layout.limb import FREE, LIMITED
-from srs_ik.kernels.limb.branches import NO_BRANCH, elbow_branches
-from srs_ik.kernels.limb.goal import NO_SEED, OUTSIDE, UNMET, tightest_joint
+from srs_ik.kernels.limb.branches import NO_BRANCH, branch_of, elbow_branches
+from srs_ik.kernels.limb.goal import NO_SEED, OUTSIDE, UNMET, tightest_joint, turned
 from srs_ik.kernels.limb.poses import read7, read_pose
 from srs_ik.kernels.limb.triangle import place
 from srs_ik.kernels.near.at_angle import may_reach, solve_all_at_angle, solve_at_angle
@@ -55,6 +57,15 @@ def own_seed(seeds, i):
     if seeds is None:
         return None
     return row(seeds, i if seeds.shape[0] > 1 else 0)
+
+
+@kernel
+def write_closest(P, place_, R, p, seeded, seed, out):
+    """Put the closest configuration in the place of one out of reach whose stretched arm breaks the limits."""
+    q = closest(P, read7(out), R, p, np.empty((6, 7)), np.empty((16, 9)))
+    q = clipped(P, turned(P, q, seeded, seed, True))
+    measure_row(P, place_, R, p, q, branch_of(P, q), UNMET, True, out)
+    out[ROW_STATUS] = UNREACHABLE
 
 
 @kernel
@@ -90,6 +101,8 @@ def solve_row(family, T, branch, seed, respect, J, A, out):
             if lowest < UNMET:
                 out[ROW_STATUS] = OUT_OF_LIMITS
                 out[ROW_JOINT] = tightest_joint(P, q)
+    if respect and branch < 0 and lowest >= OUTSIDE and out[ROW_STATUS] == UNREACHABLE:
+        write_closest(P, place_, R, p, seeded, near, row(out, 0))
     return GOOD_POSE
 
 

@@ -11,13 +11,14 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from srs_ik.kernels.native import at_work
 from srs_ik.paper.experiments.setting import SEED, Outcome
 from srs_ik.writing import write_whole
 
 if TYPE_CHECKING:
     from srs_ik.arm import Arm
 
-_PACKAGES = {"numpy": "numpy", "numba": "numba", "pinocchio": "pin", "matplotlib": "matplotlib"}
+_PACKAGES = {"numpy": "numpy", "pinocchio": "pin", "matplotlib": "matplotlib"}
 
 
 def write(folder: Path, name: str, arm: Arm, outcome: Outcome) -> list[Path]:
@@ -61,6 +62,7 @@ def report(name: str, arm: Arm, outcome: Outcome) -> dict[str, Any]:
             "srs_ik": __version__,
             "python": platform.python_version(),
             **{name: version(package) for name, package in _PACKAGES.items()},
+            "kernels": at_work(),
         },
         "figures": outcome.figures,
     }

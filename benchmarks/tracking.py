@@ -1,0 +1,230 @@
+"""The same target motions through this package's tracker, ssik's, Pink and Mink: what they make of them, and how fast.
+
+    python benchmarks/tracking.py --motions 4 --seconds 10
+    python benchmarks/tracking.py --robots gen3 --kinds hand reach --trouble --picture docs/tracking.png
+
+Each gets the same joint limits as far as it knows them: ssik a speed, Pink speeds and accelerations, Mink speeds. A
+target that is lost is None for ours and the last one for the others.
+On target is a tip within 1 mm and 10 mrad of where
+the target truly is, by Pinocchio; a freeze is 50 ms without a motion while the tip is off a target; a flip a
+joint that moves by more than 0.2 rad in a period.
+"""
+
+from __future__ import annotations
+
+import argparse
+import sys
+import time
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pinocchio as pin
+
+import srs_ik
+from srs_ik.bench.report import machine
+
+HERE = Path(__file__).parent
+sys.path.insert(0, str(HERE.parent / "tests"))
+
+from motions import KINDS, Motion, motion  # noqa: E402
+
+ROBOTS = ("iiwa14", "gen3")
+NEAR_TARGET = (1e-3, 1e-2)
+FREEZE = 0.05
+FLIP = 0.2
+
+Update = Callable[[np.ndarray | None], np.ndarray]
+"""What a tracker is here: from a target to joint angles."""
+
+
+def ours(arm: srs_ik.Arm, q0: np.ndarray, dt: float, acceleration: np.ndarray) -> Update:
+    """`Arm.tracker`."""
+    tracker = arm.tracker(q0, dt, acceleration_limit=acceleration)
+    return lambda T: tracker.update(T).q
+
+
+def ssik(arm: srs_ik.Arm, q0: np.ndarray, dt: float, acceleration: np.ndarray) -> Update:
+    """ssik's tracker on its own arm of that name, with its clamp of the speed."""
+    from ssik import Manipulator, Tracker
+
+    theirs = Manipulator.from_prebuilt(arm.name)
+    tool = np.linalg.inv(arm.forward_kinematics(q0).homogeneous) @ theirs.fk(q0)
+    tracker = Tracker(theirs, q0, max_joint_speed=arm.velocity_limit, t0=0.0)
+    now = 0.0
+
+    def update(T: np.ndarray | None) -> np.ndarray:
+        nonlocal now
+        now += dt
+        return tracker.q if T is None else tracker.update(T @ tool, now).q
+
+    return update
+
+
+def pink(arm: srs_ik.Arm, q0: np.ndarray, dt: float, acceleration: np.ndarray) -> Update:
+    """Pink's quadratic programme with limits of configuration, velocity and acceleration."""
+    import pink as package
+    from pink.limits import AccelerationLimit, ConfigurationLimit, VelocityLimit
+
+    model = arm.model.copy()
+    task = package.tasks.FrameTask(arm.tip, position_cost=1.0, orientation_cost=0.25)
+    configuration = package.Configuration(model, model.createData(), arm.configuration(q0))
+    limits = [ConfigurationLimit(model), VelocityLimit(model), AccelerationLimit(model, acceleration)]
+    q = q0.copy()
+
+    def update(T: np.ndarray | None) -> np.ndarray:
+        if T is not None:
+            task.set_target(pin.SE3(T))
+        try:
+            v = package.solve_ik(configuration, [task], dt, solver="daqp", safety_break=False, limits=limits)
+        except Exception:
+            v = np.zeros(7)
+        limits[2].set_last_integration(v, dt)
+        configuration.integrate_inplace(v, dt)
+        q[:] += dt * v
+        return q.copy()
+
+    return update
+
+
+def mink(arm: srs_ik.Arm, q0: np.ndarray, dt: float, acceleration: np.ndarray) -> Update:
+    """Mink's quadratic programme on MuJoCo with limits of configuration and velocity."""
+    import mink as package
+    import mujoco
+
+    text = (HERE.parent / "robots" / arm.name / f"{arm.name}.urdf").read_text()
+    options = '<mujoco><compiler fusestatic="false" discardvisual="true"/></mujoco></robot>'
+    model = mujoco.MjModel.from_xml_string(text.replace("</robot>", options))
+    task = package.FrameTask(arm.tip, "body", position_cost=1.0, orientation_cost=0.25)
+    speeds = dict(zip(arm.joint_names, arm.velocity_limit, strict=True))
+    limits = [package.ConfigurationLimit(model), package.VelocityLimit(model, speeds)]
+    configuration = package.Configuration(model)
+    configuration.update(q0)
+
+    def update(T: np.ndarray | None) -> np.ndarray:
+        if T is not None:
+            task.set_target(package.SE3.from_matrix(T))
+        try:
+            v = package.solve_ik(configuration, [task], dt, solver="daqp", limits=limits)
+        except Exception:
+            v = np.zeros(7)
+        configuration.integrate_inplace(v, dt)
+        return configuration.q.copy()
+
+    return update
+
+
+TRACKERS = {"srs_ik": ours, "ssik": ssik, "pin-pink": pink, "mink": mink}
+
+
+def run(make: Any, arm: srs_ik.Arm, given: Motion, dt: float) -> tuple[np.ndarray, np.ndarray]:
+    """Joint angles (n, 7) and microseconds (n,) of a motion."""
+    update = make(arm, given.q0, dt, 5.0 * arm.velocity_limit)
+    if given.given[0] is None:
+        given.given[0] = given.true[0]
+    q, took = np.empty((len(given.given), 7)), np.empty(len(given.given))
+    for k, T in enumerate(given.given):
+        began = time.perf_counter()
+        q[k] = update(T)
+        took[k] = 1e6 * (time.perf_counter() - began)
+    return q, took
+
+
+def account(arm: srs_ik.Arm, given: Motion, q: np.ndarray, dt: float) -> dict[str, float]:
+    """What a tracker made of a motion."""
+    tips = [arm.forward_kinematics(each) for each in q]
+    off = np.array([np.linalg.norm(tip.translation - T[:3, 3]) for tip, T in zip(tips, given.true, strict=True)])
+    turned = np.array(
+        [np.linalg.norm(pin.log3(tip.rotation.T @ T[:3, :3])) for tip, T in zip(tips, given.true, strict=True)]
+    )
+    on = (off < NEAR_TARGET[0]) & (turned < NEAR_TARGET[1])
+    steps = np.diff(np.vstack([given.q0, given.q0, q]), axis=0)
+    steps = np.where(np.isinf(arm.upper), (steps + np.pi) % (2.0 * np.pi) - np.pi, steps)
+    velocity, acceleration = steps / dt, np.diff(steps, axis=0) / dt**2
+    still = (np.abs(steps[1:]).max(axis=1) < 1e-9) & ~on
+    return {
+        "on": float(on.mean()),
+        "velocity": float((np.abs(velocity) / arm.velocity_limit).max()),
+        "acceleration": float((np.abs(acceleration) / (5.0 * arm.velocity_limit)).max()),
+        "push": float((np.abs(acceleration) / (5.0 * arm.velocity_limit)).mean()),
+        "freezes": float(_runs(still, round(FREEZE / dt))),
+        "flips": float((np.abs(steps).max(axis=1) > FLIP).sum()),
+    }
+
+
+def _runs(marks: np.ndarray, length: int) -> int:
+    """How many runs of marks are at least so long."""
+    ends = np.flatnonzero(np.diff(np.concatenate([[0], marks.astype(int), [0]])))
+    return int(((ends[1::2] - ends[::2]) >= length).sum())
+
+
+def picture(path: Path, arm: srs_ik.Arm, given: Motion, dt: float, names: list[str]) -> None:
+    """One motion: distance from the target, and the largest velocity and acceleration by their limits."""
+    import matplotlib
+
+    matplotlib.use("Agg")
+    from matplotlib import pyplot
+
+    figure, axes = pyplot.subplots(3, 1, sharex=True, figsize=(8.0, 7.0), layout="constrained")
+    t = dt * np.arange(1, len(given.given) + 1)
+    for name in names:
+        q, _ = run(TRACKERS[name], arm, given, dt)
+        off = [
+            np.linalg.norm(arm.forward_kinematics(x).translation - T[:3, 3]) for x, T in zip(q, given.true, strict=True)
+        ]
+        steps = np.diff(np.vstack([given.q0, given.q0, q]), axis=0)
+        axes[0].semilogy(t, np.maximum(off, 1e-7), label=name, linewidth=1.0)
+        axes[1].plot(t, (np.abs(steps[1:]) / dt / arm.velocity_limit).max(axis=1), linewidth=0.8)
+        push = (np.abs(np.diff(steps, axis=0)) / dt**2 / (5.0 * arm.velocity_limit)).max(axis=1)
+        axes[2].semilogy(t, np.maximum(push, 1e-4), linewidth=0.6)
+    for axis, words in zip(axes, ("tip off target (m)", "velocity / limit", "acceleration / limit"), strict=True):
+        axis.set_ylabel(words)
+        axis.grid(alpha=0.3)
+    for axis in axes[1:]:
+        axis.axhline(1.0, color="black", linewidth=0.6)
+    axes[0].legend(ncols=4, fontsize="small")
+    axes[2].set_xlabel("time (s)")
+    figure.savefig(path, dpi=110)
+
+
+def main(words: list[str] | None = None) -> None:
+    """Run the trackers and print a table."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--robots", nargs="+", default=list(ROBOTS), choices=ROBOTS)
+    parser.add_argument("--trackers", nargs="+", default=list(TRACKERS), choices=list(TRACKERS))
+    parser.add_argument("--kinds", nargs="+", default=list(KINDS), choices=KINDS)
+    parser.add_argument("--motions", type=int, default=2, help="of each kind")
+    parser.add_argument("--seconds", type=float, default=5.0)
+    parser.add_argument("--rate", type=float, default=500.0, help="targets a second")
+    parser.add_argument("--trouble", action="store_true", help="jitter, jumps, pauses and lost targets")
+    parser.add_argument("--picture", type=Path, help="draw the first motion of the first kind")
+    given = parser.parse_args(words)
+    dt = 1.0 / given.rate
+    print(machine())
+    print("| robot | motions | tracker | on target | velocity | acceleration | mean | freezes | flips | us | 99.9 % |")
+    print("|---|---|---|--:|--:|--:|--:|--:|--:|--:|--:|")
+    for robot in given.robots:
+        arm = srs_ik.load(robot)
+        for kind in given.kinds:
+            motions = [motion(arm, seed, given.seconds, dt, kind, given.trouble) for seed in range(given.motions)]
+            for name in given.trackers:
+                runs = [run(TRACKERS[name], arm, each, dt) for each in motions]
+                said = [account(arm, each, q, dt) for each, (q, _) in zip(motions, runs, strict=True)]
+                took = np.concatenate([took[10:] for _, took in runs])
+                print(
+                    f"| `{robot}` | {kind} | {name} | {100.0 * np.mean([s['on'] for s in said]):.1f} % "
+                    f"| {max(s['velocity'] for s in said):.2f} | {max(s['acceleration'] for s in said):.3g} "
+                    f"| {np.mean([s['push'] for s in said]):.3f} | {sum(s['freezes'] for s in said):.0f} "
+                    f"| {sum(s['flips'] for s in said):.0f} | {np.median(took):.1f} | {np.percentile(took, 99.9):.0f} "
+                    "|",
+                    flush=True,
+                )
+    if given.picture:
+        arm = srs_ik.load(given.robots[0])
+        moving = motion(arm, 0, given.seconds, dt, given.kinds[0], given.trouble)
+        picture(given.picture, arm, moving, dt, given.trackers)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,168 @@
+"""`srs-ik place`: where to put the base of an arm for the poses of a task."""
+
+from __future__ import annotations
+
+import math
+from enum import StrEnum
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from srs_ik.cli.options import AllowXacro, AsJson, Base, Limb, Source, Tip, WrongInput, numbers
+from srs_ik.cli.pose_file import read_poses, write_table
+from srs_ik.cli.poses import unit_of
+from srs_ik.cli.waiting import at_work
+
+if TYPE_CHECKING:
+    import numpy as np
+
+    from srs_ik.arm import Arm
+    from srs_ik.maps.placement import Placement
+
+Six = tuple[str, str, str, str, str, str]
+
+MOST_CANDIDATES = 10_000_000
+
+
+class By(StrEnum):
+    """What candidates are ranked by."""
+
+    share = "share"
+    width = "width"
+    margin = "margin"
+    manipulability = "manipulability"
+
+
+def place(
+    source: Source,
+    poses: Annotated[
+        Path,
+        typer.Argument(
+            metavar="FILE.csv",
+            help="Poses of the tip in the room, one a line; the header names x, y, z and roll, pitch, yaw or "
+            "qx, qy, qz, qw.",
+            show_default=False,
+        ),
+    ],
+    candidates: Annotated[
+        Path | None, typer.Option(metavar="FILE.csv", help="Poses of the base in the room, in the same form.")
+    ] = None,
+    grid: Annotated[
+        Six | None,
+        typer.Option(metavar="X0 X1 NX Y0 Y1 NY", help="Instead: upright bases on a grid, NX x NY of them, metres."),
+    ] = None,
+    height: Annotated[
+        str | None, typer.Option(metavar="Z", help="Height of that grid, metres; 0 if not given.")
+    ] = None,
+    yaws: Annotated[int, typer.Option(metavar="N", min=1, help="Turns of the base at each place of that grid.")] = 1,
+    base: Base = None,
+    tip: Tip = None,
+    limb: Limb = None,
+    allow_xacro: AllowXacro = False,
+    by: Annotated[By, typer.Option(help="Mean over all poses; those that are not reached count 0.")] = By.share,
+    top: Annotated[int, typer.Option(metavar="N", min=1, help="Candidates to print.")] = 10,
+    out: Annotated[Path | None, typer.Option(metavar="FILE.csv", help="Write all candidates here, best first.")] = None,
+    degrees: Annotated[bool, typer.Option("--degrees", help="Angles in the files are given in degrees.")] = False,
+    as_json: AsJson = False,
+) -> None:
+    """Rank places for the base of an arm by how well it reaches the poses of a file from there.
+
+    Exit status 1 where no candidate reaches any pose.
+    """
+    unit = unit_of(degrees)
+    T_room_tip, _ = read_poses(poses, unit)
+    if (candidates is None) == (grid is None):
+        raise WrongInput("give the places for the base: either --candidates FILE.csv or --grid X0 X1 NX Y0 Y1 NY")
+    if grid is not None:
+        T_room_base = _on_grid(grid, height, yaws)
+    elif height is not None or yaws != 1:
+        raise WrongInput("--height and --yaws belong to --grid")
+    else:
+        T_room_base, _ = read_poses(candidates, unit)  # type: ignore[arg-type]
+
+    from srs_ik.loading import load
+    from srs_ik.maps.placement import base_placement
+
+    arm = load(source, base=base, tip=tip, limb=limb, allow_xacro=allow_xacro)
+    with at_work(f"{len(T_room_base)} places for {len(T_room_tip)} poses"):
+        found = base_placement(arm, T_room_tip, T_room_base, by.value)
+    if out is not None:
+        columns = ("rank", "candidate", "share", by.value, "x", "y", "z", "qx", "qy", "qz", "qw")
+        write_table(out, columns, _rows(found, len(found)))
+    if as_json:
+        _print_json(arm, found, top)
+    else:
+        _print_table(arm, found, top)
+    if not found.reached.any():
+        typer.echo("srs-ik: no candidate reaches any of the poses", err=True)
+        raise typer.Exit(1)
+
+
+def _on_grid(grid: Six, height: str | None, yaws: int) -> np.ndarray:
+    import numpy as np
+
+    x0, x1, nx, y0, y1, ny = numbers("--grid", grid)
+    for count in (nx, ny):
+        if count != int(count) or count < 1:
+            raise WrongInput(f"--grid takes whole numbers of places for NX and NY, not {count:g}")
+    if nx * ny * yaws > MOST_CANDIDATES:
+        raise WrongInput(f"--grid and --yaws make {nx * ny * yaws:g} candidates; {MOST_CANDIDATES} are enough")
+    z = numbers("--height", [height])[0] if height is not None else 0.0
+    x, y, yaw = np.meshgrid(
+        np.linspace(x0, x1, int(nx)),
+        np.linspace(y0, y1, int(ny)),
+        2.0 * math.pi * np.arange(yaws) / yaws,
+        indexing="ij",
+    )
+    T = np.zeros((x.size, 4, 4))
+    c, s = np.cos(yaw.ravel()), np.sin(yaw.ravel())
+    T[:, 0, 0], T[:, 0, 1], T[:, 1, 0], T[:, 1, 1] = c, -s, s, c
+    T[:, 2, 2] = T[:, 3, 3] = 1.0
+    T[:, 0, 3], T[:, 1, 3], T[:, 2, 3] = x.ravel(), y.ravel(), z
+    return T
+
+
+def _rows(found: Placement, count: int) -> list[list[object]]:
+    from srs_ik.inputs.poses import xyz_quaternion
+
+    rows: list[list[object]] = []
+    for rank, each in enumerate(found, 1):
+        if rank > count:
+            break
+        xyz, quaternion = xyz_quaternion(found.candidates[each.candidate], order="xyzw")
+        rows.append([rank, each.candidate, each.share, each.value, *xyz.tolist(), *quaternion.tolist()])
+    return rows
+
+
+def _print_json(arm: Arm, found: Placement, top: int) -> None:
+    from srs_ik.cli.render import print_json
+
+    names = ("rank", "candidate", "share", "value")
+    ranked = [
+        {**dict(zip(names, row[:4], strict=True)), "xyz": row[4:7], "quaternion": row[7:]} for row in _rows(found, top)
+    ]
+    print_json(
+        {
+            "robot": arm.name,
+            "base": arm.base,
+            "tip": arm.tip,
+            "poses": found.reached.shape[1],
+            "candidates": len(found),
+            "by": found.by,
+            "best": ranked,
+        }
+    )
+
+
+def _print_table(arm: Arm, found: Placement, top: int) -> None:
+    from srs_ik.cli.render import console, fixed, table
+
+    rows = [
+        [str(row[0]), str(row[1]), fixed(100.0 * float(str(row[2])), 1), *(fixed(float(str(v)), 4) for v in row[3:])]
+        for row in _rows(found, top)
+    ]
+    columns = ("rank", "candidate", "reached (%)", found.by, "x", "y", "z", "qx", "qy", "qz", "qw")
+    out = console()
+    out.print(f"{arm.name}: places of {arm.base} for {found.reached.shape[1]} poses of {arm.tip}")
+    out.print(table(columns, rows, left=0))

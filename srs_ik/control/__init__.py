@@ -1,0 +1,13 @@
+"""Torque control by superposition: fractal impedances on tip, orientation and elbow, and what they are compared with.
+
+C. Tiseo, S. R. Charitos, M. Mistry name this as their future work: the geometrical posture as the target of the elbow,
+without projections into a null space.
+"""
+
+from __future__ import annotations
+
+from srs_ik.control.controller import PortReading, TorqueController
+from srs_ik.control.impedance import FractalImpedance, JointLimits
+from srs_ik.control.profile import ForceProfile
+
+__all__ = ["ForceProfile", "FractalImpedance", "JointLimits", "PortReading", "TorqueController"]

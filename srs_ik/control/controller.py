@@ -1,0 +1,289 @@
+"""The torque controller: ports whose torques add up, and the weight of the arm."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from srs_ik.analysis.gravity import require_masses
+from srs_ik.control.impedance import FractalImpedance, JointLimits
+from srs_ik.errors import InvalidConfiguration, InvalidController, InvalidTask
+from srs_ik.inputs.numbers import real_array
+from srs_ik.inputs.poses import PoseLike, as_bounded_joint_vector, as_joint_vector, as_rigid_matrix
+from srs_ik.kernels.entries import control as entries
+from srs_ik.kernels.layout import control as at
+
+if TYPE_CHECKING:
+    from srs_ik.arm import Arm
+    from srs_ik.inputs.task import Task
+    from srs_ik.solve.posture import Side, Tie
+    from srs_ik.solve.solution import Solution
+
+Array = NDArray[np.float64]
+
+MOST_PORTS = 32
+"""Ports of a controller; six and the joint limits are usual."""
+
+
+class PortReading(NamedTuple):
+    """What a port did in the last tick."""
+
+    on: str
+    """The place, or "joint_limit"."""
+    error: Array
+    """(3,) from the place to its target, m, or the rotation vector, rad; one figure for arm angle and joint limits."""
+    peak: Array
+    """(3,) largest error of the current divergence, m or rad; the first figure alone where directions do not count."""
+    converging: Array
+    """(3,) bool: on the way back."""
+    force: Array
+    """(3,) N or N m, without damping."""
+    energy: float
+    """Energy of the profile at the error, J; the port gives back no more than this."""
+    power: float
+    """Power into the arm, with damping, W."""
+
+
+class TorqueController:
+    """Torques by superposition: J' h of every port, and the torque that holds the arm's weight.
+
+    No matrix is inverted and no port is projected: the torque is finite in every configuration, and at most the sum of
+    |J'| times the largest force of each port, and the weight.
+
+    Args:
+        arm: the arm; its masses count where `gravity` does.
+        ports: the impedances.
+        gravity: whether the weight of the arm is held.
+        limits: repelling joint limits; True for the usual ones, None or False for none.
+        max_torque: largest torque of each joint, N m, one or (7,); the arm's effort limits if not given.
+
+    Raises:
+        InvalidController: no impedances, too many, or torques that are none; or gravity and an arm without masses.
+    """
+
+    def __init__(
+        self,
+        arm: Arm,
+        ports: Iterable[FractalImpedance],
+        gravity: bool = True,
+        limits: JointLimits | bool | None = None,
+        max_torque: ArrayLike | None = None,
+    ) -> None:
+        self.arm = arm
+        self.ports = tuple(ports)
+        self.limits = JointLimits() if limits is True else limits or None
+        if not all(isinstance(port, FractalImpedance) for port in self.ports):
+            raise InvalidController("ports are a list of FractalImpedance")
+        if len(self.ports) > MOST_PORTS:
+            raise InvalidController(f"a controller has at most {MOST_PORTS} ports, not {len(self.ports)}")
+        if gravity:
+            try:
+                require_masses(arm, "leave out gravity=True, or load a description with inertias")
+            except InvalidTask as error:
+                raise InvalidController(str(error)) from None
+        rows = [port.row() for port in self.ports]
+        rows += self.limits.rows(arm.lower, arm.upper) if self.limits else []
+        self._names = [port.on for port in self.ports] + ["joint_limit"] * (len(rows) - len(self.ports))
+        self._rows = np.array(rows).reshape(-1, at.PORT)
+        self._states = np.zeros((len(rows), at.STATE))
+        self._bounds = np.append(_largest_torques(arm, max_torque), float(bool(gravity)))
+        self._work = np.zeros((at.WORK, 7))
+        self._motion = np.zeros((2, 7))
+        self._family, self._weights = arm.packed.family, arm.packed.weights
+        self.solution: Solution | None = None
+        self.restart()
+        self.set_posture(_resting(arm))
+
+    # Targets ----------------------------------------------------------------------------------------------------
+
+    def set_target(
+        self,
+        pose: PoseLike,
+        arm_angle: float | None = None,
+        seed: ArrayLike | None = None,
+        restart: bool = True,
+    ) -> Solution:
+        """Aim at a pose: tip and orientation at the pose itself, elbow where `Arm.solve` puts it.
+
+        Args:
+            pose: wanted pose of the tip frame in the base frame; also one out of reach.
+            arm_angle: rad; that of the posture that `Arm.solve` chooses, if not given.
+            seed: (7,) posture to stay near, rad.
+            restart: whether every port begins a new divergence, as after a jump; False for a target that moves on.
+
+        Returns:
+            The posture from which the elbow was taken, which is kept as `solution`.
+
+        Raises:
+            InvalidPose: the pose is no finite rigid transform.
+            InvalidConfiguration: arm angle or seed are malformed.
+        """
+        self.solution = self.arm.solve(pose, arm_angle=arm_angle, seed=seed)
+        T = as_rigid_matrix(pose)
+        angle = self.solution.arm_angle if arm_angle is None else float(arm_angle)
+        self._aim(T, self._elbow_at(self.solution.q), angle, restart)
+        return self.solution
+
+    def set_task(
+        self, task: Task, side: Side = "left", restart: bool = True, respect_limits: bool = True, tie: Tie = "lower"
+    ) -> Any:
+        """Aim at a task of the paper: the tip where `Arm.solve_task` wants it, the elbow of its geometric posture.
+
+        Args:
+            task: one task.
+            side: as for `Arm.solve_task`.
+            restart: as for `set_target`.
+            respect_limits: as for `Arm.solve_task`.
+            tie: as for `Arm.solve_task`.
+
+        Returns:
+            The solution of `Arm.solve_task`, which is kept as `solution`.
+
+        Raises:
+            InvalidTask: several tasks at once, or another side.
+        """
+        found = self.arm.solve_task(task, side, respect_limits, tie)
+        if np.ndim(found.q) != 1:
+            raise InvalidTask("a controller takes one task at a time")
+        self.solution = found  # type: ignore[assignment]
+        T = found.T_base_tip
+        self._aim(as_rigid_matrix(T), self._elbow_at(found.q), self.arm.arm_angle(found.q), restart)
+        return found
+
+    def set_posture(self, q: ArrayLike, restart: bool = True) -> None:
+        """Aim at where tip and elbow are at seven joint angles, such as those of a tracker or a path.
+
+        Raises:
+            InvalidConfiguration: not 7 finite angles, or one beyond 1e6 rad.
+        """
+        q = as_bounded_joint_vector(q)
+        self._aim(self.arm.forward_kinematics(q).homogeneous, self._elbow_at(q), self.arm.arm_angle(q), restart)
+
+    def set_elbow(self, point: ArrayLike) -> None:
+        """Aim the elbow at a point (3,), m, base frame; tip and orientation keep their targets.
+
+        Raises:
+            InvalidController: not three finite figures.
+        """
+        try:
+            where = real_array(point)
+        except (TypeError, ValueError):
+            where = np.empty(0)
+        if where.shape != (3,) or not np.isfinite(where).all():
+            raise InvalidController(f"the elbow is aimed at a point of (3,) finite figures, not {point!r}")
+        self._put({at.ELBOW: where})
+        self.elbow_target = where
+
+    def restart(self) -> None:
+        """Forget all peaks: the next tick begins a new divergence at every port."""
+        self._states[:] = 0.0
+        self._states[:, at.LAST : at.LAST + 3] = -1.0
+
+    # The tick ---------------------------------------------------------------------------------------------------
+
+    def torque(self, q: ArrayLike, v: ArrayLike) -> Array:
+        """Torques of the joints, (7,), N m.
+
+        The ports take note of each call as of one period: ask once a period, in order.
+
+        Args:
+            q: (7,) joint angles, rad, none beyond 1e6 rad.
+            v: (7,) joint speeds, rad/s, none beyond 1e6 rad/s.
+
+        Raises:
+            InvalidConfiguration: not 7 finite figures each, or one beyond these bounds.
+        """
+        motion = self._motion
+        if type(q) is np.ndarray and q.shape == (7,) and type(v) is np.ndarray and v.shape == (7,):
+            motion[0] = q
+            motion[1] = v
+        else:
+            motion[0] = as_joint_vector(q, "q")
+            motion[1] = as_joint_vector(v, "v")
+        if not entries.tick(self._family, self._weights, self._rows, self._states, self._bounds, motion, self._work):
+            as_bounded_joint_vector(motion[0])
+            raise InvalidConfiguration(f"v must be 7 finite joint speeds, none beyond {at.LARGEST_SPEED:g} rad/s")
+        return self._work[at.TORQUE].copy()
+
+    @property
+    def readings(self) -> list[PortReading]:
+        """What every port did in the last tick, in the order of `ports`, and then the joint limits."""
+        return [
+            PortReading(
+                name,
+                state[at.ERROR : at.ERROR + 3].copy(),
+                state[at.PEAK : at.PEAK + 3].copy(),
+                state[at.CONVERGING : at.CONVERGING + 3] != 0.0,
+                state[at.FORCE : at.FORCE + 3].copy(),
+                float(state[at.ENERGY]),
+                float(state[at.POWER]),
+            )
+            for name, state in zip(self._names, self._states, strict=True)
+        ]
+
+    @property
+    def energy(self) -> float:
+        """Energy of all profiles at their errors in the last tick, J."""
+        return float(self._states[:, at.ENERGY].sum())
+
+    @property
+    def power(self) -> float:
+        """Power of all ports into the arm in the last tick, W."""
+        return float(self._states[:, at.POWER].sum())
+
+    @property
+    def gravity_torque(self) -> Array:
+        """Torques that held the arm's weight in the last tick, (7,), N m; zero without gravity."""
+        return self._work[at.WEIGHT].copy()
+
+    def _elbow_at(self, q: Array) -> Array:
+        point = np.empty(3)
+        entries.elbow_point(self._family, as_bounded_joint_vector(q), point)
+        return point
+
+    def _aim(self, T: Array, elbow: Array, arm_angle: float, restart: bool) -> None:
+        self.elbow_target = elbow
+        self._put(
+            {
+                at.TIP: T[:3, 3],
+                at.ORIENTATION: T[:3, :3].ravel(),
+                at.ELBOW: elbow,
+                at.ARM_ANGLE: np.array([arm_angle]),
+            }
+        )
+        if restart:
+            self.restart()
+
+    def _put(self, targets: dict[float, Array]) -> None:
+        """Write targets into the rows of the ports, by kind."""
+        for port, state in zip(self._rows[: len(self.ports)], self._states, strict=False):
+            target = targets.get(float(port[at.KIND]))
+            if target is not None:
+                port[at.TARGET : at.TARGET + target.size] = target
+                state[at.MOVED] = 1.0
+
+
+def _resting(arm: Arm) -> Array:
+    """The middle of the joint ranges; zero where there is none."""
+    bounded = np.isfinite(arm.lower) & np.isfinite(arm.upper)
+    return np.where(bounded, 0.5 * (np.where(bounded, arm.lower, 0.0) + np.where(bounded, arm.upper, 0.0)), 0.0)
+
+
+def _largest_torques(arm: Arm, given: Any) -> Array:
+    """(7,) torques, N m, infinite where nothing limits them.
+
+    Raises:
+        InvalidController: not one or seven positive figures.
+    """
+    if given is None:
+        return np.array(arm.effort_limit)
+    try:
+        values = np.broadcast_to(real_array(given), (7,)).copy()
+    except (TypeError, ValueError):
+        values = np.full(7, np.nan)
+    if not (values > 0.0).all():
+        raise InvalidController("max_torque is one or seven positive torques, N m")
+    return values

@@ -1,0 +1,124 @@
+"""What a torque controller is made of: impedances on points and turns of the arm, and repelling joint limits."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from srs_ik.control.profile import LAWS, ForceProfile, Law, not_negative, positive
+from srs_ik.errors import InvalidController
+from srs_ik.kernels.layout import control as at
+
+Array = NDArray[np.float64]
+Place = Literal["tip", "orientation", "elbow", "arm_angle"]
+
+_KINDS = {"tip": at.TIP, "orientation": at.ORIENTATION, "elbow": at.ELBOW, "arm_angle": at.ARM_ANGLE}
+
+
+@dataclass(frozen=True)
+class FractalImpedance:
+    """A Fractal Impedance Controller at one place of the arm: a spring on the way out, a harmonic on the way back.
+
+    While the error grows, the force is that of the profile. From its peak e_M on, it follows a law of convergence that
+    accelerates over the first half of the way and brakes over the second one, so that what was stored is spent on
+    arrival. Law A: F(e_M)/e_M (2 e - e_M); law B: U(e_M)/(e_M/2)^2 (e - e_M/2), clipped at the largest force; "spring":
+    F(e) both ways, which is a bare spring and no fractal impedance.
+
+    Attributes:
+        on: "tip" (its point, m), "orientation" (of the tip, rad), "elbow" (its centre, m) or "arm_angle" (rad).
+        profile: force against distance, N on points and N m on turns.
+        law: "A", "B" or "spring".
+        per_axis: whether each base axis has its peak by itself, as published; else the distance and its direction
+            count, which are the same in every frame. A turn is its rotation vector in base axes.
+        damping: N s/m or N m s/rad, against the velocity of the place; none as published.
+        switch: speed (m/s, rad/s) at which the error has to shrink to count as shrinking, by the velocity of the place;
+            0.01 m/s as published. In a tick whose target has moved the size of the error itself decides; "error" for
+            that in every tick, where no velocity is to be trusted: it tells the turning point one period late.
+        may_inject: whether a profile and law that inject energy are let through, for comparison.
+
+    Raises:
+        InvalidController: an unknown place or law, figures that are none, or a law that injects energy.
+    """
+
+    on: Place
+    profile: ForceProfile
+    law: Law = "A"
+    per_axis: bool = False
+    damping: float = 0.0
+    switch: float | Literal["error"] = 0.0
+    may_inject: bool = False
+
+    def __post_init__(self) -> None:
+        if self.on not in _KINDS:
+            raise InvalidController(f"an impedance is on one of {', '.join(_KINDS)}, not on {self.on!r}")
+        check_law(self.profile, self.law, self.may_inject)
+        not_negative(self.damping, "damping")
+        if self.switch != "error":
+            not_negative(self.switch, "speed of the switch")
+
+    def row(self) -> Array:
+        """(PORT,) the port as kernels read it, its target still empty."""
+        port = self.profile.row(self.law, float(self.damping))
+        port[at.KIND], port[at.PER_AXIS] = _KINDS[self.on], float(self.per_axis and self.on != "arm_angle")
+        port[at.SWITCH] = -1.0 if self.switch == "error" else float(self.switch)
+        return port
+
+
+@dataclass(frozen=True)
+class JointLimits:
+    """Impedances that push every joint out of a zone before its limits: saturation as a force, not as a cut.
+
+    Attributes:
+        margin: width of the zone, rad; at most a quarter of the joint's range.
+        profile: torque against depth in the zone.
+        law: see `FractalImpedance`.
+        damping: N m s/rad, within the zones alone.
+
+    Raises:
+        InvalidController: no margin, or a law that is not passive with its profile.
+    """
+
+    margin: float = 0.1
+    profile: ForceProfile = field(default_factory=lambda: ForceProfile.tanh(300.0, 40.0))
+    law: Law = "A"
+    damping: float = 0.0
+
+    def __post_init__(self) -> None:
+        positive(self.margin, "margin")
+        check_law(self.profile, self.law, False)
+        not_negative(self.damping, "damping")
+
+    def rows(self, lower: Array, upper: Array) -> list[Array]:
+        """A port for each joint with limits, (PORT,) each."""
+        rows = []
+        for joint in range(7):
+            if not (np.isfinite(lower[joint]) or np.isfinite(upper[joint])):
+                continue
+            margin = min(self.margin, 0.25 * (upper[joint] - lower[joint]))
+            port = self.profile.row(self.law, float(self.damping))
+            port[at.KIND], port[at.JOINT] = at.JOINT_LIMIT, joint
+            port[at.TARGET : at.TARGET + 2] = lower[joint] + margin, upper[joint] - margin
+            rows.append(port)
+        return rows
+
+
+def check_law(profile: ForceProfile, law: str, may_inject: bool) -> None:
+    """Raise InvalidController for an unknown law, and for one that injects energy with this profile."""
+    if not isinstance(profile, ForceProfile):
+        raise InvalidController(f"a profile is a ForceProfile, not {type(profile).__name__}")
+    if law not in LAWS:
+        raise InvalidController(f"a law is one of {', '.join(LAWS)}, not {law!r}")
+    share = 0.0 if may_inject else profile.injection(law)  # type: ignore[arg-type]
+    if share > 0.0:
+        reason = (
+            "its force over distance grows with the distance"
+            if law == "A"
+            else "its parabola gives back more than the profile took"
+        )
+        raise InvalidController(
+            f"law {law} is not passive with a {profile.shape} profile: {reason}, and a reversal injects up to "
+            f"{100.0 * share:.3g} % of the stored energy; take a tanh profile with law A, or allow it: may_inject=True"
+        )

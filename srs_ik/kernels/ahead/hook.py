@@ -1,0 +1,71 @@
+"""Where Hatchling has the kernels compiled: into every wheel, but for editable installs, which Numba compiles for.
+
+SRS_IK_BUILD=pure makes a wheel without compiled kernels, which brings Numba, and so does a machine without C compiler.
+"""
+
+from __future__ import annotations
+
+import importlib.util
+import os
+import shutil
+import subprocess
+import sys
+import sysconfig
+import tempfile
+from pathlib import Path
+from typing import Any
+
+from hatchling.builders.hooks.plugin.interface import BuildHookInterface
+
+NUMBA = "numba>=0.61,<0.69"
+ZIG = "ziglang>=0.13"
+
+
+def _has_compiler() -> bool:
+    return any(map(shutil.which, ("cc", "gcc", "clang"))) or bool(os.environ.get("CC"))
+
+
+class CompiledKernels(BuildHookInterface):
+    """Puts compiled kernels into a wheel."""
+
+    def dependencies(self) -> list[str]:
+        """What compiling needs: a C compiler from the package index where the machine has none."""
+        if os.environ.get("SRS_IK_BUILD") == "pure":
+            return []
+        return [NUMBA] if _has_compiler() else [NUMBA, ZIG]
+
+    def initialize(self, version: str, build_data: dict[str, Any]) -> None:
+        """Compile, and say what the wheel is then."""
+        reason = "an editable install"
+        if version != "editable":
+            reason = self._compile(build_data)
+            if not reason:
+                return
+            self.app.display_warning(f"srs_ik: no compiled kernels in this wheel, which needs Numba to run: {reason}")
+        build_data["dependencies"].append(NUMBA)
+
+    def finalize(self, version: str, build_data: dict[str, Any], artifact_path: str) -> None:
+        """Leave nothing behind."""
+        shutil.rmtree(build_data.get("srs_ik_scratch", ""), ignore_errors=True)
+
+    def _compile(self, build_data: dict[str, Any]) -> str:
+        """Compile; why not, in words, if that fails."""
+        if os.environ.get("SRS_IK_BUILD") == "pure":
+            return "SRS_IK_BUILD=pure"
+        if importlib.util.find_spec("numba") is None:
+            return "no Numba to compile them"
+        scratch = Path(tempfile.mkdtemp())
+        build_data["srs_ik_scratch"] = str(scratch)
+        # The order of sets must not change what is made.
+        sources = os.pathsep.join(filter(None, (self.root, os.environ.get("PYTHONPATH"))))
+        environment = {**os.environ, "PYTHONPATH": sources, "PYTHONHASHSEED": "0", "SRS_IK_JIT": "1"}
+        command = [sys.executable, "-m", "srs_ik.kernels.ahead.build", str(scratch)]
+        done = subprocess.run(command, cwd=scratch, env=environment, check=False)
+        if done.returncode:
+            return "they could not be compiled, see above"
+        for path in scratch.iterdir():
+            build_data["force_include"][str(path)] = f"srs_ik/kernels/native/{path.name}"
+        platform = sysconfig.get_platform().replace("-", "_").replace(".", "_")
+        build_data["pure_python"] = False
+        build_data["tag"] = f"cp311-abi3-{platform}"
+        return ""

@@ -1,0 +1,120 @@
+"""The table of entries, read: names, types and sizes of all that crosses the counter between Python, C and kernels."""
+
+from __future__ import annotations
+
+import importlib
+import re
+from dataclasses import dataclass
+from functools import cache
+from itertools import product
+from pkgutil import iter_modules
+from typing import Any
+
+from srs_ik.kernels import entries, layout
+from srs_ik.kernels.entries.table import ARGUMENTS, ENTRIES
+
+_LINE = re.compile(r"(\w+)\.(\w+)\((.*?)\)(?: -> (.*))?$")
+_ARGUMENT = re.compile(r"(\w+): (float|int|byte|bool)(?:\[(.*?)\])?(&?)(?:(\?)(\w*))?$")
+_USUAL = dict(line.split(": ", 1) for line in ARGUMENTS.strip().splitlines())
+
+
+@dataclass(frozen=True)
+class Argument:
+    """An argument of an entry.
+
+    Attributes:
+        name: its name.
+        element: `float`, `int`, `byte` or `bool`.
+        shape: sizes of an array, a name where any size will do; None of a scalar.
+        written: whether the entry writes to the array.
+        absent_with: name of the argument whose absence is that of this one, its own if it stands alone; or None.
+    """
+
+    name: str
+    element: str
+    shape: tuple[int | str, ...] | None
+    written: bool
+    absent_with: str | None
+
+
+@dataclass(frozen=True)
+class Entry:
+    """An entry: its room among the entries, name, arguments and results."""
+
+    room: str
+    name: str
+    arguments: tuple[Argument, ...]
+    results: tuple[str, ...]
+
+    @property
+    def symbol(self) -> str:
+        """Its name in C."""
+        return f"srs_ik_{self.room}_{self.name}"
+
+    @property
+    def optional(self) -> tuple[str, ...]:
+        """Arguments that may be absent, each by itself."""
+        found = dict.fromkeys(a.absent_with for a in self.arguments if a.absent_with)
+        return tuple(name for name in found if name)
+
+    @property
+    def variants(self) -> list[frozenset[str]]:
+        """What is absent in each variant; bit i of its number tells whether `optional[i]` is."""
+        choices = product((False, True), repeat=len(self.optional))
+        return [frozenset(n for n, absent in zip(reversed(self.optional), c, strict=True) if absent) for c in choices]
+
+    @property
+    def sizes(self) -> tuple[str, ...]:
+        """Names of the sizes that a call brings along, in the order of the arguments."""
+        return tuple(dict.fromkeys(n for a in self.arguments for n in a.shape or () if isinstance(n, str)))
+
+
+@cache
+def read_table(text: str = ENTRIES) -> tuple[Entry, ...]:
+    """All entries of the table.
+
+    Raises:
+        ValueError: a line cannot be read; it is named.
+    """
+    return tuple(_entry(line) for line in re.sub(r"\n +", " ", text).strip().splitlines())
+
+
+def _entry(line: str) -> Entry:
+    match = _LINE.match(line)
+    if match is None:
+        raise ValueError(f"no entry of the table: {line!r}")
+    room, name, arguments, results = match.groups()
+    parts = re.split(r", (?![^\[]*\])", arguments) if arguments else []
+    kinds = tuple((results or "").strip("()").replace(" ", "").split(",")) if results else ()
+    return Entry(room, name, tuple(_argument(room, part) for part in parts), kinds)
+
+
+def _argument(room: str, text: str) -> Argument:
+    match = _ARGUMENT.match(text if ":" in text else f"{text}: {_USUAL.get(text)}")
+    if match is None:
+        raise ValueError(f"no argument of an entry: {text!r}")
+    name, element, shape, written, absent, with_ = match.groups()
+    sizes = None if shape is None else tuple(_size(room, part.strip()) for part in shape.split(","))
+    return Argument(name, element, sizes, bool(written), (with_ or name) if absent else None)
+
+
+def _size(room: str, text: str) -> int | str:
+    if text.isdigit():
+        return int(text)
+    return int(_named_size(room, text)) if text.isupper() and len(text) > 1 else text
+
+
+def _named_size(room: str, name: str) -> Any:
+    for module in (
+        f"{entries.__name__}.{room}",
+        *(f"{layout.__name__}.{m.name}" for m in iter_modules(layout.__path__)),
+    ):
+        value = getattr(importlib.import_module(module), name, None)
+        if isinstance(value, int):
+            return value
+    raise ValueError(f"no size {name} in {room} and in layout")
+
+
+def rooms() -> list[str]:
+    """Names of the modules of entries."""
+    return [m.name for m in iter_modules(entries.__path__) if m.name != "table"]

@@ -1,0 +1,201 @@
+"""The configuration closest to a pose that limits and reach together forbid: the least of one smooth measure.
+
+The measure is the square of the distance in parts of the arm's reach, plus that of the angle, the latter as 2 - 2 cos.
+Along a single joint it is a cosine, whose least value between two limits is known; from several starts, rounds over the
+joints find the valley, and Newton's method with the true second derivatives, on the limits where they hold, its bottom.
+"""
+
+from __future__ import annotations
+
+import math
+
+from srs_ik.kernels.algebra.linear import solve_linear
+from srs_ik.kernels.algebra.vectors import add, apply, cross, dot, scale, sub
+from srs_ik.kernels.chain.kinematics import joint_lines
+from srs_ik.kernels.jit import kernel
+from srs_ik.kernels.layout.limb import FAR, LOWER, UPPER
+
+STARTS = 32
+ROUNDS = 4
+STEPS = 60
+FLAT = 1e-11
+"""Slope of the measure, per radian, at the bottom of a valley."""
+
+TOO_FAR = 1e6
+"""A pose this many times the reach away is as well answered by any stretched arm."""
+
+STRIDE = (0.8866, 0.7861, 0.6970, 0.6180, 0.5479, 0.4858, 0.4307)
+"""Strides, in ranges of the joints, from a start to the next one: they fill the box evenly."""
+
+
+@kernel
+def turned_back(x, y, z, R):
+    """The rotation from a wanted frame to the frame x, y, z, as a matrix."""
+    return (
+        x[0] * R[0] + y[0] * R[1] + z[0] * R[2],
+        x[0] * R[3] + y[0] * R[4] + z[0] * R[5],
+        x[0] * R[6] + y[0] * R[7] + z[0] * R[8],
+        x[1] * R[0] + y[1] * R[1] + z[1] * R[2],
+        x[1] * R[3] + y[1] * R[4] + z[1] * R[5],
+        x[1] * R[6] + y[1] * R[7] + z[1] * R[8],
+        x[2] * R[0] + y[2] * R[1] + z[2] * R[2],
+        x[2] * R[3] + y[2] * R[4] + z[2] * R[5],
+        x[2] * R[6] + y[2] * R[7] + z[2] * R[8],
+    )
+
+
+@kernel
+def surroundings(P, q, R, p, J):
+    """What the measure needs at q: M (from the wanted frame to the tip's), e (way to the pose, in reaches), measure.
+
+    J gets the velocities of the tip point, in reaches, in rows 0 to 2, and the joint axes in rows 3 to 5.
+    """
+    x, y, z, position = joint_lines(P, q, J)
+    unit = 1.0 / P[FAR]
+    for j in range(7):
+        v = add((J[0, j], J[1, j], J[2, j]), cross((J[3, j], J[4, j], J[5, j]), position))
+        for i in range(3):
+            J[i, j] = unit * v[i]
+    M = turned_back(x, y, z, R)
+    e = scale(unit, sub(p, position))
+    return M, e, dot(e, e) + 3.0 - (M[0] + M[4] + M[8])
+
+
+@kernel
+def second(M, e, J, i, j):
+    """Second derivative of the measure by joints i and j, i the nearer to the base (or the same)."""
+    a, b = (J[3, i], J[4, i], J[5, i]), (J[3, j], J[4, j], J[5, j])
+    v, w = (J[0, i], J[1, i], J[2, i]), (J[0, j], J[1, j], J[2, j])
+    trace = M[0] + M[4] + M[8]
+    return 2.0 * (dot(v, w) - dot(e, cross(a, w))) + dot(a, b) * trace - dot(a, apply(M, b))
+
+
+@kernel
+def first(M, e, J, j):
+    """Derivative of the measure by joint j."""
+    skew = (M[7] - M[5], M[2] - M[6], M[3] - M[1])
+    return dot((J[3, j], J[4, j], J[5, j]), skew) - 2.0 * dot(e, (J[0, j], J[1, j], J[2, j]))
+
+
+@kernel
+def with_joint(q, j, angle):
+    """A configuration with one joint replaced."""
+    return (
+        angle if j == 0 else q[0],
+        angle if j == 1 else q[1],
+        angle if j == 2 else q[2],
+        angle if j == 3 else q[3],
+        angle if j == 4 else q[4],
+        angle if j == 5 else q[5],
+        angle if j == 6 else q[6],
+    )
+
+
+@kernel
+def bottom_of_joint(slope, curvature, angle, low, high):
+    """The angle between two limits where a cosine, known by its derivatives at an angle, is least."""
+    best = angle + math.atan2(-slope, curvature)
+    turn = 2.0 * math.pi
+    if best < low:
+        best += turn * math.ceil((low - best) / turn)
+    if best > high:
+        best -= turn * math.ceil((best - high) / turn)
+    if best >= low:
+        return best
+    # The bottom is outside: the end that is nearer to it around the circle.
+    return low if low - best < best + turn - high else high
+
+
+@kernel
+def rounds(P, q, R, p, J):
+    """Each joint in turn to its best angle, a few times."""
+    for _ in range(ROUNDS):
+        for j in range(7):
+            M, e, _ = surroundings(P, q, R, p, J)
+            angle = bottom_of_joint(first(M, e, J, j), second(M, e, J, j, j), q[j], P[LOWER + j], P[UPPER + j])
+            q = with_joint(q, j, angle)
+    return q
+
+
+@kernel
+def newton_step(P, q, local, J, damping, A):
+    """A damped Newton step inside the limits, joints at a limit that they would pass held: where it leads, slope."""
+    M, e = local
+    held = 0
+    slope = 0.0
+    for j in range(7):
+        g = first(M, e, J, j)
+        if (g > 0.0 and q[j] <= P[LOWER + j]) or (g < 0.0 and q[j] >= P[UPPER + j]):
+            held |= 1 << j
+        else:
+            slope = max(slope, abs(g))
+    for i in range(7):
+        still = (held >> i) & 1 == 1
+        for j in range(7):
+            apart = still or (held >> j) & 1 == 1
+            A[i, j] = 0.0 if apart else second(M, e, J, min(i, j), max(i, j))
+        A[i, i] += 1.0 if still else damping
+        A[i, 7] = 0.0 if still else -first(M, e, J, i)
+    solve_linear(A, 7)
+    for j in range(7):
+        step = min(max(A[j, 7], -0.5), 0.5)
+        q = with_joint(q, j, min(max(q[j] + step, P[LOWER + j]), P[UPPER + j]))
+    return q, slope
+
+
+@kernel
+def to_bottom(P, q, R, p, J, A):
+    """From a configuration to the bottom of its valley: the configuration and its measure."""
+    damping = 1e-6
+    M, e, value = surroundings(P, q, R, p, J)
+    for _ in range(STEPS):
+        there, slope = newton_step(P, q, (M, e), J, damping, A)
+        if slope < FLAT:
+            break
+        M_there, e_there, lower = surroundings(P, there, R, p, J)
+        if lower < value:
+            q, M, e, value = there, M_there, e_there, lower
+            damping = max(0.1 * damping, 1e-12)
+        elif damping > 1e3:
+            break
+        else:
+            damping = max(8.0 * damping, 1e-4)
+            surroundings(P, q, R, p, J)
+    return q, value
+
+
+@kernel
+def start(P, q, number):
+    """A start: the configuration itself, or one of those that strides through the box of the limits lead to."""
+    if number == 0:
+        return q
+    for j in range(7):
+        low, high = P[LOWER + j], P[UPPER + j]
+        if not (math.isfinite(low) and math.isfinite(high)):
+            low, high = q[j] - math.pi, q[j] + math.pi
+        part = number * STRIDE[j] + 0.5
+        q = with_joint(q, j, low + (high - low) * (part - math.floor(part)))
+    return q
+
+
+@kernel
+def closest(P, q, R, p, J, A):
+    """The configuration inside the limits that is closest to a pose, or q where none is closer.
+
+    Args:
+        P: packed limb.
+        q: a configuration inside the limits.
+        R: rotation of the tip pose.
+        p: position of the tip pose.
+        J: (6, 7) work space.
+        A: (16, 9) work space.
+    """
+    _, e, _ = surroundings(P, q, R, p, J)
+    if not max(abs(e[0]), abs(e[1]), abs(e[2])) < TOO_FAR:
+        return q
+    best, lowest = q, math.inf
+    for i in range(STARTS):
+        x, value = to_bottom(P, rounds(P, start(P, q, i), R, p, J), R, p, J, A)
+        if value < lowest:
+            best, lowest = x, value
+    return best

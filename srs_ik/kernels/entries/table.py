@@ -1,0 +1,86 @@
+"""Every entry of the counter with the types of its arguments and its result: what is compiled when a wheel is built.
+
+A line reads as the entry's own head, with types; those of `ARGUMENTS` need not be repeated, and what is indented goes
+on the line above. Scalars are `int`, `float` and `bool`. An array is its element and its shape, `float[n, 7]`, in C
+order: a number, or a name in capitals of `layout` or of the entry's file, is that size, and a letter any size, the same
+wherever it stands in a line. Behind an array, `&` says that the entry writes to it, and `?` that it may be None; `?J`
+is None where J is. Each combination of arguments that are None is compiled by itself.
+"""
+
+from __future__ import annotations
+
+ARGUMENTS = """
+family: float[4, SIZE]
+T: float[4, 4]
+poses: float[n, 4, 4]
+first: int
+last: int
+psi: float
+psis: float[k]
+branch: int
+seed: float[7]?
+seeds: float[m, 7]?
+respect: bool
+J: float[6, 7]&?
+A: float[16, 9]&?J
+verdicts: byte[n]&
+H: float[HAND]
+given: int
+side: float
+tie: float
+settings: float[SETTINGS, 7]
+limited: bool
+"""
+"""What is meant by names that have one meaning in all rooms; a line may say otherwise."""
+
+ENTRIES = """
+pose.solve(family, T, branch, seed, respect, J, A, out: float[ROW]&) -> int
+pose.solve_at(family, T, psi, branch, seed, respect, J, A, out: float[ROW]&) -> int
+pose.solve_range(family, poses, first, last, branch, seeds, respect, J, A, out: float[n, ROW]&, verdicts)
+pose.solve_at_range(family, poses, first, last, psis, branch, seeds, respect, J, A, out: float[n, ROW]&, verdicts)
+pose.solve_all(family, T, psi, respect, J, A, out: float[8, ROW]&) -> int
+pose.solve_all_range(family, poses, first, last, psis, respect, J, A, out: float[r, ROW]&, verdicts)
+pose.solve_intervals(family, T, respect, J, A, out: float[MOST_INTERVALS, ROW]&) -> int
+pose.pack_limits(P: float[SIZE]&, lower: float[7], upper: float[7])
+pose.measure_shifts(P: float[SIZE], configurations: float[n, 7], shifts: float[n]&)
+pose.check_pose(T) -> int
+intervals.intervals_range(family, poses, first, last, respect, J, A, rows: float[r, 3]&, counts: int[n]&, verdicts) ->
+    (int, int)
+intervals.intervals(family, T, respect, J, A, out: float[MOST_INTERVALS, 3]&) -> int
+free_splits.free_splits(family, T, respect, out: float[MOST_SPLITS, SPLIT_ROW]&) -> int
+kinematics.forward_range(family, q: float[n, 7], first, last, out: float[n, 4, 4]&)
+kinematics.jacobian_range(family, q: float[n, 7], first, last, out: float[n, 6, 7]&)
+rates.arm_angle_jacobian(family, q: float[7], g: float[7]&) -> bool
+rates.self_motion_tangent(family, q: float[7], out: float[7]&) -> bool
+rates.configuration_arm_angle(family, q: float[7]) -> (float, int)
+optimum.optimise(family, T, kind: int, second: int, tolerance: float, resolution: float, params: float[PARAMS],
+    respect, solution: float[ROW]&, out: float[OUT]&) -> int
+optimum.sample(family, T, respect, runs: float[MOST_RUNS, RUN]&, rows: float[n, SAMPLE]&) -> (int, int, int)
+optimum.star(family, T, q: float[7], respect, runs: float[MOST_RUNS, RUN]&, rows: float[SPARE_ROWS, SAMPLE]&) -> (int,
+    int)
+optimum.brackets(rows: float[n, SAMPLE], values: float[n], runs: float[MOST_RUNS, RUN], k: int, out:
+    float[MAX_BRACKETS, BRACKET]&) -> int
+optimum.next_point(S: float[STATE]&) -> (float, bool)
+optimum.answer(S: float[STATE]&, f: float) -> bool
+optimum.begin(S: float[STATE]&, bracket: float[BRACKET], resolution: float)
+optimum.posture(family, T, rows: float[n, SAMPLE], run: float[RUN], x: float, respect, solution: float[ROW]&) -> bool
+optimum.interval(family, T, rows: float[n, SAMPLE], run: float[RUN]) -> (float, float)
+path.choose_keys(family, poses, has_known: bool[n], keys: bool[n]&, verdicts: int[n]&)
+path.sweep(family, poses, keys: int[k], first, carried: int, stop: byte[1], known: float[n, 7], has_known: bool[n],
+    near: float[n, 7], radius: float, seed, settings, limited, exact: bool, J, A, nodes: float[N, NODE]&, cost:
+    float[N]&, strips: float[M, STRIP]&, ends: int[e, 4]&) -> (int, int)
+path.go_back(keys: int[k], first, count: int, following: int, settings, limited, nodes: float[N, NODE], cost:
+    float[N], strips: float[M, STRIP], ends: int[e, 4], q: float[n, 7]&, psi: float[n]&, branch: int[n]&, bounds:
+    float[n, 2]&) -> (int, float)
+path.fill_between(family, poses, keys: int[k], reached: bool[n]&, settings, q: float[n, 7]&, psi: float[n]&, branch:
+    int[n]&, bounds: float[n, 2]&, missed: bool[n]&, J, A)
+path.refine(family, poses, chain: int[c], fixed: bool[n], bounds: float[n, 2], widths: float[m], even: bool, seed,
+    settings, limited, q: float[n, 7]&, psi: float[n]&, branch: int[n]&, J, A) -> float
+path.finish(family, poses, chain: int[c], q: float[n, 7], psi: float[n], branch: int[n], J, A, out: float[n, ROW]&)
+task.read_tasks(raw: float[n, TASK], given, out: float[n, TASK]&) -> (int, int)
+task.posture(family, H, x: float[TASK], given, side, tie, out: float[POSTURE]&)
+task.posture_range(family, H, tasks: float[n, TASK], first, last, given, side, tie, out: float[n, POSTURE]&)
+task.solve_tasks(family, H, tasks: float[n, TASK], first, last, given, side, tie, seeds, respect, J, A, out: float[n,
+    TASK_SOLUTION]&)
+yardstick.transcendental(angles: float[n, 8], out: float[n]&)
+"""

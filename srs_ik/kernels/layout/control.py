@@ -1,0 +1,62 @@
+"""Columns of the arrays of a torque controller: one row a port, one row of memory beside it, and the work of a tick."""
+
+from __future__ import annotations
+
+# What a port holds.
+KIND = 0  # one of the kinds below
+JOINT = 1  # 0 to 6, of a joint limit
+LAW = 2  # one of the laws below
+PER_AXIS = 3  # 1.0: each base axis by itself; 0.0: the distance and its direction
+SWITCH = 4  # speed (m/s, rad/s) under which the error counts as growing; negative: by the error itself
+PROFILE = 5  # one of the profiles below
+STIFFNESS = 6  # N/m, N m/rad: slope of the force at zero
+LARGEST = 7  # N, N m: the force is never larger
+KNEE = 8  # m, rad: where the published profile leaves its spring
+WIDTH = 9  # m, rad: how fast it rises from there
+DAMPING = 10  # N s/m, N m s/rad
+TARGET = 11  # 3 position, 9 rotation row by row, 1 angle, or 2 where the repelling zones of a joint begin
+PORT = 20
+
+# Kinds.
+TIP = 0.0
+ORIENTATION = 1.0
+ELBOW = 2.0
+ARM_ANGLE = 3.0
+JOINT_LIMIT = 4.0
+
+# Laws of convergence.
+LAW_A = 0.0  # F(e_M)/e_M (2 e - e_M)
+LAW_B = 1.0  # U(e_M)/(e_M/2)^2 (e - e_M/2), clipped to the largest force
+SPRING = 2.0  # F(e), converging as diverging: no fractal at all
+
+# Profiles.
+TANH = 0.0
+SATURATED = 1.0
+PUBLISHED = 2.0
+
+# What a port remembers and reports; up to three axes.
+LAST = 0  # 3: size of the error at the last tick; negative before the first one
+PEAK = 3  # 3: largest error of the current divergence
+CONVERGING = 6  # 3: 1.0 while the error shrinks
+ERROR = 9  # 3: m, rad
+FORCE = 12  # 3: N, N m, without damping
+ENERGY = 15  # J: of the profile at the error, what the port can give back at most
+POWER = 16  # W: that flows into the arm, with damping
+MOVED = 17  # 1.0 where the target has moved since the last tick
+STATE = 18
+
+# What holds for the whole controller.
+MAX_TORQUE = 0  # 7, N m
+GRAVITY = 7  # 1.0 where the weight of the arm is held
+BOUNDS = 8
+
+# Rows of the work of a tick, 7 columns each.
+TORQUE = 0
+WEIGHT = 1
+LINES = 2  # 6 rows, lines of the joints
+DERIVATIVES = 8  # of the arm angle
+TURNED = 9  # 5 rows, gravity in the frame before each joint, and its cosine and sine
+WORK = 14
+
+LARGEST_SPEED = 1e6
+"""Joint speeds beyond this, rad/s, are refused."""

@@ -1,0 +1,153 @@
+"""A joint path: the postures of its poses as strips, what its steps count, and what travels together."""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+NODE = 11
+NODE_PSI = 7
+NODE_WAY = 8
+NODE_BRANCH = 9
+NODE_SAG = 10
+"""A posture of a strip: seven joint angles, arm angle, way along the strip, branch, and how far the costs sag towards
+the next one."""
+
+STRIP = 17
+STRIP_FIRST = 14
+STRIP_LAST = 15
+STRIP_LEAST = 16
+"""A strip: least and largest angle of every joint, the rows of its first and last posture, and what none of its
+postures costs less than."""
+
+BY_VELOCITY = 0
+BY_CONTINUITY = 1
+PERIOD = 2
+INVERSE_PERIOD = 3
+INVERSE_SPEED = 4
+POWER = 5
+SETTINGS = 6
+"""Rows of the settings of a path, seven figures each: longest steps, a turn for joints without end or zero, 1 / it.
+
+Where the slowest joint counts in place of the squares of all: by what steps are divided, which else is zero, and the
+power to which the largest one is raised.
+"""
+
+BREAK = 1e10
+"""Cost of a step that is too long to be continuous."""
+
+TOO_FAST = 1e5
+"""Cost of a step above a velocity limit."""
+
+IMPOSSIBLE = 1e15
+
+SQUARES = 0
+WITHIN = 1
+LARGEST = 2
+SLOWEST = 3
+"""What all arm angles at once make least: the sum of squared steps, the same within limits of the steps, the largest
+step, and the sum of the largest step of each pose. Steps are multiplied by a figure for each joint."""
+
+
+class Sheet(NamedTuple):
+    """Postures (N, NODE), whether each is linked to the next (N,), their costs (N,), strips (M, STRIP)."""
+
+    nodes: Any
+    linked: Any
+    cost: Any
+    strips: Any
+
+
+class Desk(NamedTuple):
+    """Work space of the strips of a pose: intervals, first arm angles, postures on hold, turns of joints."""
+
+    found: Any
+    targets: Any
+    stack: Any
+    turns: Any
+
+
+class Span(NamedTuple):
+    """The rows of a pose in a sheet: first posture, one behind the last one, and the same of strips."""
+
+    first: int
+    last: int
+    first_strip: int
+    last_strip: int
+
+
+class Rules(NamedTuple):
+    """What a step counts: settings (SETTINGS, 7), whether velocity limits do, and by which its squares are taken."""
+
+    settings: Any
+    limited: bool
+    share: float
+
+
+class Around(NamedTuple):
+    """Where strips are fine: about a posture, so far, rad; with 0, they are coarse everywhere."""
+
+    q: Any
+    radius: float
+
+
+class Spot(NamedTuple):
+    """A pose with what all its configurations share."""
+
+    R: Any
+    p: Any
+    place: Any
+
+
+class Posture(NamedTuple):
+    """One posture of a path: joint angles, arm angle, branch."""
+
+    q: Any
+    psi: float
+    branch: int
+
+
+class Course(NamedTuple):
+    """Poses (n, 4, 4), those that count (k,), which postures stay (n,), least and largest arm angles (n, 2)."""
+
+    poses: Any
+    chain: Any
+    fixed: Any
+    bounds: Any
+
+
+class Line(NamedTuple):
+    """Postures of a path: joint angles (n, 7), arm angles (n,), branches (n,)."""
+
+    q: Any
+    psi: Any
+    branch: Any
+
+
+class Space(NamedTuple):
+    """Work space of a near limb: J (6, 7) and A (16, 9), or twice None."""
+
+    J: Any
+    A: Any
+
+
+class Aim(NamedTuple):
+    """What is made least: its kind, by which figures (7,) steps are multiplied, and the weight of limits."""
+
+    kind: int
+    scale: Any
+    weight: float
+
+
+class System(NamedTuple):
+    """A step of all arm angles (k,): a tridiagonal matrix, what is solved for, its border, and work space.
+
+    `terms` (3, 7) are the derivatives of one joint step.
+    """
+
+    diagonal: Any
+    next_to: Any
+    move: Any
+    border: Any
+    shares: Any
+    spare: Any
+    terms: Any

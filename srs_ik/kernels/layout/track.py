@@ -1,0 +1,80 @@
+"""Layout of a tracker: its state from one update to the next, its settings, and what an update says."""
+
+from __future__ import annotations
+
+# The state.
+Q = 0  # 7, joint angles
+V = 7  # 7, their velocities in the step that led there
+GOAL = 14  # 7, the posture that the joints make for, on the target's pose where that can be reached
+GOAL_RATE = 21  # 7, how fast it moves, rad/s
+ROTATION = 28  # 9, the target, smoothed
+POSITION = 37  # 3
+TWIST = 40  # 6, how fast it moves: linear, angular
+LOST = 46  # updates since the last target
+ON = 47  # 1.0 if the tip was on the target after the last update
+STUCK = 48  # updates in which the goal has come no closer
+DETOUR = 49  # 1.0 while the goal goes to a posture known to be on the pose
+DETOUR_END = 50  # 7, that posture
+MISS = 57  # how far the goal's pose is from the target: metres, turns by `LENGTH`
+PLAN = 58  # 7, posture for the pose a while ahead
+PLAN_LEFT = 65  # seconds until then; 0: none
+TICK = 66  # updates so far
+ELSEWHERE = 67  # what is known of postures that reach the target: `UNKNOWN` ...
+STARTED = 68  # 1.0 once there was a target
+ESTIMATE = 69  # 12, the target before the last stage of smoothing: rotation, position
+COAST = 81  # updates since the tip was on the target, close to it
+STATE = 82
+
+# Verdicts on a target that the goal does not reach.
+UNKNOWN = 0.0
+NOWHERE = 1.0
+RECONFIGURE = 2.0
+
+# The settings.
+PERIOD = 0  # seconds between updates
+SPEED = 1  # 7, largest joint velocities, rad/s
+ACCELERATION = 8  # 7, rad/s^2
+ALPHA = 15  # share of a new target in position
+BETA = 16  # and in velocity
+AHEAD = 17  # how far ahead the elbow is planned, seconds
+ELBOW = 18  # `KEEP`, `ANGLE`, or an objective from `OBJECTIVE` on
+ANGLE_WANTED = 19  # rad
+PATIENCE = 20  # time constant in which a target that is lost slows down, seconds
+GAMMA = 21  # share of the estimate that the target takes over
+SETTINGS = 22
+
+# Elbow policies.
+KEEP = -1.0
+ANGLE = -2.0
+
+# What an update says.
+STEP_Q = 0  # 7
+STEP_V = 7  # 7
+STEP_A = 14  # 7
+STEP_STATUS = 21
+STEP_JOINT = 22  # the joint (1 to 7) that is farthest behind; 0: none
+STEP_POSITION_ERROR = 23  # metres, from the target given
+STEP_ORIENTATION_ERROR = 24  # rad
+STEP_REASON = 25
+STEP_LOST = 26
+STEP = 27
+
+# Statuses, numbered as in `srs_ik.TrackerStatus`.
+OK = 0.0
+LIMITED = 1.0
+HELD = 2.0
+UNREACHABLE = 3.0
+
+# Why.
+NO_REASON = 0.0
+BEHIND = 1.0
+LOST_TARGET = 2.0
+NO_TARGET_YET = 3.0
+BAD_TARGET = 4.0
+OTHER_POSTURE = 5.0
+OUT_OF_REACH = 6.0
+FORBIDDEN = 7.0
+ON_THE_WAY = 8.0
+
+LENGTH = 0.25
+"""Turning by a radian counts as much as moving by so many metres, where not both can be met."""

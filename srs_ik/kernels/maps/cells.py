@@ -1,0 +1,129 @@
+"""What a map tells of a pose: its branches, the width and number of its intervals, its margin and its arcs of yaw."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from srs_ik.kernels.algebra.pointers import row
+from srs_ik.kernels.exact.farthest import farthest
+from srs_ik.kernels.exact.intervals import TOUCH, TURN
+from srs_ik.kernels.jit import kernel
+from srs_ik.kernels.layout.answer import SOLVED
+from srs_ik.kernels.layout.limb import LIMITED, LOOSE
+from srs_ik.kernels.layout.maps import (
+    CELL_ARCS,
+    CELL_BRANCHES,
+    CELL_MARGIN,
+    CELL_PIECES,
+    CELL_WIDEST,
+    CELL_WIDTH,
+    MOST_ARCS,
+)
+from srs_ik.kernels.limb.triangle import elbow_side
+from srs_ik.kernels.maps.arcs import put_arc, write_arcs
+from srs_ik.kernels.maps.first_joint import ahead, first_range, singular_angle, split_angles, turning_points
+from srs_ik.kernels.maps.reach import write_intervals
+
+STEP_ASIDE = 1e-9
+"""Joint 1 is looked at so far, rad, beside the arm angle of a singularity, at which it jumps."""
+
+
+@kernel
+def clear(most, out):
+    """A cell that is not reached."""
+    for k in range(CELL_ARCS + 2 * most):
+        out[k] = 0.0
+
+
+@kernel
+def write_measures(found, n, out):
+    """Write what n intervals tell of a cell."""
+    branches, total, widest = 0, 0.0, 0.0
+    for i in range(n):
+        width = found[i, 2] - found[i, 1]
+        branches |= 1 << int(found[i, 0])
+        total += width
+        widest = max(widest, width)
+    out[CELL_BRANCHES] = branches
+    out[CELL_PIECES] = n
+    out[CELL_WIDTH] = total
+    out[CELL_WIDEST] = widest
+
+
+@kernel
+def put_arcs_of(P, motion, turns, interval, limits, arcs, n):
+    """Append the arcs of one interval (branch, lower, upper) of arm angles; their number, -1: the whole circle."""
+    branch, lower, upper = interval
+    sign = (branch >> 1) & 1
+    begin = lower
+    for end in range(2):
+        psi, singular = singular_angle(P, motion, end)
+        psi = ahead(psi, lower - STEP_ASIDE)
+        if not singular or psi > upper + STEP_ASIDE:
+            continue
+        low, high = split_angles(P, motion, psi, end)
+        n = put_arc(low, high, limits, arcs, n)
+        if n >= 0 and psi - STEP_ASIDE > begin:
+            low, high = first_range(P, motion, turns, sign, begin, psi - STEP_ASIDE)
+            n = put_arc(low, high, limits, arcs, n)
+        if n < 0:
+            return n
+        begin = psi + STEP_ASIDE
+    if begin > upper and begin > lower:
+        return n
+    low, high = first_range(P, motion, turns, sign, begin, upper)
+    return put_arc(low, high, limits, arcs, n)
+
+
+@kernel
+def write_yaws(P, place_, found, n, limits, most, out):
+    """Write the arcs of yaw over which joint 1 keeps its limits; the intervals are found without regard to these."""
+    if limits[1] - limits[0] >= TURN - TOUCH:
+        write_arcs(np.empty((1, 2)), -1, most, out)
+        return
+    arcs = np.empty((MOST_ARCS + n + 2, 2))
+    count = 0
+    for elbow in range(2):
+        _, motion, _, _ = elbow_side(P, place_, elbow)
+        turns = turning_points(P, motion)
+        for i in range(n):
+            if int(found[i, 0]) >> 2 == elbow and count >= 0:
+                interval = (int(found[i, 0]), found[i, 1], found[i, 2])
+                count = put_arcs_of(P, motion, turns, interval, limits, arcs, count)
+    write_arcs(arcs, count, most, out)
+
+
+@kernel
+def write_cell(family, place_, limits, asked, space, out):
+    """Write what a map tells of a pose of an exact limb into a cell.
+
+    Args:
+        family: packed limbs; for arcs of yaw, with joint 1 free.
+        place_: the pose, from `triangle.place`.
+        limits: lower and upper limit of joint 1, rad, for arcs of yaw.
+        asked: how many arcs there is room for (0: none are wanted), and whether the margin is wanted.
+        space: work space, from `reach.room`.
+        out: the row of the cell, as in `layout.maps`.
+    """
+    most, margin = asked
+    if abs(place_[5]) >= SOLVED:
+        clear(most, out)
+        return
+    P = row(family, LIMITED)
+    n = write_intervals(P, place_, space)
+    if n == 0:
+        # A pose whose postures all lie on limits leaves room by rounding alone.
+        P = row(family, LOOSE)
+        n = write_intervals(P, place_, space)
+    if n == 0:
+        clear(most, out)
+        return
+    write_measures(space.found, n, out)
+    out[CELL_MARGIN] = 0.0
+    if margin:
+        _, _, cost = farthest(P, place_, space.found, 0, n, -1, True)
+        out[CELL_MARGIN] = max(-cost, 0.0) if math.isfinite(cost) else 0.0
+    if most > 0:
+        write_yaws(P, place_, space.found, n, limits, most, out)

@@ -1,0 +1,153 @@
+"""Reachability and cells of near limbs, on their true chain.
+
+Arcs of yaw follow from the angle of joint 1 at arm angles all along an interval, and closer around the largest and the
+smallest: there is no closed form for where it turns.
+"""
+
+from __future__ import annotations
+
+import math
+from collections import namedtuple
+
+import numpy as np
+
+from srs_ik.kernels.algebra.pointers import row
+from srs_ik.kernels.exact.intervals import TOUCH, TURN
+from srs_ik.kernels.jit import kernel
+from srs_ik.kernels.layout.answer import MOST_INTERVALS, OK, ROW, ROW_Q, ROW_STATUS
+from srs_ik.kernels.layout.limb import LIMITED
+from srs_ik.kernels.layout.maps import MOST_ARCS, NOT_REACHED, REACHED, UNSURE
+from srs_ik.kernels.maps.arcs import put_arc, write_arcs
+from srs_ik.kernels.maps.cells import clear, write_measures
+from srs_ik.kernels.near.at_angle import may_reach
+from srs_ik.kernels.pose.intervals import all_intervals
+from srs_ik.kernels.pose.solve import solve_row_at
+
+SPACING = 0.1
+LEAST_LOOKS = 5
+"""Arm angles at which joint 1 is looked at: so far apart, rad, and so many at least."""
+
+CLOSE = 1e-5
+"""The extremes of joint 1 are looked for this closely, rad of arm angle; they are off by about its square."""
+
+GOLDEN = 0.5 * (math.sqrt(5.0) - 1.0)
+
+
+Near = namedtuple("Near", ("J", "A", "found", "answers"))
+"""Work space of one thread: (6, 7), (16, 9), (MOST_INTERVALS, 3) and (1, ROW)."""
+
+Posed = namedtuple("Posed", ("T", "place_", "R", "p"))
+"""A pose: its 16 figures, what its postures share (`triangle.place`), rotation and position."""
+
+
+@kernel
+def near_room():
+    """Work space for near limbs."""
+    return Near(np.empty((6, 7)), np.empty((16, 9)), np.empty((MOST_INTERVALS, 3)), np.empty((1, ROW)))
+
+
+@kernel
+def intervals_near(family, pose, space):
+    """Write the feasible intervals on the true chain into `space.found`; return their number."""
+    return all_intervals(family, pose.place_, pose.R, pose.p, True, space.J, space.A, space.found)
+
+
+@kernel
+def reach_near(family, pose, space):
+    """`reach.reach` of a near limb: next to singularities a search may find what the curves have passed by."""
+    if not may_reach(row(family, LIMITED), pose.place_):
+        return NOT_REACHED
+    return REACHED if intervals_near(family, pose, space) > 0 else UNSURE
+
+
+@kernel
+def first_angle_near(family, pose, psi, branch, near, space):
+    """Joint 1 of a branch at an arm angle, in the turn next to an angle, and whether there is such a posture."""
+    answer = row(space.answers, 0)
+    solve_row_at(family, pose.T, psi, branch, None, True, space.J, space.A, answer)
+    q = answer[ROW_Q]
+    return q - TURN * math.floor((q - near) / TURN + 0.5), answer[ROW_STATUS] == OK
+
+
+@kernel
+def extreme(family, pose, branch, between, sense, best, space):
+    """The largest `sense` times joint 1 between two arm angles, about one that is larger than its neighbours."""
+    low, high = between
+    left, right = high - GOLDEN * (high - low), low + GOLDEN * (high - low)
+    x, met_x = first_angle_near(family, pose, left, branch, sense * best, space)
+    y, met_y = first_angle_near(family, pose, right, branch, sense * best, space)
+    while met_x and met_y and high - low > CLOSE:
+        best = max(best, sense * x, sense * y)
+        if sense * x > sense * y:
+            high, right, y = right, left, x
+            left = high - GOLDEN * (high - low)
+            x, met_x = first_angle_near(family, pose, left, branch, sense * best, space)
+        else:
+            low, left, x = left, right, y
+            right = low + GOLDEN * (high - low)
+            y, met_y = first_angle_near(family, pose, right, branch, sense * best, space)
+    return best
+
+
+@kernel
+def first_range_near(family, pose, interval, enough, space):
+    """The lowest and highest angle of joint 1 over an interval; as soon as they are `enough` apart, those so far."""
+    branch, lower, upper = interval
+    count = LEAST_LOOKS + int((upper - lower) / SPACING)
+    lowest, highest = math.inf, -math.inf
+    at_lowest, at_highest = lower, lower
+    q, some = 0.0, False
+    for i in range(count):
+        psi = lower + (upper - lower) * i / (count - 1)
+        x, met = first_angle_near(family, pose, psi, branch, q, space)
+        if not met:
+            continue
+        q, some = x, True
+        if q < lowest:
+            lowest, at_lowest = q, psi
+        if q > highest:
+            highest, at_highest = q, psi
+        if highest - lowest >= enough:
+            return lowest, highest, True
+    if not some:
+        return 0.0, 0.0, False
+    gap = (upper - lower) / (count - 1)
+    if gap > 0.0:
+        about = max(at_highest - gap, lower), min(at_highest + gap, upper)
+        highest = extreme(family, pose, branch, about, 1.0, highest, space)
+        about = max(at_lowest - gap, lower), min(at_lowest + gap, upper)
+        lowest = -extreme(family, pose, branch, about, -1.0, -lowest, space)
+    return lowest, highest, True
+
+
+@kernel
+def write_yaws_near(family, pose, n, limits, most, space, out):
+    """`cells.write_yaws` of a near limb, for n intervals in `space.found`."""
+    enough = TURN - (limits[1] - limits[0])
+    if enough <= TOUCH:
+        write_arcs(np.empty((1, 2)), -1, most, out)
+        return
+    arcs = np.empty((MOST_ARCS + n, 2))
+    count = 0
+    for i in range(n):
+        interval = (int(space.found[i, 0]), space.found[i, 1], space.found[i, 2])
+        lowest, highest, some = first_range_near(family, pose, interval, enough, space)
+        if some:
+            count = put_arc(lowest, highest, limits, arcs, count)
+        if count < 0:
+            break
+    write_arcs(arcs, count, most, out)
+
+
+@kernel
+def write_cell_near(family, pose, limits, most, space, out):
+    """`cells.write_cell` of a near limb, without its margin."""
+    clear(most, out)
+    if not may_reach(row(family, LIMITED), pose.place_):
+        return
+    n = intervals_near(family, pose, space)
+    if n == 0:
+        return
+    write_measures(space.found, n, out)
+    if most > 0:
+        write_yaws_near(family, pose, n, limits, most, space, out)

@@ -1,0 +1,146 @@
+"""Whether a pose is reached at all, as early as it can be told.
+
+Most poses that are reached show it at one of a few arm angles. Those that are not, and the others, are told by the
+feasible arm angles of shoulder and wrist: whether any of one joint is one of the other.
+"""
+
+from __future__ import annotations
+
+import math
+from collections import namedtuple
+
+import numpy as np
+
+from srs_ik.kernels.algebra.pointers import row
+from srs_ik.kernels.algebra.vectors import swing
+from srs_ik.kernels.exact.free_splits import NEARLY_FLAT
+from srs_ik.kernels.exact.intervals import TURN, feasible_intervals, fits, joint_pieces
+from srs_ik.kernels.jit import kernel
+from srs_ik.kernels.layout.answer import MAX_EVENTS, MAX_PIECES, MOST_INTERVALS, SOLVED
+from srs_ik.kernels.layout.limb import LOOSE, LOWER, SHOULDER, SIZE, SLACK_JOIN, UPPER, WRIST
+from srs_ik.kernels.layout.maps import NOT_REACHED, REACHED, UNSURE
+from srs_ik.kernels.limb.in_line import may_split
+from srs_ik.kernels.limb.limits import set_joint_limits, set_limit, turn_to_middle, violation
+from srs_ik.kernels.limb.spherical import middle_angle
+from srs_ik.kernels.limb.triangle import elbow_side
+
+Room = namedtuple("Room", ("events", "marks", "shoulder", "wrist", "found", "wide"))
+"""Work space of one thread: arm angles, the marks between them, pieces of both joints, intervals, a wider limb."""
+
+HALF = math.sqrt(0.5)
+PROBES = ((1.0, 0.0), (-1.0, 0.0), (0.0, 1.0), (0.0, -1.0), (HALF, HALF), (-HALF, HALF), (-HALF, -HALF), (HALF, -HALF))
+"""Cosine and sine of the arm angles that are tried first."""
+
+WIDER = 1e-6
+"""Limits farther out by this, rad, tell poses that rounding may have hidden: at a singular limit it is the root."""
+
+
+@kernel
+def widened(family, box):
+    """Copy the packed limb to `box` with limits farther out by `WIDER`."""
+    for i in range(SIZE):
+        box[i] = family[LOOSE, i]
+    for j in range(7):
+        set_limit(box, j, family[LOOSE, LOWER + j] - WIDER, family[LOOSE, UPPER + j] + WIDER)
+    set_joint_limits(box, SHOULDER, 0)
+    set_joint_limits(box, WRIST, 4)
+
+
+@kernel
+def room(family):
+    """Work space for `reach` and `write_intervals`."""
+    wide = np.empty((1, SIZE))
+    widened(family, row(wide, 0))
+    return Room(
+        np.empty(MAX_EVENTS),
+        np.empty(MAX_EVENTS, np.int64),
+        np.empty((2, MAX_PIECES, 2)),
+        np.empty((2, MAX_PIECES, 2)),
+        np.empty((MOST_INTERVALS, 3)),
+        wide,
+    )
+
+
+@kernel
+def write_intervals(P, place_, space):
+    """Write the feasible intervals of all branches into `space.found`; return their number."""
+    return feasible_intervals(P, place_, -1, space.events, space.marks, space.shoulder, space.wrist, space.found)
+
+
+@kernel
+def fits_at(P, k, motion, cosine, sine):
+    """Whether a solution of a spherical joint keeps the limits at an arm angle."""
+    v0, y0, _ = motion
+    v = swing(v0[0], v0[1], v0[2], cosine, sine)
+    c, s, reached = middle_angle(P, k, v)
+    if not reached:
+        return False
+    y = swing(y0[0], y0[1], y0[2], cosine, sine)
+    return fits(P, k, v, y, c, s, 0) or fits(P, k, v, y, c, s, 1)
+
+
+@kernel
+def is_met(P, side):
+    """Whether one of the first arm angles is feasible."""
+    for cosine, sine in PROBES:
+        if fits_at(P, SHOULDER, side[1], cosine, sine) and fits_at(P, WRIST, side[2], cosine, sine):
+            return True
+    return False
+
+
+@kernel
+def is_bent_right(P, side):
+    """Whether the elbow keeps its limits."""
+    return violation(P, 3, turn_to_middle(P, 3, side[0])) == 0.0
+
+
+@kernel
+def overlap(a, n_a, sign_a, b, n_b, sign_b, slack):
+    """Whether any of n_a pieces of one solution meets any of n_b pieces of another, around the circle."""
+    for i in range(n_a):
+        for j in range(n_b):
+            if a[sign_a, i, 1] - a[sign_a, i, 0] >= TURN or b[sign_b, j, 1] - b[sign_b, j, 0] >= TURN:
+                return True
+            for turns in range(-1, 2):
+                lower = max(a[sign_a, i, 0], b[sign_b, j, 0] + turns * TURN)
+                if lower <= min(a[sign_a, i, 1], b[sign_b, j, 1] + turns * TURN) + slack:
+                    return True
+    return False
+
+
+@kernel
+def any_overlap(P, side, space):
+    """Whether shoulder and wrist share a feasible arm angle."""
+    s = joint_pieces(P, SHOULDER, side[1], 3, space.events, space.marks, space.shoulder)
+    if s[0] + s[1] == 0:
+        return False
+    w = joint_pieces(P, WRIST, side[2], 3, space.events, space.marks, space.wrist)
+    for i in range(2):
+        for j in range(2):
+            if overlap(space.shoulder, s[i], i, space.wrist, w[j], j, P[SLACK_JOIN]):
+                return True
+    return False
+
+
+@kernel
+def reach(family, place_, space):
+    """Whether a posture of an exact limb inside the limits meets a pose: REACHED, NOT_REACHED or UNSURE.
+
+    Unsure are poses that limits farther out by a trace would let be reached, and those next to singular ones that no
+    interval reaches: there the whole search has to tell. `space` is that of `room`.
+    """
+    if abs(place_[5]) >= SOLVED:
+        return NOT_REACHED
+    # Rounding may hide a posture from the strict tolerances.
+    P, wide = row(family, LOOSE), row(space.wide, 0)
+    sides = (elbow_side(P, place_, 0), elbow_side(P, place_, 1))
+    for elbow in range(2):
+        if is_bent_right(P, sides[elbow]) and is_met(P, sides[elbow]):
+            return REACHED
+    unsure = place_[3] < NEARLY_FLAT or may_split(P, place_)
+    for elbow in range(2):
+        if is_bent_right(wide, sides[elbow]) and any_overlap(wide, sides[elbow], space):
+            if is_bent_right(P, sides[elbow]) and any_overlap(P, sides[elbow], space):
+                return REACHED
+            unsure = True
+    return UNSURE if unsure else NOT_REACHED

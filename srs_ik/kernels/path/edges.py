@@ -1,0 +1,161 @@
+"""What the joint steps of a path count, with first and second derivatives, for all arm angles moved at once.
+
+Sums of squares as they are; limits of the steps, the largest step and the largest of each pose by logarithmic barriers
+(Boyd and Vandenberghe 2004, chapter 11): steps x lie within -t and t, and a weight times the sum of -log(t^2 - x^2) is
+added to what is to be least. The less the weight, the closer to the corner that the best one is.
+"""
+
+from __future__ import annotations
+
+import math
+
+from srs_ik.kernels.jit import kernel
+from srs_ik.kernels.layout.path import BY_CONTINUITY, LARGEST, SLOWEST, SQUARES, WITHIN
+from srs_ik.kernels.path.programme import step_of
+
+OUTSIDE = 1e300
+"""Value of a step beyond its limits."""
+
+TIMES = 30
+"""Most steps to the best bound t, which come from below and turn back nowhere."""
+
+GRADIENT = 0
+WEIGHT = 1
+CROSS = 2
+TERMS = 3
+"""Rows of the derivatives of a step by its joints: first, second (a diagonal), and mixed with the bound t."""
+
+
+@kernel
+def write_steps(chain, seed, settings, q, steps):
+    """Write the steps (k, 7) to each posture of a path, that to the first one from the seed; zero without one."""
+    for c in range(chain.shape[0]):
+        for j in range(7):
+            if c > 0:
+                steps[c, j] = step_of(settings, j, q[chain[c - 1], j], q[chain[c], j])
+            elif seed is not None:
+                steps[c, j] = step_of(settings, j, seed[j], q[chain[c], j])
+            else:
+                steps[c, j] = 0.0
+
+
+@kernel
+def share_of(chain, c):
+    """By which the squares of a step count: one over the poses that it takes."""
+    return 1.0 / (chain[c] - chain[c - 1]) if c > 0 else 1.0
+
+
+@kernel
+def keeps_within(aim, settings, steps, c):
+    """Whether limits hold for a step: not for the one from the seed, and not for a break."""
+    if aim.kind != WITHIN or c == 0:
+        return False
+    longest = 0.0
+    for j in range(7):
+        longest = max(longest, abs(steps[c, j]))
+    return longest <= settings[BY_CONTINUITY, 0]
+
+
+@kernel
+def bound_of(aim, steps, first, last):
+    """The bound t that is best for the steps of rows first to last - 1."""
+    most = 0.0
+    for c in range(first, last):
+        for j in range(7):
+            most = max(most, abs(steps[c, j]) * aim.scale[j])
+    mu = aim.weight
+    t = mu + math.sqrt(mu * mu + most * most)
+    for _ in range(TIMES):
+        slope = 0.0
+        bend = 0.0
+        for c in range(first, last):
+            for j in range(7):
+                x = steps[c, j] * aim.scale[j]
+                inverse = 1.0 / ((t - x) * (t + x))
+                slope += 2.0 * t * inverse
+                bend += 2.0 * inverse * (2.0 * t * t * inverse - 1.0)
+        off = 1.0 - mu * slope
+        t_next = t - off / (mu * bend)
+        if not t_next > t * (1.0 + 1e-13):
+            break
+        t = t_next
+    return t
+
+
+@kernel
+def barrier(aim, steps, c, t):
+    """Sum of -log(t^2 - x^2) over the joints of a step."""
+    product = 1.0
+    for j in range(7):
+        x = steps[c, j] * aim.scale[j]
+        product *= (t - x) * (t + x) / (t * t)
+    return -math.log(product) - 14.0 * math.log(t) if product > 0.0 else OUTSIDE
+
+
+@kernel
+def value_of(aim, chain, settings, steps, first):
+    """What all steps from number `first` on count, and the bound of the largest one."""
+    n = chain.shape[0]
+    if aim.kind == LARGEST:
+        t = bound_of(aim, steps, first, n)
+        total = t
+        for c in range(first, n):
+            total += aim.weight * barrier(aim, steps, c, t)
+        return total, t
+    total = 0.0
+    for c in range(first, n):
+        if aim.kind == SLOWEST:
+            t = bound_of(aim, steps, c, c + 1)
+            total += t + aim.weight * barrier(aim, steps, c, t)
+            continue
+        share = share_of(chain, c)
+        for j in range(7):
+            total += share * steps[c, j] * steps[c, j]
+        if keeps_within(aim, settings, steps, c):
+            within = barrier_within(aim, steps, c, share)
+            if within == OUTSIDE:
+                return OUTSIDE, 0.0
+            total += aim.weight * within
+    return total, 0.0
+
+
+@kernel
+def barrier_within(aim, steps, c, share):
+    """Sum of -log(1 - x^2) over the joints of a step."""
+    product = 1.0
+    for j in range(7):
+        x = steps[c, j] * aim.scale[j] * share
+        if not abs(x) < 1.0:
+            return OUTSIDE
+        product *= (1.0 - x) * (1.0 + x)
+    return -math.log(product) if product > 0.0 else OUTSIDE
+
+
+@kernel
+def write_terms(aim, chain, settings, steps, c, t, terms):
+    """Write the derivatives (TERMS, 7) of a step; returns the second one by its bound t (0: it has none)."""
+    share = share_of(chain, c)
+    mu = aim.weight
+    if aim.kind == SQUARES or aim.kind == WITHIN:
+        within = keeps_within(aim, settings, steps, c)
+        for j in range(7):
+            terms[GRADIENT, j] = 2.0 * share * steps[c, j]
+            terms[WEIGHT, j] = 2.0 * share
+            terms[CROSS, j] = 0.0
+            if within:
+                scale = aim.scale[j] * share
+                x = steps[c, j] * scale
+                inverse = 1.0 / ((1.0 - x) * (1.0 + x))
+                terms[GRADIENT, j] += 2.0 * mu * x * inverse * scale
+                terms[WEIGHT, j] += 2.0 * mu * inverse * (1.0 + 2.0 * x * x * inverse) * scale * scale
+        return 0.0
+    by_bound = 0.0
+    for j in range(7):
+        scale = aim.scale[j]
+        x = steps[c, j] * scale
+        inverse = 1.0 / ((t - x) * (t + x))
+        terms[GRADIENT, j] = 2.0 * mu * x * inverse * scale
+        terms[WEIGHT, j] = 2.0 * mu * inverse * (1.0 + 2.0 * x * x * inverse) * scale * scale
+        terms[CROSS, j] = -4.0 * mu * x * t * inverse * inverse * scale
+        by_bound += 2.0 * mu * inverse * (2.0 * t * t * inverse - 1.0)
+    return by_bound

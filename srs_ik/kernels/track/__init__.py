@@ -1,0 +1,1 @@
+"""A moving target: where the joints go in the next period."""

@@ -1,0 +1,345 @@
+"""One period of a tracker.
+
+Two followers, one behind the other. The goal is a posture on the target's pose, or as close to it as it comes: it keeps
+the joint limits, moves at most `FASTER` times as fast as the joints may, and knows no inertia. The joints follow the
+goal within all their limits, and brake so that they stop at it. Once they have met it, they take the step to the next
+pose themselves, with the elbow where their limits leave room for it.
+"""
+
+from __future__ import annotations
+
+import math
+
+from srs_ik.kernels.algebra.joint_vectors import along7
+from srs_ik.kernels.algebra.pointers import row
+from srs_ik.kernels.chain.kinematics import pose_error
+from srs_ik.kernels.chain.newton import clipped
+from srs_ik.kernels.jit import kernel
+from srs_ik.kernels.layout.limb import LOWER, UPPER
+from srs_ik.kernels.layout.track import (
+    ACCELERATION,
+    BAD_TARGET,
+    BEHIND,
+    COAST,
+    DETOUR,
+    DETOUR_END,
+    ELSEWHERE,
+    FORBIDDEN,
+    GOAL,
+    GOAL_RATE,
+    HELD,
+    LENGTH,
+    LIMITED,
+    LOST,
+    LOST_TARGET,
+    MISS,
+    NO_REASON,
+    NO_TARGET_YET,
+    OK,
+    ON,
+    ON_THE_WAY,
+    OTHER_POSTURE,
+    OUT_OF_REACH,
+    PERIOD,
+    RECONFIGURE,
+    SPEED,
+    STARTED,
+    STEP_A,
+    STEP_JOINT,
+    STEP_LOST,
+    STEP_ORIENTATION_ERROR,
+    STEP_POSITION_ERROR,
+    STEP_Q,
+    STEP_REASON,
+    STEP_STATUS,
+    STEP_V,
+    STUCK,
+    TICK,
+    UNKNOWN,
+    UNREACHABLE,
+    Q,
+    V,
+)
+from srs_ik.kernels.limb.goal import NO_SEED
+from srs_ik.kernels.limb.poses import read7
+from srs_ik.kernels.limb.triangle import place
+from srs_ik.kernels.track.catch_up import CLOSE_BY, catch_up, way_left
+from srs_ik.kernels.track.closest import approach, between, error_at, minus
+from srs_ik.kernels.track.elbow import own_motion
+from srs_ik.kernels.track.elsewhere import look_elsewhere, out_of_reach, way_between
+from srs_ik.kernels.track.limits import fastest_all, slowest_all, toward
+from srs_ik.kernels.track.target import load_target, lose_target, take_target
+
+FASTER = 3.0
+"""The goal may move so many times as fast as the joints."""
+
+MET = 1e-9
+"""A pose is met if it is closer than this, m, and, by `LENGTH`, rad."""
+
+CLOSE = 1e-6
+"""The same for what is said of it."""
+
+TOGETHER = 1e-12
+"""Joints this close to the goal, rad, have met it."""
+
+COAST_FOR = 150
+"""Updates that a tip close to its target may take to come back on the straight way; then other ways are looked for."""
+
+STUCK_FOR = 10
+AGAIN = 25
+"""Other postures are looked for when the goal has been off the target for so many updates, and after so many more."""
+
+SETTLING = 0.01
+"""Seconds over which the velocity of the goal is averaged."""
+
+COMING = 0.01
+"""Seconds in which the goal comes to the joints as far as the pose leaves the choice, while they are behind."""
+
+
+@kernel
+def scaled(s, a):
+    """A multiple of seven figures."""
+    return along7(NO_SEED, s, a)
+
+
+@kernel
+def store7(S, k, a):
+    """Write seven figures."""
+    for j in range(7):
+        S[k + j] = a[j]
+
+
+@kernel
+def reach_of_goal(P, C, goal, joint, side):
+    """How far a joint of the goal may go in a period, up (1.0) or down (-1.0), rad."""
+    most = FASTER * C[PERIOD] * C[SPEED + joint]
+    if side > 0.0:
+        return min(most, P[UPPER + joint] - goal[joint])
+    return max(-most, P[LOWER + joint] - goal[joint])
+
+
+@kernel
+def box_of_goal(P, C, g):
+    """Least and largest steps of the goal."""
+    low = (
+        reach_of_goal(P, C, g, 0, -1.0),
+        reach_of_goal(P, C, g, 1, -1.0),
+        reach_of_goal(P, C, g, 2, -1.0),
+        reach_of_goal(P, C, g, 3, -1.0),
+        reach_of_goal(P, C, g, 4, -1.0),
+        reach_of_goal(P, C, g, 5, -1.0),
+        reach_of_goal(P, C, g, 6, -1.0),
+    )
+    high = (
+        reach_of_goal(P, C, g, 0, 1.0),
+        reach_of_goal(P, C, g, 1, 1.0),
+        reach_of_goal(P, C, g, 2, 1.0),
+        reach_of_goal(P, C, g, 3, 1.0),
+        reach_of_goal(P, C, g, 4, 1.0),
+        reach_of_goal(P, C, g, 5, 1.0),
+        reach_of_goal(P, C, g, 6, 1.0),
+    )
+    return low, high
+
+
+@kernel
+def move_goal(P, S, C, pose, work):
+    """Take the goal a period on towards the target, by the detour if it is on one: how far it is from it then."""
+    q, goal = read7(row(S, Q)), read7(row(S, GOAL))
+    low, high = box_of_goal(P, C, goal)
+    if S[DETOUR] == 1.0:
+        left = minus(read7(row(S, DETOUR_END)), goal)
+        d = between(left, low, high)
+        goal = along7(goal, 1.0, d)
+        if way_between(left, d) < TOGETHER:
+            S[DETOUR] = 0.0
+        _, size = error_at(P, goal, pose[0], pose[1], work[0])
+    else:
+        liked = scaled(min(C[PERIOD] / COMING, 1.0), minus(q, goal))
+        choice = (NO_SEED, between(liked, low, high), 0.5 * LENGTH * S[MISS], low, high)
+        d, size = approach(P, C, pose, goal, choice, 2, work)
+        goal = clipped(P, along7(goal, 1.0, d))
+    share = C[PERIOD] / (C[PERIOD] + SETTLING)
+    for j in range(7):
+        rate = S[GOAL_RATE + j] + share * (d[j] / C[PERIOD] - S[GOAL_RATE + j])
+        S[GOAL_RATE + j] = min(max(rate, -C[SPEED + j]), C[SPEED + j])
+    store7(S, GOAL, goal)
+    return size
+
+
+@kernel
+def follow_goal(S, C, low, high):
+    """Velocities with which the joints come to the goal and stop there, as far as their limits allow."""
+    q, goal, rate = read7(row(S, Q)), read7(row(S, GOAL)), read7(row(S, GOAL_RATE))
+    v = (
+        toward(C, 0, q[0], goal[0], rate[0]),
+        toward(C, 1, q[1], goal[1], rate[1]),
+        toward(C, 2, q[2], goal[2], rate[2]),
+        toward(C, 3, q[3], goal[3], rate[3]),
+        toward(C, 4, q[4], goal[4], rate[4]),
+        toward(C, 5, q[5], goal[5], rate[5]),
+        toward(C, 6, q[6], goal[6], rate[6]),
+    )
+    return between(v, low, high)
+
+
+@kernel
+def stay_on(P, S, C, pose, own, box, work):
+    """The step that keeps the tip on the target, and whether there is one within all limits."""
+    period = C[PERIOD]
+    q, v = read7(row(S, Q)), read7(row(S, V))
+    low, high = scaled(period, box[0]), scaled(period, box[1])
+    choice = (between(scaled(period, v), low, high), own, 0.0, low, high)
+    d, size = approach(P, C, pose, q, choice, 4, work)
+    return d, size < MET
+
+
+@kernel
+def watch(P, S, size, place_):
+    """Keep account of how long the goal has been off the target, and look elsewhere where that takes long."""
+    S[MISS] = size
+    if size < CLOSE:
+        S[STUCK] = 0.0
+        S[ELSEWHERE] = UNKNOWN
+        return
+    S[STUCK] += 1.0
+    if S[STUCK] >= STUCK_FOR and (S[STUCK] - STUCK_FOR) % AGAIN == 0.0 and not out_of_reach(P, place_):
+        S[ELSEWHERE] = UNKNOWN
+        look_elsewhere(P, S, place_)
+
+
+@kernel
+def most_behind(S, C, q):
+    """The joint (1 to 7) that is farthest behind the goal, by its speed."""
+    worst, most = 0, -1.0
+    for j in range(7):
+        behind = abs(S[GOAL + j] - q[j]) / C[SPEED + j]
+        if behind > most:
+            worst, most = j + 1, behind
+    return worst
+
+
+@kernel
+def hardest(S, C, v):
+    """The joint (1 to 7) that uses most of its velocity or acceleration."""
+    worst, most = 0, -1.0
+    for j in range(7):
+        change = abs(v[j] - S[V + j]) / (C[ACCELERATION + j] * C[PERIOD])
+        used = max(abs(v[j]) / C[SPEED + j], change)
+        if used > most:
+            worst, most = j + 1, used
+    return worst
+
+
+@kernel
+def verdict(P, S, C, q, size, place_):
+    """Status, reason, and the joint that is farthest behind."""
+    if S[ON] == 1.0 or (size < CLOSE and way_between(q, read7(row(S, GOAL))) < CLOSE):
+        return OK, NO_REASON, 0
+    joint = most_behind(S, C, q)
+    if size < CLOSE:
+        return LIMITED, BEHIND, joint
+    if out_of_reach(P, place_):
+        return UNREACHABLE, OUT_OF_REACH, joint
+    if S[ELSEWHERE] == UNKNOWN:
+        return LIMITED, ON_THE_WAY, joint
+    if S[ELSEWHERE] == RECONFIGURE:
+        return HELD, OTHER_POSTURE, joint
+    return UNREACHABLE, FORBIDDEN, joint
+
+
+@kernel
+def brake(S, C, box):
+    """Come to rest as fast as one may."""
+    return between(NO_SEED, box[0], box[1])
+
+
+@kernel
+def write_step(S, C, q, v, said, out):
+    """Write an update's answer, and the state of the joints."""
+    for j in range(7):
+        out[STEP_Q + j] = q[j]
+        out[STEP_V + j] = v[j]
+        out[STEP_A + j] = (v[j] - S[V + j]) / C[PERIOD]
+        S[Q + j] = q[j]
+        S[V + j] = v[j]
+    out[STEP_STATUS] = said[0]
+    out[STEP_REASON] = said[1]
+    out[STEP_JOINT] = said[2]
+    out[STEP_LOST] = S[LOST]
+
+
+@kernel
+def step_to(P, S, C, v):
+    """Where the joints are after a period, inside their limits, and the velocities that lead there."""
+    q = read7(row(S, Q))
+    after = clipped(P, along7(q, C[PERIOD], v))
+    return after, scaled(1.0 / C[PERIOD], minus(after, q))
+
+
+@kernel
+def advance(P, S, C, given, work, out):
+    """A tracker's next period.
+
+    Args:
+        P: packed limb.
+        S: state.
+        C: settings, and behind them the parameters of an objective.
+        given: 1 with a target, 0 without, -1 with one that is no pose; its rotation and position.
+        work: J (6, 7), A (16, 9), and the parameters of the elbow's objective.
+        out: (STEP,) output.
+    """
+    has, R, p = given
+    J, A, task = work
+    q, v = read7(row(S, Q)), read7(row(S, V))
+    box = slowest_all(P, C, q, v), fastest_all(P, C, q, v)
+    S[TICK] += 1.0
+    if has == 1:
+        take_target(S, C, R, p)
+    elif S[STARTED] == 1.0:
+        lose_target(S, C)
+    else:
+        after, v = step_to(P, S, C, brake(S, C, box))
+        store7(S, GOAL, after)
+        out[STEP_POSITION_ERROR] = out[STEP_ORIENTATION_ERROR] = math.inf
+        write_step(S, C, after, v, (HELD, NO_TARGET_YET if has == 0 else BAD_TARGET, 0), out)
+        return
+    R_target, p_target, _, _ = load_target(S)
+    pose = R_target, p_target
+    place_ = place(P, R_target, p_target)
+    own = own_motion(P, S, C, task, J)
+    size, on = 0.0, False
+    if S[ON] == 1.0:
+        d, on = stay_on(P, S, C, pose, own, box, (J, A))
+        v = scaled(1.0 / C[PERIOD], d)
+    near = False
+    if not on and S[COAST] < COAST_FOR:
+        left = way_left(P, S)
+        near = left[3] < CLOSE_BY
+        if near:
+            v = scaled(1.0 / C[PERIOD], catch_up(P, S, C, left, own, box, (J, A)))
+    if on or near:
+        after, v = step_to(P, S, C, v)
+        store7(S, GOAL, after)
+        store7(S, GOAL_RATE, v)
+        if near:
+            _, size = error_at(P, after, R_target, p_target, J)
+            on = size < MET
+        S[COAST] = 0.0 if on else S[COAST] + 1.0
+    else:
+        size = move_goal(P, S, C, pose, (J, A))
+        after, v = step_to(P, S, C, follow_goal(S, C, box[0], box[1]))
+        on = size < MET and way_between(after, read7(row(S, GOAL))) < TOGETHER
+        if size < CLOSE:
+            S[COAST] = 0.0
+    S[ON] = 1.0 if on else 0.0
+    if near and not on:
+        said = LIMITED, BEHIND, hardest(S, C, v)
+    else:
+        watch(P, S, size, place_)
+        said = verdict(P, S, C, after, size, place_)
+    if has != 1:
+        said = HELD, LOST_TARGET if has == 0 else BAD_TARGET, said[2]
+        R, p = R_target, p_target
+    out[STEP_POSITION_ERROR], out[STEP_ORIENTATION_ERROR] = pose_error(P, after, R, p)
+    write_step(S, C, after, v, said, out)

@@ -1,0 +1,65 @@
+"""A tip close to its target, but not on it: it comes back on the straight way, and brakes so that it does not pass."""
+
+from __future__ import annotations
+
+import math
+
+from srs_ik.kernels.algebra.joint_vectors import along7
+from srs_ik.kernels.algebra.pointers import row
+from srs_ik.kernels.algebra.vectors import along, dot
+from srs_ik.kernels.chain.kinematics import forward_kinematics
+from srs_ik.kernels.chain.newton import twist_to
+from srs_ik.kernels.jit import kernel
+from srs_ik.kernels.layout.limb import FAR
+from srs_ik.kernels.layout.track import ACCELERATION, LENGTH, PERIOD, Q, V
+from srs_ik.kernels.limb.goal import NO_SEED
+from srs_ik.kernels.limb.poses import read7
+from srs_ik.kernels.track.closest import approach, between
+from srs_ik.kernels.track.limits import stopping_speed
+from srs_ik.kernels.track.target import load_target, part_of_way
+
+CLOSE_BY = 0.05
+"""A tip this close to its target, m and, by `LENGTH`, rad, comes back on the straight way."""
+
+LEVER = 0.25
+"""The tip brakes with so much of what the slowest joint can do at the end of the stretched arm."""
+
+
+@kernel
+def tip_pose(P, q):
+    """Rotation and position of the tip."""
+    x, y, z, p = forward_kinematics(P, q)
+    return (x[0], y[0], z[0], x[1], y[1], z[1], x[2], y[2], z[2]), p
+
+
+@kernel
+def way_left(P, S):
+    """The way of the tip to the target, linear and angular, and its size: metres, turns by `LENGTH`."""
+    R, p, _, _ = load_target(S)
+    tip = tip_pose(P, read7(row(S, Q)))
+    T = tip[0]
+    linear, angular = twist_to((T[0], T[3], T[6]), (T[1], T[4], T[7]), (T[2], T[5], T[8]), tip[1], R, p)
+    size = math.sqrt(dot(linear, linear) + LENGTH * LENGTH * dot(angular, angular))
+    return tip, linear, angular, size
+
+
+@kernel
+def catch_up(P, S, C, left, own, box, work):
+    """The step that brings the tip closest to where it should be after a period, on its way back to the target."""
+    period = C[PERIOD]
+    tip, linear, angular, _ = left
+    _, _, v, w = load_target(S)
+    # The way relative to a target that moves on.
+    behind, turned = along(linear, -period, v), along(angular, -period, w)
+    size = math.sqrt(dot(behind, behind) + LENGTH * LENGTH * dot(turned, turned))
+    push = C[ACCELERATION]
+    for j in range(7):
+        push = min(push, C[ACCELERATION + j])
+    speed = stopping_speed(size, LEVER * P[FAR] * push, period)
+    share = min(period * speed / max(size, 1e-15), 1.0)
+    step = along((period * v[0], period * v[1], period * v[2]), share, behind)
+    turn = along((period * w[0], period * w[1], period * w[2]), share, turned)
+    low, high = along7(NO_SEED, period, box[0]), along7(NO_SEED, period, box[1])
+    choice = (between(along7(NO_SEED, period, read7(row(S, V))), low, high), own, 0.0, low, high)
+    d, _ = approach(P, C, part_of_way(tip, 1.0, step, turn), read7(row(S, Q)), choice, 2, work)
+    return d

@@ -1,0 +1,157 @@
+"""Steps of a posture towards a pose inside bounds: the shortest ones, or the closest where the pose cannot be met."""
+
+from __future__ import annotations
+
+from srs_ik.kernels.algebra.joint_vectors import along7
+from srs_ik.kernels.algebra.linear import solve_linear
+from srs_ik.kernels.algebra.vectors import norm
+from srs_ik.kernels.chain.newton import pose_step
+from srs_ik.kernels.jit import kernel
+from srs_ik.kernels.layout.track import LENGTH, SPEED
+from srs_ik.kernels.limb.goal import NO_SEED
+
+DAMPING = 1e-9
+"""Weight of the length of a step, m^2: it decides between steps that serve the pose equally."""
+
+ENOUGH = 1e-11
+"""A pose this close is met, m and, by `LENGTH`, rad."""
+
+ROUNDS = 7
+"""A joint on its bound is held there, one after the other."""
+
+
+@kernel
+def error_at(P, q, R, p, J):
+    """Fill J (6, 7) with the Jacobian of the tip, its last rows by `LENGTH`: the way to the pose, and its size."""
+    linear, angular = pose_step(P, q, R, p, J)
+    for i in range(3, 6):
+        for j in range(7):
+            J[i, j] *= LENGTH
+    e = (linear[0], linear[1], linear[2], LENGTH * angular[0], LENGTH * angular[1], LENGTH * angular[2])
+    return e, max(norm(linear), LENGTH * norm(angular))
+
+
+@kernel
+def column(J, j):
+    """A column of J (6, 7)."""
+    return (J[0, j], J[1, j], J[2, j], J[3, j], J[4, j], J[5, j])
+
+
+@kernel
+def dot6(a, b):
+    """Scalar product."""
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2] + a[3] * b[3] + a[4] * b[4] + a[5] * b[5]
+
+
+@kernel
+def less(e, f, a):
+    """The vector e - f a."""
+    return (e[0] - f * a[0], e[1] - f * a[1], e[2] - f * a[2], e[3] - f * a[3], e[4] - f * a[4], e[5] - f * a[5])
+
+
+@kernel
+def fill(C, J, e, wish, held, d, A):
+    """Write the normal equations of a step into A (16, 9), joints in the bit set `held` kept at their steps d."""
+    liked, damping = wish
+    rest = e
+    for j in range(7):
+        if (held >> j) & 1 == 1:
+            rest = less(rest, d[j], column(J, j))
+    for i in range(7):
+        a = column(J, i)
+        if (held >> i) & 1 == 1:
+            for j in range(8):
+                A[i, j] = 0.0
+            A[i, i] = 1.0
+            A[i, 7] = d[i]
+            continue
+        for j in range(7):
+            A[i, j] = 0.0 if (held >> j) & 1 == 1 else dot6(a, column(J, j))
+        # Fast joints move more readily than slow ones.
+        short = DAMPING * (C[SPEED] / C[SPEED + i]) ** 2
+        A[i, i] += damping + short
+        A[i, 7] = dot6(a, rest) + short * liked[i]
+
+
+@kernel
+def bounded_step(C, e, liked, damping, box, work):
+    """The step between bounds that serves the pose best: least |J d - e|^2, and of those the one nearest to `liked`.
+
+    Joints that would pass a bound are held on it, the worst first, and not set free again within a step.
+
+    Args:
+        C: settings.
+        e: from `error_at`.
+        liked: step that is taken where the pose leaves the choice, seven figures.
+        damping: for poses that cannot be met, m^2.
+        box: least and largest steps, seven of each, rad.
+        work: J (6, 7) from `error_at`, and A (16, 9).
+    """
+    J, A = work
+    low, high = box
+    held = 0
+    d = liked
+    for _ in range(ROUNDS):
+        fill(C, J, e, (liked, damping), held, d, A)
+        solve_linear(A, 7)
+        d = (A[0, 7], A[1, 7], A[2, 7], A[3, 7], A[4, 7], A[5, 7], A[6, 7])
+        worst = -1
+        most = 0.0
+        for j in range(7):
+            passed = max(low[j] - d[j], d[j] - high[j])
+            if (held >> j) & 1 == 0 and passed > most:
+                worst = j
+                most = passed
+        if worst < 0:
+            return d
+        held |= 1 << worst
+        d = between(d, low, high)
+    return between(d, low, high)
+
+
+@kernel
+def between(d, low, high):
+    """Every figure brought between its bounds."""
+    return (
+        min(max(d[0], low[0]), high[0]),
+        min(max(d[1], low[1]), high[1]),
+        min(max(d[2], low[2]), high[2]),
+        min(max(d[3], low[3]), high[3]),
+        min(max(d[4], low[4]), high[4]),
+        min(max(d[5], low[5]), high[5]),
+        min(max(d[6], low[6]), high[6]),
+    )
+
+
+@kernel
+def minus(a, b):
+    """The difference a - b, seven figures."""
+    return along7(a, -1.0, b)
+
+
+@kernel
+def approach(P, C, pose, q, choice, steps, work):
+    """Steps of Gauss and Newton whose sum stays between bounds: the sum, rad, and how far the pose is then.
+
+    Args:
+        P: packed limb.
+        C: settings.
+        pose: rotation and position.
+        q: posture to start from.
+        choice: first guess of the sum, the sum that is taken where the pose leaves the choice, damping for poses that
+            cannot be met (m^2), least sums, largest sums.
+        steps: how many at most; a pose that is met to `ENOUGH` needs no more.
+        work: J (6, 7) and A (16, 9).
+    """
+    R, p = pose
+    d, liked, damping, low, high = choice
+    e, size = error_at(P, along7(q, 1.0, d), R, p, work[0])
+    wish = minus(liked, d)
+    for i in range(steps):
+        if i > 0 and size < ENOUGH:
+            break
+        step = bounded_step(C, e, wish, damping, (minus(low, d), minus(high, d)), work)
+        d = between(along7(d, 1.0, step), low, high)
+        wish = NO_SEED
+        e, size = error_at(P, along7(q, 1.0, d), R, p, work[0])
+    return d, size

@@ -1,0 +1,102 @@
+"""Where the goal comes no closer to the target: whether other postures reach it, and which of them may be gone to.
+
+The goal moves on the true chain, step by step; limits can stop it where the same branch has a posture a way on. That is
+read off the intervals of the pose.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from srs_ik.kernels.algebra.pointers import row
+from srs_ik.kernels.exact.farthest import branch_at
+from srs_ik.kernels.exact.intervals import find_intervals
+from srs_ik.kernels.jit import kernel
+from srs_ik.kernels.layout.answer import MOST_INTERVALS
+from srs_ik.kernels.layout.limb import FAR, MISS
+from srs_ik.kernels.layout.track import DETOUR, DETOUR_END, ELSEWHERE, GOAL, NOWHERE, RECONFIGURE
+from srs_ik.kernels.limb.branches import branch_of
+from srs_ik.kernels.limb.goal import OUTSIDE
+from srs_ik.kernels.limb.poses import read7
+from srs_ik.kernels.limb.triangle import elbow_side
+
+INSIDE = 0.02
+"""A posture is looked for this far inside of an interval, rad."""
+
+SPACING = 0.5
+"""Postures inside of an interval are looked at this close together, rad."""
+
+LONGEST = 2.0
+"""A joint that would have to move farther than this, rad, is reconfigured: nobody expects that of a tracker."""
+
+LONGEST_FLIP = 1.0
+"""The same for postures of other branches, which lie next to each other where the arm is almost singular."""
+
+SHORTEST = 1e-3
+"""A posture this close, rad, is where the goal is stuck."""
+
+
+@kernel
+def out_of_reach(P, place_):
+    """Whether the wrist of a pose is farther from the shoulder than the arm is long, or too close."""
+    return abs(place_[5]) > 8.0 * P[MISS] + 1e-9 * P[FAR]
+
+
+@kernel
+def way_between(a, b):
+    """Largest difference of two postures, rad."""
+    most = 0.0
+    for j in range(7):
+        most = max(most, abs(a[j] - b[j]))
+    return most
+
+
+@kernel
+def nearest_in(P, side, interval, goal, best, least):
+    """The posture of an interval that is nearest to the goal, of those looked at, if it is nearer than another."""
+    branch = int(interval[0])
+    middle, half = 0.5 * (interval[1] + interval[2]), 0.5 * (interval[2] - interval[1])
+    half -= min(INSIDE, 0.5 * half)
+    pieces = math.ceil(2.0 * half / SPACING)
+    for i in range(pieces + 1):
+        psi = middle - half + (2.0 * half * i / pieces if pieces > 0 else 0.0)
+        q, value = branch_at(P, side, psi, branch, True, goal, True)
+        way = way_between(q, goal)
+        if value < OUTSIDE and way < least:
+            best, least = q, way
+    return best, least
+
+
+@kernel
+def look_elsewhere(P, S, place_):
+    """Send the goal to the nearest posture on the target; where none is near, write what there is.
+
+    Of other branches, only postures that are next to the goal are near: else the arm would flip.
+    """
+    goal = read7(row(S, GOAL))
+    branch = branch_of(P, goal)
+    found = np.empty((MOST_INTERVALS, 3))
+    n = find_intervals(P, place_, -1, found)
+    if n == 0:
+        S[ELSEWHERE] = NOWHERE
+        return
+    best, least, other, nearest = goal, math.inf, goal, math.inf
+    for elbow in range(2):
+        side = elbow_side(P, place_, elbow)
+        for i in range(n):
+            if int(found[i, 0]) >> 2 != elbow:
+                continue
+            if int(found[i, 0]) == branch:
+                best, least = nearest_in(P, side, row(found, i), goal, best, least)
+            else:
+                other, nearest = nearest_in(P, side, row(found, i), goal, other, nearest)
+    if nearest < LONGEST_FLIP and nearest < 0.5 * least:
+        best, least = other, nearest
+    if least >= LONGEST:
+        S[ELSEWHERE] = RECONFIGURE
+    elif least > SHORTEST:
+        S[DETOUR] = 1.0
+        for j in range(7):
+            S[DETOUR_END + j] = best[j]

@@ -1,0 +1,106 @@
+"""Velocities that a joint may have in the next period: within its limits, and able to stop before its range ends.
+
+A period has one velocity. Accelerations are differences of these over the period, so that the limits hold for the joint
+angles as they are sent out, and not for a continuous motion that would lie behind them.
+"""
+
+from __future__ import annotations
+
+import math
+
+from srs_ik.kernels.jit import kernel
+from srs_ik.kernels.layout.limb import LOWER, UPPER
+from srs_ik.kernels.layout.track import ACCELERATION, PERIOD, SPEED
+
+BRAKE = 1.0 - 2e-6
+"""Share of the largest acceleration that is reckoned with for stopping, so that rounding cannot use up what is left."""
+
+PUSH = 1.0 - 1e-6
+"""Share of the largest acceleration that is used."""
+
+RUN = 1.0 - 1e-9
+"""Share of the largest velocity that is used."""
+
+
+NO_END = 1e3
+"""A joint that may go on this far, rad, is nowhere near an end."""
+
+
+@kernel
+def stopping_speed(room, acceleration, period):
+    """The largest velocity for the next period after which a joint can stop within a distance, rad/s.
+
+    With velocities v, v - a T, v - 2 a T, ... the way is (n + 1) v T - a T^2 n (n + 1) / 2, where n periods follow.
+    """
+    if room <= 0.0:
+        return 0.0
+    if room > NO_END:
+        return math.inf
+    most = acceleration * period
+    n = math.floor(0.5 * (math.sqrt(1.0 + 8.0 * room / (most * period)) - 1.0))
+    return (room / period + 0.5 * most * n * (n + 1.0)) / (n + 1.0)
+
+
+@kernel
+def slowest(P, C, joint, q, v):
+    """The least velocity of a joint in the next period."""
+    a = C[ACCELERATION + joint]
+    stop = stopping_speed(q - P[LOWER + joint], BRAKE * a, C[PERIOD])
+    return max(-RUN * C[SPEED + joint], v - PUSH * a * C[PERIOD], -stop)
+
+
+@kernel
+def fastest(P, C, joint, q, v):
+    """The largest velocity of a joint in the next period."""
+    a = C[ACCELERATION + joint]
+    stop = stopping_speed(P[UPPER + joint] - q, BRAKE * a, C[PERIOD])
+    return min(RUN * C[SPEED + joint], v + PUSH * a * C[PERIOD], stop)
+
+
+@kernel
+def slowest_all(P, C, q, v):
+    """`slowest` of all joints."""
+    return (
+        slowest(P, C, 0, q[0], v[0]),
+        slowest(P, C, 1, q[1], v[1]),
+        slowest(P, C, 2, q[2], v[2]),
+        slowest(P, C, 3, q[3], v[3]),
+        slowest(P, C, 4, q[4], v[4]),
+        slowest(P, C, 5, q[5], v[5]),
+        slowest(P, C, 6, q[6], v[6]),
+    )
+
+
+@kernel
+def fastest_all(P, C, q, v):
+    """`fastest` of all joints."""
+    return (
+        fastest(P, C, 0, q[0], v[0]),
+        fastest(P, C, 1, q[1], v[1]),
+        fastest(P, C, 2, q[2], v[2]),
+        fastest(P, C, 3, q[3], v[3]),
+        fastest(P, C, 4, q[4], v[4]),
+        fastest(P, C, 5, q[5], v[5]),
+        fastest(P, C, 6, q[6], v[6]),
+    )
+
+
+@kernel
+def toward(C, joint, q, goal, rate):
+    """The velocity that brings a joint to a goal in the shortest time and stops it there, relative to the goal's own.
+
+    Args:
+        C: settings.
+        joint: 0 to 6.
+        q: where the joint is, rad.
+        goal: where the goal is at the end of the period, rad.
+        rate: velocity of the goal, rad/s.
+    """
+    period = C[PERIOD]
+    behind = goal - q - period * rate
+    speed = stopping_speed(abs(behind), SHARE * C[ACCELERATION + joint], period)
+    return rate + math.copysign(speed, behind)
+
+
+SHARE = 0.8
+"""Share of the largest acceleration that is reckoned with for stopping at a goal; the rest is for the goal's own."""

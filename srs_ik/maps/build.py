@@ -1,0 +1,240 @@
+"""Making a map: planned, computed on threads or by Dask, and resumed where it was left."""
+
+from __future__ import annotations
+
+import os
+import time
+from collections.abc import Callable, Iterable, Iterator
+from concurrent.futures import FIRST_COMPLETED, ThreadPoolExecutor, wait
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from srs_ik.errors import InvalidMap, MissingExtra, SrsIkError
+from srs_ik.maps.grid import Grid, box, half_plane
+from srs_ik.maps.orientations import orientations_of
+from srs_ik.maps.plan import Plan, arcs_of, checked_measures, robot_of
+from srs_ik.maps.store import Store, clear_leftovers, create, refuse_other
+from srs_ik.maps.tasks import Job, cells, in_base, job_of, run_task
+from srs_ik.solve.threads import processors
+
+if TYPE_CHECKING:
+    from srs_ik.arm import Arm
+    from srs_ik.maps.reader import Map
+
+Progress = Callable[[int, int], None]
+
+WAITING = 3
+"""Tasks for each worker that are handed out at once: none has to wait, and none is lost in a queue."""
+
+PROBED = 2_000
+"""Cells that an estimate computes, and at most this long, seconds:"""
+PROBE_TIME = 3.0
+
+COMPRESSED = 0.15
+"""Part of the bytes of a map that is left of them on disk: between 0.05 and 0.2 as measured."""
+
+
+@dataclass(frozen=True)
+class Estimate:
+    """What a map will take.
+
+    Attributes:
+        positions: number of positions.
+        orientations: number of orientations.
+        cells: their product.
+        tasks: chunks of the store.
+        rate: cells a second on one processor.
+        seconds: on all workers.
+        workers: so many.
+        disk: bytes on disk, about.
+        memory: bytes of all workers on one machine beyond Python itself, at most.
+    """
+
+    positions: int
+    orientations: int
+    cells: int
+    tasks: int
+    rate: float
+    seconds: float
+    workers: int
+    disk: int
+    memory: int
+
+
+def plan_map(
+    arm: Arm, step: float = 0.05, *, orientations: int = 2304, box_bounds: object = False, measures: Iterable[str] = ()
+) -> Plan:
+    """What `build_map` would make; arguments as there.
+
+    Raises:
+        InvalidMap: they fit no map.
+    """
+    chosen = orientations_of(orientations)
+    grid: Grid = (
+        half_plane(arm, step) if box_bounds is False else box(arm, step, None if box_bounds is True else box_bounds)
+    )
+    return Plan(robot_of(arm), grid, chosen, checked_measures(measures), arcs_of(arm) if box_bounds is False else 0)
+
+
+def build_map(
+    arm: Arm,
+    step: float = 0.05,
+    path: str | os.PathLike[str] = "map.zarr",
+    client: Any = None,
+    *,
+    orientations: int = 2304,
+    box: object = False,
+    measures: Iterable[str] = (),
+    threads: int | None = None,
+    progress: Progress | None = None,
+) -> Map:
+    """Make a map of what an arm reaches and how well, or go on with one that was left half made.
+
+    Every cell is a pose that is answered exactly. Killed at any moment, what is done stays done.
+
+    Args:
+        arm: the arm.
+        step: distance between positions, metres.
+        path: folder of the store.
+        client: a ``dask.distributed.Client`` whose workers see that folder; threads of this process if not given.
+        orientations: how many, 12 x 4^k x rolls.
+        box: False for the half-plane through axis 1; True for a box around all that the arm reaches, or (3, 2) lower
+            and upper x, y and z in the base frame, metres.
+        measures: "margin" and "manipulability" if they are wanted too.
+        threads: at most so many; all processors if not given.
+        progress: called with the cells that are done and all cells, after each task.
+
+    Raises:
+        InvalidMap: the arguments fit no map, or the folder holds another one.
+        MissingExtra: Zarr is not installed.
+    """
+    from srs_ik.maps.reader import open_map
+
+    folder = Path(path)
+    plan = plan_map(arm, step, orientations=orientations, box_bounds=box, measures=measures)
+    if folder.exists():
+        refuse_other(Store(folder), plan)
+    clear_leftovers(folder)
+    if not folder.exists():
+        create(folder, plan)
+    job, store = job_of(arm, plan), Store(folder)
+    left = np.flatnonzero(store.records() == 0).tolist()
+    sizes = [_size(block) * len(plan.orientations) for block in plan.blocks]
+    done = plan.cells - sum(sizes[task] for task in left)
+    _warm(job)
+    run = _by_threads(job, folder, left, threads) if client is None else _by_dask(client, job, folder, left)
+    if progress is not None:
+        progress(done, plan.cells)
+    for task in run:
+        done += sizes[task]
+        if progress is not None:
+            progress(done, plan.cells)
+    return open_map(folder, arm)
+
+
+def estimate(
+    arm: Arm,
+    step: float = 0.05,
+    *,
+    orientations: int = 2304,
+    box: object = False,
+    measures: Iterable[str] = (),
+    workers: int | None = None,
+) -> Estimate:
+    """What `build_map` will take, from the time of some of its cells; arguments as there, and processors to share it.
+
+    Raises:
+        InvalidMap: the arguments fit no map.
+    """
+    plan = plan_map(arm, step, orientations=orientations, box_bounds=box, measures=measures)
+    job = job_of(arm, plan)
+    _warm(job)
+    rng, rotations = np.random.default_rng(0), in_base(plan)
+    points = plan.grid.points(tuple(slice(0, n) for n in plan.grid.shape)) if _few(plan) else None
+    count, begin = 0, time.perf_counter()
+    while count < PROBED or (time.perf_counter() - begin < 0.2 and count < 100 * PROBED):
+        point = points[rng.integers(len(points))][None] if points is not None else _random_point(plan, rng)
+        some = np.ascontiguousarray(rotations[rng.integers(len(rotations), size=20)])
+        cells(job, point, some)
+        count += 20
+        if time.perf_counter() - begin > PROBE_TIME:
+            break
+    rate = count / (time.perf_counter() - begin)
+    workers = workers or processors()
+    largest = max(_size(block) for block in plan.blocks) * len(plan.orientations)
+    return Estimate(
+        positions=plan.cells // len(plan.orientations),
+        orientations=len(plan.orientations),
+        cells=plan.cells,
+        tasks=len(plan.blocks),
+        rate=rate,
+        seconds=plan.cells / rate / workers,
+        workers=workers,
+        disk=int(COMPRESSED * plan.bytes_a_cell * plan.cells),
+        memory=2 * workers * largest * plan.bytes_a_cell,
+    )
+
+
+def _few(plan: Plan) -> bool:
+    return plan.cells // len(plan.orientations) < 10**6
+
+
+def _random_point(plan: Plan, rng: np.random.Generator) -> Any:
+    at = [int(rng.integers(n)) for n in plan.grid.shape]
+    return plan.grid.points(tuple(slice(i, i + 1) for i in at))
+
+
+def _size(block: tuple[slice, ...]) -> int:
+    return int(np.prod([part.stop - part.start for part in block]))
+
+
+def _warm(job: Job) -> None:
+    """Compile before workers begin: each would do it again."""
+    cells(job, job.plan.grid.points(tuple(slice(0, 1) for _ in job.plan.grid.shape)), in_base(job.plan)[:1])
+
+
+def _by_threads(job: Job, folder: Path, left: list[int], threads: int | None) -> Iterator[int]:
+    if threads is not None and (isinstance(threads, bool) or not isinstance(threads, int) or threads < 1):
+        raise SrsIkError(f"threads must be a positive integer, not {threads!r}")
+    count = min(threads or processors(), processors())
+    tasks, running = iter(left), set()
+    pool = ThreadPoolExecutor(count)
+    try:
+        for task in tasks:
+            running.add(pool.submit(run_task, job, str(folder), task))
+            if len(running) > count:
+                finished, running = wait(running, return_when=FIRST_COMPLETED)
+                yield from (future.result()[0] for future in finished)
+        while running:
+            finished, running = wait(running, return_when=FIRST_COMPLETED)
+            yield from (future.result()[0] for future in finished)
+    finally:
+        pool.shutdown(wait=True, cancel_futures=True)
+
+
+def _by_dask(client: Any, job: Job, folder: Path, left: list[int]) -> Iterator[int]:
+    try:
+        from dask.distributed import as_completed
+    except ImportError:
+        raise MissingExtra("maps", "a map by Dask") from None
+    path = str(folder.absolute())
+    workers = sum(client.nthreads().values())
+    if not workers:
+        raise InvalidMap("the Dask cluster has no worker")
+    tasks = iter(left)
+
+    def more() -> Any:
+        task = next(tasks, None)
+        return None if task is None else client.submit(run_task, job, path, task, pure=False, retries=2)
+
+    first = [future for future in (more() for _ in range(WAITING * workers)) if future is not None]
+    queue = as_completed(first)
+    for future in queue:
+        task, _ = future.result()
+        following = more()
+        if following is not None:
+            queue.add(following)
+        yield task

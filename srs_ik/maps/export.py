@@ -1,0 +1,156 @@
+"""Maps for other programs: arrays of NumPy, images of VTK, and the HDF5 files of Reuleaux.
+
+The image is that of VTK's XML format (https://docs.vtk.org, "VTK XML file formats"). The HDF5 file has the groups and
+columns that Reuleaux's map_creator and base_placement read: spheres with an index, and the poses reached in each.
+"""
+
+from __future__ import annotations
+
+import base64
+import os
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from srs_ik.errors import InvalidMap, MissingExtra
+from srs_ik.maps.plan import YAW
+from srs_ik.writing import write_whole
+
+if TYPE_CHECKING:
+    from srs_ik.maps.reader import Map
+
+Array = NDArray[np.float64]
+
+MOST_POSES = 50_000_000
+"""Poses that a file of Reuleaux may hold, 80 bytes each."""
+
+
+def cloud(chart: Map, step: float | None = None) -> tuple[Array, Array]:
+    """Points of the base frame on an even grid, and the share of orientations reached at each.
+
+    Args:
+        chart: the map.
+        step: distance between points, metres; that of the map if not given.
+
+    Returns:
+        (N, 3) metres and (N,) 0 to 1, of the points at which something is reached.
+    """
+    points, share, _ = _voxels(chart, step)
+    some = share > 0.0
+    return points[some], share[some]
+
+
+def _voxels(chart: Map, step: float | None = None) -> tuple[Array, Array, tuple[int, ...]]:
+    """Points, shares and numbers of points along x, y and z, x slowest."""
+    grid = chart.plan.grid
+    if grid.kind == "box" and step is None:
+        points = grid.points(tuple(slice(0, n) for n in grid.shape))
+        return points, chart.mean("reached").ravel(), grid.shape
+    step = step or grid.step
+    if grid.kind == "box":
+        lower, upper = np.array(grid.lower), np.array(grid.lower) + grid.step * np.array(grid.shape)
+    else:
+        reach = grid.step * grid.shape[0]
+        lower, upper = grid.pose[:3, 3] - reach, grid.pose[:3, 3] + reach
+    lines = [np.arange(a + 0.5 * step, b, step) for a, b in zip(lower, upper, strict=True)]
+    points = np.stack([each.ravel() for each in np.meshgrid(*lines, indexing="ij")], axis=1)
+    return points, chart.share(points), tuple(len(line) for line in lines)
+
+
+def to_numpy(chart: Map, path: str | os.PathLike[str]) -> None:
+    """Write all measures, coordinates and rotations as one compressed ``.npz`` file."""
+    arrays = {name: chart.measure(name) for name in chart.store.names}
+    grid = chart.plan.grid
+    for k, name in enumerate(grid.names):
+        arrays[name] = grid.centres(k)
+    arrays["T_base_map"] = grid.pose
+    arrays["rotation"] = chart.plan.orientations.matrices()
+    with Path(path).open("wb") as file:
+        np.savez_compressed(file, **arrays)  # type: ignore[arg-type]
+
+
+def to_vtk(chart: Map, path: str | os.PathLike[str], step: float | None = None) -> None:
+    """Write the share of orientations reached at every point as a VTK image (``.vti``), in the base frame."""
+    points, share, shape = _voxels(chart, step)
+    spacing = step or chart.plan.grid.step
+    # VTK counts x fastest.
+    values = share.reshape(shape).transpose(2, 1, 0).astype("<f4").tobytes()
+    data = base64.b64encode(np.uint64(len(values)).tobytes() + values).decode()
+    extent = " ".join(f"0 {n - 1}" for n in shape)
+    origin = " ".join(repr(float(x)) for x in points[0])
+    write_whole(
+        Path(path),
+        f"""<?xml version="1.0"?>
+<VTKFile type="ImageData" version="1.0" byte_order="LittleEndian" header_type="UInt64">
+<ImageData WholeExtent="{extent}" Origin="{origin}" Spacing="{spacing!r} {spacing!r} {spacing!r}">
+<Piece Extent="{extent}"><PointData Scalars="share">
+<DataArray type="Float32" Name="share" format="binary">{data}</DataArray>
+</PointData></Piece></ImageData></VTKFile>
+""",
+    )
+
+
+def to_reuleaux(chart: Map, path: str | os.PathLike[str], step: float | None = None) -> None:
+    """Write spheres and the poses reached in them as an HDF5 file of Reuleaux.
+
+    Args:
+        chart: the map.
+        path: the file.
+        step: distance between spheres, metres; that of the map if not given.
+
+    Raises:
+        MissingExtra: h5py is not installed.
+        InvalidMap: there would be too many poses.
+    """
+    try:
+        import h5py
+    except ImportError:
+        raise MissingExtra("maps", "a file of Reuleaux") from None
+    points, share, _ = _voxels(chart, step)
+    some = share > 0.0
+    points, share = points[some], share[some]
+    if share.sum() * len(chart.plan.orientations) > MOST_POSES:
+        raise InvalidMap(f"the file would hold more than {MOST_POSES:,} poses; make the step larger")
+    with h5py.File(path, "w") as file:
+        spheres = file.create_group("Spheres")
+        table = spheres.create_dataset("sphere_dataset", data=np.column_stack([points, 100.0 * share]))
+        table.attrs["Resolution"] = np.float32(step or chart.plan.grid.step)
+        file.create_group("Poses").create_dataset("poses_dataset", data=_poses(chart, points))
+
+
+def _poses(chart: Map, points: Array) -> Array:
+    """(M, 10) sphere, then position and quaternion (x, y, z, w) of each pose that is reached there."""
+    plan = chart.plan
+    T = np.tile(np.eye(4), (len(points), 1, 1))
+    T[:, :3, 3] = points
+    at, yaw, _ = chart.cells_of(T)
+    rows = []
+    for i, cell in enumerate(at[:, :-1]):
+        if plan.arcs:
+            arcs = chart.store.array(YAW)[tuple(cell)]
+            met = ((arcs[..., 1] > 0.0) & ((yaw[i] - arcs[..., 0]) % (2.0 * np.pi) <= arcs[..., 1])).any(axis=1)
+        else:
+            met = chart.store.array("reached")[tuple(cell)] > 0
+        R = _turned(chart, yaw[i])[met]
+        pose = np.broadcast_to(points[i], (len(R), 3))
+        rows.append(np.column_stack([pose, pose, _quaternions(R)]))
+    return np.concatenate(rows) if rows else np.empty((0, 10))
+
+
+def _turned(chart: Map, yaw: float) -> Array:
+    """(n, 3, 3) rotations of the orientations in the base frame, at a yaw."""
+    from srs_ik.maps.live import turned
+    from srs_ik.maps.tasks import in_base
+
+    R = in_base(chart.plan).reshape(-1, 3, 3)
+    found: Array = turned(chart.plan.grid.pose, yaw)[:3, :3] @ R if chart.plan.arcs else R
+    return found
+
+
+def _quaternions(R: Array) -> Array:
+    from scipy.spatial.transform import Rotation
+
+    found: Array = Rotation.from_matrix(R).as_quat() if len(R) else np.empty((0, 4))
+    return found

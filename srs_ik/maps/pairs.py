@@ -1,0 +1,107 @@
+"""Two maps: what one arm or tool reaches and the other does not, and what two arms of a robot reach together."""
+
+from __future__ import annotations
+
+import os
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from srs_ik.errors import InvalidMap
+from srs_ik.maps.plan import Plan
+from srs_ik.maps.store import Store, create
+
+if TYPE_CHECKING:
+    from srs_ik.maps.reader import Map
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class Compared:
+    """How two maps on the same cells differ.
+
+    Attributes:
+        both: share of all cells that both reach.
+        first: share that the first alone reaches.
+        second: share that the second alone reaches.
+        width: mean difference of the width of the feasible arm angles, second minus first, where both reach, rad.
+        gained: positions' share of orientations that the second reaches, minus that of the first.
+    """
+
+    both: float
+    first: float
+    second: float
+    width: float
+    gained: Array
+
+
+def compare(first: Map, second: Map) -> Compared:
+    """Compare two maps on the same cells: of two arms, two tools, or with other limits.
+
+    Raises:
+        InvalidMap: their cells differ.
+    """
+    _check_alike(first, second)
+    plan = first.plan
+    counts, width, gained = np.zeros(3), 0.0, np.zeros(plan.grid.shape)
+    for block in plan.blocks:
+        a, b = (m.store.array("reached")[block] > 0 for m in (first, second))
+        counts += [(a & b).sum(), (a & ~b).sum(), (b & ~a).sum()]
+        w, v = (m.store.array("width")[block] for m in (first, second))
+        width += float((v - w)[a & b].sum(dtype=float))
+        gained[block] = b.mean(axis=-1) - a.mean(axis=-1)
+    both, one, other = (counts / plan.cells).tolist()
+    return Compared(both, one, other, width / max(counts[0], 1.0), gained)
+
+
+def combine(first: Map, second: Map, path: str | os.PathLike[str]) -> Map:
+    """The map of what either of two arms reaches, as a store of its own.
+
+    Both are boxes over the same cells, so of arms whose poses are given in the same frame (`Arm.with_base`). A cell has
+    the branches and pieces of the arm that reaches it with the larger width.
+
+    Raises:
+        InvalidMap: their cells differ, or they are half-planes.
+        FileExistsError: there is something at that path.
+    """
+    from srs_ik.maps.reader import Map
+
+    _check_alike(first, second)
+    if first.plan.arcs or second.plan.arcs:
+        raise InvalidMap("two arms turn about different axes: combine boxes, not half-planes")
+    folder = Path(path)
+    if folder.exists():
+        raise FileExistsError(17, "there is something already", str(folder))
+    names = tuple(name for name in first.plan.measures if name in second.plan.measures)
+    plan = Plan(_both(first.plan, second.plan), first.plan.grid, first.plan.orientations, names, 0)
+    create(folder, plan)
+    store = Store(folder, writable=True)
+    for task, block in enumerate(plan.blocks):
+        a, b = (m.store.read(block) for m in (first, second))
+        better = b["width"] > a["width"]
+        store.write(task, block, {name: np.where(better, b[name], a[name]) for name in names})
+    return Map(store)
+
+
+def _both(first: Plan, second: Plan) -> dict[str, object]:
+    a, b = first.robot, second.robot
+    return {
+        "name": f"{a['name']} and {b['name']}",
+        "base": a["base"],
+        "tip": f"{a['tip']}, {b['tip']}",
+        "arms": [a, b],
+        "fingerprint": f"{a['fingerprint']} {b['fingerprint']}",
+    }
+
+
+def _check_alike(first: Map, second: Map) -> None:
+    a, b = first.plan, second.plan
+    if a.grid != b.grid or a.orientations != b.orientations:
+        raise InvalidMap(f"{first.path} and {second.path} have different cells: make both with the same step and box")
+    for each in (first, second):
+        if each.done < 1.0:
+            raise InvalidMap(f"{each.path} is half made: make the rest first")

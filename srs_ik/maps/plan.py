@@ -1,0 +1,198 @@
+"""What a map holds, and of what: the robot, the positions, the orientations and the measures."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import math
+import sys
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from srs_ik.errors import InvalidMap, did_you_mean
+from srs_ik.kernels.layout.maps import MOST_ARCS
+from srs_ik.maps.grid import Grid
+from srs_ik.maps.orientations import Orientations
+
+if TYPE_CHECKING:
+    from srs_ik.arm import Arm
+
+TURN = 2.0 * math.pi
+
+FORMAT = 1
+"""Number of the layout of stores."""
+
+MEASURES = {
+    "reached": ("u1", "1 where the arm reaches the cell (half-plane: at some yaw)"),
+    "branches": ("u1", "bit b is set where branch b does"),
+    "pieces": ("u2", "intervals of feasible arm angles, all branches together"),
+    "width": ("f4", "sum of their widths, rad"),
+    "widest": ("f4", "width of the widest, rad"),
+    "margin": ("f4", "largest margin to the joint limits, 0 to 1"),
+    "manipulability": ("f4", "largest manipulability (Yoshikawa)"),
+}
+"""Type and meaning of every measure. Those of a half-plane set the limits of joint 1 aside: `yaw` holds these."""
+
+USUAL = ("reached", "branches", "pieces", "width", "widest")
+
+YAW = "yaw"
+"""Arcs of yaw (start, width), rad: turned about axis 1 by so much, the arm reaches the cell. Width 0: no arc."""
+
+
+@dataclass(frozen=True)
+class Plan:
+    """What a map holds.
+
+    Attributes:
+        robot: who is mapped, as it is written into the store.
+        grid: positions.
+        orientations: orientations.
+        measures: names of the measures.
+        arcs: arcs of yaw that a cell may have; 0 for a box.
+    """
+
+    robot: dict[str, Any]
+    grid: Grid
+    orientations: Orientations
+    measures: tuple[str, ...]
+    arcs: int
+
+    @property
+    def cells(self) -> int:
+        """Number of cells: positions times orientations."""
+        return math.prod(self.grid.shape) * len(self.orientations)
+
+    @property
+    def blocks(self) -> list[tuple[slice, ...]]:
+        """The positions of each task."""
+        return self.grid.blocks(len(self.orientations))
+
+    @property
+    def bytes_a_cell(self) -> int:
+        """Bytes of a cell before they are compressed."""
+        return 16 * self.arcs + sum(np.dtype(MEASURES[name][0]).itemsize for name in self.measures)
+
+    def as_attributes(self) -> dict[str, Any]:
+        """The plan as JSON can hold it; no time and no place, so that equal plans have equal stores."""
+        grid = self.grid
+        return {
+            "format": FORMAT,
+            "version": version(),
+            "robot": self.robot,
+            "grid": {
+                "kind": grid.kind,
+                "step": grid.step,
+                "lower": list(grid.lower),
+                "shape": list(grid.shape),
+                "T_base_map": [list(row) for row in grid.T_base_map],
+            },
+            "orientations": {"nside": self.orientations.nside, "rolls": self.orientations.rolls},
+            "measures": list(self.measures),
+            "arcs": self.arcs,
+        }
+
+
+def version() -> str:
+    """Version of the package."""
+    return str(sys.modules["srs_ik"].__version__)
+
+
+def plan_of(attributes: Any, where: Path) -> Plan:
+    """The plan of a store.
+
+    Raises:
+        InvalidMap: it is none, or one of another format.
+    """
+    try:
+        if attributes["format"] != FORMAT:
+            raise InvalidMap(f"{where} is a map of format {attributes['format']!r:.20}, not {FORMAT}; make it again")
+        grid = attributes["grid"]
+        return Plan(
+            attributes["robot"],
+            Grid(
+                grid["kind"],
+                float(grid["step"]),
+                tuple(grid["lower"]),
+                tuple(grid["shape"]),
+                tuple(tuple(row) for row in grid["T_base_map"]),
+            ),
+            Orientations(**attributes["orientations"]),
+            tuple(attributes["measures"]),
+            int(attributes["arcs"]),
+        )
+    except (KeyError, TypeError, ValueError, AttributeError) as error:
+        if isinstance(error, InvalidMap):
+            raise
+        raise InvalidMap(f"{where} holds no map") from None
+
+
+def checked_measures(measures: Any) -> tuple[str, ...]:
+    """Names of measures, each once, in their usual order.
+
+    Raises:
+        InvalidMap: one is unknown.
+    """
+    wanted = {*USUAL, *([measures] if isinstance(measures, str) else measures)}
+    for name in wanted:
+        if name not in MEASURES:
+            hint = did_you_mean(name, MEASURES)
+            raise InvalidMap(f"there is no measure {name!r:.40}{hint}; there are {', '.join(MEASURES)}")
+    return tuple(name for name in MEASURES if name in wanted)
+
+
+def arcs_of(arm: Arm) -> int:
+    """How many arcs of yaw a cell may have: each is as wide as the range of joint 1, and there are gaps between.
+
+    Raises:
+        InvalidMap: the range is so narrow that there may be too many.
+    """
+    width = float(arm.upper[0] - arm.lower[0])
+    if width * (MOST_ARCS + 1) < TURN:
+        raise InvalidMap(f"joint 1 of {arm.name} has a range of {width:.3g} rad: a half-plane gains nothing; map a box")
+    return max(1, math.ceil(TURN / width) - 1) if math.isfinite(width) else 1
+
+
+def robot_of(arm: Arm) -> dict[str, Any]:
+    """Who is mapped: names, limits, the pose of tip (and tool) at zero, and digests."""
+    return {
+        "name": arm.name,
+        "base": arm.base,
+        "tip": arm.tip,
+        "joint_names": list(arm.joint_names),
+        "kind": arm.limb.kind,
+        "lower": _finite(arm.lower),
+        "upper": _finite(arm.upper),
+        "T_base_tip_zero": arm.limb.T_base_tip_zero.tolist(),
+        "fingerprint": fingerprint(arm),
+        "description_sha256": _description(arm),
+    }
+
+
+def fingerprint(arm: Arm) -> str:
+    """SHA-256 of all that answers depend on: axes, centres, tip with its tool, limits, reference of the arm angle."""
+    limb = arm.limb
+    figures = (limb.axes, limb.points, limb.T_base_tip_zero, arm.lower, arm.upper, limb.reference)
+    # In whole picometres and picoradians: the last digits differ between machines.
+    whole = [[None if not math.isfinite(x) else round(x * 1e12) for x in np.ravel(each).tolist()] for each in figures]
+    return hashlib.sha256(json.dumps(whole).encode()).hexdigest()
+
+
+def _description(arm: Arm) -> str | None:
+    """SHA-256 of the robot's file or text, where there is one."""
+    drawing = arm.drawing
+    if drawing is None:
+        return None
+    try:
+        content = drawing.content
+        data = content.encode() if isinstance(content, str) else drawing.file.read_bytes() if drawing.file else None
+    except OSError:
+        return None
+    return None if data is None else hashlib.sha256(data).hexdigest()
+
+
+def _finite(values: NDArray[np.float64]) -> list[float | None]:
+    return [float(x) if math.isfinite(x) else None for x in values]

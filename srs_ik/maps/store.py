@@ -1,0 +1,189 @@
+"""The store of a map: a Zarr v3 group whose chunks are those of the tasks, and a record for each that is done.
+
+A record is the CRC-32 of what a task has written, plus 2^32, so that it differs from the fill value; it is written
+last. Chunks that hold nothing but zeros are no files, so their absence says nothing. Every file is written whole and
+then renamed.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import shutil
+import uuid
+import zlib
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from srs_ik.errors import InvalidMap, MissingExtra
+from srs_ik.maps.plan import MEASURES, YAW, Plan, plan_of
+
+DONE = "done"
+MARK = 1 << 32
+KEY = "srs_ik"
+
+Block = Sequence[slice]
+
+
+def zarr_module() -> Any:
+    """Zarr, which an extra brings.
+
+    Raises:
+        MissingExtra: it is not there.
+    """
+    try:
+        import zarr
+    except ImportError:
+        raise MissingExtra("maps", "a map") from None
+    return zarr
+
+
+class Store:
+    """A map on disk.
+
+    Attributes:
+        path: its folder.
+        plan: what it holds.
+    """
+
+    def __init__(self, path: Path, *, writable: bool = False) -> None:
+        zarr = zarr_module()
+        try:
+            self._group = zarr.open_group(store=str(path), mode="r+" if writable else "r", zarr_format=3)
+            attributes = self._group.attrs[KEY]
+        except (FileNotFoundError, KeyError, ValueError, TypeError):
+            raise InvalidMap(f"{path} holds no map") from None
+        self.path = path
+        self.plan = plan_of(attributes, path)
+        self.names = (*self.plan.measures, *([YAW] if self.plan.arcs else []))
+        self._arrays: dict[str, Any] = {}
+
+    def array(self, name: str) -> Any:
+        """A Zarr array of the store."""
+        if name not in self._arrays:
+            self._arrays[name] = self._group[name]
+        return self._arrays[name]
+
+    def records(self) -> NDArray[np.uint64]:
+        """(tasks,) the record of each task, 0 where it is not done."""
+        found: NDArray[np.uint64] = self.array(DONE)[:]
+        return found
+
+    def write(self, task: int, block: Block, values: Mapping[str, NDArray]) -> int:
+        """Write what a task has found, then its record, which is returned."""
+        for name in self.names:
+            self.array(name)[tuple(block)] = values[name]
+        record = checksum(values, self.names)
+        self.array(DONE)[task] = record
+        return record
+
+    def read(self, block: Block) -> dict[str, NDArray]:
+        """What a task has written."""
+        return {name: self.array(name)[tuple(block)] for name in self.names}
+
+
+def checksum(values: Mapping[str, NDArray], names: Sequence[str]) -> int:
+    """The record of what a task has found."""
+    crc = 0
+    for name in names:
+        crc = zlib.crc32(np.ascontiguousarray(values[name]).data, crc)
+    return MARK + crc
+
+
+def create(path: Path, plan: Plan) -> None:
+    """Make an empty store, whole or not at all.
+
+    Raises:
+        OSError: it cannot be written.
+    """
+    zarr = zarr_module()
+    beside = path.absolute().parent
+    beside.mkdir(parents=True, exist_ok=True)
+    partial = beside / f".{path.name}.{uuid.uuid4().hex}.partial"
+    try:
+        _fill(zarr, partial, plan)
+        partial.rename(path)
+    finally:
+        shutil.rmtree(partial, ignore_errors=True)
+
+
+def _fill(zarr: Any, path: Path, plan: Plan) -> None:
+    group = zarr.open_group(store=str(path), mode="w", zarr_format=3, attributes={KEY: plan.as_attributes()})
+    grid, n = plan.grid, len(plan.orientations)
+    side = grid.side(n)
+    shape, chunks = (*grid.shape, n), (*(min(side, m) for m in grid.shape), n)
+    names = [*grid.names, "orientation"]
+    for name in plan.measures:
+        dtype, meaning = MEASURES[name]
+        attributes = {"long_name": meaning}
+        _create(group, name, shape, dtype, chunks, names, attributes)
+    if plan.arcs:
+        attributes = {
+            "long_name": "arcs of yaw about axis 1 at which the cell is reached: start and width",
+            "units": "rad",
+        }
+        more = (plan.arcs, 2)
+        _create(group, YAW, (*shape, *more), "f8", (*chunks, *more), [*names, "arc", "start_width"], attributes)
+    tasks = len(plan.blocks)
+    _create(group, DONE, (tasks,), "u8", (1,), ["task"], {"long_name": "2^32 + CRC-32 of what a task has written"})
+    for k, name in enumerate(grid.names):
+        _put(group, name, grid.centres(k), [name], {"units": "m"})
+    _put(group, "rotation", plan.orientations.matrices().reshape(n, 9), ["orientation", "entry"], {})
+
+
+def _create(
+    group: Any,
+    name: str,
+    shape: Sequence[int],
+    dtype: str,
+    chunks: Sequence[int],
+    dimensions: Sequence[str],
+    attributes: Mapping[str, Any],
+) -> Any:
+    return group.create_array(
+        name,
+        shape=tuple(shape),
+        dtype=dtype,
+        chunks=tuple(chunks),
+        fill_value=0,
+        dimension_names=list(dimensions),
+        attributes=dict(attributes),
+    )
+
+
+def _put(group: Any, name: str, values: NDArray, dimensions: Sequence[str], attributes: Mapping[str, Any]) -> None:
+    _create(group, name, values.shape, "f8", values.shape, dimensions, attributes)[...] = values
+
+
+def clear_leftovers(path: Path) -> None:
+    """Remove files, and stores beside this one, that a killed process has left half written."""
+    for each in path.rglob("*.partial"):
+        with contextlib.suppress(OSError):
+            each.unlink()
+    for each in path.absolute().parent.glob(f".{path.name}.*.partial"):
+        shutil.rmtree(each, ignore_errors=True)
+
+
+def refuse_other(store: Store, plan: Plan) -> None:
+    """Raise the error for a store that is there and holds another map than the one that is asked for.
+
+    Raises:
+        InvalidMap: it is that of another robot, version, grid or set of measures.
+    """
+    there, wanted = store.plan.as_attributes(), plan.as_attributes()
+    there["version"] = store.array(DONE) and _version(store)
+    if there["robot"]["fingerprint"] != wanted["robot"]["fingerprint"]:
+        raise InvalidMap(
+            f"{store.path} is a map of another robot ({there['robot']['name']}, tip {there['robot']['tip']}), or of "
+            "other limits or another tool: give another folder"
+        )
+    for part in ("version", "grid", "orientations", "measures", "arcs"):
+        if there[part] != wanted[part]:
+            raise InvalidMap(f"{store.path} is a map with another {part}: give another folder, or remove it")
+
+
+def _version(store: Store) -> Any:
+    return store._group.attrs[KEY]["version"]

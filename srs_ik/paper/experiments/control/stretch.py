@@ -1,0 +1,170 @@
+"""Through the straight elbow and beyond the reach, and back; and targets that the joint limits forbid."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from scipy.optimize import minimize
+
+from srs_ik.control import FractalImpedance, TorqueController
+from srs_ik.control.planners import minimum_jerk
+from srs_ik.paper.experiments.control.setting import COLOURS, DAMPING, NAMES, TIP, fractal, home, make, near_home
+from srs_ik.paper.experiments.setting import SEED, Array, Outcome, Progress, directions
+from srs_ik.plots.figure import new_figure
+from srs_ik.sim import Plant, Record, simulate
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+    from srs_ik.arm import Arm
+
+RUNS = {"per_axis": 20, "radial": 5, "linear": 3, "operational": 3, "operational_pinv": 3, "joint": 3}
+"""Seeds of each controller."""
+
+BEYOND = 1.05
+"""Farthest target, in distances from shoulder to wrist with the elbow straight."""
+
+OUT, STAY, HOME = 2.0, 0.5, 1.0
+"""Seconds on the way out and again on the way back, at the far end, and at home."""
+
+FAST, FLIP = 3.0, 1.0
+"""A joint speed, rad/s, and a change of the arm angle between start and end, rad, that a stretch should stay below."""
+
+TARGETS = 12
+
+
+def stretch(arm: Arm, progress: Progress, short: bool = False) -> Outcome:
+    """The target moves away from the shoulder, straight out through the reach and back, its turn unchanged."""
+    figures: dict[str, Any] = {"stretch": {}}
+    shown: dict[str, Record] = {}
+    for i, (kind, count) in enumerate(RUNS.items()):
+        figures["stretch"][kind], shown[kind] = _stretched(arm, kind, 1 if short else count, 0.05 if short else 1.0)
+        progress(0.8 * (i + 1) / len(RUNS))
+    figures["forbidden"] = _forbidden(arm, 2 if short else TARGETS, 2 if short else 12, 0.3 if short else 3.0)
+    progress(1.0)
+    return Outcome(figures, lambda: _draw(figures, shown))
+
+
+def _stretched(arm: Arm, kind: str, count: int, slowness: float) -> tuple[dict[str, Any], Record]:
+    rng = np.random.default_rng(SEED)
+    plant, controller = Plant(arm, damping=DAMPING), make(kind, arm)
+    rows, example = [], None
+    for _ in range(count):
+        q = near_home(arm, rng, 0.15)
+        record, away = _one(arm, plant, controller, q, slowness)
+        turned = abs((arm.arm_angle(record.q[-1]) - arm.arm_angle(q) + np.pi) % (2.0 * np.pi) - np.pi)
+        speed = float(np.abs(record.v).max())
+        bent = (record.q[-1, 3] - arm.packed.elbow.straight) * (q[3] - arm.packed.elbow.straight)
+        rows.append([speed, away, turned, np.abs(record.torque).max(), float(turned > FLIP or bent < 0.0)])
+        example = example or record
+    assert example is not None
+    table = np.array(rows)
+    return {
+        "seeds": count,
+        "below_3_rad_s": int((table[:, 0] <= FAST).sum()),
+        "flips": int(table[:, 4].sum()),
+        "largest_joint_speed_rad_s": {"median": float(np.median(table[:, 0])), "worst": float(table[:, 0].max())},
+        "largest_torque_N_m": float(table[:, 3].max()),
+        "tip_error_at_home_m": {"median": float(np.median(table[:, 1])), "worst": float(table[:, 1].max())},
+        "arm_angle_change_rad": float(table[:, 2].max()),
+    }, example
+
+
+def _one(arm: Arm, plant: Plant, controller: Any, q: Array, slowness: float) -> tuple[Record, float]:
+    T = arm.forward_kinematics(q).homogeneous
+    wrist = T[:3, :3] @ (np.linalg.inv(arm.limb.T_base_tip_zero) @ np.append(arm.limb.wrist, 1.0))[:3] + T[:3, 3]
+    out = wrist - arm.limb.shoulder
+    near = float(np.linalg.norm(out))
+    far = BEYOND * (arm.limb.upper_arm + arm.limb.forearm)
+    times = slowness * np.cumsum([OUT, STAY, OUT, HOME])
+    psi = arm.arm_angle(q)
+    plant.reset(q)
+    controller.set_target(T, arm_angle=psi, seed=q)
+    seed, ticks = q, 0
+
+    def move(t: float) -> None:
+        nonlocal seed, ticks
+        ticks += 1
+        if ticks % 4 != 1 or t > times[2] + 0.01:
+            return
+        share = minimum_jerk([t / (slowness * OUT)])[0] - minimum_jerk([(t - times[1]) / (slowness * OUT)])[0]
+        aim = T.copy()
+        aim[:3, 3] += share * (far - near) / near * out
+        options = {"restart": False} if isinstance(controller, TorqueController) else {}
+        seed = controller.set_target(aim, arm_angle=psi, seed=seed, **options).q
+
+    record = simulate(plant, controller, float(times[-1]), target=move, every=4)
+    return record, float(record.errors(T)[0][-1])
+
+
+def _forbidden(arm: Arm, count: int, starts: int, seconds: float) -> dict[str, Any]:
+    """How much farther from a target the tip stays than it would have to, where limits or reach forbid it.
+
+    Targets of the tip point alone: half of them beyond the reach, half around the shoulder, where the elbow's limit
+    ends the way. The least distance within the limits is that of SciPy's L-BFGS-B from 12 starts.
+    """
+    rng = np.random.default_rng(SEED)
+    reach = arm.limb.upper_arm + arm.limb.forearm + arm.limb.hand
+    lower, upper = np.maximum(arm.lower, -np.pi), np.minimum(arm.upper, np.pi)
+    alone = [FractalImpedance("tip", TIP, per_axis=True)]
+    kinds = {
+        "tip_alone": TorqueController(arm, alone),
+        "tip_and_repelling_limits": TorqueController(arm, alone, limits=True),
+        "all_ports": fractal(arm),
+    }
+    more: dict[str, list[float]] = {kind: [] for kind in kinds}
+    least = []
+    for i in range(count):
+        distance = 1.15 * reach if i % 2 else 0.15 * reach
+        T = arm.forward_kinematics(home(arm)).homogeneous
+        T[:3, 3] = arm.limb.shoulder + distance * directions(rng, 1)[0]
+        least.append(_least_distance(arm, T[:3, 3], lower, upper, rng.uniform(lower, upper, (starts, 7))))
+        for kind, controller in kinds.items():
+            plant = Plant(arm, damping=4.0 * DAMPING)
+            plant.reset(home(arm))
+            controller.set_target(T, seed=home(arm))
+            record = simulate(plant, controller, seconds, every=40)
+            more[kind].append(float(record.errors(T)[0][-1]) - least[-1])
+    return {
+        "targets": count,
+        "least_distance_m": least,
+        **{
+            kind: {
+                "median_farther_m": float(np.median(values)),
+                "worst_farther_m": float(max(values)),
+                "within_1_mm": int(sum(value < 1e-3 for value in values)),
+            }
+            for kind, values in more.items()
+        },
+    }
+
+
+def _least_distance(arm: Arm, point: Array, lower: Array, upper: Array, starts: Array) -> float:
+    def squared(q: Array) -> tuple[float, Array]:
+        off = arm.forward_kinematics(q).translation - point
+        return float(off @ off), 2.0 * arm.jacobian(q)[:3].T @ off
+
+    found = [
+        minimize(squared, q, jac=True, method="L-BFGS-B", bounds=list(zip(lower, upper, strict=True))) for q in starts
+    ]
+    return float(np.sqrt(min(result.fun for result in found)))
+
+
+def _draw(figures: dict[str, Any], shown: dict[str, Record]) -> Figure:
+    figure = new_figure(12.0, 4.6)
+    left, right = figure.subplots(1, 2)
+    for kind, record in shown.items():
+        found = figures["stretch"][kind]
+        speed = found["largest_joint_speed_rad_s"]["worst"]
+        label = f"{NAMES[kind]}: {speed:.1f} rad/s at most, {found['flips']} of {found['seeds']} flip"
+        left.semilogy(
+            record.t, np.maximum(np.abs(record.v).max(axis=1), 1e-4), color=COLOURS[kind], linewidth=1.0, label=label
+        )
+        right.plot(record.t, np.rad2deg(record.q[:, 3]), color=COLOURS[kind], linewidth=1.0, label=NAMES[kind])
+    left.axhline(FAST, color="black", linewidth=0.8, linestyle=":")
+    left.set(xlabel="time (s)", ylabel="fastest joint (rad/s)")
+    right.set(xlabel="time (s)", ylabel="elbow (deg)")
+    left.legend(fontsize=7)
+    right.legend(fontsize=7)
+    return figure

@@ -1,0 +1,10 @@
+"""MuJoCo as the plant of torque controllers (extra 'sim'): the same robot file, walls, pegs, pushes, records."""
+
+from __future__ import annotations
+
+from srs_ik.sim.plant import Plant
+from srs_ik.sim.record import Record
+from srs_ik.sim.simulate import Push, simulate
+from srs_ik.sim.world import Payload, Peg, Wall, World
+
+__all__ = ["Payload", "Peg", "Plant", "Push", "Record", "Wall", "World", "simulate"]

@@ -1,0 +1,260 @@
+"""The plant: an arm in MuJoCo, with motors, limits, damping and what stands around it."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any, Literal
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from srs_ik.errors import InvalidController
+from srs_ik.inputs.numbers import real_array
+from srs_ik.inputs.poses import as_joint_vector
+from srs_ik.robot.limb import Vector
+from srs_ik.sim.model import import_mujoco, make_spec, require_inertias
+from srs_ik.sim.world import World, positive, vector
+
+if TYPE_CHECKING:
+    from srs_ik.arm import Arm
+
+TIMESTEP = 2.5e-4
+"""Seconds."""
+
+LIMIT_TIME = 0.004
+"""Time constant of the joint limits, s: soft constraints, but stiff ones."""
+
+TIP, LINKS = 1, 2
+"""Bits of what touches: walls meet the ball at the tip alone, as an arm may stand behind one; pegs meet the arm too."""
+
+
+class Plant:
+    """An arm in MuJoCo: a program that knows nothing of this package moves it.
+
+    Motors are actuators that the effort limits clamp; joint limits are soft constraints; velocity limits are not
+    simulated. Where MuJoCo cannot read the robot file (links without masses, for one), its bodies are those that
+    Pinocchio read from it.
+
+    Args:
+        arm: the arm; its links need inertias.
+        world: walls, pegs and a payload.
+        damping: of the joints, N m s/rad, one or (7,); "file" for what the robot file says.
+        armature: inertia of the rotors, kg m^2, one or (7,), added to what the file has.
+        timestep: s.
+        joint_limits: whether the joints end at their limits.
+        effort_limits: whether the motors end at theirs.
+
+    Attributes:
+        model: the ``mujoco.MjModel``.
+        data: its ``mujoco.MjData``.
+        source: "urdf" or "pinocchio", where the bodies were read from.
+        damping: (7,) N m s/rad.
+
+    Raises:
+        MissingExtra: MuJoCo is not installed.
+        InvalidController: the links have no inertias, or a figure is none.
+    """
+
+    def __init__(
+        self,
+        arm: Arm,
+        world: World | None = None,
+        damping: ArrayLike | Literal["file"] = "file",
+        armature: ArrayLike = 0.0,
+        timestep: float = TIMESTEP,
+        joint_limits: bool = True,
+        effort_limits: bool = True,
+    ) -> None:
+        self._mujoco = mujoco = import_mujoco()
+        require_inertias(arm)
+        self.arm = arm
+        self.world = world or World()
+        self.timestep = positive(timestep, "timestep")
+        spec, self.source = make_spec(arm)
+        root = arm.joint_frames(np.zeros(7))[0]
+        self.R_root_base = np.ascontiguousarray(root[:3, :3].T)
+        self._p_root_base = -self.R_root_base @ root[:3, 3]
+        self._furnish(spec)
+        spec.option.timestep = self.timestep
+        spec.option.integrator = mujoco.mjtIntegrator.mjINT_IMPLICITFAST
+        spec.option.enableflags |= mujoco.mjtEnableBit.mjENBL_ENERGY
+        spec.option.gravity = arm.model.gravity.linear
+        for k, name in enumerate(arm.joint_names):
+            self._set_joint(spec, k, name, joint_limits, effort_limits)
+        self.model = spec.compile()
+        self._at = np.array([self.model.joint(name).dofadr[0] for name in arm.joint_names])
+        if not (isinstance(damping, str) and damping == "file"):
+            self.model.dof_damping[self._at] = _seven(damping, "damping")
+        self.model.dof_armature[self._at] += _seven(armature, "armature")
+        self.data = mujoco.MjData(self.model)
+        self.damping = np.array(self.model.dof_damping[self._at])
+        self._tip_body, self._elbow_body = (int(self.model.joint(arm.joint_names[k]).bodyid[0]) for k in (6, 2))
+        self._push = np.zeros(self.model.nv)
+        self.reset(np.zeros(7))
+
+    # State ------------------------------------------------------------------------------------------------------
+
+    def reset(self, q: ArrayLike, v: ArrayLike | None = None) -> None:
+        """Put the arm at joint angles (7,), rad, with speeds (7,), rad/s, at rest if not given.
+
+        Raises:
+            InvalidConfiguration: not 7 finite figures.
+        """
+        self._mujoco.mj_resetData(self.model, self.data)
+        self.data.qpos[self._at] = as_joint_vector(q)
+        self.data.qvel[self._at] = np.zeros(7) if v is None else as_joint_vector(v, "v")
+        self._mujoco.mj_forward(self.model, self.data)
+
+    @property
+    def q(self) -> Vector:
+        """(7,) joint angles, rad."""
+        return np.array(self.data.qpos[self._at])
+
+    @property
+    def v(self) -> Vector:
+        """(7,) joint speeds, rad/s."""
+        return np.array(self.data.qvel[self._at])
+
+    def step(self, torque: Vector) -> None:
+        """One time step with torques (7,), N m, which the effort limits clamp."""
+        self.data.ctrl[:] = torque
+        self._mujoco.mj_step(self.model, self.data)
+
+    def push(self, on: str, force: ArrayLike) -> None:
+        """Push the tip or the elbow with a force (3,) in base axes, N, until the next call of this function.
+
+        Raises:
+            InvalidController: another place, or not a force.
+        """
+        if on not in ("tip", "elbow"):
+            raise InvalidController(f"a push is on the tip or the elbow, not on {on!r}")
+        self._push[:] = 0.0
+        body, point = (self._tip_body, self._tip_site) if on == "tip" else (self._elbow_body, self._elbow_site)
+        where = self.data.xpos[body] + self.data.xmat[body].reshape(3, 3) @ point
+        h = self.R_root_base @ vector(force, "force")
+        self._mujoco.mj_applyFT(self.model, self.data, h, np.zeros(3), where, body, self._push)
+        self.data.qfrc_applied[:] = self._push
+
+    def release(self) -> None:
+        """Push no more."""
+        self.data.qfrc_applied[:] = 0.0
+
+    def fall_exactly(self) -> None:
+        """Integrate by the method of Runge and Kutta of order 4 from now on, for comparison with other programs."""
+        self.model.opt.integrator = self._mujoco.mjtIntegrator.mjINT_RK4
+
+    # Figures ----------------------------------------------------------------------------------------------------
+
+    @property
+    def mass_matrix(self) -> Vector:
+        """(7, 7) in the joints' order, kg m^2, column by column by MuJoCo's product."""
+        columns, out = np.zeros((7, 7)), np.zeros(self.model.nv)
+        for k, index in enumerate(self._at):
+            one = np.zeros(self.model.nv)
+            one[index] = 1.0
+            self._mujoco.mj_mulM(self.model, self.data, out, one)
+            columns[:, k] = out[self._at]
+        return columns
+
+    @property
+    def bias(self) -> Vector:
+        """(7,) torques of gravity, Coriolis and centrifugal forces, N m."""
+        return np.array(self.data.qfrc_bias[self._at])
+
+    @property
+    def energy(self) -> tuple[float, float]:
+        """Potential and kinetic energy, J."""
+        return float(self.data.energy[0]), float(self.data.energy[1])
+
+    def contact_force(self) -> Vector:
+        """(3,) sum of what walls and pegs do to the arm, N, base axes."""
+        total, one = np.zeros(3), np.zeros(6)
+        for k in range(self.data.ncon):
+            contact = self.data.contact[k]
+            self._mujoco.mj_contactForce(self.model, self.data, k, one)
+            # Axes of a contact are rows; its normal leads from the first shape to the second one.
+            force = contact.frame.reshape(3, 3).T @ one[:3]
+            total += force if self.model.geom_conaffinity[contact.geom1] else -force
+        return self.R_root_base.T @ total
+
+    # Making -----------------------------------------------------------------------------------------------------
+
+    def _set_joint(self, spec: Any, k: int, name: str, limited: bool, clamped: bool) -> None:
+        mujoco, arm, joint = self._mujoco, self.arm, spec.joint(name)
+        bounded = limited and np.isfinite(arm.lower[k]) and np.isfinite(arm.upper[k])
+        joint.limited = mujoco.mjtLimited.mjLIMITED_TRUE if bounded else mujoco.mjtLimited.mjLIMITED_FALSE
+        if bounded:
+            joint.range = [arm.lower[k], arm.upper[k]]
+            joint.solref_limit = [LIMIT_TIME, 1.0]
+        joint.actfrclimited = mujoco.mjtLimited.mjLIMITED_FALSE
+        motor = spec.add_actuator(name=f"motor of {name}", trntype=mujoco.mjtTrn.mjTRN_JOINT, target=name)
+        motor.set_to_motor()
+        if clamped and np.isfinite(arm.effort_limit[k]):
+            motor.forcelimited = mujoco.mjtLimited.mjLIMITED_TRUE
+            motor.forcerange = [-arm.effort_limit[k], arm.effort_limit[k]]
+
+    def _furnish(self, spec: Any) -> None:
+        """Put shapes on the arm that touch the world, the world around it, and the payload in its hand."""
+        arm, mujoco = self.arm, self._mujoco
+        bare = spec.compile()
+        data = mujoco.MjData(bare)
+        mujoco.mj_kinematics(bare, data)
+
+        def local(k: int, point: Vector) -> tuple[Any, Vector]:
+            """The body that joint k moves, and a point of the base frame at zero in its frame."""
+            index = int(bare.joint(arm.joint_names[k]).bodyid[0])
+            turned = self.R_root_base @ point + self._p_root_base - data.xpos[index]
+            return spec.body(bare.body(index).name), data.xmat[index].reshape(3, 3).T @ turned
+
+        limb = arm.limb
+        tip_in_base = limb.T_base_tip_zero[:3, 3]
+        hand, self._tip_site = local(6, tip_in_base)
+        self._elbow_site = local(2, limb.elbow)[1]
+        touching = {"conaffinity": 0, "mass": 0.0}
+        ball, bar = mujoco.mjtGeom.mjGEOM_SPHERE, mujoco.mjtGeom.mjGEOM_CAPSULE
+        hand.add_geom(type=ball, size=[self.world.tip_radius, 0, 0], pos=self._tip_site, contype=TIP, **touching)
+        for k, start, end in ((2, limb.shoulder, limb.elbow), (3, limb.elbow, limb.wrist)):
+            body, first = local(k, start)
+            ends = [*first, *local(k, end)[1]]
+            body.add_geom(type=bar, size=[self.world.arm_radius, 0, 0], fromto=ends, contype=LINKS, **touching)
+        self._add_world(spec)
+        if self.world.payload is not None:
+            payload = self.world.payload
+            offset = limb.T_base_tip_zero[:3, :3] @ vector(payload.centre, "centre of the payload")
+            mass, radius = positive(payload.mass, "mass of the payload"), positive(payload.radius, "radius")
+            load = hand.add_body(name="payload", pos=local(6, tip_in_base + offset)[1])
+            load.explicitinertial, load.mass, load.inertia = True, mass, np.full(3, 0.4 * mass * radius**2)
+
+    def _add_world(self, spec: Any) -> None:
+        mujoco = self._mujoco
+        for wall in self.world.walls:
+            normal = self.R_root_base @ vector(wall.normal, "normal of the wall")
+            length = np.linalg.norm(normal)
+            if length < 1e-9:
+                raise InvalidController("the normal of a wall has no direction")
+            point = self.R_root_base @ vector(wall.point, "point of the wall") + self._p_root_base
+            geom = spec.worldbody.add_geom(
+                type=mujoco.mjtGeom.mjGEOM_PLANE, size=[1, 1, 0.1], pos=point, contype=0, conaffinity=TIP
+            )
+            geom.alt.zaxis = normal / length
+        for peg in self.world.pegs:
+            ends = [
+                self.R_root_base @ vector(end, "end of the peg") + self._p_root_base for end in (peg.start, peg.end)
+            ]
+            spec.worldbody.add_geom(
+                type=mujoco.mjtGeom.mjGEOM_CAPSULE,
+                size=[positive(peg.radius, "radius of the peg"), 0, 0],
+                fromto=[*ends[0], *ends[1]],
+                contype=0,
+                conaffinity=TIP | LINKS,
+            )
+
+
+def _seven(value: Any, what: str) -> Vector:
+    """One figure or seven, none negative."""
+    try:
+        values = np.broadcast_to(real_array(value), (7,))
+    except (TypeError, ValueError):
+        values = np.full(7, np.nan)
+    if not ((values >= 0.0) & np.isfinite(values)).all():
+        raise InvalidController(f"{what} is one or seven figures, none negative, not {value!r}")
+    return values

@@ -1,0 +1,101 @@
+"""What a simulation leaves behind, as arrays."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from srs_ik.kernels.entries.control import elbow_point
+from srs_ik.robot.limb import Vector
+
+if TYPE_CHECKING:
+    from srs_ik.arm import Arm
+
+
+@dataclass(frozen=True, eq=False)
+class Record:
+    """A motion, one row a sample; n samples.
+
+    Attributes:
+        arm: the arm that moved.
+        t: (n,) s.
+        q: (n, 7) joint angles, rad.
+        v: (n, 7) joint speeds, rad/s.
+        torque: (n, 7) what the controller asked for when the sample was taken, N m.
+        weight: (n, 7) the part of it that held the arm's weight, N m; zero for a controller that does not tell.
+        potential: (n,) energy of gravity, J.
+        kinetic: (n,) J.
+        stored: (n,) energy of the controller's profiles, J; zero for a controller that has none.
+        contact: (n, 3) force of walls and pegs on the arm, N, base axes.
+    """
+
+    arm: Arm
+    t: Vector
+    q: Vector
+    v: Vector
+    torque: Vector
+    weight: Vector
+    potential: Vector
+    kinetic: Vector
+    stored: Vector
+    contact: Vector
+
+    @cached_property
+    def poses(self) -> Vector:
+        """(n, 4, 4) of the tip in the base frame."""
+        return self.arm.forward_kinematics_batch(self.q)
+
+    @property
+    def tip(self) -> Vector:
+        """(n, 3) tip point, m."""
+        return self.poses[:, :3, 3]
+
+    @cached_property
+    def elbow(self) -> Vector:
+        """(n, 3) elbow centre, m."""
+        points = np.empty((len(self.q), 3))
+        for q, point in zip(self.q, points, strict=True):
+            elbow_point(self.arm.packed.family, q, point)
+        return points
+
+    @cached_property
+    def speed(self) -> Vector:
+        """(n,) of the tip point, m/s."""
+        J = self.arm.jacobian_batch(self.q)
+        return np.linalg.norm(np.einsum("nij,nj->ni", J[:, :3], self.v), axis=1)
+
+    @cached_property
+    def work(self) -> Vector:
+        """(n,) work that all but gravity's compensation has done on the arm until each sample, J.
+
+        A torque is held until the next sample, and does work by the mean of both speeds: for constant forces that is
+        the change of kinetic energy without error, where every time step is recorded and no torque is late.
+        """
+        way = 0.5 * (self.v[1:] + self.v[:-1]) * np.diff(self.t)[:, None]
+        return np.append(0.0, np.cumsum(np.sum((self.torque - self.weight)[:-1] * way, axis=1)))
+
+    def errors(self, T_base_target: Vector) -> tuple[Vector, Vector]:
+        """Distance (n,), m, and angle (n,), rad, from a pose (4, 4)."""
+        turn = np.einsum("nji,jk->nik", self.poses[:, :3, :3], T_base_target[:3, :3])
+        skew = np.stack(
+            [turn[:, 2, 1] - turn[:, 1, 2], turn[:, 0, 2] - turn[:, 2, 0], turn[:, 1, 0] - turn[:, 0, 1]], axis=1
+        )
+        angle = np.arctan2(np.linalg.norm(skew, axis=1), np.trace(turn, axis1=1, axis2=2) - 1.0)
+        return np.linalg.norm(self.tip - T_base_target[:3, 3], axis=1), angle
+
+    def replay(self, path: str | Path, rate: float = 30.0) -> Path:
+        """Write the motion as one HTML page that plays without a server, at so many pictures a second.
+
+        Raises:
+            PreviewError: the page cannot be written.
+        """
+        from srs_ik.preview import Preview
+
+        step = max(1, round(1.0 / (rate * float(self.t[1] - self.t[0]))))
+        with Preview(self.arm) as view:
+            view.animate(self.q[::step], step * float(self.t[1] - self.t[0]))
+            return view.save(path)

@@ -1,0 +1,138 @@
+"""The loop: a controller that samples the plant, acts late, and is pushed."""
+
+from __future__ import annotations
+
+import math
+from collections import deque
+from collections.abc import Callable, Sequence
+from typing import Any, NamedTuple, Protocol
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from srs_ik.errors import InvalidController
+from srs_ik.robot.limb import Vector
+from srs_ik.sim.plant import Plant
+from srs_ik.sim.record import Record
+from srs_ik.sim.world import positive
+
+
+class Controller(Protocol):
+    """Anything that makes torques of joint angles and speeds."""
+
+    def torque(self, q: Vector, v: Vector) -> Vector:
+        """(7,) N m."""
+
+
+class Push(NamedTuple):
+    """A force for a while."""
+
+    on: str
+    """ "tip" or "elbow"."""
+    force: ArrayLike
+    """(3,) N, base axes."""
+    start: float
+    """s."""
+    duration: float
+    """s."""
+
+
+def simulate(
+    plant: Plant,
+    controller: Controller,
+    duration: float,
+    *,
+    rate: float = 4000.0,
+    delay: float = 0.0,
+    pushes: Sequence[Push] = (),
+    target: Callable[[float], None] | None = None,
+    every: int = 1,
+    stop: Callable[[Plant], bool] | None = None,
+) -> Record:
+    """Run a controller on a plant from where that is.
+
+    Args:
+        plant: where the motion begins; afterwards, where it has ended.
+        controller: asked once a period.
+        duration: s.
+        rate: how often the controller is asked, Hz; a period is a whole number of time steps.
+        delay: from a sample to the torque that follows from it, s; rounded to time steps.
+        pushes: forces on tip or elbow.
+        target: called before each tick with the time, to move the controller's target.
+        every: record one of so many ticks.
+        stop: ends the motion where it is true, asked once a tick.
+
+    Raises:
+        InvalidController: a rate, delay or duration that is none, or a period that is no whole number of time steps.
+    """
+    dt = plant.timestep
+    steps = positive(duration, "duration") / dt
+    period = round(1.0 / (positive(rate, "rate") * dt))
+    if period < 1 or abs(period * dt * rate - 1.0) > 1e-6:
+        raise InvalidController(f"a period is a whole number of time steps of {dt:g} s, unlike that of {rate:g} Hz")
+    if not 0.0 <= delay < math.inf:
+        raise InvalidController(f"the delay is a time, s, not {delay!r}")
+    log = _Log(plant, controller, math.ceil(steps / (period * every)))
+    # Torques on their way, each with the step at which it arrives.
+    coming: deque[tuple[int, Vector]] = deque()
+    late, torque = round(delay / dt), np.zeros(7)
+    begin, acting = plant.data.time, False
+    for k in range(round(steps)):
+        t = plant.data.time - begin
+        if k % period == 0:
+            if target is not None:
+                target(t)
+            asked = controller.torque(plant.q, plant.v)
+            coming.append((k + late, asked))
+            if k % (period * every) == 0:
+                log.note(t, asked)
+            if stop is not None and stop(plant):
+                break
+        while coming and coming[0][0] <= k:
+            torque = coming.popleft()[1]
+        if pushes:
+            acting = _press(plant, pushes, t, acting)
+        plant.step(torque)
+    return log.record()
+
+
+def _press(plant: Plant, pushes: Sequence[Push], t: float, acting: bool) -> bool:
+    """Apply the push of a moment, if there is one; whether there is."""
+    for push in pushes:
+        if push.start <= t < push.start + push.duration:
+            plant.push(push.on, push.force)
+            return True
+    if acting:
+        plant.release()
+    return False
+
+
+class _Log:
+    """Rows of a record while it is made."""
+
+    def __init__(self, plant: Plant, controller: Any, rows: int) -> None:
+        self._plant, self._controller = plant, controller
+        self._ported = hasattr(controller, "gravity_torque")
+        self._n = 0
+        self._table = np.zeros((rows, 35))
+
+    def note(self, t: float, torque: Vector) -> None:
+        """One sample."""
+        plant, row = self._plant, self._table[self._n]
+        row[0] = t
+        row[1:8], row[8:15], row[15:22] = plant.q, plant.v, torque
+        if self._ported:
+            row[22:29] = self._controller.gravity_torque
+            row[31] = self._controller.energy
+        row[29:31] = plant.data.energy
+        if plant.data.ncon:
+            row[32:35] = plant.contact_force()
+        self._n += 1
+
+    def record(self) -> Record:
+        """All samples."""
+        columns = np.split(self._table[: self._n], [1, 8, 15, 22, 29, 30, 31, 32], axis=1)
+        t, q, v, torque, weight, potential, kinetic, stored, contact = (np.ascontiguousarray(c) for c in columns)
+        return Record(
+            self._plant.arm, t[:, 0], q, v, torque, weight, potential[:, 0], kinetic[:, 0], stored[:, 0], contact
+        )

@@ -1,0 +1,140 @@
+"""The best way through the strips of a path: block by block forth, and back again."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from srs_ik.kernels.entries import path as entries
+from srs_ik.kernels.entries.path import MOST_NODES, MOST_STRIPS
+from srs_ik.kernels.layout.path import BREAK, NODE, STRIP, STRIP_FIRST, STRIP_LEAST
+from srs_ik.solve.path_problem import Problem, Stopped, Wall, Way
+
+Array = NDArray[np.float64]
+
+BLOCK_NODES = 16 * MOST_NODES
+BLOCK_STRIPS = 16 * MOST_STRIPS
+BLOCK_POSES = 512
+"""Size of a block: about ten megabytes."""
+
+KEPT = 8
+"""So many blocks are kept; of longer paths, the others are computed again on the way back."""
+
+
+class Block:
+    """The strips of some key poses, and the costs of their postures."""
+
+    def __init__(
+        self, problem: Problem, keys: NDArray[np.int64], first: int, exact: bool, before: Carry | None
+    ) -> None:
+        self.problem, self.keys, self.first, self.exact, self.before = problem, keys, first, exact, before
+        self.arrays: tuple[Any, ...] | None = None
+        self.count = 0
+        self.reached = 0
+
+    def fill(self) -> tuple[Any, ...]:
+        """Its arrays, computed if they are not there."""
+        if self.arrays is not None:
+            return self.arrays
+        nodes, cost = np.empty((BLOCK_NODES, NODE)), np.empty(BLOCK_NODES)
+        strips, ends = np.empty((BLOCK_STRIPS, STRIP)), np.zeros((BLOCK_POSES + 1, 4), np.int64)
+        carried = -1
+        if self.before is not None:
+            carried = self.before.pose
+            n, m = len(self.before.nodes), len(self.before.strips)
+            nodes[:n], cost[:n], strips[:m] = self.before.nodes, self.before.cost, self.before.strips
+            ends[0] = 0, n, 0, m
+        p = self.problem
+        space = p.work()
+        answer = (p.settings, p.limited, self.exact, *space, nodes, cost, strips, ends)
+        after, self.reached = entries.sweep(
+            p.arm.family,
+            p.T,
+            self.keys,
+            self.first,
+            carried,
+            p.stop,
+            p.known,
+            p.has_known,
+            p.bridges,
+            p.bridge_ends(),
+            p.near,
+            p.radius,
+            p.seed,
+            *answer,
+        )
+        if p.stop[0]:
+            raise Stopped
+        self.count = after - self.first
+        self.arrays = nodes, cost, strips, ends
+        return self.arrays
+
+    def walls(self) -> list[Wall]:
+        """Where all ways need one more break, if breaks are made as late as can be."""
+        nodes, cost, _, ends = self.fill()
+        found, last, level = [], -1, -1
+        for number in range(self.count + 1):
+            a, b = ends[number, :2]
+            if a == b:
+                continue
+            needed = int(cost[a:b].min() // BREAK)
+            if last >= 0 and needed > level:
+                c, d = ends[last, :2]
+                open_ended = nodes[c:d][cost[c:d] < (level + 1) * BREAK, :7]
+                found.append(Wall(int(self.keys[self.first + number - 1]), open_ended.copy()))
+            last, level = number, needed
+        return found
+
+    def carry(self) -> Carry | None:
+        """The last pose of it that is reached."""
+        if self.reached == 0:
+            return self.before
+        nodes, cost, strips, ends = self.fill()
+        a, b, c, d = ends[self.reached]
+        own = strips[c:d].copy()
+        own[:, STRIP_FIRST:STRIP_LEAST] -= a
+        return Carry(int(self.keys[self.first + self.reached - 1]), nodes[a:b].copy(), cost[a:b].copy(), own)
+
+
+@dataclass
+class Carry:
+    """The strips of one pose, on the way from a block to the next."""
+
+    pose: int
+    nodes: Array
+    cost: Array
+    strips: Array
+
+
+def find_way(problem: Problem, keys: NDArray[np.int64], exact: bool) -> Way:
+    """The best way through the strips of the key poses."""
+    blocks: list[Block] = []
+    first, before = 0, None
+    while first < len(keys):
+        block = Block(problem, keys, first, exact, before)
+        block.fill()
+        before, first = block.carry(), first + block.count
+        if len(blocks) >= KEPT:
+            blocks[-KEPT].arrays = None
+        blocks.append(block)
+    way = Way(len(problem.T))
+    if before is not None and before.cost.min() >= BREAK and not exact:
+        way.walls = [wall for block in blocks for wall in block.walls()]
+    following = -1
+    for block in reversed(blocks):
+        place = way.q, way.psi, way.branch, way.bounds
+        settings = problem.settings, problem.limited
+        arrays = block.fill()
+        following, least = entries.go_back(keys, block.first, block.count, following, *settings, *arrays, *place)
+        if least >= 0.0:
+            way.cost = least
+        ends = arrays[3][1 : block.count + 1]
+        way.reached[keys[block.first : block.first + block.count]] = ends[:, 1] > ends[:, 0]
+        block.arrays = None
+    if problem.work()[0] is not None:
+        # Along the curves of a near limb, limits are looked at step by step.
+        way.bounds[:] = -np.inf, np.inf
+    return way

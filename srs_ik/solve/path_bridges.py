@@ -1,0 +1,84 @@
+"""Postures that strips miss: where a path seems to break, Newton's method looks for what rounding took away.
+
+Where joints lie on several limits at once, or the elbow is straight, a pose may have a single posture, or an interval
+as wide as rounding, and none of it may be found. From each strip that ends, its postures are taken to the next pose.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from srs_ik.kernels.entries import path as entries
+from srs_ik.kernels.layout.path import BREAK, BY_CONTINUITY, INVERSE_PERIOD, PERIOD
+from srs_ik.solve.path_blocks import Block
+from srs_ik.solve.path_problem import Problem
+
+Array = NDArray[np.float64]
+
+MOST_STARTS = 24
+"""So many postures of a pose are taken to the next one at most, ..."""
+
+MOST_OF_ALL = 4000
+"""... and so many of a path."""
+
+APART = 1e-4
+"""Postures closer than this, rad, are one."""
+
+
+def bridged(problem: Problem) -> Problem:
+    """The problem with postures that its strips miss; the same one if there are none."""
+    found: list[Array] = []
+    where: list[int] = []
+    first, before, tried = 0, None, 0
+    keys = np.arange(len(problem.T))
+    reachable = np.empty((0, 7))
+    while first < len(keys) and tried < MOST_OF_ALL:
+        block = Block(problem, keys, first, False, before)
+        nodes, cost, _, ends = block.fill()
+        for number in range(1, block.count + 1):
+            pose = first + number - 1
+            a, b = ends[number, :2]
+            there = nodes[a:b, :7]
+            new = np.empty((0, 7))
+            if len(reachable) and tried < MOST_OF_ALL and not problem.has_known[pose]:
+                lost = reachable[_distances(problem, reachable, there).min(axis=1, initial=np.inf) > _apart(problem)]
+                starts = lost[np.unique(np.linspace(0, len(lost) - 1, min(len(lost), MOST_STARTS)).astype(int))]
+                tried += len(starts)
+                new = _taken(problem, pose, starts)
+                found.append(new)
+                where += [pose] * len(new)
+            level = np.floor(cost[a:b].min(initial=np.inf) / BREAK)
+            reachable = np.vstack([there[cost[a:b] < (level + 1.0) * BREAK], new])
+        before, first = block.carry(), first + block.count
+    if not where:
+        return problem
+    return replace(problem, bridges=np.ascontiguousarray(np.vstack(found)), bridged=np.array(where, np.int64))
+
+
+def _apart(problem: Problem) -> float:
+    """A posture with none of the next pose closer than this has lost its strip."""
+    return 0.4 * float(problem.settings[BY_CONTINUITY, 0])
+
+
+def _distances(problem: Problem, a: Array, b: Array) -> Array:
+    """(k, m) largest joint steps between postures (k, 7) and (m, 7)."""
+    d = b[None] - a[:, None]
+    d -= problem.settings[PERIOD] * np.round(d * problem.settings[INVERSE_PERIOD])
+    return np.abs(d).max(axis=2)
+
+
+def _taken(problem: Problem, pose: int, starts: Array) -> Array:
+    """The postures of a pose that are met from others nearby, each once."""
+    q = starts.copy()
+    met = np.zeros(len(q), np.bool_)
+    poses = np.repeat(problem.T[pose : pose + 1], len(q), axis=0)
+    entries.bridge(problem.arm.family, poses, q, met, np.empty((6, 7)), np.empty((16, 9)))
+    near = np.diag(_distances(problem, starts, q)) <= problem.settings[BY_CONTINUITY, 0]
+    kept: list[Array] = []
+    for posture in q[met & near]:
+        if all(np.abs(posture - other).max() > APART for other in kept):
+            kept.append(posture)
+    return np.array(kept).reshape(-1, 7)

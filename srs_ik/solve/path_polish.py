@@ -1,0 +1,113 @@
+"""A path moved to the best one near it: corridors, then all arm angles at once."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from srs_ik.kernels.entries import path as entries
+from srs_ik.kernels.layout.path import BY_VELOCITY, LARGEST, SLOWEST, WITHIN
+from srs_ik.solve.path_problem import JUST_ABOVE, LARGEST_STEP, TIME, Problem, Way, copy, steps_of, too_fast, worth
+
+Array = NDArray[np.float64]
+
+WIDTHS = np.array([0.12, 0.04])
+"""Joint steps between the postures of a corridor, rad, before all arm angles move at once."""
+
+FINE: Array = np.empty(0)
+"""None, where strips were fine already."""
+
+FINE_WIDTHS: Array = 0.12 * 0.5 ** np.arange(12.0)
+"""The same where corridors alone have to do."""
+
+BARRIERS = np.geomspace(0.3, 1e-7, 10)
+"""Weights of barriers, by what they are added to for each of their terms: the last one leaves so much of the best."""
+
+KEPT_BARRIERS = np.geomspace(0.1, 1e-6, 7)
+"""The same where limits are kept, of which few are reached."""
+
+JUST_WITHIN = 1.0 - 1e-9
+
+
+def improve(problem: Problem, way: Way, widths: Array = WIDTHS) -> None:
+    """Move the postures of a path, in place, to the best ones near them."""
+    if problem.even:
+        planned = copy(way)
+        refine(replace(problem, limited=False), way, widths, True)
+        if problem.limited and (too_fast(problem, way) > JUST_ABOVE).any():
+            keep_limits(problem, way, planned)
+        return
+    refine(problem, way, WIDTHS, False)
+    if problem.objective == TIME:
+        polish(problem, way)
+
+
+def keep_limits(problem: Problem, way: Way, planned: Way) -> None:
+    """Take a path, in place, to the best one within the velocity limits: first to within them, then along them."""
+    slow = copy(way)
+    scale = np.where(np.isfinite(problem.settings[BY_VELOCITY]), 1.0 / problem.settings[BY_VELOCITY], 0.0)
+    polish_kind(problem, slow, LARGEST, scale)
+    if not (too_fast(problem, slow) < JUST_WITHIN).all():
+        # The step from the seed is free.
+        polish_kind(replace(problem, seed=None), slow, LARGEST, scale)
+    candidates = [planned]
+    if (too_fast(problem, slow) < JUST_WITHIN).all():
+        polish_kind(problem, slow, WITHIN, scale)
+        candidates.append(slow)
+    else:
+        refine(problem, planned, FINE_WIDTHS, False)
+        candidates.append(slow)
+    best = min(candidates, key=lambda each: worth(problem, each))
+    take(way, best)
+    way.cost = entries.refine(*_told(problem, way, FINE, False), problem.limited, *_line(way), *problem.work())
+
+
+def polish(problem: Problem, way: Way) -> None:
+    """Move a path, in place, to the least largest step or the least time near it, unless that is worse."""
+    found = copy(way)
+    if problem.objective == LARGEST_STEP:
+        polish_kind(problem, found, LARGEST, np.ones(7))
+    elif problem.objective == TIME:
+        polish_kind(problem, found, SLOWEST, 1.0 / problem.arm.velocity_limit)
+    if worth(problem, found) < worth(problem, way):
+        take(way, found)
+
+
+def polish_kind(problem: Problem, way: Way, kind: int, scale: Array) -> None:
+    """Move all postures of a path at once, in place, by barriers less and less wide."""
+    chain = np.flatnonzero(way.reached)
+    q = way.q[chain]
+    steps = np.abs(steps_of(problem, q if problem.seed is None else np.vstack([problem.seed, q])))
+    if kind == WITHIN:
+        weights = KEPT_BARRIERS * float((steps**2).sum()) / max(steps.size, 1)
+    else:
+        most = (steps * scale).max(axis=1, initial=0.0)
+        weights = BARRIERS * (most.max(initial=0.0) / max(steps.size, 1) if kind == LARGEST else most.mean() / 7.0)
+    if not (weights > 0.0).all():
+        return
+    fixed = problem.has_known | (way.branch < 0)
+    told = problem.T, chain, fixed, way.bounds, problem.seed, problem.settings, kind, scale, weights
+    entries.polish(problem.arm.family, *told, *_line(way), *problem.work())
+
+
+def refine(problem: Problem, way: Way, widths: Array, even: bool) -> None:
+    """Move the postures of a path, in place, through corridors of some widths, and all at once where that will do."""
+    way.cost = entries.refine(*_told(problem, way, widths, even), problem.limited, *_line(way), *problem.work())
+
+
+def take(way: Way, other: Way) -> None:
+    """Give a path the postures of another one."""
+    way.q, way.psi, way.branch, way.bounds = other.q, other.psi, other.branch, other.bounds
+    way.reached, way.cost = other.reached, other.cost
+
+
+def _told(problem: Problem, way: Way, widths: Array, even: bool) -> tuple[object, ...]:
+    chain = np.flatnonzero(way.reached)
+    fixed = problem.has_known | (way.branch < 0)
+    return problem.arm.family, problem.T, chain, fixed, way.bounds, widths, even, problem.seed, problem.settings
+
+
+def _line(way: Way) -> tuple[Array, Array, NDArray[np.int64]]:
+    return way.q, way.psi, way.branch

@@ -1,0 +1,148 @@
+"""A path that is asked for, and one that is found."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from srs_ik.kernels.layout.path import BY_CONTINUITY, BY_VELOCITY, INVERSE_PERIOD, PERIOD
+from srs_ik.solve.threads import Stop
+
+if TYPE_CHECKING:
+    from srs_ik.solve.packed import PackedArm
+
+Array = NDArray[np.float64]
+
+SUM_OF_SQUARES = "sum_of_squares"
+LARGEST_STEP = "largest_step"
+TIME = "time"
+OBJECTIVES = (SUM_OF_SQUARES, LARGEST_STEP, TIME)
+"""What a path can be asked to make least, among those with the fewest breaks."""
+
+
+JUST_ABOVE = 1.0 + 1e-9
+"""Of a velocity limit; what is above breaks it."""
+
+
+class Stopped(Exception):
+    """Nobody wants the answer any more."""
+
+
+@dataclass
+class Problem:
+    """A path to be found.
+
+    Attributes:
+        arm: the arm.
+        T: (n, 4, 4) poses.
+        seed: (7,) posture before the first one, or None.
+        settings: (SETTINGS, 7), see the kernels of the programme.
+        limited: whether there are velocity limits.
+        known: (n, 7) postures that are given.
+        has_known: (n,) where they are.
+        near: (n, 7) postures around which strips are finer.
+        bridges: (b, 7) postures that strips miss.
+        bridged: (b,) to which poses they belong, in order.
+        radius: how far around, rad; 0: nowhere.
+        objective: what is to be least.
+        in_closed_form: whether to go by the nearest exact limb of a near one.
+        stop: (1,) set by another thread where nobody wants the answer any more.
+    """
+
+    arm: PackedArm
+    T: Array
+    seed: Array | None
+    settings: Array
+    limited: bool
+    known: Array
+    has_known: NDArray[np.bool_]
+    near: Array
+    radius: float = 0.0
+    objective: str = SUM_OF_SQUARES
+    in_closed_form: bool = False
+    stop: Stop = field(default_factory=lambda: np.zeros(1, np.int8))
+    bridges: Array = field(default_factory=lambda: np.empty((0, 7)))
+    bridged: NDArray[np.int64] = field(default_factory=lambda: np.empty(0, np.int64))
+
+    @property
+    def even(self) -> bool:
+        """Whether squared joint steps are what counts."""
+        return self.objective == SUM_OF_SQUARES
+
+    def work(self) -> tuple[Array | None, Array | None]:
+        """Work space of the kernels; none where the closed form is asked for alone."""
+        return (None, None) if self.in_closed_form else self.arm.work()
+
+    def bridge_ends(self) -> NDArray[np.int64]:
+        """(n + 1,) the first bridge of each pose."""
+        return np.searchsorted(self.bridged, np.arange(len(self.T) + 1))
+
+
+@dataclass
+class Wall:
+    """A pose that no continuous path reaches, and the postures of the pose before from which none does."""
+
+    sample: int
+    before: Array
+
+
+class Way:
+    """Postures of a path: joint angles, arm angles, branches, and the ends of the strips in which they lie."""
+
+    def __init__(self, n: int) -> None:
+        self.q = np.zeros((n, 7))
+        self.psi = np.zeros(n)
+        self.branch = np.zeros(n, np.int64)
+        self.bounds = np.zeros((n, 2))
+        self.reached = np.zeros(n, np.bool_)
+        self.cost = 0.0
+        self.walls: list[Wall] = []
+
+
+def copy(way: Way) -> Way:
+    """A copy of the postures of a path."""
+    other = Way(len(way.q))
+    other.q, other.psi, other.branch = way.q.copy(), way.psi.copy(), way.branch.copy()
+    other.bounds, other.reached, other.cost = way.bounds.copy(), way.reached.copy(), way.cost
+    return other
+
+
+def steps_of(problem: Problem, q: Array) -> Array:
+    """Joint steps of a path, joints without end the shorter way round."""
+    steps = np.diff(q, axis=0)
+    turns = np.round(steps * problem.settings[INVERSE_PERIOD])
+    return steps - problem.settings[PERIOD] * turns
+
+
+def worth(problem: Problem, way: Way) -> tuple[int, float]:
+    """What is compared of paths: poses not reached and steps too long, and with as many what is to be least.
+
+    Steps above the velocity limits count for more than what is to be least does.
+    """
+    q = way.q[way.reached]
+    steps = np.abs(steps_of(problem, q if problem.seed is None else np.vstack([problem.seed, q])))
+    missing = int((~way.reached).sum()) + int((steps > problem.settings[BY_CONTINUITY]).any(axis=1).sum())
+    value = objective_of(problem, steps)
+    if problem.limited:
+        over = too_fast(problem, way)
+        value += 1e5 * float(over[over > JUST_ABOVE].sum())
+    return missing, value
+
+
+def objective_of(problem: Problem, steps: Array) -> float:
+    """What is to be least, of the joint steps (k, 7) of a path."""
+    if problem.objective == LARGEST_STEP:
+        return float(np.abs(steps).max(initial=0.0))
+    if problem.objective == TIME:
+        return float((np.abs(steps) / problem.arm.velocity_limit).max(axis=1, initial=0.0).sum())
+    return float((steps**2).sum())
+
+
+def too_fast(problem: Problem, way: Way) -> Array:
+    """(k - 1,) the largest share that a joint has of its velocity limit, from each pose that is reached to the next."""
+    chain = np.flatnonzero(way.reached)
+    limits = problem.settings[BY_VELOCITY] * np.diff(chain)[:, None]
+    return (np.abs(steps_of(problem, way.q[chain])) / limits).max(axis=1, initial=0.0)

@@ -1,0 +1,314 @@
+"""`Tracker`: joint targets for a target pose that moves, one an update, inside the limits of all joints."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from enum import StrEnum
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from srs_ik.errors import InvalidConfiguration, InvalidTask, MissingLimits
+from srs_ik.inputs.numbers import real_array, real_number
+from srs_ik.inputs.poses import PoseLike, as_arm_angle, as_joint_vector, as_matrix, as_positive, as_rigid_matrix
+from srs_ik.kernels.entries.track import update
+from srs_ik.kernels.layout import track as at
+from srs_ik.kernels.layout.objectives import PARAMS
+from srs_ik.solve.objectives import Objective
+from srs_ik.solve.pose import solve
+from srs_ik.solve.solution import Solution
+
+if TYPE_CHECKING:
+    from srs_ik.kinematics import ChainKinematics
+    from srs_ik.solve.packed import PackedArm
+
+Array = NDArray[np.float64]
+
+FULL_SPEED_IN = 0.2
+"""Where no accelerations are given, each joint may come to its largest velocity in so many seconds."""
+
+AHEAD = 0.2
+"""Seconds between the present and the pose that the elbow is planned for."""
+
+AVERAGED = 0.006
+"""Seconds over which the velocity of a target is averaged, at least."""
+
+PATIENCE = 0.05
+"""Time constant, seconds, in which a target that is lost is expected to slow down."""
+
+
+class TrackerStatus(StrEnum):
+    """How an update went; equal to its name as text."""
+
+    OK = "OK"
+    """The tip is on the target."""
+    LIMITED = "LIMITED"
+    """The arm is on its way to the target, as fast as its limits allow."""
+    HELD = "HELD"
+    """There is no target to follow, or only another configuration reaches it."""
+    UNREACHABLE = "UNREACHABLE"
+    """No posture reaches the target; the arm goes as close to it as it comes."""
+
+
+_STATUSES = tuple(TrackerStatus)
+
+
+class TrackerStep:
+    """What a tracker answers to one update; the joint angles are to be sent to the robot for the end of the period."""
+
+    __slots__ = ("_joint_names", "_row")
+
+    def __init__(self, row: Array, joint_names: Sequence[str]) -> None:
+        self._row = row
+        self._joint_names = joint_names
+
+    @property
+    def q(self) -> Array:
+        """(7,) joint angles, rad."""
+        return self._row[at.STEP_Q : at.STEP_V]
+
+    @property
+    def velocity(self) -> Array:
+        """(7,) mean joint velocities on the way to `q`, rad/s."""
+        return self._row[at.STEP_V : at.STEP_A]
+
+    @property
+    def acceleration(self) -> Array:
+        """(7,) how much the velocities have changed since the update before, over the period, rad/s^2."""
+        return self._row[at.STEP_A : at.STEP_STATUS]
+
+    @property
+    def status(self) -> TrackerStatus:
+        """How it went."""
+        return _STATUSES[int(self._row[at.STEP_STATUS])]
+
+    @property
+    def joint(self) -> str | None:
+        """Name of the joint that is farthest behind, by its speed; None with the tip on the target."""
+        number = int(self._row[at.STEP_JOINT])
+        return self._joint_names[number - 1] if number else None
+
+    @property
+    def position_error(self) -> float:
+        """How far the tip is from the target at `q`, m; from where it is expected, while it is lost."""
+        return float(self._row[at.STEP_POSITION_ERROR])
+
+    @property
+    def orientation_error(self) -> float:
+        """How far it is turned away from it, rad."""
+        return float(self._row[at.STEP_ORIENTATION_ERROR])
+
+    @property
+    def message(self) -> str:
+        """One sentence for a person."""
+        reason, lost = self._row[at.STEP_REASON], int(self._row[at.STEP_LOST])
+        if reason == at.NO_REASON:
+            return "On the target."
+        if reason == at.NO_TARGET_YET:
+            return "Waiting for the first target."
+        updates = f"{lost} update{'s' if lost != 1 else ''}"
+        if reason == at.LOST_TARGET:
+            return f"No target for {updates}: the arm slows down on the way that it was on."
+        if reason == at.BAD_TARGET:
+            return f"No pose: the target is not finite or no rigid transform, and none was for {max(lost, 1)} updates."
+        away = f"{1e3 * self.position_error:.3g} mm and {math.degrees(self.orientation_error):.3g} deg"
+        if reason == at.BEHIND:
+            return f"{self.joint} cannot move faster: the tip is {away} behind."
+        if reason == at.ON_THE_WAY:
+            return f"On the way to the target, which is {away} away."
+        if reason == at.OTHER_POSTURE:
+            return f"Only another configuration reaches the target, {away} away: reconfigure() goes there."
+        if reason == at.OUT_OF_REACH:
+            return f"The target is out of reach: the tip stays {away} away."
+        return f"No posture inside the joint limits reaches the target: the tip stays {away} away."
+
+    def as_dict(self) -> dict[str, float]:
+        """Joint angles by joint name, rad, in the order of the joints."""
+        return dict(zip(self._joint_names, self.q.tolist(), strict=True))
+
+    def __bool__(self) -> bool:
+        return bool(self._row[at.STEP_STATUS] == at.OK)
+
+    def __repr__(self) -> str:
+        return f"TrackerStep({self.status}, q={np.array2string(self.q, precision=6)}, {self.message!r})"
+
+
+class Tracker:
+    """Follows a target pose, one joint step an update, and passes no limit; made by `Arm.tracker`.
+
+    The limits hold for the joint angles as they come out: the difference of two, over the period, is within the
+    velocity limits, the difference of two such velocities, over the period, within the acceleration limits, and every
+    joint can always stop before the end of its range.
+
+    Attributes:
+        dt: seconds between two updates.
+        velocity_limit: (7,) rad/s.
+        acceleration_limit: (7,) rad/s^2.
+    """
+
+    def __init__(
+        self,
+        packed: PackedArm,
+        chain: ChainKinematics,
+        q0: ArrayLike,
+        dt: float,
+        velocity_limit: ArrayLike | None = None,
+        acceleration_limit: ArrayLike | None = None,
+        elbow: Any = "keep",
+        smoothing: float = 0.0,
+    ) -> None:
+        self._packed, self._chain = packed, chain
+        self.dt = as_positive(dt, "dt", "seconds")
+        self.velocity_limit = _limits(velocity_limit, packed, "velocity_limit", packed.velocity_limit)
+        self.acceleration_limit = _limits(
+            acceleration_limit, packed, "acceleration_limit", self.velocity_limit / FULL_SPEED_IN
+        )
+        self._settings = np.zeros(at.SETTINGS + PARAMS)
+        self._settings[at.PERIOD] = self.dt
+        self._settings[at.SPEED : at.ACCELERATION] = self.velocity_limit
+        self._settings[at.ACCELERATION : at.ALPHA] = self.acceleration_limit
+        self._settings[[at.AHEAD, at.PATIENCE]] = AHEAD, PATIENCE
+        self._work = np.zeros((2, 16, 9))
+        self._nowhere = np.eye(4)
+        self.elbow = elbow
+        self.smoothing = smoothing
+        self.reset(q0)
+
+    @property
+    def q(self) -> Array:
+        """(7,) joint angles of the last update, rad."""
+        return self._state[at.Q : at.V].copy()
+
+    @property
+    def elbow(self) -> Any:
+        """What the elbow does with the freedom that the target leaves it; may be set between updates."""
+        return self._elbow
+
+    @elbow.setter
+    def elbow(self, elbow: Any) -> None:
+        kind, angle, parameters = _elbow(elbow, self._packed, self._chain)
+        self._settings[at.ELBOW], self._settings[at.ANGLE_WANTED] = kind, angle
+        self._settings[at.SETTINGS :] = parameters
+        self._elbow = elbow
+
+    @property
+    def smoothing(self) -> float:
+        """Time constant of the filter that takes jitter from the target, seconds; may be set between updates."""
+        return self._smoothing
+
+    @smoothing.setter
+    def smoothing(self, seconds: float) -> None:
+        self._smoothing = real_number(seconds)
+        if not 0.0 <= self._smoothing < math.inf:
+            raise InvalidConfiguration(f"smoothing must be a number of seconds from 0 on, not {seconds!r:.40}")
+        kept = math.exp(-self.dt / self._smoothing) if self._smoothing > 0.0 else 0.0
+        # Critically damped: position and velocity forget at the same rate.
+        self._settings[at.ALPHA] = 1.0 - kept**2
+        self._settings[at.GAMMA] = 1.0 - kept
+        self._settings[at.BETA] = (1.0 - kept) ** 2 if kept else 1.0 - math.exp(-self.dt / AVERAGED)
+
+    def reset(self, q0: ArrayLike) -> None:
+        """Begin anew, at rest.
+
+        Args:
+            q0: (7,) joint angles, rad.
+
+        Raises:
+            InvalidConfiguration: not 7 finite angles, or one outside its limits.
+        """
+        q = as_joint_vector(q0, "q0")
+        outside = np.maximum(self._packed.lower - q, q - self._packed.upper)
+        if outside.max() > 0.0:
+            joint = int(outside.argmax())
+            raise InvalidConfiguration(
+                f"q0 has {self._packed.joint_names[joint]} {outside[joint]:.6g} rad outside its limits; "
+                "a tracker begins inside of them"
+            )
+        self._state = np.zeros(at.STATE)
+        self._state[at.Q : at.V] = self._state[at.GOAL : at.GOAL_RATE] = q
+        # The first target may be where the tip is.
+        self._state[at.ON] = 1.0
+
+    def update(self, pose: PoseLike | None) -> TrackerStep:
+        """The joint angles for the end of the next period.
+
+        Args:
+            pose: where the tip should be then, in the base frame; None where no target has come. A pose that is not
+                finite or no rigid transform counts as none, and the status says so.
+
+        Raises:
+            InvalidPose: nothing like a pose: another shape, or no numbers.
+        """
+        out = np.empty(at.STEP)
+        if pose is None:
+            update(self._packed.family, self._state, self._settings, self._nowhere, 0, self._work, out)
+        else:
+            T = as_matrix(pose)
+            update(self._packed.family, self._state, self._settings, T, 1, self._work, out)
+        return TrackerStep(out, self._packed.joint_names)
+
+    def reconfigure(self, pose: PoseLike | None = None) -> Solution:
+        """Let the arm go to the posture of a pose that is nearest to the present one, in whatever configuration.
+
+        The joints go there straight, within all limits, while `update` is called with targets as before; between, the
+        tip is not on the target.
+
+        Args:
+            pose: the last target if not given.
+
+        Returns:
+            The posture; where the pose has none, one that says why, and the arm stays as it is.
+
+        Raises:
+            InvalidPose: no finite rigid transform, or none given and no target yet.
+        """
+        T = self._target() if pose is None else as_rigid_matrix(pose)
+        found = solve(self._packed, T, seed=self.q)
+        if found:
+            self._state[at.DETOUR_END : at.MISS] = found.q
+            self._state[at.DETOUR], self._state[at.ON] = 1.0, 0.0
+        return found
+
+    def _target(self) -> Array:
+        if not self._state[at.STARTED]:
+            raise InvalidConfiguration("there was no target yet: give reconfigure a pose")
+        T = np.eye(4)
+        T[:3, :3] = self._state[at.ROTATION : at.POSITION].reshape(3, 3)
+        T[:3, 3] = self._state[at.POSITION : at.TWIST]
+        return T
+
+    def __repr__(self) -> str:
+        return f"<Tracker of {self._packed.name}, {self.dt:g} s, elbow {self._elbow!r}>"
+
+
+def _limits(given: ArrayLike | None, packed: PackedArm, what: str, default: Array) -> Array:
+    """(7,) positive figures: those given, one for all or one a joint, or the arm's own."""
+    if given is None:
+        missing = ~(np.isfinite(default) & (default > 0.0))
+        if missing.any():
+            names = [packed.joint_names[j] for j in np.flatnonzero(missing)]
+            raise MissingLimits("velocity", names, packed.name)
+        return default.copy()
+    try:
+        values = real_array(given)
+    except (TypeError, ValueError):
+        values = np.full(0, np.nan)
+    if values.shape not in ((), (7,)) or not (np.isfinite(values) & (values > 0.0)).all():
+        raise InvalidConfiguration(f"{what} must be a positive number, or 7 of them, one a joint")
+    return np.full(7, values)
+
+
+def _elbow(elbow: Any, packed: PackedArm, chain: ChainKinematics) -> tuple[float, float, Array]:
+    """Number of a policy of the elbow, its arm angle, and the parameters of its objective."""
+    none = np.zeros(PARAMS)
+    if isinstance(elbow, str) and elbow == "keep":
+        return at.KEEP, 0.0, none
+    if isinstance(elbow, str):
+        elbow = Objective(elbow)
+    if isinstance(elbow, Objective):
+        if elbow.kind is None or elbow.second >= 0:
+            raise InvalidTask(f"a tracker follows objectives that kernels compute, one at a time, not {elbow.name!r}")
+        return float(elbow.kind), 0.0, elbow.packed(chain, packed.weights, True)
+    return at.ANGLE, as_arm_angle(elbow), none

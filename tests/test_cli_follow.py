@@ -1,0 +1,76 @@
+"""`srs-ik follow` prints and writes what a tracker answers; wrong input is one line."""
+
+import csv
+
+import numpy as np
+import pytest
+from command_line import answer, run
+
+import srs_ik
+
+Q = [0.2, 0.6, 0.1, -1.2, 0.2, 0.8, 0.1]
+
+
+def targets(path, count=60, lost=(20, 21)):
+    """A slow motion along y in a file, some of it lost."""
+    import pinocchio as pin
+
+    T = srs_ik.load("iiwa14").forward_kinematics(Q).homogeneous
+    poses = []
+    with path.open("w", newline="") as file:
+        writer = csv.writer(file)
+        writer.writerow(["x", "y", "z", "roll", "pitch", "yaw"])
+        for k in range(count):
+            T[1, 3] += 2e-6 * min(k, count - k)
+            poses.append(None if k in lost else T.copy())
+            figures = (*T[:3, 3], *pin.rpy.matrixToRpy(T[:3, :3]))
+            writer.writerow(["nan"] * 6 if k in lost else [repr(float(x)) for x in figures])
+    return str(path), poses
+
+
+def test_the_steps_of_a_file_are_those_of_a_tracker(tmp_path):
+    file, poses = targets(tmp_path / "poses.csv")
+    out = tmp_path / "joints.csv"
+    words = ("--dt", "0.002", "--q", *map(str, Q), "--out", str(out))
+    got = answer("follow", "iiwa14", file, *words)
+    arm = srs_ik.load("iiwa14")
+    tracker = arm.tracker(Q, 0.002)
+    steps = [tracker.update(T) for T in poses]
+    np.testing.assert_allclose(got["q"], [step.q for step in steps], atol=1e-7)
+    assert got["status"] == [str(step.status) for step in steps]
+    assert got["status"][20] == "HELD"
+    assert (np.array(got["largest_acceleration"]) <= np.array(got["acceleration_limit"])).all()
+    rows = list(csv.reader(out.open()))
+    assert rows[0][:8] == ["t", *arm.joint_names]
+    np.testing.assert_array_equal(np.array([row[1:8] for row in rows[1:]], float), got["q"])
+
+
+def test_the_table_shows_limits_and_statuses(tmp_path):
+    file, _ = targets(tmp_path / "poses.csv")
+    done = run("follow", "iiwa14", file, "--dt", "0.002", "--elbow", "limit_margin", "--smoothing", "0.01")
+    assert "largest velocity" in done.stdout
+    assert "HELD" in done.stdout
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        (("--dt", "0"), "dt must be a positive"),
+        (("--dt", "fast"), "--dt takes a number"),
+        (("--dt", "0.01", "--elbow", "best"), "there is no objective 'best'"),
+        (("--dt", "0.01", "--velocity", "-1"), "velocity_limit must be a positive"),
+    ],
+)
+def test_wrong_input_is_one_line(tmp_path, words, said):
+    file, _ = targets(tmp_path / "poses.csv", 3, ())
+    done = run("follow", "iiwa14", file, *words)
+    assert done.exit_code == 2
+    assert said in done.stderr
+    assert done.stderr.count("\n") == 1
+
+
+def test_a_file_of_lost_targets_has_no_posture_to_begin_with(tmp_path):
+    file, _ = targets(tmp_path / "poses.csv", 3, (0, 1, 2))
+    done = run("follow", "iiwa14", file, "--dt", "0.01")
+    assert done.exit_code == 2
+    assert "no posture to begin with" in done.stderr

@@ -1,0 +1,351 @@
+"""Force profiles, laws and torques, against the equations, quadrature, Pinocchio and finite differences."""
+
+import time
+
+import arms
+import numpy as np
+import pinocchio as pin
+import pytest
+from scipy.integrate import quad
+
+import srs_ik
+from srs_ik.control import ForceProfile, FractalImpedance, JointLimits, TorqueController
+from srs_ik.kernels.entries import control as entries
+from srs_ik.kernels.layout import control as at
+
+TIP, TURN, ELBOW = ForceProfile.tanh(1000.0, 60.0), ForceProfile.tanh(60.0, 12.0), ForceProfile.tanh(600.0, 40.0)
+
+# The equations, written once more.
+
+
+def tanh(stiffness, largest):
+    return lambda x: largest * np.tanh(stiffness * x / largest)
+
+
+def saturated(stiffness, largest):
+    return lambda x: np.minimum(stiffness * x, largest)
+
+
+def published(stiffness, largest, e0, eb):
+    b, rise = (eb - e0) / 20.0, largest - stiffness * e0
+    return lambda x: np.where(
+        x < e0, stiffness * x, rise * (1.0 - np.exp(-(np.maximum(x, e0) - e0) / b)) + stiffness * e0
+    )
+
+
+PROFILES = {
+    "tanh": (ForceProfile.tanh(1000.0, 50.0), tanh(1000.0, 50.0)),
+    "soft tanh": (ForceProfile.tanh(3.0, 200.0), tanh(3.0, 200.0)),
+    "saturated": (ForceProfile.saturated(1000.0, 50.0), saturated(1000.0, 50.0)),
+    "published tip": (ForceProfile.published(800.0, 100.0, 0.060, 0.080), published(800.0, 100.0, 0.060, 0.080)),
+    "published elbow": (ForceProfile.published(630.0, 10.0, 0.010, 0.011), published(630.0, 10.0, 0.010, 0.011)),
+}
+
+
+@pytest.mark.parametrize("name", PROFILES)
+def test_force_and_energy_are_those_of_the_equations(name):
+    profile, force = PROFILES[name]
+    x = np.concatenate([[0.0, 1e-12, 1e-6], np.linspace(1e-3, 0.3, 200)])
+    assert profile.force(x) == pytest.approx(force(x), rel=1e-12, abs=1e-300)
+    for distance in (1e-6, 0.0102, 0.05, 0.061, 0.2):
+        corners = sorted({0.01, 0.05, 0.060, 0.0602, 0.065} | {0.0101, 0.011})
+        area, _ = quad(force, 0.0, distance, points=[c for c in corners if c < distance] or None, epsabs=1e-14)
+        assert profile.energy(distance) == pytest.approx(area, rel=1e-9)
+    assert profile.force(x).max() <= profile.largest
+    slopes = np.diff(force(np.linspace(0.0, 0.2, 400_001))) / 5e-7
+    assert profile.steepest == pytest.approx(slopes.max(), rel=2e-2)
+
+
+def injected(force, largest, law, peaks):
+    """Share of U(e_M) that a law returns beyond what the profile took, by the rule of Simpson on the equations."""
+    worst = 0.0
+    for peak in peaks:
+        x = np.linspace(0.0, peak, 4001)
+        F = force(x)
+        U = np.append(0.0, np.cumsum(0.5 * (F[1:] + F[:-1]) * x[1]))
+        if law == "A":
+            h = F[-1] / peak * (2.0 * x - peak)
+        else:
+            h = np.clip(U[-1] / (0.5 * peak) ** 2 * (x - 0.5 * peak), -largest, largest)
+        returned = np.append(np.cumsum((0.5 * (h[1:] + h[:-1]) * x[1])[::-1])[::-1], 0.0)
+        worst = max(worst, float(np.max(returned - (U[-1] - U)) / U[-1]))
+    return worst
+
+
+@pytest.mark.parametrize(
+    ("name", "law", "share"),
+    [
+        ("tanh", "A", 0.0),
+        ("tanh", "B", 0.018),
+        ("published tip", "A", 0.23),
+        ("published tip", "B", 0.0),
+        ("published elbow", "A", 0.126),
+        ("published elbow", "B", 0.0),
+        ("saturated", "A", 0.0),
+    ],
+)
+def test_the_energy_that_a_reversal_injects(name, law, share):
+    profile, force = PROFILES[name]
+    peaks = np.unique(
+        np.concatenate([np.geomspace(1e-3, 0.4, 150), np.linspace(0.0100, 0.0110, 60), np.linspace(0.06, 0.066, 60)])
+    )
+    from_equations = injected(force, profile.largest, law, peaks)
+    assert from_equations == pytest.approx(share, abs=0.005)
+    assert profile.injection(law) == pytest.approx(from_equations, abs=0.003)
+
+
+@pytest.mark.parametrize("name", ["published tip", "published elbow"])
+def test_a_profile_that_injects_is_refused_with_the_reason(name):
+    profile, _ = PROFILES[name]
+    with pytest.raises(srs_ik.InvalidController, match="not passive with a published profile: its force over distance"):
+        FractalImpedance("tip", profile)
+    with pytest.raises(srs_ik.InvalidController, match="tanh"):
+        FractalImpedance("tip", TIP, law="B")
+    FractalImpedance("tip", profile, law="B")
+    FractalImpedance("tip", profile, may_inject=True)
+
+
+def test_the_free_response_of_a_linear_spring_is_half_a_cosine():
+    mass, stiffness, start = 3.0, 1000.0, 0.02
+    w = np.sqrt(2.0 * stiffness / mass)
+    dt = np.pi / w / 2000
+    positions = np.empty(2001)
+    entries.free_response(ForceProfile.saturated(stiffness, 1e6).row("A"), mass, start, dt, positions)
+    closed = 0.5 * start * (1.0 + np.cos(w * dt * np.arange(2001)))
+    assert np.abs(positions - closed).max() < 1e-9
+    speed = np.abs(np.diff(positions)) / dt
+    assert speed.max() / speed.mean() == pytest.approx(np.pi / 2.0, rel=1e-5)
+
+
+def test_a_tanh_comes_to_rest_at_the_target_from_any_peak():
+    for start in (0.001, 0.05, 0.5):
+        positions = np.empty(20001)
+        # Law A is linear in the error, whatever the profile: w^2 = 2 F(e_M) / (e_M m).
+        w = np.sqrt(2.0 * float(TIP.force(start)) / start / 3.0)
+        entries.free_response(TIP.row("A"), 3.0, start, np.pi / w / 20000, positions)
+        assert abs(positions[-1]) < 1e-9
+        assert positions.min() > -1e-9
+
+
+@pytest.mark.parametrize("law", ["A", "B", "spring"])
+def test_sampled_motion_is_that_of_a_plain_simulation(law):
+    profile, force = PROFILES["tanh"]
+    mass, start, period, delay, n = 3.0, 0.08, 0.004, 0.0, 400
+    out, state = np.empty((n, 3)), np.zeros(at.STATE)
+    state[at.LAST : at.LAST + 3] = -1.0
+    entries.sampled_response(profile.row(law), state, np.array([mass, start, period, delay]), np.zeros(2), out)
+    x, v, peak, back = start, 0.0, 0.0, False
+    for k in range(n):
+        size = abs(x)
+        back = k > 0 and x * v < 0.0
+        peak = max(size, peak) if back else size
+        pull = float(force(size))
+        if back and law == "A":
+            pull = float(force(peak)) * (2.0 * size / peak - 1.0)
+        elif back and law == "B":
+            U = 50.0**2 / 1000.0 * np.log(np.cosh(1000.0 * peak / 50.0))
+            pull = float(np.clip(U / (0.5 * peak) ** 2 * (size - 0.5 * peak), -50.0, 50.0))
+        h = -np.sign(x) * pull
+        assert out[k] == pytest.approx([x, v, h], rel=1e-6, abs=1e-9)
+        x, v = x + period * v + 0.5 * h / mass * period**2, v + h / mass * period
+
+
+# The arm
+
+
+def reference_torque(arm, forward, q, forces):
+    """Torques of tip force, tip torque and elbow force, by Pinocchio and finite differences of the whole robot."""
+    J = arm.jacobian(q)
+    elbow = np.empty((3, 7))
+    for k in range(7):
+        step = np.zeros(7)
+        step[k] = 1e-6
+        elbow[:, k] = (
+            forward.carried(q + step, 3, arm.limb.elbow) - forward.carried(q - step, 3, arm.limb.elbow)
+        ) / 2e-6
+    return J[:3].T @ forces[0] + J[3:].T @ forces[1] + elbow.T @ forces[2]
+
+
+@pytest.mark.parametrize("per_axis", [False, True])
+@pytest.mark.parametrize("name", arms.here("iiwa14", "gen3", "human_arm", "j2s7s300"))
+def test_torques_are_transposed_jacobians_times_forces_and_weight(name, per_axis):
+    arm, rng = arms.load(name), arms.generator(name, 5)
+    ports = [
+        FractalImpedance(on, profile, per_axis=per_axis)
+        for on, profile in (("tip", TIP), ("orientation", TURN), ("elbow", ELBOW))
+    ]
+    c = TorqueController(arm, ports, max_torque=1e9)
+    data = arm.model.createData()
+    for q, wanted in zip(arms.configurations(name, 20, 1), arms.configurations(name, 20, 2), strict=True):
+        c.set_posture(wanted)
+        tau = c.torque(q, rng.normal(size=7))
+        T, T_wanted = arm.forward_kinematics(q), arm.forward_kinematics(wanted)
+        elbow = [arms.forward(name).carried(x, 3, arm.limb.elbow) for x in (q, wanted)]
+        errors = [
+            T_wanted.translation - T.translation,
+            pin.log3(T_wanted.rotation @ T.rotation.T),
+            elbow[1] - elbow[0],
+        ]
+        forces = []
+        for error, force in zip(errors, (tanh(1000.0, 60.0), tanh(60.0, 12.0), tanh(600.0, 40.0)), strict=True):
+            size = np.linalg.norm(error)
+            forces.append(np.sign(error) * force(np.abs(error)) if per_axis else error / size * force(size))
+        g = pin.computeGeneralizedGravity(arm.model, data, arm.configuration(q))
+        assert tau == pytest.approx(reference_torque(arm, arms.forward(name), q, forces) + g, abs=2e-6)
+        assert c.gravity_torque == pytest.approx(g, abs=1e-9)
+        for reading, error, force in zip(c.readings, errors, forces, strict=True):
+            assert reading.error == pytest.approx(error, abs=1e-9)
+            assert reading.force == pytest.approx(force, abs=1e-6)
+
+
+def test_the_arm_angle_is_pulled_along_its_derivatives():
+    arm = arms.load("iiwa14")
+    c = TorqueController(arm, [FractalImpedance("arm_angle", TURN)], gravity=False)
+    for q in arms.configurations("iiwa14", 50, 3):
+        T = arm.forward_kinematics(q)
+        wanted = arm.arm_angle(q) + 0.3
+        c.set_target(T, arm_angle=wanted)
+        g = arm.arm_angle_jacobian(q)
+        share = min(1.0, 20.0 / np.linalg.norm(g))
+        assert c.torque(q, np.zeros(7)) == pytest.approx(share * g * float(TURN.force(0.3)), rel=1e-6, abs=1e-9)
+
+
+def test_joint_limits_push_back_within_their_zone_alone():
+    arm = arms.load("iiwa14")
+    limits = JointLimits(margin=0.2)
+    c = TorqueController(arm, [], gravity=False, limits=limits)
+    assert np.all(c.torque(np.zeros(7), np.zeros(7)) == 0.0)
+    for k in range(7):
+        for q_k, sign in ((arm.upper[k] - 0.05, -1.0), (arm.lower[k] + 0.05, 1.0)):
+            q = np.zeros(7)
+            q[k] = q_k
+            c.restart()
+            expected = np.zeros(7)
+            expected[k] = sign * 40.0 * np.tanh(300.0 * 0.15 / 40.0)
+            assert c.torque(q, np.zeros(7)) == pytest.approx(expected, rel=1e-9)
+
+
+def test_the_peak_is_the_largest_error_of_the_current_divergence():
+    arm = arms.load("iiwa14")
+    start = np.array([0.1, 0.5, 0.0, -1.2, 0.2, 0.7, 0.0])
+    c = TorqueController(arm, [FractalImpedance("tip", TIP, switch="error")], gravity=False)
+    c.set_posture(start)
+    way = np.array([0.0, 0.05, 0.10, 0.15, 0.12, 0.08, 0.04, 0.06, 0.07, 0.05])
+    sizes, readings = [], []
+    for angle in way:
+        q = start + angle * np.eye(7)[0]
+        c.torque(q, np.zeros(7))
+        readings.append(c.readings[0])
+        sizes.append(np.linalg.norm(arm.forward_kinematics(q).translation - arm.forward_kinematics(start).translation))
+    back = [False, False, False, False, True, True, True, False, False, True]
+    assert [bool(r.converging[0]) for r in readings] == back
+    peaks = [sizes[i] for i in (0, 1, 2, 3, 3, 3, 3, 7, 8, 8)]
+    assert [r.peak[0] for r in readings] == pytest.approx(peaks, abs=1e-12)
+    # Law A brakes below half of the peak.
+    toward = [r.force @ r.error / max(s, 1e-12) for r, s in zip(readings, sizes, strict=True)]
+    assert toward[6] == pytest.approx(float(TIP.force(sizes[3])) * (2.0 * sizes[6] / sizes[3] - 1.0), rel=1e-9)
+    assert toward[6] < 0.0 < toward[4]
+
+
+def bound(arm, q):
+    """Sum of |J'| Fmax over tip, orientation and elbow, for configurations (n, 7)."""
+    J = arm.jacobian_batch(q)
+    to_elbow = np.empty((len(q), 3))
+    for x, point in zip(q, to_elbow, strict=True):
+        entries.elbow_point(arm.packed.family, x, point)
+    to_elbow -= arm.forward_kinematics_batch(q)[:, :3, 3]
+    elbow = J[:, :3] + np.cross(J[:, 3:], to_elbow[:, :, None], axisa=1, axisb=1, axisc=1)
+    elbow[:, :, 3:] = 0.0
+    lengths = (np.linalg.norm(part, axis=1) for part in (J[:, :3], J[:, 3:], elbow))
+    return sum(length * largest for length, largest in zip(lengths, (60.0, 12.0, 40.0), strict=True))
+
+
+def drawn(arm, rng, n):
+    """Random configurations (n, 7); of half of them some joints are at zero, at 180 degrees or at a limit: singular."""
+    q = rng.uniform(-3.2, 3.2, (n, 7))
+    special = np.stack([np.zeros(7), np.full(7, np.pi), np.nan_to_num(arm.lower, neginf=0.0)])
+    chosen = (rng.uniform(size=(n, 7)) < 0.5) & (np.arange(n) % 2 == 0)[:, None]
+    return np.where(chosen, special[rng.integers(0, 3, (n, 7)), np.arange(7)], q)
+
+
+def held_bounded(name, targets, a_target):
+    arm, rng = arms.load(name), arms.generator(name, 9)
+    ports = [FractalImpedance("tip", TIP), FractalImpedance("orientation", TURN), FractalImpedance("elbow", ELBOW)]
+    c = TorqueController(arm, ports, max_torque=np.inf)
+    torques, weights = np.empty((a_target, 7)), np.empty((a_target, 7))
+    for _ in range(targets):
+        T = arm.forward_kinematics(drawn(arm, rng, 2)[0]).homogeneous
+        T[:3, 3] *= rng.choice([0.0, 1.0, 1.3, 1e3])
+        c.set_target(T)
+        q, v = drawn(arm, rng, a_target), rng.normal(size=(a_target, 7)) * 10.0 ** rng.uniform(-3, 5)
+        for i in range(a_target):
+            torques[i], weights[i] = c.torque(q[i], v[i]), c.gravity_torque
+        assert np.isfinite(torques).all()
+        assert (np.abs(torques) <= bound(arm, q) + np.abs(weights) + 1e-9).all()
+
+
+@pytest.mark.parametrize("name", arms.here("iiwa14", "gen3", "human_arm"))
+def test_torques_are_finite_and_bounded_in_every_configuration(name):
+    held_bounded(name, 20, 250)
+
+
+@pytest.mark.slow
+def test_a_million_torques_are_finite_and_bounded():
+    held_bounded("iiwa14", 1000, 1000)
+
+
+def test_targets_come_from_solve_and_solve_task():
+    arm = arms.load("iiwa14")
+    ports = [FractalImpedance("tip", TIP), FractalImpedance("orientation", TURN), FractalImpedance("elbow", ELBOW)]
+    c = TorqueController(arm, ports, gravity=False)
+    T = arm.forward_kinematics([0.2, 0.6, -0.3, -1.3, 0.4, 0.9, 0.1])
+    solution = c.set_target(T, arm_angle=0.4)
+    assert solution.arm_angle == pytest.approx(0.4)
+    assert np.abs(c.torque(solution.q, np.zeros(7))).max() < 1e-6
+    task = srs_ik.Task([0.4, 0.2, 0.6], [0, 1, 0], [0, 0, 1])
+    found = c.set_task(task)
+    assert np.abs(c.torque(found.q, np.zeros(7))).max() < 1e-6
+    far = T.homogeneous.copy()
+    far[:3, 3] *= 10.0
+    assert not c.set_target(far)
+    assert np.isfinite(c.torque(found.q, np.zeros(7))).all()
+
+
+def test_a_tick_takes_fifteen_microseconds_at_most():
+    arm = arms.load("iiwa14")
+    ports = [FractalImpedance("tip", TIP), FractalImpedance("orientation", TURN), FractalImpedance("elbow", ELBOW)]
+    c = TorqueController(arm, ports, limits=True)
+    q, v = np.full(7, 0.3), np.full(7, 0.1)
+    c.torque(q, v)
+    best = np.inf
+    for _ in range(10):
+        begin = time.perf_counter()
+        for _ in range(500):
+            c.torque(q, v)
+        best = min(best, (time.perf_counter() - begin) / 500)
+    assert best < 15e-6
+
+
+@pytest.mark.parametrize(
+    ("make", "word"),
+    [
+        (lambda arm: ForceProfile.tanh(-1.0, 2.0), "stiffness"),
+        (lambda arm: ForceProfile.tanh(1.0, float("nan")), "largest"),
+        (lambda arm: ForceProfile.published(800.0, 100.0, 0.08, 0.06), "second error"),
+        (lambda arm: ForceProfile.published(800.0, 10.0, 0.06, 0.08), "below"),
+        (lambda arm: FractalImpedance("hip", TIP), "hip"),
+        (lambda arm: FractalImpedance("tip", TIP, law="C"), "law"),
+        (lambda arm: FractalImpedance("tip", TIP, damping=-1.0), "damping"),
+        (lambda arm: FractalImpedance("tip", 3.0), "ForceProfile"),
+        (lambda arm: TorqueController(arm, ["tip"]), "FractalImpedance"),
+        (lambda arm: TorqueController(arm, [], max_torque=-1.0), "max_torque"),
+        (lambda arm: TorqueController(arms.load("made_near"), []), "masses"),
+        (lambda arm: TorqueController(arm, []).torque(np.full(7, np.nan), np.zeros(7)), "q"),
+        (lambda arm: TorqueController(arm, []).torque(np.zeros(7), np.full(7, np.inf)), "speeds"),
+        (lambda arm: TorqueController(arm, []).torque(np.zeros(6), np.zeros(7)), "7 joint angles"),
+    ],
+)
+def test_wrong_input_is_named_in_one_line(make, word):
+    with pytest.raises((srs_ik.InvalidController, srs_ik.InvalidConfiguration), match=word) as caught:
+        make(arms.load("iiwa14"))
+    assert "\n" not in str(caught.value)

@@ -1,0 +1,101 @@
+"""Making maps: killed and resumed, by threads and by Dask, within time and memory."""
+
+import hashlib
+import os
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import srs_ik
+from srs_ik.maps import build_map
+from srs_ik.maps.store import Store
+
+pytest.importorskip("zarr")
+
+MAKE = """
+import sys
+import srs_ik
+if __name__ == "__main__":
+    srs_ik.build_map(srs_ik.load("human_arm"), 0.04, sys.argv[1], orientations=576, threads=2)
+"""
+
+
+def digests(path: Path) -> dict[str, str]:
+    """Every file of a store, by its content."""
+    return {
+        str(each.relative_to(path)): hashlib.sha256(each.read_bytes()).hexdigest()
+        for each in sorted(path.rglob("*"))
+        if each.is_file()
+    }
+
+
+@pytest.fixture(scope="module")
+def undisturbed(tmp_path_factory):
+    path = tmp_path_factory.mktemp("whole") / "map.zarr"
+    build_map(srs_ik.load("human_arm"), 0.04, path, orientations=576)
+    return path
+
+
+def test_killed_at_any_moment_and_resumed_the_store_is_the_same(undisturbed, tmp_path):
+    path, rng, kills = tmp_path / "map.zarr", np.random.default_rng(36), int(os.environ.get("KILLS", "3"))
+    tasks = len(Store(undisturbed).plan.blocks)
+    assert tasks > 4
+    for _ in range(kills):
+        process = subprocess.Popen([sys.executable, "-c", MAKE, str(path)])
+        limit = time.monotonic() + 120.0
+        while not path.exists() and process.poll() is None and time.monotonic() < limit:
+            time.sleep(0.01)
+        time.sleep(float(rng.uniform(0.0, 1.5)))
+        process.send_signal(signal.SIGKILL)
+        process.wait()
+        done = int((Store(path).records() > 0).sum())
+        assert done <= tasks
+    said = []
+    build_map(srs_ik.load("human_arm"), 0.04, path, orientations=576, progress=lambda *cells: said.append(cells))
+    assert digests(path) == digests(undisturbed)
+    assert said[0][0] > 0 or kills < 3  # what was done is not done again
+    assert said[-1][0] == said[-1][1]
+    assert not list(tmp_path.glob(".*"))
+
+
+def test_threads_give_the_same_checksums(undisturbed, tmp_path):
+    build_map(srs_ik.load("human_arm"), 0.04, tmp_path / "map.zarr", orientations=576, threads=1)
+    assert digests(tmp_path / "map.zarr") == digests(undisturbed)
+
+
+def test_what_is_left_half_written_is_cleared(undisturbed, tmp_path):
+    import shutil
+
+    path = tmp_path / "map.zarr"
+    shutil.copytree(undisturbed, path)
+    shutil.rmtree(path / "done" / "c")
+    (path / "width" / "c" / "0.abc.partial").write_bytes(b"half")
+    (tmp_path / ".map.zarr.abc.partial").mkdir()
+    build_map(srs_ik.load("human_arm"), 0.04, path, orientations=576)
+    assert digests(path) == digests(undisturbed)
+    assert not (tmp_path / ".map.zarr.abc.partial").exists()
+
+
+@pytest.mark.parametrize("workers", [1, 2])
+def test_dask_workers_give_the_same_checksums(undisturbed, tmp_path, workers):
+    distributed = pytest.importorskip("dask.distributed")
+    path = tmp_path / "map.zarr"
+    options = {"n_workers": workers, "threads_per_worker": 1, "dashboard_address": None}
+    with distributed.LocalCluster(**options) as cluster, distributed.Client(cluster) as client:
+        build_map(srs_ik.load("human_arm"), 0.04, path, client, orientations=576)
+    assert digests(path) == digests(undisturbed)
+
+
+def test_memory_is_bounded(tmp_path):
+    code = MAKE.replace('"human_arm"), 0.04', '"iiwa14"), 0.05').replace("576", "2304") + (
+        "    import resource\n    print(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024)\n"
+    )
+    for _ in range(2):  # the first run may compile, which takes memory of its own
+        done = subprocess.run([sys.executable, "-c", code, str(tmp_path / "m.zarr")], capture_output=True, text=True)
+        (tmp_path / "m.zarr").rename(tmp_path / f"{time.monotonic()}.zarr")
+    assert float(done.stdout.split()[-1]) < 300.0

@@ -1,0 +1,289 @@
+"""Maps: arcs of yaw against turned poses, cells against Pinocchio, volumes against closed forms; stores and exports."""
+
+import base64
+import json
+import shutil
+import xml.etree.ElementTree as ET
+
+import arms
+import numpy as np
+import pinocchio as pin
+import pytest
+from oracles import random_limb
+
+import srs_ik
+from srs_ik.maps import build_map, cloud, combine, compare, estimate, open_map, to_numpy, to_reuleaux, to_vtk, yaw_arcs
+from srs_ik.maps.plan import YAW
+from srs_ik.maps.tasks import in_base
+from srs_ik.robot import changes
+
+pytest.importorskip("zarr")
+
+TURN = 2.0 * np.pi
+
+
+def limited(arm, **limits):
+    """The arm with other limits, joint_k=(lower, upper)."""
+    given = {arm.joint_names[int(k[-1]) - 1]: {"lower": a, "upper": b} for k, (a, b) in limits.items()}
+    return arm._again(changes.within_limits(arm._chain, given), arm.limb.reference, arm.hand)
+
+
+def about_axis_1(arm, T, yaw):
+    """A pose turned about the axis of joint 1."""
+    R, point = pin.exp3(arm.limb.axes[0] * yaw), arm.limb.points[0]
+    turned = np.eye(4)
+    turned[:3, :3], turned[:3, 3] = R @ T[:3, :3], point + R @ (T[:3, 3] - point)
+    return turned
+
+
+def is_in(arcs, yaw, room=0.0):
+    return bool(((yaw - arcs[:, 0] + room) % TURN <= arcs[:, 1] + 2.0 * room).any())
+
+
+def check_arcs(arm, poses, rng):
+    """Every pose is in its arcs, turned or not; inside an arc it is reached, outside it is not."""
+    arcs = yaw_arcs(arm, poses)
+    yaws = rng.uniform(-np.pi, np.pi, len(poses))
+    for each, pose in zip(arcs, poses, strict=True):
+        assert is_in(each, 0.0, 1e-9), (each, pose)
+    # So close to an end, rounding decides.
+    clear = [is_in(a, y, 1e-7) == is_in(a, y, -1e-7) for a, y in zip(arcs, yaws, strict=True)]
+    assert np.mean(clear) > 0.99
+    reached = arm.reachable_batch([about_axis_1(arm, T, y) for T, y in zip(poses, yaws, strict=True)])
+    inside = [is_in(a, y) for a, y in zip(arcs, yaws, strict=True)]
+    np.testing.assert_array_equal(np.array(inside)[clear], reached[clear])
+    return np.mean([a[:, 1].sum() for a in arcs]) / TURN
+
+
+@pytest.mark.parametrize("name", arms.EXACT)
+def test_arcs_of_yaw_are_those_of_turned_poses(name):
+    forward, rng = arms.forward(name), arms.generator(name, 30)
+    check_arcs(arms.load(name), [forward(q).homogeneous for q in arms.configurations(name, 300, 31)], rng)
+
+
+@pytest.mark.parametrize(("lower", "upper"), [(-0.3, 0.5), (1.0, 1.6), (-9.0, -2.0), (-2.0, 9.0)])
+def test_arcs_of_yaw_follow_the_limits_of_joint_1(lower, upper):
+    arm = limited(srs_ik.load("iiwa14"), joint_1=(lower, upper))
+    arm = arm.with_tool(srs_ik.pose_from_xyz_rpy([0.1, 0.05, 0.2], [0.4, 1.0, -0.3]))
+    arm = arm.with_base(srs_ik.pose_from_xyz_rpy([0.4, -0.3, 0.9], [0.2, 2.0, 0.7]))
+    rng = np.random.default_rng(32)
+    Q = rng.uniform(arm.lower, arm.upper, (400, 7))
+    covered = check_arcs(arm, [arm.forward_kinematics(q).homogeneous for q in Q], rng)
+    assert covered < 1.0 or upper - lower > TURN
+
+
+@pytest.mark.parametrize("name", ["made_near", "gen3"])
+def test_arcs_of_yaw_of_near_arms(name):
+    arm, rng = limited(arms.load(name), joint_1=(-1.0, 1.5)), arms.generator(name, 33)
+    Q = rng.uniform(np.maximum(arm.lower, -np.pi), np.minimum(arm.upper, np.pi), (15, 7))
+    assert check_arcs(arm, [arm.forward_kinematics(q).homogeneous for q in Q], rng) < 1.0
+
+
+@pytest.mark.parametrize("seed", range(12))
+def test_arcs_of_yaw_of_any_axes_and_limits(seed):
+    case = random_limb(seed, pattern=("coordinate", "tilted", "oblique")[seed % 3], limits="usual")
+    arm = srs_ik.load(case.model, base="base", tip="tool")
+    check_arcs(arm, [arm.forward_kinematics(case.configuration()).homogeneous for _ in range(60)], case.rng)
+
+
+def test_arcs_of_yaw_at_a_singular_shoulder_hold_every_split():
+    # With joint 2 at zero only the sum of joints 1 and 3 counts, so the arc holds the ranges of both.
+    arm = limited(srs_ik.load("iiwa14"), joint_1=(-0.4, 0.4), joint_3=(-0.5, 0.7))
+    for q in ([0.1, 0.0, 0.3, -1.2, 0.4, 0.8, 0.2], [-0.4, 0.0, -0.5, 1.3, -0.4, 0.5, 0.1]):
+        T = arm.forward_kinematics(q).homogeneous
+        (arcs,) = yaw_arcs(arm, [T])
+        for q1 in (-0.4, 0.0, 0.4):
+            for q3 in (-0.5, 0.1, 0.7):
+                assert is_in(arcs, q1 + q3 - q[0] - q[2], 1e-9)
+
+
+@pytest.fixture(scope="module")
+def made(tmp_path_factory):
+    """A coarse map of an arm whose joint 1 is limited, and the arm."""
+    arm = limited(srs_ik.load("iiwa14"), joint_1=(-1.5, 1.0))
+    path = tmp_path_factory.mktemp("maps") / "half.zarr"
+    return build_map(arm, 0.15, path, orientations=144, measures=["margin"]), arm
+
+
+def test_cells_are_what_the_arm_answers_at_their_poses(made):
+    chart, arm = made
+    rng, plan = np.random.default_rng(34), chart.plan
+    rotations = in_base(plan).reshape(-1, 3, 3)
+    values = {name: chart.measure(name) for name in chart.store.names}
+    free = limited(arm, joint_1=(-np.inf, np.inf))
+    worst, empty = 0.0, 0
+    for _ in range(300):
+        at = tuple(int(rng.integers(n)) for n in values["reached"].shape)
+        T = np.eye(4)
+        T[:3, :3], T[:3, 3] = rotations[at[-1]], plan.grid.points([slice(i, i + 1) for i in at[:-1]])[0]
+        intervals = free.intervals(T)
+        assert values["pieces"][at] == len(intervals)
+        assert values["branches"][at] == sum(1 << b for b in {i.branch for i in intervals})
+        assert values["width"][at] == pytest.approx(sum(i.width for i in intervals), rel=1e-6)
+        assert values["widest"][at] == pytest.approx(max((i.width for i in intervals), default=0.0), rel=1e-6)
+        arcs = values[YAW][at]
+        for start, width in arcs[arcs[:, 1] > 0.0]:
+            for share in (1e-6, 0.5, 1.0 - 1e-6):
+                turned = about_axis_1(arm, T, start + share * width)
+                solution = arm.solve(turned)
+                assert solution
+                worst = max(worst, *arm.verify(turned, solution.q))
+        if not len(intervals):
+            empty += 1
+            assert not any(arm.solve(about_axis_1(arm, T, yaw)) for yaw in (-2.0, 0.0, 2.0))
+    assert worst < 1e-9
+    assert 20 < empty < 280
+
+
+def test_no_configuration_is_missed_by_an_exact_query_nor_far_from_a_reached_cell(made):
+    chart, arm = made
+    Q = np.random.default_rng(35).uniform(arm.lower, arm.upper, (500, 7))
+    poses = np.array([arm.forward_kinematics(q).homogeneous for q in Q])
+    assert chart.query(poses, exact=True).reached.all()
+    rough = chart.query(poses)
+    assert rough.inside.all()
+    assert rough.reached.mean() > 0.6  # cells of 0.15 m and half a radian
+    assert (rough.measures["width"][~rough.reached] == 0.0).all()
+
+
+def test_a_box_says_what_the_half_plane_says(made, tmp_path):
+    _, arm = made
+    chart = build_map(arm, 0.2, tmp_path / "box.zarr", orientations=72, box=[[0.1, 0.7], [-0.5, 0.4], [0.2, 0.9]])
+    assert chart.plan.grid.shape == (4, 5, 4)
+    points = chart.plan.grid.points([slice(0, n) for n in chart.plan.grid.shape])
+    T = np.tile(np.eye(4), (len(points), 72, 1, 1))
+    T[..., :3, 3], T[..., :3, :3] = points[:, None], in_base(chart.plan).reshape(-1, 3, 3)
+    reached = chart.measure("reached").ravel() > 0
+    assert 0.05 < reached.mean() < 0.95
+    expected = [is_in(arcs, 0.0) if len(arcs) else False for arcs in yaw_arcs(arm, T.reshape(-1, 4, 4))]
+    np.testing.assert_array_equal(reached, expected)
+
+
+def test_the_shell_of_an_elbow_alone_has_its_volume(tmp_path):
+    arm = srs_ik.load("iiwa14")
+    arm = limited(arm, **{f"joint_{k}": (-np.inf, np.inf) for k in (1, 2, 3, 5, 6, 7)}, joint_4=(-1.9, 1.2))
+    wrist = np.linalg.inv(arm.limb.T_base_tip_zero) @ np.append(arm.limb.wrist, 1.0)
+    arm = arm.with_tool(srs_ik.pose_from_xyz_rpy(wrist[:3], [0.0, 0.0, 0.0]))
+    a, b = arm.limb.upper_arm, arm.limb.forearm
+    inner = np.sqrt(a * a + b * b + 2.0 * a * b * np.cos(1.9))
+    exact = 4.0 / 3.0 * np.pi * ((a + b) ** 3 - inner**3)
+    errors = []
+    for step in (0.1, 0.05, 0.025):
+        chart = build_map(arm, step, tmp_path / f"{step}.zarr", orientations=12)
+        rho = chart.plan.grid.centres(0)
+        volume = (chart.mean("reached") * TURN * rho[:, None] * step**2).sum()
+        errors.append(abs(volume / exact - 1.0))
+        assert np.isin(chart.mean("reached"), [0.0, 1.0]).all()
+    assert errors[-1] < 0.01
+    assert errors[-1] < errors[0]
+
+
+def test_an_unlimited_joint_1_has_whole_circles():
+    arm = srs_ik.load("gen3")
+    (arcs,) = yaw_arcs(arm, [arm.forward_kinematics(np.full(7, 0.5))])
+    np.testing.assert_allclose(arcs, [[-np.pi, TURN]])
+
+
+def test_a_checked_map_is_right_and_a_damaged_one_is_not(made, tmp_path):
+    chart, arm = made
+    found = chart.verify(400)
+    assert found
+    assert found.cells == 400
+    assert found.rebuilt > 50
+    copy = tmp_path / "copy.zarr"
+    shutil.copytree(chart.path, copy)
+    chunk = max((copy / "width" / "c").rglob("*"), key=lambda p: p.stat().st_size if p.is_file() else -1)
+    data = bytearray(chunk.read_bytes())
+    data[len(data) // 2] ^= 0xFF
+    chunk.write_bytes(bytes(data))
+    again = open_map(copy, arm).verify(100) if _readable(copy, arm) else None
+    assert again is None or (not again and again.damaged)
+
+
+def _readable(path, arm):
+    try:
+        open_map(path, arm).measure("width")
+    except Exception:
+        return False
+    return True
+
+
+def test_a_store_of_another_robot_is_refused(made):
+    chart, arm = made
+    other = arm.with_tool(srs_ik.pose_from_xyz_rpy([0.0, 0.0, 0.01], [0.0, 0.0, 0.0]))
+    with pytest.raises(srs_ik.InvalidMap, match="another robot"):
+        open_map(chart.path, other)
+    with pytest.raises(srs_ik.InvalidMap, match="map of another robot"):
+        build_map(other, 0.15, chart.path, orientations=144, measures=["margin"])
+    with pytest.raises(srs_ik.InvalidMap, match="another grid"):
+        build_map(arm, 0.2, chart.path, orientations=144, measures=["margin"])
+    with pytest.raises(srs_ik.InvalidMap, match="holds no map"):
+        open_map(chart.path.parent)
+    with pytest.raises(srs_ik.InvalidMap, match="did you mean 'margin'"):
+        build_map(arm, 0.2, "x.zarr", measures=["margins"])
+    with pytest.raises(srs_ik.InvalidMap, match="step of a map"):
+        build_map(arm, 0.0, "x.zarr")
+
+
+def test_maps_of_two_tools_are_compared_and_of_two_places_combined(made, tmp_path):
+    _, arm = made
+    box = [[-0.3, 0.6], [-0.6, 0.6], [0.2, 0.8]]
+    moved = arm.with_base(srs_ik.pose_from_xyz_rpy([0.1, 0.2, 0.0], [0.0, 0.0, 1.0]))
+    a = build_map(arm, 0.3, tmp_path / "a.zarr", orientations=72, box=box)
+    b = build_map(moved, 0.3, tmp_path / "b.zarr", orientations=72, box=box)
+    first, second = a.measure("reached") > 0, b.measure("reached") > 0
+    found = compare(a, b)
+    assert found.both == pytest.approx((first & second).mean())
+    assert found.first == pytest.approx((first & ~second).mean())
+    assert found.second == pytest.approx((second & ~first).mean())
+    both = combine(a, b, tmp_path / "both.zarr")
+    np.testing.assert_array_equal(both.measure("reached") > 0, first | second)
+    np.testing.assert_array_equal(both.measure("width"), np.maximum(a.measure("width"), b.measure("width")))
+
+
+def test_exports_hold_what_the_map_holds(made, tmp_path):
+    chart, _ = made
+    to_numpy(chart, tmp_path / "m.npz")
+    with np.load(tmp_path / "m.npz") as arrays:
+        np.testing.assert_array_equal(arrays["width"], chart.measure("width"))
+    points, share = cloud(chart)
+    assert (share > 0.0).all()
+    to_vtk(chart, tmp_path / "m.vti")
+    image = ET.parse(tmp_path / "m.vti").getroot().find("ImageData")
+    shape = [int(n) + 1 for n in image.get("WholeExtent").split()[1::2]]
+    data = base64.b64decode(image.find(".//DataArray").text)
+    assert int(np.frombuffer(data[:8], "<u8")[0]) == len(data) - 8
+    values = np.frombuffer(data[8:], "<f4").reshape(shape[::-1])
+    origin, spacing = ([float(x) for x in image.get(k).split()] for k in ("Origin", "Spacing"))
+    for point, value in zip(points[::50], share[::50], strict=True):
+        x, y, z = np.rint((point - origin) / spacing).astype(int)
+        assert values[z, y, x] == pytest.approx(value, abs=1e-6)
+    h5py = pytest.importorskip("h5py")
+    to_reuleaux(chart, tmp_path / "m.h5", step=0.5)
+    with h5py.File(tmp_path / "m.h5") as file:
+        spheres, poses = file["Spheres/sphere_dataset"][...], file["Poses/poses_dataset"][...]
+        assert file["Spheres/sphere_dataset"].attrs["Resolution"] == pytest.approx(0.5)
+    assert spheres.shape[1:] == (4,)
+    assert len(poses) == round((spheres[:, 3] / 100.0 * len(chart.plan.orientations)).sum())
+    np.testing.assert_allclose(np.linalg.norm(poses[:, 6:], axis=1), 1.0)
+
+
+def test_xarray_opens_a_map_as_it_is(made):
+    xarray = pytest.importorskip("xarray")
+    chart, _ = made
+    opened = xarray.open_zarr(chart.path, consolidated=False)
+    np.testing.assert_allclose(opened.width.sel(rho=0.2, z=0.1, method="nearest").values, _at(chart, 0.2, 0.1))
+    assert json.loads(json.dumps(opened.attrs["srs_ik"]))["robot"]["name"] == "iiwa14"
+
+
+def _at(chart, rho, z):
+    i, j = (int(np.argmin(np.abs(chart.plan.grid.centres(k) - x))) for k, x in enumerate((rho, z)))
+    return chart.measure("width")[i, j]
+
+
+def test_an_estimate_counts_the_cells_that_are_made(made):
+    chart, arm = made
+    found = estimate(arm, 0.15, orientations=144, measures=["margin"])
+    assert found.cells == chart.plan.cells
+    assert found.tasks == len(chart.plan.blocks)
+    assert 0.0 < found.seconds < 100.0

@@ -1,0 +1,143 @@
+"""Reachability of many poses, and places for a base: against Pinocchio, brute force and other ways to ask."""
+
+import arms
+import numpy as np
+import pinocchio as pin
+import pytest
+from oracles import random_limb
+from scipy.optimize import least_squares
+
+import srs_ik
+
+ROOM = np.array([0.3, 0.3, 0.4])
+UP = np.array([0.0, 0.0, 0.5])
+
+
+def poses_around(arm, count, rng, size=0.9):
+    """Random poses in a cube about the shoulder: some are reached, some not."""
+    T = np.tile(np.eye(4), (count, 1, 1))
+    for each in T:
+        each[:3, :3] = pin.Quaternion(*_unit(rng.normal(size=4))).matrix()
+        each[:3, 3] = arm.limb.shoulder + size * (arm.limb.upper_arm + arm.limb.forearm) * rng.uniform(-1.0, 1.0, 3)
+    return T
+
+
+def _unit(v):
+    return v / np.linalg.norm(v)
+
+
+@pytest.mark.parametrize("name", arms.EVERY)
+def test_no_pose_of_a_configuration_inside_the_limits_is_missed(name):
+    forward, count = arms.forward(name), 40 if name in arms.NEAR else 400
+    poses = [forward(q).homogeneous for q in arms.configurations(name, count, 19)]
+    assert arms.load(name).reachable_batch(poses).all()
+
+
+@pytest.mark.parametrize("name", arms.EXACT)
+def test_poses_of_configurations_on_limits_are_not_missed(name):
+    arm, forward, rng = arms.load(name), arms.forward(name), arms.generator(name, 20)
+    Q = arms.configurations(name, 300, 21)
+    for q in Q:
+        for joint in rng.choice(7, rng.integers(1, 4), replace=False):
+            limit = (arm.lower, arm.upper)[rng.integers(2)][joint]
+            q[joint] = limit if np.isfinite(limit) else q[joint]
+    poses = [forward(q).homogeneous for q in Q]
+    reached = arm.reachable_batch(poses)
+    assert reached.mean() > 0.99  # wrists of human_right are singular on their limits: rounding takes postures away
+    assert not any(arm.solve(poses[i]) for i in np.flatnonzero(~reached))
+
+
+@pytest.mark.parametrize("name", ["iiwa14", "human_arm", "made_bent", "gen3"])
+def test_reached_is_what_has_an_interval(name):
+    arm = arms.load(name)
+    poses = poses_around(arm, 300 if name in arms.NEAR else 3000, arms.generator(name, 22))
+    reached = arm.reachable_batch(poses)
+    assert 0.02 < reached.mean() < 0.98
+    np.testing.assert_array_equal(reached, arm.intervals_batch(poses).counts > 0)
+
+
+@pytest.mark.parametrize("seed", range(8))
+def test_limbs_with_any_axes_and_limits(seed):
+    case = random_limb(seed, limits="mixed")
+    arm = srs_ik.load(case.model, base="base", tip="tool")
+    poses = [arm.forward_kinematics(case.configuration()) for _ in range(30)]
+    assert arm.reachable_batch(poses).all()
+
+
+def test_what_is_not_reached_no_other_solver_finds():
+    arm, rng = srs_ik.load("iiwa14"), np.random.default_rng(23)
+    poses = poses_around(arm, 60, rng, size=0.6)
+    missed = poses[~arm.reachable_batch(poses)][:6]
+    assert len(missed) == 6
+    for T in missed:
+        for _ in range(15):
+            start = rng.uniform(arm.lower, arm.upper)
+            found = least_squares(_error, start, args=(arm, pin.SE3(T)), bounds=(arm.lower, arm.upper), xtol=1e-12)
+            assert np.sqrt(2.0 * found.cost) > 1e-6
+
+
+def _error(q, arm, T):
+    return pin.log6(arm.forward_kinematics(q).actInv(T)).vector
+
+
+def test_threads_and_wrong_input():
+    arm = srs_ik.load("iiwa14")
+    poses = poses_around(arm, 1000, np.random.default_rng(24))
+    np.testing.assert_array_equal(arm.reachable_batch(poses, threads=1), arm.reachable_batch(poses, threads=2))
+    assert arm.reachable_batch(np.empty((0, 4, 4))).shape == (0,)
+    poses[7, 0, 0] = np.nan
+    with pytest.raises(srs_ik.InvalidPose, match="7 of 1000"):
+        arm.reachable_batch(poses)
+
+
+def task_and_places(rng, poses=12, places=40):
+    T_room_tip = np.tile(np.eye(4), (poses, 1, 1))
+    for each in T_room_tip:
+        each[:3, :3] = pin.Quaternion(*_unit(rng.normal(size=4))).matrix()
+        each[:3, 3] = rng.uniform(-ROOM, ROOM) + UP
+    T_room_base = np.tile(np.eye(4), (places, 1, 1))
+    for each in T_room_base:
+        each[:3, :3] = pin.rpy.rpyToMatrix(0.0, 0.0, rng.uniform(-3.0, 3.0))
+        each[:2, 3] = rng.uniform(-1.0, 1.0, 2)
+    return T_room_tip, T_room_base
+
+
+@pytest.mark.parametrize("by", ["share", "width", "margin", "manipulability"])
+def test_places_are_ranked_by_what_the_moved_arm_answers(by):
+    arm = srs_ik.load("iiwa14")
+    T_room_tip, T_room_base = task_and_places(np.random.default_rng(25), 6, 10)
+    found = srs_ik.base_placement(arm, T_room_tip, T_room_base, by=by)
+    for i, T in enumerate(T_room_base):
+        there = arm.with_base(T)
+        solutions = [there.solve(pose) for pose in T_room_tip]
+        np.testing.assert_array_equal(found.reached[i], [bool(s) for s in solutions])
+        expected = np.mean(
+            [_value(there, pose, s, by) if s else 0.0 for pose, s in zip(T_room_tip, solutions, strict=True)]
+        )
+        assert found.value[i] == pytest.approx(expected, rel=1e-6, abs=1e-9)
+    ranked = [(found.value[each.candidate], found.share[each.candidate]) for each in found]
+    assert ranked == sorted(ranked, reverse=True)
+    np.testing.assert_array_equal(found.best, T_room_base[next(iter(found)).candidate])
+
+
+def _value(arm, pose, solution, by):
+    if by == "share":
+        return 1.0
+    if by == "width":
+        return sum(interval.width for interval in arm.intervals(pose))
+    if by == "margin":
+        half = 0.5 * (arm.upper - arm.lower)
+        return np.min(1.0 - np.abs(solution.q - 0.5 * (arm.lower + arm.upper)) / half)
+    return arm.optimise(pose, "manipulability").value
+
+
+def test_a_placement_says_what_is_wrong():
+    arm = srs_ik.load("iiwa14")
+    T_room_tip, T_room_base = task_and_places(np.random.default_rng(26), 2, 2)
+    with pytest.raises(srs_ik.InvalidTask, match="did you mean 'margin'"):
+        srs_ik.base_placement(arm, T_room_tip, T_room_base, by="margins")
+    with pytest.raises(srs_ik.InvalidTask, match="one pose and among one candidate"):
+        srs_ik.base_placement(arm, T_room_tip, np.empty((0, 4, 4)))
+    T_room_base[1, :3, :3] *= 2.0
+    with pytest.raises(srs_ik.InvalidPose, match="1 of 2"):
+        srs_ik.base_placement(arm, T_room_tip, T_room_base)

@@ -1,0 +1,254 @@
+"""`Arm.tracker`: limits are kept whatever comes, targets that can be followed are followed, others are come back from.
+
+Limits are checked on differences of the joint angles that come out, and tips by Pinocchio on the robot's own file.
+"""
+
+import copy
+import dataclasses
+
+import arms
+import numpy as np
+import pinocchio as pin
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from motions import KINDS, minimum_jerk, motion, off_target, within
+
+from srs_ik import InvalidConfiguration, InvalidPose, InvalidTask, MissingLimits
+
+DT = 0.002
+ROUNDING = 1e-9
+"""Limits are kept to this, rad, rad/s and rad/s^2."""
+
+FOLLOWED = arms.here("iiwa14", "gen3", "human_arm", "made_near", "j2s7s300", "h1_2_left", "openarm_left")
+
+
+def follow(name, moving, tracker):
+    """(n, 7) joint angles and the steps."""
+    steps = [tracker.update(T) for T in moving]
+    return np.array([step.q for step in steps]), steps
+
+
+def tracker_of(name, q0, **options):
+    arm = arms.load(name)
+    known = np.isfinite(arm.velocity_limit) & (arm.velocity_limit > 0.0)
+    return arm.tracker(q0, DT, np.where(known, arm.velocity_limit, 2.0), **options)
+
+
+def assert_limits_kept(name, q0, q, tracker):
+    arm = arms.load(name)
+    assert np.isfinite(q).all()
+    assert (q >= arm.lower).all()
+    assert (q <= arm.upper).all()
+    from_rest = np.vstack([q0, q0, q])
+    velocity = np.diff(from_rest, axis=0) / DT
+    acceleration = np.diff(velocity, axis=0) / DT
+    assert (np.abs(velocity) <= tracker.velocity_limit + ROUNDING).all()
+    assert (np.abs(acceleration) <= tracker.acceleration_limit + ROUNDING).all()
+
+
+def start(name):
+    """A posture well inside the limits, and bent."""
+    lower, upper = within(arms.load(name))
+    return lower + (upper - lower) * np.array([0.55, 0.6, 0.45, 0.35, 0.6, 0.65, 0.45])
+
+
+@pytest.mark.parametrize("name", FOLLOWED)
+@given(seed=st.integers(0, 10_000), kind=st.sampled_from(KINDS), elbow=st.sampled_from(["keep", 0.5, "limit_margin"]))
+def test_limits_are_kept_whatever_comes(name, seed, kind, elbow):
+    moving = motion(arms.load(name), seed, 0.6, DT, kind, trouble=True)
+    tracker = tracker_of(name, moving.q0, elbow=elbow)
+    q, steps = follow(name, moving.given, tracker)
+    assert_limits_kept(name, moving.q0, q, tracker)
+    for step, target in zip(steps, moving.given, strict=True):
+        assert step.message
+        assert (step.status == "HELD") or target is not None
+
+
+@pytest.mark.parametrize("name", FOLLOWED)
+def test_slow_motions_of_the_hand_are_followed(name):
+    arm, q0 = arms.load(name), start(name)
+    T = arm.forward_kinematics(q0).homogeneous
+    t = DT * np.arange(1000)
+    poses = np.repeat(T[None], len(t), axis=0)
+    ramp = 0.02 * minimum_jerk(t / 1.5)
+    poses[:, :3, 3] += np.stack([ramp * np.sin(t), ramp * np.cos(2.0 * t), ramp], axis=1)
+    tracker = tracker_of(name, q0)
+    q, steps = follow(name, poses, tracker)
+    position, angle = off_target(arms.forward(name), q, poses)
+    assert max(position.max(), angle.max()) < 1e-8
+    assert all(steps)
+    assert steps[-1].joint is None
+    np.testing.assert_allclose(steps[-1].velocity, (q[-1] - q[-2]) / DT, atol=1e-9)
+
+
+def test_a_far_target_is_come_to_in_the_shortest_time_and_without_passing_it():
+    q0 = start("iiwa14")
+    arm = arms.load("iiwa14")
+    goal = q0 + np.array([0.4, 0.1, -0.1, 0.1, 0.2, -0.1, 0.1])
+    tracker = tracker_of("iiwa14", q0)
+    q, steps = follow("iiwa14", [arm.forward_kinematics(goal)] * 1500, tracker)
+    assert_limits_kept("iiwa14", q0, q, tracker)
+    assert steps[-1].status == "OK"
+    position, angle = off_target(arms.forward("iiwa14"), q, [arm.forward_kinematics(goal).homogeneous] * len(q))
+    assert max(position[-1], angle[-1]) < 1e-8
+    arrived = int(np.argmax(position < 1e-3))
+    assert position[arrived:].max() < 5e-3
+
+
+def test_lost_targets_are_expected_to_go_on_and_come_to_rest():
+    arm, q0 = arms.load("iiwa14"), start("iiwa14")
+    T = arm.forward_kinematics(q0).homogeneous
+    tracker = tracker_of("iiwa14", q0)
+    assert tracker.update(None).message == "Waiting for the first target."
+    for k in range(500):
+        T[0, 3] += 1e-4 * min(k / 250.0, 1.0)
+        before = tracker.update(T)
+    assert before.status == "OK"
+    step = tracker.update(None)
+    assert step.status == "HELD"
+    assert "1 update:" in step.message
+    # One sample that is lost is not seen: the tip is where the target is expected.
+    T[0, 3] += 1e-4
+    assert np.linalg.norm(arms.forward("iiwa14")(step.q).translation - T[:3, 3]) < 1e-6
+    for _ in range(1000):
+        step = tracker.update(None)
+    assert np.abs(step.velocity).max() < 1e-4
+    for _ in range(500):
+        step = tracker.update(T)
+    assert step.status == "OK"
+
+
+@pytest.mark.parametrize("name", arms.here("iiwa14", "gen3"))
+def test_out_of_reach_the_arm_stretches_and_comes_back(name):
+    arm, q0 = arms.load(name), start(name)
+    T = arm.forward_kinematics(q0).homogeneous
+    outward = T[:3, 3] - arm.limb.shoulder
+    outward /= np.linalg.norm(outward)
+    tracker = tracker_of(name, q0)
+    t = DT * np.arange(4000)
+    poses = np.repeat(T[None], len(t), axis=0)
+    # Out by 0.9 m, back, and at rest there.
+    poses[:, :3, 3] += 0.9 * (np.sin(np.pi * np.minimum(t / t[3200], 1.0)) ** 2)[:, None] * outward
+    q, steps = follow(name, poses, tracker)
+    assert_limits_kept(name, q0, q, tracker)
+    middle = steps[1600]
+    assert middle.status == "UNREACHABLE"
+    assert "out of reach" in middle.message
+    far = arms.forward(name)(middle.q)
+    assert np.linalg.norm(far.translation - poses[1600, :3, 3]) == pytest.approx(middle.position_error, abs=1e-6)
+    assert steps[-1].status == "OK"
+    position, _ = off_target(arms.forward(name), q[-1:], poses[-1:])
+    assert position[0] < 1e-8
+
+
+def test_what_is_no_pose_holds_the_arm_and_what_has_no_shape_is_refused():
+    arm, q0 = arms.load("iiwa14"), start("iiwa14")
+    tracker = tracker_of("iiwa14", q0)
+    T = arm.forward_kinematics(q0).homogeneous
+    tracker.update(T)
+    for bad in (np.full((4, 4), np.nan), 2.0 * T):
+        step = tracker.update(bad)
+        assert step.status == "HELD"
+        assert "not finite or no rigid transform" in step.message
+        assert np.isfinite(step.q).all()
+    with pytest.raises(InvalidPose, match="4 x 4"):
+        tracker.update(np.zeros(3))
+    assert tracker.update(T).status == "OK"
+
+
+@pytest.mark.parametrize("name", arms.here("iiwa14", "gen3"))
+def test_the_elbow_goes_to_the_arm_angle_that_is_asked_for(name):
+    arm, q0 = arms.load(name), start(name)
+    T = arm.forward_kinematics(q0).homogeneous
+    wanted = arm.arm_angle(q0) + 0.5
+    tracker = tracker_of(name, q0, elbow=wanted)
+    q, steps = follow(name, [T] * 2000, tracker)
+    assert_limits_kept(name, q0, q, tracker)
+    assert all(steps)
+    assert abs(np.sin(arm.arm_angle(q[-1]) - wanted)) < 0.01
+    tracker.elbow = "keep"
+    q, _ = follow(name, [T] * 500, tracker)
+    assert np.ptp(q[-100:], axis=0).max() < 1e-6
+
+
+@pytest.mark.parametrize("name", arms.here("iiwa14", "gen3"))
+def test_the_elbow_follows_an_objective(name):
+    arm, q0 = arms.load(name), start(name)
+    T = arm.forward_kinematics(q0).homogeneous
+    best = arm.optimise(T, "manipulability").value
+    tracker = tracker_of(name, q0, elbow="manipulability")
+    q, steps = follow(name, [T] * 3000, tracker)
+    values = [np.prod(np.linalg.svd(arm.jacobian(each), compute_uv=False)) for each in (q[0], q[-1])]
+    assert all(steps)
+    assert values[1] > values[0]
+    assert values[1] <= best * (1.0 + 1e-9)
+
+
+def test_another_configuration_is_taken_only_when_allowed():
+    rng = np.random.default_rng(1)
+    lower, upper = within(arms.load("iiwa14"), 0.9)
+    held = 0
+    for _ in range(12):
+        q0 = rng.uniform(lower, upper)
+        target = arms.forward("iiwa14")(rng.uniform(lower, upper))
+        tracker = tracker_of("iiwa14", q0)
+        q, steps = follow("iiwa14", [target] * 2000, tracker)
+        assert_limits_kept("iiwa14", q0, q, tracker)
+        if steps[-1].status != "HELD":
+            continue
+        held += 1
+        assert "reconfigure()" in steps[-1].message
+        assert tracker.reconfigure()
+        after, steps = follow("iiwa14", [target] * 3000, tracker)
+        assert_limits_kept("iiwa14", q0, np.vstack([q, after]), tracker)
+        assert steps[-1].status == "OK"
+    assert held
+
+
+@pytest.mark.parametrize(
+    ("options", "error", "words"),
+    [
+        ({"dt": 0.0}, InvalidConfiguration, "dt must be a positive"),
+        ({"q0": np.full(7, 9.0)}, InvalidConfiguration, "outside its limits"),
+        ({"velocity_limit": -1.0}, InvalidConfiguration, "velocity_limit must be a positive"),
+        ({"acceleration_limit": [1.0, 2.0]}, InvalidConfiguration, "acceleration_limit must be a positive"),
+        ({"smoothing": -1.0}, InvalidConfiguration, "smoothing must be"),
+        ({"elbow": "best"}, InvalidTask, "there is no objective 'best'"),
+        ({"elbow": np.inf}, InvalidConfiguration, "arm angle must be a finite"),
+    ],
+)
+def test_wrong_arguments_are_named(options, error, words):
+    arm = arms.load("iiwa14")
+    with pytest.raises(error, match=words):
+        arm.tracker(**{"q0": np.zeros(7), "dt": DT, **options})
+
+
+def test_an_arm_without_velocity_limits_needs_them():
+    arm = copy.copy(arms.load("iiwa14"))
+    arm.packed = dataclasses.replace(arm.packed, velocity_limit=np.full(7, np.inf))
+    with pytest.raises(MissingLimits, match="velocity"):
+        arm.tracker(np.zeros(7), DT)
+    assert arm.tracker(np.zeros(7), DT, velocity_limit=2.0).acceleration_limit == pytest.approx(np.full(7, 10.0))
+
+
+def test_jitter_is_smoothed_without_a_lag():
+    arm, q0 = arms.load("iiwa14"), start("iiwa14")
+    rng = np.random.default_rng(0)
+    T = arm.forward_kinematics(q0).homogeneous
+    ends, roughness = [], []
+    for smoothing in (0.0, 0.1):
+        tracker = tracker_of("iiwa14", q0, smoothing=smoothing)
+        here, off, rough = T.copy(), [], []
+        for k in range(1500):
+            here[1, 3] += 5e-5 * min(k / 300.0, 1.0)
+            shaken = here.copy()
+            shaken[:3, 3] += rng.normal(0.0, 3e-4, 3)
+            shaken[:3, :3] = shaken[:3, :3] @ pin.exp3(rng.normal(0.0, 1e-3, 3))
+            step = tracker.update(shaken)
+            off.append(np.linalg.norm(arms.forward("iiwa14")(step.q).translation - here[:3, 3]))
+            rough.append(np.abs(step.acceleration).mean())
+        ends.append(np.mean(off[1000:]))
+        roughness.append(np.mean(rough[1000:]))
+    assert ends[1] < 5e-4
+    assert roughness[1] < 0.3 * roughness[0]
