@@ -82,5 +82,16 @@ task.posture(family, H, x: float[TASK], given, side, tie, out: float[POSTURE]&)
 task.posture_range(family, H, tasks: float[n, TASK], first, last, given, side, tie, out: float[n, POSTURE]&)
 task.solve_tasks(family, H, tasks: float[n, TASK], first, last, given, side, tie, seeds, respect, J, A, out: float[n,
     TASK_SOLUTION]&)
+collision.forbidden(family, T, bodies: float[r, BODY_ROW], groups: int[g, GROUP], pairs: int[p, 2], slack:
+    float[SLACK], local: float[r, LOCAL_ROW]&, ready: int[g]&, arcs: float[2, MOST_ARCS, 2]&, counts: int[2]&)
+collision.free_intervals(family, T, bodies: float[r, BODY_ROW], groups: int[g, GROUP], pairs: int[p, 2], slack:
+    float[SLACK], local: float[r, LOCAL_ROW]&, ready: int[g]&, found: float[m, 3], n: int, out:
+    float[MOST_INTERVALS, 3]&) -> int
+collision.clearance(family, T, bodies: float[r, BODY_ROW], groups: int[g, GROUP], pairs: int[p, 2], local:
+    float[r, LOCAL_ROW]&, ready: int[g]&, elbow: int, psi, out: float[WIDE]&)
+collision.widest(family, T, bodies: float[r, BODY_ROW], groups: int[g, GROUP], pairs: int[p, 2], local:
+    float[r, LOCAL_ROW]&, ready: int[g]&, found: float[m, 3], n: int, out: float[WIDE]&)
+collision.best_within(family, T, found: float[m, 3], n: int, branch, seed: float[7], seeded: bool, respect, out:
+    float[ROW]&) -> float
 yardstick.transcendental(angles: float[n, 8], out: float[n]&)
 """
