@@ -3,8 +3,6 @@
 Run: python examples/two_arms.py
 """
 
-import numpy as np
-
 import srs_ik
 
 left = srs_ik.load("iiwa14")
@@ -27,8 +25,7 @@ around_right.add_arm("left", left, first.q, pose=T_left_right.inverse())
 T_right_cup = right.forward_kinematics([-0.2, 0.8, -0.1, -1.2, -0.2, 0.9, 0.0])
 free = right.intervals(T_right_cup)
 clear = right.intervals(T_right_cup, scene=around_right, margin=0.01)
-print(
-    f"right: {np.rad2deg(sum(i.width for i in clear)):.0f} of {np.rad2deg(sum(i.width for i in free)):.0f} deg are clear"
-)
+share = sum(i.width for i in clear) / sum(i.width for i in free)
+print(f"right: {100 * share:.0f} % of the arm angles inside the limits are clear")
 second = right.optimise(T_right_cup, "clearance", scene=around_right, margin=0.01)
 print(f"right: {second.message} Nothing is nearer than {1e3 * second.value:.0f} mm.")
