@@ -33,6 +33,8 @@ EVERY_ERROR = [
     (errors.InvalidConfiguration("q has 7 angles"), {}),
     (errors.InvalidController("law A is not passive"), {}),
     (errors.InvalidTask("a direction has no length"), {}),
+    (errors.InvalidScene("a box has no size"), {}),
+    (errors.NoBodies("the description has no shapes"), {}),
     (errors.PreviewError("the preview is closed"), {}),
 ]
 
@@ -56,7 +58,9 @@ def test_messages_are_one_line(error, fields):
     assert "\n" not in str(error)
 
 
-@pytest.mark.parametrize("cls", [errors.InvalidPose, errors.InvalidConfiguration, errors.InvalidTask])
+@pytest.mark.parametrize(
+    "cls", [errors.InvalidPose, errors.InvalidConfiguration, errors.InvalidScene, errors.InvalidTask]
+)
 def test_malformed_input_is_also_a_value_error(cls):
     with pytest.raises(ValueError, match="wrong shape"):
         raise cls("wrong shape")

@@ -41,6 +41,9 @@ def inspect(
     xacro_arg: XacroArg = None,
     allow_xacro: AllowXacro = False,
     write: Write = None,
+    bodies: Annotated[
+        bool, typer.Option("--bodies", help="Show the bodies of the one arm: spheres, and pairs that are watched.")
+    ] = False,
     packed: Packed = None,
     as_json: AsJson = False,
 ) -> None:
@@ -65,6 +68,15 @@ def inspect(
         write_adapter(write, source, load(source, **reading, **chosen), reading["xacro_args"])
         allowed = " --allow-xacro" if names_xacro(write) else ""
         typer.echo(f"srs-ik: wrote {write}; check it, then try 'srs-ik inspect {write}{allowed}'", err=True)
+    answer: dict[str, Any] = {"source": source, "limbs": findings}
+    if bodies and accepted:
+        from srs_ik.cli.scenes import bodies_of, print_bodies
+        from srs_ik.loading import load
+
+        arm = load(source, **reading, **chosen)
+        if srdf is not None:
+            arm = arm.with_bodies(srdf=srdf)
+        answer |= bodies_of(arm)
     if packed is not None and accepted:
         from srs_ik.loading import load
         from srs_ik.solve.packed import limb_file
@@ -73,13 +85,15 @@ def inspect(
         write_whole(packed, limb_file(load(source, **reading, **chosen).packed))
         typer.echo(f"srs-ik: wrote {packed}", err=True)
     if as_json:
-        print_json({"source": source, "limbs": findings})
+        print_json(answer)
     else:
         out = console()
         for i, finding in enumerate(findings):
             if i:
                 out.print()
             _print_finding(out, finding)
+        if bodies and accepted:
+            print_bodies(out, arm)
     if not findings:
         typer.echo(f"srs-ik: {_why_nothing(source, reading)}.", err=True)
     if not accepted:

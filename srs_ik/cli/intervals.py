@@ -10,6 +10,7 @@ import typer
 
 from srs_ik.cli.options import AllowXacro, AsJson, Base, Limb, Source, Tip
 from srs_ik.cli.poses import NoLimits, PoseOfQ, Quat, Rpy, Xyz, read_pose, unit_of
+from srs_ik.cli.scenes import Exact, Margin, SceneFile, read
 
 if TYPE_CHECKING:
     import numpy as np
@@ -29,6 +30,9 @@ def intervals(
     limb: Limb = None,
     allow_xacro: AllowXacro = False,
     no_limits: NoLimits = False,
+    scene: SceneFile = None,
+    margin: Margin = None,
+    exact: Exact = False,
     degrees: Annotated[bool, typer.Option("--degrees", help="Angles are given in degrees (--rpy, --q).")] = False,
     plot: Annotated[
         Path | None, typer.Option(metavar="FILE.png", help="Draw the intervals into this file as well (extra 'plot').")
@@ -45,18 +49,21 @@ def intervals(
 
         check(plot, "--plot")
 
+    around = read(scene, margin, exact)
+
     from srs_ik.loading import load
 
     arm = load(source, base=base, tip=tip, limb=limb, allow_xacro=allow_xacro)
     if pose is None:
         pose = arm.forward_kinematics(configuration).homogeneous
-    found = arm.intervals(pose, respect_limits=not no_limits)
+    found = arm.intervals(pose, respect_limits=not no_limits, **around)
     if as_json:
         _print_json(arm, pose, found)
     elif found:
         _print_table(arm, found)
     if not found:
         where = "no posture" if no_limits else "no posture inside the joint limits"
+        where += " and clear of the scene" if around else ""
         typer.echo(
             f"srs-ik: {where} meets the pose, whatever its arm angle; 'srs-ik solve' says what is left", err=True
         )

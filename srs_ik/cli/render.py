@@ -86,6 +86,8 @@ def fields(solution: Solution) -> dict[str, Any]:
         "position_error": solution.position_error,
         "orientation_error": solution.orientation_error,
     }
+    if solution.collision is not None:
+        answer["collision"] = solution.collision._asdict()
     if isinstance(solution, Optimum):
         within = solution.interval
         answer["objective"] = solution.objective.name

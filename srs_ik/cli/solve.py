@@ -12,6 +12,7 @@ from srs_ik.cli import objective as objectives
 from srs_ik.cli.options import AllowXacro, AsJson, Base, Limb, Seven, Source, Tip, WrongInput
 from srs_ik.cli.pose_file import read_poses
 from srs_ik.cli.poses import JOINTS, NoLimits, PoseOfQ, Quat, Rpy, Xyz, angles, read_pose, unit_of
+from srs_ik.cli.scenes import Exact, Margin, SceneFile, read
 from srs_ik.cli.solve_file import report
 
 if TYPE_CHECKING:
@@ -59,6 +60,9 @@ def solve(
         typer.Option(metavar="JOINTS.csv", help="With --file: write joint angles, radians, and statuses here."),
     ] = None,
     no_limits: NoLimits = False,
+    scene: SceneFile = None,
+    margin: Margin = None,
+    exact: Exact = False,
     degrees: Annotated[
         bool,
         typer.Option("--degrees", help="Angles are given in degrees (--rpy, --q, --arm-angle, --seed, --reference)."),
@@ -92,24 +96,28 @@ def solve(
     else:
         pose, configuration = read_pose(xyz, rpy, quat, q, unit)
 
+    around = read(scene, margin, exact)
+
     from srs_ik.loading import load
 
     arm = load(source, base=base, tip=tip, limb=limb, allow_xacro=allow_xacro)
     if file is not None:
-        solved = arm.solve_batch(poses, arm_angle=angle, seed=start, branch=branch, respect_limits=not no_limits)
+        solved = arm.solve_batch(
+            poses, arm_angle=angle, seed=start, branch=branch, respect_limits=not no_limits, **around
+        )
         report(arm, solved, file, lines, out, as_json)
         return
     if pose is None:
         pose = arm.forward_kinematics(configuration).homogeneous
     if every:
-        found = arm.solve_all(pose, arm_angle=angle, respect_limits=not no_limits)
+        found = arm.solve_all(pose, arm_angle=angle, respect_limits=not no_limits, **around)
         best = found[0] if found.failure is None else found.failure
         solutions = [solution for solution in found if solution]
     else:
         if judged is not None:
-            best = arm.optimise(pose, judged, respect_limits=not no_limits)
+            best = arm.optimise(pose, judged, respect_limits=not no_limits, **around)
         else:
-            best = arm.solve(pose, arm_angle=angle, seed=start, branch=branch, respect_limits=not no_limits)
+            best = arm.solve(pose, arm_angle=angle, seed=start, branch=branch, respect_limits=not no_limits, **around)
         solutions = [best] if best else []
 
     if as_json:

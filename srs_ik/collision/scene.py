@@ -17,7 +17,7 @@ from srs_ik.inputs.poses import PoseLike, as_rigid_matrix
 from srs_ik.kernels.layout import collision as at
 
 if TYPE_CHECKING:
-    from srs_ik.arm import Arm
+    from srs_ik.collision.owner import BodyOwner
 
 Array = NDArray[np.float64]
 
@@ -238,7 +238,7 @@ class Scene:
         self._put(thing)
 
     def add_arm(
-        self, name: str, other: Arm, q: ArrayLike, pose: PoseLike | None = None, beside: Arm | None = None
+        self, name: str, other: BodyOwner, q: ArrayLike, pose: PoseLike | None = None, beside: BodyOwner | None = None
     ) -> None:
         """Add another arm, standing at a posture.
 
@@ -270,6 +270,34 @@ class Scene:
             thing.add(at.SPHERES, rows, ball_of(rows), label)
             thing.parts.append((label, tuple(form.moved(F) for form in body.forms)))
         self._put(thing)
+
+    def add_message(self, message: Any) -> None:
+        """Add what a message of ROS describes, told by its fields alone.
+
+        Args:
+            message: a CollisionObject of moveit_msgs (id, pose, primitives, meshes), or what has a list of them as
+                `collision_objects`, perhaps in a `world`. Frames in headers are not looked at: poses have to be in the
+                base frame.
+
+        Raises:
+            InvalidScene: it is none of these, a name is taken, or figures make no sense.
+        """
+        from srs_ik.collision.scene_files import add_message
+
+        add_message(self, message)
+
+    @classmethod
+    def from_file(cls, file: str | Path, exact: bool = False) -> Scene:
+        """A scene from a JSON or YAML file; see `docs/collisions.md` for what stands in it.
+
+        Raises:
+            InvalidScene: it is no such file; the message says which object is wrong, and how.
+            InvalidRobot: there is no such file, or it cannot be read.
+            MissingExtra: a YAML file, and no reader for it is installed.
+        """
+        from srs_ik.collision.scene_files import read_scene
+
+        return read_scene(file, exact)
 
     def move(self, name: str, pose: PoseLike) -> None:
         """Put an object somewhere else, by the pose of its own frame in the base frame.

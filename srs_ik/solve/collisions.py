@@ -89,6 +89,21 @@ class Surroundings:
         """(n, 3) what bodies leave of the intervals of a pose that keep the limits."""
         return self.free_and_undecided(T, found, respect)[0]
 
+    def all_free(self, T: Array, respect: bool) -> Array:
+        """(n, 3) all free intervals of a pose.
+
+        Raises:
+            InvalidPose: the pose is no finite rigid transform.
+        """
+        family = self.tight[respect]
+        if family is None or self.jammed is not None or (self.scene.exact and self.packed.closed):
+            return self.free(T, self.feasible(T, respect), respect)
+        rows = np.empty((MOST_INTERVALS, 3))
+        count = interval_entries.intervals(family, T, True, *self.packed.work(), rows)
+        if count < 0:
+            raise invalid_pose(-count)
+        return self.by_spheres(T, rows[:count])
+
     def free_and_undecided(self, T: Array, found: Array, respect: bool) -> tuple[Array, float]:
         """The same, and the width of what is counted as forbidden without having been decided, rad."""
         if self.scene.exact and self.packed.closed and len(found):
@@ -172,7 +187,7 @@ class Surroundings:
     def intervals(self, pose: PoseLike, respect: bool) -> list[Interval]:
         """See `Arm.intervals`."""
         T = as_matrix(pose)
-        rows = self.free(T, self.feasible(T, respect), respect)
+        rows = self.all_free(T, respect)
         return [Interval(int(b), float(lower), float(upper)) for b, lower, upper in rows]
 
     def intervals_batch(self, poses: Any, respect: bool, threads: int | None) -> IntervalsBatch:
@@ -182,7 +197,7 @@ class Surroundings:
 
         def work(first: int, last: int) -> None:
             for i in range(first, last):
-                found[i] = self.free(T[i], self.feasible(T[i], respect), respect).copy()
+                found[i] = self.all_free(T[i], respect).copy()
 
         run_in_threads(work, len(T), threads)
         offsets = np.cumsum([0, *(len(rows) for rows in found)])
@@ -246,7 +261,8 @@ class Surroundings:
             if not lower <= angle <= upper:
                 angle = (angle - lower) % (2.0 * np.pi) + lower
             k = min(int(np.searchsorted(each.edges, angle, side="right")) - 1, len(each.bounds) - 1)
-            missing = -float(each.bounds[k])
+            # Of a pair that is proved apart elsewhere, no depth is known.
+            missing = -max(float(each.bounds[k]), -1.0)
             if worst is None or missing > worst.depth:
                 names = self.tables.names
                 worst = Collision(names[each.first], names[each.second], max(missing, 0.0))
@@ -265,13 +281,14 @@ def solve(
     around: Surroundings, T: Array, psi: float | None, near: Array | None, branch: int, respect: bool
 ) -> Solution:
     """The best posture that hits nothing, of one branch or of all (-1), at one arm angle or at all."""
-    every = around.feasible(T, respect)
-    found = _chosen(every, branch, psi)
+    free = _chosen(around.all_free(T, respect), branch, psi)
+    solution = _best(around, T, free, psi, near, respect) if len(free) else None
+    if solution is not None:
+        return solution
+    found = _chosen(around.feasible(T, respect), branch, psi)
     if not len(found):
         return pose_solver.solve(around.packed, T, psi, near, None if branch < 0 else branch, respect)
-    free = _chosen(around.free(T, every, respect), branch, psi)
-    solution = _best(around, T, free, psi, near, respect) if len(free) else None
-    return solution or _hitting(around, T, found, psi, respect)
+    return _hitting(around, T, found, psi, respect)
 
 
 def _chosen(found: Array, branch: int, psi: float | None) -> Array:
@@ -325,7 +342,7 @@ def _hitting(around: Surroundings, T: Array, found: Array, psi: float | None, re
 def solve_all(around: Surroundings, T: Array, psi: float | None, respect: bool) -> Solutions:
     """One posture for every free interval, or those at an arm angle."""
     arm = around.packed
-    free = _chosen(around.free(T, around.feasible(T, respect), respect), -1, psi)
+    free = _chosen(around.all_free(T, respect), -1, psi)
     each = (_best(around, T, row[None], psi, None, respect) for row in free)
     rows = [answer._row for answer in each if answer is not None]
     if rows:
@@ -345,8 +362,7 @@ def optimise(
 ) -> Optimum:
     """See `Arm.optimise`: over what bodies leave, by samples and by closing in on the best; `clearance` certainly."""
     T = as_matrix(pose)
-    every = around.feasible(T, respect)
-    free = around.free(T, every, respect)
+    free = around.all_free(T, respect)
     if isinstance(objective, str) and objective == CLEARANCE:
         if parameters:
             raise InvalidTask(f"objective 'clearance' takes no parameter {next(iter(parameters))!r}")

@@ -11,7 +11,7 @@ import math
 from srs_ik.kernels.collision.forbidden import distance_of, fixed_clearance
 from srs_ik.kernels.collision.seen import is_turning, see_group
 from srs_ik.kernels.jit import kernel
-from srs_ik.kernels.layout.collision import FIRST, KIND, LAST, NO_GROUP, PLANES, RHO, SIZE, WIDE_TOLERANCE, U, X, Y
+from srs_ik.kernels.layout.collision import EXTENT, FIRST, KIND, LAST, NO_GROUP, PLANES, RHO, WIDE_TOLERANCE, U, X, Y
 
 MOST_PARTS = 512
 """Room for the parts of an interval that may hold the largest clearance."""
@@ -24,7 +24,7 @@ def turned_distance(local, i, j, turn):
     u = local[i, U] - local[j, U]
     x = c * local[i, X] - s * local[i, Y] - local[j, X]
     y = s * local[i, X] + c * local[i, Y] - local[j, Y]
-    return math.sqrt(u * u + x * x + y * y) - local[i, SIZE] - local[j, SIZE]
+    return math.sqrt(u * u + x * x + y * y) - local[i, EXTENT] - local[j, EXTENT]
 
 
 @kernel
@@ -37,8 +37,8 @@ def turned_height(world, i, g, turn):
     y = s * local[i, X] + c * local[i, Y]
     best = -math.inf
     for j in range(world.groups[g, FIRST], world.groups[g, LAST]):
-        best = max(best, local[j, U] * u + local[j, X] * x + local[j, Y] * y - local[j, SIZE])
-    return best - local[i, SIZE]
+        best = max(best, local[j, U] * u + local[j, X] * x + local[j, Y] * y - local[j, EXTENT])
+    return best - local[i, EXTENT]
 
 
 @kernel
@@ -106,7 +106,7 @@ def farthest_from_line(world):
     largest = 0.0
     for g in range(world.groups.shape[0]):
         if is_turning(world, g):
-            largest = max(largest, world.local[g, RHO] + world.local[g, SIZE])
+            largest = max(largest, world.local[g, RHO] + world.local[g, EXTENT])
     return largest
 
 

@@ -12,7 +12,7 @@ import math
 from srs_ik.kernels.collision.arcs import add_all, add_arc, add_complement, is_all
 from srs_ik.kernels.collision.seen import is_turning, see_group
 from srs_ik.kernels.jit import kernel
-from srs_ik.kernels.layout.collision import FIRST, KIND, LAST, PLANES, RHO, SIZE, U, X, Y
+from srs_ik.kernels.layout.collision import EXTENT, FIRST, KIND, LAST, PLANES, RHO, U, X, Y
 
 
 @kernel
@@ -38,7 +38,7 @@ def may_meet(local, i, j, more):
     """Whether a turning sphere meets a still one at any arm angle."""
     along = local[i, U] - local[j, U]
     apart = local[i, RHO] - local[j, RHO]
-    reach = local[i, SIZE] + local[j, SIZE] + more
+    reach = local[i, EXTENT] + local[j, EXTENT] + more
     return along * along + apart * apart < reach * reach
 
 
@@ -46,15 +46,15 @@ def may_meet(local, i, j, more):
 def forbid_solid(world, i, g, more, arcs, n, free):
     """Add arcs at which the turning sphere i may meet the convex solid g: where no plane of it is far enough away."""
     local = world.local
-    reach = local[i, SIZE] + more
+    reach = local[i, EXTENT] + more
     u, rho = local[i, U], local[i, RHO]
     first, last = world.groups[g, FIRST], world.groups[g, LAST]
     for j in range(first, last):
-        if local[j, U] * u - rho * local[j, RHO] >= local[j, SIZE] + reach:
+        if local[j, U] * u - rho * local[j, RHO] >= local[j, EXTENT] + reach:
             return n
     count = 0
     for j in range(first, last):
-        level = local[j, SIZE] + reach - local[j, U] * u
+        level = local[j, EXTENT] + reach - local[j, U] * u
         swing = rho * local[j, RHO]
         # Beyond the plane where the cosine is larger than level / swing; nowhere if that is 1 or more.
         if level >= swing:
@@ -71,7 +71,7 @@ def never_meets(world, i, g, more):
     local = world.local
     for j in range(world.groups[g, FIRST], world.groups[g, LAST]):
         swing = local[i, RHO] * local[j, RHO]
-        if local[j, U] * local[i, U] - swing >= local[j, SIZE] + local[i, SIZE] + more:
+        if local[j, U] * local[i, U] - swing >= local[j, EXTENT] + local[i, EXTENT] + more:
             return True
     return False
 
@@ -80,7 +80,7 @@ def never_meets(world, i, g, more):
 def distance_of(local, i, j):
     """Distance of two rows that do not move against each other."""
     u, x, y = local[i, U] - local[j, U], local[i, X] - local[j, X], local[i, Y] - local[j, Y]
-    return math.sqrt(u * u + x * x + y * y) - local[i, SIZE] - local[j, SIZE]
+    return math.sqrt(u * u + x * x + y * y) - local[i, EXTENT] - local[j, EXTENT]
 
 
 @kernel
@@ -89,9 +89,9 @@ def height_over(world, i, g):
     local = world.local
     best = -math.inf
     for j in range(world.groups[g, FIRST], world.groups[g, LAST]):
-        value = local[j, U] * local[i, U] + local[j, X] * local[i, X] + local[j, Y] * local[i, Y] - local[j, SIZE]
+        value = local[j, U] * local[i, U] + local[j, X] * local[i, X] + local[j, Y] * local[i, Y] - local[j, EXTENT]
         best = max(best, value)
-    return best - local[i, SIZE]
+    return best - local[i, EXTENT]
 
 
 @kernel
@@ -115,7 +115,7 @@ def forbid_spheres(world, a, b, more, arcs, n):
         if may_meet(local, i, b, more):
             for j in range(groups[b, FIRST], groups[b, LAST]):
                 if may_meet(local, i, j, more):
-                    n = forbid_sphere(local, i, j, local[i, SIZE] + local[j, SIZE] + more, arcs, n)
+                    n = forbid_sphere(local, i, j, local[i, EXTENT] + local[j, EXTENT] + more, arcs, n)
     return n
 
 

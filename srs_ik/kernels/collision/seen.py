@@ -9,6 +9,7 @@ from srs_ik.kernels.algebra.vectors import apply, cross, dot, load3, rotation, s
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.collision import (
     BASE,
+    EXTENT,
     FIRST,
     FORE,
     KIND,
@@ -16,7 +17,6 @@ from srs_ik.kernels.layout.collision import (
     PLACE,
     PLANES,
     RHO,
-    SIZE,
     TIP,
     UPPER,
     U,
@@ -81,7 +81,7 @@ def see(world, i, frame, shift):
     local[i, X] = v[1] + b[1]
     local[i, Y] = v[2] + b[2]
     local[i, RHO] = math.sqrt(local[i, X] * local[i, X] + local[i, Y] * local[i, Y])
-    local[i, SIZE] = bodies[i, 3] + shift
+    local[i, EXTENT] = bodies[i, 3] + shift
 
 
 @kernel
@@ -92,7 +92,7 @@ def see_plane(world, i, frame):
     v = apply(M, (bodies[i, 0], bodies[i, 1], bodies[i, 2]))
     local[i, U], local[i, X], local[i, Y] = v
     local[i, RHO] = math.sqrt(v[1] * v[1] + v[2] * v[2])
-    local[i, SIZE] = bodies[i, 3] + dot(v, b)
+    local[i, EXTENT] = bodies[i, 3] + dot(v, b)
 
 
 @kernel

@@ -36,7 +36,7 @@ U = 0
 X = 1
 Y = 2
 RHO = 3
-SIZE = 4
+EXTENT = 4
 LOCAL_ROW = 5
 
 MOST_ARCS = 128

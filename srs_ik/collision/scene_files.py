@@ -1,0 +1,157 @@
+"""Scenes from files, and objects from messages of ROS, told by their fields alone."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from srs_ik.collision.scene import Scene
+from srs_ik.collision.sphere_files import read_tree_of
+from srs_ik.errors import InvalidPose, InvalidScene, did_you_mean, listed, quoted
+from srs_ik.inputs.messages import pose_matrix
+from srs_ik.inputs.rotations import pose_from_xyz_quaternion, pose_from_xyz_rpy
+from srs_ik.robot.description.files import label_of
+
+Array = NDArray[np.float64]
+
+KINDS = ("sphere", "box", "cylinder", "capsule", "mesh", "points", "half_space")
+
+_ORIGIN = (0.0, 0.0, 0.0)
+
+_BOX, _SPHERE, _CYLINDER = 1, 2, 3
+"""Types of shape_msgs/SolidPrimitive."""
+
+
+def read_scene(file: str | Path, exact: bool = False) -> Scene:
+    """A scene from a JSON or YAML file.
+
+    The file holds ``objects``, a list, and perhaps a ``margin`` and ``exact``. Each object has a ``name``, one kind
+    with its figures (``sphere: radius``, ``box: [x, y, z]``, ``cylinder: [radius, length]``, ``mesh: FILE``,
+    ``capsule: [radius, length]``, ``points: FILE or list`` with ``radius``, ``half_space: normal``), and its place:
+    ``xyz`` with ``rpy`` or ``quat`` (x, y, z, w).
+
+    Args:
+        file: the file; meshes and points are named relative to it.
+        exact: see `Scene`; true if the file says so, too.
+
+    Raises:
+        InvalidScene: it is no such file; the message says which object is wrong, and how.
+        InvalidRobot: there is no such file, or it cannot be read.
+        MissingExtra: a YAML file, and no reader for it is installed.
+    """
+    path = Path(file)
+    content = read_tree_of(path)
+    where = label_of(path)
+    if not isinstance(content, Mapping) or not isinstance(content.get("objects"), Sequence):
+        raise InvalidScene(f"{where} holds no scene: objects must be a list")
+    try:
+        scene = Scene(exact or bool(content.get("exact", False)), content.get("margin", 0.0))
+        for k, each in enumerate(content["objects"]):
+            _add(scene, each, f"object {k + 1}", path.parent)
+    except InvalidScene as error:
+        raise InvalidScene(f"{where}: {error}") from None
+    return scene
+
+
+def _add(scene: Scene, each: Any, where: str, folder: Path) -> None:
+    if not isinstance(each, Mapping):
+        raise InvalidScene(f"{where} is no mapping with a name")
+    name = each.get("name", where)
+    known = {"name", "xyz", "rpy", "quat", "radius", "scale", *KINDS}
+    for key in each:
+        if key not in known:
+            raise InvalidScene(f"{quoted(name)} has {quoted(key)}{did_you_mean(str(key), known)}, which nothing reads")
+    kinds = [kind for kind in KINDS if kind in each]
+    if len(kinds) != 1:
+        raise InvalidScene(f"{quoted(name)} must be one of {listed(KINDS)}")
+    (kind,) = kinds
+    figure = each[kind]
+    T = _pose(each, name)
+    if kind == "sphere":
+        scene.add_sphere(name, T[:3, 3], figure)
+    elif kind == "box":
+        scene.add_box(name, T, figure)
+    elif kind in ("cylinder", "capsule"):
+        if not isinstance(figure, Sequence) or len(figure) != 2:
+            raise InvalidScene(f"{kind} of {quoted(name)} must be [radius, length]")
+        (scene.add_cylinder if kind == "cylinder" else scene.add_capsule)(name, T, *figure)
+    elif kind == "mesh":
+        scene.add_mesh(name, T, folder / str(figure), each.get("scale", 1.0))
+    elif kind == "points":
+        scene.add_points(name, _points(figure, name, folder), each.get("radius", 0.0))
+        scene.move(name, T)
+    else:
+        scene.add_half_space(name, T[:3, 3], figure)
+
+
+def _pose(each: Mapping[str, Any], name: Any) -> Array:
+    try:
+        if "quat" in each:
+            T: Array = pose_from_xyz_quaternion(each.get("xyz", _ORIGIN), each["quat"], order="xyzw").homogeneous
+        else:
+            T = pose_from_xyz_rpy(each.get("xyz", _ORIGIN), each.get("rpy", _ORIGIN)).homogeneous
+    except InvalidPose as error:
+        raise InvalidScene(f"place of {quoted(name)}: {error}") from None
+    return T
+
+
+def _points(figure: Any, name: Any, folder: Path) -> Any:
+    if not isinstance(figure, str):
+        return figure
+    path = folder / figure
+    try:
+        return np.load(path, allow_pickle=False) if path.suffix == ".npy" else np.loadtxt(path, ndmin=2, delimiter=",")
+    except (OSError, ValueError) as error:
+        raise InvalidScene(f"points of {quoted(name)} cannot be read: {error}") from None
+
+
+def add_message(scene: Scene, message: Any) -> None:
+    """Add what a message describes: see `Scene.add_message`."""
+    world = getattr(message, "world", message)
+    objects = getattr(world, "collision_objects", None)
+    if objects is not None:
+        for each in objects:
+            add_message(scene, each)
+        return
+    name = getattr(message, "id", None)
+    if not isinstance(name, str):
+        raise InvalidScene(f"a message of objects has an id, or collision_objects, unlike a {type(message).__name__}")
+    outer = np.eye(4) if getattr(message, "pose", None) is None else _of(message.pose, name)
+    primitives = list(zip(*(getattr(message, f, ()) for f in ("primitives", "primitive_poses")), strict=False))
+    meshes = list(zip(*(getattr(message, f, ()) for f in ("meshes", "mesh_poses")), strict=False))
+    several = len(primitives) + len(meshes) > 1
+    if not primitives and not meshes:
+        raise InvalidScene(f"{quoted(name)} has neither primitives nor meshes")
+    for k, (primitive, pose) in enumerate(primitives):
+        _add_primitive(scene, f"{name}/{k}" if several else name, outer @ _of(pose, name), primitive)
+    for k, (mesh, pose) in enumerate(meshes, len(primitives)):
+        vertices = [(v.x, v.y, v.z) for v in mesh.vertices]
+        faces = np.array([tuple(t.vertex_indices) for t in mesh.triangles], dtype=np.int64)
+        scene.add_triangles(f"{name}/{k}" if several else name, outer @ _of(pose, name), vertices, faces)
+
+
+def _of(pose: Any, name: str) -> Array:
+    T = pose_matrix(pose)
+    if T is None:
+        raise InvalidScene(f"pose of {quoted(name)} is no pose of geometry_msgs")
+    return T
+
+
+def _add_primitive(scene: Scene, name: str, T: Array, primitive: Any) -> None:
+    sizes = list(getattr(primitive, "dimensions", ()))
+    kind = getattr(primitive, "type", None)
+    if kind == _BOX:
+        scene.add_box(name, T, sizes)
+    elif kind == _SPHERE and len(sizes) == 1:
+        scene.add_sphere(name, T[:3, 3], sizes[0])
+    elif kind == _CYLINDER and len(sizes) == 2:
+        # Its height comes first.
+        scene.add_cylinder(name, T, sizes[1], sizes[0])
+    else:
+        raise InvalidScene(
+            f"{quoted(name)} is of type {kind!r} with {len(sizes)} sizes; known are box, sphere, cylinder"
+        )

@@ -1,0 +1,155 @@
+"""Spheres that cover links: coverage by sampled surfaces, solids of revolution by turned samples, files of spheres."""
+
+import json
+
+import numpy as np
+import pytest
+import trimesh
+
+import srs_ik
+from srs_ik.collision.bodies import revolved
+from srs_ik.collision.cover import cover, is_covered
+from srs_ik.collision.forms import Form, planes, surface
+from srs_ik.errors import InvalidScene, NoBodies
+
+
+def sampled(form, count=4000):
+    """Points of the real surface of a form."""
+    rng = np.random.default_rng(0)
+    if form.kind == "mesh":
+        mesh = trimesh.Trimesh(form.vertices, form.faces, process=False)
+        points = trimesh.sample.sample_surface(mesh, count, seed=0)[0]
+    elif form.kind == "box":
+        points = trimesh.sample.sample_surface(trimesh.creation.box(form.size), count, seed=0)[0]
+    elif form.kind == "cylinder":
+        r, length = form.size
+        turn, z = rng.uniform(-np.pi, np.pi, count), rng.uniform(-0.5, 0.5, count) * length
+        rho = np.where(rng.random(count) < 0.5, r, r * np.sqrt(rng.random(count)))
+        z = np.where(rho < r, np.sign(z) * 0.5 * length, z)
+        points = np.column_stack([rho * np.cos(turn), rho * np.sin(turn), z])
+    else:
+        directions = rng.normal(size=(count, 3))
+        points = form.size[0] * directions / np.linalg.norm(directions, axis=1, keepdims=True)
+        if form.kind == "capsule":
+            points[:, 2] += np.sign(points[:, 2]) * 0.5 * form.size[1]
+    return points @ form.T[:3, :3].T + form.T[:3, 3]
+
+
+def outside(points, spheres):
+    """How far points are outside of all spheres, m; the largest, negative where all are inside."""
+    return (np.linalg.norm(points[:, None] - spheres[None, :, :3], axis=2) - spheres[:, 3]).min(axis=1).max()
+
+
+@pytest.mark.parametrize("name", ["iiwa14", "human_arm", "gen3"])
+def test_every_point_of_the_shapes_is_in_a_sphere(name):
+    for body in srs_ik.load(name).bodies:
+        for form in body.forms:
+            assert outside(sampled(form), body.spheres) < 1e-9, body
+
+
+@pytest.mark.parametrize(
+    "make", [lambda: trimesh.creation.torus(0.2, 0.03), lambda: trimesh.creation.icosphere(radius=0.1)]
+)
+def test_all_triangles_are_proved_to_be_covered(make):
+    mesh = make()
+    for count in (4, 16, 40):
+        found = cover(mesh.vertices, mesh.faces, count)
+        corners, triangles = trimesh.remesh.subdivide_to_size(mesh.vertices, mesh.faces, 0.002, max_iter=20)
+        assert len(found.spheres) <= count
+        assert outside(corners, found.spheres) < 1e-9
+        assert is_covered(found.spheres, corners, triangles, slack=0.002).all()
+    assert found.protrusion < 0.03
+
+
+def test_protrusion_is_the_distance_from_the_surface():
+    mesh = trimesh.creation.icosphere(subdivisions=4, radius=0.1).apply_scale([1.0, 2.0, 0.4])
+    found = cover(mesh.vertices, mesh.faces, 12)
+    ball = trimesh.creation.icosphere(subdivisions=2).vertices
+    points = (found.spheres[:, None, :3] + found.spheres[:, None, 3:] * ball).reshape(-1, 3)
+    measured = -trimesh.proximity.signed_distance(mesh, points).min()
+    # It is measured to corners of small triangles, which are some millimetres apart.
+    assert abs(measured - found.protrusion) < 4e-3
+
+
+@pytest.mark.parametrize(("joint", "axis"), [(1, 0), (2, 2), (5, 4), (6, 6)])
+def test_a_solid_of_revolution_holds_all_turns(joint, axis):
+    arm = srs_ik.load("iiwa14")
+    (body,) = [body for body in arm.bodies if body.joint == joint]
+    rows = revolved(arm, body, axis, (arm.limb.axes, arm.limb.points))
+    T = arm.joint_frames(np.zeros(7))[joint]
+    direction, point = arm.limb.axes[axis], arm.limb.points[axis]
+    for turn in np.linspace(-3, 3, 7):
+        R = trimesh.transformations.rotation_matrix(turn, direction, point)
+        for form in body.forms:
+            points = sampled(form, 500) @ T[:3, :3].T + T[:3, 3]
+            assert outside(points @ R[:3, :3].T + R[:3, 3], rows) < 1e-9
+
+
+@pytest.mark.parametrize(
+    ("kind", "size"),
+    [("box", (0.1, 0.2, 0.3)), ("cylinder", (0.05, 0.3)), ("capsule", (0.05, 0.3)), ("sphere", (0.1,))],
+)
+def test_planes_and_triangles_go_around_a_form(kind, size):
+    T = srs_ik.pose_from_xyz_rpy([0.1, -0.2, 0.3], [0.4, 0.5, 0.6]).homogeneous
+    form = Form(kind, size, T)
+    points = sampled(form)
+    vertices, faces = surface(form)
+    mesh = trimesh.Trimesh(vertices, faces, process=True)
+    assert mesh.is_watertight
+    assert mesh.volume > 0
+    assert trimesh.proximity.signed_distance(mesh, points[:300]).min() > -1e-9
+    if kind != "sphere":
+        rows = planes(form)
+        assert (points @ rows[:, :3].T - rows[:, 3]).max() < 1e-12
+
+
+def test_spheres_of_curobo_and_foam(tmp_path):
+    arm = srs_ik.load("iiwa14")
+    (tmp_path / "a.yml").write_text(
+        "robot_cfg: {kinematics: {collision_spheres: {\n"
+        "  iiwa_link_3: [{center: [0, 0, 0.1], radius: 0.1}, {center: [0, 0, 0], radius: -1}],\n"
+        "  iiwa_link_4: [{center: [0.0, 0.1, 0.0], radius: 0.05}]}}}\n"
+    )
+    (tmp_path / "b.json").write_text(json.dumps({"iiwa_link_3": {"spheres": [{"origin": [0, 0, 0.1], "radius": 0.1}]}}))
+    a = arm.with_bodies(spheres=tmp_path / "a.yml").bodies
+    assert [(body.name, len(body.spheres), body.source) for body in a] == [
+        ("iiwa_link_3", 1, "spheres"),
+        ("iiwa_link_4", 1, "spheres"),
+    ]
+    (b,) = arm.with_bodies(spheres=tmp_path / "b.json").bodies
+    assert np.allclose(b.spheres, a[0].spheres)
+    T = arm.forward_kinematics(np.full(7, 0.5))
+    assert arm.with_bodies(spheres=tmp_path / "a.yml").intervals(T, scene=srs_ik.Scene())
+    for wrong in ("[]", "{", '{"iiwa_link_3": 3}', '{"iiwa_link_3": [[1, 2]]}', '{"iiwa_link_3": [[1, 2, 3, 1e999]]}'):
+        (tmp_path / "c.json").write_text(wrong)
+        with pytest.raises(InvalidScene, match=r"c\.json"):
+            arm.with_bodies(spheres=tmp_path / "c.json").bodies  # noqa: B018
+
+
+def test_an_arm_without_shapes_says_so():
+    arm = srs_ik.load("iiwa14")
+    bare = srs_ik.load(arm.model, base=arm.base, tip=arm.tip)
+    with pytest.raises(NoBodies, match="no shapes"):
+        bare.intervals(np.eye(4), scene=srs_ik.Scene())
+
+
+def test_what_the_hand_holds_counts():
+    arm = srs_ik.load("iiwa14")
+    holding = arm.with_object("stick", srs_ik.pose_from_xyz_rpy([0.2, 0, 0], [0, 0, 0]), size=[0.3, 0.02, 0.02])
+    assert [body.name for body in holding.bodies][-1] == "stick"
+    scene = srs_ik.Scene()
+    q = np.array([0.3, 0.7, -0.4, -1.1, 0.5, 0.8, -0.2])
+    T = arm.forward_kinematics(q)
+    end = (T.homogeneous @ [0.34, 0, 0, 1])[:3]
+    scene.add_sphere("bump", end, 0.03)
+    assert arm.solve(T, scene=scene)
+    hit = holding.solve(T, scene=scene)
+    assert hit.status == "COLLISION"
+    assert set(hit.collision[:2]) == {"stick", "bump"}
+    assert hit.collision.depth > 0.02
+    with pytest.raises(InvalidScene, match="already"):
+        holding.with_object("stick", np.eye(4), radius=0.1)
+    with pytest.raises(InvalidScene, match="is given by"):
+        arm.with_object("stick", np.eye(4))
+    tool = holding.with_tool(srs_ik.pose_from_xyz_rpy([0.1, 0, 0], [0, 0, 0]))
+    assert "stick" in [body.name for body in tool.bodies]

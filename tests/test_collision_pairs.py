@@ -1,0 +1,110 @@
+"""Which pairs of bodies are watched: reasons, ranges of joints, SRDF, and what Pinocchio says of those that are not."""
+
+import numpy as np
+import pinocchio as pin
+import pytest
+from arms import generator
+from collision_oracle import file_of
+
+import srs_ik
+from srs_ik.collision.ranges import least_distances
+from srs_ik.errors import InvalidScene
+
+
+def touching(arm, wanted, count):
+    """For each pair of names, at how many random postures inside the limits their shapes touch, by Pinocchio."""
+    file, folders = file_of(arm)
+    model = pin.buildModelFromUrdf(str(file))
+    shapes = pin.buildGeomFromUrdf(model, str(file), pin.GeometryType.COLLISION, package_dirs=[str(f) for f in folders])
+    owner = [model.frames[shape.parentFrame].name for shape in shapes.geometryObjects]
+    for i in range(len(owner)):
+        for j in range(i + 1, len(owner)):
+            if frozenset((owner[i], owner[j])) in wanted:
+                shapes.addCollisionPair(pin.CollisionPair(i, j))
+    data, shape_data = model.createData(), pin.GeometryData(shapes)
+    rng = generator(arm.name, 4)
+    lower = np.where(np.isfinite(arm.lower), arm.lower, -np.pi)
+    upper = np.where(np.isfinite(arm.upper), arm.upper, np.pi)
+    found = dict.fromkeys(wanted, 0)
+    postures = rng.uniform(lower, upper, (count, 7))
+    for q in postures:
+        pin.updateGeometryPlacements(model, data, shapes, shape_data, arm.configuration(q, model))
+        pin.computeCollisions(shapes, shape_data, False)
+        hit = {
+            frozenset((owner[pair.first], owner[pair.second]))
+            for k, pair in enumerate(shapes.collisionPairs)
+            if shape_data.collisionResults[k].isCollision()
+        }
+        for pair in hit:
+            found[pair] += 1
+    return found
+
+
+@pytest.mark.parametrize("name", ["iiwa14", "gen3", "human_arm"])
+def test_what_is_proved_never_to_meet_never_does(name):
+    arm = srs_ik.load(name)
+    never = {frozenset((p.first, p.second)) for p in arm.pairs if p.reason == "never meet (proved)"}
+    assert never
+    assert set(touching(arm, never, 600).values()) == {0}
+
+
+def test_adjacent_links_are_those_that_a_joint_connects():
+    arm = srs_ik.load("iiwa14")
+    adjacent = {(p.first, p.second) for p in arm.pairs if p.reason == "adjacent"}
+    assert adjacent == {(f"iiwa_link_{k}", f"iiwa_link_{k + 1}") for k in range(7)}
+    assert all(p.kept for p in arm.pairs if (p.first, p.second) == ("iiwa_link_0", "iiwa_link_7"))
+
+
+def test_a_range_of_a_joint_keeps_two_bodies_apart():
+    arm = srs_ik.load("iiwa14")
+    by_range = [p for p in arm.pairs if "by the range" in p.reason]
+    assert [(p.first, p.second) for p in by_range] == [("iiwa_link_5", "iiwa_link_7")]
+    T = arm.forward_kinematics([0.3, 0.7, -0.4, -1.1, 0.5, 0.8, -0.2])
+    free = arm.intervals(T, scene=srs_ik.Scene())
+    largest = 0.0
+    for each in free:
+        for psi in np.linspace(each.lower + 1e-9, each.upper - 1e-9, 60):
+            largest = max(largest, abs(arm.solve(T, arm_angle=psi, branch=each.branch).q[5]))
+    assert 1.5 < largest < arm.upper[5] - 0.3
+    pair = frozenset(("iiwa_link_5", "iiwa_link_7"))
+    assert 0 < touching(arm, {pair}, 300)[pair] < 300
+
+
+def test_least_distances_are_bounds():
+    f = lambda a, b: 1.0 + 0.3 * np.sin(3 * a) + 0.2 * np.cos(2 * b + a)  # noqa: E731
+    edges = np.linspace(-2, 2, 41)
+    bounds = least_distances(f, edges, (-np.pi, np.pi), (1.1, 0.4))
+    for k in range(40):
+        a, b = np.meshgrid(np.linspace(edges[k], edges[k + 1], 9), np.linspace(-np.pi, np.pi, 721))
+        true = f(a, b).min()
+        assert true - 1.1 * 0.05 - 0.0025 <= bounds[k] <= true + 1e-9
+
+
+SRDF = """<robot name="r"><disable_collisions link1="iiwa_link_1" link2="iiwa_link_0" reason="Adjacent"/>
+<disable_collisions link1="iiwa_link_5" link2="iiwa_link_7" reason="Never"/></robot>"""
+
+
+def test_an_srdf_says_what_is_not_watched():
+    arm = srs_ik.load("iiwa14").with_bodies(srdf=SRDF)
+    reasons = {frozenset((p.first, p.second)): p for p in arm.pairs}
+    assert reasons[frozenset(("iiwa_link_0", "iiwa_link_1"))].reason == "SRDF: Adjacent"
+    assert not reasons[frozenset(("iiwa_link_5", "iiwa_link_7"))].kept
+    assert reasons[frozenset(("iiwa_link_2", "iiwa_link_3"))].kept
+
+
+def test_pairs_are_kept_and_dropped_on_the_callers_word():
+    arm = srs_ik.load("iiwa14").with_bodies(
+        drop=[("iiwa_link_7", "iiwa_link_5")], keep=[("iiwa_link_1", "iiwa_link_3")]
+    )
+    reasons = {frozenset((p.first, p.second)): p for p in arm.pairs}
+    dropped = reasons[frozenset(("iiwa_link_5", "iiwa_link_7"))]
+    assert not dropped.kept
+    assert "asked" in dropped.reason
+    assert reasons[frozenset(("iiwa_link_1", "iiwa_link_3"))].kept
+    T = arm.forward_kinematics([0.3, 0.7, -0.4, -1.1, 0.5, 0.8, -0.2])
+    wide = sum(
+        i.width for i in arm.with_bodies(drop=[("iiwa_link_7", "iiwa_link_5")]).intervals(T, scene=srs_ik.Scene())
+    )
+    assert wide > sum(i.width for i in srs_ik.load("iiwa14").intervals(T, scene=srs_ik.Scene()))
+    with pytest.raises(InvalidScene, match="no body 'nobody'"):
+        arm.with_bodies(drop=[("iiwa_link_1", "nobody")]).pairs  # noqa: B018

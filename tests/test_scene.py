@@ -1,0 +1,319 @@
+"""Scenes: what they take and refuse, moving, files and messages, answers in them, and two arms."""
+
+import json
+from types import SimpleNamespace as Message
+
+import numpy as np
+import pytest
+from arms import generator
+from collision_oracle import clearance
+
+import srs_ik
+from srs_ik.errors import InvalidScene
+
+Q = np.array([0.3, 0.7, -0.4, -1.1, 0.5, 0.8, -0.2])
+AT = srs_ik.pose_from_xyz_rpy
+
+
+@pytest.fixture(scope="module")
+def arm():
+    return srs_ik.load("iiwa14")
+
+
+@pytest.fixture(scope="module")
+def pose(arm):
+    return arm.forward_kinematics(Q).homogeneous
+
+
+def ends(intervals):
+    return np.array([(i.branch, i.lower, i.upper) for i in intervals])
+
+
+WRONG = [
+    lambda s: s.add_sphere("a", [0, 0, np.nan], 0.1),
+    lambda s: s.add_sphere("a", [0, 0], 0.1),
+    lambda s: s.add_sphere("a", [0, 0, 1], 0.0),
+    lambda s: s.add_sphere("a", [0, 0, 1], -0.1),
+    lambda s: s.add_sphere("a", [0, 0, 1], np.inf),
+    lambda s: s.add_sphere("", [0, 0, 1], 0.1),
+    lambda s: s.add_box("a", np.eye(4), [0.1, 0.1, 0.0]),
+    lambda s: s.add_box("a", np.eye(3), [0.1, 0.1, 0.1]),
+    lambda s: s.add_box("a", np.full((4, 4), np.nan), [0.1, 0.1, 0.1]),
+    lambda s: s.add_cylinder("a", np.eye(4), -1.0, 1.0),
+    lambda s: s.add_capsule("a", np.eye(4), 1.0, "long"),
+    lambda s: s.add_points("a", np.empty((0, 3)), 0.01),
+    lambda s: s.add_points("a", [[0, 0, np.nan]], 0.01),
+    lambda s: s.add_points("a", [[0, 0, 1]], np.nan),
+    lambda s: s.add_points("a", [0, 0, 1], 0.01),
+    lambda s: s.add_points("a", np.zeros((2_000_001, 3)), 0.01),
+    lambda s: s.add_half_space("a", [0, 0, 0], [0, 0, 0]),
+    lambda s: s.add_mesh("a", np.eye(4), "nothing.stl"),
+    lambda s: s.add_mesh("a", np.eye(4), "nothing.exe"),
+    lambda s: s.add_triangles("a", np.eye(4), [[0, 0, 0]], [[0, 0, 1]]),
+    lambda s: s.move("nobody", np.eye(4)),
+    lambda s: s.remove("nobody"),
+    lambda s: s.add_message(3),
+    lambda s: srs_ik.Scene(margin=-1.0),
+]
+
+
+@pytest.mark.parametrize("wrong", WRONG)
+def test_what_makes_no_sense_is_refused_in_one_line(wrong):
+    scene = srs_ik.Scene()
+    with pytest.raises(InvalidScene) as told:
+        wrong(scene)
+    assert "\n" not in str(told.value)
+    assert len(scene) == 0
+
+
+def test_wrong_questions(arm, pose):
+    for wrong in ({"scene": 3}, {"scene": srs_ik.Scene(), "margin": -0.1}, {"scene": srs_ik.Scene(), "margin": np.nan}):
+        with pytest.raises(InvalidScene):
+            arm.intervals(pose, **wrong)
+    scene = srs_ik.Scene()
+    scene.add_sphere("a", [0, 0, 1], 0.1)
+    with pytest.raises(InvalidScene, match="already"):
+        scene.add_sphere("a", [0, 0, 2], 0.1)
+    with pytest.raises(InvalidScene, match="did you mean"):
+        scene.add_box("apple", np.eye(4), [1, 1, 1]) or scene.remove("aple")
+
+
+def test_an_object_around_the_whole_arm_leaves_nothing(arm, pose):
+    for add in (
+        lambda s: s.add_sphere("world", [0, 0, 0.5], 3.0),
+        lambda s: s.add_box("world", np.eye(4), [5, 5, 5]),
+        lambda s: s.add_half_space("world", [0, 0, 5], [0, 0, 1]),
+    ):
+        scene = srs_ik.Scene()
+        add(scene)
+        assert arm.intervals(pose, scene=scene) == []
+        answer = arm.solve(pose, scene=scene)
+        assert answer.status == "COLLISION"
+        assert not answer
+        assert "world" in answer.collision[:2]
+        assert "world" in answer.message
+        assert np.isfinite(answer.q).all()
+        assert len(arm.solve_all(pose, scene=scene)) == 0
+        assert arm.optimise(pose, "clearance", scene=scene).status == "COLLISION"
+
+
+def test_reach_and_limits_come_first(arm, pose):
+    scene = srs_ik.Scene()
+    scene.add_sphere("world", [0, 0, 0.5], 3.0)
+    far = pose.copy()
+    far[0, 3] += 5.0
+    assert arm.solve(far, scene=scene).status == "UNREACHABLE"
+    rng = generator("iiwa14", 2)
+    for _ in range(200):
+        T = arm.forward_kinematics(rng.uniform(-3, 3, 7))
+        plain = arm.solve(T)
+        if not plain:
+            assert arm.solve(T, scene=scene).status == plain.status
+            return
+    pytest.fail("no pose outside the limits was found")
+
+
+def test_answers_keep_the_margin(arm):
+    rng, scene = generator("iiwa14", 1), srs_ik.Scene()
+    scene.add_sphere("ball", [0.45, 0.25, 0.5], 0.1)
+    scene.add_capsule("post", AT([0.4, -0.4, 0.4], [0.2, 0, 0]), 0.05, 0.6)
+    tables = arm.tables(scene)
+    solved = 0
+    for _ in range(25):
+        q = rng.uniform(0.8 * arm.lower, 0.8 * arm.upper)
+        T = arm.forward_kinematics(q)
+        for seed in (None, q):
+            answer = arm.solve(T, seed=seed, scene=scene, margin=0.01)
+            if answer:
+                solved += 1
+                assert clearance(arm, tables, answer.q) > 0.01 - 1e-9
+                assert arm.verify(T, answer.q).position < 1e-9
+                if seed is not None:
+                    plain = np.sum((arm.solve(T, seed=q).q - q) ** 2)
+                    assert np.sum((answer.q - q) ** 2) >= plain - 1e-9
+        for each in arm.solve_all(T, scene=scene, margin=0.01):
+            assert clearance(arm, tables, each.q) > 0.01 - 1e-9
+    assert solved > 10
+
+
+def test_the_nearest_free_posture_is_nearest(arm, pose):
+    scene = srs_ik.Scene()
+    elbow = arm.joint_frames(Q)[4, :3, 3]
+    scene.add_sphere("ball", elbow + np.array([0, 0.05, 0]), 0.05)
+    answer = arm.solve(pose, seed=Q, scene=scene)
+    assert answer
+    least = np.inf
+    for each in arm.intervals(pose, scene=scene):
+        for psi in np.linspace(each.lower, each.upper, 400):
+            other = arm.solve(pose, arm_angle=psi, branch=each.branch, seed=Q)
+            if other:
+                least = min(least, np.sum((other.q - Q) ** 2))
+    assert np.sum((answer.q - Q) ** 2) <= least + 1e-6
+
+
+def test_the_largest_clearance_is_that_of_a_sweep(arm, pose):
+    scene = srs_ik.Scene()
+    scene.add_sphere("ball", [0.3, 0.3, 0.5], 0.08)
+    best = arm.optimise(pose, "clearance", scene=scene)
+    tables = arm.tables(scene)
+    assert abs(clearance(arm, tables, best.q) - best.value) < 1e-9
+    swept = [
+        clearance(arm, tables, arm.solve(pose, arm_angle=psi, branch=each.branch).q)
+        for each in arm.intervals(pose, scene=scene)
+        for psi in np.linspace(each.lower + 1e-9, each.upper - 1e-9, 40)
+    ]
+    assert best.value >= max(swept) - 2e-6
+    assert best.interval is not None
+    assert best.arm_angle in best.interval
+
+
+def test_other_objectives_keep_clear(arm, pose):
+    scene = srs_ik.Scene()
+    scene.add_box("wall", AT([0.3, 0.45, 0.5], [0, 0, 0]), [0.6, 0.1, 1.0])
+    for objective, more in (("manipulability", {}), (lambda q: float(q[0]), {}), ("limit_margin", {})):
+        best = arm.optimise(pose, objective, scene=scene, **more)
+        assert best
+        assert any(i.branch == best.branch and best.arm_angle in i for i in arm.intervals(pose, scene=scene))
+        assert abs(best.value - best.objective.value(arm, best.q)) < 1e-12
+
+
+def test_an_arm_angle_is_free_or_not(arm, pose):
+    scene = srs_ik.Scene()
+    scene.add_sphere("ball", arm.joint_frames(Q)[4, :3, 3], 0.05)
+    psi = arm.arm_angle(Q)
+    assert arm.solve(pose, psi)
+    hit = arm.solve(pose, psi, branch=arm.branch(Q), scene=scene)
+    assert hit.status == "COLLISION"
+    assert hit.collision.second == "ball"
+    assert abs(hit.arm_angle - psi) < 1e-9
+    free = arm.intervals(pose, scene=scene)[0]
+    assert arm.solve(pose, 0.5 * (free.lower + free.upper), scene=scene)
+
+
+def test_batches_answer_like_single_calls(arm):
+    rng, scene = generator("iiwa14", 3), srs_ik.Scene()
+    scene.add_box("box", AT([0.5, 0, 0.4], [0, 0, 0]), [0.3, 0.3, 0.3])
+    poses = np.array([arm.forward_kinematics(rng.uniform(arm.lower, arm.upper)).homogeneous for _ in range(20)])
+    batch = arm.solve_batch(poses, scene=scene, threads=2)
+    several = arm.intervals_batch(poses, scene=scene, threads=2)
+    for i, T in enumerate(poses):
+        one = arm.solve(T, scene=scene)
+        assert batch[i].status == one.status
+        assert np.allclose(batch.q[i], one.q, atol=1e-12)
+        assert (batch[i].collision is None) == (one.collision is None)
+        assert np.allclose(ends(several[i]), ends(arm.intervals(T, scene=scene)))
+    assert set(batch.collisions) == {(i,) for i in range(20) if batch.status[i] == srs_ik.Status.COLLISION}
+
+
+def test_a_moved_object_is_where_it_was_moved(arm, pose):
+    moved, made = srs_ik.Scene(), srs_ik.Scene()
+    there = AT([0.5, 0.2, 0.5], [0.3, 0.2, 0.1])
+    moved.add_box("box", AT([3, 3, 3], [0, 0, 0]), [0.2, 0.3, 0.4])
+    far = arm.intervals(pose, scene=moved)
+    moved.move("box", there)
+    made.add_box("box", there, [0.2, 0.3, 0.4])
+    near = arm.intervals(pose, scene=moved)
+    assert np.array_equal(ends(near), ends(arm.intervals(pose, scene=made)))
+    assert sum(i.width for i in near) < sum(i.width for i in far)
+    moved.remove("box")
+    assert np.array_equal(ends(far), ends(arm.intervals(pose, scene=moved)))
+
+
+def test_clouds_are_their_points(arm, pose):
+    rng = generator("iiwa14", 6)
+    points = np.column_stack([rng.uniform(0.3, 0.5, 300), rng.uniform(0.1, 0.4, 300), rng.uniform(0.2, 0.6, 300)])
+    cloud, balls = srs_ik.Scene(), srs_ik.Scene()
+    cloud.add_points("cloud", points, 0.01)
+    for k, point in enumerate(points):
+        balls.add_sphere(str(k), point, 0.01)
+    a, b = arm.intervals(pose, scene=cloud), arm.intervals(pose, scene=balls)
+    assert np.allclose(ends(a), ends(b), atol=1e-9)
+
+
+def test_a_million_points(arm, pose):
+    scene = srs_ik.Scene()
+    points = generator("iiwa14", 7).uniform(-2, 2, (1_000_000, 3))
+    scene.add_points("cloud", points, 0.002)
+    assert arm.solve(pose, scene=scene).status == "COLLISION"
+
+
+def test_files(tmp_path, arm, pose):
+    objects = [
+        {"name": "table", "box": [1.0, 1.0, 0.05], "xyz": [0.6, 0, -0.1]},
+        {"name": "ball", "sphere": 0.1, "xyz": [0.5, 0.2, 0.5]},
+        {"name": "can", "cylinder": [0.05, 0.2], "xyz": [0.4, -0.3, 0.3], "rpy": [0.1, 0, 0]},
+        {"name": "post", "capsule": [0.05, 0.2], "xyz": [0.4, -0.5, 0.3], "quat": [0, 0, 0, 1]},
+        {"name": "cloud", "points": [[1, 1, 1], [1, 1.1, 1]], "radius": 0.01},
+        {"name": "floor", "half_space": [0, 0, 1], "xyz": [0, 0, -0.2]},
+    ]
+    (tmp_path / "scene.json").write_text(json.dumps({"margin": 0.01, "objects": objects}))
+    scene = srs_ik.Scene.from_file(tmp_path / "scene.json")
+    assert scene.names == ("table", "ball", "can", "post", "cloud", "floor")
+    assert scene.margin == 0.01
+    yaml = "margin: 0.01\nobjects:\n" + "".join(f"- {json.dumps(each)}\n" for each in objects)
+    (tmp_path / "scene.yaml").write_text(yaml)
+    again = srs_ik.Scene.from_file(tmp_path / "scene.yaml")
+    assert np.array_equal(ends(arm.intervals(pose, scene=scene)), ends(arm.intervals(pose, scene=again)))
+    for wrong in (
+        {"sphere": 0.1, "box": [1, 1, 1]},
+        {"spere": 1},
+        {"cylinder": 3},
+        {"sphere": -1},
+        {"mesh": "no.stl"},
+        3,
+    ):
+        (tmp_path / "wrong.json").write_text(json.dumps({"objects": [wrong]}))
+        with pytest.raises(InvalidScene, match=r"wrong\.json"):
+            srs_ik.Scene.from_file(tmp_path / "wrong.json")
+
+
+def test_messages_of_ros(arm, pose):
+    def at(x, y, z):
+        return Message(position=Message(x=x, y=y, z=z), orientation=Message(x=0.0, y=0.0, z=0.0, w=1.0))
+
+    box = Message(type=1, dimensions=[0.2, 0.2, 0.2])
+    can = Message(type=3, dimensions=[0.4, 0.05])
+    both = Message(
+        id="both", pose=at(0.5, 0.2, 0.4), primitives=[box, can], primitive_poses=[at(0, 0, 0), at(0, 0, 0.3)]
+    )
+    scene, made = srs_ik.Scene(), srs_ik.Scene()
+    scene.add_message(Message(world=Message(collision_objects=[both])))
+    assert scene.names == ("both/0", "both/1")
+    made.add_box("a", AT([0.5, 0.2, 0.4], [0, 0, 0]), [0.2, 0.2, 0.2])
+    made.add_cylinder("b", AT([0.5, 0.2, 0.7], [0, 0, 0]), 0.05, 0.4)
+    assert np.allclose(ends(arm.intervals(pose, scene=scene)), ends(arm.intervals(pose, scene=made)))
+    cone = Message(id="cone", primitives=[Message(type=4, dimensions=[1, 1])], primitive_poses=[at(0, 0, 0)])
+    with pytest.raises(InvalidScene, match="cone"):
+        scene.add_message(cone)
+
+
+def test_two_arms_keep_clear_of_each_other(arm):
+    """The other arm, standing, is an obstacle like any other; moved onto this one it leaves nothing."""
+    scene = srs_ik.Scene()
+    beside = AT([0.0, 0.6, 0.0], [0, 0, 0])
+    scene.add_arm("other", arm, Q, pose=beside)
+    rng, tables = generator("iiwa14", 8), arm.tables(scene)
+    hit = solved = 0
+    for _ in range(20):
+        T = arm.forward_kinematics(rng.uniform(0.8 * arm.lower, 0.8 * arm.upper))
+        answer = arm.solve(T, scene=scene)
+        if answer:
+            solved += 1
+            assert clearance(arm, tables, answer.q) > -1e-9
+        hit += answer.collision is not None and answer.collision.second.startswith("other/")
+    assert solved > 5
+    scene.move("other", np.eye(4))
+    assert arm.solve(arm.forward_kinematics(Q), Q[0], scene=scene).status != "OK"
+    with pytest.raises(InvalidScene, match="stands"):
+        scene.add_arm("third", arm, Q)
+
+
+def test_copies_keep_their_plan(arm, pose):
+    import copy
+    import pickle
+
+    changed = arm.with_bodies(drop=[("iiwa_link_5", "iiwa_link_7")])
+    for other in (copy.deepcopy(changed), pickle.loads(pickle.dumps(changed))):
+        assert np.array_equal(
+            ends(other.intervals(pose, scene=srs_ik.Scene())), ends(changed.intervals(pose, scene=srs_ik.Scene()))
+        )
