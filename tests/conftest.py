@@ -7,6 +7,8 @@ import pytest
 from hypothesis import HealthCheck, settings
 from robot_files import REAL
 
+from srs_ik.kernels import jit
+
 # The same examples in every run: a failure is one of the code. HYPOTHESIS_PROFILE=thorough looks for new ones.
 _COMMON = {
     "deadline": None,  # the first example may compile
@@ -42,6 +44,17 @@ SLOW = {
 }
 """Modules whose tests start processes, compile in them, or search for long."""
 
+NUMBA = {
+    "test_crossing",
+    "test_curves",
+    "test_kernels_algebra",
+    "test_kernels_disk",
+    "test_kernels_jit",
+    "test_kernels_newton",
+    "test_lanes",
+}
+"""Modules that have Numba compile kernels one by one, or look at how it does: with SRS_IK_JIT=1 where all are compiled."""
+
 _REAL = {*REAL, *arms.REAL}
 
 
@@ -54,3 +67,7 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
             item.add_marker(pytest.mark.browser)
         if item.path.stem in SLOW or "installed" in item.fixturenames:
             item.add_marker(pytest.mark.slow)
+        if item.path.stem in NUMBA:
+            item.add_marker(pytest.mark.numba)
+        if jit.AHEAD and item.get_closest_marker("numba"):
+            item.add_marker(pytest.mark.skip(reason="kernels are compiled ahead here; SRS_IK_JIT=1 pytest -m numba"))

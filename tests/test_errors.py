@@ -33,6 +33,7 @@ EVERY_ERROR = [
     (errors.InvalidConfiguration("q has 7 angles"), {}),
     (errors.InvalidController("law A is not passive"), {}),
     (errors.InvalidTask("a direction has no length"), {}),
+    (errors.InvalidMap("the store is of another robot"), {}),
     (errors.InvalidScene("a box has no size"), {}),
     (errors.NoBodies("the description has no shapes"), {}),
     (errors.PreviewError("the preview is closed"), {}),

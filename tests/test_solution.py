@@ -243,7 +243,7 @@ def test_an_empty_answer_does_not_claim_success():
 
 
 def test_statuses_are_numbers_and_names():
-    assert [(s.name, int(s)) for s in Status] == [("OK", 0), ("UNREACHABLE", 1), ("OUT_OF_LIMITS", 2)]
+    assert [(s.name, int(s)) for s in Status] == [("OK", 0), ("UNREACHABLE", 1), ("OUT_OF_LIMITS", 2), ("COLLISION", 3)]
     assert (str(Status.OK), f"{Status.UNREACHABLE}", f"{Status.OUT_OF_LIMITS:>14}") == (
         "OK",
         "UNREACHABLE",

@@ -18,6 +18,7 @@ print(double(2), double(2.5))
 """
 
 
+@pytest.mark.numba
 def test_a_terminal_gets_one_line():
     ours, theirs = pty.openpty()
     try:

@@ -1,4 +1,7 @@
-"""Compile all entries: python -m srs_ik.kernels.ahead.build FOLDER puts library, extension and header there."""
+"""Compile all entries: python -m srs_ik.kernels.ahead.build [FOLDER] puts library, extension and header there.
+
+Without a folder they are this checkout's own, used until a kernel is edited.
+"""
 
 from __future__ import annotations
 
@@ -19,7 +22,7 @@ from srs_ik.kernels.ahead import backend, glue, linking
 from srs_ik.kernels.ahead.frontend import translate_all
 from srs_ik.kernels.ahead.signatures import Entry, read_table, rooms
 from srs_ik.kernels.disk import KernelCache
-from srs_ik.kernels.native import source_digest
+from srs_ik.kernels.native import FOLDER, source_digest
 
 X86 = (
     ("x86-64-v2", "true"),
@@ -108,7 +111,9 @@ def build(folder: Path, entries: tuple[Entry, ...]) -> None:
         made = linking.link(place, glue.NAME, paths)
         folder.mkdir(parents=True, exist_ok=True)
         for path in (*made, place / f"{glue.NAME}.h"):
-            shutil.copy(path, folder)
+            # In one step: another process may be running what lies there.
+            shutil.copy(path, folder / f"{path.name}.partial")
+            (folder / f"{path.name}.partial").replace(folder / path.name)
     _say(f"done in {time.monotonic() - begin:.0f} s")
 
 
@@ -118,7 +123,7 @@ def _say(words: str) -> None:
 
 if __name__ == "__main__":
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("folder", type=Path)
+    parser.add_argument("folder", type=Path, nargs="?", default=FOLDER)
     parser.add_argument("--room", help="only the entries of a room, to try something")
     given = parser.parse_args()
     os.environ["SRS_IK_JIT"] = "1"
