@@ -53,7 +53,7 @@ NUMBA = {
     "test_kernels_newton",
     "test_lanes",
 }
-"""Modules that have Numba compile kernels one by one, or look at how it does: with SRS_IK_JIT=1 where all are compiled."""
+"""Modules that have Numba compile kernels one by one, or look at how it does."""
 
 _REAL = {*REAL, *arms.REAL}
 
@@ -70,4 +70,4 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
         if item.path.stem in NUMBA:
             item.add_marker(pytest.mark.numba)
         if jit.AHEAD and item.get_closest_marker("numba"):
-            item.add_marker(pytest.mark.skip(reason="kernels are compiled ahead here; SRS_IK_JIT=1 pytest -m numba"))
+            item.add_marker(pytest.mark.skip(reason="kernels are compiled ahead: SRS_IK_JIT=1 pytest -m numba"))
