@@ -1,6 +1,6 @@
 """Which mechanism answers for near limbs: the prediction by the nearest exact limb, or curves on the true chain.
 
-Run: python benchmarks/near_mechanisms.py [--poses N] [ARM ...]
+Run: SRS_IK_JIT=1 python benchmarks/near_mechanisms.py [--poses N] [ARM ...] (its own kernels call those of the package)
 
 Poses of random configurations inside the limits. For `intervals` and `solve(pose)` it prints the share that is
 predicted, and why the others are not: the elbow is almost straight (or the axes are oblique), the elbow is about as far
