@@ -15,7 +15,7 @@ import pytest
 
 import srs_ik
 from srs_ik.bench import exercise
-from srs_ik.kernels import entries, native
+from srs_ik.kernels import entries, native, sources
 from srs_ik.kernels.ahead import build, glue
 from srs_ik.kernels.ahead.signatures import read_table, rooms
 
@@ -112,9 +112,9 @@ def installed(request, tmp_path_factory) -> Path:
     tools = b"".join(
         path.read_bytes() for path in sorted((ROOT / "srs_ik/kernels/ahead").glob("*.[pch]*")) if path.is_file()
     )
-    stamp = hashlib.sha256(native.source_digest().encode() + tools).hexdigest()[:16]
+    stamp = hashlib.sha256(sources.digest_of_all(native.KERNELS).encode() + tools).hexdigest()[:16]
     made = request.config.cache.mkdir("compiled_kernels") / stamp
-    if run_here("import sys; from srs_ik.kernels import native; sys.exit(native.extension() is None)").returncode == 0:
+    if run_here("import sys; from srs_ik.kernels import native; sys.exit(not native.all_compiled())").returncode == 0:
         made = native.FOLDER
     elif not (made / "srs_ik.h").is_file():
         shutil.rmtree(made.parent, ignore_errors=True)
@@ -251,7 +251,9 @@ def test_a_kernel_that_was_edited_since_is_not_answered_by_what_was_compiled(ins
     shutil.copytree(installed, copy, ignore=shutil.ignore_patterns("__pycache__"))
     path = copy / "srs_ik/kernels/limb/triangle.py"
     path.write_text(path.read_text() + "\n# edited\n")
-    assert run_installed(copy, "from srs_ik.kernels import native; print(native.extension())") == "None\n"
+    asked = "from srs_ik.kernels import native; print(*map(native.is_compiled, ('pose', 'near_maps', 'yardstick')))"
+    assert run_installed(installed, asked) == "True True True\n"
+    assert run_installed(copy, asked) == "False False True\n"
 
 
 def test_by_numba_on_demand_and_a_clear_line_where_there_is_none(installed):

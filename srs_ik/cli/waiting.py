@@ -11,7 +11,7 @@ from contextlib import contextmanager
 from types import FrameType
 from typing import Any, TypeVar
 
-from srs_ik.kernels.native import extension
+from srs_ik.kernels.native import all_compiled
 
 T = TypeVar("T")
 
@@ -35,7 +35,7 @@ def announce_compilation() -> None:
 
     Where the kernels were compiled when the package was built, nothing is.
     """
-    if not sys.stderr.isatty() or extension() is not None:
+    if not sys.stderr.isatty() or all_compiled():
         return
     from numba.core import event
 

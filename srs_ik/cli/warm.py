@@ -22,9 +22,9 @@ def warm() -> None:
     from rich.console import Console
     from rich.progress import Progress
 
-    from srs_ik.kernels.native import at_work, extension
+    from srs_ik.kernels.native import all_compiled, at_work
 
-    if extension() is not None:
+    if all_compiled():
         typer.echo(f"Nothing to do: kernels are {at_work()}.")
         return
     begin = time.monotonic()

@@ -1,8 +1,8 @@
 """The two decorators of this folder: `kernel` for functions called by kernels, `entry` for those called from Python.
 
 Where the entries were compiled when the package was built (see `native`), an entry is its compiled form, the kernels
-behind it are never called, and Numba need not be there. Else, or with SRS_IK_JIT=1, Numba compiles what is called. With
-NUMBA_DISABLE_JIT=1 a function stays as it is, for a debugger.
+behind it are never called, and Numba need not be there. Else, where a source has changed since, or with SRS_IK_JIT=1,
+Numba compiles what is called. With NUMBA_DISABLE_JIT=1 a function stays as it is, for a debugger.
 
 Of what Numba compiles, only entry points are cached on disk (see `disk`); their machine code contains all that they
 call, so the cache is keyed by a digest of the entry's file and of every kernel file that it imports, however
@@ -11,17 +11,15 @@ indirectly.
 
 from __future__ import annotations
 
-import hashlib
-import re
 from collections.abc import Callable
-from functools import cache, partial
+from functools import partial
 from pathlib import Path
 from typing import Any
 
-from srs_ik.kernels import native
+from srs_ik.kernels import native, sources
 
-AHEAD = native.extension() is not None
-"""Whether entries were compiled when the package was built."""
+AHEAD = native.all_compiled()
+"""Whether all entries were compiled when the package was built, from these sources."""
 
 BY_NUMBA = not AHEAD and not native.asked_for("NUMBA_DISABLE_JIT")
 """Whether Numba compiles what is called."""
@@ -54,34 +52,9 @@ def kernel(function: Callable[..., Any]) -> Callable[..., Any]:
     return dispatcher
 
 
-_FOLDER = Path(__file__).parent
-_IMPORT = re.compile(rb"^[ \t]*(?:from|import)[ \t]+([\w.]+)", re.MULTILINE)
-
-
-@cache
-def _imported(path: Path) -> tuple[Path, ...]:
-    """Kernel files that a kernel file names in its imports; a room that is named stands for all its files."""
-    found: list[Path] = []
-    for name in _IMPORT.findall(path.read_bytes()):
-        parts = name.decode().split(".")
-        if _FOLDER.name in parts:
-            below = _FOLDER.joinpath(*parts[parts.index(_FOLDER.name) + 1 :])
-            found += below.rglob("*.py") if below.is_dir() else [below.with_suffix(".py")]
-    return tuple(path for path in found if path.is_file())
-
-
-@cache
 def source_digest(path: Path) -> str:
     """Digest of a kernel file and of every kernel file that it imports, however indirectly."""
-    files, waiting = {path, Path(__file__)}, [path]
-    while waiting:
-        new = set(_imported(waiting.pop())) - files
-        files |= new
-        waiting += new
-    digest = hashlib.sha256()
-    for file in sorted(files):
-        digest.update(hashlib.sha256(file.read_bytes()).digest())
-    return digest.hexdigest()
+    return sources.digest(path, Path(__file__).parent)
 
 
 def entry(function: Callable[..., Any]) -> Callable[..., Any]:
@@ -89,10 +62,9 @@ def entry(function: Callable[..., Any]) -> Callable[..., Any]:
 
     What is loaded from disk is out of date where a source that it needs has changed.
     """
-    if AHEAD:
-        return native.compiled_entry(function)
-    if not BY_NUMBA:
-        return function
+    ahead = native.compiled_entry(function)
+    if ahead is not None or not BY_NUMBA:
+        return ahead or function
     dispatcher = njit(error_model="numpy", nogil=True)(function)
     dispatcher._cache = KernelCache(function, partial(source_digest, Path(function.__code__.co_filename)))
     return dispatcher

@@ -22,11 +22,12 @@ from srs_ik.kernels.ahead import backend, glue, linking
 from srs_ik.kernels.ahead.frontend import translate_all
 from srs_ik.kernels.ahead.signatures import Entry, read_table, rooms
 from srs_ik.kernels.disk import KernelCache
-from srs_ik.kernels.native import FOLDER, source_digest
+from srs_ik.kernels.native import FOLDER, stamps
 
 X86 = (
     ("x86-64-v2", "true"),
     ("x86-64-v3", "has_x86_64_v3()"),
+    ("x86-64-v4", "has_x86_64_v4()"),
 )
 """Kinds of processors, the best last, and how C asks for them."""
 
@@ -106,7 +107,7 @@ def build(folder: Path, entries: tuple[Entry, ...]) -> None:
             paths[-1].write_bytes(content)
         (place / f"{glue.NAME}.h").write_text(glue.header(entries))
         (place / "library.c").write_text(glue.library(entries, targets()))
-        (place / "extension.c").write_text(glue.extension(entries, source_digest()))
+        (place / "extension.c").write_text(glue.extension(entries, stamps(sorted({entry.room for entry in entries}))))
         shutil.copy(Path(__file__).with_name("runtime.c"), place)
         made = linking.link(place, glue.NAME, paths)
         folder.mkdir(parents=True, exist_ok=True)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import importlib
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from pkgutil import iter_modules
 
@@ -124,9 +124,10 @@ def library(entries: Sequence[Entry], targets: Sequence[tuple[str, str]]) -> str
     return "\n".join(lines)
 
 
-def extension(entries: Sequence[Entry], digest: str) -> str:
+def extension(entries: Sequence[Entry], stamps: Mapping[str, str]) -> str:
     """A Python extension with a function for each entry."""
-    lines = [f'#define DIGEST "{digest}"', (HERE / "arguments.c").read_text()]
+    digests = " ".join(f"{room}:{digest}" for room, digest in stamps.items())
+    lines = [f'#define DIGESTS "{digests}"', (HERE / "arguments.c").read_text()]
     for entry in entries:
         lines += _function(entry)
     lines.append("static PyMethodDef methods[] = {")

@@ -11,7 +11,7 @@ static int fill(PyObject *module) {
     Py_XDECREF(dtype);
     Py_DECREF(numpy);
     if (array_type == NULL || PyErr_Occurred()) return -1;
-    return PyModule_AddStringConstant(module, "digest", DIGEST);
+    return PyModule_AddStringConstant(module, "digests", DIGESTS);
 }
 
 static PyModuleDef_Slot slots[] = {{Py_mod_exec, fill}, {0, NULL}};

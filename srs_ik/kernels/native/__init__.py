@@ -1,7 +1,7 @@
 """Kernels that were compiled when the package was built: a library, its C header and the extension that calls it.
 
-They lie in this folder where the package comes from a wheel. In a checkout there are none, and Numba compiles each
-kernel when it is first needed.
+They lie in this folder where the package comes from a wheel, or where a checkout was built in place. Numba compiles an
+entry that they lack, or one of whose sources was edited since, when it is first needed.
 """
 
 from __future__ import annotations
@@ -14,18 +14,19 @@ from importlib import import_module
 from pathlib import Path
 from typing import Any
 
+from srs_ik.kernels import sources
+
 FOLDER = Path(__file__).parent
 KERNELS = FOLDER.parent
-_TOOLS = KERNELS / "ahead"
 
 
-def source_digest() -> str:
-    """Digest of all files of kernels."""
-    digest = hashlib.sha256()
-    for path in sorted(KERNELS.rglob("*.py")):
-        if _TOOLS not in path.parents:
-            digest.update(path.relative_to(KERNELS).as_posix().encode() + b"\0" + path.read_bytes() + b"\0")
-    return digest.hexdigest()
+def stamps(rooms: list[str]) -> dict[str, str]:
+    """Digests to remember with what is compiled: that of all sources, below "", and that of each room of entries."""
+    return {"": sources.digest_of_all(KERNELS)} | {room: _digest(room) for room in rooms}
+
+
+def _digest(room: str) -> str:
+    return sources.digest(KERNELS / "entries" / f"{room}.py", KERNELS)
 
 
 def asked_for(variable: str) -> bool:
@@ -35,23 +36,42 @@ def asked_for(variable: str) -> bool:
 
 @cache
 def extension() -> Any:
-    """The extension with the compiled entries; None where there is none of these sources, or Numba is asked for."""
+    """The extension with the compiled entries; None where there is none, or Numba is asked for."""
     if asked_for("SRS_IK_JIT") or asked_for("NUMBA_DISABLE_JIT"):
         return None
     try:
-        found = import_module(f"{__name__}.entries")
+        return import_module(f"{__name__}.entries")
     except ImportError:
         return None
-    return found if found.digest == source_digest() else None
 
 
-def compiled_entry(function: Callable[..., Any]) -> Callable[..., Any]:
-    """The compiled form of an entry.
+@cache
+def _stamps() -> dict[str, str]:
+    """What is remembered with the compiled entries."""
+    found = extension()
+    return {} if found is None else dict(line.split(":") for line in found.digests.split())
+
+
+@cache
+def all_compiled() -> bool:
+    """Whether all entries are compiled, from the sources as they are."""
+    return bool(_stamps()) and _stamps()[""] == sources.digest_of_all(KERNELS)
+
+
+@cache
+def is_compiled(room: str) -> bool:
+    """Whether the entries of a room are compiled, from the sources as they are."""
+    return all_compiled() or (room in _stamps() and _stamps()[room] == _digest(room))
+
+
+def compiled_entry(function: Callable[..., Any]) -> Any:
+    """The compiled form of an entry; None where there is none of these sources.
 
     Raises:
         AttributeError: the table of entries had no line for it when the kernels were compiled.
     """
-    return getattr(extension(), f"{function.__module__.rpartition('.')[2]}_{function.__name__}")
+    room = function.__module__.rpartition(".")[2]
+    return getattr(extension(), f"{room}_{function.__name__}") if is_compiled(room) else None
 
 
 def limb_mark() -> bytes:
@@ -61,9 +81,10 @@ def limb_mark() -> bytes:
 
 def at_work() -> str:
     """How kernels are run in this process, in words."""
-    found = extension()
-    if found is not None:
-        return f"compiled when the package was built, for {found.target()}"
     if asked_for("NUMBA_DISABLE_JIT"):
         return "plain Python"
-    return "compiled by Numba when first needed"
+    changed = [room for room in _stamps() if room and not is_compiled(room)]
+    if not _stamps() or len(changed) == len(_stamps()) - 1:
+        return "compiled by Numba when first needed"
+    ahead = f"compiled when the package was built, for {extension().target()}"
+    return f"{ahead}, but for what was edited since: {', '.join(changed)}" if changed else ahead
