@@ -10,11 +10,12 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from srs_ik.kernels.entries import maps as entries
 from srs_ik.kernels.layout import maps as at
 from srs_ik.maps.orientations import Orientations
 from srs_ik.maps.plan import MEASURES, YAW, Plan
 from srs_ik.maps.store import Store
-from srs_ik.solve.reachable import entries_of, free_first_joint, measured
+from srs_ik.solve.reachable import free_first_joint, measured
 
 if TYPE_CHECKING:
     from srs_ik.arm import Arm
@@ -105,7 +106,7 @@ def cells(job: Job, points: Array, rotations: Array) -> Array:
     rows = np.empty((len(points) * len(rotations), at.CELL_ARCS + 2 * plan.arcs))
     family = free_first_joint(packed) if plan.arcs else packed.family
     first_limits = np.array([packed.lower[0], packed.upper[0]])
-    entries_of(packed).measure_cells(family, np.ascontiguousarray(points), rotations, first_limits, int(margin), rows)
+    entries.measure_cells(family, np.ascontiguousarray(points), rotations, first_limits, int(margin), rows)
     return rows
 
 
