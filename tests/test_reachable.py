@@ -38,13 +38,15 @@ def test_poses_of_configurations_on_limits_are_not_missed(name):
     arm, forward, rng = arms.load(name), arms.forward(name), arms.generator(name, 20)
     Q = arms.configurations(name, 300, 21)
     for q in Q:
-        for joint in rng.choice(7, rng.integers(1, 4), replace=False):
+        for joint in rng.choice(7, rng.integers(1, 8), replace=False):
             limit = (arm.lower, arm.upper)[rng.integers(2)][joint]
             q[joint] = limit if np.isfinite(limit) else q[joint]
-    poses = [forward(q).homogeneous for q in Q]
-    reached = arm.reachable_batch(poses)
-    assert reached.mean() > 0.99  # wrists of human_right are singular on their limits: rounding takes postures away
-    assert not any(arm.solve(poses[i]) for i in np.flatnonzero(~reached))
+    poses = np.array([forward(q).homogeneous for q in Q])
+    assert arm.reachable_batch(poses).all()
+    found = arm.solve_batch(poses)
+    assert found.ok.all()
+    # Rounding past a limit is cut off, which next to a singularity moves the tip.
+    assert max(found.position_error.max(), found.orientation_error.max()) < 1e-9
 
 
 @pytest.mark.parametrize("name", ["iiwa14", "human_arm", "made_bent", "gen3"])

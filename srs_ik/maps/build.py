@@ -11,17 +11,20 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from srs_ik.errors import InvalidMap, MissingExtra, SrsIkError
+from srs_ik.maps.extras import around_of, task_of
 from srs_ik.maps.grid import Grid, box, half_plane
 from srs_ik.maps.orientations import orientations_of
 from srs_ik.maps.plan import Plan, arcs_of, checked_measures, robot_of
 from srs_ik.maps.store import Store, clear_leftovers, create, refuse_other
-from srs_ik.maps.tasks import Job, cells, in_base, job_of, run_task
+from srs_ik.maps.tasks import Job, in_base, job_of, measures_at, run_task
 from srs_ik.solve.threads import processors
 
 if TYPE_CHECKING:
     from srs_ik.arm import Arm
+    from srs_ik.collision.scene import Scene
     from srs_ik.maps.reader import Map
 
 Progress = Callable[[int, int], None]
@@ -65,7 +68,15 @@ class Estimate:
 
 
 def plan_map(
-    arm: Arm, step: float = 0.05, *, orientations: int = 2304, box_bounds: object = False, measures: Iterable[str] = ()
+    arm: Arm,
+    step: float = 0.05,
+    *,
+    orientations: int = 2304,
+    box_bounds: object = False,
+    measures: Iterable[str] = (),
+    scene: Scene | None = None,
+    velocity: ArrayLike | None = None,
+    force: ArrayLike | None = None,
 ) -> Plan:
     """What `build_map` would make; arguments as there.
 
@@ -73,10 +84,16 @@ def plan_map(
         InvalidMap: they fit no map.
     """
     chosen = orientations_of(orientations)
+    task = task_of(velocity, force)
+    if box_bounds is False and (scene is not None or task is not None):
+        raise InvalidMap("a half-plane turns about axis 1, and a scene or a task does not turn with it: map a box")
+    names = checked_measures(measures, scene is not None, task is not None)
+    around = around_of(arm, scene)
     grid: Grid = (
         half_plane(arm, step) if box_bounds is False else box(arm, step, None if box_bounds is True else box_bounds)
     )
-    return Plan(robot_of(arm), grid, chosen, checked_measures(measures), arcs_of(arm) if box_bounds is False else 0)
+    arcs = arcs_of(arm) if box_bounds is False else 0
+    return Plan(robot_of(arm), grid, chosen, names, arcs, None if around is None else around.digest, task)
 
 
 def build_map(
@@ -88,6 +105,9 @@ def build_map(
     orientations: int = 2304,
     box: object = False,
     measures: Iterable[str] = (),
+    scene: Scene | None = None,
+    velocity: ArrayLike | None = None,
+    force: ArrayLike | None = None,
     threads: int | None = None,
     progress: Progress | None = None,
 ) -> Map:
@@ -104,23 +124,30 @@ def build_map(
         box: False for the half-plane through axis 1; True for a box around all that the arm reaches, or (3, 2) lower
             and upper x, y and z in the base frame, metres.
         measures: "margin" and "manipulability" if they are wanted too.
+        scene: brings the measure "free", the width of the feasible arm angles that touch nothing; boxes only.
+        velocity: (3,) direction in which a task moves, base frame; brings with `force` the measures "ratio", the
+            smallest force-velocity ratio C, and "ratio_arm_angle" and "ratio_branch" of that posture; boxes only.
+        force: (3,) direction in which the task pushes, base frame.
         threads: at most so many; all processors if not given.
         progress: called with the cells that are done and all cells, after each task.
 
     Raises:
         InvalidMap: the arguments fit no map, or the folder holds another one.
+        InvalidScene: this is no scene.
+        NoBodies: with a scene, no shapes of the arm are at hand.
         MissingExtra: Zarr is not installed.
     """
     from srs_ik.maps.reader import open_map
 
     folder = Path(path)
-    plan = plan_map(arm, step, orientations=orientations, box_bounds=box, measures=measures)
+    more: dict[str, Any] = {"measures": measures, "scene": scene, "velocity": velocity, "force": force}
+    plan = plan_map(arm, step, orientations=orientations, box_bounds=box, **more)
     if folder.exists():
         refuse_other(Store(folder), plan)
     clear_leftovers(folder)
     if not folder.exists():
         create(folder, plan)
-    job, store = job_of(arm, plan), Store(folder)
+    job, store = job_of(arm, plan, scene), Store(folder)
     left = np.flatnonzero(store.records() == 0).tolist()
     sizes = [_size(block) * len(plan.orientations) for block in plan.blocks]
     done = plan.cells - sum(sizes[task] for task in left)
@@ -132,7 +159,7 @@ def build_map(
         done += sizes[task]
         if progress is not None:
             progress(done, plan.cells)
-    return open_map(folder, arm)
+    return open_map(folder, arm, scene)
 
 
 def estimate(
@@ -142,6 +169,9 @@ def estimate(
     orientations: int = 2304,
     box: object = False,
     measures: Iterable[str] = (),
+    scene: Scene | None = None,
+    velocity: ArrayLike | None = None,
+    force: ArrayLike | None = None,
     workers: int | None = None,
 ) -> Estimate:
     """What `build_map` will take, from the time of some of its cells; arguments as there, and processors to share it.
@@ -149,8 +179,9 @@ def estimate(
     Raises:
         InvalidMap: the arguments fit no map.
     """
-    plan = plan_map(arm, step, orientations=orientations, box_bounds=box, measures=measures)
-    job = job_of(arm, plan)
+    more: dict[str, Any] = {"measures": measures, "scene": scene, "velocity": velocity, "force": force}
+    plan = plan_map(arm, step, orientations=orientations, box_bounds=box, **more)
+    job = job_of(arm, plan, scene)
     _warm(job)
     rng, rotations = np.random.default_rng(0), in_base(plan)
     points = plan.grid.points(tuple(slice(0, n) for n in plan.grid.shape)) if _few(plan) else None
@@ -158,7 +189,7 @@ def estimate(
     while count < PROBED or (time.perf_counter() - begin < 0.2 and count < 100 * PROBED):
         point = points[rng.integers(len(points))][None] if points is not None else _random_point(plan, rng)
         some = np.ascontiguousarray(rotations[rng.integers(len(rotations), size=20)])
-        cells(job, point, some)
+        measures_at(job, point, some)
         count += 20
         if time.perf_counter() - begin > PROBE_TIME:
             break
@@ -193,7 +224,7 @@ def _size(block: tuple[slice, ...]) -> int:
 
 def _warm(job: Job) -> None:
     """Compile before workers begin: each would do it again."""
-    cells(job, job.plan.grid.points(tuple(slice(0, 1) for _ in job.plan.grid.shape)), in_base(job.plan)[:1])
+    measures_at(job, job.plan.grid.points(tuple(slice(0, 1) for _ in job.plan.grid.shape)), in_base(job.plan)[:1])
 
 
 def _by_threads(job: Job, folder: Path, left: list[int], threads: int | None) -> Iterator[int]:

@@ -6,10 +6,11 @@ import math
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from srs_ik.inputs.poses import as_matrices
 from srs_ik.kernels.layout import maps as at
+from srs_ik.maps.extras import Asked, around_of, needs_postures, of_postures, task_of
 from srs_ik.maps.placement import refuse_no_poses
 from srs_ik.maps.plan import MEASURES, YAW, Plan, arcs_of, checked_measures
 from srs_ik.maps.tasks import in_base
@@ -19,11 +20,21 @@ if TYPE_CHECKING:
     from collections.abc import Iterable
 
     from srs_ik.arm import Arm
+    from srs_ik.collision.scene import Scene
 
 Array = NDArray[np.float64]
 
 
-def measures_of(arm: Arm, poses: Any, measures: Iterable[str] = (), threads: int | None = None) -> dict[str, NDArray]:
+def measures_of(
+    arm: Arm,
+    poses: Any,
+    measures: Iterable[str] = (),
+    threads: int | None = None,
+    *,
+    scene: Scene | None = None,
+    velocity: ArrayLike | None = None,
+    force: ArrayLike | None = None,
+) -> dict[str, NDArray]:
     """The measures of a map for any poses, exactly, within all joint limits.
 
     Args:
@@ -31,17 +42,22 @@ def measures_of(arm: Arm, poses: Any, measures: Iterable[str] = (), threads: int
         poses: (N, 4, 4) array or list of poses of its tip in its base frame.
         measures: "margin" and "manipulability" if they are wanted too.
         threads: at most so many; all processors if not given.
+        scene: brings "free", see `build_map`.
+        velocity: brings with `force` "ratio" and the posture that has it, see `build_map`.
+        force: see `velocity`.
 
     Returns:
         (N,) of each measure, by name.
 
     Raises:
         InvalidPose: a pose is no finite rigid transform.
-        InvalidMap: there is no measure of that name.
+        InvalidMap: there is no measure of that name, or its scene or task is missing.
+        InvalidScene: this is no scene.
     """
     T = as_matrices(poses)
     refuse_no_poses(T)
-    names = checked_measures(measures)
+    task = task_of(velocity, force)
+    names = checked_measures(measures, scene is not None, task is not None)
     rows = measured(arm.packed, T, margin="margin" in names, threads=threads)
     columns = {
         "branches": at.CELL_BRANCHES,
@@ -50,16 +66,16 @@ def measures_of(arm: Arm, poses: Any, measures: Iterable[str] = (), threads: int
         "widest": at.CELL_WIDEST,
         "margin": at.CELL_MARGIN,
     }
-    found: dict[str, NDArray] = {}
-    for name in names:
-        if name in columns:
-            found[name] = rows[:, columns[name]].astype(MEASURES[name][0])
-    found["reached"] = reachable_batch(arm.packed, T, threads).astype("u1")
-    if "manipulability" in names:
-        found["manipulability"] = np.zeros(len(T), "f4")
-        for i in np.flatnonzero(found["reached"]):
-            found["manipulability"][i] = arm.optimise(T[i], "manipulability").value
-    return {name: found[name] for name in names}
+    found = {name: np.zeros(len(T), MEASURES[name][0]) for name in names}
+    for name, column in columns.items():
+        if name in found:
+            found[name][:] = rows[:, column]
+    found["reached"][:] = reachable_batch(arm.packed, T, threads)
+    if needs_postures(names):
+        met = np.flatnonzero(found["reached"])
+        for name, each in of_postures(Asked(arm.packed, names, around_of(arm, scene), task), T[met]).items():
+            found[name][met] = each
+    return found
 
 
 def yaw_arcs(arm: Arm, poses: Any, threads: int | None = None) -> list[Array]:

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from srs_ik.errors import InvalidMap
-from srs_ik.maps.plan import Plan
+from srs_ik.maps.plan import OF_SCENE, OF_TASK, Plan
 from srs_ik.maps.store import Store, create
 
 if TYPE_CHECKING:
@@ -62,7 +62,7 @@ def combine(first: Map, second: Map, path: str | os.PathLike[str]) -> Map:
     """The map of what either of two arms reaches, as a store of its own.
 
     Both are boxes over the same cells, so of arms whose poses are given in the same frame (`Arm.with_base`). A cell has
-    the branches and pieces of the arm that reaches it with the larger width.
+    the branches and pieces of the arm that reaches it with the larger width. Measures for a scene or a task stay out.
 
     Raises:
         InvalidMap: their cells differ, or they are half-planes.
@@ -76,7 +76,8 @@ def combine(first: Map, second: Map, path: str | os.PathLike[str]) -> Map:
     folder = Path(path)
     if folder.exists():
         raise FileExistsError(17, "there is something already", str(folder))
-    names = tuple(name for name in first.plan.measures if name in second.plan.measures)
+    own = (*OF_SCENE, *OF_TASK)
+    names = tuple(name for name in first.plan.measures if name in second.plan.measures and name not in own)
     plan = Plan(_both(first.plan, second.plan), first.plan.grid, first.plan.orientations, names, 0)
     create(folder, plan)
     store = Store(folder, writable=True)

@@ -23,6 +23,9 @@ if TYPE_CHECKING:
 
 TURN = 2.0 * math.pi
 
+Task = tuple[tuple[float, float, float], tuple[float, float, float]]
+"""Directions of velocity and force, each of length one."""
+
 FORMAT = 1
 """Number of the layout of stores."""
 
@@ -34,8 +37,18 @@ MEASURES = {
     "widest": ("f4", "width of the widest, rad"),
     "margin": ("f4", "largest margin to the joint limits, 0 to 1"),
     "manipulability": ("f4", "largest manipulability (Yoshikawa)"),
+    "free": ("f4", "width of the feasible arm angles that touch nothing in the scene, rad"),
+    "ratio": ("f4", "smallest force-velocity ratio C of the task"),
+    "ratio_arm_angle": ("f8", "arm angle of the posture with that ratio, rad"),
+    "ratio_branch": ("u1", "branch of that posture"),
 }
 """Type and meaning of every measure. Those of a half-plane set the limits of joint 1 aside: `yaw` holds these."""
+
+FREE = "free"
+RATIO, RATIO_ANGLE, RATIO_BRANCH = "ratio", "ratio_arm_angle", "ratio_branch"
+OF_SCENE = (FREE,)
+OF_TASK = (RATIO, RATIO_ANGLE, RATIO_BRANCH)
+"""Measures that come with a scene, and with a task."""
 
 USUAL = ("reached", "branches", "pieces", "width", "widest")
 
@@ -53,6 +66,8 @@ class Plan:
         orientations: orientations.
         measures: names of the measures.
         arcs: arcs of yaw that a cell may have; 0 for a box.
+        scene: digest of the scene that `free` is for.
+        task: directions of velocity and force that `ratio` is for, base frame.
     """
 
     robot: dict[str, Any]
@@ -60,6 +75,8 @@ class Plan:
     orientations: Orientations
     measures: tuple[str, ...]
     arcs: int
+    scene: str | None = None
+    task: Task | None = None
 
     @property
     def cells(self) -> int:
@@ -79,6 +96,9 @@ class Plan:
     def as_attributes(self) -> dict[str, Any]:
         """The plan as JSON can hold it; no time and no place, so that equal plans have equal stores."""
         grid = self.grid
+        more: dict[str, Any] = {} if self.scene is None else {"scene": self.scene}
+        if self.task is not None:
+            more["task"] = {"velocity": list(self.task[0]), "force": list(self.task[1])}
         return {
             "format": FORMAT,
             "version": version(),
@@ -93,6 +113,7 @@ class Plan:
             "orientations": {"nside": self.orientations.nside, "rolls": self.orientations.rolls},
             "measures": list(self.measures),
             "arcs": self.arcs,
+            **more,
         }
 
 
@@ -123,6 +144,8 @@ def plan_of(attributes: Any, where: Path) -> Plan:
             Orientations(**attributes["orientations"]),
             tuple(attributes["measures"]),
             int(attributes["arcs"]),
+            attributes.get("scene"),
+            _task(attributes.get("task")),
         )
     except (KeyError, TypeError, ValueError, AttributeError) as error:
         if isinstance(error, InvalidMap):
@@ -130,13 +153,25 @@ def plan_of(attributes: Any, where: Path) -> Plan:
         raise InvalidMap(f"{where} holds no map") from None
 
 
-def checked_measures(measures: Any) -> tuple[str, ...]:
-    """Names of measures, each once, in their usual order.
+def _task(task: Any) -> Task | None:
+    if task is None:
+        return None
+    (a, b, c), (x, y, z) = task["velocity"], task["force"]
+    return (a, b, c), (x, y, z)
+
+
+def checked_measures(measures: Any, scene: bool = False, task: bool = False) -> tuple[str, ...]:
+    """Names of measures, each once, in their usual order; a scene and a task bring their own.
 
     Raises:
-        InvalidMap: one is unknown.
+        InvalidMap: one is unknown, or its scene or its task is missing.
     """
     wanted = {*USUAL, *([measures] if isinstance(measures, str) else measures)}
+    if not scene and wanted & set(OF_SCENE):
+        raise InvalidMap("measure 'free' is for a scene: give one")
+    if not task and wanted & set(OF_TASK):
+        raise InvalidMap("measure 'ratio' is for a task: give its velocity and its force")
+    wanted |= {*(OF_SCENE if scene else ()), *(OF_TASK if task else ())}
     for name in wanted:
         if name not in MEASURES:
             hint = did_you_mean(name, MEASURES)

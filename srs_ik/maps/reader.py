@@ -13,13 +13,15 @@ from numpy.typing import NDArray
 
 from srs_ik.errors import InvalidMap
 from srs_ik.inputs.poses import as_matrices
+from srs_ik.maps.extras import scene_digest
 from srs_ik.maps.placement import refuse_no_poses
-from srs_ik.maps.plan import YAW, fingerprint
+from srs_ik.maps.plan import FREE, OF_SCENE, OF_TASK, RATIO, YAW, fingerprint
 from srs_ik.maps.store import Store, checksum
 from srs_ik.maps.tasks import compute, job_of
 
 if TYPE_CHECKING:
     from srs_ik.arm import Arm
+    from srs_ik.collision.scene import Scene
 
 Array = NDArray[np.float64]
 Indices = NDArray[np.int64]
@@ -29,7 +31,7 @@ TURN = 2.0 * math.pi
 CELLS_A_POSITION = 50
 """Cells of one position that a check computes again."""
 
-INTERPOLATED = ("width", "widest", "margin", "manipulability")
+INTERPOLATED = ("width", "widest", "margin", "manipulability", FREE, RATIO)
 
 
 @dataclass(frozen=True, eq=False)
@@ -74,18 +76,19 @@ class Verified:
         return not self.damaged and not self.different and self.worst < 1e-9
 
 
-def open_map(path: str | os.PathLike[str], arm: Arm | None = None) -> Map:
+def open_map(path: str | os.PathLike[str], arm: Arm | None = None, scene: Scene | None = None) -> Map:
     """Open a map, whole or half made.
 
     Args:
         path: folder of the store.
         arm: the arm that it is of, for exact answers and checks.
+        scene: the scene that it is of, if it is of one, for the same.
 
     Raises:
-        InvalidMap: there is none, or it is that of another robot.
+        InvalidMap: there is none, or it is that of another robot or scene.
         MissingExtra: Zarr is not installed.
     """
-    return Map(Store(Path(path)), arm)
+    return Map(Store(Path(path)), arm, scene)
 
 
 class Map:
@@ -95,16 +98,19 @@ class Map:
         plan: what it holds.
         path: its folder.
         arm: the arm that it is of, or None.
+        scene: the scene that it is of, or None.
     """
 
-    def __init__(self, store: Store, arm: Arm | None = None) -> None:
-        self.store, self.plan, self.path, self.arm = store, store.plan, store.path, arm
+    def __init__(self, store: Store, arm: Arm | None = None, scene: Scene | None = None) -> None:
+        self.store, self.plan, self.path, self.arm, self.scene = store, store.plan, store.path, arm, scene
         if arm is not None and fingerprint(arm) != self.plan.robot["fingerprint"]:
             robot = self.plan.robot
             raise InvalidMap(
                 f"{self.path} is a map of {robot['name']}, tip {robot['tip']}: {arm.name} with these limits and this "
                 "tool is another robot"
             )
+        if arm is not None and scene is not None and scene_digest(arm, scene) != self.plan.scene:
+            raise InvalidMap(f"{self.path} is no map of this scene, as it stands now and with these bodies of the arm")
 
     @property
     def done(self) -> float:
@@ -212,12 +218,16 @@ class Map:
         from srs_ik.maps.live import measures_of
 
         arm = self._own_arm("exact answers")
-        measures = measures_of(arm, T, self.plan.measures)
+        names = [name for name in self.plan.measures if name not in (*OF_SCENE, *OF_TASK)]
+        velocity, force = self.plan.task or (None, None)
+        measures = measures_of(arm, T, names, scene=self.scene, velocity=velocity, force=force)
         return MapAnswer(measures["reached"] > 0, measures, inside)
 
     def _own_arm(self, what: str) -> Arm:
         if self.arm is None:
             raise InvalidMap(f"{what} need the arm of the map: open_map(path, arm)")
+        if self.plan.scene is not None and self.scene is None:
+            raise InvalidMap(f"{what} need the scene of the map: open_map(path, arm, scene)")
         return self.arm
 
     # Positions --------------------------------------------------------------------------------------------------
@@ -272,7 +282,7 @@ class Map:
         records = self.store.records()
         done = np.flatnonzero(records)
         damaged = tuple(int(task) for task in done if not self._is_whole(int(task), int(records[task])))
-        rng, job = np.random.default_rng(seed), job_of(arm, self.plan)
+        rng, job = np.random.default_rng(seed), job_of(arm, self.plan, self.scene)
         cells = different = rebuilt = 0
         worst = 0.0
         while len(done) and cells < count:

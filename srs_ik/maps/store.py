@@ -180,8 +180,8 @@ def refuse_other(store: Store, plan: Plan) -> None:
             f"{store.path} is a map of another robot ({there['robot']['name']}, tip {there['robot']['tip']}), or of "
             "other limits or another tool: give another folder"
         )
-    for part in ("version", "grid", "orientations", "measures", "arcs"):
-        if there[part] != wanted[part]:
+    for part in ("version", "grid", "orientations", "measures", "arcs", "scene", "task"):
+        if there.get(part) != wanted.get(part):
             raise InvalidMap(f"{store.path} is a map with another {part}: give another folder, or remove it")
 
 

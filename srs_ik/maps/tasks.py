@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -10,14 +10,17 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from srs_ik.kernels.entries import maps as entries
 from srs_ik.kernels.layout import maps as at
+from srs_ik.maps.extras import Around, Asked, around_of, needs_postures, of_postures
 from srs_ik.maps.orientations import Orientations
 from srs_ik.maps.plan import MEASURES, YAW, Plan
 from srs_ik.maps.store import Store
-from srs_ik.solve.reachable import entries_of, free_first_joint, measured
+from srs_ik.solve.reachable import free_first_joint, measured
 
 if TYPE_CHECKING:
     from srs_ik.arm import Arm
+    from srs_ik.collision.scene import Scene
     from srs_ik.solve.packed import PackedArm
 
 Array = NDArray[np.float64]
@@ -42,15 +45,17 @@ class Job:
     Attributes:
         packed: the arm.
         plan: the map.
+        around: the arm in the scene of the map, where it has one.
     """
 
     packed: PackedArm
     plan: Plan
+    around: Around | None = None
 
 
-def job_of(arm: Arm, plan: Plan) -> Job:
+def job_of(arm: Arm, plan: Plan, scene: Scene | None = None) -> Job:
     """The job of mapping an arm."""
-    return Job(arm.packed, plan)
+    return Job(arm.packed, plan, around_of(arm, scene))
 
 
 def run_task(job: Job, path: str, task: int) -> tuple[int, int]:
@@ -71,20 +76,42 @@ def _rotations(orientations: Orientations) -> Array:
 
 def compute(job: Job, block: tuple[slice, ...]) -> dict[str, NDArray]:
     """The measures of all cells of a block of positions, by name."""
-    plan = job.plan
-    points, rotations = plan.grid.points(block), in_base(plan)
+    points, rotations = job.plan.grid.points(block), in_base(job.plan)
     n = len(rotations)
     shape = (*(part.stop - part.start for part in block), n)
-    values: dict[str, NDArray] = {name: np.zeros(len(points) * n, MEASURES[name][0]) for name in plan.measures}
-    if plan.arcs:
-        values[YAW] = np.zeros((len(points) * n, plan.arcs, 2))
+    values = _room(job.plan, len(points) * n)
     some = max(1, AT_ONCE // n)
     for first in range(0, len(points), some):
-        rows = cells(job, points[first : first + some], rotations)
-        _put(plan, values, slice(first * n, first * n + len(rows)), rows)
-        if "manipulability" in values:
-            _put_manipulability(job, values, points[first : first + some], rotations, first * n)
+        for name, each in measures_at(job, points[first : first + some], rotations).items():
+            values[name][first * n : first * n + len(each)] = each
     return {name: each.reshape(*shape, *each.shape[1:]) for name, each in values.items()}
+
+
+def _room(plan: Plan, count: int) -> dict[str, NDArray]:
+    """Zeros for the measures of so many cells."""
+    values: dict[str, NDArray] = {name: np.zeros(count, MEASURES[name][0]) for name in plan.measures}
+    if plan.arcs:
+        values[YAW] = np.zeros((count, plan.arcs, 2))
+    return values
+
+
+def measures_at(job: Job, points: Array, rotations: Array) -> dict[str, NDArray]:
+    """The measures of every point (n, 3) with every rotation (m, 9), both in the base frame, (n m,) by name."""
+    plan = job.plan
+    rows = cells(job, points, rotations)
+    values = _room(plan, len(rows))
+    for name, column in _COLUMNS.items():
+        if name in values:
+            values[name][:] = rows[:, column] > 0.0 if name == "reached" else rows[:, column]
+    if plan.arcs:
+        values[YAW][:] = rows[:, at.CELL_ARCS :].reshape(-1, plan.arcs, 2)
+    if needs_postures(plan.measures):
+        met = np.flatnonzero(values["reached"])
+        poses = poses_of(points, rotations)[met]
+        asked = Asked(job.packed, plan.measures, job.around, plan.task, any_yaw=plan.arcs > 0)
+        for name, each in of_postures(asked, poses).items():
+            values[name][met] = each
+    return values
 
 
 def in_base(plan: Plan) -> Array:
@@ -105,7 +132,7 @@ def cells(job: Job, points: Array, rotations: Array) -> Array:
     rows = np.empty((len(points) * len(rotations), at.CELL_ARCS + 2 * plan.arcs))
     family = free_first_joint(packed) if plan.arcs else packed.family
     first_limits = np.array([packed.lower[0], packed.upper[0]])
-    entries_of(packed).measure_cells(family, np.ascontiguousarray(points), rotations, first_limits, int(margin), rows)
+    entries.measure_cells(family, np.ascontiguousarray(points), rotations, first_limits, int(margin), rows)
     return rows
 
 
@@ -116,24 +143,3 @@ def poses_of(points: Array, rotations: Array) -> Array:
     T[:, :, :3, 3] = points[:, None]
     T[:, :, 3, 3] = 1.0
     return T.reshape(-1, 4, 4)
-
-
-def _put(plan: Plan, values: dict[str, NDArray], where: slice, rows: Array) -> None:
-    for name, column in _COLUMNS.items():
-        if name in values:
-            values[name][where] = rows[:, column] > 0.0 if name == "reached" else rows[:, column]
-    if plan.arcs:
-        values[YAW][where] = rows[:, at.CELL_ARCS :].reshape(-1, plan.arcs, 2)
-
-
-def _put_manipulability(job: Job, values: dict[str, NDArray], points: Array, rotations: Array, first: int) -> None:
-    from srs_ik.solve.optimise import optimise
-
-    packed = job.packed
-    if job.plan.arcs:
-        lower, upper = packed.lower.copy(), packed.upper.copy()
-        lower[0], upper[0] = -np.inf, np.inf
-        packed = replace(packed, family=free_first_joint(packed), lower=lower, upper=upper)
-    poses = poses_of(points, rotations)
-    for k in np.flatnonzero(values["reached"][first : first + len(poses)]):
-        values["manipulability"][first + k] = optimise(packed, None, poses[k], "manipulability").value  # type: ignore[arg-type]

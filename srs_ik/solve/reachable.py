@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from srs_ik.inputs.poses import as_matrices, refuse_bad_poses
+from srs_ik.kernels.entries import maps as entries
 from srs_ik.kernels.entries.pose import pack_limits
 from srs_ik.kernels.layout.limb import INVERSE_HALF_RANGE, LIMITED, LOOSE, MIDDLE
 from srs_ik.kernels.layout.maps import CELL_ARCS, CELL_MARGIN, CELL_PIECES, REACHED, UNSURE
@@ -25,8 +26,11 @@ def reachable_batch(arm: PackedArm, poses: Any, threads: int | None = None) -> N
     """See `Arm.reachable_batch`."""
     T = as_matrices(poses)
     found = np.zeros(len(T), np.int64)
-    entries = entries_of(arm)
-    run_in_threads(lambda first, last: entries.reachable_range(arm.family, T, first, last, found), len(T), threads)
+
+    def work(first: int, last: int) -> None:
+        entries.reachable_range(arm.family, T, first, last, *arm.work(), found)
+
+    run_in_threads(work, len(T), threads)
     refuse_bad_poses(np.maximum(-found, 0))
     reached = found == REACHED
     unsure = np.flatnonzero(found == UNSURE)
@@ -48,12 +52,11 @@ def measured(arm: PackedArm, poses: Array, *, arcs: int = 0, margin: bool = Fals
     rows = np.zeros((len(poses), CELL_ARCS + 2 * arcs))
     family = free_first_joint(arm) if arcs else arm.family
     first_limits = np.array([arm.lower[0], arm.upper[0]])
-    entries = entries_of(arm)
 
-    asked = (first_limits, int(margin)) if arm.closed else (first_limits,)
-    run_in_threads(
-        lambda first, last: entries.measure_range(family, poses, first, last, *asked, rows), len(poses), threads
-    )
+    def work(first: int, last: int) -> None:
+        entries.measure_range(family, poses, first, last, first_limits, int(margin), *arm.work(), rows)
+
+    run_in_threads(work, len(poses), threads)
     if margin and not arm.closed:
         met = np.flatnonzero(rows[:, CELL_PIECES])
         rows[met, CELL_MARGIN] = _margins(arm, family, poses[met], threads)
@@ -67,17 +70,6 @@ def _margins(arm: PackedArm, family: Array, poses: Array, threads: int | None) -
     share = limits[INVERSE_HALF_RANGE : INVERSE_HALF_RANGE + 7]
     margins: Array = 1.0 - np.abs(q - limits[MIDDLE : MIDDLE + 7]) * share
     return np.maximum(margins.min(axis=1), 0.0)
-
-
-def entries_of(arm: PackedArm) -> Any:
-    """The entry points for the kind of limb that an arm has."""
-    if arm.closed:
-        from srs_ik.kernels.entries import maps as of_exact
-
-        return of_exact
-    from srs_ik.kernels.entries import near_maps as of_near
-
-    return of_near
 
 
 def free_first_joint(arm: PackedArm) -> Array:

@@ -1,32 +1,28 @@
-"""Entry points of reachability and maps, for limbs that the closed form answers."""
+"""Entry points of reachability and maps."""
 
 from __future__ import annotations
 
 from srs_ik.kernels.algebra.pointers import row
 from srs_ik.kernels.jit import entry
-from srs_ik.kernels.layout.answer import GOOD_POSE
 from srs_ik.kernels.layout.limb import LIMITED
 from srs_ik.kernels.layout.maps import CELL_ARCS
-from srs_ik.kernels.limb.poses import read_pose
 from srs_ik.kernels.limb.triangle import place
-from srs_ik.kernels.maps.cells import clear, write_cell
-from srs_ik.kernels.maps.reach import reach, room
+from srs_ik.kernels.maps.cells import measure_poses, write_cell
+from srs_ik.kernels.maps.near_cells import measure_near_poses, near_room, reach_near_poses
+from srs_ik.kernels.maps.reach import reach_poses, room
 
 
 @entry
-def reachable_range(family, poses, first, last, out):
+def reachable_range(family, poses, first, last, J, A, out):
     """Write whether the poses first to last - 1 of (N, 4, 4) are reached into out (N,), as in `layout.maps`."""
-    space = room(family)
-    for i in range(first, last):
-        R, p, verdict = read_pose(row(poses, i))
-        if verdict != GOOD_POSE:
-            out[i] = -verdict
-        else:
-            out[i] = reach(family, place(row(family, LIMITED), R, p), space)
+    if J is None:
+        reach_poses(family, poses, first, last, out)
+    else:
+        reach_near_poses(family, poses, first, last, J, A, out)
 
 
 @entry
-def measure_range(family, poses, first, last, limits, margin, out):
+def measure_range(family, poses, first, last, limits, margin, J, A, out):
     """Write what a map tells of the poses first to last - 1 of (N, 4, 4) into the rows of out (N, CELL_ARCS + 2 n).
 
     Args:
@@ -35,23 +31,22 @@ def measure_range(family, poses, first, last, limits, margin, out):
         first: first pose.
         last: one behind the last.
         limits: (2,) of joint 1, rad, for arcs of yaw; the columns of out say how many there is room for.
-        margin: whether the margin is wanted, 0 or 1.
+        margin: whether the margin is wanted, 0 or 1; near limbs have none here.
+        J: (6, 7) work space, or None for a limb that the closed form answers.
+        A: (16, 9) work space, or None.
         out: output.
     """
-    space = room(family)
-    asked = ((out.shape[1] - CELL_ARCS) // 2, margin == 1)
-    for i in range(first, last):
-        R, p, verdict = read_pose(row(poses, i))
-        if verdict == GOOD_POSE:
-            place_ = place(row(family, LIMITED), R, p)
-            write_cell(family, place_, (limits[0], limits[1]), asked, space, row(out, i))
-        else:
-            clear(asked[0], row(out, i))
+    most = (out.shape[1] - CELL_ARCS) // 2
+    if J is None:
+        measure_poses(family, poses, first, last, (limits[0], limits[1]), (most, margin == 1), out)
+    else:
+        space = near_room(family, J, A)
+        measure_near_poses(family, poses, first, last, (limits[0], limits[1]), most, space, out)
 
 
 @entry
 def measure_cells(family, points, rotations, limits, margin, out):
-    """`measure_range` of every point (n, 3) with every rotation (m, 9) of the tip, into out (n m, ...)."""
+    """`measure_range` of an exact limb at every point (n, 3) with every rotation (m, 9), into out (n m, ...)."""
     space = room(family)
     asked = ((out.shape[1] - CELL_ARCS) // 2, margin == 1)
     m = rotations.shape[0]

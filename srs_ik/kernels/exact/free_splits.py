@@ -32,7 +32,7 @@ from srs_ik.kernels.layout.limb import (
     WRIST,
 )
 from srs_ik.kernels.limb.branches import NO_BRANCH, branch_of, side_posture
-from srs_ik.kernels.limb.goal import NO_SEED, OUTSIDE, cost
+from srs_ik.kernels.limb.goal import NO_SEED, OUTSIDE, cost, turned
 from srs_ik.kernels.limb.in_line import NEARLY_IN_LINE, closest, may_split, wide_limb
 from srs_ik.kernels.limb.triangle import elbow_side
 
@@ -52,6 +52,9 @@ LOOSELY = 3e-11
 
 GIVE = 3e-4
 """A split that is worse by less than this, rad or of a range, may be better once its posture is closed."""
+
+FAR_SPLIT = 1e3
+"""The split nearest to joints this far out, rad, is the last one inside the limits."""
 
 
 @kernel
@@ -82,7 +85,10 @@ def close_gently(P, q, R, p, respect, J, A):
                 if q[j] < P[LOWER + j] or q[j] > P[UPPER + j]:
                     blocked |= 1 << j
             q = clipped(P, q)
-    return close_free(P, q, R, p, respect, CLOSING_STEPS, J, A)
+    q, _ = close_free(P, q, R, p, respect, CLOSING_STEPS, J, A)
+    # Next to several singularities its last step may have led away.
+    position, orientation = pose_error(P, q, R, p)
+    return q, max(position, orientation)
 
 
 @kernel
@@ -90,14 +96,15 @@ def keep_better(P, R, p, start, branch, value, wanted, seeded, seed, respect, q,
     """The better of a split, closed on the true chain, and the best posture so far: q, branch, cost."""
     position, orientation = pose_error(P, start, R, p)
     off = max(position, orientation)
-    if value >= OUTSIDE or off < CLOSED:
+    if value >= OUTSIDE + GIVE or off < CLOSED:
         return (start, branch, value) if value < lowest else (q, best, lowest)
     if is_hopeless(value, lowest, seeded):
         return q, best, lowest
     closed, error = close_gently(P, start, R, p, respect, J, A)
     if error > CLOSED:
         # With three joints singular at once, not all of a tiny error can be closed.
-        return (start, branch, value) if off < LOOSELY and value < lowest else (q, best, lowest)
+        known = off < LOOSELY or value >= OUTSIDE
+        return (start, branch, value) if known and value < lowest else (q, best, lowest)
     if seeded:
         closed, value, _ = slid(P, closed, R, p, seed, respect, J, A)
     else:
@@ -126,6 +133,20 @@ def best_on_circles(P, place_, branch, seed, respect):
 
 
 @kernel
+def split_end(P, wide, side, psi, branch, i, last):
+    """The posture of a branch whose split is the first (last 0) or the last (1) inside the limits: q, cost.
+
+    Bits of i: the shoulder (0) or the wrist (2), its outer axes pointing the same way (0) or opposite ways (1).
+    """
+    far = FAR_SPLIT if last == 1 else -FAR_SPLIT
+    other = far if i % 2 == 1 else -far
+    seed = (far, 0.0, other, 0.0, far, 0.0, other)
+    q, _, _ = side_posture(wide, side, psi, (branch >> 1) & 1, branch & 1, True, seed, True)
+    q = turned(P, q, False, NO_SEED, True)
+    return q, cost(P, q, False, NO_SEED, True)
+
+
+@kernel
 def search_near_line(P, wide, place_, R, p, wanted, seed, respect, q, best, lowest, J, A):
     """The best posture of a pose, or a split that is better: q, branch, cost; `wide` takes axes almost in line so."""
     seeded = seed is not None
@@ -148,6 +169,12 @@ def search_near_line(P, wide, place_, R, p, wanted, seed, respect, q, best, lowe
                     q, best, lowest = keep_better(
                         P, R, p, start, b, value, wanted, seeded, goal, respect, q, best, lowest, J, A
                     )
+                    # A posture with several joints on their limits may hang at an end of the split alone.
+                    for last in range(2 if respect and lowest >= OUTSIDE else 0):
+                        start, value = split_end(P, wide, side, psi, b, i, last)
+                        q, best, lowest = keep_better(
+                            P, R, p, start, b, value, wanted, seeded, goal, respect, q, best, lowest, J, A
+                        )
     if circles:
         start, b, value = best_on_circles(wide, place_, wanted, seed, respect)
         q, best, lowest = keep_better(P, R, p, start, b, value, wanted, seeded, goal, respect, q, best, lowest, J, A)

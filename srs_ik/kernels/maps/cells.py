@@ -10,7 +10,7 @@ from srs_ik.kernels.algebra.pointers import row
 from srs_ik.kernels.exact.farthest import farthest
 from srs_ik.kernels.exact.intervals import TOUCH, TURN
 from srs_ik.kernels.jit import kernel
-from srs_ik.kernels.layout.answer import SOLVED
+from srs_ik.kernels.layout.answer import GOOD_POSE, SOLVED
 from srs_ik.kernels.layout.limb import LIMITED, LOOSE
 from srs_ik.kernels.layout.maps import (
     CELL_ARCS,
@@ -21,10 +21,11 @@ from srs_ik.kernels.layout.maps import (
     CELL_WIDTH,
     MOST_ARCS,
 )
-from srs_ik.kernels.limb.triangle import elbow_side
+from srs_ik.kernels.limb.poses import read_pose
+from srs_ik.kernels.limb.triangle import elbow_side, place
 from srs_ik.kernels.maps.arcs import put_arc, write_arcs
 from srs_ik.kernels.maps.first_joint import ahead, first_range, singular_angle, split_angles, turning_points
-from srs_ik.kernels.maps.reach import write_intervals
+from srs_ik.kernels.maps.reach import room, write_intervals
 
 STEP_ASIDE = 1e-9
 """Joint 1 is looked at so far, rad, beside the arm angle of a singularity, at which it jumps."""
@@ -127,3 +128,15 @@ def write_cell(family, place_, limits, asked, space, out):
         out[CELL_MARGIN] = max(-cost, 0.0) if math.isfinite(cost) else 0.0
     if most > 0:
         write_yaws(P, place_, space.found, n, limits, most, out)
+
+
+@kernel
+def measure_poses(family, poses, first, last, limits, asked, out):
+    """`write_cell` of poses first to last - 1 of (N, 4, 4) into rows of out."""
+    space = room(family)
+    for i in range(first, last):
+        R, p, verdict = read_pose(row(poses, i))
+        if verdict == GOOD_POSE:
+            write_cell(family, place(row(family, LIMITED), R, p), limits, asked, space, row(out, i))
+        else:
+            clear(asked[0], row(out, i))

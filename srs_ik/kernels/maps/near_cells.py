@@ -14,12 +14,16 @@ import numpy as np
 from srs_ik.kernels.algebra.pointers import row
 from srs_ik.kernels.exact.intervals import TOUCH, TURN
 from srs_ik.kernels.jit import kernel
-from srs_ik.kernels.layout.answer import MOST_INTERVALS, OK, ROW, ROW_Q, ROW_STATUS
-from srs_ik.kernels.layout.limb import LIMITED
+from srs_ik.kernels.layout.answer import GOOD_POSE, MOST_INTERVALS, OK, ROW, ROW_Q, ROW_STATUS
+from srs_ik.kernels.layout.limb import LIMITED, SIZE
 from srs_ik.kernels.layout.maps import MOST_ARCS, NOT_REACHED, REACHED, UNSURE
+from srs_ik.kernels.limb.poses import read_pose
+from srs_ik.kernels.limb.triangle import elbow_side, place
 from srs_ik.kernels.maps.arcs import put_arc, write_arcs
 from srs_ik.kernels.maps.cells import clear, write_measures
+from srs_ik.kernels.maps.reach import any_overlap, is_bent_right, is_met_at, room
 from srs_ik.kernels.near.at_angle import may_reach
+from srs_ik.kernels.near.band import WIDEST_BAND, band_of, is_near_singularity, may_predict, widen
 from srs_ik.kernels.pose.intervals import all_intervals
 from srs_ik.kernels.pose.solve import solve_row_at
 
@@ -33,17 +37,23 @@ CLOSE = 1e-5
 GOLDEN = 0.5 * (math.sqrt(5.0) - 1.0)
 
 
-Near = namedtuple("Near", ("J", "A", "found", "answers"))
-"""Work space of one thread: (6, 7), (16, 9), (MOST_INTERVALS, 3) and (1, ROW)."""
+PROBED = 8
+"""Arm angles, evenly spaced, that are tried before the intervals are looked for."""
+
+SAFE = 2.0
+"""Limits drawn out by so many bands leave out nothing: bands are measured at many configurations, not at all."""
+
+Near = namedtuple("Near", ("J", "A", "found", "answers", "boxes", "exact"))
+"""Work space of one thread: (6, 7), (16, 9), (MOST_INTERVALS, 3), (1, ROW), (1, SIZE), and that of an exact limb."""
 
 Posed = namedtuple("Posed", ("T", "place_", "R", "p"))
 """A pose: its 16 figures, what its postures share (`triangle.place`), rotation and position."""
 
 
 @kernel
-def near_room():
+def near_room(family, J, A):
     """Work space for near limbs."""
-    return Near(np.empty((6, 7)), np.empty((16, 9)), np.empty((MOST_INTERVALS, 3)), np.empty((1, ROW)))
+    return Near(J, A, np.empty((MOST_INTERVALS, 3)), np.empty((1, ROW)), np.empty((1, SIZE)), room(family))
 
 
 @kernel
@@ -53,10 +63,57 @@ def intervals_near(family, pose, space):
 
 
 @kernel
+def is_clear(P, side, psi, band):
+    """Whether shoulder and wrist are so far from singular at an arm angle that a band tells something there."""
+    return not is_near_singularity(P, side, psi, psi, band)
+
+
+@kernel
+def is_met_near(P, pose, band, family, space):
+    """Whether an arm angle that is feasible for all that the band allows is so on the true chain."""
+    box = row(space.boxes, 0)
+    if not widen(P, -band, box):
+        return False
+    for elbow in range(2):
+        if not is_bent_right(box, pose.place_, elbow):
+            continue
+        side = elbow_side(P, pose.place_, elbow)
+        for i in range(PROBED):
+            psi = TURN * i / PROBED
+            if is_met_at(box, side, math.cos(psi), math.sin(psi)) and is_clear(P, side, psi, band):
+                answer = row(space.answers, 0)
+                solve_row_at(family, pose.T, psi, -1, None, True, space.J, space.A, answer)
+                if answer[ROW_STATUS] == OK:
+                    return True
+    return False
+
+
+@kernel
+def is_out_of_band(P, pose, band, space):
+    """Whether no posture keeps limits that are drawn out by more than the band: there is none on the true chain."""
+    box = row(space.boxes, 0)
+    widen(P, SAFE * band, box)
+    for elbow in range(2):
+        if is_bent_right(box, pose.place_, elbow) and any_overlap(box, elbow_side(P, pose.place_, elbow), space.exact):
+            return False
+    return True
+
+
+@kernel
 def reach_near(family, pose, space):
-    """`reach.reach` of a near limb: next to singularities a search may find what the curves have passed by."""
-    if not may_reach(row(family, LIMITED), pose.place_):
+    """`reach.reach` of a near limb: next to singularities a search may find what the curves have passed by.
+
+    Most poses are told by its nearest exact limb and the band around it, in which the true chain lies.
+    """
+    P = row(family, LIMITED)
+    if not may_reach(P, pose.place_):
         return NOT_REACHED
+    band = band_of(P, pose.place_)
+    if may_predict(P, pose.place_, band):
+        if is_met_near(P, pose, band, family, space):
+            return REACHED
+        if SAFE * band < WIDEST_BAND and is_out_of_band(P, pose, band, space):
+            return NOT_REACHED
     return REACHED if intervals_near(family, pose, space) > 0 else UNSURE
 
 
@@ -151,3 +208,29 @@ def write_cell_near(family, pose, limits, most, space, out):
     write_measures(space.found, n, out)
     if most > 0:
         write_yaws_near(family, pose, n, limits, most, space, out)
+
+
+@kernel
+def reach_near_poses(family, poses, first, last, J, A, out):
+    """`reach.reach_poses` of a near limb."""
+    space = near_room(family, J, A)
+    for i in range(first, last):
+        T = row(poses, i)
+        R, p, verdict = read_pose(T)
+        if verdict != GOOD_POSE:
+            out[i] = -verdict
+        else:
+            out[i] = reach_near(family, Posed(T, place(row(family, LIMITED), R, p), R, p), space)
+
+
+@kernel
+def measure_near_poses(family, poses, first, last, limits, most, space, out):
+    """`cells.measure_poses` of a near limb, without margins."""
+    for i in range(first, last):
+        T = row(poses, i)
+        R, p, verdict = read_pose(T)
+        if verdict == GOOD_POSE:
+            pose = Posed(T, place(row(family, LIMITED), R, p), R, p)
+            write_cell_near(family, pose, limits, most, space, row(out, i))
+        else:
+            clear(most, row(out, i))

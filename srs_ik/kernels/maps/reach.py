@@ -16,13 +16,26 @@ from srs_ik.kernels.algebra.vectors import swing
 from srs_ik.kernels.exact.free_splits import NEARLY_FLAT
 from srs_ik.kernels.exact.intervals import TURN, feasible_intervals, fits, joint_pieces
 from srs_ik.kernels.jit import kernel
-from srs_ik.kernels.layout.answer import MAX_EVENTS, MAX_PIECES, MOST_INTERVALS, SOLVED
-from srs_ik.kernels.layout.limb import LOOSE, LOWER, SHOULDER, SIZE, SLACK_JOIN, UPPER, WRIST
+from srs_ik.kernels.layout.answer import GOOD_POSE, MAX_EVENTS, MAX_PIECES, MOST_INTERVALS, SOLVED
+from srs_ik.kernels.layout.limb import (
+    COS_STRAIGHT,
+    LIMITED,
+    LOOSE,
+    LOWER,
+    SHOULDER,
+    SIN_STRAIGHT,
+    SIZE,
+    SLACK_JOIN,
+    SLACK_LIMIT,
+    UPPER,
+    WRIST,
+)
 from srs_ik.kernels.layout.maps import NOT_REACHED, REACHED, UNSURE
 from srs_ik.kernels.limb.in_line import may_split
-from srs_ik.kernels.limb.limits import set_joint_limits, set_limit, turn_to_middle, violation
+from srs_ik.kernels.limb.limits import is_inside, set_joint_limits, set_limit
+from srs_ik.kernels.limb.poses import read_pose
 from srs_ik.kernels.limb.spherical import middle_angle
-from srs_ik.kernels.limb.triangle import elbow_side
+from srs_ik.kernels.limb.triangle import elbow_side, place
 
 Room = namedtuple("Room", ("events", "marks", "shoulder", "wrist", "found", "wide"))
 """Work space of one thread: arm angles, the marks between them, pieces of both joints, intervals, a wider limb."""
@@ -30,6 +43,9 @@ Room = namedtuple("Room", ("events", "marks", "shoulder", "wrist", "found", "wid
 HALF = math.sqrt(0.5)
 PROBES = ((1.0, 0.0), (-1.0, 0.0), (0.0, 1.0), (0.0, -1.0), (HALF, HALF), (-HALF, HALF), (-HALF, -HALF), (HALF, -HALF))
 """Cosine and sine of the arm angles that are tried first."""
+
+LOOKS = 3
+"""Arm angles that are tried in each piece of the shoulder."""
 
 WIDER = 1e-6
 """Limits farther out by this, rad, tell poses that rounding may have hidden: at a singular limit it is the root."""
@@ -68,6 +84,15 @@ def write_intervals(P, place_, space):
 
 
 @kernel
+def is_bent_right(P, place_, elbow):
+    """Whether the elbow keeps its limits on one of its two sides."""
+    c, s = place_[2], -place_[3] if elbow == 1 else place_[3]
+    c4 = P[COS_STRAIGHT] * c - P[SIN_STRAIGHT] * s
+    s4 = P[SIN_STRAIGHT] * c + P[COS_STRAIGHT] * s
+    return is_inside(P, 3, c4, s4, P[SLACK_LIMIT])
+
+
+@kernel
 def fits_at(P, k, motion, cosine, sine):
     """Whether a solution of a spherical joint keeps the limits at an arm angle."""
     v0, y0, _ = motion
@@ -80,6 +105,12 @@ def fits_at(P, k, motion, cosine, sine):
 
 
 @kernel
+def is_met_at(P, side, cosine, sine):
+    """Whether shoulder and wrist keep their limits at an arm angle."""
+    return fits_at(P, SHOULDER, side[1], cosine, sine) and fits_at(P, WRIST, side[2], cosine, sine)
+
+
+@kernel
 def is_met(P, side):
     """Whether one of the first arm angles is feasible."""
     for cosine, sine in PROBES:
@@ -89,37 +120,78 @@ def is_met(P, side):
 
 
 @kernel
-def is_bent_right(P, side):
-    """Whether the elbow keeps its limits."""
-    return violation(P, 3, turn_to_middle(P, 3, side[0])) == 0.0
+def is_met_in_pieces(P, side, pieces, n, sign):
+    """Whether an arm angle inside the n pieces of the shoulder is feasible, of those that are looked at."""
+    for i in range(n):
+        lower, upper = pieces[sign, i, 0], pieces[sign, i, 1]
+        for k in range(1, LOOKS + 1):
+            psi = lower + (upper - lower) * k / (LOOKS + 1)
+            if is_met_at(P, side, math.cos(psi), math.sin(psi)):
+                return True
+    return False
 
 
 @kernel
 def overlap(a, n_a, sign_a, b, n_b, sign_b, slack):
-    """Whether any of n_a pieces of one solution meets any of n_b pieces of another, around the circle."""
+    """Whether any of n_a pieces of one solution meets any of n_b pieces of another, around the circle, and where."""
     for i in range(n_a):
         for j in range(n_b):
-            if a[sign_a, i, 1] - a[sign_a, i, 0] >= TURN or b[sign_b, j, 1] - b[sign_b, j, 0] >= TURN:
-                return True
             for turns in range(-1, 2):
                 lower = max(a[sign_a, i, 0], b[sign_b, j, 0] + turns * TURN)
-                if lower <= min(a[sign_a, i, 1], b[sign_b, j, 1] + turns * TURN) + slack:
-                    return True
-    return False
+                upper = min(a[sign_a, i, 1], b[sign_b, j, 1] + turns * TURN)
+                if lower <= upper + slack:
+                    return True, 0.5 * (lower + upper)
+    return False, 0.0
+
+
+@kernel
+def shared_angle(P, side, s, space):
+    """Whether shoulder and wrist share a feasible arm angle, and one of them.
+
+    The pieces of the shoulder are in `space`; s is their number for each of its solutions.
+    """
+    w = joint_pieces(P, WRIST, side[2], 3, space.events, space.marks, space.wrist)
+    for i in range(2):
+        for j in range(2):
+            some, psi = overlap(space.shoulder, s[i], i, space.wrist, w[j], j, P[SLACK_JOIN])
+            if some:
+                return True, psi
+    return False, 0.0
+
+
+@kernel
+def shoulder_pieces(P, side, space):
+    """Write the feasible arm angles of the shoulder's two solutions into `space`; how many pieces each has."""
+    return joint_pieces(P, SHOULDER, side[1], 3, space.events, space.marks, space.shoulder)
 
 
 @kernel
 def any_overlap(P, side, space):
     """Whether shoulder and wrist share a feasible arm angle."""
-    s = joint_pieces(P, SHOULDER, side[1], 3, space.events, space.marks, space.shoulder)
+    s = shoulder_pieces(P, side, space)
+    return s[0] + s[1] > 0 and shared_angle(P, side, s, space)[0]
+
+
+@kernel
+def reach_side(P, wide, place_, elbow, space):
+    """`reach` on one side of the elbow."""
+    if not is_bent_right(wide, place_, elbow):
+        return NOT_REACHED
+    side = elbow_side(P, place_, elbow)
+    s = shoulder_pieces(wide, side, space)
     if s[0] + s[1] == 0:
-        return False
-    w = joint_pieces(P, WRIST, side[2], 3, space.events, space.marks, space.wrist)
-    for i in range(2):
-        for j in range(2):
-            if overlap(space.shoulder, s[i], i, space.wrist, w[j], j, P[SLACK_JOIN]):
-                return True
-    return False
+        return NOT_REACHED
+    bent = is_bent_right(P, place_, elbow)
+    if bent and (
+        is_met_in_pieces(P, side, space.shoulder, s[0], 0) or is_met_in_pieces(P, side, space.shoulder, s[1], 1)
+    ):
+        return REACHED
+    some, psi = shared_angle(wide, side, s, space)
+    if not some:
+        return NOT_REACHED
+    if bent and (is_met_at(P, side, math.cos(psi), math.sin(psi)) or any_overlap(P, side, space)):
+        return REACHED
+    return UNSURE
 
 
 @kernel
@@ -133,14 +205,25 @@ def reach(family, place_, space):
         return NOT_REACHED
     # Rounding may hide a posture from the strict tolerances.
     P, wide = row(family, LOOSE), row(space.wide, 0)
-    sides = (elbow_side(P, place_, 0), elbow_side(P, place_, 1))
     for elbow in range(2):
-        if is_bent_right(P, sides[elbow]) and is_met(P, sides[elbow]):
+        if is_bent_right(P, place_, elbow) and is_met(P, elbow_side(P, place_, elbow)):
             return REACHED
-    unsure = place_[3] < NEARLY_FLAT or may_split(P, place_)
+    unsure = False
     for elbow in range(2):
-        if is_bent_right(wide, sides[elbow]) and any_overlap(wide, sides[elbow], space):
-            if is_bent_right(P, sides[elbow]) and any_overlap(P, sides[elbow], space):
-                return REACHED
-            unsure = True
-    return UNSURE if unsure else NOT_REACHED
+        verdict = reach_side(P, wide, place_, elbow, space)
+        if verdict == REACHED:
+            return REACHED
+        unsure = unsure or verdict == UNSURE
+    return UNSURE if unsure or place_[3] < NEARLY_FLAT or may_split(P, place_) else NOT_REACHED
+
+
+@kernel
+def reach_poses(family, poses, first, last, out):
+    """Write whether poses first to last - 1 of (N, 4, 4) are reached into out (N,), or minus a verdict."""
+    space = room(family)
+    for i in range(first, last):
+        R, p, verdict = read_pose(row(poses, i))
+        if verdict != GOOD_POSE:
+            out[i] = -verdict
+        else:
+            out[i] = reach(family, place(row(family, LIMITED), R, p), space)
