@@ -9,11 +9,11 @@ import math
 
 import numpy as np
 
-from srs_ik.kernels.algebra.joint_vectors import along7, short_way
+from srs_ik.kernels.algebra.joint_vectors import along7, difference, short_way
 from srs_ik.kernels.algebra.minimum import propose, start_search, tell
 from srs_ik.kernels.algebra.roots import has_settled, next_parameter, start_crossing, tell_figure
 from srs_ik.kernels.chain.newton import STEPS, arm_angle, close_free, pose_step
-from srs_ik.kernels.curves.ends import on_curve, sample_before
+from srs_ik.kernels.curves.ends import meet, on_chord, on_curve, sample_before
 from srs_ik.kernels.curves.follow import FIRST_GUESS, null_vector
 from srs_ik.kernels.curves.in_step import load_sample
 from srs_ik.kernels.curves.runs import near_runs
@@ -33,6 +33,9 @@ MAX_SPANS = 2 * MAX_RUNS
 CHANGE_STEPS = 60
 JUST_OUTSIDE = 1e-12
 """Steps that find where a branch changes, and the first look behind that, in the parameter of the curve."""
+
+BESIDE_IT = 1e-12
+"""Newton's method finds where a branch changes up to this, in the parameter of the curve."""
 
 MOST_CHANGES = 6
 """A branch changes no more often between two samples."""
@@ -60,10 +63,45 @@ def out_of_branch(P, q, branch):
 
 
 @kernel
+def first_change(P, branch, a, b):
+    """The middle angle that first changes sides on the straight way from a posture in a branch: joint, share, angle."""
+    joint = -1
+    phase = 0.0
+    least = 2.0
+    for k in range(3):
+        j = 1 + 2 * k
+        at = P[STRAIGHT] if k == 1 else P[(SHOULDER if k == 0 else WRIST) + PHASE]
+        bit = 2 if k == 0 else (4 if k == 1 else 1)
+        side = -1.0 if branch & bit else 1.0
+        sine_a, sine_b = max(side * math.sin(a[j] - at), 0.0), side * math.sin(b[j] - at)
+        if sine_b < 0.0 and sine_a < least * (sine_a - sine_b):
+            joint, least, phase = j, sine_a / (sine_a - sine_b), at
+    middle = a[joint] + least * short_way(b[joint] - a[joint])
+    return joint, least, phase + math.pi * math.floor((middle - phase) / math.pi + 0.5)
+
+
+@kernel
+def met_change(P, R, p, rows, run, branch, x, y, J, A):
+    """`change_of_branch` by Newton's method: its parameter, and whether that is met."""
+    low = sample_before(rows, int(run[3]), int(run[4]), 0.5 * (x + y))
+    if x < rows[low, 0] or y > rows[low + 1, 0]:
+        return x, False
+    a, b = on_chord(rows, low, x), on_chord(rows, low, y)
+    joint, share, angle = first_change(P, branch, a, b)
+    if joint < 0:
+        return x, False
+    q, found, met = meet(P, R, p, rows, low, along7(a, share, difference(a, b)), joint, angle, J, A)
+    return found, met and x < found - BESIDE_IT and found + BESIDE_IT < y and out_of_branch(P, q, branch) < JUST_OUTSIDE
+
+
+@kernel
 def change_of_branch(P, side, R, p, respect, rows, run, branch, x, y, J, A):
     """Where a curve leaves a branch on the way from parameter x to y: the last one in it, and the first one outside."""
     first = int(run[3])
     last = int(run[4])
+    found, met = met_change(P, R, p, rows, run, branch, x, y, J, A)
+    if met:
+        return found - BESIDE_IT, found + BESIDE_IT
     q, _ = on_curve(P, side, R, p, 0, respect, rows, first, last, x, J, A)
     at_x = min(out_of_branch(P, q, branch), 0.0)
     q, _ = on_curve(P, side, R, p, 0, respect, rows, first, last, y, J, A)

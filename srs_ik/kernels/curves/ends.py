@@ -113,16 +113,36 @@ def only(joint, x):
 
 
 @kernel
+def meet(P, R, p, rows, low, q, joint, angle, J, A):
+    """The posture of a curve with a joint at an angle, by Newton's method from q: posture, parameter, whether met.
+
+    It lies between the samples in rows low and low + 1.
+    """
+    q, met = correct(P, q, only(joint, 1.0), angle, R, p, J, A)
+    start = load_sample(rows[low])
+    chord = difference(start, load_sample(rows[low + 1]))
+    to_q = difference(start, q)
+    share = dot7(to_q, chord) / dot7(chord, chord)
+    off = along7(to_q, -share, chord)
+    x = rows[low, 0] + share * (rows[low + 1, 0] - rows[low, 0])
+    return q, x, met and dot7(off, off) <= ASTRAY * dot7(chord, chord)
+
+
+@kernel
+def on_chord(rows, low, x):
+    """The point at a parameter of the straight way between two samples."""
+    start = load_sample(rows[low])
+    share = (x - rows[low, 0]) / (rows[low + 1, 0] - rows[low, 0])
+    return along7(start, share, difference(start, load_sample(rows[low + 1])))
+
+
+@kernel
 def edge_on_limit(P, R, p, rows, first, last, x, y, J, A):
     """`edge` by Newton's method for the pose and the limit together, and whether that is met between two samples."""
     low = sample_before(rows, first, last, 0.5 * (x + y))
-    start, end = load_sample(rows[low]), load_sample(rows[low + 1])
-    width = rows[low + 1, 0] - rows[low, 0]
-    chord = difference(start, end)
-    a = along7(start, (x - rows[low, 0]) / width, chord)
-    b = along7(start, (y - rows[low, 0]) / width, chord)
     if min(x, y) < rows[low, 0] or max(x, y) > rows[low + 1, 0]:
         return x, False
+    a, b = on_chord(rows, low, x), on_chord(rows, low, y)
     for _ in range(LIMITS_IN_TURN):
         joint, limit, share = first_limit(P, a, b)
         if joint < 0:
@@ -130,14 +150,8 @@ def edge_on_limit(P, R, p, rows, first, last, x, y, J, A):
         q = along7(a, share, difference(a, b))
         # The same limit, a whole turn away or not.
         limit = q[joint] + short_way(limit - q[joint])
-        q, met = correct(P, q, only(joint, 1.0), limit, R, p, J, A)
-        if not met:
-            return x, False
-        to_q = difference(start, q)
-        share = dot7(to_q, chord) / dot7(chord, chord)
-        off = along7(to_q, -share, chord)
-        found = rows[low, 0] + share * width
-        if dot7(off, off) > ASTRAY * dot7(chord, chord) or (found - x) * (found - y) > 0.0:
+        q, found, met = meet(P, R, p, rows, low, q, joint, limit, J, A)
+        if not met or (found - x) * (found - y) > 0.0:
             return x, False
         if infeasibility(P, turned(P, q, False, NO_SEED, True), True) < ON_LIMIT:
             return found, True

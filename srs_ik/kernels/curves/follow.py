@@ -22,7 +22,7 @@ from srs_ik.kernels.algebra.linear import solve_linear
 from srs_ik.kernels.algebra.pointers import row
 from srs_ik.kernels.algebra.vectors import norm
 from srs_ik.kernels.chain.eight import put_eight, take_eight
-from srs_ik.kernels.chain.newton import CLOSED, STEPS, close_free, load_system, moved, pose_step
+from srs_ik.kernels.chain.newton import CLOSED, LAST_STEP, STEPS, close_free, load_system, longest, moved, pose_step
 from srs_ik.kernels.chain.newton_eight import close_eight, curve_step
 from srs_ik.kernels.chain.starts import FIRST, WIDTH, start_all
 from srs_ik.kernels.curves.in_step import (
@@ -115,6 +115,8 @@ def correct(P, q, d, place, R, p, J, A):
         if solve_linear(A, 7) == 0.0:
             return q, False
         q = moved(q, A, 1.0)
+        if longest(A) < LAST_STEP:
+            return q, True
     return q, error < CLOSED
 
 
@@ -267,7 +269,7 @@ def follow_all(P, place_, R, p, respect, rows, curves, J, A):
     count = 0
     n_marks, n_missed = put_marks(P, place_, R, p, respect, angles, marks, missed, A)
     if n_marks > 0:
-        follow_marks(P, R, p, marks, n_marks, pieces)
+        follow_marks(P, R, p, marks, n_marks, n_marks, pieces)
         n, count = join_pieces(marks, n_marks, pieces, rows, curves)
     for k in range(count):
         if curves[k, 2] == 0.0:

@@ -190,8 +190,8 @@ def keep_piece(line, first, n, pieces, used, mark, following):
 
 
 @kernel
-def follow_marks(P, R, p, marks, count, pieces):
-    """Follow the curve of each mark to the next mark, into rows of pieces."""
+def follow_marks(P, R, p, marks, count, starts, pieces):
+    """Follow the curve of each of the first marks (`starts` of them) to the next of all, into rows of pieces."""
     lanes = np.empty((8, LANE))
     after = np.empty((8, LANE))
     line = np.empty((8 * LONGEST_PIECE, SAMPLE))
@@ -204,8 +204,8 @@ def follow_marks(P, R, p, marks, count, pieces):
     used = 0
     for i in range(8):
         # Without a mark of its own, a lane goes along with the first one.
-        load_lane(lanes, i, marks[min(waiting, count - 1)])
-        if waiting < count:
+        load_lane(lanes, i, marks[min(waiting, starts - 1)])
+        if waiting < starts:
             mark_of[i], length[i] = waiting, 1
             put_sample(line, i * LONGEST_PIECE, 0.0, read7(marks[waiting]))
             alive |= 1 << i
@@ -244,7 +244,7 @@ def follow_marks(P, R, p, marks, count, pieces):
             if done:
                 used = keep_piece(line, first, length[i], pieces, used, marks[mark_of[i]], following)
                 alive &= ~(1 << i)
-                if waiting < count:
+                if waiting < starts:
                     load_lane(lanes, i, marks[waiting])
                     mark_of[i], length[i] = waiting, 1
                     put_sample(line, first, 0.0, read7(marks[waiting]))

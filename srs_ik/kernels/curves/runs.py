@@ -192,12 +192,11 @@ def survey_exact(P, place_, R, p, found, pieces, respect, work, line, out, runs,
 
 
 @kernel
-def survey_near(P, place_, R, p, respect, curves, rows, line, out, runs, J, A):
-    """Sample all feasible postures of a near limb: rows and runs in use."""
+def survey_curves(P, place_, R, p, respect, curves, count, rows, line, out, runs, J, A):
+    """Sample the feasible postures of followed curves of a near limb: rows and runs in use."""
     n = 0
     k = 0
     side = elbow_side(P, place_, 0)
-    count = follow_all(P, place_, R, p, respect, rows, curves, J, A)
     for i in range(count):
         length = unroll(P, R, p, rows, curves[i], respect, line, J, A)
         n, k = cut(P, side, R, p, 0, respect, line, 0, length, out, n, runs, k, J, A)
@@ -206,12 +205,13 @@ def survey_near(P, place_, R, p, respect, curves, rows, line, out, runs, J, A):
 
 @kernel
 def near_runs(P, place_, R, p, respect, runs, J, A):
-    """`survey_near` with room of its own: samples, rows and runs in use, and spare rows for samples of one curve."""
+    """Sample all feasible postures of a near limb: samples, rows and runs in use, and spare rows for one curve."""
     curves = np.empty((MAX_CURVES, CURVE))
     followed = np.empty((CURVE_ROWS, SAMPLE))
     rows = np.empty((CURVE_ROWS + SPARE_ROWS, SAMPLE))
     line = np.empty((CURVE_ROWS, SAMPLE))
-    n, k = survey_near(P, place_, R, p, respect, curves, followed, line, rows, runs, J, A)
+    count = follow_all(P, place_, R, p, respect, followed, curves, J, A)
+    n, k = survey_curves(P, place_, R, p, respect, curves, count, followed, line, rows, runs, J, A)
     return rows, n, k, line
 
 

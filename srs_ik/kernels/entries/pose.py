@@ -85,7 +85,7 @@ def solve_intervals(family, T, respect, J, A, out):
     P = row(family, LIMITED)
     place_ = place(P, R, p)
     if J is not None:
-        n = predicted_best_of_intervals(P, place_, R, p, respect, out)
+        n = predicted_best_of_intervals(P, place_, R, p, respect, out, J, A)
         return n if n >= 0 else best_of_true_intervals(P, place_, R, p, respect, out, J, A)
     found = np.empty((8 * MAX_PIECES, 3))
     n = all_intervals(family, place_, R, p, respect, J, A, found)

@@ -12,26 +12,36 @@ import math
 
 import numpy as np
 
+from srs_ik.kernels.algebra.joint_vectors import short_way
 from srs_ik.kernels.algebra.lanes import as_bits, gather, one_of
 from srs_ik.kernels.algebra.pointers import keep, row
 from srs_ik.kernels.chain.eight import take_eight
 from srs_ik.kernels.chain.limit_ends import to_limits
 from srs_ik.kernels.chain.newton import STEPS
 from srs_ik.kernels.chain.newton_eight import ALL
+from srs_ik.kernels.curves.best import MAX_SPANS, SPAN, find_spans
 from srs_ik.kernels.exact.intervals import PI, TURN, find_intervals, join_touching, write_interval
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.answer import MAX_PIECES
-from srs_ik.kernels.layout.limb import (
-    SIZE,
-)
+from srs_ik.kernels.layout.limb import SIZE
+from srs_ik.kernels.layout.search import MAX_RUNS, RUN
 from srs_ik.kernels.limb.limits import beyond, turn_to_middle
 from srs_ik.kernels.limb.poses import read7
 from srs_ik.kernels.limb.triangle import elbow_side
+from srs_ik.kernels.near.arcs import (
+    ARC,
+    ARC_NEEDED,
+    MOST_ARCS,
+    find_arcs,
+    follow_arc,
+    mark_needed,
+    put_ends_of_arc,
+    without_arcs,
+)
 from srs_ik.kernels.near.band import (
     ALMOST_NOTHING,
     band_of,
     certain_posture,
-    is_near_singularity,
     may_predict,
     sines_of_middles,
     widen,
@@ -43,6 +53,9 @@ SPARE = 0.5
 """Ends may be this far, rad, outside the arm angles between which they are expected, and by this part of what is
 between these: the band is not for every joint at every posture."""
 
+
+AT_END = 1e-7
+"""What is followed on an arc begins and ends with it, up to this, rad."""
 
 BARELY = 1e-3
 """With an almost vanishing band, no end is expected farther from that of the nearest exact limb, rad."""
@@ -57,6 +70,9 @@ END_BRANCH = 11
 end lies, and branch."""
 
 MAX_ENDS = 256
+
+OUTSIDE, INSIDE, ANY = range(3)
+"""States at an arm angle: outside the limits, inside, or told by the posture there; then it is an end, if inside."""
 
 
 @kernel
@@ -75,13 +91,25 @@ def put_end(q, branch, psi, way, first, last, ends, n):
 
 
 @kernel
-def put_scanned(P, sides, branch, R, p, place_, lower, upper, from_inside, to_inside, ends, n, points, gaps):
-    """Append the ends between two arm angles that are inside the limits, or not; their number, -1 where it fails."""
+def put_fixed(points, i, branch, ends, n):
+    """Append an end at the arm angle of a point, which is inside the limits."""
+    psi = points[i, POINT_PSI]
+    return put_end(read7(points[i]), branch, psi, 0.0, psi, psi, ends, n)
+
+
+@kernel
+def put_scanned(P, sides, branch, R, p, place_, lower, upper, from_state, to_state, ends, n, points, gaps):
+    """Append the ends between two arm angles in given states; their number, -1 where it fails."""
     count = scan(P, sides, branch, R, p, place_, lower, upper, points, gaps)
     if count < 0:
         return -1
-    if (points[0, POINT_OFF] <= 0.0) != from_inside or (points[count - 1, POINT_OFF] <= 0.0) != to_inside:
+    starts_inside, ends_inside = points[0, POINT_OFF] <= 0.0, points[count - 1, POINT_OFF] <= 0.0
+    if (from_state != ANY and starts_inside != (from_state == INSIDE)) or (
+        to_state != ANY and ends_inside != (to_state == INSIDE)
+    ):
         return -1
+    if from_state == ANY and starts_inside:
+        n = put_fixed(points, 0, branch, ends, n)
     for i in range(1, count):
         inside = points[i, POINT_OFF] <= 0.0
         if inside == (points[i - 1, POINT_OFF] <= 0.0):
@@ -90,6 +118,8 @@ def put_scanned(P, sides, branch, R, p, place_, lower, upper, from_inside, to_in
         way = -1.0 if inside else 1.0
         first, last = points[i - 1, POINT_PSI], points[i, POINT_PSI]
         n = put_end(read7(points[k]), branch, points[k, POINT_PSI], way, first, last, ends, n)
+    if to_state == ANY and ends_inside:
+        n = put_fixed(points, count - 1, branch, ends, n)
     return n
 
 
@@ -116,7 +146,8 @@ def put_edge(P, sides, branch, R, p, place_, inside, outside, band, ends, n, poi
     first, last = min(inside, outside), max(inside, outside)
     if is_simple(P, certain_posture(P, side, branch, outside), last - first, band):
         return put_end(certain_posture(P, side, branch, inside), branch, inside, way, first, last, ends, n)
-    return put_scanned(P, sides, branch, R, p, place_, first, last, way > 0.0, way < 0.0, ends, n, points, gaps)
+    from_state, to_state = (INSIDE, OUTSIDE) if way > 0.0 else (OUTSIDE, INSIDE)
+    return put_scanned(P, sides, branch, R, p, place_, first, last, from_state, to_state, ends, n, points, gaps)
 
 
 @kernel
@@ -163,27 +194,45 @@ def parts_inside(certain, n, branch, lower, upper, parts):
 
 
 @kernel
-def put_ends(P, sides, branch, R, p, place_, lower, upper, parts, count, band, ends, n, points, gaps):
-    """Append the ends of what is feasible between two arm angles, of which some parts are for certain; their number.
+def put_last(P, sides, branch, R, p, place_, inside, outside, at_arc, band, ends, n, points, gaps):
+    """Append the ends between what is feasible for certain and where it cannot be, or an arc begins; their number."""
+    if not at_arc:
+        return put_edge(P, sides, branch, R, p, place_, inside, outside, band, ends, n, points, gaps)
+    if abs(outside - inside) < MARGINS:
+        q = certain_posture(P, sides[branch >> 2], branch, inside)
+        return put_end(q, branch, inside, 0.0, inside, inside, ends, n)
+    first, last = min(inside, outside), max(inside, outside)
+    from_state, to_state = (INSIDE, ANY) if outside > inside else (ANY, INSIDE)
+    return put_scanned(P, sides, branch, R, p, place_, first, last, from_state, to_state, ends, n, points, gaps)
 
-    Returns -1 where it cannot be told.
+
+@kernel
+def put_ends(P, sides, R, p, place_, cut, parts, count, band, ends, n, points, gaps):
+    """Append the ends of what is feasible in an interval, of which some parts are for certain; their number.
+
+    `cut` is a row of `without_arcs`. Returns -1 where it cannot be told.
     """
+    branch, lower, upper = int(cut[0]), cut[1], cut[2]
+    whole = upper - lower >= TURN - MARGINS and cut[3] < 0.0
     if count == 0:
-        return put_scanned(P, sides, branch, R, p, place_, lower, upper, False, False, ends, n, points, gaps)
-    whole = upper - lower >= TURN - MARGINS
+        from_state = ANY if whole or cut[3] >= 0.0 else OUTSIDE
+        to_state = ANY if whole or cut[4] >= 0.0 else OUTSIDE
+        return put_scanned(P, sides, branch, R, p, place_, lower, upper, from_state, to_state, ends, n, points, gaps)
     start = n
     if not whole:
-        n = put_edge(P, sides, branch, R, p, place_, parts[0, 0], lower, band, ends, n, points, gaps)
+        n = put_last(P, sides, branch, R, p, place_, parts[0, 0], lower, cut[3] >= 0.0, band, ends, n, points, gaps)
     for i in range(count if whole else count - 1):
         if n < 0:
             return n
         a = parts[i, 1]
         b = parts[i + 1, 0] if i + 1 < count else parts[0, 0] + TURN
-        n = put_scanned(P, sides, branch, R, p, place_, a, b, True, True, ends, n, points, gaps)
+        n = put_scanned(P, sides, branch, R, p, place_, a, b, INSIDE, INSIDE, ends, n, points, gaps)
     if n < 0 or n >= MAX_ENDS:
         return -1
     if not whole:
-        return put_edge(P, sides, branch, R, p, place_, parts[count - 1, 1], upper, band, ends, n, points, gaps)
+        return put_last(
+            P, sides, branch, R, p, place_, parts[count - 1, 1], upper, cut[4] >= 0.0, band, ends, n, points, gaps
+        )
     if n > start:
         # On a circle, the first of the ends is an upper one: it comes last, a turn later.
         for j in range(END):
@@ -212,13 +261,17 @@ def shifted_intervals(P, place_, sides, R, p, band, out):
     found = np.empty((8 * MAX_PIECES, 3))
     ends = np.empty((MAX_ENDS + 8, END))
     n_found = find_intervals(P, place_, -1, found)
+    arcs = np.empty((MOST_ARCS, ARC))
+    n_arcs = find_arcs(P, sides, band, arcs)
+    if n_arcs < 0 or mark_needed(arcs, n_arcs, found, n_found):
+        return -1
     n_ends = 0
     n = 0
     for i in range(n_found):
         branch = int(found[i, 0])
         lower, upper = found[i, 1], found[i, 2]
         side = sides[branch >> 2]
-        if is_near_singularity(P, side, lower, upper, band) or upper - lower < BARELY:
+        if upper - lower < BARELY:
             return -1
         if upper - lower >= TURN - MARGINS:
             n = write_whole(out, n, branch)
@@ -234,7 +287,30 @@ def shifted_intervals(P, place_, sides, R, p, band, out):
 
 
 @kernel
-def predicted_intervals(P, place_, R, p, out):
+def put_arc_ends(P, place_, R, p, points, branch_ends, n, J, A):
+    """Append both ends of every span of feasible postures on an arc, followed; the number of ends, -1 if it fails."""
+    runs = np.empty((MAX_RUNS, RUN))
+    spans = np.empty((MAX_SPANS, SPAN))
+    rows, k = follow_arc(P, place_, R, p, points, runs, J, A)
+    if k < 0:
+        return -1
+    count = find_spans(P, place_, R, p, True, rows, runs, k, spans, J, A)
+    if n + 2 * count > MAX_ENDS:
+        return -1
+    for i in range(count):
+        for end in range(2):
+            psi = spans[i, 4 + end]
+            for at in range(2):
+                off = short_way(psi - points[4 * at, POINT_PSI])
+                # The arc ends here: exactly there, so that intervals on either side join.
+                psi = psi - off if abs(off) < AT_END else psi
+            branch_ends[n, END_PSI], branch_ends[n, END_BRANCH] = psi, spans[i, 1]
+            n += 1
+    return n
+
+
+@kernel
+def predicted_intervals(P, place_, R, p, out, J, A):
     """Write (branch, lower, upper) of the feasible intervals into the rows of out; their number, or -1: not certain.
 
     Args:
@@ -243,14 +319,13 @@ def predicted_intervals(P, place_, R, p, out):
         R: rotation of the pose.
         p: position of the pose.
         out: (n, 3) output.
+        J: (6, 7) work space.
+        A: (16, 9) work space.
     """
     band = band_of(P, place_)
     if not may_predict(P, place_, band):
         return -1
     sides = (elbow_side(P, place_, 0), elbow_side(P, place_, 1))
-    for elbow in range(2):
-        if abs(beyond(P, 3, turn_to_middle(P, 3, sides[elbow][0]))) < band:
-            return -1
     if band < ALMOST_NOTHING:
         n = shifted_intervals(P, place_, sides, R, p, band, out)
         if n >= 0:
@@ -263,6 +338,15 @@ def predicted_intervals(P, place_, R, p, out):
     widen(P, band, box)
     n_possible = find_intervals(box, place_, -1, possible)
     keep(boxes)
+    arcs = np.empty((MOST_ARCS, ARC))
+    n_arcs = find_arcs(P, sides, band, arcs)
+    if n_arcs < 0:
+        return -1
+    needed = mark_needed(arcs, n_arcs, possible, n_possible)
+    cuts = np.empty((16 * MAX_PIECES, 5))
+    certain_cuts = np.empty((16 * MAX_PIECES, 5))
+    n_possible = without_arcs(possible, n_possible, arcs, n_arcs, cuts)
+    n_certain = without_arcs(certain, n_certain, arcs, n_arcs, certain_cuts)
     ends = np.empty((MAX_ENDS + 8, END))
     points = np.empty((MAX_POINTS, POINT))
     gaps = np.empty((MAX_POINTS, 2), np.int64)
@@ -271,18 +355,12 @@ def predicted_intervals(P, place_, R, p, out):
     n = 0
     used = 0
     for i in range(n_possible):
-        branch = int(possible[i, 0])
-        lower, upper = possible[i, 1], possible[i, 2]
-        side = sides[branch >> 2]
-        if is_near_singularity(P, side, lower, upper, band):
-            return -1
-        count = parts_inside(certain, n_certain, branch, lower, upper, parts)
+        branch = int(cuts[i, 0])
+        count = parts_inside(certain_cuts, n_certain, branch, cuts[i, 1], cuts[i, 2], parts)
         used += count
         start = n_ends
         if count != 1 or parts[0, 1] - parts[0, 0] < TURN - MARGINS:
-            n_ends = put_ends(
-                P, sides, branch, R, p, place_, lower, upper, parts, count, band, ends, n_ends, points, gaps
-            )
+            n_ends = put_ends(P, sides, R, p, place_, cuts[i], parts, count, band, ends, n_ends, points, gaps)
         if n_ends < 0 or n_ends >= MAX_ENDS:
             return -1
         if count > 0 and n_ends == start:
@@ -291,6 +369,13 @@ def predicted_intervals(P, place_, R, p, out):
         return -1
     if not correct_ends(P, R, p, place_, ends, n_ends):
         return -1
+    for k in range(n_arcs):
+        if needed and arcs[k, ARC_NEEDED] == 1.0:
+            if not put_ends_of_arc(P, sides, R, p, place_, arcs[k], points):
+                return -1
+            n_ends = put_arc_ends(P, place_, R, p, points, ends, n_ends, J, A)
+            if n_ends < 0:
+                return -1
     return write_ends(ends, n_ends, out, n)
 
 

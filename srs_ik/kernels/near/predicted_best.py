@@ -14,17 +14,31 @@ import numpy as np
 from srs_ik.kernels.algebra.pointers import keep, row
 from srs_ik.kernels.chain.answer import measure_row
 from srs_ik.kernels.chain.newton import arm_angle
+from srs_ik.kernels.curves.best import MAX_SPANS, SPAN, best_on, find_spans
 from srs_ik.kernels.exact.farthest import copy_interval, draw_in, farthest
 from srs_ik.kernels.exact.intervals import TURN, find_intervals
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.answer import MAX_PIECES
 from srs_ik.kernels.layout.limb import INVERSE_HALF_RANGE, MIDDLE, SIZE
+from srs_ik.kernels.layout.search import MAX_RUNS, RUN, STATE
 from srs_ik.kernels.limb.branches import NO_BRANCH
 from srs_ik.kernels.limb.goal import NO_SEED, turned
 from srs_ik.kernels.limb.limits import turn_to_middle, violation
 from srs_ik.kernels.limb.poses import read7
 from srs_ik.kernels.limb.triangle import elbow_side
-from srs_ik.kernels.near.band import band_of, is_near_singularity, may_predict, widen
+from srs_ik.kernels.near.arcs import (
+    ARC,
+    ARC_ELBOW,
+    ARC_NEEDED,
+    MOST_ARCS,
+    find_arcs,
+    follow_arc,
+    mark_needed,
+    put_ends_of_arc,
+    touches,
+    without_arcs,
+)
+from srs_ik.kernels.near.band import band_of, may_predict, widen
 from srs_ik.kernels.near.predicted import predicted_intervals
 from srs_ik.kernels.near.scan import (
     FASTER,
@@ -171,16 +185,16 @@ def spread_points(found, n, points, gaps):
 
 @kernel
 def may_be_better_beyond(P, points, count, found, n, lowest):
-    """Whether a cost close to the best one falls at an end of the intervals, and so may be less behind it."""
+    """Whether a cost close to the best one falls at an end of the intervals but for arcs, and may be less behind it."""
     k = 0
     for i in range(n):
         parts = max(math.ceil((found[i, 2] - found[i, 1]) / SPACING), 1)
         if found[i, 2] - found[i, 1] < TURN:
             cost_a, slope_a, _ = cost_of(P, points[k])
             cost_b, slope_b, _ = cost_of(P, points[k + parts])
-            if (slope_a > 0.0 and cost_a - slope_a * BEYOND < lowest) or (
-                slope_b < 0.0 and cost_b + slope_b * BEYOND < lowest
-            ):
+            falls_a = found[i, 3] < 0.0 and slope_a > 0.0 and cost_a - slope_a * BEYOND < lowest
+            falls_b = found[i, 4] < 0.0 and slope_b < 0.0 and cost_b + slope_b * BEYOND < lowest
+            if falls_a or falls_b:
                 return True
         k += parts + 1
     return False
@@ -293,6 +307,8 @@ def best_within(P, sides, R, p, place_, found, n, drawn_in, best_q, lowest, poin
     `drawn_in` says that the intervals end where the limits that are drawn in do, not the limits themselves. Returns
     also whether the answer is certain.
     """
+    if n == 0:
+        return best_q, lowest, True
     gaps = np.empty((MAX_POINTS, 2), np.int64)
     count, left = spread_points(found, n, points, gaps)
     if count == 0:
@@ -322,46 +338,90 @@ def best_within(P, sides, R, p, place_, found, n, drawn_in, best_q, lowest, poin
 
 
 @kernel
-def predicted_best(P, place_, R, p, branch):
+def best_on_arc(P, box, place_, R, p, branch, points, best_q, lowest, J, A):
+    """The best posture on an arc, followed, if it is better than the best so far: q, cost, whether all went well.
+
+    `box` is the limb with limits drawn in: postures outside them are not better.
+    """
+    runs = np.empty((MAX_RUNS, RUN))
+    S = np.empty(STATE)
+    side = elbow_side(P, place_, 0)
+    rows, k = follow_arc(box, place_, R, p, points, runs, J, A)
+    if branch < 0:
+        for i in range(k):
+            run = runs[i]
+            best_q, lowest = best_on(
+                P, side, R, p, rows, run, run[1], run[2], False, NO_SEED, True, best_q, lowest, S, J, A
+            )
+        return best_q, lowest, k >= 0
+    spans = np.empty((MAX_SPANS, SPAN))
+    count = find_spans(box, place_, R, p, True, rows, runs, k, spans, J, A)
+    for i in range(count):
+        if int(spans[i, 1]) == branch:
+            run = runs[int(spans[i, 0])]
+            best_q, lowest = best_on(
+                P, side, R, p, rows, run, spans[i, 2], spans[i, 3], False, NO_SEED, True, best_q, lowest, S, J, A
+            )
+    return best_q, lowest, k >= 0
+
+
+@kernel
+def first_best(P, place_, sides, R, p, branch, band, points):
+    """The posture beside the exact limb's best one: q and its cost, 0 where there is none inside the limits."""
+    found = np.empty((8 * MAX_PIECES, 3))
+    n = find_intervals(P, place_, branch, found)
+    if n == 0:
+        return NO_SEED, 0.0
+    q, best_branch, lowest = farthest(P, place_, found, 0, n, branch, True)
+    if not lowest < 0.0:
+        return NO_SEED, 0.0
+    for i in range(8):
+        points[i, POINT_PSI] = arm_angle(P, q, place_[0], place_[1])
+        points[i, POINT_BRANCH] = best_branch
+    if not put_points(P, sides, R, p, place_, points, 0):
+        return NO_SEED, 0.0
+    _, lowest = measure_points(P, points, 0, 1, 0, NO_BRANCH)
+    return read7(points[0]), min(lowest, 0.0)
+
+
+@kernel
+def predicted_best(P, place_, R, p, branch, J, A):
     """Posture of the largest margin over all arm angles (in one branch, if it is wanted).
 
-    Returns q, cost, and whether it is certain: inside the limits, and away from singularities.
+    Returns q, cost, and whether it is certain: inside the limits, and the elbow not almost straight.
     """
     band = band_of(P, place_)
     if not may_predict(P, place_, band):
         return NO_SEED, NO_BRANCH, False
     sides = (elbow_side(P, place_, 0), elbow_side(P, place_, 1))
-    found = np.empty((8 * MAX_PIECES, 3))
-    n = find_intervals(P, place_, branch, found)
-    if n == 0:
-        return NO_SEED, NO_BRANCH, False
-    q, best_branch, lowest = farthest(P, place_, found, 0, n, branch, True)
-    if not -1.0 + band < lowest < -band:
-        return NO_SEED, NO_BRANCH, False
     points = np.empty((MAX_POINTS, POINT))
-    for i in range(8):
-        points[i, POINT_PSI] = arm_angle(P, q, place_[0], place_[1])
-        points[i, POINT_BRANCH] = best_branch
-    if not put_points(P, sides, R, p, place_, points, 0):
-        return q, NO_BRANCH, False
-    _, lowest = measure_points(P, points, 0, 1, 0, NO_BRANCH)
-    q = read7(points[0])
-    if lowest >= 0.0:
-        return q, NO_BRANCH, False
+    q, lowest = first_best(P, place_, sides, R, p, branch, band, points)
     boxes = np.empty((2, SIZE))
-    if not draw_in(P, lowest, True, row(boxes, 0)):
+    box = row(boxes, 0)
+    if not draw_in(P, lowest, True, box):
         return q, NO_BRANCH, False
-    widen(row(boxes, 0), band, row(boxes, 1))
+    widen(box, band, row(boxes, 1))
+    found = np.empty((8 * MAX_PIECES, 3))
     n = find_intervals(row(boxes, 1), place_, branch, found)
+    arcs = np.empty((MOST_ARCS, ARC))
+    n_arcs = find_arcs(P, sides, band, arcs)
+    if n_arcs < 0:
+        return q, NO_BRANCH, False
+    mark_needed(arcs, n_arcs, found, n)
+    cuts = np.empty((16 * MAX_PIECES, 5))
+    n = without_arcs(found, n, arcs, n_arcs, cuts)
+    q, lowest, certain = best_within(P, sides, R, p, place_, cuts, n, True, q, lowest, points)
+    for k in range(n_arcs):
+        if certain and arcs[k, ARC_NEEDED] == 1.0:
+            certain = put_ends_of_arc(P, sides, R, p, place_, arcs[k], points)
+            if certain:
+                q, lowest, certain = best_on_arc(P, box, place_, R, p, branch, points, q, lowest, J, A)
     keep(boxes)
-    for i in range(n):
-        if is_near_singularity(P, sides[int(found[i, 0]) >> 2], found[i, 1], found[i, 2], band):
-            return q, NO_BRANCH, False
-    return best_within(P, sides, R, p, place_, found, n, True, q, lowest, points)
+    return q, lowest, certain and lowest < 0.0
 
 
 @kernel
-def predicted_best_of_intervals(P, place_, R, p, respect, out):
+def predicted_best_of_intervals(P, place_, R, p, respect, out, J, A):
     """Write the posture with the largest margin of every interval into the rows of out; their number, or -1.
 
     Args:
@@ -371,15 +431,22 @@ def predicted_best_of_intervals(P, place_, R, p, respect, out):
         p: position of the pose.
         respect: whether the joint limits have to be kept.
         out: (n, ROW) output.
+        J: (6, 7) work space.
+        A: (16, 9) work space.
     """
     if not respect:
         return -1
     found = np.empty((8 * MAX_PIECES, 3))
-    n = predicted_intervals(P, place_, R, p, found)
+    n = predicted_intervals(P, place_, R, p, found, J, A)
     sides = (elbow_side(P, place_, 0), elbow_side(P, place_, 1))
     points = np.empty((MAX_POINTS, POINT))
-    one = np.empty((1, 3))
+    one = np.empty((1, 5))
+    arcs = np.empty((MOST_ARCS, ARC))
+    n_arcs = find_arcs(P, sides, band_of(P, place_), arcs)
     for i in range(n):
+        for k in range(n_arcs):
+            if int(found[i, 0]) >> 2 == int(arcs[k, ARC_ELBOW]) and touches(found, i, arcs, k):
+                return -1
         copy_interval(found, i, one, 0)
         q, lowest, certain = best_within(P, sides, R, p, place_, one, 1, False, NO_SEED, NO_BRANCH, points)
         if not certain or lowest >= 0.0:

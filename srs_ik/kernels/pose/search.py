@@ -213,7 +213,7 @@ def search_exact(family, place_, R, p, branch, seed, respect):
 def search_true(P, place_, R, p, branch, seeded, seed, respect, J, A):
     """Best posture of a near limb over all arm angles: q, branch, cost; the least violating one if all break limits."""
     if respect and not seeded:
-        q, lowest, certain = predicted_best(P, place_, R, p, branch)
+        q, lowest, certain = predicted_best(P, place_, R, p, branch, J, A)
         if certain:
             return q, branch_of(P, q), lowest
     q, best, lowest = search_followed(P, place_, R, p, branch, seeded, seed, respect, respect, J, A)
