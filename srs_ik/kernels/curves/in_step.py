@@ -190,8 +190,9 @@ def keep_piece(line, first, n, pieces, used, mark, following):
 
 
 @kernel
-def follow_marks(P, R, p, marks, count, starts, pieces):
+def follow_marks(P, target, marks, starts, pieces):
     """Follow the curve of each of the first marks (`starts` of them) to the next of all, into rows of pieces."""
+    count = marks.shape[0]
     lanes = np.empty((8, LANE))
     after = np.empty((8, LANE))
     line = np.empty((8 * LONGEST_PIECE, SAMPLE))
@@ -211,7 +212,7 @@ def follow_marks(P, R, p, marks, count, starts, pieces):
             alive |= 1 << i
             waiting += 1
     while alive != 0:
-        q, t, there, cosine = step_in_step(P, R, p, row(lanes, 0))
+        q, t, there, cosine = step_in_step(P, target.R, target.p, row(lanes, 0))
         put_eight(row(after, 0), LANE, ALL, q)
         for j in range(7):
             scatter(row(after, 0), 7 + j, LANE, t[j])

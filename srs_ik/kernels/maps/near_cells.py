@@ -15,6 +15,7 @@ from srs_ik.kernels.algebra.pointers import row
 from srs_ik.kernels.exact.intervals import TOUCH, TURN
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.answer import MOST_INTERVALS, OK, ROW, ROW_Q, ROW_STATUS
+from srs_ik.kernels.layout.asked import Target
 from srs_ik.kernels.layout.limb import LIMITED
 from srs_ik.kernels.layout.maps import MOST_ARCS, NOT_REACHED, REACHED, UNSURE
 from srs_ik.kernels.maps.arcs import put_arc, write_arcs
@@ -49,7 +50,7 @@ def near_room():
 @kernel
 def intervals_near(family, pose, space):
     """Write the feasible intervals on the true chain into `space.found`; return their number."""
-    return all_intervals(family, pose.place_, pose.R, pose.p, True, space.J, space.A, space.found)
+    return all_intervals(family, Target(pose.R, pose.p, pose.place_), True, space.J, space.A, space.found)
 
 
 @kernel

@@ -31,6 +31,7 @@ from srs_ik.kernels.curves.in_step import (
 from srs_ik.kernels.curves.runs import CURVE_ROWS, SPARE_ROWS, survey_curves
 from srs_ik.kernels.exact.intervals import SAME, TURN
 from srs_ik.kernels.jit import kernel
+from srs_ik.kernels.layout.asked import Runs
 from srs_ik.kernels.layout.limb import A1, BOTTOM_GAP, SHOULDER, TOP_GAP, WRIST
 from srs_ik.kernels.limb.poses import read7
 from srs_ik.kernels.near.scan import POINT, POINT_BRANCH, POINT_OFF, POINT_PSI, outside_by, put_points
@@ -96,14 +97,14 @@ def put_arcs_of(P, k, circle, band, arcs, first, n):
 
 
 @kernel
-def find_arcs(P, sides, band, arcs):
+def find_arcs(P, view, arcs):
     """Write the arcs of both sides of the elbow into rows of arcs; their number, -1 where one is a whole circle."""
     n = 0
     for elbow in range(2):
         first = n
-        n = put_arcs_of(P, SHOULDER, sides[elbow][1][0], band, arcs, first, n)
+        n = put_arcs_of(P, SHOULDER, view.sides[elbow][1][0], view.band, arcs, first, n)
         if n >= 0:
-            n = put_arcs_of(P, WRIST, sides[elbow][2][0], band, arcs, first, n)
+            n = put_arcs_of(P, WRIST, view.sides[elbow][2][0], view.band, arcs, first, n)
         if n < 0:
             return -1
         for i in range(first, n):
@@ -115,12 +116,13 @@ def find_arcs(P, sides, band, arcs):
 
 
 @kernel
-def put_ends_of_arc(P, sides, R, p, place_, arc, points):
+def put_ends_of_arc(P, view, arc):
     """Fill in the eight points at the ends of an arc, its first end's branches first; whether all are met."""
+    points = view.points
     for i in range(8):
         points[i, POINT_PSI] = arc[ARC_LOWER] if i < 4 else arc[ARC_UPPER]
         points[i, POINT_BRANCH] = 4.0 * arc[ARC_ELBOW] + i % 4
-    met = put_points(P, sides, R, p, place_, points, 0)
+    met = put_points(P, view, points, 0)
     for i in range(8):
         points[i, POINT_OFF] = outside_by(P, points[i])
     return met
@@ -133,10 +135,10 @@ def rates_of(point):
 
 
 @kernel
-def put_marks_of_arc(P, R, p, points, marks):
+def put_marks_of_arc(P, target, points, marks):
     """Marks at the ends of an arc, those first from which the curves lead into it; how many these are."""
     q = take_eight(row(points, 0), POINT)
-    _, t, _, _ = curve_step(P, turns_of(q), R, p, q, 0.0 * q[0])
+    _, t, _, _ = curve_step(P, turns_of(q), target.R, target.p, q, 0.0 * q[0])
     starts = 0
     count = 0
     for into in range(2):
@@ -151,22 +153,22 @@ def put_marks_of_arc(P, R, p, points, marks):
 
 
 @kernel
-def follow_arc(P, place_, R, p, points, runs, J, A):
+def follow_arc(P, by, points, runs):
     """Follow the curves between the ends of an arc: their samples, and the number of feasible runs, -1 if it fails."""
     marks = np.empty((8, MARK))
     pieces = np.empty((ARC_ROWS, SAMPLE))
     line = np.empty((CURVE_ROWS, SAMPLE))
     rows = np.empty((ARC_ROWS + SPARE_ROWS, SAMPLE))
-    curves = np.empty((8, CURVE))
-    starts = put_marks_of_arc(P, R, p, points, marks)
+    curves = np.empty((4, CURVE))
+    starts = put_marks_of_arc(P, by.target, points, marks)
     if starts != 4:
         return rows, -1
-    follow_marks(P, R, p, marks, 8, starts, pieces)
+    follow_marks(P, by.target, marks, starts, pieces)
     for i in range(starts):
         if marks[i, MARK_NEXT] < 0.0:
             return rows, -1
         curves[i, 0], curves[i, 1], curves[i, 2] = marks[i, MARK_FIRST], marks[i, MARK_LAST], 0.0
-    _, k = survey_curves(P, place_, R, p, True, curves, starts, pieces, line, rows, runs, J, A)
+    _, k = survey_curves(P, by, pieces, curves[:starts], line, Runs(rows, runs))
     return rows, k
 
 

@@ -23,11 +23,11 @@ from srs_ik.kernels.curves.best import MAX_SPANS, SPAN, find_spans
 from srs_ik.kernels.exact.intervals import PI, TURN, find_intervals, join_touching, write_interval
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.answer import MAX_PIECES
+from srs_ik.kernels.layout.asked import Setting
 from srs_ik.kernels.layout.limb import SIZE
 from srs_ik.kernels.layout.search import MAX_RUNS, RUN
 from srs_ik.kernels.limb.limits import beyond, turn_to_middle
 from srs_ik.kernels.limb.poses import read7
-from srs_ik.kernels.limb.triangle import elbow_side
 from srs_ik.kernels.near.arcs import (
     ARC,
     ARC_NEEDED,
@@ -40,13 +40,12 @@ from srs_ik.kernels.near.arcs import (
 )
 from srs_ik.kernels.near.band import (
     ALMOST_NOTHING,
-    band_of,
     certain_posture,
     may_predict,
     sines_of_middles,
     widen,
 )
-from srs_ik.kernels.near.scan import MAX_POINTS, POINT, POINT_OFF, POINT_PSI, in_branches, scan
+from srs_ik.kernels.near.scan import POINT_OFF, POINT_PSI, in_branches, scan, view_of
 
 MARGINS = 1e-9
 SPARE = 0.5
@@ -76,50 +75,50 @@ OUTSIDE, INSIDE, ANY = range(3)
 
 
 @kernel
-def put_end(q, branch, psi, way, first, last, ends, n):
-    """Append an end to be looked for, from a posture at an arm angle on; return how many there are."""
+def put_end(ends, n, q, branch, at):
+    """Append an end to be looked for; return how many there are.
+
+    `at` holds the arm angle of the posture to start from, the way to go, and between which arm angles the end lies.
+    """
     if n >= MAX_ENDS:
         return n
     for j in range(7):
         ends[n, j] = q[j]
-    ends[n, END_PSI] = psi
-    ends[n, END_WAY] = way
-    ends[n, END_FIRST] = first
-    ends[n, END_LAST] = last
+    ends[n, END_PSI], ends[n, END_WAY], ends[n, END_FIRST], ends[n, END_LAST] = at
     ends[n, END_BRANCH] = branch
     return n + 1
 
 
 @kernel
-def put_fixed(points, i, branch, ends, n):
+def put_fixed(point, branch, ends, n):
     """Append an end at the arm angle of a point, which is inside the limits."""
-    psi = points[i, POINT_PSI]
-    return put_end(read7(points[i]), branch, psi, 0.0, psi, psi, ends, n)
+    psi = point[POINT_PSI]
+    return put_end(ends, n, read7(point), branch, (psi, 0.0, psi, psi))
 
 
 @kernel
-def put_scanned(P, sides, branch, R, p, place_, lower, upper, from_state, to_state, ends, n, points, gaps):
-    """Append the ends between two arm angles in given states; their number, -1 where it fails."""
-    count = scan(P, sides, branch, R, p, place_, lower, upper, points, gaps)
+def put_scanned(P, view, branch, stretch, states, ends, n):
+    """Append the ends on a stretch of arm angles whose own ends are in given states; their number, -1 if it fails."""
+    points = view.points
+    count = scan(P, view, branch, stretch[0], stretch[1])
     if count < 0:
         return -1
     starts_inside, ends_inside = points[0, POINT_OFF] <= 0.0, points[count - 1, POINT_OFF] <= 0.0
-    if (from_state != ANY and starts_inside != (from_state == INSIDE)) or (
-        to_state != ANY and ends_inside != (to_state == INSIDE)
-    ):
+    if states[0] != ANY and starts_inside != (states[0] == INSIDE):
         return -1
-    if from_state == ANY and starts_inside:
-        n = put_fixed(points, 0, branch, ends, n)
+    if states[1] != ANY and ends_inside != (states[1] == INSIDE):
+        return -1
+    if states[0] == ANY and starts_inside:
+        n = put_fixed(points[0], branch, ends, n)
     for i in range(1, count):
         inside = points[i, POINT_OFF] <= 0.0
         if inside == (points[i - 1, POINT_OFF] <= 0.0):
             continue
         k = i if inside else i - 1
-        way = -1.0 if inside else 1.0
-        first, last = points[i - 1, POINT_PSI], points[i, POINT_PSI]
-        n = put_end(read7(points[k]), branch, points[k, POINT_PSI], way, first, last, ends, n)
-    if to_state == ANY and ends_inside:
-        n = put_fixed(points, count - 1, branch, ends, n)
+        at = (points[k, POINT_PSI], -1.0 if inside else 1.0, points[i - 1, POINT_PSI], points[i, POINT_PSI])
+        n = put_end(ends, n, read7(points[k]), branch, at)
+    if states[1] == ANY and ends_inside:
+        n = put_fixed(points[count - 1], branch, ends, n)
     return n
 
 
@@ -139,19 +138,19 @@ def is_simple(P, q, width, band):
 
 
 @kernel
-def put_edge(P, sides, branch, R, p, place_, inside, outside, band, ends, n, points, gaps):
+def put_edge(P, view, branch, inside, outside, ends, n):
     """Append the ends between arm angles that are feasible for certain and such as cannot be; their number."""
-    side = sides[branch >> 2]
+    side = view.sides[branch >> 2]
     way = 1.0 if outside > inside else -1.0
     first, last = min(inside, outside), max(inside, outside)
-    if is_simple(P, certain_posture(P, side, branch, outside), last - first, band):
-        return put_end(certain_posture(P, side, branch, inside), branch, inside, way, first, last, ends, n)
-    from_state, to_state = (INSIDE, OUTSIDE) if way > 0.0 else (OUTSIDE, INSIDE)
-    return put_scanned(P, sides, branch, R, p, place_, first, last, from_state, to_state, ends, n, points, gaps)
+    if is_simple(P, certain_posture(P, side, branch, outside), last - first, view.band):
+        return put_end(ends, n, certain_posture(P, side, branch, inside), branch, (inside, way, first, last))
+    states = (INSIDE, OUTSIDE) if way > 0.0 else (OUTSIDE, INSIDE)
+    return put_scanned(P, view, branch, (first, last), states, ends, n)
 
 
 @kernel
-def correct_ends(P, R, p, place_, ends, n):
+def correct_ends(P, target, ends, n):
     """Bring the arm angles of n ends to their limits on the true chain; whether all are where they are expected."""
     for i in range(n, 8 * ((n + 7) // 8)):
         for j in range(END):
@@ -159,9 +158,7 @@ def correct_ends(P, R, p, place_, ends, n):
     for first in range(0, n, 8):
         rows = row(ends, first)
         way = gather(rows, END_WAY, END)
-        q, psi, met = to_limits(
-            P, take_eight(rows, END), gather(rows, END_PSI, END), way, R, p, place_[0], place_[1], STEPS
-        )
+        q, psi, met = to_limits(P, take_eight(rows, END), gather(rows, END_PSI, END), way, target, STEPS)
         met &= in_branches(P, q, gather(rows, END_BRANCH, END))
         first_psi, last_psi = gather(rows, END_FIRST, END), gather(rows, END_LAST, END)
         more = SPARE * (last_psi - first_psi) + MARGINS
@@ -194,45 +191,42 @@ def parts_inside(certain, n, branch, lower, upper, parts):
 
 
 @kernel
-def put_last(P, sides, branch, R, p, place_, inside, outside, at_arc, band, ends, n, points, gaps):
-    """Append the ends between what is feasible for certain and where it cannot be, or an arc begins; their number."""
-    if not at_arc:
-        return put_edge(P, sides, branch, R, p, place_, inside, outside, band, ends, n, points, gaps)
+def put_outer(P, view, branch, inside, outer, ends, n):
+    """Append the ends between what is feasible for certain and an outer end, as it is and the arc it is at (or -1)."""
+    outside, arc = outer
+    if arc < 0.0:
+        return put_edge(P, view, branch, inside, outside, ends, n)
     if abs(outside - inside) < MARGINS:
-        q = certain_posture(P, sides[branch >> 2], branch, inside)
-        return put_end(q, branch, inside, 0.0, inside, inside, ends, n)
-    first, last = min(inside, outside), max(inside, outside)
-    from_state, to_state = (INSIDE, ANY) if outside > inside else (ANY, INSIDE)
-    return put_scanned(P, sides, branch, R, p, place_, first, last, from_state, to_state, ends, n, points, gaps)
+        q = certain_posture(P, view.sides[branch >> 2], branch, inside)
+        return put_end(ends, n, q, branch, (inside, 0.0, inside, inside))
+    stretch = (min(inside, outside), max(inside, outside))
+    return put_scanned(P, view, branch, stretch, (INSIDE, ANY) if outside > inside else (ANY, INSIDE), ends, n)
 
 
 @kernel
-def put_ends(P, sides, R, p, place_, cut, parts, count, band, ends, n, points, gaps):
+def put_ends(P, view, cut, parts, ends, n):
     """Append the ends of what is feasible in an interval, of which some parts are for certain; their number.
 
     `cut` is a row of `without_arcs`. Returns -1 where it cannot be told.
     """
     branch, lower, upper = int(cut[0]), cut[1], cut[2]
+    count = parts.shape[0]
     whole = upper - lower >= TURN - MARGINS and cut[3] < 0.0
     if count == 0:
-        from_state = ANY if whole or cut[3] >= 0.0 else OUTSIDE
-        to_state = ANY if whole or cut[4] >= 0.0 else OUTSIDE
-        return put_scanned(P, sides, branch, R, p, place_, lower, upper, from_state, to_state, ends, n, points, gaps)
+        states = (ANY if whole or cut[3] >= 0.0 else OUTSIDE, ANY if whole or cut[4] >= 0.0 else OUTSIDE)
+        return put_scanned(P, view, branch, (lower, upper), states, ends, n)
     start = n
     if not whole:
-        n = put_last(P, sides, branch, R, p, place_, parts[0, 0], lower, cut[3] >= 0.0, band, ends, n, points, gaps)
+        n = put_outer(P, view, branch, parts[0, 0], (lower, cut[3]), ends, n)
     for i in range(count if whole else count - 1):
         if n < 0:
             return n
-        a = parts[i, 1]
         b = parts[i + 1, 0] if i + 1 < count else parts[0, 0] + TURN
-        n = put_scanned(P, sides, branch, R, p, place_, a, b, INSIDE, INSIDE, ends, n, points, gaps)
+        n = put_scanned(P, view, branch, (parts[i, 1], b), (INSIDE, INSIDE), ends, n)
     if n < 0 or n >= MAX_ENDS:
         return -1
     if not whole:
-        return put_last(
-            P, sides, branch, R, p, place_, parts[count - 1, 1], upper, cut[4] >= 0.0, band, ends, n, points, gaps
-        )
+        return put_outer(P, view, branch, parts[count - 1, 1], (upper, cut[4]), ends, n)
     if n > start:
         # On a circle, the first of the ends is an upper one: it comes last, a turn later.
         for j in range(END):
@@ -256,13 +250,13 @@ def write_whole(out, n, branch):
 
 
 @kernel
-def shifted_intervals(P, place_, sides, R, p, band, out):
+def shifted_intervals(P, view, out):
     """`predicted_intervals` where the band is as good as nothing: the intervals of the nearest exact limb, shifted."""
     found = np.empty((8 * MAX_PIECES, 3))
     ends = np.empty((MAX_ENDS + 8, END))
-    n_found = find_intervals(P, place_, -1, found)
+    n_found = find_intervals(P, view.target.place, -1, found)
     arcs = np.empty((MOST_ARCS, ARC))
-    n_arcs = find_arcs(P, sides, band, arcs)
+    n_arcs = find_arcs(P, view, arcs)
     if n_arcs < 0 or mark_needed(arcs, n_arcs, found, n_found):
         return -1
     n_ends = 0
@@ -270,7 +264,7 @@ def shifted_intervals(P, place_, sides, R, p, band, out):
     for i in range(n_found):
         branch = int(found[i, 0])
         lower, upper = found[i, 1], found[i, 2]
-        side = sides[branch >> 2]
+        side = view.sides[branch >> 2]
         if upper - lower < BARELY:
             return -1
         if upper - lower >= TURN - MARGINS:
@@ -280,54 +274,53 @@ def shifted_intervals(P, place_, sides, R, p, band, out):
             psi = found[i, 1 + k]
             way = 2.0 * k - 1.0
             q = certain_posture(P, side, branch, psi)
-            n_ends = put_end(q, branch, psi, way, psi - BARELY, psi + BARELY, ends, n_ends)
-    if n_ends >= MAX_ENDS or not correct_ends(P, R, p, place_, ends, n_ends):
+            n_ends = put_end(ends, n_ends, q, branch, (psi, way, psi - BARELY, psi + BARELY))
+    if n_ends >= MAX_ENDS or not correct_ends(P, view.target, ends, n_ends):
         return -1
     return write_ends(ends, n_ends, out, n)
 
 
 @kernel
-def put_arc_ends(P, place_, R, p, points, branch_ends, n, J, A):
+def put_arc_ends(P, view, ends, n, J, A):
     """Append both ends of every span of feasible postures on an arc, followed; the number of ends, -1 if it fails."""
     runs = np.empty((MAX_RUNS, RUN))
     spans = np.empty((MAX_SPANS, SPAN))
-    rows, k = follow_arc(P, place_, R, p, points, runs, J, A)
+    by = Setting(view.target, view.sides[0], True, J, A)
+    rows, k = follow_arc(P, by, view.points, runs)
     if k < 0:
         return -1
-    count = find_spans(P, place_, R, p, True, rows, runs, k, spans, J, A)
+    count = find_spans(P, by, rows, runs[:k], spans)
     if n + 2 * count > MAX_ENDS:
         return -1
     for i in range(count):
         for end in range(2):
             psi = spans[i, 4 + end]
             for at in range(2):
-                off = short_way(psi - points[4 * at, POINT_PSI])
+                off = short_way(psi - view.points[4 * at, POINT_PSI])
                 # The arc ends here: exactly there, so that intervals on either side join.
                 psi = psi - off if abs(off) < AT_END else psi
-            branch_ends[n, END_PSI], branch_ends[n, END_BRANCH] = psi, spans[i, 1]
+            ends[n, END_PSI], ends[n, END_BRANCH] = psi, spans[i, 1]
             n += 1
     return n
 
 
 @kernel
-def predicted_intervals(P, place_, R, p, out, J, A):
+def predicted_intervals(P, target, out, J, A):
     """Write (branch, lower, upper) of the feasible intervals into the rows of out; their number, or -1: not certain.
 
     Args:
         P: packed limb, without limits where they are not to count.
-        place_: the pose, from `elbow.place`.
-        R: rotation of the pose.
-        p: position of the pose.
+        target: the pose.
         out: (n, 3) output.
         J: (6, 7) work space.
         A: (16, 9) work space.
     """
-    band = band_of(P, place_)
+    view = view_of(P, target)
+    band, place_ = view.band, target.place
     if not may_predict(P, place_, band):
         return -1
-    sides = (elbow_side(P, place_, 0), elbow_side(P, place_, 1))
     if band < ALMOST_NOTHING:
-        n = shifted_intervals(P, place_, sides, R, p, band, out)
+        n = shifted_intervals(P, view, out)
         if n >= 0:
             return n
     boxes = np.empty((1, SIZE))
@@ -339,7 +332,7 @@ def predicted_intervals(P, place_, R, p, out, J, A):
     n_possible = find_intervals(box, place_, -1, possible)
     keep(boxes)
     arcs = np.empty((MOST_ARCS, ARC))
-    n_arcs = find_arcs(P, sides, band, arcs)
+    n_arcs = find_arcs(P, view, arcs)
     if n_arcs < 0:
         return -1
     needed = mark_needed(arcs, n_arcs, possible, n_possible)
@@ -348,8 +341,6 @@ def predicted_intervals(P, place_, R, p, out, J, A):
     n_possible = without_arcs(possible, n_possible, arcs, n_arcs, cuts)
     n_certain = without_arcs(certain, n_certain, arcs, n_arcs, certain_cuts)
     ends = np.empty((MAX_ENDS + 8, END))
-    points = np.empty((MAX_POINTS, POINT))
-    gaps = np.empty((MAX_POINTS, 2), np.int64)
     parts = np.empty((MAX_PIECES, 2))
     n_ends = 0
     n = 0
@@ -360,20 +351,20 @@ def predicted_intervals(P, place_, R, p, out, J, A):
         used += count
         start = n_ends
         if count != 1 or parts[0, 1] - parts[0, 0] < TURN - MARGINS:
-            n_ends = put_ends(P, sides, R, p, place_, cuts[i], parts, count, band, ends, n_ends, points, gaps)
+            n_ends = put_ends(P, view, cuts[i], parts[:count], ends, n_ends)
         if n_ends < 0 or n_ends >= MAX_ENDS:
             return -1
         if count > 0 and n_ends == start:
             n = write_whole(out, n, branch)
     if used != n_certain:
         return -1
-    if not correct_ends(P, R, p, place_, ends, n_ends):
+    if not correct_ends(P, view.target, ends, n_ends):
         return -1
     for k in range(n_arcs):
         if needed and arcs[k, ARC_NEEDED] == 1.0:
-            if not put_ends_of_arc(P, sides, R, p, place_, arcs[k], points):
+            if not put_ends_of_arc(P, view, arcs[k]):
                 return -1
-            n_ends = put_arc_ends(P, place_, R, p, points, ends, n_ends, J, A)
+            n_ends = put_arc_ends(P, view, ends, n_ends, J, A)
             if n_ends < 0:
                 return -1
     return write_ends(ends, n_ends, out, n)
