@@ -26,8 +26,13 @@ from srs_ik.kernels.limb.goal import OUTSIDE, tightest_joint
 
 
 @kernel
-def write_row(place_, q, branch, psi, outside, exists, position, orientation, joint, out):
-    """Write a posture with its measured errors, and the status that follows from them."""
+def write_row(place_, q, branch, psi, errors, forbidden, out):
+    """Write a posture with its measured errors (m, rad), and the status that follows from them.
+
+    `forbidden` says whether the limits forbid a posture that exists, and the joint that stands out (0: none).
+    """
+    position, orientation = errors
+    outside, joint = forbidden
     for i in range(7):
         out[ROW_Q + i] = q[i]
     out[ROW_POSITION_ERROR] = position
@@ -37,21 +42,26 @@ def write_row(place_, q, branch, psi, outside, exists, position, orientation, jo
     out[ROW_JOINT] = joint
     if max(position, orientation) < SOLVED:
         out[ROW_STATUS] = OK
-    elif outside and exists and place_[5] == 0.0:
+    elif outside and place_[5] == 0.0:
         out[ROW_STATUS] = OUT_OF_LIMITS
     else:
         out[ROW_STATUS] = UNREACHABLE
 
 
 @kernel
-def measure_row(P, place_, R, p, q, branch, lowest, respect, out):
+def measure_row(P, target, q, branch, lowest, respect, out):
     """Measure a posture on the true chain and write its row; outside its limits, it is put on them first."""
-    measure_row_at(P, place_, R, p, None, q, branch, lowest, respect, out)
+    measure_row_at(P, target, None, (q, branch, lowest), respect, out)
 
 
 @kernel
-def measure_row_at(P, place_, R, p, psi, q, branch, lowest, respect, out):
-    """The same for a posture that has the arm angle psi where it meets its pose (None: not known)."""
+def measure_row_at(P, target, psi, found, respect, out):
+    """The same for a posture that has the arm angle psi where it meets its pose (None: not known).
+
+    `found` holds the posture, its branch and its cost.
+    """
+    R, p, place_ = target
+    q, branch, lowest = found
     outside = respect and lowest >= OUTSIDE
     joint = 0
     if outside:
@@ -65,4 +75,4 @@ def measure_row_at(P, place_, R, p, psi, q, branch, lowest, respect, out):
     else:
         solved = max(position, orientation) < SOLVED
         angle = psi if solved else arm_angle(P, q, place_[0], place_[1])
-    write_row(place_, q, branch, angle, outside, lowest < NO_BRANCH, position, orientation, joint, out)
+    write_row(place_, q, branch, angle, (position, orientation), (outside and lowest < NO_BRANCH, joint), out)

@@ -10,7 +10,7 @@ from __future__ import annotations
 import math
 
 from srs_ik.kernels.algebra.linear import solve_linear
-from srs_ik.kernels.algebra.vectors import add, apply, cross, dot, scale, sub
+from srs_ik.kernels.algebra.vectors import add, apply, cross, dot, scale, sub, times_transposed
 from srs_ik.kernels.chain.kinematics import joint_lines
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.limb import FAR, LOWER, UPPER
@@ -29,22 +29,6 @@ STRIDE = (0.8866, 0.7861, 0.6970, 0.6180, 0.5479, 0.4858, 0.4307)
 
 
 @kernel
-def turned_back(x, y, z, R):
-    """The rotation from a wanted frame to the frame x, y, z, as a matrix."""
-    return (
-        x[0] * R[0] + y[0] * R[1] + z[0] * R[2],
-        x[0] * R[3] + y[0] * R[4] + z[0] * R[5],
-        x[0] * R[6] + y[0] * R[7] + z[0] * R[8],
-        x[1] * R[0] + y[1] * R[1] + z[1] * R[2],
-        x[1] * R[3] + y[1] * R[4] + z[1] * R[5],
-        x[1] * R[6] + y[1] * R[7] + z[1] * R[8],
-        x[2] * R[0] + y[2] * R[1] + z[2] * R[2],
-        x[2] * R[3] + y[2] * R[4] + z[2] * R[5],
-        x[2] * R[6] + y[2] * R[7] + z[2] * R[8],
-    )
-
-
-@kernel
 def surroundings(P, q, R, p, J):
     """What the measure needs at q: M (from the wanted frame to the tip's), e (way to the pose, in reaches), measure.
 
@@ -56,7 +40,7 @@ def surroundings(P, q, R, p, J):
         v = add((J[0, j], J[1, j], J[2, j]), cross((J[3, j], J[4, j], J[5, j]), position))
         for i in range(3):
             J[i, j] = unit * v[i]
-    M = turned_back(x, y, z, R)
+    M = times_transposed((x[0], y[0], z[0], x[1], y[1], z[1], x[2], y[2], z[2]), R)
     e = scale(unit, sub(p, position))
     return M, e, dot(e, e) + 3.0 - (M[0] + M[4] + M[8])
 

@@ -53,7 +53,7 @@ def way_to_limits(P, q, rates, way):
 
 
 @kernel
-def to_limits(P, q, psi, way, R, p, t, h0, steps):
+def to_limits(P, q, psi, way, target, steps):
     """Newton's method from eight postures to the first limits on their way.
 
     Args:
@@ -61,15 +61,14 @@ def to_limits(P, q, psi, way, R, p, t, h0, steps):
         q: seven times eight joint angles to start from, inside the limits.
         psi: their arm angles.
         way: direction of the arm angle in which to go, 1.0 or -1.0.
-        R: rotation of the wanted tip pose.
-        p: position of the wanted tip pose.
-        t: direction S-W of the pose.
-        h0: zero direction of the arm angle.
+        target: the pose.
         steps: largest number of steps.
 
     Returns:
         The postures, their arm angles, and as bits which of them meet the pose on a limit.
     """
+    R, p, place_ = target
+    t, h0 = place_[0], place_[1]
     turns = turns_of(q)
     around = turn(psi)
     met = 0

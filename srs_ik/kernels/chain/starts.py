@@ -41,8 +41,11 @@ def bent_place(P, place_):
 
 
 @kernel
-def evaluate_branch(P, place_, side, R, p, psi, branch, seeded, seed, respect, A):
+def evaluate_branch(P, target, psi, branch, goal, A):
     """Posture of one branch at an arm angle on the true chain: q, cost (NO_BRANCH where there is none)."""
+    R, p, place_ = target
+    side = elbow_side(P, place_, branch >> 2)
+    seeded, seed, respect = goal
     q, _, lowest = side_posture(P, side, psi, (branch >> 1) & 1, branch & 1, seeded, seed, respect)
     if lowest >= NO_BRANCH:
         return q, lowest
@@ -65,11 +68,13 @@ def start_all(P, place_, psi, seeded, seed, respect, A):
 
 
 @kernel
-def close_all(P, place_, R, p, psi, wanted, seeded, seed, respect, A):
+def close_all(P, target, psi, wanted, goal, A):
     """The postures of all branches at an arm angle (or of one, 0 to 7) into A, and their costs.
 
     A cost is NO_BRANCH where there is no posture.
     """
+    R, p, place_ = target
+    seeded, seed, respect = goal
     exist = start_all(P, bent_place(P, place_), psi, seeded, seed, respect, A)
     rows = row(A, FIRST)
     q, met = close_eight(P, take_eight(rows, WIDTH), R, p, place_[0], place_[1], psi, STEPS)
@@ -84,8 +89,7 @@ def close_all(P, place_, R, p, psi, wanted, seeded, seed, respect, A):
             q = turned(P, q, seeded, seed, respect)
             lowest = cost(P, q, seeded, seed, respect)
         elif (exist >> b) & 1 == 1:
-            side = elbow_side(P, place_, b >> 2)
-            q, lowest = evaluate_branch(P, place_, side, R, p, psi, b, seeded, seed, respect, A)
+            q, lowest = evaluate_branch(P, target, psi, b, goal, A)
         for j in range(7):
             A[FIRST + b, j] = q[j]
         A[FIRST + b, ROW_COST] = lowest
@@ -104,8 +108,8 @@ def best_row(rows, first, wanted):
 
 
 @kernel
-def best_of_all(P, place_, R, p, psi, wanted, seeded, seed, respect, A):
+def best_of_all(P, target, psi, wanted, goal, A):
     """Best posture at an arm angle over all branches, or in one (0 to 7): q, branch, cost."""
-    close_all(P, place_, R, p, psi, wanted, seeded, seed, respect, A)
+    close_all(P, target, psi, wanted, goal, A)
     best = best_row(A, FIRST, wanted)
     return read7(row(A, FIRST + best)), best, A[FIRST + best, ROW_COST]

@@ -47,9 +47,9 @@ def infeasibility_of(P, row, respect):
 
 
 @kernel
-def sample_before(rows, first, last, x):
-    """The row of the sample before a parameter, of those in rows first to last - 1; never the last one."""
-    low = first
+def sample_before(curve, x):
+    """The row of the sample before a parameter; never the last one."""
+    rows, low, last = curve
     high = last - 1
     while high - low > 1:
         middle = (low + high) // 2
@@ -61,23 +61,24 @@ def sample_before(rows, first, last, x):
 
 
 @kernel
-def on_curve(P, side, R, p, branch, respect, rows, first, last, x, J, A):
-    """Posture at a parameter, and its infeasibility; rows first to last - 1 sample the curve if no branch gives it."""
+def on_curve(P, by, branch, curve, x):
+    """Posture at a parameter, and its infeasibility; samples tell the curve if no branch gives it."""
+    rows = curve.rows
     if is_exact(P) and branch < SPLIT:
-        q, _, value = side_posture(P, side, x, (branch >> 1) & 1, branch & 1, False, NO_SEED, respect)
-        return q, (NO_BRANCH if value >= NO_BRANCH else infeasibility(P, q, respect))
-    low = sample_before(rows, first, last, x)
-    high = min(low + 1, last - 1)
+        q, _, value = side_posture(P, by.side, x, (branch >> 1) & 1, branch & 1, False, NO_SEED, by.respect)
+        return q, (NO_BRANCH if value >= NO_BRANCH else infeasibility(P, q, by.respect))
+    low = sample_before(curve, x)
+    high = min(low + 1, curve.last - 1)
     if x in (rows[low, 0], rows[high, 0]):
         # The sample itself: the end of a run keeps the limits to the last bit.
         q = load_sample(rows[low if x == rows[low, 0] else high])
     else:
         share = (x - rows[low, 0]) / (rows[high, 0] - rows[low, 0])
-        q, met = between(P, R, p, load_sample(rows[low]), load_sample(rows[high]), share, J, A)
+        q, met = between(P, by, load_sample(rows[low]), load_sample(rows[high]), share)
         if not met:
             return q, NO_BRANCH
-    q = turned(P, q, False, NO_SEED, respect)
-    return q, infeasibility(P, q, respect)
+    q = turned(P, q, False, NO_SEED, by.respect)
+    return q, infeasibility(P, q, by.respect)
 
 
 @kernel
@@ -113,16 +114,37 @@ def only(joint, x):
 
 
 @kernel
-def edge_on_limit(P, R, p, rows, first, last, x, y, J, A):
+def meet(P, by, rows, low, q, joint, angle):
+    """The posture of a curve with a joint at an angle, by Newton's method from q: posture, parameter, whether met.
+
+    It lies between the samples in rows low and low + 1.
+    """
+    q, met = correct(P, by, q, only(joint, 1.0), angle)
+    start = load_sample(rows[low])
+    chord = difference(start, load_sample(rows[low + 1]))
+    to_q = difference(start, q)
+    share = dot7(to_q, chord) / dot7(chord, chord)
+    off = along7(to_q, -share, chord)
+    x = rows[low, 0] + share * (rows[low + 1, 0] - rows[low, 0])
+    return q, x, met and dot7(off, off) <= ASTRAY * dot7(chord, chord)
+
+
+@kernel
+def on_chord(rows, low, x):
+    """The point at a parameter of the straight way between two samples."""
+    start = load_sample(rows[low])
+    share = (x - rows[low, 0]) / (rows[low + 1, 0] - rows[low, 0])
+    return along7(start, share, difference(start, load_sample(rows[low + 1])))
+
+
+@kernel
+def edge_on_limit(P, by, curve, x, y):
     """`edge` by Newton's method for the pose and the limit together, and whether that is met between two samples."""
-    low = sample_before(rows, first, last, 0.5 * (x + y))
-    start, end = load_sample(rows[low]), load_sample(rows[low + 1])
-    width = rows[low + 1, 0] - rows[low, 0]
-    chord = difference(start, end)
-    a = along7(start, (x - rows[low, 0]) / width, chord)
-    b = along7(start, (y - rows[low, 0]) / width, chord)
+    rows = curve.rows
+    low = sample_before(curve, 0.5 * (x + y))
     if min(x, y) < rows[low, 0] or max(x, y) > rows[low + 1, 0]:
         return x, False
+    a, b = on_chord(rows, low, x), on_chord(rows, low, y)
     for _ in range(LIMITS_IN_TURN):
         joint, limit, share = first_limit(P, a, b)
         if joint < 0:
@@ -130,14 +152,8 @@ def edge_on_limit(P, R, p, rows, first, last, x, y, J, A):
         q = along7(a, share, difference(a, b))
         # The same limit, a whole turn away or not.
         limit = q[joint] + short_way(limit - q[joint])
-        q, met = correct(P, q, only(joint, 1.0), limit, R, p, J, A)
-        if not met:
-            return x, False
-        to_q = difference(start, q)
-        share = dot7(to_q, chord) / dot7(chord, chord)
-        off = along7(to_q, -share, chord)
-        found = rows[low, 0] + share * width
-        if dot7(off, off) > ASTRAY * dot7(chord, chord) or (found - x) * (found - y) > 0.0:
+        q, found, met = meet(P, by, rows, low, q, joint, limit)
+        if not met or (found - x) * (found - y) > 0.0:
             return x, False
         if infeasibility(P, turned(P, q, False, NO_SEED, True), True) < ON_LIMIT:
             return found, True
@@ -146,10 +162,12 @@ def edge_on_limit(P, R, p, rows, first, last, x, y, J, A):
 
 
 @kernel
-def edge(P, side, R, p, branch, respect, rows, first, last, x, fx, y, fy, J, A):
-    """The last feasible parameter from a feasible one, x, towards y, which is not."""
+def edge(P, by, branch, curve, inside, outside):
+    """The last feasible parameter from a feasible one towards one that is not, each with its infeasibility."""
+    x, fx = inside
+    y, fy = outside
     if not is_exact(P):
-        found, met = edge_on_limit(P, R, p, rows, first, last, x, y, J, A)
+        found, met = edge_on_limit(P, by, curve, x, y)
         if met:
             return found
     crossing = start_crossing(x, fx, y, fy)
@@ -157,13 +175,13 @@ def edge(P, side, R, p, branch, respect, rows, first, last, x, fx, y, fy, J, A):
         if has_settled(crossing):
             break
         m = next_parameter(crossing)
-        _, f = on_curve(P, side, R, p, branch, respect, rows, first, last, m, J, A)
+        _, f = on_curve(P, by, branch, curve, m)
         crossing = tell_figure(crossing, m, f)
     return crossing[0]
 
 
 @kernel
-def dip(P, side, R, p, branch, respect, rows, first, last, a, b, J, A):
+def dip(P, by, branch, curve, a, b):
     """The least infeasible parameter between two, or any feasible one: parameter and infeasibility."""
     x = b - GOLDEN * (b - a)
     y = a + GOLDEN * (b - a)
@@ -171,7 +189,7 @@ def dip(P, side, R, p, branch, respect, rows, first, last, a, b, J, A):
     fx = NO_BRANCH
     fy = NO_BRANCH
     for i in range(DIP_STEPS):
-        _, f = on_curve(P, side, R, p, branch, respect, rows, first, last, wanted, J, A)
+        _, f = on_curve(P, by, branch, curve, wanted)
         if f <= 0.0:
             return wanted, f
         if wanted == x:

@@ -22,7 +22,7 @@ from srs_ik.kernels.algebra.linear import solve_linear
 from srs_ik.kernels.algebra.pointers import row
 from srs_ik.kernels.algebra.vectors import norm
 from srs_ik.kernels.chain.eight import put_eight, take_eight
-from srs_ik.kernels.chain.newton import CLOSED, STEPS, close_free, load_system, moved, pose_step
+from srs_ik.kernels.chain.newton import CLOSED, LAST_STEP, STEPS, close_free, load_system, longest, moved, pose_step
 from srs_ik.kernels.chain.newton_eight import close_eight, curve_step
 from srs_ik.kernels.chain.starts import FIRST, WIDTH, start_all
 from srs_ik.kernels.curves.in_step import (
@@ -96,8 +96,18 @@ def null_vector(J, near, A):
 
 
 @kernel
-def correct(P, q, d, place, R, p, J, A):
-    """Newton's method to the posture for a pose (R, p) with d'q = place: q, whether it is met, J left for it."""
+def tangent_at(P, by, q):
+    """The oriented null vector at a posture, and its sign (0 where the Jacobian has lost rank)."""
+    pose_step(P, q, by.target.R, by.target.p, by.J)
+    t, sign = null_vector(by.J, FIRST_GUESS, by.A)
+    return along7(NO_SEED, sign, t), sign
+
+
+@kernel
+def correct(P, by, q, d, place):
+    """Newton's method to the posture for the pose with d'q = place: q, whether it is met; J is left for it."""
+    R, p, _ = by.target
+    J, A = by.J, by.A
     error = 1.0
     for i in range(CORRECTIONS + 1):
         linear, angular = pose_step(P, q, R, p, J)
@@ -115,11 +125,13 @@ def correct(P, q, d, place, R, p, J, A):
         if solve_linear(A, 7) == 0.0:
             return q, False
         q = moved(q, A, 1.0)
+        if longest(A) < LAST_STEP:
+            return q, True
     return q, error < CLOSED
 
 
 @kernel
-def between(P, R, p, a, b, share, J, A):
+def between(P, by, a, b, share):
     """The posture of a curve between samples a and b, at a share of the way along their chord: q, whether it is met."""
     chord = difference(a, b)
     length = math.sqrt(dot7(chord, chord))
@@ -127,7 +139,7 @@ def between(P, R, p, a, b, share, J, A):
         return a, True
     d = along7(NO_SEED, 1.0 / length, chord)
     start = along7(a, share, chord)
-    return correct(P, start, d, dot7(d, start), R, p, J, A)
+    return correct(P, by, start, d, dot7(d, start))
 
 
 @kernel
@@ -151,7 +163,7 @@ def is_known(q, t, rows, curves, count):
 
 
 @kernel
-def follow(P, R, p, q, t, way, rows, n, J, A):
+def follow(P, by, q, t, way, rows, n):
     """Follow the curve through q along its oriented null vector t (way = 1.0), or against it (-1.0).
 
     Returns the rows in use, whether the curve has closed, and the last posture with its null vector.
@@ -171,11 +183,11 @@ def follow(P, R, p, q, t, way, rows, n, J, A):
             off = along7(back, -way * ahead, t)
             if 0.0 < ahead <= step and dot7(first_t, t) > SMALLEST_COSINE and dot7(off, off) < 0.1 * ahead * ahead:
                 return put(rows, n, length + ahead, first), True, q, t
-        next_q, met = correct(P, along7(q, way * step, t), t, dot7(t, q) + way * step, R, p, J, A)
+        next_q, met = correct(P, by, along7(q, way * step, t), t, dot7(t, q) + way * step)
         if not met:
             step *= 0.5
             continue
-        next_t, sign = null_vector(J, t, A)
+        next_t, sign = null_vector(by.J, t, by.A)
         cosine = dot7(t, next_t)
         if sign <= 0.0 or cosine < SMALLEST_COSINE:
             step *= 0.5
@@ -205,13 +217,12 @@ def reverse(rows, first, n):
 
 
 @kernel
-def extend_back(P, R, p, rows, curves, k, n, J, A):
+def extend_back(P, by, rows, curves, k, n):
     """Follow an open curve against its way from where it begins, and put that before it; rows in use."""
     first, last = int(curves[k, 0]), int(curves[k, 1])
     q = load_sample(rows[first])
-    pose_step(P, q, R, p, J)
-    t, sign = null_vector(J, FIRST_GUESS, A)
-    end, _, _, _ = follow(P, R, p, q, along7(NO_SEED, sign, t), -1.0, rows, n, J, A)
+    t, sign = tangent_at(P, by, q)
+    end, _, _, _ = follow(P, by, q, t, -1.0, rows, n)
     if sign == 0.0 or end - n < 2:
         return n
     reverse(rows, n, end)
@@ -224,11 +235,13 @@ def extend_back(P, R, p, rows, curves, k, n, J, A):
 
 
 @kernel
-def put_marks(P, place_, R, p, respect, angles, marks, missed, A):
+def put_marks(P, by, angles, marks, missed):
     """Marks on all curves, from the closed form at arm angles all around; how many, and how many starts are missed.
 
     `missed` takes the postures from which Newton's method in step does not reach the pose.
     """
+    R, p, place_ = by.target
+    A = by.A
     starts = row(A, FIRST)
     count = 0
     n_missed = 0
@@ -242,7 +255,7 @@ def put_marks(P, place_, R, p, respect, angles, marks, missed, A):
         _, t, _, _ = curve_step(P, turns_of(q), R, p, q, 0.0 * q[0])
         for branch in range(8):
             q = read7(row(A, FIRST + branch))
-            spare = ELBOW_SPARE - violation(P, 3, turn_to_middle(P, 3, q[3])) if respect else ELBOW_SPARE
+            spare = ELBOW_SPARE - violation(P, 3, turn_to_middle(P, 3, q[3])) if by.respect else ELBOW_SPARE
             # At the edge of the reach of oblique axes, the true chain may have postures where the closed form has none.
             if spare < 0.0 or not (oblique or (exist >> branch) & 1 == 1):
                 continue
@@ -256,8 +269,9 @@ def put_marks(P, place_, R, p, respect, angles, marks, missed, A):
 
 
 @kernel
-def follow_all(P, place_, R, p, respect, rows, curves, J, A):
+def follow_all(P, by, rows, curves):
     """Follow every curve of a pose that the closed form of the nearest exact limb leads to; the number of curves."""
+    R, p, _ = by.target
     oblique = P[SHOULDER + TOP_GAP] + P[SHOULDER + BOTTOM_GAP] + P[WRIST + TOP_GAP] + P[WRIST + BOTTOM_GAP] > OBLIQUE
     angles = STARTS_OBLIQUE if oblique else STARTS
     marks = np.empty((8 * angles, MARK))
@@ -265,30 +279,26 @@ def follow_all(P, place_, R, p, respect, rows, curves, J, A):
     pieces = np.empty((rows.shape[0], SAMPLE))
     n = 0
     count = 0
-    n_marks, n_missed = put_marks(P, place_, R, p, respect, angles, marks, missed, A)
+    n_marks, n_missed = put_marks(P, by, angles, marks, missed)
     if n_marks > 0:
-        follow_marks(P, R, p, marks, n_marks, pieces)
+        follow_marks(P, by.target, marks[:n_marks], n_marks, pieces)
         n, count = join_pieces(marks, n_marks, pieces, rows, curves)
     for k in range(count):
         if curves[k, 2] == 0.0:
             # It begins where curves cross, before its first mark.
-            n = extend_back(P, R, p, rows, curves, k, n, J, A)
+            n = extend_back(P, by, rows, curves, k, n)
     for i in range(n_missed):
-        q, error = close_free(P, read7(missed[i]), R, p, False, START_STEPS, J, A)
+        q, error = close_free(P, read7(missed[i]), R, p, False, START_STEPS, by.J, by.A)
         if error > CLOSED or count >= curves.shape[0]:
             continue
-        pose_step(P, q, R, p, J)
-        t, sign = null_vector(J, FIRST_GUESS, A)
-        if sign == 0.0:
-            continue
-        t = along7(NO_SEED, sign, t)
-        if is_known(q, t, rows, curves, count):
+        t, sign = tangent_at(P, by, q)
+        if sign == 0.0 or is_known(q, t, rows, curves, count):
             continue
         first = n
-        n, closed, q, t = follow(P, R, p, q, t, 1.0, rows, n, J, A)
+        n, closed, q, t = follow(P, by, q, t, 1.0, rows, n)
         if not closed:
             # It ends where curves cross: all of it lies behind that end.
-            n, closed, _, _ = follow(P, R, p, q, t, -1.0, rows, first, J, A)
+            n, closed, _, _ = follow(P, by, q, t, -1.0, rows, first)
             reverse(rows, first, n)
         if n - first < 2:
             n = first

@@ -28,7 +28,7 @@ WELL_INSIDE = 0.5
 
 
 @kernel
-def into_gap(P, R, p, a, b, j, way, J, A):
+def into_gap(P, by, a, b, j, way):
     """The posture between a and b with joint j in the gap of its limits: q, its share of the way, whether it is met."""
     far = P[MIDDLE + j] + math.pi
     tolerance = WELL_INSIDE * (math.pi - 0.5 * (P[UPPER + j] - P[LOWER + j]))
@@ -39,7 +39,7 @@ def into_gap(P, R, p, a, b, j, way, J, A):
     q = a
     met = False
     for _ in range(HALVINGS):
-        q, met = between(P, R, p, a, b, share, J, A)
+        q, met = between(P, by, a, b, share)
         off = short_way(q[j] - far)
         if not met or abs(off) < tolerance:
             break
@@ -64,15 +64,20 @@ def insert(line, first, n, x, q):
 
 
 @kernel
-def put_gaps(P, R, p, x_a, a, x_b, b, line, n, J, A):
-    """Append a sample for every gap between postures a and b of a curve, in their order; return the number of rows."""
+def put_gaps(P, by, start, end, line, n):
+    """Append a sample for every gap between two of a curve, in their order; return the number of rows.
+
+    A sample is given as its parameter and its posture.
+    """
+    x_a, a = start
+    x_b, b = end
     way = difference(a, b)
     first = n
     for j in range(7):
-        start = short_way(a[j] - P[MIDDLE + j] - math.pi)
-        if P[RANGE_KIND + j] == 0.0 or start * (start + way[j]) > 0.0 or start == 0.0 or abs(start) > abs(way[j]):
+        off = short_way(a[j] - P[MIDDLE + j] - math.pi)
+        if P[RANGE_KIND + j] == 0.0 or off * (off + way[j]) > 0.0 or off == 0.0 or abs(off) > abs(way[j]):
             continue
-        q, share, met = into_gap(P, R, p, a, b, j, way[j], J, A)
+        q, share, met = into_gap(P, by, a, b, j, way[j])
         if met:
             n = insert(line, first, n, x_a + share * (x_b - x_a), q)
     return n
@@ -111,7 +116,7 @@ def may_be_inside(P, a, b, bulge):
 
 
 @kernel
-def bulge_between(P, R, p, a, b, bulge, J, A):
+def bulge_between(P, by, a, b, bulge):
     """The posture farthest outside a limit between two that keep it, if the way is bent out of it.
 
     Returns the posture, its share of the way, and whether there is one.
@@ -121,7 +126,7 @@ def bulge_between(P, R, p, a, b, bulge, J, A):
         at_b = joint_beyond(P, j, b)
         if max(at_a, at_b) < -bulge or max(at_a, at_b) > 0.0:
             continue
-        q, met = between(P, R, p, a, b, 0.5, J, A)
+        q, met = between(P, by, a, b, 0.5)
         if not met:
             continue
         middle = joint_beyond(P, j, q)
@@ -130,7 +135,7 @@ def bulge_between(P, R, p, a, b, bulge, J, A):
         if middle <= 0.0 and bent < 0.0:
             # The top of a parabola.
             share = min(max(0.5 - 0.25 * (at_b - at_a) / bent, 0.05), 0.95)
-            q, met = between(P, R, p, a, b, share, J, A)
+            q, met = between(P, by, a, b, share)
             middle = joint_beyond(P, j, q) if met else middle
         if middle > 0.0:
             return q, share, True
@@ -138,30 +143,34 @@ def bulge_between(P, R, p, a, b, bulge, J, A):
 
 
 @kernel
-def put_bounds(P, R, p, x_a, a, x_b, b, line, n, J, A):
+def put_bounds(P, by, start, end, line, n):
     """Append samples between two postures of a curve, so that nothing hides between them; return the rows in use.
 
     Where both break limits, one where each joint passes a limit; else one that breaks a limit that both keep.
     """
+    x_a, a = start
+    x_b, b = end
     chord = difference(a, b)
     bulge = BULGE * dot7(chord, chord)
     outside_a, outside_b = any_outside(P, a), any_outside(P, b)
     if outside_a and outside_b:
-        return put_crossings(P, R, p, x_a, a, x_b, b, bulge, line, n, J, A)
-    q, share, found = bulge_between(P, R, p, a, b, bulge, J, A)
+        return put_crossings(P, by, start, end, bulge, line, n)
+    q, share, found = bulge_between(P, by, a, b, bulge)
     if found:
         x = x_a + share * (x_b - x_a)
         if outside_a:
-            n = put_crossings(P, R, p, x_a, a, x, q, bulge, line, n, J, A)
+            n = put_crossings(P, by, start, (x, q), bulge, line, n)
         n = put(line, n, x, q)
         if outside_b:
-            n = put_crossings(P, R, p, x, q, x_b, b, bulge, line, n, J, A)
+            n = put_crossings(P, by, (x, q), end, bulge, line, n)
     return n
 
 
 @kernel
-def put_crossings(P, R, p, x_a, a, x_b, b, bulge, line, n, J, A):
+def put_crossings(P, by, start, end, bulge, line, n):
     """Append samples where joints pass a limit between two postures that break limits; return the rows in use."""
+    x_a, a = start
+    x_b, b = end
     if not may_be_inside(P, a, b, bulge):
         return n
     first = n
@@ -177,7 +186,7 @@ def put_crossings(P, R, p, x_a, a, x_b, b, bulge, line, n, J, A):
             if has_settled(crossing):
                 break
             share = next_parameter(crossing)
-            q, met = between(P, R, p, a, b, share, J, A)
+            q, met = between(P, by, a, b, share)
             if not met:
                 break
             f = joint_beyond(P, j, q)

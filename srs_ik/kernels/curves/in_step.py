@@ -190,8 +190,9 @@ def keep_piece(line, first, n, pieces, used, mark, following):
 
 
 @kernel
-def follow_marks(P, R, p, marks, count, pieces):
-    """Follow the curve of each mark to the next mark, into rows of pieces."""
+def follow_marks(P, target, marks, starts, pieces):
+    """Follow the curve of each of the first marks (`starts` of them) to the next of all, into rows of pieces."""
+    count = marks.shape[0]
     lanes = np.empty((8, LANE))
     after = np.empty((8, LANE))
     line = np.empty((8 * LONGEST_PIECE, SAMPLE))
@@ -204,14 +205,14 @@ def follow_marks(P, R, p, marks, count, pieces):
     used = 0
     for i in range(8):
         # Without a mark of its own, a lane goes along with the first one.
-        load_lane(lanes, i, marks[min(waiting, count - 1)])
-        if waiting < count:
+        load_lane(lanes, i, marks[min(waiting, starts - 1)])
+        if waiting < starts:
             mark_of[i], length[i] = waiting, 1
             put_sample(line, i * LONGEST_PIECE, 0.0, read7(marks[waiting]))
             alive |= 1 << i
             waiting += 1
     while alive != 0:
-        q, t, there, cosine = step_in_step(P, R, p, row(lanes, 0))
+        q, t, there, cosine = step_in_step(P, target.R, target.p, row(lanes, 0))
         put_eight(row(after, 0), LANE, ALL, q)
         for j in range(7):
             scatter(row(after, 0), 7 + j, LANE, t[j])
@@ -244,7 +245,7 @@ def follow_marks(P, R, p, marks, count, pieces):
             if done:
                 used = keep_piece(line, first, length[i], pieces, used, marks[mark_of[i]], following)
                 alive &= ~(1 << i)
-                if waiting < count:
+                if waiting < starts:
                     load_lane(lanes, i, marks[waiting])
                     mark_of[i], length[i] = waiting, 1
                     put_sample(line, first, 0.0, read7(marks[waiting]))

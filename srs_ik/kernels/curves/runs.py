@@ -19,6 +19,7 @@ from srs_ik.kernels.curves.gaps import put_bounds, put_gaps
 from srs_ik.kernels.curves.in_step import SAMPLE, load_sample
 from srs_ik.kernels.exact.samples import take_samples
 from srs_ik.kernels.jit import kernel
+from srs_ik.kernels.layout.asked import Runs, Samples, Setting
 from srs_ik.kernels.layout.search import SPLIT
 from srs_ik.kernels.limb.branches import NO_BRANCH
 from srs_ik.kernels.limb.goal import NO_SEED, turned
@@ -50,8 +51,13 @@ CUTS = 4
 
 
 @kernel
-def put_run(P, side, R, p, branch, respect, line, first, last, lower, upper, out, n, runs, k, J, A):
+def put_run(P, by, branch, curve, ends, out, used):
     """Write the run between two feasible parameters of a sampled curve, its samples and ends: rows and runs in use."""
+    line, first, last = curve
+    lower, upper = ends
+    n, k = used
+    respect = by.respect
+    runs = out.runs
     if k >= runs.shape[0]:
         return n, k
     runs[k, 0] = branch
@@ -59,21 +65,23 @@ def put_run(P, side, R, p, branch, respect, line, first, last, lower, upper, out
     runs[k, 2] = upper
     runs[k, 3] = n
     # The ends are on a limit up to rounding: on it, so that they count as inside.
-    q, _ = on_curve(P, side, R, p, branch, respect, line, first, last, lower, J, A)
-    n = put(out, n, lower, clipped(P, q) if respect else q)
+    q, _ = on_curve(P, by, branch, curve, lower)
+    n = put(out.rows, n, lower, clipped(P, q) if respect else q)
     for i in range(first, last):
         if lower < line[i, 0] < upper:
-            n = put(out, n, line[i, 0], turned(P, load_sample(line[i]), False, NO_SEED, respect))
+            n = put(out.rows, n, line[i, 0], turned(P, load_sample(line[i]), False, NO_SEED, respect))
     if upper > lower:
-        q, _ = on_curve(P, side, R, p, branch, respect, line, first, last, upper, J, A)
-        n = put(out, n, upper, clipped(P, q) if respect else q)
+        q, _ = on_curve(P, by, branch, curve, upper)
+        n = put(out.rows, n, upper, clipped(P, q) if respect else q)
     runs[k, 4] = n
     return n, (k + 1 if n > runs[k, 3] else k)
 
 
 @kernel
-def cut(P, side, R, p, branch, respect, line, first, last, out, n, runs, k, J, A):
-    """Cut a sampled curve, rows first to last - 1 of line, into its feasible runs: rows and runs in use."""
+def cut(P, by, branch, curve, out, used):
+    """Cut a sampled curve into its feasible runs, behind the rows and runs in use; how many are in use then."""
+    line, first, last = curve
+    respect = by.respect
     lower = line[first, 0]
     f_before = -1.0  # infeasibility of the sample before the last one, as long as neither is feasible
     x0 = lower
@@ -83,23 +91,23 @@ def cut(P, side, R, p, branch, respect, line, first, last, out, n, runs, k, J, A
         f1 = infeasibility_of(P, line[i], respect)
         upper = lower - 1.0
         if f0 > 0.0 and f1 <= 0.0:
-            lower = edge(P, side, R, p, branch, respect, line, first, last, x1, f1, x0, f0, J, A)
+            lower = edge(P, by, branch, curve, (x1, f1), (x0, f0))
         elif f0 <= 0.0 and f1 > 0.0:
-            upper = edge(P, side, R, p, branch, respect, line, first, last, x0, f0, x1, f1, J, A)
+            upper = edge(P, by, branch, curve, (x0, f0), (x1, f1))
         elif 0.0 < f0 < f_before and f0 <= f1 and f0 < SHALLOW:
-            x, f = dip(P, side, R, p, branch, respect, line, first, last, line[i - 2, 0], x1, J, A)
+            x, f = dip(P, by, branch, curve, line[i - 2, 0], x1)
             if f <= 0.0:
-                lower = edge(P, side, R, p, branch, respect, line, first, last, x, f, line[i - 2, 0], f_before, J, A)
-                upper = edge(P, side, R, p, branch, respect, line, first, last, x, f, x1, f1, J, A)
+                lower = edge(P, by, branch, curve, (x, f), (line[i - 2, 0], f_before))
+                upper = edge(P, by, branch, curve, (x, f), (x1, f1))
         if i == last - 1 and f1 <= 0.0:
             upper = x1
         if upper >= lower:
-            n, k = put_run(P, side, R, p, branch, respect, line, first, last, lower, upper, out, n, runs, k, J, A)
+            used = put_run(P, by, branch, curve, (lower, upper), out, used)
         f_before = f0 if f0 > 0.0 else -1.0
         x0, f0 = x1, f1
     if last - first == 1 and f0 <= 0.0:
-        n, k = put_run(P, side, R, p, branch, respect, line, first, last, x0, x0, out, n, runs, k, J, A)
-    return n, k
+        used = put_run(P, by, branch, curve, (x0, x0), out, used)
+    return used
 
 
 @kernel
@@ -111,19 +119,20 @@ def far_apart(a, b):
 
 
 @kernel
-def sample_branch(P, side, R, p, branch, lower, upper, work, line, J, A):
+def sample_branch(P, by, branch, ends, work, line):
     """Sample an interval of a branch of an exact limb into line, closer where joints move fast; the number of rows."""
     wanted = work[0]
     held = work[1]
-    count = take_samples(P, side, lower, upper, wanted)
-    q, _ = on_curve(P, side, R, p, branch, False, line, 0, 0, lower, J, A)
-    n = put(line, 0, lower, q)
+    curve = Samples(line, 0, 0)
+    count = take_samples(P, by.side, ends[0], ends[1], wanted)
+    q, _ = on_curve(P, by, branch, curve, ends[0])
+    n = put(line, 0, ends[0], q)
     for i in range(1, count):
         held[0] = wanted[i]
         on_hold = 1
         while on_hold > 0:
             x = held[on_hold - 1]
-            next_q, f = on_curve(P, side, R, p, branch, False, line, 0, 0, x, J, A)
+            next_q, f = on_curve(P, by, branch, curve, x)
             gap = x - line[n - 1, 0]
             if on_hold < DEPTH and gap > SMALLEST_GAP and f < NO_BRANCH and far_apart(q, next_q):
                 held[on_hold] = x - 0.5 * gap
@@ -136,7 +145,7 @@ def sample_branch(P, side, R, p, branch, lower, upper, work, line, J, A):
 
 
 @kernel
-def unroll(P, R, p, rows, curve, respect, line, J, A):
+def unroll(P, by, rows, curve, line):
     """Copy a followed curve to line, a closed one from a posture outside the limits on if there is one; rows in use.
 
     Where limits count, the gaps between them get samples of their own.
@@ -146,7 +155,7 @@ def unroll(P, R, p, rows, curve, respect, line, J, A):
     start = 0
     if curve[2] == 1.0:
         for i in range(count - 1):
-            if infeasibility_of(P, rows[first + i], respect) > 0.0:
+            if infeasibility_of(P, rows[first + i], by.respect) > 0.0:
                 start = i
                 break
     length = rows[first + count - 1, 0]
@@ -162,66 +171,66 @@ def unroll(P, R, p, rows, curve, respect, line, J, A):
             round_ = length
         next_x = rows[first + j, 0] + round_
         next_q = load_sample(rows[first + j])
-        if respect and i > 0:
-            for k in range(put_gaps(P, R, p, x, q, next_x, next_q, gaps, 0, J, A)):
-                gap_q = load_sample(gaps[k])
-                n = put_bounds(P, R, p, x, q, gaps[k, 0], gap_q, line, n, J, A)
-                n = put(line, n, gaps[k, 0], gap_q)
-                x, q = gaps[k, 0], gap_q
-            n = put_bounds(P, R, p, x, q, next_x, next_q, line, n, J, A)
+        if by.respect and i > 0:
+            for k in range(put_gaps(P, by, (x, q), (next_x, next_q), gaps, 0)):
+                gap_x, gap_q = gaps[k, 0], load_sample(gaps[k])
+                n = put_bounds(P, by, (x, q), (gap_x, gap_q), line, n)
+                n = put(line, n, gap_x, gap_q)
+                x, q = gap_x, gap_q
+            n = put_bounds(P, by, (x, q), (next_x, next_q), line, n)
         n = put(line, n, next_x, next_q)
         x, q = next_x, next_q
     return n
 
 
 @kernel
-def survey_exact(P, place_, R, p, found, pieces, respect, work, line, out, runs, J, A):
-    """Sample the feasible intervals in the first rows of found (branch, lower, upper): rows and runs in use."""
-    n = 0
-    k = 0
-    elbow = -1
-    side = elbow_side(P, place_, 0)
-    for i in range(pieces):
+def survey_exact(P, by, found, work, line, out):
+    """Sample feasible intervals, rows of found (branch, lower, upper) of an exact limb: rows and runs in use."""
+    used = (0, 0)
+    for i in range(found.shape[0]):
         branch = int(found[i, 0])
-        if branch >> 2 != elbow:
-            elbow = branch >> 2
-            side = elbow_side(P, place_, elbow)
-        count = sample_branch(P, side, R, p, branch, found[i, 1], found[i, 2], work, line, J, A)
-        n, k = cut(P, side, R, p, branch, respect, line, 0, count, out, n, runs, k, J, A)
-    return n, k
+        by = Setting(by.target, elbow_side(P, by.target.place, branch >> 2), by.respect, by.J, by.A)
+        n = sample_branch(P, by, branch, (found[i, 1], found[i, 2]), work, line)
+        used = cut(P, by, branch, Samples(line, 0, n), out, used)
+    return used
 
 
 @kernel
-def survey_near(P, place_, R, p, respect, curves, rows, line, out, runs, J, A):
-    """Sample all feasible postures of a near limb: rows and runs in use."""
-    n = 0
-    k = 0
-    side = elbow_side(P, place_, 0)
-    count = follow_all(P, place_, R, p, respect, rows, curves, J, A)
-    for i in range(count):
-        length = unroll(P, R, p, rows, curves[i], respect, line, J, A)
-        n, k = cut(P, side, R, p, 0, respect, line, 0, length, out, n, runs, k, J, A)
-    return n, k
+def survey_curves(P, by, rows, curves, line, out):
+    """Sample the feasible postures of followed curves of a near limb: rows and runs in use."""
+    used = (0, 0)
+    for i in range(curves.shape[0]):
+        length = unroll(P, by, rows, curves[i], line)
+        used = cut(P, by, 0, Samples(line, 0, length), out, used)
+    return used
 
 
 @kernel
-def near_runs(P, place_, R, p, respect, runs, J, A):
-    """`survey_near` with room of its own: samples, rows and runs in use, and spare rows for samples of one curve."""
+def near_runs(P, by, runs):
+    """Sample all feasible postures of a near limb: samples, rows and runs in use, and spare rows for one curve."""
     curves = np.empty((MAX_CURVES, CURVE))
     followed = np.empty((CURVE_ROWS, SAMPLE))
     rows = np.empty((CURVE_ROWS + SPARE_ROWS, SAMPLE))
     line = np.empty((CURVE_ROWS, SAMPLE))
-    n, k = survey_near(P, place_, R, p, respect, curves, followed, line, rows, runs, J, A)
+    count = follow_all(P, by, followed, curves)
+    n, k = survey_curves(P, by, followed, curves[:count], line, Runs(rows, runs))
     return rows, n, k, line
 
 
 @kernel
-def sample_again(P, side, R, p, respect, rows, run, lower, upper, line, J, A):
+def samples_of(rows, run):
+    """The samples of a run."""
+    return Samples(rows, int(run[3]), int(run[4]))
+
+
+@kernel
+def sample_again(P, by, rows, run, ends, line):
     """Sample a part of a run, a few times as close: rows of line in use."""
     branch = int(run[0])
-    first = int(run[3])
-    last = int(run[4])
-    q, _ = on_curve(P, side, R, p, branch, respect, rows, first, last, lower, J, A)
+    curve = samples_of(rows, run)
+    first, last = curve.first, curve.last
+    lower, upper = ends
+    q, _ = on_curve(P, by, branch, curve, lower)
     n = put(line, 0, lower, q)
     a = lower
     for i in range(first, last):
@@ -230,7 +239,7 @@ def sample_again(P, side, R, p, respect, rows, run, lower, upper, line, J, A):
             continue
         for c in range(1, CUTS + 1):
             x = b if c == CUTS else a + (b - a) * c / CUTS
-            q, _ = on_curve(P, side, R, p, branch, respect, rows, first, last, x, J, A)
+            q, _ = on_curve(P, by, branch, curve, x)
             n = put(line, n, x, q)
         a = b
     return n

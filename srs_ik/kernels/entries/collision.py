@@ -19,6 +19,7 @@ from srs_ik.kernels.collision.seen import World, see_balls, still_frames, turnin
 from srs_ik.kernels.exact.farthest import farthest
 from srs_ik.kernels.exact.nearest_within import nearest_within
 from srs_ik.kernels.jit import entry, kernel
+from srs_ik.kernels.layout.asked import Goal, Target
 from srs_ik.kernels.layout.collision import (
     MARGIN,
     MOST_ARCS,
@@ -175,12 +176,12 @@ def best_within(family, T, found, n, branch, seed, seeded, respect, out):
     q, best, lowest = NO_SEED, 0, 4.0 * NO_BRANCH
     if seeded:
         near = read7(seed)
-        q, best, lowest = nearest_within(P, place_, found, n, branch, near, respect, lowest)
+        q, best, lowest = nearest_within(P, place_, found[:n], branch, Goal(True, near, respect), lowest)
     else:
         for i in range(n):
             if branch < 0 or int(found[i, 0]) == branch:
                 other, b, cost = farthest(P, place_, found, i, i + 1, -1, respect)
                 if cost < lowest:
                     q, best, lowest = other, b, cost
-    measure_row(P, place_, R, p, q, best, lowest, respect, row(out, 0))
+    measure_row(P, Target(R, p, place_), q, best, lowest, respect, row(out, 0))
     return lowest

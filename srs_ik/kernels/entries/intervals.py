@@ -5,6 +5,7 @@ from __future__ import annotations
 from srs_ik.kernels.algebra.pointers import row
 from srs_ik.kernels.jit import entry
 from srs_ik.kernels.layout.answer import GOOD_POSE, MOST_INTERVALS
+from srs_ik.kernels.layout.asked import Target
 from srs_ik.kernels.layout.limb import LIMITED
 from srs_ik.kernels.limb.poses import read_pose
 from srs_ik.kernels.limb.triangle import place
@@ -34,7 +35,7 @@ def intervals_range(family, poses, first, last, respect, J, A, rows, counts, ver
         counts[i] = 0
         if verdicts[i] == GOOD_POSE:
             place_ = place(row(family, LIMITED), R, p)
-            counts[i] = all_intervals(family, place_, R, p, respect, J, A, rows[used : used + MOST_INTERVALS])
+            counts[i] = all_intervals(family, Target(R, p, place_), respect, J, A, rows[used : used + MOST_INTERVALS])
         used += counts[i]
         i += 1
     return i, used
@@ -46,4 +47,4 @@ def intervals(family, T, respect, J, A, out):
     R, p, verdict = read_pose(row(T, 0))
     if verdict != GOOD_POSE:
         return -verdict
-    return all_intervals(family, place(row(family, LIMITED), R, p), R, p, respect, J, A, out)
+    return all_intervals(family, Target(R, p, place(row(family, LIMITED), R, p)), respect, J, A, out)

@@ -10,11 +10,12 @@ from srs_ik.kernels.chain.answer import measure_row
 from srs_ik.kernels.chain.newton import arm_angle
 from srs_ik.kernels.curves.ends import is_exact, on_curve
 from srs_ik.kernels.curves.in_step import SAMPLE
-from srs_ik.kernels.curves.runs import SPARE_ROWS, arm_angles_of_run, near_runs, survey_exact
+from srs_ik.kernels.curves.runs import SPARE_ROWS, arm_angles_of_run, near_runs, samples_of, survey_exact
 from srs_ik.kernels.exact.intervals import find_intervals
 from srs_ik.kernels.exact.samples import MAX_SAMPLES
 from srs_ik.kernels.jit import entry, kernel
 from srs_ik.kernels.layout.answer import GOOD_POSE, MAX_PIECES, ROW_STATUS
+from srs_ik.kernels.layout.asked import Runs, Setting, Target
 from srs_ik.kernels.layout.limb import FREE, LIMITED
 from srs_ik.kernels.layout.objectives import REFERENCE
 from srs_ik.kernels.layout.search import (
@@ -30,7 +31,6 @@ from srs_ik.kernels.layout.search import (
     ROUNDS,
     RUN,
     SPLIT,
-    STATE,
     SURFACE,
     TIE,
 )
@@ -40,7 +40,7 @@ from srs_ik.kernels.limb.in_line import may_split
 from srs_ik.kernels.limb.poses import read7, read_pose
 from srs_ik.kernels.limb.triangle import elbow_side, place
 from srs_ik.kernels.optimum.objectives import objective, toward_reference
-from srs_ik.kernels.optimum.search import ROUNDING, close_in, find_brackets, survey_best, value_rows
+from srs_ik.kernels.optimum.search import ROUNDING, Objective, close_in, find_brackets, survey_best, value_rows
 from srs_ik.kernels.optimum.split_runs import MOST_ROWS, put_star, survey_splits
 
 __all__ = ["SAMPLE", "SPARE_ROWS"]
@@ -51,48 +51,54 @@ ROWS_A_PIECE = 160
 
 
 @kernel
-def survey(family, place_, R, p, respect, runs, J, A):
+def setting_of(P, target, branch, respect):
+    """The setting of a pose on the side of the elbow of a branch."""
+    side = elbow_side(P, target.place, (branch >> 2) & 1)
+    return Setting(target, side, respect, np.empty((6, 7)), np.empty((16, 9)))
+
+
+@kernel
+def survey(family, by, runs):
     """Samples of all feasible postures, the rows and runs in use, and spare rows for samples of one curve."""
     P = row(family, LIMITED)
     if is_exact(P):
         found = np.empty((8 * MAX_PIECES, 3))
-        pieces = find_intervals(row(family, LIMITED if respect else FREE), place_, -1, found)
+        place_ = by.target.place
+        pieces = find_intervals(row(family, LIMITED if by.respect else FREE), place_, -1, found)
         splits = may_split(P, place_)
         rows = np.empty((ROWS_A_PIECE * pieces + SPARE_ROWS + (MOST_ROWS if splits else 0), SAMPLE))
         line = np.empty((SPARE_ROWS, SAMPLE))
         work = np.empty((2, MAX_SAMPLES))
-        n, k = survey_exact(P, place_, R, p, found, pieces, respect, work, line, rows, runs, J, A)
+        used = survey_exact(P, by, found[:pieces], work, line, Runs(rows, runs))
         if splits:
-            n, k = survey_splits(P, place_, R, p, respect, line, rows, n, runs, k, J, A)
-        return rows, n, k, line
-    return near_runs(P, place_, R, p, respect, runs, J, A)
+            used = survey_splits(P, by, line, Runs(rows, runs), used)
+        return rows, used[0], used[1], line
+    return near_runs(P, by, runs)
 
 
 @kernel
-def write_posture(P, place_, R, p, q, branch, respect, solution):
+def write_posture(P, target, q, branch, respect, solution):
     """Measure a feasible posture and write its row; whether it is a solution."""
     if not is_exact(P) or branch >= SPLIT:
         branch = branch_of(P, q)
-    measure_row(P, place_, R, p, q, branch, cost(P, q, False, NO_SEED, respect), respect, solution)
+    measure_row(P, target, q, branch, cost(P, q, False, NO_SEED, respect), respect, solution)
     return solution[ROW_STATUS] == 0.0
 
 
 @kernel
-def best_of_surface(P, place_, R, p, q, respect, kind, params, resolution, S, line, rows, runs, brackets, J, A):
+def best_of_surface(P, by, q, wanted, resolution, line, out):
     """The best posture on the surface around a good one, by runs in all its directions.
 
     Overwrites rows and runs.
     """
-    side = elbow_side(P, place_, 0)
-    lowest = objective(P, kind, params, q, J)
+    brackets = np.empty((MAX_BRACKETS, BRACKET))
+    lowest = objective(P, wanted.kind, wanted.params, q, by.J)
     for _ in range(ROUNDS):
-        n, k = put_star(P, side, R, p, q, respect, line, rows, runs, J, A)
+        n, k = put_star(P, by, q, line, out)
         values = np.empty(n)
-        value_rows(P, kind, -1, 0.0, params, rows, n, values, J)
-        count = find_brackets(rows, values, runs, k, brackets)
-        best, better = close_in(
-            P, place_, R, p, rows, runs, brackets, count, 0.0, respect, kind, -1, 0.0, params, resolution, S, J, A
-        )
+        value_rows(P, wanted, out.rows, n, values, by.J)
+        count = find_brackets(out.rows, values, out.runs, k, brackets)
+        best, better = close_in(P, by, out, brackets[:count], 0.0, wanted, resolution)
         if best < 0 or brackets[best, 0] >= lowest - TIE * abs(lowest):
             break
         q, lowest = better, brackets[best, 0]
@@ -122,20 +128,17 @@ def optimise(family, T, kind, second, tolerance, resolution, params, respect, so
     if verdict != GOOD_POSE:
         return -verdict
     P = row(family, LIMITED)
-    place_ = place(P, R, p)
-    J = np.empty((6, 7))
-    A = np.empty((16, 9))
-    S = np.empty(STATE)
+    target = Target(R, p, place(P, R, p))
+    by = setting_of(P, target, 0, respect)
     runs = np.empty((MOST_RUNS, RUN))
-    rows, n, k, line = survey(family, place_, R, p, respect, runs, J, A)
+    rows, n, k, line = survey(family, by, runs)
     values = np.empty(n)
-    value_rows(P, kind, -1, 0.0, params, rows, n, values, J)
+    wanted = Objective(kind, params, -1, 0.0)
+    value_rows(P, wanted, rows, n, values, by.J)
     brackets = np.empty((MAX_BRACKETS, BRACKET))
     count = find_brackets(rows, values, runs, k, brackets)
     spread = 0.0 if second < 0 else tolerance
-    best, q = close_in(
-        P, place_, R, p, rows, runs, brackets, count, spread, respect, kind, -1, 0.0, params, resolution, S, J, A
-    )
+    best, q = close_in(P, by, Runs(rows, runs), brackets[:count], spread, wanted, resolution)
     if best < 0:
         return NO_POSTURE
     run = int(brackets[best, 1])
@@ -145,30 +148,28 @@ def optimise(family, T, kind, second, tolerance, resolution, params, respect, so
         spans = np.empty((MAX_BRACKETS, RUN))
         origin = np.empty(MAX_BRACKETS, np.int64)
         near = np.empty((4 * n + SPARE_ROWS, SAMPLE))
-        n, k = survey_best(
-            P, place_, R, p, rows, runs, brackets, count, cap, respect, kind, params, line, near, spans, origin, J, A
-        )
+        under = Objective(kind, params, -1, cap)
+        n, k = survey_best(P, by, Runs(rows, runs), brackets[:count], under, line, (near, spans, origin))
         values = np.empty(n)
-        value_rows(P, second, kind, cap, params, near, n, values, J)
+        other = Objective(second, params, kind, cap)
+        value_rows(P, other, near, n, values, by.J)
         count = find_brackets(near, values, spans, k, brackets)
-        best, better_q = close_in(
-            P, place_, R, p, near, spans, brackets, count, 0.0, respect, second, kind, cap, params, resolution, S, J, A
-        )
+        best, better_q = close_in(P, by, Runs(near, spans), brackets[:count], 0.0, other, resolution)
         if best >= 0:
             q = better_q
             run = origin[int(brackets[best, 1])]
     branch = int(runs[run, 0])
-    lower, upper = arm_angles_of_run(P, place_, rows, runs[run])
+    lower, upper = arm_angles_of_run(P, target.place, rows, runs[run])
     if second < 0 and branch >= SURFACE:
-        q = best_of_surface(P, place_, R, p, q, respect, kind, params, resolution, S, line, rows, runs, brackets, J, A)
-        lower = arm_angle(P, q, place_[0], place_[1])
+        q = best_of_surface(P, by, q, wanted, resolution, line, Runs(rows, runs))
+        lower = arm_angle(P, q, target.place[0], target.place[1])
         upper = lower
     if kind == REFERENCE:
         q = toward_reference(P, params, q)
-    out[OUT_VALUE] = objective(P, kind, params, q, J)
-    out[OUT_SECOND] = objective(P, second, params, q, J) if second >= 0 else 0.0
+    out[OUT_VALUE] = objective(P, kind, params, q, by.J)
+    out[OUT_SECOND] = objective(P, second, params, q, by.J) if second >= 0 else 0.0
     out[OUT_LOWER], out[OUT_UPPER] = lower, upper
-    return FOUND if write_posture(P, place_, R, p, q, branch, respect, solution) else NO_POSTURE
+    return FOUND if write_posture(P, target, q, branch, respect, solution) else NO_POSTURE
 
 
 @entry
@@ -180,8 +181,8 @@ def sample(family, T, respect, runs, rows):
     R, p, verdict = read_pose(row(T, 0))
     if verdict != GOOD_POSE:
         return 0, 0, verdict
-    place_ = place(row(family, LIMITED), R, p)
-    found, n, k, _ = survey(family, place_, R, p, respect, runs, np.empty((6, 7)), np.empty((16, 9)))
+    P = row(family, LIMITED)
+    found, n, k, _ = survey(family, setting_of(P, Target(R, p, place(P, R, p)), 0, respect), runs)
     if n <= rows.shape[0]:
         rows[:n] = found[:n]
     return n, k, GOOD_POSE
@@ -192,9 +193,9 @@ def star(family, T, q, respect, runs, rows):
     """Samples of the postures around one on a surface, in `rows` (SPARE_ROWS, SAMPLE): the number of rows and runs."""
     R, p, _ = read_pose(row(T, 0))
     P = row(family, LIMITED)
-    side = elbow_side(P, place(P, R, p), 0)
+    by = setting_of(P, Target(R, p, place(P, R, p)), 0, respect)
     line = np.empty((SPARE_ROWS, SAMPLE))
-    return put_star(P, side, R, p, read7(q), respect, line, rows, runs, np.empty((6, 7)), np.empty((16, 9)))
+    return put_star(P, by, read7(q), line, Runs(rows, runs))
 
 
 @entry
@@ -226,13 +227,11 @@ def posture(family, T, rows, run, x, respect, solution):
     """Posture of a run at a parameter into a row; whether it is a solution."""
     R, p, _ = read_pose(row(T, 0))
     P = row(family, LIMITED)
-    place_ = place(P, R, p)
+    target = Target(R, p, place(P, R, p))
     branch = int(run[0])
-    side = elbow_side(P, place_, branch >> 2)
-    first = int(run[3])
-    last = int(run[4])
-    q, off = on_curve(P, side, R, p, branch, respect, rows, first, last, x, np.empty((6, 7)), np.empty((16, 9)))
-    return off <= 0.0 and write_posture(P, place_, R, p, q, branch, respect, solution)
+    by = setting_of(P, target, branch, respect)
+    q, off = on_curve(P, by, branch, samples_of(rows, run), x)
+    return off <= 0.0 and write_posture(P, target, q, branch, respect, solution)
 
 
 @entry

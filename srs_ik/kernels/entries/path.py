@@ -16,6 +16,7 @@ from srs_ik.kernels.chain.newton import CLOSED, STEPS, clipped, close_free
 from srs_ik.kernels.exact.samples import MAX_SAMPLES
 from srs_ik.kernels.jit import entry
 from srs_ik.kernels.layout.answer import GOOD_POSE, MAX_PIECES, ROW_ARM_ANGLE
+from srs_ik.kernels.layout.asked import Target
 from srs_ik.kernels.layout.limb import IS_CLOSED, LIMITED
 from srs_ik.kernels.layout.path import (
     NODE,
@@ -352,6 +353,6 @@ def finish(family, poses, chain, q, psi, branch, J, A, out):
             if max(position, orientation) > CLOSED:
                 here, _ = close_free(P, here, R, p, True, 2 * STEPS, J, A)
         number = branch[i] if branch[i] >= 0 else branch_of(P, here)
-        measure_row(P, place_, R, p, here, number, 0.0, True, row(out, i))
+        measure_row(P, Target(R, p, place_), here, number, 0.0, True, row(out, i))
         if P[IS_CLOSED] == 1.0 and branch[i] >= 0:
             out[i, ROW_ARM_ANGLE] = psi[i] - TURN * math.floor((psi[i] + math.pi) / TURN)

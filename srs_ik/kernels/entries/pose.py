@@ -15,6 +15,7 @@ from srs_ik.kernels.chain.answer import measure_row
 from srs_ik.kernels.exact.farthest import farthest
 from srs_ik.kernels.jit import entry
 from srs_ik.kernels.layout.answer import GOOD_POSE, MAX_PIECES, OK, ROW_STATUS
+from srs_ik.kernels.layout.asked import Target
 from srs_ik.kernels.layout.limb import LIMITED
 from srs_ik.kernels.limb.limits import set_limits
 from srs_ik.kernels.limb.poses import read7, read_pose
@@ -29,35 +30,34 @@ from srs_ik.kernels.pose.solve import all_branches, own, own_seed, solve_row, so
 @entry
 def solve(family, T, branch, seed, respect, J, A, out):
     """`solve_row` of one pose."""
-    return solve_row(family, row(T, 0), branch, seed, respect, J, A, row(out, 0))
+    return solve_row(family, row(T, 0), (branch, seed, respect), J, A, row(out, 0))
 
 
 @entry
 def solve_at(family, T, psi, branch, seed, respect, J, A, out):
     """`solve_row_at` of one pose."""
-    return solve_row_at(family, row(T, 0), psi, branch, seed, respect, J, A, row(out, 0))
+    return solve_row_at(family, row(T, 0), psi, (branch, seed, respect), J, A, row(out, 0))
 
 
 @entry
 def solve_range(family, poses, first, last, branch, seeds, respect, J, A, out, verdicts):
     """`solve` for the poses first to last - 1; seeds hold one for all, or one a pose, or are None."""
     for i in range(first, last):
-        verdicts[i] = solve_row(family, row(poses, i), branch, own_seed(seeds, i), respect, J, A, row(out, i))
+        verdicts[i] = solve_row(family, row(poses, i), (branch, own_seed(seeds, i), respect), J, A, row(out, i))
 
 
 @entry
 def solve_at_range(family, poses, first, last, psis, branch, seeds, respect, J, A, out, verdicts):
     """`solve_at` for the poses first to last - 1; psis and seeds hold one for all, or one a pose."""
     for i in range(first, last):
-        verdicts[i] = solve_row_at(
-            family, row(poses, i), own(psis, i), branch, own_seed(seeds, i), respect, J, A, row(out, i)
-        )
+        asked = (branch, own_seed(seeds, i), respect)
+        verdicts[i] = solve_row_at(family, row(poses, i), own(psis, i), asked, J, A, row(out, i))
 
 
 @entry
 def solve_all(family, T, psi, respect, J, A, out):
     """Branches of one pose that are solutions at an arm angle, in order: number of rows, or minus the verdict."""
-    verdict = all_branches(row(family, LIMITED), row(T, 0), psi, respect, J, A, out, 0)
+    verdict = all_branches(row(family, LIMITED), row(T, 0), (psi, respect), J, A, out, 0)
     if verdict != GOOD_POSE:
         return -verdict
     n = 0
@@ -73,7 +73,7 @@ def solve_all(family, T, psi, respect, J, A, out):
 def solve_all_range(family, poses, first, last, psis, respect, J, A, out, verdicts):
     """All eight branches of the poses first to last - 1, in eight rows of `out` a pose."""
     for i in range(first, last):
-        verdicts[i] = all_branches(row(family, LIMITED), row(poses, i), own(psis, i), respect, J, A, out, 8 * i)
+        verdicts[i] = all_branches(row(family, LIMITED), row(poses, i), (own(psis, i), respect), J, A, out, 8 * i)
 
 
 @entry
@@ -84,14 +84,15 @@ def solve_intervals(family, T, respect, J, A, out):
         return -verdict
     P = row(family, LIMITED)
     place_ = place(P, R, p)
+    target = Target(R, p, place_)
     if J is not None:
-        n = predicted_best_of_intervals(P, place_, R, p, respect, out)
-        return n if n >= 0 else best_of_true_intervals(P, place_, R, p, respect, out, J, A)
+        n = predicted_best_of_intervals(P, target, respect, out, J, A)
+        return n if n >= 0 else best_of_true_intervals(P, target, respect, out, J, A)
     found = np.empty((8 * MAX_PIECES, 3))
-    n = all_intervals(family, place_, R, p, respect, J, A, found)
+    n = all_intervals(family, target, respect, J, A, found)
     for i in range(n):
         q, b, lowest = farthest(P, place_, found, i, i + 1, -1, respect)
-        measure_row(P, place_, R, p, q, b, lowest, respect, row(out, i))
+        measure_row(P, target, q, b, lowest, respect, row(out, i))
     return n
 
 

@@ -22,6 +22,7 @@ from srs_ik.kernels.exact.nearest import slid
 from srs_ik.kernels.exact.nearest_within import nearest_within
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.answer import MAX_PIECES
+from srs_ik.kernels.layout.asked import Target
 from srs_ik.kernels.layout.limb import (
     BOTTOM_GAP,
     LOWER,
@@ -92,44 +93,47 @@ def close_gently(P, q, R, p, respect, J, A):
 
 
 @kernel
-def keep_better(P, R, p, start, branch, value, wanted, seeded, seed, respect, q, best, lowest, J, A):
-    """The better of a split, closed on the true chain, and the best posture so far: q, branch, cost."""
-    position, orientation = pose_error(P, start, R, p)
+def keep_better(P, target, split, wanted, goal, best, work):
+    """The better of a split, closed on the true chain, and the best posture so far, each a posture, branch and cost."""
+    start, branch, value = split
+    lowest = best[2]
+    position, orientation = pose_error(P, start, target.R, target.p)
     off = max(position, orientation)
     if value >= OUTSIDE + GIVE or off < CLOSED:
-        return (start, branch, value) if value < lowest else (q, best, lowest)
-    if is_hopeless(value, lowest, seeded):
-        return q, best, lowest
-    closed, error = close_gently(P, start, R, p, respect, J, A)
+        return split if value < lowest else best
+    if is_hopeless(value, lowest, goal.seeded):
+        return best
+    J, A = work
+    closed, error = close_gently(P, start, target.R, target.p, goal.respect, J, A)
     if error > CLOSED:
         # With three joints singular at once, not all of a tiny error can be closed.
         known = off < LOOSELY or value >= OUTSIDE
-        return (start, branch, value) if known and value < lowest else (q, best, lowest)
-    if seeded:
-        closed, value, _ = slid(P, closed, R, p, seed, respect, J, A)
+        return split if known and value < lowest else best
+    if goal.seeded:
+        closed, value, _ = slid(P, target, closed, goal, J, A)
     else:
-        value = cost(P, closed, seeded, seed, respect)
+        value = cost(P, closed, goal.seeded, goal.seed, goal.respect)
     branch = branch_of(P, closed)
     if value < lowest and (wanted < 0 or branch == wanted):
         return closed, branch, value
-    return q, best, lowest
+    return best
 
 
 @kernel
-def best_on_circles(P, place_, branch, seed, respect):
+def best_on_circles(P, place_, branch, goal):
     """The best posture over all arm angles: q, branch, cost."""
     found = np.empty((8 * MAX_PIECES, 3))
     n = 0
-    if respect:
+    if goal.respect:
         n = find_intervals(P, place_, branch, found)
     else:
         for b in range(8):
             if branch < 0 or b == branch:
                 found[n, 0], found[n, 1], found[n, 2] = b, -math.pi, math.pi
                 n += 1
-    if seed is None:
-        return farthest(P, place_, found, 0, n, branch, respect)
-    return nearest_within(P, place_, found, n, branch, seed, respect, 4.0 * NO_BRANCH)
+    if goal.seeded:
+        return nearest_within(P, place_, found[:n], branch, goal, 4.0 * NO_BRANCH)
+    return farthest(P, place_, found, 0, n, branch, goal.respect)
 
 
 @kernel
@@ -147,13 +151,11 @@ def split_end(P, wide, side, psi, branch, i, last):
 
 
 @kernel
-def search_near_line(P, wide, place_, R, p, wanted, seed, respect, q, best, lowest, J, A):
-    """The best posture of a pose, or a split that is better: q, branch, cost; `wide` takes axes almost in line so."""
-    seeded = seed is not None
-    goal = NO_SEED if seed is None else seed
+def search_near_line(P, wide, target, wanted, goal, best, work):
+    """The best posture of a pose, or a split that is better; `wide` takes axes almost in line so."""
     circles = False
     for elbow in range(2):
-        side = elbow_side(P, place_, elbow)
+        side = elbow_side(P, target.place, elbow)
         for i in range(4):
             k = SHOULDER if i < 2 else WRIST
             end = i % 2
@@ -165,65 +167,57 @@ def search_near_line(P, wide, place_, R, p, wanted, seed, respect, q, best, lowe
                 continue
             for b in range(4 * elbow, 4 * elbow + 4):
                 if wanted < 0 or b == wanted:
-                    start, _, value = side_posture(wide, side, psi, (b >> 1) & 1, b & 1, seeded, goal, respect)
-                    q, best, lowest = keep_better(
-                        P, R, p, start, b, value, wanted, seeded, goal, respect, q, best, lowest, J, A
+                    start, _, value = side_posture(
+                        wide, side, psi, (b >> 1) & 1, b & 1, goal.seeded, goal.seed, goal.respect
                     )
+                    best = keep_better(P, target, (start, b, value), wanted, goal, best, work)
                     # A posture with several joints on their limits may hang at an end of the split alone.
-                    for last in range(2 if respect and lowest >= OUTSIDE else 0):
+                    for last in range(2 if goal.respect and best[2] >= OUTSIDE else 0):
                         start, value = split_end(P, wide, side, psi, b, i, last)
-                        q, best, lowest = keep_better(
-                            P, R, p, start, b, value, wanted, seeded, goal, respect, q, best, lowest, J, A
-                        )
+                        best = keep_better(P, target, (start, b, value), wanted, goal, best, work)
     if circles:
-        start, b, value = best_on_circles(wide, place_, wanted, seed, respect)
-        q, best, lowest = keep_better(P, R, p, start, b, value, wanted, seeded, goal, respect, q, best, lowest, J, A)
-    return q, best, lowest
+        best = keep_better(P, target, best_on_circles(wide, target.place, wanted, goal), wanted, goal, best, work)
+    return best
 
 
 @kernel
-def with_splits(P, place_, R, p, wanted, seed, respect, q, best, lowest):
-    """The best posture of a pose as known so far, or a free split that is better: q, branch, cost.
+def with_splits(P, target, wanted, goal, best):
+    """The best posture of a pose as known so far, or a free split that is better, each a posture, branch and cost.
 
     Args:
         P: packed limb.
-        place_: the pose, from `triangle.place`.
-        R: rotation of the tip pose.
-        p: position of the tip pose.
+        target: the pose.
         wanted: the only branch that counts; -1: all.
-        seed: seven angles to be near, or None to be far from the limits.
-        respect: whether the limits have to be kept.
-        q: best posture so far.
-        best: its branch.
-        lowest: its cost.
+        goal: what is best.
+        best: best posture so far, its branch and its cost.
     """
-    if not may_split(P, place_):
-        return q, best, lowest
-    goal = NO_SEED if seed is None else seed
-    t, h0, bend_c, bend_s, hand, miss = place_
+    if not may_split(P, target.place):
+        return best
+    t, h0, bend_c, bend_s, hand, miss = target.place
     boxes = np.empty((1, SIZE))
     wide = row(boxes, 0)
     wide_limb(P, wide)
-    J, A = np.empty((6, 7)), np.empty((16, 9))
-    q, best, lowest = search_near_line(P, wide, place_, R, p, wanted, seed, respect, q, best, lowest, J, A)
+    work = (np.empty((6, 7)), np.empty((16, 9)))
+    best = search_near_line(P, wide, target, wanted, goal, best, work)
     if bend_s < NEARLY_FLAT:
         straight = math.copysign(1.0, bend_c)
-        flat = (t, h0, straight, 0.0, hand, miss)
-        q, best, lowest = search_near_line(P, wide, flat, R, p, wanted, seed, respect, q, best, lowest, J, A)
+        flat = Target(target.R, target.p, (t, h0, straight, 0.0, hand, miss))
+        best = search_near_line(P, wide, flat, wanted, goal, best, work)
         for i in range(BENDS):
             bent = (t, h0, straight, SMALLEST_BEND * 4.0**i, hand, miss)
-            start, b, value = best_on_circles(P, bent, wanted, seed, respect)
-            q, best, lowest = keep_better(
-                P, R, p, start, b, value, wanted, seed is not None, goal, respect, q, best, lowest, J, A
-            )
+            best = keep_better(P, target, best_on_circles(P, bent, wanted, goal), wanted, goal, best, work)
     keep(boxes)
-    return q, best, lowest
+    return best
 
 
 @kernel
-def settled_split(P, place_, R, p, q, branch, lowest, seed, respect):
-    """A posture next to a singular one, or the nearer one around it that no arm angle can tell apart from it."""
-    if not may_split(P, place_) or lowest >= OUTSIDE:
-        return q, branch, lowest
-    nearer, value, _ = slid(P, q, R, p, seed, respect, np.empty((6, 7)), np.empty((16, 9)))
-    return (nearer, branch_of(P, nearer), value) if value < lowest else (q, branch, lowest)
+def settled_split(P, target, found, goal):
+    """A posture next to a singular one, or the nearer one around it that no arm angle can tell apart from it.
+
+    Each is given as a posture, its branch and its cost.
+    """
+    q, _, lowest = found
+    if not may_split(P, target.place) or lowest >= OUTSIDE:
+        return found
+    nearer, value, _ = slid(P, target, q, goal, np.empty((6, 7)), np.empty((16, 9)))
+    return (nearer, branch_of(P, nearer), value) if value < lowest else found

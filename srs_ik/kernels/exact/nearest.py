@@ -22,6 +22,7 @@ from srs_ik.kernels.chain.newton import (
     shortest_step,
 )
 from srs_ik.kernels.jit import kernel
+from srs_ik.kernels.layout.asked import Goal
 from srs_ik.kernels.layout.limb import (
     A1,
     A2,
@@ -166,13 +167,15 @@ def read_step(A):
 
 
 @kernel
-def slide(P, q, R, p, seed, respect, J, A):
+def slide(P, target, q, goal, J, A):
     """Gauss-Newton on the true chain to the posture nearest to a seed, from one close to it: q, converged.
 
     Each step closes the pose to first order and goes towards the seed as far as the pose allows; a joint that would
     leave its limits stays on the limit. How far to go is corrected by the last two steps (a secant): where the curve of
     postures is bent as much as the seed is far, the plain steps would swing around the nearest posture.
     """
+    R, p, _ = target
+    seed = goal.seed
     blocked = 0
     size = 1.0
     share = 1.0
@@ -201,7 +204,7 @@ def slide(P, q, R, p, seed, respect, J, A):
         share = min(share * square / change, MOST_SHARE) if error < STRAIGHT_ON and change > 0.0 else 1.0
         way, square = step, dot7(step, step)
         q = moved(q, A, share)
-        if respect:
+        if goal.respect:
             for j in range(7):
                 if q[j] < P[LOWER + j] or q[j] > P[UPPER + j]:
                     blocked |= 1 << j
@@ -211,52 +214,52 @@ def slide(P, q, R, p, seed, respect, J, A):
 
 
 @kernel
-def slid(P, q, R, p, seed, respect, J, A):
+def slid(P, target, q, goal, J, A):
     """A posture, or the nearer one that it slides to on the true chain: q, cost, and whether that is a minimum."""
-    lowest = cost(P, q, True, seed, respect)
-    nearer, converged = slide(P, q, R, p, seed, respect, J, A)
+    lowest = cost(P, q, True, goal.seed, goal.respect)
+    nearer, converged = slide(P, target, q, goal, J, A)
     if not converged:
-        nearer, error = close_free(P, nearer, R, p, respect, NEWTON_STEPS, J, A)
+        nearer, error = close_free(P, nearer, target.R, target.p, goal.respect, NEWTON_STEPS, J, A)
         if error > CLOSED:
             return q, lowest, False
-    value = cost(P, nearer, True, seed, respect)
+    value = cost(P, nearer, True, goal.seed, goal.respect)
     if value < lowest:
         return nearer, value, converged
     return q, lowest, False
 
 
 @kernel
-def settled(P, q, R, p, seed, respect, free_minimum, J, A):
+def settled(P, target, q, goal, free_minimum, J, A):
     """A posture of the true chain in its best turn, or one inside the limits: q, cost, and whether it is a minimum."""
-    q = turned(P, q, True, seed, respect)
-    value = cost(P, q, True, seed, respect)
+    q = turned(P, q, True, goal.seed, goal.respect)
+    value = cost(P, q, True, goal.seed, goal.respect)
     if value < OUTSIDE:
         return q, value, free_minimum
     # The free minimum breaks a limit: any posture inside still bounds the distance.
-    q, error = close_free(P, clipped(P, q), R, p, True, 40, J, A)
+    q, error = close_free(P, clipped(P, q), target.R, target.p, True, 40, J, A)
     if error > CLOSED:
         return q, NO_BRANCH, False
-    q, value, _ = slid(P, q, R, p, seed, respect, J, A)
+    q, value, _ = slid(P, target, q, goal, J, A)
     return q, value, False
 
 
 @kernel
-def settle_slowly(P, q, R, p, seed, respect, J, A):
+def settle_slowly(P, target, q, goal, J, A):
     """From a posture to one that closes, and from there to the nearest one around: q, cost, whether it is a minimum."""
-    q, error = close_free(P, q, R, p, False, NEWTON_STEPS, J, A)
+    q, error = close_free(P, q, target.R, target.p, False, NEWTON_STEPS, J, A)
     if error > CLOSED:
         return q, NO_BRANCH, False
-    q, _, minimum = slid(P, q, R, p, seed, False, J, A)
-    return settled(P, q, R, p, seed, respect, minimum, J, A)
+    q, _, minimum = slid(P, target, q, Goal(True, goal.seed, False), J, A)
+    return settled(P, target, q, goal, minimum, J, A)
 
 
 @kernel
-def settle_near(P, q, R, p, seed, respect, J, A):
+def settle_near(P, target, q, goal, J, A):
     """From a posture to the nearest one around it on the true chain: q, cost, and whether it is a local minimum."""
-    better, minimum = slide(P, q, R, p, seed, False, J, A)
+    better, minimum = slide(P, target, q, Goal(True, goal.seed, False), J, A)
     if minimum:
-        return settled(P, better, R, p, seed, respect, True, J, A)
-    return settle_slowly(P, q, R, p, seed, respect, J, A)
+        return settled(P, target, better, goal, True, J, A)
+    return settle_slowly(P, target, q, goal, J, A)
 
 
 @kernel
@@ -283,14 +286,15 @@ def is_alone(P, seed, lowest):
 
 
 @kernel
-def first_guess_near(P, place_, R, p, seed, respect, J, A):
+def first_guess_near(P, target, goal, J, A):
     """`first_guess` on a near limb, on the true chain: from the seed itself, and from the guess on the exact limb."""
-    q, lowest, minimum = settle_near(P, seed, R, p, seed, respect, J, A)
+    place_, seed = target.place, goal.seed
+    q, lowest, minimum = settle_near(P, target, seed, goal, J, A)
     if minimum and is_alone(P, seed, lowest):
         return arm_angle(P, q, place_[0], place_[1]), q, branch_of(P, q), lowest, minimum
     psi, start, branch, guess, _ = first_guess(P, place_, seed, False)
     if guess < OUTSIDE:
-        other, value, other_minimum = settle_near(P, start, R, p, seed, respect, J, A)
+        other, value, other_minimum = settle_near(P, target, start, goal, J, A)
         if value < lowest:
             return psi, other, branch, value, other_minimum
     return psi, q, branch_of(P, q), lowest, minimum
@@ -304,11 +308,14 @@ def mirrored_angle(q, phase):
 
 
 @kernel
-def look_across(P, R, p, q, best, lowest, minimum, seed, respect, J, A):
+def look_across(P, target, found, minimum, goal, J, A):
     """Local searches on the true chain from a close seed, mirrored at the singularities that it is close to.
 
-    Returns the best posture, its branch and cost, and whether all searches ended in minima: then they tell all.
+    `found` is the best posture so far, its branch and cost. Returns them, and whether all searches ended in minima:
+    then they tell all.
     """
+    q, best, lowest = found
+    seed = goal.seed
     reach = math.sqrt(lowest) + between_limbs(P)
     s2 = abs(math.sin(seed[1] - P[SHOULDER + PHASE]))
     s4 = abs(math.sin(seed[3] - P[STRAIGHT]))
@@ -327,28 +334,32 @@ def look_across(P, R, p, q, best, lowest, minimum, seed, respect, J, A):
             mirrored_angle(seed[5], P[WRIST + PHASE]) if across_6 else seed[5],
             seed[6],
         )
-        other, value, converged = settle_slowly(P, start, R, p, seed, respect, J, A)
+        other, value, converged = settle_slowly(P, target, start, goal, J, A)
         sure = sure and converged
         if value < lowest:
             q, best, lowest = other, branch_of(P, other), value
-        other, value, _ = settle_near(P, start, R, p, seed, respect, J, A)
+        other, value, _ = settle_near(P, target, start, goal, J, A)
         if value < lowest:
             q, best, lowest = other, branch_of(P, other), value
-    return q, best, lowest, sure
+    return (q, best, lowest), sure
 
 
 @kernel
-def look_beside(P, place_, R, p, found, n, q, best, lowest, seed, respect, J, A):
+def look_beside(P, target, found, known, goal, J, A):
     """Local searches on the true chain from the nearest exact limb's postures in the intervals of found.
 
-    Returns the best posture, its branch and cost, and whether they tell all: not next to a singularity, where the true
-    postures are elsewhere.
+    `known` is the best posture so far, its branch and cost. Returns them, and whether they tell all: not next to a
+    singularity, where the true postures are elsewhere.
     """
+    R, p, place_ = target
+    q, best, lowest = known
+    _, seed, respect = goal
+    n = found.shape[0]
     starts = 0
     for i in range(n):
         starts += math.ceil((found[i, 2] - found[i, 1]) / VALLEY)
     if starts > MOST_STARTS or is_unsure(P, q):
-        return q, best, lowest, False
+        return known, False
     for i in range(n):
         branch = int(found[i, 0])
         side = elbow_side(P, place_, branch >> 2)
@@ -358,20 +369,20 @@ def look_beside(P, place_, R, p, found, n, q, best, lowest, seed, respect, J, A)
             psi = found[i, 1] + width * (k + 0.5) / count
             start, _, value = side_posture(P, side, psi, (branch >> 1) & 1, branch & 1, True, seed, False)
             if value >= NO_BRANCH or is_unsure(P, start):
-                return q, best, lowest, False
+                return (q, best, lowest), False
             start, error = close_free(P, start, R, p, False, NEWTON_STEPS, J, A)
-            other, minimum = slide(P, start, R, p, seed, False, J, A)
+            other, minimum = slide(P, target, start, Goal(True, seed, False), J, A)
             if error > CLOSED or not minimum:
-                return q, best, lowest, False
+                return (q, best, lowest), False
             other = turned(P, other, True, seed, respect)
             if cost(P, other, True, seed, False) >= lowest:
                 continue
             value = cost(P, other, True, seed, respect)
             if value >= OUTSIDE:
                 # The nearest posture of this valley may be on a limit.
-                return q, best, lowest, False
+                return (q, best, lowest), False
             q, best, lowest = other, branch_of(P, other), value
-    return q, best, lowest, True
+    return (q, best, lowest), True
 
 
 @kernel

@@ -70,12 +70,16 @@ def way_between(a, b):
 
 
 @kernel
-def sample(P, side, branch, lower, upper, seed, respect, lowest, closest, wanted, held, rows):
+def sample(P, side, branch, ends, goal, bounds, work):
     """Fill in rows (MOST, 3) of an interval: arm angle, distance, way from the row before; their number.
 
-    `lowest` is the distance that is to be undercut, `closest` the least gap of arm angles, `wanted` and `held` are work
-    space.
+    `bounds` are the distance that is to be undercut and the least gap of arm angles, `work` is space for arm angles,
+    for those on hold, and the rows.
     """
+    lower, upper = ends
+    _, seed, respect = goal
+    lowest, closest = bounds
+    wanted, held, rows = work
     count = add_turns(P, side, True, lower, upper, wanted, spread_evenly(lower, upper, WIDEST, FEWEST, wanted))
     q, value = branch_at(P, side, lower, branch, True, seed, respect)
     rows[0, 0], rows[0, 1], rows[0, 2] = lower, height(value), 0.0
@@ -142,11 +146,12 @@ def find_peaks(rows, count, branch, lowest, peaks, n):
 
 
 @kernel
-def nearest_within(P, place_, found, n, branch, seed, respect, lowest):
-    """The posture nearest to a seed over the intervals in the first n rows of found: q, branch, cost.
+def nearest_within(P, place_, found, branch, goal, lowest):
+    """The posture nearest to a seed over the intervals in rows of found: q, branch, cost.
 
     Looks for a cost below `lowest` alone. Where no posture keeps its limits, the least violating one is the nearest.
     """
+    _, seed, respect = goal
     rows = np.empty((MOST, 3))
     wanted = np.empty(MAX_SAMPLES)
     held = np.empty(DEPTH)
@@ -156,7 +161,7 @@ def nearest_within(P, place_, found, n, branch, seed, respect, lowest):
     closest = CLOSEST_OF_ALL if may_split(P, place_) else CLOSEST
     reached = height(lowest)
     kept = 0
-    for i in range(n):
+    for i in range(found.shape[0]):
         b = int(found[i, 0])
         if branch >= 0 and b != branch:
             continue
@@ -164,7 +169,7 @@ def nearest_within(P, place_, found, n, branch, seed, respect, lowest):
         _, floor = elbow_part(P, side[0], True, seed[3], respect)
         if height(floor) >= reached:
             continue
-        count = sample(P, side, b, found[i, 1], found[i, 2], seed, respect, reached, closest, wanted, held, rows)
+        count = sample(P, side, b, (found[i, 1], found[i, 2]), goal, (reached, closest), (wanted, held, rows))
         kept = find_peaks(rows, count, b, reached, peaks, kept)
         for k in range(count):
             # A little more than the sample, which is to be found again itself.

@@ -15,6 +15,7 @@ from srs_ik.kernels.algebra.pointers import row
 from srs_ik.kernels.exact.intervals import TOUCH, TURN
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.answer import GOOD_POSE, MOST_INTERVALS, OK, ROW, ROW_Q, ROW_STATUS
+from srs_ik.kernels.layout.asked import Target
 from srs_ik.kernels.layout.limb import LIMITED, SIZE
 from srs_ik.kernels.layout.maps import MOST_ARCS, NOT_REACHED, REACHED, UNSURE
 from srs_ik.kernels.limb.poses import read_pose
@@ -59,13 +60,13 @@ def near_room(family, J, A):
 @kernel
 def intervals_near(family, pose, space):
     """Write the feasible intervals on the true chain into `space.found`; return their number."""
-    return all_intervals(family, pose.place_, pose.R, pose.p, True, space.J, space.A, space.found)
+    return all_intervals(family, Target(pose.R, pose.p, pose.place_), True, space.J, space.A, space.found)
 
 
 @kernel
 def is_clear(P, side, psi, band):
     """Whether shoulder and wrist are so far from singular at an arm angle that a band tells something there."""
-    return not is_near_singularity(P, side, psi, psi, band)
+    return not is_near_singularity(P, side, psi, band)
 
 
 @kernel

@@ -9,18 +9,21 @@ from __future__ import annotations
 import numpy as np
 
 from srs_ik.kernels.algebra.joint_vectors import difference, dot7, short_way
-from srs_ik.kernels.chain.newton import STEPS, arm_angle, close_at_angle
+from srs_ik.kernels.chain.newton import STEPS, close_at_angle
 from srs_ik.kernels.chain.starts import FIRST, best_of_all, best_row, close_all
+from srs_ik.kernels.curves.best import angle_at, cost_of_turn
 from srs_ik.kernels.curves.follow import between
 from srs_ik.kernels.curves.in_step import load_sample
 from srs_ik.kernels.curves.runs import near_runs
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.answer import ROW_COST
+from srs_ik.kernels.layout.asked import Best, Goal, Setting
 from srs_ik.kernels.layout.limb import FAR, MISS
 from srs_ik.kernels.layout.search import MAX_RUNS, RUN
 from srs_ik.kernels.limb.branches import NO_BRANCH, best_branch, branch_of, is_unsure
-from srs_ik.kernels.limb.goal import NO_SEED, OUTSIDE, cost, turned
+from srs_ik.kernels.limb.goal import NO_SEED, OUTSIDE
 from srs_ik.kernels.limb.poses import read7
+from srs_ik.kernels.limb.triangle import elbow_side
 from srs_ik.kernels.near.branch_search import search_branch
 from srs_ik.kernels.near.second_attempts import ATTEMPTS, STRETCHED, evaluate_again, stretched
 
@@ -44,52 +47,56 @@ def may_reach(P, place_):
 
 
 @kernel
-def passing(P, place_, R, p, psi, a, b, ahead_a, ahead_b, J, A):
-    """The posture between two samples of a curve at an arm angle that lies between theirs, and whether it is met."""
+def passing(P, by, psi, a, b):
+    """The posture between two of a curve at an arm angle that lies between theirs, and whether it is met.
+
+    Postures are given with how far their arm angles are ahead.
+    """
+    q_a, ahead_a = a
+    q_b, ahead_b = b
     low = 0.0
     high = 1.0
-    share = 0.5
-    q = a
+    q = q_a
     for i in range(HALVINGS):
         share = low + (high - low) * (ahead_a / (ahead_a - ahead_b) if i % 3 != 2 else 0.5)
-        q, met = between(P, R, p, a, b, share, J, A)
+        q, met = between(P, by, q_a, q_b, share)
         if not met:
             return q, False
-        ahead = short_way(arm_angle(P, q, place_[0], place_[1]) - psi)
+        ahead = short_way(angle_at(P, by, q) - psi)
         if abs(ahead) < 1e-9 or high - low < 1e-12:
             break
         if ahead * ahead_a > 0.0:
             low, ahead_a = share, ahead
         else:
             high, ahead_b = share, ahead
-    exact, met = close_at_angle(P, q, R, p, place_[0], place_[1], psi, STEPS, A)
+    R, p, place_ = by.target
+    exact, met = close_at_angle(P, q, R, p, place_[0], place_[1], psi, STEPS, by.A)
     moved = difference(q, exact)
     return exact, met and dot7(moved, moved) < CLOSE_BY
 
 
 @kernel
-def find_at_angle(P, place_, R, p, psi, seeded, seed, respect, out, J, A):
+def find_at_angle(P, by, psi, goal, out):
     """Write the best posture of every branch at an arm angle, and its cost, into the rows of out (8, 8)."""
     for branch in range(8):
         out[branch, ROW_COST] = 2.0 * NO_BRANCH
-    if not may_reach(P, place_):
+    if not may_reach(P, by.target.place):
         return
     runs = np.empty((MAX_RUNS, RUN))
-    rows, _, k, _ = near_runs(P, place_, R, p, False, runs, J, A)
+    rows, _, k, _ = near_runs(P, by, runs)
     for index in range(k):
         first = int(runs[index, 3])
         a = load_sample(rows[first])
-        at_a = arm_angle(P, a, place_[0], place_[1])
+        at_a = angle_at(P, by, a)
         for i in range(first + 1, int(runs[index, 4])):
             b = load_sample(rows[i])
-            at_b = arm_angle(P, b, place_[0], place_[1])
+            at_b = angle_at(P, by, b)
             ahead_a = short_way(at_a - psi)
             ahead_b = ahead_a + short_way(at_b - at_a)
             if ahead_a * ahead_b <= 0.0 and ahead_a != ahead_b:
-                q, met = passing(P, place_, R, p, psi, a, b, ahead_a, ahead_b, J, A)
+                q, met = passing(P, by, psi, (a, ahead_a), (b, ahead_b))
                 branch = branch_of(P, q)
-                q = turned(P, q, seeded, seed, respect)
-                value = cost(P, q, seeded, seed, respect)
+                q, value = cost_of_turn(P, q, goal)
                 if met and value < out[branch, ROW_COST]:
                     for j in range(7):
                         out[branch, j] = q[j]
@@ -106,58 +113,68 @@ def best_found(found, wanted, seed):
 
 
 @kernel
-def settle_branch(P, place_, R, p, psi, branch, q, lowest, seeded, seed, respect, A):
-    """A second look at a branch that has no posture yet, or one outside its limits: q, cost, whether that is final."""
-    if lowest < OUTSIDE or (lowest < NO_BRANCH and not is_unsure(P, q)) or not may_reach(P, place_):
-        return q, lowest, True
-    other, value, complete = search_branch(P, place_, R, p, psi, branch, seeded, seed, respect, A)
-    if value < lowest:
-        q, lowest = other, value
-    return q, lowest, complete or lowest < NO_BRANCH
+def settle_branch(P, target, psi, branch, best, goal, A):
+    """A second look at a branch that has no posture yet, or one outside its limits: the best, whether it is final."""
+    q, lowest = best
+    if lowest < OUTSIDE or (lowest < NO_BRANCH and not is_unsure(P, q)) or not may_reach(P, target.place):
+        return best, True
+    other, complete = search_branch(P, target, psi, branch, goal, A)
+    if other.cost < lowest:
+        best = other
+    return best, complete or best.cost < NO_BRANCH
 
 
 @kernel
-def settle_all(P, place_, R, p, psi, seeded, seed, respect, found, A):
+def settle_all(P, target, psi, goal, found, A):
     """A second look at every branch that `close_all` has left in A, into rows of found (8, 8): whether it is final."""
     for branch in range(8):
         for i in range(8):
             found[branch, i] = A[FIRST + branch, i]
     final = True
     for branch in range(8):
-        q, lowest = read7(found[branch]), found[branch, ROW_COST]
-        q, lowest, settled = settle_branch(P, place_, R, p, psi, branch, q, lowest, seeded, seed, respect, A)
+        best = Best(read7(found[branch]), found[branch, ROW_COST])
+        best, settled = settle_branch(P, target, psi, branch, best, goal, A)
         final = final and settled
         for i in range(7):
-            found[branch, i] = q[i]
-        found[branch, ROW_COST] = lowest
+            found[branch, i] = best.q[i]
+        found[branch, ROW_COST] = best.cost
     return final
 
 
 @kernel
-def solve_all_at_angle(P, place_, R, p, psi, respect, J, A, found):
+def setting_of(P, target, J, A):
+    """The setting in which all curves of a pose are followed, whatever the limits."""
+    return Setting(target, elbow_side(P, target.place, 0), False, J, A)
+
+
+@kernel
+def solve_all_at_angle(P, target, psi, respect, J, A, found):
     """The posture of every branch at an arm angle, and its cost, into the rows of found (8, 8)."""
-    close_all(P, place_, R, p, psi, -1, False, NO_SEED, respect, A)
-    if not settle_all(P, place_, R, p, psi, False, NO_SEED, respect, found, A):
+    goal = Goal(False, NO_SEED, respect)
+    close_all(P, target, psi, -1, goal, A)
+    if not settle_all(P, target, psi, goal, found, A):
         followed = np.empty((8, 8))
-        find_at_angle(P, place_, R, p, psi, False, NO_SEED, respect, followed, J, A)
+        find_at_angle(P, setting_of(P, target, J, A), psi, goal, followed)
         for branch in range(8):
             if followed[branch, ROW_COST] < found[branch, ROW_COST]:
                 found[branch] = followed[branch]
 
 
 @kernel
-def solve_at_angle(P, place_, R, p, psi, wanted, seeded, seed, respect, J, A):
+def solve_at_angle(P, target, psi, wanted, goal, J, A):
     """Best posture at an arm angle over all branches, or in one (0 to 7), by all means there are: q, branch, cost."""
+    place_ = target.place
+    seeded, seed, respect = goal
     if J is None:
         return best_branch(P, place_, psi, wanted, seeded, seed, respect)
-    q, best, lowest = best_of_all(P, place_, R, p, psi, wanted, seeded, seed, respect, A)
+    q, best, lowest = best_of_all(P, target, psi, wanted, goal, A)
     if wanted >= 0:
-        q, lowest, final = settle_branch(P, place_, R, p, psi, wanted, q, lowest, seeded, seed, respect, A)
+        (q, lowest), final = settle_branch(P, target, psi, wanted, Best(q, lowest), goal, A)
         if final and not seeded:
             return q, best, lowest
     elif lowest >= OUTSIDE:
         found = np.empty((8, 8))
-        settle_all(P, place_, R, p, psi, seeded, seed, respect, found, A)
+        settle_all(P, target, psi, goal, found, A)
         other, b, value = best_found(found, wanted, seed)
         if value < lowest:
             q, best, lowest = other, b, value
@@ -167,17 +184,17 @@ def solve_at_angle(P, place_, R, p, psi, wanted, seeded, seed, respect, J, A):
     if good or (OUTSIDE <= lowest < NO_BRANCH and not unsure) or not may_reach(P, place_):
         return q, best, lowest
     followed = np.empty((8, 8))
-    find_at_angle(P, place_, R, p, psi, seeded, seed, respect, followed, J, A)
+    find_at_angle(P, setting_of(P, target, J, A), psi, goal, followed)
     other, b, value = best_found(followed, wanted, seed)
     if value < lowest:
         q, best, lowest = other, b, value
     if lowest >= OUTSIDE:
         attempts = ATTEMPTS if lowest >= NO_BRANCH else 1
-        other, b, value = evaluate_again(P, place_, R, p, psi, wanted, seeded, seed, respect, attempts, A)
+        other, value = evaluate_again(P, target, psi, wanted, goal, attempts, A)
         if value < lowest:
-            q, best, lowest = other, b, value
+            q, best, lowest = other, branch_of(P, other), value
     if lowest >= OUTSIDE and abs(place_[3]) < STRETCHED:
-        other, b, value = stretched(P, place_, R, p, wanted, seeded, seed, respect, J, A)
+        other, b, value = stretched(P, target, wanted, goal, J, A)
         if value < lowest:
             q, best, lowest = other, b, value
     return q, best, lowest

@@ -8,7 +8,6 @@ from srs_ik.kernels.algebra.joint_vectors import difference
 from srs_ik.kernels.algebra.vectors import dot, load3
 from srs_ik.kernels.chain.kinematics import forward_kinematics
 from srs_ik.kernels.chain.newton import arm_angle
-from srs_ik.kernels.exact.intervals import PI, TURN
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.limb import (
     A1,
@@ -110,38 +109,17 @@ def widen(P, band, box):
 
 
 @kernel
-def is_inside_turn(psi, lower, upper):
-    """Whether an arm angle, or one whole turns away, is between two."""
-    return psi - TURN * math.floor((psi - lower) / TURN) <= upper
-
-
-@kernel
-def passes_singularity(P, k, circle, lower, upper, width):
-    """Whether axes 1 and 3 of a spherical joint come closer to parallel than an angle, between two arm angles."""
+def is_close_to_singular(P, k, circle, psi, band):
+    """Whether axes 1 and 3 of a spherical joint are closer to parallel than the band at an arm angle."""
     a1 = load3(P, k + A1)
-    constant = dot(a1, circle[0])
-    c = dot(a1, circle[1])
-    s = dot(a1, circle[2])
-    r = math.sqrt(c * c + s * s)
-    top_gap, bottom_gap = P[k + TOP_GAP], P[k + BOTTOM_GAP]
-    near = 0.25 * width * width * (2.0 - top_gap - bottom_gap)
-    if constant + r < 1.0 - top_gap - near and constant - r > bottom_gap + near - 1.0:
-        return False
-    at_lower = constant + c * math.cos(lower) + s * math.sin(lower)
-    at_upper = constant + c * math.cos(upper) + s * math.sin(upper)
-    top = max(at_lower, at_upper)
-    bottom = min(at_lower, at_upper)
-    middle = math.atan2(s, c)
-    if is_inside_turn(middle, lower, upper):
-        top = constant + r
-    if is_inside_turn(middle + PI, lower, upper):
-        bottom = constant - r
-    return top > 1.0 - top_gap - near or bottom < bottom_gap + near - 1.0
+    cosine = dot(a1, circle[0]) + dot(a1, circle[1]) * math.cos(psi) + dot(a1, circle[2]) * math.sin(psi)
+    near = 0.25 * band * band * (2.0 - P[k + TOP_GAP] - P[k + BOTTOM_GAP])
+    return cosine > 1.0 - P[k + TOP_GAP] - near or cosine < P[k + BOTTOM_GAP] + near - 1.0
 
 
 @kernel
-def is_near_singularity(P, side, lower, upper, band):
-    """Whether shoulder or wrist come so close to singular between two arm angles that the band tells nothing."""
-    return passes_singularity(P, SHOULDER, side[1][0], lower, upper, band) or passes_singularity(
-        P, WRIST, side[2][0], lower, upper, band
+def is_near_singularity(P, side, psi, band):
+    """Whether shoulder or wrist are so close to singular at an arm angle that the band tells nothing."""
+    return is_close_to_singular(P, SHOULDER, side[1][0], psi, band) or is_close_to_singular(
+        P, WRIST, side[2][0], psi, band
     )

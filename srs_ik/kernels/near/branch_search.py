@@ -13,10 +13,12 @@ from srs_ik.kernels.algebra.pointers import row
 from srs_ik.kernels.chain.eight import put_eight, take_eight
 from srs_ik.kernels.chain.newton_eight import close_eight
 from srs_ik.kernels.chain.starts import FIRST, WIDTH
+from srs_ik.kernels.curves.best import cost_of_turn
 from srs_ik.kernels.jit import kernel
+from srs_ik.kernels.layout.asked import Best
 from srs_ik.kernels.layout.limb import FAR, MISS, PHASE, SHOULDER, STRAIGHT, WRIST
 from srs_ik.kernels.limb.branches import NO_BRANCH, branch_of, elbow_starts
-from srs_ik.kernels.limb.goal import NO_SEED, OUTSIDE, cost, turned
+from srs_ik.kernels.limb.goal import NO_SEED, OUTSIDE
 from srs_ik.kernels.limb.poses import read7
 
 NEAR = 15.0
@@ -79,8 +81,9 @@ def put_start(A, i, a, q4, b):
 
 
 @kernel
-def close_starts(P, place_, R, p, psi, branch, seeded, seed, respect, best_q, lowest, A):
+def close_starts(P, target, psi, branch, goal, best, A):
     """Newton's method from eight postures in A: the best one in a branch, if it is better than the best so far."""
+    R, p, place_ = target
     rows = row(A, FIRST)
     q, met = close_eight(P, take_eight(rows, WIDTH), R, p, place_[0], place_[1], psi, STEPS)
     put_eight(rows, WIDTH, met, q)
@@ -88,20 +91,20 @@ def close_starts(P, place_, R, p, psi, branch, seeded, seed, respect, best_q, lo
         if (met >> i) & 1 == 1:
             found = read7(row(A, FIRST + i))
             if branch_of(P, found) == branch:
-                found = turned(P, found, seeded, seed, respect)
-                value = cost(P, found, seeded, seed, respect)
-                if value < lowest:
-                    best_q, lowest = found, value
-    return best_q, lowest
+                found, value = cost_of_turn(P, found, goal)
+                if value < best.cost:
+                    best = Best(found, value)
+    return best
 
 
 @kernel
-def search_branch(P, place_, R, p, psi, branch, seeded, seed, respect, A):
+def search_branch(P, target, psi, branch, goal, A):
     """A posture of a branch at an arm angle, next to a singularity: inside the limits if there is one, near a seed.
 
     Returns the posture, its cost (NO_BRANCH or more where none is found), and whether there cannot well be others: with
     a straight elbow, postures may lie so close together that Newton's method starts from none of them.
     """
+    place_ = target.place
     miss = P[MISS] / P[FAR]
     near = min(WIDEST, math.sqrt(NEAR_STRAIGHT * miss))
     straight = place_[3] < near
@@ -119,8 +122,7 @@ def search_branch(P, place_, R, p, psi, branch, seeded, seed, respect, A):
     starts = starts_s * (turns if near_w else 1)
     total = starts * (ELBOW_STARTS if straight else 1)
     q = start
-    best_q = start
-    lowest = 2.0 * NO_BRANCH
+    best = Best(start, 2.0 * NO_BRANCH)
     for i in range(total):
         if straight and i % starts == 0:
             q = elbow_start(P, place_, psi, branch, i // starts, near, A)
@@ -128,7 +130,7 @@ def search_branch(P, place_, R, p, psi, branch, seeded, seed, respect, A):
         b = turn_and_bend((q[4], q[5], q[6]), i % starts // starts_s, phase_w, branch & 1, near)
         put_start(A, i % 8, a, q[3], b)
         if i % 8 == 7 or i == total - 1:
-            best_q, lowest = close_starts(P, place_, R, p, psi, branch, seeded, seed, respect, best_q, lowest, A)
-            if lowest < OUTSIDE and not seeded:
+            best = close_starts(P, target, psi, branch, goal, best, A)
+            if best.cost < OUTSIDE and not goal.seeded:
                 break
-    return best_q, lowest, not straight and (near_s or near_w)
+    return best, not straight and (near_s or near_w)

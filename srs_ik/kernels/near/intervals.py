@@ -13,10 +13,11 @@ import numpy as np
 from srs_ik.kernels.algebra.pointers import row
 from srs_ik.kernels.chain.answer import measure_row
 from srs_ik.kernels.curves.best import MAX_SPANS, SPAN, best_on, find_spans
-from srs_ik.kernels.curves.runs import near_runs
+from srs_ik.kernels.curves.runs import near_runs, samples_of
 from srs_ik.kernels.exact.intervals import TURN, join_touching, write_interval
 from srs_ik.kernels.jit import kernel
-from srs_ik.kernels.layout.search import MAX_RUNS, RUN, STATE
+from srs_ik.kernels.layout.asked import Best, Goal, Setting
+from srs_ik.kernels.layout.search import MAX_RUNS, RUN
 from srs_ik.kernels.limb.branches import NO_BRANCH, branch_of
 from srs_ik.kernels.limb.goal import NO_SEED
 from srs_ik.kernels.limb.triangle import elbow_side
@@ -37,46 +38,42 @@ def write_spans(spans, n_spans, out):
 
 
 @kernel
-def true_intervals(P, place_, R, p, respect, out, J, A):
+def true_intervals(P, target, respect, out, J, A):
     """Write (branch, lower, upper) of the feasible intervals of a near limb into the rows of out; return their number.
 
     Args:
         P: packed limb.
-        place_: the pose, from `triangle.place`.
-        R: rotation of the pose.
-        p: position of the pose.
+        target: the pose.
         respect: whether the joint limits have to be kept.
         out: (n, 3) output.
         J: (6, 7) work space.
         A: (16, 9) work space.
     """
     runs = np.empty((MAX_RUNS, RUN))
-    rows, _, k, _ = near_runs(P, place_, R, p, respect, runs, J, A)
+    by = Setting(target, elbow_side(P, target.place, 0), respect, J, A)
+    rows, _, k, _ = near_runs(P, by, runs)
     spans = np.empty((MAX_SPANS, SPAN))
-    return write_spans(spans, find_spans(P, place_, R, p, respect, rows, runs, k, spans, J, A), out)
+    return write_spans(spans, find_spans(P, by, rows, runs[:k], spans), out)
 
 
 @kernel
-def best_of_true_intervals(P, place_, R, p, respect, out, J, A):
+def best_of_true_intervals(P, target, respect, out, J, A):
     """Write the posture with the largest margin of every interval into the rows of out; return their number."""
     runs = np.empty((MAX_RUNS, RUN))
-    rows, _, k, _ = near_runs(P, place_, R, p, respect, runs, J, A)
+    by = Setting(target, elbow_side(P, target.place, 0), respect, J, A)
+    rows, _, k, _ = near_runs(P, by, runs)
     spans = np.empty((MAX_SPANS, SPAN))
-    count = find_spans(P, place_, R, p, respect, rows, runs, k, spans, J, A)
+    count = find_spans(P, by, rows, runs[:k], spans)
     found = np.empty((out.shape[0], 3))
     n = write_spans(spans, count, found)
-    side = elbow_side(P, place_, 0)
-    S = np.empty(STATE)
+    goal = Goal(False, NO_SEED, respect)
     for i in range(n):
-        q = NO_SEED
-        lowest = 4.0 * NO_BRANCH
+        best = Best(NO_SEED, 4.0 * NO_BRANCH)
         for j in range(count):
             middle = 0.5 * (spans[j, 4] + spans[j, 5])
             ahead = middle - found[i, 1] - TURN * math.floor((middle - found[i, 1]) / TURN)
             if spans[j, 1] == found[i, 0] and ahead <= found[i, 2] - found[i, 1]:
-                run = runs[int(spans[j, 0])]
-                q, lowest = best_on(
-                    P, side, R, p, rows, run, spans[j, 2], spans[j, 3], False, NO_SEED, respect, q, lowest, S, J, A
-                )
-        measure_row(P, place_, R, p, q, branch_of(P, q), lowest, respect, row(out, i))
+                curve = samples_of(rows, runs[int(spans[j, 0])])
+                best = best_on(P, by, curve, (spans[j, 2], spans[j, 3]), goal, best)
+        measure_row(P, target, best.q, branch_of(P, best.q), best.cost, respect, row(out, i))
     return n

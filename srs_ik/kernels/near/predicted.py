@@ -12,37 +12,49 @@ import math
 
 import numpy as np
 
+from srs_ik.kernels.algebra.joint_vectors import short_way
 from srs_ik.kernels.algebra.lanes import as_bits, gather, one_of
 from srs_ik.kernels.algebra.pointers import keep, row
 from srs_ik.kernels.chain.eight import take_eight
 from srs_ik.kernels.chain.limit_ends import to_limits
 from srs_ik.kernels.chain.newton import STEPS
 from srs_ik.kernels.chain.newton_eight import ALL
+from srs_ik.kernels.curves.best import MAX_SPANS, SPAN, find_spans
 from srs_ik.kernels.exact.intervals import PI, TURN, find_intervals, join_touching, write_interval
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.answer import MAX_PIECES
-from srs_ik.kernels.layout.limb import (
-    SIZE,
-)
+from srs_ik.kernels.layout.asked import Setting
+from srs_ik.kernels.layout.limb import SIZE
+from srs_ik.kernels.layout.search import MAX_RUNS, RUN
 from srs_ik.kernels.limb.limits import beyond, turn_to_middle
 from srs_ik.kernels.limb.poses import read7
-from srs_ik.kernels.limb.triangle import elbow_side
+from srs_ik.kernels.near.arcs import (
+    ARC,
+    ARC_NEEDED,
+    MOST_ARCS,
+    find_arcs,
+    follow_arc,
+    mark_needed,
+    put_ends_of_arc,
+    without_arcs,
+)
 from srs_ik.kernels.near.band import (
     ALMOST_NOTHING,
-    band_of,
     certain_posture,
-    is_near_singularity,
     may_predict,
     sines_of_middles,
     widen,
 )
-from srs_ik.kernels.near.scan import MAX_POINTS, POINT, POINT_OFF, POINT_PSI, in_branches, scan
+from srs_ik.kernels.near.scan import POINT_OFF, POINT_PSI, in_branches, scan, view_of
 
 MARGINS = 1e-9
 SPARE = 0.5
 """Ends may be this far, rad, outside the arm angles between which they are expected, and by this part of what is
 between these: the band is not for every joint at every posture."""
 
+
+AT_END = 1e-7
+"""What is followed on an arc begins and ends with it, up to this, rad."""
 
 BARELY = 1e-3
 """With an almost vanishing band, no end is expected farther from that of the nearest exact limb, rad."""
@@ -58,38 +70,55 @@ end lies, and branch."""
 
 MAX_ENDS = 256
 
+OUTSIDE, INSIDE, ANY = range(3)
+"""States at an arm angle: outside the limits, inside, or told by the posture there; then it is an end, if inside."""
+
 
 @kernel
-def put_end(q, branch, psi, way, first, last, ends, n):
-    """Append an end to be looked for, from a posture at an arm angle on; return how many there are."""
+def put_end(ends, n, q, branch, at):
+    """Append an end to be looked for; return how many there are.
+
+    `at` holds the arm angle of the posture to start from, the way to go, and between which arm angles the end lies.
+    """
     if n >= MAX_ENDS:
         return n
     for j in range(7):
         ends[n, j] = q[j]
-    ends[n, END_PSI] = psi
-    ends[n, END_WAY] = way
-    ends[n, END_FIRST] = first
-    ends[n, END_LAST] = last
+    ends[n, END_PSI], ends[n, END_WAY], ends[n, END_FIRST], ends[n, END_LAST] = at
     ends[n, END_BRANCH] = branch
     return n + 1
 
 
 @kernel
-def put_scanned(P, sides, branch, R, p, place_, lower, upper, from_inside, to_inside, ends, n, points, gaps):
-    """Append the ends between two arm angles that are inside the limits, or not; their number, -1 where it fails."""
-    count = scan(P, sides, branch, R, p, place_, lower, upper, points, gaps)
+def put_fixed(point, branch, ends, n):
+    """Append an end at the arm angle of a point, which is inside the limits."""
+    psi = point[POINT_PSI]
+    return put_end(ends, n, read7(point), branch, (psi, 0.0, psi, psi))
+
+
+@kernel
+def put_scanned(P, view, branch, stretch, states, ends, n):
+    """Append the ends on a stretch of arm angles whose own ends are in given states; their number, -1 if it fails."""
+    points = view.points
+    count = scan(P, view, branch, stretch[0], stretch[1])
     if count < 0:
         return -1
-    if (points[0, POINT_OFF] <= 0.0) != from_inside or (points[count - 1, POINT_OFF] <= 0.0) != to_inside:
+    starts_inside, ends_inside = points[0, POINT_OFF] <= 0.0, points[count - 1, POINT_OFF] <= 0.0
+    if states[0] != ANY and starts_inside != (states[0] == INSIDE):
         return -1
+    if states[1] != ANY and ends_inside != (states[1] == INSIDE):
+        return -1
+    if states[0] == ANY and starts_inside:
+        n = put_fixed(points[0], branch, ends, n)
     for i in range(1, count):
         inside = points[i, POINT_OFF] <= 0.0
         if inside == (points[i - 1, POINT_OFF] <= 0.0):
             continue
         k = i if inside else i - 1
-        way = -1.0 if inside else 1.0
-        first, last = points[i - 1, POINT_PSI], points[i, POINT_PSI]
-        n = put_end(read7(points[k]), branch, points[k, POINT_PSI], way, first, last, ends, n)
+        at = (points[k, POINT_PSI], -1.0 if inside else 1.0, points[i - 1, POINT_PSI], points[i, POINT_PSI])
+        n = put_end(ends, n, read7(points[k]), branch, at)
+    if states[1] == ANY and ends_inside:
+        n = put_fixed(points[count - 1], branch, ends, n)
     return n
 
 
@@ -109,18 +138,19 @@ def is_simple(P, q, width, band):
 
 
 @kernel
-def put_edge(P, sides, branch, R, p, place_, inside, outside, band, ends, n, points, gaps):
+def put_edge(P, view, branch, inside, outside, ends, n):
     """Append the ends between arm angles that are feasible for certain and such as cannot be; their number."""
-    side = sides[branch >> 2]
+    side = view.sides[branch >> 2]
     way = 1.0 if outside > inside else -1.0
     first, last = min(inside, outside), max(inside, outside)
-    if is_simple(P, certain_posture(P, side, branch, outside), last - first, band):
-        return put_end(certain_posture(P, side, branch, inside), branch, inside, way, first, last, ends, n)
-    return put_scanned(P, sides, branch, R, p, place_, first, last, way > 0.0, way < 0.0, ends, n, points, gaps)
+    if is_simple(P, certain_posture(P, side, branch, outside), last - first, view.band):
+        return put_end(ends, n, certain_posture(P, side, branch, inside), branch, (inside, way, first, last))
+    states = (INSIDE, OUTSIDE) if way > 0.0 else (OUTSIDE, INSIDE)
+    return put_scanned(P, view, branch, (first, last), states, ends, n)
 
 
 @kernel
-def correct_ends(P, R, p, place_, ends, n):
+def correct_ends(P, target, ends, n):
     """Bring the arm angles of n ends to their limits on the true chain; whether all are where they are expected."""
     for i in range(n, 8 * ((n + 7) // 8)):
         for j in range(END):
@@ -128,9 +158,7 @@ def correct_ends(P, R, p, place_, ends, n):
     for first in range(0, n, 8):
         rows = row(ends, first)
         way = gather(rows, END_WAY, END)
-        q, psi, met = to_limits(
-            P, take_eight(rows, END), gather(rows, END_PSI, END), way, R, p, place_[0], place_[1], STEPS
-        )
+        q, psi, met = to_limits(P, take_eight(rows, END), gather(rows, END_PSI, END), way, target, STEPS)
         met &= in_branches(P, q, gather(rows, END_BRANCH, END))
         first_psi, last_psi = gather(rows, END_FIRST, END), gather(rows, END_LAST, END)
         more = SPARE * (last_psi - first_psi) + MARGINS
@@ -163,27 +191,42 @@ def parts_inside(certain, n, branch, lower, upper, parts):
 
 
 @kernel
-def put_ends(P, sides, branch, R, p, place_, lower, upper, parts, count, band, ends, n, points, gaps):
-    """Append the ends of what is feasible between two arm angles, of which some parts are for certain; their number.
+def put_outer(P, view, branch, inside, outer, ends, n):
+    """Append the ends between what is feasible for certain and an outer end, as it is and the arc it is at (or -1)."""
+    outside, arc = outer
+    if arc < 0.0:
+        return put_edge(P, view, branch, inside, outside, ends, n)
+    if abs(outside - inside) < MARGINS:
+        q = certain_posture(P, view.sides[branch >> 2], branch, inside)
+        return put_end(ends, n, q, branch, (inside, 0.0, inside, inside))
+    stretch = (min(inside, outside), max(inside, outside))
+    return put_scanned(P, view, branch, stretch, (INSIDE, ANY) if outside > inside else (ANY, INSIDE), ends, n)
 
-    Returns -1 where it cannot be told.
+
+@kernel
+def put_ends(P, view, cut, parts, ends, n):
+    """Append the ends of what is feasible in an interval, of which some parts are for certain; their number.
+
+    `cut` is a row of `without_arcs`. Returns -1 where it cannot be told.
     """
+    branch, lower, upper = int(cut[0]), cut[1], cut[2]
+    count = parts.shape[0]
+    whole = upper - lower >= TURN - MARGINS and cut[3] < 0.0
     if count == 0:
-        return put_scanned(P, sides, branch, R, p, place_, lower, upper, False, False, ends, n, points, gaps)
-    whole = upper - lower >= TURN - MARGINS
+        states = (ANY if whole or cut[3] >= 0.0 else OUTSIDE, ANY if whole or cut[4] >= 0.0 else OUTSIDE)
+        return put_scanned(P, view, branch, (lower, upper), states, ends, n)
     start = n
     if not whole:
-        n = put_edge(P, sides, branch, R, p, place_, parts[0, 0], lower, band, ends, n, points, gaps)
+        n = put_outer(P, view, branch, parts[0, 0], (lower, cut[3]), ends, n)
     for i in range(count if whole else count - 1):
         if n < 0:
             return n
-        a = parts[i, 1]
         b = parts[i + 1, 0] if i + 1 < count else parts[0, 0] + TURN
-        n = put_scanned(P, sides, branch, R, p, place_, a, b, True, True, ends, n, points, gaps)
+        n = put_scanned(P, view, branch, (parts[i, 1], b), (INSIDE, INSIDE), ends, n)
     if n < 0 or n >= MAX_ENDS:
         return -1
     if not whole:
-        return put_edge(P, sides, branch, R, p, place_, parts[count - 1, 1], upper, band, ends, n, points, gaps)
+        return put_outer(P, view, branch, parts[count - 1, 1], (upper, cut[4]), ends, n)
     if n > start:
         # On a circle, the first of the ends is an upper one: it comes last, a turn later.
         for j in range(END):
@@ -207,18 +250,22 @@ def write_whole(out, n, branch):
 
 
 @kernel
-def shifted_intervals(P, place_, sides, R, p, band, out):
+def shifted_intervals(P, view, out):
     """`predicted_intervals` where the band is as good as nothing: the intervals of the nearest exact limb, shifted."""
     found = np.empty((8 * MAX_PIECES, 3))
     ends = np.empty((MAX_ENDS + 8, END))
-    n_found = find_intervals(P, place_, -1, found)
+    n_found = find_intervals(P, view.target.place, -1, found)
+    arcs = np.empty((MOST_ARCS, ARC))
+    n_arcs = find_arcs(P, view, arcs)
+    if n_arcs < 0 or mark_needed(arcs, n_arcs, found, n_found):
+        return -1
     n_ends = 0
     n = 0
     for i in range(n_found):
         branch = int(found[i, 0])
         lower, upper = found[i, 1], found[i, 2]
-        side = sides[branch >> 2]
-        if is_near_singularity(P, side, lower, upper, band) or upper - lower < BARELY:
+        side = view.sides[branch >> 2]
+        if upper - lower < BARELY:
             return -1
         if upper - lower >= TURN - MARGINS:
             n = write_whole(out, n, branch)
@@ -227,32 +274,53 @@ def shifted_intervals(P, place_, sides, R, p, band, out):
             psi = found[i, 1 + k]
             way = 2.0 * k - 1.0
             q = certain_posture(P, side, branch, psi)
-            n_ends = put_end(q, branch, psi, way, psi - BARELY, psi + BARELY, ends, n_ends)
-    if n_ends >= MAX_ENDS or not correct_ends(P, R, p, place_, ends, n_ends):
+            n_ends = put_end(ends, n_ends, q, branch, (psi, way, psi - BARELY, psi + BARELY))
+    if n_ends >= MAX_ENDS or not correct_ends(P, view.target, ends, n_ends):
         return -1
     return write_ends(ends, n_ends, out, n)
 
 
 @kernel
-def predicted_intervals(P, place_, R, p, out):
+def put_arc_ends(P, view, ends, n, J, A):
+    """Append both ends of every span of feasible postures on an arc, followed; the number of ends, -1 if it fails."""
+    runs = np.empty((MAX_RUNS, RUN))
+    spans = np.empty((MAX_SPANS, SPAN))
+    by = Setting(view.target, view.sides[0], True, J, A)
+    rows, k = follow_arc(P, by, view.points, runs)
+    if k < 0:
+        return -1
+    count = find_spans(P, by, rows, runs[:k], spans)
+    if n + 2 * count > MAX_ENDS:
+        return -1
+    for i in range(count):
+        for end in range(2):
+            psi = spans[i, 4 + end]
+            for at in range(2):
+                off = short_way(psi - view.points[4 * at, POINT_PSI])
+                # The arc ends here: exactly there, so that intervals on either side join.
+                psi = psi - off if abs(off) < AT_END else psi
+            ends[n, END_PSI], ends[n, END_BRANCH] = psi, spans[i, 1]
+            n += 1
+    return n
+
+
+@kernel
+def predicted_intervals(P, target, out, J, A):
     """Write (branch, lower, upper) of the feasible intervals into the rows of out; their number, or -1: not certain.
 
     Args:
         P: packed limb, without limits where they are not to count.
-        place_: the pose, from `elbow.place`.
-        R: rotation of the pose.
-        p: position of the pose.
+        target: the pose.
         out: (n, 3) output.
+        J: (6, 7) work space.
+        A: (16, 9) work space.
     """
-    band = band_of(P, place_)
+    view = view_of(P, target)
+    band, place_ = view.band, target.place
     if not may_predict(P, place_, band):
         return -1
-    sides = (elbow_side(P, place_, 0), elbow_side(P, place_, 1))
-    for elbow in range(2):
-        if abs(beyond(P, 3, turn_to_middle(P, 3, sides[elbow][0]))) < band:
-            return -1
     if band < ALMOST_NOTHING:
-        n = shifted_intervals(P, place_, sides, R, p, band, out)
+        n = shifted_intervals(P, view, out)
         if n >= 0:
             return n
     boxes = np.empty((1, SIZE))
@@ -263,34 +331,42 @@ def predicted_intervals(P, place_, R, p, out):
     widen(P, band, box)
     n_possible = find_intervals(box, place_, -1, possible)
     keep(boxes)
+    arcs = np.empty((MOST_ARCS, ARC))
+    n_arcs = find_arcs(P, view, arcs)
+    if n_arcs < 0:
+        return -1
+    needed = mark_needed(arcs, n_arcs, possible, n_possible)
+    cuts = np.empty((16 * MAX_PIECES, 5))
+    certain_cuts = np.empty((16 * MAX_PIECES, 5))
+    n_possible = without_arcs(possible, n_possible, arcs, n_arcs, cuts)
+    n_certain = without_arcs(certain, n_certain, arcs, n_arcs, certain_cuts)
     ends = np.empty((MAX_ENDS + 8, END))
-    points = np.empty((MAX_POINTS, POINT))
-    gaps = np.empty((MAX_POINTS, 2), np.int64)
     parts = np.empty((MAX_PIECES, 2))
     n_ends = 0
     n = 0
     used = 0
     for i in range(n_possible):
-        branch = int(possible[i, 0])
-        lower, upper = possible[i, 1], possible[i, 2]
-        side = sides[branch >> 2]
-        if is_near_singularity(P, side, lower, upper, band):
-            return -1
-        count = parts_inside(certain, n_certain, branch, lower, upper, parts)
+        branch = int(cuts[i, 0])
+        count = parts_inside(certain_cuts, n_certain, branch, cuts[i, 1], cuts[i, 2], parts)
         used += count
         start = n_ends
         if count != 1 or parts[0, 1] - parts[0, 0] < TURN - MARGINS:
-            n_ends = put_ends(
-                P, sides, branch, R, p, place_, lower, upper, parts, count, band, ends, n_ends, points, gaps
-            )
+            n_ends = put_ends(P, view, cuts[i], parts[:count], ends, n_ends)
         if n_ends < 0 or n_ends >= MAX_ENDS:
             return -1
         if count > 0 and n_ends == start:
             n = write_whole(out, n, branch)
     if used != n_certain:
         return -1
-    if not correct_ends(P, R, p, place_, ends, n_ends):
+    if not correct_ends(P, view.target, ends, n_ends):
         return -1
+    for k in range(n_arcs):
+        if needed and arcs[k, ARC_NEEDED] == 1.0:
+            if not put_ends_of_arc(P, view, arcs[k]):
+                return -1
+            n_ends = put_arc_ends(P, view, ends, n_ends, J, A)
+            if n_ends < 0:
+                return -1
     return write_ends(ends, n_ends, out, n)
 
 

@@ -1,388 +1,137 @@
 """The posture of a near limb farthest from its limits, predicted by its nearest exact limb and corrected.
 
 The posture of the exact limb has one beside it on the true chain, with some margin. Where another has more, limits
-drawn in by that margin and out by the band (`predicted`) are kept: so a few short intervals of arm angles are left. In
-these, postures of the true chain are looked at until none between them can be better, and the minima are closed in on.
+drawn in by that margin and out by the band (`predicted`) are kept: so a few short intervals of arm angles are left. On
+arcs next to singularities the curves are followed, elsewhere `within` looks at postures.
 """
 
 from __future__ import annotations
-
-import math
 
 import numpy as np
 
 from srs_ik.kernels.algebra.pointers import keep, row
 from srs_ik.kernels.chain.answer import measure_row
 from srs_ik.kernels.chain.newton import arm_angle
+from srs_ik.kernels.curves.best import best_of_runs
 from srs_ik.kernels.exact.farthest import copy_interval, draw_in, farthest
-from srs_ik.kernels.exact.intervals import TURN, find_intervals
+from srs_ik.kernels.exact.intervals import find_intervals
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.answer import MAX_PIECES
-from srs_ik.kernels.layout.limb import INVERSE_HALF_RANGE, MIDDLE, SIZE
+from srs_ik.kernels.layout.asked import Best, Goal, Setting
+from srs_ik.kernels.layout.limb import SIZE
+from srs_ik.kernels.layout.search import MAX_RUNS, RUN
 from srs_ik.kernels.limb.branches import NO_BRANCH
-from srs_ik.kernels.limb.goal import NO_SEED, turned
-from srs_ik.kernels.limb.limits import turn_to_middle, violation
-from srs_ik.kernels.limb.poses import read7
-from srs_ik.kernels.limb.triangle import elbow_side
-from srs_ik.kernels.near.band import band_of, is_near_singularity, may_predict, widen
-from srs_ik.kernels.near.predicted import predicted_intervals
-from srs_ik.kernels.near.scan import (
-    FASTER,
-    MAX_POINTS,
-    POINT,
-    POINT_BRANCH,
-    POINT_OFF,
-    POINT_PSI,
-    POINT_RATES,
-    close_points,
-    is_narrow,
-    least_sine,
-    put_between,
-    put_points,
+from srs_ik.kernels.limb.goal import NO_SEED
+from srs_ik.kernels.near.arcs import (
+    ARC,
+    ARC_ELBOW,
+    ARC_NEEDED,
+    MOST_ARCS,
+    find_arcs,
+    follow_arc,
+    mark_needed,
+    put_ends_of_arc,
+    touches,
+    without_arcs,
 )
-
-GAIN = 1e-12
-"""Costs closer than this are equal."""
-
-BREAKS_LIMITS = 2.0
-"""Cost of a posture outside its limits, plus how far it is outside, rad."""
-
-SPACING = 0.3
-"""Widest spacing of the arm angles that are looked at first, rad."""
-
-BEYOND = 0.02
-"""What falls at the end of an interval may go on to fall for so long, rad."""
-
-SHORT_GAP = 0.03
-"""A gap so short, rad, has one minimum at most: where the cost falls at its first end and rises at its last."""
-
-COARSE = 1e-3
-"""Between points farther apart, rad, every fourth arm angle is half-way."""
-
-SHORT_SHARE = 0.15
-"""Nor is it wider than this part of how far shoulder and wrist are from singular."""
-
-CLOSING_STEPS = 24
-CLOSED_IN = 1e-7
-"""A step of the arm angle this short, rad, is the last: steps shrink like squares."""
+from srs_ik.kernels.near.band import may_predict, widen
+from srs_ik.kernels.near.predicted import predicted_intervals
+from srs_ik.kernels.near.scan import POINT_BRANCH, POINT_PSI, put_points, view_of
+from srs_ik.kernels.near.within import best_within, measure_points
 
 
 @kernel
-def joint_figures(P, point, joint):
-    """Cost of a joint at a point, and its rate with the arm angle."""
-    off = turn_to_middle(P, joint, point[joint]) - P[MIDDLE + joint]
-    inverse = P[INVERSE_HALF_RANGE + joint]
-    return abs(off) * inverse - 1.0, math.copysign(inverse, off) * point[POINT_RATES + joint]
+def best_on_arc(P, box, by, points, branch, best):
+    """The best posture on an arc, followed, if it is better than the best so far, and whether all went well.
 
-
-@kernel
-def cost_of(P, point):
-    """Cost of a point, its rate with the arm angle, and the joint that makes it."""
-    highest = -1.0
-    rate = 0.0
-    worst = 0.0
-    active = -1
-    for joint in range(7):
-        cost, slope = joint_figures(P, point, joint)
-        if cost > highest:
-            highest, rate, active = cost, slope, joint
-        worst = max(worst, violation(P, joint, turn_to_middle(P, joint, point[joint])))
-    return (BREAKS_LIMITS + worst if worst > 0.0 else highest), rate, active
-
-
-@kernel
-def least_cost(P, a, b):
-    """A cost that no posture between two points undercuts."""
-    width = b[POINT_PSI] - a[POINT_PSI]
-    least = -1.0
-    for j in range(7):
-        cost_a, rate_a = joint_figures(P, a, j)
-        cost_b, rate_b = joint_figures(P, b, j)
-        least = max(least, 0.5 * (cost_a + cost_b - FASTER * max(abs(rate_a), abs(rate_b)) * width))
-    return least
-
-
-@kernel
-def downhill(P, point):
-    """The way from a point to the least of the largest of its joints' costs, each going on as it goes there."""
-    _, rate, active = cost_of(P, point)
-    if active < 0 or rate == 0.0:
-        return 0.0
-    sign = -1.0 if rate > 0.0 else 1.0
-    way = 0.0
-    for _ in range(7):
-        height, slope = joint_figures(P, point, active)
-        slope *= sign
-        nearest = math.inf
-        following = -1
-        for j in range(7):
-            cost, other = joint_figures(P, point, j)
-            other *= sign
-            if j != active and other > slope:
-                crossing = (height - cost) / (other - slope)
-                if way <= crossing < nearest:
-                    nearest, following = crossing, j
-        if following < 0:
-            return sign * math.inf
-        way, active = nearest, following
-        _, slope = joint_figures(P, point, active)
-        if sign * slope >= 0.0:
-            break
-    return sign * way
-
-
-@kernel
-def measure_points(P, points, first, last, best, lowest):
-    """Tell the costs of points; the best one so far and its cost."""
-    for i in range(first, last):
-        cost, _, _ = cost_of(P, points[i])
-        points[i, POINT_OFF] = cost
-        if cost < lowest:
-            best, lowest = i, cost
-    return best, lowest
-
-
-@kernel
-def spread_points(found, n, points, gaps):
-    """Spread points over the intervals in the first n rows of found: how many there are, and gaps between them.
-
-    The points are filled up to whole eights by copies; none, if there is no room.
+    `box` is the limb with limits drawn in: postures outside them are not better.
     """
-    count = 0
-    left = 0
-    for i in range(n):
-        lower, upper = found[i, 1], found[i, 2]
-        parts = max(math.ceil((upper - lower) / SPACING), 1)
-        if count + parts + 9 > MAX_POINTS:
-            return 0, 0
-        for k in range(parts + 1):
-            points[count, POINT_PSI] = lower + (upper - lower) * k / parts
-            points[count, POINT_BRANCH] = found[i, 0]
-            if k > 0:
-                gaps[left, 0], gaps[left, 1] = count - 1, count
-                left += 1
-            count += 1
-    while count % 8 != 0:
-        points[count, POINT_PSI] = points[count - 1, POINT_PSI]
-        points[count, POINT_BRANCH] = points[count - 1, POINT_BRANCH]
-        count += 1
-    return count, left
+    runs = np.empty((MAX_RUNS, RUN))
+    rows, k = follow_arc(box, by, points, runs)
+    return best_of_runs(P, by, rows, runs[: max(k, 0)], branch, Goal(False, NO_SEED, True), best), k >= 0
 
 
 @kernel
-def may_be_better_beyond(P, points, count, found, n, lowest):
-    """Whether a cost close to the best one falls at an end of the intervals, and so may be less behind it."""
-    k = 0
-    for i in range(n):
-        parts = max(math.ceil((found[i, 2] - found[i, 1]) / SPACING), 1)
-        if found[i, 2] - found[i, 1] < TURN:
-            cost_a, slope_a, _ = cost_of(P, points[k])
-            cost_b, slope_b, _ = cost_of(P, points[k + parts])
-            if (slope_a > 0.0 and cost_a - slope_a * BEYOND < lowest) or (
-                slope_b < 0.0 and cost_b + slope_b * BEYOND < lowest
-            ):
-                return True
-        k += parts + 1
-    return False
-
-
-@kernel
-def is_short_gap(P, a, b):
-    """Whether a gap between two points is so short that its ends tell whether there is a minimum in it."""
-    width = b[POINT_PSI] - a[POINT_PSI]
-    return width < SHORT_GAP and width < SHORT_SHARE * least_sine(P, a, b)
-
-
-@kernel
-def halve_gaps(P, R, p, place_, points, n, gaps, left, best, lowest):
-    """Halve gaps that may hide a better point until they are short.
-
-    Returns the number of gaps that are left (-1: it fails), the best point and its cost.
-    """
-    while True:
-        kept = 0
-        long = 0
-        for i in range(left):
-            a, b = gaps[i, 0], gaps[i, 1]
-            if is_narrow(P, points[a], points[b]) and least_cost(P, points[a], points[b]) > lowest - GAIN:
-                continue
-            gaps[kept, 0], gaps[kept, 1] = a, b
-            if not is_short_gap(P, points[a], points[b]):
-                gaps[kept, 0], gaps[kept, 1] = gaps[long, 0], gaps[long, 1]
-                gaps[long, 0], gaps[long, 1] = a, b
-                long += 1
-            kept += 1
-        left = kept
-        if long == 0:
-            return left, best, lowest
-        if n + 8 > MAX_POINTS or not put_between(P, R, p, place_, points, gaps, long, n):
-            return -1, best, lowest
-        best, lowest = measure_points(P, points, n, n + 8, best, lowest)
-        for i in range(min(long, 8)):
-            gaps[left, 0], gaps[left, 1] = n + i, gaps[i, 1]
-            gaps[i, 1] = n + i
-            left += 1
-        n += 8
-
-
-@kernel
-def copy_point(source, i, target, k):
-    """Copy a point."""
-    for c in range(POINT):
-        target[k, c] = source[i, c]
-
-
-@kernel
-def next_arm_angle(P, a, b, latest, step):
-    """Where to look for the minimum between two points, from the latest one."""
-    lower, upper = a[POINT_PSI], b[POINT_PSI]
-    x = latest[POINT_PSI] + downhill(P, latest)
-    if not lower < x < upper:
-        cost_a, slope_a, active_a = cost_of(P, a)
-        cost_b, slope_b, active_b = cost_of(P, b)
-        width = upper - lower
-        # Where the rate of one joint vanishes, or where the tangents of two meet.
-        fall = slope_a * width if active_a == active_b else cost_a - cost_b + slope_b * width
-        x = lower - fall / (slope_b - slope_a) if active_a == active_b else lower + fall / (slope_b - slope_a)
-    if (step % 4 == 3 and upper - lower > COARSE) or not lower < x < upper:
-        x = 0.5 * (lower + upper)
-    return x
-
-
-@kernel
-def close_in(P, R, p, place_, points, gaps, first, count, work, best_q, lowest):
-    """Close in on the minima in up to eight gaps in step: the best posture, its cost, whether all went well.
-
-    `work` holds the first and the last points of the gaps, the latest ones, and those that are looked at.
-    """
-    for i in range(count):
-        a, b = gaps[first + i, 0], gaps[first + i, 1]
-        copy_point(points, a, work, i)
-        copy_point(points, b, work, 8 + i)
-        copy_point(points, a if points[a, POINT_OFF] < points[b, POINT_OFF] else b, work, 16 + i)
-    for i in range(8):
-        copy_point(work, 16, work, 24 + i)
-    for step in range(CLOSING_STEPS):
-        longest = 0.0
-        for i in range(count):
-            x = next_arm_angle(P, work[i], work[8 + i], work[16 + i], step)
-            way = x - work[16 + i, POINT_PSI]
-            longest = max(longest, abs(way))
-            for j in range(7):
-                work[24 + i, j] = work[16 + i, j] + way * work[16 + i, POINT_RATES + j]
-            work[24 + i, POINT_PSI] = x
-            work[24 + i, POINT_BRANCH] = work[i, POINT_BRANCH]
-        if not close_points(P, R, p, place_, work, 24):
-            return best_q, lowest, False
-        for i in range(count):
-            cost, slope, _ = cost_of(P, work[24 + i])
-            work[24 + i, POINT_OFF] = cost
-            if cost < lowest:
-                best_q, lowest = read7(work[24 + i]), cost
-            copy_point(work, 24 + i, work, 16 + i)
-            copy_point(work, 24 + i, work, i if slope < 0.0 else 8 + i)
-        if longest < CLOSED_IN:
-            break
-    return best_q, lowest, True
-
-
-@kernel
-def best_within(P, sides, R, p, place_, found, n, drawn_in, best_q, lowest, points):
-    """The best posture in the intervals in the first n rows of found, if it is better than the best so far: q, cost.
-
-    `drawn_in` says that the intervals end where the limits that are drawn in do, not the limits themselves. Returns
-    also whether the answer is certain.
-    """
-    gaps = np.empty((MAX_POINTS, 2), np.int64)
-    count, left = spread_points(found, n, points, gaps)
-    if count == 0:
-        return best_q, lowest, False
-    for i in range(0, count, 8):
-        if not put_points(P, sides, R, p, place_, points, i):
-            return best_q, lowest, False
-    best, lowest = measure_points(P, points, 0, count, -1, lowest)
-    left, best, lowest = halve_gaps(P, R, p, place_, points, count, gaps, left, best, lowest)
-    if left < 0 or (drawn_in and may_be_better_beyond(P, points, count, found, n, lowest)):
-        return best_q, lowest, False
-    if best >= 0:
-        best_q = read7(points[best])
-    kept = 0
-    for i in range(left):
-        _, slope_a, _ = cost_of(P, points[gaps[i, 0]])
-        _, slope_b, _ = cost_of(P, points[gaps[i, 1]])
-        if slope_a < 0.0 < slope_b:
-            gaps[kept, 0], gaps[kept, 1] = gaps[i, 0], gaps[i, 1]
-            kept += 1
-    work = np.empty((32, POINT))
-    for i in range(0, kept, 8):
-        best_q, lowest, sure = close_in(P, R, p, place_, points, gaps, i, min(kept - i, 8), work, best_q, lowest)
-        if not sure:
-            return best_q, lowest, False
-    return turned(P, best_q, False, NO_SEED, True), lowest, True
-
-
-@kernel
-def predicted_best(P, place_, R, p, branch):
-    """Posture of the largest margin over all arm angles (in one branch, if it is wanted).
-
-    Returns q, cost, and whether it is certain: inside the limits, and away from singularities.
-    """
-    band = band_of(P, place_)
-    if not may_predict(P, place_, band):
-        return NO_SEED, NO_BRANCH, False
-    sides = (elbow_side(P, place_, 0), elbow_side(P, place_, 1))
+def first_best(P, view, branch):
+    """The posture beside the exact limb's best one; its cost is 0 where there is none inside the limits."""
+    place_ = view.target.place
     found = np.empty((8 * MAX_PIECES, 3))
     n = find_intervals(P, place_, branch, found)
+    none = Best(NO_SEED, 0.0)
     if n == 0:
-        return NO_SEED, NO_BRANCH, False
+        return none
     q, best_branch, lowest = farthest(P, place_, found, 0, n, branch, True)
-    if not -1.0 + band < lowest < -band:
-        return NO_SEED, NO_BRANCH, False
-    points = np.empty((MAX_POINTS, POINT))
+    if not lowest < 0.0:
+        return none
     for i in range(8):
-        points[i, POINT_PSI] = arm_angle(P, q, place_[0], place_[1])
-        points[i, POINT_BRANCH] = best_branch
-    if not put_points(P, sides, R, p, place_, points, 0):
-        return q, NO_BRANCH, False
-    _, lowest = measure_points(P, points, 0, 1, 0, NO_BRANCH)
-    q = read7(points[0])
-    if lowest >= 0.0:
-        return q, NO_BRANCH, False
-    boxes = np.empty((2, SIZE))
-    if not draw_in(P, lowest, True, row(boxes, 0)):
-        return q, NO_BRANCH, False
-    widen(row(boxes, 0), band, row(boxes, 1))
-    n = find_intervals(row(boxes, 1), place_, branch, found)
-    keep(boxes)
-    for i in range(n):
-        if is_near_singularity(P, sides[int(found[i, 0]) >> 2], found[i, 1], found[i, 2], band):
-            return q, NO_BRANCH, False
-    return best_within(P, sides, R, p, place_, found, n, True, q, lowest, points)
+        view.points[i, POINT_PSI] = arm_angle(P, q, place_[0], place_[1])
+        view.points[i, POINT_BRANCH] = best_branch
+    return measure_points(P, view.points, 0, 1, none) if put_points(P, view, view.points, 0) else none
 
 
 @kernel
-def predicted_best_of_intervals(P, place_, R, p, respect, out):
+def predicted_best(P, target, branch, J, A):
+    """Posture of the largest margin over all arm angles (in one branch, if it is wanted).
+
+    Returns the posture with its cost, and whether it is certain: inside the limits, and the elbow not almost straight.
+    """
+    view = view_of(P, target)
+    best = Best(NO_SEED, NO_BRANCH)
+    if not may_predict(P, target.place, view.band):
+        return best, False
+    best = first_best(P, view, branch)
+    boxes = np.empty((2, SIZE))
+    box = row(boxes, 0)
+    if not draw_in(P, best.cost, True, box):
+        return best, False
+    widen(box, view.band, row(boxes, 1))
+    found = np.empty((8 * MAX_PIECES, 3))
+    n = find_intervals(row(boxes, 1), target.place, branch, found)
+    arcs = np.empty((MOST_ARCS, ARC))
+    n_arcs = find_arcs(P, view, arcs)
+    if n_arcs < 0:
+        return best, False
+    mark_needed(arcs, n_arcs, found, n)
+    cuts = np.empty((16 * MAX_PIECES, 5))
+    n = without_arcs(found, n, arcs, n_arcs, cuts)
+    best, certain = best_within(P, view, cuts[:n], True, best)
+    by = Setting(target, view.sides[0], True, J, A)
+    for k in range(n_arcs):
+        if certain and arcs[k, ARC_NEEDED] == 1.0:
+            certain = put_ends_of_arc(P, view, arcs[k])
+            if certain:
+                best, certain = best_on_arc(P, box, by, view.points, branch, best)
+    keep(boxes)
+    return best, certain and best.cost < 0.0
+
+
+@kernel
+def predicted_best_of_intervals(P, target, respect, out, J, A):
     """Write the posture with the largest margin of every interval into the rows of out; their number, or -1.
 
     Args:
         P: packed limb.
-        place_: the pose, from `triangle.place`.
-        R: rotation of the pose.
-        p: position of the pose.
+        target: the pose.
         respect: whether the joint limits have to be kept.
         out: (n, ROW) output.
+        J: (6, 7) work space.
+        A: (16, 9) work space.
     """
     if not respect:
         return -1
     found = np.empty((8 * MAX_PIECES, 3))
-    n = predicted_intervals(P, place_, R, p, found)
-    sides = (elbow_side(P, place_, 0), elbow_side(P, place_, 1))
-    points = np.empty((MAX_POINTS, POINT))
-    one = np.empty((1, 3))
+    n = predicted_intervals(P, target, found, J, A)
+    view = view_of(P, target)
+    one = np.full((1, 5), -1.0)
+    arcs = np.empty((MOST_ARCS, ARC))
+    n_arcs = find_arcs(P, view, arcs)
     for i in range(n):
+        for k in range(n_arcs):
+            if int(found[i, 0]) >> 2 == int(arcs[k, ARC_ELBOW]) and touches(found, i, arcs, k):
+                return -1
         copy_interval(found, i, one, 0)
-        q, lowest, certain = best_within(P, sides, R, p, place_, one, 1, False, NO_SEED, NO_BRANCH, points)
-        if not certain or lowest >= 0.0:
+        best, certain = best_within(P, view, one, False, Best(NO_SEED, NO_BRANCH))
+        if not certain or best.cost >= 0.0:
             return -1
-        measure_row(P, place_, R, p, q, int(found[i, 0]), lowest, respect, row(out, i))
+        measure_row(P, target, best.q, int(found[i, 0]), best.cost, respect, row(out, i))
     return n

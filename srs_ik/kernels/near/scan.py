@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import numpy as np
+
 from srs_ik.kernels.algebra.joint_vectors import short_way
 from srs_ik.kernels.algebra.lane_trig import turn
 from srs_ik.kernels.algebra.lanes import as_bits, gather, scatter, whole_number
@@ -11,9 +13,11 @@ from srs_ik.kernels.chain.newton import STEPS
 from srs_ik.kernels.chain.newton_eight import ALL, close_in_planes, half_planes
 from srs_ik.kernels.exact.intervals import PI
 from srs_ik.kernels.jit import kernel
+from srs_ik.kernels.layout.asked import View
 from srs_ik.kernels.layout.limb import PHASE, SHOULDER, STRAIGHT, WRIST
 from srs_ik.kernels.limb.limits import beyond, turn_to_middle
-from srs_ik.kernels.near.band import certain_posture, sines_of_middles
+from srs_ik.kernels.limb.triangle import elbow_side
+from srs_ik.kernels.near.band import band_of, certain_posture, sines_of_middles
 
 POINT = 17
 POINT_PSI = 7
@@ -40,8 +44,17 @@ FASTER = 1.5
 
 
 @kernel
-def close_points(P, R, p, place_, points, n):
+def view_of(P, target):
+    """A pose as it is looked at, with work space."""
+    place_ = target.place
+    sides = (elbow_side(P, place_, 0), elbow_side(P, place_, 1))
+    return View(target, sides, band_of(P, place_), np.empty((MAX_POINTS, POINT)), np.empty((MAX_POINTS, 2), np.int64))
+
+
+@kernel
+def close_points(P, target, points, n):
     """Close eight points from row n on at their arm angles, and tell their rates; whether all are met."""
+    R, p, place_ = target
     rows = row(points, n)
     planes = half_planes(place_[0], place_[1], turn(gather(rows, POINT_PSI, POINT)))
     q, rates, met = close_in_planes(P, take_eight(rows, POINT), R, p, planes, STEPS)
@@ -52,18 +65,18 @@ def close_points(P, R, p, place_, points, n):
 
 
 @kernel
-def put_points(P, sides, R, p, place_, points, n):
+def put_points(P, view, points, n):
     """Fill in postures and rates of the eight points from row n on, at their arm angles; whether all are met."""
     for i in range(n, n + 8):
         branch = int(points[i, POINT_BRANCH])
-        q = certain_posture(P, sides[branch >> 2], branch, points[i, POINT_PSI])
+        q = certain_posture(P, view.sides[branch >> 2], branch, points[i, POINT_PSI])
         for j in range(7):
             points[i, j] = q[j]
-    return close_points(P, R, p, place_, points, n)
+    return close_points(P, view.target, points, n)
 
 
 @kernel
-def put_between(P, R, p, place_, points, pairs, count, n):
+def put_between(P, target, points, pairs, count, n):
     """Put eight points half-way between pairs of points, from row n on; whether all are met.
 
     The pairs are the first `count` rows of `pairs`; the last of the eight repeat the first.
@@ -78,7 +91,7 @@ def put_between(P, R, p, place_, points, pairs, count, n):
             points[n + i, j] = points[a, j] + half + 0.125 * width * rates
         points[n + i, POINT_PSI] = points[a, POINT_PSI] + 0.5 * width
         points[n + i, POINT_BRANCH] = points[a, POINT_BRANCH]
-    return close_points(P, R, p, place_, points, n)
+    return close_points(P, target, points, n)
 
 
 @kernel
@@ -130,19 +143,20 @@ def is_decided(P, a, b):
 
 
 @kernel
-def scan(P, sides, branch, R, p, place_, lower, upper, points, gaps):
+def scan(P, view, branch, lower, upper):
     """Look at the postures of a branch between two arm angles, closely enough to miss no limit; the number of points.
 
-    Gaps between points are halved until each is decided. The points are sorted by their arm angles. Returns -1 where
-    this cannot be done.
+    Gaps between points are halved until each is decided. The points, those of the view, are sorted by their arm angles.
+    Returns -1 where this cannot be done.
     """
+    points, gaps = view.points, view.gaps
     for i in range(8):
         points[i, POINT_PSI] = lower + (upper - lower) * i / 7.0
         points[i, POINT_BRANCH] = branch
         gaps[i, 0], gaps[i, 1] = i, i + 1
     left = 7
     n = 8
-    if not put_points(P, sides, R, p, place_, points, 0):
+    if not put_points(P, view, points, 0):
         return -1
     while True:
         for i in range(n - 8, n):
@@ -155,7 +169,7 @@ def scan(P, sides, branch, R, p, place_, lower, upper, points, gaps):
         if kept == 0:
             break
         # Eight gaps at a time; the others wait.
-        if n + 8 > MAX_POINTS or not put_between(P, R, p, place_, points, gaps, kept, n):
+        if n + 8 > MAX_POINTS or not put_between(P, view.target, points, gaps, kept, n):
             return -1
         left = kept
         for i in range(min(kept, 8)):

@@ -15,10 +15,12 @@ from srs_ik.kernels.chain.newton import (
     elbow_position,
     pose_step,
 )
+from srs_ik.kernels.curves.best import cost_of_turn
 from srs_ik.kernels.jit import kernel
+from srs_ik.kernels.layout.asked import Best
 from srs_ik.kernels.layout.limb import PHASE, SHOULDER, SHOULDER_CENTRE, STRAIGHT, WRIST
 from srs_ik.kernels.limb.branches import NO_BRANCH, best_branch, branch_of
-from srs_ik.kernels.limb.goal import OUTSIDE, cost, turned
+from srs_ik.kernels.limb.goal import OUTSIDE
 
 MORE_STEPS = 80
 """Steps of Newton's method, which halves the error at best next to a singularity."""
@@ -67,14 +69,16 @@ def bend(P, q, branch):
 
 
 @kernel
-def from_turned(P, place_, R, p, psi, q0, b, branch, seeded, seed, respect, steps, A):
-    """Postures at an arm angle by Newton's method from one that is bent to the sides of branch b: the best, its cost.
+def from_turned(P, target, psi, q0, sides, goal, A):
+    """Postures at an arm angle by Newton's method from one that is bent to the sides of a branch: the best one.
 
     Near a singular shoulder or wrist the closed form fixes two joint angles of which the true chain knows little more
-    than their sum. So the starts turn one against the other, and bend what is straight.
+    than their sum. So the starts turn one against the other, and bend what is straight. `sides` holds that branch, and
+    the one that is wanted.
     """
-    best_q = q0
-    lowest = 2.0 * NO_BRANCH
+    R, p, place_ = target
+    b, branch = sides
+    best = Best(q0, 2.0 * NO_BRANCH)
     q = bend(P, q0, b)
     turns_s = 6 if q[1] != q0[1] else 1
     turns_w = 6 if q[5] != q0[5] else 1
@@ -84,32 +88,30 @@ def from_turned(P, place_, R, p, psi, q0, b, branch, seeded, seed, respect, step
         ds = (i % turns_s) * math.pi / 3.0
         dw = (i // turns_s) * math.pi / 3.0
         start = (q[0] + ds, q[1], q[2] + against_s * ds, q[3], q[4] + dw, q[5], q[6] + against_w * dw)
-        closed_q, closed = close_at_angle(P, start, R, p, place_[0], place_[1], psi, steps, A)
+        closed_q, closed = close_at_angle(P, start, R, p, place_[0], place_[1], psi, MORE_STEPS, A)
         if closed and (branch < 0 or branch_of(P, closed_q) == branch):
-            closed_q = turned(P, closed_q, seeded, seed, respect)
-            value = cost(P, closed_q, seeded, seed, respect)
-            if value < lowest:
-                best_q = closed_q
-                lowest = value
-    return best_q, lowest
+            closed_q, value = cost_of_turn(P, closed_q, goal)
+            if value < best.cost:
+                best = Best(closed_q, value)
+    return best
 
 
 @kernel
-def evaluate_again(P, place_, R, p, psi, branch, seeded, seed, respect, attempts, A):
+def evaluate_again(P, target, psi, branch, goal, attempts, A):
     """Second attempt at an arm angle on a near limb, where Newton's method did not close: from many postures."""
-    best_q, best, _ = best_branch(P, place_, psi, branch, seeded, seed, respect)
-    lowest = 2.0 * NO_BRANCH
+    q, _, _ = best_branch(P, target.place, psi, branch, goal.seeded, goal.seed, goal.respect)
+    best = Best(q, 2.0 * NO_BRANCH)
     for attempt in range(attempts):
         # At the arm angle itself, then from either side of it, farther and farther.
         from_psi = psi + (0.0 if attempt == 0 else (0.25 if attempt % 2 == 0 else -0.25) * ((attempt + 1) // 2))
         for b in range(8):
-            q0, _, _ = best_branch(P, place_, from_psi, b, False, seed, False)
-            q, value = from_turned(P, place_, R, p, psi, q0, b, branch, seeded, seed, respect, MORE_STEPS, A)
-            if value < lowest:
-                best_q, best, lowest = q, branch_of(P, q), value
-        if lowest < OUTSIDE:
+            q0, _, _ = best_branch(P, target.place, from_psi, b, False, goal.seed, False)
+            other = from_turned(P, target, psi, q0, (b, branch), goal, A)
+            if other.cost < best.cost:
+                best = other
+        if best.cost < OUTSIDE:
             break
-    return best_q, best, lowest
+    return best
 
 
 @kernel
@@ -141,55 +143,53 @@ def jitter(q, state, turn, bend_by):
 
 
 @kernel
-def free_start(P, q, R, p, wanted, seeded, seed, respect, J, A):
+def free_start(P, target, q, wanted, goal, J, A):
     """Free steps from a posture: q and its cost, more than any posture's if pose or wanted branch are not reached."""
-    if respect:
+    if goal.respect:
         q = clipped(P, q)
-    q, error = close_free(P, q, R, p, respect, MORE_STEPS, J, A)
-    q = turned(P, q, seeded, seed, respect)
+    q, error = close_free(P, q, target.R, target.p, goal.respect, MORE_STEPS, J, A)
+    q, value = cost_of_turn(P, q, goal)
     if error > 10.0 * CLOSED:
         return q, OUTSIDE * (2.0 + error)
     if wanted >= 0 and branch_of(P, q) != wanted:
         return q, OUTSIDE * 10.0
-    return q, cost(P, q, seeded, seed, respect)
+    return q, value
 
 
 @kernel
-def look_around(P, place_, R, p, branch, seeded, seed, respect, J, A):
+def look_around(P, target, branch, goal, J, A):
     """Postures from arm angles all around the circle, where curves cross and cannot be followed: q, branch, cost."""
-    best_q = seed
+    R, p, place_ = target
+    best_q = goal.seed
     best = 0
     lowest = 2.0 * NO_BRANCH
     for i in range(LOOKS):
         psi = i * 2.0 * math.pi / LOOKS
         for b in range(8):
-            q, _, _ = best_branch(P, place_, psi, b, seeded, seed, respect)
+            q, _, _ = best_branch(P, place_, psi, b, goal.seeded, goal.seed, goal.respect)
             q, _ = close_at_angle(P, q, R, p, place_[0], place_[1], psi, STEPS, A)
             linear, angular = pose_step(P, q, R, p, J)
             here = branch_of(P, q)
             error = max(norm(linear), norm(angular))
             if CLOSED < error < MET:
-                q, error = close_free(P, q, R, p, respect, STEPS, J, A)
+                q, error = close_free(P, q, R, p, goal.respect, STEPS, J, A)
             if error > MET or (branch >= 0 and here != branch):
                 continue
             # At another arm angle perhaps, but a posture for the pose.
-            q = turned(P, q, seeded, seed, respect)
-            value = cost(P, q, seeded, seed, respect)
+            q, value = cost_of_turn(P, q, goal)
             if value < lowest:
-                best_q = q
-                best = here
-                lowest = value
+                best_q, best, lowest = q, here, value
     return best_q, best, lowest
 
 
 @kernel
-def rescue(P, place_, R, p, branch, seeded, seed, respect, J, A):
+def rescue(P, target, branch, goal, J, A):
     """Last resort on a near limb, free steps from postures on the circle, then from bent ones: q, branch, cost.
 
     Close to the edge of reach, the nearest exact limb may not reach a pose that the true one does, and a given arm
     angle may have no solution where a neighbouring one has.
     """
-    best_q = seed
+    best_q = goal.seed
     best = 0
     lowest = 2.0 * NO_BRANCH
     first = 0 if branch < 0 else branch
@@ -198,14 +198,12 @@ def rescue(P, place_, R, p, branch, seeded, seed, respect, J, A):
         for i in range(12):
             for b in range(first, last + 1):
                 # Also from the closest posture of a branch that the nearest exact limb does not have here.
-                q, _, _ = best_branch(P, place_, i * math.pi / 6.0, b, seeded, seed, respect)
+                q, _, _ = best_branch(P, target.place, i * math.pi / 6.0, b, goal.seeded, goal.seed, goal.respect)
                 if attempt == 1:
                     q = bend(P, q, b)
-                q, value = free_start(P, q, R, p, branch, seeded, seed, respect, J, A)
+                q, value = free_start(P, target, q, branch, goal, J, A)
                 if value < lowest:
-                    best_q = q
-                    best = b
-                    lowest = value
+                    best_q, best, lowest = q, b, value
         if lowest < OUTSIDE:
             return best_q, best, lowest
     if lowest < OUTSIDE * (2.0 + ALMOST):
@@ -215,19 +213,17 @@ def rescue(P, place_, R, p, branch, seeded, seed, respect, J, A):
             # A stretched arm may have to turn far about itself for a bend of a micrometre in another direction.
             turn = 0.02 if i % 3 == 0 else (0.3 if i % 3 == 1 else 2.0)
             q, state = jitter(around, state, turn, min(turn, 0.3))
-            q, value = free_start(P, q, R, p, branch, seeded, seed, respect, J, A)
+            q, value = free_start(P, target, q, branch, goal, J, A)
             if value < lowest:
-                best_q = q
-                best = branch_of(P, q)
-                lowest = value
+                best_q, best, lowest = q, branch_of(P, q), value
                 if lowest < OUTSIDE:
                     break
     return best_q, best, lowest
 
 
 @kernel
-def stretched(P, place_, R, p, branch, seeded, seed, respect, J, A):
+def stretched(P, target, branch, goal, J, A):
     """`rescue` where an arm angle is given but the elbow is on the line S-W, and so at every arm angle at once."""
-    q, best, lowest = rescue(P, place_, R, p, branch, seeded, seed, respect, J, A)
-    off_line = norm(across(sub(elbow_position(P, q), load3(P, SHOULDER_CENTRE)), place_[0]))
+    q, best, lowest = rescue(P, target, branch, goal, J, A)
+    off_line = norm(across(sub(elbow_position(P, q), load3(P, SHOULDER_CENTRE)), target.place[0]))
     return q, best, (lowest if off_line < 3.0 * ON_LINE else 2.0 * NO_BRANCH)

@@ -8,15 +8,19 @@ its limits wins.
 from __future__ import annotations
 
 import math
+from typing import Any, NamedTuple
+
+import numpy as np
 
 from srs_ik.kernels.algebra.minimum import propose, start_search, tell
 from srs_ik.kernels.curves.ends import on_curve
 from srs_ik.kernels.curves.follow import put
 from srs_ik.kernels.curves.in_step import load_sample
-from srs_ik.kernels.curves.runs import sample_again
+from srs_ik.kernels.curves.runs import sample_again, samples_of
 from srs_ik.kernels.exact.samples import STEP
 from srs_ik.kernels.jit import kernel
-from srs_ik.kernels.layout.search import BEST, BRACKET, F_BEST, REFUSED, TIE
+from srs_ik.kernels.layout.asked import Setting
+from srs_ik.kernels.layout.search import BEST, BRACKET, F_BEST, REFUSED, STATE, TIE
 from srs_ik.kernels.limb.goal import NO_SEED, cost
 from srs_ik.kernels.limb.triangle import elbow_side
 from srs_ik.kernels.optimum.objectives import figure, objective, tip_jacobian
@@ -91,70 +95,90 @@ def find_brackets(rows, values, runs, k, out):
     return count
 
 
-@kernel
-def capped(P, kind, cap_kind, cap, params, q, J):
-    """Value of an objective at a posture, refused where another objective exceeds a cap (-1: no other).
+class Objective(NamedTuple):
+    """What is to be least: an objective, and another one that must not exceed a cap."""
 
-    The other one is FORCE or VELOCITY, which leave J as it is.
-    """
-    if cap_kind < 0:
-        return objective(P, kind, params, q, J)
+    kind: Any
+    params: Any
+    cap_kind: Any  # FORCE or VELOCITY; -1: none
+    cap: Any
+
+
+@kernel
+def alone(wanted):
+    """An objective without its cap."""
+    return Objective(wanted.kind, wanted.params, -1, 0.0)
+
+
+@kernel
+def capped(P, wanted, q, J):
+    """Value of an objective at a posture, refused where another objective exceeds a cap."""
+    if wanted.cap_kind < 0:
+        return objective(P, wanted.kind, wanted.params, q, J)
     tip_jacobian(P, q, J)
-    return REFUSED if figure(cap_kind, params, J) > cap else figure(kind, params, J)
+    return REFUSED if figure(wanted.cap_kind, wanted.params, J) > wanted.cap else figure(wanted.kind, wanted.params, J)
 
 
 @kernel
-def value_rows(P, kind, cap_kind, cap, params, rows, n, values, J):
+def value_rows(P, wanted, rows, n, values, J):
     """Value of every sample."""
     for i in range(n):
-        values[i] = capped(P, kind, cap_kind, cap, params, load_sample(rows[i]), J)
+        values[i] = capped(P, wanted, load_sample(rows[i]), J)
 
 
 @kernel
-def value_at(P, side, R, p, rows, run, x, respect, kind, cap_kind, cap, params, J, A):
+def value_at(P, by, rows, run, x, wanted):
     """Posture of a run at a parameter, and its value; refused where it is not feasible."""
-    q, off = on_curve(P, side, R, p, int(run[0]), respect, rows, int(run[3]), int(run[4]), x, J, A)
+    q, off = on_curve(P, by, int(run[0]), samples_of(rows, run), x)
     if off > 0.0:
         return q, REFUSED
-    return q, capped(P, kind, cap_kind, cap, params, q, J)
+    return q, capped(P, wanted, q, by.J)
 
 
 @kernel
-def close_in(
-    P, place_, R, p, rows, runs, brackets, count, spread, respect, kind, cap_kind, cap, params, resolution, S, J, A
-):
+def on_side(P, by, branch):
+    """A setting on the side of the elbow of a branch."""
+    return Setting(by.target, elbow_side(P, by.target.place, (branch >> 2) & 1), by.respect, by.J, by.A)
+
+
+@kernel
+def least_in(P, by, rows, run, bracket, wanted, S):
+    """Close in on the minimum in a bracket of a run, and write its value and parameter there."""
+    while True:
+        x, more = propose(S)
+        if not more:
+            break
+        _, f = value_at(P, by, rows, run, x, wanted)
+        tell(S, f)
+    bracket[0] = S[F_BEST]
+    bracket[3] = S[BEST]
+
+
+@kernel
+def close_in(P, by, sampled, brackets, spread, wanted, resolution):
     """Close in on every bracket that may hold a value within `spread` (relative) of the best.
 
-    Each of those gets its own minimum as value (place 0) and middle (place 3), the others are refused. Returns the
-    index of the best bracket, -1 if there is none, and its posture.
+    `sampled` holds samples and runs. Each of those brackets gets its own minimum as value (place 0) and middle
+    (place 3), the others are refused. Returns the index of the best bracket, -1 if there is none, and its posture.
     """
+    rows, runs = sampled
+    S = np.empty(STATE)
     chosen = -1
     chosen_q = NO_SEED
     lowest = REFUSED
     room = 0.0
-    elbow = -1
-    side = elbow_side(P, place_, 0)
-    for i in range(count):
+    for i in range(brackets.shape[0]):
         bracket = brackets[i]
         if bracket[0] >= REFUSED or bracket[7] > lowest + spread * abs(lowest):
             bracket[0] = REFUSED
             continue
         run = runs[int(bracket[1])]
-        if int(run[0]) >> 2 != elbow:
-            elbow = int(run[0]) >> 2
-            side = elbow_side(P, place_, elbow)
+        by = on_side(P, by, int(run[0]))
         start_search(S, bracket[2], bracket[3], bracket[4], bracket[5], bracket[0], bracket[6], resolution)
-        while True:
-            x, wanted = propose(S)
-            if not wanted:
-                break
-            _, f = value_at(P, side, R, p, rows, run, x, respect, kind, cap_kind, cap, params, J, A)
-            tell(S, f)
-        bracket[0] = S[F_BEST]
-        bracket[3] = S[BEST]
+        least_in(P, by, rows, run, bracket, wanted, S)
         if bracket[0] > lowest + TIE * abs(lowest):
             continue
-        q, _ = value_at(P, side, R, p, rows, run, bracket[3], respect, kind, -1, 0.0, params, J, A)
+        q, _ = value_at(P, by, rows, run, bracket[3], alone(wanted))
         spare = -cost(P, q, False, NO_SEED, False)
         if chosen < 0 or bracket[0] < lowest - TIE * abs(lowest) or spare > room:
             chosen = i
@@ -165,8 +189,10 @@ def close_in(
 
 
 @kernel
-def span_end(P, side, R, p, rows, run, x, value, end, respect, kind, cap, params, J, A):
-    """How far from a parameter with a known value towards the end of its run an objective stays below a cap."""
+def span_end(P, by, rows, run, known, end, wanted):
+    """How far from a parameter with a known value towards the end of its run an objective stays below its cap."""
+    x, value = known
+    wanted_alone, cap = alone(wanted), wanted.cap
     direction = math.copysign(0.5 * STEP, end - x)
     y = x
     f = value
@@ -177,7 +203,7 @@ def span_end(P, side, R, p, rows, run, x, value, end, respect, kind, cap, params
         y = x + direction
         if (y - end) * direction >= 0.0:
             y = end
-        _, f = value_at(P, side, R, p, rows, run, y, respect, kind, -1, 0.0, params, J, A)
+        _, f = value_at(P, by, rows, run, y, wanted_alone)
     for i in range(EDGE_STEPS):
         if abs(y - x) < EDGE * max(1.0, abs(x)):
             break
@@ -185,7 +211,7 @@ def span_end(P, side, R, p, rows, run, x, value, end, respect, kind, cap, params
         # A secant, but every third step halves the gap for certain; a refused posture has no value to draw one from.
         if i % 3 != 2 and f < REFUSED:
             m = x + (y - x) * min(max((cap - value) / (f - value), 0.001), 0.999)
-        _, g = value_at(P, side, R, p, rows, run, m, respect, kind, -1, 0.0, params, J, A)
+        _, g = value_at(P, by, rows, run, m, wanted_alone)
         if g <= cap:
             x, value = m, g
         else:
@@ -194,17 +220,18 @@ def span_end(P, side, R, p, rows, run, x, value, end, respect, kind, cap, params
 
 
 @kernel
-def survey_best(
-    P, place_, R, p, rows, runs, brackets, count, cap, respect, kind, params, line, out, spans, origin, J, A
-):
-    """Sample the postures around the minima in brackets for which an objective stays below a cap: the number of spans.
+def survey_best(P, by, sampled, brackets, wanted, line, out):
+    """Sample the postures around the minima in brackets for which an objective stays below its cap.
 
-    out receives the samples, spans the parts of runs, origin the run that each one is a part of.
+    `sampled` holds samples and runs; `out` takes the samples, the parts of runs, and the run that each is a part of.
+    Returns the number of samples and of parts.
     """
+    rows, runs = sampled
+    samples, spans, origin = out
     n = 0
     k = 0
-    for i in range(count):
-        if brackets[i, 0] > cap or k >= spans.shape[0]:
+    for i in range(brackets.shape[0]):
+        if brackets[i, 0] > wanted.cap or k >= spans.shape[0]:
             continue
         index = int(brackets[i, 1])
         run = runs[index]
@@ -215,17 +242,16 @@ def survey_best(
                 known = True
         if known:
             continue
-        side = elbow_side(P, place_, int(run[0]) >> 2)
-        value = brackets[i, 0]
-        a = span_end(P, side, R, p, rows, run, x, value, run[1], respect, kind, cap, params, J, A)
-        b = span_end(P, side, R, p, rows, run, x, value, run[2], respect, kind, cap, params, J, A)
-        count_line = sample_again(P, side, R, p, respect, rows, run, a, b, line, J, A)
+        by = on_side(P, by, int(run[0]))
+        a = span_end(P, by, rows, run, (x, brackets[i, 0]), run[1], wanted)
+        b = span_end(P, by, rows, run, (x, brackets[i, 0]), run[2], wanted)
+        count_line = sample_again(P, by, rows, run, (a, b), line)
         spans[k, 0] = run[0]
         spans[k, 1] = a
         spans[k, 2] = b
         spans[k, 3] = n
         for j in range(count_line):
-            n = put(out, n, line[j, 0], load_sample(line[j]))
+            n = put(samples, n, line[j, 0], load_sample(line[j]))
         spans[k, 4] = n
         if n > spans[k, 3]:
             origin[k] = index

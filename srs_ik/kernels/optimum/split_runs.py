@@ -18,6 +18,7 @@ from srs_ik.kernels.curves.follow import put
 from srs_ik.kernels.curves.runs import cut
 from srs_ik.kernels.exact.free_splits import close_gently
 from srs_ik.kernels.jit import kernel
+from srs_ik.kernels.layout.asked import Samples, Setting
 from srs_ik.kernels.layout.limb import (
     A1,
     A3,
@@ -73,11 +74,13 @@ def swung_by(P, q, x):
 
 
 @kernel
-def put_line(P, side, R, p, q, way, half, parts, branch, respect, line, rows, n, runs, k, J, A):
+def put_line(P, by, q, line_of, line, out, used):
     """Sample a line through a posture and write its feasible runs: rows and runs in use.
 
-    way: 0 split of the shoulder, 1 of the wrist, 2 and 3 both together and against each other, 4 swing of the arm.
+    `line_of` holds its way (0 split of the shoulder, 1 of the wrist, 2 and 3 both together and against each other, 4
+    swing of the arm), its length to either side and in how many parts, and the branch of its runs.
     """
+    way, half, parts, branch = line_of
     count = 0
     for i in range(parts + 1):
         x = half * (2.0 * i / parts - 1.0)
@@ -89,33 +92,24 @@ def put_line(P, side, R, p, q, way, half, parts, branch, respect, line, rows, n,
                 start = split_by(P, SHOULDER, start, x)
             if way != 0:
                 start = split_by(P, WRIST, start, -x if way == 3 else x)
-        closed, error = close_gently(P, start, R, p, False, J, A)
+        closed, error = close_gently(P, start, by.target.R, by.target.p, False, by.J, by.A)
         if error <= CLOSED:
             count = put(line, count, x, closed)
         if count > 0 and (error > CLOSED or i == parts):
-            n, k = cut(P, side, R, p, branch, respect, line, 0, count, rows, n, runs, k, J, A)
+            used = cut(P, by, branch, Samples(line, 0, count), out, used)
             count = 0
-    return n, k
+    return used
 
 
 @kernel
-def put_segment(P, side, R, p, q, way, lines, branch, respect, line, rows, n, runs, k, J, A):
-    """Write the runs of the segment of a posture, or of its surface, at so many splits of the other spherical joint."""
-    other = WRIST if way == 0 else SHOULDER
-    for i in range(lines):
-        start = split_by(P, other, q, i * 2.0 * math.pi / lines)
-        n, k = put_line(P, side, R, p, start, way, math.pi, PARTS, branch, respect, line, rows, n, runs, k, J, A)
-    return n, k
-
-
-@kernel
-def survey_splits(P, place_, R, p, respect, line, rows, n, runs, k, J, A):
-    """Sample the free splits of a pose behind the n rows and k runs in use: rows and runs in use then."""
+def survey_splits(P, by, line, out, used):
+    """Sample the free splits of a pose behind the rows and runs in use: rows and runs in use then."""
     boxes = np.empty((1, SIZE))
     wide = row(boxes, 0)
     wide_limb(P, wide)
     for elbow in range(2):
-        side = elbow_side(P, place_, elbow)
+        side = elbow_side(P, by.target.place, elbow)
+        by = Setting(by.target, side, by.respect, by.J, by.A)
         for i in range(4):
             block = SHOULDER if i < 2 else WRIST
             if P[block + (TOP_GAP if i % 2 == 0 else BOTTOM_GAP)] != 0.0:
@@ -135,16 +129,18 @@ def survey_splits(P, place_, R, p, respect, line, rows, n, runs, k, J, A):
                     surface = is_in_line(P, WRIST, q[5], NEARLY) if i < 2 else is_in_line(P, SHOULDER, q[1], NEARLY)
                     code = branch + (SURFACE if surface or everywhere else SPLIT)
                     lines = LINES if surface else 1
-                    n, k = put_segment(P, side, R, p, q, i // 2, lines, code, respect, line, rows, n, runs, k, J, A)
+                    for k in range(lines):
+                        # A segment of the surface at each of so many splits of the other spherical joint.
+                        start = split_by(P, WRIST if i < 2 else SHOULDER, q, k * 2.0 * math.pi / lines)
+                        used = put_line(P, by, start, (i // 2, math.pi, PARTS, code), line, out, used)
     keep(boxes)
-    return n, k
+    return used
 
 
 @kernel
-def put_star(P, side, R, p, q, respect, line, rows, runs, J, A):
+def put_star(P, by, q, line, out):
     """Write the runs through a posture in all directions of its surface: rows and runs in use."""
-    n = 0
-    k = 0
+    used = (0, 0)
     shoulder = is_in_line(P, SHOULDER, q[1], NEARLY)
     wrist = is_in_line(P, WRIST, q[5], NEARLY)
     for way in range(5):
@@ -153,5 +149,5 @@ def put_star(P, side, R, p, q, respect, line, rows, runs, J, A):
         else:
             wanted = (shoulder or way == 1) and (wrist or way == 0)
         if wanted:
-            n, k = put_line(P, side, R, p, q, way, HALF, 2 * AROUND, SURFACE, respect, line, rows, n, runs, k, J, A)
-    return n, k
+            used = put_line(P, by, q, (way, HALF, 2 * AROUND, SURFACE), line, out, used)
+    return used

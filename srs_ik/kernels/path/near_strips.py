@@ -10,15 +10,17 @@ import math
 import numpy as np
 
 from srs_ik.kernels.algebra.joint_vectors import along7, dot7
-from srs_ik.kernels.chain.newton import CLOSED, STEPS, close_free, pose_step
-from srs_ik.kernels.curves.follow import FIRST_GUESS, between, correct, null_vector
+from srs_ik.kernels.chain.newton import CLOSED, STEPS, close_free
+from srs_ik.kernels.curves.follow import between, correct, tangent_at
 from srs_ik.kernels.curves.in_step import load_sample
 from srs_ik.kernels.curves.runs import near_runs
 from srs_ik.kernels.jit import kernel
+from srs_ik.kernels.layout.asked import Setting, Target
 from srs_ik.kernels.layout.path import NODE
 from srs_ik.kernels.layout.search import MAX_RUNS, RUN
 from srs_ik.kernels.limb.branches import branch_of
 from srs_ik.kernels.limb.goal import NO_SEED
+from srs_ik.kernels.limb.triangle import elbow_side
 from srs_ik.kernels.path.followed import away, turn_all
 from srs_ik.kernels.path.strips import FINE_SPACING, SPACING, put_node
 
@@ -27,18 +29,16 @@ MOST_PARTS = 16
 
 
 @kernel
-def direction(P, q, R, p, J, A):
-    """Unit vector along the curve of postures at q, and whether there is one."""
-    pose_step(P, q, R, p, J)
-    v, sign = null_vector(J, FIRST_GUESS, A)
-    return v, sign != 0.0
+def setting_of(P, spot, J, A):
+    """The setting in which the curves of a pose are followed, within the limits."""
+    return Setting(Target(spot.R, spot.p, spot.place), elbow_side(P, spot.place, 0), True, J, A)
 
 
 @kernel
-def moved_along(P, q, v, x, R, p, J, A):
+def moved_along(P, by, q, v, x):
     """The posture that is met a way x from q along the direction v of its curve, and whether it is met."""
     start = along7(q, x, v)
-    return correct(P, start, v, dot7(v, start), R, p, J, A)
+    return correct(P, by, start, v, dot7(v, start))
 
 
 @kernel
@@ -56,9 +56,9 @@ def put_next(P, q, sheet, n, follows):
 @kernel
 def take_runs(P, spot, sheet, n, J, A):
     """Write the postures of all curves from row n on; the next free row."""
-    R, p = spot.R, spot.p
     runs = np.empty((MAX_RUNS, RUN))
-    rows, _, count, _ = near_runs(P, spot.place, R, p, True, runs, J, A)
+    by = setting_of(P, spot, J, A)
+    rows, _, count, _ = near_runs(P, by, runs)
     for k in range(count):
         q = NO_SEED
         for i in range(int(runs[k, 3]), int(runs[k, 4])):
@@ -67,7 +67,7 @@ def take_runs(P, spot, sheet, n, J, A):
             if begun:
                 parts = min(math.ceil(away(wanted, q) / SPACING), MOST_PARTS)
                 for part in range(1, parts):
-                    inner, met = between(P, R, p, q, wanted, part / parts, J, A)
+                    inner, met = between(P, by, q, wanted, part / parts)
                     if met:
                         n = put_next(P, turn_all(P, inner, q, True), sheet, n, True)
             n = put_next(P, wanted, sheet, n, begun)
@@ -83,32 +83,33 @@ def take_line(P, spot, around, sheet, n, J, A):
         return n
     first = n
     count = math.ceil(around.radius / FINE_SPACING)
-    n = walk(P, spot, (middle, -FINE_SPACING, count), sheet, n, J, A)
+    by = setting_of(P, spot, J, A)
+    n = walk(P, by, (middle, -FINE_SPACING, count), sheet, n)
     for i in range((n - first) // 2):
         for j in range(NODE):
             here, there = sheet.nodes[first + i, j], sheet.nodes[n - 1 - i, j]
             sheet.nodes[first + i, j] = there
             sheet.nodes[n - 1 - i, j] = here
     put_node(sheet.nodes, n, middle, 0.0, branch_of(P, middle))
-    n = walk(P, spot, (middle, FINE_SPACING, count), sheet, n + 1, J, A)
+    n = walk(P, by, (middle, FINE_SPACING, count), sheet, n + 1)
     for i in range(first, n):
         sheet.linked[i] = i + 1 < n
     return n
 
 
 @kernel
-def walk(P, spot, begin, sheet, n, J, A):
+def walk(P, by, begin, sheet, n):
     """Follow a curve from a posture on, so far a step, so many steps, and write what is met; the next free row."""
     q, step, count = begin
-    v, good = direction(P, q, spot.R, spot.p, J, A)
+    v, sign = tangent_at(P, by, q)
     for _ in range(count):
-        if not good:
+        if sign == 0.0:
             break
-        q, good = moved_along(P, q, v, step, spot.R, spot.p, J, A)
-        if not good:
+        q, met = moved_along(P, by, q, v, step)
+        if not met:
             break
         put_node(sheet.nodes, n, q, 0.0, branch_of(P, q))
         n += 1
-        v_next, good = direction(P, q, spot.R, spot.p, J, A)
+        v_next, sign = tangent_at(P, by, q)
         v = along7(NO_SEED, math.copysign(1.0, dot7(v, v_next)), v_next)
     return n

@@ -125,20 +125,6 @@ def turns_inside(P, joint, nodes, n0, n1):
 
 
 @kernel
-def turned_by(q, turns):
-    """A posture with joints turned by whole turns."""
-    return (
-        q[0] + TURN * turns[0],
-        q[1] + TURN * turns[1],
-        q[2] + TURN * turns[2],
-        q[3] + TURN * turns[3],
-        q[4] + TURN * turns[4],
-        q[5] + TURN * turns[5],
-        q[6] + TURN * turns[6],
-    )
-
-
-@kernel
 def part_inside(P, a, b):
     """The part of the way from a posture inside the limits to one outside that is inside."""
     t = 1.0
@@ -178,13 +164,17 @@ def put_turned(P, sheet, first, last, turns, n):
     room = nodes.shape[0] - 2
     before = False
     for i in range(first, last):
-        turned = turned_by(read7(row(nodes, i)), turns)
+        turned = along7(read7(row(nodes, i)), TURN, turns)
         q, inside = settled(P, turned, ROUNDING)
         follows = i > first and linked[i - 1]
         if follows and inside != before and n < room:
             # Rows behind those in use hold the pair as it is turned.
             put_node(
-                nodes, room, turned_by(read7(row(nodes, i - 1)), turns), nodes[i - 1, NODE_PSI], nodes[i, NODE_BRANCH]
+                nodes,
+                room,
+                along7(read7(row(nodes, i - 1)), TURN, turns),
+                nodes[i - 1, NODE_PSI],
+                nodes[i, NODE_BRANCH],
             )
             put_node(nodes, room + 1, turned, nodes[i, NODE_PSI], nodes[i, NODE_BRANCH])
             n0 = n

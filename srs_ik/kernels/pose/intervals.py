@@ -12,11 +12,12 @@ from srs_ik.kernels.near.predicted import predicted_intervals
 
 
 @kernel
-def all_intervals(family, place_, R, p, respect, J, A, out):
+def all_intervals(family, target, respect, J, A, out):
     """Feasible intervals of one pose on the true chain; none where the pose is out of reach."""
     if J is not None:
-        n = predicted_intervals(row(family, LIMITED if respect else FREE), place_, R, p, out)
-        return n if n >= 0 else true_intervals(row(family, LIMITED), place_, R, p, respect, out, J, A)
+        n = predicted_intervals(row(family, LIMITED if respect else FREE), target, out, J, A)
+        return n if n >= 0 else true_intervals(row(family, LIMITED), target, respect, out, J, A)
+    place_ = target.place
     if abs(place_[5]) >= SOLVED:
         return 0
     n = find_intervals(row(family, LIMITED if respect else FREE), place_, -1, out)

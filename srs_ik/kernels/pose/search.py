@@ -53,23 +53,25 @@ ONE_VALLEY = 0.3
 
 
 @kernel
-def is_short(P, place_, q, branch, lower, upper, seed, respect):
+def is_short(P, place_, q, interval, goal):
     """Whether the postures at both ends of an interval are close to one in it."""
+    branch = int(interval[0])
     side = elbow_side(P, place_, branch >> 2)
-    a, _ = branch_at(P, side, lower, branch, True, seed, respect)
-    b, _ = branch_at(P, side, upper, branch, True, seed, respect)
+    a, _ = branch_at(P, side, interval[1], branch, True, goal.seed, goal.respect)
+    b, _ = branch_at(P, side, interval[2], branch, True, goal.seed, goal.respect)
     return max(way_between(a, q), way_between(q, b)) < ONE_VALLEY
 
 
 @kernel
-def without(P, place_, found, n, q, branch, psi, seed, respect):
-    """Drop the short interval around a known minimum; return the number of intervals that are left."""
+def without(P, place_, found, known, psi, goal):
+    """Drop the short interval around a known minimum, a posture and its branch; the number of intervals left."""
+    q, branch = known
     left = 0
-    for i in range(n):
+    for i in range(found.shape[0]):
         ahead = (psi - found[i, 1]) - 2.0 * math.pi * math.floor((psi - found[i, 1]) / (2.0 * math.pi))
         width = found[i, 2] - found[i, 1]
         if int(found[i, 0]) == branch and width < ONE_VALLEY and ahead <= width:
-            if is_short(P, place_, q, branch, found[i, 1], found[i, 2], seed, respect):
+            if is_short(P, place_, q, found[i], goal):
                 continue
         copy_interval(found, i, found, left)
         left += 1
@@ -86,94 +88,92 @@ def whole_circles(out):
 
 
 @kernel
-def guess(P, place_, R, p, seed, respect, J, A):
+def guess(P, target, goal, J, A):
     """A posture near a seed by local search: psi, q, branch, cost, and whether it is a local minimum."""
     if J is None:
-        psi, q, branch, lowest, minimum = first_guess(P, place_, seed, respect)
-        position, orientation = pose_error(P, seed, R, p)
+        place_, seed = target.place, goal.seed
+        psi, q, branch, lowest, minimum = first_guess(P, place_, seed, goal.respect)
+        position, orientation = pose_error(P, seed, target.R, target.p)
         if lowest > (MOST_LEVERAGE * max(position / P[FAR], orientation)) ** 2:
             # Suspiciously far: next to a singularity, the seed's own neighbourhood may hold a nearer posture.
-            other, value, still = settle_near(P, seed, R, p, seed, respect, np.empty((6, 7)), np.empty((16, 9)))
+            other, value, still = settle_near(P, target, seed, goal, np.empty((6, 7)), np.empty((16, 9)))
             if value < lowest:
                 return arm_angle(P, other, place_[0], place_[1]), other, branch_of(P, other), value, still
         return psi, q, branch, lowest, minimum
-    return first_guess_near(P, place_, R, p, seed, respect, J, A)
+    return first_guess_near(P, target, goal, J, A)
 
 
 @kernel
-def search_hardly_near(P, place_, R, p, found, n, q, best, lowest, seed, respect, J, A):
+def search_hardly_near(P, target, found, known, goal, J, A):
     """The nearest posture in intervals of a limb that hardly differs from its nearest exact limb: q, branch, cost.
 
     That limb's own nearest posture, settled on the true chain; only next to a singularity are the curves followed.
+    `known` is the best posture so far, its branch and cost.
     """
-    start, branch, value = nearest_within(P, place_, found, n, -1, seed, respect, 4.0 * NO_BRANCH)
+    q, _, lowest = known
+    start, _, value = nearest_within(P, target.place, found, -1, goal, 4.0 * NO_BRANCH)
     if value >= OUTSIDE and not is_unsure(P, q):
-        return q, best, lowest
+        return known
     if value < OUTSIDE and not is_unsure(P, start) and not is_unsure(P, q):
         if value >= lowest:
-            return q, best, lowest
-        start, error = close_free(P, start, R, p, respect, FEW_STEPS, J, A)
-        settled, there, _ = slid(P, start, R, p, seed, respect, J, A)
+            return known
+        start, error = close_free(P, start, target.R, target.p, goal.respect, FEW_STEPS, J, A)
+        settled, there, _ = slid(P, target, start, goal, J, A)
         if error < CLOSED and there < value + HARDLY_FARTHER:
-            return (settled, branch_of(P, settled), there) if there < lowest else (q, best, lowest)
-    start, branch, value = search_followed(P, place_, R, p, -1, True, seed, respect, respect, J, A)
-    if value < lowest:
-        return start, branch, value
-    return q, best, lowest
+            return (settled, branch_of(P, settled), there) if there < lowest else known
+    other = search_followed(P, target, -1, goal, goal.respect, J, A)
+    return other if other[2] < lowest else known
 
 
 @kernel
-def search_near_seed(P, F, place_, R, p, seed, respect, J, A):
+def search_near_seed(P, F, target, goal, J, A):
     """The posture nearest to a seed over all branches and arm angles: q, branch, cost (OUTSIDE if none was found)."""
-    psi, guessed, branch, lowest, minimum = guess(P, place_, R, p, seed, respect, J, A)
-    q, best = guessed, branch
-    if lowest >= OUTSIDE:
-        return q, best, lowest
-    if minimum and is_alone(P, seed, lowest):
-        return q, best, lowest
-    q, best, lowest = with_splits(P, place_, R, p, -1, seed, respect, q, best, lowest)
-    distance = math.sqrt(lowest)
+    place_ = target.place
+    psi, guessed, branch, lowest, minimum = guess(P, target, goal, J, A)
+    known = (guessed, branch, lowest)
+    if lowest >= OUTSIDE or (minimum and is_alone(P, goal.seed, lowest)):
+        return known
+    known = with_splits(P, target, -1, goal, known)
     if J is not None:
-        if distance < CLOSE:
-            q, best, lowest, sure = look_across(P, R, p, q, best, lowest, minimum, seed, respect, J, A)
+        if math.sqrt(known[2]) < CLOSE:
+            known, sure = look_across(P, target, known, minimum, goal, J, A)
             if sure:
-                return q, best, lowest
-            distance = math.sqrt(lowest)
+                return known
+    distance = math.sqrt(known[2])
     boxes = np.empty((1, SIZE))
     box = row(boxes, 0)
-    tighten(F, seed, distance * (1.0 + 1e-9), between_limbs(P), box)
+    tighten(F, goal.seed, distance * (1.0 + 1e-9), between_limbs(P), box)
     found = np.empty((8 * MAX_PIECES, 3))
     n = find_intervals(box, place_, -1, found)
     keep(boxes)
     # In a box of less than a turn, no joint has two turns to choose from.
     if minimum and distance < 3.0:
-        n = without(P, place_, found, n, guessed, branch, psi, seed, respect)
+        n = without(P, place_, found[:n], (guessed, branch), psi, goal)
     if n == 0:
-        return q, best, lowest
+        return known
     if J is None:
-        nearer_q, nearer, value = nearest_within(P, place_, found, n, -1, seed, respect, lowest)
-        if value < lowest:
-            nearer_q, nearer, value = settled_split(P, place_, R, p, nearer_q, nearer, value, seed, respect)
+        nearer = nearest_within(P, place_, found[:n], -1, goal, known[2])
+        if nearer[2] < known[2]:
+            nearer = settled_split(P, target, nearer, goal)
     elif P[MISS] < HARDLY * P[FAR]:
-        return search_hardly_near(P, place_, R, p, found, n, q, best, lowest, seed, respect, J, A)
+        return search_hardly_near(P, target, found[:n], known, goal, J, A)
     else:
-        q, best, lowest, sure = look_beside(P, place_, R, p, found, n, q, best, lowest, seed, respect, J, A)
+        known, sure = look_beside(P, target, found[:n], known, goal, J, A)
         if sure:
-            return q, best, lowest
-        nearer_q, nearer, value = search_followed(P, place_, R, p, -1, True, seed, respect, respect, J, A)
-    if value < lowest:
-        return nearer_q, nearer, value
-    return q, best, lowest
+            return known
+        nearer = search_followed(P, target, -1, goal, goal.respect, J, A)
+    return nearer if nearer[2] < known[2] else known
 
 
 @kernel
-def search_exact(family, place_, R, p, branch, seed, respect):
+def search_exact(family, target, branch, goal):
     """Best posture of a closed limb over all arm angles: q, branch, cost; the least violating one if all break limits.
 
     Rounding may hide a posture from the strict search. So looser tolerances follow, and, with the elbow almost straight
     or folded, all the bends that a pose cannot tell from each other: a bend x changes the length of the arm by x^2 / 8
     of it.
     """
+    place_, respect = target.place, goal.respect
     t, h0, bend_c, bend_s, hand, miss = place_
     strictness = LIMITED if respect else FREE
     found = np.empty((8 * MAX_PIECES, 3))
@@ -196,37 +196,35 @@ def search_exact(family, place_, R, p, branch, seed, respect):
             n = find_intervals(row(family, tolerances + strictness), near, branch, found)
         else:
             whole_circles(found)
-        if seed is None:
-            q, b, value = farthest(P, near, found, 0, n, branch, respect)
+        if goal.seeded:
+            q, b, value = nearest_within(P, near, found[:n], branch, goal, 4.0 * NO_BRANCH)
         else:
-            q, b, value = nearest_within(P, near, found, n, branch, seed, respect, 4.0 * NO_BRANCH)
+            q, b, value = farthest(P, near, found, 0, n, branch, respect)
         if value < lowest:
             best_q, best, lowest = q, b, value
         if stage == 0:
-            best_q, best, lowest = with_splits(P, place_, R, p, branch, seed, respect, best_q, best, lowest)
+            best_q, best, lowest = with_splits(P, target, branch, goal, (best_q, best, lowest))
         if lowest < OUTSIDE:
             break
     return best_q, best, lowest
 
 
 @kernel
-def search_true(P, place_, R, p, branch, seeded, seed, respect, J, A):
+def search_true(P, target, branch, goal, J, A):
     """Best posture of a near limb over all arm angles: q, branch, cost; the least violating one if all break limits."""
-    if respect and not seeded:
-        q, lowest, certain = predicted_best(P, place_, R, p, branch)
+    if goal.respect and not goal.seeded:
+        found, certain = predicted_best(P, target, branch, J, A)
         if certain:
-            return q, branch_of(P, q), lowest
-    q, best, lowest = search_followed(P, place_, R, p, branch, seeded, seed, respect, respect, J, A)
-    if lowest < OUTSIDE:
-        return q, best, lowest
-    hidden, b, value = look_around(P, place_, R, p, branch, seeded, seed, respect, J, A)
-    if value >= OUTSIDE:
-        hidden, b, value = rescue(P, place_, R, p, branch, seeded, seed, respect, J, A)
-    if value < lowest:
-        q, best, lowest = hidden, b, value
-    if lowest < OUTSIDE:
-        return q, best, lowest
-    outside, b, value = search_followed(P, place_, R, p, branch, seeded, seed, respect, False, J, A)
-    if value < lowest:
-        return outside, b, value
-    return q, best, lowest
+            return found.q, branch_of(P, found.q), found.cost
+    best = search_followed(P, target, branch, goal, goal.respect, J, A)
+    if best[2] < OUTSIDE:
+        return best
+    hidden = look_around(P, target, branch, goal, J, A)
+    if hidden[2] >= OUTSIDE:
+        hidden = rescue(P, target, branch, goal, J, A)
+    if hidden[2] < best[2]:
+        best = hidden
+    if best[2] < OUTSIDE:
+        return best
+    outside = search_followed(P, target, branch, goal, False, J, A)
+    return outside if outside[2] < best[2] else best

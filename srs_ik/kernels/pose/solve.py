@@ -27,8 +27,9 @@ from srs_ik.kernels.layout.answer import (
     ROW_STATUS,
     UNREACHABLE,
 )
+from srs_ik.kernels.layout.asked import Goal, Target
 from srs_ik.kernels.layout.limb import FREE, LIMITED
-from srs_ik.kernels.limb.branches import NO_BRANCH, branch_of, elbow_branches
+from srs_ik.kernels.limb.branches import branch_of, elbow_branches
 from srs_ik.kernels.limb.goal import NO_SEED, OUTSIDE, UNMET, tightest_joint, turned
 from srs_ik.kernels.limb.poses import read7, read_pose
 from srs_ik.kernels.limb.triangle import place
@@ -60,73 +61,88 @@ def own_seed(seeds, i):
 
 
 @kernel
-def write_closest(P, place_, R, p, seeded, seed, out):
+def write_closest(P, target, goal, out):
     """Put the closest configuration in the place of one out of reach whose stretched arm breaks the limits."""
-    q = closest(P, read7(out), R, p, np.empty((6, 7)), np.empty((16, 9)))
-    q = clipped(P, turned(P, q, seeded, seed, True))
-    measure_row(P, place_, R, p, q, branch_of(P, q), UNMET, True, out)
+    q = closest(P, read7(out), target.R, target.p, np.empty((6, 7)), np.empty((16, 9)))
+    q = clipped(P, turned(P, q, goal.seeded, goal.seed, True))
+    measure_row(P, target, q, branch_of(P, q), UNMET, True, out)
     out[ROW_STATUS] = UNREACHABLE
 
 
 @kernel
-def solve_row(family, T, branch, seed, respect, J, A, out):
-    """Solve one pose into a row of `out`, the best posture of all arm angles; returns the verdict on the pose."""
+def best_of_pose(family, target, branch, goal, J, A):
+    """The best posture of a pose over all arm angles, in one branch or in all (-1): q, branch, cost."""
+    P = row(family, LIMITED)
+    if goal.seeded and branch < 0:
+        F = row(family, LIMITED if goal.respect else FREE)
+        best = search_near_seed(P, F, target, goal, J, A)
+        if best[2] < OUTSIDE:
+            return best
+    if J is not None:
+        if may_reach(P, target.place):
+            return search_true(P, target, branch, goal, J, A)
+    return search_exact(family, target, branch, goal)
+
+
+@kernel
+def solve_row(family, T, asked, J, A, out):
+    """Solve one pose into a row of `out`, the best posture of all arm angles; returns the verdict on the pose.
+
+    `asked` holds the branch (-1: any), the seed, or None, and whether the limits count.
+    """
     R, p, verdict = read_pose(row(T, 0))
     if verdict != GOOD_POSE:
         return verdict
+    branch, seed, respect = asked
     P = row(family, LIMITED)
     place_ = place(P, R, p)
-    near = seed_or_zero(seed)
-    seeded = seed is not None
-    q = near
-    best = 0
-    lowest = 4.0 * NO_BRANCH
-    if seed is not None:
-        if branch < 0:
-            F = row(family, LIMITED if respect else FREE)
-            q, best, lowest = search_near_seed(P, F, place_, R, p, near, respect, J, A)
-    if lowest >= OUTSIDE:
-        if J is not None and may_reach(P, place_):
-            q, best, lowest = search_true(P, place_, R, p, branch, seeded, near, respect, J, A)
-        elif seed is not None:
-            q, best, lowest = search_exact(family, place_, R, p, branch, near, respect)
-        else:
-            q, best, lowest = search_exact(family, place_, R, p, branch, None, respect)
-    measure_row(P, place_, R, p, q, best, lowest, respect, row(out, 0))
+    target = Target(R, p, place_)
+    goal = Goal(seed is not None, seed_or_zero(seed), respect)
+    q, best, lowest = best_of_pose(family, target, branch, goal, J, A)
+    measure_row(P, target, q, best, lowest, respect, row(out, 0))
     if J is not None:
         if respect and out[ROW_STATUS] == UNREACHABLE and may_reach(P, place_):
             # Only a posture without limits can tell what a near limb does not reach from what its limits forbid.
             if lowest >= UNMET:
-                q, _, lowest = rescue(P, place_, R, p, branch, seeded, near, False, J, A)
+                q, _, lowest = rescue(P, target, branch, Goal(goal.seeded, goal.seed, False), J, A)
             if lowest < UNMET:
                 out[ROW_STATUS] = OUT_OF_LIMITS
                 out[ROW_JOINT] = tightest_joint(P, q)
     if respect and branch < 0 and lowest >= OUTSIDE and out[ROW_STATUS] == UNREACHABLE:
-        write_closest(P, place_, R, p, seeded, near, row(out, 0))
+        write_closest(P, target, goal, row(out, 0))
     return GOOD_POSE
 
 
 @kernel
-def solve_row_at(family, T, psi, branch, seed, respect, J, A, out):
-    """Solve one pose at an arm angle into a row of `out`; returns the verdict on the pose."""
+def solve_row_at(family, T, psi, asked, J, A, out):
+    """Solve one pose at an arm angle into a row of `out`; returns the verdict on the pose.
+
+    `asked` holds the branch (-1: any), the seed, or None, and whether the limits count.
+    """
     R, p, verdict = read_pose(row(T, 0))
     if verdict != GOOD_POSE:
         return verdict
+    branch, seed, respect = asked
     P = row(family, LIMITED)
-    place_ = place(P, R, p)
-    near = seed_or_zero(seed)
-    q, best, lowest = solve_at_angle(P, place_, R, p, psi, branch, seed is not None, near, respect, J, A)
-    measure_row_at(P, place_, R, p, psi, q, best, lowest, respect, row(out, 0))
+    target = Target(R, p, place(P, R, p))
+    goal = Goal(seed is not None, seed_or_zero(seed), respect)
+    found = solve_at_angle(P, target, psi, branch, goal, J, A)
+    measure_row_at(P, target, psi, found, respect, row(out, 0))
     return GOOD_POSE
 
 
 @kernel
-def all_branches(P, T, psi, respect, J, A, out, first):
-    """One row a branch at an arm angle, in the order of branches: rows `first` to `first + 7` of out."""
+def all_branches(P, T, asked, J, A, out, first):
+    """One row a branch at an arm angle, in the order of branches: rows `first` to `first + 7` of out.
+
+    `asked` holds the arm angle, and whether the limits count.
+    """
     R, p, verdict = read_pose(T)
     if verdict != GOOD_POSE:
         return verdict
+    psi, respect = asked
     place_ = place(P, R, p)
+    target = Target(R, p, place_)
     if J is None:
         for elbow in range(2):
             elbow_branches(P, place_, psi, elbow, respect, out, first + 4 * elbow)
@@ -141,14 +157,14 @@ def all_branches(P, T, psi, respect, J, A, out, first):
             q = read7(answer)
             if (right >> branch) & 1 == 1:
                 off, turned = answer[ROW_POSITION_ERROR], answer[ROW_ORIENTATION_ERROR]
-                write_row(place_, q, branch, psi, False, True, off, turned, 0, answer)
+                write_row(place_, q, branch, psi, (off, turned), (False, 0), answer)
             else:
-                measure_row(P, place_, R, p, q, branch, answer[ROW_COST], respect, answer)
+                measure_row(P, target, q, branch, answer[ROW_COST], respect, answer)
         return GOOD_POSE
     found = np.empty((8, 8))
-    solve_all_at_angle(P, place_, R, p, psi, respect, J, A, found)
+    solve_all_at_angle(P, target, psi, respect, J, A, found)
     for branch in range(8):
         q, lowest = read7(found[branch]), found[branch, ROW_COST]
-        measure_row(P, place_, R, p, q, branch, lowest, respect, row(out, first + branch))
+        measure_row(P, target, q, branch, lowest, respect, row(out, first + branch))
         out[first + branch, ROW_BRANCH] = branch
     return GOOD_POSE

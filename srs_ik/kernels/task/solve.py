@@ -27,6 +27,7 @@ from srs_ik.kernels.layout.answer import (
     ROW_STATUS,
     UNREACHABLE,
 )
+from srs_ik.kernels.layout.asked import Goal, Target
 from srs_ik.kernels.layout.limb import FREE, LIMITED, LOOSE, NEAR
 from srs_ik.kernels.layout.task import (
     ANGLE_LOST,
@@ -100,11 +101,12 @@ def task_place(P, R, p):
 
 
 @kernel
-def out_of_reach(P, place_, R, p, psi, branch, respect):
+def out_of_reach(P, target, psi, branch, respect):
     """The posture of a near limb that lies flat towards a wrist out of reach, the hand as wanted: q, branch, cost.
 
     It is that of the nearest exact limb, aimed beside the target by as much as the true chain ends beside its own.
     """
+    R, p, place_ = target
     end = along(p, -place_[5], place_[0])
     aim = end
     q, b, cost = best_branch(P, place_, psi, branch, False, NO_SEED, respect)
@@ -116,45 +118,47 @@ def out_of_reach(P, place_, R, p, psi, branch, respect):
 
 
 @kernel
-def in_branch(P, place_, R, p, psi, branch, seeded, seed, respect, J, A):
+def in_branch(P, target, psi, branch, goal, J, A):
     """Best posture at an arm angle, of a branch (-1: of all): q, branch, cost.
 
     Where a near limb does not reach, nothing closes on its true chain: there it lies as its nearest exact limb would.
     """
+    place_, respect = target.place, goal.respect
     if J is None:
-        if branch < 0 and not seeded:
+        if branch < 0 and not goal.seeded:
             return steady_branch(P, place_, math.cos(psi), math.sin(psi), respect)
     if J is not None:
         if not may_reach(P, place_):
-            return out_of_reach(P, place_, R, p, psi, branch, respect)
-    q, b, cost = solve_at_angle(P, place_, R, p, psi, branch, seeded, seed, respect, J, A)
+            return out_of_reach(P, target, psi, branch, respect)
+    q, b, cost = solve_at_angle(P, target, psi, branch, goal, J, A)
     if J is not None:
         if cost >= OUTSIDE and place_[5] != 0.0:
-            return out_of_reach(P, place_, R, p, psi, branch, respect)
+            return out_of_reach(P, target, psi, branch, respect)
     return q, b, cost
 
 
 @kernel
-def at_angle(P, place_, R, p, psi, branch, seeded, seed, respect, J, A):
+def at_angle(P, target, psi, branch, goal, J, A):
     """Best posture at an arm angle, in the branch that is preferred (-1: none) if that has one: q, branch, cost."""
-    q, b, cost = in_branch(P, place_, R, p, psi, branch, seeded, seed, respect, J, A)
+    q, b, cost = in_branch(P, target, psi, branch, goal, J, A)
     if branch >= 0 and cost >= OUTSIDE:
-        return in_branch(P, place_, R, p, psi, -1, seeded, seed, respect, J, A)
+        return in_branch(P, target, psi, -1, goal, J, A)
     return q, b, cost
 
 
 @kernel
-def nearest_feasible(family, place_, R, p, psi, branch, seeded, seed, respect, J, A):
+def nearest_feasible(family, target, psi, branch, goal, J, A):
     """The posture at the feasible arm angle nearest to a wanted one.
 
     Returns:
         q, branch, cost; of the best posture of any kind where none is feasible.
     """
+    place_, respect = target.place, goal.respect
     found = np.empty((8 * MAX_PIECES, 3))
     if place_[5] != 0.0:
         n = find_intervals(row(family, LIMITED if respect else FREE), place_, -1, found)
     else:
-        n = all_intervals(family, place_, R, p, respect, J, A, found)
+        n = all_intervals(family, target, respect, J, A, found)
     for _ in range(n):
         best = -1
         nearest = 0.0
@@ -171,40 +175,40 @@ def nearest_feasible(family, place_, R, p, psi, branch, seeded, seed, respect, J
         inward = 1.0 if nearest - lower < upper - nearest else -1.0
         nudge = 0.0
         while nudge <= upper - lower:
-            q, b, cost = at_angle(P, place_, R, p, nearest + inward * nudge, branch, seeded, seed, respect, J, A)
+            q, b, cost = at_angle(P, target, nearest + inward * nudge, branch, goal, J, A)
             if cost < OUTSIDE:
                 return q, b, cost
             nudge = max(SMALLEST_NUDGE, 8.0 * nudge)
         found[best, 0] = -1.0
     if J is not None:
         if place_[5] != 0.0:
-            return out_of_reach(row(family, LIMITED), place_, R, p, psi, -1, respect)
-        return search_true(row(family, LIMITED), place_, R, p, -1, seeded, seed, respect, J, A)
-    if seeded:
-        return search_exact(family, place_, R, p, -1, seed, respect)
-    return search_exact(family, place_, R, p, -1, None, respect)
+            return out_of_reach(row(family, LIMITED), target, psi, -1, respect)
+        return search_true(row(family, LIMITED), target, -1, goal, J, A)
+    return search_exact(family, target, -1, goal)
 
 
 @kernel
-def solve_posed(family, R, p, m, branch, seeded, seed, respect, J, A, out):
+def solve_posed(family, pose, m, branch, goal, work, out):
     """Solve a pose with the elbow in the plane with signed normal m, or as near as can be; the arm angle given up.
 
     A branch other than -1 is preferred where it is feasible there.
     """
+    R, p = pose
+    J, A = work
     P = row(family, LIMITED)
     place_ = task_place(P, R, p)
+    target = Target(R, p, place_)
     psi = planned_arm_angle(place_[0], place_[1], m)
-    q, b, cost = at_angle(P, place_, R, p, psi, branch, seeded, seed, respect, J, A)
+    q, b, cost = at_angle(P, target, psi, branch, goal, J, A)
     if cost < OUTSIDE:
-        position, orientation = pose_error(P, q, R, p)
-        write_row(place_, q, b, psi, False, True, position, orientation, 0, out)
+        write_row(place_, q, b, psi, pose_error(P, q, R, p), (False, 0), out)
         return 0.0
-    q, b, cost = nearest_feasible(family, place_, R, p, psi, branch, seeded, seed, respect, J, A)
-    measure_row(P, place_, R, p, q, b, cost, respect, out)
+    q, b, cost = nearest_feasible(family, target, psi, branch, goal, J, A)
+    measure_row(P, target, q, b, cost, goal.respect, out)
     if J is not None:
-        if respect and out[ROW_STATUS] == UNREACHABLE and place_[5] == 0.0:
+        if goal.respect and out[ROW_STATUS] == UNREACHABLE and place_[5] == 0.0:
             # On a near limb, only an attempt without limits tells what they forbid from what is out of reach.
-            free, _, value = at_angle(P, place_, R, p, psi, -1, seeded, seed, False, J, A)
+            free, _, value = at_angle(P, target, psi, -1, Goal(goal.seeded, goal.seed, False), J, A)
             if value < OUTSIDE:
                 out[ROW_STATUS] = OUT_OF_LIMITS
                 out[ROW_JOINT] = tightest_joint(P, free)
@@ -264,7 +268,7 @@ def solve_true(family, H, x, grasped, phi, side, tie, found, hand_axes, branch, 
         elif attempt == 2:
             if lowest < OUTSIDE:
                 break
-            lost = solve_posed(family, R, p, found[3], branch, seeded, seed, respect, J, A, out)
+            lost = solve_posed(family, (R, p), found[3], branch, Goal(seeded, seed, respect), (J, A), out)
             if out[ROW_STATUS] != OK or lost > 0.0:
                 return found, R, lost
             start = read7(out)
@@ -277,8 +281,7 @@ def solve_true(family, H, x, grasped, phi, side, tie, found, hand_axes, branch, 
     if lowest < OUTSIDE:
         place_ = task_place(P, R, p)
         psi = planned_arm_angle(place_[0], place_[1], found[3])
-        position, orientation = pose_error(P, q, R, p)
-        write_row(place_, q, branch_of(P, q), psi, False, True, position, orientation, 0, out)
+        write_row(place_, q, branch_of(P, q), psi, pose_error(P, q, R, p), (False, 0), out)
     return found, R, lost
 
 
@@ -303,7 +306,7 @@ def solve_task_one(family, H, x, given, side, tie, seeds, i, respect, J, A, out)
     p = load3(x, TASK_POSITION)
     if J is None:
         R = times_transposed(tip_axes(found[5], phi), hand_axes)
-        out[ANGLE_LOST] = solve_posed(family, R, p, found[3], branch, seeded, seed, respect, J, A, out)
+        out[ANGLE_LOST] = solve_posed(family, (R, p), found[3], branch, Goal(seeded, seed, respect), (J, A), out)
     else:
         found, R, lost = solve_true(
             family, H, x, grasped, phi, side, tie, found, hand_axes, branch, seeded, seed, respect, J, A, out

@@ -1,0 +1,313 @@
+"""The posture farthest from the limits within intervals of arm angles, on the true chain of a near limb.
+
+Postures are looked at, eight at a time, until none between them can be better; then the minima are closed in on.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from srs_ik.kernels.exact.intervals import TURN
+from srs_ik.kernels.jit import kernel
+from srs_ik.kernels.layout.asked import Best
+from srs_ik.kernels.layout.limb import INVERSE_HALF_RANGE, MIDDLE
+from srs_ik.kernels.limb.goal import NO_SEED, turned
+from srs_ik.kernels.limb.limits import turn_to_middle, violation
+from srs_ik.kernels.limb.poses import read7
+from srs_ik.kernels.near.scan import (
+    FASTER,
+    MAX_POINTS,
+    POINT,
+    POINT_BRANCH,
+    POINT_OFF,
+    POINT_PSI,
+    POINT_RATES,
+    close_points,
+    is_narrow,
+    least_sine,
+    put_between,
+    put_points,
+)
+
+GAIN = 1e-12
+"""Costs closer than this are equal."""
+
+BREAKS_LIMITS = 2.0
+"""Cost of a posture outside its limits, plus how far it is outside, rad."""
+
+SPACING = 0.3
+"""Widest spacing of the arm angles that are looked at first, rad."""
+
+BEYOND = 0.02
+"""What falls at the end of an interval may go on to fall for so long, rad."""
+
+SHORT_GAP = 0.03
+"""A gap so short, rad, has one minimum at most: where the cost falls at its first end and rises at its last."""
+
+COARSE = 1e-3
+"""Between points farther apart, rad, every fourth arm angle is half-way."""
+
+SHORT_SHARE = 0.15
+"""Nor is it wider than this part of how far shoulder and wrist are from singular."""
+
+CLOSING_STEPS = 24
+CLOSED_IN = 1e-7
+"""A step of the arm angle this short, rad, is the last: steps shrink like squares."""
+
+
+@kernel
+def joint_figures(P, point, joint):
+    """Cost of a joint at a point, and its rate with the arm angle."""
+    off = turn_to_middle(P, joint, point[joint]) - P[MIDDLE + joint]
+    inverse = P[INVERSE_HALF_RANGE + joint]
+    return abs(off) * inverse - 1.0, math.copysign(inverse, off) * point[POINT_RATES + joint]
+
+
+@kernel
+def cost_of(P, point):
+    """Cost of a point, its rate with the arm angle, and the joint that makes it."""
+    highest = -1.0
+    rate = 0.0
+    worst = 0.0
+    active = -1
+    for joint in range(7):
+        cost, slope = joint_figures(P, point, joint)
+        if cost > highest:
+            highest, rate, active = cost, slope, joint
+        worst = max(worst, violation(P, joint, turn_to_middle(P, joint, point[joint])))
+    return (BREAKS_LIMITS + worst if worst > 0.0 else highest), rate, active
+
+
+@kernel
+def least_cost(P, a, b):
+    """A cost that no posture between two points undercuts."""
+    width = b[POINT_PSI] - a[POINT_PSI]
+    least = -1.0
+    for j in range(7):
+        cost_a, rate_a = joint_figures(P, a, j)
+        cost_b, rate_b = joint_figures(P, b, j)
+        least = max(least, 0.5 * (cost_a + cost_b - FASTER * max(abs(rate_a), abs(rate_b)) * width))
+    return least
+
+
+@kernel
+def downhill(P, point):
+    """The way from a point to the least of the largest of its joints' costs, each going on as it goes there."""
+    _, rate, active = cost_of(P, point)
+    if active < 0 or rate == 0.0:
+        return 0.0
+    sign = -1.0 if rate > 0.0 else 1.0
+    way = 0.0
+    for _ in range(7):
+        height, slope = joint_figures(P, point, active)
+        slope *= sign
+        nearest = math.inf
+        following = -1
+        for j in range(7):
+            cost, other = joint_figures(P, point, j)
+            other *= sign
+            if j != active and other > slope:
+                crossing = (height - cost) / (other - slope)
+                if way <= crossing < nearest:
+                    nearest, following = crossing, j
+        if following < 0:
+            return sign * math.inf
+        way, active = nearest, following
+        _, slope = joint_figures(P, point, active)
+        if sign * slope >= 0.0:
+            break
+    return sign * way
+
+
+@kernel
+def measure_points(P, points, first, last, best):
+    """Tell the costs of points; the best configuration so far."""
+    for i in range(first, last):
+        cost, _, _ = cost_of(P, points[i])
+        points[i, POINT_OFF] = cost
+        if cost < best.cost:
+            best = Best(read7(points[i]), cost)
+    return best
+
+
+@kernel
+def spread_points(found, n, points, gaps):
+    """Spread points over the intervals in the first n rows of found: how many there are, and gaps between them.
+
+    The points are filled up to whole eights by copies; none, if there is no room.
+    """
+    count = 0
+    left = 0
+    for i in range(n):
+        lower, upper = found[i, 1], found[i, 2]
+        parts = max(math.ceil((upper - lower) / SPACING), 1)
+        if count + parts + 9 > MAX_POINTS:
+            return 0, 0
+        for k in range(parts + 1):
+            points[count, POINT_PSI] = lower + (upper - lower) * k / parts
+            points[count, POINT_BRANCH] = found[i, 0]
+            if k > 0:
+                gaps[left, 0], gaps[left, 1] = count - 1, count
+                left += 1
+            count += 1
+    while count % 8 != 0:
+        points[count, POINT_PSI] = points[count - 1, POINT_PSI]
+        points[count, POINT_BRANCH] = points[count - 1, POINT_BRANCH]
+        count += 1
+    return count, left
+
+
+@kernel
+def may_be_better_beyond(P, points, found, lowest):
+    """Whether a cost close to the best one falls at an end of the intervals but for arcs, and may be less behind it."""
+    k = 0
+    for i in range(found.shape[0]):
+        parts = max(math.ceil((found[i, 2] - found[i, 1]) / SPACING), 1)
+        if found[i, 2] - found[i, 1] < TURN:
+            cost_a, slope_a, _ = cost_of(P, points[k])
+            cost_b, slope_b, _ = cost_of(P, points[k + parts])
+            falls_a = found[i, 3] < 0.0 and slope_a > 0.0 and cost_a - slope_a * BEYOND < lowest
+            falls_b = found[i, 4] < 0.0 and slope_b < 0.0 and cost_b + slope_b * BEYOND < lowest
+            if falls_a or falls_b:
+                return True
+        k += parts + 1
+    return False
+
+
+@kernel
+def is_short_gap(P, a, b):
+    """Whether a gap between two points is so short that its ends tell whether there is a minimum in it."""
+    width = b[POINT_PSI] - a[POINT_PSI]
+    return width < SHORT_GAP and width < SHORT_SHARE * least_sine(P, a, b)
+
+
+@kernel
+def halve_gaps(P, view, n, left, best):
+    """Halve gaps of a view that may hide a better point until they are short, behind its n points.
+
+    Returns the number of gaps that are left (-1: it fails), and the best configuration so far.
+    """
+    points, gaps = view.points, view.gaps
+    while True:
+        kept = 0
+        long = 0
+        for i in range(left):
+            a, b = gaps[i, 0], gaps[i, 1]
+            if is_narrow(P, points[a], points[b]) and least_cost(P, points[a], points[b]) > best.cost - GAIN:
+                continue
+            gaps[kept, 0], gaps[kept, 1] = a, b
+            if not is_short_gap(P, points[a], points[b]):
+                gaps[kept, 0], gaps[kept, 1] = gaps[long, 0], gaps[long, 1]
+                gaps[long, 0], gaps[long, 1] = a, b
+                long += 1
+            kept += 1
+        left = kept
+        if long == 0:
+            return left, best
+        if n + 8 > MAX_POINTS or not put_between(P, view.target, points, gaps, long, n):
+            return -1, best
+        best = measure_points(P, points, n, n + 8, best)
+        for i in range(min(long, 8)):
+            gaps[left, 0], gaps[left, 1] = n + i, gaps[i, 1]
+            gaps[i, 1] = n + i
+            left += 1
+        n += 8
+
+
+@kernel
+def copy_point(source, i, target, k):
+    """Copy a point."""
+    for c in range(POINT):
+        target[k, c] = source[i, c]
+
+
+@kernel
+def next_arm_angle(P, a, b, latest, step):
+    """Where to look for the minimum between two points, from the latest one."""
+    lower, upper = a[POINT_PSI], b[POINT_PSI]
+    x = latest[POINT_PSI] + downhill(P, latest)
+    if not lower < x < upper:
+        cost_a, slope_a, active_a = cost_of(P, a)
+        cost_b, slope_b, active_b = cost_of(P, b)
+        width = upper - lower
+        # Where the rate of one joint vanishes, or where the tangents of two meet.
+        fall = slope_a * width if active_a == active_b else cost_a - cost_b + slope_b * width
+        x = lower - fall / (slope_b - slope_a) if active_a == active_b else lower + fall / (slope_b - slope_a)
+    if (step % 4 == 3 and upper - lower > COARSE) or not lower < x < upper:
+        x = 0.5 * (lower + upper)
+    return x
+
+
+@kernel
+def close_in(P, view, gaps, work, best):
+    """Close in on the minima in up to eight gaps in step: the best configuration, and whether all went well.
+
+    `work` holds the first and the last points of the gaps, the latest ones, and those that are looked at.
+    """
+    points = view.points
+    count = min(gaps.shape[0], 8)
+    for i in range(count):
+        a, b = gaps[i, 0], gaps[i, 1]
+        copy_point(points, a, work, i)
+        copy_point(points, b, work, 8 + i)
+        copy_point(points, a if points[a, POINT_OFF] < points[b, POINT_OFF] else b, work, 16 + i)
+    for i in range(8):
+        copy_point(work, 16, work, 24 + i)
+    for step in range(CLOSING_STEPS):
+        longest = 0.0
+        for i in range(count):
+            x = next_arm_angle(P, work[i], work[8 + i], work[16 + i], step)
+            way = x - work[16 + i, POINT_PSI]
+            longest = max(longest, abs(way))
+            for j in range(7):
+                work[24 + i, j] = work[16 + i, j] + way * work[16 + i, POINT_RATES + j]
+            work[24 + i, POINT_PSI] = x
+            work[24 + i, POINT_BRANCH] = work[i, POINT_BRANCH]
+        if not close_points(P, view.target, work, 24):
+            return best, False
+        best = measure_points(P, work, 24, 24 + count, best)
+        for i in range(count):
+            _, slope, _ = cost_of(P, work[24 + i])
+            copy_point(work, 24 + i, work, 16 + i)
+            copy_point(work, 24 + i, work, i if slope < 0.0 else 8 + i)
+        if longest < CLOSED_IN:
+            break
+    return best, True
+
+
+@kernel
+def best_within(P, view, found, drawn_in, best):
+    """The best configuration in intervals, rows of `arcs.without_arcs`, if it is better than the best so far.
+
+    `drawn_in` says that the intervals end where the limits that are drawn in do, not the limits themselves. Returns
+    also whether the answer is certain.
+    """
+    n = found.shape[0]
+    if n == 0:
+        return best, True
+    points, gaps = view.points, view.gaps
+    count, left = spread_points(found, n, points, gaps)
+    if count == 0:
+        return best, False
+    for i in range(0, count, 8):
+        if not put_points(P, view, points, i):
+            return best, False
+    best = measure_points(P, points, 0, count, best)
+    left, best = halve_gaps(P, view, count, left, best)
+    if left < 0 or (drawn_in and may_be_better_beyond(P, points, found, best.cost)):
+        return best, False
+    kept = 0
+    for i in range(left):
+        _, slope_a, _ = cost_of(P, points[gaps[i, 0]])
+        _, slope_b, _ = cost_of(P, points[gaps[i, 1]])
+        if slope_a < 0.0 < slope_b:
+            gaps[kept, 0], gaps[kept, 1] = gaps[i, 0], gaps[i, 1]
+            kept += 1
+    work = np.empty((32, POINT))
+    for i in range(0, kept, 8):
+        best, sure = close_in(P, view, gaps[i:kept], work, best)
+        if not sure:
+            return best, False
+    return Best(turned(P, best.q, False, NO_SEED, True), best.cost), True
