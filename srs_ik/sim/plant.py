@@ -40,12 +40,14 @@ class Plant:
         timestep: s.
         joint_limits: whether the joints end at their limits.
         effort_limits: whether the motors end at theirs.
+        friction: of the joints, dry, N m, one or (7,); "file" for what the robot file says.
 
     Attributes:
         model: the ``mujoco.MjModel``.
         data: its ``mujoco.MjData``.
         source: "urdf" or "pinocchio", where the bodies were read from.
         damping: (7,) N m s/rad.
+        friction: (7,) N m.
         touches_by: what meets the world: "tip", its ball alone; and the arm too, by "shapes" of its file or by "bars".
 
     Raises:
@@ -62,6 +64,7 @@ class Plant:
         timestep: float = TIMESTEP,
         joint_limits: bool = True,
         effort_limits: bool = True,
+        friction: ArrayLike | Literal["file"] = "file",
     ) -> None:
         self._mujoco = mujoco = import_mujoco()
         require_inertias(arm)
@@ -80,9 +83,12 @@ class Plant:
         self._at = np.array([self.model.joint(name).dofadr[0] for name in arm.joint_names])
         if not (isinstance(damping, str) and damping == "file"):
             self.model.dof_damping[self._at] = _seven(damping, "damping")
+        if not (isinstance(friction, str) and friction == "file"):
+            self.model.dof_frictionloss[self._at] = _seven(friction, "friction")
         self.model.dof_armature[self._at] += _seven(armature, "armature")
         self.data = mujoco.MjData(self.model)
         self.damping = np.array(self.model.dof_damping[self._at])
+        self.friction = np.array(self.model.dof_frictionloss[self._at])
         self._tip_body, self._elbow_body = (int(self.model.joint(arm.joint_names[k]).bodyid[0]) for k in (6, 2))
         self._push = np.zeros(self.model.nv)
         self.reset(np.zeros(7))

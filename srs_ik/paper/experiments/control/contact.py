@@ -123,7 +123,7 @@ def _draw(forces: dict[str, tuple[Array, Array]], figures: dict[str, Any]) -> Fi
         found = figures["wall"][kind]
         label = f"{NAMES[kind]}: peak {found['peak_N']:.0f} N, then {found['lasting_N']:.0f} N"
         axes.plot(t, force, color=COLOURS[kind], linewidth=1.0, label=label)
-    axes.set(xlabel="time (s)", ylabel="force on the wall (N)", ylim=(0.0, 250.0))
+    axes.set(xlabel="time (s)", ylabel="force on the wall (N)")
     axes.set_title("target 50 mm behind a wall", fontsize=10)
     axes.legend(fontsize=7)
     axes = figure.add_subplot(1, 2, 2)
