@@ -133,18 +133,17 @@ def forbidden_table(found: dict[str, Any]) -> list[str]:
 
 
 def contact_table(found: dict[str, Any]) -> list[str]:
-    lines = [
-        "| controller | wall: peak (N) | then (N) | peg: peak (N) | then (N) | sag under 0.5, 1, 2, 3 kg (mm) |",
-        "|---|--:|--:|--:|--:|---|",
-    ]
+    rows = []
     for kind, wall in found["wall"].items():
         peg = found["peg"][kind]
         sags = ", ".join(f"{1e3 * row['sag_m']:.0f}" for row in found["payload"][kind].values())
-        lines.append(
-            f"| {NAMES[kind]} | {wall['peak_N']:.0f} | {wall['lasting_N']:.0f} | {peg['peak_N']:.0f} | "
-            f"{peg['lasting_N']:.0f} | {sags} |"
-        )
-    return lines
+        forces = [f"{row[name]:,.0f}" for row in (wall, peg) for name in ("peak_N", "lasting_N")]
+        rows.append([NAMES[kind], *forces, f"{peg['largest_joint_speed_rad_s']:.2g}", sags])
+    return table(
+        "controller | wall: peak (N) | then (N) | peg: peak (N) | then (N) | peg: fastest joint (rad/s) "
+        "| sag under 0.5, 1, 2, 3 kg (mm)",
+        rows,
+    )
 
 
 def reaching_table(found: dict[str, Any]) -> list[str]:

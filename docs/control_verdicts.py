@@ -94,7 +94,7 @@ def late(rule: dict[str, Any], rate: dict[str, Any], shares: dict[str, Any]) -> 
 
 def singular(stretch: dict[str, Any]) -> Row:
     reach, far, fast = (stretch[name] for name in ("to the reach, 2 s", "beyond it, 4 s", "beyond it, 2 s"))
-    own = [rows[kind] for rows in (reach, far) for kind in ("per_axis", "radial", "braked")] + [fast["braked"]]
+    own = [rows[kind] for rows in (reach, far) for kind in ("per_axis", "radial")] + [fast["braked"]]
     plain, damped, linear = (fast[name] for name in ("operational_pinv", "operational", "linear"))
     worst = {name: row["per_axis"]["largest_joint_speed_rad_s"]["worst"] for name, row in stretch.items()}
     braked = fast["braked"]

@@ -19,7 +19,8 @@ if TYPE_CHECKING:
 
     from srs_ik.arm import Arm
 
-RUNS = {"per_axis": 20, "radial": 20, "braked": 20, "linear": 5, "operational": 5, "operational_pinv": 5, "joint": 5}
+OWN = {"per_axis": 20, "radial": 20}
+ALL = {**OWN, "braked": 20, "linear": 5, "operational": 5, "operational_pinv": 5, "joint": 5}
 """Seeds of each controller."""
 
 
@@ -30,12 +31,14 @@ class Motion(NamedTuple):
     """Farthest target, in distances from shoulder to wrist with the elbow straight."""
     out: float
     """Seconds on the way out, and again on the way back."""
+    runs: dict[str, int]
+    """Seeds by controller."""
 
 
 MOTIONS = {
-    "to the reach, 2 s": Motion(1.0, 2.0),
-    "beyond it, 4 s": Motion(1.05, 4.0),
-    "beyond it, 2 s": Motion(1.05, 2.0),
+    "to the reach, 2 s": Motion(1.0, 2.0, OWN),
+    "beyond it, 4 s": Motion(1.05, 4.0, OWN),
+    "beyond it, 2 s": Motion(1.05, 2.0, ALL),
 }
 DRAWN = "beyond it, 2 s"
 
@@ -56,9 +59,9 @@ def stretch(arm: Arm, progress: Progress, short: bool = False) -> Outcome:
     """The target moves away from the shoulder, straight out through the reach and back, its turn unchanged."""
     figures: dict[str, Any] = {"stretch": {name: {} for name in MOTIONS}}
     shown: dict[str, Record] = {}
-    done, total = 0.0, sum(motion.out * count for motion in MOTIONS.values() for count in RUNS.values())
+    done, total = 0.0, sum(motion.out * sum(motion.runs.values()) for motion in MOTIONS.values())
     for name, motion in MOTIONS.items():
-        for kind, count in RUNS.items():
+        for kind, count in motion.runs.items():
             found = _stretched(arm, kind, motion, 1 if short else count, 0.05 if short else 1.0)
             figures["stretch"][name][kind], record = found
             if name == DRAWN:
