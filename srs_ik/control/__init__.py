@@ -7,7 +7,7 @@ without projections into a null space.
 from __future__ import annotations
 
 from srs_ik.control.controller import PortReading, TorqueController
-from srs_ik.control.impedance import FractalImpedance, JointLimits
+from srs_ik.control.impedance import FractalImpedance, JointLimits, JointSpeeds
 from srs_ik.control.profile import ForceProfile
 
-__all__ = ["ForceProfile", "FractalImpedance", "JointLimits", "PortReading", "TorqueController"]
+__all__ = ["ForceProfile", "FractalImpedance", "JointLimits", "JointSpeeds", "PortReading", "TorqueController"]

@@ -30,6 +30,8 @@ program."""
 WEAK = (1e-5, 1e-4)
 """Eigenvalues of J M^-1 J' between which the damped form fades a direction out, m^2/(kg m^2) and the like."""
 
+_LOWER = np.tril_indices(7, -1)
+
 
 @dataclass(frozen=True)
 class Gains:
@@ -88,7 +90,8 @@ class _Baseline:
         configuration = self.arm.configuration(q)
         model, data = self.arm.model, self._data
         M = pin.crba(model, data, configuration)
-        M = np.triu(M) + np.triu(M, 1).T
+        # Pinocchio fills the upper triangle alone.
+        M[_LOWER] = M.T[_LOWER]
         self.gravity_torque = np.array(pin.computeGeneralizedGravity(model, data, configuration))
         return M, np.array(pin.nonLinearEffects(model, data, configuration, v))
 

@@ -9,7 +9,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from srs_ik.analysis.gravity import require_masses
-from srs_ik.control.impedance import FractalImpedance, JointLimits
+from srs_ik.control.impedance import FractalImpedance, JointLimits, JointSpeeds
+from srs_ik.control.profile import seven_positive
 from srs_ik.errors import InvalidConfiguration, InvalidController, InvalidTask
 from srs_ik.inputs.numbers import real_array
 from srs_ik.inputs.poses import PoseLike, as_bounded_joint_vector, as_joint_vector, as_rigid_matrix
@@ -32,13 +33,16 @@ class PortReading(NamedTuple):
     """What a port did in the last tick."""
 
     on: str
-    """The place, or "joint_limit"."""
+    """The place, or "joint_limit" or "joint_speed"."""
     error: Array
-    """(3,) from the place to its target, m, or the rotation vector, rad; one figure for arm angle and joint limits."""
+    """(3,) from the place to its target, m, or the rotation vector, rad; one figure for arm angle and joint limits, and
+    for a brake, rad/s beyond where it begins."""
+    axes: Array
+    """(3, 3) directions, base axes, along which the law acts: those of the base, or of the radial form."""
     peak: Array
-    """(3,) largest error of the current divergence, m or rad; the first figure alone where directions do not count."""
+    """(3,) largest error of the current divergence along each of these axes, m or rad."""
     converging: Array
-    """(3,) bool: on the way back."""
+    """(3,) bool: on the way back, along each of these axes."""
     force: Array
     """(3,) N or N m, without damping."""
     energy: float
@@ -51,7 +55,7 @@ class TorqueController:
     """Torques by superposition: J' h of every port, and the torque that holds the arm's weight.
 
     No matrix is inverted and no port is projected: the torque is finite in every configuration, and at most the sum of
-    |J'| times the largest force of each port, and the weight.
+    |J'| times the largest force of each port, with J in the axes of the port, and the weight.
 
     Args:
         arm: the arm; its masses count where `gravity` does.
@@ -59,6 +63,7 @@ class TorqueController:
         gravity: whether the weight of the arm is held.
         limits: repelling joint limits; True for the usual ones, None or False for none.
         max_torque: largest torque of each joint, N m, one or (7,); the arm's effort limits if not given.
+        speeds: brakes on fast joints; True for those that begin at the arm's velocity limits, None or False for none.
 
     Raises:
         InvalidController: no impedances, too many, or torques that are none; or gravity and an arm without masses.
@@ -71,10 +76,12 @@ class TorqueController:
         gravity: bool = True,
         limits: JointLimits | bool | None = None,
         max_torque: ArrayLike | None = None,
+        speeds: JointSpeeds | bool | None = None,
     ) -> None:
         self.arm = arm
         self.ports = tuple(ports)
         self.limits = JointLimits() if limits is True else limits or None
+        self.speeds = JointSpeeds() if speeds is True else speeds or None
         if not all(isinstance(port, FractalImpedance) for port in self.ports):
             raise InvalidController("ports are a list of FractalImpedance")
         if len(self.ports) > MOST_PORTS:
@@ -85,8 +92,11 @@ class TorqueController:
             except InvalidTask as error:
                 raise InvalidController(str(error)) from None
         rows = [port.row() for port in self.ports]
-        rows += self.limits.rows(arm.lower, arm.upper) if self.limits else []
-        self._names = [port.on for port in self.ports] + ["joint_limit"] * (len(rows) - len(self.ports))
+        limits_at = self.limits.rows(arm.lower, arm.upper) if self.limits else []
+        brakes = self.speeds.rows(arm.velocity_limit, arm.effort_limit) if self.speeds else []
+        rows += limits_at + brakes
+        self._names: list[str] = [port.on for port in self.ports]
+        self._names += ["joint_limit"] * len(limits_at) + ["joint_speed"] * len(brakes)
         self._rows = np.array(rows).reshape(-1, at.PORT)
         self._states = np.zeros((len(rows), at.STATE))
         self._bounds = np.append(_largest_torques(arm, max_torque), float(bool(gravity)))
@@ -181,6 +191,7 @@ class TorqueController:
         """Forget all peaks: the next tick begins a new divergence at every port."""
         self._states[:] = 0.0
         self._states[:, at.LAST : at.LAST + 3] = -1.0
+        self._states[:, at.SIZE] = -1.0
 
     # The tick ---------------------------------------------------------------------------------------------------
 
@@ -210,18 +221,19 @@ class TorqueController:
 
     @property
     def readings(self) -> list[PortReading]:
-        """What every port did in the last tick, in the order of `ports`, and then the joint limits."""
+        """What every port did in the last tick, in the order of `ports`, then the joint limits, then the brakes."""
         return [
             PortReading(
                 name,
                 state[at.ERROR : at.ERROR + 3].copy(),
+                np.eye(3) if port[at.PER_AXIS] else state[at.FRAME : at.FRAME + 9].reshape(3, 3).copy(),
                 state[at.PEAK : at.PEAK + 3].copy(),
                 state[at.CONVERGING : at.CONVERGING + 3] != 0.0,
                 state[at.FORCE : at.FORCE + 3].copy(),
                 float(state[at.ENERGY]),
                 float(state[at.POWER]),
             )
-            for name, state in zip(self._names, self._states, strict=True)
+            for name, port, state in zip(self._names, self._rows, self._states, strict=True)
         ]
 
     @property
@@ -273,17 +285,5 @@ def _resting(arm: Arm) -> Array:
 
 
 def _largest_torques(arm: Arm, given: Any) -> Array:
-    """(7,) torques, N m, infinite where nothing limits them.
-
-    Raises:
-        InvalidController: not one or seven positive figures.
-    """
-    if given is None:
-        return np.array(arm.effort_limit)
-    try:
-        values = np.broadcast_to(real_array(given), (7,)).copy()
-    except (TypeError, ValueError):
-        values = np.full(7, np.nan)
-    if not (values > 0.0).all():
-        raise InvalidController("max_torque is one or seven positive torques, N m")
-    return values
+    """(7,) torques, N m, infinite where nothing limits them."""
+    return np.array(arm.effort_limit) if given is None else seven_positive(given, "max_torque")

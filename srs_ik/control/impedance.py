@@ -1,4 +1,4 @@
-"""What a torque controller is made of: impedances on points and turns of the arm, and repelling joint limits."""
+"""What a torque controller is made of: impedances on points and turns of the arm, repelling joint limits, brakes."""
 
 from __future__ import annotations
 
@@ -6,9 +6,9 @@ from dataclasses import dataclass, field
 from typing import Literal
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
-from srs_ik.control.profile import LAWS, ForceProfile, Law, not_negative, positive
+from srs_ik.control.profile import LAWS, ForceProfile, Law, not_negative, positive, seven_positive
 from srs_ik.errors import InvalidController
 from srs_ik.kernels.layout import control as at
 
@@ -31,8 +31,9 @@ class FractalImpedance:
         on: "tip" (its point, m), "orientation" (of the tip, rad), "elbow" (its centre, m) or "arm_angle" (rad).
         profile: force against distance, N on points and N m on turns.
         law: "A", "B" or "spring".
-        per_axis: whether each base axis has its peak by itself, as published; else the distance and its direction
-            count, which are the same in every frame. A turn is its rotation vector in base axes.
+        per_axis: whether the law acts along the base axes, as published. Else, the radial form, it acts along axes that
+            the motion chooses, the same in every frame: towards the target on the way out; on the way back along the
+            error at its last peak, and along the velocity there. A turn is its rotation vector in base axes.
         damping: N s/m or N m s/rad, against the velocity of the place; none as published.
         switch: speed (m/s, rad/s) at which the error has to shrink to count as shrinking, by the velocity of the place;
             0.01 m/s as published. In a tick whose target has moved the size of the error itself decides; "error" for
@@ -62,7 +63,7 @@ class FractalImpedance:
     def row(self) -> Array:
         """(PORT,) the port as kernels read it, its target still empty."""
         port = self.profile.row(self.law, float(self.damping))
-        port[at.KIND], port[at.PER_AXIS] = _KINDS[self.on], float(self.per_axis and self.on != "arm_angle")
+        port[at.KIND], port[at.PER_AXIS] = _KINDS[self.on], float(self.per_axis or self.on == "arm_angle")
         port[at.SWITCH] = -1.0 if self.switch == "error" else float(self.switch)
         return port
 
@@ -99,10 +100,54 @@ class JointLimits:
                 continue
             margin = min(self.margin, 0.25 * (upper[joint] - lower[joint]))
             port = self.profile.row(self.law, float(self.damping))
-            port[at.KIND], port[at.JOINT] = at.JOINT_LIMIT, joint
+            port[at.KIND], port[at.JOINT], port[at.PER_AXIS] = at.JOINT_LIMIT, joint, 1.0
             port[at.TARGET : at.TARGET + 2] = lower[joint] + margin, upper[joint] - margin
             rows.append(port)
         return rows
+
+
+@dataclass(frozen=True)
+class JointSpeeds:
+    """Brakes on joints that are too fast: they take energy out alone, and nothing below the speed where they begin.
+
+    Attributes:
+        begin: speed, rad/s, at which each brake begins, one or (7,); None for the velocity limits of the arm.
+        damping: torque over the speed beyond, N m s/rad, one or (7,); None for a twentieth of the arm's effort limits
+            per rad/s. A period T (s) needs damping T below the least inertia of the joint, kg m^2.
+        largest: torque of a brake, N m, one or (7,); None for the arm's effort limits.
+
+    Raises:
+        InvalidController: a figure that is none; or, when a controller is made, a limit that the arm does not have.
+    """
+
+    begin: ArrayLike | None = None
+    damping: ArrayLike | None = None
+    largest: ArrayLike | None = None
+
+    def __post_init__(self) -> None:
+        for name in ("begin", "damping", "largest"):
+            if getattr(self, name) is not None:
+                seven_positive(getattr(self, name), f"{name} of the joint speeds")
+
+    def rows(self, velocity_limit: Array, effort_limit: Array) -> list[Array]:
+        """A port for each joint, (PORT,) each."""
+        begin = self._figures("begin", velocity_limit, "velocity limits")
+        damping = self._figures("damping", 0.05 * effort_limit, "effort limits")
+        largest = self._figures("largest", effort_limit, "effort limits")
+        rows = []
+        for joint in range(7):
+            port = ForceProfile.saturated(damping[joint], largest[joint]).row()
+            port[at.KIND], port[at.JOINT], port[at.PER_AXIS] = at.JOINT_SPEED, joint, 1.0
+            port[at.TARGET] = begin[joint]
+            rows.append(port)
+        return rows
+
+    def _figures(self, name: str, own: Array, what: str) -> list[float]:
+        given = getattr(self, name)
+        values = own if given is None else seven_positive(given, name)
+        if not np.isfinite(values).all():
+            raise InvalidController(f"the arm has no {what} on all joints: name {name} of the joint speeds")
+        return [float(value) for value in values]
 
 
 def check_law(profile: ForceProfile, law: str, may_inject: bool) -> None:

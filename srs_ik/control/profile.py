@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from functools import cached_property
+from functools import lru_cache
 from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from srs_ik.errors import InvalidController
-from srs_ik.inputs.numbers import real_number
+from srs_ik.inputs.numbers import real_array, real_number
 from srs_ik.kernels.entries import control as entries
 from srs_ik.kernels.layout import control as at
 
@@ -112,11 +112,7 @@ class ForceProfile:
         Zero for a passive law. From the peak down to an error x, a law returns the integral of its force from x to the
         peak, and may return U(peak) - U(x); the largest difference over all peaks and x is divided by U(peak).
         """
-        return self._injections[law]
-
-    @cached_property
-    def _injections(self) -> dict[str, float]:
-        return {"A": _injection(self, "A"), "B": _injection(self, "B"), "spring": 0.0}
+        return 0.0 if law == "spring" else _injection(self, law)
 
     @property
     def steepest(self) -> float:
@@ -138,6 +134,7 @@ class ForceProfile:
         return forces.reshape(distances.shape), energies.reshape(distances.shape)
 
 
+@lru_cache(maxsize=256)
 def _injection(profile: ForceProfile, law: Law) -> float:
     """See `ForceProfile.injection`."""
     soft = profile.largest / profile.stiffness
@@ -178,3 +175,18 @@ def not_negative(value: Any, what: str) -> float:
         InvalidController: it is none; `what` names it.
     """
     return 0.0 if real_number(value) == 0.0 else positive(value, what)
+
+
+def seven_positive(value: Any, what: str) -> Array:
+    """(7,) positive figures from one or seven; infinite ones too.
+
+    Raises:
+        InvalidController: they are not; `what` names them.
+    """
+    try:
+        values = np.broadcast_to(real_array(value), (7,)).copy()
+    except (TypeError, ValueError):
+        values = np.full(7, np.nan)
+    if not (values > 0.0).all():
+        raise InvalidController(f"{what} is one or seven positive figures, not {value!r}")
+    return values

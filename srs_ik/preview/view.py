@@ -25,6 +25,8 @@ from srs_ik.preview.words import Entry
 from srs_ik.writing import write_whole
 
 if TYPE_CHECKING:
+    import trimesh
+
     from srs_ik.arm import Arm
     from srs_ik.inputs.task import Task
     from srs_ik.solve.posture import Posture
@@ -268,6 +270,18 @@ class Preview:
 
     # What an answer means ----------------------------------------------------------------------------------------
 
+    def show_obstacles(self, meshes: Sequence[trimesh.Trimesh]) -> None:
+        """Show what stands around the arm.
+
+        Args:
+            meshes: triangles in the base frame, m; none to show nothing.
+
+        Raises:
+            PreviewError: the preview is closed.
+        """
+        self._canvas.draw("obstacles", [solids.Solid(mesh, palette.OBSTACLE, 0.75) for mesh in meshes])
+        self._settle()
+
     def show_posture(self, posture: Posture, task: Task | None = None) -> None:
         """Show a posture of `Arm.posture` as sticks, and the task that it is for.
 
@@ -396,4 +410,5 @@ _EXTRAS = (
     "force polytope",
     "reach",
     "yaw arcs",
+    "obstacles",
 )

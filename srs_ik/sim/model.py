@@ -117,6 +117,7 @@ def _from_pinocchio(mujoco: Any, model: Any) -> Any:
         body.inertia = np.maximum(moments, SMALLEST_MASS)
         joint = body.add_joint(name=model.names[k], type=mujoco.mjtJoint.mjJNT_HINGE, axis=_axis(model, k))
         joint.damping = [model.damping[model.joints[k].idx_v], 0.0, 0.0]
+        joint.frictionloss = model.friction[model.joints[k].idx_v]
     return spec
 
 

@@ -11,6 +11,7 @@ from srs_ik.errors import InvalidController
 from srs_ik.inputs.numbers import real_array
 from srs_ik.inputs.poses import as_joint_vector
 from srs_ik.robot.limb import Vector
+from srs_ik.sim.furnish import Furnisher
 from srs_ik.sim.model import import_mujoco, make_spec, require_inertias
 from srs_ik.sim.world import World, positive, vector
 
@@ -23,9 +24,6 @@ TIMESTEP = 2.5e-4
 LIMIT_TIME = 0.004
 """Time constant of the joint limits, s: soft constraints, but stiff ones."""
 
-TIP, LINKS = 1, 2
-"""Bits of what touches: walls meet the ball at the tip alone, as an arm may stand behind one; pegs meet the arm too."""
-
 
 class Plant:
     """An arm in MuJoCo: a program that knows nothing of this package moves it.
@@ -36,18 +34,21 @@ class Plant:
 
     Args:
         arm: the arm; its links need inertias.
-        world: walls, pegs and a payload.
+        world: walls, pegs, boxes and a payload.
         damping: of the joints, N m s/rad, one or (7,); "file" for what the robot file says.
         armature: inertia of the rotors, kg m^2, one or (7,), added to what the file has.
         timestep: s.
         joint_limits: whether the joints end at their limits.
         effort_limits: whether the motors end at theirs.
+        friction: of the joints, dry, N m, one or (7,); "file" for what the robot file says.
 
     Attributes:
         model: the ``mujoco.MjModel``.
         data: its ``mujoco.MjData``.
         source: "urdf" or "pinocchio", where the bodies were read from.
         damping: (7,) N m s/rad.
+        friction: (7,) N m.
+        touches_by: what meets the world: "tip", its ball alone; and the arm too, by "shapes" of its file or by "bars".
 
     Raises:
         MissingExtra: MuJoCo is not installed.
@@ -63,6 +64,7 @@ class Plant:
         timestep: float = TIMESTEP,
         joint_limits: bool = True,
         effort_limits: bool = True,
+        friction: ArrayLike | Literal["file"] = "file",
     ) -> None:
         self._mujoco = mujoco = import_mujoco()
         require_inertias(arm)
@@ -70,9 +72,6 @@ class Plant:
         self.world = world or World()
         self.timestep = positive(timestep, "timestep")
         spec, self.source = make_spec(arm)
-        root = arm.joint_frames(np.zeros(7))[0]
-        self.R_root_base = np.ascontiguousarray(root[:3, :3].T)
-        self._p_root_base = -self.R_root_base @ root[:3, 3]
         self._furnish(spec)
         spec.option.timestep = self.timestep
         spec.option.integrator = mujoco.mjtIntegrator.mjINT_IMPLICITFAST
@@ -84,9 +83,12 @@ class Plant:
         self._at = np.array([self.model.joint(name).dofadr[0] for name in arm.joint_names])
         if not (isinstance(damping, str) and damping == "file"):
             self.model.dof_damping[self._at] = _seven(damping, "damping")
+        if not (isinstance(friction, str) and friction == "file"):
+            self.model.dof_frictionloss[self._at] = _seven(friction, "friction")
         self.model.dof_armature[self._at] += _seven(armature, "armature")
         self.data = mujoco.MjData(self.model)
         self.damping = np.array(self.model.dof_damping[self._at])
+        self.friction = np.array(self.model.dof_frictionloss[self._at])
         self._tip_body, self._elbow_body = (int(self.model.joint(arm.joint_names[k]).bodyid[0]) for k in (6, 2))
         self._push = np.zeros(self.model.nv)
         self.reset(np.zeros(7))
@@ -166,7 +168,7 @@ class Plant:
         return float(self.data.energy[0]), float(self.data.energy[1])
 
     def contact_force(self) -> Vector:
-        """(3,) sum of what walls and pegs do to the arm, N, base axes."""
+        """(3,) sum of what the world does to the arm, N, base axes."""
         total, one = np.zeros(3), np.zeros(6)
         for k in range(self.data.ncon):
             contact = self.data.contact[k]
@@ -194,59 +196,20 @@ class Plant:
 
     def _furnish(self, spec: Any) -> None:
         """Put shapes on the arm that touch the world, the world around it, and the payload in its hand."""
-        arm, mujoco = self.arm, self._mujoco
-        bare = spec.compile()
-        data = mujoco.MjData(bare)
-        mujoco.mj_kinematics(bare, data)
-
-        def local(k: int, point: Vector) -> tuple[Any, Vector]:
-            """The body that joint k moves, and a point of the base frame at zero in its frame."""
-            index = int(bare.joint(arm.joint_names[k]).bodyid[0])
-            turned = self.R_root_base @ point + self._p_root_base - data.xpos[index]
-            return spec.body(bare.body(index).name), data.xmat[index].reshape(3, 3).T @ turned
-
-        limb = arm.limb
-        tip_in_base = limb.T_base_tip_zero[:3, 3]
-        hand, self._tip_site = local(6, tip_in_base)
-        self._elbow_site = local(2, limb.elbow)[1]
-        touching = {"conaffinity": 0, "mass": 0.0}
-        ball, bar = mujoco.mjtGeom.mjGEOM_SPHERE, mujoco.mjtGeom.mjGEOM_CAPSULE
-        hand.add_geom(type=ball, size=[self.world.tip_radius, 0, 0], pos=self._tip_site, contype=TIP, **touching)
-        for k, start, end in ((2, limb.shoulder, limb.elbow), (3, limb.elbow, limb.wrist)):
-            body, first = local(k, start)
-            ends = [*first, *local(k, end)[1]]
-            body.add_geom(type=bar, size=[self.world.arm_radius, 0, 0], fromto=ends, contype=LINKS, **touching)
-        self._add_world(spec)
-        if self.world.payload is not None:
-            payload = self.world.payload
-            offset = limb.T_base_tip_zero[:3, :3] @ vector(payload.centre, "centre of the payload")
-            mass, radius = positive(payload.mass, "mass of the payload"), positive(payload.radius, "radius")
-            load = hand.add_body(name="payload", pos=local(6, tip_in_base + offset)[1])
-            load.explicitinertial, load.mass, load.inertia = True, mass, np.full(3, 0.4 * mass * radius**2)
-
-    def _add_world(self, spec: Any) -> None:
-        mujoco = self._mujoco
-        for wall in self.world.walls:
-            normal = self.R_root_base @ vector(wall.normal, "normal of the wall")
-            length = np.linalg.norm(normal)
-            if length < 1e-9:
-                raise InvalidController("the normal of a wall has no direction")
-            point = self.R_root_base @ vector(wall.point, "point of the wall") + self._p_root_base
-            geom = spec.worldbody.add_geom(
-                type=mujoco.mjtGeom.mjGEOM_PLANE, size=[1, 1, 0.1], pos=point, contype=0, conaffinity=TIP
-            )
-            geom.alt.zaxis = normal / length
-        for peg in self.world.pegs:
-            ends = [
-                self.R_root_base @ vector(end, "end of the peg") + self._p_root_base for end in (peg.start, peg.end)
-            ]
-            spec.worldbody.add_geom(
-                type=mujoco.mjtGeom.mjGEOM_CAPSULE,
-                size=[positive(peg.radius, "radius of the peg"), 0, 0],
-                fromto=[*ends[0], *ends[1]],
-                contype=0,
-                conaffinity=TIP | LINKS,
-            )
+        furnisher, world, limb = Furnisher(self._mujoco, spec, self.arm), self.world, self.arm.limb
+        self.R_root_base, self.p_root_base = furnisher.R_root_base, furnisher.p_root_base
+        self._tip_site = furnisher.local_point(6, limb.T_base_tip_zero[:3, 3])[1]
+        self._elbow_site = furnisher.local_point(2, limb.elbow)[1]
+        furnisher.put_ball(world.tip_radius)
+        self.touches_by = furnisher.put_arm(world) if world.meets_the_arm else "tip"
+        for wall in world.walls:
+            furnisher.put_wall(wall)
+        for peg in world.pegs:
+            furnisher.put_peg(peg)
+        for box in world.boxes:
+            furnisher.put_box(box)
+        if world.payload is not None:
+            furnisher.put_payload(world.payload)
 
 
 def _seven(value: Any, what: str) -> Vector:

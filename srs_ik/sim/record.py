@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
 
+from srs_ik.inputs.poses import PoseLike
 from srs_ik.kernels.entries.control import elbow_point
 from srs_ik.robot.limb import Vector
+from srs_ik.sim.world import World
 
 if TYPE_CHECKING:
     from srs_ik.arm import Arm
@@ -30,7 +32,8 @@ class Record:
         potential: (n,) energy of gravity, J.
         kinetic: (n,) J.
         stored: (n,) energy of the controller's profiles, J; zero for a controller that has none.
-        contact: (n, 3) force of walls and pegs on the arm, N, base axes.
+        contact: (n, 3) force of the world on the arm, N, base axes.
+        world: what stood around it.
     """
 
     arm: Arm
@@ -43,6 +46,7 @@ class Record:
     kinetic: Vector
     stored: Vector
     contact: Vector
+    world: World = field(default_factory=World)
 
     @cached_property
     def poses(self) -> Vector:
@@ -87,15 +91,29 @@ class Record:
         angle = np.arctan2(np.linalg.norm(skew, axis=1), np.trace(turn, axis1=1, axis2=2) - 1.0)
         return np.linalg.norm(self.tip - T_base_target[:3, 3], axis=1), angle
 
-    def replay(self, path: str | Path, rate: float = 30.0) -> Path:
-        """Write the motion as one HTML page that plays without a server, at so many pictures a second.
+    def replay(self, path: str | Path, rate: float = 30.0, target: PoseLike | None = None) -> Path:
+        """Write the motion, with the world around it, as one HTML page that plays without a server.
+
+        Args:
+            path: where the page is to be.
+            rate: samples of the record that are shown a second.
+            target: pose of the tip that is shown as a frame.
+
+        Returns:
+            The path.
 
         Raises:
+            InvalidPose: the target is no finite rigid transform.
             PreviewError: the page cannot be written.
         """
         from srs_ik.preview import Preview
+        from srs_ik.sim.scenery import meshes
 
-        step = max(1, round(1.0 / (rate * float(self.t[1] - self.t[0]))))
+        dt = float(self.t[1] - self.t[0]) if len(self.t) > 1 else 1.0 / rate
+        step = max(1, round(1.0 / (rate * dt)))
         with Preview(self.arm) as view:
-            view.animate(self.q[::step], step * float(self.t[1] - self.t[0]))
+            view.show_obstacles(meshes(self.world))
+            if target is not None:
+                view.show_target(target)
+            view.animate(self.q[::step], step * dt)
             return view.save(path)

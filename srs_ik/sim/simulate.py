@@ -133,6 +133,5 @@ class _Log:
         """All samples."""
         columns = np.split(self._table[: self._n], [1, 8, 15, 22, 29, 30, 31, 32], axis=1)
         t, q, v, torque, weight, potential, kinetic, stored, contact = (np.ascontiguousarray(c) for c in columns)
-        return Record(
-            self._plant.arm, t[:, 0], q, v, torque, weight, potential[:, 0], kinetic[:, 0], stored[:, 0], contact
-        )
+        energies = potential[:, 0], kinetic[:, 0], stored[:, 0]
+        return Record(self._plant.arm, t[:, 0], q, v, torque, weight, *energies, contact, self._plant.world)

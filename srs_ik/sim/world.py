@@ -1,4 +1,4 @@
-"""What an arm meets in a simulation: walls, pegs, and a payload in its hand."""
+"""What an arm meets in a simulation: walls, pegs, boxes, and a payload in its hand."""
 
 from __future__ import annotations
 
@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike
 
 from srs_ik.errors import InvalidController
 from srs_ik.inputs.numbers import real_array, real_number
+from srs_ik.inputs.poses import PoseLike
 from srs_ik.robot.limb import Vector
 
 
@@ -20,10 +21,12 @@ class Wall:
     Attributes:
         point: (3,) on its surface, m.
         normal: (3,) away from the wall, of any length.
+        whole: whether the whole arm meets it; else the ball at the tip alone, as an arm may stand behind a wall.
     """
 
     point: ArrayLike
     normal: ArrayLike
+    whole: bool = False
 
 
 @dataclass(frozen=True)
@@ -39,6 +42,19 @@ class Peg:
     start: ArrayLike
     end: ArrayLike
     radius: float = 0.02
+
+
+@dataclass(frozen=True)
+class Box:
+    """A box that stands fast.
+
+    Attributes:
+        pose: of its centre in the base frame.
+        size: (3,) edges, m.
+    """
+
+    pose: PoseLike
+    size: ArrayLike
 
 
 @dataclass(frozen=True)
@@ -58,14 +74,17 @@ class Payload:
 
 @dataclass(frozen=True)
 class World:
-    """What there is beside the arm.
+    """What there is around the arm.
 
     Attributes:
         walls: half-spaces.
         pegs: round bars.
         payload: what the hand holds.
-        tip_radius: radius of the ball at the tip that touches walls and pegs, m.
-        arm_radius: radius of upper arm and forearm as pegs meet them, m.
+        tip_radius: radius of the ball at the tip, m.
+        arm_radius: radius of the bars that stand for upper arm and forearm where there are no shapes, m.
+        boxes: boxes. They, pegs and whole walls meet the ball at the tip and the whole arm.
+        shapes: whether the arm is the collision shapes of its file, or else the visual ones, meshes as their convex
+            hulls; where the file has none at hand, or for False, it is two bars.
     """
 
     walls: tuple[Wall, ...] = ()
@@ -73,6 +92,13 @@ class World:
     payload: Payload | None = None
     tip_radius: float = 0.02
     arm_radius: float = 0.04
+    boxes: tuple[Box, ...] = ()
+    shapes: bool = True
+
+    @property
+    def meets_the_arm(self) -> bool:
+        """Whether there is anything that meets more than the tip."""
+        return bool(self.pegs or self.boxes or any(wall.whole for wall in self.walls))
 
 
 def vector(value: Any, what: str) -> Vector:

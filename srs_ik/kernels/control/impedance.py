@@ -8,8 +8,10 @@ from __future__ import annotations
 
 import math
 
-from srs_ik.kernels.algebra.vectors import dot
+from srs_ik.kernels.algebra.vectors import along, dot, load3
+from srs_ik.kernels.control.frame import lay_axes
 from srs_ik.kernels.control.profile import energy, force
+from srs_ik.kernels.control.turning import grows
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.control import (
     CONVERGING,
@@ -17,6 +19,7 @@ from srs_ik.kernels.layout.control import (
     ENERGY,
     ERROR,
     FORCE,
+    FRAME,
     LARGEST,
     LAST,
     LAW,
@@ -26,7 +29,6 @@ from srs_ik.kernels.layout.control import (
     PEAK,
     PER_AXIS,
     POWER,
-    SWITCH,
 )
 
 SMALLEST = 1e-150
@@ -48,22 +50,15 @@ def response(port, size, peak, converging):
 def remember(port, state, axis, size, growth):
     """Note the size of an error, and whether it grows: a new peak. Returns whether the axis converges.
 
-    `growth` is the rate of the size for a target at rest (m/s, rad/s). It tells at once what the size itself tells one
-    period late; for a target that has moved it says nothing.
+    `growth` is the rate of the size for a target at rest, m/s or rad/s.
     """
-    last = state[LAST + axis]
-    converging = state[CONVERGING + axis] != 0.0
-    if last < 0.0:
-        converging = False
-    elif port[SWITCH] >= 0.0 and state[MOVED] == 0.0:
-        converging = growth < -port[SWITCH]
-    elif size != last:
-        converging = size < last
-    if not converging or size > state[PEAK + axis]:
+    was_growing = state[CONVERGING + axis] == 0.0
+    growing = grows(port, state, state[LAST + axis], size, growth, was_growing)
+    if growing or size > state[PEAK + axis]:
         state[PEAK + axis] = size
     state[LAST + axis] = size
-    state[CONVERGING + axis] = 1.0 if converging else 0.0
-    return converging
+    state[CONVERGING + axis] = 0.0 if growing else 1.0
+    return not growing
 
 
 @kernel
@@ -76,25 +71,46 @@ def along_axis(port, state, axis, error, rate):
 
 
 @kernel
+def along_axes(port, state, error, velocity):
+    """Force along each of three axes, for an error and a velocity in them; notes the energy of all."""
+    h = (
+        along_axis(port, state, 0, error[0], velocity[0]),
+        along_axis(port, state, 1, error[1], velocity[1]),
+        along_axis(port, state, 2, error[2], velocity[2]),
+    )
+    state[ENERGY] = energy(port, abs(error[0])) + energy(port, abs(error[1])) + energy(port, abs(error[2]))
+    return h
+
+
+@kernel
 def pull(port, state, error, velocity):
     """Force or torque (three figures) for an error vector and the velocity of what is pulled; notes what it did."""
-    size = math.hypot(math.hypot(error[0], error[1]), error[2])
     if port[PER_AXIS] == 1.0:
-        h = (
-            along_axis(port, state, 0, error[0], velocity[0]),
-            along_axis(port, state, 1, error[1], velocity[1]),
-            along_axis(port, state, 2, error[2], velocity[2]),
-        )
-        state[ENERGY] = energy(port, abs(error[0])) + energy(port, abs(error[1])) + energy(port, abs(error[2]))
+        h = along_axes(port, state, error, velocity)
     else:
-        inverse = 1.0 / size if size > SMALLEST else 0.0
-        n = (inverse * error[0], inverse * error[1], inverse * error[2])
-        converging = remember(port, state, 0, size, -dot(n, velocity))
-        f = response(port, size, state[PEAK], converging)
-        h = (f * n[0], f * n[1], f * n[2])
-        state[ENERGY] = energy(port, size)
-    damping = port[DAMPING]
-    total = (h[0] - damping * velocity[0], h[1] - damping * velocity[1], h[2] - damping * velocity[2])
+        lay_axes(port, state, error, velocity)
+        x = load3(state, FRAME)
+        y = load3(state, FRAME + 3)
+        z = load3(state, FRAME + 6)
+        e = (dot(x, error), dot(y, error), dot(z, error))
+        v = (dot(x, velocity), dot(y, velocity), dot(z, velocity))
+        f = along_axes(port, state, e, v)
+        h = along(along(along((0.0, 0.0, 0.0), f[0], x), f[1], y), f[2], z)
+    return damped(port, state, error, velocity, h)
+
+
+@kernel
+def pull_angle(port, state, error, rate):
+    """Torque for the error of one angle and its rate; notes what it did."""
+    h = along_axis(port, state, 0, error, rate)
+    state[ENERGY] = energy(port, abs(error))
+    return damped(port, state, (error, 0.0, 0.0), (rate, 0.0, 0.0), (h, 0.0, 0.0))[0]
+
+
+@kernel
+def damped(port, state, error, velocity, h):
+    """A force with the damping of its port; notes the error, the force and the power of both."""
+    total = along(h, -port[DAMPING], velocity)
     state[MOVED] = 0.0
     for i in range(3):
         state[ERROR + i] = error[i]

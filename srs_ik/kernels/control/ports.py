@@ -1,4 +1,4 @@
-"""Where impedances act: tip point and orientation, elbow centre, arm angle, and joints near their limits.
+"""Where impedances act: tip point and orientation, elbow centre, arm angle, and joints near their limits or too fast.
 
 The torques of all ports add up, each by the transpose of its own Jacobian. Nothing is inverted.
 """
@@ -11,15 +11,20 @@ from typing import Any, NamedTuple
 from srs_ik.kernels.algebra.vectors import add, dot, load3, load9, scale, sub
 from srs_ik.kernels.chain.arm_angle_rates import gradient, point_velocity
 from srs_ik.kernels.chain.newton import arm_angle, elbow_position, twist_to
-from srs_ik.kernels.control.impedance import pull
+from srs_ik.kernels.control.impedance import pull, pull_angle
+from srs_ik.kernels.control.profile import force
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.control import (
     ARM_ANGLE,
     DERIVATIVES,
     ELBOW,
+    ERROR,
+    FORCE,
     JOINT,
+    JOINT_LIMIT,
     KIND,
     ORIENTATION,
+    POWER,
     TARGET,
     TIP,
     TORQUE,
@@ -92,9 +97,9 @@ def turn_elbow(P, port, state, motion, work):
         derivatives[joint] *= share
         rate += derivatives[joint] * motion.v[joint]
     error = wrap(port[TARGET] - angle_at(P, motion)) if exists else 0.0
-    h = pull(port, state, (error, 0.0, 0.0), (rate, 0.0, 0.0))
+    h = pull_angle(port, state, error, rate)
     for joint in range(7):
-        work[TORQUE, joint] += derivatives[joint] * h[0]
+        work[TORQUE, joint] += derivatives[joint] * h
 
 
 @kernel
@@ -103,7 +108,20 @@ def keep_off(port, state, motion, torque):
     joint = int(port[JOINT])
     error = max(port[TARGET] - motion.q[joint], 0.0) + min(port[TARGET + 1] - motion.q[joint], 0.0)
     speed = motion.v[joint] if error != 0.0 else 0.0
-    torque[joint] += pull(port, state, (error, 0.0, 0.0), (speed, 0.0, 0.0))[0]
+    torque[joint] += pull_angle(port, state, error, speed)
+
+
+@kernel
+def slow_down(port, state, motion, torque):
+    """Brake a joint that is faster than its port lets it be, the more the faster."""
+    joint = int(port[JOINT])
+    v = motion.v[joint]
+    beyond = max(abs(v) - port[TARGET], 0.0)
+    h = -math.copysign(force(port, beyond), v)
+    state[ERROR] = -math.copysign(beyond, v)
+    state[FORCE] = h
+    state[POWER] = h * v
+    torque[joint] += h
 
 
 @kernel
@@ -119,5 +137,7 @@ def act(P, port, state, motion, work):
         pull_point(port, state, elbow_position(P, motion.q), 3, motion, torque)
     elif kind == ARM_ANGLE:
         turn_elbow(P, port, state, motion, work)
-    else:
+    elif kind == JOINT_LIMIT:
         keep_off(port, state, motion, torque)
+    else:
+        slow_down(port, state, motion, torque)

@@ -6,8 +6,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from srs_ik.paper.experiments.control.setting import COLOURS, DAMPING, NAMES, home, make, settled
-from srs_ik.paper.experiments.setting import Array, Outcome, Progress
+from srs_ik.paper.experiments.control.setting import COLOURS, DAMPING, NAMES, home, make, near_home, settled
+from srs_ik.paper.experiments.setting import SEED, Array, Outcome, Progress
 from srs_ik.plots.figure import new_figure
 from srs_ik.sim import Payload, Peg, Plant, Record, Wall, World, simulate
 
@@ -16,12 +16,15 @@ if TYPE_CHECKING:
 
     from srs_ik.arm import Arm
 
-KINDS = ("per_axis", "linear", "operational", "joint")
+KINDS = ("per_axis", "braked", "linear", "operational", "joint")
 BEHIND = 0.05
 """How far behind the wall the target lies, m."""
 
 GAP = 0.05
 """From the ball at the tip to the wall at the start, m."""
+
+POSTURES = 5
+"""At which the arm begins: home, and around it."""
 
 MASSES = (0.5, 1.0, 2.0, 3.0)
 """kg."""
@@ -31,22 +34,30 @@ TURN = 0.7
 
 
 def contact(arm: Arm, progress: Progress, short: bool = False) -> Outcome:
-    """Peak and lasting force, where the tip stays, and how it goes back; the sag under a payload."""
+    """Peak and lasting force, where the tip stays, and how it goes back (medians); the sag under a payload."""
     seconds = 0.3 if short else 2.0
-    figures: dict[str, Any] = {"wall": {}, "peg": {}, "payload": {}}
+    rng = np.random.default_rng(SEED)
+    postures = [home(arm), *(near_home(arm, rng) for _ in range(0 if short else POSTURES - 1))]
+    figures: dict[str, Any] = {"postures": len(postures), "wall": {}, "peg": {}, "payload": {}}
     forces: dict[str, tuple[Array, Array]] = {}
     for i, kind in enumerate(KINDS):
-        record, figures["wall"][kind] = _wall(arm, kind, seconds)
-        forces[kind] = (record.t, np.linalg.norm(record.contact, axis=1))
-        figures["peg"][kind] = _peg(arm, kind, seconds)
+        runs = [_wall(arm, kind, q, seconds) for q in postures]
+        forces[kind] = (runs[0][0].t, np.linalg.norm(runs[0][0].contact, axis=1))
+        figures["wall"][kind] = _medians([found for _, found in runs])
+        progress((i + 0.4) / len(KINDS))
+        figures["peg"][kind] = _medians([_peg(arm, kind, q, seconds) for q in postures])
+        progress((i + 0.8) / len(KINDS))
         masses = MASSES[:1] if short else MASSES
         figures["payload"][kind] = {f"{mass:g} kg": _payload(arm, kind, mass, seconds) for mass in masses}
         progress((i + 1) / len(KINDS))
     return Outcome(figures, lambda: _draw(forces, figures))
 
 
-def _wall(arm: Arm, kind: str, seconds: float) -> tuple[Record, dict[str, float]]:
-    q = home(arm)
+def _medians(rows: list[dict[str, float]]) -> dict[str, float]:
+    return {name: float(np.median([row[name] for row in rows])) for name in rows[0]}
+
+
+def _wall(arm: Arm, kind: str, q: Array, seconds: float) -> tuple[Record, dict[str, float]]:
     T = arm.forward_kinematics(q).homogeneous
     world = World(walls=(Wall(T[:3, 3] - [0.0, 0.0, GAP + World().tip_radius], [0.0, 0.0, 1.0]),))
     plant, controller = Plant(arm, world, damping=DAMPING), make(kind, arm)
@@ -68,9 +79,8 @@ def _wall(arm: Arm, kind: str, seconds: float) -> tuple[Record, dict[str, float]
     }
 
 
-def _peg(arm: Arm, kind: str, seconds: float) -> dict[str, float]:
+def _peg(arm: Arm, kind: str, q: Array, seconds: float) -> dict[str, float]:
     """A post between the forearm and its target, on the way of joint 1; then back."""
-    q = home(arm)
     T = arm.forward_kinematics(q).homogeneous
     elbow, wrist = _points(arm, q)
     reach = 0.4 * (elbow - arm.limb.shoulder) + 0.6 * (wrist - arm.limb.shoulder)
@@ -121,10 +131,10 @@ def _draw(forces: dict[str, tuple[Array, Array]], figures: dict[str, Any]) -> Fi
     axes = figure.add_subplot(1, 2, 1)
     for kind, (t, force) in forces.items():
         found = figures["wall"][kind]
-        label = f"{NAMES[kind]}: peak {found['peak_N']:.0f} N, then {found['lasting_N']:.0f} N"
+        label = f"{NAMES[kind]}: median peak {found['peak_N']:.0f} N, then {found['lasting_N']:.0f} N"
         axes.plot(t, force, color=COLOURS[kind], linewidth=1.0, label=label)
-    axes.set(xlabel="time (s)", ylabel="force on the wall (N)", ylim=(0.0, 250.0))
-    axes.set_title("target 50 mm behind a wall", fontsize=10)
+    axes.set(xlabel="time (s)", ylabel="force on the wall (N)")
+    axes.set_title("target 50 mm behind a wall, one of the postures", fontsize=10)
     axes.legend(fontsize=7)
     axes = figure.add_subplot(1, 2, 2)
     for kind, rows in figures["payload"].items():

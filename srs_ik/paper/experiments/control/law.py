@@ -9,7 +9,7 @@ import numpy as np
 from srs_ik.control import ForceProfile
 from srs_ik.control.one_axis import free_response, sampled_response
 from srs_ik.control.profile import Law
-from srs_ik.paper.experiments.control.setting import PUBLISHED_ELBOW, PUBLISHED_TIP
+from srs_ik.paper.experiments.control.setting import PUBLISHED_ELBOW, PUBLISHED_TIP, SIMULATED_ELBOW, SIMULATED_TIP
 from srs_ik.paper.experiments.setting import Array, Outcome, Progress
 from srs_ik.plots.figure import new_figure
 
@@ -20,7 +20,13 @@ if TYPE_CHECKING:
 
 MASS, START = 3.0, 0.05
 PROFILE = ForceProfile.tanh(1000.0, 50.0)
-PROFILES = {"tanh": PROFILE, "published, tip": PUBLISHED_TIP, "published, elbow": PUBLISHED_ELBOW}
+PROFILES = {
+    "tanh": PROFILE,
+    "published, tip": PUBLISHED_TIP,
+    "published, elbow": PUBLISHED_ELBOW,
+    "published simulation, tip": SIMULATED_TIP,
+    "published simulation, elbow": SIMULATED_ELBOW,
+}
 LAWS: tuple[Law, Law] = ("A", "B")
 
 RULE = 0.3

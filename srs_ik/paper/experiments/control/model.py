@@ -58,7 +58,7 @@ def _agreement(arm: Arm, count: int) -> dict[str, Any]:
 
 def _fall(arm: Arm, seconds: float) -> Array:
     """(n, 3) time, largest difference and largest way of a joint, rad."""
-    plant = Plant(arm, damping=0.0, joint_limits=False)
+    plant = Plant(arm, damping=0.0, friction=0.0, joint_limits=False)
     plant.fall_exactly()
     q, v = home(arm), np.zeros(7)
     plant.reset(q)

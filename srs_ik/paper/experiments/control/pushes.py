@@ -19,15 +19,7 @@ if TYPE_CHECKING:
 FORCE, START, LENGTH, AFTER = 30.0, 0.1, 0.3, 2.0
 BACK_M, BACK_DEG = 1e-3, 0.5
 
-RUNS = {
-    "per_axis": 100,
-    "radial": 20,
-    "radial_damped": 20,
-    "spring": 10,
-    "linear": 10,
-    "operational": 10,
-    "joint": 10,
-}
+RUNS = {"per_axis": 100, "radial": 100, "spring": 20, "linear": 10, "operational": 10, "joint": 10}
 """Pushes of each controller, half on the tip and half on the elbow."""
 
 

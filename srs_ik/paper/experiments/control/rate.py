@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 RATES = (4000.0, 2000.0, 1000.0, 500.0, 250.0, 100.0, 50.0, 20.0)
 DELAYS = (0.0, 0.001, 0.002, 0.005, 0.01, 0.02, 0.05)
-KINDS = ("per_axis", "linear", "joint")
+KINDS = ("per_axis", "radial", "linear", "joint")
 RULE = 0.3
 AT_REST = 1e-3
 """Tip error, m, in the last half second."""
@@ -88,9 +88,9 @@ def _run(arm: Arm, kind: str, hertz: float, delay: float, seconds: float) -> tup
 
 
 def _draw(rest: dict[str, Array], rates: tuple[float, ...], delays: tuple[float, ...], w: float) -> Figure:
-    figure = new_figure(12.0, 4.4)
-    for column, kind in enumerate(KINDS, 1):
-        axes = figure.add_subplot(1, 3, column)
+    figure = new_figure(12.0, 8.4)
+    for place, kind in enumerate(KINDS, 1):
+        axes = figure.add_subplot(2, 2, place)
         shown = axes.imshow(
             np.log10(np.maximum(1e3 * rest[kind], 1e-4)), cmap="cividis", vmin=-3, vmax=3, origin="lower", aspect="auto"
         )

@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     from srs_ik.arm import Arm
 
 HOURS, DISTANCE, SECONDS = 12, 0.12, 2.0
-KINDS = ("per_axis", "radial", "radial_damped", "linear", "operational", "joint")
+KINDS = ("per_axis", "radial", "spring", "linear", "operational", "joint")
 ARRIVED = 1e-3
 """Tip error, m, within which an arm has arrived for good."""
 

@@ -26,12 +26,17 @@ ELBOW = ForceProfile.tanh(600.0, 40.0)
 
 PUBLISHED_TIP = ForceProfile.published(800.0, 100.0, 0.060, 0.080)
 PUBLISHED_ELBOW = ForceProfile.published(630.0, 10.0, 0.010, 0.011)
-"""Of the published hardware experiments."""
+"""Of the published experiments on hardware."""
+
+SIMULATED_TIP = ForceProfile.published(5000.0, 150.0, 0.005, 0.006)
+SIMULATED_ELBOW = ForceProfile.published(1000.0, 100.0, 0.010, 0.011)
+"""Of the published simulation: config/lwr_control.yaml of the authors' program, under the licence BSD, at
+github.com/wxmerkt/superimposition_of_passive_taskspace_controllers."""
 
 NAMES = {
     "per_axis": "fractal, per axis",
     "radial": "fractal, radial",
-    "radial_damped": "fractal, radial, damped",
+    "braked": "fractal, radial, brakes",
     "spring": "bare springs",
     "linear": "springs and dampers",
     "operational": "operational space, damped inverse",
@@ -41,33 +46,32 @@ NAMES = {
 COLOURS = {
     "per_axis": "#16456e",
     "radial": "#6fa8d6",
-    "radial_damped": "#3f8f6b",
+    "braked": "#3f8f6b",
     "spring": "0.6",
     "linear": "#e9a23b",
     "operational": "#b5541c",
     "operational_pinv": "#e64c33",
     "joint": "#7a5195",
 }
-FRACTAL = ("per_axis", "radial", "radial_damped", "spring")
 
 
 def fractal(
     arm: Arm,
     per_axis: bool = True,
     law: Law = "A",
-    damping: tuple[float, float, float] = (0.0, 0.0, 0.0),
     elbow: ForceProfile | None = ELBOW,
     tip: ForceProfile = TIP,
     limits: bool = True,
+    speeds: bool = False,
 ) -> TorqueController:
-    """Fractal impedances on the tip point, its turn, and the elbow."""
+    """Fractal impedances on the tip point, its turn, and the elbow; with brakes at the arm's own speeds, or without."""
     places = {"tip": tip, "orientation": TURN, "elbow": elbow}
     ports = [
-        FractalImpedance(place, profile, law, per_axis, d, may_inject=True)  # type: ignore[arg-type]
-        for (place, profile), d in zip(places.items(), damping, strict=True)
+        FractalImpedance(place, profile, law, per_axis, may_inject=True)  # type: ignore[arg-type]
+        for place, profile in places.items()
         if profile is not None
     ]
-    return TorqueController(arm, ports, limits=limits)
+    return TorqueController(arm, ports, limits=limits, speeds=speeds)
 
 
 def make(kind: str, arm: Arm) -> Any:
@@ -76,8 +80,8 @@ def make(kind: str, arm: Arm) -> Any:
         return fractal(arm)
     if kind == "radial":
         return fractal(arm, per_axis=False)
-    if kind == "radial_damped":
-        return fractal(arm, per_axis=False, damping=(20.0, 1.0, 10.0))
+    if kind == "braked":
+        return fractal(arm, per_axis=False, speeds=True)
     if kind == "spring":
         return fractal(arm, law="spring")
     if kind == "linear":

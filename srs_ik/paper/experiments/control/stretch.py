@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 from scipy.optimize import minimize
@@ -19,19 +19,37 @@ if TYPE_CHECKING:
 
     from srs_ik.arm import Arm
 
-RUNS = {"per_axis": 20, "radial": 5, "linear": 3, "operational": 3, "operational_pinv": 3, "joint": 3}
+OWN = {"per_axis": 20, "radial": 20}
+ALL = {**OWN, "braked": 20, "linear": 5, "operational": 5, "operational_pinv": 5, "joint": 5}
 """Seeds of each controller."""
 
-BEYOND = 1.05
-"""Farthest target, in distances from shoulder to wrist with the elbow straight."""
 
-OUT, STAY, HOME = 4.0, 0.5, 1.0
-"""Seconds on the way out and again on the way back, at the far end, and at home."""
+class Motion(NamedTuple):
+    """How the target moves."""
+
+    far: float
+    """Farthest target, in distances from shoulder to wrist with the elbow straight."""
+    out: float
+    """Seconds on the way out, and again on the way back."""
+    runs: dict[str, int]
+    """Seeds by controller."""
+
+
+MOTIONS = {
+    "to the reach, 2 s": Motion(1.0, 2.0, OWN),
+    "beyond it, 4 s": Motion(1.05, 4.0, OWN),
+    "beyond it, 2 s": Motion(1.05, 2.0, ALL),
+}
+DRAWN = "beyond it, 2 s"
+
+STAY, HOME = 0.5, 1.0
+"""Seconds at the far end, and at home."""
 
 FAST, FLIP = 3.0, 1.0
 """A joint speed, rad/s, and a change of the arm angle between start and end, rad, that a stretch should stay below."""
 
-TARGETS = 12
+TARGETS, SETTLED = 12, 16.0
+"""Targets that are forbidden, and seconds until the tip is looked at: at the end of the reach it slides slowly."""
 
 CLOSE = 2e-3
 """A tip this much farther from its target than it has to be, m, is as near as can be: MuJoCo's limits are soft."""
@@ -39,23 +57,29 @@ CLOSE = 2e-3
 
 def stretch(arm: Arm, progress: Progress, short: bool = False) -> Outcome:
     """The target moves away from the shoulder, straight out through the reach and back, its turn unchanged."""
-    figures: dict[str, Any] = {"stretch": {}}
+    figures: dict[str, Any] = {"stretch": {name: {} for name in MOTIONS}}
     shown: dict[str, Record] = {}
-    for i, (kind, count) in enumerate(RUNS.items()):
-        figures["stretch"][kind], shown[kind] = _stretched(arm, kind, 1 if short else count, 0.05 if short else 1.0)
-        progress(0.8 * (i + 1) / len(RUNS))
-    figures["forbidden"] = _forbidden(arm, 2 if short else TARGETS, 2 if short else 12, 0.3 if short else 8.0)
+    done, total = 0.0, sum(motion.out * sum(motion.runs.values()) for motion in MOTIONS.values())
+    for name, motion in MOTIONS.items():
+        for kind, count in motion.runs.items():
+            found = _stretched(arm, kind, motion, 1 if short else count, 0.05 if short else 1.0)
+            figures["stretch"][name][kind], record = found
+            if name == DRAWN:
+                shown[kind] = record
+            done += motion.out * count
+            progress(0.8 * done / total)
+    figures["forbidden"] = _forbidden(arm, 2 if short else TARGETS, 2 if short else 12, 0.3 if short else SETTLED)
     progress(1.0)
     return Outcome(figures, lambda: _draw(figures, shown))
 
 
-def _stretched(arm: Arm, kind: str, count: int, slowness: float) -> tuple[dict[str, Any], Record]:
+def _stretched(arm: Arm, kind: str, motion: Motion, count: int, slowness: float) -> tuple[dict[str, Any], Record]:
     rng = np.random.default_rng(SEED)
     plant, controller = Plant(arm, damping=DAMPING), make(kind, arm)
     rows, example = [], None
     for _ in range(count):
         q = near_home(arm, rng, 0.15)
-        record, away = _one(arm, plant, controller, q, slowness)
+        record, away = _one(arm, plant, controller, q, motion, slowness)
         turned = abs((arm.arm_angle(record.q[-1]) - arm.arm_angle(q) + np.pi) % (2.0 * np.pi) - np.pi)
         speed = float(np.abs(record.v).max())
         bent = (record.q[-1, 3] - arm.packed.elbow.straight) * (q[3] - arm.packed.elbow.straight)
@@ -74,13 +98,14 @@ def _stretched(arm: Arm, kind: str, count: int, slowness: float) -> tuple[dict[s
     }, example
 
 
-def _one(arm: Arm, plant: Plant, controller: Any, q: Array, slowness: float) -> tuple[Record, float]:
+def _one(arm: Arm, plant: Plant, controller: Any, q: Array, motion: Motion, slowness: float) -> tuple[Record, float]:
     T = arm.forward_kinematics(q).homogeneous
     wrist = T[:3, :3] @ (np.linalg.inv(arm.limb.T_base_tip_zero) @ np.append(arm.limb.wrist, 1.0))[:3] + T[:3, 3]
     out = wrist - arm.limb.shoulder
     near = float(np.linalg.norm(out))
-    far = BEYOND * (arm.limb.upper_arm + arm.limb.forearm)
-    times = slowness * np.cumsum([OUT, STAY, OUT, HOME])
+    far = motion.far * (arm.limb.upper_arm + arm.limb.forearm)
+    length = slowness * motion.out
+    times = np.cumsum([length, slowness * STAY, length, slowness * HOME])
     psi = arm.arm_angle(q)
     plant.reset(q)
     controller.set_target(T, arm_angle=psi, seed=q)
@@ -91,7 +116,7 @@ def _one(arm: Arm, plant: Plant, controller: Any, q: Array, slowness: float) -> 
         ticks += 1
         if ticks % 4 != 1 or t > times[2] + 0.01:
             return
-        share = minimum_jerk([t / (slowness * OUT)])[0] - minimum_jerk([(t - times[1]) / (slowness * OUT)])[0]
+        share = minimum_jerk([t / length])[0] - minimum_jerk([(t - times[1]) / length])[0]
         aim = T.copy()
         aim[:3, 3] += share * (far - near) / near * out
         options = {"restart": False} if isinstance(controller, TorqueController) else {}
@@ -105,18 +130,18 @@ def _forbidden(arm: Arm, count: int, starts: int, seconds: float) -> dict[str, A
     """How much farther from a target the tip stays than it would have to, where limits or reach forbid it.
 
     Targets of the tip point alone: half of them beyond the reach, half around the shoulder, where the elbow's limit
-    ends the way. Eight seconds; by distance and direction, damped, and axis by axis, where another sum is least. The
-    least distance within the limits is that of SciPy's L-BFGS-B from 12 starts.
+    ends the way. In the radial form, and axis by axis, where another sum is least. The least distance within the
+    limits is that of SciPy's L-BFGS-B from 12 starts.
     """
     rng = np.random.default_rng(SEED)
     reach = arm.limb.upper_arm + arm.limb.forearm + arm.limb.hand
     lower, upper = np.maximum(arm.lower, -np.pi), np.minimum(arm.upper, np.pi)
-    alone = [FractalImpedance("tip", TIP, damping=20.0)]
+    alone = [FractalImpedance("tip", TIP)]
     kinds = {
         "tip_alone": TorqueController(arm, alone),
         "tip_alone_per_axis": TorqueController(arm, [FractalImpedance("tip", TIP, per_axis=True)]),
         "tip_and_repelling_limits": TorqueController(arm, alone, limits=True),
-        "all_ports": fractal(arm),
+        "all_ports": fractal(arm, per_axis=False),
     }
     more: dict[str, list[float]] = {kind: [] for kind in kinds}
     least = []
@@ -126,7 +151,7 @@ def _forbidden(arm: Arm, count: int, starts: int, seconds: float) -> dict[str, A
         T[:3, 3] = arm.limb.shoulder + distance * directions(rng, 1)[0]
         least.append(_least_distance(arm, T[:3, 3], lower, upper, rng.uniform(lower, upper, (starts, 7))))
         for kind, controller in kinds.items():
-            plant = Plant(arm, damping=4.0 * DAMPING)
+            plant = Plant(arm, damping=DAMPING)
             plant.reset(home(arm))
             controller.set_target(T, seed=home(arm))
             record = simulate(plant, controller, seconds, every=40)
@@ -159,8 +184,10 @@ def _least_distance(arm: Arm, point: Array, lower: Array, upper: Array, starts: 
 def _draw(figures: dict[str, Any], shown: dict[str, Record]) -> Figure:
     figure = new_figure(12.0, 4.6)
     left, right = figure.subplots(1, 2)
+    left.set_title(f"out {DRAWN}, and back in as long: all seeds", fontsize=10)
+    right.set_title("one of the seeds", fontsize=10)
     for kind, record in shown.items():
-        found = figures["stretch"][kind]
+        found = figures["stretch"][DRAWN][kind]
         speed = found["largest_joint_speed_rad_s"]["worst"]
         label = f"{NAMES[kind]}: {speed:.1f} rad/s at most, {found['flips']} of {found['seeds']} flip"
         left.semilogy(
