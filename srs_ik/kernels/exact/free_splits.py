@@ -16,12 +16,9 @@ from srs_ik.kernels.algebra.pointers import keep, row
 from srs_ik.kernels.algebra.vectors import norm
 from srs_ik.kernels.chain.kinematics import pose_error
 from srs_ik.kernels.chain.newton import CLOSED, clipped, close_free, moved, pose_step, shortest_step
-from srs_ik.kernels.exact.farthest import farthest
-from srs_ik.kernels.exact.intervals import find_intervals
+from srs_ik.kernels.exact.bends import best_of_bends, best_on_circles
 from srs_ik.kernels.exact.nearest import slid
-from srs_ik.kernels.exact.nearest_within import nearest_within
 from srs_ik.kernels.jit import kernel
-from srs_ik.kernels.layout.answer import MAX_PIECES
 from srs_ik.kernels.layout.limb import (
     BOTTOM_GAP,
     LOWER,
@@ -31,7 +28,7 @@ from srs_ik.kernels.layout.limb import (
     UPPER,
     WRIST,
 )
-from srs_ik.kernels.limb.branches import NO_BRANCH, branch_of, side_posture
+from srs_ik.kernels.limb.branches import branch_of, side_posture
 from srs_ik.kernels.limb.goal import NO_SEED, OUTSIDE, cost
 from srs_ik.kernels.limb.in_line import NEARLY_IN_LINE, closest, may_split, wide_limb
 from srs_ik.kernels.limb.triangle import elbow_side
@@ -40,8 +37,7 @@ NEARLY_FLAT = 3e-6
 """Bends of the elbow below this, rad from straight or from folded, cannot be told apart within 1e-11 of reach."""
 
 SMALLEST_BEND = 2.5e-10
-BENDS = 7
-"""So many bends that cannot be told apart are tried where the elbow is as good as flat, each four times the last."""
+"""The smallest bend that is tried where the limits leave none of those that a pose may have."""
 
 CLOSING_STEPS = 20
 GENTLE = 1e-13
@@ -109,25 +105,11 @@ def keep_better(P, R, p, start, branch, value, wanted, seeded, seed, respect, q,
 
 
 @kernel
-def best_on_circles(P, place_, branch, seed, respect):
-    """The best posture over all arm angles: q, branch, cost."""
-    found = np.empty((8 * MAX_PIECES, 3))
-    n = 0
-    if respect:
-        n = find_intervals(P, place_, branch, found)
-    else:
-        for b in range(8):
-            if branch < 0 or b == branch:
-                found[n, 0], found[n, 1], found[n, 2] = b, -math.pi, math.pi
-                n += 1
-    if seed is None:
-        return farthest(P, place_, found, 0, n, branch, respect)
-    return nearest_within(P, place_, found, n, branch, seed, respect, 4.0 * NO_BRANCH)
-
-
-@kernel
 def search_near_line(P, wide, place_, R, p, wanted, seed, respect, q, best, lowest, J, A):
-    """The best posture of a pose, or a split that is better: q, branch, cost; `wide` takes axes almost in line so."""
+    """The best posture of a pose, or a split that is better: q, branch, cost, and whether axes stay in line.
+
+    `wide` takes axes almost in line so; in line at all arm angles they lie along the line S-W.
+    """
     seeded = seed is not None
     goal = NO_SEED if seed is None else seed
     circles = False
@@ -151,7 +133,7 @@ def search_near_line(P, wide, place_, R, p, wanted, seed, respect, q, best, lowe
     if circles:
         start, b, value = best_on_circles(wide, place_, wanted, seed, respect)
         q, best, lowest = keep_better(P, R, p, start, b, value, wanted, seeded, goal, respect, q, best, lowest, J, A)
-    return q, best, lowest
+    return q, best, lowest, circles
 
 
 @kernel
@@ -178,17 +160,15 @@ def with_splits(P, place_, R, p, wanted, seed, respect, q, best, lowest):
     wide = row(boxes, 0)
     wide_limb(P, wide)
     J, A = np.empty((6, 7)), np.empty((16, 9))
-    q, best, lowest = search_near_line(P, wide, place_, R, p, wanted, seed, respect, q, best, lowest, J, A)
+    q, best, lowest, along = search_near_line(P, wide, place_, R, p, wanted, seed, respect, q, best, lowest, J, A)
     if bend_s < NEARLY_FLAT:
-        straight = math.copysign(1.0, bend_c)
-        flat = (t, h0, straight, 0.0, hand, miss)
-        q, best, lowest = search_near_line(P, wide, flat, R, p, wanted, seed, respect, q, best, lowest, J, A)
-        for i in range(BENDS):
-            bent = (t, h0, straight, SMALLEST_BEND * 4.0**i, hand, miss)
-            start, b, value = best_on_circles(P, bent, wanted, seed, respect)
-            q, best, lowest = keep_better(
-                P, R, p, start, b, value, wanted, seed is not None, goal, respect, q, best, lowest, J, A
-            )
+        flat = (t, h0, math.copysign(1.0, bend_c), 0.0, hand, miss)
+        q, best, lowest, alike = search_near_line(P, wide, flat, R, p, wanted, seed, respect, q, best, lowest, J, A)
+        along = along or alike
+    if along:
+        start, b, value = best_of_bends(P, place_, wanted, seed, respect, lowest)
+        seeded = seed is not None
+        q, best, lowest = keep_better(P, R, p, start, b, value, wanted, seeded, goal, respect, q, best, lowest, J, A)
     keep(boxes)
     return q, best, lowest
 
