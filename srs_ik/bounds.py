@@ -25,6 +25,15 @@ CARD_BYTES = 2**16
 CARD_KEYS = 8
 """Most parts of a dotted key of an adapter, of which two are used. The parser's memory grows with their square."""
 
+YAML_BYTES = 2**18
+"""Largest YAML text: its parser takes some ten seconds for a megabyte. Larger scenes are for JSON."""
+
+TREE_NODES = 2_000_000
+"""Most values of a JSON or YAML file, each counted wherever an alias puts it; lines of aliases multiply them."""
+
+CLOUD_BYTES = 2**28
+"""Largest file of points: 2,000,000 of them as text."""
+
 LINKS = 2000
 """Most links or bodies."""
 

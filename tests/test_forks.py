@@ -12,7 +12,7 @@ if not hasattr(os, "fork"):
 PROGRAM = """
 import os, signal, sys, threading, time
 
-PATIENCE = 60
+PATIENCE = 600
 
 def forked(count, child):
     "How the children end: a code, or minus the signal that ended one."
@@ -113,7 +113,7 @@ def inner():
 signal.alarm(PATIENCE)
 print(inner())
 """
-    done = subprocess.run([sys.executable, "-c", PROGRAM + program], capture_output=True, text=True, timeout=100)
+    done = subprocess.run([sys.executable, "-c", PROGRAM + program], capture_output=True, text=True, timeout=1200)
     assert (done.stdout, done.stderr) == ("7\n", "")
 
 
@@ -126,7 +126,7 @@ from srs_ik.forks import WHOLE
 def free():
     found = []
     def look():
-        found.append(WHOLE.acquire(timeout=5) and global_compiler_lock._lock.acquire(timeout=5))
+        found.append(WHOLE.acquire(timeout=60) and global_compiler_lock._lock.acquire(timeout=60))
     thread = threading.Thread(target=look)
     thread.start()
     thread.join()
@@ -135,5 +135,5 @@ def free():
 print(forked(3, free))
 free()
 """
-    done = subprocess.run([sys.executable, "-c", PROGRAM + program], capture_output=True, text=True, timeout=100)
+    done = subprocess.run([sys.executable, "-c", PROGRAM + program], capture_output=True, text=True, timeout=1200)
     assert (done.stdout, done.stderr) == ("[0, 0, 0]\n", "")

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from srs_ik import bounds
 from srs_ik.collision.scene import Scene
 from srs_ik.collision.sphere_files import read_tree_of
 from srs_ik.errors import InvalidPose, InvalidScene, did_you_mean, listed, quoted
@@ -104,8 +105,15 @@ def _points(figure: Any, name: Any, folder: Path) -> Any:
         return figure
     path = folder / figure
     try:
-        return np.load(path, allow_pickle=False) if path.suffix == ".npy" else np.loadtxt(path, ndmin=2, delimiter=",")
-    except (OSError, ValueError) as error:
+        if path.exists() and not path.is_file():
+            raise ValueError(f"{label_of(path)} is not a regular file")
+        if path.stat().st_size > bounds.CLOUD_BYTES:
+            raise ValueError(f"{label_of(path)} is larger than {bounds.CLOUD_BYTES >> 20} MiB")
+        with path.open("rb") as file:
+            if path.suffix == ".npy":
+                return np.lib.format.read_array(file, allow_pickle=False)
+            return np.loadtxt(file, ndmin=2, delimiter=",")
+    except (OSError, ValueError, MemoryError) as error:
         raise InvalidScene(f"points of {quoted(name)} cannot be read: {error}") from None
 
 

@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from srs_ik import bounds
 from srs_ik.errors import InvalidScene, MissingExtra, quoted
 from srs_ik.inputs.numbers import real_number
 from srs_ik.robot.description.files import label_of, read
@@ -53,18 +54,39 @@ def read_tree_of(path: Path) -> Any:
     """
     text = read(path, label_of(path))
     try:
-        if path.suffix.lower() in (".yml", ".yaml"):
-            try:
-                import yaml
-            except ImportError:
-                raise MissingExtra("scene", "a YAML file") from None
-            try:
-                return yaml.safe_load(text)
-            except yaml.YAMLError as error:
-                raise ValueError(str(error)) from None
-        return json.loads(text)
+        tree = _tree(path, text)
     except (ValueError, RecursionError) as error:
         raise InvalidScene(f"{label_of(path)} is not what its name says: {error}") from None
+    _refuse_multiplied(tree, path)
+    return tree
+
+
+def _tree(path: Path, text: bytes) -> Any:
+    if path.suffix.lower() not in (".yml", ".yaml"):
+        return json.loads(text)
+    if len(text) > bounds.YAML_BYTES:
+        raise InvalidScene(f"{label_of(path)} has more than the {bounds.YAML_BYTES >> 10} KiB that are read of YAML")
+    try:
+        import yaml
+    except ImportError:
+        raise MissingExtra("scene", "a YAML file") from None
+    try:
+        return yaml.safe_load(text)
+    except (yaml.YAMLError, AttributeError, TypeError, OverflowError) as error:
+        # Its own constructors fail in ways of theirs.
+        raise ValueError(str(error)) from None
+
+
+def _refuse_multiplied(tree: Any, path: Path) -> None:
+    """Refuse a tree of too many values, or one that holds itself."""
+    waiting, count = [tree], 0
+    while waiting:
+        each = waiting.pop()
+        inside = [*each, *each.values()] if isinstance(each, Mapping) else each if isinstance(each, list | tuple) else ()
+        count += len(inside)
+        if count > bounds.TREE_NODES:
+            raise InvalidScene(f"{label_of(path)} holds more than {bounds.TREE_NODES:,} values, or itself")
+        waiting += inside
 
 
 def _rows(spheres: Any, where: str) -> Array:

@@ -16,12 +16,9 @@ from srs_ik.kernels.algebra.pointers import keep, row
 from srs_ik.kernels.algebra.vectors import norm
 from srs_ik.kernels.chain.kinematics import pose_error
 from srs_ik.kernels.chain.newton import CLOSED, clipped, close_free, moved, pose_step, shortest_step
-from srs_ik.kernels.exact.farthest import farthest
-from srs_ik.kernels.exact.intervals import find_intervals
+from srs_ik.kernels.exact.bends import best_of_bends, best_on_circles
 from srs_ik.kernels.exact.nearest import slid
-from srs_ik.kernels.exact.nearest_within import nearest_within
 from srs_ik.kernels.jit import kernel
-from srs_ik.kernels.layout.answer import MAX_PIECES
 from srs_ik.kernels.layout.asked import Target
 from srs_ik.kernels.layout.limb import (
     BOTTOM_GAP,
@@ -32,17 +29,13 @@ from srs_ik.kernels.layout.limb import (
     UPPER,
     WRIST,
 )
-from srs_ik.kernels.limb.branches import NO_BRANCH, branch_of, side_posture
+from srs_ik.kernels.limb.branches import branch_of, side_posture
 from srs_ik.kernels.limb.goal import NO_SEED, OUTSIDE, cost, turned
 from srs_ik.kernels.limb.in_line import NEARLY_IN_LINE, closest, may_split, wide_limb
 from srs_ik.kernels.limb.triangle import elbow_side
 
 NEARLY_FLAT = 3e-6
 """Bends of the elbow below this, rad from straight or from folded, cannot be told apart within 1e-11 of reach."""
-
-SMALLEST_BEND = 2.5e-10
-BENDS = 7
-"""So many bends that cannot be told apart are tried where the elbow is as good as flat, each four times the last."""
 
 CLOSING_STEPS = 20
 GENTLE = 1e-13
@@ -120,23 +113,6 @@ def keep_better(P, target, split, wanted, goal, best, work):
 
 
 @kernel
-def best_on_circles(P, place_, branch, goal):
-    """The best posture over all arm angles: q, branch, cost."""
-    found = np.empty((8 * MAX_PIECES, 3))
-    n = 0
-    if goal.respect:
-        n = find_intervals(P, place_, branch, found)
-    else:
-        for b in range(8):
-            if branch < 0 or b == branch:
-                found[n, 0], found[n, 1], found[n, 2] = b, -math.pi, math.pi
-                n += 1
-    if goal.seeded:
-        return nearest_within(P, place_, found[:n], branch, goal, 4.0 * NO_BRANCH)
-    return farthest(P, place_, found, 0, n, branch, goal.respect)
-
-
-@kernel
 def split_end(P, wide, side, psi, branch, i, last):
     """The posture of a branch whose split is the first (last 0) or the last (1) inside the limits: q, cost.
 
@@ -152,7 +128,10 @@ def split_end(P, wide, side, psi, branch, i, last):
 
 @kernel
 def search_near_line(P, wide, target, wanted, goal, best, work):
-    """The best posture of a pose, or a split that is better; `wide` takes axes almost in line so."""
+    """The best posture of a pose, or a split that is better, and whether axes stay in line.
+
+    `wide` takes axes almost in line so; in line at all arm angles they lie along the line S-W.
+    """
     circles = False
     for elbow in range(2):
         side = elbow_side(P, target.place, elbow)
@@ -177,7 +156,7 @@ def search_near_line(P, wide, target, wanted, goal, best, work):
                         best = keep_better(P, target, (start, b, value), wanted, goal, best, work)
     if circles:
         best = keep_better(P, target, best_on_circles(wide, target.place, wanted, goal), wanted, goal, best, work)
-    return best
+    return best, circles
 
 
 @kernel
@@ -198,14 +177,13 @@ def with_splits(P, target, wanted, goal, best):
     wide = row(boxes, 0)
     wide_limb(P, wide)
     work = (np.empty((6, 7)), np.empty((16, 9)))
-    best = search_near_line(P, wide, target, wanted, goal, best, work)
+    best, along = search_near_line(P, wide, target, wanted, goal, best, work)
     if bend_s < NEARLY_FLAT:
-        straight = math.copysign(1.0, bend_c)
-        flat = Target(target.R, target.p, (t, h0, straight, 0.0, hand, miss))
-        best = search_near_line(P, wide, flat, wanted, goal, best, work)
-        for i in range(BENDS):
-            bent = (t, h0, straight, SMALLEST_BEND * 4.0**i, hand, miss)
-            best = keep_better(P, target, best_on_circles(P, bent, wanted, goal), wanted, goal, best, work)
+        flat = Target(target.R, target.p, (t, h0, math.copysign(1.0, bend_c), 0.0, hand, miss))
+        best, alike = search_near_line(P, wide, flat, wanted, goal, best, work)
+        along = along or alike
+    if along:
+        best = keep_better(P, target, best_of_bends(P, target.place, wanted, goal, best[2]), wanted, goal, best, work)
     keep(boxes)
     return best
 
