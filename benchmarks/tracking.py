@@ -40,7 +40,7 @@ Update = Callable[[np.ndarray | None], np.ndarray]
 
 def ours(arm: srs_ik.Arm, q0: np.ndarray, dt: float, acceleration: np.ndarray) -> Update:
     """`Arm.tracker`."""
-    tracker = arm.tracker(q0, dt, acceleration_limit=acceleration)
+    tracker = arm.tracker(q0, dt, acceleration=acceleration)
     return lambda T: tracker.update(T).q
 
 

@@ -42,6 +42,7 @@ if TYPE_CHECKING:
         PreviewError,
         SrsIkError,
     )
+    from srs_ik.inputs.freedom import FreeAxis
     from srs_ik.inputs.poses import PoseError, nearest_pose, xyz_quaternion
     from srs_ik.inputs.rotations import pose_from_xyz_quaternion, pose_from_xyz_rpy
     from srs_ik.inputs.task import Task
@@ -112,6 +113,7 @@ _MODULES = {
     "solve.self_motion": ("SelfMotion",),
     "solve.solution": ("BatchSolution", "Collision", "Interval", "Solution", "Solutions", "Status"),
     "solve.posture": ("Posture",),
+    "inputs.freedom": ("FreeAxis",),
     "inputs.task": ("Task",),
     "solve.task": ("BatchTaskSolution", "TaskSolution"),
     "solve.tracker": ("Tracker", "TrackerStatus", "TrackerStep"),
@@ -131,6 +133,7 @@ __all__ = [
     "Collision",
     "Ellipsoid",
     "FrameNotFound",
+    "FreeAxis",
     "FreeSplit",
     "Hand",
     "Interval",

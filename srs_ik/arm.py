@@ -24,6 +24,7 @@ from srs_ik.solve.solution import BatchSolution, Interval, Solution, Solutions
 
 if TYPE_CHECKING:
     from srs_ik.collision.scene import Scene
+    from srs_ik.inputs.freedom import FreeAxis
     from srs_ik.inputs.task import Task
     from srs_ik.robot.description.model import Drawing
     from srs_ik.solve.collisions import Surroundings
@@ -91,6 +92,7 @@ class Arm(BodyOwner):
         branch: int | None = None,
         respect_limits: bool = True,
         *,
+        free_axis: ArrayLike | FreeAxis | str | None = None,
         scene: Scene | None = None,
         margin: float = 0.0,
     ) -> Solution:
@@ -105,15 +107,24 @@ class Arm(BodyOwner):
             seed: (7,) posture to stay near, rad; no joint of it more than 300 rad outside its limits.
             branch: 0 to 7; any if not given.
             respect_limits: whether q has to keep the joint limits.
+            free_axis: what of the rotation is free: a direction in the tip frame for the roll about it, a
+                `FreeAxis` for a cone, "any" for a position alone; errors are those that are left then. It goes with a
+                seed or without, and with neither arm angle, branch nor scene.
             scene: what must not be touched, the arm's own bodies included; nothing is looked at if not given.
             margin: what is to be left between any two bodies, m.
 
         Raises:
             InvalidPose: the pose is no finite rigid transform, or farther away than 1e300 m.
             InvalidConfiguration: seed, arm angle or branch are malformed, or one of the angles beyond 1e6 rad.
+            InvalidTask: no free axis, or one beside what it does not go with.
             InvalidScene: no `Scene`, or no margin.
             NoBodies: no shapes of the arm are at hand.
         """
+        if free_axis is not None:
+            from srs_ik.solve import free
+
+            free.refuse_beside(free_axis, arm_angle=arm_angle, branch=branch, scene=scene)
+            return free.solve(self.packed, pose, free_axis, seed, bool(respect_limits))
         if scene is not None:
             return self._in(scene, margin).solve(pose, arm_angle, seed, branch, bool(respect_limits))
         return pose_solver.solve(self.packed, pose, arm_angle, seed, branch, respect_limits)
@@ -159,6 +170,7 @@ class Arm(BodyOwner):
         respect_limits: bool = True,
         threads: int | None = None,
         *,
+        free_axis: ArrayLike | FreeAxis | str | None = None,
         scene: Scene | None = None,
         margin: float = 0.0,
     ) -> BatchSolution:
@@ -173,6 +185,7 @@ class Arm(BodyOwner):
                 no solution say so in their status.
             respect_limits: whether q has to keep the joint limits.
             threads: at most so many; all processors if not given.
+            free_axis: as for `solve`, for all.
             scene: what must not be touched, the arm's own bodies included; nothing is looked at if not given.
             margin: what is to be left between any two bodies, m.
 
@@ -180,9 +193,16 @@ class Arm(BodyOwner):
             InvalidPose: a pose is no finite rigid transform; the message names the first one.
             InvalidConfiguration: seed, arm angle or branch are malformed, or all branches are asked for without an arm
                 angle.
+            InvalidTask: no free axis, or one beside what it does not go with.
             InvalidScene: no `Scene`, or no margin.
             NoBodies: no shapes of the arm are at hand.
         """
+        if free_axis is not None:
+            from srs_ik.solve import free
+
+            other = {"arm_angle": arm_angle, "branch": branch, "all_branches": all_branches, "scene": scene}
+            free.refuse_beside(free_axis, **other)
+            return free.solve_batch(self.packed, poses, free_axis, seed, bool(respect_limits), threads)
         if scene is not None:
             return self._in(scene, margin).solve_batch(
                 poses, arm_angle, seed, branch, all_branches, bool(respect_limits), threads
@@ -200,6 +220,8 @@ class Arm(BodyOwner):
         objective: str = "sum_of_squares",
         known: Mapping[int, ArrayLike] | None = None,
         closed: bool = False,
+        *,
+        free_axis: ArrayLike | FreeAxis | str | None = None,
     ) -> PathSolution:
         """A continuous joint path through N poses, inside the limits, chosen over the whole path and not step by step.
 
@@ -217,6 +239,8 @@ class Arm(BodyOwner):
             known: postures that the path has to take, (7,) by the index of their pose.
             closed: whether the path has to end in the posture in which it begins (but for whole turns of joints without
                 end); its last pose is its first one.
+            free_axis: what of the rotation is free, as for `solve`; turns are chosen on samples, along the whole path,
+                and then each for its neighbours. It goes with neither known postures nor a closed path.
 
         Raises:
             InvalidPose: a pose is no finite rigid transform; the message names the first one.
@@ -226,42 +250,46 @@ class Arm(BodyOwner):
         """
         from srs_ik.solve.path import solve_path
 
-        return solve_path(self.packed, poses, seed, dt, longest_step, objective, known, closed)
+        return solve_path(self.packed, poses, seed, dt, longest_step, objective, known, closed, free_axis)
 
     def tracker(
         self,
         q0: ArrayLike,
         dt: float,
-        velocity_limit: ArrayLike | None = None,
-        acceleration_limit: ArrayLike | None = None,
+        velocity: ArrayLike | None = None,
+        acceleration: ArrayLike | None = None,
         elbow: Any = "keep",
         smoothing: float = 0.0,
-        jerk_limit: ArrayLike | None = None,
+        jerk: ArrayLike | None = None,
+        *,
+        free_axis: ArrayLike | FreeAxis | str | None = None,
     ) -> Tracker:
         """A follower of a target pose that moves: `update(pose)` gives the joint angles for the end of each period.
 
         Args:
             q0: (7,) joint angles to begin with, at rest, rad.
             dt: seconds between two updates.
-            velocity_limit: one for all joints, or (7,), rad/s; those of the description if not given.
-            acceleration_limit: one for all joints, or (7,), rad/s^2; if not given, what brings each joint to
-                its largest velocity in 0.2 s.
+            velocity: the largest, one for all joints, or (7,), rad/s; those of the description if not given.
+            acceleration: the largest, one for all joints, or (7,), rad/s^2; if not given, what brings each joint to its
+                largest velocity in 0.2 s.
             elbow: "keep" (it moves as little as the target and the limits allow), an arm angle, rad, or an `Objective`
                 or its name ("limit_margin" for farthest from the limits) that it follows downhill.
             smoothing: time constant of a filter that takes jitter from the target, seconds; a target at constant
                 velocity is followed without a lag.
-            jerk_limit: one for all joints, or (7,), rad/s^3; by Ruckig (extra `jerk`), which follows what comes out
-                without it.
+            jerk: the largest, one for all joints, or (7,), rad/s^3; by Ruckig (extra `jerk`), which follows what comes
+                out without it.
+            free_axis: what of the targets' rotation is free, as for `solve`.
 
         Raises:
             InvalidConfiguration: a malformed argument, or q0 outside the joint limits.
-            InvalidTask: no such objective, or one that is no kernel.
+            InvalidTask: no such objective, or one that is no kernel; no free axis.
             MissingExtra: a limit of the jerk is given, and ruckig is not installed.
             MissingLimits: the description gives a joint no velocity limit, and none is given here.
         """
         from srs_ik.solve.tracker import Tracker
 
-        return Tracker(self.packed, self, q0, dt, velocity_limit, acceleration_limit, elbow, smoothing, jerk_limit)
+        bounds = velocity, acceleration, jerk
+        return Tracker((self.packed, self), q0, dt, bounds, elbow, smoothing, free_axis)
 
     def intervals(
         self, pose: PoseLike, respect_limits: bool = True, *, scene: Scene | None = None, margin: float = 0.0

@@ -59,6 +59,20 @@ def another(browser, *options: str) -> Iterator:
         second.close()
 
 
+def opened(browser, url: str, offline: bool = False):
+    """A page, and the list of what went wrong on it, and of the addresses beyond this machine that it asked for."""
+    page = browser.new_page(viewport=SIZE)
+    page.faults = []
+    page.on("pageerror", lambda error: page.faults.append(str(error)))
+    local = ("file:", "data:", "blob:") if offline else ("http://127.0.0.1:", "ws://127.0.0.1:", "data:", "blob:")
+    page.on("request", lambda r: None if r.url.startswith(local) else page.faults.append(r.url))
+    if offline:
+        page.context.set_offline(True)
+    page.set_default_timeout(PATIENCE)
+    page.goto(url)
+    return page
+
+
 def pixels(page) -> np.ndarray:
     """(height, width, 3) what the page shows, 0 to 255."""
     from PIL import Image

@@ -29,6 +29,7 @@ SLOW = {
     "test_copies",
     "test_examples",
     "test_experiments",
+    "test_following_preview",
     "test_fuzz",
     "test_map_engine",
     "test_kernels_disk",
@@ -63,7 +64,7 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
         parameters = item.callspec.params.values() if hasattr(item, "callspec") else ()
         if any(isinstance(value, str) and value in _REAL for value in parameters):
             item.add_marker(pytest.mark.files)
-        if "browser" in item.fixturenames or item.path.stem == "test_preview_browser":
+        if "browser" in item.fixturenames or item.path.stem in ("test_following_preview", "test_preview_browser"):
             item.add_marker(pytest.mark.browser)
         if item.path.stem in SLOW or "installed" in item.fixturenames:
             item.add_marker(pytest.mark.slow)

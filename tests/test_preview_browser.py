@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from browser import PATIENCE, SIZE, changed, chromium, orange, pixels, settled, until
+from browser import changed, chromium, opened, orange, pixels, settled, until
 
 import srs_ik
 from srs_ik.preview import Preview
@@ -19,20 +19,6 @@ def browser():
 @pytest.fixture(scope="module")
 def arm():
     return srs_ik.load("iiwa14")
-
-
-def opened(browser, url: str, offline: bool = False):
-    """A page, and the list of what went wrong on it, and of the addresses beyond this machine that it asked for."""
-    page = browser.new_page(viewport=SIZE)
-    page.faults = []
-    page.on("pageerror", lambda error: page.faults.append(str(error)))
-    local = ("file:", "data:", "blob:") if offline else ("http://127.0.0.1:", "ws://127.0.0.1:", "data:", "blob:")
-    page.on("request", lambda r: None if r.url.startswith(local) else page.faults.append(r.url))
-    if offline:
-        page.context.set_offline(True)
-    page.set_default_timeout(PATIENCE)
-    page.goto(url)
-    return page
 
 
 def test_the_page_shows_the_arm_and_follows_it(browser, arm):

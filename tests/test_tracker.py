@@ -14,7 +14,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from motions import KINDS, minimum_jerk, motion, off_target, within
 
-from srs_ik import InvalidConfiguration, InvalidPose, InvalidTask, MissingLimits
+from srs_ik import FreeAxis, InvalidConfiguration, InvalidPose, InvalidTask, MissingLimits
 
 DT = 0.002
 ROUNDING = 1e-9
@@ -211,8 +211,8 @@ def test_another_configuration_is_taken_only_when_allowed():
     [
         ({"dt": 0.0}, InvalidConfiguration, "dt must be a positive"),
         ({"q0": np.full(7, 9.0)}, InvalidConfiguration, "outside its limits"),
-        ({"velocity_limit": -1.0}, InvalidConfiguration, "velocity_limit must be a positive"),
-        ({"acceleration_limit": [1.0, 2.0]}, InvalidConfiguration, "acceleration_limit must be a positive"),
+        ({"velocity": -1.0}, InvalidConfiguration, "velocity must be a positive"),
+        ({"acceleration": [1.0, 2.0]}, InvalidConfiguration, "acceleration must be a positive"),
         ({"smoothing": -1.0}, InvalidConfiguration, "smoothing must be"),
         ({"elbow": "best"}, InvalidTask, "there is no objective 'best'"),
         ({"elbow": np.inf}, InvalidConfiguration, "arm angle must be a finite"),
@@ -229,7 +229,7 @@ def test_an_arm_without_velocity_limits_needs_them():
     arm.packed = dataclasses.replace(arm.packed, velocity_limit=np.full(7, np.inf))
     with pytest.raises(MissingLimits, match="velocity"):
         arm.tracker(np.zeros(7), DT)
-    assert arm.tracker(np.zeros(7), DT, velocity_limit=2.0).acceleration_limit == pytest.approx(np.full(7, 10.0))
+    assert arm.tracker(np.zeros(7), DT, velocity=2.0).acceleration_limit == pytest.approx(np.full(7, 10.0))
 
 
 def test_jitter_is_smoothed_without_a_lag():
@@ -259,7 +259,7 @@ def test_the_jerk_is_limited_too(kind):
     pytest.importorskip("ruckig")
     arm = arms.load("iiwa14")
     moving = motion(arm, 3, 2.0, DT, kind, trouble=True)
-    tracker = tracker_of("iiwa14", moving.q0, jerk_limit=200.0, smoothing=0.02)
+    tracker = tracker_of("iiwa14", moving.q0, jerk=200.0, smoothing=0.02)
     q, _ = follow("iiwa14", moving.given, tracker)
     assert_limits_kept("iiwa14", moving.q0, q, tracker)
     jerk = np.diff(np.vstack([np.repeat(moving.q0[None], 3, axis=0), q]), n=3, axis=0) / DT**3
@@ -273,3 +273,55 @@ def test_the_jerk_is_limited_too(kind):
         arms.forward("iiwa14")(step.q).translation - np.asarray(getattr(end, "homogeneous", end))[:3, 3]
     )
     assert step.position_error == pytest.approx(off, abs=1e-9)
+
+
+def freed_error(name, free, q, T):
+    """Metres and radians that are left of a target, by Pinocchio."""
+    tip = arms.forward(name)(q)
+    a, b = tip.rotation @ free.axis, T[:3, :3] @ free.axis
+    lean = np.arctan2(np.linalg.norm(np.cross(a, b)), a @ b)
+    return np.linalg.norm(tip.translation - T[:3, 3]), max(lean - free.cone, 0.0)
+
+
+@pytest.mark.parametrize("free", [FreeAxis([0, 0, 1]), FreeAxis([0.3, 0, 1], cone=0.2), FreeAxis(cone=np.pi)])
+@pytest.mark.parametrize("name", arms.here("iiwa14", "gen3"))
+def test_a_free_turn_of_the_target_is_not_followed(name, free):
+    arm, q0 = arms.load(name), start(name)
+    T = arm.forward_kinematics(q0).homogeneous
+    tracker = tracker_of(name, q0, free_axis=free)
+    poses = np.repeat(T[None], 1000, axis=0)
+    for k, pose in enumerate(poses):
+        # The tip goes on, and the target turns about what is free faster than any joint could.
+        pose[:3, :3] = T[:3, :3] @ pin.exp3(0.1 * k * free.axis)
+        pose[:3, 3] += 0.03 * minimum_jerk(np.array(k / 900.0)) * np.array([1.0, -0.5, 0.5])
+    q, steps = follow(name, poses, tracker)
+    assert_limits_kept(name, q0, q, tracker)
+    errors = np.array([freed_error(name, free, each, pose) for each, pose in zip(q, poses, strict=True)])
+    assert errors.max() < 1e-8
+    assert all(steps)
+    reported = [steps[-1].position_error, steps[-1].orientation_error]
+    assert reported == pytest.approx(errors[-1].tolist(), abs=1e-8)
+
+
+@pytest.mark.parametrize("name", FOLLOWED)
+@given(seed=st.integers(0, 10_000), kind=st.sampled_from(KINDS), cone=st.sampled_from([0.0, 0.3, np.pi]))
+def test_limits_are_kept_with_a_free_turn_too(name, seed, kind, cone):
+    moving = motion(arms.load(name), seed, 0.6, DT, kind, trouble=True)
+    tracker = tracker_of(name, moving.q0, free_axis=FreeAxis(cone=cone))
+    q, steps = follow(name, moving.given, tracker)
+    assert_limits_kept(name, moving.q0, q, tracker)
+    assert all(step.message for step in steps)
+
+
+def test_a_free_roll_brings_more_targets_into_reach():
+    """A target turned half about the tip's axis, which the roll as it is cannot follow without another posture."""
+    arm, q0 = arms.load("iiwa14"), start("iiwa14")
+    T = arm.forward_kinematics(q0).homogeneous
+    T[:3, :3] = T[:3, :3] @ pin.exp3(np.array([0.0, 0.0, np.pi]))
+    tracker = tracker_of("iiwa14", q0, free_axis=[0, 0, 1])
+    _, steps = follow("iiwa14", [T] * 5, tracker)
+    assert all(steps)
+    assert np.abs(steps[-1].velocity).max() < 1e-9
+    assert tracker.reconfigure()
+    with pytest.raises(InvalidTask, match="free_axis"):
+        tracker_of("iiwa14", q0, free_axis=[0, 0, 0])

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from srs_ik.cli import freedom
 from srs_ik.cli.options import AllowXacro, AsJson, Base, Limb, Seven, Source, Tip, WrongInput, numbers
 from srs_ik.cli.pose_file import read_targets, write_table
 from srs_ik.cli.poses import JOINTS, angles, unit_of
@@ -15,6 +16,7 @@ from srs_ik.cli.waiting import counted
 
 if TYPE_CHECKING:
     from srs_ik.arm import Arm
+    from srs_ik.inputs.freedom import FreeAxis
     from srs_ik.solve.tracker import Tracker, TrackerStep
 
 
@@ -40,6 +42,8 @@ def follow(
     elbow: Annotated[
         str, typer.Option(metavar="keep|ANGLE|NAME", help="What the elbow does: keep, an arm angle, or an objective.")
     ] = "keep",
+    free_axis: freedom.Axis = None,
+    cone: freedom.Cone = None,
     velocity: Annotated[
         str | None, typer.Option(metavar="RAD/S", help="Largest velocity of every joint; the robot's if not given.")
     ] = None,
@@ -53,7 +57,7 @@ def follow(
         Path | None, typer.Option(metavar="FILE.csv", help="Write time, joint angles (rad), status and errors here.")
     ] = None,
     degrees: Annotated[
-        bool, typer.Option("--degrees", help="Angles are given in degrees (roll, pitch, yaw, --q, --elbow).")
+        bool, typer.Option("--degrees", help="Angles are given in degrees (roll, pitch, yaw, --q, --elbow, --cone).")
     ] = False,
     as_json: AsJson = False,
 ) -> None:
@@ -64,9 +68,12 @@ def follow(
     unit = unit_of(degrees)
     (period,) = numbers("--dt", [dt])
     options: dict[str, Any] = {"elbow": _elbow(elbow, unit), "smoothing": numbers("--smoothing", [smoothing])[0]}
+    free = freedom.read(free_axis, cone, unit)
+    if free is not None:
+        options["free_axis"] = free
     for option, word, name in (
-        ("--velocity", velocity, "velocity_limit"),
-        ("--acceleration", acceleration, "acceleration_limit"),
+        ("--velocity", velocity, "velocity"),
+        ("--acceleration", acceleration, "acceleration"),
     ):
         if word is not None:
             options[name] = numbers(option, [word])[0]
@@ -76,7 +83,7 @@ def follow(
     from srs_ik.loading import load
 
     arm = load(source, base=base, tip=tip, limb=limb, allow_xacro=allow_xacro)
-    tracker = arm.tracker(_start(arm, targets) if q0 is None else q0, period, **options)
+    tracker = arm.tracker(_start(arm, targets, free) if q0 is None else q0, period, **options)
     steps = [tracker.update(T) for T in counted(targets, "following")]
     if out is not None:
         _write(out, arm, steps, period)
@@ -96,10 +103,10 @@ def _elbow(word: str, unit: float) -> str | float:
         return word
 
 
-def _start(arm: Arm, targets: list[Any]) -> Any:
+def _start(arm: Arm, targets: list[Any], free: FreeAxis | None) -> Any:
     """A posture of the first target that there is."""
     first = next((T for T in targets if T is not None), None)
-    found = None if first is None else arm.solve(first)
+    found = None if first is None else arm.solve(first, free_axis=free)
     if not found:
         why = "there is no pose in the file" if found is None else found.message
         raise WrongInput(f"no posture to begin with: {why} Give one by --q")

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from srs_ik.cli import freedom
 from srs_ik.cli.options import AllowXacro, AsJson, Base, Limb, Seven, Source, Tip, WrongInput, numbers
 from srs_ik.cli.picture import check
 from srs_ik.cli.pose_file import read_poses, write_path
@@ -45,6 +46,8 @@ def path(
     seed: Annotated[
         Seven | None, typer.Option(metavar=JOINTS, help="Start near these joint angles; anywhere if not given.")
     ] = None,
+    free_axis: freedom.Axis = None,
+    cone: freedom.Cone = None,
     dt: Annotated[
         str | None,
         typer.Option(metavar="SECONDS", help="Time between two poses: keep the velocity limits where possible."),
@@ -67,7 +70,7 @@ def path(
         typer.Option(metavar="FILE.csv", help="Write the joint angles here, radians, if there is no break."),
     ] = None,
     degrees: Annotated[
-        bool, typer.Option("--degrees", help="Angles are given in degrees (roll, pitch, yaw, --seed, --longest-step).")
+        bool, typer.Option("--degrees", help="Angles are given in degrees (roll, pitch, yaw, --seed, --cone ...).")
     ] = False,
     as_json: AsJson = False,
 ) -> None:
@@ -79,6 +82,9 @@ def path(
     if plot is not None:
         check(plot, "--plot")
     options: dict[str, object] = {"objective": objective.value, "closed": closed}
+    free = freedom.read(free_axis, cone, unit)
+    if free is not None:
+        options["free_axis"] = free
     if seed is not None:
         options["seed"] = angles("--seed", seed, unit)
     if dt is not None:

@@ -44,6 +44,9 @@ def preview(
     interactive: Annotated[
         bool, typer.Option("--interactive", help="A page with a target, a list of branches and a slider to play with.")
     ] = False,
+    follow: Annotated[
+        bool, typer.Option("--follow", help="A page with a target to drag, which the arm follows within its limits.")
+    ] = False,
     meshes: Annotated[
         list[Path] | None, typer.Option(metavar="FOLDER", help="A folder to search for meshes; may be given often.")
     ] = None,
@@ -55,7 +58,7 @@ def preview(
     With a pose, --xyz with --rpy or --quat, the posture farthest from the joint limits is shown, and the feasible arm
     angles as arcs around the circle of the elbow. Exit status 1 if there is no posture.
     """
-    _check(save, interactive, ellipsoids or ghosts or self_motion, port)
+    _check(save, interactive, follow, ellipsoids or ghosts or self_motion, port)
     if q is not None and (xyz or rpy or quat):
         raise WrongInput("--q is a posture already and goes with none of --xyz, --rpy and --quat")
     unit = unit_of(degrees)
@@ -71,6 +74,12 @@ def preview(
             typer.echo(f"srs-ik: {solution.status.name}: {solution.message}", err=True)
             raise typer.Exit(1)
         shown = solution.q.tolist()
+    if follow:
+        from srs_ik.preview.following import FollowingPreview
+
+        with FollowingPreview(arm, shown, package_dirs=meshes or (), port=port) as following:
+            _serve(following)
+        return
     if interactive:
         from srs_ik.preview.interactive import InteractivePreview
 
@@ -89,10 +98,11 @@ def preview(
             typer.echo(view.save(save))
 
 
-def _check(save: Path | None, interactive: bool, marked: bool, port: int) -> None:
-    if interactive and (save is not None or marked):
+def _check(save: Path | None, interactive: bool, follow: bool, marked: bool, port: int) -> None:
+    if (interactive or follow) and (save is not None or marked):
         others = "--save, --ellipsoids, --ghosts and --self-motion"
-        raise WrongInput(f"--interactive is a page that answers, and goes with none of {others}")
+        option = "--follow" if follow else "--interactive"
+        raise WrongInput(f"{option} is a page that answers, and goes with none of {others}")
     if port not in range(65536):
         raise WrongInput(f"--port is a number from 0 to 65535, not {port}")
     if save is not None and save.suffix.lower() not in (".html", ".htm"):

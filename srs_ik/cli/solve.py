@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from srs_ik.cli import freedom
 from srs_ik.cli import objective as objectives
 from srs_ik.cli.options import AllowXacro, AsJson, Base, Limb, Seven, Source, Tip, WrongInput
 from srs_ik.cli.pose_file import read_poses
@@ -40,6 +41,8 @@ def solve(
         Seven | None, typer.Option(metavar=JOINTS, help="Choose the posture nearest to these joint angles.")
     ] = None,
     branch: Annotated[int | None, typer.Option(metavar="0..7", help="Choose the posture from this branch.")] = None,
+    free_axis: freedom.Axis = None,
+    cone: freedom.Cone = None,
     objective: objectives.Name = None,
     force: objectives.Force = None,
     velocity: objectives.Velocity = None,
@@ -65,7 +68,7 @@ def solve(
     exact: Exact = False,
     degrees: Annotated[
         bool,
-        typer.Option("--degrees", help="Angles are given in degrees (--rpy, --q, --arm-angle, --seed, --reference)."),
+        typer.Option("--degrees", help="Angles are given in degrees (--rpy, --q, --arm-angle, --seed, --cone ...)."),
     ] = False,
     as_json: AsJson = False,
 ) -> None:
@@ -87,6 +90,9 @@ def solve(
         )
     angle = None if arm_angle is None else angles("--arm-angle", [arm_angle], unit)[0]
     start = None if seed is None else angles("--seed", seed, unit)
+    free = freedom.read(free_axis, cone, unit)
+    if free is not None and (every or judged or any(x is not None for x in (arm_angle, branch, scene))):
+        raise WrongInput("--free-axis goes with none of --arm-angle, --branch, --objective, --all and --scene")
     if file is not None and (every or judged or xyz or rpy or quat or q):
         raise WrongInput("--file has the poses: it goes with none of --xyz, --rpy, --quat, --q, --all and --objective")
     if out is not None and file is None:
@@ -103,7 +109,13 @@ def solve(
     arm = load(source, base=base, tip=tip, limb=limb, allow_xacro=allow_xacro)
     if file is not None:
         solved = arm.solve_batch(
-            poses, arm_angle=angle, seed=start, branch=branch, respect_limits=not no_limits, **around
+            poses,
+            arm_angle=angle,
+            seed=start,
+            branch=branch,
+            respect_limits=not no_limits,
+            free_axis=free,
+            **around,
         )
         report(arm, solved, file, lines, out, as_json)
         return
@@ -117,7 +129,7 @@ def solve(
         if judged is not None:
             best = arm.optimise(pose, judged, respect_limits=not no_limits, **around)
         else:
-            best = arm.solve(pose, arm_angle=angle, seed=start, branch=branch, respect_limits=not no_limits, **around)
+            best = arm.solve(pose, angle, start, branch, not no_limits, free_axis=free, **around)
         solutions = [best] if best else []
 
     if as_json:

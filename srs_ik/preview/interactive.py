@@ -2,25 +2,20 @@
 
 from __future__ import annotations
 
-import atexit
-import threading
-import weakref
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Self
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import pinocchio as pin
 from numpy.typing import ArrayLike, NDArray
 
-from srs_ik.errors import PreviewError
 from srs_ik.inputs.poses import PoseLike, as_arm_angle, as_joint_vector, as_rigid_matrix, as_seed
-from srs_ik.preview import solids
 from srs_ik.preview.circle import arc_solids, circle_solids
 from srs_ik.preview.inbox import FARTHEST, number, numbers
-from srs_ik.preview.page import PageCanvas, rotation, serve, stop, wxyz
-from srs_ik.preview.robot import Stage, limb, look, reach, resting
-from srs_ik.preview.words import report, span, title
+from srs_ik.preview.live import LivePage
+from srs_ik.preview.page import wxyz
+from srs_ik.preview.words import report, span
 from srs_ik.robot.description.from_yourdfpy import roll_pitch_yaw
 
 if TYPE_CHECKING:
@@ -30,15 +25,11 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 
 _NOTHING = "no posture"
-_TARGET = "/scene/target"
-_CAMERA = np.array([1.4, -0.95, 0.6])
-"""From the centre of what is seen to the camera, in units of its radius."""
-
 _PALE = 0.3
 """Opacity of the arcs of the branches that are not chosen."""
 
 
-class InteractivePreview:
+class InteractivePreview(LivePage):
     """A page with the target, the branch and the arm angle of an arm to play with, served to this machine alone.
 
     The target is moved by its handles or its figures; the list holds every interval of feasible arm angles, and the
@@ -69,64 +60,16 @@ class InteractivePreview:
         package_dirs: Sequence[str | Path] = (),
         port: int = 0,
     ) -> None:
-        self.arm = arm
-        start = resting(arm) if q is None else as_joint_vector(q)
-        parts, self.missing = look(arm, package_dirs)
-        self._lock = threading.RLock()
-        self._settling = False
+        start = None if q is None else as_joint_vector(q)
+        super().__init__(arm, package_dirs, port)
         self._intervals: list[Interval] = []
         self._shown: tuple[bytes, int] | None = None
-        self._server, self._door, self._inbox = serve(port, title(arm))
-        self._close = weakref.finalize(self, stop, self._server)
-        # Registered after viser's own end at exit, it comes before that, which prints.
-        self._close.atexit = False
-        atexit.register(self._close)
-        stage = Stage.of(arm, parts)
-        self._canvas = PageCanvas(self._server, stage.R_scene_base)
-        for k in range(8):
-            carried = [p.solid for p in parts if p.joint == k] + [p.solid for p in limb(arm) if p.joint == k]
-            self._canvas.draw(f"joint {k}", carried)
-        self._canvas.draw("base frame", solids.triad(0.16 * reach(arm)))
         self._add_controls()
+        start = self._start(start)
         self.show(arm.forward_kinematics(start), seed=start)
-        self._look_at(stage)
+        self._look_at_all()
         # What has to be compiled for the slider is compiled now, and not when somebody moves it.
         arm.solve(self.target, arm_angle=0.0, branch=0)
-
-    # The page ----------------------------------------------------------------------------------------------------
-
-    @property
-    def url(self) -> str:
-        """Address of the page, on this machine alone; whoever has it can move the target."""
-        return self._door.url
-
-    @property
-    def closed(self) -> bool:
-        """Whether the page is gone."""
-        return not self._close.alive
-
-    def close(self) -> None:
-        """End the page and free its port; a second time does nothing."""
-        atexit.unregister(self._close)
-        self._close()
-
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(self, *exception: object) -> None:
-        self.close()
-
-    def __repr__(self) -> str:
-        return f"<InteractivePreview of {self.arm.name}, {'closed' if self.closed else 'at ' + self.url}>"
-
-    # What is on it -----------------------------------------------------------------------------------------------
-
-    @property
-    def target(self) -> Array:
-        """(4, 4) pose of the target in the base frame."""
-        T = np.eye(4)
-        T[:3, :3], T[:3, 3] = rotation(self._handles.wxyz), self._handles.position
-        return T
 
     @property
     def solution(self) -> Solution:
@@ -149,32 +92,15 @@ class InteractivePreview:
         T = as_rigid_matrix(pose)
         psi = None if arm_angle is None else as_arm_angle(arm_angle)
         near = self._solution.q if seed is None else as_seed(seed, self.arm.lower, self.arm.upper)
-        if self.closed:
-            raise PreviewError("the preview is closed: make a new one")
+        self._refuse_closed()
         with self._lock:
             self._aim(T, psi, near)
         return self._solution
 
     # --------------------------------------------------------------------------------------------------------------
 
-    def _look_at(self, stage: Stage) -> None:
-        centre, radius = self._canvas.extent.sphere()
-        self._server.scene.add_grid(
-            "/floor",
-            4.0 * radius,
-            4.0 * radius,
-            cell_size=0.1,
-            section_size=0.5,
-            position=(0.0, 0.0, stage.floor),
-        )
-        seen = stage.R_scene_base @ centre
-        self._server.initial_camera.position = seen + radius * _CAMERA
-        self._server.initial_camera.look_at = seen
-
     def _add_controls(self) -> None:
-        # Without types: viser's own hide that values can be set.
-        gui: Any = self._server.gui
-        self._handles = self._server.scene.add_transform_controls(_TARGET, scale=0.3 * reach(self.arm))
+        gui = self._gui
         self._list = gui.add_dropdown("interval", (_NOTHING,))
         self._slider = gui.add_slider("arm angle (deg)", -180.0, 180.0, 0.01, 0.0)
         ends: Any = {"min": (-FARTHEST,) * 3, "max": (FARTHEST,) * 3}
@@ -186,21 +112,10 @@ class InteractivePreview:
         self._slider.on_update(self._answer(self._turn))
         for figures in (self._xyz, self._rpy):
             figures.on_update(self._answer(self._figures_typed))
-        self._inbox.expect_pose(_TARGET)
         self._inbox.expect(self._list._impl.uuid, lambda value: value in self._list.options)
         self._inbox.expect(self._slider._impl.uuid, number)
         self._inbox.expect(self._xyz._impl.uuid, lambda value: numbers(value, 3, FARTHEST))
         self._inbox.expect(self._rpy._impl.uuid, lambda value: numbers(value, 3))
-
-    def _answer(self, act: Callable[[], None]) -> Callable[[Any], None]:
-        """A callback that acts on what the page says now, unless it is this program that has just said so."""
-
-        def callback(event: Any) -> None:
-            with self._lock:
-                if not (self._settling or self.closed):
-                    act()
-
-        return callback
 
     def _target_dragged(self) -> None:
         self._aim(self.target, None, self._solution.q)
@@ -281,8 +196,7 @@ class InteractivePreview:
 
     def _draw(self) -> None:
         q = self._solution.q
-        for k, T_base_joint in enumerate(self.arm.joint_frames(q)):
-            self._canvas.place(f"joint {k}", T_base_joint)
+        self._place_joints(q)
         shown = (self.target.tobytes(), self._solution.branch)
         if shown != self._shown:
             self._shown = shown

@@ -50,12 +50,13 @@ def report(solution: Solution, intervals: Sequence[Interval]) -> str:
         for name, angle in solution.as_dict().items()
     )
     return (
-        f"<div style='{_STYLE}'><p>{html.escape(solution.message)}</p><p>{legend}</p>"
+        f"<div style='{STYLE}'><p>{html.escape(solution.message)}</p><p>{legend}</p>"
         f"<table width='100%'><tr><th align=left>joint</th><th align=right>deg</th></tr>{rows}</table></div>"
     )
 
 
-_STYLE = "font-size: 0.85em; padding: 0 0.8em; overflow-wrap: anywhere"
+STYLE = "font-size: 0.85em; padding: 0 0.8em; overflow-wrap: anywhere"
+"""Of texts on pages."""
 
 
 def css(colour: palette.Rgb) -> str:

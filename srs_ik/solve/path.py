@@ -87,9 +87,12 @@ def solve_path(
     objective: str = "sum_of_squares",
     known: Mapping[int, ArrayLike] | None = None,
     closed: bool = False,
+    free_axis: Any = None,
 ) -> PathSolution:
     """See `Arm.solve_path`."""
     T = as_matrices(poses)
+    if free_axis is not None and len(T):
+        return _free(arm, T, free_axis, (seed, dt, longest_step, objective), (known, closed))
     n = len(T)
     if objective not in OBJECTIVES:
         raise InvalidConfiguration(f"objective is one of {', '.join(OBJECTIVES)}, not {objective!r}")
@@ -110,6 +113,25 @@ def solve_path(
     rows[:, :7] = _unwound(arm, rows[:, :7], start)
     steps = np.diff(rows[:, :7], axis=0)
     return PathSolution(rows, arm.joint_names, steps, breaks_of(problem, way, rows, steps), arm.elbow)
+
+
+def _free(arm: PackedArm, T: Array, free_axis: Any, given: tuple[Any, ...], other: tuple[Any, bool]) -> PathSolution:
+    """A path through poses that leave a turn free."""
+    from srs_ik.inputs.freedom import as_free_axis
+    from srs_ik.solve.free import refuse_beside
+    from srs_ik.solve.path_free import solve_free_path
+
+    refuse_beside(free_axis, known=other[0], closed=other[1])
+    seed, dt, longest_step, objective = given
+    start = None if seed is None else as_seed(seed, arm.lower, arm.upper)
+    longest = _settings(arm, dt, longest_step, objective)[: BY_CONTINUITY + 1].min(axis=0)
+    return solve_free_path(
+        arm,
+        T,
+        as_free_axis(free_axis),
+        lambda whole: solve_path(arm, whole, seed, dt, longest_step, objective),
+        (start, longest),
+    )
 
 
 def _found(find: Callable[[Problem], Way], problem: Problem) -> tuple[Way, Array]:

@@ -11,11 +11,13 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from srs_ik.errors import InvalidConfiguration, InvalidTask, MissingLimits
+from srs_ik.inputs.freedom import as_free_axis
 from srs_ik.inputs.numbers import real_array, real_number
 from srs_ik.inputs.poses import PoseLike, as_arm_angle, as_joint_vector, as_matrix, as_positive, as_rigid_matrix
 from srs_ik.kernels.entries.track import update
 from srs_ik.kernels.layout import track as at
 from srs_ik.kernels.layout.objectives import PARAMS
+from srs_ik.solve.free import solve as solve_free
 from srs_ik.solve.objectives import Objective
 from srs_ik.solve.pose import solve
 from srs_ik.solve.solution import Solution
@@ -152,26 +154,25 @@ class Tracker:
         velocity_limit: (7,) rad/s.
         acceleration_limit: (7,) rad/s^2.
         jerk_limit: (7,) rad/s^3, or None.
+        free_axis: what of a target's rotation is free, or None.
     """
 
     def __init__(
         self,
-        packed: PackedArm,
-        chain: ChainKinematics,
+        arm: tuple[PackedArm, ChainKinematics],
         q0: ArrayLike,
         dt: float,
-        velocity_limit: ArrayLike | None = None,
-        acceleration_limit: ArrayLike | None = None,
-        elbow: Any = "keep",
-        smoothing: float = 0.0,
-        jerk_limit: ArrayLike | None = None,
+        bounds: tuple[ArrayLike | None, ArrayLike | None, ArrayLike | None],
+        elbow: Any,
+        smoothing: float,
+        free_axis: Any,
     ) -> None:
-        self._packed, self._chain = packed, chain
+        self._packed, self._chain = arm
+        packed = self._packed
+        velocity, acceleration, jerk = bounds
         self.dt = as_positive(dt, "dt", "seconds")
-        self.velocity_limit = _limits(velocity_limit, packed, "velocity_limit", packed.velocity_limit)
-        self.acceleration_limit = _limits(
-            acceleration_limit, packed, "acceleration_limit", self.velocity_limit / FULL_SPEED_IN
-        )
+        self.velocity_limit = _limits(velocity, packed, "velocity", packed.velocity_limit)
+        self.acceleration_limit = _limits(acceleration, packed, "acceleration", self.velocity_limit / FULL_SPEED_IN)
         self._settings = np.zeros(at.SETTINGS + PARAMS)
         self._settings[at.PERIOD] = self.dt
         self._settings[at.SPEED : at.ACCELERATION] = self.velocity_limit
@@ -179,7 +180,11 @@ class Tracker:
         self._settings[[at.AHEAD, at.PATIENCE]] = AHEAD, PATIENCE
         self._work = np.zeros((2, 16, 9))
         self._nowhere = np.eye(4)
-        self.jerk_limit = None if jerk_limit is None else _limits(jerk_limit, packed, "jerk_limit", np.empty(7))
+        self.jerk_limit = None if jerk is None else _limits(jerk, packed, "jerk", np.empty(7))
+        self.free_axis = None if free_axis is None else as_free_axis(free_axis)
+        if self.free_axis is not None:
+            self._settings[at.HAS_FREE] = 1.0
+            self._settings[at.FREE : at.SETTINGS] = self.free_axis.packed
         self.elbow = elbow
         self.smoothing = smoothing
         self.reset(q0)
@@ -277,11 +282,18 @@ class Tracker:
         if out[at.STEP_REASON] != at.BAD_TARGET:
             goal = self._target() if T is None and self._state[at.STARTED] else T
             if goal is not None:
-                error = self._chain.verify(goal, q)
-                out[at.STEP_POSITION_ERROR], out[at.STEP_ORIENTATION_ERROR] = error
+                out[at.STEP_POSITION_ERROR], out[at.STEP_ORIENTATION_ERROR] = self._error(goal, q)
         if out[at.STEP_STATUS] == at.OK and behind.max() > TOGETHER:
             out[at.STEP_STATUS], out[at.STEP_REASON] = at.LIMITED, at.BEHIND
             out[at.STEP_JOINT] = 1.0 + int((behind / self.velocity_limit).argmax())
+
+    def _error(self, T: Array, q: Array) -> tuple[float, float]:
+        """Metres and radians between the tip and a target, but for what that leaves free."""
+        if self.free_axis is None:
+            return self._chain.verify(T, q)
+        tip = self._chain.forward_kinematics(q)
+        lean = self.free_axis.lean(tip.rotation, T[:3, :3])
+        return float(np.linalg.norm(tip.translation - T[:3, 3])), lean
 
     def reconfigure(self, pose: PoseLike | None = None) -> Solution:
         """Let the arm go to the posture of a pose that is nearest to the present one, in whatever configuration.
@@ -299,7 +311,10 @@ class Tracker:
             InvalidPose: no finite rigid transform, or none given and no target yet.
         """
         T = self._target() if pose is None else as_rigid_matrix(pose)
-        found = solve(self._packed, T, seed=self.q)
+        if self.free_axis is None:
+            found = solve(self._packed, T, seed=self.q)
+        else:
+            found = solve_free(self._packed, T, self.free_axis, self.q, True)
         if found:
             self._state[at.DETOUR_END : at.MISS] = found.q
             self._state[at.DETOUR], self._state[at.ON] = 1.0, 0.0

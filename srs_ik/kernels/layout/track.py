@@ -42,7 +42,9 @@ ELBOW = 18  # `KEEP`, `ANGLE`, or an objective from `OBJECTIVE` on
 ANGLE_WANTED = 19  # rad
 PATIENCE = 20  # time constant in which a target that is lost slows down, seconds
 GAMMA = 21  # share of the estimate that the target takes over
-SETTINGS = 22
+HAS_FREE = 22  # 1.0 where the target leaves a turn free
+FREE = 23  # 4, that freedom
+SETTINGS = 27
 
 # Elbow policies.
 KEEP = -1.0

@@ -12,7 +12,6 @@ import math
 
 from srs_ik.kernels.algebra.joint_vectors import along7
 from srs_ik.kernels.algebra.pointers import row
-from srs_ik.kernels.chain.kinematics import pose_error
 from srs_ik.kernels.chain.newton import clipped
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.limb import LOWER, UPPER
@@ -68,6 +67,7 @@ from srs_ik.kernels.track.catch_up import CLOSE_BY, catch_up, way_left
 from srs_ik.kernels.track.closest import approach, between, error_at, minus
 from srs_ik.kernels.track.elbow import own_motion
 from srs_ik.kernels.track.elsewhere import look_elsewhere, out_of_reach, way_between
+from srs_ik.kernels.track.freedom import error_left, other_turn, shown_at, wanted
 from srs_ik.kernels.track.limits import fastest_all, slowest_all, toward
 from srs_ik.kernels.track.target import keep_pace, load_pose, lose_target, take_target
 
@@ -154,7 +154,7 @@ def move_goal(P, S, C, pose, work):
         goal = along7(goal, 1.0, d)
         if way_between(left, d) < TOGETHER:
             S[DETOUR] = 0.0
-        _, size = error_at(P, goal, pose[0], pose[1], work[0])
+        _, size = error_at(P, C, goal, pose[0], pose[1], work[0])
     else:
         liked = scaled(min(C[PERIOD] / COMING, 1.0), minus(q, goal))
         choice = (NO_SEED, between(liked, low, high), 0.5 * LENGTH * S[MISS], low, high)
@@ -196,7 +196,7 @@ def stay_on(P, S, C, pose, own, box, work):
 
 
 @kernel
-def watch(P, S, size, place_):
+def watch(P, S, C, size, place_):
     """Keep account of how long the goal has been off the target, and look elsewhere where that takes long."""
     S[MISS] = size
     if size < CLOSE:
@@ -206,7 +206,7 @@ def watch(P, S, size, place_):
     S[STUCK] += 1.0
     if S[STUCK] >= STUCK_FOR and (S[STUCK] - STUCK_FOR) % AGAIN == 0.0 and not out_of_reach(P, place_):
         S[ELSEWHERE] = UNKNOWN
-        look_elsewhere(P, S, place_)
+        look_elsewhere(P, S, other_turn(P, S, C, place_))
 
 
 @kernel
@@ -298,7 +298,7 @@ def advance(P, S, C, given, work, out):
     known = S[STARTED] == 1.0
     shown = load_pose(S, ROTATION)
     if has == 1:
-        take_target(S, C, R, p)
+        take_target(S, C, wanted(P, S, C, R), p)
     elif S[STARTED] == 1.0:
         lose_target(S, C)
     else:
@@ -311,7 +311,7 @@ def advance(P, S, C, given, work, out):
         keep_pace(S, C, shown)
     R_target, p_target = load_pose(S, ROTATION)
     pose = R_target, p_target
-    place_ = place(P, R_target, p_target)
+    place_ = place(P, shown_at(P, C, read7(row(S, GOAL)), R_target), p_target)
     own = own_motion(P, S, C, task, J)
     size, on = 0.0, False
     if S[ON] == 1.0:
@@ -319,7 +319,7 @@ def advance(P, S, C, given, work, out):
         v = scaled(1.0 / C[PERIOD], d)
     near = False
     if not on and S[COAST] < COAST_FOR:
-        left = way_left(P, S)
+        left = way_left(P, S, C)
         near = left[3] < CLOSE_BY
         if near:
             v = scaled(1.0 / C[PERIOD], catch_up(P, S, C, left, own, box, (J, A)))
@@ -328,7 +328,7 @@ def advance(P, S, C, given, work, out):
         store7(S, GOAL, after)
         store7(S, GOAL_RATE, v)
         if near:
-            _, size = error_at(P, after, R_target, p_target, J)
+            _, size = error_at(P, C, after, R_target, p_target, J)
             on = size < MET
         S[COAST] = 0.0 if on else S[COAST] + 1.0
     else:
@@ -341,10 +341,10 @@ def advance(P, S, C, given, work, out):
     if near and not on:
         said = LIMITED, BEHIND, hardest(S, C, v)
     else:
-        watch(P, S, size, place_)
+        watch(P, S, C, size, place_)
         said = verdict(P, S, C, after, size, place_)
     if has != 1:
         said = HELD, LOST_TARGET if has == 0 else BAD_TARGET, said[2]
         R, p = R_target, p_target
-    out[STEP_POSITION_ERROR], out[STEP_ORIENTATION_ERROR] = pose_error(P, after, R, p)
+    out[STEP_POSITION_ERROR], out[STEP_ORIENTATION_ERROR] = error_left(P, C, after, R, p)
     write_step(S, C, after, v, said, out)

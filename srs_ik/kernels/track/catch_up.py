@@ -15,6 +15,7 @@ from srs_ik.kernels.layout.track import ACCELERATION, LENGTH, PERIOD, ROTATION, 
 from srs_ik.kernels.limb.goal import NO_SEED
 from srs_ik.kernels.limb.poses import read7
 from srs_ik.kernels.track.closest import approach, between
+from srs_ik.kernels.track.freedom import shown_at
 from srs_ik.kernels.track.limits import stopping_speed
 from srs_ik.kernels.track.target import load_pace, load_pose, part_of_way
 
@@ -33,10 +34,12 @@ def tip_pose(P, q):
 
 
 @kernel
-def way_left(P, S):
+def way_left(P, S, C):
     """The way of the tip to the target, linear and angular, and its size: metres, turns by `LENGTH`."""
     R, p = load_pose(S, ROTATION)
-    tip = tip_pose(P, read7(row(S, Q)))
+    q = read7(row(S, Q))
+    tip = tip_pose(P, q)
+    R = shown_at(P, C, q, R)
     T = tip[0]
     linear, angular = twist_to((T[0], T[3], T[6]), (T[1], T[4], T[7]), (T[2], T[5], T[8]), tip[1], R, p)
     size = math.sqrt(dot(linear, linear) + LENGTH * LENGTH * dot(angular, angular))

@@ -4,10 +4,13 @@ from __future__ import annotations
 
 from srs_ik.kernels.algebra.joint_vectors import along7
 from srs_ik.kernels.algebra.linear import solve_linear
-from srs_ik.kernels.algebra.vectors import norm
+from srs_ik.kernels.algebra.pointers import row
+from srs_ik.kernels.algebra.vectors import across, dot, norm, scale
+from srs_ik.kernels.chain.freedom import read_freedom, turn_left
+from srs_ik.kernels.chain.kinematics import forward_kinematics
 from srs_ik.kernels.chain.newton import pose_step
 from srs_ik.kernels.jit import kernel
-from srs_ik.kernels.layout.track import LENGTH, SPEED
+from srs_ik.kernels.layout.track import FREE, HAS_FREE, LENGTH, SPEED
 from srs_ik.kernels.limb.goal import NO_SEED
 
 DAMPING = 1e-9
@@ -21,14 +24,33 @@ ROUNDS = 7
 
 
 @kernel
-def error_at(P, q, R, p, J):
-    """Fill J (6, 7) with the Jacobian of the tip, its last rows by `LENGTH`: the way to the pose, and its size."""
+def error_at(P, C, q, R, p, J):
+    """Fill J (6, 7) with the Jacobian of the tip, its last rows by `LENGTH`: the way to the pose, and its size.
+
+    What the target leaves free is no way, and no motion of the joints leads along it.
+    """
     linear, angular = pose_step(P, q, R, p, J)
+    if C[HAS_FREE] == 1.0:
+        angular = leave_free(P, C, q, R, J)
     for i in range(3, 6):
         for j in range(7):
             J[i, j] *= LENGTH
     e = (linear[0], linear[1], linear[2], LENGTH * angular[0], LENGTH * angular[1], LENGTH * angular[2])
     return e, max(norm(linear), LENGTH * norm(angular))
+
+
+@kernel
+def leave_free(P, C, q, R, J):
+    """The turn that is left to a pose that leaves some free; takes the rest out of the last rows of J."""
+    freedom = read_freedom(row(C, FREE))
+    x, y, z, _ = forward_kinematics(P, q)
+    n, angle, u = turn_left(freedom, (x, y, z), R)
+    for j in range(7):
+        w = (J[3, j], J[4, j], J[5, j])
+        w = across(w, u) if freedom.cone == 0.0 else scale(dot(n, w) if angle > 0.0 else 0.0, n)
+        for i in range(3):
+            J[3 + i, j] = w[i]
+    return scale(angle, n)
 
 
 @kernel
@@ -145,7 +167,7 @@ def approach(P, C, pose, q, choice, steps, work):
     """
     R, p = pose
     d, liked, damping, low, high = choice
-    e, size = error_at(P, along7(q, 1.0, d), R, p, work[0])
+    e, size = error_at(P, C, along7(q, 1.0, d), R, p, work[0])
     wish = minus(liked, d)
     for i in range(steps):
         if i > 0 and size < ENOUGH:
@@ -153,5 +175,5 @@ def approach(P, C, pose, q, choice, steps, work):
         step = bounded_step(C, e, wish, damping, (minus(low, d), minus(high, d)), work)
         d = between(along7(d, 1.0, step), low, high)
         wish = NO_SEED
-        e, size = error_at(P, along7(q, 1.0, d), R, p, work[0])
+        e, size = error_at(P, C, along7(q, 1.0, d), R, p, work[0])
     return d, size

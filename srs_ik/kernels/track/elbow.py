@@ -27,6 +27,7 @@ from srs_ik.kernels.layout.track import (
     ELBOW,
     GOAL,
     GOAL_RATE,
+    HAS_FREE,
     KEEP,
     PERIOD,
     PLAN,
@@ -42,6 +43,7 @@ from srs_ik.kernels.limb.triangle import elbow_side, place
 from srs_ik.kernels.optimum.objectives import objective
 from srs_ik.kernels.track.closest import minus
 from srs_ik.kernels.track.elsewhere import nearest_in, way_between
+from srs_ik.kernels.track.freedom import shown_at, turned_about
 from srs_ik.kernels.track.target import load_pace, load_pose, moved_on
 
 EVERY = 4
@@ -74,6 +76,9 @@ SHARE = 0.4
 
 OFF = 0.1
 """A near limb is off its nearest exact one by less than this, rad, where the plan is of use."""
+
+ROLL = 0.12
+"""Turns that the target leaves free are looked at this far on either side of the present one, rad."""
 
 NO_PLAN = 1e300
 
@@ -199,6 +204,7 @@ def plan(P, S, C, task, J):
     S[PLAN_LEFT] = 0.0
     q = read7(row(S, GOAL))
     R, p = load_pose(S, ROTATION)
+    R = shown_at(P, C, q, R)
     v, w = load_pace(S)
     here = place(P, R, p)
     R, p = moved_on(R, p, v, w, C[AHEAD])
@@ -211,7 +217,14 @@ def plan(P, S, C, task, J):
     off = minus(q, base)
     if way_between(q, base) > OFF:
         base, off = q, NO_SEED
-    best, least = best_near(P, C, place_, (base, psi, (way, pull, PRICE * busyness(S, C))))
+    room = PRICE * busyness(S, C)
+    best, least = best_near(P, C, place_, (base, psi, (way, pull, room)))
+    if C[HAS_FREE] == 1.0:
+        for side in range(2):
+            turned = turned_about(C, R, ROLL if side == 0 else -ROLL)
+            there, total = best_near(P, C, place(P, turned, p), (base, psi, (way, pull, room)))
+            if total < least:
+                best, least = there, total
     if least == NO_PLAN:
         # No posture close by keeps the limits: the elbow has to slide into the nearest interval.
         found = np.empty((MAX_PIECES, 3))

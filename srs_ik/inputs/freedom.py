@@ -1,0 +1,133 @@
+"""`FreeAxis`: what of a pose's rotation is left free."""
+
+from __future__ import annotations
+
+import math
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from srs_ik.errors import InvalidTask
+from srs_ik.inputs.numbers import real_array, real_number
+from srs_ik.kernels.layout.free import FREE_AXIS, FREE_CONE, FREEDOM
+
+Array = NDArray[np.float64]
+
+ANY = "any"
+"""Stands for a position alone."""
+
+RINGS_APART = 0.55
+"""Directions of a cone at which postures are looked for first are this far apart, rad."""
+
+ROLLS = 6
+"""Turns about each of them."""
+
+
+class FreeAxis:
+    """A rotation that is not wanted in full: the roll about an axis of the tip is free, and the axis may lean.
+
+    ``FreeAxis([0, 0, 1])`` keeps the direction of the tip's z axis, as drills, torches and suction cups want it.
+    ``FreeAxis([0, 0, 1], cone=0.3)`` lets it lean up to 0.3 rad from where the pose has it. ``FreeAxis(cone=math.pi)``
+    keeps the position alone.
+
+    Args:
+        axis: (3,) direction in the tip frame, of any length but zero.
+        cone: how far the axis may lean, rad, from 0 to pi.
+
+    Raises:
+        InvalidTask: no direction, or no angle of that range.
+    """
+
+    def __init__(self, axis: ArrayLike = (0.0, 0.0, 1.0), cone: float = 0.0) -> None:
+        try:
+            direction = real_array(axis)
+        except (TypeError, ValueError):
+            direction = np.zeros(0)
+        length = float(np.linalg.norm(direction)) if direction.shape == (3,) else math.nan
+        if not 0.0 < length < math.inf:
+            raise InvalidTask("free_axis must be a direction in the tip frame, 3 finite numbers that are not all zero")
+        self.axis = direction / length
+        self.axis.flags.writeable = False
+        self.cone = real_number(cone)
+        if not 0.0 <= self.cone <= math.pi:
+            raise InvalidTask(f"the cone of a free axis must be an angle from 0 to pi rad, not {cone!r:.40}")
+
+    @property
+    def position_alone(self) -> bool:
+        """Whether no rotation is wanted at all."""
+        return self.cone >= math.pi
+
+    @cached_property
+    def packed(self) -> Array:
+        """(FREEDOM,) for kernels."""
+        packed = np.zeros(FREEDOM)
+        packed[FREE_AXIS : FREE_AXIS + 3] = self.axis
+        packed[FREE_CONE] = self.cone
+        return packed
+
+    @cached_property
+    def turns(self) -> Array:
+        """(n, 9) rotations of the tip, all over what is free; none of the roll alone, of which kernels know."""
+        if self.cone == 0.0:
+            return np.empty((0, 9))
+        across = np.linalg.svd(self.axis[None])[2][1:]
+        found = []
+        rings = max(math.ceil(self.cone / RINGS_APART), 1)
+        for ring in range(rings + 1):
+            lean = self.cone * ring / rings
+            count = max(math.ceil(2.0 * math.pi * math.sin(lean) / RINGS_APART), 1)
+            for k in range(count):
+                azimuth = 2.0 * math.pi * (k + 0.5 * (ring % 2)) / count
+                about = math.cos(azimuth) * across[0] + math.sin(azimuth) * across[1]
+                tilt = _rotation(about, lean)
+                found += [tilt @ self.rolled(2.0 * math.pi * roll / ROLLS) for roll in range(ROLLS)]
+        return np.array(found).reshape(-1, 9)
+
+    def sampled(self, most: int) -> Array:
+        """(most, 3, 3) turns that are free, in the tip frame, evenly chosen; the first one is none."""
+        if self.cone == 0.0:
+            return np.array([self.rolled(2.0 * math.pi * k / most) for k in range(most)])
+        turns = self.turns.reshape(-1, 3, 3)
+        return turns[np.linspace(0, len(turns) - 1, most).round().astype(int)]
+
+    def rolled(self, angle: float) -> Array:
+        """(3, 3) turn about the axis, in the tip frame."""
+        return _rotation(self.axis, angle)
+
+    def lean(self, tip: Array, wanted: Array) -> float:
+        """How far the axis of a tip (3, 3) is out of the cone about that of a wanted rotation (3, 3), rad."""
+        is_axis, ought = tip @ self.axis, wanted @ self.axis
+        angle = math.atan2(float(np.linalg.norm(np.cross(is_axis, ought))), float(is_axis @ ought))
+        return max(angle - self.cone, 0.0)
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, FreeAxis) and self.packed.tolist() == other.packed.tolist()
+
+    def __hash__(self) -> int:
+        return hash(tuple(self.packed.tolist()))
+
+    def __repr__(self) -> str:
+        return f"FreeAxis({self.axis.tolist()}, cone={self.cone:g})"
+
+
+def as_free_axis(value: Any) -> FreeAxis:
+    """What is free, of a direction in the tip frame, "any" or a `FreeAxis`.
+
+    Raises:
+        InvalidTask: none of these.
+    """
+    if isinstance(value, FreeAxis):
+        return value
+    if isinstance(value, str):
+        if value == ANY:
+            return FreeAxis(cone=math.pi)
+        raise InvalidTask(f'free_axis must be a direction in the tip frame, "{ANY}" or a FreeAxis, not {value!r:.40}')
+    return FreeAxis(value)
+
+
+def _rotation(axis: Array, angle: float) -> Array:
+    x, y, z = axis
+    K = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
+    return np.eye(3) + math.sin(angle) * K + (1.0 - math.cos(angle)) * (K @ K)

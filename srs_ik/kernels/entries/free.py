@@ -1,0 +1,35 @@
+"""Entry points: poses that leave a turn free."""
+
+from __future__ import annotations
+
+from srs_ik.kernels.algebra.pointers import row
+from srs_ik.kernels.chain.freedom import read_freedom
+from srs_ik.kernels.free.solve import solve_free
+from srs_ik.kernels.jit import entry
+from srs_ik.kernels.layout.free import Desk
+from srs_ik.kernels.pose.solve import own_seed
+
+
+@entry
+def solve_range(family, poses, first, last, freedom, turns, seeds, respect, work, starts, out, verdicts):
+    """The poses first to last - 1, each with the same freedom.
+
+    Args:
+        family: (4, SIZE) packed limb.
+        poses: (n, 4, 4).
+        first: the first of them.
+        last: one behind the last of them.
+        freedom: (FREEDOM,) what they leave free.
+        turns: (t, 9) rotations at which postures are looked for where the axis may lean, in the tip frame.
+        seeds: (m, 7) one for all, or one a pose, or None.
+        respect: whether joint limits count.
+        work: (4, SYSTEM, SYSTEM) work space.
+        starts: (MOST_STARTS, START) work space.
+        out: (n, ROW) output.
+        verdicts: (n,) verdicts on the poses.
+    """
+    lines, rolls = work[3].reshape(256)[:42].reshape((6, 7)), work[3].reshape(256)[42:138]
+    desk = Desk(lines, work[0], work[1], work[2], starts, rolls)
+    free = read_freedom(row(freedom, 0)), turns
+    for i in range(first, last):
+        verdicts[i] = solve_free(family, row(poses, i), free, own_seed(seeds, i), respect, desk, row(out, i))

@@ -1,0 +1,404 @@
+"""From a posture to the nearest one around it that meets a pose up to what that leaves free, inside the limits.
+
+Sequential quadratic programming on the true chain: each step meets the pose to first order, holds joints on the limits
+that they would pass and lets go of those that want to leave, and takes the bend of the constraints into account by
+their second derivatives. So it converges quadratically, however far the seed is.
+"""
+
+from __future__ import annotations
+
+import math
+
+from srs_ik.kernels.algebra.joint_vectors import along7
+from srs_ik.kernels.algebra.vectors import add, along, apply, cross, dot, norm, scale, sub
+from srs_ik.kernels.chain.freedom import any_across, turn_left
+from srs_ik.kernels.chain.kinematics import joint_lines
+from srs_ik.kernels.jit import kernel
+from srs_ik.kernels.layout.free import SYSTEM
+from srs_ik.kernels.limb.goal import NO_SEED
+
+STEPS = 20
+MAX_STEP = 0.5
+"""Longest change of a joint in one step, rad."""
+
+SETTLED = 1e-9
+"""A step this short, rad, is the last one."""
+
+MET = 1e-11
+"""Errors of the pose, m and rad, that need no step."""
+
+ALMOST = 0.1
+"""Bends count where the pose is met so far: multipliers of a first guess say nothing."""
+
+LEAST_BEND = 0.02
+"""A step along which the distance bends up less than this, by its own bend, is none to a minimum."""
+
+ON_LIMIT = 1e-12
+"""A joint this close to a limit, rad, is on it."""
+
+SHORTER = 0.3
+CLOSE_BY = 0.1
+"""Steps longer than this, rad, have to be worth it, and are cut by that factor where not."""
+
+SOFT = 1e-15
+"""Weight by which equations that contradict each other give way."""
+
+ROUNDS = 12
+"""Most changes of the set of joints that are held, in a step."""
+
+NONE = (0.0, 0.0, 0.0)
+NO_FORCE = (0.0, 0.0, 0.0, 0.0, 0.0)
+
+RHS = SYSTEM - 1
+"""Column of the right-hand side."""
+
+
+@kernel
+def put_column(J, j, v):
+    """Write three figures into rows 0 to 2 of a column."""
+    for i in range(3):
+        J[i, j] = v[i]
+
+
+@kernel
+def velocity(J, j):
+    """Velocity of the tip point with a joint."""
+    return (J[0, j], J[1, j], J[2, j])
+
+
+@kernel
+def axis_of(J, j):
+    """Direction of a joint."""
+    return (J[3, j], J[4, j], J[5, j])
+
+
+@kernel
+def equations(P, q, pose, freedom, desk):
+    """Fill J with the Jacobian of the tip, and rows 7 on of the system with the equations of the pose.
+
+    Returns:
+        Their number; the error of the pose; the direction to which the axis should come, where it points, and the
+        rows of turns: two directions across it, or the one in which the cone is left and nothing.
+    """
+    R, p = pose
+    J, K = desk.J, desk.system
+    x, y, z, position = joint_lines(P, q, J)
+    for j in range(7):
+        put_column(J, j, add(velocity(J, j), cross(axis_of(J, j), position)))
+    miss = sub(p, position)
+    n, angle, u = turn_left(freedom, (x, y, z), R)
+    t = apply(R, freedom.axis)
+    for i in range(3):
+        for j in range(7):
+            K[7 + i, j] = J[i, j]
+        K[7 + i, RHS] = miss[i]
+    error = max(norm(miss), angle)
+    if freedom.cone >= math.pi:
+        return 3, error, (t, u, NONE, NONE)
+    if freedom.cone > 0.0:
+        room = angle if angle > 0.0 else math.atan2(norm(cross(u, t)), dot(u, t)) - freedom.cone
+        write_turn(J, K, 10, n, room)
+        return (3 if room < 0.0 else 4), error, (t, u, n, NONE)
+    a = any_across(u)
+    b = cross(u, a)
+    w = scale(angle, n)
+    write_turn(J, K, 10, a, dot(a, w))
+    write_turn(J, K, 11, b, dot(b, w))
+    return 5, error, (t, u, a, b)
+
+
+@kernel
+def write_turn(J, K, r, n, rest):
+    """Write the equation of a turn about a direction into row r."""
+    for j in range(7):
+        K[r, j] = dot(n, axis_of(J, j))
+    K[r, RHS] = rest
+
+
+@kernel
+def bends(m, forces, turns, cone):
+    """What multiplies second derivatives of the tip point and of its axis, from the multipliers of the last step."""
+    t, u, a, b = turns
+    point = (forces[0], forces[1], forces[2])
+    if m == 3:
+        return point, NONE, u
+    if m == 4:
+        return point, scale(forces[3] / math.sin(cone), t), u
+    return point, cross(along(scale(forces[3], a), forces[4], b), t), u
+
+
+@kernel
+def fill(J, K, q, liking, bend, share):
+    """Write second derivatives of the Lagrangian into rows 0 to 6 of the system, and the slope of the distance."""
+    point, axis, u = bend
+    for i in range(7):
+        z = axis_of(J, i)
+        along_point, along_axis = cross(point, z), cross(axis, z)
+        for j in range(i, 7):
+            h = share * (dot(along_point, velocity(J, j)) + dot(along_axis, cross(axis_of(J, j), u)))
+            K[i, j] = h
+            K[j, i] = h
+        K[i, i] += liking.weights[i]
+        K[i, RHS] = -liking.weights[i] * (q[i] - liking.posture[i])
+
+
+@kernel
+def eliminate(M, n):
+    """Solve the n x n system in M, right-hand side in column RHS, by elimination with pivoting, in place.
+
+    Returns the sign of the determinant.
+    """
+    sign = 1.0
+    for k in range(n):
+        pivot = k
+        for i in range(k + 1, n):
+            if abs(M[i, k]) > abs(M[pivot, k]):
+                pivot = i
+        if abs(M[pivot, k]) < 1e-300:
+            M[pivot, k] = 1e-300
+        if M[pivot, k] < 0.0:
+            sign = -sign
+        if pivot != k:
+            sign = -sign
+            for j in range(k, n):
+                M[k, j], M[pivot, j] = M[pivot, j], M[k, j]
+            M[k, RHS], M[pivot, RHS] = M[pivot, RHS], M[k, RHS]
+        for i in range(k + 1, n):
+            f = M[i, k] / M[k, k]
+            if f != 0.0:
+                for j in range(k + 1, n):
+                    M[i, j] -= f * M[k, j]
+                M[i, RHS] -= f * M[k, RHS]
+    for k in range(n - 1, -1, -1):
+        s = M[k, RHS]
+        for j in range(k + 1, n):
+            s -= M[k, j] * M[j, RHS]
+        M[k, RHS] = s / M[k, k]
+    return sign
+
+
+@kernel
+def solve_held(K, M, m, held, d):
+    """The step with joints in the bit set `held` kept at their steps d.
+
+    Returns it, the multipliers of the equations, and whether it may lead to a minimum: the matrix of a step to a saddle
+    has another sign.
+    """
+    for i in range(7):
+        for j in range(7 + m):
+            M[i, j] = 0.0
+        if (held >> i) & 1 == 1:
+            M[i, i] = 1.0
+            M[i, RHS] = d[i]
+            continue
+        for j in range(7):
+            M[i, j] = K[i, j]
+        for r in range(m):
+            M[i, 7 + r] = K[7 + r, i]
+        M[i, RHS] = K[i, RHS]
+    for r in range(m):
+        for j in range(7):
+            M[7 + r, j] = K[7 + r, j]
+        for i in range(m):
+            M[7 + r, 7 + i] = -SOFT if i == r else 0.0
+        M[7 + r, RHS] = K[7 + r, RHS]
+    sign = eliminate(M, 7 + m)
+    forces = (M[7, RHS], M[8, RHS], M[9, RHS], M[10, RHS] if m > 3 else 0.0, M[11, RHS] if m > 4 else 0.0)
+    return (
+        (M[0, RHS], M[1, RHS], M[2, RHS], M[3, RHS], M[4, RHS], M[5, RHS], M[6, RHS]),
+        forces,
+        (sign < 0.0) == (m % 2 == 1),
+    )
+
+
+@kernel
+def pull(K, m, d, forces, j):
+    """Slope of the Lagrangian by a joint, after a step."""
+    s = -K[j, RHS]
+    for i in range(7):
+        s += K[j, i] * d[i]
+    for r in range(m):
+        s += K[7 + r, j] * forces[r]
+    return s
+
+
+@kernel
+def freed(K, m, q, d, forces, held, liking):
+    """The held joint that wants most to leave its limit, or -1."""
+    best, most = -1, 1e-12
+    for j in range(7):
+        if (held >> j) & 1 == 1 and liking.upper[j] > liking.lower[j]:
+            slope = pull(K, m, d, forces, j)
+            at_lower = q[j] + d[j] < 0.5 * (liking.lower[j] + liking.upper[j])
+            if liking.lower[j] == -math.inf:
+                at_lower = False
+            elif liking.upper[j] == math.inf:
+                at_lower = True
+            want = -slope if at_lower else slope
+            if want > most:
+                best, most = j, want
+    return best
+
+
+@kernel
+def bounded_step(K, M, m, q, held, liking):
+    """The step that keeps the limits: it, multipliers, joints on a limit, and whether it may lead to a minimum."""
+    d = NO_SEED
+    forces = NO_FORCE
+    low, high = along7(liking.lower, -1.0, q), along7(liking.upper, -1.0, q)
+    bound = within(NO_SEED, low, high)
+    let_go, down = False, True
+    for _ in range(ROUNDS):
+        d, forces, down = solve_held(K, M, m, held, bound)
+        worst, most = -1, 1e-14
+        for j in range(7):
+            passed = max(low[j] - d[j], d[j] - high[j])
+            if (held >> j) & 1 == 0 and passed > most:
+                worst, most = j, passed
+        if worst >= 0:
+            bound = with_bound(bound, worst, low[worst] if d[worst] < low[worst] else high[worst])
+            held |= 1 << worst
+            continue
+        if let_go:
+            break
+        j = freed(K, m, q, d, forces, held, liking)
+        if j < 0:
+            break
+        held &= ~(1 << j)
+        let_go = True
+    return within(d, low, high), forces, held, down
+
+
+@kernel
+def with_bound(a, j, x):
+    """Seven figures with one replaced."""
+    return (
+        x if j == 0 else a[0],
+        x if j == 1 else a[1],
+        x if j == 2 else a[2],
+        x if j == 3 else a[3],
+        x if j == 4 else a[4],
+        x if j == 5 else a[5],
+        x if j == 6 else a[6],
+    )
+
+
+@kernel
+def within(d, low, high):
+    """Every figure brought between its bounds."""
+    return (
+        min(max(d[0], low[0]), high[0]),
+        min(max(d[1], low[1]), high[1]),
+        min(max(d[2], low[2]), high[2]),
+        min(max(d[3], low[3]), high[3]),
+        min(max(d[4], low[4]), high[4]),
+        min(max(d[5], low[5]), high[5]),
+        min(max(d[6], low[6]), high[6]),
+    )
+
+
+@kernel
+def distance(q, liking):
+    """Weighted sum of squared differences."""
+    total = 0.0
+    for j in range(7):
+        total += liking.weights[j] * (q[j] - liking.posture[j]) ** 2
+    return total
+
+
+@kernel
+def bent(K, d, liking):
+    """Second derivative of the Lagrangian along a step, by that of the distance alone."""
+    total = 0.0
+    plain = 1e-300
+    for i in range(7):
+        plain += liking.weights[i] * d[i] * d[i]
+        for j in range(7):
+            total += d[i] * K[i, j] * d[j]
+    return total / plain
+
+
+@kernel
+def settle(P, q, pose, freedom, liking, desk):
+    """The nearest posture around one: q, distance, error of the pose (m, rad), and whether it came to rest.
+
+    Args:
+        P: packed limb.
+        q: posture to start from.
+        pose: rotation and position.
+        freedom: what the pose leaves free.
+        liking: what is nearest, and the limits.
+        desk: work space.
+    """
+    K, M, J = desk.system, desk.copy, desk.J
+    q = within(q, liking.lower, liking.upper)
+    forces, held = NO_FORCE, 0
+    error, size, at_rest = math.inf, math.inf, False
+    known = 0
+    before, step, worth = q, NO_SEED, math.inf
+    radius = MAX_STEP
+    for _ in range(STEPS):
+        m, error, turns = equations(P, q, pose, freedom, desk)
+        if size < SETTLED and error < MET:
+            at_rest = True
+            break
+        value = distance(q, liking) + price(forces) * error
+        if value > worth and size > CLOSE_BY:
+            # Too far for what is known of the bends.
+            step = along7(NO_SEED, SHORTER, step)
+            size *= SHORTER
+            radius = size
+            q = along7(before, 1.0, step)
+            continue
+        radius = min(2.0 * radius, MAX_STEP)
+        curve = bends(m, forces, turns, freedom.cone)
+        curved = error < ALMOST and known == m
+        fill(J, K, q, liking, curve, 1.0 if curved else 0.0)
+        step, forces, on, down = bounded_step(K, M, m, q, held, liking)
+        if curved and (not down or bent(K, step, liking) < LEAST_BEND):
+            # Not towards a minimum: downhill along the equations.
+            fill(J, K, q, liking, curve, 0.0)
+            step, forces, on, down = bounded_step(K, M, m, q, held, liking)
+        if m == 3 and leaves_cone(K, freedom, step):
+            m = 4
+            step, forces, on, down = bounded_step(K, M, m, q, held, liking)
+        known = m
+        worth = distance(q, liking) + price(forces) * error
+        size = 0.0
+        for j in range(7):
+            size = max(size, abs(step[j]))
+        if size > radius:
+            step = along7(NO_SEED, radius / size, step)
+            size = radius
+        before = q
+        q = within(along7(q, 1.0, step), liking.lower, liking.upper)
+        held = on & at_limits(q, liking)
+    return q, distance(q, liking), error, at_rest
+
+
+@kernel
+def at_limits(q, liking):
+    """The joints on a limit, as a bit set."""
+    bits = 0
+    for j in range(7):
+        if q[j] <= liking.lower[j] + ON_LIMIT or q[j] >= liking.upper[j] - ON_LIMIT:
+            bits |= 1 << j
+    return bits
+
+
+@kernel
+def leaves_cone(K, freedom, step):
+    """Whether a step would take the axis out of its cone."""
+    if not 0.0 < freedom.cone < math.pi:
+        return False
+    inward = 0.0
+    for j in range(7):
+        inward += K[10, j] * step[j]
+    return inward < K[10, RHS]
+
+
+@kernel
+def price(forces):
+    """What an error of the pose counts, against distance: more than can be gained by it."""
+    point = forces[0] * forces[0] + forces[1] * forces[1] + forces[2] * forces[2]
+    return 1.1 * (math.sqrt(point) + math.sqrt(forces[3] * forces[3] + forces[4] * forces[4]))

@@ -1,0 +1,75 @@
+"""A pose that leaves a turn free: its posture into a row."""
+
+from __future__ import annotations
+
+from srs_ik.kernels.algebra.pointers import row
+from srs_ik.kernels.chain.answer import write_row
+from srs_ik.kernels.chain.freedom import as_rotation, free_error
+from srs_ik.kernels.chain.kinematics import forward_kinematics
+from srs_ik.kernels.chain.newton import arm_angle
+from srs_ik.kernels.free.nearest import beside, nearest
+from srs_ik.kernels.free.starts import find_starts
+from srs_ik.kernels.free.widest import comfort, ends, widest
+from srs_ik.kernels.jit import kernel
+from srs_ik.kernels.layout.answer import GOOD_POSE, ROW_STATUS, UNREACHABLE
+from srs_ik.kernels.layout.free import Liking
+from srs_ik.kernels.layout.limb import FREE, LIMITED
+from srs_ik.kernels.limb.branches import branch_of
+from srs_ik.kernels.limb.limits import middles
+from srs_ik.kernels.limb.poses import read7, read_pose
+from srs_ik.kernels.limb.triangle import place
+
+EVEN = (1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0)
+
+
+@kernel
+def found_posture(family, pose, freedom, turns, seed, respect, desk):
+    """The posture nearest to a seed, or without one farthest from the limits."""
+    P = row(family, LIMITED if respect else FREE)
+    limited = row(family, LIMITED)
+    if seed is not None:
+        liking = Liking(read7(seed), EVEN, ends(P, 0.0, -1.0), ends(P, 0.0, 1.0))
+    else:
+        liking = Liking(middles(limited), comfort(limited, 0.0).weights, ends(P, 0.0, -1.0), ends(P, 0.0, 1.0))
+    seeded = seed is not None or not respect
+    if seed is not None:
+        close = beside(P, pose, freedom, liking, desk)
+        if close.met:
+            return close
+    count = find_starts(P, pose, freedom, turns, seeded, liking.posture, desk)
+    if seeded:
+        return nearest(P, pose, freedom, liking, count, desk)
+    return widest(P, pose, freedom, count, desk)
+
+
+@kernel
+def write_found(P, pose, freedom, q, out):
+    """Write a posture that meets a pose up to its freedom."""
+    x, y, z, position = forward_kinematics(P, q)
+    place_ = place(P, as_rotation((x, y, z)), position)
+    off, turned = free_error(P, q, pose[0], pose[1], freedom)
+    write_row(place_, q, branch_of(P, q), arm_angle(P, q, place_[0], place_[1]), False, True, off, turned, 0, out)
+
+
+@kernel
+def solve_free(family, T, free, seed, respect, desk, out):
+    """Solve one pose that leaves a turn free into a row of `out`; returns the verdict on the pose.
+
+    Args:
+        family: (4, SIZE) packed limb.
+        T: the 16 figures of the pose.
+        free: the freedom, and the turns (n, 9) that it is searched at where the axis may lean.
+        seed: seven joint angles to stay near, or None.
+        respect: whether joint limits count.
+        desk: work space.
+        out: a row; one that is UNREACHABLE has no posture in it.
+    """
+    R, p, verdict = read_pose(T)
+    if verdict != GOOD_POSE:
+        return verdict
+    freedom, turns = free
+    found = found_posture(family, (R, p), freedom, turns, seed, respect, desk)
+    out[ROW_STATUS] = UNREACHABLE
+    if found.met:
+        write_found(row(family, LIMITED), (R, p), freedom, found.q, out)
+    return GOOD_POSE

@@ -1,0 +1,84 @@
+"""The turns about a free axis that leave the elbow inside its limits: exactly, from the distance shoulder-wrist.
+
+The wrist moves on a circle with the roll, so the square of that distance is a cosine of it, and the elbow's angle is
+known by the distance alone. A pose out of the elbow's range but for a narrow range of rolls is so found at once.
+"""
+
+from __future__ import annotations
+
+import math
+
+from srs_ik.kernels.algebra.vectors import along, apply, cross, dot, load3, scale, sub
+from srs_ik.kernels.jit import kernel
+from srs_ik.kernels.layout.limb import FAR, IS_CLOSED, LOWER, NEAR, SHOULDER_CENTRE, STRAIGHT, UPPER, WRIST_IN_TIP
+
+ROLLS = 12
+"""Rolls that are looked at, over all that the elbow allows."""
+
+FEWEST = 3
+"""The same, in each of their intervals."""
+
+CONSTANT = 1e-9
+"""A circle of the wrist this small, by the squared reach, leaves the elbow's angle as it is."""
+
+SLACK = 0.2
+SPARE = 0.02
+"""A near limb's elbow may be this far from that of its nearest exact limb, rad, and the square of its reach by this
+part of it."""
+
+TURN = 2.0 * math.pi
+
+
+@kernel
+def square_at(P, bend):
+    """Square of the distance shoulder-wrist at a bend of the elbow."""
+    far, near = P[FAR] * P[FAR], P[NEAR] * P[NEAR]
+    return far + 0.5 * (far - near) * (math.cos(bend) - 1.0)
+
+
+@kernel
+def add_rolls(lower, upper, middle, rolls, n):
+    """Write rolls between two angles on both sides of a middle one; return how many there are."""
+    count = max(math.ceil(ROLLS * (upper - lower) / TURN * 2.0), FEWEST)
+    for i in range(count):
+        x = lower + (upper - lower) * (i + 0.5) / count
+        for side in range(2):
+            if n < rolls.shape[0]:
+                rolls[n] = middle + x if side == 0 else middle - x
+                n += 1
+    return n
+
+
+@kernel
+def elbow_rolls(P, pose, axis, elbow, rolls):
+    """Write rolls about an axis of the tip at which one side of the elbow keeps its limits; return their number."""
+    R, p = pose
+    w = load3(P, WRIST_IN_TIP)
+    on = scale(dot(axis, w), axis)
+    off = sub(w, on)
+    start = sub(along(p, 1.0, apply(R, on)), load3(P, SHOULDER_CENTRE))
+    a, b = apply(R, off), apply(R, cross(axis, off))
+    constant = dot(start, start) + dot(off, off)
+    c, s = 2.0 * dot(start, a), 2.0 * dot(start, b)
+    swing = math.sqrt(c * c + s * s)
+    middle = math.atan2(s, c)
+    sign = 1.0 if elbow == 0 else -1.0
+    slack, spare = (0.0, 0.0) if P[IS_CLOSED] == 1.0 else (SLACK, SPARE * P[FAR] * P[FAR])
+    n = 0
+    for turns in range(-1, 2):
+        low = P[LOWER + 3] - P[STRAIGHT] + TURN * turns - slack
+        high = P[UPPER + 3] - P[STRAIGHT] + TURN * turns + slack
+        least = max(low if sign > 0.0 else -high, 0.0)
+        most = min(high if sign > 0.0 else -low, math.pi)
+        if least > most:
+            continue
+        if swing < CONSTANT * P[FAR] * P[FAR]:
+            if square_at(P, most) - spare <= constant + swing and square_at(P, least) + spare >= constant - swing:
+                n = add_rolls(0.0, math.pi, middle, rolls, n)
+            continue
+        # The nearest wrist is where the elbow is bent most.
+        largest = (square_at(P, least) + spare - constant) / swing
+        smallest = (square_at(P, most) - spare - constant) / swing
+        if smallest <= 1.0 and largest >= -1.0:
+            n = add_rolls(math.acos(min(largest, 1.0)), math.acos(max(smallest, -1.0)), middle, rolls, n)
+    return n

@@ -1,0 +1,71 @@
+"""What a pose leaves free: the turn about an axis of the tip, a cone of directions for that axis, or all turns."""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+FREE_AXIS = 0  # 3, unit vector in the tip frame
+FREE_CONE = 3  # rad; 0: the turn about the axis alone is free, pi: all turns are
+FREEDOM = 4
+"""A freedom as an array."""
+
+SYSTEM = 16
+"""Rows and columns of the work space of a step: seven joints, up to five equations, a right-hand side."""
+
+MOST_STARTS = 2048
+"""Most postures that a search starts from."""
+
+MOST_ROLLS = 96
+"""Most rolls of one side of the elbow."""
+
+START_COST = 7
+START = 8
+"""A start: seven joint angles, their cost."""
+
+
+ARM_ANGLES = 12
+"""Arm angles at which postures are looked at, all around."""
+
+HALF = 4
+HALF_COST = 3
+TABLE = 4 * HALF
+"""Both solutions of the shoulder and both of the wrist: three angles and their cost each."""
+
+
+class Freedom(NamedTuple):
+    """What a pose leaves free: a unit axis of the tip frame, and how far it may lean from the pose's own, rad."""
+
+    axis: Any
+    cone: float
+
+
+class Liking(NamedTuple):
+    """What is nearest: seven figures each of a posture, weights of the squared differences from it, and both limits."""
+
+    posture: Any
+    weights: Any
+    lower: Any
+    upper: Any
+
+
+class Found(NamedTuple):
+    """A posture, its cost, and whether it meets its pose inside the limits."""
+
+    q: Any
+    cost: float
+    met: bool
+
+
+class Desk(NamedTuple):
+    """Work space: J (6, 7), a system of equations (SYSTEM, SYSTEM), a copy to be solved, and tables.
+
+    These are shoulder and wrist at arm angles all around (ARM_ANGLES, TABLE), starts (MOST_STARTS, START), and
+    rolls (MOST_ROLLS,).
+    """
+
+    J: Any
+    system: Any
+    copy: Any
+    table: Any
+    starts: Any
+    rolls: Any

@@ -1,0 +1,87 @@
+"""Postures for poses that leave a turn free: roll about an axis of the tip, a cone around it, or all turns."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from srs_ik.errors import InvalidTask
+from srs_ik.inputs.freedom import FreeAxis, as_free_axis
+from srs_ik.inputs.poses import PoseLike, as_matrices, as_matrix, as_seeds, invalid_pose, refuse_bad_poses
+from srs_ik.kernels.entries import free as entries
+from srs_ik.kernels.layout.answer import ROW, ROW_ORIENTATION_ERROR, ROW_POSITION_ERROR, ROW_STATUS
+from srs_ik.kernels.layout.free import MOST_STARTS, START, SYSTEM
+from srs_ik.solve import pose
+from srs_ik.solve.kinematics import forward_kinematics_batch
+from srs_ik.solve.packed import PackedArm
+from srs_ik.solve.solution import BatchSolution, Solution, Status
+from srs_ik.solve.threads import run_in_threads
+
+Array = NDArray[np.float64]
+
+CLOSEST_OF = 24
+"""Turns at which the closest posture is looked for where none meets the pose."""
+
+
+def solve(arm: PackedArm, wanted: PoseLike, free_axis: Any, seed: ArrayLike | None, respect: bool) -> Solution:
+    """See `Arm.solve`."""
+    rows, verdicts = _rows(arm, as_matrix(wanted)[None], free_axis, seed, respect, 1)
+    if verdicts[0]:
+        raise invalid_pose(int(verdicts[0]))
+    return Solution(rows[0], arm.joint_names, arm.elbow)
+
+
+def solve_batch(
+    arm: PackedArm, poses: Any, free_axis: Any, seed: ArrayLike | None, respect: bool, threads: int | None
+) -> BatchSolution:
+    """See `Arm.solve_batch`."""
+    rows, verdicts = _rows(arm, as_matrices(poses), free_axis, seed, respect, threads)
+    refuse_bad_poses(verdicts)
+    return BatchSolution(rows, arm.joint_names, arm.elbow)
+
+
+def refuse_beside(free_axis: Any, **others: Any) -> None:
+    """Raise the error for what does not go with a free axis.
+
+    Raises:
+        InvalidTask: something of the kind is given.
+    """
+    given = [name for name, value in others.items() if value is not None and value is not False]
+    if free_axis is not None and given:
+        raise InvalidTask(f"free_axis leaves {given[0]} to be chosen, or knows nothing of it: give one of the two")
+
+
+def _rows(
+    arm: PackedArm, T: Array, free_axis: Any, seed: ArrayLike | None, respect: bool, threads: int | None
+) -> tuple[Array, NDArray[np.int8]]:
+    free = as_free_axis(free_axis)
+    n = len(T)
+    seeds = None if seed is None else as_seeds(seed, n, arm.lower, arm.upper)
+    out, verdicts = np.empty((n, ROW)), np.zeros(n, np.int8)
+
+    def work(first: int, last: int) -> None:
+        space = np.zeros((4, SYSTEM, SYSTEM)), np.empty((MOST_STARTS, START))
+        given = arm.family, T, first, last, free.packed, free.turns, seeds, respect
+        entries.solve_range(*given, *space, out, verdicts)
+
+    run_in_threads(work, n, threads)
+    for i in np.flatnonzero((out[:, ROW_STATUS] != Status.OK) & (verdicts == 0)).tolist():
+        near = None if seeds is None else seeds[i if len(seeds) > 1 else 0]
+        out[i] = _closest(arm, T[i], free, near, respect)
+    return out, verdicts
+
+
+def _closest(arm: PackedArm, T: Array, free: FreeAxis, seed: Array | None, respect: bool) -> Array:
+    """The answer at the turn at which a posture comes closest to a pose that none meets."""
+    poses = np.repeat(T[None], CLOSEST_OF, axis=0)
+    poses[:, :3, :3] = T[:3, :3] @ free.sampled(CLOSEST_OF)
+    at_turns = pose.solve_batch(arm, poses, None, seed, None, False, respect, 1)
+    tips = forward_kinematics_batch(arm, at_turns.q, 1)
+    off = np.linalg.norm(tips[:, :3, 3] - T[:3, 3], axis=1)
+    lean = np.array([free.lean(tip[:3, :3], T[:3, :3]) for tip in tips])
+    best = int((off + lean).argmin())
+    row: Array = at_turns[best]._row.copy()
+    row[ROW_POSITION_ERROR], row[ROW_ORIENTATION_ERROR] = off[best], lean[best]
+    return row

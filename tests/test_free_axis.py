@@ -1,0 +1,248 @@
+"""Poses that leave a turn free: no feasible one is missed, and the nearest posture is that of a dense grid."""
+
+import math
+
+import arms
+import numpy as np
+import pinocchio as pin
+import pytest
+from scipy.optimize import minimize
+
+import srs_ik
+from srs_ik import FreeAxis, InvalidConfiguration, InvalidTask
+
+AXES = ([0.0, 0.0, 1.0], [0.6, -0.3, 0.8])
+NEAREST = 1e-6
+"""How much nearer to the seed, squared rad, a posture of the grid may be that SciPy polishes."""
+
+LIMBS = arms.here("iiwa14", "gen3", "human_arm", "made_near", "j2s7s300", "openarm_left")
+
+
+def unit(axis):
+    return np.asarray(axis) / np.linalg.norm(axis)
+
+
+def rolled(name, count, axis, salt=0):
+    """Poses that a random posture meets once they are rolled back by a random angle, and seeds."""
+    rng = arms.generator(name, salt)
+    q = arms.configurations(name, count, salt)
+    poses = np.array([arms.forward(name)(each).homogeneous for each in q])
+    for T in poses:
+        T[:3, :3] = T[:3, :3] @ pin.exp3(unit(axis) * rng.uniform(-np.pi, np.pi))
+    return q, poses, arms.configurations(name, count, salt + 1)
+
+
+def left(name, free, q, T):
+    """Distance, and angle of the axis beyond its cone, by Pinocchio on the robot's file."""
+    tip = arms.forward(name)(q)
+    cosine = np.clip((tip.rotation @ free.axis) @ (T[:3, :3] @ free.axis), -1.0, 1.0)
+    sine = np.linalg.norm(np.cross(tip.rotation @ free.axis, T[:3, :3] @ free.axis))
+    return np.linalg.norm(tip.translation - T[:3, 3]), max(math.atan2(sine, cosine) - free.cone, 0.0)
+
+
+def assert_met(name, free, q, T):
+    arm = arms.load(name)
+    assert (q >= arm.lower).all()
+    assert (q <= arm.upper).all()
+    assert max(left(name, free, q, T)) < 1e-9
+
+
+@pytest.mark.parametrize("axis", AXES)
+@pytest.mark.parametrize("name", LIMBS)
+def test_no_pose_that_can_be_met_is_missed(name, axis):
+    _, poses, seeds = rolled(name, 60, axis)
+    free = FreeAxis(axis)
+    for seed in (seeds, None):
+        found = arms.load(name).solve_batch(poses, seed=seed, free_axis=axis)
+        assert found.ok.all()
+        for q, T in zip(found.q, poses, strict=True):
+            assert_met(name, free, q, T)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", LIMBS)
+def test_none_of_many_poses_is_missed(name):
+    missed = 0
+    for salt, axis in enumerate(AXES):
+        _, poses, seeds = rolled(name, 1000, axis, 10 + salt)
+        missed += (~arms.load(name).solve_batch(poses, seed=seeds, free_axis=axis).ok).sum()
+    assert missed == 0
+
+
+def best_of_grid(name, axis, T, seed, rolls, angles):
+    """Squared distances of the nearest postures on a grid over roll and arm angle, and these, nearest first."""
+    arm = arms.load(name)
+    poses = np.repeat(T[None], rolls * angles, axis=0)
+    turns = np.array([pin.exp3(unit(axis) * angle) for angle in 2.0 * np.pi * np.arange(rolls) / rolls])
+    poses[:, :3, :3] = np.repeat(T[:3, :3] @ turns, angles, axis=0)
+    psis = np.tile(2.0 * np.pi * np.arange(angles) / angles, rolls)
+    found = arm.solve_batch(poses, arm_angle=psis, all_branches=True)
+    q = found.q.reshape(-1, 7)
+    best = np.full(q.shape, np.inf)
+    nearest = q.copy()
+    for turn in 2.0 * np.pi * np.arange(-2, 3):
+        other = q + turn
+        off = np.where((other < arm.lower - 1e-9) | (other > arm.upper + 1e-9), np.inf, (other - seed) ** 2)
+        nearest, best = np.where(off < best, other, nearest), np.minimum(off, best)
+    square = np.where(np.asarray(found.ok).ravel(), best.sum(axis=1), np.inf)
+    order = np.argsort(square)
+    return square[order], nearest[order]
+
+
+def polished(name, axis, T, seed, q):
+    """The nearest posture around one, by SciPy."""
+    arm, forward, a = arms.load(name), arms.forward(name), unit(axis)
+    across = np.linalg.svd((T[:3, :3] @ a)[None])[2][1:]
+
+    def off(x):
+        tip = forward(x)
+        return np.r_[tip.translation - T[:3, 3], across @ tip.rotation @ a]
+
+    bounds = list(zip(np.maximum(arm.lower, -30.0), np.minimum(arm.upper, 30.0), strict=True))
+    found = minimize(
+        lambda x: ((x - seed) ** 2).sum(),
+        q,
+        jac=lambda x: 2.0 * (x - seed),
+        bounds=bounds,
+        constraints=[{"type": "eq", "fun": off}],
+        method="SLSQP",
+        options={"ftol": 1e-13, "maxiter": 100},
+    )
+    tip = forward(found.x)
+    same_way = (tip.rotation @ a) @ (T[:3, :3] @ a) > 0.0
+    return found.fun if np.abs(off(found.x)).max() < 1e-9 and same_way else np.inf
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("axis", AXES)
+@pytest.mark.parametrize("name", arms.here("iiwa14", "gen3", "human_arm"))
+def test_the_nearest_posture_is_that_of_a_dense_grid(name, axis):
+    _, poses, seeds = rolled(name, 8, axis, 30)
+    found = arms.load(name).solve_batch(poses, seed=seeds, free_axis=axis)
+    for T, seed, q in zip(poses, seeds, found.q, strict=True):
+        square, grid = best_of_grid(name, axis, T, seed, 72, 72)
+        apart = [0]
+        for i in range(400):
+            if np.abs(grid[i] - grid[apart]).max(axis=1).min() > 0.4 and len(apart) < 6:
+                apart.append(i)
+        best = min(square[0], *(polished(name, axis, T, seed, grid[i]) for i in apart if np.isfinite(square[i])))
+        assert ((q - seed) ** 2).sum() <= best + NEAREST
+
+
+@pytest.mark.parametrize("name", arms.here("iiwa14", "gen3"))
+def test_close_to_the_seed_it_is_the_nearest_too(name):
+    rng = arms.generator(name, 40)
+    q, poses, _ = rolled(name, 10, AXES[0], 40)
+    arm = arms.load(name)
+    seeds = np.clip(q + rng.normal(0.0, 0.02, q.shape), arm.lower, arm.upper)
+    found = arm.solve_batch(poses, seed=seeds, free_axis=AXES[0])
+    for T, seed, each in zip(poses, seeds, found.q, strict=True):
+        best = polished(name, AXES[0], T, seed, each)
+        assert ((each - seed) ** 2).sum() <= best + 1e-9
+
+
+@pytest.mark.parametrize("name", arms.here("iiwa14", "gen3"))
+def test_without_a_seed_the_margin_is_that_of_the_best_roll(name):
+    arm = arms.load(name)
+    _, poses, _ = rolled(name, 6, AXES[0], 50)
+    half = 0.5 * (arm.upper - arm.lower)
+
+    def margin(q):
+        with np.errstate(invalid="ignore"):
+            return np.where(np.isfinite(half), 1.0 - np.abs(q - 0.5 * (arm.upper + arm.lower)) / half, 1.0).min(axis=-1)
+
+    found = arm.solve_batch(poses, free_axis=AXES[0])
+    for T, q in zip(poses, found.q, strict=True):
+        turned = np.repeat(T[None], 180, axis=0)
+        turned[:, :3, :3] = T[:3, :3] @ np.array([pin.exp3(unit(AXES[0]) * a) for a in np.arange(180) * np.pi / 90.0])
+        at_rolls = arm.solve_batch(turned)
+        assert margin(q) >= margin(at_rolls.q[at_rolls.ok]).max() - 1e-6
+
+
+@pytest.mark.parametrize("name", arms.here("iiwa14", "gen3", "human_arm"))
+@pytest.mark.parametrize("free", [FreeAxis(AXES[1], cone=0.2), FreeAxis(cone=1.0), "any"])
+def test_cones_and_positions_alone_are_met_and_no_farther_than_the_roll_alone(name, free):
+    axis = free.axis if isinstance(free, FreeAxis) else [0.0, 0.0, 1.0]
+    whole = free if isinstance(free, FreeAxis) else FreeAxis(cone=math.pi)
+    arm = arms.load(name)
+    _, poses, seeds = rolled(name, 10, axis, 60)
+    narrow = arm.solve_batch(poses, seed=seeds, free_axis=axis)
+    found = arm.solve_batch(poses, seed=seeds, free_axis=free)
+    assert found.ok.all()
+    for T, q, other, seed in zip(poses, found.q, narrow.q, seeds, strict=True):
+        assert_met(name, whole, q, T)
+        assert ((q - seed) ** 2).sum() <= ((other - seed) ** 2).sum() + NEAREST
+    assert arm.solve_batch(poses, free_axis=free).ok.all()
+
+
+@pytest.mark.parametrize("name", arms.here("iiwa14", "gen3"))
+def test_errors_are_those_that_are_left(name):
+    arm = arms.load(name)
+    q = arms.configurations(name, 1)[0]
+    T = arms.forward(name)(q).homogeneous
+    T[:3, 3] *= 3.0 / np.linalg.norm(T[:3, 3])
+    for seed in (q, None):
+        found = arm.solve(T, seed=seed, free_axis=[0, 0, 1])
+        assert found.status == "UNREACHABLE"
+        off, turned = left(name, FreeAxis([0, 0, 1]), found.q, T)
+        assert found.position_error == pytest.approx(off, abs=1e-9)
+        assert found.orientation_error == pytest.approx(turned, abs=1e-9)
+        assert found.position_error > 1.0
+        assert ((found.q >= arm.lower) & (found.q <= arm.upper)).all()
+
+
+def test_without_limits_the_pose_is_met_too():
+    arm = arms.load("iiwa14")
+    _, poses, seeds = rolled("iiwa14", 10, AXES[0], 70)
+    for seed in (seeds, None):
+        found = arm.solve_batch(poses, seed=seed, free_axis=AXES[0], respect_limits=False)
+        assert found.ok.all()
+        for q, T in zip(found.q, poses, strict=True):
+            assert max(left("iiwa14", FreeAxis(AXES[0]), q, T)) < 1e-9
+
+
+@pytest.mark.parametrize(
+    ("given", "words"),
+    [
+        ({"free_axis": [0, 0, 0]}, "3 finite numbers"),
+        ({"free_axis": "z"}, "not 'z'"),
+        ({"free_axis": [1, 2]}, "3 finite numbers"),
+        ({"free_axis": [0, 0, 1], "arm_angle": 0.0}, "leaves arm_angle to be chosen"),
+        ({"free_axis": [0, 0, 1], "branch": 0}, "leaves branch to be chosen"),
+        ({"free_axis": [0, 0, 1], "scene": srs_ik.Scene()}, "knows nothing of it"),
+    ],
+)
+def test_wrong_free_axes_are_named(given, words):
+    with pytest.raises(InvalidTask, match=words):
+        arms.load("iiwa14").solve(np.eye(4), **given)
+
+
+def test_the_angle_of_a_cone_is_checked():
+    with pytest.raises(InvalidTask, match="from 0 to pi"):
+        FreeAxis(cone=4.0)
+    with pytest.raises(InvalidConfiguration):
+        arms.load("iiwa14").solve(np.eye(4), seed=[0.0], free_axis=[0, 0, 1])
+
+
+@pytest.mark.parametrize("name", arms.here("iiwa14", "gen3"))
+def test_a_path_takes_the_turns_that_serve_it_best(name):
+    arm, free = arms.load(name), FreeAxis([0, 0, 1])
+    q0 = np.array([0.3, 0.7, -0.4, -1.1, 0.5, 0.8, -0.2])
+    T = arms.forward(name)(q0).homogeneous
+    poses = np.repeat(T[None], 40, axis=0)
+    t = np.linspace(0.0, 1.0, 40)
+    poses[:, :3, 3] += 0.15 * np.stack([np.sin(3.0 * t), 1.0 - np.cos(3.0 * t), -t], axis=1)
+    # As given, the tip rolls a whole turn on the way.
+    poses[:, :3, :3] = T[:3, :3] @ np.array([pin.exp3(2.0 * np.pi * x * free.axis) for x in t])
+    whole = arm.solve_path(poses)
+    found = arm.solve_path(poses, free_axis=free)
+    assert found
+    for q, pose in zip(found.q, poses, strict=True):
+        assert_met(name, free, q, pose)
+    np.testing.assert_allclose(found.steps, np.diff(found.q, axis=0))
+    assert (found.steps**2).sum() < 0.5 * (whole.steps**2).sum()
+    seeded = arm.solve_path(poses, seed=found.q[0], free_axis=free, dt=0.1)
+    assert seeded
+    assert np.abs(seeded.q[0] - found.q[0]).max() < 0.3
+    with pytest.raises(InvalidTask, match="closed"):
+        arm.solve_path(poses, free_axis=free, closed=True)
