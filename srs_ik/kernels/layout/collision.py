@@ -61,3 +61,9 @@ WIDE_TOLERANCE = 1e-6
 """A clearance this near to the largest, m, is the largest."""
 
 NO_GROUP = -1
+
+# A straight line of joint angles that does not keep clear.
+EDGE_AT = 0  # where on it, 0 to 1
+EDGE_PAIR = 1  # row of pairs, -1 where it is clear
+EDGE_CLEARANCE = 2  # of that pair there, m
+EDGE = 3
