@@ -101,7 +101,8 @@ collision.forbidden(family, T, bodies, groups, pairs, slack, local, ready, arcs:
 collision.free_intervals(family, T, bodies, groups, pairs, slack, local, ready, found, n: int, out: float[o, 3]&) ->
     int
 collision.clearance(family, T, bodies, groups, pairs, local, ready, elbow: int, psi, out: float[WIDE]&)
-collision.widest(family, T, bodies, groups, pairs, local, ready, found, n: int, out: float[WIDE]&)
+collision.widest(family, T, bodies, groups, pairs, local, ready, found, n: int, tolerance: float,
+    out: float[WIDE]&)
 collision.best_within(family, T, found, n: int, branch, seed: float[7], seeded: bool, respect, out: float[ROW]&) ->
     float
 motion.edges(family, starts: float[n, 7], ends: float[n, 7], bodies, groups, pairs, slack: float[n, SLACK], local,

@@ -57,9 +57,6 @@ WIDE_FIRST = 3  # the two groups that are nearest there
 WIDE_SECOND = 4
 WIDE = 5
 
-WIDE_TOLERANCE = 1e-6
-"""A clearance this near to the largest, m, is the largest."""
-
 NO_GROUP = -1
 
 # A straight line of joint angles that does not keep clear.

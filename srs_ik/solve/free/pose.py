@@ -24,6 +24,9 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 
+_WIDE_ENOUGH = 1e-3
+"""Of postures that all hit something, one whose clearance is this near to the largest is given, m."""
+
 
 def solve(
     around: Surroundings, T: Array, psi: float | None, near: Array | None, branch: int, respect: bool
@@ -63,7 +66,7 @@ def _hitting(around: Surroundings, T: Array, found: Array, psi: float | None, re
     if psi is not None:
         in_range = narrowed(in_range, psi)
     among = in_range if len(in_range) else found
-    wide = around.widest(T, among) if psi is None else around.clearance(T, int(among[0, 0]) >> 2, psi)
+    wide = around.widest(T, among, _WIDE_ENOUGH) if psi is None else around.clearance(T, int(among[0, 0]) >> 2, psi)
     branch = int(wide[at.WIDE_BRANCH]) if psi is None else int(among[0, 0])
     solution = pose_solver.solve(around.packed, T, float(wide[at.WIDE_ARM_ANGLE]), None, branch, respect)
     solution._row[ROW_STATUS] = Status.COLLISION

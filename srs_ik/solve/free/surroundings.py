@@ -140,11 +140,11 @@ class Surroundings:
             world = state["_real_world"] = RealWorld(self.arm, self.scene)
         return world
 
-    def widest(self, T: Array, found: Array) -> Array:
-        """(WIDE,) the arm angle of largest clearance over some intervals of a pose."""
+    def widest(self, T: Array, found: Array, tolerance: float = 1e-6) -> Array:
+        """(WIDE,) the arm angle of largest clearance, within a tolerance, m, over some intervals of a pose."""
         tables, out = self.tables, np.empty(at.WIDE)
         bodies = tables.bodies, tables.groups, tables.pairs, *tables.work()
-        entries.widest(self.packed.family, T, *bodies, found, len(found), out)
+        entries.widest(self.packed.family, T, *bodies, found, len(found), tolerance, out)
         return out
 
     def clearance(self, T: Array, elbow: int, psi: float) -> Array:
