@@ -16,9 +16,8 @@ from srs_ik.robot import changes
 from srs_ik.robot.chain import Chain
 from srs_ik.robot.limb import Hand, SrsLimb
 from srs_ik.robot.recognition import recognise
-from srs_ik.solve import intervals as feasible
 from srs_ik.solve import kinematics
-from srs_ik.solve import pose as pose_solver
+from srs_ik.solve.in_limits import InLimits
 from srs_ik.solve.packed import pack_arm
 from srs_ik.solve.solution import BatchSolution, Interval, Solution, Solutions
 
@@ -27,9 +26,9 @@ if TYPE_CHECKING:
     from srs_ik.inputs.freedom import FreeAxis
     from srs_ik.inputs.task import Task
     from srs_ik.robot.description.model import Drawing
-    from srs_ik.solve.collisions import Surroundings
     from srs_ik.solve.derivatives import SolutionDerivatives
     from srs_ik.solve.free_splits import FreeSplit
+    from srs_ik.solve.in_scene.questions import InScene
     from srs_ik.solve.intervals import IntervalsBatch
     from srs_ik.solve.objectives import Objective
     from srs_ik.solve.optimise import Optimum
@@ -81,6 +80,7 @@ class Arm(BodyOwner):
         self.drawing = drawing
         self.plan = plan or BodyPlan()
         self.packed = pack_arm(self, limb, hand)
+        self._in_limits = InLimits(self, self.packed)
 
     # Inverse kinematics -----------------------------------------------------------------------------------------
 
@@ -121,13 +121,11 @@ class Arm(BodyOwner):
             NoBodies: no shapes of the arm are at hand.
         """
         if free_axis is not None:
-            from srs_ik.solve import free
+            from srs_ik.solve import freedom
 
-            free.refuse_beside(free_axis, arm_angle=arm_angle, branch=branch, scene=scene)
-            return free.solve(self.packed, pose, free_axis, seed, bool(respect_limits))
-        if scene is not None:
-            return self._in(scene, margin).solve(pose, arm_angle, seed, branch, bool(respect_limits))
-        return pose_solver.solve(self.packed, pose, arm_angle, seed, branch, respect_limits)
+            freedom.refuse_beside(free_axis, arm_angle=arm_angle, branch=branch, scene=scene)
+            return freedom.solve(self.packed, pose, free_axis, seed, bool(respect_limits))
+        return self._asked(scene, margin).solve(pose, arm_angle, seed, branch, bool(respect_limits))
 
     def solve_all(
         self,
@@ -156,9 +154,7 @@ class Arm(BodyOwner):
             InvalidScene: no `Scene`, or no margin.
             NoBodies: no shapes of the arm are at hand.
         """
-        if scene is not None:
-            return self._in(scene, margin).solve_all(pose, arm_angle, bool(respect_limits))
-        return pose_solver.solve_all(self.packed, pose, arm_angle, bool(respect_limits))
+        return self._asked(scene, margin).solve_all(pose, arm_angle, bool(respect_limits))
 
     def solve_batch(
         self,
@@ -198,17 +194,13 @@ class Arm(BodyOwner):
             NoBodies: no shapes of the arm are at hand.
         """
         if free_axis is not None:
-            from srs_ik.solve import free
+            from srs_ik.solve import freedom
 
             other = {"arm_angle": arm_angle, "branch": branch, "all_branches": all_branches, "scene": scene}
-            free.refuse_beside(free_axis, **other)
-            return free.solve_batch(self.packed, poses, free_axis, seed, bool(respect_limits), threads)
-        if scene is not None:
-            return self._in(scene, margin).solve_batch(
-                poses, arm_angle, seed, branch, all_branches, bool(respect_limits), threads
-            )
-        return pose_solver.solve_batch(
-            self.packed, poses, arm_angle, seed, branch, all_branches, bool(respect_limits), threads
+            freedom.refuse_beside(free_axis, **other)
+            return freedom.solve_batch(self.packed, poses, free_axis, seed, bool(respect_limits), threads)
+        return self._asked(scene, margin).solve_batch(
+            poses, arm_angle, seed, branch, all_branches, bool(respect_limits), threads
         )
 
     def solve_path(
@@ -222,12 +214,17 @@ class Arm(BodyOwner):
         closed: bool = False,
         *,
         free_axis: ArrayLike | FreeAxis | str | None = None,
+        scene: Scene | None = None,
+        margin: float = 0.0,
     ) -> PathSolution:
         """A continuous joint path through N poses, inside the limits, chosen over the whole path and not step by step.
 
         Branches and arm angles of all poses are chosen together (fewest breaks, then least sum of squared joint steps),
         from all postures between the limits and in all turns. A path through a singular pose does not flip there; where
         nothing continues it, the answer says at which sample and why, and between which samples it has to break.
+
+        With a scene, the straight lines of joint angles from posture to posture are certified too: between two poses no
+        body comes closer to another than the margin. Where no path is found that keeps clear, a break names the bodies.
 
         Args:
             poses: (N, 4, 4) array, or a list of poses.
@@ -240,17 +237,20 @@ class Arm(BodyOwner):
             closed: whether the path has to end in the posture in which it begins (but for whole turns of joints without
                 end); its last pose is its first one.
             free_axis: what of the rotation is free, as for `solve`; turns are chosen on samples, along the whole path,
-                and then each for its neighbours. It goes with neither known postures nor a closed path.
+                and then each for its neighbours. It goes with neither known postures nor a closed path nor a scene.
+            scene: what must not be touched, the arm's own bodies included; nothing is looked at if not given.
+            margin: what is to be left between any two bodies, m.
 
         Raises:
             InvalidPose: a pose is no finite rigid transform; the message names the first one.
             InvalidConfiguration: seed, dt, longest_step or objective are malformed, a known posture is outside the
-                limits or not on its pose, or a closed path ends at another pose.
+                limits, not on its pose or hits something, or a closed path ends at another pose.
             MissingLimits: the least time is asked for, and a joint has no velocity limit.
+            InvalidScene: no `Scene`, or no margin.
+            NoBodies: no shapes of the arm are at hand.
         """
-        from srs_ik.solve.path import solve_path
-
-        return solve_path(self.packed, poses, seed, dt, longest_step, objective, known, closed, free_axis)
+        question = seed, dt, longest_step, objective, known, closed, free_axis
+        return self._asked(scene, margin).solve_path(poses, *question)
 
     def tracker(
         self,
@@ -312,9 +312,7 @@ class Arm(BodyOwner):
             InvalidScene: no `Scene`, or no margin.
             NoBodies: no shapes of the arm are at hand.
         """
-        if scene is not None:
-            return self._in(scene, margin).intervals(pose, bool(respect_limits))
-        return feasible.intervals(self.packed, pose, bool(respect_limits))
+        return self._asked(scene, margin).intervals(pose, bool(respect_limits))
 
     def intervals_batch(
         self,
@@ -342,9 +340,7 @@ class Arm(BodyOwner):
             InvalidScene: no `Scene`, or no margin.
             NoBodies: no shapes of the arm are at hand.
         """
-        if scene is not None:
-            return self._in(scene, margin).intervals_batch(poses, bool(respect_limits), threads)
-        return feasible.intervals_batch(self.packed, poses, bool(respect_limits), threads)
+        return self._asked(scene, margin).intervals_batch(poses, bool(respect_limits), threads)
 
     def reachable_batch(self, poses: Any, threads: int | None = None) -> NDArray[np.bool_]:
         """Whether a posture inside the joint limits meets each of N poses: `intervals_batch` cut short at the first.
@@ -438,13 +434,7 @@ class Arm(BodyOwner):
             InvalidScene: no `Scene`, or no margin.
             NoBodies: no shapes of the arm are at hand.
         """
-        if scene is not None:
-            from srs_ik.solve.collisions import optimise as optimise_free
-
-            return optimise_free(self._in(scene, margin), pose, objective, bool(respect_limits), **parameters)
-        from srs_ik.solve.optimise import optimise
-
-        return optimise(self.packed, self, pose, objective, respect_limits, **parameters)
+        return self._asked(scene, margin).optimise(pose, objective, bool(respect_limits), **parameters)
 
     # Tasks ------------------------------------------------------------------------------------------------------
 
@@ -478,6 +468,9 @@ class Arm(BodyOwner):
         tie: Tie = "lower",
         threads: int | None = None,
         seed: ArrayLike | None = None,
+        *,
+        scene: Scene | None = None,
+        margin: float = 0.0,
     ) -> TaskSolution | BatchTaskSolution:
         """Joint angles for a task: its posture, on this arm's own axes and within its limits.
 
@@ -486,6 +479,9 @@ class Arm(BodyOwner):
         to the nearest feasible arm angle, and `angle_lost` says how far. Without a grasp direction the hand lines up
         with the forearm; without a pronosupination its roll is that of the seed, or leaves the wrist most room.
 
+        In a scene the elbow goes to the nearest arm angle that is free, and where there is none a roll that was left
+        free to another one.
+
         Args:
             task: one task, or N of them, for a `BatchTaskSolution`.
             side: "left" for the elbow towards +y of the base, "right" for -y.
@@ -493,14 +489,16 @@ class Arm(BodyOwner):
             tie: which elbow to take where one is above the other: "lower" or "upper".
             threads: at most so many for N tasks; all processors if not given.
             seed: (7,) posture to stay near, for all, or (N, 7), rad.
+            scene: what must not be touched, the arm's own bodies included; nothing is looked at if not given.
+            margin: what is to be left between any two bodies, m.
 
         Raises:
             InvalidTask: no `Task`, another side or tie, or an arm whose hand is not known (see `load`).
             InvalidConfiguration: a malformed seed.
+            InvalidScene: no `Scene`, or no margin.
+            NoBodies: no shapes of the arm are at hand.
         """
-        from srs_ik.solve.task import solve_task
-
-        return solve_task(self.packed, task, side, bool(respect_limits), tie, threads, seed)
+        return self._asked(scene, margin).solve_task(task, side, bool(respect_limits), tie, threads, seed)
 
     # Many configurations ----------------------------------------------------------------------------------------
 
@@ -641,11 +639,13 @@ class Arm(BodyOwner):
     def _planned(self, plan: BodyPlan) -> Self:
         return type(self)(self._chain, self.limb, self.name, self.hand, self.drawing, plan)
 
-    def _in(self, scene: Scene, margin: float) -> Surroundings:
-        """This arm in a scene."""
-        from srs_ik.solve.collisions import Surroundings
+    def _asked(self, scene: Scene | None, margin: float) -> InLimits | InScene:
+        """Who answers questions: within the limits alone, or in a scene."""
+        if scene is None:
+            return self._in_limits
+        from srs_ik.solve.in_scene.questions import InScene
 
-        return Surroundings(self, self.packed, scene, margin)
+        return InScene(self, self.packed, scene, margin)
 
     def __reduce__(self) -> tuple[Any, ...]:
         # A copy is made anew, and packed anew: its arrays are read-only like the first ones, as its kernels want them.

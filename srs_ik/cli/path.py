@@ -14,6 +14,7 @@ from srs_ik.cli.options import AllowXacro, AsJson, Base, Limb, Seven, Source, Ti
 from srs_ik.cli.picture import check
 from srs_ik.cli.pose_file import read_poses, write_path
 from srs_ik.cli.poses import JOINTS, angles, unit_of
+from srs_ik.cli.scenes import Exact, Margin, SceneFile, read
 from srs_ik.cli.waiting import at_work
 
 if TYPE_CHECKING:
@@ -72,11 +73,15 @@ def path(
     degrees: Annotated[
         bool, typer.Option("--degrees", help="Angles are given in degrees (roll, pitch, yaw, --seed, --cone ...).")
     ] = False,
+    scene: SceneFile = None,
+    margin: Margin = None,
+    exact: Exact = False,
     as_json: AsJson = False,
 ) -> None:
     """Find a continuous joint path through many poses, inside the joint limits, chosen as a whole.
 
-    Exit status 1 where the path has to break; a line on standard error says at which pose, and why.
+    With a scene, the straight lines of joint angles between the postures hit nothing either, for certain. Exit status 1
+    where the path has to break; a line on standard error says at which pose, and why.
     """
     unit = unit_of(degrees)
     if plot is not None:
@@ -92,6 +97,7 @@ def path(
     if longest_step is not None:
         options["longest_step"] = unit * _positive("--longest-step", longest_step)
     T_base_tip, lines = read_poses(poses, unit)
+    options.update(read(scene, margin, exact))
 
     from srs_ik.loading import load
 
@@ -144,6 +150,7 @@ def _print_json(arm: Arm, found: PathSolution, lines: list[int]) -> None:
                     "jump": b.jump,
                     "earliest": b.earliest,
                     "latest": b.latest,
+                    "bodies": b.bodies,
                     "message": b.message,
                 }
                 for b in found.breaks

@@ -9,6 +9,7 @@ import typer
 
 from srs_ik.cli.options import AllowXacro, AsJson, Base, Limb, Seven, Source, Three, Tip, WrongInput, numbers
 from srs_ik.cli.poses import JOINTS, NoLimits, Xyz, angles
+from srs_ik.cli.scenes import Exact, Margin, SceneFile, read
 
 if TYPE_CHECKING:
     from srs_ik.arm import Arm
@@ -73,6 +74,9 @@ def task(
     limb: Limb = None,
     allow_xacro: AllowXacro = False,
     no_limits: NoLimits = False,
+    scene: SceneFile = None,
+    margin: Margin = None,
+    exact: Exact = False,
     as_json: AsJson = False,
 ) -> None:
     """Find the posture that suits a task, and the joint angles for it.
@@ -101,6 +105,7 @@ def task(
     from srs_ik.solve.task import TaskSolution
 
     wanted = Task(position, **given)
+    around = read(scene, margin, exact)
     arm = load(
         source,
         base=base,
@@ -109,7 +114,7 @@ def task(
         allow_xacro=allow_xacro,
         hand=None if axes is None else [axes[:3], axes[3:]],
     )
-    solution = arm.solve_task(wanted, side.value, not no_limits, tie.value, seed=start)
+    solution = arm.solve_task(wanted, side.value, not no_limits, tie.value, seed=start, **around)
     assert isinstance(solution, TaskSolution)
     if as_json:
         _print_json(arm, solution)

@@ -47,6 +47,14 @@ class JointRange:
     edges: Array
     bounds: Array
 
+    def bound_at(self, angle: float) -> float:
+        """Distance below which the bodies do not come at an angle of the joint, m."""
+        lower, upper = self.edges[0], self.edges[-1]
+        if not lower <= angle <= upper:
+            angle = (angle - lower) % (2.0 * np.pi) + lower
+        k = min(int(np.searchsorted(self.edges, angle, side="right")) - 1, len(self.bounds) - 1)
+        return float(self.bounds[k])
+
     def allowed(self) -> tuple[float, float] | None:
         """The widest range of the joint in which the bodies do not meet; None for none."""
         kept = self.bounds > 0.0

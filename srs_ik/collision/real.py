@@ -128,6 +128,7 @@ class RealWorld:
     def __init__(self, arm: BodyOwner, scene: Scene) -> None:
         self.version = scene.version, scene.moves
         self.scene = scene
+        self._frames = arm.joint_frames
         bodies = arm.bodies
         index = {body.name: k for k, body in enumerate(bodies)}
         replaced = frozenset().union(*(thing.replaces for thing in scene))
@@ -211,6 +212,55 @@ class RealWorld:
             best = min(best, room / rate if rate > 0.0 else math.inf)
         return best
 
+    def along(self, start: Array, end: Array, margin: float) -> tuple[float, str, str, float]:
+        """What comes within a margin on a straight line of joint angles: where (0 to 1), which two, how near, m.
+
+        No names where the line is certainly clear. What cannot be told on the shortest stretch counts.
+        """
+        turns = np.abs(end - start)
+        waiting = [(0.0, 1.0)]
+        while waiting:
+            lower, upper = waiting.pop()
+            middle, half = 0.5 * (lower + upper), 0.5 * (upper - lower)
+            doubtful = self._doubtful(self._frames(start + middle * (end - start)), half * turns, margin)
+            if doubtful is None:
+                continue
+            a, b, distance = doubtful
+            if distance <= margin or half < _SHORTEST:
+                return middle, self._names[a], self._names[b], distance
+            waiting += [(middle, upper), (lower, middle)]
+        return 0.0, "", "", math.inf
+
+    def _doubtful(self, frames: Array, turns: Array, margin: float) -> tuple[int, int, float] | None:
+        """The nearest pair that may come within a margin while joints turn so far from a posture; None for none."""
+        still = np.eye(4)
+        places = [frames[joint] if joint >= 0 else still for joint in self._joints]
+        centres = np.array([T[:3, :3] @ ball[:3] + T[:3, 3] for T, ball in zip(places, self._balls, strict=True)])
+        at: dict[int, Any] = {}
+        worst = None
+        for a, b in self._pairs:
+            needed = margin + self._moved(a, b, frames, centres, turns)
+            room = float(np.linalg.norm(centres[a] - centres[b])) - self._balls[a, 3] - self._balls[b, 3]
+            if room > needed:
+                continue
+            for k in (a, b):
+                if k not in at:
+                    at[k] = transform(places[k])
+            distance = self._distance(at, a, b)
+            if distance <= needed and (worst is None or distance < worst[2]):
+                worst = a, b, distance
+        return worst
+
+    def _moved(self, a: int, b: int, frames: Array, centres: Array, turns: Array) -> float:
+        """How far the joints between two bodies move the outer one at most, m."""
+        if self._joints[a] > self._joints[b]:
+            a, b = b, a
+        total = 0.0
+        for joint in range(self._joints[b], max(self._joints[a], 0), -1):
+            reach = float(np.linalg.norm(centres[b] - frames[joint, :3, 3])) + self._balls[b, 3]
+            total += turns[joint - 1] * (reach + total)
+        return total
+
     def _rates(self, k: int, T: Array, line: tuple[Array, Array], shoulder: float, wrist: float) -> tuple[float, float]:
         """How far points of a body move at most by the turn about the line, and by its own spin, m/rad."""
         joint = self._joints[k]
@@ -229,7 +279,7 @@ class RealWorld:
         together = self._joints[a] in _TURNING and self._joints[b] in _TURNING
         return spin_a + spin_b + (0.0 if together else turn_a + turn_b)
 
-    def _distance(self, at: list[Any], a: int, b: int) -> float:
+    def _distance(self, at: list[Any] | dict[int, Any], a: int, b: int) -> float:
         least = np.inf
         for shape_a, T_a in self._forms[a]:
             for shape_b, T_b in self._forms[b]:
@@ -246,6 +296,9 @@ _SPIN = {1: 0, 2: 2, 5: 4, 6: 6}
 """Joint axis that a body spins about against what moves it: against the base, the upper arm, the forearm, the hand."""
 
 _NARROW = 1e-6
+
+_SHORTEST = 1e-3
+"""Shortest half of a stretch that is looked at, as a part of the line."""
 
 
 def _from_line(rows: Array, point: Array, direction: Array) -> float:

@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from srs_ik.errors import InvalidTask
 from srs_ik.inputs.numbers import real_array, real_number
-from srs_ik.kernels.layout.free import FREE_AXIS, FREE_CONE, FREEDOM
+from srs_ik.kernels.layout.freedom import FREE_AXIS, FREE_CONE, FREEDOM
 
 Array = NDArray[np.float64]
 

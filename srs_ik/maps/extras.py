@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
     from srs_ik.arm import Arm
     from srs_ik.collision.scene import Scene
-    from srs_ik.solve.collisions import Surroundings
+    from srs_ik.solve.in_scene.surroundings import Surroundings
     from srs_ik.solve.packed import PackedArm
 
 Array = NDArray[np.float64]
@@ -80,7 +80,7 @@ def around_of(arm: Arm, scene: Scene | None) -> Around | None:
     """
     if scene is None:
         return None
-    arm._in(scene, 0.0)
+    _surroundings_of(arm, scene)
     return Around(arm, scene, scene_digest(arm, scene))
 
 
@@ -109,10 +109,16 @@ def surroundings(around: Around) -> Surroundings:
     """The arm in its scene, ready to be asked."""
     found = _ready.get(around.digest)
     if found is None:
-        found = around.arm._in(around.scene, 0.0)
+        found = _surroundings_of(around.arm, around.scene)
         _ready.clear()
         _ready[around.digest] = found
     return found
+
+
+def _surroundings_of(arm: Arm, scene: Scene) -> Surroundings:
+    from srs_ik.solve.in_scene.surroundings import Surroundings
+
+    return Surroundings(arm, arm.packed, scene, 0.0)
 
 
 def free_widths(around: Around, poses: Array) -> Array:

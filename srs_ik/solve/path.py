@@ -28,10 +28,11 @@ from srs_ik.solve.path_breaks import PathBreak, breaks_of
 from srs_ik.solve.path_problem import OBJECTIVES, TIME, Problem, Way, worth
 from srs_ik.solve.path_search import off_pose, rows_of
 from srs_ik.solve.pose import solve
-from srs_ik.solve.solution import BatchSolution, ElbowRange
+from srs_ik.solve.solution import BatchSolution, Collision, ElbowRange
 from srs_ik.solve.threads import interruptible
 
 if TYPE_CHECKING:
+    from srs_ik.solve.in_scene.surroundings import Surroundings
     from srs_ik.solve.packed import PackedArm
 
 Array = NDArray[np.float64]
@@ -61,8 +62,9 @@ class PathSolution(BatchSolution):
         steps: Array,
         breaks: list[PathBreak],
         elbow: ElbowRange | None = None,
+        collisions: Mapping[tuple[int, ...], Collision] | None = None,
     ) -> None:
-        super().__init__(rows, joint_names, elbow)
+        super().__init__(rows, joint_names, elbow, collisions)
         self.steps = steps
         self.breaks = breaks
 
@@ -88,11 +90,15 @@ def solve_path(
     known: Mapping[int, ArrayLike] | None = None,
     closed: bool = False,
     free_axis: Any = None,
+    *,
+    around: Surroundings | None = None,
 ) -> PathSolution:
-    """See `Arm.solve_path`."""
+    """See `Arm.solve_path`; `around` is what must not be touched."""
     T = as_matrices(poses)
     if free_axis is not None and len(T):
-        return _free(arm, T, free_axis, (seed, dt, longest_step, objective), (known, closed))
+        return _free(
+            arm, T, free_axis, (seed, dt, longest_step, objective), {"known": known, "closed": closed, "scene": around}
+        )
     n = len(T)
     if objective not in OBJECTIVES:
         raise InvalidConfiguration(f"objective is one of {', '.join(OBJECTIVES)}, not {objective!r}")
@@ -105,23 +111,27 @@ def solve_path(
     if closed and np.abs(T[0] - T[-1]).max() > ON_POSE:
         raise InvalidConfiguration("a closed path ends at its first pose, and the last pose is another one")
     find = closed_way if closed else best
+    if around is not None:
+        from srs_ik.solve.in_scene.path import keep_clear
+
+        return keep_clear(replace(problem, around=around), find)
     if n > SHORT:
         # What has to be compiled is compiled here: in another thread nobody could interrupt it.
         one = replace(problem, T=T[:1], known=given[:1], has_known=has_given[:1], near=problem.near[:1])
         rows_of(one, find(one))
     way, rows = interruptible(lambda stop: _found(find, replace(problem, stop=stop)), worth_it=n > SHORT)
-    rows[:, :7] = _unwound(arm, rows[:, :7], start)
+    rows[:, :7] = unwound(arm, rows[:, :7], start)
     steps = np.diff(rows[:, :7], axis=0)
     return PathSolution(rows, arm.joint_names, steps, breaks_of(problem, way, rows, steps), arm.elbow)
 
 
-def _free(arm: PackedArm, T: Array, free_axis: Any, given: tuple[Any, ...], other: tuple[Any, bool]) -> PathSolution:
+def _free(arm: PackedArm, T: Array, free_axis: Any, given: tuple[Any, ...], other: dict[str, Any]) -> PathSolution:
     """A path through poses that leave a turn free."""
     from srs_ik.inputs.freedom import as_free_axis
-    from srs_ik.solve.free import refuse_beside
-    from srs_ik.solve.path_free import solve_free_path
+    from srs_ik.solve.freedom import refuse_beside
+    from srs_ik.solve.path_freedom import solve_free_path
 
-    refuse_beside(free_axis, known=other[0], closed=other[1])
+    refuse_beside(free_axis, **other)
     seed, dt, longest_step, objective = given
     start = None if seed is None else as_seed(seed, arm.lower, arm.upper)
     longest = _settings(arm, dt, longest_step, objective)[: BY_CONTINUITY + 1].min(axis=0)
@@ -195,7 +205,7 @@ def _settings(arm: PackedArm, dt: float | None, longest_step: float, objective: 
     return settings
 
 
-def _unwound(arm: PackedArm, q: Array, start: Array | None) -> Array:
+def unwound(arm: PackedArm, q: Array, start: Array | None) -> Array:
     """The same postures with joints that turn without end counted on from sample to sample."""
     q = q.copy()
     endless = np.isinf(arm.lower) & np.isinf(arm.upper)

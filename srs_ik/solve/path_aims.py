@@ -11,7 +11,6 @@ from srs_ik.solve.path_blocks import find_way
 from srs_ik.solve.path_polish import WIDTHS, polish, refine
 from srs_ik.solve.path_problem import LARGEST_STEP, SUM_OF_SQUARES, Problem, Way, worth
 from srs_ik.solve.path_search import EVERYWHERE, may_be_fine, search
-from srs_ik.solve.pose import solve_all
 
 SEARCHES = 3
 """A path with a smaller largest step is searched for so often at most ..."""
@@ -61,7 +60,7 @@ def closed(problem: Problem) -> Way:
     """A path that ends in the posture in which it begins."""
     n = len(problem.T)
     free = best(problem)
-    others = solve_all(problem.arm, problem.T[0], None, True)
+    others = problem.solve_all(0)
     starts = [free.q[0], free.q[-1], *(s.q for s in others)][:STARTS] if free.reached[[0, -1]].all() else []
     if problem.has_known[[0, -1]].any():
         starts = [problem.known[0 if problem.has_known[0] else -1]]
@@ -92,7 +91,8 @@ def _rolled(problem: Problem, way: Way, by: int) -> Way:
     has_known = np.zeros(n, np.bool_)
     has_known[[0, -1]] = True
     near = turned.q.copy()
-    narrow = replace(problem, T=problem.T[order], seed=None, known=near, has_known=has_known)
+    free = problem.reordered(order)
+    narrow = replace(problem, T=problem.T[order], seed=None, known=near, has_known=has_known, free=free)
     found = best(narrow)
     if not worth(narrow, found) < worth(narrow, turned):
         return way

@@ -61,6 +61,7 @@ class Block:
             p.has_known,
             p.bridges,
             p.bridge_ends(),
+            *p.allowed(),
             p.near,
             p.radius,
             p.seed,

@@ -34,6 +34,7 @@ class PathBreak:
         message: one sentence that says why, and a second one that says where a break cannot be avoided.
         earliest: first pose at which this break may happen in a path with so few breaks; None where not known.
         latest: last pose at which it may happen: beyond the pose before, nothing goes on.
+        bodies: the two that are in the way, where they are the reason.
     """
 
     sample: int
@@ -42,13 +43,15 @@ class PathBreak:
     message: str
     earliest: int | None = None
     latest: int | None = None
+    bodies: tuple[str, str] | None = None
 
 
 def breaks_of(problem: Problem, way: Way, rows: Array, steps: Array) -> list[PathBreak]:
     """The breaks of a path, from the rows of its postures and its joint steps."""
     arm = problem.arm
     longest = problem.settings[BY_CONTINUITY]
-    answers = BatchSolution(rows, arm.joint_names, arm.elbow)
+    hits = {} if problem.around is None else problem.around.hits_of(problem.T, rows)
+    answers = BatchSolution(rows, arm.joint_names, arm.elbow, hits)
     jumps = np.append(False, (np.abs(steps) > longest).any(axis=1))
     after_gap = np.append(False, ~answers.ok[:-1])
     inner = np.flatnonzero(jumps & answers.ok & ~after_gap).tolist()
@@ -56,7 +59,9 @@ def breaks_of(problem: Problem, way: Way, rows: Array, steps: Array) -> list[Pat
     breaks = []
     for i in np.flatnonzero(jumps | ~answers.ok).tolist():
         if not answers.ok[i]:
-            breaks.append(PathBreak(i, 0.0, "", f"Pose {i} is not reached: {answers.message(i)}"))
+            bodies = (hits[(i,)].first, hits[(i,)].second) if (i,) in hits else None
+            why = f"Pose {i} is not reached: {answers.message(i)}"
+            breaks.append(PathBreak(i, 0.0, "", why, bodies=bodies))
             continue
         joint = int(np.abs(steps[i - 1]).argmax())
         jump, name = float(abs(steps[i - 1, joint])), arm.joint_names[joint]
@@ -79,12 +84,14 @@ def _windows(problem: Problem, way: Way, count: int) -> list[tuple[int, int, str
         return []
     n = len(problem.T)
     T, known, has_known = problem.T[::-1], problem.known[::-1], problem.has_known[::-1]
+    free = problem.reordered(range(n - 1, -1, -1))
     if problem.seed is not None:
         # Backwards, the seed is one more pose at the end, with one posture.
         T = np.concatenate([T, T[-1:]])
         known, has_known = np.vstack([known, problem.seed]), np.append(has_known, True)
+        free = None if free is None else [*free, np.empty((0, 3))]
     back = replace(problem, T=np.ascontiguousarray(T), seed=None, known=known.copy(), has_known=has_known.copy())
-    back.near = back.known
+    back.near, back.free = back.known, free
     backwards = find_way(back, np.arange(len(T)), False).walls
     if len(backwards) != count:
         return []
@@ -100,6 +107,10 @@ def _reason(problem: Problem, wall: Wall) -> str:
     arm: PackedArm = problem.arm
     chosen = wall.before[np.linspace(0, len(wall.before) - 1, min(len(wall.before), LOOKED_AT)).astype(int)]
     pose = problem.T[wall.sample]
+    if problem.around is not None:
+        hit = problem.around.in_the_way(pose, chosen, float(problem.settings[BY_CONTINUITY, 0]))
+        if hit is not None:
+            return f"{hit.first} would meet {hit.second}"
     free = [(solve(arm, pose, seed=q, respect_limits=False), q) for q in chosen]
     met = [(float(np.abs(s.q - q).max()), s.q, q) for s, q in free if s]
     if not met:

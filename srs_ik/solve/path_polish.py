@@ -33,6 +33,8 @@ JUST_WITHIN = 1.0 - 1e-9
 
 def improve(problem: Problem, way: Way, widths: Array = WIDTHS) -> None:
     """Move the postures of a path, in place, to the best ones near them."""
+    if not way.reached.any():
+        return
     if problem.even:
         planned = copy(way)
         refine(replace(problem, limited=False), way, widths, True)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
@@ -9,10 +10,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from srs_ik.kernels.layout.path import BY_CONTINUITY, BY_VELOCITY, INVERSE_PERIOD, PERIOD
+from srs_ik.solve.pose import solve, solve_all
 from srs_ik.solve.threads import Stop
 
 if TYPE_CHECKING:
+    from srs_ik.solve.in_scene.surroundings import Surroundings
     from srs_ik.solve.packed import PackedArm
+    from srs_ik.solve.solution import Solution, Solutions
 
 Array = NDArray[np.float64]
 
@@ -50,6 +54,8 @@ class Problem:
         objective: what is to be least.
         in_closed_form: whether to go by the nearest exact limb of a near one.
         stop: (1,) set by another thread where nobody wants the answer any more.
+        around: what must not be touched; None for nothing.
+        free: with it, of each pose the (k, 3) intervals that keep clear of it.
     """
 
     arm: PackedArm
@@ -66,6 +72,8 @@ class Problem:
     stop: Stop = field(default_factory=lambda: np.zeros(1, np.int8))
     bridges: Array = field(default_factory=lambda: np.empty((0, 7)))
     bridged: NDArray[np.int64] = field(default_factory=lambda: np.empty(0, np.int64))
+    around: Surroundings | None = None
+    free: list[Array] | None = None
 
     @property
     def even(self) -> bool:
@@ -75,6 +83,33 @@ class Problem:
     def work(self) -> tuple[Array | None, Array | None]:
         """Work space of the kernels; none where the closed form is asked for alone."""
         return (None, None) if self.in_closed_form else self.arm.work()
+
+    def allowed(self) -> tuple[Array, NDArray[np.int64]]:
+        """(m, 3) the only intervals that strips may have, and (n + 1,) the first of each pose; (0,) where all are."""
+        if self.free is None:
+            return np.empty((0, 3)), np.empty(0, np.int64)
+        ends = np.cumsum([0, *(len(rows) for rows in self.free)])
+        return np.ascontiguousarray(np.concatenate([np.empty((0, 3)), *self.free])), ends
+
+    def reordered(self, order: Iterable[int]) -> list[Array] | None:
+        """`free` of the poses in another order."""
+        return None if self.free is None else [self.free[i] for i in order]
+
+    def solve(self, i: int, seed: Array | None) -> Solution:
+        """The best posture of a pose by itself."""
+        if self.around is not None:
+            from srs_ik.solve.in_scene import pose as in_scene
+
+            return in_scene.solve(self.around, self.T[i], None, seed, -1, True)
+        return solve(self.arm, self.T[i], seed=seed)
+
+    def solve_all(self, i: int) -> Solutions:
+        """A posture of every interval of a pose."""
+        if self.around is not None:
+            from srs_ik.solve.in_scene import pose as in_scene
+
+            return in_scene.solve_all(self.around, self.T[i], None, True)
+        return solve_all(self.arm, self.T[i], None, True)
 
     def bridge_ends(self) -> NDArray[np.int64]:
         """(n + 1,) the first bridge of each pose."""

@@ -16,7 +16,6 @@ from srs_ik.solve.path_blocks import find_way
 from srs_ik.solve.path_bridges import bridged
 from srs_ik.solve.path_polish import FINE, improve, keep_limits
 from srs_ik.solve.path_problem import JUST_ABOVE, Problem, Way, copy, too_fast, worth
-from srs_ik.solve.pose import solve
 from srs_ik.solve.solution import Status
 
 if TYPE_CHECKING:
@@ -69,6 +68,10 @@ def found(problem: Problem) -> Way:
         return planned(problem)
     # A near limb moves almost like the exact one next to it: what is best for that one is closed on the true chain.
     way = planned(replace(problem, in_closed_form=True))
+    if problem.free is not None:
+        # Along the true curves, a path would leave what is free.
+        close(problem, way)
+        return way
     if way.cost < 0.5 * BREAK and way.reached.all() and close(problem, way):
         improve(problem, way)
         if way.cost < 0.5 * BREAK:
@@ -92,6 +95,8 @@ def planned(problem: Problem) -> Way:
     marks, verdicts = np.zeros(len(T), np.bool_), np.zeros(len(T), np.int64)
     entries.choose_keys(arm.family, T, problem.has_known, marks, verdicts)
     refuse_bad_poses(verdicts)
+    if problem.free is not None:
+        marks[:] = True
     fine = problem
     if len(T) <= SHORT and problem.work()[0] is None:
         marks[:] = True
@@ -115,7 +120,7 @@ def planned(problem: Problem) -> Way:
             break
         # Between two planned poses the path does something of its own: there, every pose is planned.
         marks |= missed if missed.any() else True
-    if way.cost >= 0.5 * BREAK:
+    if way.cost >= 0.5 * BREAK and problem.free is None:
         more = bridged(problem) if not problem.in_closed_form or arm.closed else problem
         again = find_way(more, keys, False) if more is not problem else way
         if again.cost < way.cost - 0.5 * BREAK:
@@ -165,7 +170,7 @@ def rows_of(problem: Problem, way: Way) -> Array:
         way.q[off[met]], way.branch[off[met]] = q[met], -1
         entries.finish(arm.family, T, off[met], way.q, way.psi, way.branch, *arm.work(), rows)
     for i in np.flatnonzero(~way.reached | (rows[:, ROW_STATUS] != Status.OK)).tolist():
-        rows[i] = solve(arm, T[i], seed=rows[i - 1, :7] if i else problem.seed)._row
+        rows[i] = problem.solve(i, rows[i - 1, :7] if i else problem.seed)._row
     return rows
 
 

@@ -47,7 +47,7 @@ class TaskSolution(Solution):
     @property
     def T_base_tip(self) -> Array:
         """(4, 4) pose of the tip that the task asks for; a roll of the hand that was left free is chosen in it."""
-        return _poses(self._row)
+        return poses_of(self._row)
 
     @property
     def angle_lost(self) -> float:
@@ -84,7 +84,7 @@ class BatchTaskSolution(BatchSolution):
     @property
     def T_base_tip(self) -> Array:
         """(N, 4, 4) poses of the tip that the tasks ask for."""
-        return _poses(self._rows)
+        return poses_of(self._rows)
 
     @property
     def angle_lost(self) -> Array:
@@ -94,7 +94,12 @@ class BatchTaskSolution(BatchSolution):
     def __getitem__(self, index: Any) -> Any:
         row = self._rows[index]
         kind = TaskSolution if row.ndim == 1 else BatchTaskSolution
-        return kind(row, self._joint_names, self._elbow, self._shoulder, self._side)
+        part = kind(row, self._joint_names, self._elbow, self._shoulder, self._side)
+        if isinstance(part, TaskSolution):
+            part.collision = self.collisions.get((range(len(self))[index],))
+        else:
+            part.collisions = self._collisions_of(index)
+        return part
 
     def __repr__(self) -> str:
         return f"BatchTaskSolution({self.solved} of {self.ok.size} solved)"
@@ -133,7 +138,8 @@ def solve_task(
     return BatchTaskSolution(out, arm.joint_names, arm.elbow, arm.shoulder, side)
 
 
-def _poses(rows: Array) -> Array:
+def poses_of(rows: Array) -> Array:
+    """(..., 4, 4) poses of the tip in rows of answers."""
     T = np.zeros((*rows.shape[:-1], 4, 4))
     T[..., :3, :3] = rows[..., at.TASK_ROTATION : at.TASK_TIP].reshape(*rows.shape[:-1], 3, 3)
     T[..., :3, 3] = rows[..., at.TASK_TIP : at.ANGLE_LOST]

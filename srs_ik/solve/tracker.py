@@ -17,7 +17,7 @@ from srs_ik.inputs.poses import PoseLike, as_arm_angle, as_joint_vector, as_matr
 from srs_ik.kernels.entries.track import update
 from srs_ik.kernels.layout import track as at
 from srs_ik.kernels.layout.objectives import PARAMS
-from srs_ik.solve.free import solve as solve_free
+from srs_ik.solve.freedom import solve as solve_free
 from srs_ik.solve.objectives import Objective
 from srs_ik.solve.pose import solve
 from srs_ik.solve.solution import Solution

@@ -7,7 +7,7 @@ import math
 from srs_ik.kernels.algebra.vectors import across, along, apply, cross, dot, norm, rotate, scale, sub
 from srs_ik.kernels.chain.kinematics import forward_kinematics
 from srs_ik.kernels.jit import kernel
-from srs_ik.kernels.layout.free import FREE_AXIS, FREE_CONE, Freedom
+from srs_ik.kernels.layout.freedom import FREE_AXIS, FREE_CONE, Freedom
 
 NO_LEAN = 1e-15
 """Sine of an angle that has no axis."""

@@ -11,7 +11,7 @@ import math
 from srs_ik.kernels.collision.forbidden import distance_of, fixed_clearance
 from srs_ik.kernels.collision.seen import is_turning, see_group
 from srs_ik.kernels.jit import kernel
-from srs_ik.kernels.layout.collision import EXTENT, FIRST, KIND, LAST, NO_GROUP, PLANES, RHO, WIDE_TOLERANCE, U, X, Y
+from srs_ik.kernels.layout.collision import EXTENT, FIRST, KIND, LAST, NO_GROUP, PLANES, RHO, U, X, Y
 
 MOST_PARTS = 512
 """Room for the parts of an interval that may hold the largest clearance."""
@@ -28,16 +28,19 @@ def turned_distance(local, i, j, turn):
 
 
 @kernel
-def turned_height(world, i, g, turn):
-    """How far the turning sphere i lies outside of a convex solid at an arm angle, at least."""
+def turned_height(world, i, g, turn, enough):
+    """How far the turning sphere i lies outside of a convex solid at an arm angle, at least, or no less than enough."""
     local = world.local
     c, s = turn
     u = local[i, U]
     x = c * local[i, X] - s * local[i, Y]
     y = s * local[i, X] + c * local[i, Y]
     best = -math.inf
+    enough += local[i, EXTENT]
     for j in range(world.groups[g, FIRST], world.groups[g, LAST]):
         best = max(best, local[j, U] * u + local[j, X] * x + local[j, Y] * y - local[j, EXTENT])
+        if best >= enough:
+            break
     return best - local[i, EXTENT]
 
 
@@ -48,7 +51,7 @@ def pair_clearance(world, a, b, turn, least):
     planes = groups[b, KIND] == PLANES
     for i in range(groups[a, FIRST], groups[a, LAST]):
         if planes:
-            least = min(least, turned_height(world, i, b, turn))
+            least = min(least, turned_height(world, i, b, turn, least))
         elif turned_distance(local, i, b, turn) < least:
             for j in range(groups[b, FIRST], groups[b, LAST]):
                 least = min(least, turned_distance(local, i, j, turn))
@@ -70,7 +73,7 @@ def turning_clearance(world, elbow, frames, psi):
         if turned_distance(local, a, b, turn) >= least:
             continue
         see_group(world, b, elbow, still, turning)
-        if groups[b, KIND] == PLANES and turned_height(world, a, b, turn) >= least:
+        if groups[b, KIND] == PLANES and turned_height(world, a, b, turn, least) >= least:
             continue
         see_group(world, a, elbow, still, turning)
         value = pair_clearance(world, a, b, turn, least)
@@ -118,10 +121,10 @@ def put_part(parts, n, lower, upper, value, rate):
 
 
 @kernel
-def widest_within(world, elbow, frames, ends, best, parts):
+def widest_within(world, elbow, frames, ends, best, tolerance, parts):
     """The arm angle of largest clearance between two: arm angle and clearance, m; those of `best` where none is larger.
 
-    Only pairs that the arm angle moves count.
+    Only pairs that the arm angle moves count. A clearance within the tolerance, m, of the largest is as good.
     """
     rate = farthest_from_line(world)
     lower, upper = ends
@@ -136,7 +139,7 @@ def widest_within(world, elbow, frames, ends, best, parts):
         for i in range(n):
             if parts[i, 2] > parts[top, 2]:
                 top = i
-        if not parts[top, 2] > largest + WIDE_TOLERANCE or n + 1 >= parts.shape[0]:
+        if not parts[top, 2] > largest + tolerance or n + 1 >= parts.shape[0]:
             break
         lower, upper = parts[top, 0], parts[top, 1]
         n -= 1
@@ -149,6 +152,6 @@ def widest_within(world, elbow, frames, ends, best, parts):
             value, _ = turning_clearance(world, elbow, frames, middle)
             if value > largest:
                 best_psi, largest = middle, value
-            if value + 0.5 * rate * (b - a) > largest + WIDE_TOLERANCE:
+            if value + 0.5 * rate * (b - a) > largest + tolerance:
                 n = put_part(parts, n, a, b, value, rate)
     return best_psi, largest

@@ -33,8 +33,12 @@ from srs_ik.kernels.layout.collision import (
 from srs_ik.kernels.layout.limb import LIMITED
 from srs_ik.kernels.limb.branches import NO_BRANCH
 from srs_ik.kernels.limb.goal import NO_SEED
+from srs_ik.kernels.limb.limits import TURN
 from srs_ik.kernels.limb.poses import read7, read_pose
 from srs_ik.kernels.limb.triangle import place
+
+ROUNDING = 1e-12
+"""An arm angle may be off its interval so far, rad."""
 
 
 @kernel
@@ -121,9 +125,31 @@ def put_wide(world, psi, branch, value, pair, out):
     out[WIDE_SECOND] = world.pairs[pair, 1] if pair != NO_GROUP else NO_GROUP
 
 
+@kernel
+def all_angles(found, n, elbow, arcs):
+    """Write the arm angles of the first n intervals of an elbow, of all its branches, as one set: number of pieces."""
+    count = 0
+    for i in range(n):
+        if int(found[i, 0]) >> 2 == elbow:
+            half = 0.5 * (found[i, 2] - found[i, 1])
+            count = add_arc(arcs, count, found[i, 1] + half, half)
+    return count
+
+
+@kernel
+def branch_at(found, n, elbow, psi):
+    """A branch of an elbow with an arm angle, to rounding, in its intervals; -1 for none."""
+    for i in range(n):
+        if int(found[i, 0]) >> 2 == elbow:
+            away = psi - found[i, 1] + ROUNDING
+            if away - TURN * math.floor(away / TURN) <= found[i, 2] - found[i, 1] + 2.0 * ROUNDING:
+                return int(found[i, 0])
+    return -1
+
+
 @entry
-def widest(family, T, bodies, groups, pairs, local, ready, found, n, out):
-    """The largest clearance over the first n intervals of one pose in found (n, 3), into out (WIDE,).
+def widest(family, T, bodies, groups, pairs, local, ready, found, n, tolerance, out):
+    """The largest clearance, within a tolerance, over n intervals of a pose in found (n, 3), into out (WIDE,).
 
     Where two bodies that no arm angle moves against each other are nearest, the others are as far apart as they can.
     """
@@ -132,7 +158,7 @@ def widest(family, T, bodies, groups, pairs, local, ready, found, n, out):
     R, p, _ = read_pose(row(T, 0))
     place_ = place(P, R, p)
     still = still_frames(P, place_, R, p)
-    parts = np.empty((MOST_PARTS, 3))
+    parts, arcs = np.empty((MOST_PARTS, 3)), np.empty((MOST_ARCS, 2))
     best = -math.inf
     out[WIDE_CLEARANCE] = -math.inf
     for elbow in range(2):
@@ -140,14 +166,11 @@ def widest(family, T, bodies, groups, pairs, local, ready, found, n, out):
         see_balls(world, elbow, still, frames[1])
         resting, other = resting_clearance(world, elbow, frames)
         psi, turning = 0.0, -math.inf
-        branch = -1
-        for i in range(n):
-            if int(found[i, 0]) >> 2 == elbow:
-                ends = (found[i, 1], found[i, 2])
-                before = turning
-                psi, turning = widest_within(world, elbow, frames, ends, (psi, turning), parts)
-                if turning > before:
-                    branch = int(found[i, 0])
+        # All branches of an elbow are as clear as each other.
+        for i in range(all_angles(found, n, elbow, arcs)):
+            ends = (arcs[i, 0], arcs[i, 1])
+            psi, turning = widest_within(world, elbow, frames, ends, (psi, turning), tolerance, parts)
+        branch = branch_at(found, n, elbow, psi)
         if branch < 0 or (min(turning, resting), turning) <= (out[WIDE_CLEARANCE], best):
             continue
         best = turning

@@ -107,6 +107,8 @@ def sweep(
     has_known,
     bridges,
     bridge_ends,
+    allowed,
+    allowed_ends,
     near,
     radius,
     seed,
@@ -133,6 +135,8 @@ def sweep(
         has_known: (n,) where they are.
         bridges: (b, 7) postures beside those of the strips, one pose after the other.
         bridge_ends: (n + 1,) the first of each pose.
+        allowed: (m, 3) the only intervals that strips may have, one pose after the other: branch, lower and upper end.
+        allowed_ends: (n + 1,) the first of each pose; (0,): strips may have all.
         near: (n, 7) postures around which strips are finer.
         radius: how far around, rad; 0: nowhere.
         seed: (7,) posture before the first one, or None.
@@ -151,7 +155,8 @@ def sweep(
         The number of the next key pose, and the row in `ends` of the last one that is reached (0: none).
     """
     sheet = Sheet(nodes, np.zeros(nodes.shape[0], np.bool_), cost, strips)
-    desk = Desk(np.empty((8 * MAX_PIECES, 3)), np.empty(MAX_SAMPLES), np.empty((DEEPEST, NODE)), np.zeros((3, 7)))
+    found, given = np.empty((8 * MAX_PIECES, 3)), np.full(2, -1)
+    desk = Desk(found, np.empty(MAX_SAMPLES), np.empty((DEEPEST, NODE)), np.zeros((3, 7)), allowed, given)
     scaled = settings.copy()
     last = 0
     n, m = ends[0, 1], ends[0, 3]
@@ -161,6 +166,8 @@ def sweep(
         if at >= ends.shape[0] or stop[0]:
             break
         pose = keys[i]
+        if allowed_ends.shape[0] > 0:
+            given[0], given[1] = allowed_ends[pose], allowed_ends[pose + 1]
         ends[at, 0] = n
         ends[at, 2] = m
         if has_known[pose]:

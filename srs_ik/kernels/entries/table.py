@@ -76,9 +76,9 @@ optimum.posture(family, T, rows: float[n, SAMPLE], run: float[RUN], x: float, re
 optimum.interval(family, T, rows: float[n, SAMPLE], run: float[RUN]) -> (float, float)
 path.choose_keys(family, poses, has_known: bool[n], keys: bool[n]&, verdicts: int[n]&)
 path.sweep(family, poses, keys: int[k], first, carried: int, stop: byte[1], known: float[n, 7], has_known: bool[n],
-    bridges: float[b, 7], bridge_ends: int[h], near: float[n, 7], radius: float, seed, settings, limited,
-    exact: bool, J, A, nodes: float[N, NODE]&, cost: float[N]&, strips: float[M, STRIP]&, ends: int[e, 4]&) -> (int,
-    int)
+    bridges: float[b, 7], bridge_ends: int[h], allowed: float[a, 3], allowed_ends: int[i], near: float[n, 7],
+    radius: float, seed, settings, limited, exact: bool, J, A, nodes: float[N, NODE]&, cost: float[N]&,
+    strips: float[M, STRIP]&, ends: int[e, 4]&) -> (int, int)
 path.go_back(keys: int[k], first, count: int, following: int, settings, limited, nodes: float[N, NODE],
     cost: float[N], strips: float[M, STRIP], ends: int[e, 4], q: float[n, 7]&, psi: float[n]&, branch: int[n]&,
     bounds: float[n, 2]&) -> (int, float)
@@ -101,9 +101,12 @@ collision.forbidden(family, T, bodies, groups, pairs, slack, local, ready, arcs:
 collision.free_intervals(family, T, bodies, groups, pairs, slack, local, ready, found, n: int, out: float[o, 3]&) ->
     int
 collision.clearance(family, T, bodies, groups, pairs, local, ready, elbow: int, psi, out: float[WIDE]&)
-collision.widest(family, T, bodies, groups, pairs, local, ready, found, n: int, out: float[WIDE]&)
+collision.widest(family, T, bodies, groups, pairs, local, ready, found, n: int, tolerance: float,
+    out: float[WIDE]&)
 collision.best_within(family, T, found, n: int, branch, seed: float[7], seeded: bool, respect, out: float[ROW]&) ->
     float
+motion.edges(family, starts: float[n, 7], ends: float[n, 7], bodies, groups, pairs, slack: float[n, SLACK], local,
+    ready, out: float[n, EDGE]&) -> int
 control.tick(family, weights: float[WEIGHTS], ports: float[n, PORT], states: float[n, STATE]&, bounds: float[b],
     motion: float[2, 7], work: float[w, 7]&) -> bool
 control.elbow_point(family, q: float[7], out: float[3]&)
@@ -115,7 +118,7 @@ maps.reachable_range(family, poses, first, last, J, A, out: int[n]&)
 maps.measure_range(family, poses, first, last, limits: float[2], margin: int, J, A, out: float[n, c]&)
 maps.measure_cells(family, points: float[n, 3], rotations: float[m, 9], limits: float[2], margin: int,
     out: float[o, c]&)
-free.solve_range(family, poses, first, last, freedom: float[FREEDOM], turns: float[t, 9], seeds, respect,
+freedom.solve_range(family, poses, first, last, freedom: float[FREEDOM], turns: float[t, 9], seeds, respect,
     work: float[4, SYSTEM, SYSTEM]&, starts: float[MOST_STARTS, START]&, out: float[n, ROW]&, verdicts)
 track.update(family, state: float[STATE]&, settings: float[s], T, given, work: float[2, 16, 9]&, out: float[STEP]&)
 """

@@ -37,6 +37,9 @@ from srs_ik.kernels.limb.triangle import elbow_side
 NEARLY_FLAT = 3e-6
 """Bends of the elbow below this, rad from straight or from folded, cannot be told apart within 1e-11 of reach."""
 
+SMALLEST_BEND = 2.5e-10
+"""The smallest bend of a pose whose elbow is as good as flat."""
+
 CLOSING_STEPS = 20
 GENTLE = 1e-13
 """Steps to close a posture, and their least damping."""

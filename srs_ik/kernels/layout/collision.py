@@ -57,7 +57,10 @@ WIDE_FIRST = 3  # the two groups that are nearest there
 WIDE_SECOND = 4
 WIDE = 5
 
-WIDE_TOLERANCE = 1e-6
-"""A clearance this near to the largest, m, is the largest."""
-
 NO_GROUP = -1
+
+# A straight line of joint angles that does not keep clear.
+EDGE_AT = 0  # where on it, 0 to 1
+EDGE_PAIR = 1  # row of pairs, -1 where it is clear
+EDGE_CLEARANCE = 2  # of that pair there, m
+EDGE = 3

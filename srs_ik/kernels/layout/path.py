@@ -58,12 +58,17 @@ class Sheet(NamedTuple):
 
 
 class Desk(NamedTuple):
-    """Work space of the strips of a pose: intervals, first arm angles, postures on hold, turns of joints."""
+    """Work space of the strips of a pose: intervals, first arm angles, postures on hold, turns of joints.
+
+    Intervals that are allowed (m, 3) may be given, those of a pose from row `given[0]` on; -1: all are.
+    """
 
     found: Any
     targets: Any
     stack: Any
     turns: Any
+    allowed: Any
+    given: Any
 
 
 class Span(NamedTuple):

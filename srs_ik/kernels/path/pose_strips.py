@@ -57,10 +57,24 @@ def pose_strips(family, T, around, sheet, n, desk, J, A):
 
 
 @kernel
+def allowed_intervals(family, place_, wanted, desk):
+    """Write the intervals of a branch, or of all (-1), into `desk.found`, of those that are given or of all."""
+    if desk.given[0] < 0:
+        return find_intervals(row(family, LOOSE), place_, wanted, desk.found)
+    n = 0
+    for i in range(desk.given[0], desk.given[1]):
+        if (wanted < 0 or int(desk.allowed[i, 0]) == wanted) and n < desk.found.shape[0]:
+            for k in range(3):
+                desk.found[n, k] = desk.allowed[i, k]
+            n += 1
+    return n
+
+
+@kernel
 def branch_strips(family, place_, sides, wanted, around, sheet, n, desk):
     """Write the postures of the intervals of a branch, or of all (-1); the next free row."""
     P = row(family, LIMITED)
-    for i in range(find_intervals(row(family, LOOSE), place_, wanted, desk.found)):
+    for i in range(allowed_intervals(family, place_, wanted, desk)):
         branch = int(desk.found[i, 0])
         side = sides[0] if branch < 4 else sides[1]
         first = n

@@ -9,7 +9,7 @@ from srs_ik.kernels.algebra.vectors import rotation, times
 from srs_ik.kernels.chain.freedom import allowed, as_rotation, free_error, read_freedom
 from srs_ik.kernels.chain.kinematics import forward_kinematics, pose_error
 from srs_ik.kernels.jit import kernel
-from srs_ik.kernels.layout.free import Freedom
+from srs_ik.kernels.layout.freedom import Freedom
 from srs_ik.kernels.layout.track import FREE, GOAL, HAS_FREE, ROTATION, STARTED, STUCK
 from srs_ik.kernels.limb.poses import read7
 from srs_ik.kernels.limb.triangle import place

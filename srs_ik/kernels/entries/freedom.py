@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from srs_ik.kernels.algebra.pointers import row
 from srs_ik.kernels.chain.freedom import read_freedom
-from srs_ik.kernels.free.solve import solve_free
+from srs_ik.kernels.freedom.solve import solve_free
 from srs_ik.kernels.jit import entry
-from srs_ik.kernels.layout.free import Desk
+from srs_ik.kernels.layout.freedom import Desk
 from srs_ik.kernels.pose.solve import own_seed
 
 

@@ -10,9 +10,9 @@ from numpy.typing import ArrayLike, NDArray
 from srs_ik.errors import InvalidTask
 from srs_ik.inputs.freedom import FreeAxis, as_free_axis
 from srs_ik.inputs.poses import PoseLike, as_matrices, as_matrix, as_seeds, invalid_pose, refuse_bad_poses
-from srs_ik.kernels.entries import free as entries
+from srs_ik.kernels.entries import freedom as entries
 from srs_ik.kernels.layout.answer import ROW, ROW_ORIENTATION_ERROR, ROW_POSITION_ERROR, ROW_STATUS
-from srs_ik.kernels.layout.free import MOST_STARTS, START, SYSTEM
+from srs_ik.kernels.layout.freedom import MOST_STARTS, START, SYSTEM
 from srs_ik.solve import pose
 from srs_ik.solve.kinematics import forward_kinematics_batch
 from srs_ik.solve.packed import PackedArm

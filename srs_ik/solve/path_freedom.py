@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from srs_ik.inputs.freedom import FreeAxis
-from srs_ik.solve.free import solve_batch
+from srs_ik.solve.freedom import solve_batch
 from srs_ik.solve.pose import solve_all
 
 if TYPE_CHECKING:

@@ -10,10 +10,10 @@ import math
 
 from srs_ik.kernels.algebra.pointers import row
 from srs_ik.kernels.exact.nearest import between_limbs
-from srs_ik.kernels.free.settle import settle
+from srs_ik.kernels.freedom.settle import settle
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.answer import SOLVED
-from srs_ik.kernels.layout.free import START_COST, Found
+from srs_ik.kernels.layout.freedom import START_COST, Found
 from srs_ik.kernels.layout.limb import IS_CLOSED, PHASE, SHOULDER, STRAIGHT, WRIST
 from srs_ik.kernels.limb.poses import read7
 

@@ -7,11 +7,11 @@ drawn in, and the posture nearest to the middle of the ranges is asked for insid
 from __future__ import annotations
 
 from srs_ik.kernels.algebra.pointers import row
-from srs_ik.kernels.free.nearest import MOST_ATTEMPTS, NONE_LEFT, take_best
-from srs_ik.kernels.free.settle import settle
+from srs_ik.kernels.freedom.nearest import MOST_ATTEMPTS, NONE_LEFT, take_best
+from srs_ik.kernels.freedom.settle import settle
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.answer import SOLVED
-from srs_ik.kernels.layout.free import Found, Liking
+from srs_ik.kernels.layout.freedom import Found, Liking
 from srs_ik.kernels.layout.limb import INVERSE_HALF_RANGE, LOWER, MIDDLE, UPPER
 from srs_ik.kernels.limb.goal import cost
 from srs_ik.kernels.limb.limits import middles

@@ -21,7 +21,7 @@ from srs_ik.collision.real import RealWorld
 from srs_ik.solve import pose as pose_solver
 
 if TYPE_CHECKING:
-    from srs_ik.solve.collisions import Surroundings
+    from srs_ik.solve.in_scene.surroundings import Surroundings
 
 Array = NDArray[np.float64]
 
@@ -35,20 +35,22 @@ _TOUCH = 1e-5
 """Distances are known to this, m: coal's tolerance is 1e-6."""
 
 
-def certified_free(around: Surroundings, T: Array, found: Array, respect: bool) -> tuple[Array, float]:
+def certified_free(
+    around: Surroundings, T: Array, found: Array, respect: bool, more: float = 0.0
+) -> tuple[Array, float]:
     """(n, 3) what is certainly free of some intervals of a pose, sorted, and the width left undecided, rad.
 
     Undecided is what is neither certified nor next to a posture that hits something, within `SPACING`.
     """
-    easy = around.by_spheres(T, around.in_range(T, found, respect))
+    easy = around.by_spheres(T, around.in_range(T, found, respect), more)
     world = around.real_world()
-    clear = around.clear_of_formless(T, found)
+    clear = around.clear_of_formless(T, found, more)
     pieces = []
     undecided = 0.0
     for branch, lower, upper in clear:
         own = [(max(a, lower), min(b, upper)) for a, b in _turned(easy[easy[:, 0] == branch], lower, upper)]
         known = _merged(own)
-        search = _Search(around, world, T, int(branch))
+        search = _Search(around, world, T, int(branch), more)
         for a, b in _gaps(known, lower, upper):
             free, unsure = search.free(a, b)
             known += free
@@ -87,9 +89,9 @@ def _gaps(known: list[tuple[float, float]], lower: float, upper: float) -> list[
 class _Search:
     """Free arm angles of one branch of a pose."""
 
-    def __init__(self, around: Surroundings, world: RealWorld, T: Array, branch: int) -> None:
+    def __init__(self, around: Surroundings, world: RealWorld, T: Array, branch: int, more: float) -> None:
         self._arm, self._packed, self._world = around.arm, around.packed, world
-        self._T, self._branch, self._margin = T, branch, around.margin
+        self._T, self._branch, self._margin = T, branch, around.margin + more
         limb = around.arm.limb
         wrist = T @ np.linalg.inv(limb.T_base_tip_zero) @ [*limb.wrist, 1.0]
         self._line = limb.shoulder, wrist[:3] - limb.shoulder

@@ -14,7 +14,7 @@ from srs_ik.kernels.algebra.vectors import add, along, apply, cross, dot, norm, 
 from srs_ik.kernels.chain.freedom import any_across, turn_left
 from srs_ik.kernels.chain.kinematics import joint_lines
 from srs_ik.kernels.jit import kernel
-from srs_ik.kernels.layout.free import SYSTEM
+from srs_ik.kernels.layout.freedom import SYSTEM
 from srs_ik.kernels.limb.goal import NO_SEED
 
 STEPS = 20

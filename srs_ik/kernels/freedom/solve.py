@@ -7,12 +7,12 @@ from srs_ik.kernels.chain.answer import write_row
 from srs_ik.kernels.chain.freedom import as_rotation, free_error
 from srs_ik.kernels.chain.kinematics import forward_kinematics
 from srs_ik.kernels.chain.newton import arm_angle
-from srs_ik.kernels.free.nearest import beside, nearest
-from srs_ik.kernels.free.starts import find_starts
-from srs_ik.kernels.free.widest import comfort, ends, widest
+from srs_ik.kernels.freedom.nearest import beside, nearest
+from srs_ik.kernels.freedom.starts import find_starts
+from srs_ik.kernels.freedom.widest import comfort, ends, widest
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.answer import GOOD_POSE, ROW_STATUS, UNREACHABLE
-from srs_ik.kernels.layout.free import Liking
+from srs_ik.kernels.layout.freedom import Liking
 from srs_ik.kernels.layout.limb import FREE, LIMITED
 from srs_ik.kernels.limb.branches import branch_of
 from srs_ik.kernels.limb.limits import middles

@@ -11,9 +11,9 @@ import math
 from srs_ik.kernels.algebra.pointers import row
 from srs_ik.kernels.algebra.vectors import load9, rotation, swing, times
 from srs_ik.kernels.chain.starts import bent_place
-from srs_ik.kernels.free.turns import elbow_rolls
+from srs_ik.kernels.freedom.turns import elbow_rolls
 from srs_ik.kernels.jit import kernel
-from srs_ik.kernels.layout.free import (
+from srs_ik.kernels.layout.freedom import (
     ARM_ANGLES,
     HALF,
     HALF_COST,

@@ -1,0 +1,88 @@
+"""The best posture of those that hit nothing, for an objective: over free intervals of all branches."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from srs_ik.errors import InvalidTask
+from srs_ik.kernels.layout import collision as at
+from srs_ik.solve import pose as pose_solver
+from srs_ik.solve.goals import Search
+from srs_ik.solve.in_scene.pose import solve
+from srs_ik.solve.in_scene.surroundings import narrowed
+from srs_ik.solve.objectives import Objective
+from srs_ik.solve.optimise import Optimum
+from srs_ik.solve.solution import Interval, Solution
+
+if TYPE_CHECKING:
+    from srs_ik.solve.in_scene.surroundings import Surroundings
+    from srs_ik.solve.packed import PackedArm
+
+Array = NDArray[np.float64]
+
+
+def optimise(
+    around: Surroundings,
+    T: Array,
+    objective: str | Callable[[Array], float] | Objective,
+    respect: bool,
+    **parameters: Any,
+) -> Optimum:
+    """See `Arm.optimise`: over what bodies leave, by samples and by closing in on the best; `clearance` certainly."""
+    free = around.all_free(T, respect)
+    if isinstance(objective, str) and objective == CLEARANCE:
+        if parameters:
+            raise InvalidTask(f"objective 'clearance' takes no parameter {next(iter(parameters))!r}")
+        return _widest(around, T, free, respect)
+    if not isinstance(objective, Objective):
+        objective = Objective(objective, **parameters)
+    elif parameters:
+        raise InvalidTask(
+            f"an Objective has its parameters already; {next(iter(parameters))!r} belongs to its constructor"
+        )
+    if objective.second >= 0:
+        raise InvalidTask(f"objective {objective.name!r}, one after another, is not known beside a scene")
+    sign = -1.0 if objective.maximise else 1.0
+    value = objective.evaluator(around.arm)
+    found = Search(around.packed, lambda q: sign * value(q)).over(T, free, respect)
+    solution = found or solve(around, T, None, None, -1, respect)
+    values = objective.values(around.arm, solution.q)
+    return _optimum(solution, objective, values, free, around.packed)
+
+
+CLEARANCE = "clearance"
+
+
+def _widest(around: Surroundings, T: Array, free: Array, respect: bool) -> Optimum:
+    """The posture of largest clearance, within a micrometre, by the spheres."""
+
+    def clearance(q: Array) -> float:
+        elbow, psi = around.arm.branch(q) >> 2, around.arm.arm_angle(q)  # type: ignore[attr-defined]
+        return float(around.clearance(T, elbow, psi)[at.WIDE_CLEARANCE])
+
+    goal = Objective(clearance, maximise=True)
+    if not len(free):
+        solution = solve(around, T, None, None, -1, respect)
+        return Optimum(solution._row, around.packed.joint_names, goal, [clearance(solution.q)], None)
+    wide = around.widest(T, free)
+    branch = int(wide[at.WIDE_BRANCH])
+    solution = pose_solver.solve(around.packed, T, float(wide[at.WIDE_ARM_ANGLE]), None, branch, respect)
+    return _optimum(solution, goal, [float(wide[at.WIDE_CLEARANCE])], free, around.packed)
+
+
+def _optimum(solution: Solution, objective: Objective, values: Sequence[float], free: Array, arm: PackedArm) -> Optimum:
+    """A posture as an optimum, with the free interval that it lies in."""
+    interval = None
+    if solution:
+        own = free[free[:, 0] == solution.branch]
+        inside = narrowed(np.column_stack([own[:, 0], own[:, 1] - 1e-9, own[:, 2] + 1e-9]), solution.arm_angle)
+        if len(inside):
+            k = int(np.argmax((solution.arm_angle - own[:, 1] + 1e-9) % (2 * np.pi) <= own[:, 2] - own[:, 1] + 2e-9))
+            interval = Interval(int(own[k, 0]), float(own[k, 1]), float(own[k, 2]))
+    optimum = Optimum(solution._row, arm.joint_names, objective, values, interval, solution._elbow)
+    optimum.collision = solution.collision
+    return optimum

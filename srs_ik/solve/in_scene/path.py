@@ -1,0 +1,147 @@
+"""Joint paths that hit nothing: free intervals at each pose, and straight lines between postures that are certified.
+
+A path is planned in free intervals. Then each of its lines is looked along; where something is in the way between two
+poses, more room is asked for at both of them, by as much as was missing, and the path is planned again.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from srs_ik.errors import InvalidConfiguration
+from srs_ik.kernels.layout.answer import ROW_STATUS
+from srs_ik.kernels.layout.path import BY_CONTINUITY
+from srs_ik.solve.in_scene.edges import Edges
+from srs_ik.solve.path_breaks import PathBreak, breaks_of
+from srs_ik.solve.path_problem import Problem, Way, steps_of
+from srs_ik.solve.path_search import rows_of
+from srs_ik.solve.solution import Status
+
+if TYPE_CHECKING:
+    from srs_ik.solve.path import PathSolution
+
+Array = NDArray[np.float64]
+
+ROOM = 1e-3
+"""What is asked for beyond the margin at each pose, m: right on the margin nothing can be certified."""
+
+ROUNDS = 8
+"""A path is planned again so often at most."""
+
+AMPLE = 1.5
+"""More room is asked for than was missing, by this factor."""
+
+
+def keep_clear(problem: Problem, find: Callable[[Problem], Way]) -> PathSolution:
+    """See `Arm.solve_path`, with a scene; `find` is the search for a path through given intervals."""
+    from srs_ik.solve.path import PathSolution, unwound
+
+    around = problem.around
+    assert around is not None
+    _refuse_hits(problem)
+    tight = around.tight[True]
+    arm = problem.arm
+    if tight is not None:
+        # So that no line between two postures leaves the ranges of joints that keep bodies apart.
+        arm = replace(arm, family=tight.family, lower=tight.lower, upper=tight.upper)
+    room = _Room(problem)
+    best = None
+    for _ in range(ROUNDS):
+        asked = replace(problem, arm=arm, free=room.free)
+        way = find(asked)
+        rows = rows_of(asked, way)
+        rows[:, :7] = unwound(arm, rows[:, :7], problem.seed)
+        edges = Edges(around, rows[:, :7], _lines(asked, rows))
+        found = len(edges.hits), way, rows, edges, asked
+        jumps = int((~way.reached).sum()) + _jumps(asked, rows)
+        if best is None or (jumps, found[0]) < best[0]:
+            best = (jumps, found[0]), found
+        if not edges.hits or not room.more(edges):
+            break
+    assert best is not None
+    _, way, rows, edges, asked = best[1]
+    steps = np.diff(rows[:, :7], axis=0)
+    breaks = sorted([*breaks_of(asked, way, rows, steps), *_blocked(edges, steps, arm.joint_names)], key=_sample)
+    hits = around.hits_of(problem.T, rows)
+    return PathSolution(rows, arm.joint_names, steps, breaks, arm.elbow, hits)
+
+
+class _Room:
+    """The free intervals of the poses of a path, with more room than the margin where that is asked for."""
+
+    def __init__(self, problem: Problem) -> None:
+        self._problem = problem
+        self._asked = np.full(len(problem.T), ROOM)
+        self.free = [self._intervals(i) for i in range(len(problem.T))]
+
+    def _intervals(self, i: int) -> Array:
+        """Those of one pose, with less room where there is not as much."""
+        around = self._problem.around
+        assert around is not None
+        free = np.empty((0, 3))
+        for part in (1.0, 0.5, 0.0):
+            free = around.all_free(self._problem.T[i], True, part * float(self._asked[i]))
+            if len(free):
+                break
+        return free.copy()
+
+    def more(self, edges: Edges) -> bool:
+        """Ask for more room at both ends of lines that something is in the way of; whether any is to be had."""
+        wanted = self._asked.copy()
+        for hit in edges.hits:
+            for i in (hit.line, hit.line + 1):
+                wanted[i] = max(wanted[i], self._asked[i] + AMPLE * hit.collision.depth + ROOM)
+        changed = False
+        for i in np.flatnonzero((wanted > self._asked) & ~self._problem.has_known).tolist():
+            before, self._asked[i] = self.free[i], wanted[i]
+            self.free[i] = self._intervals(i)
+            changed = changed or not np.array_equal(before, self.free[i])
+        return changed
+
+
+def _lines(problem: Problem, rows: Array) -> NDArray[np.int64]:
+    """Numbers of the lines of a path: from each pose to the next where both are met and joints do not jump."""
+    met = rows[:, ROW_STATUS] == Status.OK
+    step = np.abs(steps_of(problem, rows[:, :7])) <= problem.settings[BY_CONTINUITY]
+    return np.flatnonzero(met[:-1] & met[1:] & step.all(axis=1))
+
+
+def _jumps(problem: Problem, rows: Array) -> int:
+    return int((np.abs(steps_of(problem, rows[:, :7])) > problem.settings[BY_CONTINUITY]).any(axis=1).sum())
+
+
+def _refuse_hits(problem: Problem) -> None:
+    """Refuse given postures that hit something.
+
+    Raises:
+        InvalidConfiguration: one does.
+    """
+    assert problem.around is not None
+    for i in np.flatnonzero(problem.has_known).tolist():
+        hit = problem.around.hit_at(problem.known[i])
+        if hit is not None and not problem.around.is_exact:
+            raise InvalidConfiguration(f"known: in the posture of pose {i}, {hit.first} meets {hit.second}")
+
+
+def _blocked(edges: Edges, steps: Array, joint_names: Sequence[str]) -> list[PathBreak]:
+    """What is in the way between two poses, as breaks of the path."""
+    breaks = []
+    for hit in edges.hits:
+        first, second, depth = hit.collision
+        joint = int(np.abs(steps[hit.line]).argmax())
+        message = (
+            f"Between poses {hit.line} and {hit.line + 1}, {first} and {second} come closer than the margin "
+            f"by {1e3 * depth:.3g} mm, and no path was found that does not."
+        )
+        jump = float(abs(steps[hit.line, joint]))
+        breaks.append(PathBreak(hit.line + 1, jump, joint_names[joint], message, bodies=(first, second)))
+    return breaks
+
+
+def _sample(broken: PathBreak) -> int:
+    return broken.sample

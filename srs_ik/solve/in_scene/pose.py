@@ -1,0 +1,139 @@
+"""Postures that hit nothing, of one pose and of many: the best in what bodies leave, or who is in the way of all."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from srs_ik.errors import InvalidConfiguration
+from srs_ik.inputs.poses import as_branch, as_matrices, as_seeds, per_pose
+from srs_ik.kernels.entries import collision as entries
+from srs_ik.kernels.layout import collision as at
+from srs_ik.kernels.layout.answer import ROW, ROW_STATUS
+from srs_ik.solve import pose as pose_solver
+from srs_ik.solve.goals import goal_of
+from srs_ik.solve.in_scene.surroundings import chosen, narrowed
+from srs_ik.solve.intervals import IntervalsBatch
+from srs_ik.solve.solution import BatchSolution, Collision, Solution, Solutions, Status
+from srs_ik.solve.threads import run_in_threads
+
+if TYPE_CHECKING:
+    from srs_ik.solve.in_scene.surroundings import Surroundings
+
+Array = NDArray[np.float64]
+
+_WIDE_ENOUGH = 1e-3
+"""Of postures that all hit something, one whose clearance is this near to the largest is given, m."""
+
+
+def solve(
+    around: Surroundings, T: Array, psi: float | None, near: Array | None, branch: int, respect: bool
+) -> Solution:
+    """The best posture that hits nothing, of one branch or of all (-1), at one arm angle or at all."""
+    free = chosen(around.all_free(T, respect), branch, psi)
+    solution = best(around, T, free, psi, near, respect) if len(free) else None
+    if solution is not None:
+        return solution
+    found = chosen(around.feasible(T, respect), branch, psi)
+    if not len(found):
+        return pose_solver.solve(around.packed, T, psi, near, None if branch < 0 else branch, respect)
+    return _hitting(around, T, found, psi, respect)
+
+
+def best(
+    around: Surroundings, T: Array, free: Array, psi: float | None, near: Array | None, respect: bool
+) -> Solution | None:
+    """The best posture in free intervals; None where none of them closes."""
+    arm = around.packed
+    if psi is not None:
+        goal = goal_of(arm, near)
+        answers = (pose_solver.solve(arm, T, psi, near, int(row[0]), respect) for row in free)
+        return goal.best(answer for answer in answers if answer)
+    if not arm.closed:
+        return goal_of(arm, near).over(T, free, respect)
+    row = np.empty(ROW)
+    seed = np.zeros(7) if near is None else near
+    entries.best_within(arm.family, T, free, len(free), -1, seed, near is not None, respect, row)
+    solution = Solution(row, arm.joint_names, arm.elbow)
+    return solution or None
+
+
+def _hitting(around: Surroundings, T: Array, found: Array, psi: float | None, respect: bool) -> Solution:
+    """The posture with the largest clearance of those that all hit something."""
+    in_range = around.in_range(T, found, respect)
+    if psi is not None:
+        in_range = narrowed(in_range, psi)
+    among = in_range if len(in_range) else found
+    wide = around.widest(T, among, _WIDE_ENOUGH) if psi is None else around.clearance(T, int(among[0, 0]) >> 2, psi)
+    branch = int(wide[at.WIDE_BRANCH]) if psi is None else int(among[0, 0])
+    solution = pose_solver.solve(around.packed, T, float(wide[at.WIDE_ARM_ANGLE]), None, branch, respect)
+    solution._row[ROW_STATUS] = Status.COLLISION
+    solution.collision = around.jam(solution.q) if not len(in_range) else around.collision(wide)
+    return solution
+
+
+def solve_all(around: Surroundings, T: Array, psi: float | None, respect: bool) -> Solutions:
+    """One posture for every free interval, or those at an arm angle."""
+    arm = around.packed
+    free = chosen(around.all_free(T, respect), -1, psi)
+    each = (best(around, T, row[None], psi, None, respect) for row in free)
+    rows = [answer._row for answer in each if answer is not None]
+    if rows:
+        return Solutions(np.array(rows), arm.joint_names, None, arm.elbow)
+    failure = solve(around, T, psi, None, -1, respect)
+    if failure:
+        return Solutions.of_one(failure)
+    return Solutions(np.empty((0, ROW)), arm.joint_names, failure, arm.elbow)
+
+
+def solve_batch(
+    around: Surroundings,
+    poses: Any,
+    arm_angle: ArrayLike | None,
+    seed: ArrayLike | None,
+    branch: int | None,
+    all_branches: bool,
+    respect: bool,
+    threads: int | None,
+) -> BatchSolution:
+    """See `Arm.solve_batch`."""
+    arm, T = around.packed, as_matrices(poses)
+    n = len(T)
+    psis = None if arm_angle is None else per_pose(arm_angle, (), n, "arm_angle")
+    seeds = None if seed is None else as_seeds(seed, n, arm.lower, arm.upper)
+    wanted = as_branch(branch)
+    if all_branches and psis is None:
+        raise InvalidConfiguration("all_branches needs an arm_angle; without one, see solve_all and intervals")
+    branches = range(8) if all_branches else (wanted,)
+    rows = np.empty((n, len(branches), ROW))
+    hits: dict[tuple[int, ...], Collision] = {}
+
+    def work(first: int, last: int) -> None:
+        for i in range(first, last):
+            psi = None if psis is None else float(psis[i if len(psis) > 1 else 0])
+            near = None if seeds is None else seeds[i if len(seeds) > 1 else 0]
+            for k, b in enumerate(branches):
+                answer = solve(around, T[i], psi, near, b, respect)
+                rows[i, k] = answer._row
+                if answer.collision is not None:
+                    hits[(i, k) if all_branches else (i,)] = answer.collision
+
+    run_in_threads(work, n, threads)
+    return BatchSolution(rows if all_branches else rows[:, 0], arm.joint_names, arm.elbow, hits)
+
+
+def intervals_batch(around: Surroundings, poses: Any, respect: bool, threads: int | None) -> IntervalsBatch:
+    """See `Arm.intervals_batch`."""
+    T = as_matrices(poses)
+    found: list[Array] = [np.empty((0, 3))] * len(T)
+
+    def work(first: int, last: int) -> None:
+        for i in range(first, last):
+            found[i] = around.all_free(T[i], respect).copy()
+
+    run_in_threads(work, len(T), threads)
+    offsets = np.cumsum([0, *(len(rows) for rows in found)])
+    branch, lower, upper = np.concatenate([np.empty((0, 3)), *found]).T
+    return IntervalsBatch(branch.astype(np.int64), lower.copy(), upper.copy(), offsets)

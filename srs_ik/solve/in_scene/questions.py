@@ -1,0 +1,82 @@
+"""What an arm is asked in a scene: every question takes its intervals from `Surroundings`."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+from numpy.typing import ArrayLike
+
+from srs_ik.inputs.poses import PoseLike, as_arm_angle, as_branch, as_matrix, as_seed
+from srs_ik.solve.in_scene import pose as in_scene
+from srs_ik.solve.in_scene.surroundings import Surroundings
+from srs_ik.solve.solution import Interval
+
+if TYPE_CHECKING:
+    from srs_ik.collision.owner import BodyOwner
+    from srs_ik.collision.scene import Scene
+    from srs_ik.inputs.task import Task
+    from srs_ik.solve.intervals import IntervalsBatch
+    from srs_ik.solve.optimise import Optimum
+    from srs_ik.solve.packed import PackedArm
+    from srs_ik.solve.path import PathSolution
+    from srs_ik.solve.solution import BatchSolution, Solution, Solutions
+    from srs_ik.solve.task import BatchTaskSolution, TaskSolution
+
+
+class InScene:
+    """The questions of `in_limits.InLimits`, with bodies that must not meet.
+
+    Raises:
+        InvalidScene: no `Scene`, or no margin.
+        NoBodies: no shapes of the arm are at hand.
+    """
+
+    def __init__(self, arm: BodyOwner, packed: PackedArm, scene: Scene, margin: Any) -> None:
+        self.around = Surroundings(arm, packed, scene, margin)
+        self.packed = packed
+
+    def intervals(self, pose: PoseLike, respect: bool) -> list[Interval]:
+        """See `Arm.intervals`."""
+        rows = self.around.all_free(as_matrix(pose), respect)
+        return [Interval(int(b), float(lower), float(upper)) for b, lower, upper in rows]
+
+    def intervals_batch(self, poses: Any, respect: bool, threads: int | None) -> IntervalsBatch:
+        """See `Arm.intervals_batch`."""
+        return in_scene.intervals_batch(self.around, poses, respect, threads)
+
+    def solve(
+        self, pose: PoseLike, arm_angle: float | None, seed: ArrayLike | None, branch: int | None, respect: bool
+    ) -> Solution:
+        """See `Arm.solve`."""
+        near = None if seed is None else as_seed(seed, self.packed.lower, self.packed.upper)
+        psi = None if arm_angle is None else as_arm_angle(arm_angle)
+        return in_scene.solve(
+            self.around, as_matrix(pose), psi, near, -1 if branch is None else as_branch(branch), respect
+        )
+
+    def solve_all(self, pose: PoseLike, arm_angle: float | None, respect: bool) -> Solutions:
+        """See `Arm.solve_all`."""
+        psi = None if arm_angle is None else as_arm_angle(arm_angle)
+        return in_scene.solve_all(self.around, as_matrix(pose), psi, respect)
+
+    def solve_batch(self, poses: Any, *question: Any) -> BatchSolution:
+        """See `Arm.solve_batch`."""
+        return in_scene.solve_batch(self.around, poses, *question)
+
+    def solve_path(self, poses: Any, *question: Any) -> PathSolution:
+        """See `Arm.solve_path`."""
+        from srs_ik.solve.path import solve_path
+
+        return solve_path(self.packed, poses, *question, around=self.around)
+
+    def solve_task(self, task: Task, *question: Any) -> TaskSolution | BatchTaskSolution:
+        """See `Arm.solve_task`."""
+        from srs_ik.solve.in_scene.task import solve_task
+
+        return solve_task(self.around, task, *question)
+
+    def optimise(self, pose: PoseLike, objective: Any, respect: bool, **parameters: Any) -> Optimum:
+        """See `Arm.optimise`."""
+        from srs_ik.solve.in_scene.optimise import optimise
+
+        return optimise(self.around, as_matrix(pose), objective, respect, **parameters)

@@ -1,0 +1,274 @@
+"""The one source of free arm angles: limit intervals less what bodies forbid; and who is near to whom at a posture."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from srs_ik.collision.ranges import JointRange, tightened
+from srs_ik.collision.scene import Scene, as_margin
+from srs_ik.errors import InvalidScene
+from srs_ik.inputs.poses import invalid_pose
+from srs_ik.kernels.entries import collision as entries
+from srs_ik.kernels.entries import intervals as interval_entries
+from srs_ik.kernels.entries import motion as motion_entries
+from srs_ik.kernels.layout import collision as at
+from srs_ik.kernels.layout.answer import MOST_INTERVALS, ROW_STATUS
+from srs_ik.solve import pose as pose_solver
+from srs_ik.solve.packed import pack_family
+from srs_ik.solve.solution import Collision, Status
+
+if TYPE_CHECKING:
+    from srs_ik.collision.owner import BodyOwner
+    from srs_ik.collision.real import RealWorld
+    from srs_ik.collision.tables import Tables
+    from srs_ik.solve.packed import PackedArm
+
+Array = NDArray[np.float64]
+
+
+class Surroundings:
+    """An arm in a scene, with the margin that is to be kept.
+
+    Attributes:
+        arm: the arm.
+        packed: what kernels know of it.
+        scene: what stands around it.
+        margin: m, of the scene and of the question together.
+        tables: what kernels know of the bodies.
+        tight: limits that keep apart bodies which the range of a joint watches, without and with those of the arm.
+        jammed: the pair that no range of a joint keeps apart, if there is one.
+
+    Raises:
+        InvalidScene: no `Scene`, or no margin.
+        NoBodies: no shapes of the arm are at hand.
+    """
+
+    def __init__(self, arm: BodyOwner, packed: PackedArm, scene: Scene, margin: Any) -> None:
+        if not isinstance(scene, Scene):
+            raise InvalidScene(f"a scene is a srs_ik.Scene, not {type(scene).__name__}")
+        self.arm = arm
+        self.packed = packed
+        self.scene = scene
+        self.margin = scene.margin + as_margin(margin)
+        self.tables: Tables = arm.tables(scene)
+        self.slack = self.tables.with_margin(self.margin)
+        self.tight, self.jammed = _tight_limits(arm, packed, self.tables)
+
+    # Intervals ----------------------------------------------------------------------------------------------------
+
+    def feasible(self, T: Array, respect: bool) -> Array:
+        """(n, 3) intervals of a pose that keep the limits, whatever they hit: branch, lower, upper.
+
+        Raises:
+            InvalidPose: the pose is no finite rigid transform.
+        """
+        return self._intervals(self.packed.family, T, respect)
+
+    def in_range(self, T: Array, found: Array, respect: bool) -> Array:
+        """(n, 3) intervals in which bodies that ranges of joints watch do not meet; `found` are those in the limits."""
+        tight = self.tight[bool(respect)]
+        if tight is None:
+            return found
+        if self.jammed is not None or not len(found):
+            return found[:0]
+        return self._intervals(tight.family, T, True)
+
+    def all_free(self, T: Array, respect: bool, more: float = 0.0) -> Array:
+        """(n, 3) all free intervals of a pose, with so much more than the margin left, m.
+
+        Raises:
+            InvalidPose: the pose is no finite rigid transform.
+        """
+        return self.free_and_undecided(T, respect, more)[0]
+
+    def free_and_undecided(self, T: Array, respect: bool, more: float = 0.0) -> tuple[Array, float]:
+        """The same, and the width of what is counted as forbidden without having been decided, rad."""
+        if self.is_exact:
+            from srs_ik.solve.in_scene.certified import certified_free
+
+            return certified_free(self, T, self.feasible(T, respect), respect, more)
+        tight = self.tight[bool(respect)]
+        if tight is None or self.jammed is not None:
+            return self.by_spheres(T, self.in_range(T, self.feasible(T, respect), respect), more), 0.0
+        return self.by_spheres(T, self._intervals(tight.family, T, True), more), 0.0
+
+    @property
+    def is_exact(self) -> bool:
+        """Whether real shapes count."""
+        return self.scene.exact and self.packed.closed
+
+    def by_spheres(self, T: Array, found: Array, more: float = 0.0) -> Array:
+        """(n, 3) what the spheres leave of some intervals."""
+        return self._cut(T, found, self.tables.pairs, more)
+
+    def clear_of_formless(self, T: Array, found: Array, more: float = 0.0) -> Array:
+        """(n, 3) what clouds and half-spaces leave of some intervals."""
+        return self._cut(T, found, self.tables.formless, more)
+
+    def _intervals(self, family: Array, T: Array, respect: bool) -> Array:
+        found = np.empty((MOST_INTERVALS, 3))
+        count = interval_entries.intervals(family, T, respect, *self.packed.work(), found)
+        if count < 0:
+            raise invalid_pose(-count)
+        return found[:count]
+
+    def _cut(self, T: Array, found: Array, pairs: NDArray[np.int64], more: float) -> Array:
+        if not (len(found) and len(pairs)):
+            return found
+        tables = self.tables
+        out = np.empty((MOST_INTERVALS, 3))
+        slack = self.slack if more == 0.0 else tables.with_margin(self.margin + more)
+        count = entries.free_intervals(
+            self.packed.family, T, tables.bodies, tables.groups, pairs, slack, *tables.work(), found, len(found), out
+        )
+        return out[:count]
+
+    # Who is near to whom ------------------------------------------------------------------------------------------
+
+    def real_world(self) -> RealWorld:
+        """The real forms, for coal."""
+        from srs_ik.collision.real import RealWorld
+
+        state = self.arm.__dict__
+        world: RealWorld | None = state.get("_real_world")
+        now = self.scene.version, self.scene.moves
+        if world is None or world.scene is not self.scene or world.version != now:
+            world = state["_real_world"] = RealWorld(self.arm, self.scene)
+        return world
+
+    def widest(self, T: Array, found: Array, tolerance: float = 1e-6) -> Array:
+        """(WIDE,) the arm angle of largest clearance, within a tolerance, m, over some intervals of a pose."""
+        tables, out = self.tables, np.empty(at.WIDE)
+        bodies = tables.bodies, tables.groups, tables.pairs, *tables.work()
+        entries.widest(self.packed.family, T, *bodies, found, len(found), tolerance, out)
+        return out
+
+    def clearance(self, T: Array, elbow: int, psi: float) -> Array:
+        """(WIDE,) clearance at one arm angle of an elbow."""
+        tables, out = self.tables, np.empty(at.WIDE)
+        bodies = tables.bodies, tables.groups, tables.pairs, *tables.work()
+        entries.clearance(self.packed.family, T, *bodies, elbow, psi, out)
+        return out
+
+    def along(self, starts: Array, ends: Array, margins: Array, pairs: NDArray[np.int64] | None = None) -> Array:
+        """(n, EDGE) what is in the way on straight lines of joint angles, on the true chain, by the spheres."""
+        tables = self.tables
+        slack = np.repeat(tables.slack[None], len(starts), axis=0)
+        slack[:, at.MARGIN] = margins
+        out = np.empty((len(starts), at.EDGE))
+        bodies = tables.bodies, tables.groups, tables.pairs if pairs is None else pairs
+        lines = np.ascontiguousarray(starts), np.ascontiguousarray(ends)
+        motion_entries.edges(self.packed.family, *lines, *bodies, slack, *tables.work(), out)
+        return out
+
+    def collision_of(self, edge: Array, pairs: NDArray[np.int64] | None = None) -> Collision | None:
+        """Which bodies are in the way on a line, and how much is missing to the margin."""
+        pair = int(edge[at.EDGE_PAIR])
+        if pair < 0:
+            return None
+        first, second = (self.tables.names[k] for k in (self.tables.pairs if pairs is None else pairs)[pair])
+        return Collision(first, second, max(self.margin - float(edge[at.EDGE_CLEARANCE]), 0.0))
+
+    def hit_at(self, q: Array) -> Collision | None:
+        """Which bodies are too close at a posture; None for none."""
+        hit = self.collision_of(self.along(q[None], q[None], np.array([self.margin]))[0])
+        return hit if hit is not None else self.jam(q)
+
+    def hits_of(self, T: Array, rows: Array) -> dict[tuple[int, ...], Collision]:
+        """What hits what in answers that say so, by their index."""
+        hits: dict[tuple[int, ...], Collision] = {}
+        for i in np.flatnonzero(rows[:, ROW_STATUS] == Status.COLLISION).tolist():
+            hit = self.hit_at(rows[i, :7])
+            if hit is not None:
+                hits[(i,)] = hit
+        return hits
+
+    def in_the_way(self, T: Array, postures: Array, longest: float) -> Collision | None:
+        """What the postures of a pose hit that some others reach without a jump; None for nothing."""
+        for q in postures:
+            there = pose_solver.solve(self.packed, T, seed=q)
+            if there and np.abs(there.q - q).max() <= longest:
+                hit = self.hit_at(there.q)
+                if hit is not None:
+                    return hit
+        return None
+
+    def jam(self, q: Array) -> Collision | None:
+        """Which bodies meet that the range of a joint watches, and how deep by the bound on their distance."""
+        worst = None
+        names = self.tables.names
+        for each in self.tables.ranges:
+            bound = each.bound_at(float(q[each.joint]))
+            if bound > 0.0:
+                continue
+            # Of a pair that is proved apart elsewhere, no depth is known.
+            missing = -max(bound, -1.0)
+            if worst is None or missing > worst.depth:
+                worst = Collision(names[each.first], names[each.second], missing)
+        return worst
+
+    def collision(self, wide: Array) -> Collision | None:
+        """Who is nearest to whom at an arm angle, and how much is missing to the margin."""
+        if wide[at.WIDE_FIRST] < 0:
+            return None
+        names = self.tables.names
+        first, second = names[int(wide[at.WIDE_FIRST])], names[int(wide[at.WIDE_SECOND])]
+        return Collision(first, second, max(self.margin - float(wide[at.WIDE_CLEARANCE]), 0.0))
+
+
+def chosen(found: Array, branch: int, psi: float | None) -> Array:
+    """Those of some intervals that are of a branch (-1: any), and hold an arm angle, if there is one."""
+    if branch >= 0:
+        found = found[found[:, 0] == branch]
+    return found if psi is None else narrowed(found, psi)
+
+
+def narrowed(found: Array, psi: float) -> Array:
+    """Those of some intervals that an arm angle lies in, each narrowed to it."""
+    turn = 2.0 * np.pi
+    inside = (psi - found[:, 1]) % turn <= found[:, 2] - found[:, 1]
+    point = found[inside]
+    point[:, 1:] = psi
+    return point
+
+
+class TightLimits:
+    """Joint limits in which no two bodies meet that the range of a joint watches.
+
+    Attributes:
+        lower: (7,) rad.
+        upper: (7,) rad.
+        family: the limb packed with them.
+    """
+
+    def __init__(self, arm: BodyOwner, lower: Array, upper: Array) -> None:
+        self.lower, self.upper = lower, np.maximum(lower, upper)
+        self.family = pack_family(arm.limb, self.lower, self.upper)
+
+
+Tight = tuple[TightLimits | None, TightLimits | None]
+
+
+def _tight_limits(arm: BodyOwner, packed: PackedArm, tables: Tables) -> tuple[Tight, JointRange | None]:
+    """See `Surroundings.tight`; None where these need no limits. The second is what leaves no range at all."""
+    if not tables.ranges:
+        return (None, None), None
+    known: dict[str, Any] = arm.__dict__
+    if "_tight" not in known:
+        limits: list[TightLimits | None] = []
+        jammed = None
+        given: Sequence[tuple[Array, Array]] = (
+            (np.full(7, -np.inf), np.full(7, np.inf)),
+            (packed.lower, packed.upper),
+        )
+        for lower, upper in given:
+            low, high, jammed = tightened(tables.ranges, lower, upper)
+            same = np.array_equal(low, lower) and np.array_equal(high, upper) and jammed is None
+            limits.append(None if same else TightLimits(arm, low, high))
+        known["_tight"] = (limits[0], limits[1]), jammed
+    found: tuple[Tight, JointRange | None] = known["_tight"]
+    return found
