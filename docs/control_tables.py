@@ -199,7 +199,7 @@ def walking_table(found: dict[str, Any]) -> list[str]:
         ["largest torque (N m)", f"{found['largest_torque_N_m']:.2g}"],
     ]
     rows += [
-        [f"power in the null space, elbow {name} beside the posture, median", f"{100.0 * row['median']:.0f} %"]
+        [f"power in the null space, elbow turned by {name}, median", f"{100.0 * row['median']:.0f} %"]
         for name, row in found["null_space_share_of_power"].items()
     ]
     return table("walking leg | ", rows)

@@ -201,7 +201,7 @@ def theorem(found: dict[str, Any]) -> Row:
         FAILS if own["median"] > 0.01 else HOLDS,
         f"Share of the ports' power in the null space of the hand's velocity, medians of {found['tasks']} tasks: "
         f"{100.0 * own['median']:.0f} % along the geometrical posture, {100.0 * other['median']:.0f} % with the elbow "
-        f"90 degrees beside it; least along the geometrical one in {found['geometrical_is_least_in']} of "
+        f"turned by 90 degrees; least along the geometrical one in {found['geometrical_is_least_in']} of "
         f"{found['tasks']}",
         COMMAND,
     )
