@@ -38,10 +38,9 @@ def passive(shares: dict[str, Any]) -> Row:
     return Row(
         "The Fractal Impedance Controller is passive",
         CORRECTED if own < 0.01 < published else FAILS,
-        f"Energy injected at 4 kHz on the arm, of that at the start: at most {percent(own)} with a tanh profile and law "
-        "A, in both forms, "
-        f"{percent(other)} with law B. The published profile and law A inject {percent(published)}; "
-        "the law is passive where force over distance does not grow",
+        f"Energy injected at 4 kHz on the arm, of that at the start: at most {percent(own)} with a tanh profile and "
+        f"law A, in both forms, {percent(other)} with law B. The published profile and law A inject "
+        f"{percent(published)}; the law is passive where force over distance does not grow",
         COMMAND,
     )
 
@@ -159,10 +158,11 @@ def touching(contact: dict[str, Any]) -> Row:
         f"{own['change_while_lasting_N']:.1g} N (springs and dampers {linear['lasting_N']:.0f}, operational space "
         f"{space['lasting_N']:.0f} N), but the impact is not softer: {own['peak_N']:.0f} N, and "
         f"{linear['peak_N']:.0f} and {space['peak_N']:.0f} N. A peg in the way of the forearm takes "
-        f"{pegs[0]['peak_N']:,.0f} N and then {pegs[0]['lasting_N']:.0f}, where those take {pegs[1]['peak_N']:,.0f} and "
-        f"{pegs[1]['lasting_N']:.0f}, {pegs[2]['peak_N']:,.0f} and {pegs[2]['lasting_N']:.0f} N; but it makes the wrist "
-        f"whirl, by {whirl[0]:.2g} rad/s, {whirl[1]:.2g} with brakes (springs and dampers {whirl[2]:.2g}). 2 kg that no "
-        f"controller knows lower the tip by {sags['per_axis']:.0f} mm; operational space {sags['operational']:.0f} mm, "
+        f"{pegs[0]['peak_N']:,.0f} N and then {pegs[0]['lasting_N']:.0f}, where those take "
+        f"{pegs[1]['peak_N']:,.0f} and {pegs[1]['lasting_N']:.0f}, {pegs[2]['peak_N']:,.0f} and "
+        f"{pegs[2]['lasting_N']:.0f} N; but it makes the wrist whirl, by {whirl[0]:.2g} rad/s, {whirl[1]:.2g} with "
+        f"brakes (springs and dampers {whirl[2]:.2g}). 2 kg that no controller knows lower the tip by "
+        f"{sags['per_axis']:.0f} mm; operational space {sags['operational']:.0f} mm, "
         f"joint impedance {sags['joint']:.0f} mm",
         COMMAND,
     )
