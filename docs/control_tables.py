@@ -7,6 +7,7 @@ from typing import Any
 
 from srs_ik.paper.experiments.control.law import PROFILES
 from srs_ik.paper.experiments.control.pushes import RUNS
+from srs_ik.paper.experiments.control.reaching import SECONDS
 from srs_ik.paper.experiments.control.setting import NAMES
 
 
@@ -146,6 +147,10 @@ def contact_table(found: dict[str, Any]) -> list[str]:
     )
 
 
+def arrival(seconds: float) -> str:
+    return f"{seconds:.2f}" if seconds < 0.99 * SECONDS else "not"
+
+
 def reaching_table(found: dict[str, Any]) -> list[str]:
     lines = [
         "| controller | within 1 mm for good (s) | off the line (%) | speed peaks | tip after 2 s (mm) | turn (deg) |",
@@ -153,7 +158,7 @@ def reaching_table(found: dict[str, Any]) -> list[str]:
     ]
     for kind, row in found.items():
         lines.append(
-            f"| {NAMES[kind]} | {row['arrival_s']['median']:.2f} | {100.0 * row['off_the_line']['median']:.1f} | "
+            f"| {NAMES[kind]} | {arrival(row['arrival_s']['median'])} | {100.0 * row['off_the_line']['median']:.1f} | "
             f"{row['speed_peaks']['median']:.0f} | {1e3 * row['final_tip_error_m']['worst']:.2g} | "
             f"{row['final_turn_error_deg']['worst']:.2g} |"
         )
@@ -199,7 +204,7 @@ def walking_table(found: dict[str, Any]) -> list[str]:
         ["largest torque (N m)", f"{found['largest_torque_N_m']:.2g}"],
     ]
     rows += [
-        [f"power in the null space, elbow {name} beside the posture, median", f"{100.0 * row['median']:.0f} %"]
+        [f"power in the null space, elbow turned by {name}, median", f"{100.0 * row['median']:.0f} %"]
         for name, row in found["null_space_share_of_power"].items()
     ]
     return table("walking leg | ", rows)

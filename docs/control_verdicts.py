@@ -12,7 +12,7 @@ COMMAND = "srs-ik reproduce control"
 def verdicts(found: dict[str, Any]) -> list[Row]:
     """Of each claim on the future work, with the figures that it follows from."""
     return [
-        passive(found["control-passivity"]["injected_share_of_U0"], found["control-law"]["injected_share"]),
+        passive(found["control-passivity"]["injected_share_of_U0"]),
         profile(found["control-law"]["injected_share"]),
         comes_to_rest(found["control-pushes"]),
         late(found["control-law"]["rule"], found["control-rate"], found["control-passivity"]["injected_share_of_U0"]),
@@ -31,16 +31,16 @@ def percent(share: float) -> str:
     return f"{100.0 * share:.2g} %" if share > 0.0 else "0 %"
 
 
-def passive(shares: dict[str, Any], law: dict[str, Any]) -> Row:
-    own, published, other = (
-        shares[f"{name}, 4 kHz"]["worst"] for name in ("tanh, law A", "published, law A", "tanh, law B")
-    )
+def passive(shares: dict[str, Any]) -> Row:
+    names = ("tanh, law A", "tanh, law A, per axis", "published, law A", "tanh, law B")
+    radial, axes, published, other = (shares[f"{name}, 4 kHz"]["worst"] for name in names)
+    own = max(radial, axes)
     return Row(
         "The Fractal Impedance Controller is passive",
         CORRECTED if own < 0.01 < published else FAILS,
-        f"Energy injected at 4 kHz on the arm, of that at the start: {percent(own)} with a tanh profile and law A, "
-        f"{percent(other)} with law B. The published profile and law A inject {percent(published)}; the law is passive "
-        "where force over distance does not grow",
+        f"Energy injected at 4 kHz on the arm, of that at the start: at most {percent(own)} with a tanh profile and "
+        f"law A, in both forms, {percent(other)} with law B. The published profile and law A inject "
+        f"{percent(published)}; the law is passive where force over distance does not grow",
         COMMAND,
     )
 
@@ -147,6 +147,8 @@ def undisturbed(price: dict[str, Any]) -> Row:
 
 def touching(contact: dict[str, Any]) -> Row:
     own, linear, space = (contact["wall"][kind] for kind in ("per_axis", "linear", "operational"))
+    pegs = [contact["peg"][kind] for kind in ("per_axis", "linear", "operational")]
+    whirl = [contact["peg"][kind]["largest_joint_speed_rad_s"] for kind in ("per_axis", "braked", "linear")]
     sags = {kind: 1e3 * contact["payload"][kind]["2 kg"]["sag_m"] for kind in ("per_axis", "operational", "joint")}
     best = own["peak_N"] <= min(linear["peak_N"], space["peak_N"])
     return Row(
@@ -155,7 +157,11 @@ def touching(contact: dict[str, Any]) -> Row:
         f"Target 50 mm behind a wall: the lasting force is that of the profile, {own['lasting_N']:.0f} N within "
         f"{own['change_while_lasting_N']:.1g} N (springs and dampers {linear['lasting_N']:.0f}, operational space "
         f"{space['lasting_N']:.0f} N), but the impact is not softer: {own['peak_N']:.0f} N, and "
-        f"{linear['peak_N']:.0f} and {space['peak_N']:.0f} N. 2 kg that no controller knows lower the tip by "
+        f"{linear['peak_N']:.0f} and {space['peak_N']:.0f} N. A peg in the way of the forearm takes "
+        f"{pegs[0]['peak_N']:,.0f} N and then {pegs[0]['lasting_N']:.0f}, where those take "
+        f"{pegs[1]['peak_N']:,.0f} and {pegs[1]['lasting_N']:.0f}, {pegs[2]['peak_N']:,.0f} and "
+        f"{pegs[2]['lasting_N']:.0f} N; but it makes the wrist whirl, by {whirl[0]:.2g} rad/s, {whirl[1]:.2g} with "
+        f"brakes (springs and dampers {whirl[2]:.2g}). 2 kg that no controller knows lower the tip by "
         f"{sags['per_axis']:.0f} mm; operational space {sags['operational']:.0f} mm, "
         f"joint impedance {sags['joint']:.0f} mm",
         COMMAND,
@@ -201,22 +207,21 @@ def theorem(found: dict[str, Any]) -> Row:
         FAILS if own["median"] > 0.01 else HOLDS,
         f"Share of the ports' power in the null space of the hand's velocity, medians of {found['tasks']} tasks: "
         f"{100.0 * own['median']:.0f} % along the geometrical posture, {100.0 * other['median']:.0f} % with the elbow "
-        f"90 degrees beside it; least along the geometrical one in {found['geometrical_is_least_in']} of "
+        f"turned by 90 degrees; least along the geometrical one in {found['geometrical_is_least_in']} of "
         f"{found['tasks']}",
         COMMAND,
     )
 
 
 def tracked(reaching: dict[str, Any]) -> Row:
-    own, linear, space = (reaching[kind] for kind in ("per_axis", "linear", "operational"))
+    kinds = ("radial", "per_axis", "linear", "operational")
+    when = [reaching[kind]["arrival_s"]["median"] for kind in kinds]
+    off = [100.0 * reaching[kind]["off_the_line"]["median"] for kind in kinds]
     return Row(
         "In free space no worse than control with dampers",
-        FAILS if own["arrival_s"]["median"] > 1.1 * space["arrival_s"]["median"] else HOLDS,
-        f"Within 1 mm of targets 120 mm away for good after {own['arrival_s']['median']:.2f} s and "
-        f"{100.0 * own['off_the_line']['median']:.1f} % off the line; springs and dampers "
-        f"{linear['arrival_s']['median']:.2f} s "
-        f"and {100.0 * linear['off_the_line']['median']:.1f} %, operational space {space['arrival_s']['median']:.2f} "
-        "s and "
-        f"{100.0 * space['off_the_line']['median']:.1f} %: the baselines are better here",
+        FAILS if min(when[:2]) > 1.1 * min(when[2:]) else HOLDS,
+        f"Within 1 mm of targets 120 mm away for good after {when[0]:.2f} s and {off[0]:.1f} % off the line in the "
+        f"radial form, {when[1]:.2f} s and {off[1]:.1f} % axis by axis; springs and dampers {when[2]:.2f} s and "
+        f"{off[2]:.1f} %, operational space {when[3]:.2f} s and {off[3]:.1f} %: the baselines are better here",
         COMMAND,
     )

@@ -56,7 +56,7 @@ def passive_motion(
         T_end: pose of the tip at the end.
         count: samples, evenly spaced in time.
         compliance: of the joints, one or (7,), relative.
-        turning: stiffness of the turn beside that of the tip point, m^2/rad.
+        turning: stiffness of the turn, relative to that of the tip point, m^2/rad.
 
     Source: F. A. Mussa Ivaldi, P. Morasso, R. Zaccaria, Kinematic networks, Biological Cybernetics 60, 1988.
     """

@@ -1,4 +1,4 @@
-"""Torque control by superposition, measured: the paper's future work, in MuJoCo and beside its rivals (extra 'sim').
+"""Torque control by superposition, measured: the paper's future work, in MuJoCo and against its rivals (extra 'sim').
 
 Each experiment takes an arm with inertias, and has a short form for tests: a few seeds in place of many.
 """

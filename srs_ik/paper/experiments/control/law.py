@@ -94,7 +94,7 @@ def _draw(found: Array, closed: Array, dt: float, periods: Array, delays: Array,
         for each, style, colour in (("A", "-", "#16456e"), ("B", "--", "#b5541c")):
             axes.plot(1e3 * e, profile.converging_force(peak, e, each), style, color=colour, label=f"law {each}")  # type: ignore[arg-type]
         share = {each: 100.0 * profile.injection(each) for each in LAWS}
-        axes.set_title(f"{name}: injects up to {share['A']:.3g} % with A, {share['B']:.3g} % with B", fontsize=10)
+        axes.set_title(f"{name}: at most {share['A']:.3g} % injected with A, {share['B']:.3g} % with B", fontsize=10)
         axes.axhline(0.0, color="0.7", linewidth=0.8)
         axes.set_xlabel("error (mm)")
         axes.set_ylabel("force to the target (N)")
@@ -106,5 +106,5 @@ def _draw(found: Array, closed: Array, dt: float, periods: Array, delays: Array,
     figure.colorbar(shown, ax=axes, label="way in the last second, log10 (mm)")
     axes.plot(1e3 * periods, 1e3 * (RULE / w - 0.5 * periods), color="white", label="w (T/2 + delay) = 0.3")
     axes.set(xscale="log", xlabel="period (ms)", ylabel="delay (ms)", ylim=(0.0, 50.0))
-    axes.legend(fontsize=8)
+    axes.legend(fontsize=8, facecolor="0.2", labelcolor="white")
     return figure

@@ -1,4 +1,4 @@
-"""Whether the plant is the arm: MuJoCo's mass matrix, bias torques and free fall beside Pinocchio's."""
+"""Whether the plant is the arm: MuJoCo's mass matrix, bias torques and free fall against Pinocchio's."""
 
 from __future__ import annotations
 

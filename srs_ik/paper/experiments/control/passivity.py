@@ -181,7 +181,8 @@ def _draw(figures: dict[str, Any], curves: dict[str, tuple[Array, Array]]) -> Fi
     axes = figure.add_subplot(1, 2, 1)
     for name, colour in _DRAWN.items():
         t, injected = curves[name]
-        axes.plot(t, 100.0 * (1.0 + injected), color=colour, linewidth=1.2, label=name)
+        axes.semilogy(t, 100.0 * (1.0 + injected), color=colour, linewidth=1.2, label=name)
+    axes.set_ylim(bottom=0.1)
     axes.axhline(100.0, color="black", linewidth=0.8, linestyle=":")
     axes.set_xlabel("time (s)")
     axes.set_ylabel("kinetic energy and that of the profiles (% of U0)")
@@ -199,6 +200,7 @@ def _draw(figures: dict[str, Any], curves: dict[str, tuple[Array, Array]]) -> Fi
         1e3 * projected, color="#b5541c", linestyle=":", label="the jump in the null space of operational space"
     )
     axes.set_xscale("symlog", linthresh=100.0)
+    axes.set_xlim(left=-5.0)
     axes.set_xlabel("stiffness of the elbow (N/m)")
     axes.set_ylabel("tip error (mm)")
     axes.legend(fontsize=7)

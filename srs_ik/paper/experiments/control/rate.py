@@ -26,7 +26,7 @@ AT_REST = 1e-3
 
 
 def rate(arm: Arm, progress: Progress, short: bool = False) -> Outcome:
-    """From 50 mm beside the target, three seconds; the fastest frequency of the arm on its ports sets the rule."""
+    """The target jumps by 50 mm, three seconds; the fastest frequency of the arm on its ports sets the rule."""
     rates, delays = (RATES[:3:2], DELAYS[:4:3]) if short else (RATES, DELAYS)
     w = fastest(arm)
     rest = {kind: np.full((len(delays), len(rates)), np.nan) for kind in KINDS}

@@ -80,9 +80,10 @@ def _draw(paths: dict[str, list[Array]], middle: Array, figures: dict[str, Any])
         angle = 2.0 * np.pi * np.arange(len(paths[kind])) / HOURS
         axes.plot(1e3 * DISTANCE * np.cos(angle), 1e3 * DISTANCE * np.sin(angle), "k+", markersize=8)
         found = figures[kind]
+        arrival = found["arrival_s"]["median"]
+        when = f"within 1 mm after {arrival:.2f} s" if arrival < 0.99 * SECONDS else f"not there after {SECONDS:g} s"
         axes.set_title(
-            f"{NAMES[kind]}\nwithin 1 mm after {found['arrival_s']['median']:.2f} s, "
-            f"{100.0 * found['off_the_line']['median']:.0f} % off the line",
+            f"{NAMES[kind]}\n{when}, {100.0 * found['off_the_line']['median']:.0f} % off the line",
             fontsize=9,
         )
         axes.set_aspect("equal")

@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 
 CYCLE, CYCLES = 1.0, 3
 OFFSETS = (0.0, 30.0, 60.0, 90.0, 180.0)
-"""Arm angles beside that of the geometrical posture, degrees."""
+"""Arm angles from that of the geometrical posture, degrees."""
 
 TASKS, WAY, LASTING = 20, 0.15, 1.0
 """Tasks of theorem 1, how far the hand goes along v, m, and in which time, s."""
@@ -164,6 +164,6 @@ def _draw(record: Record, aims: Array, knees: Array, rows: Array) -> Figure:
     left.set_aspect("equal")
     left.legend(fontsize=8)
     right.boxplot([100.0 * column for column in rows.T], tick_labels=[f"{offset:g}" for offset in OFFSETS])
-    right.set_xlabel("arm angle beside that of the geometrical posture (deg)")
+    right.set_xlabel("arm angle from that of the geometrical posture (deg)")
     right.set_ylabel("share of the ports' power in the null space (%)")
     return figure
