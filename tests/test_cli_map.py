@@ -71,12 +71,34 @@ def test_export_plot_and_preview(folder, tmp_path):
     assert page.stat().st_size > 100_000
 
 
+def test_a_scene_and_a_task_bring_their_measures(tmp_path):
+    scene = tmp_path / "scene.json"
+    scene.write_text(json.dumps({"objects": [{"name": "shelf", "box": [0.6, 0.1, 1.0], "xyz": [0.5, 0.35, 0.5]}]}))
+    path = str(tmp_path / "box.zarr")
+    box = ("--step", "0.2", "--orientations", "12", "--bounds", "0.3", "0.7", "-0.2", "0.2", "0.3", "0.5")
+    task = ("--velocity", "1", "0", "0", "--force", "0", "0", "-1")
+    made = run("map", "make", "iiwa14", "--out", path, *box, "--scene", str(scene), *task)
+    assert made.exit_code == 0, made.stderr
+    chart = open_map(path)
+    free, ratio = chart.measure("free"), chart.measure("ratio")
+    assert 0 < (free > 0).sum() < free.size
+    assert 0 < (ratio > 0).sum() < ratio.size
+    assert answer("map", "verify", path, "iiwa14", "--count", "20", "--scene", str(scene))["right"]
+    without = run("map", "verify", path, "iiwa14")
+    assert without.exit_code == 2
+    assert "scene of the map" in without.stderr
+    assert run("map", "plot", path, "--measure", "ratio", "--output", str(tmp_path / "r.png")).exit_code == 0
+
+
 @pytest.mark.parametrize(
     ("words", "said"),
     [
         (("make", "iiwa14", "--out", "x.zarr", "--orientations", "13"), "12 x 4^k x rolls"),
         (("make", "iiwa14", "--out", "x.zarr", "--step", "0"), "step of a map"),
         (("make", "iiwa14", "--out", "x.zarr", "--measure", "margins"), "did you mean 'margin'"),
+        (("make", "iiwa14", "--out", "x.zarr", "--velocity", "1", "0", "0", "--box"), "give both"),
+        (("make", "iiwa14", "--out", "x.zarr", "--velocity", "1", "0", "0", "--force", "0", "0", "1"), "map a box"),
+        (("make", "iiwa14", "--out", "x.zarr", "--bounds", "0", "1"), "--bounds takes 6 numbers"),
         (("info", "nowhere.zarr"), "holds no map"),
         (("export", "nowhere.zarr", "m.txt"), ".npz, .vti or .h5"),
     ],

@@ -1,6 +1,7 @@
 """Making maps: killed and resumed, by threads and by Dask, within time and memory."""
 
 import hashlib
+import itertools
 import os
 import signal
 import subprocess
@@ -22,6 +23,16 @@ import sys
 import srs_ik
 if __name__ == "__main__":
     srs_ik.build_map(srs_ik.load("human_arm"), 0.04, sys.argv[1], orientations=576, threads=2)
+"""
+
+
+CLUSTER_MAKE = """
+import sys
+import srs_ik
+from dask.distributed import Client
+if __name__ == "__main__":
+    with Client(scheduler_file=sys.argv[2], timeout=60) as client:
+        srs_ik.build_map(srs_ik.load("human_arm"), 0.04, sys.argv[1], client, orientations=576)
 """
 
 
@@ -67,6 +78,45 @@ def test_killed_at_any_moment_and_resumed_the_store_is_the_same(undisturbed, tmp
     assert not list(tmp_path.glob(".*"))
 
 
+def cluster(folder: Path, workers: int) -> dict[str, list[subprocess.Popen]]:
+    """A scheduler and its workers, each a process of its own."""
+    pytest.importorskip("distributed")
+    file = str(folder / "scheduler.json")
+    quiet = {"stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL, "cwd": folder}
+    command = [sys.executable, "-m", "distributed.cli.dask_scheduler", "--host", "127.0.0.1", "--port", "0"]
+    scheduler = subprocess.Popen([*command, "--no-dashboard", "--scheduler-file", file], **quiet)
+    command = [sys.executable, "-m", "distributed.cli.dask_worker", "--scheduler-file", file, "--nthreads", "1"]
+    started = [subprocess.Popen([*command, "--no-nanny", "--no-dashboard"], **quiet) for _ in range(workers)]
+    return {"scheduler": [scheduler], "worker": started}
+
+
+@pytest.mark.parametrize("victim", ["client", "worker", "scheduler"])
+def test_a_cluster_that_loses_a_process_is_resumed_to_the_same_store(undisturbed, tmp_path, victim):
+    rng = np.random.default_rng(["client", "worker", "scheduler"].index(victim))
+    for k in range(int(os.environ.get("KILLS", "1"))):
+        folder = tmp_path / str(k)
+        folder.mkdir()
+        path = folder / "map.zarr"
+        processes = cluster(folder, 2)
+        making = [sys.executable, "-c", CLUSTER_MAKE, str(path), str(folder / "scheduler.json")]
+        processes["client"] = [subprocess.Popen(making, stderr=subprocess.DEVNULL)]
+        try:
+            limit = time.monotonic() + 120.0
+            while not list(path.glob("done/c/*")) and time.monotonic() < limit:
+                time.sleep(0.02)
+            time.sleep(float(rng.uniform(0.0, 1.5)))
+            processes[victim][0].send_signal(signal.SIGKILL)
+            if victim == "worker":
+                # The other worker does the rest.
+                assert processes["client"][0].wait(120.0) == 0
+        finally:
+            for each in itertools.chain(*processes.values()):
+                each.kill()
+                each.wait()
+        build_map(srs_ik.load("human_arm"), 0.04, path, orientations=576)
+        assert digests(path) == digests(undisturbed)
+
+
 def test_threads_give_the_same_checksums(undisturbed, tmp_path):
     build_map(srs_ik.load("human_arm"), 0.04, tmp_path / "map.zarr", orientations=576, threads=1)
     assert digests(tmp_path / "map.zarr") == digests(undisturbed)
@@ -85,7 +135,7 @@ def test_what_is_left_half_written_is_cleared(undisturbed, tmp_path):
     assert not (tmp_path / ".map.zarr.abc.partial").exists()
 
 
-@pytest.mark.parametrize("workers", [1, 2])
+@pytest.mark.parametrize("workers", [1, 2, 4])
 def test_dask_workers_give_the_same_checksums(undisturbed, tmp_path, workers):
     distributed = pytest.importorskip("dask.distributed")
     path = tmp_path / "map.zarr"

@@ -65,6 +65,16 @@ def test_the_ratio_is_the_smallest_of_all_postures_and_its_posture_is_rebuilt(ma
         assert ratio[at] <= min(swept) * (1.0 + 1e-5)
 
 
+def test_the_mean_ratio_is_that_of_what_is_reached(made):
+    ratio, reached = (made[0].measure(name) for name in ("ratio", "reached"))
+    expected = [r[m > 0].mean() if m.any() else 0.0 for r, m in zip(_rows(ratio), _rows(reached), strict=True)]
+    np.testing.assert_allclose(made[0].mean("ratio").ravel(), expected, rtol=1e-6)
+
+
+def _rows(values):
+    return values.reshape(-1, values.shape[-1]).astype(float)
+
+
 def test_the_free_width_is_that_of_arm_angles_that_clear_the_scene(made):
     chart, arm, scene = made
     free, width = chart.measure("free"), chart.measure("width")

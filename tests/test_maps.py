@@ -258,14 +258,33 @@ def test_exports_hold_what_the_map_holds(made, tmp_path):
     for point, value in zip(points[::50], share[::50], strict=True):
         x, y, z = np.rint((point - origin) / spacing).astype(int)
         assert values[z, y, x] == pytest.approx(value, abs=1e-6)
+
+
+def test_a_file_of_reuleaux_is_read_as_its_programs_read_it(made, tmp_path):
+    # Rows of poses: sphere x y z, then pose x y z qx qy qz qw; of spheres: x y z, and 0 to 100. Both are read as
+    # doubles, and poses are looked up by the figures of their sphere.
     h5py = pytest.importorskip("h5py")
+    chart, arm = made
     to_reuleaux(chart, tmp_path / "m.h5", step=0.5)
     with h5py.File(tmp_path / "m.h5") as file:
-        spheres, poses = file["Spheres/sphere_dataset"][...], file["Poses/poses_dataset"][...]
-        assert file["Spheres/sphere_dataset"].attrs["Resolution"] == pytest.approx(0.5)
+        spheres, poses = file["Spheres/sphere_dataset"], file["Poses/poses_dataset"]
+        resolution = spheres.attrs.get_id("Resolution")
+        assert resolution.shape == (1,)
+        assert resolution.dtype == np.float32
+        assert file["Spheres/sphere_dataset"].attrs["Resolution"][0] == pytest.approx(0.5)
+        spheres, poses = spheres[...].astype("<f8"), poses[...].astype("<f8")
     assert spheres.shape[1:] == (4,)
-    assert len(poses) == round((spheres[:, 3] / 100.0 * len(chart.plan.orientations)).sum())
+    assert poses.shape[1:] == (10,)
+    by_sphere = {}
+    for row in poses:
+        by_sphere.setdefault(tuple(row[:3]), []).append(row[3:])
+    assert set(by_sphere) == {tuple(row[:3]) for row in spheres}
+    for *centre, index in spheres:
+        assert 100.0 * len(by_sphere[tuple(centre)]) / len(chart.plan.orientations) == pytest.approx(index)
     np.testing.assert_allclose(np.linalg.norm(poses[:, 6:], axis=1), 1.0)
+    # Positions are those of spheres, not of cells, so a posture is near: within a cell's half diagonal, and a bit.
+    reached = [bool(arm.solve(pin.XYZQUATToSE3(row))) for row in poses[:: max(1, len(poses) // 60), 3:]]
+    assert np.mean(reached) > 0.8
 
 
 def test_xarray_opens_a_map_as_it_is(made):

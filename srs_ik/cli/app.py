@@ -17,7 +17,7 @@ from srs_ik.cli import (
     follow,
     inspect,
     intervals,
-    map,
+    map_use,
     path,
     place,
     plot,
@@ -146,7 +146,7 @@ app.command("solve", cls=NumbersCommand)(solve.solve)
 app.command("intervals", cls=NumbersCommand)(intervals.intervals)
 app.command("path", cls=NumbersCommand)(path.path)
 app.command("place", cls=NumbersCommand)(place.place)
-app.add_typer(map.map_app, name="map")
+app.add_typer(map_use.map_app, name="map")
 app.command("follow", cls=NumbersCommand)(follow.follow)
 app.command("ellipsoids", cls=NumbersCommand)(ellipsoids.ellipsoids)
 app.command("plot", cls=NumbersCommand)(plot.plot)

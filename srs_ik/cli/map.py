@@ -1,28 +1,24 @@
-"""`srs-ik map`: make, look into, check, compare and export capability maps."""
+"""`srs-ik map`: make capability maps, or say what they would take; the other commands are in `map_use`."""
 
 from __future__ import annotations
 
 import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
-from enum import StrEnum
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from srs_ik.cli.options import AllowXacro, AsJson, Base, ExampleCommand, Limb, Source, Tip, WrongInput, numbers
-from srs_ik.cli.pose_file import read_poses, write_table
-from srs_ik.cli.poses import unit_of
+from srs_ik.cli.options import AllowXacro, AsJson, Base, Limb, NumbersCommand, Source, Tip, WrongInput, numbers
+from srs_ik.cli.scenes import SceneFile, read
 
 if TYPE_CHECKING:
     from srs_ik.arm import Arm
     from srs_ik.maps.build import Estimate, Progress
-    from srs_ik.maps.reader import Map
 
 map_app = typer.Typer(no_args_is_help=True, rich_markup_mode=None, help="Maps of what an arm reaches, and how well.")
 
-Folder = Annotated[Path, typer.Argument(metavar="MAP", help="Folder of the map.", show_default=False)]
 Step = Annotated[str, typer.Option(metavar="METRES", help="Distance between positions.")]
 Turns = Annotated[
     int, typer.Option(metavar="N", help="Orientations: 12 x 4^k x rolls, such as 576, 2304, 4608 or 36864.")
@@ -36,14 +32,12 @@ More = Annotated[
     list[str] | None,
     typer.Option("--measure", metavar="NAME", help="margin or manipulability as well; may be repeated."),
 ]
-
-
-class Format(StrEnum):
-    """What a map is written as."""
-
-    npz = "npz"
-    vti = "vti"
-    h5 = "h5"
+Three = tuple[str, str, str]
+Velocity = Annotated[
+    Three | None,
+    typer.Option(metavar="X Y Z", help="Direction in which a task moves: with --force, its ratio C in every cell."),
+]
+Force = Annotated[Three | None, typer.Option(metavar="X Y Z", help="Direction in which the task pushes.")]
 
 
 def _grid(step: str, box: bool, bounds: tuple[str, ...] | None) -> tuple[float, Any]:
@@ -52,6 +46,16 @@ def _grid(step: str, box: bool, bounds: tuple[str, ...] | None) -> tuple[float, 
         x = numbers("--bounds", bounds)
         where = [x[0:2], x[2:4], x[4:6]]
     return numbers("--step", [step])[0], where
+
+
+def _more(measure: list[str] | None, scene: Path | None, velocity: Three | None, force: Three | None) -> dict[str, Any]:
+    """What is asked for beyond the usual measures, as arguments of `build_map`."""
+    return {
+        "measures": measure or (),
+        "velocity": None if velocity is None else numbers("--velocity", velocity),
+        "force": None if force is None else numbers("--force", force),
+        "scene": read(scene, None).get("scene"),
+    }
 
 
 @contextmanager
@@ -68,7 +72,7 @@ def _bar(what: str, cells: int) -> Iterator[Progress]:
         yield lambda done, total: shown.update(bar, completed=done, total=total)
 
 
-@map_app.command("make", cls=ExampleCommand)
+@map_app.command("make", cls=NumbersCommand)
 def make(
     source: Source,
     out: Annotated[
@@ -79,6 +83,9 @@ def make(
     box: InBox = False,
     bounds: Bounds = None,
     measure: More = None,
+    scene: SceneFile = None,
+    velocity: Velocity = None,
+    force: Force = None,
     threads: Annotated[
         int | None, typer.Option(metavar="N", min=1, help="Threads; all processors if not given.")
     ] = None,
@@ -97,8 +104,8 @@ def make(
     from srs_ik.maps.build import build_map, plan_map
 
     arm = load(source, base=base, tip=tip, limb=limb, allow_xacro=allow_xacro)
-    names = measure or ()
-    plan = plan_map(arm, metres, orientations=orientations, box_bounds=where, measures=names)
+    more = _more(measure, scene, velocity, force)
+    plan = plan_map(arm, metres, orientations=orientations, box_bounds=where, **more)
     with _client(dask) as client, _bar(f"{plan.cells:,} cells", plan.cells) as progress:
         made = build_map(
             arm,
@@ -107,9 +114,9 @@ def make(
             client,
             orientations=orientations,
             box=where,
-            measures=names,
             threads=threads,
             progress=progress,
+            **more,
         )
     typer.echo(repr(made))
 
@@ -137,7 +144,7 @@ def _client(address: str | None) -> Iterator[Any]:
         yield client
 
 
-@map_app.command("estimate", cls=ExampleCommand)
+@map_app.command("estimate", cls=NumbersCommand)
 def estimate(
     source: Source,
     step: Step = "0.05",
@@ -145,6 +152,9 @@ def estimate(
     box: InBox = False,
     bounds: Bounds = None,
     measure: More = None,
+    scene: SceneFile = None,
+    velocity: Velocity = None,
+    force: Force = None,
     workers: Annotated[int | None, typer.Option(metavar="N", min=1, help="Processors that share the work.")] = None,
     base: Base = None,
     tip: Tip = None,
@@ -163,7 +173,8 @@ def estimate(
     from srs_ik.maps.build import estimate as estimated
 
     arm = load(source, base=base, tip=tip, limb=limb, allow_xacro=allow_xacro)
-    found = estimated(arm, metres, orientations=orientations, box=where, measures=measure or (), workers=workers)
+    more = _more(measure, scene, velocity, force)
+    found = estimated(arm, metres, orientations=orientations, box=where, workers=workers, **more)
     if as_json:
         print_json(asdict(found))
     else:
@@ -191,197 +202,3 @@ def _size(count: float) -> str:
         if count >= size:
             return f"{count / size:.1f} {unit}"
     return f"{count / 1e3:.1f} kB"
-
-
-@map_app.command("info", cls=ExampleCommand)
-def info(folder: Folder, as_json: AsJson = False) -> None:
-    """Say what a map holds: robot, positions, orientations, measures, and how much of it is done."""
-    from srs_ik.cli.render import print_json
-    from srs_ik.maps.reader import open_map
-
-    chart = open_map(folder)
-    plan = chart.plan
-    reached = float(chart.mean("reached").mean())
-    if as_json:
-        attributes = plan.as_attributes()
-        print_json({**attributes, "cells": plan.cells, "done": chart.done, "reached": reached})
-        return
-    robot = plan.robot
-    typer.echo(repr(chart))
-    typer.echo(f"base {robot['base']}, tip {robot['tip']}, fingerprint {robot['fingerprint'][:16]}")
-    typer.echo(f"{plan.cells:,} cells, {100.0 * reached:.2f} % reached; measures {', '.join(chart.store.names)}")
-
-
-@map_app.command("query", cls=ExampleCommand)
-def query(
-    folder: Folder,
-    poses: Annotated[
-        Path,
-        typer.Argument(metavar="FILE.csv", help="Poses of the tip in the base frame, one a line.", show_default=False),
-    ],
-    exact: Annotated[
-        str | None, typer.Option(metavar="ROBOT|FILE", help="Let this arm answer, exactly, instead of the cells.")
-    ] = None,
-    out: Annotated[Path | None, typer.Option(metavar="FILE.csv", help="Write the answers here.")] = None,
-    degrees: Annotated[bool, typer.Option("--degrees", help="Angles in the file are given in degrees.")] = False,
-    as_json: AsJson = False,
-) -> None:
-    """Say which poses of a file a map calls reached, and how well. Exit status 1 where one is not."""
-    from srs_ik.cli.render import console, fixed, print_json, table
-
-    T, lines = read_poses(poses, unit_of(degrees))
-
-    from srs_ik.maps.reader import open_map
-
-    chart = open_map(folder, _arm(exact, folder) if exact is not None else None)
-    found = chart.query(T, exact=exact is not None)
-    names = tuple(found.measures)
-    rows = [[float(found.measures[name][i]) for name in names] for i in range(len(found))]
-    if out is not None:
-        write_table(out, ("line", *names), ([line, *row] for line, row in zip(lines, rows, strict=True)))
-    if as_json:
-        print_json(
-            [{"line": line, **dict(zip(names, row, strict=True))} for line, row in zip(lines, rows, strict=True)]
-        )
-    else:
-        shown = [[str(line), *(fixed(x, 4) for x in row)] for line, row in zip(lines[:40], rows, strict=False)]
-        console().print(table(("line", *names), shown, left=0))
-    missed = int((~found.reached).sum())
-    if missed:
-        typer.echo(f"srs-ik: {missed} of {len(found)} poses are not reached", err=True)
-        raise typer.Exit(1)
-
-
-def _arm(source: str, folder: Path) -> Arm:
-    """The arm of a map, found by the frames that the map names."""
-    from srs_ik.loading import load
-    from srs_ik.maps.reader import open_map
-
-    robot = open_map(folder).plan.robot
-    return load(source, base=robot["base"], tip=robot["tip"])
-
-
-@map_app.command("verify", cls=ExampleCommand)
-def verify(
-    folder: Folder,
-    source: Source,
-    count: Annotated[int, typer.Option(metavar="N", min=1, help="Cells to compute again.")] = 1000,
-    seed: Annotated[int, typer.Option(metavar="N", min=0, help="Of the random choice of cells.")] = 0,
-    as_json: AsJson = False,
-) -> None:
-    """Check a map: its checksums, some of its cells, and postures rebuilt from them. Exit status 1 if it is wrong."""
-    from dataclasses import asdict
-
-    from srs_ik.cli.render import print_json
-    from srs_ik.maps.reader import open_map
-
-    found = open_map(folder, _arm(source, folder)).verify(count, seed)
-    if as_json:
-        print_json({**asdict(found), "right": bool(found)})
-    else:
-        typer.echo(
-            f"{found.tasks} tasks, {len(found.damaged)} damaged; {found.cells} cells computed again, "
-            f"{found.different} different; {found.rebuilt} postures rebuilt, off by {found.worst:.2g} m or rad at most"
-        )
-    if not found:
-        typer.echo(f"srs-ik: {folder} is not what it was made to be: remove it and make it again", err=True)
-        raise typer.Exit(1)
-
-
-@map_app.command("compare", cls=ExampleCommand)
-def compare(
-    first: Folder,
-    second: Annotated[Path, typer.Argument(metavar="MAP2", help="Folder of another map.", show_default=False)],
-    as_json: AsJson = False,
-) -> None:
-    """Compare two maps on the same cells: of two arms or tools, or with other limits."""
-    from srs_ik.cli.render import print_json
-    from srs_ik.maps.pairs import compare as compared
-    from srs_ik.maps.reader import open_map
-
-    found = compared(open_map(first), open_map(second))
-    if as_json:
-        print_json({"both": found.both, "first": found.first, "second": found.second, "width": found.width})
-        return
-    typer.echo(
-        f"of all cells, {100.0 * found.both:.2f} % are reached by both, {100.0 * found.first:.2f} % by {first} alone, "
-        f"{100.0 * found.second:.2f} % by {second} alone; widths differ by {found.width:+.3f} rad on average"
-    )
-
-
-@map_app.command("combine", cls=ExampleCommand)
-def combine(
-    first: Folder,
-    second: Annotated[Path, typer.Argument(metavar="MAP2", help="Folder of another map.", show_default=False)],
-    out: Annotated[Path, typer.Option(metavar="MAP", help="Folder for the map of both.")],
-) -> None:
-    """Make the map of what either of two arms reaches, of two boxes with the same cells."""
-    from srs_ik.maps.pairs import combine as combined
-    from srs_ik.maps.reader import open_map
-
-    typer.echo(repr(combined(open_map(first), open_map(second), out)))
-
-
-@map_app.command("plot", cls=ExampleCommand)
-def plot(
-    folder: Folder,
-    output: Annotated[Path, typer.Option(metavar="FILE.png", help="Picture to write (.png, .pdf, .svg).")],
-    measure: Annotated[str | None, typer.Option(metavar="NAME", help="What to colour: a measure, or yaw.")] = None,
-    shell: Annotated[bool, typer.Option("--shell", help="Draw the shell around what is reached instead.")] = False,
-) -> None:
-    """Draw a slice of a map, coloured by a measure, or the shell of what is reached."""
-    from srs_ik.cli.picture import check, save
-
-    check(output, "--output")
-
-    from srs_ik.maps.reader import open_map
-    from srs_ik.plots import plot_map, plot_shell
-
-    chart = open_map(folder)
-    usual = "yaw" if chart.plan.arcs else "reached"
-    save(plot_shell(chart) if shell else plot_map(chart, measure or usual), output)
-
-
-@map_app.command("preview", cls=ExampleCommand)
-def preview(
-    folder: Folder,
-    source: Source,
-    out: Annotated[Path, typer.Option("--save", metavar="FILE.html", help="Page to write; it needs no server.")],
-    step: Annotated[str | None, typer.Option(metavar="METRES", help="Distance between points.")] = None,
-    whole: Annotated[bool, typer.Option("--whole", help="Show the half in front (y < 0) too.")] = False,
-) -> None:
-    """Write a page of the arm in the coloured cloud of what it reaches."""
-    from srs_ik.maps.reader import open_map
-    from srs_ik.preview import Preview, show_map
-
-    arm = _arm(source, folder)
-    with Preview(arm) as view:
-        apart = None if step is None else numbers("--step", [step])[0]
-        count = show_map(view, open_map(folder, arm), apart, cut=not whole)
-        view.save(out)
-    typer.echo(f"{out}: {count:,} points")
-
-
-@map_app.command("export", cls=ExampleCommand)
-def export(
-    folder: Folder,
-    out: Annotated[Path, typer.Argument(metavar="FILE.npz|.vti|.h5", help="What to write.", show_default=False)],
-    step: Annotated[
-        str | None, typer.Option(metavar="METRES", help="Distance between points (.vti, .h5); that of the map.")
-    ] = None,
-) -> None:
-    """Write a map for other programs: NumPy (.npz), a VTK image (.vti), or HDF5 of Reuleaux (.h5)."""
-    from srs_ik.maps import export as exports
-    from srs_ik.maps.reader import open_map
-
-    kind = out.suffix[1:]
-    if kind not in [each.value for each in Format]:
-        raise WrongInput(f"{out}: a map is written as .npz, .vti or .h5")
-    apart = None if step is None else numbers("--step", [step])[0]
-    chart: Map = open_map(folder)
-    if kind == Format.npz:
-        exports.to_numpy(chart, out)
-    elif kind == Format.vti:
-        exports.to_vtk(chart, out, apart)
-    else:
-        exports.to_reuleaux(chart, out, apart)

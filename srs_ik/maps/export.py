@@ -1,7 +1,8 @@
 """Maps for other programs: arrays of NumPy, images of VTK, and the HDF5 files of Reuleaux.
 
 The image is that of VTK's XML format (https://docs.vtk.org, "VTK XML file formats"). The HDF5 file has the groups and
-columns that Reuleaux's map_creator and base_placement read: spheres with an index, and the poses reached in each.
+columns that Reuleaux's map_creator and base_placement read (https://github.com/ros-industrial-attic/reuleaux): spheres
+with an index from 0 to 100, and the poses reached in each, which name the sphere by the very same coordinates.
 """
 
 from __future__ import annotations
@@ -116,7 +117,7 @@ def to_reuleaux(chart: Map, path: str | os.PathLike[str], step: float | None = N
     with h5py.File(path, "w") as file:
         spheres = file.create_group("Spheres")
         table = spheres.create_dataset("sphere_dataset", data=np.column_stack([points, 100.0 * share]))
-        table.attrs["Resolution"] = np.float32(step or chart.plan.grid.step)
+        table.attrs["Resolution"] = np.array([step or chart.plan.grid.step], "f4")
         file.create_group("Poses").create_dataset("poses_dataset", data=_poses(chart, points))
 
 

@@ -253,7 +253,10 @@ class Map:
         return found
 
     def mean(self, name: str) -> Array:
-        """A measure at every position: its mean over all orientations. For "yaw": the mean share of a turn."""
+        """A measure at every position: its mean over all orientations. For "yaw": the mean share of a turn.
+
+        Smaller ratios are better ones, so "ratio" has its mean over what is reached alone; 0 where nothing is.
+        """
         self._check(name)
         array = self.store.array(name)
         found = np.zeros(self.plan.grid.shape)
@@ -262,6 +265,9 @@ class Map:
             if name == YAW:
                 values = values[..., 1].sum(axis=-1) / TURN
             found[block] = values.mean(axis=len(block))
+            if name == RATIO:
+                share = (self.store.array("reached")[block] > 0).mean(axis=len(block))
+                found[block] /= np.where(share > 0.0, share, 1.0)
         return found
 
     # Checks -----------------------------------------------------------------------------------------------------

@@ -11,7 +11,7 @@ import numpy as np
 from srs_ik.errors import InvalidMap
 from srs_ik.inputs.poses import PoseLike, as_rigid_matrix
 from srs_ik.maps.live import yaw_arcs
-from srs_ik.maps.plan import YAW
+from srs_ik.maps.plan import FREE, RATIO, YAW
 from srs_ik.plots.figure import EMPTY, FORCE, VELOCITY, new_figure
 
 if TYPE_CHECKING:
@@ -28,6 +28,8 @@ _LABELS = {
     "pieces": "mean number of intervals",
     "margin": "mean margin to the joint limits",
     "manipulability": "mean manipulability",
+    FREE: "mean width of arm angles that touch nothing (rad)",
+    RATIO: "mean smallest force-velocity ratio of what is reached",
 }
 
 

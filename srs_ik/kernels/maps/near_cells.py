@@ -25,6 +25,8 @@ from srs_ik.kernels.maps.cells import clear, write_measures
 from srs_ik.kernels.maps.reach import any_overlap, is_bent_right, is_met_at, room
 from srs_ik.kernels.near.at_angle import may_reach
 from srs_ik.kernels.near.band import WIDEST_BAND, band_of, is_near_singularity, may_predict, widen
+from srs_ik.kernels.near.intervals import true_intervals
+from srs_ik.kernels.near.predicted import predicted_intervals
 from srs_ik.kernels.pose.intervals import all_intervals
 from srs_ik.kernels.pose.solve import solve_row_at
 
@@ -115,7 +117,11 @@ def reach_near(family, pose, space):
             return REACHED
         if SAFE * band < WIDEST_BAND and is_out_of_band(P, pose, band, space):
             return NOT_REACHED
-    return REACHED if intervals_near(family, pose, space) > 0 else UNSURE
+        n = predicted_intervals(P, pose.place_, pose.R, pose.p, space.found)
+        if n >= 0:
+            return REACHED if n > 0 else NOT_REACHED
+    n = true_intervals(P, pose.place_, pose.R, pose.p, True, space.found, space.J, space.A)
+    return REACHED if n > 0 else UNSURE
 
 
 @kernel
