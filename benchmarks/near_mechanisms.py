@@ -3,9 +3,8 @@
 Run: SRS_IK_JIT=1 python benchmarks/near_mechanisms.py [--poses N] [ARM ...] (its own kernels call those of the package)
 
 Poses of random configurations inside the limits. For `intervals` and `solve(pose)` it prints the share that is
-predicted, and why the others are not: the elbow is almost straight (or the axes are oblique), the elbow is about as far
-from a limit as the prediction is uncertain, or shoulder or wrist come close to singular; and the processor time a pose
-where the prediction decides, and where curves are followed.
+predicted, with arcs next to singularities followed or without, and of those that are not, how many have an elbow that
+is almost straight; and the processor time a pose.
 """
 
 from __future__ import annotations
@@ -23,56 +22,60 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "tests"))
 import arms
 
 from srs_ik.kernels.algebra.pointers import row
-from srs_ik.kernels.limb.limits import beyond, turn_to_middle
+from srs_ik.kernels.layout.asked import Target
 from srs_ik.kernels.limb.poses import read_pose
-from srs_ik.kernels.limb.triangle import elbow_side, place
+from srs_ik.kernels.limb.triangle import place
+from srs_ik.kernels.near.arcs import ARC, MOST_ARCS, find_arcs
 from srs_ik.kernels.near.band import band_of, may_predict
 from srs_ik.kernels.near.intervals import true_intervals
 from srs_ik.kernels.near.predicted import predicted_intervals
 from srs_ik.kernels.near.predicted_best import predicted_best
+from srs_ik.kernels.near.scan import view_of
 
-PREDICTED, STRAIGHT, ELBOW_LIMIT, SINGULAR = range(4)
-REASONS = ("predicted", "elbow straight or oblique axes", "elbow at a limit", "singular, or too close to tell")
+PREDICTED, ON_ARCS, STRAIGHT, FAILED = range(4)
+REASONS = ("predicted", "predicted, arcs followed", "followed: elbow straight", "followed: no certain prediction")
 ARMS = ("gen3", "j2s7s300", "iiwa14_experimental", "rm75", "h1_2_left")
 
 
 @numba.njit(error_model="numpy")
-def reason(P, place_):
-    """Why a pose is not predicted, as far as this is known before."""
-    band = band_of(P, place_)
-    if not may_predict(P, place_, band):
-        return STRAIGHT
-    for elbow in range(2):
-        if abs(beyond(P, 3, turn_to_middle(P, 3, elbow_side(P, place_, elbow)[0]))) < band:
-            return ELBOW_LIMIT
-    return SINGULAR
+def target_of(P, pose):
+    """A pose as kernels take it."""
+    R, p, _ = read_pose(row(pose, 0))
+    return Target(R, p, place(P, R, p))
+
+
+@numba.njit(error_model="numpy")
+def has_arcs(P, target):
+    """Whether an arc next to a singularity is anywhere near."""
+    return find_arcs(P, view_of(P, target), np.empty((MOST_ARCS, ARC))) != 0
 
 
 @numba.njit(error_model="numpy")
 def decide(family, poses, J, A, out, how, best):
     """How the intervals of each pose are found, and whether its best posture is predicted."""
+    P = row(family, 0)
     for i in range(len(poses)):
-        R, p, _ = read_pose(row(poses, i))
-        P = row(family, 0)
-        place_ = place(P, R, p)
-        how[i] = PREDICTED if predicted_intervals(P, place_, R, p, out) >= 0 else reason(P, place_)
-        _, _, best[i] = predicted_best(P, place_, R, p, -1)
+        target = target_of(P, poses[i])
+        n = predicted_intervals(P, target, out, J, A)
+        if n >= 0:
+            how[i] = ON_ARCS if has_arcs(P, target) else PREDICTED
+        else:
+            how[i] = FAILED if may_predict(P, target.place, band_of(P, target.place)) else STRAIGHT
+        _, best[i] = predicted_best(P, target, -1, J, A)
 
 
 @numba.njit(error_model="numpy")
 def predict(family, poses, J, A, out):
     """The intervals of each pose, predicted."""
     for i in range(len(poses)):
-        R, p, _ = read_pose(row(poses, i))
-        predicted_intervals(row(family, 0), place(row(family, 0), R, p), R, p, out)
+        predicted_intervals(row(family, 0), target_of(row(family, 0), poses[i]), out, J, A)
 
 
 @numba.njit(error_model="numpy")
 def follow(family, poses, J, A, out):
     """The intervals of each pose, from curves."""
     for i in range(len(poses)):
-        R, p, _ = read_pose(row(poses, i))
-        true_intervals(row(family, 0), place(row(family, 0), R, p), R, p, True, out, J, A)
+        true_intervals(row(family, 0), target_of(row(family, 0), poses[i]), True, out, J, A)
 
 
 def time_of(call, *arguments) -> float:
@@ -100,7 +103,11 @@ def main() -> None:
         for code, why in enumerate(REASONS):
             print(f"{name:20s} intervals, {why:32s} {100.0 * (how == code).mean():5.1f} %")
         print(f"{name:20s} solve(pose), predicted {100.0 * best.mean():26.1f} %")
-        for word, which, call in (("predicted", how == PREDICTED, predict), ("followed", how != PREDICTED, follow)):
+        for word, which, call in (
+            ("predicted", how == PREDICTED, predict),
+            ("predicted, arcs followed", how == ON_ARCS, predict),
+            ("followed", how >= STRAIGHT, follow),
+        ):
             some = np.ascontiguousarray(poses[which][:200])
             if len(some):
                 call(family, some[:1], J, A, out)

@@ -12,8 +12,9 @@ import srs_ik
 from srs_ik.kernels.algebra.pointers import row
 from srs_ik.kernels.curves.follow import CURVE, MAX_CURVES, follow_all
 from srs_ik.kernels.curves.in_step import SAMPLE
+from srs_ik.kernels.layout.asked import Setting, Target
 from srs_ik.kernels.limb.poses import read_pose
-from srs_ik.kernels.limb.triangle import place
+from srs_ik.kernels.limb.triangle import elbow_side, place
 
 NEAR = arms.here("gen3", "j2s7s300", "h1_2_left", "rm75")
 
@@ -22,7 +23,8 @@ NEAR = arms.here("gen3", "j2s7s300", "h1_2_left", "rm75")
 def curves_of(family, T, J, A, rows, curves):
     R, p, _ = read_pose(row(T, 0))
     P = row(family, 0)
-    return follow_all(P, place(P, R, p), R, p, False, rows, curves, J, A)
+    place_ = place(P, R, p)
+    return follow_all(P, Setting(Target(R, p, place_), elbow_side(P, place_, 0), False, J, A), rows, curves)
 
 
 def followed(arm, pose):

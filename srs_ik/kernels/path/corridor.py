@@ -17,7 +17,7 @@ from srs_ik.kernels.limb.poses import read7, read_pose
 from srs_ik.kernels.limb.self_motion import rates
 from srs_ik.kernels.limb.triangle import elbow_side, place
 from srs_ik.kernels.path.followed import along_cell, away, posture_of, settled
-from srs_ik.kernels.path.near_strips import direction, moved_along
+from srs_ik.kernels.path.near_strips import direction, moved_along, setting_of
 from srs_ik.kernels.path.pose_strips import list_strips
 from srs_ik.kernels.path.programme import advance, cheapest, first_costs, largest, rules_for, step_back
 from srs_ik.kernels.path.strips import put_node
@@ -56,7 +56,7 @@ def posture_at(line, i):
 def moving_rates(P, spot, here, J, A):
     """Joint rates with the arm angle, on a near limb along its curve, and whether there are any."""
     if A is not None:
-        return direction(P, here.q, spot.R, spot.p, J, A)
+        return direction(P, setting_of(P, spot, J, A), here.q)
     return rates(P, here.q, spot.place[0], elbow_side(P, spot.place, here.branch >> 2)[3])
 
 
@@ -87,7 +87,7 @@ def moved_by(P, spot, here, motion, J, A):
     """The posture with its arm angle moved, on a near limb so far along its curve; `motion` as in `beside`."""
     v, move = motion
     if A is not None:
-        return moved_along(P, here.q, v, move, spot.R, spot.p, J, A)
+        return moved_along(P, setting_of(P, spot, J, A), here.q, v, move)
     return posture_of(P, elbow_side(P, spot.place, here.branch >> 2), here.psi + move, here.branch, here.q, True)
 
 
@@ -198,9 +198,9 @@ def on_pose(P, T, here, J, A):
     """The posture at an arm angle next to one that almost meets its pose, on a near limb the nearest one."""
     spot = spot_of(P, T)
     if A is not None:
-        v, good = direction(P, here.q, spot.R, spot.p, J, A)
+        v, good = direction(P, setting_of(P, spot, J, A), here.q)
         if good:
-            q, good = moved_along(P, here.q, v, 0.0, spot.R, spot.p, J, A)
+            q, good = moved_along(P, setting_of(P, spot, J, A), here.q, v, 0.0)
             _, inside = settled(P, q, ON_LIMIT)
             if good and inside:
                 return q, True

@@ -35,6 +35,13 @@ def setting_of(P, spot, J, A):
 
 
 @kernel
+def direction(P, by, q):
+    """Unit vector along the curve of postures at q, and whether there is one."""
+    v, sign = tangent_at(P, by, q)
+    return v, sign != 0.0
+
+
+@kernel
 def moved_along(P, by, q, v, x):
     """The posture that is met a way x from q along the direction v of its curve, and whether it is met."""
     start = along7(q, x, v)
@@ -101,15 +108,15 @@ def take_line(P, spot, around, sheet, n, J, A):
 def walk(P, by, begin, sheet, n):
     """Follow a curve from a posture on, so far a step, so many steps, and write what is met; the next free row."""
     q, step, count = begin
-    v, sign = tangent_at(P, by, q)
+    v, good = direction(P, by, q)
     for _ in range(count):
-        if sign == 0.0:
+        if not good:
             break
-        q, met = moved_along(P, by, q, v, step)
-        if not met:
+        q, good = moved_along(P, by, q, v, step)
+        if not good:
             break
         put_node(sheet.nodes, n, q, 0.0, branch_of(P, q))
         n += 1
-        v_next, sign = tangent_at(P, by, q)
+        v_next, good = direction(P, by, q)
         v = along7(NO_SEED, math.copysign(1.0, dot7(v, v_next)), v_next)
     return n

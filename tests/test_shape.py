@@ -1,0 +1,34 @@
+"""The shape of the kernels: few arguments, short files."""
+
+from __future__ import annotations
+
+import ast
+from pathlib import Path
+
+import srs_ik
+
+KERNELS = Path(srs_ik.__file__).parent / "kernels"
+
+MANY = 8
+"""So many arguments are many."""
+
+MOST_WITH_MANY = 0.06
+"""The part of all functions that may have many; entries take what Python passes one by one."""
+
+LONGEST_FILE = 400
+
+
+def test_few_functions_have_many_arguments():
+    counts = {
+        f"{path.relative_to(KERNELS)}:{node.name}": len(node.args.args)
+        for path in KERNELS.rglob("*.py")
+        for node in ast.walk(ast.parse(path.read_text()))
+        if isinstance(node, ast.FunctionDef)
+    }
+    many = sorted(name for name, count in counts.items() if count >= MANY)
+    assert len(many) <= MOST_WITH_MANY * len(counts), many
+
+
+def test_files_are_short():
+    lines = {str(path.relative_to(KERNELS)): len(path.read_text().splitlines()) for path in KERNELS.rglob("*.py")}
+    assert {name: count for name, count in lines.items() if count > LONGEST_FILE} == {}
