@@ -31,6 +31,9 @@ YAML_BYTES = 2**18
 TREE_NODES = 2_000_000
 """Most values of a JSON or YAML file, each counted wherever an alias puts it; lines of aliases multiply them."""
 
+OBJECTS = 10_000
+"""Most objects of a scene file, each of which is asked about alone; clouds of points are one."""
+
 CLOUD_BYTES = 2**28
 """Largest file of points: 2,000,000 of them as text."""
 

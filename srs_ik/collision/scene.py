@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import math
 from collections.abc import Iterator, Sequence
 from pathlib import Path
@@ -172,15 +173,19 @@ class Scene:
         from srs_ik.meshes.files import FORMATS, MeshMissing, file_size, read_mesh
 
         path = Path(file)
-        factors = np.broadcast_to(real_array(scale), 3) if np.size(scale) in (1, 3) else np.zeros(3)
+        factors = np.zeros(3)
+        with contextlib.suppress(TypeError, ValueError):
+            factors = np.broadcast_to(real_array(scale), 3)
         if not (np.isfinite(factors).all() and factors.all()):
             raise InvalidScene(f"scale of {quoted(name)} must be one number or three, not zero")
         if path.suffix.lower() not in FORMATS:
             raise InvalidScene(f"{quoted(str(file))} is none of {', '.join(sorted(FORMATS))}")
         try:
+            if path.exists() and not path.is_file():
+                raise MeshMissing(f"{quoted(str(path))} is not a regular file")
             file_size(path)
             meshes = [mesh for mesh, _ in read_mesh(path)]
-        except MeshMissing as error:
+        except (MeshMissing, ValueError) as error:
             raise InvalidScene(f"the mesh of {quoted(name)} is not at hand: {error}") from None
         starts = np.cumsum([0, *(len(mesh.vertices) for mesh in meshes)])
         faces = np.concatenate([mesh.faces + start for mesh, start in zip(meshes, starts[:-1], strict=True)])
@@ -216,7 +221,9 @@ class Scene:
         cloud = _points(points, name)
         size = real_number(radius)
         if not 0.0 <= size <= LARGEST:
-            raise InvalidScene(f"radius of {quoted(name)} must be a number from 0 to {LARGEST:g} m, not {radius!r:.40}")
+            raise InvalidScene(
+                f"radius of {quoted(name)} must be a number from 0 to {LARGEST:g} m, not {quoted(radius)}"
+            )
         thing = Thing(_name(name), np.eye(4))
         self._put_spheres(thing, np.column_stack([cloud, np.full(len(cloud), size)]))
         self._put(thing)
@@ -364,7 +371,7 @@ def as_margin(value: Any) -> float:
     """
     margin = real_number(value)
     if not 0.0 <= margin <= LARGEST:
-        raise InvalidScene(f"margin must be a number from 0 to {LARGEST:g} m, not {value!r:.40}")
+        raise InvalidScene(f"margin must be a number from 0 to {LARGEST:g} m, not {quoted(value)}")
     return margin
 
 
@@ -422,7 +429,7 @@ def _vector(value: Any, count: int, what: str) -> Array:
 def _positive(value: Any, what: str) -> float:
     number = real_number(value)
     if not (0.0 < number <= LARGEST and math.isfinite(number)):
-        raise InvalidScene(f"{what} must be a positive number up to {LARGEST:g} m, not {value!r:.40}")
+        raise InvalidScene(f"{what} must be a positive number up to {LARGEST:g} m, not {quoted(value)}")
     return number
 
 

@@ -49,6 +49,8 @@ def read_scene(file: str | Path, exact: bool = False) -> Scene:
     where = label_of(path)
     if not isinstance(content, Mapping) or not isinstance(content.get("objects"), Sequence):
         raise InvalidScene(f"{where} holds no scene: objects must be a list")
+    if len(content["objects"]) > bounds.OBJECTS:
+        raise InvalidScene(f"{where} has more than the {bounds.OBJECTS:,} objects that are read")
     try:
         scene = Scene(exact or bool(content.get("exact", False)), content.get("margin", 0.0))
         for k, each in enumerate(content["objects"]):
@@ -109,6 +111,8 @@ def _points(figure: Any, name: Any, folder: Path) -> Any:
             raise ValueError(f"{label_of(path)} is not a regular file")
         if path.stat().st_size > bounds.CLOUD_BYTES:
             raise ValueError(f"{label_of(path)} is larger than {bounds.CLOUD_BYTES >> 20} MiB")
+        if not path.stat().st_size:
+            raise ValueError(f"{label_of(path)} is empty")
         with path.open("rb") as file:
             if path.suffix == ".npy":
                 return np.lib.format.read_array(file, allow_pickle=False)

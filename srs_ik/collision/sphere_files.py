@@ -82,9 +82,9 @@ def _refuse_multiplied(tree: Any, path: Path) -> None:
     waiting, count = [tree], 0
     while waiting:
         each = waiting.pop()
-        inside = (
-            [*each, *each.values()] if isinstance(each, Mapping) else each if isinstance(each, list | tuple) else ()
-        )
+        inside = [*each, *each.values()] if isinstance(each, Mapping) else each
+        if not isinstance(inside, list | tuple):
+            continue
         count += len(inside)
         if count > bounds.TREE_NODES:
             raise InvalidScene(f"{label_of(path)} holds more than {bounds.TREE_NODES:,} values, or itself")

@@ -10,7 +10,7 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from srs_ik.errors import InvalidController
+from srs_ik.errors import InvalidController, listed, quoted
 from srs_ik.inputs.numbers import real_array, real_number
 from srs_ik.kernels.entries import control as entries
 from srs_ik.kernels.layout import control as at
@@ -49,6 +49,17 @@ class ForceProfile:
     largest: float
     knee: float = 0.0
     width: float = 0.0
+
+    def __post_init__(self) -> None:
+        if not (isinstance(self.shape, str) and self.shape in _SHAPES):
+            raise InvalidController(
+                f"the shape of a profile is one of {listed(list(_SHAPES))}, not {quoted(self.shape)}"
+            )
+        positive(self.stiffness, "stiffness")
+        positive(self.largest, "largest force")
+        if self.shape == "published":
+            positive(self.knee, "first error")
+            positive(self.width, "width")
 
     @classmethod
     def tanh(cls, stiffness: float, largest: float) -> ForceProfile:

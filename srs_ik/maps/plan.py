@@ -13,9 +13,11 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from srs_ik.bounds import FARTHEST
 from srs_ik.errors import InvalidMap, did_you_mean
 from srs_ik.kernels.layout.maps import MOST_ARCS
-from srs_ik.maps.grid import Grid
+from srs_ik.maps.grid import MOST_POSITIONS, SIDE, Grid
+from srs_ik.maps.orientations import MOST as MOST_ORIENTATIONS
 from srs_ik.maps.orientations import Orientations
 
 if TYPE_CHECKING:
@@ -231,3 +233,39 @@ def _description(arm: Arm) -> str | None:
 
 def _finite(values: NDArray[np.float64]) -> list[float | None]:
     return [float(x) if math.isfinite(x) else None for x in values]
+
+
+def refuse_senseless(plan: Plan, where: Path) -> None:
+    """Raise the error for a plan that was read and that nobody could have made; its sizes are bounded before any use.
+
+    Raises:
+        InvalidMap: it is one.
+    """
+    try:
+        sensible = _is_sensible(plan)
+    except (KeyError, TypeError, ValueError, OverflowError):
+        sensible = False
+    if not sensible:
+        raise InvalidMap(f"{where} is no map of this package: its figures make no sense")
+
+
+def _is_sensible(plan: Plan) -> bool:
+    grid, orientations, robot = plan.grid, plan.orientations, plan.robot
+    sizes = [*grid.shape, orientations.nside, orientations.rolls]
+    if grid.kind not in SIDE or not all(type(n) is int and 0 < n <= MOST_POSITIONS for n in sizes):
+        return False
+    frame = np.array(grid.T_base_map, dtype=float)
+    figures = np.array([grid.step, *grid.lower, *frame.ravel()], dtype=float)
+    return (
+        math.prod(grid.shape) <= MOST_POSITIONS
+        and len(orientations) <= MOST_ORIENTATIONS
+        and orientations.nside.bit_count() == 1
+        and len(grid.shape) == len(grid.lower) == len(grid.names)
+        and frame.shape == (4, 4)
+        and bool((np.abs(figures) <= FARTHEST).all())
+        and grid.step > 0.0
+        and plan.measures == tuple(name for name in MEASURES if name in plan.measures)
+        and {*USUAL} <= {*plan.measures}
+        and 0 <= plan.arcs <= MOST_ARCS
+        and all(isinstance(robot[key], str) for key in ("name", "tip", "fingerprint"))
+    )

@@ -19,7 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from srs_ik.errors import InvalidMap, MissingExtra
-from srs_ik.maps.plan import MEASURES, YAW, Plan, plan_of
+from srs_ik.maps.plan import MEASURES, YAW, Plan, plan_of, refuse_senseless
 
 DONE = "done"
 MARK = 1 << 32
@@ -41,6 +41,35 @@ def zarr_module() -> Any:
     return zarr
 
 
+class Cells:
+    """A Zarr array; reading what is damaged is an error of this package, whatever the decoder makes of it."""
+
+    def __init__(self, array: Any, damaged: str) -> None:
+        self._array = array
+        self._damaged = damaged
+
+    def __getitem__(self, at: Any) -> NDArray:
+        """Read cells.
+
+        Raises:
+            InvalidMap: they are damaged.
+        """
+        try:
+            values: NDArray = self._array[at]
+        except Exception:
+            # Every codec fails in ways of its own.
+            raise InvalidMap(self._damaged) from None
+        return values
+
+    def __setitem__(self, at: Any, values: Any) -> None:
+        self._array[at] = values
+
+    @property
+    def vindex(self) -> Cells:
+        """Cells by arrays of places."""
+        return Cells(self._array.vindex, self._damaged)
+
+
 class Store:
     """A map on disk.
 
@@ -54,17 +83,31 @@ class Store:
         try:
             self._group = zarr.open_group(store=str(path), mode="r+" if writable else "r", zarr_format=3)
             attributes = self._group.attrs[KEY]
-        except (FileNotFoundError, KeyError, ValueError, TypeError):
+        except (OSError, LookupError, ValueError, TypeError, AttributeError, RecursionError):
             raise InvalidMap(f"{path} holds no map") from None
         self.path = path
         self.plan = plan_of(attributes, path)
+        refuse_senseless(self.plan, path)
         self.names = (*self.plan.measures, *([YAW] if self.plan.arcs else []))
-        self._arrays: dict[str, Any] = {}
+        self._arrays: dict[str, Cells] = {}
 
-    def array(self, name: str) -> Any:
-        """A Zarr array of the store."""
+    def array(self, name: str) -> Cells:
+        """An array of the store.
+
+        Raises:
+            InvalidMap: it is not there, or not of the size that the plan says.
+        """
         if name not in self._arrays:
-            self._arrays[name] = self._group[name]
+            shape, dtype, chunks = _form_of(self.plan, name)
+            try:
+                found = self._group[name]
+                fits = (found.shape, found.dtype, found.chunks) == (shape, np.dtype(dtype), chunks)
+            except Exception:
+                # A damaged file fails in the decoder in ways of its own.
+                fits = False
+            if not fits:
+                raise InvalidMap(f"{self.path} is damaged: {name} is not what the map's plan says")
+            self._arrays[name] = Cells(found, f"{self.path} is damaged: {name} cannot be read")
         return self._arrays[name]
 
     def records(self) -> NDArray[np.uint64]:
@@ -110,25 +153,30 @@ def create(path: Path, plan: Plan) -> None:
         shutil.rmtree(partial, ignore_errors=True)
 
 
+def _form_of(plan: Plan, name: str) -> tuple[tuple[int, ...], str, tuple[int, ...]]:
+    """Shape, type and chunks of an array of a store."""
+    if name == DONE:
+        return (len(plan.blocks),), "u8", (1,)
+    n = len(plan.orientations)
+    side = plan.grid.side(n)
+    more = (plan.arcs, 2) if name == YAW else ()
+    shape, chunks = (*plan.grid.shape, n), (*(min(side, m) for m in plan.grid.shape), n)
+    return (*shape, *more), "f8" if name == YAW else MEASURES[name][0], (*chunks, *more)
+
+
 def _fill(zarr: Any, path: Path, plan: Plan) -> None:
     group = zarr.open_group(store=str(path), mode="w", zarr_format=3, attributes={KEY: plan.as_attributes()})
     grid, n = plan.grid, len(plan.orientations)
-    side = grid.side(n)
-    shape, chunks = (*grid.shape, n), (*(min(side, m) for m in grid.shape), n)
     names = [*grid.names, "orientation"]
     for name in plan.measures:
-        dtype, meaning = MEASURES[name]
-        attributes = {"long_name": meaning}
-        _create(group, name, shape, dtype, chunks, names, attributes)
+        _create(group, name, *_form_of(plan, name), names, {"long_name": MEASURES[name][1]})
     if plan.arcs:
         attributes = {
             "long_name": "arcs of yaw about axis 1 at which the cell is reached: start and width",
             "units": "rad",
         }
-        more = (plan.arcs, 2)
-        _create(group, YAW, (*shape, *more), "f8", (*chunks, *more), [*names, "arc", "start_width"], attributes)
-    tasks = len(plan.blocks)
-    _create(group, DONE, (tasks,), "u8", (1,), ["task"], {"long_name": "2^32 + CRC-32 of what a task has written"})
+        _create(group, YAW, *_form_of(plan, YAW), [*names, "arc", "start_width"], attributes)
+    _create(group, DONE, *_form_of(plan, DONE), ["task"], {"long_name": "2^32 + CRC-32 of what a task has written"})
     for k, name in enumerate(grid.names):
         _put(group, name, grid.centres(k), [name], {"units": "m"})
     _put(group, "rotation", plan.orientations.matrices().reshape(n, 9), ["orientation", "entry"], {})

@@ -8,12 +8,13 @@ from __future__ import annotations
 
 import numpy as np
 
+from srs_ik.kernels.algebra.joint_vectors import short_way
 from srs_ik.kernels.algebra.lanes import as_bits, gather
 from srs_ik.kernels.algebra.pointers import row
 from srs_ik.kernels.chain.answer import measure_row, measure_row_at, write_row
 from srs_ik.kernels.chain.closest import closest
 from srs_ik.kernels.chain.eight import put_some, take_eight, tip_errors
-from srs_ik.kernels.chain.newton import clipped
+from srs_ik.kernels.chain.newton import CLOSED, arm_angle, clipped, close_free
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.answer import (
     GOOD_POSE,
@@ -29,13 +30,21 @@ from srs_ik.kernels.layout.answer import (
 )
 from srs_ik.kernels.layout.asked import Goal, Target
 from srs_ik.kernels.layout.limb import FREE, LIMITED
-from srs_ik.kernels.limb.branches import branch_of, elbow_branches
-from srs_ik.kernels.limb.goal import NO_SEED, OUTSIDE, UNMET, tightest_joint, turned
+from srs_ik.kernels.limb.branches import NO_BRANCH, branch_of, elbow_branches
+from srs_ik.kernels.limb.goal import NO_SEED, OUTSIDE, UNMET, cost, tightest_joint, turned
 from srs_ik.kernels.limb.poses import read7, read_pose
 from srs_ik.kernels.limb.triangle import place
 from srs_ik.kernels.near.at_angle import may_reach, solve_all_at_angle, solve_at_angle
 from srs_ik.kernels.near.second_attempts import rescue
 from srs_ik.kernels.pose.search import search_exact, search_near_seed, search_true
+
+BARELY = 1e-3
+"""A posture farther outside its limits than this, rad, is not so by rounding."""
+
+CLOSING_STEPS = 12
+
+SAME_ANGLE = 1e-9
+"""Arm angles closer than this, rad, are one where rounding decides about limits."""
 
 
 @kernel
@@ -114,6 +123,23 @@ def solve_row(family, T, asked, J, A, out):
 
 
 @kernel
+def put_on_limits(P, target, psi, found, goal):
+    """A posture at an arm angle, or one inside the limits where it is barely outside them: q, branch, cost.
+
+    Next to a singularity, the rounding of an arm angle turns joints farther than that of the limits allows.
+    """
+    q, branch, value = found
+    if not (goal.respect and OUTSIDE < value < OUTSIDE + BARELY):
+        return found
+    R, p, place_ = target
+    q, error = close_free(P, clipped(P, q), R, p, True, CLOSING_STEPS, np.empty((6, 7)), np.empty((16, 9)))
+    away = short_way(arm_angle(P, q, place_[0], place_[1]) - psi)
+    if error > CLOSED or abs(away) > SAME_ANGLE:
+        return found
+    return q, branch, cost(P, q, goal.seeded, goal.seed, True)
+
+
+@kernel
 def solve_row_at(family, T, psi, asked, J, A, out):
     """Solve one pose at an arm angle into a row of `out`; returns the verdict on the pose.
 
@@ -126,7 +152,7 @@ def solve_row_at(family, T, psi, asked, J, A, out):
     P = row(family, LIMITED)
     target = Target(R, p, place(P, R, p))
     goal = Goal(seed is not None, seed_or_zero(seed), respect)
-    found = solve_at_angle(P, target, psi, branch, goal, J, A)
+    found = put_on_limits(P, target, psi, solve_at_angle(P, target, psi, branch, goal, J, A), goal)
     measure_row_at(P, target, psi, found, respect, row(out, 0))
     return GOOD_POSE
 
