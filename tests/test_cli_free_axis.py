@@ -25,10 +25,10 @@ def test_the_roll_that_is_free_is_not_asked_for():
 
 def test_a_cone_is_kept_and_used():
     free = ["--free-axis", "1", "0", "0", "--seed", *Q]
-    wide = answer("solve", "iiwa14", *POSE, *free, "--cone", "20", "--degrees")
+    wide = answer("solve", "iiwa14", *POSE, *free, "--cone", "0.35")
     tip = srs_ik.load("iiwa14").forward_kinematics(wide["q"])
     lean = np.arccos(np.clip(-tip.rotation[2, 0], -1.0, 1.0))
-    assert 0.01 < lean <= np.deg2rad(20.0) + 1e-9
+    assert 0.01 < lean <= 0.35 + 1e-9
 
 
 def test_files_of_poses_take_it_too(tmp_path):

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from srs_ik.inputs.freedom import FreeAxis
-from srs_ik.solve.freedom import solve_batch
+from srs_ik.solve.freedom import solve, solve_batch
 from srs_ik.solve.pose import solve_all
 
 if TYPE_CHECKING:
@@ -60,12 +60,16 @@ def solve_free_path(
     start, longest = limits
     whole = whole_poses(arm, T, free, start, longest)
     ways = [find(each) for each in (T, whole) if each is not None]
-    best = min(ways, key=lambda way: (len(way.breaks), not way, _squares(way.q)))
+    best = min(ways, key=lambda way: (len(way.breaks), not way, _squares(way.q, start)))
     if not best:
         return best
-    q = relaxed(arm, T, free, best.q, start is not None)
-    if (np.abs(np.diff(q, axis=0)) > np.maximum(longest, np.abs(best.steps).max(axis=0))).any():
-        q = best.q
+    most = np.maximum(longest, np.abs(best.steps).max(axis=0, initial=0.0))
+    q = best.q
+    for other in (followed(arm, T, free, best.q[0]), followed(arm, T[::-1], free, best.q[-1])[::-1], best.q):
+        if np.isfinite(other).all():
+            other = relaxed(arm, T, free, other, start is not None)
+            if (np.abs(np.diff(other, axis=0)) <= most).all() and _squares(other, start) < _squares(q, start):
+                q = other
     found = solve_batch(arm, T, free, q, True, 1)
     if not found.ok.all() or np.abs(found.q - q).max() > SAME:
         return best
@@ -86,6 +90,18 @@ def whole_poses(arm: PackedArm, T: Array, free: FreeAxis, start: Array | None, l
     chosen = _chain(postures, start, longest * np.diff(keys, prepend=0).clip(1)[:, None])
     at_keys = [turns[owner[i]] for owner, i in zip(owners, chosen, strict=True)]
     return _between(T, keys, np.array(at_keys))
+
+
+def followed(arm: PackedArm, T: Array, free: FreeAxis, first: Array) -> Array:
+    """(n, 7) a path from a posture of its first pose, each next one the nearest; NaN from where there is none."""
+    q = np.full((len(T), 7), np.nan)
+    q[0] = first
+    for k in range(1, len(T)):
+        found = solve(arm, T[k], free, q[k - 1], True)
+        if not found:
+            break
+        q[k] = found.q
+    return q
 
 
 def relaxed(arm: PackedArm, T: Array, free: FreeAxis, q: Array, fixed_first: bool) -> Array:
@@ -119,8 +135,8 @@ def _turned(T: Array, turn: Array) -> Array:
     return turned
 
 
-def _squares(q: Array) -> float:
-    return float((np.diff(q, axis=0) ** 2).sum())
+def _squares(q: Array, start: Array | None = None) -> float:
+    return float((np.diff(q if start is None else np.vstack([start, q]), axis=0) ** 2).sum())
 
 
 def _chain(postures: list[Array], start: Array | None, longest: Array) -> list[int]:

@@ -7,12 +7,13 @@ from srs_ik.kernels.chain.answer import write_row
 from srs_ik.kernels.chain.freedom import as_rotation, free_error
 from srs_ik.kernels.chain.kinematics import forward_kinematics
 from srs_ik.kernels.chain.newton import arm_angle
-from srs_ik.kernels.freedom.nearest import beside, nearest
+from srs_ik.kernels.freedom.nearest import NONE_LEFT, beside, nearest
+from srs_ik.kernels.freedom.settle import settle
 from srs_ik.kernels.freedom.starts import find_starts
 from srs_ik.kernels.freedom.widest import comfort, ends, widest
 from srs_ik.kernels.jit import kernel
-from srs_ik.kernels.layout.answer import GOOD_POSE, ROW_STATUS, UNREACHABLE
-from srs_ik.kernels.layout.freedom import Liking
+from srs_ik.kernels.layout.answer import GOOD_POSE, ROW_STATUS, SOLVED, UNREACHABLE
+from srs_ik.kernels.layout.freedom import Found, Freedom, Liking
 from srs_ik.kernels.layout.limb import FREE, LIMITED
 from srs_ik.kernels.limb.branches import branch_of
 from srs_ik.kernels.limb.limits import middles
@@ -36,10 +37,26 @@ def found_posture(family, pose, freedom, turns, seed, respect, desk):
         close = beside(P, pose, freedom, liking, desk)
         if close.met:
             return close
+    least = Found(liking.posture, NONE_LEFT, False)
+    if seeded and freedom.cone > 0.0:
+        # What meets the pose with the roll alone free is no farther than this.
+        roll = Freedom(freedom.axis, 0.0)
+        count = find_starts(P, pose, roll, turns, True, liking.posture, desk)
+        least = eased(P, nearest(P, pose, roll, liking, count, desk), pose, freedom, liking, desk)
     count = find_starts(P, pose, freedom, turns, seeded, liking.posture, desk)
     if seeded:
-        return nearest(P, pose, freedom, liking, count, desk)
+        found = nearest(P, pose, freedom, liking, count, desk)
+        return found if found.cost < least.cost else least
     return widest(P, pose, freedom, count, desk)
+
+
+@kernel
+def eased(P, found, pose, freedom, liking, desk):
+    """A posture, or the nearer one that it leads to where more is free."""
+    if not found.met:
+        return found
+    q, cost, error, _ = settle(P, found.q, pose, freedom, liking, desk)
+    return Found(q, cost, True) if error < SOLVED and cost < found.cost else found
 
 
 @kernel
