@@ -129,7 +129,7 @@ def _free(arm: PackedArm, T: Array, free_axis: Any, given: tuple[Any, ...], othe
     """A path through poses that leave a turn free."""
     from srs_ik.inputs.freedom import as_free_axis
     from srs_ik.solve.freedom import refuse_beside
-    from srs_ik.solve.path_freedomdom import solve_free_path
+    from srs_ik.solve.path_freedom import solve_free_path
 
     refuse_beside(free_axis, **other)
     seed, dt, longest_step, objective = given
