@@ -2,6 +2,7 @@
 
 import sys
 import tempfile
+import time
 from pathlib import Path
 
 import srs_ik
@@ -23,17 +24,18 @@ def main(names):
     with tempfile.TemporaryDirectory() as folder:
         for name in names:
             arm = srs_ik.load(name)
-            step = 0.08 if arm.limb.kind == "near" else STEP
-            count = 72 if arm.limb.kind == "near" else ORIENTATIONS
+            step, count = (0.05, 192) if arm.limb.kind == "near" else (STEP, ORIENTATIONS)
+            begin = time.process_time()
             chart = build_map(arm, step, Path(folder, f"{name}.zarr"), orientations=count)
+            took = time.process_time() - begin
             plot_map(chart, "yaw").savefig(HERE / f"map_{name}.png")
-            share = chart.mean("yaw").mean()
-            line = f"{name}: {chart.plan.cells} cells, {100.0 * share:.1f} % reached"
-            if arm.limb.kind == "exact":
-                free = build_map(unlimited(arm), step, Path(folder, f"{name}_free.zarr"), orientations=count)
-                plot_shell(free, chart, share=0.1, labels=["without limits", name]).savefig(HERE / f"shell_{name}.png")
-                line += f", {100.0 * free.mean('yaw').mean():.1f} % without limits"
-            print(line)
+            free = build_map(unlimited(arm), step, Path(folder, f"{name}_free.zarr"), orientations=count)
+            plot_shell(free, chart, share=0.1, labels=["without limits", name]).savefig(HERE / f"shell_{name}.png")
+            share, without = (100.0 * each.mean("yaw").mean() for each in (chart, free))
+            print(
+                f"{name}: {chart.plan.cells} cells in {took:.1f} s of processor time, {share:.1f} % reached,", end=" "
+            )
+            print(f"{without:.1f} % without limits", flush=True)
         arm = srs_ik.load("human_arm")
         pose = arm.forward_kinematics(0.5 * (arm.lower + arm.upper) + 0.1)
         plot_yaw_arcs(arm, pose).savefig(HERE / "yaw_arcs.png")
