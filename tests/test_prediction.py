@@ -12,6 +12,7 @@ from test_intervals import assert_well_formed, disagreements
 
 import srs_ik
 from srs_ik import Status
+from srs_ik.kernels.layout import limb as at
 
 NEAR = arms.here("gen3", "j2s7s300", "iiwa14_experimental", "rm75")
 
@@ -125,6 +126,42 @@ def test_random_limbs_with_square_axes(pattern, elbow, miss):
             intervals = arm.intervals(pose)
             assert_well_formed(intervals)
             assert disagreements(arm, pose, intervals, 180) == []
+
+
+@pytest.mark.parametrize("name", NEAR)
+@pytest.mark.parametrize("joint", [2, 4, 6])
+def test_arcs_next_to_singularities_and_elbows_at_their_limits(name, joint):
+    """Shoulder or wrist next to singular, where curves are followed, or the elbow next to a limit."""
+    arm, rng = arms.load(name), arms.generator(name, joint)
+    for q in arms.configurations(name, 8, 65):
+        near = abs(rng.normal()) * 0.02
+        q[joint - 1] = arm.upper[3] - near if joint == 4 else singular(arm, joint) + near
+        pose = arm.forward_kinematics(q)
+        intervals = arm.intervals(pose)
+        assert_well_formed(intervals)
+        for branch, psi in disagreements(arm, pose, intervals, 180):
+            # A branch may have two postures at an arm angle here, and `solve_all` lists the one outside the limits.
+            assert any(i.branch == branch and psi in i for i in intervals)
+            assert arm.solve(pose, arm_angle=psi, branch=branch)
+        branch, psi = arm.branch(q), arm.arm_angle(q)
+        assert any(i.branch == branch and in_it(i, psi) for i in intervals)
+        best = margin(arm, arm.solve(pose).q)
+        for psi in np.linspace(-np.pi, np.pi, 90):
+            for solution in arm.solve_all(pose, arm_angle=psi):
+                assert margin(arm, solution.q) <= best + 1e-9
+
+
+def singular(arm, joint):
+    """An angle inside the limits of joint 2 or 6 at which the axes of its neighbours are parallel."""
+    phase = arm.packed.family[0, (at.SHOULDER if joint == 2 else at.WRIST) + at.PHASE]
+    angles = phase + np.pi * np.arange(-4, 5)
+    return angles[(angles > arm.lower[joint - 1] + 0.1) & (angles < arm.upper[joint - 1] - 0.1)][0]
+
+
+def in_it(interval, psi):
+    """Whether an arm angle is in an interval, up to rounding next to a singularity."""
+    ahead = (psi - interval.lower + 1e-7) % (2.0 * np.pi)
+    return ahead <= interval.width + 2e-7
 
 
 @pytest.mark.parametrize("name", NEAR)
