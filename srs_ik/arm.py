@@ -272,8 +272,9 @@ class Arm(BodyOwner):
             velocity: the largest, one for all joints, or (7,), rad/s; those of the description if not given.
             acceleration: the largest, one for all joints, or (7,), rad/s^2; if not given, what brings each joint to its
                 largest velocity in 0.2 s.
-            elbow: "keep" (it moves as little as the target and the limits allow), an arm angle, rad, or an `Objective`
-                or its name ("limit_margin" for farthest from the limits) that it follows downhill.
+            elbow: "keep" (it moves as little as the target and the limits allow), an arm angle, rad, an `Objective` or
+                its name ("limit_margin" for farthest from the limits) that it follows downhill, a `Task`, whose force
+                and velocity it serves, or a `Scene`, from whose bodies it keeps away.
             smoothing: time constant of a filter that takes jitter from the target, seconds; a target at constant
                 velocity is followed without a lag.
             jerk: the largest, one for all joints, or (7,), rad/s^3; by Ruckig (extra `jerk`), which follows what comes
@@ -282,7 +283,7 @@ class Arm(BodyOwner):
 
         Raises:
             InvalidConfiguration: a malformed argument, or q0 outside the joint limits.
-            InvalidTask: no such objective, or one that is no kernel; no free axis.
+            InvalidTask: no such objective, or one that is no kernel; several tasks; no free axis.
             MissingExtra: a limit of the jerk is given, and ruckig is not installed.
             MissingLimits: the description gives a joint no velocity limit, and none is given here.
         """

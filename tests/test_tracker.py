@@ -14,7 +14,16 @@ from hypothesis import given
 from hypothesis import strategies as st
 from motions import KINDS, minimum_jerk, motion, off_target, within
 
-from srs_ik import FreeAxis, InvalidConfiguration, InvalidPose, InvalidTask, MissingLimits
+from srs_ik import (
+    FreeAxis,
+    InvalidConfiguration,
+    InvalidPose,
+    InvalidTask,
+    MissingLimits,
+    Scene,
+    Task,
+    force_velocity_ratio,
+)
 
 DT = 0.002
 ROUNDING = 1e-9
@@ -325,3 +334,37 @@ def test_a_free_roll_brings_more_targets_into_reach():
     assert tracker.reconfigure()
     with pytest.raises(InvalidTask, match="free_axis"):
         tracker_of("iiwa14", q0, free_axis=[0, 0, 0])
+
+
+def test_the_elbow_serves_a_task():
+    arm, q0 = arms.load("iiwa14"), start("iiwa14")
+    T = arm.forward_kinematics(q0).homogeneous
+    task = Task(T[:3, 3], velocity=[1.0, 0.0, 0.0], force=[0.0, 0.0, 1.0])
+    tracker = tracker_of("iiwa14", q0, elbow=task)
+    q, steps = follow("iiwa14", [T] * 3000, tracker)
+    assert_limits_kept("iiwa14", q0, q, tracker)
+    assert all(steps)
+    costs = [force_velocity_ratio(arm.jacobian(each), task.force, task.velocity) for each in (q[0], q[-1])]
+    assert abs(costs[1] - costs[0]) > 1e-3
+    best = arm.optimise(T, "force_velocity_ratio", force=task.force, velocity=task.velocity).value
+    assert abs(costs[1] - best) < abs(costs[0] - best)
+    with pytest.raises(InvalidTask, match="one task, not 2"):
+        tracker.elbow = Task(np.zeros((2, 3)), velocity=[1.0, 0.0, 0.0], force=[0.0, 0.0, 1.0])
+
+
+def test_the_elbow_keeps_away_from_what_stands_around():
+    arm, q0 = arms.load("iiwa14"), start("iiwa14")
+    T = arm.forward_kinematics(q0).homogeneous
+    scene = Scene()
+    elbow = arms.forward("iiwa14").carried(q0, 4, arm.limb.elbow)
+    side = np.cross(arm.limb.shoulder - T[:3, 3], elbow - arm.limb.shoulder)
+    ball = elbow + 0.3 * side / np.linalg.norm(side)
+    scene.add_sphere("ball", ball, 0.05)
+    tracker = tracker_of("iiwa14", q0, elbow=scene)
+    q, steps = follow("iiwa14", [T] * 1000, tracker)
+    assert_limits_kept("iiwa14", q0, q, tracker)
+    assert all(steps)
+    elbows = [arms.forward("iiwa14").carried(each, 4, arm.limb.elbow) for each in (q0, q[-1])]
+    assert np.linalg.norm(elbows[1] - ball) > np.linalg.norm(elbows[0] - ball) + 0.05
+    scene.remove("ball")
+    assert all(follow("iiwa14", [T] * 20, tracker)[1])

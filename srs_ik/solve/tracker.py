@@ -3,28 +3,28 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from enum import StrEnum
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from srs_ik.errors import InvalidConfiguration, InvalidTask, MissingLimits
+from srs_ik.errors import InvalidConfiguration, MissingLimits
 from srs_ik.inputs.freedom import as_free_axis
 from srs_ik.inputs.numbers import real_array, real_number
-from srs_ik.inputs.poses import PoseLike, as_arm_angle, as_joint_vector, as_matrix, as_positive, as_rigid_matrix
+from srs_ik.inputs.poses import PoseLike, as_joint_vector, as_matrix, as_positive, as_rigid_matrix
 from srs_ik.kernels.entries.track import update
 from srs_ik.kernels.layout import track as at
 from srs_ik.kernels.layout.objectives import PARAMS
 from srs_ik.solve.freedom import solve as solve_free
-from srs_ik.solve.objectives import Objective
 from srs_ik.solve.pose import solve
 from srs_ik.solve.solution import Solution
+from srs_ik.solve.tracker_elbow import chosen
 from srs_ik.solve.tracker_jerk import JerkFilter
 
 if TYPE_CHECKING:
-    from srs_ik.kinematics import ChainKinematics
+    from srs_ik.collision.owner import BodyOwner
     from srs_ik.solve.packed import PackedArm
 
 Array = NDArray[np.float64]
@@ -37,6 +37,9 @@ AHEAD = 0.2
 
 AVERAGED = 0.006
 """Seconds over which the velocity of a target is averaged, at least."""
+
+CHOSEN_EVERY = 10
+"""Updates from one look at the bodies of a scene to the next."""
 
 PATIENCE = 0.05
 """Time constant, seconds, in which a target that is lost is expected to slow down."""
@@ -159,7 +162,7 @@ class Tracker:
 
     def __init__(
         self,
-        arm: tuple[PackedArm, ChainKinematics],
+        arm: tuple[PackedArm, BodyOwner],
         q0: ArrayLike,
         dt: float,
         bounds: tuple[ArrayLike | None, ArrayLike | None, ArrayLike | None],
@@ -167,8 +170,8 @@ class Tracker:
         smoothing: float,
         free_axis: Any,
     ) -> None:
-        self._packed, self._chain = arm
-        packed = self._packed
+        packed, owner = arm
+        self._packed, self._arm = packed, owner
         velocity, acceleration, jerk = bounds
         self.dt = as_positive(dt, "dt", "seconds")
         self.velocity_limit = _limits(velocity, packed, "velocity", packed.velocity_limit)
@@ -201,7 +204,7 @@ class Tracker:
 
     @elbow.setter
     def elbow(self, elbow: Any) -> None:
-        kind, angle, parameters = _elbow(elbow, self._packed, self._chain)
+        (kind, angle, parameters), self._choose = chosen(elbow, self._packed, self._arm)
         self._settings[at.ELBOW], self._settings[at.ANGLE_WANTED] = kind, angle
         self._settings[at.SETTINGS :] = parameters
         self._elbow = elbow
@@ -260,6 +263,8 @@ class Tracker:
             InvalidPose: nothing like a pose: another shape, or no numbers.
         """
         out = np.empty(at.STEP)
+        if self._choose is not None:
+            self._choose_elbow(self._choose)
         if pose is None:
             update(self._packed.family, self._state, self._settings, self._nowhere, 0, self._work, out)
         else:
@@ -268,6 +273,16 @@ class Tracker:
         if self._jerk is not None:
             self._send(self._jerk, out, None if pose is None else T)
         return TrackerStep(out, self._packed.joint_names)
+
+    def _choose_elbow(self, choose: Callable[[Array, Array], float]) -> None:
+        """Ask for the arm angle that suits the elbow's policy now and then; on no target, the elbow is kept."""
+        if int(self._state[at.TICK]) % CHOSEN_EVERY:
+            return
+        on = self._state[at.ON] == 1.0
+        self._settings[at.ELBOW] = at.ANGLE if on else at.KEEP
+        if on:
+            q = self._state[at.Q : at.V]
+            self._settings[at.ANGLE_WANTED] = choose(self._arm.forward_kinematics(q).homogeneous, q)
 
     def _send(self, jerk: JerkFilter, out: Array, T: Array | None) -> None:
         """Limit the jerk of a step, and write what comes of it."""
@@ -290,8 +305,8 @@ class Tracker:
     def _error(self, T: Array, q: Array) -> tuple[float, float]:
         """Metres and radians between the tip and a target, but for what that leaves free."""
         if self.free_axis is None:
-            return self._chain.verify(T, q)
-        tip = self._chain.forward_kinematics(q)
+            return self._arm.verify(T, q)
+        tip = self._arm.forward_kinematics(q)
         lean = self.free_axis.lean(tip.rotation, T[:3, :3])
         return float(np.linalg.norm(tip.translation - T[:3, 3])), lean
 
@@ -347,17 +362,3 @@ def _limits(given: ArrayLike | None, packed: PackedArm, what: str, default: Arra
     if values.shape not in ((), (7,)) or not (np.isfinite(values) & (values > 0.0)).all():
         raise InvalidConfiguration(f"{what} must be a positive number, or 7 of them, one a joint")
     return np.full(7, values)
-
-
-def _elbow(elbow: Any, packed: PackedArm, chain: ChainKinematics) -> tuple[float, float, Array]:
-    """Number of a policy of the elbow, its arm angle, and the parameters of its objective."""
-    none = np.zeros(PARAMS)
-    if isinstance(elbow, str) and elbow == "keep":
-        return at.KEEP, 0.0, none
-    if isinstance(elbow, str):
-        elbow = Objective(elbow)
-    if isinstance(elbow, Objective):
-        if elbow.kind is None or elbow.second >= 0:
-            raise InvalidTask(f"a tracker follows objectives that kernels compute, one at a time, not {elbow.name!r}")
-        return float(elbow.kind), 0.0, elbow.packed(chain, packed.weights, True)
-    return at.ANGLE, as_arm_angle(elbow), none

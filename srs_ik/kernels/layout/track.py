@@ -15,7 +15,7 @@ ON = 47  # 1.0 if the tip was on the target after the last update
 STUCK = 48  # updates in which the goal has come no closer
 DETOUR = 49  # 1.0 while the goal goes to a posture known to be on the pose
 DETOUR_END = 50  # 7, that posture
-MISS = 57  # how far the goal's pose is from the target: metres, turns by `LENGTH`
+MISS = 57  # how far the goal's pose is from the target: metres, turns by the reach
 PLAN = 58  # 7, posture for the pose a while ahead
 PLAN_LEFT = 65  # seconds until then; 0: none
 TICK = 66  # updates so far
@@ -78,6 +78,3 @@ OTHER_POSTURE = 5.0
 OUT_OF_REACH = 6.0
 FORBIDDEN = 7.0
 ON_THE_WAY = 8.0
-
-LENGTH = 0.25
-"""Turning by a radian counts as much as moving by so many metres, where not both can be met."""

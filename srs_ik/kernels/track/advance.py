@@ -14,7 +14,7 @@ from srs_ik.kernels.algebra.joint_vectors import along7
 from srs_ik.kernels.algebra.pointers import row
 from srs_ik.kernels.chain.newton import clipped
 from srs_ik.kernels.jit import kernel
-from srs_ik.kernels.layout.limb import LOWER, UPPER
+from srs_ik.kernels.layout.limb import FAR, LOWER, UPPER
 from srs_ik.kernels.layout.track import (
     ACCELERATION,
     BAD_TARGET,
@@ -27,7 +27,6 @@ from srs_ik.kernels.layout.track import (
     GOAL,
     GOAL_RATE,
     HELD,
-    LENGTH,
     LIMITED,
     LOST,
     LOST_TARGET,
@@ -68,14 +67,14 @@ from srs_ik.kernels.track.closest import approach, between, error_at, minus
 from srs_ik.kernels.track.elbow import own_motion
 from srs_ik.kernels.track.elsewhere import look_elsewhere, out_of_reach, way_between
 from srs_ik.kernels.track.freedom import error_left, other_turn, shown_at, wanted
-from srs_ik.kernels.track.limits import fastest_all, slowest_all, toward
+from srs_ik.kernels.track.limits import bounds, toward
 from srs_ik.kernels.track.target import keep_pace, load_pose, lose_target, take_target
 
 FASTER = 3.0
 """The goal may move so many times as fast as the joints."""
 
 MET = 1e-9
-"""A pose is met if it is closer than this, m, and, by `LENGTH`, rad."""
+"""A pose is met if it is closer than this, m, and, by the reach, rad."""
 
 CLOSE = 1e-6
 """The same for what is said of it."""
@@ -120,34 +119,24 @@ def reach_of_goal(P, C, goal, joint, side):
 
 
 @kernel
-def box_of_goal(P, C, g):
-    """Least and largest steps of the goal."""
-    low = (
-        reach_of_goal(P, C, g, 0, -1.0),
-        reach_of_goal(P, C, g, 1, -1.0),
-        reach_of_goal(P, C, g, 2, -1.0),
-        reach_of_goal(P, C, g, 3, -1.0),
-        reach_of_goal(P, C, g, 4, -1.0),
-        reach_of_goal(P, C, g, 5, -1.0),
-        reach_of_goal(P, C, g, 6, -1.0),
+def reaches_of_goal(P, C, g, side):
+    """`reach_of_goal` of all joints."""
+    return (
+        reach_of_goal(P, C, g, 0, side),
+        reach_of_goal(P, C, g, 1, side),
+        reach_of_goal(P, C, g, 2, side),
+        reach_of_goal(P, C, g, 3, side),
+        reach_of_goal(P, C, g, 4, side),
+        reach_of_goal(P, C, g, 5, side),
+        reach_of_goal(P, C, g, 6, side),
     )
-    high = (
-        reach_of_goal(P, C, g, 0, 1.0),
-        reach_of_goal(P, C, g, 1, 1.0),
-        reach_of_goal(P, C, g, 2, 1.0),
-        reach_of_goal(P, C, g, 3, 1.0),
-        reach_of_goal(P, C, g, 4, 1.0),
-        reach_of_goal(P, C, g, 5, 1.0),
-        reach_of_goal(P, C, g, 6, 1.0),
-    )
-    return low, high
 
 
 @kernel
 def move_goal(P, S, C, pose, work):
     """Take the goal a period on towards the target, by the detour if it is on one: how far it is from it then."""
     q, goal = read7(row(S, Q)), read7(row(S, GOAL))
-    low, high = box_of_goal(P, C, goal)
+    low, high = reaches_of_goal(P, C, goal, -1.0), reaches_of_goal(P, C, goal, 1.0)
     if S[DETOUR] == 1.0:
         left = minus(read7(row(S, DETOUR_END)), goal)
         d = between(left, low, high)
@@ -157,7 +146,7 @@ def move_goal(P, S, C, pose, work):
         _, size = error_at(P, C, goal, pose[0], pose[1], work[0])
     else:
         liked = scaled(min(C[PERIOD] / COMING, 1.0), minus(q, goal))
-        choice = (NO_SEED, between(liked, low, high), 0.5 * LENGTH * S[MISS], low, high)
+        choice = (NO_SEED, between(liked, low, high), 0.5 * P[FAR] * S[MISS], low, high)
         d, size = approach(P, C, pose, goal, choice, 2, work)
         goal = clipped(P, along7(goal, 1.0, d))
     share = C[PERIOD] / (C[PERIOD] + SETTLING)
@@ -293,7 +282,7 @@ def advance(P, S, C, given, work, out):
     has, R, p = given
     J, A, task = work
     q, v = read7(row(S, Q)), read7(row(S, V))
-    box = slowest_all(P, C, q, v), fastest_all(P, C, q, v)
+    box = bounds(P, C, q, v, -1.0), bounds(P, C, q, v, 1.0)
     S[TICK] += 1.0
     known = S[STARTED] == 1.0
     shown = load_pose(S, ROTATION)

@@ -11,7 +11,7 @@ from srs_ik.kernels.chain.kinematics import forward_kinematics
 from srs_ik.kernels.chain.newton import twist_to
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.limb import FAR
-from srs_ik.kernels.layout.track import ACCELERATION, LENGTH, PERIOD, ROTATION, Q, V
+from srs_ik.kernels.layout.track import ACCELERATION, PERIOD, ROTATION, Q, V
 from srs_ik.kernels.limb.goal import NO_SEED
 from srs_ik.kernels.limb.poses import read7
 from srs_ik.kernels.track.closest import approach, between
@@ -19,10 +19,10 @@ from srs_ik.kernels.track.freedom import shown_at
 from srs_ik.kernels.track.limits import stopping_speed
 from srs_ik.kernels.track.target import load_pace, load_pose, part_of_way
 
-CLOSE_BY = 0.15
-"""A tip this close to its target, m and, by `LENGTH`, rad, comes back on the straight way."""
+CLOSE_BY = 0.3
+"""A tip this close to its target, m and, by the reach, rad, comes back on the straight way."""
 
-LEVER = 0.25
+LEVER = 0.15
 """The tip brakes with so much of what the slowest joint can do at the end of the stretched arm."""
 
 
@@ -35,14 +35,14 @@ def tip_pose(P, q):
 
 @kernel
 def way_left(P, S, C):
-    """The way of the tip to the target, linear and angular, and its size: metres, turns by `LENGTH`."""
+    """The way of the tip to the target, linear and angular, and its size: metres, turns by the reach."""
     R, p = load_pose(S, ROTATION)
     q = read7(row(S, Q))
     tip = tip_pose(P, q)
     R = shown_at(P, C, q, R)
     T = tip[0]
     linear, angular = twist_to((T[0], T[3], T[6]), (T[1], T[4], T[7]), (T[2], T[5], T[8]), tip[1], R, p)
-    size = math.sqrt(dot(linear, linear) + LENGTH * LENGTH * dot(angular, angular))
+    size = math.sqrt(dot(linear, linear) + P[FAR] ** 2 * dot(angular, angular))
     return tip, linear, angular, size
 
 
@@ -54,7 +54,7 @@ def catch_up(P, S, C, left, own, box, work):
     v, w = load_pace(S)
     # The way relative to a target that moves on.
     behind, turned = along(linear, -period, v), along(angular, -period, w)
-    size = math.sqrt(dot(behind, behind) + LENGTH * LENGTH * dot(turned, turned))
+    size = math.sqrt(dot(behind, behind) + P[FAR] ** 2 * dot(turned, turned))
     push = C[ACCELERATION]
     for j in range(7):
         push = min(push, C[ACCELERATION + j])

@@ -1,4 +1,7 @@
-"""Steps of a posture towards a pose inside bounds: the shortest ones, or the closest where the pose cannot be met."""
+"""Steps of a posture towards a pose inside bounds: the shortest ones, or the closest where the pose cannot be met.
+
+Closeness is that of `chain.closest`: turning by a radian counts as much as moving by the reach of the arm.
+"""
 
 from __future__ import annotations
 
@@ -10,14 +13,15 @@ from srs_ik.kernels.chain.freedom import read_freedom, turn_left
 from srs_ik.kernels.chain.kinematics import forward_kinematics
 from srs_ik.kernels.chain.newton import pose_step
 from srs_ik.kernels.jit import kernel
-from srs_ik.kernels.layout.track import FREE, HAS_FREE, LENGTH, SPEED
+from srs_ik.kernels.layout.limb import FAR
+from srs_ik.kernels.layout.track import FREE, HAS_FREE, SPEED
 from srs_ik.kernels.limb.goal import NO_SEED
 
 DAMPING = 1e-9
 """Weight of the length of a step, m^2: it decides between steps that serve the pose equally."""
 
 ENOUGH = 1e-11
-"""A pose this close is met, m and, by `LENGTH`, rad."""
+"""A pose this close is met, m and, by the reach, rad."""
 
 ROUNDS = 7
 """A joint on its bound is held there, one after the other."""
@@ -25,7 +29,7 @@ ROUNDS = 7
 
 @kernel
 def error_at(P, C, q, R, p, J):
-    """Fill J (6, 7) with the Jacobian of the tip, its last rows by `LENGTH`: the way to the pose, and its size.
+    """Fill J (6, 7) with the Jacobian of the tip, turns by the reach: the way to the pose, and its size.
 
     What the target leaves free is no way, and no motion of the joints leads along it.
     """
@@ -34,9 +38,9 @@ def error_at(P, C, q, R, p, J):
         angular = leave_free(P, C, q, R, J)
     for i in range(3, 6):
         for j in range(7):
-            J[i, j] *= LENGTH
-    e = (linear[0], linear[1], linear[2], LENGTH * angular[0], LENGTH * angular[1], LENGTH * angular[2])
-    return e, max(norm(linear), LENGTH * norm(angular))
+            J[i, j] *= P[FAR]
+    turn = scale(P[FAR], angular)
+    return (linear[0], linear[1], linear[2], turn[0], turn[1], turn[2]), max(norm(linear), norm(turn))
 
 
 @kernel

@@ -42,46 +42,25 @@ def stopping_speed(room, acceleration, period):
 
 
 @kernel
-def slowest(P, C, joint, q, v):
-    """The least velocity of a joint in the next period."""
+def bound(P, C, q, v, joint, side):
+    """The largest velocity of a joint in the next period up (1.0), or the least one, down (-1.0), rad/s."""
     a = C[ACCELERATION + joint]
-    stop = stopping_speed(q - P[LOWER + joint], BRAKE * a, C[PERIOD])
-    return max(-RUN * C[SPEED + joint], v - PUSH * a * C[PERIOD], -stop)
+    room = P[UPPER + joint] - q[joint] if side > 0.0 else q[joint] - P[LOWER + joint]
+    stop = stopping_speed(room, BRAKE * a, C[PERIOD])
+    return side * min(RUN * C[SPEED + joint], side * v[joint] + PUSH * a * C[PERIOD], stop)
 
 
 @kernel
-def fastest(P, C, joint, q, v):
-    """The largest velocity of a joint in the next period."""
-    a = C[ACCELERATION + joint]
-    stop = stopping_speed(P[UPPER + joint] - q, BRAKE * a, C[PERIOD])
-    return min(RUN * C[SPEED + joint], v + PUSH * a * C[PERIOD], stop)
-
-
-@kernel
-def slowest_all(P, C, q, v):
-    """`slowest` of all joints."""
+def bounds(P, C, q, v, side):
+    """`bound` of all joints."""
     return (
-        slowest(P, C, 0, q[0], v[0]),
-        slowest(P, C, 1, q[1], v[1]),
-        slowest(P, C, 2, q[2], v[2]),
-        slowest(P, C, 3, q[3], v[3]),
-        slowest(P, C, 4, q[4], v[4]),
-        slowest(P, C, 5, q[5], v[5]),
-        slowest(P, C, 6, q[6], v[6]),
-    )
-
-
-@kernel
-def fastest_all(P, C, q, v):
-    """`fastest` of all joints."""
-    return (
-        fastest(P, C, 0, q[0], v[0]),
-        fastest(P, C, 1, q[1], v[1]),
-        fastest(P, C, 2, q[2], v[2]),
-        fastest(P, C, 3, q[3], v[3]),
-        fastest(P, C, 4, q[4], v[4]),
-        fastest(P, C, 5, q[5], v[5]),
-        fastest(P, C, 6, q[6], v[6]),
+        bound(P, C, q, v, 0, side),
+        bound(P, C, q, v, 1, side),
+        bound(P, C, q, v, 2, side),
+        bound(P, C, q, v, 3, side),
+        bound(P, C, q, v, 4, side),
+        bound(P, C, q, v, 5, side),
+        bound(P, C, q, v, 6, side),
     )
 
 

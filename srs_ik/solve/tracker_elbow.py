@@ -1,0 +1,89 @@
+"""What a tracker's elbow does with the freedom that the target leaves it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from srs_ik.errors import InvalidTask
+from srs_ik.inputs.poses import as_arm_angle
+from srs_ik.inputs.task import Task
+from srs_ik.kernels.entries.rates import configuration_arm_angle
+from srs_ik.kernels.layout import track as at
+from srs_ik.kernels.layout.collision import WIDE_CLEARANCE
+from srs_ik.kernels.layout.objectives import PARAMS
+from srs_ik.solve.objectives import Objective
+
+if TYPE_CHECKING:
+    from srs_ik.collision.owner import BodyOwner
+    from srs_ik.solve.packed import PackedArm
+
+Array = NDArray[np.float64]
+
+LOOK = (-0.24, -0.12, 0.0, 0.12, 0.24)
+"""Arm angles, from the present one, whose clearance is compared, rad."""
+
+GAIN = 1e-4
+"""The elbow goes elsewhere for so much more clearance, m."""
+
+Chosen = tuple[float, float, Array]
+"""Number of a policy, its arm angle, and the parameters of its objective."""
+
+
+def chosen(elbow: Any, packed: PackedArm, owner: BodyOwner) -> tuple[Chosen, Callable[[Array, Array], float] | None]:
+    """What kernels know of a policy, and what tells the arm angle that is asked for, from pose and posture, or None.
+
+    Raises:
+        InvalidTask: no such objective, one that kernels do not compute, or more than one task.
+        InvalidConfiguration: no arm angle.
+        NoBodies: a scene, and no shapes of the arm are at hand.
+    """
+    none = np.zeros(PARAMS)
+    if isinstance(elbow, str) and elbow == "keep":
+        return (at.KEEP, 0.0, none), None
+    if isinstance(elbow, Task):
+        elbow = _ratio(elbow)
+    if isinstance(elbow, str):
+        elbow = Objective(elbow)
+    if isinstance(elbow, Objective):
+        if elbow.kind is None or elbow.second >= 0:
+            raise InvalidTask(f"a tracker follows objectives that kernels compute, one at a time, not {elbow.name!r}")
+        return (float(elbow.kind), 0.0, elbow.packed(owner, packed.weights, True)), None
+    if _is_scene(elbow):
+        return (at.KEEP, 0.0, none), _clearance(packed, owner, elbow)
+    return (at.ANGLE, as_arm_angle(elbow), none), None
+
+
+def _ratio(task: Task) -> Objective:
+    """The paper's C of a task: easy motion along its velocity, strength along its force."""
+    if task.count is not None:
+        raise InvalidTask(f"a tracker's elbow serves one task, not {task.count}")
+    return Objective("force_velocity_ratio", force=task.force, velocity=task.velocity)
+
+
+def _is_scene(elbow: Any) -> bool:
+    # A tracker without a scene needs nothing of collisions.
+    from srs_ik.collision.scene import Scene
+
+    return isinstance(elbow, Scene)
+
+
+def _clearance(packed: PackedArm, owner: BodyOwner, scene: Any) -> Callable[[Array, Array], float]:
+    """The arm angle near the present one at which bodies are farthest from each other."""
+    from srs_ik.solve.collisions import Surroundings
+
+    around, version = Surroundings(owner, packed, scene, 0.0), scene.version
+
+    def angle(T: Array, q: Array) -> float:
+        nonlocal around, version
+        if scene.version != version:
+            around, version = Surroundings(owner, packed, scene, 0.0), scene.version
+        here, branch = configuration_arm_angle(packed.family, q.copy())
+        clear = [float(around.clearance(T, int(branch) >> 2, here + ahead)[WIDE_CLEARANCE]) for ahead in LOOK]
+        best = int(np.argmax(clear))
+        return here + (LOOK[best] if clear[best] > clear[len(LOOK) // 2] + GAIN else 0.0)
+
+    return angle
