@@ -65,7 +65,8 @@ class InScene:
         """See `Arm.solve_path`."""
         from srs_ik.solve.path import solve_path
 
-        return solve_path(self.packed, poses, *question, self.around)
+        seed, dt, longest_step, objective, known, closed = question
+        return solve_path(self.packed, poses, seed, dt, longest_step, objective, known, closed, self.around)
 
     def solve_task(self, task: Task, *question: Any) -> TaskSolution | BatchTaskSolution:
         """See `Arm.solve_task`."""
