@@ -120,7 +120,7 @@ class Surroundings:
         verdicts: NDArray[np.int8],
         more: float = 0.0,
     ) -> tuple[int, int]:
-        """Write the free intervals of poses of an exact limb as far as rows suffice: the next pose, and the rows used."""
+        """Write the free intervals of poses of an exact limb, as rows suffice: the next pose, and the rows used."""
         tight, tables = self.tight[bool(respect)], self.tables
         limits = self.packed.family if tight is None else tight.family
         slack = self.slack if more == 0.0 else tables.with_margin(self.margin + more)
