@@ -47,8 +47,8 @@ def test_objects_are_drawn_where_they_are(arm, scene):
 
 def test_bodies_have_the_colour_of_their_clearance(arm, scene):
     assert colour_of(-1.0) == palette.TOUCHING
-    assert colour_of(AMPLE) == palette.CLEAR
-    assert colour_of(0.5 * AMPLE) == palette.CLOSE
+    assert colour_of(AMPLE) == pytest.approx(palette.CLEAR)
+    assert colour_of(0.5 * AMPLE) == pytest.approx(palette.CLOSE)
     from srs_ik.collision.clearances import clearances
 
     found = clearances(arm.tables(scene), arm.joint_frames(Q), arm.joint_frames(np.zeros(7)))
