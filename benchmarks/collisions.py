@@ -65,7 +65,10 @@ class Place:
 
 def ours(place: Place, exact: bool) -> Solver:
     """This package, by the spheres or on the real shapes."""
-    scene = scene_of(place.objects, exact=exact)
+    scene, blocked = scene_of(place.objects, exact=exact), srs_ik.Scene()
+    # What answers where nothing is free may have to be compiled, too.
+    blocked.add_sphere("all", [0.0, 0.0, 0.0], 5.0)
+    place.arm.solve(place.arm.forward_kinematics(place.free()), scene=blocked)
 
     def call(T: np.ndarray) -> np.ndarray | None:
         found = place.arm.solve(T, scene=scene)
@@ -151,9 +154,6 @@ def roboplan_checked(place: Place) -> Solver:
             scene.addSphereGeometry(each.name, arm.base, core.Sphere(*each.size), T, colour)
         else:
             scene.addCylinderGeometry(each.name, arm.base, core.Cylinder(*each.size), T, colour)
-        still = [body.name for body in arm.bodies if body.joint == 0]
-        for name in still:
-            scene.setCollisions(name, each.name, False)
     options = simple_ik.SimpleIkOptions(
         group_name="arm", max_time=0.5, max_restarts=50, max_linear_error_norm=1e-4, max_angular_error_norm=1e-4
     )

@@ -1,4 +1,4 @@
-"""Draws docs/pictures/collisions.png: an arm in a scene and one that hits something, photographed in a headless browser.
+"""Draws docs/pictures/collisions.png: an arm among objects, photographed in a headless browser.
 
 Run: python docs/collision_picture.py (needs playwright and Chromium, see the extra "test")
 """

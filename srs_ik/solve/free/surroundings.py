@@ -8,8 +8,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from srs_ik.collision.figures import as_margin
 from srs_ik.collision.ranges import JointRange, tightened
-from srs_ik.collision.scene import Scene, as_margin
+from srs_ik.collision.scene import Scene
 from srs_ik.errors import InvalidScene
 from srs_ik.inputs.poses import invalid_pose
 from srs_ik.kernels.entries import collision as entries
@@ -305,9 +306,7 @@ class TightLimits:
 Tight = tuple[TightLimits | None, TightLimits | None]
 
 
-def _tight_limits(
-    arm: BodyOwner, packed: PackedArm, tables: Tables, margin: float
-) -> tuple[Tight, JointRange | None]:
+def _tight_limits(arm: BodyOwner, packed: PackedArm, tables: Tables, margin: float) -> tuple[Tight, JointRange | None]:
     """See `Surroundings.tight`; None where these need no limits. The second is what leaves no range at all."""
     if not tables.ranges:
         return (None, None), None
