@@ -11,7 +11,7 @@ import srs_ik
 
 POSES, ANGLES = 25, 12
 
-LEAST_SHARE = {"iiwa14": 0.85, "human_arm": 0.85, "gen3": 0.0, "human_left": 0.8}
+LEAST_SHARE = {"iiwa14": 0.85, "human_arm": 0.85, "gen3": 0.9, "human_left": 0.8}
 """Of the free postures those that are called free, at least: more than what spheres leave is not promised."""
 
 

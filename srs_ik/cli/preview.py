@@ -10,6 +10,7 @@ import typer
 
 from srs_ik.cli.options import AllowXacro, Base, Limb, Seven, Source, Tip, WrongInput
 from srs_ik.cli.poses import JOINTS, Quat, Rpy, Xyz, angles, read_pose, unit_of
+from srs_ik.cli.scenes import Margin, SceneFile, read
 
 if TYPE_CHECKING:
     import numpy as np
@@ -37,6 +38,8 @@ def preview(
     self_motion: Annotated[
         bool, typer.Option("--self-motion", help="Move the arm through its arm angles while the tip stays.")
     ] = False,
+    scene: SceneFile = None,
+    margin: Margin = None,
     save: Annotated[
         Path | None,
         typer.Option(metavar="FILE.html", help="Write the scene as one file that needs no server, and leave."),
@@ -56,20 +59,23 @@ def preview(
     """Show an arm in the browser, on a page that this machine alone can open, until Ctrl+C.
 
     With a pose, --xyz with --rpy or --quat, the posture farthest from the joint limits is shown, and the feasible arm
-    angles as arcs around the circle of the elbow. Exit status 1 if there is no posture.
+    angles as arcs around the circle of the elbow. With --scene, its objects are shown too, the arm's bodies in the
+    colour of their clearance, and the arm angles that they forbid. Exit status 1 if there is no posture.
     """
-    _check(save, interactive, follow, ellipsoids or ghosts or self_motion, port)
+    _check(save, interactive, follow, ellipsoids or ghosts or self_motion or scene is not None, port)
     if q is not None and (xyz or rpy or quat):
         raise WrongInput("--q is a posture already and goes with none of --xyz, --rpy and --quat")
     unit = unit_of(degrees)
     shown = None if q is None else angles("--q", q, unit)
     pose = read_pose(xyz, rpy, quat, None, unit)[0] if xyz or rpy or quat else None
 
+    around = read(scene, margin)
+
     from srs_ik.loading import load
 
     arm = load(source, base=base, tip=tip, limb=limb, allow_xacro=allow_xacro)
     if pose is not None:
-        solution = arm.solve(pose)
+        solution = arm.solve(pose, **around)
         if not solution:
             typer.echo(f"srs-ik: {solution.status.name}: {solution.message}", err=True)
             raise typer.Exit(1)
@@ -91,6 +97,9 @@ def preview(
 
     with Preview(arm, meshes or (), port) as view:
         _draw(view, arm, shown, pose, ellipsoids, ghosts, self_motion)
+        if around:
+            view.show_scene(**around)
+            view.show_intervals(arm.forward_kinematics(view.q) if pose is None else pose, **around)
         if save is None:
             _serve(view)
         else:
@@ -100,7 +109,7 @@ def preview(
 
 def _check(save: Path | None, interactive: bool, follow: bool, marked: bool, port: int) -> None:
     if (interactive or follow) and (save is not None or marked):
-        others = "--save, --ellipsoids, --ghosts and --self-motion"
+        others = "--save, --scene, --ellipsoids, --ghosts and --self-motion"
         option = "--follow" if follow else "--interactive"
         raise WrongInput(f"{option} is a page that answers, and goes with none of {others}")
     if port not in range(65536):

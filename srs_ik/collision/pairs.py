@@ -30,6 +30,9 @@ POSTURES = 200
 ALWAYS = 0.95
 """Bodies that touch at more than this share of them touch by design."""
 
+_HAIR = 1e-3
+"""Bodies no farther apart than this, m, count as touching: a joint's housing and what turns in it."""
+
 _BETWEEN = 3
 """Whether bodies with no more joints than this between them can meet at all is tried to be proved ..."""
 
@@ -227,10 +230,16 @@ class _Survey:
     def _always_touch(self, i: int, j: int) -> bool:
         free = 0
         for frames in self._postures:
-            free += not (self._real.hull_distance(frames, i, j) <= 0.0 and self._real.meet(frames, i, j))
+            free += not self._touch(frames, i, j)
             if free >= (1.0 - ALWAYS) * POSTURES:
                 return False
         return True
+
+    def _touch(self, frames: list[Any], i: int, j: int) -> bool:
+        """Whether two bodies touch, or are a hair apart."""
+        if self._real.hull_distance(frames, i, j) > _HAIR:
+            return False
+        return self._real.meet(frames, i, j) or self._real.distance(frames, i, j) <= _HAIR
 
     def where(self, i: int, j: int) -> JointRange | None:
         """A range of one joint in which two bodies are proved not to meet; None where it leaves too little.

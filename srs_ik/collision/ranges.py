@@ -55,9 +55,9 @@ class JointRange:
         k = min(int(np.searchsorted(self.edges, angle, side="right")) - 1, len(self.bounds) - 1)
         return float(self.bounds[k])
 
-    def allowed(self) -> tuple[float, float] | None:
-        """The widest range of the joint in which the bodies do not meet; None for none."""
-        kept = self.bounds > 0.0
+    def allowed(self, margin: float = 0.0) -> tuple[float, float] | None:
+        """The widest range of the joint in which the bodies are farther apart than a margin, m; None for none."""
+        kept = self.bounds > margin
         if kept.all():
             return float(self.edges[0]), float(self.edges[-1])
         starts = np.flatnonzero(kept & ~np.concatenate([[False], kept[:-1]]))
@@ -113,11 +113,13 @@ def _least(distance: Callable[[float], float], turn: tuple[float, float], reach:
     return min(parts)[0]
 
 
-def tightened(ranges: Iterable[JointRange], lower: Array, upper: Array) -> tuple[Array, Array, JointRange | None]:
-    """Limits (7,) within which no such pair meets, and the pair that leaves none, where there is one."""
+def tightened(
+    ranges: Iterable[JointRange], lower: Array, upper: Array, margin: float = 0.0
+) -> tuple[Array, Array, JointRange | None]:
+    """Limits (7,) within which no such pair comes within a margin, m, and the pair that leaves none, if any does."""
     low, high = np.array(lower), np.array(upper)
     for each in ranges:
-        allowed = each.allowed()
+        allowed = each.allowed(margin)
         if allowed is None:
             return low, high, each
         k = each.joint

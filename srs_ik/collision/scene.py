@@ -3,18 +3,19 @@
 from __future__ import annotations
 
 import contextlib
-import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from srs_ik.collision.figures import LARGEST, as_margin, as_name, as_points, as_pose, as_positive, as_vector
 from srs_ik.collision.forms import Form, ball_around, planes, row_of_spheres
-from srs_ik.errors import InvalidPose, InvalidScene, did_you_mean, listed, quoted
+from srs_ik.collision.thing import CELL, Thing, ball_of, cells_of
+from srs_ik.errors import InvalidScene, did_you_mean, listed, quoted
 from srs_ik.inputs.numbers import real_array, real_number
-from srs_ik.inputs.poses import PoseLike, as_rigid_matrix
+from srs_ik.inputs.poses import PoseLike
 from srs_ik.kernels.layout import collision as at
 
 if TYPE_CHECKING:
@@ -22,59 +23,10 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 
-LARGEST = 1e4
-"""Largest size and coordinate of an object, m."""
-
 MESH_SPHERES = 96
 """Spheres that cover a mesh, about."""
 
-CELL = 32
-"""Points of a cloud that are looked at together."""
-
-MOST_POINTS = 2_000_000
 MOST_TRIANGLES = 1_000_000
-
-
-class Thing:
-    """One object: groups of rows in its own frame, and where it is.
-
-    Attributes:
-        name: of the object.
-        forms: its real forms, in its own frame; empty for half-spaces and clouds.
-        T: (4, 4) pose in the base frame.
-        labels: of each group, the name that messages give.
-        replaces: links of the arm's own robot that this object stands for.
-    """
-
-    def __init__(self, name: str, T: Array, forms: Sequence[Form] = ()) -> None:
-        self.name = name
-        self.T = T
-        self.forms = tuple(forms)
-        self.labels: list[str] = []
-        self.replaces: frozenset[str] = frozenset()
-        self.kinds: list[int] = []
-        self.rows: list[Array] = []
-        self.balls: list[Array] = []
-        self.parts: list[tuple[str, tuple[Form, ...]]] = []
-
-    def add(self, kind: int, rows: Array, ball: Array, label: str = "") -> None:
-        """Add a group of rows, with a sphere (4,) that contains it."""
-        self.kinds.append(kind)
-        self.rows.append(np.ascontiguousarray(rows, dtype=float))
-        self.balls.append(np.asarray(ball, dtype=float))
-        self.labels.append(label or self.name)
-
-    def placed(self) -> tuple[Array, Array]:
-        """Balls (G, 4) and rows (n, 4) in the base frame."""
-        R, p = self.T[:3, :3], self.T[:3, 3]
-        balls = np.array(self.balls)
-        balls[:, :3] = balls[:, :3] @ R.T + p
-        rows = np.concatenate(self.rows)
-        flat = np.repeat(self.kinds, [len(group) for group in self.rows]) == at.PLANES
-        turned = rows[:, :3] @ R.T
-        rows[:, :3] = np.where(flat[:, None], turned, turned + p)
-        rows[:, 3] += np.where(flat, turned @ p, 0.0)
-        return balls, rows
 
 
 class Scene:
@@ -129,8 +81,8 @@ class Scene:
             InvalidScene: the name is taken, or the figures are not finite or not positive.
         """
         T = np.eye(4)
-        T[:3, 3] = _vector(centre, 3, f"centre of {quoted(name)}")
-        self._add_form(name, T, "sphere", (_positive(radius, f"radius of {quoted(name)}"),))
+        T[:3, 3] = as_vector(centre, 3, f"centre of {quoted(name)}")
+        self._add_form(name, T, "sphere", (as_positive(radius, f"radius of {quoted(name)}"),))
 
     def add_box(self, name: str, pose: PoseLike, size: ArrayLike) -> None:
         """Add a box about the origin of a pose; size (3,) are its edges, m.
@@ -139,8 +91,8 @@ class Scene:
             InvalidScene: the name is taken, the pose is none, or an edge is not positive and finite.
         """
         what = f"size of {quoted(name)}"
-        edges = tuple(_positive(edge, what) for edge in _vector(size, 3, what))
-        self._add_form(name, _pose(pose, name), "box", edges)
+        edges = tuple(as_positive(edge, what) for edge in as_vector(size, 3, what))
+        self._add_form(name, as_pose(pose, name), "box", edges)
 
     def add_cylinder(self, name: str, pose: PoseLike, radius: float, length: float) -> None:
         """Add a cylinder about the z axis of a pose, m.
@@ -148,7 +100,7 @@ class Scene:
         Raises:
             InvalidScene: the name is taken, the pose is none, or a size is not positive and finite.
         """
-        self._add_form(name, _pose(pose, name), "cylinder", self._round(name, radius, length))
+        self._add_form(name, as_pose(pose, name), "cylinder", self._round(name, radius, length))
 
     def add_capsule(self, name: str, pose: PoseLike, radius: float, length: float) -> None:
         """Add a capsule about the z axis of a pose: a cylinder of this length, and half a sphere at each end, m.
@@ -156,7 +108,7 @@ class Scene:
         Raises:
             InvalidScene: the name is taken, the pose is none, or a size is not positive and finite.
         """
-        self._add_form(name, _pose(pose, name), "capsule", self._round(name, radius, length))
+        self._add_form(name, as_pose(pose, name), "capsule", self._round(name, radius, length))
 
     def add_mesh(self, name: str, pose: PoseLike, file: str | Path, scale: ArrayLike = 1.0) -> None:
         """Add a mesh, covered by spheres.
@@ -199,7 +151,7 @@ class Scene:
         """
         from srs_ik.collision.bodies import covered_mesh
 
-        points = _points(vertices, name)
+        points = as_points(vertices, name)
         triangles = np.asarray(faces)
         fits = triangles.ndim == 2 and triangles.shape[1:] == (3,) and 0 < len(triangles) <= MOST_TRIANGLES
         if not (fits and triangles.dtype.kind in "iu" and triangles.min() >= 0 and triangles.max() < len(points)):
@@ -207,7 +159,7 @@ class Scene:
                 f"faces of {quoted(name)} are (m, 3) places in its vertices, at least one and at most {MOST_TRIANGLES}"
             )
         triangles = triangles.astype(np.int64)
-        thing = Thing(_name(name), _pose(pose, name), (Form("mesh", (), np.eye(4), points, triangles),))
+        thing = Thing(as_name(name), as_pose(pose, name), (Form("mesh", (), np.eye(4), points, triangles),))
         self._put_spheres(thing, covered_mesh(points, triangles, MESH_SPHERES)[0])
         self._put(thing)
 
@@ -218,13 +170,13 @@ class Scene:
             InvalidScene: the name is taken, there are no points or more than 2,000,000, or figures are not finite, or
                 the radius is negative.
         """
-        cloud = _points(points, name)
+        cloud = as_points(points, name)
         size = real_number(radius)
         if not 0.0 <= size <= LARGEST:
             raise InvalidScene(
                 f"radius of {quoted(name)} must be a number from 0 to {LARGEST:g} m, not {quoted(radius)}"
             )
-        thing = Thing(_name(name), np.eye(4))
+        thing = Thing(as_name(name), np.eye(4))
         self._put_spheres(thing, np.column_stack([cloud, np.full(len(cloud), size)]))
         self._put(thing)
 
@@ -234,12 +186,12 @@ class Scene:
         Raises:
             InvalidScene: the name is taken, figures are not finite, or the normal is zero.
         """
-        origin = _vector(point, 3, f"point of {quoted(name)}")
-        direction = _vector(normal, 3, f"normal of {quoted(name)}")
+        origin = as_vector(point, 3, f"point of {quoted(name)}")
+        direction = as_vector(normal, 3, f"normal of {quoted(name)}")
         length = float(np.linalg.norm(direction))
         if length < 1e-9:
             raise InvalidScene(f"normal of {quoted(name)} must not be zero: it gives a direction")
-        thing = Thing(_name(name), np.eye(4))
+        thing = Thing(as_name(name), np.eye(4))
         unit = direction / length
         thing.add(at.PLANES, np.array([[*unit, unit @ origin]]), np.array([*origin, np.inf]))
         self._put(thing)
@@ -266,8 +218,8 @@ class Scene:
                 f"where {quoted(name)} stands is given by a pose, or by an arm of the same robot: beside="
             )
         frames = other.joint_frames(q)
-        T = _pose(pose, name) if beside is None else beside.joint_frames(np.zeros(7))[0] @ np.linalg.inv(frames[0])
-        thing = Thing(_name(name), T)
+        T = as_pose(pose, name) if beside is None else beside.joint_frames(np.zeros(7))[0] @ np.linalg.inv(frames[0])
+        thing = Thing(as_name(name), T)
         bodies = other.bodies if beside is None else [body for body in other.bodies if body.joint]
         thing.replaces = frozenset(body.name for body in bodies) if beside is not None else frozenset()
         for body in bodies:
@@ -315,7 +267,7 @@ class Scene:
             InvalidScene: there is no such object, or the pose is none.
         """
         thing = self._find(name)
-        thing.T = _pose(pose, name)
+        thing.T = as_pose(pose, name)
         self.moves += 1
 
     def remove(self, name: str) -> None:
@@ -336,11 +288,11 @@ class Scene:
         return self._things[name]
 
     def _round(self, name: str, radius: float, length: float) -> tuple[float, float]:
-        return _positive(radius, f"radius of {quoted(name)}"), _positive(length, f"length of {quoted(name)}")
+        return as_positive(radius, f"radius of {quoted(name)}"), as_positive(length, f"length of {quoted(name)}")
 
     def _add_form(self, name: str, T: Array, kind: Any, size: tuple[float, ...]) -> None:
         form = Form(kind, size, np.eye(4))
-        thing = Thing(_name(name), T, (form,))
+        thing = Thing(as_name(name), T, (form,))
         spheres = row_of_spheres(form)
         if spheres is not None and len(spheres) <= CELL:
             thing.add(at.SPHERES, spheres, ball_of(spheres))
@@ -350,7 +302,7 @@ class Scene:
 
     def _put_spheres(self, thing: Thing, rows: Array) -> None:
         """The spheres of an object in cells of neighbours."""
-        for cell in _cells(rows):
+        for cell in cells_of(rows):
             thing.add(at.SPHERES, cell, ball_of(cell))
 
     def _put(self, thing: Thing) -> None:
@@ -361,87 +313,3 @@ class Scene:
 
     def __repr__(self) -> str:
         return f"Scene({listed(self.names)})" if self._things else "Scene(empty)"
-
-
-def as_margin(value: Any) -> float:
-    """A margin, m.
-
-    Raises:
-        InvalidScene: no number from 0 to 1e4.
-    """
-    margin = real_number(value)
-    if not 0.0 <= margin <= LARGEST:
-        raise InvalidScene(f"margin must be a number from 0 to {LARGEST:g} m, not {quoted(value)}")
-    return margin
-
-
-def ball_of(rows: Array) -> Array:
-    """(4,) a sphere that contains spheres (n, 4)."""
-    low, high = (rows[:, :3] - rows[:, 3:]).min(axis=0), (rows[:, :3] + rows[:, 3:]).max(axis=0)
-    centre = 0.5 * (low + high)
-    radius = float((np.linalg.norm(rows[:, :3] - centre, axis=1) + rows[:, 3]).max())
-    return np.array([*centre, radius * (1.0 + 1e-12) + 1e-12])
-
-
-def _cells(rows: Array) -> list[Array]:
-    """Spheres in cells of at most `CELL`, halved along their longest side."""
-    cells, waiting = [], [rows]
-    while waiting:
-        cell = waiting.pop()
-        if len(cell) <= CELL:
-            cells.append(cell)
-            continue
-        axis = int(np.ptp(cell[:, :3], axis=0).argmax())
-        half = len(cell) // 2
-        order = np.argpartition(cell[:, axis], half)
-        waiting += [cell[order[:half]], cell[order[half:]]]
-    return cells
-
-
-def _name(name: Any) -> str:
-    if not isinstance(name, str) or not name.strip() or len(name) > 200:
-        raise InvalidScene(f"an object has a name, a text of up to 200 characters, not {quoted(name)}")
-    return name
-
-
-def _pose(pose: PoseLike, name: str) -> Array:
-    try:
-        T = np.array(as_rigid_matrix(pose))
-    except InvalidPose as error:
-        raise InvalidScene(f"pose of {quoted(name)}: {error}") from None
-    if np.abs(T[:3, 3]).max() > LARGEST:
-        raise InvalidScene(f"pose of {quoted(name)} is farther away than {LARGEST:g} m")
-    return T
-
-
-def _vector(value: Any, count: int, what: str) -> Array:
-    try:
-        vector = real_array(value)
-    except (TypeError, ValueError):
-        raise InvalidScene(f"{what} must be {count} numbers, not {type(value).__name__}") from None
-    if vector.shape != (count,):
-        raise InvalidScene(f"{what} must be {count} numbers, not an array of shape {vector.shape}")
-    if not (np.abs(vector) <= LARGEST).all():
-        raise InvalidScene(f"{what} must be finite and no larger than {LARGEST:g} m, not {vector.tolist()}")
-    return vector
-
-
-def _positive(value: Any, what: str) -> float:
-    number = real_number(value)
-    if not (0.0 < number <= LARGEST and math.isfinite(number)):
-        raise InvalidScene(f"{what} must be a positive number up to {LARGEST:g} m, not {quoted(value)}")
-    return number
-
-
-def _points(points: Any, name: str) -> Array:
-    try:
-        cloud = real_array(points)
-    except (TypeError, ValueError):
-        raise InvalidScene(f"points of {quoted(name)} are an (N, 3) array, not {type(points).__name__}") from None
-    if cloud.ndim != 2 or cloud.shape[1] != 3 or not 0 < len(cloud) <= MOST_POINTS:
-        raise InvalidScene(
-            f"points of {quoted(name)} are an (N, 3) array of 1 to {MOST_POINTS} points, not one of shape {cloud.shape}"
-        )
-    if not (np.abs(cloud) <= LARGEST).all():
-        raise InvalidScene(f"points of {quoted(name)} must be finite and no farther away than {LARGEST:g} m")
-    return cloud

@@ -12,7 +12,8 @@ from numpy.typing import NDArray
 from srs_ik.collision.bodies import Body, revolved
 from srs_ik.collision.pairs import Pair
 from srs_ik.collision.ranges import JointRange
-from srs_ik.collision.scene import Scene, ball_of
+from srs_ik.collision.scene import Scene
+from srs_ik.collision.thing import ball_of
 from srs_ik.kernels.layout import collision as at
 
 if TYPE_CHECKING:

@@ -65,22 +65,27 @@ def circle_solids(arm: Arm, q: Array) -> list[Solid]:
     return [Solid(line, palette.CIRCLE)]
 
 
-def arc_solids(arm: Arm, q: Array, intervals: Sequence[Interval]) -> dict[int, list[Solid]]:
+def arc_solids(
+    arm: Arm, q: Array, intervals: Sequence[Interval], taken: Sequence[Interval] = ()
+) -> dict[int, list[Solid]]:
     """For each branch that has any, its intervals as arcs in the plane of the circle, each branch a step farther out.
 
     Args:
         arm: the arm.
         q: (7,) any configuration of the pose that the intervals are of, rad.
         intervals: feasible arm angles.
+        taken: those at which bodies meet, drawn dark and thin beside the others of their branch.
     """
     circle = elbow_circle(arm, q)
     if circle is None:
         return {}
     thickness, step = 0.006 * reach(arm), 0.02 * reach(arm)
     arcs: dict[int, list[Solid]] = {}
-    branches = sorted({interval.branch for interval in intervals})
-    for interval in intervals:
+    branches = sorted({interval.branch for interval in (*intervals, *taken)})
+    for interval in (*intervals, *taken):
         radius = circle.radius + step * (1.5 + branches.index(interval.branch))
-        arc = solids.ring(circle.centre, circle.across, circle.axis, radius, interval.lower, interval.upper, thickness)
-        arcs.setdefault(interval.branch, []).append(Solid(arc, palette.BRANCHES[interval.branch]))
+        free = not any(interval is other for other in taken)
+        thick, colour = (thickness, palette.BRANCHES[interval.branch]) if free else (0.4 * thickness, palette.FORBIDDEN)
+        arc = solids.ring(circle.centre, circle.across, circle.axis, radius, interval.lower, interval.upper, thick)
+        arcs.setdefault(interval.branch, []).append(Solid(arc, colour))
     return arcs

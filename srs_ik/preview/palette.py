@@ -14,6 +14,13 @@ GHOST: Rgb = (0.45, 0.62, 0.85)
 POSTURE: Rgb = (0.55, 0.2, 0.65)
 CIRCLE: Rgb = (0.55, 0.57, 0.6)
 
+OBJECT: Rgb = (0.5, 0.45, 0.38)
+TOUCHING: Rgb = (0.85, 0.1, 0.1)
+CLOSE: Rgb = (0.95, 0.8, 0.15)
+CLEAR: Rgb = (0.2, 0.7, 0.3)
+FORBIDDEN: Rgb = (0.2, 0.05, 0.05)
+"""Arm angles at which bodies meet."""
+
 VELOCITY: Rgb = (0.1, 0.55, 0.85)
 FORCE: Rgb = (0.9, 0.3, 0.2)
 GRASP: Rgb = (0.2, 0.65, 0.3)

@@ -21,13 +21,16 @@ from srs_ik.preview.document import Caption
 from srs_ik.preview.motion import FPS, film, self_motion
 from srs_ik.preview.robot import Part, Stage, limb, look, reach, resting
 from srs_ik.preview.server import Window
+from srs_ik.preview.surroundings import body_solids, forbidden, object_solids
 from srs_ik.preview.words import Entry
+from srs_ik.solve.in_scene.surroundings import Surroundings
 from srs_ik.writing import write_whole
 
 if TYPE_CHECKING:
     import trimesh
 
     from srs_ik.arm import Arm
+    from srs_ik.collision.scene import Scene
     from srs_ik.inputs.task import Task
     from srs_ik.solve.posture import Posture
     from srs_ik.solve.solution import Interval
@@ -74,6 +77,7 @@ class Preview:
         self._canvas.draw("tip/joint 7/frame", solids.triad(0.12 * self._size), self._T_joint7_tip())
         self._stage = Stage.of(arm, parts)
         self._legend: dict[str, list[Entry]] = {}
+        self._around: tuple[Scene, float] | None = None
         self.show(self._q)
 
     @property
@@ -162,6 +166,7 @@ class Preview:
             for group in ("robot", "limb", "tip"):
                 self._canvas.place(f"{group}/joint {k}", T_base_joint)
         self._canvas.draw("elbow circle", circle_solids(self.arm, self._q))
+        self._draw_bodies()
         self._posture = f"arm angle {words.degrees(self.arm.arm_angle(self._q))} deg, branch {self.arm.branch(self._q)}"
         self._settle()
 
@@ -175,26 +180,70 @@ class Preview:
         self._canvas.draw("target", solids.triad(0.18 * self._size), as_rigid_matrix(pose))
         self._settle()
 
-    def show_intervals(self, pose: PoseLike, respect_limits: bool = True) -> list[Interval]:
+    def show_intervals(
+        self, pose: PoseLike, respect_limits: bool = True, *, scene: Scene | None = None, margin: float = 0.0
+    ) -> list[Interval]:
         """Show the feasible arm angles of a pose as arcs around the circle of the elbow, a colour for each branch.
+
+        With a scene, they are the free ones, and those at which bodies meet are thin dark arcs.
+
+        Args:
+            pose: pose of the tip frame in the base frame.
+            respect_limits: whether the joint limits have to be kept.
+            scene: what must not be touched, the arm's own bodies included; nothing is looked at if not given.
+            margin: what is to be left between any two bodies, m.
 
         Returns:
             The intervals; none, and nothing is drawn, where no posture reaches the pose.
 
         Raises:
             InvalidPose: the pose is no finite rigid transform.
+            InvalidScene: no `Scene`, or no margin.
+            NoBodies: no shapes of the arm are at hand.
             PreviewError: the preview is closed.
         """
         T = as_rigid_matrix(pose)
-        intervals = self.arm.intervals(T, respect_limits)
+        intervals = self.arm.intervals(T, respect_limits, scene=scene, margin=margin)
+        taken = [] if scene is None else forbidden(self.arm.intervals(T, respect_limits), intervals)
         self._canvas.erase("intervals")
         self.show_target(T)
-        if intervals:
+        if intervals or taken:
             q = self.arm.solve(T, respect_limits=False).q
-            for branch, arcs in arc_solids(self.arm, q, intervals).items():
+            for branch, arcs in arc_solids(self.arm, q, intervals, taken).items():
                 self._canvas.draw(f"intervals/branch {branch}", arcs)
-        self._settle("intervals", words.branches(interval.branch for interval in intervals))
+        legend = words.branches(interval.branch for interval in intervals)
+        self._settle("intervals", [*legend, words.TAKEN] if taken else legend)
         return intervals
+
+    def show_scene(self, scene: Scene, margin: float = 0.0) -> None:
+        """Show the objects of a scene, and the arm's bodies in the colour of their clearance, also as the arm moves.
+
+        Red bodies are at the margin or beyond it, green ones 0.1 m and more away from it. Half-spaces are not drawn.
+
+        Args:
+            scene: what must not be touched.
+            margin: what is to be left between any two bodies, m.
+
+        Raises:
+            InvalidScene: no `Scene`, or no margin.
+            NoBodies: no shapes of the arm are at hand.
+            PreviewError: the preview is closed.
+        """
+        Surroundings(self.arm, self.arm.packed, scene, margin)
+        self._around = scene, scene.margin + margin
+        self._canvas.erase("scene")
+        for name, found in object_solids(scene).items():
+            self._canvas.draw(f"scene/{name}", found)
+        self._draw_bodies()
+        self._settle("scene", words.CLEARANCES)
+
+    def _draw_bodies(self) -> None:
+        """The bodies in the colour of their clearance, where a scene is shown."""
+        if self._around is not None:
+            scene, margin = self._around
+            self._canvas.erase("bodies")
+            for name, found in body_solids(self.arm, scene, self._q, margin).items():
+                self._canvas.draw(f"bodies/{name}", found)
 
     def show_ghosts(self, pose: PoseLike, respect_limits: bool = True) -> int:
         """Show one posture of every other branch that reaches a pose, as pale copies of the arm.
@@ -365,6 +414,7 @@ class Preview:
         for name in _EXTRAS:
             self._canvas.erase(name)
         self._legend.clear()
+        self._around = None
         self._canvas.fit(self._stage, closer=True)
         self._settle()
 
@@ -399,6 +449,8 @@ def _measures(part: str, shape: str) -> list[Entry]:
 
 
 _EXTRAS = (
+    "scene",
+    "bodies",
     "target",
     "intervals",
     "ghosts",

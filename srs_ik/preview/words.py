@@ -38,6 +38,16 @@ def branches(numbers: Iterable[int]) -> list[Entry]:
     return [(palette.BRANCHES[number], f"branch {number}") for number in sorted(set(numbers))]
 
 
+CLEARANCES: list[Entry] = [
+    (palette.TOUCHING, "at the margin"),
+    (palette.CLOSE, "5 cm away"),
+    (palette.CLEAR, "10 cm and more"),
+]
+"""The legend of bodies in the colour of their clearance."""
+
+TAKEN: Entry = (palette.FORBIDDEN, "bodies meet")
+
+
 def report(solution: Solution, intervals: Sequence[Interval]) -> str:
     """The posture as HTML, in which escaping is complete: names and messages are those of a robot file."""
     legend = "".join(

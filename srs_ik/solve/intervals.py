@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import operator
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -82,19 +82,32 @@ def intervals(arm: PackedArm, pose: PoseLike, respect_limits: bool) -> list[Inte
 def intervals_batch(arm: PackedArm, poses: Any, respect_limits: bool, threads: int | None) -> IntervalsBatch:
     """Feasible arm angles of many poses; see `Arm.intervals_batch`."""
     T = as_matrices(poses)
-    n = len(T)
+
+    def write(first: int, last: int, respect: bool, *out: Any) -> tuple[int, int]:
+        return entries.intervals_range(arm.family, T, first, last, respect, *arm.work(), *out)
+
+    return gathered(len(T), threads, write, respect_limits)
+
+
+Writer = Callable[..., tuple[int, int]]
+"""Writes intervals: of first pose, last pose, respect, rows, counts, verdicts the next pose, and the rows used."""
+
+
+def gathered(n: int, threads: int | None, write: Writer, respect: bool) -> IntervalsBatch:
+    """The intervals of n poses, by what writes those of some of them.
+
+    Raises:
+        InvalidPose: a pose is no finite rigid transform; the message names the first one.
+    """
     verdicts = np.zeros(n, np.int8)
     offsets = np.zeros(n + 1, np.int64)
     blocks: list[tuple[int, Array]] = []
 
     def work(first: int, last: int) -> None:
         rows = np.empty((BLOCK, 3))
-        space = arm.work()
         while first < last:
             begin = first
-            first, used = entries.intervals_range(
-                arm.family, T, begin, last, respect_limits, *space, rows, offsets[1:], verdicts
-            )
+            first, used = write(begin, last, respect, rows, offsets[1:], verdicts)
             blocks.append((begin, rows[:used].copy()))
 
     run_in_threads(work, n, threads)

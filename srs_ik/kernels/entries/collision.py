@@ -10,18 +10,12 @@ import math
 import numpy as np
 
 from srs_ik.kernels.algebra.pointers import row
-from srs_ik.kernels.chain.answer import measure_row
-from srs_ik.kernels.collision.arcs import add_all, add_arc, cut
+from srs_ik.kernels.collision.arcs import add_arc, cut
 from srs_ik.kernels.collision.clearance import MOST_PARTS, resting_clearance, turning_clearance, widest_within
-from srs_ik.kernels.collision.drift import drifted
-from srs_ik.kernels.collision.forbidden import forbid
+from srs_ik.kernels.collision.free import best_of, forbidden_arcs
 from srs_ik.kernels.collision.seen import World, see_balls, still_frames, turning_frames
-from srs_ik.kernels.exact.farthest import farthest
-from srs_ik.kernels.exact.nearest_within import nearest_within
 from srs_ik.kernels.jit import entry, kernel
-from srs_ik.kernels.layout.asked import Goal, Target
 from srs_ik.kernels.layout.collision import (
-    MARGIN,
     MOST_ARCS,
     NO_GROUP,
     WIDE_ARM_ANGLE,
@@ -31,8 +25,7 @@ from srs_ik.kernels.layout.collision import (
     WIDE_SECOND,
 )
 from srs_ik.kernels.layout.limb import LIMITED
-from srs_ik.kernels.limb.branches import NO_BRANCH
-from srs_ik.kernels.limb.goal import NO_SEED
+from srs_ik.kernels.layout.path import Spot
 from srs_ik.kernels.limb.limits import TURN
 from srs_ik.kernels.limb.poses import read7, read_pose
 from srs_ik.kernels.limb.triangle import place
@@ -42,33 +35,10 @@ ROUNDING = 1e-12
 
 
 @kernel
-def widened(arcs, n, by, free):
-    """Widen every piece of a set by an angle at both ends; return how many pieces there are."""
-    if by == 0.0 or n == 0:
-        return n
-    if by >= math.pi:
-        return add_all(arcs)
-    for i in range(n):
-        free[i, 0], free[i, 1] = arcs[i, 0], arcs[i, 1]
-    count = n
-    n = 0
-    for i in range(count):
-        n = add_arc(arcs, n, 0.5 * (free[i, 0] + free[i, 1]), 0.5 * (free[i, 1] - free[i, 0]) + by)
-    return n
-
-
-@kernel
-def forbidden_arcs(P, T, world, slack, arcs, counts, free):
-    """Write the forbidden arm angles of both elbows into arcs (2, MOST_ARCS, 2), and how many pieces they are."""
-    R, p, _ = read_pose(T)
-    place_ = place(P, R, p)
-    still = still_frames(P, place_, R, p)
-    off, wide = drifted(P, place_, R, p, slack)
-    for elbow in range(2):
-        frames = (still, turning_frames(P, place_, elbow))
-        see_balls(world, elbow, still, frames[1])
-        n = forbid(world, elbow, frames, slack[MARGIN] + off, arcs[elbow], free)
-        counts[elbow] = widened(arcs[elbow], n, wide, free)
+def spot_of(P, T):
+    """What all configurations of a pose share."""
+    R, p, _ = read_pose(row(T, 0))
+    return Spot(R, p, place(P, R, p))
 
 
 @entry
@@ -88,7 +58,8 @@ def forbidden(family, T, bodies, groups, pairs, slack, local, ready, arcs, count
         counts: (2,) integers, output: pieces of each elbow.
     """
     world = World(bodies, groups, pairs, local, ready)
-    forbidden_arcs(row(family, LIMITED), row(T, 0), world, slack, arcs, counts, np.empty((MOST_ARCS, 2)))
+    P = row(family, LIMITED)
+    forbidden_arcs(P, spot_of(P, T), world, slack, arcs, counts, np.empty((MOST_ARCS, 2)))
 
 
 @entry
@@ -97,7 +68,8 @@ def free_intervals(family, T, bodies, groups, pairs, slack, local, ready, found,
     world = World(bodies, groups, pairs, local, ready)
     arcs = np.empty((2, MOST_ARCS, 2))
     counts = np.zeros(2, np.int64)
-    forbidden_arcs(row(family, LIMITED), row(T, 0), world, slack, arcs, counts, np.empty((MOST_ARCS, 2)))
+    P = row(family, LIMITED)
+    forbidden_arcs(P, spot_of(P, T), world, slack, arcs, counts, np.empty((MOST_ARCS, 2)))
     return cut(found, n, arcs, counts, out)
 
 
@@ -194,17 +166,4 @@ def best_within(family, T, found, n, branch, seed, seeded, respect, out):
         out: (ROW,) output.
     """
     P = row(family, LIMITED)
-    R, p, _ = read_pose(row(T, 0))
-    place_ = place(P, R, p)
-    q, best, lowest = NO_SEED, 0, 4.0 * NO_BRANCH
-    if seeded:
-        near = read7(seed)
-        q, best, lowest = nearest_within(P, place_, found[:n], branch, Goal(True, near, respect), lowest)
-    else:
-        for i in range(n):
-            if branch < 0 or int(found[i, 0]) == branch:
-                other, b, cost = farthest(P, place_, found, i, i + 1, -1, respect)
-                if cost < lowest:
-                    q, best, lowest = other, b, cost
-    measure_row(P, Target(R, p, place_), q, best, lowest, respect, row(out, 0))
-    return lowest
+    return best_of(P, spot_of(P, T), found[:n], branch, (seeded, read7(seed), respect), row(out, 0))

@@ -105,6 +105,12 @@ collision.widest(family, T, bodies, groups, pairs, local, ready, found, n: int, 
     out: float[WIDE]&)
 collision.best_within(family, T, found, n: int, branch, seed: float[7], seeded: bool, respect, out: float[ROW]&) ->
     float
+in_scene.free_range(family, limits: float[4, limb.SIZE], poses, first, last, respect, bodies, groups, pairs, slack,
+    local, ready, rows: float[r, 3]&, counts: int[n]&, verdicts) -> (int, int)
+march.march(family, T, found, n: int, bodies, groups, pairs, slack, local, ready, J: float[6, 7]&, A: float[16, 9]&,
+    out: float[o, 3]&) -> int
+in_scene.best_range(family, poses, first, last, rows: float[r, 3], offsets: int[o], branch, seeds, respect,
+    out: float[n, ROW]&)
 motion.edges(family, starts: float[n, 7], ends: float[n, 7], bodies, groups, pairs, slack: float[n, SLACK], local,
     ready, out: float[n, EDGE]&) -> int
 control.tick(family, weights: float[WEIGHTS], ports: float[n, PORT], states: float[n, STATE]&, bounds: float[b],

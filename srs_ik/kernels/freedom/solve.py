@@ -65,7 +65,8 @@ def write_found(P, pose, freedom, q, out):
     x, y, z, position = forward_kinematics(P, q)
     place_ = place(P, as_rotation((x, y, z)), position)
     off, turned = free_error(P, q, pose[0], pose[1], freedom)
-    write_row(place_, q, branch_of(P, q), arm_angle(P, q, place_[0], place_[1]), False, True, off, turned, 0, out)
+    psi = arm_angle(P, q, place_[0], place_[1])
+    write_row(place_, q, branch_of(P, q), psi, (off, turned), (False, 0), out)
 
 
 @kernel

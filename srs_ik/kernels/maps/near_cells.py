@@ -85,7 +85,7 @@ def is_met_near(P, pose, band, family, space):
             psi = TURN * i / PROBED
             if is_met_at(box, side, math.cos(psi), math.sin(psi)) and is_clear(P, side, psi, band):
                 answer = row(space.answers, 0)
-                solve_row_at(family, pose.T, psi, -1, None, True, space.J, space.A, answer)
+                solve_row_at(family, pose.T, psi, (-1, None, True), space.J, space.A, answer)
                 if answer[ROW_STATUS] == OK:
                     return True
     return False
@@ -111,17 +111,17 @@ def reach_near(family, pose, space):
     P = row(family, LIMITED)
     if not may_reach(P, pose.place_):
         return NOT_REACHED
+    target = Target(pose.R, pose.p, pose.place_)
     band = band_of(P, pose.place_)
     if may_predict(P, pose.place_, band):
         if is_met_near(P, pose, band, family, space):
             return REACHED
         if SAFE * band < WIDEST_BAND and is_out_of_band(P, pose, band, space):
             return NOT_REACHED
-        n = predicted_intervals(P, pose.place_, pose.R, pose.p, space.found)
+        n = predicted_intervals(P, target, space.found, space.J, space.A)
         if n >= 0:
             return REACHED if n > 0 else NOT_REACHED
-    n = true_intervals(P, pose.place_, pose.R, pose.p, True, space.found, space.J, space.A)
-    return REACHED if n > 0 else UNSURE
+    return REACHED if true_intervals(P, target, True, space.found, space.J, space.A) > 0 else UNSURE
 
 
 @kernel

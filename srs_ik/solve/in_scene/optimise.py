@@ -44,15 +44,34 @@ def optimise(
         raise InvalidTask(
             f"an Objective has its parameters already; {next(iter(parameters))!r} belongs to its constructor"
         )
-    if objective.second >= 0:
-        raise InvalidTask(f"objective {objective.name!r}, one after another, is not known beside a scene")
     sign = -1.0 if objective.maximise else 1.0
     value = objective.evaluator(around.arm)
     found = Search(around.packed, lambda q: sign * value(q)).over(T, free, respect)
+    if objective.second >= 0 and found is not None:
+        found = _second(around, T, free, respect, objective, sign * value(found.q)) or found
     solution = found or solve(around, T, None, None, -1, respect)
     values = objective.values(around.arm, solution.q)
     return _optimum(solution, objective, values, free, around.packed)
 
+
+def _second(
+    around: Surroundings, T: Array, free: Array, respect: bool, objective: Objective, best: float
+) -> Solution | None:
+    """The best posture by the second objective of those whose first value is near enough to the best one."""
+    sign = -1.0 if objective.maximise else 1.0
+    worst = best + objective.tolerance * abs(best)
+
+    def cost(q: Array) -> float:
+        first, second = objective.values(around.arm, q)
+        # Of the other sense, always.
+        return -sign * second if sign * first <= worst else TOO_BAD
+
+    found = Search(around.packed, cost).over(T, free, respect)
+    return found if found is not None and cost(found.q) < TOO_BAD else None
+
+
+TOO_BAD = 1e5
+"""Cost of a posture whose first value is not near enough to the best one."""
 
 CLEARANCE = "clearance"
 

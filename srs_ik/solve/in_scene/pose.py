@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -10,12 +11,13 @@ from numpy.typing import ArrayLike, NDArray
 from srs_ik.errors import InvalidConfiguration
 from srs_ik.inputs.poses import as_branch, as_matrices, as_seeds, per_pose
 from srs_ik.kernels.entries import collision as entries
+from srs_ik.kernels.entries import in_scene as many
 from srs_ik.kernels.layout import collision as at
 from srs_ik.kernels.layout.answer import ROW, ROW_STATUS
 from srs_ik.solve import pose as pose_solver
 from srs_ik.solve.goals import goal_of
 from srs_ik.solve.in_scene.surroundings import chosen, narrowed
-from srs_ik.solve.intervals import IntervalsBatch
+from srs_ik.solve.intervals import IntervalsBatch, gathered
 from srs_ik.solve.solution import BatchSolution, Collision, Solution, Solutions, Status
 from srs_ik.solve.threads import run_in_threads
 
@@ -120,13 +122,46 @@ def solve_batch(
                 if answer.collision is not None:
                     hits[(i, k) if all_branches else (i,)] = answer.collision
 
+    if psis is None and around.in_closed_form:
+        return _in_kernels(around, T, wanted, seeds, respect, threads)
     run_in_threads(work, n, threads)
     return BatchSolution(rows if all_branches else rows[:, 0], arm.joint_names, arm.elbow, hits)
+
+
+def _in_kernels(
+    around: Surroundings, T: Array, branch: int, seeds: Array | None, respect: bool, threads: int | None
+) -> BatchSolution:
+    """The best postures of many poses of an exact limb by its spheres; where there is none, pose by pose."""
+    arm = around.packed
+    free = gathered(len(T), threads, partial(around.free_range, T), respect)
+    intervals = np.column_stack([free.branch, free.lower, free.upper])
+    rows = np.full((len(T), ROW), np.nan)
+
+    def work(first: int, last: int) -> None:
+        told = intervals, free.offsets, branch, seeds, respect, rows
+        many.best_range(arm.family, T, first, last, *told)
+
+    run_in_threads(work, len(T), threads)
+    hits: dict[tuple[int, ...], Collision] = {}
+
+    def rest(first: int, last: int) -> None:
+        for i in left[first:last].tolist():
+            near = None if seeds is None else seeds[i if len(seeds) > 1 else 0]
+            answer = solve(around, T[i], None, near, branch, respect)
+            rows[i] = answer._row
+            if answer.collision is not None:
+                hits[(i,)] = answer.collision
+
+    left = np.flatnonzero(rows[:, ROW_STATUS] != Status.OK)
+    run_in_threads(rest, len(left), threads)
+    return BatchSolution(rows, arm.joint_names, arm.elbow, hits)
 
 
 def intervals_batch(around: Surroundings, poses: Any, respect: bool, threads: int | None) -> IntervalsBatch:
     """See `Arm.intervals_batch`."""
     T = as_matrices(poses)
+    if around.in_closed_form:
+        return gathered(len(T), threads, partial(around.free_range, T), respect)
     found: list[Array] = [np.empty((0, 3))] * len(T)
 
     def work(first: int, last: int) -> None:

@@ -23,6 +23,16 @@ if TYPE_CHECKING:
     from srs_ik.solve.task import BatchTaskSolution, TaskSolution
 
 
+class FreeIntervals(list[Interval]):
+    """Intervals that keep clear of a scene.
+
+    Attributes:
+        undecided: with real shapes, width of what is forbidden for not having been decided, rad, of all branches.
+    """
+
+    undecided: float = 0.0
+
+
 class InScene:
     """The questions of `in_limits.InLimits`, with bodies that must not meet.
 
@@ -37,8 +47,10 @@ class InScene:
 
     def intervals(self, pose: PoseLike, respect: bool) -> list[Interval]:
         """See `Arm.intervals`."""
-        rows = self.around.all_free(as_matrix(pose), respect)
-        return [Interval(int(b), float(lower), float(upper)) for b, lower, upper in rows]
+        rows, undecided = self.around.free_and_undecided(as_matrix(pose), respect)
+        found = FreeIntervals(Interval(int(b), float(lower), float(upper)) for b, lower, upper in rows)
+        found.undecided = undecided
+        return found
 
     def intervals_batch(self, poses: Any, respect: bool, threads: int | None) -> IntervalsBatch:
         """See `Arm.intervals_batch`."""

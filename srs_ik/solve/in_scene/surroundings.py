@@ -8,12 +8,15 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from srs_ik.collision.figures import as_margin
 from srs_ik.collision.ranges import JointRange, tightened
-from srs_ik.collision.scene import Scene, as_margin
+from srs_ik.collision.scene import Scene
 from srs_ik.errors import InvalidScene
 from srs_ik.inputs.poses import invalid_pose
 from srs_ik.kernels.entries import collision as entries
+from srs_ik.kernels.entries import in_scene as entry_points
 from srs_ik.kernels.entries import intervals as interval_entries
+from srs_ik.kernels.entries import march as march_entries
 from srs_ik.kernels.entries import motion as motion_entries
 from srs_ik.kernels.layout import collision as at
 from srs_ik.kernels.layout.answer import MOST_INTERVALS, ROW_STATUS
@@ -28,6 +31,14 @@ if TYPE_CHECKING:
     from srs_ik.solve.packed import PackedArm
 
 Array = NDArray[np.float64]
+
+
+_LITTLE = 1e-3
+"""Where links of a near limb are no farther from those of its nearest exact limb, m, spheres grown by it will do."""
+
+
+_MOST_MARGINS = 16
+"""For so many margins at most, tightened limits are kept."""
 
 
 class Surroundings:
@@ -56,7 +67,7 @@ class Surroundings:
         self.margin = scene.margin + as_margin(margin)
         self.tables: Tables = arm.tables(scene)
         self.slack = self.tables.with_margin(self.margin)
-        self.tight, self.jammed = _tight_limits(arm, packed, self.tables)
+        self.tight, self.jammed = _tight_limits(arm, packed, self.tables, self.margin)
 
     # Intervals ----------------------------------------------------------------------------------------------------
 
@@ -91,15 +102,57 @@ class Surroundings:
             from srs_ik.solve.in_scene.certified import certified_free
 
             return certified_free(self, T, self.feasible(T, respect), respect, more)
-        tight = self.tight[bool(respect)]
-        if tight is None or self.jammed is not None:
-            return self.by_spheres(T, self.in_range(T, self.feasible(T, respect), respect), more), 0.0
-        return self.by_spheres(T, self._intervals(tight.family, T, True), more), 0.0
+        if not self.packed.closed:
+            return self.along_curves(T, self.in_range(T, self.feasible(T, respect), respect), more), 0.0
+        rows, counts, verdicts = np.empty((MOST_INTERVALS, 3)), np.empty(1, np.int64), np.empty(1, np.int8)
+        self.free_range(T[None], 0, 1, respect, rows, counts, verdicts, more)
+        if verdicts[0]:
+            raise invalid_pose(int(verdicts[0]))
+        return rows[: counts[0]], 0.0
+
+    def free_range(
+        self,
+        T: Array,
+        first: int,
+        last: int,
+        respect: bool,
+        rows: Array,
+        counts: NDArray[np.int64],
+        verdicts: NDArray[np.int8],
+        more: float = 0.0,
+    ) -> tuple[int, int]:
+        """Write the free intervals of poses of an exact limb, as rows suffice: the next pose, and the rows used."""
+        tight, tables = self.tight[bool(respect)], self.tables
+        limits = self.packed.family if tight is None else tight.family
+        slack = self.slack if more == 0.0 else tables.with_margin(self.margin + more)
+        bodies = tables.bodies, tables.groups, tables.pairs, slack, *tables.work()
+        out = rows, counts, verdicts
+        asked = self.packed.family, limits, T, first, last, respect or tight is not None
+        following, used = entry_points.free_range(*asked, *bodies, *out)
+        if self.jammed is not None:
+            counts[first:following], used = 0, 0
+        return following, used
+
+    def along_curves(self, T: Array, found: Array, more: float = 0.0) -> Array:
+        """(n, 3) what the spheres leave of some intervals of a near limb."""
+        tables = self.tables
+        if tables.slack[at.DRIFT] < _LITTLE or not (len(found) and len(tables.pairs)):
+            return self.by_spheres(T, found, more)
+        out = np.empty((MOST_INTERVALS, 3))
+        slack = tables.with_margin(self.margin + more)
+        bodies = tables.bodies, tables.groups, tables.pairs, slack, *tables.work()
+        count = march_entries.march(self.packed.family, T, found, len(found), *bodies, *self.packed.work(), out)
+        return out[:count]
 
     @property
     def is_exact(self) -> bool:
         """Whether real shapes count."""
         return self.scene.exact and self.packed.closed
+
+    @property
+    def in_closed_form(self) -> bool:
+        """Whether the spheres of an exact limb count."""
+        return self.packed.closed and not self.scene.exact
 
     def by_spheres(self, T: Array, found: Array, more: float = 0.0) -> Array:
         """(n, 3) what the spheres leave of some intervals."""
@@ -203,10 +256,10 @@ class Surroundings:
         names = self.tables.names
         for each in self.tables.ranges:
             bound = each.bound_at(float(q[each.joint]))
-            if bound > 0.0:
+            if bound > self.margin:
                 continue
             # Of a pair that is proved apart elsewhere, no depth is known.
-            missing = -max(bound, -1.0)
+            missing = self.margin - max(bound, -1.0)
             if worst is None or missing > worst.depth:
                 worst = Collision(names[each.first], names[each.second], missing)
         return worst
@@ -253,12 +306,14 @@ class TightLimits:
 Tight = tuple[TightLimits | None, TightLimits | None]
 
 
-def _tight_limits(arm: BodyOwner, packed: PackedArm, tables: Tables) -> tuple[Tight, JointRange | None]:
+def _tight_limits(arm: BodyOwner, packed: PackedArm, tables: Tables, margin: float) -> tuple[Tight, JointRange | None]:
     """See `Surroundings.tight`; None where these need no limits. The second is what leaves no range at all."""
     if not tables.ranges:
         return (None, None), None
-    known: dict[str, Any] = arm.__dict__
-    if "_tight" not in known:
+    known: dict[float, tuple[Tight, JointRange | None]] = arm.__dict__.setdefault("_tight", {})
+    if margin not in known:
+        if len(known) >= _MOST_MARGINS:
+            known.clear()
         limits: list[TightLimits | None] = []
         jammed = None
         given: Sequence[tuple[Array, Array]] = (
@@ -266,9 +321,8 @@ def _tight_limits(arm: BodyOwner, packed: PackedArm, tables: Tables) -> tuple[Ti
             (packed.lower, packed.upper),
         )
         for lower, upper in given:
-            low, high, jammed = tightened(tables.ranges, lower, upper)
+            low, high, jammed = tightened(tables.ranges, lower, upper, margin)
             same = np.array_equal(low, lower) and np.array_equal(high, upper) and jammed is None
             limits.append(None if same else TightLimits(arm, low, high))
-        known["_tight"] = (limits[0], limits[1]), jammed
-    found: tuple[Tight, JointRange | None] = known["_tight"]
-    return found
+        known[margin] = (limits[0], limits[1]), jammed
+    return known[margin]

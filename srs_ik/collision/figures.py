@@ -1,0 +1,86 @@
+"""Figures of a scene as callers give them, checked."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from srs_ik.errors import InvalidPose, InvalidScene, quoted
+from srs_ik.inputs.numbers import real_array, real_number
+from srs_ik.inputs.poses import PoseLike, as_rigid_matrix
+
+Array = NDArray[np.float64]
+
+LARGEST = 1e4
+"""Largest size and coordinate of an object, m."""
+
+MOST_POINTS = 2_000_000
+
+
+def as_margin(value: Any) -> float:
+    """A margin, m.
+
+    Raises:
+        InvalidScene: no number from 0 to 1e4.
+    """
+    margin = real_number(value)
+    if not 0.0 <= margin <= LARGEST:
+        raise InvalidScene(f"margin must be a number from 0 to {LARGEST:g} m, not {quoted(value)}")
+    return margin
+
+
+def as_name(name: Any) -> str:
+    """A name of an object."""
+    if not isinstance(name, str) or not name.strip() or len(name) > 200:
+        raise InvalidScene(f"an object has a name, a text of up to 200 characters, not {quoted(name)}")
+    return name
+
+
+def as_pose(pose: PoseLike, name: str) -> Array:
+    """(4, 4) pose of an object."""
+    try:
+        T = np.array(as_rigid_matrix(pose))
+    except InvalidPose as error:
+        raise InvalidScene(f"pose of {quoted(name)}: {error}") from None
+    if np.abs(T[:3, 3]).max() > LARGEST:
+        raise InvalidScene(f"pose of {quoted(name)} is farther away than {LARGEST:g} m")
+    return T
+
+
+def as_vector(value: Any, count: int, what: str) -> Array:
+    """(count,) numbers."""
+    try:
+        vector = real_array(value)
+    except (TypeError, ValueError):
+        raise InvalidScene(f"{what} must be {count} numbers, not {type(value).__name__}") from None
+    if vector.shape != (count,):
+        raise InvalidScene(f"{what} must be {count} numbers, not an array of shape {vector.shape}")
+    if not (np.abs(vector) <= LARGEST).all():
+        raise InvalidScene(f"{what} must be finite and no larger than {LARGEST:g} m, not {vector.tolist()}")
+    return vector
+
+
+def as_positive(value: Any, what: str) -> float:
+    """A positive number."""
+    number = real_number(value)
+    if not (0.0 < number <= LARGEST and math.isfinite(number)):
+        raise InvalidScene(f"{what} must be a positive number up to {LARGEST:g} m, not {quoted(value)}")
+    return number
+
+
+def as_points(points: Any, name: str) -> Array:
+    """(n, 3) points."""
+    try:
+        cloud = real_array(points)
+    except (TypeError, ValueError):
+        raise InvalidScene(f"points of {quoted(name)} are an (N, 3) array, not {type(points).__name__}") from None
+    if cloud.ndim != 2 or cloud.shape[1] != 3 or not 0 < len(cloud) <= MOST_POINTS:
+        raise InvalidScene(
+            f"points of {quoted(name)} are an (N, 3) array of 1 to {MOST_POINTS} points, not one of shape {cloud.shape}"
+        )
+    if not (np.abs(cloud) <= LARGEST).all():
+        raise InvalidScene(f"points of {quoted(name)} must be finite and no farther away than {LARGEST:g} m")
+    return cloud

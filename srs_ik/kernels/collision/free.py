@@ -1,0 +1,77 @@
+"""What bodies leave of the intervals of a pose, and the best posture in it."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from srs_ik.kernels.chain.answer import measure_row
+from srs_ik.kernels.collision.arcs import add_all, add_arc, cut
+from srs_ik.kernels.collision.drift import drifted
+from srs_ik.kernels.collision.forbidden import forbid
+from srs_ik.kernels.collision.seen import see_balls, still_frames, turning_frames
+from srs_ik.kernels.exact.farthest import farthest
+from srs_ik.kernels.exact.nearest_within import nearest_within
+from srs_ik.kernels.jit import kernel
+from srs_ik.kernels.layout.asked import Goal, Target
+from srs_ik.kernels.layout.collision import MARGIN, MOST_ARCS
+from srs_ik.kernels.limb.branches import NO_BRANCH
+from srs_ik.kernels.limb.goal import NO_SEED
+
+
+@kernel
+def widened(arcs, n, by, free):
+    """Widen every piece of a set by an angle at both ends; return how many pieces there are."""
+    if by == 0.0 or n == 0:
+        return n
+    if by >= math.pi:
+        return add_all(arcs)
+    for i in range(n):
+        free[i, 0], free[i, 1] = arcs[i, 0], arcs[i, 1]
+    count = n
+    n = 0
+    for i in range(count):
+        n = add_arc(arcs, n, 0.5 * (free[i, 0] + free[i, 1]), 0.5 * (free[i, 1] - free[i, 0]) + by)
+    return n
+
+
+@kernel
+def forbidden_arcs(P, spot, world, slack, arcs, counts, free):
+    """Write the forbidden arm angles of both elbows into arcs (2, MOST_ARCS, 2), and how many pieces they are."""
+    R, p, place_ = spot.R, spot.p, spot.place
+    still = still_frames(P, place_, R, p)
+    off, wide = drifted(P, place_, R, p, slack)
+    for elbow in range(2):
+        frames = (still, turning_frames(P, place_, elbow))
+        see_balls(world, elbow, still, frames[1])
+        n = forbid(world, elbow, frames, slack[MARGIN] + off, arcs[elbow], free)
+        counts[elbow] = widened(arcs[elbow], n, wide, free)
+
+
+@kernel
+def left_of(P, spot, found, world, slack, out):
+    """Write what bodies leave of intervals (n, 3) of a pose into rows of out; return how many there are then."""
+    arcs, counts = np.empty((2, MOST_ARCS, 2)), np.zeros(2, np.int64)
+    forbidden_arcs(P, spot, world, slack, arcs, counts, np.empty((MOST_ARCS, 2)))
+    return cut(found, found.shape[0], arcs, counts, out)
+
+
+@kernel
+def best_of(P, spot, found, branch, goal, out):
+    """Write the best posture of an exact limb over intervals (n, 3) of a branch (-1: of all); its cost.
+
+    `goal` is whether nearness to a seed counts, that seed, and whether limits do.
+    """
+    seeded, seed, respect = goal
+    q, best, lowest = NO_SEED, 0, 4.0 * NO_BRANCH
+    if seeded:
+        q, best, lowest = nearest_within(P, spot.place, found, branch, Goal(True, seed, respect), lowest)
+    else:
+        for i in range(found.shape[0]):
+            if branch < 0 or int(found[i, 0]) == branch:
+                other, b, cost = farthest(P, spot.place, found, i, i + 1, -1, respect)
+                if cost < lowest:
+                    q, best, lowest = other, b, cost
+    measure_row(P, Target(spot.R, spot.p, spot.place), q, best, lowest, respect, out)
+    return lowest

@@ -1,0 +1,108 @@
+"""Questions in scenes: batches in kernels, margins of ranges, objectives one after another, near arms, made scenes."""
+
+import numpy as np
+import pytest
+from arms import generator
+from collision_oracle import clearance
+from scene_sets import KINDS, made, scene_of
+
+import srs_ik
+
+Q = np.array([0.3, 0.7, -0.4, -1.1, 0.5, 0.8, -0.2])
+
+
+@pytest.fixture(scope="module")
+def arm():
+    return srs_ik.load("iiwa14")
+
+
+def random_poses(arm, count, salt=0):
+    rng = generator(arm.name, salt)
+    lower = np.where(np.isfinite(arm.lower), arm.lower, -np.pi)
+    upper = np.where(np.isfinite(arm.upper), arm.upper, np.pi)
+    return np.array([arm.forward_kinematics(rng.uniform(lower, upper)).homogeneous for _ in range(count)])
+
+
+@pytest.mark.parametrize("seeded", [False, True])
+def test_a_batch_gives_what_single_calls_give(arm, seeded):
+    scene = scene_of(made("shelf", arm, generator("iiwa14", 1)))
+    poses = random_poses(arm, 40)
+    poses[7, :3, 3] *= 5.0
+    seeds = generator("iiwa14", 2).uniform(-1.0, 1.0, (40, 7)) if seeded else None
+    for threads in (1, 2):
+        many = arm.solve_batch(poses, seed=seeds, threads=threads, scene=scene, margin=0.01)
+        for i, T in enumerate(poses):
+            one = arm.solve(T, seed=None if seeds is None else seeds[i], scene=scene, margin=0.01)
+            assert many.status[i] == one.status
+            assert np.abs(many.q[i] - one.q).max() < 1e-9
+            assert many[i].collision == one.collision
+    assert set(many.status) >= {srs_ik.Status.OK, srs_ik.Status.UNREACHABLE}
+
+
+def test_intervals_of_a_batch(arm):
+    scene = scene_of(made("table", arm, generator("iiwa14", 3)))
+    poses = random_poses(arm, 30, 1)
+    many = arm.intervals_batch(poses, scene=scene, margin=0.01)
+    assert [list(each) for each in many] == [list(arm.intervals(T, scene=scene, margin=0.01)) for T in poses]
+    with pytest.raises(srs_ik.InvalidPose, match="3"):
+        arm.intervals_batch([*poses[:3], np.full((4, 4), np.nan)], scene=scene)
+
+
+def test_the_margin_counts_for_ranges_of_joints(arm):
+    T = arm.forward_kinematics(Q)
+    largest = []
+    for margin in (0.0, 0.01, 0.03):
+        q6 = 0.0
+        for each in arm.intervals(T, scene=srs_ik.Scene(), margin=margin):
+            for psi in np.linspace(each.lower + 1e-9, each.upper - 1e-9, 40):
+                q6 = max(q6, abs(arm.solve(T, arm_angle=psi, branch=each.branch).q[5]))
+        largest.append(q6)
+    assert largest[0] > largest[1] + 0.1 > largest[2] + 0.2
+
+
+def test_one_objective_after_another(arm):
+    T = arm.forward_kinematics(Q)
+    scene = srs_ik.Scene()
+    scene.add_sphere("ball", arm.joint_frames(Q)[4, :3, 3], 0.07)
+    given = {"force": [0, 0, 1], "velocity": [1, 0, 0], "tolerance": 0.2}
+    best = arm.optimise(T, "force_then_velocity", scene=scene, **given)
+    assert best
+    objective = srs_ik.Objective("force_then_velocity", **given)
+    values = []
+    for each in arm.intervals(T, scene=scene):
+        for psi in np.linspace(each.lower + 1e-9, each.upper - 1e-9, 150):
+            values.append(objective.values(arm, arm.solve(T, arm_angle=psi, branch=each.branch).q))
+    first, second = np.array(values).T
+    assert best.value <= 1.2 * first.min() + 1e-9
+    assert best.second_value >= second[first <= 1.2 * first.min()].max() * (1.0 - 1e-3)
+    assert clearance(arm, arm.tables(scene), best.q) >= -1e-9
+
+
+def test_real_shapes_say_what_is_undecided(arm):
+    T = arm.forward_kinematics(Q)
+    assert arm.intervals(T, scene=srs_ik.Scene()).undecided == 0.0
+    found = arm.intervals(T, scene=srs_ik.Scene(exact=True))
+    assert 0.0 <= found.undecided < 0.05 * sum(each.width for each in found)
+
+
+def test_a_near_arm_is_followed_on_its_true_chain():
+    arm = srs_ik.load("gen3")
+    scene = scene_of(made("cage", arm, generator("gen3", 4)))
+    rng = generator("gen3", 5)
+    looked = 0
+    for T in random_poses(arm, 4, 6):
+        for each in arm.intervals(T, scene=scene, margin=0.01):
+            for psi in rng.uniform(each.lower, each.upper, 12):
+                answer = arm.solve(T, arm_angle=psi, branch=each.branch)
+                if answer:
+                    looked += 1
+                    assert clearance(arm, arm.tables(scene), answer.q) >= 0.01 - 1e-6
+    assert looked > 20
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_scenes_of_a_script_have_answers_and_refusals(arm, kind):
+    scene = scene_of(made(kind, arm, generator("iiwa14", 7)))
+    status = arm.solve_batch(random_poses(arm, 60, 8), scene=scene).status
+    assert (status == srs_ik.Status.OK).mean() > 0.3
+    assert set(status) <= {srs_ik.Status.OK, srs_ik.Status.COLLISION, srs_ik.Status.UNREACHABLE}
