@@ -37,8 +37,15 @@ def table(head: str, rows: Iterable[Iterable[Any]]) -> list[str]:
     return lines + [f"| {' | '.join(str(cell) for cell in row)} |" for row in rows]
 
 
+def figure(value: float) -> str:
+    """Two digits, without powers of ten where there are more before the point; what is rounding alone is zero."""
+    if abs(value) < 1e-6:
+        return "0"
+    return f"{value:,.0f}" if abs(value) >= 100.0 else f"{value:.2g}"
+
+
 def percent(share: float) -> str:
-    return f"{100.0 * share:.3g} %"
+    return f"{100.0 * share:,.0f} %" if share >= 1.0 else f"{100.0 * share:.3g} %"
 
 
 def law_table(found: dict[str, Any]) -> list[str]:
@@ -65,8 +72,8 @@ def price_table(found: dict[str, Any]) -> list[str]:
     rows = [
         [
             f"{row['elbow_N_m']:,.0f}",
-            f"{1e3 * row['misplaced_tip_error_m']:.2g}",
-            f"{1e3 * row['largest_tip_error_in_a_jump_m']:.2g}",
+            figure(1e3 * row["misplaced_tip_error_m"]),
+            figure(1e3 * row["largest_tip_error_in_a_jump_m"]),
         ]
         for row in found["superposed"]
     ]
@@ -129,7 +136,7 @@ def forbidden_table(found: dict[str, Any]) -> list[str]:
     for kind, name in FORBIDDEN.items():
         row = found[kind]
         within = f"{row['within_2_mm']} of {found['targets']}"
-        rows.append([name, within, f"{1e3 * row['median_farther_m']:.2g}", f"{1e3 * row['worst_farther_m']:.2g}"])
+        rows.append([name, within, figure(1e3 * row["median_farther_m"]), figure(1e3 * row["worst_farther_m"])])
     return table("ports | within 2 mm | farther than it has to be, median (mm) | worst (mm)", rows)
 
 
@@ -187,7 +194,7 @@ def rate_table(found: dict[str, Any]) -> list[str]:
             NAMES[kind],
             f"{found[kind]['at_rest_within']} of {found['cases_within_the_rule']}",
             f"{found[kind]['at_rest']} of {pairs}",
-            f"{found[kind]['largest_joint_speed_rad_s']:.2g}",
+            figure(found[kind]["largest_joint_speed_rad_s"]),
         ]
         for kind in ("per_axis", "radial", "linear", "joint")
     ]
@@ -197,9 +204,9 @@ def rate_table(found: dict[str, Any]) -> list[str]:
 def walking_table(found: dict[str, Any]) -> list[str]:
     toe = found["toe_error_m"]
     rows = [
-        ["toes from their target, rms (mm)", f"{1e3 * toe['rms']:.2g}"],
-        ["toes, largest (mm)", f"{1e3 * toe['largest']:.2g}"],
-        ["knee, largest (mm)", f"{1e3 * found['knee_error_m']['largest']:.2g}"],
+        ["toes from their target, rms (mm)", figure(1e3 * toe["rms"])],
+        ["toes, largest (mm)", figure(1e3 * toe["largest"])],
+        ["knee, largest (mm)", figure(1e3 * found["knee_error_m"]["largest"])],
         ["fastest joint (rad/s)", f"{found['largest_joint_speed_rad_s']:.2g}"],
         ["largest torque (N m)", f"{found['largest_torque_N_m']:.2g}"],
     ]
@@ -207,7 +214,7 @@ def walking_table(found: dict[str, Any]) -> list[str]:
         [f"power in the null space, elbow turned by {name}, median", f"{100.0 * row['median']:.0f} %"]
         for name, row in found["null_space_share_of_power"].items()
     ]
-    return table("walking leg | ", rows)
+    return table("walking leg | figure", rows)
 
 
 def model_table(found: dict[str, Any]) -> list[str]:

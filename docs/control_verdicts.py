@@ -28,7 +28,9 @@ def verdicts(found: dict[str, Any]) -> list[Row]:
 
 
 def percent(share: float) -> str:
-    return f"{100.0 * share:.2g} %" if share > 0.0 else "0 %"
+    if share <= 0.0:
+        return "0 %"
+    return f"{100.0 * share:.0f} %" if share >= 1.0 else f"{100.0 * share:.2g} %"
 
 
 def passive(shares: dict[str, Any]) -> Row:
@@ -108,9 +110,9 @@ def singular(stretch: dict[str, Any]) -> Row:
         f"rad/s), {fast['per_axis']['below_3_rad_s']} in 2 s ({worst['beyond it, 2 s']:.2g}), and with brakes at the "
         f"arm's own speeds {braked['below_3_rad_s']} of {braked['seeds']} "
         f"({braked['largest_joint_speed_rad_s']['worst']:.2g}). There, operational space: "
-        f"{plain['largest_joint_speed_rad_s']['worst']:.2g} rad/s and {plain['largest_torque_N_m']:.3g} N m asked for "
+        f"{plain['largest_joint_speed_rad_s']['worst']:.2g} rad/s and {plain['largest_torque_N_m']:,.0f} N m asked for "
         f"with the plain inverse, {damped['largest_joint_speed_rad_s']['worst']:.2g} rad/s and "
-        f"{damped['largest_torque_N_m']:.3g} N m with the damped one. Springs and dampers stay at "
+        f"{damped['largest_torque_N_m']:,.0f} N m with the damped one. Springs and dampers stay at "
         f"{linear['largest_joint_speed_rad_s']['worst']:.2g} rad/s: it is the transposed Jacobian, not the law",
         COMMAND,
     )
@@ -125,7 +127,7 @@ def nearest(forbidden: dict[str, Any]) -> Row:
         f"With a radial port on the tip alone {alone['within_2_mm']} of {forbidden['targets']} targets within 2 mm of "
         f"the least distance that SciPy finds. Axis by axis {axes['within_2_mm']}, "
         f"{1e3 * axes['median_farther_m']:.2g} mm in the median, as another sum is least there; with repelling limits "
-        f"{1e3 * soft['median_farther_m']:.2g} mm, with turn and elbow too {1e3 * every['median_farther_m']:.2g} mm",
+        f"{1e3 * soft['median_farther_m']:.2g} mm, with turn and elbow too {1e3 * every['median_farther_m']:.0f} mm",
         COMMAND,
     )
 
