@@ -167,15 +167,13 @@ def test_the_shell_of_an_elbow_alone_has_its_volume(tmp_path):
     a, b = arm.limb.upper_arm, arm.limb.forearm
     inner = np.sqrt(a * a + b * b + 2.0 * a * b * np.cos(1.9))
     exact = 4.0 / 3.0 * np.pi * ((a + b) ** 3 - inner**3)
-    errors = []
-    for step in (0.1, 0.05, 0.025):
+    for step in (0.1, 0.05, 0.025, 0.0125):
         chart = build_map(arm, step, tmp_path / f"{step}.zarr", orientations=12)
         rho = chart.plan.grid.centres(0)
         volume = (chart.mean("reached") * TURN * rho[:, None] * step**2).sum()
-        errors.append(abs(volume / exact - 1.0))
+        # Cells at the two edges are counted in or out by chance, so the error falls faster than the step.
+        assert abs(volume / exact - 1.0) < 2.0 * step**1.5
         assert np.isin(chart.mean("reached"), [0.0, 1.0]).all()
-    assert errors[-1] < 0.01
-    assert errors[-1] < errors[0]
 
 
 def test_an_unlimited_joint_1_has_whole_circles():

@@ -79,13 +79,16 @@ def plot_shell(*charts: Map, share: float = 0.0, labels: Sequence[str] | None = 
         values, extent, directions = _slice(chart, YAW if chart.plan.arcs else "reached", 0.0)
         x, y = (np.linspace(a, b, n + 1)[:-1] + 0.5 * (b - a) / n for a, b, n in _lines(extent, values.shape))
         colour = (VELOCITY, FORCE, "black", "tab:green")[k % 4]
-        # A contour at zero would lie outside all that is reached.
-        drawn = axes.contour(x, y, values.T, levels=[max(share, 1e-9)], colors=[colour], linewidths=1.5)
+        # Thinner ones lie on wider ones where shells coincide. A contour at zero would lie outside all that is reached.
+        width = 1.5 * (len(charts) - k)
+        drawn = axes.contour(x, y, values.T, levels=[max(share, 1e-9)], colors=[colour], linewidths=width)
         names.append((drawn.legend_elements()[0][0], labels[k] if labels else chart.plan.robot["name"]))
         axes.set_xlabel(directions[0])
         axes.set_ylabel(directions[1])
     axes.set_aspect("equal")
-    axes.legend(*zip(*names, strict=True), loc="upper right")
+    figure.legend(*zip(*names, strict=True), loc="outside lower center", ncols=2)
+    if charts and charts[0].plan.grid.kind == "half-plane":
+        axes.set_xlim(left=0.0)
     axes.set_title(f"reached in more than {100.0 * share:g} % of orientations")
     return figure
 
