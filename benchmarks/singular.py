@@ -37,8 +37,8 @@ WORSE = 1e-6
 """An answer farther from its seed by more than this, rad, than a known posture is a failure ..."""
 
 ROUNDING = 1e-15
-"""... unless the pose does not tell the two apart: its figures end here, m and rad, and where outer axes are as close to
-one line as some offset, that turns their joints by so many times its inverse."""
+"""... unless the pose does not tell the two apart: its figures end here, m and rad, and where outer axes are as close
+to one line as some offset, that turns their joints by so many times its inverse."""
 
 SWEPT = 360
 SPLITS = 240
