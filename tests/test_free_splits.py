@@ -105,6 +105,16 @@ def test_seeded_answers_against_a_sweep_that_scipy_polishes(judge, name):
         assert judge["farther"](arm, known, case) < 1e-6, case
 
 
+@pytest.mark.parametrize(("name", "joints"), [("iiwa14", (1, 3, 5)), ("iiwa14", (1, 3)), ("human_arm", (1, 3))])
+def test_seeded_answers_with_an_elbow_as_good_as_flat(judge, name, joints):
+    """The pose does not tell its bend: each has a curve of postures of its own."""
+    arm = arms.load(name)
+    known, rng = judge["Known"](arm), arms.generator(name, 63)
+    for case in judge["cases"](arm, 25, rng, (joints,)):
+        away = judge["farther"](arm, known, case)
+        assert not judge["is_told"](case, away), (case, away)
+
+
 @pytest.mark.parametrize("seed", range(12))
 def test_seeded_answers_of_random_limbs(judge, seed):
     limb = random_limb(

@@ -48,6 +48,15 @@ def test_core_dependencies_are_the_agreed_ones(project):
     assert names == {"pin", "numpy", "yourdfpy", "meshcat", "scipy", "typer", "rich"}
 
 
+def test_packages_whose_inner_parts_are_used_have_an_upper_bound(project):
+    optional = project["optional-dependencies"]
+    wanted = [*project["dependencies"], *(each for extra in optional.values() for each in extra)]
+    for name in ("numba", "meshcat", "viser", "xacro"):
+        own = [each for each in wanted if re.split(r"[<>=~! \[]", each)[0] == name]
+        assert own
+        assert all("<" in each for each in own), own
+
+
 def test_package_says_that_it_is_typed():
     assert (ROOT / "srs_ik" / "py.typed").is_file()
 

@@ -184,6 +184,26 @@ def test_wrist_on_axis_1(name):
     assert found > 0
 
 
+@pytest.mark.parametrize("name", arms.here("iiwa14", "med7"))
+def test_ends_of_intervals_next_to_singular_postures_are_met(name):
+    """There, the rounding of an arm angle turns joints farther than the limits allow."""
+    arm, forward = arms.load(name), arms.forward(name)
+    singular, asked = phases(arm.limb), 0
+    for q in arms.configurations(name, 3, 37):
+        for joints in ((1,), (5,), (1, 5)):
+            for offset in (1e-10, 1e-8, 1e-7, 1e-6, 1e-5):
+                placed = q.copy()
+                for joint in joints:
+                    placed[joint] = singular[joint] + offset
+                pose = forward(placed)
+                for interval in arm.intervals(pose):
+                    for psi in (interval.lower, interval.upper):
+                        solution = arm.solve(pose, arm_angle=psi, branch=interval.branch)
+                        assert_met(arm, forward, pose, solution)
+                        asked += 1
+    assert asked > 1000
+
+
 def test_stretched_upright_arm():
     """Everything singular at once: the zero posture of the iiwa."""
     arm, forward = arms.load("iiwa14"), arms.forward("iiwa14")

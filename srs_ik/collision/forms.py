@@ -83,11 +83,15 @@ def _outwards(points: Array, faces: NDArray[np.int32]) -> NDArray[np.int64]:
     return out
 
 
+THINNEST = 1000.0
+"""A capsule longer than so many times its radius is no row of spheres."""
+
+
 def row_of_spheres(form: Form) -> Array | None:
-    """(n, 4) spheres that cover a sphere or a capsule with next to nothing beyond it; None for other forms."""
+    """(n, 4) spheres that cover a sphere or a capsule with next to nothing beyond it; else None."""
     if form.kind == "sphere":
         return np.array([[*form.T[:3, 3], form.size[0]]])
-    if form.kind != "capsule":
+    if form.kind != "capsule" or form.size[1] > THINNEST * form.size[0]:
         return None
     radius, length = form.size
     count = 1 + math.ceil(length / (0.6 * radius))

@@ -124,6 +124,8 @@ class Scene:
         """
         from srs_ik.meshes.files import FORMATS, MeshMissing, file_size, read_mesh
 
+        if not isinstance(file, str | Path):
+            raise InvalidScene(f"the file of {quoted(name)} is a path, not {quoted(file)}")
         path = Path(file)
         factors = np.zeros(3)
         with contextlib.suppress(TypeError, ValueError):
@@ -152,7 +154,10 @@ class Scene:
         from srs_ik.collision.bodies import covered_mesh
 
         points = as_points(vertices, name)
-        triangles = np.asarray(faces)
+        try:
+            triangles = np.asarray(faces)
+        except ValueError:
+            triangles = np.empty(0)
         fits = triangles.ndim == 2 and triangles.shape[1:] == (3,) and 0 < len(triangles) <= MOST_TRIANGLES
         if not (fits and triangles.dtype.kind in "iu" and triangles.min() >= 0 and triangles.max() < len(points)):
             raise InvalidScene(
@@ -281,9 +286,9 @@ class Scene:
         self.version += 1
 
     def _find(self, name: str) -> Thing:
-        if name not in self._things:
+        if not isinstance(name, str) or name not in self._things:
             known = list(self._things)
-            hint = did_you_mean(name, known)
+            hint = did_you_mean(str(name), known)
             raise InvalidScene(f"the scene has no {quoted(name)}{hint}; it has {listed(known) or 'no object'}")
         return self._things[name]
 

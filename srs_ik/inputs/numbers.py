@@ -32,9 +32,9 @@ def real_number(value: Any) -> float:
     if isinstance(value, float):
         return float(value)
     # NumPy drops an imaginary part with no more than a warning, and float() reads text.
-    if isinstance(value, str | bytes | bytearray) or np.iscomplexobj(value):
+    if isinstance(value, str | bytes | bytearray):
         return math.nan
     try:
-        return float(value)
+        return math.nan if np.iscomplexobj(value) else float(value)
     except Exception:  # of the object's own making
         return math.nan

@@ -117,7 +117,7 @@ def box(arm: Arm, step: float, bounds: object = None) -> Grid:
     else:
         try:
             limits = np.array(bounds, dtype=float)
-        except (TypeError, ValueError):
+        except (TypeError, ValueError, OverflowError):
             limits = np.empty(0)
         if limits.shape != (3, 2) or not np.isfinite(limits).all() or not (limits[:, 0] < limits[:, 1]).all():
             raise InvalidMap("a box is given by a lower and an upper x, y and z, in metres")

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, Literal, NamedTuple, get_args
 import numpy as np
 from numpy.typing import NDArray
 
-from srs_ik.errors import InvalidTask, did_you_mean
+from srs_ik.errors import InvalidTask, did_you_mean, quoted
 from srs_ik.inputs.poses import as_matrices, refuse_bad_poses
 from srs_ik.kernels.entries.pose import check_pose
 from srs_ik.kernels.layout.maps import CELL_MARGIN, CELL_WIDTH
@@ -94,9 +94,11 @@ def base_placement(
         InvalidPose: a pose or candidate is no finite rigid transform.
         InvalidTask: there is no pose or no candidate, or another measure.
     """
-    if by not in get_args(Measure):
+    if not isinstance(by, str) or by not in get_args(Measure):
         known = get_args(Measure)
-        raise InvalidTask(f"candidates are ranked by {', '.join(known)}, not by {by!r}{did_you_mean(by, known)}")
+        raise InvalidTask(
+            f"candidates are ranked by {', '.join(known)}, not by {quoted(by)}{did_you_mean(str(by), known)}"
+        )
     T_room_tip, T_room_base = _checked(poses), _checked(candidates)
     if not len(T_room_tip) or not len(T_room_base):
         raise InvalidTask("a base is placed for one pose and among one candidate at least")

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from srs_ik.errors import InvalidConfiguration, MissingLimits
+from srs_ik.errors import InvalidConfiguration, MissingLimits, quoted
 from srs_ik.inputs.poses import as_joint_vector, as_matrices, as_positive, as_seed
 from srs_ik.kernels.layout.answer import ROW
 from srs_ik.kernels.layout.path import (
@@ -100,13 +100,13 @@ def solve_path(
             arm, T, free_axis, (seed, dt, longest_step, objective), {"known": known, "closed": closed, "scene": around}
         )
     n = len(T)
-    if objective not in OBJECTIVES:
-        raise InvalidConfiguration(f"objective is one of {', '.join(OBJECTIVES)}, not {objective!r}")
+    if not isinstance(objective, str) or objective not in OBJECTIVES:
+        raise InvalidConfiguration(f"objective is one of {', '.join(OBJECTIVES)}, not {quoted(objective)}")
     settings = _settings(arm, dt, longest_step, objective)
     start = None if seed is None else as_seed(seed, arm.lower, arm.upper)
     if not n:
         return PathSolution(np.empty((0, ROW)), arm.joint_names, np.empty((0, 7)), [])
-    given, has_given = _known(arm, T, known or {})
+    given, has_given = _known(arm, T, {} if known is None else known)
     problem = Problem(arm, T, start, settings, dt is not None, given, has_given, np.zeros((n, 7)), objective=objective)
     if closed and np.abs(T[0] - T[-1]).max() > ON_POSE:
         raise InvalidConfiguration("a closed path ends at its first pose, and the last pose is another one")
@@ -176,8 +176,10 @@ def _with_held_splits(problem: Problem) -> Problem | None:
 def _known(arm: PackedArm, T: Array, known: Mapping[int, ArrayLike]) -> tuple[Array, NDArray[np.bool_]]:
     """(n, 7) postures that are given, and (n,) where they are."""
     given, has_given = np.zeros((len(T), 7)), np.zeros(len(T), np.bool_)
+    if not isinstance(known, Mapping):
+        raise InvalidConfiguration(f"known must be a mapping from poses to their postures, not {quoted(known)}")
     for index, posture in known.items():
-        if not isinstance(index, int) or not -len(T) <= index < len(T):
+        if isinstance(index, bool) or not isinstance(index, int) or not -len(T) <= index < len(T):
             raise InvalidConfiguration(f"known: there is no pose {index}; the path has {len(T)}")
         q = as_joint_vector(posture, f"the posture of pose {index}")
         if (q < arm.lower).any() or (q > arm.upper).any():
