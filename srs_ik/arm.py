@@ -200,6 +200,7 @@ class Arm(BodyOwner):
         objective: str = "sum_of_squares",
         known: Mapping[int, ArrayLike] | None = None,
         closed: bool = False,
+        acceleration_limit: ArrayLike | None = None,
     ) -> PathSolution:
         """A continuous joint path through N poses, inside the limits, chosen over the whole path and not step by step.
 
@@ -217,6 +218,9 @@ class Arm(BodyOwner):
             known: postures that the path has to take, (7,) by the index of their pose.
             closed: whether the path has to end in the posture in which it begins (but for whole turns of joints without
                 end); its last pose is its first one.
+            acceleration_limit: (7,) of the joints, rad/s^2, for the objective "time": the path is then passed from rest
+                to rest within both limits, at the `times` of the answer. That is the least time along the path, and
+                the path the best one of those that are best by each objective.
 
         Raises:
             InvalidPose: a pose is no finite rigid transform; the message names the first one.
@@ -226,7 +230,7 @@ class Arm(BodyOwner):
         """
         from srs_ik.solve.path import solve_path
 
-        return solve_path(self.packed, poses, seed, dt, longest_step, objective, known, closed)
+        return solve_path(self.packed, poses, seed, dt, longest_step, objective, known, closed, acceleration_limit)
 
     def tracker(
         self,
