@@ -212,6 +212,7 @@ class Arm(BodyOwner):
         objective: str = "sum_of_squares",
         known: Mapping[int, ArrayLike] | None = None,
         closed: bool = False,
+        acceleration_limit: ArrayLike | None = None,
         *,
         free_axis: ArrayLike | FreeAxis | str | None = None,
         scene: Scene | None = None,
@@ -236,6 +237,9 @@ class Arm(BodyOwner):
             known: postures that the path has to take, (7,) by the index of their pose.
             closed: whether the path has to end in the posture in which it begins (but for whole turns of joints without
                 end); its last pose is its first one.
+            acceleration_limit: (7,) of the joints, rad/s^2, for the objective "time": the path is then passed from rest
+                to rest within both limits, at the `times` of the answer. That is the least time along the path, and
+                the path the best one of those that are best by each objective.
             free_axis: what of the rotation is free, as for `solve`; turns are chosen on samples, along the whole path,
                 and then each for its neighbours. It goes with neither known postures nor a closed path nor a scene.
             scene: what must not be touched, the arm's own bodies included; nothing is looked at if not given.
@@ -249,7 +253,7 @@ class Arm(BodyOwner):
             InvalidScene: no `Scene`, or no margin.
             NoBodies: no shapes of the arm are at hand.
         """
-        question = seed, dt, longest_step, objective, known, closed, free_axis
+        question = seed, dt, longest_step, objective, known, closed, acceleration_limit, free_axis
         return self._asked(scene, margin).solve_path(poses, *question)
 
     def tracker(

@@ -5,12 +5,16 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
+from numpy.typing import NDArray
 
-from srs_ik.kernels.layout.path import BREAK, BY_VELOCITY
+from srs_ik.kernels.layout.path import BREAK, BY_VELOCITY, INVERSE_SPEED, POWER
 from srs_ik.solve.path_blocks import find_way
 from srs_ik.solve.path_polish import WIDTHS, polish, refine
-from srs_ik.solve.path_problem import LARGEST_STEP, SUM_OF_SQUARES, Problem, Way, worth
+from srs_ik.solve.path_problem import LARGEST_STEP, SUM_OF_SQUARES, Problem, Way, steps_of, worth
 from srs_ik.solve.path_search import EVERYWHERE, may_be_fine, search
+from srs_ik.solve.path_timing import passing_times
+
+Array = NDArray[np.float64]
 
 SEARCHES = 3
 """A path with a smaller largest step is searched for so often at most ..."""
@@ -27,7 +31,26 @@ TURNS = 3
 
 def best(problem: Problem) -> Way:
     """The best path by what it is asked to make least."""
+    if problem.acceleration is not None:
+        return quickest(problem, problem.acceleration)
     return least_largest_step(problem) if problem.objective == LARGEST_STEP else search(problem)
+
+
+def quickest(problem: Problem, acceleration: Array) -> Way:
+    """The path that takes the least time within limits of velocity and acceleration, of those best by each objective.
+
+    The one of the least time at the velocity limits turns sharply; the one of the least sum of squares is even.
+    """
+
+    def lasts(way: Way) -> tuple[int, float]:
+        steps = steps_of(problem, way.q[way.reached])
+        return worth(problem, way)[0], float(passing_times(steps, problem.arm.velocity_limit, acceleration)[-1])
+
+    even = replace(problem, acceleration=None, objective=SUM_OF_SQUARES)
+    even.settings = problem.settings.copy()
+    even.settings[[INVERSE_SPEED, POWER]] = 0.0
+    ways = [best(replace(even, objective=SUM_OF_SQUARES)), best(replace(problem, acceleration=None))]
+    return min(ways, key=lasts)
 
 
 def least_largest_step(problem: Problem) -> Way:

@@ -53,6 +53,7 @@ class Problem:
         radius: how far around, rad; 0: nowhere.
         objective: what is to be least.
         in_closed_form: whether to go by the nearest exact limb of a near one.
+        acceleration: (7,) limits of joint accelerations, rad/s^2, within which the time is to be least; None: none.
         stop: (1,) set by another thread where nobody wants the answer any more.
         around: what must not be touched; None for nothing.
         free: with it, of each pose the (k, 3) intervals that keep clear of it.
@@ -69,6 +70,7 @@ class Problem:
     radius: float = 0.0
     objective: str = SUM_OF_SQUARES
     in_closed_form: bool = False
+    acceleration: Array | None = None
     stop: Stop = field(default_factory=lambda: np.zeros(1, np.int8))
     bridges: Array = field(default_factory=lambda: np.empty((0, 7)))
     bridged: NDArray[np.int64] = field(default_factory=lambda: np.empty(0, np.int64))

@@ -112,14 +112,10 @@ def planned(problem: Problem) -> Way:
             if not missed.any():
                 improve(problem, way)
                 return search_around(problem, way)
-            near = find_around(problem, way, np.arange(len(T)))
-            if near.cost < 0.5 * BREAK and near.reached.all():
-                improve(problem, near, FINE)
-                return near
         if marks.all():
             break
-        # Between two planned poses the path does something of its own: there, every pose is planned.
-        marks |= missed if missed.any() else True
+        # Between two planned poses the path does something of its own: every pose is planned then.
+        marks[:] = True
     if way.cost >= 0.5 * BREAK and problem.free is None:
         more = bridged(problem) if not problem.in_closed_form or arm.closed else problem
         again = find_way(more, keys, False) if more is not problem else way

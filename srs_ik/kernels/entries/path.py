@@ -60,7 +60,7 @@ MOST_NODES = 4096
 MOST_STRIPS = 512
 """Most strips of a pose."""
 
-KEY_CHANGE = 0.25
+KEY_CHANGE = 0.03
 """A path is planned at poses this far apart, rad."""
 
 FARTHEST_KEY = 8

@@ -89,6 +89,13 @@ path.refine(family, poses, chain: int[c], fixed: bool[n], bounds: float[n, 2], w
 path.finish(family, poses, chain: int[c], q: float[n, 7], psi: float[n], branch: int[n], J, A, out: float[n, ROW]&)
 path.polish(family, poses, chain: int[c], fixed: bool[n], bounds: float[n, 2], seed, settings, kind: int,
     scale: float[7], weights: float[w], q: float[n, 7]&, psi: float[n]&, branch: int[n]&, J, A) -> float
+path_bound.cover(family, poses, first, known: float[n, 7], has_known: bool[n], extra: float[n, 7], longest: float, J, A,
+    cells: float[M, CELL]&, ends: int[e]&) -> int
+path_bound.cut(family, poses, coarse: float[c, CELL], coarse_ends: int[k], longest: float, J, A,
+    cells: float[M, CELL]&, ends: int[e]&) -> int
+path_bound.relax(cells: float[M, CELL], ends: int[e], backward: bool, settings, worth: float[M, WORTH]&)
+path_bound.reach(cells: float[M, CELL], ends: int[e], backward: bool, limit: float, settings, spans: float[M, 2]&) ->
+    bool
 path.bridge(family, poses, starts: float[n, 7]&, met: bool[n]&, J: float[6, 7]&, A: float[16, 9]&)
 task.read_tasks(raw: float[n, TASK], given, out: float[n, TASK]&) -> (int, int)
 task.posture(family, H, x: float[TASK], given, side, tie, out: float[POSTURE]&)

@@ -19,6 +19,25 @@ STRIP_LEAST = 16
 """A strip: least and largest angle of every joint, the rows of its first and last posture, and what none of its
 postures costs less than."""
 
+CELL = 18
+CELL_OFF = 14
+CELL_FROM = 15
+CELL_TO = 16
+CELL_BRANCH = 17
+"""A piece of the postures of a pose: its first posture and from there to its last one (7 figures each), how far the
+postures may be off the straight piece, the arm angles of both, and its branch (`POINT`: one posture, `CURVE`: a piece
+of the curve of a near limb)."""
+
+POINT = -1
+CURVE = -2
+
+WORTH = 3
+WORTH_BEGIN = 0
+WORTH_END = 1
+WORTH_SAG = 2
+"""What a cell costs at least: at its begin, at its end, and between: at a part t of the way, t (1 - t) times the last
+figure less than the straight line from one to the other."""
+
 BY_VELOCITY = 0
 BY_CONTINUITY = 1
 PERIOD = 2
@@ -69,6 +88,16 @@ class Desk(NamedTuple):
     turns: Any
     allowed: Any
     given: Any
+
+
+class Net(NamedTuple):
+    """Cells (M, CELL) as they are made: their longest length, whether all turns of joints are wanted, work space."""
+
+    cells: Any
+    longest: float
+    all_turns: bool
+    desk: Desk
+    sheet: Sheet
 
 
 class Span(NamedTuple):

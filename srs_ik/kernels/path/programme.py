@@ -180,6 +180,27 @@ def try_cell(e, a, b, ends, rules, found, place):
 
 
 @kernel
+def reach_of(strips, strip, rules, least):
+    """How far apart joints may be, rad, for a step from a strip to be continuous, and cheaper than what is known."""
+    reach = rules.settings[BY_CONTINUITY, 0]
+    if rules.settings[INVERSE_SPEED, 0] != 0.0:
+        return reach
+    room = least - strips[strip, STRIP_LEAST]
+    return math.sqrt(max(room, 0.0) / rules.share) if room < rules.share * reach * reach else reach
+
+
+@kernel
+def is_beyond(q, strip, reach, settings):
+    """Whether a posture is farther than that from all postures of a strip."""
+    for k in range(7):
+        j = (3, 1, 5, 0, 2, 4, 6)[k]
+        off = abs(step_of(settings, j, 0.5 * (strip[j] + strip[7 + j]), q[j]))
+        if off > reach + 0.5 * (strip[7 + j] - strip[j]):
+            return True
+    return False
+
+
+@kernel
 def try_strip(q, sheet, strip, rules, found):
     """The cheapest way to a posture q from a strip of the pose before, if better: cost, and place (row and part).
 
@@ -189,7 +210,9 @@ def try_strip(q, sheet, strip, rules, found):
     first, last = int(sheet.strips[strip, STRIP_FIRST]), int(sheet.strips[strip, STRIP_LAST])
     if sheet.strips[strip, STRIP_LEAST] >= found[0]:
         return found
-    reach = settings[BY_CONTINUITY, 0]
+    reach = reach_of(sheet.strips, strip, rules, found[0])
+    if is_beyond(q, row(sheet.strips, strip), reach, settings):
+        return found
     i = first
     while i <= last:
         following = min(i + 1, last)
@@ -209,7 +232,10 @@ def try_strip(q, sheet, strip, rules, found):
                     i += 1
                 continue
         ends = (cost[i], cost[following], sag)
-        found = try_cell(e, row(nodes, i), row(nodes, following), ends, rules, found, float(i))
+        better = try_cell(e, row(nodes, i), row(nodes, following), ends, rules, found, float(i))
+        if better[0] < found[0]:
+            found = better
+            reach = reach_of(sheet.strips, strip, rules, found[0])
         i += 1
     return found
 

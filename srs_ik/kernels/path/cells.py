@@ -1,0 +1,224 @@
+"""Cells of a pose: straight pieces of joint space, and how far from each the postures lie that it stands for.
+
+Every posture of the pose is within `CELL_OFF` of the piece of some cell: what holds for all points so close to the
+pieces holds for all postures. Between two arm angles h apart a curve strays from its chord by at most h^2 / 8 times its
+largest second derivative, which for a spherical joint the least volume of its three axes bounds:
+
+    w = q1' b1 + q2' b2 + q3' b3  and  b1 q1'' + b2 q2'' + b3 q3'' = -q1' q2' b1 x b2 - q3' w x b3
+
+On the true chain of a near limb, where the curve is followed, the bound is what is measured in the middle of each part.
+"""
+
+from __future__ import annotations
+
+import math
+
+from srs_ik.kernels.algebra.joint_vectors import along7, dot7
+from srs_ik.kernels.algebra.pointers import row
+from srs_ik.kernels.algebra.vectors import cross, dot, load3, norm, swing
+from srs_ik.kernels.curves.follow import between
+from srs_ik.kernels.jit import kernel
+from srs_ik.kernels.layout.limb import (
+    A1,
+    A2,
+    A3,
+    BOTTOM_GAP,
+    LOWER,
+    RANGE_KIND,
+    SHOULDER,
+    TOP_GAP,
+    UPPER,
+    WRIST,
+)
+from srs_ik.kernels.layout.path import CELL, CELL_BRANCH, CELL_FROM, CELL_OFF, CELL_TO
+from srs_ik.kernels.limb.limits import TURN
+from srs_ik.kernels.limb.poses import read7
+from srs_ik.kernels.limb.spherical import middle_angle
+from srs_ik.kernels.path.followed import along_cell, posture_of
+from srs_ik.kernels.path.near_strips import setting_of
+
+PARTS = 4
+"""A cell is looked at in so many parts."""
+
+SLACK = 1e-8
+"""Rounding of postures, rad: ends of intervals, and what a path is put on its limits by."""
+
+FLAT = 1e-9
+"""Volume of three axes below which a spherical joint may turn on the spot."""
+
+FREE = 2.0 * TURN
+"""What joints may stray from a cell whose spherical joint may turn on the spot, rad."""
+
+MEASURED = 2.0
+"""On a near limb a curve strays at most so many times as far as is measured."""
+
+
+@kernel
+def least_sine(P, k, circle, begin, end):
+    """Least |sin(q2 - PHASE)| of the spherical joint at block k between two arm angles."""
+    a1 = load3(P, k + A1)
+    c, s = dot(a1, circle[1]), dot(a1, circle[2])
+    top = math.atan2(s, c)
+    least = 1.0
+    for i in range(4):
+        psi = begin if i == 0 else end
+        if i >= 2:
+            psi = top if i == 2 else top + math.pi
+            psi += TURN * math.ceil((begin - psi) / TURN)
+            if psi > end:
+                continue
+        v = swing(circle[0], circle[1], circle[2], math.cos(psi), math.sin(psi))
+        _, sine, _ = middle_angle(P, k, v)
+        least = min(least, sine)
+    return least
+
+
+@kernel
+def bend_bound(P, k, circle, begin, end):
+    """Square of what the second derivatives of the three joints at block k by the arm angle stay below, or infinity.
+
+    `circle` is that of v = R a3 with the arm angle.
+    """
+    sine = least_sine(P, k, circle, begin, end)
+    half = 1.0 - 0.5 * (P[k + TOP_GAP] + P[k + BOTTOM_GAP])
+    volume = half * sine
+    if volume < FLAT:
+        return math.inf
+    a1, a2, a3 = load3(P, k + A1), load3(P, k + A2), load3(P, k + A3)
+    n12, n23 = norm(cross(a1, a2)), norm(cross(a2, a3))
+    # Axes across one another: joint 2 turns no faster than the arm does.
+    is_square = P[k + TOP_GAP] < 1e-12 and P[k + BOTTOM_GAP] < 1e-12
+    rate1, rate3 = n23 / volume, n12 / volume
+    rate2 = 1.0 if is_square else 1.0 / volume
+    turned = math.sqrt(dot(circle[1], circle[1]))
+    rest = n12 * rate1 * rate2 + turned * rate3
+    return rest * rest * (rate1 * rate1 + rate2 * rate2 + rate3 * rate3)
+
+
+@kernel
+def distance_to(q, a, d):
+    """Distance of a posture from the piece a to a + d."""
+    to_q = along_cell(a, q)
+    size = dot7(d, d)
+    t = min(max(dot7(to_q, d) / size, 0.0), 1.0) if size > 0.0 else 0.0
+    off = along7(to_q, -t, d)
+    return math.sqrt(dot7(off, off))
+
+
+@kernel
+def stray(P, side, angles, branch, a, b):
+    """How far the postures of a branch between two arm angles may be from the piece from a to b."""
+    begin, end = angles
+    d = along_cell(a, b)
+    width = (end - begin) / PARTS
+    most, rest = 0.0, 0.0
+    before = a
+    good = True
+    for part in range(1, PARTS + 1):
+        psi = begin + part * width
+        bend = bend_bound(P, SHOULDER, side[1][0], psi - width, psi)
+        bend += bend_bound(P, WRIST, side[2][0], psi - width, psi)
+        rest = max(rest, bend)
+        if part < PARTS:
+            q, met = posture_of(P, side, psi, branch, before, True)
+            good = good and met
+            most = max(most, distance_to(q, a, d))
+            before = q
+    if not math.isfinite(rest) or not good:
+        return FREE
+    return most + 0.125 * width * width * math.sqrt(rest) + SLACK
+
+
+@kernel
+def stray_near(P, spot, a, b, J, A):
+    """The same of a piece of a curve of a near limb, as it is measured."""
+    d = along_cell(a, b)
+    by = setting_of(P, spot, J, A)
+    most = 0.0
+    for part in range(1, PARTS):
+        q, met = between(P, by, a, b, part / PARTS)
+        if not met:
+            return FREE
+        most = max(most, distance_to(along7(a, 1.0, short(a, q)), a, d))
+    return MEASURED * most + SLACK
+
+
+@kernel
+def short(a, q):
+    """The steps from a to q, without whole turns."""
+    d = along_cell(a, q)
+    return (turned(d[0]), turned(d[1]), turned(d[2]), turned(d[3]), turned(d[4]), turned(d[5]), turned(d[6]))
+
+
+@kernel
+def turned(angle):
+    """An angle without whole turns."""
+    return angle - TURN * math.floor(angle / TURN + 0.5)
+
+
+@kernel
+def put_cell(cells, n, a, b, off, told):
+    """Write a cell from posture a to b; `told` are its arm angles and its branch."""
+    for j in range(7):
+        cells[n, j] = a[j]
+        cells[n, 7 + j] = b[j] - a[j]
+    cells[n, CELL_OFF] = off
+    cells[n, CELL_FROM] = told[0]
+    cells[n, CELL_TO] = told[1]
+    cells[n, CELL_BRANCH] = told[2]
+
+
+@kernel
+def may_be_inside(P, a, b, off):
+    """Whether postures so close to the piece from a to b may be inside their limits."""
+    inside = True
+    for j in range(7):
+        inside = inside and min(a[j], b[j]) - off <= P[UPPER + j] and max(a[j], b[j]) + off >= P[LOWER + j]
+    return inside
+
+
+@kernel
+def put_turns(P, cells, n, a, b, off, told):
+    """Write a cell in all turns of joints that have limits more than a turn apart; the next free row.
+
+    A cell that no turn takes near the limits is left out.
+    """
+    first = n
+    if n >= cells.shape[0]:
+        return n
+    put_cell(cells, n, a, b, off, told)
+    n += 1
+    for j in range(7):
+        if P[RANGE_KIND + j] != 0.0 or not math.isfinite(P[LOWER + j]) or not math.isfinite(P[UPPER + j]):
+            continue
+        low, high = min(a[j], b[j]) - off, max(a[j], b[j]) + off
+        least = math.ceil((P[LOWER + j] - high) / TURN)
+        most = math.floor((P[UPPER + j] - low) / TURN)
+        last = n
+        for turn in range(least, most + 1):
+            if turn == least:
+                continue
+            for i in range(first, last):
+                if n >= cells.shape[0]:
+                    return n
+                for c in range(CELL):
+                    cells[n, c] = cells[i, c]
+                cells[n, j] += TURN * turn
+                n += 1
+        if least > most:
+            return first
+        for i in range(first, last):
+            cells[i, j] += TURN * least
+    return n
+
+
+@kernel
+def cell_start(cells, i):
+    """First posture of a cell."""
+    return read7(row(cells, i))
+
+
+@kernel
+def cell_chord(cells, i):
+    """From the first posture of a cell to its last."""
+    return (cells[i, 7], cells[i, 8], cells[i, 9], cells[i, 10], cells[i, 11], cells[i, 12], cells[i, 13])

@@ -1,0 +1,156 @@
+"""A bound below what any path costs: the programme over cells, where each step counts its least between two cells.
+
+What a cell costs is a parabola along it that lies nowhere above the costs of its postures (`WORTH`). A posture within
+r of the pieces of two cells is no closer than their distance u less r, and (u - r)^2 is at least
+(1 - g) u^2 - r^2 (1 - g) / g for any g from 0 to 1, a parabola of both places. The least over the first place is convex
+in the second one: its values at both ends, less the bound of its bend, are nowhere above it.
+"""
+
+from __future__ import annotations
+
+import math
+
+from srs_ik.kernels.algebra.joint_vectors import dot7
+from srs_ik.kernels.algebra.pointers import row
+from srs_ik.kernels.jit import kernel
+from srs_ik.kernels.layout.path import (
+    BY_CONTINUITY,
+    CELL_OFF,
+    IMPOSSIBLE,
+    WORTH_BEGIN,
+    WORTH_END,
+    WORTH_SAG,
+)
+from srs_ik.kernels.path.cells import cell_chord
+from srs_ik.kernels.path.programme import moved_on, steps_between
+
+FAR = 1.0
+"""Cells farther apart, rad, count their distance alone."""
+
+GROUP = 8
+"""Cells that are left out together where they are too far away."""
+
+
+@kernel
+def lowest(worth, i):
+    """Least of the parabola of a cell."""
+    a, b, sag = worth[i, WORTH_BEGIN], worth[i, WORTH_END], worth[i, WORTH_SAG]
+    if sag <= abs(b - a):
+        return min(a, b)
+    t = 0.5 * (1.0 - (b - a) / sag)
+    return a + t * (b - a) - sag * t * (1.0 - t)
+
+
+@kernel
+def least_along(e, d, worth, i, gain):
+    """Least over s from 0 to 1 of the parabola of cell i plus gain |e - s d|^2, and whether it is inside."""
+    a, b, sag = worth[i, WORTH_BEGIN], worth[i, WORTH_END], worth[i, WORTH_SAG]
+    size = sag + gain * dot7(d, d)
+    slope = 0.5 * (sag - (b - a)) + gain * dot7(e, d)
+    s = 0.0
+    if size > 1e-18:
+        s = slope / size
+    elif slope > 0.0:
+        s = 1.0
+    t = min(max(s, 0.0), 1.0)
+    off = moved_on(e, d, t)
+    return a + t * (b - a) - sag * t * (1.0 - t) + gain * dot7(off, off), t == s
+
+
+@kernel
+def step_between(cells, i, worth, here, j, settings):
+    """The parabola of what a step from cell i to cell j of `here` costs, with what cell i does: begin, end and sag."""
+    d, chord = cell_chord(cells, i), cell_chord(here, j)
+    e = steps_between(settings, row(cells, i), row(here, j))
+    middle = moved_on(moved_on(e, chord, -0.5), d, 0.5)
+    apart = math.sqrt(dot7(middle, middle))
+    off = cells[i, CELL_OFF] + here[j, CELL_OFF]
+    if apart <= off:
+        least = lowest(worth, i)
+        return least, least, 0.0
+    long = 0.5 * (math.sqrt(dot7(d, d)) + math.sqrt(dot7(chord, chord)))
+    if apart - off - long > FAR:
+        # The shorter way round, for joints without end.
+        middle = steps_between(settings, (0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0), middle)
+        least = lowest(worth, i) + max(math.sqrt(dot7(middle, middle)) - off - long, 0.0) ** 2
+        return least, least, 0.0
+    gain = 1.0 - off / apart
+    less = off * apart * gain
+    begin, inside0 = least_along(e, d, worth, i, gain)
+    end, inside1 = least_along(moved_on(e, chord, -1.0), d, worth, i, gain)
+    sag = gain * dot7(chord, chord)
+    if inside0 and inside1:
+        across = gain * dot7(d, chord)
+        size = worth[i, WORTH_SAG] + gain * dot7(d, d)
+        if size > 1e-18:
+            sag = max(sag - across * across / size, 0.0)
+    return begin - less, end - less, sag
+
+
+@kernel
+def write_groups(cells, first, last, worth, groups):
+    """Write for each group of cells a posture, how far its cells reach from it, and what none costs less than."""
+    count = (last - first + GROUP - 1) // GROUP
+    for g in range(count):
+        begin, end = first + g * GROUP, min(first + (g + 1) * GROUP, last)
+        middle = begin + (end - begin) // 2
+        reach, least = 0.0, IMPOSSIBLE
+        for i in range(begin, end):
+            size, other = 0.0, 0.0
+            for j in range(7):
+                a = cells[i, j] - cells[middle, j]
+                size += a * a
+                other += (a + cells[i, 7 + j]) * (a + cells[i, 7 + j])
+            reach = max(reach, math.sqrt(max(size, other)) + cells[i, CELL_OFF])
+            least = min(least, lowest(worth, i))
+        for j in range(7):
+            groups[g, j] = cells[middle, j]
+        groups[g, 7] = reach
+        groups[g, 8] = least
+    return count
+
+
+@kernel
+def is_too_far(apart, settings):
+    """Whether a distance of seven joints, rad, is beyond a continuous step in every case."""
+    return apart * apart > 7.0 * settings[BY_CONTINUITY, 0] ** 2
+
+
+@kernel
+def advance_cell(before, groups, here, j, settings, tried):
+    """The parabola of what cell j costs at least, from the cells before; `tried` is work space.
+
+    `before` are cells, first and last row, and what each costs. Settings with an infinite step of continuity let a path
+    leap.
+    """
+    cells, first, last, worth = before
+    chord = cell_chord(here, j)
+    reach = math.sqrt(dot7(chord, chord)) + here[j, CELL_OFF]
+    begin, end, count = IMPOSSIBLE, IMPOSSIBLE, 0
+    total = (last - first + GROUP - 1) // GROUP
+    nearest, least = 0, math.inf
+    for g in range(total):
+        e = steps_between(settings, row(groups, g), row(here, j))
+        apart = max(math.sqrt(dot7(e, e)) - reach - groups[g, 7], 0.0)
+        groups[g, 9] = math.inf if is_too_far(apart, settings) else groups[g, 8] + apart * apart
+        if groups[g, 9] < least:
+            nearest, least = g, groups[g, 9]
+    for k in range(total + 1):
+        # The most promising ones first.
+        g = nearest if k == 0 else k - 1
+        if groups[g, 9] >= max(begin, end) or (k > 0 and g == nearest):
+            continue
+        for i in range(first + g * GROUP, min(first + (g + 1) * GROUP, last)):
+            if min(worth[i, WORTH_BEGIN], worth[i, WORTH_END]) >= IMPOSSIBLE:
+                continue
+            a, b, sag = step_between(cells, i, worth, here, j, settings)
+            if a - 0.25 * sag >= max(begin, end) and b - 0.25 * sag >= max(begin, end):
+                continue
+            begin, end = min(begin, a), min(end, b)
+            tried[count, 0], tried[count, 1], tried[count, 2] = a, b, sag
+            count += 1
+    sag = 0.0
+    for k in range(count):
+        above = math.sqrt(max(tried[k, 0] - begin, 0.0)) + math.sqrt(max(tried[k, 1] - end, 0.0))
+        sag = max(sag, tried[k, 2] - above * above)
+    return begin, end, sag

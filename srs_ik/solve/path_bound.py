@@ -1,0 +1,231 @@
+"""What no path through some poses costs less than: a bound for how far from the best a path may be.
+
+The programme over cells that hold all postures, each step counted as its least between two cells. Cells through which
+no path as good as the one at hand can lead are left out, the others cut, and so on.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from srs_ik.kernels.entries import path_bound as entries
+from srs_ik.kernels.layout.path import BY_CONTINUITY, CELL, WORTH, WORTH_BEGIN, WORTH_END, WORTH_SAG
+from srs_ik.solve.path_problem import Problem
+
+Array = NDArray[np.float64]
+
+LENGTHS = (0.4, 0.15, 0.06, 0.025, 0.01)
+"""Longest cells, rad, from round to round."""
+
+CLOSE = 0.01
+"""A bound so close below the path, relative to it, is close enough."""
+
+BISECTED = 0.2
+"""A largest step is known to this part of that."""
+
+ROOM = 1 << 17
+"""Cells of a block: about twenty megabytes."""
+
+ROUNDING = 1e-9
+"""Relative."""
+
+
+@dataclass
+class Cells:
+    """Cells (m, CELL) of some poses: those of pose i are in rows ends[i] to ends[i + 1] - 1."""
+
+    rows: Array
+    ends: NDArray[np.int64]
+
+
+Source = Callable[[int, int], Cells]
+"""The cells of as many poses from number `first` on as go into so many rows."""
+
+
+@dataclass
+class Front:
+    """The cells of the last pose that has some, what they cost at least, and whether poses without any follow."""
+
+    rows: Array
+    worth: Array
+    gap: bool = False
+
+
+def least_sum(problem: Problem, q: Array, value: float, may_leap: bool) -> float:
+    """What the squared joint steps of any path sum up to at least.
+
+    Args:
+        problem: the path that is asked for.
+        q: (n, 7) one that is found; NaN where it reaches no posture.
+        value: what its squared joint steps sum up to.
+        may_leap: whether paths with breaks count too.
+    """
+    if not value > 0.0:
+        return 0.0
+    settings = problem.settings.copy()
+    if may_leap:
+        settings[BY_CONTINUITY] = np.inf
+    bound, kept = 0.0, None
+    for longest in LENGTHS:
+        source = _source(problem, q, kept, longest)
+        least, kept = _round(problem, source, settings, value, longest != LENGTHS[-1])
+        bound = max(bound, least)
+        if value - bound < CLOSE * value:
+            break
+    return min(max(bound * (1.0 - ROUNDING), 0.0), value)
+
+
+def _round(problem: Problem, source: Source, settings: Array, value: float, keep: bool) -> tuple[float, Cells]:
+    """What a path costs at least by cells, and those cells through which one may lead that is as good as a value."""
+    n = len(problem.T)
+    front = None if problem.seed is None else _one(problem.seed)
+    firsts, forth, first = [], [], 0
+    while first < n:
+        cells = _some(source, first)
+        worth, front = _relaxed(cells, front, False, settings)
+        firsts.append(first)
+        forth.append(worth)
+        first += len(cells.ends) - 1
+    if front is None:
+        return 0.0, Cells(np.empty((0, CELL)), np.zeros(n + 1, np.int64))
+    bound = float(_lowest(front.worth).min())
+    if not keep or value - bound < CLOSE * value:
+        return bound, Cells(np.empty((0, CELL)), np.zeros(n + 1, np.int64))
+    front, parts, counts = None, [], []
+    for first, worth in zip(reversed(firsts), reversed(forth), strict=True):
+        cells = _some(source, first)
+        back, front = _relaxed(cells, front, True, settings)
+        kept = _lowest(worth + back) <= value * (1.0 + ROUNDING)
+        parts.append(cells.rows[kept])
+        counts.append(np.diff(np.append(0, np.cumsum(kept))[cells.ends]))
+    ends = np.append(0, np.cumsum(np.concatenate(counts[::-1])))
+    return bound, Cells(np.vstack(parts[::-1]), ends)
+
+
+def least_largest(problem: Problem, q: Array, value: float) -> float:
+    """What the largest joint step of any path is at least; arguments as in `least_sum`."""
+    bound, kept = 0.0, None
+    above = value * (1.0 + ROUNDING)
+    for longest in LENGTHS[1:]:
+        cells = _all_of(_source(problem, q, kept, longest), len(problem.T))
+        if problem.seed is not None:
+            cells = Cells(np.vstack([_one(problem.seed).rows, cells.rows]), np.append(0, cells.ends + 1))
+        bound = _least_through(cells, bound, value, problem.settings)
+        if value - bound < CLOSE * value:
+            break
+        forth, back = (_reached(cells, backward, above, problem.settings)[1] for backward in (False, True))
+        both = np.maximum(forth[:, 0], back[:, 0]) <= np.minimum(forth[:, 1], back[:, 1]) + ROUNDING
+        ends = np.append(0, np.cumsum(both))[cells.ends]
+        kept = Cells(np.ascontiguousarray(cells.rows[both]), ends)
+        if problem.seed is not None:
+            kept = Cells(kept.rows[1:], kept.ends[1:] - 1)
+    return min(max(bound * (1.0 - ROUNDING), 0.0), value)
+
+
+def _least_through(cells: Cells, low: float, high: float, settings: Array) -> float:
+    """What no path through cells has a smaller largest step than, from two bounds between which that is."""
+    until = BISECTED * CLOSE * high
+    while high - low > until:
+        middle = 0.5 * (low + high)
+        through, _ = _reached(cells, False, middle, settings)
+        low, high = (low, middle) if through else (middle, high)
+    return low
+
+
+def _all_of(source: Source, n: int) -> Cells:
+    """The cells of all poses."""
+    rows, counts, first = [], [], 0
+    while first < n:
+        cells = _some(source, first)
+        rows.append(cells.rows)
+        counts.append(np.diff(cells.ends))
+        first += len(cells.ends) - 1
+    return Cells(np.vstack(rows), np.append(0, np.cumsum(np.concatenate(counts))))
+
+
+def _reached(cells: Cells, backward: bool, limit: float, settings: Array) -> tuple[bool, Array]:
+    """Whether a path goes through with steps below a limit, and what it reaches of each cell."""
+    spans = np.tile([0.0, 1.0], (len(cells.rows), 1))
+    through = entries.reach(cells.rows, cells.ends, backward, limit, settings, spans)
+    return through, spans
+
+
+def _some(source: Source, first: int) -> Cells:
+    room = ROOM
+    while len((cells := source(first, room)).ends) < 2:
+        room *= 4
+    return cells
+
+
+def _lowest(worth: Array) -> Array:
+    """Least of parabolas (m, WORTH)."""
+    a, b, sag = worth[:, WORTH_BEGIN], worth[:, WORTH_END], worth[:, WORTH_SAG]
+    inside = sag > np.abs(b - a)
+    t = np.where(inside, 0.5 * (1.0 - (b - a) / np.where(inside, sag, 1.0)), 0.0)
+    return np.where(inside, a + t * (b - a) - sag * t * (1.0 - t), np.minimum(a, b))
+
+
+def _one(q: Array) -> Front:
+    """One posture that costs nothing."""
+    row = np.zeros((1, CELL))
+    row[0, :7] = q
+    return Front(row, np.zeros((1, WORTH)))
+
+
+def _relaxed(cells: Cells, front: Front | None, backward: bool, settings: Array) -> tuple[Array, Front | None]:
+    """(m, WORTH) what cells cost at least, from a front on, or back from it; and the front behind them."""
+    rows, ends, worth = cells.rows, cells.ends, np.zeros((len(cells.rows), WORTH))
+    own = slice(0, len(rows))
+    if front is not None:
+        more = len(front.rows)
+        gap = [0] if front.gap else []
+        if backward:
+            rows, worth = np.vstack([rows, front.rows]), np.vstack([worth, front.worth])
+            ends = np.concatenate([ends, [ends[-1]] if gap else [], [ends[-1] + more]]).astype(np.int64)
+        else:
+            rows, worth = np.vstack([front.rows, rows]), np.vstack([front.worth, worth])
+            ends = np.concatenate([[0], [more] if gap else [], ends + more]).astype(np.int64)
+            own = slice(more, None)
+    entries.relax(rows, ends, backward, settings, worth)
+    worth = worth[own]
+    some = np.flatnonzero(np.diff(cells.ends))
+    if not len(some):
+        return worth, None if front is None else Front(front.rows, front.worth, True)
+    at, edge = (some[0], 0) if backward else (some[-1], len(cells.ends) - 2)
+    last = slice(cells.ends[at], cells.ends[at + 1])
+    return worth, Front(cells.rows[last].copy(), worth[last].copy(), bool(at != edge))
+
+
+def _source(problem: Problem, q: Array, kept: Cells | None, longest: float) -> Source:
+    """Cells at most so long: all, or those in the place of some."""
+    if kept is None:
+        return _covering(problem, np.ascontiguousarray(q), longest)
+    return _cutting(problem, kept, longest)
+
+
+def _covering(problem: Problem, q: Array, longest: float) -> Source:
+    """Cells that hold all postures of all poses, and those given."""
+
+    def cover(first: int, room: int) -> Cells:
+        rows, ends = np.empty((room, CELL)), np.zeros(len(problem.T) - first + 1, np.int64)
+        told = problem.T, first, problem.known, problem.has_known, q
+        done = entries.cover(problem.arm.family, *told, longest, *problem.arm.work(), rows, ends)
+        return Cells(rows[: ends[done]], ends[: done + 1])
+
+    return cover
+
+
+def _cutting(problem: Problem, coarse: Cells, longest: float) -> Source:
+    """Finer cells in the place of others."""
+
+    def cut(first: int, room: int) -> Cells:
+        rows, ends = np.empty((room, CELL)), np.zeros(len(problem.T) - first + 1, np.int64)
+        told = problem.T[first:], coarse.rows, coarse.ends[first:]
+        done = entries.cut(problem.arm.family, *told, longest, *problem.arm.work(), rows, ends)
+        return Cells(rows[: ends[done]], ends[: done + 1])
+
+    return cut

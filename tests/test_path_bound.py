@@ -1,0 +1,141 @@
+"""The bound of a path: never above what any path costs that is known or found by brute force, and not far below."""
+
+import numpy as np
+import pytest
+from arms import generator, load
+from hypothesis import given
+from hypothesis import strategies as st
+from oracles import limbs
+from path_oracle import best_path, swept_postures
+from test_path_best import known_motion, poses_of, total
+
+import srs_ik
+from srs_ik.kernels.entries import path_bound
+from srs_ik.kernels.layout.path import CELL, CELL_OFF
+
+TURN = 2.0 * np.pi
+ARMS = ("iiwa14", "human_left", "sia10f", "openarm_left", "romeo_left")
+
+
+def assert_covered(arm, pose, longest, count):
+    """Every posture of a sweep, inside the limits, is as close to one of the cells as that says."""
+    rows, ends = np.empty((1 << 16, CELL)), np.zeros(2, np.int64)
+    none = np.full((1, 7), np.nan)
+    told = pose[None], 0, none, np.zeros(1, bool), none
+    assert path_bound.cover(arm.packed.family, *told, longest, *arm.packed.work(), rows, ends) == 1
+    rows = rows[: ends[1]]
+    start, chord = rows[:, :7], rows[:, 7:14]
+    assert np.linalg.norm(chord, axis=1).max(initial=0.0) <= longest + 1e-12
+    endless = np.isinf(arm.lower) & np.isinf(arm.upper)
+    for q in swept_postures(arm, pose, count):
+        off = q - start
+        off -= TURN * endless * np.round(off / TURN)
+        size = (chord**2).sum(1)
+        t = np.clip((off * chord).sum(1) / np.where(size > 0.0, size, 1.0), 0.0, 1.0)
+        away = np.linalg.norm(off - t[:, None] * chord, axis=1)
+        assert (away <= rows[:, CELL_OFF]).any(), q
+
+
+@pytest.mark.parametrize("name", [*ARMS, "human_arm", "made_oblique", "rm75", "gen3"])
+def test_cells_hold_all_postures(name):
+    arm, rng = load(name), generator(name, 50)
+    lower, upper = np.maximum(arm.lower, -4.0), np.minimum(arm.upper, 4.0)
+    for _ in range(6 if arm.packed.closed else 2):
+        pose = arm.forward_kinematics(rng.uniform(lower, upper)).homogeneous
+        assert_covered(arm, pose, rng.uniform(0.05, 0.4), 300)
+
+
+@pytest.mark.parametrize("name", ["iiwa14", "human_arm"])
+@pytest.mark.parametrize("joint", [1, 3, 5])
+def test_cells_hold_all_postures_next_to_a_singular_one(name, joint):
+    arm, rng = load(name), generator(name, 51)
+    for off in (1e-6, 1e-3, 0.05):
+        q = rng.uniform(np.maximum(arm.lower, -2.0), np.minimum(arm.upper, 2.0))
+        q[joint] = np.clip(off, arm.lower[joint], arm.upper[joint])
+        assert_covered(arm, arm.forward_kinematics(q).homogeneous, 0.3, 300)
+
+
+@given(limbs(limits=("usual", "narrow", "beyond", "mixed")), st.floats(0.05, 0.4))
+def test_cells_hold_all_postures_of_random_limbs(limb, longest):
+    arm = srs_ik.load(limb.model, base="base", tip="tool")
+    q = known_motion(arm, limb.rng, 2, 0.1)[0]
+    assert_covered(arm, arm.forward_kinematics(q).homogeneous, longest, 60)
+
+
+@pytest.mark.parametrize("name", [*ARMS, "gen3"])
+@pytest.mark.parametrize("seeded", [True, False])
+def test_the_bound_is_below_a_known_motion_and_close_below_the_path(name, seeded):
+    arm, rng = load(name), generator(name, 52)
+    for _ in range(2 if arm.packed.closed else 1):
+        known = known_motion(arm, rng, 60, rng.uniform(0.05, 0.14))
+        path = arm.solve_path(poses_of(arm, known), seed=known[0] if seeded else None)
+        assert path.value == pytest.approx(total(path, known[0] if seeded else None))
+        assert 0.0 < path.lower_bound <= min(path.value, (np.diff(known, axis=0) ** 2).sum())
+        assert path.lower_bound > (0.97 if arm.packed.closed else 0.94) * path.value
+
+
+@pytest.mark.parametrize("name", ["iiwa14", "human_left"])
+@pytest.mark.parametrize("case", ["free", "seeded", "broken"])
+def test_brute_force_finds_nothing_below_the_bound(name, case):
+    arm, rng = load(name), generator(name, 53)
+    for _ in range(2):
+        known = known_motion(arm, rng, 8, rng.uniform(0.05, 0.2))
+        if case == "broken":
+            known[4:] = known_motion(arm, rng, 4, 0.1)
+        poses = poses_of(arm, known)
+        seed = known[0] if case == "seeded" else None
+        _, least = best_path(arm, [swept_postures(arm, pose, 400) for pose in poses], seed, 0.5)
+        path = arm.solve_path(poses, seed=seed)
+        assert 0.9 * path.value < path.lower_bound <= min(path.value, least) * (1.0 + 1e-9)
+
+
+@pytest.mark.parametrize("name", ["iiwa14", "human_left"])
+def test_the_bound_of_the_largest_step(name):
+    arm, rng = load(name), generator(name, 54)
+    for seeded in (True, False):
+        known = known_motion(arm, rng, 60, 0.1)
+        seed = known[0] if seeded else None
+        path = arm.solve_path(poses_of(arm, known), seed=seed, objective="largest_step")
+        assert path.value >= path.largest_step
+        assert 0.95 * path.value < path.lower_bound <= min(path.value, np.abs(np.diff(known, axis=0)).max())
+
+
+def test_postures_that_are_given_and_poses_out_of_reach():
+    arm, rng = load("iiwa14"), generator("iiwa14", 55)
+    known = known_motion(arm, rng, 40, 0.1)
+    poses = poses_of(arm, known)
+    free, held = arm.solve_path(poses), arm.solve_path(poses, known={0: known[0], 20: known[20], -1: known[-1]})
+    assert free.lower_bound <= held.lower_bound <= held.value
+    assert held.lower_bound > 0.97 * held.value
+    poses[17, 0, 3] += 5.0
+    missing = arm.solve_path(poses)
+    assert 0.0 < missing.lower_bound <= missing.value
+    whole = arm.solve_path(poses[:17]).lower_bound + arm.solve_path(poses[18:]).lower_bound
+    assert missing.lower_bound == pytest.approx(whole, rel=0.05)
+
+
+def test_an_arm_that_may_turn_on_the_spot_at_every_arm_angle_is_bounded_too():
+    """Upright and straight: shoulder and wrist are singular all along."""
+    arm = load("iiwa14")
+    poses = [arm.forward_kinematics([0.3 + 0.05 * i, 0.0, 0.2, 0.0, 0.1, 0.0, 0.4]) for i in range(4)]
+    path = arm.solve_path(poses)
+    assert 0.0 <= path.lower_bound <= path.value
+
+
+def test_no_poses_and_one_pose():
+    arm = load("iiwa14")
+    q = np.array([0.3, 0.7, -0.4, -1.1, 0.5, 0.8, -0.2])
+    assert arm.solve_path(np.empty((0, 4, 4))).lower_bound == 0.0
+    assert arm.solve_path([arm.forward_kinematics(q)]).lower_bound == 0.0
+    near = arm.solve_path([arm.forward_kinematics(q)], seed=q + 0.1)
+    assert 0.97 * near.value < near.lower_bound <= near.value <= 0.07 + 1e-12
+
+
+def test_long_paths_are_bounded_block_by_block(monkeypatch):
+    from srs_ik.solve import path_bound as bounds
+
+    arm, rng = load("human_left"), generator("human_left", 56)
+    poses = poses_of(arm, known_motion(arm, rng, 60, 0.1))
+    whole = arm.solve_path(poses).lower_bound
+    monkeypatch.setattr(bounds, "ROOM", 300)
+    assert arm.solve_path(poses).lower_bound == pytest.approx(whole, rel=1e-9)
