@@ -11,6 +11,7 @@ for everybody. Peers that are not installed are left out: `pip install ssik pin-
 from __future__ import annotations
 
 import argparse
+import contextlib
 import json
 import sys
 import time
@@ -154,6 +155,13 @@ def roboplan_checked(place: Place) -> Solver:
             scene.addSphereGeometry(each.name, arm.base, core.Sphere(*each.size), T, colour)
         else:
             scene.addCylinderGeometry(each.name, arm.base, core.Cylinder(*each.size), T, colour)
+    still = [body.name for body in arm.bodies if body.joint == 0]
+    resting = [*still, *(each.name for each in place.objects)]
+    for i, first in enumerate(resting):
+        for second in resting[i + 1 :]:
+            # What stands on one frame already is no pair.
+            with contextlib.suppress(ValueError):
+                scene.setCollisions(first, second, False)
     options = simple_ik.SimpleIkOptions(
         group_name="arm", max_time=0.5, max_restarts=50, max_linear_error_norm=1e-4, max_angular_error_norm=1e-4
     )
@@ -164,7 +172,10 @@ def roboplan_checked(place: Place) -> Solver:
 
     def call(T: np.ndarray) -> np.ndarray | None:
         goal.tform = np.asfortranarray(T)
-        return np.array(found.positions) if solver.solveIk(goal, start, found) else None
+        try:
+            return np.array(found.positions) if solver.solveIk(goal, start, found) else None
+        except RuntimeError:  # no free start was drawn
+            return None
 
     return call
 
