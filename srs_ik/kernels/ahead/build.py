@@ -13,9 +13,12 @@ import sys
 import tempfile
 import time
 from concurrent.futures import ProcessPoolExecutor
+from functools import partial
 from importlib import import_module
 from multiprocessing import get_context
 from pathlib import Path
+
+import llvmlite.binding as llvm
 
 from srs_ik.kernels import entries as counter
 from srs_ik.kernels.ahead import backend, glue, linking
@@ -23,6 +26,9 @@ from srs_ik.kernels.ahead.frontend import translate_all
 from srs_ik.kernels.ahead.signatures import Entry, read_table, rooms
 from srs_ik.kernels.disk import KernelCache
 from srs_ik.kernels.native import FOLDER, stamps
+
+HERE = platform.machine()
+"""What this machine is called."""
 
 X86 = (
     ("x86-64-v2", "true"),
@@ -34,16 +40,14 @@ X86 = (
 Work = tuple[Entry, int, str]
 
 
-def targets() -> tuple[tuple[str, str], ...]:
-    """Kinds of processors that this machine's objects are written for."""
-    return X86 if platform.machine() in ("x86_64", "AMD64") else (("generic", "true"),)
+def targets(machine: str = HERE) -> tuple[tuple[str, str], ...]:
+    """Kinds of processors that a machine's objects are written for."""
+    return X86 if machine in ("x86_64", "AMD64") else (("generic", "true"),)
 
 
-def triple() -> str:
-    """What LLVM calls this kind of machine."""
-    import llvmlite.binding as llvm
-
-    return str(llvm.get_process_triple())
+def triple(machine: str = HERE) -> str:
+    """What LLVM calls a kind of machine: this one, or another one under Linux."""
+    return str(llvm.get_process_triple()) if machine == HERE else f"{machine}-unknown-linux-gnu"
 
 
 def unlisted() -> list[str]:
@@ -59,31 +63,40 @@ def unlisted() -> list[str]:
     return found
 
 
+APART = ("collision", "control", "kinematics", "maps", "rates")
+"""Rooms of entries that call few kernels of near limbs."""
+
+
 def parts(entries: tuple[Entry, ...]) -> list[list[Work]]:
-    """All variants, in two parts that share few kernels: exact limbs, and the rest."""
-    exact: list[Work] = []
+    """All variants, in two parts that share few kernels and take about as long: near limbs, and the rest."""
+    near: list[Work] = []
     rest: list[Work] = []
     for entry in entries:
         for variant, absent in enumerate(entry.variants):
-            part = exact if "J" in absent else rest
+            part = rest if "J" in absent or entry.room in APART else near
             part.append((entry, variant, glue.variant_symbol("kernel", entry, variant)))
-    return [rest, exact]
+    return [near, rest]
 
 
-def translated(work: list[Work]) -> list[bytes]:
+def translated(work: list[Work]) -> bytes:
     """LLVM's bitcode of a part."""
-    return translate_all(work, lambda done: _say(f"translated {done} of {len(work)}"))
+    return backend.merge(translate_all(work, lambda done: _say(f"translated {done} of {len(work)}")))
 
 
-def compiled(whole: bytes, symbols: list[str], target: str) -> bytes:
+def compiled(whole: bytes, symbols: list[str], machine: str, target: str) -> bytes:
     """Object code of everything for one kind of processor."""
     names = {symbol: symbol.replace("kernel", target.replace("-", "_"), 1) for symbol in symbols}
     processor = "" if target == "generic" else target
-    return backend.emit(whole, triple(), processor, "", names)
+    return backend.emit(whole, triple(machine), processor, "", names)
 
 
-def build(folder: Path, entries: tuple[Entry, ...]) -> None:
+def build(folder: Path, entries: tuple[Entry, ...], machine: str = HERE) -> None:
     """Put the compiled kernels, the extension and the header into a folder.
+
+    Args:
+        folder: the folder.
+        entries: what to compile.
+        machine: kind of machine to compile for; for another than this one, CC has to name a compiler for it.
 
     Raises:
         NoCompiler: the glue cannot be compiled.
@@ -92,12 +105,12 @@ def build(folder: Path, entries: tuple[Entry, ...]) -> None:
     begin = time.monotonic()
     work = parts(entries)
     symbols = [symbol for part in work for _, _, symbol in part]
-    names = [name for name, _ in targets()]
+    names = [name for name, _ in targets(machine)]
     with ProcessPoolExecutor(min(2, os.cpu_count() or 1), get_context("spawn")) as pool:
-        code = [each for part in pool.map(translated, work) for each in part]
+        code = list(pool.map(translated, work))
         _say(f"translated by Numba in {time.monotonic() - begin:.0f} s")
-        whole = backend.merge(code, set(symbols))
-        objects = list(pool.map(compiled, [whole] * len(names), [symbols] * len(names), names))
+        whole = backend.prepare(backend.merge(code), set(symbols), triple(machine))
+        objects = list(pool.map(partial(compiled, whole, symbols, machine), names))
     _say(f"compiled for {', '.join(names)} in {time.monotonic() - begin:.0f} s")
     with tempfile.TemporaryDirectory() as scratch:
         place = Path(scratch)
@@ -106,7 +119,7 @@ def build(folder: Path, entries: tuple[Entry, ...]) -> None:
             paths.append(place / f"{name}.o")
             paths[-1].write_bytes(content)
         (place / f"{glue.NAME}.h").write_text(glue.header(entries))
-        (place / "library.c").write_text(glue.library(entries, targets()))
+        (place / "library.c").write_text(glue.library(entries, targets(machine)))
         (place / "extension.c").write_text(glue.extension(entries, stamps(sorted({entry.room for entry in entries}))))
         shutil.copy(Path(__file__).with_name("runtime.c"), place)
         made = linking.link(place, glue.NAME, paths)
@@ -126,11 +139,12 @@ if __name__ == "__main__":
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("folder", type=Path, nargs="?", default=FOLDER)
     parser.add_argument("--room", help="only the entries of a room, to try something")
+    parser.add_argument("--machine", default=HERE, help="kind of machine to compile for, such as aarch64")
     given = parser.parse_args()
     os.environ["SRS_IK_JIT"] = "1"
     if unlisted():
         sys.exit(f"entries/table.py has no line for {', '.join(unlisted())}")
     try:
-        build(given.folder, tuple(entry for entry in read_table() if given.room in (None, entry.room)))
+        build(given.folder, tuple(entry for entry in read_table() if given.room in (None, entry.room)), given.machine)
     except linking.NoCompiler as error:
         sys.exit(str(error))

@@ -17,7 +17,7 @@ from typing import Any
 
 from hatchling.builders.hooks.plugin.interface import BuildHookInterface
 
-NUMBA = "numba>=0.61,<0.69"
+NUMBA = "numba>=0.62,<0.69"
 ZIG = "ziglang>=0.13"
 
 
