@@ -15,7 +15,7 @@ AXES = ([0.0, 0.0, 1.0], [0.6, -0.3, 0.8])
 NEAREST = 1e-6
 """How much nearer to the seed, squared rad, a posture of the grid may be that SciPy polishes."""
 
-CLOSED_IN = 1e-3
+CLOSED_IN = 2e-3
 """How much wider a margin of a dense sweep of rolls may be: without a seed the widest one is closed in on."""
 
 LIMBS = arms.here("iiwa14", "gen3", "human_arm", "made_near", "j2s7s300", "openarm_left")
@@ -246,6 +246,7 @@ def test_a_path_takes_the_turns_that_serve_it_best(name):
     assert (found.steps**2).sum() < 0.5 * (whole.steps**2).sum()
     seeded = arm.solve_path(poses, seed=found.q[0], free_axis=free, dt=0.1)
     assert seeded
-    assert np.abs(seeded.q[0] - found.q[0]).max() < 0.3
+    # The seed is where the arm is: the first step is no break.
+    assert np.abs(seeded.q[0] - found.q[0]).max() < 0.5
     with pytest.raises(InvalidTask, match="closed"):
         arm.solve_path(poses, free_axis=free, closed=True)

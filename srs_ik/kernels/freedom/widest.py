@@ -12,13 +12,14 @@ from srs_ik.kernels.freedom.settle import settle
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.answer import SOLVED
 from srs_ik.kernels.layout.freedom import Found, Liking
-from srs_ik.kernels.layout.limb import INVERSE_HALF_RANGE, LOWER, MIDDLE, UPPER
+from srs_ik.kernels.layout.limb import INVERSE_HALF_RANGE, IS_CLOSED, LOWER, MIDDLE, UPPER
 from srs_ik.kernels.limb.goal import cost
 from srs_ik.kernels.limb.limits import middles
 from srs_ik.kernels.limb.poses import read7
 
-ATTEMPTS = 4
-"""Local searches at least."""
+ATTEMPTS = 6
+ATTEMPTS_NEAR = 20
+"""Local searches at least, on an exact limb and on a near one."""
 
 LEAST_WEIGHT = 1e-6
 """Weight of a joint without limits, which may be anywhere."""
@@ -88,8 +89,9 @@ def widest(P, pose, freedom, count, desk):
     """The posture of the widest margin that searches from the starts in `desk` lead to, `count` of them."""
     found = Found(middles(P), NONE_LEFT, False)
     margin = -FINENESS
+    attempts = ATTEMPTS if P[IS_CLOSED] == 1.0 else ATTEMPTS_NEAR
     for k in range(MOST_ATTEMPTS):
-        if k >= ATTEMPTS and found.met:
+        if k >= attempts and found.met:
             break
         i = take_best(desk.starts, count)
         if i < 0:
