@@ -95,8 +95,8 @@ def push_table(found: dict[str, Any]) -> list[str]:
             off = row["final_tip_error_m"]
             lines.append(
                 f"| {NAMES[kind]} | {damping} | {row['back']} of {row['pushes']} | "
-                f"{1e3 * row['largest_tip_error_m']['median']:.0f} | {1e3 * off['median']:.2g}, at worst "
-                f"{1e3 * off['worst']:.2g} | {row['largest_joint_speed_rad_s']['worst']:.2g} |"
+                f"{1e3 * row['largest_tip_error_m']['median']:.0f} | {figure(1e3 * off['median'])}, at worst "
+                f"{figure(1e3 * off['worst'])} | {row['largest_joint_speed_rad_s']['worst']:.2g} |"
             )
     return lines
 
