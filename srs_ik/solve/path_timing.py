@@ -18,7 +18,7 @@ STILL = 1e-12
 
 
 LITTLE = 0.5
-"""Limits are set anew by this factor at most."""
+"""Limits that are left unused are raised by one over this at most, from round to round."""
 
 ROUNDS = 6
 """How often they are."""
@@ -43,7 +43,7 @@ def passing_times(steps: Array, velocity: Array, acceleration: Array) -> Array:
         if best is None or stretched.sum() < best.sum():
             best = stretched
         # Where limits are passed, or left unused next to where they were, they are set anew.
-        eased = np.minimum(eased / np.stack([fast, hard], axis=1), 1.0)
+        eased = np.minimum(eased / np.maximum(np.stack([fast, hard], axis=1), LITTLE), 1.0)
     assert best is not None
     return np.append(0.0, np.cumsum(best))
 
@@ -113,12 +113,12 @@ def _largest(side: Array, lean: Array, most: float, next_most: float) -> float:
 
 
 def _shares(steps: Array, durations: Array, velocity: Array, acceleration: Array) -> tuple[Array, Array]:
-    """(N,) which shares of the limits of velocity and acceleration are used about each pose, at least a little."""
+    """(N,) which shares of the limits of velocity and acceleration are used about each pose."""
     by_step = (np.abs(velocities(steps, durations)) / velocity).max(axis=1)
     fast = np.maximum(np.append(by_step, 0.0), np.append(0.0, by_step))
-    hard = np.full(len(steps) + 1, LITTLE)
+    hard = np.zeros(len(steps) + 1)
     moves = durations > 0.0
     hard[np.append(np.flatnonzero(moves), len(steps))] = (np.abs(accelerations(steps, durations)) / acceleration).max(
         axis=1
     )
-    return np.maximum(fast, LITTLE), np.maximum(hard, LITTLE)
+    return fast, hard
