@@ -22,7 +22,7 @@ from srs_ik.kernels.exact.nearest import slid
 from srs_ik.kernels.exact.nearest_within import nearest_within
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.answer import MAX_PIECES
-from srs_ik.kernels.layout.asked import Target
+from srs_ik.kernels.layout.asked import Goal, Target
 from srs_ik.kernels.layout.limb import (
     BOTTOM_GAP,
     LOWER,
@@ -33,7 +33,7 @@ from srs_ik.kernels.layout.limb import (
     WRIST,
 )
 from srs_ik.kernels.limb.branches import NO_BRANCH, branch_of, side_posture
-from srs_ik.kernels.limb.goal import OUTSIDE, cost
+from srs_ik.kernels.limb.goal import NO_SEED, OUTSIDE, cost
 from srs_ik.kernels.limb.in_line import NEARLY_IN_LINE, closest, may_split, wide_limb
 from srs_ik.kernels.limb.triangle import elbow_side
 
@@ -113,25 +113,27 @@ def keep_better(P, target, split, wanted, goal, best, work):
 
 
 @kernel
-def best_on_circles(P, place_, branch, goal):
+def best_on_circles(P, place_, branch, seed, respect):
     """The best posture over all arm angles: q, branch, cost."""
     found = np.empty((8 * MAX_PIECES, 3))
     n = 0
-    if goal.respect:
+    if respect:
         n = find_intervals(P, place_, branch, found)
     else:
         for b in range(8):
             if branch < 0 or b == branch:
                 found[n, 0], found[n, 1], found[n, 2] = b, -math.pi, math.pi
                 n += 1
-    if goal.seeded:
-        return nearest_within(P, place_, found[:n], branch, goal, 4.0 * NO_BRANCH)
-    return farthest(P, place_, found, 0, n, branch, goal.respect)
+    if seed is None:
+        return farthest(P, place_, found, 0, n, branch, respect)
+    return nearest_within(P, place_, found[:n], branch, Goal(True, seed, respect), 4.0 * NO_BRANCH)
 
 
 @kernel
-def search_near_line(P, wide, target, wanted, goal, best, work):
-    """The best posture of a pose, or a split that is better; `wide` takes axes almost in line so."""
+def search_near_line(limbs, target, wanted, seed, respect, best, work):
+    """The best posture of a pose, or a split that is better; the second of two limbs takes axes almost in line so."""
+    P, wide = limbs
+    goal = Goal(seed is not None, NO_SEED if seed is None else seed, respect)
     circles = False
     for elbow in range(2):
         side = elbow_side(P, target.place, elbow)
@@ -151,36 +153,40 @@ def search_near_line(P, wide, target, wanted, goal, best, work):
                     )
                     best = keep_better(P, target, (start, b, value), wanted, goal, best, work)
     if circles:
-        best = keep_better(P, target, best_on_circles(wide, target.place, wanted, goal), wanted, goal, best, work)
+        best = keep_better(
+            P, target, best_on_circles(wide, target.place, wanted, seed, respect), wanted, goal, best, work
+        )
     return best
 
 
 @kernel
-def with_splits(P, target, wanted, goal, best):
+def with_splits(P, target, wanted, seed, respect, best):
     """The best posture of a pose as known so far, or a free split that is better, each a posture, branch and cost.
 
     Args:
         P: packed limb.
         target: the pose.
         wanted: the only branch that counts; -1: all.
-        goal: what is best.
+        seed: seven angles to be near, or None to be far from the limits.
+        respect: whether the limits have to be kept.
         best: best posture so far, its branch and its cost.
     """
     if not may_split(P, target.place):
         return best
+    goal = Goal(seed is not None, NO_SEED if seed is None else seed, respect)
     t, h0, bend_c, bend_s, hand, miss = target.place
     boxes = np.empty((1, SIZE))
     wide = row(boxes, 0)
     wide_limb(P, wide)
     work = (np.empty((6, 7)), np.empty((16, 9)))
-    best = search_near_line(P, wide, target, wanted, goal, best, work)
+    best = search_near_line((P, wide), target, wanted, seed, respect, best, work)
     if bend_s < NEARLY_FLAT:
         straight = math.copysign(1.0, bend_c)
         flat = Target(target.R, target.p, (t, h0, straight, 0.0, hand, miss))
-        best = search_near_line(P, wide, flat, wanted, goal, best, work)
+        best = search_near_line((P, wide), flat, wanted, seed, respect, best, work)
         for i in range(BENDS):
             bent = (t, h0, straight, SMALLEST_BEND * 4.0**i, hand, miss)
-            best = keep_better(P, target, best_on_circles(P, bent, wanted, goal), wanted, goal, best, work)
+            best = keep_better(P, target, best_on_circles(P, bent, wanted, seed, respect), wanted, goal, best, work)
     keep(boxes)
     return best
 
