@@ -1,8 +1,9 @@
 """Samples of a followed curve beside its own, so that nothing between two samples is overlooked where limits count.
 
 Joint limits of almost a turn leave a narrow gap: two samples on either side of it may both keep the limits, so one is
-put into the gap. And between two samples that break the limits of different joints there may be postures that keep
-them all: so samples are put where each of those joints passes its limit.
+put into the gap; and one into a range so narrow that it is passed in one step. Between two samples that break the
+limits of different joints there may be postures that keep them all: so samples are put where each of those joints
+passes its limit.
 """
 
 from __future__ import annotations
@@ -28,19 +29,21 @@ WELL_INSIDE = 0.5
 
 
 @kernel
-def into_gap(P, by, a, b, j, way):
-    """The posture between a and b with joint j in the gap of its limits: q, its share of the way, whether it is met."""
-    far = P[MIDDLE + j] + math.pi
-    tolerance = WELL_INSIDE * (math.pi - 0.5 * (P[UPPER + j] - P[LOWER + j]))
-    start = short_way(a[j] - far)
+def pass_at(P, by, a, b, j, middle):
+    """The posture between a and b at which joint j passes an angle: q, its share of the way, whether it is met.
+
+    `middle` holds that angle, and how far from it, rad, will do.
+    """
+    angle, tolerance = middle
+    start = short_way(a[j] - angle)
     low = 0.0
     high = 1.0
-    share = -start / way
+    share = start / short_way(a[j] - b[j])
     q = a
     met = False
     for _ in range(HALVINGS):
         q, met = between(P, by, a, b, share)
-        off = short_way(q[j] - far)
+        off = short_way(q[j] - angle)
         if not met or abs(off) < tolerance:
             break
         if off * start > 0.0:
@@ -65,7 +68,7 @@ def insert(line, first, n, x, q):
 
 @kernel
 def put_gaps(P, by, start, end, line, n):
-    """Append a sample for every gap between two of a curve, in their order; return the number of rows.
+    """Append a sample for every gap and every narrow range between two of a curve, in order; return the number of rows.
 
     A sample is given as its parameter and its posture.
     """
@@ -74,12 +77,20 @@ def put_gaps(P, by, start, end, line, n):
     way = difference(a, b)
     first = n
     for j in range(7):
-        off = short_way(a[j] - P[MIDDLE + j] - math.pi)
-        if P[RANGE_KIND + j] == 0.0 or off * (off + way[j]) > 0.0 or off == 0.0 or abs(off) > abs(way[j]):
+        if P[RANGE_KIND + j] == 0.0:
             continue
-        q, share, met = into_gap(P, by, a, b, j, way[j])
-        if met:
-            n = insert(line, first, n, x_a + share * (x_b - x_a), q)
+        half = 0.5 * (P[UPPER + j] - P[LOWER + j])
+        for opposite in range(2):
+            # The middle of the gap, and that of a range which is passed in one step.
+            angle = P[MIDDLE + j] + (math.pi if opposite == 0 else 0.0)
+            room = math.pi - half if opposite == 0 else half
+            off = short_way(a[j] - angle)
+            passed = off * (off + way[j]) < 0.0 and abs(off) <= abs(way[j])
+            if not passed or (opposite == 1 and min(abs(off), abs(off + way[j])) <= half):
+                continue
+            q, share, met = pass_at(P, by, a, b, j, (angle, WELL_INSIDE * room))
+            if met:
+                n = insert(line, first, n, x_a + share * (x_b - x_a), q)
     return n
 
 

@@ -42,8 +42,8 @@ SPARE_ROWS = 1024
 CURVE_ROWS = 8192
 """Room for samples: beside those of each interval of an exact limb, and for all curves of a near limb."""
 
-MOST_GAPS = 8
-"""One for each joint between two samples."""
+MOST_GAPS = 15
+"""One gap and one range for each joint between two samples."""
 
 
 CUTS = 4

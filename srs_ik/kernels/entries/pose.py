@@ -30,7 +30,7 @@ from srs_ik.kernels.pose.solve import all_branches, own, own_seed, solve_row, so
 @entry
 def solve(family, T, branch, seed, respect, J, A, out):
     """`solve_row` of one pose."""
-    return solve_row(family, row(T, 0), (branch, seed, respect), J, A, row(out, 0))
+    return solve_row(family, row(T, 0), branch, seed, respect, J, A, row(out, 0))
 
 
 @entry
@@ -43,7 +43,7 @@ def solve_at(family, T, psi, branch, seed, respect, J, A, out):
 def solve_range(family, poses, first, last, branch, seeds, respect, J, A, out, verdicts):
     """`solve` for the poses first to last - 1; seeds hold one for all, or one a pose, or are None."""
     for i in range(first, last):
-        verdicts[i] = solve_row(family, row(poses, i), (branch, own_seed(seeds, i), respect), J, A, row(out, i))
+        verdicts[i] = solve_row(family, row(poses, i), branch, own_seed(seeds, i), respect, J, A, row(out, i))
 
 
 @entry

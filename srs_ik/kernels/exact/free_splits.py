@@ -19,7 +19,7 @@ from srs_ik.kernels.chain.newton import CLOSED, clipped, close_free, moved, pose
 from srs_ik.kernels.exact.bends import best_of_bends, best_on_circles
 from srs_ik.kernels.exact.nearest import slid
 from srs_ik.kernels.jit import kernel
-from srs_ik.kernels.layout.asked import Target
+from srs_ik.kernels.layout.asked import Goal, Target
 from srs_ik.kernels.layout.limb import (
     BOTTOM_GAP,
     LOWER,
@@ -130,11 +130,13 @@ def split_end(P, wide, side, psi, branch, i, last):
 
 
 @kernel
-def search_near_line(P, wide, target, wanted, goal, best, work):
+def search_near_line(limbs, target, wanted, seed, respect, best, work):
     """The best posture of a pose, or a split that is better, and whether axes stay in line.
 
-    `wide` takes axes almost in line so; in line at all arm angles they lie along the line S-W.
+    The second of two limbs takes axes almost in line so; in line at all arm angles they lie along the line S-W.
     """
+    P, wide = limbs
+    goal = Goal(seed is not None, NO_SEED if seed is None else seed, respect)
     circles = False
     for elbow in range(2):
         side = elbow_side(P, target.place, elbow)
@@ -158,35 +160,40 @@ def search_near_line(P, wide, target, wanted, goal, best, work):
                         start, value = split_end(P, wide, side, psi, b, i, last)
                         best = keep_better(P, target, (start, b, value), wanted, goal, best, work)
     if circles:
-        best = keep_better(P, target, best_on_circles(wide, target.place, wanted, goal), wanted, goal, best, work)
+        split = best_on_circles(wide, target.place, wanted, seed, respect)
+        best = keep_better(P, target, split, wanted, goal, best, work)
     return best, circles
 
 
 @kernel
-def with_splits(P, target, wanted, goal, best):
+def with_splits(P, target, wanted, seed, respect, best):
     """The best posture of a pose as known so far, or a free split that is better, each a posture, branch and cost.
 
     Args:
         P: packed limb.
         target: the pose.
         wanted: the only branch that counts; -1: all.
-        goal: what is best.
+        seed: seven angles to be near, or None to be far from the limits.
+        respect: whether the limits have to be kept.
         best: best posture so far, its branch and its cost.
     """
     if not may_split(P, target.place):
         return best
+    goal = Goal(seed is not None, NO_SEED if seed is None else seed, respect)
     t, h0, bend_c, bend_s, hand, miss = target.place
     boxes = np.empty((1, SIZE))
     wide = row(boxes, 0)
     wide_limb(P, wide)
     work = (np.empty((6, 7)), np.empty((16, 9)))
-    best, along = search_near_line(P, wide, target, wanted, goal, best, work)
+    limbs = (P, wide)
+    best, along = search_near_line(limbs, target, wanted, seed, respect, best, work)
     if bend_s < NEARLY_FLAT:
         flat = Target(target.R, target.p, (t, h0, math.copysign(1.0, bend_c), 0.0, hand, miss))
-        best, alike = search_near_line(P, wide, flat, wanted, goal, best, work)
+        best, alike = search_near_line(limbs, flat, wanted, seed, respect, best, work)
         along = along or alike
     if along:
-        best = keep_better(P, target, best_of_bends(P, target.place, wanted, goal, best[2]), wanted, goal, best, work)
+        split = best_of_bends(P, target.place, wanted, seed, respect, best[2])
+        best = keep_better(P, target, split, wanted, goal, best, work)
     keep(boxes)
     return best
 

@@ -155,7 +155,7 @@ def put_marks_of_arc(P, target, points, marks):
 @kernel
 def follow_arc(P, by, points, runs):
     """Follow the curves between the ends of an arc: their samples, and the number of feasible runs, -1 if it fails."""
-    marks = np.empty((8, MARK))
+    marks = np.full((8, MARK), np.inf)
     pieces = np.empty((ARC_ROWS, SAMPLE))
     line = np.empty((CURVE_ROWS, SAMPLE))
     rows = np.empty((ARC_ROWS + SPARE_ROWS, SAMPLE))

@@ -28,6 +28,7 @@ from srs_ik.kernels.exact.nearest import (
 from srs_ik.kernels.exact.nearest_within import nearest_within, way_between
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.answer import MAX_PIECES
+from srs_ik.kernels.layout.asked import Goal
 from srs_ik.kernels.layout.limb import FAR, FREE, LIMITED, LOOSE, MISS, SIZE
 from srs_ik.kernels.limb.branches import NO_BRANCH, branch_of, is_unsure
 from srs_ik.kernels.limb.goal import NO_SEED, OUTSIDE
@@ -133,7 +134,7 @@ def search_near_seed(P, F, target, goal, J, A):
     known = (guessed, branch, lowest)
     if lowest >= OUTSIDE or (minimum and is_alone(P, goal.seed, lowest)):
         return known
-    known = with_splits(P, target, -1, goal, known)
+    known = with_splits(P, target, -1, goal.seed, goal.respect, known)
     if J is not None:
         if math.sqrt(known[2]) < CLOSE:
             known, sure = look_across(P, target, known, minimum, goal, J, A)
@@ -166,14 +167,14 @@ def search_near_seed(P, F, target, goal, J, A):
 
 
 @kernel
-def search_exact(family, target, branch, goal):
+def search_exact(family, target, branch, seed, respect):
     """Best posture of a closed limb over all arm angles: q, branch, cost; the least violating one if all break limits.
 
     Rounding may hide a posture from the strict search. So looser tolerances follow, and, with the elbow almost straight
     or folded, all the bends that a pose cannot tell from each other: a bend x changes the length of the arm by x^2 / 8
     of it.
     """
-    place_, respect = target.place, goal.respect
+    place_ = target.place
     t, h0, bend_c, bend_s, hand, miss = place_
     strictness = LIMITED if respect else FREE
     found = np.empty((8 * MAX_PIECES, 3))
@@ -196,14 +197,15 @@ def search_exact(family, target, branch, goal):
             n = find_intervals(row(family, tolerances + strictness), near, branch, found)
         else:
             whole_circles(found)
-        if goal.seeded:
-            q, b, value = nearest_within(P, near, found[:n], branch, goal, 4.0 * NO_BRANCH)
-        else:
+        if seed is None:
             q, b, value = farthest(P, near, found, 0, n, branch, respect)
+        else:
+            goal = Goal(True, seed, respect)
+            q, b, value = nearest_within(P, near, found[:n], branch, goal, 4.0 * NO_BRANCH)
         if value < lowest:
             best_q, best, lowest = q, b, value
         if stage == 0:
-            best_q, best, lowest = with_splits(P, target, branch, goal, (best_q, best, lowest))
+            best_q, best, lowest = with_splits(P, target, branch, seed, respect, (best_q, best, lowest))
         if lowest < OUTSIDE:
             break
     return best_q, best, lowest

@@ -79,41 +79,35 @@ def write_closest(P, target, goal, out):
 
 
 @kernel
-def best_of_pose(family, target, branch, goal, J, A):
-    """The best posture of a pose over all arm angles, in one branch or in all (-1): q, branch, cost."""
-    P = row(family, LIMITED)
-    if goal.seeded and branch < 0:
-        F = row(family, LIMITED if goal.respect else FREE)
-        best = search_near_seed(P, F, target, goal, J, A)
-        if best[2] < OUTSIDE:
-            return best
-    if J is not None:
-        if may_reach(P, target.place):
-            return search_true(P, target, branch, goal, J, A)
-    return search_exact(family, target, branch, goal)
-
-
-@kernel
-def solve_row(family, T, asked, J, A, out):
-    """Solve one pose into a row of `out`, the best posture of all arm angles; returns the verdict on the pose.
-
-    `asked` holds the branch (-1: any), the seed, or None, and whether the limits count.
-    """
+def solve_row(family, T, branch, seed, respect, J, A, out):
+    """Solve one pose into a row of `out`, the best posture of all arm angles; returns the verdict on the pose."""
     R, p, verdict = read_pose(row(T, 0))
     if verdict != GOOD_POSE:
         return verdict
-    branch, seed, respect = asked
     P = row(family, LIMITED)
     place_ = place(P, R, p)
     target = Target(R, p, place_)
-    goal = Goal(seed is not None, seed_or_zero(seed), respect)
-    q, best, lowest = best_of_pose(family, target, branch, goal, J, A)
+    near = seed_or_zero(seed)
+    goal = Goal(seed is not None, near, respect)
+    q, best, lowest = near, 0, 4.0 * NO_BRANCH
+    # What is None is left out when this is compiled: an answer without a seed needs no search for one.
+    if seed is not None:
+        if branch < 0:
+            F = row(family, LIMITED if respect else FREE)
+            q, best, lowest = search_near_seed(P, F, target, goal, J, A)
+    if lowest >= OUTSIDE:
+        if J is not None and may_reach(P, place_):
+            q, best, lowest = search_true(P, target, branch, goal, J, A)
+        elif seed is not None:
+            q, best, lowest = search_exact(family, target, branch, near, respect)
+        else:
+            q, best, lowest = search_exact(family, target, branch, None, respect)
     measure_row(P, target, q, best, lowest, respect, row(out, 0))
     if J is not None:
         if respect and out[ROW_STATUS] == UNREACHABLE and may_reach(P, place_):
             # Only a posture without limits can tell what a near limb does not reach from what its limits forbid.
             if lowest >= UNMET:
-                q, _, lowest = rescue(P, target, branch, Goal(goal.seeded, goal.seed, False), J, A)
+                q, _, lowest = rescue(P, target, branch, Goal(goal.seeded, near, False), J, A)
             if lowest < UNMET:
                 out[ROW_STATUS] = OUT_OF_LIMITS
                 out[ROW_JOINT] = tightest_joint(P, q)

@@ -184,7 +184,9 @@ def nearest_feasible(family, target, psi, branch, goal, J, A):
         if place_[5] != 0.0:
             return out_of_reach(row(family, LIMITED), target, psi, -1, respect)
         return search_true(row(family, LIMITED), target, -1, goal, J, A)
-    return search_exact(family, target, -1, goal)
+    if goal.seeded:
+        return search_exact(family, target, -1, goal.seed, respect)
+    return search_exact(family, target, -1, None, respect)
 
 
 @kernel
