@@ -30,7 +30,7 @@ from srs_ik.kernels.layout.answer import (
 )
 from srs_ik.kernels.layout.asked import Goal, Target
 from srs_ik.kernels.layout.limb import FREE, LIMITED
-from srs_ik.kernels.limb.branches import branch_of, elbow_branches
+from srs_ik.kernels.limb.branches import NO_BRANCH, branch_of, elbow_branches
 from srs_ik.kernels.limb.goal import NO_SEED, OUTSIDE, UNMET, cost, tightest_joint, turned
 from srs_ik.kernels.limb.poses import read7, read_pose
 from srs_ik.kernels.limb.triangle import place
