@@ -184,6 +184,21 @@ def test_postures_that_rounding_takes_away_are_no_break(name, motion):
     assert arm.solve_path(poses_of(arm, known), seed=known[0])
 
 
+@pytest.mark.parametrize(
+    ("name", "kind", "motion"), [("iiwa14", "singular", 61), ("human_arm", "limits", 10), ("human_arm", "limits", 20)]
+)
+def test_a_path_that_leads_elsewhere_between_few_poses_is_planned_at_all(name, kind, motion):
+    """What joins strips, or ends them, lies between poses 0.25 rad apart."""
+    arm = load(name)
+    benchmark = runpy.run_path(str(Path(__file__).parents[1] / "benchmarks" / "paths.py"), run_name="paths")
+    rng = np.random.default_rng([zlib.crc32(name.encode()), benchmark["KINDS"].index(kind), motion])
+    known = benchmark["known_motion"](arm, rng, kind, 200)
+    for seed in (known[0], None):
+        path = arm.solve_path(poses_of(arm, known), seed=seed)
+        assert path
+        assert total(path, seed) <= (np.diff(known, axis=0) ** 2).sum() * (1.0 + 1e-6)
+
+
 def test_the_largest_step_and_the_time_are_smaller_where_they_are_wanted():
     arm, rng = load("iiwa14"), generator("iiwa14", 35)
     for _ in range(3):
