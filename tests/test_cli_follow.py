@@ -58,7 +58,7 @@ def test_the_table_shows_limits_and_statuses(tmp_path):
         (("--dt", "0"), "dt must be a positive"),
         (("--dt", "fast"), "--dt takes a number"),
         (("--dt", "0.01", "--elbow", "best"), "there is no objective 'best'"),
-        (("--dt", "0.01", "--velocity", "-1"), "velocity_limit must be a positive"),
+        (("--dt", "0.01", "--velocity", "-1"), "velocity must be a positive"),
     ],
 )
 def test_wrong_input_is_one_line(tmp_path, words, said):
