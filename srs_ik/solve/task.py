@@ -96,7 +96,7 @@ class BatchTaskSolution(BatchSolution):
         kind = TaskSolution if row.ndim == 1 else BatchTaskSolution
         part = kind(row, self._joint_names, self._elbow, self._shoulder, self._side)
         if isinstance(part, TaskSolution):
-            part.collision = self.collisions.get((range(len(self))[index],))
+            part.collision = self.collisions.get((int(np.arange(len(self))[index]),))
         else:
             part.collisions = self._collisions_of(index)
         return part

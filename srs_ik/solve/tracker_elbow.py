@@ -73,7 +73,7 @@ def _is_scene(elbow: Any) -> bool:
 
 def _clearance(packed: PackedArm, owner: BodyOwner, scene: Any) -> Callable[[Array, Array], float]:
     """The arm angle near the present one at which bodies are farthest from each other."""
-    from srs_ik.solve.collisions import Surroundings
+    from srs_ik.solve.in_scene.surroundings import Surroundings
 
     around, version = Surroundings(owner, packed, scene, 0.0), scene.version
 

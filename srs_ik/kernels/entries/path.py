@@ -42,12 +42,12 @@ from srs_ik.kernels.limb.triangle import place
 from srs_ik.kernels.path.between import between_two, follow_on, pose_change
 from srs_ik.kernels.path.bridge import bridge_to
 from srs_ik.kernels.path.corridor import corridor, put_on_poses
+from srs_ik.kernels.path.edges import path_cost
 from srs_ik.kernels.path.pose_strips import list_strips, pose_strips
 from srs_ik.kernels.path.programme import (
     advance,
     cheapest,
     first_costs,
-    path_cost,
     rules_for,
     step_back,
 )

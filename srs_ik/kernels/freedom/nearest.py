@@ -26,7 +26,7 @@ CLEAR = 2.0
 
 NONE_LEFT = 1e300
 
-ATTEMPTS = 8
+ATTEMPTS = 24
 ATTEMPTS_NEAR = 24
 """Local searches at least, on an exact limb and on a near one, whose starts are not quite on its poses."""
 

@@ -120,7 +120,7 @@ def reach_near(family, pose, space):
             return NOT_REACHED
         n = predicted_intervals(P, target, space.found, space.J, space.A)
         if n >= 0:
-            return REACHED if n > 0 else NOT_REACHED
+            return REACHED if n > 0 else UNSURE
     return REACHED if true_intervals(P, target, True, space.found, space.J, space.A) > 0 else UNSURE
 
 

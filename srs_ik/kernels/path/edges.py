@@ -9,9 +9,10 @@ from __future__ import annotations
 
 import math
 
+from srs_ik.kernels.algebra.pointers import row
 from srs_ik.kernels.jit import kernel
-from srs_ik.kernels.layout.path import BY_CONTINUITY, LARGEST, SLOWEST, SQUARES, WITHIN
-from srs_ik.kernels.path.programme import step_of
+from srs_ik.kernels.layout.path import BREAK, BY_CONTINUITY, BY_VELOCITY, LARGEST, SLOWEST, SQUARES, TOO_FAST, WITHIN
+from srs_ik.kernels.path.programme import largest, step_of, step_value, steps_between
 
 OUTSIDE = 1e300
 """Value of a step beyond its limits."""
@@ -159,3 +160,30 @@ def write_terms(aim, chain, settings, steps, c, t, terms):
         terms[CROSS, j] = -4.0 * mu * x * t * inverse * inverse * scale
         by_bound += 2.0 * mu * inverse * (2.0 * t * t * inverse - 1.0)
     return by_bound
+
+
+@kernel
+def path_cost(chain, seed, settings, limited, q):
+    """Breaks, steps that are too fast, and the value of all steps of a path."""
+    total = 0.0
+    for c in range(chain.shape[0]):
+        here = row(q, chain[c])
+        between = 1
+        if c > 0:
+            between = chain[c] - chain[c - 1]
+            e = steps_between(settings, row(q, chain[c - 1]), here)
+        elif seed is not None:
+            e = steps_between(settings, seed, here)
+        else:
+            continue
+        total += step_value(settings, e, 1.0 / between)
+        if largest(e) > settings[BY_CONTINUITY, 0]:
+            total += BREAK
+        elif limited:
+            if c > 0:
+                over = 0.0
+                for j in range(7):
+                    over = max(over, abs(e[j]) / (between * settings[BY_VELOCITY, j]))
+                if over > 1.0 + 1e-9:
+                    total += TOO_FAST * over
+    return total

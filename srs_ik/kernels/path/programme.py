@@ -389,30 +389,3 @@ def step_back(q, sheet, before, rules):
     for a in range(before.first_strip, before.last_strip):
         found = try_strip(q, sheet, a, rules, found)
     return leap(q, sheet, before.first, before.last, rules.settings, found)
-
-
-@kernel
-def path_cost(chain, seed, settings, limited, q):
-    """Breaks, steps that are too fast, and the value of all steps of a path."""
-    total = 0.0
-    for c in range(chain.shape[0]):
-        here = row(q, chain[c])
-        between = 1
-        if c > 0:
-            between = chain[c] - chain[c - 1]
-            e = steps_between(settings, row(q, chain[c - 1]), here)
-        elif seed is not None:
-            e = steps_between(settings, seed, here)
-        else:
-            continue
-        total += step_value(settings, e, 1.0 / between)
-        if largest(e) > settings[BY_CONTINUITY, 0]:
-            total += BREAK
-        elif limited:
-            if c > 0:
-                over = 0.0
-                for j in range(7):
-                    over = max(over, abs(e[j]) / (between * settings[BY_VELOCITY, j]))
-                if over > 1.0 + 1e-9:
-                    total += TOO_FAST * over
-    return total
