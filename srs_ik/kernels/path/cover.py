@@ -51,7 +51,7 @@ NARROWEST = 1e-13
 
 DEEPEST = 60
 
-MOST = 1000
+MOST = 100
 """A piece is cut into so many cells at most: where joints may turn on the spot all along, cutting does not help."""
 
 
@@ -182,7 +182,12 @@ def cut_cell(family, spot, cell, net, n, J, A):
     if J is not None:
         if branch == CURVE and not is_small:
             return cover_curve(P, spot, (a, b), net, n, J, A)
-    if branch < 0 or is_small or cell[CELL_TO] - cell[CELL_FROM] <= NARROWEST * max(1.0, abs(cell[CELL_FROM])):
+    if (
+        branch < 0
+        or is_small
+        or cell[CELL_OFF] >= FREE
+        or cell[CELL_TO] - cell[CELL_FROM] <= NARROWEST * max(1.0, abs(cell[CELL_FROM]))
+    ):
         put_cell(net.cells, n, a, b, cell[CELL_OFF], (cell[CELL_FROM], cell[CELL_TO], float(branch)))
         return n + 1
     side = elbow_side(P, spot.place, branch >> 2)
