@@ -42,6 +42,14 @@ class Cells:
     ends: NDArray[np.int64]
 
 
+MOST_ROOM = 1 << 20
+"""Cells of one pose at most: joints of many turns may have more, and the bound is then what is known without them."""
+
+
+class TooManyCells(Exception):
+    """A pose has more than `MOST_ROOM` cells."""
+
+
 Source = Callable[[int, int], Cells]
 """The cells of as many poses from number `first` on as go into so many rows."""
 
@@ -72,7 +80,10 @@ def least_sum(problem: Problem, q: Array, value: float, may_leap: bool) -> float
     bound, kept = 0.0, None
     for longest in LENGTHS:
         source = _source(problem, q, kept, longest)
-        least, kept = _round(problem, source, settings, value, longest != LENGTHS[-1])
+        try:
+            least, kept = _round(problem, source, settings, value, longest != LENGTHS[-1])
+        except TooManyCells:
+            break
         bound = max(bound, least)
         if value - bound < CLOSE * value:
             break
@@ -111,7 +122,10 @@ def least_largest(problem: Problem, q: Array, value: float) -> float:
     bound, kept = 0.0, None
     above = value * (1.0 + ROUNDING)
     for longest in LENGTHS[1:]:
-        cells = _all_of(_source(problem, q, kept, longest), len(problem.T))
+        try:
+            cells = _all_of(_source(problem, q, kept, longest), len(problem.T))
+        except TooManyCells:
+            break
         if problem.seed is not None:
             cells = Cells(np.vstack([_one(problem.seed).rows, cells.rows]), np.append(0, cells.ends + 1))
         bound = _least_through(cells, bound, value, problem.settings)
@@ -158,6 +172,8 @@ def _some(source: Source, first: int) -> Cells:
     room = ROOM
     while len((cells := source(first, room)).ends) < 2:
         room *= 4
+        if room > MOST_ROOM:
+            raise TooManyCells
     return cells
 
 
