@@ -3,13 +3,13 @@
 Run: python docs/collision_picture.py (needs playwright and Chromium, see the extra "test")
 """
 
-import shutil
+from functools import partial
 from pathlib import Path
 
 import numpy as np
 from PIL import Image
-from playwright.sync_api import Browser, sync_playwright
-from preview_picture import SIZE, photograph
+from playwright.sync_api import Browser
+from preview_picture import photograph, side_by_side
 
 import srs_ik
 
@@ -30,13 +30,5 @@ def in_scene(browser: Browser, elbow_ball: float) -> Image.Image:
 
 
 if __name__ == "__main__":
-    with sync_playwright() as playwright:
-        chromium = shutil.which("chromium") or playwright.chromium.executable_path
-        options = ["--no-sandbox", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"]
-        browser = playwright.chromium.launch(executable_path=chromium, args=options)
-        pictures = [in_scene(browser, ball) for ball in (0.25, 0.12)]
-        browser.close()
-    whole = Image.new("RGB", (len(pictures) * SIZE[0], SIZE[1]))
-    for k, picture in enumerate(pictures):
-        whole.paste(picture, (k * SIZE[0], 0))
+    whole = side_by_side(*(partial(in_scene, elbow_ball=ball) for ball in (0.25, 0.12)))
     whole.save(Path(__file__).parent / "pictures" / "collisions.png", optimize=True)

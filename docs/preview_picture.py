@@ -5,6 +5,7 @@ Run: python docs/preview_picture.py (needs playwright and Chromium, see the extr
 
 import io
 import shutil
+from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
@@ -53,14 +54,20 @@ def task(browser: Browser) -> Image.Image:
         return photograph(browser, view)
 
 
-if __name__ == "__main__":
+def side_by_side(*draw: Callable[[Browser], Image.Image]) -> Image.Image:
+    """Pictures that are drawn in a browser, in a row."""
     with sync_playwright() as playwright:
         chromium = shutil.which("chromium") or playwright.chromium.executable_path
         options = ["--no-sandbox", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"]
         browser = playwright.chromium.launch(executable_path=chromium, args=options)
-        pictures = [draw(browser) for draw in (feasible_arm_angles, ellipsoids, task)]
+        pictures = [each(browser) for each in draw]
         browser.close()
     whole = Image.new("RGB", (len(pictures) * SIZE[0], SIZE[1]))
     for k, picture in enumerate(pictures):
         whole.paste(picture, (k * SIZE[0], 0))
+    return whole
+
+
+if __name__ == "__main__":
+    whole = side_by_side(feasible_arm_angles, ellipsoids, task)
     whole.save(Path(__file__).with_name("preview.jpg"), quality=90, optimize=True)

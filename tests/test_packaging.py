@@ -1,6 +1,7 @@
 """The promises that the project's own files make to one another."""
 
 import re
+import subprocess
 import tomllib
 from importlib import metadata
 from pathlib import Path
@@ -70,3 +71,17 @@ def test_every_relative_link_of_the_readme_leads_somewhere():
     text = (ROOT / "README.md").read_text()
     targets = [t.split("#")[0] for t in re.findall(r"\]\(([^)\s]+)\)", text) if not re.match(r"[a-z]+:|#", t)]
     assert [target for target in targets if not (ROOT / target).exists()] == []
+
+
+TOP = {"pyproject.toml", "srs_ik", "robots", "tests", "examples", "docs", "benchmarks", "mkdocs.yml"}
+TOP |= {"README.md", "CHANGELOG.md", "CONTRIBUTING.md", "CITATION.cff", "LICENSE"}
+
+
+def test_nothing_else_lies_at_the_top_level():
+    names = {path.name for path in ROOT.iterdir()}
+    if ".git" in names:
+        # What git ignores may lie about.
+        command = ["git", "-c", "safe.directory=*", "ls-files"]
+        kept = subprocess.run(command, cwd=ROOT, check=True, capture_output=True, text=True).stdout.splitlines()
+        names = {name.split("/")[0] for name in kept}
+    assert {name for name in names if not name.startswith(".")} <= TOP

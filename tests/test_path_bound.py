@@ -117,6 +117,15 @@ def test_postures_that_are_given_and_poses_out_of_reach():
     assert missing.lower_bound == pytest.approx(whole, rel=0.05)
 
 
+@pytest.mark.slow
+def test_an_arm_that_may_turn_on_the_spot_at_every_arm_angle_is_bounded_too():
+    """Upright and straight: shoulder and wrist are singular all along."""
+    arm = load("iiwa14")
+    poses = [arm.forward_kinematics([0.3 + 0.05 * i, 0.0, 0.2, 0.0, 0.1, 0.0, 0.4]) for i in range(4)]
+    path = arm.solve_path(poses)
+    assert 0.0 <= path.lower_bound <= path.value
+
+
 def test_no_poses_and_one_pose():
     arm = load("iiwa14")
     q = np.array([0.3, 0.7, -0.4, -1.1, 0.5, 0.8, -0.2])

@@ -45,3 +45,31 @@ def difference(a, b):
         short_way(b[5] - a[5]),
         short_way(b[6] - a[6]),
     )
+
+
+@kernel
+def between(d, low, high):
+    """Every figure brought between its bounds."""
+    return (
+        min(max(d[0], low[0]), high[0]),
+        min(max(d[1], low[1]), high[1]),
+        min(max(d[2], low[2]), high[2]),
+        min(max(d[3], low[3]), high[3]),
+        min(max(d[4], low[4]), high[4]),
+        min(max(d[5], low[5]), high[5]),
+        min(max(d[6], low[6]), high[6]),
+    )
+
+
+@kernel
+def with_joint(q, j, angle):
+    """Seven figures with one replaced."""
+    return (
+        angle if j == 0 else q[0],
+        angle if j == 1 else q[1],
+        angle if j == 2 else q[2],
+        angle if j == 3 else q[3],
+        angle if j == 4 else q[4],
+        angle if j == 5 else q[5],
+        angle if j == 6 else q[6],
+    )

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import math
 
+from srs_ik.kernels.algebra.joint_vectors import with_joint
 from srs_ik.kernels.algebra.linear import solve_linear
 from srs_ik.kernels.algebra.vectors import add, apply, cross, dot, scale, sub, times_transposed
 from srs_ik.kernels.chain.kinematics import joint_lines
@@ -59,20 +60,6 @@ def first(M, e, J, j):
     """Derivative of the measure by joint j."""
     skew = (M[7] - M[5], M[2] - M[6], M[3] - M[1])
     return dot((J[3, j], J[4, j], J[5, j]), skew) - 2.0 * dot(e, (J[0, j], J[1, j], J[2, j]))
-
-
-@kernel
-def with_joint(q, j, angle):
-    """A configuration with one joint replaced."""
-    return (
-        angle if j == 0 else q[0],
-        angle if j == 1 else q[1],
-        angle if j == 2 else q[2],
-        angle if j == 3 else q[3],
-        angle if j == 4 else q[4],
-        angle if j == 5 else q[5],
-        angle if j == 6 else q[6],
-    )
 
 
 @kernel

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 
-from srs_ik.kernels.algebra.joint_vectors import along7
+from srs_ik.kernels.algebra.joint_vectors import along7, between, with_joint
 from srs_ik.kernels.algebra.vectors import add, along, apply, cross, dot, norm, scale, sub
 from srs_ik.kernels.chain.freedom import any_across, turn_left
 from srs_ik.kernels.chain.kinematics import joint_lines
@@ -172,7 +172,7 @@ def bounded_step(K, M, m, q, held, liking):
     d = NO_SEED
     forces = NO_FORCE
     low, high = along7(liking.lower, -1.0, q), along7(liking.upper, -1.0, q)
-    bound = within(NO_SEED, low, high)
+    bound = between(NO_SEED, low, high)
     let_go, down = False, True
     for _ in range(ROUNDS):
         d, forces, down = solve_held(K, M, m, held, bound)
@@ -182,7 +182,7 @@ def bounded_step(K, M, m, q, held, liking):
             if (held >> j) & 1 == 0 and passed > most:
                 worst, most = j, passed
         if worst >= 0:
-            bound = with_bound(bound, worst, low[worst] if d[worst] < low[worst] else high[worst])
+            bound = with_joint(bound, worst, low[worst] if d[worst] < low[worst] else high[worst])
             held |= 1 << worst
             continue
         if let_go:
@@ -192,35 +192,7 @@ def bounded_step(K, M, m, q, held, liking):
             break
         held &= ~(1 << j)
         let_go = True
-    return within(d, low, high), forces, held, down
-
-
-@kernel
-def with_bound(a, j, x):
-    """Seven figures with one replaced."""
-    return (
-        x if j == 0 else a[0],
-        x if j == 1 else a[1],
-        x if j == 2 else a[2],
-        x if j == 3 else a[3],
-        x if j == 4 else a[4],
-        x if j == 5 else a[5],
-        x if j == 6 else a[6],
-    )
-
-
-@kernel
-def within(d, low, high):
-    """Every figure brought between its bounds."""
-    return (
-        min(max(d[0], low[0]), high[0]),
-        min(max(d[1], low[1]), high[1]),
-        min(max(d[2], low[2]), high[2]),
-        min(max(d[3], low[3]), high[3]),
-        min(max(d[4], low[4]), high[4]),
-        min(max(d[5], low[5]), high[5]),
-        min(max(d[6], low[6]), high[6]),
-    )
+    return between(d, low, high), forces, held, down
 
 
 @kernel
@@ -257,7 +229,7 @@ def settle(P, q, pose, freedom, liking, desk):
         desk: work space.
     """
     K, M, J = desk.system, desk.copy, desk.J
-    q = within(q, liking.lower, liking.upper)
+    q = between(q, liking.lower, liking.upper)
     forces, held = NO_FORCE, 0
     error, size, at_rest = math.inf, math.inf, False
     known = 0
@@ -297,7 +269,7 @@ def settle(P, q, pose, freedom, liking, desk):
             step = along7(NO_SEED, radius / size, step)
             size = radius
         before = q
-        q = within(along7(q, 1.0, step), liking.lower, liking.upper)
+        q = between(along7(q, 1.0, step), liking.lower, liking.upper)
         held = on & at_limits(q, liking)
     return q, distance(q, liking), error, at_rest
 

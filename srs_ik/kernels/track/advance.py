@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import math
 
-from srs_ik.kernels.algebra.joint_vectors import along7
+from srs_ik.kernels.algebra.joint_vectors import along7, between
 from srs_ik.kernels.algebra.pointers import row
 from srs_ik.kernels.chain.newton import clipped
 from srs_ik.kernels.jit import kernel
@@ -63,7 +63,7 @@ from srs_ik.kernels.limb.goal import NO_SEED
 from srs_ik.kernels.limb.poses import read7
 from srs_ik.kernels.limb.triangle import place
 from srs_ik.kernels.track.catch_up import CLOSE_BY, catch_up, way_left
-from srs_ik.kernels.track.closest import approach, between, error_at, minus
+from srs_ik.kernels.track.closest import approach, error_at, minus
 from srs_ik.kernels.track.elbow import own_motion
 from srs_ik.kernels.track.elsewhere import look_elsewhere, out_of_reach, way_between
 from srs_ik.kernels.track.freedom import error_left, other_turn, shown_at, wanted

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from srs_ik.kernels.algebra.joint_vectors import along7
+from srs_ik.kernels.algebra.joint_vectors import along7, between
 from srs_ik.kernels.algebra.pointers import row
 from srs_ik.kernels.algebra.vectors import along, dot
 from srs_ik.kernels.chain.kinematics import forward_kinematics
@@ -14,7 +14,7 @@ from srs_ik.kernels.layout.limb import FAR
 from srs_ik.kernels.layout.track import ACCELERATION, PERIOD, ROTATION, Q, V
 from srs_ik.kernels.limb.goal import NO_SEED
 from srs_ik.kernels.limb.poses import read7
-from srs_ik.kernels.track.closest import approach, between
+from srs_ik.kernels.track.closest import approach
 from srs_ik.kernels.track.freedom import shown_at
 from srs_ik.kernels.track.limits import stopping_speed
 from srs_ik.kernels.track.target import load_pace, load_pose, part_of_way

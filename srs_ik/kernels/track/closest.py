@@ -5,7 +5,7 @@ Closeness is that of `chain.closest`: turning by a radian counts as much as movi
 
 from __future__ import annotations
 
-from srs_ik.kernels.algebra.joint_vectors import along7
+from srs_ik.kernels.algebra.joint_vectors import along7, between
 from srs_ik.kernels.algebra.linear import solve_linear
 from srs_ik.kernels.algebra.pointers import row
 from srs_ik.kernels.algebra.vectors import across, dot, norm, scale
@@ -133,20 +133,6 @@ def bounded_step(C, e, liked, damping, box, work):
         held |= 1 << worst
         d = between(d, low, high)
     return between(d, low, high)
-
-
-@kernel
-def between(d, low, high):
-    """Every figure brought between its bounds."""
-    return (
-        min(max(d[0], low[0]), high[0]),
-        min(max(d[1], low[1]), high[1]),
-        min(max(d[2], low[2]), high[2]),
-        min(max(d[3], low[3]), high[3]),
-        min(max(d[4], low[4]), high[4]),
-        min(max(d[5], low[5]), high[5]),
-        min(max(d[6], low[6]), high[6]),
-    )
 
 
 @kernel
