@@ -3,12 +3,14 @@
 The sampled map is made by the description of F. Zacharias, C. Borst, G. Hirzinger, Capturing robot workspace structure,
 IROS 2007: random joint angles, and each cell of position and orientation that a tip pose falls into is reached.
 
-    python benchmarks/maps.py --arm iiwa14 --poses 1000000
+    python benchmarks/maps.py --robot iiwa14 --poses 1000000
+    python benchmarks/maps.py dask --robot iiwa14 --workers 2
 """
 
 from __future__ import annotations
 
 import argparse
+import resource
 import tempfile
 import time
 from pathlib import Path
@@ -103,6 +105,30 @@ def sampled(arm, chart, took, rng):
         )
 
 
+def dask(arm, given, folder):
+    """The same map by threads and by Dask workers, in turn: rates by the clock, started and loaded before."""
+    from dask.distributed import Client, LocalCluster
+
+    options = {"n_workers": given.workers, "threads_per_worker": 1, "processes": True, "dashboard_address": None}
+    with LocalCluster(**options) as cluster, Client(cluster) as client:
+        build_map(arm, 0.25, Path(folder, "first.zarr"), client, orientations=12)
+        took = {"threads": 0.0, "Dask": 0.0}
+        for turn in range(given.turns):
+            for name in took:
+                path = Path(folder, f"{name}{turn}.zarr")
+                more = {"client": client} if name == "Dask" else {"threads": given.workers}
+                seconds_, chart = seconds(
+                    lambda more=more, path=path: build_map(
+                        arm, given.step, path, orientations=given.orientations, **more
+                    )
+                )
+                took[name] += seconds_
+    cells = given.turns * chart.plan.cells
+    rates = ", ".join(f"{name} {cells / each:,.0f} cells a second" for name, each in took.items())
+    share = took["threads"] / took["Dask"]
+    print(f"{given.turns} times {chart.plan.cells:,} cells, {given.workers} at once: {rates}: {100 * share:.0f} %")
+
+
 def _cells(chart, T):
     where, rotation, yaw = chart._in_map(T)
     at = np.floor(where).astype(np.int64)
@@ -112,12 +138,19 @@ def _cells(chart, T):
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--arm", default="iiwa14")
+    parser.add_argument("part", nargs="?", choices=["rates", "dask"], default="rates")
+    parser.add_argument("--robot", default="iiwa14")
+    parser.add_argument("--workers", type=int, default=2, help="Dask workers, and threads to compare them with")
+    parser.add_argument("--turns", type=int, default=3, help="maps by each")
     parser.add_argument("--poses", type=int, default=100_000)
     parser.add_argument("--step", type=float, default=0.05)
     parser.add_argument("--orientations", type=int, default=2304)
     arguments = parser.parse_args()
-    arm, rng = srs_ik.load(arguments.arm), np.random.default_rng(0)
+    arm, rng = srs_ik.load(arguments.robot), np.random.default_rng(0)
+    if arguments.part == "dask":
+        with tempfile.TemporaryDirectory() as folder:
+            dask(arm, arguments, folder)
+        return
     live(arm, arguments.poses, rng)
     with tempfile.TemporaryDirectory() as folder:
         build_map(arm, 0.5, Path(folder, "first.zarr"), orientations=12)
@@ -126,7 +159,8 @@ def main():
         took, chart = seconds(lambda: build_map(arm, arguments.step, path, orientations=arguments.orientations))
         disk = sum(each.stat().st_size for each in path.rglob("*") if each.is_file())
         print(f"{chart}: {chart.plan.cells:,} cells in {took:.1f} s, {1e-6 * disk:.1f} MB")
-        print(f"{time.process_time() - begin:.1f} s of processor time")
+        peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024.0
+        print(f"{time.process_time() - begin:.1f} s of processor time, {peak:.0f} MB at the peak of the whole process")
         sampled(arm, chart, took, rng)
 
 

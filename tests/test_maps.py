@@ -12,7 +12,19 @@ import pytest
 from oracles import random_limb
 
 import srs_ik
-from srs_ik.maps import build_map, cloud, combine, compare, estimate, open_map, to_numpy, to_reuleaux, to_vtk, yaw_arcs
+from srs_ik.maps import (
+    build_map,
+    cloud,
+    combine,
+    compare,
+    estimate,
+    measures_of,
+    open_map,
+    to_numpy,
+    to_reuleaux,
+    to_vtk,
+    yaw_arcs,
+)
 from srs_ik.maps.plan import YAW
 from srs_ik.maps.tasks import in_base
 from srs_ik.robot import changes
@@ -70,6 +82,28 @@ def test_arcs_of_yaw_follow_the_limits_of_joint_1(lower, upper):
     Q = rng.uniform(arm.lower, arm.upper, (400, 7))
     covered = check_arcs(arm, [arm.forward_kinematics(q).homogeneous for q in Q], rng)
     assert covered < 1.0 or upper - lower > TURN
+
+
+ALMOST_STRAIGHT = [-2.01506443, 0.63066242, -0.17583778, -0.00377648, -1.24705197, 1.36350753, -1.88393722]
+
+
+@pytest.mark.parametrize("room", [0.0, 1e-6, 0.3, np.inf])
+def test_a_pose_that_the_curves_from_the_closed_form_pass_by_is_in_its_arcs(room):
+    """Of gen3, its elbow almost straight: one of 10^5 random ones. Joint 1 has this much room on either side."""
+    q1 = ALMOST_STRAIGHT[0]
+    arm = srs_ik.load("gen3")
+    if room < np.inf:
+        arm = limited(arm, joint_1=(q1 - max(room, 0.5), q1 + room))
+    T = arm.forward_kinematics(ALMOST_STRAIGHT).homogeneous
+    assert arm.reachable_batch([T]).all()
+    (arcs,) = yaw_arcs(arm, [T])
+    assert is_in(arcs, 0.0, 1e-9)
+    found = measures_of(arm, [T])
+    if room > 0.1:
+        # All around this arm angle it is reached, as single solutions tell.
+        psi = arm.solve(T, seed=ALMOST_STRAIGHT).arm_angle
+        assert all(arm.solve(T, arm_angle=psi + step) for step in (-0.01, 0.01))
+        assert found["widest"][0] > 0.02
 
 
 @pytest.mark.parametrize("name", ["made_near", "gen3"])

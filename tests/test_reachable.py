@@ -8,6 +8,8 @@ from oracles import random_limb
 from scipy.optimize import least_squares
 
 import srs_ik
+from srs_ik.kernels.layout.limb import INVERSE_HALF_RANGE, MIDDLE
+from srs_ik.solve.reachable import largest_margins
 
 ROOM = np.array([0.3, 0.3, 0.4])
 UP = np.array([0.0, 0.0, 0.5])
@@ -31,6 +33,15 @@ def test_no_pose_of_a_configuration_inside_the_limits_is_missed(name):
     forward, count = arms.forward(name), 40 if name in arms.NEAR else 400
     poses = [forward(q).homogeneous for q in arms.configurations(name, count, 19)]
     assert arms.load(name).reachable_batch(poses).all()
+
+
+@pytest.mark.parametrize("name", [name for name in arms.EVERY if name in arms.NEAR])
+def test_near_arms_reach_as_far_as_they_are_stretched(name):
+    """Beyond the nearest exact limb, too: straight elbows, where the axes that miss their centres lengthen the arm."""
+    arm, forward = arms.load(name), arms.forward(name)
+    Q = arms.configurations(name, 60, 27)
+    Q[:, 3] = np.clip(arm.packed.elbow.straight + np.linspace(-1e-3, 1e-3, len(Q)), arm.lower[3], arm.upper[3])
+    assert arm.reachable_batch([forward(q).homogeneous for q in Q]).all()
 
 
 @pytest.mark.parametrize("name", arms.EXACT)
@@ -120,6 +131,17 @@ def test_places_are_ranked_by_what_the_moved_arm_answers(by):
     ranked = [(found.value[each.candidate], found.share[each.candidate]) for each in found]
     assert ranked == sorted(ranked, reverse=True)
     np.testing.assert_array_equal(found.best, T_room_base[next(iter(found)).candidate])
+
+
+@pytest.mark.parametrize("name", arms.EXACT)
+def test_the_largest_margin_is_that_of_the_posture_farthest_from_the_limits(name):
+    arm = arms.load(name)
+    T = poses_around(arm, 600, arms.generator(name, 28), size=0.8)
+    found = arm.solve_batch(T)
+    limits = arm.packed.family[0]
+    margins = 1.0 - np.abs(found.q - limits[MIDDLE : MIDDLE + 7]) * limits[INVERSE_HALF_RANGE : INVERSE_HALF_RANGE + 7]
+    expected = np.where(found.ok, margins.min(axis=1), 0.0)
+    np.testing.assert_allclose(largest_margins(arm.packed, T), np.maximum(expected, 0.0), atol=1e-9)
 
 
 def _value(arm, pose, solution, by):

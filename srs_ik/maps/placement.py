@@ -12,8 +12,8 @@ from numpy.typing import NDArray
 from srs_ik.errors import InvalidTask, did_you_mean, quoted
 from srs_ik.inputs.poses import as_matrices, refuse_bad_poses
 from srs_ik.kernels.entries.pose import check_pose
-from srs_ik.kernels.layout.maps import CELL_MARGIN, CELL_WIDTH
-from srs_ik.solve.reachable import measured, reachable_batch
+from srs_ik.kernels.layout.maps import CELL_WIDTH
+from srs_ik.solve.reachable import largest_margins, measured, reachable_batch
 
 if TYPE_CHECKING:
     from srs_ik.arm import Arm
@@ -150,6 +150,8 @@ def _values(arm: Arm, T: Array, by: Measure, threads: int | None) -> Array:
         from srs_ik.solve.optimise import optimise
 
         return np.array([optimise(arm.packed, arm, each, by).value for each in T])
-    rows = measured(arm.packed, np.ascontiguousarray(T), margin=by == "margin", threads=threads)
-    found: Array = rows[:, CELL_MARGIN if by == "margin" else CELL_WIDTH]
+    T = np.ascontiguousarray(T)
+    if by == "margin":
+        return largest_margins(arm.packed, T, threads)
+    found: Array = measured(arm.packed, T, threads=threads)[:, CELL_WIDTH]
     return found

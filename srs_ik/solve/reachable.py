@@ -63,13 +63,26 @@ def measured(arm: PackedArm, poses: Array, *, arcs: int = 0, margin: bool = Fals
     return rows
 
 
+def largest_margins(arm: PackedArm, poses: Array, threads: int | None = None) -> Array:
+    """(N,) margin to the limits of the posture farthest from them, 0 to 1; 0 where a pose is not reached."""
+    if not arm.closed:
+        return _margins(arm, arm.family, poses, threads)
+    found = np.zeros(len(poses))
+
+    def work(first: int, last: int) -> None:
+        entries.margin_range(arm.family, poses, first, last, found)
+
+    run_in_threads(work, len(poses), threads)
+    return found
+
+
 def _margins(arm: PackedArm, family: Array, poses: Array, threads: int | None) -> Array:
     """(N,) margin of the posture farthest from the limits, 0 to 1; joints without limits have all room."""
-    q = solve_batch(replace(arm, family=family), poses, None, None, None, False, True, threads).q
+    found = solve_batch(replace(arm, family=family), poses, None, None, None, False, True, threads)
     limits = family[LIMITED]
     share = limits[INVERSE_HALF_RANGE : INVERSE_HALF_RANGE + 7]
-    margins: Array = 1.0 - np.abs(q - limits[MIDDLE : MIDDLE + 7]) * share
-    return np.maximum(margins.min(axis=1), 0.0)
+    margins: Array = 1.0 - np.abs(found.q - limits[MIDDLE : MIDDLE + 7]) * share
+    return np.where(found.ok, np.maximum(margins.min(axis=1), 0.0), 0.0)
 
 
 def free_first_joint(arm: PackedArm) -> Array:

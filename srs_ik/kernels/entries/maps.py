@@ -7,7 +7,7 @@ from srs_ik.kernels.jit import entry
 from srs_ik.kernels.layout.limb import LIMITED
 from srs_ik.kernels.layout.maps import CELL_ARCS
 from srs_ik.kernels.limb.triangle import place
-from srs_ik.kernels.maps.cells import measure_poses, write_cell
+from srs_ik.kernels.maps.cells import margin_of_poses, measure_poses, write_cell
 from srs_ik.kernels.maps.near_cells import measure_near_poses, near_room, reach_near_poses
 from srs_ik.kernels.maps.reach import reach_poses, room
 
@@ -19,6 +19,12 @@ def reachable_range(family, poses, first, last, J, A, out):
         reach_poses(family, poses, first, last, out)
     else:
         reach_near_poses(family, poses, first, last, J, A, out)
+
+
+@entry
+def margin_range(family, poses, first, last, out):
+    """Write the largest margin to the limits of poses first to last - 1 of (N, 4, 4) into out (N,); exact limbs."""
+    margin_of_poses(family, poses, first, last, out)
 
 
 @entry

@@ -128,6 +128,7 @@ control.converging_force(port, peak: float, sizes: float[n], forces: float[n]&)
 control.free_response(port, mass: float, start: float, dt: float, positions: float[n]&)
 control.sampled_response(port, state: float[STATE]&, setting: float[4], forces: float[m]&, out: float[n, 3]&)
 maps.reachable_range(family, poses, first, last, J, A, out: int[n]&)
+maps.margin_range(family, poses, first, last, out: float[n]&)
 maps.measure_range(family, poses, first, last, limits: float[2], margin: int, J, A, out: float[n, c]&)
 maps.measure_cells(family, points: float[n, 3], rotations: float[m, 9], limits: float[2], margin: int,
     out: float[o, c]&)

@@ -19,7 +19,7 @@ from srs_ik.kernels.layout.answer import MAX_PIECES
 from srs_ik.kernels.layout.limb import INVERSE_HALF_RANGE, LOWER, MIDDLE, SHOULDER, SIZE, UPPER, WRIST
 from srs_ik.kernels.layout.search import STATE
 from srs_ik.kernels.limb.branches import NO_BRANCH, side_posture
-from srs_ik.kernels.limb.goal import NO_SEED, OUTSIDE
+from srs_ik.kernels.limb.goal import NO_SEED, OUTSIDE, elbow_part
 from srs_ik.kernels.limb.limits import set_joint_limits, set_limit
 from srs_ik.kernels.limb.triangle import elbow_side
 
@@ -31,6 +31,9 @@ GAIN_OUTSIDE = 1e-9
 
 ROUNDS = 64
 """Most times that the limits are moved; two to four are usual."""
+
+PROBED = 8
+"""Arm angles, evenly spaced, at which the largest margin is looked for first."""
 
 FINENESS = 1e-9
 """A climb ends at this part of its interval ..."""
@@ -139,12 +142,53 @@ def keep_branch(found, n, branch):
 
 
 @kernel
+def largest_margin(P, place_, found, box):
+    """The least cost of all postures inside the limits, `OUTSIDE` or more where none was met.
+
+    Most poses show it at one of a few arm angles: where the elbow is the tightest joint, nothing is better. Else the
+    search begins with limits drawn in by the best of these.
+
+    Args:
+        P: packed limb.
+        place_: the pose, from `triangle.place`.
+        found: (8 MAX_PIECES, 3) work space.
+        box: (SIZE,) work space.
+    """
+    sides = (elbow_side(P, place_, 0), elbow_side(P, place_, 1))
+    _, first = elbow_part(P, sides[0][0], False, 0.0, True)
+    _, second = elbow_part(P, sides[1][0], False, 0.0, True)
+    least = (first, second)
+    lowest = 4.0 * NO_BRANCH
+    for k in range(PROBED):
+        psi = TURN * k / PROBED
+        for elbow in range(2):
+            if least[elbow] < lowest - GAIN:
+                _, _, value = side_posture(P, sides[elbow], psi, -1, -1, False, NO_SEED, True)
+                lowest = min(lowest, value)
+        if lowest <= min(least[0], least[1]) + GAIN:
+            return lowest
+    if lowest >= OUTSIDE:
+        n = find_intervals(P, place_, -1, found)
+    elif draw_in(P, lowest - GAIN, True, box):
+        n = find_intervals(box, place_, -1, found)
+    else:
+        n = 0
+    if n == 0:
+        return lowest
+    _, _, value = farthest(P, place_, found, 0, n, -1, True)
+    return min(lowest, value)
+
+
+@kernel
 def farthest(P, place_, given, first, last, branch, respect):
     """Posture of the least cost over the intervals in rows first to last - 1 of given: q, branch, cost.
 
     These are all feasible intervals of a pose, or one of them; or whole circles, where there is none.
     """
     sides = (elbow_side(P, place_, 0), elbow_side(P, place_, 1))
+    _, elbow = elbow_part(P, sides[0][0], False, 0.0, True)
+    _, other = elbow_part(P, sides[1][0], False, 0.0, True)
+    elbow = min(elbow, other)
     found = np.empty((8 * MAX_PIECES, 3))
     boxes = np.empty((1, SIZE))
     box = row(boxes, 0)
@@ -183,6 +227,9 @@ def farthest(P, place_, given, first, last, branch, respect):
             if lowest < before:
                 break
         if lowest >= before:
+            break
+        if respect and lowest < OUTSIDE and lowest <= elbow + GAIN:
+            # The elbow is the tightest joint, and no arm angle bends it otherwise.
             break
         gain = GAIN_OUTSIDE if lowest >= OUTSIDE else GAIN
         if not draw_in(P, lowest - gain, respect, box):

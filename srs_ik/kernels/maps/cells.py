@@ -7,11 +7,11 @@ import math
 import numpy as np
 
 from srs_ik.kernels.algebra.pointers import row
-from srs_ik.kernels.exact.farthest import farthest
+from srs_ik.kernels.exact.farthest import farthest, largest_margin
 from srs_ik.kernels.exact.intervals import TOUCH, TURN
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.answer import GOOD_POSE, SOLVED
-from srs_ik.kernels.layout.limb import LIMITED, LOOSE
+from srs_ik.kernels.layout.limb import LIMITED, LOOSE, SIZE
 from srs_ik.kernels.layout.maps import (
     CELL_ARCS,
     CELL_BRANCHES,
@@ -21,6 +21,7 @@ from srs_ik.kernels.layout.maps import (
     CELL_WIDTH,
     MOST_ARCS,
 )
+from srs_ik.kernels.limb.goal import OUTSIDE
 from srs_ik.kernels.limb.poses import read_pose
 from srs_ik.kernels.limb.triangle import elbow_side, place
 from srs_ik.kernels.maps.arcs import put_arc, write_arcs
@@ -128,6 +129,26 @@ def write_cell(family, place_, limits, asked, space, out):
         out[CELL_MARGIN] = max(-cost, 0.0) if math.isfinite(cost) else 0.0
     if most > 0:
         write_yaws(P, place_, space.found, n, limits, most, out)
+
+
+@kernel
+def margin_of_poses(family, poses, first, last, out):
+    """Write the largest margin to the limits of poses first to last - 1 of (N, 4, 4) into out (N,), 0 where none is."""
+    space = room(family)
+    boxes = np.empty((1, SIZE))
+    for i in range(first, last):
+        R, p, verdict = read_pose(row(poses, i))
+        out[i] = 0.0
+        if verdict != GOOD_POSE:
+            continue
+        place_ = place(row(family, LIMITED), R, p)
+        if abs(place_[5]) >= SOLVED:
+            continue
+        cost = largest_margin(row(family, LIMITED), place_, space.found, row(boxes, 0))
+        if cost >= OUTSIDE:
+            cost = largest_margin(row(family, LOOSE), place_, space.found, row(boxes, 0))
+        if cost < OUTSIDE:
+            out[i] = max(-cost, 0.0)
 
 
 @kernel

@@ -12,12 +12,25 @@ from collections import namedtuple
 import numpy as np
 
 from srs_ik.kernels.algebra.pointers import row
+from srs_ik.kernels.algebra.vectors import across, add, apply, load3, load9, norm, sub
 from srs_ik.kernels.exact.intervals import TOUCH, TURN
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.answer import GOOD_POSE, MOST_INTERVALS, OK, ROW, ROW_Q, ROW_STATUS
-from srs_ik.kernels.layout.asked import Target
-from srs_ik.kernels.layout.limb import LIMITED, SIZE
-from srs_ik.kernels.layout.maps import MOST_ARCS, NOT_REACHED, REACHED, UNSURE
+from srs_ik.kernels.layout.asked import Goal, Target
+from srs_ik.kernels.layout.limb import (
+    AXES,
+    ELBOW_CENTRE,
+    FAR,
+    LIMITED,
+    POINTS,
+    SHOULDER_CENTRE,
+    SIZE,
+    TIP_POSITION,
+    TIP_ROTATION,
+    WRIST_IN_TIP,
+)
+from srs_ik.kernels.layout.maps import MOST_ARCS, NOT_REACHED, REACHED
+from srs_ik.kernels.limb.goal import NO_SEED, OUTSIDE
 from srs_ik.kernels.limb.poses import read_pose
 from srs_ik.kernels.limb.triangle import elbow_side, place
 from srs_ik.kernels.maps.arcs import put_arc, write_arcs
@@ -25,8 +38,9 @@ from srs_ik.kernels.maps.cells import clear, write_measures
 from srs_ik.kernels.maps.reach import any_overlap, is_bent_right, is_met_at, room
 from srs_ik.kernels.near.at_angle import may_reach
 from srs_ik.kernels.near.band import WIDEST_BAND, band_of, is_near_singularity, may_predict, widen
-from srs_ik.kernels.near.intervals import true_intervals
+from srs_ik.kernels.near.intervals import intervals_through, true_intervals
 from srs_ik.kernels.near.predicted import predicted_intervals
+from srs_ik.kernels.near.second_attempts import look_around, rescue
 from srs_ik.kernels.pose.intervals import all_intervals
 from srs_ik.kernels.pose.solve import solve_row_at
 
@@ -37,6 +51,9 @@ LEAST_LOOKS = 5
 CLOSE = 1e-5
 """The extremes of joint 1 are looked for this closely, rad of arm angle; they are off by about its square."""
 
+ROUNDING = 1e-9
+"""Of the reach."""
+
 GOLDEN = 0.5 * (math.sqrt(5.0) - 1.0)
 
 
@@ -46,8 +63,9 @@ PROBED = 8
 SAFE = 2.0
 """Limits drawn out by so many bands leave out nothing: bands are measured at many configurations, not at all."""
 
-Near = namedtuple("Near", ("J", "A", "found", "answers", "boxes", "exact"))
-"""Work space of one thread: (6, 7), (16, 9), (MOST_INTERVALS, 3), (1, ROW), (1, SIZE), and that of an exact limb."""
+Near = namedtuple("Near", ("J", "A", "found", "answers", "boxes", "exact", "slack"))
+"""Work space of one thread: (6, 7), (16, 9), (MOST_INTERVALS, 3), (1, ROW), (1, SIZE), and that of an exact limb; and
+how much farther than this the true chain may reach, m."""
 
 Posed = namedtuple("Posed", ("T", "place_", "R", "p"))
 """A pose: its 16 figures, what its postures share (`triangle.place`), rotation and position."""
@@ -56,7 +74,33 @@ Posed = namedtuple("Posed", ("T", "place_", "R", "p"))
 @kernel
 def near_room(family, J, A):
     """Work space for near limbs."""
-    return Near(J, A, np.empty((MOST_INTERVALS, 3)), np.empty((1, ROW)), np.empty((1, SIZE)), room(family))
+    slack = farther(row(family, LIMITED))
+    return Near(J, A, np.empty((MOST_INTERVALS, 3)), np.empty((1, ROW)), np.empty((1, SIZE)), room(family), slack)
+
+
+@kernel
+def from_line(P, joint, centre):
+    """How far the axis of a joint passes by a centre."""
+    return norm(across(sub(centre, load3(P, POINTS + 3 * joint)), load3(P, AXES + 3 * joint)))
+
+
+@kernel
+def farther(P):
+    """How much farther or closer than its nearest exact limb the true chain can bring the wrist to the shoulder.
+
+    A point turns about an axis by no more than twice its distance from it, and the centres are such points.
+    """
+    wrist = add(load3(P, TIP_POSITION), apply(load9(P, TIP_ROTATION), load3(P, WRIST_IN_TIP)))
+    total = from_line(P, 3, load3(P, ELBOW_CENTRE))
+    for joint in range(3):
+        total += from_line(P, joint, load3(P, SHOULDER_CENTRE)) + from_line(P, 4 + joint, wrist)
+    return 2.0 * total + ROUNDING * P[FAR]
+
+
+@kernel
+def is_too_far(P, pose, space):
+    """Whether the true chain cannot bring the wrist to where the pose wants it."""
+    return abs(pose.place_[5]) > space.slack or not may_reach(P, pose.place_)
 
 
 @kernel
@@ -103,25 +147,45 @@ def is_out_of_band(P, pose, band, space):
 
 
 @kernel
-def reach_near(family, pose, space):
-    """`reach.reach` of a near limb: next to singularities a search may find what the curves have passed by.
+def is_surely_out(P, pose, space):
+    """`is_out_of_band`, where the band tells enough."""
+    band = band_of(P, pose.place_)
+    if not may_predict(P, pose.place_, band) or SAFE * band >= WIDEST_BAND:
+        return False
+    return is_out_of_band(P, pose, band, space)
 
-    Most poses are told by its nearest exact limb and the band around it, in which the true chain lies.
+
+@kernel
+def found_again(P, target, space):
+    """A posture inside the limits that the curves from the closed form have passed by, and whether there is one."""
+    goal = Goal(False, NO_SEED, True)
+    q, _, cost = look_around(P, target, -1, goal, space.J, space.A)
+    if cost >= OUTSIDE:
+        q, _, cost = rescue(P, target, -1, goal, space.J, space.A)
+    return q, cost < OUTSIDE
+
+
+@kernel
+def reach_near(family, pose, space):
+    """Whether a posture of a near limb inside the limits meets a pose: REACHED or NOT_REACHED.
+
+    Most poses are told by its nearest exact limb and the band around it, in which the true chain lies. Next to
+    singularities a search may find what the curves have passed by.
     """
     P = row(family, LIMITED)
-    if not may_reach(P, pose.place_):
+    if is_too_far(P, pose, space):
         return NOT_REACHED
     target = Target(pose.R, pose.p, pose.place_)
     band = band_of(P, pose.place_)
     if may_predict(P, pose.place_, band):
         if is_met_near(P, pose, band, family, space):
             return REACHED
-        if SAFE * band < WIDEST_BAND and is_out_of_band(P, pose, band, space):
+        if is_surely_out(P, pose, space):
             return NOT_REACHED
-        n = predicted_intervals(P, target, space.found, space.J, space.A)
-        if n >= 0:
-            return REACHED if n > 0 else UNSURE
-    return REACHED if true_intervals(P, target, True, space.found, space.J, space.A) > 0 else UNSURE
+    n = predicted_intervals(P, target, space.found, space.J, space.A)
+    if n < 0:
+        n = true_intervals(P, target, True, space.found, space.J, space.A)
+    return REACHED if n > 0 or found_again(P, target, space)[1] else NOT_REACHED
 
 
 @kernel
@@ -185,15 +249,19 @@ def first_range_near(family, pose, interval, enough, space):
 
 
 @kernel
-def write_yaws_near(family, pose, n, limits, most, space, out):
-    """`cells.write_yaws` of a near limb, for n intervals in `space.found`."""
+def write_yaws_near(family, pose, found, wanted, space, out):
+    """`cells.write_yaws` of a near limb, for n intervals in `space.found` and, where it was found again, a posture.
+
+    `found` holds n, that posture and whether it counts; `wanted` the limits of joint 1 and how many arcs there are.
+    """
+    (n, q, again), (limits, most) = found, wanted
     enough = TURN - (limits[1] - limits[0])
     if enough <= TOUCH:
         write_arcs(np.empty((1, 2)), -1, most, out)
         return
-    arcs = np.empty((MOST_ARCS + n, 2))
-    count = 0
-    for i in range(n):
+    arcs = np.empty((MOST_ARCS + n + 1, 2))
+    count = put_arc(q[0], q[0], limits, arcs, 0) if again else 0
+    for i in range(n if count >= 0 else 0):
         interval = (int(space.found[i, 0]), space.found[i, 1], space.found[i, 2])
         lowest, highest, some = first_range_near(family, pose, interval, enough, space)
         if some:
@@ -207,14 +275,20 @@ def write_yaws_near(family, pose, n, limits, most, space, out):
 def write_cell_near(family, pose, limits, most, space, out):
     """`cells.write_cell` of a near limb, without its margin."""
     clear(most, out)
-    if not may_reach(row(family, LIMITED), pose.place_):
+    P, target = row(family, LIMITED), Target(pose.R, pose.p, pose.place_)
+    if is_too_far(P, pose, space):
         return
     n = intervals_near(family, pose, space)
+    q, again = NO_SEED, False
+    if n == 0 and not is_surely_out(P, pose, space):
+        q, again = found_again(P, target, space)
+        if again:
+            n = intervals_through(P, target, q, space.found, space.J, space.A)
     if n == 0:
         return
     write_measures(space.found, n, out)
     if most > 0:
-        write_yaws_near(family, pose, n, limits, most, space, out)
+        write_yaws_near(family, pose, (n, q, again), (limits, most), space, out)
 
 
 @kernel

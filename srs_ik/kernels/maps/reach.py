@@ -12,16 +12,22 @@ from collections import namedtuple
 import numpy as np
 
 from srs_ik.kernels.algebra.pointers import row
-from srs_ik.kernels.algebra.vectors import swing
+from srs_ik.kernels.algebra.vectors import dot, load3, swing
 from srs_ik.kernels.exact.free_splits import NEARLY_FLAT
 from srs_ik.kernels.exact.intervals import TURN, feasible_intervals, fits, joint_pieces
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.answer import GOOD_POSE, MAX_EVENTS, MAX_PIECES, MOST_INTERVALS, SOLVED
 from srs_ik.kernels.layout.limb import (
+    A1,
+    BOUND_2_LOWER,
+    BOUND_2_UPPER,
     COS_STRAIGHT,
+    FIRST_JOINT,
     LIMITED,
     LOOSE,
     LOWER,
+    PHASE,
+    RANGE_KIND,
     SHOULDER,
     SIN_STRAIGHT,
     SIZE,
@@ -46,6 +52,9 @@ PROBES = ((1.0, 0.0), (-1.0, 0.0), (0.0, 1.0), (0.0, -1.0), (HALF, HALF), (-HALF
 
 LOOKS = 3
 """Arm angles that are tried in each piece of the shoulder."""
+
+MIDDLE_SLACK = 1e-9
+"""Rounding of the cosine of a middle angle."""
 
 WIDER = 1e-6
 """Limits farther out by this, rad, tell poses that rounding may have hidden: at a singular limit it is the root."""
@@ -90,6 +99,36 @@ def is_bent_right(P, place_, elbow):
     c4 = P[COS_STRAIGHT] * c - P[SIN_STRAIGHT] * s
     s4 = P[SIN_STRAIGHT] * c + P[COS_STRAIGHT] * s
     return is_inside(P, 3, c4, s4, P[SLACK_LIMIT])
+
+
+@kernel
+def middle_may_fit(P, k, circle, slack):
+    """Whether the middle joint of a spherical joint can be inside its limits anywhere on a circle of R a3.
+
+    Away from its phase on either side, the angle between axes 1 and 3 grows: limits within half a turn of the phase
+    bound its cosine.
+    """
+    joint = int(P[k + FIRST_JOINT]) + 1
+    low, high = P[LOWER + joint] - P[k + PHASE], P[UPPER + joint] - P[k + PHASE]
+    if P[RANGE_KIND + joint] == 0.0 or low < -math.pi or high > math.pi:
+        return True
+    a1 = load3(P, k + A1)
+    constant, c, s = dot(a1, circle[0]), dot(a1, circle[1]), dot(a1, circle[2])
+    radius = math.sqrt(c * c + s * s)
+    at_low, at_high = P[k + BOUND_2_LOWER], P[k + BOUND_2_UPPER]
+    if constant + radius < min(at_low, at_high) - slack:
+        return False
+    return low <= 0.0 <= high or constant - radius <= max(at_low, at_high) + slack
+
+
+@kernel
+def may_be_met(P, place_, side, elbow):
+    """Whether elbow and middle joints can be inside their limits on one side of the elbow."""
+    return (
+        is_bent_right(P, place_, elbow)
+        and middle_may_fit(P, SHOULDER, side[1][0], MIDDLE_SLACK)
+        and middle_may_fit(P, WRIST, side[2][0], MIDDLE_SLACK)
+    )
 
 
 @kernel
@@ -173,11 +212,8 @@ def any_overlap(P, side, space):
 
 
 @kernel
-def reach_side(P, wide, place_, elbow, space):
+def reach_side(P, wide, place_, side, elbow, space):
     """`reach` on one side of the elbow."""
-    if not is_bent_right(wide, place_, elbow):
-        return NOT_REACHED
-    side = elbow_side(P, place_, elbow)
     s = shoulder_pieces(wide, side, space)
     if s[0] + s[1] == 0:
         return NOT_REACHED
@@ -205,15 +241,21 @@ def reach(family, place_, space):
         return NOT_REACHED
     # Rounding may hide a posture from the strict tolerances.
     P, wide = row(family, LOOSE), row(space.wide, 0)
-    for elbow in range(2):
-        if is_bent_right(P, place_, elbow) and is_met(P, elbow_side(P, place_, elbow)):
-            return REACHED
-    unsure = False
-    for elbow in range(2):
-        verdict = reach_side(P, wide, place_, elbow, space)
-        if verdict == REACHED:
-            return REACHED
-        unsure = unsure or verdict == UNSURE
+    first = elbow_side(P, place_, 0)
+    may_0 = may_be_met(wide, place_, first, 0)
+    if may_0 and is_bent_right(P, place_, 0) and is_met(P, first):
+        return REACHED
+    second = elbow_side(P, place_, 1)
+    may_1 = may_be_met(wide, place_, second, 1)
+    if may_1 and is_bent_right(P, place_, 1) and is_met(P, second):
+        return REACHED
+    verdict_0 = reach_side(P, wide, place_, first, 0, space) if may_0 else NOT_REACHED
+    if verdict_0 == REACHED:
+        return REACHED
+    verdict_1 = reach_side(P, wide, place_, second, 1, space) if may_1 else NOT_REACHED
+    if verdict_1 == REACHED:
+        return REACHED
+    unsure = verdict_0 == UNSURE or verdict_1 == UNSURE
     return UNSURE if unsure or place_[3] < NEARLY_FLAT or may_split(P, place_) else NOT_REACHED
 
 

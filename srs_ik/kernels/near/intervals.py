@@ -12,11 +12,14 @@ import numpy as np
 
 from srs_ik.kernels.algebra.pointers import row
 from srs_ik.kernels.chain.answer import measure_row
+from srs_ik.kernels.chain.newton import arm_angle
 from srs_ik.kernels.curves.best import MAX_SPANS, SPAN, best_on, find_spans
-from srs_ik.kernels.curves.runs import near_runs, samples_of
+from srs_ik.kernels.curves.follow import CURVE, follow, reverse, tangent_at
+from srs_ik.kernels.curves.in_step import SAMPLE
+from srs_ik.kernels.curves.runs import CURVE_ROWS, SPARE_ROWS, near_runs, samples_of, survey_curves
 from srs_ik.kernels.exact.intervals import TURN, join_touching, write_interval
 from srs_ik.kernels.jit import kernel
-from srs_ik.kernels.layout.asked import Best, Goal, Setting
+from srs_ik.kernels.layout.asked import Best, Goal, Runs, Setting
 from srs_ik.kernels.layout.search import MAX_RUNS, RUN
 from srs_ik.kernels.limb.branches import NO_BRANCH, branch_of
 from srs_ik.kernels.limb.goal import NO_SEED
@@ -54,6 +57,31 @@ def true_intervals(P, target, respect, out, J, A):
     rows, _, k, _ = near_runs(P, by, runs)
     spans = np.empty((MAX_SPANS, SPAN))
     return write_spans(spans, find_spans(P, by, rows, runs[:k], spans), out)
+
+
+@kernel
+def intervals_through(P, target, q, out, J, A):
+    """`true_intervals` of the one curve through a posture that no curve from the closed form led to; at least one."""
+    rows, line = np.empty((CURVE_ROWS, SAMPLE)), np.empty((CURVE_ROWS, SAMPLE))
+    sampled = np.empty((CURVE_ROWS + SPARE_ROWS, SAMPLE))
+    runs, spans, curves = np.empty((MAX_RUNS, RUN)), np.empty((MAX_SPANS, SPAN)), np.empty((1, CURVE))
+    by = Setting(target, elbow_side(P, target.place, 0), True, J, A)
+    n = 0
+    t, sign = tangent_at(P, by, q)
+    if sign != 0.0:
+        length, closed, end, t = follow(P, by, q, t, 1.0, rows, 0)
+        if not closed:
+            # It ends where curves cross: all of it lies behind that end.
+            length, closed, _, _ = follow(P, by, end, t, -1.0, rows, 0)
+            reverse(rows, 0, length)
+        if length > 1:
+            curves[0, 0], curves[0, 1], curves[0, 2] = 0.0, length, 1.0 if closed else 0.0
+            _, k = survey_curves(P, by, rows, curves, line, Runs(sampled, runs))
+            n = write_spans(spans, find_spans(P, by, sampled, runs[:k], spans), out)
+    if n == 0:
+        psi = arm_angle(P, q, target.place[0], target.place[1])
+        n = write_interval(out, 0, 0, branch_of(P, q), psi, psi)
+    return n
 
 
 @kernel
