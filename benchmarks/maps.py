@@ -112,21 +112,28 @@ def dask(arm, given, folder):
     options = {"n_workers": given.workers, "threads_per_worker": 1, "processes": True, "dashboard_address": None}
     with LocalCluster(**options) as cluster, Client(cluster) as client:
         build_map(arm, 0.25, Path(folder, "first.zarr"), client, orientations=12)
-        took = {"threads": 0.0, "Dask": 0.0}
+        took, busy = dict.fromkeys(("threads", "Dask"), 0.0), dict.fromkeys(("threads", "Dask"), 0.0)
         for turn in range(given.turns):
             for name in took:
+                how = {"client": client} if name == "Dask" else {"threads": given.workers}
                 path = Path(folder, f"{name}{turn}.zarr")
-                more = {"client": client} if name == "Dask" else {"threads": given.workers}
-                seconds_, chart = seconds(
-                    lambda more=more, path=path: build_map(
-                        arm, given.step, path, orientations=given.orientations, **more
-                    )
-                )
-                took[name] += seconds_
+                begin, before = time.perf_counter(), _processor_time(client)
+                chart = build_map(arm, given.step, path, orientations=given.orientations, **how)
+                took[name] += time.perf_counter() - begin
+                busy[name] += _processor_time(client) - before
     cells = given.turns * chart.plan.cells
-    rates = ", ".join(f"{name} {cells / each:,.0f} cells a second" for name, each in took.items())
-    share = took["threads"] / took["Dask"]
-    print(f"{given.turns} times {chart.plan.cells:,} cells, {given.workers} at once: {rates}: {100 * share:.0f} %")
+    for name, each in took.items():
+        print(f"{name}: {cells / each:,.0f} cells a second, {1e6 * busy[name] / cells:.2f} us of processor time each")
+    share, of_processors = took["threads"] / took["Dask"], busy["threads"] / busy["Dask"]
+    print(
+        f"{given.turns} times {chart.plan.cells:,} cells, {given.workers} at once: Dask has {100 * share:.0f} % of the "
+        f"threads' rate, {100 * of_processors:.0f} % by processor time (client, scheduler and workers)"
+    )
+
+
+def _processor_time(client):
+    """Seconds of this process, in which the scheduler runs too, and of all workers."""
+    return time.process_time() + sum(client.run(time.process_time).values())
 
 
 def _cells(chart, T):
