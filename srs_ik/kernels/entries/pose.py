@@ -20,7 +20,7 @@ from srs_ik.kernels.layout.limb import LIMITED
 from srs_ik.kernels.limb.limits import set_limits
 from srs_ik.kernels.limb.poses import read7, read_pose
 from srs_ik.kernels.limb.triangle import place
-from srs_ik.kernels.near.band import shift
+from srs_ik.kernels.near.band import put_shift
 from srs_ik.kernels.near.intervals import best_of_true_intervals
 from srs_ik.kernels.near.predicted_best import predicted_best_of_intervals
 from srs_ik.kernels.pose.intervals import all_intervals
@@ -133,9 +133,9 @@ def pack_limits(P, lower, upper):
 
 @entry
 def measure_shifts(P, configurations, shifts):
-    """Write `predicted.shift` of configurations (N, 7) of a limb that is being packed into shifts (N,)."""
+    """Write `band.put_shift` of configurations (N, 7) of a limb that is being packed into shifts (N, SHIFTS)."""
     for i in range(configurations.shape[0]):
-        shifts[i] = shift(row(P, 0), read7(row(configurations, i)))
+        put_shift(row(P, 0), read7(row(configurations, i)), row(shifts, i))
 
 
 @entry

@@ -50,7 +50,7 @@ pose.solve_all(family, T, psi, respect, J, A, out: float[8, ROW]&) -> int
 pose.solve_all_range(family, poses, first, last, psis, respect, J, A, out: float[r, ROW]&, verdicts)
 pose.solve_intervals(family, T, respect, J, A, out: float[MOST_INTERVALS, ROW]&) -> int
 pose.pack_limits(P: float[limb.SIZE]&, lower: float[7], upper: float[7])
-pose.measure_shifts(P: float[limb.SIZE], configurations: float[n, 7], shifts: float[n]&)
+pose.measure_shifts(P: float[limb.SIZE], configurations: float[n, 7], shifts: float[n, SHIFTS]&)
 pose.check_pose(T) -> int
 pose.intervals_range(family, poses, first, last, respect, J, A, rows: float[r, 3]&, counts: int[n]&, verdicts)
     -> (int, int)
