@@ -46,7 +46,7 @@ from srs_ik.kernels.path.bridge import bridge_to
 from srs_ik.kernels.path.corridor import corridor, put_on_poses
 from srs_ik.kernels.path.edges import path_cost
 from srs_ik.kernels.path.followed import write_sides
-from srs_ik.kernels.path.pose_strips import list_strips, pose_strips
+from srs_ik.kernels.path.pose_strips import bend_of, list_strips, pose_strips
 from srs_ik.kernels.path.programme import advance, cheapest, first_costs, rules_for, step_back
 from srs_ik.kernels.path.smoothing import smooth
 from srs_ik.kernels.path.strips import DEEPEST, GRID, put_node
@@ -65,14 +65,18 @@ FARTHEST_KEY = 8
 
 
 @entry
-def choose_keys(family, poses, has_known, keys, verdicts):
-    """Mark the poses at which a path is planned: the ends, known ones, and one for every `KEY_CHANGE` of the pose."""
+def choose_keys(family, poses, has_known, keys, verdicts, bends):
+    """Mark the poses at which a path is planned: the ends, known ones, and one for every `KEY_CHANGE` of the pose.
+
+    In `bends` (n,) are the sines of the elbow's bend, on the nearest exact limb; -1 where a pose is out of its reach.
+    """
     P = row(family, LIMITED)
     n = poses.shape[0]
     R, p, verdicts[0] = read_pose(row(poses, 0))
     if verdicts[0] != GOOD_POSE:
         return
     before = place(P, R, p)
+    bends[0] = bend_of(before)
     keys[0] = True
     keys[n - 1] = True
     last = 0
@@ -81,6 +85,7 @@ def choose_keys(family, poses, has_known, keys, verdicts):
         if verdicts[i] != GOOD_POSE:
             return
         here = place(P, R, p)
+        bends[i] = bend_of(here)
         if has_known[i]:
             keys[i] = True
         if keys[i] or i - last > FARTHEST_KEY or pose_change(before, here) > KEY_CHANGE:
@@ -108,6 +113,7 @@ def sweep(
     allowed_ends,
     near,
     radius,
+    followed,
     seed,
     settings,
     limited,
@@ -136,6 +142,7 @@ def sweep(
         allowed_ends: (n + 1,) the first of each pose; (0,): strips may have all.
         near: (n, 7) postures around which strips are finer.
         radius: how far around, rad; 0: nowhere.
+        followed: (n,) where a near limb's strips are its own curves, and not those of the nearest exact limb.
         seed: (7,) posture before the first one, or None.
         settings: (SETTINGS, 7).
         limited: whether there are velocity limits.
@@ -173,7 +180,7 @@ def sweep(
             put_node(nodes, n, read7(row(known, pose)), 0.0, -1)
             n += 1
         else:
-            around = Around(read7(row(near, pose)), radius)
+            around = Around(read7(row(near, pose)), radius, followed[pose])
             stamp[0] += 1.0
             n = pose_strips(family, row(poses, pose), around, sheet, n, desk, J, A)
             for k in range(bridge_ends[pose], bridge_ends[pose + 1]):

@@ -146,10 +146,14 @@ class Rules(NamedTuple):
 
 
 class Around(NamedTuple):
-    """Where strips are fine: about a posture, so far, rad; with 0, they are coarse everywhere."""
+    """Where strips are fine: about a posture, so far, rad; with 0, they are coarse everywhere.
+
+    A near limb's strips are its own curves if these are to be followed, else those of the nearest exact limb.
+    """
 
     q: Any
     radius: float
+    followed: bool
 
 
 class Spot(NamedTuple):

@@ -37,6 +37,12 @@ BENT = 1e-2
 
 
 @kernel
+def bend_of(place_):
+    """Sine of the elbow's bend on the nearest exact limb; -1 where the pose is out of its reach."""
+    return place_[3] if abs(place_[5]) < SOLVED else -1.0
+
+
+@kernel
 def pose_strips(family, T, around, sheet, n, desk, J, A):
     """Write the postures of a pose from row n on, finer around one of them; the next free row.
 
@@ -46,12 +52,13 @@ def pose_strips(family, T, around, sheet, n, desk, J, A):
     R, p, _ = read_pose(T)
     place_ = place(P, R, p)
     if J is not None:
-        first = n
-        if around.radius > 0.0:
-            n = take_line(P, Spot(R, p, place_), around, sheet, n, J, A)
-        else:
-            n = take_runs(P, Spot(R, p, place_), sheet, n, J, A)
-        return within_limits(P, sheet, first, n, desk)
+        if around.radius > 0.0 or around.followed:
+            first = n
+            if around.radius > 0.0:
+                n = take_line(P, Spot(R, p, place_), around, sheet, n, J, A)
+            else:
+                n = take_runs(P, Spot(R, p, place_), sheet, n, J, A)
+            return within_limits(P, sheet, first, n, desk)
     if not abs(place_[5]) < SOLVED:
         return n
     sides = (elbow_side(P, place_, 0), elbow_side(P, place_, 1))
