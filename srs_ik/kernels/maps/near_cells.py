@@ -37,7 +37,7 @@ from srs_ik.kernels.maps.arcs import put_arc, write_arcs
 from srs_ik.kernels.maps.cells import clear, write_measures
 from srs_ik.kernels.maps.reach import any_overlap, is_bent_right, is_met_at, room
 from srs_ik.kernels.near.at_angle import may_reach
-from srs_ik.kernels.near.band import WIDEST_BAND, band_of, is_near_singularity, may_predict, widen
+from srs_ik.kernels.near.band import WIDEST_BAND, band_of, is_near_singularity, may_predict, widen, widest
 from srs_ik.kernels.near.intervals import intervals_through, true_intervals
 from srs_ik.kernels.near.predicted import predicted_intervals
 from srs_ik.kernels.near.second_attempts import look_around, rescue
@@ -119,7 +119,7 @@ def is_clear(P, side, psi, band):
 def is_met_near(P, pose, band, family, space):
     """Whether an arm angle that is feasible for all that the band allows is so on the true chain."""
     box = row(space.boxes, 0)
-    if not widen(P, -band, box):
+    if not widen(P, band, -1.0, box):
         return False
     for elbow in range(2):
         if not is_bent_right(box, pose.place_, elbow):
@@ -139,7 +139,7 @@ def is_met_near(P, pose, band, family, space):
 def is_out_of_band(P, pose, band, space):
     """Whether no posture keeps limits that are drawn out by more than the band: there is none on the true chain."""
     box = row(space.boxes, 0)
-    widen(P, SAFE * band, box)
+    widen(P, band, SAFE, box)
     for elbow in range(2):
         if is_bent_right(box, pose.place_, elbow) and any_overlap(box, elbow_side(P, pose.place_, elbow), space.exact):
             return False
@@ -150,7 +150,7 @@ def is_out_of_band(P, pose, band, space):
 def is_surely_out(P, pose, space):
     """`is_out_of_band`, where the band tells enough."""
     band = band_of(P, pose.place_)
-    if not may_predict(P, pose.place_, band) or SAFE * band >= WIDEST_BAND:
+    if not may_predict(P, pose.place_, band) or SAFE * widest(band) >= WIDEST_BAND:
         return False
     return is_out_of_band(P, pose, band, space)
 
