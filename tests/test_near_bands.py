@@ -1,4 +1,4 @@
-"""How far near limbs are from their nearest exact ones, by Pinocchio; and postures that bands or wide steps would lose."""
+"""How far near limbs are from their nearest exact ones; postures that narrow bands or wide steps would lose."""
 
 import arms
 import numpy as np
@@ -84,6 +84,7 @@ def test_a_branch_of_oblique_axes_with_two_postures_at_an_arm_angle_gives_the_on
             solution = arm.solve(pose, arm_angle=psi, branch=interval.branch)
             asked += 1
             assert solution, (interval, psi)
-            assert (solution.q >= arm.lower).all() and (solution.q <= arm.upper).all()
+            assert (solution.q >= arm.lower).all()
+            assert (solution.q <= arm.upper).all()
             assert max(arm.verify(pose, solution.q)) < 1e-9
     assert asked > 0
