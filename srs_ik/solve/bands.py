@@ -67,13 +67,7 @@ def _above(off: Array, true: Array, least: float) -> tuple[float, float]:
 
 
 def _configurations(P: Array) -> Array:
-    """Random configurations, (n, 7), whose elbow keeps its limits."""
-    rng = np.random.default_rng(0)
-    q = rng.uniform(-np.pi, np.pi, (2 * SAMPLES, 7))
-    lower, upper = P[at.LOWER + 3], P[at.UPPER + 3]
-    if np.isfinite(upper - lower):
-        q[:SAMPLES, 3] = rng.uniform(lower, upper, SAMPLES)
+    """Random configurations, (n, 7), limits or not."""
+    q = np.random.default_rng(0).uniform(-np.pi, np.pi, (2 * SAMPLES, 7))
     q[SAMPLES:, 3] = P[at.STRAIGHT] + ALMOST_STRAIGHT * q[SAMPLES:, 3] / np.pi
-    turns = q[:, 3] - 2.0 * np.pi * np.floor((q[:, 3] - lower) / (2.0 * np.pi)) if np.isfinite(lower) else q[:, 3]
-    kept: Array = q[turns <= upper]
-    return kept
+    return q
