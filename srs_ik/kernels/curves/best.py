@@ -49,10 +49,8 @@ WELL_BENT = 0.6
 """Beside a sample where the arm angle turns around, it is less steep than this part of what comes next."""
 
 TURNING = 1e-9
-"""An arm angle that goes back by more than this, rad, has turned around."""
-
 TURNED = 1e-12
-"""Next to where it turns around, it is the same up to this, rad."""
+"""An arm angle that goes back by more than the first, rad, has turned around. There it is the same up to the second."""
 
 ARC = 1.1
 """The way along a curve between two samples, at most, for the difference of their parameters."""
