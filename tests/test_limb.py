@@ -54,7 +54,7 @@ def test_figures_of_every_limb(name):
     assert np.linalg.norm(limb.reference) == pytest.approx(1.0)
     for k, centre in zip((0, 1, 2, 4, 5, 6), [limb.shoulder] * 3 + [limb.wrist] * 3, strict=True):
         along = limb.axes[k]
-        assert limb.misses[k] == pytest.approx(np.linalg.norm(np.cross(along, centre - limb.points[k])), abs=1e-9)
+        assert limb.offsets[k] == pytest.approx(np.linalg.norm(np.cross(along, centre - limb.points[k])), abs=1e-9)
     assert np.linalg.norm(np.cross(limb.axes[3], limb.elbow - limb.points[3])) < 1e-9
     assert limb.T_base_tip_zero == pytest.approx(arm.forward_kinematics(np.zeros(7)).homogeneous, abs=1e-12)
 

@@ -5,8 +5,9 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from oracles import limbs, random_limb, random_rotation, unit
+from oracles import limbs, random_limb, random_rotation
 from robot_files import at_hand, robot_file
+from scipy.optimize import least_squares
 
 import srs_ik
 from srs_ik.robot.recognition import recognise
@@ -69,21 +70,26 @@ def test_only_the_lines_count(limb):
 
 
 @given(limbs(miss=0.01))
-def test_centres_of_axes_that_miss_are_least_squares(limb):
+def test_axes_miss_their_least_squares_point_and_centres_rest_on_the_first_and_the_last(limb):
     found = recognise(limb.axes, limb.points, TIP)
     assert found.kind == "near"
-    for centre, three in ((found.limb.shoulder, (0, 1, 2)), (found.limb.wrist, (4, 5, 6))):
+    for centre, rests, three in ((found.limb.shoulder, 0, (0, 1, 2)), (found.limb.wrist, 6, (4, 5, 6))):
 
-        def squares(point, three=three):
-            return sum(np.sum(np.cross(limb.axes[k], point - limb.points[k]) ** 2) for k in three)
+        def across(point, three=three):
+            return np.array([np.cross(limb.axes[k], point - limb.points[k]) for k in three])
 
-        for _ in range(10):
-            assert squares(centre) <= squares(centre + 1e-3 * unit(limb.rng)) + 1e-15
-        for k in three:
-            assert found.misses[k] == pytest.approx(
-                np.linalg.norm(np.cross(limb.axes[k], centre - limb.points[k])), abs=1e-12
-            )
-    assert found.misses[3] == 0.0
+        def distances(point, across=across):
+            return np.linalg.norm(across(point), axis=1)
+
+        nearest = least_squares(
+            lambda x, across=across: across(x).ravel(), centre, xtol=1e-15, ftol=1e-15, gtol=1e-15
+        ).x
+        assert found.misses[list(three)] == pytest.approx(distances(nearest), abs=1e-9)
+        # The centre is the foot of that point on an axis which does not move it.
+        assert np.linalg.norm(np.cross(limb.axes[rests], centre - limb.points[rests])) < 1e-12
+        assert limb.axes[rests] @ (centre - nearest) == pytest.approx(0.0, abs=1e-9)
+        assert found.limb.offsets[list(three)] == pytest.approx(distances(centre), abs=1e-12)
+    assert found.misses[3] == found.limb.offsets[3] == 0.0
 
 
 def straight_arm():

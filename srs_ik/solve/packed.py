@@ -124,9 +124,8 @@ def pack_family(limb: SrsLimb, lower: Vector, upper: Vector) -> Vector:
         [_pack(limb, lo, hi, slack) for slack in (first, LOOSE) for lo, hi in ((lower, upper), (-none, none))]
     )
     if family[at.LIMITED, at.IS_CLOSED] == 0.0:
-        for limits in (at.LIMITED, at.FREE):
-            put_bands(family[limits])
-            family[at.LOOSE + limits, at.SHIFT :] = family[limits, at.SHIFT :]
+        put_bands(family[at.LIMITED])
+        family[:, at.SHIFT :] = family[at.LIMITED, at.SHIFT :]
     family.flags.writeable = False
     return family
 

@@ -34,10 +34,7 @@ MAX_SPANS = 2 * MAX_RUNS
 
 CHANGE_STEPS = 60
 JUST_OUTSIDE = 1e-12
-"""Steps that find where a branch changes, and the first look behind that, in the parameter of the curve."""
-
-BESIDE_IT = 1e-12
-"""Newton's method finds where a branch changes up to this, in the parameter of the curve."""
+"""Steps that find where a branch changes, and the first looks on either side, in the parameter of the curve."""
 
 MOST_CHANGES = 6
 """A branch changes no more often between two samples."""
@@ -49,10 +46,8 @@ WELL_BENT = 0.6
 """Beside a sample where the arm angle turns around, it is less steep than this part of what comes next."""
 
 TURNING = 1e-9
-"""An arm angle that goes back by more than this, rad, has turned around."""
-
 TURNED = 1e-12
-"""Next to where it turns around, it is the same up to this, rad."""
+"""An arm angle that goes back by more than the first, rad, has turned around. There it is the same up to the second."""
 
 ARC = 1.1
 """The way along a curve between two samples, at most, for the difference of their parameters."""
@@ -97,7 +92,9 @@ def met_change(P, by, curve, branch, x, y):
     if joint < 0:
         return x, False
     q, found, met = meet(P, by, rows, low, along7(a, share, difference(a, b)), joint, angle)
-    return found, met and x < found - BESIDE_IT and found + BESIDE_IT < y and out_of_branch(P, q, branch) < JUST_OUTSIDE
+    return found, met and x < found - JUST_OUTSIDE and found + JUST_OUTSIDE < y and out_of_branch(
+        P, q, branch
+    ) < JUST_OUTSIDE
 
 
 @kernel
@@ -105,7 +102,7 @@ def change_of_branch(P, by, curve, branch, x, y):
     """Where a curve leaves a branch on the way from parameter x to y: the last one in it, and the first one outside."""
     found, met = met_change(P, by, curve, branch, x, y)
     if met:
-        return found - BESIDE_IT, found + BESIDE_IT
+        return found - JUST_OUTSIDE, found + JUST_OUTSIDE
     q, _ = on_curve(P, by, 0, curve, x)
     at_x = min(out_of_branch(P, q, branch), 0.0)
     q, _ = on_curve(P, by, 0, curve, y)

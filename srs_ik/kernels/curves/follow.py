@@ -51,7 +51,7 @@ MOST_STEPS = 600
 CORRECTIONS = 12
 """Newton's steps back to the curve, at most."""
 
-START_STEPS = 40
+START_STEPS = 12
 STARTS = 8
 STARTS_OBLIQUE = 48
 """Arm angles, all around, at which the closed form gives starts; a branch of oblique axes may be a short arc."""

@@ -146,18 +146,19 @@ def sample_branch(P, by, branch, ends, work, line):
 
 @kernel
 def unroll(P, by, rows, curve, line):
-    """Copy a followed curve to line, a closed one from a posture outside the limits on if there is one; rows in use.
+    """Copy a followed curve to line, a closed one from its posture farthest outside the limits on; rows in use.
 
-    Where limits count, the gaps between them get samples of their own.
+    Where limits count, the gaps between them get samples of their own. Nothing that dips into the limits is cut there.
     """
     first = int(curve[0])
     count = int(curve[1]) - first
     start = 0
     if curve[2] == 1.0:
+        worst = 0.0
         for i in range(count - 1):
-            if infeasibility_of(P, rows[first + i], by.respect) > 0.0:
-                start = i
-                break
+            off = infeasibility_of(P, rows[first + i], by.respect)
+            if off > worst:
+                start, worst = i, off
     length = rows[first + count - 1, 0]
     gaps = np.empty((MOST_GAPS, SAMPLE))
     n = 0

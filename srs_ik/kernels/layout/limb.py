@@ -85,8 +85,8 @@ BAND = SHIFT + 1  # how far limits of joints 1, 3, 5 and 7 are drawn out, rad; d
 # How far the true chain is from the closed form, rad: at most so much, and so much more over the sine of the bend.
 # Joints 1, 3, 5 and 7 times the sine of the middle angle between them; joint 4 times the sine of the bend: its cosine.
 BANDS = BAND + 1  # 7 times both
-COSINE_OFF = BANDS + 7  # of joint 4 at a straight elbow
-SIZE = BANDS + 14
+COSINE_OFF = BANDS + 14  # how far the cosine of the bend is off at a straight elbow, or a folded one
+SIZE = COSINE_OFF + 1
 
 # How far a configuration is from the closed form, rad: the same of each joint; zero where they are not told.
 SHIFT_COSINE = 7  # cosine of the elbow's bend
@@ -95,7 +95,7 @@ SHIFT_BEND = 9  # sine of it; 0 where the differences of joints are not told
 SHIFTS = 10
 
 WELL_CLEAR = 1.25
-"""The elbow's cosine is farther from straight and from folded than its band by this factor, or the elbow may be so."""
+"""The elbow's cosine is farther from straight and folded than it is off there, by this factor; else it may be so."""
 
 # A family of packed limbs (4, SIZE): with limits, without, and both again with the loose tolerances.
 LIMITED = 0

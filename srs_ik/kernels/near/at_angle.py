@@ -18,12 +18,13 @@ from srs_ik.kernels.curves.runs import near_runs
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.answer import ROW_COST
 from srs_ik.kernels.layout.asked import Best, Goal, Setting
-from srs_ik.kernels.layout.limb import FAR, MISS
+from srs_ik.kernels.layout.limb import FAR, MISS, SHIFT
 from srs_ik.kernels.layout.search import MAX_RUNS, RUN
 from srs_ik.kernels.limb.branches import NO_BRANCH, best_branch, branch_of, is_unsure
 from srs_ik.kernels.limb.goal import NO_SEED, OUTSIDE
 from srs_ik.kernels.limb.poses import read7
 from srs_ik.kernels.limb.triangle import elbow_side
+from srs_ik.kernels.near.band import ALMOST_NOTHING, is_oblique
 from srs_ik.kernels.near.branch_search import search_branch
 from srs_ik.kernels.near.second_attempts import ATTEMPTS, STRETCHED, evaluate_again, stretched
 
@@ -113,15 +114,23 @@ def best_found(found, wanted, seed):
 
 
 @kernel
+def is_crowded(P):
+    """Whether a branch may have two postures at an arm angle also away from singularities: oblique axes that miss."""
+    return is_oblique(P) and P[SHIFT] > ALMOST_NOTHING
+
+
+@kernel
 def settle_branch(P, target, psi, branch, best, goal, A):
     """A second look at a branch that has no posture yet, or one outside its limits: the best, whether it is final."""
     q, lowest = best
-    if lowest < OUTSIDE or (lowest < NO_BRANCH and not is_unsure(P, q)) or not may_reach(P, target.place):
+    crowded = is_crowded(P)
+    alone = lowest < NO_BRANCH and not crowded and not is_unsure(P, q)
+    if lowest < OUTSIDE or alone or not may_reach(P, target.place):
         return best, True
     other, complete = search_branch(P, target, psi, branch, goal, A)
     if other.cost < lowest:
         best = other
-    return best, complete or best.cost < NO_BRANCH
+    return best, best.cost < OUTSIDE or (not crowded and (complete or best.cost < NO_BRANCH))
 
 
 @kernel
@@ -181,7 +190,8 @@ def solve_at_angle(P, target, psi, wanted, goal, J, A):
     unsure = is_unsure(P, q)
     # Next to a singularity, Newton's method may have missed the branch that is nearest to a seed.
     good = lowest < OUTSIDE and not (seeded and unsure and lowest > AT_SEED)
-    if good or (OUTSIDE <= lowest < NO_BRANCH and not unsure) or not may_reach(P, place_):
+    alone = OUTSIDE <= lowest < NO_BRANCH and not unsure and not is_crowded(P)
+    if good or alone or not may_reach(P, place_):
         return q, best, lowest
     followed = np.empty((8, 8))
     find_at_angle(P, setting_of(P, target, J, A), psi, goal, followed)

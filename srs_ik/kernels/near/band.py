@@ -16,6 +16,7 @@ from srs_ik.kernels.layout.limb import (
     BAND,
     BANDS,
     BOTTOM_GAP,
+    COSINE_OFF,
     FAR,
     LOWER,
     NEAR,
@@ -36,8 +37,8 @@ from srs_ik.kernels.limb.goal import NO_SEED
 from srs_ik.kernels.limb.limits import set_joint_limits, set_limit
 from srs_ik.kernels.limb.triangle import elbow_side, place, shoulder_to_wrist
 
-WIDEST_BAND = 0.2
-WIDEST_OUTER = 0.4
+WIDEST_BAND = 0.3
+WIDEST_OUTER = 0.6
 """Wider bands, of joints 2, 4 and 6 and of the others, tell too little."""
 
 WELL_BENT = 0.5
@@ -138,14 +139,19 @@ def nearness(k, band):
 
 
 @kernel
+def is_oblique(P):
+    """Whether neighbouring axes of shoulder or wrist are oblique."""
+    s, w = SHOULDER, WRIST
+    return max(abs(P[s + A1_A2]), abs(P[s + A2_A3]), abs(P[w + A1_A2]), abs(P[w + A2_A3])) > OBLIQUE
+
+
+@kernel
 def may_predict(P, place_, band):
     """Whether a band tells enough: not with the elbow almost straight or folded, nor of oblique axes."""
-    s, w = SHOULDER, WRIST
-    oblique = max(abs(P[s + A1_A2]), abs(P[s + A2_A3]), abs(P[w + A1_A2]), abs(P[w + A2_A3])) > OBLIQUE
     narrow = widest(band) < ALMOST_NOTHING
-    bent = 1.0 - abs(place_[2]) > WELL_CLEAR * band[3] * place_[3]
+    bent = 1.0 - abs(place_[2]) > WELL_CLEAR * P[COSINE_OFF]
     tells = max(band[1], band[3], band[5]) < WIDEST_BAND and outer_band(band) < WIDEST_OUTER
-    return tells and bent and place_[5] == 0.0 and (narrow or not oblique)
+    return tells and bent and place_[5] == 0.0 and (narrow or not is_oblique(P))
 
 
 @kernel

@@ -14,7 +14,6 @@ from __future__ import annotations
 import math
 
 from srs_ik.kernels.algebra.joint_vectors import along7, dot7
-from srs_ik.kernels.algebra.pointers import row
 from srs_ik.kernels.algebra.vectors import cross, dot, load3, norm, swing
 from srs_ik.kernels.curves.follow import between
 from srs_ik.kernels.jit import kernel
@@ -32,7 +31,6 @@ from srs_ik.kernels.layout.limb import (
 )
 from srs_ik.kernels.layout.path import CELL, CELL_BRANCH, CELL_FROM, CELL_OFF, CELL_TO
 from srs_ik.kernels.limb.limits import TURN
-from srs_ik.kernels.limb.poses import read7
 from srs_ik.kernels.limb.spherical import middle_angle
 from srs_ik.kernels.path.followed import along_cell, posture_of
 from srs_ik.kernels.path.near_strips import setting_of
@@ -210,12 +208,6 @@ def put_turns(P, cells, n, a, b, off, told):
         for i in range(first, last):
             cells[i, j] += TURN * least
     return n
-
-
-@kernel
-def cell_start(cells, i):
-    """First posture of a cell."""
-    return read7(row(cells, i))
 
 
 @kernel

@@ -1,0 +1,90 @@
+"""How far near limbs are from their nearest exact ones; postures that narrow bands or wide steps would lose."""
+
+import arms
+import numpy as np
+import pytest
+from oracles import random_limb
+
+import srs_ik
+from srs_ik.kernels.entries import pose as entries
+from srs_ik.kernels.layout import answer
+from srs_ik.kernels.layout import limb as at
+
+CLOSED = 1e-9
+"""An arm angle this close to an end, rad, is in the interval."""
+
+USUAL = 0.3
+"""Wider bands are not used, rad."""
+
+
+def random_arm(seed, pattern, limits, miss):
+    limb = random_limb(seed, pattern, ("straight", "offset")[seed % 2], limits, miss)
+    return limb, srs_ik.load(limb.model, base="base", tip="tool")
+
+
+@pytest.mark.parametrize("name", ["gen3", "j2s7s300", "coordinate", "tilted"])
+def test_the_closed_form_is_no_farther_from_the_true_chain_than_the_band(name):
+    arm = arms.load(name) if name[-1].isdigit() else random_arm(5, name, "continuous", 0.01)[1]
+    family = arm.packed.family
+    exact = family.copy()
+    exact[:, at.IS_CLOSED] = 1.0
+    P = family[at.FREE]
+    bands = P[at.BANDS : at.BANDS + 14].reshape(7, 2)
+    rng = np.random.default_rng(11)
+    row = np.empty(answer.ROW)
+    tried = outside = 0
+    for _ in range(3000):
+        q = rng.uniform(-np.pi, np.pi, 7)
+        middles = np.abs(np.sin([q[1] - P[at.SHOULDER + at.PHASE], q[5] - P[at.WRIST + at.PHASE]]))
+        if middles.min() < 0.5:
+            continue
+        T = np.ascontiguousarray(arm.forward_kinematics(q).homogeneous)
+        entries.solve_at(exact, T, arm.arm_angle(q), arm.branch(q), None, False, None, None, row)
+        bend = abs(np.sin(row[3] - P[at.STRAIGHT]))
+        told = 1.0 - abs(np.cos(row[3] - P[at.STRAIGHT])) > at.WELL_CLEAR * P[at.COSINE_OFF]
+        band = bands[:, 0] + bands[:, 1] / max(bend, 1e-9)
+        if not told or band.max() > USUAL:
+            continue
+        share = np.array([middles[0], 1.0, middles[0], 1.0, middles[1], 1.0, middles[1]])
+        off = share * np.abs((row[:7] - q + np.pi) % (2.0 * np.pi) - np.pi)
+        tried += 1
+        outside += int((off > band).any())
+    # A measured bound: some few of 10,000 may be outside.
+    assert tried > 300
+    assert outside <= tried // 1000
+
+
+@pytest.mark.parametrize(
+    ("seed", "pattern", "number"),
+    [
+        # Between two samples of the curve a joint dips into a range of 2 mrad; the curve was cut open there.
+        (10, "oblique", 1),
+        # A range of 4 mrad next to the widest that the band allows.
+        (3, "tilted", 3),
+    ],
+)
+def test_known_postures_in_narrow_ranges_are_in_an_interval(seed, pattern, number):
+    limb, arm = random_arm(seed, pattern, ("usual", "mixed")[seed // 2 % 2], 0.02)
+    for _ in range(number + 1):
+        q = limb.configuration()
+    psi, branch = arm.arm_angle(q), arm.branch(q)
+    found = [i for i in arm.intervals(arm.forward_kinematics(q)) if i.branch == branch]
+    assert any((psi - i.lower + CLOSED) % (2.0 * np.pi) <= i.width + 2.0 * CLOSED for i in found)
+
+
+def test_a_branch_of_oblique_axes_with_two_postures_at_an_arm_angle_gives_the_one_inside_the_limits():
+    limb, arm = random_arm(17, "oblique", "usual", 0.02)
+    for _ in range(39):
+        q = limb.configuration()
+    pose = arm.forward_kinematics(q)
+    asked = 0
+    for interval in arm.intervals(pose):
+        for share in (0.05, 0.2, 0.5, 0.8, 0.95):
+            psi = interval.lower + share * interval.width
+            solution = arm.solve(pose, arm_angle=psi, branch=interval.branch)
+            asked += 1
+            assert solution, (interval, psi)
+            assert (solution.q >= arm.lower).all()
+            assert (solution.q <= arm.upper).all()
+            assert max(arm.verify(pose, solution.q)) < 1e-9
+    assert asked > 0
