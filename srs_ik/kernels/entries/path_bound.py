@@ -27,8 +27,8 @@ from srs_ik.kernels.limb.poses import read7
 from srs_ik.kernels.path.cells import SLACK, put_cell
 from srs_ik.kernels.path.corridor import spot_of
 from srs_ik.kernels.path.cover import cover_pose, cut_cell
-from srs_ik.kernels.path.reached import MOST_CORNERS, reach_cell
 from srs_ik.kernels.path.relaxed import GROUP, advance_cell, write_groups
+from srs_ik.kernels.path.steps import MOST_CORNERS, reach_cell
 from srs_ik.kernels.path.strips import DEEPEST
 
 
