@@ -92,7 +92,8 @@ class PathSolution(BatchSolution):
         If this path has none, those with breaks are left out. On an exact arm the bound is proven: all postures of all
         poses lie within a known distance of straight pieces of joint space, and each step counts its least between two
         pieces. Pieces that no better path can touch are left out and the others cut, until the bound is within a
-        hundredth of `value`, or pieces are 0.01 rad long. On a near arm the distance from the pieces is measured, and
+        hundredth of `value`, or pieces are 0.01 rad long, 0.06 for the time.
+        On a near arm the distance from the pieces is measured, and
         doubled. Velocity limits within `dt`, limits of acceleration, and that a closed path closes, do not count: paths
         that keep them cost no less. Poses that leave a turn free have no bound but 0, and upright straight arms, which
         turn on the spot at every arm angle, almost none.

@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from srs_ik.kernels.layout.path import BREAK, BY_VELOCITY, INVERSE_SPEED, LEAST_INVERSE
+from srs_ik.kernels.layout.path import BREAK, BY_CONTINUITY, BY_VELOCITY, INVERSE_SPEED, LEAST_INVERSE
 from srs_ik.solve.path_blocks import find_way
 from srs_ik.solve.path_polish import WIDTHS, polish, refine
 from srs_ik.solve.path_problem import LARGEST_STEP, SUM_OF_SQUARES, Problem, Way, steps_of, worth
@@ -21,6 +21,9 @@ SEARCHES = 3
 
 BELOW = 0.97
 """... where steps are to be below this part of the last one."""
+
+ALMOST = 1.05
+"""Steps above this part of the last one are left out then: few of them can be moved below the limit."""
 
 STARTS = 6
 """Most postures at which a closed path is tried to begin."""
@@ -65,6 +68,7 @@ def least_largest_step(problem: Problem) -> Way:
     for _ in range(SEARCHES):
         settings = problem.settings.copy()
         settings[BY_VELOCITY] = BELOW * worth(problem, way)[1]
+        settings[BY_CONTINUITY] = np.minimum(settings[BY_CONTINUITY], ALMOST * worth(problem, way)[1])
         slower = replace(problem, settings=settings, limited=True, objective=SUM_OF_SQUARES)
         if may_be_fine(problem):
             slower = replace(slower, radius=EVERYWHERE)
