@@ -14,7 +14,8 @@ from numpy.typing import NDArray
 
 from srs_ik.collision import store
 from srs_ik.collision.bodies import Body
-from srs_ik.collision.ranges import BOXES, JointRange, key_of, least_distances
+from srs_ik.collision.forms import is_round
+from srs_ik.collision.ranges import BOXES, FINE, Bounds, JointRange, key_of
 from srs_ik.robot.description.shapes import read_tree
 from srs_ik.robot.description.srdf import disabled_pairs
 
@@ -166,7 +167,8 @@ class _Survey:
     """Bodies at random postures, and what that says of their pairs."""
 
     def __init__(self, arm: ChainKinematics, bodies: Sequence[Body]) -> None:
-        from srs_ik.collision.real import RealBodies, transform
+        from srs_ik.collision.parts import transform
+        from srs_ik.collision.real import RealBodies
 
         self._arm, self._bodies, self._transform = arm, bodies, transform
         self._real = RealBodies(bodies)
@@ -191,9 +193,8 @@ class _Survey:
     def joint_range(self, i: int, j: int) -> JointRange:
         """How near two bodies come that are two joints apart, told by the joint between them."""
         k = self._bodies[i].joint
-        edges = np.linspace(self._lower[k], self._upper[k], BOXES + 1)
         turn = float(self._lower[k + 1]), float(min(self._upper[k + 1], self._lower[k + 1] + 2.0 * np.pi))
-        reaches = tuple(self._reaches(i, j).tolist())
+        first, second = self._reaches(i, j).tolist()
         digest = self._digest(i, j, b"range")
         kept = store.load(digest)
         if kept is None:
@@ -205,11 +206,11 @@ class _Survey:
                 hulls = self._real.hull_distance(frames, i, j)
                 return hulls if hulls > _FAR_APART else self._real.distance(frames, i, j)
 
-            bounds = least_distances(distance, edges, turn, reaches) - _APART
-            kept = np.zeros((BOXES, 4))
-            kept[:, 0] = bounds
+            found = Bounds(distance, turn, (first, second)).over(float(self._lower[k]), float(self._upper[k]))
+            kept = np.clip(found, -_NEVER, _NEVER)
             store.keep(digest, kept)
-        return JointRange(i, j, k, edges, kept[:, 0])
+        edges = np.append(kept[:, 0], kept[-1, 1])
+        return JointRange(i, j, k, edges, kept[:, 2].copy(), kept[:, 3].copy())
 
     def _reaches(self, i: int, j: int) -> Array:
         """How far a turn of each joint between two bodies moves a point of the one against the other, at most."""
@@ -221,10 +222,14 @@ class _Survey:
         return reach
 
     def _from_axis(self, i: int, k: int) -> float:
-        """Largest distance of a point of a body from the axis of joint k, 0 to 6, at one end of it, m."""
+        """Largest distance of a point of a body from the axis of joint k, 0 to 6, at one end, m; 0 where round."""
         rows, zero = self._bodies[i].spheres, self._zero[self._bodies[i].joint]
         centres = rows[:, :3] @ zero[:3, :3].T + zero[:3, 3]
-        across = np.cross(centres - self._zero[k + 1, :3, 3], self._axes[k])
+        origin = self._zero[k + 1, :3, 3]
+        forms = self._bodies[i].forms
+        if forms and is_round([form.moved(zero) for form in forms], origin, self._axes[k]):
+            return 0.0
+        across = np.cross(centres - origin, self._axes[k])
         return float((np.linalg.norm(across, axis=1) + rows[:, 3]).max())
 
     def _always_touch(self, i: int, j: int) -> bool:
@@ -258,7 +263,7 @@ class _Survey:
                 bounds = np.full(BOXES, np.inf)
                 for lower, upper in boxes or []:
                     bounds[(edges[:-1] <= upper[k - first]) & (edges[1:] >= lower[k - first])] = -np.inf
-                allowed = JointRange(i, j, k, edges, bounds).allowed()
+                allowed = JointRange(i, j, k, edges, bounds, bounds).allowed()
                 share = (allowed[1] - allowed[0]) / (edges[-1] - edges[0]) if allowed else 0.0
                 if share > best:
                     best = share
@@ -267,7 +272,8 @@ class _Survey:
             store.keep(digest, kept)
         if kept[0, 3] < _ENOUGH:
             return None
-        return JointRange(i, j, int(kept[0, 2]), kept[:, 0].copy(), kept[:-1, 1].copy())
+        tops = np.full(len(kept) - 1, _NEVER)
+        return JointRange(i, j, int(kept[0, 2]), kept[:, 0].copy(), kept[:-1, 1].copy(), tops)
 
     def _doubtful(self, i: int, j: int) -> list[tuple[Array, Array]] | None:
         """Boxes of the joint angles between two bodies in which they may meet; None where these are too many."""
@@ -305,6 +311,7 @@ class _Survey:
         """What tells a question about two bodies from all others."""
         bodies = self._bodies[i], self._bodies[j]
         figures = [figure for body in bodies for figure in (body.spheres, *(form.T for form in body.forms))]
+        what += f" {BOXES} {FINE}".encode()
         return hashlib.sha256(what + key_of(self._lower, self._upper, self._zero, *figures)).hexdigest()
 
 

@@ -12,7 +12,7 @@ import numpy as np
 from srs_ik.kernels.algebra.pointers import row
 from srs_ik.kernels.collision.arcs import add_arc, cut
 from srs_ik.kernels.collision.clearance import MOST_PARTS, resting_clearance, turning_clearance, widest_within
-from srs_ik.kernels.collision.free import best_of, forbidden_arcs
+from srs_ik.kernels.collision.free import arcs_of_pairs, best_of, forbidden_arcs
 from srs_ik.kernels.collision.seen import World, see_balls, still_frames, turning_frames
 from srs_ik.kernels.jit import entry, kernel
 from srs_ik.kernels.layout.collision import (
@@ -60,6 +60,15 @@ def forbidden(family, T, bodies, groups, pairs, slack, local, ready, arcs, count
     world = World(bodies, groups, pairs, local, ready)
     P = row(family, LIMITED)
     forbidden_arcs(P, spot_of(P, T), world, slack, arcs, counts, np.empty((MOST_ARCS, 2)))
+
+
+@entry
+def forbidden_by_pair(family, T, bodies, groups, pairs, slack, local, ready, out):
+    """Arcs that each pair forbids, for each elbow, into out (n, ARC): how many there are, those that do not fit too."""
+    world = World(bodies, groups, pairs, local, ready)
+    P = row(family, LIMITED)
+    work = np.empty((MOST_ARCS, 2)), np.empty((MOST_ARCS, 2))
+    return arcs_of_pairs(P, spot_of(P, T), world, slack, work, out)
 
 
 @entry
