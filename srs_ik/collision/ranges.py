@@ -34,6 +34,9 @@ _LOOSE = 0.002
 _CLOSE = 1e-4
 """... and to this in those that are halved."""
 
+PART = 0.05
+"""... or to this part of it, where that is more."""
+
 _TRIES = 2000
 
 _APART = 1e-5
@@ -72,6 +75,11 @@ class JointRange:
         """A range of the joint outside of which the bodies are nearer than a margin, m, for certain; None for none."""
         kept = np.flatnonzero(self.tops > margin)
         return (float(self.edges[kept[0]]), float(self.edges[kept[-1] + 1])) if len(kept) else None
+
+    def share(self) -> float:
+        """The part of the joint's range in which the bodies do not meet."""
+        allowed = self.allowed()
+        return (allowed[1] - allowed[0]) / float(self.edges[-1] - self.edges[0]) if allowed else 0.0
 
     def allowed(self, margin: float = 0.0) -> tuple[float, float] | None:
         """The widest range of the joint in which the bodies are farther apart than a margin, m; None for none."""
@@ -145,7 +153,7 @@ def _least(distance: Callable[[float], float], turn: tuple[float, float], reach:
         look(a, b)
     for _ in range(_TRIES):
         bound, lower, upper = parts[0]
-        if smallest <= 0.0 or bound >= smallest - loose:
+        if smallest <= 0.0 or bound >= smallest - max(loose, PART * smallest):
             break
         heappop(parts)
         middle = 0.5 * (lower + upper)

@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from srs_ik.collision.bodies import Body
     from srs_ik.collision.owner import BodyOwner
     from srs_ik.collision.parts import Part
+    from srs_ik.collision.ranges import JointRange
     from srs_ik.collision.scene import Scene
     from srs_ik.collision.tables import Tables
 
@@ -49,7 +50,7 @@ class RealWorld:
         radius: the same from the centre of the shoulder (of the wrist from the forearm on).
     """
 
-    def __init__(self, arm: BodyOwner, scene: Scene) -> None:
+    def __init__(self, arm: BodyOwner, scene: Scene, ranges: Sequence[JointRange]) -> None:
         self.version = scene.version, scene.moves
         self.scene = scene
         self._frames, self._places = arm.joint_frames, arm.joint_places
@@ -83,6 +84,7 @@ class RealWorld:
         self.pairs = [
             (index[p.first], index[p.second]) for p in arm.pairs if p.kept and not {p.first, p.second} & replaced
         ]
+        self._ranges = ranges
         for thing in scene:
             for label, forms in thing.parts or ([(thing.name, thing.forms)] if thing.forms else []):
                 moved = [form.moved(thing.T) for form in forms]
@@ -94,6 +96,11 @@ class RealWorld:
                 self.pairs += [(k, len(self.joints) - 1) for k, body in enumerate(bodies) if body.joint > 0]
         self._balls = np.array([_ball(points) for points in self._points])
         self._rows: tuple[Tables | None, list[tuple[int, int] | None]] = None, []
+
+    def watched(self, margin: float) -> list[tuple[int, int]]:
+        """Pairs of bodies that may come within a margin, m: some of those that never meet, too."""
+        near = [(r.first, r.second) for r in self._ranges if r.bounds.min() <= margin]
+        return [*self.pairs, *(pair for pair in near if pair not in self.pairs)]
 
     def pairs_of(self, tables: Tables) -> list[tuple[int, int] | None]:
         """The pair of bodies that each row of pairs stands for; None for those without forms."""
@@ -127,12 +134,12 @@ class RealWorld:
 
         No names where the line is certainly clear. What cannot be told on the shortest stretch counts.
         """
-        turns = np.abs(end - start)
+        turns, pairs = np.abs(end - start), self.watched(margin)
         waiting = [(0.0, 1.0)]
         while waiting:
             lower, upper = waiting.pop()
             middle, half = 0.5 * (lower + upper), 0.5 * (upper - lower)
-            doubtful = self._doubtful(self._frames(start + middle * (end - start)), half * turns, margin)
+            doubtful = self._doubtful(self._frames(start + middle * (end - start)), half * turns, margin, pairs)
             if doubtful is None:
                 continue
             a, b, distance = doubtful
@@ -141,14 +148,16 @@ class RealWorld:
             waiting += [(middle, upper), (lower, middle)]
         return 0.0, "", "", math.inf
 
-    def _doubtful(self, frames: Array, turns: Array, margin: float) -> tuple[int, int, float] | None:
+    def _doubtful(
+        self, frames: Array, turns: Array, margin: float, pairs: Sequence[tuple[int, int]]
+    ) -> tuple[int, int, float] | None:
         """The nearest pair that may come within a margin while joints turn so far from a posture; None for none."""
         still = np.eye(4)
         places = [frames[joint] if joint >= 0 else still for joint in self.joints]
         centres = np.array([T[:3, :3] @ ball[:3] + T[:3, 3] for T, ball in zip(places, self._balls, strict=True)])
         at: dict[int, Any] = {}
         worst = None
-        for a, b in self.pairs:
+        for a, b in pairs:
             needed = margin + self._moved(a, b, frames, centres, turns)
             room = float(np.linalg.norm(centres[a] - centres[b])) - self._balls[a, 3] - self._balls[b, 3]
             if room > needed:

@@ -87,6 +87,7 @@ class _Search:
         self._arm, self._packed, self._T = around.arm, around.packed, T
         self._world = around.real_world()
         self._margin = around.margin + more
+        self._watched = self._world.watched(self._margin)
         self._arcs = around.arcs_by_pair(T, self._world, more)
         limb = around.arm.limb
         wrist = T @ np.linalg.inv(limb.T_base_tip_zero) @ [*limb.wrist, 1.0]
@@ -115,7 +116,7 @@ class _Search:
 
         spinning = Spinning(self._world, posture, self._rates, self._line, self._margin)
         arcs = [(pair, turned(own, doubt.lower, doubt.upper)) for pair, own in self._pairs(doubt.branch >> 2, True)]
-        arcs += [(pair, without(left, doubt.ranged)) for pair in self._world.pairs if pair not in self._arcs]
+        arcs += [(pair, without(left, doubt.ranged)) for pair in self._watched if pair not in self._arcs]
         return _blocked(((spinning.look(*pair), own) for pair, own in arcs), left)
 
     def _pairs(self, elbow: int, spinning: bool) -> Iterator[tuple[tuple[int, int], list[Span]]]:

@@ -39,7 +39,8 @@ def solve(
     """
     if psi is None and around.in_closed_form:
         rows, verdicts = np.empty((1, ROW)), np.zeros(1, np.int8)
-        around.solve_range(T[None], 0, 1, branch, near, respect, rows, verdicts)
+        seeds = None if near is None else near[None]
+        around.solve_range(T[None], 0, 1, branch, seeds, respect, rows, verdicts)
         if verdicts[0]:
             raise invalid_pose(int(verdicts[0]))
         if rows[0, ROW_STATUS] == Status.OK:

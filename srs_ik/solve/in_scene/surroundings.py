@@ -240,7 +240,7 @@ class Surroundings:
         world: RealWorld | None = state.get("_real_world")
         now = self.scene.version, self.scene.moves
         if world is None or world.scene is not self.scene or world.version != now:
-            world = state["_real_world"] = RealWorld(self.arm, self.scene)
+            world = state["_real_world"] = RealWorld(self.arm, self.scene, self.tables.ranges)
         return world
 
     def widest(self, T: Array, found: Array, tolerance: float = 1e-6) -> Array:
@@ -365,8 +365,9 @@ def _limits(
     """Limits cut by ranges of joints, see `Surroundings.tight`; None where these need none; who leaves no range."""
     if not ranges:
         return (None, None), None
-    known: dict[tuple[Cut, float], tuple[Tight, JointRange | None]] = arm.__dict__.setdefault("_limits_in_scene", {})
-    if (cut, margin) not in known:
+    known: dict[Any, tuple[Tight, JointRange | None]] = arm.__dict__.setdefault("_limits_in_scene", {})
+    key = cut, margin, tuple((each.first, each.second) for each in ranges)
+    if key not in known:
         if len(known) >= _MOST_MARGINS:
             known.clear()
         limits: list[TightLimits | None] = []
@@ -379,5 +380,5 @@ def _limits(
             low, high, jammed = cut(ranges, lower, upper, margin)
             same = np.array_equal(low, lower) and np.array_equal(high, upper) and jammed is None
             limits.append(None if same else TightLimits(arm, low, high))
-        known[cut, margin] = (limits[0], limits[1]), jammed
-    return known[cut, margin]
+        known[key] = (limits[0], limits[1]), jammed
+    return known[key]
