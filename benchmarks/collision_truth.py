@@ -26,7 +26,7 @@ from test_collision_truth import boxes_and_balls
 
 import srs_ik
 
-HELD = (0.06, 0.06, 0.15)
+HELD = (0.2, 0.2, 0.2)
 """Edges of the box in the hand, m."""
 
 
@@ -38,7 +38,7 @@ def with_box(arm: srs_ik.Arm) -> tuple[srs_ik.Arm, srs_ik.Arm, np.ndarray]:
     """The arm, the same with a box in its hand, and the pose of that in the tip frame."""
     T = np.eye(4)
     grasp = arm.hand.grasp if getattr(arm, "hand", None) is not None else np.array([0.0, 0.0, 1.0])
-    T[:3, 3] = 0.12 * np.asarray(grasp)
+    T[:3, 3] = 0.2 * np.asarray(grasp)
     return arm, arm.with_object("box in the hand", T, HELD), T
 
 

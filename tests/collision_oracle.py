@@ -55,9 +55,18 @@ class Truth:
         self._data()
 
     def collides(self, q: np.ndarray) -> bool:
+        """Whether bodies meet at a posture.
+
+        Pinocchio starts each check from what the last one found, and so misses one collision in some hundreds: where it
+        finds none, it is asked once more, from the beginning.
+        """
         whole = self.arm.configuration(q, self.model)
-        pin.updateGeometryPlacements(self.model, self.data, self.shapes, self.shape_data, whole)
-        return bool(pin.computeCollisions(self.shapes, self.shape_data, True))
+        for data in (self.shape_data, None):
+            fresh = pin.GeometryData(self.shapes) if data is None else data
+            pin.updateGeometryPlacements(self.model, self.data, self.shapes, fresh, whole)
+            if pin.computeCollisions(self.shapes, fresh, True):
+                return True
+        return False
 
 
 def file_of(arm: srs_ik.Arm):
