@@ -5,6 +5,7 @@ import pinocchio as pin
 import pytest
 from arms import generator
 from collision_oracle import file_of
+from robot_files import at_hand
 
 import srs_ik
 from srs_ik.collision.ranges import Bounds
@@ -119,3 +120,17 @@ def test_pairs_are_kept_and_dropped_on_the_callers_word():
     assert wide > sum(i.width for i in srs_ik.load("iiwa14").intervals(T, scene=srs_ik.Scene()))
     with pytest.raises(InvalidScene, match="no body 'nobody'"):
         arm.with_bodies(drop=[("iiwa_link_1", "nobody")]).pairs  # noqa: B018
+
+
+def test_a_pair_of_which_spheres_tell_nothing_is_left_out_and_named():
+    if not at_hand("romeo"):
+        pytest.skip("example-robot-data is not here")
+    arm = srs_ik.load("romeo_left")
+    (left,) = [p for p in arm.pairs if p.reason.startswith("spheres always meet")]
+    assert (left.first, left.second, left.kept) == ("LElbowYawLink", "l_wrist", False)
+    pair = frozenset((left.first, left.second))
+    assert touching(arm, {pair}, 300)[pair] == 0
+    q = 0.5 * (arm.lower + arm.upper)
+    assert arm.intervals(arm.forward_kinematics(q), scene=srs_ik.Scene())
+    watched = arm.with_bodies(keep=[(left.first, left.second)])
+    assert watched.solve(arm.forward_kinematics(q), scene=srs_ik.Scene()).collision[:2] == (left.first, left.second)

@@ -29,6 +29,9 @@ Array = NDArray[np.float64]
 POSTURES = 200
 """Random postures inside the limits, at which pairs are looked at."""
 
+MANY = 2000
+"""Random postures at which shapes must stay apart whose spheres always meet, to be left out."""
+
 ALWAYS = 0.95
 """Bodies that touch at more than this share of them touch by design."""
 
@@ -125,6 +128,8 @@ def find_pairs(
             survey = survey or _Survey(arm, bodies)
             reason = survey.reason(i, j) if srdf is None else ""
             found = None if reason else survey.told_by_a_joint(i, j)
+            if found is None and not reason and srdf is None and survey.only_spheres_meet(i, j):
+                reason = f"spheres always meet, shapes at none of {MANY} postures"
             if found is not None and found.bounds.min() > 0.0:
                 # With a margin, it is watched.
                 ranges.append(found)
@@ -187,8 +192,8 @@ class _Survey:
         self._real = RealBodies(bodies)
         self._lower = np.where(np.isfinite(arm.lower), arm.lower, -np.pi)
         self._upper = np.where(np.isfinite(arm.upper), arm.upper, np.pi)
-        q = np.random.default_rng(0).uniform(self._lower, self._upper, (POSTURES, 7))
-        self._postures = [self._frames(row) for row in q]
+        self._angles = np.random.default_rng(0).uniform(self._lower, self._upper, (POSTURES, 7))
+        self._postures = [self._frames(q) for q in self._angles]
         self._zero = arm.joint_frames(np.zeros(7))
         self._axes = arm.jacobian(np.zeros(7))[3:].T
         self._hops = np.linalg.norm(np.diff(self._zero[:, :3, 3], axis=0), axis=1)
@@ -202,6 +207,33 @@ class _Survey:
         if self._always_touch(i, j):
             return f"touch at more than {ALWAYS:.0%} of postures"
         return ""
+
+    def only_spheres_meet(self, i: int, j: int) -> bool:
+        """Whether the spheres of two bodies next to each other meet at all postures, and their shapes at none of many.
+
+        Watched by spheres, they would leave nothing free.
+        """
+        if self._bodies[j].joint - self._bodies[i].joint > _BETWEEN or not all(self._bodies[k].forms for k in (i, j)):
+            return False
+        if not all(self._spheres_meet(i, j, q) for q in self._angles):
+            return False
+        digest = self._digest(i, j, f"apart {MANY}".encode())
+        kept = store.load(digest)
+        if kept is None:
+            angles = np.random.default_rng(1).uniform(self._lower, self._upper, (MANY, 7))
+            apart = all(not self._touch(self._frames(q), i, j) for q in angles)
+            kept = np.full((1, 4), float(apart))
+            store.keep(digest, kept)
+        return bool(kept[0, 0])
+
+    def _spheres_meet(self, i: int, j: int, q: Array) -> bool:
+        frames = self._arm.joint_frames(q)
+        centres = []
+        for k in (i, j):
+            T, rows = frames[self._bodies[k].joint], self._bodies[k].spheres
+            centres.append(rows[:, :3] @ T[:3, :3].T + T[:3, 3])
+        gaps = np.linalg.norm(centres[0][:, None] - centres[1][None], axis=2)
+        return bool((gaps < self._bodies[i].spheres[:, None, 3] + self._bodies[j].spheres[None, :, 3]).any())
 
     def told_by_a_joint(self, i: int, j: int) -> JointRange | None:
         """How near two bodies come, told by one joint between them; None where it says little."""
