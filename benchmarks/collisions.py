@@ -1,6 +1,6 @@
 """Collision-free postures beside those of peers: the same poses and scenes, share of poses solved and time.
 
-Run: python benchmarks/collisions.py [--poses N] [--kinds table shelf box] [--json FILE]
+Run: python benchmarks/collisions.py [--poses N] [--kinds table shelf box] [--solvers NAME ...] [--json FILE]
 
 Poses are those of random collision-free postures of iiwa14, so that each has an answer, in scenes that a script makes
 (`tests/scene_sets.py`). An answer counts where it meets its pose within a millimetre and a milliradian, inside the
@@ -193,15 +193,16 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--poses", type=int, default=40)
     parser.add_argument("--kinds", nargs="+", default=["table", "shelf", "box"])
+    parser.add_argument("--solvers", nargs="+", default=list(SOLVERS), choices=list(SOLVERS), metavar="NAME")
     parser.add_argument("--json", type=Path)
     given = parser.parse_args()
     rows = []
     for kind in given.kinds:
         place = Place(kind, 30)
         poses = [place.arm.forward_kinematics(place.free()).homogeneous for _ in range(given.poses)]
-        for name, make in SOLVERS.items():
+        for name in given.solvers:
             try:
-                call = make(place)
+                call = SOLVERS[name](place)
             except ImportError as error:
                 print(f"left out: {name} ({error})", file=sys.stderr)
                 continue

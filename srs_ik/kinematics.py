@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import threading
+from collections.abc import Iterable
 from functools import cached_property
 from typing import Any
 
@@ -135,6 +136,17 @@ class ChainKinematics:
         pin.forwardKinematics(self.model, data, self.configuration(q))
         T_world_base = pin.updateFramePlacement(self.model, data, self._base_frame)
         return np.stack([T_world_base.actInv(T_world_joint).homogeneous for T_world_joint in data.oMi])
+
+    def joint_places(self, q: ArrayLike, joints: Iterable[int]) -> list[pin.SE3]:
+        """Poses in the base frame of some of what `joint_frames` gives: 0 is the root of the robot, 1 to 7 the joints.
+
+        Raises:
+            InvalidConfiguration: not 7 finite angles.
+        """
+        data = self._data
+        pin.forwardKinematics(self.model, data, self.configuration(q))
+        T_world_base = pin.updateFramePlacement(self.model, data, self._base_frame)
+        return [T_world_base.actInv(data.oMi[joint]) for joint in joints]
 
     def jacobian(self, q: ArrayLike) -> Array:
         """Geometric Jacobian (6, 7) of the tip point in base axes: linear rows (m/s per rad/s) first, then angular.

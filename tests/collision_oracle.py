@@ -41,10 +41,32 @@ class Truth:
                 self.shapes.addCollisionPair(pin.CollisionPair(i, index))
         self._data()
 
+    def hold(self, name: str, bare: srs_ik.Arm, arm: srs_ik.Arm, T_tip: np.ndarray, geometry) -> None:
+        """Put an object into the hand, with the pairs that `arm`, which holds it, watches; `bare` does not hold it."""
+        tip = self.model.frames[self.model.getFrameId(bare.tip)]
+        placed = pin.GeometryObject(name, tip.parentJoint, tip.placement * pin.SE3(T_tip), geometry)
+        index = self.shapes.addGeometryObject(placed)
+        met = {frozenset((pair.first, pair.second)) - {name} for pair in arm.pairs if pair.kept}
+        for i, link in enumerate(self.owner):
+            if frozenset((link,)) in met:
+                self.shapes.addCollisionPair(pin.CollisionPair(i, index))
+        self.owner.append(name)
+        self.arm = arm
+        self._data()
+
     def collides(self, q: np.ndarray) -> bool:
+        """Whether bodies meet at a posture.
+
+        Pinocchio starts each check from what the last one found, and so misses one collision in some hundreds: where it
+        finds none, it is asked once more, from the beginning.
+        """
         whole = self.arm.configuration(q, self.model)
-        pin.updateGeometryPlacements(self.model, self.data, self.shapes, self.shape_data, whole)
-        return bool(pin.computeCollisions(self.shapes, self.shape_data, True))
+        for data in (self.shape_data, None):
+            fresh = pin.GeometryData(self.shapes) if data is None else data
+            pin.updateGeometryPlacements(self.model, self.data, self.shapes, fresh, whole)
+            if pin.computeCollisions(self.shapes, fresh, True):
+                return True
+        return False
 
 
 def file_of(arm: srs_ik.Arm):

@@ -5,9 +5,10 @@ import pinocchio as pin
 import pytest
 from arms import generator
 from collision_oracle import file_of
+from robot_files import at_hand
 
 import srs_ik
-from srs_ik.collision.ranges import least_distances
+from srs_ik.collision.ranges import Bounds
 from srs_ik.errors import InvalidScene
 
 
@@ -70,14 +71,25 @@ def test_a_range_of_a_joint_keeps_two_bodies_apart():
     assert 0 < touching(arm, {pair}, 300)[pair] < 300
 
 
-def test_least_distances_are_bounds():
-    f = lambda a, b: 1.0 + 0.3 * np.sin(3 * a) + 0.2 * np.cos(2 * b + a)  # noqa: E731
-    edges = np.linspace(-2, 2, 41)
-    bounds = least_distances(f, edges, (-np.pi, np.pi), (1.1, 0.4))
-    for k in range(40):
-        a, b = np.meshgrid(np.linspace(edges[k], edges[k + 1], 9), np.linspace(-np.pi, np.pi, 721))
-        true = f(a, b).min()
-        assert true - 1.1 * 0.05 - 0.0025 <= bounds[k] <= true + 1e-9
+@pytest.mark.parametrize("swing", [0.2, 0.0])
+def test_bounds_of_ranges_hold_and_are_close_where_bodies_begin_to_meet(swing):
+    f = lambda a, b: 0.3 * np.sin(3 * a) + swing * np.cos(2 * b + a)  # noqa: E731
+    rows = Bounds(f, (-np.pi, np.pi), (0.9 + swing, 2.0 * swing)).over(-2.0, 2.0)
+    assert rows[0, 0] == -2.0
+    assert rows[-1, 1] == 2.0
+    assert (rows[1:, 0] == rows[:-1, 1]).all()
+    for lower, upper, least, most in rows:
+        a, b = np.meshgrid(np.linspace(lower, upper, 9), np.linspace(-np.pi, np.pi, 721))
+        true = f(a, b)
+        assert least <= true.min() + 1e-9
+        assert true.max() - 1e-9 <= most
+        # Where it is not positive, how much so is not looked for.
+        near = 1.1 * (upper - lower) + 0.0025
+        assert least >= true.min() - near or true.min() <= near
+    sure = rows[rows[:, 2] > 0.0]
+    a = np.linspace(-2.0, 2.0, 200001)
+    truly = (0.3 * np.sin(3 * a) - swing > 0.0).mean() * 4.0
+    assert truly - 6 * 2e-3 <= (sure[:, 1] - sure[:, 0]).sum() <= truly
 
 
 SRDF = """<robot name="r"><disable_collisions link1="iiwa_link_1" link2="iiwa_link_0" reason="Adjacent"/>
@@ -108,3 +120,17 @@ def test_pairs_are_kept_and_dropped_on_the_callers_word():
     assert wide > sum(i.width for i in srs_ik.load("iiwa14").intervals(T, scene=srs_ik.Scene()))
     with pytest.raises(InvalidScene, match="no body 'nobody'"):
         arm.with_bodies(drop=[("iiwa_link_1", "nobody")]).pairs  # noqa: B018
+
+
+def test_a_pair_of_which_spheres_tell_nothing_is_left_out_and_named():
+    if not at_hand("romeo"):
+        pytest.skip("example-robot-data is not here")
+    arm = srs_ik.load("romeo_left")
+    (left,) = [p for p in arm.pairs if p.reason.startswith("spheres always meet")]
+    assert (left.first, left.second, left.kept) == ("LElbowYawLink", "l_wrist", False)
+    pair = frozenset((left.first, left.second))
+    assert touching(arm, {pair}, 300)[pair] == 0
+    q = 0.5 * (arm.lower + arm.upper)
+    assert arm.intervals(arm.forward_kinematics(q), scene=srs_ik.Scene())
+    watched = arm.with_bodies(keep=[(left.first, left.second)])
+    assert watched.solve(arm.forward_kinematics(q), scene=srs_ik.Scene()).collision[:2] == (left.first, left.second)

@@ -1,9 +1,10 @@
 """Questions in scenes: batches in kernels, margins of ranges, objectives one after another, near arms, made scenes."""
 
 import numpy as np
+import pinocchio as pin
 import pytest
 from arms import generator
-from collision_oracle import clearance
+from collision_oracle import Truth, clearance, file_of
 from scene_sets import KINDS, made, scene_of
 
 import srs_ik
@@ -106,3 +107,30 @@ def test_scenes_of_a_script_have_answers_and_refusals(arm, kind):
     status = arm.solve_batch(random_poses(arm, 60, 8), scene=scene).status
     assert (status == srs_ik.Status.OK).mean() > 0.3
     assert set(status) <= {srs_ik.Status.OK, srs_ik.Status.COLLISION, srs_ik.Status.UNREACHABLE}
+
+
+@pytest.mark.parametrize("exact", [False, True])
+@pytest.mark.parametrize(("name", "margin"), [("iiwa14", 0.05), ("human_arm", 0.03)])
+def test_the_margin_counts_for_every_pair_that_is_not_adjacent(name, margin, exact):
+    arm = srs_ik.load(name)
+    truth = Truth(file_of(arm)[0], arm)
+    watched = {frozenset((p.first, p.second)) for p in arm.pairs if p.kept or "never" in p.reason}
+    assert any("never" in p.reason for p in arm.pairs)
+    truth.shapes.removeAllCollisionPairs()
+    for i, first in enumerate(truth.owner):
+        for j, second in enumerate(truth.owner[:i]):
+            if frozenset((first, second)) in watched:
+                truth.shapes.addCollisionPair(pin.CollisionPair(j, i))
+    data = pin.GeometryData(truth.shapes)
+    scene, rng, looked, least = srs_ik.Scene(exact=exact), generator(name, 41), 0, np.inf
+    for T in random_poses(arm, 12 if exact else 40, 42):
+        for each in arm.intervals(T, scene=scene, margin=margin):
+            for psi in rng.uniform(each.lower, each.upper, 3):
+                q = arm.solve(T, arm_angle=psi, branch=each.branch).q
+                whole = arm.configuration(q, truth.model)
+                pin.updateGeometryPlacements(truth.model, truth.data, truth.shapes, data, whole)
+                k = pin.computeDistances(truth.shapes, data)
+                looked, least = looked + 1, min(least, data.distanceResults[k].min_distance)
+    assert looked > 20
+    # coal's own tolerance, and that of ends of intervals.
+    assert margin - 1e-5 <= least < 2.0 * margin

@@ -16,7 +16,7 @@ LEAST_SHARE = {"iiwa14": 0.85, "human_arm": 0.85, "gen3": 0.9, "human_left": 0.8
 
 
 def boxes_and_balls(arm, truth, scene):
-    """The same objects for both, some on one side only: a mirrored arm would not go unseen."""
+    """The same objects for both (or for a scene alone), some on one side only: a mirrored arm would not go unseen."""
     rng = generator("scene", 3)
     for k in range(6):
         p = rng.uniform(-1.0, 1.0, 3)
@@ -25,13 +25,15 @@ def boxes_and_balls(arm, truth, scene):
         if k % 3 == 0:
             size = rng.uniform(0.05, 0.2, 3)
             scene.add_box(f"box {k}", T, size)
-            truth.add(f"box {k}", T.homogeneous, coal.Box(*size))
+            shape = coal.Box(*size)
         elif k % 3 == 1:
             scene.add_sphere(f"ball {k}", p, 0.08)
-            truth.add(f"ball {k}", T.homogeneous, coal.Sphere(0.08))
+            shape = coal.Sphere(0.08)
         else:
             scene.add_cylinder(f"can {k}", T, 0.05, 0.25)
-            truth.add(f"can {k}", T.homogeneous, coal.Cylinder(0.05, 0.25))
+            shape = coal.Cylinder(0.05, 0.25)
+        if truth is not None:
+            truth.add(f"object {k}", T.homogeneous, shape)
 
 
 def tried(arm, truth, scene, poses, angles, salt=0):

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Literal
 
@@ -126,6 +127,22 @@ def planes(form: Form) -> Array:
         offsets = along + across
     turned = normals @ form.T[:3, :3].T
     return np.column_stack([turned, offsets + turned @ form.T[:3, 3]])
+
+
+def is_round(forms: Iterable[Form], point: Array, direction: Array) -> bool:
+    """Whether forms look the same however they are turned about a line, given by a point and a unit vector."""
+    for form in forms:
+        if form.kind not in ("sphere", "cylinder", "capsule"):
+            return False
+        off = np.linalg.norm(np.cross(form.T[:3, 3] - point, direction))
+        tilted = 0.0 if form.kind == "sphere" else np.linalg.norm(np.cross(form.T[:3, 2], direction))
+        if max(off, tilted) > _ROUND:
+            return False
+    return True
+
+
+_ROUND = 1e-9
+"""Off a line by less than this, m and rad, is on it."""
 
 
 def ball_around(form: Form) -> Array:

@@ -180,7 +180,7 @@ class BodyOwner(ChainKinematics):
                     raise InvalidScene(f"{self.name} has no body {quoted(name)}; it has {', '.join(sorted(names))}")
         pairs, ranges = find_pairs(self, bodies, self.drawing, plan.srdf or None)
         pairs = with_overrides(pairs, plan.keep, plan.drop)
-        dropped = {frozenset((pair.first, pair.second)) for pair in pairs if not pair.kept}
+        dropped = {frozenset(pair) for pair in plan.drop}
         ranges = [r for r in ranges if frozenset((bodies[r.first].name, bodies[r.second].name)) not in dropped]
         return bodies, pairs, ranges
 

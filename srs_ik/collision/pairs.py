@@ -5,6 +5,7 @@ from __future__ import annotations
 import hashlib
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
+from heapq import heapify, heappop, heappush
 from itertools import combinations
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -14,7 +15,8 @@ from numpy.typing import NDArray
 
 from srs_ik.collision import store
 from srs_ik.collision.bodies import Body
-from srs_ik.collision.ranges import BOXES, JointRange, key_of, least_distances
+from srs_ik.collision.forms import is_round
+from srs_ik.collision.ranges import BOXES, FINE, PART, Bounds, JointRange, key_of
 from srs_ik.robot.description.shapes import read_tree
 from srs_ik.robot.description.srdf import disabled_pairs
 
@@ -27,11 +29,17 @@ Array = NDArray[np.float64]
 POSTURES = 200
 """Random postures inside the limits, at which pairs are looked at."""
 
+MANY = 2000
+"""Random postures at which shapes must stay apart whose spheres always meet, to be left out."""
+
 ALWAYS = 0.95
 """Bodies that touch at more than this share of them touch by design."""
 
 _HAIR = 1e-3
 """Bodies no farther apart than this, m, count as touching: a joint's housing and what turns in it."""
+
+_TWO = 2
+"""Bodies with so many joints between them are told apart by one of these alone."""
 
 _BETWEEN = 3
 """Whether bodies with no more joints than this between them can meet at all is tried to be proved ..."""
@@ -44,6 +52,15 @@ _COARSE = 0.004
 
 _MOST_DOUBTFUL = 400
 
+_CLOSE = 0.1
+"""Where bodies stay apart, how far is found but for this part of it, ..."""
+
+_AMPLE = 0.1
+"""... as long as that is less than this, m, ..."""
+
+_STEPS = 1000
+"""... and in so many steps."""
+
 _ENOUGH = 0.8
 """A range that keeps two bodies apart is worth more than their spheres where it is this share of the joint's own."""
 
@@ -52,10 +69,6 @@ _NEVER = 1e3
 
 _APART = 1e-4
 """Bodies nearer than this, m, are not taken to be apart: coal's own tolerance is 1e-6."""
-
-
-_FAR_APART = 0.02
-"""Where even the hulls of two bodies are this far apart, m, their distance is near enough to that of the bodies."""
 
 
 @dataclass(frozen=True)
@@ -78,7 +91,7 @@ class Pair:
 def find_pairs(
     arm: ChainKinematics, bodies: Sequence[Body], drawing: Drawing | None, srdf: str | Path | None = None
 ) -> tuple[list[Pair], list[JointRange]]:
-    """All pairs of bodies of an arm, each kept or not, with the reason, and those that the range of a joint watches.
+    """All pairs of bodies of an arm, each kept or not, with the reason, and ranges of joints that keep some apart.
 
     Bodies on one joint are rigid to each other, and links that one joint connects touch at it. With an SRDF, what that
     disables is not watched; without, what touches at more than 95 % of random postures on the real shapes, and what is
@@ -114,10 +127,12 @@ def find_pairs(
         else:
             survey = survey or _Survey(arm, bodies)
             reason = survey.reason(i, j) if srdf is None else ""
-            found = None if reason or b.joint - a.joint > _BETWEEN else survey.where(i, j)
-            if found is None and not reason and b.joint == a.joint + 2:
-                found = survey.joint_range(i, j)
+            found = None if reason else survey.told_by_a_joint(i, j)
+            if found is None and not reason and srdf is None and survey.only_spheres_meet(i, j):
+                reason = f"spheres always meet, shapes at none of {MANY} postures"
             if found is not None and found.bounds.min() > 0.0:
+                # With a margin, it is watched.
+                ranges.append(found)
                 reason = "never meet (proved)"
             elif found is not None:
                 ranges.append(found)
@@ -162,18 +177,23 @@ def _neighbours(arm: ChainKinematics, bodies: Sequence[Body], drawing: Drawing |
     return found
 
 
+_Box = tuple[float, float, int, Array, Array]
+"""A bound below a distance and the way of its farthest point, m; the joint that does most of that; lower, upper end."""
+
+
 class _Survey:
     """Bodies at random postures, and what that says of their pairs."""
 
     def __init__(self, arm: ChainKinematics, bodies: Sequence[Body]) -> None:
-        from srs_ik.collision.real import RealBodies, transform
+        from srs_ik.collision.parts import transform
+        from srs_ik.collision.real import RealBodies
 
         self._arm, self._bodies, self._transform = arm, bodies, transform
         self._real = RealBodies(bodies)
         self._lower = np.where(np.isfinite(arm.lower), arm.lower, -np.pi)
         self._upper = np.where(np.isfinite(arm.upper), arm.upper, np.pi)
-        q = np.random.default_rng(0).uniform(self._lower, self._upper, (POSTURES, 7))
-        self._postures = [self._frames(row) for row in q]
+        self._angles = np.random.default_rng(0).uniform(self._lower, self._upper, (POSTURES, 7))
+        self._postures = [self._frames(q) for q in self._angles]
         self._zero = arm.joint_frames(np.zeros(7))
         self._axes = arm.jacobian(np.zeros(7))[3:].T
         self._hops = np.linalg.norm(np.diff(self._zero[:, :3, 3], axis=0), axis=1)
@@ -188,28 +208,62 @@ class _Survey:
             return f"touch at more than {ALWAYS:.0%} of postures"
         return ""
 
-    def joint_range(self, i: int, j: int) -> JointRange:
-        """How near two bodies come that are two joints apart, told by the joint between them."""
-        k = self._bodies[i].joint
-        edges = np.linspace(self._lower[k], self._upper[k], BOXES + 1)
-        turn = float(self._lower[k + 1]), float(min(self._upper[k + 1], self._lower[k + 1] + 2.0 * np.pi))
-        reaches = tuple(self._reaches(i, j).tolist())
-        digest = self._digest(i, j, b"range")
+    def only_spheres_meet(self, i: int, j: int) -> bool:
+        """Whether the spheres of two bodies next to each other meet at all postures, and their shapes at none of many.
+
+        Watched by spheres, they would leave nothing free.
+        """
+        if self._bodies[j].joint - self._bodies[i].joint > _BETWEEN or not all(self._bodies[k].forms for k in (i, j)):
+            return False
+        if not all(self._spheres_meet(i, j, q) for q in self._angles):
+            return False
+        digest = self._digest(i, j, f"apart {MANY}".encode())
+        kept = store.load(digest)
+        if kept is None:
+            angles = np.random.default_rng(1).uniform(self._lower, self._upper, (MANY, 7))
+            apart = all(not self._touch(self._frames(q), i, j) for q in angles)
+            kept = np.full((1, 4), float(apart))
+            store.keep(digest, kept)
+        return bool(kept[0, 0])
+
+    def _spheres_meet(self, i: int, j: int, q: Array) -> bool:
+        frames = self._arm.joint_frames(q)
+        centres = []
+        for k in (i, j):
+            T, rows = frames[self._bodies[k].joint], self._bodies[k].spheres
+            centres.append(rows[:, :3] @ T[:3, :3].T + T[:3, 3])
+        gaps = np.linalg.norm(centres[0][:, None] - centres[1][None], axis=2)
+        return bool((gaps < self._bodies[i].spheres[:, None, 3] + self._bodies[j].spheres[None, :, 3]).any())
+
+    def told_by_a_joint(self, i: int, j: int) -> JointRange | None:
+        """How near two bodies come, told by one joint between them; None where it says little."""
+        between = self._bodies[j].joint - self._bodies[i].joint
+        if between == _TWO:
+            return max((self.joint_range(i, j, which) for which in (0, 1)), key=_told)
+        return self.where(i, j) if between <= _BETWEEN else None
+
+    def joint_range(self, i: int, j: int, which: int = 0) -> JointRange:
+        """How near two bodies come that are two joints apart, told by the first or the second joint between them."""
+        joints = [self._bodies[i].joint + (which + k) % _TWO for k in range(_TWO)]
+        k, other = joints
+        turn = float(self._lower[other]), float(min(self._upper[other], self._lower[other] + 2.0 * np.pi))
+        reaches = self._reaches(i, j).tolist()
+        digest = self._digest(i, j, f"range {which}".encode())
         kept = store.load(digest)
         if kept is None:
             q = 0.5 * (self._lower + self._upper)
 
             def distance(first: float, second: float) -> float:
-                q[k], q[k + 1] = first, second
+                q[joints] = first, second
                 frames = self._frames(q)
                 hulls = self._real.hull_distance(frames, i, j)
-                return hulls if hulls > _FAR_APART else self._real.distance(frames, i, j)
+                return hulls if hulls > _AMPLE else self._real.distance(frames, i, j)
 
-            bounds = least_distances(distance, edges, turn, reaches) - _APART
-            kept = np.zeros((BOXES, 4))
-            kept[:, 0] = bounds
+            bounds = Bounds(distance, turn, (reaches[which], reaches[1 - which]))
+            kept = np.clip(bounds.over(float(self._lower[k]), float(self._upper[k])), -_NEVER, _NEVER)
             store.keep(digest, kept)
-        return JointRange(i, j, k, edges, kept[:, 0])
+        edges = np.append(kept[:, 0], kept[-1, 1])
+        return JointRange(i, j, k, edges, kept[:, 2].copy(), kept[:, 3].copy())
 
     def _reaches(self, i: int, j: int) -> Array:
         """How far a turn of each joint between two bodies moves a point of the one against the other, at most."""
@@ -221,10 +275,14 @@ class _Survey:
         return reach
 
     def _from_axis(self, i: int, k: int) -> float:
-        """Largest distance of a point of a body from the axis of joint k, 0 to 6, at one end of it, m."""
+        """Largest distance of a point of a body from the axis of joint k, 0 to 6, at one end, m; 0 where round."""
         rows, zero = self._bodies[i].spheres, self._zero[self._bodies[i].joint]
         centres = rows[:, :3] @ zero[:3, :3].T + zero[:3, 3]
-        across = np.cross(centres - self._zero[k + 1, :3, 3], self._axes[k])
+        origin = self._zero[k + 1, :3, 3]
+        forms = self._bodies[i].forms
+        if forms and is_round([form.moved(zero) for form in forms], origin, self._axes[k]):
+            return 0.0
+        across = np.cross(centres - origin, self._axes[k])
         return float((np.linalg.norm(across, axis=1) + rows[:, 3]).max())
 
     def _always_touch(self, i: int, j: int) -> bool:
@@ -244,68 +302,94 @@ class _Survey:
     def where(self, i: int, j: int) -> JointRange | None:
         """A range of one joint in which two bodies are proved not to meet; None where it leaves too little.
 
-        Its bounds are infinite where they never meet, and minus infinity elsewhere.
+        Its bounds are minus infinity where that is not proved.
         """
         first, last = self._bodies[i].joint, self._bodies[j].joint
         digest = self._digest(i, j, b"where")
         kept = store.load(digest)
         if kept is None:
             kept = np.full((BOXES + 1, 4), -np.inf)
-            boxes = self._doubtful(i, j)
+            boxes = self._proved(i, j)
             best = 0.0
             for k in range(first, last) if boxes is not None else ():
                 edges = np.linspace(self._lower[k], self._upper[k], BOXES + 1)
                 bounds = np.full(BOXES, np.inf)
-                for lower, upper in boxes or []:
-                    bounds[(edges[:-1] <= upper[k - first]) & (edges[1:] >= lower[k - first])] = -np.inf
-                allowed = JointRange(i, j, k, edges, bounds).allowed()
-                share = (allowed[1] - allowed[0]) / (edges[-1] - edges[0]) if allowed else 0.0
-                if share > best:
-                    best = share
-                    kept[:, 0], kept[:-1, 1], kept[:, 2], kept[:, 3] = edges, bounds, k, share
+                for bound, lower, upper in boxes or []:
+                    touched = (edges[:-1] <= upper[k - first]) & (edges[1:] >= lower[k - first])
+                    bounds[touched] = np.minimum(bounds[touched], bound if bound > 0.0 else -np.inf)
+                found = JointRange(i, j, k, edges, bounds, bounds)
+                if _told(found) > best:
+                    best = _told(found)
+                    kept[:, 0], kept[:-1, 1], kept[:, 2], kept[:, 3] = edges, bounds, k, found.share()
             kept = np.clip(kept, -_NEVER, _NEVER)
             store.keep(digest, kept)
         if kept[0, 3] < _ENOUGH:
             return None
-        return JointRange(i, j, int(kept[0, 2]), kept[:, 0].copy(), kept[:-1, 1].copy())
+        tops = np.full(len(kept) - 1, _NEVER)
+        return JointRange(i, j, int(kept[0, 2]), kept[:, 0].copy(), kept[:-1, 1].copy(), tops)
 
-    def _doubtful(self, i: int, j: int) -> list[tuple[Array, Array]] | None:
-        """Boxes of the joint angles between two bodies in which they may meet; None where these are too many."""
+    def _proved(self, i: int, j: int) -> list[tuple[float, Array, Array]] | None:
+        """Boxes of the joint angles between two bodies, each with a bound below their distance, m.
+
+        Not positive where they may meet; None where these boxes are too many.
+        """
         first, last = self._bodies[i].joint, self._bodies[j].joint
         reach = self._reaches(i, j)
         joints = slice(first, last)
-        waiting = [(self._lower[joints], self._upper[joints])]
-        doubtful: list[tuple[Array, Array]] = []
         q = 0.5 * (self._lower + self._upper)
-        for _ in range(_TRIES):
-            if not waiting:
-                return doubtful
-            lower, upper = waiting.pop()
+        tries = 0
+
+        def looked_at(lower: Array, upper: Array, below: float) -> _Box:
+            nonlocal tries
+            tries += 1
             q[joints] = 0.5 * (lower + upper)
             moves = 0.5 * (upper - lower) * reach
             frames = self._frames(q)
             distance = self._real.hull_distance(frames, i, j)
-            if distance <= _APART + moves.sum():
+            if distance <= _AMPLE + moves.sum():
                 distance = self._real.distance(frames, i, j)
-            if distance > _APART + moves.sum():
-                continue
-            if moves.sum() < _COARSE:
-                doubtful.append((lower, upper))
-                if len(doubtful) > _MOST_DOUBTFUL:
-                    return None
-                continue
-            widest = int(moves.argmax())
+            return max(distance - moves.sum() - _APART, below), float(moves.sum()), int(moves.argmax()), lower, upper
+
+        def halves(box: _Box) -> list[_Box]:
+            bound, _, widest, lower, upper = box
             middle = 0.5 * (lower[widest] + upper[widest])
             below, above = upper.copy(), lower.copy()
             below[widest], above[widest] = middle, middle
-            waiting += [(lower, below), (above, upper)]
-        return None
+            return [looked_at(lower, below, bound), looked_at(above, upper, bound)]
+
+        # First, whether they meet; then, how far apart they are where that is least certain.
+        waiting = [looked_at(self._lower[joints], self._upper[joints], -np.inf)]
+        doubtful, apart = [], []
+        while waiting:
+            box = waiting.pop()
+            if box[0] > 0.0:
+                apart.append(box)
+            elif box[1] < _COARSE:
+                doubtful.append(box)
+            else:
+                waiting += halves(box)
+            if tries > _TRIES or len(doubtful) > _MOST_DOUBTFUL:
+                return None
+        heap = [(box[0], k, box) for k, box in enumerate(apart)]
+        heapify(heap)
+        for k in range(len(heap), len(heap) + _STEPS):
+            if not heap or heap[0][0] >= _AMPLE or heap[0][2][1] <= _CLOSE * heap[0][0]:
+                break
+            for part, box in enumerate(halves(heappop(heap)[2])):
+                heappush(heap, (box[0], 2 * k + part, box))
+        return [(bound, lower, upper) for bound, _, _, lower, upper in (*doubtful, *(entry[2] for entry in heap))]
 
     def _digest(self, i: int, j: int, what: bytes) -> str:
         """What tells a question about two bodies from all others."""
         bodies = self._bodies[i], self._bodies[j]
         figures = [figure for body in bodies for figure in (body.spheres, *(form.T for form in body.forms))]
+        what += f" {BOXES} {FINE} {PART} {_CLOSE} {_AMPLE} {_STEPS}".encode()
         return hashlib.sha256(what + key_of(self._lower, self._upper, self._zero, *figures)).hexdigest()
+
+
+def _told(found: JointRange) -> float:
+    """What is more for a joint that says more of a distance: the share of it that it allows, then how far apart."""
+    return found.share() + 1e-3 * float(np.clip(found.bounds, 0.0, _AMPLE).mean())
 
 
 def _size(body: Body) -> float:

@@ -10,6 +10,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import partial
+from heapq import heappop, heappush
+from itertools import pairwise
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -21,12 +23,24 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 
 BOXES = 128
-"""Ranges of the first joint, each with a bound of its own."""
+"""Ranges of the first joint at first, each with bounds of its own."""
+
+FINE = 3e-4
+"""Next to where bodies begin to meet, ranges are halved down to this, rad."""
 
 _LOOSE = 0.002
-"""The least distance is found to this, m."""
+"""The least distance is found to this, m, ..."""
 
-_TRIES = 400
+_CLOSE = 1e-4
+"""... and to this in those that are halved."""
+
+PART = 0.05
+"""... or to this part of it, where that is more."""
+
+_TRIES = 2000
+
+_APART = 1e-5
+"""Bodies nearer than this, m, are not taken to be apart: coal's own tolerance is 1e-6."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -39,6 +53,7 @@ class JointRange:
         joint: 0 to 6.
         edges: (n + 1,) angles between which bounds hold, rad.
         bounds: (n,) distance below which the bodies do not come, m.
+        tops: (n,) distance above which they never are, m; infinite where none is known. Minus it is a depth.
     """
 
     first: int
@@ -46,6 +61,7 @@ class JointRange:
     joint: int
     edges: Array
     bounds: Array
+    tops: Array
 
     def bound_at(self, angle: float) -> float:
         """Distance below which the bodies do not come at an angle of the joint, m."""
@@ -54,6 +70,16 @@ class JointRange:
             angle = (angle - lower) % (2.0 * np.pi) + lower
         k = min(int(np.searchsorted(self.edges, angle, side="right")) - 1, len(self.bounds) - 1)
         return float(self.bounds[k])
+
+    def possible(self, margin: float = 0.0) -> tuple[float, float] | None:
+        """A range of the joint outside of which the bodies are nearer than a margin, m, for certain; None for none."""
+        kept = np.flatnonzero(self.tops > margin)
+        return (float(self.edges[kept[0]]), float(self.edges[kept[-1] + 1])) if len(kept) else None
+
+    def share(self) -> float:
+        """The part of the joint's range in which the bodies do not meet."""
+        allowed = self.allowed()
+        return (allowed[1] - allowed[0]) / float(self.edges[-1] - self.edges[0]) if allowed else 0.0
 
     def allowed(self, margin: float = 0.0) -> tuple[float, float] | None:
         """The widest range of the joint in which the bodies are farther apart than a margin, m; None for none."""
@@ -68,29 +94,52 @@ class JointRange:
         return float(self.edges[starts[k]]), float(self.edges[ends[k]])
 
 
-def least_distances(
-    distance: Callable[[float, float], float],
-    edges: Array,
-    turn: tuple[float, float],
-    reaches: tuple[float, float],
-) -> Array:
-    """(n,) bounds below the least distance, for each range of the first of two angles.
+class Bounds:
+    """Bounds of the distance of two bodies over ranges of the first of two angles.
 
     Args:
-        distance: of two bodies at two angles, m.
-        edges: (n + 1,) of the ranges of the first angle, rad.
+        distance: of two bodies at two angles, m; where they meet, minus a depth that they have at least.
         turn: range of the second angle, rad.
-        reaches: how far a point of the second body moves with each angle at most, m/rad.
+        reaches: how far a point of one body moves against the other with each angle at most, m/rad.
     """
-    bounds = np.empty(len(edges) - 1)
-    for k in range(len(bounds)):
-        first, half = 0.5 * (edges[k] + edges[k + 1]), 0.5 * (edges[k + 1] - edges[k])
-        bounds[k] = _least(partial(distance, first), turn, reaches[1]) - half * reaches[0]
-    return bounds
+
+    def __init__(
+        self, distance: Callable[[float, float], float], turn: tuple[float, float], reaches: tuple[float, float]
+    ) -> None:
+        self._distance, self._turn, self._reaches = distance, turn, reaches
+
+    def over(self, lower: float, upper: float) -> Array:
+        """(n, 4) ranges that cover one, finer where bodies begin to meet: lower and upper end, least and largest."""
+        edges = np.linspace(lower, upper, BOXES + 1).tolist()
+        rows = [self._row(a, b, _LOOSE) for a, b in pairwise(edges)]
+        while True:
+            halved: list[tuple[float, float, float, float]] = []
+            for k, row in enumerate(rows):
+                beside = rows[max(k - 1, 0)], rows[min(k + 1, len(rows) - 1)]
+                if row[1] - row[0] > FINE and _is_doubtful(row) and not all(_is_doubtful(each) for each in beside):
+                    middle = 0.5 * (row[0] + row[1])
+                    halved += [self._row(row[0], middle, _CLOSE), self._row(middle, row[1], _CLOSE)]
+                else:
+                    halved.append(row)
+            if len(halved) == len(rows):
+                return np.array(rows)
+            rows = halved
+
+    def _row(self, lower: float, upper: float, loose: float) -> tuple[float, float, float, float]:
+        first, moves = 0.5 * (lower + upper), 0.5 * (upper - lower) * self._reaches[0] + _APART
+        least = _least(partial(self._distance, first), self._turn, self._reaches[1], loose) - moves
+        if least > 0.0:
+            return lower, upper, least, np.inf
+        depth = _least(lambda second: -self._distance(first, second), self._turn, self._reaches[1], loose) - moves
+        return lower, upper, least, -depth if depth > 0.0 else np.inf
 
 
-def _least(distance: Callable[[float], float], turn: tuple[float, float], reach: float) -> float:
-    """A bound below the least distance over a range of an angle, by branch and bound."""
+def _is_doubtful(row: tuple[float, float, float, float]) -> bool:
+    return row[2] <= 0.0 < row[3]
+
+
+def _least(distance: Callable[[float], float], turn: tuple[float, float], reach: float, loose: float) -> float:
+    """A bound below the least distance over a range of an angle, by branch and bound; not positive if that is not."""
     parts: list[tuple[float, float, float]] = []
     smallest = np.inf
 
@@ -98,34 +147,46 @@ def _least(distance: Callable[[float], float], turn: tuple[float, float], reach:
         nonlocal smallest
         value = distance(0.5 * (lower + upper))
         smallest = min(smallest, value)
-        parts.append((value - 0.5 * reach * (upper - lower), lower, upper))
+        heappush(parts, (value - 0.5 * reach * (upper - lower), lower, upper))
 
-    for a, b in zip(*(np.linspace(*turn, 9)[s] for s in (slice(0, -1), slice(1, None))), strict=True):
-        look(float(a), float(b))
+    for a, b in pairwise(np.linspace(*turn, 9).tolist()):
+        look(a, b)
     for _ in range(_TRIES):
-        bound, lower, upper = min(parts)
-        if smallest <= 0.0 or bound >= smallest - _LOOSE:
-            return min(bound, smallest)
-        parts.remove((bound, lower, upper))
+        bound, lower, upper = parts[0]
+        if smallest <= 0.0 or bound >= smallest - max(loose, PART * smallest):
+            break
+        heappop(parts)
         middle = 0.5 * (lower + upper)
         look(lower, middle)
         look(middle, upper)
-    return min(parts)[0]
+    return min(parts[0][0], smallest)
 
 
 def tightened(
     ranges: Iterable[JointRange], lower: Array, upper: Array, margin: float = 0.0
 ) -> tuple[Array, Array, JointRange | None]:
     """Limits (7,) within which no such pair comes within a margin, m, and the pair that leaves none, if any does."""
+    return _cut(((each, each.allowed(margin)) for each in ranges), lower, upper)
+
+
+def loosened(
+    ranges: Iterable[JointRange], lower: Array, upper: Array, margin: float = 0.0
+) -> tuple[Array, Array, JointRange | None]:
+    """Limits (7,) outside of which some such pair is nearer than a margin, m, for certain; else as `tightened`."""
+    return _cut(((each, each.possible(margin)) for each in ranges), lower, upper)
+
+
+def _cut(
+    ranges: Iterable[tuple[JointRange, tuple[float, float] | None]], lower: Array, upper: Array
+) -> tuple[Array, Array, JointRange | None]:
     low, high = np.array(lower), np.array(upper)
-    for each in ranges:
-        allowed = each.allowed(margin)
-        if allowed is None:
+    for each, kept in ranges:
+        if kept is None:
             return low, high, each
         k = each.joint
-        if np.isinf(upper[k] - lower[k]) and (allowed[0], allowed[1]) == (each.edges[0], each.edges[-1]):
+        if np.isinf(upper[k] - lower[k]) and (kept[0], kept[1]) == (each.edges[0], each.edges[-1]):
             continue
-        low[k], high[k] = max(low[k], allowed[0]), min(high[k], allowed[1])
+        low[k], high[k] = max(low[k], kept[0]), min(high[k], kept[1])
         if low[k] > high[k]:
             return low, high, each
     return low, high, None

@@ -67,7 +67,7 @@ class Tables:
         bare = [not (thing.forms or thing.parts) for thing in things for _ in thing.kinds]
         self.formless = self.pairs[np.isin(self.pairs[:, 1], g + np.flatnonzero(bare))]
         self.slack = own.slack
-        self.ranges = own.ranges
+        self.ranges = [r for r in own.ranges if not {own.names[r.first], own.names[r.second]} & replaced]
         self._local = threading.local()
 
     def fits(self, scene: Scene) -> bool:

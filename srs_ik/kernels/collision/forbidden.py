@@ -129,6 +129,28 @@ def forbid_planes(world, a, b, more, arcs, n, free):
 
 
 @kernel
+def forbid_pair(world, k, elbow, frames, more, arcs, n, free):
+    """Add the arm angles that row k of pairs forbids; the arguments are those of `forbid`, n pieces are there."""
+    still, turning = frames
+    a, b = world.pairs[k, 0], world.pairs[k, 1]
+    if is_turning(world, a) and not is_turning(world, b):
+        if not may_meet(world.local, a, b, more):
+            return n
+        see_group(world, b, elbow, still, turning)
+        planes = world.groups[b, KIND] == PLANES
+        if planes and never_meets(world, a, b, more):
+            return n
+        see_group(world, a, elbow, still, turning)
+        return forbid_planes(world, a, b, more, arcs, n, free) if planes else forbid_spheres(world, a, b, more, arcs, n)
+    if distance_of(world.local, a, b) < more:
+        see_group(world, a, elbow, still, turning)
+        see_group(world, b, elbow, still, turning)
+        if fixed_clearance(world, a, b, more) < more:
+            return add_all(arcs)
+    return n
+
+
+@kernel
 def forbid(world, elbow, frames, more, arcs, free):
     """Write the forbidden arm angles of one elbow into arcs; return how many pieces they are.
 
@@ -140,28 +162,9 @@ def forbid(world, elbow, frames, more, arcs, free):
         arcs: (MOST_ARCS, 2) output.
         free: (MOST_ARCS, 2) work space.
     """
-    still, turning = frames
-    local, groups, pairs = world.local, world.groups, world.pairs
     n = 0
-    for k in range(pairs.shape[0]):
-        a, b = pairs[k, 0], pairs[k, 1]
-        planes = groups[b, KIND] == PLANES
-        if is_turning(world, a) and not is_turning(world, b):
-            if not may_meet(local, a, b, more):
-                continue
-            see_group(world, b, elbow, still, turning)
-            if planes and never_meets(world, a, b, more):
-                continue
-            see_group(world, a, elbow, still, turning)
-            if planes:
-                n = forbid_planes(world, a, b, more, arcs, n, free)
-            else:
-                n = forbid_spheres(world, a, b, more, arcs, n)
-        elif distance_of(local, a, b) < more:
-            see_group(world, a, elbow, still, turning)
-            see_group(world, b, elbow, still, turning)
-            if fixed_clearance(world, a, b, more) < more:
-                n = add_all(arcs)
+    for k in range(world.pairs.shape[0]):
+        n = forbid_pair(world, k, elbow, frames, more, arcs, n, free)
         if is_all(arcs, n):
             return 1
     return n

@@ -9,15 +9,14 @@ import numpy as np
 from srs_ik.kernels.chain.answer import measure_row
 from srs_ik.kernels.collision.arcs import add_all, add_arc, cut
 from srs_ik.kernels.collision.drift import drifted
-from srs_ik.kernels.collision.forbidden import forbid
+from srs_ik.kernels.collision.forbidden import forbid, forbid_pair
 from srs_ik.kernels.collision.seen import see_balls, still_frames, turning_frames
-from srs_ik.kernels.exact.farthest import farthest
+from srs_ik.kernels.exact.farthest_within import farthest_within
 from srs_ik.kernels.exact.nearest_within import nearest_within
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.asked import Goal, Target
-from srs_ik.kernels.layout.collision import MARGIN, MOST_ARCS
+from srs_ik.kernels.layout.collision import ARC_ELBOW, ARC_LOWER, ARC_PAIR, ARC_UPPER, MARGIN, MOST_ARCS
 from srs_ik.kernels.limb.branches import NO_BRANCH
-from srs_ik.kernels.limb.goal import NO_SEED
 
 
 @kernel
@@ -50,6 +49,29 @@ def forbidden_arcs(P, spot, world, slack, arcs, counts, free):
 
 
 @kernel
+def arcs_of_pairs(P, spot, world, slack, work, out):
+    """Write the arcs that each pair forbids, for each elbow, into rows of out (n, ARC); return how many there are.
+
+    Those that do not fit are left out. The limb is one without drift; work is two rooms for arcs, (MOST_ARCS, 2).
+    """
+    R, p, place_ = spot.R, spot.p, spot.place
+    arcs, free = work
+    still = still_frames(P, place_, R, p)
+    count = 0
+    for elbow in range(2):
+        frames = (still, turning_frames(P, place_, elbow))
+        see_balls(world, elbow, still, frames[1])
+        for k in range(world.pairs.shape[0]):
+            n = forbid_pair(world, k, elbow, frames, slack[MARGIN], arcs, 0, free)
+            for i in range(n):
+                if count < out.shape[0]:
+                    out[count, ARC_PAIR], out[count, ARC_ELBOW] = k, elbow
+                    out[count, ARC_LOWER], out[count, ARC_UPPER] = arcs[i, 0], arcs[i, 1]
+                count += 1
+    return count
+
+
+@kernel
 def left_of(P, spot, found, world, slack, out):
     """Write what bodies leave of intervals (n, 3) of a pose into rows of out; return how many there are then."""
     arcs, counts = np.empty((2, MOST_ARCS, 2)), np.zeros(2, np.int64)
@@ -64,14 +86,9 @@ def best_of(P, spot, found, branch, goal, out):
     `goal` is whether nearness to a seed counts, that seed, and whether limits do.
     """
     seeded, seed, respect = goal
-    q, best, lowest = NO_SEED, 0, 4.0 * NO_BRANCH
     if seeded:
-        q, best, lowest = nearest_within(P, spot.place, found, branch, Goal(True, seed, respect), lowest)
+        q, best, lowest = nearest_within(P, spot.place, found, branch, Goal(True, seed, respect), 4.0 * NO_BRANCH)
     else:
-        for i in range(found.shape[0]):
-            if branch < 0 or int(found[i, 0]) == branch:
-                other, b, cost = farthest(P, spot.place, found, i, i + 1, -1, respect)
-                if cost < lowest:
-                    q, best, lowest = other, b, cost
+        q, best, lowest = farthest_within(P, spot.place, found, branch, respect)
     measure_row(P, Target(spot.R, spot.p, spot.place), q, best, lowest, respect, out)
     return lowest

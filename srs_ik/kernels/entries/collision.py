@@ -15,12 +15,13 @@ from srs_ik.kernels.algebra.joint_vectors import along7
 from srs_ik.kernels.algebra.pointers import row
 from srs_ik.kernels.collision.arcs import add_arc
 from srs_ik.kernels.collision.clearance import MOST_PARTS, resting_clearance, turning_clearance, widest_within
-from srs_ik.kernels.collision.free import best_of, forbidden_arcs, left_of
+from srs_ik.kernels.collision.free import arcs_of_pairs, best_of, forbidden_arcs, left_of
 from srs_ik.kernels.collision.march import march_all
 from srs_ik.kernels.collision.motion import CLEAR, look_along
 from srs_ik.kernels.collision.seen import World, see_balls, still_frames, turning_frames
+from srs_ik.kernels.exact.farthest import keep_branch
 from srs_ik.kernels.jit import entry, kernel
-from srs_ik.kernels.layout.answer import GOOD_POSE, MOST_INTERVALS
+from srs_ik.kernels.layout.answer import GOOD_POSE, MOST_INTERVALS, ROW_STATUS
 from srs_ik.kernels.layout.asked import Target
 from srs_ik.kernels.layout.collision import (
     EDGE_AT,
@@ -28,6 +29,7 @@ from srs_ik.kernels.layout.collision import (
     EDGE_PAIR,
     MOST_ARCS,
     NO_GROUP,
+    NOTHING_FREE,
     WIDE_ARM_ANGLE,
     WIDE_BRANCH,
     WIDE_CLEARANCE,
@@ -62,6 +64,15 @@ def forbidden(family, T, bodies, groups, pairs, slack, local, ready, arcs, count
     world = World(bodies, groups, pairs, local, ready)
     P = row(family, LIMITED)
     forbidden_arcs(P, spot_of(P, T), world, slack, arcs, counts, np.empty((MOST_ARCS, 2)))
+
+
+@entry
+def forbidden_by_pair(family, T, bodies, groups, pairs, slack, local, ready, out):
+    """Arcs that each pair forbids, for each elbow, into out (n, ARC): how many there are, those that do not fit too."""
+    world = World(bodies, groups, pairs, local, ready)
+    P = row(family, LIMITED)
+    work = np.empty((MOST_ARCS, 2)), np.empty((MOST_ARCS, 2))
+    return arcs_of_pairs(P, spot_of(P, T), world, slack, work, out)
 
 
 @entry
@@ -194,18 +205,46 @@ def best_within(family, T, found, n, branch, seed, seeded, respect, out):
 
 
 @entry
-def best_range(family, poses, first, last, rows, offsets, branch, seeds, respect, out):
-    """The best posture of an exact limb in given intervals, for the poses from first to last - 1 that have any.
+def solve_range(
+    family,
+    limits,
+    poses,
+    first,
+    last,
+    branch,
+    seeds,
+    respect,
+    limited,
+    bodies,
+    groups,
+    pairs,
+    slack,
+    local,
+    ready,
+    out,
+    verdicts,
+):
+    """The best free postures of an exact limb, of poses first to last - 1, into rows of out (N, ROW); (N,) verdicts.
 
-    Those of pose i are in rows (n, 3) from offsets[i] to offsets[i + 1] - 1; seeds: one for all, one a pose, or None.
+    `limits` is the limb packed with the limits that count, and `limited` whether these do. Of one branch, or of all
+    (-1); nearest to a seed, one for all or one a pose, or farthest from the limits. Where nothing is free the status is
+    NOTHING_FREE, and the rest of the row as it was.
     """
+    world = World(bodies, groups, pairs, local, ready)
     P = row(family, LIMITED)
+    found, left = np.empty((MOST_INTERVALS, 3)), np.empty((MOST_INTERVALS, 3))
     for i in range(first, last):
-        if offsets[i + 1] > offsets[i]:
-            R, p, _ = read_pose(row(poses, i))
-            goal = (seeds is not None, seed_or_zero(own_seed(seeds, i)), respect)
-            found = rows[offsets[i] : offsets[i + 1]]
-            best_of(P, Spot(R, p, place(P, R, p)), found, branch, goal, row(out, i))
+        R, p, verdicts[i] = read_pose(row(poses, i))
+        out[i, ROW_STATUS] = NOTHING_FREE
+        if verdicts[i] == GOOD_POSE:
+            target = Target(R, p, place(row(limits, LIMITED), R, p))
+            n = all_intervals(limits, target, limited, None, None, found)
+            spot = Spot(R, p, place(P, R, p))
+            n = left_of(P, spot, found[:n], world, slack, left) if n > 0 else 0
+            n = keep_branch(left, n, branch) if branch >= 0 else n
+            if n > 0:
+                goal = (seeds is not None, seed_or_zero(own_seed(seeds, i)), respect)
+                best_of(P, spot, left[:n], branch, goal, row(out, i))
 
 
 @entry

@@ -105,6 +105,7 @@ task.solve_tasks(family, H, tasks: float[n, TASK], first, last, given, side, tie
 yardstick.transcendental(angles: float[n, 8], out: float[n]&)
 collision.forbidden(family, T, bodies, groups, pairs, slack, local, ready, arcs: float[2, MOST_ARCS, 2]&,
     counts: int[2]&)
+collision.forbidden_by_pair(family, T, bodies, groups, pairs, slack, local, ready, out: float[o, ARC]&) -> int
 collision.free_intervals(family, T, bodies, groups, pairs, slack, local, ready, found, n: int, out: float[o, 3]&) ->
     int
 collision.clearance(family, T, bodies, groups, pairs, local, ready, elbow: int, psi, out: float[WIDE]&)
@@ -116,8 +117,8 @@ collision.free_range(family, limits: float[4, limb.SIZE], poses, first, last, re
     local, ready, rows: float[r, 3]&, counts: int[n]&, verdicts) -> (int, int)
 collision.march(family, T, found, n: int, bodies, groups, pairs, slack, local, ready, J: float[6, 7]&, A: float[16, 9]&,
     out: float[o, 3]&) -> int
-collision.best_range(family, poses, first, last, rows: float[r, 3], offsets: int[o], branch, seeds, respect,
-    out: float[n, ROW]&)
+collision.solve_range(family, limits: float[4, limb.SIZE], poses, first, last, branch, seeds, respect, limited, bodies,
+    groups, pairs, slack, local, ready, out: float[n, ROW]&, verdicts)
 collision.edges(family, starts: float[n, 7], ends: float[n, 7], bodies, groups, pairs, slack: float[n, SLACK], local,
     ready, out: float[n, EDGE]&) -> int
 control.tick(family, weights: float[WEIGHTS], ports: float[n, PORT], states: float[n, STATE]&, bounds: float[b],

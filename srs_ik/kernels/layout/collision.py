@@ -42,6 +42,13 @@ LOCAL_ROW = 5
 MOST_ARCS = 128
 """Room for the forbidden arcs of one elbow; beyond, those with the least gap between them are joined."""
 
+# An arc that one pair forbids.
+ARC_PAIR = 0
+ARC_ELBOW = 1
+ARC_LOWER = 2
+ARC_UPPER = 3
+ARC = 4
+
 # What an entry is told of nearness: margin, drift of a near limb's links.
 MARGIN = 0
 DRIFT = 1  # how far links of a near limb are from those of its nearest exact limb at the same joint angles, m; at most
@@ -58,6 +65,9 @@ WIDE_SECOND = 4
 WIDE = 5
 
 NO_GROUP = -1
+
+NOTHING_FREE = -1.0
+"""Status in a row of a pose of which nothing is free: whoever asked looks into why."""
 
 # A straight line of joint angles that does not keep clear.
 EDGE_AT = 0  # where on it, 0 to 1

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from srs_ik.errors import InvalidConfiguration
-from srs_ik.inputs.poses import as_branch, as_matrices, as_seeds, per_pose
+from srs_ik.inputs.poses import as_branch, as_matrices, as_seeds, invalid_pose, per_pose, refuse_bad_poses
 from srs_ik.kernels.entries import collision as entries
 from srs_ik.kernels.layout import collision as at
 from srs_ik.kernels.layout.answer import ROW, ROW_STATUS
@@ -32,7 +32,26 @@ _WIDE_ENOUGH = 1e-3
 def solve(
     around: Surroundings, T: Array, psi: float | None, near: Array | None, branch: int, respect: bool
 ) -> Solution:
-    """The best posture that hits nothing, of one branch or of all (-1), at one arm angle or at all."""
+    """The best posture that hits nothing, of one branch or of all (-1), at one arm angle or at all.
+
+    Raises:
+        InvalidPose: the pose is no finite rigid transform.
+    """
+    if psi is None and around.in_closed_form:
+        rows, verdicts = np.empty((1, ROW)), np.zeros(1, np.int8)
+        seeds = None if near is None else near[None]
+        around.solve_range(T[None], 0, 1, branch, seeds, respect, rows, verdicts)
+        if verdicts[0]:
+            raise invalid_pose(int(verdicts[0]))
+        if rows[0, ROW_STATUS] == Status.OK:
+            return Solution(rows[0], around.packed.joint_names, around.packed.elbow)
+    return _by_intervals(around, T, psi, near, branch, respect)
+
+
+def _by_intervals(
+    around: Surroundings, T: Array, psi: float | None, near: Array | None, branch: int, respect: bool
+) -> Solution:
+    """The same in free intervals that are known first, and what is in the way where there are none."""
     free = chosen(around.all_free(T, respect), branch, psi)
     solution = best(around, T, free, psi, near, respect) if len(free) else None
     if solution is not None:
@@ -132,21 +151,19 @@ def _in_kernels(
 ) -> BatchSolution:
     """The best postures of many poses of an exact limb by its spheres; where there is none, pose by pose."""
     arm = around.packed
-    free = gathered(len(T), threads, partial(around.free_range, T), respect)
-    intervals = np.column_stack([free.branch, free.lower, free.upper])
-    rows = np.full((len(T), ROW), np.nan)
+    rows, verdicts = np.empty((len(T), ROW)), np.zeros(len(T), np.int8)
 
     def work(first: int, last: int) -> None:
-        told = intervals, free.offsets, branch, seeds, respect, rows
-        entries.best_range(arm.family, T, first, last, *told)
+        around.solve_range(T, first, last, branch, seeds, respect, rows, verdicts)
 
     run_in_threads(work, len(T), threads)
+    refuse_bad_poses(verdicts)
     hits: dict[tuple[int, ...], Collision] = {}
 
     def rest(first: int, last: int) -> None:
         for i in left[first:last].tolist():
             near = None if seeds is None else seeds[i if len(seeds) > 1 else 0]
-            answer = solve(around, T[i], None, near, branch, respect)
+            answer = _by_intervals(around, T[i], None, near, branch, respect)
             rows[i] = answer._row
             if answer.collision is not None:
                 hits[(i,)] = answer.collision

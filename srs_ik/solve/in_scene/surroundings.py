@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from srs_ik.collision.figures import as_margin
-from srs_ik.collision.ranges import JointRange, tightened
+from srs_ik.collision.ranges import JointRange, loosened, tightened
 from srs_ik.collision.scene import Scene
 from srs_ik.errors import InvalidScene
 from srs_ik.inputs.poses import invalid_pose
@@ -23,7 +23,7 @@ from srs_ik.solve.solution import Collision, Status
 
 if TYPE_CHECKING:
     from srs_ik.collision.owner import BodyOwner
-    from srs_ik.collision.real import RealWorld
+    from srs_ik.collision.real_world import RealWorld
     from srs_ik.collision.tables import Tables
     from srs_ik.solve.packed import PackedArm
 
@@ -32,6 +32,10 @@ Array = NDArray[np.float64]
 
 _LITTLE = 1e-3
 """Where links of a near limb are no farther from those of its nearest exact limb, m, spheres grown by it will do."""
+
+
+_ROOM = 512
+"""Room for the arcs of pairs at first."""
 
 
 _MOST_MARGINS = 16
@@ -64,7 +68,7 @@ class Surroundings:
         self.margin = scene.margin + as_margin(margin)
         self.tables: Tables = arm.tables(scene)
         self.slack = self.tables.with_margin(self.margin)
-        self.tight, self.jammed = _tight_limits(arm, packed, self.tables, self.margin)
+        self.tight, self.jammed = _limits(arm, packed, self.tables.ranges, tightened, self.margin)
 
     # Intervals ----------------------------------------------------------------------------------------------------
 
@@ -78,12 +82,19 @@ class Surroundings:
 
     def in_range(self, T: Array, found: Array, respect: bool) -> Array:
         """(n, 3) intervals in which bodies that ranges of joints watch do not meet; `found` are those in the limits."""
-        tight = self.tight[bool(respect)]
-        if tight is None:
+        return self._within(self.tight[bool(respect)], self.jammed, T, found)
+
+    def not_out_of_range(self, T: Array, found: Array, respect: bool) -> Array:
+        """(n, 3) intervals outside of which some of these bodies are nearer than the margin for certain."""
+        loose, jammed = _limits(self.arm, self.packed, self.tables.ranges, loosened, self.margin)
+        return self._within(loose[bool(respect)], jammed, T, found)
+
+    def _within(self, limits: TightLimits | None, jammed: JointRange | None, T: Array, found: Array) -> Array:
+        if limits is None:
             return found
-        if self.jammed is not None or not len(found):
+        if jammed is not None or not len(found):
             return found[:0]
-        return self._intervals(tight.family, T, True)
+        return self._intervals(limits.family, T, True)
 
     def all_free(self, T: Array, respect: bool, more: float = 0.0) -> Array:
         """(n, 3) all free intervals of a pose, with so much more than the margin left, m.
@@ -130,6 +141,27 @@ class Surroundings:
             counts[first:following], used = 0, 0
         return following, used
 
+    def solve_range(
+        self,
+        T: Array,
+        first: int,
+        last: int,
+        branch: int,
+        seeds: Array | None,
+        respect: bool,
+        rows: Array,
+        verdicts: NDArray[np.int8],
+    ) -> None:
+        """Write the best free postures of poses of an exact limb, of one branch or of all (-1)."""
+        if self.jammed is not None:
+            rows[first:last, ROW_STATUS] = at.NOTHING_FREE
+            return
+        tight, tables = self.tight[bool(respect)], self.tables
+        limits = self.packed.family if tight is None else tight.family
+        asked = T, first, last, branch, seeds, respect, respect or tight is not None
+        bodies = tables.bodies, tables.groups, tables.pairs, self.slack, *tables.work()
+        entries.solve_range(self.packed.family, limits, *asked, *bodies, rows, verdicts)
+
     def along_curves(self, T: Array, found: Array, more: float = 0.0) -> Array:
         """(n, 3) what the spheres leave of some intervals of a near limb."""
         tables = self.tables
@@ -159,6 +191,24 @@ class Surroundings:
         """(n, 3) what clouds and half-spaces leave of some intervals."""
         return self._cut(T, found, self.tables.formless, more)
 
+    def arcs_by_pair(self, T: Array, world: RealWorld, more: float) -> dict[tuple[int, int], tuple[Any, Any]]:
+        """For each pair of real bodies that spheres watch, the arm angles that these forbid, for each elbow."""
+        tables = self.tables
+        slack = tables.with_margin(self.margin + more)
+        rows = world.pairs_of(tables)
+        bodies = tables.bodies, tables.groups, tables.pairs, slack, *tables.work()
+        out = np.empty((_ROOM, at.ARC))
+        count = entries.forbidden_by_pair(self.packed.family, T, *bodies, out)
+        if count > len(out):
+            out = np.empty((count, at.ARC))
+            entries.forbidden_by_pair(self.packed.family, T, *bodies, out)
+        arcs: dict[tuple[int, int], tuple[Any, Any]] = {pair: ([], []) for pair in rows if pair is not None}
+        for row, elbow, lower, upper in out[:count].tolist():
+            pair = rows[int(row)]
+            if pair is not None:
+                arcs[pair][int(elbow)].append((lower, upper))
+        return arcs
+
     def _intervals(self, family: Array, T: Array, respect: bool) -> Array:
         found = np.empty((MOST_INTERVALS, 3))
         count = pose_entries.intervals(family, T, respect, *self.packed.work(), found)
@@ -181,13 +231,13 @@ class Surroundings:
 
     def real_world(self) -> RealWorld:
         """The real forms, for coal."""
-        from srs_ik.collision.real import RealWorld
+        from srs_ik.collision.real_world import RealWorld
 
         state = self.arm.__dict__
         world: RealWorld | None = state.get("_real_world")
         now = self.scene.version, self.scene.moves
         if world is None or world.scene is not self.scene or world.version != now:
-            world = state["_real_world"] = RealWorld(self.arm, self.scene)
+            world = state["_real_world"] = RealWorld(self.arm, self.scene, self.tables.ranges)
         return world
 
     def widest(self, T: Array, found: Array, tolerance: float = 1e-6) -> Array:
@@ -302,13 +352,19 @@ class TightLimits:
 
 Tight = tuple[TightLimits | None, TightLimits | None]
 
+Cut = Callable[..., tuple[Array, Array, JointRange | None]]
+"""How ranges of joints cut limits: `ranges.tightened` or `ranges.loosened`."""
 
-def _tight_limits(arm: BodyOwner, packed: PackedArm, tables: Tables, margin: float) -> tuple[Tight, JointRange | None]:
-    """See `Surroundings.tight`; None where these need no limits. The second is what leaves no range at all."""
-    if not tables.ranges:
+
+def _limits(
+    arm: BodyOwner, packed: PackedArm, ranges: list[JointRange], cut: Cut, margin: float
+) -> tuple[Tight, JointRange | None]:
+    """Limits cut by ranges of joints, see `Surroundings.tight`; None where these need none; who leaves no range."""
+    if not ranges:
         return (None, None), None
-    known: dict[float, tuple[Tight, JointRange | None]] = arm.__dict__.setdefault("_tight", {})
-    if margin not in known:
+    known: dict[Any, tuple[Tight, JointRange | None]] = arm.__dict__.setdefault("_limits_in_scene", {})
+    key = cut, margin, tuple((each.first, each.second) for each in ranges)
+    if key not in known:
         if len(known) >= _MOST_MARGINS:
             known.clear()
         limits: list[TightLimits | None] = []
@@ -318,8 +374,8 @@ def _tight_limits(arm: BodyOwner, packed: PackedArm, tables: Tables, margin: flo
             (packed.lower, packed.upper),
         )
         for lower, upper in given:
-            low, high, jammed = tightened(tables.ranges, lower, upper, margin)
+            low, high, jammed = cut(ranges, lower, upper, margin)
             same = np.array_equal(low, lower) and np.array_equal(high, upper) and jammed is None
             limits.append(None if same else TightLimits(arm, low, high))
-        known[margin] = (limits[0], limits[1]), jammed
-    return known[margin]
+        known[key] = (limits[0], limits[1]), jammed
+    return known[key]

@@ -1,0 +1,213 @@
+"""The real forms of an arm and of what stands around it, for coal: which pairs are watched, and how far they move."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from srs_ik.collision.forms import is_round
+from srs_ik.collision.parts import apart, parts_of, transform
+from srs_ik.collision.real import real_forms
+
+if TYPE_CHECKING:
+    from srs_ik.collision.bodies import Body
+    from srs_ik.collision.owner import BodyOwner
+    from srs_ik.collision.parts import Part
+    from srs_ik.collision.ranges import JointRange
+    from srs_ik.collision.scene import Scene
+    from srs_ik.collision.tables import Tables
+
+Array = NDArray[np.float64]
+
+TURNING = (2, 3, 4, 5)
+"""Joints whose bodies turn with the arm angle."""
+
+SPINNING = {1: 0, 2: 2, 5: 4, 6: 6}
+"""Joint axis that a body spins about against what moves it: against the base, the upper arm, the forearm, the hand."""
+
+_STILL = np.eye(4)
+
+OBJECT = -1
+"""Stands for the joint of what is no body of the arm."""
+
+
+class RealWorld:
+    """Bodies of an arm and objects with forms around it, and the pairs of them that are watched.
+
+    Attributes:
+        names: of each body.
+        joints: that carry them, 0 for the root, `OBJECT` for objects.
+        parts: their forms, in the frames of these joints.
+        pairs: numbers of two bodies each.
+        axes: (7, 3) each joint axis in the frame of its joint.
+        before: largest distance of a point of each body of the arm from the axis of the joint that carries it, m; 0
+            where it is round about that axis.
+        behind: the same from the axis of the next joint, which it carries.
+        radius: the same from the centre of the shoulder (of the wrist from the forearm on).
+    """
+
+    def __init__(self, arm: BodyOwner, scene: Scene, ranges: Sequence[JointRange]) -> None:
+        self.version = scene.version, scene.moves
+        self.scene = scene
+        self._frames, self._places = arm.joint_frames, arm.joint_places
+        bodies = arm.bodies
+        index = {body.name: k for k, body in enumerate(bodies)}
+        replaced = frozenset().union(*(thing.replaces for thing in scene))
+        zero = arm.joint_frames(np.zeros(7))
+        limb = arm.limb
+        self.axes = np.array([zero[k + 1, :3, :3].T @ limb.axes[k] for k in range(7)])
+        self.joints = [body.joint for body in bodies]
+        self.parts = [_own_parts(arm, body) for body in bodies]
+        self.names = [body.name for body in bodies]
+        self._points = [np.concatenate([part.points for part in parts]) for parts in self.parts]
+        placed = [
+            points @ zero[j, :3, :3].T + zero[j, :3, 3] for points, j in zip(self._points, self.joints, strict=True)
+        ]
+        # Distances that no posture changes: from the axes of the joints before and behind, and from the centre on the
+        # line shoulder-wrist.
+        own = list(zip(placed, self.joints, strict=True))
+
+        def reach(k: int, joint: int) -> float:
+            line = limb.points[joint], limb.axes[joint]
+            forms = [part.form.moved(zero[self.joints[k]]) for part in self.parts[k]]
+            return 0.0 if is_round(forms, *line) else from_line(placed[k], *line)
+
+        self.before = [reach(k, j - 1) for k, j in enumerate(self.joints)]
+        self.behind = [reach(k, j % 7) for k, j in enumerate(self.joints)]
+        centre = dict.fromkeys((0, 1, 2, 3), limb.shoulder) | dict.fromkeys((4, 5, 6, 7), limb.wrist)
+        self.radius = [float(np.linalg.norm(points - centre[j], axis=1).max()) for points, j in own]
+        self._turn = [radius if j in (2, 5) else None for radius, j in zip(self.radius, self.joints, strict=True)]
+        self.pairs = [
+            (index[p.first], index[p.second]) for p in arm.pairs if p.kept and not {p.first, p.second} & replaced
+        ]
+        self._ranges = ranges
+        for thing in scene:
+            for label, forms in thing.parts or ([(thing.name, thing.forms)] if thing.forms else []):
+                moved = [form.moved(thing.T) for form in forms]
+                self.joints.append(OBJECT)
+                self.names.append(label)
+                self.parts.append(parts_of(moved))
+                self._points.append(np.concatenate([part.points for part in self.parts[-1]]))
+                self._turn.append(None)
+                self.pairs += [(k, len(self.joints) - 1) for k, body in enumerate(bodies) if body.joint > 0]
+        self._balls = np.array([_ball(points) for points in self._points])
+        self._rows: tuple[Tables | None, list[tuple[int, int] | None]] = None, []
+
+    def watched(self, margin: float) -> list[tuple[int, int]]:
+        """Pairs of bodies that may come within a margin, m: some of those that never meet, too."""
+        near = [(r.first, r.second) for r in self._ranges if r.bounds.min() <= margin]
+        return [*self.pairs, *(pair for pair in near if pair not in self.pairs)]
+
+    def pairs_of(self, tables: Tables) -> list[tuple[int, int] | None]:
+        """The pair of bodies that each row of pairs stands for; None for those without forms."""
+        if self._rows[0] is not tables:
+            count = sum(joint != OBJECT for joint in self.joints)
+            numbers: dict[str, int] = {name: k for k, name in enumerate(self.names) if k >= count}
+            of_group = [k if k < count else numbers.get(name, OBJECT) for k, name in enumerate(tables.names)]
+            known = {frozenset(pair): pair for pair in self.pairs}
+            self._rows = tables, [known.get(frozenset((of_group[a], of_group[b]))) for a, b in tables.pairs.tolist()]
+        return self._rows[1]
+
+    def places(self, q: Array, bodies: Sequence[int]) -> list[Array]:
+        """(4, 4) where some bodies are at a posture."""
+        moved = self._places(q, [self.joints[k] for k in bodies if self.joints[k] != OBJECT])
+        return [_STILL if self.joints[k] == OBJECT else moved.pop(0).homogeneous for k in bodies]
+
+    def turn(self, k: int, T: Array, line: tuple[Array, Array]) -> float:
+        """Largest distance of a point of a body from the line shoulder-wrist, m; 0 if it turns not; T is its place."""
+        if self.joints[k] not in TURNING:
+            return 0.0
+        known = self._turn[k]
+        return known if known is not None else from_line(self._points[k] @ T[:3, :3].T + T[:3, 3], *line)
+
+    def spin(self, k: int) -> float:
+        """Largest distance of a point of a body from the axis that it spins about, m."""
+        axis = SPINNING[self.joints[k]]
+        return self.before[k] if axis == self.joints[k] - 1 else self.behind[k]
+
+    def along(self, start: Array, end: Array, margin: float) -> tuple[float, str, str, float]:
+        """What comes within a margin on a straight line of joint angles: where (0 to 1), which two, how near, m.
+
+        No names where the line is certainly clear. What cannot be told on the shortest stretch counts.
+        """
+        turns, pairs = np.abs(end - start), self.watched(margin)
+        waiting = [(0.0, 1.0)]
+        while waiting:
+            lower, upper = waiting.pop()
+            middle, half = 0.5 * (lower + upper), 0.5 * (upper - lower)
+            doubtful = self._doubtful(self._frames(start + middle * (end - start)), half * turns, margin, pairs)
+            if doubtful is None:
+                continue
+            a, b, distance = doubtful
+            if distance <= margin or half < _SHORTEST:
+                return middle, self.names[a], self.names[b], distance
+            waiting += [(middle, upper), (lower, middle)]
+        return 0.0, "", "", math.inf
+
+    def _doubtful(
+        self, frames: Array, turns: Array, margin: float, pairs: Sequence[tuple[int, int]]
+    ) -> tuple[int, int, float] | None:
+        """The nearest pair that may come within a margin while joints turn so far from a posture; None for none."""
+        still = np.eye(4)
+        places = [frames[joint] if joint >= 0 else still for joint in self.joints]
+        centres = np.array([T[:3, :3] @ ball[:3] + T[:3, 3] for T, ball in zip(places, self._balls, strict=True)])
+        at: dict[int, Any] = {}
+        worst = None
+        for a, b in pairs:
+            needed = margin + self._moved(a, b, frames, centres, turns)
+            room = float(np.linalg.norm(centres[a] - centres[b])) - self._balls[a, 3] - self._balls[b, 3]
+            if room > needed:
+                continue
+            for k in (a, b):
+                if k not in at:
+                    at[k] = transform(places[k])
+            distance = self._distance(at, a, b)
+            if distance <= needed and (worst is None or distance < worst[2]):
+                worst = a, b, distance
+        return worst
+
+    def _moved(self, a: int, b: int, frames: Array, centres: Array, turns: Array) -> float:
+        """How far the joints between two bodies move the outer one at most, m."""
+        if self.joints[a] > self.joints[b]:
+            a, b = b, a
+        total = 0.0
+        for joint in range(self.joints[b], max(self.joints[a], 0), -1):
+            reach = float(np.linalg.norm(centres[b] - frames[joint, :3, 3])) + self._balls[b, 3]
+            total += turns[joint - 1] * (reach + total)
+        return total
+
+    def _distance(self, at: dict[int, Any], a: int, b: int) -> float:
+        least = np.inf
+        for one in self.parts[a]:
+            for other in self.parts[b]:
+                least = min(least, apart(one, at[a] * one.at, other, at[b] * other.at))
+                if least <= 0.0:
+                    return least
+        return least
+
+
+_SHORTEST = 1e-3
+"""Shortest half of a stretch that is looked at, as a part of the line."""
+
+
+def _own_parts(arm: BodyOwner, body: Body) -> list[Part]:
+    """The parts of a body, made once for an arm."""
+    known: dict[int, list[Part]] = arm.__dict__.setdefault("_parts", {})
+    if id(body) not in known:
+        known[id(body)] = parts_of(real_forms(body))
+    return known[id(body)]
+
+
+def from_line(points: Array, point: Array, direction: Array) -> float:
+    """Largest distance of points (n, 3) from a line, given by a point and a unit vector, m."""
+    return float(np.linalg.norm(np.cross(points - point, direction), axis=1).max())
+
+
+def _ball(points: Array) -> Array:
+    """(4,) a sphere around points (n, 3)."""
+    centre = 0.5 * (points.min(axis=0) + points.max(axis=0))
+    return np.array([*centre, float(np.linalg.norm(points - centre, axis=1).max())])
