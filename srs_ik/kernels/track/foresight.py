@@ -55,8 +55,8 @@ FAR_OFF = 2e-3
 
 SLOW = 0.05
 RESTING = 5.0
-"""Cost of the largest velocity, and while the target rests and the elbow is to be kept; that of the largest acceleration
-is 1."""
+"""Cost of the largest velocity, the second while the target rests and the elbow is kept; that of the largest
+acceleration is 1."""
 
 BUSY = 0.05
 """A target that is faster than this, m/s and, by the reach, rad/s, does not rest."""
