@@ -92,6 +92,9 @@ on the straight way: then other ways are looked for."""
 PLAN_EVERY = 0.008
 """Seconds from one plan to the next."""
 
+CLOSER = 0.99
+"""A goal whose miss shrinks to this share in an update is on its way."""
+
 STUCK_FOR = 10
 AGAIN = 25
 """Other postures are looked for when the goal has been off the target for so many updates, and after so many more."""
@@ -211,10 +214,13 @@ def most_used(C, v):
 @kernel
 def watch(P, S, C, size, place_):
     """Keep account of how long the goal has been off the target, and look elsewhere where that takes long."""
+    closer = size < CLOSER * S[MISS]
     S[MISS] = size
     if size < CLOSE:
         S[STUCK] = 0.0
         S[ELSEWHERE] = UNKNOWN
+        return
+    if closer:
         return
     S[STUCK] += 1.0
     if S[STUCK] >= STUCK_FOR and (S[STUCK] - STUCK_FOR) % AGAIN == 0.0 and not out_of_reach(P, place_):
