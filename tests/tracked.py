@@ -12,6 +12,9 @@ BEYOND = 1e-9
 
 NEAR_TARGET = (1e-3, 1e-2)
 SECONDS = 10.0
+SMOOTHING = 0.02
+"""Of every other motion, s."""
+
 PATIENCE = 5.0
 
 
@@ -36,11 +39,11 @@ def passed(arm: Any, q0: np.ndarray, q: np.ndarray, bounds: tuple[np.ndarray, np
 
 
 def limits_line(arm: Any, name: str, count: int, seed: int, dt: float) -> str:
-    """One line on random motions of 10 s with jitter, pauses, jumps and lost targets, of all kinds in turn."""
+    """One line on random motions of 10 s with jitter, pauses, jumps and lost targets."""
     worst, nan, mute, updates, on = np.full(3, -np.inf), 0, 0, 0, 0.0
     for k in range(seed, seed + count):
         moving = motion(arm, k, SECONDS, dt, KINDS[k % len(KINDS)], trouble=True)
-        tracker = arm.tracker(moving.q0, dt, velocities(arm))
+        tracker = arm.tracker(moving.q0, dt, velocities(arm), smoothing=SMOOTHING * (k % 2))
         steps = [tracker.update(T) for T in moving.given]
         q = np.array([step.q for step in steps])
         nan += int((~np.isfinite(q)).any(axis=1).sum())
@@ -51,8 +54,9 @@ def limits_line(arm: Any, name: str, count: int, seed: int, dt: float) -> str:
         updates += len(q)
     broken = int((worst > BEYOND).sum())
     return (
-        f"{name}: seeds {seed} to {seed + count - 1}, {count} motions, {updates} updates; kinds of limits passed {broken}"
-        f" (position {worst[0]:.1e} rad, velocity {worst[1]:.1e} rad/s, acceleration {worst[2]:.1e} rad/s^2), "
+        f"{name}: seeds {seed} to {seed + count - 1}, {count} motions, {updates} updates; "
+        f"kinds of limits passed {broken} (position {worst[0]:.1e} rad, velocity {worst[1]:.1e} rad/s, "
+        f"acceleration {worst[2]:.1e} rad/s^2), "
         f"not finite {nan}, without a status {mute}, on target {100.0 * on / updates:.1f} %"
     )
 
@@ -107,7 +111,8 @@ def recovery_line(arm: Any, name: str, count: int, seed: int, dt: float) -> str:
     back = np.isfinite(times[:, 0])
     ratio = times[back, 0] / times[back, 1]
     return (
-        f"{name}: seeds {seed} to {seed + count - 1}, {count} jumps, {int((~back).sum())} not met within {PATIENCE:g} s; "
+        f"{name}: seeds {seed} to {seed + count - 1}, {count} jumps, "
+        f"{int((~back).sum())} not met within {PATIENCE:g} s; "
         f"time over the least time: median {np.median(ratio):.2f}, 95 % {np.percentile(ratio, 95.0):.2f}, "
         f"most {ratio.max():.2f}"
     )

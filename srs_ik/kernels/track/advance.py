@@ -360,8 +360,8 @@ def advance(P, S, C, given, work, out):
             S[COAST] = 0.0
     S[ON] = 1.0 if on else 0.0
     if near and not on:
-        said = (UNREACHABLE, OUT_OF_REACH) if out_of_reach(P, place_) else (LIMITED, BEHIND)
-        said = said[0], said[1], hardest(S, C, v)
+        status, reason = (UNREACHABLE, OUT_OF_REACH) if out_of_reach(P, place_) else (LIMITED, BEHIND)
+        said = status, reason, hardest(S, C, v)
     else:
         watch(P, S, C, size, place_)
         said = verdict(P, S, C, after, size, place_)
