@@ -9,8 +9,8 @@
 Each gets the same joint limits as far as it knows them: ssik a speed, Pink speeds and accelerations, Mink speeds; ours
 once speeds and accelerations, and once speeds alone. A target that is lost is None for ours and the last one for the
 others. On target is a tip within 1 mm and 10 mrad of where the target truly is, by Pinocchio; within is the share of
-updates that are so inside all limits, those of acceleration too, but for 1 % of them; a freeze is 50 ms without a motion
-while the tip is off a target; a flip a joint that moves by more than 0.2 rad in a period; back the time from the end of
+updates that are so inside all limits, those of acceleration too, by 1 %; a freeze is 50 ms without a motion while the
+tip is off a target; a flip a joint that moves by more than 0.2 rad in a period; back the time from the end of
 a loss until the tip is on its target again, 95 % of them. Times are those of the processor.
 """
 
