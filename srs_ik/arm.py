@@ -109,7 +109,8 @@ class Arm(BodyOwner):
             respect_limits: whether q has to keep the joint limits.
             free_axis: what of the rotation is free: a direction in the tip frame for the roll about it, a
                 `FreeAxis` for a cone, "any" for a position alone; errors are those that are left then. It goes with a
-                seed or without, and with neither arm angle, branch nor scene.
+                seed or without, and with neither arm angle nor branch. With a scene, the best of a sample of turns is
+                closed in on wherever the best posture of all hits something.
             scene: what must not be touched, the arm's own bodies included; nothing is looked at if not given.
             margin: what is to be left between any two bodies, m.
 
@@ -123,8 +124,8 @@ class Arm(BodyOwner):
         if free_axis is not None:
             from srs_ik.solve import freedom
 
-            freedom.refuse_beside(free_axis, arm_angle=arm_angle, branch=branch, scene=scene)
-            return freedom.solve(self.packed, pose, free_axis, seed, bool(respect_limits))
+            freedom.refuse_beside(free_axis, arm_angle=arm_angle, branch=branch)
+            return self._asked(scene, margin).solve_free(pose, free_axis, seed, bool(respect_limits))
         return self._asked(scene, margin).solve(pose, arm_angle, seed, branch, bool(respect_limits))
 
     def solve_all(
@@ -196,9 +197,8 @@ class Arm(BodyOwner):
         if free_axis is not None:
             from srs_ik.solve import freedom
 
-            other = {"arm_angle": arm_angle, "branch": branch, "all_branches": all_branches, "scene": scene}
-            freedom.refuse_beside(free_axis, **other)
-            return freedom.solve_batch(self.packed, poses, free_axis, seed, bool(respect_limits), threads)
+            freedom.refuse_beside(free_axis, arm_angle=arm_angle, branch=branch, all_branches=all_branches)
+            return self._asked(scene, margin).solve_free_batch(poses, free_axis, seed, bool(respect_limits), threads)
         return self._asked(scene, margin).solve_batch(
             poses, arm_angle, seed, branch, all_branches, bool(respect_limits), threads
         )

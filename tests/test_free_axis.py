@@ -8,7 +8,6 @@ import pinocchio as pin
 import pytest
 from scipy.optimize import minimize
 
-import srs_ik
 from srs_ik import FreeAxis, InvalidConfiguration, InvalidTask
 
 AXES = ([0.0, 0.0, 1.0], [0.6, -0.3, 0.8])
@@ -212,7 +211,6 @@ def test_without_limits_the_pose_is_met_too():
         ({"free_axis": [1, 2]}, "3 finite numbers"),
         ({"free_axis": [0, 0, 1], "arm_angle": 0.0}, "leaves arm_angle to be chosen"),
         ({"free_axis": [0, 0, 1], "branch": 0}, "leaves branch to be chosen"),
-        ({"free_axis": [0, 0, 1], "scene": srs_ik.Scene()}, "knows nothing of it"),
     ],
 )
 def test_wrong_free_axes_are_named(given, words):

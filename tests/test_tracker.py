@@ -13,6 +13,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from motions import KINDS, minimum_jerk, motion, off_target, within
+from tracked import recoveries
 
 from srs_ik import (
     FreeAxis,
@@ -368,3 +369,26 @@ def test_the_elbow_keeps_away_from_what_stands_around():
     assert np.linalg.norm(elbows[1] - ball) > np.linalg.norm(elbows[0] - ball) + 0.05
     scene.remove("ball")
     assert all(follow("iiwa14", [T] * 20, tracker)[1])
+
+
+@pytest.mark.parametrize("name", arms.here("iiwa14", "gen3"))
+def test_a_target_that_jumped_is_met_in_little_more_than_the_least_time(name):
+    for seconds, least in recoveries(arms.load(name), 12, 500, DT):
+        assert seconds < 2.5 * least + 0.1
+
+
+@pytest.mark.parametrize("name", arms.here("iiwa14", "gen3"))
+def test_behind_a_target_that_starts_at_once_the_tip_is_no_farther_than_the_limits_imply(name):
+    """Joint 1 would have to reach half of its velocity at once: until it does, it falls behind by v^2 / (2 a)."""
+    arm, q0 = arms.load(name), start(name)
+    rate = 0.5 * arm.velocity_limit[0]
+    t = DT * np.arange(1, 400)
+    poses = np.array([arm.forward_kinematics(q0 + np.eye(7)[0] * rate * each).homogeneous for each in t])
+    tracker = tracker_of(name, q0)
+    q, _ = follow(name, poses, tracker)
+    assert_limits_kept(name, q0, q, tracker)
+    position, _ = off_target(arms.forward(name), q, poses)
+    lever = np.linalg.norm(poses[0][:2, 3])
+    bound = lever * rate**2 / (2.0 * tracker.acceleration_limit[0])
+    assert position.max() < 1.1 * bound
+    assert position[200:].max() < 1e-3

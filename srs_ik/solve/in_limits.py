@@ -46,6 +46,18 @@ class InLimits:
         """See `Arm.solve_batch`."""
         return pose_solver.solve_batch(self.packed, poses, *question)
 
+    def solve_free(self, pose: PoseLike, *question: Any) -> Solution:
+        """See `Arm.solve`, with a free axis."""
+        from srs_ik.solve import freedom
+
+        return freedom.solve(self.packed, pose, *question)
+
+    def solve_free_batch(self, poses: Any, *question: Any) -> BatchSolution:
+        """See `Arm.solve_batch`, with a free axis."""
+        from srs_ik.solve import freedom
+
+        return freedom.solve_batch(self.packed, poses, *question)
+
     def solve_path(self, poses: Any, *question: Any) -> PathSolution:
         """See `Arm.solve_path`."""
         from srs_ik.solve.path import solve_path

@@ -32,9 +32,6 @@ Array = NDArray[np.float64]
 FULL_SPEED_IN = 0.2
 """Where no accelerations are given, each joint may come to its largest velocity in so many seconds."""
 
-AHEAD = 0.2
-"""Seconds between the present and the pose that the elbow is planned for."""
-
 AVERAGED = 0.006
 """Seconds over which the velocity of a target is averaged, at least."""
 
@@ -180,8 +177,8 @@ class Tracker:
         self._settings[at.PERIOD] = self.dt
         self._settings[at.SPEED : at.ACCELERATION] = self.velocity_limit
         self._settings[at.ACCELERATION : at.ALPHA] = self.acceleration_limit
-        self._settings[[at.AHEAD, at.PATIENCE]] = AHEAD, PATIENCE
-        self._work = np.zeros((2, 16, 9))
+        self._settings[at.PATIENCE] = PATIENCE
+        self._work = np.zeros((8, 16, 9))
         self._nowhere = np.eye(4)
         self.jerk_limit = None if jerk is None else _limits(jerk, packed, "jerk", np.empty(7))
         self.free_axis = None if free_axis is None else as_free_axis(free_axis)

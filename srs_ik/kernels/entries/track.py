@@ -6,7 +6,7 @@ from srs_ik.kernels.algebra.pointers import row
 from srs_ik.kernels.jit import entry
 from srs_ik.kernels.layout.answer import GOOD_POSE
 from srs_ik.kernels.layout.limb import LIMITED
-from srs_ik.kernels.layout.track import SETTINGS
+from srs_ik.kernels.layout.track import BAND, KNOTS, SETTINGS
 from srs_ik.kernels.limb.poses import read_pose
 from srs_ik.kernels.track.advance import advance
 
@@ -21,12 +21,14 @@ def update(family, state, settings, T, given, work, out):
         settings: (SETTINGS + n,) with the parameters of the elbow's objective behind.
         T: (4, 4) the target, read only if there is one.
         given: 1 with a target, 0 without.
-        work: (2, 16, 9) work space.
+        work: (8, 16, 9) work space.
         out: (STEP,) output.
     """
     R, p, verdict = read_pose(row(T, 0))
     has = given
     if given == 1 and verdict != GOOD_POSE:
         has = -1
+    B = work[2:].reshape(-1)[: 7 * KNOTS * (BAND + 2)].reshape((7 * KNOTS, BAND + 2))
     J = work[0].reshape(144)[:42].reshape((6, 7))
-    advance(row(family, LIMITED), row(state, 0), settings, (has, R, p), (J, work[1], settings[SETTINGS:]), row(out, 0))
+    desk = J, work[1], B, settings[SETTINGS:]
+    advance(row(family, LIMITED), row(state, 0), settings, (has, R, p), desk, row(out, 0))

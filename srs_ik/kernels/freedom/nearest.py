@@ -13,7 +13,7 @@ from srs_ik.kernels.exact.nearest import between_limbs
 from srs_ik.kernels.freedom.settle import settle
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.answer import SOLVED
-from srs_ik.kernels.layout.freedom import START_COST, Found
+from srs_ik.kernels.layout.freedom import START_COST, Found, Liking
 from srs_ik.kernels.layout.limb import IS_CLOSED, PHASE, SHOULDER, STRAIGHT, WRIST
 from srs_ik.kernels.limb.poses import read7
 
@@ -35,6 +35,15 @@ MOST_ATTEMPTS = 60
 
 
 @kernel
+def are_close(starts, i, k):
+    """Whether two starts lead to the same posture."""
+    most = 0.0
+    for j in range(7):
+        most = max(most, abs(starts[i, j] - starts[k, j]))
+    return most < APART
+
+
+@kernel
 def take_best(starts, n):
     """The start of least cost, and drop it and those next to it; -1 where none is left."""
     best, least = -1, NONE_LEFT
@@ -43,10 +52,7 @@ def take_best(starts, n):
             best, least = i, starts[i, START_COST]
     if best >= 0:
         for i in range(n):
-            most = 0.0
-            for j in range(7):
-                most = max(most, abs(starts[i, j] - starts[best, j]))
-            if most < APART:
+            if starts[i, START_COST] < NONE_LEFT and are_close(starts, i, best):
                 starts[i, START_COST] = NONE_LEFT
     return best
 
@@ -74,7 +80,9 @@ def nearest(P, pose, freedom, liking, count, desk):
         i = take_best(desk.starts, count)
         if i < 0:
             break
-        there, cost, error, _ = settle(P, read7(row(desk.starts, i)), pose, freedom, liking, desk)
+        start = read7(row(desk.starts, i))
+        rival = Liking(liking.posture, liking.weights, liking.lower, liking.upper, found.cost)
+        there, cost, error, _ = settle(P, start, pose, freedom, rival, desk)
         if error < SOLVED and cost < found.cost:
             found = Found(there, cost, True)
     return found

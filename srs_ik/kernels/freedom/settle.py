@@ -41,6 +41,9 @@ CLOSE_BY = 0.1
 """Steps longer than this, rad, have to be worth it, and are cut by that factor where not."""
 
 
+LEFT = 3.0
+"""After a step shorter than `CLOSE_BY`, the rest of the way is no longer than so many times the step."""
+
 ROUNDS = 12
 """Most changes of the set of joints that are held, in a step."""
 
@@ -217,6 +220,12 @@ def bent(K, d, liking):
 
 
 @kernel
+def beaten(q, way, liking):
+    """Whether a posture is no rival any more: even so much nearer, rad."""
+    return math.sqrt(distance(q, liking)) > math.sqrt(liking.rival) + way
+
+
+@kernel
 def settle(P, q, pose, freedom, liking, desk):
     """The nearest posture around one: q, distance, error of the pose (m, rad), and whether it came to rest.
 
@@ -271,6 +280,8 @@ def settle(P, q, pose, freedom, liking, desk):
         before = q
         q = between(along7(q, 1.0, step), liking.lower, liking.upper)
         held = on & at_limits(q, liking)
+        if size < CLOSE_BY and error < ALMOST and beaten(q, LEFT * size, liking):
+            break
     return q, distance(q, liking), error, at_rest
 
 

@@ -28,10 +28,11 @@ def found_posture(family, pose, freedom, turns, seed, respect, desk):
     """The posture nearest to a seed, or without one farthest from the limits."""
     P = row(family, LIMITED if respect else FREE)
     limited = row(family, LIMITED)
+    lower, upper = ends(P, 0.0, -1.0), ends(P, 0.0, 1.0)
     if seed is not None:
-        liking = Liking(read7(seed), EVEN, ends(P, 0.0, -1.0), ends(P, 0.0, 1.0))
+        liking = Liking(read7(seed), EVEN, lower, upper, NONE_LEFT)
     else:
-        liking = Liking(middles(limited), comfort(limited, 0.0).weights, ends(P, 0.0, -1.0), ends(P, 0.0, 1.0))
+        liking = Liking(middles(limited), comfort(limited, 0.0).weights, lower, upper, NONE_LEFT)
     seeded = seed is not None or not respect
     if seed is not None:
         close = beside(P, pose, freedom, liking, desk)

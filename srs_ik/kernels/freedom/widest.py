@@ -62,7 +62,7 @@ def ends(P, margin, side):
 def comfort(P, margin):
     """Closeness to the middle of all ranges, inside limits that are drawn in."""
     weights = (weight(P, 0), weight(P, 1), weight(P, 2), weight(P, 3), weight(P, 4), weight(P, 5), weight(P, 6))
-    return Liking(middles(P), weights, ends(P, margin, -1.0), ends(P, margin, 1.0))
+    return Liking(middles(P), weights, ends(P, margin, -1.0), ends(P, margin, 1.0), NONE_LEFT)
 
 
 @kernel

@@ -40,12 +40,16 @@ class Freedom(NamedTuple):
 
 
 class Liking(NamedTuple):
-    """What is nearest: seven figures each of a posture, weights of the squared differences from it, and both limits."""
+    """What is nearest: seven figures each of a posture, weights of the squared differences from it, and both limits.
+
+    Searches that come to a larger sum than that of a `rival` are of no use.
+    """
 
     posture: Any
     weights: Any
     lower: Any
     upper: Any
+    rival: float
 
 
 class Found(NamedTuple):

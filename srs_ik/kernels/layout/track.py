@@ -16,15 +16,28 @@ STUCK = 48  # updates in which the goal has come no closer
 DETOUR = 49  # 1.0 while the goal goes to a posture known to be on the pose
 DETOUR_END = 50  # 7, that posture
 MISS = 57  # how far the goal's pose is from the target: metres, turns by the reach
-PLAN = 58  # 7, posture for the pose a while ahead
-PLAN_LEFT = 65  # seconds until then; 0: none
-TICK = 66  # updates so far
-ELSEWHERE = 67  # what is known of postures that reach the target: `UNKNOWN` ...
-STARTED = 68  # 1.0 once there was a target
-ESTIMATE = 69  # 12, the target before the last stage of smoothing: rotation, position
-COAST = 81  # updates since the tip was on the target, close to it
-PACE = 82  # 6, how fast the smoothed target itself moves: linear, angular
-STATE = 88
+TICK = 58  # updates so far
+ELSEWHERE = 59  # what is known of postures that reach the target: `UNKNOWN` ...
+STARTED = 60  # 1.0 once there was a target
+ESTIMATE = 61  # 12, the target before the last stage of smoothing: rotation, position
+COAST = 73  # updates in which the tip was off the target, close to it, and came no closer
+PACE = 74  # 6, how fast the smoothed target itself moves: linear, angular
+PLANNED = 80  # 1.0 while there is a plan
+PLAN_AGE = 81  # seconds since it was made
+PLAN_Q = 82  # 7, where the joints were then
+PLAN_V = 89  # 7, and their velocities
+PLAN_A = 96  # 7, the accelerations that it has for the beginning
+KNOT = 103  # 7 KNOTS, postures at the times of the plan
+TREND = 152  # 12, the target as its trend has it: rotation, position
+TREND_PACE = 164  # 6, its velocity: linear, angular
+TREND_PUSH = 170  # 6, its acceleration
+STATE = 176
+
+KNOTS = 7
+"""Postures of a plan."""
+
+BAND = 14
+"""Unknowns of a plan farther apart than this have no term in common."""
 
 # Verdicts on a target that the goal does not reach.
 UNKNOWN = 0.0
@@ -37,14 +50,13 @@ SPEED = 1  # 7, largest joint velocities, rad/s
 ACCELERATION = 8  # 7, rad/s^2
 ALPHA = 15  # share of a new target in position
 BETA = 16  # and in velocity
-AHEAD = 17  # how far ahead the elbow is planned, seconds
-ELBOW = 18  # `KEEP`, `ANGLE`, or an objective from `OBJECTIVE` on
-ANGLE_WANTED = 19  # rad
-PATIENCE = 20  # time constant in which a target that is lost slows down, seconds
-GAMMA = 21  # share of the estimate that the target takes over
-HAS_FREE = 22  # 1.0 where the target leaves a turn free
-FREE = 23  # 4, that freedom
-SETTINGS = 27
+ELBOW = 17  # `KEEP`, `ANGLE`, or an objective from `OBJECTIVE` on
+ANGLE_WANTED = 18  # rad
+PATIENCE = 19  # time constant in which a target that is lost slows down, seconds
+GAMMA = 20  # share of the estimate that the target takes over
+HAS_FREE = 21  # 1.0 where the target leaves a turn free
+FREE = 22  # 4, that freedom
+SETTINGS = 26
 
 # Elbow policies.
 KEEP = -1.0

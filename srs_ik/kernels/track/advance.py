@@ -39,6 +39,7 @@ from srs_ik.kernels.layout.track import (
     OTHER_POSTURE,
     OUT_OF_REACH,
     PERIOD,
+    PLANNED,
     RECONFIGURE,
     ROTATION,
     SPEED,
@@ -63,12 +64,13 @@ from srs_ik.kernels.limb.goal import NO_SEED
 from srs_ik.kernels.limb.poses import read7
 from srs_ik.kernels.limb.triangle import place
 from srs_ik.kernels.track.catch_up import CLOSE_BY, catch_up, way_left
-from srs_ik.kernels.track.closest import approach, error_at, minus
-from srs_ik.kernels.track.elbow import own_motion
+from srs_ik.kernels.track.closest import DAMPING, approach, error_at, minus
 from srs_ik.kernels.track.elsewhere import look_elsewhere, out_of_reach, way_between
+from srs_ik.kernels.track.foresight import foresee, planned_step
 from srs_ik.kernels.track.freedom import error_left, other_turn, shown_at, wanted
 from srs_ik.kernels.track.limits import bounds, toward
 from srs_ik.kernels.track.target import keep_pace, load_pose, lose_target, take_target
+from srs_ik.kernels.track.trend import learn
 
 FASTER = 3.0
 """The goal may move so many times as fast as the joints."""
@@ -83,7 +85,15 @@ TOGETHER = 1e-12
 """Joints this close to the goal, rad, have met it."""
 
 COAST_FOR = 250
-"""Updates that a tip close to its target may take to come back on the straight way; then other ways are looked for."""
+AT_REST = 0.02
+"""Updates in which no joint uses this share of its velocity, after which a tip close to its target does not come closer
+on the straight way: then other ways are looked for."""
+
+PLAN_EVERY = 0.008
+"""Seconds from one plan to the next."""
+
+CLOSER = 0.99
+"""A goal whose miss shrinks to this share in an update is on its way."""
 
 STUCK_FOR = 10
 AGAIN = 25
@@ -146,7 +156,7 @@ def move_goal(P, S, C, pose, work):
         _, size = error_at(P, C, goal, pose[0], pose[1], work[0])
     else:
         liked = scaled(min(C[PERIOD] / COMING, 1.0), minus(q, goal))
-        choice = (NO_SEED, between(liked, low, high), 0.5 * P[FAR] * S[MISS], low, high)
+        choice = (NO_SEED, between(liked, low, high), (0.5 * P[FAR] * S[MISS], DAMPING), low, high)
         d, size = approach(P, C, pose, goal, choice, 2, work)
         goal = clipped(P, along7(goal, 1.0, d))
     share = C[PERIOD] / (C[PERIOD] + SETTLING)
@@ -179,18 +189,38 @@ def stay_on(P, S, C, pose, own, box, work):
     period = C[PERIOD]
     q, v = read7(row(S, Q)), read7(row(S, V))
     low, high = scaled(period, box[0]), scaled(period, box[1])
-    choice = (between(scaled(period, v), low, high), own, 0.0, low, high)
+    choice = (between(scaled(period, v), low, high), own, (0.0, DAMPING), low, high)
     d, size = approach(P, C, pose, q, choice, 4, work)
     return d, size < MET
 
 
 @kernel
+def own_motion(P, S, C, work):
+    """The step of the joints by their plan, rad."""
+    if S[PLANNED] == 0.0 or S[TICK] % max(math.floor(PLAN_EVERY / C[PERIOD] + 0.5), 1.0) == 0.0:
+        foresee(P, S, C, work[3], (work[0], work[1], work[2]))
+    return planned_step(S, C)
+
+
+@kernel
+def most_used(C, v):
+    """The largest share of a joint's velocity that is used."""
+    most = 0.0
+    for j in range(7):
+        most = max(most, abs(v[j]) / C[SPEED + j])
+    return most
+
+
+@kernel
 def watch(P, S, C, size, place_):
     """Keep account of how long the goal has been off the target, and look elsewhere where that takes long."""
+    closer = size < CLOSER * S[MISS]
     S[MISS] = size
     if size < CLOSE:
         S[STUCK] = 0.0
         S[ELSEWHERE] = UNKNOWN
+        return
+    if closer:
         return
     S[STUCK] += 1.0
     if S[STUCK] >= STUCK_FOR and (S[STUCK] - STUCK_FOR) % AGAIN == 0.0 and not out_of_reach(P, place_):
@@ -276,11 +306,11 @@ def advance(P, S, C, given, work, out):
         S: state.
         C: settings, and behind them the parameters of an objective.
         given: 1 with a target, 0 without, -1 with one that is no pose; its rotation and position.
-        work: J (6, 7), A (16, 9), and the parameters of the elbow's objective.
+        work: J (6, 7), A (16, 9), B (7 KNOTS, BAND + 2), and the parameters of the elbow's objective.
         out: (STEP,) output.
     """
     has, R, p = given
-    J, A, task = work
+    J, A, _, _ = work
     q, v = read7(row(S, Q)), read7(row(S, V))
     box = bounds(P, C, q, v, -1.0), bounds(P, C, q, v, 1.0)
     S[TICK] += 1.0
@@ -298,20 +328,22 @@ def advance(P, S, C, given, work, out):
         return
     if known:
         keep_pace(S, C, shown)
+    learn(S, C, known)
     R_target, p_target = load_pose(S, ROTATION)
     pose = R_target, p_target
     place_ = place(P, shown_at(P, C, read7(row(S, GOAL)), R_target), p_target)
-    own = own_motion(P, S, C, task, J)
-    size, on = 0.0, False
-    if S[ON] == 1.0:
-        d, on = stay_on(P, S, C, pose, own, box, (J, A))
-        v = scaled(1.0 / C[PERIOD], d)
-    near = False
-    if not on and S[COAST] < COAST_FOR:
-        left = way_left(P, S, C)
-        near = left[3] < CLOSE_BY
+    size, on, near = 0.0, False, False
+    left = way_left(P, S, C)
+    if S[COAST] < COAST_FOR and (S[ON] == 1.0 or left[3] < CLOSE_BY):
+        own = own_motion(P, S, C, work)
+        if S[ON] == 1.0:
+            d, on = stay_on(P, S, C, pose, own, box, (J, A))
+        near = not on and left[3] < CLOSE_BY
         if near:
-            v = scaled(1.0 / C[PERIOD], catch_up(P, S, C, left, own, box, (J, A)))
+            d = catch_up(P, S, C, left, own, box, (J, A))
+        v = scaled(1.0 / C[PERIOD], d)
+    if not (on or near):
+        S[PLANNED] = 0.0
     if on or near:
         after, v = step_to(P, S, C, v)
         store7(S, GOAL, after)
@@ -319,7 +351,7 @@ def advance(P, S, C, given, work, out):
         if near:
             _, size = error_at(P, C, after, R_target, p_target, J)
             on = size < MET
-        S[COAST] = 0.0 if on else S[COAST] + 1.0
+        S[COAST] = 0.0 if on or most_used(C, v) > AT_REST else S[COAST] + 1.0
     else:
         size = move_goal(P, S, C, pose, (J, A))
         after, v = step_to(P, S, C, follow_goal(S, C, box[0], box[1]))
@@ -328,7 +360,8 @@ def advance(P, S, C, given, work, out):
             S[COAST] = 0.0
     S[ON] = 1.0 if on else 0.0
     if near and not on:
-        said = LIMITED, BEHIND, hardest(S, C, v)
+        status, reason = (UNREACHABLE, OUT_OF_REACH) if out_of_reach(P, place_) else (LIMITED, BEHIND)
+        said = status, reason, hardest(S, C, v)
     else:
         watch(P, S, C, size, place_)
         said = verdict(P, S, C, after, size, place_)

@@ -14,13 +14,18 @@ from srs_ik.kernels.layout.limb import FAR
 from srs_ik.kernels.layout.track import ACCELERATION, PERIOD, ROTATION, Q, V
 from srs_ik.kernels.limb.goal import NO_SEED
 from srs_ik.kernels.limb.poses import read7
-from srs_ik.kernels.track.closest import approach
+from srs_ik.kernels.track.closest import DAMPING, approach
 from srs_ik.kernels.track.freedom import shown_at
 from srs_ik.kernels.track.limits import stopping_speed
 from srs_ik.kernels.track.target import load_pace, load_pose, part_of_way
 
-CLOSE_BY = 0.3
+CLOSE_BY = 0.01
 """A tip this close to its target, m and, by the reach, rad, comes back on the straight way."""
+
+GENTLE = 0.1
+GENTLY = 1e-4
+"""Weight of the step that is planned, m^2, where the tip is farther away than this, m: it comes back, but not at any
+price."""
 
 LEVER = 0.15
 """The tip brakes with so much of what the slowest joint can do at the end of the stretched arm."""
@@ -62,7 +67,8 @@ def catch_up(P, S, C, left, own, box, work):
     share = min(period * speed / max(size, 1e-15), 1.0)
     step = along((period * v[0], period * v[1], period * v[2]), share, behind)
     turn = along((period * w[0], period * w[1], period * w[2]), share, turned)
+    care = max(DAMPING, GENTLE * min(size / GENTLY, 1.0))
     low, high = along7(NO_SEED, period, box[0]), along7(NO_SEED, period, box[1])
-    choice = (between(along7(NO_SEED, period, read7(row(S, V))), low, high), own, 0.0, low, high)
+    choice = (between(along7(NO_SEED, period, read7(row(S, V))), low, high), own, (0.0, care), low, high)
     d, _ = approach(P, C, part_of_way(tip, 1.0, step, turn), read7(row(S, Q)), choice, 2, work)
     return d

@@ -78,7 +78,7 @@ def less(e, f, a):
 @kernel
 def fill(C, J, e, wish, held, d, A):
     """Write the normal equations of a step into A (16, 9), joints in the bit set `held` kept at their steps d."""
-    liked, damping = wish
+    liked, damping, care = wish
     rest = e
     for j in range(7):
         if (held >> j) & 1 == 1:
@@ -94,13 +94,13 @@ def fill(C, J, e, wish, held, d, A):
         for j in range(7):
             A[i, j] = 0.0 if (held >> j) & 1 == 1 else dot6(a, column(J, j))
         # Fast joints move more readily than slow ones.
-        short = DAMPING * (C[SPEED] / C[SPEED + i]) ** 2
+        short = care * (C[SPEED] / C[SPEED + i]) ** 2
         A[i, i] += damping + short
         A[i, 7] = dot6(a, rest) + short * liked[i]
 
 
 @kernel
-def bounded_step(C, e, liked, damping, box, work):
+def bounded_step(C, e, wish, box, work):
     """The step between bounds that serves the pose best: least |J d - e|^2, and of those the one nearest to `liked`.
 
     Joints that would pass a bound are held on it, the worst first, and not set free again within a step.
@@ -108,17 +108,17 @@ def bounded_step(C, e, liked, damping, box, work):
     Args:
         C: settings.
         e: from `error_at`.
-        liked: step that is taken where the pose leaves the choice, seven figures.
-        damping: for poses that cannot be met, m^2.
+        wish: step that is taken where the pose leaves the choice, seven figures; damping for poses that cannot be met,
+            m^2; how much the step counts that is liked, m^2.
         box: least and largest steps, seven of each, rad.
         work: J (6, 7) from `error_at`, and A (16, 9).
     """
     J, A = work
     low, high = box
     held = 0
-    d = liked
+    d = wish[0]
     for _ in range(ROUNDS):
-        fill(C, J, e, (liked, damping), held, d, A)
+        fill(C, J, e, wish, held, d, A)
         solve_linear(A, 7)
         d = (A[0, 7], A[1, 7], A[2, 7], A[3, 7], A[4, 7], A[5, 7], A[6, 7])
         worst = -1
@@ -151,18 +151,18 @@ def approach(P, C, pose, q, choice, steps, work):
         pose: rotation and position.
         q: posture to start from.
         choice: first guess of the sum, the sum that is taken where the pose leaves the choice, damping for poses that
-            cannot be met (m^2), least sums, largest sums.
+            cannot be met and how much the sum counts that is liked (m^2), least sums, largest sums.
         steps: how many at most; a pose that is met to `ENOUGH` needs no more.
         work: J (6, 7) and A (16, 9).
     """
     R, p = pose
-    d, liked, damping, low, high = choice
+    d, liked, (damping, care), low, high = choice
     e, size = error_at(P, C, along7(q, 1.0, d), R, p, work[0])
     wish = minus(liked, d)
     for i in range(steps):
         if i > 0 and size < ENOUGH:
             break
-        step = bounded_step(C, e, wish, damping, (minus(low, d), minus(high, d)), work)
+        step = bounded_step(C, e, (wish, damping, care), (minus(low, d), minus(high, d)), work)
         d = between(along7(d, 1.0, step), low, high)
         wish = NO_SEED
         e, size = error_at(P, C, along7(q, 1.0, d), R, p, work[0])

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 from numpy.typing import ArrayLike
 
+from srs_ik.inputs.freedom import as_free_axis
 from srs_ik.inputs.poses import PoseLike, as_arm_angle, as_branch, as_matrix, as_seed
 from srs_ik.solve.in_scene import pose as in_scene
 from srs_ik.solve.in_scene.surroundings import Surroundings
@@ -74,6 +75,19 @@ class InScene:
     def solve_batch(self, poses: Any, *question: Any) -> BatchSolution:
         """See `Arm.solve_batch`."""
         return in_scene.solve_batch(self.around, poses, *question)
+
+    def solve_free(self, pose: PoseLike, free_axis: Any, seed: ArrayLike | None, respect: bool) -> Solution:
+        """See `Arm.solve`, with a free axis."""
+        from srs_ik.solve.in_scene import freedom
+
+        near = None if seed is None else as_seed(seed, self.packed.lower, self.packed.upper)
+        return freedom.solve(self.around, as_matrix(pose), as_free_axis(free_axis), near, respect)
+
+    def solve_free_batch(self, poses: Any, *question: Any) -> BatchSolution:
+        """See `Arm.solve_batch`, with a free axis."""
+        from srs_ik.solve.in_scene import freedom
+
+        return freedom.solve_batch(self.around, poses, *question)
 
     def solve_path(self, poses: Any, *question: Any) -> PathSolution:
         """See `Arm.solve_path`."""

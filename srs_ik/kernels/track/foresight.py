@@ -1,0 +1,248 @@
+"""Where the joints go in the next half second: postures that lie ahead on the way of the target.
+
+They are chosen together. A posture costs what it misses of the pose that is expected at its time, how far a joint is
+into the zone at the end of its range, and what velocities and accelerations lead there, by the limits of each joint. So
+the arm goes straight through a singular posture in its way or early around it, and the elbow slides before a limit
+comes. A plan is one step of Gauss and Newton from the plan before, on the true chain.
+"""
+
+from __future__ import annotations
+
+import math
+
+from srs_ik.kernels.algebra.banded import solve_band
+from srs_ik.kernels.algebra.joint_vectors import along7
+from srs_ik.kernels.algebra.pointers import row
+from srs_ik.kernels.algebra.vectors import norm
+from srs_ik.kernels.jit import kernel
+from srs_ik.kernels.layout.limb import FAR, LOWER, UPPER
+from srs_ik.kernels.layout.track import (
+    ACCELERATION,
+    BAND,
+    ELBOW,
+    KEEP,
+    KNOT,
+    KNOTS,
+    PERIOD,
+    PLAN_A,
+    PLAN_AGE,
+    PLAN_Q,
+    PLAN_V,
+    PLANNED,
+    SPEED,
+    Q,
+    V,
+)
+from srs_ik.kernels.limb.poses import read7
+from srs_ik.kernels.track.closest import column, dot6, error_at
+from srs_ik.kernels.track.elbow import slope, wish
+from srs_ik.kernels.track.freedom import shown_at
+from srs_ik.kernels.track.target import load_pace
+from srs_ik.kernels.track.trend import foretold
+
+LINEAR, SQUARE = 0.012, 0.0075
+"""Knot k of a plan is k LINEAR + k^2 SQUARE seconds ahead: the near future in detail, 0.45 s in all."""
+
+UNIT = 0.07
+"""Costs of velocities and accelerations are for so many seconds."""
+
+FINE = 3e-4
+COARSE = 0.03
+"""A pose missed by FINE + COARSE t^2, metres, t seconds ahead, costs 1: the future is known less and less."""
+
+FAR_OFF = 2e-3
+"""Misses larger than this, m, cost in proportion, not by their square: a jump is no reason to hurry."""
+
+SLOW = 0.05
+RESTING = 5.0
+"""Cost of the largest velocity, the second while the target rests and the elbow is kept; that of the largest
+acceleration is 1."""
+
+BUSY = 0.05
+"""A target that is faster than this, m/s and, by the reach, rad/s, does not rest."""
+
+FAST = 0.4
+TOO_FAST = 30.0
+"""What a joint uses of its velocity beyond this share costs so much more."""
+
+SOFT_START = 5.0
+"""Accelerations cost as if the largest were at most so many times the largest velocity, 1/s."""
+
+ROOM = 0.3
+PRICE = 0.2
+"""Cost of a joint on its limit, and how far from it, rad, that begins; it is not paid while the target rests."""
+
+VERGE = 0.1
+STEEP = 25.0
+"""The same for the last stretch, at rest too."""
+
+LONGEST = 0.3
+"""A joint of a plan changes by no more than this from one plan to the next, rad."""
+
+
+@kernel
+def when(k):
+    """Seconds to knot k."""
+    return k * (LINEAR + SQUARE * k)
+
+
+@kernel
+def busyness(P, S):
+    """0 where the target rests, 1 where it moves at a good pace."""
+    v, w = load_pace(S)
+    return min((norm(v) + P[FAR] * norm(w)) / BUSY, 1.0)
+
+
+@kernel
+def begin(S):
+    """Let a plan begin now; without a plan before, with all joints at rest."""
+    known = S[PLANNED] == 1.0
+    age = S[PLAN_AGE]
+    for j in range(7):
+        for k in range(KNOTS):
+            i = KNOT + 7 * k + j
+            if not known:
+                S[i] = S[Q + j]
+                continue
+            last = k + 1 == KNOTS
+            rise = S[i] - S[i - 7] if last else S[i + 7] - S[i]
+            gap = when(k + 1) - when(k) if last else when(k + 2) - when(k + 1)
+            S[i] += min(age / gap, 1.0) * rise
+        S[PLAN_Q + j] = S[Q + j]
+        S[PLAN_V + j] = S[V + j]
+    S[PLANNED], S[PLAN_AGE] = 1.0, 0.0
+
+
+@kernel
+def add_square(B, i, first, second, third, price, wanted):
+    """Add the price of (first x + second y + third z - wanted)^2, z being unknown i, x and y the same joint before.
+
+    What lies before the first knot is known, and has a factor of zero.
+    """
+    factors = (first, second, third)
+    for m in range(3):
+        if factors[m] == 0.0:
+            continue
+        r = i - 7 * (2 - m)
+        B[r, BAND + 1] += price * factors[m] * wanted
+        for n in range(m + 1):
+            if factors[n] != 0.0:
+                B[r, BAND - 7 * (m - n)] += price * factors[m] * factors[n]
+
+
+@kernel
+def add_motion(S, C, slow, B):
+    """Add what accelerations and velocities cost."""
+    for j in range(7):
+        most = C[SPEED + j]
+        push = 1.0 / (UNIT * min(C[ACCELERATION + j], SOFT_START * most) ** 2)
+        pace = 1.0 / (UNIT * most * most)
+        here, rate, h = S[PLAN_Q + j], S[PLAN_V + j], 0.0
+        for k in range(KNOTS):
+            i = 7 * k + j
+            g = when(k + 1) - when(k)
+            x, y, z = 0.0, 0.0, 1.0 / g
+            if k > 0:
+                y = -1.0 / g
+            next_rate = (S[KNOT + i] - here) / g
+            # The change of velocity from the middle of an interval to that of the next; the first velocity is the
+            # present one.
+            by = 2.0 / (g + h)
+            change = by * (next_rate - rate)
+            before = 1.0 / h if k > 0 else 0.0
+            if k > 1:
+                x = before
+            add_square(B, i, by * x, by * (y - before), by * z, 0.5 * (g + h) * push, -change)
+            add_square(B, i, 0.0, y, z, slow * g * pace, -next_rate)
+            if abs(next_rate) > FAST * most:
+                add_square(B, i, 0.0, y, z, TOO_FAST * g * pace, math.copysign(FAST * most, next_rate) - next_rate)
+            here, rate, h = S[KNOT + i], next_rate, g
+
+
+@kernel
+def add_room(P, S, B, price):
+    """Add what joints close to their limits cost."""
+    for k in range(KNOTS):
+        for j in range(7):
+            i = 7 * k + j
+            up, down = P[UPPER + j] - S[KNOT + i], S[KNOT + i] - P[LOWER + j]
+            side, room = (-1.0, up) if up < down else (1.0, down)
+            if room < ROOM:
+                add_square(B, i, 0.0, 0.0, 1.0, price / ROOM**2, side * (ROOM - room))
+            if room < VERGE:
+                add_square(B, i, 0.0, 0.0, 1.0, STEEP / VERGE**2, side * (VERGE - room))
+
+
+@kernel
+def add_poses(P, S, C, J, B):
+    """Add what missing the expected poses costs."""
+    for k in range(KNOTS):
+        q = read7(row(S, KNOT + 7 * k))
+        t = when(k + 1)
+        R, p = foretold(S, t)
+        e, size = error_at(P, C, q, shown_at(P, C, q, R), p, J)
+        fine = FINE + COARSE * t * t
+        price = 1.0 / (fine * fine * max(1.0, size / max(FAR_OFF, 2.0 * fine)))
+        for a in range(7):
+            i = 7 * k + a
+            of_a = column(J, a)
+            B[i, BAND + 1] += price * dot6(of_a, e)
+            for b in range(a + 1):
+                B[i, BAND - a + b] += price * dot6(of_a, column(J, b))
+
+
+@kernel
+def add_wish(P, S, C, task, J, B):
+    """Add what is asked of the elbow at the end of the plan."""
+    q = read7(row(S, KNOT + 7 * (KNOTS - 1)))
+    R, p = foretold(S, when(KNOTS))
+    way, pull = wish(P, C, task, q, (shown_at(P, C, q, R), p), J)
+    if pull == 0.0:
+        return
+    rise = slope(P, q, (shown_at(P, C, q, R), p))
+    for a in range(7):
+        i = 7 * (KNOTS - 1) + a
+        B[i, BAND + 1] += pull * rise[a] * way
+        for b in range(a + 1):
+            B[i, BAND - a + b] += pull * rise[a] * rise[b]
+
+
+@kernel
+def foresee(P, S, C, task, work):
+    """Plan anew, a step from the plan before.
+
+    Args:
+        P: packed limb.
+        S: state.
+        C: settings.
+        task: parameters of the elbow's objective.
+        work: J (6, 7), A (16, 9), B (7 KNOTS, BAND + 2).
+    """
+    J, _, B = work
+    begin(S)
+    for i in range(7 * KNOTS):
+        for k in range(BAND + 2):
+            B[i, k] = 0.0
+    busy = busyness(P, S)
+    rest = 1.0 - busy if C[ELBOW] == KEEP else 0.0
+    add_motion(S, C, SLOW + rest * (RESTING - SLOW), B)
+    add_room(P, S, B, PRICE * busy)
+    add_poses(P, S, C, J, B)
+    add_wish(P, S, C, task, J, B)
+    solve_band(B, 7 * KNOTS, BAND)
+    first = when(1)
+    for j in range(7):
+        for k in range(KNOTS):
+            i = 7 * k + j
+            there = S[KNOT + i] + min(max(B[i, BAND + 1], -LONGEST), LONGEST)
+            S[KNOT + i] = min(max(there, P[LOWER + j]), P[UPPER + j])
+        S[PLAN_A + j] = 2.0 * (S[KNOT + j] - S[PLAN_Q + j] - first * S[PLAN_V + j]) / first**2
+
+
+@kernel
+def planned_step(S, C):
+    """The step that the plan has for the next period, rad."""
+    S[PLAN_AGE] += C[PERIOD]
+    t = S[PLAN_AGE]
+    q, v, a = read7(row(S, PLAN_Q)), read7(row(S, PLAN_V)), read7(row(S, PLAN_A))
+    return along7(along7(along7(q, t, v), 0.5 * t * t, a), -1.0, read7(row(S, Q)))

@@ -1,0 +1,127 @@
+"""Poses that leave a turn free, in a scene: the best posture of those that hit nothing, over turns.
+
+The best posture without the scene is asked first; where it hits nothing there is no better one. Else every turn of a
+sample is a pose whose free intervals are known, and the best of these turns is closed in on: the answer then is certain
+to hit nothing, and the best of what was looked at.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+from scipy.optimize import minimize_scalar
+
+from srs_ik.inputs.freedom import FreeAxis, as_free_axis
+from srs_ik.inputs.poses import as_matrices, as_seeds
+from srs_ik.kernels.layout.answer import ROW, ROW_ORIENTATION_ERROR, ROW_POSITION_ERROR, ROW_STATUS
+from srs_ik.solve import freedom
+from srs_ik.solve.goals import goal_of
+from srs_ik.solve.in_scene import pose as in_scene
+from srs_ik.solve.kinematics import forward_kinematics_batch
+from srs_ik.solve.solution import BatchSolution, Collision, Solution, Status
+from srs_ik.solve.threads import run_in_threads
+
+if TYPE_CHECKING:
+    from srs_ik.solve.in_scene.surroundings import Surroundings
+
+Array = NDArray[np.float64]
+
+TURNS = 48
+TURNS_OF_CONE = 144
+TURNS_HITTING = 6
+"""Turns that are looked at, of a roll, where the axis may lean, and for what is in the way where all hit something."""
+
+FINE = 1e-4
+"""The best roll about the axis is closed in on so far, rad."""
+
+NO_POSTURE = 1e6
+"""Cost of a roll at which all postures hit something."""
+
+
+def solve(around: Surroundings, T: Array, free: FreeAxis, near: Array | None, respect: bool) -> Solution:
+    """The best posture that hits nothing, or why there is none.
+
+    Of postures that all hit something, the one that is least deep in it, with the status `COLLISION`; where no turn
+    has any posture, the answer without the scene.
+    """
+    alone = freedom.solve(around.packed, T, free, near, respect)
+    if not alone or around.hit_at(alone.q) is None:
+        return alone
+    turns = free.sampled(TURNS if free.cone == 0.0 else TURNS_OF_CONE)
+    cost = goal_of(around.packed, near).cost
+
+    def at(turn: Array) -> Solution | None:
+        turned = _turned(T, turn)
+        rows = around.all_free(turned, respect)
+        return in_scene.best(around, turned, rows, None, near, respect) if len(rows) else None
+
+    def price(answer: Solution | None) -> float:
+        return NO_POSTURE if answer is None else cost(answer.q)
+
+    answers = [at(turn) for turn in turns]
+    best = int(np.argmin([price(answer) for answer in answers]))
+    if answers[best] is None:
+        return _measured(around, T, free, _least_deep(around, T, alone, free, near, respect))
+    step = 2.0 * np.pi / TURNS
+    found = minimize_scalar(
+        lambda roll: price(at(turns[best] @ free.rolled(roll))),
+        bounds=(-step, step),
+        method="bounded",
+        options={"xatol": FINE},
+    )
+    closer = at(turns[best] @ free.rolled(float(found.x)))
+    chosen = min(answers[best], closer, key=price)
+    assert chosen is not None
+    return _measured(around, T, free, chosen)
+
+
+def _turned(T: Array, turn: Array) -> Array:
+    turned = T.copy()
+    turned[:3, :3] = T[:3, :3] @ turn
+    return turned
+
+
+def _least_deep(
+    around: Surroundings, T: Array, alone: Solution, free: FreeAxis, near: Array | None, respect: bool
+) -> Solution:
+    """Of postures that all hit something, the one that does so least, of few turns."""
+    turns = free.sampled(TURNS_HITTING)
+    answers = [in_scene.solve(around, _turned(T, turn), None, near, -1, respect) for turn in turns]
+    hitting = [(answer.collision.depth, k) for k, answer in enumerate(answers) if answer.collision is not None]
+    if hitting:
+        return answers[min(hitting)[1]]
+    # None of these turns has a posture, but one between them has.
+    alone._row[ROW_STATUS] = Status.COLLISION
+    alone.collision = around.hit_at(alone.q)
+    return alone
+
+
+def _measured(around: Surroundings, T: Array, free: FreeAxis, answer: Solution) -> Solution:
+    """An answer with the errors that are left of the pose itself."""
+    tip = forward_kinematics_batch(around.packed, answer.q[None], 1)[0]
+    answer._row[ROW_POSITION_ERROR] = np.linalg.norm(tip[:3, 3] - T[:3, 3])
+    answer._row[ROW_ORIENTATION_ERROR] = free.lean(tip[:3, :3], T[:3, :3])
+    return answer
+
+
+def solve_batch(
+    around: Surroundings, poses: Any, free_axis: Any, seed: ArrayLike | None, respect: bool, threads: int | None
+) -> BatchSolution:
+    """`solve` for many poses."""
+    arm, T, free = around.packed, as_matrices(poses), as_free_axis(free_axis)
+    seeds = None if seed is None else as_seeds(seed, len(T), arm.lower, arm.upper)
+    rows = np.empty((len(T), ROW))
+    hits: dict[tuple[int, ...], Collision] = {}
+
+    def work(first: int, last: int) -> None:
+        for i in range(first, last):
+            near = None if seeds is None else seeds[i if len(seeds) > 1 else 0]
+            answer = solve(around, T[i], free, near, respect)
+            rows[i] = answer._row
+            if answer.collision is not None:
+                hits[(i,)] = answer.collision
+
+    run_in_threads(work, len(T), threads)
+    return BatchSolution(rows, arm.joint_names, arm.elbow, hits)

@@ -1,0 +1,118 @@
+"""What a tracker does to its limits over many motions, and how fast it meets a target again that has jumped."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from motions import KINDS, motion, off_target, within
+
+BEYOND = 1e-9
+"""What limits may be passed by, rad, rad/s and rad/s^2: rounding."""
+
+NEAR_TARGET = (1e-3, 1e-2)
+SECONDS = 10.0
+SMOOTHING = 0.02
+"""Of every other motion, s."""
+
+PATIENCE = 5.0
+
+
+def velocities(arm: Any) -> np.ndarray:
+    """The arm's velocity limits, 2 rad/s where a file has none."""
+    known = np.isfinite(arm.velocity_limit) & (arm.velocity_limit > 0.0)
+    return np.where(known, arm.velocity_limit, 2.0)
+
+
+def passed(arm: Any, q0: np.ndarray, q: np.ndarray, bounds: tuple[np.ndarray, np.ndarray], dt: float) -> np.ndarray:
+    """By how much joint angles, velocities and accelerations pass their limits, at most."""
+    from_rest = np.vstack([q0, q0, q])
+    velocity = np.diff(from_rest, axis=0) / dt
+    acceleration = np.diff(velocity, axis=0) / dt
+    return np.array(
+        [
+            np.maximum(arm.lower - q, q - arm.upper).max(),
+            (np.abs(velocity) - bounds[0]).max(),
+            (np.abs(acceleration) - bounds[1]).max(),
+        ]
+    )
+
+
+def limits_line(arm: Any, name: str, count: int, seed: int, dt: float) -> str:
+    """One line on random motions of 10 s with jitter, pauses, jumps and lost targets."""
+    worst, nan, mute, updates, on = np.full(3, -np.inf), 0, 0, 0, 0.0
+    for k in range(seed, seed + count):
+        moving = motion(arm, k, SECONDS, dt, KINDS[k % len(KINDS)], trouble=True)
+        tracker = arm.tracker(moving.q0, dt, velocities(arm), smoothing=SMOOTHING * (k % 2))
+        steps = [tracker.update(T) for T in moving.given]
+        q = np.array([step.q for step in steps])
+        nan += int((~np.isfinite(q)).any(axis=1).sum())
+        mute += sum(1 for step in steps if not (step.status and step.message))
+        worst = np.maximum(worst, passed(arm, moving.q0, q, (tracker.velocity_limit, tracker.acceleration_limit), dt))
+        position, angle = off_target(arm.forward_kinematics, q, moving.true)
+        on += float(((position < NEAR_TARGET[0]) & (angle < NEAR_TARGET[1])).sum())
+        updates += len(q)
+    broken = int((worst > BEYOND).sum())
+    return (
+        f"{name}: seeds {seed} to {seed + count - 1}, {count} motions, {updates} updates; "
+        f"kinds of limits passed {broken} (position {worst[0]:.1e} rad, velocity {worst[1]:.1e} rad/s, "
+        f"acceleration {worst[2]:.1e} rad/s^2), "
+        f"not finite {nan}, without a status {mute}, on target {100.0 * on / updates:.1f} %"
+    )
+
+
+def least_time(way: np.ndarray, fastest: np.ndarray, hardest: np.ndarray) -> np.ndarray:
+    """Seconds from rest to rest over a way, at a largest velocity and acceleration."""
+    way = np.abs(way)
+    short = way <= fastest**2 / hardest
+    return np.where(short, 2.0 * np.sqrt(way / hardest), way / fastest + fastest / hardest)
+
+
+def least_time_to(arm: Any, q: np.ndarray, T: np.ndarray, bounds: tuple[np.ndarray, np.ndarray]) -> float:
+    """The shortest time in which joints at rest come to rest at a posture of a pose: over 180 arm angles, all branches.
+
+    Every joint alone needs that long, whatever the others do.
+    """
+    angles = np.linspace(-np.pi, np.pi, 180, endpoint=False)
+    found = arm.solve_batch(np.repeat(T[None], len(angles), axis=0), arm_angle=angles, all_branches=True)
+    postures = found.q.reshape(-1, 7)[np.asarray(found.ok).ravel()]
+    way = postures - q
+    endless = np.isinf(arm.upper)
+    way[:, endless] = (way[:, endless] + np.pi) % (2.0 * np.pi) - np.pi
+    return float(least_time(way, *bounds).max(axis=1).min(initial=np.inf))
+
+
+def recoveries(arm: Any, count: int, seed: int, dt: float) -> list[tuple[float, float]]:
+    """Seconds until the tip of a resting arm is on a target that has jumped, and the least time for it.
+
+    The target jumps to a pose that a posture meets whose joints differ by 0.25 rad (standard deviation) each.
+    """
+    lower, upper = within(arm, 0.8)
+    fastest = velocities(arm)
+    out = []
+    for k in range(seed, seed + count):
+        rng = np.random.default_rng(k)
+        q0 = rng.uniform(lower, upper)
+        T = arm.forward_kinematics(np.clip(q0 + rng.normal(0.0, 0.25, 7), lower, upper)).homogeneous
+        tracker = arm.tracker(q0, dt, fastest)
+        seconds = np.inf
+        for n in range(round(PATIENCE / dt)):
+            step = tracker.update(T)
+            if step.position_error < NEAR_TARGET[0] and step.orientation_error < NEAR_TARGET[1]:
+                seconds = dt * (n + 1)
+                break
+        out.append((seconds, least_time_to(arm, q0, T, (fastest, tracker.acceleration_limit))))
+    return out
+
+
+def recovery_line(arm: Any, name: str, count: int, seed: int, dt: float) -> str:
+    """One line on the times that `recoveries` measures."""
+    times = np.array(recoveries(arm, count, seed, dt))
+    back = np.isfinite(times[:, 0])
+    ratio = times[back, 0] / times[back, 1]
+    return (
+        f"{name}: seeds {seed} to {seed + count - 1}, {count} jumps, "
+        f"{int((~back).sum())} not met within {PATIENCE:g} s; "
+        f"time over the least time: median {np.median(ratio):.2f}, 95 % {np.percentile(ratio, 95.0):.2f}, "
+        f"most {ratio.max():.2f}"
+    )
