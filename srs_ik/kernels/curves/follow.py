@@ -24,7 +24,7 @@ from srs_ik.kernels.algebra.vectors import norm
 from srs_ik.kernels.chain.eight import put_eight, take_eight
 from srs_ik.kernels.chain.newton import CLOSED, LAST_STEP, STEPS, close_free, load_system, longest, moved, pose_step
 from srs_ik.kernels.chain.newton_eight import close_eight, curve_step
-from srs_ik.kernels.chain.starts import FIRST, WIDTH, start_all
+from srs_ik.kernels.chain.starts import FIRST, WIDTH, bent_place, start_all
 from srs_ik.kernels.curves.in_step import (
     BESIDE,
     BEYOND,
@@ -37,11 +37,12 @@ from srs_ik.kernels.curves.in_step import (
     follow_marks,
     join_pieces,
     load_sample,
+    longest_across,
     one_of_seven,
     put_mark,
 )
 from srs_ik.kernels.jit import kernel
-from srs_ik.kernels.layout.limb import BOTTOM_GAP, SHOULDER, TOP_GAP, WRIST
+from srs_ik.kernels.layout.limb import BOTTOM_GAP, PHASE, SHOULDER, STRAIGHT, TOP_GAP, WRIST
 from srs_ik.kernels.limb.goal import NO_SEED
 from srs_ik.kernels.limb.limits import turn_to_middle, violation
 from srs_ik.kernels.limb.poses import read7
@@ -163,6 +164,21 @@ def is_known(q, t, rows, curves, count):
 
 
 @kernel
+def side_of_one(q, phase):
+    """Half turns of a middle angle from its phase, down to the last whole one."""
+    return math.floor((q - phase) / math.pi)
+
+
+@kernel
+def passes_two(P, a, b):
+    """Whether two singularities or more are passed between two postures."""
+    passed = abs(side_of_one(a[1], P[SHOULDER + PHASE]) - side_of_one(b[1], P[SHOULDER + PHASE]))
+    passed += abs(side_of_one(a[3], P[STRAIGHT]) - side_of_one(b[3], P[STRAIGHT]))
+    passed += abs(side_of_one(a[5], P[WRIST + PHASE]) - side_of_one(b[5], P[WRIST + PHASE]))
+    return passed > 1
+
+
+@kernel
 def follow(P, by, q, t, way, rows, n):
     """Follow the curve through q along its oriented null vector t (way = 1.0), or against it (-1.0).
 
@@ -189,7 +205,8 @@ def follow(P, by, q, t, way, rows, n):
             continue
         next_t, sign = null_vector(by.J, t, by.A)
         cosine = dot7(t, next_t)
-        if sign <= 0.0 or cosine < SMALLEST_COSINE:
+        jumps = step > longest_across(P) and passes_two(P, q, next_q)
+        if sign <= 0.0 or cosine < SMALLEST_COSINE or jumps:
             step *= 0.5
             continue
         q = next_q
@@ -238,7 +255,8 @@ def extend_back(P, by, rows, curves, k, n):
 def put_marks(P, by, angles, marks, missed):
     """Marks on all curves, from the closed form at arm angles all around; how many, and how many starts are missed.
 
-    `missed` takes the postures from which Newton's method in step does not reach the pose.
+    `missed` takes the postures from which Newton's method in step does not reach the pose. An elbow that is almost
+    straight on the nearest exact limb may be bent to either side on the true chain: starts are as it is, and bent.
     """
     R, p, place_ = by.target
     A = by.A
@@ -246,13 +264,16 @@ def put_marks(P, by, angles, marks, missed):
     count = 0
     n_missed = 0
     oblique = angles > STARTS
-    for i in range(angles):
-        psi = (2.0 * i / angles - 1.0) * math.pi
-        known = count
-        exist = start_all(P, place_, psi, False, NO_SEED, False, A)
+    bent = bent_place(P, place_)
+    rounds = 2 if bent[3] > place_[3] else 1
+    for i in range(rounds * angles):
+        psi = (2.0 * (i // rounds) / angles - 1.0) * math.pi
+        from_place = bent if i % rounds == 1 else place_
+        exist = start_all(P, from_place, psi, False, NO_SEED, False, A)
         q, met = close_eight(P, take_eight(starts, WIDTH), R, p, place_[0], place_[1], psi, STEPS)
         put_eight(starts, WIDTH, met, q)
         _, t, _, _ = curve_step(P, turns_of(q), R, p, q, 0.0 * q[0])
+        known = max(count - 8 * rounds, 0)
         for branch in range(8):
             q = read7(row(A, FIRST + branch))
             spare = ELBOW_SPARE - violation(P, 3, turn_to_middle(P, 3, q[3])) if by.respect else ELBOW_SPARE
@@ -261,7 +282,7 @@ def put_marks(P, by, angles, marks, missed):
                 continue
             if (met >> branch) & 1 == 1:
                 count = put_mark(marks, known, count, q, one_of_seven(t, branch))
-            else:
+            elif n_missed < missed.shape[0]:
                 for j in range(7):
                     missed[n_missed, j] = q[j]
                 n_missed += 1
@@ -274,8 +295,8 @@ def follow_all(P, by, rows, curves):
     R, p, _ = by.target
     oblique = P[SHOULDER + TOP_GAP] + P[SHOULDER + BOTTOM_GAP] + P[WRIST + TOP_GAP] + P[WRIST + BOTTOM_GAP] > OBLIQUE
     angles = STARTS_OBLIQUE if oblique else STARTS
-    marks = np.empty((8 * angles, MARK))
-    missed = np.empty((8 * angles, 7))
+    marks = np.empty((16 * angles, MARK))
+    missed = np.empty((16 * angles, 7))
     pieces = np.empty((rows.shape[0], SAMPLE))
     n = 0
     count = 0
