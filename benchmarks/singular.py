@@ -81,11 +81,19 @@ def anywhere(arm: srs_ik.Arm, rng: np.random.Generator) -> np.ndarray:
     )
 
 
+def turned_into(arm: srs_ik.Arm, joint: int, angle: float) -> float:
+    """An angle by whole turns inside a joint's limits, where it has one there; else within half a turn of zero."""
+    turns = wrapped(angle) + 2.0 * np.pi * np.array([0.0, 1.0, -1.0])
+    inside = turns[(turns >= arm.lower[joint]) & (turns <= arm.upper[joint])]
+    return float(inside[0] if len(inside) else turns[0])
+
+
 def cases(
     arm: srs_ik.Arm, count: int, rng: np.random.Generator, together: Sequence[tuple[int, ...]] = TOGETHER
 ) -> Iterator[Case]:
     """Random cases whose posture keeps the limits; half of the seeds are within 0.5 rad a joint of another split."""
     angles = singular_angles(arm.limb)
+    angles = {j: turned_into(arm, j, angle) for j, angle in angles.items()}
     reached = {j for j in angles if arm.lower[j] <= angles[j] <= arm.upper[j]}
     together = [joints for joints in together if reached.issuperset(joints)]
     made = 0
@@ -94,7 +102,7 @@ def cases(
         q = anywhere(arm, rng)
         for joint in joints:
             there = angles[joint] + np.pi * (rng.random() < 0.2)
-            q[joint] = wrapped(there) + offset * rng.choice([-1.0, 1.0])
+            q[joint] = turned_into(arm, joint, there) + offset * rng.choice([-1.0, 1.0])
         if ((q < arm.lower) | (q > arm.upper)).any():
             continue
         made += 1

@@ -17,13 +17,12 @@ import math
 import numpy as np
 
 from srs_ik.kernels.algebra.joint_vectors import along7, difference, dot7, short_way
-from srs_ik.kernels.algebra.lane_trig import turns_of
 from srs_ik.kernels.algebra.linear import solve_linear
 from srs_ik.kernels.algebra.pointers import row
 from srs_ik.kernels.algebra.vectors import norm
 from srs_ik.kernels.chain.eight import put_eight, take_eight
 from srs_ik.kernels.chain.newton import CLOSED, LAST_STEP, STEPS, close_free, load_system, longest, moved, pose_step
-from srs_ik.kernels.chain.newton_eight import close_eight, curve_step
+from srs_ik.kernels.chain.newton_eight import close_eight
 from srs_ik.kernels.chain.starts import FIRST, WIDTH, bent_place, start_all
 from srs_ik.kernels.curves.in_step import (
     BESIDE,
@@ -40,6 +39,7 @@ from srs_ik.kernels.curves.in_step import (
     longest_across,
     one_of_seven,
     put_mark,
+    to_curves,
 )
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.limb import BOTTOM_GAP, PHASE, SHOULDER, STRAIGHT, TOP_GAP, WRIST
@@ -255,8 +255,7 @@ def extend_back(P, by, rows, curves, k, n):
 def put_marks(P, by, angles, marks, missed):
     """Marks on all curves, from the closed form at arm angles all around; how many, and how many starts are missed.
 
-    `missed` takes the postures from which Newton's method in step does not reach the pose. An elbow that is almost
-    straight on the nearest exact limb may be bent to either side on the true chain: starts are as it is, and bent.
+    `missed` takes the postures from which Newton's method in step does not reach the pose.
     """
     R, p, place_ = by.target
     A = by.A
@@ -264,16 +263,14 @@ def put_marks(P, by, angles, marks, missed):
     count = 0
     n_missed = 0
     oblique = angles > STARTS
-    bent = bent_place(P, place_)
-    rounds = 2 if bent[3] > place_[3] else 1
-    for i in range(rounds * angles):
-        psi = (2.0 * (i // rounds) / angles - 1.0) * math.pi
-        from_place = bent if i % rounds == 1 else place_
-        exist = start_all(P, from_place, psi, False, NO_SEED, False, A)
+    for i in range(angles):
+        psi = (2.0 * i / angles - 1.0) * math.pi
+        exist = start_all(P, bent_place(P, place_), psi, False, NO_SEED, False, A)
         q, met = close_eight(P, take_eight(starts, WIDTH), R, p, place_[0], place_[1], psi, STEPS)
         put_eight(starts, WIDTH, met, q)
-        _, t, _, _ = curve_step(P, turns_of(q), R, p, q, 0.0 * q[0])
-        known = max(count - 8 * rounds, 0)
+        # Where a branch has no posture at the arm angle, there may be one next to it.
+        q, t, met = to_curves(P, R, p, take_eight(starts, WIDTH), 0xFF if oblique else exist)
+        put_eight(starts, WIDTH, met, q)
         for branch in range(8):
             q = read7(row(A, FIRST + branch))
             spare = ELBOW_SPARE - violation(P, 3, turn_to_middle(P, 3, q[3])) if by.respect else ELBOW_SPARE
@@ -281,8 +278,8 @@ def put_marks(P, by, angles, marks, missed):
             if spare < 0.0 or not (oblique or (exist >> branch) & 1 == 1):
                 continue
             if (met >> branch) & 1 == 1:
-                count = put_mark(marks, known, count, q, one_of_seven(t, branch))
-            elif n_missed < missed.shape[0]:
+                count = put_mark(marks, 0, count, q, one_of_seven(t, branch))
+            else:
                 for j in range(7):
                     missed[n_missed, j] = q[j]
                 n_missed += 1
@@ -295,8 +292,8 @@ def follow_all(P, by, rows, curves):
     R, p, _ = by.target
     oblique = P[SHOULDER + TOP_GAP] + P[SHOULDER + BOTTOM_GAP] + P[WRIST + TOP_GAP] + P[WRIST + BOTTOM_GAP] > OBLIQUE
     angles = STARTS_OBLIQUE if oblique else STARTS
-    marks = np.empty((16 * angles, MARK))
-    missed = np.empty((16 * angles, 7))
+    marks = np.empty((8 * angles, MARK))
+    missed = np.empty((8 * angles, 7))
     pieces = np.empty((rows.shape[0], SAMPLE))
     n = 0
     count = 0
