@@ -1,6 +1,6 @@
 """Whether another posture is closer to a pose out of reach in both errors: bounded SciPy against the answers.
 
-python benchmarks/closest.py [--targets 1000] [--robots iiwa14 gen3 human_arm] [--urdf FILE:BASE:TIP]
+python benchmarks/closest.py [--count 1000] [--seed 0] [--robot iiwa14]
 
 A target is a random orientation at a random place out of reach. The answer's position and orientation errors are what
 SciPy (SLSQP, bounded by the limits) tries to better at once: it lowers t, where neither error exceeds the answer's by
@@ -9,15 +9,13 @@ more than t, from random postures and from the answer itself.
 
 from __future__ import annotations
 
-import argparse
-import sys
 from collections.abc import Sequence
 
 import numpy as np
 import pinocchio as pin
-from rich.progress import track
 from scipy.optimize import minimize
 from singular import Known, anywhere
+from subjects import arms_of, finish, parser, say
 
 import srs_ik
 
@@ -80,28 +78,18 @@ def bettered(arm: srs_ik.Arm, known: Known, pose: np.ndarray, rng: np.random.Gen
 
 
 def main(arguments: Sequence[str] | None = None) -> None:
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--targets", type=int, default=1000, help="targets for each robot")
-    parser.add_argument("--robots", nargs="*", default=["iiwa14", "gen3", "human_arm"])
-    parser.add_argument("--urdf", nargs="*", default=[], help="FILE:BASE:TIP")
-    given = parser.parse_args(arguments)
-    arms = [srs_ik.load(name) for name in given.robots]
-    for text in given.urdf:
-        file, base, tip = text.split(":")
-        arms.append(srs_ik.load(file, base=base, tip=tip))
-    rng = np.random.default_rng(0)
-    failed = 0
-    print("| arm | targets | bettered in both errors | by at most (m and rad) |\n|---|--:|--:|--:|")
-    for arm in arms:
-        known = Known(arm)
-        poses = targets(arm, given.targets, rng)
-        gains = np.array([bettered(arm, known, pose, rng) for pose in track(poses, arm.name)])
-        print(f"| `{arm.name}` | {len(gains)} | {(gains > BETTER).sum()} | {gains.max():.1e} |")
-        for i in np.argsort(-gains)[:5]:
-            if gains[i] > BETTER:
-                print(f"  {gains[i]:.2e}: {arm.solve(poses[i])}\n  {poses[i].tolist()}")
-        failed += int((gains > BETTER).sum())
-    sys.exit(1 if failed else 0)
+    given = parser(__doc__.splitlines()[0], "targets").parse_args(arguments)
+    most, failed, tried = 0.0, 0, 0
+    for arm, count in arms_of(given.robot, given.count, given.seed):
+        known, rng = Known(arm), np.random.default_rng([given.seed, tried])
+        for pose in targets(arm, count, rng):
+            tried, gain = tried + 1, bettered(arm, known, pose, rng)
+            most = max(most, gain)
+            if gain > BETTER:
+                failed += 1
+                say(f"{arm.name}: {gain:.2e} (m and rad) better than {arm.solve(pose)!r}; pose = {pose.tolist()}")
+    figures = f"{tried} far targets, {failed} bettered in both errors (1e-4 m and rad), at most by {most:.1e}"
+    finish(given.robot, given.seed, figures, failed)
 
 
 if __name__ == "__main__":

@@ -1,6 +1,6 @@
 """Whether postures at and next to singular ones are in an interval, and arm angles of intervals are met.
 
-python benchmarks/known.py [--postures 1000] [--robots iiwa14 human_arm gen3] [--urdf FILE:BASE:TIP] [--random 100]
+python benchmarks/known.py [--count 1000] [--seed 0] [--robot iiwa14] [--kind singular]
 
 Poses are those of random configurations inside the limits, most of whose shoulder, elbow or wrist is singular, or
 almost. The arm angle of each must lie in an interval of its branch; where a joint is singular, of either side of it.
@@ -9,13 +9,11 @@ Arm angles of all intervals are then asked for, and Pinocchio measures the answe
 
 from __future__ import annotations
 
-import argparse
-import sys
 from collections.abc import Iterator, Sequence
 
 import numpy as np
-from rich.progress import track
-from singular import TOGETHER, Case, anywhere, cases, random_arms, singular_angles
+from singular import TOGETHER, Case, anywhere, cases, singular_angles
+from subjects import arms_of, finish, parser, say
 from swept import wrapped
 
 import srs_ik
@@ -69,52 +67,30 @@ def missed(arm: srs_ik.Arm, case: Case, intervals: Sequence[srs_ik.Interval]) ->
                 yield i.branch, psi, str(solution.status)
 
 
-def judge(name: str, made: Iterator[tuple[srs_ik.Arm, Case]], count: int) -> int:
-    """Print a row of the table; how many postures are in no interval, and arm angles of intervals are not met."""
-    lost, unmet, asked, tried = 0, 0, 0, 0
-    for arm, case in track(made, name, total=count):
-        tried += 1
-        intervals = arm.intervals(case.pose)
-        asked += len(intervals) * len(SHARES)
-        bend = abs(np.sin(case.q[3] - singular_angles(arm.limb)[3]))
-        away = beside(arm, case, intervals)
-        what = f"  {arm.name} no. {tried}: joints {[j + 1 for j in case.joints]} off by {case.offset:g}:"
-        if away > BESIDE + ROUNDING / max(bend, 1e-300):
-            lost += 1
-            print(what, f"{away:.2g} rad beside {len(intervals)} intervals, q = {case.q.tolist()}")
-        for branch, psi, status in missed(arm, case, intervals):
-            unmet += 1
-            print(what, f"branch {branch}, arm angle {psi!r}: {status}, q = {case.q.tolist()}")
-    print(f"| `{name}` | {tried} | {lost} | {asked} | {unmet} |", flush=True)
-    return lost + unmet
-
-
 def main(arguments: Sequence[str] | None = None) -> None:
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--postures", type=int, default=1000, help="singular postures of each robot")
-    parser.add_argument("--ordinary", type=int, default=0, help="postures of each robot that are singular by chance")
-    parser.add_argument("--robots", nargs="*", default=["iiwa14", "human_arm", "gen3"])
-    parser.add_argument("--urdf", nargs="*", default=[], help="FILE:BASE:TIP")
-    parser.add_argument("--random", type=int, default=20, help="random arms, with 10 postures each")
-    parser.add_argument("--misses", nargs="*", type=float, default=[0.0], help="by how much their joints miss, m")
-    parser.add_argument("--no-elbow", action="store_true", help="no singular elbow")
-    given = parser.parse_args(arguments)
-    together = ((1,), (5,), (1, 5)) if given.no_elbow else TOGETHER
-    arms = [srs_ik.load(name) for name in given.robots]
-    for text in given.urdf:
-        file, base, tip = text.split(":")
-        arms.append(srs_ik.load(file, base=base, tip=tip))
-    print("| arm | known postures | in no interval | arm angles of intervals | not met |\n|---|--:|--:|--:|--:|")
-    rng = np.random.default_rng(0)
-    failed = 0
-    for arm in arms:
-        if given.ordinary:
-            failed += judge(f"{arm.name}, any", ((arm, c) for c in ordinary(arm, given.ordinary, rng)), given.ordinary)
-        if given.postures:
-            failed += judge(arm.name, ((arm, c) for c in cases(arm, given.postures, rng, together)), given.postures)
-    made = random_arms(given.random, 1, tuple(given.misses))
-    failed += judge("random", ((arm, c) for arm in made for c in cases(arm, 10, rng, together)), 10 * given.random)
-    sys.exit(1 if failed else 0)
+    made = parser(__doc__.splitlines()[0], "postures")
+    kinds = ("singular", "outer", "ordinary")
+    made.add_argument("--kind", choices=kinds, default="singular", help="singular, so but for the elbow, or by chance")
+    given = made.parse_args(arguments)
+    together = TOGETHER if given.kind == "singular" else ((1,), (5,), (1, 5))
+    lost, unmet, asked, tried = 0, 0, 0, 0
+    for arm, count in arms_of(given.robot, given.count, given.seed):
+        rng = np.random.default_rng([given.seed, tried])
+        for case in ordinary(arm, count, rng) if given.kind == "ordinary" else cases(arm, count, rng, together):
+            tried += 1
+            intervals = arm.intervals(case.pose)
+            asked += len(intervals) * len(SHARES)
+            bend = abs(np.sin(case.q[3] - singular_angles(arm.limb)[3]))
+            away = beside(arm, case, intervals)
+            what = f"{arm.name}: joints {[j + 1 for j in case.joints]} off by {case.offset:g}, q = {case.q.tolist()}:"
+            if away > BESIDE + ROUNDING / max(bend, 1e-300):
+                lost += 1
+                say(f"{what} {away:.2g} rad beside {len(intervals)} intervals")
+            for branch, psi, status in missed(arm, case, intervals):
+                unmet += 1
+                say(f"{what} branch {branch}, arm angle {psi!r}: {status}")
+    figures = f"{tried} known postures ({given.kind}), {lost} in no interval; {asked} arm angles of intervals, {unmet}"
+    finish(given.robot, given.seed, f"{figures} not met", lost + unmet)
 
 
 if __name__ == "__main__":

@@ -1,25 +1,22 @@
 """Whether seeded answers at and next to singular poses are the nearest: against a dense sweep that SciPy polishes.
 
-python benchmarks/singular.py [--seeds 1000] [--robots iiwa14 human_arm] [--urdf FILE:BASE:TIP] [--random 100]
+python benchmarks/singular.py [--count 1000] [--seed 0] [--robot iiwa14] [--joints all]
 
 A pose is that of a random configuration whose shoulder, elbow or wrist is singular, or almost. Its postures are known
 by construction: any split of the sum of the outer joints is one, as far as Newton's method closes it on Pinocchio's own
 figures; and so are those of a sweep over arm angles. The nearest of them to a seed, polished by SciPy, is what an
-answer must not be farther than.
+answer must not be farther than. Where floats do not tell postures apart, both are closed with more bits first.
 """
 
 from __future__ import annotations
 
-import argparse
-import sys
-import tempfile
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from pathlib import Path
 
 import numpy as np
-from rich.progress import track
+from extended import ExtendedChain
 from scipy.optimize import minimize
+from subjects import arms_of, finish, parser, say
 from swept import Chain, wrapped
 
 import srs_ik
@@ -34,11 +31,7 @@ CLOSED = 1e-13
 """A posture meets its pose if position (m) and orientation (rad) errors are below this."""
 
 WORSE = 1e-6
-"""An answer farther from its seed by more than this, rad, than a known posture is a failure ..."""
-
-ROUNDING = 1e-15
-"""... unless the pose does not tell the two apart: its figures end here, m and rad, and where outer axes are as close
-to one line as some offset, that turns their joints by so many times its inverse."""
+"""An answer farther from its seed by more than this, rad, than a known posture is a failure."""
 
 SWEPT = 360
 SPLITS = 240
@@ -125,6 +118,7 @@ class Known:
         self.R_tip = arm.forward_kinematics(np.zeros(7)).rotation
         self.singular = singular_angles(arm.limb)
         self.crosses = [np.cross(np.eye(3), axis) for axis in self.chain.axes]  # K v = axis x v
+        self.extended = ExtendedChain(self.chain.axes, self.chain.points, self.chain.tip, self.R_tip)
 
     def moved(self, Q: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
         """Axes (n, 7, 3), points on them (n, 7, 3), tips (n, 3) and tip rotations (n, 3, 3) at postures (n, 7)."""
@@ -269,15 +263,20 @@ class Known:
         inside = ((found >= arm.lower) & (found <= arm.upper)).all()
         return found if closed[0] and inside and np.linalg.norm(found - seed) < np.linalg.norm(q - seed) else q
 
-    def nearest(self, case: Case, within: float) -> float:
-        """The distance of the known posture nearest to the seed, inside the limits, if any is within a distance."""
+    def nearest(self, case: Case, within: float) -> np.ndarray | None:
+        """The known posture nearest to the seed, inside the limits, if any is within a distance."""
         Q = self.postures(case, within + POLISH)
         Q = Q[np.argsort(np.linalg.norm(Q - case.seed, axis=1))]
         chosen: list[np.ndarray] = []
         while len(Q) and len(chosen) < POLISHED:
-            chosen.append(Q[0])
+            chosen.append(self.polish(case, Q[0]))
             Q = Q[np.abs(Q - Q[0]).max(axis=1) > 0.2]
-        return min((float(np.linalg.norm(self.polish(case, q) - case.seed)) for q in chosen), default=np.inf)
+        return min(chosen, key=lambda q: float(np.linalg.norm(q - case.seed)), default=None)
+
+    def exactly(self, case: Case, q: np.ndarray) -> float:
+        """The distance from the seed of a posture that is closed with more bits; inf where it closes nowhere."""
+        closed = self.extended.closed(q, case.pose, self.arm.lower, self.arm.upper)
+        return np.inf if closed is None else float(np.sqrt(((closed - case.seed) ** 2).sum()))
 
 
 def farther(arm: srs_ik.Arm, known: Known, case: Case) -> float:
@@ -289,87 +288,33 @@ def farther(arm: srs_ik.Arm, known: Known, case: Case) -> float:
     if not solution:
         return np.inf
     away = float(np.linalg.norm(solution.q - case.seed))
-    return away - min(known.nearest(case, away), away + POLISH)
-
-
-def is_told(case: Case, away: float) -> bool:
-    """Whether the rounding of a case's pose does not explain that an answer is farther away than a posture, rad."""
-    return away > WORSE and (case.offset == 0.0 or away > ROUNDING / case.offset)
-
-
-def random_arms(count: int, seed: int, misses: Sequence[float] = (0.0,)) -> Iterator[srs_ik.Arm]:
-    """S-R-S arms of random lengths and limits with perpendicular axes, as a chain of seven joints in one URDF.
-
-    Each joint stands up to some distance beside its place, m, one arm after the other by another of some.
-    """
-    rng = np.random.default_rng(seed)
-    for number in range(count):
-        lengths = rng.uniform(0.1, 0.5, 3)
-        # Axes of joints 1 to 7, and the way along z to each from the joint before.
-        axes = ("0 0 1", "0 1 0", "0 0 1", "0 1 0", "0 0 1", "0 1 0", "0 0 1")
-        ways = (0.0, 0.0, 0.0, lengths[0], 0.0 if number % 2 else lengths[1], lengths[1] if number % 2 else 0.0, 0.0)
-        beside = misses[number % len(misses)] * rng.uniform(-1.0, 1.0, (7, 2)) if misses != (0.0,) else np.zeros((7, 2))
-        links = "".join(f'<link name="link_{i}"/>' for i in range(9))
-        joints = "".join(
-            f'<joint name="joint_{i + 1}" type="revolute"><parent link="link_{i}"/><child link="link_{i + 1}"/>'
-            f'<origin xyz="{beside[i, 0]} {beside[i, 1]} {ways[i]}"/><axis xyz="{axes[i]}"/>'
-            f'<limit lower="{-rng.uniform(1.5, 6.5)}" upper="{rng.uniform(1.5, 6.5)}" effort="1" velocity="1"/></joint>'
-            for i in range(7)
-        )
-        tip = (
-            '<joint name="tip" type="fixed"><parent link="link_7"/><child link="link_8"/>'
-            f'<origin xyz="0.02 0 {lengths[2]}" rpy="0.1 0.2 0.3"/></joint>'
-        )
-        with tempfile.TemporaryDirectory() as folder:
-            file = Path(folder) / f"random_{number}.urdf"
-            file.write_text(f'<robot name="random_{number}">{links}{joints}{tip}</robot>')
-            yield srs_ik.load(file, base="link_0", tip="link_8")
-
-
-def judge(name: str, arm_and_cases: Iterator[tuple[srs_ik.Arm, Known, Case]], count: int) -> int:
-    """Print a row of the table; the number of answers that are farther than a known posture, rounding aside."""
-    worst, rounded, failed, tried = -np.inf, 0, 0, 0
-    for arm, known, case in track(arm_and_cases, name, total=count):
-        away, tried = farther(arm, known, case), tried + 1
-        told = is_told(case, away)
-        failed, rounded = failed + told, rounded + (away > WORSE and not told)
-        if told or away <= WORSE:
-            worst = max(worst, away)
-        if away > WORSE:
-            why = "farther" if told else "farther, by rounding"
-            print(f"  {arm.name}: joints {[j + 1 for j in case.joints]} off by {case.offset:g}: {away:.3g} rad {why}")
-    print(f"| `{name}` | {tried} | {failed} | {rounded} | {worst:.1e} |", flush=True)
-    return failed
+    nearest = known.nearest(case, away)
+    least = away + POLISH if nearest is None else float(np.linalg.norm(nearest - case.seed))
+    if nearest is None or case.offset == 0.0 or away - least <= WORSE:
+        return away - min(least, away + POLISH)
+    exact = known.exactly(case, solution.q)
+    return (exact if np.isfinite(exact) else away) - known.exactly(case, nearest)
 
 
 def main(arguments: Sequence[str] | None = None) -> None:
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--seeds", type=int, default=1000, help="seeds for each robot")
-    parser.add_argument("--robots", nargs="*", default=["iiwa14", "human_arm"])
-    parser.add_argument("--urdf", nargs="*", default=[], help="FILE:BASE:TIP")
-    parser.add_argument("--random", type=int, default=20, help="random arms, with 10 seeds each")
-    parser.add_argument("--misses", nargs="*", type=float, default=[0.0], help="by how much their joints miss, m")
-    parser.add_argument("--elbow", action="store_true", help="also with a singular elbow")
-    given = parser.parse_args(arguments)
-    together = TOGETHER if given.elbow else ((1,), (5,))
-    loaded = [srs_ik.load(name) for name in given.robots]
-    for text in given.urdf:
-        file, base, tip = text.split(":")
-        loaded.append(srs_ik.load(file, base=base, tip=tip))
-    print("| arm | seeds | farther than a known posture | by rounding alone | largest difference (rad) |")
-    print("|---|--:|--:|--:|--:|")
-    rng = np.random.default_rng(0)
-    failed = 0
-    for arm in loaded:
-        known = Known(arm)
-        failed += judge(arm.name, ((arm, known, c) for c in cases(arm, given.seeds, rng, together)), given.seeds)
-    made = ((arm, Known(arm)) for arm in random_arms(given.random, 1, tuple(given.misses)))
-    failed += judge(
-        "random",
-        ((arm, known, c) for arm, known in made for c in cases(arm, 10, rng, together)),
-        10 * given.random,
-    )
-    sys.exit(1 if failed else 0)
+    made = parser(__doc__.splitlines()[0], "seeds")
+    made.add_argument("--joints", choices=("outer", "all"), default="all", help="shoulder and wrist, or the elbow too")
+    given = made.parse_args(arguments)
+    together = TOGETHER if given.joints == "all" else ((1,), (5,))
+    worst, failed, tried = -np.inf, 0, 0
+    for arm, count in arms_of(given.robot, given.count, given.seed):
+        known, rng = Known(arm), np.random.default_rng([given.seed, tried])
+        for case in cases(arm, count, rng, together):
+            away, tried = farther(arm, known, case), tried + 1
+            failed += away > WORSE
+            worst = max(worst, away)
+            if away > WORSE:
+                say(
+                    f"{arm.name}: joints {[j + 1 for j in case.joints]} off by {case.offset:g}: {away:.3g} rad farther;"
+                    f" q = {case.q.tolist()}, seed = {case.seed.tolist()}"
+                )
+    figures = f"{tried} seeds, {failed} farther than a known posture (1e-6 rad), the worst by {worst:.1e} rad"
+    finish(given.robot, given.seed, figures, failed)
 
 
 if __name__ == "__main__":

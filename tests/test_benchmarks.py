@@ -88,6 +88,30 @@ def test_the_benchmark_of_the_redundancy_prints_what_does_not_hold(monkeypatch, 
 
 
 @pytest.mark.parametrize(
+    ("name", "figures"),
+    [
+        ("singular", "4 seeds, 0 farther than a known posture (1e-6 rad), the worst by "),
+        ("known", "4 known postures (singular), 0 in no interval; "),
+        ("closest", "4 far targets, 0 bettered in both errors (1e-4 m and rad), at most by "),
+    ],
+)
+def test_a_long_run_says_one_line(monkeypatch, capsys, name, figures):
+    monkeypatch.syspath_prepend(str(ROOT / "benchmarks"))
+    bench = runpy.run_path(str(ROOT / "benchmarks" / f"{name}.py"), run_name=name)
+    for robot in ("iiwa14", "random"):
+        with pytest.raises(SystemExit) as left:
+            bench["main"](["--count", "4", "--seed", "3", "--robot", robot])
+        assert left.value.code == 0
+        said = capsys.readouterr()
+        assert said.out.startswith(f"{robot}, seed 3: {figures}")
+        assert said.out.count("\n") == 1
+        assert not said.err
+    with pytest.raises(SystemExit) as left:
+        bench["main"](["--count", "0"])
+    assert left.value.code == 2
+
+
+@pytest.mark.parametrize(
     ("words", "told"),
     [
         (["known", "--poses", "60", "--kind", "cross", "--count", "1"], "seeded: 0 breaks, 0 larger"),

@@ -111,8 +111,7 @@ def test_seeded_answers_with_an_elbow_as_good_as_flat(judge, name, joints):
     arm = arms.load(name)
     known, rng = judge["Known"](arm), arms.generator(name, 63)
     for case in judge["cases"](arm, 25, rng, (joints,)):
-        away = judge["farther"](arm, known, case)
-        assert not judge["is_told"](case, away), (case, away)
+        assert judge["farther"](arm, known, case) < 1e-6, case
 
 
 @pytest.mark.parametrize("seed", range(12))

@@ -7,18 +7,16 @@ All three have the weight of the arm held, as `TorqueController` has, and the in
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Literal
+from typing import Any, Literal
 
 import numpy as np
 import pinocchio as pin
 from numpy.typing import ArrayLike, NDArray
 
 from srs_ik.analysis.gravity import require_masses
-from srs_ik.errors import InvalidController
-from srs_ik.inputs.poses import PoseLike, as_bounded_joint_vector, as_rigid_matrix
-
-if TYPE_CHECKING:
-    from srs_ik.arm import Arm
+from srs_ik.arm import Arm
+from srs_ik.inputs.control import not_negative, one_of, positive, thing, vector
+from srs_ik.inputs.poses import PoseLike, as_bounded_joint_vector, as_joint_vector, as_rigid_matrix
 
 Array = NDArray[np.float64]
 Inverse = Literal["pinv", "damped"]
@@ -42,6 +40,9 @@ class Gains:
         turn: stiffness of its orientation, N m/rad; for operational space 1/s^2.
         joints: stiffness of the joints, N m/rad; in the null space of operational space 1/s^2.
         ratio: damping ratio.
+
+    Raises:
+        InvalidController: a figure is negative, or no number.
     """
 
     point: float = 1000.0
@@ -49,13 +50,23 @@ class Gains:
     joints: float = 100.0
     ratio: float = 1.0
 
+    def __post_init__(self) -> None:
+        for name in ("point", "turn", "joints", "ratio"):
+            not_negative(getattr(self, name), f"{name} of the gains")
+
 
 class _Baseline:
-    """Dynamics and target, which all baselines share."""
+    """Dynamics and target, which all baselines share.
 
-    def __init__(self, arm: Arm, gains: Gains) -> None:
+    Raises:
+        InvalidController: a thing of another class, or a figure that is none.
+        InvalidTask: the arm has no masses.
+    """
+
+    def __init__(self, arm: Arm, gains: Gains | None, usual: Gains) -> None:
+        self.arm = thing(arm, Arm, "arm", "srs_ik.load")
+        self.gains = usual if gains is None else thing(gains, Gains, "set of gains")
         require_masses(arm, "load a description with inertias")
-        self.arm, self.gains = arm, gains
         self._data = arm.model.createData()
         self._T = np.eye(4)
         self._q = np.zeros(7)
@@ -78,6 +89,21 @@ class _Baseline:
         """Aim at seven joint angles, rad, and the pose of the tip there."""
         self._q = as_bounded_joint_vector(q)
         self._T = self.arm.forward_kinematics(self._q).homogeneous
+
+    def torque(self, q: Array, v: Array) -> Array:
+        """Torques of the joints, (7,), N m.
+
+        Args:
+            q: (7,) joint angles, rad.
+            v: (7,) joint speeds, rad/s.
+
+        Raises:
+            InvalidConfiguration: not 7 finite figures each.
+        """
+        return self._torque(as_bounded_joint_vector(q), as_joint_vector(v, "v"))
+
+    def _torque(self, q: Array, v: Array) -> Array:
+        raise NotImplementedError
 
     def _error(self, q: Array) -> tuple[Array, Array]:
         """Twist (6,) from the tip to its target, base axes, and the Jacobian (6, 7)."""
@@ -113,13 +139,10 @@ class OperationalSpace(_Baseline):
     """
 
     def __init__(self, arm: Arm, gains: Gains | None = None, inverse: Inverse = "damped") -> None:
-        if inverse not in ("pinv", "damped"):
-            raise InvalidController(f"an inverse is pinv or damped, not {inverse!r}")
-        self.inverse = inverse
-        super().__init__(arm, gains or Gains(point=400.0, turn=400.0, joints=100.0))
+        self.inverse = one_of(inverse, ("pinv", "damped"), "an inverse is")
+        super().__init__(arm, gains, Gains(point=400.0, turn=400.0, joints=100.0))
 
-    def torque(self, q: Array, v: Array) -> Array:
-        """Torques of the joints, (7,), N m."""
+    def _torque(self, q: Array, v: Array) -> Array:
         M, h = self._dynamics(q, v)
         error, J = self._error(q)
         g = self.gains
@@ -143,11 +166,11 @@ class LinearImpedance(_Baseline):
     """
 
     def __init__(self, arm: Arm, gains: Gains | None = None, masses: tuple[float, float] = (3.0, 0.01)) -> None:
-        self.masses = masses
-        super().__init__(arm, gains or Gains(joints=10.0))
+        point, turn = vector(masses, "pair of masses", 2)
+        self.masses = positive(point, "mass at the tip"), positive(turn, "inertia at the tip")
+        super().__init__(arm, gains, Gains(joints=10.0))
 
-    def torque(self, q: Array, v: Array) -> Array:
-        """Torques of the joints, (7,), N m."""
+    def _torque(self, q: Array, v: Array) -> Array:
         self._dynamics(q, v)
         error, J = self._error(q)
         g = self.gains
@@ -166,10 +189,9 @@ class JointImpedance(_Baseline):
     """
 
     def __init__(self, arm: Arm, gains: Gains | None = None) -> None:
-        super().__init__(arm, gains or Gains(joints=400.0))
+        super().__init__(arm, gains, Gains(joints=400.0))
 
-    def torque(self, q: Array, v: Array) -> Array:
-        """Torques of the joints, (7,), N m."""
+    def _torque(self, q: Array, v: Array) -> Array:
         M, h = self._dynamics(q, v)
         k = self.gains.joints
         return M @ (k * (self._q - q) - 2.0 * self.gains.ratio * np.sqrt(k) * v) + h

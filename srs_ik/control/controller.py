@@ -3,27 +3,27 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple, TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from srs_ik.analysis.gravity import require_masses
+from srs_ik.arm import Arm
 from srs_ik.control.impedance import FractalImpedance, JointLimits, JointSpeeds
-from srs_ik.control.profile import seven_positive
-from srs_ik.errors import InvalidConfiguration, InvalidController, InvalidTask
-from srs_ik.inputs.numbers import real_array
+from srs_ik.errors import InvalidConfiguration, InvalidController, InvalidTask, quoted
+from srs_ik.inputs.control import flag, seven_positive, thing, things, vector
 from srs_ik.inputs.poses import PoseLike, as_bounded_joint_vector, as_joint_vector, as_rigid_matrix
 from srs_ik.kernels.entries import control as entries
 from srs_ik.kernels.layout import control as at
 
 if TYPE_CHECKING:
-    from srs_ik.arm import Arm
     from srs_ik.inputs.task import Task
     from srs_ik.solve.posture import Side, Tie
     from srs_ik.solve.solution import Solution
 
 Array = NDArray[np.float64]
+Usual = TypeVar("Usual", JointLimits, JointSpeeds)
 
 MOST_PORTS = 32
 """Ports of a controller; six and the joint limits are usual."""
@@ -66,7 +66,8 @@ class TorqueController:
         speeds: brakes on fast joints; True for those that begin at the arm's velocity limits, None or False for none.
 
     Raises:
-        InvalidController: no impedances, too many, or torques that are none; or gravity and an arm without masses.
+        InvalidController: a thing of another class, too many impedances, or torques that are none; or gravity and an
+            arm without masses.
     """
 
     def __init__(
@@ -78,15 +79,13 @@ class TorqueController:
         max_torque: ArrayLike | None = None,
         speeds: JointSpeeds | bool | None = None,
     ) -> None:
-        self.arm = arm
-        self.ports = tuple(ports)
-        self.limits = JointLimits() if limits is True else limits or None
-        self.speeds = JointSpeeds() if speeds is True else speeds or None
-        if not all(isinstance(port, FractalImpedance) for port in self.ports):
-            raise InvalidController("ports are a list of FractalImpedance")
+        self.arm = thing(arm, Arm, "arm", "srs_ik.load")
+        self.ports = things(ports, FractalImpedance, "ports")
+        self.limits = _one_or_none(limits, JointLimits, "limits")
+        self.speeds = _one_or_none(speeds, JointSpeeds, "speeds")
         if len(self.ports) > MOST_PORTS:
             raise InvalidController(f"a controller has at most {MOST_PORTS} ports, not {len(self.ports)}")
-        if gravity:
+        if flag(gravity, "gravity"):
             try:
                 require_masses(arm, "leave out gravity=True, or load a description with inertias")
             except InvalidTask as error:
@@ -99,7 +98,7 @@ class TorqueController:
         self._names += ["joint_limit"] * len(limits_at) + ["joint_speed"] * len(brakes)
         self._rows = np.array(rows).reshape(-1, at.PORT)
         self._states = np.zeros((len(rows), at.STATE))
-        self._bounds = np.append(_largest_torques(arm, max_torque), float(bool(gravity)))
+        self._bounds = np.append(_largest_torques(arm, max_torque), float(gravity))
         self._work = np.zeros((at.WORK, 7))
         self._motion = np.zeros((2, 7))
         self._family, self._weights = arm.packed.family, arm.packed.weights
@@ -130,7 +129,9 @@ class TorqueController:
         Raises:
             InvalidPose: the pose is no finite rigid transform.
             InvalidConfiguration: arm angle or seed are malformed.
+            InvalidController: restart is neither True nor False.
         """
+        flag(restart, "restart")
         self.solution = self.arm.solve(pose, arm_angle=arm_angle, seed=seed)
         T = as_rigid_matrix(pose)
         angle = self.solution.arm_angle if arm_angle is None else float(arm_angle)
@@ -153,8 +154,11 @@ class TorqueController:
             The solution of `Arm.solve_task`, which is kept as `solution`.
 
         Raises:
-            InvalidTask: several tasks at once, or another side.
+            InvalidTask: no task, several at once, or another side.
+            InvalidController: a flag is neither True nor False.
         """
+        flag(restart, "restart")
+        flag(respect_limits, "respect_limits")
         found = self.arm.solve_task(task, side, respect_limits, tie)
         if np.ndim(found.q) != 1:
             raise InvalidTask("a controller takes one task at a time")
@@ -168,7 +172,9 @@ class TorqueController:
 
         Raises:
             InvalidConfiguration: not 7 finite angles, or one beyond 1e6 rad.
+            InvalidController: restart is neither True nor False.
         """
+        flag(restart, "restart")
         q = as_bounded_joint_vector(q)
         self._aim(self.arm.forward_kinematics(q).homogeneous, self._elbow_at(q), self.arm.arm_angle(q), restart)
 
@@ -178,12 +184,7 @@ class TorqueController:
         Raises:
             InvalidController: not three finite figures.
         """
-        try:
-            where = real_array(point)
-        except (TypeError, ValueError):
-            where = np.empty(0)
-        if where.shape != (3,) or not np.isfinite(where).all():
-            raise InvalidController(f"the elbow is aimed at a point of (3,) finite figures, not {point!r}")
+        where = vector(point, "point of the elbow")
         self._put({at.ELBOW: where})
         self.elbow_target = where
 
@@ -282,6 +283,15 @@ def _resting(arm: Arm) -> Array:
     """The middle of the joint ranges; zero where there is none."""
     bounded = np.isfinite(arm.lower) & np.isfinite(arm.upper)
     return np.where(bounded, 0.5 * (np.where(bounded, arm.lower, 0.0) + np.where(bounded, arm.upper, 0.0)), 0.0)
+
+
+def _one_or_none(value: Any, kind: type[Usual], what: str) -> Usual | None:
+    """What is given of a class, the usual one for True, None for None and False."""
+    if isinstance(value, kind):
+        return value
+    if value is None or isinstance(value, bool):
+        return kind() if value else None
+    raise InvalidController(f"{what} has to be True, False, None or of class {kind.__name__}, not {quoted(value)}")
 
 
 def _largest_torques(arm: Arm, given: Any) -> Array:

@@ -8,8 +8,9 @@ from typing import Literal
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from srs_ik.control.profile import LAWS, ForceProfile, Law, not_negative, positive, seven_positive
+from srs_ik.control.profile import ForceProfile, Law, checked_law
 from srs_ik.errors import InvalidController
+from srs_ik.inputs.control import flag, not_negative, one_of, positive, seven_positive, thing
 from srs_ik.kernels.layout import control as at
 
 Array = NDArray[np.float64]
@@ -53,11 +54,11 @@ class FractalImpedance:
     may_inject: bool = False
 
     def __post_init__(self) -> None:
-        if self.on not in _KINDS:
-            raise InvalidController(f"an impedance is on one of {', '.join(_KINDS)}, not on {self.on!r}")
-        check_law(self.profile, self.law, self.may_inject)
+        one_of(self.on, _KINDS, "an impedance is on")
+        flag(self.per_axis, "per_axis")
+        check_law(self.profile, self.law, flag(self.may_inject, "may_inject"))
         not_negative(self.damping, "damping")
-        if self.switch != "error":
+        if not (isinstance(self.switch, str) and self.switch == "error"):
             not_negative(self.switch, "speed of the switch")
 
     def row(self) -> Array:
@@ -152,10 +153,8 @@ class JointSpeeds:
 
 def check_law(profile: ForceProfile, law: str, may_inject: bool) -> None:
     """Raise InvalidController for an unknown law, and for one that injects energy with this profile."""
-    if not isinstance(profile, ForceProfile):
-        raise InvalidController(f"a profile is a ForceProfile, not {type(profile).__name__}")
-    if law not in LAWS:
-        raise InvalidController(f"a law is one of {', '.join(LAWS)}, not {law!r}")
+    thing(profile, ForceProfile, "profile", "ForceProfile.tanh")
+    checked_law(law)
     share = 0.0 if may_inject else profile.injection(law)  # type: ignore[arg-type]
     if share > 0.0:
         reason = (

@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import math
-
 import numpy as np
 from numpy.typing import NDArray
 
-from srs_ik.control.profile import ForceProfile, Law, positive
+from srs_ik.control.profile import ForceProfile, Law
 from srs_ik.errors import InvalidController
+from srs_ik.inputs import control as given
 from srs_ik.kernels.entries import control as entries
 from srs_ik.kernels.layout import control as at
 
@@ -21,12 +20,12 @@ def free_response(profile: ForceProfile, mass: float, start: float, dt: float, c
     With law A it is start/2 (1 + cos wt), w^2 = 2 F(start)/(start mass), and at rest on the target after pi/w.
 
     Raises:
-        InvalidController: a figure is not positive.
+        InvalidController: no profile or law, or a figure is not positive.
     """
-    positions = np.empty(count)
-    entries.free_response(
-        profile.row(law), positive(mass, "mass"), positive(start, "start"), positive(dt, "time step"), positions
-    )
+    given.thing(profile, ForceProfile, "profile", "ForceProfile.tanh")
+    positions = np.empty(given.count(count, "count"))
+    figures = given.positive(mass, "mass"), given.positive(start, "start"), given.positive(dt, "time step")
+    entries.free_response(profile.row(law), *figures, positions)
     return positions
 
 
@@ -44,14 +43,24 @@ def sampled_response(
     The force of a sample is held for a period (s), and begins `delay` (s) after it; the target is at zero.
 
     Raises:
-        InvalidController: a figure is not positive, or the delay negative.
+        InvalidController: no profile or law, a figure is not positive, or the delay negative.
     """
-    period = positive(period, "period")
-    if not 0.0 <= delay < math.inf:
-        raise InvalidController(f"the delay is a time, s, not {delay!r}")
-    out = np.empty((max(1, round(positive(duration, "duration") / period)), 3))
+    given.thing(profile, ForceProfile, "profile", "ForceProfile.tanh")
+    period, delay = given.positive(period, "period"), given.not_negative(delay, "delay")
+    out = np.empty((max(1, _rows(given.positive(duration, "duration") / period)), 3))
     state = np.zeros(at.STATE)
     state[at.LAST : at.LAST + 3] = -1.0
-    setting = np.array([positive(mass, "mass"), positive(start, "start"), period, delay])
-    entries.sampled_response(profile.row(law), state, setting, np.zeros(int(delay / period) + 3), out)
+    setting = np.array([given.positive(mass, "mass"), given.positive(start, "start"), period, delay])
+    entries.sampled_response(profile.row(law), state, setting, np.zeros(_rows(delay / period) + 3), out)
     return out
+
+
+def _rows(number: float) -> int:
+    """A number of samples.
+
+    Raises:
+        InvalidController: there would be too many.
+    """
+    if number > given.MOST:
+        raise InvalidController(f"a response has at most {given.MOST:,} samples, not {number:.3g}")
+    return round(number)

@@ -2,16 +2,13 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import numpy as np
 import pinocchio as pin
 from numpy.typing import ArrayLike, NDArray
 
+from srs_ik.arm import Arm
+from srs_ik.inputs import control as given
 from srs_ik.inputs.poses import PoseLike, as_bounded_joint_vector, as_rigid_matrix
-
-if TYPE_CHECKING:
-    from srs_ik.arm import Arm
 
 Array = NDArray[np.float64]
 
@@ -19,24 +16,37 @@ Array = NDArray[np.float64]
 def minimum_jerk(share: ArrayLike) -> Array:
     """Share of the way after shares (n,) of the time, both from 0 to 1: peak speed is 1.875 times the mean.
 
+    Raises:
+        InvalidController: a share is no finite number.
+
     Source: T. Flash, N. Hogan, The coordination of arm movements, J. Neuroscience 5(7), 1985.
     """
-    s = np.clip(np.asarray(share, dtype=float), 0.0, 1.0)
+    s = np.clip(given.distances(share, "the share"), 0.0, 1.0)
     return s**3 * (10.0 - 15.0 * s + 6.0 * s**2)
 
 
 def harmonic(share: ArrayLike) -> Array:
-    """Half a cosine, as a fractal impedance moves a free mass: peak speed is pi/2 times the mean."""
-    s = np.clip(np.asarray(share, dtype=float), 0.0, 1.0)
+    """Half a cosine, as a fractal impedance moves a free mass: peak speed is pi/2 times the mean.
+
+    Raises:
+        InvalidController: a share is no finite number.
+    """
+    s = np.clip(given.distances(share, "the share"), 0.0, 1.0)
     return 0.5 - 0.5 * np.cos(np.pi * s)
 
 
 def between(T_start: PoseLike, T_end: PoseLike, way: ArrayLike) -> Array:
-    """Poses (n, 4, 4) on the straight line between two poses, turned about one axis, at shares of the way (n,)."""
+    """Poses (n, 4, 4) on the straight line between two poses, turned about one axis, at shares of the way (n,).
+
+    Raises:
+        InvalidPose: a pose is no finite rigid transform.
+        InvalidController: a share is no finite number.
+    """
+    shares = given.distances(way, "the way").ravel()
     A, B = as_rigid_matrix(T_start), as_rigid_matrix(T_end)
     turn = pin.log3(A[:3, :3].T @ B[:3, :3])
-    poses = np.tile(np.eye(4), (np.size(way), 1, 1))
-    for pose, s in zip(poses, np.ravel(way), strict=True):
+    poses = np.tile(np.eye(4), (shares.size, 1, 1))
+    for pose, s in zip(poses, shares, strict=True):
         pose[:3, :3] = A[:3, :3] @ pin.exp3(float(s) * turn)
         pose[:3, 3] = A[:3, 3] + float(s) * (B[:3, 3] - A[:3, 3])
     return poses
@@ -58,11 +68,17 @@ def passive_motion(
         compliance: of the joints, one or (7,), relative.
         turning: stiffness of the turn, relative to that of the tip point, m^2/rad.
 
+    Raises:
+        InvalidConfiguration: q is not 7 finite angles.
+        InvalidPose: the pose is no finite rigid transform.
+        InvalidController: no arm, or a figure that is none.
+
     Source: F. A. Mussa Ivaldi, P. Morasso, R. Zaccaria, Kinematic networks, Biological Cybernetics 60, 1988.
     """
-    q, T = as_bounded_joint_vector(q), as_rigid_matrix(T_end)
-    C = np.broadcast_to(np.asarray(compliance, dtype=float), (7,))
-    K = np.repeat([1.0, turning], 3)
+    given.thing(arm, Arm, "arm", "srs_ik.load")
+    q, T, count = as_bounded_joint_vector(q), as_rigid_matrix(T_end), given.count(count, "count")
+    C = given.seven_not_negative(compliance, "compliance")
+    K = np.repeat([1.0, given.not_negative(turning, "turning")], 3)
     way = minimum_jerk(np.linspace(0.0, 1.0, count))
     path = np.empty((count, 7))
     for i in range(count):

@@ -2,16 +2,15 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 from functools import lru_cache
-from typing import Any, Literal
+from typing import Literal
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from srs_ik.errors import InvalidController, listed, quoted
-from srs_ik.inputs.numbers import real_array, real_number
+from srs_ik.errors import InvalidController
+from srs_ik.inputs.control import distances, not_negative, one_of, positive
 from srs_ik.kernels.entries import control as entries
 from srs_ik.kernels.layout import control as at
 
@@ -51,15 +50,12 @@ class ForceProfile:
     width: float = 0.0
 
     def __post_init__(self) -> None:
-        if not (isinstance(self.shape, str) and self.shape in _SHAPES):
-            raise InvalidController(
-                f"the shape of a profile is one of {listed(list(_SHAPES))}, not {quoted(self.shape)}"
-            )
+        one_of(self.shape, _SHAPES, "the shape of a profile is")
         positive(self.stiffness, "stiffness")
         positive(self.largest, "largest force")
-        if self.shape == "published":
-            positive(self.knee, "first error")
-            positive(self.width, "width")
+        check = positive if self.shape == "published" else not_negative
+        check(self.knee, "first error")
+        check(self.width, "width")
 
     @classmethod
     def tanh(cls, stiffness: float, largest: float) -> ForceProfile:
@@ -103,18 +99,30 @@ class ForceProfile:
         return cls("published", stiffness, largest, knee, width)
 
     def force(self, error: ArrayLike) -> Array:
-        """Force at distances of any shape, N or N m; errors below zero count as zero."""
+        """Force at distances of any shape, N or N m; errors below zero count as zero.
+
+        Raises:
+            InvalidController: an error is no finite number.
+        """
         return self._values(error)[0]
 
     def energy(self, error: ArrayLike) -> Array:
-        """Energy that it takes to go to distances of any shape, J: the integral of the force."""
+        """Energy that it takes to go to distances of any shape, J: the integral of the force.
+
+        Raises:
+            InvalidController: an error is no finite number.
+        """
         return self._values(error)[1]
 
     def converging_force(self, peak: float, error: ArrayLike, law: Law = "A") -> Array:
-        """Force towards the target at errors that shrink from a peak; negative where it brakes."""
-        sizes = np.ascontiguousarray(error, dtype=float)
+        """Force towards the target at errors that shrink from a peak; negative where it brakes.
+
+        Raises:
+            InvalidController: peak or error are no finite numbers, or an unknown law.
+        """
+        sizes = distances(error, "the error")
         forces = np.empty(sizes.size)
-        entries.converging_force(self.row(law), float(peak), sizes.ravel(), forces)
+        entries.converging_force(self.row(law), not_negative(peak, "peak"), sizes.ravel(), forces)
         return forces.reshape(sizes.shape)
 
     def injection(self, law: Law = "A") -> float:
@@ -122,7 +130,11 @@ class ForceProfile:
 
         Zero for a passive law. From the peak down to an error x, a law returns the integral of its force from x to the
         peak, and may return U(peak) - U(x); the largest difference over all peaks and x is divided by U(peak).
+
+        Raises:
+            InvalidController: an unknown law.
         """
+        checked_law(law)
         return 0.0 if law == "spring" else _injection(self, law)
 
     @property
@@ -131,18 +143,23 @@ class ForceProfile:
         return max(self.stiffness, (self.largest - self.stiffness * self.knee) / self.width if self.width else 0.0)
 
     def row(self, law: Law = "A", damping: float = 0.0) -> Array:
-        """(PORT,) what kernels read of a port with this profile, its kind and target still empty."""
+        """(PORT,) what kernels read of a port with this profile, its kind and target still empty.
+
+        Raises:
+            InvalidController: an unknown law, or no damping.
+        """
         port = np.zeros(at.PORT)
-        port[at.LAW], port[at.PROFILE], port[at.SWITCH] = LAWS[law], _SHAPES[self.shape], 0.0
-        port[at.STIFFNESS], port[at.LARGEST], port[at.DAMPING] = self.stiffness, self.largest, damping
+        port[at.LAW], port[at.PROFILE], port[at.SWITCH] = LAWS[checked_law(law)], _SHAPES[self.shape], 0.0
+        port[at.STIFFNESS], port[at.LARGEST] = self.stiffness, self.largest
+        port[at.DAMPING] = not_negative(damping, "damping")
         port[at.KNEE], port[at.WIDTH] = self.knee, self.width
         return port
 
     def _values(self, error: ArrayLike) -> tuple[Array, Array]:
-        distances = np.maximum(np.asarray(error, dtype=float), 0.0)
-        forces, energies = np.empty(distances.size), np.empty(distances.size)
-        entries.profile_values(self.row(), np.ascontiguousarray(distances).ravel(), forces, energies)
-        return forces.reshape(distances.shape), energies.reshape(distances.shape)
+        sizes = np.maximum(distances(error, "the error"), 0.0)
+        forces, energies = np.empty(sizes.size), np.empty(sizes.size)
+        entries.profile_values(self.row(), sizes.ravel(), forces, energies)
+        return forces.reshape(sizes.shape), energies.reshape(sizes.shape)
 
 
 @lru_cache(maxsize=256)
@@ -167,37 +184,10 @@ def _from_the_end(values: Array, step: float) -> Array:
     return np.append(np.cumsum(pieces[::-1])[::-1], 0.0)
 
 
-def positive(value: Any, what: str) -> float:
-    """A positive number.
+def checked_law(law: str) -> str:
+    """The name of a law of convergence.
 
     Raises:
-        InvalidController: it is none; `what` names it.
+        InvalidController: there is none of this name.
     """
-    number = real_number(value)
-    if not (math.isfinite(number) and number > 0.0):
-        raise InvalidController(f"the {what} has to be a positive number, not {value!r}")
-    return number
-
-
-def not_negative(value: Any, what: str) -> float:
-    """A number that is not negative.
-
-    Raises:
-        InvalidController: it is none; `what` names it.
-    """
-    return 0.0 if real_number(value) == 0.0 else positive(value, what)
-
-
-def seven_positive(value: Any, what: str) -> Array:
-    """(7,) positive figures from one or seven; infinite ones too.
-
-    Raises:
-        InvalidController: they are not; `what` names them.
-    """
-    try:
-        values = np.broadcast_to(real_array(value), (7,)).copy()
-    except (TypeError, ValueError):
-        values = np.full(7, np.nan)
-    if not (values > 0.0).all():
-        raise InvalidController(f"{what} is one or seven positive figures, not {value!r}")
-    return values
+    return one_of(law, LAWS, "a law is")

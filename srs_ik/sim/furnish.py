@@ -8,10 +8,10 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
-from srs_ik.errors import InvalidController, NoBodies
+from srs_ik.errors import NoBodies
 from srs_ik.inputs.poses import as_rigid_matrix
 from srs_ik.robot.limb import Vector
-from srs_ik.sim.world import Box, Payload, Peg, Wall, World, positive, vector
+from srs_ik.sim.world import Box, Payload, Peg, Wall, World
 
 if TYPE_CHECKING:
     from srs_ik.arm import Arm
@@ -92,8 +92,8 @@ class Furnisher:
     def put_payload(self, payload: Payload) -> None:
         """A ball of some mass in the hand, which touches nothing."""
         tip = self._arm.limb.T_base_tip_zero
-        offset = tip[:3, :3] @ vector(payload.centre, "centre of the payload")
-        mass, radius = positive(payload.mass, "mass of the payload"), positive(payload.radius, "radius")
+        offset = tip[:3, :3] @ np.asarray(payload.centre, dtype=float)
+        mass, radius = float(payload.mass), float(payload.radius)
         hand, centre = self.local_point(6, tip[:3, 3] + offset)
         load = hand.add_body(name="payload", pos=centre)
         load.explicitinertial, load.mass, load.inertia = True, mass, np.full(3, 0.4 * mass * radius**2)
@@ -135,28 +135,24 @@ class Furnisher:
 
     def put_wall(self, wall: Wall) -> None:
         """A half-space."""
-        normal = self.R_root_base @ vector(wall.normal, "normal of the wall")
+        normal = self.R_root_base @ np.asarray(wall.normal, dtype=float)
         length = np.linalg.norm(normal)
-        if length < 1e-9:
-            raise InvalidController("the normal of a wall has no direction")
         pose = np.eye(4)
         # The plane of MuJoCo has its normal along z; how it is turned about that does not matter.
         pose[:3, :3] = pin.Quaternion.FromTwoVectors(np.array([0.0, 0.0, 1.0]), normal / length).toRotationMatrix()
-        pose[:3, 3] = self._in_root(vector(wall.point, "point of the wall"))
+        pose[:3, 3] = self._in_root(np.asarray(wall.point, dtype=float))
         self._add_fixed(self._mujoco.mjtGeom.mjGEOM_PLANE, [1, 1, 0.1], TIP | LINKS if wall.whole else TIP, T=pose)
 
     def put_peg(self, peg: Peg) -> None:
         """A round bar."""
-        ends = [self._in_root(vector(end, "end of the peg")) for end in (peg.start, peg.end)]
-        radius = positive(peg.radius, "radius of the peg")
-        self._add_fixed(self._mujoco.mjtGeom.mjGEOM_CAPSULE, [radius, 0, 0], TIP | LINKS, fromto=[*ends[0], *ends[1]])
+        ends = [self._in_root(np.asarray(end, dtype=float)) for end in (peg.start, peg.end)]
+        self._add_fixed(
+            self._mujoco.mjtGeom.mjGEOM_CAPSULE, [peg.radius, 0, 0], TIP | LINKS, fromto=[*ends[0], *ends[1]]
+        )
 
     def put_box(self, box: Box) -> None:
         """A box."""
-        T = as_rigid_matrix(box.pose)
-        size = vector(box.size, "size of the box")
-        if not (size > 0.0).all():
-            raise InvalidController(f"the size of the box is three positive edges, not {box.size!r}")
+        T, size = as_rigid_matrix(box.pose), np.asarray(box.size, dtype=float)
         pose = np.eye(4)
         pose[:3, :3], pose[:3, 3] = self.R_root_base @ T[:3, :3], self._in_root(T[:3, 3])
         self._add_fixed(self._mujoco.mjtGeom.mjGEOM_BOX, 0.5 * size, TIP | LINKS, T=pose)

@@ -2,24 +2,24 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, Literal
+from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from srs_ik.errors import InvalidController
-from srs_ik.inputs.numbers import real_array
+from srs_ik.arm import Arm
+from srs_ik.inputs.control import flag, one_of, positive, seven_not_negative, thing, torques, vector
 from srs_ik.inputs.poses import as_joint_vector
 from srs_ik.robot.limb import Vector
 from srs_ik.sim.furnish import Furnisher
 from srs_ik.sim.model import import_mujoco, make_spec, require_inertias
-from srs_ik.sim.world import World, positive, vector
-
-if TYPE_CHECKING:
-    from srs_ik.arm import Arm
+from srs_ik.sim.world import World
 
 TIMESTEP = 2.5e-4
 """Seconds."""
+
+PLACES = ("tip", "elbow")
+"""Of the arm, that can be pushed."""
 
 LIMIT_TIME = 0.004
 """Time constant of the joint limits, s: soft constraints, but stiff ones."""
@@ -52,7 +52,7 @@ class Plant:
 
     Raises:
         MissingExtra: MuJoCo is not installed.
-        InvalidController: the links have no inertias, or a figure is none.
+        InvalidController: the links have no inertias, a thing is of another class, or a figure is none.
     """
 
     def __init__(
@@ -67,9 +67,11 @@ class Plant:
         friction: ArrayLike | Literal["file"] = "file",
     ) -> None:
         self._mujoco = mujoco = import_mujoco()
+        self.arm = thing(arm, Arm, "arm", "srs_ik.load")
+        self.world = World() if world is None else thing(world, World, "world")
+        flag(joint_limits, "joint_limits")
+        flag(effort_limits, "effort_limits")
         require_inertias(arm)
-        self.arm = arm
-        self.world = world or World()
         self.timestep = positive(timestep, "timestep")
         spec, self.source = make_spec(arm)
         self._furnish(spec)
@@ -82,10 +84,10 @@ class Plant:
         self.model = spec.compile()
         self._at = np.array([self.model.joint(name).dofadr[0] for name in arm.joint_names])
         if not (isinstance(damping, str) and damping == "file"):
-            self.model.dof_damping[self._at] = _seven(damping, "damping")
+            self.model.dof_damping[self._at] = seven_not_negative(damping, "damping")
         if not (isinstance(friction, str) and friction == "file"):
-            self.model.dof_frictionloss[self._at] = _seven(friction, "friction")
-        self.model.dof_armature[self._at] += _seven(armature, "armature")
+            self.model.dof_frictionloss[self._at] = seven_not_negative(friction, "friction")
+        self.model.dof_armature[self._at] += seven_not_negative(armature, "armature")
         self.data = mujoco.MjData(self.model)
         self.damping = np.array(self.model.dof_damping[self._at])
         self.friction = np.array(self.model.dof_frictionloss[self._at])
@@ -117,8 +119,12 @@ class Plant:
         return np.array(self.data.qvel[self._at])
 
     def step(self, torque: Vector) -> None:
-        """One time step with torques (7,), N m, which the effort limits clamp."""
-        self.data.ctrl[:] = torque
+        """One time step with torques (7,), N m, which the effort limits clamp.
+
+        Raises:
+            InvalidController: not 7 finite torques.
+        """
+        self.data.ctrl[:] = torques(torque)
         self._mujoco.mj_step(self.model, self.data)
 
     def push(self, on: str, force: ArrayLike) -> None:
@@ -127,12 +133,11 @@ class Plant:
         Raises:
             InvalidController: another place, or not a force.
         """
-        if on not in ("tip", "elbow"):
-            raise InvalidController(f"a push is on the tip or the elbow, not on {on!r}")
+        one_of(on, PLACES, "a push is on")
+        h = self.R_root_base @ vector(force, "force of a push")
         self._push[:] = 0.0
         body, point = (self._tip_body, self._tip_site) if on == "tip" else (self._elbow_body, self._elbow_site)
         where = self.data.xpos[body] + self.data.xmat[body].reshape(3, 3) @ point
-        h = self.R_root_base @ vector(force, "force")
         self._mujoco.mj_applyFT(self.model, self.data, h, np.zeros(3), where, body, self._push)
         self.data.qfrc_applied[:] = self._push
 
@@ -210,14 +215,3 @@ class Plant:
             furnisher.put_box(box)
         if world.payload is not None:
             furnisher.put_payload(world.payload)
-
-
-def _seven(value: Any, what: str) -> Vector:
-    """One figure or seven, none negative."""
-    try:
-        values = np.broadcast_to(real_array(value), (7,))
-    except (TypeError, ValueError):
-        values = np.full(7, np.nan)
-    if not ((values >= 0.0) & np.isfinite(values)).all():
-        raise InvalidController(f"{what} is one or seven figures, none negative, not {value!r}")
-    return values

@@ -5,17 +5,19 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import numpy as np
 
-from srs_ik.inputs.poses import PoseLike
+from srs_ik.arm import Arm
+from srs_ik.errors import InvalidController, quoted
+from srs_ik.inputs.control import positive, thing
+from srs_ik.inputs.poses import PoseLike, as_rigid_matrix
 from srs_ik.kernels.entries.control import elbow_point
 from srs_ik.robot.limb import Vector
 from srs_ik.sim.world import World
 
-if TYPE_CHECKING:
-    from srs_ik.arm import Arm
+_WIDTHS = {"t": 0, "q": 7, "v": 7, "torque": 7, "weight": 7, "potential": 0, "kinetic": 0, "stored": 0, "contact": 3}
+"""Columns of the arrays of a record; 0: a figure a sample."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -34,6 +36,9 @@ class Record:
         stored: (n,) energy of the controller's profiles, J; zero for a controller that has none.
         contact: (n, 3) force of the world on the arm, N, base axes.
         world: what stood around it.
+
+    Raises:
+        InvalidController: a thing of another class, or arrays whose rows are not as many.
     """
 
     arm: Arm
@@ -47,6 +52,16 @@ class Record:
     stored: Vector
     contact: Vector
     world: World = field(default_factory=World)
+
+    def __post_init__(self) -> None:
+        thing(self.arm, Arm, "arm", "srs_ik.load")
+        thing(self.world, World, "world")
+        n = self.t.size if isinstance(self.t, np.ndarray) else 0
+        for name, width in _WIDTHS.items():
+            array = getattr(self, name)
+            shape = (n, width) if width else (n,)
+            if not isinstance(array, np.ndarray) or array.shape != shape or array.dtype.kind != "f":
+                raise InvalidController(f"{name} of a record has to be an array of floats of shape {shape}")
 
     @cached_property
     def poses(self) -> Vector:
@@ -82,8 +97,13 @@ class Record:
         way = 0.5 * (self.v[1:] + self.v[:-1]) * np.diff(self.t)[:, None]
         return np.append(0.0, np.cumsum(np.sum((self.torque - self.weight)[:-1] * way, axis=1)))
 
-    def errors(self, T_base_target: Vector) -> tuple[Vector, Vector]:
-        """Distance (n,), m, and angle (n,), rad, from a pose (4, 4)."""
+    def errors(self, T_base_target: PoseLike) -> tuple[Vector, Vector]:
+        """Distance (n,), m, and angle (n,), rad, from a pose.
+
+        Raises:
+            InvalidPose: the target is no finite rigid transform.
+        """
+        T_base_target = as_rigid_matrix(T_base_target)
         turn = np.einsum("nji,jk->nik", self.poses[:, :3, :3], T_base_target[:3, :3])
         skew = np.stack(
             [turn[:, 2, 1] - turn[:, 1, 2], turn[:, 0, 2] - turn[:, 2, 0], turn[:, 1, 0] - turn[:, 0, 1]], axis=1
@@ -105,7 +125,11 @@ class Record:
         Raises:
             InvalidPose: the target is no finite rigid transform.
             PreviewError: the page cannot be written.
+            InvalidController: no path, or a rate that is not positive.
         """
+        if not isinstance(path, str | Path):
+            raise InvalidController(f"the path of a replay has to be a text or a Path, not {quoted(path)}")
+        positive(rate, "rate")
         from srs_ik.preview import Preview
         from srs_ik.sim.scenery import meshes
 

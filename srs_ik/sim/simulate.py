@@ -10,11 +10,14 @@ from typing import Any, NamedTuple, Protocol
 import numpy as np
 from numpy.typing import ArrayLike
 
-from srs_ik.errors import InvalidController
+from srs_ik.errors import InvalidController, quoted
+from srs_ik.inputs.control import called, count, not_negative, number, one_of, positive, thing, things, torques, vector
 from srs_ik.robot.limb import Vector
-from srs_ik.sim.plant import Plant
+from srs_ik.sim.plant import PLACES, Plant
 from srs_ik.sim.record import Record
-from srs_ik.sim.world import positive
+
+MOST_STEPS = 1_000_000_000
+"""Time steps of a simulation: days of computing."""
 
 
 class Controller(Protocol):
@@ -63,15 +66,23 @@ def simulate(
         stop: ends the motion where it is true, asked once a tick.
 
     Raises:
-        InvalidController: a rate, delay or duration that is none, or a period that is no whole number of time steps.
+        InvalidController: a thing of another class, a rate, delay or duration that is none, a period that is no whole
+            number of time steps, or a controller whose torques are not 7 finite figures.
     """
-    dt = plant.timestep
+    dt = thing(plant, Plant, "plant").timestep
+    pushes = _checked(pushes)
+    every, rate, delay = count(every, "every"), positive(rate, "rate"), not_negative(delay, "delay")
+    if not callable(getattr(controller, "torque", None)):
+        raise InvalidController(f"the controller has to have a function torque(q, v), unlike {quoted(controller)}")
+    for function, what in ((target, "target"), (stop, "stop")):
+        if function is not None:
+            called(function, what)
     steps = positive(duration, "duration") / dt
-    period = round(1.0 / (positive(rate, "rate") * dt))
+    period = round(1.0 / (rate * dt))
     if period < 1 or abs(period * dt * rate - 1.0) > 1e-6:
         raise InvalidController(f"a period is a whole number of time steps of {dt:g} s, unlike that of {rate:g} Hz")
-    if not 0.0 <= delay < math.inf:
-        raise InvalidController(f"the delay is a time, s, not {delay!r}")
+    if steps > MOST_STEPS:
+        raise InvalidController(f"a simulation has at most {MOST_STEPS:,} time steps, not {steps:.3g}")
     log = _Log(plant, controller, math.ceil(steps / (period * every)))
     # Torques on their way, each with the step at which it arrives.
     coming: deque[tuple[int, Vector]] = deque()
@@ -82,7 +93,7 @@ def simulate(
         if k % period == 0:
             if target is not None:
                 target(t)
-            asked = controller.torque(plant.q, plant.v)
+            asked = torques(controller.torque(plant.q, plant.v))
             coming.append((k + late, asked))
             if k % (period * every) == 0:
                 log.note(t, asked)
@@ -94,6 +105,21 @@ def simulate(
             acting = _press(plant, pushes, t, acting)
         plant.step(torque)
     return log.record()
+
+
+def _checked(pushes: Any) -> tuple[Push, ...]:
+    """The pushes of a simulation.
+
+    Raises:
+        InvalidController: they are none, or a figure in one of them is none.
+    """
+    found = things(pushes, Push, "pushes")
+    for push in found:
+        one_of(push.on, PLACES, "a push is on")
+        vector(push.force, "force of a push")
+        number(push.start, "start of a push")
+        not_negative(push.duration, "duration of a push")
+    return found
 
 
 def _press(plant: Plant, pushes: Sequence[Push], t: float, acting: bool) -> bool:

@@ -3,15 +3,16 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from srs_ik.errors import InvalidController
-from srs_ik.inputs.numbers import real_array, real_number
-from srs_ik.inputs.poses import PoseLike
-from srs_ik.robot.limb import Vector
+from srs_ik.inputs.control import flag, positive, thing, things, vector
+from srs_ik.inputs.poses import PoseLike, as_rigid_matrix
+
+SHORTEST = 1e-9
+"""A shorter normal of a wall has no direction."""
 
 
 @dataclass(frozen=True)
@@ -22,11 +23,20 @@ class Wall:
         point: (3,) on its surface, m.
         normal: (3,) away from the wall, of any length.
         whole: whether the whole arm meets it; else the ball at the tip alone, as an arm may stand behind a wall.
+
+    Raises:
+        InvalidController: not three finite numbers each, or a normal without direction.
     """
 
     point: ArrayLike
     normal: ArrayLike
     whole: bool = False
+
+    def __post_init__(self) -> None:
+        vector(self.point, "point of a wall")
+        if np.linalg.norm(vector(self.normal, "normal of a wall")) < SHORTEST:
+            raise InvalidController("the normal of a wall has no direction")
+        flag(self.whole, "whole")
 
 
 @dataclass(frozen=True)
@@ -37,11 +47,19 @@ class Peg:
         start: (3,) one end of its axis, m.
         end: (3,) the other one, m.
         radius: m.
+
+    Raises:
+        InvalidController: an end is not three finite numbers, or the radius not positive.
     """
 
     start: ArrayLike
     end: ArrayLike
     radius: float = 0.02
+
+    def __post_init__(self) -> None:
+        for end in (self.start, self.end):
+            vector(end, "end of a peg")
+        positive(self.radius, "radius of a peg")
 
 
 @dataclass(frozen=True)
@@ -51,10 +69,19 @@ class Box:
     Attributes:
         pose: of its centre in the base frame.
         size: (3,) edges, m.
+
+    Raises:
+        InvalidPose: the pose is no finite rigid transform.
+        InvalidController: not three positive edges.
     """
 
     pose: PoseLike
     size: ArrayLike
+
+    def __post_init__(self) -> None:
+        as_rigid_matrix(self.pose)
+        for edge in vector(self.size, "size of a box"):
+            positive(edge, "edge of a box")
 
 
 @dataclass(frozen=True)
@@ -65,11 +92,19 @@ class Payload:
         mass: kg.
         centre: (3,) in the tip frame, m.
         radius: m; it has the inertia of a solid ball.
+
+    Raises:
+        InvalidController: a figure that is none, or not positive.
     """
 
     mass: float
     centre: ArrayLike = (0.0, 0.0, 0.0)
     radius: float = 0.04
+
+    def __post_init__(self) -> None:
+        positive(self.mass, "mass of a payload")
+        vector(self.centre, "centre of a payload")
+        positive(self.radius, "radius of a payload")
 
 
 @dataclass(frozen=True)
@@ -85,6 +120,9 @@ class World:
         boxes: boxes. They, pegs and whole walls meet the ball at the tip and the whole arm.
         shapes: whether the arm is the collision shapes of its file, or else the visual ones, meshes as their convex
             hulls; where the file has none at hand, or for False, it is two bars.
+
+    Raises:
+        InvalidController: a thing of another class, or a radius that is not positive.
     """
 
     walls: tuple[Wall, ...] = ()
@@ -95,34 +133,16 @@ class World:
     boxes: tuple[Box, ...] = ()
     shapes: bool = True
 
+    def __post_init__(self) -> None:
+        for name, kind in (("walls", Wall), ("pegs", Peg), ("boxes", Box)):
+            object.__setattr__(self, name, things(getattr(self, name), kind, name))
+        if self.payload is not None:
+            thing(self.payload, Payload, "payload")
+        for name in ("tip_radius", "arm_radius"):
+            positive(getattr(self, name), name)
+        flag(self.shapes, "shapes")
+
     @property
     def meets_the_arm(self) -> bool:
         """Whether there is anything that meets more than the tip."""
         return bool(self.pegs or self.boxes or any(wall.whole for wall in self.walls))
-
-
-def vector(value: Any, what: str) -> Vector:
-    """Three finite numbers.
-
-    Raises:
-        InvalidController: they are not; `what` names them.
-    """
-    try:
-        numbers = real_array(value)
-    except (TypeError, ValueError):
-        numbers = np.empty(0)
-    if numbers.shape != (3,) or not np.isfinite(numbers).all():
-        raise InvalidController(f"the {what} is (3,) finite numbers, not {value!r}")
-    return numbers
-
-
-def positive(value: Any, what: str) -> float:
-    """A positive number.
-
-    Raises:
-        InvalidController: it is none; `what` names it.
-    """
-    number = real_number(value)
-    if not 0.0 < number < np.inf:
-        raise InvalidController(f"the {what} is a positive number, not {value!r}")
-    return number

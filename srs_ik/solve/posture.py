@@ -7,7 +7,7 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from srs_ik.errors import InvalidTask
+from srs_ik.errors import InvalidTask, quoted
 from srs_ik.inputs.task import Task
 from srs_ik.kernels.entries import task as entries
 from srs_ik.kernels.layout import task as at
@@ -157,5 +157,5 @@ def signs(task: Task, side: Side, tie: Tie) -> tuple[float, float]:
         return SIDES[side], TIES[tie]
     except (KeyError, TypeError):
         raise InvalidTask(
-            f'side is "left" or "right" and tie is "lower" or "upper", not {side!r} and {tie!r}'
+            f'side is "left" or "right" and tie is "lower" or "upper", not {quoted(side)} and {quoted(tie)}'
         ) from None

@@ -36,12 +36,13 @@ from srs_ik.kernels.curves.in_step import (
     follow_marks,
     join_pieces,
     load_sample,
+    longest_across,
     one_of_seven,
     put_mark,
     to_curves,
 )
 from srs_ik.kernels.jit import kernel
-from srs_ik.kernels.layout.limb import BOTTOM_GAP, SHOULDER, TOP_GAP, WRIST
+from srs_ik.kernels.layout.limb import BOTTOM_GAP, PHASE, SHOULDER, STRAIGHT, TOP_GAP, WRIST
 from srs_ik.kernels.limb.goal import NO_SEED
 from srs_ik.kernels.limb.limits import turn_to_middle, violation
 from srs_ik.kernels.limb.poses import read7
@@ -163,6 +164,21 @@ def is_known(q, t, rows, curves, count):
 
 
 @kernel
+def side_of_one(q, phase):
+    """Half turns of a middle angle from its phase, down to the last whole one."""
+    return math.floor((q - phase) / math.pi)
+
+
+@kernel
+def passes_two(P, a, b):
+    """Whether two singularities or more are passed between two postures."""
+    passed = abs(side_of_one(a[1], P[SHOULDER + PHASE]) - side_of_one(b[1], P[SHOULDER + PHASE]))
+    passed += abs(side_of_one(a[3], P[STRAIGHT]) - side_of_one(b[3], P[STRAIGHT]))
+    passed += abs(side_of_one(a[5], P[WRIST + PHASE]) - side_of_one(b[5], P[WRIST + PHASE]))
+    return passed > 1
+
+
+@kernel
 def follow(P, by, q, t, way, rows, n):
     """Follow the curve through q along its oriented null vector t (way = 1.0), or against it (-1.0).
 
@@ -189,7 +205,8 @@ def follow(P, by, q, t, way, rows, n):
             continue
         next_t, sign = null_vector(by.J, t, by.A)
         cosine = dot7(t, next_t)
-        if sign <= 0.0 or cosine < SMALLEST_COSINE:
+        jumps = step > longest_across(P) and passes_two(P, q, next_q)
+        if sign <= 0.0 or cosine < SMALLEST_COSINE or jumps:
             step *= 0.5
             continue
         q = next_q

@@ -26,6 +26,7 @@ from srs_ik.kernels.chain.newton_eight import (
     turned_by_all,
 )
 from srs_ik.kernels.jit import kernel
+from srs_ik.kernels.layout.limb import FAR, MISS, PHASE, SHOULDER, STRAIGHT, WRIST
 from srs_ik.kernels.limb.poses import read7
 
 SAMPLE = 8
@@ -36,6 +37,10 @@ LONGEST_STEP = 0.3
 
 SHORTEST_STEP = 1e-7
 """Steps shorter than this, rad, mean a curve that cannot be followed."""
+
+FINEST = 0.05
+"""A step over two singularities at once is no longer than this part of what axes miss, relative to the reach: a jump
+from one curve to another there turns the orientation around twice, which is not noticed."""
 
 SMALLEST_COSINE = 0.93
 """Cosine of the largest angle by which a curve turns in one step."""
@@ -110,6 +115,28 @@ def put_sample(rows, n, x, q):
 
 
 @kernel
+def side_of(q, phase):
+    """Half turns of eight middle angles from their phase, down to the last whole one."""
+    return whole_number((q - phase) / math.pi - 0.5)
+
+
+@kernel
+def longest_across(P):
+    """The longest step that may pass two singularities at once, rad."""
+    return max(FINEST * P[MISS] / P[FAR], 4.0 * SHORTEST_STEP)
+
+
+@kernel
+def crosses_two(P, a, b, step):
+    """Which of eight steps between postures pass two singularities at once, and are too long for that."""
+    across_2 = side_of(a[1], P[SHOULDER + PHASE]) - side_of(b[1], P[SHOULDER + PHASE])
+    across_4 = side_of(a[3], P[STRAIGHT]) - side_of(b[3], P[STRAIGHT])
+    across_6 = side_of(a[5], P[WRIST + PHASE]) - side_of(b[5], P[WRIST + PHASE])
+    passed = abs(across_2) + abs(across_4) + abs(across_6)
+    return (passed > 1.5) & (step > longest_across(P))
+
+
+@kernel
 def step_in_step(P, R, p, rows, alive):
     """Take eight curves a step on: postures, ways of the curves, which are there (bits), cosines of their turns.
 
@@ -134,7 +161,8 @@ def step_in_step(P, R, p, rows, alive):
             break
         last = size
         turns = turned_by_all(turns, d)
-    return q, t, met & as_bits(dot_seven(way, t) > SMALLEST_COSINE), dot_seven(way, t)
+    met &= as_bits(dot_seven(way, t) > SMALLEST_COSINE)
+    return q, t, met & ~as_bits(crosses_two(P, before, q, step)), dot_seven(way, t)
 
 
 @kernel

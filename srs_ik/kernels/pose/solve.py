@@ -13,7 +13,8 @@ from srs_ik.kernels.algebra.lanes import as_bits, gather
 from srs_ik.kernels.algebra.pointers import row
 from srs_ik.kernels.chain.answer import measure_row, measure_row_at, write_row
 from srs_ik.kernels.chain.closest import closest
-from srs_ik.kernels.chain.eight import put_some, take_eight, tip_errors
+from srs_ik.kernels.chain.eight import ALL, put_some, take_eight, tip_errors
+from srs_ik.kernels.chain.kinematics import pose_error
 from srs_ik.kernels.chain.newton import CLOSED, arm_angle, clipped, close_free
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.answer import (
@@ -29,9 +30,10 @@ from srs_ik.kernels.layout.answer import (
     UNREACHABLE,
 )
 from srs_ik.kernels.layout.asked import Goal, Target
-from srs_ik.kernels.layout.limb import FREE, LIMITED
+from srs_ik.kernels.layout.limb import FIRST_JOINT, FREE, LIMITED, LOWER, SHOULDER, UPPER, WRIST
 from srs_ik.kernels.limb.branches import NO_BRANCH, branch_of, elbow_branches
 from srs_ik.kernels.limb.goal import NO_SEED, OUTSIDE, UNMET, cost, tightest_joint, turned
+from srs_ik.kernels.limb.in_line import NEARLY_IN_LINE, is_in_line, may_split, toward_of
 from srs_ik.kernels.limb.poses import read7, read_pose
 from srs_ik.kernels.limb.triangle import place
 from srs_ik.kernels.near.at_angle import may_reach, solve_all_at_angle, solve_at_angle
@@ -117,20 +119,64 @@ def solve_row(family, T, branch, seed, respect, J, A, out):
 
 
 @kernel
+def split_inside(P, k, q1, q2, q3):
+    """The outer angles of a spherical joint, what one is outside its limits moved to the other: q1, q3.
+
+    They are as they were, unless the joint is next to its singularity, where a pose tells their sum alone.
+    """
+    if not is_in_line(P, k, q2, NEARLY_IN_LINE):
+        return q1, q3
+    first = int(P[k + FIRST_JOINT])
+    toward = toward_of(P, k, q2)
+    inside = min(max(q1, P[LOWER + first]), P[UPPER + first])
+    q3 += toward * (q1 - inside)
+    other = min(max(q3, P[LOWER + first + 2]), P[UPPER + first + 2])
+    return inside + toward * (q3 - other), other
+
+
+@kernel
 def put_on_limits(P, target, psi, found, goal):
-    """A posture at an arm angle, or one inside the limits where it is barely outside them: q, branch, cost.
+    """A posture at an arm angle, or one inside the limits where rounding alone leaves it outside: q, branch, cost.
 
     Next to a singularity, the rounding of an arm angle turns joints farther than that of the limits allows.
     """
     q, branch, value = found
-    if not (goal.respect and OUTSIDE < value < OUTSIDE + BARELY):
+    if not (goal.respect and OUTSIDE < value < UNMET):
         return found
     R, p, place_ = target
+    if may_split(P, place_):
+        q1, q3 = split_inside(P, SHOULDER, q[0], q[1], q[2])
+        q5, q7 = split_inside(P, WRIST, q[4], q[5], q[6])
+        inside = (q1, q[1], q3, q[3], q5, q[5], q7)
+        at_split = cost(P, inside, goal.seeded, goal.seed, True)
+        if at_split < OUTSIDE:
+            position, orientation = pose_error(P, inside, R, p)
+            if max(position, orientation) < CLOSED:
+                return inside, branch, at_split
+    if value > OUTSIDE + BARELY:
+        return found
     q, error = close_free(P, clipped(P, q), R, p, True, CLOSING_STEPS, np.empty((6, 7)), np.empty((16, 9)))
     away = short_way(arm_angle(P, q, place_[0], place_[1]) - psi)
     if error > CLOSED or abs(away) > SAME_ANGLE:
         return found
     return q, branch, cost(P, q, goal.seeded, goal.seed, True)
+
+
+@kernel
+def at_or_beside(P, target, psi, branch, goal, J, A):
+    """`solve_at_angle`, or the same at an arm angle that is one with it: q, branch, cost.
+
+    A branch of a near limb ends where its curve turns around or goes over into another one: rounding decides about
+    postures there.
+    """
+    found = solve_at_angle(P, target, psi, branch, goal, J, A)
+    if J is not None:
+        if branch >= 0 and may_reach(P, target.place):
+            for side in range(2):
+                if found[2] >= NO_BRANCH:
+                    beside = psi + (0.5 * SAME_ANGLE if side == 0 else -0.5 * SAME_ANGLE)
+                    found = solve_at_angle(P, target, beside, branch, goal, J, A)
+    return found
 
 
 @kernel
@@ -146,7 +192,7 @@ def solve_row_at(family, T, psi, asked, J, A, out):
     P = row(family, LIMITED)
     target = Target(R, p, place(P, R, p))
     goal = Goal(seed is not None, seed_or_zero(seed), respect)
-    found = put_on_limits(P, target, psi, solve_at_angle(P, target, psi, branch, goal, J, A), goal)
+    found = put_on_limits(P, target, psi, at_or_beside(P, target, psi, branch, goal, J, A), goal)
     measure_row_at(P, target, psi, found, respect, row(out, 0))
     return GOOD_POSE
 
@@ -172,9 +218,14 @@ def all_branches(P, T, asked, J, A, out, first):
         put_some(rows, ROW_POSITION_ERROR, ROW, measured, position)
         put_some(rows, ROW_ORIENTATION_ERROR, ROW, measured, orientation)
         right = as_bits(measured)
+        splits = respect and right != ALL and may_split(P, place_)
         for branch in range(8):
             answer = row(out, first + branch)
             q = read7(answer)
+            if splits and (right >> branch) & 1 == 0:
+                found = put_on_limits(P, target, psi, (q, branch, answer[ROW_COST]), Goal(False, NO_SEED, True))
+                measure_row_at(P, target, psi, found, respect, answer)
+                continue
             if (right >> branch) & 1 == 1:
                 off, turned = answer[ROW_POSITION_ERROR], answer[ROW_ORIENTATION_ERROR]
                 write_row(place_, q, branch, psi, (off, turned), (False, 0), answer)

@@ -1,0 +1,203 @@
+"""What callers give to torque controllers and simulations, checked: figures, and things of some class."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterable
+from typing import Any, TypeVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from srs_ik.errors import InvalidController, listed, quoted
+from srs_ik.inputs.numbers import real_array, real_number
+
+Array = NDArray[np.float64]
+Thing = TypeVar("Thing")
+
+MOST = 10_000_000
+"""Samples of a motion or a response."""
+
+
+def positive(value: Any, what: str) -> float:
+    """A positive number.
+
+    Raises:
+        InvalidController: it is none; `what` names it.
+    """
+    number = real_number(value)
+    if not 0.0 < number < math.inf:
+        raise InvalidController(f"the {what} has to be a positive number, not {quoted(value)}")
+    return number
+
+
+def not_negative(value: Any, what: str) -> float:
+    """A number from 0 on.
+
+    Raises:
+        InvalidController: it is none; `what` names it.
+    """
+    number = real_number(value)
+    if not 0.0 <= number < math.inf:
+        raise InvalidController(f"the {what} has to be a number from 0 on, not {quoted(value)}")
+    return number
+
+
+def number(value: Any, what: str) -> float:
+    """A finite number.
+
+    Raises:
+        InvalidController: it is none; `what` names it.
+    """
+    found = real_number(value)
+    if not math.isfinite(found):
+        raise InvalidController(f"the {what} has to be a finite number, not {quoted(value)}")
+    return found
+
+
+def count(value: Any, what: str) -> int:
+    """A whole number from 1 to `MOST`.
+
+    Raises:
+        InvalidController: it is none; `what` names it.
+    """
+    if isinstance(value, bool) or not isinstance(value, int | np.integer) or not 1 <= value <= MOST:
+        raise InvalidController(f"the {what} has to be a whole number from 1 to {MOST:,}, not {quoted(value)}")
+    return int(value)
+
+
+def flag(value: Any, what: str) -> bool:
+    """True or False.
+
+    Raises:
+        InvalidController: it is neither; `what` names it.
+    """
+    if not isinstance(value, bool | np.bool_):
+        raise InvalidController(f"{what} has to be True or False, not {quoted(value)}")
+    return bool(value)
+
+
+def one_of(value: Any, names: Iterable[str], what: str) -> str:
+    """One of some names.
+
+    Raises:
+        InvalidController: it is none; `what` is what has to be one.
+    """
+    if not (isinstance(value, str) and value in names):
+        raise InvalidController(f"{what} one of {listed(list(names))}, not {quoted(value)}")
+    return value
+
+
+def thing(value: Any, kind: type[Thing], what: str, made: str = "") -> Thing:
+    """A thing of a class.
+
+    Raises:
+        InvalidController: it is of another; `what` names it, and `made` says how to make one.
+    """
+    if not isinstance(value, kind):
+        hint = f", as {made} makes it" if made else ""
+        raise InvalidController(f"the {what} has to be of class {kind.__name__}{hint}, not {quoted(value)}")
+    return value
+
+
+def things(values: Any, kind: type[Thing], what: str) -> tuple[Thing, ...]:
+    """Several things of a class.
+
+    Raises:
+        InvalidController: not several, or not all of the class; `what` names them.
+    """
+    try:
+        found = tuple(values)
+    except Exception:  # of the object's own making
+        raise InvalidController(f"the {what} have to be a list of {kind.__name__}, not {quoted(values)}") from None
+    for value in found:
+        if not isinstance(value, kind):
+            raise InvalidController(f"the {what} have to be a list of {kind.__name__}; {quoted(value)} is none")
+    return found
+
+
+def called(value: Any, what: str) -> Callable[..., Any]:
+    """Something to call.
+
+    Raises:
+        InvalidController: it cannot be called; `what` names it.
+    """
+    if not callable(value):
+        raise InvalidController(f"the {what} has to be a function, not {quoted(value)}")
+    return value
+
+
+def vector(value: Any, what: str, size: int = 3) -> Array:
+    """Three finite numbers, or as many as are wanted.
+
+    Raises:
+        InvalidController: they are not; `what` names them.
+    """
+    numbers = _array(value)
+    if numbers is None or numbers.shape != (size,) or not np.isfinite(numbers).all():
+        raise InvalidController(f"the {what} has to be {size} finite numbers, not {quoted(value)}")
+    return numbers
+
+
+def distances(value: Any, what: str) -> Array:
+    """Finite numbers in any shape.
+
+    Raises:
+        InvalidController: they are not; `what` names them.
+    """
+    numbers = _array(value)
+    if numbers is None or not np.isfinite(numbers).all():
+        raise InvalidController(f"{what} has to be a finite number, or an array of them, not {quoted(value)}")
+    return numbers
+
+
+def seven_positive(value: Any, what: str) -> Array:
+    """(7,) positive figures from one or seven; infinite ones too.
+
+    Raises:
+        InvalidController: they are not; `what` names them.
+    """
+    values = _seven(value)
+    if values is None or not (values > 0.0).all():
+        raise InvalidController(f"{what} has to be one or seven positive figures, not {quoted(value)}")
+    return values
+
+
+def seven_not_negative(value: Any, what: str) -> Array:
+    """(7,) finite figures from 0 on, from one or seven.
+
+    Raises:
+        InvalidController: they are not; `what` names them.
+    """
+    values = _seven(value)
+    if values is None or not ((values >= 0.0) & np.isfinite(values)).all():
+        raise InvalidController(f"{what} has to be one or seven figures, none negative, not {quoted(value)}")
+    return values
+
+
+def torques(value: Any) -> Array:
+    """(7,) finite torques.
+
+    Raises:
+        InvalidController: they are not.
+    """
+    numbers = value if type(value) is np.ndarray and value.dtype == np.float64 else _array(value)
+    if numbers is None or numbers.shape != (7,) or not math.isfinite(sum(numbers.tolist())):
+        raise InvalidController(f"a torque has to be 7 finite numbers, N m, not {quoted(value)}")
+    return numbers
+
+
+def _array(value: Any) -> Array | None:
+    """An array of floats, or None for what is none."""
+    # NumPy makes NaN of None.
+    if value is None:
+        return None
+    try:
+        return real_array(value)
+    except (TypeError, ValueError):
+        return None
+
+
+def _seven(value: Any) -> Array | None:
+    values = _array(value)
+    return np.full(7, values) if values is not None and values.shape in ((), (1,), (7,)) else None

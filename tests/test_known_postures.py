@@ -1,0 +1,113 @@
+"""Postures that are known by construction lie in an interval of their pose, and all of an interval is met.
+
+`benchmarks/known.py` tries many more.
+"""
+
+import runpy
+import sys
+from pathlib import Path
+
+import arms
+import numpy as np
+import pytest
+from oracles import distance, inside, phases
+
+BENCHMARKS = Path(__file__).resolve().parents[1] / "benchmarks"
+
+
+@pytest.fixture(scope="module")
+def bench():
+    sys.path.insert(0, str(BENCHMARKS))
+    yield runpy.run_path(str(BENCHMARKS / "known.py"), run_name="known")
+    sys.path.remove(str(BENCHMARKS))
+
+
+def placed(name, q, joints, offset, rng):
+    """A posture with some middle joints this close to singular, inside the limits; None where these forbid it."""
+    arm, q, angles = arms.load(name), q.copy(), phases(arms.load(name).limb)
+    for joint in joints:
+        q[joint] = angles[joint] + offset * rng.choice([-1.0, 1.0])
+    return q if inside(q, arm.lower, arm.upper) else None
+
+
+def postures(name, count, salt, together, offsets):
+    rng = arms.generator(name, salt)
+    for number, q in enumerate(arms.configurations(name, count, salt)):
+        for joints in together:
+            near = placed(name, q, joints, offsets[(number + len(joints)) % len(offsets)], rng)
+            if near is not None:
+                yield near
+
+
+def assert_all_is_met(name, pose, count):
+    """Every arm angle of every interval has a posture in its branch, inside the limits, by Pinocchio."""
+    arm, forward, asked = arms.load(name), arms.forward(name), 0
+    for interval in arm.intervals(pose):
+        for share in np.linspace(0.0, 1.0, count):
+            psi = interval.lower + share * interval.width
+            solution = arm.solve(pose, arm_angle=psi, branch=interval.branch)
+            assert solution, (interval, share, solution)
+            assert max(distance(pose, forward(solution.q))) < 1e-9
+            assert inside(solution.q, arm.lower, arm.upper)
+            asked += 1
+    return asked
+
+
+@pytest.mark.parametrize("name", arms.here("iiwa14", "human_arm", "med7", "sia5d"))
+def test_every_arm_angle_of_an_interval_is_met_next_to_singular_postures(name):
+    """At its ends rounding turns joints by up to 1e-3 rad there; the other joint of a sum takes that over."""
+    forward = arms.forward(name)
+    together = ((1,), (5,), (1, 3), (3, 5), (1, 5), (1, 3, 5))
+    asked = 0
+    for q in postures(name, 16, 71, together, (0.0, 1e-12, 1e-10, 1e-8, 1e-7, 1e-6)):
+        asked += assert_all_is_met(name, forward(q), 3)
+    assert asked > 90
+
+
+def test_all_branches_at_the_end_of_an_interval_are_those_of_the_single_call():
+    arm, forward, seen = arms.load("iiwa14"), arms.forward("iiwa14"), 0
+    for q in postures("iiwa14", 12, 72, ((1, 3), (1, 3, 5)), (1e-11, 1e-9)):
+        pose = forward(q)
+        for interval in arm.intervals(pose):
+            found = {solution.branch: solution for solution in arm.solve_all(pose, arm_angle=interval.upper)}
+            assert interval.branch in found, (q.tolist(), interval)
+            assert inside(found[interval.branch].q, arm.lower, arm.upper)
+            assert max(distance(pose, forward(found[interval.branch].q))) < 1e-9
+            seen += 1
+    assert seen > 100
+
+
+NEARLY_STRAIGHT = [
+    [2.022509806951285, -1.6978942590630572, 1.0951563723747988, -0.03440066694748101, 1.9099775572521365],
+    [0.8022066076768497, -1.4355679630019904, -0.6195359453834746, -0.008431414597084963, -0.016301992872528537],
+    [-1.7629925920585412, -1.31943694094839, -0.08569091353850311, -0.06881983761089572, 0.6872961319085507],
+    [1.2355251201268453, -0.9214670633663602, 2.6556836911895276, -0.04769062813452862, 1.2471541902707841],
+]
+"""Joints 1 to 5; the nearest exact arm has its elbow on the line from shoulder to wrist, or cannot reach."""
+
+
+def assert_is_inside(bench, name, q):
+    """The arm angle of a posture is in an interval of its branch, or where a joint is singular of either side of it."""
+    arm, pose = arms.load(name), arms.forward(name)(q)
+    away = bench["beside"](arm, bench["Case"](q, pose, q, (), 0.0), arm.intervals(pose))
+    assert away < 1e-6, (away, q.tolist())
+
+
+@pytest.mark.parametrize("name", arms.here("iiwa14_experimental"))
+def test_both_bends_of_an_almost_straight_elbow_have_intervals(bench, name):
+    """An arm whose axes miss by fractions of a millimetre bends its elbow where the nearest exact one is straight."""
+    rng = arms.generator(name, 73)
+    for given in NEARLY_STRAIGHT:
+        assert_is_inside(bench, name, np.array([*given, 0.4, -0.9]))
+    for q in arms.configurations(name, 60, 74):
+        q[3] = rng.uniform(0.003, 0.08) * rng.choice([-1.0, 1.0])
+        assert_is_inside(bench, name, q)
+
+
+@pytest.mark.parametrize("name", arms.here("iiwa14_experimental"))
+def test_curves_that_pass_two_singularities_at_once_are_not_left_for_others(bench, name):
+    """There a jump to the curve beside turns the orientation around twice, and is not noticed by it."""
+    q = [-0.06701729400825007, -0.0001, -2.429632585369881, 0.2983243203429651, 1.9475864157432952, 0.0001]
+    assert_is_inside(bench, name, np.array([*q, 1.3160759865457488]))
+    for other in postures(name, 20, 75, ((1, 5),), (1e-4, 1e-5, 1e-6, 3e-4)):
+        assert_is_inside(bench, name, other)
