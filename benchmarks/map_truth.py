@@ -1,14 +1,24 @@
 """Whether maps are right: against Pinocchio, an independent solver, boxes and closed forms, at any size.
 
-    python benchmarks/map_truth.py --arm iiwa14 --poses 1000000 --cells 100000 --empty 10000
+    python benchmarks/map_truth.py                                            # all parts, iiwa14
+    python benchmarks/map_truth.py poses --robot gen3 --count 1000000 --seed 3
+    python benchmarks/map_truth.py empty --robot j2s7s300 --count 10000
 
-Arms are names that `srs_ik.load` knows, or FILE:BASE:TIP.
+Parts, a line each:
+
+    poses   of random configurations by Pinocchio: reached, and their own yaw inside their arcs
+    cells   that are called reached: a posture at a random yaw of a random arc, measured by Pinocchio
+    empty   cells that are called so although their wrist is within reach: restarts of an independent solver
+    box     cells of a box: whether they are what the arcs of the half-plane say of them
+
+Robots are names that `srs_ik.load` knows or `tests/arms.py` does, or FILE:BASE:TIP. Other seeds are other poses and
+cells, so a large count can be shared among processes. Exit status 1 if anything is wrong. Nothing is written.
 """
 
 from __future__ import annotations
 
 import argparse
-import tempfile
+import sys
 import time
 from pathlib import Path
 
@@ -18,20 +28,25 @@ from restarts import FOUND, Restarts
 
 import srs_ik
 from srs_ik.kernels.layout.maps import CELL_ARCS
-from srs_ik.maps import build_map
+from srs_ik.maps.build import plan_map
 from srs_ik.maps.live import turned
 from srs_ik.maps.plan import YAW, arcs_of
-from srs_ik.maps.tasks import in_base
+from srs_ik.maps.tasks import in_base, job_of, measures_at
 from srs_ik.solve.reachable import measured
 
 TURN = 2.0 * np.pi
 AT_ONCE = 20_000
+POINT = 200
+"""Cells of one position that are looked at together."""
+
+CLOSED = 1e-9
+"""A posture rebuilt from a cell is this close to its pose, m and rad."""
+
+COUNTS = {"poses": 100_000, "cells": 10_000, "empty": 1_000, "box": 10_000}
 
 
-def missed(arm, count, rng):
-    """Poses of random configurations by Pinocchio: reached, and their own yaw inside their arcs."""
-    lost = outside = 0
-    arcs = arcs_of(arm)
+def poses(arm, count, rng, given):
+    arcs, lost, outside, where = arcs_of(arm), 0, 0, []
     for first in range(0, count, AT_ONCE):
         Q = configurations(arm, min(AT_ONCE, count - first), rng)
         T = np.array([arm.forward_kinematics(q).homogeneous for q in Q])
@@ -39,109 +54,122 @@ def missed(arm, count, rng):
         rows = measured(arm.packed, T, arcs=arcs)[:, CELL_ARCS:].reshape(len(T), arcs, 2)
         start, width = rows[..., 0], rows[..., 1]
         # A yaw of zero on the very end of an arc may be off by rounding.
-        met = (width > 0.0) & ((1e-9 - start) % TURN <= width + 2e-9)
-        outside += int((~met.any(axis=1)).sum())
-    print(f"random configurations by Pinocchio: {count:,}, {lost} missed, {outside} outside their arcs of yaw")
+        met = ((width > 0.0) & ((1e-9 - start) % TURN <= width + 2e-9)).any(axis=1)
+        outside += int((~met).sum())
+        where += Q[~met].tolist()
+    shown = f": {where[: given.show]}" if where and given.show else ""
+    return lost + outside, f"{count:,}, {lost} missed, {outside} outside their arcs of yaw{shown}"
 
 
-def pose_of(chart, at, yaw=0.0):
-    T = np.eye(4)
-    T[:3, :3] = in_base(chart.plan).reshape(-1, 3, 3)[at[-1]]
-    T[:3, 3] = chart.plan.grid.points([slice(i, i + 1) for i in at[:-1]])[0]
-    return turned(chart.plan.grid.pose, yaw) @ T if yaw else T
+def some_cells(arm, plan, wanted, count, rng):
+    """Random cells that are reached, or that are not: poses at yaw 0, and arcs (n, arcs, 2)."""
+    job, rotations = job_of(arm, plan), in_base(plan)
+    points = plan.grid.points([slice(0, n) for n in plan.grid.shape])
+    wrist = np.linalg.solve(arm.limb.T_base_tip_zero, np.append(arm.limb.wrist, 1.0))[:3]
+    T, arcs, found = [], [], 0
+    while found < count:
+        point = points[rng.integers(len(points))]
+        turns = np.ascontiguousarray(rotations[rng.choice(len(rotations), min(POINT, len(rotations)), replace=False)])
+        at = turns.reshape(-1, 3, 3) @ wrist + point
+        near = np.linalg.norm(at - arm.limb.shoulder, axis=1) < arm.limb.upper_arm + arm.limb.forearm
+        if not near.any():
+            continue
+        turns = turns[near]
+        values = measures_at(job, point[None], turns)
+        kept = np.flatnonzero((values["reached"] > 0) == wanted)[: count - found]
+        each = np.tile(np.eye(4), (len(kept), 1, 1))
+        each[:, :3, :3], each[:, :3, 3] = turns[kept].reshape(-1, 3, 3), point
+        T.append(each)
+        arcs.append(values[YAW][kept])
+        found += len(kept)
+    return np.concatenate(T), np.concatenate(arcs)
 
 
-def poses_of(chart, cells, yaws=None):
-    points = chart.plan.grid.points([slice(0, n) for n in chart.plan.grid.shape])
-    T = np.tile(np.eye(4), (len(cells), 1, 1))
-    T[:, :3, :3] = in_base(chart.plan).reshape(-1, 3, 3)[cells[:, -1]]
-    T[:, :3, 3] = points[np.ravel_multi_index(cells[:, :-1].T, chart.plan.grid.shape)]
-    if yaws is not None:
-        T = np.array([turned(chart.plan.grid.pose, yaw) for yaw in yaws]) @ T
-    return T
-
-
-def rebuilt(arm, chart, count, rng):
-    """Cells called reached: a posture inside the limits, at a random yaw of a random arc, measured by Pinocchio."""
-    cells = np.argwhere(chart.measure("reached") > 0)
-    cells = cells[rng.choice(len(cells), min(count, len(cells)), replace=False)]
-    arcs = chart.measure(YAW)[tuple(cells.T)]
+def cells(arm, count, rng, given):
+    plan = plan_map(arm, given.step, orientations=given.orientations)
+    T, arcs = some_cells(arm, plan, True, count, rng)
     k = np.argmax(rng.uniform(size=arcs.shape[:2]) * (arcs[..., 1] > 0.0), axis=1)
-    start, width = arcs[np.arange(len(cells)), k].T
-    T = poses_of(chart, cells, start + rng.uniform(0.0, 1.0, len(cells)) * width)
+    start, width = arcs[np.arange(len(T)), k].T
+    yaws = start + rng.uniform(0.0, 1.0, len(T)) * width
+    T = np.array([turned(plan.grid.pose, yaw) for yaw in yaws]) @ T
     found = arm.solve_batch(T)
     worst = out = 0.0
-    for pose, q in zip(T, found.q, strict=True):
+    for pose, q in zip(T[found.ok], found.q[found.ok], strict=True):
         error = arm.verify(pose, q)
         worst = max(worst, error.position, error.orientation)
         out = max(out, float((arm.lower - q).max()), float((q - arm.upper).max()))
-    print(
-        f"cells called reached: {len(cells):,}, {int((~found.ok).sum())} without a posture, off by {worst:.2g} m or "
-        f"rad, {max(out, 0.0):.2g} rad outside the limits"
-    )
+    without = int((~found.ok).sum())
+    off = f"off by {worst:.2g} m or rad, {max(out, 0.0):.2g} rad outside limits"
+    return without + (worst > CLOSED) + (out > 0.0), f"{len(T):,}, {without} without a posture, {off}"
 
 
-def empty(arm, chart, count, restarts, rng):
-    """Cells called empty whose wrist is within reach: an independent solver finds nothing, at any yaw."""
-    cells = np.argwhere(chart.measure("reached") == 0)
-    cells = cells[rng.permutation(len(cells))[: 20 * count]]
-    T = poses_of(chart, cells)
-    wrist = T[:, :3, :3] @ (np.linalg.inv(arm.limb.T_base_tip_zero) @ np.append(arm.limb.wrist, 1.0))[:3] + T[:, :3, 3]
-    near = np.linalg.norm(wrist - arm.limb.shoulder, axis=1) < arm.limb.upper_arm + arm.limb.forearm
-    T = T[near][:count]
+def empty(arm, count, rng, given):
+    plan = plan_map(arm, given.step, orientations=given.orientations)
+    T, _ = some_cells(arm, plan, False, count, rng)
     solver = Restarts(arm, free=[0])
-    begin = time.perf_counter()
-    error, _ = solver.best(T, restarts, rng)
-    took = time.perf_counter() - begin
+    error = solver.best(T, given.restarts, rng)
     known = np.array([arm.forward_kinematics(q).homogeneous for q in configurations(arm, 1000, rng)])
-    power, _ = solver.best(known, restarts, rng)
-    print(
-        f"cells called empty: {len(T):,} with their wrist within reach, {restarts} restarts each in {took:.0f} s: "
-        f"{int((error < FOUND).sum())} postures found, nearest {error.min():.2g}; of 1,000 poses that are reached the "
-        f"solver finds {int((power < FOUND).sum())}"
+    power = int((solver.best(known, given.restarts, rng) < FOUND).sum())
+    wrong = int((error < FOUND).sum())
+    return wrong, (
+        f"{len(T):,} with their wrist within reach, {given.restarts} restarts each: {wrong} postures found, nearest "
+        f"{error.min():.2g}; of 1,000 poses that are reached the solver finds {power}"
     )
 
 
-def alike(arm, chart, folder, count):
-    """Cells of a box: what the arcs of the half-plane say of their poses."""
-    size = max(2, round((count / 576) ** (1 / 3)))
-    centre, reach = arm.limb.shoulder, 0.8 * (arm.limb.upper_arm + arm.limb.forearm)
-    step = 2.0 * reach / size
-    bounds = np.round((centre[:, None] + np.array([-reach, reach])) / step) * step
-    made = build_map(arm, step, Path(folder, "box.zarr"), orientations=576, box=bounds.tolist())
-    box = made.measure("reached")
-    cells = np.argwhere(box >= 0)
-    T, arcs = poses_of(made, cells), arcs_of(arm)
-    rows = measured(arm.packed, T, arcs=arcs)[:, CELL_ARCS:].reshape(len(T), arcs, 2)
-    inside = ((rows[..., 1] > 0.0) & ((-rows[..., 0]) % TURN <= rows[..., 1])).any(axis=1)
-    different = int((inside != (box.ravel() > 0)).sum())
-    print(f"box against half-plane: {len(cells):,} cells, {100.0 * inside.mean():.0f} % reached, {different} different")
+def box(arm, count, rng, given):
+    reach = 0.8 * (arm.limb.upper_arm + arm.limb.forearm)
+    bounds = np.stack([arm.limb.shoulder - reach, arm.limb.shoulder + reach], axis=1)
+    plan = plan_map(arm, given.step, orientations=given.orientations, box_bounds=bounds.tolist())
+    job, rotations, arcs = job_of(arm, plan), in_base(plan), arcs_of(arm)
+    points = plan.grid.points([slice(0, n) for n in plan.grid.shape])
+    different = inside = 0
+    for _ in range(max(1, count // POINT)):
+        point = points[rng.integers(len(points))]
+        turns = np.ascontiguousarray(rotations[rng.choice(len(rotations), min(POINT, len(rotations)), replace=False)])
+        T = np.tile(np.eye(4), (len(turns), 1, 1))
+        T[:, :3, :3], T[:, :3, 3] = turns.reshape(-1, 3, 3), point
+        rows = measured(arm.packed, T, arcs=arcs)[:, CELL_ARCS:].reshape(len(T), arcs, 2)
+        met = ((rows[..., 1] > 0.0) & ((-rows[..., 0]) % TURN <= rows[..., 1])).any(axis=1)
+        different += int((met != (measures_at(job, point[None], turns)["reached"] > 0)).sum())
+        inside += int(met.sum())
+    looked = max(1, count // POINT) * len(turns)
+    return different, f"{looked:,} cells, {100.0 * inside / looked:.0f} % reached, {different} different"
+
+
+PARTS = {"poses": poses, "cells": cells, "empty": empty, "box": box}
 
 
 def load(name):
     file, *frames = name.split(":")
-    return srs_ik.load(file, base=frames[0], tip=frames[1]) if frames else srs_ik.load(file)
+    if frames:
+        return srs_ik.load(file, base=frames[0], tip=frames[1])
+    sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "tests"))
+    import arms
+
+    return arms.load(name) if name in arms.PLACES else srs_ik.load(name)
 
 
-def main():
+def main(words=None):
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--arm", default="iiwa14")
-    parser.add_argument("--poses", type=int, default=100_000)
-    parser.add_argument("--cells", type=int, default=10_000)
-    parser.add_argument("--empty", type=int, default=1_000)
+    parser.add_argument("part", nargs="?", choices=list(PARTS), help="all by default")
+    parser.add_argument("--robot", default="iiwa14")
+    parser.add_argument("--count", type=int, help="poses or cells of a part")
+    parser.add_argument("--seed", type=int, default=7)
     parser.add_argument("--restarts", type=int, default=50)
     parser.add_argument("--step", type=float, default=0.1)
     parser.add_argument("--orientations", type=int, default=576)
-    arguments = parser.parse_args()
-    arm, rng = load(arguments.arm), np.random.default_rng(7)
-    missed(arm, arguments.poses, rng)
-    with tempfile.TemporaryDirectory() as folder:
-        chart = build_map(arm, arguments.step, Path(folder, "map.zarr"), orientations=arguments.orientations)
-        print(chart)
-        rebuilt(arm, chart, arguments.cells, rng)
-        empty(arm, chart, arguments.empty, arguments.restarts, rng)
-        alike(arm, chart, folder, arguments.cells)
+    parser.add_argument("--show", type=int, default=3, help="configurations to print of poses outside their arcs")
+    given = parser.parse_args(words)
+    arm, wrong = load(given.robot), 0
+    for part in [given.part] if given.part else PARTS:
+        rng = np.random.default_rng([given.seed, list(PARTS).index(part)])
+        begin = time.perf_counter()
+        found, words = PARTS[part](arm, given.count or COUNTS[part], rng, given)
+        wrong += found
+        print(f"{given.robot}, seed {given.seed}, {part}: {words}; {time.perf_counter() - begin:.1f} s", flush=True)
+    return 1 if wrong else 0
 
 
 if __name__ == "__main__":
-    main()
+    sys.exit(main())

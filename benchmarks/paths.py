@@ -13,6 +13,7 @@ import argparse
 import time
 import zlib
 from collections.abc import Sequence
+from pathlib import Path
 
 import numpy as np
 
@@ -34,6 +35,17 @@ ARMS = (
     "h1_2_left",
 )
 KINDS = ("aside", "cross", "limits", "singular")
+BESIDE = Path(__file__).resolve().parents[2] / "shared" / "urdf"
+OF_MAKERS = {
+    "med7": "med7_lbr_stack",
+    "openarm_left": "openarm_v10_bimanual",
+    "sia10": "motoman_sia10f",
+    "rm75": "realman_rm75",
+    "j2s7s300": "kinova_j2s7s300",
+    "h1_2_left": "unitree_h1_2_handless",
+}
+"""Files of makers, used where they lie beside the checkout."""
+
 WIDE = 1.5 * np.pi
 """Joints without limits move so far to both sides, rad."""
 
@@ -160,11 +172,13 @@ def measure_ssik(arm: srs_ik.Arm, kind: str, motions: int, count: int) -> str:
 
 
 def load_all(names: Sequence[str], files: dict[str, str]) -> list[srs_ik.Arm]:
-    """The robots whose files are here."""
+    """The robots whose files are here, or beside the checkout."""
     arms = []
     for name in names:
+        beside = BESIDE / f"{OF_MAKERS.get(name, name)}.urdf"
+        file = files.get(name, beside if beside.is_file() else None)
         try:
-            arms.append(srs_ik.load(name, urdf=files[name]) if name in files else srs_ik.load(name))
+            arms.append(srs_ik.load(name) if file is None else srs_ik.load(name, urdf=file))
         except srs_ik.SrsIkError as error:
             print(f"{name} is left out: {error}\n")
     return arms

@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 from srs_ik.collision.owner import BodyOwner, BodyPlan
 from srs_ik.errors import NotAnSrsLimb
 from srs_ik.inputs.poses import PoseLike, as_bounded_joint_vector, as_rigid_matrix
-from srs_ik.kernels.entries import rates
+from srs_ik.kernels.entries import kinematics as entries
 from srs_ik.robot import changes
 from srs_ik.robot.chain import Chain
 from srs_ik.robot.limb import Hand, SrsLimb
@@ -540,7 +540,7 @@ class Arm(BodyOwner):
         Raises:
             InvalidConfiguration: not 7 finite angles, or one beyond 1e6 rad.
         """
-        return float(rates.configuration_arm_angle(self.packed.family, as_bounded_joint_vector(q))[0])
+        return float(entries.configuration_arm_angle(self.packed.family, as_bounded_joint_vector(q))[0])
 
     def branch(self, q: ArrayLike) -> int:
         """Branch of a configuration, 0 to 7.
@@ -548,7 +548,7 @@ class Arm(BodyOwner):
         Raises:
             InvalidConfiguration: not 7 finite angles, or one beyond 1e6 rad.
         """
-        return int(rates.configuration_arm_angle(self.packed.family, as_bounded_joint_vector(q))[1])
+        return int(entries.configuration_arm_angle(self.packed.family, as_bounded_joint_vector(q))[1])
 
     def arm_angle_jacobian(self, q: ArrayLike) -> Array:
         """Derivatives of the arm angle by the joint angles, (7,), rad/rad: its rate is ``arm_angle_jacobian(q) @ dq``.
@@ -566,7 +566,7 @@ class Arm(BodyOwner):
         H. Seraji, Kinematic Analysis of 7-DOF Manipulators, IJRR 11(5), 1992.
         """
         derivatives = np.empty(7)
-        rates.arm_angle_jacobian(self.packed.family, as_bounded_joint_vector(q), derivatives)
+        entries.arm_angle_jacobian(self.packed.family, as_bounded_joint_vector(q), derivatives)
         return derivatives
 
     def self_motion_tangent(self, q: ArrayLike) -> Array:
@@ -581,7 +581,7 @@ class Arm(BodyOwner):
             InvalidConfiguration: not 7 finite angles, or one beyond 1e6 rad.
         """
         derivatives = np.empty(7)
-        rates.self_motion_tangent(self.packed.family, as_bounded_joint_vector(q), derivatives)
+        entries.self_motion_tangent(self.packed.family, as_bounded_joint_vector(q), derivatives)
         return derivatives
 
     def solution_derivatives(self, q: ArrayLike) -> SolutionDerivatives:

@@ -5,12 +5,13 @@ from __future__ import annotations
 from itertools import pairwise
 
 import numpy as np
-from numba import njit
 
 import srs_ik
 
 TURN = 2.0 * np.pi
 BREAK = 1e6
+ANY_STEP = 1e4
+"""No step has larger squares."""
 
 
 def swept_postures(arm: srs_ik.Arm, pose: np.ndarray, count: int) -> np.ndarray:
@@ -30,50 +31,53 @@ def swept_postures(arm: srs_ik.Arm, pose: np.ndarray, count: int) -> np.ndarray:
     return rows
 
 
-@njit(cache=True)
+CHUNK = 64
+"""So many postures are looked at together."""
+
+
+def differences(a: np.ndarray, b: np.ndarray, endless: np.ndarray) -> np.ndarray:
+    """(k, m, 7) joint steps from postures a (k, 7) to b (m, 7), the shorter way round for joints without end."""
+    d = b[None] - a[:, None]
+    d[..., endless] -= TURN * np.floor(d[..., endless] / TURN + 0.5)
+    return d
+
+
 def advance(before: np.ndarray, cost: np.ndarray, now: np.ndarray, longest: float, endless: np.ndarray) -> np.ndarray:
     """(m,) least costs of postures now from those of postures before, all pairs; one of a break where it is cheaper.
 
-    Postures before are sorted by their first joint that has ends, so that those too far away in it are left out.
+    Both are sorted by the joint that differs most of those that have ends: who is too far away in it is left out.
     """
-    key = 0
-    while endless[key] and key < 6:
-        key += 1
-    order = np.argsort(before[:, key])
-    keys = before[order, key]
+    spread = np.where(endless, -1.0, np.ptp(before, axis=0))
+    key = int(spread.argmax())
+    order, queue = np.argsort(before[:, key]), np.argsort(now[:, key])
+    before, cost = before[order], cost[order]
+    keys = before[:, key]
     cheapest = cost.min()
+    open_ended = cost < cheapest + ANY_STEP
     best = np.empty(len(now))
-    for i in range(len(now)):
-        least = 1e300
-        first, last = 0, len(order)
+    for first in range(0, len(now), CHUNK):
+        some = queue[first : first + CHUNK]
+        there = now[some]
+        a, b = 0, len(keys)
         if not endless[key]:
-            first = np.searchsorted(keys, now[i, key] - longest)
-            last = np.searchsorted(keys, now[i, key] + longest, side="right")
-        for k in range(first, last):
-            total, most = cost[order[k]], 0.0
-            for j in range(7):
-                d = now[i, j] - before[order[k], j]
-                if endless[j]:
-                    d -= TURN * np.floor(d / TURN + 0.5)
-                most = max(most, abs(d))
-                total += d * d
-                if most > longest or total >= least:
-                    break
-            if most <= longest and total < least:
-                least = total
-        if least > cheapest + BREAK:
-            for k in range(len(before)):
-                total = cost[k] + BREAK
-                if total >= least:
-                    continue
-                for j in range(7):
-                    d = now[i, j] - before[k, j]
-                    if endless[j]:
-                        d -= TURN * np.floor(d / TURN + 0.5)
-                    total += d * d
-                least = min(least, total)
-        best[i] = least
+            a = np.searchsorted(keys, there[0, key] - longest)
+            b = np.searchsorted(keys, there[-1, key] + longest, side="right")
+        least = _cheapest(before[a:b], cost[a:b], there, longest, endless)
+        lost = least > cheapest + BREAK
+        if lost.any():
+            leap = _cheapest(before[open_ended], cost[open_ended] + BREAK, there[lost], np.inf, endless)
+            least[lost] = np.minimum(least[lost], leap)
+        best[some] = least
     return best
+
+
+def _cheapest(before: np.ndarray, cost: np.ndarray, now: np.ndarray, longest: float, endless: np.ndarray) -> np.ndarray:
+    """(m,) least costs by steps that are not too long; inf where there is none."""
+    d = differences(now, before, endless)
+    total = cost + np.einsum("ijk,ijk->ij", d, d)
+    if np.isfinite(longest):
+        total[np.abs(d).max(axis=2, initial=0.0) > longest] = np.inf
+    return total.min(axis=1, initial=np.inf)
 
 
 def best_path(arm: srs_ik.Arm, nodes: list[np.ndarray], seed: np.ndarray | None, longest: float) -> tuple[int, float]:

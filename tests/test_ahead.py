@@ -205,12 +205,78 @@ def test_compiled_ahead_and_compiled_by_numba_give_the_same_answers(installed, r
     same(answers_of(installed, robot), expected)
 
 
+TARGET = "from srs_ik.kernels.native import extension; print(extension().target())"
+
+
 @pytest.mark.skipif(len(build.targets()) < 2, reason="one kind of processor")
 @pytest.mark.parametrize("robot", ROBOTS)
 def test_machines_without_wide_registers_give_the_same_answers(installed, robot):
+    least = build.targets()[0][0]
+    if run_installed(installed, TARGET, SRS_IK_TARGET=least) != f"{least}\n":
+        assert os.environ.get("SRS_IK_BUILD") != "portable"
+        pytest.skip(
+            "compiled for this kind of processor alone: SRS_IK_BUILD=portable python -m srs_ik.kernels.ahead.build"
+        )
+    same(answers_of(installed, robot, SRS_IK_TARGET=least), answers_of(installed, robot))
+
+
+def build_of_one_room(folder: Path, program: str, **environment: str) -> None:
+    """Compile the entries of kinematics into a folder, by a program that says for what."""
+    program = f"""
+from pathlib import Path
+from srs_ik.kernels.ahead import build
+from srs_ik.kernels.ahead.signatures import read_table
+entries = tuple(entry for entry in read_table() if entry.room == "kinematics")
+if __name__ == "__main__":
+    {program}
+    build.build(Path({str(folder)!r}), entries, kinds)
+"""
+    path = folder.with_suffix(".py")
+    path.write_text(program)
+    numbers = {"PYTHONPATH": str(ROOT), "PYTHONHASHSEED": "0", "SRS_IK_JIT": "1"}
+    subprocess.run([sys.executable, str(path)], check=True, env={**os.environ, **numbers, **environment})
+
+
+def test_kernels_for_another_processor_say_so_in_one_line(installed, tmp_path):
+    """As in an image that was built elsewhere: the only kind that was compiled for is one that this machine lacks."""
+    made = tmp_path / "made"
+    build_of_one_room(made, "kinds = ((build.targets()[0][0], 'false'),)")
+    copy = tmp_path / "copy"
+    shutil.copytree(installed, copy, ignore=shutil.ignore_patterns("__pycache__", "*.so"))
+    for path in made.glob("*.so"):
+        shutil.copy(path, copy / "srs_ik" / "kernels" / "native")
+    program = "try:\n    import srs_ik.arm\nexcept ImportError as error:\n    print(error)"
+    said = run_installed(copy, program)
+    assert said.count("\n") == 1
+    assert f"for {build.targets()[0][0]}, which this processor is not" in said
+    assert "SRS_IK_BUILD=portable" in said
+    assert "pip install 'srs-ik[jit]'" in said
+    program = f"import sys; sys.path.insert(0, {str(copy)!r}); import srs_ik.arm"
+    clean = {name: value for name, value in os.environ.items() if not name.startswith(("SRS_IK", "PYTHON"))}
+    done = subprocess.run(
+        [sys.executable, "-c", program], cwd=copy, env=clean, capture_output=True, text=True, check=True
+    )
+    assert done.stderr.count(": RuntimeWarning: ") == 1
+    assert "until then Numba compiles what is called" in done.stderr
+
+
+def test_this_machine_is_of_its_own_kind(installed):
     names = [name for name, _ in build.targets()]
-    best, least = (answers_of(installed, robot, SRS_IK_TARGET=name) for name in (names[-1], names[0]))
-    same(least, best)
+    assert run_installed(installed, TARGET) == f"{build.own_kind()[0] if len(names) > 1 else names[0]}\n"
+
+
+@pytest.mark.parametrize(("asked", "count"), [("", 1), ("portable", len(build.targets()))])
+def test_a_build_is_for_this_machine_unless_it_is_to_be_handed_on(monkeypatch, asked, count):
+    monkeypatch.setenv("SRS_IK_BUILD", asked)
+    kinds = build.targets(portable=build.is_portable())
+    assert len(kinds) == count
+    assert set(kinds) <= set(build.targets())
+
+
+def test_a_build_for_something_unknown_is_refused(monkeypatch):
+    monkeypatch.setenv("SRS_IK_BUILD", "everything")
+    with pytest.raises(ValueError, match="SRS_IK_BUILD is portable or pure, not everything"):
+        build.is_portable()
 
 
 @pytest.mark.parametrize("robot", ROBOTS)

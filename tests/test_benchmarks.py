@@ -87,6 +87,23 @@ def test_the_benchmark_of_the_redundancy_prints_what_does_not_hold(monkeypatch, 
         bench["main"](["--scale", "0"])
 
 
+@pytest.mark.parametrize(
+    ("words", "told"),
+    [
+        (["known", "--poses", "60", "--kind", "cross", "--count", "1"], "seeded: 0 breaks, 0 larger"),
+        (["brute", "--angles", "120", "--count", "2"], "0 with more breaks"),
+        (["broken", "--angles", "120", "--count", "1"], "0 with more breaks"),
+    ],
+)
+def test_the_benchmark_of_paths_prints_one_line(monkeypatch, capsys, words, told):
+    monkeypatch.syspath_prepend(str(ROOT / "benchmarks"))
+    bench = runpy.run_path(str(ROOT / "benchmarks" / "path_truth.py"), run_name="path_truth")
+    assert bench["main"]([*words, "--robot", "iiwa14"]) == 0
+    (line,) = capsys.readouterr().out.splitlines()
+    assert line.startswith(f"iiwa14 {words[0] if words[0] != 'known' else 'cross'}")
+    assert told in line
+
+
 @pytest.fixture(scope="module")
 def no_false_ok() -> dict:
     sys.path.append(str(ROOT / "benchmarks"))

@@ -82,6 +82,23 @@ def test_a_broken_path_is_exit_status_1_with_the_line_of_the_file(tmp_path):
     assert broken["status"][first.sample] == "UNREACHABLE"
 
 
+@pytest.mark.parametrize("word", ["8", "8,8,9,9,10,10,11"])
+def test_limits_of_acceleration_give_the_times_at_which_poses_are_passed(tmp_path, word):
+    poses = line_of_poses(20)
+    out = tmp_path / "joints.csv"
+    words = ["--seed", *map(str, Q), "--objective", "time", "--acceleration", word, "--out", str(out)]
+    file = write(tmp_path / "poses.csv", poses)
+    got = answer("path", "iiwa14", file, *words)
+    limit = np.array([float(each) for each in word.split(",")]) * np.ones(7)
+    expected = srs_ik.load("iiwa14").solve_path(poses, seed=Q, objective="time", acceleration_limit=limit)
+    np.testing.assert_allclose(got["times"], expected.times, atol=1e-6)
+    assert got["value"] == got["times"][-1]
+    rows = list(csv.reader(out.open()))
+    assert rows[0][0] == "t"
+    np.testing.assert_array_equal(np.array(rows[1:], float)[:, 0], got["times"])
+    assert f"{got['times'][-1]:.4g} s from rest to rest" in run("path", "iiwa14", file, *words).stdout
+
+
 def test_the_picture_of_the_strips_is_drawn(tmp_path):
     picture = tmp_path / "strips.png"
     poses = line_of_poses(12)
@@ -130,6 +147,10 @@ def test_a_wrong_file_is_one_line_with_its_place(tmp_path, text, named):
         (["--dt", "0"], "--dt takes a positive number"),
         (["--longest-step", "-1"], "--longest-step"),
         (["--seed", "1", "2"], "--seed takes 7 numbers, not 2"),
+        (["--acceleration", "5"], "--acceleration goes with --objective time"),
+        (["--objective", "time", "--acceleration", "5,6"], "--acceleration takes one number, or 7"),
+        (["--objective", "time", "--acceleration", "fast"], "--acceleration takes a number, not 'fast'"),
+        (["--objective", "time", "--acceleration", "0"], "--acceleration takes a positive number"),
         (["--out", "no/such/folder/q.csv"], "no/such/folder"),
         (["--tip", "nose"], "nose"),
     ],

@@ -104,6 +104,9 @@ def test_a_path_goes_around_what_the_best_one_would_hit(arm):
     around = arm.solve_path(poses, scene=scene, margin=0.01)
     assert around
     assert np.abs(around.steps).max() < 0.5
+    assert around.value == pytest.approx((around.steps**2).sum())
+    assert through.value < around.value
+    assert 0.0 < around.lower_bound <= through.value
     tables = arm.tables(scene)
     assert min(clearance(arm, tables, q) for q in through.q) < 0.0
     between = [q + t * step for q, step in zip(around.q, around.steps, strict=False) for t in (0.0, 0.3, 0.6)]

@@ -244,6 +244,10 @@ def test_a_path_takes_the_turns_that_serve_it_best(name):
         assert_met(name, free, q, pose)
     np.testing.assert_allclose(found.steps, np.diff(found.q, axis=0))
     assert (found.steps**2).sum() < 0.5 * (whole.steps**2).sum()
+    assert found.value == pytest.approx((found.steps**2).sum())
+    assert found.lower_bound == 0.0
+    timed = arm.solve_path(poses, free_axis=free, objective="time", acceleration_limit=np.full(7, 9.0))
+    assert timed.value == timed.times[-1] > 0.0
     seeded = arm.solve_path(poses, seed=found.q[0], free_axis=free, dt=0.1)
     assert seeded
     # The seed is where the arm is: the first step is no break.

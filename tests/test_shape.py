@@ -1,4 +1,4 @@
-"""The shape of the kernels: few arguments, short files."""
+"""The shape of the kernels: few arguments, short files, small rooms."""
 
 from __future__ import annotations
 
@@ -17,6 +17,9 @@ MOST_WITH_MANY = 0.06
 
 LONGEST_FILE = 400
 
+MOST_FILES = 15
+"""So many files are in a room at most, its `__init__` among them."""
+
 
 def test_few_functions_have_many_arguments():
     counts = {
@@ -32,3 +35,10 @@ def test_few_functions_have_many_arguments():
 def test_files_are_short():
     lines = {str(path.relative_to(KERNELS)): len(path.read_text().splitlines()) for path in KERNELS.rglob("*.py")}
     assert {name: count for name, count in lines.items() if count > LONGEST_FILE} == {}
+
+
+def test_rooms_are_small():
+    rooms = {
+        str(room.relative_to(KERNELS)): len(list(room.glob("*.py"))) for room in KERNELS.rglob("*") if room.is_dir()
+    }
+    assert {name: count for name, count in rooms.items() if count > MOST_FILES} == {}

@@ -59,6 +59,13 @@ def path(
     objective: Annotated[
         Least, typer.Option(help="What is least among the paths with the fewest breaks.")
     ] = Least.sum_of_squares,
+    acceleration: Annotated[
+        str | None,
+        typer.Option(
+            metavar="RAD/S2",
+            help="With --objective time: largest acceleration of every joint, or seven with commas between them.",
+        ),
+    ] = None,
     closed: Annotated[
         bool, typer.Option("--closed", help="End in the posture of the beginning; the last pose is the first one.")
     ] = False,
@@ -96,6 +103,8 @@ def path(
         options["dt"] = _positive("--dt", dt)
     if longest_step is not None:
         options["longest_step"] = unit * _positive("--longest-step", longest_step)
+    if acceleration is not None:
+        options["acceleration_limit"] = _accelerations(acceleration, objective)
     T_base_tip, lines = read_poses(poses, unit)
     options.update(read(scene, margin, exact))
 
@@ -105,7 +114,7 @@ def path(
     with at_work(f"a path through {len(T_base_tip)} poses"):
         found = arm.solve_path(T_base_tip, **options)  # type: ignore[arg-type]
     if out is not None and found:
-        write_path(out, arm, found, options.get("dt"))  # type: ignore[arg-type]
+        write_path(out, arm, found, _times(found, options.get("dt")))
     if plot is not None:
         from srs_ik.plots import plot_path
 
@@ -128,6 +137,24 @@ def _positive(option: str, word: str) -> float:
     return figure
 
 
+def _accelerations(word: str, objective: Least) -> list[float]:
+    """One figure for all joints, or one for each."""
+    if objective is not Least.time:
+        raise WrongInput(f"--acceleration goes with --objective time, not with {objective.value}")
+    words = word.split(",")
+    if len(words) not in (1, 7):
+        raise WrongInput(f"--acceleration takes one number, or 7 with commas between them, not {len(words)}")
+    found = [_positive("--acceleration", each) for each in words]
+    return found * 7 if len(found) == 1 else found
+
+
+def _times(found: PathSolution, dt: object) -> list[float] | None:
+    """When the path passes its poses, s, where that is known."""
+    if found.times is not None:
+        return [float(t) for t in found.times]
+    return [i * dt for i in range(len(found))] if isinstance(dt, float) else None
+
+
 def _print_json(arm: Arm, found: PathSolution, lines: list[int]) -> None:
     from srs_ik.cli.render import print_json
 
@@ -142,6 +169,8 @@ def _print_json(arm: Arm, found: PathSolution, lines: list[int]) -> None:
             "branch": found.branch,
             "arm_angle": found.arm_angle,
             "largest_step": found.largest_step,
+            "value": found.value,
+            "times": found.times,
             "breaks": [
                 {
                     "sample": b.sample,
@@ -177,4 +206,5 @@ def _print_table(arm: Arm, found: PathSolution) -> None:
     out.print(table(("joint", "first (deg)", "least", "most", "largest step"), rows))
     worst = found.position_error.max(), found.orientation_error.max()
     breaks = f"{len(found.breaks)} {'break' if len(found.breaks) == 1 else 'breaks'}"
-    out.print(f"{breaks}; errors up to {worst[0]:.1e} m and {worst[1]:.1e} rad")
+    takes = "" if found.times is None else f"; {found.times[-1]:.4g} s from rest to rest"
+    out.print(f"{breaks}; errors up to {worst[0]:.1e} m and {worst[1]:.1e} rad{takes}")

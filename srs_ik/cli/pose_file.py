@@ -160,15 +160,17 @@ def figures(where: str, row: Sequence[str], columns: dict[str, int]) -> Iterator
         yield figure
 
 
-def write_path(path: Path, arm: Arm, found: PathSolution, dt: float | None) -> None:
+def write_path(path: Path, arm: Arm, found: PathSolution, times: Sequence[float] | None) -> None:
     """Write the joint angles of a path, rad, a line for each pose: the joints by name, after the time if it is known.
 
     Raises:
         OSError: the file cannot be written.
     """
-    times = ([i * dt] if dt else [] for i in range(len(found)))
-    rows = ([*time, *q] for time, q in zip(times, found.q.tolist(), strict=True))
-    write_table(path, (*(["t"] if dt else []), *arm.joint_names), rows)
+    if times is None:
+        write_table(path, arm.joint_names, found.q.tolist())
+        return
+    rows = ([time, *q] for time, q in zip(times, found.q.tolist(), strict=True))
+    write_table(path, ("t", *arm.joint_names), rows)
 
 
 def write_table(path: Path, header: Sequence[str], rows: Iterable[Sequence[object]]) -> None:

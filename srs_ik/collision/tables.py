@@ -147,7 +147,7 @@ def _rows(arm: ChainKinematics, body: Body, frames: Array, lines: tuple[Array, A
 def _drift(limb: SrsLimb) -> float:
     """How far links may be from those of the nearest exact limb at the same joint angles, m."""
     worst = float(limb.misses.max())
-    return 0.0 if worst < _EXACT else 2.0 * float(limb.misses.sum())
+    return 0.0 if worst < _EXACT else 2.0 * float(limb.offsets.sum())
 
 
 _EXACT = 1e-12

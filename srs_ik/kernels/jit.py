@@ -11,6 +11,7 @@ indirectly.
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Callable
 from functools import partial
 from pathlib import Path
@@ -29,8 +30,12 @@ if BY_NUMBA:
         from numba import njit, types
     except ImportError as error:
         raise ImportError(
-            "srs_ik has no compiled kernels here, and no Numba to compile them: pip install 'srs-ik[jit]'"
+            f"{native.refused() or 'srs_ik has no compiled kernels here'}, and no Numba to compile them: pip install "
+            "'srs-ik[jit]'"
         ) from error
+
+    if native.refused():
+        warnings.warn(f"{native.refused()}; until then Numba compiles what is called", RuntimeWarning, stacklevel=1)
 
     from srs_ik.kernels.disk import KernelCache
 

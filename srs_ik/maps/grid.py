@@ -129,8 +129,7 @@ def box(arm: Arm, step: float, bounds: object = None) -> Grid:
 def reach_of(arm: Arm) -> float:
     """No pose of the tip is farther from the shoulder than this, metres."""
     limb = arm.limb
-    misses = float(np.sum(limb.misses))
-    return limb.upper_arm + limb.forearm + limb.hand + 2.0 * misses
+    return limb.upper_arm + limb.forearm + limb.hand + 2.0 * float(np.sum(limb.offsets))
 
 
 def _checked(step: float) -> float:

@@ -51,13 +51,16 @@ class SrsLimb(ReadOnlyArrays):
         axes: (7, 3) unit directions of the joint axes.
         points: (7, 3) a point on each joint axis, metres.
         T_base_tip_zero: (4, 4) pose of the tip frame at the zero configuration.
-        shoulder: (3,) shoulder centre S, the common point of axes 1 to 3 (least squares if they miss it).
+        shoulder: (3,) shoulder centre S, the common point of axes 1 to 3; if they miss each other, the point of axis 1
+            that is nearest to the others.
         elbow: (3,) elbow centre E, the point of axis 4 nearest to axes 3 and 5.
-        wrist: (3,) wrist centre W, the common point of axes 5 to 7 (least squares if they miss it).
+        wrist: (3,) wrist centre W, the common point of axes 5 to 7; if they miss each other, the point of axis 7
+            that is nearest to the others.
         reference: (3,) unit vector; the arm angle is zero where the elbow lies in the half-plane that starts at the
             line S-W and contains this direction. The default is the direction of axis 1, its largest component
             positive.
-        misses: (7,) distance of each axis from its centre, metres; zero for axis 4.
+        misses: (7,) distance of each axis from the point that is nearest to all three of its joint, metres; zero for
+            axis 4.
         wrist_kind: "XYX" if axes 5 and 7 are nearer to parallel than to perpendicular at zero, else "XYZ".
     """
 
@@ -70,6 +73,13 @@ class SrsLimb(ReadOnlyArrays):
     reference: Vector
     misses: Vector
     wrist_kind: WristKind
+
+    @cached_property
+    def offsets(self) -> Vector:
+        """(7,) distance of each axis from its centre, metres; zero for axes 1, 4 and 7."""
+        centres = (self.shoulder, self.shoulder, self.shoulder, None, self.wrist, self.wrist, self.wrist)
+        lines = zip(centres, self.points, self.axes, strict=True)
+        return np.array([0.0 if c is None else line_distance(c, p, a) for c, p, a in lines])
 
     @cached_property
     def kind(self) -> Kind:
@@ -105,5 +115,10 @@ class SrsLimb(ReadOnlyArrays):
 
 def line_distance(point: Vector, line_point: Vector, line_direction: Vector) -> float:
     """Distance of a point from a line given by a point and a unit direction, in the unit of the points."""
-    offset = point - line_point
-    return float(np.linalg.norm(offset - line_direction * float(line_direction @ offset)))
+    return float(np.linalg.norm(point - line_foot(point, line_point, line_direction)))
+
+
+def line_foot(point: Vector, line_point: Vector, line_direction: Vector) -> Vector:
+    """The point of a line, given by a point and a unit direction, that is nearest to a point."""
+    foot: Vector = line_point + line_direction * float(line_direction @ (point - line_point))
+    return foot

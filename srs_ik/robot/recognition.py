@@ -12,7 +12,7 @@ from typing import Literal
 
 import numpy as np
 
-from srs_ik.robot.limb import EXACT_MISS, SrsLimb, Vector, WristKind, line_distance
+from srs_ik.robot.limb import EXACT_MISS, SrsLimb, Vector, WristKind, line_distance, line_foot
 
 NEAR_MISS_RATIO = 0.025
 """Largest miss of an axis that is still near, as a part of the length shoulder-elbow-wrist."""
@@ -45,8 +45,10 @@ class Recognition:
 def recognise(axes: Vector, points: Vector, T_base_tip_zero: Vector, reference: Vector | None = None) -> Recognition:
     """Classify seven joint axes at the zero configuration, all in the base frame.
 
-    The shoulder centre is the point nearest to axes 1 to 3 in the least-squares sense, the wrist centre that of axes 5
-    to 7; the elbow may lie anywhere on axis 4 (an elbow offset is no obstacle), and directions are arbitrary.
+    Misses are measured from the points nearest to axes 1 to 3, and 5 to 7, in the least-squares sense. The centres are
+    the feet of these points on axes 1 and 7: so the shoulder centre rests in the base and the wrist centre in the hand,
+    whatever axes miss. The elbow may lie anywhere on axis 4 (an elbow offset is no obstacle), and directions are
+    arbitrary.
 
     Args:
         axes: (7, 3) directions, of any length.
@@ -67,13 +69,13 @@ def recognise(axes: Vector, points: Vector, T_base_tip_zero: Vector, reference: 
         if np.linalg.norm(np.cross(axes[i], axes[j])) < MIN_SINE:
             return _refused(f"axes {i + 1} and {j + 1} are parallel")
 
-    shoulder = _nearest_point(axes[:3], points[:3])
-    wrist = _nearest_point(axes[4:], points[4:])
+    inner, outer = _nearest_point(axes[:3], points[:3]), _nearest_point(axes[4:], points[4:])
+    shoulder, wrist = line_foot(inner, points[0], axes[0]), line_foot(outer, points[6], axes[6])
     elbow = _elbow_centre(axes, points, shoulder, wrist)
     misses = np.zeros(7)
     for i in range(7):
         if i != 3:
-            misses[i] = line_distance(shoulder if i < 3 else wrist, points[i], axes[i])
+            misses[i] = line_distance(inner if i < 3 else outer, points[i], axes[i])
 
     direction = default_reference(axes[0]) if reference is None else np.asarray(reference, dtype=float)
     limb = SrsLimb(

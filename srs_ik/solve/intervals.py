@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from srs_ik.inputs.poses import PoseLike, as_matrices, as_matrix, invalid_pose, refuse_bad_poses
-from srs_ik.kernels.entries import intervals as entries
+from srs_ik.kernels.entries import pose as entries
 from srs_ik.kernels.layout.answer import MOST_INTERVALS
 from srs_ik.solve.solution import Interval
 from srs_ik.solve.threads import run_in_threads

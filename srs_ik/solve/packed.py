@@ -8,12 +8,13 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from srs_ik.analysis.gravity import torque_scales
-from srs_ik.kernels.entries.pose import measure_shifts, pack_limits
+from srs_ik.kernels.entries.pose import pack_limits
 from srs_ik.kernels.layout import limb as at
 from srs_ik.kernels.layout import task as hand_at
 from srs_ik.kernels.layout import weights as weight_at
 from srs_ik.kernels.native import limb_mark
-from srs_ik.robot.limb import Hand, SrsLimb, Vector
+from srs_ik.robot.limb import Hand, SrsLimb, Vector, line_foot
+from srs_ik.solve.bands import put_bands
 from srs_ik.solve.solution import ElbowRange
 
 if TYPE_CHECKING:
@@ -35,9 +36,6 @@ NO_HAND = 1e-9
 
 NO_ROOM = 1e-9
 """A joint with a narrower range, rad, cannot move."""
-
-SHIFT_SAMPLES = 1024
-"""Random configurations over which the shift of a near limb is measured."""
 
 STRICT = (1e-13, 1e-14, 1e-12, 0.0)
 LOOSE = (3e-11, 3e-11, 1e-11, 1e-10)
@@ -126,7 +124,9 @@ def pack_family(limb: SrsLimb, lower: Vector, upper: Vector) -> Vector:
         [_pack(limb, lo, hi, slack) for slack in (first, LOOSE) for lo, hi in ((lower, upper), (-none, none))]
     )
     if family[at.LIMITED, at.IS_CLOSED] == 0.0:
-        family[:, at.SHIFT] = _usual_shift(family[at.LIMITED])
+        for limits in (at.LIMITED, at.FREE):
+            put_bands(family[limits])
+            family[at.LOOSE + limits, at.SHIFT :] = family[limits, at.SHIFT :]
     family.flags.writeable = False
     return family
 
@@ -144,7 +144,7 @@ def _pack(limb: SrsLimb, lower: Vector, upper: Vector, slack: tuple[float, ...])
     _put(P, at.SHOULDER_CENTRE, limb.shoulder)
     _put(P, at.WRIST_IN_TIP, T[:3, :3].T @ (limb.wrist - T[:3, 3]))
     _put(P, at.ELBOW_CENTRE, limb.elbow)
-    P[at.MISS] = limb.misses.max()
+    P[at.MISS] = limb.offsets.max()
     _put(P, at.REFERENCE, limb.reference)
     _put(P, at.REFERENCE_2, _second_reference(limb))
 
@@ -153,13 +153,6 @@ def _pack(limb: SrsLimb, lower: Vector, upper: Vector, slack: tuple[float, ...])
         _pack_spherical(P, block, first, limb.axes[first : first + 3])
     pack_limits(P, np.array(lower, dtype=float), np.array(upper, dtype=float))
     return P
-
-
-def _usual_shift(P: Vector) -> float:
-    """The largest shift of a near limb over random configurations."""
-    shifts = np.empty(SHIFT_SAMPLES)
-    measure_shifts(P, np.random.default_rng(0).uniform(-np.pi, np.pi, (SHIFT_SAMPLES, 7)), shifts)
-    return float(shifts.max())
 
 
 def _put(P: Vector, offset: int, values: Vector) -> None:
@@ -176,7 +169,7 @@ def _second_reference(limb: SrsLimb) -> Vector:
 
 def _pack_elbow(P: Vector, limb: SrsLimb) -> None:
     axis = limb.axes[3]
-    e, f = limb.elbow - limb.shoulder, limb.wrist - limb.elbow
+    e, f = _segments(limb)
     e_along, f_along = float(axis @ e), float(axis @ f)
     e_across, f_across = e - axis * e_along, f - axis * f_along
     straight = float(np.arctan2(axis @ np.cross(f_across, e_across), f_across @ e_across))
@@ -203,6 +196,13 @@ def _pack_elbow(P: Vector, limb: SrsLimb) -> None:
     _put(P, at.NORMAL_0, normal_0)
     _put(P, at.NORMAL_S, normal_s)
     _put(P, at.NORMAL_C, normal_c)
+
+
+def _segments(limb: SrsLimb) -> tuple[Vector, Vector]:
+    """Upper arm and forearm of the nearest exact limb: from the shoulder on axis 3, and to the wrist on axis 5."""
+    inner = line_foot(limb.shoulder, limb.points[2], limb.axes[2])
+    outer = line_foot(limb.wrist, limb.points[4], limb.axes[4])
+    return limb.elbow - inner, outer - limb.elbow
 
 
 def _cosine(a: Vector, b: Vector) -> float:
@@ -289,7 +289,8 @@ def _flat_reach(limb: SrsLimb, length: float) -> tuple[float, float]:
 def _reach(limb: SrsLimb, stretch: float) -> tuple[float, float]:
     """Shortest and longest distance from the shoulder of the point on the line E-W, `stretch` forearms from E."""
     axis = limb.axes[3]
-    e, f = limb.elbow - limb.shoulder, stretch * (limb.wrist - limb.elbow)
+    e, f = _segments(limb)
+    f = stretch * f
     e_along, f_along = float(axis @ e), float(axis @ f)
     near, far = float(np.linalg.norm(e - axis * e_along)), float(np.linalg.norm(f - axis * f_along))
     return float(np.hypot(near - far, e_along + f_along)), float(np.hypot(near + far, e_along + f_along))

@@ -18,8 +18,8 @@ from srs_ik.kernels.layout.path import (
     BY_VELOCITY,
     INVERSE_PERIOD,
     INVERSE_SPEED,
+    LEAST_INVERSE,
     PERIOD,
-    POWER,
     SETTINGS,
 )
 from srs_ik.solve.free_splits import free_splits
@@ -72,11 +72,13 @@ class PathSolution(BatchSolution):
         elbow: ElbowRange | None = None,
         collisions: Mapping[tuple[int, ...], Collision] | None = None,
         problem: Problem | None = None,
+        bounded: bool = True,
     ) -> None:
         super().__init__(rows, joint_names, elbow, collisions)
         self.steps = steps
         self.breaks = breaks
         self._problem = problem
+        self._bounded = bounded
         self.times = None
         self.value = 0.0 if problem is None else _value(problem, self.q, steps)
         if problem is not None and problem.acceleration is not None:
@@ -91,15 +93,19 @@ class PathSolution(BatchSolution):
         poses lie within a known distance of straight pieces of joint space, and each step counts its least between two
         pieces. Pieces that no better path can touch are left out and the others cut, until the bound is within a
         hundredth of `value`, or pieces are 0.01 rad long. On a near arm the distance from the pieces is measured, and
-        doubled. Velocity limits, and that a closed path closes, do not count: paths that keep them cost no less. The
-        time has no bound but 0.
+        doubled. Velocity limits within `dt`, limits of acceleration, and that a closed path closes, do not count: paths
+        that keep them cost no less. Poses that leave a turn free have no bound but 0, and upright straight arms, which
+        turn on the spot at every arm angle, almost none.
 
         Computed when it is first asked for, in some milliseconds a pose.
         """
         problem = self._problem
-        if problem is None or problem.objective == TIME or not self.value > 0.0:
+        if problem is None or not (self._bounded and self.value > 0.0):
             return 0.0
         q = np.where(self.ok[:, None], self.q, np.nan)
+        if problem.acceleration is not None:
+            # From rest to rest, without the step from the seed; nothing is quicker than at the velocity limits.
+            problem = replace(problem, seed=None)
         if problem.objective == LARGEST_STEP:
             return least_largest(problem, q, self.value)
         return least_sum(problem, q, self.value, bool(self.breaks))
@@ -133,20 +139,17 @@ def solve_path(
     """See `Arm.solve_path`; `around` is what must not be touched."""
     T = as_matrices(poses)
     if free_axis is not None and len(T):
-        return _free(
-            arm, T, free_axis, (seed, dt, longest_step, objective), {"known": known, "closed": closed, "scene": around}
-        )
+        from srs_ik.solve.freedom import refuse_beside
+
+        refuse_beside(free_axis, known=known, closed=closed, scene=around)
+        return _free(arm, T, free_axis, (seed, dt, longest_step, objective, acceleration_limit))
     n = len(T)
-    if not isinstance(objective, str) or objective not in OBJECTIVES:
-        raise InvalidConfiguration(f"objective is one of {', '.join(OBJECTIVES)}, not {quoted(objective)}")
-    settings = _settings(arm, dt, longest_step, objective)
-    acceleration = _acceleration(acceleration_limit, objective)
-    start = None if seed is None else as_seed(seed, arm.lower, arm.upper)
+    problem = _problem(arm, T, seed, dt, longest_step, objective, acceleration_limit)
+    start = problem.seed
     if not n:
         return PathSolution(np.empty((0, ROW)), arm.joint_names, np.empty((0, 7)), [])
     given, has_given = _known(arm, T, {} if known is None else known)
-    problem = Problem(arm, T, start, settings, dt is not None, given, has_given, np.zeros((n, 7)), objective=objective)
-    problem.acceleration = acceleration
+    problem.known, problem.has_known = given, has_given
     if closed and np.abs(T[0] - T[-1]).max() > ON_POSE:
         raise InvalidConfiguration("a closed path ends at its first pose, and the last pose is another one")
     find = closed_way if closed else best
@@ -183,23 +186,43 @@ def _value(problem: Problem, q: Array, steps: Array) -> float:
     return objective_of(problem, steps)
 
 
-def _free(arm: PackedArm, T: Array, free_axis: Any, given: tuple[Any, ...], other: dict[str, Any]) -> PathSolution:
+def _problem(
+    arm: PackedArm,
+    T: Array,
+    seed: ArrayLike | None,
+    dt: float | None,
+    longest_step: float,
+    objective: str,
+    acceleration_limit: ArrayLike | None,
+) -> Problem:
+    """The path that is asked for, without postures that are given."""
+    if not isinstance(objective, str) or objective not in OBJECTIVES:
+        raise InvalidConfiguration(f"objective is one of {', '.join(OBJECTIVES)}, not {quoted(objective)}")
+    n = len(T)
+    settings = _settings(arm, dt, longest_step, objective)
+    start = None if seed is None else as_seed(seed, arm.lower, arm.upper)
+    none = np.zeros((n, 7)), np.zeros(n, np.bool_), np.zeros((n, 7))
+    problem = Problem(arm, T, start, settings, dt is not None, *none, objective=objective)
+    problem.acceleration = _acceleration(acceleration_limit, objective)
+    return problem
+
+
+def _free(arm: PackedArm, T: Array, free_axis: Any, asked: tuple[Any, ...]) -> PathSolution:
     """A path through poses that leave a turn free."""
     from srs_ik.inputs.freedom import as_free_axis
-    from srs_ik.solve.freedom import refuse_beside
     from srs_ik.solve.path_freedom import solve_free_path
 
-    refuse_beside(free_axis, **other)
-    seed, dt, longest_step, objective = given
-    start = None if seed is None else as_seed(seed, arm.lower, arm.upper)
-    longest = _settings(arm, dt, longest_step, objective)[: BY_CONTINUITY + 1].min(axis=0)
-    return solve_free_path(
+    problem = _problem(arm, T, *asked)
+    seed, dt, longest_step, objective, acceleration = asked
+    found = solve_free_path(
         arm,
         T,
         as_free_axis(free_axis),
-        lambda whole: solve_path(arm, whole, seed, dt, longest_step, objective),
-        (start, longest),
+        lambda whole: solve_path(arm, whole, seed, dt, longest_step, objective, None, False, acceleration),
+        (problem.seed, problem.settings[: BY_CONTINUITY + 1].min(axis=0)),
     )
+    told = found._rows, arm.joint_names, found.steps, found.breaks, arm.elbow
+    return PathSolution(*told, problem=problem, bounded=False)
 
 
 def _found(find: Callable[[Problem], Way], problem: Problem) -> tuple[Way, Array]:
@@ -258,7 +281,7 @@ def _settings(arm: PackedArm, dt: float | None, longest_step: float, objective: 
         if missing.any():
             raise MissingLimits("velocity", [arm.joint_names[j] for j in np.flatnonzero(missing)], arm.name)
         settings[INVERSE_SPEED] = 1.0 / arm.velocity_limit
-        settings[POWER] = 1.0
+        settings[LEAST_INVERSE] = settings[INVERSE_SPEED].min()
     endless = np.isinf(arm.lower) & np.isinf(arm.upper)
     settings[PERIOD, endless] = 2.0 * np.pi
     settings[INVERSE_PERIOD, endless] = 0.5 / np.pi

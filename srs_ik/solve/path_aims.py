@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from srs_ik.kernels.layout.path import BREAK, BY_VELOCITY, INVERSE_SPEED, POWER
+from srs_ik.kernels.layout.path import BREAK, BY_VELOCITY, INVERSE_SPEED, LEAST_INVERSE
 from srs_ik.solve.path_blocks import find_way
 from srs_ik.solve.path_polish import WIDTHS, polish, refine
 from srs_ik.solve.path_problem import LARGEST_STEP, SUM_OF_SQUARES, Problem, Way, steps_of, worth
@@ -48,7 +48,7 @@ def quickest(problem: Problem, acceleration: Array) -> Way:
 
     even = replace(problem, acceleration=None, objective=SUM_OF_SQUARES)
     even.settings = problem.settings.copy()
-    even.settings[[INVERSE_SPEED, POWER]] = 0.0
+    even.settings[[INVERSE_SPEED, LEAST_INVERSE]] = 0.0
     ways = [best(replace(even, objective=SUM_OF_SQUARES)), best(replace(problem, acceleration=None))]
     return min(ways, key=lasts)
 

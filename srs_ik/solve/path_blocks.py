@@ -64,6 +64,7 @@ class Block:
             *p.allowed(),
             p.near,
             p.radius,
+            np.ones(len(p.T), np.bool_) if p.followed is None else p.followed,
             p.seed,
             *answer,
         )

@@ -27,7 +27,7 @@ MOST_OF_ALL = 4000
 LOST = 0.4
 """A posture with none of the next pose closer than this part of the longest step has lost its strip."""
 
-SPACING = 0.35
+SPACING = 0.45
 """Farthest that a joint moves between two postures of a strip, rad."""
 
 APART = 1e-4

@@ -53,6 +53,7 @@ class Problem:
         radius: how far around, rad; 0: nowhere.
         objective: what is to be least.
         in_closed_form: whether to go by the nearest exact limb of a near one.
+        followed: (n,) where strips are the curves of a near limb, and not those of its nearest exact one; None: all.
         acceleration: (7,) limits of joint accelerations, rad/s^2, within which the time is to be least; None: none.
         stop: (1,) set by another thread where nobody wants the answer any more.
         around: what must not be touched; None for nothing.
@@ -70,6 +71,7 @@ class Problem:
     radius: float = 0.0
     objective: str = SUM_OF_SQUARES
     in_closed_form: bool = False
+    followed: NDArray[np.bool_] | None = None
     acceleration: Array | None = None
     stop: Stop = field(default_factory=lambda: np.zeros(1, np.int8))
     bridges: Array = field(default_factory=lambda: np.empty((0, 7)))

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from srs_ik.inputs.poses import refuse_bad_poses
 from srs_ik.kernels.entries import path as entries
 from srs_ik.kernels.layout.answer import ROW, ROW_ORIENTATION_ERROR, ROW_POSITION_ERROR, ROW_STATUS
+from srs_ik.kernels.layout.limb import LIMITED, SHIFT
 from srs_ik.kernels.layout.path import BREAK
 from srs_ik.solve.path_blocks import find_way
 from srs_ik.solve.path_bridges import bridged
@@ -35,6 +36,24 @@ FINE_POSES = 256
 
 EVERYWHERE = 4.0
 """Farther than any joint angle from any other, whole turns left out, rad."""
+
+STRAIGHT = 4.0
+"""The elbow of a near limb is almost straight where the sine of its bend is below so many shifts of the limb."""
+
+FAR_OFF = 0.15
+"""Postures that move farther than this when they are closed on the true chain, rad, were planned on the wrong one."""
+
+AROUND = 3
+"""So many poses to both sides of one are planned as it is."""
+
+MIXED = 4
+"""Plans for both limbs at once."""
+
+MOST_FOLLOWED = 0.6
+"""With a larger part of the poses on the true chain, all are planned there."""
+
+ABOUT_AS_GOOD = 1.02
+"""On the true chain a path costs so many times what was planned at most."""
 
 LEAST_GAIN = 1e-3
 """A search that gains less, relative to all, is the last one."""
@@ -66,35 +85,80 @@ def found(problem: Problem) -> Way:
     """`search`, with velocity limits among what steps cost."""
     if problem.arm.closed or problem.in_closed_form:
         return planned(problem)
-    # A near limb moves almost like the exact one next to it: what is best for that one is closed on the true chain.
-    way = planned(replace(problem, in_closed_form=True))
     if problem.free is not None:
         # Along the true curves, a path would leave what is free.
+        way = planned(replace(problem, in_closed_form=True))
         close(problem, way)
         return way
-    if way.cost < 0.5 * BREAK and way.reached.all() and close(problem, way):
+    return nearly(problem) or planned(problem)
+
+
+def nearly(problem: Problem) -> Way | None:
+    """The path of a near limb, which moves almost like the exact one next to it: planned for that one, then closed.
+
+    Poses whose elbow is almost straight, or whose postures move far when closed, are planned on the true chain. None
+    where that does not lead to a path that is about as good as planned.
+    """
+    n = len(problem.T)
+    marks, bends = keys_of(problem)
+    followed = wider(bends <= STRAIGHT * float(problem.arm.family[LIMITED, SHIFT]))
+    for _ in range(MIXED):
+        if followed.mean() > MOST_FOLLOWED:
+            return None
+        mixed = replace(problem, followed=followed)
+        if followed.any():
+            way = find_way(mixed, np.flatnonzero(marks), False)
+        else:
+            way = planned(replace(problem, in_closed_form=True))
+        if way.cost >= 0.5 * BREAK:
+            return None
+        if not way.reached.all():
+            missed, place = np.zeros(n, np.bool_), (way.q, way.psi, way.branch, way.bounds)
+            told = problem.arm.family, problem.T, np.flatnonzero(marks), way.reached, problem.settings
+            entries.fill_between(*told, *place, missed, *problem.work())
+            if missed.any():
+                marks[:] = True
+                continue
+        planned_cost, before = way.cost, way.q.copy()
+        met = close(problem, way)
+        off = wider(~met | (np.abs(way.q - before).max(axis=1) > FAR_OFF))
+        if (off & ~followed).any():
+            followed |= off
+            continue
         improve(problem, way)
-        if way.cost < 0.5 * BREAK:
-            return way
-    return planned(problem)
+        way = search_around(problem, way)
+        return way if way.cost < ABOUT_AS_GOOD * planned_cost else None
+    return None
 
 
-def close(problem: Problem, way: Way) -> bool:
-    """Take the postures of a path to their poses, on the true chain and inside the limits; whether all could be."""
+def wider(some: NDArray[np.bool_]) -> NDArray[np.bool_]:
+    """Some poses with those around them."""
+    return np.convolve(some, np.ones(2 * AROUND + 1), "same") > 0.5 if len(some) > 2 * AROUND else some | some.any()
+
+
+def keys_of(problem: Problem) -> tuple[NDArray[np.bool_], Array]:
+    """The poses at which a path is planned, and the sines of the elbow's bend, -1 out of reach of the exact limb."""
+    n = len(problem.T)
+    marks, verdicts, bends = np.zeros(n, np.bool_), np.zeros(n, np.int64), np.zeros(n)
+    entries.choose_keys(problem.arm.family, problem.T, problem.has_known, marks, verdicts, bends)
+    refuse_bad_poses(verdicts)
+    return marks, bends
+
+
+def close(problem: Problem, way: Way) -> NDArray[np.bool_]:
+    """Take the postures of a path to their poses, on the true chain and inside the limits; (n,) which could be."""
     met = np.zeros(len(way.q), np.bool_)
     entries.bridge(problem.arm.family, problem.T, way.q, met, *problem.arm.work())
     way.bounds[:] = -np.inf, np.inf
     way.psi[:] = 0.0
     way.branch[~problem.has_known] = 0
-    return bool(met.all())
+    return met
 
 
 def planned(problem: Problem) -> Way:
     """`search` on the true chain, or on the nearest exact limb."""
     arm, T = problem.arm, problem.T
-    marks, verdicts = np.zeros(len(T), np.bool_), np.zeros(len(T), np.int64)
-    entries.choose_keys(arm.family, T, problem.has_known, marks, verdicts)
-    refuse_bad_poses(verdicts)
+    marks, _ = keys_of(problem)
     if problem.free is not None:
         marks[:] = True
     fine = problem

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from srs_ik.errors import InvalidTask
 from srs_ik.inputs.poses import as_arm_angle
 from srs_ik.inputs.task import Task
-from srs_ik.kernels.entries.rates import configuration_arm_angle
+from srs_ik.kernels.entries.kinematics import configuration_arm_angle
 from srs_ik.kernels.layout import track as at
 from srs_ik.kernels.layout.collision import WIDE_CLEARANCE
 from srs_ik.kernels.layout.objectives import PARAMS

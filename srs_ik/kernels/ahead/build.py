@@ -1,6 +1,7 @@
 """Compile all entries: python -m srs_ik.kernels.ahead.build [FOLDER] puts library, extension and header there.
 
-Without a folder they are this checkout's own, used until a kernel is edited.
+Without a folder they are this checkout's own, used until a kernel is edited. They are for the kind of processor that
+this machine has; with SRS_IK_BUILD=portable for all kinds.
 """
 
 from __future__ import annotations
@@ -30,19 +31,52 @@ from srs_ik.kernels.native import FOLDER, stamps
 HERE = platform.machine()
 """What this machine is called."""
 
-X86 = (
-    ("x86-64-v2", "true"),
+Targets = tuple[tuple[str, str], ...]
+"""Kinds of processors, the best last, and how C asks for them."""
+
+X86: Targets = (
+    ("x86-64-v2", "has_x86_64_v2()"),
     ("x86-64-v3", "has_x86_64_v3()"),
     ("x86-64-v4", "has_x86_64_v4()"),
 )
-"""Kinds of processors, the best last, and how C asks for them."""
+
+NEEDED = {
+    "x86-64-v3": {"avx2", "bmi", "bmi2", "f16c", "fma", "lzcnt", "movbe"},
+    "x86-64-v4": {"avx512f", "avx512bw", "avx512cd", "avx512dq", "avx512vl"},
+}
+"""What a kind has that the kind before it lacks, as LLVM names it."""
 
 Work = tuple[Entry, int, str]
 
 
-def targets(machine: str = HERE) -> tuple[tuple[str, str], ...]:
-    """Kinds of processors that a machine's objects are written for."""
-    return X86 if machine in ("x86_64", "AMD64") else (("generic", "true"),)
+def targets(machine: str = HERE, *, portable: bool = True) -> Targets:
+    """Kinds of processors that a machine's objects are written for: all of them, or the one that this machine is."""
+    if machine not in ("x86_64", "AMD64"):
+        return (("generic", "true"),)
+    return X86 if portable or machine != HERE else (own_kind(),)
+
+
+def own_kind() -> tuple[str, str]:
+    """The best kind that this machine is."""
+    here = {name for name, has in llvm.get_host_cpu_features().items() if has}
+    best = X86[0]
+    for each in X86[1:]:
+        if not NEEDED[each[0]] <= here:
+            break
+        best = each
+    return best
+
+
+def is_portable() -> bool:
+    """Whether SRS_IK_BUILD asks for all kinds of processors.
+
+    Raises:
+        ValueError: it asks for something else.
+    """
+    asked = os.environ.get("SRS_IK_BUILD", "")
+    if asked not in ("", "portable"):
+        raise ValueError(f"SRS_IK_BUILD is portable or pure, not {asked}")
+    return bool(asked)
 
 
 def triple(machine: str = HERE) -> str:
@@ -78,24 +112,28 @@ def parts(entries: tuple[Entry, ...]) -> list[list[Work]]:
     return [near, rest]
 
 
-def translated(work: list[Work]) -> bytes:
-    """LLVM's bitcode of a part."""
-    return backend.merge(translate_all(work, lambda done: _say(f"translated {done} of {len(work)}")))
+def compiled(work: list[Work], machine: str, kinds: Targets) -> list[bytes]:
+    """Object code of a part for some kinds of processors."""
+    code = backend.merge(translate_all(work, lambda done: _say(f"translated {done} of {len(work)}")))
+    symbols = [symbol for _, _, symbol in work]
+    prepared = backend.prepare(code, set(symbols), triple(machine))
+    return [_object(prepared, symbols, machine, kind) for kind, _ in kinds]
 
 
-def compiled(whole: bytes, symbols: list[str], machine: str, target: str) -> bytes:
-    """Object code of everything for one kind of processor."""
-    names = {symbol: symbol.replace("kernel", target.replace("-", "_"), 1) for symbol in symbols}
-    processor = "" if target == "generic" else target
-    return backend.emit(whole, triple(machine), processor, "", names)
+def _object(prepared: bytes, symbols: list[str], machine: str, kind: str) -> bytes:
+    names = {symbol: symbol.replace("kernel", kind.replace("-", "_"), 1) for symbol in symbols}
+    code = backend.emit(prepared, triple(machine), "" if kind == "generic" else kind, "", names)
+    _say(f"compiled {len(symbols)} for {kind}")
+    return code
 
 
-def build(folder: Path, entries: tuple[Entry, ...], machine: str = HERE) -> None:
+def build(folder: Path, entries: tuple[Entry, ...], kinds: Targets, machine: str = HERE) -> None:
     """Put the compiled kernels, the extension and the header into a folder.
 
     Args:
         folder: the folder.
         entries: what to compile.
+        kinds: kinds of processors to compile for.
         machine: kind of machine to compile for; for another than this one, CC has to name a compiler for it.
 
     Raises:
@@ -103,24 +141,18 @@ def build(folder: Path, entries: tuple[Entry, ...], machine: str = HERE) -> None
     """
     linking.c_compiler()
     begin = time.monotonic()
-    work = parts(entries)
-    symbols = [symbol for part in work for _, _, symbol in part]
-    names = [name for name, _ in targets(machine)]
     with ProcessPoolExecutor(min(2, os.cpu_count() or 1), get_context("spawn")) as pool:
-        code = list(pool.map(translated, work))
-        _say(f"translated by Numba in {time.monotonic() - begin:.0f} s")
-        whole = backend.prepare(backend.merge(code), set(symbols), triple(machine))
-        objects = list(pool.map(partial(compiled, whole, symbols, machine), names))
-    _say(f"compiled for {', '.join(names)} in {time.monotonic() - begin:.0f} s")
+        objects = list(pool.map(partial(compiled, machine=machine, kinds=kinds), filter(None, parts(entries))))
     with tempfile.TemporaryDirectory() as scratch:
         place = Path(scratch)
         paths = []
-        for name, content in zip(names, objects, strict=True):
-            paths.append(place / f"{name}.o")
+        for i, content in enumerate(each for part in objects for each in part):
+            paths.append(place / f"{i}.o")
             paths[-1].write_bytes(content)
         (place / f"{glue.NAME}.h").write_text(glue.header(entries))
-        (place / "library.c").write_text(glue.library(entries, targets(machine)))
-        (place / "extension.c").write_text(glue.extension(entries, stamps(sorted({entry.room for entry in entries}))))
+        (place / "library.c").write_text(glue.library(entries, kinds))
+        rooms_of = sorted({entry.room for entry in entries})
+        (place / "extension.c").write_text(glue.extension(entries, kinds, stamps(rooms_of)))
         shutil.copy(Path(__file__).with_name("runtime.c"), place)
         made = linking.link(place, glue.NAME, paths)
         folder.mkdir(parents=True, exist_ok=True)
@@ -128,7 +160,7 @@ def build(folder: Path, entries: tuple[Entry, ...], machine: str = HERE) -> None
             # In one step: another process may be running what lies there.
             shutil.copy(path, folder / f"{path.name}.partial")
             (folder / f"{path.name}.partial").replace(folder / path.name)
-    _say(f"done in {time.monotonic() - begin:.0f} s")
+    _say(f"compiled for {' and '.join(kind for kind, _ in kinds)} in {time.monotonic() - begin:.0f} s")
 
 
 def _say(words: str) -> None:
@@ -145,6 +177,8 @@ if __name__ == "__main__":
     if unlisted():
         sys.exit(f"entries/table.py has no line for {', '.join(unlisted())}")
     try:
-        build(given.folder, tuple(entry for entry in read_table() if given.room in (None, entry.room)), given.machine)
-    except linking.NoCompiler as error:
+        kinds = targets(given.machine, portable=is_portable())
+        wanted = tuple(entry for entry in read_table() if given.room in (None, entry.room))
+        build(given.folder, wanted, kinds, given.machine)
+    except (linking.NoCompiler, ValueError) as error:
         sys.exit(str(error))

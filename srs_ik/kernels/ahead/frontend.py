@@ -20,6 +20,7 @@ from numba.extending import overload
 from numba.np import arrayobj
 
 from srs_ik.kernels import entries
+from srs_ik.kernels.ahead.quick import make_quick, tidy
 from srs_ik.kernels.ahead.signatures import Argument, Entry
 
 _ELEMENTS = {"float": types.float64, "int": types.int64, "byte": types.int8, "bool": types.bool_}
@@ -59,6 +60,7 @@ class Frontend:
     """Numba, made to translate only. What it has compiled in this process before must not be asked for again."""
 
     def __init__(self) -> None:
+        make_quick()
         self._context = cpu_target.target_context
         self._typing = cpu_target.typing_context
         self._libraries: list[Any] = []
@@ -156,5 +158,6 @@ def translate_all(wanted: list[tuple[Entry, int, str]], tell: Callable[[int], No
     frontend = Frontend()
     for done, each in enumerate(wanted, 1):
         frontend.translate(*each)
+        tidy()
         tell(done)
     return list(frontend.bitcode())

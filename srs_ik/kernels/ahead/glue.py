@@ -21,8 +21,9 @@ _ABOUT = """\
 /* srs_ik in C: inverse kinematics of S-R-S arms. Written from the table of entries when the library is built.
 
    Angles in radians, lengths in metres, arrays in C order. Where an argument may be absent, NULL says that it is.
-   A call returns 0, or 1 where there is no memory for its work space. It keeps nothing, takes no lock, and may run on
-   many threads at once, each with its own output and work space. What the rows hold: see the places `SRS_IK_*` below.
+   A call returns 0; 1 where there is no memory for its work space, 2 where this processor is of no kind that was
+   compiled for. It keeps nothing, takes no lock, and may run on many threads at once, each with its own output and work
+   space. What the rows hold: see the places `SRS_IK_*` below.
 */
 """
 
@@ -30,7 +31,7 @@ _FILES = """
 /* Read a limb that `srs-ik inspect ROBOT --packed FILE` wrote: 0; 1: no limb of this version, 2: cannot be read. */
 int srs_ik_read_limb(const char *path, double family[4][SRS_IK_LIMB_SIZE]);
 
-/* The kind of processor that the kernels at work are compiled for. */
+/* The kind of processor that the kernels at work are compiled for; NULL where this machine takes none of them. */
 const char *srs_ik_target(void);
 
 /* Have another kind do the work: 0, or 1 where there is none of the name or this machine is none. Before any call. */
@@ -111,7 +112,7 @@ def library(entries: Sequence[Entry], targets: Sequence[tuple[str, str]]) -> str
         lines += ["};", ""]
     lines.append("static const struct { const char *name; const functions *of; } targets[] = {")
     lines += [f'    {{"{target}", &{target.replace("-", "_")}}},' for target, _ in targets]
-    lines += ["};", "static int at = 0;", f"#define TARGETS {len(targets)}", ""]
+    lines += ["};", "static int at = -1;", f"#define TARGETS {len(targets)}", ""]
     lines += ["static bool fits(int target) {", "    switch (target) {"]
     lines += [f"    case {i}: return {check};" for i, (_, check) in enumerate(targets)]
     mark = ", ".join(map(str, limb_mark()))
@@ -120,14 +121,21 @@ def library(entries: Sequence[Entry], targets: Sequence[tuple[str, str]]) -> str
     for e in entries:
         bits = " | ".join(f"({name} == NULL) << {i}" for i, name in enumerate(e.optional)) or "0"
         names = ", ".join(name for _, name in _parameters(e))
-        lines += [f"{_prototype(e, e.symbol)} {{", f"    return targets[at].of->{e.symbol}[{bits}]({names});", "}", ""]
+        lines += [
+            f"{_prototype(e, e.symbol)} {{",
+            "    if (at < 0) return 2;",
+            f"    return targets[at].of->{e.symbol}[{bits}]({names});",
+            "}",
+            "",
+        ]
     return "\n".join(lines)
 
 
-def extension(entries: Sequence[Entry], stamps: Mapping[str, str]) -> str:
+def extension(entries: Sequence[Entry], targets: Sequence[tuple[str, str]], stamps: Mapping[str, str]) -> str:
     """A Python extension with a function for each entry."""
     digests = " ".join(f"{room}:{digest}" for room, digest in stamps.items())
-    lines = [f'#define DIGESTS "{digests}"', (HERE / "arguments.c").read_text()]
+    kinds = " and ".join(target for target, _ in targets)
+    lines = [f'#define DIGESTS "{digests}"', f'#define KINDS "{kinds}"', (HERE / "arguments.c").read_text()]
     for entry in entries:
         lines += _function(entry)
     lines.append("static PyMethodDef methods[] = {")

@@ -1,6 +1,7 @@
 """Where Hatchling has the kernels compiled: into every wheel, but for editable installs, which Numba compiles for.
 
-SRS_IK_BUILD=pure makes a wheel without compiled kernels, which brings Numba, and so does a machine without C compiler.
+They are for the kind of processor that builds. SRS_IK_BUILD=portable makes a wheel for all kinds, to be handed on;
+SRS_IK_BUILD=pure one without compiled kernels, which brings Numba, and so does a machine without C compiler.
 """
 
 from __future__ import annotations

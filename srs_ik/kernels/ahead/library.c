@@ -1,4 +1,4 @@
-const char *srs_ik_target(void) { return targets[at].name; }
+const char *srs_ik_target(void) { return at < 0 ? NULL : targets[at].name; }
 
 int srs_ik_choose(const char *target) {
     for (int i = 0; i < TARGETS; i++)

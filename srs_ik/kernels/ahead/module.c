@@ -3,6 +3,10 @@
 };
 
 static int fill(PyObject *module) {
+    if (srs_ik_target() == NULL) {
+        PyErr_SetString(PyExc_ImportError, "they are for " KINDS ", which this processor is not");
+        return -1;
+    }
     PyObject *numpy = PyImport_ImportModule("numpy");
     if (numpy == NULL) return -1;
     PyObject *dtype = PyObject_GetAttrString(numpy, "dtype");

@@ -1,4 +1,4 @@
-/* Whether this machine has what x86-64-v3 and v4 mean: read from the processor, as not every compiler's own check works. */
+/* Whether this machine has what x86-64-v2, v3 and v4 mean: read from the processor, as not every compiler's own check works. */
 #if defined(__x86_64__)
 #include <cpuid.h>
 #include <stdbool.h>
@@ -8,6 +8,12 @@ static inline bool keeps(unsigned kinds) {
     unsigned low, high;
     __asm__("xgetbv" : "=a"(low), "=d"(high) : "c"(0));
     return (low & kinds) == kinds;
+}
+
+static inline bool has_x86_64_v2(void) {
+    const unsigned first = 1u << 0 | 1u << 9 | 1u << 13 | 1u << 19 | 1u << 20 | 1u << 23; /* SSE3 SSSE3 CX16 SSE4 POPCNT */
+    unsigned a, b, c, d;
+    return __get_cpuid(1, &a, &b, &c, &d) && (c & first) == first;
 }
 
 static inline bool has_x86_64_v3(void) {

@@ -16,7 +16,7 @@ from srs_ik.kernels.chain.kinematics import joint_lines
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.limb import FAR, LOWER, UPPER
 
-STARTS = 32
+STARTS = 128
 ROUNDS = 4
 STEPS = 60
 FLAT = 1e-11
@@ -90,10 +90,13 @@ def rounds(P, q, R, p, J):
 
 @kernel
 def newton_step(P, q, local, J, damping, A):
-    """A damped Newton step inside the limits, joints at a limit that they would pass held: where it leads, slope."""
+    """A damped Newton step inside the limits, joints at a limit that they would pass held.
+
+    Returns: where it leads, the largest slope, and by how much the slopes alone lower the measure on the way.
+    """
     M, e = local
     held = 0
-    slope = 0.0
+    slope = gain = 0.0
     for j in range(7):
         g = first(M, e, J, j)
         if (g > 0.0 and q[j] <= P[LOWER + j]) or (g < 0.0 and q[j] >= P[UPPER + j]):
@@ -110,18 +113,24 @@ def newton_step(P, q, local, J, damping, A):
     solve_linear(A, 7)
     for j in range(7):
         step = min(max(A[j, 7], -0.5), 0.5)
-        q = with_joint(q, j, min(max(q[j] + step, P[LOWER + j]), P[UPPER + j]))
-    return q, slope
+        there = min(max(q[j] + step, P[LOWER + j]), P[UPPER + j])
+        gain -= first(M, e, J, j) * (there - q[j])
+        q = with_joint(q, j, there)
+    return q, slope, gain
 
 
 @kernel
-def to_bottom(P, q, R, p, J, A):
-    """From a configuration to the bottom of its valley: the configuration and its measure."""
+def to_bottom(P, q, R, p, lowest, J, A):
+    """From a configuration to the bottom of its valley: the configuration and its measure.
+
+    A valley whose bottom stays above a measure that is known is left on the way: at full steps, of which a parabola
+    gains half of what its slope says, twice the slope's gain is not enough.
+    """
     damping = 1e-6
     M, e, value = surroundings(P, q, R, p, J)
     for _ in range(STEPS):
-        there, slope = newton_step(P, q, (M, e), J, damping, A)
-        if slope < FLAT:
+        there, slope, gain = newton_step(P, q, (M, e), J, damping, A)
+        if slope < FLAT or (damping < 1e-6 and value - 2.0 * gain > lowest):
             break
         M_there, e_there, lower = surroundings(P, there, R, p, J)
         if lower < value:
@@ -166,7 +175,7 @@ def closest(P, q, R, p, J, A):
         return q
     best, lowest = q, math.inf
     for i in range(STARTS):
-        x, value = to_bottom(P, rounds(P, start(P, q, i), R, p, J), R, p, J, A)
+        x, value = to_bottom(P, rounds(P, start(P, q, i), R, p, J), R, p, lowest, J, A)
         if value < lowest:
             best, lowest = x, value
     return best

@@ -13,7 +13,7 @@ from srs_ik.kernels.chain.newton import STEPS, close_at_angle
 from srs_ik.kernels.chain.newton_eight import close_eight
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.answer import ROW_COST
-from srs_ik.kernels.layout.limb import FAR, MISS
+from srs_ik.kernels.layout.limb import COSINE_OFF
 from srs_ik.kernels.limb.branches import NO_BRANCH, branch_of, elbow_starts, side_posture
 from srs_ik.kernels.limb.goal import cost, turned
 from srs_ik.kernels.limb.poses import read7
@@ -29,12 +29,12 @@ WIDTH = 9
 
 @kernel
 def bent_place(P, place_):
-    """A place whose elbow is not almost straight: there the bend depends on the square root of what the limb misses.
+    """A place whose elbow is not almost straight: there the bend depends on the square root of what its cosine is off.
 
     The bends of the true chain at a pose are so different that Newton's method starts better from a wider one.
     """
     t, h0, c, s, hand, miss = place_
-    bend = min(MOST_BENT, math.sqrt(8.0 * P[MISS] / P[FAR]))
+    bend = min(MOST_BENT, math.sqrt(2.0 * P[COSINE_OFF]))
     if s >= bend:
         return place_
     return t, h0, math.copysign(math.sqrt(1.0 - bend * bend), c), bend, hand, miss

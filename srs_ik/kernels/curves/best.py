@@ -51,6 +51,9 @@ WELL_BENT = 0.6
 TURNING = 1e-9
 """An arm angle that goes back by more than this, rad, has turned around."""
 
+TURNED = 1e-12
+"""Next to where it turns around, it is the same up to this, rad."""
+
 ARC = 1.1
 """The way along a curve between two samples, at most, for the difference of their parameters."""
 
@@ -151,6 +154,8 @@ def turning_angle(P, by, curve, points, psi, sign):
             break
         ahead = ahead_at(P, by, curve, wanted, psi, sign)
         tell(S, -ahead)
+        if abs(ahead - farthest) < TURNED:
+            break
         farthest = max(farthest, ahead)
     return psi + sign * farthest
 

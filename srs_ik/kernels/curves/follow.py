@@ -17,14 +17,13 @@ import math
 import numpy as np
 
 from srs_ik.kernels.algebra.joint_vectors import along7, difference, dot7, short_way
-from srs_ik.kernels.algebra.lane_trig import turns_of
 from srs_ik.kernels.algebra.linear import solve_linear
 from srs_ik.kernels.algebra.pointers import row
 from srs_ik.kernels.algebra.vectors import norm
 from srs_ik.kernels.chain.eight import put_eight, take_eight
 from srs_ik.kernels.chain.newton import CLOSED, LAST_STEP, STEPS, close_free, load_system, longest, moved, pose_step
-from srs_ik.kernels.chain.newton_eight import close_eight, curve_step
-from srs_ik.kernels.chain.starts import FIRST, WIDTH, start_all
+from srs_ik.kernels.chain.newton_eight import close_eight
+from srs_ik.kernels.chain.starts import FIRST, WIDTH, bent_place, start_all
 from srs_ik.kernels.curves.in_step import (
     BESIDE,
     BEYOND,
@@ -39,6 +38,7 @@ from srs_ik.kernels.curves.in_step import (
     load_sample,
     one_of_seven,
     put_mark,
+    to_curves,
 )
 from srs_ik.kernels.curves.surface import put_starts
 from srs_ik.kernels.jit import kernel
@@ -252,11 +252,12 @@ def put_marks(P, by, angles, marks, missed):
     oblique = angles > STARTS
     for i in range(angles):
         psi = (2.0 * i / angles - 1.0) * math.pi
-        known = count
-        exist = start_all(P, place_, psi, False, NO_SEED, False, A)
+        exist = start_all(P, bent_place(P, place_), psi, False, NO_SEED, False, A)
         q, met = close_eight(P, take_eight(starts, WIDTH), R, p, place_[0], place_[1], psi, STEPS)
         put_eight(starts, WIDTH, met, q)
-        _, t, _, _ = curve_step(P, turns_of(q), R, p, q, 0.0 * q[0])
+        # Where a branch has no posture at the arm angle, there may be one next to it.
+        q, t, met = to_curves(P, R, p, take_eight(starts, WIDTH), 0xFF if oblique else exist)
+        put_eight(starts, WIDTH, met, q)
         for branch in range(8):
             q = read7(row(A, FIRST + branch))
             spare = ELBOW_SPARE - violation(P, 3, turn_to_middle(P, 3, q[3])) if by.respect else ELBOW_SPARE
@@ -264,7 +265,7 @@ def put_marks(P, by, angles, marks, missed):
             if spare < 0.0 or not (oblique or (exist >> branch) & 1 == 1):
                 continue
             if (met >> branch) & 1 == 1:
-                count = put_mark(marks, known, count, q, one_of_seven(t, branch))
+                count = put_mark(marks, 0, count, q, one_of_seven(t, branch))
             else:
                 for j in range(7):
                     missed[n_missed, j] = q[j]

@@ -16,7 +16,15 @@ from srs_ik.kernels.algebra.lanes import as_bits, gather, one_of, scatter, whole
 from srs_ik.kernels.algebra.pointers import keep, row
 from srs_ik.kernels.chain.eight import ALL, put_eight, take_eight
 from srs_ik.kernels.chain.newton import LAST_STEP, MAX_STEP
-from srs_ik.kernels.chain.newton_eight import all_along, curve_step, dot_seven, largest, turned_by_all
+from srs_ik.kernels.chain.newton_eight import (
+    all_along,
+    all_times,
+    curve_step,
+    dot_seven,
+    larger,
+    largest,
+    turned_by_all,
+)
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.limb.poses import read7
 
@@ -37,6 +45,9 @@ WELL_STRAIGHT = 0.985
 
 CORRECTIONS = 8
 """Newton's steps back to the curve, at most."""
+
+SHRINKING = 0.4
+"""Steps back to the curve that shrink by less do not lead there."""
 
 BESIDE = 0.08
 """A posture this close to the chord of a step, as a part of its length, is on the curve."""
@@ -99,8 +110,11 @@ def put_sample(rows, n, x, q):
 
 
 @kernel
-def step_in_step(P, R, p, rows):
-    """Take eight curves a step on: postures, ways of the curves, which are there (bits), cosines of their turns."""
+def step_in_step(P, R, p, rows, alive):
+    """Take eight curves a step on: postures, ways of the curves, which are there (bits), cosines of their turns.
+
+    Only those that are named by the bits `alive` count; one whose steps do not shrink well is not there.
+    """
     before = take_eight(rows, LANE)
     way = take_ways(rows, 7, LANE)
     step = gather(rows, LANE_STEP, LANE)
@@ -109,16 +123,41 @@ def step_in_step(P, R, p, rows):
     turns = turns_of(q)
     none = 0.0 * step
     met = 0
+    last = none + MAX_STEP / SHRINKING
     for _ in range(CORRECTIONS):
         d, t, _, right = curve_step(P, turns, R, p, way, none)
         size = largest(d)
         settled = size < LAST_STEP
         q = all_along(q, 1.0, d)
         met = as_bits(settled & right)
-        if as_bits(settled | (size > MAX_STEP)) == ALL:
+        if alive & ~as_bits(settled | (size > SHRINKING * last)) == 0:
             break
+        last = size
         turns = turned_by_all(turns, d)
     return q, t, met & as_bits(dot_seven(way, t) > SMALLEST_COSINE), dot_seven(way, t)
+
+
+@kernel
+def to_curves(P, R, p, q, which):
+    """The shortest way from eight postures to curves of a pose, those that are named by bits.
+
+    Returns postures, the unit vectors along their curves, and which are met, as bits.
+    """
+    turns = turns_of(q)
+    t = q
+    met = 0
+    for _ in range(CORRECTIONS):
+        d, t, _, right = curve_step(P, turns, R, p, q, 0.0 * q[0])
+        d = all_along(d, -dot_seven(t, d), t)
+        size = largest(d)
+        settled = size < LAST_STEP
+        d = all_times(MAX_STEP / larger(size, MAX_STEP + 0.0 * size), d)
+        q = all_along(q, 1.0, d)
+        met = as_bits(settled & right)
+        if which & ~as_bits(settled) == 0:
+            break
+        turns = turned_by_all(turns, d)
+    return q, t, met
 
 
 @kernel
@@ -212,7 +251,7 @@ def follow_marks(P, target, marks, starts, pieces):
             alive |= 1 << i
             waiting += 1
     while alive != 0:
-        q, t, there, cosine = step_in_step(P, target.R, target.p, row(lanes, 0))
+        q, t, there, cosine = step_in_step(P, target.R, target.p, row(lanes, 0), alive)
         put_eight(row(after, 0), LANE, ALL, q)
         for j in range(7):
             scatter(row(after, 0), 7 + j, LANE, t[j])

@@ -1,6 +1,8 @@
-"""Entry points for bodies: free arm angles, the widest posture, and the best posture that is free.
+"""Entry points for bodies: free arm angles of one pose and of many, the widest posture, the best one that is free.
 
-The tables of bodies are those of `layout.collision`; `local` (rows, LOCAL_ROW) and `ready` (G,) are work space.
+The tables of bodies are those of `layout.collision`: `bodies` (rows, BODY_ROW), `groups` (G, GROUP) and `pairs` (n, 2)
+integers, `slack` (SLACK,) margin and drift; `local` (rows, LOCAL_ROW) and `ready` (G,) are work space. Intervals are
+rows of branch, lower and upper end; `family` are packed limbs, `T` and `poses` good poses unless verdicts are told.
 """
 
 from __future__ import annotations
@@ -9,13 +11,21 @@ import math
 
 import numpy as np
 
+from srs_ik.kernels.algebra.joint_vectors import along7
 from srs_ik.kernels.algebra.pointers import row
-from srs_ik.kernels.collision.arcs import add_arc, cut
+from srs_ik.kernels.collision.arcs import add_arc
 from srs_ik.kernels.collision.clearance import MOST_PARTS, resting_clearance, turning_clearance, widest_within
-from srs_ik.kernels.collision.free import best_of, forbidden_arcs
+from srs_ik.kernels.collision.free import best_of, forbidden_arcs, left_of
+from srs_ik.kernels.collision.march import march_all
+from srs_ik.kernels.collision.motion import CLEAR, look_along
 from srs_ik.kernels.collision.seen import World, see_balls, still_frames, turning_frames
 from srs_ik.kernels.jit import entry, kernel
+from srs_ik.kernels.layout.answer import GOOD_POSE, MOST_INTERVALS
+from srs_ik.kernels.layout.asked import Target
 from srs_ik.kernels.layout.collision import (
+    EDGE_AT,
+    EDGE_CLEARANCE,
+    EDGE_PAIR,
     MOST_ARCS,
     NO_GROUP,
     WIDE_ARM_ANGLE,
@@ -25,10 +35,12 @@ from srs_ik.kernels.layout.collision import (
     WIDE_SECOND,
 )
 from srs_ik.kernels.layout.limb import LIMITED
-from srs_ik.kernels.layout.path import Spot
+from srs_ik.kernels.layout.path import Space, Spot
 from srs_ik.kernels.limb.limits import TURN
 from srs_ik.kernels.limb.poses import read7, read_pose
 from srs_ik.kernels.limb.triangle import place
+from srs_ik.kernels.pose.intervals import all_intervals
+from srs_ik.kernels.pose.solve import own_seed, seed_or_zero
 
 ROUNDING = 1e-12
 """An arm angle may be off its interval so far, rad."""
@@ -45,17 +57,7 @@ def spot_of(P, T):
 def forbidden(family, T, bodies, groups, pairs, slack, local, ready, arcs, counts):
     """Forbidden arm angles of one pose: sorted pieces between -pi and pi, for each elbow.
 
-    Args:
-        family: packed limbs.
-        T: (4, 4) pose, a good one.
-        bodies: (rows, BODY_ROW).
-        groups: (G, GROUP) integers.
-        pairs: (n, 2) integers.
-        slack: (SLACK,) margin and drift.
-        local: (rows, LOCAL_ROW) work space.
-        ready: (G,) integers, work space.
-        arcs: (2, MOST_ARCS, 2) output.
-        counts: (2,) integers, output: pieces of each elbow.
+    They are written to arcs (2, MOST_ARCS, 2), and how many they are to counts (2,).
     """
     world = World(bodies, groups, pairs, local, ready)
     P = row(family, LIMITED)
@@ -65,12 +67,43 @@ def forbidden(family, T, bodies, groups, pairs, slack, local, ready, arcs, count
 @entry
 def free_intervals(family, T, bodies, groups, pairs, slack, local, ready, found, n, out):
     """What bodies leave of the first n intervals of one pose in found (n, 3): number of rows written to out."""
-    world = World(bodies, groups, pairs, local, ready)
-    arcs = np.empty((2, MOST_ARCS, 2))
-    counts = np.zeros(2, np.int64)
     P = row(family, LIMITED)
-    forbidden_arcs(P, spot_of(P, T), world, slack, arcs, counts, np.empty((MOST_ARCS, 2)))
-    return cut(found, n, arcs, counts, out)
+    return left_of(P, spot_of(P, T), found[:n], World(bodies, groups, pairs, local, ready), slack, out)
+
+
+@entry
+def march(family, T, found, n, bodies, groups, pairs, slack, local, ready, J, A, out):
+    """The same on the true chain of a near limb, along its curves: found (m, 3) is sorted by branch."""
+    P = row(family, LIMITED)
+    return march_all(P, spot_of(P, T), World(bodies, groups, pairs, local, ready), slack, found[:n], Space(J, A), out)
+
+
+@entry
+def free_range(
+    family, limits, poses, first, last, respect, bodies, groups, pairs, slack, local, ready, rows, counts, verdicts
+):
+    """Free intervals of the poses from first to last - 1, as far as rows suffice: the next pose, and the rows used.
+
+    `limits` is the same limb packed with the limits that count; rows, counts and verdicts are written as by
+    `pose.intervals_range`.
+    """
+    world = World(bodies, groups, pairs, local, ready)
+    P = row(family, LIMITED)
+    found = np.empty((MOST_INTERVALS, 3))
+    used = 0
+    i = first
+    while i < last and used + MOST_INTERVALS <= rows.shape[0]:
+        R, p, verdicts[i] = read_pose(row(poses, i))
+        counts[i] = 0
+        if verdicts[i] == GOOD_POSE:
+            spot = Spot(R, p, place(P, R, p))
+            target = Target(R, p, place(row(limits, LIMITED), R, p))
+            n = all_intervals(limits, target, respect, None, None, found)
+            if n > 0:
+                counts[i] = left_of(P, spot, found[:n], world, slack, rows[used : used + MOST_INTERVALS])
+        used += counts[i]
+        i += 1
+    return i, used
 
 
 @entry
@@ -154,16 +187,41 @@ def widest(family, T, bodies, groups, pairs, local, ready, found, n, tolerance, 
 def best_within(family, T, found, n, branch, seed, seeded, respect, out):
     """The best posture of an exact limb over the first n intervals in found (n, 3), into a row; its cost.
 
-    Args:
-        family: packed limbs.
-        T: (4, 4) pose, a good one.
-        found: (n, 3) branch, lower and upper end of each interval.
-        n: how many.
-        branch: the only one that is wanted; -1: all.
-        seed: (7,) posture to be near to.
-        seeded: whether that is the goal; else the margin to the limits.
-        respect: whether the joint limits have to be kept.
-        out: (ROW,) output.
+    It is the one nearest to the seed where `seeded`, else the one farthest from the limits; branch -1 stands for all.
     """
     P = row(family, LIMITED)
     return best_of(P, spot_of(P, T), found[:n], branch, (seeded, read7(seed), respect), row(out, 0))
+
+
+@entry
+def best_range(family, poses, first, last, rows, offsets, branch, seeds, respect, out):
+    """The best posture of an exact limb in given intervals, for the poses from first to last - 1 that have any.
+
+    Those of pose i are in rows (n, 3) from offsets[i] to offsets[i + 1] - 1; seeds: one for all, one a pose, or None.
+    """
+    P = row(family, LIMITED)
+    for i in range(first, last):
+        if offsets[i + 1] > offsets[i]:
+            R, p, _ = read_pose(row(poses, i))
+            goal = (seeds is not None, seed_or_zero(own_seed(seeds, i)), respect)
+            found = rows[offsets[i] : offsets[i + 1]]
+            best_of(P, Spot(R, p, place(P, R, p)), found, branch, goal, row(out, i))
+
+
+@entry
+def edges(family, starts, ends, bodies, groups, pairs, slack, local, ready, out):
+    """Look along the straight line from each of n postures to its end: how many do not keep clear.
+
+    Each has its slack. A row of out (n, EDGE) takes where on the line, 0 to 1, which pair is too close, and its
+    clearance, m; pair -1 where the line is certainly clear.
+    """
+    world = World(bodies, groups, pairs, local, ready)
+    P = row(family, LIMITED)
+    hits = 0
+    for i in range(starts.shape[0]):
+        start = read7(row(starts, i))
+        step = along7(read7(row(ends, i)), -1.0, start)
+        verdict, out[i, EDGE_AT], pair, out[i, EDGE_CLEARANCE] = look_along(P, start, step, world, row(slack, i))
+        out[i, EDGE_PAIR] = pair
+        hits += verdict != CLEAR
+    return hits

@@ -9,19 +9,21 @@ import math
 
 import numpy as np
 
-from srs_ik.kernels.algebra.pointers import row
+from srs_ik.kernels.algebra.pointers import keep, row
 from srs_ik.kernels.chain.answer import measure_row
 from srs_ik.kernels.chain.kinematics import pose_error
 from srs_ik.kernels.chain.newton import CLOSED, STEPS, clipped, close_free
 from srs_ik.kernels.exact.samples import MAX_SAMPLES
-from srs_ik.kernels.jit import entry
+from srs_ik.kernels.jit import entry, kernel
 from srs_ik.kernels.layout.answer import GOOD_POSE, MAX_PIECES, ROW_ARM_ANGLE
 from srs_ik.kernels.layout.asked import Target
 from srs_ik.kernels.layout.limb import IS_CLOSED, LIMITED
 from srs_ik.kernels.layout.path import (
+    MEMO,
     NODE,
     NODE_BRANCH,
     NODE_PSI,
+    SIDE,
     SQUARES,
     STRIP_FIRST,
     STRIP_LAST,
@@ -43,16 +45,11 @@ from srs_ik.kernels.path.between import between_two, follow_on, pose_change
 from srs_ik.kernels.path.bridge import bridge_to
 from srs_ik.kernels.path.corridor import corridor, put_on_poses
 from srs_ik.kernels.path.edges import path_cost
-from srs_ik.kernels.path.pose_strips import list_strips, pose_strips
-from srs_ik.kernels.path.programme import (
-    advance,
-    cheapest,
-    first_costs,
-    rules_for,
-    step_back,
-)
+from srs_ik.kernels.path.followed import write_sides
+from srs_ik.kernels.path.pose_strips import bend_of, list_strips, pose_strips
+from srs_ik.kernels.path.programme import advance, cheapest, first_costs, rules_for, step_back
 from srs_ik.kernels.path.smoothing import smooth
-from srs_ik.kernels.path.strips import DEEPEST, put_node
+from srs_ik.kernels.path.strips import DEEPEST, GRID, put_node
 
 MOST_NODES = 4096
 """Most postures of a pose."""
@@ -68,14 +65,18 @@ FARTHEST_KEY = 8
 
 
 @entry
-def choose_keys(family, poses, has_known, keys, verdicts):
-    """Mark the poses at which a path is planned: the ends, known ones, and one for every `KEY_CHANGE` of the pose."""
+def choose_keys(family, poses, has_known, keys, verdicts, bends):
+    """Mark the poses at which a path is planned: the ends, known ones, and one for every `KEY_CHANGE` of the pose.
+
+    In `bends` (n,) are the sines of the elbow's bend, on the nearest exact limb; -1 where a pose is out of its reach.
+    """
     P = row(family, LIMITED)
     n = poses.shape[0]
     R, p, verdicts[0] = read_pose(row(poses, 0))
     if verdicts[0] != GOOD_POSE:
         return
     before = place(P, R, p)
+    bends[0] = bend_of(before)
     keys[0] = True
     keys[n - 1] = True
     last = 0
@@ -84,6 +85,7 @@ def choose_keys(family, poses, has_known, keys, verdicts):
         if verdicts[i] != GOOD_POSE:
             return
         here = place(P, R, p)
+        bends[i] = bend_of(here)
         if has_known[i]:
             keys[i] = True
         if keys[i] or i - last > FARTHEST_KEY or pose_change(before, here) > KEY_CHANGE:
@@ -111,6 +113,7 @@ def sweep(
     allowed_ends,
     near,
     radius,
+    followed,
     seed,
     settings,
     limited,
@@ -139,6 +142,7 @@ def sweep(
         allowed_ends: (n + 1,) the first of each pose; (0,): strips may have all.
         near: (n, 7) postures around which strips are finer.
         radius: how far around, rad; 0: nowhere.
+        followed: (n,) where a near limb's strips are its own curves, and not those of the nearest exact limb.
         seed: (7,) posture before the first one, or None.
         settings: (SETTINGS, 7).
         limited: whether there are velocity limits.
@@ -156,8 +160,10 @@ def sweep(
     """
     sheet = Sheet(nodes, np.zeros(nodes.shape[0], np.bool_), cost, strips)
     found, given = np.empty((8 * MAX_PIECES, 3)), np.full(2, -1)
-    desk = Desk(found, np.empty(MAX_SAMPLES), np.empty((DEEPEST, NODE)), np.zeros((3, 7)), allowed, given)
-    scaled = settings.copy()
+    held, turns, memo, stamp = np.empty((DEEPEST, NODE)), np.zeros((3, 7)), np.zeros((2 * GRID, MEMO)), np.zeros(1)
+    desk = Desk(found, np.empty(MAX_SAMPLES), held, turns, allowed, given, memo, stamp)
+    scales, told = settings.copy(), row(settings, 0)
+    scaled = row(scales, 0)
     last = 0
     n, m = ends[0, 1], ends[0, 3]
     i = first
@@ -174,7 +180,8 @@ def sweep(
             put_node(nodes, n, read7(row(known, pose)), 0.0, -1)
             n += 1
         else:
-            around = Around(read7(row(near, pose)), radius)
+            around = Around(read7(row(near, pose)), radius, followed[pose])
+            stamp[0] += 1.0
             n = pose_strips(family, row(poses, pose), around, sheet, n, desk, J, A)
             for k in range(bridge_ends[pose], bridge_ends[pose + 1]):
                 put_node(nodes, n, read7(row(bridges, k)), 0.0, -1)
@@ -186,13 +193,14 @@ def sweep(
         if n > ends[at, 0]:
             now = Span(ends[at, 0], n, ends[at, 2], m)
             if carried < 0:
-                first_costs(sheet, now, seed, settings)
+                first_costs(sheet, now, seed, told)
             else:
                 before = Span(ends[last, 0], ends[last, 1], ends[last, 2], ends[last, 3])
-                advance(sheet, before, now, rules_for(settings, scaled, pose - carried, limited), exact)
+                advance(sheet, before, now, rules_for(told, scaled, pose - carried, limited), exact)
             carried = pose
             last = at
         i += 1
+    keep(scales)
     return i, last
 
 
@@ -220,7 +228,8 @@ def go_back(keys, first, count, following, settings, limited, nodes, cost, strip
         The first pose of these that is reached, or `following`; and the least cost if there was none behind these.
     """
     sheet = Sheet(nodes, cost, cost, strips)
-    scaled = settings.copy()
+    scales, told = settings.copy(), row(settings, 0)
+    scaled = row(scales, 0)
     least = -1.0
     for j in range(count, 0, -1):
         if ends[j, 0] == ends[j, 1]:
@@ -231,7 +240,7 @@ def go_back(keys, first, count, following, settings, limited, nodes, cost, strip
             at = float(cheapest(cost, span.first, span.last))
             least = cost[int(at)]
         else:
-            _, at = step_back(row(q, following), sheet, span, rules_for(settings, scaled, following - pose, limited))
+            _, at = step_back(row(q, following), sheet, span, rules_for(told, scaled, following - pose, limited))
         k = math.floor(at)
         t = at - k
         next_row = k + 1 if t > 0.0 else k
@@ -246,6 +255,7 @@ def go_back(keys, first, count, following, settings, limited, nodes, cost, strip
                 bounds[pose, 0] = low if low > -math.pi else -math.inf
                 bounds[pose, 1] = high if abs(high) != math.pi else math.inf
         following = pose
+    keep(scales)
     return following, least
 
 
@@ -255,7 +265,7 @@ def fill_between(family, poses, keys, reached, settings, q, psi, branch, bounds,
 
     Marks in `missed` where there is none, and writes the point of that line; other arguments as in `go_back`.
     """
-    course = Course(poses, keys, reached, bounds)
+    course = Course(poses, keys, reached, bounds, np.empty((0, SIDE)))
     line = Line(q, psi, branch)
     last = -1
     for number in range(keys.shape[0]):
@@ -271,11 +281,21 @@ def fill_between(family, poses, keys, reached, settings, q, psi, branch, bounds,
                 missed[i] = True
         if last >= 0:
             for i in range(last + 1, pose):
-                missed[i] = not follow_on(family, course, line, (last, i, pose), settings, J, A)
+                missed[i] = not follow_on(family, course, line, (last, i, pose), row(settings, 0), J, A)
                 reached[i] = not missed[i]
                 if missed[i]:
-                    between_two(line, (last, i, pose), settings)
+                    between_two(line, (last, i, pose), row(settings, 0))
         last = pose
+
+
+@kernel
+def course_of(family, course, branch, A):
+    """The course with the sides of its postures, which only an exact limb has."""
+    if A is not None:
+        return course
+    whole = Course(course.poses, course.chain, course.fixed, course.bounds, np.empty((course.poses.shape[0], SIDE)))
+    write_sides(row(family, LIMITED), whole, branch)
+    return whole
 
 
 @entry
@@ -285,24 +305,25 @@ def refine(family, poses, chain, fixed, bounds, widths, even, seed, settings, li
     `widths` (m,) are those of the corridors, one after the other; `even` says whether squared joint steps are all that
     counts, so that all arm angles move at once in the end. The others are those of `corridor`. Returns the cost.
     """
-    course = Course(poses, chain, fixed, bounds)
-    line = Line(q, psi, branch)
     space = Space(J, A)
-    rules = Rules(settings, limited, 1.0)
+    course = course_of(family, Course(poses, chain, fixed, bounds, np.empty((0, SIDE))), branch, A)
+    line = Line(q, psi, branch)
+    told = row(settings, 0)
+    rules = Rules(told, limited, 1.0)
     put_on_poses(family, course, line, space)
-    lowest = path_cost(chain, seed, settings, limited, q)
+    lowest = path_cost(chain, seed, told, limited, q)
     for width in widths:
         q_before, psi_before = q.copy(), psi.copy()
         corridor(family, course, line, width, seed, rules, space)
-        total = path_cost(chain, seed, settings, limited, q)
+        total = path_cost(chain, seed, told, limited, q)
         if total > lowest:
             q[:] = q_before
             psi[:] = psi_before
         else:
             lowest = total
     if even:
-        lowest = smooth(family, course, line, seed, Aim(SQUARES, settings[0], 0.0), settings, space)
-        lowest = path_cost(chain, seed, settings, False, q)
+        lowest = smooth(family, course, line, seed, Aim(SQUARES, told, 0.0), told, space)
+        lowest = path_cost(chain, seed, told, False, q)
     return lowest
 
 
@@ -330,11 +351,12 @@ def polish(family, poses, chain, fixed, bounds, seed, settings, kind, scale, wei
     Returns:
         The value with the last barrier; 1e300 where the path begins beyond its limits.
     """
-    course = Course(poses, chain, fixed, bounds)
+    space = Space(J, A)
+    course = course_of(family, Course(poses, chain, fixed, bounds, np.empty((0, SIDE))), branch, A)
     line = Line(q, psi, branch)
     lowest = 0.0
     for weight in weights:
-        lowest = smooth(family, course, line, seed, Aim(kind, scale, weight), settings, Space(J, A))
+        lowest = smooth(family, course, line, seed, Aim(kind, row(scale, 0), weight), row(settings, 0), space)
     return lowest
 
 

@@ -12,6 +12,7 @@ from srs_ik.kernels.layout.answer import MAX_PIECES
 from srs_ik.kernels.layout.limb import LIMITED
 from srs_ik.kernels.layout.path import (
     IMPOSSIBLE,
+    MEMO,
     NODE,
     POINT,
     STRIP,
@@ -130,7 +131,7 @@ def relax(cells, ends, backward, settings, worth):
                     begin, end, sag = lowest_of_all, lowest_of_all, 0.0
                 else:
                     before = (cells, ends[last], ends[last + 1], worth)
-                    begin, end, sag = advance_cell(before, groups, cells, j, settings, tried)
+                    begin, end, sag = advance_cell(before, groups, cells, j, row(settings, 0), tried)
                 worth[j, WORTH_BEGIN] = begin
                 worth[j, WORTH_END] = end
                 worth[j, WORTH_SAG] = sag
@@ -144,7 +145,8 @@ def net_of(cells, longest, all_turns):
         np.empty((MOST_NODES, NODE)), np.zeros(MOST_NODES, np.bool_), np.empty(1), np.empty((MOST_STRIPS, STRIP))
     )
     found, given = np.empty((8 * MAX_PIECES, 3)), np.full(2, -1)
-    desk = Desk(found, np.empty(MAX_SAMPLES), np.empty((DEEPEST, NODE)), np.zeros((3, 7)), np.empty((0, 3)), given)
+    held, turns, memo = np.empty((DEEPEST, NODE)), np.zeros((3, 7)), np.empty((0, MEMO))
+    desk = Desk(found, np.empty(MAX_SAMPLES), held, turns, np.empty((0, 3)), given, memo, np.zeros(1))
     return Net(cells, longest, all_turns, desk, sheet)
 
 
@@ -177,7 +179,7 @@ def reach(cells, ends, backward, limit, settings, spans):
                         if spans[k, 0] > spans[k, 1] or (begin == 0.0 and end == 1.0):
                             continue
                         part = (spans[k, 0], spans[k, 1])
-                        first, behind = reach_cell(cells, k, part, j, limit, settings, work)
+                        first, behind = reach_cell(cells, k, part, j, limit, row(settings, 0), work)
                         if first <= behind:
                             begin, end = (min(begin, first), max(end, behind)) if begin <= end else (first, behind)
                 spans[j, 0], spans[j, 1] = begin, end

@@ -14,13 +14,13 @@ from srs_ik.kernels.algebra.pointers import row
 from srs_ik.kernels.chain.answer import measure_row
 from srs_ik.kernels.exact.farthest import farthest
 from srs_ik.kernels.jit import entry
-from srs_ik.kernels.layout.answer import GOOD_POSE, MAX_PIECES, OK, ROW_STATUS
+from srs_ik.kernels.layout.answer import GOOD_POSE, MAX_PIECES, MOST_INTERVALS, OK, ROW_STATUS
 from srs_ik.kernels.layout.asked import Target
 from srs_ik.kernels.layout.limb import LIMITED
 from srs_ik.kernels.limb.limits import set_limits
 from srs_ik.kernels.limb.poses import read7, read_pose
 from srs_ik.kernels.limb.triangle import place
-from srs_ik.kernels.near.band import shift
+from srs_ik.kernels.near.band import put_shift
 from srs_ik.kernels.near.intervals import best_of_true_intervals
 from srs_ik.kernels.near.predicted_best import predicted_best_of_intervals
 from srs_ik.kernels.pose.intervals import all_intervals
@@ -77,6 +77,35 @@ def solve_all_range(family, poses, first, last, psis, respect, J, A, out, verdic
 
 
 @entry
+def intervals(family, T, respect, J, A, out):
+    """Feasible intervals of one pose: number of rows written to `out` (n, 3), or minus the verdict."""
+    R, p, verdict = read_pose(row(T, 0))
+    if verdict != GOOD_POSE:
+        return -verdict
+    return all_intervals(family, Target(R, p, place(row(family, LIMITED), R, p)), respect, J, A, out)
+
+
+@entry
+def intervals_range(family, poses, first, last, respect, J, A, rows, counts, verdicts):
+    """Intervals of the poses from first to last - 1, as far as rows suffice; returns the next pose and the rows used.
+
+    Rows, at least MOST_INTERVALS of them, take branch, lower and upper end of each interval, pose after pose; counts
+    take how many each pose has, verdicts those on the poses.
+    """
+    used = 0
+    i = first
+    while i < last and used + MOST_INTERVALS <= rows.shape[0]:
+        R, p, verdicts[i] = read_pose(row(poses, i))
+        counts[i] = 0
+        if verdicts[i] == GOOD_POSE:
+            place_ = place(row(family, LIMITED), R, p)
+            counts[i] = all_intervals(family, Target(R, p, place_), respect, J, A, rows[used : used + MOST_INTERVALS])
+        used += counts[i]
+        i += 1
+    return i, used
+
+
+@entry
 def solve_intervals(family, T, respect, J, A, out):
     """The best posture of every feasible interval of one pose: number of rows of `out`, or minus the verdict."""
     R, p, verdict = read_pose(row(T, 0))
@@ -104,9 +133,9 @@ def pack_limits(P, lower, upper):
 
 @entry
 def measure_shifts(P, configurations, shifts):
-    """Write `predicted.shift` of configurations (N, 7) of a limb that is being packed into shifts (N,)."""
+    """Write `band.put_shift` of configurations (N, 7) of a limb that is being packed into shifts (N, SHIFTS)."""
     for i in range(configurations.shape[0]):
-        shifts[i] = shift(row(P, 0), read7(row(configurations, i)))
+        put_shift(row(P, 0), read7(row(configurations, i)), row(shifts, i))
 
 
 @entry

@@ -50,17 +50,17 @@ pose.solve_all(family, T, psi, respect, J, A, out: float[8, ROW]&) -> int
 pose.solve_all_range(family, poses, first, last, psis, respect, J, A, out: float[r, ROW]&, verdicts)
 pose.solve_intervals(family, T, respect, J, A, out: float[MOST_INTERVALS, ROW]&) -> int
 pose.pack_limits(P: float[limb.SIZE]&, lower: float[7], upper: float[7])
-pose.measure_shifts(P: float[limb.SIZE], configurations: float[n, 7], shifts: float[n]&)
+pose.measure_shifts(P: float[limb.SIZE], configurations: float[n, 7], shifts: float[n, SHIFTS]&)
 pose.check_pose(T) -> int
-intervals.intervals_range(family, poses, first, last, respect, J, A, rows: float[r, 3]&, counts: int[n]&, verdicts)
+pose.intervals_range(family, poses, first, last, respect, J, A, rows: float[r, 3]&, counts: int[n]&, verdicts)
     -> (int, int)
-intervals.intervals(family, T, respect, J, A, out: float[MOST_INTERVALS, 3]&) -> int
+pose.intervals(family, T, respect, J, A, out: float[MOST_INTERVALS, 3]&) -> int
 free_splits.free_splits(family, T, respect, out: float[MOST_SPLITS, SPLIT_ROW]&) -> int
 kinematics.forward_range(family, q: float[n, 7], first, last, out: float[n, 4, 4]&)
 kinematics.jacobian_range(family, q: float[n, 7], first, last, out: float[n, 6, 7]&)
-rates.arm_angle_jacobian(family, q: float[7], g: float[7]&) -> bool
-rates.self_motion_tangent(family, q: float[7], out: float[7]&) -> bool
-rates.configuration_arm_angle(family, q: float[7]) -> (float, int)
+kinematics.arm_angle_jacobian(family, q: float[7], g: float[7]&) -> bool
+kinematics.self_motion_tangent(family, q: float[7], out: float[7]&) -> bool
+kinematics.configuration_arm_angle(family, q: float[7]) -> (float, int)
 optimum.optimise(family, T, kind: int, second: int, tolerance: float, resolution: float, params: float[PARAMS],
     respect, solution: float[ROW]&, out: float[OUT]&) -> int
 optimum.sample(family, T, respect, runs: float[MOST_RUNS, RUN]&, rows: float[n, SAMPLE]&) -> (int, int, int)
@@ -74,11 +74,11 @@ optimum.begin(S: float[search.STATE]&, bracket: float[BRACKET], resolution: floa
 optimum.posture(family, T, rows: float[n, SAMPLE], run: float[RUN], x: float, respect, solution: float[ROW]&) ->
     bool
 optimum.interval(family, T, rows: float[n, SAMPLE], run: float[RUN]) -> (float, float)
-path.choose_keys(family, poses, has_known: bool[n], keys: bool[n]&, verdicts: int[n]&)
+path.choose_keys(family, poses, has_known: bool[n], keys: bool[n]&, verdicts: int[n]&, bends: float[n]&)
 path.sweep(family, poses, keys: int[k], first, carried: int, stop: byte[1], known: float[n, 7], has_known: bool[n],
     bridges: float[b, 7], bridge_ends: int[h], allowed: float[a, 3], allowed_ends: int[i], near: float[n, 7],
-    radius: float, seed, settings, limited, exact: bool, J, A, nodes: float[N, NODE]&, cost: float[N]&,
-    strips: float[M, STRIP]&, ends: int[e, 4]&) -> (int, int)
+    radius: float, followed: bool[n], seed, settings, limited, exact: bool, J, A, nodes: float[N, NODE]&,
+    cost: float[N]&, strips: float[M, STRIP]&, ends: int[e, 4]&) -> (int, int)
 path.go_back(keys: int[k], first, count: int, following: int, settings, limited, nodes: float[N, NODE],
     cost: float[N], strips: float[M, STRIP], ends: int[e, 4], q: float[n, 7]&, psi: float[n]&, branch: int[n]&,
     bounds: float[n, 2]&) -> (int, float)
@@ -112,13 +112,13 @@ collision.widest(family, T, bodies, groups, pairs, local, ready, found, n: int, 
     out: float[WIDE]&)
 collision.best_within(family, T, found, n: int, branch, seed: float[7], seeded: bool, respect, out: float[ROW]&) ->
     float
-in_scene.free_range(family, limits: float[4, limb.SIZE], poses, first, last, respect, bodies, groups, pairs, slack,
+collision.free_range(family, limits: float[4, limb.SIZE], poses, first, last, respect, bodies, groups, pairs, slack,
     local, ready, rows: float[r, 3]&, counts: int[n]&, verdicts) -> (int, int)
-march.march(family, T, found, n: int, bodies, groups, pairs, slack, local, ready, J: float[6, 7]&, A: float[16, 9]&,
+collision.march(family, T, found, n: int, bodies, groups, pairs, slack, local, ready, J: float[6, 7]&, A: float[16, 9]&,
     out: float[o, 3]&) -> int
-in_scene.best_range(family, poses, first, last, rows: float[r, 3], offsets: int[o], branch, seeds, respect,
+collision.best_range(family, poses, first, last, rows: float[r, 3], offsets: int[o], branch, seeds, respect,
     out: float[n, ROW]&)
-motion.edges(family, starts: float[n, 7], ends: float[n, 7], bodies, groups, pairs, slack: float[n, SLACK], local,
+collision.edges(family, starts: float[n, 7], ends: float[n, 7], bodies, groups, pairs, slack: float[n, SLACK], local,
     ready, out: float[n, EDGE]&) -> int
 control.tick(family, weights: float[WEIGHTS], ports: float[n, PORT], states: float[n, STATE]&, bounds: float[b],
     motion: float[2, 7], work: float[w, 7]&) -> bool

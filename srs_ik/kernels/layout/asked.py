@@ -33,7 +33,7 @@ class View(NamedTuple):
 
     target: Any
     sides: Any  # both sides of the elbow, from `triangle.elbow_side`
-    band: Any  # how far the true chain may be from the exact limb, rad
+    band: Any  # how far each joint of the true chain may be from the exact limb, rad, as `band.band_of` says
     points: Any  # (MAX_POINTS, POINT) work space
     gaps: Any  # (MAX_POINTS, 2) work space
 

@@ -81,8 +81,21 @@ SHOULDER = 158
 WRIST = SHOULDER + BLOCK
 MISS = WRIST + BLOCK  # largest distance of an axis from its centre, of the true chain
 SHIFT = MISS + 1  # how far its joint directions are from those of the closed form, rad, elbow at a right angle
-BAND = SHIFT + 1  # how far the directions of joint axes may be from the true chain's, rad; limits drawn in: negative
-SIZE = BAND + 1
+BAND = SHIFT + 1  # how far limits of joints 1, 3, 5 and 7 are drawn out, rad; drawn in: negative
+# How far the true chain is from the closed form, rad: at most so much, and so much more over the sine of the bend.
+# Joints 1, 3, 5 and 7 times the sine of the middle angle between them; joint 4 times the sine of the bend: its cosine.
+BANDS = BAND + 1  # 7 times both
+COSINE_OFF = BANDS + 7  # of joint 4 at a straight elbow
+SIZE = BANDS + 14
+
+# How far a configuration is from the closed form, rad: the same of each joint; zero where they are not told.
+SHIFT_COSINE = 7  # cosine of the elbow's bend
+SHIFT_CLOSED = 8  # cosine of the bend of the closed form
+SHIFT_BEND = 9  # sine of it; 0 where the differences of joints are not told
+SHIFTS = 10
+
+WELL_CLEAR = 1.25
+"""The elbow's cosine is farther from straight and from folded than its band by this factor, or the elbow may be so."""
 
 # A family of packed limbs (4, SIZE): with limits, without, and both again with the loose tolerances.
 LIMITED = 0

@@ -31,6 +31,14 @@ of the curve of a near limb)."""
 POINT = -1
 CURVE = -2
 
+MEMO = 14
+MEMO_STAMP = 0
+MEMO_CLEAR = 1
+MEMO_SHOULDER = 2
+MEMO_WRIST = 8
+"""What is known at one arm angle of an elbow branch: of which pose, whether it is clear cut, and both solutions of
+shoulder and wrist, three angles each."""
+
 WORTH = 3
 WORTH_BEGIN = 0
 WORTH_END = 1
@@ -43,12 +51,12 @@ BY_CONTINUITY = 1
 PERIOD = 2
 INVERSE_PERIOD = 3
 INVERSE_SPEED = 4
-POWER = 5
+LEAST_INVERSE = 5
 SETTINGS = 6
 """Rows of the settings of a path, seven figures each: longest steps, a turn for joints without end or zero, 1 / it.
 
-Where the slowest joint counts in place of the squares of all: by what steps are divided, which else is zero, and the
-power to which the largest one is raised.
+Where the slowest joint counts in place of the squares of all: by what steps are multiplied, and the least of that;
+else zero. Kernels know them by a pointer to the first figure.
 """
 
 BREAK = 1e10
@@ -58,6 +66,15 @@ TOO_FAST = 1e5
 """Cost of a step above a velocity limit."""
 
 IMPOSSIBLE = 1e15
+
+SIDE = 43
+SIDE_ELBOW = 0
+SIDE_LINE = 1
+SIDE_FOREARM = 4
+SIDE_SHOULDER = 7
+SIDE_WRIST = 25
+"""One elbow branch of a pose: elbow angle, direction S-W, the same seen from the forearm, and two circles of three
+vectors each for shoulder and wrist (18 figures each)."""
 
 SQUARES = 0
 WITHIN = 1
@@ -76,9 +93,18 @@ class Sheet(NamedTuple):
     strips: Any
 
 
+class Pages(NamedTuple):
+    """Postures, costs and strips of a sheet, as pointers to their first figures."""
+
+    nodes: Any
+    cost: Any
+    strips: Any
+
+
 class Desk(NamedTuple):
     """Work space of the strips of a pose: intervals, first arm angles, postures on hold, turns of joints.
 
+    In `memo` (m, MEMO) is what is known at angles of a grid, for the pose of number `stamp[0]`.
     Intervals that are allowed (m, 3) may be given, those of a pose from row `given[0]` on; -1: all are.
     """
 
@@ -88,6 +114,8 @@ class Desk(NamedTuple):
     turns: Any
     allowed: Any
     given: Any
+    memo: Any
+    stamp: Any
 
 
 class Net(NamedTuple):
@@ -110,7 +138,7 @@ class Span(NamedTuple):
 
 
 class Rules(NamedTuple):
-    """What a step counts: settings (SETTINGS, 7), whether velocity limits do, and by which its squares are taken."""
+    """What a step counts: settings, whether velocity limits do, and by which its squares are taken."""
 
     settings: Any
     limited: bool
@@ -118,10 +146,14 @@ class Rules(NamedTuple):
 
 
 class Around(NamedTuple):
-    """Where strips are fine: about a posture, so far, rad; with 0, they are coarse everywhere."""
+    """Where strips are fine: about a posture, so far, rad; with 0, they are coarse everywhere.
+
+    A near limb's strips are its own curves if these are to be followed, else those of the nearest exact limb.
+    """
 
     q: Any
     radius: float
+    followed: bool
 
 
 class Spot(NamedTuple):
@@ -141,12 +173,16 @@ class Posture(NamedTuple):
 
 
 class Course(NamedTuple):
-    """Poses (n, 4, 4), those that count (k,), which postures stay (n,), least and largest arm angles (n, 2)."""
+    """Poses (n, 4, 4), those that count (k,), which postures stay (n,), least and largest arm angles (n, 2).
+
+    On an exact limb, `sides` (n, SIDE) are the elbow branches of the postures; on a near one there are none.
+    """
 
     poses: Any
     chain: Any
     fixed: Any
     bounds: Any
+    sides: Any
 
 
 class Line(NamedTuple):

@@ -24,7 +24,7 @@ from srs_ik.kernels.maps.arcs import put_arc, write_arcs
 from srs_ik.kernels.maps.cells import clear, write_measures
 from srs_ik.kernels.maps.reach import any_overlap, is_bent_right, is_met_at, room
 from srs_ik.kernels.near.at_angle import may_reach
-from srs_ik.kernels.near.band import WIDEST_BAND, band_of, is_near_singularity, may_predict, widen
+from srs_ik.kernels.near.band import WIDEST_BAND, band_of, is_near_singularity, may_predict, widen, widest
 from srs_ik.kernels.near.intervals import true_intervals
 from srs_ik.kernels.near.predicted import predicted_intervals
 from srs_ik.kernels.pose.intervals import all_intervals
@@ -75,7 +75,7 @@ def is_clear(P, side, psi, band):
 def is_met_near(P, pose, band, family, space):
     """Whether an arm angle that is feasible for all that the band allows is so on the true chain."""
     box = row(space.boxes, 0)
-    if not widen(P, -band, box):
+    if not widen(P, band, -1.0, box):
         return False
     for elbow in range(2):
         if not is_bent_right(box, pose.place_, elbow):
@@ -95,7 +95,7 @@ def is_met_near(P, pose, band, family, space):
 def is_out_of_band(P, pose, band, space):
     """Whether no posture keeps limits that are drawn out by more than the band: there is none on the true chain."""
     box = row(space.boxes, 0)
-    widen(P, SAFE * band, box)
+    widen(P, band, SAFE, box)
     for elbow in range(2):
         if is_bent_right(box, pose.place_, elbow) and any_overlap(box, elbow_side(P, pose.place_, elbow), space.exact):
             return False
@@ -116,7 +116,7 @@ def reach_near(family, pose, space):
     if may_predict(P, pose.place_, band):
         if is_met_near(P, pose, band, family, space):
             return REACHED
-        if SAFE * band < WIDEST_BAND and is_out_of_band(P, pose, band, space):
+        if SAFE * widest(band) < WIDEST_BAND and is_out_of_band(P, pose, band, space):
             return NOT_REACHED
         n = predicted_intervals(P, target, space.found, space.J, space.A)
         if n >= 0:

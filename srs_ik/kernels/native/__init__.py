@@ -19,6 +19,9 @@ from srs_ik.kernels import sources
 FOLDER = Path(__file__).parent
 KERNELS = FOLDER.parent
 
+REMEDY = "install srs_ik again on this machine, or once for all with SRS_IK_BUILD=portable"
+"""What helps where kernels were compiled for another kind of machine."""
+
 
 def stamps(rooms: list[str]) -> dict[str, str]:
     """Digests to remember with what is compiled: that of all sources, below "", and that of each room of entries."""
@@ -34,15 +37,26 @@ def asked_for(variable: str) -> bool:
     return os.environ.get(variable, "0") not in ("", "0")
 
 
-@cache
 def extension() -> Any:
-    """The extension with the compiled entries; None where there is none, or Numba is asked for."""
+    """The extension with the compiled entries; None where there is none, it cannot run here, or Numba is asked for."""
+    return _found()[0]
+
+
+def refused() -> str:
+    """Why the compiled kernels that are there cannot run on this machine, in words; empty where they can."""
+    return _found()[1]
+
+
+@cache
+def _found() -> tuple[Any, str]:
     if asked_for("SRS_IK_JIT") or asked_for("NUMBA_DISABLE_JIT"):
-        return None
+        return None, ""
     try:
-        return import_module(f"{__name__}.entries")
-    except ImportError:
-        return None
+        return import_module(f"{__name__}.entries"), ""
+    except ModuleNotFoundError:
+        return None, ""
+    except ImportError as error:
+        return None, f"srs_ik's compiled kernels cannot run here: {error}; {REMEDY}"
 
 
 @cache

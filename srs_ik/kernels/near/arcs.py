@@ -28,12 +28,13 @@ from srs_ik.kernels.curves.in_step import (
     one_of_seven,
     put_mark,
 )
-from srs_ik.kernels.curves.runs import CURVE_ROWS, SPARE_ROWS, survey_curves
+from srs_ik.kernels.curves.runs import SPARE_ROWS, survey_curves
 from srs_ik.kernels.exact.intervals import SAME, TURN
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.asked import Runs
 from srs_ik.kernels.layout.limb import A1, BOTTOM_GAP, SHOULDER, TOP_GAP, WRIST
 from srs_ik.kernels.limb.poses import read7
+from srs_ik.kernels.near.band import nearness
 from srs_ik.kernels.near.scan import POINT, POINT_BRANCH, POINT_OFF, POINT_PSI, outside_by, put_points
 
 ARC = 4
@@ -102,9 +103,9 @@ def find_arcs(P, view, arcs):
     n = 0
     for elbow in range(2):
         first = n
-        n = put_arcs_of(P, SHOULDER, view.sides[elbow][1][0], view.band, arcs, first, n)
+        n = put_arcs_of(P, SHOULDER, view.sides[elbow][1][0], nearness(SHOULDER, view.band), arcs, first, n)
         if n >= 0:
-            n = put_arcs_of(P, WRIST, view.sides[elbow][2][0], view.band, arcs, first, n)
+            n = put_arcs_of(P, WRIST, view.sides[elbow][2][0], nearness(WRIST, view.band), arcs, first, n)
         if n < 0:
             return -1
         for i in range(first, n):
@@ -157,7 +158,7 @@ def follow_arc(P, by, points, runs):
     """Follow the curves between the ends of an arc: their samples, and the number of feasible runs, -1 if it fails."""
     marks = np.full((8, MARK), np.inf)
     pieces = np.empty((ARC_ROWS, SAMPLE))
-    line = np.empty((CURVE_ROWS, SAMPLE))
+    line = np.empty((ARC_ROWS, SAMPLE))
     rows = np.empty((ARC_ROWS + SPARE_ROWS, SAMPLE))
     curves = np.empty((4, CURVE))
     starts = put_marks_of_arc(P, by.target, points, marks)

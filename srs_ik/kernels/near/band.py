@@ -14,24 +14,31 @@ from srs_ik.kernels.layout.limb import (
     A1_A2,
     A2_A3,
     BAND,
+    BANDS,
     BOTTOM_GAP,
+    FAR,
     LOWER,
+    NEAR,
     PHASE,
-    SHIFT,
+    SHIFT_BEND,
+    SHIFT_CLOSED,
+    SHIFT_COSINE,
     SHOULDER,
     SIZE,
     STRAIGHT,
     TOP_GAP,
     UPPER,
+    WELL_CLEAR,
     WRIST,
 )
 from srs_ik.kernels.limb.branches import branch_of, side_posture
 from srs_ik.kernels.limb.goal import NO_SEED
 from srs_ik.kernels.limb.limits import set_joint_limits, set_limit
-from srs_ik.kernels.limb.triangle import elbow_side, place
+from srs_ik.kernels.limb.triangle import elbow_side, place, shoulder_to_wrist
 
 WIDEST_BAND = 0.2
-"""Wider bands tell too little."""
+WIDEST_OUTER = 0.4
+"""Wider bands, of joints 2, 4 and 6 and of the others, tell too little."""
 
 WELL_BENT = 0.5
 """Sine of a middle angle from which on shifts are measured."""
@@ -41,9 +48,6 @@ OBLIQUE = 1e-2
 
 ALMOST_NOTHING = 1e-4
 """With a narrower band, rad, there are as many intervals as the nearest exact limb has, each end close to its own."""
-
-LEAST_BEND = 1.6
-"""The elbow is bent by at least so many bands, or it may be straight on the true chain."""
 
 
 @kernel
@@ -60,27 +64,77 @@ def certain_posture(P, side, branch, psi):
 
 
 @kernel
-def shift(P, q):
-    """How far the joint directions of a configuration are from those of the closed form at its pose and arm angle.
+def cosine_off(P, q, sw):
+    """By how much the cosine of the elbow's bend at a configuration differs from that of the closed form."""
+    near2, far2 = P[NEAR] * P[NEAR], P[FAR] * P[FAR]
+    return (2.0 * dot(sw, sw) - near2 - far2) / (far2 - near2) - math.cos(q[3] - P[STRAIGHT])
 
-    Times the sine of the elbow's bend: with that it grows. Zero next to singularities, where it has no bound.
+
+@kernel
+def put_shift(P, q, out):
+    """Write how far a configuration is from the closed form at its pose and arm angle into out (SHIFTS,).
+
+    Those of joints are zero where shoulder or wrist are close to singular, or the closed form is out of reach.
     """
     x, y, z, p = forward_kinematics(P, q)
-    place_ = place(P, (x[0], y[0], z[0], x[1], y[1], z[1], x[2], y[2], z[2]), p)
+    R = (x[0], y[0], z[0], x[1], y[1], z[1], x[2], y[2], z[2])
+    place_ = place(P, R, p)
     branch = branch_of(P, q)
     s2, s6 = sines_of_middles(P, q)
-    if min(s2, s6, place_[3]) < WELL_BENT or abs(math.sin(q[3] - P[STRAIGHT])) < WELL_BENT:
-        return 0.0
+    out[SHIFT_COSINE] = cosine_off(P, q, shoulder_to_wrist(P, R, p))
+    out[SHIFT_CLOSED], out[SHIFT_BEND] = place_[2], 0.0
+    if min(s2, s6) < WELL_BENT or place_[5] != 0.0:
+        return
     psi = arm_angle(P, q, place_[0], place_[1])
     d = difference(q, certain_posture(P, elbow_side(P, place_, branch >> 2), branch, psi))
-    outer = max(s2 * max(abs(d[0]), abs(d[2])), s6 * max(abs(d[4]), abs(d[6])))
-    return place_[3] * max(outer, abs(d[1]), abs(d[3]), abs(d[5]))
+    out[SHIFT_BEND] = place_[3]
+    for j in range(7):
+        out[j] = share_of(j, s2, s6) * abs(d[j])
+
+
+@kernel
+def share_of(j, s2, s6):
+    """What a band counts of the angle of joint j: of joints 1, 3, 5 and 7 the part that turns something."""
+    return s2 if j in (0, 2) else (s6 if j in (4, 6) else 1.0)
+
+
+@kernel
+def of_joint(P, j, share):
+    """The band of joint j, with one over the sine of the bend given."""
+    return P[BANDS + 2 * j] + P[BANDS + 2 * j + 1] * share
 
 
 @kernel
 def band_of(P, place_):
-    """The band of a pose, rad."""
-    return P[SHIFT] / place_[3] if place_[3] > 0.0 else math.inf
+    """The band of each joint at a pose."""
+    x = 1.0 / place_[3] if place_[3] > 0.0 else math.inf
+    return (
+        of_joint(P, 0, x),
+        of_joint(P, 1, x),
+        of_joint(P, 2, x),
+        of_joint(P, 3, x),
+        of_joint(P, 4, x),
+        of_joint(P, 5, x),
+        of_joint(P, 6, x),
+    )
+
+
+@kernel
+def outer_band(band):
+    """The widest band of joints 1, 3, 5 and 7."""
+    return max(band[0], band[2], band[4], band[6])
+
+
+@kernel
+def widest(band):
+    """The widest band of all joints."""
+    return max(outer_band(band), band[1], band[3], band[5])
+
+
+@kernel
+def nearness(k, band):
+    """How close to singular, rad, the spherical joint at block k may be for its band to tell something."""
+    return max(band[0], band[1]) if k == SHOULDER else max(band[6], band[5])
 
 
 @kernel
@@ -88,18 +142,20 @@ def may_predict(P, place_, band):
     """Whether a band tells enough: not with the elbow almost straight or folded, nor of oblique axes."""
     s, w = SHOULDER, WRIST
     oblique = max(abs(P[s + A1_A2]), abs(P[s + A2_A3]), abs(P[w + A1_A2]), abs(P[w + A2_A3])) > OBLIQUE
-    narrow = band < ALMOST_NOTHING
-    return band < WIDEST_BAND and place_[3] > LEAST_BEND * band and place_[5] == 0.0 and (narrow or not oblique)
+    narrow = widest(band) < ALMOST_NOTHING
+    bent = 1.0 - abs(place_[2]) > WELL_CLEAR * band[3] * place_[3]
+    tells = max(band[1], band[3], band[5]) < WIDEST_BAND and outer_band(band) < WIDEST_OUTER
+    return tells and bent and place_[5] == 0.0 and (narrow or not oblique)
 
 
 @kernel
-def widen(P, band, box):
-    """Copy a packed limb to `box`, its limits drawn out by a band, or in by a negative one; whether it has any room."""
+def widen(P, band, factor, box):
+    """Copy a packed limb to `box`, its limits drawn out by a band times a factor; whether it has any room."""
     for i in range(SIZE):
         box[i] = P[i]
-    box[BAND] = band
+    box[BAND] = factor * outer_band(band)
     for j in range(1, 7, 2):
-        lower, upper = P[LOWER + j] - band, P[UPPER + j] + band
+        lower, upper = P[LOWER + j] - factor * band[j], P[UPPER + j] + factor * band[j]
         if lower > upper:
             return False
         set_limit(box, j, lower, upper)
@@ -120,6 +176,6 @@ def is_close_to_singular(P, k, circle, psi, band):
 @kernel
 def is_near_singularity(P, side, psi, band):
     """Whether shoulder or wrist are so close to singular at an arm angle that the band tells nothing."""
-    return is_close_to_singular(P, SHOULDER, side[1][0], psi, band) or is_close_to_singular(
-        P, WRIST, side[2][0], psi, band
+    return is_close_to_singular(P, SHOULDER, side[1][0], psi, nearness(SHOULDER, band)) or is_close_to_singular(
+        P, WRIST, side[2][0], psi, nearness(WRIST, band)
     )

@@ -43,8 +43,10 @@ from srs_ik.kernels.near.band import (
     ALMOST_NOTHING,
     certain_posture,
     may_predict,
+    share_of,
     sines_of_middles,
     widen,
+    widest,
 )
 from srs_ik.kernels.near.scan import POINT_OFF, POINT_PSI, in_branches, scan, view_of
 
@@ -132,10 +134,9 @@ def is_simple(P, q, width, band):
     s2, s6 = sines_of_middles(P, q)
     leaving = 0
     for j in range(7):
-        share = s2 if j in (0, 2) else (s6 if j in (4, 6) else 1.0)
-        if share * beyond(P, j, turn_to_middle(P, j, q[j])) > -band - width:
-            leaving += 1
-    return leaving == 1 and width * width < band
+        if share_of(j, s2, s6) * beyond(P, j, turn_to_middle(P, j, q[j])) > -band[j] - width:
+            leaving += 1 if width * width < band[j] else 2
+    return leaving == 1
 
 
 @kernel
@@ -320,7 +321,7 @@ def predicted_intervals(P, target, out, J, A):
     band, place_ = view.band, target.place
     if not may_predict(P, place_, band) or has_surface(P, place_):
         return -1
-    if band < ALMOST_NOTHING:
+    if widest(band) < ALMOST_NOTHING:
         n = shifted_intervals(P, view, out)
         if n >= 0:
             return n
@@ -328,8 +329,8 @@ def predicted_intervals(P, target, out, J, A):
     box = row(boxes, 0)
     certain = np.empty((8 * MAX_PIECES, 3))
     possible = np.empty((8 * MAX_PIECES, 3))
-    n_certain = find_intervals(box, place_, -1, certain) if widen(P, -band, box) else 0
-    widen(P, band, box)
+    n_certain = find_intervals(box, place_, -1, certain) if widen(P, band, -1.0, box) else 0
+    widen(P, band, 1.0, box)
     n_possible = find_intervals(box, place_, -1, possible)
     keep(boxes)
     arcs = np.empty((MOST_ARCS, ARC))

@@ -84,7 +84,7 @@ def predicted_best(P, target, branch, J, A):
     box = row(boxes, 0)
     if not draw_in(P, best.cost, True, box):
         return best, False
-    widen(box, view.band, row(boxes, 1))
+    widen(box, view.band, 1.0, row(boxes, 1))
     found = np.empty((8 * MAX_PIECES, 3))
     n = find_intervals(row(boxes, 1), target.place, branch, found)
     arcs = np.empty((MOST_ARCS, ARC))

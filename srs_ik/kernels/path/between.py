@@ -20,7 +20,7 @@ from srs_ik.kernels.limb.limits import TURN
 from srs_ik.kernels.limb.poses import read7, read_pose
 from srs_ik.kernels.limb.triangle import elbow_side, place
 from srs_ik.kernels.path.followed import away, posture_of, settled
-from srs_ik.kernels.path.programme import steps_between
+from srs_ik.kernels.path.steps import steps_between
 
 ON_LIMIT = 1e-9
 
@@ -57,7 +57,7 @@ def follow_on(family, course, line, at, settings, J, A):
     before, i, behind = at
     P = row(family, LIMITED)
     near = between_two(line, at, settings)
-    reach = 0.5 * settings[BY_CONTINUITY, 0]
+    reach = 0.5 * settings[7 * BY_CONTINUITY]
     R, p, _ = read_pose(row(course.poses, i))
     if A is not None:
         here, error = close_free(P, near, R, p, True, 2 * STEPS, J, A)

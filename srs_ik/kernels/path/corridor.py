@@ -7,19 +7,32 @@ import math
 import numpy as np
 
 from srs_ik.kernels.algebra.joint_vectors import along7
-from srs_ik.kernels.algebra.pointers import row
+from srs_ik.kernels.algebra.pointers import keep, row
+from srs_ik.kernels.algebra.vectors import load3
 from srs_ik.kernels.chain.newton import CLOSED, STEPS, close_free
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.limb import IS_CLOSED, LIMITED, PHASE, SHOULDER, WRIST
-from srs_ik.kernels.layout.path import NODE, NODE_PSI, STRIP, Posture, Sheet, Span, Spot
+from srs_ik.kernels.layout.path import (
+    NODE,
+    NODE_PSI,
+    SETTINGS,
+    SIDE_FOREARM,
+    SIDE_LINE,
+    STRIP,
+    Posture,
+    Sheet,
+    Span,
+    Spot,
+)
 from srs_ik.kernels.limb.goal import NO_SEED
 from srs_ik.kernels.limb.poses import read7, read_pose
 from srs_ik.kernels.limb.self_motion import rates
-from srs_ik.kernels.limb.triangle import elbow_side, place
-from srs_ik.kernels.path.followed import along_cell, away, posture_of, settled
+from srs_ik.kernels.limb.triangle import place
+from srs_ik.kernels.path.followed import along_cell, away, posture_of, read_side, settled
 from srs_ik.kernels.path.near_strips import direction, moved_along, setting_of
 from srs_ik.kernels.path.pose_strips import list_strips
-from srs_ik.kernels.path.programme import advance, cheapest, first_costs, largest, rules_for, step_back
+from srs_ik.kernels.path.programme import advance, cheapest, copied, first_costs, rules_for, step_back
+from srs_ik.kernels.path.steps import largest
 from srs_ik.kernels.path.strips import put_node
 
 WIDTH = 2
@@ -53,11 +66,12 @@ def posture_at(line, i):
 
 
 @kernel
-def moving_rates(P, spot, here, J, A):
+def moving_rates(P, course, i, here, J, A):
     """Joint rates with the arm angle, on a near limb along its curve, and whether there are any."""
     if A is not None:
-        return direction(P, setting_of(P, spot, J, A), here.q)
-    return rates(P, here.q, spot.place[0], elbow_side(P, spot.place, here.branch >> 2)[3])
+        return direction(P, setting_of(P, spot_of(P, row(course.poses, i)), J, A), here.q)
+    side = row(course.sides, i)
+    return rates(P, here.q, load3(side, SIDE_LINE), load3(side, SIDE_FOREARM))
 
 
 @kernel
@@ -83,35 +97,35 @@ def along_split(P, q, split, x):
 
 
 @kernel
-def moved_by(P, spot, here, motion, J, A):
-    """The posture with its arm angle moved, on a near limb so far along its curve; `motion` as in `beside`."""
+def moved_by(P, course, i, here, motion, J, A):
+    """The posture with its arm angle moved, on a near limb so far along its curve."""
     v, move = motion
     if A is not None:
-        return moved_along(P, setting_of(P, spot, J, A), here.q, v, move)
-    return posture_of(P, elbow_side(P, spot.place, here.branch >> 2), here.psi + move, here.branch, here.q, True)
+        return moved_along(P, setting_of(P, spot_of(P, row(course.poses, i)), J, A), here.q, v, move)
+    return posture_of(P, read_side(row(course.sides, i)), here.psi + move, here.branch, here.q, True)
 
 
 @kernel
-def beside(P, spot, here, motion, ends, J, A):
+def beside(P, course, i, here, motion, J, A):
     """The posture moved on, or half as far, or a quarter: posture, arm angle, whether there is one.
 
     Args:
         P: packed limb.
-        spot: its pose.
+        course: the poses, and what is known of them.
+        i: the number of its pose.
         here: the posture.
-        motion: the direction of its curve, and how far it is to be moved.
-        ends: least and largest arm angle, and the longest joint step.
+        motion: the direction of its curve, how far it is to be moved, and the longest joint step.
         J: (6, 7) work space, or None.
         A: (16, 9) work space, or None.
     """
-    v, move = motion
+    v, move, longest = motion
     for _ in range(3):
-        there = min(max(here.psi + move, ends[0]), ends[1])
+        there = min(max(here.psi + move, course.bounds[i, 0]), course.bounds[i, 1])
         if there == here.psi:
             break
-        moved, good = moved_by(P, spot, here, (v, there - here.psi), J, A)
+        moved, good = moved_by(P, course, i, here, (v, there - here.psi), J, A)
         moved, inside = settled(P, moved, ON_LIMIT)
-        if good and inside and away(moved, here.q) < ends[2]:
+        if good and inside and away(moved, here.q) < longest:
             return moved, there, True
         move *= 0.5
     return here.q, here.psi, False
@@ -129,11 +143,9 @@ def put_across(P, course, line, at, sheet, n, space):
     if course.fixed[i]:
         put_node(nodes, n, here.q, here.psi, here.branch)
         return n + 1
-    spot = spot_of(P, row(course.poses, i))
     split, is_singular = split_of(P, here.q)
-    v, good = moving_rates(P, spot, here, space.J, space.A)
+    v, good = moving_rates(P, course, i, here, space.J, space.A)
     move = min(width / max(largest(v), 1e-3), WIDEST_MOVE)
-    ends = (course.bounds[i, 0], course.bounds[i, 1], 4.0 * WIDTH * width)
     for k in range(ACROSS):
         x = float(k - WIDTH)
         if k == WIDTH:
@@ -145,7 +157,7 @@ def put_across(P, course, line, at, sheet, n, space):
                 put_node(nodes, n, turned, here.psi, here.branch)
                 n += 1
         elif good:
-            moved, there, found = beside(P, spot, here, (v, x * move), ends, space.J, space.A)
+            moved, there, found = beside(P, course, i, here, (v, x * move, 4.0 * WIDTH * width), space.J, space.A)
             if found:
                 put_node(nodes, n, moved, there, here.branch)
                 n += 1
@@ -171,7 +183,8 @@ def corridor(family, course, line, width, seed, rules, space):
     room = count * ACROSS
     sheet = Sheet(np.empty((room, NODE)), np.ones(room, np.bool_), np.empty(room), np.empty((count, STRIP)))
     ends = np.zeros(count + 1, np.int64)
-    scaled = rules.settings.copy()
+    scales = np.empty(7 * SETTINGS)
+    scaled = copied(rules.settings, row(scales, 0))
     for c in range(count):
         i = chain[c]
         ends[c + 1] = put_across(P, course, line, (i, width), sheet, ends[c], space)
@@ -191,13 +204,14 @@ def corridor(family, course, line, width, seed, rules, space):
             _, at = step_back(row(line.q, chain[c + 1]), sheet, Span(ends[c], ends[c + 1], c, c + 1), stepped)
         if not course.fixed[i]:
             settle_on(P, course, line, i, sheet.nodes, at, space)
+    keep(scales)
 
 
 @kernel
-def on_pose(P, T, here, J, A):
+def on_pose(P, course, i, here, J, A):
     """The posture at an arm angle next to one that almost meets its pose, on a near limb the nearest one."""
-    spot = spot_of(P, T)
     if A is not None:
+        spot = spot_of(P, row(course.poses, i))
         v, good = direction(P, setting_of(P, spot, J, A), here.q)
         if good:
             q, good = moved_along(P, setting_of(P, spot, J, A), here.q, v, 0.0)
@@ -206,7 +220,7 @@ def on_pose(P, T, here, J, A):
                 return q, True
         q, error = close_free(P, here.q, spot.R, spot.p, True, 2 * STEPS, J, A)
         return q, error < CLOSED
-    return posture_of(P, elbow_side(P, spot.place, here.branch >> 2), here.psi, here.branch, here.q, True)
+    return posture_of(P, read_side(row(course.sides, i)), here.psi, here.branch, here.q, True)
 
 
 @kernel
@@ -226,7 +240,7 @@ def settle_on(P, course, line, i, nodes, at, space):
             nearer = between
         else:
             wanted = Posture(between, there, line.branch[i])
-            found, good = on_pose(P, row(course.poses, i), wanted, space.J, space.A)
+            found, good = on_pose(P, course, i, wanted, space.J, space.A)
             found, inside = settled(P, found, ON_LIMIT)
             if good and inside and away(found, between) < away(a, b) + 0.1:
                 nearer, angle = found, there
@@ -246,7 +260,7 @@ def put_on_poses(family, course, line, space):
         _, is_singular = split_of(P, here.q)
         if course.fixed[i] or is_singular:
             continue
-        found, good = on_pose(P, row(course.poses, i), here, space.J, space.A)
+        found, good = on_pose(P, course, i, here, space.J, space.A)
         found, inside = settled(P, found, ON_LIMIT)
         good = good and inside and away(found, here.q) < FARTHEST
         all_good = all_good and good

@@ -12,7 +12,7 @@ import math
 from srs_ik.kernels.algebra.pointers import row
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.path import BREAK, BY_CONTINUITY, BY_VELOCITY, LARGEST, SLOWEST, SQUARES, TOO_FAST, WITHIN
-from srs_ik.kernels.path.programme import largest, step_of, step_value, steps_between
+from srs_ik.kernels.path.steps import largest, step_of, step_value, steps_between
 
 OUTSIDE = 1e300
 """Value of a step beyond its limits."""
@@ -54,7 +54,7 @@ def keeps_within(aim, settings, steps, c):
     longest = 0.0
     for j in range(7):
         longest = max(longest, abs(steps[c, j]))
-    return longest <= settings[BY_CONTINUITY, 0]
+    return longest <= settings[7 * BY_CONTINUITY]
 
 
 @kernel
@@ -177,13 +177,13 @@ def path_cost(chain, seed, settings, limited, q):
         else:
             continue
         total += step_value(settings, e, 1.0 / between)
-        if largest(e) > settings[BY_CONTINUITY, 0]:
+        if largest(e) > settings[7 * BY_CONTINUITY]:
             total += BREAK
         elif limited:
             if c > 0:
                 over = 0.0
                 for j in range(7):
-                    over = max(over, abs(e[j]) / (between * settings[BY_VELOCITY, j]))
+                    over = max(over, abs(e[j]) / (between * settings[7 * BY_VELOCITY + j]))
                 if over > 1.0 + 1e-9:
                     total += TOO_FAST * over
     return total

@@ -1,14 +1,21 @@
-"""Postures of a branch that follow one another: at an arm angle, in the turns of the posture before."""
+"""Postures of a branch that follow one another: at an arm angle, in the turns of the posture before.
+
+What the postures of an elbow branch of a pose share may be worked out once, and read again.
+"""
 
 from __future__ import annotations
 
 import math
 
-from srs_ik.kernels.algebra.vectors import swing
+from srs_ik.kernels.algebra.pointers import row
+from srs_ik.kernels.algebra.vectors import load3, store3, swing
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.limb import LOWER, RANGE_KIND, SHOULDER, UPPER, WRIST
+from srs_ik.kernels.layout.path import SIDE_ELBOW, SIDE_FOREARM, SIDE_LINE, SIDE_SHOULDER, SIDE_WRIST
 from srs_ik.kernels.limb.limits import TURN, turn_to_middle
+from srs_ik.kernels.limb.poses import read_pose
 from srs_ik.kernels.limb.spherical import angles, middle_angle
+from srs_ik.kernels.limb.triangle import elbow_side, place
 
 
 @kernel
@@ -92,3 +99,48 @@ def turned_away(q, near):
 def along_cell(a, b):
     """The seven joint steps from one posture of a strip to the next."""
     return (b[0] - a[0], b[1] - a[1], b[2] - a[2], b[3] - a[3], b[4] - a[4], b[5] - a[5], b[6] - a[6])
+
+
+@kernel
+def write_circles(out, k, motion):
+    """Write the first two of three circles, from column k on."""
+    for i in range(3):
+        store3(out, k + 3 * i, motion[0][i])
+        store3(out, k + 9 + 3 * i, motion[1][i])
+
+
+@kernel
+def read_circles(side, k):
+    """Three circles as they are in `elbow_side`; nobody here asks for the third one."""
+    v = load3(side, k), load3(side, k + 3), load3(side, k + 6)
+    y = load3(side, k + 9), load3(side, k + 12), load3(side, k + 15)
+    return v, y, v
+
+
+@kernel
+def write_side(P, T, branch, out):
+    """Write what the postures of a branch of a pose share, (SIDE,)."""
+    R, p, _ = read_pose(T)
+    place_ = place(P, R, p)
+    angle, shoulder, wrist, from_forearm = elbow_side(P, place_, branch >> 2)
+    out[SIDE_ELBOW] = angle
+    store3(out, SIDE_LINE, place_[0])
+    store3(out, SIDE_FOREARM, from_forearm)
+    write_circles(out, SIDE_SHOULDER, shoulder)
+    write_circles(out, SIDE_WRIST, wrist)
+
+
+@kernel
+def read_side(side):
+    """The elbow branch as `elbow_side` gives it, but for its third circles."""
+    shoulder, wrist = read_circles(side, SIDE_SHOULDER), read_circles(side, SIDE_WRIST)
+    return side[SIDE_ELBOW], shoulder, wrist, load3(side, SIDE_FOREARM)
+
+
+@kernel
+def write_sides(P, course, branch):
+    """Write the sides of all postures of a path that may move."""
+    for c in range(course.chain.shape[0]):
+        i = course.chain[c]
+        if not course.fixed[i]:
+            write_side(P, row(course.poses, i), branch[i], row(course.sides, i))

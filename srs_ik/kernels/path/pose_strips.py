@@ -6,6 +6,7 @@ import math
 
 from srs_ik.kernels.algebra.joint_vectors import along7
 from srs_ik.kernels.algebra.pointers import row
+from srs_ik.kernels.chain.newton import arm_angle
 from srs_ik.kernels.exact.intervals import find_intervals
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.answer import SOLVED
@@ -28,6 +29,18 @@ from srs_ik.kernels.path.followed import along_cell, away, settled
 from srs_ik.kernels.path.near_strips import take_line, take_runs
 from srs_ik.kernels.path.strips import ROUNDING, is_wide, put_node, take_strip
 
+SAME_ELBOW = 1e-5
+"""Elbow angles this close, rad, are of one elbow branch ..."""
+
+BENT = 1e-2
+"""... if the sine of the elbow's bend is larger than this."""
+
+
+@kernel
+def bend_of(place_):
+    """Sine of the elbow's bend on the nearest exact limb; -1 where the pose is out of its reach."""
+    return place_[3] if abs(place_[5]) < SOLVED else -1.0
+
 
 @kernel
 def pose_strips(family, T, around, sheet, n, desk, J, A):
@@ -39,12 +52,13 @@ def pose_strips(family, T, around, sheet, n, desk, J, A):
     R, p, _ = read_pose(T)
     place_ = place(P, R, p)
     if J is not None:
-        first = n
-        if around.radius > 0.0:
-            n = take_line(P, Spot(R, p, place_), around, sheet, n, J, A)
-        else:
-            n = take_runs(P, Spot(R, p, place_), sheet, n, J, A)
-        return within_limits(P, sheet, first, n, desk)
+        if around.radius > 0.0 or around.followed:
+            first = n
+            if around.radius > 0.0:
+                n = take_line(P, Spot(R, p, place_), around, sheet, n, J, A)
+            else:
+                n = take_runs(P, Spot(R, p, place_), sheet, n, J, A)
+            return within_limits(P, sheet, first, n, desk)
     if not abs(place_[5]) < SOLVED:
         return n
     sides = (elbow_side(P, place_, 0), elbow_side(P, place_, 1))
@@ -77,10 +91,30 @@ def branch_strips(family, place_, sides, wanted, around, sheet, n, desk):
     for i in range(allowed_intervals(family, place_, wanted, desk)):
         branch = int(desk.found[i, 0])
         side = sides[0] if branch < 4 else sides[1]
-        first = n
-        n = take_strip(P, side, (branch, desk.found[i, 1], desk.found[i, 2]), around, sheet, n, desk)
-        n = within_limits(P, sheet, first, n, desk)
+        middle, wide = window(P, place_, side, around)
+        for turn in range(-1, 2):
+            lower = max(desk.found[i, 1], middle + TURN * turn - wide)
+            upper = min(desk.found[i, 2], middle + TURN * turn + wide)
+            if lower <= upper:
+                first = n
+                n = take_strip(P, side, (branch, lower, upper), around, sheet, n, desk)
+                n = within_limits(P, sheet, first, n, desk)
+            if wide == math.inf:
+                break
     return n
+
+
+@kernel
+def window(P, place_, side, around):
+    """Middle and half width of the arm angles at which one elbow branch may be near a posture.
+
+    The upper arm turns with the arm angle, and no farther than its three joints together.
+    """
+    if around.radius == 0.0 or 3.0 * around.radius > math.pi or abs(wrap(side[0] - around.q[3])) > SAME_ELBOW:
+        return 0.0, math.inf
+    if not place_[3] > BENT:
+        return 0.0, math.inf
+    return arm_angle(P, around.q, place_[0], place_[1]), 3.0 * around.radius + SAME_ELBOW
 
 
 @kernel

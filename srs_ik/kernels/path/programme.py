@@ -19,130 +19,23 @@ from srs_ik.kernels.layout.path import (
     BY_CONTINUITY,
     BY_VELOCITY,
     IMPOSSIBLE,
-    INVERSE_PERIOD,
     INVERSE_SPEED,
+    LEAST_INVERSE,
+    NODE,
+    NODE_BRANCH,
     NODE_SAG,
     NODE_WAY,
-    PERIOD,
-    POWER,
+    SETTINGS,
+    STRIP,
     STRIP_FIRST,
     STRIP_LAST,
     STRIP_LEAST,
     TOO_FAST,
+    Pages,
     Rules,
 )
 from srs_ik.kernels.path.followed import along_cell
-
-CUTS = 24
-"""Steps of the search for the least time between two postures."""
-
-
-@kernel
-def step_of(settings, j, a, b):
-    """Joint step from a to b; the shorter way round for a joint that turns without end."""
-    d = b - a
-    return d - settings[PERIOD, j] * math.floor(d * settings[INVERSE_PERIOD, j] + 0.5)
-
-
-@kernel
-def steps_between(settings, a, b):
-    """The seven joint steps from a to b."""
-    return (
-        step_of(settings, 0, a[0], b[0]),
-        step_of(settings, 1, a[1], b[1]),
-        step_of(settings, 2, a[2], b[2]),
-        step_of(settings, 3, a[3], b[3]),
-        step_of(settings, 4, a[4], b[4]),
-        step_of(settings, 5, a[5], b[5]),
-        step_of(settings, 6, a[6], b[6]),
-    )
-
-
-@kernel
-def largest(e):
-    """Largest joint step."""
-    return max(max(max(abs(e[0]), abs(e[1])), max(abs(e[2]), abs(e[3]))), max(max(abs(e[4]), abs(e[5])), abs(e[6])))
-
-
-@kernel
-def product(a, b):
-    """Scalar product of joint steps."""
-    return ((a[0] * b[0] + a[1] * b[1]) + (a[2] * b[2] + a[3] * b[3])) + ((a[4] * b[4] + a[5] * b[5]) + a[6] * b[6])
-
-
-@kernel
-def kept(e, d, t0, t1, settings, kind):
-    """The part of t0 to t1 in which no step of e - t d is too long; empty if its end is below its begin."""
-    for j in range(7):
-        longest = settings[kind, j]
-        x, y = e[j], d[j]
-        if abs(x) <= longest and abs(x - y) <= longest:
-            continue
-        if abs(y) < 1e-12:
-            if abs(x) > longest * (1.0 + 1e-9):
-                return 1.0, 0.0
-            continue
-        one, other = (x - longest) / y, (x + longest) / y
-        t0 = max(t0, min(one, other))
-        t1 = min(t1, max(one, other))
-    return t0, t1
-
-
-@kernel
-def step_value(settings, e, share):
-    """What a step counts: its squares, for all joints together, or a power of the time that the slowest joint takes."""
-    if settings[INVERSE_SPEED, 0] == 0.0:
-        return share * product(e, e)
-    longest = 0.0
-    for j in range(7):
-        longest = max(longest, abs(e[j]) * settings[INVERSE_SPEED, j])
-    return longest if settings[POWER, 0] == 1.0 else longest ** settings[POWER, 0]
-
-
-@kernel
-def step_cost(e, d, ends, t0, t1, rules):
-    """Least of va + t (vb - va) - sag t (1 - t) and the value of the step e - t d, t from t0 to t1, and where it is."""
-    va, vb, sag = ends
-    if rules.settings[INVERSE_SPEED, 0] != 0.0:
-        return quickest(e, d, va, vb, t0, t1, rules.settings)
-    share = rules.share
-    size = product(d, d) * share
-    across = product(e, d) * share
-    slope = across + 0.5 * (sag - (vb - va))
-    t = t0
-    if size + sag > 1e-18:
-        t = min(max(slope / (size + sag), t0), t1)
-    elif slope > 0.0:
-        t = t1
-    return va + t * (vb - va) - sag * t * (1.0 - t) + share * product(e, e) - t * (2.0 * across - t * size), t
-
-
-@kernel
-def quickest(e, d, va, vb, t0, t1, settings):
-    """`step_cost` for the time, which is convex in t: by cutting off a third each time."""
-    for _ in range(CUTS):
-        left, right = t0 + (t1 - t0) / 3.0, t1 - (t1 - t0) / 3.0
-        at_left = left * (vb - va) + step_value(settings, moved_on(e, d, left), 1.0)
-        if at_left <= right * (vb - va) + step_value(settings, moved_on(e, d, right), 1.0):
-            t1 = right
-        else:
-            t0 = left
-    t = 0.5 * (t0 + t1)
-    return va + t * (vb - va) + step_value(settings, moved_on(e, d, t), 1.0), t
-
-
-@kernel
-def moved_on(e, d, t):
-    """The steps e - t d."""
-    return (
-        e[0] - t * d[0],
-        e[1] - t * d[1],
-        e[2] - t * d[2],
-        e[3] - t * d[3],
-        e[4] - t * d[4],
-        e[5] - t * d[5],
-        e[6] - t * d[6],
-    )
+from srs_ik.kernels.path.steps import kept, largest, moved_on, product, step_cost, step_of, step_value, steps_between
 
 
 @kernel
@@ -174,18 +67,18 @@ def try_cell(e, a, b, ends, rules, found, place):
     if extra > 0.0:
         over = 0.0
         for j in range(7):
-            over = max(over, abs(e[j] - t * d[j]) / settings[BY_VELOCITY, j])
+            over = max(over, abs(e[j] - t * d[j]) / settings[7 * BY_VELOCITY + j])
         value += extra * over
     return (value, place + t) if value < found[0] else found
 
 
 @kernel
-def reach_of(strips, strip, rules, least):
+def reach_of(strip, rules, least):
     """How far apart joints may be, rad, for a step from a strip to be continuous, and cheaper than what is known."""
-    reach = rules.settings[BY_CONTINUITY, 0]
-    if rules.settings[INVERSE_SPEED, 0] != 0.0:
-        return reach
-    room = least - strips[strip, STRIP_LEAST]
+    reach = rules.settings[7 * BY_CONTINUITY]
+    room = least - strip[STRIP_LEAST]
+    if rules.settings[7 * INVERSE_SPEED] != 0.0:
+        return min(reach, max(room, 0.0) / rules.settings[7 * LEAST_INVERSE])
     return math.sqrt(max(room, 0.0) / rules.share) if room < rules.share * reach * reach else reach
 
 
@@ -201,49 +94,77 @@ def is_beyond(q, strip, reach, settings):
 
 
 @kernel
-def try_strip(q, sheet, strip, rules, found):
+def try_row(q, pages, i, last, e, rules, found):
+    """The cheapest way to a posture q from between row i of a strip, by the step e, and the next one, if better."""
+    nodes, cost = pages.nodes, pages.cost
+    following = min(i + 1, last)
+    ends = (cost[i], cost[following], nodes[i * NODE + NODE_SAG] if following > i else 0.0)
+    return try_cell(e, row(nodes, i * NODE), row(nodes, following * NODE), ends, rules, found, float(i))
+
+
+@kernel
+def may_be_cheaper(pages, i, last, distance, rules, least):
+    """Whether between row i of a strip and the next one there may be a way that costs less, by distance alone."""
+    nodes, cost = pages.nodes, pages.cost
+    following = min(i + 1, last)
+    lowest = min(cost[i], cost[following])
+    if following > i:
+        lowest -= 0.25 * nodes[i * NODE + NODE_SAG]
+    closest = max(distance - (nodes[following * NODE + NODE_WAY] - nodes[i * NODE + NODE_WAY]), 0.0)
+    if rules.settings[7 * INVERSE_SPEED] != 0.0:
+        return lowest + rules.settings[7 * LEAST_INVERSE] * closest < least
+    return lowest + rules.share * closest * closest < least
+
+
+@kernel
+def try_strip(q, pages, strip, rules, found, hint):
     """The cheapest way to a posture q from a strip of the pose before, if better: cost, and place (row and part).
 
-    Postures that are too far away are skipped by their distance: none moves on faster than the strip is long.
+    Postures that are too far away are skipped by their distance: none moves on faster than the strip is long. The row
+    `hint` is looked at first, if it is one of the strip.
     """
-    nodes, cost, settings = sheet.nodes, sheet.cost, rules.settings
-    first, last = int(sheet.strips[strip, STRIP_FIRST]), int(sheet.strips[strip, STRIP_LAST])
-    if sheet.strips[strip, STRIP_LEAST] >= found[0]:
+    nodes, settings = pages.nodes, rules.settings
+    box = row(pages.strips, strip * STRIP)
+    first, last = int(box[STRIP_FIRST]), int(box[STRIP_LAST])
+    if box[STRIP_LEAST] >= found[0]:
         return found
-    reach = reach_of(sheet.strips, strip, rules, found[0])
-    if is_beyond(q, row(sheet.strips, strip), reach, settings):
+    if first <= hint <= last:
+        found = try_row(q, pages, hint, last, steps_between(settings, row(nodes, hint * NODE), q), rules, found)
+    reach = reach_of(box, rules, found[0])
+    if is_beyond(q, box, reach, settings):
         return found
     i = first
     while i <= last:
-        following = min(i + 1, last)
-        sag = nodes[i, NODE_SAG] if following > i else 0.0
-        if min(cost[i], cost[following]) - 0.25 * sag >= found[0]:
-            i += 1
-            continue
-        e = steps_between(settings, row(nodes, i), q)
+        e = steps_between(settings, row(nodes, i * NODE), q)
         distance = largest(e)
         if distance > reach:
-            way = nodes[i, NODE_WAY] + (distance - reach)
-            if nodes[last, NODE_WAY] < way:
+            way = nodes[i * NODE + NODE_WAY] + (distance - reach)
+            if nodes[last * NODE + NODE_WAY] < way:
                 break
-            if nodes[following, NODE_WAY] <= way and following > i:
-                i = following
-                while i < last and nodes[i + 1, NODE_WAY] <= way:
+            if i < last and nodes[(i + 1) * NODE + NODE_WAY] <= way:
+                i += 1
+                while i < last and nodes[(i + 1) * NODE + NODE_WAY] <= way:
                     i += 1
                 continue
-        ends = (cost[i], cost[following], sag)
-        better = try_cell(e, row(nodes, i), row(nodes, following), ends, rules, found, float(i))
-        if better[0] < found[0]:
-            found = better
-            reach = reach_of(sheet.strips, strip, rules, found[0])
+        if i != hint and may_be_cheaper(pages, i, last, distance, rules, found[0]):
+            better = try_row(q, pages, i, last, e, rules, found)
+            if better[0] < found[0]:
+                found = better
+                reach = reach_of(box, rules, found[0])
         i += 1
     return found
 
 
 @kernel
+def pages_of(sheet):
+    """Postures, costs and strips of a sheet, which has to be kept, as pointers."""
+    return Pages(row(sheet.nodes, 0), row(sheet.cost, 0), row(sheet.strips, 0))
+
+
+@kernel
 def boxes_meet(a, b, settings):
     """Whether two strips may have postures no farther apart than a continuous step."""
-    reach = settings[BY_CONTINUITY, 0]
+    reach = settings[7 * BY_CONTINUITY]
     for k in range(7):
         j = (3, 1, 5, 0, 2, 4, 6)[k]
         middle = step_of(settings, j, 0.5 * (a[j] + a[7 + j]), 0.5 * (b[j] + b[7 + j]))
@@ -278,8 +199,16 @@ def cheapest(cost, first, last):
 def scale_settings(settings, between, scaled):
     """Write the settings for a step over so many poses: as many times as fast, and twice as far at most."""
     for j in range(7):
-        scaled[BY_VELOCITY, j] = settings[BY_VELOCITY, j] * between
-        scaled[BY_CONTINUITY, j] = settings[BY_CONTINUITY, j] * min(between, 2)
+        scaled[7 * BY_VELOCITY + j] = settings[7 * BY_VELOCITY + j] * between
+        scaled[7 * BY_CONTINUITY + j] = settings[7 * BY_CONTINUITY + j] * min(between, 2)
+
+
+@kernel
+def copied(settings, scaled):
+    """The settings once more, where there is room for them."""
+    for k in range(7 * SETTINGS):
+        scaled[k] = settings[k]
+    return scaled
 
 
 @kernel
@@ -297,11 +226,11 @@ def first_costs(sheet, span, seed, settings):
         cost[i] = 0.0
         nodes[i, NODE_SAG] = 0.0
         if seed is not None:
-            if i + 1 < span.last and settings[INVERSE_SPEED, 0] == 0.0:
+            if i + 1 < span.last and settings[7 * INVERSE_SPEED] == 0.0:
                 d = along_cell(row(nodes, i), row(nodes, i + 1))
                 nodes[i, NODE_SAG] = product(d, d)
             e = steps_between(settings, seed, row(nodes, i))
-            cost[i] = step_value(settings, e, 1.0) + (BREAK if largest(e) > settings[BY_CONTINUITY, 0] else 0.0)
+            cost[i] = step_value(settings, e, 1.0) + (BREAK if largest(e) > settings[7 * BY_CONTINUITY] else 0.0)
     write_least(sheet, span)
 
 
@@ -326,7 +255,7 @@ def write_sags(sheet, places, span, rules):
         first, last = int(strips[b, STRIP_FIRST]), int(strips[b, STRIP_LAST])
         for i in range(first, last + 1):
             nodes[i, NODE_SAG] = 0.0
-        if settings[INVERSE_SPEED, 0] != 0.0:
+        if settings[7 * INVERSE_SPEED] != 0.0:
             continue
         for i in range(first, last):
             at, following = places[i - span.first], places[i + 1 - span.first]
@@ -349,6 +278,18 @@ def write_least(sheet, span):
 
 
 @kernel
+def try_pair(pages, a, b, first_row, places, rules):
+    """Costs of the postures of strip b of a pose, whose rows begin there, by way of strip a of the pose before."""
+    cost, strip = pages.cost, row(pages.strips, b * STRIP)
+    hint = -1
+    for i in range(int(strip[STRIP_FIRST]), int(strip[STRIP_LAST]) + 1):
+        k = i - first_row
+        cost[i], places[k] = try_strip(row(pages.nodes, i * NODE), pages, a, rules, (cost[i], places[k]), hint)
+        if places[k] >= 0.0:
+            hint = int(places[k])
+
+
+@kernel
 def advance(sheet, before, now, rules, exact):
     """Costs of the postures of a pose, span `now`, from those of the pose before.
 
@@ -356,20 +297,21 @@ def advance(sheet, before, now, rules, exact):
     nowhere: a break there is as good.
     """
     nodes, cost, strips = sheet.nodes, sheet.cost, sheet.strips
-    places = np.full(now.last - now.first, -1.0)
+    pages, places = pages_of(sheet), np.full(now.last - now.first, -1.0)
     for i in range(now.first, now.last):
         cost[i] = IMPOSSIBLE
     start = cheapest(cost, before.first, before.last)
     least = cost[start] + BREAK
+    most = IMPOSSIBLE if exact else least
     for b in range(now.first_strip, now.last_strip):
-        for a in range(before.first_strip, before.last_strip):
-            if strips[a, STRIP_LEAST] >= (IMPOSSIBLE if exact else least):
-                continue
-            if not boxes_meet(row(strips, a), row(strips, b), rules.settings):
-                continue
-            for i in range(int(strips[b, STRIP_FIRST]), int(strips[b, STRIP_LAST]) + 1):
-                k = i - now.first
-                cost[i], places[k] = try_strip(row(nodes, i), sheet, a, rules, (cost[i], places[k]))
+        own = nodes[int(strips[b, STRIP_FIRST]), NODE_BRANCH]
+        # Strips of the same branch first: they are the likely ones, and others are left out by what these cost.
+        for turn in range(2):
+            for a in range(before.first_strip, before.last_strip):
+                same = nodes[int(strips[a, STRIP_FIRST]), NODE_BRANCH] == own
+                if same == (turn == 0) and strips[a, STRIP_LEAST] < most:
+                    if boxes_meet(row(strips, a), row(strips, b), rules.settings):
+                        try_pair(pages, a, b, now.first, row(places, 0), rules)
     if exact or cost[cheapest(cost, now.first, now.last)] > least:
         first, last = (before.first, before.last) if exact else (start, start + 1)
         for i in range(now.first, now.last):
@@ -385,7 +327,7 @@ def advance(sheet, before, now, rules, exact):
 @kernel
 def step_back(q, sheet, before, rules):
     """The best place of the pose before on the way to a posture q: cost, row and part of the way to the next row."""
-    found = (IMPOSSIBLE, -1.0)
+    found, pages = (IMPOSSIBLE, -1.0), pages_of(sheet)
     for a in range(before.first_strip, before.last_strip):
-        found = try_strip(q, sheet, a, rules, found)
+        found = try_strip(q, pages, a, rules, found, -1)
     return leap(q, sheet, before.first, before.last, rules.settings, found)

@@ -12,7 +12,7 @@ from srs_ik.kernels.algebra.pointers import row
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.path import CELL_OFF
 from srs_ik.kernels.path.cells import cell_chord
-from srs_ik.kernels.path.programme import steps_between
+from srs_ik.kernels.path.steps import steps_between
 
 MOST_CORNERS = 40
 

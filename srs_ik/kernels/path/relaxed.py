@@ -1,9 +1,10 @@
 """A bound below what any path costs: the programme over cells, where each step counts its least between two cells.
 
-What a cell costs is a parabola along it that lies nowhere above the costs of its postures (`WORTH`). A posture within
-r of the pieces of two cells is no closer than their distance u less r, and (u - r)^2 is at least
+Of squares, what a cell costs is a parabola along it that lies nowhere above the costs of its postures (`WORTH`). A
+posture within r of the pieces of two cells is no closer than their distance u less r, and (u - r)^2 is at least
 (1 - g) u^2 - r^2 (1 - g) / g for any g from 0 to 1, a parabola of both places. The least over the first place is convex
-in the second one: its values at both ends, less the bound of its bend, are nowhere above it.
+in the second one: its values at both ends, less the bound of its bend, are nowhere above it. Of times, what a cell
+costs is one figure.
 """
 
 from __future__ import annotations
@@ -17,15 +18,22 @@ from srs_ik.kernels.layout.path import (
     BY_CONTINUITY,
     CELL_OFF,
     IMPOSSIBLE,
+    INVERSE_SPEED,
+    LEAST_INVERSE,
     WORTH_BEGIN,
     WORTH_END,
     WORTH_SAG,
 )
 from srs_ik.kernels.path.cells import cell_chord
-from srs_ik.kernels.path.programme import moved_on, steps_between
+from srs_ik.kernels.path.steps import moved_on, steps_between
 
 FAR = 1.0
 """Cells farther apart, rad, count their distance alone."""
+
+ROOT_7 = math.sqrt(7.0)
+
+TURNS = 6
+"""How often the shortest step between two cells is looked for along one and the other."""
 
 GROUP = 8
 """Cells that are left out together where they are too far away."""
@@ -111,9 +119,71 @@ def write_groups(cells, first, last, worth, groups):
 
 
 @kernel
+def quickest_between(cells, i, here, j, settings):
+    """Time that a step from cell i to cell j of `here` takes at least, at the velocity limits.
+
+    The slowest of seven joints takes no less than any mean of them with signs: along the squares and the fourth powers
+    of the shortest step, and each mean is least at corners of both cells.
+    """
+    d, chord = cell_chord(cells, i), cell_chord(here, j)
+    e = steps_between(settings, row(cells, i), row(here, j))
+    off = cells[i, CELL_OFF] + here[j, CELL_OFF]
+    middle = moved_on(moved_on(e, chord, -0.5), d, 0.5)
+    long = 0.5 * (math.sqrt(dot7(d, d)) + math.sqrt(dot7(chord, chord)))
+    if math.sqrt(dot7(middle, middle)) - off - long > FAR:
+        middle = steps_between(settings, (0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0), middle)
+        return max(math.sqrt(dot7(middle, middle)) - off - long, 0.0) * settings[7 * LEAST_INVERSE] / ROOT_7
+    ed, ec, dd, dc, cc = 0.0, 0.0, 1e-18, 0.0, 1e-18
+    for k in range(7):
+        square = settings[7 * INVERSE_SPEED + k] * settings[7 * INVERSE_SPEED + k]
+        ed += square * e[k] * d[k]
+        ec += square * e[k] * chord[k]
+        dd += square * d[k] * d[k]
+        dc += square * d[k] * chord[k]
+        cc += square * chord[k] * chord[k]
+    s, t = 0.5, 0.5
+    for _ in range(TURNS):
+        s = min(max((ed + t * dc) / dd, 0.0), 1.0)
+        t = min(max((s * dc - ec) / cc, 0.0), 1.0)
+    least = 0.0
+    for power in range(2):
+        total, a, b, c, size = 1e-300, 0.0, 0.0, 0.0, 0.0
+        for k in range(7):
+            inverse = settings[7 * INVERSE_SPEED + k]
+            w = inverse * (e[k] - s * d[k] + t * chord[k])
+            if power == 1:
+                w *= w * w
+            total += abs(w)
+            a += w * inverse * e[k]
+            b += w * inverse * d[k]
+            c += w * inverse * chord[k]
+            size += w * w * inverse * inverse
+        least = max(least, (a - max(b, 0.0) + min(c, 0.0) - off * math.sqrt(size)) / total)
+    return least
+
+
+@kernel
 def is_too_far(apart, settings):
     """Whether a distance of seven joints, rad, is beyond a continuous step in every case."""
-    return apart * apart > 7.0 * settings[BY_CONTINUITY, 0] ** 2
+    return apart * apart > 7.0 * settings[7 * BY_CONTINUITY] ** 2
+
+
+@kernel
+def reach_groups(groups, total, here, j, settings):
+    """Write what a way to cell j costs at least from each group of cells; which group promises most."""
+    chord = cell_chord(here, j)
+    reach = math.sqrt(dot7(chord, chord)) + here[j, CELL_OFF]
+    nearest, least = 0, math.inf
+    for g in range(total):
+        e = steps_between(settings, row(groups, g), row(here, j))
+        apart = max(math.sqrt(dot7(e, e)) - reach - groups[g, 7], 0.0)
+        value = apart * apart
+        if settings[7 * INVERSE_SPEED] != 0.0:
+            value = apart * settings[7 * LEAST_INVERSE] / ROOT_7
+        groups[g, 9] = math.inf if is_too_far(apart, settings) else groups[g, 8] + value
+        if groups[g, 9] < least:
+            nearest, least = g, groups[g, 9]
+    return nearest
 
 
 @kernel
@@ -121,20 +191,12 @@ def advance_cell(before, groups, here, j, settings, tried):
     """The parabola of what cell j costs at least, from the cells before; `tried` is work space.
 
     `before` are cells, first and last row, and what each costs. Settings with an infinite step of continuity let a path
-    leap.
+    leap. Where the time counts, the parabola is flat.
     """
     cells, first, last, worth = before
-    chord = cell_chord(here, j)
-    reach = math.sqrt(dot7(chord, chord)) + here[j, CELL_OFF]
     begin, end, count = IMPOSSIBLE, IMPOSSIBLE, 0
     total = (last - first + GROUP - 1) // GROUP
-    nearest, least = 0, math.inf
-    for g in range(total):
-        e = steps_between(settings, row(groups, g), row(here, j))
-        apart = max(math.sqrt(dot7(e, e)) - reach - groups[g, 7], 0.0)
-        groups[g, 9] = math.inf if is_too_far(apart, settings) else groups[g, 8] + apart * apart
-        if groups[g, 9] < least:
-            nearest, least = g, groups[g, 9]
+    nearest = reach_groups(groups, total, here, j, settings)
     for k in range(total + 1):
         # The most promising ones first.
         g = nearest if k == 0 else k - 1
@@ -142,6 +204,11 @@ def advance_cell(before, groups, here, j, settings, tried):
             continue
         for i in range(first + g * GROUP, min(first + (g + 1) * GROUP, last)):
             if min(worth[i, WORTH_BEGIN], worth[i, WORTH_END]) >= IMPOSSIBLE:
+                continue
+            if settings[7 * INVERSE_SPEED] != 0.0:
+                if worth[i, WORTH_BEGIN] < begin:
+                    begin = min(begin, worth[i, WORTH_BEGIN] + quickest_between(cells, i, here, j, settings))
+                    end = begin
                 continue
             a, b, sag = step_between(cells, i, worth, here, j, settings)
             if a - 0.25 * sag >= max(begin, end) and b - 0.25 * sag >= max(begin, end):

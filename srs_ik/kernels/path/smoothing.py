@@ -15,7 +15,7 @@ from srs_ik.kernels.algebra.pointers import row
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.limb import LIMITED
 from srs_ik.kernels.layout.path import LARGEST, SLOWEST, SQUARES, Line, System
-from srs_ik.kernels.path.corridor import beside, moving_rates, posture_at, split_of, spot_of
+from srs_ik.kernels.path.corridor import beside, moving_rates, posture_at, split_of
 from srs_ik.kernels.path.edges import (
     CROSS,
     GRADIENT,
@@ -27,7 +27,7 @@ from srs_ik.kernels.path.edges import (
     write_steps,
     write_terms,
 )
-from srs_ik.kernels.path.programme import largest
+from srs_ik.kernels.path.steps import largest
 
 SWEEPS = 24
 """Most steps of a path."""
@@ -166,7 +166,7 @@ def write_rates(P, course, line, rate, space):
         for j in range(7):
             rate[i, j] = 0.0
         if usable:
-            v, usable = moving_rates(P, spot_of(P, row(course.poses, i)), here, space.J, space.A)
+            v, usable = moving_rates(P, course, i, here, space.J, space.A)
             if usable and largest(v) < FASTEST:
                 for j in range(7):
                     rate[i, j] = v[j]
@@ -182,10 +182,8 @@ def move_all(P, course, line, rate, move, moved, space):
         fastest = largest(row(rate, i))
         if fastest > 0.0 and move[c] != 0.0:
             size = min(abs(move[c]), LONGEST_MOVE / fastest)
-            ends = (course.bounds[i, 0], course.bounds[i, 1], 4.0 * LONGEST_MOVE)
-            motion = (moved_direction(rate, i), math.copysign(size, move[c]))
-            spot = spot_of(P, row(course.poses, i))
-            q, there, _ = beside(P, spot, here, motion, ends, space.J, space.A)
+            motion = (moved_direction(rate, i), math.copysign(size, move[c]), 4.0 * LONGEST_MOVE)
+            q, there, _ = beside(P, course, i, here, motion, space.J, space.A)
         moved.psi[i] = there
         for j in range(7):
             moved.q[i, j] = q[j]

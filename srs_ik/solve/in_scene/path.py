@@ -68,7 +68,7 @@ def keep_clear(problem: Problem, find: Callable[[Problem], Way]) -> PathSolution
     steps = np.diff(rows[:, :7], axis=0)
     breaks = sorted([*breaks_of(asked, way, rows, steps), *_blocked(edges, steps, arm.joint_names)], key=_sample)
     hits = around.hits_of(problem.T, rows)
-    return PathSolution(rows, arm.joint_names, steps, breaks, arm.elbow, hits)
+    return PathSolution(rows, arm.joint_names, steps, breaks, arm.elbow, hits, problem)
 
 
 class _Room:

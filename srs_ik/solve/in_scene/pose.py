@@ -11,7 +11,6 @@ from numpy.typing import ArrayLike, NDArray
 from srs_ik.errors import InvalidConfiguration
 from srs_ik.inputs.poses import as_branch, as_matrices, as_seeds, per_pose
 from srs_ik.kernels.entries import collision as entries
-from srs_ik.kernels.entries import in_scene as many
 from srs_ik.kernels.layout import collision as at
 from srs_ik.kernels.layout.answer import ROW, ROW_STATUS
 from srs_ik.solve import pose as pose_solver
@@ -139,7 +138,7 @@ def _in_kernels(
 
     def work(first: int, last: int) -> None:
         told = intervals, free.offsets, branch, seeds, respect, rows
-        many.best_range(arm.family, T, first, last, *told)
+        entries.best_range(arm.family, T, first, last, *told)
 
     run_in_threads(work, len(T), threads)
     hits: dict[tuple[int, ...], Collision] = {}

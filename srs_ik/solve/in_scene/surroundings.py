@@ -14,10 +14,7 @@ from srs_ik.collision.scene import Scene
 from srs_ik.errors import InvalidScene
 from srs_ik.inputs.poses import invalid_pose
 from srs_ik.kernels.entries import collision as entries
-from srs_ik.kernels.entries import in_scene as entry_points
-from srs_ik.kernels.entries import intervals as interval_entries
-from srs_ik.kernels.entries import march as march_entries
-from srs_ik.kernels.entries import motion as motion_entries
+from srs_ik.kernels.entries import pose as pose_entries
 from srs_ik.kernels.layout import collision as at
 from srs_ik.kernels.layout.answer import MOST_INTERVALS, ROW_STATUS
 from srs_ik.solve import pose as pose_solver
@@ -128,7 +125,7 @@ class Surroundings:
         bodies = tables.bodies, tables.groups, tables.pairs, slack, *tables.work()
         out = rows, counts, verdicts
         asked = self.packed.family, limits, T, first, last, respect or tight is not None
-        following, used = entry_points.free_range(*asked, *bodies, *out)
+        following, used = entries.free_range(*asked, *bodies, *out)
         if self.jammed is not None:
             counts[first:following], used = 0, 0
         return following, used
@@ -141,7 +138,7 @@ class Surroundings:
         out = np.empty((MOST_INTERVALS, 3))
         slack = tables.with_margin(self.margin + more)
         bodies = tables.bodies, tables.groups, tables.pairs, slack, *tables.work()
-        count = march_entries.march(self.packed.family, T, found, len(found), *bodies, *self.packed.work(), out)
+        count = entries.march(self.packed.family, T, found, len(found), *bodies, *self.packed.work(), out)
         return out[:count]
 
     @property
@@ -164,7 +161,7 @@ class Surroundings:
 
     def _intervals(self, family: Array, T: Array, respect: bool) -> Array:
         found = np.empty((MOST_INTERVALS, 3))
-        count = interval_entries.intervals(family, T, respect, *self.packed.work(), found)
+        count = pose_entries.intervals(family, T, respect, *self.packed.work(), found)
         if count < 0:
             raise invalid_pose(-count)
         return found[:count]
@@ -215,7 +212,7 @@ class Surroundings:
         out = np.empty((len(starts), at.EDGE))
         bodies = tables.bodies, tables.groups, tables.pairs if pairs is None else pairs
         lines = np.ascontiguousarray(starts), np.ascontiguousarray(ends)
-        motion_entries.edges(self.packed.family, *lines, *bodies, slack, *tables.work(), out)
+        entries.edges(self.packed.family, *lines, *bodies, slack, *tables.work(), out)
         return out
 
     def collision_of(self, edge: Array, pairs: NDArray[np.int64] | None = None) -> Collision | None:

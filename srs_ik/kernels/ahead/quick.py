@@ -1,0 +1,140 @@
+"""Numba's translation without what these kernels have no use for: half of its time.
+
+Nothing here changes what a kernel means. Left out are references counted of tuples that hold none, types of calls found
+again and again, passes for what kernels do not contain (closures, lists, parallel loops), and checks between passes.
+"""
+
+from __future__ import annotations
+
+import gc
+from collections.abc import Callable
+from typing import Any
+
+from numba.core import base, compiler, ir, lowering, transforms, typed_passes, types, untyped_passes
+from numba.core.compiler_machinery import PassManager, _pass_registry
+
+from srs_ik.kernels import __name__ as KERNELS
+
+NOT_NEEDED = {
+    untyped_passes.WithLifting,
+    untyped_passes.InlineClosureLikes,
+    untyped_passes.RewriteDynamicRaises,
+    untyped_passes.MakeFunctionToJitFunction,
+    untyped_passes.InlineInlinables,
+    untyped_passes.FindLiterallyCalls,
+    untyped_passes.LiteralUnroll,
+    untyped_passes.LiteralPropagationSubPipelinePass,
+    typed_passes.InlineOverloads,
+    typed_passes.NopythonRewrites,
+    typed_passes.NoPythonSupportedFeatureValidation,
+    typed_passes.AnnotateTypes,
+    typed_passes.DumpParforDiagnostics,
+}
+"""Passes for what no kernel contains."""
+
+
+def make_quick() -> None:
+    """Change Numba in this process, for good: it is to translate kernels and nothing else from now on."""
+    # Most of what is made is kept to the end: looking for garbage all the while finds little.
+    gc.disable()
+    ir.Inst._rec_list_vars = _variables_of
+    base.BaseContext.get_abi_sizeof = _known_sizes(base.BaseContext.get_abi_sizeof)
+    types.Function.get_call_type = _known_call_types(types.Function.get_call_type)  # type: ignore[method-assign]
+    for name in ("incref", "decref"):
+        setattr(lowering.Lower, name, _where_counted(getattr(lowering.Lower, name)))
+    compiler.Compiler.define_pipelines = _with_few_passes(compiler.Compiler.define_pipelines)
+
+
+def tidy() -> None:
+    """Let go of what is not needed any more, and never look at the rest again."""
+    gc.collect()
+    gc.freeze()
+
+
+def _variables_of(_: Any, value: Any) -> list[Any]:
+    """The variables in an instruction or in a part of one."""
+    kind = type(value)
+    if kind is ir.Var:
+        return [value]
+    if kind is str or kind is ir.Loc or kind is int or value is None:
+        return []
+    if isinstance(value, ir.Inst):
+        return value.list_vars()
+    if isinstance(value, dict):
+        value = value.values()
+    elif not isinstance(value, (list, tuple)):
+        return []
+    found: list[Any] = []
+    for each in value:
+        if type(each) is not str and type(each) is not ir.Loc:
+            found += _variables_of(_, each)
+    return found
+
+
+def _known_sizes(find: Callable[..., Any]) -> Callable[..., Any]:
+    """Numba has LLVM parse a module for each size that it asks for."""
+    known: dict[str, int] = {}
+
+    def get_abi_sizeof(self: Any, kind: Any) -> int:
+        name = str(kind)
+        if name not in known:
+            known[name] = find(self, kind)
+        return known[name]
+
+    return get_abi_sizeof
+
+
+def _known_call_types(find: Callable[..., Any]) -> Callable[..., Any]:
+    """The type of a call of a builtin function depends on the types of its arguments alone."""
+    known: dict[Any, Any] = {}
+
+    def get_call_type(self: Any, context: Any, args: Any, kws: Any) -> Any:
+        if kws:
+            return find(self, context, args, kws)
+        key = (id(self), tuple(args))
+        if key not in known:
+            # With the function, lest another one gets its number.
+            known[key] = (self, find(self, context, args, kws))
+        return known[key][1]
+
+    return get_call_type
+
+
+def _where_counted(count: Callable[..., Any]) -> Callable[..., Any]:
+    """References are counted where a value can hold any."""
+    holds: dict[Any, bool] = {}
+
+    def incref_or_decref(self: Any, kind: Any, value: Any) -> None:
+        if kind not in holds:
+            holds[kind] = self.context.data_model_manager[kind].contains_nrt_meminfo()
+        if holds[kind]:
+            count(self, kind, value)
+
+    return incref_or_decref
+
+
+class _Plain(PassManager):
+    """The passes one after another; what they leave is not looked at between them."""
+
+    def _runPass(self, index: int, one: Any, state: Any) -> None:
+        one.analysis = self._analysis
+        one.run_initialization(state)
+        mutated = one.run_pass(state)
+        one.run_finalizer(state)
+        if _pass_registry.get(one.__class__).mutates_CFG and not mutated:
+            state.func_ir.blocks = transforms.canonicalize_cfg(state.func_ir.blocks)
+
+
+def _with_few_passes(usual: Callable[..., Any]) -> Callable[..., Any]:
+    """Kernels go through the passes that they need; functions of Numba's own through all."""
+
+    def define_pipelines(self: Any) -> Any:
+        (found,) = usual(self)
+        if not self.state.func_id.modname.startswith(KERNELS):
+            return [found]
+        manager = _Plain("kernels")
+        manager.passes = [(one, words) for one, words in found.passes if one not in NOT_NEEDED]
+        manager.finalize()
+        return [manager]
+
+    return define_pipelines

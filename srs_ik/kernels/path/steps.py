@@ -1,0 +1,146 @@
+"""One joint step: from a posture to another, or from between two of a strip, and what it counts."""
+
+from __future__ import annotations
+
+import math
+
+from srs_ik.kernels.jit import kernel
+from srs_ik.kernels.layout.path import INVERSE_PERIOD, INVERSE_SPEED, PERIOD
+
+CUTS = 24
+"""Most steps of the search for the least time between two postures."""
+
+TOUCHING = 1e-12
+"""Relative."""
+
+
+@kernel
+def step_of(settings, j, a, b):
+    """Joint step from a to b; the shorter way round for a joint that turns without end."""
+    d = b - a
+    return d - settings[7 * PERIOD + j] * math.floor(d * settings[7 * INVERSE_PERIOD + j] + 0.5)
+
+
+@kernel
+def steps_between(settings, a, b):
+    """The seven joint steps from a to b."""
+    return (
+        step_of(settings, 0, a[0], b[0]),
+        step_of(settings, 1, a[1], b[1]),
+        step_of(settings, 2, a[2], b[2]),
+        step_of(settings, 3, a[3], b[3]),
+        step_of(settings, 4, a[4], b[4]),
+        step_of(settings, 5, a[5], b[5]),
+        step_of(settings, 6, a[6], b[6]),
+    )
+
+
+@kernel
+def largest(e):
+    """Largest joint step."""
+    return max(max(max(abs(e[0]), abs(e[1])), max(abs(e[2]), abs(e[3]))), max(max(abs(e[4]), abs(e[5])), abs(e[6])))
+
+
+@kernel
+def product(a, b):
+    """Scalar product of joint steps."""
+    return ((a[0] * b[0] + a[1] * b[1]) + (a[2] * b[2] + a[3] * b[3])) + ((a[4] * b[4] + a[5] * b[5]) + a[6] * b[6])
+
+
+@kernel
+def kept(e, d, t0, t1, settings, kind):
+    """The part of t0 to t1 in which no step of e - t d is too long; empty if its end is below its begin."""
+    for j in range(7):
+        longest = settings[7 * kind + j]
+        x, y = e[j], d[j]
+        if abs(x) <= longest and abs(x - y) <= longest:
+            continue
+        if abs(y) < 1e-12:
+            if abs(x) > longest * (1.0 + 1e-9):
+                return 1.0, 0.0
+            continue
+        one, other = (x - longest) / y, (x + longest) / y
+        t0 = max(t0, min(one, other))
+        t1 = min(t1, max(one, other))
+    return t0, t1
+
+
+@kernel
+def step_value(settings, e, share):
+    """What a step counts: its squares, for all joints together, or the time that the slowest joint takes."""
+    if settings[7 * INVERSE_SPEED] == 0.0:
+        return share * product(e, e)
+    longest = 0.0
+    for j in range(7):
+        longest = max(longest, abs(e[j]) * settings[7 * INVERSE_SPEED + j])
+    return longest
+
+
+@kernel
+def step_cost(e, d, ends, t0, t1, rules):
+    """Least of va + t (vb - va) - sag t (1 - t) and the value of the step e - t d, t from t0 to t1, and where it is."""
+    va, vb, sag = ends
+    if rules.settings[7 * INVERSE_SPEED] != 0.0:
+        return quickest(e, d, va, vb, t0, t1, rules.settings)
+    share = rules.share
+    size = product(d, d) * share
+    across = product(e, d) * share
+    slope = across + 0.5 * (sag - (vb - va))
+    t = t0
+    if size + sag > 1e-18:
+        t = min(max(slope / (size + sag), t0), t1)
+    elif slope > 0.0:
+        t = t1
+    return va + t * (vb - va) - sag * t * (1.0 - t) + share * product(e, e) - t * (2.0 * across - t * size), t
+
+
+@kernel
+def slowest(e, d, t, settings):
+    """The time that the slowest joint takes for the step e - t d, and its slope with t."""
+    longest, slope = -1.0, 0.0
+    for j in range(7):
+        inverse = settings[7 * INVERSE_SPEED + j]
+        x = e[j] - t * d[j]
+        if abs(x) * inverse > longest:
+            longest = abs(x) * inverse
+            slope = -d[j] * inverse if x > 0.0 else d[j] * inverse
+    return longest, slope
+
+
+@kernel
+def quickest(e, d, va, vb, t0, t1, settings):
+    """`step_cost` for the time: straight pieces, of which those at two ends are followed to where they meet."""
+    rise = vb - va
+    f0, g0 = slowest(e, d, t0, settings)
+    f1, g1 = slowest(e, d, t1, settings)
+    f0, f1 = f0 + t0 * rise, f1 + t1 * rise
+    g0, g1 = g0 + rise, g1 + rise
+    if g0 >= 0.0 or g1 <= 0.0:
+        return (va + f0, t0) if f0 <= f1 else (va + f1, t1)
+    t, f = t0, f0
+    for _ in range(CUTS):
+        t = min(max(t0 + (f1 - f0 - g1 * (t1 - t0)) / (g0 - g1), t0), t1)
+        least = f0 + g0 * (t - t0)
+        f, g = slowest(e, d, t, settings)
+        f, g = f + t * rise, g + rise
+        if f <= least + TOUCHING * abs(f):
+            break
+        if g < 0.0:
+            t0, f0, g0 = t, f, g
+        else:
+            t1, f1, g1 = t, f, g
+    return va + f, t
+
+
+@kernel
+def moved_on(e, d, t):
+    """The steps e - t d."""
+    return (
+        e[0] - t * d[0],
+        e[1] - t * d[1],
+        e[2] - t * d[2],
+        e[3] - t * d[3],
+        e[4] - t * d[4],
+        e[5] - t * d[5],
+        e[6] - t * d[6],
+    )
