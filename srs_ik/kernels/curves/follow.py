@@ -41,6 +41,7 @@ from srs_ik.kernels.curves.in_step import (
     put_mark,
     to_curves,
 )
+from srs_ik.kernels.curves.surface import put_starts
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.limb import BOTTOM_GAP, PHASE, SHOULDER, STRAIGHT, TOP_GAP, WRIST
 from srs_ik.kernels.limb.goal import NO_SEED
@@ -56,6 +57,9 @@ START_STEPS = 12
 STARTS = 8
 STARTS_OBLIQUE = 48
 """Arm angles, all around, at which the closed form gives starts; a branch of oblique axes may be a short arc."""
+
+MORE_STARTS = 512
+"""Room for starts where several parts of a limb are singular."""
 
 OBLIQUE = 1e-3
 """Axes are oblique where this part of all directions, as a cosine, is beyond the reach of a shoulder or wrist."""
@@ -293,11 +297,12 @@ def follow_all(P, by, rows, curves):
     oblique = P[SHOULDER + TOP_GAP] + P[SHOULDER + BOTTOM_GAP] + P[WRIST + TOP_GAP] + P[WRIST + BOTTOM_GAP] > OBLIQUE
     angles = STARTS_OBLIQUE if oblique else STARTS
     marks = np.empty((8 * angles, MARK))
-    missed = np.empty((8 * angles, 7))
+    missed = np.empty((8 * angles + MORE_STARTS, 7))
     pieces = np.empty((rows.shape[0], SAMPLE))
     n = 0
     count = 0
     n_marks, n_missed = put_marks(P, by, angles, marks, missed)
+    n_missed = put_starts(P, by.target.place, missed, n_missed)
     if n_marks > 0:
         follow_marks(P, by.target, marks[:n_marks], n_marks, pieces)
         n, count = join_pieces(marks, n_marks, pieces, rows, curves)

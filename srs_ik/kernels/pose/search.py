@@ -33,6 +33,7 @@ from srs_ik.kernels.layout.limb import FAR, FREE, LIMITED, LOOSE, MISS, SIZE
 from srs_ik.kernels.limb.branches import NO_BRANCH, branch_of, is_unsure
 from srs_ik.kernels.limb.goal import NO_SEED, OUTSIDE
 from srs_ik.kernels.limb.triangle import elbow_side
+from srs_ik.kernels.near.many_singular import nearest_among_splits
 from srs_ik.kernels.near.predicted_best import predicted_best
 from srs_ik.kernels.near.second_attempts import look_around, rescue
 
@@ -136,6 +137,7 @@ def search_near_seed(P, F, target, goal, J, A):
         return known
     known = with_splits(P, target, -1, goal.seed, goal.respect, known)
     if J is not None:
+        known = nearest_among_splits(P, target, goal, known)
         if math.sqrt(known[2]) < CLOSE:
             known, sure = look_across(P, target, known, minimum, goal, J, A)
             if sure:

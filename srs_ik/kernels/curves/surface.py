@@ -1,0 +1,249 @@
+"""Postures of the nearest exact limb along which sums of joints alone are fixed: where outer axes come into line.
+
+They make up a surface where two of shoulder, elbow and wrist are singular at once, a curve where one is. The curves of
+the true chain lie next to it, but connect in ways of their own.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from srs_ik.kernels.algebra.pointers import keep, row
+from srs_ik.kernels.algebra.vectors import add, apply, dot, load3, norm, rotate
+from srs_ik.kernels.jit import kernel
+from srs_ik.kernels.layout.asked import Goal
+from srs_ik.kernels.layout.limb import (
+    A1,
+    A3,
+    AXES,
+    BOTTOM_GAP,
+    COS_STRAIGHT,
+    FAR,
+    FOREARM,
+    IS_CLOSED,
+    MISS,
+    NEAR,
+    PHASE,
+    SHOULDER,
+    SIN_STRAIGHT,
+    SIZE,
+    SLACK_SINGULAR,
+    TOP_GAP,
+    UPPER_ARM,
+    WRIST,
+)
+from srs_ik.kernels.limb.branches import side_posture
+from srs_ik.kernels.limb.goal import NO_SEED
+from srs_ik.kernels.limb.in_line import ROUNDED, SMALLEST_REACH, closest, toward_of, wide_limb
+from srs_ik.kernels.limb.triangle import elbow_side
+
+MOST_MISS = 1e-3
+"""A limb that misses by more than this part of its reach is looked at along its curves alone."""
+
+LEAST_WIDTH = 3e-4
+MOST_WIDTH = 5e-3
+WIDTH = 20.0
+"""Outer axes are one line if they are so many misses, as parts of the reach, from it, rad, within these bounds."""
+
+BENDS = 4.0
+"""Bends of the elbow that differ in reach by so many misses are one."""
+
+IN_LINE = 1e-9
+"""Outer axes whose cosine comes this close to that of one line can be in line."""
+
+FIRST = 24
+"""So many postures are as they come, at arm angles all around; the others have other splits."""
+
+STARTS = 80
+"""So many postures of a part are where curves may be found."""
+
+MOST_PARTS = 32
+PART = 7
+PART_ELBOW, PART_LEVEL, PART_PSI, PART_EVERYWHERE, PART_SIGNS, PART_SHOULDER, PART_WRIST = range(PART)
+"""A part of the surface: side of the elbow, whether it is flat, arm angle, whether all arm angles count, bits of the
+shoulder and the wrist; whether the sum of joints 1 and 3 may be split anyhow, and that of 5 and 7."""
+
+
+@kernel
+def lines_up(x, y, P, k, width):
+    """Whether outer axes at cosines x and y from the line that one of them turns about come into one line."""
+    return (P[k + TOP_GAP] < IN_LINE and abs(x - y) < width) or (P[k + BOTTOM_GAP] < IN_LINE and abs(x + y) < width)
+
+
+@kernel
+def may_line_up(P, place_, width):
+    """Whether the outer axes of the shoulder or the wrist may come into line at some arm angle: a quick test."""
+    t, _, c, s, hand, _ = place_
+    still_s = dot(load3(P, SHOULDER + A1), t)
+    still_w = dot(apply(hand, load3(P, WRIST + A3)), t)
+    a4 = load3(P, AXES + 9)
+    for elbow in range(2):
+        sine = -s if elbow == 1 else s
+        to_wrist = add(load3(P, UPPER_ARM), rotate(a4, c, sine, load3(P, FOREARM)))
+        share = 1.0 / max(norm(to_wrist), SMALLEST_REACH)
+        if lines_up(still_s, share * dot(to_wrist, load3(P, SHOULDER + A3)), P, SHOULDER, width):
+            return True
+        c4 = P[COS_STRAIGHT] * c - P[SIN_STRAIGHT] * sine
+        s4 = P[SIN_STRAIGHT] * c + P[COS_STRAIGHT] * sine
+        if lines_up(still_w, share * dot(to_wrist, rotate(a4, c4, s4, load3(P, WRIST + A1))), P, WRIST, width):
+            return True
+    return False
+
+
+@kernel
+def is_flat(P, place_):
+    """Whether a pose may be one of a straight or folded elbow, as far as the limb's misses let it tell."""
+    reach = P[FAR] if place_[2] > 0.0 else P[NEAR]
+    spread = 8.0 * BENDS * P[MISS] * reach / ((P[FAR] - P[NEAR]) * (P[FAR] + P[NEAR]))
+    return place_[3] * place_[3] < spread
+
+
+@kernel
+def is_free(P, k, q2, width):
+    """Whether the outer axes of a spherical joint are as good as in line at an angle of its middle joint."""
+    gap = P[k + TOP_GAP] if toward_of(P, k, q2) > 0.0 else P[k + BOTTOM_GAP]
+    return gap < IN_LINE and abs(math.sin(q2 - P[k + PHASE])) < width
+
+
+@kernel
+def split(P, q, first, k, turn):
+    """A posture with another split of the sum of joints 1 and 3 of a spherical joint."""
+    q1, q3 = q[first] + turn, q[first + 2] - toward_of(P, k, q[first + 1]) * turn
+    if first == 0:
+        return (q1, q[1], q3, q[3], q[4], q[5], q[6])
+    return (q[0], q[1], q[2], q[3], q1, q[5], q3)
+
+
+@kernel
+def in_line_width(P):
+    """How close outer axes come to one line, rad, where they count as such; 0.0 for limbs without a surface."""
+    if P[IS_CLOSED] == 1.0 or P[MISS] > MOST_MISS * P[FAR]:
+        return 0.0
+    return min(max(LEAST_WIDTH, WIDTH * P[MISS] / P[FAR]), MOST_WIDTH)
+
+
+@kernel
+def level_place(place_):
+    """A place with a flat elbow."""
+    t, h0, c, _, hand, miss = place_
+    return t, h0, math.copysign(1.0, c), 0.0, hand, miss
+
+
+@kernel
+def ways_of(part):
+    """How many ways there are on a part of the surface."""
+    return int(part[PART_EVERYWHERE] + part[PART_SHOULDER] + part[PART_WRIST])
+
+
+@kernel
+def put_parts(P, wide, place_, level, parts, n):
+    """Append the parts of the surface with the elbow as it is, or flat; their number."""
+    width = wide[SLACK_SINGULAR]
+    for elbow in range(1 if level else 2):
+        side = elbow_side(P, place_, elbow)
+        for i in range(4):
+            k = SHOULDER if i < 2 else WRIST
+            if P[k + (TOP_GAP if i % 2 == 0 else BOTTOM_GAP)] > IN_LINE:
+                continue
+            psi, least, most = closest(P, k, side[1] if i < 2 else side[2], i % 2)
+            if least > width:
+                continue
+            for signs in range(4):
+                q, _, _ = side_posture(wide, side, psi, signs >> 1, signs & 1, False, NO_SEED, False)
+                free_s, free_w = is_free(P, SHOULDER, q[1], width), is_free(P, WRIST, q[5], width)
+                # Where sums are free, the signs are no matter, nor which of two that are free comes first.
+                known = (free_s and signs >> 1) or (free_w and signs & 1) or (free_s and i >= 2)
+                if known or n >= parts.shape[0] or not (free_s or free_w):
+                    continue
+                part = row(parts, n)
+                part[PART_ELBOW], part[PART_PSI], part[PART_SIGNS] = elbow, psi, signs
+                part[PART_LEVEL] = 1.0 if level else 0.0
+                part[PART_EVERYWHERE] = 1.0 if most < width else 0.0
+                part[PART_SHOULDER] = 1.0 if free_s else 0.0
+                part[PART_WRIST] = 1.0 if free_w else 0.0
+                if ways_of(part) > 1 or P[MISS] < ROUNDED * P[FAR]:
+                    n += 1
+    return n
+
+
+@kernel
+def may_have_surface(P, place_):
+    """Whether a limb that is almost exact may have outer axes in line at a pose: a quick test, mostly false."""
+    width = in_line_width(P)
+    if width == 0.0:
+        return False
+    return may_line_up(P, level_place(place_) if is_flat(P, place_) else place_, width)
+
+
+@kernel
+def find_parts(P, wide, place_, parts):
+    """Write the parts of the surface of a pose into rows of parts; their number.
+
+    `wide` is room for a limb, which takes axes almost in line so.
+    """
+    wide_limb(P, wide)
+    wide[SLACK_SINGULAR] = in_line_width(P)
+    level = is_flat(P, place_)
+    return put_parts(P, wide, level_place(place_) if level else place_, level, parts, 0)
+
+
+@kernel
+def posture_on(limbs, place_, part, i, goal):
+    """Posture i of those that are spread over a part of the surface: by the goal where it leaves a choice.
+
+    The second of two limbs takes axes almost in line so.
+    """
+    P, wide = limbs
+    if part[PART_LEVEL] == 1.0:
+        place_ = level_place(place_)
+    side = elbow_side(P, place_, int(part[PART_ELBOW]))
+    signs = int(part[PART_SIGNS])
+    psi = part[PART_PSI]
+    everywhere = part[PART_EVERYWHERE] == 1.0
+    if everywhere:
+        psi += 2.0 * math.pi * (i / FIRST if i < FIRST else (0.8191725134 * i) % 1.0)
+    q, _, _ = side_posture(wide, side, psi, signs >> 1, signs & 1, goal.seeded, goal.seed, goal.respect)
+    if i == 0 or (i < FIRST and everywhere):
+        return q
+    if part[PART_SHOULDER] == 1.0:
+        q = split(P, q, 0, SHOULDER, 2.0 * math.pi * ((0.6710436067 * i) % 1.0))
+    if part[PART_WRIST] == 1.0:
+        q = split(P, q, 4, WRIST, 2.0 * math.pi * ((0.5497004779 * i) % 1.0))
+    return q
+
+
+@kernel
+def has_surface(P, place_):
+    """Whether several parts of a limb are singular at once, or so close to it that their curves connect anyhow."""
+    if not may_have_surface(P, place_):
+        return False
+    boxes, parts = np.empty((1, SIZE)), np.empty((MOST_PARTS, PART))
+    most = 0
+    for i in range(find_parts(P, row(boxes, 0), place_, parts)):
+        most = max(most, ways_of(row(parts, i)))
+    keep(boxes)
+    keep(parts)
+    return most > 1
+
+
+@kernel
+def put_starts(P, place_, starts, n):
+    """Append postures of the surface, from which curves may be found; their number."""
+    if not may_have_surface(P, place_):
+        return n
+    boxes, parts = np.empty((1, SIZE)), np.empty((MOST_PARTS, PART))
+    wide = row(boxes, 0)
+    goal = Goal(False, NO_SEED, False)
+    for k in range(find_parts(P, wide, place_, parts)):
+        part = row(parts, k)
+        for i in range(STARTS if ways_of(part) > 1 else 0):
+            if n < starts.shape[0]:
+                q = posture_on((P, wide), place_, part, i, goal)
+                for j in range(7):
+                    starts[n, j] = q[j]
+                n += 1
+    keep(boxes)
+    keep(parts)
+    return n

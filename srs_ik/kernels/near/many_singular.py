@@ -1,0 +1,155 @@
+"""The posture nearest to a seed where several parts of an almost exact limb are singular at once.
+
+The nearest exact limb then has a surface of postures, along which sums of joints are split and a flat elbow swings. The
+true chain's postures are curves next to that surface, and far from most of its points. So the surface tells what is too
+far from the seed. From postures spread over the rest of it, shortest steps lead to the curves, and steps along these to
+the nearest posture around.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from srs_ik.kernels.algebra.joint_vectors import dot7
+from srs_ik.kernels.algebra.pointers import keep, row
+from srs_ik.kernels.algebra.vectors import along
+from srs_ik.kernels.chain.newton import CLOSED, clipped, moved, pose_step, shortest_step
+from srs_ik.kernels.curves.surface import MOST_PARTS, PART, find_parts, may_have_surface, posture_on, ways_of
+from srs_ik.kernels.exact.free_splits import close_gently
+from srs_ik.kernels.exact.nearest import read_step, slid
+from srs_ik.kernels.jit import kernel
+from srs_ik.kernels.layout.limb import LOWER, SIZE, UPPER
+from srs_ik.kernels.limb.branches import branch_of
+from srs_ik.kernels.limb.goal import cost, turned
+
+TRIES = (64, 384, 768)
+"""Postures of the surface that are looked at, by how many ways there are on it."""
+
+GIVE = 0.02
+"""A curve may be closer to the seed than the surface by so much, rad."""
+
+AROUND = 0.3
+"""From postures farther from the seed than the nearest so far by more than this, rad, no steps lead to a nearer one."""
+
+NEARLY = 1e-3
+"""What comes so close to the nearest so far, as a part of the squared distance or in squared rad, is closed in on."""
+
+DESCENT_STEPS = 24
+HALVINGS = 10
+GAIN = 1e-5
+"""Steps along a curve, how often one is halved, and the part of the squared distance that it is to gain ..."""
+
+LAST_STEPS = 100
+LAST_GAIN = 1e-10
+"""... and the same from the nearest posture of all."""
+
+
+@kernel
+def toward_seed(P, q, target, goal, work):
+    """The way from a posture to the seed, as far as it leads along the curve inside the limits, in column 7 of A."""
+    J, A = work
+    seed = goal.seed
+    pose_step(P, q, target.R, target.p, J)
+    blocked = 0
+    for _ in range(7):
+        wish, turn_wish = (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)
+        for j in range(7):
+            d = 0.0 if (blocked >> j) & 1 else q[j] - seed[j]
+            wish = along(wish, d, (J[0, j], J[1, j], J[2, j]))
+            turn_wish = along(turn_wish, d, (J[3, j], J[4, j], J[5, j]))
+        shortest_step(J, wish, turn_wish, blocked, 0.0, A)
+        again = blocked
+        for j in range(7):
+            if (blocked >> j) & 1:
+                A[j, 7] = 0.0
+                continue
+            A[j, 7] += seed[j] - q[j]
+            if goal.respect:
+                out_low = q[j] <= P[LOWER + j] and A[j, 7] < 0.0
+                if out_low or (q[j] >= P[UPPER + j] and A[j, 7] > 0.0):
+                    again |= 1 << j
+        if again == blocked:
+            break
+        blocked = again
+    return read_step(A)
+
+
+@kernel
+def descend(P, q, target, goal, least, work):
+    """Steps along a curve from a posture on it to the one nearest to a seed around: q, cost.
+
+    `least` is the number of steps and the part of the squared distance that each is to gain.
+    """
+    J, A = work
+    steps, gain = least
+    lowest = cost(P, q, True, goal.seed, goal.respect)
+    size = 1.0
+    for _ in range(steps):
+        way = toward_seed(P, q, target, goal, work)
+        long = dot7(way, way)
+        gained = 0.0
+        for _ in range(HALVINGS):
+            if size * long < gain * lowest:
+                break
+            for j in range(7):
+                A[j, 7] = way[j]
+            there = moved(q, A, size)
+            if goal.respect:
+                there = clipped(P, there)
+            there, error = close_gently(P, there, target.R, target.p, goal.respect, J, A)
+            value = cost(P, there, True, goal.seed, goal.respect)
+            if error < CLOSED and value < (1.0 - gain) * lowest:
+                gained = lowest - value
+                q, lowest = there, value
+                break
+            size *= 0.5
+        if gained == 0.0:
+            break
+        size = min(2.0 * size, 1.0)
+    return q, lowest
+
+
+@kernel
+def try_from(P, q, target, goal, best, work):
+    """The better of the best posture so far (q, branch, cost) and what is nearest around a posture of the surface."""
+    q = turned(P, q, True, goal.seed, goal.respect)
+    if math.sqrt(cost(P, q, True, goal.seed, False)) > math.sqrt(best[2]) + GIVE:
+        return best
+    J, A = work
+    if goal.respect:
+        q = clipped(P, q)
+    q, error = close_gently(P, q, target.R, target.p, goal.respect, J, A)
+    if error > CLOSED:
+        return best
+    q = turned(P, q, True, goal.seed, goal.respect)
+    if math.sqrt(cost(P, q, True, goal.seed, False)) > math.sqrt(best[2]) + AROUND:
+        return best
+    q, value = descend(P, q, target, goal, (DESCENT_STEPS, GAIN), work)
+    if value < best[2] * (1.0 + NEARLY) + NEARLY:
+        q, value, _ = slid(P, target, q, goal, J, A)
+    return (q, branch_of(P, q), value) if value < best[2] else best
+
+
+@kernel
+def nearest_among_splits(P, target, goal, known):
+    """The posture nearest to a seed as known so far, or a nearer one where outer axes are in line: q, branch, cost."""
+    if not may_have_surface(P, target.place):
+        return known
+    boxes = np.empty((1, SIZE))
+    wide = row(boxes, 0)
+    parts = np.empty((MOST_PARTS, PART))
+    n = find_parts(P, wide, target.place, parts)
+    work = (np.empty((6, 7)), np.empty((16, 9)))
+    best = known
+    for k in range(n):
+        part = row(parts, k)
+        for i in range(TRIES[ways_of(part) - 1]):
+            best = try_from(P, posture_on((P, wide), target.place, part, i, goal), target, goal, best, work)
+    keep(boxes)
+    keep(parts)
+    if best[2] < known[2]:
+        q, value = descend(P, best[0], target, goal, (LAST_STEPS, LAST_GAIN), work)
+        best = (q, branch_of(P, q), value)
+    return best
