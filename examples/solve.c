@@ -30,7 +30,7 @@ int main(int count, char **words) {
 
     static double intervals[SRS_IK_ANSWER_MOST_INTERVALS][3];
     int64_t found;
-    if (srs_ik_intervals_intervals(*family, **pose, true, J, A, *intervals, &found) || found < 0) return 1;
+    if (srs_ik_pose_intervals(*family, **pose, true, J, A, *intervals, &found) || found < 0) return 1;
     printf("\n%lld intervals\n", (long long)found);
     for (int64_t i = 0; i < found; i++)
         printf("branch %g: %.12f to %.12f\n", intervals[i][0], intervals[i][1], intervals[i][2]);

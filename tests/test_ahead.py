@@ -353,7 +353,7 @@ for wrong in (None, 1.0, [1], np.zeros(16), np.zeros((4, 4), np.float32), np.zer
 frozen = np.zeros(7); frozen.flags.writeable = False
 for arguments in ((np.zeros((4, 247)), np.zeros(7), frozen), (np.zeros((4, 247)),), ()):
     try:
-        e.rates_arm_angle_jacobian(*arguments)
+        e.kinematics_arm_angle_jacobian(*arguments)
     except TypeError:
         continue
     raise AssertionError(arguments)

@@ -365,7 +365,7 @@ atexit.register(lambda: print("left", (time.perf_counter() - ended) / pressed[1]
         ("solve_batch", 1_000_000, 1),
         ("solve_batch", 2_000_000, 2),
         ("intervals_batch", 1_000_000, 1),
-        ("solve_path", 60_000, 1),
+        ("solve_path", 400_000, 1),
     ],
 )
 def test_an_interruption_is_heard_within_a_second(call, count, threads):

@@ -79,7 +79,9 @@ class SrsLimb(ReadOnlyArrays):
         """(7,) distance of each axis from its centre, metres; zero for axes 1, 4 and 7."""
         centres = (self.shoulder, self.shoulder, self.shoulder, None, self.wrist, self.wrist, self.wrist)
         lines = zip(centres, self.points, self.axes, strict=True)
-        return np.array([0.0 if c is None else line_distance(c, p, a) for c, p, a in lines])
+        offsets = np.array([0.0 if c is None else line_distance(c, p, a) for c, p, a in lines])
+        offsets.flags.writeable = False
+        return offsets
 
     @cached_property
     def kind(self) -> Kind:

@@ -67,10 +67,31 @@ def _rows(
         entries.solve_range(*given, *space, out, verdicts)
 
     run_in_threads(work, n, threads)
+    if seeds is None and respect and not verdicts.any():
+        _keep_wider(arm, T, out, threads)
     for i in np.flatnonzero((out[:, ROW_STATUS] != Status.OK) & (verdicts == 0)).tolist():
         near = None if seeds is None else seeds[i if len(seeds) > 1 else 0]
         out[i] = _closest(arm, T[i], free, near, respect)
     return out, verdicts
+
+
+def _keep_wider(arm: PackedArm, T: Array, out: Array, threads: int | None) -> None:
+    """Write the answers at the turns as they are given where these keep a wider margin.
+
+    Searches over the turns are local, and may miss by a little what a single turn has.
+    """
+    as_given = pose.solve_batch(arm, T, None, None, None, False, True, threads)
+    limited = np.isfinite(arm.upper - arm.lower)
+    lower, upper = arm.lower[limited], arm.upper[limited]
+
+    def margins(q: Array) -> Array:
+        return (2.0 * np.minimum(q[:, limited] - lower, upper - q[:, limited]) / (upper - lower)).min(
+            axis=1, initial=1.0
+        )
+
+    found = out[:, ROW_STATUS] == Status.OK
+    wider = as_given.ok & ~(found & (margins(out[:, :ROW_POSITION_ERROR]) >= margins(as_given.q)))
+    out[wider] = as_given._rows[wider]
 
 
 def _closest(arm: PackedArm, T: Array, free: FreeAxis, seed: Array | None, respect: bool) -> Array:
