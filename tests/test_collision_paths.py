@@ -202,6 +202,10 @@ def test_the_command(arm, tmp_path):
     wanted = arm.solve_path(poses, scene=scene_of(objects), margin=0.01)
     # Shoulder and wrist may be turned over at the same cost.
     assert (np.diff(found["q"], axis=0) ** 2).sum() == pytest.approx(wanted.value, rel=1e-6)
+    tables = arm.tables(scene_of(objects))
+    for T, q in zip(poses, found["q"], strict=True):
+        assert max(arm.verify(T, q)) < 1e-8
+        assert clearance(arm, tables, np.array(q)) > 0.0
     (tmp_path / "all.json").write_text('{"objects": [{"name": "all", "sphere": 3}]}')
     refused = run(*words[:4], str(tmp_path / "all.json"))
     assert refused.exit_code == 1

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import sys
 from collections.abc import Callable, Iterable
 from typing import Any, TypeVar
 
@@ -25,10 +26,7 @@ def positive(value: Any, what: str) -> float:
     Raises:
         InvalidController: it is none; `what` names it.
     """
-    number = real_number(value)
-    if not 0.0 < number < math.inf:
-        raise InvalidController(f"the {what} has to be a positive number, not {quoted(value)}")
-    return number
+    return _within(value, what, math.nextafter(0.0, 1.0), "a positive number")
 
 
 def not_negative(value: Any, what: str) -> float:
@@ -37,10 +35,7 @@ def not_negative(value: Any, what: str) -> float:
     Raises:
         InvalidController: it is none; `what` names it.
     """
-    number = real_number(value)
-    if not 0.0 <= number < math.inf:
-        raise InvalidController(f"the {what} has to be a number from 0 on, not {quoted(value)}")
-    return number
+    return _within(value, what, 0.0, "a number from 0 on")
 
 
 def number(value: Any, what: str) -> float:
@@ -49,9 +44,13 @@ def number(value: Any, what: str) -> float:
     Raises:
         InvalidController: it is none; `what` names it.
     """
+    return _within(value, what, -sys.float_info.max, "a finite number")
+
+
+def _within(value: Any, what: str, least: float, wanted: str) -> float:
     found = real_number(value)
-    if not math.isfinite(found):
-        raise InvalidController(f"the {what} has to be a finite number, not {quoted(value)}")
+    if not least <= found < math.inf:
+        raise InvalidController(f"the {what} has to be {wanted}, not {quoted(value)}")
     return found
 
 
