@@ -10,8 +10,10 @@ import gc
 from collections.abc import Callable
 from typing import Any
 
-from numba.core import base, compiler, ir, lowering, transforms, typed_passes, types, untyped_passes
+from llvmlite import ir as llvm
+from numba.core import base, compiler, config, ir, lowering, transforms, typed_passes, types, untyped_passes
 from numba.core.compiler_machinery import PassManager, _pass_registry
+from numba.core.runtime import nrtdynmod
 
 from srs_ik.kernels import __name__ as KERNELS
 
@@ -37,12 +39,27 @@ def make_quick() -> None:
     """Change Numba in this process, for good: it is to translate kernels and nothing else from now on."""
     # Most of what is made is kept to the end: looking for garbage all the while finds little.
     gc.disable()
+    nrtdynmod._define_atomic_inc_dec = _define_count
     ir.Inst._rec_list_vars = _variables_of
     base.BaseContext.get_abi_sizeof = _known_sizes(base.BaseContext.get_abi_sizeof)
     types.Function.get_call_type = _known_call_types(types.Function.get_call_type)  # type: ignore[method-assign]
     for name in ("incref", "decref"):
         setattr(lowering.Lower, name, _where_counted(getattr(lowering.Lower, name)))
     compiler.Compiler.define_pipelines = _with_few_passes(compiler.Compiler.define_pipelines)
+
+
+def _define_count(module: Any, op: str, ordering: str) -> Any:
+    """The function that counts a reference up or down ("add", "sub") and returns how many there are then.
+
+    What kernels allocate stays in the thread that called them: its references need no atomic counting.
+    """
+    word = llvm.IntType(config.MACHINE_BITS)
+    function = llvm.Function(module, llvm.FunctionType(word, [word.as_pointer()]), name=f"nrt_atomic_{op}")
+    builder = llvm.IRBuilder(function.append_basic_block())
+    count = getattr(builder, op)(builder.load(function.args[0]), llvm.Constant(word, 1))
+    builder.store(count, function.args[0])
+    builder.ret(count)
+    return function
 
 
 def tidy() -> None:

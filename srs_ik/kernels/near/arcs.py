@@ -2,7 +2,7 @@
 
 On such an arc the band says nothing about joints 1 and 3, or 5 and 7, and postures of one branch may go over into
 another. Outside it, all is predicted. So the curves are followed from one end of the arc to the other alone: four of
-them, one from each branch on a side of the elbow.
+them, one from each branch on a side of the elbow, and two arcs in step.
 """
 
 from __future__ import annotations
@@ -34,8 +34,8 @@ from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.asked import Runs
 from srs_ik.kernels.layout.limb import A1, BOTTOM_GAP, SHOULDER, TOP_GAP, WRIST
 from srs_ik.kernels.limb.poses import read7
-from srs_ik.kernels.near.band import nearness
-from srs_ik.kernels.near.scan import POINT, POINT_BRANCH, POINT_OFF, POINT_PSI, outside_by, put_points
+from srs_ik.kernels.near.band import WIDER, nearness
+from srs_ik.kernels.near.scan import POINT, POINT_BRANCH, POINT_PSI, put_points
 
 ARC = 4
 ARC_ELBOW = 0
@@ -47,14 +47,14 @@ ARC_NEEDED = 3
 MOST_ARCS = 8
 """Two of the shoulder and two of the wrist, on either side of the elbow."""
 
-WIDER = 2.0
-"""An arc ends where shoulder and wrist are so many bands from singular: the closed form leads to postures there."""
-
 WIDEST = 5.0
 """An arc wider than this, rad, leaves nothing to predict."""
 
+IN_STEP = 2
+"""Arcs that are followed in step, four curves each."""
+
 ARC_ROWS = 2048
-"""Room for the samples of an arc."""
+"""Room for the samples of arcs in step."""
 
 
 @kernel
@@ -117,16 +117,24 @@ def find_arcs(P, view, arcs):
 
 
 @kernel
-def put_ends_of_arc(P, view, arc):
-    """Fill in the eight points at the ends of an arc, its first end's branches first; whether all are met."""
+def put_ends_of_arcs(P, view, arcs, n, k):
+    """Fill in eight points for each of the next arcs that are needed, from row k on, its first end's branches first.
+
+    There are at most two of them. Returns the row to go on from, and how many there are (-1: a point is not met).
+    """
     points = view.points
-    for i in range(8):
-        points[i, POINT_PSI] = arc[ARC_LOWER] if i < 4 else arc[ARC_UPPER]
-        points[i, POINT_BRANCH] = 4.0 * arc[ARC_ELBOW] + i % 4
-    met = put_points(P, view, points, 0)
-    for i in range(8):
-        points[i, POINT_OFF] = outside_by(P, points[i])
-    return met
+    count = 0
+    while k < n and count < IN_STEP:
+        if arcs[k, ARC_NEEDED] == 1.0:
+            first = 8 * count
+            for i in range(8):
+                points[first + i, POINT_PSI] = arcs[k, ARC_LOWER] if i < 4 else arcs[k, ARC_UPPER]
+                points[first + i, POINT_BRANCH] = 4.0 * arcs[k, ARC_ELBOW] + i % 4
+            if not put_points(P, view, points, first):
+                return k, -1
+            count += 1
+        k += 1
+    return k, count
 
 
 @kernel
@@ -136,35 +144,36 @@ def rates_of(point):
 
 
 @kernel
-def put_marks_of_arc(P, target, points, marks):
-    """Marks at the ends of an arc, those first from which the curves lead into it; how many these are."""
-    q = take_eight(row(points, 0), POINT)
-    _, t, _, _ = curve_step(P, turns_of(q), target.R, target.p, q, 0.0 * q[0])
+def put_marks_of_arcs(P, target, points, count, marks):
+    """Marks at the ends of some arcs, those first from which the curves lead into one; how many these are."""
     starts = 0
-    count = 0
+    n = 0
     for into in range(2):
-        for i in range(8):
-            way = one_of_seven(t, i)
-            rises = dot7(way, rates_of(points[i])) > 0.0
-            if (rises == (i < 4)) == (into == 0):
-                count = put_mark(marks, count, count, read7(points[i]), way)
+        for first in range(0, 8 * count, 8):
+            q = take_eight(row(points, first), POINT)
+            _, t, _, _ = curve_step(P, turns_of(q), target.R, target.p, q, 0.0 * q[0])
+            for i in range(8):
+                way = one_of_seven(t, i)
+                rises = dot7(way, rates_of(points[first + i])) > 0.0
+                if (rises == (i < 4)) == (into == 0):
+                    n = put_mark(marks, n, n, read7(points[first + i]), way)
         if into == 0:
-            starts = count
+            starts = n
     return starts
 
 
 @kernel
-def follow_arc(P, by, points, runs):
-    """Follow the curves between the ends of an arc: their samples, and the number of feasible runs, -1 if it fails."""
-    marks = np.full((8, MARK), np.inf)
+def follow_arcs(P, by, points, count, runs):
+    """Follow the curves between the ends of some arcs: samples, and the number of feasible runs, -1 if it fails."""
+    marks = np.full((8 * IN_STEP, MARK), np.inf)
     pieces = np.empty((ARC_ROWS, SAMPLE))
     line = np.empty((ARC_ROWS, SAMPLE))
     rows = np.empty((ARC_ROWS + SPARE_ROWS, SAMPLE))
-    curves = np.empty((4, CURVE))
-    starts = put_marks_of_arc(P, by.target, points, marks)
-    if starts != 4:
+    curves = np.empty((4 * IN_STEP, CURVE))
+    starts = put_marks_of_arcs(P, by.target, points, count, marks)
+    if starts != 4 * count:
         return rows, -1
-    follow_marks(P, by.target, marks, starts, pieces)
+    follow_marks(P, by.target, marks[: 8 * count], starts, pieces)
     for i in range(starts):
         if marks[i, MARK_NEXT] < 0.0:
             return rows, -1

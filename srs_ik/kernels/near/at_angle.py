@@ -18,15 +18,15 @@ from srs_ik.kernels.curves.runs import near_runs
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.answer import ROW_COST
 from srs_ik.kernels.layout.asked import Best, Goal, Setting
-from srs_ik.kernels.layout.limb import FAR, MISS, SHIFT
+from srs_ik.kernels.layout.limb import COSINE_OFF, FAR, MISS, NEAR, SHIFT
 from srs_ik.kernels.layout.search import MAX_RUNS, RUN
 from srs_ik.kernels.limb.branches import NO_BRANCH, best_branch, branch_of, is_unsure
 from srs_ik.kernels.limb.goal import NO_SEED, OUTSIDE
 from srs_ik.kernels.limb.poses import read7
 from srs_ik.kernels.limb.triangle import elbow_side
-from srs_ik.kernels.near.band import ALMOST_NOTHING, is_oblique
+from srs_ik.kernels.near.band import ALMOST_NOTHING, is_oblique, is_told
 from srs_ik.kernels.near.branch_search import search_branch
-from srs_ik.kernels.near.second_attempts import ATTEMPTS, STRETCHED, evaluate_again, stretched
+from srs_ik.kernels.near.second_attempts import ATTEMPTS, STRETCHED, evaluate_again, is_near_line, stretched
 
 HALVINGS = 30
 """Steps that close in on an arm angle between two samples, before Newton's method takes over."""
@@ -38,13 +38,35 @@ AT_SEED = 1e-12
 """A posture this close to a seed, rad squared, is the nearest one."""
 
 REACH_SLACK = 8.0
-"""A near limb reaches no farther than its nearest exact limb and so many times its largest miss."""
+BEND_SLACK = 2.0
+"""A near limb reaches no farther than its nearest exact limb and so many times its largest miss, nor than the cosine of
+the elbow's bend may be off: over 10^5 straight elbows of a limb, it is off by up to 1.3 times what is packed."""
+
+ROUNDING = 1e-9
+"""Of the reach."""
+
+SAME_ANGLE = 1e-9
+"""Arm angles closer than this, rad, are one where rounding decides about limits."""
+
+BESIDE = (0.0, 0.5 * SAME_ANGLE, -0.5 * SAME_ANGLE)
+"""Where else a branch is looked for that ends at an arm angle, rad."""
+
+ON_LINE = 1e-3
+"""The elbow of a limb that misses by more than this part of its reach does not come to lie on the line S-W."""
 
 
 @kernel
 def may_reach(P, place_):
     """Whether a pose is not so far out of reach that a near limb cannot have a posture for it."""
-    return abs(place_[5]) <= REACH_SLACK * P[MISS] + 1e-9 * P[FAR]
+    miss = place_[5]
+    if miss == 0.0:
+        return True
+    if abs(miss) > REACH_SLACK * P[MISS] + ROUNDING * P[FAR]:
+        return False
+    # By how much the cosine of the bend would have to be larger than 1, or smaller than -1.
+    edge = P[FAR] if miss > 0.0 else P[NEAR]
+    beyond = 2.0 * miss * (2.0 * edge + miss) / ((P[FAR] - P[NEAR]) * (P[FAR] + P[NEAR]))
+    return abs(beyond) <= BEND_SLACK * P[COSINE_OFF] + ROUNDING
 
 
 @kernel
@@ -77,15 +99,14 @@ def passing(P, by, psi, a, b):
 
 
 @kernel
-def find_at_angle(P, by, psi, goal, out):
-    """Write the best posture of every branch at an arm angle, and its cost, into the rows of out (8, 8)."""
+def find_at_angle(P, by, rows, runs, psi, goal, out):
+    """Write the best posture of every branch at an arm angle, and its cost, into the rows of out (8, 8).
+
+    `rows` and `runs` hold all curves of the pose, as `near_runs` writes them.
+    """
     for branch in range(8):
         out[branch, ROW_COST] = 2.0 * NO_BRANCH
-    if not may_reach(P, by.target.place):
-        return
-    runs = np.empty((MAX_RUNS, RUN))
-    rows, _, k, _ = near_runs(P, by, runs)
-    for index in range(k):
+    for index in range(runs.shape[0]):
         first = int(runs[index, 3])
         a = load_sample(rows[first])
         at_a = angle_at(P, by, a)
@@ -120,11 +141,17 @@ def is_crowded(P):
 
 
 @kernel
+def may_have_others(P, target, psi, q):
+    """Whether there may be other postures than one at its arm angle, in its branch or next to it."""
+    return is_unsure(P, q) and not is_told(P, target.place, psi)
+
+
+@kernel
 def settle_branch(P, target, psi, branch, best, goal, A):
     """A second look at a branch that has no posture yet, or one outside its limits: the best, whether it is final."""
     q, lowest = best
     crowded = is_crowded(P)
-    alone = lowest < NO_BRANCH and not crowded and not is_unsure(P, q)
+    alone = lowest < NO_BRANCH and not crowded and not may_have_others(P, target, psi, q)
     if lowest < OUTSIDE or alone or not may_reach(P, target.place):
         return best, True
     other, complete = search_branch(P, target, psi, branch, goal, A)
@@ -162,48 +189,83 @@ def solve_all_at_angle(P, target, psi, respect, J, A, found):
     goal = Goal(False, NO_SEED, respect)
     close_all(P, target, psi, -1, goal, A)
     if not settle_all(P, target, psi, goal, found, A):
-        followed = np.empty((8, 8))
-        find_at_angle(P, setting_of(P, target, J, A), psi, goal, followed)
+        followed, runs = np.empty((8, 8)), np.empty((MAX_RUNS, RUN))
+        by = setting_of(P, target, J, A)
+        rows, _, k, _ = near_runs(P, by, runs)
+        find_at_angle(P, by, rows, runs[:k], psi, goal, followed)
         for branch in range(8):
             if followed[branch, ROW_COST] < found[branch, ROW_COST]:
                 found[branch] = followed[branch]
 
 
 @kernel
+def settle_at_angle(P, target, psi, wanted, goal, A):
+    """Best posture at an arm angle over all branches, or in one (0 to 7), by Newton's method: q, branch, cost.
+
+    Also whether it is final: nothing better is found by following curves.
+    """
+    q, best, lowest = best_of_all(P, target, psi, wanted, goal, A)
+    if wanted >= 0:
+        (q, lowest), final = settle_branch(P, target, psi, wanted, Best(q, lowest), goal, A)
+        if final and not goal.seeded:
+            return q, best, lowest, True
+    elif lowest >= OUTSIDE:
+        found = np.empty((8, 8))
+        settle_all(P, target, psi, goal, found, A)
+        other, b, value = best_found(found, wanted, goal.seed)
+        if value < lowest:
+            q, best, lowest = other, b, value
+    # Next to a singularity, Newton's method may have missed the branch that is nearest to a seed.
+    if lowest < OUTSIDE and not (goal.seeded and lowest > AT_SEED):
+        return q, best, lowest, True
+    unsure = may_have_others(P, target, psi, q)
+    if lowest < NO_BRANCH and not unsure and (lowest < OUTSIDE or not is_crowded(P)):
+        return q, best, lowest, True
+    return q, best, lowest, False
+
+
+@kernel
 def solve_at_angle(P, target, psi, wanted, goal, J, A):
-    """Best posture at an arm angle over all branches, or in one (0 to 7), by all means there are: q, branch, cost."""
+    """Best posture at an arm angle over all branches, or in one (0 to 7), by all means there are: q, branch, cost.
+
+    A branch of a near limb ends where its curve turns around or goes over into another one, and rounding decides about
+    postures there: one at an arm angle that is the same with it is as good.
+    """
     place_ = target.place
     seeded, seed, respect = goal
     if J is None:
         return best_branch(P, place_, psi, wanted, seeded, seed, respect)
-    q, best, lowest = best_of_all(P, target, psi, wanted, goal, A)
-    if wanted >= 0:
-        (q, lowest), final = settle_branch(P, target, psi, wanted, Best(q, lowest), goal, A)
-        if final and not seeded:
-            return q, best, lowest
-    elif lowest >= OUTSIDE:
-        found = np.empty((8, 8))
-        settle_all(P, target, psi, goal, found, A)
-        other, b, value = best_found(found, wanted, seed)
+    q, best, lowest, final = settle_at_angle(P, target, psi, wanted, goal, A)
+    if not may_reach(P, place_):
+        return q, best, lowest
+    if wanted >= 0 and lowest >= NO_BRANCH:
+        for side in range(1, 3):
+            other, _, value, _ = settle_at_angle(P, target, psi + BESIDE[side], wanted, goal, A)
+            if value < lowest:
+                q, lowest = other, value
+            if lowest < OUTSIDE:
+                break
+    if final or (lowest < OUTSIDE and not seeded):
+        return q, best, lowest
+    followed, runs = np.empty((8, 8)), np.empty((MAX_RUNS, RUN))
+    by = setting_of(P, target, J, A)
+    rows, _, k, _ = near_runs(P, by, runs)
+    for side in range(3 if wanted >= 0 else 1):
+        find_at_angle(P, by, rows, runs[:k], psi + BESIDE[side], goal, followed)
+        other, b, value = best_found(followed, wanted, seed)
         if value < lowest:
             q, best, lowest = other, b, value
-    unsure = is_unsure(P, q)
-    # Next to a singularity, Newton's method may have missed the branch that is nearest to a seed.
-    good = lowest < OUTSIDE and not (seeded and unsure and lowest > AT_SEED)
-    alone = OUTSIDE <= lowest < NO_BRANCH and not unsure and not is_crowded(P)
-    if good or alone or not may_reach(P, place_):
-        return q, best, lowest
-    followed = np.empty((8, 8))
-    find_at_angle(P, setting_of(P, target, J, A), psi, goal, followed)
-    other, b, value = best_found(followed, wanted, seed)
-    if value < lowest:
-        q, best, lowest = other, b, value
+        if lowest < NO_BRANCH:
+            break
     if lowest >= OUTSIDE:
         attempts = ATTEMPTS if lowest >= NO_BRANCH else 1
-        other, value = evaluate_again(P, target, psi, wanted, goal, attempts, A)
-        if value < lowest:
-            q, best, lowest = other, branch_of(P, other), value
-    if lowest >= OUTSIDE and abs(place_[3]) < STRETCHED:
+        for side in range(3 if wanted >= 0 and is_near_line(P, target, psi, wanted) else 1):
+            other, value = evaluate_again(P, target, psi + BESIDE[side], wanted, goal, attempts, A)
+            if value < lowest:
+                q, best, lowest = other, branch_of(P, other), value
+            if lowest < NO_BRANCH:
+                break
+    if lowest >= OUTSIDE and abs(place_[3]) < STRETCHED and P[MISS] < ON_LINE * P[FAR]:
         other, b, value = stretched(P, target, wanted, goal, J, A)
         if value < lowest:
             q, best, lowest = other, b, value

@@ -41,6 +41,9 @@ WIDEST_BAND = 0.3
 WIDEST_OUTER = 0.6
 """Wider bands, of joints 2, 4 and 6 and of the others, tell too little."""
 
+WIDER = 2.0
+"""Where shoulder and wrist are so many bands from singular, the closed form leads to each branch's one posture."""
+
 WELL_BENT = 0.5
 """Sine of a middle angle from which on shifts are measured."""
 
@@ -185,3 +188,19 @@ def is_near_singularity(P, side, psi, band):
     return is_close_to_singular(P, SHOULDER, side[1][0], psi, nearness(SHOULDER, band)) or is_close_to_singular(
         P, WRIST, side[2][0], psi, nearness(WRIST, band)
     )
+
+
+@kernel
+def is_told(P, place_, psi):
+    """Whether each branch has one posture at an arm angle, next to the closed form's, as the band tells."""
+    band = band_of(P, place_)
+    if not may_predict(P, place_, band):
+        return False
+    shoulder, wrist = WIDER * nearness(SHOULDER, band), WIDER * nearness(WRIST, band)
+    for elbow in range(2):
+        side = elbow_side(P, place_, elbow)
+        if is_close_to_singular(P, SHOULDER, side[1][0], psi, shoulder):
+            return False
+        if is_close_to_singular(P, WRIST, side[2][0], psi, wrist):
+            return False
+    return True

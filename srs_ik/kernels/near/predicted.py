@@ -31,12 +31,11 @@ from srs_ik.kernels.limb.limits import beyond, turn_to_middle
 from srs_ik.kernels.limb.poses import read7
 from srs_ik.kernels.near.arcs import (
     ARC,
-    ARC_NEEDED,
     MOST_ARCS,
     find_arcs,
-    follow_arc,
+    follow_arcs,
     mark_needed,
-    put_ends_of_arc,
+    put_ends_of_arcs,
     without_arcs,
 )
 from srs_ik.kernels.near.band import (
@@ -48,7 +47,7 @@ from srs_ik.kernels.near.band import (
     widen,
     widest,
 )
-from srs_ik.kernels.near.scan import POINT_OFF, POINT_PSI, in_branches, scan, view_of
+from srs_ik.kernels.near.scan import POINT_BRANCH, POINT_OFF, POINT_PSI, in_branches, scan, view_of
 
 MARGINS = 1e-9
 SPARE = 0.5
@@ -283,22 +282,27 @@ def shifted_intervals(P, view, out):
 
 
 @kernel
-def put_arc_ends(P, view, ends, n, J, A):
-    """Append both ends of every span of feasible postures on an arc, followed; the number of ends, -1 if it fails."""
+def put_arc_ends(P, view, count, ends, n, by):
+    """Append both ends of every span of feasible postures on some arcs, followed; the number of ends, -1 if it fails.
+
+    Their own ends are in the first eight points for each.
+    """
     runs = np.empty((MAX_RUNS, RUN))
     spans = np.empty((MAX_SPANS, SPAN))
-    by = Setting(view.target, view.sides[0], True, J, A)
-    rows, k = follow_arc(P, by, view.points, runs)
+    rows, k = follow_arcs(P, by, view.points, count, runs)
     if k < 0:
         return -1
-    count = find_spans(P, by, rows, runs[:k], spans)
-    if n + 2 * count > MAX_ENDS:
+    n_spans = find_spans(P, by, rows, runs[:k], spans)
+    if n + 2 * n_spans > MAX_ENDS:
         return -1
-    for i in range(count):
+    for i in range(n_spans):
         for end in range(2):
             psi = spans[i, 4 + end]
-            for at in range(2):
-                off = short_way(psi - view.points[4 * at, POINT_PSI])
+            for at in range(2 * count):
+                point = view.points[4 * at]
+                if int(point[POINT_BRANCH]) >> 2 != int(spans[i, 1]) >> 2:
+                    continue
+                off = short_way(psi - point[POINT_PSI])
                 # The arc ends here: exactly there, so that intervals on either side join.
                 psi = psi - off if abs(off) < AT_END else psi
             ends[n, END_PSI], ends[n, END_BRANCH] = psi, spans[i, 1]
@@ -362,13 +366,14 @@ def predicted_intervals(P, target, out, J, A):
         return -1
     if not correct_ends(P, view.target, ends, n_ends):
         return -1
-    for k in range(n_arcs):
-        if needed and arcs[k, ARC_NEEDED] == 1.0:
-            if not put_ends_of_arc(P, view, arcs[k]):
-                return -1
-            n_ends = put_arc_ends(P, view, ends, n_ends, J, A)
-            if n_ends < 0:
-                return -1
+    by = Setting(target, view.sides[0], True, J, A)
+    k = 0
+    while needed and k < n_arcs:
+        k, count = put_ends_of_arcs(P, view, arcs, n_arcs, k)
+        if count > 0:
+            n_ends = put_arc_ends(P, view, count, ends, n_ends, by)
+        if count < 0 or n_ends < 0:
+            return -1
     return write_ends(ends, n_ends, out, n)
 
 

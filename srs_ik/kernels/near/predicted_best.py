@@ -25,12 +25,11 @@ from srs_ik.kernels.limb.goal import NO_SEED
 from srs_ik.kernels.near.arcs import (
     ARC,
     ARC_ELBOW,
-    ARC_NEEDED,
     MOST_ARCS,
     find_arcs,
-    follow_arc,
+    follow_arcs,
     mark_needed,
-    put_ends_of_arc,
+    put_ends_of_arcs,
     touches,
     without_arcs,
 )
@@ -41,13 +40,13 @@ from srs_ik.kernels.near.within import best_within, measure_points
 
 
 @kernel
-def best_on_arc(P, box, by, points, branch, best):
-    """The best posture on an arc, followed, if it is better than the best so far, and whether all went well.
+def best_on_arcs(P, box, by, points, count, branch, best):
+    """The best posture on some arcs, followed, if it is better than the best so far, and whether all went well.
 
     `box` is the limb with limits drawn in: postures outside them are not better.
     """
     runs = np.empty((MAX_RUNS, RUN))
-    rows, k = follow_arc(box, by, points, runs)
+    rows, k = follow_arcs(box, by, points, count, runs)
     return best_of_runs(P, by, rows, runs[: max(k, 0)], branch, Goal(False, NO_SEED, True), best), k >= 0
 
 
@@ -96,11 +95,12 @@ def predicted_best(P, target, branch, J, A):
     n = without_arcs(found, n, arcs, n_arcs, cuts)
     best, certain = best_within(P, view, cuts[:n], True, best)
     by = Setting(target, view.sides[0], True, J, A)
-    for k in range(n_arcs):
-        if certain and arcs[k, ARC_NEEDED] == 1.0:
-            certain = put_ends_of_arc(P, view, arcs[k])
-            if certain:
-                best, certain = best_on_arc(P, box, by, view.points, branch, best)
+    k = 0
+    while certain and k < n_arcs:
+        k, count = put_ends_of_arcs(P, view, arcs, n_arcs, k)
+        certain = count >= 0
+        if count > 0:
+            best, certain = best_on_arcs(P, box, by, view.points, count, branch, best)
     keep(boxes)
     return best, certain and best.cost < 0.0
 

@@ -76,10 +76,11 @@ def put_points(P, view, points, n):
 
 
 @kernel
-def put_between(P, target, points, pairs, count, n):
+def put_between(P, view, points, pairs, count, n):
     """Put eight points half-way between pairs of points, from row n on; whether all are met.
 
-    The pairs are the first `count` rows of `pairs`; the last of the eight repeat the first.
+    The pairs are the first `count` rows of `pairs`; the last of the eight repeat the first. Where joints turn fast, the
+    way between two points may lead elsewhere: then the closed form gives the starts.
     """
     for i in range(8):
         a, b = pairs[i % count, 0], pairs[i % count, 1]
@@ -91,7 +92,7 @@ def put_between(P, target, points, pairs, count, n):
             points[n + i, j] = points[a, j] + half + 0.125 * width * rates
         points[n + i, POINT_PSI] = points[a, POINT_PSI] + 0.5 * width
         points[n + i, POINT_BRANCH] = points[a, POINT_BRANCH]
-    return close_points(P, target, points, n)
+    return close_points(P, view.target, points, n) or put_points(P, view, points, n)
 
 
 @kernel
@@ -169,7 +170,7 @@ def scan(P, view, branch, lower, upper):
         if kept == 0:
             break
         # Eight gaps at a time; the others wait.
-        if n + 8 > MAX_POINTS or not put_between(P, view.target, points, gaps, kept, n):
+        if n + 8 > MAX_POINTS or not put_between(P, view, points, gaps, kept, n):
             return -1
         left = kept
         for i in range(min(kept, 8)):

@@ -20,7 +20,7 @@ from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.asked import Best
 from srs_ik.kernels.layout.limb import PHASE, SHOULDER, SHOULDER_CENTRE, STRAIGHT, WRIST
 from srs_ik.kernels.limb.branches import NO_BRANCH, best_branch, branch_of
-from srs_ik.kernels.limb.goal import OUTSIDE
+from srs_ik.kernels.limb.goal import NO_SEED, OUTSIDE
 
 MORE_STEPS = 80
 """Steps of Newton's method, which halves the error at best next to a singularity."""
@@ -66,6 +66,14 @@ def bend(P, q, branch):
         bent(q[5], P[WRIST + PHASE], branch & 1),
         q[6],
     )
+
+
+@kernel
+def is_near_line(P, target, psi, branch):
+    """Whether outer axes of shoulder or wrist are close to one line at an arm angle, in the closed form."""
+    q, _, _ = best_branch(P, target.place, psi, branch, False, NO_SEED, False)
+    bent_q = bend(P, q, branch)
+    return bent_q[1] != q[1] or bent_q[5] != q[5]
 
 
 @kernel

@@ -46,6 +46,9 @@ BEYOND = 0.02
 SHORT_GAP = 0.03
 """A gap so short, rad, has one minimum at most: where the cost falls at its first end and rises at its last."""
 
+AT_ONCE = 64
+"""Points that are looked at first, at most, but for those of one interval: the best of them shortens what follows."""
+
 COARSE = 1e-3
 """Between points farther apart, rad, every fourth arm angle is half-way."""
 
@@ -133,18 +136,20 @@ def measure_points(P, points, first, last, best):
 
 
 @kernel
-def spread_points(found, n, points, gaps):
-    """Spread points over the intervals in the first n rows of found: how many there are, and gaps between them.
+def spread_points(found, points, gaps):
+    """Spread points over the first of some intervals: how many intervals, points, and gaps between these.
 
-    The points are filled up to whole eights by copies; none, if there is no room.
+    The points are filled up to whole eights by copies.
     """
     count = 0
     left = 0
-    for i in range(n):
+    taken = 0
+    for i in range(found.shape[0]):
         lower, upper = found[i, 1], found[i, 2]
         parts = max(math.ceil((upper - lower) / SPACING), 1)
-        if count + parts + 9 > MAX_POINTS:
-            return 0, 0
+        if i > 0 and count + parts >= AT_ONCE:
+            break
+        taken += 1
         for k in range(parts + 1):
             points[count, POINT_PSI] = lower + (upper - lower) * k / parts
             points[count, POINT_BRANCH] = found[i, 0]
@@ -156,7 +161,7 @@ def spread_points(found, n, points, gaps):
         points[count, POINT_PSI] = points[count - 1, POINT_PSI]
         points[count, POINT_BRANCH] = points[count - 1, POINT_BRANCH]
         count += 1
-    return count, left
+    return taken, count, left
 
 
 @kernel
@@ -206,7 +211,7 @@ def halve_gaps(P, view, n, left, best):
         left = kept
         if long == 0:
             return left, best
-        if n + 8 > MAX_POINTS or not put_between(P, view.target, points, gaps, long, n):
+        if n + 8 > MAX_POINTS or not put_between(P, view, points, gaps, long, n):
             return -1, best
         best = measure_points(P, points, n, n + 8, best)
         for i in range(min(long, 8)):
@@ -278,26 +283,17 @@ def close_in(P, view, gaps, work, best):
 
 
 @kernel
-def best_within(P, view, found, drawn_in, best):
-    """The best configuration in intervals, rows of `arcs.without_arcs`, if it is better than the best so far.
-
-    `drawn_in` says that the intervals end where the limits that are drawn in do, not the limits themselves. Returns
-    also whether the answer is certain.
-    """
-    n = found.shape[0]
-    if n == 0:
-        return best, True
+def best_of_some(P, view, found, drawn_in, best):
+    """`best_within` of the first of some intervals: also how many these are."""
     points, gaps = view.points, view.gaps
-    count, left = spread_points(found, n, points, gaps)
-    if count == 0:
-        return best, False
+    taken, count, left = spread_points(found, points, gaps)
     for i in range(0, count, 8):
         if not put_points(P, view, points, i):
-            return best, False
+            return best, taken, False
     best = measure_points(P, points, 0, count, best)
     left, best = halve_gaps(P, view, count, left, best)
-    if left < 0 or (drawn_in and may_be_better_beyond(P, points, found, best.cost)):
-        return best, False
+    if left < 0 or (drawn_in and may_be_better_beyond(P, points, found[:taken], best.cost)):
+        return best, taken, False
     kept = 0
     for i in range(left):
         _, slope_a, _ = cost_of(P, points[gaps[i, 0]])
@@ -309,5 +305,21 @@ def best_within(P, view, found, drawn_in, best):
     for i in range(0, kept, 8):
         best, sure = close_in(P, view, gaps[i:kept], work, best)
         if not sure:
+            return best, taken, False
+    return best, taken, True
+
+
+@kernel
+def best_within(P, view, found, drawn_in, best):
+    """The best configuration in intervals, rows of `arcs.without_arcs`, if it is better than the best so far.
+
+    `drawn_in` says that the intervals end where the limits that are drawn in do, not the limits themselves. Returns
+    also whether the answer is certain.
+    """
+    first = 0
+    while first < found.shape[0]:
+        best, taken, certain = best_of_some(P, view, found[first:], drawn_in, best)
+        if not certain:
             return best, False
-    return Best(turned(P, best.q, False, NO_SEED, True), best.cost), True
+        first += taken
+    return (Best(turned(P, best.q, False, NO_SEED, True), best.cost) if first > 0 else best), True

@@ -36,7 +36,7 @@ from srs_ik.kernels.limb.goal import NO_SEED, OUTSIDE, UNMET, cost, tightest_joi
 from srs_ik.kernels.limb.in_line import NEARLY_IN_LINE, is_in_line, may_split, toward_of
 from srs_ik.kernels.limb.poses import read7, read_pose
 from srs_ik.kernels.limb.triangle import place
-from srs_ik.kernels.near.at_angle import may_reach, solve_all_at_angle, solve_at_angle
+from srs_ik.kernels.near.at_angle import SAME_ANGLE, may_reach, solve_all_at_angle, solve_at_angle
 from srs_ik.kernels.near.second_attempts import rescue
 from srs_ik.kernels.pose.search import search_exact, search_near_seed, search_true
 
@@ -44,9 +44,6 @@ BARELY = 1e-3
 """A posture farther outside its limits than this, rad, is not so by rounding."""
 
 CLOSING_STEPS = 12
-
-SAME_ANGLE = 1e-9
-"""Arm angles closer than this, rad, are one where rounding decides about limits."""
 
 
 @kernel
@@ -163,23 +160,6 @@ def put_on_limits(P, target, psi, found, goal):
 
 
 @kernel
-def at_or_beside(P, target, psi, branch, goal, J, A):
-    """`solve_at_angle`, or the same at an arm angle that is one with it: q, branch, cost.
-
-    A branch of a near limb ends where its curve turns around or goes over into another one: rounding decides about
-    postures there.
-    """
-    found = solve_at_angle(P, target, psi, branch, goal, J, A)
-    if J is not None:
-        if branch >= 0 and may_reach(P, target.place):
-            for side in range(2):
-                if found[2] >= NO_BRANCH:
-                    beside = psi + (0.5 * SAME_ANGLE if side == 0 else -0.5 * SAME_ANGLE)
-                    found = solve_at_angle(P, target, beside, branch, goal, J, A)
-    return found
-
-
-@kernel
 def solve_row_at(family, T, psi, asked, J, A, out):
     """Solve one pose at an arm angle into a row of `out`; returns the verdict on the pose.
 
@@ -192,7 +172,7 @@ def solve_row_at(family, T, psi, asked, J, A, out):
     P = row(family, LIMITED)
     target = Target(R, p, place(P, R, p))
     goal = Goal(seed is not None, seed_or_zero(seed), respect)
-    found = put_on_limits(P, target, psi, at_or_beside(P, target, psi, branch, goal, J, A), goal)
+    found = put_on_limits(P, target, psi, solve_at_angle(P, target, psi, branch, goal, J, A), goal)
     measure_row_at(P, target, psi, found, respect, row(out, 0))
     return GOOD_POSE
 
