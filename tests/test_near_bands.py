@@ -88,3 +88,23 @@ def test_a_branch_of_oblique_axes_with_two_postures_at_an_arm_angle_gives_the_on
             assert (solution.q <= arm.upper).all()
             assert max(arm.verify(pose, solution.q)) < 1e-9
     assert asked > 0
+
+
+REACHING = [*((name, 0) for name in arms.here("gen3", "j2s7s300")), ("tilted", 6), ("tilted", 10), ("oblique", 3)]
+
+
+@pytest.mark.parametrize(("name", "seed"), REACHING)
+def test_straight_elbows_reach_farther_than_the_nearest_exact_limb_and_are_found(name, seed):
+    arm = random_arm(seed, name, "continuous", 0.02)[1] if seed else arms.load(name)
+    rng = np.random.default_rng(3)
+    q = rng.uniform(-np.pi, np.pi, (20_000, 7))
+    q[:, 3] = arm.packed.family[at.FREE, at.STRAIGHT]
+    shifts = np.zeros((len(q), at.SHIFTS))
+    entries.measure_shifts(arm.packed.family[at.FREE], q, shifts)
+    farthest = np.argsort(shifts[:, at.SHIFT_COSINE])[-12:]
+    assert (shifts[farthest, at.SHIFT_COSINE] > 0.0).all()
+    for k in farthest:
+        pose = arm.forward_kinematics(q[k])
+        solution = arm.solve(pose, respect_limits=False)
+        assert solution, (k, solution.status)
+        assert max(arm.verify(pose, solution.q)) < 1e-9

@@ -195,3 +195,25 @@ def margin(arm, q):
     limited = np.isfinite(arm.lower) & np.isfinite(arm.upper)
     lower, upper = arm.lower[limited], arm.upper[limited]
     return float(np.min(1.0 - np.abs(q[limited] - 0.5 * (lower + upper)) / (0.5 * (upper - lower))))
+
+
+@pytest.mark.parametrize("name", arms.here("gen3", "j2s7s300"))
+def test_no_arm_angle_has_a_larger_margin_where_the_elbow_decides(name):
+    arm = arms.load(name)
+    limited = np.isfinite(arm.lower) & np.isfinite(arm.upper)
+    middle = np.where(limited, 0.5 * (arm.lower + arm.upper), 0.0)
+    half = np.where(limited, 0.5 * (arm.upper - arm.lower), np.inf)
+    sweep = np.linspace(-np.pi, np.pi, 241)
+    tried = 0
+    for q in arms.configurations(name, 60, 77):
+        pose = arm.forward_kinematics(q)
+        solution = arm.solve(pose)
+        used = np.abs(solution.q - middle) / half
+        if not solution or used.argmax() != 3:
+            continue
+        tried += 1
+        poses = np.repeat(pose.homogeneous[None], len(sweep), axis=0)
+        answers = arm.solve_batch(poses, arm_angle=sweep, all_branches=True)
+        others = (np.abs(answers.q - middle) / half).max(axis=-1)[answers.status == Status.OK]
+        assert used.max() <= others.min() + 1e-9
+    assert tried >= 3

@@ -238,32 +238,33 @@ def solve_at_angle(P, target, psi, wanted, goal, J, A):
     q, best, lowest, final = settle_at_angle(P, target, psi, wanted, goal, A)
     if not may_reach(P, place_):
         return q, best, lowest
-    if wanted >= 0 and lowest >= NO_BRANCH:
-        for side in range(1, 3):
-            other, _, value, _ = settle_at_angle(P, target, psi + BESIDE[side], wanted, goal, A)
-            if value < lowest:
-                q, lowest = other, value
-            if lowest < OUTSIDE:
-                break
+    missing = lowest >= NO_BRANCH
+    sides = 3 if wanted >= 0 and missing else 1
+    for side in range(1, sides):
+        other, _, value, _ = settle_at_angle(P, target, psi + BESIDE[side], wanted, goal, A)
+        if value < lowest:
+            q, lowest = other, value
+        if lowest < OUTSIDE:
+            break
     if final or (lowest < OUTSIDE and not seeded):
         return q, best, lowest
     followed, runs = np.empty((8, 8)), np.empty((MAX_RUNS, RUN))
     by = setting_of(P, target, J, A)
     rows, _, k, _ = near_runs(P, by, runs)
-    for side in range(3 if wanted >= 0 else 1):
+    for side in range(sides):
         find_at_angle(P, by, rows, runs[:k], psi + BESIDE[side], goal, followed)
         other, b, value = best_found(followed, wanted, seed)
         if value < lowest:
             q, best, lowest = other, b, value
-        if lowest < NO_BRANCH:
+        if lowest < OUTSIDE:
             break
     if lowest >= OUTSIDE:
-        attempts = ATTEMPTS if lowest >= NO_BRANCH else 1
-        for side in range(3 if wanted >= 0 and is_near_line(P, target, psi, wanted) else 1):
+        attempts = ATTEMPTS if missing else 1
+        for side in range(sides if is_near_line(P, target, psi, wanted) else 1):
             other, value = evaluate_again(P, target, psi + BESIDE[side], wanted, goal, attempts, A)
             if value < lowest:
                 q, best, lowest = other, branch_of(P, other), value
-            if lowest < NO_BRANCH:
+            if lowest < OUTSIDE:
                 break
     if lowest >= OUTSIDE and abs(place_[3]) < STRETCHED and P[MISS] < ON_LINE * P[FAR]:
         other, b, value = stretched(P, target, wanted, goal, J, A)
