@@ -15,7 +15,8 @@ from srs_ik.kernels.chain.answer import measure_row, measure_row_at, write_row
 from srs_ik.kernels.chain.closest import closest
 from srs_ik.kernels.chain.eight import ALL, put_some, take_eight, tip_errors
 from srs_ik.kernels.chain.kinematics import pose_error
-from srs_ik.kernels.chain.newton import CLOSED, arm_angle, clipped, close_free
+from srs_ik.kernels.chain.newton import CLOSED, LEFT, arm_angle, clipped, close_free
+from srs_ik.kernels.exact.flat import at_any_bend, is_as_good_as_flat
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.answer import (
     GOOD_POSE,
@@ -151,7 +152,7 @@ def put_on_limits(P, target, psi, found, goal):
         at_split = cost(P, inside, goal.seeded, goal.seed, True)
         if at_split < OUTSIDE:
             position, orientation = pose_error(P, inside, R, p)
-            if max(position, orientation) < CLOSED:
+            if max(position, orientation) < LEFT:
                 return inside, branch, at_split
     if value > OUTSIDE + BARELY:
         return found
@@ -193,6 +194,9 @@ def solve_row_at(family, T, psi, asked, J, A, out):
     target = Target(R, p, place(P, R, p))
     goal = Goal(seed is not None, seed_or_zero(seed), respect)
     found = put_on_limits(P, target, psi, at_or_beside(P, target, psi, branch, goal, J, A), goal)
+    if J is None:
+        if found[2] >= OUTSIDE and is_as_good_as_flat(target.place):
+            found = at_any_bend(family, target, psi, branch, goal, found)
     measure_row_at(P, target, psi, found, respect, row(out, 0))
     return GOOD_POSE
 
