@@ -74,6 +74,8 @@ OBLIQUE = 1e-3
 """Axes are oblique where this part of all directions, as a cosine, is beyond the reach of a shoulder or wrist."""
 
 MAX_CURVES = 32
+MOST_VAGUE = 8
+"""Curves of a pose, and those on which an error is left (`LEFT`), at most."""
 
 CURVE = 3
 """A curve: first row, the row behind the last, and whether it is closed (its last row then repeats the first)."""
@@ -319,9 +321,12 @@ def follow_all(P, by, rows, curves):
         if curves[k, 2] == 0.0:
             # It begins where curves cross, before its first mark.
             n = extend_back(P, by, rows, curves, k, n)
+    vague = 0
     for i in range(n_missed):
+        if count >= curves.shape[0]:
+            break
         q, error = close_gently(P, read7(missed[i]), R, p, False, by.J, by.A)
-        if error > LEFT or count >= curves.shape[0]:
+        if error > LEFT or (error > CLOSED and vague >= MOST_VAGUE):
             continue
         t, sign = tangent_at(P, by, q)
         if sign == 0.0 or is_known(q, t, rows, curves, count):
@@ -339,4 +344,5 @@ def follow_all(P, by, rows, curves):
         curves[count, 1] = n
         curves[count, 2] = 1.0 if closed else 0.0
         count += 1
+        vague += 1 if error > CLOSED else 0
     return count

@@ -12,14 +12,11 @@ import math
 import numpy as np
 
 from srs_ik.kernels.algebra.pointers import row
-from srs_ik.kernels.chain.kinematics import pose_error
-from srs_ik.kernels.chain.newton import LEFT
 from srs_ik.kernels.exact.bends import bent_place
 from srs_ik.kernels.exact.intervals import find_intervals, join_touching, write_interval
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.answer import MAX_PIECES
 from srs_ik.kernels.layout.limb import FREE, LIMITED, LOOSE
-from srs_ik.kernels.limb.branches import best_branch
 
 NEARLY_FLAT = 3e-6
 """Bends of the elbow below this, rad from straight or from folded, cannot be told apart within 1e-11 of reach."""
@@ -80,18 +77,3 @@ def intervals_of_bends(family, place_, respect, out, n):
             for c in range(3):
                 out[i, c] = both[i, c]
     return n
-
-
-@kernel
-def at_any_bend(family, target, psi, branch, goal, found):
-    """The best posture at an arm angle as known so far, or a better one of another stage: q, branch, cost."""
-    best = found
-    P = row(family, LOOSE)
-    for stage in range(1, STAGES):
-        place_ = loosely(target.place, stage)
-        q, b, value = best_branch(P, place_, psi, branch, goal.seeded, goal.seed, goal.respect)
-        if value < best[2]:
-            position, orientation = pose_error(P, q, target.R, target.p)
-            if max(position, orientation) < LEFT:
-                best = (q, b, value)
-    return best

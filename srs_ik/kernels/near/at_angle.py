@@ -15,6 +15,7 @@ from srs_ik.kernels.curves.best import angle_at, cost_of_turn
 from srs_ik.kernels.curves.follow import between
 from srs_ik.kernels.curves.in_step import load_sample
 from srs_ik.kernels.curves.runs import near_runs
+from srs_ik.kernels.curves.surface import has_surface
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.answer import ROW_COST
 from srs_ik.kernels.layout.asked import Best, Goal, Setting
@@ -24,7 +25,7 @@ from srs_ik.kernels.limb.branches import NO_BRANCH, best_branch, branch_of, is_u
 from srs_ik.kernels.limb.goal import NO_SEED, OUTSIDE
 from srs_ik.kernels.limb.poses import read7
 from srs_ik.kernels.limb.triangle import elbow_side
-from srs_ik.kernels.near.band import ALMOST_NOTHING, is_oblique
+from srs_ik.kernels.near.band import ALMOST_NOTHING, band_of, is_oblique, may_predict
 from srs_ik.kernels.near.branch_search import search_branch
 from srs_ik.kernels.near.second_attempts import ATTEMPTS, STRETCHED, evaluate_again, stretched
 
@@ -167,6 +168,21 @@ def solve_all_at_angle(P, target, psi, respect, J, A, found):
         for branch in range(8):
             if followed[branch, ROW_COST] < found[branch, ROW_COST]:
                 found[branch] = followed[branch]
+
+
+@kernel
+def are_curves_followed(P, place_):
+    """Whether the arm angles that a pose has are told by curves that are followed."""
+    return not may_predict(P, place_, band_of(P, place_)) or has_surface(P, place_)
+
+
+@kernel
+def where_passed(P, target, psi, goal, found, J, A):
+    """What is found at an arm angle in a branch, or a better posture where curves pass the angle: q, branch, cost."""
+    followed = np.empty((8, 8))
+    find_at_angle(P, setting_of(P, target, J, A), psi, goal, followed)
+    other = best_found(followed, found[1], goal.seed)
+    return other if other[2] < found[2] else found
 
 
 @kernel

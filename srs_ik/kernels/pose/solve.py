@@ -16,7 +16,8 @@ from srs_ik.kernels.chain.closest import closest
 from srs_ik.kernels.chain.eight import ALL, put_some, take_eight, tip_errors
 from srs_ik.kernels.chain.kinematics import pose_error
 from srs_ik.kernels.chain.newton import CLOSED, LEFT, arm_angle, clipped, close_free
-from srs_ik.kernels.exact.flat import at_any_bend, is_as_good_as_flat
+from srs_ik.kernels.curves.best import out_of_branch
+from srs_ik.kernels.exact.flat import STAGES, is_as_good_as_flat, loosely
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.answer import (
     GOOD_POSE,
@@ -31,13 +32,19 @@ from srs_ik.kernels.layout.answer import (
     UNREACHABLE,
 )
 from srs_ik.kernels.layout.asked import Goal, Target
-from srs_ik.kernels.layout.limb import FIRST_JOINT, FREE, LIMITED, LOWER, SHOULDER, UPPER, WRIST
-from srs_ik.kernels.limb.branches import NO_BRANCH, branch_of, elbow_branches
+from srs_ik.kernels.layout.limb import FIRST_JOINT, FREE, LIMITED, LOOSE, LOWER, SHOULDER, UPPER, WRIST
+from srs_ik.kernels.limb.branches import NO_BRANCH, best_branch, branch_of, elbow_branches
 from srs_ik.kernels.limb.goal import NO_SEED, OUTSIDE, UNMET, cost, tightest_joint, turned
 from srs_ik.kernels.limb.in_line import NEARLY_IN_LINE, is_in_line, may_split, toward_of
 from srs_ik.kernels.limb.poses import read7, read_pose
 from srs_ik.kernels.limb.triangle import place
-from srs_ik.kernels.near.at_angle import may_reach, solve_all_at_angle, solve_at_angle
+from srs_ik.kernels.near.at_angle import (
+    are_curves_followed,
+    may_reach,
+    solve_all_at_angle,
+    solve_at_angle,
+    where_passed,
+)
 from srs_ik.kernels.near.second_attempts import rescue
 from srs_ik.kernels.pose.search import search_exact, search_near_seed, search_true
 
@@ -48,6 +55,9 @@ CLOSING_STEPS = 12
 
 SAME_ANGLE = 1e-9
 """Arm angles closer than this, rad, are one where rounding decides about limits."""
+
+ON_BORDER = 1e-7
+"""A posture with a middle joint this close to its singularity, as a sine, is of the branches on either side."""
 
 
 @kernel
@@ -164,6 +174,37 @@ def put_on_limits(P, target, psi, found, goal):
 
 
 @kernel
+def at_any_bend(family, target, psi, branch, goal, found):
+    """The best posture at an arm angle as known so far, or a better one at another bend of an elbow as good as flat.
+
+    Each is given as q, branch, cost.
+    """
+    best = found
+    loose = row(family, LOOSE)
+    for stage in range(1, STAGES):
+        place_ = loosely(target.place, stage)
+        other = best_branch(loose, place_, psi, branch, goal.seeded, goal.seed, goal.respect)
+        other = put_on_limits(loose, target, psi, other, goal)
+        if other[2] < best[2]:
+            position, orientation = pose_error(loose, other[0], target.R, target.p)
+            if max(position, orientation) < LEFT:
+                best = other
+    return best
+
+
+@kernel
+def at_border(P, target, psi, goal, found, J, A):
+    """What is found at an arm angle in a branch, or the better of the postures on its border: q, branch, cost."""
+    best, wanted = found, found[1]
+    for branch in range(8):
+        if branch != wanted:
+            other = solve_at_angle(P, target, psi, branch, goal, J, A)
+            if other[2] < best[2] and out_of_branch(P, other[0], wanted) < ON_BORDER:
+                best = (other[0], wanted, other[2])
+    return best
+
+
+@kernel
 def at_or_beside(P, target, psi, branch, goal, J, A):
     """`solve_at_angle`, or the same at an arm angle that is one with it: q, branch, cost.
 
@@ -177,6 +218,10 @@ def at_or_beside(P, target, psi, branch, goal, J, A):
                 if found[2] >= NO_BRANCH:
                     beside = psi + (0.5 * SAME_ANGLE if side == 0 else -0.5 * SAME_ANGLE)
                     found = solve_at_angle(P, target, beside, branch, goal, J, A)
+            if found[2] >= NO_BRANCH:
+                found = at_border(P, target, psi, goal, found, J, A)
+            if found[2] >= NO_BRANCH and are_curves_followed(P, target.place):
+                found = where_passed(P, target, psi, goal, found, J, A)
     return found
 
 
