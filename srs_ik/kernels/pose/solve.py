@@ -56,7 +56,7 @@ CLOSING_STEPS = 12
 SAME_ANGLE = 1e-9
 """Arm angles closer than this, rad, are one where rounding decides about limits."""
 
-ON_BORDER = 1e-7
+ON_BORDER = 1e-5
 """A posture with a middle joint this close to its singularity, as a sine, is of the branches on either side."""
 
 
