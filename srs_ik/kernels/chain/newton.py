@@ -18,11 +18,18 @@ from srs_ik.kernels.limb.triangle import arm_angle_of_direction, arm_frame, stra
 CLOSED = 1e-12
 """A posture whose position (m) and orientation (rad) errors are both below this needs no step."""
 
+LEFT = 1e-10
+"""Next to several singularities at once, a direction in which the tip stands still to first order may hide so much of
+an error (m, rad) from Newton's method: a posture meets its pose where no step makes less of it."""
+
 ON_LINE = 1e-6
 """An elbow this close to the line S-W, metres, is on either side of it."""
 
 STEPS = 12
 """Steps of Newton's method at an arm angle, from the closed form."""
+
+MANY_STEPS = 40
+"""What so many steps leave of an error is left for good."""
 
 STALL = 10
 """After so many steps the error must have come down by a third, or the start was a bad one."""
@@ -169,7 +176,8 @@ def close_at_angle(P, q, R, p, t, h0, psi, steps, A):
         if size < LAST_STEP:
             return q, dot(h, reach) > -ON_LINE
     error, reach = equations_at_angle(P, q, R, p, b, A)
-    return q, error < CLOSED and abs(A[6, 7]) < 1e3 * CLOSED and dot(h, reach) > -ON_LINE
+    most = LEFT if steps >= MANY_STEPS else CLOSED
+    return q, error < most and abs(A[6, 7]) < 1e3 * CLOSED and dot(h, reach) > -ON_LINE
 
 
 @kernel

@@ -21,7 +21,16 @@ from srs_ik.kernels.algebra.linear import solve_linear
 from srs_ik.kernels.algebra.pointers import row
 from srs_ik.kernels.algebra.vectors import norm
 from srs_ik.kernels.chain.eight import put_eight, take_eight
-from srs_ik.kernels.chain.newton import CLOSED, LAST_STEP, STEPS, close_free, load_system, longest, moved, pose_step
+from srs_ik.kernels.chain.newton import (
+    CLOSED,
+    LAST_STEP,
+    LEFT,
+    STEPS,
+    load_system,
+    longest,
+    moved,
+    pose_step,
+)
 from srs_ik.kernels.chain.newton_eight import close_eight
 from srs_ik.kernels.chain.starts import FIRST, WIDTH, bent_place, start_all
 from srs_ik.kernels.curves.in_step import (
@@ -42,6 +51,7 @@ from srs_ik.kernels.curves.in_step import (
     to_curves,
 )
 from srs_ik.kernels.curves.surface import put_starts
+from srs_ik.kernels.exact.free_splits import close_gently
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.limb import BOTTOM_GAP, PHASE, SHOULDER, STRAIGHT, TOP_GAP, WRIST
 from srs_ik.kernels.limb.goal import NO_SEED
@@ -53,7 +63,6 @@ MOST_STEPS = 600
 CORRECTIONS = 12
 """Newton's steps back to the curve, at most."""
 
-START_STEPS = 12
 STARTS = 8
 STARTS_OBLIQUE = 48
 """Arm angles, all around, at which the closed form gives starts; a branch of oblique axes may be a short arc."""
@@ -65,6 +74,8 @@ OBLIQUE = 1e-3
 """Axes are oblique where this part of all directions, as a cosine, is beyond the reach of a shoulder or wrist."""
 
 MAX_CURVES = 32
+MOST_VAGUE = 8
+"""Curves of a pose, and those on which an error is left (`LEFT`), at most."""
 
 CURVE = 3
 """A curve: first row, the row behind the last, and whether it is closed (its last row then repeats the first)."""
@@ -132,7 +143,7 @@ def correct(P, by, q, d, place):
         q = moved(q, A, 1.0)
         if longest(A) < LAST_STEP:
             return q, True
-    return q, error < CLOSED
+    return q, error < LEFT
 
 
 @kernel
@@ -310,9 +321,12 @@ def follow_all(P, by, rows, curves):
         if curves[k, 2] == 0.0:
             # It begins where curves cross, before its first mark.
             n = extend_back(P, by, rows, curves, k, n)
+    vague = 0
     for i in range(n_missed):
-        q, error = close_free(P, read7(missed[i]), R, p, False, START_STEPS, by.J, by.A)
-        if error > CLOSED or count >= curves.shape[0]:
+        if count >= curves.shape[0]:
+            break
+        q, error = close_gently(P, read7(missed[i]), R, p, False, by.J, by.A)
+        if error > LEFT or (error > CLOSED and vague >= MOST_VAGUE):
             continue
         t, sign = tangent_at(P, by, q)
         if sign == 0.0 or is_known(q, t, rows, curves, count):
@@ -330,4 +344,5 @@ def follow_all(P, by, rows, curves):
         curves[count, 1] = n
         curves[count, 2] = 1.0 if closed else 0.0
         count += 1
+        vague += 1 if error > CLOSED else 0
     return count

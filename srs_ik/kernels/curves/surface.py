@@ -40,7 +40,11 @@ from srs_ik.kernels.limb.in_line import ROUNDED, SMALLEST_REACH, closest, toward
 from srs_ik.kernels.limb.triangle import elbow_side
 
 MOST_MISS = 1e-3
-"""A limb that misses by more than this part of its reach is looked at along its curves alone."""
+"""A limb that misses by more than this part of its reach has curves that are no more next to a surface ..."""
+
+WIDTH_OF_CURVES = 3.0
+MOST_WIDTH_OF_CURVES = 0.08
+"""... but small closed ones where shoulder and wrist are so many misses from singular at once, rad, at most."""
 
 LEAST_WIDTH = 3e-4
 MOST_WIDTH = 5e-3
@@ -125,6 +129,14 @@ def in_line_width(P):
 
 
 @kernel
+def width_for_curves(P):
+    """`in_line_width`, or for limbs without a surface how close to one line two pairs of outer axes have to come."""
+    if P[MISS] > MOST_MISS * P[FAR]:
+        return min(WIDTH_OF_CURVES * P[MISS] / P[FAR], MOST_WIDTH_OF_CURVES)
+    return in_line_width(P)
+
+
+@kernel
 def level_place(place_):
     """A place with a flat elbow."""
     t, h0, c, _, hand, miss = place_
@@ -169,23 +181,28 @@ def put_parts(P, wide, place_, level, parts, n):
 
 
 @kernel
-def may_have_surface(P, place_):
-    """Whether a limb that is almost exact may have outer axes in line at a pose: a quick test, mostly false."""
-    width = in_line_width(P)
-    if width == 0.0:
-        return False
-    return may_line_up(P, level_place(place_) if is_flat(P, place_) else place_, width)
+def counts_as_flat(P, place_):
+    """Whether the elbow of a limb with a surface may be flat at a pose."""
+    return P[MISS] <= MOST_MISS * P[FAR] and is_flat(P, place_)
 
 
 @kernel
-def find_parts(P, wide, place_, parts):
+def may_have_surface(P, place_, width):
+    """Whether outer axes may come within some width of one line at a pose: a quick test, mostly false."""
+    if width == 0.0:
+        return False
+    return may_line_up(P, level_place(place_) if counts_as_flat(P, place_) else place_, width)
+
+
+@kernel
+def find_parts(P, wide, place_, width, parts):
     """Write the parts of the surface of a pose into rows of parts; their number.
 
-    `wide` is room for a limb, which takes axes almost in line so.
+    `wide` is room for a limb, which takes axes that are within some width of one line for being in it.
     """
     wide_limb(P, wide)
-    wide[SLACK_SINGULAR] = in_line_width(P)
-    level = is_flat(P, place_)
+    wide[SLACK_SINGULAR] = width
+    level = counts_as_flat(P, place_)
     return put_parts(P, wide, level_place(place_) if level else place_, level, parts, 0)
 
 
@@ -217,11 +234,12 @@ def posture_on(limbs, place_, part, i, goal):
 @kernel
 def has_surface(P, place_):
     """Whether several parts of a limb are singular at once, or so close to it that their curves connect anyhow."""
-    if not may_have_surface(P, place_):
+    width = width_for_curves(P)
+    if not may_have_surface(P, place_, width):
         return False
     boxes, parts = np.empty((1, SIZE)), np.empty((MOST_PARTS, PART))
     most = 0
-    for i in range(find_parts(P, row(boxes, 0), place_, parts)):
+    for i in range(find_parts(P, row(boxes, 0), place_, width, parts)):
         most = max(most, ways_of(row(parts, i)))
     keep(boxes)
     keep(parts)
@@ -231,12 +249,13 @@ def has_surface(P, place_):
 @kernel
 def put_starts(P, place_, starts, n):
     """Append postures of the surface, from which curves may be found; their number."""
-    if not may_have_surface(P, place_):
+    width = width_for_curves(P)
+    if not may_have_surface(P, place_, width):
         return n
     boxes, parts = np.empty((1, SIZE)), np.empty((MOST_PARTS, PART))
     wide = row(boxes, 0)
     goal = Goal(False, NO_SEED, False)
-    for k in range(find_parts(P, wide, place_, parts)):
+    for k in range(find_parts(P, wide, place_, width, parts)):
         part = row(parts, k)
         for i in range(STARTS if ways_of(part) > 1 else 0):
             if n < starts.shape[0]:

@@ -15,8 +15,9 @@ import numpy as np
 from srs_ik.kernels.algebra.pointers import keep, row
 from srs_ik.kernels.algebra.vectors import norm
 from srs_ik.kernels.chain.kinematics import pose_error
-from srs_ik.kernels.chain.newton import CLOSED, clipped, close_free, moved, pose_step, shortest_step
+from srs_ik.kernels.chain.newton import CLOSED, LEFT, clipped, close_free, moved, pose_step, shortest_step
 from srs_ik.kernels.exact.bends import best_of_bends, best_on_circles
+from srs_ik.kernels.exact.flat import is_as_good_as_flat, level
 from srs_ik.kernels.exact.nearest import slid
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.asked import Goal, Target
@@ -34,15 +35,10 @@ from srs_ik.kernels.limb.goal import NO_SEED, OUTSIDE, cost, turned
 from srs_ik.kernels.limb.in_line import NEARLY_IN_LINE, closest, may_split, wide_limb
 from srs_ik.kernels.limb.triangle import elbow_side
 
-NEARLY_FLAT = 3e-6
-"""Bends of the elbow below this, rad from straight or from folded, cannot be told apart within 1e-11 of reach."""
-
-SMALLEST_BEND = 2.5e-10
-"""The smallest bend of a pose whose elbow is as good as flat."""
-
-CLOSING_STEPS = 20
+CLOSING_STEPS = 30
 GENTLE = 1e-13
-"""Steps to close a posture, and their least damping."""
+STALLED = 0.9
+"""Steps to close a posture, their least damping, and the part of an error that a step leaves where it ends."""
 
 LOOSELY = 3e-11
 """A split whose posture cannot be closed is one all the same if it meets its pose within this, m and rad."""
@@ -67,14 +63,17 @@ def close_gently(P, q, R, p, respect, J, A):
     """Damped steps from a posture to one that meets its pose: q, and the larger of its errors (m, rad).
 
     Where more than one joint is singular some directions are as good as lost, and rounding alone would lead far along
-    them; the damping leaves them out, as long as the error has no part in them.
+    them; the damping leaves them out, as long as the error has no part in them. What is `LEFT` is left where no step
+    makes it less.
     """
     blocked = 0
+    last = math.inf
     for _ in range(CLOSING_STEPS):
         linear, angular = pose_step(P, q, R, p, J)
         error = max(norm(linear), norm(angular))
-        if error < 0.1 * CLOSED:
+        if error < 0.1 * CLOSED or STALLED * last < error < LEFT:
             return q, error
+        last = error
         shortest_step(J, linear, angular, blocked, max(GENTLE, 1e-2 * error * error), A)
         q = moved(q, A, 1.0)
         if respect:
@@ -101,7 +100,7 @@ def keep_better(P, target, split, wanted, goal, best, work):
         return best
     J, A = work
     closed, error = close_gently(P, start, target.R, target.p, goal.respect, J, A)
-    if error > CLOSED:
+    if error > LEFT:
         # With three joints singular at once, not all of a tiny error can be closed.
         known = off < LOOSELY or value >= OUTSIDE
         return split if known and value < lowest else best
@@ -180,15 +179,14 @@ def with_splits(P, target, wanted, seed, respect, best):
     if not may_split(P, target.place):
         return best
     goal = Goal(seed is not None, NO_SEED if seed is None else seed, respect)
-    t, h0, bend_c, bend_s, hand, miss = target.place
     boxes = np.empty((1, SIZE))
     wide = row(boxes, 0)
     wide_limb(P, wide)
     work = (np.empty((6, 7)), np.empty((16, 9)))
     limbs = (P, wide)
     best, along = search_near_line(limbs, target, wanted, seed, respect, best, work)
-    if bend_s < NEARLY_FLAT:
-        flat = Target(target.R, target.p, (t, h0, math.copysign(1.0, bend_c), 0.0, hand, miss))
+    if is_as_good_as_flat(target.place):
+        flat = Target(target.R, target.p, level(target.place))
         best, alike = search_near_line(limbs, flat, wanted, seed, respect, best, work)
         along = along or alike
     if along:

@@ -13,7 +13,7 @@ import numpy as np
 
 from srs_ik.kernels.algebra.pointers import row
 from srs_ik.kernels.algebra.vectors import dot, load3, swing
-from srs_ik.kernels.exact.free_splits import NEARLY_FLAT
+from srs_ik.kernels.exact.flat import is_as_good_as_flat
 from srs_ik.kernels.exact.intervals import TURN, feasible_intervals, fits, joint_pieces
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.answer import GOOD_POSE, MAX_EVENTS, MAX_PIECES, MOST_INTERVALS, SOLVED
@@ -256,7 +256,7 @@ def reach(family, place_, space):
     if verdict_1 == REACHED:
         return REACHED
     unsure = verdict_0 == UNSURE or verdict_1 == UNSURE
-    return UNSURE if unsure or place_[3] < NEARLY_FLAT or may_split(P, place_) else NOT_REACHED
+    return UNSURE if unsure or is_as_good_as_flat(place_) or may_split(P, place_) else NOT_REACHED
 
 
 @kernel

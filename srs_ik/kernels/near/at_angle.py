@@ -11,10 +11,11 @@ import numpy as np
 from srs_ik.kernels.algebra.joint_vectors import difference, dot7, short_way
 from srs_ik.kernels.chain.newton import STEPS, close_at_angle
 from srs_ik.kernels.chain.starts import FIRST, best_of_all, best_row, close_all
-from srs_ik.kernels.curves.best import angle_at, cost_of_turn
+from srs_ik.kernels.curves.best import angle_at, cost_of_turn, turn_at
 from srs_ik.kernels.curves.follow import between
 from srs_ik.kernels.curves.in_step import load_sample
 from srs_ik.kernels.curves.runs import near_runs
+from srs_ik.kernels.curves.surface import has_surface
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.answer import ROW_COST
 from srs_ik.kernels.layout.asked import Best, Goal, Setting
@@ -24,12 +25,17 @@ from srs_ik.kernels.limb.branches import NO_BRANCH, best_branch, branch_of, is_u
 from srs_ik.kernels.limb.goal import NO_SEED, OUTSIDE
 from srs_ik.kernels.limb.poses import read7
 from srs_ik.kernels.limb.triangle import elbow_side
-from srs_ik.kernels.near.band import ALMOST_NOTHING, is_oblique, is_told
+from srs_ik.kernels.near.band import ALMOST_NOTHING, band_of, is_oblique, is_told, may_predict
 from srs_ik.kernels.near.branch_search import search_branch
 from srs_ik.kernels.near.second_attempts import ATTEMPTS, STRETCHED, evaluate_again, is_near_line, stretched
 
 HALVINGS = 30
 """Steps that close in on an arm angle between two samples, before Newton's method takes over."""
+
+NEAR_TURN = 0.5
+AT_TURN = 1e-9
+"""An arm angle that turns around is looked for this close to the one that is wanted, rad; there it is the one, up to
+the second."""
 
 CLOSE_BY = 1e-4
 """Newton's method moves a posture no farther than this, rad, squared."""
@@ -99,6 +105,45 @@ def passing(P, by, psi, a, b):
 
 
 @kernel
+def keep_found(P, q, goal, out):
+    """Keep a posture in the row of its branch, if it is the best one there."""
+    branch = branch_of(P, q)
+    q, value = cost_of_turn(P, q, goal)
+    if value < out[branch, ROW_COST]:
+        for j in range(7):
+            out[branch, j] = q[j]
+        out[branch, ROW_COST] = value
+
+
+@kernel
+def put_passing(P, by, psi, ends, goal, out):
+    """Keep the posture at an arm angle between two of a curve, given with how far they are ahead, if it lies there."""
+    a, b = ends
+    if a[1] * b[1] <= 0.0 and a[1] != b[1]:
+        q, met = passing(P, by, psi, a, b)
+        if met:
+            keep_found(P, q, goal, out)
+
+
+@kernel
+def turning_between(P, by, a, b, rise):
+    """The posture of a curve at which the arm angle turns around between two; `rise` is its sign at the first."""
+    low, high = 0.0, 1.0
+    best = a
+    for _ in range(HALVINGS):
+        share = 0.5 * (low + high)
+        q, met = between(P, by, a, b, share)
+        if not met:
+            break
+        best = q
+        if turn_at(P, by, q) == rise:
+            low = share
+        else:
+            high = share
+    return best
+
+
+@kernel
 def find_at_angle(P, by, rows, runs, psi, goal, out):
     """Write the best posture of every branch at an arm angle, and its cost, into the rows of out (8, 8).
 
@@ -110,20 +155,23 @@ def find_at_angle(P, by, rows, runs, psi, goal, out):
         first = int(runs[index, 3])
         a = load_sample(rows[first])
         at_a = angle_at(P, by, a)
+        rise_a = turn_at(P, by, a)
         for i in range(first + 1, int(runs[index, 4])):
             b = load_sample(rows[i])
             at_b = angle_at(P, by, b)
+            rise_b = turn_at(P, by, b)
             ahead_a = short_way(at_a - psi)
             ahead_b = ahead_a + short_way(at_b - at_a)
-            if ahead_a * ahead_b <= 0.0 and ahead_a != ahead_b:
-                q, met = passing(P, by, psi, (a, ahead_a), (b, ahead_b))
-                branch = branch_of(P, q)
-                q, value = cost_of_turn(P, q, goal)
-                if met and value < out[branch, ROW_COST]:
-                    for j in range(7):
-                        out[branch, j] = q[j]
-                    out[branch, ROW_COST] = value
-            a, at_a = b, at_b
+            if rise_a != rise_b and min(abs(ahead_a), abs(ahead_b)) < NEAR_TURN:
+                turning = turning_between(P, by, a, b, rise_a)
+                ahead = ahead_a + short_way(angle_at(P, by, turning) - at_a)
+                put_passing(P, by, psi, ((a, ahead_a), (turning, ahead)), goal, out)
+                put_passing(P, by, psi, ((turning, ahead), (b, ahead_b)), goal, out)
+                if abs(ahead) < AT_TURN:
+                    keep_found(P, turning, goal, out)
+            else:
+                put_passing(P, by, psi, ((a, ahead_a), (b, ahead_b)), goal, out)
+            a, at_a, rise_a = b, at_b, rise_b
 
 
 @kernel
@@ -199,6 +247,12 @@ def solve_all_at_angle(P, target, psi, respect, J, A, found):
 
 
 @kernel
+def are_curves_followed(P, place_):
+    """Whether the arm angles that a pose has are told by curves that are followed."""
+    return not may_predict(P, place_, band_of(P, place_)) or has_surface(P, place_)
+
+
+@kernel
 def settle_at_angle(P, target, psi, wanted, goal, A):
     """Best posture at an arm angle over all branches, or in one (0 to 7), by Newton's method: q, branch, cost.
 
@@ -246,6 +300,7 @@ def solve_at_angle(P, target, psi, wanted, goal, J, A):
             q, lowest = other, value
         if lowest < OUTSIDE:
             break
+    final = final and not (missing and wanted >= 0 and are_curves_followed(P, place_))
     if final or (lowest < OUTSIDE and not seeded):
         return q, best, lowest
     followed, runs = np.empty((8, 8)), np.empty((MAX_RUNS, RUN))

@@ -15,8 +15,16 @@ import numpy as np
 from srs_ik.kernels.algebra.joint_vectors import dot7
 from srs_ik.kernels.algebra.pointers import keep, row
 from srs_ik.kernels.algebra.vectors import along
-from srs_ik.kernels.chain.newton import CLOSED, clipped, moved, pose_step, shortest_step
-from srs_ik.kernels.curves.surface import MOST_PARTS, PART, find_parts, may_have_surface, posture_on, ways_of
+from srs_ik.kernels.chain.newton import LEFT, clipped, moved, pose_step, shortest_step
+from srs_ik.kernels.curves.surface import (
+    MOST_PARTS,
+    PART,
+    find_parts,
+    in_line_width,
+    may_have_surface,
+    posture_on,
+    ways_of,
+)
 from srs_ik.kernels.exact.free_splits import close_gently
 from srs_ik.kernels.exact.nearest import read_step, slid
 from srs_ik.kernels.jit import kernel
@@ -100,7 +108,7 @@ def descend(P, q, target, goal, least, work):
                 there = clipped(P, there)
             there, error = close_gently(P, there, target.R, target.p, goal.respect, J, A)
             value = cost(P, there, True, goal.seed, goal.respect)
-            if error < CLOSED and value < (1.0 - gain) * lowest:
+            if error < LEFT and value < (1.0 - gain) * lowest:
                 gained = lowest - value
                 q, lowest = there, value
                 break
@@ -121,7 +129,7 @@ def try_from(P, q, target, goal, best, work):
     if goal.respect:
         q = clipped(P, q)
     q, error = close_gently(P, q, target.R, target.p, goal.respect, J, A)
-    if error > CLOSED:
+    if error > LEFT:
         return best
     q = turned(P, q, True, goal.seed, goal.respect)
     if math.sqrt(cost(P, q, True, goal.seed, False)) > math.sqrt(best[2]) + AROUND:
@@ -135,14 +143,15 @@ def try_from(P, q, target, goal, best, work):
 @kernel
 def nearest_among_splits(P, target, goal, known):
     """The posture nearest to a seed as known so far, or a nearer one where outer axes are in line: q, branch, cost."""
-    if not may_have_surface(P, target.place):
+    width = in_line_width(P)
+    if not may_have_surface(P, target.place, width):
         return known
     boxes = np.empty((1, SIZE))
     wide = row(boxes, 0)
     parts = np.empty((MOST_PARTS, PART))
-    n = find_parts(P, wide, target.place, parts)
+    n = find_parts(P, wide, target.place, width, parts)
     work = (np.empty((6, 7)), np.empty((16, 9)))
-    best = known
+    best = try_from(P, goal.seed, target, goal, known, work)
     for k in range(n):
         part = row(parts, k)
         for i in range(TRIES[ways_of(part) - 1]):

@@ -7,6 +7,7 @@ import math
 from srs_ik.kernels.algebra.vectors import across, load3, norm, sub
 from srs_ik.kernels.chain.newton import (
     CLOSED,
+    LEFT,
     ON_LINE,
     STEPS,
     clipped,
@@ -24,9 +25,6 @@ from srs_ik.kernels.limb.goal import NO_SEED, OUTSIDE
 
 MORE_STEPS = 80
 """Steps of Newton's method, which halves the error at best next to a singularity."""
-
-MET = 1e-10
-"""Pose errors (m, rad) that Newton's method may leave next to a singularity."""
 
 LOOKS = 48
 """Arm angles all around the circle."""
@@ -179,9 +177,9 @@ def look_around(P, target, branch, goal, J, A):
             linear, angular = pose_step(P, q, R, p, J)
             here = branch_of(P, q)
             error = max(norm(linear), norm(angular))
-            if CLOSED < error < MET:
+            if CLOSED < error < LEFT:
                 q, error = close_free(P, q, R, p, goal.respect, STEPS, J, A)
-            if error > MET or (branch >= 0 and here != branch):
+            if error > LEFT or (branch >= 0 and here != branch):
                 continue
             # At another arm angle perhaps, but a posture for the pose.
             q, value = cost_of_turn(P, q, goal)

@@ -11,7 +11,8 @@ from srs_ik.kernels.chain.kinematics import pose_error
 from srs_ik.kernels.chain.newton import CLOSED, arm_angle, close_free
 from srs_ik.kernels.curves.best import search_followed
 from srs_ik.kernels.exact.farthest import branch_at, copy_interval, farthest
-from srs_ik.kernels.exact.free_splits import NEARLY_FLAT, SMALLEST_BEND, settled_split, with_splits
+from srs_ik.kernels.exact.flat import STAGES, is_as_good_as_flat, loosely
+from srs_ik.kernels.exact.free_splits import settled_split, with_splits
 from srs_ik.kernels.exact.intervals import find_intervals
 from srs_ik.kernels.exact.nearest import (
     CLOSE,
@@ -39,9 +40,6 @@ from srs_ik.kernels.near.second_attempts import look_around, rescue
 
 MOST_LEVERAGE = 4.0
 """A seed farther from its nearest posture than so many times the pose error asks for a closer look."""
-
-LAST_STAGE = 15
-"""`SMALLEST_BEND` times powers of two up to about `NEARLY_FLAT` are tried before; then limits are given up."""
 
 HARDLY = 1e-5
 """A limb that misses by less than this part of its reach is one with rounded figures."""
@@ -133,11 +131,15 @@ def search_near_seed(P, F, target, goal, J, A):
     place_ = target.place
     psi, guessed, branch, lowest, minimum = guess(P, target, goal, J, A)
     known = (guessed, branch, lowest)
-    if lowest >= OUTSIDE or (minimum and is_alone(P, goal.seed, lowest)):
+    if minimum and is_alone(P, goal.seed, lowest):
         return known
-    known = with_splits(P, target, -1, goal.seed, goal.respect, known)
+    if lowest < OUTSIDE:
+        known = with_splits(P, target, -1, goal.seed, goal.respect, known)
     if J is not None:
         known = nearest_among_splits(P, target, goal, known)
+    if known[2] >= OUTSIDE:
+        return known
+    if J is not None:
         if math.sqrt(known[2]) < CLOSE:
             known, sure = look_across(P, target, known, minimum, goal, J, A)
             if sure:
@@ -177,25 +179,22 @@ def search_exact(family, target, branch, seed, respect):
     of it.
     """
     place_ = target.place
-    t, h0, bend_c, bend_s, hand, miss = place_
     strictness = LIMITED if respect else FREE
     found = np.empty((8 * MAX_PIECES, 3))
     best_q = NO_SEED
     best = 0
     lowest = 4.0 * NO_BRANCH
-    for stage in range(LAST_STAGE + 1):
+    for stage in range(STAGES + 1):
         near = place_
         tolerances = LIMITED
-        if 0 < stage < LAST_STAGE:
+        if 0 < stage < STAGES:
+            if stage > 1 and not is_as_good_as_flat(place_):
+                continue
             tolerances = LOOSE
-            if stage > 1:
-                if bend_s > NEARLY_FLAT:
-                    continue
-                bend = SMALLEST_BEND * 2.0**stage if stage > 2 else 0.0
-                near = (t, h0, math.copysign(math.sqrt(1.0 - bend * bend), bend_c), bend, hand, miss)
+            near = loosely(place_, stage)
         P = row(family, tolerances)
         n = 8
-        if stage < LAST_STAGE:
+        if stage < STAGES:
             n = find_intervals(row(family, tolerances + strictness), near, branch, found)
         else:
             whole_circles(found)

@@ -15,7 +15,9 @@ from srs_ik.kernels.chain.answer import measure_row, measure_row_at, write_row
 from srs_ik.kernels.chain.closest import closest
 from srs_ik.kernels.chain.eight import ALL, put_some, take_eight, tip_errors
 from srs_ik.kernels.chain.kinematics import pose_error
-from srs_ik.kernels.chain.newton import CLOSED, arm_angle, clipped, close_free
+from srs_ik.kernels.chain.newton import CLOSED, LEFT, arm_angle, clipped, close_free
+from srs_ik.kernels.curves.best import out_of_branch
+from srs_ik.kernels.exact.flat import STAGES, is_as_good_as_flat, loosely
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.answer import (
     GOOD_POSE,
@@ -30,13 +32,14 @@ from srs_ik.kernels.layout.answer import (
     UNREACHABLE,
 )
 from srs_ik.kernels.layout.asked import Goal, Target
-from srs_ik.kernels.layout.limb import FIRST_JOINT, FREE, LIMITED, LOWER, SHOULDER, UPPER, WRIST
-from srs_ik.kernels.limb.branches import NO_BRANCH, branch_of, elbow_branches
+from srs_ik.kernels.layout.limb import FIRST_JOINT, FREE, LIMITED, LOOSE, LOWER, SHOULDER, UPPER, WRIST
+from srs_ik.kernels.limb.branches import NO_BRANCH, best_branch, branch_of, elbow_branches
 from srs_ik.kernels.limb.goal import NO_SEED, OUTSIDE, UNMET, cost, tightest_joint, turned
 from srs_ik.kernels.limb.in_line import NEARLY_IN_LINE, is_in_line, may_split, toward_of
 from srs_ik.kernels.limb.poses import read7, read_pose
 from srs_ik.kernels.limb.triangle import place
 from srs_ik.kernels.near.at_angle import SAME_ANGLE, may_reach, solve_all_at_angle, solve_at_angle
+from srs_ik.kernels.near.band import is_told
 from srs_ik.kernels.near.second_attempts import rescue
 from srs_ik.kernels.pose.search import search_exact, search_near_seed, search_true
 
@@ -44,6 +47,9 @@ BARELY = 1e-3
 """A posture farther outside its limits than this, rad, is not so by rounding."""
 
 CLOSING_STEPS = 12
+
+ON_BORDER = 1e-5
+"""A posture with a middle joint this close to its singularity, as a sine, is of the branches on either side."""
 
 
 @kernel
@@ -148,7 +154,7 @@ def put_on_limits(P, target, psi, found, goal):
         at_split = cost(P, inside, goal.seeded, goal.seed, True)
         if at_split < OUTSIDE:
             position, orientation = pose_error(P, inside, R, p)
-            if max(position, orientation) < CLOSED:
+            if max(position, orientation) < LEFT:
                 return inside, branch, at_split
     if value > OUTSIDE + BARELY:
         return found
@@ -157,6 +163,48 @@ def put_on_limits(P, target, psi, found, goal):
     if error > CLOSED or abs(away) > SAME_ANGLE:
         return found
     return q, branch, cost(P, q, goal.seeded, goal.seed, True)
+
+
+@kernel
+def at_any_bend(family, target, psi, branch, goal, found):
+    """The best posture at an arm angle as known so far, or a better one at another bend of an elbow as good as flat.
+
+    Each is given as q, branch, cost.
+    """
+    best = found
+    loose = row(family, LOOSE)
+    for stage in range(1, STAGES):
+        place_ = loosely(target.place, stage)
+        other = best_branch(loose, place_, psi, branch, goal.seeded, goal.seed, goal.respect)
+        other = put_on_limits(loose, target, psi, other, goal)
+        if other[2] < best[2]:
+            position, orientation = pose_error(loose, other[0], target.R, target.p)
+            if max(position, orientation) < LEFT:
+                best = other
+    return best
+
+
+@kernel
+def at_border(P, target, psi, goal, found, J, A):
+    """What is found at an arm angle in a branch, or the better of the postures on its border: q, branch, cost."""
+    best, wanted = found, found[1]
+    for branch in range(8):
+        if branch != wanted:
+            other = solve_at_angle(P, target, psi, branch, goal, J, A)
+            if other[2] < best[2] and out_of_branch(P, other[0], wanted) < ON_BORDER:
+                best = (other[0], wanted, other[2])
+    return best
+
+
+@kernel
+def at_angle_or_border(P, target, psi, branch, goal, J, A):
+    """`solve_at_angle`; for a branch that has no posture there, one on its border: q, branch, cost."""
+    found = solve_at_angle(P, target, psi, branch, goal, J, A)
+    if J is not None:
+        if branch >= 0 and found[2] >= NO_BRANCH and may_reach(P, target.place):
+            if not is_told(P, target.place, psi):
+                found = at_border(P, target, psi, goal, found, J, A)
+    return found
 
 
 @kernel
@@ -172,7 +220,10 @@ def solve_row_at(family, T, psi, asked, J, A, out):
     P = row(family, LIMITED)
     target = Target(R, p, place(P, R, p))
     goal = Goal(seed is not None, seed_or_zero(seed), respect)
-    found = put_on_limits(P, target, psi, solve_at_angle(P, target, psi, branch, goal, J, A), goal)
+    found = put_on_limits(P, target, psi, at_angle_or_border(P, target, psi, branch, goal, J, A), goal)
+    if J is None:
+        if found[2] >= OUTSIDE and is_as_good_as_flat(target.place):
+            found = at_any_bend(family, target, psi, branch, goal, found)
     measure_row_at(P, target, psi, found, respect, row(out, 0))
     return GOOD_POSE
 
