@@ -178,7 +178,9 @@ def test_a_closed_path_has_the_least_largest_step():
 def test_postures_that_rounding_takes_away_are_no_break(name, motion):
     """Shoulder and wrist on limits at once, or the arm straight: a pose has one posture, and no interval holds it."""
     arm = load(name)
-    benchmark = runpy.run_path(str(Path(__file__).parents[1] / "benchmarks" / "paths.py"), run_name="paths")
+    benchmark = runpy.run_path(
+        str(Path(__file__).parents[1] / "benchmarks" / "known_motions.py"), run_name="known_motions"
+    )
     rng = np.random.default_rng([zlib.crc32(name.encode()), benchmark["KINDS"].index("limits"), motion])
     known = benchmark["known_motion"](arm, rng, "limits", 200)
     assert arm.solve_path(poses_of(arm, known), seed=known[0])
@@ -190,7 +192,9 @@ def test_postures_that_rounding_takes_away_are_no_break(name, motion):
 def test_a_path_that_leads_elsewhere_between_few_poses_is_planned_at_all(name, kind, motion):
     """What joins strips, or ends them, lies between poses 0.25 rad apart."""
     arm = load(name)
-    benchmark = runpy.run_path(str(Path(__file__).parents[1] / "benchmarks" / "paths.py"), run_name="paths")
+    benchmark = runpy.run_path(
+        str(Path(__file__).parents[1] / "benchmarks" / "known_motions.py"), run_name="known_motions"
+    )
     rng = np.random.default_rng([zlib.crc32(name.encode()), benchmark["KINDS"].index(kind), motion])
     known = benchmark["known_motion"](arm, rng, kind, 200)
     for seed in (known[0], None):
