@@ -130,7 +130,10 @@ class Wall:
 
 
 class Way:
-    """Postures of a path: joint angles, arm angles, branches, and the ends of the strips in which they lie."""
+    """Postures of a path: joint angles, arm angles, branches, and the ends of the strips in which they lie.
+
+    It is torn if finer strips about it do not join.
+    """
 
     def __init__(self, n: int) -> None:
         self.q = np.zeros((n, 7))
@@ -139,6 +142,7 @@ class Way:
         self.bounds = np.zeros((n, 2))
         self.reached = np.zeros(n, np.bool_)
         self.cost = 0.0
+        self.torn = False
         self.walls: list[Wall] = []
 
 

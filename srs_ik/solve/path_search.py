@@ -53,6 +53,9 @@ MOST_PLANNED = 0.6
 AS_PLANNED = 1.006
 """Between planned poses steps are straight, so that a plan costs less than any path: one so close to it is the best."""
 
+LEAP = 0.2
+"""A joint step of a path that is longer than this, rad, may be there because strips miss a posture."""
+
 LEAST_GAIN = 1e-3
 """A search that gains less, relative to all, is the last one."""
 
@@ -133,17 +136,28 @@ def close(problem: Problem, way: Way, keys: NDArray[np.int64] | None = None) -> 
 
 def planned(problem: Problem) -> Way:
     """`search` on the true chain, or on the nearest exact limb."""
+    way = planned_at_some(problem)
+    return planned_everywhere(problem) if way is None or is_odd(problem, way) else way
+
+
+def planned_at_some(problem: Problem) -> Way | None:
+    """A path planned at some poses, if that tells."""
     marks = keys_of(problem)
     if problem.free is not None or len(problem.T) <= SHORT:
-        return planned_everywhere(problem)
+        return None
     if problem.work()[0] is None:
-        way = sparse(problem, problem, marks) if marks.mean() < MOST_PLANNED else None
-        return planned_everywhere(problem) if way is None else way
+        return sparse(problem, problem, marks) if marks.mean() < MOST_PLANNED else None
     if problem.arm.family[LIMITED, SHIFT] < ROUNDED:
         way = sparse(problem, as_exact(problem), marks.copy())
         if way is not None:
             return way
-    return sparse(problem, problem, every_second(marks, problem.has_known)) or planned_everywhere(problem)
+    return sparse(problem, problem, every_second(marks, problem.has_known))
+
+
+def is_odd(problem: Problem, way: Way) -> bool:
+    """Whether a path on an exact limb leaps, or fine strips about it are torn: its strips may miss postures."""
+    leaps = np.abs(steps_of(problem, way.q[way.reached])).max(initial=0.0) > LEAP
+    return problem.arm.closed and (way.torn or bool(leaps))
 
 
 def sparse(problem: Problem, plan: Problem, marks: NDArray[np.bool_]) -> Way | None:
@@ -210,21 +224,31 @@ def worse(problem: Problem, way: Way, keys: NDArray[np.int64], q: Array) -> NDAr
 def planned_everywhere(problem: Problem) -> Way:
     """A path planned at every pose, with postures that strips miss and with breaks where there is no other way."""
     arm, keys = problem.arm, np.arange(len(problem.T))
+    may_bridge = problem.free is None and (arm.closed or not problem.in_closed_form)
     fine = problem
     if len(keys) <= SHORT and problem.work()[0] is None:
         fine = replace(problem, radius=EVERYWHERE)
     way = find_way(fine, keys, False)
-    if way.cost >= 0.5 * BREAK and problem.free is None:
-        more = bridged(problem) if not problem.in_closed_form or arm.closed else problem
-        again = find_way(more, keys, False) if more is not problem else way
+    if way.cost < 0.5 * BREAK:
+        improve(problem, way)
+        way = search_around(problem, way)
+        if not (may_bridge and is_odd(problem, way)):
+            return way
+    if may_bridge:
+        more = bridged(problem)
+        again = way if more is problem else find_way(more, keys, False)
+        if again.cost < 0.5 * BREAK:
+            improve(more, again)
+            return min(way, search_around(more, again), key=lambda each: each.cost)
         if again.cost < way.cost - 0.5 * BREAK:
             problem, way = more, again
     if way.cost >= 0.5 * BREAK:
         walls = way.walls
         way = find_way(problem, keys, True)
         way.walls = walls
-    improve(problem, way)
-    return search_around(problem, way)
+        improve(problem, way)
+        way = search_around(problem, way)
+    return way
 
 
 def find_around(problem: Problem, way: Way, chain: NDArray[np.int64]) -> Way:
@@ -240,7 +264,8 @@ def search_around(problem: Problem, way: Way) -> Way:
             # Along one curve, all postures moved at once are the best.
             break
         again = find_around(problem, way, chain)
-        if not again.reached[chain].all():
+        way.torn = again.cost >= way.cost + 0.5 * BREAK
+        if way.torn or not again.reached[chain].all():
             break
         improve(problem, again, FINE)
         gain = way.cost - again.cost
