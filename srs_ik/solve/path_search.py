@@ -13,7 +13,7 @@ from srs_ik.kernels.entries import path as entries
 from srs_ik.kernels.entries.pose import pack_limits
 from srs_ik.kernels.layout.answer import ROW, ROW_ORIENTATION_ERROR, ROW_POSITION_ERROR, ROW_STATUS
 from srs_ik.kernels.layout.limb import LIMITED, LOOSE, SHIFT
-from srs_ik.kernels.layout.path import BREAK
+from srs_ik.kernels.layout.path import BREAK, BY_CONTINUITY
 from srs_ik.solve.path_blocks import find_way, held_in, through
 from srs_ik.solve.path_bridges import bridged
 from srs_ik.solve.path_polish import FINE, improve, keep_limits
@@ -169,7 +169,7 @@ def sparse(problem: Problem, plan: Problem, marks: NDArray[np.bool_]) -> Way | N
     stands_in = plan is not problem
     while True:
         keys = np.flatnonzero(marks)
-        way, blocks = through(plan, keys, False)
+        way, blocks = through(far(plan, keys), keys, False)
         if way.cost >= 0.5 * BREAK or not way.reached[keys].all():
             return None
         least, q = way.cost, way.q[keys]
@@ -188,6 +188,14 @@ def sparse(problem: Problem, plan: Problem, marks: NDArray[np.bool_]) -> Way | N
         plan = held_in(problem, keys, blocks)
         more = wider(missed) & ~marks
         marks = marks | more if more.any() and marks.mean() < MOST_PLANNED else np.ones_like(marks)
+
+
+def far(problem: Problem, keys: NDArray[np.int64]) -> Problem:
+    """The problem with steps that are continuous from one pose to the next so far from one key pose to another."""
+    settings = problem.settings.copy()
+    # Two poses are counted already.
+    settings[BY_CONTINUITY] *= max(1.0, 0.5 * float(np.diff(keys).max()))
+    return replace(problem, settings=settings)
 
 
 def filled(problem: Problem, way: Way, missed: NDArray[np.bool_], least: float) -> Way | None:
