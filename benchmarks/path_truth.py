@@ -4,14 +4,16 @@ python benchmarks/path_truth.py known  --robot iiwa14 --kind cross --count 75 --
                                        [--objective sum_of_squares|largest_step|time]
 python benchmarks/path_truth.py brute  --robot iiwa14 --count 25 --seed 0 [--angles 2000]
 python benchmarks/path_truth.py broken --robot iiwa14 --count 25 --seed 0 [--angles 2000]
+python benchmarks/path_truth.py ssik   --robot iiwa14 --kind cross --count 20
 
-known: motions inside the limits as in `paths.py`, number --seed and those behind it. Their poses are given to
+known: motions inside the limits as in `known_motions.py`, number --seed and those behind it. Their poses are given to
 `solve_path`, with the first posture as seed and without: no break, no larger value, every posture on its pose and
 inside the limits; with --dt, inside the velocity limits that the motion keeps by 5 %. Times are of the processor,
 beside those of the intervals of the same poses in the same run.
 
 brute: 20 poses of a motion against exhaustive dynamic programming over a sweep of arm angles in all branches and turns.
 broken: the same, where the second half of the poses is of another motion: as many breaks as by brute force.
+ssik: that library's own paths of the same motions, for arms that it brings along.
 
 Exit status 1 where something does not hold; the line then names the numbers of the problems.
 """
@@ -31,8 +33,9 @@ import numpy as np
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "tests"))
 sys.path.insert(0, str(Path(__file__).resolve().parent))
 
-from path_oracle import best_path, differences, swept_postures
-from paths import KINDS, known_motion, load_all
+from known_motions import KINDS, known_motion, load
+from path_brute import best_path
+from path_oracle import differences, swept_postures
 
 import srs_ik
 
@@ -45,6 +48,9 @@ COARSE = 1e-3
 
 ON_POSE = 1e-8
 """m and rad."""
+
+LONGEST = 0.5
+"""Longest joint step that is continuous, rad."""
 
 SHORT = 20
 """Poses of a problem for brute force."""
@@ -169,6 +175,7 @@ def piece(arm: srs_ik.Arm, rng: np.random.Generator, kind: str, count: int) -> n
 def against_brute_force(arm: srs_ik.Arm, chosen: argparse.Namespace) -> tuple[str, bool]:
     """A line, and whether something does not hold."""
     more, fewer, larger, ratios = [], [], [], []
+    endless = np.isinf(arm.lower) & np.isinf(arm.upper)
     for number in range(chosen.seed, chosen.seed + chosen.count):
         kind = KINDS[number % len(KINDS)]
         rng = generator(arm, kind, 100_000 + number)
@@ -179,13 +186,18 @@ def against_brute_force(arm: srs_ik.Arm, chosen: argparse.Namespace) -> tuple[st
             known = piece(arm, rng, kind, SHORT)
         poses = poses_of(arm, known)
         seed = known[0] if number // len(KINDS) % 2 else None
-        breaks, least = best_path(arm, [swept_postures(arm, pose, chosen.angles) for pose in poses], seed, 0.5)
         path = arm.solve_path(poses, seed=seed)
+        own = float((steps_from(arm, seed, path.q) ** 2).sum())
+        found = np.inf if path.breaks else own * (1.0 + COARSE)
+        nodes = [swept_postures(arm, pose, chosen.angles) for pose in poses]
+        breaks, least = best_path(nodes, seed, LONGEST, endless, found)
+        if np.isinf(least) and not path.breaks:
+            # All swept ones cost more.
+            breaks, least = 0, own * (1.0 + COARSE)
         if len(path.breaks) != breaks:
             (more if len(path.breaks) > breaks else fewer).append(number)
-            continue
-        if not breaks:
-            ratios.append(float((steps_from(arm, seed, path.q) ** 2).sum()) / least)
+        elif not breaks:
+            ratios.append(own / least)
             if ratios[-1] > 1.0 + COARSE:
                 larger.append(f"{number} ({ratios[-1]:.5f})")
     line = f"{chosen.what}, {SHORT} poses, {chosen.angles} angles, problems {chosen.seed} to "
@@ -196,10 +208,48 @@ def against_brute_force(arm: srs_ik.Arm, chosen: argparse.Namespace) -> tuple[st
     return line, bool(more or larger)
 
 
+def paths_of_ssik(arm: srs_ik.Arm, chosen: argparse.Namespace) -> tuple[str, bool]:
+    """A line about ssik's own paths from the known start: how many are whole, inside the limits and continuous."""
+    from ssik import Manipulator
+
+    theirs = Manipulator.from_prebuilt(arm.name)
+    whole, ratios, taken = 0, [], 0.0
+    for number in range(chosen.seed, chosen.seed + chosen.count):
+        known = known_motion(arm, generator(arm, chosen.kind, number), chosen.kind, chosen.poses)
+        poses = np.array([theirs.fk(q) for q in known])
+        begin = time.process_time()
+        track = theirs.solve_path(poses, q0=known[0])
+        taken += time.process_time() - begin
+        tracks = [np.asarray(track.q(label)) for label in track.tracks]
+        steps = [np.diff(np.vstack([known[:1], q]), axis=0) for q in tracks if is_whole(arm, q, len(known))]
+        sums = [(each**2).sum() for each in steps if np.abs(each).max() <= LONGEST]
+        if sums:
+            whole += 1
+            ratios.append(min(sums) / (np.diff(known, axis=0) ** 2).sum())
+    line = f"ssik, {chosen.kind}, {chosen.poses} poses, motions {chosen.seed} to {chosen.seed + chosen.count - 1}; "
+    line += f"seeded: {whole} of {chosen.count} whole"
+    if ratios:
+        line += f", over the known {np.median(ratios):.4f} (median) {max(ratios):.4f} (worst)"
+    return line + f", {1e6 * taken / (chosen.count * chosen.poses):.0f} us a pose", False
+
+
+def is_whole(arm: srs_ik.Arm, q: np.ndarray, count: int) -> bool:
+    """Whether a path has all poses, inside the limits."""
+    return len(q) == count and bool(((q >= arm.lower) & (q <= arm.upper)).all())
+
+
+PARTS = {
+    "known": known_motions,
+    "brute": against_brute_force,
+    "broken": against_brute_force,
+    "ssik": paths_of_ssik,
+}
+
+
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run one part and print its line."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("what", choices=("known", "brute", "broken"))
+    parser.add_argument("what", choices=tuple(PARTS))
     parser.add_argument("--robot", required=True)
     parser.add_argument("--kind", choices=KINDS, default=KINDS[0], help="of known motions")
     parser.add_argument("--count", type=int, default=10, help="motions or problems")
@@ -209,11 +259,13 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser.add_argument("--dt", action="store_true", help="known motions with the velocity limits that they just keep")
     parser.add_argument("--angles", type=int, default=2000, help="arm angles of the sweep")
     chosen = parser.parse_args(arguments)
-    arms = load_all([chosen.robot], {})
-    if not arms:
+    try:
+        arm = load(chosen.robot)
+    except srs_ik.SrsIkError as error:
+        print(error)
         return 2
     begin = time.process_time()
-    line, failed = (known_motions if chosen.what == "known" else against_brute_force)(arms[0], chosen)
+    line, failed = PARTS[chosen.what](arm, chosen)
     print(f"{chosen.robot} {line} ({time.process_time() - begin:.0f} s)", flush=True)
     return int(failed)
 

@@ -117,14 +117,18 @@ def test_a_long_run_says_one_line(monkeypatch, capsys, name, figures):
         (["known", "--poses", "60", "--kind", "cross", "--count", "1"], "seeded: 0 breaks, 0 larger"),
         (["brute", "--angles", "120", "--count", "2"], "0 with more breaks"),
         (["broken", "--angles", "120", "--count", "1"], "0 with more breaks"),
+        # Steps just short enough to be continuous.
+        (["broken", "--angles", "500", "--count", "1", "--seed", "1", "--robot", "human_left"], "0 with more breaks"),
+        (["broken", "--angles", "500", "--count", "1", "--seed", "7", "--robot", "human_left"], "0 with more breaks"),
     ],
 )
 def test_the_benchmark_of_paths_prints_one_line(monkeypatch, capsys, words, told):
     monkeypatch.syspath_prepend(str(ROOT / "benchmarks"))
     bench = runpy.run_path(str(ROOT / "benchmarks" / "path_truth.py"), run_name="path_truth")
-    assert bench["main"]([*words, "--robot", "iiwa14"]) == 0
+    assert bench["main"]([words[0], "--robot", "iiwa14", *words[1:]]) == 0
     (line,) = capsys.readouterr().out.splitlines()
-    assert line.startswith(f"iiwa14 {words[0] if words[0] != 'known' else 'cross'}")
+    robot = "human_left" if "human_left" in words else "iiwa14"
+    assert line.startswith(f"{robot} {words[0] if words[0] != 'known' else 'cross'}")
     assert told in line
 
 

@@ -178,25 +178,56 @@ def test_a_closed_path_has_the_least_largest_step():
 def test_postures_that_rounding_takes_away_are_no_break(name, motion):
     """Shoulder and wrist on limits at once, or the arm straight: a pose has one posture, and no interval holds it."""
     arm = load(name)
-    benchmark = runpy.run_path(str(Path(__file__).parents[1] / "benchmarks" / "paths.py"), run_name="paths")
+    benchmark = runpy.run_path(
+        str(Path(__file__).parents[1] / "benchmarks" / "known_motions.py"), run_name="known_motions"
+    )
     rng = np.random.default_rng([zlib.crc32(name.encode()), benchmark["KINDS"].index("limits"), motion])
     known = benchmark["known_motion"](arm, rng, "limits", 200)
     assert arm.solve_path(poses_of(arm, known), seed=known[0])
 
 
 @pytest.mark.parametrize(
-    ("name", "kind", "motion"), [("iiwa14", "singular", 61), ("human_arm", "limits", 10), ("human_arm", "limits", 20)]
+    ("name", "kind", "motion"),
+    [
+        ("iiwa14", "singular", 61),
+        ("human_arm", "limits", 10),
+        ("human_arm", "limits", 20),
+        ("human_arm", "limits", 57),
+        ("human_arm", "limits", 58),
+        ("gen3", "cross", 16),
+        ("gen3", "limits", 26),
+        ("gen3", "singular", 27),
+    ],
 )
 def test_a_path_that_leads_elsewhere_between_few_poses_is_planned_at_all(name, kind, motion):
     """What joins strips, or ends them, lies between poses 0.25 rad apart."""
     arm = load(name)
-    benchmark = runpy.run_path(str(Path(__file__).parents[1] / "benchmarks" / "paths.py"), run_name="paths")
+    benchmark = runpy.run_path(
+        str(Path(__file__).parents[1] / "benchmarks" / "known_motions.py"), run_name="known_motions"
+    )
     rng = np.random.default_rng([zlib.crc32(name.encode()), benchmark["KINDS"].index(kind), motion])
     known = benchmark["known_motion"](arm, rng, kind, 200)
     for seed in (known[0], None):
         path = arm.solve_path(poses_of(arm, known), seed=seed)
         assert path
         assert total(path, seed) <= (np.diff(known, axis=0) ** 2).sum() * (1.0 + 1e-6)
+
+
+@pytest.mark.parametrize("straight", [True, False])
+def test_joints_share_a_turn_along_a_limit_that_is_singular(straight):
+    """Joints 1 and 3 turn about one axis where joint 2 of the human arm is on its lower limit."""
+    arm, rng = load("human_arm"), generator("human_arm", 38)
+    start = np.array([0.3, arm.lower[1], -1.2, 0.0 if straight else -0.8, -0.3, 0.2, 0.1])
+    known = start + np.linspace(0.0, 1.0, 60)[:, None] * [0.25, 0.0, 0.25, 0.0, 0.8, -0.6, 0.2]
+    uneven = known.copy()
+    turn = np.cumsum(rng.uniform(-0.03, 0.03, 60))
+    uneven[:, 0] += turn
+    uneven[:, 2] -= turn
+    poses = poses_of(arm, known)
+    np.testing.assert_allclose(poses_of(arm, uneven), poses, atol=1e-12)
+    path = arm.solve_path(poses, seed=known[0])
+    assert path
+    assert total(path, known[0]) <= (np.diff(known, axis=0) ** 2).sum() * (1.0 + 1e-6)
 
 
 def test_the_largest_step_and_the_time_are_smaller_where_they_are_wanted():

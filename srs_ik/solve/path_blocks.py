@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -10,7 +10,20 @@ from numpy.typing import NDArray
 
 from srs_ik.kernels.entries import path as entries
 from srs_ik.kernels.entries.path import MOST_NODES, MOST_STRIPS
-from srs_ik.kernels.layout.path import BREAK, NODE, STRIP, STRIP_FIRST, STRIP_LEAST
+from srs_ik.kernels.layout.path import (
+    BREAK,
+    HELD,
+    HELD_BRANCH,
+    HELD_LINKED,
+    HELD_PSI,
+    NODE,
+    NODE_BRANCH,
+    NODE_PSI,
+    STRIP,
+    STRIP_FIRST,
+    STRIP_LAST,
+    STRIP_LEAST,
+)
 from srs_ik.solve.path_problem import Problem, Stopped, Wall, Way
 
 Array = NDArray[np.float64]
@@ -59,12 +72,10 @@ class Block:
             p.stop,
             p.known,
             p.has_known,
-            p.bridges,
-            p.bridge_ends(),
+            *p.known_before(),
             *p.allowed(),
             p.near,
             p.radius,
-            np.ones(len(p.T), np.bool_) if p.followed is None else p.followed,
             p.seed,
             *answer,
         )
@@ -73,6 +84,18 @@ class Block:
         self.count = after - self.first
         self.arrays = nodes, cost, strips, ends
         return self.arrays
+
+    def held(self) -> tuple[Array, NDArray[np.int64]]:
+        """Its postures (h, HELD), and to which poses they belong."""
+        nodes, _, strips, ends = self.fill()
+        first, last = ends[1, 0], ends[self.count, 1]
+        lasts = strips[ends[1, 2] : ends[self.count, 3], STRIP_LAST].astype(np.int64)
+        rows = np.ones((last - first, HELD))
+        rows[:, :HELD_PSI] = nodes[first:last, :NODE_PSI]
+        rows[:, HELD_PSI], rows[:, HELD_BRANCH] = nodes[first:last, NODE_PSI], nodes[first:last, NODE_BRANCH]
+        rows[lasts - first, HELD_LINKED] = 0.0
+        counts = ends[1 : self.count + 1, 1] - ends[1 : self.count + 1, 0]
+        return rows, np.repeat(self.keys[self.first : self.first + self.count], counts)
 
     def walls(self) -> list[Wall]:
         """Where all ways need one more break, if breaks are made as late as can be."""
@@ -113,6 +136,21 @@ class Carry:
 
 def find_way(problem: Problem, keys: NDArray[np.int64], exact: bool) -> Way:
     """The best way through the strips of the key poses."""
+    return through(problem, keys, exact)[0]
+
+
+def held_in(problem: Problem, keys: NDArray[np.int64], blocks: list[Block]) -> Problem:
+    """The problem with the strips of blocks known already, unless these are many."""
+    if len(blocks) > KEPT:
+        return problem
+    rows, poses = zip(*(block.held() for block in blocks), strict=True)
+    alone = np.zeros(len(problem.T), np.bool_)
+    alone[keys] = True
+    return replace(problem, held=np.vstack(rows), held_of=np.concatenate(poses), held_alone=alone)
+
+
+def through(problem: Problem, keys: NDArray[np.int64], exact: bool) -> tuple[Way, list[Block]]:
+    """The best way through the strips of the key poses, and these strips."""
     blocks: list[Block] = []
     first, before = 0, None
     while first < len(keys):
@@ -135,8 +173,9 @@ def find_way(problem: Problem, keys: NDArray[np.int64], exact: bool) -> Way:
             way.cost = least
         ends = arrays[3][1 : block.count + 1]
         way.reached[keys[block.first : block.first + block.count]] = ends[:, 1] > ends[:, 0]
-        block.arrays = None
+        if len(blocks) > KEPT:
+            block.arrays = None
     if problem.work()[0] is not None:
         # Along the curves of a near limb, limits are looked at step by step.
         way.bounds[:] = -np.inf, np.inf
-    return way
+    return way, blocks

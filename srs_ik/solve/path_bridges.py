@@ -7,14 +7,20 @@ as wide as rounding, and none of it may be found. From each strip that ends, its
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from srs_ik.kernels.entries import path as entries
-from srs_ik.kernels.layout.path import BY_CONTINUITY, INVERSE_PERIOD, PERIOD
+from srs_ik.kernels.entries.kinematics import configuration_arm_angle
+from srs_ik.kernels.layout.limb import LIMITED, PHASE, SHOULDER, WRIST
+from srs_ik.kernels.layout.path import BY_CONTINUITY, HELD, HELD_BRANCH, HELD_PSI, INVERSE_PERIOD, PERIOD
 from srs_ik.solve.path_blocks import Block
 from srs_ik.solve.path_problem import Problem
+
+if TYPE_CHECKING:
+    from srs_ik.solve.packed import PackedArm
 
 Array = NDArray[np.float64]
 
@@ -30,6 +36,9 @@ LOST = 0.4
 SPACING = 0.45
 """Farthest that a joint moves between two postures of a strip, rad."""
 
+ALIGNED = 1e-7
+"""Sine of a middle angle below which two joints turn about one axis."""
+
 APART = 1e-4
 """Postures closer than this, rad, are one."""
 
@@ -37,7 +46,6 @@ APART = 1e-4
 def bridged(problem: Problem) -> Problem:
     """The problem with postures that its strips miss; the same one if there are none."""
     found: list[Array] = []
-    where: list[int] = []
     first, before, tried = 0, None, 0
     keys = np.arange(len(problem.T))
     reachable = np.empty((0, 7)) if problem.seed is None else problem.seed[None]
@@ -54,16 +62,27 @@ def bridged(problem: Problem) -> Problem:
                 starts = lost[np.unique(np.linspace(0, len(lost) - 1, min(len(lost), MOST_STARTS)).astype(int))]
                 tried += len(starts)
                 new = _taken(problem, pose, starts)
-                found.append(new)
-                where += [pose] * len(new)
+            found.append(new)
             near = apart.min(axis=0, initial=np.inf) < problem.settings[BY_CONTINUITY, 0] + SPACING
             reachable = np.vstack([there[near], new])
             if not len(reachable):
                 reachable = there
         before, first = block.carry(), first + block.count
-    if not where:
+    held = _rows(problem.arm, np.vstack([np.empty((0, 7)), *found]))
+    if not len(held):
         return problem
-    return replace(problem, bridges=np.ascontiguousarray(np.vstack(found)), bridged=np.array(where, np.int64))
+    return replace(problem, held=held, held_of=np.repeat(np.arange(len(found)), [len(new) for new in found]))
+
+
+def _rows(arm: PackedArm, postures: Array) -> Array:
+    """(h, HELD) postures; singular ones, whose joints may turn, with their arm angles and branches."""
+    rows = np.zeros((len(postures), HELD))
+    rows[:, :HELD_PSI], rows[:, HELD_BRANCH] = postures, -1.0
+    P = arm.family[LIMITED]
+    middles = postures[:, [1, 5]] - P[[SHOULDER + PHASE, WRIST + PHASE]]
+    for i in np.flatnonzero((np.abs(np.sin(middles)) < ALIGNED).any(axis=1) & arm.closed):
+        rows[i, HELD_PSI : HELD_BRANCH + 1] = configuration_arm_angle(arm.family, postures[i])
+    return rows
 
 
 def _distances(problem: Problem, a: Array, b: Array) -> Array:

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from srs_ik.kernels.entries import path as entries
-from srs_ik.kernels.layout.path import BY_VELOCITY, LARGEST, SLOWEST, WITHIN
+from srs_ik.kernels.layout.path import BREAK, BY_CONTINUITY, BY_VELOCITY, LARGEST, SLOWEST, WITHIN
 from srs_ik.solve.path_problem import JUST_ABOVE, LARGEST_STEP, TIME, Problem, Way, copy, steps_of, too_fast, worth
 
 Array = NDArray[np.float64]
@@ -38,12 +38,22 @@ def improve(problem: Problem, way: Way, widths: Array = WIDTHS) -> None:
     if problem.even:
         planned = copy(way)
         refine(replace(problem, limited=False), way, widths, True)
+        if way.cost > planned.cost + 0.5 * BREAK:
+            # A step that was just short enough has become a break, which has a smaller sum.
+            keep_limits(continuous(problem), way, copy(planned))
         if problem.limited and (too_fast(problem, way) > JUST_ABOVE).any():
             keep_limits(problem, way, planned)
         return
     refine(problem, way, WIDTHS, False)
     if problem.objective == TIME:
         polish(problem, way)
+
+
+def continuous(problem: Problem) -> Problem:
+    """The problem with the longest continuous steps as limits."""
+    settings = problem.settings.copy()
+    settings[BY_VELOCITY] = JUST_WITHIN * settings[BY_CONTINUITY]
+    return replace(problem, settings=settings, limited=True)
 
 
 def keep_limits(problem: Problem, way: Way, planned: Way) -> None:

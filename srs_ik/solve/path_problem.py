@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from srs_ik.kernels.layout.path import BY_CONTINUITY, BY_VELOCITY, INVERSE_PERIOD, PERIOD
+from srs_ik.kernels.layout.path import BY_CONTINUITY, BY_VELOCITY, HELD, INVERSE_PERIOD, PERIOD
 from srs_ik.solve.pose import solve, solve_all
 from srs_ik.solve.threads import Stop
 
@@ -48,12 +48,12 @@ class Problem:
         known: (n, 7) postures that are given.
         has_known: (n,) where they are.
         near: (n, 7) postures around which strips are finer.
-        bridges: (b, 7) postures that strips miss.
-        bridged: (b,) to which poses they belong, in order.
+        held: (h, HELD) postures that are known already.
+        held_of: (h,) to which poses they belong, in order.
+        held_alone: (n,) where they are all postures of their pose, and not some that strips miss; None: nowhere.
         radius: how far around, rad; 0: nowhere.
         objective: what is to be least.
         in_closed_form: whether to go by the nearest exact limb of a near one.
-        followed: (n,) where strips are the curves of a near limb, and not those of its nearest exact one; None: all.
         acceleration: (7,) limits of joint accelerations, rad/s^2, within which the time is to be least; None: none.
         stop: (1,) set by another thread where nobody wants the answer any more.
         around: what must not be touched; None for nothing.
@@ -71,11 +71,11 @@ class Problem:
     radius: float = 0.0
     objective: str = SUM_OF_SQUARES
     in_closed_form: bool = False
-    followed: NDArray[np.bool_] | None = None
     acceleration: Array | None = None
     stop: Stop = field(default_factory=lambda: np.zeros(1, np.int8))
-    bridges: Array = field(default_factory=lambda: np.empty((0, 7)))
-    bridged: NDArray[np.int64] = field(default_factory=lambda: np.empty(0, np.int64))
+    held: Array = field(default_factory=lambda: np.empty((0, HELD)))
+    held_of: NDArray[np.int64] = field(default_factory=lambda: np.empty(0, np.int64))
+    held_alone: NDArray[np.bool_] | None = None
     around: Surroundings | None = None
     free: list[Array] | None = None
 
@@ -115,9 +115,10 @@ class Problem:
             return in_scene.solve_all(self.around, self.T[i], None, True)
         return solve_all(self.arm, self.T[i], None, True)
 
-    def bridge_ends(self) -> NDArray[np.int64]:
-        """(n + 1,) the first bridge of each pose."""
-        return np.searchsorted(self.bridged, np.arange(len(self.T) + 1))
+    def known_before(self) -> tuple[Array, NDArray[np.int64], NDArray[np.bool_]]:
+        """`held`, (n + 1,) the first row of each pose in it, and `held_alone`."""
+        alone = np.zeros(len(self.T), np.bool_) if self.held_alone is None else self.held_alone
+        return self.held, np.searchsorted(self.held_of, np.arange(len(self.T) + 1)), alone
 
 
 @dataclass
@@ -129,7 +130,10 @@ class Wall:
 
 
 class Way:
-    """Postures of a path: joint angles, arm angles, branches, and the ends of the strips in which they lie."""
+    """Postures of a path: joint angles, arm angles, branches, and the ends of the strips in which they lie.
+
+    It is torn if finer strips about it do not join.
+    """
 
     def __init__(self, n: int) -> None:
         self.q = np.zeros((n, 7))
@@ -138,6 +142,7 @@ class Way:
         self.bounds = np.zeros((n, 2))
         self.reached = np.zeros(n, np.bool_)
         self.cost = 0.0
+        self.torn = False
         self.walls: list[Wall] = []
 
 

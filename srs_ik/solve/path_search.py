@@ -10,13 +10,14 @@ from numpy.typing import NDArray
 
 from srs_ik.inputs.poses import refuse_bad_poses
 from srs_ik.kernels.entries import path as entries
+from srs_ik.kernels.entries.pose import pack_limits
 from srs_ik.kernels.layout.answer import ROW, ROW_ORIENTATION_ERROR, ROW_POSITION_ERROR, ROW_STATUS
-from srs_ik.kernels.layout.limb import LIMITED, SHIFT
-from srs_ik.kernels.layout.path import BREAK
-from srs_ik.solve.path_blocks import find_way
+from srs_ik.kernels.layout.limb import LIMITED, LOOSE, SHIFT
+from srs_ik.kernels.layout.path import BREAK, BY_CONTINUITY
+from srs_ik.solve.path_blocks import find_way, held_in, through
 from srs_ik.solve.path_bridges import bridged
 from srs_ik.solve.path_polish import FINE, improve, keep_limits
-from srs_ik.solve.path_problem import JUST_ABOVE, Problem, Way, copy, too_fast, worth
+from srs_ik.solve.path_problem import JUST_ABOVE, Problem, Way, copy, steps_of, too_fast, worth
 from srs_ik.solve.solution import Status
 
 if TYPE_CHECKING:
@@ -37,23 +38,23 @@ FINE_POSES = 256
 EVERYWHERE = 4.0
 """Farther than any joint angle from any other, whole turns left out, rad."""
 
-STRAIGHT = 4.0
-"""The elbow of a near limb is almost straight where the sine of its bend is below so many shifts of the limb."""
+ROUNDED = 1e-4
+"""Joints of a near limb that are off those of its nearest exact one by less than this, rad, are so by rounding."""
 
-FAR_OFF = 0.15
-"""Postures that move farther than this when they are closed on the true chain, rad, were planned on the wrong one."""
+DRAWN_OUT = 30.0
+"""That limb is planned with limits drawn out by so many times this: else postures on two limits would be none of it."""
 
-AROUND = 3
-"""So many poses to both sides of one are planned as it is."""
+AROUND = 8
+"""So many poses to both sides of one are planned too where a path between planned poses does something of its own."""
 
-MIXED = 4
-"""Plans for both limbs at once."""
+MOST_PLANNED = 0.6
+"""If it is to be planned at a larger part of all poses, it may as well be planned at all."""
 
-MOST_FOLLOWED = 0.6
-"""With a larger part of the poses on the true chain, all are planned there."""
+AS_PLANNED = 1.006
+"""Between planned poses steps are straight, so that a plan costs less than any path: one so close to it is the best."""
 
-ABOUT_AS_GOOD = 1.02
-"""On the true chain a path costs so many times what was planned at most."""
+LEAP = 0.2
+"""A joint step of a path that is longer than this, rad, may be there because strips miss a posture."""
 
 LEAST_GAIN = 1e-3
 """A search that gains less, relative to all, is the last one."""
@@ -83,52 +84,22 @@ def may_be_fine(problem: Problem) -> bool:
 
 def found(problem: Problem) -> Way:
     """`search`, with velocity limits among what steps cost."""
-    if problem.arm.closed or problem.in_closed_form:
-        return planned(problem)
-    if problem.free is not None:
+    if problem.free is not None and not problem.arm.closed:
         # Along the true curves, a path would leave what is free.
         way = planned(replace(problem, in_closed_form=True))
         close(problem, way)
         return way
-    return nearly(problem) or planned(problem)
+    return planned(problem)
 
 
-def nearly(problem: Problem) -> Way | None:
-    """The path of a near limb, which moves almost like the exact one next to it: planned for that one, then closed.
-
-    Poses whose elbow is almost straight, or whose postures move far when closed, are planned on the true chain. None
-    where that does not lead to a path that is about as good as planned.
-    """
-    n = len(problem.T)
-    marks, bends = keys_of(problem)
-    followed = wider(bends <= STRAIGHT * float(problem.arm.family[LIMITED, SHIFT]))
-    for _ in range(MIXED):
-        if followed.mean() > MOST_FOLLOWED:
-            return None
-        mixed = replace(problem, followed=followed)
-        if followed.any():
-            way = find_way(mixed, np.flatnonzero(marks), False)
-        else:
-            way = planned(replace(problem, in_closed_form=True))
-        if way.cost >= 0.5 * BREAK:
-            return None
-        if not way.reached.all():
-            missed, place = np.zeros(n, np.bool_), (way.q, way.psi, way.branch, way.bounds)
-            told = problem.arm.family, problem.T, np.flatnonzero(marks), way.reached, problem.settings
-            entries.fill_between(*told, *place, missed, *problem.work())
-            if missed.any():
-                marks[:] = True
-                continue
-        planned_cost, before = way.cost, way.q.copy()
-        met = close(problem, way)
-        off = wider(~met | (np.abs(way.q - before).max(axis=1) > FAR_OFF))
-        if (off & ~followed).any():
-            followed |= off
-            continue
-        improve(problem, way)
-        way = search_around(problem, way)
-        return way if way.cost < ABOUT_AS_GOOD * planned_cost else None
-    return None
+def as_exact(problem: Problem) -> Problem:
+    """The problem on the nearest exact limb, its limits drawn out."""
+    arm = problem.arm
+    more = DRAWN_OUT * float(arm.family[LIMITED, SHIFT])
+    lower, upper, family = arm.lower - more, arm.upper + more, arm.family.copy()
+    for which in (LIMITED, LOOSE):
+        pack_limits(family[which], lower, upper)
+    return replace(problem, arm=replace(arm, family=family, lower=lower, upper=upper), in_closed_form=True)
 
 
 def wider(some: NDArray[np.bool_]) -> NDArray[np.bool_]:
@@ -136,19 +107,27 @@ def wider(some: NDArray[np.bool_]) -> NDArray[np.bool_]:
     return np.convolve(some, np.ones(2 * AROUND + 1), "same") > 0.5 if len(some) > 2 * AROUND else some | some.any()
 
 
-def keys_of(problem: Problem) -> tuple[NDArray[np.bool_], Array]:
-    """The poses at which a path is planned, and the sines of the elbow's bend, -1 out of reach of the exact limb."""
+def every_second(marks: NDArray[np.bool_], kept: NDArray[np.bool_]) -> NDArray[np.bool_]:
+    """Of poses that are marked one after the other every second one, with both ends and those that are kept."""
+    between = np.append(False, marks[:-1]) & np.append(marks[1:], False)
+    return marks & (kept | ~between | (np.arange(len(marks)) % 2 == 0))
+
+
+def keys_of(problem: Problem) -> NDArray[np.bool_]:
+    """(n,) the poses at which a path is planned."""
     n = len(problem.T)
-    marks, verdicts, bends = np.zeros(n, np.bool_), np.zeros(n, np.int64), np.zeros(n)
-    entries.choose_keys(problem.arm.family, problem.T, problem.has_known, marks, verdicts, bends)
+    marks, verdicts = np.zeros(n, np.bool_), np.zeros(n, np.int64)
+    entries.choose_keys(problem.arm.family, problem.T, problem.has_known, marks, verdicts)
     refuse_bad_poses(verdicts)
-    return marks, bends
+    return marks
 
 
-def close(problem: Problem, way: Way) -> NDArray[np.bool_]:
-    """Take the postures of a path to their poses, on the true chain and inside the limits; (n,) which could be."""
-    met = np.zeros(len(way.q), np.bool_)
-    entries.bridge(problem.arm.family, problem.T, way.q, met, *problem.arm.work())
+def close(problem: Problem, way: Way, keys: NDArray[np.int64] | None = None) -> NDArray[np.bool_]:
+    """Take postures of a path to their poses, on the true chain and inside the limits; which of them could be."""
+    keys = np.arange(len(way.q)) if keys is None else keys
+    q, met = way.q[keys], np.zeros(len(keys), np.bool_)
+    entries.bridge(problem.arm.family, problem.T[keys], q, met, *problem.work())
+    way.q[keys] = q
     way.bounds[:] = -np.inf, np.inf
     way.psi[:] = 0.0
     way.branch[~problem.has_known] = 0
@@ -157,40 +136,127 @@ def close(problem: Problem, way: Way) -> NDArray[np.bool_]:
 
 def planned(problem: Problem) -> Way:
     """`search` on the true chain, or on the nearest exact limb."""
-    arm, T = problem.arm, problem.T
-    marks, _ = keys_of(problem)
-    if problem.free is not None:
-        marks[:] = True
-    fine = problem
-    if len(T) <= SHORT and problem.work()[0] is None:
-        marks[:] = True
-        fine = replace(problem, radius=EVERYWHERE)
+    way = planned_at_some(problem)
+    return planned_everywhere(problem) if way is None or is_odd(problem, way) else way
+
+
+def planned_at_some(problem: Problem) -> Way | None:
+    """A path planned at some poses, if that tells."""
+    marks = keys_of(problem)
+    if problem.free is not None or len(problem.T) <= SHORT:
+        return None
+    if problem.work()[0] is None:
+        return sparse(problem, problem, marks) if marks.mean() < MOST_PLANNED else None
+    if problem.arm.family[LIMITED, SHIFT] < ROUNDED:
+        way = sparse(problem, as_exact(problem), marks.copy())
+        if way is not None:
+            return way
+    return sparse(problem, problem, every_second(marks, problem.has_known))
+
+
+def is_odd(problem: Problem, way: Way) -> bool:
+    """Whether a path on an exact limb leaps, or fine strips about it are torn: its strips may miss postures."""
+    leaps = np.abs(steps_of(problem, way.q[way.reached])).max(initial=0.0) > LEAP
+    return problem.arm.closed and (way.torn or bool(leaps))
+
+
+def sparse(problem: Problem, plan: Problem, marks: NDArray[np.bool_]) -> Way | None:
+    """A path planned at the poses that are marked, filled in between; None where it breaks or costs more than planned.
+
+    On the true chain, poses near which it costs more are planned then too, in the end all; what is known of the strips
+    of the others is kept.
+    """
+    stands_in = plan is not problem
     while True:
         keys = np.flatnonzero(marks)
-        way = find_way(fine, keys, False)
-        whole = way.cost < 0.5 * BREAK and bool(way.reached[keys].all())
-        missed = np.zeros(len(T), np.bool_)
-        if whole:
-            place = way.q, way.psi, way.branch, way.bounds, missed
-            entries.fill_between(arm.family, T, keys, way.reached, problem.settings, *place, *problem.work())
-            if not missed.any():
-                improve(problem, way)
+        way, blocks = through(far(plan, keys), keys, False)
+        if way.cost >= 0.5 * BREAK or not way.reached[keys].all():
+            return None
+        least, q = way.cost, way.q[keys]
+        if stands_in and not close(problem, way, keys).all():
+            return None
+        missed = fill(problem, way, keys)
+        if problem.work()[0] is None:
+            return filled(problem, way, missed, least)
+        if not missed.any():
+            improve(problem, way)
+            if way.cost < AS_PLANNED * least or (marks.all() and not stands_in):
                 return search_around(problem, way)
-        if marks.all():
-            break
-        # Between two planned poses the path does something of its own: every pose is planned then.
-        marks[:] = True
-    if way.cost >= 0.5 * BREAK and problem.free is None:
-        more = bridged(problem) if not problem.in_closed_form or arm.closed else problem
-        again = find_way(more, keys, False) if more is not problem else way
+            missed = worse(problem, way, keys, q)
+        if stands_in:
+            return None
+        plan = held_in(problem, keys, blocks)
+        more = wider(missed) & ~marks
+        marks = marks | more if more.any() and marks.mean() < MOST_PLANNED else np.ones_like(marks)
+
+
+def far(problem: Problem, keys: NDArray[np.int64]) -> Problem:
+    """The problem with steps that are continuous from one pose to the next so far from one key pose to another."""
+    settings = problem.settings.copy()
+    # Two poses are counted already.
+    settings[BY_CONTINUITY] *= max(1.0, 0.5 * float(np.diff(keys).max()))
+    return replace(problem, settings=settings)
+
+
+def filled(problem: Problem, way: Way, missed: NDArray[np.bool_], least: float) -> Way | None:
+    """A path on an exact limb that is planned at some poses and filled in between; None where it costs more."""
+    if not missed.any():
+        improve(problem, way)
+    else:
+        # Branches change there: fine strips about the straight line tell where.
+        way.reached[:] = True
+        way = find_around(problem, way, np.arange(len(missed)))
+        if way.cost >= 0.5 * BREAK:
+            return None
+        improve(problem, way, FINE)
+    return search_around(problem, way) if way.cost < AS_PLANNED * least else None
+
+
+def fill(problem: Problem, way: Way, keys: NDArray[np.int64]) -> NDArray[np.bool_]:
+    """Fill in a path between the poses at which it is planned; (n,) where no posture is near the straight line."""
+    missed, place = np.zeros(len(problem.T), np.bool_), (way.q, way.psi, way.branch, way.bounds)
+    told = problem.arm.family, problem.T, keys, way.reached, problem.settings
+    entries.fill_between(*told, *place, missed, *problem.work())
+    return missed
+
+
+def worse(problem: Problem, way: Way, keys: NDArray[np.int64], q: Array) -> NDArray[np.bool_]:
+    """(n,) the poses between planned ones, q being the postures planned there, where a path costs more than planned."""
+    apart = np.diff(keys)
+    costs = np.append(0.0, np.cumsum((steps_of(problem, way.q) ** 2).sum(axis=1)))
+    more = costs[keys[1:]] - costs[keys[:-1]] - (steps_of(problem, q) ** 2).sum(axis=1) / apart
+    some = np.append(more > more.max(initial=0.0) / 8.0, False)
+    return some[np.searchsorted(keys, np.arange(len(way.q)), side="right") - 1]
+
+
+def planned_everywhere(problem: Problem) -> Way:
+    """A path planned at every pose, with postures that strips miss and with breaks where there is no other way."""
+    arm, keys = problem.arm, np.arange(len(problem.T))
+    may_bridge = problem.free is None and (arm.closed or not problem.in_closed_form)
+    fine = problem
+    if len(keys) <= SHORT and problem.work()[0] is None:
+        fine = replace(problem, radius=EVERYWHERE)
+    way = find_way(fine, keys, False)
+    if way.cost < 0.5 * BREAK:
+        improve(problem, way)
+        way = search_around(problem, way)
+        if not (may_bridge and is_odd(problem, way)):
+            return way
+    if may_bridge:
+        more = bridged(problem)
+        again = way if more is problem else find_way(more, keys, False)
+        if again.cost < 0.5 * BREAK:
+            improve(more, again)
+            return min(way, search_around(more, again), key=lambda each: each.cost)
         if again.cost < way.cost - 0.5 * BREAK:
             problem, way = more, again
     if way.cost >= 0.5 * BREAK:
         walls = way.walls
         way = find_way(problem, keys, True)
         way.walls = walls
-    improve(problem, way)
-    return search_around(problem, way)
+        improve(problem, way)
+        way = search_around(problem, way)
+    return way
 
 
 def find_around(problem: Problem, way: Way, chain: NDArray[np.int64]) -> Way:
@@ -202,10 +268,12 @@ def search_around(problem: Problem, way: Way) -> Way:
     """The best path around one: strips are finer there, so branches change where that is best."""
     chain = np.flatnonzero(way.reached)
     for _ in range(ROUNDS):
-        if problem.even and not np.diff(way.branch[chain]).any():
+        if problem.even and (problem.work()[0] is not None or not np.diff(way.branch[chain]).any()):
+            # Along one curve, all postures moved at once are the best.
             break
         again = find_around(problem, way, chain)
-        if not again.reached[chain].all():
+        way.torn = again.cost >= way.cost + 0.5 * BREAK
+        if way.torn or not again.reached[chain].all():
             break
         improve(problem, again, FINE)
         gain = way.cost - again.cost

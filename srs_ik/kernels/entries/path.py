@@ -19,6 +19,9 @@ from srs_ik.kernels.layout.answer import GOOD_POSE, MAX_PIECES, ROW_ARM_ANGLE
 from srs_ik.kernels.layout.asked import Target
 from srs_ik.kernels.layout.limb import IS_CLOSED, LIMITED
 from srs_ik.kernels.layout.path import (
+    HELD_BRANCH,
+    HELD_LINKED,
+    HELD_PSI,
     MEMO,
     NODE,
     NODE_BRANCH,
@@ -46,10 +49,11 @@ from srs_ik.kernels.path.bridge import bridge_to
 from srs_ik.kernels.path.corridor import corridor, put_on_poses
 from srs_ik.kernels.path.edges import path_cost
 from srs_ik.kernels.path.followed import write_sides
-from srs_ik.kernels.path.pose_strips import bend_of, list_strips, pose_strips
+from srs_ik.kernels.path.pose_strips import list_strips, pose_strips
 from srs_ik.kernels.path.programme import advance, cheapest, first_costs, rules_for, step_back
 from srs_ik.kernels.path.smoothing import smooth
-from srs_ik.kernels.path.strips import DEEPEST, GRID, put_node
+from srs_ik.kernels.path.splits import put_split
+from srs_ik.kernels.path.strips import DEEPEST, GRID, SPACING, put_node
 
 MOST_NODES = 4096
 """Most postures of a pose."""
@@ -65,18 +69,14 @@ FARTHEST_KEY = 8
 
 
 @entry
-def choose_keys(family, poses, has_known, keys, verdicts, bends):
-    """Mark the poses at which a path is planned: the ends, known ones, and one for every `KEY_CHANGE` of the pose.
-
-    In `bends` (n,) are the sines of the elbow's bend, on the nearest exact limb; -1 where a pose is out of its reach.
-    """
+def choose_keys(family, poses, has_known, keys, verdicts):
+    """Mark the poses at which a path is planned: the ends, known ones, and one for every `KEY_CHANGE` of the pose."""
     P = row(family, LIMITED)
     n = poses.shape[0]
     R, p, verdicts[0] = read_pose(row(poses, 0))
     if verdicts[0] != GOOD_POSE:
         return
     before = place(P, R, p)
-    bends[0] = bend_of(before)
     keys[0] = True
     keys[n - 1] = True
     last = 0
@@ -85,7 +85,6 @@ def choose_keys(family, poses, has_known, keys, verdicts, bends):
         if verdicts[i] != GOOD_POSE:
             return
         here = place(P, R, p)
-        bends[i] = bend_of(here)
         if has_known[i]:
             keys[i] = True
         if keys[i] or i - last > FARTHEST_KEY or pose_change(before, here) > KEY_CHANGE:
@@ -107,13 +106,13 @@ def sweep(
     stop,
     known,
     has_known,
-    bridges,
-    bridge_ends,
+    held,
+    held_ends,
+    held_alone,
     allowed,
     allowed_ends,
     near,
     radius,
-    followed,
     seed,
     settings,
     limited,
@@ -136,13 +135,13 @@ def sweep(
         stop: (1,) set by another thread where nobody wants the answer any more; the arrays are then left as they are.
         known: (n, 7) postures that are given.
         has_known: (n,) where they are.
-        bridges: (b, 7) postures beside those of the strips, one pose after the other.
-        bridge_ends: (n + 1,) the first of each pose.
+        held: (h, HELD) postures that are known, one pose after the other, to the others of its strips.
+        held_ends: (n + 1,) the first of each pose.
+        held_alone: (n,) where they are all there are.
         allowed: (m, 3) the only intervals that strips may have, one pose after the other: branch, lower and upper end.
         allowed_ends: (n + 1,) the first of each pose; (0,): strips may have all.
         near: (n, 7) postures around which strips are finer.
         radius: how far around, rad; 0: nowhere.
-        followed: (n,) where a near limb's strips are its own curves, and not those of the nearest exact limb.
         seed: (7,) posture before the first one, or None.
         settings: (SETTINGS, 7).
         limited: whether there are velocity limits.
@@ -160,8 +159,8 @@ def sweep(
     """
     sheet = Sheet(nodes, np.zeros(nodes.shape[0], np.bool_), cost, strips)
     found, given = np.empty((8 * MAX_PIECES, 3)), np.full(2, -1)
-    held, turns, memo, stamp = np.empty((DEEPEST, NODE)), np.zeros((3, 7)), np.zeros((2 * GRID, MEMO)), np.zeros(1)
-    desk = Desk(found, np.empty(MAX_SAMPLES), held, turns, allowed, given, memo, stamp)
+    on_hold, turns, memo, stamp = np.empty((DEEPEST, NODE)), np.zeros((3, 7)), np.zeros((2 * GRID, MEMO)), np.zeros(1)
+    desk = Desk(found, np.empty(MAX_SAMPLES), on_hold, turns, allowed, given, memo, stamp)
     scales, told = settings.copy(), row(settings, 0)
     scaled = row(scales, 0)
     last = 0
@@ -180,13 +179,16 @@ def sweep(
             put_node(nodes, n, read7(row(known, pose)), 0.0, -1)
             n += 1
         else:
-            around = Around(read7(row(near, pose)), radius, followed[pose])
-            stamp[0] += 1.0
-            n = pose_strips(family, row(poses, pose), around, sheet, n, desk, J, A)
-            for k in range(bridge_ends[pose], bridge_ends[pose + 1]):
-                put_node(nodes, n, read7(row(bridges, k)), 0.0, -1)
-                sheet.linked[n] = False
+            if not held_alone[pose]:
+                around = Around(read7(row(near, pose)), radius)
+                stamp[0] += 1.0
+                n = pose_strips(family, row(poses, pose), around, sheet, n, desk, J, A)
+            for k in range(held_ends[pose], min(held_ends[pose + 1], held_ends[pose] + nodes.shape[0] - n)):
+                put_node(nodes, n, read7(row(held, k)), held[k, HELD_PSI], int(held[k, HELD_BRANCH]))
+                sheet.linked[n] = held[k, HELD_LINKED] != 0.0
                 n += 1
+                if not held_alone[pose]:
+                    n = put_split(row(family, LIMITED), sheet, n - 1, SPACING, n)
         m = list_strips(sheet, ends[at, 0], n, m)
         ends[at, 1] = n
         ends[at, 3] = m

@@ -74,10 +74,10 @@ optimum.begin(S: float[search.STATE]&, bracket: float[BRACKET], resolution: floa
 optimum.posture(family, T, rows: float[n, SAMPLE], run: float[RUN], x: float, respect, solution: float[ROW]&) ->
     bool
 optimum.interval(family, T, rows: float[n, SAMPLE], run: float[RUN]) -> (float, float)
-path.choose_keys(family, poses, has_known: bool[n], keys: bool[n]&, verdicts: int[n]&, bends: float[n]&)
+path.choose_keys(family, poses, has_known: bool[n], keys: bool[n]&, verdicts: int[n]&)
 path.sweep(family, poses, keys: int[k], first, carried: int, stop: byte[1], known: float[n, 7], has_known: bool[n],
-    bridges: float[b, 7], bridge_ends: int[h], allowed: float[a, 3], allowed_ends: int[i], near: float[n, 7],
-    radius: float, followed: bool[n], seed, settings, limited, exact: bool, J, A, nodes: float[N, NODE]&,
+    held: float[h, HELD], held_ends: int[u], held_alone: bool[n], allowed: float[a, 3], allowed_ends: int[i],
+    near: float[n, 7], radius: float, seed, settings, limited, exact: bool, J, A, nodes: float[N, NODE]&,
     cost: float[N]&, strips: float[M, STRIP]&, ends: int[e, 4]&) -> (int, int)
 path.go_back(keys: int[k], first, count: int, following: int, settings, limited, nodes: float[N, NODE],
     cost: float[N], strips: float[M, STRIP], ends: int[e, 4], q: float[n, 7]&, psi: float[n]&, branch: int[n]&,

@@ -31,6 +31,13 @@ of the curve of a near limb)."""
 POINT = -1
 CURVE = -2
 
+HELD = 10
+HELD_PSI = 7
+HELD_BRANCH = 8
+HELD_LINKED = 9
+"""A posture that is known before its strips are looked for: seven joint angles, arm angle, branch (-1: it stays as it
+is), and whether it is linked to the next one."""
+
 MEMO = 14
 MEMO_STAMP = 0
 MEMO_CLEAR = 1
@@ -146,14 +153,10 @@ class Rules(NamedTuple):
 
 
 class Around(NamedTuple):
-    """Where strips are fine: about a posture, so far, rad; with 0, they are coarse everywhere.
-
-    A near limb's strips are its own curves if these are to be followed, else those of the nearest exact limb.
-    """
+    """Where strips are fine: about a posture, so far, rad; with 0, they are coarse everywhere."""
 
     q: Any
     radius: float
-    followed: bool
 
 
 class Spot(NamedTuple):

@@ -11,7 +11,7 @@ from srs_ik.kernels.algebra.pointers import keep, row
 from srs_ik.kernels.algebra.vectors import load3
 from srs_ik.kernels.chain.newton import CLOSED, STEPS, close_free
 from srs_ik.kernels.jit import kernel
-from srs_ik.kernels.layout.limb import IS_CLOSED, LIMITED, PHASE, SHOULDER, WRIST
+from srs_ik.kernels.layout.limb import LIMITED
 from srs_ik.kernels.layout.path import (
     NODE,
     NODE_PSI,
@@ -24,7 +24,6 @@ from srs_ik.kernels.layout.path import (
     Span,
     Spot,
 )
-from srs_ik.kernels.limb.goal import NO_SEED
 from srs_ik.kernels.limb.poses import read7, read_pose
 from srs_ik.kernels.limb.self_motion import rates
 from srs_ik.kernels.limb.triangle import place
@@ -32,6 +31,7 @@ from srs_ik.kernels.path.followed import along_cell, away, posture_of, read_side
 from srs_ik.kernels.path.near_strips import direction, moved_along, setting_of
 from srs_ik.kernels.path.pose_strips import list_strips
 from srs_ik.kernels.path.programme import advance, cheapest, copied, first_costs, rules_for, step_back
+from srs_ik.kernels.path.splits import along_split, split_of
 from srs_ik.kernels.path.steps import largest
 from srs_ik.kernels.path.strips import put_node
 
@@ -42,9 +42,6 @@ ACROSS = 2 * WIDTH + 1
 
 WIDEST_MOVE = 0.3
 """Longest move of an arm angle, rad."""
-
-SPLIT = 1e-7
-"""Sine of a middle angle under which joints 1 and 3, or 5 and 7, turn against each other freely."""
 
 ON_LIMIT = 1e-9
 
@@ -72,28 +69,6 @@ def moving_rates(P, course, i, here, J, A):
         return direction(P, setting_of(P, spot_of(P, row(course.poses, i)), J, A), here.q)
     side = row(course.sides, i)
     return rates(P, here.q, load3(side, SIDE_LINE), load3(side, SIDE_FOREARM))
-
-
-@kernel
-def split_of(P, q):
-    """How joints turn at a singular posture while the pose stands still: seven rates, and whether there are any."""
-    if P[IS_CLOSED] != 1.0:
-        return NO_SEED, False
-    s = q[1] - P[SHOULDER + PHASE]
-    w = q[5] - P[WRIST + PHASE]
-    if abs(math.sin(s)) < SPLIT:
-        return (1.0, 0.0, math.copysign(1.0, -math.cos(s)), 0.0, 0.0, 0.0, 0.0), True
-    if abs(math.sin(w)) < SPLIT:
-        return (0.0, 0.0, 0.0, 0.0, 1.0, 0.0, math.copysign(1.0, -math.cos(w))), True
-    return NO_SEED, False
-
-
-@kernel
-def along_split(P, q, split, x):
-    """The posture turned along a split, and whether it is inside its limits."""
-    return settled(
-        P, (q[0] + x * split[0], q[1], q[2] + x * split[2], q[3], q[4] + x * split[4], q[5], q[6] + x * split[6]), 0.0
-    )
 
 
 @kernel

@@ -27,6 +27,7 @@ from srs_ik.kernels.limb.spherical import wrap
 from srs_ik.kernels.limb.triangle import elbow_side, place
 from srs_ik.kernels.path.followed import along_cell, away, settled
 from srs_ik.kernels.path.near_strips import take_line, take_runs
+from srs_ik.kernels.path.splits import put_splits
 from srs_ik.kernels.path.strips import ROUNDING, is_wide, put_node, take_strip
 
 SAME_ELBOW = 1e-5
@@ -34,12 +35,6 @@ SAME_ELBOW = 1e-5
 
 BENT = 1e-2
 """... if the sine of the elbow's bend is larger than this."""
-
-
-@kernel
-def bend_of(place_):
-    """Sine of the elbow's bend on the nearest exact limb; -1 where the pose is out of its reach."""
-    return place_[3] if abs(place_[5]) < SOLVED else -1.0
 
 
 @kernel
@@ -52,13 +47,12 @@ def pose_strips(family, T, around, sheet, n, desk, J, A):
     R, p, _ = read_pose(T)
     place_ = place(P, R, p)
     if J is not None:
-        if around.radius > 0.0 or around.followed:
-            first = n
-            if around.radius > 0.0:
-                n = take_line(P, Spot(R, p, place_), around, sheet, n, J, A)
-            else:
-                n = take_runs(P, Spot(R, p, place_), sheet, n, J, A)
-            return within_limits(P, sheet, first, n, desk)
+        first = n
+        if around.radius > 0.0:
+            n = take_line(P, Spot(R, p, place_), around, sheet, n, J, A)
+        else:
+            n = take_runs(P, Spot(R, p, place_), sheet, n, J, A)
+        return within_limits(P, sheet, first, n, desk)
     if not abs(place_[5]) < SOLVED:
         return n
     sides = (elbow_side(P, place_, 0), elbow_side(P, place_, 1))
@@ -98,7 +92,7 @@ def branch_strips(family, place_, sides, wanted, around, sheet, n, desk):
             if lower <= upper:
                 first = n
                 n = take_strip(P, side, (branch, lower, upper), around, sheet, n, desk)
-                n = within_limits(P, sheet, first, n, desk)
+                n = put_splits(P, sheet, first, within_limits(P, sheet, first, n, desk), around)
             if wide == math.inf:
                 break
     return n

@@ -15,7 +15,7 @@ from srs_ik.kernels.algebra.pointers import row
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.limb import LIMITED
 from srs_ik.kernels.layout.path import LARGEST, SLOWEST, SQUARES, Line, System
-from srs_ik.kernels.path.corridor import beside, moving_rates, posture_at, split_of
+from srs_ik.kernels.path.corridor import beside, moving_rates, posture_at
 from srs_ik.kernels.path.edges import (
     CROSS,
     GRADIENT,
@@ -27,6 +27,7 @@ from srs_ik.kernels.path.edges import (
     write_steps,
     write_terms,
 )
+from srs_ik.kernels.path.splits import along_split, split_of, split_room
 from srs_ik.kernels.path.steps import largest
 
 SWEEPS = 24
@@ -120,14 +121,22 @@ def assemble(chain, aim, settings, steps, t, rate, system):
 
 
 @kernel
-def hold(chain, bounds, psi, move, rate):
+def room_of(P, course, line, i):
+    """How far the posture of a pose may move: back (negative or zero) and forth, to the ends of its strip or split."""
+    split, is_singular = split_of(P, row(line.q, i))
+    if is_singular:
+        return split_room(P, row(line.q, i), split)
+    return course.bounds[i, 0] - line.psi[i], course.bounds[i, 1] - line.psi[i]
+
+
+@kernel
+def hold(P, course, line, move, rate):
     """Take the rates of postures that want to pass the ends of their strips; whether there are any."""
     some = False
-    for c in range(chain.shape[0]):
-        i = chain[c]
-        low = psi[i] <= bounds[i, 0] + ON_END and move[c] < 0.0
-        high = psi[i] >= bounds[i, 1] - ON_END and move[c] > 0.0
-        if low or high:
+    for c in range(course.chain.shape[0]):
+        i = course.chain[c]
+        back, forth = room_of(P, course, line, i)
+        if (back >= -ON_END and move[c] < 0.0) or (forth <= ON_END and move[c] > 0.0):
             some = True
             for j in range(7):
                 rate[i, j] = 0.0
@@ -157,16 +166,16 @@ def solve_system(system, corner, damping, n):
 
 @kernel
 def write_rates(P, course, line, rate, space):
-    """Joint rates with the arm angle, zero where they cannot be used."""
+    """Joint rates with the arm angle, or along a split, zero where they cannot be used."""
     for c in range(course.chain.shape[0]):
         i = course.chain[c]
-        here = posture_at(line, i)
-        _, is_singular = split_of(P, here.q)
-        usable = not course.fixed[i] and not is_singular
         for j in range(7):
             rate[i, j] = 0.0
-        if usable:
-            v, usable = moving_rates(P, course, i, here, space.J, space.A)
+        if not course.fixed[i]:
+            here = posture_at(line, i)
+            v, usable = split_of(P, here.q)
+            if not usable:
+                v, usable = moving_rates(P, course, i, here, space.J, space.A)
             if usable and largest(v) < FASTEST:
                 for j in range(7):
                     rate[i, j] = v[j]
@@ -181,9 +190,14 @@ def move_all(P, course, line, rate, move, moved, space):
         q, there = here.q, here.psi
         fastest = largest(row(rate, i))
         if fastest > 0.0 and move[c] != 0.0:
-            size = min(abs(move[c]), LONGEST_MOVE / fastest)
-            motion = (moved_direction(rate, i), math.copysign(size, move[c]), 4.0 * LONGEST_MOVE)
-            q, there, _ = beside(P, course, i, here, motion, space.J, space.A)
+            size = math.copysign(min(abs(move[c]), LONGEST_MOVE / fastest), move[c])
+            v = moved_direction(rate, i)
+            _, is_singular = split_of(P, here.q)
+            if is_singular:
+                back, forth = split_room(P, here.q, v)
+                q, _ = along_split(P, here.q, v, min(max(size, back), forth))
+            else:
+                q, there, _ = beside(P, course, i, here, (v, size, 4.0 * LONGEST_MOVE), space.J, space.A)
         moved.psi[i] = there
         for j in range(7):
             moved.q[i, j] = q[j]
@@ -196,12 +210,13 @@ def moved_direction(rate, i):
 
 
 @kernel
-def hold_beyond(course, line, move, rate):
+def hold_beyond(P, course, line, move, rate):
     """Take the rates of postures that can go less than a part of their way to the end of their strip; are there any?"""
     some = False
     for c in range(course.chain.shape[0]):
         i = course.chain[c]
-        room = course.bounds[i, 1] - line.psi[i] if move[c] > 0.0 else line.psi[i] - course.bounds[i, 0]
+        back, forth = room_of(P, course, line, i)
+        room = forth if move[c] > 0.0 else -back
         if abs(move[c]) > ON_END and room < LEAST_PART * abs(move[c]) and largest(row(rate, i)) > 0.0:
             some = True
             for j in range(7):
@@ -210,7 +225,7 @@ def hold_beyond(course, line, move, rate):
 
 
 @kernel
-def direct(course, line, aim, settings, problem, damping):
+def direct(P, course, line, aim, settings, problem, damping):
     """Write how far all arm angles move in a step into `system.spare`; `problem` are steps, bound, rates and system."""
     steps, t, rate, system = problem
     chain = course.chain
@@ -218,7 +233,7 @@ def direct(course, line, aim, settings, problem, damping):
     for _ in range(HOLDS):
         corner = assemble(chain, aim, settings, steps, t, rate, system)
         solve_system(system, corner, damping, n)
-        if not hold_beyond(course, line, system.move, rate):
+        if not hold_beyond(P, course, line, system.move, rate):
             break
     # Together they go as far as the fastest one may: each by itself, they would part.
     part = 1.0
@@ -249,8 +264,8 @@ def smooth(family, course, line, seed, aim, settings, space):
         write_steps(chain, seed, settings, line.q, steps)
         write_rates(P, course, line, rate, space)
         assemble(chain, aim, settings, steps, t, rate, system)
-        hold(chain, course.bounds, line.psi, system.move, rate)
-        direct(course, line, aim, settings, (steps, t, rate, system), damping)
+        hold(P, course, line, system.move, rate)
+        direct(P, course, line, aim, settings, (steps, t, rate, system), damping)
         gain = 0.0
         for _ in range(HALVINGS):
             move_all(P, course, line, rate, system.spare, moved, space)
