@@ -74,6 +74,12 @@ def file_of(arm: srs_ik.Arm):
     return arm.drawing.file, list(arm.drawing.file.parents)[:-1]
 
 
+def file_of_and(arm: srs_ik.Arm):
+    """What `Truth` takes of an arm."""
+    file, folders = file_of(arm)
+    return file, arm, folders
+
+
 def spheres_at(arm: srs_ik.Arm, tables, q: np.ndarray) -> list[np.ndarray]:
     """(n, 4) spheres of every group of some tables at a posture, by Pinocchio; solids are None.
 

@@ -4,7 +4,7 @@ import coal
 import numpy as np
 import pytest
 from arms import generator
-from collision_oracle import Truth, file_of
+from collision_oracle import Truth, file_of_and
 from robot_files import at_hand
 
 import srs_ik
@@ -84,8 +84,3 @@ def test_the_exact_mode_finds_nearly_all_and_nothing_else(with_objects):
     free, called, false = tried(arm, truth, scene, 8, 40, salt=1)
     assert false == 0
     assert called >= 0.97 * free
-
-
-def file_of_and(arm):
-    file, folders = file_of(arm)
-    return file, arm, folders

@@ -107,9 +107,7 @@ class Surroundings:
     def free_and_undecided(self, T: Array, respect: bool, more: float = 0.0) -> tuple[Array, float]:
         """The same, and the width of what is counted as forbidden without having been decided, rad."""
         if self.is_exact:
-            from srs_ik.solve.in_scene.certified import certified_free
-
-            return certified_free(self, T, self.feasible(T, respect), respect, more)
+            return self.by_shapes(T, respect, more)
         if not self.packed.closed:
             return self.along_curves(T, self.in_range(T, self.feasible(T, respect), respect), more), 0.0
         rows, counts, verdicts = np.empty((MOST_INTERVALS, 3)), np.empty(1, np.int64), np.empty(1, np.int8)
@@ -117,6 +115,17 @@ class Surroundings:
         if verdicts[0]:
             raise invalid_pose(int(verdicts[0]))
         return rows[: counts[0]], 0.0
+
+    def by_shapes(
+        self, T: Array, respect: bool, more: float = 0.0, branch: int = -1, psi: float | None = None
+    ) -> tuple[Array, float]:
+        """The same on the real shapes of an exact limb, of one branch or of all (-1), at one arm angle or at all."""
+        from srs_ik.solve.in_scene.certified import certified_free
+
+        found = self.feasible(T, respect)
+        possible = chosen(self.not_out_of_range(T, found, respect), branch, psi)
+        possible = self.clear_of_formless(T, possible, more)
+        return certified_free(self, T, possible, self.in_range(T, found, respect), more)
 
     def free_range(
         self,
@@ -277,6 +286,22 @@ class Surroundings:
         """Which bodies are too close at a posture; None for none."""
         hit = self.collision_of(self.along(q[None], q[None], np.array([self.margin]))[0])
         return hit if hit is not None else self.jam(q)
+
+    def shapes_at(self, q: Array) -> Collision | None:
+        """Which real shapes are too close at a posture, the closest of them; None for none."""
+        hit = self.real_world().nearest(q, self.margin)
+        if hit is None:
+            return None
+        first, second, distance = hit
+        return Collision(first, second, max(self.margin - distance, 0.0))
+
+    def hits_formless(self, q: Array) -> bool:
+        """Whether a cloud or a half-space is too close at a posture."""
+        formless = self.tables.formless
+        if not len(formless):
+            return False
+        edge = self.along(q[None], q[None], np.array([self.margin]), formless)[0]
+        return bool(edge[at.EDGE_PAIR] >= 0.0)
 
     def hits_of(self, T: Array, rows: Array) -> dict[tuple[int, ...], Collision]:
         """What hits what in answers that say so, by their index."""
