@@ -59,6 +59,18 @@ class Shapes(NamedTuple):
     """(NORMALS, 3) work space: planes that were between two bodies."""
 
 
+class Along(NamedTuple):
+    """What is looked at along a curve: the shapes, and where joints are at both ends of a step."""
+
+    shapes: object
+    couple_of: object
+    """(n,) integers: which row of the shapes' pairs belongs to each pair that spheres watch, or -1."""
+    before: object
+    """(8, 12) work space, like `Shapes.frames`, which is for the middle."""
+    behind: object
+    """(8, 12) work space."""
+
+
 @kernel
 def centre_of(shapes, i):
     """Centre of the ball around a solid."""

@@ -86,7 +86,8 @@ def free_intervals(family, T, bodies, groups, pairs, slack, local, ready, found,
 def march(family, T, found, n, bodies, groups, pairs, slack, local, ready, J, A, out):
     """The same on the true chain of a near limb, along its curves: found (m, 3) is sorted by branch."""
     P = row(family, LIMITED)
-    return march_all(P, spot_of(P, T), World(bodies, groups, pairs, local, ready), slack, found[:n], Space(J, A), out)
+    around = (World(bodies, groups, pairs, local, ready), slack, None)
+    return march_all(P, spot_of(P, T), around, found[:n], Space(J, A), out)
 
 
 @entry

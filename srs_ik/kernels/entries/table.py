@@ -131,6 +131,8 @@ collision.edges(family, starts: float[n, 7], ends: float[n, 7], bodies, groups, 
 shapes.free_intervals(family, T, found, ranges: float[r, 3], margin: float, bodies, groups, pairs, slack, local, ready,
     solids, of_solid, points, shaped, of_body, couples, outer, J, A, out: float[o, 3]&, rest: float[q, REST]&) ->
     (int, float, int)
+shapes.march(family, T, found, bodies, groups, pairs, slack, local, ready, solids, of_solid, points, shaped, of_body,
+    couples, outer, J: float[6, 7]&, A: float[16, 9]&, out: float[o, 3]&) -> int
 control.tick(family, weights: float[WEIGHTS], ports: float[n, PORT], states: float[n, STATE]&, bounds: float[b],
     motion: float[2, 7], work: float[w, 7]&) -> bool
 control.elbow_point(family, q: float[7], out: float[3]&)

@@ -16,8 +16,11 @@ from srs_ik.kernels.layout.answer import MAX_PIECES
 from srs_ik.kernels.layout.limb import SIZE
 from srs_ik.kernels.layout.search import STATE
 from srs_ik.kernels.limb.branches import NO_BRANCH
-from srs_ik.kernels.limb.goal import NO_SEED, OUTSIDE
+from srs_ik.kernels.limb.goal import NO_SEED, OUTSIDE, elbow_part
 from srs_ik.kernels.limb.triangle import elbow_side
+
+PROBED = 4
+"""Arm angles of each interval, evenly spaced, at which the largest margin is looked for first."""
 
 MOST_LEFT = 16 * MAX_PIECES
 """Room for the parts of intervals that may hold a better posture."""
@@ -49,15 +52,26 @@ def common_parts(found, n, given, out):
 
 
 @kernel
-def best_middle(P, sides, left, n, respect):
-    """The best of the postures in the middle of n intervals: its row, the posture, its cost."""
+def best_at(P, sides, left, n, share, respect):
+    """The best of the postures at a share of the way through n intervals: its row, the posture, its cost."""
     top, best_q, lowest = 0, NO_SEED, 4.0 * NO_BRANCH
     for i in range(n):
         b = int(left[i, 0])
-        q, value = branch_at(P, sides[b >> 2], 0.5 * (left[i, 1] + left[i, 2]), b, False, NO_SEED, respect)
+        psi = left[i, 1] + share * (left[i, 2] - left[i, 1])
+        q, value = branch_at(P, sides[b >> 2], psi, b, False, NO_SEED, respect)
         if value < lowest:
             top, best_q, lowest = i, q, value
     return top, best_q, lowest
+
+
+@kernel
+def least_of_elbows(P, sides, left, n, respect):
+    """A cost below which no posture in n intervals is: that of its elbow, which no arm angle bends otherwise."""
+    least = 4.0 * NO_BRANCH
+    for i in range(n):
+        _, value = elbow_part(P, sides[int(left[i, 0]) >> 2][0], False, 0.0, respect)
+        least = min(least, value)
+    return least
 
 
 @kernel
@@ -73,16 +87,30 @@ def farthest_within(P, place_, given, branch, respect):
         if branch < 0 or int(given[k, 0]) == branch:
             n = put(left, n, given[k, 0], given[k, 1], given[k, 2])
     best_q, best, lowest = NO_SEED, 0, 4.0 * NO_BRANCH
+    least = least_of_elbows(P, sides, left, n, respect)
     for round_ in range(ROUNDS):
-        before = lowest
-        top, q, value = best_middle(P, sides, left, n, respect)
+        before, share = lowest, 0.5
+        top, q, value = best_at(P, sides, left, n, 0.5, respect)
         if value < lowest:
             best_q, best, lowest = q, int(left[top, 0]), value
-        # The way up from the highest, once limits have left little; from the others only where that gains nothing.
-        for i in range(n if round_ > 0 or n == 1 else 0):
+        for k in range(PROBED if round_ == 0 and n > 1 else 0):
+            if lowest <= least + GAIN:
+                break
+            other, q, value = best_at(P, sides, left, n, (k + 0.5) / PROBED, respect)
+            if value < lowest:
+                top, share, best_q, best, lowest = other, (k + 0.5) / PROBED, q, int(left[other, 0]), value
+        if lowest < OUTSIDE and lowest <= least + GAIN:
+            # The elbow is the tightest joint.
+            break
+        # The way up from the highest; from the others only where that gains nothing.
+        for i in range(n):
             k = (top + i) % n
             b, lower, upper = int(left[k, 0]), left[k, 1], left[k, 2]
-            q, value = climb(P, sides[b >> 2], b, lower, 0.5 * (lower + upper), upper, False, NO_SEED, respect, S)
+            middle = lower + (share if i == 0 else 0.5) * (upper - lower)
+            if round_ == 0:
+                around = (upper - lower) / PROBED
+                lower, upper = max(lower, middle - around), min(upper, middle + around)
+            q, value = climb(P, sides[b >> 2], b, lower, middle, upper, False, NO_SEED, respect, S)
             if value < lowest:
                 best_q, best, lowest = q, b, value
             if lowest < before:

@@ -64,6 +64,19 @@ def certified_free(
     return _Rest(around, T, margin, pairs, rest[:left]).of(out[:count], undecided)
 
 
+def marched(around: Surroundings, T: Array, found: Array, more: float = 0.0) -> Array:
+    """(n, 3) what the hulls of shapes leave of some intervals of a near limb, sorted, along its curves."""
+    world, tables, margin = around.real_world(), around.tables, around.margin + more
+    couples, _ = world.couples(tables, margin)
+    if not (len(found) and len(tables.pairs)):
+        return found
+    spheres = tables.bodies, tables.groups, tables.pairs, tables.with_margin(margin + TOUCH), *tables.work()
+    out = np.empty((MOST_INTERVALS, 3))
+    solids = *world.solids.tables, couples, world.solids.outer
+    count = entries.march(around.packed.family, T, found, *spheres, *solids, *around.packed.work(), out)
+    return out[:count]
+
+
 class _Rest:
     """What the hulls of bodies leave undecided at one pose."""
 

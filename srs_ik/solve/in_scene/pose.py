@@ -60,7 +60,7 @@ def _where_nothing_is_free(
     found = chosen(around.feasible(T, respect), branch, psi)
     if not len(found):
         return pose_solver.solve(around.packed, T, psi, near, None if branch < 0 else branch, respect)
-    if around.in_closed_form:
+    if not around.is_exact:
         free = around.by_shapes(T, respect, branch=branch, psi=psi)[0]
         solution = best(around, T, free, psi, near, respect) if len(free) else None
         if solution is not None:
@@ -95,7 +95,7 @@ def _hitting(around: Surroundings, T: Array, found: Array, psi: float | None, re
     wide = around.widest(T, among, _WIDE_ENOUGH) if psi is None else around.clearance(T, int(among[0, 0]) >> 2, psi)
     branch = int(wide[at.WIDE_BRANCH]) if psi is None else int(among[0, 0])
     solution = pose_solver.solve(around.packed, T, float(wide[at.WIDE_ARM_ANGLE]), None, branch, respect)
-    if len(in_range) and around.packed.closed and not around.hits_formless(solution.q):
+    if len(in_range) and not around.hits_formless(solution.q):
         hit = around.shapes_at(solution.q)
         if hit is None:
             # Too narrow a set of free angles to be found, and yet this posture is in it.

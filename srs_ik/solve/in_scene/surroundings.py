@@ -119,10 +119,13 @@ class Surroundings:
     def by_shapes(
         self, T: Array, respect: bool, more: float = 0.0, branch: int = -1, psi: float | None = None
     ) -> tuple[Array, float]:
-        """The same on the real shapes of an exact limb, of one branch or of all (-1), at one arm angle or at all."""
-        from srs_ik.solve.in_scene.certified import certified_free
+        """The same on the real shapes, of one branch or of all (-1), at one arm angle or at all."""
+        from srs_ik.solve.in_scene.certified import certified_free, marched
 
         found = self.feasible(T, respect)
+        if not self.packed.closed:
+            free = marched(self, T, chosen(self.in_range(T, found, respect), branch, None), more)
+            return chosen(free, branch, psi), 0.0
         possible = chosen(self.not_out_of_range(T, found, respect), branch, psi)
         possible = self.clear_of_formless(T, possible, more)
         return certified_free(self, T, possible, self.in_range(T, found, respect), more)
@@ -185,7 +188,7 @@ class Surroundings:
     @property
     def is_exact(self) -> bool:
         """Whether real shapes count."""
-        return self.scene.exact and self.packed.closed
+        return self.scene.exact
 
     @property
     def in_closed_form(self) -> bool:
