@@ -74,9 +74,7 @@ def shapes_apart(along, k, margin):
     shapes = along.shapes
     of_body = shapes.of_body
     a, b = shapes.pairs[k, ONE], shapes.pairs[k, OTHER]
-    frame = between(
-        frame_of_joint(shapes.frames, of_body[a, JOINT]), frame_of_joint(shapes.frames, of_body[b, JOINT])
-    )
+    frame = between(frame_of_joint(shapes.frames, of_body[a, JOINT]), frame_of_joint(shapes.frames, of_body[b, JOINT]))
     least, moved = math.inf, 0.0
     for i in range(of_body[a, FIRST_SOLID], of_body[a, LAST_SOLID]):
         moving = solid_motion(along, i, a, b)

@@ -13,11 +13,23 @@ from typing import NamedTuple
 
 from srs_ik.kernels.collision.arcs import PI, add_complement, add_piece, angles_of, angles_of_branch, cut_one, shared
 from srs_ik.kernels.collision.forbidden import forbid_pair
-from srs_ik.kernels.collision.looks import Question, look
+from srs_ik.kernels.collision.looks import (
+    ABOUT_LINE,
+    ALONG_CHAIN,
+    AT_SPIN,
+    Question,
+    Spins,
+    look,
+    only_spins,
+    spin_axis,
+    way_about_line,
+    way_of_spin,
+)
 from srs_ik.kernels.collision.seen import see_balls, still_frames, turning_frames
 from srs_ik.kernels.collision.shapes import UNKNOWN, forget, is_whole
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.shapes import (
+    JOINT,
     MOST_WAITING,
     ONE,
     OTHER,
@@ -43,6 +55,10 @@ BESIDE = 1e-9
 """What is forbidden is forbidden so far beside it, rad: no end of it counts as free."""
 
 
+UNLOOKED = -1
+"""Of spins that have not been looked at."""
+
+
 class Room(NamedTuple):
     """Work space of a search."""
 
@@ -50,6 +66,10 @@ class Room(NamedTuple):
     """(8, MOST_ARCS, 2) sets of arm angles."""
     waiting: object
     """(MOST_WAITING, 4) parts of an arc that wait to be looked at."""
+    spins: object
+    """(K, MOST_SPINS, 2) for each pair of bodies, spins of the first at which they meet."""
+    spin_counts: object
+    """(K,) integers, how many pieces these are; negative where that is not known."""
     rest: object
     """(R, REST) output: what is left of pairs that are more than their solids."""
 
@@ -140,6 +160,25 @@ def look_through(question, k, gaps, blocked, room, totals):
 
 
 @kernel
+def no_spins(room):
+    """Stands for spins where these do not matter."""
+    return Spins(room.arcs[0], 0, 1.0, 0)
+
+
+@kernel
+def spins_that_hit(asked, pair, k, room):
+    """The spins of the first of two bodies at which it meets the other one; found once for an elbow."""
+    P, spot, _, frames, shapes, space, margin = asked
+    joint, sign = spin_axis(shapes.of_body[pair[0], JOINT])
+    if room.spin_counts[k] < 0:
+        forget(shapes)
+        way = way_of_spin(P, shapes, pair, frames)
+        question = Question(P, spot, shapes, frames, space, pair, -1, margin[0], ABOUT_LINE, way, no_spins(room))
+        room.spin_counts[k], _ = certify(question, -PI, PI, room.spins[k], 0, room.waiting)
+    return Spins(room.spins[k], room.spin_counts[k], sign, joint)
+
+
+@kernel
 def of_elbow(elbow, asked, wanted, blocked, room, totals):
     """Of the arm angles wanted, add those that bodies forbid which turn as one or stand still: as `look_through`."""
     P, spot, world, frames, shapes, space, margin = asked
@@ -154,7 +193,10 @@ def of_elbow(elbow, asked, wanted, blocked, room, totals):
         if count == 0:
             continue
         m = shared((arcs, count), wanted, (blocked, n), gaps)
-        question = Question(P, spot, shapes, frames, space, pair, -1 - elbow, margin[0])
+        way = way_about_line(shapes, pair, frames)
+        question = Question(
+            P, spot, shapes, frames, space, pair, -1 - elbow, margin[0], ABOUT_LINE, way, no_spins(room)
+        )
         n, undecided, rest = look_through(question, k, (gaps, m), (blocked, n), room, totals)
         totals = (undecided, rest)
     return n, totals[0], totals[1]
@@ -177,7 +219,10 @@ def of_branch(branch, asked, wanted, ranged, blocked, room, totals):
         else:
             m = 0
         if m > 0:
-            question = Question(P, spot, shapes, frames, space, pair, branch, margin[0])
+            way, spins, mode = way_about_line(shapes, pair, frames), no_spins(room), ALONG_CHAIN
+            if only_spins(shapes, pair[0], pair[1]) and is_whole(shapes, pair[0], pair[1]):
+                spins, mode = spins_that_hit(asked, pair, k, room), AT_SPIN
+            question = Question(P, spot, shapes, frames, space, pair, branch, margin[0], mode, way, spins)
             n, undecided, rest = look_through(question, k, (gaps, m), (pieces, n), room, totals)
             totals = (undecided, rest)
     return n, totals[0], totals[1]
@@ -222,6 +267,8 @@ def free_by_shapes(P, spot, world, shapes, found, ranges, margins, space, room, 
         see_balls(world, elbow, still, frames[1])
         for i in range(shapes.from_line.shape[0]):
             shapes.from_line[i] = UNKNOWN
+        for k in range(shapes.pairs.shape[0]):
+            room.spin_counts[k] = UNLOOKED
         wanted, blocked = room.arcs[0], room.arcs[1]
         m = angles_of(found, found.shape[0], elbow, wanted)
         if m == 0:

@@ -18,10 +18,9 @@ from srs_ik.kernels.jit import entry
 from srs_ik.kernels.layout.collision import MARGIN, MOST_ARCS
 from srs_ik.kernels.layout.limb import LIMITED
 from srs_ik.kernels.layout.path import Space, Spot
-from srs_ik.kernels.layout.shapes import MOST_WAITING, RANGED, WATCHED
+from srs_ik.kernels.layout.shapes import MOST_SPINS, MOST_WAITING, RANGED, WATCHED
 from srs_ik.kernels.limb.poses import read_pose
 from srs_ik.kernels.limb.triangle import place
-
 
 NO_COUPLE = -1
 """No shapes belong to a pair: it is one with a cloud or a half-space."""
@@ -67,7 +66,9 @@ def free_intervals(
     shapes = Shapes(
         solids, of_solid, points, shaped, of_body, couples, outer, np.empty(solids.shape[0]), frames, normals
     )
-    room = Room(np.empty((8, MOST_ARCS, 2)), np.empty((MOST_WAITING, 4)), rest)
+    count = couples.shape[0]
+    spins, spin_counts = np.empty((count, MOST_SPINS, 2)), np.empty(count, np.int64)
+    room = Room(np.empty((8, MOST_ARCS, 2)), np.empty((MOST_WAITING, 4)), spins, spin_counts, rest)
     world = World(bodies, groups, pairs, local, ready)
     spot = Spot(R, p, place(P, R, p))
     return free_by_shapes(P, spot, world, shapes, found, ranges, (margin, slack[MARGIN]), Space(J, A), room, out)
@@ -109,4 +110,3 @@ def march(
     along = Along(shapes, couple_of, np.empty((8, 12)), np.empty((8, 12)))
     around = (World(bodies, groups, pairs, local, ready), slack, along)
     return march_all(P, Spot(R, p, place(P, R, p)), around, found, Space(J, A), out)
-

@@ -65,3 +65,6 @@ REST = 4
 
 MOST_WAITING = 96
 """Room for the parts of an arc that wait to be looked at."""
+
+MOST_SPINS = 16
+"""Room for the pieces of a set of spins; beyond, those with the least gap between them are joined."""
