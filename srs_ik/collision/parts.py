@@ -144,3 +144,15 @@ def corners_of(points: Array) -> Array:
     except QhullError:
         # They lie in a plane.
         return points
+
+
+def inner_radius(points: Array, centre: Array) -> float:
+    """Radius of a ball about a centre within the convex hull of some points, m; minus one for none."""
+    from scipy.spatial import ConvexHull, QhullError
+
+    try:
+        planes = ConvexHull(points).equations
+    except QhullError:
+        return -1.0
+    radius = -float((planes[:, :3] @ centre + planes[:, 3]).max())
+    return radius if radius > 0.0 else -1.0

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from srs_ik.collision.forms import surface
+from srs_ik.collision.parts import inner_radius
 from srs_ik.collision.tables import PLACES
 from srs_ik.kernels.layout import shapes as at
 from srs_ik.kernels.layout.collision import BASE, UPPER
@@ -108,7 +109,25 @@ def _solid(part: Part, T: Array) -> tuple[Array, list[int], Array]:
         points = surface(form)[0]
     else:
         points = part.corners @ T[:3, :3].T + T[:3, 3]
+    row[at.INNER], row[at.SEGMENT : at.SEGMENT + 3] = _within(form, points, row)
     return row, [kind, int(part.cover is None)], points
+
+
+def _within(form: Form, points: Array, row: Array) -> tuple[float, Array]:
+    """Radius and half the segment of a capsule within a form, about its centre; minus one for none."""
+    axes = form.T[:3, :3]
+    if form.kind == "mesh":
+        return inner_radius(points, row[at.CENTRE : at.CENTRE + 3]), np.zeros(3)
+    if form.kind == "box":
+        longest, radius = int(np.argmax(form.size)), 0.5 * min(form.size)
+        return radius, (0.5 * form.size[longest] - radius) * axes[:, longest]
+    radius = form.size[0]
+    if form.kind == "sphere":
+        return radius, np.zeros(3)
+    half = 0.5 * form.size[1]
+    if form.kind == "capsule":
+        return radius, half * axes[:, 2]
+    return min(radius, half), max(half - radius, 0.0) * axes[:, 2]
 
 
 def outer_axes(first: Array, middle: Array, last: Array) -> tuple[Any, ...]:

@@ -120,6 +120,16 @@ def farthest_from_line(world):
 
 
 @kernel
+def pair_rate(world, pair, rate):
+    """How fast the clearance of a pair changes at most with the arm angle, m/rad, no more than a rate."""
+    if pair < 0:
+        return rate
+    local = world.local
+    a, b = world.pairs[pair, 0], world.pairs[pair, 1]
+    return min(rate, min(local[a, RHO] + local[a, EXTENT], local[b, RHO] + local[b, EXTENT]))
+
+
+@kernel
 def put_part(parts, n, lower, upper, most, pair):
     """Append a part of an interval: its ends, what the clearance in it may be at most, and the pair that says so."""
     parts[n, 0], parts[n, 1], parts[n, 2], parts[n, 3] = lower, upper, most, max(pair, 0)
@@ -139,7 +149,8 @@ def widest_within(world, elbow, frames, ends, best, tolerance, parts):
     value, pair = turning_clearance(world, elbow, frames, middle, 0, -math.inf)
     if value > largest:
         best_psi, largest = middle, value
-    n = put_part(parts, 0, lower, upper, value + 0.5 * rate * (upper - lower), pair)
+    most = value + 0.5 * pair_rate(world, pair, rate) * (upper - lower)
+    n = put_part(parts, 0, lower, upper, most, pair)
     while n > 0:
         top = 0
         for i in range(n):
@@ -161,6 +172,7 @@ def widest_within(world, elbow, frames, ends, best, tolerance, parts):
             value, pair = turning_clearance(world, elbow, frames, middle, begin, largest + tolerance - more)
             if value > largest:
                 best_psi, largest = middle, value
-            if value + more > largest + tolerance:
-                n = put_part(parts, n, a, b, value + more, pair)
+            most = value + 0.5 * pair_rate(world, pair, rate) * (b - a)
+            if most > largest + tolerance:
+                n = put_part(parts, n, a, b, most, pair)
     return best_psi, largest

@@ -103,7 +103,7 @@ class Spins(NamedTuple):
 
     arcs: object
     """(m, 2) a set of angles."""
-    count: int
+    many: int
     sign: float
     """The spin is this times the joint's angle."""
     joint: int
@@ -197,7 +197,7 @@ def look_about_line(question, psi, half):
 def look_at_spin(question, psi, half):
     """The same of two bodies of a branch of which it is known at which spins of the first one they meet."""
     spins = question.spins
-    if spins.count == 0:
+    if spins.many == 0:
         return half
     q, met = posture_on(question.P, question.spot, psi, question.branch, ANYWHERE, question.space)
     if not met:
@@ -218,7 +218,7 @@ def room_beside(spins, angle):
     """How far an angle is from a set of them; minus how far it is inside."""
     angle -= TURN * math.floor((angle + math.pi) / TURN)
     room = math.inf
-    for i in range(spins.count):
+    for i in range(spins.many):
         lower, upper = spins.arcs[i, 0], spins.arcs[i, 1]
         if lower <= angle <= upper:
             return max(lower - angle, angle - upper)

@@ -6,7 +6,7 @@ import math
 from typing import NamedTuple
 
 from srs_ik.kernels.algebra.lane_trig import seven_turns
-from srs_ik.kernels.algebra.vectors import add, apply, apply_transposed, norm, sub, times
+from srs_ik.kernels.algebra.vectors import add, apply, apply_transposed, dot, norm, sub, times
 from srs_ik.kernels.chain.kinematics import first_line, joint_line
 from srs_ik.kernels.collision.convex import apart
 from srs_ik.kernels.collision.seen import frame_at
@@ -19,12 +19,14 @@ from srs_ik.kernels.layout.shapes import (
     FIRST,
     FIRST_SOLID,
     HALF,
+    INNER,
     IS_WHOLE,
     KIND,
     LAST,
     LAST_SOLID,
     PLACE,
     RADIUS,
+    SEGMENT,
 )
 
 NORMALS = 16
@@ -156,6 +158,43 @@ def forget(shapes):
 
 
 @kernel
+def segment_of(shapes, i):
+    """From the centre of a solid to one end of the segment within it."""
+    return shapes.solids[i, SEGMENT], shapes.solids[i, SEGMENT + 1], shapes.solids[i, SEGMENT + 2]
+
+
+@kernel
+def limited(x):
+    """The nearest figure between -1 and 1."""
+    return min(max(x, -1.0), 1.0)
+
+
+@kernel
+def depth_within(shapes, i, j, M, centre):
+    """How deep the capsules within two solids are in each other, m; `centre` is where that of i is for that of j."""
+    inner, other = shapes.solids[i, INNER], shapes.solids[j, INNER]
+    if inner < 0.0 or other < 0.0:
+        return -1.0
+    a, b = apply(M, segment_of(shapes, i)), segment_of(shapes, j)
+    aa, ab, bb = dot(a, a), dot(a, b), dot(b, b)
+    ca, cb = dot(centre, a), dot(centre, b)
+    # The nearest points are centre + s a and t b.
+    across = aa * bb - ab * ab
+    s = limited((ab * cb - bb * ca) / across) if across > 1e-12 * aa * bb else 0.0
+    t = limited((cb + s * ab) / bb) if bb > 0.0 else 0.0
+    s = limited((t * ab - ca) / aa) if aa > 0.0 else 0.0
+    t = limited((cb + s * ab) / bb) if bb > 0.0 else 0.0
+    x = centre[0] + s * a[0] - t * b[0]
+    y = centre[1] + s * a[1] - t * b[1]
+    z = centre[2] + s * a[2] - t * b[2]
+    return inner + other - math.sqrt(x * x + y * y + z * z)
+
+
+START = (1.0, 0.0, 0.0)
+"""A direction to begin with where none is nearer at hand."""
+
+
+@kernel
 def gap(shapes, i, j, frame, slot, needed):
     """Distance of two solids as far as it matters, see `convex.apart`, beginning where the last search ended."""
     M, b = frame
@@ -164,11 +203,14 @@ def gap(shapes, i, j, frame, slot, needed):
     balls = shapes.solids[i, BALL] + shapes.solids[j, BALL]
     if length - balls >= needed:
         return length - balls, (centre[0] / length, centre[1] / length, centre[2] / length)
+    within = depth_within(shapes, i, j, M, centre)
+    if within > 0.0:
+        return -within, (centre[0] / length, centre[1] / length, centre[2] / length) if length > 0.0 else START
     k = slot % NORMALS
     normals = shapes.normals
     start = (normals[k, 0], normals[k, 1], normals[k, 2])
     if start[0] == 0.0 and start[1] == 0.0 and start[2] == 0.0:
-        start = centre if length > 1e-9 else (1.0, 0.0, 0.0)
+        start = centre if length > 1e-9 else START
     value, normal = apart(shapes, i, j, frame, start, needed)
     normals[k, 0], normals[k, 1], normals[k, 2] = normal
     return value, normal

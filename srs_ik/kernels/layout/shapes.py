@@ -12,7 +12,9 @@ BALL = 3
 AXIS = 4  # 3
 HALF = 7
 RADIUS = 8
-SOLID = 9
+INNER = 9  # radius of a capsule within the solid, about its centre; negative for none
+SEGMENT = 10  # 3, from the centre to one end of the capsule's segment
+SOLID = 13
 
 # The same, integers.
 KIND = 0
