@@ -209,13 +209,9 @@ class RealWorld:
         return total
 
     def _distance(self, at: dict[int, Any], a: int, b: int) -> float:
-        least = np.inf
-        for one in self.parts[a]:
-            for other in self.parts[b]:
-                least = min(least, apart(one, at[a] * one.at, other, at[b] * other.at))
-                if least <= 0.0:
-                    return least
-        return least
+        return min(
+            apart(one, at[a] * one.at, other, at[b] * other.at) for one in self.parts[a] for other in self.parts[b]
+        )
 
 
 _SHORTEST = 1e-3

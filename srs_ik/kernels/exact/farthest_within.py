@@ -19,9 +19,6 @@ from srs_ik.kernels.limb.branches import NO_BRANCH
 from srs_ik.kernels.limb.goal import NO_SEED, OUTSIDE, elbow_part
 from srs_ik.kernels.limb.triangle import elbow_side
 
-PROBED = 4
-"""Arm angles of each interval, evenly spaced, at which the largest margin is looked for first."""
-
 MOST_LEFT = 16 * MAX_PIECES
 """Room for the parts of intervals that may hold a better posture."""
 
@@ -52,13 +49,12 @@ def common_parts(found, n, given, out):
 
 
 @kernel
-def best_at(P, sides, left, n, share, respect):
-    """The best of the postures at a share of the way through n intervals: its row, the posture, its cost."""
+def best_middle(P, sides, left, n, respect):
+    """The best of the postures in the middle of n intervals: its row, the posture, its cost."""
     top, best_q, lowest = 0, NO_SEED, 4.0 * NO_BRANCH
     for i in range(n):
         b = int(left[i, 0])
-        psi = left[i, 1] + share * (left[i, 2] - left[i, 1])
-        q, value = branch_at(P, sides[b >> 2], psi, b, False, NO_SEED, respect)
+        q, value = branch_at(P, sides[b >> 2], 0.5 * (left[i, 1] + left[i, 2]), b, False, NO_SEED, respect)
         if value < lowest:
             top, best_q, lowest = i, q, value
     return top, best_q, lowest
@@ -89,28 +85,18 @@ def farthest_within(P, place_, given, branch, respect):
     best_q, best, lowest = NO_SEED, 0, 4.0 * NO_BRANCH
     least = least_of_elbows(P, sides, left, n, respect)
     for round_ in range(ROUNDS):
-        before, share = lowest, 0.5
-        top, q, value = best_at(P, sides, left, n, 0.5, respect)
+        before = lowest
+        top, q, value = best_middle(P, sides, left, n, respect)
         if value < lowest:
             best_q, best, lowest = q, int(left[top, 0]), value
-        for k in range(PROBED if round_ == 0 and n > 1 else 0):
-            if lowest <= least + GAIN:
-                break
-            other, q, value = best_at(P, sides, left, n, (k + 0.5) / PROBED, respect)
-            if value < lowest:
-                top, share, best_q, best, lowest = other, (k + 0.5) / PROBED, q, int(left[other, 0]), value
         if lowest < OUTSIDE and lowest <= least + GAIN:
             # The elbow is the tightest joint.
             break
-        # The way up from the highest; from the others only where that gains nothing.
-        for i in range(n):
+        # The way up from the highest, once limits have left little; from the others only where that gains nothing.
+        for i in range(n if round_ > 0 or n == 1 else 0):
             k = (top + i) % n
             b, lower, upper = int(left[k, 0]), left[k, 1], left[k, 2]
-            middle = lower + (share if i == 0 else 0.5) * (upper - lower)
-            if round_ == 0:
-                around = (upper - lower) / PROBED
-                lower, upper = max(lower, middle - around), min(upper, middle + around)
-            q, value = climb(P, sides[b >> 2], b, lower, middle, upper, False, NO_SEED, respect, S)
+            q, value = climb(P, sides[b >> 2], b, lower, 0.5 * (lower + upper), upper, False, NO_SEED, respect, S)
             if value < lowest:
                 best_q, best, lowest = q, b, value
             if lowest < before:

@@ -95,13 +95,12 @@ def _hitting(around: Surroundings, T: Array, found: Array, psi: float | None, re
     wide = around.widest(T, among, _WIDE_ENOUGH) if psi is None else around.clearance(T, int(among[0, 0]) >> 2, psi)
     branch = int(wide[at.WIDE_BRANCH]) if psi is None else int(among[0, 0])
     solution = pose_solver.solve(around.packed, T, float(wide[at.WIDE_ARM_ANGLE]), None, branch, respect)
-    if len(in_range) and not around.hits_formless(solution.q):
-        hit = around.shapes_at(solution.q)
-        if hit is None:
-            # Too narrow a set of free angles to be found, and yet this posture is in it.
-            return solution
-    else:
-        hit = around.collision(wide) if len(in_range) else around.jam(solution.q)
+    hit = around.deepest_at(solution.q)
+    if hit is None and len(in_range):
+        # Too narrow a set of free angles to be found, and yet this posture is in it.
+        return solution
+    if hit is None:
+        hit = around.jam(solution.q)
     solution._row[ROW_STATUS] = Status.COLLISION
     solution.collision = hit
     return solution

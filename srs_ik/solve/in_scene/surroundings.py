@@ -290,21 +290,19 @@ class Surroundings:
         hit = self.collision_of(self.along(q[None], q[None], np.array([self.margin]))[0])
         return hit if hit is not None else self.jam(q)
 
-    def shapes_at(self, q: Array) -> Collision | None:
-        """Which real shapes are too close at a posture, the closest of them; None for none."""
-        hit = self.real_world().nearest(q, self.margin)
-        if hit is None:
-            return None
-        first, second, distance = hit
-        return Collision(first, second, max(self.margin - distance, 0.0))
-
-    def hits_formless(self, q: Array) -> bool:
-        """Whether a cloud or a half-space is too close at a posture."""
+    def deepest_at(self, q: Array) -> Collision | None:
+        """Which bodies are too close at a posture, the closest of them, by their real shapes; None for none."""
+        hits = []
+        near = self.real_world().nearest(q, self.margin)
+        if near is not None:
+            first, second, distance = near
+            hits.append(Collision(first, second, max(self.margin - distance, 0.0)))
         formless = self.tables.formless
-        if not len(formless):
-            return False
-        edge = self.along(q[None], q[None], np.array([self.margin]), formless)[0]
-        return bool(edge[at.EDGE_PAIR] >= 0.0)
+        if len(formless):
+            edge = self.along(q[None], q[None], np.array([self.margin]), formless)[0]
+            hit = self.collision_of(edge, formless)
+            hits += [] if hit is None else [hit]
+        return max(hits, key=lambda hit: hit.depth, default=None)
 
     def hits_of(self, T: Array, rows: Array) -> dict[tuple[int, ...], Collision]:
         """What hits what in answers that say so, by their index."""
