@@ -5,7 +5,8 @@ Run: python benchmarks/collision_truth.py --robot iiwa14 [--count 100000] [--pos
 Random arm angles inside the limits, of random poses, each with its posture by `pinocchio.computeCollisions`, the same
 pairs watched: how many are called free by the closed form and by the exact mode, how many of these collide, and which
 share of the truly free ones that is. `--objects` puts six boxes, balls and cylinders within reach, `--held` a box into
-the hand. Robots are those of `tests/arms.py` and those that `srs_ik.load` knows by name. Exits 1 where one collides.
+the hand, `--other` puts another arm of the same robot to a random posture. Robots are those of `tests/arms.py` and
+those that `srs_ik.load` knows by name. Exits 1 where one collides.
 """
 
 from __future__ import annotations
@@ -40,6 +41,15 @@ def with_box(arm: srs_ik.Arm) -> tuple[srs_ik.Arm, srs_ik.Arm, np.ndarray]:
     grasp = arm.hand.grasp if getattr(arm, "hand", None) is not None else np.array([0.0, 0.0, 1.0])
     T[:3, 3] = 0.2 * np.asarray(grasp)
     return arm, arm.with_object("box in the hand", T, HELD), T
+
+
+def beside(arm: srs_ik.Arm, other: srs_ik.Arm, truth: Truth, scenes: list[srs_ik.Scene], seed: int) -> None:
+    """Put another arm of the robot to a random posture inside its limits, the same for all."""
+    rng = arms.generator(other.name + "beside", seed)
+    q = rng.uniform(np.maximum(other.lower, -np.pi), np.minimum(other.upper, np.pi))
+    truth.put_beside(other, q)
+    for scene in scenes:
+        scene.add_arm("other", other, q, beside=arm)
 
 
 def counted(arm: srs_ik.Arm, truth: Truth, scenes: list[srs_ik.Scene], given: argparse.Namespace) -> list[list[int]]:
@@ -78,6 +88,7 @@ def main() -> int:
     parser.add_argument("--seed", type=int, default=0)
     parser.add_argument("--objects", action="store_true")
     parser.add_argument("--held", action="store_true")
+    parser.add_argument("--other", help="the other arm of the same robot, put at a random posture")
     parser.add_argument("--modes", nargs="+", default=["closed", "exact"], choices=["closed", "exact"])
     given = parser.parse_args()
     given.poses = min(given.poses, given.count)
@@ -92,8 +103,11 @@ def main() -> int:
     for k, scene in enumerate(scenes):
         if given.objects:
             boxes_and_balls(arm, truth if k == 0 else None, scene)
+    if given.other:
+        beside(arm, loaded(given.other), truth, scenes, given.seed)
     totals = counted(arm, truth, scenes, given)
-    words = [f"{given.robot}{', objects' * given.objects}{', held' * given.held}, seed {given.seed}"]
+    asked = given.robot + ", objects" * given.objects + ", held" * given.held
+    words = [f"{asked}{', beside ' + given.other if given.other else ''}, seed {given.seed}"]
     words.append(f"{totals[0][0]} of {given.count} angles of {given.poses} poses truly free")
     for mode, (free, called, false) in zip(given.modes, totals, strict=True):
         share = 100.0 * (called - false) / max(free, 1)

@@ -24,6 +24,7 @@ class Truth:
                 if frozenset((owner[i], owner[j])) in kept:
                     self.shapes.addCollisionPair(pin.CollisionPair(i, j))
         self.owner = owner
+        self.beside = np.zeros(self.model.nq)
         self._data()
 
     def _data(self) -> None:
@@ -41,6 +42,18 @@ class Truth:
                 self.shapes.addCollisionPair(pin.CollisionPair(i, index))
         self._data()
 
+    def put_beside(self, other: srs_ik.Arm, q: np.ndarray) -> None:
+        """Move another arm of the robot to a posture, and add pairs of its bodies with all that the arm moves."""
+        self.beside = other.configuration(q, self.model) - pin.neutral(self.model)
+        moved, others = ({body.name for body in arm.bodies if body.joint > 0} for arm in (self.arm, other))
+        for i, first in enumerate(self.owner):
+            for j, second in enumerate(self.owner):
+                if first in moved and second in others:
+                    pair = pin.CollisionPair(min(i, j), max(i, j))
+                    if not self.shapes.existCollisionPair(pair):
+                        self.shapes.addCollisionPair(pair)
+        self._data()
+
     def hold(self, name: str, bare: srs_ik.Arm, arm: srs_ik.Arm, T_tip: np.ndarray, geometry) -> None:
         """Put an object into the hand, with the pairs that `arm`, which holds it, watches; `bare` does not hold it."""
         tip = self.model.frames[self.model.getFrameId(bare.tip)]
@@ -54,13 +67,23 @@ class Truth:
         self.arm = arm
         self._data()
 
+    def deepest(self, q: np.ndarray) -> tuple[float, tuple[str, str]]:
+        """How deep the two bodies are in each other that are so most, m, and their names, each pair asked afresh."""
+        whole = self.arm.configuration(q, self.model) + self.beside
+        fresh = pin.GeometryData(self.shapes)
+        pin.updateGeometryPlacements(self.model, self.data, self.shapes, fresh, whole)
+        distances = [pin.computeDistance(self.shapes, fresh, k).min_distance for k in range(len(fresh.distanceResults))]
+        pair = self.shapes.collisionPairs[int(np.argmin(distances))]
+        names = [*self.owner, *(shape.name for shape in self.shapes.geometryObjects[len(self.owner) :])]
+        return -min(distances), (names[pair.first], names[pair.second])
+
     def collides(self, q: np.ndarray) -> bool:
         """Whether bodies meet at a posture.
 
         Pinocchio starts each check from what the last one found, and so misses one collision in some hundreds: where it
         finds none, it is asked once more, from the beginning.
         """
-        whole = self.arm.configuration(q, self.model)
+        whole = self.arm.configuration(q, self.model) + self.beside
         for data in (self.shape_data, None):
             fresh = pin.GeometryData(self.shapes) if data is None else data
             pin.updateGeometryPlacements(self.model, self.data, self.shapes, fresh, whole)
@@ -72,6 +95,12 @@ class Truth:
 def file_of(arm: srs_ik.Arm):
     """Robot file of an arm, and folders of its meshes."""
     return arm.drawing.file, list(arm.drawing.file.parents)[:-1]
+
+
+def file_of_and(arm: srs_ik.Arm):
+    """What `Truth` takes of an arm."""
+    file, folders = file_of(arm)
+    return file, arm, folders
 
 
 def spheres_at(arm: srs_ik.Arm, tables, q: np.ndarray) -> list[np.ndarray]:

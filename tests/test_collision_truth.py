@@ -4,7 +4,7 @@ import coal
 import numpy as np
 import pytest
 from arms import generator
-from collision_oracle import Truth, file_of
+from collision_oracle import Truth, file_of_and
 from robot_files import at_hand
 
 import srs_ik
@@ -76,16 +76,15 @@ def test_nothing_called_free_collides(name, with_objects):
 
 
 @pytest.mark.parametrize("with_objects", [False, True])
-def test_the_exact_mode_finds_nearly_all_and_nothing_else(with_objects):
-    arm = srs_ik.load("iiwa14")
+@pytest.mark.parametrize("name", ["iiwa14", "gen3", "human_left"])
+def test_the_exact_mode_finds_nearly_all_and_nothing_else(name, with_objects):
+    """Of an exact arm, a near one, and one with meshes that are not convex, in few poses."""
+    if name == "human_left" and not at_hand("human"):
+        pytest.skip("example-robot-data is not here")
+    arm = srs_ik.load(name)
     truth, scene = Truth(*file_of_and(arm)), srs_ik.Scene(exact=True)
     if with_objects:
         boxes_and_balls(arm, truth, scene)
     free, called, false = tried(arm, truth, scene, 8, 40, salt=1)
     assert false == 0
-    assert called >= 0.97 * free
-
-
-def file_of_and(arm):
-    file, folders = file_of(arm)
-    return file, arm, folders
+    assert called >= 0.99 * free

@@ -3,10 +3,11 @@
 import math
 
 import arms
+import coal
 import numpy as np
 import pinocchio as pin
 import pytest
-from collision_oracle import clearance
+from collision_oracle import Truth, clearance, file_of_and
 from scene_sets import made, scene_of
 
 import srs_ik
@@ -119,3 +120,21 @@ def test_a_batch_gives_what_single_calls_give(arm):
         assert many.status[i] == one.status
         np.testing.assert_allclose(many.q[i], one.q, atol=1e-12)
         assert many[i].collision == one.collision
+
+
+def test_what_is_named_is_in_the_way_where_the_arm_comes_nearest_to_being_free(arm):
+    """A wall through the tip hits it at every turn, also where the arm's own links meet: no pair is deeper."""
+    rng, truth_of = arms.generator("walls", 1), file_of_and(arm)
+    for q in postures(8, 10):
+        pose = arm.forward_kinematics(q).homogeneous
+        T = srs_ik.pose_from_xyz_rpy(pose[:3, 3], rng.uniform(-3.0, 3.0, 3))
+        scene = srs_ik.Scene()
+        scene.add_box("wall", T, [1.0, 1.0, 0.04])
+        found = arm.solve(pose, seed=q, free_axis=AXIS, scene=scene)
+        assert found.status == Status.COLLISION
+        assert "wall" in (found.collision.first, found.collision.second)
+        truth = Truth(*truth_of)
+        truth.add("wall", T.homogeneous, coal.Box(1.0, 1.0, 0.04))
+        deepest, between = truth.deepest(found.q)
+        assert "wall" in between
+        assert abs(found.collision.depth - deepest) < 1e-3

@@ -96,6 +96,11 @@ class Part:
         """(n, 3) points whose convex hull contains the form, in the frame of its carrier."""
         return surface(self.form)[0]
 
+    @cached_property
+    def corners(self) -> Array:
+        """(n, 3) those of the points that are corners of their convex hull."""
+        return corners_of(self.points)
+
 
 def parts_of(forms: Sequence[Form]) -> list[Part]:
     """Some forms as parts."""
@@ -128,3 +133,26 @@ def _distance(first: Any, at_first: Any, second: Any, at_second: Any) -> float:
 def is_convex(first: Part, second: Part) -> bool:
     """Whether two parts are convex, so that minus their distance is how deep they are in each other."""
     return first.cover is None and second.cover is None
+
+
+def corners_of(points: Array) -> Array:
+    """(n, 3) those of some points that are corners of their convex hull."""
+    from scipy.spatial import ConvexHull, QhullError
+
+    try:
+        return np.asarray(points[ConvexHull(points).vertices], dtype=float)
+    except QhullError:
+        # They lie in a plane.
+        return points
+
+
+def inner_radius(points: Array, centre: Array) -> float:
+    """Radius of a ball about a centre within the convex hull of some points, m; minus one for none."""
+    from scipy.spatial import ConvexHull, QhullError
+
+    try:
+        planes = ConvexHull(points).equations
+    except QhullError:
+        return -1.0
+    radius = -float((planes[:, :3] @ centre + planes[:, 3]).max())
+    return radius if radius > 0.0 else -1.0

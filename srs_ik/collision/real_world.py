@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from srs_ik.collision.forms import is_round
 from srs_ik.collision.parts import apart, parts_of, transform
 from srs_ik.collision.real import real_forms
+from srs_ik.collision.solids import Solids
 
 if TYPE_CHECKING:
     from srs_ik.collision.bodies import Body
@@ -47,6 +48,7 @@ class RealWorld:
         before: largest distance of a point of each body of the arm from the axis of the joint that carries it, m; 0
             where it is round about that axis.
         behind: the same from the axis of the next joint, which it carries.
+        solids: the same bodies as the convex solids that kernels read.
         radius: the same from the centre of the shoulder (of the wrist from the forearm on).
     """
 
@@ -96,11 +98,21 @@ class RealWorld:
                 self.pairs += [(k, len(self.joints) - 1) for k, body in enumerate(bodies) if body.joint > 0]
         self._balls = np.array([_ball(points) for points in self._points])
         self._rows: tuple[Tables | None, list[tuple[int, int] | None]] = None, []
+        self.solids = Solids(self, zero, limb)
+        self._couples: tuple[Any, Any] = None, None
 
     def watched(self, margin: float) -> list[tuple[int, int]]:
         """Pairs of bodies that may come within a margin, m: some of those that never meet, too."""
         near = [(r.first, r.second) for r in self._ranges if r.bounds.min() <= margin]
         return [*self.pairs, *(pair for pair in near if pair not in self.pairs)]
+
+    def couples(self, tables: Tables, margin: float) -> tuple[NDArray[np.int64], list[tuple[int, int]]]:
+        """`Solids.couples`, found once for a margin."""
+        key = tables, margin
+        if self._couples[0] != key:
+            self._couples = key, self.solids.couples(self, tables, margin)
+        found: tuple[NDArray[np.int64], list[tuple[int, int]]] = self._couples[1]
+        return found
 
     def pairs_of(self, tables: Tables) -> list[tuple[int, int] | None]:
         """The pair of bodies that each row of pairs stands for; None for those without forms."""
@@ -129,6 +141,24 @@ class RealWorld:
         axis = SPINNING[self.joints[k]]
         return self.before[k] if axis == self.joints[k] - 1 else self.behind[k]
 
+    def nearest(self, q: Array, margin: float) -> tuple[str, str, float] | None:
+        """The two that are nearest to each other, no farther than a margin, at a posture, and how near, m."""
+        pairs = self.watched(margin)
+        places, centres = self._placed(self._frames(q))
+        first, second = np.array(pairs, np.int64).reshape(-1, 2).T
+        apart = np.linalg.norm(centres[first] - centres[second], axis=1)
+        close = np.flatnonzero(apart - self._balls[first, 3] - self._balls[second, 3] <= margin)
+        at = {k: transform(places[k]) for k in {*first[close].tolist(), *second[close].tolist()}}
+        found = [(self._distance(at, *pairs[k]), pairs[k]) for k in close.tolist()]
+        distance, (a, b) = min(found, default=(math.inf, (0, 0)))
+        return (self.names[a], self.names[b], distance) if distance <= margin else None
+
+    def _placed(self, frames: Array) -> tuple[list[Array], Array]:
+        """Where bodies are, and (n, 3) the centres of the balls around them, by the frames of the joints."""
+        places = [frames[joint] if joint >= 0 else _STILL for joint in self.joints]
+        stacked = np.array(places)
+        return places, np.einsum("nij,nj->ni", stacked[:, :3, :3], self._balls[:, :3]) + stacked[:, :3, 3]
+
     def along(self, start: Array, end: Array, margin: float) -> tuple[float, str, str, float]:
         """What comes within a margin on a straight line of joint angles: where (0 to 1), which two, how near, m.
 
@@ -152,9 +182,7 @@ class RealWorld:
         self, frames: Array, turns: Array, margin: float, pairs: Sequence[tuple[int, int]]
     ) -> tuple[int, int, float] | None:
         """The nearest pair that may come within a margin while joints turn so far from a posture; None for none."""
-        still = np.eye(4)
-        places = [frames[joint] if joint >= 0 else still for joint in self.joints]
-        centres = np.array([T[:3, :3] @ ball[:3] + T[:3, 3] for T, ball in zip(places, self._balls, strict=True)])
+        places, centres = self._placed(frames)
         at: dict[int, Any] = {}
         worst = None
         for a, b in pairs:
@@ -181,13 +209,9 @@ class RealWorld:
         return total
 
     def _distance(self, at: dict[int, Any], a: int, b: int) -> float:
-        least = np.inf
-        for one in self.parts[a]:
-            for other in self.parts[b]:
-                least = min(least, apart(one, at[a] * one.at, other, at[b] * other.at))
-                if least <= 0.0:
-                    return least
-        return least
+        return min(
+            apart(one, at[a] * one.at, other, at[b] * other.at) for one in self.parts[a] for other in self.parts[b]
+        )
 
 
 _SHORTEST = 1e-3

@@ -143,3 +143,58 @@ def cut(found, n, arcs, counts, out):
         elbow = b >> 2
         count = cut_one(b, found[i, 1], found[i, 2], arcs[elbow], counts[elbow], out, first, count)
     return count
+
+
+@kernel
+def angles_of(found, n, elbow, arcs):
+    """Write the arm angles of the first n intervals of an elbow, of all its branches, as one set: number of pieces."""
+    count = 0
+    for i in range(n):
+        if int(found[i, 0]) >> 2 == elbow:
+            half = 0.5 * (found[i, 2] - found[i, 1])
+            count = add_arc(arcs, count, found[i, 1] + half, half)
+    return count
+
+
+@kernel
+def angles_of_branch(found, n, branch, arcs):
+    """The same of the intervals of one branch."""
+    count = 0
+    for i in range(n):
+        if int(found[i, 0]) == branch:
+            half = 0.5 * (found[i, 2] - found[i, 1])
+            count = add_arc(arcs, count, found[i, 1] + half, half)
+    return count
+
+
+@kernel
+def shared(first, second, taken, out):
+    """Write what two sets share outside of a third one, each with its number of pieces, into out: how many they are."""
+    count = 0
+    for i in range(first[1]):
+        for j in range(second[1]):
+            at = max(first[0][i, 0], second[0][j, 0])
+            end = min(first[0][i, 1], second[0][j, 1])
+            for k in range(taken[1]):
+                lower, upper = taken[0][k, 0], taken[0][k, 1]
+                if upper <= at or lower >= end:
+                    continue
+                if lower > at:
+                    count = append(out, count, at, lower)
+                at = upper
+                if at >= end:
+                    break
+            if at < end or (at == end and not contains(taken[0], taken[1], at)):
+                count = append(out, count, at, end)
+    return count
+
+
+@kernel
+def append(out, count, lower, upper):
+    """Append a piece; the last one takes in what there is no room for."""
+    if count == out.shape[0]:
+        out[count - 1, 0] = min(out[count - 1, 0], lower)
+        out[count - 1, 1] = max(out[count - 1, 1], upper)
+        return count
+    out[count, 0], out[count, 1] = lower, upper
+    return count + 1

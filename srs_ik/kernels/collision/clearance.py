@@ -59,14 +59,18 @@ def pair_clearance(world, a, b, turn, least):
 
 
 @kernel
-def turning_clearance(world, elbow, frames, psi):
-    """Least clearance at an arm angle of all pairs that it moves against each other, and the pair: m, row of pairs."""
+def turning_clearance(world, elbow, frames, psi, begin, enough):
+    """Least clearance at an arm angle of all pairs that it moves against each other, and the pair: m, row of pairs.
+
+    Pairs are looked at from row `begin` on; no more of them once the least is `enough` or less.
+    """
     still, turning = frames
     groups, pairs, local = world.groups, world.pairs, world.local
     turn = (math.cos(psi), math.sin(psi))
     least = math.inf
     pair = NO_GROUP
-    for k in range(pairs.shape[0]):
+    for step in range(pairs.shape[0]):
+        k = begin + step if begin + step < pairs.shape[0] else begin + step - pairs.shape[0]
         a, b = pairs[k, 0], pairs[k, 1]
         if not is_turning(world, a) or is_turning(world, b):
             continue
@@ -79,6 +83,8 @@ def turning_clearance(world, elbow, frames, psi):
         value = pair_clearance(world, a, b, turn, least)
         if value < least:
             least, pair = value, k
+            if least <= enough:
+                break
     return least, pair
 
 
@@ -114,9 +120,19 @@ def farthest_from_line(world):
 
 
 @kernel
-def put_part(parts, n, lower, upper, value, rate):
-    """Append a part of an interval: its ends, the clearance in its middle, and what that may be at most."""
-    parts[n, 0], parts[n, 1], parts[n, 2] = lower, upper, value + 0.5 * rate * (upper - lower)
+def pair_rate(world, pair, rate):
+    """How fast the clearance of a pair changes at most with the arm angle, m/rad, no more than a rate."""
+    if pair < 0:
+        return rate
+    local = world.local
+    a, b = world.pairs[pair, 0], world.pairs[pair, 1]
+    return min(rate, min(local[a, RHO] + local[a, EXTENT], local[b, RHO] + local[b, EXTENT]))
+
+
+@kernel
+def put_part(parts, n, lower, upper, most, pair):
+    """Append a part of an interval: its ends, what the clearance in it may be at most, and the pair that says so."""
+    parts[n, 0], parts[n, 1], parts[n, 2], parts[n, 3] = lower, upper, most, max(pair, 0)
     return n + 1
 
 
@@ -130,10 +146,11 @@ def widest_within(world, elbow, frames, ends, best, tolerance, parts):
     lower, upper = ends
     best_psi, largest = best
     middle = 0.5 * (lower + upper)
-    value, _ = turning_clearance(world, elbow, frames, middle)
+    value, pair = turning_clearance(world, elbow, frames, middle, 0, -math.inf)
     if value > largest:
         best_psi, largest = middle, value
-    n = put_part(parts, 0, lower, upper, value, rate)
+    most = value + 0.5 * pair_rate(world, pair, rate) * (upper - lower)
+    n = put_part(parts, 0, lower, upper, most, pair)
     while n > 0:
         top = 0
         for i in range(n):
@@ -141,17 +158,21 @@ def widest_within(world, elbow, frames, ends, best, tolerance, parts):
                 top = i
         if not parts[top, 2] > largest + tolerance or n + 1 >= parts.shape[0]:
             break
-        lower, upper = parts[top, 0], parts[top, 1]
+        lower, upper, begin = parts[top, 0], parts[top, 1], int(parts[top, 3])
         n -= 1
-        parts[top, 0], parts[top, 1], parts[top, 2] = parts[n, 0], parts[n, 1], parts[n, 2]
+        for i in range(4):
+            parts[top, i] = parts[n, i]
         half = 0.5 * (lower + upper)
         for side in range(2):
             a = lower if side == 0 else half
             b = half if side == 0 else upper
             middle = 0.5 * (a + b)
-            value, _ = turning_clearance(world, elbow, frames, middle)
+            more = 0.5 * rate * (b - a)
+            # Where one pair is so near that no angle of this half is better, no other pair matters.
+            value, pair = turning_clearance(world, elbow, frames, middle, begin, largest + tolerance - more)
             if value > largest:
                 best_psi, largest = middle, value
-            if value + 0.5 * rate * (b - a) > largest + tolerance:
-                n = put_part(parts, n, a, b, value, rate)
+            most = value + 0.5 * pair_rate(world, pair, rate) * (b - a)
+            if most > largest + tolerance:
+                n = put_part(parts, n, a, b, most, pair)
     return best_psi, largest

@@ -43,14 +43,15 @@ def posture_on(P, spot, psi, branch, near, space):
 
 
 @kernel
-def look_ahead(P, spot, world, slack, step, space):
+def look_ahead(P, spot, around, step, space):
     """Look at a step (branch, arm angle, length, posture before): verdict, how much to skip, rad, posture behind."""
+    world, slack, along = around
     branch, psi, length, before = step
     middle, met = posture_on(P, spot, psi + 0.5 * length, branch, before, space)
     behind, also = posture_on(P, spot, psi + length, branch, before, space)
     if not (met and also):
         return HIT, 0.0, before
-    verdict, least, moved = look_between(P, (before, middle, behind), world, slack)
+    verdict, least, moved = look_between(P, (before, middle, behind), world, slack, along)
     skip = 0.0
     if verdict == HIT:
         skip = SKIPPED * 0.5 * length * (slack[MARGIN] - least) / max(moved, 1e-9)
@@ -58,7 +59,7 @@ def look_ahead(P, spot, world, slack, step, space):
 
 
 @kernel
-def march(P, spot, world, slack, interval, space, out, rows):
+def march(P, spot, around, interval, space, out, rows):
     """Append the free parts of an interval (branch, lower, upper) to rows (first, count) of out; their number."""
     branch, lower, upper = interval
     first, count = rows
@@ -72,7 +73,7 @@ def march(P, spot, world, slack, interval, space, out, rows):
             psi += SHORTEST
             before, met = posture_on(P, spot, min(psi, last), branch, ANYWHERE, space)
             continue
-        verdict, skip, behind = look_ahead(P, spot, world, slack, (branch, psi, length, before), space)
+        verdict, skip, behind = look_ahead(P, spot, around, (branch, psi, length, before), space)
         if verdict == CLEAR:
             start = min(start, psi)
             psi, before = psi + length, behind
@@ -93,13 +94,16 @@ def march(P, spot, world, slack, interval, space, out, rows):
 
 
 @kernel
-def march_all(P, spot, world, slack, found, space, out):
-    """The free parts of all intervals in found (n, 3), sorted by branch, into rows of out; return their number."""
+def march_all(P, spot, around, found, space, out):
+    """The free parts of all intervals in found (n, 3), sorted by branch, into rows of out; return their number.
+
+    `around` are the bodies: `seen.World`, slack, and `shapes.Along` where shapes count, else None.
+    """
     count, first, branch = 0, 0, -1
     for i in range(found.shape[0]):
         b = int(found[i, 0])
         if b != branch:
             branch, first = b, count
         interval = (b, found[i, 1], found[i, 2])
-        count = march(P, spot, world, slack, interval, space, out, (first, count))
+        count = march(P, spot, around, interval, space, out, (first, count))
     return count

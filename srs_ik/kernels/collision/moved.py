@@ -8,8 +8,10 @@ from srs_ik.kernels.algebra.vectors import add, apply, apply_transposed, norm, s
 from srs_ik.kernels.collision.forbidden import distance_of, fixed_clearance
 from srs_ik.kernels.collision.motion import CLEAR, HALVE, HIT, carried
 from srs_ik.kernels.collision.seen import frame_of, see_balls, see_group
+from srs_ik.kernels.collision.shapes import between, centre_of, frame_of_joint, gap, put_frames
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.collision import MARGIN
+from srs_ik.kernels.layout.shapes import BALL, FIRST_SOLID, JOINT, LAST_SOLID, ONE, OTHER
 
 BEYOND = 1.25
 """How much farther than at the ends of a step bodies are taken to move within it."""
@@ -51,8 +53,51 @@ def relative_motion(world, a, b, three):
 
 
 @kernel
-def look_between(P, postures, world, slack):
+def solid_motion(along, i, a, b):
+    """How far points of a solid of body a move against body b from the middle of a step on, at most, m."""
+    shapes = along.shapes
+    joint, other = shapes.of_body[a, JOINT], shapes.of_body[b, JOINT]
+    M, shift = between(frame_of_joint(shapes.frames, joint), frame_of_joint(shapes.frames, other))
+    ball = centre_of(shapes, i)
+    centre = add(apply(M, ball), shift)
+    most = 0.0
+    for frames in (along.before, along.behind):
+        N, end = between(frame_of_joint(frames, joint), frame_of_joint(frames, other))
+        away = norm(sub(add(apply(N, ball), end), centre))
+        most = max(most, away + shapes.solids[i, BALL] * min(turned(M, N), FARTHEST))
+    return BEYOND * most
+
+
+@kernel
+def shapes_apart(along, k, margin):
+    """How far the shapes of a pair are apart in the middle of a step, as far as it matters, and how far they move."""
+    shapes = along.shapes
+    of_body = shapes.of_body
+    a, b = shapes.pairs[k, ONE], shapes.pairs[k, OTHER]
+    frame = between(frame_of_joint(shapes.frames, of_body[a, JOINT]), frame_of_joint(shapes.frames, of_body[b, JOINT]))
+    least, moved = math.inf, 0.0
+    for i in range(of_body[a, FIRST_SOLID], of_body[a, LAST_SOLID]):
+        moving = solid_motion(along, i, a, b)
+        for j in range(of_body[b, FIRST_SOLID], of_body[b, LAST_SOLID]):
+            value = gap(shapes, i, j, frame, i + j, margin + moving)[0]
+            if value - moving < least - moved:
+                least, moved = value, moving
+    return least, moved
+
+
+@kernel
+def put_step(P, postures, along):
+    """Write where the joints are at the three postures of a step."""
+    put_frames(P, postures[0], along.before)
+    put_frames(P, postures[1], along.shapes.frames)
+    put_frames(P, postures[2], along.behind)
+
+
+@kernel
+def look_between(P, postures, world, slack, along):
     """Whether all pairs stay clear in a step, given by three postures.
+
+    Where `along` tells the shapes of bodies, these are looked at where spheres are in the way.
 
     Returns:
         The verdict; the least clearance in the middle where it is not clear, m; and how far that pair moves, m.
@@ -65,6 +110,7 @@ def look_between(P, postures, world, slack):
     see_balls(world, 0, still, turning)
     pairs, margin = world.pairs, slack[MARGIN]
     verdict, least, moved = CLEAR, math.inf, 0.0
+    placed = False
     for k in range(pairs.shape[0]):
         a, b = pairs[k, 0], pairs[k, 1]
         apart = distance_of(world.local, a, b)
@@ -78,6 +124,13 @@ def look_between(P, postures, world, slack):
         value = fixed_clearance(world, a, b, min(least, margin + moving + 1e-9))
         if value > margin + moving:
             continue
+        if along is not None and along.couple_of[k] >= 0:
+            if not placed:
+                put_step(P, postures, along)
+                placed = True
+            value, moving = shapes_apart(along, along.couple_of[k], margin)
+            if value > margin + moving:
+                continue
         verdict = max(verdict, HIT if value < margin else HALVE)
         if value < least:
             least, moved = value, moving

@@ -116,14 +116,19 @@ def is_turning(world, g):
 
 
 @kernel
-def frame_of(world, g, still, turning):
-    """How the rows of a group are seen."""
-    place = world.groups[g, PLACE]
+def frame_at(place, still, turning):
+    """How rows of a place are seen."""
     if place == BASE:
         return still[0]
     if place == TIP:
         return still[1]
     return turning[1] if place == FORE else turning[0]
+
+
+@kernel
+def frame_of(world, g, still, turning):
+    """How the rows of a group are seen."""
+    return frame_at(world.groups[g, PLACE], still, turning)
 
 
 @kernel

@@ -13,7 +13,7 @@ import numpy as np
 
 from srs_ik.kernels.algebra.joint_vectors import along7
 from srs_ik.kernels.algebra.pointers import row
-from srs_ik.kernels.collision.arcs import add_arc
+from srs_ik.kernels.collision.arcs import angles_of
 from srs_ik.kernels.collision.clearance import MOST_PARTS, resting_clearance, turning_clearance, widest_within
 from srs_ik.kernels.collision.free import arcs_of_pairs, best_of, forbidden_arcs, left_of
 from srs_ik.kernels.collision.march import march_all
@@ -86,7 +86,8 @@ def free_intervals(family, T, bodies, groups, pairs, slack, local, ready, found,
 def march(family, T, found, n, bodies, groups, pairs, slack, local, ready, J, A, out):
     """The same on the true chain of a near limb, along its curves: found (m, 3) is sorted by branch."""
     P = row(family, LIMITED)
-    return march_all(P, spot_of(P, T), World(bodies, groups, pairs, local, ready), slack, found[:n], Space(J, A), out)
+    around = (World(bodies, groups, pairs, local, ready), slack, None)
+    return march_all(P, spot_of(P, T), around, found[:n], Space(J, A), out)
 
 
 @entry
@@ -128,7 +129,7 @@ def clearance(family, T, bodies, groups, pairs, local, ready, elbow, psi, out):
     see_balls(world, 0, still, turning_frames(P, place_, 0))
     frames = (still, turning_frames(P, place_, elbow))
     see_balls(world, elbow, still, frames[1])
-    least, pair = turning_clearance(world, elbow, frames, psi)
+    least, pair = turning_clearance(world, elbow, frames, psi, 0, -math.inf)
     resting, other = resting_clearance(world, elbow, frames)
     put_wide(world, psi, elbow << 2, min(least, resting), pair if least <= resting else other, out)
 
@@ -139,17 +140,6 @@ def put_wide(world, psi, branch, value, pair, out):
     out[WIDE_ARM_ANGLE], out[WIDE_BRANCH], out[WIDE_CLEARANCE] = psi, branch, value
     out[WIDE_FIRST] = world.pairs[pair, 0] if pair != NO_GROUP else NO_GROUP
     out[WIDE_SECOND] = world.pairs[pair, 1] if pair != NO_GROUP else NO_GROUP
-
-
-@kernel
-def all_angles(found, n, elbow, arcs):
-    """Write the arm angles of the first n intervals of an elbow, of all its branches, as one set: number of pieces."""
-    count = 0
-    for i in range(n):
-        if int(found[i, 0]) >> 2 == elbow:
-            half = 0.5 * (found[i, 2] - found[i, 1])
-            count = add_arc(arcs, count, found[i, 1] + half, half)
-    return count
 
 
 @kernel
@@ -174,7 +164,7 @@ def widest(family, T, bodies, groups, pairs, local, ready, found, n, tolerance, 
     R, p, _ = read_pose(row(T, 0))
     place_ = place(P, R, p)
     still = still_frames(P, place_, R, p)
-    parts, arcs = np.empty((MOST_PARTS, 3)), np.empty((MOST_ARCS, 2))
+    parts, arcs = np.empty((MOST_PARTS, 4)), np.empty((MOST_ARCS, 2))
     best = -math.inf
     out[WIDE_CLEARANCE] = -math.inf
     for elbow in range(2):
@@ -183,14 +173,14 @@ def widest(family, T, bodies, groups, pairs, local, ready, found, n, tolerance, 
         resting, other = resting_clearance(world, elbow, frames)
         psi, turning = 0.0, -math.inf
         # All branches of an elbow are as clear as each other.
-        for i in range(all_angles(found, n, elbow, arcs)):
+        for i in range(angles_of(found, n, elbow, arcs)):
             ends = (arcs[i, 0], arcs[i, 1])
             psi, turning = widest_within(world, elbow, frames, ends, (psi, turning), tolerance, parts)
         branch = branch_at(found, n, elbow, psi)
         if branch < 0 or (min(turning, resting), turning) <= (out[WIDE_CLEARANCE], best):
             continue
         best = turning
-        _, pair = turning_clearance(world, elbow, frames, psi)
+        _, pair = turning_clearance(world, elbow, frames, psi, 0, -math.inf)
         put_wide(world, psi, branch, min(turning, resting), pair if turning <= resting else other, out)
 
 

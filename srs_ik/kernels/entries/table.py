@@ -37,6 +37,13 @@ slack: float[SLACK]
 local: float[l, LOCAL_ROW]&
 ready: int[g]&
 found: float[f, 3]
+solids: float[s, SOLID]
+of_solid: int[s, OF_SOLID]
+points: float[i, 3]
+shaped: float[h, SHAPED]
+of_body: int[h, OF_BODY]
+couples: int[c, PAIR]
+outer: float[2, OUTER]
 port: float[p]
 """
 """What is meant by names that have one meaning in all rooms; a line may say otherwise."""
@@ -121,6 +128,11 @@ collision.solve_range(family, limits: float[4, limb.SIZE], poses, first, last, b
     groups, pairs, slack, local, ready, out: float[n, ROW]&, verdicts)
 collision.edges(family, starts: float[n, 7], ends: float[n, 7], bodies, groups, pairs, slack: float[n, SLACK], local,
     ready, out: float[n, EDGE]&) -> int
+shapes.free_intervals(family, T, found, ranges: float[r, 3], margin: float, bodies, groups, pairs, slack, local, ready,
+    solids, of_solid, points, shaped, of_body, couples, outer, J, A, out: float[o, 3]&, rest: float[q, REST]&) ->
+    (int, float, int)
+shapes.march(family, T, found, bodies, groups, pairs, slack, local, ready, solids, of_solid, points, shaped, of_body,
+    couples, outer, J: float[6, 7]&, A: float[16, 9]&, out: float[o, 3]&) -> int
 control.tick(family, weights: float[WEIGHTS], ports: float[n, PORT], states: float[n, STATE]&, bounds: float[b],
     motion: float[2, 7], work: float[w, 7]&) -> bool
 control.elbow_point(family, q: float[7], out: float[3]&)

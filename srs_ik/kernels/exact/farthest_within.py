@@ -16,7 +16,7 @@ from srs_ik.kernels.layout.answer import MAX_PIECES
 from srs_ik.kernels.layout.limb import SIZE
 from srs_ik.kernels.layout.search import STATE
 from srs_ik.kernels.limb.branches import NO_BRANCH
-from srs_ik.kernels.limb.goal import NO_SEED, OUTSIDE
+from srs_ik.kernels.limb.goal import NO_SEED, OUTSIDE, elbow_part
 from srs_ik.kernels.limb.triangle import elbow_side
 
 MOST_LEFT = 16 * MAX_PIECES
@@ -61,6 +61,16 @@ def best_middle(P, sides, left, n, respect):
 
 
 @kernel
+def least_of_elbows(P, sides, left, n, respect):
+    """A cost below which no posture in n intervals is: that of its elbow, which no arm angle bends otherwise."""
+    least = 4.0 * NO_BRANCH
+    for i in range(n):
+        _, value = elbow_part(P, sides[int(left[i, 0]) >> 2][0], False, 0.0, respect)
+        least = min(least, value)
+    return least
+
+
+@kernel
 def farthest_within(P, place_, given, branch, respect):
     """Posture of the least cost over intervals (n, 3) of a branch (-1: of all): q, branch, cost."""
     sides = (elbow_side(P, place_, 0), elbow_side(P, place_, 1))
@@ -73,11 +83,15 @@ def farthest_within(P, place_, given, branch, respect):
         if branch < 0 or int(given[k, 0]) == branch:
             n = put(left, n, given[k, 0], given[k, 1], given[k, 2])
     best_q, best, lowest = NO_SEED, 0, 4.0 * NO_BRANCH
+    least = least_of_elbows(P, sides, left, n, respect)
     for round_ in range(ROUNDS):
         before = lowest
         top, q, value = best_middle(P, sides, left, n, respect)
         if value < lowest:
             best_q, best, lowest = q, int(left[top, 0]), value
+        if lowest < OUTSIDE and lowest <= least + GAIN:
+            # The elbow is the tightest joint.
+            break
         # The way up from the highest, once limits have left little; from the others only where that gains nothing.
         for i in range(n if round_ > 0 or n == 1 else 0):
             k = (top + i) % n

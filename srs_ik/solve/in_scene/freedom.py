@@ -86,15 +86,22 @@ def _turned(T: Array, turn: Array) -> Array:
 def _least_deep(
     around: Surroundings, T: Array, alone: Solution, free: FreeAxis, near: Array | None, respect: bool
 ) -> Solution:
-    """Of postures that all hit something, the one that does so least, of few turns."""
+    """Of postures that all hit something, the one that does so least, of few turns; or one that hits nothing after all.
+
+    Real shapes, which are asked here, may leave what spheres do not.
+    """
     turns = free.sampled(TURNS_HITTING)
     answers = [in_scene.solve(around, _turned(T, turn), None, near, -1, respect) for turn in turns]
+    clear = [answer for answer in answers if answer]
+    if clear:
+        cost = goal_of(around.packed, near).cost
+        return min(clear, key=lambda answer: cost(answer.q))
     hitting = [(answer.collision.depth, k) for k, answer in enumerate(answers) if answer.collision is not None]
     if hitting:
         return answers[min(hitting)[1]]
     # None of these turns has a posture, but one between them has.
     alone._row[ROW_STATUS] = Status.COLLISION
-    alone.collision = around.hit_at(alone.q)
+    alone.collision = around.deepest_at(alone.q) or around.hit_at(alone.q)
     return alone
 
 

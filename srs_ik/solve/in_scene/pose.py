@@ -45,20 +45,26 @@ def solve(
             raise invalid_pose(int(verdicts[0]))
         if rows[0, ROW_STATUS] == Status.OK:
             return Solution(rows[0], around.packed.joint_names, around.packed.elbow)
-    return _by_intervals(around, T, psi, near, branch, respect)
+    else:
+        free = chosen(around.all_free(T, respect), branch, psi)
+        solution = best(around, T, free, psi, near, respect) if len(free) else None
+        if solution is not None:
+            return solution
+    return _where_nothing_is_free(around, T, psi, near, branch, respect)
 
 
-def _by_intervals(
+def _where_nothing_is_free(
     around: Surroundings, T: Array, psi: float | None, near: Array | None, branch: int, respect: bool
 ) -> Solution:
-    """The same in free intervals that are known first, and what is in the way where there are none."""
-    free = chosen(around.all_free(T, respect), branch, psi)
-    solution = best(around, T, free, psi, near, respect) if len(free) else None
-    if solution is not None:
-        return solution
+    """The best posture that the real shapes leave where spheres leave none, or what is in the way."""
     found = chosen(around.feasible(T, respect), branch, psi)
     if not len(found):
         return pose_solver.solve(around.packed, T, psi, near, None if branch < 0 else branch, respect)
+    if not around.is_exact:
+        free = around.by_shapes(T, respect, branch=branch, psi=psi)[0]
+        solution = best(around, T, free, psi, near, respect) if len(free) else None
+        if solution is not None:
+            return solution
     return _hitting(around, T, found, psi, respect)
 
 
@@ -89,8 +95,14 @@ def _hitting(around: Surroundings, T: Array, found: Array, psi: float | None, re
     wide = around.widest(T, among, _WIDE_ENOUGH) if psi is None else around.clearance(T, int(among[0, 0]) >> 2, psi)
     branch = int(wide[at.WIDE_BRANCH]) if psi is None else int(among[0, 0])
     solution = pose_solver.solve(around.packed, T, float(wide[at.WIDE_ARM_ANGLE]), None, branch, respect)
+    hit = around.deepest_at(solution.q)
+    if hit is None and len(in_range):
+        # Too narrow a set of free angles to be found, and yet this posture is in it.
+        return solution
+    if hit is None:
+        hit = around.jam(solution.q)
     solution._row[ROW_STATUS] = Status.COLLISION
-    solution.collision = around.jam(solution.q) if not len(in_range) else around.collision(wide)
+    solution.collision = hit
     return solution
 
 
@@ -163,7 +175,7 @@ def _in_kernels(
     def rest(first: int, last: int) -> None:
         for i in left[first:last].tolist():
             near = None if seeds is None else seeds[i if len(seeds) > 1 else 0]
-            answer = _by_intervals(around, T[i], None, near, branch, respect)
+            answer = _where_nothing_is_free(around, T[i], None, near, branch, respect)
             rows[i] = answer._row
             if answer.collision is not None:
                 hits[(i,)] = answer.collision

@@ -107,9 +107,7 @@ class Surroundings:
     def free_and_undecided(self, T: Array, respect: bool, more: float = 0.0) -> tuple[Array, float]:
         """The same, and the width of what is counted as forbidden without having been decided, rad."""
         if self.is_exact:
-            from srs_ik.solve.in_scene.certified import certified_free
-
-            return certified_free(self, T, self.feasible(T, respect), respect, more)
+            return self.by_shapes(T, respect, more)
         if not self.packed.closed:
             return self.along_curves(T, self.in_range(T, self.feasible(T, respect), respect), more), 0.0
         rows, counts, verdicts = np.empty((MOST_INTERVALS, 3)), np.empty(1, np.int64), np.empty(1, np.int8)
@@ -117,6 +115,20 @@ class Surroundings:
         if verdicts[0]:
             raise invalid_pose(int(verdicts[0]))
         return rows[: counts[0]], 0.0
+
+    def by_shapes(
+        self, T: Array, respect: bool, more: float = 0.0, branch: int = -1, psi: float | None = None
+    ) -> tuple[Array, float]:
+        """The same on the real shapes, of one branch or of all (-1), at one arm angle or at all."""
+        from srs_ik.solve.in_scene.certified import certified_free, marched
+
+        found = self.feasible(T, respect)
+        if not self.packed.closed:
+            free = marched(self, T, chosen(self.in_range(T, found, respect), branch, None), more)
+            return chosen(free, branch, psi), 0.0
+        possible = chosen(self.not_out_of_range(T, found, respect), branch, psi)
+        possible = self.clear_of_formless(T, possible, more)
+        return certified_free(self, T, possible, self.in_range(T, found, respect), more)
 
     def free_range(
         self,
@@ -176,7 +188,7 @@ class Surroundings:
     @property
     def is_exact(self) -> bool:
         """Whether real shapes count."""
-        return self.scene.exact and self.packed.closed
+        return self.scene.exact
 
     @property
     def in_closed_form(self) -> bool:
@@ -277,6 +289,20 @@ class Surroundings:
         """Which bodies are too close at a posture; None for none."""
         hit = self.collision_of(self.along(q[None], q[None], np.array([self.margin]))[0])
         return hit if hit is not None else self.jam(q)
+
+    def deepest_at(self, q: Array) -> Collision | None:
+        """Which bodies are too close at a posture, the closest of them, by their real shapes; None for none."""
+        hits = []
+        near = self.real_world().nearest(q, self.margin)
+        if near is not None:
+            first, second, distance = near
+            hits.append(Collision(first, second, max(self.margin - distance, 0.0)))
+        formless = self.tables.formless
+        if len(formless):
+            edge = self.along(q[None], q[None], np.array([self.margin]), formless)[0]
+            hit = self.collision_of(edge, formless)
+            hits += [] if hit is None else [hit]
+        return max(hits, key=lambda hit: hit.depth, default=None)
 
     def hits_of(self, T: Array, rows: Array) -> dict[tuple[int, ...], Collision]:
         """What hits what in answers that say so, by their index."""

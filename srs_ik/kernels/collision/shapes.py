@@ -1,0 +1,273 @@
+"""Real shapes where the arm angle takes them: about the line shoulder-wrist, or along the chain of a branch."""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+from srs_ik.kernels.algebra.lane_trig import seven_turns
+from srs_ik.kernels.algebra.vectors import add, apply, apply_transposed, dot, norm, sub, times
+from srs_ik.kernels.chain.kinematics import first_line, joint_line
+from srs_ik.kernels.collision.convex import apart
+from srs_ik.kernels.collision.seen import frame_at
+from srs_ik.kernels.jit import kernel
+from srs_ik.kernels.layout.shapes import (
+    AXIS,
+    BALL,
+    CENTRE,
+    CYLINDER,
+    FIRST,
+    FIRST_SOLID,
+    HALF,
+    INNER,
+    IS_WHOLE,
+    KIND,
+    LAST,
+    LAST_SOLID,
+    PLACE,
+    RADIUS,
+    SEGMENT,
+)
+
+NORMALS = 16
+"""Room for the planes between two bodies that were found last, by their solids."""
+
+UNKNOWN = -1.0
+"""A distance from the line S-W that has not been looked at."""
+
+
+class Shapes(NamedTuple):
+    """The tables of `layout.shapes`, and work space."""
+
+    solids: object
+    """(S, SOLID)."""
+    of_solid: object
+    """(S, OF_SOLID) integers."""
+    points: object
+    """(N, 3)."""
+    bodies: object
+    """(B, SHAPED)."""
+    of_body: object
+    """(B, OF_BODY) integers."""
+    pairs: object
+    """(K, PAIR) integers."""
+    outer: object
+    """(2, OUTER)."""
+    from_line: object
+    """(S,) work space: largest distance of a solid from the line S-W, where it turns about it."""
+    frames: object
+    """(8, 12) work space: where the joints take what they carry, matrix and shift."""
+    normals: object
+    """(NORMALS, 3) work space: planes that were between two bodies."""
+
+
+class Along(NamedTuple):
+    """What is looked at along a curve: the shapes, and where joints are at both ends of a step."""
+
+    shapes: object
+    couple_of: object
+    """(n,) integers: which row of the shapes' pairs belongs to each pair that spheres watch, or -1."""
+    before: object
+    """(8, 12) work space, like `Shapes.frames`, which is for the middle."""
+    behind: object
+    """(8, 12) work space."""
+
+
+@kernel
+def centre_of(shapes, i):
+    """Centre of the ball around a solid."""
+    return shapes.solids[i, CENTRE], shapes.solids[i, CENTRE + 1], shapes.solids[i, CENTRE + 2]
+
+
+@kernel
+def between(one, other):
+    """Where what the first frame moves is for what the second one moves: matrix and shift."""
+    M, b = one
+    N, c = other
+    back = (N[0], N[3], N[6], N[1], N[4], N[7], N[2], N[5], N[8])
+    return times(back, M), apply_transposed(N, sub(b, c))
+
+
+@kernel
+def turned_about_line(frame, turn):
+    """A frame seen from the line S-W, turned about it by an angle given by cosine and sine."""
+    M, b = frame
+    c, s = turn
+    N = (
+        M[0],
+        M[1],
+        M[2],
+        c * M[3] - s * M[6],
+        c * M[4] - s * M[7],
+        c * M[5] - s * M[8],
+        s * M[3] + c * M[6],
+        s * M[4] + c * M[7],
+        s * M[5] + c * M[8],
+    )
+    return N, (b[0], c * b[1] - s * b[2], s * b[1] + c * b[2])
+
+
+@kernel
+def off_line(frame, x):
+    """Distance of a point from the line S-W, from which the frame sees it."""
+    _, v, w = apply(frame[0], x)
+    return math.hypot(v + frame[1][1], w + frame[1][2])
+
+
+@kernel
+def reach_from_line(shapes, i, frame):
+    """Largest distance of a point of a solid from the line S-W, or a little more."""
+    known = shapes.from_line[i]
+    if known != UNKNOWN:
+        return known
+    solids = shapes.solids
+    largest = 0.0
+    if shapes.of_solid[i, KIND] == CYLINDER:
+        for sign in (-1.0, 1.0):
+            h = sign * solids[i, HALF]
+            end = (
+                solids[i, CENTRE] + h * solids[i, AXIS],
+                solids[i, CENTRE + 1] + h * solids[i, AXIS + 1],
+                solids[i, CENTRE + 2] + h * solids[i, AXIS + 2],
+            )
+            largest = max(largest, off_line(frame, end))
+    else:
+        for k in range(shapes.of_solid[i, FIRST], shapes.of_solid[i, LAST]):
+            point = (shapes.points[k, 0], shapes.points[k, 1], shapes.points[k, 2])
+            largest = max(largest, off_line(frame, point))
+    largest += solids[i, RADIUS]
+    shapes.from_line[i] = largest
+    return largest
+
+
+@kernel
+def body_from_line(shapes, body, frames):
+    """The same of a body that turns, where the arm angle is zero."""
+    largest = 0.0
+    frame = frame_at(shapes.of_body[body, PLACE], frames[0], frames[1])
+    for i in range(shapes.of_body[body, FIRST_SOLID], shapes.of_body[body, LAST_SOLID]):
+        largest = max(largest, reach_from_line(shapes, i, frame))
+    return largest
+
+
+@kernel
+def forget(shapes):
+    """Forget the planes between the bodies of another pair."""
+    for k in range(NORMALS):
+        shapes.normals[k, 0], shapes.normals[k, 1], shapes.normals[k, 2] = 0.0, 0.0, 0.0
+
+
+@kernel
+def segment_of(shapes, i):
+    """From the centre of a solid to one end of the segment within it."""
+    return shapes.solids[i, SEGMENT], shapes.solids[i, SEGMENT + 1], shapes.solids[i, SEGMENT + 2]
+
+
+@kernel
+def limited(x):
+    """The nearest figure between -1 and 1."""
+    return min(max(x, -1.0), 1.0)
+
+
+@kernel
+def depth_within(shapes, i, j, M, centre):
+    """How deep the capsules within two solids are in each other, m; `centre` is where that of i is for that of j."""
+    inner, other = shapes.solids[i, INNER], shapes.solids[j, INNER]
+    if inner < 0.0 or other < 0.0:
+        return -1.0
+    a, b = apply(M, segment_of(shapes, i)), segment_of(shapes, j)
+    aa, ab, bb = dot(a, a), dot(a, b), dot(b, b)
+    ca, cb = dot(centre, a), dot(centre, b)
+    # The nearest points are centre + s a and t b.
+    across = aa * bb - ab * ab
+    s = limited((ab * cb - bb * ca) / across) if across > 1e-12 * aa * bb else 0.0
+    t = limited((cb + s * ab) / bb) if bb > 0.0 else 0.0
+    s = limited((t * ab - ca) / aa) if aa > 0.0 else 0.0
+    t = limited((cb + s * ab) / bb) if bb > 0.0 else 0.0
+    x = centre[0] + s * a[0] - t * b[0]
+    y = centre[1] + s * a[1] - t * b[1]
+    z = centre[2] + s * a[2] - t * b[2]
+    return inner + other - math.sqrt(x * x + y * y + z * z)
+
+
+START = (1.0, 0.0, 0.0)
+"""A direction to begin with where none is nearer at hand."""
+
+
+@kernel
+def gap(shapes, i, j, frame, slot, needed):
+    """Distance of two solids as far as it matters, see `convex.apart`, beginning where the last search ended."""
+    M, b = frame
+    centre = sub(add(apply(M, centre_of(shapes, i)), b), centre_of(shapes, j))
+    length = norm(centre)
+    balls = shapes.solids[i, BALL] + shapes.solids[j, BALL]
+    if length - balls >= needed:
+        return length - balls, (centre[0] / length, centre[1] / length, centre[2] / length)
+    within = depth_within(shapes, i, j, M, centre)
+    if within > 0.0:
+        return -within, (centre[0] / length, centre[1] / length, centre[2] / length) if length > 0.0 else START
+    k = slot % NORMALS
+    normals = shapes.normals
+    start = (normals[k, 0], normals[k, 1], normals[k, 2])
+    if start[0] == 0.0 and start[1] == 0.0 and start[2] == 0.0:
+        start = centre if length > 1e-9 else START
+    value, normal = apart(shapes, i, j, frame, start, needed)
+    normals[k, 0], normals[k, 1], normals[k, 2] = normal
+    return value, normal
+
+
+@kernel
+def is_whole(shapes, a, b):
+    """Whether two bodies are nothing but their solids."""
+    for body in (a, b):
+        for i in range(shapes.of_body[body, FIRST_SOLID], shapes.of_body[body, LAST_SOLID]):
+            if shapes.of_solid[i, IS_WHOLE] == 0:
+                return False
+    return True
+
+
+@kernel
+def put_frame(frames, joint, M, b):
+    """Write where a joint takes what it carries."""
+    for i in range(9):
+        frames[joint, i] = M[i]
+    for i in range(3):
+        frames[joint, 9 + i] = b[i]
+
+
+@kernel
+def put_frames(P, q, frames):
+    """Write where all joints take what they carry at a posture, in the base frame, into frames (8, 12)."""
+    turns = seven_turns(q)
+    put_frame(frames, 0, (1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0), (0.0, 0.0, 0.0))
+    _, _, M, b = first_line(P, turns[0])
+    put_frame(frames, 1, M, b)
+    _, _, M, b = joint_line(P, 1, turns[1], M, b)
+    put_frame(frames, 2, M, b)
+    _, _, M, b = joint_line(P, 2, turns[2], M, b)
+    put_frame(frames, 3, M, b)
+    _, _, M, b = joint_line(P, 3, turns[3], M, b)
+    put_frame(frames, 4, M, b)
+    _, _, M, b = joint_line(P, 4, turns[4], M, b)
+    put_frame(frames, 5, M, b)
+    _, _, M, b = joint_line(P, 5, turns[5], M, b)
+    put_frame(frames, 6, M, b)
+    _, _, M, b = joint_line(P, 6, turns[6], M, b)
+    put_frame(frames, 7, M, b)
+
+
+@kernel
+def frame_of_joint(frames, joint):
+    """What has been written for a joint."""
+    M = (
+        frames[joint, 0],
+        frames[joint, 1],
+        frames[joint, 2],
+        frames[joint, 3],
+        frames[joint, 4],
+        frames[joint, 5],
+        frames[joint, 6],
+        frames[joint, 7],
+        frames[joint, 8],
+    )
+    return M, (frames[joint, 9], frames[joint, 10], frames[joint, 11])
