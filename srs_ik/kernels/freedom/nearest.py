@@ -17,7 +17,7 @@ from srs_ik.kernels.layout.freedom import START_COST, Found, Liking
 from srs_ik.kernels.layout.limb import IS_CLOSED, PHASE, SHOULDER, STRAIGHT, WRIST
 from srs_ik.kernels.limb.poses import read7
 
-APART = 0.5
+APART = 0.25
 """Starts this close to each other, rad in every joint, lead to the same posture."""
 
 CLOSE = 0.15
@@ -60,7 +60,8 @@ def take_best(starts, n):
 @kernel
 def beside(P, pose, freedom, liking, desk):
     """The posture that a search from the seed itself leads to; met where it is so close that there is no nearer one."""
-    there, cost, error, at_rest = settle(P, liking.posture, pose, freedom, liking, desk)
+    rival = Liking(liking.posture, liking.weights, liking.lower, liking.upper, CLOSE * CLOSE, liking.posture)
+    there, cost, error, at_rest = settle(P, liking.posture, pose, freedom, rival, desk)
     q, distance = liking.posture, math.sqrt(cost)
     s2 = abs(math.sin(q[1] - P[SHOULDER + PHASE]))
     s4 = abs(math.sin(q[3] - P[STRAIGHT]))
@@ -81,7 +82,7 @@ def nearest(P, pose, freedom, liking, count, desk):
         if i < 0:
             break
         start = read7(row(desk.starts, i))
-        rival = Liking(liking.posture, liking.weights, liking.lower, liking.upper, found.cost)
+        rival = Liking(liking.posture, liking.weights, liking.lower, liking.upper, found.cost, found.q)
         there, cost, error, _ = settle(P, start, pose, freedom, rival, desk)
         if error < SOLVED and cost < found.cost:
             found = Found(there, cost, True)
