@@ -309,7 +309,9 @@ def settle(P, q, pose, freedom, liking, desk):
         q = between(along7(q, 1.0, step), liking.lower, liking.upper)
         held = on & at_limits(q, liking)
         if size < CLOSE_BY and error < ALMOST and (beaten(q, LEFT * size, liking) or comes_to_rival(q, size, liking)):
-            break
+            return q, math.inf, math.inf, False
+    if not at_rest:
+        _, error, _ = equations(P, q, pose, freedom, desk)
     return q, distance(q, liking), error, at_rest
 
 

@@ -50,7 +50,12 @@ def found_posture(family, pose, freedom, turns, seed, respect, desk):
     if seeded:
         found = nearest(P, pose, freedom, liking, count, desk)
         return found if found.cost < least.cost else least
-    return widest(P, pose, freedom, count, desk)
+    found = widest(P, pose, freedom, count, desk)
+    if found.met:
+        return found
+    # Other starts, from distances and not margins, may yet lead to a posture.
+    count = find_starts(P, pose, freedom, turns, (True, liking.posture), desk)
+    return nearest(P, pose, freedom, liking, count, desk)
 
 
 @kernel

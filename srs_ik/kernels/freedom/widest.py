@@ -93,7 +93,7 @@ def widest(P, pose, freedom, count, desk):
     for k in range(MOST_ATTEMPTS):
         if k >= attempts and found.met:
             break
-        i = take_best(desk.starts, count)
+        i, _ = take_best(desk.starts, count)
         if i < 0:
             break
         q, reached = climb(P, read7(row(desk.starts, i)), pose, freedom, margin, desk)
