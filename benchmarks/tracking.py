@@ -5,11 +5,13 @@
     python benchmarks/tracking.py --robots gen3 --kinds hand reach --trouble --picture docs/tracking.png
     python benchmarks/tracking.py --limits --robot gen3 --count 200 --seed 0
     python benchmarks/tracking.py --recovery --robot gen3 --count 60 --seed 0
+    python benchmarks/tracking.py --losses --robot gen3 --count 20 --seed 0
 
 Each gets the same joint limits as far as it knows them: ssik a speed, Pink speeds and accelerations, Mink speeds; ours
 once speeds and accelerations, and once speeds alone. A target that is lost is None for ours and the last one for the
 others. On target is a tip within 1 mm and 10 mrad of where the target truly is, by Pinocchio; within is the share of
-updates that are so inside all limits, those of acceleration too, by 1 %; a freeze is 50 ms without a motion while the
+updates that are so inside all limits, those of acceleration too, by 1 %; mean and rms are of the accelerations by
+their limits, and jerk is the mean of how fast these change, 1/s; a freeze is 50 ms without a motion while the
 tip is off a target; a flip a joint that moves by more than 0.2 rad in a period; back the time from the end of
 a loss until the tip is on its target again, 95 % of them. Times are those of the processor.
 """
@@ -34,7 +36,7 @@ sys.path.insert(0, str(HERE.parent / "tests"))
 
 import arms  # noqa: E402
 from motions import KINDS, Motion, motion  # noqa: E402
-from tracked import limits_line, recovery_line  # noqa: E402
+from tracked import limits_line, losses_line, recovery_line  # noqa: E402
 
 ROBOTS = ("iiwa14", "gen3")
 OF_THEIR_OWN = ("ssik", "mink")
@@ -164,6 +166,8 @@ def account(arm: srs_ik.Arm, given: Motion, q: np.ndarray, dt: float) -> dict[st
         "velocity": float((np.abs(velocity) / arm.velocity_limit).max()),
         "acceleration": float((np.abs(acceleration) / (5.0 * arm.velocity_limit)).max()),
         "push": float((np.abs(acceleration) / (5.0 * arm.velocity_limit)).mean()),
+        "rms": float(np.sqrt(((acceleration / (5.0 * arm.velocity_limit)) ** 2).mean())),
+        "jerk": float((np.abs(np.diff(acceleration, axis=0)) / dt / (5.0 * arm.velocity_limit)).mean()),
         "freezes": float(_runs(still, round(FREEZE / dt))),
         "recovery": _recovery(given, on, dt),
         "flips": float((np.abs(steps).max(axis=1) > FLIP).sum()),
@@ -233,13 +237,14 @@ def main(words: list[str] | None = None) -> None:
     parser.add_argument("--picture", type=Path, help="draw the first motion of the first kind")
     parser.add_argument("--limits", action="store_true", help="one line: what 10 s motions with trouble pass of limits")
     parser.add_argument("--recovery", action="store_true", help="one line: how fast a target that jumped is met again")
-    parser.add_argument("--robot", default="iiwa14", help="of --limits and --recovery")
+    parser.add_argument("--losses", action="store_true", help="one line: when a target is met again that was lost")
+    parser.add_argument("--robot", default="iiwa14", help="of --limits, --recovery and --losses")
     parser.add_argument("--count", type=int, default=200, help="motions, or jumps")
     parser.add_argument("--seed", type=int, default=0, help="of the first of them")
     given = parser.parse_args(words)
     dt = 1.0 / given.rate
-    if given.limits or given.recovery:
-        measure = limits_line if given.limits else recovery_line
+    if given.limits or given.recovery or given.losses:
+        measure = limits_line if given.limits else recovery_line if given.recovery else losses_line
         print(measure(arms.load(given.robot), given.robot, given.count, given.seed, dt))
         return
     print(machine())
@@ -249,6 +254,8 @@ def main(words: list[str] | None = None) -> None:
         "velocity",
         "acceleration",
         "mean",
+        "rms",
+        "jerk, 1/s",
         "freezes",
         "flips",
         "back, s",
@@ -275,7 +282,9 @@ def main(words: list[str] | None = None) -> None:
                     f"| `{robot}` | {kind} | {name} | {100.0 * np.mean([s['on'] for s in said]):.1f} % "
                     f"| {100.0 * np.mean([s['within'] for s in said]):.1f} % "
                     f"| {max(s['velocity'] for s in said):.2f} | {max(s['acceleration'] for s in said):.3g} "
-                    f"| {np.mean([s['push'] for s in said]):.3f} | {sum(s['freezes'] for s in said):.0f} "
+                    f"| {np.mean([s['push'] for s in said]):.3f} "
+                    f"| {np.sqrt(np.mean([s['rms'] ** 2 for s in said])):.3f} "
+                    f"| {np.mean([s['jerk'] for s in said]):.1f} | {sum(s['freezes'] for s in said):.0f} "
                     f"| {sum(s['flips'] for s in said):.0f} "
                     f"| {np.percentile(back, 95.0):.2f} | {np.median(took):.1f} | {slow:.0f} |",
                     flush=True,

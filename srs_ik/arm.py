@@ -475,6 +475,7 @@ class Arm(BodyOwner):
         threads: int | None = None,
         seed: ArrayLike | None = None,
         *,
+        free_axis: ArrayLike | FreeAxis | str | None = None,
         scene: Scene | None = None,
         margin: float = 0.0,
     ) -> TaskSolution | BatchTaskSolution:
@@ -495,16 +496,27 @@ class Arm(BodyOwner):
             tie: which elbow to take where one is above the other: "lower" or "upper".
             threads: at most so many for N tasks; all processors if not given.
             seed: (7,) posture to stay near, for all, or (N, 7), rad.
+            free_axis: what of the hand's rotation is free, as for `solve`, if the task has grasp and pronosupination:
+                the turn at which the plane of the arm comes closest to that of the task, `angle_lost` on top.
             scene: what must not be touched, the arm's own bodies included; nothing is looked at if not given.
             margin: what is to be left between any two bodies, m.
 
         Raises:
-            InvalidTask: no `Task`, another side or tie, or an arm whose hand is not known (see `load`).
+            InvalidTask: no `Task`, another side or tie, an arm whose hand is not known (see `load`), or a free axis and
+                a hand whose rotation the task does not say.
             InvalidConfiguration: a malformed seed.
             InvalidScene: no `Scene`, or no margin.
             NoBodies: no shapes of the arm are at hand.
         """
-        return self._asked(scene, margin).solve_task(task, side, bool(respect_limits), tie, threads, seed)
+        asked = self._asked(scene, margin)
+        if free_axis is None:
+            return asked.solve_task(task, side, bool(respect_limits), tie, threads, seed)
+        from srs_ik.solve import free_task
+
+        def ask(each: Task, near: Any) -> Any:
+            return asked.solve_task(each, side, bool(respect_limits), tie, threads, near)
+
+        return free_task.solve_task(self.packed, ask, task, free_axis, seed)
 
     # Many configurations ----------------------------------------------------------------------------------------
 

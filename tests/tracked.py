@@ -1,4 +1,4 @@
-"""What a tracker does to its limits over many motions, and how fast it meets a target again that has jumped."""
+"""What a tracker does to its limits over many motions, and how fast it meets a target again that jumped or was lost."""
 
 from __future__ import annotations
 
@@ -16,6 +16,10 @@ SMOOTHING = 0.02
 """Of every other motion, s."""
 
 PATIENCE = 5.0
+
+LOST = 0.05
+GONE_FOR = 0.2
+"""Share of targets that are lost, and seconds in which all are."""
 
 
 def velocities(arm: Any) -> np.ndarray:
@@ -115,4 +119,40 @@ def recovery_line(arm: Any, name: str, count: int, seed: int, dt: float) -> str:
         f"{int((~back).sum())} not met within {PATIENCE:g} s; "
         f"time over the least time: median {np.median(ratio):.2f}, 95 % {np.percentile(ratio, 95.0):.2f}, "
         f"most {ratio.max():.2f}"
+    )
+
+
+def losses(arm: Any, count: int, seed: int, dt: float) -> tuple[np.ndarray, np.ndarray]:
+    """What comes of targets of which 5 % are lost, and all for a while.
+
+    Returns:
+        Seconds from the first target after each loss until the tip is on it, endless where it never is; and the share
+        of updates on target of each motion.
+    """
+    back, shares = [], []
+    for k in range(seed, seed + count):
+        moving = motion(arm, k, SECONDS, dt, KINDS[k % len(KINDS)], trouble=False)
+        rng = np.random.default_rng(k + 7_000_000)
+        lost = rng.uniform(size=len(moving.given)) < LOST
+        gone = int(rng.integers(len(lost) // 4, len(lost) // 2))
+        lost[gone : gone + round(GONE_FOR / dt)] = True
+        tracker = arm.tracker(moving.q0, dt, velocities(arm))
+        q = np.array([tracker.update(None if off else T).q for off, T in zip(lost, moving.true, strict=True)])
+        position, angle = off_target(arm.forward_kinematics, q, moving.true)
+        on = (position < NEAR_TARGET[0]) & (angle < NEAR_TARGET[1])
+        shares.append(on.mean())
+        for end in np.flatnonzero(lost[:-1] & ~lost[1:]) + 1:
+            back.append(dt * float(np.argmax(on[end:])) if on[end:].any() else np.inf)
+    return np.array(back), np.array(shares)
+
+
+def losses_line(arm: Any, name: str, count: int, seed: int, dt: float) -> str:
+    """One line on what `losses` measures."""
+    back, shares = losses(arm, count, seed, dt)
+    return (
+        f"{name}: seeds {seed} to {seed + count - 1}, {count} motions, {len(back)} losses, "
+        f"{int(np.isinf(back).sum())} without a return; on target again after: "
+        f"median {np.median(back):.3f} s, 95 % {np.percentile(back, 95.0):.3f} s, "
+        f"99 % {np.percentile(back, 99.0):.3f} s; at once {100.0 * (back == 0.0).mean():.1f} %; "
+        f"on target {100.0 * shares.mean():.1f} % of all updates"
     )

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from srs_ik.cli import freedom
 from srs_ik.cli.options import AllowXacro, AsJson, Base, Limb, Seven, Source, Three, Tip, WrongInput, numbers
 from srs_ik.cli.poses import JOINTS, NoLimits, Xyz, angles
 from srs_ik.cli.scenes import Exact, Margin, SceneFile, read
@@ -69,6 +70,8 @@ def task(
             help="Grasp and pronosupination direction of the hand in the tip frame, for a robot that gives none.",
         ),
     ] = None,
+    free_axis: freedom.Axis = None,
+    cone: freedom.Cone = None,
     base: Base = None,
     tip: Tip = None,
     limb: Limb = None,
@@ -106,6 +109,7 @@ def task(
 
     wanted = Task(position, **given)
     around = read(scene, margin, exact)
+    free = freedom.read(free_axis, cone, 1.0)
     arm = load(
         source,
         base=base,
@@ -114,7 +118,7 @@ def task(
         allow_xacro=allow_xacro,
         hand=None if axes is None else [axes[:3], axes[3:]],
     )
-    solution = arm.solve_task(wanted, side.value, not no_limits, tie.value, seed=start, **around)
+    solution = arm.solve_task(wanted, side.value, not no_limits, tie.value, seed=start, free_axis=free, **around)
     assert isinstance(solution, TaskSolution)
     if as_json:
         _print_json(arm, solution)

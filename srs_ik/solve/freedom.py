@@ -12,7 +12,7 @@ from srs_ik.inputs.freedom import FreeAxis, as_free_axis
 from srs_ik.inputs.poses import PoseLike, as_matrices, as_matrix, as_seeds, invalid_pose, refuse_bad_poses
 from srs_ik.kernels.entries import freedom as entries
 from srs_ik.kernels.layout.answer import ROW, ROW_ORIENTATION_ERROR, ROW_POSITION_ERROR, ROW_STATUS
-from srs_ik.kernels.layout.freedom import MOST_STARTS, START, SYSTEM
+from srs_ik.kernels.layout.freedom import MOST_STARTS, START, WORK
 from srs_ik.solve import pose
 from srs_ik.solve.kinematics import forward_kinematics_batch
 from srs_ik.solve.packed import PackedArm
@@ -62,7 +62,7 @@ def _rows(
     out, verdicts = np.empty((n, ROW)), np.zeros(n, np.int8)
 
     def work(first: int, last: int) -> None:
-        space = np.zeros((4, SYSTEM, SYSTEM)), np.empty((MOST_STARTS, START))
+        space = np.empty(WORK), np.empty((MOST_STARTS, START))
         given = arm.family, T, first, last, free.packed, free.turns, seeds, respect
         entries.solve_range(*given, *space, out, verdicts)
 

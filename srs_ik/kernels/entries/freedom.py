@@ -6,7 +6,7 @@ from srs_ik.kernels.algebra.pointers import row
 from srs_ik.kernels.chain.freedom import read_freedom
 from srs_ik.kernels.freedom.solve import solve_free
 from srs_ik.kernels.jit import entry
-from srs_ik.kernels.layout.freedom import Desk
+from srs_ik.kernels.layout.freedom import MOST_ROLLS, SYSTEM, TABLE, Desk
 from srs_ik.kernels.pose.solve import own_seed
 
 
@@ -23,13 +23,20 @@ def solve_range(family, poses, first, last, freedom, turns, seeds, respect, work
         turns: (t, 9) rotations at which postures are looked for where the axis may lean, in the tip frame.
         seeds: (m, 7) one for all, or one a pose, or None.
         respect: whether joint limits count.
-        work: (4, SYSTEM, SYSTEM) work space.
+        work: (WORK,) work space.
         starts: (MOST_STARTS, START) work space.
         out: (n, ROW) output.
         verdicts: (n,) verdicts on the poses.
     """
-    lines, rolls = work[3].reshape(256)[:42].reshape((6, 7)), work[3].reshape(256)[42:138]
-    desk = Desk(lines, work[0], work[1], work[2], starts, rolls)
+    equations = 42 + SYSTEM * SYSTEM
+    solved = equations + SYSTEM * SYSTEM
+    desk = Desk(
+        work[:42].reshape((6, 7)),
+        work[42:equations].reshape((SYSTEM, SYSTEM)),
+        work[equations:solved].reshape((SYSTEM, SYSTEM)),
+        work[solved:].reshape((MOST_ROLLS, TABLE)),
+        starts,
+    )
     free = read_freedom(row(freedom, 0)), turns
     for i in range(first, last):
         verdicts[i] = solve_free(family, row(poses, i), free, own_seed(seeds, i), respect, desk, row(out, i))

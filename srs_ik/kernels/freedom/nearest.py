@@ -17,7 +17,7 @@ from srs_ik.kernels.layout.freedom import START_COST, Found, Liking
 from srs_ik.kernels.layout.limb import IS_CLOSED, PHASE, SHOULDER, STRAIGHT, WRIST
 from srs_ik.kernels.limb.poses import read7
 
-APART = 0.5
+APART = 0.25
 """Starts this close to each other, rad in every joint, lead to the same posture."""
 
 CLOSE = 0.15
@@ -26,9 +26,12 @@ CLEAR = 2.0
 
 NONE_LEFT = 1e300
 
-ATTEMPTS = 24
-ATTEMPTS_NEAR = 24
+ATTEMPTS = 32
+ATTEMPTS_NEAR = 32
 """Local searches at least, on an exact limb and on a near one, whose starts are not quite on its poses."""
+
+NO_NEARER = 2.0
+"""A search does not come so much nearer to the seed than its start, rad."""
 
 MOST_ATTEMPTS = 60
 """The same where none has found a posture yet."""
@@ -45,7 +48,7 @@ def are_close(starts, i, k):
 
 @kernel
 def take_best(starts, n):
-    """The start of least cost, and drop it and those next to it; -1 where none is left."""
+    """The start of least cost (-1: none is left) and that cost; drop it and those next to it."""
     best, least = -1, NONE_LEFT
     for i in range(n):
         if starts[i, START_COST] < least:
@@ -54,13 +57,14 @@ def take_best(starts, n):
         for i in range(n):
             if starts[i, START_COST] < NONE_LEFT and are_close(starts, i, best):
                 starts[i, START_COST] = NONE_LEFT
-    return best
+    return best, least
 
 
 @kernel
 def beside(P, pose, freedom, liking, desk):
     """The posture that a search from the seed itself leads to; met where it is so close that there is no nearer one."""
-    there, cost, error, at_rest = settle(P, liking.posture, pose, freedom, liking, desk)
+    rival = Liking(liking.posture, liking.weights, liking.lower, liking.upper, CLOSE * CLOSE, liking.posture)
+    there, cost, error, at_rest = settle(P, liking.posture, pose, freedom, rival, desk)
     q, distance = liking.posture, math.sqrt(cost)
     s2 = abs(math.sin(q[1] - P[SHOULDER + PHASE]))
     s4 = abs(math.sin(q[3] - P[STRAIGHT]))
@@ -77,11 +81,11 @@ def nearest(P, pose, freedom, liking, count, desk):
     for k in range(MOST_ATTEMPTS):
         if k >= attempts and found.met:
             break
-        i = take_best(desk.starts, count)
-        if i < 0:
+        i, distance = take_best(desk.starts, count)
+        if i < 0 or (found.met and math.sqrt(distance) > math.sqrt(found.cost) + NO_NEARER):
             break
         start = read7(row(desk.starts, i))
-        rival = Liking(liking.posture, liking.weights, liking.lower, liking.upper, found.cost)
+        rival = Liking(liking.posture, liking.weights, liking.lower, liking.upper, found.cost, found.q)
         there, cost, error, _ = settle(P, start, pose, freedom, rival, desk)
         if error < SOLVED and cost < found.cost:
             found = Found(there, cost, True)

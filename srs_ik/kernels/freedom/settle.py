@@ -17,7 +17,7 @@ from srs_ik.kernels.freedom.system import RHS, solve_held
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.limb.goal import NO_SEED
 
-STEPS = 20
+STEPS = 30
 MAX_STEP = 0.5
 """Longest change of a joint in one step, rad."""
 
@@ -30,8 +30,9 @@ MET = 1e-11
 ALMOST = 0.1
 """Bends count where the pose is met so far: multipliers of a first guess say nothing."""
 
-LEAST_BEND = 0.02
-"""A step along which the distance bends up less than this, by its own bend, is none to a minimum."""
+STIFFER = 4.0
+STIFFEST = 256.0
+"""Where a step is none to a minimum, the bend of the distance counts so many times more, and at most so many times."""
 
 ON_LIMIT = 1e-12
 """A joint this close to a limit, rad, is on it."""
@@ -43,6 +44,12 @@ CLOSE_BY = 0.1
 
 LEFT = 3.0
 """After a step shorter than `CLOSE_BY`, the rest of the way is no longer than so many times the step."""
+
+SAME = 0.01
+"""A step that leads so close to a posture that is known, rad, and is longer than that, leads there."""
+
+NO_RIVAL = 1e300
+"""Cost of a rival where there is none."""
 
 ROUNDS = 12
 """Most changes of the set of joints that are held, in a step."""
@@ -126,8 +133,12 @@ def bends(m, forces, turns, cone):
 
 
 @kernel
-def fill(J, K, q, liking, bend, share):
-    """Write second derivatives of the Lagrangian into rows 0 to 6 of the system, and the slope of the distance."""
+def fill(J, K, q, liking, bend, shares):
+    """Write second derivatives of the Lagrangian into rows 0 to 6 of the system, and the slope of the distance.
+
+    The bends of the equations, and those of the distance, count by a share each.
+    """
+    share, plain = shares
     point, axis, u = bend
     for i in range(7):
         z = axis_of(J, i)
@@ -136,7 +147,7 @@ def fill(J, K, q, liking, bend, share):
             h = share * (dot(along_point, velocity(J, j)) + dot(along_axis, cross(axis_of(J, j), u)))
             K[i, j] = h
             K[j, i] = h
-        K[i, i] += liking.weights[i]
+        K[i, i] += plain * liking.weights[i]
         K[i, RHS] = -liking.weights[i] * (q[i] - liking.posture[i])
 
 
@@ -208,21 +219,30 @@ def distance(q, liking):
 
 
 @kernel
-def bent(K, d, liking):
-    """Second derivative of the Lagrangian along a step, by that of the distance alone."""
-    total = 0.0
-    plain = 1e-300
-    for i in range(7):
-        plain += liking.weights[i] * d[i] * d[i]
-        for j in range(7):
-            total += d[i] * K[i, j] * d[j]
-    return total / plain
+def part_way(a, share, b):
+    """Multipliers after a share of a step."""
+    return (
+        a[0] + share * (b[0] - a[0]),
+        a[1] + share * (b[1] - a[1]),
+        a[2] + share * (b[2] - a[2]),
+        a[3] + share * (b[3] - a[3]),
+        a[4] + share * (b[4] - a[4]),
+    )
 
 
 @kernel
 def beaten(q, way, liking):
     """Whether a posture is no rival any more: even so much nearer, rad."""
     return math.sqrt(distance(q, liking)) > math.sqrt(liking.rival) + way
+
+
+@kernel
+def comes_to_rival(q, size, liking):
+    """Whether a search whose last step was so short comes to the posture that is known."""
+    off = 0.0
+    for j in range(7):
+        off = max(off, abs(q[j] - liking.rival_posture[j]))
+    return liking.rival < NO_RIVAL and size > off and off < SAME
 
 
 @kernel
@@ -243,6 +263,7 @@ def settle(P, q, pose, freedom, liking, desk):
     error, size, at_rest = math.inf, math.inf, False
     known = 0
     before, step, worth = q, NO_SEED, math.inf
+    last, asked, share = NO_FORCE, NO_FORCE, 1.0
     radius = MAX_STEP
     for _ in range(STEPS):
         m, error, turns = equations(P, q, pose, freedom, desk)
@@ -254,34 +275,43 @@ def settle(P, q, pose, freedom, liking, desk):
             # Too far for what is known of the bends.
             step = along7(NO_SEED, SHORTER, step)
             size *= SHORTER
+            share *= SHORTER
             radius = size
+            forces = part_way(last, share, asked)
             q = along7(before, 1.0, step)
             continue
         radius = min(2.0 * radius, MAX_STEP)
         curve = bends(m, forces, turns, freedom.cone)
         curved = error < ALMOST and known == m
-        fill(J, K, q, liking, curve, 1.0 if curved else 0.0)
-        step, forces, on, down = bounded_step(K, M, m, q, held, liking)
-        if curved and (not down or bent(K, step, liking) < LEAST_BEND):
-            # Not towards a minimum: downhill along the equations.
-            fill(J, K, q, liking, curve, 0.0)
-            step, forces, on, down = bounded_step(K, M, m, q, held, liking)
+        plain = 1.0
+        fill(J, K, q, liking, curve, (1.0 if curved else 0.0, plain))
+        step, asked, on, down = bounded_step(K, M, m, q, held, liking)
+        while curved and plain < STIFFEST and not down:
+            # Not towards a minimum: stiffer, it is downhill along the equations, and no farther than they bend.
+            plain = STIFFER * plain
+            fill(J, K, q, liking, curve, (1.0, plain))
+            step, asked, on, down = bounded_step(K, M, m, q, held, liking)
         if m == 3 and leaves_cone(K, freedom, step):
             m = 4
-            step, forces, on, down = bounded_step(K, M, m, q, held, liking)
+            step, asked, on, down = bounded_step(K, M, m, q, held, liking)
+        last = forces if known == m else asked
         known = m
-        worth = distance(q, liking) + price(forces) * error
-        size = 0.0
+        worth = distance(q, liking) + price(asked) * error
+        size, share = 0.0, 1.0
         for j in range(7):
             size = max(size, abs(step[j]))
         if size > radius:
-            step = along7(NO_SEED, radius / size, step)
+            share = radius / size
+            step = along7(NO_SEED, share, step)
             size = radius
+        forces = part_way(last, share, asked)
         before = q
         q = between(along7(q, 1.0, step), liking.lower, liking.upper)
         held = on & at_limits(q, liking)
-        if size < CLOSE_BY and error < ALMOST and beaten(q, LEFT * size, liking):
-            break
+        if size < CLOSE_BY and error < ALMOST and (beaten(q, LEFT * size, liking) or comes_to_rival(q, size, liking)):
+            return q, math.inf, math.inf, False
+    if not at_rest:
+        _, error, _ = equations(P, q, pose, freedom, desk)
     return q, distance(q, liking), error, at_rest
 
 

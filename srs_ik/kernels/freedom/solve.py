@@ -30,9 +30,11 @@ def found_posture(family, pose, freedom, turns, seed, respect, desk):
     limited = row(family, LIMITED)
     lower, upper = ends(P, 0.0, -1.0), ends(P, 0.0, 1.0)
     if seed is not None:
-        liking = Liking(read7(seed), EVEN, lower, upper, NONE_LEFT)
+        wish = read7(seed)
+        liking = Liking(wish, EVEN, lower, upper, NONE_LEFT, wish)
     else:
-        liking = Liking(middles(limited), comfort(limited, 0.0).weights, lower, upper, NONE_LEFT)
+        wish = middles(limited)
+        liking = Liking(wish, comfort(limited, 0.0).weights, lower, upper, NONE_LEFT, wish)
     seeded = seed is not None or not respect
     if seed is not None:
         close = beside(P, pose, freedom, liking, desk)
@@ -42,13 +44,18 @@ def found_posture(family, pose, freedom, turns, seed, respect, desk):
     if seeded and freedom.cone > 0.0:
         # What meets the pose with the roll alone free is no farther than this.
         roll = Freedom(freedom.axis, 0.0)
-        count = find_starts(P, pose, roll, turns, True, liking.posture, desk)
+        count = find_starts(P, pose, roll, turns, (True, liking.posture), desk)
         least = eased(P, nearest(P, pose, roll, liking, count, desk), pose, freedom, liking, desk)
-    count = find_starts(P, pose, freedom, turns, seeded, liking.posture, desk)
+    count = find_starts(P, pose, freedom, turns, (seeded, liking.posture), desk)
     if seeded:
         found = nearest(P, pose, freedom, liking, count, desk)
         return found if found.cost < least.cost else least
-    return widest(P, pose, freedom, count, desk)
+    found = widest(P, pose, freedom, count, desk)
+    if found.met:
+        return found
+    # Other starts, from distances and not margins, may yet lead to a posture.
+    count = find_starts(P, pose, freedom, turns, (True, liking.posture), desk)
+    return nearest(P, pose, freedom, liking, count, desk)
 
 
 @kernel

@@ -1,12 +1,33 @@
-"""The equations of a step: joints and multipliers together, some joints held."""
+"""The equations of a step, some joints held: solved for as many joints as there are equations, and the rest freely.
+
+Where the equations depend on each other, or more joints are held than they leave, joints and multipliers are solved for
+together, and equations that contradict each other give way.
+"""
 
 from __future__ import annotations
 
+import math
+
+from srs_ik.kernels.algebra.pointers import row
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.freedom import SYSTEM
+from srs_ik.kernels.limb.poses import read7
 
 RHS = SYSTEM - 1
 """Column of the right-hand side."""
+
+INVERSE = 7
+"""First column of the inverse, behind the seven of the joints."""
+
+STEP_ROW, REST_ROW, WAYS, FREE_ROW, BASIC_ROW = 8, 9, 10, 14, 15
+"""Rows of work space: a step that meets the equations, what is left of the slope there, up to four ways along the
+equations (and behind them what they are bent by), the joints that are free, and those that equations are solved for."""
+
+FLAT = 0.01
+"""Least bend along a way, by the largest, where steps are turned downhill."""
+
+DEPENDENT = 1e-7
+"""Pivots smaller than this, m and rad by rad, are none."""
 
 SOFT = 1e-15
 """Weight by which equations that contradict each other give way."""
@@ -48,12 +69,8 @@ def eliminate(M, n):
 
 
 @kernel
-def solve_held(K, M, m, held, d):
-    """The step with joints in the bit set `held` kept at their steps d.
-
-    Returns it, the multipliers of the equations, and whether it may lead to a minimum: the matrix of a step to a saddle
-    has another sign.
-    """
+def solve_together(K, M, m, held, d):
+    """`solve_held`, joints and multipliers together: the matrix of a step to a saddle has another sign."""
     for i in range(7):
         for j in range(7 + m):
             M[i, j] = 0.0
@@ -78,4 +95,166 @@ def solve_held(K, M, m, held, d):
         (M[0, RHS], M[1, RHS], M[2, RHS], M[3, RHS], M[4, RHS], M[5, RHS], M[6, RHS]),
         forces,
         (sign < 0.0) == (m % 2 == 1),
+    )
+
+
+@kernel
+def solve_equations(K, M, m, held, d):
+    """Solve the equations for m of the joints that are not held, by elimination with pivots of all rows and columns.
+
+    Rows 0 on of M come to hold the equations in terms of the others, the inverse and the right-hand sides.
+
+    Returns the bit set of these joints, or -1 where there are not so many.
+    """
+    for r in range(m):
+        rest = K[7 + r, RHS]
+        for j in range(7):
+            is_held = (held >> j) & 1 == 1
+            M[r, j] = 0.0 if is_held else K[7 + r, j]
+            if is_held:
+                rest -= K[7 + r, j] * d[j]
+        for i in range(INVERSE, RHS):
+            M[r, i] = 1.0 if i == INVERSE + r else 0.0
+        M[r, RHS] = rest
+    done, basic = 0, 0
+    for _ in range(m):
+        line, column, most = -1, -1, DEPENDENT
+        for r in range(m):
+            if (done >> r) & 1 == 0:
+                for j in range(7):
+                    if abs(M[r, j]) > most:
+                        line, column, most = r, j, abs(M[r, j])
+        if line < 0:
+            return -1
+        share = 1.0 / M[line, column]
+        for j in range(SYSTEM):
+            M[line, j] *= share
+        for r in range(m):
+            if r != line:
+                factor = M[r, column]
+                for j in range(SYSTEM):
+                    M[r, j] -= factor * M[line, j]
+                M[r, column] = 0.0
+        M[BASIC_ROW, line] = column
+        done |= 1 << line
+        basic |= 1 << column
+    return basic
+
+
+@kernel
+def write_ways(K, M, m, taken, held, d):
+    """Write a step that meets the equations, what is left of the slope, and ways along the equations: how many."""
+    for j in range(7):
+        M[STEP_ROW, j] = d[j] if (held >> j) & 1 == 1 else 0.0
+    for r in range(m):
+        M[STEP_ROW, int(M[BASIC_ROW, r])] = M[r, RHS]
+    for i in range(7):
+        rest = K[i, RHS]
+        for j in range(7):
+            rest -= K[i, j] * M[STEP_ROW, j]
+        M[REST_ROW, i] = rest
+    n = 0
+    for c in range(7):
+        if (taken >> c) & 1 == 1:
+            continue
+        for j in range(7):
+            M[WAYS + n, j] = 1.0 if j == c else 0.0
+        for r in range(m):
+            M[WAYS + n, int(M[BASIC_ROW, r])] = -M[r, c]
+        for i in range(7):
+            bend = 0.0
+            for j in range(7):
+                bend += K[i, j] * M[WAYS + n, j]
+            M[WAYS + n, 7 + i] = bend
+        n += 1
+    return n
+
+
+@kernel
+def turn_down(M, m):
+    """Replace the bends along two ways, in rows m and m + 1, by as much upwards: steps then lead down from a saddle."""
+    a, b, c = M[m, 0], M[m, 1], M[m + 1, 1]
+    middle, half = 0.5 * (a + c), math.sqrt(0.25 * (a - c) ** 2 + b * b)
+    high, low = middle + half, middle - half
+    least = FLAT * max(abs(high), abs(low))
+    if low > least:
+        return
+    up, down = max(abs(high), least), max(abs(low), least)
+    share = (up - down) / (high - low) if high > low else 0.0
+    M[m, 0] = down + share * (a - low)
+    M[m, 1] = M[m + 1, 0] = share * b
+    M[m + 1, 1] = down + share * (c - low)
+
+
+@kernel
+def go_along(M, m, n):
+    """How far to go along each of n ways, into column RHS of rows m on; whether that leads to a minimum."""
+    for k in range(n):
+        for i in range(n):
+            total = 0.0
+            for j in range(7):
+                total += M[WAYS + k, j] * M[WAYS + i, 7 + j]
+            M[m + k, i] = total
+        total = 0.0
+        for j in range(7):
+            total += M[WAYS + k, j] * M[REST_ROW, j]
+        M[m + k, RHS] = total
+    if n == 2:
+        turn_down(M, m)
+    elif n == 1:
+        M[m, 0] = abs(M[m, 0])
+    down = True
+    for k in range(n):
+        if M[m + k, k] <= 0.0:
+            down = False
+        if abs(M[m + k, k]) < 1e-300:
+            M[m + k, k] = 1e-300
+        for i in range(k + 1, n):
+            factor = M[m + i, k] / M[m + k, k]
+            for j in range(k + 1, n):
+                M[m + i, j] -= factor * M[m + k, j]
+            M[m + i, RHS] -= factor * M[m + k, RHS]
+    for k in range(n - 1, -1, -1):
+        rest = M[m + k, RHS]
+        for j in range(k + 1, n):
+            rest -= M[m + k, j] * M[m + j, RHS]
+        M[m + k, RHS] = rest / M[m + k, k]
+    return down
+
+
+@kernel
+def multiplier(M, m, r):
+    """Multiplier of equation r: what is left of the slope, by the inverse."""
+    total = 0.0
+    for i in range(m):
+        total += M[i, INVERSE + r] * M[REST_ROW, int(M[BASIC_ROW, i])]
+    return total
+
+
+@kernel
+def solve_held(K, M, m, held, d):
+    """The step with joints in the bit set `held` kept at their steps d; it leads away from a saddle.
+
+    Returns it, the multipliers of the equations, and whether it may lead to a minimum, and not to a saddle.
+    """
+    basic = solve_equations(K, M, m, held, d)
+    if basic < 0:
+        return solve_together(K, M, m, held, d)
+    n = write_ways(K, M, m, basic | held, held, d)
+    down = go_along(M, m, n)
+    for k in range(n):
+        far = M[m + k, RHS]
+        for j in range(7):
+            M[STEP_ROW, j] += far * M[WAYS + k, j]
+            M[REST_ROW, j] -= far * M[WAYS + k, 7 + j]
+    return (
+        read7(row(M, STEP_ROW)),
+        (
+            multiplier(M, m, 0),
+            multiplier(M, m, 1),
+            multiplier(M, m, 2),
+            multiplier(M, m, 3) if m > 3 else 0.0,
+            multiplier(M, m, 4) if m > 4 else 0.0,
+        ),
+        down,
     )

@@ -12,11 +12,11 @@ from srs_ik.kernels.algebra.vectors import along, apply, cross, dot, load3, scal
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.limb import FAR, IS_CLOSED, LOWER, NEAR, SHOULDER_CENTRE, STRAIGHT, UPPER, WRIST_IN_TIP
 
-ROLLS = 12
-"""Rolls that are looked at, over all that the elbow allows."""
+ROLLS = 24
+"""Rolls that are looked at, of a turn."""
 
 FEWEST = 3
-"""The same, in each of their intervals."""
+"""The same, in each strip of them."""
 
 CONSTANT = 1e-9
 """A circle of the wrist this small, by the squared reach, leaves the elbow's angle as it is."""
@@ -37,21 +37,30 @@ def square_at(P, bend):
 
 
 @kernel
-def add_rolls(lower, upper, middle, rolls, n):
-    """Write rolls between two angles on both sides of a middle one; return how many there are."""
-    count = max(math.ceil(ROLLS * (upper - lower) / TURN * 2.0), FEWEST)
-    for i in range(count):
-        x = lower + (upper - lower) * (i + 0.5) / count
-        for side in range(2):
-            if n < rolls.shape[0]:
-                rolls[n] = middle + x if side == 0 else middle - x
-                n += 1
-    return n
+def strip_count(lower, upper):
+    """How many rolls of a strip are looked at."""
+    return int(max(math.ceil(ROLLS * (upper - lower) / TURN), FEWEST))
 
 
 @kernel
-def elbow_rolls(P, pose, axis, elbow, rolls):
-    """Write rolls about an axis of the tip at which one side of the elbow keeps its limits; return their number."""
+def both_sides(nearest, farthest, middle, side):
+    """The rolls between two angles away from a middle one, as one strip (side 0) or two: whether, and which."""
+    if nearest <= 0.0:
+        return side == 0, (middle - farthest, middle + farthest, farthest >= math.pi)
+    if farthest >= math.pi:
+        return side == 0, (middle + nearest, middle + TURN - nearest, False)
+    if side == 0:
+        return True, (middle + nearest, middle + farthest, False)
+    return True, (middle - farthest, middle - nearest, False)
+
+
+@kernel
+def strip(P, pose, axis, elbow, i):
+    """Rolls about an axis of the tip at which one side of the elbow keeps its limits: strip i of at most `STRIPS`.
+
+    Returns:
+        Whether there is such a strip; its first and last roll, and whether it is a whole turn.
+    """
     R, p = pose
     w = load3(P, WRIST_IN_TIP)
     on = scale(dot(axis, w), axis)
@@ -64,21 +73,20 @@ def elbow_rolls(P, pose, axis, elbow, rolls):
     middle = math.atan2(s, c)
     sign = 1.0 if elbow == 0 else -1.0
     slack, spare = (0.0, 0.0) if P[IS_CLOSED] == 1.0 else (SLACK, SPARE * P[FAR] * P[FAR])
-    n = 0
-    for turns in range(-1, 2):
-        low = P[LOWER + 3] - P[STRAIGHT] + TURN * turns - slack
-        high = P[UPPER + 3] - P[STRAIGHT] + TURN * turns + slack
-        least = max(low if sign > 0.0 else -high, 0.0)
-        most = min(high if sign > 0.0 else -low, math.pi)
-        if least > most:
-            continue
-        if swing < CONSTANT * P[FAR] * P[FAR]:
-            if square_at(P, most) - spare <= constant + swing and square_at(P, least) + spare >= constant - swing:
-                n = add_rolls(0.0, math.pi, middle, rolls, n)
-            continue
-        # The nearest wrist is where the elbow is bent most.
-        largest = (square_at(P, least) + spare - constant) / swing
-        smallest = (square_at(P, most) - spare - constant) / swing
-        if smallest <= 1.0 and largest >= -1.0:
-            n = add_rolls(math.acos(min(largest, 1.0)), math.acos(max(smallest, -1.0)), middle, rolls, n)
-    return n
+    turns, side = i // 2 - 1, i % 2
+    low = P[LOWER + 3] - P[STRAIGHT] + TURN * turns - slack
+    high = P[UPPER + 3] - P[STRAIGHT] + TURN * turns + slack
+    least = max(low if sign > 0.0 else -high, 0.0)
+    most = min(high if sign > 0.0 else -low, math.pi)
+    if least > most:
+        return False, (0.0, 0.0, False)
+    if swing < CONSTANT * P[FAR] * P[FAR]:
+        there = square_at(P, most) - spare <= constant + swing and square_at(P, least) + spare >= constant - swing
+        found, ends = both_sides(0.0, math.pi, middle, side)
+        return there and found, ends
+    # The nearest wrist is where the elbow is bent most.
+    largest = (square_at(P, least) + spare - constant) / swing
+    smallest = (square_at(P, most) - spare - constant) / swing
+    if smallest > 1.0 or largest < -1.0:
+        return False, (0.0, 0.0, False)
+    return both_sides(math.acos(min(largest, 1.0)), math.acos(max(smallest, -1.0)), middle, side)

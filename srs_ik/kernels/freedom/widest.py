@@ -17,8 +17,8 @@ from srs_ik.kernels.limb.goal import cost
 from srs_ik.kernels.limb.limits import middles
 from srs_ik.kernels.limb.poses import read7
 
-ATTEMPTS = 6
-ATTEMPTS_NEAR = 20
+ATTEMPTS = 16
+ATTEMPTS_NEAR = 30
 """Local searches at least, on an exact limb and on a near one."""
 
 LEAST_WEIGHT = 1e-6
@@ -62,7 +62,7 @@ def ends(P, margin, side):
 def comfort(P, margin):
     """Closeness to the middle of all ranges, inside limits that are drawn in."""
     weights = (weight(P, 0), weight(P, 1), weight(P, 2), weight(P, 3), weight(P, 4), weight(P, 5), weight(P, 6))
-    return Liking(middles(P), weights, ends(P, margin, -1.0), ends(P, margin, 1.0), NONE_LEFT)
+    return Liking(middles(P), weights, ends(P, margin, -1.0), ends(P, margin, 1.0), NONE_LEFT, middles(P))
 
 
 @kernel
@@ -93,7 +93,7 @@ def widest(P, pose, freedom, count, desk):
     for k in range(MOST_ATTEMPTS):
         if k >= attempts and found.met:
             break
-        i = take_best(desk.starts, count)
+        i, _ = take_best(desk.starts, count)
         if i < 0:
             break
         q, reached = climb(P, read7(row(desk.starts, i)), pose, freedom, margin, desk)

@@ -15,21 +15,31 @@ SYSTEM = 16
 MOST_STARTS = 2048
 """Most postures that a search starts from."""
 
-MOST_ROLLS = 96
-"""Most rolls of one side of the elbow."""
+STRIPS = 6
+"""Most strips of rolls on one side of the elbow: two in each of three turns of its joint."""
+
+MOST_ROLLS = 24
+"""Most rolls of a strip."""
 
 START_COST = 7
 START = 8
 """A start: seven joint angles, their cost."""
 
 
-ARM_ANGLES = 12
-"""Arm angles at which postures are looked at, all around."""
+ARM_ANGLES = 16
+"""Arm angles at which postures are looked at, all around; a multiple of `LANES`."""
 
 HALF = 4
 HALF_COST = 3
-TABLE = 4 * HALF
-"""Both solutions of the shoulder and both of the wrist: three angles and their cost each."""
+"""A solution of shoulder or wrist at all arm angles: three rows of angles, and their costs."""
+
+ELBOW_ANGLE = 4 * HALF * ARM_ANGLES
+ELBOW_COST = ELBOW_ANGLE + 1
+TABLE = ELBOW_ANGLE + 2
+"""Postures at a roll: both solutions of the shoulder, both of the wrist, and the elbow."""
+
+WORK = 42 + 2 * SYSTEM * SYSTEM + MOST_ROLLS * TABLE
+"""Work space of a search."""
 
 
 class Freedom(NamedTuple):
@@ -42,7 +52,7 @@ class Freedom(NamedTuple):
 class Liking(NamedTuple):
     """What is nearest: seven figures each of a posture, weights of the squared differences from it, and both limits.
 
-    Searches that come to a larger sum than that of a `rival` are of no use.
+    Searches that come to a larger sum than that of a rival are of no use, nor those that come to the rival itself.
     """
 
     posture: Any
@@ -50,6 +60,7 @@ class Liking(NamedTuple):
     lower: Any
     upper: Any
     rival: float
+    rival_posture: Any
 
 
 class Found(NamedTuple):
@@ -63,8 +74,7 @@ class Found(NamedTuple):
 class Desk(NamedTuple):
     """Work space: J (6, 7), a system of equations (SYSTEM, SYSTEM), a copy to be solved, and tables.
 
-    These are shoulder and wrist at arm angles all around (ARM_ANGLES, TABLE), starts (MOST_STARTS, START), and
-    rolls (MOST_ROLLS,).
+    These are postures at rolls (MOST_ROLLS, TABLE) and starts (MOST_STARTS, START).
     """
 
     J: Any
@@ -72,4 +82,3 @@ class Desk(NamedTuple):
     copy: Any
     table: Any
     starts: Any
-    rolls: Any

@@ -33,6 +33,7 @@ from srs_ik.kernels.layout.track import (
     MISS,
     NO_REASON,
     NO_TARGET_YET,
+    NOWHERE,
     OK,
     ON,
     ON_THE_WAY,
@@ -98,6 +99,13 @@ CLOSER = 0.99
 STUCK_FOR = 10
 AGAIN = 25
 """Other postures are looked for when the goal has been off the target for so many updates, and after so many more."""
+
+REFINED = 8
+"""Steps in which the end of a detour is taken to the true chain."""
+
+ALL_UP = (math.inf, math.inf, math.inf, math.inf, math.inf, math.inf, math.inf)
+ALL_DOWN = (-math.inf, -math.inf, -math.inf, -math.inf, -math.inf, -math.inf, -math.inf)
+"""Beyond the limits of all joints."""
 
 SETTLING = 0.01
 """Seconds over which the velocity of the goal is averaged."""
@@ -212,7 +220,7 @@ def most_used(C, v):
 
 
 @kernel
-def watch(P, S, C, size, place_):
+def watch(P, S, C, size, place_, pose, work):
     """Keep account of how long the goal has been off the target, and look elsewhere where that takes long."""
     closer = size < CLOSER * S[MISS]
     S[MISS] = size
@@ -226,6 +234,22 @@ def watch(P, S, C, size, place_):
     if S[STUCK] >= STUCK_FOR and (S[STUCK] - STUCK_FOR) % AGAIN == 0.0 and not out_of_reach(P, place_):
         S[ELSEWHERE] = UNKNOWN
         look_elsewhere(P, S, other_turn(P, S, C, place_))
+        if S[DETOUR] == 1.0 and not on_true_chain(P, S, C, pose, work):
+            S[DETOUR], S[ELSEWHERE] = 0.0, NOWHERE
+
+
+@kernel
+def on_true_chain(P, S, C, pose, work):
+    """Take the end of a detour, a posture of the nearest exact limb, to the true chain; whether it is on the pose.
+
+    Where the pose is just out of reach, it does not, and the goal would go there and back for ever.
+    """
+    end = read7(row(S, DETOUR_END))
+    low, high = minus(clipped(P, ALL_DOWN), end), minus(clipped(P, ALL_UP), end)
+    choice = (NO_SEED, NO_SEED, (0.0, DAMPING), low, high)
+    d, size = approach(P, C, pose, end, choice, REFINED, work)
+    store7(S, DETOUR_END, clipped(P, along7(end, 1.0, d)))
+    return size < CLOSE
 
 
 @kernel
@@ -363,7 +387,7 @@ def advance(P, S, C, given, work, out):
         status, reason = (UNREACHABLE, OUT_OF_REACH) if out_of_reach(P, place_) else (LIMITED, BEHIND)
         said = status, reason, hardest(S, C, v)
     else:
-        watch(P, S, C, size, place_)
+        watch(P, S, C, size, place_, pose, (J, A))
         said = verdict(P, S, C, after, size, place_)
     if has != 1:
         said = HELD, LOST_TARGET if has == 0 else BAD_TARGET, said[2]

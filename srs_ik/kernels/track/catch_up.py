@@ -19,7 +19,7 @@ from srs_ik.kernels.track.freedom import shown_at
 from srs_ik.kernels.track.limits import stopping_speed
 from srs_ik.kernels.track.target import load_pace, load_pose, part_of_way
 
-CLOSE_BY = 0.01
+CLOSE_BY = 0.02
 """A tip this close to its target, m and, by the reach, rad, comes back on the straight way."""
 
 GENTLE = 0.1

@@ -33,6 +33,7 @@ from srs_ik.kernels.layout.track import (
     Q,
     V,
 )
+from srs_ik.kernels.limb.goal import NO_SEED
 from srs_ik.kernels.limb.poses import read7
 from srs_ik.kernels.track.closest import column, dot6, error_at
 from srs_ik.kernels.track.elbow import slope, wish
@@ -46,17 +47,17 @@ LINEAR, SQUARE = 0.012, 0.0075
 UNIT = 0.07
 """Costs of velocities and accelerations are for so many seconds."""
 
-FINE = 3e-4
+FINE = 1.5e-4
 COARSE = 0.03
 """A pose missed by FINE + COARSE t^2, metres, t seconds ahead, costs 1: the future is known less and less."""
 
 FAR_OFF = 2e-3
 """Misses larger than this, m, cost in proportion, not by their square: a jump is no reason to hurry."""
 
-SLOW = 0.05
-RESTING = 5.0
-"""Cost of the largest velocity, the second while the target rests and the elbow is kept; that of the largest
-acceleration is 1."""
+SLOW = 10.0
+ASKED_SLOW = 0.05
+"""Cost of the largest velocity, the second while something is asked of the elbow; that of the largest acceleration
+is 1."""
 
 BUSY = 0.05
 """A target that is faster than this, m/s and, by the reach, rad/s, does not rest."""
@@ -223,10 +224,8 @@ def foresee(P, S, C, task, work):
     for i in range(7 * KNOTS):
         for k in range(BAND + 2):
             B[i, k] = 0.0
-    busy = busyness(P, S)
-    rest = 1.0 - busy if C[ELBOW] == KEEP else 0.0
-    add_motion(S, C, SLOW + rest * (RESTING - SLOW), B)
-    add_room(P, S, B, PRICE * busy)
+    add_motion(S, C, SLOW if C[ELBOW] == KEEP else ASKED_SLOW, B)
+    add_room(P, S, B, PRICE * busyness(P, S))
     add_poses(P, S, C, J, B)
     add_wish(P, S, C, task, J, B)
     solve_band(B, 7 * KNOTS, BAND)
@@ -241,8 +240,11 @@ def foresee(P, S, C, task, work):
 
 @kernel
 def planned_step(S, C):
-    """The step that the plan has for the next period, rad."""
-    S[PLAN_AGE] += C[PERIOD]
-    t = S[PLAN_AGE]
-    q, v, a = read7(row(S, PLAN_Q)), read7(row(S, PLAN_V)), read7(row(S, PLAN_A))
-    return along7(along7(along7(q, t, v), 0.5 * t * t, a), -1.0, read7(row(S, Q)))
+    """The step that the plan has for the next period, rad: on with the present velocities, and its accelerations.
+
+    Where the tip is brought back to its target, joints are not where the plan has them; to go there is a jerk.
+    """
+    period = C[PERIOD]
+    S[PLAN_AGE] += period
+    straight = along7(NO_SEED, period, read7(row(S, V)))
+    return along7(straight, period * period, read7(row(S, PLAN_A)))

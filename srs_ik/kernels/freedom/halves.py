@@ -1,0 +1,161 @@
+"""Shoulder and wrist of the nearest exact limb at eight arm angles at once, well enough for searches to start from.
+
+Angles come from a polynomial that is off by less than 2e-6 rad; where a joint is singular, its turn is anywhere.
+"""
+
+from __future__ import annotations
+
+import math
+
+from srs_ik.kernels.algebra.lane_trig import turn
+from srs_ik.kernels.algebra.lanes import LANES, eight_of, root, scatter, where, whole_number
+from srs_ik.kernels.algebra.vectors import across, add, cross, dot, load3, rotate, sub, swing
+from srs_ik.kernels.jit import kernel
+from srs_ik.kernels.layout.freedom import ARM_ANGLES, HALF, HALF_COST
+from srs_ik.kernels.layout.limb import (
+    A1,
+    A1_A2,
+    A2,
+    A2_A3,
+    A3,
+    ACROSS_3,
+    BOTTOM_GAP,
+    COS_PHASE,
+    CROSS_3,
+    CROSS_23,
+    INVERSE_HALF_RANGE,
+    LOWER,
+    MIDDLE,
+    PHASE,
+    SHOULDER,
+    SIN_PHASE,
+    SLACK_REACH,
+    SLACK_SINGULAR,
+    TOP_GAP,
+    UPPER,
+)
+from srs_ik.kernels.limb.branches import NO_BRANCH
+
+STEEP = 30.0
+"""Cost of a radian outside the limits."""
+
+TINY = 1e-300
+TURN = 2.0 * math.pi
+PER_TURN = 1.0 / TURN
+
+
+@kernel
+def angle_of(s, c):
+    """Angles by their sines and cosines of any length, within 2e-6 rad."""
+    wide, high = abs(c), abs(s)
+    steep = high > wide
+    t = where(steep, wide, high) / (where(steep, high, wide) + TINY)
+    z = t * t
+    x = -0.11643287 + z * (0.05265332 - z * 0.01172120)
+    x = t * (0.99997726 + z * (-0.33262347 + z * (0.19354346 + z * x)))
+    x = where(steep, 0.5 * math.pi - x, x)
+    x = where(c < 0.0, math.pi - x, x)
+    return where(s < 0.0, -x, x)
+
+
+@kernel
+def middle_eight(P, k, v):
+    """`spherical.middle_angle` of eight directions."""
+    a1 = load3(P, k + A1)
+    up, down = sub(v, a1), add(v, a1)
+    top2, bottom2 = dot(up, up), dot(down, down)
+    top, bottom = 0.5 * top2 - P[k + TOP_GAP], 0.5 * bottom2 - P[k + BOTTOM_GAP]
+    slack = P[SLACK_REACH]
+    reached = (top + slack * root(top2) > -TINY) & (bottom + slack * root(bottom2) > -TINY)
+    top, bottom = where(top > 0.0, top, 0.0), where(bottom > 0.0, bottom, 0.0)
+    share = 1.0 / (top + bottom)
+    return (bottom - top) * share, 2.0 * root(top * bottom) * share, reached
+
+
+@kernel
+def angles_eight(P, k, v, y, c, s):
+    """`spherical.angles` of eight rotations, for cosine and sine of how far joint 2 is from its phase."""
+    c2 = P[k + COS_PHASE] * c - P[k + SIN_PHASE] * s
+    s2 = P[k + SIN_PHASE] * c + P[k + COS_PHASE] * s
+    a1, a2, a3, cross_23 = load3(P, k + A1), load3(P, k + A2), load3(P, k + A3), load3(P, k + CROSS_23)
+    t = (1.0 - c2) * P[k + A2_A3]
+    u = (
+        c2 * a3[0] + s2 * cross_23[0] + t * a2[0],
+        c2 * a3[1] + s2 * cross_23[1] + t * a2[1],
+        c2 * a3[2] + s2 * cross_23[2] + t * a2[2],
+    )
+    u, v = across(u, a1), across(v, a1)
+    known = dot(u, u) > P[SLACK_SINGULAR] * P[SLACK_SINGULAR]
+    s1, c1 = where(known, dot(a1, cross(u, v)), 0.0), where(known, dot(u, v), 1.0)
+    share = 1.0 / (root(s1 * s1 + c1 * c1) + TINY)
+    s1, c1 = s1 * share, c1 * share
+    z = rotate(a2, c2, -s2, rotate(a1, c1, -s1, y))
+    s3, c3 = dot(load3(P, k + CROSS_3), z), dot(load3(P, k + ACROSS_3), z)
+    return angle_of(s1, c1), angle_of(s2, c2), angle_of(s3, c3)
+
+
+@kernel
+def more_of(a, b):
+    """The larger ones."""
+    return where(a > b, a, b)
+
+
+@kernel
+def to_limits(P, joint, q, wish):
+    """The turns of angles nearest to a wish, inside the limits if there are any; how far they are outside."""
+    lower, upper = P[LOWER + joint], P[UPPER + joint]
+    near = q + TURN * whole_number((wish - q) * PER_TURN)
+    near = where(near > upper, near - TURN * whole_number((near - upper) * PER_TURN + 0.5), near)
+    near = where(near < lower, near + TURN * whole_number((lower - near) * PER_TURN + 0.5), near)
+    amid = q + TURN * whole_number((P[MIDDLE + joint] - q) * PER_TURN)
+    near = where(near > upper, amid, near)
+    return near, more_of(more_of(lower - near, near - upper), 0.0)
+
+
+@kernel
+def cost_of(P, joint, q, seeded, wish):
+    """What eight angles cost: their squared distances from the seed, or minus their margins."""
+    if seeded:
+        return (q - wish) * (q - wish)
+    return abs(q - P[MIDDLE + joint]) * P[INVERSE_HALF_RANGE + joint] - 1.0
+
+
+@kernel
+def write_eight(P, first, q, reached, goal, table, at):
+    """Write three angles and their cost at eight arm angles, from column `at` on; limits are passed at a price."""
+    seeded, wish = goal
+    a, out_a = to_limits(P, first, q[0], wish[0])
+    b, out_b = to_limits(P, first + 1, q[1], wish[1])
+    c, out_c = to_limits(P, first + 2, q[2], wish[2])
+    of_a = cost_of(P, first, a, seeded, wish[0])
+    of_b = cost_of(P, first + 1, b, seeded, wish[1])
+    of_c = cost_of(P, first + 2, c, seeded, wish[2])
+    outside = STEEP * more_of(more_of(out_a, out_b), out_c)
+    if seeded:  # noqa: SIM108
+        cost = of_a + of_b + of_c + outside
+    else:
+        cost = where(outside > 0.0, outside, more_of(more_of(of_a, of_b), of_c))
+    scatter(table, at, 1, a)
+    scatter(table, at + ARM_ANGLES, 1, b)
+    scatter(table, at + 2 * ARM_ANGLES, 1, c)
+    scatter(table, at + HALF_COST * ARM_ANGLES, 1, where(reached, cost, NO_BRANCH))
+
+
+@kernel
+def write_halves(P, k, circles, goal, table):
+    """Write both solutions of a spherical joint, and their costs, at arm angles all around."""
+    first, half = (0, 0) if k == SHOULDER else (4, 2)
+    wish = goal[1]
+    here = goal[0], (wish[first], wish[first + 1], wish[first + 2])
+    v0, y0, _ = circles
+    for i in range(0, ARM_ANGLES, LANES):
+        c, s = turn((float(i) + eight_of(0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0)) * (TURN / ARM_ANGLES))
+        v, y = swing(v0[0], v0[1], v0[2], c, s), swing(y0[0], y0[1], y0[2], c, s)
+        c, s, reached = middle_eight(P, k, v)
+        q = angles_eight(P, k, v, y, c, s)
+        write_eight(P, first, q, reached, here, table, half * HALF * ARM_ANGLES + i)
+        if P[k + A1_A2] == 0.0 and P[k + A2_A3] == 0.0:
+            q = q[0] + math.pi, 2.0 * P[k + PHASE] - q[1], q[2] + math.pi
+        else:
+            q = angles_eight(P, k, v, y, c, -s)
+        write_eight(P, first, q, reached, here, table, (half + 1) * HALF * ARM_ANGLES + i)

@@ -1,0 +1,127 @@
+"""Tasks that leave a turn of the hand free: the turn at which the arm lies best for the task.
+
+A turn costs the angle between the plane of the posture and that of the task, and `angle_lost` on top: what the limits
+keep the elbow from. Turns that cost the same are told apart by the distance from the seed, or by the margin to the
+limits. All over the free turns some are looked at, and from the best of them a compass search closes in.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from srs_ik.errors import InvalidTask
+from srs_ik.inputs.freedom import FreeAxis, as_free_axis
+from srs_ik.inputs.poses import as_seeds
+from srs_ik.inputs.task import Task
+from srs_ik.solve.solution import Status
+from srs_ik.solve.task import BatchTaskSolution, TaskSolution
+
+if TYPE_CHECKING:
+    from srs_ik.solve.packed import PackedArm
+
+Array = NDArray[np.float64]
+Ask = Callable[[Task, Any], Any]
+"""Solves tasks near a seed, or without one."""
+
+LOOKED_AT = {True: 48, False: 192}
+"""Turns that are looked at: rolls alone, and turns of a cone."""
+
+FROM = 3
+"""Turns that are closed in on from."""
+
+FINEST = 1e-8
+"""Turns are closed in on to this, rad."""
+
+PREFERENCE = 1e-4
+"""What a squared radian of distance from the seed counts, or the whole margin, rad."""
+
+FORBIDDEN = 10.0
+"""Cost of a turn at which the task cannot be done, rad."""
+
+
+def solve_task(arm: PackedArm, ask: Ask, task: Task, free_axis: Any, seed: ArrayLike | None) -> Any:
+    """See `Arm.solve_task`, with a free axis."""
+    free = as_free_axis(free_axis)
+    if task.grasp is None or task.pronosupination is None:
+        raise InvalidTask("free_axis turns a hand whose rotation is known: give the task grasp and pronosupination")
+    count = 1 if task.count is None else task.count
+    seeds = None if seed is None else as_seeds(seed, count, arm.lower, arm.upper)
+    found = [
+        _best(arm, ask, one, free, None if seeds is None else seeds[i if len(seeds) > 1 else 0])
+        for i, one in enumerate(_single(task))
+    ]
+    if task.count is None:
+        return found[0]
+    rows = np.array([each._row for each in found])
+    whole = BatchTaskSolution(rows, arm.joint_names, arm.elbow, arm.shoulder, found[0].posture.side)
+    whole.collisions = {(i,): each.collision for i, each in enumerate(found) if each.collision is not None}
+    return whole
+
+
+def _single(task: Task) -> list[Task]:
+    """The tasks one by one."""
+    fields = (task.position, task.velocity, task.force, task.grasp, task.pronosupination)
+    if task.count is None:
+        return [task]
+    return [Task(*(None if f is None else f[i] for f in fields)) for i in range(task.count)]  # type: ignore[arg-type]
+
+
+def _best(arm: PackedArm, ask: Ask, task: Task, free: FreeAxis, seed: Array | None) -> TaskSolution:
+    """The answer to one task at the turn that is best for it."""
+    R = ask(task, seed).T_base_tip[:3, :3]
+    grasp, across = R.T @ np.asarray(task.grasp), R.T @ np.asarray(task.pronosupination)
+
+    def answers(turns: Array) -> tuple[BatchTaskSolution, Array]:
+        turned = Task(task.position, task.velocity, task.force, R @ turns @ grasp, R @ turns @ across)
+        found = ask(turned, seed)
+        return found, _costs(arm, found, seed)
+
+    turns = free.sampled(LOOKED_AT[free.cone == 0.0])
+    found, costs = answers(turns)
+    best, least = found[int(costs.argmin())], float(costs.min())
+    spacing = 2.0 * math.pi / LOOKED_AT[True] if free.cone == 0.0 else 0.5
+    for start in np.argsort(costs, kind="stable")[:FROM].tolist():
+        turn, cost, step = turns[start], float(costs[start]), spacing
+        while step > FINEST:
+            beside = _beside(free, turn, step)
+            there, prices = answers(beside)
+            k = int(prices.argmin())
+            if prices[k] < cost:
+                turn, cost = beside[k], float(prices[k])
+                if cost < least:
+                    best, least = there[k], cost
+            else:
+                step *= 0.5
+    chosen: TaskSolution = best
+    return chosen
+
+
+def _beside(free: FreeAxis, turn: Array, step: float) -> Array:
+    """Free turns a step away from one."""
+    if free.cone == 0.0:
+        return np.array([turn @ free.rolled(step), turn @ free.rolled(-step)])
+    around = [turn @ FreeAxis(axis).rolled(sign * step) for axis in np.eye(3) for sign in (1.0, -1.0)]
+    inside = [each for each in around if free.lean(each, np.eye(3)) == 0.0]
+    return np.array([*inside, turn @ free.rolled(step), turn @ free.rolled(-step)])
+
+
+def _costs(arm: PackedArm, found: BatchTaskSolution, seed: Array | None) -> Array:
+    """What turns cost, of the answers at them."""
+    posture = found.posture
+    sine = np.linalg.norm(np.cross(posture.normal, posture.task_normal), axis=-1)
+    cosine = np.abs((np.asarray(posture.normal) * posture.task_normal).sum(axis=-1))
+    if seed is not None:
+        like = ((found.q - seed) ** 2).sum(axis=1)
+    else:
+        ends = np.isfinite(arm.upper - arm.lower)
+        lower, upper = arm.lower[ends], arm.upper[ends]
+        room = np.minimum(found.q[:, ends] - lower, upper - found.q[:, ends]) / (0.5 * (upper - lower))
+        like = -room.min(axis=1, initial=1.0)
+    met = np.asarray(found.status) == Status.OK
+    plane = np.arctan2(sine, cosine)
+    return np.where(met, plane + found.angle_lost, FORBIDDEN + found.position_error) + PREFERENCE * like
