@@ -201,8 +201,9 @@ def margin(arm, q):
 def test_no_arm_angle_has_a_larger_margin_where_the_elbow_decides(name):
     arm = arms.load(name)
     limited = np.isfinite(arm.lower) & np.isfinite(arm.upper)
-    middle = np.where(limited, 0.5 * (arm.lower + arm.upper), 0.0)
-    half = np.where(limited, 0.5 * (arm.upper - arm.lower), np.inf)
+    lower, upper = np.where(limited, arm.lower, -np.inf), np.where(limited, arm.upper, np.inf)
+    middle = np.where(limited, 0.5 * (np.maximum(lower, -10.0) + np.minimum(upper, 10.0)), 0.0)
+    half = 0.5 * (upper - lower)
     sweep = np.linspace(-np.pi, np.pi, 241)
     tried = 0
     for q in arms.configurations(name, 60, 77):
