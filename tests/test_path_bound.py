@@ -115,6 +115,8 @@ def test_postures_that_are_given_and_poses_out_of_reach():
     assert 0.0 < missing.lower_bound <= missing.value
     whole = arm.solve_path(poses[:17]).lower_bound + arm.solve_path(poses[18:]).lower_bound
     assert missing.lower_bound == pytest.approx(whole, rel=0.05)
+    largest = [arm.solve_path(part, objective="largest_step") for part in (poses, poses[:17], poses[18:])]
+    assert largest[0].lower_bound == pytest.approx(max(part.lower_bound for part in largest[1:]), rel=0.05)
 
 
 @pytest.mark.slow

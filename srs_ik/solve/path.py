@@ -92,13 +92,13 @@ class PathSolution(BatchSolution):
         If this path has none, those with breaks are left out. On an exact arm the bound is proven: all postures of all
         poses lie within a known distance of straight pieces of joint space, and each step counts its least between two
         pieces. Pieces that no better path can touch are left out and the others cut, until the bound is within a
-        hundredth of `value`, or pieces are 0.01 rad long, 0.06 for the time.
+        hundredth of `value`, or pieces are 0.01 rad long, 0.06 for the time, or would be more than some hundred a pose.
         On a near arm the distance from the pieces is measured, and
         doubled. Velocity limits within `dt`, limits of acceleration, and that a closed path closes, do not count: paths
         that keep them cost no less. Poses that leave a turn free have no bound but 0, and upright straight arms, which
         turn on the spot at every arm angle, almost none.
 
-        Computed when it is first asked for, in some milliseconds a pose.
+        Computed when it is first asked for, in some milliseconds a pose, near arms up to a tenth of a second.
         """
         problem = self._problem
         if problem is None or not (self._bounded and self.value > 0.0):
@@ -107,9 +107,12 @@ class PathSolution(BatchSolution):
         if problem.acceleration is not None:
             # From rest to rest, without the step from the seed; nothing is quicker than at the velocity limits.
             problem = replace(problem, seed=None)
+        # A pose without a posture is passed for nothing, so that steps to it and from it are left out here, too.
+        met = self.ok
+        value = _value(problem, self.q[:1][met[:1]], self.steps[met[:-1] & met[1:]])
         if problem.objective == LARGEST_STEP:
-            return least_largest(problem, q, self.value)
-        return least_sum(problem, q, self.value, bool(self.breaks))
+            return least_largest(problem, q, value)
+        return least_sum(problem, q, value, bool(self.breaks))
 
     @property
     def largest_step(self) -> float:

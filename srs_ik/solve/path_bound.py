@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -32,6 +33,12 @@ BISECTED = 0.2
 
 ROOM = 1 << 17
 """Cells of a block: about twenty megabytes."""
+
+MOST_CELLS = 1500
+"""Cells a pose, in the mean, for the sum of squares and the time: more of them take over 50 ms a pose."""
+
+MOST_FOR_LARGEST = 600
+"""The same for the largest step, where each cell is looked at from all of the pose before it, some ten times."""
 
 ROUNDING = 1e-9
 """Relative."""
@@ -83,14 +90,14 @@ def least_sum(problem: Problem, q: Array, value: float, may_leap: bool) -> float
     bound, kept = 0.0, None
     # Times lie closer together than sums of squares, so that fewer cells can be left out.
     lengths = LENGTHS[:TIMED] if problem.objective == TIME else LENGTHS
-    for longest in lengths:
+    for longest, finer in pairwise((*lengths, 0.0)):
         source = _source(problem, q, kept, longest)
         try:
-            least, kept = _round(problem, source, settings, value, longest != lengths[-1])
+            least, kept = _round(problem, source, settings, value, finer > 0.0)
         except TooManyCells:
             break
         bound = max(bound, least)
-        if value - bound < CLOSE * value:
+        if value - bound < CLOSE * value or _are_too_many(kept, longest, finer, MOST_CELLS):
             break
     return min(max(bound * (1.0 - ROUNDING), 0.0), value)
 
@@ -124,9 +131,11 @@ def _round(problem: Problem, source: Source, settings: Array, value: float, keep
 
 def least_largest(problem: Problem, q: Array, value: float) -> float:
     """What the largest joint step of any path is at least; arguments as in `least_sum`."""
+    if not value > 0.0:
+        return 0.0
     bound, kept = 0.0, None
     above = value * (1.0 + ROUNDING)
-    for longest in LENGTHS[1:]:
+    for longest, finer in pairwise((*LENGTHS[1:], 0.0)):
         try:
             cells = _all_of(_source(problem, q, kept, longest), len(problem.T))
         except TooManyCells:
@@ -142,7 +151,14 @@ def least_largest(problem: Problem, q: Array, value: float) -> float:
         kept = Cells(np.ascontiguousarray(cells.rows[both]), ends)
         if problem.seed is not None:
             kept = Cells(kept.rows[1:], kept.ends[1:] - 1)
+        if _are_too_many(kept, longest, finer, MOST_FOR_LARGEST):
+            break
     return min(max(bound * (1.0 - ROUNDING), 0.0), value)
+
+
+def _are_too_many(cells: Cells, longest: float, finer: float, most: int) -> bool:
+    """Whether cells so long would be more than `most` a pose at a finer length; at length zero they are."""
+    return finer * most * (len(cells.ends) - 1) <= longest * len(cells.rows)
 
 
 def _least_through(cells: Cells, low: float, high: float, settings: Array) -> float:

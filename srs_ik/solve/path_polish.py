@@ -92,6 +92,8 @@ def polish_kind(problem: Problem, way: Way, kind: int, scale: Array) -> None:
     chain = np.flatnonzero(way.reached)
     q = way.q[chain]
     steps = np.abs(steps_of(problem, q if problem.seed is None else np.vstack([problem.seed, q])))
+    if not len(steps):
+        return
     if kind == WITHIN:
         weights = KEPT_BARRIERS * float((steps**2).sum()) / max(steps.size, 1)
     else:
