@@ -10,10 +10,11 @@ from numpy.typing import NDArray
 
 from srs_ik.inputs.poses import refuse_bad_poses
 from srs_ik.kernels.entries import path as entries
+from srs_ik.kernels.entries.path import MOST_NODES
 from srs_ik.kernels.entries.pose import pack_limits
 from srs_ik.kernels.layout.answer import ROW, ROW_ORIENTATION_ERROR, ROW_POSITION_ERROR, ROW_STATUS
 from srs_ik.kernels.layout.limb import LIMITED, LOOSE, SHIFT
-from srs_ik.kernels.layout.path import BREAK, BY_CONTINUITY
+from srs_ik.kernels.layout.path import BREAK, BY_CONTINUITY, HELD_LINKED
 from srs_ik.solve.path_blocks import find_way, held_in, through
 from srs_ik.solve.path_bridges import bridged
 from srs_ik.solve.path_polish import FINE, improve, keep_limits
@@ -34,6 +35,10 @@ SHORT = 32
 
 FINE_POSES = 256
 """The same where a path with smaller steps is looked for."""
+
+PARTS = np.array([0.25, 0.5, 0.75])
+FARTHEST = 0.1
+"""Where strips of a near limb are fine, postures at these parts of the way are put between two, so far off it, rad."""
 
 EVERYWHERE = 4.0
 """Farther than any joint angle from any other, whole turns left out, rad."""
@@ -234,8 +239,8 @@ def planned_everywhere(problem: Problem) -> Way:
     arm, keys = problem.arm, np.arange(len(problem.T))
     may_bridge = problem.free is None and (arm.closed or not problem.in_closed_form)
     fine = problem
-    if len(keys) <= SHORT and problem.work()[0] is None:
-        fine = replace(problem, radius=EVERYWHERE)
+    if len(keys) <= SHORT:
+        fine = replace(problem, radius=EVERYWHERE) if problem.work()[0] is None else finer(problem, keys)
     way = find_way(fine, keys, False)
     if way.cost < 0.5 * BREAK:
         improve(problem, way)
@@ -257,6 +262,24 @@ def planned_everywhere(problem: Problem) -> Way:
         improve(problem, way)
         way = search_around(problem, way)
     return way
+
+
+def finer(problem: Problem, keys: NDArray[np.int64]) -> Problem:
+    """The problem with strips of a near limb that are known, others of their postures put between each two."""
+    coarse = held_in(problem, keys, through(problem, keys, False)[1])
+    rows, poses = coarse.held, coarse.held_of
+    first = np.flatnonzero(rows[:, HELD_LINKED])
+    straight = rows[first, None, :7] + PARTS[:, None] * (rows[first + 1] - rows[first])[:, None, :7]
+    q = straight.reshape(-1, 7).copy()
+    met, where = np.zeros(len(q), np.bool_), np.repeat(poses[first], len(PARTS))
+    entries.bridge(problem.arm.family, problem.T[where], q, met, *problem.work())
+    good = met & (np.abs(q - straight.reshape(-1, 7)).max(axis=1) < FARTHEST)
+    between = np.repeat(rows[first], len(PARTS), axis=0)
+    between[:, :7] = q
+    places = np.append(np.arange(len(rows)), (first[:, None] + PARTS).ravel()[good])
+    order = np.argsort(places, kind="stable")
+    held, held_of = np.vstack([rows, between[good]])[order], np.append(poses, where[good])[order]
+    return coarse if np.bincount(held_of).max() > MOST_NODES else replace(coarse, held=held, held_of=held_of)
 
 
 def find_around(problem: Problem, way: Way, chain: NDArray[np.int64]) -> Way:
