@@ -1,4 +1,4 @@
-"""Almost exact limbs where two or three of shoulder, elbow and wrist are singular at once: what is lost there."""
+"""Almost exact limbs where two or three of shoulder, elbow and wrist are singular at once."""
 
 import runpy
 import sys
@@ -15,11 +15,11 @@ NAMES = (*arms.here("rm75"), "random_0", "random_1")
 TOGETHER = ((1, 3), (3, 5), (1, 5), (1, 3, 5))
 MISS = 1e-6
 
-MISSED = 5 / 12
-"""Known postures that are nearer to a seed than the answer, of all: where three angles decide about 1e-12 of a pose."""
+LEFT = 1.001e-10
+"""Error of a pose (m, rad) that Newton's method may leave at such a posture, and rounding."""
 
-LOST = 6 / 30
-"""Known postures that no interval holds, of all."""
+LOST = 1
+"""Known postures of 30 that no interval holds, at most."""
 
 
 @pytest.fixture(scope="module")
@@ -41,25 +41,25 @@ def load(judges, name):
 
 @pytest.mark.parametrize("joints", TOGETHER)
 @pytest.mark.parametrize("name", NAMES)
-def test_most_known_postures_bound_the_distance_from_any_seed(judges, name, joints):
+def test_known_postures_bound_the_distance_from_any_seed(judges, name, joints):
     """Seeds from a breath to a radian beside the posture of which the pose is."""
     arm, rng = load(judges, name), np.random.default_rng(72)
     farther = 0
     for case in judges["singular"]["cases"](arm, 12, rng, (joints,)):
         seed = np.clip(case.q + rng.uniform(-1.0, 1.0, 7) * 10.0 ** rng.uniform(-3.0, 0.0), arm.lower, arm.upper)
         solution = arm.solve(case.pose, seed=seed)
-        assert max(arm.verify(case.pose, solution.q)) < 1e-11
+        assert max(arm.verify(case.pose, solution.q)) < LEFT
         assert inside(solution.q, arm.lower, arm.upper)
         farther += np.linalg.norm(solution.q - seed) > np.linalg.norm(case.q - seed) + 1e-9
-    assert farther <= 12 * MISSED
+    assert farther == 0
 
 
 @pytest.mark.parametrize("name", NAMES)
-def test_most_known_postures_lie_in_an_interval(judges, name):
+def test_known_postures_lie_in_an_interval(judges, name):
     arm, known = load(judges, name), judges["known"]
     lost = 0
     for case in judges["singular"]["cases"](arm, 30, np.random.default_rng(74), TOGETHER):
         away = known["beside"](arm, case, arm.intervals(case.pose))
         bend = max(abs(np.sin(case.q[3] - judges["singular"]["singular_angles"](arm.limb)[3])), 1e-300)
         lost += away > known["BESIDE"] + known["ROUNDING"] / bend
-    assert lost <= 30 * LOST
+    assert lost <= LOST

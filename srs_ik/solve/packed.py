@@ -37,9 +37,14 @@ NO_HAND = 1e-9
 NO_ROOM = 1e-9
 """A joint with a narrower range, rad, cannot move."""
 
-STRICT = (1e-13, 1e-14, 1e-12, 1e-12)
+STRICT = (1e-13, 1e-14, 1e-12, 0.0)
 LOOSE = (3e-11, 3e-11, 1e-11, 1e-10)
 """Tolerances `SLACK_*` of the layout: those of rounding, and those that still close to 1e-10."""
+
+OBLIQUE = 1e-9
+TOUCHING = 1e-13
+"""Oblique axes leave this part of all directions, as a cosine, out of reach; intervals may end at single arm angles
+there, with so much between two that touch, rad."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -150,6 +155,8 @@ def _pack(limb: SrsLimb, lower: Vector, upper: Vector, slack: tuple[float, ...])
     _pack_elbow(P, limb)
     for block, first in ((at.SHOULDER, 0), (at.WRIST, 4)):
         _pack_spherical(P, block, first, limb.axes[first : first + 3])
+        if max(P[block + at.TOP_GAP], P[block + at.BOTTOM_GAP]) > OBLIQUE:
+            P[at.SLACK_JOIN] = max(P[at.SLACK_JOIN], TOUCHING)
     pack_limits(P, np.array(lower, dtype=float), np.array(upper, dtype=float))
     return P
 

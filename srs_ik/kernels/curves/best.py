@@ -13,11 +13,12 @@ import numpy as np
 from srs_ik.kernels.algebra.joint_vectors import along7, difference, short_way
 from srs_ik.kernels.algebra.minimum import propose, start_search, tell
 from srs_ik.kernels.algebra.roots import has_settled, next_parameter, start_crossing, tell_figure
-from srs_ik.kernels.chain.newton import STEPS, arm_angle, close_free
+from srs_ik.kernels.chain.newton import arm_angle
 from srs_ik.kernels.curves.ends import meet, on_chord, on_curve, sample_before
 from srs_ik.kernels.curves.follow import tangent_at
 from srs_ik.kernels.curves.in_step import load_sample
 from srs_ik.kernels.curves.runs import near_runs, samples_of
+from srs_ik.kernels.exact.free_splits import closed_better
 from srs_ik.kernels.exact.nearest import slid
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.asked import Best, Setting
@@ -389,12 +390,11 @@ def search_followed(P, target, branch, goal, inside, J, A):
     by = Setting(target, elbow_side(P, target.place, 0), inside, J, A)
     rows, _, k, _ = near_runs(P, by, runs)
     q, lowest = best_of_runs(P, by, rows, runs[:k], branch, goal, Best(goal.seed, 4.0 * NO_BRANCH))
-    R, p, _ = target
     if goal.seeded and lowest < OUTSIDE:
         nearer, value, _ = slid(P, target, q, goal, J, A)
         if value < lowest and (branch < 0 or branch_of(P, nearer) == branch):
             q, lowest = nearer, value
     if lowest < OUTSIDE:
         # A joint that was a rounding outside its limits has been put on them; the others make up for it.
-        q, _ = close_free(P, q, R, p, goal.respect, STEPS, J, A)
+        q = closed_better(P, q, target, goal.respect, J, A)
     return q, branch_of(P, q), lowest

@@ -57,7 +57,7 @@ def solve_at_range(family, poses, first, last, psis, branch, seeds, respect, J, 
 @entry
 def solve_all(family, T, psi, respect, J, A, out):
     """Branches of one pose that are solutions at an arm angle, in order: number of rows, or minus the verdict."""
-    verdict = all_branches(row(family, LIMITED), row(T, 0), (psi, respect), J, A, out, 0)
+    verdict = all_branches(family, row(T, 0), (psi, respect), J, A, out, 0)
     if verdict != GOOD_POSE:
         return -verdict
     n = 0
@@ -73,7 +73,7 @@ def solve_all(family, T, psi, respect, J, A, out):
 def solve_all_range(family, poses, first, last, psis, respect, J, A, out, verdicts):
     """All eight branches of the poses first to last - 1, in eight rows of `out` a pose."""
     for i in range(first, last):
-        verdicts[i] = all_branches(row(family, LIMITED), row(poses, i), (own(psis, i), respect), J, A, out, 8 * i)
+        verdicts[i] = all_branches(family, row(poses, i), (own(psis, i), respect), J, A, out, 8 * i)
 
 
 @entry

@@ -88,6 +88,14 @@ def close_gently(P, q, R, p, respect, J, A):
 
 
 @kernel
+def closed_better(P, q, target, respect, J, A):
+    """A posture, or the one that closes to less of an error."""
+    position, orientation = pose_error(P, q, target.R, target.p)
+    closed, error = close_gently(P, q, target.R, target.p, respect, J, A)
+    return closed if error < max(position, orientation) else q
+
+
+@kernel
 def keep_better(P, target, split, wanted, goal, best, work):
     """The better of a split, closed on the true chain, and the best posture so far, each a posture, branch and cost."""
     start, branch, value = split

@@ -229,7 +229,7 @@ def solve_row_at(family, T, psi, asked, J, A, out):
 
 
 @kernel
-def all_branches(P, T, asked, J, A, out, first):
+def all_branches(family, T, asked, J, A, out, first):
     """One row a branch at an arm angle, in the order of branches: rows `first` to `first + 7` of out.
 
     `asked` holds the arm angle, and whether the limits count.
@@ -238,6 +238,7 @@ def all_branches(P, T, asked, J, A, out, first):
     if verdict != GOOD_POSE:
         return verdict
     psi, respect = asked
+    P = row(family, LIMITED)
     place_ = place(P, R, p)
     target = Target(R, p, place_)
     if J is None:
@@ -249,12 +250,16 @@ def all_branches(P, T, asked, J, A, out, first):
         put_some(rows, ROW_POSITION_ERROR, ROW, measured, position)
         put_some(rows, ROW_ORIENTATION_ERROR, ROW, measured, orientation)
         right = as_bits(measured)
-        splits = respect and right != ALL and may_split(P, place_)
+        flat = is_as_good_as_flat(place_)
+        splits = respect and right != ALL and (flat or may_split(P, place_))
         for branch in range(8):
             answer = row(out, first + branch)
             q = read7(answer)
             if splits and (right >> branch) & 1 == 0:
-                found = put_on_limits(P, target, psi, (q, branch, answer[ROW_COST]), Goal(False, NO_SEED, True))
+                goal = Goal(False, NO_SEED, True)
+                found = put_on_limits(P, target, psi, (q, branch, answer[ROW_COST]), goal)
+                if flat and found[2] >= OUTSIDE:
+                    found = at_any_bend(family, target, psi, branch, goal, found)
                 measure_row_at(P, target, psi, found, respect, answer)
                 continue
             if (right >> branch) & 1 == 1:
