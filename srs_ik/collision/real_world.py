@@ -93,10 +93,11 @@ class RealWorld:
                 self.joints.append(OBJECT)
                 self.names.append(label)
                 self.parts.append(parts_of(moved))
-                self._points.append(np.concatenate([part.points for part in self.parts[-1]]))
                 self._turn.append(None)
                 self.pairs += [(k, len(self.joints) - 1) for k, body in enumerate(bodies) if body.joint > 0]
-        self._balls = np.array([_ball(points) for points in self._points])
+        around = [_ball(points) for points in self._points]
+        around += [_ball_around([part.ball for part in parts]) for parts in self.parts[len(around) :]]
+        self._balls = np.array(around)
         self._rows: tuple[Tables | None, list[tuple[int, int] | None]] = None, []
         self.solids = Solids(self, zero, limb)
         self._couples: tuple[Any, Any] = None, None
@@ -235,3 +236,9 @@ def _ball(points: Array) -> Array:
     """(4,) a sphere around points (n, 3)."""
     centre = 0.5 * (points.min(axis=0) + points.max(axis=0))
     return np.array([*centre, float(np.linalg.norm(points - centre, axis=1).max())])
+
+
+def _ball_around(balls: Sequence[Array]) -> Array:
+    """(4,) a sphere around spheres."""
+    centre = np.mean([ball[:3] for ball in balls], axis=0)
+    return np.array([*centre, max(float(np.linalg.norm(ball[:3] - centre) + ball[3]) for ball in balls)])

@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from srs_ik.collision.forms import surface
 from srs_ik.collision.parts import inner_radius
 from srs_ik.collision.tables import PLACES
 from srs_ik.kernels.layout import shapes as at
@@ -87,6 +86,9 @@ class Solids:
 
 _SPINNING = (1, 2, 5, 6)
 
+_SIGNS = np.array([(x, y, z) for x in (-1.0, 1.0) for y in (-1.0, 1.0) for z in (-1.0, 1.0)])
+"""The corners of a cube."""
+
 
 def _solid(part: Part, T: Array) -> tuple[Array, list[int], Array]:
     """A row of solids, its kind and whether it is the whole of the part, and its points."""
@@ -106,7 +108,7 @@ def _solid(part: Part, T: Array) -> tuple[Array, list[int], Array]:
         ends = [form.T[:3, 3] - half * form.T[:3, 2], form.T[:3, 3] + half * form.T[:3, 2]]
         points = np.array(ends[: 2 if half else 1])
     elif form.kind == "box":
-        points = surface(form)[0]
+        points = form.T[:3, 3] + 0.5 * _SIGNS * np.array(form.size) @ form.T[:3, :3].T
     else:
         points = part.corners @ T[:3, :3].T + T[:3, 3]
     row[at.INNER], row[at.SEGMENT : at.SEGMENT + 3] = _within(form, points, row)

@@ -34,10 +34,6 @@ _LITTLE = 1e-3
 """Where links of a near limb are no farther from those of its nearest exact limb, m, spheres grown by it will do."""
 
 
-_ROOM = 512
-"""Room for the arcs of pairs at first."""
-
-
 _MOST_MARGINS = 16
 """For so many margins at most, tightened limits are kept."""
 
@@ -202,24 +198,6 @@ class Surroundings:
     def clear_of_formless(self, T: Array, found: Array, more: float = 0.0) -> Array:
         """(n, 3) what clouds and half-spaces leave of some intervals."""
         return self._cut(T, found, self.tables.formless, more)
-
-    def arcs_by_pair(self, T: Array, world: RealWorld, more: float) -> dict[tuple[int, int], tuple[Any, Any]]:
-        """For each pair of real bodies that spheres watch, the arm angles that these forbid, for each elbow."""
-        tables = self.tables
-        slack = tables.with_margin(self.margin + more)
-        rows = world.pairs_of(tables)
-        bodies = tables.bodies, tables.groups, tables.pairs, slack, *tables.work()
-        out = np.empty((_ROOM, at.ARC))
-        count = entries.forbidden_by_pair(self.packed.family, T, *bodies, out)
-        if count > len(out):
-            out = np.empty((count, at.ARC))
-            entries.forbidden_by_pair(self.packed.family, T, *bodies, out)
-        arcs: dict[tuple[int, int], tuple[Any, Any]] = {pair: ([], []) for pair in rows if pair is not None}
-        for row, elbow, lower, upper in out[:count].tolist():
-            pair = rows[int(row)]
-            if pair is not None:
-                arcs[pair][int(elbow)].append((lower, upper))
-        return arcs
 
     def _intervals(self, family: Array, T: Array, respect: bool) -> Array:
         found = np.empty((MOST_INTERVALS, 3))
