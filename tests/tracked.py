@@ -17,6 +17,9 @@ SMOOTHING = 0.02
 
 PATIENCE = 5.0
 
+WITHIN_REACH = tuple(kind for kind in KINDS if kind != "reach")
+"""Motions that can be followed."""
+
 LOST = 0.05
 GONE_FOR = 0.2
 """Share of targets that are lost, and seconds in which all are."""
@@ -131,7 +134,7 @@ def losses(arm: Any, count: int, seed: int, dt: float) -> tuple[np.ndarray, np.n
     """
     back, shares = [], []
     for k in range(seed, seed + count):
-        moving = motion(arm, k, SECONDS, dt, KINDS[k % len(KINDS)], trouble=False)
+        moving = motion(arm, k, SECONDS, dt, WITHIN_REACH[k % len(WITHIN_REACH)], trouble=False)
         rng = np.random.default_rng(k + 7_000_000)
         lost = rng.uniform(size=len(moving.given)) < LOST
         gone = int(rng.integers(len(lost) // 4, len(lost) // 2))
@@ -149,9 +152,11 @@ def losses(arm: Any, count: int, seed: int, dt: float) -> tuple[np.ndarray, np.n
 def losses_line(arm: Any, name: str, count: int, seed: int, dt: float) -> str:
     """One line on what `losses` measures."""
     back, shares = losses(arm, count, seed, dt)
+    never = np.isinf(back)
+    back = np.where(never, SECONDS, back)
     return (
         f"{name}: seeds {seed} to {seed + count - 1}, {count} motions, {len(back)} losses, "
-        f"{int(np.isinf(back).sum())} without a return; on target again after: "
+        f"{int(never.sum())} without a return; on target again after: "
         f"median {np.median(back):.3f} s, 95 % {np.percentile(back, 95.0):.3f} s, "
         f"99 % {np.percentile(back, 99.0):.3f} s; at once {100.0 * (back == 0.0).mean():.1f} %; "
         f"on target {100.0 * shares.mean():.1f} % of all updates"

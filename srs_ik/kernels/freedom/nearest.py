@@ -17,7 +17,7 @@ from srs_ik.kernels.layout.freedom import START_COST, Found, Liking
 from srs_ik.kernels.layout.limb import IS_CLOSED, PHASE, SHOULDER, STRAIGHT, WRIST
 from srs_ik.kernels.limb.poses import read7
 
-APART = 0.25
+APART = 0.5
 """Starts this close to each other, rad in every joint, lead to the same posture."""
 
 CLOSE = 0.15

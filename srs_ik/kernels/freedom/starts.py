@@ -68,13 +68,14 @@ def cost_at(table, i, halves, seeded):
 
 
 @kernel
-def write_minima(table, count, closed, branch, seeded, starts, n):
-    """Write the postures of a branch that cost less than those beside them, of all rows; return how many there are.
+def write_minima(table, count, branch, seeded, starts, n):
+    """Write the postures of a branch that cost less than those beside them in arm angle; return how many there are.
+
+    Not in roll, too: where a valley lies across the grid, its ends are no dips of the grid.
 
     Args:
         table: (count, TABLE) from `fill_row`, turns next to each other.
         count: number of rows.
-        closed: whether the last row is beside the first.
         branch: 2 for the other shoulder, plus 1 for the other wrist.
         seeded: whether costs are distances from a seed.
         starts: (MOST_STARTS, START) output, n of them written.
@@ -86,17 +87,12 @@ def write_minima(table, count, closed, branch, seeded, starts, n):
         here = row(table, k)
         if here[ELBOW_COST] >= NO_BRANCH:
             continue
-        before = row(table, (k + count - 1) % count if closed else max(k - 1, 0))
-        after = row(table, (k + 1) % count if closed else min(k + 1, count - 1))
-        alone_before, alone_after = not closed and k == 0, not closed and k + 1 == count
         for i in range(ARM_ANGLES):
             cost = cost_at(here, i, halves, seeded)
             if (
                 cost >= NO_BRANCH
                 or cost > cost_at(here, (i + ARM_ANGLES - 1) % ARM_ANGLES, halves, seeded)
                 or cost >= cost_at(here, (i + 1) % ARM_ANGLES, halves, seeded)
-                or (not alone_before and cost > cost_at(before, i, halves, seeded))
-                or (not alone_after and cost >= cost_at(after, i, halves, seeded))
                 or n >= MOST_STARTS
             ):
                 continue
@@ -112,7 +108,7 @@ def write_minima(table, count, closed, branch, seeded, starts, n):
 @kernel
 def add_strip(P, pose, axis, given, goal, desk, n):
     """Write the starts of a strip of rolls on one side of the elbow; return how many there are."""
-    elbow, (lower, upper, closed) = given
+    elbow, (lower, upper) = given
     R, p = pose
     count = strip_count(lower, upper)
     for k in range(count):
@@ -120,7 +116,7 @@ def add_strip(P, pose, axis, given, goal, desk, n):
         turn = rotation(axis, math.cos(roll), math.sin(roll))
         fill_row(P, (times(R, turn), p), elbow, goal, row(desk.table, k))
     for branch in range(4):
-        n = write_minima(desk.table, count, closed, branch, goal[0], desk.starts, n)
+        n = write_minima(desk.table, count, branch, goal[0], desk.starts, n)
     return n
 
 
@@ -134,7 +130,7 @@ def find_starts(P, pose, freedom, turns, goal, desk):
             for k in range(turns.shape[0]):
                 fill_row(P, (times(R, load9(row(turns, k), 0)), p), elbow, goal, row(desk.table, 0))
                 for branch in range(4):
-                    n = write_minima(desk.table, 1, False, branch, goal[0], desk.starts, n)
+                    n = write_minima(desk.table, 1, branch, goal[0], desk.starts, n)
             continue
         for i in range(STRIPS):
             found, ends = strip(P, pose, freedom.axis, elbow, i)

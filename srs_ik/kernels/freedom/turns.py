@@ -46,12 +46,12 @@ def strip_count(lower, upper):
 def both_sides(nearest, farthest, middle, side):
     """The rolls between two angles away from a middle one, as one strip (side 0) or two: whether, and which."""
     if nearest <= 0.0:
-        return side == 0, (middle - farthest, middle + farthest, farthest >= math.pi)
+        return side == 0, (middle - farthest, middle + farthest)
     if farthest >= math.pi:
-        return side == 0, (middle + nearest, middle + TURN - nearest, False)
+        return side == 0, (middle + nearest, middle + TURN - nearest)
     if side == 0:
-        return True, (middle + nearest, middle + farthest, False)
-    return True, (middle - farthest, middle - nearest, False)
+        return True, (middle + nearest, middle + farthest)
+    return True, (middle - farthest, middle - nearest)
 
 
 @kernel
@@ -59,7 +59,7 @@ def strip(P, pose, axis, elbow, i):
     """Rolls about an axis of the tip at which one side of the elbow keeps its limits: strip i of at most `STRIPS`.
 
     Returns:
-        Whether there is such a strip; its first and last roll, and whether it is a whole turn.
+        Whether there is such a strip; its first and last roll.
     """
     R, p = pose
     w = load3(P, WRIST_IN_TIP)
@@ -79,7 +79,7 @@ def strip(P, pose, axis, elbow, i):
     least = max(low if sign > 0.0 else -high, 0.0)
     most = min(high if sign > 0.0 else -low, math.pi)
     if least > most:
-        return False, (0.0, 0.0, False)
+        return False, (0.0, 0.0)
     if swing < CONSTANT * P[FAR] * P[FAR]:
         there = square_at(P, most) - spare <= constant + swing and square_at(P, least) + spare >= constant - swing
         found, ends = both_sides(0.0, math.pi, middle, side)
@@ -88,5 +88,5 @@ def strip(P, pose, axis, elbow, i):
     largest = (square_at(P, least) + spare - constant) / swing
     smallest = (square_at(P, most) - spare - constant) / swing
     if smallest > 1.0 or largest < -1.0:
-        return False, (0.0, 0.0, False)
+        return False, (0.0, 0.0)
     return both_sides(math.acos(min(largest, 1.0)), math.acos(max(smallest, -1.0)), middle, side)

@@ -17,8 +17,8 @@ from srs_ik.kernels.limb.goal import cost
 from srs_ik.kernels.limb.limits import middles
 from srs_ik.kernels.limb.poses import read7
 
-ATTEMPTS = 16
-ATTEMPTS_NEAR = 30
+ATTEMPTS = 6
+ATTEMPTS_NEAR = 20
 """Local searches at least, on an exact limb and on a near one."""
 
 LEAST_WEIGHT = 1e-6
