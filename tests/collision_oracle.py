@@ -120,11 +120,14 @@ def spheres_at(arm: srs_ik.Arm, tables, q: np.ndarray) -> list[np.ndarray]:
 
 
 def clearance(arm: srs_ik.Arm, tables, q: np.ndarray) -> float:
-    """Least distance of the spheres of all pairs of groups at a posture, m."""
+    """Least distance of the spheres of all pairs of groups at a posture, m; from a solid, over its highest plane."""
     spheres = spheres_at(arm, tables, q)
     least = np.inf
     for a, b in tables.pairs:
         if spheres[b] is None:
+            planes = tables.bodies[tables.groups[b][0] : tables.groups[b][1]]
+            heights = (spheres[a][:, :3] @ planes[:, :3].T - planes[:, 3]).max(axis=1)
+            least = min(least, float((heights - spheres[a][:, 3]).min()))
             continue
         gap = np.linalg.norm(spheres[a][:, None, :3] - spheres[b][None, :, :3], axis=2)
         least = min(least, float((gap - spheres[a][:, None, 3] - spheres[b][None, :, 3]).min()))

@@ -59,15 +59,16 @@ def pair_clearance(world, a, b, turn, least):
 
 
 @kernel
-def turning_clearance(world, elbow, frames, psi, begin, enough):
+def turning_clearance(world, elbow, frames, psi, begin, bounds):
     """Least clearance at an arm angle of all pairs that it moves against each other, and the pair: m, row of pairs.
 
-    Pairs are looked at from row `begin` on; no more of them once the least is `enough` or less.
+    Pairs are looked at from row `begin` on. `bounds` are two clearances: no more pairs are looked at once the least is
+    as small as the first, and those farther apart than the second count as so far apart, as no pair.
     """
     still, turning = frames
     groups, pairs, local = world.groups, world.pairs, world.local
     turn = (math.cos(psi), math.sin(psi))
-    least = math.inf
+    enough, least = bounds
     pair = NO_GROUP
     for step in range(pairs.shape[0]):
         k = begin + step if begin + step < pairs.shape[0] else begin + step - pairs.shape[0]
@@ -89,11 +90,11 @@ def turning_clearance(world, elbow, frames, psi, begin, enough):
 
 
 @kernel
-def resting_clearance(world, elbow, frames):
-    """Least clearance of all pairs that no arm angle moves against each other, and the pair: m, row of pairs."""
+def resting_clearance(world, elbow, frames, most):
+    """Least clearance, `most` if none is less, of pairs that no arm angle moves against each other: m, row of pairs."""
     still, turning = frames
     pairs = world.pairs
-    least = math.inf
+    least = most
     pair = NO_GROUP
     for k in range(pairs.shape[0]):
         a, b = pairs[k, 0], pairs[k, 1]
@@ -146,7 +147,7 @@ def widest_within(world, elbow, frames, ends, best, tolerance, parts):
     lower, upper = ends
     best_psi, largest = best
     middle = 0.5 * (lower + upper)
-    value, pair = turning_clearance(world, elbow, frames, middle, 0, -math.inf)
+    value, pair = turning_clearance(world, elbow, frames, middle, 0, (-math.inf, math.inf))
     if value > largest:
         best_psi, largest = middle, value
     most = value + 0.5 * pair_rate(world, pair, rate) * (upper - lower)
@@ -169,7 +170,7 @@ def widest_within(world, elbow, frames, ends, best, tolerance, parts):
             middle = 0.5 * (a + b)
             more = 0.5 * rate * (b - a)
             # Where one pair is so near that no angle of this half is better, no other pair matters.
-            value, pair = turning_clearance(world, elbow, frames, middle, begin, largest + tolerance - more)
+            value, pair = turning_clearance(world, elbow, frames, middle, begin, (largest + tolerance - more, math.inf))
             if value > largest:
                 best_psi, largest = middle, value
             most = value + 0.5 * pair_rate(world, pair, rate) * (b - a)

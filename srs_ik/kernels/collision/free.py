@@ -9,13 +9,13 @@ import numpy as np
 from srs_ik.kernels.chain.answer import measure_row
 from srs_ik.kernels.collision.arcs import add_all, add_arc, cut
 from srs_ik.kernels.collision.drift import drifted
-from srs_ik.kernels.collision.forbidden import forbid, forbid_pair
+from srs_ik.kernels.collision.forbidden import forbid
 from srs_ik.kernels.collision.seen import see_balls, still_frames, turning_frames
 from srs_ik.kernels.exact.farthest_within import farthest_within
 from srs_ik.kernels.exact.nearest_within import nearest_within
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.asked import Goal, Target
-from srs_ik.kernels.layout.collision import ARC_ELBOW, ARC_LOWER, ARC_PAIR, ARC_UPPER, MARGIN, MOST_ARCS
+from srs_ik.kernels.layout.collision import MARGIN, MOST_ARCS
 from srs_ik.kernels.limb.branches import NO_BRANCH
 
 
@@ -46,29 +46,6 @@ def forbidden_arcs(P, spot, world, slack, arcs, counts, free):
         see_balls(world, elbow, still, frames[1])
         n = forbid(world, elbow, frames, slack[MARGIN] + off, arcs[elbow], free)
         counts[elbow] = widened(arcs[elbow], n, wide, free)
-
-
-@kernel
-def arcs_of_pairs(P, spot, world, slack, work, out):
-    """Write the arcs that each pair forbids, for each elbow, into rows of out (n, ARC); return how many there are.
-
-    Those that do not fit are left out. The limb is one without drift; work is two rooms for arcs, (MOST_ARCS, 2).
-    """
-    R, p, place_ = spot.R, spot.p, spot.place
-    arcs, free = work
-    still = still_frames(P, place_, R, p)
-    count = 0
-    for elbow in range(2):
-        frames = (still, turning_frames(P, place_, elbow))
-        see_balls(world, elbow, still, frames[1])
-        for k in range(world.pairs.shape[0]):
-            n = forbid_pair(world, k, elbow, frames, slack[MARGIN], arcs, 0, free)
-            for i in range(n):
-                if count < out.shape[0]:
-                    out[count, ARC_PAIR], out[count, ARC_ELBOW] = k, elbow
-                    out[count, ARC_LOWER], out[count, ARC_UPPER] = arcs[i, 0], arcs[i, 1]
-                count += 1
-    return count
 
 
 @kernel

@@ -3,6 +3,8 @@
 The tables of bodies are those of `layout.collision`: `bodies` (rows, BODY_ROW), `groups` (G, GROUP) and `pairs` (n, 2)
 integers, `slack` (SLACK,) margin and drift; `local` (rows, LOCAL_ROW) and `ready` (G,) are work space. Intervals are
 rows of branch, lower and upper end; `family` are packed limbs, `T` and `poses` good poses unless verdicts are told.
+Real shapes are those of `layout.shapes`: `solids` (S, SOLID) and `of_solid` (S, OF_SOLID), `points` (N, 3), `shaped`
+(B, SHAPED) and `of_body` (B, OF_BODY), `couples` (K, PAIR) and `outer` (2, OUTER).
 """
 
 from __future__ import annotations
@@ -13,20 +15,26 @@ import numpy as np
 
 from srs_ik.kernels.algebra.joint_vectors import along7
 from srs_ik.kernels.algebra.pointers import row
+from srs_ik.kernels.chain.answer import measure_row
+from srs_ik.kernels.chain.newton import arm_angle
 from srs_ik.kernels.collision.arcs import angles_of
 from srs_ik.kernels.collision.clearance import MOST_PARTS, resting_clearance, turning_clearance, widest_within
-from srs_ik.kernels.collision.free import arcs_of_pairs, best_of, forbidden_arcs, left_of
+from srs_ik.kernels.collision.free import best_of, forbidden_arcs, left_of
 from srs_ik.kernels.collision.march import march_all
 from srs_ik.kernels.collision.motion import CLEAR, look_along
 from srs_ik.kernels.collision.seen import World, see_balls, still_frames, turning_frames
+from srs_ik.kernels.collision.shaped import Room, free_by_shapes
+from srs_ik.kernels.collision.shapes import NORMALS, Along, Shapes
 from srs_ik.kernels.exact.farthest import keep_branch
 from srs_ik.kernels.jit import entry, kernel
 from srs_ik.kernels.layout.answer import GOOD_POSE, MOST_INTERVALS, ROW_STATUS
 from srs_ik.kernels.layout.asked import Target
 from srs_ik.kernels.layout.collision import (
+    DRIFT,
     EDGE_AT,
     EDGE_CLEARANCE,
     EDGE_PAIR,
+    MARGIN,
     MOST_ARCS,
     NO_GROUP,
     NOTHING_FREE,
@@ -36,16 +44,24 @@ from srs_ik.kernels.layout.collision import (
     WIDE_FIRST,
     WIDE_SECOND,
 )
-from srs_ik.kernels.layout.limb import LIMITED
+from srs_ik.kernels.layout.limb import LIMITED, LOWER, UPPER
 from srs_ik.kernels.layout.path import Space, Spot
+from srs_ik.kernels.layout.shapes import MOST_SPINS, MOST_WAITING, RANGED, WATCHED
+from srs_ik.kernels.limb.goal import OUTSIDE
 from srs_ik.kernels.limb.limits import TURN
 from srs_ik.kernels.limb.poses import read7, read_pose
 from srs_ik.kernels.limb.triangle import place
 from srs_ik.kernels.pose.intervals import all_intervals
-from srs_ik.kernels.pose.solve import own_seed, seed_or_zero
+from srs_ik.kernels.pose.solve import best_posture, own_seed, seed_or_zero
+
+NO_COUPLE = -1
+"""No shapes belong to a pair: it is one with a cloud or a half-space."""
 
 ROUNDING = 1e-12
 """An arm angle may be off its interval so far, rad."""
+
+SAFE = 1e-9
+"""A posture whose clearance is larger than the margin by this, m, is not in a forbidden arc."""
 
 
 @kernel
@@ -64,15 +80,6 @@ def forbidden(family, T, bodies, groups, pairs, slack, local, ready, arcs, count
     world = World(bodies, groups, pairs, local, ready)
     P = row(family, LIMITED)
     forbidden_arcs(P, spot_of(P, T), world, slack, arcs, counts, np.empty((MOST_ARCS, 2)))
-
-
-@entry
-def forbidden_by_pair(family, T, bodies, groups, pairs, slack, local, ready, out):
-    """Arcs that each pair forbids, for each elbow, into out (n, ARC): how many there are, those that do not fit too."""
-    world = World(bodies, groups, pairs, local, ready)
-    P = row(family, LIMITED)
-    work = np.empty((MOST_ARCS, 2)), np.empty((MOST_ARCS, 2))
-    return arcs_of_pairs(P, spot_of(P, T), world, slack, work, out)
 
 
 @entry
@@ -129,8 +136,8 @@ def clearance(family, T, bodies, groups, pairs, local, ready, elbow, psi, out):
     see_balls(world, 0, still, turning_frames(P, place_, 0))
     frames = (still, turning_frames(P, place_, elbow))
     see_balls(world, elbow, still, frames[1])
-    least, pair = turning_clearance(world, elbow, frames, psi, 0, -math.inf)
-    resting, other = resting_clearance(world, elbow, frames)
+    least, pair = turning_clearance(world, elbow, frames, psi, 0, (-math.inf, math.inf))
+    resting, other = resting_clearance(world, elbow, frames, math.inf)
     put_wide(world, psi, elbow << 2, min(least, resting), pair if least <= resting else other, out)
 
 
@@ -170,7 +177,7 @@ def widest(family, T, bodies, groups, pairs, local, ready, found, n, tolerance, 
     for elbow in range(2):
         frames = (still, turning_frames(P, place_, elbow))
         see_balls(world, elbow, still, frames[1])
-        resting, other = resting_clearance(world, elbow, frames)
+        resting, other = resting_clearance(world, elbow, frames, math.inf)
         psi, turning = 0.0, -math.inf
         # All branches of an elbow are as clear as each other.
         for i in range(angles_of(found, n, elbow, arcs)):
@@ -180,7 +187,7 @@ def widest(family, T, bodies, groups, pairs, local, ready, found, n, tolerance, 
         if branch < 0 or (min(turning, resting), turning) <= (out[WIDE_CLEARANCE], best):
             continue
         best = turning
-        _, pair = turning_clearance(world, elbow, frames, psi, 0, -math.inf)
+        _, pair = turning_clearance(world, elbow, frames, psi, 0, (-math.inf, math.inf))
         put_wide(world, psi, branch, min(turning, resting), pair if turning <= resting else other, out)
 
 
@@ -192,6 +199,37 @@ def best_within(family, T, found, n, branch, seed, seeded, respect, out):
     """
     P = row(family, LIMITED)
     return best_of(P, spot_of(P, T), found[:n], branch, (seeded, read7(seed), respect), row(out, 0))
+
+
+@kernel
+def is_within(limits, limited, q):
+    """Whether a posture keeps limits, where these count."""
+    L = row(limits, LIMITED)
+    inside = True
+    for j in range(7):
+        inside = inside and q[j] >= L[LOWER + j] and q[j] <= L[UPPER + j]
+    return inside or not limited
+
+
+@kernel
+def is_clear(P, spot, q, branch, world, slack):
+    """Whether a posture of an exact limb certainly keeps the margin between all bodies."""
+    if slack[DRIFT] != 0.0:
+        return False
+    wanted = slack[MARGIN] + SAFE
+    elbow = branch >> 2
+    still = still_frames(P, spot.place, spot.R, spot.p)
+    frames = (still, turning_frames(P, spot.place, 0))
+    see_balls(world, 0, still, frames[1])
+    if elbow == 1:
+        frames = (still, turning_frames(P, spot.place, 1))
+        see_balls(world, 1, still, frames[1])
+    psi = arm_angle(P, q, spot.place[0], spot.place[1])
+    least, _ = turning_clearance(world, elbow, frames, psi, 0, (wanted, wanted + SAFE))
+    if least <= wanted:
+        return False
+    least, _ = resting_clearance(world, elbow, frames, wanted + SAFE)
+    return least > wanted
 
 
 @entry
@@ -218,7 +256,8 @@ def solve_range(
 
     `limits` is the limb packed with the limits that count, and `limited` whether these do. Of one branch, or of all
     (-1); nearest to a seed, one for all or one a pose, or farthest from the limits. Where nothing is free the status is
-    NOTHING_FREE, and the rest of the row as it was.
+    NOTHING_FREE, and the rest of the row as it was. Most of the best postures of all keep clear; only where one does
+    not, the arcs that bodies forbid are wanted.
     """
     world = World(bodies, groups, pairs, local, ready)
     P = row(family, LIMITED)
@@ -227,13 +266,18 @@ def solve_range(
         R, p, verdicts[i] = read_pose(row(poses, i))
         out[i, ROW_STATUS] = NOTHING_FREE
         if verdicts[i] == GOOD_POSE:
+            spot = Spot(R, p, place(P, R, p))
+            seed, target = own_seed(seeds, i), Target(R, p, spot.place)
+            q, best, lowest = best_posture(family, target, (branch, respect), seed, None, None)
+            if lowest < OUTSIDE and is_within(limits, limited, q) and is_clear(P, spot, q, best, world, slack):
+                measure_row(P, target, q, best, lowest, respect, row(out, i))
+                continue
             target = Target(R, p, place(row(limits, LIMITED), R, p))
             n = all_intervals(limits, target, limited, None, None, found)
-            spot = Spot(R, p, place(P, R, p))
             n = left_of(P, spot, found[:n], world, slack, left) if n > 0 else 0
             n = keep_branch(left, n, branch) if branch >= 0 else n
             if n > 0:
-                goal = (seeds is not None, seed_or_zero(own_seed(seeds, i)), respect)
+                goal = (seeds is not None, seed_or_zero(seed), respect)
                 best_of(P, spot, left[:n], branch, goal, row(out, i))
 
 
@@ -254,3 +298,89 @@ def edges(family, starts, ends, bodies, groups, pairs, slack, local, ready, out)
         out[i, EDGE_PAIR] = pair
         hits += verdict != CLEAR
     return hits
+
+
+@entry
+def free_by_solids(
+    family,
+    T,
+    found,
+    ranges,
+    margin,
+    bodies,
+    groups,
+    pairs,
+    slack,
+    local,
+    ready,
+    solids,
+    of_solid,
+    points,
+    shaped,
+    of_body,
+    couples,
+    outer,
+    J,
+    A,
+    out,
+    rest,
+):
+    """What the solids of all couples leave of the intervals of one pose in found (n, 3), of an exact limb.
+
+    `ranges` (m, 3) are those in which ranges of joints keep bodies apart; `margin` is what is left between solids, m,
+    and `slack` tells what spheres count. Rows are written to out (o, 3), and to rest (R, REST) what is left of couples
+    that are more than their solids.
+
+    Returns:
+        How many rows of out are written, the width left undecided, rad, and how many rows of rest there are.
+    """
+    P = row(family, LIMITED)
+    R, p, _ = read_pose(row(T, 0))
+    frames, normals = np.empty((8, 12)), np.empty((NORMALS, 3))
+    shapes = Shapes(
+        solids, of_solid, points, shaped, of_body, couples, outer, np.empty(solids.shape[0]), frames, normals
+    )
+    count = couples.shape[0]
+    spins, spin_counts = np.empty((count, MOST_SPINS, 2)), np.empty(count, np.int64)
+    room = Room(np.empty((8, MOST_ARCS, 2)), np.empty((MOST_WAITING, 4)), spins, spin_counts, rest)
+    world = World(bodies, groups, pairs, local, ready)
+    spot = Spot(R, p, place(P, R, p))
+    return free_by_shapes(P, spot, world, shapes, found, ranges, (margin, slack[MARGIN]), Space(J, A), room, out)
+
+
+@entry
+def march_by_solids(
+    family,
+    T,
+    found,
+    bodies,
+    groups,
+    pairs,
+    slack,
+    local,
+    ready,
+    solids,
+    of_solid,
+    points,
+    shaped,
+    of_body,
+    couples,
+    outer,
+    J,
+    A,
+    out,
+):
+    """The same on the true chain of a near limb, along its curves: found (n, 3) is sorted by branch; rows of out."""
+    P = row(family, LIMITED)
+    R, p, _ = read_pose(row(T, 0))
+    frames, normals = np.empty((8, 12)), np.zeros((NORMALS, 3))
+    shapes = Shapes(
+        solids, of_solid, points, shaped, of_body, couples, outer, np.empty(solids.shape[0]), frames, normals
+    )
+    couple_of = np.full(pairs.shape[0], NO_COUPLE)
+    for k in range(couples.shape[0]):
+        if couples[k, WATCHED] != RANGED:
+            couple_of[couples[k, WATCHED]] = k
+    along = Along(shapes, couple_of, np.empty((8, 12)), np.empty((8, 12)))
+    around = (World(bodies, groups, pairs, local, ready), slack, along)
+    return march_all(P, Spot(R, p, place(P, R, p)), around, found, Space(J, A), out)

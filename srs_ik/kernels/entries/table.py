@@ -112,7 +112,6 @@ task.solve_tasks(family, H, tasks: float[n, TASK], first, last, given, side, tie
 yardstick.transcendental(angles: float[n, 8], out: float[n]&)
 collision.forbidden(family, T, bodies, groups, pairs, slack, local, ready, arcs: float[2, MOST_ARCS, 2]&,
     counts: int[2]&)
-collision.forbidden_by_pair(family, T, bodies, groups, pairs, slack, local, ready, out: float[o, ARC]&) -> int
 collision.free_intervals(family, T, bodies, groups, pairs, slack, local, ready, found, n: int, out: float[o, 3]&) ->
     int
 collision.clearance(family, T, bodies, groups, pairs, local, ready, elbow: int, psi, out: float[WIDE]&)
@@ -128,11 +127,11 @@ collision.solve_range(family, limits: float[4, limb.SIZE], poses, first, last, b
     groups, pairs, slack, local, ready, out: float[n, ROW]&, verdicts)
 collision.edges(family, starts: float[n, 7], ends: float[n, 7], bodies, groups, pairs, slack: float[n, SLACK], local,
     ready, out: float[n, EDGE]&) -> int
-shapes.free_intervals(family, T, found, ranges: float[r, 3], margin: float, bodies, groups, pairs, slack, local, ready,
-    solids, of_solid, points, shaped, of_body, couples, outer, J, A, out: float[o, 3]&, rest: float[q, REST]&) ->
+collision.free_by_solids(family, T, found, ranges: float[r, 3], margin: float, bodies, groups, pairs, slack, local,
+    ready, solids, of_solid, points, shaped, of_body, couples, outer, J, A, out: float[o, 3]&, rest: float[q, REST]&) ->
     (int, float, int)
-shapes.march(family, T, found, bodies, groups, pairs, slack, local, ready, solids, of_solid, points, shaped, of_body,
-    couples, outer, J: float[6, 7]&, A: float[16, 9]&, out: float[o, 3]&) -> int
+collision.march_by_solids(family, T, found, bodies, groups, pairs, slack, local, ready, solids, of_solid, points,
+    shaped, of_body, couples, outer, J: float[6, 7]&, A: float[16, 9]&, out: float[o, 3]&) -> int
 control.tick(family, weights: float[WEIGHTS], ports: float[n, PORT], states: float[n, STATE]&, bounds: float[b],
     motion: float[2, 7], work: float[w, 7]&) -> bool
 control.elbow_point(family, q: float[7], out: float[3]&)

@@ -42,13 +42,6 @@ LOCAL_ROW = 5
 MOST_ARCS = 128
 """Room for the forbidden arcs of one elbow; beyond, those with the least gap between them are joined."""
 
-# An arc that one pair forbids.
-ARC_PAIR = 0
-ARC_ELBOW = 1
-ARC_LOWER = 2
-ARC_UPPER = 3
-ARC = 4
-
 # What an entry is told of nearness: margin, drift of a near limb's links.
 MARGIN = 0
 DRIFT = 1  # how far links of a near limb are from those of its nearest exact limb at the same joint angles, m; at most

@@ -84,6 +84,28 @@ def write_closest(P, target, goal, out):
 
 
 @kernel
+def best_posture(family, target, asked, seed, J, A):
+    """The best posture of all arm angles: q, branch, cost. `asked` holds the branch, and whether limits count."""
+    branch, respect = asked
+    P = row(family, LIMITED)
+    near = seed_or_zero(seed)
+    q, best, lowest = near, 0, 4.0 * NO_BRANCH
+    # What is None is left out when this is compiled: an answer without a seed needs no search for one.
+    if seed is not None:
+        if branch < 0:
+            F = row(family, LIMITED if respect else FREE)
+            q, best, lowest = search_near_seed(P, F, target, Goal(True, near, respect), J, A)
+    if lowest >= OUTSIDE:
+        if J is not None and may_reach(P, target.place):
+            q, best, lowest = search_true(P, target, branch, Goal(seed is not None, near, respect), J, A)
+        elif seed is not None:
+            q, best, lowest = search_exact(family, target, branch, near, respect)
+        else:
+            q, best, lowest = search_exact(family, target, branch, None, respect)
+    return q, best, lowest
+
+
+@kernel
 def solve_row(family, T, branch, seed, respect, J, A, out):
     """Solve one pose into a row of `out`, the best posture of all arm angles; returns the verdict on the pose."""
     R, p, verdict = read_pose(row(T, 0))
@@ -94,19 +116,7 @@ def solve_row(family, T, branch, seed, respect, J, A, out):
     target = Target(R, p, place_)
     near = seed_or_zero(seed)
     goal = Goal(seed is not None, near, respect)
-    q, best, lowest = near, 0, 4.0 * NO_BRANCH
-    # What is None is left out when this is compiled: an answer without a seed needs no search for one.
-    if seed is not None:
-        if branch < 0:
-            F = row(family, LIMITED if respect else FREE)
-            q, best, lowest = search_near_seed(P, F, target, goal, J, A)
-    if lowest >= OUTSIDE:
-        if J is not None and may_reach(P, place_):
-            q, best, lowest = search_true(P, target, branch, goal, J, A)
-        elif seed is not None:
-            q, best, lowest = search_exact(family, target, branch, near, respect)
-        else:
-            q, best, lowest = search_exact(family, target, branch, None, respect)
+    q, best, lowest = best_posture(family, target, (branch, respect), seed, J, A)
     measure_row(P, target, q, best, lowest, respect, row(out, 0))
     if J is not None:
         if respect and out[ROW_STATUS] == UNREACHABLE and may_reach(P, place_):

@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from srs_ik.collision.reaches import TOUCH, Hinge, Rates, Spinning
-from srs_ik.kernels.entries import shapes as entries
+from srs_ik.kernels.entries import collision as entries
 from srs_ik.kernels.layout import shapes as at
 from srs_ik.kernels.layout.answer import MOST_INTERVALS
 from srs_ik.solve import pose as pose_solver
@@ -55,7 +55,7 @@ def certified_free(
     out, rest = np.empty((MOST_INTERVALS, 3)), np.empty((_ROOM, at.REST))
     while True:
         told = (couples, world.solids.outer, *around.packed.work(), out, rest)
-        count, undecided, left = entries.free_intervals(around.packed.family, *asked, *told)
+        count, undecided, left = entries.free_by_solids(around.packed.family, *asked, *told)
         if left <= len(rest):
             break
         rest = np.empty((left, at.REST))
@@ -73,7 +73,7 @@ def marched(around: Surroundings, T: Array, found: Array, more: float = 0.0) -> 
     spheres = tables.bodies, tables.groups, tables.pairs, tables.with_margin(margin + TOUCH), *tables.work()
     out = np.empty((MOST_INTERVALS, 3))
     solids = *world.solids.tables, couples, world.solids.outer
-    count = entries.march(around.packed.family, T, found, *spheres, *solids, *around.packed.work(), out)
+    count = entries.march_by_solids(around.packed.family, T, found, *spheres, *solids, *around.packed.work(), out)
     return out[:count]
 
 
