@@ -90,7 +90,7 @@ def test_the_free_width_is_that_of_arm_angles_that_clear_the_scene(made):
         for interval in arm.intervals(T):
             for psi in np.arange(interval.lower + 0.5 * step, interval.upper, step):
                 q = arm.solve(T, psi, branch=interval.branch).q
-                apart += step * (clearance(arm, tables, q) > 0.0)
+                apart += step * (clearance(arm, tables, q) > scene.margin)
                 clear += step * (not truth.collides(q))
         # Each end of a free piece may be half a step off.
         assert free[at] == pytest.approx(apart, abs=0.5 * step * 2 * 12)

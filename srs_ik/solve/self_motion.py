@@ -21,7 +21,8 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 
 _INSIDE = 1e-9
-"""Samples stay this far inside the ends of an interval, rad; on an end, rounding may put a joint past its limit."""
+"""Samples stay this far inside the ends of an interval, rad; on an end, rounding may put a joint past its limit. An
+interval without room for that has one posture."""
 
 
 MOST_POSTURES = 1_000_000
@@ -60,10 +61,12 @@ def self_motion(
 
 def through(arm: PackedArm, T: Array, interval: Interval, count: int, respect_limits: bool) -> SelfMotion:
     """The self-motion through one interval of a pose (4, 4)."""
-    inside = min(_INSIDE, 0.25 * interval.width)
     rows = np.empty((count, ROW))
+    if interval.width <= 2.0 * _INSIDE:
+        rows[:] = solve(arm, T, 0.5 * (interval.lower + interval.upper), None, interval.branch, respect_limits)._row
+        return SelfMotion(rows, arm.joint_names, interval)
     before = None
-    for row, psi in zip(rows, np.linspace(interval.lower + inside, interval.upper - inside, count), strict=True):
+    for row, psi in zip(rows, np.linspace(interval.lower + _INSIDE, interval.upper - _INSIDE, count), strict=True):
         found = solve(arm, T, float(psi), before, interval.branch, respect_limits)
         row[:] = found._row
         before = found.q if found else before
