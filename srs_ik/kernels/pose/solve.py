@@ -16,7 +16,7 @@ from srs_ik.kernels.chain.closest import closest
 from srs_ik.kernels.chain.eight import ALL, put_some, take_eight, tip_errors
 from srs_ik.kernels.chain.kinematics import pose_error
 from srs_ik.kernels.chain.newton import CLOSED, LEFT, arm_angle, clipped, close_free
-from srs_ik.kernels.curves.best import out_of_branch
+from srs_ik.kernels.curves.best import cost_of_turn, out_of_branch
 from srs_ik.kernels.exact.flat import STAGES, is_as_good_as_flat, loosely
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.answer import (
@@ -198,11 +198,15 @@ def at_any_bend(family, target, psi, branch, goal, found):
 def at_border(P, target, psi, goal, found, J, A):
     """What is found at an arm angle in a branch, or the better of the postures on its border: q, branch, cost."""
     best, wanted = found, found[1]
+    others = np.empty((8, 8))
+    solve_all_at_angle(P, target, psi, goal.respect, J, A, others)
     for branch in range(8):
-        if branch != wanted:
-            other = solve_at_angle(P, target, psi, branch, goal, J, A)
-            if other[2] < best[2] and out_of_branch(P, other[0], wanted) < ON_BORDER:
-                best = (other[0], wanted, other[2])
+        if branch != wanted and others[branch, ROW_COST] < NO_BRANCH:
+            q = read7(others[branch])
+            if out_of_branch(P, q, wanted) < ON_BORDER:
+                q, value = cost_of_turn(P, q, goal)
+                if value < best[2]:
+                    best = (q, wanted, value)
     return best
 
 
