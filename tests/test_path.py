@@ -141,3 +141,16 @@ def test_a_bad_pose_is_named():
     poses[1, 0, 3] = np.nan
     with pytest.raises(srs_ik.InvalidPose, match="1 of 3"):
         arm.solve_path(poses)
+
+
+@pytest.mark.parametrize("robot", ["gen3", "iiwa14"])
+@pytest.mark.parametrize("reached", [0, 1, 200])
+def test_a_path_none_or_only_the_last_of_whose_poses_is_in_reach_is_answered(robot, reached):
+    arm = srs_ik.load(robot)
+    poses = np.tile(arm.forward_kinematics(0.5 * np.ones(7)).homogeneous, (max(reached, 2) + 1, 1, 1))
+    poses[: len(poses) - reached, 0, 3] += 5.0
+    for seed in (None, 0.4 * np.ones(7)):
+        path = arm.solve_path(poses, seed=seed)
+        assert path.ok.sum() == reached
+        assert np.isfinite(path.q).all()
+        assert path.breaks

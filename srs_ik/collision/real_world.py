@@ -110,20 +110,25 @@ class RealWorld:
     def couples(self, tables: Tables, margin: float) -> tuple[NDArray[np.int64], list[tuple[int, int]]]:
         """`Solids.couples`, found once for a margin."""
         key = tables, margin
-        if self._couples[0] != key:
-            self._couples = key, self.solids.couples(self, tables, margin)
-        found: tuple[NDArray[np.int64], list[tuple[int, int]]] = self._couples[1]
-        return found
+        # Read once: another thread may put those of another margin there.
+        known, found = self._couples
+        if known != key:
+            found = self.solids.couples(self, tables, margin)
+            self._couples = key, found
+        couples: tuple[NDArray[np.int64], list[tuple[int, int]]] = found
+        return couples
 
     def pairs_of(self, tables: Tables) -> list[tuple[int, int] | None]:
         """The pair of bodies that each row of pairs stands for; None for those without forms."""
-        if self._rows[0] is not tables:
+        known_tables, rows = self._rows
+        if known_tables is not tables:
             count = sum(joint != OBJECT for joint in self.joints)
             numbers: dict[str, int] = {name: k for k, name in enumerate(self.names) if k >= count}
             of_group = [k if k < count else numbers.get(name, OBJECT) for k, name in enumerate(tables.names)]
             known = {frozenset(pair): pair for pair in self.pairs}
-            self._rows = tables, [known.get(frozenset((of_group[a], of_group[b]))) for a, b in tables.pairs.tolist()]
-        return self._rows[1]
+            rows = [known.get(frozenset((of_group[a], of_group[b]))) for a, b in tables.pairs.tolist()]
+            self._rows = tables, rows
+        return rows
 
     def places(self, q: Array, bodies: Sequence[int]) -> list[Array]:
         """(4, 4) where some bodies are at a posture."""

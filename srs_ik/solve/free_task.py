@@ -1,8 +1,9 @@
 """Tasks that leave a turn of the hand free: the turn at which the arm lies best for the task.
 
 A turn costs the angle between the plane of the posture and that of the task, and `angle_lost` on top: what the limits
-keep the elbow from. Turns that cost the same are told apart by the distance from the seed, or by the margin to the
-limits. All over the free turns some are looked at, and from the best of them a compass search closes in.
+keep the elbow from, and a little by the distance from the seed, or by the margin to the limits: of turns that are as
+good, up to thousandths of a radian, the nearest is taken. All over the free turns some are looked at, and from the best
+of them a compass search closes in.
 """
 
 from __future__ import annotations

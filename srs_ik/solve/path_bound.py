@@ -52,7 +52,7 @@ class Cells:
     ends: NDArray[np.int64]
 
 
-MOST_ROOM = 1 << 20
+MOST_ROOM = 1 << 19
 """Cells of one pose at most: joints of many turns may have more, and the bound is then what is known without them."""
 
 

@@ -279,7 +279,7 @@ def finer(problem: Problem, keys: NDArray[np.int64]) -> Problem:
     places = np.append(np.arange(len(rows)), (first[:, None] + PARTS).ravel()[good])
     order = np.argsort(places, kind="stable")
     held, held_of = np.vstack([rows, between[good]])[order], np.append(poses, where[good])[order]
-    return coarse if np.bincount(held_of).max() > MOST_NODES else replace(coarse, held=held, held_of=held_of)
+    return coarse if np.bincount(held_of).max(initial=0) > MOST_NODES else replace(coarse, held=held, held_of=held_of)
 
 
 def find_around(problem: Problem, way: Way, chain: NDArray[np.int64]) -> Way:

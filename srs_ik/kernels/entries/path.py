@@ -183,7 +183,9 @@ def sweep(
                 around = Around(read7(row(near, pose)), radius)
                 stamp[0] += 1.0
                 n = pose_strips(family, row(poses, pose), around, sheet, n, desk, J, A)
-            for k in range(held_ends[pose], min(held_ends[pose + 1], held_ends[pose] + nodes.shape[0] - n)):
+            for k in range(held_ends[pose], held_ends[pose + 1]):
+                if n >= nodes.shape[0]:
+                    break
                 put_node(nodes, n, read7(row(held, k)), held[k, HELD_PSI], int(held[k, HELD_BRANCH]))
                 sheet.linked[n] = held[k, HELD_LINKED] != 0.0
                 n += 1
