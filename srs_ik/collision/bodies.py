@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import hashlib
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from itertools import pairwise
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
@@ -264,8 +264,3 @@ def held(name: str, forms: Sequence[Form], T_joint_tip: Array) -> Body:
     centres = rows[:, :3] @ T_joint_tip[:3, :3].T + T_joint_tip[:3, 3]
     moved = tuple(form.moved(T_joint_tip) for form in forms)
     return Body(name, 7, np.column_stack([centres, rows[:, 3]]), protrusion, "object", moved)
-
-
-def renamed(body: Body, name: str) -> Body:
-    """The same body under another name."""
-    return replace(body, name=name)

@@ -54,11 +54,6 @@ class FreeAxis:
         if not 0.0 <= self.cone <= math.pi:
             raise InvalidTask(f"the cone of a free axis must be an angle from 0 to pi rad, not {cone!r:.40}")
 
-    @property
-    def position_alone(self) -> bool:
-        """Whether no rotation is wanted at all."""
-        return self.cone >= math.pi
-
     @cached_property
     def packed(self) -> Array:
         """(FREEDOM,) for kernels."""
