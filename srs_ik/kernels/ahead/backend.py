@@ -10,41 +10,48 @@ import llvmlite.binding as llvm
 OPT = 3
 
 
-def merge(parts: Iterable[bytes]) -> bytes:
-    """One module of many, in which each function stands once."""
-    modules = [llvm.parse_bitcode(part) for part in parts]
-    for module in modules:
-        for function in module.functions:
-            if not function.is_declaration and function.linkage == llvm.Linkage.external:
-                # Some helpers of Numba stand in more than one part.
-                function.linkage = "weak_odr"
-    # Two and two, since LLVM walks all of a module for each that it takes in.
-    while len(modules) > 1:
-        for module, other in zip(modules[::2], modules[1::2], strict=False):
-            module.link_in(other)
-        modules = modules[::2]
-    return bytes(modules[0].as_bitcode())
+def prepare(modules: list[str], kept: set[str] | None, triple: str) -> bytes:
+    """One module of some, for all processors of a machine: all but the kept symbols are seen by nobody else.
 
-
-def prepare(bitcode: bytes, kept: set[str], triple: str) -> bytes:
-    """The module for all processors of a machine: all but the kept symbols may be inlined, changed and dropped."""
+    Args:
+        modules: as Numba writes them.
+        kept: names that other modules use; None for all.
+        triple: the machine.
+    """
     machine = _machine(triple, "", "")
-    module = llvm.parse_bitcode(bitcode)
-    for function in module.functions:
-        if not function.is_declaration:
-            function.linkage = "external" if function.name in kept else "internal"
-    for variable in module.global_variables:
-        if not variable.is_declaration:
-            variable.linkage = "internal"
-    module.triple = triple
-    module.data_layout = str(machine.target_data)
+    whole = _linked([llvm.parse_assembly(each) for each in modules])
+    for each in (*whole.functions, *whole.global_variables):
+        if not each.is_declaration and kept is not None:
+            each.linkage = "external" if each.name in kept else "internal"
+    whole.triple = triple
+    whole.data_layout = str(machine.target_data)
     # References that a function counts up and down again are found before it is inlined into others.
     first = llvm.create_new_module_pass_manager()
     for add in (first.add_sroa_pass, first.add_simplify_cfg_pass, first.add_instruction_combine_pass):
         add()
     first.add_refprune_pass()
-    first.run(module, llvm.create_pass_builder(machine, _options()))
-    return bytes(module.as_bitcode())
+    # Nobody will read the names of variables, and each function that is inlined would make them longer.
+    first.add_strip_symbols_pass()
+    first.run(whole, llvm.create_pass_builder(machine, _options()))
+    return bytes(whole.as_bitcode())
+
+
+def join(parts: Iterable[bytes], kept: set[str]) -> bytes:
+    """All prepared parts as one module, which shows nothing but the kept symbols."""
+    whole = _linked([llvm.parse_bitcode(part) for part in parts])
+    for each in (*whole.functions, *whole.global_variables):
+        if not each.is_declaration:
+            each.linkage = "external" if each.name in kept else "internal"
+    return bytes(whole.as_bitcode())
+
+
+def _linked(modules: list[Any]) -> Any:
+    # Two and two, since LLVM walks all of a module for each that it takes in.
+    while len(modules) > 1:
+        for module, other in zip(modules[::2], modules[1::2], strict=False):
+            module.link_in(other)
+        modules = modules[::2]
+    return modules[0]
 
 
 def emit(bitcode: bytes, triple: str, processor: str, features: str, rename: dict[str, str]) -> bytes:

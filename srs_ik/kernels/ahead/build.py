@@ -13,17 +13,17 @@ import shutil
 import sys
 import tempfile
 import time
-from concurrent.futures import ProcessPoolExecutor
+from collections.abc import Callable
 from functools import partial
 from importlib import import_module
-from multiprocessing import get_context
 from pathlib import Path
 
 import llvmlite.binding as llvm
 
 from srs_ik.kernels import entries as counter
 from srs_ik.kernels.ahead import backend, glue, linking
-from srs_ik.kernels.ahead.frontend import translate_all
+from srs_ik.kernels.ahead.forks import CORES, Forks
+from srs_ik.kernels.ahead.frontend import Frontend, Written
 from srs_ik.kernels.ahead.signatures import Entry, read_table, rooms
 from srs_ik.kernels.disk import KernelCache
 from srs_ik.kernels.native import FOLDER, stamps
@@ -112,12 +112,39 @@ def parts(entries: tuple[Entry, ...]) -> list[list[Work]]:
     return [near, rest]
 
 
-def compiled(work: list[Work], machine: str, kinds: Targets) -> list[bytes]:
-    """Object code of a part for some kinds of processors."""
-    code = backend.merge(translate_all(work, lambda done: _say(f"translated {done} of {len(work)}")))
-    symbols = [symbol for _, _, symbol in work]
-    prepared = backend.prepare(code, set(symbols), triple(machine))
-    return [_object(prepared, symbols, machine, kind) for kind, _ in kinds]
+BATCH = 64
+"""Functions whose code is written by one process."""
+
+
+def translated(work: list[Work], machine: str) -> list[bytes]:
+    """All kernels and entries in LLVM, part by part."""
+    frontend = Frontend()
+    with Forks() as forks:
+        forks.begin(lambda: backend.prepare(frontend.runtime(), None, triple(machine)), CORES)
+        for done, each in enumerate(work, 1):
+            frontend.find_types(*each)
+            while frontend.waiting() >= BATCH:
+                forks.begin(partial(_written, frontend.take(BATCH), machine), CORES - 1)
+            _say(f"read {done} of {len(work)}")
+        while frontend.waiting():
+            forks.begin(partial(_written, frontend.take(BATCH), machine), CORES)
+        return forks.results()
+
+
+def _written(write: Callable[[], Written], machine: str) -> bytes:
+    return backend.prepare(*write(), triple(machine))
+
+
+def compiled(works: list[list[Work]], machine: str, kinds: Targets) -> list[bytes]:
+    """Object code of parts for some kinds of processors."""
+    code = translated([each for work in works for each in work], machine)
+    with Forks() as forks:
+        for work in works:
+            symbols = [symbol for _, _, symbol in work]
+            joined = backend.join(code, set(symbols))
+            for kind, _ in kinds:
+                forks.begin(partial(_object, joined, symbols, machine, kind), CORES)
+        return forks.results()
 
 
 def _object(prepared: bytes, symbols: list[str], machine: str, kind: str) -> bytes:
@@ -141,12 +168,11 @@ def build(folder: Path, entries: tuple[Entry, ...], kinds: Targets, machine: str
     """
     linking.c_compiler()
     begin = time.monotonic()
-    with ProcessPoolExecutor(min(2, os.cpu_count() or 1), get_context("spawn")) as pool:
-        objects = list(pool.map(partial(compiled, machine=machine, kinds=kinds), filter(None, parts(entries))))
+    objects = compiled(list(filter(None, parts(entries))), machine, kinds)
     with tempfile.TemporaryDirectory() as scratch:
         place = Path(scratch)
         paths = []
-        for i, content in enumerate(each for part in objects for each in part):
+        for i, content in enumerate(objects):
             paths.append(place / f"{i}.o")
             paths[-1].write_bytes(content)
         (place / f"{glue.NAME}.h").write_text(glue.header(entries))

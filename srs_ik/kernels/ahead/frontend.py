@@ -7,20 +7,23 @@ until all are translated: that takes a tenth of the time.
 from __future__ import annotations
 
 import importlib
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
+from functools import partial
 from typing import Any
 
 from llvmlite import ir
 from numba import types
 from numba.core import cgutils, compiler
-from numba.core.codegen import JITCodeLibrary
+from numba.core.codegen import CodeLibrary
 from numba.core.compiler_lock import global_compiler_lock
 from numba.core.registry import cpu_target
 from numba.extending import overload
 from numba.np import arrayobj
 
 from srs_ik.kernels import entries
-from srs_ik.kernels.ahead.quick import make_quick, tidy
+from srs_ik.kernels.ahead.lean import make_lean
+from srs_ik.kernels.ahead.passes import Halves, Typed, finish
+from srs_ik.kernels.ahead.quick import make_quick
 from srs_ik.kernels.ahead.signatures import Argument, Entry
 
 _ELEMENTS = {"float": types.float64, "int": types.int64, "byte": types.int8, "bool": types.bool_}
@@ -41,19 +44,35 @@ def _refuse_any_shapes(given: Any, wanted: Any) -> Callable[..., Any]:
     return refuse
 
 
-class _Untouched(JITCodeLibrary):
-    """Code of a function as Numba translates it: neither optimised, nor linked, nor run."""
+def _no_address(builder: Any, address: int, info: str) -> Any:
+    """A function that is called is an object of no value, and nothing else of this process has an address later on."""
+    if info != "CPUDispatcher":
+        raise TypeError(f"a kernel cannot refer to a {info} of the process that compiles it")
+    return ir.Constant(_BYTE.as_pointer(), None)
 
-    found: list[Any]
-    _finalized: bool
 
-    def _optimize_functions(self, ll_module: Any) -> None:
+Written = tuple[list[str], set[str]]
+"""Modules as LLVM reads them, and the names that other modules use of them."""
+
+
+class _Untouched(CodeLibrary):  # type: ignore[misc]
+    """Code of a function as Numba writes it: neither optimised, nor linked, nor run."""
+
+    written: list[str]
+
+    def add_ir_module(self, ir_module: Any) -> None:
+        self.written.append(str(ir_module))
+
+    def add_linking_library(self, library: Any) -> None:
         pass
 
     def finalize(self) -> None:
-        if not self._finalized:
-            self._finalized = True
-            self.found.append(self)
+        pass
+
+    def get_function(self, name: str) -> Any:
+        raise NotImplementedError
+
+    get_llvm_str = get_asm_str = get_function
 
 
 class Frontend:
@@ -61,13 +80,17 @@ class Frontend:
 
     def __init__(self) -> None:
         make_quick()
+        make_lean()
+        self._halves = Halves()
+        self._halves.install()
+        self._written: list[str] = []
+        self._exports: list[tuple[Entry, Any, str]] = []
         self._context = cpu_target.target_context
         self._typing = cpu_target.typing_context
-        self._libraries: list[Any] = []
         codegen = self._context.codegen()
-        codegen._library_class = type("Untouched", (_Untouched,), {"found": self._libraries})
-        # Functions are told apart by what would be called: any builtin of its own will do.
+        codegen._library_class = type("Untouched", (_Untouched,), {"written": self._written})
         self._context.get_executable = lambda library, descriptor, environment: [].append
+        self._context.add_dynamic_addr = _no_address
         # Numba's own words name the sizes, for which half a library of strings would have to be compiled.
         arrayobj.raise_with_shape_context = _refuse_shapes
         self._flags = compiler.Flags()
@@ -77,9 +100,11 @@ class Frontend:
         self._flags.no_cfunc_wrapper = True
         self._typing.refresh()
         self._context.refresh()
+        self._runtime = self._written[:]
+        self._written.clear()
 
-    def translate(self, entry: Entry, variant: int, symbol: str) -> None:
-        """Translate one variant of an entry, as a C function of a name."""
+    def find_types(self, entry: Entry, variant: int, symbol: str) -> None:
+        """Find the types of one variant of an entry, which is to be a C function of a name, and of its kernels."""
         function = getattr(importlib.import_module(f"{entries.__name__}.{entry.room}"), entry.name)
         absent = entry.variants[variant]
         kinds = tuple(types.none if a.absent_with in absent else numba_type(a) for a in entry.arguments)
@@ -87,17 +112,39 @@ class Frontend:
             compiled = compiler.compile_extra(
                 self._typing, self._context, function.py_func, kinds, None, self._flags, {}
             )
-            compiled.library.finalize()
-            library = self._context.codegen().create_library(symbol)
-            module = library.create_ir_module(symbol)
-            self._export(module, entry, compiled, symbol)
-            library.add_ir_module(module)
-            library.finalize()
+        self._exports.append((entry, compiled, symbol))
 
-    def bitcode(self) -> Iterator[bytes]:
-        """All that has been translated, function by function."""
-        for library in self._libraries:
-            yield library._final_module.as_bitcode()
+    def waiting(self) -> int:
+        """How many functions have types and no code yet."""
+        return len(self._halves.typed) + len(self._exports)
+
+    def take(self, most: int) -> Callable[[], Written]:
+        """The call that writes the code of some functions that wait for it, which then wait no longer."""
+        typed, self._halves.typed = self._halves.typed[:most], self._halves.typed[most:]
+        exports, self._exports = self._exports, []
+        return partial(self._finished, typed, exports)
+
+    def runtime(self) -> list[str]:
+        """What all code may call: the modules, in which everything is meant for others."""
+        return list(self._runtime)
+
+    def _finished(self, typed: list[Typed], exports: list[tuple[Entry, Any, str]]) -> Written:
+        names = set()
+        self._halves.postponing = False
+        with global_compiler_lock:
+            for state, left in typed:
+                finish(state, left)
+                names.add(state["cr"].fndesc.llvm_func_name)
+            for entry, compiled, symbol in exports:
+                library = self._context.codegen().create_library(symbol)
+                module = library.create_ir_module(symbol)
+                self._export(module, entry, compiled, symbol)
+                library.add_ir_module(module)
+                names.add(symbol)
+        self._halves.postponing = True
+        modules = self._written[:]
+        self._written.clear()
+        return modules, names
 
     def _export(self, module: Any, entry: Entry, compiled: Any, symbol: str) -> None:
         """A C function: pointers, then sizes that are not fixed, scalars, and where to write the results."""
@@ -151,13 +198,3 @@ def numba_type(argument: Argument) -> Any:
     """The type of an argument that is there, as Numba names it."""
     element = _ELEMENTS[argument.element]
     return types.Array(element, len(argument.shape), "C") if argument.shape else element
-
-
-def translate_all(wanted: list[tuple[Entry, int, str]], tell: Callable[[int], None]) -> list[bytes]:
-    """Translate variants of entries, each (entry, variant, symbol); `tell` is told how many are done."""
-    frontend = Frontend()
-    for done, each in enumerate(wanted, 1):
-        frontend.translate(*each)
-        tidy()
-        tell(done)
-    return list(frontend.bitcode())

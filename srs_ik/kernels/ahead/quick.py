@@ -11,28 +11,8 @@ from collections.abc import Callable
 from typing import Any
 
 from llvmlite import ir as llvm
-from numba.core import base, compiler, config, ir, lowering, transforms, typed_passes, types, untyped_passes
-from numba.core.compiler_machinery import PassManager, _pass_registry
+from numba.core import base, config, ir, types
 from numba.core.runtime import nrtdynmod
-
-from srs_ik.kernels import __name__ as KERNELS
-
-NOT_NEEDED = {
-    untyped_passes.WithLifting,
-    untyped_passes.InlineClosureLikes,
-    untyped_passes.RewriteDynamicRaises,
-    untyped_passes.MakeFunctionToJitFunction,
-    untyped_passes.InlineInlinables,
-    untyped_passes.FindLiterallyCalls,
-    untyped_passes.LiteralUnroll,
-    untyped_passes.LiteralPropagationSubPipelinePass,
-    typed_passes.InlineOverloads,
-    typed_passes.NopythonRewrites,
-    typed_passes.NoPythonSupportedFeatureValidation,
-    typed_passes.AnnotateTypes,
-    typed_passes.DumpParforDiagnostics,
-}
-"""Passes for what no kernel contains."""
 
 
 def make_quick() -> None:
@@ -43,9 +23,6 @@ def make_quick() -> None:
     ir.Inst._rec_list_vars = _variables_of
     base.BaseContext.get_abi_sizeof = _known_sizes(base.BaseContext.get_abi_sizeof)
     types.Function.get_call_type = _known_call_types(types.Function.get_call_type)  # type: ignore[method-assign]
-    for name in ("incref", "decref"):
-        setattr(lowering.Lower, name, _where_counted(getattr(lowering.Lower, name)))
-    compiler.Compiler.define_pipelines = _with_few_passes(compiler.Compiler.define_pipelines)
 
 
 def _define_count(module: Any, op: str, ordering: str) -> Any:
@@ -60,12 +37,6 @@ def _define_count(module: Any, op: str, ordering: str) -> Any:
     builder.store(count, function.args[0])
     builder.ret(count)
     return function
-
-
-def tidy() -> None:
-    """Let go of what is not needed any more, and never look at the rest again."""
-    gc.collect()
-    gc.freeze()
 
 
 def _variables_of(_: Any, value: Any) -> list[Any]:
@@ -115,43 +86,3 @@ def _known_call_types(find: Callable[..., Any]) -> Callable[..., Any]:
         return known[key][1]
 
     return get_call_type
-
-
-def _where_counted(count: Callable[..., Any]) -> Callable[..., Any]:
-    """References are counted where a value can hold any."""
-    holds: dict[Any, bool] = {}
-
-    def incref_or_decref(self: Any, kind: Any, value: Any) -> None:
-        if kind not in holds:
-            holds[kind] = self.context.data_model_manager[kind].contains_nrt_meminfo()
-        if holds[kind]:
-            count(self, kind, value)
-
-    return incref_or_decref
-
-
-class _Plain(PassManager):
-    """The passes one after another; what they leave is not looked at between them."""
-
-    def _runPass(self, index: int, one: Any, state: Any) -> None:
-        one.analysis = self._analysis
-        one.run_initialization(state)
-        mutated = one.run_pass(state)
-        one.run_finalizer(state)
-        if _pass_registry.get(one.__class__).mutates_CFG and not mutated:
-            state.func_ir.blocks = transforms.canonicalize_cfg(state.func_ir.blocks)
-
-
-def _with_few_passes(usual: Callable[..., Any]) -> Callable[..., Any]:
-    """Kernels go through the passes that they need; functions of Numba's own through all."""
-
-    def define_pipelines(self: Any) -> Any:
-        (found,) = usual(self)
-        if not self.state.func_id.modname.startswith(KERNELS):
-            return [found]
-        manager = _Plain("kernels")
-        manager.passes = [(one, words) for one, words in found.passes if one not in NOT_NEEDED]
-        manager.finalize()
-        return [manager]
-
-    return define_pipelines

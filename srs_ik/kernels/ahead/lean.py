@@ -1,0 +1,117 @@
+"""Numba's LLVM without what kernels have no use for: half of its instructions.
+
+Kernels catch no exception, so that a failed call is a failed caller and nothing else. Their variables are set before
+they are read, and most hold no references, so that no slot has to be filled with zeros first, looked at before it is
+written, or cleared behind it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+from numba.core import lowering, types
+from numba.core.callconv import RETCODE_OK, CPUCallConv, Status
+
+FAILURE = "excinfo"
+"""What Numba calls the argument by which a function tells of its failure."""
+
+
+def make_lean() -> None:
+    """Change Numba in this process, for good: it is to translate kernels and nothing else from now on."""
+    CPUCallConv.call_function = _plain_call(CPUCallConv.call_function)  # type: ignore[method-assign]
+    CPUCallConv.return_status_propagate = _plain_failure(CPUCallConv.return_status_propagate)  # type: ignore[method-assign]
+    holds = _holds_references()
+    lowering.Lower.incref = _where_counted(holds, lowering.Lower.incref)
+    lowering.Lower.decref = _where_counted(holds, lowering.Lower.decref)
+    lowering.Lower.alloca = _slot(holds, lowering.Lower.alloca)
+    lowering.Lower.storevar = _store(holds, lowering.Lower.storevar)
+    lowering.Lower.delvar = _delete(holds, lowering.Lower.delvar)
+
+
+def _plain_call(usual: Callable[..., Any]) -> Callable[..., Any]:
+    """A call whose failure goes to where the caller's own would; its result has a slot that nobody fills before."""
+
+    def call_function(
+        self: Any, builder: Any, callee: Any, resty: Any, argtys: Any, args: Any, attrs: Any = None
+    ) -> Any:
+        given = builder.function.args
+        if attrs is not None or isinstance(resty, types.Optional) or len(given) < 2 or given[1].name != FAILURE:
+            return usual(self, builder, callee, resty, argtys, args, attrs)
+        slot = _entry_alloca(builder, self.get_return_type(resty).pointee)
+        passed = self._get_arg_packer(argtys).as_arguments(builder, args)
+        code = builder.call(callee, [slot, given[1], *passed])
+        failed = builder.icmp_signed("!=", code, RETCODE_OK)
+        status = Status(code, None, None, failed, None, None, None, given[1])
+        return status, self.context.get_returned_value(builder, resty, builder.load(slot))
+
+    return call_function
+
+
+def _plain_failure(usual: Callable[..., Any]) -> Callable[..., Any]:
+    """What failed has told of it already, where it shares its caller's argument for that."""
+
+    def return_status_propagate(self: Any, builder: Any, status: Any) -> None:
+        if status.excinfoptr is self._get_excinfo_argument(builder.function):
+            self._return_errcode_raw(builder, status.code)
+        else:
+            usual(self, builder, status)
+
+    return return_status_propagate
+
+
+def _entry_alloca(builder: Any, kind: Any, name: str = "") -> Any:
+    with builder.goto_entry_block():
+        return builder.alloca(kind, name=name)
+
+
+def _holds_references() -> Callable[[Any, Any], bool]:
+    known: dict[Any, bool] = {}
+
+    def holds(self: Any, kind: Any) -> bool:
+        if kind not in known:
+            known[kind] = self.context.data_model_manager[kind].contains_nrt_meminfo()
+        return known[kind]
+
+    return holds
+
+
+def _where_counted(holds: Callable[[Any, Any], bool], count: Callable[..., Any]) -> Callable[..., Any]:
+    """References are counted where a value can hold any."""
+
+    def incref_or_decref(self: Any, kind: Any, value: Any) -> None:
+        if holds(self, kind):
+            count(self, kind, value)
+
+    return incref_or_decref
+
+
+def _slot(holds: Callable[[Any, Any], bool], usual: Callable[..., Any]) -> Callable[..., Any]:
+    def alloca(self: Any, name: str, kind: Any) -> Any:
+        if holds(self, kind):
+            return usual(self, name, kind)
+        return _entry_alloca(self.builder, self.context.get_value_type(kind), name)
+
+    return alloca
+
+
+def _store(holds: Callable[[Any, Any], bool], usual: Callable[..., Any]) -> Callable[..., Any]:
+    def storevar(self: Any, value: Any, name: str, argidx: Any = None) -> None:
+        kind = self.typeof(name)
+        if name in self._singly_assigned_vars or holds(self, kind):
+            usual(self, value, name, argidx)
+        else:
+            self._alloca_var(name, kind)
+            self.builder.store(value, self.varmap[name])
+
+    return storevar
+
+
+def _delete(holds: Callable[[Any, Any], bool], usual: Callable[..., Any]) -> Callable[..., Any]:
+    def delvar(self: Any, name: str) -> None:
+        if holds(self, self.typeof(name)):
+            usual(self, name)
+        elif name not in self._blk_local_varmap:
+            self._singly_assigned_vars.discard(name)
+
+    return delvar

@@ -1,0 +1,124 @@
+"""Numba's passes over a kernel: those that kernels need, in two halves.
+
+The first half ends where the types are known, for a caller needs no more than them. The second writes the code, and can
+be done later, in any order and in another process.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+from numba.core import compiler, transforms, typed_passes, untyped_passes
+from numba.core.compiler_machinery import AnalysisPass, PassManager, _pass_registry, register_pass
+from numba.core.funcdesc import PythonFunctionDescriptor
+from numba.core.targetconfig import ConfigStack
+
+from srs_ik.kernels import __name__ as KERNELS
+
+NOT_NEEDED = {
+    untyped_passes.WithLifting,
+    untyped_passes.InlineClosureLikes,
+    untyped_passes.RewriteDynamicRaises,
+    untyped_passes.MakeFunctionToJitFunction,
+    untyped_passes.InlineInlinables,
+    untyped_passes.FindLiterallyCalls,
+    untyped_passes.LiteralUnroll,
+    untyped_passes.LiteralPropagationSubPipelinePass,
+    typed_passes.InlineOverloads,
+    typed_passes.NopythonRewrites,
+    typed_passes.NoPythonSupportedFeatureValidation,
+    typed_passes.AnnotateTypes,
+    typed_passes.DumpParforDiagnostics,
+}
+"""Passes for what no kernel contains."""
+
+
+class Plain(PassManager):
+    """The passes one after another; what they leave is not looked at between them."""
+
+    def _runPass(self, index: int, one: Any, state: Any) -> None:
+        one.analysis = self._analysis
+        one.run_initialization(state)
+        mutated = one.run_pass(state)
+        one.run_finalizer(state)
+        if _pass_registry.get(one.__class__).mutates_CFG and not mutated:
+            state.func_ir.blocks = transforms.canonicalize_cfg(state.func_ir.blocks)
+
+
+Typed = tuple[Any, PassManager]
+"""The state of a function that has types, and the passes that are left."""
+
+
+class Halves:
+    """Numba's passes, cut in two for as long as `postponing`; what has types waits in `typed` for its code."""
+
+    def __init__(self) -> None:
+        self.postponing = True
+        self.typed: list[Typed] = []
+
+    def install(self) -> None:
+        """Change Numba in this process, for good."""
+        compiler.Compiler.define_pipelines = self._cut(compiler.Compiler.define_pipelines)
+
+    def _cut(self, usual: Callable[..., Any]) -> Callable[..., Any]:
+        def define_pipelines(pipeline: Any) -> Any:
+            (found,) = usual(pipeline)
+            passes, cut = found.passes, typed_passes.IRLegalization
+            if pipeline.state.func_id.modname.startswith(KERNELS):
+                passes = [(one, words) for one, words in passes if one not in NOT_NEEDED]
+                cut = typed_passes.NopythonTypeInference
+            if not self.postponing:
+                return [found if passes is found.passes else _manager(passes)]
+            at = [one for one, _ in passes].index(cut) + 1
+            backend = next(each for each in passes if each[0] is typed_passes.NoPythonBackend)
+            first = _manager([*passes[:at], (Postpone, "postpone"), backend])
+            left = _manager([each for each in passes[at:] if each is not backend])
+            pipeline.state["postpone"] = lambda: self.typed.append((pipeline.state, left))
+            return [first]
+
+        return define_pipelines
+
+
+def _manager(passes: list[Any]) -> PassManager:
+    manager = Plain("kernels")
+    manager.passes = passes
+    manager.finalize()
+    return manager
+
+
+def finish(state: Any, left: PassManager) -> None:
+    """The second half: write the code of a function that has types."""
+    with ConfigStack().enter(state.flags.copy()):
+        left.run(state)
+
+
+@register_pass(mutates_CFG=False, analysis_only=True)
+class Postpone(AnalysisPass):  # type: ignore[misc]
+    """Stands where the code of a function would be written, and says what its callers need to know of it."""
+
+    _name = "postpone"
+
+    def __init__(self) -> None:
+        AnalysisPass.__init__(self)
+
+    def run_pass(self, state: Any) -> bool:
+        """Give the function a name and a type."""
+        flags = state.flags
+        flags.no_cpython_wrapper = flags.no_cfunc_wrapper = True
+        descriptor = PythonFunctionDescriptor.from_specialized_function(
+            state.func_ir,
+            state.typemap,
+            state.return_type,
+            state.calltypes,
+            mangler=state.targetctx.mangler,
+            inline=flags.forceinline,
+            noalias=flags.noalias,
+            abi_tags=[flags.get_mangle_string()],
+        )
+        # Functions are told apart by what would be called: any builtin of its own will do.
+        called = [].append
+        state.targetctx.insert_user_function(called, descriptor)
+        state["cr"] = compiler._LowerResult(descriptor, None, cfunc=called, env=None)
+        state["postpone"]()
+        return False
