@@ -36,13 +36,15 @@ def prepare(modules: list[str], kept: set[str] | None, triple: str) -> bytes:
     return bytes(whole.as_bitcode())
 
 
-def join(parts: Iterable[bytes], kept: set[str]) -> bytes:
-    """All prepared parts as one module, which shows nothing but the kept symbols."""
+def join(parts: Iterable[bytes], kept: set[str]) -> str:
+    """All prepared parts as one module, which shows nothing but the kept symbols, and in which all have names."""
     whole = _linked([llvm.parse_bitcode(part) for part in parts])
-    for each in (*whole.functions, *whole.global_variables):
+    for i, each in enumerate((*whole.functions, *whole.global_variables)):
         if not each.is_declaration:
             each.linkage = "external" if each.name in kept else "internal"
-    return bytes(whole.as_bitcode())
+        if not each.name:
+            each.name = f"nameless.{i}"
+    return str(whole)
 
 
 def _linked(modules: list[Any]) -> Any:
@@ -54,10 +56,10 @@ def _linked(modules: list[Any]) -> Any:
     return modules[0]
 
 
-def emit(bitcode: bytes, triple: str, processor: str, features: str, rename: dict[str, str]) -> bytes:
+def emit(text: str, triple: str, processor: str, features: str, rename: dict[str, str]) -> bytes:
     """Object code of a prepared module for one kind of processor, its entries renamed."""
     machine = _machine(triple, processor, features)
-    module = llvm.parse_bitcode(bitcode)
+    module = llvm.parse_assembly(text)
     builder = llvm.create_pass_builder(machine, _options())
     passes = builder.getModulePassManager()
     passes.add_refprune_pass()

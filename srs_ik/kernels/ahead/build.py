@@ -25,6 +25,7 @@ from srs_ik.kernels.ahead import backend, glue, linking
 from srs_ik.kernels.ahead.forks import CORES, Forks
 from srs_ik.kernels.ahead.frontend import Frontend, Written
 from srs_ik.kernels.ahead.signatures import Entry, read_table, rooms
+from srs_ik.kernels.ahead.units import Unit, divide
 from srs_ik.kernels.disk import KernelCache
 from srs_ik.kernels.native import FOLDER, stamps
 
@@ -138,19 +139,21 @@ def _written(write: Callable[[], Written], machine: str) -> bytes:
 def compiled(works: list[list[Work]], machine: str, kinds: Targets) -> list[bytes]:
     """Object code of parts for some kinds of processors."""
     code = translated([each for work in works for each in work], machine)
+    symbols = [[symbol for _, _, symbol in work] for work in works]
+    units = divide(backend.join(code, {each for part in symbols for each in part}), symbols)
     with Forks() as forks:
-        for work in works:
-            symbols = [symbol for _, _, symbol in work]
-            joined = backend.join(code, set(symbols))
+        for unit in units:
             for kind, _ in kinds:
-                forks.begin(partial(_object, joined, symbols, machine, kind), CORES)
+                forks.begin(partial(_object, unit, machine, kind), CORES)
         return forks.results()
 
 
-def _object(prepared: bytes, symbols: list[str], machine: str, kind: str) -> bytes:
-    names = {symbol: symbol.replace("kernel", kind.replace("-", "_"), 1) for symbol in symbols}
-    code = backend.emit(prepared, triple(machine), "" if kind == "generic" else kind, "", names)
-    _say(f"compiled {len(symbols)} for {kind}")
+def _object(unit: Unit, machine: str, kind: str) -> bytes:
+    # Objects for several kinds stand in one library.
+    names = {symbol: symbol.replace("kernel", kind.replace("-", "_"), 1) for symbol in unit.entries}
+    names |= {symbol: f"{kind}.{symbol}" for symbol in unit.shared}
+    code = backend.emit(unit.text, triple(machine), "" if kind == "generic" else kind, "", names)
+    _say(f"compiled {len(unit.entries)} for {kind}")
     return code
 
 
@@ -208,3 +211,5 @@ if __name__ == "__main__":
         build(given.folder, wanted, kinds, given.machine)
     except (linking.NoCompiler, ValueError) as error:
         sys.exit(str(error))
+    # All that Numba has made goes with the process: to take it apart piece by piece would take seconds.
+    os._exit(0)

@@ -55,7 +55,7 @@ Written = tuple[list[str], set[str]]
 """Modules as LLVM reads them, and the names that other modules use of them."""
 
 
-class _Untouched(CodeLibrary):  # type: ignore[misc]
+class _Untouched(CodeLibrary):
     """Code of a function as Numba writes it: neither optimised, nor linked, nor run."""
 
     written: list[str]

@@ -19,14 +19,14 @@ FAILURE = "excinfo"
 
 def make_lean() -> None:
     """Change Numba in this process, for good: it is to translate kernels and nothing else from now on."""
-    CPUCallConv.call_function = _plain_call(CPUCallConv.call_function)  # type: ignore[method-assign]
-    CPUCallConv.return_status_propagate = _plain_failure(CPUCallConv.return_status_propagate)  # type: ignore[method-assign]
-    holds = _holds_references()
-    lowering.Lower.incref = _where_counted(holds, lowering.Lower.incref)
-    lowering.Lower.decref = _where_counted(holds, lowering.Lower.decref)
-    lowering.Lower.alloca = _slot(holds, lowering.Lower.alloca)
-    lowering.Lower.storevar = _store(holds, lowering.Lower.storevar)
-    lowering.Lower.delvar = _delete(holds, lowering.Lower.delvar)
+    CPUCallConv.call_function = _plain_call(CPUCallConv.call_function)
+    CPUCallConv.return_status_propagate = _plain_failure(CPUCallConv.return_status_propagate)
+    lowering.Lower.lower_block = _lower_block
+    lowering.Lower.incref = _where_counted(lowering.Lower.incref)
+    lowering.Lower.decref = _where_counted(lowering.Lower.decref)
+    lowering.Lower.alloca = _slot(lowering.Lower.alloca)
+    lowering.Lower.storevar = _store(lowering.Lower.storevar)
+    lowering.Lower.delvar = _delete(lowering.Lower.delvar)
 
 
 def _plain_call(usual: Callable[..., Any]) -> Callable[..., Any]:
@@ -36,7 +36,7 @@ def _plain_call(usual: Callable[..., Any]) -> Callable[..., Any]:
         self: Any, builder: Any, callee: Any, resty: Any, argtys: Any, args: Any, attrs: Any = None
     ) -> Any:
         given = builder.function.args
-        if attrs is not None or isinstance(resty, types.Optional) or len(given) < 2 or given[1].name != FAILURE:
+        if attrs is not None or isinstance(resty, types.misc.Optional) or len(given) < 2 or given[1].name != FAILURE:
             return usual(self, builder, callee, resty, argtys, args, attrs)
         slot = _entry_alloca(builder, self.get_return_type(resty).pointee)
         passed = self._get_arg_packer(argtys).as_arguments(builder, args)
@@ -65,40 +65,47 @@ def _entry_alloca(builder: Any, kind: Any, name: str = "") -> Any:
         return builder.alloca(kind, name=name)
 
 
-def _holds_references() -> Callable[[Any, Any], bool]:
-    known: dict[Any, bool] = {}
-
-    def holds(self: Any, kind: Any) -> bool:
-        if kind not in known:
-            known[kind] = self.context.data_model_manager[kind].contains_nrt_meminfo()
-        return known[kind]
-
-    return holds
+def holds_references(context: Any, kind: Any) -> bool:
+    """Whether values of a type hold references that are counted."""
+    if kind not in _known:
+        _known[kind] = context.data_model_manager[kind].contains_nrt_meminfo()
+    return _known[kind]
 
 
-def _where_counted(holds: Callable[[Any, Any], bool], count: Callable[..., Any]) -> Callable[..., Any]:
+_known: dict[Any, bool] = {}
+
+
+def _where_counted(count: Callable[..., Any]) -> Callable[..., Any]:
     """References are counted where a value can hold any."""
 
     def incref_or_decref(self: Any, kind: Any, value: Any) -> None:
-        if holds(self, kind):
+        if holds_references(self.context, kind):
             count(self, kind, value)
 
     return incref_or_decref
 
 
-def _slot(holds: Callable[[Any, Any], bool], usual: Callable[..., Any]) -> Callable[..., Any]:
+def _lower_block(self: Any, block: Any) -> None:
+    self.pre_block(block)
+    for each in block.body:
+        self.loc = each.loc
+        self.lower_inst(each)
+    self.post_block(block)
+
+
+def _slot(usual: Callable[..., Any]) -> Callable[..., Any]:
     def alloca(self: Any, name: str, kind: Any) -> Any:
-        if holds(self, kind):
+        if holds_references(self.context, kind):
             return usual(self, name, kind)
         return _entry_alloca(self.builder, self.context.get_value_type(kind), name)
 
     return alloca
 
 
-def _store(holds: Callable[[Any, Any], bool], usual: Callable[..., Any]) -> Callable[..., Any]:
+def _store(usual: Callable[..., Any]) -> Callable[..., Any]:
     def storevar(self: Any, value: Any, name: str, argidx: Any = None) -> None:
         kind = self.typeof(name)
-        if name in self._singly_assigned_vars or holds(self, kind):
+        if name in self._singly_assigned_vars or holds_references(self.context, kind):
             usual(self, value, name, argidx)
         else:
             self._alloca_var(name, kind)
@@ -107,9 +114,9 @@ def _store(holds: Callable[[Any, Any], bool], usual: Callable[..., Any]) -> Call
     return storevar
 
 
-def _delete(holds: Callable[[Any, Any], bool], usual: Callable[..., Any]) -> Callable[..., Any]:
+def _delete(usual: Callable[..., Any]) -> Callable[..., Any]:
     def delvar(self: Any, name: str) -> None:
-        if holds(self, self.typeof(name)):
+        if holds_references(self.context, self.typeof(name)):
             usual(self, name)
         elif name not in self._blk_local_varmap:
             self._singly_assigned_vars.discard(name)

@@ -9,12 +9,13 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any
 
-from numba.core import compiler, transforms, typed_passes, untyped_passes
+from numba.core import compiler, interpreter, postproc, transforms, typed_passes, untyped_passes
 from numba.core.compiler_machinery import AnalysisPass, PassManager, _pass_registry, register_pass
 from numba.core.funcdesc import PythonFunctionDescriptor
 from numba.core.targetconfig import ConfigStack
 
 from srs_ik.kernels import __name__ as KERNELS
+from srs_ik.kernels.ahead.lean import holds_references
 
 NOT_NEEDED = {
     untyped_passes.WithLifting,
@@ -60,12 +61,15 @@ class Halves:
     def install(self) -> None:
         """Change Numba in this process, for good."""
         compiler.Compiler.define_pipelines = self._cut(compiler.Compiler.define_pipelines)
+        typed_passes.IRLegalization.run_pass = _where_counted(typed_passes.IRLegalization.run_pass)
+        postproc.PostProcessor.run = _where_lives_end(postproc.PostProcessor.run)
+        interpreter.Interpreter.post_process = _without_peepholes(interpreter.Interpreter.post_process)
 
     def _cut(self, usual: Callable[..., Any]) -> Callable[..., Any]:
         def define_pipelines(pipeline: Any) -> Any:
             (found,) = usual(pipeline)
             passes, cut = found.passes, typed_passes.IRLegalization
-            if pipeline.state.func_id.modname.startswith(KERNELS):
+            if _is_kernel(pipeline.state.func_id):
                 passes = [(one, words) for one, words in passes if one not in NOT_NEEDED]
                 cut = typed_passes.NopythonTypeInference
             if not self.postponing:
@@ -87,6 +91,47 @@ def _manager(passes: list[Any]) -> PassManager:
     return manager
 
 
+def _is_kernel(identity: Any) -> bool:
+    return str(identity.modname).startswith(KERNELS)
+
+
+def _where_counted(usual: Callable[..., Any]) -> Callable[..., Any]:
+    """Where each variable's life ends is written down where one holds references."""
+
+    def run_pass(self: Any, state: Any) -> Any:
+        kinds = set(state.typemap.values())
+        if not _is_kernel(state.func_id) or any(holds_references(state.targetctx, kind) for kind in kinds):
+            return usual(self, state)
+        return True
+
+    return run_pass
+
+
+def _where_lives_end(usual: Callable[..., Any]) -> Callable[..., Any]:
+    """Where variables begin and end to live is asked for once for kernels: when their ends are written down."""
+
+    def run(self: Any, emit_dels: bool = False, extend_lifetimes: bool = False) -> None:
+        if emit_dels or not _is_kernel(self.func_ir.func_id):
+            usual(self, emit_dels, extend_lifetimes)
+        else:
+            self.func_ir.blocks = transforms.canonicalize_cfg(self.func_ir.blocks)
+            self.func_ir.generator_info = None
+
+    return run
+
+
+def _without_peepholes(usual: Callable[..., Any]) -> Callable[..., Any]:
+    """Kernels have no `with`, and make no dictionary."""
+    needless = ("peep_hole_delete_with_exit", "peep_hole_fuse_dict_add_updates")
+
+    def post_process(self: Any, peepholes: Any, func_ir: Any) -> Any:
+        if _is_kernel(func_ir.func_id):
+            peepholes = [each for each in peepholes if each.__name__ not in needless]
+        return usual(self, peepholes, func_ir)
+
+    return post_process
+
+
 def finish(state: Any, left: PassManager) -> None:
     """The second half: write the code of a function that has types."""
     with ConfigStack().enter(state.flags.copy()):
@@ -94,7 +139,7 @@ def finish(state: Any, left: PassManager) -> None:
 
 
 @register_pass(mutates_CFG=False, analysis_only=True)
-class Postpone(AnalysisPass):  # type: ignore[misc]
+class Postpone(AnalysisPass):
     """Stands where the code of a function would be written, and says what its callers need to know of it."""
 
     _name = "postpone"
@@ -117,7 +162,7 @@ class Postpone(AnalysisPass):  # type: ignore[misc]
             abi_tags=[flags.get_mangle_string()],
         )
         # Functions are told apart by what would be called: any builtin of its own will do.
-        called = [].append
+        called = list[Any]().append
         state.targetctx.insert_user_function(called, descriptor)
         state["cr"] = compiler._LowerResult(descriptor, None, cfunc=called, env=None)
         state["postpone"]()

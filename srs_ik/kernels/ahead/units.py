@@ -1,0 +1,108 @@
+"""All code in parts of about the same size, each of which LLVM optimises by itself.
+
+A small function stands in every part that calls it, since it will be part of its callers. A large one stands in one of
+them and is called from the others, with those that nobody else calls.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable
+from typing import NamedTuple
+
+LARGE = 150
+"""Instructions from which a function is compiled once; from some 60 on, LLVM calls it and does not inline it."""
+
+_DEFINITION = re.compile(r"^define (?:internal )?(.*? )(@[^( ]+|@\"[^\"]+\")(\(.*?\n)(.*?^}\n)", re.M | re.S)
+_CALLED = re.compile(r" call [^@\n]*(@[^( \n]+|@\"[^\"\n]+\")\(")
+
+
+class _Function(NamedTuple):
+    """A function in the text of a module, and what matters of it."""
+
+    begin: int
+    end: int
+    size: int
+    calls: frozenset[str]
+
+
+class Unit(NamedTuple):
+    """A part: the text of its module, its entries, and other names in it that several parts use."""
+
+    text: str
+    entries: list[str]
+    shared: list[str]
+
+
+def divide(text: str, entries: list[list[str]]) -> list[Unit]:
+    """Divide a module.
+
+    Args:
+        text: the module, as LLVM prints it; every function in it has a name.
+        entries: names of the entries of each part.
+    """
+    found = {
+        match[2].strip('@"'): _Function(
+            match.start(),
+            match.end(),
+            match[4].count("\n  "),
+            frozenset(each.strip('@"') for each in _CALLED.findall(match[4])),
+        )
+        for match in _DEFINITION.finditer(text)
+    }
+    heads = _heads(found, entries)
+    parts = _assigned(found, entries, heads)
+    owner = {head: i for i, part in enumerate(parts) for head in part}
+    units = []
+    for i, part in enumerate(parts):
+        inside = _reached(found, part, {head for head in heads if owner[head] != i})
+        foreign = {callee for name in inside for callee in found[name].calls if callee in heads} - inside
+        pieces, at = [], 0
+        for name, each in found.items():
+            pieces.append(text[at : each.begin])
+            at = each.end
+            if name in inside:
+                body = text[each.begin : each.end]
+                pieces.append(body.replace("define internal", "define hidden", 1) if name in heads else body)
+            elif name in foreign:
+                head = _DEFINITION.match(text, each.begin)
+                assert head is not None
+                pieces.append(f"declare hidden {head[1]}{head[2]}{head[3].rstrip().rstrip('{')}\n")
+        units.append(Unit("".join([*pieces, text[at:]]), entries[i], sorted(foreign | (heads & inside))))
+    return units
+
+
+def _reached(found: dict[str, _Function], roots: Iterable[str], barred: set[str]) -> set[str]:
+    """All functions that some functions call, however indirectly, but for the barred and what only these call."""
+    seen: set[str] = set()
+    left = [root for root in roots if root not in barred]
+    while left:
+        name = left.pop()
+        if name not in seen:
+            seen.add(name)
+            left += [callee for callee in found[name].calls if callee in found and callee not in barred]
+    return seen
+
+
+def _heads(found: dict[str, _Function], entries: list[list[str]]) -> set[str]:
+    """Large functions that more than one part calls, but for those that only one other of them needs."""
+    reached = [_reached(found, each, set()) for each in entries]
+    common = set.intersection(*reached)
+    large = {name for name in common if found[name].size >= LARGE}
+    callers: dict[str, set[str]] = {name: set() for name in found}
+    for name in set.union(*reached):
+        for callee in found[name].calls & found.keys():
+            callers[callee].add(name)
+    # A large function with one caller is part of it after all.
+    return {name for name in large if not (len(callers[name]) == 1 and callers[name] <= large)}
+
+
+def _assigned(found: dict[str, _Function], entries: list[list[str]], heads: set[str]) -> list[list[str]]:
+    """Entries and heads of each part, so that all take about as long."""
+    parts = [list(each) for each in entries]
+    loads = [sum(found[name].size for name in _reached(found, part, heads)) for part in parts]
+    for head in sorted(heads, key=lambda name: (-found[name].size, name)):
+        least = loads.index(min(loads))
+        parts[least].append(head)
+        loads[least] += sum(found[name].size for name in _reached(found, [head], heads - {head}))
+    return parts
