@@ -36,7 +36,7 @@ def prepare(modules: list[str], kept: set[str] | None, triple: str) -> bytes:
     return bytes(whole.as_bitcode())
 
 
-def join(parts: Iterable[bytes], kept: set[str]) -> str:
+def join(parts: Iterable[bytes], kept: set[str], triple: str) -> str:
     """All prepared parts as one module, which shows nothing but the kept symbols, and in which all have names."""
     whole = _linked([llvm.parse_bitcode(part) for part in parts])
     for i, each in enumerate((*whole.functions, *whole.global_variables)):
@@ -44,6 +44,11 @@ def join(parts: Iterable[bytes], kept: set[str]) -> str:
             each.linkage = "external" if each.name in kept else "internal"
         if not each.name:
             each.name = f"nameless.{i}"
+    # What calls may be told of a function, above all that it never fails, before they are compiled apart from it.
+    known = llvm.create_new_module_pass_manager()
+    known.add_ipsccp_pass()
+    known.add_post_order_function_attributes_pass()
+    known.run(whole, llvm.create_pass_builder(_machine(triple, "", ""), _options()))
     return str(whole)
 
 

@@ -140,7 +140,8 @@ def compiled(works: list[list[Work]], machine: str, kinds: Targets) -> list[byte
     """Object code of parts for some kinds of processors."""
     code = translated([each for work in works for each in work], machine)
     symbols = [[symbol for _, _, symbol in work] for work in works]
-    units = divide(backend.join(code, {each for part in symbols for each in part}), symbols)
+    whole = backend.join(code, {each for part in symbols for each in part}, triple(machine))
+    units = divide(whole, symbols)
     with Forks() as forks:
         for unit in units:
             for kind, _ in kinds:
