@@ -12,8 +12,8 @@ from collections.abc import Iterable
 from typing import NamedTuple
 
 LARGE = 400
-"""Instructions from which a function is compiled once. LLVM inlines fewer than a hundred, but what it knows of a function
-next door, and may leave out, is worth more than the call: at 150, searches took 6 % longer."""
+"""Instructions from which a function is compiled once. LLVM inlines fewer than a hundred, but what it knows of a
+function beside its caller is worth more than the call: at 150, searches took 6 % longer."""
 
 _DEFINITION = re.compile(r"^define (?:internal )?(.*? )(@[^( ]+|@\"[^\"]+\")(\(.*?\n)(.*?^}\n)", re.M | re.S)
 _CALLED = re.compile(r" call [^@\n]*(@[^( \n]+|@\"[^\"\n]+\")\(")
@@ -88,7 +88,7 @@ def _reached(found: dict[str, _Function], roots: Iterable[str], barred: set[str]
 
 def _heads(found: dict[str, _Function], entries: list[list[str]]) -> set[str]:
     """Large functions that every part calls in more than one place; what is called once becomes part of its caller."""
-    heads = {name for name, each in found.items() if each.size >= LARGE}
+    heads = {name for name, each in found.items() if each.size >= LARGE and len(entries) > 1}
     for roots in entries:
         places = Counter(callee for name in _reached(found, roots, set()) for callee in found[name].calls.elements())
         heads &= {name for name, count in places.items() if count > 1}
