@@ -54,28 +54,43 @@ class Search:
             room = min(_INSIDE, 0.25 * (upper - lower))
             count = 2 + int((upper - lower) / _WIDEST)
             angles = np.linspace(lower + room, upper - room, count)
-            answers = [self._at(T, float(psi), int(branch), respect) for psi in angles]
+            answers: list[Solution | None] = []
+            for psi in angles:
+                answers.append(self._at(T, float(psi), int(branch), respect, answers[-1] if answers else None))
             costs = [_WORST if answer is None else self.cost(answer.q) for answer in answers]
             k = int(np.argmin(costs))
             if costs[k] < lowest:
                 best, lowest = answers[k], costs[k]
             ends = float(angles[max(k - 1, 0)]), float(angles[min(k + 1, count - 1)])
             if costs[k] < _WORST and ends[0] < ends[1]:
-                closer = self._close_in(T, ends, int(branch), respect)
+                closer = self._close_in(T, ends, int(branch), respect, answers[k])
                 if closer is not None and self.cost(closer.q) < lowest:
                     best, lowest = closer, self.cost(closer.q)
         return best
 
-    def _at(self, T: Array, psi: float, branch: int, respect: bool) -> Solution | None:
+    def _at(self, T: Array, psi: float, branch: int, respect: bool, before: Solution | None) -> Solution | None:
+        """The posture at an arm angle; one before it on its curve leads to it sooner."""
+        if before is not None and not self._arm.closed:
+            answer = pose_solver.lead(self._arm, T, psi, branch, before.q, self._seed, respect)
+            if answer is not None:
+                return answer
         return pose_solver.solve(self._arm, T, psi, self._seed, branch, respect) or None
 
-    def _close_in(self, T: Array, ends: tuple[float, float], branch: int, respect: bool) -> Solution | None:
+    def _close_in(
+        self, T: Array, ends: tuple[float, float], branch: int, respect: bool, before: Solution | None
+    ) -> Solution | None:
+        latest = before
+
         def cost(psi: float) -> float:
-            answer = self._at(T, psi, branch, respect)
-            return _WORST if answer is None else self.cost(answer.q)
+            nonlocal latest
+            answer = self._at(T, psi, branch, respect, latest)
+            if answer is None:
+                return _WORST
+            latest = answer
+            return self.cost(answer.q)
 
         found = minimize_scalar(cost, bounds=ends, method="bounded", options={"xatol": 1e-9})
-        return self._at(T, float(found.x), branch, respect)
+        return self._at(T, float(found.x), branch, respect, latest)
 
 
 def goal_of(arm: PackedArm, seed: Array | None) -> Search:

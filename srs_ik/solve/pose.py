@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from srs_ik.errors import InvalidConfiguration
 from srs_ik.inputs.poses import (
@@ -25,6 +25,8 @@ from srs_ik.kernels.layout.answer import MOST_INTERVALS, ROW
 from srs_ik.solve.packed import PackedArm
 from srs_ik.solve.solution import BatchSolution, Solution, Solutions
 from srs_ik.solve.threads import run_in_threads
+
+Array = NDArray[np.float64]
 
 
 def solve(
@@ -50,6 +52,16 @@ def solve(
     if verdict:
         raise invalid_pose(verdict)
     return Solution(row, arm.joint_names, arm.elbow)
+
+
+def lead(
+    arm: PackedArm, T: Array, psi: float, branch: int, before: Array, seed: Array | None, respect: bool
+) -> Solution | None:
+    """The posture of a near limb at an arm angle, if one of its branch close by leads to it."""
+    row = np.empty(ROW)
+    _, A = arm.work()
+    met = entries.lead(arm.family, T, psi, branch, before, seed, respect, A, row)
+    return Solution(row, arm.joint_names, arm.elbow) if met else None
 
 
 def solve_all(arm: PackedArm, pose: PoseLike, arm_angle: float | None, respect_limits: bool) -> Solutions:

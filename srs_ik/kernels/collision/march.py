@@ -18,6 +18,7 @@ from srs_ik.kernels.layout.asked import Goal, Target
 from srs_ik.kernels.layout.collision import MARGIN
 from srs_ik.kernels.limb.goal import NO_SEED, OUTSIDE
 from srs_ik.kernels.near.at_angle import solve_at_angle
+from srs_ik.kernels.near.led import led_to
 
 ANYWHERE = (math.inf, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
 """Stands for no posture to be near to."""
@@ -47,8 +48,13 @@ def look_ahead(P, spot, around, step, space):
     """Look at a step (branch, arm angle, length, posture before): verdict, how much to skip, rad, posture behind."""
     world, slack, along = around
     branch, psi, length, before = step
-    middle, met = posture_on(P, spot, psi + 0.5 * length, branch, before, space)
-    behind, also = posture_on(P, spot, psi + length, branch, before, space)
+    target = Target(spot.R, spot.p, spot.place)
+    middle, met = led_to(P, target, psi + 0.5 * length, branch, before, space.A)
+    behind, also = led_to(P, target, psi + length, branch, middle, space.A)
+    if not (met and also) and length <= SHORTEST:
+        # Other means take a thousand times as long: only where no shorter step is left.
+        middle, met = posture_on(P, spot, psi + 0.5 * length, branch, before, space)
+        behind, also = posture_on(P, spot, psi + length, branch, before, space)
     if not (met and also):
         return HIT, 0.0, before
     verdict, least, moved = look_between(P, (before, middle, behind), world, slack, along)

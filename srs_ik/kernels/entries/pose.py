@@ -15,16 +15,17 @@ from srs_ik.kernels.chain.answer import measure_row
 from srs_ik.kernels.exact.farthest import farthest
 from srs_ik.kernels.jit import entry
 from srs_ik.kernels.layout.answer import GOOD_POSE, MAX_PIECES, MOST_INTERVALS, OK, ROW_STATUS
-from srs_ik.kernels.layout.asked import Target
+from srs_ik.kernels.layout.asked import Goal, Target
 from srs_ik.kernels.layout.limb import LIMITED
 from srs_ik.kernels.limb.limits import set_limits
 from srs_ik.kernels.limb.poses import read7, read_pose
 from srs_ik.kernels.limb.triangle import place
 from srs_ik.kernels.near.band import put_shift
 from srs_ik.kernels.near.intervals import best_of_true_intervals
+from srs_ik.kernels.near.led import lead_row
 from srs_ik.kernels.near.predicted_best import predicted_best_of_intervals
 from srs_ik.kernels.pose.intervals import all_intervals
-from srs_ik.kernels.pose.solve import all_branches, own, own_seed, solve_row, solve_row_at
+from srs_ik.kernels.pose.solve import all_branches, own, own_seed, seed_or_zero, solve_row, solve_row_at
 
 
 @entry
@@ -37,6 +38,15 @@ def solve(family, T, branch, seed, respect, J, A, out):
 def solve_at(family, T, psi, branch, seed, respect, J, A, out):
     """`solve_row_at` of one pose."""
     return solve_row_at(family, row(T, 0), psi, (branch, seed, respect), J, A, row(out, 0))
+
+
+@entry
+def lead(family, T, psi, branch, before, seed, respect, A, out):
+    """Write the row of a near limb's posture at an arm angle, next to one of its branch; whether it is a solution."""
+    R, p, _ = read_pose(row(T, 0))
+    P = row(family, LIMITED)
+    goal = Goal(seed is not None, seed_or_zero(seed), respect)
+    return lead_row(P, Target(R, p, place(P, R, p)), (psi, branch), read7(before), goal, A, row(out, 0))
 
 
 @entry

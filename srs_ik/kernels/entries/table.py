@@ -51,6 +51,7 @@ port: float[p]
 ENTRIES = """
 pose.solve(family, T, branch, seed, respect, J, A, out: float[ROW]&) -> int
 pose.solve_at(family, T, psi, branch, seed, respect, J, A, out: float[ROW]&) -> int
+pose.lead(family, T, psi, branch, before: float[7], seed, respect, A: float[16, 9]&, out: float[ROW]&) -> bool
 pose.solve_range(family, poses, first, last, branch, seeds, respect, J, A, out: float[n, ROW]&, verdicts)
 pose.solve_at_range(family, poses, first, last, psis, branch, seeds, respect, J, A, out: float[n, ROW]&, verdicts)
 pose.solve_all(family, T, psi, respect, J, A, out: float[8, ROW]&) -> int
