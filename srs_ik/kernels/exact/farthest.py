@@ -160,14 +160,12 @@ def common_parts(found, n, given, out):
 @kernel
 def up_from(P, place_, side, branch, span, respect, best):
     """The best posture so far, or a better one on the way up within a span of arm angles, from its middle on."""
-    q, value = branch_at(P, side, span[1], branch, False, NO_SEED, respect)
-    if value < best[2]:
-        best = (q, branch, value)
     points = np.empty((3, CLIMB))
     outside = respect and best[2] >= OUTSIDE
     psi, sure = summit(P, side, turning_axes(place_, side), branch, span, outside, points)
     q, value = branch_at(P, side, psi, branch, False, NO_SEED, respect)
-    if value < best[2]:
+    # Where the elbow makes both as good, the other joints have more room on the summit.
+    if value <= best[2]:
         best = (q, branch, value)
     if not sure:
         q, value = climb(P, side, branch, span, Goal(False, NO_SEED, respect), np.empty(STATE))
@@ -177,15 +175,17 @@ def up_from(P, place_, side, branch, span, respect, best):
 
 
 @kernel
-def best_middle(P, sides, left, n, respect):
-    """The row of n intervals whose middle costs least."""
+def best_middle(P, sides, left, n, respect, best):
+    """The row of n intervals whose middle costs least, and the posture there if it is better than the best so far."""
     top, lowest = 0, 4.0 * NO_BRANCH
     for i in range(n):
         b = int(left[i, 0])
-        _, value = branch_at(P, sides[b >> 2], 0.5 * (left[i, 1] + left[i, 2]), b, False, NO_SEED, respect)
+        q, value = branch_at(P, sides[b >> 2], 0.5 * (left[i, 1] + left[i, 2]), b, False, NO_SEED, respect)
         if value < lowest:
             top, lowest = i, value
-    return top
+        if value < best[2]:
+            best = (q, b, value)
+    return top, best
 
 
 @kernel
@@ -195,7 +195,7 @@ def best_in(P, place_, sides, left, n, respect, best):
     The way up from the highest middle; from the others only where that gains nothing.
     """
     before = best[2]
-    top = best_middle(P, sides, left, n, respect)
+    top, best = best_middle(P, sides, left, n, respect, best)
     for i in range(n):
         k = (top + i) % n
         b, lower, upper = int(left[k, 0]), left[k, 1], left[k, 2]

@@ -7,29 +7,20 @@ from __future__ import annotations
 
 import math
 
-from srs_ik.kernels.algebra.lanes import eight_of, one_of, root, where, whole_number
-from srs_ik.kernels.algebra.vectors import across, add, cross, dot, load3, rotate, sub, swing
+from srs_ik.kernels.algebra.lanes import eight_of, one_of, where, whole_number
+from srs_ik.kernels.algebra.vectors import swing
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.limb import (
-    A1,
     A1_A2,
-    A2,
     A2_A3,
-    A3,
-    ACROSS_3,
-    BOTTOM_GAP,
-    COS_PHASE,
-    CROSS_3,
-    CROSS_23,
     FIRST_JOINT,
     INVERSE_HALF_RANGE,
     MIDDLE,
     PHASE,
     SHOULDER,
-    SIN_PHASE,
-    TOP_GAP,
     WRIST,
 )
+from srs_ik.kernels.limb.spherical_eight import eight_middles, eight_sines
 
 TURN = 2.0 * math.pi
 
@@ -41,9 +32,6 @@ NEXT_GLANCE = TURN / GLANCES
 
 NOWHERE = 1e3
 """Stands for the cost of what does not exist or is not wanted."""
-
-TINY = 1e-24
-"""The square of a sine under which axes count as parallel."""
 
 
 @kernel
@@ -83,23 +71,8 @@ def costs_of(P, first, q):
 @kernel
 def eight_angles(P, k, v, y, c, s):
     """Eight of `spherical.angles`, about."""
-    c2 = P[k + COS_PHASE] * c - P[k + SIN_PHASE] * s
-    s2 = P[k + SIN_PHASE] * c + P[k + COS_PHASE] * s
-    a1, a2, a3, cross_23 = load3(P, k + A1), load3(P, k + A2), load3(P, k + A3), load3(P, k + CROSS_23)
-    t = (1.0 - c2) * P[k + A2_A3]
-    u = (
-        c2 * a3[0] + s2 * cross_23[0] + t * a2[0],
-        c2 * a3[1] + s2 * cross_23[1] + t * a2[1],
-        c2 * a3[2] + s2 * cross_23[2] + t * a2[2],
-    )
-    u_across, v_across = across(u, a1), across(v, a1)
-    s1, c1 = dot(a1, cross(u_across, v_across)), dot(u_across, v_across)
-    square = s1 * s1 + c1 * c1
-    parallel = square < TINY
-    share = 1.0 / root(where(parallel, 1.0, square))
-    s1, c1 = where(parallel, 0.0, s1 * share), where(parallel, 1.0, c1 * share)
-    z = rotate(a2, c2, -s2, rotate(a1, c1, -s1, y))
-    return bearing(s1, c1), bearing(s2, c2), bearing(dot(load3(P, k + CROSS_3), z), dot(load3(P, k + ACROSS_3), z))
+    q1, q2, q3, _ = eight_sines(P, k, v, y, c, s)
+    return bearing(q1[1], q1[0]), bearing(q2[1], q2[0]), bearing(q3[1], q3[0])
 
 
 @kernel
@@ -107,13 +80,8 @@ def eight_halves(P, k, motion, c, s):
     """Costs of both solutions of a spherical joint at eight arm angles, given by cosines and sines."""
     v = swing(motion[0][0], motion[0][1], motion[0][2], c, s)
     y = swing(motion[1][0], motion[1][1], motion[1][2], c, s)
-    a1, first = load3(P, k + A1), int(P[k + FIRST_JOINT])
-    up, down = sub(v, a1), add(v, a1)
-    top, bottom = 0.5 * dot(up, up) - P[k + TOP_GAP], 0.5 * dot(down, down) - P[k + BOTTOM_GAP]
-    missed = (top < 0.0) | (bottom < 0.0)
-    top, bottom = where(top < 0.0, 0.0, top), where(bottom < 0.0, 0.0, bottom)
-    share = 1.0 / (top + bottom)
-    c_middle, s_middle = (bottom - top) * share, 2.0 * root(top * bottom) * share
+    first = int(P[k + FIRST_JOINT])
+    c_middle, s_middle, missed = eight_middles(P, k, v)
     above = eight_angles(P, k, v, y, c_middle, s_middle)
     if P[k + A1_A2] == 0.0 and P[k + A2_A3] == 0.0:
         below = (above[0] + math.pi, 2.0 * P[k + PHASE] - above[1], above[2] + math.pi)
