@@ -12,7 +12,7 @@ import math
 from srs_ik.kernels.algebra.pointers import row
 from srs_ik.kernels.algebra.vectors import cross, dot, load3, rotate, scale, swing
 from srs_ik.kernels.jit import kernel
-from srs_ik.kernels.layout.limb import A1, A2, INVERSE_HALF_RANGE, LOWER, MIDDLE, SHOULDER, UPPER, WRIST
+from srs_ik.kernels.layout.limb import A1, A2, FIRST_JOINT, INVERSE_HALF_RANGE, LOWER, MIDDLE, SHOULDER, UPPER, WRIST
 from srs_ik.kernels.layout.search import (
     CLIMB,
     CLIMB_ACTIVE,
@@ -62,12 +62,14 @@ def put_joint(P, joint, q, rate, outside, point):
 
 
 @kernel
-def put_half(P, k, first, motion, axis, turn, sign, outside, point):
+def put_half(P, k, turning, turn, sign, outside, point):
     """Write what the three joints of a spherical joint cost at an arm angle; whether it can be so.
 
-    The rotation that it makes turns about `axis` with the arm angle: axis = a1 q1' + e2 q2' + v q3', with e2 and v the
-    axes 2 and 3 as they are turned.
+    `turning` holds the circles of its motion and the axis about which its rotation turns with the arm angle:
+    axis = a1 q1' + e2 q2' + v q3', with e2 and v the axes 2 and 3 as they are turned.
     """
+    motion, axis = turning
+    first = int(P[k + FIRST_JOINT])
     v = swing(motion[0][0], motion[0][1], motion[0][2], turn[0], turn[1])
     y = swing(motion[1][0], motion[1][1], motion[1][2], turn[0], turn[1])
     c, s, reached = middle_angle(P, k, v)
@@ -87,8 +89,8 @@ def put_half(P, k, first, motion, axis, turn, sign, outside, point):
 def look(P, side, axes, branch, psi, outside, point):
     """Write a point of the way: what the joints but the elbow cost at an arm angle of a branch."""
     turn = (math.cos(psi), math.sin(psi))
-    shoulder = put_half(P, SHOULDER, 0, side[1], axes[0], turn, (branch >> 1) & 1, outside, point)
-    wrist = put_half(P, WRIST, 4, side[2], axes[1], turn, branch & 1, outside, point)
+    shoulder = put_half(P, SHOULDER, (side[1], axes[0]), turn, (branch >> 1) & 1, outside, point)
+    wrist = put_half(P, WRIST, (side[2], axes[1]), turn, branch & 1, outside, point)
     point[CLIMB_COSTS + 3], point[CLIMB_RATES + 3] = -math.inf, 0.0
     active = 0
     for j in range(1, 7):
