@@ -242,9 +242,18 @@ def put_frames(P, q, frames):
     put_frame(frames, 0, (1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0), (0.0, 0.0, 0.0))
     _, _, M, b = first_line(P, turns[0])
     put_frame(frames, 1, M, b)
-    for joint in range(1, 7):
-        _, _, M, b = joint_line(P, joint, turns[joint], M, b)
-        put_frame(frames, joint + 1, M, b)
+    _, _, M, b = joint_line(P, 1, turns[1], M, b)
+    put_frame(frames, 2, M, b)
+    _, _, M, b = joint_line(P, 2, turns[2], M, b)
+    put_frame(frames, 3, M, b)
+    _, _, M, b = joint_line(P, 3, turns[3], M, b)
+    put_frame(frames, 4, M, b)
+    _, _, M, b = joint_line(P, 4, turns[4], M, b)
+    put_frame(frames, 5, M, b)
+    _, _, M, b = joint_line(P, 5, turns[5], M, b)
+    put_frame(frames, 6, M, b)
+    _, _, M, b = joint_line(P, 6, turns[6], M, b)
+    put_frame(frames, 7, M, b)
 
 
 @kernel

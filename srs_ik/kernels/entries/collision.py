@@ -300,13 +300,6 @@ def edges(family, starts, ends, bodies, groups, pairs, slack, local, ready, out)
     return hits
 
 
-@kernel
-def shapes_of(solids, of_solid, points, shaped, of_body, couples, outer):
-    """The tables of real shapes, with work space."""
-    frames, normals = np.empty((8, 12)), np.zeros((NORMALS, 3))
-    return Shapes(solids, of_solid, points, shaped, of_body, couples, outer, np.empty(solids.shape[0]), frames, normals)
-
-
 @entry
 def free_by_solids(
     family,
@@ -342,14 +335,17 @@ def free_by_solids(
         How many rows of out are written, the width left undecided, rad, and how many rows of rest there are.
     """
     P = row(family, LIMITED)
-    shapes = shapes_of(solids, of_solid, points, shaped, of_body, couples, outer)
+    R, p, _ = read_pose(row(T, 0))
+    frames, normals = np.empty((8, 12)), np.empty((NORMALS, 3))
+    shapes = Shapes(
+        solids, of_solid, points, shaped, of_body, couples, outer, np.empty(solids.shape[0]), frames, normals
+    )
     count = couples.shape[0]
     spins, spin_counts = np.empty((count, MOST_SPINS, 2)), np.empty(count, np.int64)
     room = Room(np.empty((8, MOST_ARCS, 2)), np.empty((MOST_WAITING, 4)), spins, spin_counts, rest)
     world = World(bodies, groups, pairs, local, ready)
-    return free_by_shapes(
-        P, spot_of(P, T), world, shapes, found, ranges, (margin, slack[MARGIN]), Space(J, A), room, out
-    )
+    spot = Spot(R, p, place(P, R, p))
+    return free_by_shapes(P, spot, world, shapes, found, ranges, (margin, slack[MARGIN]), Space(J, A), room, out)
 
 
 @entry
@@ -376,11 +372,15 @@ def march_by_solids(
 ):
     """The same on the true chain of a near limb, along its curves: found (n, 3) is sorted by branch; rows of out."""
     P = row(family, LIMITED)
-    shapes = shapes_of(solids, of_solid, points, shaped, of_body, couples, outer)
+    R, p, _ = read_pose(row(T, 0))
+    frames, normals = np.empty((8, 12)), np.zeros((NORMALS, 3))
+    shapes = Shapes(
+        solids, of_solid, points, shaped, of_body, couples, outer, np.empty(solids.shape[0]), frames, normals
+    )
     couple_of = np.full(pairs.shape[0], NO_COUPLE)
     for k in range(couples.shape[0]):
         if couples[k, WATCHED] != RANGED:
             couple_of[couples[k, WATCHED]] = k
     along = Along(shapes, couple_of, np.empty((8, 12)), np.empty((8, 12)))
     around = (World(bodies, groups, pairs, local, ready), slack, along)
-    return march_all(P, spot_of(P, T), around, found, Space(J, A), out)
+    return march_all(P, Spot(R, p, place(P, R, p)), around, found, Space(J, A), out)
