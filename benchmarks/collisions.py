@@ -6,7 +6,7 @@ Poses are those of random collision-free postures of iiwa14, so that each has an
 (`tests/scene_sets.py`). An answer counts where it meets its pose within a millimetre and a milliradian, inside the
 limits, and hits nothing by `pinocchio.computeCollisions` on the shapes of the robot's own file, the same pairs watched
 for everybody. Printed are poses solved, and mean and median of the processor time a pose, ms. Peers that are not
-installed are left out: `pip install ssik pin-pink daqp roboplan`.
+installed are left out: `pip install ssik pin-pink mink daqp roboplan`.
 """
 
 from __future__ import annotations
@@ -137,6 +137,61 @@ def pink_with_barrier(place: Place) -> Solver:
     return call
 
 
+def mink_with_barrier(place: Place) -> Solver:
+    """Mink's differential inverse kinematics with its limit that avoids collisions, from a few free postures."""
+    import mink
+    import mujoco
+
+    arm = place.arm
+    options = '<mujoco><compiler fusestatic="false" discardvisual="true"/></mujoco></robot>'
+    text = place.file.read_text().replace("</robot>", options)
+    if "<collision" not in text:
+        text = text.replace("<visual>", "<collision>").replace("</visual>", "</collision>")
+    spec = mujoco.MjSpec.from_string(text)
+    kinds = {"box": mujoco.mjtGeom.mjGEOM_BOX, "sphere": mujoco.mjtGeom.mjGEOM_SPHERE}
+    base = spec.body(arm.base) or spec.worldbody
+    for each in place.objects:
+        geom = base.add_geom(name=each.name, type=kinds.get(each.kind, mujoco.mjtGeom.mjGEOM_CYLINDER))
+        # Boxes are given by half of their edges, cylinders by radius and half of their length.
+        sizes = (
+            0.5 * np.array(each.size)
+            if each.kind == "box"
+            else np.array([each.size[0], *(0.5 * np.array(each.size[1:]))])
+        )
+        geom.size[: len(sizes)], geom.pos = sizes, each.T[:3, 3]
+        mujoco.mju_mat2Quat(geom.quat, each.T[:3, :3].ravel())
+    model = spec.compile()
+    names = {each.name for each in place.objects}
+    of_body: dict[str, list[int]] = {}
+    for k in range(model.ngeom):
+        if model.geom(k).name not in names:
+            of_body.setdefault(model.body(int(model.geom_bodyid[k])).name, []).append(k)
+    moved = [k for body in arm.bodies if body.joint > 0 for k in of_body[body.name]]
+    pairs = [(of_body[pair.first], of_body[pair.second]) for pair in arm.pairs if pair.kept]
+    limits = [
+        mink.ConfigurationLimit(model),
+        mink.CollisionAvoidanceLimit(model, [*pairs, (moved, [model.geom(name).id for name in names])]),
+    ]
+    task = mink.FrameTask(arm.tip, "body", position_cost=1.0, orientation_cost=1.0)
+    starts = [place.free() for _ in range(3)]
+
+    def call(T: np.ndarray) -> np.ndarray | None:
+        task.set_target(mink.SE3.from_matrix(T))
+        for start in starts:
+            configuration = mink.Configuration(model, start)
+            for _ in range(STEPS):
+                if np.abs(task.compute_error(configuration)).max() < 0.5 * MET:
+                    return configuration.q.copy()
+                try:
+                    velocity = mink.solve_ik(configuration, [task], 0.1, solver="daqp", limits=limits)
+                except mink.MinkError:
+                    break
+                configuration.integrate_inplace(velocity, 0.1)
+        return None
+
+    return call
+
+
 def roboplan_checked(place: Place) -> Solver:
     """RoboPlan's SimpleIk, which draws new starts until its answer hits nothing."""
     from roboplan import core, simple_ik
@@ -195,6 +250,7 @@ SOLVERS = {
     "srs_ik, exact": lambda place: ours(place, True),
     "ssik, filtered by coal": ssik_filtered,
     "Pink with a barrier, 3 starts": pink_with_barrier,
+    "Mink with a barrier, 3 starts": mink_with_barrier,
     "RoboPlan SimpleIk, 50 restarts, 0.5 s": roboplan_checked,
 }
 

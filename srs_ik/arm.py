@@ -662,9 +662,9 @@ class Arm(BodyOwner):
         """Who answers questions: within the limits alone, or in a scene."""
         if scene is None:
             return self._in_limits
-        from srs_ik.solve.in_scene.questions import InScene
+        from srs_ik.solve.in_scene.questions import in_scene
 
-        return InScene(self, self.packed, scene, margin)
+        return in_scene(self, self.packed, scene, margin)
 
     def __reduce__(self) -> tuple[Any, ...]:
         # A copy is made anew, and packed anew: its arrays are read-only like the first ones, as its kernels want them.

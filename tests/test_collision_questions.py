@@ -134,3 +134,34 @@ def test_the_margin_counts_for_every_pair_that_is_not_adjacent(name, margin, exa
     assert looked > 20
     # coal's own tolerance, and that of ends of intervals.
     assert margin - 1e-5 <= least < 2.0 * margin
+
+
+def placed(place):
+    T = np.eye(4)
+    T[:3, 3] = place
+    return T
+
+
+def test_a_scene_that_has_changed_is_looked_at_anew(arm):
+    """What answers in a scene is kept for the next question: moves, objects, margins and the kind of shapes count."""
+    rng = generator("iiwa14", 71)
+    T = arm.forward_kinematics(rng.uniform(arm.lower, arm.upper)).homogeneous
+    scene = srs_ik.Scene()
+    plain = arm.intervals(T, scene=scene)
+    assert arm.intervals(T, scene=scene) == plain
+    scene.add_sphere("ball", T[:3, 3] + [0.0, 0.0, 5.0], 0.3)
+    assert arm.intervals(T, scene=scene) == plain
+    scene.move("ball", placed(arm.limb.shoulder))
+    assert arm.intervals(T, scene=scene) == []
+    scene.move("ball", placed([0.0, 0.0, 5.0]))
+    assert arm.intervals(T, scene=scene) == plain
+    wide = sum(each.width for each in plain)
+    assert sum(each.width for each in arm.intervals(T, scene=scene, margin=0.03)) < wide
+    scene.margin = 0.03
+    by_spheres = arm.intervals(T, scene=scene)
+    assert sum(each.width for each in by_spheres) < wide
+    scene.exact = True
+    assert sum(each.width for each in arm.intervals(T, scene=scene)) > sum(each.width for each in by_spheres)
+    scene.margin, scene.exact = 0.0, False
+    assert arm.intervals(T, scene=srs_ik.Scene()) == plain == arm.intervals(T, scene=scene)
+    assert arm.with_object("box", np.eye(4), [0.3, 0.3, 0.3]).intervals(T, scene=scene) != plain

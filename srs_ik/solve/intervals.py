@@ -76,7 +76,7 @@ def intervals(arm: PackedArm, pose: PoseLike, respect_limits: bool) -> list[Inte
     count = entries.intervals(arm.family, as_matrix(pose), respect_limits, *arm.work(), out)
     if count < 0:
         raise invalid_pose(-count)
-    return [Interval(int(b), float(lower), float(upper)) for b, lower, upper in out[:count]]
+    return [Interval(int(b), lower, upper) for b, lower, upper in out[:count].tolist()]
 
 
 def intervals_batch(arm: PackedArm, poses: Any, respect_limits: bool, threads: int | None) -> IntervalsBatch:

@@ -11,7 +11,7 @@ from srs_ik.kernels.collision.arcs import add_all, add_arc, cut
 from srs_ik.kernels.collision.drift import drifted
 from srs_ik.kernels.collision.forbidden import forbid
 from srs_ik.kernels.collision.seen import see_balls, still_frames, turning_frames
-from srs_ik.kernels.exact.farthest_within import farthest_within
+from srs_ik.kernels.exact.farthest import farthest
 from srs_ik.kernels.exact.nearest_within import nearest_within
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.asked import Goal, Target
@@ -66,6 +66,6 @@ def best_of(P, spot, found, branch, goal, out):
     if seeded:
         q, best, lowest = nearest_within(P, spot.place, found, branch, Goal(True, seed, respect), 4.0 * NO_BRANCH)
     else:
-        q, best, lowest = farthest_within(P, spot.place, found, branch, respect)
+        q, best, lowest = farthest(P, spot.place, found, branch, respect)
     measure_row(P, Target(spot.R, spot.p, spot.place), q, best, lowest, respect, out)
     return lowest

@@ -130,7 +130,7 @@ def solve_intervals(family, T, respect, J, A, out):
     found = np.empty((8 * MAX_PIECES, 3))
     n = all_intervals(family, target, respect, J, A, found)
     for i in range(n):
-        q, b, lowest = farthest(P, place_, found, i, i + 1, -1, respect)
+        q, b, lowest = farthest(P, place_, found[i : i + 1], -1, respect)
         measure_row(P, target, q, b, lowest, respect, row(out, i))
     return n
 

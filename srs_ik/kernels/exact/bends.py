@@ -13,7 +13,7 @@ import numpy as np
 
 from srs_ik.kernels.algebra.minimum import propose, start_search, tell
 from srs_ik.kernels.algebra.pointers import keep, row
-from srs_ik.kernels.exact.farthest import farthest
+from srs_ik.kernels.exact.farthest import farthest, whole_circles
 from srs_ik.kernels.exact.intervals import find_intervals
 from srs_ik.kernels.exact.nearest_within import height, nearest_within
 from srs_ik.kernels.jit import kernel
@@ -75,12 +75,10 @@ def best_on_circles(P, place_, branch, seed, respect):
     if respect:
         n = find_intervals(P, place_, branch, found)
     else:
-        for b in range(8):
-            if branch < 0 or b == branch:
-                found[n, 0], found[n, 1], found[n, 2] = b, -math.pi, math.pi
-                n += 1
+        whole_circles(found)
+        n = 8
     if seed is None:
-        return farthest(P, place_, found, 0, n, branch, respect)
+        return farthest(P, place_, found[:n], branch, respect)
     return nearest_within(P, place_, found[:n], branch, Goal(True, seed, respect), 4.0 * NO_BRANCH)
 
 

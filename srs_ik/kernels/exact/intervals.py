@@ -12,7 +12,8 @@ import math
 
 import numpy as np
 
-from srs_ik.kernels.algebra.vectors import dot, load3, swing
+from srs_ik.kernels.algebra.vectors import dot, load3
+from srs_ik.kernels.exact.gaps import feasible_signs, mark_gaps
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.answer import MAX_EVENTS, MAX_PIECES
 from srs_ik.kernels.layout.limb import (
@@ -31,12 +32,10 @@ from srs_ik.kernels.layout.limb import (
     RANGE_KIND,
     SHOULDER,
     SLACK_JOIN,
-    SLACK_LIMIT,
     TOP_GAP,
     WRIST,
 )
-from srs_ik.kernels.limb.limits import is_inside, turn_to_middle, violation
-from srs_ik.kernels.limb.spherical import angles, middle_anchor, middle_angle, sines
+from srs_ik.kernels.limb.limits import turn_to_middle, violation
 from srs_ik.kernels.limb.triangle import elbow_side
 
 TOUCH = 1e-12
@@ -126,59 +125,6 @@ def joint_events(P, k, motion, events):
 
 
 @kernel
-def fits(P, k, v, y, c, s, sign):
-    """Whether one solution of the spherical joint at block k has turns inside the limits."""
-    first = int(P[k + FIRST_JOINT])
-    c1, s1, c2, s2, c3, s3, length = sines(P, k, v, y, c, s, sign)
-    slack = P[SLACK_LIMIT]
-    if not is_inside(P, first + 1, c2, s2, slack):
-        return False
-    if P[BAND] != 0.0:
-        slack = P[BAND] / math.sqrt(max(length, 1e-12))
-        return is_inside(P, first, c1, s1, slack) and is_inside(P, first + 2, c3, s3, slack)
-    if length > 0.0:
-        return is_inside(P, first, c1, s1, slack) and is_inside(P, first + 2, c3, s3, slack)
-    q = angles(P, k, v, y, c, s, sign, middle_anchor())
-    return (
-        violation(P, first, turn_to_middle(P, first, q[0])) == 0.0
-        and violation(P, first + 2, turn_to_middle(P, first + 2, q[2])) == 0.0
-    )
-
-
-@kernel
-def feasible_signs(P, k, motion, psi, wanted):
-    """Which of the wanted solutions (bits 1: first, 2: second) of a spherical joint keep the limits at psi."""
-    cos_psi = math.cos(psi)
-    sin_psi = math.sin(psi)
-    v0, y0, _ = motion
-    v = swing(v0[0], v0[1], v0[2], cos_psi, sin_psi)
-    y = swing(y0[0], y0[1], y0[2], cos_psi, sin_psi)
-    c, s, reached = middle_angle(P, k, v)
-    if not reached:
-        return 0
-    first = 1 if wanted & 1 and fits(P, k, v, y, c, s, 0) else 0
-    return first | (2 if wanted & 2 and fits(P, k, v, y, c, s, 1) else 0)
-
-
-@kernel
-def mark_gaps(P, k, motion, wanted, events, marks):
-    """Find the events of a spherical joint, mark the gap behind each with its feasible signs; return their number."""
-    n = joint_events(P, k, motion, events)
-    for i in range(n):
-        end = events[i + 1] if i + 1 < n else events[0] + TURN
-        marks[i] = -1
-        if end > events[i]:
-            marks[i] = feasible_signs(P, k, motion, 0.5 * (events[i] + end), wanted)
-    # Equal events leave no gap between them: it takes after the gap before it, and so parts and joins nothing.
-    before = marks[n - 1] if n > 0 else 0
-    for i in range(n):
-        if marks[i] < 0:
-            marks[i] = before
-        before = marks[i]
-    return n
-
-
-@kernel
 def write_piece(pieces, sign, n, lower, upper):
     """Append an interval to the pieces of a solution."""
     pieces[sign, n, 0] = lower
@@ -226,7 +172,8 @@ def sign_pieces(P, k, motion, wanted, events, marks, n, sign, pieces):
 @kernel
 def joint_pieces(P, k, motion, wanted, events, marks, pieces):
     """Feasible arm angles of the wanted solutions of a spherical joint (bits); how many pieces each of the two has."""
-    n = mark_gaps(P, k, motion, wanted, events, marks)
+    n = joint_events(P, k, motion, events)
+    mark_gaps(P, k, motion, wanted, events, n, marks)
     if n == 0:
         events[0] = 0.0
         marks[0] = feasible_signs(P, k, motion, 0.0, wanted)

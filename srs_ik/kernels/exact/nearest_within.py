@@ -181,7 +181,7 @@ def nearest_within(P, place_, found, branch, goal, lowest):
         if peaks[i, 0] >= height(least):
             break
         b = int(peaks[i, 1])
-        q, value = climb(P, sides[b >> 2], b, peaks[i, 2], peaks[i, 3], peaks[i, 4], True, seed, respect, S)
+        q, value = climb(P, sides[b >> 2], b, (peaks[i, 2], peaks[i, 3], peaks[i, 4]), goal, S)
         if value < least:
             best_q, best, least = q, b, value
     return best_q, best, least

@@ -82,3 +82,13 @@ SPLIT_ROW = 19
 
 MOST_SPLITS = 128
 """Room for the free splits of a pose."""
+
+# A point of a way up to a larger margin: what each joint costs there, the rates of that with the arm angle, the arm
+# angle, the largest of the costs with its rate, and the joint that has it (-1: none).
+CLIMB_COSTS = 0  # 7
+CLIMB_RATES = 7  # 7
+CLIMB_PSI = 14
+CLIMB_COST = 15
+CLIMB_RATE = 16
+CLIMB_ACTIVE = 17
+CLIMB = 18

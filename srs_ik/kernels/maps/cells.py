@@ -7,11 +7,11 @@ import math
 import numpy as np
 
 from srs_ik.kernels.algebra.pointers import row
-from srs_ik.kernels.exact.farthest import farthest, largest_margin
+from srs_ik.kernels.exact.farthest import farthest, farthest_of_all
 from srs_ik.kernels.exact.intervals import TOUCH, TURN
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.answer import GOOD_POSE, SOLVED
-from srs_ik.kernels.layout.limb import LIMITED, LOOSE, SIZE
+from srs_ik.kernels.layout.limb import LIMITED, LOOSE
 from srs_ik.kernels.layout.maps import (
     CELL_ARCS,
     CELL_BRANCHES,
@@ -125,7 +125,7 @@ def write_cell(family, place_, limits, asked, space, out):
     write_measures(space.found, n, out)
     out[CELL_MARGIN] = 0.0
     if margin:
-        _, _, cost = farthest(P, place_, space.found, 0, n, -1, True)
+        _, _, cost = farthest(P, place_, space.found[:n], -1, True)
         out[CELL_MARGIN] = max(-cost, 0.0) if math.isfinite(cost) else 0.0
     if most > 0:
         write_yaws(P, place_, space.found, n, limits, most, out)
@@ -134,8 +134,6 @@ def write_cell(family, place_, limits, asked, space, out):
 @kernel
 def margin_of_poses(family, poses, first, last, out):
     """Write the largest margin to the limits of poses first to last - 1 of (N, 4, 4) into out (N,), 0 where none is."""
-    space = room(family)
-    boxes = np.empty((1, SIZE))
     for i in range(first, last):
         R, p, verdict = read_pose(row(poses, i))
         out[i] = 0.0
@@ -144,9 +142,9 @@ def margin_of_poses(family, poses, first, last, out):
         place_ = place(row(family, LIMITED), R, p)
         if abs(place_[5]) >= SOLVED:
             continue
-        cost = largest_margin(row(family, LIMITED), place_, space.found, row(boxes, 0))
+        _, _, cost = farthest_of_all(row(family, LIMITED), row(family, LIMITED), place_, -1, True)
         if cost >= OUTSIDE:
-            cost = largest_margin(row(family, LOOSE), place_, space.found, row(boxes, 0))
+            _, _, cost = farthest_of_all(row(family, LOOSE), row(family, LOOSE), place_, -1, True)
         if cost < OUTSIDE:
             out[i] = max(-cost, 0.0)
 

@@ -14,7 +14,8 @@ import numpy as np
 from srs_ik.kernels.algebra.pointers import row
 from srs_ik.kernels.algebra.vectors import dot, load3, swing
 from srs_ik.kernels.exact.flat import is_as_good_as_flat
-from srs_ik.kernels.exact.intervals import TURN, feasible_intervals, fits, joint_pieces
+from srs_ik.kernels.exact.gaps import fits
+from srs_ik.kernels.exact.intervals import TURN, feasible_intervals, joint_pieces
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.answer import GOOD_POSE, MAX_EVENTS, MAX_PIECES, MOST_INTERVALS, SOLVED
 from srs_ik.kernels.layout.limb import (

@@ -10,7 +10,7 @@ from srs_ik.kernels.algebra.pointers import keep, row
 from srs_ik.kernels.chain.kinematics import pose_error
 from srs_ik.kernels.chain.newton import CLOSED, arm_angle, close_free
 from srs_ik.kernels.curves.best import search_followed
-from srs_ik.kernels.exact.farthest import branch_at, copy_interval, farthest
+from srs_ik.kernels.exact.farthest import branch_at, copy_interval, farthest, farthest_of_all, whole_circles
 from srs_ik.kernels.exact.flat import STAGES, is_as_good_as_flat, loosely
 from srs_ik.kernels.exact.free_splits import settled_split, with_splits
 from srs_ik.kernels.exact.intervals import find_intervals
@@ -76,15 +76,6 @@ def without(P, place_, found, known, psi, goal):
         copy_interval(found, i, found, left)
         left += 1
     return left
-
-
-@kernel
-def whole_circles(out):
-    """Write every arm angle of every branch as eight intervals."""
-    for b in range(8):
-        out[b, 0] = b
-        out[b, 1] = -math.pi
-        out[b, 2] = math.pi
 
 
 @kernel
@@ -193,16 +184,20 @@ def search_exact(family, target, branch, seed, respect):
             tolerances = LOOSE
             near = loosely(place_, stage)
         P = row(family, tolerances)
-        n = 8
-        if stage < STAGES:
-            n = find_intervals(row(family, tolerances + strictness), near, branch, found)
-        else:
-            whole_circles(found)
+        F = row(family, tolerances + strictness)
         if seed is None:
-            q, b, value = farthest(P, near, found, 0, n, branch, respect)
+            if stage < STAGES:
+                q, b, value = farthest_of_all(P, F, near, branch, respect)
+            else:
+                whole_circles(found)
+                q, b, value = farthest(P, near, found[:8], branch, respect)
         else:
-            goal = Goal(True, seed, respect)
-            q, b, value = nearest_within(P, near, found[:n], branch, goal, 4.0 * NO_BRANCH)
+            n = 8
+            if stage < STAGES:
+                n = find_intervals(F, near, branch, found)
+            else:
+                whole_circles(found)
+            q, b, value = nearest_within(P, near, found[:n], branch, Goal(True, seed, respect), 4.0 * NO_BRANCH)
         if value < lowest:
             best_q, best, lowest = q, b, value
         if stage == 0:

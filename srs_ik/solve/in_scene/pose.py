@@ -28,6 +28,9 @@ Array = NDArray[np.float64]
 _WIDE_ENOUGH = 1e-3
 """Of postures that all hit something, one whose clearance is this near to the largest is given, m."""
 
+_SAME = 1e-9
+"""Joint angles that differ by less, rad, are one posture."""
+
 
 def solve(
     around: Surroundings, T: Array, psi: float | None, near: Array | None, branch: int, respect: bool
@@ -43,9 +46,13 @@ def solve(
         around.solve_range(T[None], 0, 1, branch, seeds, respect, rows, verdicts)
         if verdicts[0]:
             raise invalid_pose(int(verdicts[0]))
-        if rows[0, ROW_STATUS] == Status.OK:
-            return Solution(rows[0], around.packed.joint_names, around.packed.elbow)
+        found = Solution(rows[0], around.packed.joint_names, around.packed.elbow)
+        if found:
+            return found
     else:
+        solution = _best_of_all(around, T, near, branch, respect) if psi is None and around.is_exact else None
+        if solution is not None:
+            return solution
         free = chosen(around.all_free(T, respect), branch, psi)
         solution = best(around, T, free, psi, near, respect) if len(free) else None
         if solution is not None:
@@ -61,11 +68,28 @@ def _where_nothing_is_free(
     if not len(found):
         return pose_solver.solve(around.packed, T, psi, near, None if branch < 0 else branch, respect)
     if not around.is_exact:
+        solution = _best_of_all(around, T, near, branch, respect) if psi is None else None
+        if solution is not None:
+            return solution
         free = around.by_shapes(T, respect, branch=branch, psi=psi)[0]
         solution = best(around, T, free, psi, near, respect) if len(free) else None
         if solution is not None:
             return solution
     return _hitting(around, T, found, psi, respect)
+
+
+def _best_of_all(around: Surroundings, T: Array, near: Array | None, branch: int, respect: bool) -> Solution | None:
+    """The best posture of an exact limb within its limits, if real shapes leave it; then nothing has to be searched."""
+    arm = around.packed
+    wanted = pose_solver.solve(arm, T, None, near, None if branch < 0 else branch, respect) if arm.closed else None
+    if not wanted:
+        return None
+    psi = wanted.arm_angle
+    free = around.by_shapes(T, respect, branch=wanted.branch, psi=psi)[0]
+    found = best(around, T, free, psi, near, respect) if len(free) else None
+    # Next to a singularity an arm angle has many postures, and another one than this was looked at.
+    same = found is not None and float(np.abs(found.q - wanted.q).max()) < _SAME
+    return found if same else None
 
 
 def best(

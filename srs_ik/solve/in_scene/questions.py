@@ -6,15 +6,15 @@ from typing import TYPE_CHECKING, Any
 
 from numpy.typing import ArrayLike
 
+from srs_ik.collision.scene import Scene
 from srs_ik.inputs.freedom import as_free_axis
 from srs_ik.inputs.poses import PoseLike, as_arm_angle, as_branch, as_matrix, as_seed
-from srs_ik.solve.in_scene import pose as in_scene
+from srs_ik.solve.in_scene import pose as pose_solver
 from srs_ik.solve.in_scene.surroundings import Surroundings
 from srs_ik.solve.solution import Interval
 
 if TYPE_CHECKING:
     from srs_ik.collision.owner import BodyOwner
-    from srs_ik.collision.scene import Scene
     from srs_ik.inputs.task import Task
     from srs_ik.solve.intervals import IntervalsBatch
     from srs_ik.solve.optimise import Optimum
@@ -22,6 +22,27 @@ if TYPE_CHECKING:
     from srs_ik.solve.path import PathSolution
     from srs_ik.solve.solution import BatchSolution, Solution, Solutions
     from srs_ik.solve.task import BatchTaskSolution, TaskSolution
+
+
+def in_scene(arm: BodyOwner, packed: PackedArm, scene: Scene, margin: Any) -> InScene:
+    """Who answers questions in a scene: whoever did so last, if nothing has changed since.
+
+    Raises:
+        InvalidScene: no `Scene`, or no margin.
+        NoBodies: no shapes of the arm are at hand.
+    """
+    state = arm.__dict__
+    # What is not told apart by these is made anew.
+    plain = type(scene) is Scene and type(margin) is float
+    now = (scene, scene.version, scene.moves, scene.margin, scene.exact, margin) if plain else None
+    # Read once: another thread may put another scene there.
+    last: tuple[Any, InScene] | None = state.get("_in_scene")
+    if last is not None and now is not None and last[0] == now:
+        return last[1]
+    asked = InScene(arm, packed, scene, margin)
+    if now is not None:
+        state["_in_scene"] = now, asked
+    return asked
 
 
 class FreeIntervals(list[Interval]):
@@ -49,13 +70,13 @@ class InScene:
     def intervals(self, pose: PoseLike, respect: bool) -> list[Interval]:
         """See `Arm.intervals`."""
         rows, undecided = self.around.free_and_undecided(as_matrix(pose), respect)
-        found = FreeIntervals(Interval(int(b), float(lower), float(upper)) for b, lower, upper in rows)
+        found = FreeIntervals(Interval(int(b), lower, upper) for b, lower, upper in rows.tolist())
         found.undecided = undecided
         return found
 
     def intervals_batch(self, poses: Any, respect: bool, threads: int | None) -> IntervalsBatch:
         """See `Arm.intervals_batch`."""
-        return in_scene.intervals_batch(self.around, poses, respect, threads)
+        return pose_solver.intervals_batch(self.around, poses, respect, threads)
 
     def solve(
         self, pose: PoseLike, arm_angle: float | None, seed: ArrayLike | None, branch: int | None, respect: bool
@@ -63,18 +84,18 @@ class InScene:
         """See `Arm.solve`."""
         near = None if seed is None else as_seed(seed, self.packed.lower, self.packed.upper)
         psi = None if arm_angle is None else as_arm_angle(arm_angle)
-        return in_scene.solve(
+        return pose_solver.solve(
             self.around, as_matrix(pose), psi, near, -1 if branch is None else as_branch(branch), respect
         )
 
     def solve_all(self, pose: PoseLike, arm_angle: float | None, respect: bool) -> Solutions:
         """See `Arm.solve_all`."""
         psi = None if arm_angle is None else as_arm_angle(arm_angle)
-        return in_scene.solve_all(self.around, as_matrix(pose), psi, respect)
+        return pose_solver.solve_all(self.around, as_matrix(pose), psi, respect)
 
     def solve_batch(self, poses: Any, *question: Any) -> BatchSolution:
         """See `Arm.solve_batch`."""
-        return in_scene.solve_batch(self.around, poses, *question)
+        return pose_solver.solve_batch(self.around, poses, *question)
 
     def solve_free(self, pose: PoseLike, free_axis: Any, seed: ArrayLike | None, respect: bool) -> Solution:
         """See `Arm.solve`, with a free axis."""

@@ -1,0 +1,149 @@
+"""Which solutions of a spherical joint keep the limits between the arm angles at which that may change, in eights."""
+
+from __future__ import annotations
+
+import math
+
+from srs_ik.kernels.algebra.lane_trig import turn
+from srs_ik.kernels.algebra.lanes import as_bits, eight_of, root, where
+from srs_ik.kernels.algebra.vectors import swing
+from srs_ik.kernels.jit import kernel
+from srs_ik.kernels.layout.limb import (
+    BAND,
+    COS_LOWER,
+    COS_UPPER,
+    FIRST_JOINT,
+    RANGE_KIND,
+    SIN_LOWER,
+    SIN_UPPER,
+    SLACK_LIMIT,
+)
+from srs_ik.kernels.limb.limits import TURN, is_inside, turn_to_middle, violation
+from srs_ik.kernels.limb.spherical import angles, middle_anchor, middle_angle, sines
+from srs_ik.kernels.limb.spherical_eight import eight_middles, eight_sines
+
+ALL = 0b11111111
+
+NARROW = 1e-6
+"""A gap narrower than this, rad, is looked at by itself: next to what it lies between, rounding decides."""
+
+
+@kernel
+def fits(P, k, v, y, c, s, sign):
+    """Whether one solution of the spherical joint at block k has turns inside the limits."""
+    first = int(P[k + FIRST_JOINT])
+    c1, s1, c2, s2, c3, s3, length = sines(P, k, v, y, c, s, sign)
+    slack = P[SLACK_LIMIT]
+    if not is_inside(P, first + 1, c2, s2, slack):
+        return False
+    if P[BAND] != 0.0:
+        slack = P[BAND] / math.sqrt(max(length, 1e-12))
+        return is_inside(P, first, c1, s1, slack) and is_inside(P, first + 2, c3, s3, slack)
+    if length > 0.0:
+        return is_inside(P, first, c1, s1, slack) and is_inside(P, first + 2, c3, s3, slack)
+    q = angles(P, k, v, y, c, s, sign, middle_anchor())
+    return (
+        violation(P, first, turn_to_middle(P, first, q[0])) == 0.0
+        and violation(P, first + 2, turn_to_middle(P, first + 2, q[2])) == 0.0
+    )
+
+
+@kernel
+def feasible_signs(P, k, motion, psi, wanted):
+    """Which of the wanted solutions (bits 1: first, 2: second) of a spherical joint keep the limits at psi."""
+    cos_psi = math.cos(psi)
+    sin_psi = math.sin(psi)
+    v0, y0, _ = motion
+    v = swing(v0[0], v0[1], v0[2], cos_psi, sin_psi)
+    y = swing(y0[0], y0[1], y0[2], cos_psi, sin_psi)
+    c, s, reached = middle_angle(P, k, v)
+    if not reached:
+        return 0
+    first = 1 if wanted & 1 and fits(P, k, v, y, c, s, 0) else 0
+    return first | (2 if wanted & 2 and fits(P, k, v, y, c, s, 1) else 0)
+
+
+@kernel
+def eight_outside(P, joint, turn_, slack):
+    """`limits.is_inside` of eight angles, given by cosine and sine, with a slack each: bits of those that are not."""
+    kind = P[RANGE_KIND + joint]
+    if kind == 0.0:
+        return 0
+    c, s = turn_
+    cl, sl = P[COS_LOWER + joint], P[SIN_LOWER + joint]
+    cu, su = P[COS_UPPER + joint], P[SIN_UPPER + joint]
+    low, high = cl * s - sl * c < -slack, su * c - cu * s < -slack
+    if kind == 1.0:
+        ahead = (cl + cu) * c + (sl + su) * s
+        return as_bits(low | high | (ahead < -2.0 * where(slack > 0.0, slack, 0.0)))
+    return as_bits(low & high)
+
+
+@kernel
+def eight_misfits(P, k, v, y, c, s):
+    """Bits of eight solutions of a spherical joint outside the limits, and of those that have to be looked at alone."""
+    first = int(P[k + FIRST_JOINT])
+    q1, q2, q3, length = eight_sines(P, k, v, y, c, s)
+    slack = P[SLACK_LIMIT] + 0.0 * length
+    outside = eight_outside(P, first + 1, q2, slack)
+    if P[BAND] != 0.0:
+        slack = P[BAND] / root(where(length > 1e-12, length, 1e-12))
+    outside |= eight_outside(P, first, q1, slack) | eight_outside(P, first + 2, q3, slack)
+    return outside, ALL ^ as_bits(length > 0.0)
+
+
+@kernel
+def eight_signs(P, k, motion, psi):
+    """`feasible_signs` at eight arm angles: bits of those whose first solution fits, whose second, of unsure ones."""
+    cos_psi, sin_psi = turn(psi)
+    v = swing(motion[0][0], motion[0][1], motion[0][2], cos_psi, sin_psi)
+    y = swing(motion[1][0], motion[1][1], motion[1][2], cos_psi, sin_psi)
+    c, s, missed = eight_middles(P, k, v)
+    first, unsure = eight_misfits(P, k, v, y, c, s)
+    second, also = eight_misfits(P, k, v, y, c, -s)
+    return ALL ^ first, ALL ^ second, unsure | also | as_bits(missed)
+
+
+@kernel
+def end_of_gap(events, n, i):
+    """The arm angle that ends the gap behind event i of n."""
+    return events[i + 1] if i + 1 < n else events[0] + TURN
+
+
+@kernel
+def middle_of_gap(events, n, i):
+    """The middle of the gap behind event i of n, or of the last one."""
+    i = min(i, n - 1)
+    return 0.5 * (events[i] + end_of_gap(events, n, i))
+
+
+@kernel
+def mark_gaps(P, k, motion, wanted, events, n, marks):
+    """Mark the gap behind each of n events of a spherical joint with its feasible signs."""
+    for at in range(0, n, 8):
+        psi = eight_of(
+            middle_of_gap(events, n, at),
+            middle_of_gap(events, n, at + 1),
+            middle_of_gap(events, n, at + 2),
+            middle_of_gap(events, n, at + 3),
+            middle_of_gap(events, n, at + 4),
+            middle_of_gap(events, n, at + 5),
+            middle_of_gap(events, n, at + 6),
+            middle_of_gap(events, n, at + 7),
+        )
+        first, second, unsure = eight_signs(P, k, motion, psi)
+        for i in range(at, min(at + 8, n)):
+            bit = i - at
+            width = end_of_gap(events, n, i) - events[i]
+            if width <= 0.0:
+                marks[i] = -1
+            elif (unsure >> bit) & 1 or width < NARROW:
+                marks[i] = feasible_signs(P, k, motion, middle_of_gap(events, n, i), wanted)
+            else:
+                marks[i] = wanted & (((first >> bit) & 1) | (((second >> bit) & 1) << 1))
+    # Equal events leave no gap between them: it takes after the gap before it, and so parts and joins nothing.
+    before = marks[n - 1] if n > 0 else 0
+    for i in range(n):
+        if marks[i] < 0:
+            marks[i] = before
+        before = marks[i]

@@ -1,0 +1,213 @@
+"""The largest margin near an arm angle: each joint's margin is smooth, and the smallest of them has its top on a ridge.
+
+On the way, the joint angles and their rates are known exactly, so a step goes where the margins of two joints meet if
+each goes on as it does (Newton's method on their difference), or to where the rate of one vanishes (secants). Four or
+five steps leave rounding. Between limits that cannot be kept, the way leads to the least violation.
+"""
+
+from __future__ import annotations
+
+import math
+
+from srs_ik.kernels.algebra.pointers import row
+from srs_ik.kernels.algebra.vectors import cross, dot, load3, rotate, scale, swing
+from srs_ik.kernels.jit import kernel
+from srs_ik.kernels.layout.limb import A1, A2, FIRST_JOINT, INVERSE_HALF_RANGE, LOWER, MIDDLE, SHOULDER, UPPER, WRIST
+from srs_ik.kernels.layout.search import (
+    CLIMB,
+    CLIMB_ACTIVE,
+    CLIMB_COST,
+    CLIMB_COSTS,
+    CLIMB_PSI,
+    CLIMB_RATE,
+    CLIMB_RATES,
+)
+from srs_ik.kernels.limb.branches import NO_BRANCH, anchor
+from srs_ik.kernels.limb.goal import NO_SEED
+from srs_ik.kernels.limb.limits import turn_to_middle
+from srs_ik.kernels.limb.spherical import angles, middle_angle
+
+MOST_STEPS = 60
+"""Steps to a summit, at most."""
+
+CLOSED_IN = 1e-7
+"""A step this short, as a part of the span, is the last if the cost changes by less on it: they shrink like squares."""
+
+STEADY = 6
+"""So many steps are free to go; of those behind them every other one halves what is left, where joints jump."""
+
+FINEST = 1e-15
+"""No closer than this, rad."""
+
+STEEP = 1e3
+"""Joints are close to a jump where a margin changes by more than this times the arm angle."""
+
+PARALLEL = 1e-12
+"""Sine of the angle between axes 1 and 3 of a spherical joint under which its joints have no rates."""
+
+
+@kernel
+def put_joint(P, joint, q, rate, outside, point):
+    """Write the cost of a joint and its rate: minus its margin, or how far it is beyond its limits, rad."""
+    q = turn_to_middle(P, joint, q)
+    if outside:
+        above, below = q - P[UPPER + joint], P[LOWER + joint] - q
+        point[CLIMB_COSTS + joint] = max(above, below)
+        point[CLIMB_RATES + joint] = rate if above > below else -rate
+        return
+    off = q - P[MIDDLE + joint]
+    inverse = P[INVERSE_HALF_RANGE + joint]
+    point[CLIMB_COSTS + joint] = abs(off) * inverse - 1.0
+    point[CLIMB_RATES + joint] = math.copysign(inverse, off) * rate
+
+
+@kernel
+def put_half(P, k, turning, turn, sign, outside, point):
+    """Write what the three joints of a spherical joint cost at an arm angle; whether it can be so.
+
+    `turning` holds the circles of its motion and the axis about which its rotation turns with the arm angle:
+    axis = a1 q1' + e2 q2' + v q3', with e2 and v the axes 2 and 3 as they are turned.
+    """
+    motion, axis = turning
+    first = int(P[k + FIRST_JOINT])
+    v = swing(motion[0][0], motion[0][1], motion[0][2], turn[0], turn[1])
+    y = swing(motion[1][0], motion[1][1], motion[1][2], turn[0], turn[1])
+    c, s, reached = middle_angle(P, k, v)
+    q = angles(P, k, v, y, c, s, sign, anchor(first, False, NO_SEED, True))
+    a1 = load3(P, k + A1)
+    e2 = rotate(a1, math.cos(q[0]), math.sin(q[0]), load3(P, k + A2))
+    normal = cross(e2, v)
+    volume = dot(a1, normal)
+    share = 1.0 / volume if abs(volume) > PARALLEL else 0.0
+    put_joint(P, first, q[0], dot(axis, normal) * share, outside, point)
+    put_joint(P, first + 1, q[1], dot(axis, cross(v, a1)) * share, outside, point)
+    put_joint(P, first + 2, q[2], dot(axis, cross(a1, e2)) * share, outside, point)
+    return reached
+
+
+@kernel
+def look(P, side, axes, branch, psi, outside, point):
+    """Write a point of the way: what the joints but the elbow cost at an arm angle of a branch."""
+    turn = (math.cos(psi), math.sin(psi))
+    shoulder = put_half(P, SHOULDER, (side[1], axes[0]), turn, (branch >> 1) & 1, outside, point)
+    wrist = put_half(P, WRIST, (side[2], axes[1]), turn, branch & 1, outside, point)
+    point[CLIMB_COSTS + 3], point[CLIMB_RATES + 3] = -math.inf, 0.0
+    active = 0
+    for j in range(1, 7):
+        if point[CLIMB_COSTS + j] > point[CLIMB_COSTS + active]:
+            active = j
+    point[CLIMB_PSI], point[CLIMB_ACTIVE] = psi, active
+    point[CLIMB_COST] = point[CLIMB_COSTS + active] if shoulder and wrist else NO_BRANCH
+    point[CLIMB_RATE] = point[CLIMB_RATES + active]
+
+
+@kernel
+def downhill(point):
+    """The way from a point to the least of the largest of its joints' costs, if each goes on as it goes there.
+
+    Infinite where no other joint stops it.
+    """
+    active = int(point[CLIMB_ACTIVE])
+    if point[CLIMB_RATE] == 0.0:
+        return 0.0
+    sign = -1.0 if point[CLIMB_RATE] > 0.0 else 1.0
+    way = 0.0
+    for _ in range(7):
+        height, slope = point[CLIMB_COSTS + active], sign * point[CLIMB_RATES + active]
+        nearest, following = math.inf, -1
+        for j in range(7):
+            other = sign * point[CLIMB_RATES + j]
+            if j != active and other > slope:
+                crossing = (height - point[CLIMB_COSTS + j]) / (other - slope)
+                if way <= crossing < nearest:
+                    nearest, following = crossing, j
+        if following < 0:
+            return sign * math.inf
+        way, active = nearest, following
+        if sign * point[CLIMB_RATES + active] >= 0.0:
+            break
+    return sign * way
+
+
+@kernel
+def between(a, b):
+    """Where the minimum between two points is: where the rate of one joint vanishes, or the tangents of two meet."""
+    width = b[CLIMB_PSI] - a[CLIMB_PSI]
+    slope = b[CLIMB_RATE] - a[CLIMB_RATE]
+    if slope <= 0.0:
+        return a[CLIMB_PSI] + 0.5 * width
+    if a[CLIMB_ACTIVE] == b[CLIMB_ACTIVE]:
+        return a[CLIMB_PSI] - a[CLIMB_RATE] * width / slope
+    return a[CLIMB_PSI] + (a[CLIMB_COST] - b[CLIMB_COST] + b[CLIMB_RATE] * width) / slope
+
+
+@kernel
+def copy_point(source, target):
+    """Copy a point."""
+    for i in range(CLIMB):
+        target[i] = source[i]
+
+
+@kernel
+def next_step(points, span, step):
+    """Where to look next: inside of a span that is known to hold a summit, or at an end of it."""
+    a, b, x = row(points, 0), row(points, 1), row(points, 2)
+    lower, upper, below, above = span
+    to = x[CLIMB_PSI] + downhill(x)
+    if below and above:
+        if not lower < to < upper:
+            to = between(a, b)
+        if not lower < to < upper or (step > STEADY and step % 2 == 0):
+            to = 0.5 * (lower + upper)
+        return to
+    return min(max(to, lower), upper)
+
+
+@kernel
+def summit(P, side, axes, branch, span, outside, points):
+    """Where the joints but the elbow are farthest from their limits between two arm angles, from one between them on.
+
+    Args:
+        P: packed limb.
+        side: the side of the elbow, from `triangle.elbow_side`.
+        axes: about which the rotations of shoulder and wrist turn, from `turning_axes`.
+        branch: the branch.
+        span: lower, middle and upper arm angle.
+        outside: whether the least violation is wanted, where no limits can be kept.
+        points: (3, CLIMB) work space.
+
+    Returns:
+        The arm angle, and whether no joint was close to a jump on the way: else there may be more elsewhere.
+    """
+    lower, psi, upper = span
+    a, b, x = row(points, 0), row(points, 1), row(points, 2)
+    look(P, side, axes, branch, psi, outside, x)
+    best, lowest = psi, x[CLIMB_COST]
+    below, above, width, fastest = False, False, upper - lower, 0.0
+    for step in range(MOST_STEPS):
+        if x[CLIMB_RATE] == 0.0:
+            return best, False
+        fastest = max(fastest, abs(x[CLIMB_RATE]))
+        if x[CLIMB_RATE] < 0.0:
+            copy_point(x, a)
+            lower, below = psi, True
+        else:
+            copy_point(x, b)
+            upper, above = psi, True
+        if upper - lower <= FINEST:
+            return best, fastest < STEEP
+        to = next_step(points, (lower, upper, below, above), step)
+        way = abs(to - psi)
+        psi = to
+        look(P, side, axes, branch, psi, outside, x)
+        if x[CLIMB_COST] < lowest:
+            best, lowest = psi, x[CLIMB_COST]
+        if way < CLOSED_IN * width and way * abs(x[CLIMB_RATE]) < CLOSED_IN:
+            return best, fastest < STEEP
+    return best, False
+
+
+@kernel
+def turning_axes(place_, side):
+    """The axes about which the rotations of shoulder and wrist turn with the arm angle."""
+    return place_[0], scale(-1.0, side[3])
