@@ -19,7 +19,7 @@ from srs_ik.kernels.chain.eight import take_eight
 from srs_ik.kernels.chain.limit_ends import to_limits
 from srs_ik.kernels.chain.newton import STEPS
 from srs_ik.kernels.chain.newton_eight import ALL
-from srs_ik.kernels.curves.best import MAX_SPANS, SPAN, find_spans
+from srs_ik.kernels.curves.spans import MAX_SPANS, SPAN, find_spans
 from srs_ik.kernels.curves.surface import has_surface
 from srs_ik.kernels.exact.intervals import PI, TURN, find_intervals, join_touching, write_interval
 from srs_ik.kernels.jit import kernel
@@ -41,7 +41,7 @@ from srs_ik.kernels.near.arcs import (
 from srs_ik.kernels.near.band import (
     ALMOST_NOTHING,
     certain_posture,
-    may_predict,
+    may_predict_limits,
     share_of,
     sines_of_middles,
     widen,
@@ -323,7 +323,7 @@ def predicted_intervals(P, target, out, J, A):
     """
     view = view_of(P, target)
     band, place_ = view.band, target.place
-    if not may_predict(P, place_, band) or has_surface(P, place_):
+    if not may_predict_limits(P, place_, band) or has_surface(P, place_):
         return -1
     if widest(band) < ALMOST_NOTHING:
         n = shifted_intervals(P, view, out)

@@ -17,7 +17,7 @@ from srs_ik.kernels.layout.asked import View
 from srs_ik.kernels.layout.limb import PHASE, SHOULDER, STRAIGHT, WRIST
 from srs_ik.kernels.limb.limits import beyond, turn_to_middle
 from srs_ik.kernels.limb.triangle import elbow_side
-from srs_ik.kernels.near.band import band_of, certain_posture, sines_of_middles
+from srs_ik.kernels.near.band import band_with, certain_posture, least_bend, sines_of_middles
 
 POINT = 17
 POINT_PSI = 7
@@ -48,7 +48,13 @@ def view_of(P, target):
     """A pose as it is looked at, with work space."""
     place_ = target.place
     sides = (elbow_side(P, place_, 0), elbow_side(P, place_, 1))
-    return View(target, sides, band_of(P, place_), np.empty((MAX_POINTS, POINT)), np.empty((MAX_POINTS, 2), np.int64))
+    return View(
+        target,
+        sides,
+        band_with(P, least_bend(P, place_)),
+        np.empty((MAX_POINTS, POINT)),
+        np.empty((MAX_POINTS, 2), np.int64),
+    )
 
 
 @kernel

@@ -16,7 +16,8 @@ from srs_ik.kernels.chain.closest import closest
 from srs_ik.kernels.chain.eight import ALL, put_some, take_eight, tip_errors
 from srs_ik.kernels.chain.kinematics import pose_error
 from srs_ik.kernels.chain.newton import CLOSED, LEFT, arm_angle, clipped, close_free
-from srs_ik.kernels.curves.best import cost_of_turn, out_of_branch
+from srs_ik.kernels.curves.best import cost_of_turn
+from srs_ik.kernels.curves.spans import out_of_branch
 from srs_ik.kernels.exact.flat import STAGES, is_as_good_as_flat, loosely
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.answer import (
