@@ -10,9 +10,10 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from srs_ik.kernels.algebra.joint_vectors import along7, difference, dot7, short_way
+from srs_ik.kernels.algebra.joint_vectors import along7, difference, short_way
 from srs_ik.kernels.algebra.lane_trig import angle_of, turn
-from srs_ik.kernels.algebra.lanes import as_mask, root, scatter, where
+from srs_ik.kernels.algebra.lanes import root, scatter
+from srs_ik.kernels.algebra.minimum import propose, start_search, tell
 from srs_ik.kernels.algebra.pointers import row
 from srs_ik.kernels.algebra.roots import has_settled, next_parameter, start_crossing, tell_figure
 from srs_ik.kernels.algebra.vectors import cross, dot, load3, sub
@@ -21,13 +22,12 @@ from srs_ik.kernels.chain.kinematics import turn_about_line
 from srs_ik.kernels.chain.newton import arm_angle
 from srs_ik.kernels.curves.ends import meet, on_chord, on_curve, sample_before
 from srs_ik.kernels.curves.follow import tangent_at
-from srs_ik.kernels.curves.in_step import SAMPLE, close_on_chords, load_sample, short_ways, take_ways
+from srs_ik.kernels.curves.in_step import SAMPLE, load_sample, take_ways
 from srs_ik.kernels.curves.runs import samples_of
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.limb import ELBOW_CENTRE, PHASE, SHOULDER, SHOULDER_CENTRE, STRAIGHT, WRIST
-from srs_ik.kernels.layout.search import MAX_RUNS
+from srs_ik.kernels.layout.search import MAX_RUNS, SMOOTH, STATE
 from srs_ik.kernels.limb.branches import branch_of
-from srs_ik.kernels.limb.goal import NO_SEED
 
 TOLD = 2
 TOLD_BRANCH, TOLD_PSI = range(TOLD)
@@ -50,15 +50,6 @@ LITTLE = 1e-6
 
 WELL_BENT = 0.6
 """Beside a sample where the arm angle turns around, it is less steep than this part of what comes next."""
-
-AHEAD = 16
-"""One of eight parameters: it, how far its arm angle is ahead, its point on a chord, and the unit vector along that."""
-
-MOST_LOOKS = 8
-CLOSER_LOOK = 0.2
-SMALLEST_LOOK = 1e-4
-"""So many looks at eight parameters at most, each so many gaps of the one before to either side; closer than the last,
-a parabola is off by less than its top is told."""
 
 TURNING = 1e-9
 TURNED = 1e-12
@@ -166,60 +157,30 @@ def arm_angles(P, place_, q):
 
 
 @kernel
-def put_ahead(P, by, curve, x, psi, sign, work):
-    """Write how far, in the direction of a sign, the arm angles at eight parameters (-1: not met) are from one nearby.
-
-    The parameters are in the first column of work (8, AHEAD), the answers in the second.
-    """
-    rows = curve.rows
-    for i in range(8):
-        low = sample_before(curve, work[i, 0])
-        a = load_sample(rows[low])
-        chord = difference(a, load_sample(rows[low + 1]))
-        start = along7(a, (work[i, 0] - rows[low, 0]) / (rows[low + 1, 0] - rows[low, 0]), chord)
-        unit = along7(NO_SEED, 1.0 / math.sqrt(dot7(chord, chord)), chord)
-        for j in range(7):
-            work[i, 2 + j], work[i, 9 + j] = start[j], unit[j]
-    q, met = close_on_chords(P, by.target, take_ways(row(work, 0), 2, AHEAD), take_ways(row(work, 0), 9, AHEAD))
-    ahead = sign * short_ways(arm_angles(P, by.target.place, q) - psi)
-    scatter(row(work, 0), 1, AHEAD, where(as_mask(met), ahead, -1.0 + 0.0 * ahead))
+def ahead_at(P, by, curve, x, psi, sign):
+    """How far, in the direction of a sign, the arm angle at a parameter is from one nearby."""
+    q, _ = on_curve(P, by, 0, curve, x)
+    return sign * short_way(angle_at(P, by, q) - psi)
 
 
 @kernel
 def turning_angle(P, by, curve, points, psi, sign):
-    """The farthest arm angle, in the direction of a sign, between the outer of three parameters; psi at the middle.
-
-    Eight parameters at a time, around the top of the parabola through the best of those before.
-    """
-    first, x, last = points
-    work = np.empty((8, AHEAD))
-    farthest = 0.0
-    half = max(x - first, last - x)
-    for _ in range(MOST_LOOKS):
-        lower, upper = max(x - half, first), min(x + half, last)
-        for i in range(8):
-            work[i, 0] = lower + (upper - lower) * i / 7.0
-        put_ahead(P, by, curve, x, psi, sign, work)
-        best = 0
-        for i in range(1, 8):
-            best = i if work[i, 1] > work[best, 1] else best
-        gap = (upper - lower) / 7.0
-        x = work[best, 0]
-        before, top, after = work[max(best - 1, 0), 1], work[best, 1], work[min(best + 1, 7), 1]
-        farthest = max(farthest, top)
-        bent = 2.0 * top - before - after
-        if best in (0, 7) or bent <= 0.0:
-            # It is beyond these, or they are as good as the same.
-            if gap < SMALLEST_LOOK:
-                break
-            half = gap
-            continue
-        x += 0.5 * gap * (after - before) / bent
-        gain = 0.125 * (after - before) * (after - before) / bent
-        if gain < TURNED or gap < SMALLEST_LOOK:
-            farthest = max(farthest, top + gain)
+    """The farthest arm angle, in the direction of a sign, between the outer of three parameters; psi at the middle."""
+    a, x, b = points
+    at_a = ahead_at(P, by, curve, a, psi, sign)
+    at_b = ahead_at(P, by, curve, b, psi, sign)
+    farthest = max(at_a, at_b, 0.0)
+    S = np.empty(STATE)
+    start_search(S, a, x, b, -at_a, 0.0, -at_b, SMOOTH)
+    while True:
+        wanted, more = propose(S)
+        if not more:
             break
-        half = CLOSER_LOOK * gap
+        ahead = ahead_at(P, by, curve, wanted, psi, sign)
+        tell(S, -ahead)
+        if abs(ahead - farthest) < TURNED:
+            break
+        farthest = max(farthest, ahead)
     return psi + sign * farthest
 
 
