@@ -33,7 +33,7 @@ from srs_ik.kernels.near.predicted_best import predicted_best
 from srs_ik.kernels.near.scan import view_of
 
 PREDICTED, ON_ARCS, STRAIGHT, FAILED = range(4)
-REASONS = ("predicted", "predicted, arcs followed", "followed: elbow may be straight", "followed: no certain prediction")
+REASONS = ("predicted", "predicted, arcs followed", "followed: perhaps straight", "followed: no certain prediction")
 ARMS = ("gen3", "j2s7s300", "iiwa14_experimental", "rm75", "h1_2_left")
 
 

@@ -20,12 +20,15 @@ from srs_ik.kernels.limb.postures_eight import eight_postures
 from srs_ik.kernels.limb.triangle import elbow_side
 from srs_ik.kernels.near.band import band_with, certain_posture, least_bend, sines_of_middles
 
-POINT = 17
+POINT = 31
 POINT_PSI = 7
 POINT_RATES = 8
 POINT_OFF = 15
 POINT_BRANCH = 16
-"""A point: joint angles, arm angle, the rates of the joints with it, how far it is outside the limits, branch."""
+POINT_COSTS = 17
+POINT_SLOPES = 24
+"""A point: joint angles, arm angle, the rates of the joints with it, how far it is outside the limits, branch; where
+costs count (`within`), cost of each joint and its rate with the arm angle, and in the place of the limits the cost."""
 
 MAX_POINTS = 512
 """Room for the points between two arm angles."""
