@@ -11,10 +11,11 @@ import numpy as np
 from srs_ik.kernels.algebra.joint_vectors import difference, dot7, short_way
 from srs_ik.kernels.chain.newton import STEPS, close_at_angle
 from srs_ik.kernels.chain.starts import FIRST, best_of_all, best_row, close_all
-from srs_ik.kernels.curves.best import angle_at, cost_of_turn, turn_at
+from srs_ik.kernels.curves.best import cost_of_turn
 from srs_ik.kernels.curves.follow import between
 from srs_ik.kernels.curves.in_step import load_sample
 from srs_ik.kernels.curves.runs import near_runs
+from srs_ik.kernels.curves.spans import angle_at, turn_at
 from srs_ik.kernels.curves.surface import has_surface
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.answer import ROW_COST

@@ -9,21 +9,26 @@ import math
 
 import numpy as np
 
+from srs_ik.kernels.algebra.lanes import gather, scatter, where, whole_number
+from srs_ik.kernels.algebra.pointers import row
+from srs_ik.kernels.chain.newton_eight import larger
 from srs_ik.kernels.exact.intervals import TURN
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.asked import Best
-from srs_ik.kernels.layout.limb import INVERSE_HALF_RANGE, MIDDLE
+from srs_ik.kernels.layout.limb import INVERSE_HALF_RANGE, LOWER, MIDDLE, SLACK_LIMIT, UPPER
 from srs_ik.kernels.limb.goal import NO_SEED, turned
-from srs_ik.kernels.limb.limits import turn_to_middle, violation
+from srs_ik.kernels.limb.limits import PER_TURN
 from srs_ik.kernels.limb.poses import read7
 from srs_ik.kernels.near.scan import (
     FASTER,
     MAX_POINTS,
     POINT,
     POINT_BRANCH,
+    POINT_COSTS,
     POINT_OFF,
     POINT_PSI,
     POINT_RATES,
+    POINT_SLOPES,
     close_points,
     is_narrow,
     least_sine,
@@ -61,26 +66,41 @@ CLOSED_IN = 1e-7
 
 
 @kernel
-def joint_figures(P, point, joint):
+def joint_figures(point, joint):
     """Cost of a joint at a point, and its rate with the arm angle."""
-    off = turn_to_middle(P, joint, point[joint]) - P[MIDDLE + joint]
-    inverse = P[INVERSE_HALF_RANGE + joint]
-    return abs(off) * inverse - 1.0, math.copysign(inverse, off) * point[POINT_RATES + joint]
+    return point[POINT_COSTS + joint], point[POINT_SLOPES + joint]
 
 
 @kernel
-def cost_of(P, point):
+def put_costs(P, rows):
+    """Tell the cost of each joint at eight points, its rate with the arm angle, and the points' costs."""
+    highest = 0.0 * gather(rows, 0, POINT) - 1.0
+    worst = 0.0 * highest
+    for joint in range(7):
+        q = gather(rows, joint, POINT)
+        q = q + TURN * whole_number((P[MIDDLE + joint] - q) * PER_TURN)
+        off, inverse = q - P[MIDDLE + joint], P[INVERSE_HALF_RANGE + joint]
+        cost = abs(off) * inverse - 1.0
+        slope = inverse * gather(rows, POINT_RATES + joint, POINT)
+        scatter(rows, POINT_COSTS + joint, POINT, cost)
+        scatter(rows, POINT_SLOPES + joint, POINT, where(off < 0.0, -slope, slope))
+        beyond = larger(P[LOWER + joint] - q, q - P[UPPER + joint])
+        worst = larger(worst, where(beyond > P[SLACK_LIMIT], beyond, 0.0))
+        highest = larger(highest, cost)
+    scatter(rows, POINT_OFF, POINT, where(worst > 0.0, BREAKS_LIMITS + worst, highest))
+
+
+@kernel
+def cost_of(point):
     """Cost of a point, its rate with the arm angle, and the joint that makes it."""
     highest = -1.0
     rate = 0.0
-    worst = 0.0
     active = -1
     for joint in range(7):
-        cost, slope = joint_figures(P, point, joint)
+        cost, slope = joint_figures(point, joint)
         if cost > highest:
             highest, rate, active = cost, slope, joint
-        worst = max(worst, violation(P, joint, turn_to_middle(P, joint, point[joint])))
-    return (BREAKS_LIMITS + worst if worst > 0.0 else highest), rate, active
+    return point[POINT_OFF], rate, active
 
 
 @kernel
@@ -89,8 +109,8 @@ def least_cost(P, a, b):
     width = b[POINT_PSI] - a[POINT_PSI]
     least = -1.0
     for j in range(7):
-        cost_a, rate_a = joint_figures(P, a, j)
-        cost_b, rate_b = joint_figures(P, b, j)
+        cost_a, rate_a = joint_figures(a, j)
+        cost_b, rate_b = joint_figures(b, j)
         least = max(least, 0.5 * (cost_a + cost_b - FASTER * max(abs(rate_a), abs(rate_b)) * width))
     return least
 
@@ -98,18 +118,18 @@ def least_cost(P, a, b):
 @kernel
 def downhill(P, point):
     """The way from a point to the least of the largest of its joints' costs, each going on as it goes there."""
-    _, rate, active = cost_of(P, point)
+    _, rate, active = cost_of(point)
     if active < 0 or rate == 0.0:
         return 0.0
     sign = -1.0 if rate > 0.0 else 1.0
     way = 0.0
     for _ in range(7):
-        height, slope = joint_figures(P, point, active)
+        height, slope = joint_figures(point, active)
         slope *= sign
         nearest = math.inf
         following = -1
         for j in range(7):
-            cost, other = joint_figures(P, point, j)
+            cost, other = joint_figures(point, j)
             other *= sign
             if j != active and other > slope:
                 crossing = (height - cost) / (other - slope)
@@ -118,7 +138,7 @@ def downhill(P, point):
         if following < 0:
             return sign * math.inf
         way, active = nearest, following
-        _, slope = joint_figures(P, point, active)
+        _, slope = joint_figures(point, active)
         if sign * slope >= 0.0:
             break
     return sign * way
@@ -126,12 +146,12 @@ def downhill(P, point):
 
 @kernel
 def measure_points(P, points, first, last, best):
-    """Tell the costs of points; the best configuration so far."""
+    """Tell the costs of points, in whole eights, of which the rows first to last - 1 count; the best one so far."""
+    for i in range(first, last, 8):
+        put_costs(P, row(points, i))
     for i in range(first, last):
-        cost, _, _ = cost_of(P, points[i])
-        points[i, POINT_OFF] = cost
-        if cost < best.cost:
-            best = Best(read7(points[i]), cost)
+        if points[i, POINT_OFF] < best.cost:
+            best = Best(read7(points[i]), points[i, POINT_OFF])
     return best
 
 
@@ -171,8 +191,8 @@ def may_be_better_beyond(P, points, found, lowest):
     for i in range(found.shape[0]):
         parts = max(math.ceil((found[i, 2] - found[i, 1]) / SPACING), 1)
         if found[i, 2] - found[i, 1] < TURN:
-            cost_a, slope_a, _ = cost_of(P, points[k])
-            cost_b, slope_b, _ = cost_of(P, points[k + parts])
+            cost_a, slope_a, _ = cost_of(points[k])
+            cost_b, slope_b, _ = cost_of(points[k + parts])
             falls_a = found[i, 3] < 0.0 and slope_a > 0.0 and cost_a - slope_a * BEYOND < lowest
             falls_b = found[i, 4] < 0.0 and slope_b < 0.0 and cost_b + slope_b * BEYOND < lowest
             if falls_a or falls_b:
@@ -234,8 +254,8 @@ def next_arm_angle(P, a, b, latest, step):
     lower, upper = a[POINT_PSI], b[POINT_PSI]
     x = latest[POINT_PSI] + downhill(P, latest)
     if not lower < x < upper:
-        cost_a, slope_a, active_a = cost_of(P, a)
-        cost_b, slope_b, active_b = cost_of(P, b)
+        cost_a, slope_a, active_a = cost_of(a)
+        cost_b, slope_b, active_b = cost_of(b)
         width = upper - lower
         # Where the rate of one joint vanishes, or where the tangents of two meet.
         fall = slope_a * width if active_a == active_b else cost_a - cost_b + slope_b * width
@@ -274,7 +294,7 @@ def close_in(P, view, gaps, work, best):
             return best, False
         best = measure_points(P, work, 24, 24 + count, best)
         for i in range(count):
-            _, slope, _ = cost_of(P, work[24 + i])
+            _, slope, _ = cost_of(work[24 + i])
             copy_point(work, 24 + i, work, 16 + i)
             copy_point(work, 24 + i, work, i if slope < 0.0 else 8 + i)
         if longest < CLOSED_IN:
@@ -296,8 +316,8 @@ def best_of_some(P, view, found, drawn_in, best):
         return best, taken, False
     kept = 0
     for i in range(left):
-        _, slope_a, _ = cost_of(P, points[gaps[i, 0]])
-        _, slope_b, _ = cost_of(P, points[gaps[i, 1]])
+        _, slope_a, _ = cost_of(points[gaps[i, 0]])
+        _, slope_b, _ = cost_of(points[gaps[i, 1]])
         if slope_a < 0.0 < slope_b:
             gaps[kept, 0], gaps[kept, 1] = gaps[i, 0], gaps[i, 1]
             kept += 1
