@@ -27,7 +27,7 @@ from srs_ik.kernels.layout.path import (
 from srs_ik.kernels.limb.poses import read7, read_pose
 from srs_ik.kernels.limb.self_motion import rates
 from srs_ik.kernels.limb.triangle import place
-from srs_ik.kernels.path.followed import along_cell, away, posture_of, read_side, settled
+from srs_ik.kernels.path.followed import ON_LIMIT, along_cell, away, posture_of, read_side, settled
 from srs_ik.kernels.path.near_strips import direction, moved_along, setting_of
 from srs_ik.kernels.path.pose_strips import list_strips
 from srs_ik.kernels.path.programme import advance, cheapest, copied, first_costs, rules_for, step_back
@@ -42,8 +42,6 @@ ACROSS = 2 * WIDTH + 1
 
 WIDEST_MOVE = 0.3
 """Longest move of an arm angle, rad."""
-
-ON_LIMIT = 1e-9
 
 FARTHEST = 0.5
 """A posture of a strip is no farther, rad, from the straight line between its neighbours."""
