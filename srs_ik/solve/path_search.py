@@ -181,6 +181,7 @@ def sparse(problem: Problem, plan: Problem, marks: NDArray[np.bool_]) -> Way | N
     of the others is kept.
     """
     stands_in = plan is not problem
+    best: Way | None = None
     while True:
         keys = np.flatnonzero(marks)
         way, blocks = through(far(plan, keys), keys, False)
@@ -194,8 +195,9 @@ def sparse(problem: Problem, plan: Problem, marks: NDArray[np.bool_]) -> Way | N
             return filled(problem, way, missed, least)
         if not missed.any():
             improve(problem, way)
-            if way.cost < AS_PLANNED * least or (marks.all() and not stands_in):
-                return search_around(problem, way)
+            best = way if best is None or way.cost < best.cost else best
+            if best.cost < AS_PLANNED * least or (marks.all() and not stands_in):
+                return search_around(problem, best)
             missed = worse(problem, way, keys, q)
         if stands_in:
             return None
