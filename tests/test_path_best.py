@@ -173,16 +173,45 @@ def test_a_closed_path_has_the_least_largest_step():
     assert gentle.largest_step <= even.largest_step + 1e-12
 
 
+def motion_of_benchmark(arm, name, kind, motion):
+    """(200, 7) a motion of `benchmarks/known_motions.py`."""
+    benchmark = runpy.run_path(
+        str(Path(__file__).parents[1] / "benchmarks" / "known_motions.py"), run_name="known_motions"
+    )
+    rng = np.random.default_rng([zlib.crc32(name.encode()), benchmark["KINDS"].index(kind), motion])
+    return benchmark["known_motion"](arm, rng, kind, 200)
+
+
+@pytest.mark.files
+@pytest.mark.parametrize(
+    ("name", "motion"),
+    [
+        ("human_left", 1008),
+        ("human_left", 1053),
+        ("human_left", 1055),
+        ("human_left", 2036),
+        ("openarm_left", 1054),
+        ("openarm_left", 2002),
+    ],
+)
+def test_postures_that_two_limits_leave_alone_belong_to_their_strip(name, motion):
+    """A pose at which two joints are on limits, one of them next to its singular angle or to a straight elbow."""
+    arm = load(name)
+    known = motion_of_benchmark(arm, name, "limits", motion)
+    poses = poses_of(arm, known)
+    for seed in (known[0], None):
+        path = arm.solve_path(poses, seed=seed)
+        assert path
+        assert total(path, seed) <= (np.diff(known, axis=0) ** 2).sum() * (1.0 + 1e-6)
+        assert_on_poses(name, arm, poses, path)
+
+
 @pytest.mark.files
 @pytest.mark.parametrize(("name", "motion"), [("human_left", 27), ("romeo_left", 25)])
 def test_postures_that_rounding_takes_away_are_no_break(name, motion):
     """Shoulder and wrist on limits at once, or the arm straight: a pose has one posture, and no interval holds it."""
     arm = load(name)
-    benchmark = runpy.run_path(
-        str(Path(__file__).parents[1] / "benchmarks" / "known_motions.py"), run_name="known_motions"
-    )
-    rng = np.random.default_rng([zlib.crc32(name.encode()), benchmark["KINDS"].index("limits"), motion])
-    known = benchmark["known_motion"](arm, rng, "limits", 200)
+    known = motion_of_benchmark(arm, name, "limits", motion)
     assert arm.solve_path(poses_of(arm, known), seed=known[0])
 
 
@@ -197,16 +226,14 @@ def test_postures_that_rounding_takes_away_are_no_break(name, motion):
         ("gen3", "cross", 16),
         ("gen3", "limits", 26),
         ("gen3", "singular", 27),
+        pytest.param("rm75", "limits", 3007, marks=pytest.mark.files),
+        pytest.param("rm75", "limits", 3009, marks=pytest.mark.files),
     ],
 )
 def test_a_path_that_leads_elsewhere_between_few_poses_is_planned_at_all(name, kind, motion):
     """What joins strips, or ends them, lies between poses 0.25 rad apart."""
     arm = load(name)
-    benchmark = runpy.run_path(
-        str(Path(__file__).parents[1] / "benchmarks" / "known_motions.py"), run_name="known_motions"
-    )
-    rng = np.random.default_rng([zlib.crc32(name.encode()), benchmark["KINDS"].index(kind), motion])
-    known = benchmark["known_motion"](arm, rng, kind, 200)
+    known = motion_of_benchmark(arm, name, kind, motion)
     for seed in (known[0], None):
         path = arm.solve_path(poses_of(arm, known), seed=seed)
         assert path

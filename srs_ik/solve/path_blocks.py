@@ -33,7 +33,7 @@ BLOCK_STRIPS = 16 * MOST_STRIPS
 BLOCK_POSES = 512
 """Size of a block: about ten megabytes."""
 
-KEPT = 8
+KEPT = 24
 """So many blocks are kept; of longer paths, the others are computed again on the way back."""
 
 
@@ -64,7 +64,7 @@ class Block:
         space = p.work()
         answer = (p.settings, p.limited, self.exact, *space, nodes, cost, strips, ends)
         after, self.reached = entries.sweep(
-            p.arm.family,
+            p.family,
             p.T,
             self.keys,
             self.first,

@@ -87,9 +87,13 @@ def _rows(arm: PackedArm, postures: Array) -> Array:
 
 def _distances(problem: Problem, a: Array, b: Array) -> Array:
     """(k, m) largest joint steps between postures (k, 7) and (m, 7)."""
-    d = b[None] - a[:, None]
-    d -= problem.settings[PERIOD] * np.round(d * problem.settings[INVERSE_PERIOD])
-    return np.abs(d).max(axis=2)
+    most = np.zeros((len(a), len(b)))
+    for j in range(7):
+        d = b[:, j] - a[:, j, None]
+        if problem.settings[PERIOD, j] > 0.0:
+            d -= problem.settings[PERIOD, j] * np.round(d * problem.settings[INVERSE_PERIOD, j])
+        np.maximum(most, np.abs(d, out=d), out=most)
+    return most
 
 
 def _taken(problem: Problem, pose: int, starts: Array) -> Array:
@@ -98,9 +102,9 @@ def _taken(problem: Problem, pose: int, starts: Array) -> Array:
     met = np.zeros(len(q), np.bool_)
     poses = np.repeat(problem.T[pose : pose + 1], len(q), axis=0)
     entries.bridge(problem.arm.family, poses, q, met, np.empty((6, 7)), np.empty((16, 9)))
+    if not met.any():
+        return np.empty((0, 7))
     near = np.diag(_distances(problem, starts, q)) <= problem.settings[BY_CONTINUITY, 0]
-    kept: list[Array] = []
-    for posture in q[met & near]:
-        if all(np.abs(posture - other).max() > APART for other in kept):
-            kept.append(posture)
-    return np.array(kept).reshape(-1, 7)
+    found = q[met & near]
+    same = np.abs(found[:, None] - found).max(axis=2) <= APART
+    return found[~np.tril(same, -1).any(axis=1)]

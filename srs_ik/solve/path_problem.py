@@ -4,12 +4,23 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
-from srs_ik.kernels.layout.path import BY_CONTINUITY, BY_VELOCITY, HELD, INVERSE_PERIOD, PERIOD
+from srs_ik.kernels.entries.pose import pack_limits
+from srs_ik.kernels.layout.limb import LOOSE
+from srs_ik.kernels.layout.path import (
+    BY_CONTINUITY,
+    BY_VELOCITY,
+    HELD,
+    INVERSE_PERIOD,
+    PERIOD,
+    ROOMIEST,
+    ROOMY,
+)
 from srs_ik.solve.pose import solve, solve_all
 from srs_ik.solve.threads import Stop
 
@@ -29,6 +40,11 @@ OBJECTIVES = (SUM_OF_SQUARES, LARGEST_STEP, TIME)
 
 JUST_ABOVE = 1.0 + 1e-9
 """Of a velocity limit; what is above breaks it."""
+
+
+ROOM_OF_ENDS = 1e-9
+ROOM_OF_BENDS = 2e-7
+"""So far are limits drawn out where intervals are looked for, rad; the second one where an elbow is as good as flat."""
 
 
 class Stopped(Exception):
@@ -79,6 +95,11 @@ class Problem:
     around: Surroundings | None = None
     free: list[Array] | None = None
 
+    @cached_property
+    def family(self) -> Array:
+        """The packed limb of its strips."""
+        return roomy_family(self.arm)
+
     @property
     def even(self) -> bool:
         """Whether squared joint steps are what counts."""
@@ -119,6 +140,15 @@ class Problem:
         """`held`, (n + 1,) the first row of each pose in it, and `held_alone`."""
         alone = np.zeros(len(self.T), np.bool_) if self.held_alone is None else self.held_alone
         return self.held, np.searchsorted(self.held_of, np.arange(len(self.T) + 1)), alone
+
+
+def roomy_family(arm: PackedArm) -> Array:
+    """The packed limb, and in it what the strips of an exact one are made of: limits with room for rounding."""
+    rows = arm.family.copy()
+    for which, room in ((ROOMY, ROOM_OF_ENDS), (ROOMIEST, ROOM_OF_BENDS)):
+        rows[which] = arm.family[LOOSE]
+        pack_limits(rows[which], arm.lower - room, arm.upper + room)
+    return rows
 
 
 @dataclass

@@ -52,6 +52,12 @@ DRAWN_OUT = 30.0
 AROUND = 8
 """So many poses to both sides of one are planned too where a path between planned poses does something of its own."""
 
+ABOUT = 16
+"""So many poses to both sides of one at which a path changes branch are searched again ..."""
+
+LEAST_HELD = 0.25
+"""... if this part of all poses is left out by that."""
+
 MOST_PLANNED = 0.6
 """If it is to be planned at a larger part of all poses, it may as well be planned at all."""
 
@@ -60,6 +66,9 @@ AS_PLANNED = 1.006
 
 LEAP = 0.2
 """A joint step of a path that is longer than this, rad, may be there because strips miss a posture."""
+
+ON_POSE = 1e-10
+"""A posture that is farther off its pose than this, m and rad, is taken to it once more."""
 
 LEAST_GAIN = 1e-3
 """A search that gains less, relative to all, is the last one."""
@@ -107,9 +116,9 @@ def as_exact(problem: Problem) -> Problem:
     return replace(problem, arm=replace(arm, family=family, lower=lower, upper=upper), in_closed_form=True)
 
 
-def wider(some: NDArray[np.bool_]) -> NDArray[np.bool_]:
-    """Some poses with those around them."""
-    return np.convolve(some, np.ones(2 * AROUND + 1), "same") > 0.5 if len(some) > 2 * AROUND else some | some.any()
+def wider(some: NDArray[np.bool_], by: int = AROUND) -> NDArray[np.bool_]:
+    """Some poses with so many around them."""
+    return np.convolve(some, np.ones(2 * by + 1), "same") > 0.5 if len(some) > 2 * by else some | some.any()
 
 
 def every_second(marks: NDArray[np.bool_], kept: NDArray[np.bool_]) -> NDArray[np.bool_]:
@@ -172,6 +181,7 @@ def sparse(problem: Problem, plan: Problem, marks: NDArray[np.bool_]) -> Way | N
     of the others is kept.
     """
     stands_in = plan is not problem
+    best: Way | None = None
     while True:
         keys = np.flatnonzero(marks)
         way, blocks = through(far(plan, keys), keys, False)
@@ -185,8 +195,9 @@ def sparse(problem: Problem, plan: Problem, marks: NDArray[np.bool_]) -> Way | N
             return filled(problem, way, missed, least)
         if not missed.any():
             improve(problem, way)
-            if way.cost < AS_PLANNED * least or (marks.all() and not stands_in):
-                return search_around(problem, way)
+            best = way if best is None or way.cost < best.cost else best
+            if best.cost < AS_PLANNED * least or (marks.all() and not stands_in):
+                return search_around(problem, best)
             missed = worse(problem, way, keys, q)
         if stands_in:
             return None
@@ -220,7 +231,7 @@ def filled(problem: Problem, way: Way, missed: NDArray[np.bool_], least: float) 
 def fill(problem: Problem, way: Way, keys: NDArray[np.int64]) -> NDArray[np.bool_]:
     """Fill in a path between the poses at which it is planned; (n,) where no posture is near the straight line."""
     missed, place = np.zeros(len(problem.T), np.bool_), (way.q, way.psi, way.branch, way.bounds)
-    told = problem.arm.family, problem.T, keys, way.reached, problem.settings
+    told = problem.family, problem.T, keys, way.reached, problem.settings
     entries.fill_between(*told, *place, missed, *problem.work())
     return missed
 
@@ -287,6 +298,20 @@ def find_around(problem: Problem, way: Way, chain: NDArray[np.int64]) -> Way:
     return find_way(replace(problem, near=way.q, radius=RADIUS), chain, False)
 
 
+def find_about_changes(problem: Problem, way: Way, chain: NDArray[np.int64]) -> Way:
+    """`find_around` near changes of branch alone: elsewhere, all postures moved at once are the best there are."""
+    changes = np.flatnonzero(np.diff(way.branch[chain]))
+    marks = np.zeros(len(way.q), np.bool_)
+    marks[chain[changes]] = marks[chain[changes + 1]] = True
+    held = way.reached & ~wider(marks, ABOUT)
+    if not problem.even or held.mean() < LEAST_HELD:
+        return find_around(problem, way, chain)
+    held |= problem.has_known
+    again = find_around(replace(problem, known=way.q.copy(), has_known=held), way, chain)
+    again.psi[held], again.branch[held], again.bounds[held] = way.psi[held], way.branch[held], way.bounds[held]
+    return again
+
+
 def search_around(problem: Problem, way: Way) -> Way:
     """The best path around one: strips are finer there, so branches change where that is best."""
     chain = np.flatnonzero(way.reached)
@@ -294,7 +319,7 @@ def search_around(problem: Problem, way: Way) -> Way:
         if problem.even and (problem.work()[0] is not None or not np.diff(way.branch[chain]).any()):
             # Along one curve, all postures moved at once are the best.
             break
-        again = find_around(problem, way, chain)
+        again = find_about_changes(problem, way, chain)
         way.torn = again.cost >= way.cost + 0.5 * BREAK
         if way.torn or not again.reached[chain].all():
             break
@@ -313,9 +338,10 @@ def rows_of(problem: Problem, way: Way) -> Array:
     rows = np.full((len(T), ROW), np.nan)
     chain = np.flatnonzero(way.reached)
     entries.finish(arm.family, T, chain, way.q, way.psi, way.branch, *arm.work(), rows)
-    off = chain[rows[chain, ROW_STATUS] != Status.OK]
+    errors = rows[chain, ROW_POSITION_ERROR : ROW_ORIENTATION_ERROR + 1].max(axis=1, initial=0.0)
+    off = chain[(rows[chain, ROW_STATUS] != Status.OK) | (errors > ON_POSE)]
     if len(off):
-        # Rounding left them beside their poses, or beyond a limit.
+        # Rounding left them beside their poses, or limits with room for it did.
         q, met = way.q[off], np.zeros(len(off), np.bool_)
         entries.bridge(arm.family, T[off], q, met, np.empty((6, 7)), np.empty((16, 9)))
         way.q[off[met]], way.branch[off[met]] = q[met], -1

@@ -11,7 +11,7 @@ import math
 
 from srs_ik.kernels.algebra.linear import solve_linear
 from srs_ik.kernels.algebra.vectors import norm
-from srs_ik.kernels.chain.newton import CLOSED, clipped, longest, moved, pose_step
+from srs_ik.kernels.chain.newton import CLOSED, LEFT, clipped, longest, moved, pose_step
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.limb import LOWER, UPPER
 from srs_ik.kernels.limb.poses import read7
@@ -24,6 +24,10 @@ LONGEST = 0.3
 
 LEAST_DAMPING = 1e-13
 MOST_DAMPING = 1e3
+
+AS_GOOD = 1e-3
+"""A step that changes the error by less than this part of it is as good as none: it is taken, and damped less, next to
+a singularity joints begin to move with little damping alone."""
 
 
 @kernel
@@ -77,12 +81,15 @@ def bridge_to(P, R, p, q, J, A):
         there = clipped(P, moved(here, A, min(1.0, LONGEST / max(size, 1e-300))))
         linear, angular = pose_step(P, there, R, p, J)
         error_there = math.hypot(norm(linear), norm(angular))
-        if error_there < error:
+        if error_there < (1.0 + AS_GOOD) * error:
+            is_last = damping == LEAST_DAMPING and error_there > (1.0 - AS_GOOD) * error
             here, error = there, error_there
             damping = max(0.1 * damping, LEAST_DAMPING)
+            if is_last:
+                break
         else:
             linear, angular = pose_step(P, here, R, p, J)
             damping *= 10.0
     for j in range(7):
         q[j] = here[j]
-    return error < CLOSED
+    return error < LEFT

@@ -4,6 +4,11 @@ from __future__ import annotations
 
 from typing import Any, NamedTuple
 
+ROOMY = 2
+ROOMIEST = 3
+"""In a path's family, in place of those with loose tolerances: the limb with limits drawn out by rounding, and by what
+a bend of the elbow that rounding hides does to the other joints."""
+
 NODE = 11
 NODE_PSI = 7
 NODE_WAY = 8

@@ -13,16 +13,15 @@ from srs_ik.kernels.chain.newton import CLOSED, STEPS, arm_angle, close_free
 from srs_ik.kernels.exact.intervals import find_intervals
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.answer import MAX_PIECES
-from srs_ik.kernels.layout.limb import LIMITED, LOOSE
+from srs_ik.kernels.layout.limb import LIMITED
 from srs_ik.kernels.layout.path import BY_CONTINUITY
 from srs_ik.kernels.limb.branches import branch_of
 from srs_ik.kernels.limb.limits import TURN
 from srs_ik.kernels.limb.poses import read7, read_pose
 from srs_ik.kernels.limb.triangle import elbow_side, place
-from srs_ik.kernels.path.followed import posture_of, settled
+from srs_ik.kernels.path.followed import ON_LIMIT, posture_of, settled
+from srs_ik.kernels.path.pose_strips import roomy
 from srs_ik.kernels.path.steps import steps_between
-
-ON_LIMIT = 1e-9
 
 
 @kernel
@@ -92,7 +91,7 @@ def write_bounds(family, place_, number, angle, bounds):
     bounds[0] = -math.inf
     bounds[1] = math.inf
     found = np.empty((8 * MAX_PIECES, 3))
-    for k in range(find_intervals(row(family, LOOSE), place_, number, found)):
+    for k in range(find_intervals(roomy(family, place_), place_, number, found)):
         low, high = found[k, 1], found[k, 2]
         turns = TURN * math.floor((angle - low + ON_LIMIT) / TURN)
         if angle <= high + turns + ON_LIMIT and high - low < TURN - ON_LIMIT:

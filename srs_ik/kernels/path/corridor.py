@@ -27,7 +27,7 @@ from srs_ik.kernels.layout.path import (
 from srs_ik.kernels.limb.poses import read7, read_pose
 from srs_ik.kernels.limb.self_motion import rates
 from srs_ik.kernels.limb.triangle import place
-from srs_ik.kernels.path.followed import along_cell, posture_of, read_side, settled
+from srs_ik.kernels.path.followed import ON_LIMIT, along_cell, posture_of, read_side, settled
 from srs_ik.kernels.path.near_strips import direction, moved_along, setting_of
 from srs_ik.kernels.path.pose_strips import list_strips
 from srs_ik.kernels.path.programme import advance, cheapest, copied, first_costs, rules_for, step_back
@@ -42,7 +42,8 @@ ACROSS = 2 * WIDTH + 1
 WIDEST_MOVE = 0.3
 """Longest move of an arm angle, rad."""
 
-ON_LIMIT = 1e-9
+ON_LIMIT_OF_CURVE = 1e-9
+"""`ON_LIMIT` where strips are curves on the true chain, rad."""
 
 FARTHEST = 0.5
 """A posture of a strip is no farther, rad, from the straight line between its neighbours."""
@@ -53,6 +54,17 @@ def spot_of(P, T):
     """What all configurations of a pose share."""
     R, p, _ = read_pose(T)
     return Spot(R, p, place(P, R, p))
+
+
+@kernel
+def put_inside(P, q, A):
+    """A posture with joints that are beyond their limits by rounding put on them, and whether it is inside then.
+
+    On a near limb, where a joint is on its limit, others may have to move far for what that leaves of an error.
+    """
+    if A is not None:
+        return settled(P, q, ON_LIMIT_OF_CURVE)
+    return settled(P, q, ON_LIMIT)
 
 
 @kernel
@@ -98,7 +110,7 @@ def beside(P, course, i, here, motion, J, A):
         if there == here.psi:
             break
         moved, good = moved_by(P, course, i, here, (v, there - here.psi), J, A)
-        moved, inside = settled(P, moved, ON_LIMIT)
+        moved, inside = put_inside(P, moved, A)
         if good and inside and apart(moved, here.q) < longest:
             return moved, there, True
         move *= 0.5
@@ -189,7 +201,7 @@ def on_pose(P, course, i, here, J, A):
         v, good = direction(P, setting_of(P, spot, J, A), here.q)
         if good:
             q, good = moved_along(P, setting_of(P, spot, J, A), here.q, v, 0.0)
-            _, inside = settled(P, q, ON_LIMIT)
+            _, inside = put_inside(P, q, A)
             if good and inside:
                 return q, True
         q, error = close_free(P, here.q, spot.R, spot.p, True, 2 * STEPS, J, A)
@@ -215,7 +227,7 @@ def settle_on(P, course, line, i, nodes, at, space):
         else:
             wanted = Posture(between, there, line.branch[i])
             found, good = on_pose(P, course, i, wanted, space.J, space.A)
-            found, inside = settled(P, found, ON_LIMIT)
+            found, inside = put_inside(P, found, space.A)
             if good and inside and apart(found, between) < apart(a, b) + 0.1:
                 nearer, angle = found, there
     line.psi[i] = angle
@@ -235,7 +247,7 @@ def put_on_poses(family, course, line, space):
         if course.fixed[i] or is_singular:
             continue
         found, good = on_pose(P, course, i, here, space.J, space.A)
-        found, inside = settled(P, found, ON_LIMIT)
+        found, inside = put_inside(P, found, space.A)
         good = good and inside and apart(found, here.q) < FARTHEST
         all_good = all_good and good
         if good:

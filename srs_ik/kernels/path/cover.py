@@ -10,7 +10,7 @@ from srs_ik.kernels.curves.follow import between
 from srs_ik.kernels.exact.intervals import find_intervals
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.answer import SOLVED
-from srs_ik.kernels.layout.limb import LIMITED, LOOSE
+from srs_ik.kernels.layout.limb import LIMITED
 from srs_ik.kernels.layout.path import (
     CELL_BRANCH,
     CELL_FROM,
@@ -37,7 +37,7 @@ from srs_ik.kernels.path.cells import (
 from srs_ik.kernels.path.corridor import spot_of
 from srs_ik.kernels.path.followed import along_cell, posture_of
 from srs_ik.kernels.path.near_strips import setting_of
-from srs_ik.kernels.path.pose_strips import pose_strips
+from srs_ik.kernels.path.pose_strips import pose_strips, roomy
 from srs_ik.kernels.path.strips import put_node
 
 WIDEST = 0.7
@@ -72,7 +72,7 @@ def cover_pose(family, T, net, n, J, A):
         return n
     sides = (elbow_side(P, spot.place, 0), elbow_side(P, spot.place, 1))
     found = net.desk.found
-    for i in range(find_intervals(row(family, LOOSE), spot.place, -1, found)):
+    for i in range(find_intervals(roomy(family, spot.place), spot.place, -1, found)):
         branch = int(found[i, 0])
         n = cover_interval(P, sides[branch >> 2], branch, (found[i, 1], found[i, 2]), net, n)
     return n

@@ -17,6 +17,9 @@ from srs_ik.kernels.limb.poses import read_pose
 from srs_ik.kernels.limb.spherical import angles, middle_angle
 from srs_ik.kernels.limb.triangle import elbow_side, place
 
+ON_LIMIT = 3e-7
+"""A posture beyond its limits by less than this, rad, is put on them: intervals may be found with that much room."""
+
 
 @kernel
 def turn_on(P, joint, angle, near, followed):

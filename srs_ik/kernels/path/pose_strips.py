@@ -7,27 +7,31 @@ import math
 from srs_ik.kernels.algebra.joint_vectors import along7, apart
 from srs_ik.kernels.algebra.pointers import row
 from srs_ik.kernels.chain.newton import arm_angle
+from srs_ik.kernels.exact.flat import is_as_good_as_flat
 from srs_ik.kernels.exact.intervals import find_intervals
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.answer import SOLVED
-from srs_ik.kernels.layout.limb import LIMITED, LOOSE, LOWER, PHASE, SHOULDER, UPPER, WRIST
+from srs_ik.kernels.layout.limb import BOTTOM_GAP, LIMITED, LOWER, PHASE, SHOULDER, TOP_GAP, UPPER, WRIST
 from srs_ik.kernels.layout.path import (
     NODE,
     NODE_BRANCH,
     NODE_PSI,
     NODE_WAY,
+    ROOMIEST,
+    ROOMY,
     STRIP_FIRST,
     STRIP_LAST,
     STRIP_LEAST,
     Spot,
 )
+from srs_ik.kernels.limb.in_line import closest, may_split
 from srs_ik.kernels.limb.limits import TURN
 from srs_ik.kernels.limb.poses import read7, read_pose
 from srs_ik.kernels.limb.spherical import wrap
 from srs_ik.kernels.limb.triangle import elbow_side, place
 from srs_ik.kernels.path.followed import along_cell, settled
 from srs_ik.kernels.path.near_strips import take_line, take_runs
-from srs_ik.kernels.path.splits import put_splits
+from srs_ik.kernels.path.splits import SPLIT, put_splits
 from srs_ik.kernels.path.strips import ROUNDING, is_wide, put_node, take_strip
 
 SAME_ELBOW = 1e-5
@@ -35,6 +39,9 @@ SAME_ELBOW = 1e-5
 
 BENT = 1e-2
 """... if the sine of the elbow's bend is larger than this."""
+
+NEXT_TO = 1e-5
+"""An interval that ends so close to a singular arm angle, rad, ends there."""
 
 
 @kernel
@@ -65,10 +72,16 @@ def pose_strips(family, T, around, sheet, n, desk, J, A):
 
 
 @kernel
+def roomy(family, place_):
+    """The limb with limits drawn out by what rounding does to a pose: two joints on limits leave no room else."""
+    return row(family, ROOMIEST if is_as_good_as_flat(place_) else ROOMY)
+
+
+@kernel
 def allowed_intervals(family, place_, wanted, desk):
     """Write the intervals of a branch, or of all (-1), into `desk.found`, of those that are given or of all."""
     if desk.given[0] < 0:
-        return find_intervals(row(family, LOOSE), place_, wanted, desk.found)
+        return find_intervals(roomy(family, place_), place_, wanted, desk.found)
     n = 0
     for i in range(desk.given[0], desk.given[1]):
         if (wanted < 0 or int(desk.allowed[i, 0]) == wanted) and n < desk.found.shape[0]:
@@ -82,13 +95,17 @@ def allowed_intervals(family, place_, wanted, desk):
 def branch_strips(family, place_, sides, wanted, around, sheet, n, desk):
     """Write the postures of the intervals of a branch, or of all (-1); the next free row."""
     P = row(family, LIMITED)
+    splits = may_split(P, place_)
     for i in range(allowed_intervals(family, place_, wanted, desk)):
         branch = int(desk.found[i, 0])
         side = sides[0] if branch < 4 else sides[1]
+        begin, end = desk.found[i, 1], desk.found[i, 2]
+        if splits:
+            begin, end = next_to_singular(P, side, begin), next_to_singular(P, side, end)
         middle, wide = window(P, place_, side, around)
         for turn in range(-1, 2):
-            lower = max(desk.found[i, 1], middle + TURN * turn - wide)
-            upper = min(desk.found[i, 2], middle + TURN * turn + wide)
+            lower = max(begin, middle + TURN * turn - wide)
+            upper = min(end, middle + TURN * turn + wide)
             if lower <= upper:
                 first = n
                 n = take_strip(P, side, (branch, lower, upper), around, sheet, n, desk)
@@ -96,6 +113,23 @@ def branch_strips(family, place_, sides, wanted, around, sheet, n, desk):
             if wide == math.inf:
                 break
     return n
+
+
+@kernel
+def next_to_singular(P, side, psi):
+    """The end of an interval, or the arm angle next to it at which shoulder or wrist are singular.
+
+    Limits that are drawn out let an interval go on past a singular posture on a limit, where two joints turn at once.
+    """
+    for i in range(4):
+        k = SHOULDER if i < 2 else WRIST
+        if P[k + (TOP_GAP if i % 2 == 0 else BOTTOM_GAP)] == 0.0:
+            there, least, most = closest(P, k, side[1] if i < 2 else side[2], i % 2)
+            if least < SPLIT and most > NEXT_TO:
+                off = wrap(there - psi)
+                if abs(off) < NEXT_TO:
+                    return psi + off
+    return psi
 
 
 @kernel
