@@ -19,6 +19,9 @@ START = np.array([0.3, 0.7, -0.4, -1.2, 0.5, 0.8, -0.2])
 CHANGES = (0.3, -0.35, 0.5)
 """What joints 1, 2 and 4 of the postures whose poses become the target differ by, rad, one after the other."""
 
+PATIENCE = 150_000
+"""Milliseconds that a busy machine may take to draw the page."""
+
 BETWEEN = 900
 A_MOMENT = 260
 """Milliseconds from one target to the next, and from the last one to the picture."""
@@ -31,6 +34,7 @@ def main() -> None:
         options = ["--no-sandbox", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"]
         browser = playwright.chromium.launch(executable_path=chromium, args=options)
         page = browser.new_page(viewport={"width": SIZE[0], "height": SIZE[1]})
+        page.set_default_timeout(PATIENCE)
         page.goto(view.url)
         page.get_by_text("reconfigure").wait_for()
         page.wait_for_timeout(4000)
