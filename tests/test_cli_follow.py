@@ -45,6 +45,14 @@ def test_the_steps_of_a_file_are_those_of_a_tracker(tmp_path):
     np.testing.assert_array_equal(np.array([row[1:8] for row in rows[1:]], float), got["q"])
 
 
+def test_accelerations_may_be_without_a_limit(tmp_path):
+    file, poses = targets(tmp_path / "poses.csv")
+    got = answer("follow", "iiwa14", file, "--dt", "0.002", "--q", *map(str, Q), "--acceleration", "inf")
+    assert got["acceleration_limit"] == [None] * 7
+    tracker = srs_ik.load("iiwa14").tracker(Q, 0.002, acceleration=np.inf)
+    np.testing.assert_allclose(got["q"], [tracker.update(T).q for T in poses], atol=1e-7)
+
+
 def test_the_table_shows_limits_and_statuses(tmp_path):
     file, _ = targets(tmp_path / "poses.csv")
     done = run("follow", "iiwa14", file, "--dt", "0.002", "--elbow", "limit_margin", "--smoothing", "0.01")

@@ -223,6 +223,8 @@ def test_another_configuration_is_taken_only_when_allowed():
         ({"q0": np.full(7, 9.0)}, InvalidConfiguration, "outside its limits"),
         ({"velocity": -1.0}, InvalidConfiguration, "velocity must be a positive"),
         ({"acceleration": [1.0, 2.0]}, InvalidConfiguration, "acceleration must be a positive"),
+        ({"acceleration": np.nan}, InvalidConfiguration, "acceleration must be a positive number \\(inf: none\\)"),
+        ({"velocity": np.inf}, InvalidConfiguration, "velocity must be a positive"),
         ({"smoothing": -1.0}, InvalidConfiguration, "smoothing must be"),
         ({"elbow": "best"}, InvalidTask, "there is no objective 'best'"),
         ({"elbow": np.inf}, InvalidConfiguration, "arm angle must be a finite"),
@@ -240,6 +242,32 @@ def test_an_arm_without_velocity_limits_needs_them():
     with pytest.raises(MissingLimits, match="velocity"):
         arm.tracker(np.zeros(7), DT)
     assert arm.tracker(np.zeros(7), DT, velocity=2.0).acceleration_limit == pytest.approx(np.full(7, 10.0))
+
+
+@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize("name", arms.here("iiwa14", "gen3"))
+def test_without_limits_of_acceleration_those_of_position_and_velocity_are_kept(name, kind):
+    arm = arms.load(name)
+    moving = motion(arm, 5, 2.0, DT, kind, trouble=True)
+    tracker = tracker_of(name, moving.q0, acceleration=np.inf)
+    q, steps = follow(name, moving.given, tracker)
+    assert np.isinf(tracker.acceleration_limit).all()
+    assert_limits_kept(name, moving.q0, q, tracker)
+    assert all(step.status and step.message for step in steps)
+    # They are made use of: the target jumps on the way.
+    velocity = np.diff(np.vstack([moving.q0, moving.q0, q]), axis=0) / DT
+    assert (np.abs(np.diff(velocity, axis=0)) / DT > 5.0 * arm.velocity_limit).any()
+
+
+def test_one_joint_alone_may_be_without_a_limit_of_acceleration():
+    most = np.full(7, 5.0)
+    most[3] = np.inf
+    q0 = start("iiwa14")
+    tracker = tracker_of("iiwa14", q0, acceleration=most)
+    T = arms.load("iiwa14").forward_kinematics(q0 + 0.3).homogeneous
+    q, steps = follow("iiwa14", [T] * 1000, tracker)
+    assert_limits_kept("iiwa14", q0, q, tracker)
+    assert steps[-1]
 
 
 def test_jitter_is_smoothed_without_a_lag():

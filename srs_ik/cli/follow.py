@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections import Counter
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -48,7 +49,8 @@ def follow(
         str | None, typer.Option(metavar="RAD/S", help="Largest velocity of every joint; the robot's if not given.")
     ] = None,
     acceleration: Annotated[
-        str | None, typer.Option(metavar="RAD/S2", help="Largest acceleration; to full velocity in 0.2 s if not given.")
+        str | None,
+        typer.Option(metavar="RAD/S2", help="Largest acceleration, inf: none; to full velocity in 0.2 s if not given."),
     ] = None,
     smoothing: Annotated[
         str, typer.Option(metavar="SECONDS", help="Time constant of a filter that takes jitter from the poses.")
@@ -71,12 +73,10 @@ def follow(
     free = freedom.read(free_axis, cone, unit)
     if free is not None:
         options["free_axis"] = free
-    for option, word, name in (
-        ("--velocity", velocity, "velocity"),
-        ("--acceleration", acceleration, "acceleration"),
-    ):
-        if word is not None:
-            options[name] = numbers(option, [word])[0]
+    if velocity is not None:
+        options["velocity"] = numbers("--velocity", [velocity])[0]
+    if acceleration is not None:
+        options["acceleration"] = math.inf if acceleration == "inf" else numbers("--acceleration", [acceleration])[0]
     q0 = None if start is None else angles("--q", start, unit)
     targets = read_targets(poses, unit)
 

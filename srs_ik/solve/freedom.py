@@ -16,6 +16,7 @@ from srs_ik.kernels.layout.freedom import MOST_STARTS, START, WORK
 from srs_ik.solve import pose
 from srs_ik.solve.kinematics import forward_kinematics_batch
 from srs_ik.solve.packed import PackedArm
+from srs_ik.solve.reachable import reachable_batch
 from srs_ik.solve.solution import BatchSolution, Solution, Status
 from srs_ik.solve.threads import run_in_threads
 
@@ -80,7 +81,10 @@ def _keep_wider(arm: PackedArm, T: Array, out: Array, threads: int | None) -> No
 
     Searches over the turns are local, and may miss by a little what a single turn has.
     """
-    as_given = pose.solve_batch(arm, T, None, None, None, False, True, threads)
+    reached = np.flatnonzero(reachable_batch(arm, T, threads))
+    if not len(reached):
+        return
+    as_given = pose.solve_batch(arm, T[reached], None, None, None, False, True, threads)
     limited = np.isfinite(arm.upper - arm.lower)
     lower, upper = arm.lower[limited], arm.upper[limited]
 
@@ -89,9 +93,9 @@ def _keep_wider(arm: PackedArm, T: Array, out: Array, threads: int | None) -> No
             axis=1, initial=1.0
         )
 
-    found = out[:, ROW_STATUS] == Status.OK
-    wider = as_given.ok & ~(found & (margins(out[:, :ROW_POSITION_ERROR]) >= margins(as_given.q)))
-    out[wider] = as_given._rows[wider]
+    found = out[reached, ROW_STATUS] == Status.OK
+    wider = as_given.ok & ~(found & (margins(out[reached, :ROW_POSITION_ERROR]) >= margins(as_given.q)))
+    out[reached[wider]] = as_given._rows[wider]
 
 
 def _closest(arm: PackedArm, T: Array, free: FreeAxis, seed: Array | None, respect: bool) -> Array:

@@ -32,6 +32,10 @@ Array = NDArray[np.float64]
 FULL_SPEED_IN = 0.2
 """Where no accelerations are given, each joint may come to its largest velocity in so many seconds."""
 
+SOON = 0.05
+"""A joint without a limit of acceleration comes to its largest velocity in so many seconds at the least: more than that
+brings targets back no sooner, and shakes the arm."""
+
 AVERAGED = 0.006
 """Seconds over which the velocity of a target is averaged, at least."""
 
@@ -152,7 +156,7 @@ class Tracker:
     Attributes:
         dt: seconds between two updates.
         velocity_limit: (7,) rad/s.
-        acceleration_limit: (7,) rad/s^2.
+        acceleration_limit: (7,) rad/s^2; inf for a joint without one.
         jerk_limit: (7,) rad/s^3, or None.
         free_axis: what of a target's rotation is free, or None.
     """
@@ -172,11 +176,15 @@ class Tracker:
         velocity, acceleration, jerk = bounds
         self.dt = as_positive(dt, "dt", "seconds")
         self.velocity_limit = _limits(velocity, packed, "velocity", packed.velocity_limit)
-        self.acceleration_limit = _limits(acceleration, packed, "acceleration", self.velocity_limit / FULL_SPEED_IN)
+        usual = self.velocity_limit / FULL_SPEED_IN
+        self.acceleration_limit = _limits(acceleration, packed, "acceleration", usual, endless=True)
         self._settings = np.zeros(at.SETTINGS + PARAMS)
         self._settings[at.PERIOD] = self.dt
         self._settings[at.SPEED : at.ACCELERATION] = self.velocity_limit
-        self._settings[at.ACCELERATION : at.ALPHA] = self.acceleration_limit
+        at_will = np.minimum(self.velocity_limit / SOON, self.velocity_limit / self.dt)
+        self._settings[at.ACCELERATION : at.ALPHA] = np.where(
+            np.isinf(self.acceleration_limit), at_will, self.acceleration_limit
+        )
         self._settings[at.PATIENCE] = PATIENCE
         self._work = np.zeros((8, 16, 9))
         self._nowhere = np.eye(4)
@@ -245,7 +253,8 @@ class Tracker:
         self._state[at.ON] = 1.0
         self._jerk: JerkFilter | None = None
         if self.jerk_limit is not None:
-            bounds = self.velocity_limit, self.acceleration_limit, self.jerk_limit
+            pushes = self._settings[at.ACCELERATION : at.ALPHA].copy()
+            bounds = self.velocity_limit, pushes, self.jerk_limit
             self._jerk = JerkFilter(q, self.dt, (self._packed.lower, self._packed.upper), bounds)
             self._sent = np.array([q, q])
 
@@ -344,8 +353,8 @@ class Tracker:
         return f"<Tracker of {self._packed.name}, {self.dt:g} s, elbow {self._elbow!r}>"
 
 
-def _limits(given: ArrayLike | None, packed: PackedArm, what: str, default: Array) -> Array:
-    """(7,) positive figures: those given, one for all or one a joint, or the arm's own."""
+def _limits(given: ArrayLike | None, packed: PackedArm, what: str, default: Array, endless: bool = False) -> Array:
+    """(7,) positive figures: those given, one for all or one a joint, or the arm's own; finite ones but where told."""
     if given is None:
         missing = ~(np.isfinite(default) & (default > 0.0))
         if missing.any():
@@ -356,6 +365,8 @@ def _limits(given: ArrayLike | None, packed: PackedArm, what: str, default: Arra
         values = real_array(given)
     except (TypeError, ValueError):
         values = np.full(0, np.nan)
-    if values.shape not in ((), (7,)) or not (np.isfinite(values) & (values > 0.0)).all():
-        raise InvalidConfiguration(f"{what} must be a positive number, or 7 of them, one a joint")
+    good = (values > 0.0) & (endless | (values < np.inf))
+    if values.shape not in ((), (7,)) or not good.all():
+        none = " (inf: none)" if endless else ""
+        raise InvalidConfiguration(f"{what} must be a positive number{none}, or 7 of them, one a joint")
     return np.full(7, values)

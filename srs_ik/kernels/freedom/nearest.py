@@ -8,13 +8,17 @@ from __future__ import annotations
 
 import math
 
+from srs_ik.kernels.algebra.joint_vectors import between
 from srs_ik.kernels.algebra.pointers import row
+from srs_ik.kernels.algebra.vectors import load3, norm
+from srs_ik.kernels.chain.freedom import free_error
 from srs_ik.kernels.exact.nearest import between_limbs
-from srs_ik.kernels.freedom.settle import settle
+from srs_ik.kernels.freedom.settle import distance, settle
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.answer import SOLVED
-from srs_ik.kernels.layout.freedom import START_COST, Found, Liking
-from srs_ik.kernels.layout.limb import IS_CLOSED, PHASE, SHOULDER, STRAIGHT, WRIST
+from srs_ik.kernels.layout.freedom import START, START_COST, Found, Liking
+from srs_ik.kernels.layout.limb import FAR, MISS, PHASE, SHOULDER, STRAIGHT, WRIST, WRIST_IN_TIP
+from srs_ik.kernels.limb.goal import NO_SEED
 from srs_ik.kernels.limb.poses import read7
 
 APART = 0.5
@@ -24,45 +28,69 @@ CLOSE = 0.15
 CLEAR = 2.0
 """A posture this close to a seed, rad, is the nearest one if no joint is singular within so many times its distance."""
 
+SPREAD = math.sqrt(7.0)
+"""Seven joints that turn by one together, each by the same, turn the tip by at most so much."""
+
 NONE_LEFT = 1e300
 
 ATTEMPTS = 32
-ATTEMPTS_NEAR = 32
-"""Local searches at least, on an exact limb and on a near one, whose starts are not quite on its poses."""
+"""Local searches at least."""
 
 NO_NEARER = 2.0
-"""A search does not come so much nearer to the seed than its start, rad."""
+"""A search does not come so much nearer to the seed than what its start costs, rad ..."""
+
+NO_SHORTER = 1.0
+"""... nor so much nearer than its start is once it is inside the limits."""
 
 MOST_ATTEMPTS = 60
-"""The same where none has found a posture yet."""
+"""Searches at most, where none has found a posture yet."""
 
 
 @kernel
-def are_close(starts, i, k):
+def are_close(a, b):
     """Whether two starts lead to the same posture."""
-    most = 0.0
-    for j in range(7):
-        most = max(most, abs(starts[i, j] - starts[k, j]))
-    return most < APART
+    j = 0
+    while j < 7 and abs(a[j] - b[j]) < APART:
+        j += 1
+    return j == 7
+
+
+@kernel
+def copy_start(a, b):
+    """Write a start over another one."""
+    for j in range(START):
+        b[j] = a[j]
 
 
 @kernel
 def take_best(starts, n):
-    """The start of least cost (-1: none is left) and that cost; drop it and those next to it."""
-    best, least = -1, NONE_LEFT
+    """Take the start of least cost out of n, and drop those next to it: it, its cost, and how many are left.
+
+    The cost is `NONE_LEFT` where there was none.
+    """
+    best, least = 0, NONE_LEFT
     for i in range(n):
         if starts[i, START_COST] < least:
             best, least = i, starts[i, START_COST]
-    if best >= 0:
-        for i in range(n):
-            if starts[i, START_COST] < NONE_LEFT and are_close(starts, i, best):
-                starts[i, START_COST] = NONE_LEFT
-    return best, least
+    if least >= NONE_LEFT:
+        return NO_SEED, least, 0
+    q = read7(row(starts, best))
+    left = 0
+    for i in range(n):
+        here = row(starts, i)
+        if not are_close(here, q):
+            copy_start(here, row(starts, left))
+            left += 1
+    return q, least, left
 
 
 @kernel
 def beside(P, pose, freedom, liking, desk):
     """The posture that a search from the seed itself leads to; met where it is so close that there is no nearer one."""
+    off, turned = free_error(P, liking.posture, pose[0], pose[1], freedom)
+    tip = norm(load3(P, WRIST_IN_TIP))
+    if turned > SPREAD * CLOSE or off > SPREAD * CLOSE * (P[FAR] + tip + P[MISS]):
+        return Found(liking.posture, NONE_LEFT, False)
     rival = Liking(liking.posture, liking.weights, liking.lower, liking.upper, CLOSE * CLOSE, liking.posture)
     there, cost, error, at_rest = settle(P, liking.posture, pose, freedom, rival, desk)
     q, distance = liking.posture, math.sqrt(cost)
@@ -77,14 +105,16 @@ def beside(P, pose, freedom, liking, desk):
 def nearest(P, pose, freedom, liking, count, desk):
     """The nearest posture that searches from the starts in `desk` lead to, `count` of them."""
     found = Found(liking.posture, NONE_LEFT, False)
-    attempts = ATTEMPTS if P[IS_CLOSED] == 1.0 else ATTEMPTS_NEAR
-    for k in range(MOST_ATTEMPTS):
-        if k >= attempts and found.met:
+    attempts = 0
+    while attempts < MOST_ATTEMPTS and not (found.met and attempts >= ATTEMPTS):
+        start, least, count = take_best(desk.starts, count)
+        reached = math.sqrt(found.cost)
+        if least >= NONE_LEFT or (found.met and math.sqrt(least) > reached + NO_NEARER):
             break
-        i, distance = take_best(desk.starts, count)
-        if i < 0 or (found.met and math.sqrt(distance) > math.sqrt(found.cost) + NO_NEARER):
-            break
-        start = read7(row(desk.starts, i))
+        start = between(start, liking.lower, liking.upper)
+        if found.met and math.sqrt(distance(start, liking)) > reached + NO_SHORTER:
+            continue
+        attempts += 1
         rival = Liking(liking.posture, liking.weights, liking.lower, liking.upper, found.cost, found.q)
         there, cost, error, _ = settle(P, start, pose, freedom, rival, desk)
         if error < SOLVED and cost < found.cost:

@@ -43,7 +43,7 @@ CLOSE_BY = 0.1
 
 
 LEFT = 3.0
-"""After a step shorter than `CLOSE_BY`, the rest of the way is no longer than so many times the step."""
+"""Where the pose is almost met, a search comes nearer to the seed by no more than so many times its last step."""
 
 SAME = 0.01
 """A step that leads so close to a posture that is known, rad, and is longer than that, leads there."""
@@ -308,7 +308,7 @@ def settle(P, q, pose, freedom, liking, desk):
         before = q
         q = between(along7(q, 1.0, step), liking.lower, liking.upper)
         held = on & at_limits(q, liking)
-        if size < CLOSE_BY and error < ALMOST and (beaten(q, LEFT * size, liking) or comes_to_rival(q, size, liking)):
+        if error < ALMOST and (beaten(q, LEFT * size, liking) or comes_to_rival(q, size, liking)):
             return q, math.inf, math.inf, False
     if not at_rest:
         _, error, _ = equations(P, q, pose, freedom, desk)

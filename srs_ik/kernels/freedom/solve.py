@@ -10,11 +10,11 @@ from srs_ik.kernels.chain.newton import arm_angle
 from srs_ik.kernels.freedom.nearest import NONE_LEFT, beside, nearest
 from srs_ik.kernels.freedom.settle import settle
 from srs_ik.kernels.freedom.starts import find_starts
-from srs_ik.kernels.freedom.widest import comfort, ends, widest
+from srs_ik.kernels.freedom.widest import any_limited, weights, widest
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.answer import GOOD_POSE, ROW_STATUS, SOLVED, UNREACHABLE
 from srs_ik.kernels.layout.freedom import Found, Freedom, Liking
-from srs_ik.kernels.layout.limb import FREE, LIMITED
+from srs_ik.kernels.layout.limb import FREE, LIMITED, LOWER, UPPER
 from srs_ik.kernels.limb.branches import branch_of
 from srs_ik.kernels.limb.limits import middles
 from srs_ik.kernels.limb.poses import read7, read_pose
@@ -24,18 +24,24 @@ EVEN = (1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0)
 
 
 @kernel
+def limits(P, k):
+    """The seven lower or upper limits of joints."""
+    return P[k], P[k + 1], P[k + 2], P[k + 3], P[k + 4], P[k + 5], P[k + 6]
+
+
+@kernel
 def found_posture(family, pose, freedom, turns, seed, respect, desk):
     """The posture nearest to a seed, or without one farthest from the limits."""
     P = row(family, LIMITED if respect else FREE)
     limited = row(family, LIMITED)
-    lower, upper = ends(P, 0.0, -1.0), ends(P, 0.0, 1.0)
+    lower, upper = limits(P, LOWER), limits(P, UPPER)
     if seed is not None:
         wish = read7(seed)
         liking = Liking(wish, EVEN, lower, upper, NONE_LEFT, wish)
     else:
         wish = middles(limited)
-        liking = Liking(wish, comfort(limited, 0.0).weights, lower, upper, NONE_LEFT, wish)
-    seeded = seed is not None or not respect
+        liking = Liking(wish, weights(limited), lower, upper, NONE_LEFT, wish)
+    seeded = seed is not None or not respect or not any_limited(P)
     if seed is not None:
         close = beside(P, pose, freedom, liking, desk)
         if close.met:

@@ -89,12 +89,10 @@ def write_minima(table, count, branch, seeded, starts, n):
             continue
         for i in range(ARM_ANGLES):
             cost = cost_at(here, i, halves, seeded)
-            if (
-                cost >= NO_BRANCH
-                or cost > cost_at(here, (i + ARM_ANGLES - 1) % ARM_ANGLES, halves, seeded)
-                or cost >= cost_at(here, (i + 1) % ARM_ANGLES, halves, seeded)
-                or n >= MOST_STARTS
-            ):
+            before = cost_at(here, (i + ARM_ANGLES - 1) % ARM_ANGLES, halves, seeded)
+            behind = cost_at(here, (i + 1) % ARM_ANGLES, halves, seeded)
+            # Where the elbow is the tightest joint, all arm angles may cost the same: then the first one is taken.
+            if cost > before or cost > behind or (cost == behind and i > 0) or cost >= NO_BRANCH or n >= MOST_STARTS:
                 continue
             for j in range(3):
                 starts[n, j] = here[(shoulder + j) * ARM_ANGLES + i]

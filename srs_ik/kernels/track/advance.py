@@ -67,7 +67,7 @@ from srs_ik.kernels.limb.triangle import place
 from srs_ik.kernels.track.catch_up import CLOSE_BY, catch_up, way_left
 from srs_ik.kernels.track.closest import DAMPING, approach, error_at, minus
 from srs_ik.kernels.track.elsewhere import look_elsewhere, out_of_reach
-from srs_ik.kernels.track.foresight import foresee, planned_step
+from srs_ik.kernels.track.foresight import busyness, foresee, planned_step
 from srs_ik.kernels.track.freedom import error_left, other_turn, shown_at, wanted
 from srs_ik.kernels.track.limits import bounds, toward
 from srs_ik.kernels.track.target import keep_pace, load_pose, lose_target, take_target
@@ -89,6 +89,9 @@ COAST_FOR = 250
 AT_REST = 0.02
 """Updates in which no joint uses this share of its velocity, after which a tip close to its target does not come closer
 on the straight way: then other ways are looked for."""
+
+RESTING = 0.1
+"""A target less busy than this rests."""
 
 PLAN_EVERY = 0.008
 """Seconds from one plan to the next."""
@@ -208,6 +211,12 @@ def own_motion(P, S, C, work):
     if S[PLANNED] == 0.0 or S[TICK] % max(math.floor(PLAN_EVERY / C[PERIOD] + 0.5), 1.0) == 0.0:
         foresee(P, S, C, work[3], (work[0], work[1], work[2]))
     return planned_step(S, C)
+
+
+@kernel
+def arriving(P, S):
+    """Whether the joints are on their way to a posture on a target that rests: they brake in time by themselves."""
+    return S[ON] == 0.0 and S[PLANNED] == 0.0 and S[MISS] < MET and busyness(P, S) < RESTING
 
 
 @kernel
@@ -358,7 +367,7 @@ def advance(P, S, C, given, work, out):
     place_ = place(P, shown_at(P, C, read7(row(S, GOAL)), R_target), p_target)
     size, on, near = 0.0, False, False
     left = way_left(P, S, C)
-    if S[COAST] < COAST_FOR and (S[ON] == 1.0 or left[3] < CLOSE_BY):
+    if S[COAST] < COAST_FOR and (S[ON] == 1.0 or (left[3] < CLOSE_BY and not arriving(P, S))):
         own = own_motion(P, S, C, work)
         if S[ON] == 1.0:
             d, on = stay_on(P, S, C, pose, own, box, (J, A))

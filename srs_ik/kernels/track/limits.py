@@ -77,9 +77,15 @@ def toward(C, joint, q, goal, rate):
     """
     period = C[PERIOD]
     behind = goal - q - period * rate
-    speed = stopping_speed(abs(behind), SHARE * C[ACCELERATION + joint], period)
+    still = max(1.0 - abs(rate) / (SLOWLY * C[SPEED + joint]), 0.0)
+    share = SHARE + (SHARE_STILL - SHARE) * still
+    speed = stopping_speed(abs(behind), share * C[ACCELERATION + joint], period)
     return rate + math.copysign(speed, behind)
 
 
-SHARE = 0.8
-"""Share of the largest acceleration that is reckoned with for stopping at a goal; the rest is for the goal's own."""
+SHARE, SHARE_STILL = 0.8, 0.98
+"""Share of the largest acceleration that is reckoned with for stopping at a goal that moves, the rest being for the
+goal's own, and at one that does not."""
+
+SLOWLY = 0.1
+"""A goal that moves at this share of a joint's largest velocity moves."""

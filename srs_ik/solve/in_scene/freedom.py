@@ -16,7 +16,7 @@ from scipy.optimize import minimize_scalar
 from srs_ik.inputs.freedom import FreeAxis, as_free_axis
 from srs_ik.inputs.poses import as_matrices, as_seeds
 from srs_ik.kernels.layout.answer import ROW, ROW_ORIENTATION_ERROR, ROW_POSITION_ERROR, ROW_STATUS
-from srs_ik.solve import freedom
+from srs_ik.solve import freedom, pose
 from srs_ik.solve.goals import goal_of
 from srs_ik.solve.in_scene import pose as in_scene
 from srs_ik.solve.kinematics import forward_kinematics_batch
@@ -52,29 +52,40 @@ def solve(around: Surroundings, T: Array, free: FreeAxis, near: Array | None, re
     turns = free.sampled(TURNS if free.cone == 0.0 else TURNS_OF_CONE)
     cost = goal_of(around.packed, near).cost
 
+    def least(turn: Array) -> float:
+        """What the best posture at a turn costs without the scene: with it none costs less."""
+        answer = pose.solve(around.packed, _turned(T, turn), seed=near, respect_limits=respect)
+        return cost(answer.q) if answer else NO_POSTURE
+
     def at(turn: Array) -> Solution | None:
         turned = _turned(T, turn)
         rows = around.all_free(turned, respect)
         return in_scene.best(around, turned, rows, None, near, respect) if len(rows) else None
 
-    def price(answer: Solution | None) -> float:
-        return NO_POSTURE if answer is None else cost(answer.q)
-
-    answers = [at(turn) for turn in turns]
-    best = int(np.argmin([price(answer) for answer in answers]))
-    if answers[best] is None:
+    best, found, where = None, NO_POSTURE, 0
+    floors = [least(turn) for turn in turns]
+    for k in np.argsort(floors).tolist():
+        if floors[k] >= found:
+            break
+        answer = at(turns[k])
+        if answer is not None and cost(answer.q) < found:
+            best, found, where = answer, cost(answer.q), k
+    if best is None:
         return _measured(around, T, free, _least_deep(around, T, alone, free, near, respect))
+
+    def price(roll: float) -> float:
+        nonlocal best, found
+        turn = turns[where] @ free.rolled(roll)
+        floor = least(turn)
+        answer = at(turn) if floor < found else None
+        value = max(floor, found) if answer is None else cost(answer.q)
+        if answer is not None and value < found:
+            best, found = answer, value
+        return value
+
     step = 2.0 * np.pi / TURNS
-    found = minimize_scalar(
-        lambda roll: price(at(turns[best] @ free.rolled(roll))),
-        bounds=(-step, step),
-        method="bounded",
-        options={"xatol": FINE},
-    )
-    closer = at(turns[best] @ free.rolled(float(found.x)))
-    chosen = min(answers[best], closer, key=price)
-    assert chosen is not None
-    return _measured(around, T, free, chosen)
+    minimize_scalar(price, bounds=(-step, step), method="bounded", options={"xatol": FINE})
+    return _measured(around, T, free, best)
 
 
 def _turned(T: Array, turn: Array) -> Array:
