@@ -13,10 +13,11 @@ import numpy as np
 from srs_ik.kernels.algebra.pointers import row
 from srs_ik.kernels.chain.answer import measure_row
 from srs_ik.kernels.chain.newton import arm_angle
-from srs_ik.kernels.curves.best import MAX_SPANS, SPAN, best_on, find_spans
+from srs_ik.kernels.curves.best import best_on
 from srs_ik.kernels.curves.follow import CURVE, follow, reverse, tangent_at
 from srs_ik.kernels.curves.in_step import SAMPLE
 from srs_ik.kernels.curves.runs import CURVE_ROWS, SPARE_ROWS, near_runs, samples_of, survey_curves
+from srs_ik.kernels.curves.spans import MAX_SPANS, SPAN, find_spans
 from srs_ik.kernels.exact.intervals import TURN, join_touching, write_interval
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.asked import Best, Goal, Runs, Setting

@@ -19,7 +19,7 @@ from srs_ik.kernels.chain.eight import take_eight
 from srs_ik.kernels.chain.limit_ends import to_limits
 from srs_ik.kernels.chain.newton import STEPS
 from srs_ik.kernels.chain.newton_eight import ALL
-from srs_ik.kernels.curves.best import MAX_SPANS, SPAN, find_spans
+from srs_ik.kernels.curves.spans import MAX_SPANS, SPAN, find_spans
 from srs_ik.kernels.curves.surface import has_surface
 from srs_ik.kernels.exact.intervals import PI, TURN, find_intervals, join_touching, write_interval
 from srs_ik.kernels.jit import kernel
