@@ -10,15 +10,17 @@ from srs_ik.kernels.algebra.joint_vectors import difference, dot7, short_way
 from srs_ik.kernels.chain.newton import STEPS, close_at_angle
 from srs_ik.kernels.chain.starts import best_row
 from srs_ik.kernels.curves.best import cost_of_turn
+from srs_ik.kernels.curves.changes import CHANGE, CHANGE_AT, CHANGE_MIDDLE, MOST_CHANGES, find_changes
+from srs_ik.kernels.curves.ends import on_curve
 from srs_ik.kernels.curves.follow import between
-from srs_ik.kernels.curves.in_step import SAMPLE, load_sample
-from srs_ik.kernels.curves.runs import near_runs
-from srs_ik.kernels.curves.spans import angle_at, turn_at
+from srs_ik.kernels.curves.in_step import SAMPLE, load_sample, put_sample
+from srs_ik.kernels.curves.runs import SPARE_ROWS, near_runs, samples_of
+from srs_ik.kernels.curves.spans import JUST_OUTSIDE, angle_at, turn_at
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.answer import ROW_COST
 from srs_ik.kernels.layout.asked import Setting
 from srs_ik.kernels.layout.search import MAX_RUNS, RUN
-from srs_ik.kernels.limb.branches import NO_BRANCH, branch_of
+from srs_ik.kernels.limb.branches import NO_BRANCH, bit_of, branch_of, is_on_border
 from srs_ik.kernels.limb.poses import read7
 from srs_ik.kernels.limb.triangle import elbow_side
 
@@ -59,15 +61,50 @@ def no_curves():
 
 
 @kernel
+def tell(P, by, n, branch, q, rows, told):
+    """Append a posture of a curve and what is told of it; the number of rows."""
+    if n >= rows.shape[0]:
+        return n
+    put_sample(rows, n, 0.0, q)
+    told[n, TOLD_ANGLE], told[n, TOLD_RISE], told[n, TOLD_BRANCH] = angle_at(P, by, q), turn_at(P, by, q), branch
+    return n + 1
+
+
+@kernel
+def tell_changes(P, by, curve, i, work, n, rows, told):
+    """Append the postures beside each change of branch before sample i of a curve; rows, and the branch then."""
+    samples = curve.rows
+    branch = int(told[n - 1, TOLD_BRANCH])
+    before, after = (samples[i - 1, 0], load_sample(samples[i - 1])), (samples[i, 0], load_sample(samples[i]))
+    for c in range(find_changes(P, by, curve, before, after, work)):
+        x = work[c, CHANGE_AT]
+        q, _ = on_curve(P, by, 0, curve, max(x - JUST_OUTSIDE, before[0]))
+        n = tell(P, by, n, branch, q, rows, told)
+        branch ^= bit_of(int(work[c, CHANGE_MIDDLE]))
+        q, _ = on_curve(P, by, 0, curve, min(x + JUST_OUTSIDE, after[0]))
+        n = tell(P, by, n, branch, q, rows, told)
+    return n, branch
+
+
+@kernel
 def followed_curves(P, by):
-    """Follow all curves of a pose."""
+    """Follow all curves of a pose, and look where they go from branch to branch."""
     runs = np.empty((MAX_RUNS, RUN))
-    rows, n, k, _ = near_runs(P, by, runs)
-    told = np.empty((n, TOLD))
-    for i in range(n):
-        q = load_sample(rows[i])
-        told[i, TOLD_ANGLE], told[i, TOLD_RISE] = angle_at(P, by, q), turn_at(P, by, q)
-        told[i, TOLD_BRANCH] = branch_of(P, q)
+    samples, n_samples, k, _ = near_runs(P, by, runs)
+    work = np.empty((MOST_CHANGES, CHANGE))
+    rows = np.empty((n_samples + SPARE_ROWS, SAMPLE))
+    told = np.empty((n_samples + SPARE_ROWS, TOLD))
+    n = 0
+    for index in range(k):
+        curve = samples_of(samples, runs[index])
+        runs[index, 3] = n
+        q = load_sample(samples[curve.first])
+        branch = branch_of(P, q)
+        n = tell(P, by, n, branch, q, rows, told)
+        for i in range(curve.first + 1, curve.last):
+            n, branch = tell_changes(P, by, curve, i, work, n, rows, told)
+            n = tell(P, by, n, branch, load_sample(samples[i]), rows, told)
+        runs[index, 4] = n
     return Followed(rows, runs[:k], told)
 
 
@@ -104,9 +141,9 @@ def passing(P, by, psi, a, b):
 
 
 @kernel
-def keep_found(P, q, goal, out):
-    """Keep a posture in the row of its branch, if it is the best one there."""
-    branch = branch_of(P, q)
+def keep_found(P, q, branch, goal, out):
+    """Keep a posture in the row of the branch that it is told to be of, if it is the best one there."""
+    branch = branch if is_on_border(P, q, branch) else branch_of(P, q)
     q, value = cost_of_turn(P, q, goal)
     if value < out[branch, ROW_COST]:
         for j in range(7):
@@ -115,13 +152,13 @@ def keep_found(P, q, goal, out):
 
 
 @kernel
-def put_passing(P, by, psi, ends, goal, out):
+def put_passing(P, by, psi, branch, ends, goal, out):
     """Keep the posture at an arm angle between two of a curve, given with how far they are ahead, if it lies there."""
     a, b = ends
     if a[1] * b[1] <= 0.0 and a[1] != b[1]:
         q, met = passing(P, by, psi, a, b)
         if met:
-            keep_found(P, q, goal, out)
+            keep_found(P, q, branch, goal, out)
 
 
 @kernel
@@ -153,26 +190,27 @@ def look_between(P, by, followed, i, psi, goal, out):
     if not turns and ahead_a * ahead_b > 0.0 and min(abs(ahead_a), abs(ahead_b)) > SAME_ANGLE:
         return
     a, b = load_sample(followed.rows[i - 1]), load_sample(followed.rows[i])
+    branch, next_branch = int(told[i - 1, TOLD_BRANCH]), int(told[i, TOLD_BRANCH])
     if abs(ahead_a) < SAME_ANGLE:
-        keep_found(P, a, goal, out)
+        keep_found(P, a, branch, goal, out)
     if abs(ahead_b) < SAME_ANGLE:
-        keep_found(P, b, goal, out)
+        keep_found(P, b, next_branch, goal, out)
     if turns:
         turning = turning_between(P, by, a, b, told[i - 1, TOLD_RISE])
         ahead = ahead_a + short_way(angle_at(P, by, turning) - at_a)
-        put_passing(P, by, psi, ((a, ahead_a), (turning, ahead)), goal, out)
-        put_passing(P, by, psi, ((turning, ahead), (b, ahead_b)), goal, out)
+        put_passing(P, by, psi, branch, ((a, ahead_a), (turning, ahead)), goal, out)
+        put_passing(P, by, psi, branch, ((turning, ahead), (b, ahead_b)), goal, out)
         if abs(ahead) < SAME_ANGLE:
-            keep_found(P, turning, goal, out)
+            keep_found(P, turning, branch, goal, out)
     else:
-        put_passing(P, by, psi, ((a, ahead_a), (b, ahead_b)), goal, out)
+        put_passing(P, by, psi, branch, ((a, ahead_a), (b, ahead_b)), goal, out)
 
 
 @kernel
 def find_at_angle(P, by, followed, psi, wanted, goal, out):
     """Write the best posture of every branch at an arm angle, and its cost, into the rows of out (8, 8).
 
-    Of one that is wanted (0 to 7), between samples of it: others may be found.
+    Of one that is wanted (0 to 7), and of others only where they border on it.
     """
     for branch in range(8):
         out[branch, ROW_COST] = 2.0 * NO_BRANCH
@@ -196,9 +234,4 @@ def best_found(found, wanted, seed):
 def best_on_curves(P, by, followed, psi, wanted, goal, out):
     """The best posture at an arm angle over all branches, or in one (0 to 7): q, branch, cost."""
     find_at_angle(P, by, followed, psi, wanted, goal, out)
-    found = best_found(out, wanted, goal.seed)
-    if wanted >= 0 and found[2] >= NO_BRANCH:
-        # A branch may begin and end between two samples of another one.
-        find_at_angle(P, by, followed, psi, -1, goal, out)
-        found = best_found(out, wanted, goal.seed)
-    return found
+    return best_found(out, wanted, goal.seed)
