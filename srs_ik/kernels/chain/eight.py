@@ -72,3 +72,13 @@ def in_own_branch(P, q):
     wrong |= as_bits(s2 < 0.0) ^ BEYOND_SHOULDER
     wrong |= as_bits(s6 < 0.0) ^ BEYOND_WRIST
     return ALL & ~wrong
+
+
+@kernel
+def branches_of(P, q):
+    """The branches of eight postures, as eight floats."""
+    _, s2 = turn(q[1] - P[SHOULDER + PHASE])
+    _, s4 = turn(q[3] - P[STRAIGHT])
+    _, s6 = turn(q[5] - P[WRIST + PHASE])
+    none = 0.0 * s2
+    return where(s4 < 0.0, none + 4.0, none) + where(s2 < 0.0, none + 2.0, none) + where(s6 < 0.0, none + 1.0, none)

@@ -8,7 +8,7 @@ from __future__ import annotations
 import math
 
 from srs_ik.kernels.algebra.pointers import row
-from srs_ik.kernels.chain.eight import in_own_branch, put_eight, take_eight
+from srs_ik.kernels.chain.eight import ALL, in_own_branch, put_eight, take_eight
 from srs_ik.kernels.chain.newton import STEPS, close_at_angle
 from srs_ik.kernels.chain.newton_eight import close_eight
 from srs_ik.kernels.jit import kernel
@@ -17,6 +17,7 @@ from srs_ik.kernels.layout.limb import COSINE_OFF
 from srs_ik.kernels.limb.branches import NO_BRANCH, branch_of, elbow_starts, side_posture
 from srs_ik.kernels.limb.goal import cost, turned
 from srs_ik.kernels.limb.poses import read7
+from srs_ik.kernels.limb.postures_eight import eight_branches
 from srs_ik.kernels.limb.triangle import elbow_side
 
 MOST_BENT = 0.3
@@ -60,6 +61,10 @@ def evaluate_branch(P, target, psi, branch, goal, A):
 @kernel
 def start_all(P, place_, psi, seeded, seed, respect, A):
     """Write the closed form's posture of every branch at an arm angle into A; which exist, as bits."""
+    q, sure = eight_branches(P, place_, psi)
+    if sure == ALL:
+        put_eight(row(A, FIRST), WIDTH, ALL, q)
+        return ALL
     exist = 0
     for elbow in range(2):
         if elbow_starts(P, place_, psi, elbow, seeded, seed, respect, A, FIRST + 4 * elbow):

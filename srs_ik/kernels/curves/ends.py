@@ -6,17 +6,22 @@ followed on the true chain, its parameter the length along it.
 
 from __future__ import annotations
 
+import math
+
 from srs_ik.kernels.algebra.joint_vectors import along7, difference, dot7, short_way
+from srs_ik.kernels.algebra.lanes import scatter, where, whole_number
 from srs_ik.kernels.algebra.minimum import GOLDEN
+from srs_ik.kernels.algebra.pointers import row
 from srs_ik.kernels.algebra.roots import has_settled, next_parameter, start_crossing, tell_figure
+from srs_ik.kernels.chain.newton_eight import larger
 from srs_ik.kernels.curves.follow import between, correct
-from srs_ik.kernels.curves.in_step import load_sample
+from srs_ik.kernels.curves.in_step import SAMPLE, load_sample, take_ways
 from srs_ik.kernels.jit import kernel
-from srs_ik.kernels.layout.limb import IS_CLOSED, LOWER, UPPER
+from srs_ik.kernels.layout.limb import IS_CLOSED, LOWER, MIDDLE, SLACK_LIMIT, UPPER
 from srs_ik.kernels.layout.search import SPLIT
 from srs_ik.kernels.limb.branches import NO_BRANCH, side_posture
 from srs_ik.kernels.limb.goal import NO_SEED, turned
-from srs_ik.kernels.limb.limits import beyond, beyond_any, turn_to_middle
+from srs_ik.kernels.limb.limits import PER_TURN, TURN, beyond, beyond_any, turn_to_middle
 
 EDGE_STEPS = 100
 DIP_STEPS = 40
@@ -41,9 +46,26 @@ def infeasibility(P, q, respect):
 
 
 @kernel
-def infeasibility_of(P, row, respect):
-    """The same for a sample."""
-    return infeasibility(P, turned(P, load_sample(row), False, NO_SEED, respect), respect)
+def beyond_limits(P, joint, q):
+    """How far eight angles of a joint lie outside its limits in the best turns, rad; negative inside."""
+    q = q + TURN * whole_number((P[MIDDLE + joint] - q) * PER_TURN)
+    off = larger(P[LOWER + joint] - q, q - P[UPPER + joint])
+    return where((off > 0.0) & (off < P[SLACK_LIMIT]), 0.0 * q, off)
+
+
+@kernel
+def put_infeasibilities(P, curve, respect, out):
+    """Write the infeasibility of the samples of a curve, eight at a time, each where its row is."""
+    rows, first, last = curve
+    for i in range(first, last, 8):
+        # The last eight rows there are may begin before.
+        k = min(i, rows.shape[0] - 8)
+        q = take_ways(row(rows, k), 1, SAMPLE)
+        worst = larger(beyond_limits(P, 0, q[0]), beyond_limits(P, 1, q[1]))
+        worst = larger(worst, larger(beyond_limits(P, 2, q[2]), beyond_limits(P, 3, q[3])))
+        worst = larger(worst, larger(beyond_limits(P, 4, q[4]), beyond_limits(P, 5, q[5])))
+        worst = larger(larger(worst, beyond_limits(P, 6, q[6])), 0.0 * q[0] - math.pi)
+        scatter(row(out, k), 0, 1, worst if respect else 0.0 * worst - 1.0)
 
 
 @kernel

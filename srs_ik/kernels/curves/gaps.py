@@ -105,7 +105,7 @@ def any_outside(P, q):
     """Whether a posture breaks a limit."""
     outside = False
     for j in range(7):
-        outside = outside or joint_beyond(P, j, q) > 0.0
+        outside = outside or (P[RANGE_KIND + j] != 0.0 and joint_beyond(P, j, q) > 0.0)
     return outside
 
 
@@ -115,6 +115,8 @@ def may_be_inside(P, a, b, bulge):
     low = 0.0
     high = 1.0
     for j in range(7):
+        if P[RANGE_KIND + j] == 0.0:
+            continue
         at_a = joint_beyond(P, j, a) - bulge
         at_b = joint_beyond(P, j, b) - bulge
         if at_a > 0.0 and at_b > 0.0:
@@ -133,6 +135,8 @@ def bulge_between(P, by, a, b, bulge):
     Returns the posture, its share of the way, and whether there is one.
     """
     for j in range(7):
+        if P[RANGE_KIND + j] == 0.0:
+            continue
         at_a = joint_beyond(P, j, a)
         at_b = joint_beyond(P, j, b)
         if max(at_a, at_b) < -bulge or max(at_a, at_b) > 0.0:
@@ -186,6 +190,8 @@ def put_crossings(P, by, start, end, bulge, line, n):
         return n
     first = n
     for j in range(7):
+        if P[RANGE_KIND + j] == 0.0:
+            continue
         at_a = joint_beyond(P, j, a)
         at_b = joint_beyond(P, j, b)
         if (at_a > 0.0) == (at_b > 0.0):

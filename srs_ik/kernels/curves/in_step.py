@@ -10,9 +10,9 @@ import math
 
 import numpy as np
 
-from srs_ik.kernels.algebra.joint_vectors import along7, difference, dot7
+from srs_ik.kernels.algebra.joint_vectors import difference, dot7, short_way
 from srs_ik.kernels.algebra.lane_trig import turns_of
-from srs_ik.kernels.algebra.lanes import as_bits, gather, one_of, scatter, whole_number
+from srs_ik.kernels.algebra.lanes import as_bits, gather, one_of, scatter, where, whole_number
 from srs_ik.kernels.algebra.pointers import keep, row
 from srs_ik.kernels.chain.eight import ALL, put_eight, take_eight
 from srs_ik.kernels.chain.newton import LAST_STEP, MAX_STEP
@@ -60,6 +60,9 @@ BESIDE = 0.08
 BEYOND = 1.2 * LONGEST_STEP
 """Farther from a sample, rad, no joint of a posture beside the step from it is: the quicker question."""
 
+AT_THE_END = 1.0 + 1e-12
+"""A mark at the end of a step is passed by it."""
+
 MARK = 17
 MARK_WAY = 7
 MARK_NEXT = 14
@@ -77,7 +80,8 @@ LONGEST_PIECE = 256
 
 
 SAME_MARK = 1e-12
-"""Marks closer than this, rad squared, are one."""
+SAME_ANGLE = 1e-6
+"""Marks closer than this, rad squared, are one; of each angle, rad."""
 
 
 @kernel
@@ -189,49 +193,52 @@ def to_curves(P, R, p, q, which):
 
 
 @kernel
-def is_near(mark, j, q):
-    """Which of eight angles of joint j are no farther from a mark's than a step may be long."""
-    off = q - mark[j]
-    return abs(off - 2.0 * math.pi * whole_number(off / (2.0 * math.pi))) < BEYOND
+def short_ways(angles):
+    """Eight angles, whole turns apart, within half a turn."""
+    return angles - 2.0 * math.pi * whole_number(angles * (0.5 / math.pi))
 
 
 @kernel
-def share_of_way(a, b, mark):
-    """The share of the way from posture a to b at which a mark is passed; 2 where it is not."""
-    to_mark = difference(a, read7(mark))
-    chord = difference(a, b)
-    length2 = dot7(chord, chord)
-    share = dot7(to_mark, chord)
-    if not 0.0 < share <= length2:
-        return 2.0
-    way = read_way(mark)
-    ahead = dot7(way, chord)
-    off = along7(to_mark, -share / length2, chord)
-    if ahead < 0.0 or dot7(off, off) > BESIDE * BESIDE * length2:
-        return 2.0
-    return share / length2
+def shares_of_ways(q, chord, length2, mark):
+    """The shares of the ways of eight curves, from postures along chords, at which a mark is passed; 2 where it is not.
+
+    The squares of the lengths of the chords are given.
+    """
+    to_mark = (
+        short_ways(mark[0] - q[0]),
+        short_ways(mark[1] - q[1]),
+        short_ways(mark[2] - q[2]),
+        short_ways(mark[3] - q[3]),
+        short_ways(mark[4] - q[4]),
+        short_ways(mark[5] - q[5]),
+        short_ways(mark[6] - q[6]),
+    )
+    along_chord = dot_seven(to_mark, chord)
+    share = along_chord / length2
+    off2 = dot_seven(to_mark, to_mark) - share * along_chord
+    ahead = dot_seven(read_way(mark), chord)
+    beside = (ahead > 0.0) & (off2 < BESIDE * BESIDE * length2)
+    return where(beside & (share > 0.0) & (share < AT_THE_END), share, 2.0 + 0.0 * share)
 
 
 @kernel
-def find_passed(before, after, which, marks, count, passed, shares):
-    """The first mark on the way of each of eight curves, of those that are named by bits (-1: none)."""
-    for i in range(8):
-        passed[i] = -1
-        shares[i] = 2.0
-    q = take_eight(row(before, 0), LANE)
+def find_passed(before, after, which, marks, count):
+    """The first mark on the way of each of eight curves, of those that are named by bits (-1: none), and its share."""
+    q = take_eight(before, LANE)
+    chord = all_along(take_eight(after, LANE), -1.0, q)
+    length2 = dot_seven(chord, chord)
+    shares = 2.0 + 0.0 * length2
+    passed = shares - 3.0
     for m in range(count):
         mark = marks[m]
-        near = which & as_bits(is_near(mark, 1, q[1]) & is_near(mark, 5, q[5]))
-        if near == 0:
+        near = (abs(short_ways(q[1] - mark[1])) < BEYOND) & (abs(short_ways(q[5] - mark[5])) < BEYOND)
+        if which & as_bits(near) == 0:
             continue
-        near &= as_bits(is_near(mark, 3, q[3]) & is_near(mark, 0, q[0]))
-        i = 0
-        while near >> i:
-            if (near >> i) & 1 == 1:
-                share = share_of_way(read7(row(before, i)), read7(row(after, i)), marks[m])
-                if share < shares[i]:
-                    shares[i], passed[i] = share, m
-            i += 1
+        share = shares_of_ways(q, chord, length2, mark)
+        earlier = share < shares
+        shares = where(earlier, share, shares)
+        passed = where(earlier, m + 0.0 * share, passed)
+    return passed, shares
 
 
 @kernel
@@ -263,8 +270,6 @@ def follow_marks(P, target, marks, starts, pieces):
     lanes = np.empty((8, LANE))
     after = np.empty((8, LANE))
     line = np.empty((8 * LONGEST_PIECE, SAMPLE))
-    passed = np.empty(8, np.int64)
-    shares = np.empty(8)
     mark_of = np.empty(8, np.int64)
     length = np.empty(8, np.int64)
     waiting = 0
@@ -283,7 +288,7 @@ def follow_marks(P, target, marks, starts, pieces):
         put_eight(row(after, 0), LANE, ALL, q)
         for j in range(7):
             scatter(row(after, 0), 7 + j, LANE, t[j])
-        find_passed(lanes, after, there & alive, marks, count, passed, shares)
+        passed, shares = find_passed(row(lanes, 0), row(after, 0), there & alive, marks, count)
         for i in range(8):
             if (alive >> i) & 1 == 0:
                 continue
@@ -297,9 +302,9 @@ def follow_marks(P, target, marks, starts, pieces):
             else:
                 n = length[i]
                 x = line[first + n - 1, 0]
-                if passed[i] >= 0:
-                    following = passed[i]
-                    put_sample(line, first + n, x + shares[i] * step, read7(marks[following]))
+                following = int(one_of(passed, i))
+                if following >= 0:
+                    put_sample(line, first + n, x + one_of(shares, i) * step, read7(marks[following]))
                     done = True
                 else:
                     put_sample(line, first + n, x + step, read7(row(after, i)))
@@ -341,6 +346,8 @@ def one_of_seven(t, i):
 def put_mark(marks, first, count, q, t):
     """Append a mark, unless it is one of those from `first` on; return how many there are."""
     for m in range(first, count):
+        if abs(short_way(marks[m, 1] - q[1])) > SAME_ANGLE:
+            continue
         off = difference(read7(marks[m]), q)
         if dot7(off, off) < SAME_MARK:
             return count

@@ -13,7 +13,7 @@ import numpy as np
 
 from srs_ik.kernels.algebra.joint_vectors import difference
 from srs_ik.kernels.chain.newton import arm_angle, clipped
-from srs_ik.kernels.curves.ends import dip, edge, infeasibility_of, is_exact, on_curve
+from srs_ik.kernels.curves.ends import dip, edge, is_exact, on_curve, put_infeasibilities
 from srs_ik.kernels.curves.follow import CURVE, MAX_CURVES, follow_all, put
 from srs_ik.kernels.curves.gaps import put_bounds, put_gaps
 from srs_ik.kernels.curves.in_step import SAMPLE, load_sample
@@ -81,14 +81,15 @@ def put_run(P, by, branch, curve, ends, out, used):
 def cut(P, by, branch, curve, out, used):
     """Cut a sampled curve into its feasible runs, behind the rows and runs in use; how many are in use then."""
     line, first, last = curve
-    respect = by.respect
+    off = np.empty((line.shape[0], 1))
+    put_infeasibilities(P, curve, by.respect, off)
     lower = line[first, 0]
     f_before = -1.0  # infeasibility of the sample before the last one, as long as neither is feasible
     x0 = lower
-    f0 = infeasibility_of(P, line[first], respect)
+    f0 = off[first, 0]
     for i in range(first + 1, last):
         x1 = line[i, 0]
-        f1 = infeasibility_of(P, line[i], respect)
+        f1 = off[i, 0]
         upper = lower - 1.0
         if f0 > 0.0 and f1 <= 0.0:
             lower = edge(P, by, branch, curve, (x1, f1), (x0, f0))
@@ -154,11 +155,12 @@ def unroll(P, by, rows, curve, line):
     count = int(curve[1]) - first
     start = 0
     if curve[2] == 1.0:
+        off = np.empty((rows.shape[0], 1))
+        put_infeasibilities(P, Samples(rows, first, first + count), by.respect, off)
         worst = 0.0
         for i in range(count - 1):
-            off = infeasibility_of(P, rows[first + i], by.respect)
-            if off > worst:
-                start, worst = i, off
+            if off[first + i, 0] > worst:
+                start, worst = i, off[first + i, 0]
     length = rows[first + count - 1, 0]
     gaps = np.empty((MOST_GAPS, SAMPLE))
     n = 0

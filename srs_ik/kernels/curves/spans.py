@@ -8,16 +8,27 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from srs_ik.kernels.algebra.joint_vectors import along7, short_way
+from srs_ik.kernels.algebra.lane_trig import turn
+from srs_ik.kernels.algebra.lanes import one_of
 from srs_ik.kernels.algebra.minimum import propose, start_search, tell
+from srs_ik.kernels.algebra.pointers import row
+from srs_ik.kernels.algebra.vectors import cross, dot, load3, sub
+from srs_ik.kernels.chain.eight import branches_of
+from srs_ik.kernels.chain.kinematics import turn_about_line
 from srs_ik.kernels.chain.newton import arm_angle
 from srs_ik.kernels.curves.changes import CHANGE, CHANGE_AT, CHANGE_MIDDLE, MOST_CHANGES, find_changes
 from srs_ik.kernels.curves.ends import on_curve, sample_before
 from srs_ik.kernels.curves.follow import tangent_at
-from srs_ik.kernels.curves.in_step import load_sample
+from srs_ik.kernels.curves.in_step import SAMPLE, load_sample, take_ways
 from srs_ik.kernels.curves.runs import samples_of
 from srs_ik.kernels.jit import kernel
+from srs_ik.kernels.layout.limb import ELBOW_CENTRE, SHOULDER_CENTRE
 from srs_ik.kernels.layout.search import MAX_RUNS, SMOOTH, STATE
-from srs_ik.kernels.limb.branches import bit_of, branch_of
+from srs_ik.kernels.limb.branches import bit_of
+
+TOLD = 2
+TOLD_BRANCH, TOLD_PSI = range(TOLD)
+"""What a sample tells: its branch and its arm angle, rad."""
 
 SPAN = 6
 """A span: its run, branch, first and last parameter, least and greatest arm angle on it, rad (not wrapped)."""
@@ -152,6 +163,28 @@ def take_turn(P, by, curve, span, passed, x, to):
 
 
 @kernel
+def tell_samples(P, by, curve, told):
+    """Write branch and arm angle of the samples of a curve, eight at a time."""
+    rows, first, last = curve
+    t, h0 = by.target.place[0], by.target.place[1]
+    b0 = cross(t, h0)
+    for i in range(first, last, 8):
+        # The last eight rows there are may begin before.
+        k = min(i, rows.shape[0] - 8)
+        q = take_ways(row(rows, k), 1, SAMPLE)
+        turn_1, turn_2, turn_3 = turn(q[0]), turn(q[1]), turn(q[2])
+        elbow = turn_about_line(P, 2, turn_3[0], turn_3[1], load3(P, ELBOW_CENTRE))
+        elbow = turn_about_line(P, 1, turn_2[0], turn_2[1], elbow)
+        elbow = turn_about_line(P, 0, turn_1[0], turn_1[1], elbow)
+        upper_arm = sub(elbow, load3(P, SHOULDER_CENTRE))
+        ahead, beside = dot(upper_arm, h0), dot(upper_arm, b0)
+        branch = branches_of(P, q)
+        for lane in range(8):
+            told[k + lane, TOLD_BRANCH] = one_of(branch, lane)
+            told[k + lane, TOLD_PSI] = math.atan2(one_of(beside, lane), one_of(ahead, lane))
+
+
+@kernel
 def drop_span(spans, i, n):
     """Take a span out of n; their number."""
     for k in range(i, n - 1):
@@ -184,15 +217,17 @@ def without_short(spans, first, n):
 
 
 @kernel
-def spans_of_run(P, by, rows, runs, index, spans, n, changes):
-    """Append the spans of a run; return the number of spans."""
+def spans_of_run(P, by, rows, runs, index, room, n):
+    """Append the spans of a run; the number of spans. `room` is for spans, for what samples tell, and for changes."""
+    spans, told, changes = room
     curve = samples_of(rows, runs[index])
     _, first, last = curve
+    tell_samples(P, by, curve, told)
     start = n
     q = load_sample(rows[first])
     x = rows[first, 0]
-    branch = branch_of(P, q)
-    psi = angle_at(P, by, q)
+    branch = int(told[first, TOLD_BRANCH])
+    psi = told[first, TOLD_PSI]
     n = open_span(spans, n, index, branch, x, psi)
     rise = turn_at(P, by, q) if may_turn(P, by, curve, first, 1) else 0.0
     for i in range(first + 1, last):
@@ -212,7 +247,7 @@ def spans_of_run(P, by, rows, runs, index, spans, n, changes):
             n = open_span(spans, n, index, branch, outside, psi)
             x = outside
             rise = behind
-        change = short_way(angle_at(P, by, q) - psi)
+        change = short_way(told[i, TOLD_PSI] - psi)
         behind = change
         if i == last - 1 and may_turn(P, by, curve, i, -1):
             behind = turn_at(P, by, q)
@@ -227,8 +262,8 @@ def spans_of_run(P, by, rows, runs, index, spans, n, changes):
 @kernel
 def find_spans(P, by, rows, runs, spans):
     """Cut all runs into spans; return their number."""
-    changes = np.empty((MOST_CHANGES, CHANGE))
+    room = spans, np.empty((rows.shape[0], TOLD)), np.empty((MOST_CHANGES, CHANGE))
     n = 0
     for index in range(runs.shape[0]):
-        n = spans_of_run(P, by, rows, runs, index, spans, n, changes)
+        n = spans_of_run(P, by, rows, runs, index, room, n)
     return n

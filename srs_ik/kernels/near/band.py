@@ -8,6 +8,7 @@ from srs_ik.kernels.algebra.joint_vectors import difference
 from srs_ik.kernels.algebra.vectors import dot, load3
 from srs_ik.kernels.chain.kinematics import forward_kinematics
 from srs_ik.kernels.chain.newton import arm_angle
+from srs_ik.kernels.curves.surface import level_place
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.limb import (
     A1,
@@ -21,6 +22,7 @@ from srs_ik.kernels.layout.limb import (
     LOWER,
     NEAR,
     PHASE,
+    RANGE_KIND,
     SHIFT_BEND,
     SHIFT_CLOSED,
     SHIFT_COSINE,
@@ -49,6 +51,12 @@ WELL_BENT = 0.5
 
 OBLIQUE = 1e-2
 """Cosine between neighbouring axes of a shoulder or wrist from which on a joint's limit is no circle about its axis."""
+
+LOOKS = 12
+SPREAD = 1.15
+REST = 0.03
+"""The elbow's cosine at a pose is looked at at so many straight elbows a branch of shoulder and wrist; it is off by no
+more than the most that is found, but for the first factor, and this part of the most that it is off at any pose."""
 
 ALMOST_NOTHING = 1e-4
 """With a narrower band, rad, there are as many intervals as the nearest exact limb has, each end close to its own."""
@@ -109,9 +117,9 @@ def of_joint(P, j, share):
 
 
 @kernel
-def band_of(P, place_):
-    """The band of each joint at a pose."""
-    x = 1.0 / place_[3] if place_[3] > 0.0 else math.inf
+def band_with(P, bend):
+    """The band of each joint where the elbow's bend has a given sine."""
+    x = 1.0 / bend if bend > 0.0 else math.inf
     return (
         of_joint(P, 0, x),
         of_joint(P, 1, x),
@@ -124,9 +132,55 @@ def band_of(P, place_):
 
 
 @kernel
+def band_of(P, place_):
+    """The band of each joint at a pose."""
+    return band_with(P, place_[3])
+
+
+@kernel
+def farthest_off(P, place_):
+    """By how much the cosine of the bend may be closer to a flat elbow's than the closed form says, at a pose."""
+    level = level_place(place_)
+    side = elbow_side(P, level, 0)
+    most = 0.0
+    for i in range(LOOKS):
+        for branch in range(4):
+            q = certain_posture(P, side, branch, 2.0 * math.pi * i / LOOKS)
+            x, y, z, p = forward_kinematics(P, q)
+            R = (x[0], y[0], z[0], x[1], y[1], z[1], x[2], y[2], z[2])
+            most = max(most, -level[2] * cosine_off(P, q, shoulder_to_wrist(P, R, p)))
+    return SPREAD * most + REST * P[COSINE_OFF]
+
+
+@kernel
+def least_bend(P, place_):
+    """Sine of the least bend that the true chain has at a pose, for certain; 0 where its elbow may be flat.
+
+    Where the closed form's bend is so wide that no pose of the limb has a flat elbow with it, it is the closed form's.
+    """
+    gap = 1.0 - abs(place_[2])
+    if gap > WELL_CLEAR * P[COSINE_OFF]:
+        return place_[3]
+    if gap < 2.0 * REST * P[COSINE_OFF]:
+        return 0.0
+    gap -= farthest_off(P, place_)
+    return math.sqrt(gap * (2.0 - gap)) if gap > 0.0 else 0.0
+
+
+@kernel
 def outer_band(band):
     """The widest band of joints 1, 3, 5 and 7."""
     return max(band[0], band[2], band[4], band[6])
+
+
+@kernel
+def outer_band_of_limits(P, band):
+    """The widest band of those of joints 1, 3, 5 and 7 that have limits."""
+    most = 0.0
+    for j in range(0, 7, 2):
+        if P[RANGE_KIND + j] != 0.0:
+            most = max(most, band[j])
+    return most
 
 
 @kernel
@@ -158,11 +212,19 @@ def may_predict(P, place_, band):
 
 
 @kernel
+def may_predict_limits(P, place_, band):
+    """Whether a band, of the least bend, tells enough of where limits are: what has no limits need not be told."""
+    narrow = widest(band) < ALMOST_NOTHING
+    tells = max(band[1], band[3], band[5]) < WIDEST_BAND and outer_band_of_limits(P, band) < WIDEST_OUTER
+    return tells and place_[5] == 0.0 and (narrow or not is_oblique(P))
+
+
+@kernel
 def widen(P, band, factor, box):
     """Copy a packed limb to `box`, its limits drawn out by a band times a factor; whether it has any room."""
     for i in range(SIZE):
         box[i] = P[i]
-    box[BAND] = factor * outer_band(band)
+    box[BAND] = factor * outer_band_of_limits(P, band)
     for j in range(1, 7, 2):
         lower, upper = P[LOWER + j] - factor * band[j], P[UPPER + j] + factor * band[j]
         if lower > upper:

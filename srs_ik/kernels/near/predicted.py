@@ -15,7 +15,7 @@ import numpy as np
 from srs_ik.kernels.algebra.joint_vectors import short_way
 from srs_ik.kernels.algebra.lanes import as_bits, gather, one_of
 from srs_ik.kernels.algebra.pointers import keep, row
-from srs_ik.kernels.chain.eight import take_eight
+from srs_ik.kernels.chain.eight import put_eight, take_eight
 from srs_ik.kernels.chain.limit_ends import to_limits
 from srs_ik.kernels.chain.newton import STEPS
 from srs_ik.kernels.chain.newton_eight import ALL
@@ -41,13 +41,13 @@ from srs_ik.kernels.near.arcs import (
 from srs_ik.kernels.near.band import (
     ALMOST_NOTHING,
     certain_posture,
-    may_predict,
+    may_predict_limits,
     share_of,
     sines_of_middles,
     widen,
     widest,
 )
-from srs_ik.kernels.near.scan import POINT_BRANCH, POINT_OFF, POINT_PSI, in_branches, scan, view_of
+from srs_ik.kernels.near.scan import POINT_BRANCH, POINT_OFF, POINT_PSI, in_branches, put_certain, scan, view_of
 
 MARGINS = 1e-9
 SPARE = 0.5
@@ -69,6 +69,10 @@ END_LAST = 10
 END_BRANCH = 11
 """An end that is looked for: joint angles to start from, their arm angle, direction to go, arm angles between which the
 end lies, and branch."""
+
+UNTOLD = 1e9
+BY_CLOSED_FORM = (UNTOLD, UNTOLD, UNTOLD, UNTOLD, UNTOLD, UNTOLD, UNTOLD)
+"""Joint angles of an end whose search begins at the closed form's posture: it is asked for eight at a time."""
 
 MAX_ENDS = 256
 
@@ -145,21 +149,32 @@ def put_edge(P, view, branch, inside, outside, ends, n):
     way = 1.0 if outside > inside else -1.0
     first, last = min(inside, outside), max(inside, outside)
     if is_simple(P, certain_posture(P, side, branch, outside), last - first, view.band):
-        return put_end(ends, n, certain_posture(P, side, branch, inside), branch, (inside, way, first, last))
+        return put_end(ends, n, BY_CLOSED_FORM, branch, (inside, way, first, last))
     states = (INSIDE, OUTSIDE) if way > 0.0 else (OUTSIDE, INSIDE)
     return put_scanned(P, view, branch, (first, last), states, ends, n)
 
 
 @kernel
-def correct_ends(P, target, ends, n):
+def tell_starts(P, view, rows):
+    """Fill in the closed form's postures in eight ends, where they are not told."""
+    told = take_eight(rows, END)
+    which = as_bits(told[0] < UNTOLD)
+    if which != ALL:
+        put_certain(P, view, rows, END, (END_PSI, END_BRANCH))
+        put_eight(rows, END, which, told)
+
+
+@kernel
+def correct_ends(P, view, ends, n):
     """Bring the arm angles of n ends to their limits on the true chain; whether all are where they are expected."""
     for i in range(n, 8 * ((n + 7) // 8)):
         for j in range(END):
             ends[i, j] = ends[n - 1, j]
     for first in range(0, n, 8):
         rows = row(ends, first)
+        tell_starts(P, view, rows)
         way = gather(rows, END_WAY, END)
-        q, psi, met = to_limits(P, take_eight(rows, END), gather(rows, END_PSI, END), way, target, STEPS)
+        q, psi, met = to_limits(P, take_eight(rows, END), gather(rows, END_PSI, END), way, view.target, STEPS)
         met &= in_branches(P, q, gather(rows, END_BRANCH, END))
         first_psi, last_psi = gather(rows, END_FIRST, END), gather(rows, END_LAST, END)
         more = SPARE * (last_psi - first_psi) + MARGINS
@@ -198,8 +213,7 @@ def put_outer(P, view, branch, inside, outer, ends, n):
     if arc < 0.0:
         return put_edge(P, view, branch, inside, outside, ends, n)
     if abs(outside - inside) < MARGINS:
-        q = certain_posture(P, view.sides[branch >> 2], branch, inside)
-        return put_end(ends, n, q, branch, (inside, 0.0, inside, inside))
+        return put_end(ends, n, BY_CLOSED_FORM, branch, (inside, 0.0, inside, inside))
     stretch = (min(inside, outside), max(inside, outside))
     return put_scanned(P, view, branch, stretch, (INSIDE, ANY) if outside > inside else (ANY, INSIDE), ends, n)
 
@@ -265,7 +279,6 @@ def shifted_intervals(P, view, out):
     for i in range(n_found):
         branch = int(found[i, 0])
         lower, upper = found[i, 1], found[i, 2]
-        side = view.sides[branch >> 2]
         if upper - lower < BARELY:
             return -1
         if upper - lower >= TURN - MARGINS:
@@ -274,9 +287,8 @@ def shifted_intervals(P, view, out):
         for k in range(2):
             psi = found[i, 1 + k]
             way = 2.0 * k - 1.0
-            q = certain_posture(P, side, branch, psi)
-            n_ends = put_end(ends, n_ends, q, branch, (psi, way, psi - BARELY, psi + BARELY))
-    if n_ends >= MAX_ENDS or not correct_ends(P, view.target, ends, n_ends):
+            n_ends = put_end(ends, n_ends, BY_CLOSED_FORM, branch, (psi, way, psi - BARELY, psi + BARELY))
+    if n_ends >= MAX_ENDS or not correct_ends(P, view, ends, n_ends):
         return -1
     return write_ends(ends, n_ends, out, n)
 
@@ -323,7 +335,7 @@ def predicted_intervals(P, target, out, J, A):
     """
     view = view_of(P, target)
     band, place_ = view.band, target.place
-    if not may_predict(P, place_, band) or has_surface(P, place_):
+    if not may_predict_limits(P, place_, band) or has_surface(P, place_):
         return -1
     if widest(band) < ALMOST_NOTHING:
         n = shifted_intervals(P, view, out)
@@ -364,7 +376,7 @@ def predicted_intervals(P, target, out, J, A):
             n = write_whole(out, n, branch)
     if used != n_certain:
         return -1
-    if not correct_ends(P, view.target, ends, n_ends):
+    if not correct_ends(P, view, ends, n_ends):
         return -1
     by = Setting(target, view.sides[0], True, J, A)
     k = 0

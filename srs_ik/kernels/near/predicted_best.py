@@ -33,7 +33,7 @@ from srs_ik.kernels.near.arcs import (
     touches,
     without_arcs,
 )
-from srs_ik.kernels.near.band import may_predict, widen
+from srs_ik.kernels.near.band import may_predict_limits, widen
 from srs_ik.kernels.near.predicted import predicted_intervals
 from srs_ik.kernels.near.scan import POINT_BRANCH, POINT_PSI, put_points, view_of
 from srs_ik.kernels.near.within import best_within, measure_points
@@ -76,7 +76,7 @@ def predicted_best(P, target, branch, J, A):
     """
     view = view_of(P, target)
     best = Best(NO_SEED, NO_BRANCH)
-    if not may_predict(P, target.place, view.band):
+    if not may_predict_limits(P, target.place, view.band):
         return best, False
     best = first_best(P, view, branch)
     boxes = np.empty((2, SIZE))

@@ -6,7 +6,7 @@ import numpy as np
 
 from srs_ik.kernels.algebra.joint_vectors import short_way
 from srs_ik.kernels.algebra.lane_trig import turn
-from srs_ik.kernels.algebra.lanes import as_bits, gather, scatter, whole_number
+from srs_ik.kernels.algebra.lanes import as_bits, gather, one_of, scatter, whole_number
 from srs_ik.kernels.algebra.pointers import row
 from srs_ik.kernels.chain.eight import put_eight, take_eight
 from srs_ik.kernels.chain.newton import STEPS
@@ -16,8 +16,9 @@ from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.asked import View
 from srs_ik.kernels.layout.limb import PHASE, SHOULDER, STRAIGHT, WRIST
 from srs_ik.kernels.limb.limits import beyond, turn_to_middle
+from srs_ik.kernels.limb.postures_eight import eight_postures
 from srs_ik.kernels.limb.triangle import elbow_side
-from srs_ik.kernels.near.band import band_of, certain_posture, sines_of_middles
+from srs_ik.kernels.near.band import band_with, certain_posture, least_bend, sines_of_middles
 
 POINT = 17
 POINT_PSI = 7
@@ -48,7 +49,13 @@ def view_of(P, target):
     """A pose as it is looked at, with work space."""
     place_ = target.place
     sides = (elbow_side(P, place_, 0), elbow_side(P, place_, 1))
-    return View(target, sides, band_of(P, place_), np.empty((MAX_POINTS, POINT)), np.empty((MAX_POINTS, 2), np.int64))
+    return View(
+        target,
+        sides,
+        band_with(P, least_bend(P, place_)),
+        np.empty((MAX_POINTS, POINT)),
+        np.empty((MAX_POINTS, 2), np.int64),
+    )
 
 
 @kernel
@@ -65,13 +72,24 @@ def close_points(P, target, points, n):
 
 
 @kernel
+def put_certain(P, view, rows, width, columns):
+    """Write the closed form's postures into eight rows, in which two columns hold their arm angles and branches."""
+    psis, branches = gather(rows, columns[0], width), gather(rows, columns[1], width)
+    c, s = turn(psis)
+    q, sure = eight_postures(P, view.sides, branches, c, s)
+    put_eight(rows, width, ALL, q)
+    for i in range(8):
+        if (sure >> i) & 1 == 0:
+            branch = int(one_of(branches, i))
+            alone = certain_posture(P, view.sides[branch >> 2], branch, one_of(psis, i))
+            for j in range(7):
+                rows[i * width + j] = alone[j]
+
+
+@kernel
 def put_points(P, view, points, n):
     """Fill in postures and rates of the eight points from row n on, at their arm angles; whether all are met."""
-    for i in range(n, n + 8):
-        branch = int(points[i, POINT_BRANCH])
-        q = certain_posture(P, view.sides[branch >> 2], branch, points[i, POINT_PSI])
-        for j in range(7):
-            points[i, j] = q[j]
+    put_certain(P, view, row(points, n), POINT, (POINT_PSI, POINT_BRANCH))
     return close_points(P, view.target, points, n)
 
 

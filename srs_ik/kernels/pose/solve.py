@@ -9,7 +9,7 @@ from __future__ import annotations
 import numpy as np
 
 from srs_ik.kernels.algebra.joint_vectors import short_way
-from srs_ik.kernels.algebra.lanes import as_bits, gather
+from srs_ik.kernels.algebra.lanes import as_bits, gather, one_of
 from srs_ik.kernels.algebra.pointers import row
 from srs_ik.kernels.chain.answer import measure_row, measure_row_at, write_row
 from srs_ik.kernels.chain.closest import closest
@@ -253,8 +253,16 @@ def all_branches(family, T, asked, J, A, out, first):
         return GOOD_POSE
     found = np.empty((8, 8))
     solve_all_at_angle(P, target, psi, respect, J, A, found)
+    rows = row(found, 0)
+    position, orientation, measured = tip_errors(P, take_eight(rows, 8), R, p)
+    right = as_bits(measured & (gather(rows, ROW_COST, 8) < OUTSIDE))
     for branch in range(8):
         q, lowest = read7(found[branch]), found[branch, ROW_COST]
-        measure_row(P, target, q, branch, lowest, respect, row(out, first + branch))
-        out[first + branch, ROW_BRANCH] = branch
+        answer = row(out, first + branch)
+        if (right >> branch) & 1 == 1:
+            errors = (one_of(position, branch), one_of(orientation, branch))
+            write_row(place_, q, branch, arm_angle(P, q, place_[0], place_[1]), errors, (False, 0), answer)
+        else:
+            measure_row(P, target, q, branch, lowest, respect, answer)
+            answer[ROW_BRANCH] = branch
     return GOOD_POSE
