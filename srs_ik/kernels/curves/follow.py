@@ -46,6 +46,7 @@ from srs_ik.kernels.curves.in_step import (
     join_pieces,
     load_sample,
     longest_across,
+    most_aside,
     one_of_seven,
     put_mark,
     to_curves,
@@ -233,6 +234,8 @@ def follow(P, by, q, t, way, rows, n):
         next_t, sign = null_vector(by.J, t, by.A)
         cosine = dot7(t, next_t)
         jumps = step > longest_across(P) and passes_two(P, q, next_q)
+        made = difference(q, next_q)
+        jumps = jumps or dot7(made, made) - step * step > most_aside(step, cosine)
         if sign <= 0.0 or cosine < SMALLEST_COSINE or jumps:
             step *= 0.5
             continue

@@ -15,7 +15,7 @@ from srs_ik.kernels.algebra.lane_trig import turns_of
 from srs_ik.kernels.algebra.lanes import as_bits, gather, one_of, scatter, where, whole_number
 from srs_ik.kernels.algebra.pointers import keep, row
 from srs_ik.kernels.chain.eight import ALL, put_eight, take_eight
-from srs_ik.kernels.chain.newton import LAST_STEP, MAX_STEP
+from srs_ik.kernels.chain.newton import CLOSED, LAST_STEP, MAX_STEP
 from srs_ik.kernels.chain.newton_eight import (
     all_along,
     all_times,
@@ -50,6 +50,11 @@ WELL_STRAIGHT = 0.985
 
 CORRECTIONS = 8
 """Newton's steps back to the curve, at most."""
+
+BENT = 16.0
+ASIDE = 4e-4
+"""A curve is no farther aside of its way than twice what its turn makes of it, and this part of the step, squared: else
+the step has led to another curve."""
 
 SHRINKING = 0.4
 """Steps back to the curve that shrink by less do not lead there."""
@@ -141,6 +146,22 @@ def crosses_two(P, a, b, step):
 
 
 @kernel
+def most_aside(ahead, cosine):
+    """How far aside of its way a curve is after some distance ahead, squared, where it has turned by a cosine.
+
+    On a circle it is half of that distance times half of the angle that it has turned by.
+    """
+    return ahead * ahead * (BENT * (1.0 - cosine) / (1.0 + cosine) + ASIDE) + CLOSED
+
+
+@kernel
+def is_along(made, way, cosine):
+    """Which of eight postures may be on the curves that began along a way, given how far they are and how they turn."""
+    ahead = dot_seven(made, way)
+    return dot_seven(made, made) - ahead * ahead < most_aside(ahead, cosine)
+
+
+@kernel
 def step_in_step(P, R, p, rows, alive):
     """Take eight curves a step on: postures, ways of the curves, which are there (bits), cosines of their turns.
 
@@ -165,8 +186,10 @@ def step_in_step(P, R, p, rows, alive):
             break
         last = size
         turns = turned_by_all(turns, d)
-    met &= as_bits(dot_seven(way, t) > SMALLEST_COSINE)
-    return q, t, met & ~as_bits(crosses_two(P, before, q, step)), dot_seven(way, t)
+    cosine = dot_seven(way, t)
+    made = all_along(q, -1.0, before)
+    met &= as_bits((cosine > SMALLEST_COSINE) & is_along(made, way, cosine))
+    return q, t, met & ~as_bits(crosses_two(P, before, q, step)), cosine
 
 
 @kernel
@@ -199,10 +222,10 @@ def short_ways(angles):
 
 
 @kernel
-def shares_of_ways(q, chord, length2, mark):
+def shares_of_ways(q, way, chord, length2, mark):
     """The shares of the ways of eight curves, from postures along chords, at which a mark is passed; 2 where it is not.
 
-    The squares of the lengths of the chords are given.
+    The unit vectors along the curves are given, and the squares of the lengths of the chords.
     """
     to_mark = (
         short_ways(mark[0] - q[0]),
@@ -217,7 +240,7 @@ def shares_of_ways(q, chord, length2, mark):
     share = along_chord / length2
     off2 = dot_seven(to_mark, to_mark) - share * along_chord
     ahead = dot_seven(read_way(mark), chord)
-    beside = (ahead > 0.0) & (off2 < BESIDE * BESIDE * length2)
+    beside = (ahead > 0.0) & (off2 < BESIDE * BESIDE * length2) & is_along(to_mark, way, dot_seven(read_way(mark), way))
     return where(beside & (share > 0.0) & (share < AT_THE_END), share, 2.0 + 0.0 * share)
 
 
@@ -226,6 +249,7 @@ def find_passed(before, after, which, marks, count):
     """The first mark on the way of each of eight curves, of those that are named by bits (-1: none), and its share."""
     q = take_eight(before, LANE)
     chord = all_along(take_eight(after, LANE), -1.0, q)
+    way = take_ways(before, 7, LANE)
     length2 = dot_seven(chord, chord)
     shares = 2.0 + 0.0 * length2
     passed = shares - 3.0
@@ -234,7 +258,7 @@ def find_passed(before, after, which, marks, count):
         near = (abs(short_ways(q[1] - mark[1])) < BEYOND) & (abs(short_ways(q[5] - mark[5])) < BEYOND)
         if which & as_bits(near) == 0:
             continue
-        share = shares_of_ways(q, chord, length2, mark)
+        share = shares_of_ways(q, way, chord, length2, mark)
         earlier = share < shares
         shares = where(earlier, share, shares)
         passed = where(earlier, m + 0.0 * share, passed)
