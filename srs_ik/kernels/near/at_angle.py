@@ -9,6 +9,7 @@ from __future__ import annotations
 import numpy as np
 
 from srs_ik.kernels.chain.starts import FIRST, best_of_all, close_all
+from srs_ik.kernels.curves.surface import has_surface
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.answer import ROW_COST
 from srs_ik.kernels.layout.asked import Best, Goal
@@ -139,12 +140,12 @@ def put_borders(P, goal, found):
 
 
 @kernel
-def lacks_any(found):
-    """Whether a branch has no posture, in rows of found (8, 8)."""
-    lacking = False
-    for branch in range(8):
-        lacking = lacking or found[branch, ROW_COST] >= NO_BRANCH
-    return lacking
+def highest_cost(found):
+    """The largest cost of a branch, in rows of found (8, 8)."""
+    highest = found[0, ROW_COST]
+    for branch in range(1, 8):
+        highest = max(highest, found[branch, ROW_COST])
+    return highest
 
 
 @kernel
@@ -153,12 +154,13 @@ def solve_all_at_angle(P, target, psi, respect, J, A, found):
     goal = Goal(False, NO_SEED, respect)
     close_all(P, target, psi, -1, goal, A)
     final = settle_all(P, target, psi, goal, found, A)
-    ends = lacks_any(found) and may_reach(P, target.place) and not is_told(P, target.place, psi)
-    if ends or not final:
+    highest, reached = highest_cost(found), may_reach(P, target.place)
+    ends = highest >= NO_BRANCH and reached and not is_told(P, target.place, psi)
+    if ends or not final or (highest >= OUTSIDE and reached and has_surface(P, target.place)):
         other = np.empty((8, 8))
         by = setting_of(P, target, J, A)
         followed = followed_curves(P, by)
-        for side in range(3 if ends else 1):
+        for side in range(3 if highest >= OUTSIDE else 1):
             find_at_angle(P, by, followed, psi + BESIDE[side], -1, goal, other)
             put_better(other, found)
     if ends:
@@ -198,7 +200,7 @@ def from_curves(P, by, followed, psi, wanted, goal, best):
     Each is given as q, branch, cost.
     """
     found = np.empty((8, 8))
-    sides = 3 if wanted >= 0 and best[2] >= NO_BRANCH else 1
+    sides = 3 if wanted >= 0 and best[2] >= OUTSIDE else 1
     for side in range(sides):
         other = best_on_curves(P, by, followed, psi + BESIDE[side], wanted, goal, found)
         if other[2] >= NO_BRANCH and sides > 1:
@@ -226,7 +228,9 @@ def solve_at_angle(P, target, psi, wanted, goal, J, A):
         return q, best, lowest
     missing = wanted >= 0 and lowest >= NO_BRANCH
     ends = missing and not is_told(P, place_, psi)
-    if (final and not ends) or (lowest < OUTSIDE and not seeded):
+    # Where several joints are singular at once, a branch has many postures: others may keep the limits.
+    final = final and not ends and (lowest < OUTSIDE or not has_surface(P, place_))
+    if final or (lowest < OUTSIDE and not seeded):
         return q, best, lowest
     by = setting_of(P, target, J, A)
     q, best, lowest = from_curves(P, by, followed_curves(P, by), psi, wanted, goal, (q, best, lowest))
