@@ -26,14 +26,14 @@ from srs_ik.kernels.layout.asked import Target
 from srs_ik.kernels.limb.poses import read_pose
 from srs_ik.kernels.limb.triangle import place
 from srs_ik.kernels.near.arcs import ARC, MOST_ARCS, find_arcs
-from srs_ik.kernels.near.band import band_of, may_predict
+from srs_ik.kernels.near.band import may_predict_limits
 from srs_ik.kernels.near.intervals import true_intervals
 from srs_ik.kernels.near.predicted import predicted_intervals
 from srs_ik.kernels.near.predicted_best import predicted_best
 from srs_ik.kernels.near.scan import view_of
 
 PREDICTED, ON_ARCS, STRAIGHT, FAILED = range(4)
-REASONS = ("predicted", "predicted, arcs followed", "followed: elbow straight", "followed: no certain prediction")
+REASONS = ("predicted", "predicted, arcs followed", "followed: elbow may be straight", "followed: no certain prediction")
 ARMS = ("gen3", "j2s7s300", "iiwa14_experimental", "rm75", "h1_2_left")
 
 
@@ -60,7 +60,7 @@ def decide(family, poses, J, A, out, how, best):
         if n >= 0:
             how[i] = ON_ARCS if has_arcs(P, target) else PREDICTED
         else:
-            how[i] = FAILED if may_predict(P, target.place, band_of(P, target.place)) else STRAIGHT
+            how[i] = FAILED if may_predict_limits(P, target.place, view_of(P, target).band) else STRAIGHT
         _, best[i] = predicted_best(P, target, -1, J, A)
 
 

@@ -128,6 +128,23 @@ def test_random_limbs_with_square_axes(pattern, elbow, miss):
             assert disagreements(arm, pose, intervals, 180) == []
 
 
+@pytest.mark.parametrize("name", arms.here("gen3", "j2s7s300"))
+def test_barely_bent_elbows_next_to_those_that_may_be_straight(name):
+    """The elbow's cosine is as far from straight as offsets may move it: by 0.2 to 1.3 times what they do at most."""
+    arm, rng = arms.load(name), arms.generator(name, 66)
+    P = arm.packed.family[0]
+    widths = []
+    for k, q in enumerate(arms.configurations(name, 10, 67)):
+        q[3] = P[at.STRAIGHT] + np.arccos(1.0 - rng.uniform(0.2, 1.3) * P[at.COSINE_OFF]) * (-1.0) ** k
+        pose = arm.forward_kinematics(q)
+        intervals = arm.intervals(pose)
+        assert_well_formed(intervals)
+        assert any(i.branch == arm.branch(q) and in_it(i, arm.arm_angle(q)) for i in intervals)
+        assert disagreements(arm, pose, intervals, 120) == []
+        widths.append(sum(i.width for i in intervals))
+    assert max(widths) > 2.0
+
+
 @pytest.mark.parametrize("name", NEAR)
 @pytest.mark.parametrize("joint", [2, 4, 6])
 def test_arcs_next_to_singularities_and_elbows_at_their_limits(name, joint):

@@ -28,6 +28,21 @@ def along7(a, s, b):
 
 
 @kernel
+def largest(d):
+    """Largest magnitude."""
+    return max(max(max(abs(d[0]), abs(d[1])), max(abs(d[2]), abs(d[3]))), max(max(abs(d[4]), abs(d[5])), abs(d[6])))
+
+
+@kernel
+def apart(a, b):
+    """Largest difference of two postures, joint by joint."""
+    most = 0.0
+    for j in range(7):
+        most = max(most, abs(a[j] - b[j]))
+    return most
+
+
+@kernel
 def short_way(angle):
     """The angle, whole turns apart, in [-pi, pi]."""
     return angle - 2.0 * math.pi * math.floor(angle / (2.0 * math.pi) + 0.5)

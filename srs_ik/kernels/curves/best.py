@@ -20,7 +20,7 @@ from srs_ik.kernels.exact.nearest import slid
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.asked import Best, Setting
 from srs_ik.kernels.layout.limb import INVERSE_HALF_RANGE
-from srs_ik.kernels.layout.search import BEST, F_BEST, MAX_RUNS, RUN, SHARP, STATE
+from srs_ik.kernels.layout.search import BEST, F_BEST, HIGH, LOW, MAX_RUNS, RUN, SHARP, STATE
 from srs_ik.kernels.limb.branches import NO_BRANCH, branch_of
 from srs_ik.kernels.limb.goal import OUTSIDE, cost, turned
 from srs_ik.kernels.limb.triangle import elbow_side
@@ -101,6 +101,8 @@ def close_in_on(P, by, curve, bracket, goal, best):
             break
         _, f = cost_at(P, by, curve, wanted, goal)
         tell(S, f)
+        if hope(S[F_BEST], S[HIGH] - S[LOW], goal.seeded, rate_of_cost(P)) >= best.cost:
+            return best
     if S[F_BEST] < best.cost:
         q, f = cost_at(P, by, curve, S[BEST], goal)
         return Best(q, f)

@@ -37,20 +37,17 @@ from srs_ik.kernels.curves.in_step import (
     BESIDE,
     BEYOND,
     LONGEST_STEP,
-    MARK,
     SAMPLE,
     SHORTEST_STEP,
     SMALLEST_COSINE,
     WELL_STRAIGHT,
-    follow_marks,
-    join_pieces,
     load_sample,
     longest_across,
     most_aside,
     one_of_seven,
-    put_mark,
     to_curves,
 )
+from srs_ik.kernels.curves.marks import MARK, follow_marks, join_pieces, put_mark
 from srs_ik.kernels.curves.surface import put_starts
 from srs_ik.kernels.exact.free_splits import close_gently
 from srs_ik.kernels.jit import kernel

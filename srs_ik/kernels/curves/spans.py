@@ -8,8 +8,8 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from srs_ik.kernels.algebra.joint_vectors import along7, short_way
-from srs_ik.kernels.algebra.lane_trig import turn
-from srs_ik.kernels.algebra.lanes import one_of
+from srs_ik.kernels.algebra.lane_trig import angle_of, turn
+from srs_ik.kernels.algebra.lanes import root, scatter
 from srs_ik.kernels.algebra.minimum import propose, start_search, tell
 from srs_ik.kernels.algebra.pointers import row
 from srs_ik.kernels.algebra.vectors import cross, dot, load3, sub
@@ -58,6 +58,20 @@ TURNED = 1e-12
 def angle_at(P, by, q):
     """The arm angle of a posture for the pose."""
     return arm_angle(P, q, by.target.place[0], by.target.place[1])
+
+
+@kernel
+def arm_angles(P, place_, q):
+    """The arm angles of eight postures."""
+    t, h0 = place_[0], place_[1]
+    turn_1, turn_2, turn_3 = turn(q[0]), turn(q[1]), turn(q[2])
+    elbow = turn_about_line(P, 2, turn_3[0], turn_3[1], load3(P, ELBOW_CENTRE))
+    elbow = turn_about_line(P, 1, turn_2[0], turn_2[1], elbow)
+    elbow = turn_about_line(P, 0, turn_1[0], turn_1[1], elbow)
+    upper_arm = sub(elbow, load3(P, SHOULDER_CENTRE))
+    c, s = dot(upper_arm, h0), dot(upper_arm, cross(t, h0))
+    share = 1.0 / root(c * c + s * s)
+    return angle_of(share * c, share * s)
 
 
 @kernel
@@ -166,22 +180,12 @@ def take_turn(P, by, curve, span, passed, x, to):
 def tell_samples(P, by, curve, told):
     """Write branch and arm angle of the samples of a curve, eight at a time."""
     rows, first, last = curve
-    t, h0 = by.target.place[0], by.target.place[1]
-    b0 = cross(t, h0)
     for i in range(first, last, 8):
         # The last eight rows there are may begin before.
         k = min(i, rows.shape[0] - 8)
         q = take_ways(row(rows, k), 1, SAMPLE)
-        turn_1, turn_2, turn_3 = turn(q[0]), turn(q[1]), turn(q[2])
-        elbow = turn_about_line(P, 2, turn_3[0], turn_3[1], load3(P, ELBOW_CENTRE))
-        elbow = turn_about_line(P, 1, turn_2[0], turn_2[1], elbow)
-        elbow = turn_about_line(P, 0, turn_1[0], turn_1[1], elbow)
-        upper_arm = sub(elbow, load3(P, SHOULDER_CENTRE))
-        ahead, beside = dot(upper_arm, h0), dot(upper_arm, b0)
-        branch = branches_of(P, q)
-        for lane in range(8):
-            told[k + lane, TOLD_BRANCH] = one_of(branch, lane)
-            told[k + lane, TOLD_PSI] = math.atan2(one_of(beside, lane), one_of(ahead, lane))
+        scatter(row(told, k), TOLD_BRANCH, TOLD, branches_of(P, q))
+        scatter(row(told, k), TOLD_PSI, TOLD, arm_angles(P, by.target.place, q))
 
 
 @kernel

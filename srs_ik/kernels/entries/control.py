@@ -5,9 +5,9 @@ from __future__ import annotations
 import math
 
 from srs_ik.kernels.algebra.pointers import row
+from srs_ik.kernels.chain.gravity import hold
 from srs_ik.kernels.chain.kinematics import joint_lines
 from srs_ik.kernels.chain.newton import elbow_position
-from srs_ik.kernels.control.gravity import hold
 from srs_ik.kernels.control.impedance import along_axis, response
 from srs_ik.kernels.control.ports import Motion, act
 from srs_ik.kernels.control.profile import energy, force
@@ -18,6 +18,7 @@ from srs_ik.kernels.layout.control import (
     LINES,
     MAX_TORQUE,
     TORQUE,
+    TURNED,
     WEIGHT,
 )
 from srs_ik.kernels.layout.limb import LIMITED
@@ -46,7 +47,7 @@ def tick(family, weights, ports, states, bounds, motion, work):
     for i in range(len(ports)):
         act(P, row(ports, i), states[i], now, work)
     if bounds[GRAVITY] == 1.0:
-        hold(P, row(weights, 0), q, work)
+        hold(P, row(weights, 0), q, work, TURNED, WEIGHT)
     for joint in range(7):
         largest = bounds[MAX_TORQUE + joint]
         work[TORQUE, joint] = max(-largest, min(largest, work[TORQUE, joint] + work[WEIGHT, joint]))

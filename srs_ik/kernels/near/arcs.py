@@ -18,16 +18,8 @@ from srs_ik.kernels.algebra.vectors import dot, load3
 from srs_ik.kernels.chain.eight import take_eight
 from srs_ik.kernels.chain.newton_eight import curve_step
 from srs_ik.kernels.curves.follow import CURVE
-from srs_ik.kernels.curves.in_step import (
-    MARK,
-    MARK_FIRST,
-    MARK_LAST,
-    MARK_NEXT,
-    SAMPLE,
-    follow_marks,
-    one_of_seven,
-    put_mark,
-)
+from srs_ik.kernels.curves.in_step import SAMPLE, one_of_seven
+from srs_ik.kernels.curves.marks import MARK, MARK_FIRST, MARK_LAST, MARK_NEXT, follow_marks, put_mark
 from srs_ik.kernels.curves.runs import SPARE_ROWS, survey_curves
 from srs_ik.kernels.exact.intervals import SAME, TURN
 from srs_ik.kernels.jit import kernel

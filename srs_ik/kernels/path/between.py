@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 
-from srs_ik.kernels.algebra.joint_vectors import along7
+from srs_ik.kernels.algebra.joint_vectors import along7, apart
 from srs_ik.kernels.algebra.pointers import row
 from srs_ik.kernels.algebra.vectors import cross, norm
 from srs_ik.kernels.chain.newton import CLOSED, STEPS, arm_angle, close_free
@@ -19,7 +19,7 @@ from srs_ik.kernels.limb.branches import branch_of
 from srs_ik.kernels.limb.limits import TURN
 from srs_ik.kernels.limb.poses import read7, read_pose
 from srs_ik.kernels.limb.triangle import elbow_side, place
-from srs_ik.kernels.path.followed import away, posture_of, settled
+from srs_ik.kernels.path.followed import posture_of, settled
 from srs_ik.kernels.path.steps import steps_between
 
 ON_LIMIT = 1e-9
@@ -61,7 +61,7 @@ def follow_on(family, course, line, at, settings, J, A):
     R, p, _ = read_pose(row(course.poses, i))
     if A is not None:
         here, error = close_free(P, near, R, p, True, 2 * STEPS, J, A)
-        good = error < CLOSED and away(here, near) < reach
+        good = error < CLOSED and apart(here, near) < reach
         write_posture(line, i, here, 0.0, branch_of(P, here))
         course.bounds[i, 0], course.bounds[i, 1] = -math.inf, math.inf
         return good
@@ -74,7 +74,7 @@ def follow_on(family, course, line, at, settings, J, A):
     here, inside = settled(P, here, ON_LIMIT)
     write_posture(line, i, here, angle, branch)
     write_bounds(family, place_, branch, angle, row(course.bounds, i))
-    return good and inside and away(here, near) < reach
+    return good and inside and apart(here, near) < reach
 
 
 @kernel

@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 
-from srs_ik.kernels.algebra.joint_vectors import along7
+from srs_ik.kernels.algebra.joint_vectors import along7, apart, largest
 from srs_ik.kernels.algebra.pointers import keep, row
 from srs_ik.kernels.algebra.vectors import load3
 from srs_ik.kernels.chain.newton import CLOSED, STEPS, close_free
@@ -27,12 +27,11 @@ from srs_ik.kernels.layout.path import (
 from srs_ik.kernels.limb.poses import read7, read_pose
 from srs_ik.kernels.limb.self_motion import rates
 from srs_ik.kernels.limb.triangle import place
-from srs_ik.kernels.path.followed import along_cell, away, posture_of, read_side, settled
+from srs_ik.kernels.path.followed import along_cell, posture_of, read_side, settled
 from srs_ik.kernels.path.near_strips import direction, moved_along, setting_of
 from srs_ik.kernels.path.pose_strips import list_strips
 from srs_ik.kernels.path.programme import advance, cheapest, copied, first_costs, rules_for, step_back
 from srs_ik.kernels.path.splits import along_split, split_of
-from srs_ik.kernels.path.steps import largest
 from srs_ik.kernels.path.strips import put_node
 
 WIDTH = 2
@@ -100,7 +99,7 @@ def beside(P, course, i, here, motion, J, A):
             break
         moved, good = moved_by(P, course, i, here, (v, there - here.psi), J, A)
         moved, inside = settled(P, moved, ON_LIMIT)
-        if good and inside and away(moved, here.q) < longest:
+        if good and inside and apart(moved, here.q) < longest:
             return moved, there, True
         move *= 0.5
     return here.q, here.psi, False
@@ -217,7 +216,7 @@ def settle_on(P, course, line, i, nodes, at, space):
             wanted = Posture(between, there, line.branch[i])
             found, good = on_pose(P, course, i, wanted, space.J, space.A)
             found, inside = settled(P, found, ON_LIMIT)
-            if good and inside and away(found, between) < away(a, b) + 0.1:
+            if good and inside and apart(found, between) < apart(a, b) + 0.1:
                 nearer, angle = found, there
     line.psi[i] = angle
     for j in range(7):
@@ -237,7 +236,7 @@ def put_on_poses(family, course, line, space):
             continue
         found, good = on_pose(P, course, i, here, space.J, space.A)
         found, inside = settled(P, found, ON_LIMIT)
-        good = good and inside and away(found, here.q) < FARTHEST
+        good = good and inside and apart(found, here.q) < FARTHEST
         all_good = all_good and good
         if good:
             for j in range(7):

@@ -9,10 +9,11 @@ from __future__ import annotations
 
 import math
 
+from srs_ik.kernels.algebra.joint_vectors import largest
 from srs_ik.kernels.algebra.pointers import row
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.path import BREAK, BY_CONTINUITY, BY_VELOCITY, LARGEST, SLOWEST, SQUARES, TOO_FAST, WITHIN
-from srs_ik.kernels.path.steps import largest, step_of, step_value, steps_between
+from srs_ik.kernels.path.steps import step_of, step_value, steps_between
 
 OUTSIDE = 1e300
 """Value of a step beyond its limits."""

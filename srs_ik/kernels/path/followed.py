@@ -60,15 +60,6 @@ def posture_of(P, side, psi, branch, near, followed):
 
 
 @kernel
-def away(q, near):
-    """Largest joint step between two postures."""
-    most = 0.0
-    for j in range(7):
-        most = max(most, abs(q[j] - near[j]))
-    return most
-
-
-@kernel
 def settled(P, q, slack):
     """The posture with joints that lie outside their limits by rounding put on them, and whether it is inside then."""
     inside = True

@@ -9,7 +9,7 @@ import math
 
 import numpy as np
 
-from srs_ik.kernels.algebra.joint_vectors import along7, dot7
+from srs_ik.kernels.algebra.joint_vectors import along7, apart, dot7
 from srs_ik.kernels.chain.newton import CLOSED, STEPS, close_free
 from srs_ik.kernels.curves.follow import between, correct, tangent_at
 from srs_ik.kernels.curves.in_step import load_sample
@@ -21,7 +21,7 @@ from srs_ik.kernels.layout.search import MAX_RUNS, RUN
 from srs_ik.kernels.limb.branches import branch_of
 from srs_ik.kernels.limb.goal import NO_SEED
 from srs_ik.kernels.limb.triangle import elbow_side
-from srs_ik.kernels.path.followed import away, turn_all
+from srs_ik.kernels.path.followed import turn_all
 from srs_ik.kernels.path.strips import NEAR_SPACING, SPACING, put_node
 
 MOST_PARTS = 16
@@ -72,7 +72,7 @@ def take_runs(P, spot, sheet, n, J, A):
             begun = i > int(runs[k, 3])
             wanted = turn_all(P, load_sample(rows[i]), q, begun)
             if begun:
-                parts = min(math.ceil(away(wanted, q) / SPACING), MOST_PARTS)
+                parts = min(math.ceil(apart(wanted, q) / SPACING), MOST_PARTS)
                 for part in range(1, parts):
                     inner, met = between(P, by, q, wanted, part / parts)
                     if met:

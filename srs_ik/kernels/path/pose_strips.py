@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from srs_ik.kernels.algebra.joint_vectors import along7
+from srs_ik.kernels.algebra.joint_vectors import along7, apart
 from srs_ik.kernels.algebra.pointers import row
 from srs_ik.kernels.chain.newton import arm_angle
 from srs_ik.kernels.exact.intervals import find_intervals
@@ -25,7 +25,7 @@ from srs_ik.kernels.limb.limits import TURN
 from srs_ik.kernels.limb.poses import read7, read_pose
 from srs_ik.kernels.limb.spherical import wrap
 from srs_ik.kernels.limb.triangle import elbow_side, place
-from srs_ik.kernels.path.followed import along_cell, away, settled
+from srs_ik.kernels.path.followed import along_cell, settled
 from srs_ik.kernels.path.near_strips import take_line, take_runs
 from srs_ik.kernels.path.splits import put_splits
 from srs_ik.kernels.path.strips import ROUNDING, is_wide, put_node, take_strip
@@ -275,7 +275,7 @@ def list_strips(sheet, first, last, count):
         if i == start:
             nodes[i, NODE_WAY] = 0.0
         else:
-            nodes[i, NODE_WAY] = nodes[i - 1, NODE_WAY] + away(row(nodes, i), row(nodes, i - 1))
+            nodes[i, NODE_WAY] = nodes[i - 1, NODE_WAY] + apart(row(nodes, i), row(nodes, i - 1))
         if sheet.linked[i] and i + 1 < last:
             continue
         if count < strips.shape[0]:

@@ -12,6 +12,7 @@ import math
 
 import numpy as np
 
+from srs_ik.kernels.algebra.joint_vectors import largest
 from srs_ik.kernels.algebra.pointers import row
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.path import (
@@ -35,7 +36,7 @@ from srs_ik.kernels.layout.path import (
     Rules,
 )
 from srs_ik.kernels.path.followed import along_cell
-from srs_ik.kernels.path.steps import kept, largest, moved_on, product, step_cost, step_of, step_value, steps_between
+from srs_ik.kernels.path.steps import kept, moved_on, product, step_cost, step_of, step_value, steps_between
 
 
 @kernel

@@ -11,6 +11,7 @@ import math
 
 import numpy as np
 
+from srs_ik.kernels.algebra.joint_vectors import largest
 from srs_ik.kernels.algebra.pointers import row
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.limb import LIMITED
@@ -28,7 +29,6 @@ from srs_ik.kernels.path.edges import (
     write_terms,
 )
 from srs_ik.kernels.path.splits import along_split, split_of, split_room
-from srs_ik.kernels.path.steps import largest
 
 SWEEPS = 24
 """Most steps of a path."""

@@ -46,12 +46,6 @@ def steps_between(settings, a, b):
 
 
 @kernel
-def largest(e):
-    """Largest joint step."""
-    return max(max(max(abs(e[0]), abs(e[1])), max(abs(e[2]), abs(e[3]))), max(max(abs(e[4]), abs(e[5])), abs(e[6])))
-
-
-@kernel
 def product(a, b):
     """Scalar product of joint steps."""
     return ((a[0] * b[0] + a[1] * b[1]) + (a[2] * b[2] + a[3] * b[3])) + ((a[4] * b[4] + a[5] * b[5]) + a[6] * b[6])

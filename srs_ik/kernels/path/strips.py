@@ -11,6 +11,7 @@ from __future__ import annotations
 
 import math
 
+from srs_ik.kernels.algebra.joint_vectors import apart
 from srs_ik.kernels.algebra.pointers import row
 from srs_ik.kernels.algebra.vectors import load3, store3, swing
 from srs_ik.kernels.exact.samples import add_changes
@@ -31,7 +32,7 @@ from srs_ik.kernels.limb.goal import NO_SEED
 from srs_ik.kernels.limb.limits import TURN, turn_to_middle
 from srs_ik.kernels.limb.poses import read7
 from srs_ik.kernels.limb.spherical import angles, middle_anchor, middle_angle, mirrored
-from srs_ik.kernels.path.followed import away, posture_of, turn_all, turned_away
+from srs_ik.kernels.path.followed import posture_of, turn_all, turned_away
 
 SPACING = 0.45
 """Farthest that a joint moves between two postures of a strip, rad."""
@@ -187,7 +188,7 @@ def widest_step(q, ahead, around):
     if around.radius == 0.0:
         return SPACING
     fine = FINE_SPACING if around.radius > math.pi else NEAR_SPACING
-    return fine if turned_away(q, around.q) < around.radius + 2.0 * away(ahead, q) else math.inf
+    return fine if turned_away(q, around.q) < around.radius + 2.0 * apart(ahead, q) else math.inf
 
 
 @kernel
@@ -218,8 +219,8 @@ def take_strip(P, side, interval, around, sheet, n, desk):
             wanted = read7(row(stack, top))
             if loose:
                 wanted = turn_all(P, wanted, q, begun)
-            apart = away(wanted, q)
-            if begun and apart > widest_step(q, wanted, around):
+            moved = apart(wanted, q)
+            if begun and moved > widest_step(q, wanted, around):
                 middle = between_angles(psi, ahead)
                 if ahead - psi > CLOSEST * max(1.0, abs(psi)) and top + 1 < DEEPEST and psi < middle < ahead:
                     between, good = posture_at_angle(P, side, middle, branch, q, True, known)
@@ -228,7 +229,7 @@ def take_strip(P, side, interval, around, sheet, n, desk):
                         put_node(stack, top, between, middle, branch)
                         continue
             if written:
-                linked[n - 1] = begun and (apart <= SPACING or is_split(q, wanted))
+                linked[n - 1] = begun and (moved <= SPACING or is_split(q, wanted))
             if around.radius == 0.0 or turned_away(wanted, around.q) < around.radius:
                 put_node(nodes, n, wanted, ahead, branch)
                 linked[n] = False

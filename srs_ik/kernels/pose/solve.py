@@ -263,6 +263,7 @@ def all_branches(family, T, asked, J, A, out, first):
             errors = (one_of(position, branch), one_of(orientation, branch))
             write_row(place_, q, branch, arm_angle(P, q, place_[0], place_[1]), errors, (False, 0), answer)
         else:
+            q, _, lowest = put_on_limits(P, target, psi, (q, branch, lowest), Goal(False, NO_SEED, respect))
             measure_row(P, target, q, branch, lowest, respect, answer)
             answer[ROW_BRANCH] = branch
     return GOOD_POSE

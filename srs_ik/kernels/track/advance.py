@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import math
 
-from srs_ik.kernels.algebra.joint_vectors import along7, between
+from srs_ik.kernels.algebra.joint_vectors import along7, apart, between
 from srs_ik.kernels.algebra.pointers import row
 from srs_ik.kernels.chain.newton import clipped
 from srs_ik.kernels.jit import kernel
@@ -66,7 +66,7 @@ from srs_ik.kernels.limb.poses import read7
 from srs_ik.kernels.limb.triangle import place
 from srs_ik.kernels.track.catch_up import CLOSE_BY, catch_up, way_left
 from srs_ik.kernels.track.closest import DAMPING, approach, error_at, minus
-from srs_ik.kernels.track.elsewhere import look_elsewhere, out_of_reach, way_between
+from srs_ik.kernels.track.elsewhere import look_elsewhere, out_of_reach
 from srs_ik.kernels.track.foresight import foresee, planned_step
 from srs_ik.kernels.track.freedom import error_left, other_turn, shown_at, wanted
 from srs_ik.kernels.track.limits import bounds, toward
@@ -159,7 +159,7 @@ def move_goal(P, S, C, pose, work):
         left = minus(read7(row(S, DETOUR_END)), goal)
         d = between(left, low, high)
         goal = along7(goal, 1.0, d)
-        if way_between(left, d) < TOGETHER:
+        if apart(left, d) < TOGETHER:
             S[DETOUR] = 0.0
         _, size = error_at(P, C, goal, pose[0], pose[1], work[0])
     else:
@@ -278,7 +278,7 @@ def hardest(S, C, v):
 @kernel
 def verdict(P, S, C, q, size, place_):
     """Status, reason, and the joint that is farthest behind."""
-    if S[ON] == 1.0 or (size < CLOSE and way_between(q, read7(row(S, GOAL))) < CLOSE):
+    if S[ON] == 1.0 or (size < CLOSE and apart(q, read7(row(S, GOAL))) < CLOSE):
         return OK, NO_REASON, 0
     joint = most_behind(S, C, q)
     if size < CLOSE:
@@ -379,7 +379,7 @@ def advance(P, S, C, given, work, out):
     else:
         size = move_goal(P, S, C, pose, (J, A))
         after, v = step_to(P, S, C, follow_goal(S, C, box[0], box[1]))
-        on = size < MET and way_between(after, read7(row(S, GOAL))) < TOGETHER
+        on = size < MET and apart(after, read7(row(S, GOAL))) < TOGETHER
         if size < CLOSE:
             S[COAST] = 0.0
     S[ON] = 1.0 if on else 0.0

@@ -10,6 +10,7 @@ import math
 
 import numpy as np
 
+from srs_ik.kernels.algebra.joint_vectors import apart
 from srs_ik.kernels.algebra.pointers import row
 from srs_ik.kernels.exact.farthest import branch_at
 from srs_ik.kernels.exact.intervals import find_intervals
@@ -45,15 +46,6 @@ def out_of_reach(P, place_):
 
 
 @kernel
-def way_between(a, b):
-    """Largest difference of two postures, rad."""
-    most = 0.0
-    for j in range(7):
-        most = max(most, abs(a[j] - b[j]))
-    return most
-
-
-@kernel
 def nearest_in(P, side, interval, goal, best, least):
     """The posture of an interval that is nearest to the goal, of those looked at, if it is nearer than another."""
     branch = int(interval[0])
@@ -63,7 +55,7 @@ def nearest_in(P, side, interval, goal, best, least):
     for i in range(pieces + 1):
         psi = middle - half + (2.0 * half * i / pieces if pieces > 0 else 0.0)
         q, value = branch_at(P, side, psi, branch, True, goal, True)
-        way = way_between(q, goal)
+        way = apart(q, goal)
         if value < OUTSIDE and way < least:
             best, least = q, way
     return best, least
