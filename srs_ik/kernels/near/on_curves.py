@@ -234,4 +234,9 @@ def best_found(found, wanted, seed):
 def best_on_curves(P, by, followed, psi, wanted, goal, out):
     """The best posture at an arm angle over all branches, or in one (0 to 7): q, branch, cost."""
     find_at_angle(P, by, followed, psi, wanted, goal, out)
-    return best_found(out, wanted, goal.seed)
+    found = best_found(out, wanted, goal.seed)
+    if wanted >= 0 and found[2] >= NO_BRANCH:
+        # A curve that has just left the branch may come back to it.
+        find_at_angle(P, by, followed, psi, -1, goal, out)
+        found = best_found(out, wanted, goal.seed)
+    return found
