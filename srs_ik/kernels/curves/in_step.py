@@ -7,7 +7,7 @@ import math
 from srs_ik.kernels.algebra.lane_trig import turns_of
 from srs_ik.kernels.algebra.lanes import as_bits, gather, one_of, whole_number
 from srs_ik.kernels.chain.eight import ALL, take_eight
-from srs_ik.kernels.chain.newton import CLOSED, LAST_STEP, MAX_STEP
+from srs_ik.kernels.chain.newton import LAST_STEP, MAX_STEP
 from srs_ik.kernels.chain.newton_eight import (
     all_along,
     all_times,
@@ -46,6 +46,9 @@ BENT = 16.0
 ASIDE = 4e-4
 """A curve is no farther aside of its way than twice what its turn makes of it, and this part of the step, squared: else
 the step has led to another curve."""
+
+VAGUE = 1e-6
+"""Where several joints are singular at once, floats tell a curve no better than this, rad squared."""
 
 SHRINKING = 0.4
 """Steps back to the curve that shrink by less do not lead there."""
@@ -119,7 +122,7 @@ def most_aside(ahead, cosine):
 
     On a circle it is half of that distance times half of the angle that it has turned by.
     """
-    return ahead * ahead * (BENT * (1.0 - cosine) / (1.0 + cosine) + ASIDE) + CLOSED
+    return ahead * ahead * (BENT * (1.0 - cosine) / (1.0 + cosine) + ASIDE) + VAGUE
 
 
 @kernel
