@@ -43,7 +43,6 @@ from srs_ik.kernels.curves.in_step import (
     WELL_STRAIGHT,
     load_sample,
     longest_across,
-    most_aside,
     one_of_seven,
     to_curves,
 )
@@ -231,8 +230,6 @@ def follow(P, by, q, t, way, rows, n):
         next_t, sign = null_vector(by.J, t, by.A)
         cosine = dot7(t, next_t)
         jumps = step > longest_across(P) and passes_two(P, q, next_q)
-        made = difference(q, next_q)
-        jumps = jumps or dot7(made, made) - step * step > most_aside(step, cosine)
         if sign <= 0.0 or cosine < SMALLEST_COSINE or jumps:
             step *= 0.5
             continue
