@@ -105,8 +105,8 @@ class Arm(BodyOwner):
             pose: wanted pose of the tip frame in the base frame.
             arm_angle: rad; any if not given.
             seed: (7,) posture to stay near, rad; no joint of it more than 300 rad outside its limits.
-            branch: 0 to 7; any if not given. Where a branch of a near arm has no posture at an arm angle, one of its
-                neighbour's on the border between them counts; `branch` of the answer says so.
+            branch: 0 to 7; any if not given. A posture on the border between two branches, the sine of a middle angle
+                from its singularity below 1e-5, counts for both where the one that is asked for has no other.
             respect_limits: whether q has to keep the joint limits.
             free_axis: what of the rotation is free: a direction in the tip frame for the roll about it, a
                 `FreeAxis` for a cone, "any" for a position alone; errors are those that are left then. It goes with a

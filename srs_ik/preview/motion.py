@@ -88,7 +88,7 @@ def self_motion(
         return None
     widest = max(candidates, key=lambda interval: interval.width)
     count = max(2, int(np.ceil(widest.width / _SWEEP * FPS)))
-    found = through(arm.packed, pose, widest, count, respect_limits)
+    found = through(arm.packed, pose, [widest], count, respect_limits)[0]
     q = found.q[found.ok]
     if not len(q):
         return None

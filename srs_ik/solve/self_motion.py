@@ -10,20 +10,15 @@ from numpy.typing import NDArray
 
 from srs_ik.errors import InvalidConfiguration
 from srs_ik.inputs.poses import PoseLike, as_branch, as_rigid_matrix
+from srs_ik.kernels.entries import pose as entries
 from srs_ik.kernels.layout.answer import ROW
 from srs_ik.solve.intervals import intervals
-from srs_ik.solve.pose import solve
 from srs_ik.solve.solution import BatchSolution, Interval
 
 if TYPE_CHECKING:
     from srs_ik.solve.packed import PackedArm
 
 Array = NDArray[np.float64]
-
-_INSIDE = 1e-9
-"""Samples stay this far inside the ends of an interval, rad; on an end, rounding may put a joint past its limit. An
-interval without room for that has one posture."""
-
 
 MOST_POSTURES = 1_000_000
 """Postures an interval that fit into memory, and into some seconds: 100 MB."""
@@ -56,18 +51,15 @@ def self_motion(
         raise InvalidConfiguration(f"count must be an integer from 2 to {MOST_POSTURES}, not {count!r:.40}")
     T = as_rigid_matrix(pose)
     wide = [i for i in intervals(arm, T, respect_limits) if wanted in (-1, i.branch)]
-    return [through(arm, T, interval, int(count), respect_limits) for interval in wide]
+    return through(arm, T, wide, int(count), respect_limits)
 
 
-def through(arm: PackedArm, T: Array, interval: Interval, count: int, respect_limits: bool) -> SelfMotion:
-    """The self-motion through one interval of a pose (4, 4)."""
-    rows = np.empty((count, ROW))
-    if interval.width <= 2.0 * _INSIDE:
-        rows[:] = solve(arm, T, 0.5 * (interval.lower + interval.upper), None, interval.branch, respect_limits)._row
-        return SelfMotion(rows, arm.joint_names, interval)
-    before = None
-    for row, psi in zip(rows, np.linspace(interval.lower + _INSIDE, interval.upper - _INSIDE, count), strict=True):
-        found = solve(arm, T, float(psi), before, interval.branch, respect_limits)
-        row[:] = found._row
-        before = found.q if found else before
-    return SelfMotion(rows, arm.joint_names, interval)
+def through(arm: PackedArm, T: Array, wide: Sequence[Interval], count: int, respect_limits: bool) -> list[SelfMotion]:
+    """The self-motions through some intervals of a pose (4, 4)."""
+    if not wide:
+        return []
+    found = np.array([(i.branch, i.lower, i.upper) for i in wide], float)
+    rows = np.empty((len(wide) * count, ROW))
+    entries.self_motion(arm.family, T, found, respect_limits, *arm.work(), rows)
+    of_each = rows.reshape(len(wide), count, ROW)
+    return [SelfMotion(own, arm.joint_names, interval) for own, interval in zip(of_each, wide, strict=True)]

@@ -21,7 +21,7 @@ from srs_ik.kernels.layout.answer import (
     UNREACHABLE,
 )
 from srs_ik.kernels.layout.limb import IS_CLOSED
-from srs_ik.kernels.limb.branches import NO_BRANCH, branch_of
+from srs_ik.kernels.limb.branches import NO_BRANCH, branch_of, is_on_border
 from srs_ik.kernels.limb.goal import OUTSIDE, tightest_joint
 
 
@@ -68,7 +68,7 @@ def measure_row_at(P, target, psi, found, respect, out):
         joint = tightest_joint(P, q)
         q = clipped(P, q)
     position, orientation = pose_error(P, q, R, p)
-    if P[IS_CLOSED] != 1.0:
+    if P[IS_CLOSED] != 1.0 and not is_on_border(P, q, branch):
         branch = branch_of(P, q)
     if psi is None:
         angle = arm_angle(P, q, place_[0], place_[1])

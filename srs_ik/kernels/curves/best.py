@@ -1,4 +1,7 @@
-"""The best posture of a near limb, over the curves that `follow` follows on its true chain."""
+"""The best posture of a near limb, over the curves that `follow` follows on its true chain.
+
+A run is a feasible piece of a curve (`survey`); a span is a part of a run on which the branch stays the same (`spans`).
+"""
 
 from __future__ import annotations
 
@@ -7,6 +10,7 @@ import math
 import numpy as np
 
 from srs_ik.kernels.algebra.minimum import propose, start_search, tell
+from srs_ik.kernels.curves.changes import ARC
 from srs_ik.kernels.curves.ends import on_curve
 from srs_ik.kernels.curves.in_step import load_sample
 from srs_ik.kernels.curves.runs import near_runs, samples_of
@@ -20,9 +24,6 @@ from srs_ik.kernels.layout.search import BEST, F_BEST, HIGH, LOW, MAX_RUNS, RUN,
 from srs_ik.kernels.limb.branches import NO_BRANCH, branch_of
 from srs_ik.kernels.limb.goal import OUTSIDE, cost, turned
 from srs_ik.kernels.limb.triangle import elbow_side
-
-ARC = 1.1
-"""The way along a curve between two samples, at most, for the difference of their parameters."""
 
 
 @kernel

@@ -74,6 +74,9 @@ MAX_CURVES = 32
 MOST_VAGUE = 8
 """Curves of a pose, and those on which an error is left (`LEFT`), at most."""
 
+SAME_CURVE = 4e-6
+"""A posture this close to a curve, rad squared, lies on it."""
+
 CURVE = 3
 """A curve: first row, the row behind the last, and whether it is closed (its last row then repeats the first)."""
 
@@ -156,21 +159,36 @@ def between(P, by, a, b, share):
 
 
 @kernel
-def is_known(q, t, rows, curves, count):
+def share_of_chord(a, b, q):
+    """The share of the way from posture a to b at which one beside it is passed; 2 where it is not beside it."""
+    chord = difference(a, b)
+    to_q = difference(a, q)
+    length2 = dot7(chord, chord)
+    share = dot7(to_q, chord)
+    if length2 == 0.0 or share < -BESIDE * length2 or share > (1.0 + BESIDE) * length2:
+        return 2.0
+    off = along7(to_q, -share / length2, chord)
+    return share / length2 if dot7(off, off) < BESIDE * BESIDE * length2 + CLOSED else 2.0
+
+
+@kernel
+def is_passed(P, by, a, b, share, q):
+    """Whether a posture beside the way from a to b is on their curve itself, not on another one next to it."""
+    there, met = between(P, by, a, b, share)
+    off = difference(there, q)
+    return met and dot7(off, off) < SAME_CURVE
+
+
+@kernel
+def is_known(P, by, q, t, rows, curves, count):
     """Whether a posture with the oriented null vector t lies on one of the curves."""
     for k in range(count):
         for i in range(int(curves[k, 0]), int(curves[k, 1]) - 1):
             if abs(short_way(q[1] - rows[i, 2])) > BEYOND or abs(short_way(q[5] - rows[i, 6])) > BEYOND:
                 continue
-            a = load_sample(rows[i])
-            to_q = difference(a, q)
-            chord = difference(a, load_sample(rows[i + 1]))
-            length2 = dot7(chord, chord)
-            share = dot7(to_q, chord)
-            if length2 == 0.0 or share < -BESIDE * length2 or share > (1.0 + BESIDE) * length2 or dot7(t, chord) < 0.0:
-                continue
-            off = along7(to_q, -share / length2, chord)
-            if dot7(off, off) < BESIDE * BESIDE * length2 + CLOSED:
+            a, b = load_sample(rows[i]), load_sample(rows[i + 1])
+            share = share_of_chord(a, b, q)
+            if share < 2.0 and dot7(t, difference(a, b)) > 0.0 and is_passed(P, by, a, b, share, q):
                 return True
     return False
 
@@ -205,12 +223,6 @@ def follow(P, by, q, t, way, rows, n):
     for _ in range(MOST_STEPS):
         if n >= rows.shape[0] or step < SHORTEST_STEP:
             break
-        if n - n0 > 2:
-            back = difference(q, first)
-            ahead = way * dot7(t, back)
-            off = along7(back, -way * ahead, t)
-            if 0.0 < ahead <= step and dot7(first_t, t) > SMALLEST_COSINE and dot7(off, off) < 0.1 * ahead * ahead:
-                return put(rows, n, length + ahead, first), True, q, t
         next_q, met = correct(P, by, along7(q, way * step, t), t, dot7(t, q) + way * step)
         if not met:
             step *= 0.5
@@ -221,6 +233,10 @@ def follow(P, by, q, t, way, rows, n):
         if sign <= 0.0 or cosine < SMALLEST_COSINE or jumps:
             step *= 0.5
             continue
+        if n - n0 > 2 and dot7(first_t, t) > SMALLEST_COSINE:
+            share = share_of_chord(q, next_q, first)
+            if share <= 1.0 and is_passed(P, by, q, next_q, share, first):
+                return put(rows, n, length + share * step, first), True, q, t
         q = next_q
         t = next_t
         length += step
@@ -326,7 +342,9 @@ def follow_all(P, by, rows, curves):
         if error > LEFT or (error > CLOSED and vague >= MOST_VAGUE):
             continue
         t, sign = tangent_at(P, by, q)
-        if sign == 0.0 or is_known(q, t, rows, curves, count):
+        # As close to the curve as floats tell, so that it is known where the curve closes.
+        q, met = correct(P, by, q, t, dot7(t, q))
+        if sign == 0.0 or not met or is_known(P, by, q, t, rows, curves, count):
             continue
         first = n
         n, closed, q, t = follow(P, by, q, t, 1.0, rows, n)

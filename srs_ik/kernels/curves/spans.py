@@ -1,7 +1,4 @@
-"""The spans of curves on the true chain of a near limb, and their arm angles.
-
-A run is a feasible piece of a curve (`runs`); a span is a part of a run on which the branch stays the same.
-"""
+"""Spans: parts of the runs of a near limb on which the branch stays the same, with the arm angles that they pass."""
 
 from __future__ import annotations
 
@@ -10,24 +7,24 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from srs_ik.kernels.algebra.joint_vectors import along7, difference, short_way
+from srs_ik.kernels.algebra.joint_vectors import along7, short_way
 from srs_ik.kernels.algebra.lane_trig import angle_of, turn
 from srs_ik.kernels.algebra.lanes import root, scatter
 from srs_ik.kernels.algebra.minimum import propose, start_search, tell
 from srs_ik.kernels.algebra.pointers import row
-from srs_ik.kernels.algebra.roots import has_settled, next_parameter, start_crossing, tell_figure
 from srs_ik.kernels.algebra.vectors import cross, dot, load3, sub
 from srs_ik.kernels.chain.eight import branches_of
 from srs_ik.kernels.chain.kinematics import turn_about_line
 from srs_ik.kernels.chain.newton import arm_angle
-from srs_ik.kernels.curves.ends import meet, on_chord, on_curve, sample_before
+from srs_ik.kernels.curves.changes import CHANGE, CHANGE_AT, CHANGE_MIDDLE, MOST_CHANGES, find_changes
+from srs_ik.kernels.curves.ends import on_curve, sample_before
 from srs_ik.kernels.curves.follow import tangent_at
 from srs_ik.kernels.curves.in_step import SAMPLE, load_sample, take_ways
 from srs_ik.kernels.curves.runs import samples_of
 from srs_ik.kernels.jit import kernel
-from srs_ik.kernels.layout.limb import ELBOW_CENTRE, PHASE, SHOULDER, SHOULDER_CENTRE, STRAIGHT, WRIST
+from srs_ik.kernels.layout.limb import ELBOW_CENTRE, SHOULDER_CENTRE
 from srs_ik.kernels.layout.search import MAX_RUNS, SMOOTH, STATE
-from srs_ik.kernels.limb.branches import branch_of
+from srs_ik.kernels.limb.branches import bit_of
 
 TOLD = 2
 TOLD_BRANCH, TOLD_PSI = range(TOLD)
@@ -38,12 +35,13 @@ SPAN = 6
 
 MAX_SPANS = 2 * MAX_RUNS
 
-CHANGE_STEPS = 60
 JUST_OUTSIDE = 1e-12
-"""Steps that find where a branch changes, and the first looks on either side, in the parameter of the curve."""
+"""Spans on either side of a change of branch end this close to it, in the parameter of the curve."""
 
-MOST_CHANGES = 6
-"""A branch changes no more often between two samples."""
+SHORT = 1e-9
+SHORT_TURN = 1e-7
+"""A branch that a curve is in no longer than this, in its parameter and in arm angles, is one of rounding: what lies
+there is on the border of those before and behind."""
 
 LITTLE = 1e-6
 """A step that tells whether an arm angle rises, rad."""
@@ -54,86 +52,6 @@ WELL_BENT = 0.6
 TURNING = 1e-9
 TURNED = 1e-12
 """An arm angle that goes back by more than the first, rad, has turned around. There it is the same up to the second."""
-
-
-@kernel
-def out_of_branch(P, q, branch):
-    """How far a posture is out of a branch: minus the least sine of a middle angle to its side."""
-    shoulder = math.sin(q[1] - P[SHOULDER + PHASE]) * (-1.0 if branch & 2 else 1.0)
-    elbow = math.sin(q[3] - P[STRAIGHT]) * (-1.0 if branch & 4 else 1.0)
-    wrist = math.sin(q[5] - P[WRIST + PHASE]) * (-1.0 if branch & 1 else 1.0)
-    return -min(shoulder, elbow, wrist)
-
-
-@kernel
-def first_change(P, branch, a, b):
-    """The middle angle that first changes sides on the straight way from a posture in a branch: joint, share, angle."""
-    joint = -1
-    phase = 0.0
-    least = 2.0
-    for k in range(3):
-        j = 1 + 2 * k
-        at = P[STRAIGHT] if k == 1 else P[(SHOULDER if k == 0 else WRIST) + PHASE]
-        bit = 2 if k == 0 else (4 if k == 1 else 1)
-        side = -1.0 if branch & bit else 1.0
-        sine_a, sine_b = max(side * math.sin(a[j] - at), 0.0), side * math.sin(b[j] - at)
-        if sine_b < 0.0 and sine_a < least * (sine_a - sine_b):
-            joint, least, phase = j, sine_a / (sine_a - sine_b), at
-    middle = a[joint] + least * short_way(b[joint] - a[joint])
-    return joint, least, phase + math.pi * math.floor((middle - phase) / math.pi + 0.5)
-
-
-class Change(NamedTuple):
-    """Where a curve leaves a branch: last parameter in it and first outside, postures there, and the next branch."""
-
-    inside: Any
-    outside: Any
-    last: Any
-    first: Any
-    branch: Any
-
-
-@kernel
-def met_change(P, by, curve, branch, x, y):
-    """`change_of_branch` by Newton's method, and whether that is met: its one posture is on the border."""
-    rows = curve.rows
-    low = sample_before(curve, 0.5 * (x + y))
-    a, b = on_chord(rows, low, x), on_chord(rows, low, y)
-    joint, share, angle = first_change(P, branch, a, b)
-    if x < rows[low, 0] or y > rows[low + 1, 0] or joint < 0:
-        return Change(x, y, a, b, branch), False
-    q, found, met = meet(P, by, rows, low, along7(a, share, difference(a, b)), joint, angle)
-    inside, outside = found - JUST_OUTSIDE, found + JUST_OUTSIDE
-    met = met and x < inside and outside < y and out_of_branch(P, q, branch) < JUST_OUTSIDE
-    return Change(inside, outside, q, q, branch ^ (2 if joint == 1 else (4 if joint == 3 else 1))), met
-
-
-@kernel
-def change_of_branch(P, by, curve, branch, x, y):
-    """Where a curve leaves a branch on the way from parameter x to y."""
-    change, met = met_change(P, by, curve, branch, x, y)
-    if met:
-        return change
-    q, _ = on_curve(P, by, 0, curve, x)
-    at_x = min(out_of_branch(P, q, branch), 0.0)
-    q, _ = on_curve(P, by, 0, curve, y)
-    crossing = start_crossing(x, at_x, y, max(out_of_branch(P, q, branch), 0.0))
-    for _ in range(CHANGE_STEPS):
-        if has_settled(crossing):
-            break
-        middle = next_parameter(crossing)
-        q, _ = on_curve(P, by, 0, curve, middle)
-        crossing = tell_figure(crossing, middle, out_of_branch(P, q, branch))
-    inside, outside = crossing[0], crossing[3]
-    last, _ = on_curve(P, by, 0, curve, inside)
-    step = JUST_OUTSIDE
-    while inside + step < outside:
-        q, _ = on_curve(P, by, 0, curve, inside + step)
-        if branch_of(P, q) != branch:
-            return Change(inside, inside + step, last, q, branch_of(P, q))
-        step *= 4.0
-    q, _ = on_curve(P, by, 0, curve, outside)
-    return Change(inside, outside, last, q, branch_of(P, q))
 
 
 @kernel
@@ -271,11 +189,45 @@ def tell_samples(P, by, curve, told):
 
 
 @kernel
-def spans_of_run(P, by, rows, runs, index, told, spans, n):
-    """Append the spans of a run; return the number of spans. `told` is room for what samples tell."""
+def drop_span(spans, i, n):
+    """Take a span out of n; their number."""
+    for k in range(i, n - 1):
+        for c in range(SPAN):
+            spans[k, c] = spans[k + 1, c]
+    return n - 1
+
+
+@kernel
+def join_span(spans, i, n):
+    """Let a span take in the one behind it; the number of spans."""
+    spans[i, 3] = spans[i + 1, 3]
+    spans[i, 4], spans[i, 5] = min(spans[i, 4], spans[i + 1, 4]), max(spans[i, 5], spans[i + 1, 5])
+    return drop_span(spans, i + 1, n)
+
+
+@kernel
+def without_short(spans, first, n):
+    """Drop the spans of a run, from row `first` on, that rounding makes, and join what is one then; their number."""
+    i = first
+    while i < n and n - first > 1:
+        span = spans[i]
+        if span[3] - span[2] < SHORT and span[5] - span[4] < SHORT_TURN:
+            n = drop_span(spans, i, n)
+            if first < i < n and spans[i - 1, 1] == spans[i, 1]:
+                n = join_span(spans, i - 1, n)
+        else:
+            i += 1
+    return n
+
+
+@kernel
+def spans_of_run(P, by, rows, runs, index, room, n):
+    """Append the spans of a run; the number of spans. `room` is for spans, for what samples tell, and for changes."""
+    spans, told, changes = room
     curve = samples_of(rows, runs[index])
     _, first, last = curve
     tell_samples(P, by, curve, told)
+    start = n
     q = load_sample(rows[first])
     x = rows[first, 0]
     branch = int(told[first, TOLD_BRANCH])
@@ -283,20 +235,21 @@ def spans_of_run(P, by, rows, runs, index, told, spans, n):
     n = open_span(spans, n, index, branch, x, psi)
     rise = turn_at(P, by, q) if may_turn(P, by, curve, first, 1) else 0.0
     for i in range(first + 1, last):
-        q = load_sample(rows[i])
-        for _ in range(MOST_CHANGES):
-            if told[i, TOLD_BRANCH] == branch:
-                break
-            left = change_of_branch(P, by, curve, branch, x, rows[i, 0])
-            change = short_way(angle_at(P, by, left.last) - psi)
-            behind = turn_at(P, by, left.last)
-            take_turn(P, by, curve, spans[n - 1], Passed(psi, rise), left.inside, (change, behind))
+        before, q = (rows[i - 1, 0], q), load_sample(rows[i])
+        for c in range(find_changes(P, by, curve, before, (rows[i, 0], q), changes)):
+            inside = max(changes[c, CHANGE_AT] - JUST_OUTSIDE, x)
+            outside = max(min(changes[c, CHANGE_AT] + JUST_OUTSIDE, rows[i, 0]), inside)
+            there, _ = on_curve(P, by, 0, curve, inside)
+            change = short_way(angle_at(P, by, there) - psi)
+            behind = turn_at(P, by, there)
+            take_turn(P, by, curve, spans[n - 1], Passed(psi, rise), inside, (change, behind))
             psi += change
-            extend(spans[n - 1], left.inside, psi)
-            psi += short_way(angle_at(P, by, left.first) - psi)
-            branch = left.branch
-            n = open_span(spans, n, index, branch, left.outside, psi)
-            x = left.outside
+            extend(spans[n - 1], inside, psi)
+            there, _ = on_curve(P, by, 0, curve, outside)
+            psi += short_way(angle_at(P, by, there) - psi)
+            branch ^= bit_of(int(changes[c, CHANGE_MIDDLE]))
+            n = open_span(spans, n, index, branch, outside, psi)
+            x = outside
             rise = behind
         change = short_way(told[i, TOLD_PSI] - psi)
         behind = change
@@ -307,14 +260,14 @@ def spans_of_run(P, by, rows, runs, index, told, spans, n):
         psi += change
         x = rows[i, 0]
         extend(spans[n - 1], x, psi)
-    return n
+    return without_short(spans, start, n)
 
 
 @kernel
 def find_spans(P, by, rows, runs, spans):
     """Cut all runs into spans; return their number."""
-    told = np.empty((rows.shape[0], TOLD))
+    room = spans, np.empty((rows.shape[0], TOLD)), np.empty((MOST_CHANGES, CHANGE))
     n = 0
     for index in range(runs.shape[0]):
-        n = spans_of_run(P, by, rows, runs, index, told, spans, n)
+        n = spans_of_run(P, by, rows, runs, index, room, n)
     return n

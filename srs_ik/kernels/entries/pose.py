@@ -25,6 +25,7 @@ from srs_ik.kernels.near.intervals import best_of_true_intervals
 from srs_ik.kernels.near.led import lead_row
 from srs_ik.kernels.near.predicted_best import predicted_best_of_intervals
 from srs_ik.kernels.pose.intervals import all_intervals
+from srs_ik.kernels.pose.self_motion import self_motion_rows
 from srs_ik.kernels.pose.solve import all_branches, own, own_seed, seed_or_zero, solve_row, solve_row_at
 
 
@@ -93,6 +94,12 @@ def intervals(family, T, respect, J, A, out):
     if verdict != GOOD_POSE:
         return -verdict
     return all_intervals(family, Target(R, p, place(row(family, LIMITED), R, p)), respect, J, A, out)
+
+
+@entry
+def self_motion(family, T, found, respect, J, A, out):
+    """Postures through intervals of a pose, rows of found, as many as `out` (n, ROW) has room for."""
+    return self_motion_rows(family, row(T, 0), found, respect, J, A, out)
 
 
 @entry

@@ -60,6 +60,7 @@ pose.solve_intervals(family, T, respect, J, A, out: float[MOST_INTERVALS, ROW]&)
 pose.pack_limits(P: float[limb.SIZE]&, lower: float[7], upper: float[7])
 pose.measure_shifts(P: float[limb.SIZE], configurations: float[n, 7], shifts: float[n, SHIFTS]&)
 pose.check_pose(T) -> int
+pose.self_motion(family, T, found, respect, J, A, out: float[n, ROW]&) -> int
 pose.intervals_range(family, poses, first, last, respect, J, A, rows: float[r, 3]&, counts: int[n]&, verdicts)
     -> (int, int)
 pose.intervals(family, T, respect, J, A, out: float[MOST_INTERVALS, 3]&) -> int

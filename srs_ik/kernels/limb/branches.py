@@ -22,6 +22,9 @@ NO_BRANCH = 1e12
 NEARLY_SINGULAR = 1e-6
 """Sine of a middle angle under which each solution of a spherical joint is computed for itself."""
 
+ON_BORDER = 1e-5
+"""A posture with a middle joint this close to its singularity, as a sine, is of the branches on either side."""
+
 UNSURE = 3.0
 """Branches are unsure within so many times the shift of a limb."""
 
@@ -33,6 +36,39 @@ def branch_of(P, q):
     s = 0 if math.sin(q[1] - P[SHOULDER + PHASE]) >= 0.0 else 2
     w = 0 if math.sin(q[5] - P[WRIST + PHASE]) >= 0.0 else 1
     return e + s + w
+
+
+@kernel
+def phase_of(P, middle):
+    """The angle at which a middle joint is singular."""
+    return P[STRAIGHT] if middle == 1 else P[(SHOULDER if middle == 0 else WRIST) + PHASE]
+
+
+@kernel
+def bit_of(middle):
+    """The bit of a branch that tells the side of a middle angle."""
+    return 2 if middle == 0 else (4 if middle == 1 else 1)
+
+
+@kernel
+def sine_of(P, q, middle):
+    """How far a middle angle is from singular: its branch's bit is 0 where this is zero or more."""
+    return math.sin(q[1 + 2 * middle] - phase_of(P, middle))
+
+
+@kernel
+def out_of_branch(P, q, branch):
+    """How far a posture is out of a branch: minus the least sine of a middle angle to its side."""
+    shoulder = sine_of(P, q, 0) * (-1.0 if branch & 2 else 1.0)
+    elbow = sine_of(P, q, 1) * (-1.0 if branch & 4 else 1.0)
+    wrist = sine_of(P, q, 2) * (-1.0 if branch & 1 else 1.0)
+    return -min(shoulder, elbow, wrist)
+
+
+@kernel
+def is_on_border(P, q, branch):
+    """Whether a posture is in a branch, or next to it on the other side of a singularity."""
+    return out_of_branch(P, q, branch) < ON_BORDER
 
 
 @kernel

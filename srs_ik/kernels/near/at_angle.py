@@ -8,38 +8,26 @@ from __future__ import annotations
 
 import numpy as np
 
-from srs_ik.kernels.algebra.joint_vectors import difference, dot7, short_way
-from srs_ik.kernels.chain.newton import STEPS, close_at_angle
-from srs_ik.kernels.chain.starts import FIRST, best_of_all, best_row, close_all
-from srs_ik.kernels.curves.best import cost_of_turn
-from srs_ik.kernels.curves.follow import between
-from srs_ik.kernels.curves.in_step import load_sample
-from srs_ik.kernels.curves.runs import near_runs
-from srs_ik.kernels.curves.spans import angle_at, turn_at
+from srs_ik.kernels.chain.starts import FIRST, best_of_all, close_all
 from srs_ik.kernels.curves.surface import has_surface
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.answer import ROW_COST
-from srs_ik.kernels.layout.asked import Best, Goal, Setting
+from srs_ik.kernels.layout.asked import Best, Goal
 from srs_ik.kernels.layout.limb import COSINE_OFF, FAR, MISS, NEAR, SHIFT
-from srs_ik.kernels.layout.search import MAX_RUNS, RUN
-from srs_ik.kernels.limb.branches import NO_BRANCH, best_branch, branch_of, is_unsure
+from srs_ik.kernels.limb.branches import NO_BRANCH, best_branch, branch_of, is_on_border, is_unsure
 from srs_ik.kernels.limb.goal import NO_SEED, OUTSIDE
 from srs_ik.kernels.limb.poses import read7
-from srs_ik.kernels.limb.triangle import elbow_side
-from srs_ik.kernels.near.band import ALMOST_NOTHING, band_of, is_oblique, is_told, may_predict
+from srs_ik.kernels.near.band import ALMOST_NOTHING, is_oblique, is_told
 from srs_ik.kernels.near.branch_search import search_branch
+from srs_ik.kernels.near.on_curves import (
+    SAME_ANGLE,
+    best_found,
+    best_on_curves,
+    find_at_angle,
+    followed_curves,
+    setting_of,
+)
 from srs_ik.kernels.near.second_attempts import ATTEMPTS, STRETCHED, evaluate_again, is_near_line, stretched
-
-HALVINGS = 30
-"""Steps that close in on an arm angle between two samples, before Newton's method takes over."""
-
-NEAR_TURN = 0.5
-AT_TURN = 1e-9
-"""An arm angle that turns around is looked for this close to the one that is wanted, rad; there it is the one, up to
-the second."""
-
-CLOSE_BY = 1e-4
-"""Newton's method moves a posture no farther than this, rad, squared."""
 
 AT_SEED = 1e-12
 """A posture this close to a seed, rad squared, is the nearest one."""
@@ -51,9 +39,6 @@ the elbow's bend may be off: over 10^5 straight elbows of a limb, it is off by u
 
 ROUNDING = 1e-9
 """Of the reach."""
-
-SAME_ANGLE = 1e-9
-"""Arm angles closer than this, rad, are one where rounding decides about limits."""
 
 BESIDE = (0.0, 0.5 * SAME_ANGLE, -0.5 * SAME_ANGLE)
 """Where else a branch is looked for that ends at an arm angle, rad."""
@@ -74,113 +59,6 @@ def may_reach(P, place_):
     edge = P[FAR] if miss > 0.0 else P[NEAR]
     beyond = 2.0 * miss * (2.0 * edge + miss) / ((P[FAR] - P[NEAR]) * (P[FAR] + P[NEAR]))
     return abs(beyond) <= BEND_SLACK * P[COSINE_OFF] + ROUNDING
-
-
-@kernel
-def passing(P, by, psi, a, b):
-    """The posture between two of a curve at an arm angle that lies between theirs, and whether it is met.
-
-    Postures are given with how far their arm angles are ahead.
-    """
-    q_a, ahead_a = a
-    q_b, ahead_b = b
-    low = 0.0
-    high = 1.0
-    q = q_a
-    for i in range(HALVINGS):
-        share = low + (high - low) * (ahead_a / (ahead_a - ahead_b) if i % 3 != 2 else 0.5)
-        q, met = between(P, by, q_a, q_b, share)
-        if not met:
-            return q, False
-        ahead = short_way(angle_at(P, by, q) - psi)
-        if abs(ahead) < 1e-9 or high - low < 1e-12:
-            break
-        if ahead * ahead_a > 0.0:
-            low, ahead_a = share, ahead
-        else:
-            high, ahead_b = share, ahead
-    R, p, place_ = by.target
-    exact, met = close_at_angle(P, q, R, p, place_[0], place_[1], psi, STEPS, by.A)
-    moved = difference(q, exact)
-    return exact, met and dot7(moved, moved) < CLOSE_BY
-
-
-@kernel
-def keep_found(P, q, goal, out):
-    """Keep a posture in the row of its branch, if it is the best one there."""
-    branch = branch_of(P, q)
-    q, value = cost_of_turn(P, q, goal)
-    if value < out[branch, ROW_COST]:
-        for j in range(7):
-            out[branch, j] = q[j]
-        out[branch, ROW_COST] = value
-
-
-@kernel
-def put_passing(P, by, psi, ends, goal, out):
-    """Keep the posture at an arm angle between two of a curve, given with how far they are ahead, if it lies there."""
-    a, b = ends
-    if a[1] * b[1] <= 0.0 and a[1] != b[1]:
-        q, met = passing(P, by, psi, a, b)
-        if met:
-            keep_found(P, q, goal, out)
-
-
-@kernel
-def turning_between(P, by, a, b, rise):
-    """The posture of a curve at which the arm angle turns around between two; `rise` is its sign at the first."""
-    low, high = 0.0, 1.0
-    best = a
-    for _ in range(HALVINGS):
-        share = 0.5 * (low + high)
-        q, met = between(P, by, a, b, share)
-        if not met:
-            break
-        best = q
-        if turn_at(P, by, q) == rise:
-            low = share
-        else:
-            high = share
-    return best
-
-
-@kernel
-def find_at_angle(P, by, rows, runs, psi, goal, out):
-    """Write the best posture of every branch at an arm angle, and its cost, into the rows of out (8, 8).
-
-    `rows` and `runs` hold all curves of the pose, as `near_runs` writes them.
-    """
-    for branch in range(8):
-        out[branch, ROW_COST] = 2.0 * NO_BRANCH
-    for index in range(runs.shape[0]):
-        first = int(runs[index, 3])
-        a = load_sample(rows[first])
-        at_a = angle_at(P, by, a)
-        rise_a = turn_at(P, by, a)
-        for i in range(first + 1, int(runs[index, 4])):
-            b = load_sample(rows[i])
-            at_b = angle_at(P, by, b)
-            rise_b = turn_at(P, by, b)
-            ahead_a = short_way(at_a - psi)
-            ahead_b = ahead_a + short_way(at_b - at_a)
-            if rise_a != rise_b and min(abs(ahead_a), abs(ahead_b)) < NEAR_TURN:
-                turning = turning_between(P, by, a, b, rise_a)
-                ahead = ahead_a + short_way(angle_at(P, by, turning) - at_a)
-                put_passing(P, by, psi, ((a, ahead_a), (turning, ahead)), goal, out)
-                put_passing(P, by, psi, ((turning, ahead), (b, ahead_b)), goal, out)
-                if abs(ahead) < AT_TURN:
-                    keep_found(P, turning, goal, out)
-            else:
-                put_passing(P, by, psi, ((a, ahead_a), (b, ahead_b)), goal, out)
-            a, at_a, rise_a = b, at_b, rise_b
-
-
-@kernel
-def best_found(found, wanted, seed):
-    """Best of the postures in the rows of found (8, 8), or that of one branch (0 to 7): q, branch, cost."""
-    best = best_row(found, 0, wanted)
-    lowest = found[best, ROW_COST]
-    return (read7(found[best]) if lowest < NO_BRANCH else seed), best, lowest
 
 
 @kernel
@@ -227,9 +105,47 @@ def settle_all(P, target, psi, goal, found, A):
 
 
 @kernel
-def setting_of(P, target, J, A):
-    """The setting in which all curves of a pose are followed, whatever the limits."""
-    return Setting(target, elbow_side(P, target.place, 0), False, J, A)
+def put_better(other, found):
+    """Take over the rows of `other` (8, 8), a branch each, that are better than those found so far."""
+    for branch in range(8):
+        if other[branch, ROW_COST] < found[branch, ROW_COST]:
+            for i in range(8):
+                found[branch, i] = other[branch, i]
+
+
+@kernel
+def on_border(P, found, wanted, goal):
+    """The best of other branches' postures, rows of found (8, 8), on the border of one: q, branch, cost."""
+    best = Best(goal.seed, 2.0 * NO_BRANCH)
+    for branch in range(8):
+        if branch != wanted and found[branch, ROW_COST] < best.cost:
+            q = read7(found[branch])
+            if is_on_border(P, q, wanted):
+                best = Best(q, found[branch, ROW_COST])
+    return best.q, wanted, best.cost
+
+
+@kernel
+def put_borders(P, goal, found):
+    """Give branches that have no posture one of another branch on the border between them, in rows of found (8, 8)."""
+    taken = np.empty((8, 8))
+    for branch in range(8):
+        taken[branch, ROW_COST] = 2.0 * NO_BRANCH
+        if found[branch, ROW_COST] >= NO_BRANCH:
+            q, _, value = on_border(P, found, branch, goal)
+            for j in range(7):
+                taken[branch, j] = q[j]
+            taken[branch, ROW_COST] = value
+    put_better(taken, found)
+
+
+@kernel
+def highest_cost(found):
+    """The largest cost of a branch, in rows of found (8, 8)."""
+    highest = found[0, ROW_COST]
+    for branch in range(1, 8):
+        highest = max(highest, found[branch, ROW_COST])
+    return highest
 
 
 @kernel
@@ -237,20 +153,18 @@ def solve_all_at_angle(P, target, psi, respect, J, A, found):
     """The posture of every branch at an arm angle, and its cost, into the rows of found (8, 8)."""
     goal = Goal(False, NO_SEED, respect)
     close_all(P, target, psi, -1, goal, A)
-    if not settle_all(P, target, psi, goal, found, A):
-        followed, runs = np.empty((8, 8)), np.empty((MAX_RUNS, RUN))
+    final = settle_all(P, target, psi, goal, found, A)
+    highest, reached = highest_cost(found), may_reach(P, target.place)
+    ends = highest >= NO_BRANCH and reached and not is_told(P, target.place, psi)
+    if ends or not final or (highest >= OUTSIDE and reached and has_surface(P, target.place)):
+        other = np.empty((8, 8))
         by = setting_of(P, target, J, A)
-        rows, _, k, _ = near_runs(P, by, runs)
-        find_at_angle(P, by, rows, runs[:k], psi, goal, followed)
-        for branch in range(8):
-            if followed[branch, ROW_COST] < found[branch, ROW_COST]:
-                found[branch] = followed[branch]
-
-
-@kernel
-def are_curves_followed(P, place_):
-    """Whether the arm angles that a pose has are told by curves that are followed."""
-    return not may_predict(P, place_, band_of(P, place_)) or has_surface(P, place_)
+        followed = followed_curves(P, by)
+        for side in range(3 if highest >= OUTSIDE else 1):
+            find_at_angle(P, by, followed, psi + BESIDE[side], -1, goal, other)
+            put_better(other, found)
+    if ends:
+        put_borders(P, goal, found)
 
 
 @kernel
@@ -280,11 +194,30 @@ def settle_at_angle(P, target, psi, wanted, goal, A):
 
 
 @kernel
+def from_curves(P, by, followed, psi, wanted, goal, best):
+    """The best posture of curves at an arm angle, or in a branch or on its border, if better than one known.
+
+    Each is given as q, branch, cost.
+    """
+    found = np.empty((8, 8))
+    sides = 3 if wanted >= 0 and best[2] >= OUTSIDE else 1
+    for side in range(sides):
+        other = best_on_curves(P, by, followed, psi + BESIDE[side], wanted, goal, found)
+        if other[2] >= NO_BRANCH and sides > 1:
+            other = on_border(P, found, wanted, goal)
+        if other[2] < best[2]:
+            best = other
+        if best[2] < OUTSIDE:
+            break
+    return best
+
+
+@kernel
 def solve_at_angle(P, target, psi, wanted, goal, J, A):
     """Best posture at an arm angle over all branches, or in one (0 to 7), by all means there are: q, branch, cost.
 
     A branch of a near limb ends where its curve turns around or goes over into another one, and rounding decides about
-    postures there: one at an arm angle that is the same with it is as good.
+    postures there: one at an arm angle that is the same with it is as good, and so is one of the other branch there.
     """
     place_ = target.place
     seeded, seed, respect = goal
@@ -293,30 +226,17 @@ def solve_at_angle(P, target, psi, wanted, goal, J, A):
     q, best, lowest, final = settle_at_angle(P, target, psi, wanted, goal, A)
     if not may_reach(P, place_):
         return q, best, lowest
-    missing = lowest >= NO_BRANCH
-    sides = 3 if wanted >= 0 and missing else 1
-    for side in range(1, sides):
-        other, _, value, _ = settle_at_angle(P, target, psi + BESIDE[side], wanted, goal, A)
-        if value < lowest:
-            q, lowest = other, value
-        if lowest < OUTSIDE:
-            break
-    final = final and not (missing and wanted >= 0 and are_curves_followed(P, place_))
+    missing = wanted >= 0 and lowest >= NO_BRANCH
+    ends = missing and not is_told(P, place_, psi)
+    # Where several joints are singular at once, a branch has many postures: others may keep the limits.
+    final = final and not ends and (lowest < OUTSIDE or not has_surface(P, place_))
     if final or (lowest < OUTSIDE and not seeded):
         return q, best, lowest
-    followed, runs = np.empty((8, 8)), np.empty((MAX_RUNS, RUN))
     by = setting_of(P, target, J, A)
-    rows, _, k, _ = near_runs(P, by, runs)
-    for side in range(sides):
-        find_at_angle(P, by, rows, runs[:k], psi + BESIDE[side], goal, followed)
-        other, b, value = best_found(followed, wanted, seed)
-        if value < lowest:
-            q, best, lowest = other, b, value
-        if lowest < OUTSIDE:
-            break
+    q, best, lowest = from_curves(P, by, followed_curves(P, by), psi, wanted, goal, (q, best, lowest))
     if lowest >= OUTSIDE:
-        attempts = ATTEMPTS if missing else 1
-        for side in range(sides if is_near_line(P, target, psi, wanted) else 1):
+        attempts = ATTEMPTS if lowest >= NO_BRANCH else 1
+        for side in range(3 if ends and is_near_line(P, target, psi, wanted) else 1):
             other, value = evaluate_again(P, target, psi + BESIDE[side], wanted, goal, attempts, A)
             if value < lowest:
                 q, best, lowest = other, branch_of(P, other), value

@@ -16,8 +16,6 @@ from srs_ik.kernels.chain.closest import closest
 from srs_ik.kernels.chain.eight import ALL, put_some, take_eight, tip_errors
 from srs_ik.kernels.chain.kinematics import pose_error
 from srs_ik.kernels.chain.newton import CLOSED, LEFT, arm_angle, clipped, close_free
-from srs_ik.kernels.curves.best import cost_of_turn
-from srs_ik.kernels.curves.spans import out_of_branch
 from srs_ik.kernels.exact.flat import STAGES, is_as_good_as_flat, loosely
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.answer import (
@@ -39,8 +37,8 @@ from srs_ik.kernels.limb.goal import NO_SEED, OUTSIDE, UNMET, cost, tightest_joi
 from srs_ik.kernels.limb.in_line import NEARLY_IN_LINE, is_in_line, may_split, toward_of
 from srs_ik.kernels.limb.poses import read7, read_pose
 from srs_ik.kernels.limb.triangle import place
-from srs_ik.kernels.near.at_angle import SAME_ANGLE, may_reach, solve_all_at_angle, solve_at_angle
-from srs_ik.kernels.near.band import is_told
+from srs_ik.kernels.near.at_angle import may_reach, solve_all_at_angle, solve_at_angle
+from srs_ik.kernels.near.on_curves import SAME_ANGLE
 from srs_ik.kernels.near.second_attempts import rescue
 from srs_ik.kernels.pose.search import search_exact, search_near_seed, search_true
 
@@ -48,9 +46,6 @@ BARELY = 1e-3
 """A posture farther outside its limits than this, rad, is not so by rounding."""
 
 CLOSING_STEPS = 12
-
-ON_BORDER = 1e-5
-"""A posture with a middle joint this close to its singularity, as a sine, is of the branches on either side."""
 
 
 @kernel
@@ -196,33 +191,6 @@ def at_any_bend(family, target, psi, branch, goal, found):
 
 
 @kernel
-def at_border(P, target, psi, goal, found, J, A):
-    """What is found at an arm angle in a branch, or the better of the postures on its border: q, branch, cost."""
-    best, wanted = found, found[1]
-    others = np.empty((8, 8))
-    solve_all_at_angle(P, target, psi, goal.respect, J, A, others)
-    for branch in range(8):
-        if branch != wanted and others[branch, ROW_COST] < NO_BRANCH:
-            q = read7(others[branch])
-            if out_of_branch(P, q, wanted) < ON_BORDER:
-                q, value = cost_of_turn(P, q, goal)
-                if value < best[2]:
-                    best = (q, wanted, value)
-    return best
-
-
-@kernel
-def at_angle_or_border(P, target, psi, branch, goal, J, A):
-    """`solve_at_angle`; for a branch that has no posture there, one on its border: q, branch, cost."""
-    found = solve_at_angle(P, target, psi, branch, goal, J, A)
-    if J is not None:
-        if branch >= 0 and found[2] >= NO_BRANCH and may_reach(P, target.place):
-            if not is_told(P, target.place, psi):
-                found = at_border(P, target, psi, goal, found, J, A)
-    return found
-
-
-@kernel
 def solve_row_at(family, T, psi, asked, J, A, out):
     """Solve one pose at an arm angle into a row of `out`; returns the verdict on the pose.
 
@@ -235,7 +203,7 @@ def solve_row_at(family, T, psi, asked, J, A, out):
     P = row(family, LIMITED)
     target = Target(R, p, place(P, R, p))
     goal = Goal(seed is not None, seed_or_zero(seed), respect)
-    found = put_on_limits(P, target, psi, at_angle_or_border(P, target, psi, branch, goal, J, A), goal)
+    found = put_on_limits(P, target, psi, solve_at_angle(P, target, psi, branch, goal, J, A), goal)
     if J is None:
         if found[2] >= OUTSIDE and is_as_good_as_flat(target.place):
             found = at_any_bend(family, target, psi, branch, goal, found)
@@ -295,6 +263,7 @@ def all_branches(family, T, asked, J, A, out, first):
             errors = (one_of(position, branch), one_of(orientation, branch))
             write_row(place_, q, branch, arm_angle(P, q, place_[0], place_[1]), errors, (False, 0), answer)
         else:
+            q, _, lowest = put_on_limits(P, target, psi, (q, branch, lowest), Goal(False, NO_SEED, respect))
             measure_row(P, target, q, branch, lowest, respect, answer)
             answer[ROW_BRANCH] = branch
     return GOOD_POSE

@@ -1,0 +1,242 @@
+"""Postures of a near limb at an arm angle, where the curves that are followed on its true chain pass it."""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from srs_ik.kernels.algebra.joint_vectors import difference, dot7, short_way
+from srs_ik.kernels.chain.newton import STEPS, close_at_angle
+from srs_ik.kernels.chain.starts import best_row
+from srs_ik.kernels.curves.best import cost_of_turn
+from srs_ik.kernels.curves.changes import CHANGE, CHANGE_AT, CHANGE_MIDDLE, MOST_CHANGES, find_changes
+from srs_ik.kernels.curves.ends import on_curve
+from srs_ik.kernels.curves.follow import between
+from srs_ik.kernels.curves.in_step import SAMPLE, load_sample, put_sample
+from srs_ik.kernels.curves.runs import SPARE_ROWS, near_runs, samples_of
+from srs_ik.kernels.curves.spans import JUST_OUTSIDE, angle_at, turn_at
+from srs_ik.kernels.jit import kernel
+from srs_ik.kernels.layout.answer import ROW_COST
+from srs_ik.kernels.layout.asked import Setting
+from srs_ik.kernels.layout.search import MAX_RUNS, RUN
+from srs_ik.kernels.limb.branches import NO_BRANCH, bit_of, branch_of, is_on_border
+from srs_ik.kernels.limb.poses import read7
+from srs_ik.kernels.limb.triangle import elbow_side
+
+HALVINGS = 30
+"""Steps that close in on an arm angle between two samples, before Newton's method takes over."""
+
+NEAR_TURN = 0.5
+SAME_ANGLE = 1e-9
+"""An arm angle that turns around is looked for this close to the one that is wanted, rad; there it is the one, up to
+the second: rounding decides about limits and branches within it."""
+
+CLOSE_BY = 1e-4
+"""Newton's method moves a posture no farther than this, rad, squared."""
+
+TOLD = 3
+TOLD_ANGLE, TOLD_RISE, TOLD_BRANCH = range(TOLD)
+"""What is told of a sample: its arm angle, whether that rises there (1.0) or falls (-1.0), its branch."""
+
+
+class Followed(NamedTuple):
+    """All curves of a pose, whatever the limits."""
+
+    rows: Any  # their samples
+    runs: Any  # the rows of each
+    told: Any  # (n, TOLD), of every sample
+
+
+@kernel
+def setting_of(P, target, J, A):
+    """The setting in which all curves of a pose are followed, whatever the limits."""
+    return Setting(target, elbow_side(P, target.place, 0), False, J, A)
+
+
+@kernel
+def no_curves():
+    """No curves, as long as none have been followed."""
+    return Followed(np.empty((0, SAMPLE)), np.empty((0, RUN)), np.empty((0, TOLD)))
+
+
+@kernel
+def tell(P, by, n, branch, q, rows, told):
+    """Append a posture of a curve and what is told of it; the number of rows."""
+    if n >= rows.shape[0]:
+        return n
+    put_sample(rows, n, 0.0, q)
+    told[n, TOLD_ANGLE], told[n, TOLD_RISE], told[n, TOLD_BRANCH] = angle_at(P, by, q), turn_at(P, by, q), branch
+    return n + 1
+
+
+@kernel
+def tell_changes(P, by, curve, i, work, n, rows, told):
+    """Append the postures beside each change of branch before sample i of a curve; rows, and the branch then."""
+    samples = curve.rows
+    branch = int(told[n - 1, TOLD_BRANCH])
+    before, after = (samples[i - 1, 0], load_sample(samples[i - 1])), (samples[i, 0], load_sample(samples[i]))
+    for c in range(find_changes(P, by, curve, before, after, work)):
+        x = work[c, CHANGE_AT]
+        q, _ = on_curve(P, by, 0, curve, max(x - JUST_OUTSIDE, before[0]))
+        n = tell(P, by, n, branch, q, rows, told)
+        branch ^= bit_of(int(work[c, CHANGE_MIDDLE]))
+        q, _ = on_curve(P, by, 0, curve, min(x + JUST_OUTSIDE, after[0]))
+        n = tell(P, by, n, branch, q, rows, told)
+    return n, branch
+
+
+@kernel
+def followed_curves(P, by):
+    """Follow all curves of a pose, and look where they go from branch to branch."""
+    runs = np.empty((MAX_RUNS, RUN))
+    samples, n_samples, k, _ = near_runs(P, by, runs)
+    work = np.empty((MOST_CHANGES, CHANGE))
+    rows = np.empty((n_samples + SPARE_ROWS, SAMPLE))
+    told = np.empty((n_samples + SPARE_ROWS, TOLD))
+    n = 0
+    for index in range(k):
+        curve = samples_of(samples, runs[index])
+        runs[index, 3] = n
+        q = load_sample(samples[curve.first])
+        branch = branch_of(P, q)
+        n = tell(P, by, n, branch, q, rows, told)
+        for i in range(curve.first + 1, curve.last):
+            n, branch = tell_changes(P, by, curve, i, work, n, rows, told)
+            n = tell(P, by, n, branch, load_sample(samples[i]), rows, told)
+        runs[index, 4] = n
+    return Followed(rows, runs[:k], told)
+
+
+@kernel
+def passing(P, by, psi, a, b):
+    """The posture between two of a curve at an arm angle that lies between theirs, and whether it is met.
+
+    Postures are given with how far their arm angles are ahead.
+    """
+    q_a, ahead_a = a
+    q_b, ahead_b = b
+    low = 0.0
+    high = 1.0
+    q = q_a
+    ahead = ahead_a
+    for i in range(HALVINGS):
+        share = low + (high - low) * (ahead_a / (ahead_a - ahead_b) if i % 3 != 2 else 0.5)
+        q, met = between(P, by, q_a, q_b, share)
+        if not met:
+            return q, False
+        ahead = short_way(angle_at(P, by, q) - psi)
+        if abs(ahead) < SAME_ANGLE or high - low < 1e-12:
+            break
+        if ahead * ahead_a > 0.0:
+            low, ahead_a = share, ahead
+        else:
+            high, ahead_b = share, ahead
+    R, p, place_ = by.target
+    exact, met = close_at_angle(P, q, R, p, place_[0], place_[1], psi, STEPS, by.A)
+    moved = difference(q, exact)
+    if met and dot7(moved, moved) < CLOSE_BY:
+        return exact, True
+    return q, abs(ahead) < SAME_ANGLE
+
+
+@kernel
+def keep_found(P, q, branch, goal, out):
+    """Keep a posture in the row of the branch that it is told to be of, if it is the best one there."""
+    branch = branch if is_on_border(P, q, branch) else branch_of(P, q)
+    q, value = cost_of_turn(P, q, goal)
+    if value < out[branch, ROW_COST]:
+        for j in range(7):
+            out[branch, j] = q[j]
+        out[branch, ROW_COST] = value
+
+
+@kernel
+def put_passing(P, by, psi, branch, ends, goal, out):
+    """Keep the posture at an arm angle between two of a curve, given with how far they are ahead, if it lies there."""
+    a, b = ends
+    if a[1] * b[1] <= 0.0 and a[1] != b[1]:
+        q, met = passing(P, by, psi, a, b)
+        if met:
+            keep_found(P, q, branch, goal, out)
+
+
+@kernel
+def turning_between(P, by, a, b, rise):
+    """The posture of a curve at which the arm angle turns around between two; `rise` is its sign at the first."""
+    low, high = 0.0, 1.0
+    best = a
+    for _ in range(HALVINGS):
+        share = 0.5 * (low + high)
+        q, met = between(P, by, a, b, share)
+        if not met:
+            break
+        best = q
+        if turn_at(P, by, q) == rise:
+            low = share
+        else:
+            high = share
+    return best
+
+
+@kernel
+def look_between(P, by, followed, i, psi, goal, out):
+    """Keep what is at an arm angle between the sample i - 1 and the next one."""
+    told = followed.told
+    at_a, at_b = told[i - 1, TOLD_ANGLE], told[i, TOLD_ANGLE]
+    ahead_a = short_way(at_a - psi)
+    ahead_b = ahead_a + short_way(at_b - at_a)
+    turns = told[i - 1, TOLD_RISE] != told[i, TOLD_RISE] and min(abs(ahead_a), abs(ahead_b)) < NEAR_TURN
+    if not turns and ahead_a * ahead_b > 0.0 and min(abs(ahead_a), abs(ahead_b)) > SAME_ANGLE:
+        return
+    a, b = load_sample(followed.rows[i - 1]), load_sample(followed.rows[i])
+    branch, next_branch = int(told[i - 1, TOLD_BRANCH]), int(told[i, TOLD_BRANCH])
+    if abs(ahead_a) < SAME_ANGLE:
+        keep_found(P, a, branch, goal, out)
+    if abs(ahead_b) < SAME_ANGLE:
+        keep_found(P, b, next_branch, goal, out)
+    if turns:
+        turning = turning_between(P, by, a, b, told[i - 1, TOLD_RISE])
+        ahead = ahead_a + short_way(angle_at(P, by, turning) - at_a)
+        put_passing(P, by, psi, branch, ((a, ahead_a), (turning, ahead)), goal, out)
+        put_passing(P, by, psi, branch, ((turning, ahead), (b, ahead_b)), goal, out)
+        if abs(ahead) < SAME_ANGLE:
+            keep_found(P, turning, branch, goal, out)
+    else:
+        put_passing(P, by, psi, branch, ((a, ahead_a), (b, ahead_b)), goal, out)
+
+
+@kernel
+def find_at_angle(P, by, followed, psi, wanted, goal, out):
+    """Write the best posture of every branch at an arm angle, and its cost, into the rows of out (8, 8).
+
+    Of one that is wanted (0 to 7), and of others only where they border on it.
+    """
+    for branch in range(8):
+        out[branch, ROW_COST] = 2.0 * NO_BRANCH
+    runs, told = followed.runs, followed.told
+    for index in range(runs.shape[0]):
+        first = int(runs[index, 3])
+        for i in range(first + 1, int(runs[index, 4])):
+            if wanted < 0 or wanted in (int(told[i - 1, TOLD_BRANCH]), int(told[i, TOLD_BRANCH])):
+                look_between(P, by, followed, i, psi, goal, out)
+
+
+@kernel
+def best_found(found, wanted, seed):
+    """Best of the postures in the rows of found (8, 8), or that of one branch (0 to 7): q, branch, cost."""
+    best = best_row(found, 0, wanted)
+    lowest = found[best, ROW_COST]
+    return (read7(found[best]) if lowest < NO_BRANCH else seed), best, lowest
+
+
+@kernel
+def best_on_curves(P, by, followed, psi, wanted, goal, out):
+    """The best posture at an arm angle over all branches, or in one (0 to 7): q, branch, cost."""
+    find_at_angle(P, by, followed, psi, wanted, goal, out)
+    found = best_found(out, wanted, goal.seed)
+    if wanted >= 0 and found[2] >= NO_BRANCH:
+        # A curve that has just left the branch may come back to it.
+        find_at_angle(P, by, followed, psi, -1, goal, out)
+        found = best_found(out, wanted, goal.seed)
+    return found
