@@ -15,7 +15,7 @@ import srs_ik
 from srs_ik.preview import FollowingPreview
 
 SIZE = (1100, 760)
-START = np.array([0.3, 0.7, -0.4, -1.2, 0.5, 0.8, -0.2])
+START = np.array([-1.9, 0.7, -0.4, -1.2, 0.5, 0.8, -0.2])
 CHANGES = (0.3, -0.35, 0.5)
 """What joints 1, 2 and 4 of the postures whose poses become the target differ by, rad, one after the other."""
 
@@ -36,6 +36,7 @@ def main() -> None:
         page = browser.new_page(viewport={"width": SIZE[0], "height": SIZE[1]})
         page.set_default_timeout(PATIENCE)
         page.goto(view.url)
+        page.add_style_tag(content=".mantine-Notification-root { display: none }")
         page.get_by_text("reconfigure").wait_for()
         page.wait_for_timeout(4000)
         for change in CHANGES:
