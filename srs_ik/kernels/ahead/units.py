@@ -18,6 +18,9 @@ function beside its caller is worth more than the call: at 150, searches took 6 
 _DEFINITION = re.compile(r"^define (?:internal )?(.*? )(@[^( ]+|@\"[^\"]+\")(\(.*?\n)(.*?^}\n)", re.M | re.S)
 _CALLED = re.compile(r" call [^@\n]*(@[^( \n]+|@\"[^\"\n]+\")\(")
 
+_NOTE = re.compile(r"^(![0-9]+ = !{)ptr @.*}$", re.M)
+"""Older versions of Numba note functions for a search for references that LLVM's own has replaced."""
+
 
 class _Function(NamedTuple):
     """A function in the text of a module, and what matters of it."""
@@ -43,6 +46,7 @@ def divide(text: str, entries: list[list[str]]) -> list[Unit]:
         text: the module, as LLVM prints it; every function in it has a name.
         entries: names of the entries of each part.
     """
+    text = _NOTE.sub(r"\1}", text)
     found = {
         match[2].strip('@"'): _Function(
             match.start(),
