@@ -42,6 +42,14 @@ WELL_STRAIGHT = 0.985
 CORRECTIONS = 8
 """Newton's steps back to the curve, at most."""
 
+BENT = 16.0
+ASIDE = 4e-4
+"""A curve is no farther aside of its way than twice what its turn makes of it, and this part of the step, squared: else
+the step has led to another curve."""
+
+VAGUE = 1e-6
+"""Where several joints are singular at once, floats tell a curve no better than this, rad squared."""
+
 SHRINKING = 0.4
 """Steps back to the curve that shrink by less do not lead there."""
 
@@ -109,6 +117,22 @@ def crosses_two(P, a, b, step):
 
 
 @kernel
+def most_aside(ahead, cosine):
+    """How far aside of its way a curve is after some distance ahead, squared, where it has turned by a cosine.
+
+    On a circle it is half of that distance times half of the angle that it has turned by.
+    """
+    return ahead * ahead * (BENT * (1.0 - cosine) / (1.0 + cosine) + ASIDE) + VAGUE
+
+
+@kernel
+def is_along(made, way, cosine):
+    """Which of eight postures may be on the curves that began along a way, given how far they are and how they turn."""
+    ahead = dot_seven(made, way)
+    return dot_seven(made, made) - ahead * ahead < most_aside(ahead, cosine)
+
+
+@kernel
 def step_in_step(P, R, p, rows, alive):
     """Take eight curves a step on: postures, ways of the curves, which are there (bits), cosines of their turns.
 
@@ -135,8 +159,9 @@ def step_in_step(P, R, p, rows, alive):
             break
         last = size
         turns = turned_by_all(turns, d)
-    met &= as_bits(dot_seven(way, t) > SMALLEST_COSINE)
-    return q, t, met & ~as_bits(crosses_two(P, before, q, step)), dot_seven(way, t)
+    cosine = dot_seven(way, t)
+    met &= as_bits(cosine > SMALLEST_COSINE)
+    return q, t, met & ~as_bits(crosses_two(P, before, q, step)), cosine
 
 
 @kernel

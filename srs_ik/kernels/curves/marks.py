@@ -9,7 +9,7 @@ from __future__ import annotations
 import numpy as np
 
 from srs_ik.kernels.algebra.joint_vectors import difference, dot7, short_way
-from srs_ik.kernels.algebra.lanes import as_bits, one_of, scatter, where
+from srs_ik.kernels.algebra.lanes import as_bits, one_of, root, scatter, where
 from srs_ik.kernels.algebra.pointers import keep, row
 from srs_ik.kernels.chain.eight import ALL, put_eight, take_eight
 from srs_ik.kernels.chain.newton_eight import all_along, dot_seven
@@ -23,10 +23,13 @@ from srs_ik.kernels.curves.in_step import (
     SAMPLE,
     SHORTEST_STEP,
     WELL_STRAIGHT,
+    crosses_two,
+    is_along,
     load_sample,
     put_sample,
     short_ways,
     step_in_step,
+    take_ways,
 )
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.limb.poses import read7
@@ -57,10 +60,10 @@ def read_way(mark):
 
 
 @kernel
-def shares_of_ways(q, chord, length2, mark):
+def shares_of_ways(P, q, way, chord, length2, mark):
     """The shares of the ways of eight curves, from postures along chords, at which a mark is passed; 2 where it is not.
 
-    The squares of the lengths of the chords are given.
+    The unit vectors along the curves are given, and the squares of the lengths of the chords.
     """
     to_mark = (
         short_ways(mark[0] - q[0]),
@@ -75,15 +78,18 @@ def shares_of_ways(q, chord, length2, mark):
     share = along_chord / length2
     off2 = dot_seven(to_mark, to_mark) - share * along_chord
     ahead = dot_seven(read_way(mark), chord)
-    beside = (ahead > 0.0) & (off2 < BESIDE * BESIDE * length2)
-    return where(beside & (share > 0.0) & (share < AT_THE_END), share, 2.0 + 0.0 * share)
+    beside = (ahead > 0.0) & (off2 < BESIDE * BESIDE * length2) & is_along(to_mark, way, dot_seven(read_way(mark), way))
+    jumps = crosses_two(P, q, all_along(q, 1.0, to_mark), share * root(length2))
+    share = where(beside & (share > 0.0) & (share < AT_THE_END), share, 2.0 + 0.0 * share)
+    return where(jumps, 2.0 + 0.0 * share, share)
 
 
 @kernel
-def find_passed(before, after, which, marks, count):
+def find_passed(P, before, after, which, marks, count):
     """The first mark on the way of each of eight curves, of those that are named by bits (-1: none), and its share."""
     q = take_eight(before, LANE)
     chord = all_along(take_eight(after, LANE), -1.0, q)
+    way = take_ways(before, 7, LANE)
     length2 = dot_seven(chord, chord)
     shares = 2.0 + 0.0 * length2
     passed = shares - 3.0
@@ -92,7 +98,7 @@ def find_passed(before, after, which, marks, count):
         near = (abs(short_ways(q[1] - mark[1])) < BEYOND) & (abs(short_ways(q[5] - mark[5])) < BEYOND)
         if which & as_bits(near) == 0:
             continue
-        share = shares_of_ways(q, chord, length2, mark)
+        share = shares_of_ways(P, q, way, chord, length2, mark)
         earlier = share < shares
         shares = where(earlier, share, shares)
         passed = where(earlier, m + 0.0 * share, passed)
@@ -148,7 +154,7 @@ def follow_marks(P, target, marks, starts, pieces):
         put_eight(row(after, 0), LANE, ALL, q)
         for j in range(7):
             scatter(row(after, 0), 7 + j, LANE, t[j])
-        passed, shares = find_passed(row(lanes, 0), row(after, 0), there & alive, marks, count)
+        passed, shares = find_passed(P, row(lanes, 0), row(after, 0), there & alive, marks, count)
         for i in range(8):
             if (alive >> i) & 1 == 0:
                 continue
