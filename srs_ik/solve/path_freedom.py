@@ -65,7 +65,12 @@ def solve_free_path(
         return best
     most = np.maximum(longest, np.abs(best.steps).max(axis=0, initial=0.0))
     q = best.q
-    for other in (followed(arm, T, free, best.q[0]), followed(arm, T[::-1], free, best.q[-1])[::-1], best.q):
+    ways_on = [followed(arm, T, free, best.q[0]), followed(arm, T[::-1], free, best.q[-1])[::-1], best.q]
+    if start is not None:
+        # The first pose as the arm may meet it from where it is.
+        nearest = solve(arm, T[0], free, start, True)
+        ways_on += [followed(arm, T, free, nearest.q)] if nearest else []
+    for other in ways_on:
         if np.isfinite(other).all():
             other = relaxed(arm, T, free, other, start is not None)
             if (np.abs(np.diff(other, axis=0)) <= most).all() and _squares(other, start) < _squares(q, start):

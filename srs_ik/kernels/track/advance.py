@@ -16,14 +16,12 @@ from srs_ik.kernels.chain.newton import clipped
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.limb import FAR, LOWER, UPPER
 from srs_ik.kernels.layout.track import (
-    ACCELERATION,
     BAD_TARGET,
     BEHIND,
     COAST,
     DETOUR,
     DETOUR_END,
     ELSEWHERE,
-    FORBIDDEN,
     GOAL,
     GOAL_RATE,
     HELD,
@@ -31,17 +29,12 @@ from srs_ik.kernels.layout.track import (
     LOST,
     LOST_TARGET,
     MISS,
-    NO_REASON,
     NO_TARGET_YET,
     NOWHERE,
-    OK,
     ON,
-    ON_THE_WAY,
-    OTHER_POSTURE,
     OUT_OF_REACH,
     PERIOD,
     PLANNED,
-    RECONFIGURE,
     ROTATION,
     SPEED,
     STARTED,
@@ -72,15 +65,13 @@ from srs_ik.kernels.track.freedom import error_left, other_turn, shown_at, wante
 from srs_ik.kernels.track.limits import bounds, toward
 from srs_ik.kernels.track.target import keep_pace, load_pose, lose_target, take_target
 from srs_ik.kernels.track.trend import learn
+from srs_ik.kernels.track.verdict import CLOSE, hardest, verdict
 
 FASTER = 3.0
 """The goal may move so many times as fast as the joints."""
 
 MET = 1e-9
 """A pose is met if it is closer than this, m, and, by the reach, rad."""
-
-CLOSE = 1e-6
-"""The same for what is said of it."""
 
 TOGETHER = 1e-12
 """Joints this close to the goal, rad, have met it."""
@@ -259,46 +250,6 @@ def on_true_chain(P, S, C, pose, work):
     d, size = approach(P, C, pose, end, choice, REFINED, work)
     store7(S, DETOUR_END, clipped(P, along7(end, 1.0, d)))
     return size < CLOSE
-
-
-@kernel
-def most_behind(S, C, q):
-    """The joint (1 to 7) that is farthest behind the goal, by its speed."""
-    worst, most = 0, -1.0
-    for j in range(7):
-        behind = abs(S[GOAL + j] - q[j]) / C[SPEED + j]
-        if behind > most:
-            worst, most = j + 1, behind
-    return worst
-
-
-@kernel
-def hardest(S, C, v):
-    """The joint (1 to 7) that uses most of its velocity or acceleration."""
-    worst, most = 0, -1.0
-    for j in range(7):
-        change = abs(v[j] - S[V + j]) / (C[ACCELERATION + j] * C[PERIOD])
-        used = max(abs(v[j]) / C[SPEED + j], change)
-        if used > most:
-            worst, most = j + 1, used
-    return worst
-
-
-@kernel
-def verdict(P, S, C, q, size, place_):
-    """Status, reason, and the joint that is farthest behind."""
-    if S[ON] == 1.0 or (size < CLOSE and apart(q, read7(row(S, GOAL))) < CLOSE):
-        return OK, NO_REASON, 0
-    joint = most_behind(S, C, q)
-    if size < CLOSE:
-        return LIMITED, BEHIND, joint
-    if out_of_reach(P, place_):
-        return UNREACHABLE, OUT_OF_REACH, joint
-    if S[ELSEWHERE] == UNKNOWN:
-        return LIMITED, ON_THE_WAY, joint
-    if S[ELSEWHERE] == RECONFIGURE:
-        return HELD, OTHER_POSTURE, joint
-    return UNREACHABLE, FORBIDDEN, joint
 
 
 @kernel

@@ -1,0 +1,87 @@
+"""Ends of intervals that are looked for on the true chain of a near limb, eight at a time."""
+
+from __future__ import annotations
+
+from srs_ik.kernels.algebra.lanes import as_bits, gather, one_of
+from srs_ik.kernels.algebra.pointers import row
+from srs_ik.kernels.chain.eight import put_eight, take_eight
+from srs_ik.kernels.chain.limit_ends import to_limits
+from srs_ik.kernels.chain.newton import STEPS
+from srs_ik.kernels.chain.newton_eight import ALL
+from srs_ik.kernels.jit import kernel
+from srs_ik.kernels.limb.poses import read7
+from srs_ik.kernels.near.scan import POINT_PSI, in_branches, put_certain
+
+MARGINS = 1e-9
+SPARE = 0.5
+"""Ends may be this far, rad, outside the arm angles between which they are expected, and by this part of what is
+between these: the band is not for every joint at every posture."""
+
+END = 12
+END_PSI = 7
+END_WAY = 8
+END_FIRST = 9
+END_LAST = 10
+END_BRANCH = 11
+"""An end that is looked for: joint angles to start from, their arm angle, direction to go, arm angles between which the
+end lies, and branch."""
+
+UNTOLD = 1e9
+BY_CLOSED_FORM = (UNTOLD, UNTOLD, UNTOLD, UNTOLD, UNTOLD, UNTOLD, UNTOLD)
+"""Joint angles of an end whose search begins at the closed form's posture: it is asked for eight at a time."""
+
+MAX_ENDS = 256
+
+
+@kernel
+def put_end(ends, n, q, branch, at):
+    """Append an end to be looked for; return how many there are.
+
+    `at` holds the arm angle of the posture to start from, the way to go, and between which arm angles the end lies.
+    """
+    if n >= MAX_ENDS:
+        return n
+    for j in range(7):
+        ends[n, j] = q[j]
+    ends[n, END_PSI], ends[n, END_WAY], ends[n, END_FIRST], ends[n, END_LAST] = at
+    ends[n, END_BRANCH] = branch
+    return n + 1
+
+
+@kernel
+def put_fixed(point, branch, ends, n):
+    """Append an end at the arm angle of a point, which is inside the limits."""
+    psi = point[POINT_PSI]
+    return put_end(ends, n, read7(point), branch, (psi, 0.0, psi, psi))
+
+
+@kernel
+def tell_starts(P, view, rows):
+    """Fill in the closed form's postures in eight ends, where they are not told."""
+    told = take_eight(rows, END)
+    which = as_bits(told[0] < UNTOLD)
+    if which != ALL:
+        put_certain(P, view, rows, END, (END_PSI, END_BRANCH))
+        put_eight(rows, END, which, told)
+
+
+@kernel
+def correct_ends(P, view, ends, n):
+    """Bring the arm angles of n ends to their limits on the true chain; whether all are where they are expected."""
+    for i in range(n, 8 * ((n + 7) // 8)):
+        for j in range(END):
+            ends[i, j] = ends[n - 1, j]
+    for first in range(0, n, 8):
+        rows = row(ends, first)
+        tell_starts(P, view, rows)
+        way = gather(rows, END_WAY, END)
+        q, psi, met = to_limits(P, take_eight(rows, END), gather(rows, END_PSI, END), way, view.target, STEPS)
+        met &= in_branches(P, q, gather(rows, END_BRANCH, END))
+        first_psi, last_psi = gather(rows, END_FIRST, END), gather(rows, END_LAST, END)
+        more = SPARE * (last_psi - first_psi) + MARGINS
+        met &= as_bits((psi > first_psi - more) & (psi < last_psi + more))
+        if met != ALL:
+            return False
+        for i in range(8):
+            ends[first + i, END_PSI] = one_of(psi, i)
+    return True

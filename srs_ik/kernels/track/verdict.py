@@ -1,0 +1,73 @@
+"""What an update says: its status and reason, and the joint that stands out."""
+
+from __future__ import annotations
+
+from srs_ik.kernels.algebra.joint_vectors import apart
+from srs_ik.kernels.algebra.pointers import row
+from srs_ik.kernels.jit import kernel
+from srs_ik.kernels.layout.track import (
+    ACCELERATION,
+    BEHIND,
+    ELSEWHERE,
+    FORBIDDEN,
+    GOAL,
+    HELD,
+    LIMITED,
+    NO_REASON,
+    OK,
+    ON,
+    ON_THE_WAY,
+    OTHER_POSTURE,
+    OUT_OF_REACH,
+    PERIOD,
+    RECONFIGURE,
+    SPEED,
+    UNKNOWN,
+    UNREACHABLE,
+    V,
+)
+from srs_ik.kernels.limb.poses import read7
+from srs_ik.kernels.track.elsewhere import out_of_reach
+
+CLOSE = 1e-6
+"""A goal that misses its target by less than this (m, rad) is said to be on it."""
+
+
+@kernel
+def most_behind(S, C, q):
+    """The joint (1 to 7) that is farthest behind the goal, by its speed."""
+    worst, most = 0, -1.0
+    for j in range(7):
+        behind = abs(S[GOAL + j] - q[j]) / C[SPEED + j]
+        if behind > most:
+            worst, most = j + 1, behind
+    return worst
+
+
+@kernel
+def hardest(S, C, v):
+    """The joint (1 to 7) that uses most of its velocity or acceleration."""
+    worst, most = 0, -1.0
+    for j in range(7):
+        change = abs(v[j] - S[V + j]) / (C[ACCELERATION + j] * C[PERIOD])
+        used = max(abs(v[j]) / C[SPEED + j], change)
+        if used > most:
+            worst, most = j + 1, used
+    return worst
+
+
+@kernel
+def verdict(P, S, C, q, size, place_):
+    """Status, reason, and the joint that is farthest behind."""
+    if S[ON] == 1.0 or (size < CLOSE and apart(q, read7(row(S, GOAL))) < CLOSE):
+        return OK, NO_REASON, 0
+    joint = most_behind(S, C, q)
+    if size < CLOSE:
+        return LIMITED, BEHIND, joint
+    if out_of_reach(P, place_):
+        return UNREACHABLE, OUT_OF_REACH, joint
+    if S[ELSEWHERE] == UNKNOWN:
+        return LIMITED, ON_THE_WAY, joint
+    if S[ELSEWHERE] == RECONFIGURE:
+        return HELD, OTHER_POSTURE, joint
+    return UNREACHABLE, FORBIDDEN, joint
