@@ -225,6 +225,8 @@ def test_another_configuration_is_taken_only_when_allowed():
         ({"acceleration": [1.0, 2.0]}, InvalidConfiguration, "acceleration must be a positive"),
         ({"acceleration": np.nan}, InvalidConfiguration, "acceleration must be a positive number \\(inf: none\\)"),
         ({"velocity": np.inf}, InvalidConfiguration, "velocity must be a positive"),
+        ({"velocity": 1e307, "acceleration": np.inf}, InvalidConfiguration, "1e\\+06 at most"),
+        ({"dt": 1e300}, InvalidConfiguration, "100 s at most"),
         ({"smoothing": -1.0}, InvalidConfiguration, "smoothing must be"),
         ({"elbow": "best"}, InvalidTask, "there is no objective 'best'"),
         ({"elbow": np.inf}, InvalidConfiguration, "arm angle must be a finite"),

@@ -76,7 +76,9 @@ def follow(
     if velocity is not None:
         options["velocity"] = numbers("--velocity", [velocity])[0]
     if acceleration is not None:
-        options["acceleration"] = math.inf if acceleration == "inf" else numbers("--acceleration", [acceleration])[0]
+        options["acceleration"] = (
+            math.inf if acceleration.lower() in ("inf", "+inf") else numbers("--acceleration", [acceleration])[0]
+        )
     q0 = None if start is None else angles("--q", start, unit)
     targets = read_targets(poses, unit)
 

@@ -29,6 +29,10 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 
+LONGEST_PERIOD = 100.0
+MOST = {"velocity": 1e6, "acceleration": 1e9, "jerk": 1e12}
+"""Updates so far apart at most, s, and joints so fast, rad/s, rad/s^2, rad/s^3: beyond that, figures overflow."""
+
 FULL_SPEED_IN = 0.2
 """Where no accelerations are given, each joint may come to its largest velocity in so many seconds."""
 
@@ -175,6 +179,10 @@ class Tracker:
         self._packed, self._arm = packed, owner
         velocity, acceleration, jerk = bounds
         self.dt = as_positive(dt, "dt", "seconds")
+        if self.dt > LONGEST_PERIOD:
+            raise InvalidConfiguration(
+                f"dt is the time between two updates, {LONGEST_PERIOD:g} s at most, not {self.dt:g}"
+            )
         self.velocity_limit = _limits(velocity, packed, "velocity", packed.velocity_limit)
         usual = self.velocity_limit / FULL_SPEED_IN
         self.acceleration_limit = _limits(acceleration, packed, "acceleration", usual, endless=True)
@@ -360,13 +368,16 @@ def _limits(given: ArrayLike | None, packed: PackedArm, what: str, default: Arra
         if missing.any():
             names = [packed.joint_names[j] for j in np.flatnonzero(missing)]
             raise MissingLimits("velocity", names, packed.name)
-        return default.copy()
+        return np.minimum(default, MOST[what])
     try:
         values = real_array(given)
     except (TypeError, ValueError):
         values = np.full(0, np.nan)
     good = (values > 0.0) & (endless | (values < np.inf))
+    good &= (values <= MOST[what]) | (endless & np.isinf(values))
     if values.shape not in ((), (7,)) or not good.all():
         none = " (inf: none)" if endless else ""
-        raise InvalidConfiguration(f"{what} must be a positive number{none}, or 7 of them, one a joint")
+        raise InvalidConfiguration(
+            f"{what} must be a positive number{none}, or 7 of them, one a joint; {MOST[what]:g} at most"
+        )
     return np.full(7, values)

@@ -14,7 +14,9 @@ from typing import Self
 CAN_FORK = sys.platform.startswith("linux")
 """Whether a process may be copied as it is; elsewhere libraries of the system forbid it, and calls are made here."""
 
-CORES = os.cpu_count() or 1
+MOST = 8
+CORES = min(MOST, len(os.sched_getaffinity(0)) if CAN_FORK else 1)
+"""So many calls at once: as many as this process may use processors, but each takes memory of its own."""
 
 
 class Forks:

@@ -6,7 +6,7 @@ import math
 
 from srs_ik.kernels.algebra.lane_trig import turns_of
 from srs_ik.kernels.algebra.lanes import as_bits, gather, one_of, whole_number
-from srs_ik.kernels.chain.eight import ALL, take_eight
+from srs_ik.kernels.chain.eight import take_eight
 from srs_ik.kernels.chain.newton import LAST_STEP, MAX_STEP
 from srs_ik.kernels.chain.newton_eight import (
     all_along,
@@ -162,26 +162,6 @@ def step_in_step(P, R, p, rows, alive):
     cosine = dot_seven(way, t)
     met &= as_bits(cosine > SMALLEST_COSINE)
     return q, t, met & ~as_bits(crosses_two(P, before, q, step)), cosine
-
-
-@kernel
-def close_on_chords(P, target, q, chords):
-    """Newton's method for eight postures on curves of a pose, beside points on chords: across these, given as units.
-
-    Returns the postures, and which are met, as bits.
-    """
-    turns = turns_of(q)
-    met = 0
-    for _ in range(CORRECTIONS):
-        d, _, _, right = curve_step(P, turns, target.R, target.p, chords, 0.0 * q[0])
-        size = largest(d)
-        q = all_along(q, 1.0, d)
-        settled = size < LAST_STEP
-        met = as_bits(settled & right)
-        if as_bits(settled) == ALL:
-            break
-        turns = turned_by_all(turns, d)
-    return q, met
 
 
 @kernel
