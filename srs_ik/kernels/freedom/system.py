@@ -187,8 +187,8 @@ def turn_down(M, m):
 
 
 @kernel
-def go_along(M, m, n):
-    """How far to go along each of n ways, into column RHS of rows m on; whether that leads to a minimum."""
+def put_bends(M, m, n):
+    """Write how steps along n ways bend, and where they begin, into rows m on."""
     for k in range(n):
         for i in range(n):
             total = 0.0
@@ -199,6 +199,12 @@ def go_along(M, m, n):
         for j in range(7):
             total += M[WAYS + k, j] * M[REST_ROW, j]
         M[m + k, RHS] = total
+
+
+@kernel
+def go_along(M, m, n):
+    """How far to go along each of n ways, into column RHS of rows m on; whether that leads to a minimum."""
+    put_bends(M, m, n)
     if n == 2:
         turn_down(M, m)
     elif n == 1:

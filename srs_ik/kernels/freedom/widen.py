@@ -35,6 +35,7 @@ from srs_ik.kernels.freedom.system import (
     WAYS,
     eliminate,
     multiplier,
+    put_bends,
     solve_equations,
     turn_down,
     write_ways,
@@ -192,16 +193,7 @@ def exchange(P, K, M, n, mark):
 @kernel
 def write_bends(M, m, n):
     """Write how steps along n ways bend, made such that they bend upwards, and where they begin."""
-    for k in range(n):
-        for i in range(n):
-            total = 0.0
-            for j in range(7):
-                total += M[WAYS + k, j] * M[WAYS + i, 7 + j]
-            M[m + k, i] = total
-        total = 0.0
-        for j in range(7):
-            total += M[WAYS + k, j] * M[REST_ROW, j]
-        M[m + k, RHS] = total
+    put_bends(M, m, n)
     if n == 2:
         turn_down(M, m)
 
