@@ -124,7 +124,8 @@ def translated(work: list[Work], machine: str) -> list[bytes]:
         forks.begin(lambda: backend.prepare(frontend.runtime(), None, triple(machine)), CORES)
         for done, each in enumerate(work, 1):
             frontend.find_types(*each)
-            while frontend.waiting() >= BATCH:
+            # Types are found by this process alone: it goes on while others write.
+            while frontend.waiting() >= BATCH and forks.has_room(CORES - 1):
                 forks.begin(partial(_written, frontend.take(BATCH), machine), CORES - 1)
             _say(f"read {done} of {len(work)}")
         while frontend.waiting():

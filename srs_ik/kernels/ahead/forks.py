@@ -42,12 +42,21 @@ class Forks:
         if not CAN_FORK:
             path.write_bytes(call())
             return
-        while len(self._running) >= max(1, most):
+        while not self.has_room(most):
             self._wait()
         child = os.fork()
         if child == 0:
             _answer(call, path)
         self._running.add(child)
+
+    def has_room(self, most: int) -> bool:
+        """Whether fewer than `most` run, or none."""
+        while self._running:
+            child, status = os.waitpid(-1, os.WNOHANG)
+            if not child:
+                break
+            self._end(child, status)
+        return len(self._running) < max(1, most)
 
     def results(self) -> list[bytes]:
         """What the calls returned, in the order in which they were begun.
@@ -60,7 +69,9 @@ class Forks:
         return [self._path(i).read_bytes() for i in range(self._begun)]
 
     def _wait(self) -> None:
-        child, status = os.wait()
+        self._end(*os.wait())
+
+    def _end(self, child: int, status: int) -> None:
         self._running.discard(child)
         if status:
             raise RuntimeError("part of the kernels cannot be compiled, see above")

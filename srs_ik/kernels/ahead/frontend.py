@@ -21,8 +21,10 @@ from numba.extending import overload
 from numba.np import arrayobj
 
 from srs_ik.kernels import entries
+from srs_ik.kernels.ahead.borrow import make_borrow
 from srs_ik.kernels.ahead.lean import make_lean
-from srs_ik.kernels.ahead.passes import Halves, Typed, finish
+from srs_ik.kernels.ahead.passes import Halves
+from srs_ik.kernels.ahead.passing import make_short
 from srs_ik.kernels.ahead.quick import make_quick
 from srs_ik.kernels.ahead.signatures import Argument, Entry
 
@@ -81,10 +83,12 @@ class Frontend:
     def __init__(self) -> None:
         make_quick()
         make_lean()
-        self._halves = Halves()
+        make_borrow()
+        make_short()
+        self._waiting: list[Callable[[], str]] = []
+        self._halves = Halves(self._waiting)
         self._halves.install()
         self._written: list[str] = []
-        self._exports: list[tuple[Entry, Any, str]] = []
         self._context = cpu_target.target_context
         self._typing = cpu_target.typing_context
         codegen = self._context.codegen()
@@ -112,44 +116,37 @@ class Frontend:
             compiled = compiler.compile_extra(
                 self._typing, self._context, function.py_func, kinds, None, self._flags, {}
             )
-        self._exports.append((entry, compiled, symbol))
+        self._waiting.append(partial(self._export, entry, compiled, symbol))
 
     def waiting(self) -> int:
         """How many functions have types and no code yet."""
-        return len(self._halves.typed) + len(self._exports)
+        return len(self._waiting)
 
     def take(self, most: int) -> Callable[[], Written]:
-        """The call that writes the code of some functions that wait for it, which then wait no longer."""
-        typed, self._halves.typed = self._halves.typed[:most], self._halves.typed[most:]
-        exports, self._exports = self._exports, []
-        return partial(self._finished, typed, exports)
+        """The call that writes the code of those functions that have waited longest, which then wait no longer."""
+        taken = self._waiting[:most]
+        del self._waiting[:most]
+        return partial(self._finished, taken)
 
     def runtime(self) -> list[str]:
         """What all code may call: the modules, in which everything is meant for others."""
         return list(self._runtime)
 
-    def _finished(self, typed: list[Typed], exports: list[tuple[Entry, Any, str]]) -> Written:
-        names = set()
+    def _finished(self, taken: list[Callable[[], str]]) -> Written:
         self._halves.postponing = False
         # Where calls are made in this process, what Numba wrote for the last one is out of this one's reach.
         self._context.cached_internal_func.clear()
         with global_compiler_lock:
-            for state, left in typed:
-                finish(state, left)
-                names.add(state["cr"].fndesc.llvm_func_name)
-            for entry, compiled, symbol in exports:
-                library = self._context.codegen().create_library(symbol)
-                module = library.create_ir_module(symbol)
-                self._export(module, entry, compiled, symbol)
-                library.add_ir_module(module)
-                names.add(symbol)
+            names = {write() for write in taken}
         self._halves.postponing = True
         modules = self._written[:]
         self._written.clear()
         return modules, names
 
-    def _export(self, module: Any, entry: Entry, compiled: Any, symbol: str) -> None:
+    def _export(self, entry: Entry, compiled: Any, symbol: str) -> str:
         """A C function: pointers, then sizes that are not fixed, scalars, and where to write the results."""
+        library = self._context.codegen().create_library(symbol)
+        module = library.create_ir_module(symbol)
         arguments: list[Any] = []
         for a in entry.arguments:
             arguments.append(_IN_C[a.element].as_pointer() if a.shape else _IN_C[a.element])
@@ -171,6 +168,8 @@ class Frontend:
             builder.ret(ir.Constant(ir.IntType(32), 1))
         self._write(builder, entry, compiled.signature.return_type, result, function.args[count + len(sizes) :])
         builder.ret(ir.Constant(ir.IntType(32), 0))
+        library.add_ir_module(module)
+        return symbol
 
     def _given(self, builder: Any, argument: Argument, kind: Any, value: Any, sizes: dict[str, Any]) -> Any:
         if kind is types.none:

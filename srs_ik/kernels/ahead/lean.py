@@ -7,11 +7,15 @@ written, or cleared behind it.
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Callable
 from typing import Any
 
-from numba.core import lowering, types
+from numba.core import ir, lowering, types
+from numba.core.analysis import must_use_alloca
 from numba.core.callconv import RETCODE_OK, CPUCallConv, Status
+
+from srs_ik.kernels.ahead.borrow import holds_references, is_counted, look_at
 
 FAILURE = "excinfo"
 """What Numba calls the argument by which a function tells of its failure."""
@@ -22,6 +26,7 @@ def make_lean() -> None:
     CPUCallConv.call_function = _plain_call(CPUCallConv.call_function)
     CPUCallConv.return_status_propagate = _plain_failure(CPUCallConv.return_status_propagate)
     lowering.Lower.lower_block = _lower_block
+    lowering.Lower._find_singly_assigned_variable = _without_slots
     lowering.Lower.incref = _where_counted(lowering.Lower.incref)
     lowering.Lower.decref = _where_counted(lowering.Lower.decref)
     lowering.Lower.alloca = _slot(lowering.Lower.alloca)
@@ -65,16 +70,6 @@ def _entry_alloca(builder: Any, kind: Any, name: str = "") -> Any:
         return builder.alloca(kind, name=name)
 
 
-def holds_references(context: Any, kind: Any) -> bool:
-    """Whether values of a type hold references that are counted."""
-    if kind not in _known:
-        _known[kind] = context.data_model_manager[kind].contains_nrt_meminfo()
-    return _known[kind]
-
-
-_known: dict[Any, bool] = {}
-
-
 def _where_counted(count: Callable[..., Any]) -> Callable[..., Any]:
     """References are counted where a value can hold any."""
 
@@ -89,13 +84,28 @@ def _lower_block(self: Any, block: Any) -> None:
     self.pre_block(block)
     for each in block.body:
         self.loc = each.loc
+        look_at(each)
         self.lower_inst(each)
     self.post_block(block)
 
 
+def _without_slots(self: Any) -> None:
+    """A variable that is assigned in one place needs no slot: every place that reads it comes behind."""
+    places: Counter[str] = Counter()
+    for block in self.blocks.values():
+        places.update(each.target.name for each in block.find_insts(ir.Assign))
+    slots = must_use_alloca(self.blocks)
+    self._blk_local_varmap = {}
+    self._singly_assigned_vars = {
+        name
+        for name, count in places.items()
+        if count == 1 and name not in slots and not is_counted(self.context, self.typeof(name), name)
+    }
+
+
 def _slot(usual: Callable[..., Any]) -> Callable[..., Any]:
     def alloca(self: Any, name: str, kind: Any) -> Any:
-        if holds_references(self.context, kind):
+        if is_counted(self.context, kind, name):
             return usual(self, name, kind)
         return _entry_alloca(self.builder, self.context.get_value_type(kind), name)
 
@@ -105,7 +115,7 @@ def _slot(usual: Callable[..., Any]) -> Callable[..., Any]:
 def _store(usual: Callable[..., Any]) -> Callable[..., Any]:
     def storevar(self: Any, value: Any, name: str, argidx: Any = None) -> None:
         kind = self.typeof(name)
-        if name in self._singly_assigned_vars or holds_references(self.context, kind):
+        if name in self._singly_assigned_vars or is_counted(self.context, kind, name):
             usual(self, value, name, argidx)
         else:
             self._alloca_var(name, kind)
@@ -116,7 +126,7 @@ def _store(usual: Callable[..., Any]) -> Callable[..., Any]:
 
 def _delete(usual: Callable[..., Any]) -> Callable[..., Any]:
     def delvar(self: Any, name: str) -> None:
-        if holds_references(self.context, self.typeof(name)):
+        if is_counted(self.context, self.typeof(name), name):
             usual(self, name)
         elif name not in self._blk_local_varmap:
             self._singly_assigned_vars.discard(name)

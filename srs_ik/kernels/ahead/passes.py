@@ -7,6 +7,7 @@ be done later, in any order and in another process.
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import partial
 from typing import Any
 
 from numba.core import compiler, interpreter, postproc, transforms, typed_passes, untyped_passes
@@ -15,7 +16,7 @@ from numba.core.funcdesc import PythonFunctionDescriptor
 from numba.core.targetconfig import ConfigStack
 
 from srs_ik.kernels import __name__ as KERNELS
-from srs_ik.kernels.ahead.lean import holds_references
+from srs_ik.kernels.ahead.borrow import holders
 
 NOT_NEEDED = {
     untyped_passes.WithLifting,
@@ -47,16 +48,16 @@ class Plain(PassManager):
             state.func_ir.blocks = transforms.canonicalize_cfg(state.func_ir.blocks)
 
 
-Typed = tuple[Any, PassManager]
-"""The state of a function that has types, and the passes that are left."""
-
-
 class Halves:
-    """Numba's passes, cut in two for as long as `postponing`; what has types waits in `typed` for its code."""
+    """Numba's passes, cut in two for as long as `postponing`.
 
-    def __init__(self) -> None:
+    Args:
+        waiting: where a function that has types leaves the call that writes its code and returns its name.
+    """
+
+    def __init__(self, waiting: list[Callable[[], str]]) -> None:
         self.postponing = True
-        self.typed: list[Typed] = []
+        self._waiting = waiting
 
     def install(self) -> None:
         """Change Numba in this process, for good."""
@@ -78,7 +79,7 @@ class Halves:
             backend = next(each for each in passes if each[0] is typed_passes.NoPythonBackend)
             first = _manager([*passes[:at], (Postpone, "postpone"), backend])
             left = _manager([each for each in passes[at:] if each is not backend])
-            pipeline.state["postpone"] = lambda: self.typed.append((pipeline.state, left))
+            pipeline.state["postpone"] = partial(self._waiting.append, partial(_finish, pipeline.state, left))
             return [first]
 
         return define_pipelines
@@ -96,13 +97,10 @@ def _is_kernel(identity: Any) -> bool:
 
 
 def _where_counted(usual: Callable[..., Any]) -> Callable[..., Any]:
-    """Where each variable's life ends is written down where one holds references."""
+    """Where each variable's life ends is written down where references are counted."""
 
     def run_pass(self: Any, state: Any) -> Any:
-        kinds = set(state.typemap.values())
-        if not _is_kernel(state.func_id) or any(holds_references(state.targetctx, kind) for kind in kinds):
-            return usual(self, state)
-        return True
+        return True if _is_kernel(state.func_id) and not holders(state).owners else usual(self, state)
 
     return run_pass
 
@@ -132,10 +130,11 @@ def _without_peepholes(usual: Callable[..., Any]) -> Callable[..., Any]:
     return post_process
 
 
-def finish(state: Any, left: PassManager) -> None:
+def _finish(state: Any, left: PassManager) -> str:
     """The second half: write the code of a function that has types."""
     with ConfigStack().enter(state.flags.copy()):
         left.run(state)
+    return str(state["cr"].fndesc.llvm_func_name)
 
 
 @register_pass(mutates_CFG=False, analysis_only=True)
