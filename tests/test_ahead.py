@@ -1,6 +1,7 @@
 """Kernels compiled ahead of time: their table, and what is made of it, against Numba and a C compiler."""
 
 import ast
+import ctypes
 import hashlib
 import json
 import os
@@ -283,6 +284,37 @@ def test_a_build_for_something_unknown_is_refused(monkeypatch):
 def test_every_question_is_answered_without_numba(installed, robot):
     program = "from srs_ik.bench.exercise import first_calls; first_calls(sys.argv[1])"
     assert run_installed(installed, program, robot).count("\n") == 35
+
+
+KEPT = """
+import ctypes
+import sys
+import srs_ik
+from srs_ik.bench.exercise import calls
+
+class Blocks(ctypes.Structure):
+    _fields_ = [(f"field_{i}", ctypes.c_size_t) for i in range(10)]
+
+ask = ctypes.CDLL(None).mallinfo2
+ask.restype = Blocks
+
+for name, call in calls(srs_ik.load(sys.argv[1])).items():
+    for _ in range(10):
+        call()
+    before = ask().field_7
+    for _ in range(30):
+        call()
+    print(ask().field_7 - before, name)
+"""
+
+
+@pytest.mark.skipif(not hasattr(ctypes.CDLL(None), "mallinfo2"), reason="glibc 2.33 or newer tells what is allocated")
+@pytest.mark.parametrize("robot", ROBOTS)
+def test_kernels_give_back_what_they_allocate(installed, robot):
+    grown = [line.split(" ", 1) for line in run_installed(installed, KEPT, robot).splitlines()]
+    assert len(grown) == 34
+    # Python itself keeps a little here and there: less than the smallest array, kept at each of the 30 calls.
+    assert [(name, count) for count, name in grown if int(count) >= 30 * 64] == []
 
 
 FIRST = """

@@ -24,7 +24,7 @@ from srs_ik.kernels import entries
 from srs_ik.kernels.ahead.borrow import make_borrow
 from srs_ik.kernels.ahead.lean import make_lean
 from srs_ik.kernels.ahead.passes import Halves
-from srs_ik.kernels.ahead.passing import make_short
+from srs_ik.kernels.ahead.passing import make_passing
 from srs_ik.kernels.ahead.quick import make_quick
 from srs_ik.kernels.ahead.signatures import Argument, Entry
 
@@ -84,7 +84,7 @@ class Frontend:
         make_quick()
         make_lean()
         make_borrow()
-        make_short()
+        make_passing()
         self._waiting: list[Callable[[], str]] = []
         self._halves = Halves(self._waiting)
         self._halves.install()
