@@ -17,6 +17,7 @@ from srs_ik.kernels.layout.limb import LIMITED, LOOSE, SHIFT
 from srs_ik.kernels.layout.path import BREAK, BY_CONTINUITY, HELD_LINKED
 from srs_ik.solve.path_blocks import find_way, held_in, through
 from srs_ik.solve.path_bridges import bridged
+from srs_ik.solve.path_narrow import find_narrow
 from srs_ik.solve.path_polish import FINE, improve, keep_limits
 from srs_ik.solve.path_problem import JUST_ABOVE, Problem, Way, copy, steps_of, too_fast, worth
 from srs_ik.solve.solution import Status
@@ -53,7 +54,10 @@ AROUND = 8
 """So many poses to both sides of one are planned too where a path between planned poses does something of its own."""
 
 ABOUT = 16
-"""So many poses to both sides of one at which a path changes branch are searched again ..."""
+"""So many poses to both sides of one at which a path changes branch are searched again, ..."""
+
+BESIDE = 4
+"""So many poses to both sides of those at which no posture is near the straight line between planned ones ..."""
 
 LEAST_HELD = 0.25
 """... if this part of all poses is left out by that."""
@@ -63,6 +67,9 @@ MOST_PLANNED = 0.6
 
 AS_PLANNED = 1.006
 """Between planned poses steps are straight, so that a plan costs less than any path: one so close to it is the best."""
+
+CLOSE = 1.002
+"""On an exact limb, a path that costs less than so many times its plan is not looked at any closer."""
 
 LEAP = 0.2
 """A joint step of a path that is longer than this, rad, may be there because strips miss a posture."""
@@ -84,8 +91,10 @@ def search(problem: Problem) -> Way:
         keep_limits(problem, way, copy(way))
     if (too_fast(problem, way) > JUST_ABOVE).any():
         way = min(way, found(problem), key=lambda each: worth(problem, each))
-    if (too_fast(problem, way) > JUST_ABOVE).any() and way.reached.all() and may_be_fine(problem):
-        other = find_way(replace(problem, radius=EVERYWHERE), np.arange(len(problem.T)), False)
+    if (too_fast(problem, way) > JUST_ABOVE).any() and way.reached.all():
+        # Chords of coarse strips may be too fast where the path is slow.
+        keys = np.arange(len(problem.T))
+        other = find_way(fine_everywhere(problem, keys), keys, False)
         improve(problem, other, FINE)
         way = min(way, other, key=lambda each: worth(problem, each))
     return way
@@ -150,57 +159,122 @@ def close(problem: Problem, way: Way, keys: NDArray[np.int64] | None = None) -> 
 
 def planned(problem: Problem) -> Way:
     """`search` on the true chain, or on the nearest exact limb."""
-    way = planned_at_some(problem)
-    return planned_everywhere(problem) if way is None or is_odd(problem, way) else way
+    way, is_best = planned_at_some(problem)
+    if way is None:
+        return planned_everywhere(problem)
+    if not is_best or way.torn:
+        return min(planned_everywhere(problem), way, key=lambda each: worth(problem, each))
+    return smoothed_leaps(problem, way) if is_odd(problem, way) else way
 
 
-def planned_at_some(problem: Problem) -> Way | None:
-    """A path planned at some poses, if that tells."""
+def smoothed_leaps(problem: Problem, way: Way) -> Way:
+    """A path with postures that strips miss where it leaps, if they make it better."""
+    marks = wider(np.append(leaps_of(problem, way), False))
+    held = ~marks | problem.has_known
+    local = replace(problem, known=way.q.copy(), has_known=held)
+    more = bridged(local)
+    if more is local:
+        return way
+    other = find_way(more, np.arange(len(marks)), False)
+    if other.cost >= 0.5 * BREAK:
+        return way
+    other.psi[held], other.branch[held], other.bounds[held] = way.psi[held], way.branch[held], way.bounds[held]
+    improve(problem, other)
+    return min(way, other, key=lambda each: worth(problem, each))
+
+
+def planned_at_some(problem: Problem) -> tuple[Way | None, bool]:
+    """A path planned at some poses, if there is one without a break, and whether that tells that it is the best."""
     marks = keys_of(problem)
     if problem.free is not None or len(problem.T) <= SHORT:
-        return None
+        return None, False
     if problem.work()[0] is None:
-        return sparse(problem, problem, marks) if marks.mean() < MOST_PLANNED else None
+        if problem.even:
+            return in_closed_form(problem, problem, every_second(marks, problem.has_known))
+        return in_closed_form(problem, problem, marks) if marks.mean() < MOST_PLANNED else (None, False)
     if problem.arm.family[LIMITED, SHIFT] < ROUNDED:
-        way = sparse(problem, as_exact(problem), marks.copy())
-        if way is not None:
-            return way
-    return sparse(problem, problem, every_second(marks, problem.has_known))
+        way, is_best = in_closed_form(problem, as_exact(problem), every_second(marks, problem.has_known))
+        if is_best:
+            return way, True
+    return sparse(problem, every_second(marks, problem.has_known)), True
 
 
 def is_odd(problem: Problem, way: Way) -> bool:
     """Whether a path on an exact limb leaps, or fine strips about it are torn: its strips may miss postures."""
-    leaps = np.abs(steps_of(problem, way.q[way.reached])).max(initial=0.0) > LEAP
-    return problem.arm.closed and (way.torn or bool(leaps))
+    return problem.arm.closed and (way.torn or bool(leaps_of(problem, way).any()))
 
 
-def sparse(problem: Problem, plan: Problem, marks: NDArray[np.bool_]) -> Way | None:
-    """A path planned at the poses that are marked, filled in between; None where it breaks or costs more than planned.
+def leaps_of(problem: Problem, way: Way) -> NDArray[np.bool_]:
+    """(k - 1,) whether a path leaps, from each pose that is reached to the next."""
+    return np.abs(steps_of(problem, way.q[way.reached])).max(axis=1, initial=0.0) > LEAP
 
-    On the true chain, poses near which it costs more are planned then too, in the end all; what is known of the strips
-    of the others is kept.
+
+def in_closed_form(problem: Problem, plan: Problem, marks: NDArray[np.bool_]) -> tuple[Way | None, bool]:
+    """A path planned on an exact limb at the poses that are marked, filled in between; is it as good as planned?
+
+    Where it costs more than planned, strips are made finer first: it may be their chords that cost less.
     """
-    stands_in = plan is not problem
-    best: Way | None = None
+    keys = np.flatnonzero(marks)
+    told = far(plan, keys)
+    way, blocks = through(told, keys, False)
+    if way.cost >= 0.5 * BREAK or not way.reached[keys].all():
+        return None, False
+    least = way.cost
+    best = filled(problem, way, keys, plan is not problem)
+    if best is None:
+        return None, False
+    if problem.even and best.cost >= CLOSE * least:
+        way = find_narrow(told, keys, blocks, best)
+        if way.cost < 0.5 * BREAK and way.reached[keys].all():
+            least = way.cost
+            again = filled(problem, way, keys, plan is not problem)
+            best = again if again is not None and again.cost < best.cost else best
+    is_best = best.cost < AS_PLANNED * least
+    return search_around(problem, best) if is_best and best.cost >= CLOSE * least else best, is_best
+
+
+def filled(problem: Problem, way: Way, keys: NDArray[np.int64], stands_in: bool) -> Way | None:
+    """A path that is planned at some poses on an exact limb, filled in between and improved; None where it cannot be.
+
+    `stands_in`: that limb is not the arm's own.
+    """
+    if stands_in and not close(problem, way, keys).all():
+        return None
+    missed = fill(problem, way, keys)
+    if not missed.any():
+        improve(problem, way)
+        return way
+    if stands_in:
+        return None
+    # Branches change there: fine strips about the straight line tell where.
+    way.reached[:] = True
+    way = find_at(problem, way, wider(missed, BESIDE))
+    if way.cost >= 0.5 * BREAK or not way.reached.all():
+        return None
+    improve(problem, way, FINE)
+    return way
+
+
+def sparse(problem: Problem, marks: NDArray[np.bool_]) -> Way | None:
+    """A path planned on the true chain at the poses that are marked, filled in between; None where it breaks.
+
+    Poses near which it costs more than planned are planned then too, in the end all; what is known of the strips of
+    the others is kept.
+    """
+    plan, best = problem, None
     while True:
         keys = np.flatnonzero(marks)
         way, blocks = through(far(plan, keys), keys, False)
         if way.cost >= 0.5 * BREAK or not way.reached[keys].all():
             return None
         least, q = way.cost, way.q[keys]
-        if stands_in and not close(problem, way, keys).all():
-            return None
         missed = fill(problem, way, keys)
-        if problem.work()[0] is None:
-            return filled(problem, way, missed, least)
         if not missed.any():
             improve(problem, way)
             best = way if best is None or way.cost < best.cost else best
-            if best.cost < AS_PLANNED * least or (marks.all() and not stands_in):
+            if best.cost < AS_PLANNED * least or marks.all():
                 return search_around(problem, best)
             missed = worse(problem, way, keys, q)
-        if stands_in:
-            return None
         plan = held_in(problem, keys, blocks)
         more = wider(missed) & ~marks
         marks = marks | more if more.any() and marks.mean() < MOST_PLANNED else np.ones_like(marks)
@@ -212,20 +286,6 @@ def far(problem: Problem, keys: NDArray[np.int64]) -> Problem:
     # Two poses are counted already.
     settings[BY_CONTINUITY] *= max(1.0, 0.5 * float(np.diff(keys).max()))
     return replace(problem, settings=settings)
-
-
-def filled(problem: Problem, way: Way, missed: NDArray[np.bool_], least: float) -> Way | None:
-    """A path on an exact limb that is planned at some poses and filled in between; None where it costs more."""
-    if not missed.any():
-        improve(problem, way)
-    else:
-        # Branches change there: fine strips about the straight line tell where.
-        way.reached[:] = True
-        way = find_around(problem, way, np.arange(len(missed)))
-        if way.cost >= 0.5 * BREAK:
-            return None
-        improve(problem, way, FINE)
-    return search_around(problem, way) if way.cost < AS_PLANNED * least else None
 
 
 def fill(problem: Problem, way: Way, keys: NDArray[np.int64]) -> NDArray[np.bool_]:
@@ -251,10 +311,16 @@ def planned_everywhere(problem: Problem) -> Way:
     may_bridge = problem.free is None and (arm.closed or not problem.in_closed_form)
     fine = problem
     if len(keys) <= SHORT:
-        fine = replace(problem, radius=EVERYWHERE) if problem.work()[0] is None else finer(problem, keys)
-    way = find_way(fine, keys, False)
+        fine = fine_everywhere(problem, keys)
+    way, blocks = through(fine, keys, False)
     if way.cost < 0.5 * BREAK:
+        least = way.cost
         improve(problem, way)
+        if problem.even and fine is problem and problem.work()[0] is None and way.cost >= AS_PLANNED * least:
+            other = find_narrow(problem, keys, blocks, way)
+            if other.cost < 0.5 * BREAK:
+                improve(problem, other)
+                way = min(way, other, key=lambda each: each.cost)
         way = search_around(problem, way)
         if not (may_bridge and is_odd(problem, way)):
             return way
@@ -275,12 +341,17 @@ def planned_everywhere(problem: Problem) -> Way:
     return way
 
 
+def fine_everywhere(problem: Problem, keys: NDArray[np.int64]) -> Problem:
+    """The problem with fine strips at all key poses."""
+    return replace(problem, radius=EVERYWHERE) if problem.work()[0] is None else finer(problem, keys)
+
+
 def finer(problem: Problem, keys: NDArray[np.int64]) -> Problem:
     """The problem with strips of a near limb that are known, others of their postures put between each two."""
     coarse = held_in(problem, keys, through(problem, keys, False)[1])
     rows, poses = coarse.held, coarse.held_of
     first = np.flatnonzero(rows[:, HELD_LINKED])
-    straight = rows[first, None, :7] + PARTS[:, None] * (rows[first + 1] - rows[first])[:, None, :7]
+    straight = rows[first, None, :7] + PARTS[:, None] * (rows[first + 1, :7] - rows[first, :7])[:, None]
     q = straight.reshape(-1, 7).copy()
     met, where = np.zeros(len(q), np.bool_), np.repeat(poses[first], len(PARTS))
     entries.bridge(problem.arm.family, problem.T[where], q, met, *problem.work())
@@ -298,18 +369,24 @@ def find_around(problem: Problem, way: Way, chain: NDArray[np.int64]) -> Way:
     return find_way(replace(problem, near=way.q, radius=RADIUS), chain, False)
 
 
-def find_about_changes(problem: Problem, way: Way, chain: NDArray[np.int64]) -> Way:
-    """`find_around` near changes of branch alone: elsewhere, all postures moved at once are the best there are."""
-    changes = np.flatnonzero(np.diff(way.branch[chain]))
-    marks = np.zeros(len(way.q), np.bool_)
-    marks[chain[changes]] = marks[chain[changes + 1]] = True
-    held = way.reached & ~wider(marks, ABOUT)
-    if not problem.even or held.mean() < LEAST_HELD:
+def find_at(problem: Problem, way: Way, some: NDArray[np.bool_]) -> Way:
+    """`find_around` at some poses (n,) alone; the others of the path stay."""
+    chain = np.flatnonzero(way.reached)
+    held = way.reached & ~some
+    if held.mean() < LEAST_HELD:
         return find_around(problem, way, chain)
     held |= problem.has_known
     again = find_around(replace(problem, known=way.q.copy(), has_known=held), way, chain)
     again.psi[held], again.branch[held], again.bounds[held] = way.psi[held], way.branch[held], way.bounds[held]
     return again
+
+
+def find_about_changes(problem: Problem, way: Way, chain: NDArray[np.int64]) -> Way:
+    """`find_around` near changes of branch alone: elsewhere, all postures moved at once are the best there are."""
+    changes = np.flatnonzero(np.diff(way.branch[chain]))
+    marks = np.zeros(len(way.q), np.bool_)
+    marks[chain[changes]] = marks[chain[changes + 1]] = True
+    return find_at(problem, way, wider(marks, ABOUT)) if problem.even else find_around(problem, way, chain)
 
 
 def search_around(problem: Problem, way: Way) -> Way:
