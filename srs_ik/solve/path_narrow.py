@@ -99,19 +99,37 @@ def costs_to_end(problem: Problem, blocks: list[Block], most: float) -> list[Arr
     return found[::-1]
 
 
-def kept(block: Block, after: Array, most: float) -> Part:
-    """The intervals of a block through which a path may lead that costs at most so much."""
-    rows, poses = block.held()
+def held_below(problem: Problem, keys: NDArray[np.int64], blocks: list[Block], most: float) -> Problem:
+    """The problem with those postures of blocks known through which a path may lead that costs at most so much."""
+    found, alone = [], np.zeros(len(problem.T), np.bool_)
+    for block, after in zip(blocks, costs_to_end(problem, blocks, most), strict=True):
+        rows, poses = block.held()
+        some, cells = touched(rows, block, after, most)
+        rows[:, HELD_LINKED] = cells
+        found.append((rows[some], poses[some]))
+    alone[keys] = True
+    rows, poses = (np.concatenate(each) for each in zip(*found, strict=True))
+    return replace(problem, held=rows, held_of=poses, held_alone=alone)
+
+
+def touched(rows: Array, block: Block, after: Array, most: float) -> tuple[Marks, Marks]:
+    """Of a block's postures, those that such a path may touch, and those from which it may lie towards the next one."""
     cost, sag = block.costs()
     total = cost + after[:, 0]
     following = np.append(total[1:], np.inf)
     linked = rows[:, HELD_LINKED] != 0.0
     cells = linked & (np.minimum(total, following) - SAGGED * (sag + after[:, 1]) <= most)
-    continued = np.append(False, cells[:-1])
-    some = (total <= most) | cells | continued
+    return (total <= most) | cells | np.append(False, cells[:-1]), cells
+
+
+def kept(block: Block, after: Array, most: float) -> Part:
+    """The intervals of a block through which a path may lead that costs at most so much."""
+    rows, poses = block.held()
+    some, cells = touched(rows, block, after, most)
     some &= rows[:, HELD_BRANCH] >= 0.0
-    first, last = np.flatnonzero(some & ~continued), np.flatnonzero(some & ~cells)
-    lasts = np.flatnonzero(~linked)
+    first = np.flatnonzero(some & ~np.append(False, cells[:-1]))
+    last = np.flatnonzero(some & ~cells)
+    lasts = np.flatnonzero(rows[:, HELD_LINKED] == 0.0)
     firsts = np.append(0, lasts[:-1] + 1)
     of = np.searchsorted(lasts, first)
     angles = rows[:, HELD_PSI]

@@ -17,7 +17,7 @@ from srs_ik.kernels.layout.limb import LIMITED, LOOSE, SHIFT
 from srs_ik.kernels.layout.path import BREAK, BY_CONTINUITY, HELD_LINKED
 from srs_ik.solve.path_blocks import find_way, held_in, through
 from srs_ik.solve.path_bridges import bridged
-from srs_ik.solve.path_narrow import find_narrow
+from srs_ik.solve.path_narrow import find_narrow, held_below
 from srs_ik.solve.path_polish import FINE, improve, keep_limits
 from srs_ik.solve.path_problem import JUST_ABOVE, Problem, Way, copy, steps_of, too_fast, worth
 from srs_ik.solve.solution import Status
@@ -238,8 +238,13 @@ def filled(problem: Problem, way: Way, keys: NDArray[np.int64], stands_in: bool)
 
     `stands_in`: that limb is not the arm's own.
     """
-    if stands_in and not close(problem, way, keys).all():
-        return None
+    if stands_in:
+        # What the arm itself does not reach inside its limits is filled in like the rest.
+        met = close(problem, way, keys)
+        way.reached[keys[~met]] = False
+        keys = keys[met]
+        if not len(keys) or keys[0] > 0 or keys[-1] + 1 < len(way.q):
+            return None
     missed = fill(problem, way, keys)
     if not missed.any():
         improve(problem, way)
@@ -275,7 +280,10 @@ def sparse(problem: Problem, marks: NDArray[np.bool_]) -> Way | None:
             if best.cost < AS_PLANNED * least or marks.all():
                 return search_around(problem, best)
             missed = worse(problem, way, keys, q)
-        plan = held_in(problem, keys, blocks)
+        if best is None:
+            plan = held_in(problem, keys, blocks)
+        else:
+            plan = replace(held_below(far(problem, keys), keys, blocks, best.cost), settings=problem.settings)
         more = wider(missed) & ~marks
         marks = marks | more if more.any() and marks.mean() < MOST_PLANNED else np.ones_like(marks)
 
@@ -322,8 +330,8 @@ def planned_everywhere(problem: Problem) -> Way:
                 improve(problem, other)
                 way = min(way, other, key=lambda each: each.cost)
         way = search_around(problem, way)
-        if not (may_bridge and is_odd(problem, way)):
-            return way
+        if not (may_bridge and way.torn):
+            return smoothed_leaps(problem, way) if may_bridge and is_odd(problem, way) else way
     if may_bridge:
         more = bridged(problem)
         again = way if more is problem else find_way(more, keys, False)
