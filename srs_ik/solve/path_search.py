@@ -12,24 +12,19 @@ from srs_ik.inputs.poses import refuse_bad_poses
 from srs_ik.kernels.entries import path as entries
 from srs_ik.kernels.entries.path import MOST_NODES
 from srs_ik.kernels.entries.pose import pack_limits
-from srs_ik.kernels.layout.answer import ROW, ROW_ORIENTATION_ERROR, ROW_POSITION_ERROR, ROW_STATUS
 from srs_ik.kernels.layout.limb import LIMITED, LOOSE, SHIFT
 from srs_ik.kernels.layout.path import BREAK, BY_CONTINUITY, HELD_LINKED
+from srs_ik.solve.path_around import BESIDE, find_at, search_around, wider
 from srs_ik.solve.path_blocks import find_way, held_in, through
 from srs_ik.solve.path_bridges import bridged
 from srs_ik.solve.path_narrow import find_narrow, held_below
-from srs_ik.solve.path_polish import FINE, improve, keep_limits
+from srs_ik.solve.path_polish import FINE, WIDTHS, improve, keep_limits
 from srs_ik.solve.path_problem import JUST_ABOVE, Problem, Way, copy, steps_of, too_fast, worth
-from srs_ik.solve.solution import Status
 
 if TYPE_CHECKING:
-    from srs_ik.solve.packed import PackedArm
+    pass
 
 Array = NDArray[np.float64]
-
-ROUNDS = 4
-RADIUS = 0.25
-"""A path is searched for again so often at most, so far around the last one, rad."""
 
 SHORT = 32
 """A path of so many poses at most is planned at each of them, and with strips that are fine everywhere."""
@@ -50,18 +45,6 @@ ROUNDED = 1e-4
 DRAWN_OUT = 30.0
 """That limb is planned with limits drawn out by so many times this: else postures on two limits would be none of it."""
 
-AROUND = 8
-"""So many poses to both sides of one are planned too where a path between planned poses does something of its own."""
-
-ABOUT = 16
-"""So many poses to both sides of one at which a path changes branch are searched again, ..."""
-
-BESIDE = 4
-"""So many poses to both sides of those at which no posture is near the straight line between planned ones ..."""
-
-LEAST_HELD = 0.25
-"""... if this part of all poses is left out by that."""
-
 MOST_PLANNED = 0.6
 """If it is to be planned at a larger part of all poses, it may as well be planned at all."""
 
@@ -73,12 +56,6 @@ CLOSE = 1.002
 
 LEAP = 0.2
 """A joint step of a path that is longer than this, rad, may be there because strips miss a posture."""
-
-ON_POSE = 1e-10
-"""A posture that is farther off its pose than this, m and rad, is taken to it once more."""
-
-LEAST_GAIN = 1e-3
-"""A search that gains less, relative to all, is the last one."""
 
 
 def search(problem: Problem) -> Way:
@@ -125,11 +102,6 @@ def as_exact(problem: Problem) -> Problem:
     return replace(problem, arm=replace(arm, family=family, lower=lower, upper=upper), in_closed_form=True)
 
 
-def wider(some: NDArray[np.bool_], by: int = AROUND) -> NDArray[np.bool_]:
-    """Some poses with so many around them."""
-    return np.convolve(some, np.ones(2 * by + 1), "same") > 0.5 if len(some) > 2 * by else some | some.any()
-
-
 def every_second(marks: NDArray[np.bool_], kept: NDArray[np.bool_]) -> NDArray[np.bool_]:
     """Of poses that are marked one after the other every second one, with both ends and those that are kept."""
     between = np.append(False, marks[:-1]) & np.append(marks[1:], False)
@@ -159,11 +131,11 @@ def close(problem: Problem, way: Way, keys: NDArray[np.int64] | None = None) -> 
 
 def planned(problem: Problem) -> Way:
     """`search` on the true chain, or on the nearest exact limb."""
-    way, is_best = planned_at_some(problem)
+    way, rest = planned_at_some(problem)
     if way is None:
-        return planned_everywhere(problem)
-    if not is_best or way.torn:
-        return min(planned_everywhere(problem), way, key=lambda each: worth(problem, each))
+        return planned_everywhere(problem, problem)
+    if rest is not None or way.torn:
+        return min(planned_everywhere(problem, rest or problem), way, key=lambda each: worth(problem, each))
     return smoothed_leaps(problem, way) if is_odd(problem, way) else way
 
 
@@ -183,20 +155,20 @@ def smoothed_leaps(problem: Problem, way: Way) -> Way:
     return min(way, other, key=lambda each: worth(problem, each))
 
 
-def planned_at_some(problem: Problem) -> tuple[Way | None, bool]:
-    """A path planned at some poses, if there is one without a break, and whether that tells that it is the best."""
+def planned_at_some(problem: Problem) -> tuple[Way | None, Problem | None]:
+    """A path planned at some poses, if there is one without a break; and what is left to plan, if anything is."""
     marks = keys_of(problem)
     if problem.free is not None or len(problem.T) <= SHORT:
-        return None, False
+        return None, problem
     if problem.work()[0] is None:
         if problem.even:
             return in_closed_form(problem, problem, every_second(marks, problem.has_known))
-        return in_closed_form(problem, problem, marks) if marks.mean() < MOST_PLANNED else (None, False)
+        return in_closed_form(problem, problem, marks) if marks.mean() < MOST_PLANNED else (None, problem)
     if problem.arm.family[LIMITED, SHIFT] < ROUNDED:
-        way, is_best = in_closed_form(problem, as_exact(problem), every_second(marks, problem.has_known))
-        if is_best:
-            return way, True
-    return sparse(problem, every_second(marks, problem.has_known)), True
+        way, rest = in_closed_form(problem, as_exact(problem), every_second(marks, problem.has_known))
+        if rest is None:
+            return way, None
+    return sparse(problem, every_second(marks, problem.has_known)), None
 
 
 def is_odd(problem: Problem, way: Way) -> bool:
@@ -209,28 +181,33 @@ def leaps_of(problem: Problem, way: Way) -> NDArray[np.bool_]:
     return np.abs(steps_of(problem, way.q[way.reached])).max(axis=1, initial=0.0) > LEAP
 
 
-def in_closed_form(problem: Problem, plan: Problem, marks: NDArray[np.bool_]) -> tuple[Way | None, bool]:
-    """A path planned on an exact limb at the poses that are marked, filled in between; is it as good as planned?
+def in_closed_form(problem: Problem, plan: Problem, marks: NDArray[np.bool_]) -> tuple[Way | None, Problem | None]:
+    """A path planned on an exact limb at the poses that are marked, filled in between; and what is left to plan.
 
     Where it costs more than planned, strips are made finer first: it may be their chords that cost less.
     """
-    keys = np.flatnonzero(marks)
+    keys, stands_in = np.flatnonzero(marks), plan is not problem
     told = far(plan, keys)
     way, blocks = through(told, keys, False)
     if way.cost >= 0.5 * BREAK or not way.reached[keys].all():
-        return None, False
+        return None, problem
     least = way.cost
-    best = filled(problem, way, keys, plan is not problem)
+    best = filled(problem, way, keys, stands_in)
     if best is None:
-        return None, False
+        return None, problem
     if problem.even and best.cost >= CLOSE * least:
         way = find_narrow(told, keys, blocks, best)
         if way.cost < 0.5 * BREAK and way.reached[keys].all():
             least = way.cost
-            again = filled(problem, way, keys, plan is not problem)
+            again = filled(problem, way, keys, stands_in)
             best = again if again is not None and again.cost < best.cost else best
-    is_best = best.cost < AS_PLANNED * least
-    return search_around(problem, best) if is_best and best.cost >= CLOSE * least else best, is_best
+    if best.cost < CLOSE * least:
+        return best, None
+    if best.cost < AS_PLANNED * least:
+        return search_around(problem, best), None
+    if stands_in or not problem.even:
+        return best, problem
+    return best, replace(held_below(told, keys, blocks, best.cost), settings=problem.settings)
 
 
 def filled(problem: Problem, way: Way, keys: NDArray[np.int64], stands_in: bool) -> Way | None:
@@ -247,7 +224,7 @@ def filled(problem: Problem, way: Way, keys: NDArray[np.int64], stands_in: bool)
             return None
     missed = fill(problem, way, keys)
     if not missed.any():
-        improve(problem, way)
+        improve(problem, way, WIDTHS if stands_in else FINE)
         return way
     if stands_in:
         return None
@@ -313,18 +290,21 @@ def worse(problem: Problem, way: Way, keys: NDArray[np.int64], q: Array) -> NDAr
     return some[np.searchsorted(keys, np.arange(len(way.q)), side="right") - 1]
 
 
-def planned_everywhere(problem: Problem) -> Way:
-    """A path planned at every pose, with postures that strips miss and with breaks where there is no other way."""
+def planned_everywhere(problem: Problem, plan: Problem) -> Way:
+    """A path planned at every pose, with postures that strips miss and with breaks where there is no other way.
+
+    `plan` is the problem with what is known of its strips.
+    """
     arm, keys = problem.arm, np.arange(len(problem.T))
     may_bridge = problem.free is None and (arm.closed or not problem.in_closed_form)
-    fine = problem
+    fine = plan
     if len(keys) <= SHORT:
         fine = fine_everywhere(problem, keys)
     way, blocks = through(fine, keys, False)
     if way.cost < 0.5 * BREAK:
         least = way.cost
         improve(problem, way)
-        if problem.even and fine is problem and problem.work()[0] is None and way.cost >= AS_PLANNED * least:
+        if problem.even and fine is plan and problem.work()[0] is None and way.cost >= AS_PLANNED * least:
             other = find_narrow(problem, keys, blocks, way)
             if other.cost < 0.5 * BREAK:
                 improve(problem, other)
@@ -370,75 +350,3 @@ def finer(problem: Problem, keys: NDArray[np.int64]) -> Problem:
     order = np.argsort(places, kind="stable")
     held, held_of = np.vstack([rows, between[good]])[order], np.append(poses, where[good])[order]
     return coarse if np.bincount(held_of).max(initial=0) > MOST_NODES else replace(coarse, held=held, held_of=held_of)
-
-
-def find_around(problem: Problem, way: Way, chain: NDArray[np.int64]) -> Way:
-    """The best way through strips that are fine about a path, and nowhere else."""
-    return find_way(replace(problem, near=way.q, radius=RADIUS), chain, False)
-
-
-def find_at(problem: Problem, way: Way, some: NDArray[np.bool_]) -> Way:
-    """`find_around` at some poses (n,) alone; the others of the path stay."""
-    chain = np.flatnonzero(way.reached)
-    held = way.reached & ~some
-    if held.mean() < LEAST_HELD:
-        return find_around(problem, way, chain)
-    held |= problem.has_known
-    again = find_around(replace(problem, known=way.q.copy(), has_known=held), way, chain)
-    again.psi[held], again.branch[held], again.bounds[held] = way.psi[held], way.branch[held], way.bounds[held]
-    return again
-
-
-def find_about_changes(problem: Problem, way: Way, chain: NDArray[np.int64]) -> Way:
-    """`find_around` near changes of branch alone: elsewhere, all postures moved at once are the best there are."""
-    changes = np.flatnonzero(np.diff(way.branch[chain]))
-    marks = np.zeros(len(way.q), np.bool_)
-    marks[chain[changes]] = marks[chain[changes + 1]] = True
-    return find_at(problem, way, wider(marks, ABOUT)) if problem.even else find_around(problem, way, chain)
-
-
-def search_around(problem: Problem, way: Way) -> Way:
-    """The best path around one: strips are finer there, so branches change where that is best."""
-    chain = np.flatnonzero(way.reached)
-    for _ in range(ROUNDS):
-        if problem.even and (problem.work()[0] is not None or not np.diff(way.branch[chain]).any()):
-            # Along one curve, all postures moved at once are the best.
-            break
-        again = find_about_changes(problem, way, chain)
-        way.torn = again.cost >= way.cost + 0.5 * BREAK
-        if way.torn or not again.reached[chain].all():
-            break
-        improve(problem, again, FINE)
-        gain = way.cost - again.cost
-        if gain > 0.0:
-            way = again
-        if not gain > LEAST_GAIN * way.cost:
-            break
-    return way
-
-
-def rows_of(problem: Problem, way: Way) -> Array:
-    """Rows of the postures of a path; where there is none, that of the search for one pose near the one before."""
-    arm, T = problem.arm, problem.T
-    rows = np.full((len(T), ROW), np.nan)
-    chain = np.flatnonzero(way.reached)
-    entries.finish(arm.family, T, chain, way.q, way.psi, way.branch, *arm.work(), rows)
-    errors = rows[chain, ROW_POSITION_ERROR : ROW_ORIENTATION_ERROR + 1].max(axis=1, initial=0.0)
-    off = chain[(rows[chain, ROW_STATUS] != Status.OK) | (errors > ON_POSE)]
-    if len(off):
-        # Rounding left them beside their poses, or limits with room for it did.
-        q, met = way.q[off], np.zeros(len(off), np.bool_)
-        entries.bridge(arm.family, T[off], q, met, np.empty((6, 7)), np.empty((16, 9)))
-        way.q[off[met]], way.branch[off[met]] = q[met], -1
-        entries.finish(arm.family, T, off[met], way.q, way.psi, way.branch, *arm.work(), rows)
-    for i in np.flatnonzero(~way.reached | (rows[:, ROW_STATUS] != Status.OK)).tolist():
-        rows[i] = problem.solve(i, rows[i - 1, :7] if i else problem.seed)._row
-    return rows
-
-
-def off_pose(arm: PackedArm, pose: Array, q: Array) -> float:
-    """How far a posture is off a pose, the larger of m and rad."""
-    rows = np.empty((1, ROW))
-    one = np.zeros(1, np.int64)
-    entries.finish(arm.family, pose[None], one, q[None], np.zeros(1), one - 1, None, None, rows)
-    return float(rows[0, ROW_POSITION_ERROR : ROW_ORIENTATION_ERROR + 1].max())
