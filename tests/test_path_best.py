@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from arms import forward, generator, load
+from oracles import random_limb
 from path_oracle import best_path, swept_postures
 
 import srs_ik
@@ -173,13 +174,13 @@ def test_a_closed_path_has_the_least_largest_step():
     assert gentle.largest_step <= even.largest_step + 1e-12
 
 
-def motion_of_benchmark(arm, name, kind, motion):
-    """(200, 7) a motion of `benchmarks/known_motions.py`."""
+def motion_of_benchmark(arm, name, kind, motion, count=200):
+    """(count, 7) a motion of `benchmarks/known_motions.py`."""
     benchmark = runpy.run_path(
         str(Path(__file__).parents[1] / "benchmarks" / "known_motions.py"), run_name="known_motions"
     )
     rng = np.random.default_rng([zlib.crc32(name.encode()), benchmark["KINDS"].index(kind), motion])
-    return benchmark["known_motion"](arm, rng, kind, 200)
+    return benchmark["known_motion"](arm, rng, kind, count)
 
 
 @pytest.mark.files
@@ -238,6 +239,57 @@ def test_a_path_that_leads_elsewhere_between_few_poses_is_planned_at_all(name, k
         path = arm.solve_path(poses_of(arm, known), seed=seed)
         assert path
         assert total(path, seed) <= (np.diff(known, axis=0) ** 2).sum() * (1.0 + 1e-6)
+
+
+@pytest.mark.parametrize(
+    ("name", "motion", "count"),
+    [
+        pytest.param("romeo_left", 5059, 200, marks=pytest.mark.files),
+        pytest.param("human_left", 4003, 2000, marks=[pytest.mark.files, pytest.mark.slow]),
+    ],
+)
+def test_a_path_beside_the_chords_of_coarse_strips_is_found(name, motion, count):
+    """The best path along coarse strips is far from the best there is: chords cost less than the curves."""
+    arm = load(name)
+    known = motion_of_benchmark(arm, name, "limits", motion, count)
+    for seed in (known[0], None):
+        path = arm.solve_path(poses_of(arm, known), seed=seed)
+        assert path
+        assert total(path, seed) <= (np.diff(known, axis=0) ** 2).sum() * (1.0 + 1e-6)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("motion", "seeded"), [(4016, True), (4018, False)])
+def test_velocity_limits_of_a_near_arm_are_kept_where_a_motion_that_keeps_them_is_known(motion, seeded):
+    """Between postures of coarse strips, steps seem faster than they are."""
+    arm = load("gen3")
+    known = motion_of_benchmark(arm, "gen3", "cross", motion)
+    dt = 1.05 * float((np.abs(np.diff(known, axis=0)) / arm.velocity_limit).max())
+    path = arm.solve_path(poses_of(arm, known), seed=known[0] if seeded else None, dt=dt)
+    assert path
+    assert (np.abs(path.steps) <= arm.velocity_limit * dt * (1.0 + 1e-9)).all()
+    assert (path.steps**2).sum() <= (np.diff(known, axis=0) ** 2).sum()
+
+
+def test_a_path_with_a_slightly_smaller_largest_step_is_found():
+    """None has steps below 0.97 of the first path's; one has steps below 0.995."""
+    arm = load("iiwa14")
+    known = motion_of_benchmark(arm, "iiwa14", "limits", 4006)
+    path = arm.solve_path(poses_of(arm, known), objective="largest_step")
+    assert path
+    assert path.largest_step <= np.abs(np.diff(known, axis=0)).max() * (1.0 + 1e-6)
+
+
+def test_oblique_axes_that_are_not_in_line_do_not_turn_on_the_spot():
+    """The middle joint of an oblique wrist at its end: joints 5 and 7 turned against each other would move the hand."""
+    limb = random_limb(26110, "oblique", "straight", "usual", 0.0)
+    arm = srs_ik.load(limb.model, base="base", tip="tool")
+    known = known_motion(arm, limb.rng, 40, 0.11390067228620228)
+    poses = poses_of(arm, known)
+    path = arm.solve_path(poses)
+    assert path
+    assert total(path, None) <= (np.diff(known, axis=0) ** 2).sum() * (1.0 + 1e-6)
+    np.testing.assert_allclose(poses_of(arm, path.q), poses, atol=1e-9)
 
 
 @pytest.mark.parametrize("straight", [True, False])

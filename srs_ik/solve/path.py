@@ -28,7 +28,7 @@ from srs_ik.solve.path_aims import closed as closed_way
 from srs_ik.solve.path_bound import least_largest, least_sum
 from srs_ik.solve.path_breaks import PathBreak, breaks_of
 from srs_ik.solve.path_problem import LARGEST_STEP, OBJECTIVES, TIME, Problem, Way, objective_of, steps_of, worth
-from srs_ik.solve.path_search import off_pose, rows_of
+from srs_ik.solve.path_rows import off_pose, rows_of
 from srs_ik.solve.path_timing import passing_times
 from srs_ik.solve.pose import solve
 from srs_ik.solve.solution import BatchSolution, Collision, ElbowRange

@@ -20,7 +20,10 @@ SEARCHES = 3
 """A path with a smaller largest step is searched for so often at most ..."""
 
 BELOW = 0.97
-"""... where steps are to be below this part of the last one."""
+"""... where steps are to be below this part of the last one ..."""
+
+JUST_BELOW = 0.995
+"""... or below this one, if there is none so small."""
 
 ALMOST = 1.05
 """Steps above this part of the last one are left out then: few of them can be moved below the limit."""
@@ -66,21 +69,28 @@ def least_largest_step(problem: Problem) -> Way:
         return way
     polish(problem, way)
     for _ in range(SEARCHES):
-        settings = problem.settings.copy()
-        settings[BY_VELOCITY] = BELOW * worth(problem, way)[1]
-        settings[BY_CONTINUITY] = np.minimum(settings[BY_CONTINUITY], ALMOST * worth(problem, way)[1])
-        slower = replace(problem, settings=settings, limited=True, objective=SUM_OF_SQUARES)
-        if may_be_fine(problem):
-            slower = replace(slower, radius=EVERYWHERE)
-        other = find_way(slower, np.flatnonzero(way.reached), False)
-        if other.cost >= 0.5 * BREAK:
+        better = smaller(problem, way, BELOW) or smaller(problem, way, JUST_BELOW)
+        if better is None:
             break
-        refine(slower, other, WIDTHS, False)
-        polish(problem, other)
-        if not worth(problem, other) < worth(problem, way):
-            break
-        way = other
+        way = better
     return way
+
+
+def smaller(problem: Problem, way: Way, part: float) -> Way | None:
+    """A path with a smaller largest step, of those whose steps are about below a part of this one's."""
+    largest = worth(problem, way)[1]
+    settings = problem.settings.copy()
+    settings[BY_VELOCITY] = part * largest
+    settings[BY_CONTINUITY] = np.minimum(settings[BY_CONTINUITY], ALMOST * largest)
+    slower = replace(problem, settings=settings, limited=True, objective=SUM_OF_SQUARES)
+    if may_be_fine(problem):
+        slower = replace(slower, radius=EVERYWHERE)
+    other = find_way(slower, np.flatnonzero(way.reached), False)
+    if other.cost >= 0.5 * BREAK:
+        return None
+    refine(slower, other, WIDTHS, False)
+    polish(problem, other)
+    return other if worth(problem, other) < worth(problem, way) else None
 
 
 def closed(problem: Problem) -> Way:

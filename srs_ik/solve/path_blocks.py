@@ -16,9 +16,11 @@ from srs_ik.kernels.layout.path import (
     HELD_BRANCH,
     HELD_LINKED,
     HELD_PSI,
+    HELD_ROOM,
     NODE,
     NODE_BRANCH,
     NODE_PSI,
+    NODE_SAG,
     STRIP,
     STRIP_FIRST,
     STRIP_LAST,
@@ -91,11 +93,18 @@ class Block:
         first, last = ends[1, 0], ends[self.count, 1]
         lasts = strips[ends[1, 2] : ends[self.count, 3], STRIP_LAST].astype(np.int64)
         rows = np.ones((last - first, HELD))
+        rows[:, HELD_ROOM] = np.inf
         rows[:, :HELD_PSI] = nodes[first:last, :NODE_PSI]
         rows[:, HELD_PSI], rows[:, HELD_BRANCH] = nodes[first:last, NODE_PSI], nodes[first:last, NODE_BRANCH]
         rows[lasts - first, HELD_LINKED] = 0.0
         counts = ends[1 : self.count + 1, 1] - ends[1 : self.count + 1, 0]
         return rows, np.repeat(self.keys[self.first : self.first + self.count], counts)
+
+    def costs(self) -> tuple[Array, Array]:
+        """What its postures cost, and how far these costs sag to the next one, in the order of `held`."""
+        nodes, cost, _, ends = self.fill()
+        first, last = ends[1, 0], ends[self.count, 1]
+        return cost[first:last], nodes[first:last, NODE_SAG]
 
     def walls(self) -> list[Wall]:
         """Where all ways need one more break, if breaks are made as late as can be."""

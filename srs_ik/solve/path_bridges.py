@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from srs_ik.kernels.entries import path as entries
 from srs_ik.kernels.entries.kinematics import configuration_arm_angle
 from srs_ik.kernels.layout.limb import LIMITED, PHASE, SHOULDER, WRIST
-from srs_ik.kernels.layout.path import BY_CONTINUITY, HELD, HELD_BRANCH, HELD_PSI, INVERSE_PERIOD, PERIOD
+from srs_ik.kernels.layout.path import BY_CONTINUITY, HELD, HELD_BRANCH, HELD_PSI, HELD_ROOM, INVERSE_PERIOD, PERIOD
 from srs_ik.solve.path_blocks import Block
 from srs_ik.solve.path_problem import Problem
 
@@ -55,6 +55,10 @@ def bridged(problem: Problem) -> Problem:
         for pose in range(first, first + block.count):
             a, b = ends[pose - first + 1, :2]
             there = nodes[a:b, :7]
+            if problem.has_known[pose] and (pose == 0 or problem.has_known[pose - 1]):
+                found.append(np.empty((0, 7)))
+                reachable = there
+                continue
             apart = _distances(problem, reachable, there)
             new = np.empty((0, 7))
             if pose > 0 and tried < MOST_OF_ALL and not problem.has_known[pose]:
@@ -77,7 +81,7 @@ def bridged(problem: Problem) -> Problem:
 def _rows(arm: PackedArm, postures: Array) -> Array:
     """(h, HELD) postures; singular ones, whose joints may turn, with their arm angles and branches."""
     rows = np.zeros((len(postures), HELD))
-    rows[:, :HELD_PSI], rows[:, HELD_BRANCH] = postures, -1.0
+    rows[:, :HELD_PSI], rows[:, HELD_BRANCH], rows[:, HELD_ROOM] = postures, -1.0, np.inf
     P = arm.family[LIMITED]
     middles = postures[:, [1, 5]] - P[[SHOULDER + PHASE, WRIST + PHASE]]
     for i in np.flatnonzero((np.abs(np.sin(middles)) < ALIGNED).any(axis=1) & arm.closed):

@@ -12,23 +12,19 @@ from srs_ik.inputs.poses import refuse_bad_poses
 from srs_ik.kernels.entries import path as entries
 from srs_ik.kernels.entries.path import MOST_NODES
 from srs_ik.kernels.entries.pose import pack_limits
-from srs_ik.kernels.layout.answer import ROW, ROW_ORIENTATION_ERROR, ROW_POSITION_ERROR, ROW_STATUS
 from srs_ik.kernels.layout.limb import LIMITED, LOOSE, SHIFT
 from srs_ik.kernels.layout.path import BREAK, BY_CONTINUITY, HELD_LINKED
+from srs_ik.solve.path_around import BESIDE, find_at, search_around, wider
 from srs_ik.solve.path_blocks import find_way, held_in, through
 from srs_ik.solve.path_bridges import bridged
-from srs_ik.solve.path_polish import FINE, improve, keep_limits
+from srs_ik.solve.path_narrow import find_narrow, held_below
+from srs_ik.solve.path_polish import FINE, WIDTHS, improve, keep_limits
 from srs_ik.solve.path_problem import JUST_ABOVE, Problem, Way, copy, steps_of, too_fast, worth
-from srs_ik.solve.solution import Status
 
 if TYPE_CHECKING:
-    from srs_ik.solve.packed import PackedArm
+    pass
 
 Array = NDArray[np.float64]
-
-ROUNDS = 4
-RADIUS = 0.25
-"""A path is searched for again so often at most, so far around the last one, rad."""
 
 SHORT = 32
 """A path of so many poses at most is planned at each of them, and with strips that are fine everywhere."""
@@ -49,29 +45,17 @@ ROUNDED = 1e-4
 DRAWN_OUT = 30.0
 """That limb is planned with limits drawn out by so many times this: else postures on two limits would be none of it."""
 
-AROUND = 8
-"""So many poses to both sides of one are planned too where a path between planned poses does something of its own."""
-
-ABOUT = 16
-"""So many poses to both sides of one at which a path changes branch are searched again ..."""
-
-LEAST_HELD = 0.25
-"""... if this part of all poses is left out by that."""
-
 MOST_PLANNED = 0.6
 """If it is to be planned at a larger part of all poses, it may as well be planned at all."""
 
 AS_PLANNED = 1.006
 """Between planned poses steps are straight, so that a plan costs less than any path: one so close to it is the best."""
 
+CLOSE = 1.002
+"""On an exact limb, a path that costs less than so many times its plan is not looked at any closer."""
+
 LEAP = 0.2
 """A joint step of a path that is longer than this, rad, may be there because strips miss a posture."""
-
-ON_POSE = 1e-10
-"""A posture that is farther off its pose than this, m and rad, is taken to it once more."""
-
-LEAST_GAIN = 1e-3
-"""A search that gains less, relative to all, is the last one."""
 
 
 def search(problem: Problem) -> Way:
@@ -84,8 +68,10 @@ def search(problem: Problem) -> Way:
         keep_limits(problem, way, copy(way))
     if (too_fast(problem, way) > JUST_ABOVE).any():
         way = min(way, found(problem), key=lambda each: worth(problem, each))
-    if (too_fast(problem, way) > JUST_ABOVE).any() and way.reached.all() and may_be_fine(problem):
-        other = find_way(replace(problem, radius=EVERYWHERE), np.arange(len(problem.T)), False)
+    if (too_fast(problem, way) > JUST_ABOVE).any() and way.reached.all():
+        # Chords of coarse strips may be too fast where the path is slow.
+        keys = np.arange(len(problem.T))
+        other = find_way(fine_everywhere(problem, keys), keys, False)
         improve(problem, other, FINE)
         way = min(way, other, key=lambda each: worth(problem, each))
     return way
@@ -114,11 +100,6 @@ def as_exact(problem: Problem) -> Problem:
     for which in (LIMITED, LOOSE):
         pack_limits(family[which], lower, upper)
     return replace(problem, arm=replace(arm, family=family, lower=lower, upper=upper), in_closed_form=True)
-
-
-def wider(some: NDArray[np.bool_], by: int = AROUND) -> NDArray[np.bool_]:
-    """Some poses with so many around them."""
-    return np.convolve(some, np.ones(2 * by + 1), "same") > 0.5 if len(some) > 2 * by else some | some.any()
 
 
 def every_second(marks: NDArray[np.bool_], kept: NDArray[np.bool_]) -> NDArray[np.bool_]:
@@ -150,58 +131,136 @@ def close(problem: Problem, way: Way, keys: NDArray[np.int64] | None = None) -> 
 
 def planned(problem: Problem) -> Way:
     """`search` on the true chain, or on the nearest exact limb."""
-    way = planned_at_some(problem)
-    return planned_everywhere(problem) if way is None or is_odd(problem, way) else way
+    way, rest = planned_at_some(problem)
+    if way is None:
+        return planned_everywhere(problem, problem)
+    if rest is not None or way.torn:
+        return min(planned_everywhere(problem, rest or problem), way, key=lambda each: worth(problem, each))
+    return smoothed_leaps(problem, way) if is_odd(problem, way) else way
 
 
-def planned_at_some(problem: Problem) -> Way | None:
-    """A path planned at some poses, if that tells."""
+def smoothed_leaps(problem: Problem, way: Way) -> Way:
+    """A path with postures that strips miss where it leaps, if they make it better."""
+    marks = wider(np.append(leaps_of(problem, way), False))
+    held = ~marks | problem.has_known
+    local = replace(problem, known=way.q.copy(), has_known=held)
+    more = bridged(local)
+    if more is local:
+        return way
+    other = find_way(more, np.arange(len(marks)), False)
+    if other.cost >= 0.5 * BREAK:
+        return way
+    other.psi[held], other.branch[held], other.bounds[held] = way.psi[held], way.branch[held], way.bounds[held]
+    improve(problem, other)
+    return min(way, other, key=lambda each: worth(problem, each))
+
+
+def planned_at_some(problem: Problem) -> tuple[Way | None, Problem | None]:
+    """A path planned at some poses, if there is one without a break; and what is left to plan, if anything is."""
     marks = keys_of(problem)
     if problem.free is not None or len(problem.T) <= SHORT:
-        return None
+        return None, problem
     if problem.work()[0] is None:
-        return sparse(problem, problem, marks) if marks.mean() < MOST_PLANNED else None
+        if problem.even:
+            return in_closed_form(problem, problem, every_second(marks, problem.has_known))
+        return in_closed_form(problem, problem, marks) if marks.mean() < MOST_PLANNED else (None, problem)
     if problem.arm.family[LIMITED, SHIFT] < ROUNDED:
-        way = sparse(problem, as_exact(problem), marks.copy())
-        if way is not None:
-            return way
-    return sparse(problem, problem, every_second(marks, problem.has_known))
+        way, rest = in_closed_form(problem, as_exact(problem), every_second(marks, problem.has_known))
+        if rest is None:
+            return way, None
+    return sparse(problem, every_second(marks, problem.has_known)), None
 
 
 def is_odd(problem: Problem, way: Way) -> bool:
     """Whether a path on an exact limb leaps, or fine strips about it are torn: its strips may miss postures."""
-    leaps = np.abs(steps_of(problem, way.q[way.reached])).max(initial=0.0) > LEAP
-    return problem.arm.closed and (way.torn or bool(leaps))
+    return problem.arm.closed and (way.torn or bool(leaps_of(problem, way).any()))
 
 
-def sparse(problem: Problem, plan: Problem, marks: NDArray[np.bool_]) -> Way | None:
-    """A path planned at the poses that are marked, filled in between; None where it breaks or costs more than planned.
+def leaps_of(problem: Problem, way: Way) -> NDArray[np.bool_]:
+    """(k - 1,) whether a path leaps, from each pose that is reached to the next."""
+    return np.abs(steps_of(problem, way.q[way.reached])).max(axis=1, initial=0.0) > LEAP
 
-    On the true chain, poses near which it costs more are planned then too, in the end all; what is known of the strips
-    of the others is kept.
+
+def in_closed_form(problem: Problem, plan: Problem, marks: NDArray[np.bool_]) -> tuple[Way | None, Problem | None]:
+    """A path planned on an exact limb at the poses that are marked, filled in between; and what is left to plan.
+
+    Where it costs more than planned, strips are made finer first: it may be their chords that cost less.
     """
-    stands_in = plan is not problem
-    best: Way | None = None
+    keys, stands_in = np.flatnonzero(marks), plan is not problem
+    told = far(plan, keys)
+    way, blocks = through(told, keys, False)
+    if way.cost >= 0.5 * BREAK or not way.reached[keys].all():
+        return None, problem
+    least = way.cost
+    best = filled(problem, way, keys, stands_in)
+    if best is None:
+        return None, problem
+    if problem.even and best.cost >= CLOSE * least:
+        way = find_narrow(told, keys, blocks, best)
+        if way.cost < 0.5 * BREAK and way.reached[keys].all():
+            least = way.cost
+            again = filled(problem, way, keys, stands_in)
+            best = again if again is not None and again.cost < best.cost else best
+    if best.cost < CLOSE * least:
+        return best, None
+    if best.cost < AS_PLANNED * least:
+        return search_around(problem, best), None
+    if stands_in or not problem.even:
+        return best, problem
+    return best, replace(held_below(told, keys, blocks, best.cost), settings=problem.settings)
+
+
+def filled(problem: Problem, way: Way, keys: NDArray[np.int64], stands_in: bool) -> Way | None:
+    """A path that is planned at some poses on an exact limb, filled in between and improved; None where it cannot be.
+
+    `stands_in`: that limb is not the arm's own.
+    """
+    if stands_in:
+        # What the arm itself does not reach inside its limits is filled in like the rest.
+        met = close(problem, way, keys)
+        way.reached[keys[~met]] = False
+        keys = keys[met]
+        if not len(keys) or keys[0] > 0 or keys[-1] + 1 < len(way.q):
+            return None
+    missed = fill(problem, way, keys)
+    if not missed.any():
+        improve(problem, way, WIDTHS if stands_in else FINE)
+        return way
+    if stands_in:
+        return None
+    # Branches change there: fine strips about the straight line tell where.
+    way.reached[:] = True
+    way = find_at(problem, way, wider(missed, BESIDE))
+    if way.cost >= 0.5 * BREAK or not way.reached.all():
+        return None
+    improve(problem, way, FINE)
+    return way
+
+
+def sparse(problem: Problem, marks: NDArray[np.bool_]) -> Way | None:
+    """A path planned on the true chain at the poses that are marked, filled in between; None where it breaks.
+
+    Poses near which it costs more than planned are planned then too, in the end all; what is known of the strips of
+    the others is kept.
+    """
+    plan, best = problem, None
     while True:
         keys = np.flatnonzero(marks)
         way, blocks = through(far(plan, keys), keys, False)
         if way.cost >= 0.5 * BREAK or not way.reached[keys].all():
             return None
         least, q = way.cost, way.q[keys]
-        if stands_in and not close(problem, way, keys).all():
-            return None
         missed = fill(problem, way, keys)
-        if problem.work()[0] is None:
-            return filled(problem, way, missed, least)
         if not missed.any():
             improve(problem, way)
             best = way if best is None or way.cost < best.cost else best
-            if best.cost < AS_PLANNED * least or (marks.all() and not stands_in):
+            if best.cost < AS_PLANNED * least or marks.all():
                 return search_around(problem, best)
             missed = worse(problem, way, keys, q)
-        if stands_in:
-            return None
-        plan = held_in(problem, keys, blocks)
+        if best is None:
+            plan = held_in(problem, keys, blocks)
+        else:
+            plan = replace(held_below(far(problem, keys), keys, blocks, best.cost), settings=problem.settings)
         more = wider(missed) & ~marks
         marks = marks | more if more.any() and marks.mean() < MOST_PLANNED else np.ones_like(marks)
 
@@ -212,20 +271,6 @@ def far(problem: Problem, keys: NDArray[np.int64]) -> Problem:
     # Two poses are counted already.
     settings[BY_CONTINUITY] *= max(1.0, 0.5 * float(np.diff(keys).max()))
     return replace(problem, settings=settings)
-
-
-def filled(problem: Problem, way: Way, missed: NDArray[np.bool_], least: float) -> Way | None:
-    """A path on an exact limb that is planned at some poses and filled in between; None where it costs more."""
-    if not missed.any():
-        improve(problem, way)
-    else:
-        # Branches change there: fine strips about the straight line tell where.
-        way.reached[:] = True
-        way = find_around(problem, way, np.arange(len(missed)))
-        if way.cost >= 0.5 * BREAK:
-            return None
-        improve(problem, way, FINE)
-    return search_around(problem, way) if way.cost < AS_PLANNED * least else None
 
 
 def fill(problem: Problem, way: Way, keys: NDArray[np.int64]) -> NDArray[np.bool_]:
@@ -245,19 +290,28 @@ def worse(problem: Problem, way: Way, keys: NDArray[np.int64], q: Array) -> NDAr
     return some[np.searchsorted(keys, np.arange(len(way.q)), side="right") - 1]
 
 
-def planned_everywhere(problem: Problem) -> Way:
-    """A path planned at every pose, with postures that strips miss and with breaks where there is no other way."""
+def planned_everywhere(problem: Problem, plan: Problem) -> Way:
+    """A path planned at every pose, with postures that strips miss and with breaks where there is no other way.
+
+    `plan` is the problem with what is known of its strips.
+    """
     arm, keys = problem.arm, np.arange(len(problem.T))
     may_bridge = problem.free is None and (arm.closed or not problem.in_closed_form)
-    fine = problem
+    fine = plan
     if len(keys) <= SHORT:
-        fine = replace(problem, radius=EVERYWHERE) if problem.work()[0] is None else finer(problem, keys)
-    way = find_way(fine, keys, False)
+        fine = fine_everywhere(problem, keys)
+    way, blocks = through(fine, keys, False)
     if way.cost < 0.5 * BREAK:
+        least = way.cost
         improve(problem, way)
+        if problem.even and fine is plan and problem.work()[0] is None and way.cost >= AS_PLANNED * least:
+            other = find_narrow(problem, keys, blocks, way)
+            if other.cost < 0.5 * BREAK:
+                improve(problem, other)
+                way = min(way, other, key=lambda each: each.cost)
         way = search_around(problem, way)
-        if not (may_bridge and is_odd(problem, way)):
-            return way
+        if not (may_bridge and way.torn):
+            return smoothed_leaps(problem, way) if may_bridge and is_odd(problem, way) else way
     if may_bridge:
         more = bridged(problem)
         again = way if more is problem else find_way(more, keys, False)
@@ -275,12 +329,17 @@ def planned_everywhere(problem: Problem) -> Way:
     return way
 
 
+def fine_everywhere(problem: Problem, keys: NDArray[np.int64]) -> Problem:
+    """The problem with fine strips at all key poses."""
+    return replace(problem, radius=EVERYWHERE) if problem.work()[0] is None else finer(problem, keys)
+
+
 def finer(problem: Problem, keys: NDArray[np.int64]) -> Problem:
     """The problem with strips of a near limb that are known, others of their postures put between each two."""
     coarse = held_in(problem, keys, through(problem, keys, False)[1])
     rows, poses = coarse.held, coarse.held_of
     first = np.flatnonzero(rows[:, HELD_LINKED])
-    straight = rows[first, None, :7] + PARTS[:, None] * (rows[first + 1] - rows[first])[:, None, :7]
+    straight = rows[first, None, :7] + PARTS[:, None] * (rows[first + 1, :7] - rows[first, :7])[:, None]
     q = straight.reshape(-1, 7).copy()
     met, where = np.zeros(len(q), np.bool_), np.repeat(poses[first], len(PARTS))
     entries.bridge(problem.arm.family, problem.T[where], q, met, *problem.work())
@@ -291,69 +350,3 @@ def finer(problem: Problem, keys: NDArray[np.int64]) -> Problem:
     order = np.argsort(places, kind="stable")
     held, held_of = np.vstack([rows, between[good]])[order], np.append(poses, where[good])[order]
     return coarse if np.bincount(held_of).max(initial=0) > MOST_NODES else replace(coarse, held=held, held_of=held_of)
-
-
-def find_around(problem: Problem, way: Way, chain: NDArray[np.int64]) -> Way:
-    """The best way through strips that are fine about a path, and nowhere else."""
-    return find_way(replace(problem, near=way.q, radius=RADIUS), chain, False)
-
-
-def find_about_changes(problem: Problem, way: Way, chain: NDArray[np.int64]) -> Way:
-    """`find_around` near changes of branch alone: elsewhere, all postures moved at once are the best there are."""
-    changes = np.flatnonzero(np.diff(way.branch[chain]))
-    marks = np.zeros(len(way.q), np.bool_)
-    marks[chain[changes]] = marks[chain[changes + 1]] = True
-    held = way.reached & ~wider(marks, ABOUT)
-    if not problem.even or held.mean() < LEAST_HELD:
-        return find_around(problem, way, chain)
-    held |= problem.has_known
-    again = find_around(replace(problem, known=way.q.copy(), has_known=held), way, chain)
-    again.psi[held], again.branch[held], again.bounds[held] = way.psi[held], way.branch[held], way.bounds[held]
-    return again
-
-
-def search_around(problem: Problem, way: Way) -> Way:
-    """The best path around one: strips are finer there, so branches change where that is best."""
-    chain = np.flatnonzero(way.reached)
-    for _ in range(ROUNDS):
-        if problem.even and (problem.work()[0] is not None or not np.diff(way.branch[chain]).any()):
-            # Along one curve, all postures moved at once are the best.
-            break
-        again = find_about_changes(problem, way, chain)
-        way.torn = again.cost >= way.cost + 0.5 * BREAK
-        if way.torn or not again.reached[chain].all():
-            break
-        improve(problem, again, FINE)
-        gain = way.cost - again.cost
-        if gain > 0.0:
-            way = again
-        if not gain > LEAST_GAIN * way.cost:
-            break
-    return way
-
-
-def rows_of(problem: Problem, way: Way) -> Array:
-    """Rows of the postures of a path; where there is none, that of the search for one pose near the one before."""
-    arm, T = problem.arm, problem.T
-    rows = np.full((len(T), ROW), np.nan)
-    chain = np.flatnonzero(way.reached)
-    entries.finish(arm.family, T, chain, way.q, way.psi, way.branch, *arm.work(), rows)
-    errors = rows[chain, ROW_POSITION_ERROR : ROW_ORIENTATION_ERROR + 1].max(axis=1, initial=0.0)
-    off = chain[(rows[chain, ROW_STATUS] != Status.OK) | (errors > ON_POSE)]
-    if len(off):
-        # Rounding left them beside their poses, or limits with room for it did.
-        q, met = way.q[off], np.zeros(len(off), np.bool_)
-        entries.bridge(arm.family, T[off], q, met, np.empty((6, 7)), np.empty((16, 9)))
-        way.q[off[met]], way.branch[off[met]] = q[met], -1
-        entries.finish(arm.family, T, off[met], way.q, way.psi, way.branch, *arm.work(), rows)
-    for i in np.flatnonzero(~way.reached | (rows[:, ROW_STATUS] != Status.OK)).tolist():
-        rows[i] = problem.solve(i, rows[i - 1, :7] if i else problem.seed)._row
-    return rows
-
-
-def off_pose(arm: PackedArm, pose: Array, q: Array) -> float:
-    """How far a posture is off a pose, the larger of m and rad."""
-    rows = np.empty((1, ROW))
-    one = np.zeros(1, np.int64)
-    entries.finish(arm.family, pose[None], one, q[None], np.zeros(1), one - 1, None, None, rows)
-    return float(rows[0, ROW_POSITION_ERROR : ROW_ORIENTATION_ERROR + 1].max())

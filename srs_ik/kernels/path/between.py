@@ -64,16 +64,20 @@ def follow_on(family, course, line, at, settings, J, A):
         write_posture(line, i, here, 0.0, branch_of(P, here))
         course.bounds[i, 0], course.bounds[i, 1] = -math.inf, math.inf
         return good
-    if line.branch[before] < 0 or line.branch[before] != line.branch[behind]:
-        return False
-    branch = line.branch[before]
     place_ = place(P, R, p)
     angle = arm_angle(P, near, place_[0], place_[1])
-    here, good = posture_of(P, elbow_side(P, place_, branch >> 2), angle, branch, near, True)
-    here, inside = settled(P, here, ON_LIMIT)
-    write_posture(line, i, here, angle, branch)
-    write_bounds(family, place_, branch, angle, row(course.bounds, i))
-    return good and inside and apart(here, near) < reach
+    closest = reach
+    for end in (before, behind):
+        branch = line.branch[end]
+        if branch < 0 or (end == behind and branch == line.branch[before]):
+            continue
+        here, good = posture_of(P, elbow_side(P, place_, branch >> 2), angle, branch, near, True)
+        here, inside = settled(P, here, ON_LIMIT)
+        if good and inside and apart(here, near) < closest:
+            closest = apart(here, near)
+            write_posture(line, i, here, angle, branch)
+            write_bounds(family, place_, branch, angle, row(course.bounds, i))
+    return closest < reach
 
 
 @kernel

@@ -19,6 +19,7 @@ from srs_ik.kernels.layout.path import (
     BREAK,
     BY_CONTINUITY,
     BY_VELOCITY,
+    HELD_ROOM,
     IMPOSSIBLE,
     INVERSE_SPEED,
     LEAST_INVERSE,
@@ -276,6 +277,29 @@ def write_least(sheet, span):
         for i in range(int(sheet.strips[b, STRIP_FIRST]), int(sheet.strips[b, STRIP_LAST]) + 1):
             least = min(least, sheet.cost[i] - 0.25 * sheet.nodes[i, NODE_SAG])
         sheet.strips[b, STRIP_LEAST] = least
+
+
+@kernel
+def is_beyond_room(sheet, i, span, held):
+    """Whether ways through a posture of a pose, or next to it in its strip, cost more than they may."""
+    sag = sheet.nodes[i, NODE_SAG]
+    if i > span.first and sheet.linked[i - 1]:
+        sag = max(sag, sheet.nodes[i - 1, NODE_SAG])
+    return sheet.cost[i] - 0.25 * sag > held[i - span.first, HELD_ROOM]
+
+
+@kernel
+def leave_out(sheet, span, held):
+    """Take the costs of postures of which no strip leads on to one that may cost so much; `held` are their rows."""
+    before = True
+    for i in range(span.first, span.last):
+        beyond = is_beyond_room(sheet, i, span, held)
+        alone = before or not sheet.linked[i - 1]
+        following = i + 1 < span.last and sheet.linked[i]
+        if beyond and alone and not (following and not is_beyond_room(sheet, i + 1, span, held)):
+            sheet.cost[i] = IMPOSSIBLE
+        before = beyond
+    write_least(sheet, span)
 
 
 @kernel

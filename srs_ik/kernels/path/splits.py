@@ -10,7 +10,7 @@ import math
 from srs_ik.kernels.algebra.joint_vectors import along7
 from srs_ik.kernels.algebra.pointers import row
 from srs_ik.kernels.jit import kernel
-from srs_ik.kernels.layout.limb import IS_CLOSED, LOWER, PHASE, SHOULDER, UPPER, WRIST
+from srs_ik.kernels.layout.limb import BOTTOM_GAP, IS_CLOSED, LOWER, PHASE, SHOULDER, TOP_GAP, UPPER, WRIST
 from srs_ik.kernels.layout.path import NODE_BRANCH, NODE_PSI
 from srs_ik.kernels.limb.goal import NO_SEED
 from srs_ik.kernels.limb.poses import read7
@@ -22,15 +22,24 @@ SPLIT = 1e-7
 
 
 @kernel
+def in_line(P, k, x):
+    """Whether the outer axes of the spherical joint at block k are in line where the middle one is at its end x."""
+    return P[k + (TOP_GAP if math.cos(x) > 0.0 else BOTTOM_GAP)] == 0.0
+
+
+@kernel
 def split_of(P, q):
-    """How joints turn at a singular posture while the pose stands still: seven rates, and whether there are any."""
+    """How joints turn at a singular posture while the pose stands still: seven rates, and whether there are any.
+
+    Where axes are oblique, the middle joint may be at its end and the outer axes still not in line.
+    """
     if P[IS_CLOSED] != 1.0:
         return NO_SEED, False
     s = q[1] - P[SHOULDER + PHASE]
     w = q[5] - P[WRIST + PHASE]
-    if abs(math.sin(s)) < SPLIT:
+    if abs(math.sin(s)) < SPLIT and in_line(P, SHOULDER, s):
         return (1.0, 0.0, math.copysign(1.0, -math.cos(s)), 0.0, 0.0, 0.0, 0.0), True
-    if abs(math.sin(w)) < SPLIT:
+    if abs(math.sin(w)) < SPLIT and in_line(P, WRIST, w):
         return (0.0, 0.0, 0.0, 0.0, 1.0, 0.0, math.copysign(1.0, -math.cos(w))), True
     return NO_SEED, False
 

@@ -28,6 +28,8 @@ TOUCHING = 1e-12
 def step_of(settings, j, a, b):
     """Joint step from a to b; the shorter way round for a joint that turns without end."""
     d = b - a
+    if abs(d) * settings[7 * INVERSE_PERIOD + j] < 0.5:
+        return d
     return d - settings[7 * PERIOD + j] * math.floor(d * settings[7 * INVERSE_PERIOD + j] + 0.5)
 
 

@@ -19,7 +19,7 @@ from srs_ik.kernels.layout.path import BY_CONTINUITY
 from srs_ik.solve.in_scene.edges import Edges
 from srs_ik.solve.path_breaks import PathBreak, breaks_of
 from srs_ik.solve.path_problem import Problem, Way, steps_of
-from srs_ik.solve.path_search import rows_of
+from srs_ik.solve.path_rows import rows_of
 from srs_ik.solve.solution import Status
 
 if TYPE_CHECKING:

@@ -1,0 +1,137 @@
+"""What a path may touch that costs no more than one at hand: finer strips there, and none elsewhere.
+
+Between two postures of a strip joint angles are taken as straight, so a plan costs less than any path, the more so the
+coarser its strips are. What a path costs from a posture on, found by the programme from the last pose back, added to
+what it costs up to there, leaves most strips out; what is left may be fine.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from srs_ik.kernels.layout.path import HELD_BRANCH, HELD_LINKED, HELD_PSI, HELD_ROOM
+from srs_ik.solve.path_blocks import Block, Carry, find_way
+from srs_ik.solve.path_problem import Problem, Way
+
+Array = NDArray[np.float64]
+Marks = NDArray[np.bool_]
+
+SAGGED = 0.25
+"""Between two postures costs lie below those of both by at most this part of how far they sag."""
+
+FINE = 3.0
+"""Strips are fine so far around, rad: everywhere, for whole turns are left out."""
+
+AT_ENDS = 1e-9
+"""Rounding of arm angles, rad."""
+
+
+@dataclass
+class Part:
+    """Intervals of some poses: branch, least and largest arm angle (k, 3), their poses (k,), ends of strips (k, 2)."""
+
+    rows: Array
+    poses: NDArray[np.int64]
+    strips: Array
+
+
+def find_narrow(problem: Problem, keys: NDArray[np.int64], blocks: list[Block], way: Way) -> Way:
+    """The best way through fine strips of what a path may touch that costs no more than one at hand.
+
+    Args:
+        problem: the path that is asked for, on an exact limb.
+        keys: (k,) the poses that count.
+        blocks: their strips, as they were planned.
+        way: the path at hand, which costs `way.cost`.
+    """
+    after = costs_to_end(problem, blocks, way.cost)
+    parts = [kept(block, costs, way.cost) for block, costs in zip(blocks, after, strict=True)]
+    rows, poses = np.vstack([part.rows for part in parts]), np.concatenate([part.poses for part in parts])
+    free = np.split(rows, np.searchsorted(poses, np.arange(1, len(problem.T))))
+    found = find_way(replace(problem, near=way.q, radius=FINE, free=free), keys, False)
+    # Intervals that are cut have ends that are none of the strip.
+    strips = np.vstack([part.strips for part in parts])
+    psi = found.psi[poses]
+    own = (rows[:, 0] == found.branch[poses]) & (psi >= strips[:, 0] - AT_ENDS) & (psi <= strips[:, 1] + AT_ENDS)
+    found.bounds[:] = np.inf, -np.inf
+    np.minimum.at(found.bounds[:, 0], poses[own], np.where(strips[own, 0] > -np.pi, strips[own, 0], -np.inf))
+    np.maximum.at(found.bounds[:, 1], poses[own], np.where(strips[own, 1] < np.pi, strips[own, 1], np.inf))
+    found.bounds[found.bounds[:, 0] > found.bounds[:, 1]] = -np.inf, np.inf
+    return found
+
+
+def costs_to_end(problem: Problem, blocks: list[Block], most: float) -> list[Array]:
+    """Of each block, what a path costs from each posture on (m, 2), and how far these costs sag to the next one.
+
+    Postures through which no path leads that costs at most so much are left out on the way.
+    """
+    n = len(problem.T)
+    back = replace(
+        problem,
+        T=np.ascontiguousarray(problem.T[::-1]),
+        seed=None,
+        known=problem.known[::-1].copy(),
+        has_known=problem.has_known[::-1].copy(),
+        near=np.ascontiguousarray(problem.near[::-1]),
+        held_alone=np.ones(n, np.bool_),
+        free=None,
+    )
+    before: Carry | None = None
+    found = []
+    for block in reversed(blocks):
+        rows, poses = block.held()
+        cost, sag = block.costs()
+        rows[:, HELD_ROOM] = most - cost + SAGGED * np.maximum(sag, np.append(0.0, sag[:-1]))
+        order = np.argsort(-poses, kind="stable")
+        keys = n - 1 - block.keys[block.first : block.first + block.count][::-1]
+        told = replace(back, held=rows[order], held_of=n - 1 - poses[order])
+        after = np.empty((len(rows), 2))
+        first = at = 0
+        while first < len(keys):
+            part = Block(told, keys, first, False, before)
+            costs = np.column_stack(part.costs())
+            after[order[at : at + len(costs)]] = costs
+            before, first, at = part.carry(), first + part.count, at + len(costs)
+        found.append(after)
+    return found[::-1]
+
+
+def held_below(problem: Problem, keys: NDArray[np.int64], blocks: list[Block], most: float) -> Problem:
+    """The problem with those postures of blocks known through which a path may lead that costs at most so much."""
+    found, alone = [], np.zeros(len(problem.T), np.bool_)
+    for block, after in zip(blocks, costs_to_end(problem, blocks, most), strict=True):
+        rows, poses = block.held()
+        some, cells = touched(rows, block, after, most)
+        rows[:, HELD_LINKED] = cells
+        found.append((rows[some], poses[some]))
+    alone[keys] = True
+    rows, poses = (np.concatenate(each) for each in zip(*found, strict=True))
+    return replace(problem, held=rows, held_of=poses, held_alone=alone)
+
+
+def touched(rows: Array, block: Block, after: Array, most: float) -> tuple[Marks, Marks]:
+    """Of a block's postures, those that such a path may touch, and those from which it may lie towards the next one."""
+    cost, sag = block.costs()
+    total = cost + after[:, 0]
+    following = np.append(total[1:], np.inf)
+    linked = rows[:, HELD_LINKED] != 0.0
+    cells = linked & (np.minimum(total, following) - SAGGED * (sag + after[:, 1]) <= most)
+    return (total <= most) | cells | np.append(False, cells[:-1]), cells
+
+
+def kept(block: Block, after: Array, most: float) -> Part:
+    """The intervals of a block through which a path may lead that costs at most so much."""
+    rows, poses = block.held()
+    some, cells = touched(rows, block, after, most)
+    some &= rows[:, HELD_BRANCH] >= 0.0
+    first = np.flatnonzero(some & ~np.append(False, cells[:-1]))
+    last = np.flatnonzero(some & ~cells)
+    lasts = np.flatnonzero(rows[:, HELD_LINKED] == 0.0)
+    firsts = np.append(0, lasts[:-1] + 1)
+    of = np.searchsorted(lasts, first)
+    angles = rows[:, HELD_PSI]
+    intervals = np.column_stack([rows[first, HELD_BRANCH], angles[first], angles[last]])
+    return Part(intervals, poses[first], np.column_stack([angles[firsts[of]], angles[lasts[of]]]))
