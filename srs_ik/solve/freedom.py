@@ -25,7 +25,7 @@ from srs_ik.solve.threads import run_in_threads
 Array = NDArray[np.float64]
 
 NEAR_MARGIN = 0.02
-"""The widest margin of a near limb is above that of its nearest exact limb by no more than this where it is told by that."""
+"""By how much the widest margin of a near limb may be above that of its nearest exact limb, which is known at once."""
 
 CLOSEST_OF = 24
 """Turns at which the closest posture is looked for where none meets the pose."""

@@ -26,8 +26,8 @@ STAYS = 4.0
 """So many times as far away it still does once it has begun: else it would go to and fro between the two ways."""
 
 LEVER = 0.1
-"""Turning by a radian counts as much as moving by this, m, where joints cannot bring all of the tip back at once: as
-much as where a tip is called on its target, rather than by the reach, which would leave it aside to keep it straight."""
+"""Turning by a radian counts as much as moving by this, m, where joints cannot bring all of the tip back at once: 1 mm
+as much as 10 mrad. By the reach, the tip would be left aside so that it stays straight."""
 
 GENTLE = 0.05
 GENTLY = 1e-4
