@@ -97,9 +97,11 @@ def _keep_wider(arm: PackedArm, T: Array, out: Array, threads: int | None) -> No
     maps.margin_range(arm.family, T, 0, len(T), there)
     known = margins(out)
     maybe = np.flatnonzero((there > known - (0.0 if arm.closed else NEAR_MARGIN)) | (known == -np.inf))
-    if not len(maybe):
-        return
-    maybe = maybe[reachable_batch(arm, T[maybe], threads)]
+    # A search for the closest posture would take milliseconds; with a margin there is one on the pose.
+    unsure = there[maybe] <= NEAR_MARGIN
+    if unsure.any():
+        unsure[unsure] = ~reachable_batch(arm, T[maybe[unsure]], threads)
+        maybe = maybe[~unsure]
     if not len(maybe):
         return
     as_given = pose.solve_batch(arm, T[maybe], None, None, None, False, True, threads)
