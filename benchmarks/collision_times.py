@@ -22,6 +22,9 @@ from arms import generator
 
 import srs_ik
 
+ROLL = (0.0, 0.0, 1.0)
+"""An axis of the tip whose roll is free."""
+
 
 def mixed(arm: srs_ik.Arm, rng: np.random.Generator, count: int = 20) -> srs_ik.Scene:
     """Spheres, boxes, cylinders and capsules in turn, about the reach of an arm."""
@@ -94,6 +97,8 @@ def main() -> None:
         "solve, own body": lambda T: arm.solve(T, scene=alone),
         "solve, own body and 20 mixed bodies": lambda T: arm.solve(T, scene=twenty),
         "solve to a seed, own body and 20 mixed bodies": lambda T: arm.solve(T, seed=np.zeros(7), scene=twenty),
+        "solve, a roll free, no scene": lambda T: arm.solve(T, free_axis=ROLL),
+        "solve, a roll free, own body and 20 mixed bodies": lambda T: arm.solve(T, free_axis=ROLL, scene=twenty),
         "intervals, real shapes, own body": lambda T: arm.intervals(T, scene=real),
         "intervals, real shapes, own body and 20 mixed bodies": lambda T: arm.intervals(T, scene=real_twenty),
     }

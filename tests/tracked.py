@@ -17,6 +17,9 @@ SMOOTHING = 0.02
 
 PATIENCE = 5.0
 
+STEP_BETWEEN = 0.02
+"""What lies between two postures or two poses that are looked at, rad."""
+
 WITHIN_REACH = tuple(kind for kind in KINDS if kind != "reach")
 """Motions that can be followed."""
 
@@ -75,18 +78,44 @@ def least_time(way: np.ndarray, fastest: np.ndarray, hardest: np.ndarray) -> np.
     return np.where(short, 2.0 * np.sqrt(way / hardest), way / fastest + fastest / hardest)
 
 
+def ways_to(arm: Any, q: np.ndarray, T: np.ndarray) -> np.ndarray:
+    """(n, 7) how far joints are from the postures of a pose: over 180 arm angles, all branches."""
+    angles = np.linspace(-np.pi, np.pi, 180, endpoint=False)
+    found = arm.solve_batch(np.repeat(T[None], len(angles), axis=0), arm_angle=angles, all_branches=True)
+    way: np.ndarray = found.q.reshape(-1, 7)[np.asarray(found.ok).ravel()] - q
+    endless = np.isinf(arm.upper)
+    way[:, endless] = (way[:, endless] + np.pi) % (2.0 * np.pi) - np.pi
+    return way
+
+
 def least_time_to(arm: Any, q: np.ndarray, T: np.ndarray, bounds: tuple[np.ndarray, np.ndarray]) -> float:
-    """The shortest time in which joints at rest come to rest at a posture of a pose: over 180 arm angles, all branches.
+    """The shortest time in which joints at rest come to rest at a posture of a pose.
 
     Every joint alone needs that long, whatever the others do.
     """
-    angles = np.linspace(-np.pi, np.pi, 180, endpoint=False)
-    found = arm.solve_batch(np.repeat(T[None], len(angles), axis=0), arm_angle=angles, all_branches=True)
-    postures = found.q.reshape(-1, 7)[np.asarray(found.ok).ravel()]
-    way = postures - q
-    endless = np.isinf(arm.upper)
-    way[:, endless] = (way[:, endless] + np.pi) % (2.0 * np.pi) - np.pi
-    return float(least_time(way, *bounds).max(axis=1).min(initial=np.inf))
+    return float(least_time(ways_to(arm, q, T), *bounds).max(axis=1).min(initial=np.inf))
+
+
+def farthest(seconds: float, velocity: np.ndarray, fastest: np.ndarray, hardest: np.ndarray) -> np.ndarray:
+    """(7,) how far up joints come in a time, from their velocities."""
+    rising = np.minimum((fastest - velocity) / hardest, seconds)
+    return velocity * rising + 0.5 * hardest * rising**2 + fastest * (seconds - rising)
+
+
+def could_return(
+    arm: Any, start: tuple[np.ndarray, np.ndarray], ahead: np.ndarray, bounds: tuple[np.ndarray, np.ndarray], dt: float
+) -> bool:
+    """Whether joints could be on one of the poses ahead, each by its own limits alone; one pose in ten is looked at.
+
+    None could return where this is false; where it is true, perhaps none that does not know the future.
+    """
+    q, velocity = start
+    for k in range(0, len(ahead), 10):
+        seconds, way = dt * (k + 1), ways_to(arm, q, ahead[k])
+        up, down = farthest(seconds, velocity, *bounds), farthest(seconds, -velocity, *bounds)
+        if ((way <= up + STEP_BETWEEN) & (way >= -down - STEP_BETWEEN)).all(axis=1).any():
+            return True
+    return False
 
 
 def recoveries(arm: Any, count: int, seed: int, dt: float) -> list[tuple[float, float]]:
@@ -125,14 +154,14 @@ def recovery_line(arm: Any, name: str, count: int, seed: int, dt: float) -> str:
     )
 
 
-def losses(arm: Any, count: int, seed: int, dt: float) -> tuple[np.ndarray, np.ndarray]:
+def losses(arm: Any, count: int, seed: int, dt: float) -> tuple[np.ndarray, np.ndarray, int]:
     """What comes of targets of which 5 % are lost, and all for a while.
 
     Returns:
-        Seconds from the first target after each loss until the tip is on it, endless where it never is; and the share
-        of updates on target of each motion.
+        Seconds from the first target after each loss until the tip is on it, endless where it never is; the share
+        of updates on target of each motion; and after how many of the losses without a return one was possible.
     """
-    back, shares = [], []
+    back, shares, possible = [], [], 0
     for k in range(seed, seed + count):
         moving = motion(arm, k, SECONDS, dt, WITHIN_REACH[k % len(WITHIN_REACH)], trouble=False)
         rng = np.random.default_rng(k + 7_000_000)
@@ -140,23 +169,29 @@ def losses(arm: Any, count: int, seed: int, dt: float) -> tuple[np.ndarray, np.n
         gone = int(rng.integers(len(lost) // 4, len(lost) // 2))
         lost[gone : gone + round(GONE_FOR / dt)] = True
         tracker = arm.tracker(moving.q0, dt, velocities(arm))
-        q = np.array([tracker.update(None if off else T).q for off, T in zip(lost, moving.true, strict=True)])
+        steps = [tracker.update(None if off else T) for off, T in zip(lost, moving.true, strict=True)]
+        q = np.array([step.q for step in steps])
+        bounds = tracker.velocity_limit, tracker.acceleration_limit
         position, angle = off_target(arm.forward_kinematics, q, moving.true)
         on = (position < NEAR_TARGET[0]) & (angle < NEAR_TARGET[1])
         shares.append(on.mean())
         for end in np.flatnonzero(lost[:-1] & ~lost[1:]) + 1:
             back.append(dt * float(np.argmax(on[end:])) if on[end:].any() else np.inf)
-    return np.array(back), np.array(shares)
+            if np.isinf(back[-1]):
+                start = steps[end - 1].q, steps[end - 1].velocity
+                possible += could_return(arm, start, moving.true[end:], bounds, dt)
+    return np.array(back), np.array(shares), possible
 
 
 def losses_line(arm: Any, name: str, count: int, seed: int, dt: float) -> str:
     """One line on what `losses` measures."""
-    back, shares = losses(arm, count, seed, dt)
+    back, shares, possible = losses(arm, count, seed, dt)
     never = np.isinf(back)
     back = np.where(never, SECONDS, back)
     return (
         f"{name}: seeds {seed} to {seed + count - 1}, {count} motions, {len(back)} losses, "
-        f"{int(never.sum())} without a return; on target again after: "
+        f"{int(never.sum())} without a return ({possible} of them possible by the limits of each joint alone); "
+        f"on target again after: "
         f"median {np.median(back):.3f} s, 95 % {np.percentile(back, 95.0):.3f} s, "
         f"99 % {np.percentile(back, 99.0):.3f} s; at once {100.0 * (back == 0.0).mean():.1f} %; "
         f"on target {100.0 * shares.mean():.1f} % of all updates"

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from functools import cached_property
+from functools import cached_property, lru_cache
 from typing import Any
 
 import numpy as np
@@ -23,6 +23,10 @@ RINGS_APART = 0.55
 
 ROLLS = 6
 """Turns about each of them."""
+
+WIDE = 0.5 * math.pi
+WIDE_APART, WIDE_ROLLS = 0.9, 4
+"""The same for cones this wide, rad: with more freedom, searches come farther."""
 
 
 class FreeAxis:
@@ -67,18 +71,7 @@ class FreeAxis:
         """(n, 9) rotations of the tip, all over what is free; none of the roll alone, of which kernels know."""
         if self.cone == 0.0:
             return np.empty((0, 9))
-        across = np.linalg.svd(self.axis[None])[2][1:]
-        found = []
-        rings = max(math.ceil(self.cone / RINGS_APART), 1)
-        for ring in range(rings + 1):
-            lean = self.cone * ring / rings
-            count = max(math.ceil(2.0 * math.pi * math.sin(lean) / RINGS_APART), 1)
-            for k in range(count):
-                azimuth = 2.0 * math.pi * (k + 0.5 * (ring % 2)) / count
-                about = math.cos(azimuth) * across[0] + math.sin(azimuth) * across[1]
-                tilt = _rotation(about, lean)
-                found += [tilt @ self.rolled(2.0 * math.pi * roll / ROLLS) for roll in range(ROLLS)]
-        return np.array(found).reshape(-1, 9)
+        return _turns_of(tuple(self.axis.tolist()), self.cone)
 
     def sampled(self, most: int) -> Array:
         """(most, 3, 3) turns that are free, in the tip frame, evenly chosen; the first one is none."""
@@ -120,6 +113,27 @@ def as_free_axis(value: Any) -> FreeAxis:
             return FreeAxis(cone=math.pi)
         raise InvalidTask(f'free_axis must be a direction in the tip frame, "{ANY}" or a FreeAxis, not {value!r:.40}')
     return FreeAxis(value)
+
+
+@lru_cache(maxsize=16)
+def _turns_of(axis: tuple[float, float, float], cone: float) -> Array:
+    """`FreeAxis.turns` of a cone, read-only."""
+    along = np.array(axis)
+    across = np.linalg.svd(along[None])[2][1:]
+    apart, each = (RINGS_APART, ROLLS) if cone < WIDE else (WIDE_APART, WIDE_ROLLS)
+    rolls = [_rotation(along, 2.0 * math.pi * roll / each) for roll in range(each)]
+    found = []
+    rings = max(math.ceil(cone / apart), 1)
+    for ring in range(rings + 1):
+        lean = cone * ring / rings
+        count = max(math.ceil(2.0 * math.pi * math.sin(lean) / apart), 1)
+        for k in range(count):
+            azimuth = 2.0 * math.pi * (k + 0.5 * (ring % 2)) / count
+            tilt = _rotation(math.cos(azimuth) * across[0] + math.sin(azimuth) * across[1], lean)
+            found += [tilt @ roll for roll in rolls]
+    turns = np.array(found).reshape(-1, 9)
+    turns.flags.writeable = False
+    return turns
 
 
 def _rotation(axis: Array, angle: float) -> Array:

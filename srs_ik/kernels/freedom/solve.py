@@ -10,6 +10,7 @@ from srs_ik.kernels.chain.newton import arm_angle
 from srs_ik.kernels.freedom.nearest import NONE_LEFT, beside, nearest
 from srs_ik.kernels.freedom.settle import settle
 from srs_ik.kernels.freedom.starts import find_starts
+from srs_ik.kernels.freedom.widen import largest_share
 from srs_ik.kernels.freedom.widest import any_limited, weights, widest
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.answer import GOOD_POSE, ROW_STATUS, SOLVED, UNREACHABLE
@@ -19,6 +20,9 @@ from srs_ik.kernels.limb.branches import branch_of
 from srs_ik.kernels.limb.limits import middles
 from srs_ik.kernels.limb.poses import read7, read_pose
 from srs_ik.kernels.limb.triangle import place
+
+ROUNDING = 1e-13
+"""Errors of a pose, m and rad, that need no step any more."""
 
 EVEN = (1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0)
 
@@ -30,38 +34,53 @@ def limits(P, k):
 
 
 @kernel
-def found_posture(family, pose, freedom, turns, seed, respect, desk):
-    """The posture nearest to a seed, or without one farthest from the limits."""
-    P = row(family, LIMITED if respect else FREE)
-    limited = row(family, LIMITED)
+def liking_of(family, P, seed):
+    """What is nearest: the seed, or without one the middles of the ranges."""
     lower, upper = limits(P, LOWER), limits(P, UPPER)
     if seed is not None:
         wish = read7(seed)
-        liking = Liking(wish, EVEN, lower, upper, NONE_LEFT, wish)
-    else:
-        wish = middles(limited)
-        liking = Liking(wish, weights(limited), lower, upper, NONE_LEFT, wish)
+        return Liking(wish, EVEN, lower, upper, NONE_LEFT, wish)
+    limited = row(family, LIMITED)
+    wish = middles(limited)
+    return Liking(wish, weights(limited), lower, upper, NONE_LEFT, wish)
+
+
+@kernel
+def found_posture(P, pose, given, liking, respect, desk):
+    """The posture nearest to a seed, or without one farthest from the limits."""
+    freedom, turns, seed = given
     seeded = seed is not None or not respect or not any_limited(P)
     if seed is not None:
         close = beside(P, pose, freedom, liking, desk)
         if close.met:
             return close
     least = Found(liking.posture, NONE_LEFT, False)
-    if seeded and freedom.cone > 0.0:
+    if freedom.cone > 0.0:
         # What meets the pose with the roll alone free is no farther than this.
         roll = Freedom(freedom.axis, 0.0)
-        count = find_starts(P, pose, roll, turns, (True, liking.posture), desk)
-        least = eased(P, nearest(P, pose, roll, liking, count, desk), pose, freedom, liking, desk)
+        least = searched(P, pose, (roll, turns), least, (seeded, liking), desk)
+        if seeded:
+            least = eased(P, least, pose, freedom, liking, desk)
+    found = searched(P, pose, (freedom, turns), least, (seeded, liking), desk)
+    if seeded:
+        return found if found.cost < least.cost else least
+    if found.met and freedom.cone == 0.0:
+        return found
+    # Other starts, from distances and not margins, may yet lead to a posture, and in cones to a wider one.
+    other = searched(P, pose, (freedom, turns), least, (True, liking), desk)
+    margin = largest_share(P, other.q) - 1.0
+    return Found(other.q, margin, True) if other.met and margin < found.cost else found
+
+
+@kernel
+def searched(P, pose, given, known, goal, desk):
+    """The nearest or widest posture that searches lead to, from starts all over what is free."""
+    freedom, turns = given
+    seeded, liking = goal
     count = find_starts(P, pose, freedom, turns, (seeded, liking.posture), desk)
     if seeded:
-        found = nearest(P, pose, freedom, liking, count, desk)
-        return found if found.cost < least.cost else least
-    found = widest(P, pose, freedom, count, desk)
-    if found.met:
-        return found
-    # Other starts, from distances and not margins, may yet lead to a posture.
-    count = find_starts(P, pose, freedom, turns, (True, liking.posture), desk)
-    return nearest(P, pose, freedom, liking, count, desk)
+        return nearest(P, pose, freedom, liking, count, desk)
+    return widest(P, pose, freedom, known, count, desk)
 
 
 @kernel
@@ -71,6 +90,17 @@ def eased(P, found, pose, freedom, liking, desk):
         return found
     q, cost, error, _ = settle(P, found.q, pose, freedom, liking, desk)
     return Found(q, cost, True) if error < SOLVED and cost < found.cost else found
+
+
+@kernel
+def closed_up(P, found, pose, freedom, liking, desk):
+    """A posture that was found, taken onto its pose to rounding: searches may end as soon as it counts as met."""
+    off, turned = free_error(P, found.q, pose[0], pose[1], freedom)
+    if not found.met or max(off, turned) < ROUNDING:
+        return found
+    here = Liking(found.q, EVEN, liking.lower, liking.upper, NONE_LEFT, found.q)
+    q, _, error, _ = settle(P, found.q, pose, freedom, here, desk)
+    return Found(q, found.cost, True) if error < max(off, turned) else found
 
 
 @kernel
@@ -100,7 +130,10 @@ def solve_free(family, T, free, seed, respect, desk, out):
     if verdict != GOOD_POSE:
         return verdict
     freedom, turns = free
-    found = found_posture(family, (R, p), freedom, turns, seed, respect, desk)
+    P = row(family, LIMITED if respect else FREE)
+    liking = liking_of(family, P, seed)
+    found = found_posture(P, (R, p), (freedom, turns, seed), liking, respect, desk)
+    found = closed_up(P, found, (R, p), freedom, liking, desk)
     out[ROW_STATUS] = UNREACHABLE
     if found.met:
         write_found(row(family, LIMITED), (R, p), freedom, found.q, out)

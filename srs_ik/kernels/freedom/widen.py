@@ -23,6 +23,7 @@ from srs_ik.kernels.freedom.settle import (
     bends,
     equations,
     fill,
+    leaves_cone,
     part_way,
     price,
 )
@@ -307,6 +308,13 @@ def widen(P, q, pose, freedom, rival, desk):
             return q, share, math.inf
         n = write_ways(K, M, m, basic, 0, NO_SEED)
         step, asked, (ahead, count) = press(P, K, M, q, m, n)
+        if m == 3 and leaves_cone(K, freedom, step):
+            m = 4
+            basic = solve_equations(K, M, m, 0, NO_SEED)
+            if basic < 0:
+                return q, share, math.inf
+            n = write_ways(K, M, m, basic, 0, NO_SEED)
+            step, asked, (ahead, count) = press(P, K, M, q, m, n)
         last = forces if known == m else asked
         known = m
         worth = share + price(asked) * error

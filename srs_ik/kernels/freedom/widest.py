@@ -8,6 +8,7 @@ from __future__ import annotations
 import math
 
 from srs_ik.kernels.freedom.nearest import MOST_ATTEMPTS, NONE_LEFT, take_best
+from srs_ik.kernels.freedom.settle import NO_RIVAL
 from srs_ik.kernels.freedom.widen import widen
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.answer import SOLVED
@@ -44,9 +45,17 @@ def weights(P):
 
 
 @kernel
-def widest(P, pose, freedom, count, desk):
-    """The posture of the widest margin that searches from the starts in `desk` lead to, `count` of them."""
+def widest(P, pose, freedom, known, count, desk):
+    """The posture of the widest margin that searches from the starts in `desk` lead to, `count` of them.
+
+    One that is known, if it is met, is where another search starts, and what the others have to beat.
+    """
     best, most, attempts = middles(P), math.inf, 0
+    if known.met:
+        best, most = known.q, known.cost + 1.0
+        q, share, error = widen(P, best, pose, freedom, NO_RIVAL, desk)
+        if error < SOLVED and share < most:
+            best, most = q, share
     while attempts < MOST_ATTEMPTS and not (most <= 1.0 and attempts >= ATTEMPTS):
         start, least, count = take_best(desk.starts, count)
         if least >= NONE_LEFT:

@@ -57,7 +57,7 @@ from srs_ik.kernels.layout.track import (
 from srs_ik.kernels.limb.goal import NO_SEED
 from srs_ik.kernels.limb.poses import read7
 from srs_ik.kernels.limb.triangle import place
-from srs_ik.kernels.track.catch_up import CLOSE_BY, catch_up, way_left
+from srs_ik.kernels.track.catch_up import CLOSE_BY, LEVER, STAYS, catch_up, way_left
 from srs_ik.kernels.track.closest import DAMPING, approach, error_at, minus
 from srs_ik.kernels.track.elsewhere import look_elsewhere, out_of_reach
 from srs_ik.kernels.track.foresight import busyness, foresee, planned_step
@@ -155,10 +155,10 @@ def move_goal(P, S, C, pose, work):
         goal = along7(goal, 1.0, d)
         if apart(left, d) < TOGETHER:
             S[DETOUR] = 0.0
-        _, size = error_at(P, C, goal, pose[0], pose[1], work[0])
+        _, size = error_at(P, C, goal, pose, P[FAR], work[0])
     else:
         liked = scaled(min(C[PERIOD] / COMING, 1.0), minus(q, goal))
-        choice = (NO_SEED, between(liked, low, high), (0.5 * P[FAR] * S[MISS], DAMPING), low, high)
+        choice = (NO_SEED, between(liked, low, high), (P[FAR], 0.5 * P[FAR] * S[MISS], DAMPING), low, high)
         d, size = approach(P, C, pose, goal, choice, 2, work)
         goal = clipped(P, along7(goal, 1.0, d))
     share = C[PERIOD] / (C[PERIOD] + SETTLING)
@@ -191,7 +191,7 @@ def stay_on(P, S, C, pose, own, box, work):
     period = C[PERIOD]
     q, v = read7(row(S, Q)), read7(row(S, V))
     low, high = scaled(period, box[0]), scaled(period, box[1])
-    choice = (between(scaled(period, v), low, high), own, (0.0, DAMPING), low, high)
+    choice = (between(scaled(period, v), low, high), own, (LEVER, 0.0, DAMPING), low, high)
     d, size = approach(P, C, pose, q, choice, 4, work)
     return d, size < MET
 
@@ -246,7 +246,7 @@ def on_true_chain(P, S, C, pose, work):
     """
     end = read7(row(S, DETOUR_END))
     low, high = minus(clipped(P, ALL_DOWN), end), minus(clipped(P, ALL_UP), end)
-    choice = (NO_SEED, NO_SEED, (0.0, DAMPING), low, high)
+    choice = (NO_SEED, NO_SEED, (P[FAR], 0.0, DAMPING), low, high)
     d, size = approach(P, C, pose, end, choice, REFINED, work)
     store7(S, DETOUR_END, clipped(P, along7(end, 1.0, d)))
     return size < CLOSE
@@ -318,11 +318,12 @@ def advance(P, S, C, given, work, out):
     place_ = place(P, shown_at(P, C, read7(row(S, GOAL)), R_target), p_target)
     size, on, near = 0.0, False, False
     left = way_left(P, S, C)
-    if S[COAST] < COAST_FOR and (S[ON] == 1.0 or (left[3] < CLOSE_BY and not arriving(P, S))):
+    close_by = left[3] < CLOSE_BY * (STAYS if S[PLANNED] == 1.0 else 1.0)
+    if S[COAST] < COAST_FOR and (S[ON] == 1.0 or (close_by and not arriving(P, S))):
         own = own_motion(P, S, C, work)
         if S[ON] == 1.0:
             d, on = stay_on(P, S, C, pose, own, box, (J, A))
-        near = not on and left[3] < CLOSE_BY
+        near = not on and close_by
         if near:
             d = catch_up(P, S, C, left, own, box, (J, A))
         v = scaled(1.0 / C[PERIOD], d)
@@ -333,7 +334,7 @@ def advance(P, S, C, given, work, out):
         store7(S, GOAL, after)
         store7(S, GOAL_RATE, v)
         if near:
-            _, size = error_at(P, C, after, R_target, p_target, J)
+            _, size = error_at(P, C, after, pose, P[FAR], J)
             on = size < MET
         S[COAST] = 0.0 if on or most_used(C, v) > AT_REST else S[COAST] + 1.0
     else:

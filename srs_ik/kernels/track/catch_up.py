@@ -22,12 +22,22 @@ from srs_ik.kernels.track.target import load_pace, load_pose, part_of_way
 CLOSE_BY = 0.02
 """A tip this close to its target, m and, by the reach, rad, comes back on the straight way."""
 
-GENTLE = 0.1
+STAYS = 4.0
+"""So many times as far away it still does once it has begun: else it would go to and fro between the two ways."""
+
+LEVER = 0.1
+"""Turning by a radian counts as much as moving by this, m, where joints cannot bring all of the tip back at once: 1 mm
+as much as 10 mrad. By the reach, the tip would be left aside so that it stays straight."""
+
+ALL_OF_IT = 5e-4
+"""The closer the tip is than this, m, the more turning counts, up to the reach: all of it comes back."""
+
+GENTLE = 0.05
 GENTLY = 1e-4
 """Weight of the step that is planned, m^2, where the tip is farther away than this, m: it comes back, but not at any
 price."""
 
-LEVER = 0.15
+BRAKING = 0.15
 """The tip brakes with so much of what the slowest joint can do at the end of the stretched arm."""
 
 
@@ -63,12 +73,13 @@ def catch_up(P, S, C, left, own, box, work):
     push = C[ACCELERATION]
     for j in range(7):
         push = min(push, C[ACCELERATION + j])
-    speed = stopping_speed(size, LEVER * P[FAR] * push, period)
+    speed = stopping_speed(size, BRAKING * P[FAR] * push, period)
     share = min(period * speed / max(size, 1e-15), 1.0)
     step = along((period * v[0], period * v[1], period * v[2]), share, behind)
     turn = along((period * w[0], period * w[1], period * w[2]), share, turned)
     care = max(DAMPING, GENTLE * min(size / GENTLY, 1.0))
     low, high = along7(NO_SEED, period, box[0]), along7(NO_SEED, period, box[1])
-    choice = (between(along7(NO_SEED, period, read7(row(S, V))), low, high), own, (0.0, care), low, high)
+    lever = LEVER + (P[FAR] - LEVER) * max(1.0 - size / ALL_OF_IT, 0.0)
+    choice = (between(along7(NO_SEED, period, read7(row(S, V))), low, high), own, (lever, 0.0, care), low, high)
     d, _ = approach(P, C, part_of_way(tip, 1.0, step, turn), read7(row(S, Q)), choice, 2, work)
     return d

@@ -1,6 +1,6 @@
 """Steps of a posture towards a pose inside bounds: the shortest ones, or the closest where the pose cannot be met.
 
-Closeness is that of `chain.closest`: turning by a radian counts as much as moving by the reach of the arm.
+Turning by a radian counts as much as moving by a *lever*: that of `chain.closest` is the reach of the arm.
 """
 
 from __future__ import annotations
@@ -28,19 +28,20 @@ ROUNDS = 7
 
 
 @kernel
-def error_at(P, C, q, R, p, J):
-    """Fill J (6, 7) with the Jacobian of the tip, turns by the reach: the way to the pose, and its size.
+def error_at(P, C, q, pose, lever, J):
+    """Fill J (6, 7) with the Jacobian of the tip, turns by the lever: the way to the pose, and its size by the reach.
 
     What the target leaves free is no way, and no motion of the joints leads along it.
     """
+    R, p = pose
     linear, angular = pose_step(P, q, R, p, J)
     if C[HAS_FREE] == 1.0:
         angular = leave_free(P, C, q, R, J)
     for i in range(3, 6):
         for j in range(7):
-            J[i, j] *= P[FAR]
-    turn = scale(P[FAR], angular)
-    return (linear[0], linear[1], linear[2], turn[0], turn[1], turn[2]), max(norm(linear), norm(turn))
+            J[i, j] *= lever
+    turn = scale(lever, angular)
+    return (linear[0], linear[1], linear[2], turn[0], turn[1], turn[2]), max(norm(linear), P[FAR] * norm(angular))
 
 
 @kernel
@@ -150,14 +151,13 @@ def approach(P, C, pose, q, choice, steps, work):
         C: settings.
         pose: rotation and position.
         q: posture to start from.
-        choice: first guess of the sum, the sum that is taken where the pose leaves the choice, damping for poses that
-            cannot be met and how much the sum counts that is liked (m^2), least sums, largest sums.
+        choice: first guess of the sum, the sum that is taken where the pose leaves the choice, the lever (m), damping
+            for poses that cannot be met and how much the sum counts that is liked (m^2), least sums, largest sums.
         steps: how many at most; a pose that is met to `ENOUGH` needs no more.
         work: J (6, 7) and A (16, 9).
     """
-    R, p = pose
-    d, liked, (damping, care), low, high = choice
-    e, size = error_at(P, C, along7(q, 1.0, d), R, p, work[0])
+    d, liked, (lever, damping, care), low, high = choice
+    e, size = error_at(P, C, along7(q, 1.0, d), pose, lever, work[0])
     wish = minus(liked, d)
     for i in range(steps):
         if i > 0 and size < ENOUGH:
@@ -165,5 +165,5 @@ def approach(P, C, pose, q, choice, steps, work):
         step = bounded_step(C, e, (wish, damping, care), (minus(low, d), minus(high, d)), work)
         d = between(along7(d, 1.0, step), low, high)
         wish = NO_SEED
-        e, size = error_at(P, C, along7(q, 1.0, d), R, p, work[0])
+        e, size = error_at(P, C, along7(q, 1.0, d), pose, lever, work[0])
     return d, size

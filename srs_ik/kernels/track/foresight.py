@@ -48,13 +48,16 @@ UNIT = 0.07
 """Costs of velocities and accelerations are for so many seconds."""
 
 FINE = 1.5e-4
-COARSE = 0.03
+COARSE = 0.0165
 """A pose missed by FINE + COARSE t^2, metres, t seconds ahead, costs 1: the future is known less and less."""
 
-FAR_OFF = 2e-3
+TURNING = 2.0
+"""Turning by a radian counts as much as moving by so many times the reach."""
+
+FAR_OFF = 5e-3
 """Misses larger than this, m, cost in proportion, not by their square: a jump is no reason to hurry."""
 
-SLOW = 10.0
+SLOW = 8.0
 ASKED_SLOW = 0.05
 """Cost of the largest velocity, the second while something is asked of the elbow; that of the largest acceleration
 is 1."""
@@ -63,14 +66,14 @@ BUSY = 0.05
 """A target that is faster than this, m/s and, by the reach, rad/s, does not rest."""
 
 FAST = 0.4
-TOO_FAST = 30.0
+TOO_FAST = 60.0
 """What a joint uses of its velocity beyond this share costs so much more."""
 
-SOFT_START = 5.0
+SOFT_START = 10.0
 """Accelerations cost as if the largest were at most so many times the largest velocity, 1/s."""
 
 ROOM = 0.3
-PRICE = 0.2
+PRICE = 0.3
 """Cost of a joint on its limit, and how far from it, rad, that begins; it is not paid while the target rests."""
 
 VERGE = 0.1
@@ -181,7 +184,7 @@ def add_poses(P, S, C, J, B):
         q = read7(row(S, KNOT + 7 * k))
         t = when(k + 1)
         R, p = foretold(S, t)
-        e, size = error_at(P, C, q, shown_at(P, C, q, R), p, J)
+        e, size = error_at(P, C, q, (shown_at(P, C, q, R), p), TURNING * P[FAR], J)
         fine = FINE + COARSE * t * t
         price = 1.0 / (fine * fine * max(1.0, size / max(FAR_OFF, 2.0 * fine)))
         for a in range(7):
