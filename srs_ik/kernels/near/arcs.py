@@ -187,6 +187,19 @@ def mark_needed(arcs, n, possible, n_possible):
 
 
 @kernel
+def arcs_around(arcs, n, psi):
+    """Mark the arcs that an arm angle lies on as needed; on which sides of the elbow there is one, as bits."""
+    elbows = 0
+    for k in range(n):
+        ahead = psi - arcs[k, ARC_LOWER]
+        ahead -= TURN * math.floor(ahead / TURN)
+        if ahead <= arcs[k, ARC_UPPER] - arcs[k, ARC_LOWER]:
+            arcs[k, ARC_NEEDED] = 1.0
+            elbows |= 1 << int(arcs[k, ARC_ELBOW])
+    return elbows
+
+
+@kernel
 def touches(intervals, i, arcs, k):
     """Whether an interval and an arc have an arm angle in common."""
     ahead = intervals[i, 1] - arcs[k, ARC_LOWER]

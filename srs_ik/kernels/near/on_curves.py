@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -15,33 +16,36 @@ from srs_ik.kernels.curves.ends import on_curve
 from srs_ik.kernels.curves.follow import between
 from srs_ik.kernels.curves.in_step import SAMPLE, load_sample, put_sample
 from srs_ik.kernels.curves.runs import SPARE_ROWS, near_runs, samples_of
-from srs_ik.kernels.curves.spans import JUST_OUTSIDE, angle_at, turn_at
+from srs_ik.kernels.curves.spans import JUST_OUTSIDE
+from srs_ik.kernels.curves.surface import has_surface
+from srs_ik.kernels.curves.told import TOLD, TOLD_BRANCH, TOLD_PSI, TOLD_RATE, angle_at, tell_angles, turn_at
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.answer import ROW_COST
-from srs_ik.kernels.layout.asked import Setting
+from srs_ik.kernels.layout.asked import Samples, Setting
 from srs_ik.kernels.layout.search import MAX_RUNS, RUN
 from srs_ik.kernels.limb.branches import NO_BRANCH, bit_of, branch_of, is_on_border
 from srs_ik.kernels.limb.poses import read7
 from srs_ik.kernels.limb.triangle import elbow_side
+from srs_ik.kernels.near.arcs import ARC, MOST_ARCS, arcs_around, find_arcs, follow_arcs, put_ends_of_arcs
+from srs_ik.kernels.near.band import band_of, may_predict
+from srs_ik.kernels.near.scan import view_with
 
 HALVINGS = 30
 """Steps that close in on an arm angle between two samples, before Newton's method takes over."""
 
 NEAR_TURN = 0.5
+FASTER = 4.0
 SAME_ANGLE = 1e-9
-"""An arm angle that turns around is looked for this close to the one that is wanted, rad; there it is the one, up to
-the second: rounding decides about limits and branches within it."""
+"""An arm angle that turns around is looked for this close to the one that is wanted, rad, if that is no farther than it
+comes at so many times its rate; there it is the one, up to the last: rounding decides about limits and branches within
+it."""
 
 CLOSE_BY = 1e-4
 """Newton's method moves a posture no farther than this, rad, squared."""
 
-TOLD = 3
-TOLD_ANGLE, TOLD_RISE, TOLD_BRANCH = range(TOLD)
-"""What is told of a sample: its arm angle, whether that rises there (1.0) or falls (-1.0), its branch."""
-
 
 class Followed(NamedTuple):
-    """All curves of a pose, whatever the limits."""
+    """Curves of a pose, whatever the limits."""
 
     rows: Any  # their samples
     runs: Any  # the rows of each
@@ -61,17 +65,17 @@ def no_curves():
 
 
 @kernel
-def tell(P, by, n, branch, q, rows, told):
-    """Append a posture of a curve and what is told of it; the number of rows."""
+def put_of_branch(n, branch, q, rows, told):
+    """Append a posture of a branch; the number of rows."""
     if n >= rows.shape[0]:
         return n
     put_sample(rows, n, 0.0, q)
-    told[n, TOLD_ANGLE], told[n, TOLD_RISE], told[n, TOLD_BRANCH] = angle_at(P, by, q), turn_at(P, by, q), branch
+    told[n, TOLD_BRANCH] = branch
     return n + 1
 
 
 @kernel
-def tell_changes(P, by, curve, i, work, n, rows, told):
+def put_changes(P, by, curve, i, work, n, rows, told):
     """Append the postures beside each change of branch before sample i of a curve; rows, and the branch then."""
     samples = curve.rows
     branch = int(told[n - 1, TOLD_BRANCH])
@@ -79,11 +83,32 @@ def tell_changes(P, by, curve, i, work, n, rows, told):
     for c in range(find_changes(P, by, curve, before, after, work)):
         x = work[c, CHANGE_AT]
         q, _ = on_curve(P, by, 0, curve, max(x - JUST_OUTSIDE, before[0]))
-        n = tell(P, by, n, branch, q, rows, told)
+        n = put_of_branch(n, branch, q, rows, told)
         branch ^= bit_of(int(work[c, CHANGE_MIDDLE]))
         q, _ = on_curve(P, by, 0, curve, min(x + JUST_OUTSIDE, after[0]))
-        n = tell(P, by, n, branch, q, rows, told)
+        n = put_of_branch(n, branch, q, rows, told)
     return n, branch
+
+
+@kernel
+def told_runs(P, by, samples, n_samples, runs):
+    """What the samples of runs of curves tell, with more of them where these go from branch to branch."""
+    work = np.empty((MOST_CHANGES, CHANGE))
+    rows = np.empty((n_samples + SPARE_ROWS, SAMPLE))
+    told = np.empty((n_samples + SPARE_ROWS, TOLD))
+    n = 0
+    for index in range(runs.shape[0]):
+        curve = samples_of(samples, runs[index])
+        runs[index, 3] = n
+        q = load_sample(samples[curve.first])
+        branch = branch_of(P, q)
+        n = put_of_branch(n, branch, q, rows, told)
+        for i in range(curve.first + 1, curve.last):
+            n, branch = put_changes(P, by, curve, i, work, n, rows, told)
+            n = put_of_branch(n, branch, load_sample(samples[i]), rows, told)
+        runs[index, 4] = n
+    tell_angles(P, by, Samples(rows, 0, n), told)
+    return Followed(rows, runs, told)
 
 
 @kernel
@@ -91,21 +116,30 @@ def followed_curves(P, by):
     """Follow all curves of a pose, and look where they go from branch to branch."""
     runs = np.empty((MAX_RUNS, RUN))
     samples, n_samples, k, _ = near_runs(P, by, runs)
-    work = np.empty((MOST_CHANGES, CHANGE))
-    rows = np.empty((n_samples + SPARE_ROWS, SAMPLE))
-    told = np.empty((n_samples + SPARE_ROWS, TOLD))
-    n = 0
-    for index in range(k):
-        curve = samples_of(samples, runs[index])
-        runs[index, 3] = n
-        q = load_sample(samples[curve.first])
-        branch = branch_of(P, q)
-        n = tell(P, by, n, branch, q, rows, told)
-        for i in range(curve.first + 1, curve.last):
-            n, branch = tell_changes(P, by, curve, i, work, n, rows, told)
-            n = tell(P, by, n, branch, load_sample(samples[i]), rows, told)
-        runs[index, 4] = n
-    return Followed(rows, runs[:k], told)
+    return told_runs(P, by, samples, n_samples, runs[:k])
+
+
+@kernel
+def curves_around(P, by, psi, elbows):
+    """The curves of a pose around an arm angle, as far as sides of the elbow (bits) need them, and whether these do.
+
+    Where the band of the nearest exact limb tells all but arcs next to singularities, the curves on these are followed
+    alone; else all of them.
+    """
+    place_ = by.target.place
+    band = band_of(P, place_)
+    if may_predict(P, place_, band) and not has_surface(P, place_):
+        view = view_with(P, by.target, band)
+        arcs = np.empty((MOST_ARCS, ARC))
+        n = find_arcs(P, view, arcs)
+        if n > 0 and arcs_around(arcs, n, psi) & elbows == elbows:
+            _, count = put_ends_of_arcs(P, view, arcs, n, 0)
+            if count > 0:
+                runs = np.empty((MAX_RUNS, RUN))
+                samples, k = follow_arcs(P, by, view.points, count, runs)
+                if k > 0:
+                    return told_runs(P, by, samples, int(runs[k - 1, 4]), runs[:k]), True
+    return followed_curves(P, by), False
 
 
 @kernel
@@ -183,20 +217,24 @@ def turning_between(P, by, a, b, rise):
 def look_between(P, by, followed, i, psi, goal, out):
     """Keep what is at an arm angle between the sample i - 1 and the next one."""
     told = followed.told
-    at_a, at_b = told[i - 1, TOLD_ANGLE], told[i, TOLD_ANGLE]
+    at_a, at_b = told[i - 1, TOLD_PSI], told[i, TOLD_PSI]
     ahead_a = short_way(at_a - psi)
     ahead_b = ahead_a + short_way(at_b - at_a)
-    turns = told[i - 1, TOLD_RISE] != told[i, TOLD_RISE] and min(abs(ahead_a), abs(ahead_b)) < NEAR_TURN
+    a, b = load_sample(followed.rows[i - 1]), load_sample(followed.rows[i])
+    rate_a, rate_b = told[i - 1, TOLD_RATE], told[i, TOLD_RATE]
+    turns = rate_a * rate_b <= 0.0 and min(abs(ahead_a), abs(ahead_b)) < NEAR_TURN
+    if turns:
+        way = difference(a, b)
+        turns = min(abs(ahead_a), abs(ahead_b)) < FASTER * max(abs(rate_a), abs(rate_b)) * math.sqrt(dot7(way, way))
     if not turns and ahead_a * ahead_b > 0.0 and min(abs(ahead_a), abs(ahead_b)) > SAME_ANGLE:
         return
-    a, b = load_sample(followed.rows[i - 1]), load_sample(followed.rows[i])
     branch, next_branch = int(told[i - 1, TOLD_BRANCH]), int(told[i, TOLD_BRANCH])
     if abs(ahead_a) < SAME_ANGLE:
         keep_found(P, a, branch, goal, out)
     if abs(ahead_b) < SAME_ANGLE:
         keep_found(P, b, next_branch, goal, out)
     if turns:
-        turning = turning_between(P, by, a, b, told[i - 1, TOLD_RISE])
+        turning = turning_between(P, by, a, b, math.copysign(1.0, rate_a))
         ahead = ahead_a + short_way(angle_at(P, by, turning) - at_a)
         put_passing(P, by, psi, branch, ((a, ahead_a), (turning, ahead)), goal, out)
         put_passing(P, by, psi, branch, ((turning, ahead), (b, ahead_b)), goal, out)

@@ -1,0 +1,92 @@
+"""What the samples of a curve tell: branch and arm angle of each, and how fast that changes along the curve."""
+
+from __future__ import annotations
+
+import math
+
+from srs_ik.kernels.algebra.joint_vectors import along7, short_way
+from srs_ik.kernels.algebra.lane_trig import angle_of, turn, turns_of
+from srs_ik.kernels.algebra.lanes import as_bits, root, scatter
+from srs_ik.kernels.algebra.pointers import row
+from srs_ik.kernels.algebra.vectors import cross, dot, load3, sub
+from srs_ik.kernels.chain.eight import branches_of
+from srs_ik.kernels.chain.kinematics import turn_about_line
+from srs_ik.kernels.chain.newton import arm_angle
+from srs_ik.kernels.chain.newton_eight import all_along, curve_step
+from srs_ik.kernels.curves.follow import tangent_at
+from srs_ik.kernels.curves.in_step import SAMPLE, load_sample, short_ways, take_ways
+from srs_ik.kernels.jit import kernel
+from srs_ik.kernels.layout.limb import ELBOW_CENTRE, PHASE, SHOULDER_CENTRE, WRIST
+
+TOLD = 3
+TOLD_BRANCH, TOLD_PSI, TOLD_RATE = range(TOLD)
+"""What a sample tells: its branch, its arm angle, rad, and the rate of that along the curve."""
+
+LITTLE = 1e-6
+"""A step that tells how an arm angle changes, rad."""
+
+TURNING_WRIST = 1e-4
+"""Sine of q6 below which a way along a curve is asked for alone: in step it divides by what axes 5 to 7 span."""
+
+
+@kernel
+def angle_at(P, by, q):
+    """The arm angle of a posture for the pose."""
+    return arm_angle(P, q, by.target.place[0], by.target.place[1])
+
+
+@kernel
+def arm_angles(P, place_, q):
+    """The arm angles of eight postures."""
+    t, h0 = place_[0], place_[1]
+    turn_1, turn_2, turn_3 = turn(q[0]), turn(q[1]), turn(q[2])
+    elbow = turn_about_line(P, 2, turn_3[0], turn_3[1], load3(P, ELBOW_CENTRE))
+    elbow = turn_about_line(P, 1, turn_2[0], turn_2[1], elbow)
+    elbow = turn_about_line(P, 0, turn_1[0], turn_1[1], elbow)
+    upper_arm = sub(elbow, load3(P, SHOULDER_CENTRE))
+    c, s = dot(upper_arm, h0), dot(upper_arm, cross(t, h0))
+    share = 1.0 / root(c * c + s * s)
+    return angle_of(share * c, share * s)
+
+
+@kernel
+def rate_at(P, by, q):
+    """How fast the arm angle changes along a curve at a posture."""
+    way, _ = tangent_at(P, by, q)
+    return short_way(angle_at(P, by, along7(q, LITTLE, way)) - angle_at(P, by, q)) / LITTLE
+
+
+@kernel
+def turn_at(P, by, q):
+    """Whether the arm angle rises (1.0) or falls (-1.0) along a curve at a posture."""
+    return math.copysign(1.0, rate_at(P, by, q))
+
+
+@kernel
+def tell_angles(P, by, curve, told):
+    """Write the arm angles of the samples of a curve and their rates, eight at a time."""
+    rows, first, last = curve
+    R, p, place_ = by.target
+    for i in range(first, last, 8):
+        # The last eight rows there are may begin before.
+        k = min(i, rows.shape[0] - 8)
+        q = take_ways(row(rows, k), 1, SAMPLE)
+        psi = arm_angles(P, place_, q)
+        _, way, _, _ = curve_step(P, turns_of(q), R, p, q, 0.0 * q[0])
+        rate = short_ways(arm_angles(P, place_, all_along(q, LITTLE, way)) - psi) / LITTLE
+        scatter(row(told, k), TOLD_PSI, TOLD, psi)
+        scatter(row(told, k), TOLD_RATE, TOLD, rate)
+        _, s6 = turn(q[5] - P[WRIST + PHASE])
+        sure = as_bits(abs(s6) > TURNING_WRIST)
+        for m in range(k, min(k + 8, last)):
+            if (sure >> (m - k)) & 1 == 0:
+                told[m, TOLD_RATE] = rate_at(P, by, load_sample(rows[m]))
+
+
+@kernel
+def tell_branches(P, curve, told):
+    """Write the branches of the samples of a curve, eight at a time."""
+    rows, first, last = curve
+    for i in range(first, last, 8):
+        k = min(i, rows.shape[0] - 8)
+        scatter(row(told, k), TOLD_BRANCH, TOLD, branches_of(P, take_ways(row(rows, k), 1, SAMPLE)))
