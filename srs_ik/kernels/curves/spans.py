@@ -11,7 +11,6 @@ from srs_ik.kernels.algebra.joint_vectors import short_way
 from srs_ik.kernels.algebra.minimum import propose, start_search, tell
 from srs_ik.kernels.curves.changes import CHANGE, CHANGE_AT, CHANGE_MIDDLE, MOST_CHANGES, find_changes
 from srs_ik.kernels.curves.ends import on_curve, sample_before
-from srs_ik.kernels.curves.in_step import load_sample
 from srs_ik.kernels.curves.runs import samples_of
 from srs_ik.kernels.curves.told import (
     TOLD,
@@ -19,8 +18,7 @@ from srs_ik.kernels.curves.told import (
     TOLD_PSI,
     TOLD_RATE,
     angle_at,
-    tell_angles,
-    tell_branches,
+    tell_samples,
     turn_at,
 )
 from srs_ik.kernels.jit import kernel
@@ -159,18 +157,15 @@ def spans_of_run(P, by, rows, runs, index, room, n):
     spans, told, changes = room
     curve = samples_of(rows, runs[index])
     _, first, last = curve
-    tell_branches(P, curve, told)
-    tell_angles(P, by, curve, told)
+    tell_samples(P, by, curve, told)
     start = n
-    q = load_sample(rows[first])
     x = rows[first, 0]
     branch = int(told[first, TOLD_BRANCH])
     psi = told[first, TOLD_PSI]
     n = open_span(spans, n, index, branch, x, psi)
     rise = math.copysign(1.0, told[first, TOLD_RATE])
     for i in range(first + 1, last):
-        before, q = (rows[i - 1, 0], q), load_sample(rows[i])
-        for c in range(find_changes(P, by, curve, before, (rows[i, 0], q), changes)):
+        for c in range(find_changes(P, by, curve, i, told, changes)):
             inside = max(changes[c, CHANGE_AT] - JUST_OUTSIDE, x)
             outside = max(min(changes[c, CHANGE_AT] + JUST_OUTSIDE, rows[i, 0]), inside)
             there, _ = on_curve(P, by, 0, curve, inside)

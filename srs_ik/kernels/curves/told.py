@@ -1,4 +1,4 @@
-"""What the samples of a curve tell: branch and arm angle of each, and how fast that changes along the curve."""
+"""What the samples of a curve tell: branch, arm angle, and how fast that and middle joints change."""
 
 from __future__ import annotations
 
@@ -18,9 +18,9 @@ from srs_ik.kernels.curves.in_step import SAMPLE, load_sample, short_ways, take_
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.limb import ELBOW_CENTRE, PHASE, SHOULDER_CENTRE, WRIST
 
-TOLD = 3
-TOLD_BRANCH, TOLD_PSI, TOLD_RATE = range(TOLD)
-"""What a sample tells: its branch, its arm angle, rad, and the rate of that along the curve."""
+TOLD = 6
+TOLD_BRANCH, TOLD_PSI, TOLD_RATE, TOLD_MIDDLES = range(4)
+"""What a sample tells: its branch, its arm angle, rad, and the rates of that and of joints 2, 4, 6 along the curve."""
 
 LITTLE = 1e-6
 """A step that tells how an arm angle changes, rad."""
@@ -50,10 +50,16 @@ def arm_angles(P, place_, q):
 
 
 @kernel
+def rate_along(P, by, q, way):
+    """How fast the arm angle changes along a way from a posture."""
+    return short_way(angle_at(P, by, along7(q, LITTLE, way)) - angle_at(P, by, q)) / LITTLE
+
+
+@kernel
 def rate_at(P, by, q):
     """How fast the arm angle changes along a curve at a posture."""
     way, _ = tangent_at(P, by, q)
-    return short_way(angle_at(P, by, along7(q, LITTLE, way)) - angle_at(P, by, q)) / LITTLE
+    return rate_along(P, by, q, way)
 
 
 @kernel
@@ -63,30 +69,34 @@ def turn_at(P, by, q):
 
 
 @kernel
-def tell_angles(P, by, curve, told):
-    """Write the arm angles of the samples of a curve and their rates, eight at a time."""
+def tell_one(P, by, q, told):
+    """Write arm angle and rates of a posture."""
+    way, _ = tangent_at(P, by, q)
+    told[TOLD_PSI], told[TOLD_RATE] = angle_at(P, by, q), rate_along(P, by, q, way)
+    for middle in range(3):
+        told[TOLD_MIDDLES + middle] = way[1 + 2 * middle]
+
+
+@kernel
+def tell_samples(P, by, curve, told):
+    """Write what the samples of a curve tell, eight at a time."""
     rows, first, last = curve
     R, p, place_ = by.target
     for i in range(first, last, 8):
         # The last eight rows there are may begin before.
         k = min(i, rows.shape[0] - 8)
         q = take_ways(row(rows, k), 1, SAMPLE)
+        eight = row(told, k)
         psi = arm_angles(P, place_, q)
         _, way, _, _ = curve_step(P, turns_of(q), R, p, q, 0.0 * q[0])
-        rate = short_ways(arm_angles(P, place_, all_along(q, LITTLE, way)) - psi) / LITTLE
-        scatter(row(told, k), TOLD_PSI, TOLD, psi)
-        scatter(row(told, k), TOLD_RATE, TOLD, rate)
+        scatter(eight, TOLD_BRANCH, TOLD, branches_of(P, q))
+        scatter(eight, TOLD_PSI, TOLD, psi)
+        scatter(eight, TOLD_RATE, TOLD, short_ways(arm_angles(P, place_, all_along(q, LITTLE, way)) - psi) / LITTLE)
+        scatter(eight, TOLD_MIDDLES, TOLD, way[1])
+        scatter(eight, TOLD_MIDDLES + 1, TOLD, way[3])
+        scatter(eight, TOLD_MIDDLES + 2, TOLD, way[5])
         _, s6 = turn(q[5] - P[WRIST + PHASE])
         sure = as_bits(abs(s6) > TURNING_WRIST)
         for m in range(k, min(k + 8, last)):
             if (sure >> (m - k)) & 1 == 0:
-                told[m, TOLD_RATE] = rate_at(P, by, load_sample(rows[m]))
-
-
-@kernel
-def tell_branches(P, curve, told):
-    """Write the branches of the samples of a curve, eight at a time."""
-    rows, first, last = curve
-    for i in range(first, last, 8):
-        k = min(i, rows.shape[0] - 8)
-        scatter(row(told, k), TOLD_BRANCH, TOLD, branches_of(P, take_ways(row(rows, k), 1, SAMPLE)))
+                tell_one(P, by, load_sample(rows[m]), told[m])

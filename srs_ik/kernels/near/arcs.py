@@ -187,16 +187,17 @@ def mark_needed(arcs, n, possible, n_possible):
 
 
 @kernel
-def arcs_around(arcs, n, psi):
-    """Mark the arcs that an arm angle lies on as needed; on which sides of the elbow there is one, as bits."""
-    elbows = 0
+def mark_around(arcs, n, psi, elbows):
+    """Mark the arcs of sides of the elbow (bits) that an arm angle lies on as needed; whether each side has one."""
+    left = elbows
     for k in range(n):
         ahead = psi - arcs[k, ARC_LOWER]
         ahead -= TURN * math.floor(ahead / TURN)
-        if ahead <= arcs[k, ARC_UPPER] - arcs[k, ARC_LOWER]:
+        side = 1 << int(arcs[k, ARC_ELBOW])
+        if side & elbows != 0 and ahead <= arcs[k, ARC_UPPER] - arcs[k, ARC_LOWER]:
             arcs[k, ARC_NEEDED] = 1.0
-            elbows |= 1 << int(arcs[k, ARC_ELBOW])
-    return elbows
+            left &= ~side
+    return left == 0
 
 
 @kernel

@@ -42,7 +42,10 @@ ROUNDING = 1e-9
 """Of the reach."""
 
 BESIDE = (0.0, 0.5 * SAME_ANGLE, -0.5 * SAME_ANGLE)
-"""Where else a branch is looked for that ends at an arm angle, rad."""
+CLOSE_CALL = 1e-6
+BARELY = 1e-3
+"""Where else a branch is looked for that ends at an arm angle, rad, if a curve turns around or goes over into another
+branch no farther from there than the second, or a posture is no farther outside its limits than the last."""
 
 ON_LINE = 1e-3
 """The elbow of a limb that misses by more than this part of its reach does not come to lie on the line S-W."""
@@ -72,6 +75,15 @@ def is_crowded(P):
 def may_have_others(P, target, psi, q):
     """Whether there may be other postures than one at its arm angle, in its branch or next to it."""
     return is_unsure(P, q) and not is_told(P, target.place, psi)
+
+
+@kernel
+def is_any_barely(found):
+    """Whether a branch is barely outside its limits, in rows of found (8, 8)."""
+    barely = False
+    for branch in range(8):
+        barely = barely or OUTSIDE <= found[branch, ROW_COST] < OUTSIDE + BARELY
+    return barely
 
 
 @kernel
@@ -163,8 +175,10 @@ def solve_all_at_angle(P, target, psi, respect, J, A, found):
         by = setting_of(P, target, J, A)
         followed, complete = curves_around(P, by, psi, elbows)
         for side in range(3):
-            find_at_angle(P, by, followed, psi + BESIDE[side], -1, goal, other)
+            nearest = find_at_angle(P, by, followed, psi + BESIDE[side], -1, goal, other)
             put_better(other, found)
+            if nearest > CLOSE_CALL and not is_any_barely(found):
+                break
         if not complete:
             put_searched(P, target, psi, -1, goal, found, A)
         put_borders(P, goal, found)
@@ -179,12 +193,12 @@ def from_curves(P, by, followed, psi, wanted, goal, best):
     found = np.empty((8, 8))
     sides = 3 if wanted >= 0 and best[2] >= OUTSIDE else 1
     for side in range(sides):
-        other = best_on_curves(P, by, followed, psi + BESIDE[side], wanted, goal, found)
+        other, nearest = best_on_curves(P, by, followed, psi + BESIDE[side], wanted, goal, found)
         if other[2] >= NO_BRANCH and sides > 1:
             other = on_border(P, found, wanted, goal)
         if other[2] < best[2]:
             best = other
-        if best[2] < OUTSIDE:
+        if best[2] < OUTSIDE or (nearest > CLOSE_CALL and not OUTSIDE <= best[2] < OUTSIDE + BARELY):
             break
     return best
 
