@@ -173,13 +173,13 @@ def solve_all_at_angle(P, target, psi, respect, J, A, found):
     if elbows != 0:
         other = np.empty((8, 8))
         by = setting_of(P, target, J, A)
-        followed, complete = curves_around(P, by, psi, elbows)
+        followed = curves_around(P, by, psi, elbows)
         for side in range(3):
             nearest = find_at_angle(P, by, followed, psi + BESIDE[side], -1, goal, other)
             put_better(other, found)
-            if nearest > CLOSE_CALL and not is_any_barely(found):
+            if followed.certain and nearest > CLOSE_CALL and not is_any_barely(found):
                 break
-        if not complete:
+        if not followed.certain:
             put_searched(P, target, psi, -1, goal, found, A)
         put_borders(P, goal, found)
 
@@ -198,7 +198,8 @@ def from_curves(P, by, followed, psi, wanted, goal, best):
             other = on_border(P, found, wanted, goal)
         if other[2] < best[2]:
             best = other
-        if best[2] < OUTSIDE or (nearest > CLOSE_CALL and not OUTSIDE <= best[2] < OUTSIDE + BARELY):
+        regular = followed.certain and nearest > CLOSE_CALL
+        if best[2] < OUTSIDE or (regular and not OUTSIDE <= best[2] < OUTSIDE + BARELY):
             break
     return best
 
@@ -236,9 +237,9 @@ def solve_at_angle(P, target, psi, wanted, goal, J, A):
         return q, best, lowest
     ends = wanted >= 0 and lowest >= NO_BRANCH
     by = setting_of(P, target, J, A)
-    followed, complete = curves_around(P, by, psi, elbows)
+    followed = curves_around(P, by, psi, elbows)
     q, best, lowest = from_curves(P, by, followed, psi, wanted, goal, (q, best, lowest))
-    if lowest < OUTSIDE or complete:
+    if lowest < OUTSIDE or followed.certain:
         return q, best, lowest
     if lowest >= NO_BRANCH:
         found = np.full((8, 8), 2.0 * NO_BRANCH)

@@ -45,10 +45,11 @@ HALVINGS = 30
 
 NEAR_TURN = 0.5
 FASTER = 4.0
+WELL_BENT = 0.2
 SAME_ANGLE = 1e-9
 """An arm angle that turns around is looked for this close to the one that is wanted, rad, if that is no farther than it
-comes at so many times its rate; there it is the one, up to the last: rounding decides about limits and branches within
-it."""
+comes at so many times its rate, where the elbow's bend has no smaller sine; there it is the one, up to the last:
+rounding decides about limits and branches within it."""
 
 STANDSTILL = 1e-9
 """Where the rate of an arm angle is so small, it turns around: it differs from what it is there by its square."""
@@ -63,6 +64,7 @@ class Followed(NamedTuple):
     rows: Any  # their samples
     runs: Any  # the rows of each
     told: Any  # (n, TOLD), of every sample
+    certain: Any  # whether they are all there can be: those of arcs, outside which the band tells the others
 
 
 @kernel
@@ -74,7 +76,7 @@ def setting_of(P, target, J, A):
 @kernel
 def no_curves():
     """No curves, as long as none have been followed."""
-    return Followed(np.empty((0, SAMPLE)), np.empty((0, RUN)), np.empty((0, TOLD)))
+    return Followed(np.empty((0, SAMPLE)), np.empty((0, RUN)), np.empty((0, TOLD)), False)
 
 
 @kernel
@@ -90,13 +92,13 @@ def put_beside(P, by, curve, x, branch, n, followed):
 
 
 @kernel
-def told_runs(P, by, samples, n_samples, runs):
+def told_runs(P, by, samples, n_samples, runs, certain):
     """What the samples of runs of curves tell, with more of them where these go from branch to branch."""
     told = np.empty((samples.shape[0], TOLD))
     tell_samples(P, by, Samples(samples, 0, n_samples), told)
     changes = np.empty((MOST_CHANGES, CHANGE))
     room = n_samples + SPARE_ROWS
-    out = Followed(np.empty((room, SAMPLE)), runs, np.empty((room, TOLD)))
+    out = Followed(np.empty((room, SAMPLE)), runs, np.empty((room, TOLD)), certain)
     n = 0
     for index in range(runs.shape[0]):
         curve = samples_of(samples, runs[index])
@@ -122,12 +124,12 @@ def followed_curves(P, by):
     """Follow all curves of a pose, and look where they go from branch to branch."""
     runs = np.empty((MAX_RUNS, RUN))
     samples, n_samples, k, _ = near_runs(P, by, runs)
-    return told_runs(P, by, samples, n_samples, runs[:k])
+    return told_runs(P, by, samples, n_samples, runs[:k], False)
 
 
 @kernel
 def curves_around(P, by, psi, elbows):
-    """The curves of a pose around an arm angle, as far as sides of the elbow (bits) need them, and whether these do.
+    """The curves of a pose around an arm angle, as far as sides of the elbow (bits) need them.
 
     Where the band of the nearest exact limb tells all but arcs next to singularities, the curves on these are followed
     alone; else all of them.
@@ -144,8 +146,8 @@ def curves_around(P, by, psi, elbows):
                 runs = np.empty((MAX_RUNS, RUN))
                 samples, k = follow_arcs(P, by, view.points, count, runs)
                 if k > 0:
-                    return told_runs(P, by, samples, int(runs[k - 1, 4]), runs[:k]), True
-    return followed_curves(P, by), False
+                    return told_runs(P, by, samples, int(runs[k - 1, 4]), runs[:k], True)
+    return followed_curves(P, by)
 
 
 @kernel
@@ -207,15 +209,16 @@ def turning_between(P, by, a, b, rates):
     sign = -1.0 if rates[0] > 0.0 else 1.0
     crossing = start_crossing(0.0, sign * rates[0], 1.0, sign * rates[1])
     best = a
-    for _ in range(HALVINGS):
-        q, met = between(P, by, a, b, next_parameter(crossing))
+    for i in range(2 * HALVINGS):
+        share = 0.5 * (crossing[0] + crossing[3]) if i % 2 == 1 else next_parameter(crossing)
+        q, met = between(P, by, a, b, share)
         if not met:
             break
         best = q
         rate = rate_at(P, by, q)
         if abs(rate) < STANDSTILL or has_settled(crossing):
             break
-        crossing = tell_figure(crossing, next_parameter(crossing), sign * rate)
+        crossing = tell_figure(crossing, share, sign * rate)
     return best
 
 
@@ -233,7 +236,7 @@ def look_between(P, by, followed, i, psi, goal, out):
     rate_a, rate_b = told[i - 1, TOLD_RATE], told[i, TOLD_RATE]
     nearest = min(abs(ahead_a), abs(ahead_b))
     turns = rate_a * rate_b <= 0.0 and nearest < NEAR_TURN
-    if turns:
+    if turns and by.target.place[3] > WELL_BENT:
         way = difference(a, b)
         turns = nearest < FASTER * max(abs(rate_a), abs(rate_b)) * math.sqrt(dot7(way, way))
     if not turns and ahead_a * ahead_b > 0.0 and nearest > SAME_ANGLE:
