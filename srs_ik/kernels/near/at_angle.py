@@ -42,10 +42,9 @@ ROUNDING = 1e-9
 """Of the reach."""
 
 BESIDE = (0.0, 0.5 * SAME_ANGLE, -0.5 * SAME_ANGLE)
-CLOSE_CALL = 1e-6
 BARELY = 1e-3
-"""Where else a branch is looked for that ends at an arm angle, rad, if a curve turns around or goes over into another
-branch no farther from there than the second, or a posture is no farther outside its limits than the last."""
+"""Where else a branch is looked for that ends at an arm angle, rad; where no curve turns around or goes over into
+another branch next to it, only if a posture is no farther outside its limits than the last."""
 
 ON_LINE = 1e-3
 """The elbow of a limb that misses by more than this part of its reach does not come to lie on the line S-W."""
@@ -175,9 +174,9 @@ def solve_all_at_angle(P, target, psi, respect, J, A, found):
         by = setting_of(P, target, J, A)
         followed = curves_around(P, by, psi, elbows)
         for side in range(3):
-            nearest = find_at_angle(P, by, followed, psi + BESIDE[side], -1, goal, other)
+            find_at_angle(P, by, followed, psi + BESIDE[side], -1, goal, other)
             put_better(other, found)
-            if followed.certain and nearest > CLOSE_CALL and not is_any_barely(found):
+            if followed.certain and not is_any_barely(found):
                 break
         if not followed.certain:
             put_searched(P, target, psi, -1, goal, found, A)
@@ -193,13 +192,12 @@ def from_curves(P, by, followed, psi, wanted, goal, best):
     found = np.empty((8, 8))
     sides = 3 if wanted >= 0 and best[2] >= OUTSIDE else 1
     for side in range(sides):
-        other, nearest = best_on_curves(P, by, followed, psi + BESIDE[side], wanted, goal, found)
+        other = best_on_curves(P, by, followed, psi + BESIDE[side], wanted, goal, found)
         if other[2] >= NO_BRANCH and sides > 1:
             other = on_border(P, found, wanted, goal)
         if other[2] < best[2]:
             best = other
-        regular = followed.certain and nearest > CLOSE_CALL
-        if best[2] < OUTSIDE or (regular and not OUTSIDE <= best[2] < OUTSIDE + BARELY):
+        if best[2] < OUTSIDE or (followed.certain and not OUTSIDE <= best[2] < OUTSIDE + BARELY):
             break
     return best
 

@@ -31,9 +31,10 @@ from srs_ik.kernels.curves.told import (
 )
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.answer import ROW_COST
-from srs_ik.kernels.layout.asked import Samples, Setting
+from srs_ik.kernels.layout.asked import Goal, Samples, Setting
 from srs_ik.kernels.layout.search import MAX_RUNS, RUN
 from srs_ik.kernels.limb.branches import NO_BRANCH, bit_of, branch_of, is_on_border
+from srs_ik.kernels.limb.goal import NO_SEED
 from srs_ik.kernels.limb.poses import read7
 from srs_ik.kernels.limb.triangle import elbow_side
 from srs_ik.kernels.near.arcs import ARC, MOST_ARCS, find_arcs, follow_arcs, mark_around, put_ends_of_arcs
@@ -53,6 +54,9 @@ rounding decides about limits and branches within it."""
 
 STANDSTILL = 1e-9
 """Where the rate of an arm angle is so small, it turns around: it differs from what it is there by its square."""
+
+CLOSE_CALL = 1e-4
+"""Where a curve turns around or goes over into another branch so close to an arm angle, rad, rounding may decide."""
 
 CLOSE_BY = 1e-4
 """Newton's method moves a posture no farther than this, rad, squared."""
@@ -125,29 +129,6 @@ def followed_curves(P, by):
     runs = np.empty((MAX_RUNS, RUN))
     samples, n_samples, k, _ = near_runs(P, by, runs)
     return told_runs(P, by, samples, n_samples, runs[:k], False)
-
-
-@kernel
-def curves_around(P, by, psi, elbows):
-    """The curves of a pose around an arm angle, as far as sides of the elbow (bits) need them.
-
-    Where the band of the nearest exact limb tells all but arcs next to singularities, the curves on these are followed
-    alone; else all of them.
-    """
-    place_ = by.target.place
-    band = band_of(P, place_)
-    if may_predict(P, place_, band) and not has_surface(P, place_):
-        view = view_with(P, by.target, band)
-        arcs = np.empty((MOST_ARCS, ARC))
-        n = find_arcs(P, view, arcs)
-        if n > 0 and mark_around(arcs, n, psi, elbows):
-            _, count = put_ends_of_arcs(P, view, arcs, n, 0)
-            if count > 0:
-                runs = np.empty((MAX_RUNS, RUN))
-                samples, k = follow_arcs(P, by, view.points, count, runs)
-                if k > 0:
-                    return told_runs(P, by, samples, int(runs[k - 1, 4]), runs[:k], True)
-    return followed_curves(P, by)
 
 
 @kernel
@@ -287,11 +268,37 @@ def best_found(found, wanted, seed):
 
 @kernel
 def best_on_curves(P, by, followed, psi, wanted, goal, out):
-    """The best posture at an arm angle over all branches, or in one (0 to 7): q, branch, cost; and `find_at_angle`."""
-    nearest = find_at_angle(P, by, followed, psi, wanted, goal, out)
+    """The best posture at an arm angle over all branches, or in one (0 to 7): q, branch, cost."""
+    find_at_angle(P, by, followed, psi, wanted, goal, out)
     found = best_found(out, wanted, goal.seed)
     if wanted >= 0 and found[2] >= NO_BRANCH:
         # A curve that has just left the branch may come back to it.
-        nearest = min(nearest, find_at_angle(P, by, followed, psi, -1, goal, out))
+        find_at_angle(P, by, followed, psi, -1, goal, out)
         found = best_found(out, wanted, goal.seed)
-    return found, nearest
+    return found
+
+
+@kernel
+def curves_around(P, by, psi, elbows):
+    """The curves of a pose around an arm angle, as far as sides of the elbow (bits) need them.
+
+    Where the band of the nearest exact limb tells all but arcs next to singularities, the curves on these are followed
+    alone; else all of them, and where one turns around or goes over into another branch next to the arm angle.
+    """
+    place_ = by.target.place
+    band = band_of(P, place_)
+    if may_predict(P, place_, band) and not has_surface(P, place_):
+        view = view_with(P, by.target, band)
+        arcs = np.empty((MOST_ARCS, ARC))
+        n = find_arcs(P, view, arcs)
+        if n > 0 and mark_around(arcs, n, psi, elbows):
+            _, count = put_ends_of_arcs(P, view, arcs, n, 0)
+            if count > 0:
+                runs = np.empty((MAX_RUNS, RUN))
+                samples, k = follow_arcs(P, by, view.points, count, runs)
+                if k > 0:
+                    followed = told_runs(P, by, samples, int(runs[k - 1, 4]), runs[:k], True)
+                    out = np.empty((8, 8))
+                    if find_at_angle(P, by, followed, psi, -1, Goal(False, NO_SEED, False), out) > CLOSE_CALL:
+                        return followed
+    return followed_curves(P, by)
