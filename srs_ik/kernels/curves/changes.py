@@ -8,6 +8,8 @@ from srs_ik.kernels.algebra.joint_vectors import along7, difference, dot7, short
 from srs_ik.kernels.algebra.roots import has_settled, next_parameter, start_crossing, tell_figure
 from srs_ik.kernels.curves.ends import meet, on_chord, on_curve, sample_before
 from srs_ik.kernels.curves.follow import tangent_at
+from srs_ik.kernels.curves.in_step import load_sample
+from srs_ik.kernels.curves.told import TOLD_MIDDLES
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.limb.branches import phase_of, sine_of
 
@@ -132,19 +134,33 @@ def dip_between(P, by, curve, middle, a, b):
 
 
 @kernel
-def find_changes(P, by, curve, a, b, changes):
-    """Write the changes of branch between two samples, in their order, into rows of changes; their number.
+def may_dip(P, middle, a, b, told):
+    """Whether a middle angle falls towards its singularity behind one sample and rises from it before the next.
 
-    A sample is given as its parameter and its posture.
+    A sample is given as its posture, the rates of middle angles that both tell as rows of `told`.
     """
-    (x_a, q_a), (x_b, q_b) = a, b
+    joint, phase = 1 + 2 * middle, phase_of(P, middle)
+    side = math.copysign(1.0, sine_of(P, a, middle))
+    rate_a = side * math.cos(a[joint] - phase) * told[0][TOLD_MIDDLES + middle]
+    rate_b = side * math.cos(b[joint] - phase) * told[1][TOLD_MIDDLES + middle]
+    return rate_a < 0.0 < rate_b
+
+
+@kernel
+def find_changes(P, by, curve, i, told, changes):
+    """Write the changes of branch between samples i - 1 and i, in their order, into rows of changes; their number.
+
+    `told` holds what samples tell.
+    """
+    x_a, x_b = curve.rows[i - 1, 0], curve.rows[i, 0]
+    q_a, q_b = load_sample(curve.rows[i - 1]), load_sample(curve.rows[i])
     n = 0
     for middle in range(3):
         at_a, at_b = sine_of(P, q_a, middle), sine_of(P, q_b, middle)
         if (at_a >= 0.0) != (at_b >= 0.0):
             n = put_change(changes, n, change_between(P, by, curve, middle, (x_a, at_a), (x_b, at_b)), middle)
-        elif abs(at_a + at_b) < ARC * (x_b - x_a):
-            x, at_x, found = dip_between(P, by, curve, middle, a, b)
+        elif abs(at_a + at_b) < ARC * (x_b - x_a) and may_dip(P, middle, q_a, q_b, (told[i - 1], told[i])):
+            x, at_x, found = dip_between(P, by, curve, middle, (x_a, q_a), (x_b, q_b))
             if found:
                 n = put_change(changes, n, change_between(P, by, curve, middle, (x_a, at_a), (x, at_x)), middle)
                 n = put_change(changes, n, change_between(P, by, curve, middle, (x, at_x), (x_b, at_b)), middle)

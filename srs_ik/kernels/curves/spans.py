@@ -7,28 +7,23 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from srs_ik.kernels.algebra.joint_vectors import along7, short_way
-from srs_ik.kernels.algebra.lane_trig import angle_of, turn
-from srs_ik.kernels.algebra.lanes import root, scatter
+from srs_ik.kernels.algebra.joint_vectors import short_way
 from srs_ik.kernels.algebra.minimum import propose, start_search, tell
-from srs_ik.kernels.algebra.pointers import row
-from srs_ik.kernels.algebra.vectors import cross, dot, load3, sub
-from srs_ik.kernels.chain.eight import branches_of
-from srs_ik.kernels.chain.kinematics import turn_about_line
-from srs_ik.kernels.chain.newton import arm_angle
 from srs_ik.kernels.curves.changes import CHANGE, CHANGE_AT, CHANGE_MIDDLE, MOST_CHANGES, find_changes
 from srs_ik.kernels.curves.ends import on_curve, sample_before
-from srs_ik.kernels.curves.follow import tangent_at
-from srs_ik.kernels.curves.in_step import SAMPLE, load_sample, take_ways
 from srs_ik.kernels.curves.runs import samples_of
+from srs_ik.kernels.curves.told import (
+    TOLD,
+    TOLD_BRANCH,
+    TOLD_PSI,
+    TOLD_RATE,
+    angle_at,
+    tell_samples,
+    turn_at,
+)
 from srs_ik.kernels.jit import kernel
-from srs_ik.kernels.layout.limb import ELBOW_CENTRE, SHOULDER_CENTRE
 from srs_ik.kernels.layout.search import MAX_RUNS, SMOOTH, STATE
 from srs_ik.kernels.limb.branches import bit_of
-
-TOLD = 2
-TOLD_BRANCH, TOLD_PSI = range(TOLD)
-"""What a sample tells: its branch and its arm angle, rad."""
 
 SPAN = 6
 """A span: its run, branch, first and last parameter, least and greatest arm angle on it, rad (not wrapped)."""
@@ -43,35 +38,9 @@ SHORT_TURN = 1e-7
 """A branch that a curve is in no longer than this, in its parameter and in arm angles, is one of rounding: what lies
 there is on the border of those before and behind."""
 
-LITTLE = 1e-6
-"""A step that tells whether an arm angle rises, rad."""
-
-WELL_BENT = 0.6
-"""Beside a sample where the arm angle turns around, it is less steep than this part of what comes next."""
-
 TURNING = 1e-9
 TURNED = 1e-12
 """An arm angle that goes back by more than the first, rad, has turned around. There it is the same up to the second."""
-
-
-@kernel
-def angle_at(P, by, q):
-    """The arm angle of a posture for the pose."""
-    return arm_angle(P, q, by.target.place[0], by.target.place[1])
-
-
-@kernel
-def arm_angles(P, place_, q):
-    """The arm angles of eight postures."""
-    t, h0 = place_[0], place_[1]
-    turn_1, turn_2, turn_3 = turn(q[0]), turn(q[1]), turn(q[2])
-    elbow = turn_about_line(P, 2, turn_3[0], turn_3[1], load3(P, ELBOW_CENTRE))
-    elbow = turn_about_line(P, 1, turn_2[0], turn_2[1], elbow)
-    elbow = turn_about_line(P, 0, turn_1[0], turn_1[1], elbow)
-    upper_arm = sub(elbow, load3(P, SHOULDER_CENTRE))
-    c, s = dot(upper_arm, h0), dot(upper_arm, cross(t, h0))
-    share = 1.0 / root(c * c + s * s)
-    return angle_of(share * c, share * s)
 
 
 @kernel
@@ -100,32 +69,6 @@ def turning_angle(P, by, curve, points, psi, sign):
             break
         farthest = max(farthest, ahead)
     return psi + sign * farthest
-
-
-@kernel
-def turn_at(P, by, q):
-    """Whether the arm angle rises (1.0) or falls (-1.0) along a curve at a posture."""
-    way, _ = tangent_at(P, by, q)
-    return math.copysign(1.0, short_way(angle_at(P, by, along7(q, LITTLE, way)) - angle_at(P, by, q)))
-
-
-@kernel
-def slope(P, by, a, b):
-    """How fast the arm angle changes between two samples."""
-    before = angle_at(P, by, load_sample(a))
-    return short_way(angle_at(P, by, load_sample(b)) - before) / (b[0] - a[0])
-
-
-@kernel
-def may_turn(P, by, curve, end, way):
-    """Whether the arm angle may turn around between the sample at an end of a run and the next one, along `way`."""
-    rows, first, last = curve
-    third = end + 2 * way
-    if not first <= third < last:
-        return True
-    # On a parabola with its top in the first part, this part is at most half as steep as the second one.
-    outer, inner = slope(P, by, rows[end], rows[end + way]), slope(P, by, rows[end + way], rows[third])
-    return outer * inner < WELL_BENT * inner * inner
 
 
 @kernel
@@ -177,18 +120,6 @@ def take_turn(P, by, curve, span, passed, x, to):
 
 
 @kernel
-def tell_samples(P, by, curve, told):
-    """Write branch and arm angle of the samples of a curve, eight at a time."""
-    rows, first, last = curve
-    for i in range(first, last, 8):
-        # The last eight rows there are may begin before.
-        k = min(i, rows.shape[0] - 8)
-        q = take_ways(row(rows, k), 1, SAMPLE)
-        scatter(row(told, k), TOLD_BRANCH, TOLD, branches_of(P, q))
-        scatter(row(told, k), TOLD_PSI, TOLD, arm_angles(P, by.target.place, q))
-
-
-@kernel
 def drop_span(spans, i, n):
     """Take a span out of n; their number."""
     for k in range(i, n - 1):
@@ -228,15 +159,13 @@ def spans_of_run(P, by, rows, runs, index, room, n):
     _, first, last = curve
     tell_samples(P, by, curve, told)
     start = n
-    q = load_sample(rows[first])
     x = rows[first, 0]
     branch = int(told[first, TOLD_BRANCH])
     psi = told[first, TOLD_PSI]
     n = open_span(spans, n, index, branch, x, psi)
-    rise = turn_at(P, by, q) if may_turn(P, by, curve, first, 1) else 0.0
+    rise = math.copysign(1.0, told[first, TOLD_RATE])
     for i in range(first + 1, last):
-        before, q = (rows[i - 1, 0], q), load_sample(rows[i])
-        for c in range(find_changes(P, by, curve, before, (rows[i, 0], q), changes)):
+        for c in range(find_changes(P, by, curve, i, told, changes)):
             inside = max(changes[c, CHANGE_AT] - JUST_OUTSIDE, x)
             outside = max(min(changes[c, CHANGE_AT] + JUST_OUTSIDE, rows[i, 0]), inside)
             there, _ = on_curve(P, by, 0, curve, inside)
@@ -252,9 +181,7 @@ def spans_of_run(P, by, rows, runs, index, room, n):
             x = outside
             rise = behind
         change = short_way(told[i, TOLD_PSI] - psi)
-        behind = change
-        if i == last - 1 and may_turn(P, by, curve, i, -1):
-            behind = turn_at(P, by, q)
+        behind = math.copysign(1.0, told[i, TOLD_RATE]) if i == last - 1 else change
         take_turn(P, by, curve, spans[n - 1], Passed(psi, rise), rows[i, 0], (change, behind))
         rise = change
         psi += change

@@ -112,7 +112,7 @@ def intervals_near(family, pose, space):
 @kernel
 def is_clear(P, side, psi, band):
     """Whether shoulder and wrist are so far from singular at an arm angle that a band tells something there."""
-    return not is_near_singularity(P, side, psi, band)
+    return not is_near_singularity(P, side, psi, band, 1.0)
 
 
 @kernel

@@ -187,6 +187,20 @@ def mark_needed(arcs, n, possible, n_possible):
 
 
 @kernel
+def mark_around(arcs, n, psi, elbows):
+    """Mark the arcs of sides of the elbow (bits) that an arm angle lies on as needed; whether each side has one."""
+    left = elbows
+    for k in range(n):
+        ahead = psi - arcs[k, ARC_LOWER]
+        ahead -= TURN * math.floor(ahead / TURN)
+        side = 1 << int(arcs[k, ARC_ELBOW])
+        if side & elbows != 0 and ahead <= arcs[k, ARC_UPPER] - arcs[k, ARC_LOWER]:
+            arcs[k, ARC_NEEDED] = 1.0
+            left &= ~side
+    return left == 0
+
+
+@kernel
 def touches(intervals, i, arcs, k):
     """Whether an interval and an arc have an arm angle in common."""
     ahead = intervals[i, 1] - arcs[k, ARC_LOWER]

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from srs_ik.kernels.algebra.pointers import row
 from srs_ik.kernels.chain.starts import FIRST, best_of_all, close_all
 from srs_ik.kernels.curves.surface import has_surface
 from srs_ik.kernels.jit import kernel
@@ -17,14 +18,14 @@ from srs_ik.kernels.layout.limb import COSINE_OFF, FAR, MISS, NEAR, SHIFT
 from srs_ik.kernels.limb.branches import NO_BRANCH, best_branch, branch_of, is_on_border, is_unsure
 from srs_ik.kernels.limb.goal import NO_SEED, OUTSIDE
 from srs_ik.kernels.limb.poses import read7
-from srs_ik.kernels.near.band import ALMOST_NOTHING, is_oblique, is_told
+from srs_ik.kernels.near.band import ALMOST_NOTHING, ANY_ELBOW, is_oblique, is_told, untold_elbows
 from srs_ik.kernels.near.branch_search import search_branch
 from srs_ik.kernels.near.on_curves import (
     SAME_ANGLE,
     best_found,
     best_on_curves,
+    curves_around,
     find_at_angle,
-    followed_curves,
     setting_of,
 )
 from srs_ik.kernels.near.second_attempts import ATTEMPTS, STRETCHED, evaluate_again, is_near_line, stretched
@@ -41,7 +42,9 @@ ROUNDING = 1e-9
 """Of the reach."""
 
 BESIDE = (0.0, 0.5 * SAME_ANGLE, -0.5 * SAME_ANGLE)
-"""Where else a branch is looked for that ends at an arm angle, rad."""
+BARELY = 1e-3
+"""Where else a branch is looked for that ends at an arm angle, rad; where no curve turns around or goes over into
+another branch next to it, only if a posture is no farther outside its limits than the last."""
 
 ON_LINE = 1e-3
 """The elbow of a limb that misses by more than this part of its reach does not come to lie on the line S-W."""
@@ -74,34 +77,29 @@ def may_have_others(P, target, psi, q):
 
 
 @kernel
-def settle_branch(P, target, psi, branch, best, goal, A):
-    """A second look at a branch that has no posture yet, or one outside its limits: the best, whether it is final."""
-    q, lowest = best
-    crowded = is_crowded(P)
-    alone = lowest < NO_BRANCH and not crowded and not may_have_others(P, target, psi, q)
-    if lowest < OUTSIDE or alone or not may_reach(P, target.place):
-        return best, True
-    other, complete = search_branch(P, target, psi, branch, goal, A)
-    if other.cost < lowest:
-        best = other
-    return best, best.cost < OUTSIDE or (not crowded and (complete or best.cost < NO_BRANCH))
+def is_any_barely(found):
+    """Whether a branch is barely outside its limits, in rows of found (8, 8)."""
+    barely = False
+    for branch in range(8):
+        barely = barely or OUTSIDE <= found[branch, ROW_COST] < OUTSIDE + BARELY
+    return barely
 
 
 @kernel
-def settle_all(P, target, psi, goal, found, A):
-    """A second look at every branch that `close_all` has left in A, into rows of found (8, 8): whether it is final."""
+def elbows_to_look_at(P, target, psi, wanted, A):
+    """Sides of the elbow, as bits, with a branch (or the wanted one, 0 to 7) that may have a better posture.
+
+    `close_all` has left it in A outside its limits or without a posture.
+    """
+    elbows = 0
     for branch in range(8):
-        for i in range(8):
-            found[branch, i] = A[FIRST + branch, i]
-    final = True
-    for branch in range(8):
-        best = Best(read7(found[branch]), found[branch, ROW_COST])
-        best, settled = settle_branch(P, target, psi, branch, best, goal, A)
-        final = final and settled
-        for i in range(7):
-            found[branch, i] = best.q[i]
-        found[branch, ROW_COST] = best.cost
-    return final
+        value = A[FIRST + branch, ROW_COST]
+        if value < OUTSIDE or (wanted >= 0 and branch != wanted):
+            continue
+        q = read7(row(A, FIRST + branch))
+        if value >= NO_BRANCH or is_crowded(P) or may_have_others(P, target, psi, q):
+            elbows |= 1 << (branch >> 2)
+    return elbows
 
 
 @kernel
@@ -149,48 +147,40 @@ def highest_cost(found):
 
 
 @kernel
+def put_searched(P, target, psi, wanted, goal, found, A):
+    """Search branches (or the wanted one, 0 to 7) without a posture in rows of found (8, 8)."""
+    for branch in range(8):
+        if found[branch, ROW_COST] >= NO_BRANCH and wanted in (-1, branch):
+            q, value = search_branch(P, target, psi, branch, goal, A)
+            if value < found[branch, ROW_COST]:
+                for j in range(7):
+                    found[branch, j] = q[j]
+                found[branch, ROW_COST] = value
+
+
+@kernel
 def solve_all_at_angle(P, target, psi, respect, J, A, found):
     """The posture of every branch at an arm angle, and its cost, into the rows of found (8, 8)."""
     goal = Goal(False, NO_SEED, respect)
     close_all(P, target, psi, -1, goal, A)
-    final = settle_all(P, target, psi, goal, found, A)
-    highest, reached = highest_cost(found), may_reach(P, target.place)
-    ends = highest >= NO_BRANCH and reached and not is_told(P, target.place, psi)
-    if ends or not final or (highest >= OUTSIDE and reached and has_surface(P, target.place)):
+    for branch in range(8):
+        for i in range(8):
+            found[branch, i] = A[FIRST + branch, i]
+    if highest_cost(found) < OUTSIDE or not may_reach(P, target.place):
+        return
+    elbows = ANY_ELBOW if has_surface(P, target.place) else elbows_to_look_at(P, target, psi, -1, A)
+    if elbows != 0:
         other = np.empty((8, 8))
         by = setting_of(P, target, J, A)
-        followed = followed_curves(P, by)
-        for side in range(3 if highest >= OUTSIDE else 1):
+        followed = curves_around(P, by, psi, elbows)
+        for side in range(3):
             find_at_angle(P, by, followed, psi + BESIDE[side], -1, goal, other)
             put_better(other, found)
-    if ends:
+            if followed.certain and not is_any_barely(found):
+                break
+        if not followed.certain:
+            put_searched(P, target, psi, -1, goal, found, A)
         put_borders(P, goal, found)
-
-
-@kernel
-def settle_at_angle(P, target, psi, wanted, goal, A):
-    """Best posture at an arm angle over all branches, or in one (0 to 7), by Newton's method: q, branch, cost.
-
-    Also whether it is final: nothing better is found by following curves.
-    """
-    q, best, lowest = best_of_all(P, target, psi, wanted, goal, A)
-    if wanted >= 0:
-        (q, lowest), final = settle_branch(P, target, psi, wanted, Best(q, lowest), goal, A)
-        if final and not goal.seeded:
-            return q, best, lowest, True
-    elif lowest >= OUTSIDE:
-        found = np.empty((8, 8))
-        settle_all(P, target, psi, goal, found, A)
-        other, b, value = best_found(found, wanted, goal.seed)
-        if value < lowest:
-            q, best, lowest = other, b, value
-    # Next to a singularity, Newton's method may have missed the branch that is nearest to a seed.
-    if lowest < OUTSIDE and not (goal.seeded and lowest > AT_SEED):
-        return q, best, lowest, True
-    unsure = may_have_others(P, target, psi, q)
-    if lowest < NO_BRANCH and not unsure and (lowest < OUTSIDE or not is_crowded(P)):
-        return q, best, lowest, True
-    return q, best, lowest, False
 
 
 @kernel
@@ -207,9 +197,23 @@ def from_curves(P, by, followed, psi, wanted, goal, best):
             other = on_border(P, found, wanted, goal)
         if other[2] < best[2]:
             best = other
-        if best[2] < OUTSIDE:
+        if best[2] < OUTSIDE or (followed.certain and not OUTSIDE <= best[2] < OUTSIDE + BARELY):
             break
     return best
+
+
+@kernel
+def elbows_in_question(P, target, psi, wanted, goal, best, A):
+    """Sides of the elbow, as bits, on which curves may pass an arm angle at better postures than one (q, cost)."""
+    asked = ANY_ELBOW if wanted < 0 else 1 << (wanted >> 2)
+    q, lowest = best
+    if lowest < OUTSIDE:
+        # Next to a singularity, Newton's method may have missed the branch that is nearest to a seed.
+        if goal.seeded and lowest > AT_SEED and is_unsure(P, q):
+            return asked & untold_elbows(P, target.place, psi)
+        return 0
+    # Where several joints are singular at once, a branch has many postures: others may keep the limits.
+    return asked if has_surface(P, target.place) else elbows_to_look_at(P, target, psi, wanted, A)
 
 
 @kernel
@@ -223,25 +227,31 @@ def solve_at_angle(P, target, psi, wanted, goal, J, A):
     seeded, seed, respect = goal
     if J is None:
         return best_branch(P, place_, psi, wanted, seeded, seed, respect)
-    q, best, lowest, final = settle_at_angle(P, target, psi, wanted, goal, A)
+    q, best, lowest = best_of_all(P, target, psi, wanted, goal, A)
     if not may_reach(P, place_):
         return q, best, lowest
-    missing = wanted >= 0 and lowest >= NO_BRANCH
-    ends = missing and not is_told(P, place_, psi)
-    # Where several joints are singular at once, a branch has many postures: others may keep the limits.
-    final = final and not ends and (lowest < OUTSIDE or not has_surface(P, place_))
-    if final or (lowest < OUTSIDE and not seeded):
+    elbows = elbows_in_question(P, target, psi, wanted, goal, (q, lowest), A)
+    if elbows == 0:
         return q, best, lowest
+    ends = wanted >= 0 and lowest >= NO_BRANCH
     by = setting_of(P, target, J, A)
-    q, best, lowest = from_curves(P, by, followed_curves(P, by), psi, wanted, goal, (q, best, lowest))
-    if lowest >= OUTSIDE:
-        attempts = ATTEMPTS if lowest >= NO_BRANCH else 1
-        for side in range(3 if ends and is_near_line(P, target, psi, wanted) else 1):
-            other, value = evaluate_again(P, target, psi + BESIDE[side], wanted, goal, attempts, A)
-            if value < lowest:
-                q, best, lowest = other, branch_of(P, other), value
-            if lowest < OUTSIDE:
-                break
+    followed = curves_around(P, by, psi, elbows)
+    q, best, lowest = from_curves(P, by, followed, psi, wanted, goal, (q, best, lowest))
+    if lowest < OUTSIDE or followed.certain:
+        return q, best, lowest
+    if lowest >= NO_BRANCH:
+        found = np.full((8, 8), 2.0 * NO_BRANCH)
+        put_searched(P, target, psi, wanted, goal, found, A)
+        q, best, lowest = best_found(found, wanted, seed)
+        if lowest < OUTSIDE:
+            return q, best, lowest
+    attempts = ATTEMPTS if lowest >= NO_BRANCH else 1
+    for side in range(3 if ends and is_near_line(P, target, psi, wanted) else 1):
+        other, value = evaluate_again(P, target, psi + BESIDE[side], wanted, goal, attempts, A)
+        if value < lowest:
+            q, best, lowest = other, branch_of(P, other), value
+        if lowest < OUTSIDE:
+            break
     if lowest >= OUTSIDE and abs(place_[3]) < STRETCHED and P[MISS] < ON_LINE * P[FAR]:
         other, b, value = stretched(P, target, wanted, goal, J, A)
         if value < lowest:

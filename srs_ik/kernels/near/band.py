@@ -46,6 +46,9 @@ WIDEST_OUTER = 0.6
 WIDER = 2.0
 """Where shoulder and wrist are so many bands from singular, the closed form leads to each branch's one posture."""
 
+ANY_ELBOW = 0b11
+"""Both sides of the elbow, as bits."""
+
 WELL_BENT = 0.5
 """Sine of a middle angle from which on shifts are measured."""
 
@@ -245,24 +248,27 @@ def is_close_to_singular(P, k, circle, psi, band):
 
 
 @kernel
-def is_near_singularity(P, side, psi, band):
-    """Whether shoulder or wrist are so close to singular at an arm angle that the band tells nothing."""
-    return is_close_to_singular(P, SHOULDER, side[1][0], psi, nearness(SHOULDER, band)) or is_close_to_singular(
-        P, WRIST, side[2][0], psi, nearness(WRIST, band)
-    )
+def is_near_singularity(P, side, psi, band, factor):
+    """Whether shoulder or wrist are so close to singular at an arm angle that a band times a factor tells nothing."""
+    shoulder, wrist = factor * nearness(SHOULDER, band), factor * nearness(WRIST, band)
+    at_shoulder = is_close_to_singular(P, SHOULDER, side[1][0], psi, shoulder)
+    return at_shoulder or is_close_to_singular(P, WRIST, side[2][0], psi, wrist)
+
+
+@kernel
+def untold_elbows(P, place_, psi):
+    """Sides of the elbow, as bits, on which a branch may have several postures at an arm angle, or none."""
+    band = band_of(P, place_)
+    if not may_predict(P, place_, band):
+        return ANY_ELBOW
+    elbows = 0
+    for elbow in range(2):
+        if is_near_singularity(P, elbow_side(P, place_, elbow), psi, band, WIDER):
+            elbows |= 1 << elbow
+    return elbows
 
 
 @kernel
 def is_told(P, place_, psi):
     """Whether each branch has one posture at an arm angle, next to the closed form's, as the band tells."""
-    band = band_of(P, place_)
-    if not may_predict(P, place_, band):
-        return False
-    shoulder, wrist = WIDER * nearness(SHOULDER, band), WIDER * nearness(WRIST, band)
-    for elbow in range(2):
-        side = elbow_side(P, place_, elbow)
-        if is_close_to_singular(P, SHOULDER, side[1][0], psi, shoulder):
-            return False
-        if is_close_to_singular(P, WRIST, side[2][0], psi, wrist):
-            return False
-    return True
+    return untold_elbows(P, place_, psi) == 0

@@ -1,4 +1,4 @@
-"""One branch of a near limb at an arm angle, next to a singularity, where the closed form starts from the wrong place.
+"""One branch of a near limb at an arm angle, next to several singularities at once, where no curve is led to it.
 
 There the closed form fixes angles of which the true chain knows little more than a sum: joints 1 and 3 of a singular
 shoulder, 5 and 7 of a singular wrist, the arm angle and the bend of a straight elbow. So Newton's method starts from
@@ -101,8 +101,7 @@ def close_starts(P, target, psi, branch, goal, best, A):
 def search_branch(P, target, psi, branch, goal, A):
     """A posture of a branch at an arm angle, next to a singularity: inside the limits if there is one, near a seed.
 
-    Returns the posture, its cost (NO_BRANCH or more where none is found), and whether there cannot well be others: with
-    a straight elbow, postures may lie so close together that Newton's method starts from none of them.
+    Returns the posture and its cost (NO_BRANCH or more where none is found, or one part alone is singular).
     """
     place_ = target.place
     miss = P[MISS] / P[FAR]
@@ -117,12 +116,14 @@ def search_branch(P, target, psi, branch, goal, A):
     near_s = abs(math.sin(start[1] - phase_s)) < near
     near_w = abs(math.sin(start[5] - phase_w)) < near
     count = int(straight) + int(near_s) + int(near_w)
-    turns = 1 + TURNS * (len(BENDS) >> (count - 1)) if count > 0 else 1
+    best = Best(start, 2.0 * NO_BRANCH)
+    if count < 2:
+        return best
+    turns = 1 + TURNS * (len(BENDS) >> (count - 1))
     starts_s = turns if near_s else 1
     starts = starts_s * (turns if near_w else 1)
     total = starts * (ELBOW_STARTS if straight else 1)
     q = start
-    best = Best(start, 2.0 * NO_BRANCH)
     for i in range(total):
         if straight and i % starts == 0:
             q = elbow_start(P, place_, psi, branch, i // starts, near, A)
@@ -133,4 +134,4 @@ def search_branch(P, target, psi, branch, goal, A):
             best = close_starts(P, target, psi, branch, goal, best, A)
             if best.cost < OUTSIDE and not goal.seeded:
                 break
-    return best, not straight and (near_s or near_w)
+    return best

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import math
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from srs_ik.kernels.algebra.joint_vectors import difference, dot7, short_way
+from srs_ik.kernels.algebra.roots import has_settled, next_parameter, start_crossing, tell_figure
 from srs_ik.kernels.chain.newton import STEPS, close_at_angle
 from srs_ik.kernels.chain.starts import best_row
 from srs_ik.kernels.curves.best import cost_of_turn
@@ -15,37 +17,58 @@ from srs_ik.kernels.curves.ends import on_curve
 from srs_ik.kernels.curves.follow import between
 from srs_ik.kernels.curves.in_step import SAMPLE, load_sample, put_sample
 from srs_ik.kernels.curves.runs import SPARE_ROWS, near_runs, samples_of
-from srs_ik.kernels.curves.spans import JUST_OUTSIDE, angle_at, turn_at
+from srs_ik.kernels.curves.spans import JUST_OUTSIDE
+from srs_ik.kernels.curves.surface import has_surface
+from srs_ik.kernels.curves.told import (
+    TOLD,
+    TOLD_BRANCH,
+    TOLD_PSI,
+    TOLD_RATE,
+    angle_at,
+    rate_at,
+    tell_one,
+    tell_samples,
+)
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.answer import ROW_COST
-from srs_ik.kernels.layout.asked import Setting
+from srs_ik.kernels.layout.asked import Goal, Samples, Setting
 from srs_ik.kernels.layout.search import MAX_RUNS, RUN
 from srs_ik.kernels.limb.branches import NO_BRANCH, bit_of, branch_of, is_on_border
+from srs_ik.kernels.limb.goal import NO_SEED
 from srs_ik.kernels.limb.poses import read7
 from srs_ik.kernels.limb.triangle import elbow_side
+from srs_ik.kernels.near.arcs import ARC, MOST_ARCS, find_arcs, follow_arcs, mark_around, put_ends_of_arcs
+from srs_ik.kernels.near.band import band_of, may_predict
+from srs_ik.kernels.near.scan import view_with
 
 HALVINGS = 30
 """Steps that close in on an arm angle between two samples, before Newton's method takes over."""
 
 NEAR_TURN = 0.5
+FASTER = 4.0
+WELL_BENT = 0.2
 SAME_ANGLE = 1e-9
-"""An arm angle that turns around is looked for this close to the one that is wanted, rad; there it is the one, up to
-the second: rounding decides about limits and branches within it."""
+"""An arm angle that turns around is looked for this close to the one that is wanted, rad, if that is no farther than it
+comes at so many times its rate, where the elbow's bend has no smaller sine; there it is the one, up to the last:
+rounding decides about limits and branches within it."""
+
+STANDSTILL = 1e-9
+"""Where the rate of an arm angle is so small, it turns around: it differs from what it is there by its square."""
+
+CLOSE_CALL = 1e-4
+"""Where a curve turns around or goes over into another branch so close to an arm angle, rad, rounding may decide."""
 
 CLOSE_BY = 1e-4
 """Newton's method moves a posture no farther than this, rad, squared."""
 
-TOLD = 3
-TOLD_ANGLE, TOLD_RISE, TOLD_BRANCH = range(TOLD)
-"""What is told of a sample: its arm angle, whether that rises there (1.0) or falls (-1.0), its branch."""
-
 
 class Followed(NamedTuple):
-    """All curves of a pose, whatever the limits."""
+    """Curves of a pose, whatever the limits."""
 
     rows: Any  # their samples
     runs: Any  # the rows of each
     told: Any  # (n, TOLD), of every sample
+    certain: Any  # whether they are all there can be: those of arcs, outside which the band tells the others
 
 
 @kernel
@@ -57,33 +80,47 @@ def setting_of(P, target, J, A):
 @kernel
 def no_curves():
     """No curves, as long as none have been followed."""
-    return Followed(np.empty((0, SAMPLE)), np.empty((0, RUN)), np.empty((0, TOLD)))
+    return Followed(np.empty((0, SAMPLE)), np.empty((0, RUN)), np.empty((0, TOLD)), False)
 
 
 @kernel
-def tell(P, by, n, branch, q, rows, told):
-    """Append a posture of a curve and what is told of it; the number of rows."""
-    if n >= rows.shape[0]:
+def put_beside(P, by, curve, x, branch, n, followed):
+    """Append a posture next to a change of branch, at a parameter of a curve, and what it tells; the number of rows."""
+    if n >= followed.rows.shape[0]:
         return n
-    put_sample(rows, n, 0.0, q)
-    told[n, TOLD_ANGLE], told[n, TOLD_RISE], told[n, TOLD_BRANCH] = angle_at(P, by, q), turn_at(P, by, q), branch
+    q, _ = on_curve(P, by, 0, curve, x)
+    put_sample(followed.rows, n, x, q)
+    tell_one(P, by, q, followed.told[n])
+    followed.told[n, TOLD_BRANCH] = branch
     return n + 1
 
 
 @kernel
-def tell_changes(P, by, curve, i, work, n, rows, told):
-    """Append the postures beside each change of branch before sample i of a curve; rows, and the branch then."""
-    samples = curve.rows
-    branch = int(told[n - 1, TOLD_BRANCH])
-    before, after = (samples[i - 1, 0], load_sample(samples[i - 1])), (samples[i, 0], load_sample(samples[i]))
-    for c in range(find_changes(P, by, curve, before, after, work)):
-        x = work[c, CHANGE_AT]
-        q, _ = on_curve(P, by, 0, curve, max(x - JUST_OUTSIDE, before[0]))
-        n = tell(P, by, n, branch, q, rows, told)
-        branch ^= bit_of(int(work[c, CHANGE_MIDDLE]))
-        q, _ = on_curve(P, by, 0, curve, min(x + JUST_OUTSIDE, after[0]))
-        n = tell(P, by, n, branch, q, rows, told)
-    return n, branch
+def told_runs(P, by, samples, n_samples, runs, certain):
+    """What the samples of runs of curves tell, with more of them where these go from branch to branch."""
+    told = np.empty((samples.shape[0], TOLD))
+    tell_samples(P, by, Samples(samples, 0, n_samples), told)
+    changes = np.empty((MOST_CHANGES, CHANGE))
+    room = n_samples + SPARE_ROWS
+    out = Followed(np.empty((room, SAMPLE)), runs, np.empty((room, TOLD)), certain)
+    n = 0
+    for index in range(runs.shape[0]):
+        curve = samples_of(samples, runs[index])
+        runs[index, 3] = n
+        branch = int(told[curve.first, TOLD_BRANCH])
+        for i in range(curve.first, curve.last):
+            for c in range(find_changes(P, by, curve, i, told, changes) if i > curve.first else 0):
+                x = changes[c, CHANGE_AT]
+                n = put_beside(P, by, curve, max(x - JUST_OUTSIDE, samples[i - 1, 0]), branch, n, out)
+                branch ^= bit_of(int(changes[c, CHANGE_MIDDLE]))
+                n = put_beside(P, by, curve, min(x + JUST_OUTSIDE, samples[i, 0]), branch, n, out)
+            if n < room:
+                put_sample(out.rows, n, samples[i, 0], load_sample(samples[i]))
+                for column in range(TOLD):
+                    out.told[n, column] = told[i, column]
+                n += 1
+        runs[index, 4] = n
+    return out
 
 
 @kernel
@@ -91,21 +128,7 @@ def followed_curves(P, by):
     """Follow all curves of a pose, and look where they go from branch to branch."""
     runs = np.empty((MAX_RUNS, RUN))
     samples, n_samples, k, _ = near_runs(P, by, runs)
-    work = np.empty((MOST_CHANGES, CHANGE))
-    rows = np.empty((n_samples + SPARE_ROWS, SAMPLE))
-    told = np.empty((n_samples + SPARE_ROWS, TOLD))
-    n = 0
-    for index in range(k):
-        curve = samples_of(samples, runs[index])
-        runs[index, 3] = n
-        q = load_sample(samples[curve.first])
-        branch = branch_of(P, q)
-        n = tell(P, by, n, branch, q, rows, told)
-        for i in range(curve.first + 1, curve.last):
-            n, branch = tell_changes(P, by, curve, i, work, n, rows, told)
-            n = tell(P, by, n, branch, load_sample(samples[i]), rows, told)
-        runs[index, 4] = n
-    return Followed(rows, runs[:k], told)
+    return told_runs(P, by, samples, n_samples, runs[:k], False)
 
 
 @kernel
@@ -162,56 +185,68 @@ def put_passing(P, by, psi, branch, ends, goal, out):
 
 
 @kernel
-def turning_between(P, by, a, b, rise):
-    """The posture of a curve at which the arm angle turns around between two; `rise` is its sign at the first."""
-    low, high = 0.0, 1.0
+def turning_between(P, by, a, b, rates):
+    """The posture of a curve at which the arm angle turns around between two, given its rates there."""
+    sign = -1.0 if rates[0] > 0.0 else 1.0
+    crossing = start_crossing(0.0, sign * rates[0], 1.0, sign * rates[1])
     best = a
-    for _ in range(HALVINGS):
-        share = 0.5 * (low + high)
+    for i in range(2 * HALVINGS):
+        share = 0.5 * (crossing[0] + crossing[3]) if i % 2 == 1 else next_parameter(crossing)
         q, met = between(P, by, a, b, share)
         if not met:
             break
         best = q
-        if turn_at(P, by, q) == rise:
-            low = share
-        else:
-            high = share
+        rate = rate_at(P, by, q)
+        if abs(rate) < STANDSTILL or has_settled(crossing):
+            break
+        crossing = tell_figure(crossing, share, sign * rate)
     return best
 
 
 @kernel
 def look_between(P, by, followed, i, psi, goal, out):
-    """Keep what is at an arm angle between the sample i - 1 and the next one."""
+    """Keep what is at an arm angle between the sample i - 1 and the next one.
+
+    Returns how far these are from it, or the turning point between them if that is closer, rad.
+    """
     told = followed.told
-    at_a, at_b = told[i - 1, TOLD_ANGLE], told[i, TOLD_ANGLE]
+    at_a, at_b = told[i - 1, TOLD_PSI], told[i, TOLD_PSI]
     ahead_a = short_way(at_a - psi)
     ahead_b = ahead_a + short_way(at_b - at_a)
-    turns = told[i - 1, TOLD_RISE] != told[i, TOLD_RISE] and min(abs(ahead_a), abs(ahead_b)) < NEAR_TURN
-    if not turns and ahead_a * ahead_b > 0.0 and min(abs(ahead_a), abs(ahead_b)) > SAME_ANGLE:
-        return
     a, b = load_sample(followed.rows[i - 1]), load_sample(followed.rows[i])
+    rate_a, rate_b = told[i - 1, TOLD_RATE], told[i, TOLD_RATE]
+    nearest = min(abs(ahead_a), abs(ahead_b))
+    turns = rate_a * rate_b <= 0.0 and nearest < NEAR_TURN
+    if turns and by.target.place[3] > WELL_BENT:
+        way = difference(a, b)
+        turns = nearest < FASTER * max(abs(rate_a), abs(rate_b)) * math.sqrt(dot7(way, way))
+    if not turns and ahead_a * ahead_b > 0.0 and nearest > SAME_ANGLE:
+        return nearest
     branch, next_branch = int(told[i - 1, TOLD_BRANCH]), int(told[i, TOLD_BRANCH])
     if abs(ahead_a) < SAME_ANGLE:
         keep_found(P, a, branch, goal, out)
     if abs(ahead_b) < SAME_ANGLE:
         keep_found(P, b, next_branch, goal, out)
     if turns:
-        turning = turning_between(P, by, a, b, told[i - 1, TOLD_RISE])
+        turning = turning_between(P, by, a, b, (rate_a, rate_b))
         ahead = ahead_a + short_way(angle_at(P, by, turning) - at_a)
         put_passing(P, by, psi, branch, ((a, ahead_a), (turning, ahead)), goal, out)
         put_passing(P, by, psi, branch, ((turning, ahead), (b, ahead_b)), goal, out)
         if abs(ahead) < SAME_ANGLE:
             keep_found(P, turning, branch, goal, out)
-    else:
-        put_passing(P, by, psi, branch, ((a, ahead_a), (b, ahead_b)), goal, out)
+        return min(nearest, abs(ahead))
+    put_passing(P, by, psi, branch, ((a, ahead_a), (b, ahead_b)), goal, out)
+    return nearest
 
 
 @kernel
 def find_at_angle(P, by, followed, psi, wanted, goal, out):
     """Write the best posture of every branch at an arm angle, and its cost, into the rows of out (8, 8).
 
-    Of one that is wanted (0 to 7), and of others only where they border on it.
+    Of one that is wanted (0 to 7), and of others only where they border on it. Returns how far the closest sample or
+    turning point is, rad: farther from these, what is next to the arm angle is there too.
     """
+    nearest = math.pi
     for branch in range(8):
         out[branch, ROW_COST] = 2.0 * NO_BRANCH
     runs, told = followed.runs, followed.told
@@ -219,7 +254,8 @@ def find_at_angle(P, by, followed, psi, wanted, goal, out):
         first = int(runs[index, 3])
         for i in range(first + 1, int(runs[index, 4])):
             if wanted < 0 or wanted in (int(told[i - 1, TOLD_BRANCH]), int(told[i, TOLD_BRANCH])):
-                look_between(P, by, followed, i, psi, goal, out)
+                nearest = min(nearest, look_between(P, by, followed, i, psi, goal, out))
+    return nearest
 
 
 @kernel
@@ -240,3 +276,29 @@ def best_on_curves(P, by, followed, psi, wanted, goal, out):
         find_at_angle(P, by, followed, psi, -1, goal, out)
         found = best_found(out, wanted, goal.seed)
     return found
+
+
+@kernel
+def curves_around(P, by, psi, elbows):
+    """The curves of a pose around an arm angle, as far as sides of the elbow (bits) need them.
+
+    Where the band of the nearest exact limb tells all but arcs next to singularities, the curves on these are followed
+    alone; else all of them, and where one turns around or goes over into another branch next to the arm angle.
+    """
+    place_ = by.target.place
+    band = band_of(P, place_)
+    if may_predict(P, place_, band) and not has_surface(P, place_):
+        view = view_with(P, by.target, band)
+        arcs = np.empty((MOST_ARCS, ARC))
+        n = find_arcs(P, view, arcs)
+        if n > 0 and mark_around(arcs, n, psi, elbows):
+            _, count = put_ends_of_arcs(P, view, arcs, n, 0)
+            if count > 0:
+                runs = np.empty((MAX_RUNS, RUN))
+                samples, k = follow_arcs(P, by, view.points, count, runs)
+                if k > 0:
+                    followed = told_runs(P, by, samples, int(runs[k - 1, 4]), runs[:k], True)
+                    out = np.empty((8, 8))
+                    if find_at_angle(P, by, followed, psi, -1, Goal(False, NO_SEED, False), out) > CLOSE_CALL:
+                        return followed
+    return followed_curves(P, by)

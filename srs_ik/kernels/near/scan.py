@@ -48,17 +48,16 @@ FASTER = 1.5
 
 
 @kernel
+def view_with(P, target, band):
+    """A pose as it is looked at with a band, with work space."""
+    sides = (elbow_side(P, target.place, 0), elbow_side(P, target.place, 1))
+    return View(target, sides, band, np.empty((MAX_POINTS, POINT)), np.empty((MAX_POINTS, 2), np.int64))
+
+
+@kernel
 def view_of(P, target):
-    """A pose as it is looked at, with work space."""
-    place_ = target.place
-    sides = (elbow_side(P, place_, 0), elbow_side(P, place_, 1))
-    return View(
-        target,
-        sides,
-        band_with(P, least_bend(P, place_)),
-        np.empty((MAX_POINTS, POINT)),
-        np.empty((MAX_POINTS, 2), np.int64),
-    )
+    """A pose as it is looked at, with work space and the band of its least bend."""
+    return view_with(P, target, band_with(P, least_bend(P, target.place)))
 
 
 @kernel
