@@ -111,3 +111,26 @@ def test_curves_that_pass_two_singularities_at_once_are_not_left_for_others(benc
     assert_is_inside(bench, name, np.array([*q, 1.3160759865457488]))
     for other in postures(name, 20, 75, ((1, 5),), (1e-4, 1e-5, 1e-6, 3e-4)):
         assert_is_inside(bench, name, other)
+
+
+def test_branches_that_change_next_to_where_a_curve_turns_around_are_met_at_their_ends():
+    """Two branches of a wrist that is almost singular: one begins 1e-7 rad behind where the other's curve turns."""
+    arm, forward = arms.load("gen3"), arms.forward("gen3")
+    q = [0.26292346483180085, -0.5417770158558199, -0.9407470479179056, -2.213222200467193]
+    pose = forward(np.array([*q, -1.5181514180795466, -1e-05, -2.5284168545207897]))
+    for interval in arm.intervals(pose):
+        for psi in (interval.lower, interval.upper):
+            solution = arm.solve(pose, arm_angle=psi, branch=interval.branch)
+            assert solution, f"branch {interval.branch} at {psi}: {solution.status}"
+            assert max(distance(forward(solution.q), pose)) < 1e-9
+
+
+@pytest.mark.skipif("j2s7s300" not in arms.here("j2s7s300"), reason="its file is not here")
+def test_branches_with_elbow_and_wrist_singular_at_once_are_found():
+    """Small circles of postures, to which no curve from the closed form leads."""
+    arm, forward = arms.load("j2s7s300"), arms.forward("j2s7s300")
+    q = [2.985937919728815, 1.534871076382589, 0.3947498612416399, 3.141592653589761]
+    q = np.array([*q, 3.0665552585174938, 3.1415926535899277, 3.0572950476729077])
+    every = arm.solve_all(forward(q), arm_angle=arm.arm_angle(q), respect_limits=False)
+    assert set(every.branch) == set(range(8))
+    assert all(max(distance(forward(row), forward(q))) < 1e-9 for row in every.q)
