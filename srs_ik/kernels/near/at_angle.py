@@ -84,7 +84,7 @@ def settle_branch(P, target, psi, branch, best, goal, A):
     other, complete = search_branch(P, target, psi, branch, goal, A)
     if other.cost < lowest:
         best = other
-    return best, best.cost < OUTSIDE or (not crowded and (complete or best.cost < NO_BRANCH))
+    return best, best.cost < OUTSIDE or (complete and not crowded)
 
 
 @kernel
