@@ -15,7 +15,8 @@ from srs_ik.kernels.chain.answer import measure_row, measure_row_at, write_row
 from srs_ik.kernels.chain.closest import closest
 from srs_ik.kernels.chain.eight import ALL, put_some, take_eight, tip_errors
 from srs_ik.kernels.chain.kinematics import pose_error
-from srs_ik.kernels.chain.newton import CLOSED, LEFT, arm_angle, clipped, close_free
+from srs_ik.kernels.chain.newton import CLOSED, LEFT, arm_angle, clipped, close_free, pose_step
+from srs_ik.kernels.curves.follow import FIRST_GUESS, null_vector, vagueness
 from srs_ik.kernels.exact.flat import STAGES, is_as_good_as_flat, loosely
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.answer import (
@@ -144,6 +145,14 @@ def split_inside(P, k, q1, q2, q3):
 
 
 @kernel
+def how_vague(P, q, R, p, J, A):
+    """How far from a posture, rad, others may be that meet its pose as well as floats tell, aside of its curve."""
+    pose_step(P, q, R, p, J)
+    t, _ = null_vector(J, FIRST_GUESS, A)
+    return vagueness(J, t, A)
+
+
+@kernel
 def put_on_limits(P, target, psi, found, goal):
     """A posture at an arm angle, or one inside the limits where rounding alone leaves it outside: q, branch, cost.
 
@@ -164,9 +173,10 @@ def put_on_limits(P, target, psi, found, goal):
                 return inside, branch, at_split
     if value > OUTSIDE + BARELY:
         return found
-    q, error = close_free(P, clipped(P, q), R, p, True, CLOSING_STEPS, np.empty((6, 7)), np.empty((16, 9)))
+    J, A = np.empty((6, 7)), np.empty((16, 9))
+    q, error = close_free(P, clipped(P, q), R, p, True, CLOSING_STEPS, J, A)
     away = short_way(arm_angle(P, q, place_[0], place_[1]) - psi)
-    if error > CLOSED or abs(away) > SAME_ANGLE:
+    if error > CLOSED or abs(away) > SAME_ANGLE + how_vague(P, q, R, p, J, A):
         return found
     return q, branch, cost(P, q, goal.seeded, goal.seed, True)
 
