@@ -249,19 +249,25 @@ def may_have_surface(P, place_, width):
     """Whether outer axes may come within some width of one line at a pose: a quick test, mostly false."""
     if width == 0.0:
         return False
-    return may_line_up(P, level_place(place_) if counts_as_flat(P, place_) else place_, width)
+    return may_line_up(P, place_, width) or (counts_as_flat(P, place_) and may_line_up(P, level_place(place_), width))
 
 
 @kernel
 def find_parts(P, wide, place_, width, parts):
     """Write the parts of the surface of a pose into rows of parts; their number.
 
-    `wide` is room for a limb, which takes axes that are within some width of one line for being in it.
+    `wide` is room for a limb, which takes axes that are within some width of one line for being in it. An elbow that
+    may be flat is taken for flat, and if it is bent by more than that width, as it is, too.
     """
     wide_limb(P, wide)
     wide[SLACK_SINGULAR] = width
+    n = 0
     level = counts_as_flat(P, place_)
-    return put_parts(P, wide, level_place(place_) if level else place_, level, parts, 0)
+    if level:
+        n = put_parts(P, wide, level_place(place_), True, parts, n)
+    if not level or place_[3] > width:
+        n = put_parts(P, wide, place_, False, parts, n)
+    return n
 
 
 @kernel
