@@ -25,6 +25,7 @@ from srs_ik.kernels.chain.newton import (
     CLOSED,
     LAST_STEP,
     LEFT,
+    ROUNDING,
     STEPS,
     load_system,
     longest,
@@ -70,9 +71,6 @@ SHRUNK = 0.5
 
 MOST_VAGUE = 2e-3
 """From a posture that meets its pose, a first step of half of this, rad, is rounding."""
-
-ROUNDING = 4e-15
-"""What rounding makes of the errors of a pose (m, rad)."""
 
 STARTS = 8
 STARTS_OBLIQUE = 48
@@ -243,9 +241,7 @@ def strays(by, q, next_q, t, step, cosine):
     made = difference(q, next_q)
     aside = dot7(made, made) - step * step
     most = most_aside(step, cosine) + SETTLED
-    if aside < most:
-        return False
-    return math.sqrt(aside) > math.sqrt(most) + vagueness(by.J, t, by.A)
+    return aside > most and math.sqrt(aside) > math.sqrt(most) + vagueness(by.J, t, by.A)
 
 
 @kernel

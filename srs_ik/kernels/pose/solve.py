@@ -17,7 +17,7 @@ from srs_ik.kernels.chain.answer import measure_row, measure_row_at, write_row
 from srs_ik.kernels.chain.closest import closest
 from srs_ik.kernels.chain.eight import ALL, put_some, take_eight, tip_errors
 from srs_ik.kernels.chain.kinematics import pose_error
-from srs_ik.kernels.chain.newton import CLOSED, LEFT, arm_angle, clipped, close_free, shortest_step
+from srs_ik.kernels.chain.newton import CLOSED, LEFT, ROUNDING, arm_angle, clipped, close_free, shortest_step
 from srs_ik.kernels.exact.flat import STAGES, is_as_good_as_flat, loosely
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.answer import (
@@ -48,9 +48,6 @@ BARELY = 1e-3
 """A posture farther outside its limits than this, rad, is not so by rounding."""
 
 CLOSING_STEPS = 12
-
-ROUNDING = 4e-15
-"""What rounding makes of the errors of a pose (m, rad)."""
 
 
 @kernel
