@@ -5,6 +5,7 @@
 
 import runpy
 import sys
+from itertools import islice
 from pathlib import Path
 
 import arms
@@ -134,3 +135,47 @@ def test_branches_with_elbow_and_wrist_singular_at_once_are_found():
     every = arm.solve_all(forward(q), arm_angle=arm.arm_angle(q), respect_limits=False)
     assert set(every.branch) == set(range(8))
     assert all(max(distance(forward(row), forward(q))) < 1e-9 for row in every.q)
+
+
+CLOSE_BY = {
+    ("gen3", 0): [
+        "0.5984155073749924 -1e-09 1.0558592894443484 1.0682243919726542 1.4738365173376193 "
+        "-0.03458205774042922 2.9557103813982746",
+    ],
+    ("j2s7s300", 0): [
+        "1.0450881073363352 3.141592753589793 -1.5635617605249936 0.8579251355384148 2.3873548256653363 "
+        "3.1415925535897933 0.9016508196793804",
+    ],
+    ("rm75", 0): [
+        "2.9682368833495745 0.40820231949612795 0.6513487737450778 -1e-09 1.0939915116392878 1e-09 -0.7496628521163649",
+        "2.110092102903869 1e-10 3.027496196872853 1.864686943095451 0.9865729218642731 -1e-10 0.5531856599955551",
+        "-1.5912577351362547 0.0001 1.0575820629139305 -0.0001 1.3318739326404896 0.0001 2.6378742708935645",
+    ],
+    ("random_near", 2): [
+        "-0.7213337438396126 1e-08 -0.7240650453358386 0.0011407598631242803 1.0211663508107796 "
+        "1e-08 1.8173237663600927",
+    ],
+    ("random_near", 7): [
+        "-0.4747404334075611 1e-10 -5.116144803812902 -3.0859582214117984 -3.453464717923614 1e-10 -2.8955044332496307",
+    ],
+}
+"""Postures next to several singularities at once, of arms and of those that `benchmarks/subjects.py` makes (seed 7).
+
+Small closed curves pass them (gen3, the last one), curves that come so close to others that a step may lead to these,
+arm angles that turn around, and limits that floats tell no better than to 1e-8 rad.
+"""
+
+
+@pytest.mark.parametrize(
+    ("robot", "number"), [at for at in CLOSE_BY if at[0] == "random_near" or at[0] in arms.here(at[0])]
+)
+def test_curves_that_almost_meet_are_told_apart(bench, robot, number):
+    """Each posture is in an interval of its pose, and every arm angle of every interval is met."""
+    made = runpy.run_path(str(BENCHMARKS / "subjects.py"), run_name="subjects")["arms_of"](robot, 120, 7)
+    arm, _ = next(islice(made, number, None))
+    for given in CLOSE_BY[robot, number]:
+        q = np.array(given.split(), float)
+        case = bench["Case"](q, arm.forward_kinematics(q).homogeneous, q, (), 0.0)
+        intervals = arm.intervals(case.pose)
+        assert bench["beside"](arm, case, intervals) < 1e-6
+        assert not list(bench["missed"](arm, case, intervals))

@@ -72,14 +72,14 @@ def test_known_postures_lie_in_an_interval(judges, name):
     assert lost <= LOST
 
 
-WHOLE = [*arms.here("j2s7s300"), "made_folded", "random_1"]
+WHOLE = [*arms.here("j2s7s300"), "random_0", "random_1"]
 """Arms of which every arm angle of an interval is met, next to its ends too; of others, `known.py` counts the rest."""
 
 ASKED = (0.0, 1e-3, 0.5, 1.0 - 1e-3, 1.0)
 """Where in an interval its postures are asked for, as a part of its width."""
 
 
-@pytest.mark.parametrize("name", ["gen3", *WHOLE])
+@pytest.mark.parametrize("name", ["gen3", *WHOLE, *(name for name in arms.here("rm75") if name == "rm75")])
 def test_all_arm_angles_of_intervals_are_met_in_both_kinds_of_call(judges, name):
     """A branch by itself, and all of them at once: the same postures exist, on the borders between branches too."""
     arm = load(judges, name)

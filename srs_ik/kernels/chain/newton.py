@@ -22,6 +22,9 @@ LEFT = 1e-10
 """Next to several singularities at once, a direction in which the tip stands still to first order may hide so much of
 an error (m, rad) from Newton's method: a posture meets its pose where no step makes less of it."""
 
+ROUNDING = 4e-15
+"""What rounding makes of the errors of a pose (m, rad)."""
+
 ON_LINE = 1e-6
 """An elbow this close to the line S-W, metres, is on either side of it."""
 

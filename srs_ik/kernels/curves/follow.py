@@ -25,6 +25,7 @@ from srs_ik.kernels.chain.newton import (
     CLOSED,
     LAST_STEP,
     LEFT,
+    ROUNDING,
     STEPS,
     load_system,
     longest,
@@ -38,11 +39,13 @@ from srs_ik.kernels.curves.in_step import (
     BEYOND,
     LONGEST_STEP,
     SAMPLE,
+    SETTLED,
     SHORTEST_STEP,
     SMALLEST_COSINE,
     WELL_STRAIGHT,
     load_sample,
     longest_across,
+    most_aside,
     one_of_seven,
     to_curves,
 )
@@ -59,6 +62,15 @@ MOST_STEPS = 600
 
 CORRECTIONS = 12
 """Newton's steps back to the curve, at most."""
+
+LONGEST_CORRECTION = 1.0
+"""A longer step, rad, leads to no curve nearby."""
+
+SHRUNK = 0.5
+"""Steps back to the curve that shrink by less, where the pose is met, are rounding."""
+
+MOST_VAGUE = 2e-3
+"""From a posture that meets its pose, a first step of half of this, rad, is rounding."""
 
 STARTS = 8
 STARTS_OBLIQUE = 48
@@ -125,23 +137,26 @@ def correct(P, by, q, d, place):
     R, p, _ = by.target
     J, A = by.J, by.A
     error = 1.0
-    for i in range(CORRECTIONS + 1):
+    last = MOST_VAGUE
+    for _ in range(CORRECTIONS):
         linear, angular = pose_step(P, q, R, p, J)
         off = place - dot7(d, q)
         error = max(norm(linear), norm(angular))
-        if error < 0.1 * CLOSED and abs(off) < CLOSED:
-            return q, True
-        if i == CORRECTIONS:
-            break
         load_system(J, d, A)
         for i in range(3):
             A[i, 7] = linear[i]
             A[i + 3, 7] = angular[i]
         A[6, 7] = off
         if solve_linear(A, 7) == 0.0:
+            return q, error < 0.1 * CLOSED and abs(off) < CLOSED
+        size = longest(A)
+        if error < 0.1 * CLOSED and abs(off) < CLOSED and size > SHRUNK * last:
+            return q, True
+        if not size < LONGEST_CORRECTION:
             return q, False
         q = moved(q, A, 1.0)
-        if longest(A) < LAST_STEP:
+        last = size
+        if size < LAST_STEP:
             return q, True
     return q, error < LEFT
 
@@ -209,6 +224,27 @@ def passes_two(P, a, b):
 
 
 @kernel
+def vagueness(J, t, A):
+    """How far aside of a curve, rad, a posture may be that meets its pose as well as floats tell."""
+    load_system(J, t, A)
+    for i in range(6):
+        A[i, 7] = ROUNDING if i % 2 == 0 else -ROUNDING
+    if solve_linear(A, 7) == 0.0:
+        return math.inf
+    d = moved(NO_SEED, A, 1.0)
+    return math.sqrt(dot7(d, d))
+
+
+@kernel
+def strays(by, q, next_q, t, step, cosine):
+    """Whether a step along a curve has led so far aside, more than is vague, that it is to another one."""
+    made = difference(q, next_q)
+    aside = dot7(made, made) - step * step
+    most = most_aside(step, cosine) + SETTLED
+    return aside > most and math.sqrt(aside) > math.sqrt(most) + vagueness(by.J, t, by.A)
+
+
+@kernel
 def follow(P, by, q, t, way, rows, n):
     """Follow the curve through q along its oriented null vector t (way = 1.0), or against it (-1.0).
 
@@ -230,7 +266,7 @@ def follow(P, by, q, t, way, rows, n):
         next_t, sign = null_vector(by.J, t, by.A)
         cosine = dot7(t, next_t)
         jumps = step > longest_across(P) and passes_two(P, q, next_q)
-        if sign <= 0.0 or cosine < SMALLEST_COSINE or jumps:
+        if sign <= 0.0 or cosine < SMALLEST_COSINE or jumps or strays(by, q, next_q, next_t, step, cosine):
             step *= 0.5
             continue
         if n - n0 > 2 and dot7(first_t, t) > SMALLEST_COSINE:

@@ -48,7 +48,10 @@ ASIDE = 4e-4
 the step has led to another curve."""
 
 VAGUE = 1e-6
-"""Where several joints are singular at once, floats tell a curve no better than this, rad squared."""
+"""Where several joints are singular at once, floats tell whether a posture is on a curve no better, rad squared."""
+
+SETTLED = 1e-14
+"""A step that has settled is on a curve up to this, rad squared."""
 
 SHRINKING = 0.4
 """Steps back to the curve that shrink by less do not lead there."""
@@ -122,14 +125,17 @@ def most_aside(ahead, cosine):
 
     On a circle it is half of that distance times half of the angle that it has turned by.
     """
-    return ahead * ahead * (BENT * (1.0 - cosine) / (1.0 + cosine) + ASIDE) + VAGUE
+    return ahead * ahead * (BENT * (1.0 - cosine) / (1.0 + cosine) + ASIDE)
 
 
 @kernel
-def is_along(made, way, cosine):
-    """Which of eight postures may be on the curves that began along a way, given how far they are and how they turn."""
+def is_along(made, way, cosine, vague):
+    """Which of eight postures may be on the curves that began along a way, given how far they are and how they turn.
+
+    Also those that are off by as much as is vague, rad squared.
+    """
     ahead = dot_seven(made, way)
-    return dot_seven(made, made) - ahead * ahead < most_aside(ahead, cosine)
+    return dot_seven(made, made) - ahead * ahead < most_aside(ahead, cosine) + vague
 
 
 @kernel
@@ -160,7 +166,8 @@ def step_in_step(P, R, p, rows, alive):
         last = size
         turns = turned_by_all(turns, d)
     cosine = dot_seven(way, t)
-    met &= as_bits(cosine > SMALLEST_COSINE)
+    made = all_along(q, -1.0, before)
+    met &= as_bits((cosine > SMALLEST_COSINE) & is_along(made, way, cosine, SETTLED))
     return q, t, met & ~as_bits(crosses_two(P, before, q, step)), cosine
 
 

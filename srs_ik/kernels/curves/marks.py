@@ -22,6 +22,7 @@ from srs_ik.kernels.curves.in_step import (
     LONGEST_STEP,
     SAMPLE,
     SHORTEST_STEP,
+    VAGUE,
     WELL_STRAIGHT,
     crosses_two,
     is_along,
@@ -78,7 +79,8 @@ def shares_of_ways(P, q, way, chord, length2, mark):
     share = along_chord / length2
     off2 = dot_seven(to_mark, to_mark) - share * along_chord
     ahead = dot_seven(read_way(mark), chord)
-    beside = (ahead > 0.0) & (off2 < BESIDE * BESIDE * length2) & is_along(to_mark, way, dot_seven(read_way(mark), way))
+    along = is_along(to_mark, way, dot_seven(read_way(mark), way), VAGUE)
+    beside = (ahead > 0.0) & (off2 < BESIDE * BESIDE * length2) & along
     jumps = crosses_two(P, q, all_along(q, 1.0, to_mark), share * root(length2))
     share = where(beside & (share > 0.0) & (share < AT_THE_END), share, 2.0 + 0.0 * share)
     return where(jumps, 2.0 + 0.0 * share, share)

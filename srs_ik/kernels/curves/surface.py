@@ -150,6 +150,67 @@ def ways_of(part):
 
 
 @kernel
+def put_parts_at(P, wide, side, at, parts, n):
+    """Append the parts of the surface at an arm angle of a side of the elbow; their number.
+
+    `at` holds the elbow's side, whether it is flat, the arm angle, whether all arm angles count, and how many of
+    shoulder and wrist are free on a part that is wanted: at least and at most.
+    """
+    elbow, level, psi, everywhere, least, most = at
+    width = wide[SLACK_SINGULAR]
+    for signs in range(4):
+        q, _, _ = side_posture(wide, side, psi, signs >> 1, signs & 1, False, NO_SEED, False)
+        free_s, free_w = is_free(P, SHOULDER, q[1], width), is_free(P, WRIST, q[5], width)
+        # Where sums are free, the signs are no matter.
+        known = (free_s and signs >> 1) or (free_w and signs & 1)
+        if known or n >= parts.shape[0] or not least <= int(free_s) + int(free_w) <= most:
+            continue
+        part = row(parts, n)
+        part[PART_ELBOW], part[PART_PSI], part[PART_SIGNS] = elbow, psi, signs
+        part[PART_LEVEL] = 1.0 if level else 0.0
+        part[PART_EVERYWHERE] = 1.0 if everywhere else 0.0
+        part[PART_SHOULDER] = 1.0 if free_s else 0.0
+        part[PART_WRIST] = 1.0 if free_w else 0.0
+        if ways_of(part) > 1 or P[MISS] < ROUNDED * P[FAR]:
+            n += 1
+    return n
+
+
+@kernel
+def from_line(line, psi):
+    """How far from one line outer axes are at an arm angle, squared; `line` is what `closest` says of them."""
+    at, least, most = line
+    turn = math.sin(0.5 * (psi - at))
+    return least * least + (most * most - least * least) * turn * turn
+
+
+@kernel
+def where_equal(a, b):
+    """The arm angle at which two pairs of outer axes are as far from one line each, as close as can be, if any."""
+    half_a, half_b = 0.5 * (a[2] * a[2] - a[1] * a[1]), 0.5 * (b[2] * b[2] - b[1] * b[1])
+    c = half_a * math.cos(a[0]) - half_b * math.cos(b[0])
+    s = half_a * math.sin(a[0]) - half_b * math.sin(b[0])
+    rest = half_a + a[1] * a[1] - half_b - b[1] * b[1]
+    size = math.sqrt(c * c + s * s)
+    if abs(rest) >= size:
+        return 0.0, False
+    middle, half = math.atan2(s, c), math.acos(rest / size)
+    first, second = middle - half, middle + half
+    return (first if from_line(a, first) < from_line(a, second) else second), True
+
+
+@kernel
+def lines_up_with_shoulder(P, side, line, width):
+    """Whether outer axes come within some width of one line where those of the shoulder are closest to theirs."""
+    for end in range(2):
+        s = closest(P, SHOULDER, side[1], end)
+        gap = P[SHOULDER + (BOTTOM_GAP if end else TOP_GAP)]
+        if gap < IN_LINE and s[1] < width and from_line(line, s[0]) < width * width:
+            return True
+    return False
+
+
+@kernel
 def put_parts(P, wide, place_, level, parts, n):
     """Append the parts of the surface with the elbow as it is, or flat; their number."""
     width = wide[SLACK_SINGULAR]
@@ -159,24 +220,21 @@ def put_parts(P, wide, place_, level, parts, n):
             k = SHOULDER if i < 2 else WRIST
             if P[k + (TOP_GAP if i % 2 == 0 else BOTTOM_GAP)] > IN_LINE:
                 continue
-            psi, least, most = closest(P, k, side[1] if i < 2 else side[2], i % 2)
-            if least > width:
+            line = closest(P, k, side[1] if i < 2 else side[2], i % 2)
+            if line[1] < width:
+                # What is singular with the shoulder at its arm angle is known from there.
+                most = 1 if i >= 2 and lines_up_with_shoulder(P, side, line, width) else 2
+                n = put_parts_at(P, wide, side, (elbow, level, line[0], line[2] < width, 1, most), parts, n)
+        for i in range(4):
+            # Between the arm angles at which one and the other are closest to singular, both may be.
+            s, w = closest(P, SHOULDER, side[1], i >> 1), closest(P, WRIST, side[2], i & 1)
+            gaps = max(P[SHOULDER + (BOTTOM_GAP if i >> 1 else TOP_GAP)], P[WRIST + (BOTTOM_GAP if i & 1 else TOP_GAP)])
+            apart = min(from_line(s, w[0]), from_line(w, s[0])) > width * width
+            if gaps > IN_LINE or not apart or max(s[1], w[1]) > width:
                 continue
-            for signs in range(4):
-                q, _, _ = side_posture(wide, side, psi, signs >> 1, signs & 1, False, NO_SEED, False)
-                free_s, free_w = is_free(P, SHOULDER, q[1], width), is_free(P, WRIST, q[5], width)
-                # Where sums are free, the signs are no matter, nor which of two that are free comes first.
-                known = (free_s and signs >> 1) or (free_w and signs & 1) or (free_s and i >= 2)
-                if known or n >= parts.shape[0] or not (free_s or free_w):
-                    continue
-                part = row(parts, n)
-                part[PART_ELBOW], part[PART_PSI], part[PART_SIGNS] = elbow, psi, signs
-                part[PART_LEVEL] = 1.0 if level else 0.0
-                part[PART_EVERYWHERE] = 1.0 if most < width else 0.0
-                part[PART_SHOULDER] = 1.0 if free_s else 0.0
-                part[PART_WRIST] = 1.0 if free_w else 0.0
-                if ways_of(part) > 1 or P[MISS] < ROUNDED * P[FAR]:
-                    n += 1
+            psi, found = where_equal(s, w)
+            if found and from_line(s, psi) < width * width:
+                n = put_parts_at(P, wide, side, (elbow, level, psi, False, 2, 2), parts, n)
     return n
 
 
@@ -191,19 +249,25 @@ def may_have_surface(P, place_, width):
     """Whether outer axes may come within some width of one line at a pose: a quick test, mostly false."""
     if width == 0.0:
         return False
-    return may_line_up(P, level_place(place_) if counts_as_flat(P, place_) else place_, width)
+    return may_line_up(P, place_, width) or (counts_as_flat(P, place_) and may_line_up(P, level_place(place_), width))
 
 
 @kernel
 def find_parts(P, wide, place_, width, parts):
     """Write the parts of the surface of a pose into rows of parts; their number.
 
-    `wide` is room for a limb, which takes axes that are within some width of one line for being in it.
+    `wide` is room for a limb, which takes axes that are within some width of one line for being in it. An elbow that
+    may be flat is taken for flat, and if it is bent by more than that width, as it is, too.
     """
     wide_limb(P, wide)
     wide[SLACK_SINGULAR] = width
+    n = 0
     level = counts_as_flat(P, place_)
-    return put_parts(P, wide, level_place(place_) if level else place_, level, parts, 0)
+    if level:
+        n = put_parts(P, wide, level_place(place_), True, parts, n)
+    if not level or place_[3] > width:
+        n = put_parts(P, wide, place_, False, parts, n)
+    return n
 
 
 @kernel

@@ -17,6 +17,7 @@ from srs_ik.kernels.layout.asked import Best, Goal
 from srs_ik.kernels.layout.limb import COSINE_OFF, FAR, MISS, NEAR, SHIFT
 from srs_ik.kernels.limb.branches import NO_BRANCH, best_branch, branch_of, is_on_border, is_unsure
 from srs_ik.kernels.limb.goal import NO_SEED, OUTSIDE
+from srs_ik.kernels.limb.in_line import ROUNDED
 from srs_ik.kernels.limb.poses import read7
 from srs_ik.kernels.near.band import ALMOST_NOTHING, ANY_ELBOW, is_oblique, is_told, untold_elbows
 from srs_ik.kernels.near.branch_search import search_branch
@@ -124,16 +125,22 @@ def on_border(P, found, wanted, goal):
 
 
 @kernel
+def put_found(q, value, out):
+    """Write a posture and its cost into a row."""
+    for j in range(7):
+        out[j] = q[j]
+    out[ROW_COST] = value
+
+
+@kernel
 def put_borders(P, goal, found):
-    """Give branches that have no posture one of another branch on the border between them, in rows of found (8, 8)."""
+    """Give branches without a posture inside the limits one of another branch on their border, in rows of found."""
     taken = np.empty((8, 8))
     for branch in range(8):
         taken[branch, ROW_COST] = 2.0 * NO_BRANCH
-        if found[branch, ROW_COST] >= NO_BRANCH:
+        if found[branch, ROW_COST] >= OUTSIDE:
             q, _, value = on_border(P, found, branch, goal)
-            for j in range(7):
-                taken[branch, j] = q[j]
-            taken[branch, ROW_COST] = value
+            put_found(q, value, taken[branch])
     put_better(taken, found)
 
 
@@ -153,9 +160,7 @@ def put_searched(P, target, psi, wanted, goal, found, A):
         if found[branch, ROW_COST] >= NO_BRANCH and wanted in (-1, branch):
             q, value = search_branch(P, target, psi, branch, goal, A)
             if value < found[branch, ROW_COST]:
-                for j in range(7):
-                    found[branch, j] = q[j]
-                found[branch, ROW_COST] = value
+                put_found(q, value, found[branch])
 
 
 @kernel
@@ -181,6 +186,12 @@ def solve_all_at_angle(P, target, psi, respect, J, A, found):
         if not followed.certain:
             put_searched(P, target, psi, -1, goal, found, A)
         put_borders(P, goal, found)
+        for branch in range(8):
+            # The curves of an almost exact limb are not the only postures there: it has surfaces of them.
+            if P[MISS] < ROUNDED * P[FAR] and OUTSIDE <= found[branch, ROW_COST] < NO_BRANCH:
+                q, value = evaluate_again(P, target, psi, branch, goal, 1, A)
+                if value < OUTSIDE:
+                    put_found(q, value, found[branch])
 
 
 @kernel

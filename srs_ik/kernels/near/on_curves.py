@@ -8,7 +8,8 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from srs_ik.kernels.algebra.joint_vectors import difference, dot7, short_way
-from srs_ik.kernels.algebra.roots import has_settled, next_parameter, start_crossing, tell_figure
+from srs_ik.kernels.algebra.minimum import propose, start_search
+from srs_ik.kernels.algebra.minimum import tell as tell_height
 from srs_ik.kernels.chain.newton import STEPS, close_at_angle
 from srs_ik.kernels.chain.starts import best_row
 from srs_ik.kernels.curves.best import cost_of_turn
@@ -25,14 +26,13 @@ from srs_ik.kernels.curves.told import (
     TOLD_PSI,
     TOLD_RATE,
     angle_at,
-    rate_at,
     tell_one,
     tell_samples,
 )
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.answer import ROW_COST
 from srs_ik.kernels.layout.asked import Goal, Samples, Setting
-from srs_ik.kernels.layout.search import MAX_RUNS, RUN
+from srs_ik.kernels.layout.search import BEST, MAX_RUNS, RUN, SMOOTH, STATE
 from srs_ik.kernels.limb.branches import NO_BRANCH, bit_of, branch_of, is_on_border
 from srs_ik.kernels.limb.goal import NO_SEED
 from srs_ik.kernels.limb.poses import read7
@@ -52,8 +52,6 @@ SAME_ANGLE = 1e-9
 comes at so many times its rate, where the elbow's bend has no smaller sine; there it is the one, up to the last:
 rounding decides about limits and branches within it."""
 
-STANDSTILL = 1e-9
-"""Where the rate of an arm angle is so small, it turns around: it differs from what it is there by its square."""
 
 CLOSE_CALL = 1e-4
 """Where a curve turns around or goes over into another branch so close to an arm angle, rad, rounding may decide."""
@@ -185,22 +183,26 @@ def put_passing(P, by, psi, branch, ends, goal, out):
 
 
 @kernel
-def turning_between(P, by, a, b, rates):
-    """The posture of a curve at which the arm angle turns around between two, given its rates there."""
-    sign = -1.0 if rates[0] > 0.0 else 1.0
-    crossing = start_crossing(0.0, sign * rates[0], 1.0, sign * rates[1])
-    best = a
-    for i in range(2 * HALVINGS):
-        share = 0.5 * (crossing[0] + crossing[3]) if i % 2 == 1 else next_parameter(crossing)
-        q, met = between(P, by, a, b, share)
-        if not met:
+def height_at(P, by, ends, psi, share, rise):
+    """How far the arm angle at a share of the way between two postures of a curve is from one that it rises to."""
+    q, met = between(P, by, ends[0], ends[1], share)
+    return -rise * short_way(angle_at(P, by, q) - psi) if met else math.inf
+
+
+@kernel
+def turning_between(P, by, a, b, rise):
+    """The posture of a curve at which the arm angle turns around between two; `rise` is its sign at the first."""
+    S = np.empty(STATE)
+    psi = angle_at(P, by, a)
+    last = height_at(P, by, (a, b), psi, 1.0, rise)
+    start_search(S, 0.0, 0.5, 1.0, 0.0, height_at(P, by, (a, b), psi, 0.5, rise), last, SMOOTH)
+    while True:
+        wanted, more = propose(S)
+        if not more:
             break
-        best = q
-        rate = rate_at(P, by, q)
-        if abs(rate) < STANDSTILL or has_settled(crossing):
-            break
-        crossing = tell_figure(crossing, share, sign * rate)
-    return best
+        tell_height(S, height_at(P, by, (a, b), psi, wanted, rise))
+    q, met = between(P, by, a, b, S[BEST])
+    return q if met else a
 
 
 @kernel
@@ -228,7 +230,7 @@ def look_between(P, by, followed, i, psi, goal, out):
     if abs(ahead_b) < SAME_ANGLE:
         keep_found(P, b, next_branch, goal, out)
     if turns:
-        turning = turning_between(P, by, a, b, (rate_a, rate_b))
+        turning = turning_between(P, by, a, b, 1.0 if rate_a > 0.0 else -1.0)
         ahead = ahead_a + short_way(angle_at(P, by, turning) - at_a)
         put_passing(P, by, psi, branch, ((a, ahead_a), (turning, ahead)), goal, out)
         put_passing(P, by, psi, branch, ((turning, ahead), (b, ahead_b)), goal, out)

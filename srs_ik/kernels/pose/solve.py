@@ -6,6 +6,8 @@ that the closed form answers, J and A are None; else they are work space, (6, 7)
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 
 from srs_ik.kernels.algebra.joint_vectors import short_way
@@ -15,7 +17,7 @@ from srs_ik.kernels.chain.answer import measure_row, measure_row_at, write_row
 from srs_ik.kernels.chain.closest import closest
 from srs_ik.kernels.chain.eight import ALL, put_some, take_eight, tip_errors
 from srs_ik.kernels.chain.kinematics import pose_error
-from srs_ik.kernels.chain.newton import CLOSED, LEFT, arm_angle, clipped, close_free
+from srs_ik.kernels.chain.newton import CLOSED, LEFT, ROUNDING, arm_angle, clipped, close_free, shortest_step
 from srs_ik.kernels.exact.flat import STAGES, is_as_good_as_flat, loosely
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.answer import (
@@ -144,6 +146,19 @@ def split_inside(P, k, q1, q2, q3):
 
 
 @kernel
+def vagueness(J, A):
+    """How far apart, rad, postures may be that meet a pose as well as floats tell; J is that of one of them.
+
+    A turn that J shrinks to nothing by a factor is shrunk by its square in JJ', whose inverse the step leaves in A.
+    """
+    shortest_step(J, (ROUNDING, -ROUNDING, ROUNDING), (ROUNDING, -ROUNDING, ROUNDING), 0, 0.0, A)
+    most = 0.0
+    for i in range(6):
+        most = max(most, abs(A[i, 6]))
+    return math.sqrt(ROUNDING * most)
+
+
+@kernel
 def put_on_limits(P, target, psi, found, goal):
     """A posture at an arm angle, or one inside the limits where rounding alone leaves it outside: q, branch, cost.
 
@@ -164,9 +179,10 @@ def put_on_limits(P, target, psi, found, goal):
                 return inside, branch, at_split
     if value > OUTSIDE + BARELY:
         return found
-    q, error = close_free(P, clipped(P, q), R, p, True, CLOSING_STEPS, np.empty((6, 7)), np.empty((16, 9)))
+    J, A = np.empty((6, 7)), np.empty((16, 9))
+    q, error = close_free(P, clipped(P, q), R, p, True, CLOSING_STEPS, J, A)
     away = short_way(arm_angle(P, q, place_[0], place_[1]) - psi)
-    if error > CLOSED or abs(away) > SAME_ANGLE:
+    if error > CLOSED or abs(away) > SAME_ANGLE + vagueness(J, A):
         return found
     return q, branch, cost(P, q, goal.seeded, goal.seed, True)
 
