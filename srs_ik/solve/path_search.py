@@ -48,6 +48,9 @@ DRAWN_OUT = 30.0
 MOST_PLANNED = 0.6
 """If it is to be planned at a larger part of all poses, it may as well be planned at all."""
 
+DEAR = 1.02
+"""A path that costs so many times what the best one does without velocity limits may not be the best with them."""
+
 AS_PLANNED = 1.006
 """Between planned poses steps are straight, so that a plan costs less than any path: one so close to it is the best."""
 
@@ -64,16 +67,22 @@ def search(problem: Problem) -> Way:
         return found(problem)
     # What is best without velocity limits often keeps them, or almost.
     way = found(replace(problem, limited=False))
+    most = DEAR * way.cost
     if (too_fast(problem, way) > JUST_ABOVE).any():
         keep_limits(problem, way, copy(way))
-    if (too_fast(problem, way) > JUST_ABOVE).any():
-        way = min(way, found(problem), key=lambda each: worth(problem, each))
-    if (too_fast(problem, way) > JUST_ABOVE).any() and way.reached.all():
-        # Chords of coarse strips may be too fast where the path is slow.
-        keys = np.arange(len(problem.T))
-        other = find_way(fine_everywhere(problem, keys), keys, False)
-        improve(problem, other, FINE)
-        way = min(way, other, key=lambda each: worth(problem, each))
+    for find in (found, found_in_fine):
+        if (too_fast(problem, way) <= JUST_ABOVE).all() and way.cost <= most:
+            break
+        if way.reached.all():
+            way = min(way, find(problem), key=lambda each: worth(problem, each))
+    return way
+
+
+def found_in_fine(problem: Problem) -> Way:
+    """`search` in strips that are fine everywhere: chords of coarse ones may be too fast where a path is slow."""
+    keys = np.arange(len(problem.T))
+    way = find_way(fine_everywhere(problem, keys), keys, False)
+    improve(problem, way, FINE)
     return way
 
 
@@ -141,8 +150,9 @@ def planned(problem: Problem) -> Way:
 
 def smoothed_leaps(problem: Problem, way: Way) -> Way:
     """A path with postures that strips miss where it leaps, if they make it better."""
-    marks = wider(np.append(leaps_of(problem, way), False))
-    held = ~marks | problem.has_known
+    marks = np.zeros(len(way.q), np.bool_)
+    marks[np.flatnonzero(way.reached)[:-1][leaps_of(problem, way)]] = True
+    held = (way.reached & ~wider(marks)) | problem.has_known
     local = replace(problem, known=way.q.copy(), has_known=held)
     more = bridged(local)
     if more is local:
