@@ -52,7 +52,6 @@ SAME_ANGLE = 1e-9
 comes at so many times its rate, where the elbow's bend has no smaller sine; there it is the one, up to the last:
 rounding decides about limits and branches within it."""
 
-
 CLOSE_CALL = 1e-4
 """Where a curve turns around or goes over into another branch so close to an arm angle, rad, rounding may decide."""
 
