@@ -124,7 +124,7 @@ def test_threads_give_the_same_checksums(undisturbed, tmp_path):
 
 
 def test_what_is_left_half_written_is_cleared(undisturbed, tmp_path):
-        import shutil
+    import shutil
 
     path = tmp_path / "map.zarr"
     shutil.copytree(undisturbed, path)
