@@ -311,6 +311,7 @@ for name, call in calls(srs_ik.load(sys.argv[1])).items():
 """
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(not hasattr(ctypes.CDLL(None), "mallinfo2"), reason="glibc 2.33 or newer tells what is allocated")
 @pytest.mark.parametrize("robot", ROBOTS)
 def test_kernels_give_back_what_they_allocate(installed, robot):
