@@ -252,3 +252,20 @@ def test_a_path_takes_the_turns_that_serve_it_best(name):
     assert np.abs(seeded.q[0] - found.q[0]).max() < 0.5
     with pytest.raises(InvalidTask, match="closed"):
         arm.solve_path(poses, free_axis=free, closed=True)
+
+
+@pytest.mark.parametrize("name", [name for name in ("iiwa14", "gen3", "human_arm") if name in LIMBS])
+@pytest.mark.parametrize("joints", [(3, 5), (1, 3), (1, 3, 5)])
+def test_a_seed_that_meets_its_singular_pose_is_the_answer(name, joints):
+    arm, free = arms.load(name), FreeAxis([0.0, 0.0, 1.0])
+    for q in arms.configurations(name, 40, 77):
+        q = q.copy()
+        q[list(joints)] = np.clip(0.0, arm.lower[list(joints)], arm.upper[list(joints)])
+        pose = arms.forward(name)(q)
+        solution = arm.solve(pose, seed=q, free_axis=free)
+        assert solution, solution.message
+        assert np.linalg.norm(solution.q - q) < 1e-9
+        aside = np.clip(q + 0.1, arm.lower, arm.upper)
+        solution = arm.solve(pose, seed=aside, free_axis=free)
+        assert solution, solution.message
+        assert max(left(name, free, solution.q, pose.homogeneous)) < 1e-9

@@ -110,14 +110,19 @@ def _keep_wider(arm: PackedArm, T: Array, out: Array, threads: int | None) -> No
 
 
 def _closest(arm: PackedArm, T: Array, free: FreeAxis, seed: Array | None, respect: bool) -> Array:
-    """The answer at the turn at which a posture comes closest to a pose that none meets."""
+    """The answer at the turn at which a posture comes closest to a pose that searches have not met, or meets it."""
     poses = np.repeat(T[None], CLOSEST_OF, axis=0)
     poses[:, :3, :3] = T[:3, :3] @ free.sampled(CLOSEST_OF)
     at_turns = pose.solve_batch(arm, poses, None, seed, None, False, respect, 1)
     tips = forward_kinematics_batch(arm, at_turns.q, 1)
     off = np.linalg.norm(tips[:, :3, 3] - T[:3, 3], axis=1)
     lean = np.array([free.lean(tip[:3, :3], T[:3, :3]) for tip in tips])
-    best = int((off + lean).argmin())
+    miss = off + lean
+    if at_turns.ok.any():
+        # Next to singularities a single turn may have what searches over the turns miss.
+        miss = np.zeros(CLOSEST_OF) if seed is None else np.linalg.norm(at_turns.q - seed, axis=1)
+        miss[~at_turns.ok] = np.inf
+    best = int(miss.argmin())
     row: Array = at_turns[best]._row.copy()
     row[ROW_POSITION_ERROR], row[ROW_ORIENTATION_ERROR] = off[best], lean[best]
     return row

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,9 +19,6 @@ from srs_ik.solve.path_bridges import bridged
 from srs_ik.solve.path_narrow import find_narrow, held_below
 from srs_ik.solve.path_polish import FINE, WIDTHS, improve, keep_limits
 from srs_ik.solve.path_problem import JUST_ABOVE, Problem, Way, copy, steps_of, too_fast, worth
-
-if TYPE_CHECKING:
-    pass
 
 Array = NDArray[np.float64]
 

@@ -166,7 +166,7 @@ class Solution:
     def _miss(self) -> str:
         """The errors that are more than rounding."""
         errors = (self.position_error, "m"), (self.orientation_error, "rad")
-        return " and ".join(f"{error:.3g} {unit}" for error, unit in errors if error >= _NO_ERROR)
+        return " and ".join(f"{error:.3g} {unit}" for error, unit in errors if error >= _NO_ERROR) or "rounding alone"
 
     def _lie(self) -> str:
         """How the arm lies in an answer out of reach, as far as that is known."""

@@ -14,7 +14,7 @@ from numba.core import ir, typed_passes, types
 from numba.core.runtime.context import NRTContext
 
 _VIEWS = {"build_tuple", "cast", "exhaust_iter", "getattr", "getitem", "phi", "static_getitem", "undef"}
-"""What makes a value of other values and allocates nothing."""
+"""What makes a value of other values and allocates nothing: attributes of kernels' arrays are views, too."""
 
 _KEPT = (ir.Arg, ir.Const, ir.FreeVar, ir.Global)
 """What outlives the function."""

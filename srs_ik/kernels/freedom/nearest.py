@@ -88,6 +88,8 @@ def take_best(starts, n):
 def beside(P, pose, freedom, liking, desk):
     """The posture that a search from the seed itself leads to; met where it is so close that there is no nearer one."""
     off, turned = free_error(P, liking.posture, pose[0], pose[1], freedom)
+    if max(off, turned) < SOLVED and between(liking.posture, liking.lower, liking.upper) == liking.posture:
+        return Found(liking.posture, 0.0, True)
     tip = norm(load3(P, WRIST_IN_TIP))
     if turned > SPREAD * CLOSE or off > SPREAD * CLOSE * (P[FAR] + tip + P[MISS]):
         return Found(liking.posture, NONE_LEFT, False)

@@ -182,7 +182,7 @@ def put_on_limits(P, target, psi, found, goal):
     J, A = np.empty((6, 7)), np.empty((16, 9))
     q, error = close_free(P, clipped(P, q), R, p, True, CLOSING_STEPS, J, A)
     away = short_way(arm_angle(P, q, place_[0], place_[1]) - psi)
-    if error > CLOSED or abs(away) > SAME_ANGLE + vagueness(J, A):
+    if error > CLOSED or not abs(away) <= SAME_ANGLE + vagueness(J, A):
         return found
     return q, branch, cost(P, q, goal.seeded, goal.seed, True)
 
