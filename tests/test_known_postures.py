@@ -178,4 +178,4 @@ def test_curves_that_almost_meet_are_told_apart(bench, robot, number):
         case = bench["Case"](q, arm.forward_kinematics(q).homogeneous, q, (), 0.0)
         intervals = arm.intervals(case.pose)
         assert bench["beside"](arm, case, intervals) < 1e-6
-        assert not list(bench["missed"](arm, case, intervals))
+        assert not list(bench["missed"](arm, [case], [intervals]))
