@@ -39,8 +39,10 @@ SAME_BEND = 1e-6
 """Bends that differ by a smaller part of them are one."""
 
 NOTABLE = 2e-7
+LONGEST_STEP = 0.02
 NARROW = 4.0 * NOTABLE
-"""Ends of intervals are looked for this closely, rad; an interval narrower than the other is as good as one angle."""
+"""Ends of intervals are looked for this closely, in steps up to the longest, rad; an interval narrower than the last is
+as good as one arm angle."""
 
 STAGES = 15
 """What is tried one after the other: a pose as it is, strictly (0) and loosely (1), a flat elbow (2), and bends, each
@@ -138,12 +140,11 @@ def reach_on(asked, psi, way, room):
 
     It is looked at in growing steps.
     """
-    good, step = 0.0, NOTABLE
-    while step < room and is_met(asked, psi + way * step):
-        good, step = step, 2.0 * step
-    if step >= room:
+    good, bad = 0.0, NOTABLE
+    while bad < room and is_met(asked, psi + way * bad):
+        good, bad = bad, bad + min(bad, LONGEST_STEP)
+    if bad >= room:
         return room
-    bad = step
     while bad - good > NOTABLE:
         middle = 0.5 * (good + bad)
         if is_met(asked, psi + way * middle):
