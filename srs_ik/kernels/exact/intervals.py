@@ -278,7 +278,7 @@ def join_touching(out, first, n):
             last += 1
             out[last, 1] = out[i, 1]
             out[last, 2] = out[i, 2]
-    if last > first and out[first, 1] + TURN <= out[last, 2] + SAME:
+    while last > first and out[first, 1] + TURN <= out[last, 2] + SAME:
         upper = max(out[last, 2], out[first, 2] + TURN)
         for i in range(first, last):
             out[i, 1] = out[i + 1, 1]
