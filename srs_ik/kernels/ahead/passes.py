@@ -54,12 +54,12 @@ class Halves:
     """Numba's passes, cut in two for as long as `postponing`.
 
     Args:
-        waiting: where a function that has types leaves the call that writes its code and returns its name.
+        wait: takes the call that writes the code of a function that has types, and returns its name.
     """
 
-    def __init__(self, waiting: list[Callable[[], str]]) -> None:
+    def __init__(self, wait: Callable[[Callable[[], str]], None]) -> None:
         self.postponing = True
-        self._waiting = waiting
+        self._wait = wait
 
     def install(self) -> None:
         """Change Numba in this process, for good."""
@@ -82,7 +82,7 @@ class Halves:
             backend = next(each for each in passes if each[0] is typed_passes.NoPythonBackend)
             first = _manager([*passes[:at], (Postpone, "postpone"), backend])
             left = _manager([each for each in passes[at:] if each is not backend])
-            pipeline.state["postpone"] = partial(self._waiting.append, partial(_finish, pipeline.state, left))
+            pipeline.state["postpone"] = partial(self._wait, partial(_finish, pipeline.state, left))
             return [first]
 
         return define_pipelines
