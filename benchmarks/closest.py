@@ -41,8 +41,7 @@ def targets(arm: srs_ik.Arm, count: int, rng: np.random.Generator) -> np.ndarray
 
 def sizes(known: Known, q: np.ndarray, pose: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """(2,) squared position and orientation errors, and their (2, 7) derivatives."""
-    e, J = known.errors(q[None], pose)
-    e, J = e[0], J[0]
+    e, J = known.errors_of_one(q, pose)
     halves = slice(0, 3), slice(3, 6)
     return np.array([e[h] @ e[h] for h in halves]), np.array([-2.0 * e[h] @ J[h] for h in halves])
 
@@ -54,11 +53,17 @@ def bettered(arm: srs_ik.Arm, known: Known, pose: np.ndarray, rng: np.random.Gen
     own, _ = sizes(known, solution.q, pose)
     own = np.sqrt(own)
     bounds = [(-np.inf, np.inf), *zip(arm.lower, arm.upper, strict=True)]
-    constraint = {
-        "type": "ineq",
-        "fun": lambda x: np.maximum(own + x[0], 0.0) ** 2 - sizes(known, x[1:], pose)[0],
-        "jac": lambda x: np.hstack([2.0 * np.maximum(own + x[0], 0.0)[:, None], -sizes(known, x[1:], pose)[1]]),
-    }
+    last: list[tuple[np.ndarray, np.ndarray, np.ndarray]] = []
+
+    def left(x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """What both errors are below the answer's by t or more, x[0] being t; and the derivatives of it."""
+        if not last or (last[0][0] != x).any():
+            size, rates = sizes(known, x[1:], pose)
+            room = np.maximum(own + x[0], 0.0)
+            last[:] = [(x.copy(), room**2 - size, np.hstack([2.0 * room[:, None], -rates]))]
+        return last[0][1:]
+
+    constraint = {"type": "ineq", "fun": lambda x: left(x)[0], "jac": lambda x: left(x)[1]}
     slope = np.eye(8)[0]
     for start in [solution.q, *(anywhere(arm, rng) for _ in range(STARTS - 1))]:
         errors = np.sqrt(sizes(known, start, pose)[0])

@@ -14,6 +14,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
+import pinocchio as pin
 from extended import ExtendedChain
 from scipy.optimize import minimize
 from subjects import arms_of, finish, parser, say
@@ -118,6 +119,8 @@ class Known:
         self.R_tip = arm.forward_kinematics(np.zeros(7)).rotation
         self.singular = singular_angles(arm.limb)
         self.crosses = [np.cross(np.eye(3), axis) for axis in self.chain.axes]  # K v = axis x v
+        self.data = arm.model.createData()
+        self.frames = [arm.model.getFrameId(name) for name in (arm.base, arm.tip)]
         self.extended = ExtendedChain(self.chain.axes, self.chain.points, self.chain.tip, self.R_tip)
 
     def moved(self, Q: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
@@ -147,6 +150,15 @@ class Known:
         angle = np.arctan2(sine, 0.5 * (np.trace(D, axis1=1, axis2=2) - 1.0))
         turn = skew * np.where(sine > 1e-9, angle / np.maximum(sine, 1e-9), 1.0)[:, None]
         return np.concatenate([pose[:3, 3] - tip, turn], axis=1), J
+
+    def errors_of_one(self, q: np.ndarray, pose: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """The same of a single posture (7,), by Pinocchio itself, in a tenth of the time: (6,), (6, 7)."""
+        model, data = self.arm.model, self.data
+        J = pin.computeFrameJacobian(model, data, self.arm.configuration(q), self.frames[1], pin.LOCAL_WORLD_ALIGNED)
+        base, tip = (pin.updateFramePlacement(model, data, frame) for frame in self.frames)
+        tip, R = base.actInv(tip), base.rotation
+        J = np.concatenate([R.T @ J[:3], R.T @ J[3:]])
+        return np.concatenate([pose[:3, 3] - tip.translation, pin.log3(pose[:3, :3] @ tip.rotation.T)]), J
 
     def closed(self, Q: np.ndarray, pose: np.ndarray, steps: int = 25) -> tuple[np.ndarray, np.ndarray]:
         """Postures by shortest Newton steps from some that almost meet a pose, and whether they meet it."""
@@ -242,8 +254,8 @@ class Known:
 
         def met(x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
             if not last or (last[0][0] != x).any():
-                e, J = self.errors(x[None], case.pose)
-                last[:] = [(x.copy(), e[0], -J[0])]
+                e, J = self.errors_of_one(x, case.pose)
+                last[:] = [(x.copy(), e, -J)]
             return last[0][1:]
 
         constraint = {"type": "eq", "fun": lambda x: met(x)[0], "jac": lambda x: met(x)[1]}

@@ -166,16 +166,91 @@ arm angles that turn around, and limits that floats tell no better than to 1e-8 
 """
 
 
+FLAT = {
+    "human_arm": [
+        "-0.6575933164735053 1.5707963266948965 0.05959711605541518 -1e-10 0.9886238527338576 -0.8922694439697152 "
+        "0.029826158283755344",
+        "-0.680644824880581 1.5707963167948966 1.1765871631176488 -1e-08 0.8983358559468375 0.32890206456146265 "
+        "0.031005699200406467",
+        "0.725662594813996 1.5707963266948965 -0.03984544526550504 -1e-10 -1.3041325637735413 0.7475897441085817 "
+        "0.3365557268393749",
+        "0.4830646206746233 -1.5707963267948966 0.8805544072151692 -0.012501040052796064 0.15368006489482777 "
+        "-0.7926390240460277 0.35773421304969405",
+    ],
+    "human_left": [
+        "1.162054333620211 1.6849384696079734 -0.11821314921415116 1e-10 2.0991747645379397 -1.5707963267948966 "
+        "-0.4826207107606885",
+        "1.2415146729092967 2.4252711474482647 1.3369233383290278 0.0 1.4442480550189116 -1.5707963267948966 "
+        "-0.10769669693792094",
+        "-1.6690967291663128 -0.3983764023857318 0.7641262049968292 1e-12 2.620299557323087 -1.5707963267958966 "
+        "-0.4291917980531412",
+    ],
+    "iiwa14": [
+        "2.610357463251722 -1e-12 -2.5427901793486454 1.9301338642994659 1.902878876355051 1e-12 2.2773352031315506",
+        "-0.22357044633273748 -1e-08 -0.7360290300918404 -1e-08 -1.224445750958444 1e-08 1.1289412372969183",
+        "1.6268403178582034 1e-12 1.770906534789523 -0.3993420134164394 1.3580566833804504 1e-12 0.37763141831666047",
+    ],
+}
+"""Postures of exact arms: an elbow as good as flat next to a singular shoulder or wrist, or both of these singular."""
+
+
+@pytest.mark.parametrize("name", FLAT)
+def test_exact_arms_lose_nothing_next_to_singular_postures(bench, name):
+    for given in FLAT[name]:
+        assert_is_whole(bench, arms.load(name), np.array(given.split(), float))
+
+
+TOUCHING = {
+    5: "-2.8684032596452016 0.3054213257812291 5.087777304360135 -5.387786716970934 0.39413843468434084 "
+    "-0.10276260937300391 -2.5391910372864244",
+    19: "-0.7174938871743333 -3.086572593733182 -3.739669134626658 -1.4628445761106326 0.8534387655476015 "
+    "2.9236443178520846 1.1674186038558148",
+    26: "1.1592787791644916 -2.9133998537240693 0.10224463205868428 3.1415936535897933 -0.695284129385473 "
+    "0.25744723177574863 -2.417626688551766",
+}
+"""Postures of arms with oblique axes, by their number: shoulder and wrist are both at the end of their reach."""
+
+
+def test_single_arm_angles_at_which_oblique_axes_end_are_intervals(bench):
+    made = [arm for arm, _ in islice(subjects()["arms_of"]("random_oblique", 1000, 101), max(TOUCHING) + 1)]
+    for number, given in TOUCHING.items():
+        assert_is_whole(bench, made[number], np.array(given.split(), float))
+
+
+@pytest.mark.parametrize(("name", "joints"), [("human_arm", (1, 3)), ("human_left", (3, 5)), ("iiwa14", (1, 3, 5))])
+def test_flat_elbows_next_to_singular_joints_lose_nothing(bench, name, joints):
+    """The smaller the bend, the less a pose tells it; joints of a sum turn far with it."""
+    arm, seen = arms.load(name), 0
+    for q in postures(name, 60, 77, (joints,), (1e-10, 1e-9, 1e-8, 1e-7)):
+        assert_is_whole(bench, arm, q)
+        seen += 1
+    assert seen > 15
+
+
+def subjects():
+    return runpy.run_path(str(BENCHMARKS / "subjects.py"), run_name="subjects")
+
+
+def assert_is_whole(bench, arm, q):
+    """A posture is in an interval of its pose, as closely as its bend is told, and all arm angles of all are met."""
+    case = bench["Case"](q, arm.forward_kinematics(q).homogeneous, q, (), 0.0)
+    intervals = arm.intervals(case.pose)
+    bend = abs(np.sin(q[3] - bench["singular_angles"](arm.limb)[3]))
+    away = bench["beside"](arm, case, intervals)
+    assert away < bench["BESIDE"] + bench["ROUNDING"] / max(bend, 1e-300), (away, q.tolist())
+    assert not list(bench["missed"](arm, [case], [intervals]))
+
+
 @pytest.mark.parametrize(
     ("robot", "number"), [at for at in CLOSE_BY if at[0] == "random_near" or at[0] in arms.here(at[0])]
 )
 def test_curves_that_almost_meet_are_told_apart(bench, robot, number):
     """Each posture is in an interval of its pose, and every arm angle of every interval is met."""
-    made = runpy.run_path(str(BENCHMARKS / "subjects.py"), run_name="subjects")["arms_of"](robot, 120, 7)
+    made = subjects()["arms_of"](robot, 120, 7)
     arm, _ = next(islice(made, number, None))
     for given in CLOSE_BY[robot, number]:
         q = np.array(given.split(), float)
         case = bench["Case"](q, arm.forward_kinematics(q).homogeneous, q, (), 0.0)
         intervals = arm.intervals(case.pose)
         assert bench["beside"](arm, case, intervals) < 1e-6
-        assert not list(bench["missed"](arm, case, intervals))
+        assert not list(bench["missed"](arm, [case], [intervals]))

@@ -12,17 +12,37 @@ import math
 import numpy as np
 
 from srs_ik.kernels.algebra.pointers import row
+from srs_ik.kernels.exact.bend_events import MOST_EVENTS, bend_in_line, bends_at
 from srs_ik.kernels.exact.bends import bent_place
-from srs_ik.kernels.exact.intervals import find_intervals, join_touching, write_interval
+from srs_ik.kernels.exact.intervals import TURN, find_intervals, join_touching, write_interval
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.answer import MAX_PIECES
-from srs_ik.kernels.layout.limb import FREE, LIMITED, LOOSE
+from srs_ik.kernels.layout.limb import FAR, FREE, LIMITED, LOOSE, NEAR, SHOULDER, WRIST
+from srs_ik.kernels.limb.branches import best_branch
+from srs_ik.kernels.limb.goal import NO_SEED, OUTSIDE
 
 NEARLY_FLAT = 3e-6
 """Bends of the elbow below this, rad from straight or from folded, cannot be told apart within 1e-11 of reach."""
 
 SMALLEST_BEND = 2.5e-10
 """The smallest bend that is tried, but for none."""
+
+LARGEST_BEND = 4e-6
+UNTOLD_REACH = 1e-11
+"""The largest bend that is tried; a smaller one where it would take more than this off the reach, m."""
+
+LEVELS = 13
+CLOSER = 0.25
+"""Around a bend that brings outer axes into line others are tried, each closer to it by this factor."""
+
+SAME_BEND = 1e-6
+"""Bends that differ by a smaller part of them are one."""
+
+NOTABLE = 2e-7
+LONGEST_STEP = 0.02
+NARROW = 4.0 * NOTABLE
+"""Ends of intervals are looked for this closely, in steps up to the longest, rad; an interval narrower than the last is
+as good as one arm angle."""
 
 STAGES = 15
 """What is tried one after the other: a pose as it is, strictly (0) and loosely (1), a flat elbow (2), and bends, each
@@ -66,14 +86,148 @@ def joined(a, n, b, m, out):
 
 
 @kernel
-def intervals_of_bends(family, place_, respect, out, n):
-    """Join to the first n intervals in rows of out those that a pose has at the other stages; their number."""
-    found, both = np.empty((8 * MAX_PIECES, 3)), np.empty((16 * MAX_PIECES, 3))
-    P = row(family, LOOSE + (LIMITED if respect else FREE))
-    for stage in range(1, STAGES):
-        m = find_intervals(P, loosely(place_, stage), -1, found)
-        n = min(joined(out, n, found, m, both), out.shape[0])
-        for i in range(n):
-            for c in range(3):
-                out[i, c] = both[i, c]
+def merge(P, place_, x, found, both, out, n):
+    """Join the intervals at a bend to the first n in rows of out; their number."""
+    m = find_intervals(P, bent_place(place_, x), -1, found)
+    n = min(joined(out, n, found, m, both), out.shape[0])
+    for i in range(n):
+        for c in range(3):
+            out[i, c] = both[i, c]
     return n
+
+
+@kernel
+def largest_bend(P, place_):
+    """The largest bend that is tried of a pose whose elbow is as good as flat."""
+    reach = P[FAR] if place_[2] > 0.0 else P[NEAR]
+    untold = math.sqrt(8.0 * UNTOLD_REACH * reach / ((P[FAR] - P[NEAR]) * (P[FAR] + P[NEAR])))
+    return max(min(LARGEST_BEND, untold), place_[3], SMALLEST_BEND)
+
+
+@kernel
+def take_centres(P, place_, most, centres):
+    """Fill in the bends at which outer axes come into line, each once; their number."""
+    n = 0
+    for i in range(8):
+        x = bend_in_line(P, place_, SHOULDER if i < 4 else WRIST, (i >> 1) & 1, i & 1, most)
+        known = x < 0.0
+        for j in range(n):
+            known = known or abs(x - centres[j]) <= SAME_BEND * x
+        if not known:
+            centres[n] = x
+            n += 1
+    return n
+
+
+@kernel
+def is_met(asked, psi):
+    """Whether a branch of a pose with a flat elbow has a posture at an arm angle, at any bend.
+
+    `asked` holds the packed limb, the pose, the branch, the largest bend, and work space, (MOST_EVENTS,).
+    """
+    P, place_, branch, most, bends = asked
+    n = bends_at(P, place_, psi, branch >> 2, most, bends)
+    for i in range(2 * n - 1):
+        x = bends[i // 2] if i % 2 == 0 else 0.5 * (bends[i // 2] + bends[i // 2 + 1])
+        if best_branch(P, bent_place(place_, x), psi, branch, False, NO_SEED, True)[2] < OUTSIDE:
+            return True
+    return False
+
+
+@kernel
+def reach_on(asked, psi, way, room):
+    """How far a branch goes on from an arm angle that is met, upwards (way 1.0) or downwards (-1.0): at most room, rad.
+
+    It is looked at in growing steps.
+    """
+    good, bad = 0.0, NOTABLE
+    while bad < room and is_met(asked, psi + way * bad):
+        good, bad = bad, bad + min(bad, LONGEST_STEP)
+    if bad >= room:
+        return room
+    while bad - good > NOTABLE:
+        middle = 0.5 * (good + bad)
+        if is_met(asked, psi + way * middle):
+            good = middle
+        else:
+            bad = middle
+    return good
+
+
+@kernel
+def end_of(asked, psi, way, width, room):
+    """Where the interval of a branch ends that ends at psi at one bend, upwards (way 1.0) or downwards (-1.0), rad.
+
+    With its width, and the room up to the next one, rad. Next to a singularity rounding may have put psi outside.
+    """
+    if is_met(asked, psi):
+        return psi + way * reach_on(asked, psi, way, room)
+    back = NOTABLE
+    while back < width and not is_met(asked, psi - way * back):
+        back *= 2.0
+    if back >= width:
+        return psi
+    inner = psi - way * back
+    return inner + way * reach_on(asked, inner, way, back)
+
+
+@kernel
+def ends_of(asked, lower, upper, before, behind):
+    """Where the interval of a branch ends at any bend that ends so at one, up to the intervals before and behind it."""
+    if upper - lower > NARROW:
+        width = upper - lower
+        return end_of(asked, lower, -1.0, width, lower - before), end_of(asked, upper, 1.0, width, behind - upper)
+    for i in range(3):
+        psi = 0.5 * (lower + upper) + NOTABLE * (i if i < 2 else -1)
+        if before < psi < behind and is_met(asked, psi):
+            return psi - reach_on(asked, psi, -1.0, psi - before), psi + reach_on(asked, psi, 1.0, behind - psi)
+    return lower, upper
+
+
+@kernel
+def stretch(P, place_, most, rows, out):
+    """Take the ends of sorted intervals of all branches as far as any bend allows; write them to out; their number."""
+    bends = np.empty(MOST_EVENTS)
+    n, first, count = rows.shape[0], 0, 0
+    while first < n:
+        branch, last = int(rows[first, 0]), first
+        while last + 1 < n and int(rows[last + 1, 0]) == branch:
+            last += 1
+        asked = (P, place_, branch, most, bends)
+        begin = count
+        for i in range(first, last + 1):
+            before = rows[i - 1, 2] if i > first else rows[last, 2] - TURN
+            behind = rows[i + 1, 1] if i < last else rows[first, 1] + TURN
+            lower, upper = ends_of(asked, rows[i, 1], rows[i, 2], before, behind)
+            count = write_interval(out, begin, count, branch, lower, upper)
+        count = join_touching(out, begin, count)
+        first = last + 1
+    return count
+
+
+@kernel
+def intervals_of_bends(family, place_, respect, out, n):
+    """Join to the first n intervals in rows of out those that a pose has at other bends; their number.
+
+    Where outer axes come into line at one of them, intervals move far next to it, and part. What lies between those of
+    neighbouring bends is looked for at every end.
+    """
+    found, both = np.empty((8 * MAX_PIECES, 3)), np.empty((16 * MAX_PIECES, 3))
+    centres = np.empty(8)
+    P = row(family, LOOSE + (LIMITED if respect else FREE))
+    most = largest_bend(P, place_)
+    for i in range(3):
+        n = merge(P, place_, place_[3] if i == 0 else (0.0 if i == 1 else most), found, both, out, n)
+    for i in range(take_centres(P, place_, most, centres)):
+        n = merge(P, place_, centres[i], found, both, out, n)
+        away = most
+        for _ in range(LEVELS):
+            away *= CLOSER
+            if centres[i] > away:
+                n = merge(P, place_, centres[i] - away, found, both, out, n)
+            if centres[i] + away < most:
+                n = merge(P, place_, centres[i] + away, found, both, out, n)
+    for i in range(n):
+        for c in range(3):
+            both[i, c] = out[i, c]
+    return stretch(P, place_, most, both[:n], out)

@@ -12,7 +12,7 @@ import math
 
 import numpy as np
 
-from srs_ik.kernels.algebra.vectors import dot, load3
+from srs_ik.kernels.algebra.vectors import dot, load3, norm, swing
 from srs_ik.kernels.exact.gaps import feasible_signs, mark_gaps
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.answer import MAX_EVENTS, MAX_PIECES
@@ -29,13 +29,17 @@ from srs_ik.kernels.layout.limb import (
     BOUND_3_LOWER,
     BOUND_3_UPPER,
     FIRST_JOINT,
+    LOWER,
     RANGE_KIND,
     SHOULDER,
     SLACK_JOIN,
+    SLACK_SINGULAR,
     TOP_GAP,
+    UPPER,
     WRIST,
 )
 from srs_ik.kernels.limb.limits import turn_to_middle, violation
+from srs_ik.kernels.limb.spherical import middle_angle, sines, wrap
 from srs_ik.kernels.limb.triangle import elbow_side
 
 TOUCH = 1e-12
@@ -43,6 +47,15 @@ TOUCH = 1e-12
 
 SAME = 1e-12
 """Ends closer than this, rad, are one."""
+
+TOUCHING = 1e-7
+"""Arm angles that two joints keep apart by less than this, rad, may be one for both; whether it is, is looked at."""
+
+ROUNDING = 5e-15
+"""Outer axes count as parallel at a sine that is smaller than the tolerance by this, whatever is rounded."""
+
+WIDE_ARC = 1e-6
+"""An arc of arm angles on which outer axes count as parallel, rad, is looked at closely if it is wider."""
 
 PI = math.pi
 TURN = 2.0 * math.pi
@@ -91,6 +104,68 @@ def add_limit(x, circle, value, band, events, n):
 
 
 @kernel
+def sum_at(P, k, motion, psi):
+    """At an arm angle, the sum of the outer joints of a spherical joint that is singular there, and the sign of q1."""
+    cos_psi, sin_psi = math.cos(psi), math.sin(psi)
+    v0, y0, _ = motion
+    v = swing(v0[0], v0[1], v0[2], cos_psi, sin_psi)
+    y = swing(y0[0], y0[1], y0[2], cos_psi, sin_psi)
+    c, s, _ = middle_angle(P, k, v)
+    _, _, _, _, c3, s3, _ = sines(P, k, v, y, c, s, 0)
+    return math.atan2(s3, c3), 1.0 if c > 0.0 else -1.0
+
+
+@kernel
+def add_split_ends(P, k, motion, psi, away, events, n):
+    """Insert the arm angles at which a sum that is free to be split, from psi - away to psi + away, leaves its limits.
+
+    The whole arm turns about an axis almost in line with joint 1 there, so the sum changes as the arm angle does.
+    """
+    first = int(P[k + FIRST_JOINT])
+    step = min(0.5 * away, 0.5)
+    total, toward = sum_at(P, k, motion, psi)
+    other, _ = sum_at(P, k, motion, psi + step)
+    way = 1.0 if wrap(other - total) > 0.0 else -1.0
+    for end in range(2):
+        low, high = P[LOWER + first], P[UPPER + first]
+        limit = (high if toward > 0.0 else -low) if end == 1 else (low if toward > 0.0 else -high)
+        limit += P[(UPPER if end == 1 else LOWER) + first + 2]
+        if math.isfinite(limit):
+            n = add_event(psi + way * (limit - total), events, n)
+    return n
+
+
+@kernel
+def add_singular(P, k, motion, end, events, n):
+    """Insert the arm angle at which axes 1 and 3 come closest to parallel, and those at which they count as parallel.
+
+    The end says whether they point the same way there (0) or opposite ways (1). Passing it, joints 1 and 3 jump by half
+    a turn within the branch; where the axes count as parallel, any split of their sum will do.
+    """
+    a1, circle = load3(P, k + A1), motion[0]
+    sign = 1.0 if end == 0 else -1.0
+    c, s = sign * dot(a1, circle[1]), sign * dot(a1, circle[2])
+    size = math.sqrt(c * c + s * s)
+    if sign * dot(a1, circle[0]) + size <= 1.0 - TOUCH:
+        return n
+    psi = math.atan2(s, c)
+    if size > 1e-15:
+        n = add_event(psi, events, n)
+    # Sines of the angles from S-W: of axis 3, which goes around, and of axis 1, which stays.
+    radius = norm(circle[1])
+    least = radius - (size / radius if size > 0.0 else 0.0)
+    width = P[SLACK_SINGULAR] - ROUNDING
+    rest = (width - least) * (width + least)
+    if rest <= 0.0:
+        return n
+    away = math.pi
+    if rest < 4.0 * size:
+        away = 2.0 * math.asin(math.sqrt(0.25 * rest / size))
+        n = add_event(psi - away, events, add_event(psi + away, events, n))
+    return add_split_ends(P, k, motion, psi, away, events, n) if away > WIDE_ARC else n
+
+
+@kernel
 def joint_events(P, k, motion, events):
     """Arm angles at which the spherical joint at block k reaches a limit, the end of its reach, or a singularity."""
     v, _, r = motion
@@ -111,16 +186,9 @@ def joint_events(P, k, motion, events):
         n = add_roots(a1, v, 1.0 - P[k + TOP_GAP], events, n)
     if P[k + BOTTOM_GAP] > TOUCH:
         n = add_roots(a1, v, P[k + BOTTOM_GAP] - 1.0, events, n)
-    # Passing through axes 1 and 3 parallel, joints 1 and 3 jump by half a turn within the branch.
-    constant = dot(a1, v[0])
-    c = dot(a1, v[1])
-    s = dot(a1, v[2])
-    r1 = math.sqrt(c * c + s * s)
-    if r1 > 1e-15:
-        if constant + r1 > 1.0 - TOUCH:
-            n = add_event(math.atan2(s, c), events, n)
-        if constant - r1 < TOUCH - 1.0:
-            n = add_event(math.atan2(-s, -c), events, n)
+    for end in range(2):
+        if P[k + (TOP_GAP if end == 0 else BOTTOM_GAP)] <= TOUCH:
+            n = add_singular(P, k, motion, end, events, n)
     return n
 
 
@@ -210,7 +278,7 @@ def join_touching(out, first, n):
             last += 1
             out[last, 1] = out[i, 1]
             out[last, 2] = out[i, 2]
-    if last > first and out[first, 1] + TURN <= out[last, 2] + SAME:
+    while last > first and out[first, 1] + TURN <= out[last, 2] + SAME:
         upper = max(out[last, 2], out[first, 2] + TURN)
         for i in range(first, last):
             out[i, 1] = out[i + 1, 1]
@@ -224,27 +292,46 @@ def join_touching(out, first, n):
 
 
 @kernel
-def intersect(a, na, sign_a, b, nb, sign_b, slack, branch, out, n):
-    """Append the arm angles feasible for both a shoulder and a wrist solution."""
-    if na == 0 or nb == 0:
+def touch(P, motions, signs, lower, upper):
+    """The arm angle at which a shoulder and a wrist solution touch that rounding keeps apart, and whether they do."""
+    middle = 0.5 * (lower + upper)
+    shoulder, wrist = 1 << signs[0], 1 << signs[1]
+    for i in range(3):
+        psi = middle if i == 0 else (lower if i == 1 else upper)
+        if feasible_signs(P, SHOULDER, motions[0], psi, shoulder) != 0:
+            if feasible_signs(P, WRIST, motions[1], psi, wrist) != 0:
+                return psi, True
+    return middle, False
+
+
+@kernel
+def intersect(P, motions, a, b, branch, out, n):
+    """Append the arm angles feasible for both a shoulder and a wrist solution: a and b, as pieces, their number, sign.
+
+    Where one begins as the other ends, rounding may part them, the farther the more slowly a joint reaches its end.
+    """
+    if a[1] == 0 or b[1] == 0:
         return n
     first = n
-    if b[sign_b, 0, 1] - b[sign_b, 0, 0] >= TURN:
-        for i in range(na):
-            n = write_interval(out, first, n, branch, a[sign_a, i, 0], a[sign_a, i, 1])
-    elif a[sign_a, 0, 1] - a[sign_a, 0, 0] >= TURN:
-        for j in range(nb):
-            n = write_interval(out, first, n, branch, b[sign_b, j, 0], b[sign_b, j, 1])
+    of_a, of_b = a[0][a[2]], b[0][b[2]]
+    if of_b[0, 1] - of_b[0, 0] >= TURN:
+        for i in range(a[1]):
+            n = write_interval(out, first, n, branch, of_a[i, 0], of_a[i, 1])
+    elif of_a[0, 1] - of_a[0, 0] >= TURN:
+        for j in range(b[1]):
+            n = write_interval(out, first, n, branch, of_b[j, 0], of_b[j, 1])
     else:
-        for i in range(na):
-            for j in range(nb):
+        for i in range(a[1]):
+            for j in range(b[1]):
                 for turns in range(-1, 2):
-                    lower = max(a[sign_a, i, 0], b[sign_b, j, 0] + turns * TURN)
-                    upper = min(a[sign_a, i, 1], b[sign_b, j, 1] + turns * TURN)
+                    lower = max(of_a[i, 0], of_b[j, 0] + turns * TURN)
+                    upper = min(of_a[i, 1], of_b[j, 1] + turns * TURN)
                     if lower <= upper:
                         n = write_interval(out, first, n, branch, lower, upper)
-                    elif lower <= upper + slack:
-                        n = write_interval(out, first, n, branch, 0.5 * (lower + upper), 0.5 * (lower + upper))
+                    elif lower <= upper + TOUCHING:
+                        psi, met = touch(P, motions, (a[2], b[2]), lower, upper)
+                        if met or lower <= upper + P[SLACK_JOIN]:
+                            n = write_interval(out, first, n, branch, psi, psi)
     return join_touching(out, first, n) if n > first else n
 
 
@@ -277,7 +364,8 @@ def feasible_intervals(P, place_, branch, events, marks, shoulder, wrist, out):
         w = joint_pieces(P, WRIST, motion_w, wanted_w, events, marks, wrist)
         for i in range(2):
             for j in range(2):
-                n = intersect(shoulder, s[i], i, wrist, w[j], j, P[SLACK_JOIN], 4 * elbow + 2 * i + j, out, n)
+                number = 4 * elbow + 2 * i + j
+                n = intersect(P, (motion_s, motion_w), (shoulder, s[i], i), (wrist, w[j], j), number, out, n)
     return n
 
 

@@ -18,7 +18,9 @@ from srs_ik.kernels.chain.closest import closest
 from srs_ik.kernels.chain.eight import ALL, put_some, take_eight, tip_errors
 from srs_ik.kernels.chain.kinematics import pose_error
 from srs_ik.kernels.chain.newton import CLOSED, LEFT, ROUNDING, arm_angle, clipped, close_free, shortest_step
-from srs_ik.kernels.exact.flat import STAGES, is_as_good_as_flat, loosely
+from srs_ik.kernels.exact.bend_events import MOST_EVENTS, bends_at
+from srs_ik.kernels.exact.bends import bent_place
+from srs_ik.kernels.exact.flat import is_as_good_as_flat, largest_bend
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.answer import (
     GOOD_POSE,
@@ -38,6 +40,7 @@ from srs_ik.kernels.limb.branches import NO_BRANCH, best_branch, branch_of, elbo
 from srs_ik.kernels.limb.goal import NO_SEED, OUTSIDE, UNMET, cost, tightest_joint, turned
 from srs_ik.kernels.limb.in_line import NEARLY_IN_LINE, is_in_line, may_split, toward_of
 from srs_ik.kernels.limb.poses import read7, read_pose
+from srs_ik.kernels.limb.splits import nearest_split
 from srs_ik.kernels.limb.triangle import place
 from srs_ik.kernels.near.at_angle import may_reach, solve_all_at_angle, solve_at_angle
 from srs_ik.kernels.near.on_curves import SAME_ANGLE
@@ -139,10 +142,8 @@ def split_inside(P, k, q1, q2, q3):
         return q1, q3
     first = int(P[k + FIRST_JOINT])
     toward = toward_of(P, k, q2)
-    inside = min(max(q1, P[LOWER + first]), P[UPPER + first])
-    q3 += toward * (q1 - inside)
-    other = min(max(q3, P[LOWER + first + 2]), P[UPPER + first + 2])
-    return inside + toward * (q3 - other), other
+    q1, other = nearest_split(P, k, first, toward * q1 + q3, toward, q1, q3)
+    return q1, min(max(other, P[LOWER + first + 2]), P[UPPER + first + 2])
 
 
 @kernel
@@ -195,14 +196,21 @@ def at_any_bend(family, target, psi, branch, goal, found):
     """
     best = found
     loose = row(family, LOOSE)
-    for stage in range(1, STAGES):
-        place_ = loosely(target.place, stage)
-        other = best_branch(loose, place_, psi, branch, goal.seeded, goal.seed, goal.respect)
-        other = put_on_limits(loose, target, psi, other, goal)
-        if other[2] < best[2]:
-            position, orientation = pose_error(loose, other[0], target.R, target.p)
-            if max(position, orientation) < LEFT:
-                best = other
+    bends = np.empty(MOST_EVENTS)
+    most = largest_bend(loose, target.place)
+    for elbow in range(2):
+        if branch >= 0 and branch >> 2 != elbow:
+            continue
+        n = bends_at(loose, target.place, psi, elbow, most, bends)
+        for i in range(2 * n):
+            x = bends[i // 2] if i % 2 == 0 else 0.5 * (bends[i // 2] + bends[min(i // 2 + 1, n - 1)])
+            place_ = bent_place(target.place, x)
+            other = best_branch(loose, place_, psi, branch, goal.seeded, goal.seed, goal.respect)
+            other = put_on_limits(loose, target, psi, other, goal)
+            if other[2] < best[2]:
+                position, orientation = pose_error(loose, other[0], target.R, target.p)
+                if max(position, orientation) < LEFT:
+                    best = other
     return best
 
 

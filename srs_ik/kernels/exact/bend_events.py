@@ -1,0 +1,201 @@
+"""Bends of an elbow as good as flat at which something changes, at one arm angle or over all of them.
+
+A small bend turns the upper arm by a part of it. So at one arm angle every vector that the shoulder or the wrist has to
+turn moves with the bend, on a line that is straight but for the square of it, and a joint reaches a limit where one
+linear form vanishes. Over all arm angles, there are the bends at which the outer axes of the shoulder or the wrist come
+into line.
+"""
+
+from __future__ import annotations
+
+import math
+
+from srs_ik.kernels.algebra.vectors import (
+    across,
+    add,
+    apply,
+    apply_transposed,
+    cross,
+    dot,
+    load3,
+    norm,
+    rotate,
+    scale,
+    sub,
+)
+from srs_ik.kernels.exact.bends import bent_place
+from srs_ik.kernels.exact.intervals import insert
+from srs_ik.kernels.jit import kernel
+from srs_ik.kernels.layout.limb import (
+    A1,
+    A1_A2,
+    A2_A3,
+    A3,
+    AXES,
+    BOTTOM_GAP,
+    BOUND_1_LOWER,
+    BOUND_1_UPPER,
+    BOUND_2_LOWER,
+    BOUND_2_UPPER,
+    BOUND_3_LOWER,
+    BOUND_3_UPPER,
+    FIRST_JOINT,
+    LOWER,
+    RANGE_KIND,
+    SHOULDER,
+    SLACK_LIMIT,
+    TOP_GAP,
+    UPPER,
+    WRIST,
+)
+from srs_ik.kernels.limb.limits import turn_to_middle
+from srs_ik.kernels.limb.triangle import (
+    elbow_at,
+    shoulder_columns,
+    side_frames,
+    turned_frame,
+    wrist_columns,
+)
+
+MOST_EVENTS = 22
+"""Most bends at which anything changes at an arm angle: nine each of shoulder and wrist, two of the elbow, two ends."""
+
+SECANTS = 3
+"""Steps towards a bend that brings outer axes into line."""
+
+
+@kernel
+def to_be_turned(P, place_, elbow, cos_psi, sin_psi):
+    """What limits ask of the rotations R of shoulder and wrist at one arm angle: R a3 and R'a1, of each."""
+    base, arm, c4, s4 = side_frames(P, place_, elbow, cos_psi, sin_psi)
+    v_s, _ = shoulder_columns(P, base, arm)
+    r_s = turned_frame(arm, base, load3(P, SHOULDER + A1))
+    v_w, _ = wrist_columns(P, place_, base, arm, c4, s4)
+    before = turned_frame(base, arm, rotate(load3(P, AXES + 9), c4, s4, load3(P, WRIST + A1)))
+    return (v_s, r_s), (v_w, apply_transposed(place_[4], before))
+
+
+@kernel
+def add_bend(x, most, bends, n):
+    """Insert a bend into the sorted first n, if it lies between none and the largest; return how many they are then."""
+    return insert(x, bends, n) if 0.0 < x < most else n
+
+
+@kernel
+def add_crossing(form, value, curve, most, bends, n):
+    """Insert the bend at which a vector on a curve has the product `value` with a form."""
+    slope = dot(form, curve[1])
+    if slope == 0.0:
+        return n
+    x = (value - dot(form, curve[0])) / slope
+    return add_bend(most * (x - x * x * dot(form, curve[2]) / slope), most, bends, n)
+
+
+@kernel
+def add_joint(P, k, v, r, most, bends, n):
+    """Insert the bends at which the spherical joint at block k reaches a limit, the end of its reach or a singularity.
+
+    v and r are the curves of R a3 and R'a1 from no bend to the largest.
+    """
+    a1 = load3(P, k + A1)
+    first = int(P[k + FIRST_JOINT])
+    if P[RANGE_KIND + first] != 0.0:
+        n = add_crossing(load3(P, k + BOUND_1_LOWER), P[k + A2_A3], v, most, bends, n)
+        n = add_crossing(load3(P, k + BOUND_1_UPPER), P[k + A2_A3], v, most, bends, n)
+    if P[RANGE_KIND + first + 1] != 0.0:
+        n = add_crossing(a1, P[k + BOUND_2_LOWER], v, most, bends, n)
+        n = add_crossing(a1, P[k + BOUND_2_UPPER], v, most, bends, n)
+    if P[RANGE_KIND + first + 2] != 0.0:
+        n = add_crossing(load3(P, k + BOUND_3_LOWER), P[k + A1_A2], r, most, bends, n)
+        n = add_crossing(load3(P, k + BOUND_3_UPPER), P[k + A1_A2], r, most, bends, n)
+    n = add_crossing(a1, 1.0 - P[k + TOP_GAP], v, most, bends, n)
+    n = add_crossing(a1, P[k + BOTTOM_GAP] - 1.0, v, most, bends, n)
+    beside, way = across(v[0], a1), across(v[1], a1)
+    square = dot(way, way)
+    return add_bend(-most * dot(beside, way) / square, most, bends, n) if square > 0.0 else n
+
+
+@kernel
+def add_elbow(P, place_, elbow, most, bends, n):
+    """Insert the bends beyond which the elbow itself leaves its limits."""
+    c4, s4, _ = elbow_at(P, bent_place(place_, 0.0), elbow)
+    q4 = turn_to_middle(P, 3, math.atan2(s4, c4))
+    way = 1.0 if (elbow == 0) == (place_[2] > 0.0) else -1.0
+    n = add_bend(way * (P[UPPER + 3] + P[SLACK_LIMIT] - q4), most, bends, n)
+    return add_bend(way * (P[LOWER + 3] - P[SLACK_LIMIT] - q4), most, bends, n)
+
+
+@kernel
+def curve(start, middle, end):
+    """A parabola through three vectors, as a constant, a linear and a square part of 0 to 1."""
+    bow = add(add(start, end), scale(-2.0, middle))
+    return start, sub(sub(end, start), scale(2.0, bow)), scale(2.0, bow)
+
+
+@kernel
+def bends_at(P, place_, psi, elbow, most, bends):
+    """Fill in the sorted bends at which anything changes at one arm angle, none and the largest included; their number.
+
+    Args:
+        P: packed limb.
+        place_: a pose whose elbow is as good as flat.
+        psi: the arm angle, rad.
+        elbow: side of the elbow, 0 or 1.
+        most: sine of the largest bend.
+        bends: (MOST_EVENTS,) output.
+    """
+    c, s = math.cos(psi), math.sin(psi)
+    s_0, w_0 = to_be_turned(P, bent_place(place_, 0.0), elbow, c, s)
+    s_1, w_1 = to_be_turned(P, bent_place(place_, 0.5 * most), elbow, c, s)
+    s_2, w_2 = to_be_turned(P, bent_place(place_, most), elbow, c, s)
+    n = add_joint(P, SHOULDER, curve(s_0[0], s_1[0], s_2[0]), curve(s_0[1], s_1[1], s_2[1]), most, bends, 0)
+    n = add_joint(P, WRIST, curve(w_0[0], w_1[0], w_2[0]), curve(w_0[1], w_1[1], w_2[1]), most, bends, n)
+    n = add_elbow(P, place_, elbow, most, bends, n)
+    return insert(most, bends, insert(0.0, bends, n))
+
+
+@kernel
+def angle_between(a, b):
+    """Angle between two vectors, rad, with all digits where it is small."""
+    return math.atan2(norm(cross(a, b)), dot(a, b))
+
+
+@kernel
+def apart(P, place_, k, elbow, x):
+    """How much farther one outer axis of a spherical joint is from the line S-W than the other, at a bend, rad."""
+    t, _, _, _, hand, _ = place_
+    c4, s4, (arm_t, _, _) = elbow_at(P, bent_place(place_, x), elbow)
+    if k == SHOULDER:
+        return angle_between(arm_t, load3(P, k + A3)), angle_between(t, load3(P, k + A1))
+    moving = rotate(load3(P, AXES + 9), c4, s4, load3(P, k + A1))
+    return angle_between(arm_t, moving), angle_between(t, apply(hand, load3(P, k + A3)))
+
+
+@kernel
+def off_line(P, place_, k, elbow, end, x):
+    """By how much outer axes miss one line at the best arm angle, at a bend: same way (end 0) or opposite ways (1)."""
+    moving, still = apart(P, place_, k, elbow, x)
+    return moving - (still if end == 0 else math.pi - still)
+
+
+@kernel
+def bend_in_line(P, place_, k, elbow, end, most):
+    """The bend up to the largest at which outer axes of a spherical joint come closest to one line; -1 where none is.
+
+    The end says whether they point the same way there (0) or opposite ways (1).
+    """
+    if P[k + (TOP_GAP if end == 0 else BOTTOM_GAP)] != 0.0:
+        return -1.0
+    x0, x1 = 0.0, most
+    y0, y1 = off_line(P, place_, k, elbow, end, x0), off_line(P, place_, k, elbow, end, x1)
+    if min(abs(y0), abs(y1)) > 4.0 * most:
+        return -1.0
+    best, least = (x0, abs(y0)) if abs(y0) < abs(y1) else (x1, abs(y1))
+    for _ in range(SECANTS):
+        if y1 == y0:
+            break
+        x0, x1 = x1, min(max(x1 - y1 * (x1 - x0) / (y1 - y0), 0.0), most)
+        y0, y1 = y1, off_line(P, place_, k, elbow, end, x1)
+        if abs(y1) < least:
+            best, least = x1, abs(y1)
+    return best
