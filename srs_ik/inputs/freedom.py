@@ -18,15 +18,16 @@ Array = NDArray[np.float64]
 ANY = "any"
 """Stands for a position alone."""
 
-RINGS_APART = 0.55
-"""Directions of a cone at which postures are looked for first are this far apart, rad."""
-
-ROLLS = 6
-"""Turns about each of them."""
+RINGS_APART, ROLLS = 1.05, 3
+"""Directions of a cone at which searches for a posture start are this far apart, rad; turns about each of them."""
 
 WIDE = 0.5 * math.pi
-WIDE_APART, WIDE_ROLLS = 0.9, 4
-"""The same for cones this wide, rad: with more freedom, searches come farther."""
+WIDE_APART = 1.5
+"""The same for cones this wide, rad."""
+
+FINE_APART, FINE_ROLLS = 0.55, 6
+FINE_WIDE_APART, FINE_WIDE_ROLLS = 0.9, 4
+"""The same where turns are looked at and not searched from; in wide cones."""
 
 
 class FreeAxis:
@@ -71,13 +72,17 @@ class FreeAxis:
         """(n, 9) rotations of the tip, all over what is free; none of the roll alone, of which kernels know."""
         if self.cone == 0.0:
             return np.empty((0, 9))
-        return _turns_of(tuple(self.axis.tolist()), self.cone)
+        return self._spread(WIDE_APART if self.cone >= WIDE else RINGS_APART, ROLLS)
+
+    def _spread(self, apart: float, rolls: int) -> Array:
+        return _turns_of(tuple(self.axis.tolist()), self.cone, apart, rolls)
 
     def sampled(self, most: int) -> Array:
         """(most, 3, 3) turns that are free, in the tip frame, evenly chosen; the first one is none."""
         if self.cone == 0.0:
             return np.array([self.rolled(2.0 * math.pi * k / most) for k in range(most)])
-        turns = self.turns.reshape(-1, 3, 3)
+        fine = (FINE_WIDE_APART, FINE_WIDE_ROLLS) if self.cone >= WIDE else (FINE_APART, FINE_ROLLS)
+        turns = self._spread(*fine).reshape(-1, 3, 3)
         return turns[np.linspace(0, len(turns) - 1, most).round().astype(int)]
 
     def rolled(self, angle: float) -> Array:
@@ -116,11 +121,10 @@ def as_free_axis(value: Any) -> FreeAxis:
 
 
 @lru_cache(maxsize=16)
-def _turns_of(axis: tuple[float, float, float], cone: float) -> Array:
-    """`FreeAxis.turns` of a cone, read-only."""
+def _turns_of(axis: tuple[float, float, float], cone: float, apart: float, each: int) -> Array:
+    """(n, 9) turns into directions of a cone so far apart, and about each of them, read-only."""
     along = np.array(axis)
     across = np.linalg.svd(along[None])[2][1:]
-    apart, each = (RINGS_APART, ROLLS) if cone < WIDE else (WIDE_APART, WIDE_ROLLS)
     rolls = [_rotation(along, 2.0 * math.pi * roll / each) for roll in range(each)]
     found = []
     rings = max(math.ceil(cone / apart), 1)

@@ -33,8 +33,8 @@ SPREAD = math.sqrt(7.0)
 
 NONE_LEFT = 1e300
 
-ATTEMPTS = 32
-"""Local searches at least."""
+ATTEMPTS, ATTEMPTS_IN_CONE = 32, 12
+"""Local searches at least: where the axis may lean, they come farther."""
 
 NO_NEARER = 2.0
 """A search does not come so much nearer to the seed than what its start costs, rad ..."""
@@ -108,7 +108,8 @@ def nearest(P, pose, freedom, liking, count, desk):
     """The nearest posture that searches from the starts in `desk` lead to, `count` of them."""
     found = Found(liking.posture, NONE_LEFT, False)
     attempts = 0
-    while attempts < MOST_ATTEMPTS and not (found.met and attempts >= ATTEMPTS):
+    enough = ATTEMPTS_IN_CONE if freedom.cone > 0.0 else ATTEMPTS
+    while attempts < MOST_ATTEMPTS and not (found.met and attempts >= enough):
         start, least, count = take_best(desk.starts, count)
         reached = math.sqrt(found.cost)
         if least >= NONE_LEFT or (found.met and math.sqrt(least) > reached + NO_NEARER):

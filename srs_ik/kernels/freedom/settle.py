@@ -15,6 +15,7 @@ from srs_ik.kernels.chain.freedom import any_across, turn_left
 from srs_ik.kernels.chain.kinematics import joint_lines
 from srs_ik.kernels.freedom.system import RHS, solve_held
 from srs_ik.kernels.jit import kernel
+from srs_ik.kernels.layout.freedom import Liking
 from srs_ik.kernels.limb.goal import NO_SEED
 
 STEPS = 30
@@ -53,6 +54,9 @@ NO_RIVAL = 1e300
 
 ROUNDS = 12
 """Most changes of the set of joints that are held, in a step."""
+
+EVEN = (1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0)
+"""Weights by which all joints count the same."""
 
 NONE = (0.0, 0.0, 0.0)
 NO_FORCE = (0.0, 0.0, 0.0, 0.0, 0.0)
@@ -267,6 +271,7 @@ def settle(P, q, pose, freedom, liking, desk):
     radius = MAX_STEP
     for _ in range(STEPS):
         m, error, turns = equations(P, q, pose, freedom, desk)
+        m = on_edge(m, known, forces)
         if size < SETTLED and error < MET:
             at_rest = True
             break
@@ -316,6 +321,14 @@ def settle(P, q, pose, freedom, liking, desk):
 
 
 @kernel
+def onto_pose(P, q, pose, freedom, liking, desk):
+    """The posture on a pose that is nearest to one almost on it, inside the limits: it, and what it misses."""
+    here = Liking(q, EVEN, liking.lower, liking.upper, NO_RIVAL, q)
+    q, _, error, _ = settle(P, q, pose, freedom, here, desk)
+    return q, error
+
+
+@kernel
 def at_limits(q, liking):
     """The joints on a limit, as a bit set."""
     bits = 0
@@ -323,6 +336,15 @@ def at_limits(q, liking):
         if q[j] <= liking.lower[j] + ON_LIMIT or q[j] >= liking.upper[j] - ON_LIMIT:
             bits |= 1 << j
     return bits
+
+
+@kernel
+def on_edge(m, known, forces):
+    """The number of equations, one more than m where the axis has come in from the edge of its cone, but wants out.
+
+    Else steps would lead to and fro across the edge.
+    """
+    return 4 if m == 3 and known == 4 and forces[3] < 0.0 else m
 
 
 @kernel

@@ -8,12 +8,12 @@ from srs_ik.kernels.chain.freedom import as_rotation, free_error
 from srs_ik.kernels.chain.kinematics import forward_kinematics
 from srs_ik.kernels.chain.newton import arm_angle
 from srs_ik.kernels.freedom.nearest import NONE_LEFT, beside, nearest
-from srs_ik.kernels.freedom.settle import settle
+from srs_ik.kernels.freedom.settle import EVEN, onto_pose
 from srs_ik.kernels.freedom.starts import find_starts
 from srs_ik.kernels.freedom.widen import largest_share
 from srs_ik.kernels.freedom.widest import any_limited, weights, widest
 from srs_ik.kernels.jit import kernel
-from srs_ik.kernels.layout.answer import GOOD_POSE, ROW_STATUS, SOLVED, UNREACHABLE
+from srs_ik.kernels.layout.answer import GOOD_POSE, ROW_STATUS, UNREACHABLE
 from srs_ik.kernels.layout.freedom import Found, Freedom, Liking
 from srs_ik.kernels.layout.limb import FREE, LIMITED, LOWER, UPPER
 from srs_ik.kernels.limb.branches import branch_of
@@ -23,8 +23,6 @@ from srs_ik.kernels.limb.triangle import place
 
 ROUNDING = 1e-13
 """Errors of a pose, m and rad, that need no step any more."""
-
-EVEN = (1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0)
 
 
 @kernel
@@ -54,42 +52,26 @@ def found_posture(P, pose, given, liking, respect, desk):
         close = beside(P, pose, freedom, liking, desk)
         if close.met:
             return close
-    least = Found(liking.posture, NONE_LEFT, False)
-    if freedom.cone > 0.0:
-        # What meets the pose with the roll alone free is no farther than this.
-        roll = Freedom(freedom.axis, 0.0)
-        least = searched(P, pose, (roll, turns), least, (seeded, liking), desk)
-        if seeded:
-            least = eased(P, least, pose, freedom, liking, desk)
-    found = searched(P, pose, (freedom, turns), least, (seeded, liking), desk)
-    if seeded:
-        return found if found.cost < least.cost else least
-    if found.met and freedom.cone == 0.0:
+    found = searched(P, pose, (freedom, turns), (seeded, liking), desk)
+    if not found.met and freedom.cone > 0.0:
+        # Turns of a cone are far apart; rolls leave none out.
+        found = searched(P, pose, (Freedom(freedom.axis, 0.0), turns), (seeded, liking), desk)
+    if found.met or seeded:
         return found
-    # Other starts, from distances and not margins, may yet lead to a posture, and in cones to a wider one.
-    other = searched(P, pose, (freedom, turns), least, (True, liking), desk)
-    margin = largest_share(P, other.q) - 1.0
-    return Found(other.q, margin, True) if other.met and margin < found.cost else found
+    # Other starts, from distances and not margins, may yet lead to a posture.
+    other = searched(P, pose, (freedom, turns), (True, liking), desk)
+    return Found(other.q, largest_share(P, other.q) - 1.0, other.met)
 
 
 @kernel
-def searched(P, pose, given, known, goal, desk):
+def searched(P, pose, given, goal, desk):
     """The nearest or widest posture that searches lead to, from starts all over what is free."""
     freedom, turns = given
     seeded, liking = goal
     count = find_starts(P, pose, freedom, turns, (seeded, liking.posture), desk)
     if seeded:
         return nearest(P, pose, freedom, liking, count, desk)
-    return widest(P, pose, freedom, known, count, desk)
-
-
-@kernel
-def eased(P, found, pose, freedom, liking, desk):
-    """A posture, or the nearer one that it leads to where more is free."""
-    if not found.met:
-        return found
-    q, cost, error, _ = settle(P, found.q, pose, freedom, liking, desk)
-    return Found(q, cost, True) if error < SOLVED and cost < found.cost else found
+    return widest(P, pose, freedom, liking, count, desk)
 
 
 @kernel
@@ -98,8 +80,7 @@ def closed_up(P, found, pose, freedom, liking, desk):
     off, turned = free_error(P, found.q, pose[0], pose[1], freedom)
     if not found.met or max(off, turned) < ROUNDING:
         return found
-    here = Liking(found.q, EVEN, liking.lower, liking.upper, NONE_LEFT, found.q)
-    q, _, error, _ = settle(P, found.q, pose, freedom, here, desk)
+    q, error = onto_pose(P, found.q, pose, freedom, liking, desk)
     return Found(q, found.cost, True) if error < max(off, turned) else found
 
 

@@ -32,6 +32,9 @@ from srs_ik.kernels.limb.triangle import elbow_side, place
 OUT_OF_REACH = 0.1
 """Turns that bring the wrist this far out of reach, by the reach, are no starts."""
 
+NARROW = 0.55
+"""Cones narrower than this, rad, are searched as the roll alone is, too."""
+
 MOST_OUTSIDE = 0.3
 """An elbow farther outside its limits, rad, is no start."""
 
@@ -129,9 +132,9 @@ def find_starts(P, pose, freedom, turns, goal, desk):
                 fill_row(P, (times(R, load9(row(turns, k), 0)), p), elbow, goal, row(desk.table, 0))
                 for branch in range(4):
                     n = write_minima(desk.table, 1, branch, goal[0], desk.starts, n)
-            continue
-        for i in range(STRIPS):
-            found, ends = strip(P, pose, freedom.axis, elbow, i)
-            if found:
-                n = add_strip(P, pose, freedom.axis, (elbow, ends), goal, desk, n)
+        if freedom.cone < NARROW:
+            for i in range(STRIPS):
+                found, ends = strip(P, pose, freedom.axis, elbow, i)
+                if found:
+                    n = add_strip(P, pose, freedom.axis, (elbow, ends), goal, desk, n)
     return n

@@ -23,6 +23,12 @@ STEP_ROW, REST_ROW, WAYS, FREE_ROW, BASIC_ROW = 8, 9, 10, 14, 15
 """Rows of work space: a step that meets the equations, what is left of the slope there, up to four ways along the
 equations (and behind them what they are bent by), the joints that are free, and those that equations are solved for."""
 
+ASIDE, UPWARDS = 7, 11
+"""Columns behind bends: a triangle or main directions, and how far up these are bent."""
+
+SWEEPS = 4
+"""Of Jacobi's method: with four ways, enough for what only steps depend on."""
+
 FLAT = 0.01
 """Least bend along a way, by the largest, where steps are turned downhill."""
 
@@ -184,6 +190,78 @@ def turn_down(M, m):
     M[m, 0] = down + share * (a - low)
     M[m, 1] = M[m + 1, 0] = share * b
     M[m + 1, 1] = down + share * (c - low)
+
+
+@kernel
+def bends_up(M, m, n, least):
+    """Whether bends along n ways are upwards by more than so much: by Cholesky's method, behind them."""
+    for k in range(n):
+        for i in range(k + 1):
+            total = M[m + k, i] - (least if i == k else 0.0)
+            for j in range(i):
+                total -= M[m + k, ASIDE + j] * M[m + i, ASIDE + j]
+            if i < k:
+                M[m + k, ASIDE + i] = total / M[m + i, ASIDE + i]
+            elif total <= 0.0:
+                return False
+            else:
+                M[m + k, ASIDE + k] = math.sqrt(total)
+    return True
+
+
+@kernel
+def split_bends(M, m, n):
+    """Turn bends along n ways into those along their main directions, which come to stand behind them: by Jacobi."""
+    for k in range(n):
+        for i in range(n):
+            M[m + k, ASIDE + i] = 1.0 if i == k else 0.0
+    for _ in range(SWEEPS):
+        for i in range(n - 1):
+            for k in range(i + 1, n):
+                off = M[m + i, k]
+                if off == 0.0:
+                    continue
+                ratio = 0.5 * (M[m + k, k] - M[m + i, i]) / off
+                t = math.copysign(1.0, ratio) / (abs(ratio) + math.sqrt(1.0 + ratio * ratio))
+                c = 1.0 / math.sqrt(1.0 + t * t)
+                rotate_ways(M, m, n, (i, k), (c, t * c))
+
+
+@kernel
+def rotate_ways(M, m, n, pair, turn):
+    """Turn two ways into each other."""
+    i, k = pair
+    c, s = turn
+    for j in range(n):
+        a, b = M[m + j, i], M[m + j, k]
+        M[m + j, i], M[m + j, k] = c * a - s * b, s * a + c * b
+    for j in range(n):
+        a, b = M[m + i, j], M[m + k, j]
+        M[m + i, j], M[m + k, j] = c * a - s * b, s * a + c * b
+        a, b = M[m + j, ASIDE + i], M[m + j, ASIDE + k]
+        M[m + j, ASIDE + i], M[m + j, ASIDE + k] = c * a - s * b, s * a + c * b
+
+
+@kernel
+def turn_all_down(M, m, n):
+    """`turn_down` along n ways, from row m on."""
+    most = 0.0
+    for k in range(n):
+        total = 0.0
+        for i in range(n):
+            total += abs(M[m + k, i])
+        most = max(most, total)
+    if bends_up(M, m, n, FLAT * most):
+        return
+    split_bends(M, m, n)
+    for k in range(n):
+        M[m + k, UPWARDS] = max(abs(M[m + k, k]), FLAT * most)
+    for k in range(n):
+        for i in range(n):
+            total = 0.0
+            for j in range(n):
+                total += M[m + j, UPWARDS] * M[m + k, ASIDE + j] * M[m + i, ASIDE + j]
+            M[m + k, i] = total
 
 
 @kernel

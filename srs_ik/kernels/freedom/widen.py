@@ -15,6 +15,7 @@ from srs_ik.kernels.algebra.pointers import row
 from srs_ik.kernels.freedom.settle import (
     ALMOST,
     CLOSE_BY,
+    EVEN,
     MAX_STEP,
     MET,
     NO_FORCE,
@@ -24,6 +25,7 @@ from srs_ik.kernels.freedom.settle import (
     equations,
     fill,
     leaves_cone,
+    on_edge,
     part_way,
     price,
 )
@@ -38,6 +40,7 @@ from srs_ik.kernels.freedom.system import (
     multiplier,
     put_bends,
     solve_equations,
+    turn_all_down,
     turn_down,
     write_ways,
 )
@@ -48,14 +51,16 @@ from srs_ik.kernels.limb.goal import NO_SEED
 from srs_ik.kernels.limb.poses import read7
 
 STEPS = 30
-EVEN = (1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0)
-
 STIFF = 1e-3
 STIFFER = 0.1
 """Weight of the length of a step, in shares squared: where bends are known, and where not."""
 
 GAINED = 1e-8
 """A share that falls by less is the least one."""
+
+LITTLE, ALMOST_ON = 1e-6, 1e-6
+"""A share that falls by so little, at a posture so close to its pose, m and rad, falls no more to speak of: where no
+joint with limits feels a motion, it would go on for long."""
 
 NO_WIDER = 1.0
 """Once bends are known, the largest share falls below what a step promises by no more than so much of it, rad."""
@@ -197,6 +202,8 @@ def write_bends(M, m, n):
     put_bends(M, m, n)
     if n == 2:
         turn_down(M, m)
+    else:
+        turn_all_down(M, m, n)
 
 
 @kernel
@@ -278,11 +285,15 @@ def widen(P, q, pose, freedom, rival, desk):
     forces, last, asked = NO_FORCE, NO_FORCE, NO_FORCE
     before, step = q, NO_SEED
     known, part, radius, n, count = 0, 1.0, MAX_STEP, 0, 0
-    error, size, worth, best, mended = math.inf, math.inf, math.inf, math.inf, False
+    error, size, worth, best = math.inf, math.inf, math.inf, math.inf
+    mended, curved = False, False
     for _ in range(STEPS):
         m, error, turns = equations(P, q, pose, freedom, desk)
+        m = on_edge(m, known, forces)
         share = largest_share(P, q)
         if error < MET and (size < SETTLED or abs(best - share) < GAINED):
+            break
+        if curved and error < ALMOST_ON and abs(best - share) < LITTLE:
             break
         wider = share < best and error < NEARLY
         if share + price(forces) * error > worth and size > CLOSE_BY and not wider:
@@ -300,7 +311,7 @@ def widen(P, q, pose, freedom, rival, desk):
         best, mended = share, False
         radius = min(2.0 * radius, MAX_STEP)
         curve = bends(m, forces, turns, freedom.cone)
-        curved = error < ALMOST and known == m and m == 5
+        curved = error < ALMOST and known == m
         own = Liking(q, EVEN, NO_SEED, NO_SEED, 0.0, NO_SEED)
         fill(J, K, q, own, curve, (1.0 if curved else 0.0, STIFF if curved else STIFFER))
         basic = solve_equations(K, M, m, 0, NO_SEED)

@@ -8,16 +8,18 @@ from __future__ import annotations
 import math
 
 from srs_ik.kernels.freedom.nearest import MOST_ATTEMPTS, NONE_LEFT, take_best
-from srs_ik.kernels.freedom.settle import NO_RIVAL
-from srs_ik.kernels.freedom.widen import widen
+from srs_ik.kernels.freedom.settle import onto_pose
+from srs_ik.kernels.freedom.widen import largest_share, widen
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.answer import SOLVED
 from srs_ik.kernels.layout.freedom import Found
 from srs_ik.kernels.layout.limb import INVERSE_HALF_RANGE
-from srs_ik.kernels.limb.limits import middles
 
-ATTEMPTS = 8
-"""Local searches at least."""
+ATTEMPTS, ATTEMPTS_IN_CONE = 8, 4
+"""Local searches at least: where the axis may lean, they come farther."""
+
+ALMOST = 1e-3
+"""A search that ends this close to its pose, m and rad, is brought onto it."""
 
 LEAST_WEIGHT = 1e-6
 """Weight of a joint without limits, which may be anywhere."""
@@ -45,23 +47,19 @@ def weights(P):
 
 
 @kernel
-def widest(P, pose, freedom, known, count, desk):
-    """The posture of the widest margin that searches from the starts in `desk` lead to, `count` of them.
-
-    One that is known, if it is met, is where another search starts, and what the others have to beat.
-    """
-    best, most, attempts = middles(P), math.inf, 0
-    if known.met:
-        best, most = known.q, known.cost + 1.0
-        q, share, error = widen(P, best, pose, freedom, NO_RIVAL, desk)
-        if error < SOLVED and share < most:
-            best, most = q, share
-    while attempts < MOST_ATTEMPTS and not (most <= 1.0 and attempts >= ATTEMPTS):
+def widest(P, pose, freedom, liking, count, desk):
+    """The posture of the widest margin that searches from the starts in `desk` lead to, `count` of them."""
+    best, most, attempts = liking.posture, math.inf, 0
+    enough = ATTEMPTS if freedom.cone == 0.0 else ATTEMPTS_IN_CONE
+    while attempts < MOST_ATTEMPTS and not (most <= 1.0 and attempts >= enough):
         start, least, count = take_best(desk.starts, count)
         if least >= NONE_LEFT:
             break
         attempts += 1
         q, share, error = widen(P, start, pose, freedom, most, desk)
+        if SOLVED <= error < ALMOST and share < most:
+            q, error = onto_pose(P, q, pose, freedom, liking, desk)
+            share = largest_share(P, q)
         if error < SOLVED and share < most:
             best, most = q, share
     if most > 1.0:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from srs_ik.kernels.algebra.vectors import along, cross, dot, norm, rotate, scale
+from srs_ik.kernels.algebra.vectors import along, cross, dot, load3, norm, rotate, scale
 from srs_ik.kernels.chain.newton import twist_to
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.track import (
@@ -18,6 +18,8 @@ from srs_ik.kernels.layout.track import (
     PERIOD,
     ROTATION,
     STARTED,
+    TREND_PACE,
+    TREND_PUSH,
     TWIST,
 )
 
@@ -133,13 +135,20 @@ def take_target(S, C, R, p):
 
 @kernel
 def lose_target(S, C):
-    """No target: it is expected to go on, more and more slowly."""
-    slower = math.exp(-C[PERIOD] / C[PATIENCE])
-    R, p, v, w = load_target(S)
-    R, p = moved_on(R, p, v, w, C[PERIOD])
+    """No target: it is expected to go on by its trend, at first as it was, then more and more slowly."""
+    period = C[PERIOD]
+    gone = period * S[LOST] / C[PATIENCE]
+    slower = math.exp(-period / C[PATIENCE] * min(gone, 1.0))
+    for i in range(6):
+        S[TREND_PACE + i] *= slower
+        S[TREND_PUSH + i] *= slower
+    v = along(load3(S, TREND_PACE), 0.5 * period, load3(S, TREND_PUSH))
+    w = along(load3(S, TREND_PACE + 3), 0.5 * period, load3(S, TREND_PUSH + 3))
+    R, p = load_pose(S, ROTATION)
+    R, p = moved_on(R, p, v, w, period)
     store_pose(S, ROTATION, R, p)
     store_pose(S, ESTIMATE, R, p)
-    store_twist(S, scale(slower, v), scale(slower, w))
+    store_twist(S, v, w)
     S[LOST] += 1.0
 
 
