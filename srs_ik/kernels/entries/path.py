@@ -328,13 +328,13 @@ def refine(family, poses, chain, fixed, bounds, widths, even, seed, settings, li
         else:
             lowest = total
     if even:
-        lowest = smooth(family, course, line, seed, Aim(SQUARES, told, 0.0), told, space)
+        lowest = smooth(family, course, line, seed, Aim(SQUARES, told, 0.0, np.empty(0, np.bool_)), told, space)
         lowest = path_cost(chain, seed, told, False, q)
     return lowest
 
 
 @entry
-def polish(family, poses, chain, fixed, bounds, seed, settings, kind, scale, weights, q, psi, branch, J, A):
+def polish(family, poses, chain, fixed, loose, bounds, seed, settings, kind, scale, weights, q, psi, branch, J, A):
     """Move all postures of a path at once, in place, to what makes a kind of sum least, by barriers less and less wide.
 
     Args:
@@ -342,6 +342,7 @@ def polish(family, poses, chain, fixed, bounds, seed, settings, kind, scale, wei
         poses: (n, 4, 4).
         chain: (k,) the poses that the path reaches.
         fixed: (n,) whether a posture has to stay.
+        loose: (k,) whether the step to each of the chain is a break, for which no limits hold.
         bounds: (n, 2) least and largest arm angle of each.
         seed: (7,) posture before the first one, or None.
         settings: (SETTINGS, 7).
@@ -362,7 +363,7 @@ def polish(family, poses, chain, fixed, bounds, seed, settings, kind, scale, wei
     line = Line(q, psi, branch)
     lowest = 0.0
     for weight in weights:
-        lowest = smooth(family, course, line, seed, Aim(kind, row(scale, 0), weight), row(settings, 0), space)
+        lowest = smooth(family, course, line, seed, Aim(kind, row(scale, 0), weight, loose), row(settings, 0), space)
     return lowest
 
 

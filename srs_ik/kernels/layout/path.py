@@ -210,11 +210,15 @@ class Space(NamedTuple):
 
 
 class Aim(NamedTuple):
-    """What is made least: its kind, by which figures (7,) steps are multiplied, and the weight of limits."""
+    """What is made least: its kind, by which figures (7,) steps are multiplied, and the weight of limits.
+
+    Steps that are `loose` (n,) are breaks, for which no limits hold.
+    """
 
     kind: int
     scale: Any
     weight: float
+    loose: Any
 
 
 class System(NamedTuple):
