@@ -206,7 +206,7 @@ def two_pieces(arm, name, kind, number):
     ],
 )
 def test_a_step_that_is_just_short_enough_stays_so(name, kind, number, seeded, breaks):
-    """Brute force finds so few breaks, with a step of 0.49999 rad: a chord of the plan is shorter than the step itself."""
+    """Brute force finds so few breaks, with a step of 0.49999 rad; chords of strips are shorter than the steps."""
     arm = load(name)
     known = two_pieces(arm, name.rstrip("f"), kind, number)
     poses, seed = poses_of(arm, known), known[0] if seeded else None
@@ -292,7 +292,7 @@ def test_a_path_beside_the_chords_of_coarse_strips_is_found(name, motion, count)
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(("motion", "seeded"), [(4016, True), (4018, False)])
+@pytest.mark.parametrize(("motion", "seeded"), [(4016, True), (4018, False), (6009, False)])
 def test_velocity_limits_of_a_near_arm_are_kept_where_a_motion_that_keeps_them_is_known(motion, seeded):
     """Between postures of coarse strips, steps seem faster than they are."""
     arm = load("gen3")

@@ -38,7 +38,9 @@ class Part:
     strips: Array
 
 
-def find_narrow(problem: Problem, keys: NDArray[np.int64], blocks: list[Block], way: Way) -> Way:
+def find_narrow(
+    problem: Problem, keys: NDArray[np.int64], blocks: list[Block], way: Way, asked: Problem | None = None
+) -> Way:
     """The best way through fine strips of what a path may touch that costs no more than one at hand.
 
     Args:
@@ -46,12 +48,14 @@ def find_narrow(problem: Problem, keys: NDArray[np.int64], blocks: list[Block], 
         keys: (k,) the poses that count.
         blocks: their strips, as they were planned.
         way: the path at hand, which costs `way.cost`.
+        asked: what is asked for in fine strips, and how fine they are, if it is more than by `problem`.
     """
     after = costs_to_end(problem, blocks, way.cost)
     parts = [kept(block, costs, way.cost) for block, costs in zip(blocks, after, strict=True)]
     rows, poses = np.vstack([part.rows for part in parts]), np.concatenate([part.poses for part in parts])
     free = np.split(rows, np.searchsorted(poses, np.arange(1, len(problem.T))))
-    found = find_way(replace(problem, near=way.q, radius=FINE, free=free), keys, False)
+    told = replace(problem, radius=FINE) if asked is None else asked
+    found = find_way(replace(told, near=way.q, free=free), keys, False)
     # Intervals that are cut have ends that are none of the strip.
     strips = np.vstack([part.strips for part in parts])
     psi = found.psi[poses]

@@ -216,7 +216,7 @@ def objective_of(problem: Problem, steps: Array) -> float:
 
 
 def breaks_in(problem: Problem, way: Way) -> NDArray[np.bool_]:
-    """(k - 1,) whether a step is too long to be continuous, by more than rounding, from each pose reached to the next."""
+    """(k - 1,) whether a step is too long to be continuous, beyond rounding, from each pose reached to the next."""
     steps = np.abs(steps_of(problem, way.q[way.reached]))
     return np.asarray((steps > JUST_ABOVE * problem.settings[BY_CONTINUITY]).any(axis=1))
 
