@@ -60,7 +60,7 @@ def may_be_fine(problem: Problem) -> bool:
 
 
 def found(problem: Problem) -> Way:
-    """The best path, planned at key poses, filled in between, and refined; steps cost what velocity limits make them."""
+    """The best path, planned at key poses, filled in between, and refined, with velocity limits in what steps cost."""
     if problem.free is not None and not problem.arm.closed:
         # Along the true curves, a path would leave what is free.
         way = planned(replace(problem, in_closed_form=True))
