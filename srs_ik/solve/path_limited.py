@@ -14,7 +14,7 @@ import numpy as np
 
 from srs_ik.kernels.layout.path import BREAK
 from srs_ik.solve.path_blocks import KEPT, find_way, through
-from srs_ik.solve.path_narrow import find_narrow, held_below
+from srs_ik.solve.path_narrow import costs_to_end, find_narrow, held_below
 from srs_ik.solve.path_polish import FINE, improve, keep_limits
 from srs_ik.solve.path_problem import JUST_ABOVE, Problem, Way, copy, too_fast, worth
 from srs_ik.solve.path_search import EVERYWHERE, fine_everywhere, finer, found
@@ -72,11 +72,12 @@ def found_below(problem: Problem, way: Way) -> Way:
         blocks = through(loose, keys, False)[1]
         if len(blocks) > KEPT:
             break
+        after = costs_to_end(loose, blocks, way.cost)
         if near:
-            loose = finer(held_below(loose, keys, blocks, way.cost))
+            loose = finer(held_below(loose, keys, blocks, after, way.cost))
             other = find_way(replace(loose, limited=True), keys, False)
         else:
-            other = find_narrow(loose, keys, blocks, way, replace(problem, radius=EVERYWHERE))
+            other = find_narrow(loose, keys, blocks, after, way, replace(problem, radius=EVERYWHERE))
         if other.cost >= 0.5 * BREAK or not other.reached.all():
             break
         improve(problem, other, FINE)

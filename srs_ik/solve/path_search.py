@@ -16,7 +16,7 @@ from srs_ik.kernels.layout.path import BREAK, BY_CONTINUITY, HELD_LINKED
 from srs_ik.solve.path_around import BESIDE, find_at, search_around, wider
 from srs_ik.solve.path_blocks import find_way, held_in, through
 from srs_ik.solve.path_bridges import bridged
-from srs_ik.solve.path_narrow import find_narrow, held_below
+from srs_ik.solve.path_narrow import costs_to_end, find_narrow, held_below
 from srs_ik.solve.path_polish import FINE, WIDTHS, improve
 from srs_ik.solve.path_problem import Problem, Way, steps_of, worth
 
@@ -173,19 +173,22 @@ def in_closed_form(problem: Problem, plan: Problem, marks: NDArray[np.bool_]) ->
     best = filled(problem, way, keys, stands_in)
     if best is None:
         return None, problem
-    if problem.even and best.cost >= CLOSE * least:
-        way = find_narrow(told, keys, blocks, best)
-        if way.cost < 0.5 * BREAK and way.reached[keys].all():
-            least = way.cost
-            again = filled(problem, way, keys, stands_in)
-            best = again if again is not None and again.cost < best.cost else best
     if best.cost < CLOSE * least:
         return best, None
+    if not problem.even:
+        return (search_around(problem, best), None) if best.cost < AS_PLANNED * least else (best, problem)
+    after = costs_to_end(told, blocks, best.cost)
+    way = find_narrow(told, keys, blocks, after, best)
+    joined = way.cost < 0.5 * BREAK and bool(way.reached[keys].all())
+    if joined:
+        least = way.cost
+        again = filled(problem, way, keys, stands_in)
+        best = again if again is not None and again.cost < best.cost else best
     if best.cost < AS_PLANNED * least:
-        return search_around(problem, best), None
-    if stands_in or not problem.even:
+        return best if joined else search_around(problem, best), None
+    if stands_in:
         return best, problem
-    return best, replace(held_below(told, keys, blocks, best.cost), settings=problem.settings)
+    return best, replace(held_below(told, keys, blocks, after, best.cost), settings=problem.settings)
 
 
 def filled(problem: Problem, way: Way, keys: NDArray[np.int64], stands_in: bool) -> Way | None:
@@ -238,7 +241,9 @@ def sparse(problem: Problem, marks: NDArray[np.bool_]) -> Way | None:
         if best is None:
             plan = held_in(problem, keys, blocks)
         else:
-            plan = replace(held_below(far(problem, keys), keys, blocks, best.cost), settings=problem.settings)
+            told = far(problem, keys)
+            after = costs_to_end(told, blocks, best.cost)
+            plan = replace(held_below(told, keys, blocks, after, best.cost), settings=problem.settings)
         more = wider(missed) & ~marks
         marks = marks | more if more.any() and marks.mean() < MOST_PLANNED else np.ones_like(marks)
 
@@ -280,14 +285,16 @@ def planned_everywhere(problem: Problem, plan: Problem) -> Way:
         fine = fine_everywhere(problem, keys)
     way, blocks = through(fine, keys, False)
     if way.cost < 0.5 * BREAK:
-        least = way.cost
+        least, joined = way.cost, False
         improve(problem, way)
         if problem.even and fine is plan and problem.work()[0] is None and way.cost >= AS_PLANNED * least:
-            other = find_narrow(problem, keys, blocks, way)
-            if other.cost < 0.5 * BREAK:
+            other = find_narrow(problem, keys, blocks, costs_to_end(problem, blocks, way.cost), way)
+            joined = other.cost < 0.5 * BREAK
+            if joined:
                 improve(problem, other)
                 way = min(way, other, key=lambda each: each.cost)
-        way = search_around(problem, way)
+        # Where fine strips of all that may cost as little join, those about a path tell nothing new.
+        way = way if joined else search_around(problem, way)
         if not (may_bridge and way.torn):
             return smoothed_leaps(problem, way) if may_bridge and is_odd(problem, way) else way
     if may_bridge:

@@ -50,7 +50,7 @@ from srs_ik.kernels.path.corridor import corridor, put_on_poses
 from srs_ik.kernels.path.edges import path_cost
 from srs_ik.kernels.path.followed import write_sides
 from srs_ik.kernels.path.pose_strips import list_strips, pose_strips
-from srs_ik.kernels.path.programme import advance, cheapest, first_costs, leave_out, rules_for, step_back
+from srs_ik.kernels.path.programme import advance, cheapest, first_costs, rules_for, step_back
 from srs_ik.kernels.path.smoothing import smooth
 from srs_ik.kernels.path.splits import put_split
 from srs_ik.kernels.path.strips import DEEPEST, GRID, SPACING, put_node
@@ -201,8 +201,6 @@ def sweep(
             else:
                 before = Span(ends[last, 0], ends[last, 1], ends[last, 2], ends[last, 3])
                 advance(sheet, before, now, rules_for(told, scaled, pose - carried, limited), exact)
-            if held_alone[pose]:
-                leave_out(sheet, now, held[held_ends[pose] : held_ends[pose + 1]])
             carried = pose
             last = at
         i += 1

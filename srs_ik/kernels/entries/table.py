@@ -103,6 +103,8 @@ path_bound.cover(family, poses, first, known: float[n, 7], has_known: bool[n], e
 path_bound.cut(family, poses, coarse: float[c, CELL], coarse_ends: int[k], longest: float, J, A,
     cells: float[M, CELL]&, ends: int[e]&) -> int
 path_bound.relax(cells: float[M, CELL], ends: int[e], backward: bool, settings, worth: float[M, WORTH]&)
+path_bound.costs_to_end(keys: int[k], first, count: int, behind: int, most: float, stop: byte[1], settings, limited,
+    nodes: float[N, NODE]&, cost: float[N], strips: float[M, STRIP]&, ends: int[e, 4], after: float[N]&) -> int
 path_bound.reach(cells: float[M, CELL], ends: int[e], backward: bool, limit: float, settings, spans: float[M, 2]&) ->
     bool
 path.bridge(family, poses, starts: float[n, 7]&, met: bool[n]&, J: float[6, 7]&, A: float[16, 9]&)

@@ -36,11 +36,14 @@ SWEEPS = 24
 LONGEST_MOVE = 0.25
 """Longest move of a joint in one step, rad."""
 
-ENOUGH = 1e-8
-"""A step that gains less, relative to all, is the last one ..."""
+ENOUGH = 3e-7
+"""If less than this is left to gain, relative to all, by how gains shrink from step to step, one is the last ..."""
 
 ENOUGH_OF_WEIGHT = 0.02
 """... and with a barrier one that gains less of its weight for each step of the path."""
+
+SLOWEST_GAINS = 0.98
+"""Gains shrink to this part of the one before at most."""
 
 FASTEST = 1e5
 """Joint rates above this, rad/rad, belong to a posture next to a singularity: its arm angle stays."""
@@ -257,7 +260,7 @@ def smooth(family, course, line, seed, aim, settings, space):
     system = System(np.empty(n), np.empty(n), np.empty(n), np.empty(n), np.empty(n), np.empty(n), np.empty((TERMS, 7)))
     write_steps(chain, seed, settings, line.q, steps)
     lowest, t = value_of(aim, chain, steps, first)
-    damping = 0.0
+    damping, gain_before = 0.0, 0.0
     for _ in range(SWEEPS):
         if lowest == OUTSIDE or damping > MOST_DAMPING:
             break
@@ -284,6 +287,11 @@ def smooth(family, course, line, seed, aim, settings, space):
             damping = max(10.0 * damping, 0.1)
             continue
         damping *= 0.1
-        if gain < (ENOUGH_OF_WEIGHT * n * aim.weight if aim.weight > 0.0 else ENOUGH * lowest):
+        shrunk = min(gain / gain_before, SLOWEST_GAINS) if gain_before > 0.0 else SLOWEST_GAINS
+        gain_before = gain
+        left, enough = gain * shrunk / (1.0 - shrunk), ENOUGH * lowest
+        if aim.weight > 0.0:
+            left, enough = gain, ENOUGH_OF_WEIGHT * n * aim.weight
+        if left < enough:
             break
     return lowest
