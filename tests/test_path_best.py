@@ -183,6 +183,39 @@ def motion_of_benchmark(arm, name, kind, motion, count=200):
     return benchmark["known_motion"](arm, rng, kind, count)
 
 
+def two_pieces(arm, name, kind, number):
+    """(20, 7) two pieces of motions that have nothing to do with each other, as in `benchmarks/path_truth.py`."""
+    benchmark = runpy.run_path(
+        str(Path(__file__).parents[1] / "benchmarks" / "known_motions.py"), run_name="known_motions"
+    )
+    rng = np.random.default_rng([zlib.crc32(name.encode()), benchmark["KINDS"].index(kind), 100_000 + number])
+    parts = []
+    for _ in range(2):
+        stride = int(rng.integers(1, 4))
+        known = benchmark["known_motion"](arm, rng, kind, 200)
+        first = int(rng.integers(0, 200 - stride * 10))
+        parts.append(known[first : first + stride * 10 : stride])
+    return np.vstack(parts)
+
+
+@pytest.mark.parametrize(
+    ("name", "kind", "number", "seeded", "breaks"),
+    [
+        ("iiwa14", "singular", 307, False, 0),
+        pytest.param("sia10f", "limits", 302, True, 1, marks=pytest.mark.files),
+    ],
+)
+def test_a_step_that_is_just_short_enough_stays_so(name, kind, number, seeded, breaks):
+    """Brute force finds so few breaks, with a step of 0.49999 rad; chords of strips are shorter than the steps."""
+    arm = load(name)
+    known = two_pieces(arm, name.rstrip("f"), kind, number)
+    poses, seed = poses_of(arm, known), known[0] if seeded else None
+    path = arm.solve_path(poses, seed=seed)
+    assert_on_poses(name, arm, poses, path)
+    assert len(path.breaks) == breaks
+    assert (np.abs(path.steps).max(axis=1) > LONGEST).sum() == breaks
+
+
 @pytest.mark.files
 @pytest.mark.parametrize(
     ("name", "motion"),
@@ -259,7 +292,7 @@ def test_a_path_beside_the_chords_of_coarse_strips_is_found(name, motion, count)
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(("motion", "seeded"), [(4016, True), (4018, False)])
+@pytest.mark.parametrize(("motion", "seeded"), [(4016, True), (4018, False), (6009, False)])
 def test_velocity_limits_of_a_near_arm_are_kept_where_a_motion_that_keeps_them_is_known(motion, seeded):
     """Between postures of coarse strips, steps seem faster than they are."""
     arm = load("gen3")

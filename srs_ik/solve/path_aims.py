@@ -9,9 +9,10 @@ from numpy.typing import NDArray
 
 from srs_ik.kernels.layout.path import BREAK, BY_CONTINUITY, BY_VELOCITY, INVERSE_SPEED, LEAST_INVERSE
 from srs_ik.solve.path_blocks import find_way
+from srs_ik.solve.path_limited import search
 from srs_ik.solve.path_polish import WIDTHS, polish, refine
 from srs_ik.solve.path_problem import LARGEST_STEP, SUM_OF_SQUARES, Problem, Way, steps_of, worth
-from srs_ik.solve.path_search import EVERYWHERE, may_be_fine, search
+from srs_ik.solve.path_search import EVERYWHERE, may_be_fine
 from srs_ik.solve.path_timing import passing_times
 
 Array = NDArray[np.float64]

@@ -16,7 +16,6 @@ from srs_ik.kernels.layout.path import (
     HELD_BRANCH,
     HELD_LINKED,
     HELD_PSI,
-    HELD_ROOM,
     NODE,
     NODE_BRANCH,
     NODE_PSI,
@@ -93,7 +92,6 @@ class Block:
         first, last = ends[1, 0], ends[self.count, 1]
         lasts = strips[ends[1, 2] : ends[self.count, 3], STRIP_LAST].astype(np.int64)
         rows = np.ones((last - first, HELD))
-        rows[:, HELD_ROOM] = np.inf
         rows[:, :HELD_PSI] = nodes[first:last, :NODE_PSI]
         rows[:, HELD_PSI], rows[:, HELD_BRANCH] = nodes[first:last, NODE_PSI], nodes[first:last, NODE_BRANCH]
         rows[lasts - first, HELD_LINKED] = 0.0
@@ -127,10 +125,7 @@ class Block:
         if self.reached == 0:
             return self.before
         nodes, cost, strips, ends = self.fill()
-        a, b, c, d = ends[self.reached]
-        own = strips[c:d].copy()
-        own[:, STRIP_FIRST:STRIP_LEAST] -= a
-        return Carry(int(self.keys[self.first + self.reached - 1]), nodes[a:b].copy(), cost[a:b].copy(), own)
+        return carried(int(self.keys[self.first + self.reached - 1]), ends[self.reached], nodes, cost, strips)
 
 
 @dataclass
@@ -141,6 +136,14 @@ class Carry:
     nodes: Array
     cost: Array
     strips: Array
+
+
+def carried(pose: int, ends: NDArray[np.int64], nodes: Array, cost: Array, strips: Array) -> Carry:
+    """The strips of a pose, of whose rows in arrays these are the ends."""
+    a, b, c, d = ends
+    own = strips[c:d].copy()
+    own[:, STRIP_FIRST:STRIP_LEAST] -= a
+    return Carry(pose, nodes[a:b].copy(), cost[a:b].copy(), own)
 
 
 def find_way(problem: Problem, keys: NDArray[np.int64], exact: bool) -> Way:

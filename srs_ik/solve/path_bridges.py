@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from srs_ik.kernels.entries import path as entries
 from srs_ik.kernels.entries.kinematics import configuration_arm_angle
 from srs_ik.kernels.layout.limb import LIMITED, PHASE, SHOULDER, WRIST
-from srs_ik.kernels.layout.path import BY_CONTINUITY, HELD, HELD_BRANCH, HELD_PSI, HELD_ROOM, INVERSE_PERIOD, PERIOD
+from srs_ik.kernels.layout.path import BY_CONTINUITY, HELD, HELD_BRANCH, HELD_PSI, INVERSE_PERIOD, PERIOD
 from srs_ik.solve.path_blocks import Block
 from srs_ik.solve.path_problem import Problem
 
@@ -81,7 +81,7 @@ def bridged(problem: Problem) -> Problem:
 def _rows(arm: PackedArm, postures: Array) -> Array:
     """(h, HELD) postures; singular ones, whose joints may turn, with their arm angles and branches."""
     rows = np.zeros((len(postures), HELD))
-    rows[:, :HELD_PSI], rows[:, HELD_BRANCH], rows[:, HELD_ROOM] = postures, -1.0, np.inf
+    rows[:, :HELD_PSI], rows[:, HELD_BRANCH] = postures, -1.0
     P = arm.family[LIMITED]
     middles = postures[:, [1, 5]] - P[[SHOULDER + PHASE, WRIST + PHASE]]
     for i in np.flatnonzero((np.abs(np.sin(middles)) < ALIGNED).any(axis=1) & arm.closed):

@@ -12,9 +12,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from srs_ik.kernels.layout.path import HELD_BRANCH, HELD_LINKED, HELD_PSI, HELD_ROOM
-from srs_ik.solve.path_blocks import Block, Carry, find_way
-from srs_ik.solve.path_problem import Problem, Way
+from srs_ik.kernels.entries import path_bound as entries
+from srs_ik.kernels.layout.path import HELD_BRANCH, HELD_LINKED, HELD_PSI, NODE_SAG, STRIP_FIRST, STRIP_LEAST
+from srs_ik.solve.path_blocks import Block, Carry, carried, find_way
+from srs_ik.solve.path_problem import Problem, Stopped, Way
 
 Array = NDArray[np.float64]
 Marks = NDArray[np.bool_]
@@ -38,20 +39,29 @@ class Part:
     strips: Array
 
 
-def find_narrow(problem: Problem, keys: NDArray[np.int64], blocks: list[Block], way: Way) -> Way:
+def find_narrow(
+    problem: Problem,
+    keys: NDArray[np.int64],
+    blocks: list[Block],
+    after: list[Array],
+    way: Way,
+    asked: Problem | None = None,
+) -> Way:
     """The best way through fine strips of what a path may touch that costs no more than one at hand.
 
     Args:
         problem: the path that is asked for, on an exact limb.
         keys: (k,) the poses that count.
         blocks: their strips, as they were planned.
+        after: what a path costs from their postures on, by `costs_to_end`.
         way: the path at hand, which costs `way.cost`.
+        asked: what is asked for in fine strips, and how fine they are, if it is more than by `problem`.
     """
-    after = costs_to_end(problem, blocks, way.cost)
     parts = [kept(block, costs, way.cost) for block, costs in zip(blocks, after, strict=True)]
     rows, poses = np.vstack([part.rows for part in parts]), np.concatenate([part.poses for part in parts])
     free = np.split(rows, np.searchsorted(poses, np.arange(1, len(problem.T))))
-    found = find_way(replace(problem, near=way.q, radius=FINE, free=free), keys, False)
+    told = replace(problem, radius=FINE) if asked is None else asked
+    found = find_way(replace(told, near=way.q, free=free), keys, False)
     # Intervals that are cut have ends that are none of the strip.
     strips = np.vstack([part.strips for part in parts])
     psi = found.psi[poses]
@@ -68,43 +78,43 @@ def costs_to_end(problem: Problem, blocks: list[Block], most: float) -> list[Arr
 
     Postures through which no path leads that costs at most so much are left out on the way.
     """
-    n = len(problem.T)
-    back = replace(
-        problem,
-        T=np.ascontiguousarray(problem.T[::-1]),
-        seed=None,
-        known=problem.known[::-1].copy(),
-        has_known=problem.has_known[::-1].copy(),
-        near=np.ascontiguousarray(problem.near[::-1]),
-        held_alone=np.ones(n, np.bool_),
-        free=None,
-    )
-    before: Carry | None = None
+    behind: Carry | None = None
     found = []
     for block in reversed(blocks):
-        rows, poses = block.held()
-        cost, sag = block.costs()
-        rows[:, HELD_ROOM] = most - cost + SAGGED * np.maximum(sag, np.append(0.0, sag[:-1]))
-        order = np.argsort(-poses, kind="stable")
-        keys = n - 1 - block.keys[block.first : block.first + block.count][::-1]
-        told = replace(back, held=rows[order], held_of=n - 1 - poses[order])
-        after = np.empty((len(rows), 2))
-        first = at = 0
-        while first < len(keys):
-            part = Block(told, keys, first, False, before)
-            costs = np.column_stack(part.costs())
-            after[order[at : at + len(costs)]] = costs
-            before, first, at = part.carry(), first + part.count, at + len(costs)
-        found.append(after)
+        nodes, cost, strips, ends = block.fill()
+        n, m, count = ends[block.count, 1], ends[block.count, 3], block.count
+        nodes, cost, strips, after = nodes[:n].copy(), cost[:n], strips[:m].copy(), np.empty(n)
+        rows = np.vstack([ends[: count + 1], np.zeros((1, 4), np.int64)])
+        if behind is not None:
+            rows[-1] = n, n + len(behind.nodes), m, m + len(behind.strips)
+            own = behind.strips.copy()
+            own[:, STRIP_FIRST:STRIP_LEAST] += n
+            nodes, strips = np.vstack([nodes, behind.nodes]), np.vstack([strips, own])
+            cost, after = np.append(cost, behind.cost), np.append(after, behind.cost)
+        pose = -1 if behind is None else behind.pose
+        told = problem.stop, problem.settings, problem.limited
+        arrays = nodes, cost, strips, rows, after
+        at = entries.costs_to_end(block.keys, block.first, count, pose, most, *told, *arrays)
+        if problem.stop[0]:
+            raise Stopped
+        if at <= count:
+            behind = carried(int(block.keys[block.first + at - 1]), rows[at], nodes, after, strips)
+        first = ends[1, 0]
+        found.append(np.column_stack([after[first:n], nodes[first:n, NODE_SAG]]))
     return found[::-1]
 
 
-def held_below(problem: Problem, keys: NDArray[np.int64], blocks: list[Block], most: float) -> Problem:
-    """The problem with those postures of blocks known through which a path may lead that costs at most so much."""
+def held_below(
+    problem: Problem, keys: NDArray[np.int64], blocks: list[Block], after: list[Array], most: float
+) -> Problem:
+    """The problem with those postures of blocks known through which a path may lead that costs at most so much.
+
+    `after` is what a path costs from them on, by `costs_to_end` with at least as much.
+    """
     found, alone = [], np.zeros(len(problem.T), np.bool_)
-    for block, after in zip(blocks, costs_to_end(problem, blocks, most), strict=True):
+    for block, costs in zip(blocks, after, strict=True):
         rows, poses = block.held()
-        some, cells = touched(rows, block, after, most)
+        some, cells = touched(rows, block, costs, most)
         rows[:, HELD_LINKED] = cells
         found.append((rows[some], poses[some]))
     alone[keys] = True

@@ -9,9 +9,21 @@ from numpy.typing import NDArray
 
 from srs_ik.kernels.entries import path as entries
 from srs_ik.kernels.layout.path import BREAK, BY_CONTINUITY, BY_VELOCITY, LARGEST, SLOWEST, WITHIN
-from srs_ik.solve.path_problem import JUST_ABOVE, LARGEST_STEP, TIME, Problem, Way, copy, steps_of, too_fast, worth
+from srs_ik.solve.path_problem import (
+    JUST_ABOVE,
+    LARGEST_STEP,
+    TIME,
+    Problem,
+    Way,
+    breaks_in,
+    copy,
+    steps_of,
+    too_fast,
+    worth,
+)
 
 Array = NDArray[np.float64]
+Breaks = NDArray[np.bool_]
 
 WIDTHS = np.array([0.12, 0.04])
 """Joint steps between the postures of a corridor, rad, before all arm angles move at once."""
@@ -57,38 +69,52 @@ def continuous(problem: Problem) -> Problem:
 
 
 def keep_limits(problem: Problem, way: Way, planned: Way) -> None:
-    """Take a path, in place, to the best one within the velocity limits: first to within them, then along them."""
+    """Take a path, in place, to the best one within the velocity limits: first to within them, then along them.
+
+    It begins at the path and at the plan, as that is on its poses: between postures of strips it is beside them. No
+    more steps are breaks than those of the plan.
+    """
+    loose = breaks_in(problem, planned)
+    refine(problem, planned, FINE, False)
+    starts = (way,) if np.array_equal(way.q, planned.q) else (way, planned)
+    slow = [slowed(problem, start, loose) for start in starts]
+    if not any(keeps(problem, each, loose) for each in slow):
+        refine(problem, planned, FINE_WIDTHS, False)
+    take(way, min((planned, *slow), key=lambda each: worth(problem, each)))
+    way.cost = entries.refine(*_told(problem, way, FINE, False), problem.limited, *_line(way), *problem.work())
+
+
+def keeps(problem: Problem, way: Way, loose: Breaks) -> bool:
+    """Whether all steps of a path that are not loose are within the velocity limits."""
+    return bool((too_fast(problem, way, loose) < JUST_WITHIN).all())
+
+
+def slowed(problem: Problem, way: Way, loose: Breaks) -> Way:
+    """The best path within the velocity limits near one, or one whose fastest step is as slow as can be."""
     slow = copy(way)
     scale = np.where(np.isfinite(problem.settings[BY_VELOCITY]), 1.0 / problem.settings[BY_VELOCITY], 0.0)
-    polish_kind(problem, slow, LARGEST, scale)
-    if not (too_fast(problem, slow) < JUST_WITHIN).all():
+    polish_kind(problem, slow, LARGEST, scale, loose)
+    if not keeps(problem, slow, loose):
         # The step from the seed is free.
-        polish_kind(replace(problem, seed=None), slow, LARGEST, scale)
-    candidates = [planned]
-    if (too_fast(problem, slow) < JUST_WITHIN).all():
-        polish_kind(problem, slow, WITHIN, scale)
-        candidates.append(slow)
-    else:
-        refine(problem, planned, FINE_WIDTHS, False)
-        candidates.append(slow)
-    best = min(candidates, key=lambda each: worth(problem, each))
-    take(way, best)
-    way.cost = entries.refine(*_told(problem, way, FINE, False), problem.limited, *_line(way), *problem.work())
+        polish_kind(replace(problem, seed=None), slow, LARGEST, scale, loose)
+    if keeps(problem, slow, loose):
+        polish_kind(problem, slow, WITHIN, scale, loose)
+    return slow
 
 
 def polish(problem: Problem, way: Way) -> None:
     """Move a path, in place, to the least largest step or the least time near it, unless that is worse."""
-    found = copy(way)
+    found, none = copy(way), np.zeros(max(int(way.reached.sum()) - 1, 0), np.bool_)
     if problem.objective == LARGEST_STEP:
-        polish_kind(problem, found, LARGEST, np.ones(7))
+        polish_kind(problem, found, LARGEST, np.ones(7), none)
     elif problem.objective == TIME:
-        polish_kind(problem, found, SLOWEST, 1.0 / problem.arm.velocity_limit)
+        polish_kind(problem, found, SLOWEST, 1.0 / problem.arm.velocity_limit, none)
     if worth(problem, found) < worth(problem, way):
         take(way, found)
 
 
-def polish_kind(problem: Problem, way: Way, kind: int, scale: Array) -> None:
-    """Move all postures of a path at once, in place, by barriers less and less wide."""
+def polish_kind(problem: Problem, way: Way, kind: int, scale: Array, loose: Breaks) -> None:
+    """Move all postures of a path at once, in place, by barriers less and less wide; steps (k - 1,) may be loose."""
     chain = np.flatnonzero(way.reached)
     q = way.q[chain]
     steps = np.abs(steps_of(problem, q if problem.seed is None else np.vstack([problem.seed, q])))
@@ -102,7 +128,8 @@ def polish_kind(problem: Problem, way: Way, kind: int, scale: Array) -> None:
     if not (weights > 0.0).all():
         return
     fixed = problem.has_known | (way.branch < 0)
-    told = problem.T, chain, fixed, way.bounds, problem.seed, problem.settings, kind, scale, weights
+    free = np.append(False, loose)
+    told = problem.T, chain, fixed, free, way.bounds, problem.seed, problem.settings, kind, scale, weights
     entries.polish(problem.arm.family, *told, *_line(way), *problem.work())
 
 

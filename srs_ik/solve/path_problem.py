@@ -39,7 +39,7 @@ OBJECTIVES = (SUM_OF_SQUARES, LARGEST_STEP, TIME)
 
 
 JUST_ABOVE = 1.0 + 1e-9
-"""Of a velocity limit; what is above breaks it."""
+"""Of a limit; what is above breaks it."""
 
 
 ROOM_OF_ENDS = 1e-9
@@ -215,8 +215,18 @@ def objective_of(problem: Problem, steps: Array) -> float:
     return float((steps**2).sum())
 
 
-def too_fast(problem: Problem, way: Way) -> Array:
-    """(k - 1,) the largest share that a joint has of its velocity limit, from each pose that is reached to the next."""
+def breaks_in(problem: Problem, way: Way) -> NDArray[np.bool_]:
+    """(k - 1,) whether a step is too long to be continuous, beyond rounding, from each pose reached to the next."""
+    steps = np.abs(steps_of(problem, way.q[way.reached]))
+    return np.asarray((steps > JUST_ABOVE * problem.settings[BY_CONTINUITY]).any(axis=1))
+
+
+def too_fast(problem: Problem, way: Way, loose: NDArray[np.bool_] | None = None) -> Array:
+    """(k - 1,) the largest share that a joint has of its velocity limit, from each pose that is reached to the next.
+
+    No limit holds for breaks: those that are `loose`, or those of the path.
+    """
     chain = np.flatnonzero(way.reached)
     limits = problem.settings[BY_VELOCITY] * np.diff(chain)[:, None]
-    return (np.abs(steps_of(problem, way.q[chain])) / limits).max(axis=1, initial=0.0)
+    shares = (np.abs(steps_of(problem, way.q[chain])) / limits).max(axis=1, initial=0.0)
+    return np.where(breaks_in(problem, way) if loose is None else loose, 0.0, shares)

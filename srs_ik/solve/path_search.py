@@ -16,9 +16,9 @@ from srs_ik.kernels.layout.path import BREAK, BY_CONTINUITY, HELD_LINKED
 from srs_ik.solve.path_around import BESIDE, find_at, search_around, wider
 from srs_ik.solve.path_blocks import find_way, held_in, through
 from srs_ik.solve.path_bridges import bridged
-from srs_ik.solve.path_narrow import find_narrow, held_below
-from srs_ik.solve.path_polish import FINE, WIDTHS, improve, keep_limits
-from srs_ik.solve.path_problem import JUST_ABOVE, Problem, Way, copy, steps_of, too_fast, worth
+from srs_ik.solve.path_narrow import costs_to_end, find_narrow, held_below
+from srs_ik.solve.path_polish import FINE, WIDTHS, improve
+from srs_ik.solve.path_problem import Problem, Way, steps_of, worth
 
 Array = NDArray[np.float64]
 
@@ -44,9 +44,6 @@ DRAWN_OUT = 30.0
 MOST_PLANNED = 0.6
 """If it is to be planned at a larger part of all poses, it may as well be planned at all."""
 
-DEAR = 1.02
-"""A path that costs so many times what the best one does without velocity limits may not be the best with them."""
-
 AS_PLANNED = 1.006
 """Between planned poses steps are straight, so that a plan costs less than any path: one so close to it is the best."""
 
@@ -57,38 +54,13 @@ LEAP = 0.2
 """A joint step of a path that is longer than this, rad, may be there because strips miss a posture."""
 
 
-def search(problem: Problem) -> Way:
-    """The best path: planned at key poses, filled in between, and refined."""
-    if not (problem.limited and problem.even):
-        return found(problem)
-    # What is best without velocity limits often keeps them, or almost.
-    way = found(replace(problem, limited=False))
-    most = DEAR * way.cost
-    if (too_fast(problem, way) > JUST_ABOVE).any():
-        keep_limits(problem, way, copy(way))
-    for find in (found, found_in_fine):
-        if (too_fast(problem, way) <= JUST_ABOVE).all() and way.cost <= most:
-            break
-        if way.reached.all():
-            way = min(way, find(problem), key=lambda each: worth(problem, each))
-    return way
-
-
-def found_in_fine(problem: Problem) -> Way:
-    """`search` in strips that are fine everywhere: chords of coarse ones may be too fast where a path is slow."""
-    keys = np.arange(len(problem.T))
-    way = find_way(fine_everywhere(problem, keys), keys, False)
-    improve(problem, way, FINE)
-    return way
-
-
 def may_be_fine(problem: Problem) -> bool:
     """Whether strips may be fine everywhere: a short path, of an arm in closed form."""
     return len(problem.T) <= FINE_POSES and problem.work()[0] is None
 
 
 def found(problem: Problem) -> Way:
-    """`search`, with velocity limits among what steps cost."""
+    """The best path, planned at key poses, filled in between, and refined, with velocity limits in what steps cost."""
     if problem.free is not None and not problem.arm.closed:
         # Along the true curves, a path would leave what is free.
         way = planned(replace(problem, in_closed_form=True))
@@ -135,7 +107,7 @@ def close(problem: Problem, way: Way, keys: NDArray[np.int64] | None = None) -> 
 
 
 def planned(problem: Problem) -> Way:
-    """`search` on the true chain, or on the nearest exact limb."""
+    """`found` on the true chain, or on the nearest exact limb."""
     way, rest = planned_at_some(problem)
     if way is None:
         return planned_everywhere(problem, problem)
@@ -201,19 +173,22 @@ def in_closed_form(problem: Problem, plan: Problem, marks: NDArray[np.bool_]) ->
     best = filled(problem, way, keys, stands_in)
     if best is None:
         return None, problem
-    if problem.even and best.cost >= CLOSE * least:
-        way = find_narrow(told, keys, blocks, best)
-        if way.cost < 0.5 * BREAK and way.reached[keys].all():
-            least = way.cost
-            again = filled(problem, way, keys, stands_in)
-            best = again if again is not None and again.cost < best.cost else best
     if best.cost < CLOSE * least:
         return best, None
+    if not problem.even:
+        return (search_around(problem, best), None) if best.cost < AS_PLANNED * least else (best, problem)
+    after = costs_to_end(told, blocks, best.cost)
+    way = find_narrow(told, keys, blocks, after, best)
+    joined = way.cost < 0.5 * BREAK and bool(way.reached[keys].all())
+    if joined:
+        least = way.cost
+        again = filled(problem, way, keys, stands_in)
+        best = again if again is not None and again.cost < best.cost else best
     if best.cost < AS_PLANNED * least:
-        return search_around(problem, best), None
-    if stands_in or not problem.even:
+        return best if joined else search_around(problem, best), None
+    if stands_in:
         return best, problem
-    return best, replace(held_below(told, keys, blocks, best.cost), settings=problem.settings)
+    return best, replace(held_below(told, keys, blocks, after, best.cost), settings=problem.settings)
 
 
 def filled(problem: Problem, way: Way, keys: NDArray[np.int64], stands_in: bool) -> Way | None:
@@ -266,7 +241,9 @@ def sparse(problem: Problem, marks: NDArray[np.bool_]) -> Way | None:
         if best is None:
             plan = held_in(problem, keys, blocks)
         else:
-            plan = replace(held_below(far(problem, keys), keys, blocks, best.cost), settings=problem.settings)
+            told = far(problem, keys)
+            after = costs_to_end(told, blocks, best.cost)
+            plan = replace(held_below(told, keys, blocks, after, best.cost), settings=problem.settings)
         more = wider(missed) & ~marks
         marks = marks | more if more.any() and marks.mean() < MOST_PLANNED else np.ones_like(marks)
 
@@ -308,14 +285,16 @@ def planned_everywhere(problem: Problem, plan: Problem) -> Way:
         fine = fine_everywhere(problem, keys)
     way, blocks = through(fine, keys, False)
     if way.cost < 0.5 * BREAK:
-        least = way.cost
+        least, joined = way.cost, False
         improve(problem, way)
         if problem.even and fine is plan and problem.work()[0] is None and way.cost >= AS_PLANNED * least:
-            other = find_narrow(problem, keys, blocks, way)
-            if other.cost < 0.5 * BREAK:
+            other = find_narrow(problem, keys, blocks, costs_to_end(problem, blocks, way.cost), way)
+            joined = other.cost < 0.5 * BREAK
+            if joined:
                 improve(problem, other)
                 way = min(way, other, key=lambda each: each.cost)
-        way = search_around(problem, way)
+        # Where fine strips of all that may cost as little join, those about a path tell nothing new.
+        way = way if joined else search_around(problem, way)
         if not (may_bridge and way.torn):
             return smoothed_leaps(problem, way) if may_bridge and is_odd(problem, way) else way
     if may_bridge:
@@ -337,13 +316,14 @@ def planned_everywhere(problem: Problem, plan: Problem) -> Way:
 
 def fine_everywhere(problem: Problem, keys: NDArray[np.int64]) -> Problem:
     """The problem with fine strips at all key poses."""
-    return replace(problem, radius=EVERYWHERE) if problem.work()[0] is None else finer(problem, keys)
+    if problem.work()[0] is None:
+        return replace(problem, radius=EVERYWHERE)
+    return finer(held_in(problem, keys, through(problem, keys, False)[1]))
 
 
-def finer(problem: Problem, keys: NDArray[np.int64]) -> Problem:
+def finer(problem: Problem) -> Problem:
     """The problem with strips of a near limb that are known, others of their postures put between each two."""
-    coarse = held_in(problem, keys, through(problem, keys, False)[1])
-    rows, poses = coarse.held, coarse.held_of
+    rows, poses = problem.held, problem.held_of
     first = np.flatnonzero(rows[:, HELD_LINKED])
     straight = rows[first, None, :7] + PARTS[:, None] * (rows[first + 1, :7] - rows[first, :7])[:, None]
     q = straight.reshape(-1, 7).copy()
@@ -355,4 +335,4 @@ def finer(problem: Problem, keys: NDArray[np.int64]) -> Problem:
     places = np.append(np.arange(len(rows)), (first[:, None] + PARTS).ravel()[good])
     order = np.argsort(places, kind="stable")
     held, held_of = np.vstack([rows, between[good]])[order], np.append(poses, where[good])[order]
-    return coarse if np.bincount(held_of).max(initial=0) > MOST_NODES else replace(coarse, held=held, held_of=held_of)
+    return problem if np.bincount(held_of).max(initial=0) > MOST_NODES else replace(problem, held=held, held_of=held_of)

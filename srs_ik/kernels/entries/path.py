@@ -50,7 +50,7 @@ from srs_ik.kernels.path.corridor import corridor, put_on_poses
 from srs_ik.kernels.path.edges import path_cost
 from srs_ik.kernels.path.followed import write_sides
 from srs_ik.kernels.path.pose_strips import list_strips, pose_strips
-from srs_ik.kernels.path.programme import advance, cheapest, first_costs, leave_out, rules_for, step_back
+from srs_ik.kernels.path.programme import advance, cheapest, first_costs, rules_for, step_back
 from srs_ik.kernels.path.smoothing import smooth
 from srs_ik.kernels.path.splits import put_split
 from srs_ik.kernels.path.strips import DEEPEST, GRID, SPACING, put_node
@@ -201,8 +201,6 @@ def sweep(
             else:
                 before = Span(ends[last, 0], ends[last, 1], ends[last, 2], ends[last, 3])
                 advance(sheet, before, now, rules_for(told, scaled, pose - carried, limited), exact)
-            if held_alone[pose]:
-                leave_out(sheet, now, held[held_ends[pose] : held_ends[pose + 1]])
             carried = pose
             last = at
         i += 1
@@ -328,13 +326,13 @@ def refine(family, poses, chain, fixed, bounds, widths, even, seed, settings, li
         else:
             lowest = total
     if even:
-        lowest = smooth(family, course, line, seed, Aim(SQUARES, told, 0.0), told, space)
+        lowest = smooth(family, course, line, seed, Aim(SQUARES, told, 0.0, np.empty(0, np.bool_)), told, space)
         lowest = path_cost(chain, seed, told, False, q)
     return lowest
 
 
 @entry
-def polish(family, poses, chain, fixed, bounds, seed, settings, kind, scale, weights, q, psi, branch, J, A):
+def polish(family, poses, chain, fixed, loose, bounds, seed, settings, kind, scale, weights, q, psi, branch, J, A):
     """Move all postures of a path at once, in place, to what makes a kind of sum least, by barriers less and less wide.
 
     Args:
@@ -342,6 +340,7 @@ def polish(family, poses, chain, fixed, bounds, seed, settings, kind, scale, wei
         poses: (n, 4, 4).
         chain: (k,) the poses that the path reaches.
         fixed: (n,) whether a posture has to stay.
+        loose: (k,) whether the step to each of the chain is a break, for which no limits hold.
         bounds: (n, 2) least and largest arm angle of each.
         seed: (7,) posture before the first one, or None.
         settings: (SETTINGS, 7).
@@ -362,7 +361,7 @@ def polish(family, poses, chain, fixed, bounds, seed, settings, kind, scale, wei
     line = Line(q, psi, branch)
     lowest = 0.0
     for weight in weights:
-        lowest = smooth(family, course, line, seed, Aim(kind, row(scale, 0), weight), row(settings, 0), space)
+        lowest = smooth(family, course, line, seed, Aim(kind, row(scale, 0), weight, loose), row(settings, 0), space)
     return lowest
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from srs_ik.kernels.algebra.pointers import row
+from srs_ik.kernels.algebra.pointers import keep, row
 from srs_ik.kernels.entries.path import MOST_NODES, MOST_STRIPS
 from srs_ik.kernels.exact.samples import MAX_SAMPLES
 from srs_ik.kernels.jit import entry, kernel
@@ -14,19 +14,24 @@ from srs_ik.kernels.layout.path import (
     IMPOSSIBLE,
     MEMO,
     NODE,
+    NODE_SAG,
     POINT,
     STRIP,
+    STRIP_FIRST,
+    STRIP_LAST,
     WORTH_BEGIN,
     WORTH_END,
     WORTH_SAG,
     Desk,
     Net,
     Sheet,
+    Span,
 )
 from srs_ik.kernels.limb.poses import read7
 from srs_ik.kernels.path.cells import SLACK, put_cell
 from srs_ik.kernels.path.corridor import spot_of
 from srs_ik.kernels.path.cover import cover_pose, cut_cell
+from srs_ik.kernels.path.programme import advance, first_costs, leave_out, rules_for
 from srs_ik.kernels.path.relaxed import GROUP, advance_cell, write_groups
 from srs_ik.kernels.path.steps import MOST_CORNERS, reach_cell
 from srs_ik.kernels.path.strips import DEEPEST
@@ -136,6 +141,65 @@ def relax(cells, ends, backward, settings, worth):
                 worth[j, WORTH_END] = end
                 worth[j, WORTH_SAG] = sag
         last = i
+
+
+@kernel
+def write_rooms(sheet, span, most, rooms):
+    """Write what a path may cost from the postures of a pose on, by what it costs up to them, and their links."""
+    nodes = sheet.nodes
+    for b in range(span.first_strip, span.last_strip):
+        first, last = int(sheet.strips[b, STRIP_FIRST]), int(sheet.strips[b, STRIP_LAST])
+        for i in range(first, last + 1):
+            sheet.linked[i] = i < last
+            sag = max(nodes[i, NODE_SAG], nodes[i - 1, NODE_SAG] if i > first else 0.0)
+            rooms[i] = most - sheet.cost[i] + 0.25 * sag
+
+
+@entry
+def costs_to_end(keys, first, count, behind, most, stop, settings, limited, nodes, cost, strips, ends, after):
+    """Write what the best path costs from each posture of key poses on, from the last one of them back.
+
+    Postures through which no path leads that costs at most so much are left out on the way.
+
+    Args:
+        keys: (k,) the poses that count.
+        first: number of the first one of these.
+        count: how many of them.
+        behind: the next pose behind them that is reached; -1: none.
+        most: what a path may cost, from its begin to its end.
+        stop: (1,) set by another thread where nobody wants the answer any more.
+        settings: (SETTINGS, 7).
+        limited: whether there are velocity limits.
+        nodes: (N, NODE) postures, from `sweep`; how far costs sag is written anew.
+        cost: (N,) what the best path costs up to each.
+        strips: (M, STRIP), from `sweep`; what each costs at least is written anew.
+        ends: (count + 2, 4) of each pose; the last row is that of the pose behind them.
+        after: (N,) output; what is behind them is known.
+
+    Returns:
+        The row in `ends` of the first pose that is reached; count + 1: none of these is.
+    """
+    n = nodes.shape[0]
+    sheet, rooms = Sheet(nodes, np.zeros(n, np.bool_), after, strips), np.empty(n)
+    forth = Sheet(nodes, sheet.linked, cost, strips)
+    scales, told = settings.copy(), row(settings, 0)
+    scaled = row(scales, 0)
+    last, carried = count + 1, behind
+    for at in range(count, 0, -1):
+        if ends[at, 0] == ends[at, 1] or stop[0]:
+            continue
+        now = Span(ends[at, 0], ends[at, 1], ends[at, 2], ends[at, 3])
+        write_rooms(forth, now, most, rooms)
+        pose = keys[first + at - 1]
+        if carried < 0:
+            first_costs(sheet, now, None, told)
+        else:
+            before = Span(ends[last, 0], ends[last, 1], ends[last, 2], ends[last, 3])
+            advance(sheet, before, now, rules_for(told, scaled, carried - pose, limited), False)
+        leave_out(sheet, now, rooms)
+        last, carried = at, pose
+    keep(scales)
+    return last
 
 
 @kernel

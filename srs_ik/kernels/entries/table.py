@@ -96,13 +96,15 @@ path.fill_between(family, poses, keys: int[k], reached: bool[n]&, settings, q: f
 path.refine(family, poses, chain: int[c], fixed: bool[n], bounds: float[n, 2], widths: float[m], even: bool, seed,
     settings, limited, q: float[n, 7]&, psi: float[n]&, branch: int[n]&, J, A) -> float
 path.finish(family, poses, chain: int[c], q: float[n, 7], psi: float[n], branch: int[n], J, A, out: float[n, ROW]&)
-path.polish(family, poses, chain: int[c], fixed: bool[n], bounds: float[n, 2], seed, settings, kind: int,
-    scale: float[7], weights: float[w], q: float[n, 7]&, psi: float[n]&, branch: int[n]&, J, A) -> float
+path.polish(family, poses, chain: int[c], fixed: bool[n], loose: bool[c], bounds: float[n, 2], seed, settings,
+    kind: int, scale: float[7], weights: float[w], q: float[n, 7]&, psi: float[n]&, branch: int[n]&, J, A) -> float
 path_bound.cover(family, poses, first, known: float[n, 7], has_known: bool[n], extra: float[n, 7], longest: float, J, A,
     cells: float[M, CELL]&, ends: int[e]&) -> int
 path_bound.cut(family, poses, coarse: float[c, CELL], coarse_ends: int[k], longest: float, J, A,
     cells: float[M, CELL]&, ends: int[e]&) -> int
 path_bound.relax(cells: float[M, CELL], ends: int[e], backward: bool, settings, worth: float[M, WORTH]&)
+path_bound.costs_to_end(keys: int[k], first, count: int, behind: int, most: float, stop: byte[1], settings, limited,
+    nodes: float[N, NODE]&, cost: float[N], strips: float[M, STRIP]&, ends: int[e, 4], after: float[N]&) -> int
 path_bound.reach(cells: float[M, CELL], ends: int[e], backward: bool, limit: float, settings, spans: float[M, 2]&) ->
     bool
 path.bridge(family, poses, starts: float[n, 7]&, met: bool[n]&, J: float[6, 7]&, A: float[16, 9]&)

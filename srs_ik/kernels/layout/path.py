@@ -36,13 +36,12 @@ of the curve of a near limb)."""
 POINT = -1
 CURVE = -2
 
-HELD = 11
+HELD = 10
 HELD_PSI = 7
 HELD_BRANCH = 8
 HELD_LINKED = 9
-HELD_ROOM = 10
 """A posture that is known before its strips are looked for: seven joint angles, arm angle, branch (-1: it stays as it
-is), whether it is linked to the next one, and what a path up to it may cost; inf: anything."""
+is), and whether it is linked to the next one."""
 
 MEMO = 14
 MEMO_STAMP = 0
@@ -210,11 +209,15 @@ class Space(NamedTuple):
 
 
 class Aim(NamedTuple):
-    """What is made least: its kind, by which figures (7,) steps are multiplied, and the weight of limits."""
+    """What is made least: its kind, by which figures (7,) steps are multiplied, and the weight of limits.
+
+    Steps that are `loose` (n,) are breaks, for which no limits hold.
+    """
 
     kind: int
     scale: Any
     weight: float
+    loose: Any
 
 
 class System(NamedTuple):

@@ -48,14 +48,15 @@ def share_of(chain, c):
 
 
 @kernel
-def keeps_within(aim, settings, steps, c):
+def keeps_within(aim, c):
     """Whether limits hold for a step: not for the one from the seed, and not for a break."""
-    if aim.kind != WITHIN or c == 0:
-        return False
-    longest = 0.0
-    for j in range(7):
-        longest = max(longest, abs(steps[c, j]))
-    return longest <= settings[7 * BY_CONTINUITY]
+    return aim.kind == WITHIN and c > 0 and not aim.loose[c]
+
+
+@kernel
+def is_left_out(aim, c):
+    """Whether a step does not count: a break, where the largest of the others is to be least."""
+    return aim.kind == LARGEST and aim.loose[c]
 
 
 @kernel
@@ -64,13 +65,16 @@ def bound_of(aim, steps, first, last):
     most = 0.0
     for c in range(first, last):
         for j in range(7):
-            most = max(most, abs(steps[c, j]) * aim.scale[j])
+            if not is_left_out(aim, c):
+                most = max(most, abs(steps[c, j]) * aim.scale[j])
     mu = aim.weight
     t = mu + math.sqrt(mu * mu + most * most)
     for _ in range(TIMES):
         slope = 0.0
         bend = 0.0
         for c in range(first, last):
+            if is_left_out(aim, c):
+                continue
             for j in range(7):
                 x = steps[c, j] * aim.scale[j]
                 inverse = 1.0 / ((t - x) * (t + x))
@@ -95,14 +99,15 @@ def barrier(aim, steps, c, t):
 
 
 @kernel
-def value_of(aim, chain, settings, steps, first):
+def value_of(aim, chain, steps, first):
     """What all steps from number `first` on count, and the bound of the largest one."""
     n = chain.shape[0]
     if aim.kind == LARGEST:
         t = bound_of(aim, steps, first, n)
         total = t
         for c in range(first, n):
-            total += aim.weight * barrier(aim, steps, c, t)
+            if not is_left_out(aim, c):
+                total += aim.weight * barrier(aim, steps, c, t)
         return total, t
     total = 0.0
     for c in range(first, n):
@@ -113,7 +118,7 @@ def value_of(aim, chain, settings, steps, first):
         share = share_of(chain, c)
         for j in range(7):
             total += share * steps[c, j] * steps[c, j]
-        if keeps_within(aim, settings, steps, c):
+        if keeps_within(aim, c):
             within = barrier_within(aim, steps, c, share)
             if within == OUTSIDE:
                 return OUTSIDE, 0.0
@@ -134,12 +139,16 @@ def barrier_within(aim, steps, c, share):
 
 
 @kernel
-def write_terms(aim, chain, settings, steps, c, t, terms):
+def write_terms(aim, chain, steps, c, t, terms):
     """Write the derivatives (TERMS, 7) of a step; returns the second one by its bound t (0: it has none)."""
     share = share_of(chain, c)
     mu = aim.weight
+    if is_left_out(aim, c):
+        for j in range(7):
+            terms[GRADIENT, j], terms[WEIGHT, j], terms[CROSS, j] = 0.0, 0.0, 0.0
+        return 0.0
     if aim.kind == SQUARES or aim.kind == WITHIN:
-        within = keeps_within(aim, settings, steps, c)
+        within = keeps_within(aim, c)
         for j in range(7):
             terms[GRADIENT, j] = 2.0 * share * steps[c, j]
             terms[WEIGHT, j] = 2.0 * share

@@ -19,7 +19,6 @@ from srs_ik.kernels.layout.path import (
     BREAK,
     BY_CONTINUITY,
     BY_VELOCITY,
-    HELD_ROOM,
     IMPOSSIBLE,
     INVERSE_SPEED,
     LEAST_INVERSE,
@@ -280,23 +279,23 @@ def write_least(sheet, span):
 
 
 @kernel
-def is_beyond_room(sheet, i, span, held):
+def is_beyond_room(sheet, i, span, rooms):
     """Whether ways through a posture of a pose, or next to it in its strip, cost more than they may."""
     sag = sheet.nodes[i, NODE_SAG]
     if i > span.first and sheet.linked[i - 1]:
         sag = max(sag, sheet.nodes[i - 1, NODE_SAG])
-    return sheet.cost[i] - 0.25 * sag > held[i - span.first, HELD_ROOM]
+    return sheet.cost[i] - 0.25 * sag > rooms[i]
 
 
 @kernel
-def leave_out(sheet, span, held):
-    """Take the costs of postures of which no strip leads on to one that may cost so much; `held` are their rows."""
+def leave_out(sheet, span, rooms):
+    """Take the costs of postures of which no strip leads on to one that may cost as much as its room, `rooms` (N,)."""
     before = True
     for i in range(span.first, span.last):
-        beyond = is_beyond_room(sheet, i, span, held)
+        beyond = is_beyond_room(sheet, i, span, rooms)
         alone = before or not sheet.linked[i - 1]
         following = i + 1 < span.last and sheet.linked[i]
-        if beyond and alone and not (following and not is_beyond_room(sheet, i + 1, span, held)):
+        if beyond and alone and not (following and not is_beyond_room(sheet, i + 1, span, rooms)):
             sheet.cost[i] = IMPOSSIBLE
         before = beyond
     write_least(sheet, span)

@@ -36,11 +36,14 @@ SWEEPS = 24
 LONGEST_MOVE = 0.25
 """Longest move of a joint in one step, rad."""
 
-ENOUGH = 1e-8
-"""A step that gains less, relative to all, is the last one ..."""
+ENOUGH = 3e-7
+"""If less than this is left to gain, relative to all, by how gains shrink from step to step, one is the last ..."""
 
 ENOUGH_OF_WEIGHT = 0.02
 """... and with a barrier one that gains less of its weight for each step of the path."""
+
+SLOWEST_GAINS = 0.98
+"""Gains shrink to this part of the one before at most."""
 
 FASTEST = 1e5
 """Joint rates above this, rad/rad, belong to a posture next to a singularity: its arm angle stays."""
@@ -78,7 +81,7 @@ def solve_factored(diagonal, next_to, shares, x, n):
 
 
 @kernel
-def assemble(chain, aim, settings, steps, t, rate, system):
+def assemble(chain, aim, steps, t, rate, system):
     """Write the system of a step for the arm angles of a path with rates (n, 7).
 
     Returned is the corner below its border.
@@ -93,7 +96,7 @@ def assemble(chain, aim, settings, steps, t, rate, system):
     corner = 0.0
     for c in range(n):
         bound = bound_of(aim, steps, c, c + 1) if aim.kind == SLOWEST else t
-        by_bound = write_terms(aim, chain, settings, steps, c, bound, terms)
+        by_bound = write_terms(aim, chain, steps, c, bound, terms)
         if aim.kind == LARGEST:
             corner += by_bound
         bend = -1.0 / by_bound if aim.kind == SLOWEST else 0.0
@@ -225,13 +228,13 @@ def hold_beyond(P, course, line, move, rate):
 
 
 @kernel
-def direct(P, course, line, aim, settings, problem, damping):
+def direct(P, course, line, aim, problem, damping):
     """Write how far all arm angles move in a step into `system.spare`; `problem` are steps, bound, rates and system."""
     steps, t, rate, system = problem
     chain = course.chain
     n = chain.shape[0]
     for _ in range(HOLDS):
-        corner = assemble(chain, aim, settings, steps, t, rate, system)
+        corner = assemble(chain, aim, steps, t, rate, system)
         solve_system(system, corner, damping, n)
         if not hold_beyond(P, course, line, system.move, rate):
             break
@@ -256,21 +259,21 @@ def smooth(family, course, line, seed, aim, settings, space):
     steps = np.empty((n, 7))
     system = System(np.empty(n), np.empty(n), np.empty(n), np.empty(n), np.empty(n), np.empty(n), np.empty((TERMS, 7)))
     write_steps(chain, seed, settings, line.q, steps)
-    lowest, t = value_of(aim, chain, settings, steps, first)
-    damping = 0.0
+    lowest, t = value_of(aim, chain, steps, first)
+    damping, gain_before = 0.0, 0.0
     for _ in range(SWEEPS):
         if lowest == OUTSIDE or damping > MOST_DAMPING:
             break
         write_steps(chain, seed, settings, line.q, steps)
         write_rates(P, course, line, rate, space)
-        assemble(chain, aim, settings, steps, t, rate, system)
+        assemble(chain, aim, steps, t, rate, system)
         hold(P, course, line, system.move, rate)
-        direct(P, course, line, aim, settings, (steps, t, rate, system), damping)
+        direct(P, course, line, aim, (steps, t, rate, system), damping)
         gain = 0.0
         for _ in range(HALVINGS):
             move_all(P, course, line, rate, system.spare, moved, space)
             write_steps(chain, seed, settings, moved.q, steps)
-            total, t_moved = value_of(aim, chain, settings, steps, first)
+            total, t_moved = value_of(aim, chain, steps, first)
             if total < lowest:
                 gain = lowest - total
                 lowest = total
@@ -284,6 +287,11 @@ def smooth(family, course, line, seed, aim, settings, space):
             damping = max(10.0 * damping, 0.1)
             continue
         damping *= 0.1
-        if gain < (ENOUGH_OF_WEIGHT * n * aim.weight if aim.weight > 0.0 else ENOUGH * lowest):
+        shrunk = min(gain / gain_before, SLOWEST_GAINS) if gain_before > 0.0 else SLOWEST_GAINS
+        gain_before = gain
+        left, enough = gain * shrunk / (1.0 - shrunk), ENOUGH * lowest
+        if aim.weight > 0.0:
+            left, enough = gain, ENOUGH_OF_WEIGHT * n * aim.weight
+        if left < enough:
             break
     return lowest
