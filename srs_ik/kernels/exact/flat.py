@@ -24,6 +24,9 @@ from srs_ik.kernels.limb.goal import NO_SEED, OUTSIDE
 NEARLY_FLAT = 3e-6
 """Bends of the elbow below this, rad from straight or from folded, cannot be told apart within 1e-11 of reach."""
 
+ALMOST_FLAT = 1e-4
+"""Bends below this are told so badly that next to a singular shoulder or wrist the ends of intervals move with that."""
+
 SMALLEST_BEND = 2.5e-10
 """The smallest bend that is tried, but for none."""
 
@@ -31,8 +34,8 @@ LARGEST_BEND = 4e-6
 UNTOLD_REACH = 1e-11
 """The largest bend that is tried of a flat elbow; a smaller one where it would take more than this off the reach, m."""
 
-LEVELS = 13
-CLOSER = 0.25
+LEVELS = 26
+CLOSER = 0.5
 """Around a bend that brings outer axes into line others are tried, each closer to it by this factor."""
 
 SAME_BEND = 1e-6
@@ -53,6 +56,12 @@ twice the one before, up to about `NEARLY_FLAT`."""
 def is_as_good_as_flat(place_):
     """Whether a pose leaves the bend of the elbow open."""
     return place_[3] < NEARLY_FLAT
+
+
+@kernel
+def is_almost_flat(place_):
+    """Whether a pose tells the bend of the elbow badly, or leaves it open."""
+    return place_[3] < ALMOST_FLAT
 
 
 @kernel
