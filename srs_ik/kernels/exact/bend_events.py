@@ -76,23 +76,23 @@ def to_be_turned(P, place_, elbow, cos_psi, sin_psi):
 
 
 @kernel
-def add_bend(x, most, bends, n):
-    """Insert a bend into the sorted first n, if it lies between none and the largest; return how many they are then."""
-    return insert(x, bends, n) if 0.0 < x < most else n
+def add_bend(x, span, bends, n):
+    """Insert a bend into the sorted first n, if it lies between both of a span; return how many they are then."""
+    return insert(x, bends, n) if span[0] < x < span[1] else n
 
 
 @kernel
-def add_crossing(form, value, curve, most, bends, n):
+def add_crossing(form, value, curve, span, bends, n):
     """Insert the bend at which a vector on a curve has the product `value` with a form."""
     slope = dot(form, curve[1])
     if slope == 0.0:
         return n
     x = (value - dot(form, curve[0])) / slope
-    return add_bend(most * (x - x * x * dot(form, curve[2]) / slope), most, bends, n)
+    return add_bend(span[1] * (x - x * x * dot(form, curve[2]) / slope), span, bends, n)
 
 
 @kernel
-def add_joint(P, k, v, r, most, bends, n):
+def add_joint(P, k, v, r, span, bends, n):
     """Insert the bends at which the spherical joint at block k reaches a limit, the end of its reach or a singularity.
 
     v and r are the curves of R a3 and R'a1 from no bend to the largest.
@@ -100,29 +100,29 @@ def add_joint(P, k, v, r, most, bends, n):
     a1 = load3(P, k + A1)
     first = int(P[k + FIRST_JOINT])
     if P[RANGE_KIND + first] != 0.0:
-        n = add_crossing(load3(P, k + BOUND_1_LOWER), P[k + A2_A3], v, most, bends, n)
-        n = add_crossing(load3(P, k + BOUND_1_UPPER), P[k + A2_A3], v, most, bends, n)
+        n = add_crossing(load3(P, k + BOUND_1_LOWER), P[k + A2_A3], v, span, bends, n)
+        n = add_crossing(load3(P, k + BOUND_1_UPPER), P[k + A2_A3], v, span, bends, n)
     if P[RANGE_KIND + first + 1] != 0.0:
-        n = add_crossing(a1, P[k + BOUND_2_LOWER], v, most, bends, n)
-        n = add_crossing(a1, P[k + BOUND_2_UPPER], v, most, bends, n)
+        n = add_crossing(a1, P[k + BOUND_2_LOWER], v, span, bends, n)
+        n = add_crossing(a1, P[k + BOUND_2_UPPER], v, span, bends, n)
     if P[RANGE_KIND + first + 2] != 0.0:
-        n = add_crossing(load3(P, k + BOUND_3_LOWER), P[k + A1_A2], r, most, bends, n)
-        n = add_crossing(load3(P, k + BOUND_3_UPPER), P[k + A1_A2], r, most, bends, n)
-    n = add_crossing(a1, 1.0 - P[k + TOP_GAP], v, most, bends, n)
-    n = add_crossing(a1, P[k + BOTTOM_GAP] - 1.0, v, most, bends, n)
+        n = add_crossing(load3(P, k + BOUND_3_LOWER), P[k + A1_A2], r, span, bends, n)
+        n = add_crossing(load3(P, k + BOUND_3_UPPER), P[k + A1_A2], r, span, bends, n)
+    n = add_crossing(a1, 1.0 - P[k + TOP_GAP], v, span, bends, n)
+    n = add_crossing(a1, P[k + BOTTOM_GAP] - 1.0, v, span, bends, n)
     beside, way = across(v[0], a1), across(v[1], a1)
     square = dot(way, way)
-    return add_bend(-most * dot(beside, way) / square, most, bends, n) if square > 0.0 else n
+    return add_bend(-span[1] * dot(beside, way) / square, span, bends, n) if square > 0.0 else n
 
 
 @kernel
-def add_elbow(P, place_, elbow, most, bends, n):
+def add_elbow(P, place_, elbow, span, bends, n):
     """Insert the bends beyond which the elbow itself leaves its limits."""
     c4, s4, _ = elbow_at(P, bent_place(place_, 0.0), elbow)
     q4 = turn_to_middle(P, 3, math.atan2(s4, c4))
     way = 1.0 if (elbow == 0) == (place_[2] > 0.0) else -1.0
-    n = add_bend(way * (P[UPPER + 3] + P[SLACK_LIMIT] - q4), most, bends, n)
-    return add_bend(way * (P[LOWER + 3] - P[SLACK_LIMIT] - q4), most, bends, n)
+    n = add_bend(way * (P[UPPER + 3] + P[SLACK_LIMIT] - q4), span, bends, n)
+    return add_bend(way * (P[LOWER + 3] - P[SLACK_LIMIT] - q4), span, bends, n)
 
 
 @kernel
@@ -133,25 +133,26 @@ def curve(start, middle, end):
 
 
 @kernel
-def bends_at(P, place_, psi, elbow, most, bends):
-    """Fill in the sorted bends at which anything changes at one arm angle, none and the largest included; their number.
+def bends_at(P, place_, psi, elbow, span, bends):
+    """Fill in the sorted bends at which anything changes at one arm angle, those of the span included; their number.
 
     Args:
         P: packed limb.
         place_: a pose whose elbow is as good as flat.
         psi: the arm angle, rad.
         elbow: side of the elbow, 0 or 1.
-        most: sine of the largest bend.
+        span: sines of the smallest and the largest bend.
         bends: (MOST_EVENTS,) output.
     """
     c, s = math.cos(psi), math.sin(psi)
+    most = span[1]
     s_0, w_0 = to_be_turned(P, bent_place(place_, 0.0), elbow, c, s)
     s_1, w_1 = to_be_turned(P, bent_place(place_, 0.5 * most), elbow, c, s)
     s_2, w_2 = to_be_turned(P, bent_place(place_, most), elbow, c, s)
-    n = add_joint(P, SHOULDER, curve(s_0[0], s_1[0], s_2[0]), curve(s_0[1], s_1[1], s_2[1]), most, bends, 0)
-    n = add_joint(P, WRIST, curve(w_0[0], w_1[0], w_2[0]), curve(w_0[1], w_1[1], w_2[1]), most, bends, n)
-    n = add_elbow(P, place_, elbow, most, bends, n)
-    return insert(most, bends, insert(0.0, bends, n))
+    n = add_joint(P, SHOULDER, curve(s_0[0], s_1[0], s_2[0]), curve(s_0[1], s_1[1], s_2[1]), span, bends, 0)
+    n = add_joint(P, WRIST, curve(w_0[0], w_1[0], w_2[0]), curve(w_0[1], w_1[1], w_2[1]), span, bends, n)
+    n = add_elbow(P, place_, elbow, span, bends, n)
+    return insert(most, bends, insert(span[0], bends, n))
 
 
 @kernel
@@ -179,22 +180,22 @@ def off_line(P, place_, k, elbow, end, x):
 
 
 @kernel
-def bend_in_line(P, place_, k, elbow, end, most):
-    """The bend up to the largest at which outer axes of a spherical joint come closest to one line; -1 where none is.
+def bend_in_line(P, place_, k, elbow, end, span):
+    """The bend in a span at which outer axes of a spherical joint come closest to one line; -1 where none is.
 
     The end says whether they point the same way there (0) or opposite ways (1).
     """
     if P[k + (TOP_GAP if end == 0 else BOTTOM_GAP)] != 0.0:
         return -1.0
-    x0, x1 = 0.0, most
+    x0, x1 = span
     y0, y1 = off_line(P, place_, k, elbow, end, x0), off_line(P, place_, k, elbow, end, x1)
-    if min(abs(y0), abs(y1)) > 4.0 * most:
+    if y0 * y1 > 0.0 and min(abs(y0), abs(y1)) > 4.0 * span[1]:
         return -1.0
     best, least = (x0, abs(y0)) if abs(y0) < abs(y1) else (x1, abs(y1))
     for _ in range(SECANTS):
         if y1 == y0:
             break
-        x0, x1 = x1, min(max(x1 - y1 * (x1 - x0) / (y1 - y0), 0.0), most)
+        x0, x1 = x1, min(max(x1 - y1 * (x1 - x0) / (y1 - y0), span[0]), span[1])
         y0, y1 = y1, off_line(P, place_, k, elbow, end, x1)
         if abs(y1) < least:
             best, least = x1, abs(y1)

@@ -24,15 +24,18 @@ from srs_ik.kernels.limb.goal import NO_SEED, OUTSIDE
 NEARLY_FLAT = 3e-6
 """Bends of the elbow below this, rad from straight or from folded, cannot be told apart within 1e-11 of reach."""
 
+ALMOST_FLAT = 1e-4
+"""Bends below this are told so badly that next to a singular shoulder or wrist the ends of intervals move with that."""
+
 SMALLEST_BEND = 2.5e-10
 """The smallest bend that is tried, but for none."""
 
 LARGEST_BEND = 4e-6
 UNTOLD_REACH = 1e-11
-"""The largest bend that is tried; a smaller one where it would take more than this off the reach, m."""
+"""The largest bend that is tried of a flat elbow; a smaller one where it would take more than this off the reach, m."""
 
-LEVELS = 13
-CLOSER = 0.25
+LEVELS = 26
+CLOSER = 0.5
 """Around a bend that brings outer axes into line others are tried, each closer to it by this factor."""
 
 SAME_BEND = 1e-6
@@ -53,6 +56,12 @@ twice the one before, up to about `NEARLY_FLAT`."""
 def is_as_good_as_flat(place_):
     """Whether a pose leaves the bend of the elbow open."""
     return place_[3] < NEARLY_FLAT
+
+
+@kernel
+def is_almost_flat(place_):
+    """Whether a pose tells the bend of the elbow badly, or leaves it open."""
+    return place_[3] < ALMOST_FLAT
 
 
 @kernel
@@ -97,19 +106,20 @@ def merge(P, place_, x, found, both, out, n):
 
 
 @kernel
-def largest_bend(P, place_):
-    """The largest bend that is tried of a pose whose elbow is as good as flat."""
-    reach = P[FAR] if place_[2] > 0.0 else P[NEAR]
+def span_of_bends(P, place_):
+    """The smallest and the largest bend that are tried of a pose whose elbow is as good as flat, as sines."""
+    reach, own = P[FAR] if place_[2] > 0.0 else P[NEAR], place_[3]
     untold = math.sqrt(8.0 * UNTOLD_REACH * reach / ((P[FAR] - P[NEAR]) * (P[FAR] + P[NEAR])))
-    return max(min(LARGEST_BEND, untold), place_[3], SMALLEST_BEND)
+    untold = max(min(LARGEST_BEND, untold), SMALLEST_BEND)
+    return math.sqrt(max(own * own - untold * untold, 0.0)), math.sqrt(own * own + untold * untold)
 
 
 @kernel
-def take_centres(P, place_, most, centres):
+def take_centres(P, place_, span, centres):
     """Fill in the bends at which outer axes come into line, each once; their number."""
     n = 0
     for i in range(8):
-        x = bend_in_line(P, place_, SHOULDER if i < 4 else WRIST, (i >> 1) & 1, i & 1, most)
+        x = bend_in_line(P, place_, SHOULDER if i < 4 else WRIST, (i >> 1) & 1, i & 1, span)
         known = x < 0.0
         for j in range(n):
             known = known or abs(x - centres[j]) <= SAME_BEND * x
@@ -123,10 +133,10 @@ def take_centres(P, place_, most, centres):
 def is_met(asked, psi):
     """Whether a branch of a pose with a flat elbow has a posture at an arm angle, at any bend.
 
-    `asked` holds the packed limb, the pose, the branch, the largest bend, and work space, (MOST_EVENTS,).
+    `asked` holds the packed limb, the pose, the branch, the span of bends, and work space, (MOST_EVENTS,).
     """
-    P, place_, branch, most, bends = asked
-    n = bends_at(P, place_, psi, branch >> 2, most, bends)
+    P, place_, branch, span, bends = asked
+    n = bends_at(P, place_, psi, branch >> 2, span, bends)
     for i in range(2 * n - 1):
         x = bends[i // 2] if i % 2 == 0 else 0.5 * (bends[i // 2] + bends[i // 2 + 1])
         if best_branch(P, bent_place(place_, x), psi, branch, False, NO_SEED, True)[2] < OUTSIDE:
@@ -185,7 +195,7 @@ def ends_of(asked, lower, upper, before, behind):
 
 
 @kernel
-def stretch(P, place_, most, rows, out):
+def stretch(P, place_, span, rows, out):
     """Take the ends of sorted intervals of all branches as far as any bend allows; write them to out; their number."""
     bends = np.empty(MOST_EVENTS)
     n, first, count = rows.shape[0], 0, 0
@@ -193,7 +203,7 @@ def stretch(P, place_, most, rows, out):
         branch, last = int(rows[first, 0]), first
         while last + 1 < n and int(rows[last + 1, 0]) == branch:
             last += 1
-        asked = (P, place_, branch, most, bends)
+        asked = (P, place_, branch, span, bends)
         begin = count
         for i in range(first, last + 1):
             before = rows[i - 1, 2] if i > first else rows[last, 2] - TURN
@@ -215,19 +225,19 @@ def intervals_of_bends(family, place_, respect, out, n):
     found, both = np.empty((8 * MAX_PIECES, 3)), np.empty((16 * MAX_PIECES, 3))
     centres = np.empty(8)
     P = row(family, LOOSE + (LIMITED if respect else FREE))
-    most = largest_bend(P, place_)
+    span = span_of_bends(P, place_)
     for i in range(3):
-        n = merge(P, place_, place_[3] if i == 0 else (0.0 if i == 1 else most), found, both, out, n)
-    for i in range(take_centres(P, place_, most, centres)):
+        n = merge(P, place_, place_[3] if i == 0 else span[i - 1], found, both, out, n)
+    for i in range(take_centres(P, place_, span, centres)):
         n = merge(P, place_, centres[i], found, both, out, n)
-        away = most
+        away = span[1]
         for _ in range(LEVELS):
             away *= CLOSER
-            if centres[i] > away:
+            if centres[i] - away > span[0]:
                 n = merge(P, place_, centres[i] - away, found, both, out, n)
-            if centres[i] + away < most:
+            if centres[i] + away < span[1]:
                 n = merge(P, place_, centres[i] + away, found, both, out, n)
     for i in range(n):
         for c in range(3):
             both[i, c] = out[i, c]
-    return stretch(P, place_, most, both[:n], out)
+    return stretch(P, place_, span, both[:n], out)

@@ -6,10 +6,12 @@ import math
 
 from srs_ik.kernels.algebra.lane_trig import turn
 from srs_ik.kernels.algebra.lanes import as_bits, eight_of, root, where
-from srs_ik.kernels.algebra.vectors import swing
+from srs_ik.kernels.algebra.vectors import add, dot, load3, sub, swing
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.limb import (
+    A1,
     BAND,
+    BOTTOM_GAP,
     COS_LOWER,
     COS_UPPER,
     FIRST_JOINT,
@@ -17,6 +19,7 @@ from srs_ik.kernels.layout.limb import (
     SIN_LOWER,
     SIN_UPPER,
     SLACK_LIMIT,
+    TOP_GAP,
 )
 from srs_ik.kernels.limb.limits import TURN, is_inside, turn_to_middle, violation
 from srs_ik.kernels.limb.spherical import angles, middle_anchor, middle_angle, sines
@@ -26,6 +29,10 @@ ALL = 0b11111111
 
 NARROW = 1e-6
 """A gap narrower than this, rad, is looked at by itself: next to what it lies between, rounding decides."""
+
+
+AT_ITS_END = 1e-12
+"""A cosine this far out of the reach of oblique axes is at its end, as far as a pose with a folded elbow tells."""
 
 
 @kernel
@@ -61,6 +68,20 @@ def feasible_signs(P, k, motion, psi, wanted):
         return 0
     first = 1 if wanted & 1 and fits(P, k, v, y, c, s, 0) else 0
     return first | (2 if wanted & 2 and fits(P, k, v, y, c, s, 1) else 0)
+
+
+@kernel
+def almost_fits(P, k, motion, psi, sign):
+    """Whether one solution of a spherical joint keeps the limits at an arm angle where its reach may end."""
+    cos_psi = math.cos(psi)
+    sin_psi = math.sin(psi)
+    v0, y0, _ = motion
+    v = swing(v0[0], v0[1], v0[2], cos_psi, sin_psi)
+    y = swing(y0[0], y0[1], y0[2], cos_psi, sin_psi)
+    c, s, _ = middle_angle(P, k, v)
+    up, down = sub(v, load3(P, k + A1)), add(v, load3(P, k + A1))
+    short = max(P[k + TOP_GAP] - 0.5 * dot(up, up), P[k + BOTTOM_GAP] - 0.5 * dot(down, down))
+    return short < AT_ITS_END and fits(P, k, v, y, c, s, sign)
 
 
 @kernel

@@ -13,7 +13,7 @@ import math
 import numpy as np
 
 from srs_ik.kernels.algebra.vectors import dot, load3, norm, swing
-from srs_ik.kernels.exact.gaps import feasible_signs, mark_gaps
+from srs_ik.kernels.exact.gaps import almost_fits, feasible_signs, mark_gaps
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.answer import MAX_EVENTS, MAX_PIECES
 from srs_ik.kernels.layout.limb import (
@@ -295,12 +295,10 @@ def join_touching(out, first, n):
 def touch(P, motions, signs, lower, upper):
     """The arm angle at which a shoulder and a wrist solution touch that rounding keeps apart, and whether they do."""
     middle = 0.5 * (lower + upper)
-    shoulder, wrist = 1 << signs[0], 1 << signs[1]
     for i in range(3):
         psi = middle if i == 0 else (lower if i == 1 else upper)
-        if feasible_signs(P, SHOULDER, motions[0], psi, shoulder) != 0:
-            if feasible_signs(P, WRIST, motions[1], psi, wrist) != 0:
-                return psi, True
+        if almost_fits(P, SHOULDER, motions[0], psi, signs[0]) and almost_fits(P, WRIST, motions[1], psi, signs[1]):
+            return psi, True
     return middle, False
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from srs_ik.kernels.algebra.pointers import row
-from srs_ik.kernels.exact.flat import intervals_of_bends, is_as_good_as_flat
+from srs_ik.kernels.exact.flat import intervals_of_bends, is_almost_flat
 from srs_ik.kernels.exact.intervals import find_intervals
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.answer import SOLVED
@@ -22,7 +22,7 @@ def all_intervals(family, target, respect, J, A, out):
     if abs(place_[5]) >= SOLVED:
         return 0
     n = find_intervals(row(family, LIMITED if respect else FREE), place_, -1, out)
-    if is_as_good_as_flat(place_):
+    if is_almost_flat(place_):
         return intervals_of_bends(family, place_, respect, out, n)
     if n == 0 and respect:
         # A pose whose postures all lie on limits leaves room by rounding alone.

@@ -20,7 +20,7 @@ from srs_ik.kernels.chain.kinematics import pose_error
 from srs_ik.kernels.chain.newton import CLOSED, LEFT, ROUNDING, arm_angle, clipped, close_free, shortest_step
 from srs_ik.kernels.exact.bend_events import MOST_EVENTS, bends_at
 from srs_ik.kernels.exact.bends import bent_place
-from srs_ik.kernels.exact.flat import is_as_good_as_flat, largest_bend
+from srs_ik.kernels.exact.flat import is_almost_flat, span_of_bends
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.answer import (
     GOOD_POSE,
@@ -197,11 +197,11 @@ def at_any_bend(family, target, psi, branch, goal, found):
     best = found
     loose = row(family, LOOSE)
     bends = np.empty(MOST_EVENTS)
-    most = largest_bend(loose, target.place)
+    span = span_of_bends(loose, target.place)
     for elbow in range(2):
         if branch >= 0 and branch >> 2 != elbow:
             continue
-        n = bends_at(loose, target.place, psi, elbow, most, bends)
+        n = bends_at(loose, target.place, psi, elbow, span, bends)
         for i in range(2 * n):
             x = bends[i // 2] if i % 2 == 0 else 0.5 * (bends[i // 2] + bends[min(i // 2 + 1, n - 1)])
             place_ = bent_place(target.place, x)
@@ -229,7 +229,7 @@ def solve_row_at(family, T, psi, asked, J, A, out):
     goal = Goal(seed is not None, seed_or_zero(seed), respect)
     found = put_on_limits(P, target, psi, solve_at_angle(P, target, psi, branch, goal, J, A), goal)
     if J is None:
-        if found[2] >= OUTSIDE and is_as_good_as_flat(target.place):
+        if found[2] >= OUTSIDE and is_almost_flat(target.place):
             found = at_any_bend(family, target, psi, branch, goal, found)
     measure_row_at(P, target, psi, found, respect, row(out, 0))
     return GOOD_POSE
@@ -257,7 +257,7 @@ def all_branches(family, T, asked, J, A, out, first):
         put_some(rows, ROW_POSITION_ERROR, ROW, measured, position)
         put_some(rows, ROW_ORIENTATION_ERROR, ROW, measured, orientation)
         right = as_bits(measured)
-        flat = is_as_good_as_flat(place_)
+        flat = is_almost_flat(place_)
         splits = respect and right != ALL and (flat or may_split(P, place_))
         for branch in range(8):
             answer = row(out, first + branch)
