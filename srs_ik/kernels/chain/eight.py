@@ -63,11 +63,18 @@ def tip_errors(P, q, R, p):
 
 
 @kernel
-def in_own_branch(P, q):
-    """Which of eight postures, as bits, lie each in the branch of its place among them."""
+def sines_of_eight(P, q):
+    """Sines of the middle angles of eight postures, from their phases on: shoulder, elbow, wrist."""
     _, s2 = turn(q[1] - P[SHOULDER + PHASE])
     _, s4 = turn(q[3] - P[STRAIGHT])
     _, s6 = turn(q[5] - P[WRIST + PHASE])
+    return s2, s4, s6
+
+
+@kernel
+def in_own_branch(P, q):
+    """Which of eight postures, as bits, lie each in the branch of its place among them."""
+    s2, s4, s6 = sines_of_eight(P, q)
     wrong = as_bits(s4 < 0.0) ^ BEYOND_STRAIGHT
     wrong |= as_bits(s2 < 0.0) ^ BEYOND_SHOULDER
     wrong |= as_bits(s6 < 0.0) ^ BEYOND_WRIST
@@ -75,10 +82,8 @@ def in_own_branch(P, q):
 
 
 @kernel
-def branches_of(P, q):
-    """The branches of eight postures, as eight floats."""
-    _, s2 = turn(q[1] - P[SHOULDER + PHASE])
-    _, s4 = turn(q[3] - P[STRAIGHT])
-    _, s6 = turn(q[5] - P[WRIST + PHASE])
+def branches_of(sines):
+    """The branches of eight postures, as eight floats, from the sines of their middle angles."""
+    s2, s4, s6 = sines
     none = 0.0 * s2
     return where(s4 < 0.0, none + 4.0, none) + where(s2 < 0.0, none + 2.0, none) + where(s6 < 0.0, none + 1.0, none)

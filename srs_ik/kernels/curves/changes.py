@@ -5,11 +5,12 @@ from __future__ import annotations
 import math
 
 from srs_ik.kernels.algebra.joint_vectors import along7, difference, dot7, short_way
+from srs_ik.kernels.algebra.minimum import lowest_of_cubic
 from srs_ik.kernels.algebra.roots import has_settled, next_parameter, start_crossing, tell_figure
 from srs_ik.kernels.curves.ends import meet, on_chord, on_curve, sample_before
 from srs_ik.kernels.curves.follow import tangent_at
-from srs_ik.kernels.curves.in_step import load_sample
-from srs_ik.kernels.curves.told import TOLD_MIDDLES
+from srs_ik.kernels.curves.in_step import ARC, load_sample
+from srs_ik.kernels.curves.told import TOLD_MIDDLES, TOLD_SINES
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.limb.branches import phase_of, sine_of
 
@@ -25,11 +26,11 @@ CHANGE_STEPS = 60
 DIP_STEPS = 8
 """Steps that find where an angle changes sides, and where one that stays on its side comes closest to the other."""
 
-ARC = 1.1
-"""The way along a curve between two samples, at most, for the difference of their parameters."""
-
 FORETOLD = 4.0
 """What is so many times as far from zero as from what was foretold does not reach zero."""
+
+FROM_ENDS = 0.01
+"""Where a figure is lowest between two samples is looked for no closer to them than this part of the way."""
 
 
 @kernel
@@ -89,21 +90,6 @@ def rate_of_sine(P, by, q, middle, chord):
 
 
 @kernel
-def lowest_of_cubic(a, b):
-    """Where the cubic through two points is lowest, as a share of the way, and how low.
-
-    A point is given as its parameter, its figure and the figure's rate, which falls at the first and rises at the last.
-    """
-    h = b[0] - a[0]
-    fall, rise = a[2] * h, b[2] * h
-    c2 = 3.0 * (b[1] - a[1]) - 2.0 * fall - rise
-    c3 = 2.0 * (a[1] - b[1]) + fall + rise
-    share = -fall / (c2 + math.sqrt(max(c2 * c2 - 3.0 * c3 * fall, 0.0)))
-    share = min(max(share, 0.01), 0.99)
-    return share, a[1] + share * (fall + share * (c2 + share * c3))
-
-
-@kernel
 def dip_between(P, by, curve, middle, a, b):
     """A parameter between two samples of one side at which a middle angle is on the other: it, its sine, if any.
 
@@ -117,8 +103,7 @@ def dip_between(P, by, curve, middle, a, b):
     for _ in range(DIP_STEPS):
         if first[2] >= 0.0 or last[2] <= 0.0:
             break
-        share, foretold = lowest_of_cubic(first, last)
-        x = first[0] + share * (last[0] - first[0])
+        x, foretold = lowest_of_cubic(first, last, FROM_ENDS)
         q, _ = on_curve(P, by, 0, curve, x)
         height = side * sine_of(P, q, middle)
         if height < 0.0:
@@ -140,7 +125,7 @@ def may_dip(P, middle, a, b, told):
     A sample is given as its posture, the rates of middle angles that both tell as rows of `told`.
     """
     joint, phase = 1 + 2 * middle, phase_of(P, middle)
-    side = math.copysign(1.0, sine_of(P, a, middle))
+    side = math.copysign(1.0, told[0][TOLD_SINES + middle])
     rate_a = side * math.cos(a[joint] - phase) * told[0][TOLD_MIDDLES + middle]
     rate_b = side * math.cos(b[joint] - phase) * told[1][TOLD_MIDDLES + middle]
     return rate_a < 0.0 < rate_b
@@ -156,7 +141,7 @@ def find_changes(P, by, curve, i, told, changes):
     q_a, q_b = load_sample(curve.rows[i - 1]), load_sample(curve.rows[i])
     n = 0
     for middle in range(3):
-        at_a, at_b = sine_of(P, q_a, middle), sine_of(P, q_b, middle)
+        at_a, at_b = told[i - 1, TOLD_SINES + middle], told[i, TOLD_SINES + middle]
         if (at_a >= 0.0) != (at_b >= 0.0):
             n = put_change(changes, n, change_between(P, by, curve, middle, (x_a, at_a), (x_b, at_b)), middle)
         elif abs(at_a + at_b) < ARC * (x_b - x_a) and may_dip(P, middle, q_a, q_b, (told[i - 1], told[i])):

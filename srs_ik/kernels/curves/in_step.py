@@ -26,6 +26,9 @@ SAMPLE = 8
 LONGEST_STEP = 0.3
 """Length of a step, rad."""
 
+ARC = 1.1
+"""The way along a curve between two samples, at most, for the difference of their parameters."""
+
 SHORTEST_STEP = 1e-7
 """Steps shorter than this, rad, mean a curve that cannot be followed."""
 

@@ -15,7 +15,6 @@ from srs_ik.kernels.chain.eight import ALL, put_eight, take_eight
 from srs_ik.kernels.chain.newton_eight import all_along, dot_seven
 from srs_ik.kernels.curves.in_step import (
     BESIDE,
-    BEYOND,
     LANE,
     LANE_BEND,
     LANE_STEP,
@@ -61,12 +60,9 @@ def read_way(mark):
 
 
 @kernel
-def shares_of_ways(P, q, way, chord, length2, mark):
-    """The shares of the ways of eight curves, from postures along chords, at which a mark is passed; 2 where it is not.
-
-    The unit vectors along the curves are given, and the squares of the lengths of the chords.
-    """
-    to_mark = (
+def ways_to(mark, q):
+    """The short ways from eight postures to a mark."""
+    return (
         short_ways(mark[0] - q[0]),
         short_ways(mark[1] - q[1]),
         short_ways(mark[2] - q[2]),
@@ -75,6 +71,15 @@ def shares_of_ways(P, q, way, chord, length2, mark):
         short_ways(mark[5] - q[5]),
         short_ways(mark[6] - q[6]),
     )
+
+
+@kernel
+def shares_of_ways(P, q, way, chord, mark, to_mark):
+    """The shares of the ways of eight curves, from postures along chords, at which a mark is passed; 2 where it is not.
+
+    The unit vectors along the curves are given, and the ways to the mark.
+    """
+    length2 = dot_seven(chord, chord)
     along_chord = dot_seven(to_mark, chord)
     share = along_chord / length2
     off2 = dot_seven(to_mark, to_mark) - share * along_chord
@@ -92,15 +97,20 @@ def find_passed(P, before, after, which, marks, count):
     q = take_eight(before, LANE)
     chord = all_along(take_eight(after, LANE), -1.0, q)
     way = take_ways(before, 7, LANE)
-    length2 = dot_seven(chord, chord)
-    shares = 2.0 + 0.0 * length2
+    # Farther away than the chord is long and a mark may be aside, none is passed.
+    reach2 = (1.0 + 2.0 * BESIDE * BESIDE) * dot_seven(chord, chord)
+    reach = root(reach2)
+    shares = 2.0 + 0.0 * reach
     passed = shares - 3.0
     for m in range(count):
         mark = marks[m]
-        near = (abs(short_ways(q[1] - mark[1])) < BEYOND) & (abs(short_ways(q[5] - mark[5])) < BEYOND)
+        near = (abs(short_ways(q[1] - mark[1])) < reach) & (abs(short_ways(q[5] - mark[5])) < reach)
         if which & as_bits(near) == 0:
             continue
-        share = shares_of_ways(P, q, way, chord, length2, mark)
+        to_mark = ways_to(mark, q)
+        if which & as_bits(dot_seven(to_mark, to_mark) < reach2) == 0:
+            continue
+        share = shares_of_ways(P, q, way, chord, mark, to_mark)
         earlier = share < shares
         shares = where(earlier, share, shares)
         passed = where(earlier, m + 0.0 * share, passed)

@@ -16,7 +16,7 @@ from srs_ik.kernels.chain.newton import arm_angle, clipped
 from srs_ik.kernels.curves.ends import dip, edge, is_exact, on_curve, put_infeasibilities
 from srs_ik.kernels.curves.follow import CURVE, MAX_CURVES, follow_all, put
 from srs_ik.kernels.curves.gaps import put_bounds, put_gaps
-from srs_ik.kernels.curves.in_step import SAMPLE, load_sample
+from srs_ik.kernels.curves.in_step import ARC, SAMPLE, load_sample
 from srs_ik.kernels.exact.samples import take_samples
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.asked import Runs, Samples, Setting
@@ -146,6 +146,12 @@ def sample_branch(P, by, branch, ends, work, line):
 
 
 @kernel
+def may_change(f, next_f, way):
+    """Whether some limit may be met between two samples, given how far they are outside their limits, on such a way."""
+    return f + next_f > -way and max(f, next_f) < way
+
+
+@kernel
 def unroll(P, by, rows, curve, line):
     """Copy a followed curve to line, a closed one from its posture farthest outside the limits on; rows in use.
 
@@ -154,9 +160,9 @@ def unroll(P, by, rows, curve, line):
     first = int(curve[0])
     count = int(curve[1]) - first
     start = 0
+    off = np.empty((rows.shape[0], 1))
+    put_infeasibilities(P, Samples(rows, first, first + count), by.respect, off)
     if curve[2] == 1.0:
-        off = np.empty((rows.shape[0], 1))
-        put_infeasibilities(P, Samples(rows, first, first + count), by.respect, off)
         worst = 0.0
         for i in range(count - 1):
             if off[first + i, 0] > worst:
@@ -166,6 +172,7 @@ def unroll(P, by, rows, curve, line):
     n = 0
     x = 0.0
     q = NO_SEED
+    f = 0.0
     for i in range(count):
         j = start + i
         round_ = 0.0
@@ -174,7 +181,8 @@ def unroll(P, by, rows, curve, line):
             round_ = length
         next_x = rows[first + j, 0] + round_
         next_q = load_sample(rows[first + j])
-        if by.respect and i > 0:
+        next_f = off[first + j, 0]
+        if by.respect and i > 0 and may_change(f, next_f, ARC * (next_x - x)):
             for k in range(put_gaps(P, by, (x, q), (next_x, next_q), gaps, 0)):
                 gap_x, gap_q = gaps[k, 0], load_sample(gaps[k])
                 n = put_bounds(P, by, (x, q), (gap_x, gap_q), line, n)
@@ -182,7 +190,7 @@ def unroll(P, by, rows, curve, line):
                 x, q = gap_x, gap_q
             n = put_bounds(P, by, (x, q), (next_x, next_q), line, n)
         n = put(line, n, next_x, next_q)
-        x, q = next_x, next_q
+        x, q, f = next_x, next_q, next_f
     return n
 
 

@@ -8,7 +8,6 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from srs_ik.kernels.algebra.joint_vectors import short_way
-from srs_ik.kernels.algebra.minimum import propose, start_search, tell
 from srs_ik.kernels.curves.changes import CHANGE, CHANGE_AT, CHANGE_MIDDLE, MOST_CHANGES, find_changes
 from srs_ik.kernels.curves.ends import on_curve, sample_before
 from srs_ik.kernels.curves.runs import samples_of
@@ -21,8 +20,9 @@ from srs_ik.kernels.curves.told import (
     tell_samples,
     turn_at,
 )
+from srs_ik.kernels.curves.turning import turning_between
 from srs_ik.kernels.jit import kernel
-from srs_ik.kernels.layout.search import MAX_RUNS, SMOOTH, STATE
+from srs_ik.kernels.layout.search import MAX_RUNS
 from srs_ik.kernels.limb.branches import bit_of
 
 SPAN = 6
@@ -39,36 +39,15 @@ SHORT_TURN = 1e-7
 there is on the border of those before and behind."""
 
 TURNING = 1e-9
-TURNED = 1e-12
-"""An arm angle that goes back by more than the first, rad, has turned around. There it is the same up to the second."""
+"""An arm angle that goes back by more than this, rad, has turned around."""
 
 
 @kernel
-def ahead_at(P, by, curve, x, psi, sign):
-    """How far, in the direction of a sign, the arm angle at a parameter is from one nearby."""
-    q, _ = on_curve(P, by, 0, curve, x)
-    return sign * short_way(angle_at(P, by, q) - psi)
-
-
-@kernel
-def turning_angle(P, by, curve, points, psi, sign):
-    """The farthest arm angle, in the direction of a sign, between the outer of three parameters; psi at the middle."""
-    a, x, b = points
-    at_a = ahead_at(P, by, curve, a, psi, sign)
-    at_b = ahead_at(P, by, curve, b, psi, sign)
-    farthest = max(at_a, at_b, 0.0)
-    S = np.empty(STATE)
-    start_search(S, a, x, b, -at_a, 0.0, -at_b, SMOOTH)
-    while True:
-        wanted, more = propose(S)
-        if not more:
-            break
-        ahead = ahead_at(P, by, curve, wanted, psi, sign)
-        tell(S, -ahead)
-        if abs(ahead - farthest) < TURNED:
-            break
-        farthest = max(farthest, ahead)
-    return psi + sign * farthest
+def turning_angle(P, by, curve, ends, psi, sign):
+    """The farthest arm angle, in the direction of a sign, between two parameters; psi is close by."""
+    a, _ = on_curve(P, by, 0, curve, ends[0])
+    b, _ = on_curve(P, by, 0, curve, ends[1])
+    return psi + short_way(angle_at(P, by, turning_between(P, by, a, b, sign)) - psi)
 
 
 @kernel
@@ -112,11 +91,13 @@ def take_turn(P, by, curve, span, passed, x, to):
         # Somewhere between the samples before and behind the last one.
         before = max(sample_before(curve, span[3]) - 1, curve.first)
         sign = math.copysign(1.0, rise)
-        points = (max(span[2], curve.rows[before, 0]), span[3], x)
-        extend(span, span[3], turning_angle(P, by, curve, points, psi, sign))
+        there, _ = on_curve(P, by, 0, curve, span[3])
+        rises = turn_at(P, by, there) * sign > 0.0
+        ends = (span[3], x) if rises else (max(span[2], curve.rows[before, 0]), span[3])
+        extend(span, span[3], turning_angle(P, by, curve, ends, psi, sign))
     elif abs(change) > TURNING and change * behind < 0.0:
         sign = math.copysign(1.0, change)
-        extend(span, x, turning_angle(P, by, curve, (span[3], span[3], x), psi, sign))
+        extend(span, x, turning_angle(P, by, curve, (span[3], x), psi, sign))
 
 
 @kernel

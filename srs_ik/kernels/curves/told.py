@@ -9,18 +9,21 @@ from srs_ik.kernels.algebra.lane_trig import angle_of, turn, turns_of
 from srs_ik.kernels.algebra.lanes import as_bits, root, scatter
 from srs_ik.kernels.algebra.pointers import row
 from srs_ik.kernels.algebra.vectors import cross, dot, load3, sub
-from srs_ik.kernels.chain.eight import branches_of
+from srs_ik.kernels.chain.eight import branches_of, sines_of_eight
 from srs_ik.kernels.chain.kinematics import turn_about_line
 from srs_ik.kernels.chain.newton import arm_angle
 from srs_ik.kernels.chain.newton_eight import all_along, curve_step
 from srs_ik.kernels.curves.follow import tangent_at
 from srs_ik.kernels.curves.in_step import SAMPLE, load_sample, short_ways, take_ways
 from srs_ik.kernels.jit import kernel
-from srs_ik.kernels.layout.limb import ELBOW_CENTRE, PHASE, SHOULDER_CENTRE, WRIST
+from srs_ik.kernels.layout.limb import ELBOW_CENTRE, SHOULDER_CENTRE
+from srs_ik.kernels.limb.branches import sine_of
 
-TOLD = 6
+TOLD = 9
 TOLD_BRANCH, TOLD_PSI, TOLD_RATE, TOLD_MIDDLES = range(4)
-"""What a sample tells: its branch, its arm angle, rad, and the rates of that and of joints 2, 4, 6 along the curve."""
+TOLD_SINES = 6
+"""What a sample tells: its branch, its arm angle, rad, the rates of that and of joints 2, 4, 6 along the curve, and the
+sines of these joints from their phases on."""
 
 LITTLE = 1e-6
 """A step that tells how an arm angle changes, rad."""
@@ -75,6 +78,7 @@ def tell_one(P, by, q, told):
     told[TOLD_PSI], told[TOLD_RATE] = angle_at(P, by, q), rate_along(P, by, q, way)
     for middle in range(3):
         told[TOLD_MIDDLES + middle] = way[1 + 2 * middle]
+        told[TOLD_SINES + middle] = sine_of(P, q, middle)
 
 
 @kernel
@@ -89,14 +93,17 @@ def tell_samples(P, by, curve, told):
         eight = row(told, k)
         psi = arm_angles(P, place_, q)
         _, way, _, _ = curve_step(P, turns_of(q), R, p, q, 0.0 * q[0])
-        scatter(eight, TOLD_BRANCH, TOLD, branches_of(P, q))
+        sines = sines_of_eight(P, q)
+        scatter(eight, TOLD_BRANCH, TOLD, branches_of(sines))
         scatter(eight, TOLD_PSI, TOLD, psi)
         scatter(eight, TOLD_RATE, TOLD, short_ways(arm_angles(P, place_, all_along(q, LITTLE, way)) - psi) / LITTLE)
         scatter(eight, TOLD_MIDDLES, TOLD, way[1])
         scatter(eight, TOLD_MIDDLES + 1, TOLD, way[3])
         scatter(eight, TOLD_MIDDLES + 2, TOLD, way[5])
-        _, s6 = turn(q[5] - P[WRIST + PHASE])
-        sure = as_bits(abs(s6) > TURNING_WRIST)
+        scatter(eight, TOLD_SINES, TOLD, sines[0])
+        scatter(eight, TOLD_SINES + 1, TOLD, sines[1])
+        scatter(eight, TOLD_SINES + 2, TOLD, sines[2])
+        sure = as_bits(abs(sines[2]) > TURNING_WRIST)
         for m in range(k, min(k + 8, last)):
             if (sure >> (m - k)) & 1 == 0:
                 tell_one(P, by, load_sample(rows[m]), told[m])

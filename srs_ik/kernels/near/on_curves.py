@@ -8,8 +8,6 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from srs_ik.kernels.algebra.joint_vectors import difference, dot7, short_way
-from srs_ik.kernels.algebra.minimum import propose, start_search
-from srs_ik.kernels.algebra.minimum import tell as tell_height
 from srs_ik.kernels.chain.newton import STEPS, close_at_angle
 from srs_ik.kernels.chain.starts import best_row
 from srs_ik.kernels.curves.best import cost_of_turn
@@ -29,10 +27,11 @@ from srs_ik.kernels.curves.told import (
     tell_one,
     tell_samples,
 )
+from srs_ik.kernels.curves.turning import turning_between
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.answer import ROW_COST
 from srs_ik.kernels.layout.asked import Goal, Samples, Setting
-from srs_ik.kernels.layout.search import BEST, MAX_RUNS, RUN, SMOOTH, STATE
+from srs_ik.kernels.layout.search import MAX_RUNS, RUN
 from srs_ik.kernels.limb.branches import NO_BRANCH, bit_of, branch_of, is_on_border
 from srs_ik.kernels.limb.goal import NO_SEED
 from srs_ik.kernels.limb.poses import read7
@@ -179,29 +178,6 @@ def put_passing(P, by, psi, branch, ends, goal, out):
         q, met = passing(P, by, psi, a, b)
         if met:
             keep_found(P, q, branch, goal, out)
-
-
-@kernel
-def height_at(P, by, ends, psi, share, rise):
-    """How far the arm angle at a share of the way between two postures of a curve is from one that it rises to."""
-    q, met = between(P, by, ends[0], ends[1], share)
-    return -rise * short_way(angle_at(P, by, q) - psi) if met else math.inf
-
-
-@kernel
-def turning_between(P, by, a, b, rise):
-    """The posture of a curve at which the arm angle turns around between two; `rise` is its sign at the first."""
-    S = np.empty(STATE)
-    psi = angle_at(P, by, a)
-    last = height_at(P, by, (a, b), psi, 1.0, rise)
-    start_search(S, 0.0, 0.5, 1.0, 0.0, height_at(P, by, (a, b), psi, 0.5, rise), last, SMOOTH)
-    while True:
-        wanted, more = propose(S)
-        if not more:
-            break
-        tell_height(S, height_at(P, by, (a, b), psi, wanted, rise))
-    q, met = between(P, by, a, b, S[BEST])
-    return q if met else a
 
 
 @kernel
