@@ -175,15 +175,15 @@ def step_in_step(P, R, p, rows, alive):
 
 
 @kernel
-def to_curves(P, R, p, q, which):
-    """The shortest way from eight postures to curves of a pose, those that are named by bits.
+def to_curves(P, R, p, q, which, steps):
+    """The shortest way from eight postures to curves of a pose, those that are named by bits, in some steps at most.
 
     Returns postures, the unit vectors along their curves, and which are met, as bits.
     """
     turns = turns_of(q)
     t = q
     met = 0
-    for _ in range(CORRECTIONS):
+    for _ in range(steps):
         d, t, _, right = curve_step(P, turns, R, p, q, 0.0 * q[0])
         d = all_along(d, -dot_seven(t, d), t)
         size = largest(d)

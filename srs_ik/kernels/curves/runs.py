@@ -13,8 +13,9 @@ import numpy as np
 
 from srs_ik.kernels.algebra.joint_vectors import difference
 from srs_ik.kernels.chain.newton import arm_angle, clipped
+from srs_ik.kernels.curves.all_curves import MAX_CURVES, follow_all
 from srs_ik.kernels.curves.ends import dip, edge, is_exact, on_curve, put_infeasibilities
-from srs_ik.kernels.curves.follow import CURVE, MAX_CURVES, follow_all, put
+from srs_ik.kernels.curves.follow import CURVE, put
 from srs_ik.kernels.curves.gaps import put_bounds, put_gaps
 from srs_ik.kernels.curves.in_step import ARC, SAMPLE, load_sample
 from srs_ik.kernels.exact.samples import take_samples

@@ -8,7 +8,14 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from srs_ik.kernels.algebra.joint_vectors import short_way
-from srs_ik.kernels.curves.changes import CHANGE, CHANGE_AT, CHANGE_MIDDLE, MOST_CHANGES, find_changes
+from srs_ik.kernels.curves.changes import (
+    CHANGE,
+    CHANGE_AT,
+    CHANGE_MIDDLE,
+    MOST_CHANGES,
+    find_changes,
+    read_change,
+)
 from srs_ik.kernels.curves.ends import on_curve, sample_before
 from srs_ik.kernels.curves.runs import samples_of
 from srs_ik.kernels.curves.told import (
@@ -22,6 +29,7 @@ from srs_ik.kernels.curves.told import (
 )
 from srs_ik.kernels.curves.turning import turning_between
 from srs_ik.kernels.jit import kernel
+from srs_ik.kernels.layout.asked import Samples
 from srs_ik.kernels.layout.search import MAX_RUNS
 from srs_ik.kernels.limb.branches import bit_of
 
@@ -134,11 +142,10 @@ def without_short(spans, first, n):
 
 @kernel
 def spans_of_run(P, by, rows, runs, index, room, n):
-    """Append the spans of a run; the number of spans. `room` is for spans, for what samples tell, and for changes."""
+    """Append the spans of a run; the number of spans. `room` is for spans, what samples tell, and room for changes."""
     spans, told, changes = room
     curve = samples_of(rows, runs[index])
     _, first, last = curve
-    tell_samples(P, by, curve, told)
     start = n
     x = rows[first, 0]
     branch = int(told[first, TOLD_BRANCH])
@@ -149,14 +156,12 @@ def spans_of_run(P, by, rows, runs, index, room, n):
         for c in range(find_changes(P, by, curve, i, told, changes)):
             inside = max(changes[c, CHANGE_AT] - JUST_OUTSIDE, x)
             outside = max(min(changes[c, CHANGE_AT] + JUST_OUTSIDE, rows[i, 0]), inside)
-            there, _ = on_curve(P, by, 0, curve, inside)
+            there = read_change(changes[c])
             change = short_way(angle_at(P, by, there) - psi)
             behind = turn_at(P, by, there)
             take_turn(P, by, curve, spans[n - 1], Passed(psi, rise), inside, (change, behind))
             psi += change
             extend(spans[n - 1], inside, psi)
-            there, _ = on_curve(P, by, 0, curve, outside)
-            psi += short_way(angle_at(P, by, there) - psi)
             branch ^= bit_of(int(changes[c, CHANGE_MIDDLE]))
             n = open_span(spans, n, index, branch, outside, psi)
             x = outside
@@ -174,8 +179,13 @@ def spans_of_run(P, by, rows, runs, index, room, n):
 @kernel
 def find_spans(P, by, rows, runs, spans):
     """Cut all runs into spans; return their number."""
-    room = spans, np.empty((rows.shape[0], TOLD)), np.empty((MOST_CHANGES, CHANGE))
+    told, changes = np.empty((rows.shape[0], TOLD)), np.empty((MOST_CHANGES, CHANGE))
+    count = runs.shape[0]
+    if count > 0:
+        # Runs lie one behind the other.
+        tell_samples(P, by, Samples(rows, int(runs[0, 3]), int(runs[count - 1, 4])), told)
+    room = spans, told, changes
     n = 0
-    for index in range(runs.shape[0]):
+    for index in range(count):
         n = spans_of_run(P, by, rows, runs, index, room, n)
     return n

@@ -11,8 +11,14 @@ from srs_ik.kernels.algebra.joint_vectors import difference, dot7, short_way
 from srs_ik.kernels.chain.newton import STEPS, close_at_angle
 from srs_ik.kernels.chain.starts import best_row
 from srs_ik.kernels.curves.best import cost_of_turn
-from srs_ik.kernels.curves.changes import CHANGE, CHANGE_AT, CHANGE_MIDDLE, MOST_CHANGES, find_changes
-from srs_ik.kernels.curves.ends import on_curve
+from srs_ik.kernels.curves.changes import (
+    CHANGE,
+    CHANGE_AT,
+    CHANGE_MIDDLE,
+    MOST_CHANGES,
+    find_changes,
+    read_change,
+)
 from srs_ik.kernels.curves.follow import between
 from srs_ik.kernels.curves.in_step import SAMPLE, load_sample, put_sample
 from srs_ik.kernels.curves.runs import SPARE_ROWS, near_runs, samples_of
@@ -33,7 +39,7 @@ from srs_ik.kernels.layout.answer import ROW_COST
 from srs_ik.kernels.layout.asked import Goal, Samples, Setting
 from srs_ik.kernels.layout.search import MAX_RUNS, RUN
 from srs_ik.kernels.limb.branches import NO_BRANCH, bit_of, branch_of, is_on_border
-from srs_ik.kernels.limb.goal import NO_SEED
+from srs_ik.kernels.limb.goal import NO_SEED, turned
 from srs_ik.kernels.limb.poses import read7
 from srs_ik.kernels.limb.triangle import elbow_side
 from srs_ik.kernels.near.arcs import ARC, MOST_ARCS, find_arcs, follow_arcs, mark_around, put_ends_of_arcs
@@ -80,15 +86,18 @@ def no_curves():
 
 
 @kernel
-def put_beside(P, by, curve, x, branch, n, followed):
-    """Append a posture next to a change of branch, at a parameter of a curve, and what it tells; the number of rows."""
-    if n >= followed.rows.shape[0]:
+def put_beside(P, by, there, ends, branches, n, followed):
+    """Append the posture at a change of branch twice, just before and behind, and what it tells; the number of rows."""
+    if n + 2 > followed.rows.shape[0]:
         return n
-    q, _ = on_curve(P, by, 0, curve, x)
-    put_sample(followed.rows, n, x, q)
+    q = turned(P, there, False, NO_SEED, by.respect)
     tell_one(P, by, q, followed.told[n])
-    followed.told[n, TOLD_BRANCH] = branch
-    return n + 1
+    for i in range(2):
+        put_sample(followed.rows, n + i, ends[i], q)
+        for column in range(1, TOLD):
+            followed.told[n + i, column] = followed.told[n, column]
+        followed.told[n + i, TOLD_BRANCH] = branches[i]
+    return n + 2
 
 
 @kernel
@@ -107,9 +116,10 @@ def told_runs(P, by, samples, n_samples, runs, certain):
         for i in range(curve.first, curve.last):
             for c in range(find_changes(P, by, curve, i, told, changes) if i > curve.first else 0):
                 x = changes[c, CHANGE_AT]
-                n = put_beside(P, by, curve, max(x - JUST_OUTSIDE, samples[i - 1, 0]), branch, n, out)
-                branch ^= bit_of(int(changes[c, CHANGE_MIDDLE]))
-                n = put_beside(P, by, curve, min(x + JUST_OUTSIDE, samples[i, 0]), branch, n, out)
+                ends = (max(x - JUST_OUTSIDE, samples[i - 1, 0]), min(x + JUST_OUTSIDE, samples[i, 0]))
+                behind = branch ^ bit_of(int(changes[c, CHANGE_MIDDLE]))
+                n = put_beside(P, by, read_change(changes[c]), ends, (branch, behind), n, out)
+                branch = behind
             if n < room:
                 put_sample(out.rows, n, samples[i, 0], load_sample(samples[i]))
                 for column in range(TOLD):
