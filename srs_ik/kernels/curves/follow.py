@@ -34,11 +34,12 @@ from srs_ik.kernels.curves.in_step import (
     SAMPLE,
     SETTLED,
     SHORTEST_STEP,
+    SHRINKAGE,
     SMALLEST_COSINE,
-    WELL_STRAIGHT,
     load_sample,
     longest_across,
     most_aside,
+    step_after,
 )
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.limb import PHASE, SHOULDER, STRAIGHT, WRIST
@@ -227,13 +228,13 @@ def follow(P, by, q, t, way, rows, n):
             break
         next_q, met = correct(P, by, along7(q, way * step, t), t, dot7(t, q) + way * step)
         if not met:
-            step *= 0.5
+            step *= SHRINKAGE
             continue
         next_t, sign = null_vector(by.J, t, by.A)
         cosine = dot7(t, next_t)
         jumps = step > longest_across(P) and passes_two(P, q, next_q)
         if sign <= 0.0 or cosine < SMALLEST_COSINE or jumps or strays(by, q, next_q, next_t, step, cosine):
-            step *= 0.5
+            step *= SHRINKAGE
             continue
         if n - n0 > 2 and dot7(first_t, t) > SMALLEST_COSINE:
             share = share_of_chord(q, next_q, first)
@@ -243,8 +244,7 @@ def follow(P, by, q, t, way, rows, n):
         t = next_t
         length += step
         n = put(rows, n, length, q)
-        if cosine > WELL_STRAIGHT:
-            step = min(1.5 * step, LONGEST_STEP)
+        step = step_after(step, cosine)
     return n, False, q, t
 
 
@@ -283,7 +283,7 @@ def extend_back(P, by, rows, curves, k, n):
 
 @kernel
 def follow_through(P, by, q, t, rows, first):
-    """Follow the whole curve through a posture, with its oriented null vector: rows in use, and whether it is closed."""
+    """Follow the whole curve through a posture, along its oriented null vector: rows in use, whether it is closed."""
     n, closed, end, t = follow(P, by, q, t, 1.0, rows, first)
     if not closed:
         # It ends where curves cross: all of it lies behind that end.

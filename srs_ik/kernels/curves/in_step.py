@@ -6,7 +6,7 @@ import math
 
 from srs_ik.kernels.algebra.lane_trig import turns_of
 from srs_ik.kernels.algebra.lanes import as_bits, gather, one_of, whole_number
-from srs_ik.kernels.chain.eight import take_eight
+from srs_ik.kernels.chain.eight import ALL, take_eight
 from srs_ik.kernels.chain.newton import LAST_STEP, MAX_STEP
 from srs_ik.kernels.chain.newton_eight import (
     all_along,
@@ -40,7 +40,14 @@ SMALLEST_COSINE = 0.93
 """Cosine of the largest angle by which a curve turns in one step."""
 
 WELL_STRAIGHT = 0.985
-"""Above this cosine, the next step is longer."""
+GROWTH = 1.5
+ALL_BUT_STRAIGHT = 0.998
+FAST_GROWTH = 3.0
+"""Above the first cosine, the next step is longer by the second, above the third by the fourth: it is soon behind the
+sharp turn of a curve that almost crosses another one."""
+
+SHRINKAGE = 0.4
+"""A step that has not led along the curve is tried again, shorter by this."""
 
 CORRECTIONS = 8
 """Newton's steps back to the curve, at most."""
@@ -98,6 +105,13 @@ def put_sample(rows, n, x, q):
     rows[n, 0] = x
     for j in range(7):
         rows[n, 1 + j] = q[j]
+
+
+@kernel
+def step_after(step, cosine):
+    """The length of the next step along a curve that has turned on one by a cosine."""
+    growth = FAST_GROWTH if cosine > ALL_BUT_STRAIGHT else (GROWTH if cosine > WELL_STRAIGHT else 1.0)
+    return min(growth * step, LONGEST_STEP)
 
 
 @kernel
@@ -192,6 +206,30 @@ def to_curves(P, R, p, q, which, steps):
         q = all_along(q, 1.0, d)
         met = as_bits(settled & right)
         if which & ~as_bits(settled) == 0:
+            break
+        turns = turned_by_all(turns, d)
+    return q, t, met
+
+
+@kernel
+def between_eight(P, by, a, chord, shares):
+    """The postures of a curve at eight shares of the way along a chord from one of them, as `follow.between`.
+
+    Returns postures, the unit vectors along the curve, and which are met, as bits.
+    """
+    R, p, _ = by.target
+    none = 0.0 * shares
+    start = all_along(all_along((none, none, none, none, none, none, none), 1.0, a), shares, chord)
+    q, t = start, start
+    turns = turns_of(q)
+    met = 0
+    for _ in range(CORRECTIONS):
+        d, t, _, right = curve_step(P, turns, R, p, chord, dot_seven(chord, all_along(start, -1.0, q)))
+        size = largest(d)
+        settled = size < LAST_STEP
+        q = all_along(q, 1.0, d)
+        met = as_bits(settled & right)
+        if as_bits(settled) == ALL:
             break
         turns = turned_by_all(turns, d)
     return q, t, met

@@ -21,13 +21,14 @@ from srs_ik.kernels.curves.in_step import (
     LONGEST_STEP,
     SAMPLE,
     SHORTEST_STEP,
+    SHRINKAGE,
     VAGUE,
-    WELL_STRAIGHT,
     crosses_two,
     is_along,
     load_sample,
     put_sample,
     short_ways,
+    step_after,
     step_in_step,
     take_ways,
 )
@@ -175,8 +176,8 @@ def follow_marks(P, target, marks, starts, pieces):
             first = i * LONGEST_PIECE
             step = lanes[i, LANE_STEP]
             if (there >> i) & 1 == 0:
-                lanes[i, LANE_STEP] = 0.5 * step
-                done = 0.5 * step < SHORTEST_STEP
+                lanes[i, LANE_STEP] = SHRINKAGE * step
+                done = SHRINKAGE * step < SHORTEST_STEP
             else:
                 n = length[i]
                 x = line[first + n - 1, 0]
@@ -190,8 +191,7 @@ def follow_marks(P, target, marks, starts, pieces):
                         lanes[i, LANE_BEND + j] = (after[i, 7 + j] - lanes[i, 7 + j]) / step
                     for c in range(14):
                         lanes[i, c] = after[i, c]
-                    if one_of(cosine, i) > WELL_STRAIGHT:
-                        lanes[i, LANE_STEP] = min(1.5 * step, LONGEST_STEP)
+                    lanes[i, LANE_STEP] = step_after(step, one_of(cosine, i))
                     done = n + 2 >= LONGEST_PIECE
                 length[i] = n + 1
             if done:

@@ -79,6 +79,18 @@ def put_run(P, by, branch, curve, ends, out, used):
 
 
 @kernel
+def may_meet(f, next_f, way):
+    """Whether a limit may be met on a way between two samples that are so far outside their limits, or inside."""
+    return abs(f + next_f) < way
+
+
+@kernel
+def may_dip(P, x, f, next_x, next_f):
+    """Whether there may be feasible postures between two samples outside the limits; f is how far, x the parameter."""
+    return is_exact(P) or may_meet(f, next_f, ARC * (next_x - x))
+
+
+@kernel
 def cut(P, by, branch, curve, out, used):
     """Cut a sampled curve into its feasible runs, behind the rows and runs in use; how many are in use then."""
     line, first, last = curve
@@ -97,9 +109,11 @@ def cut(P, by, branch, curve, out, used):
         elif f0 <= 0.0 and f1 > 0.0:
             upper = edge(P, by, branch, curve, (x0, f0), (x1, f1))
         elif 0.0 < f0 < f_before and f0 <= f1 and f0 < SHALLOW:
-            x, f = dip(P, by, branch, curve, line[i - 2, 0], x1)
+            x_before, f = line[i - 2, 0], 1.0
+            if may_dip(P, x_before, f_before, x0, f0) or may_dip(P, x0, f0, x1, f1):
+                x, f = dip(P, by, branch, curve, x_before, x1)
             if f <= 0.0:
-                lower = edge(P, by, branch, curve, (x, f), (line[i - 2, 0], f_before))
+                lower = edge(P, by, branch, curve, (x, f), (x_before, f_before))
                 upper = edge(P, by, branch, curve, (x, f), (x1, f1))
         if i == last - 1 and f1 <= 0.0:
             upper = x1
@@ -147,12 +161,6 @@ def sample_branch(P, by, branch, ends, work, line):
 
 
 @kernel
-def may_change(f, next_f, way):
-    """Whether some limit may be met between two samples, given how far they are outside their limits, on such a way."""
-    return f + next_f > -way and max(f, next_f) < way
-
-
-@kernel
 def unroll(P, by, rows, curve, line):
     """Copy a followed curve to line, a closed one from its posture farthest outside the limits on; rows in use.
 
@@ -183,7 +191,7 @@ def unroll(P, by, rows, curve, line):
         next_x = rows[first + j, 0] + round_
         next_q = load_sample(rows[first + j])
         next_f = off[first + j, 0]
-        if by.respect and i > 0 and may_change(f, next_f, ARC * (next_x - x)):
+        if by.respect and i > 0 and may_meet(f, next_f, ARC * (next_x - x)):
             for k in range(put_gaps(P, by, (x, q), (next_x, next_q), gaps, 0)):
                 gap_x, gap_q = gaps[k, 0], load_sample(gaps[k])
                 n = put_bounds(P, by, (x, q), (gap_x, gap_q), line, n)
