@@ -16,6 +16,10 @@ from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.limb.branches import phase_of, sine_of
 from srs_ik.kernels.limb.poses import read7
 
+ELBOW = 1
+STRAIGHT = 1e-2
+"""The elbow among middle angles, and the sine of its bend below which it is almost straight."""
+
 CHANGE = 9
 CHANGE_AT, CHANGE_MIDDLE, CHANGE_POSTURE = range(3)
 """A change of branch: parameter of the curve, which middle angle changes sides (0 shoulder, 1 elbow, 2 wrist), and the
@@ -51,9 +55,15 @@ def put_change(changes, n, there, middle):
 
 
 @kernel
-def read_change(change):
-    """The posture of a change of branch."""
-    return read7(row(change, CHANGE_POSTURE))
+def posture_beside(P, by, curve, change, x):
+    """The posture next to a change of branch, at a parameter: that of the change, unless the elbow is almost straight.
+
+    There the arm angle changes fast: it is that of the parameter alone.
+    """
+    q = read7(row(change, CHANGE_POSTURE))
+    if abs(sine_of(P, q, ELBOW)) < STRAIGHT:
+        q, _ = on_curve(P, by, 0, curve, x)
+    return q
 
 
 @kernel

@@ -14,7 +14,7 @@ from srs_ik.kernels.curves.changes import (
     CHANGE_MIDDLE,
     MOST_CHANGES,
     find_changes,
-    read_change,
+    posture_beside,
 )
 from srs_ik.kernels.curves.ends import on_curve, sample_before
 from srs_ik.kernels.curves.runs import samples_of
@@ -157,12 +157,14 @@ def spans_of_run(P, by, rows, runs, index, room, n):
         for c in range(find_changes(P, by, curve, i, told, changes)):
             inside = max(changes[c, CHANGE_AT] - JUST_OUTSIDE, x)
             outside = max(min(changes[c, CHANGE_AT] + JUST_OUTSIDE, rows[i, 0]), inside)
-            there = read_change(changes[c])
+            there = posture_beside(P, by, curve, changes[c], inside)
             change = short_way(angle_at(P, by, there) - psi)
             behind = turn_at(P, by, there)
             take_turn(P, by, curve, spans[n - 1], Passed(psi, rise), inside, (change, behind))
             psi += change
             extend(spans[n - 1], inside, psi)
+            there = posture_beside(P, by, curve, changes[c], outside)
+            psi += short_way(angle_at(P, by, there) - psi)
             branch ^= bit_of(int(changes[c, CHANGE_MIDDLE]))
             n = open_span(spans, n, index, branch, outside, psi)
             x = outside

@@ -17,7 +17,7 @@ from srs_ik.kernels.curves.changes import (
     CHANGE_MIDDLE,
     MOST_CHANGES,
     find_changes,
-    read_change,
+    posture_beside,
 )
 from srs_ik.kernels.curves.follow import between
 from srs_ik.kernels.curves.in_step import SAMPLE, load_sample, put_sample
@@ -86,18 +86,15 @@ def no_curves():
 
 
 @kernel
-def put_beside(P, by, there, ends, branches, n, followed):
-    """Append the posture at a change of branch twice, just before and behind, and what it tells; the number of rows."""
-    if n + 2 > followed.rows.shape[0]:
+def put_beside(P, by, x, q, branch, n, followed):
+    """Append a posture next to a change of branch, at a parameter, and what it tells; the number of rows."""
+    if n >= followed.rows.shape[0]:
         return n
-    q = turned(P, there, False, NO_SEED, by.respect)
+    q = turned(P, q, False, NO_SEED, by.respect)
+    put_sample(followed.rows, n, x, q)
     tell_one(P, by, q, followed.told[n])
-    for i in range(2):
-        put_sample(followed.rows, n + i, ends[i], q)
-        for column in range(1, TOLD):
-            followed.told[n + i, column] = followed.told[n, column]
-        followed.told[n + i, TOLD_BRANCH] = branches[i]
-    return n + 2
+    followed.told[n, TOLD_BRANCH] = branch
+    return n + 1
 
 
 @kernel
@@ -116,10 +113,10 @@ def told_runs(P, by, samples, n_samples, runs, certain):
         for i in range(curve.first, curve.last):
             for c in range(find_changes(P, by, curve, i, told, changes) if i > curve.first else 0):
                 x = changes[c, CHANGE_AT]
-                ends = (max(x - JUST_OUTSIDE, samples[i - 1, 0]), min(x + JUST_OUTSIDE, samples[i, 0]))
-                behind = branch ^ bit_of(int(changes[c, CHANGE_MIDDLE]))
-                n = put_beside(P, by, read_change(changes[c]), ends, (branch, behind), n, out)
-                branch = behind
+                inside, outside = max(x - JUST_OUTSIDE, samples[i - 1, 0]), min(x + JUST_OUTSIDE, samples[i, 0])
+                n = put_beside(P, by, inside, posture_beside(P, by, curve, changes[c], inside), branch, n, out)
+                branch ^= bit_of(int(changes[c, CHANGE_MIDDLE]))
+                n = put_beside(P, by, outside, posture_beside(P, by, curve, changes[c], outside), branch, n, out)
             if n < room:
                 put_sample(out.rows, n, samples[i, 0], load_sample(samples[i]))
                 for column in range(TOLD):
