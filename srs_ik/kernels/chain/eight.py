@@ -17,17 +17,23 @@ BEYOND_WRIST = 0b10101010
 
 
 @kernel
+def take_ways(rows, first, width):
+    """Seven figures from one on, of eight rows, each as eight floats."""
+    return (
+        gather(rows, first, width),
+        gather(rows, first + 1, width),
+        gather(rows, first + 2, width),
+        gather(rows, first + 3, width),
+        gather(rows, first + 4, width),
+        gather(rows, first + 5, width),
+        gather(rows, first + 6, width),
+    )
+
+
+@kernel
 def take_eight(rows, width):
     """The first seven figures of eight rows, each as eight floats."""
-    return (
-        gather(rows, 0, width),
-        gather(rows, 1, width),
-        gather(rows, 2, width),
-        gather(rows, 3, width),
-        gather(rows, 4, width),
-        gather(rows, 5, width),
-        gather(rows, 6, width),
-    )
+    return take_ways(rows, 0, width)
 
 
 @kernel

@@ -8,11 +8,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from srs_ik.kernels.algebra.joint_vectors import difference, dot7, short_way
+from srs_ik.kernels.algebra.joint_vectors import along7, difference, dot7, short_way
 from srs_ik.kernels.algebra.lanes import as_bits, one_of, root, scatter, where
 from srs_ik.kernels.algebra.pointers import keep, row
-from srs_ik.kernels.chain.eight import ALL, put_eight, take_eight
-from srs_ik.kernels.chain.newton_eight import all_along, dot_seven
+from srs_ik.kernels.chain.eight import ALL, put_eight, take_eight, take_ways
 from srs_ik.kernels.curves.in_step import (
     BESIDE,
     LANE,
@@ -30,7 +29,6 @@ from srs_ik.kernels.curves.in_step import (
     short_ways,
     step_after,
     step_in_step,
-    take_ways,
 )
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.limb.poses import read7
@@ -80,14 +78,14 @@ def shares_of_ways(P, q, way, chord, mark, to_mark):
 
     The unit vectors along the curves are given, and the ways to the mark.
     """
-    length2 = dot_seven(chord, chord)
-    along_chord = dot_seven(to_mark, chord)
+    length2 = dot7(chord, chord)
+    along_chord = dot7(to_mark, chord)
     share = along_chord / length2
-    off2 = dot_seven(to_mark, to_mark) - share * along_chord
-    ahead = dot_seven(read_way(mark), chord)
-    along = is_along(to_mark, way, dot_seven(read_way(mark), way), VAGUE)
+    off2 = dot7(to_mark, to_mark) - share * along_chord
+    ahead = dot7(read_way(mark), chord)
+    along = is_along(to_mark, way, dot7(read_way(mark), way), VAGUE)
     beside = (ahead > 0.0) & (off2 < BESIDE * BESIDE * length2) & along
-    jumps = crosses_two(P, q, all_along(q, 1.0, to_mark), share * root(length2))
+    jumps = crosses_two(P, q, along7(q, 1.0, to_mark), share * root(length2))
     share = where(beside & (share > 0.0) & (share < AT_THE_END), share, 2.0 + 0.0 * share)
     return where(jumps, 2.0 + 0.0 * share, share)
 
@@ -96,10 +94,10 @@ def shares_of_ways(P, q, way, chord, mark, to_mark):
 def find_passed(P, before, after, which, marks, count):
     """The first mark on the way of each of eight curves, of those that are named by bits (-1: none), and its share."""
     q = take_eight(before, LANE)
-    chord = all_along(take_eight(after, LANE), -1.0, q)
+    chord = along7(take_eight(after, LANE), -1.0, q)
     way = take_ways(before, 7, LANE)
     # Farther away than the chord is long and a mark may be aside, none is passed.
-    reach2 = (1.0 + 2.0 * BESIDE * BESIDE) * dot_seven(chord, chord)
+    reach2 = (1.0 + 2.0 * BESIDE * BESIDE) * dot7(chord, chord)
     reach = root(reach2)
     shares = 2.0 + 0.0 * reach
     passed = shares - 3.0
@@ -109,7 +107,7 @@ def find_passed(P, before, after, which, marks, count):
         if which & as_bits(near) == 0:
             continue
         to_mark = ways_to(mark, q)
-        if which & as_bits(dot_seven(to_mark, to_mark) < reach2) == 0:
+        if which & as_bits(dot7(to_mark, to_mark) < reach2) == 0:
             continue
         share = shares_of_ways(P, q, way, chord, mark, to_mark)
         earlier = share < shares

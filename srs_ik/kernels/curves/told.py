@@ -8,12 +8,12 @@ from srs_ik.kernels.algebra.lane_trig import angle_of, turn, turns_of
 from srs_ik.kernels.algebra.lanes import as_bits, root, scatter
 from srs_ik.kernels.algebra.pointers import row
 from srs_ik.kernels.algebra.vectors import along, cross, dot, load3, rotate, sub
-from srs_ik.kernels.chain.eight import branches_of, sines_of_eight
+from srs_ik.kernels.chain.eight import branches_of, sines_of_eight, take_ways
 from srs_ik.kernels.chain.kinematics import turn_about_line
 from srs_ik.kernels.chain.newton import arm_angle
 from srs_ik.kernels.chain.newton_eight import curve_step
 from srs_ik.kernels.curves.follow import tangent_at
-from srs_ik.kernels.curves.in_step import SAMPLE, load_sample, take_ways
+from srs_ik.kernels.curves.in_step import SAMPLE, load_sample
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.limb import AXES, ELBOW_CENTRE, POINTS, SHOULDER_CENTRE
 from srs_ik.kernels.limb.branches import sine_of

@@ -5,7 +5,6 @@ from __future__ import annotations
 from srs_ik.kernels.algebra.joint_vectors import difference, dot7
 from srs_ik.kernels.algebra.lanes import eight_of, one_of
 from srs_ik.kernels.algebra.minimum import lowest_of_cubic
-from srs_ik.kernels.chain.newton_eight import dot_seven
 from srs_ik.kernels.curves.in_step import between_eight, short_ways
 from srs_ik.kernels.curves.told import angle_at, arm_angles
 from srs_ik.kernels.jit import kernel
@@ -52,7 +51,7 @@ def turning_between(P, by, a, b, rise):
         q, t, met = between_eight(P, by, a, chord, begin + apart * steps)
         angles, rates = arm_angles(P, by.target.place, q, t)
         heights = -rise * short_ways(angles - psi)
-        slopes = -rise * rates * length2 / dot_seven(t, chord)
+        slopes = -rise * rates * length2 / dot7(t, chord)
         best = lowest_of_eight(heights, met)
         if best < 0:
             break
