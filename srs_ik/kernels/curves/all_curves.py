@@ -38,7 +38,7 @@ CLOSING_STEPS = 16
 """Newton's steps from a start to a curve, at most."""
 
 MAX_CURVES = 32
-MOST_VAGUE = 8
+MOST_LEFT = 8
 """Curves of a pose, and those on which an error is left (`LEFT`), at most."""
 
 ELBOW_SPARE = 0.5
@@ -60,11 +60,11 @@ def put_marks(P, by, angles, marks, missed):
     for i in range(angles):
         psi = (2.0 * i / angles - 1.0) * math.pi
         exist = start_all(P, bent_place(P, place_), psi, False, NO_SEED, False, A)
-        q, met = close_eight(P, take_eight(starts, WIDTH), R, p, place_[0], place_[1], psi, STEPS)
-        put_eight(starts, WIDTH, met, q)
+        closed, met = close_eight(P, take_eight(starts, WIDTH), R, p, place_[0], place_[1], psi, STEPS)
+        put_eight(starts, WIDTH, met, closed)
         # Where a branch has no posture at the arm angle, there may be one next to it.
-        q, t, met = to_curves(P, R, p, take_eight(starts, WIDTH), ALL if oblique else exist, CORRECTIONS)
-        put_eight(starts, WIDTH, met, q)
+        closed, t, met = to_curves(P, R, p, take_eight(starts, WIDTH), ALL if oblique else exist, CORRECTIONS)
+        put_eight(starts, WIDTH, met, closed)
         for branch in range(8):
             q = read7(row(A, FIRST + branch))
             spare = ELBOW_SPARE - violation(P, 3, turn_to_middle(P, 3, q[3])) if by.respect else ELBOW_SPARE
@@ -126,7 +126,7 @@ def follow_all(P, by, rows, curves):
         if brought and is_known(P, by, q, t, rows, curves, count):
             continue
         q, error = close_gently(P, q, R, p, False, by.J, by.A)
-        if error > LEFT or (error > CLOSED and vague >= MOST_VAGUE):
+        if error > LEFT or (error > CLOSED and vague >= MOST_LEFT):
             continue
         t, sign = tangent_at(P, by, q)
         # As close to the curve as floats tell, so that it is known where the curve closes.
