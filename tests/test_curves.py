@@ -10,7 +10,8 @@ from oracles import random_limb
 
 import srs_ik
 from srs_ik.kernels.algebra.pointers import row
-from srs_ik.kernels.curves.follow import CURVE, MAX_CURVES, follow_all
+from srs_ik.kernels.curves.all_curves import MAX_CURVES, follow_all
+from srs_ik.kernels.curves.follow import CURVE
 from srs_ik.kernels.curves.in_step import SAMPLE
 from srs_ik.kernels.layout.asked import Setting, Target
 from srs_ik.kernels.limb.poses import read_pose

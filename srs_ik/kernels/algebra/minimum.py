@@ -105,3 +105,18 @@ def tell(S, f):
     elif f <= S[F_THIRD] or S[THIRD] == x or S[THIRD] == S[SECOND]:
         S[THIRD], S[F_THIRD] = u, f
     return False
+
+
+@kernel
+def lowest_of_cubic(a, b, from_ends):
+    """Where the cubic through two points is lowest, no closer to them than a part of the way, and how low.
+
+    A point is given as its parameter, its figure and the figure's rate, which falls at the first and rises at the last.
+    """
+    h = b[0] - a[0]
+    fall, rise = a[2] * h, b[2] * h
+    c2 = 3.0 * (b[1] - a[1]) - 2.0 * fall - rise
+    c3 = 2.0 * (a[1] - b[1]) + fall + rise
+    share = -fall / (c2 + math.sqrt(max(c2 * c2 - 3.0 * c3 * fall, 0.0)))
+    share = min(max(share, from_ends), 1.0 - from_ends)
+    return a[0] + share * h, a[1] + share * (fall + share * (c2 + share * c3))

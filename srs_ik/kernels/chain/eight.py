@@ -17,17 +17,23 @@ BEYOND_WRIST = 0b10101010
 
 
 @kernel
+def take_ways(rows, first, width):
+    """Seven figures from one on, of eight rows, each as eight floats."""
+    return (
+        gather(rows, first, width),
+        gather(rows, first + 1, width),
+        gather(rows, first + 2, width),
+        gather(rows, first + 3, width),
+        gather(rows, first + 4, width),
+        gather(rows, first + 5, width),
+        gather(rows, first + 6, width),
+    )
+
+
+@kernel
 def take_eight(rows, width):
     """The first seven figures of eight rows, each as eight floats."""
-    return (
-        gather(rows, 0, width),
-        gather(rows, 1, width),
-        gather(rows, 2, width),
-        gather(rows, 3, width),
-        gather(rows, 4, width),
-        gather(rows, 5, width),
-        gather(rows, 6, width),
-    )
+    return take_ways(rows, 0, width)
 
 
 @kernel
@@ -63,11 +69,18 @@ def tip_errors(P, q, R, p):
 
 
 @kernel
-def in_own_branch(P, q):
-    """Which of eight postures, as bits, lie each in the branch of its place among them."""
+def sines_of_eight(P, q):
+    """Sines of the middle angles of eight postures, from their phases on: shoulder, elbow, wrist."""
     _, s2 = turn(q[1] - P[SHOULDER + PHASE])
     _, s4 = turn(q[3] - P[STRAIGHT])
     _, s6 = turn(q[5] - P[WRIST + PHASE])
+    return s2, s4, s6
+
+
+@kernel
+def in_own_branch(P, q):
+    """Which of eight postures, as bits, lie each in the branch of its place among them."""
+    s2, s4, s6 = sines_of_eight(P, q)
     wrong = as_bits(s4 < 0.0) ^ BEYOND_STRAIGHT
     wrong |= as_bits(s2 < 0.0) ^ BEYOND_SHOULDER
     wrong |= as_bits(s6 < 0.0) ^ BEYOND_WRIST
@@ -75,10 +88,8 @@ def in_own_branch(P, q):
 
 
 @kernel
-def branches_of(P, q):
-    """The branches of eight postures, as eight floats."""
-    _, s2 = turn(q[1] - P[SHOULDER + PHASE])
-    _, s4 = turn(q[3] - P[STRAIGHT])
-    _, s6 = turn(q[5] - P[WRIST + PHASE])
+def branches_of(sines):
+    """The branches of eight postures, as eight floats, from the sines of their middle angles."""
+    s2, s4, s6 = sines
     none = 0.0 * s2
     return where(s4 < 0.0, none + 4.0, none) + where(s2 < 0.0, none + 2.0, none) + where(s6 < 0.0, none + 1.0, none)

@@ -6,6 +6,7 @@ pose to first order and goes with the arm angle, one way or the other, until the
 
 from __future__ import annotations
 
+from srs_ik.kernels.algebra.joint_vectors import along7
 from srs_ik.kernels.algebra.lane_trig import turn, turned_by, turns_of
 from srs_ik.kernels.algebra.lanes import as_bits, where
 from srs_ik.kernels.chain.newton import LAST_STEP, MAX_STEP
@@ -14,7 +15,6 @@ from srs_ik.kernels.chain.newton_eight import (
     NOTHING,
     SHORT,
     SMALLEST,
-    all_along,
     all_times,
     half_planes,
     larger,
@@ -76,14 +76,14 @@ def to_limits(P, q, psi, way, target, steps):
     for _ in range(steps):
         h, b = half_planes(t, h0, around)
         d, rates, off2, right = newton_step(P, turns, R, p, h, b)
-        ahead = way * way_to_limits(P, all_along(q, 1.0, d), rates, way)
-        d = all_along(d, ahead, rates)
+        ahead = way * way_to_limits(P, along7(q, 1.0, d), rates, way)
+        d = along7(d, ahead, rates)
         size = larger(largest(d), abs(ahead))
         foreseen = (size * size * size < NOTHING * last * last) & (last < SHORT) & (off2 < SMALLEST)
         settled = (size < LAST_STEP) | foreseen
         f = MAX_STEP / larger(size, MAX_STEP + 0.0 * size)
         d = all_times(f, d)
-        q = all_along(q, 1.0, d)
+        q = along7(q, 1.0, d)
         psi = psi + f * ahead
         last = size
         met = as_bits(settled & right)

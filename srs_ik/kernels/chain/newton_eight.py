@@ -10,6 +10,7 @@ from __future__ import annotations
 import math
 from typing import Any, NamedTuple
 
+from srs_ik.kernels.algebra.joint_vectors import along7, dot7
 from srs_ik.kernels.algebra.lane_trig import turned_by, turns_of
 from srs_ik.kernels.algebra.lanes import as_bits, root, where
 from srs_ik.kernels.algebra.vectors import add, along, apply, cross, dot, load3, load9, scale, sub, swing
@@ -40,20 +41,6 @@ def largest(d):
     """The largest magnitude of seven in each of eight postures."""
     shoulder = larger(larger(abs(d[0]), abs(d[1])), abs(d[2]))
     return larger(larger(shoulder, abs(d[3])), larger(larger(abs(d[4]), abs(d[5])), abs(d[6])))
-
-
-@kernel
-def all_along(q, f, d):
-    """The postures q + f d."""
-    return (
-        q[0] + f * d[0],
-        q[1] + f * d[1],
-        q[2] + f * d[2],
-        q[3] + f * d[3],
-        q[4] + f * d[4],
-        q[5] + f * d[5],
-        q[6] + f * d[6],
-    )
 
 
 @kernel
@@ -189,12 +176,6 @@ def dot_four(a, b):
 
 
 @kernel
-def dot_seven(a, b):
-    """Scalar products of seven figures each."""
-    return dot_four(a, b) + a[4] * b[4] + a[5] * b[5] + a[6] * b[6]
-
-
-@kernel
 def curve_step(P, turns, R, p, d, off):
     """The step of each joint towards a pose in which it goes by `off` in a direction d, and the way of the curve there.
 
@@ -207,7 +188,7 @@ def curve_step(P, turns, R, p, d, off):
     g34 = cross(s3, s4)
     n = (dot(s2, g34), -dot(s1, g34), dot(s4, g12), -dot(s3, g12))
     along_curve = with_wrist(made, (0.0, 0.0, 0.0), n[0], n[1], n[2], n[3])
-    size2 = dot_seven(along_curve, along_curve)
+    size2 = dot7(along_curve, along_curve)
     t = all_times(where(made.volume < 0.0, 0.0 * size2 - 1.0, 0.0 * size2 + 1.0) / root(size2), along_curve)
     # The shortest way of four joints to what is left of the pose, by the inverse of S S'.
     x = (s1[0], s2[0], s3[0], s4[0])
@@ -229,7 +210,7 @@ def curve_step(P, turns, R, p, d, off):
         x[2] * u + y[2] * v + z[2] * w,
         x[3] * u + y[3] * v + z[3] * w,
     )
-    step = all_along(step, (off - dot_seven(d, step)) / dot_seven(d, t), t)
+    step = along7(step, (off - dot7(d, step)) / dot7(d, t), t)
     off2 = dot(made.to_position, made.to_position) + dot(made.angular, made.angular)
     return step, t, off2, made.forward > 0.0
 
@@ -279,7 +260,7 @@ def close_in_planes(P, q, R, p, planes, steps):
         settled = there | ((size * size * size < NOTHING * last * last) & (last < SHORT))
         f = where(there & (size > LAST_STEP), 0.0 * size, MAX_STEP / larger(size, MAX_STEP + 0.0 * size))
         d = all_times(f, d)
-        q = all_along(q, 1.0, d)
+        q = along7(q, 1.0, d)
         last = size
         met = as_bits(settled & right)
         if as_bits(settled) == ALL:

@@ -10,9 +10,8 @@ import math
 import numpy as np
 
 from srs_ik.kernels.algebra.minimum import propose, start_search, tell
-from srs_ik.kernels.curves.changes import ARC
 from srs_ik.kernels.curves.ends import on_curve
-from srs_ik.kernels.curves.in_step import load_sample
+from srs_ik.kernels.curves.in_step import ARC, load_sample
 from srs_ik.kernels.curves.runs import near_runs, samples_of
 from srs_ik.kernels.curves.spans import MAX_SPANS, SPAN, find_spans
 from srs_ik.kernels.exact.free_splits import closed_better

@@ -5,18 +5,25 @@ from __future__ import annotations
 import math
 
 from srs_ik.kernels.algebra.joint_vectors import along7, difference, dot7, short_way
+from srs_ik.kernels.algebra.minimum import lowest_of_cubic
+from srs_ik.kernels.algebra.pointers import row
 from srs_ik.kernels.algebra.roots import has_settled, next_parameter, start_crossing, tell_figure
 from srs_ik.kernels.curves.ends import meet, on_chord, on_curve, sample_before
-from srs_ik.kernels.curves.follow import tangent_at
-from srs_ik.kernels.curves.in_step import load_sample
-from srs_ik.kernels.curves.told import TOLD_MIDDLES
+from srs_ik.kernels.curves.follow import null_vector
+from srs_ik.kernels.curves.in_step import ARC, load_sample
+from srs_ik.kernels.curves.told import TOLD_MIDDLES, TOLD_SINES
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.limb.branches import phase_of, sine_of
+from srs_ik.kernels.limb.poses import read7
 
-CHANGE = 2
-CHANGE_AT = 0
-CHANGE_MIDDLE = 1
-"""A change of branch: parameter of the curve, and which middle angle changes sides: 0 shoulder, 1 elbow, 2 wrist."""
+ELBOW = 1
+STRAIGHT = 1e-2
+"""The elbow among middle angles, and the sine of its bend below which it is almost straight."""
+
+CHANGE = 9
+CHANGE_AT, CHANGE_MIDDLE, CHANGE_POSTURE = range(3)
+"""A change of branch: parameter of the curve, which middle angle changes sides (0 shoulder, 1 elbow, 2 wrist), and the
+posture there."""
 
 MOST_CHANGES = 6
 """A middle angle changes sides no more than twice between two samples."""
@@ -25,46 +32,62 @@ CHANGE_STEPS = 60
 DIP_STEPS = 8
 """Steps that find where an angle changes sides, and where one that stays on its side comes closest to the other."""
 
-ARC = 1.1
-"""The way along a curve between two samples, at most, for the difference of their parameters."""
-
 FORETOLD = 4.0
 """What is so many times as far from zero as from what was foretold does not reach zero."""
 
+FROM_ENDS = 0.01
+"""Where a figure is lowest between two samples is looked for no closer to them than this part of the way."""
+
 
 @kernel
-def put_change(changes, n, x, middle):
-    """Insert a change among n sorted ones; their number."""
+def put_change(changes, n, there, middle):
+    """Insert a change, at a parameter with its posture, among n sorted ones; their number."""
+    x, q = there
     i = n
     while i > 0 and changes[i - 1, CHANGE_AT] > x:
-        changes[i, CHANGE_AT], changes[i, CHANGE_MIDDLE] = changes[i - 1, CHANGE_AT], changes[i - 1, CHANGE_MIDDLE]
+        for c in range(CHANGE):
+            changes[i, c] = changes[i - 1, c]
         i -= 1
     changes[i, CHANGE_AT], changes[i, CHANGE_MIDDLE] = x, middle
+    for j in range(7):
+        changes[i, CHANGE_POSTURE + j] = q[j]
     return n + 1
 
 
 @kernel
+def posture_beside(P, by, curve, change, x):
+    """The posture next to a change of branch, at a parameter: that of the change, unless the elbow is almost straight.
+
+    There the arm angle changes fast: it is that of the parameter alone.
+    """
+    q = read7(row(change, CHANGE_POSTURE))
+    if abs(sine_of(P, q, ELBOW)) < STRAIGHT:
+        q, _ = on_curve(P, by, 0, curve, x)
+    return q
+
+
+@kernel
 def met_change(P, by, curve, middle, x, y):
-    """`change_between` by Newton's method for the pose and the angle together: parameter, and whether that is met."""
+    """`change_between` by Newton's method for the pose and the angle together: that, and whether it is met."""
     rows = curve.rows
     low = sample_before(curve, 0.5 * (x + y))
-    if x < rows[low, 0] or y > rows[low + 1, 0]:
-        return x, False
     a, b = on_chord(rows, low, x), on_chord(rows, low, y)
+    if x < rows[low, 0] or y > rows[low + 1, 0]:
+        return (x, a), False
     joint, phase = 1 + 2 * middle, phase_of(P, middle)
     at_a, at_b = math.sin(a[joint] - phase), math.sin(b[joint] - phase)
     if at_a * at_b >= 0.0:
-        return x, False
+        return (x, a), False
     share = at_a / (at_a - at_b)
     turned = a[joint] + share * short_way(b[joint] - a[joint])
     angle = phase + math.pi * math.floor((turned - phase) / math.pi + 0.5)
-    _, found, met = meet(P, by, rows, low, along7(a, share, difference(a, b)), joint, angle)
-    return found, met and x < found < y
+    q, found, met = meet(P, by, rows, low, along7(a, share, difference(a, b)), joint, angle)
+    return (found, q), met and x < found < y
 
 
 @kernel
 def change_between(P, by, curve, middle, a, b):
-    """The parameter between two, each with its sine, at which a middle angle changes sides."""
+    """The parameter between two, each with its sine, at which a middle angle changes sides, and the posture there."""
     (x, at_x), (y, at_y) = a, b
     found, met = met_change(P, by, curve, middle, x, y)
     if met:
@@ -77,73 +100,47 @@ def change_between(P, by, curve, middle, a, b):
         wanted = next_parameter(crossing)
         q, _ = on_curve(P, by, 0, curve, wanted)
         crossing = tell_figure(crossing, wanted, side * sine_of(P, q, middle))
-    return crossing[0]
+    q, _ = on_curve(P, by, 0, curve, crossing[0])
+    return crossing[0], q
 
 
 @kernel
-def rate_of_sine(P, by, q, middle, chord):
-    """How fast the sine of a middle angle changes along a curve that goes on as a chord does."""
-    t, _ = tangent_at(P, by, q)
-    joint = 1 + 2 * middle
-    return math.cos(q[joint] - phase_of(P, middle)) * math.copysign(t[joint], t[joint] * dot7(t, chord))
-
-
-@kernel
-def lowest_of_cubic(a, b):
-    """Where the cubic through two points is lowest, as a share of the way, and how low.
-
-    A point is given as its parameter, its figure and the figure's rate, which falls at the first and rises at the last.
-    """
-    h = b[0] - a[0]
-    fall, rise = a[2] * h, b[2] * h
-    c2 = 3.0 * (b[1] - a[1]) - 2.0 * fall - rise
-    c3 = 2.0 * (a[1] - b[1]) + fall + rise
-    share = -fall / (c2 + math.sqrt(max(c2 * c2 - 3.0 * c3 * fall, 0.0)))
-    share = min(max(share, 0.01), 0.99)
-    return share, a[1] + share * (fall + share * (c2 + share * c3))
+def rate_of_sine(P, q, middle, rate):
+    """How fast the sine of a middle angle changes that changes at some rate itself."""
+    return math.cos(q[1 + 2 * middle] - phase_of(P, middle)) * rate
 
 
 @kernel
 def dip_between(P, by, curve, middle, a, b):
-    """A parameter between two samples of one side at which a middle angle is on the other: it, its sine, if any.
+    """A parameter between two on one side at which a middle angle is on the other side: it, its sine, if any.
 
-    A sample is given as its parameter and its posture.
+    They are given with their sines and how fast these change along the curve.
     """
-    (x_a, q_a), (x_b, q_b) = a, b
-    chord = difference(q_a, q_b)
-    side = 1.0 if sine_of(P, q_a, middle) >= 0.0 else -1.0
-    first = (x_a, side * sine_of(P, q_a, middle), side * rate_of_sine(P, by, q_a, middle, chord))
-    last = (x_b, side * sine_of(P, q_b, middle), side * rate_of_sine(P, by, q_b, middle, chord))
+    x_a, at_a, rate_a = a
+    x_b, at_b, rate_b = b
+    side = 1.0 if at_a >= 0.0 else -1.0
+    first, last = (x_a, side * at_a, side * rate_a), (x_b, side * at_b, side * rate_b)
+    low = sample_before(curve, 0.5 * (x_a + x_b))
+    chord = difference(load_sample(curve.rows[low]), load_sample(curve.rows[low + 1]))
     for _ in range(DIP_STEPS):
         if first[2] >= 0.0 or last[2] <= 0.0:
             break
-        share, foretold = lowest_of_cubic(first, last)
-        x = first[0] + share * (last[0] - first[0])
+        x, foretold = lowest_of_cubic(first, last, FROM_ENDS)
         q, _ = on_curve(P, by, 0, curve, x)
         height = side * sine_of(P, q, middle)
         if height < 0.0:
             return x, side * height, True
         if height > FORETOLD * abs(height - foretold):
             break
-        here = (x, height, side * rate_of_sine(P, by, q, middle, chord))
+        # Newton's method has left the Jacobian.
+        t, _ = null_vector(by.J, chord, by.A)
+        rate = math.copysign(t[1 + 2 * middle], t[1 + 2 * middle] * dot7(t, chord))
+        here = (x, height, side * rate_of_sine(P, q, middle, rate))
         if here[2] < 0.0:
             first = here
         else:
             last = here
     return x_a, 0.0, False
-
-
-@kernel
-def may_dip(P, middle, a, b, told):
-    """Whether a middle angle falls towards its singularity behind one sample and rises from it before the next.
-
-    A sample is given as its posture, the rates of middle angles that both tell as rows of `told`.
-    """
-    joint, phase = 1 + 2 * middle, phase_of(P, middle)
-    side = math.copysign(1.0, sine_of(P, a, middle))
-    rate_a = side * math.cos(a[joint] - phase) * told[0][TOLD_MIDDLES + middle]
-    rate_b = side * math.cos(b[joint] - phase) * told[1][TOLD_MIDDLES + middle]
-    return rate_a < 0.0 < rate_b
 
 
 @kernel
@@ -153,14 +150,18 @@ def find_changes(P, by, curve, i, told, changes):
     `told` holds what samples tell.
     """
     x_a, x_b = curve.rows[i - 1, 0], curve.rows[i, 0]
-    q_a, q_b = load_sample(curve.rows[i - 1]), load_sample(curve.rows[i])
     n = 0
     for middle in range(3):
-        at_a, at_b = sine_of(P, q_a, middle), sine_of(P, q_b, middle)
+        at_a, at_b = told[i - 1, TOLD_SINES + middle], told[i, TOLD_SINES + middle]
         if (at_a >= 0.0) != (at_b >= 0.0):
             n = put_change(changes, n, change_between(P, by, curve, middle, (x_a, at_a), (x_b, at_b)), middle)
-        elif abs(at_a + at_b) < ARC * (x_b - x_a) and may_dip(P, middle, q_a, q_b, (told[i - 1], told[i])):
-            x, at_x, found = dip_between(P, by, curve, middle, (x_a, q_a), (x_b, q_b))
+        elif abs(at_a + at_b) < ARC * (x_b - x_a):
+            rate_a = rate_of_sine(P, load_sample(curve.rows[i - 1]), middle, told[i - 1, TOLD_MIDDLES + middle])
+            rate_b = rate_of_sine(P, load_sample(curve.rows[i]), middle, told[i, TOLD_MIDDLES + middle])
+            falls = rate_a < 0.0 < rate_b if at_a >= 0.0 else rate_b < 0.0 < rate_a
+            if not falls:
+                continue
+            x, at_x, found = dip_between(P, by, curve, middle, (x_a, at_a, rate_a), (x_b, at_b, rate_b))
             if found:
                 n = put_change(changes, n, change_between(P, by, curve, middle, (x_a, at_a), (x, at_x)), middle)
                 n = put_change(changes, n, change_between(P, by, curve, middle, (x, at_x), (x_b, at_b)), middle)

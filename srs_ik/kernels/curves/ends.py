@@ -13,9 +13,10 @@ from srs_ik.kernels.algebra.lanes import scatter, where, whole_number
 from srs_ik.kernels.algebra.minimum import GOLDEN
 from srs_ik.kernels.algebra.pointers import row
 from srs_ik.kernels.algebra.roots import has_settled, next_parameter, start_crossing, tell_figure
+from srs_ik.kernels.chain.eight import take_ways
 from srs_ik.kernels.chain.newton_eight import larger
 from srs_ik.kernels.curves.follow import between, correct
-from srs_ik.kernels.curves.in_step import SAMPLE, load_sample, take_ways
+from srs_ik.kernels.curves.in_step import SAMPLE, load_sample
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.limb import IS_CLOSED, LOWER, MIDDLE, SLACK_LIMIT, UPPER
 from srs_ik.kernels.layout.search import SPLIT

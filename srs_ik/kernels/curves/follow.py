@@ -14,26 +14,19 @@ from __future__ import annotations
 
 import math
 
-import numpy as np
-
 from srs_ik.kernels.algebra.joint_vectors import along7, difference, dot7, short_way
 from srs_ik.kernels.algebra.linear import solve_linear
-from srs_ik.kernels.algebra.pointers import row
 from srs_ik.kernels.algebra.vectors import norm
-from srs_ik.kernels.chain.eight import put_eight, take_eight
 from srs_ik.kernels.chain.newton import (
     CLOSED,
     LAST_STEP,
     LEFT,
     ROUNDING,
-    STEPS,
     load_system,
     longest,
     moved,
     pose_step,
 )
-from srs_ik.kernels.chain.newton_eight import close_eight
-from srs_ik.kernels.chain.starts import FIRST, WIDTH, bent_place, start_all
 from srs_ik.kernels.curves.in_step import (
     BESIDE,
     BEYOND,
@@ -41,22 +34,16 @@ from srs_ik.kernels.curves.in_step import (
     SAMPLE,
     SETTLED,
     SHORTEST_STEP,
+    SHRINKAGE,
     SMALLEST_COSINE,
-    WELL_STRAIGHT,
     load_sample,
     longest_across,
     most_aside,
-    one_of_seven,
-    to_curves,
+    step_after,
 )
-from srs_ik.kernels.curves.marks import MARK, follow_marks, join_pieces, put_mark
-from srs_ik.kernels.curves.surface import put_starts
-from srs_ik.kernels.exact.free_splits import close_gently
 from srs_ik.kernels.jit import kernel
-from srs_ik.kernels.layout.limb import BOTTOM_GAP, PHASE, SHOULDER, STRAIGHT, TOP_GAP, WRIST
+from srs_ik.kernels.layout.limb import PHASE, SHOULDER, STRAIGHT, WRIST
 from srs_ik.kernels.limb.goal import NO_SEED
-from srs_ik.kernels.limb.limits import turn_to_middle, violation
-from srs_ik.kernels.limb.poses import read7
 
 MOST_STEPS = 600
 
@@ -72,28 +59,11 @@ SHRUNK = 0.5
 MOST_VAGUE = 2e-3
 """From a posture that meets its pose, a first step of half of this, rad, is rounding."""
 
-STARTS = 8
-STARTS_OBLIQUE = 48
-"""Arm angles, all around, at which the closed form gives starts; a branch of oblique axes may be a short arc."""
-
-MORE_STARTS = 512
-"""Room for starts where several parts of a limb are singular."""
-
-OBLIQUE = 1e-3
-"""Axes are oblique where this part of all directions, as a cosine, is beyond the reach of a shoulder or wrist."""
-
-MAX_CURVES = 32
-MOST_LEFT = 8
-"""Curves of a pose, and those on which an error is left (`LEFT`), at most."""
-
 SAME_CURVE = 4e-6
 """A posture this close to a curve, rad squared, lies on it."""
 
 CURVE = 3
 """A curve: first row, the row behind the last, and whether it is closed (its last row then repeats the first)."""
-
-ELBOW_SPARE = 0.5
-"""By so much, rad, q4 of a start may be outside its limits where limits count."""
 
 FIRST_GUESS = (0.35, -0.25, 0.45, 0.15, 0.5, -0.4, 0.3)
 """Any direction: the null vector at a start is oriented afterwards."""
@@ -261,13 +231,13 @@ def follow(P, by, q, t, way, rows, n):
             break
         next_q, met = correct(P, by, along7(q, way * step, t), t, dot7(t, q) + way * step)
         if not met:
-            step *= 0.5
+            step *= SHRINKAGE
             continue
         next_t, sign = null_vector(by.J, t, by.A)
         cosine = dot7(t, next_t)
         jumps = step > longest_across(P) and passes_two(P, q, next_q)
         if sign <= 0.0 or cosine < SMALLEST_COSINE or jumps or strays(by, q, next_q, next_t, step, cosine):
-            step *= 0.5
+            step *= SHRINKAGE
             continue
         if n - n0 > 2 and dot7(first_t, t) > SMALLEST_COSINE:
             share = share_of_chord(q, next_q, first)
@@ -277,8 +247,7 @@ def follow(P, by, q, t, way, rows, n):
         t = next_t
         length += step
         n = put(rows, n, length, q)
-        if cosine > WELL_STRAIGHT:
-            step = min(1.5 * step, LONGEST_STEP)
+        step = step_after(step, cosine)
     return n, False, q, t
 
 
@@ -316,84 +285,11 @@ def extend_back(P, by, rows, curves, k, n):
 
 
 @kernel
-def put_marks(P, by, angles, marks, missed):
-    """Marks on all curves, from the closed form at arm angles all around; how many, and how many starts are missed.
-
-    `missed` takes the postures from which Newton's method in step does not reach the pose.
-    """
-    R, p, place_ = by.target
-    A = by.A
-    starts = row(A, FIRST)
-    count = 0
-    n_missed = 0
-    oblique = angles > STARTS
-    for i in range(angles):
-        psi = (2.0 * i / angles - 1.0) * math.pi
-        exist = start_all(P, bent_place(P, place_), psi, False, NO_SEED, False, A)
-        closed, met = close_eight(P, take_eight(starts, WIDTH), R, p, place_[0], place_[1], psi, STEPS)
-        put_eight(starts, WIDTH, met, closed)
-        # Where a branch has no posture at the arm angle, there may be one next to it.
-        closed, t, met = to_curves(P, R, p, take_eight(starts, WIDTH), 0xFF if oblique else exist)
-        put_eight(starts, WIDTH, met, closed)
-        for branch in range(8):
-            q = read7(row(A, FIRST + branch))
-            spare = ELBOW_SPARE - violation(P, 3, turn_to_middle(P, 3, q[3])) if by.respect else ELBOW_SPARE
-            # At the edge of the reach of oblique axes, the true chain may have postures where the closed form has none.
-            if spare < 0.0 or not (oblique or (exist >> branch) & 1 == 1):
-                continue
-            if (met >> branch) & 1 == 1:
-                count = put_mark(marks, 0, count, q, one_of_seven(t, branch))
-            else:
-                for j in range(7):
-                    missed[n_missed, j] = q[j]
-                n_missed += 1
-    return count, n_missed
-
-
-@kernel
-def follow_all(P, by, rows, curves):
-    """Follow every curve of a pose that the closed form of the nearest exact limb leads to; the number of curves."""
-    R, p, _ = by.target
-    oblique = P[SHOULDER + TOP_GAP] + P[SHOULDER + BOTTOM_GAP] + P[WRIST + TOP_GAP] + P[WRIST + BOTTOM_GAP] > OBLIQUE
-    angles = STARTS_OBLIQUE if oblique else STARTS
-    marks = np.empty((8 * angles, MARK))
-    missed = np.empty((8 * angles + MORE_STARTS, 7))
-    pieces = np.empty((rows.shape[0], SAMPLE))
-    n = 0
-    count = 0
-    n_marks, n_missed = put_marks(P, by, angles, marks, missed)
-    n_missed = put_starts(P, by.target.place, missed, n_missed)
-    if n_marks > 0:
-        follow_marks(P, by.target, marks[:n_marks], n_marks, pieces)
-        n, count = join_pieces(marks, n_marks, pieces, rows, curves)
-    for k in range(count):
-        if curves[k, 2] == 0.0:
-            # It begins where curves cross, before its first mark.
-            n = extend_back(P, by, rows, curves, k, n)
-    vague = 0
-    for i in range(n_missed):
-        if count >= curves.shape[0]:
-            break
-        q, error = close_gently(P, read7(missed[i]), R, p, False, by.J, by.A)
-        if error > LEFT or (error > CLOSED and vague >= MOST_LEFT):
-            continue
-        t, sign = tangent_at(P, by, q)
-        # As close to the curve as floats tell, so that it is known where the curve closes.
-        q, met = correct(P, by, q, t, dot7(t, q))
-        if sign == 0.0 or not met or is_known(P, by, q, t, rows, curves, count):
-            continue
-        first = n
-        n, closed, q, t = follow(P, by, q, t, 1.0, rows, n)
-        if not closed:
-            # It ends where curves cross: all of it lies behind that end.
-            n, closed, _, _ = follow(P, by, q, t, -1.0, rows, first)
-            reverse(rows, first, n)
-        if n - first < 2:
-            n = first
-            continue
-        curves[count, 0] = first
-        curves[count, 1] = n
-        curves[count, 2] = 1.0 if closed else 0.0
-        count += 1
-        vague += 1 if error > CLOSED else 0
-    return count
+def follow_through(P, by, q, t, rows, first):
+    """Follow the whole curve through a posture, along its oriented null vector: rows in use, whether it is closed."""
+    n, closed, end, t = follow(P, by, q, t, 1.0, rows, first)
+    if not closed:
+        # It ends where curves cross: all of it lies behind that end.
+        n, closed, _, _ = follow(P, by, end, t, -1.0, rows, first)
+        reverse(rows, first, n)
+    return n, closed

@@ -4,15 +4,14 @@ from __future__ import annotations
 
 import math
 
+from srs_ik.kernels.algebra.joint_vectors import along7, dot7
 from srs_ik.kernels.algebra.lane_trig import turns_of
 from srs_ik.kernels.algebra.lanes import as_bits, gather, one_of, whole_number
-from srs_ik.kernels.chain.eight import take_eight
+from srs_ik.kernels.chain.eight import ALL, take_eight, take_ways
 from srs_ik.kernels.chain.newton import LAST_STEP, MAX_STEP
 from srs_ik.kernels.chain.newton_eight import (
-    all_along,
     all_times,
     curve_step,
-    dot_seven,
     larger,
     largest,
     turned_by_all,
@@ -26,6 +25,9 @@ SAMPLE = 8
 LONGEST_STEP = 0.3
 """Length of a step, rad."""
 
+ARC = 1.1
+"""The way along a curve between two samples, at most, for the difference of their parameters."""
+
 SHORTEST_STEP = 1e-7
 """Steps shorter than this, rad, mean a curve that cannot be followed."""
 
@@ -37,7 +39,14 @@ SMALLEST_COSINE = 0.93
 """Cosine of the largest angle by which a curve turns in one step."""
 
 WELL_STRAIGHT = 0.985
-"""Above this cosine, the next step is longer."""
+GROWTH = 1.5
+ALL_BUT_STRAIGHT = 0.998
+FAST_GROWTH = 3.0
+"""Above the first cosine, the next step is longer by the second, above the third by the fourth: it is soon behind the
+sharp turn of a curve that almost crosses another one."""
+
+SHRINKAGE = 0.4
+"""A step that has not led along the curve is tried again, shorter by this."""
 
 CORRECTIONS = 8
 """Newton's steps back to the curve, at most."""
@@ -70,20 +79,6 @@ LANE_STEP = 21
 
 
 @kernel
-def take_ways(rows, first, width):
-    """Seven figures from one on, of eight rows, each as eight floats."""
-    return (
-        gather(rows, first, width),
-        gather(rows, first + 1, width),
-        gather(rows, first + 2, width),
-        gather(rows, first + 3, width),
-        gather(rows, first + 4, width),
-        gather(rows, first + 5, width),
-        gather(rows, first + 6, width),
-    )
-
-
-@kernel
 def load_sample(sample):
     """Joint angles of a sample."""
     return (sample[1], sample[2], sample[3], sample[4], sample[5], sample[6], sample[7])
@@ -95,6 +90,13 @@ def put_sample(rows, n, x, q):
     rows[n, 0] = x
     for j in range(7):
         rows[n, 1 + j] = q[j]
+
+
+@kernel
+def step_after(step, cosine):
+    """The length of the next step along a curve that has turned on one by a cosine."""
+    growth = FAST_GROWTH if cosine > ALL_BUT_STRAIGHT else (GROWTH if cosine > WELL_STRAIGHT else 1.0)
+    return min(growth * step, LONGEST_STEP)
 
 
 @kernel
@@ -134,8 +136,8 @@ def is_along(made, way, cosine, vague):
 
     Also those that are off by as much as is vague, rad squared.
     """
-    ahead = dot_seven(made, way)
-    return dot_seven(made, made) - ahead * ahead < most_aside(ahead, cosine) + vague
+    ahead = dot7(made, way)
+    return dot7(made, made) - ahead * ahead < most_aside(ahead, cosine) + vague
 
 
 @kernel
@@ -149,7 +151,7 @@ def step_in_step(P, R, p, rows, alive):
     step = gather(rows, LANE_STEP, LANE)
     # The curve goes on to bend, and the step stays as long as it is along the way.
     bend = take_ways(rows, LANE_BEND, LANE)
-    q = all_along(before, step, all_along(way, 0.5 * step, all_along(bend, -dot_seven(bend, way), way)))
+    q = along7(before, step, along7(way, 0.5 * step, along7(bend, -dot7(bend, way), way)))
     t = way
     turns = turns_of(q)
     none = 0.0 * step
@@ -159,36 +161,60 @@ def step_in_step(P, R, p, rows, alive):
         d, t, _, right = curve_step(P, turns, R, p, way, none)
         size = largest(d)
         settled = size < LAST_STEP
-        q = all_along(q, 1.0, d)
+        q = along7(q, 1.0, d)
         met = as_bits(settled & right)
         if alive & ~as_bits(settled | (size > SHRINKING * last)) == 0:
             break
         last = size
         turns = turned_by_all(turns, d)
-    cosine = dot_seven(way, t)
-    made = all_along(q, -1.0, before)
+    cosine = dot7(way, t)
+    made = along7(q, -1.0, before)
     met &= as_bits((cosine > SMALLEST_COSINE) & is_along(made, way, cosine, SETTLED))
     return q, t, met & ~as_bits(crosses_two(P, before, q, step)), cosine
 
 
 @kernel
-def to_curves(P, R, p, q, which):
-    """The shortest way from eight postures to curves of a pose, those that are named by bits.
+def to_curves(P, R, p, q, which, steps):
+    """The shortest way from eight postures to curves of a pose, those that are named by bits, in some steps at most.
 
     Returns postures, the unit vectors along their curves, and which are met, as bits.
     """
     turns = turns_of(q)
     t = q
     met = 0
-    for _ in range(CORRECTIONS):
+    for _ in range(steps):
         d, t, _, right = curve_step(P, turns, R, p, q, 0.0 * q[0])
-        d = all_along(d, -dot_seven(t, d), t)
+        d = along7(d, -dot7(t, d), t)
         size = largest(d)
         settled = size < LAST_STEP
         d = all_times(MAX_STEP / larger(size, MAX_STEP + 0.0 * size), d)
-        q = all_along(q, 1.0, d)
+        q = along7(q, 1.0, d)
         met = as_bits(settled & right)
         if which & ~as_bits(settled) == 0:
+            break
+        turns = turned_by_all(turns, d)
+    return q, t, met
+
+
+@kernel
+def between_eight(P, by, a, chord, shares):
+    """The postures of a curve at eight shares of the way along a chord from one of them, as `follow.between`.
+
+    Returns postures, the unit vectors along the curve, and which are met, as bits.
+    """
+    R, p, _ = by.target
+    none = 0.0 * shares
+    start = along7(along7((none, none, none, none, none, none, none), 1.0, a), shares, chord)
+    q, t = start, start
+    turns = turns_of(q)
+    met = 0
+    for _ in range(CORRECTIONS):
+        d, t, _, right = curve_step(P, turns, R, p, chord, dot7(chord, along7(start, -1.0, q)))
+        size = largest(d)
+        settled = size < LAST_STEP
+        q = along7(q, 1.0, d)
+        met = as_bits(settled & right)
+        if as_bits(settled) == ALL:
             break
         turns = turned_by_all(turns, d)
     return q, t, met

@@ -8,29 +8,27 @@ from __future__ import annotations
 
 import numpy as np
 
-from srs_ik.kernels.algebra.joint_vectors import difference, dot7, short_way
+from srs_ik.kernels.algebra.joint_vectors import along7, difference, dot7, short_way
 from srs_ik.kernels.algebra.lanes import as_bits, one_of, root, scatter, where
 from srs_ik.kernels.algebra.pointers import keep, row
-from srs_ik.kernels.chain.eight import ALL, put_eight, take_eight
-from srs_ik.kernels.chain.newton_eight import all_along, dot_seven
+from srs_ik.kernels.chain.eight import ALL, put_eight, take_eight, take_ways
 from srs_ik.kernels.curves.in_step import (
     BESIDE,
-    BEYOND,
     LANE,
     LANE_BEND,
     LANE_STEP,
     LONGEST_STEP,
     SAMPLE,
     SHORTEST_STEP,
+    SHRINKAGE,
     VAGUE,
-    WELL_STRAIGHT,
     crosses_two,
     is_along,
     load_sample,
     put_sample,
     short_ways,
+    step_after,
     step_in_step,
-    take_ways,
 )
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.limb.poses import read7
@@ -61,12 +59,9 @@ def read_way(mark):
 
 
 @kernel
-def shares_of_ways(P, q, way, chord, length2, mark):
-    """The shares of the ways of eight curves, from postures along chords, at which a mark is passed; 2 where it is not.
-
-    The unit vectors along the curves are given, and the squares of the lengths of the chords.
-    """
-    to_mark = (
+def ways_to(mark, q):
+    """The short ways from eight postures to a mark."""
+    return (
         short_ways(mark[0] - q[0]),
         short_ways(mark[1] - q[1]),
         short_ways(mark[2] - q[2]),
@@ -75,13 +70,22 @@ def shares_of_ways(P, q, way, chord, length2, mark):
         short_ways(mark[5] - q[5]),
         short_ways(mark[6] - q[6]),
     )
-    along_chord = dot_seven(to_mark, chord)
+
+
+@kernel
+def shares_of_ways(P, q, way, chord, mark, to_mark):
+    """The shares of the ways of eight curves, from postures along chords, at which a mark is passed; 2 where it is not.
+
+    The unit vectors along the curves are given, and the ways to the mark.
+    """
+    length2 = dot7(chord, chord)
+    along_chord = dot7(to_mark, chord)
     share = along_chord / length2
-    off2 = dot_seven(to_mark, to_mark) - share * along_chord
-    ahead = dot_seven(read_way(mark), chord)
-    along = is_along(to_mark, way, dot_seven(read_way(mark), way), VAGUE)
+    off2 = dot7(to_mark, to_mark) - share * along_chord
+    ahead = dot7(read_way(mark), chord)
+    along = is_along(to_mark, way, dot7(read_way(mark), way), VAGUE)
     beside = (ahead > 0.0) & (off2 < BESIDE * BESIDE * length2) & along
-    jumps = crosses_two(P, q, all_along(q, 1.0, to_mark), share * root(length2))
+    jumps = crosses_two(P, q, along7(q, 1.0, to_mark), share * root(length2))
     share = where(beside & (share > 0.0) & (share < AT_THE_END), share, 2.0 + 0.0 * share)
     return where(jumps, 2.0 + 0.0 * share, share)
 
@@ -90,17 +94,22 @@ def shares_of_ways(P, q, way, chord, length2, mark):
 def find_passed(P, before, after, which, marks, count):
     """The first mark on the way of each of eight curves, of those that are named by bits (-1: none), and its share."""
     q = take_eight(before, LANE)
-    chord = all_along(take_eight(after, LANE), -1.0, q)
+    chord = along7(take_eight(after, LANE), -1.0, q)
     way = take_ways(before, 7, LANE)
-    length2 = dot_seven(chord, chord)
-    shares = 2.0 + 0.0 * length2
+    # Farther away than the chord is long and a mark may be aside, none is passed.
+    reach2 = (1.0 + 2.0 * BESIDE * BESIDE) * dot7(chord, chord)
+    reach = root(reach2)
+    shares = 2.0 + 0.0 * reach
     passed = shares - 3.0
     for m in range(count):
         mark = marks[m]
-        near = (abs(short_ways(q[1] - mark[1])) < BEYOND) & (abs(short_ways(q[5] - mark[5])) < BEYOND)
+        near = (abs(short_ways(q[1] - mark[1])) < reach) & (abs(short_ways(q[5] - mark[5])) < reach)
         if which & as_bits(near) == 0:
             continue
-        share = shares_of_ways(P, q, way, chord, length2, mark)
+        to_mark = ways_to(mark, q)
+        if which & as_bits(dot7(to_mark, to_mark) < reach2) == 0:
+            continue
+        share = shares_of_ways(P, q, way, chord, mark, to_mark)
         earlier = share < shares
         shares = where(earlier, share, shares)
         passed = where(earlier, m + 0.0 * share, passed)
@@ -165,8 +174,8 @@ def follow_marks(P, target, marks, starts, pieces):
             first = i * LONGEST_PIECE
             step = lanes[i, LANE_STEP]
             if (there >> i) & 1 == 0:
-                lanes[i, LANE_STEP] = 0.5 * step
-                done = 0.5 * step < SHORTEST_STEP
+                lanes[i, LANE_STEP] = SHRINKAGE * step
+                done = SHRINKAGE * step < SHORTEST_STEP
             else:
                 n = length[i]
                 x = line[first + n - 1, 0]
@@ -180,8 +189,7 @@ def follow_marks(P, target, marks, starts, pieces):
                         lanes[i, LANE_BEND + j] = (after[i, 7 + j] - lanes[i, 7 + j]) / step
                     for c in range(14):
                         lanes[i, c] = after[i, c]
-                    if one_of(cosine, i) > WELL_STRAIGHT:
-                        lanes[i, LANE_STEP] = min(1.5 * step, LONGEST_STEP)
+                    lanes[i, LANE_STEP] = step_after(step, one_of(cosine, i))
                     done = n + 2 >= LONGEST_PIECE
                 length[i] = n + 1
             if done:

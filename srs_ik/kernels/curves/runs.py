@@ -13,10 +13,11 @@ import numpy as np
 
 from srs_ik.kernels.algebra.joint_vectors import difference
 from srs_ik.kernels.chain.newton import arm_angle, clipped
+from srs_ik.kernels.curves.all_curves import MAX_CURVES, follow_all
 from srs_ik.kernels.curves.ends import dip, edge, is_exact, on_curve, put_infeasibilities
-from srs_ik.kernels.curves.follow import CURVE, MAX_CURVES, follow_all, put
+from srs_ik.kernels.curves.follow import CURVE, put
 from srs_ik.kernels.curves.gaps import put_bounds, put_gaps
-from srs_ik.kernels.curves.in_step import SAMPLE, load_sample
+from srs_ik.kernels.curves.in_step import ARC, SAMPLE, load_sample
 from srs_ik.kernels.exact.samples import take_samples
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.asked import Runs, Samples, Setting
@@ -78,6 +79,18 @@ def put_run(P, by, branch, curve, ends, out, used):
 
 
 @kernel
+def may_meet(f, next_f, way):
+    """Whether a limit may be met on a way between two samples that are so far outside their limits, or inside."""
+    return abs(f + next_f) < way
+
+
+@kernel
+def may_dip(P, x, f, next_x, next_f):
+    """Whether there may be feasible postures between two samples outside the limits; f is how far, x the parameter."""
+    return is_exact(P) or may_meet(f, next_f, ARC * (next_x - x))
+
+
+@kernel
 def cut(P, by, branch, curve, out, used):
     """Cut a sampled curve into its feasible runs, behind the rows and runs in use; how many are in use then."""
     line, first, last = curve
@@ -96,9 +109,11 @@ def cut(P, by, branch, curve, out, used):
         elif f0 <= 0.0 and f1 > 0.0:
             upper = edge(P, by, branch, curve, (x0, f0), (x1, f1))
         elif 0.0 < f0 < f_before and f0 <= f1 and f0 < SHALLOW:
-            x, f = dip(P, by, branch, curve, line[i - 2, 0], x1)
+            x_before, f = line[i - 2, 0], 1.0
+            if may_dip(P, x_before, f_before, x0, f0) or may_dip(P, x0, f0, x1, f1):
+                x, f = dip(P, by, branch, curve, x_before, x1)
             if f <= 0.0:
-                lower = edge(P, by, branch, curve, (x, f), (line[i - 2, 0], f_before))
+                lower = edge(P, by, branch, curve, (x, f), (x_before, f_before))
                 upper = edge(P, by, branch, curve, (x, f), (x1, f1))
         if i == last - 1 and f1 <= 0.0:
             upper = x1
@@ -154,9 +169,9 @@ def unroll(P, by, rows, curve, line):
     first = int(curve[0])
     count = int(curve[1]) - first
     start = 0
+    off = np.empty((rows.shape[0], 1))
+    put_infeasibilities(P, Samples(rows, first, first + count), by.respect, off)
     if curve[2] == 1.0:
-        off = np.empty((rows.shape[0], 1))
-        put_infeasibilities(P, Samples(rows, first, first + count), by.respect, off)
         worst = 0.0
         for i in range(count - 1):
             if off[first + i, 0] > worst:
@@ -166,6 +181,7 @@ def unroll(P, by, rows, curve, line):
     n = 0
     x = 0.0
     q = NO_SEED
+    f = 0.0
     for i in range(count):
         j = start + i
         round_ = 0.0
@@ -174,7 +190,8 @@ def unroll(P, by, rows, curve, line):
             round_ = length
         next_x = rows[first + j, 0] + round_
         next_q = load_sample(rows[first + j])
-        if by.respect and i > 0:
+        next_f = off[first + j, 0]
+        if by.respect and i > 0 and may_meet(f, next_f, ARC * (next_x - x)):
             for k in range(put_gaps(P, by, (x, q), (next_x, next_q), gaps, 0)):
                 gap_x, gap_q = gaps[k, 0], load_sample(gaps[k])
                 n = put_bounds(P, by, (x, q), (gap_x, gap_q), line, n)
@@ -182,7 +199,7 @@ def unroll(P, by, rows, curve, line):
                 x, q = gap_x, gap_q
             n = put_bounds(P, by, (x, q), (next_x, next_q), line, n)
         n = put(line, n, next_x, next_q)
-        x, q = next_x, next_q
+        x, q, f = next_x, next_q, next_f
     return n
 
 

@@ -8,8 +8,14 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from srs_ik.kernels.algebra.joint_vectors import short_way
-from srs_ik.kernels.algebra.minimum import propose, start_search, tell
-from srs_ik.kernels.curves.changes import CHANGE, CHANGE_AT, CHANGE_MIDDLE, MOST_CHANGES, find_changes
+from srs_ik.kernels.curves.changes import (
+    CHANGE,
+    CHANGE_AT,
+    CHANGE_MIDDLE,
+    MOST_CHANGES,
+    find_changes,
+    posture_beside,
+)
 from srs_ik.kernels.curves.ends import on_curve, sample_before
 from srs_ik.kernels.curves.runs import samples_of
 from srs_ik.kernels.curves.told import (
@@ -21,8 +27,10 @@ from srs_ik.kernels.curves.told import (
     tell_samples,
     turn_at,
 )
+from srs_ik.kernels.curves.turning import turning_between
 from srs_ik.kernels.jit import kernel
-from srs_ik.kernels.layout.search import MAX_RUNS, SMOOTH, STATE
+from srs_ik.kernels.layout.asked import Samples
+from srs_ik.kernels.layout.search import MAX_RUNS
 from srs_ik.kernels.limb.branches import bit_of
 
 SPAN = 6
@@ -39,36 +47,16 @@ SHORT_TURN = 1e-7
 there is on the border of those before and behind."""
 
 TURNING = 1e-9
-TURNED = 1e-12
-"""An arm angle that goes back by more than the first, rad, has turned around. There it is the same up to the second."""
+"""An arm angle that goes back by more than this, rad, has turned around."""
 
 
 @kernel
-def ahead_at(P, by, curve, x, psi, sign):
-    """How far, in the direction of a sign, the arm angle at a parameter is from one nearby."""
-    q, _ = on_curve(P, by, 0, curve, x)
-    return sign * short_way(angle_at(P, by, q) - psi)
-
-
-@kernel
-def turning_angle(P, by, curve, points, psi, sign):
-    """The farthest arm angle, in the direction of a sign, between the outer of three parameters; psi at the middle."""
-    a, x, b = points
-    at_a = ahead_at(P, by, curve, a, psi, sign)
-    at_b = ahead_at(P, by, curve, b, psi, sign)
-    farthest = max(at_a, at_b, 0.0)
-    S = np.empty(STATE)
-    start_search(S, a, x, b, -at_a, 0.0, -at_b, SMOOTH)
-    while True:
-        wanted, more = propose(S)
-        if not more:
-            break
-        ahead = ahead_at(P, by, curve, wanted, psi, sign)
-        tell(S, -ahead)
-        if abs(ahead - farthest) < TURNED:
-            break
-        farthest = max(farthest, ahead)
-    return psi + sign * farthest
+def turning_angle(P, by, curve, ends, psi, sign):
+    """The farthest arm angle, in the direction of a sign, between two parameters; psi is close by."""
+    a, _ = on_curve(P, by, 0, curve, ends[0])
+    b, _ = on_curve(P, by, 0, curve, ends[1])
+    _, ahead = turning_between(P, by, a, b, sign)
+    return psi + short_way(angle_at(P, by, a) + ahead - psi)
 
 
 @kernel
@@ -112,11 +100,13 @@ def take_turn(P, by, curve, span, passed, x, to):
         # Somewhere between the samples before and behind the last one.
         before = max(sample_before(curve, span[3]) - 1, curve.first)
         sign = math.copysign(1.0, rise)
-        points = (max(span[2], curve.rows[before, 0]), span[3], x)
-        extend(span, span[3], turning_angle(P, by, curve, points, psi, sign))
+        there, _ = on_curve(P, by, 0, curve, span[3])
+        rises = turn_at(P, by, there) * sign > 0.0
+        ends = (span[3], x) if rises else (max(span[2], curve.rows[before, 0]), span[3])
+        extend(span, span[3], turning_angle(P, by, curve, ends, psi, sign))
     elif abs(change) > TURNING and change * behind < 0.0:
         sign = math.copysign(1.0, change)
-        extend(span, x, turning_angle(P, by, curve, (span[3], span[3], x), psi, sign))
+        extend(span, x, turning_angle(P, by, curve, (span[3], x), psi, sign))
 
 
 @kernel
@@ -153,11 +143,10 @@ def without_short(spans, first, n):
 
 @kernel
 def spans_of_run(P, by, rows, runs, index, room, n):
-    """Append the spans of a run; the number of spans. `room` is for spans, for what samples tell, and for changes."""
+    """Append the spans of a run; the number of spans. `room` is for spans, what samples tell, and room for changes."""
     spans, told, changes = room
     curve = samples_of(rows, runs[index])
     _, first, last = curve
-    tell_samples(P, by, curve, told)
     start = n
     x = rows[first, 0]
     branch = int(told[first, TOLD_BRANCH])
@@ -168,13 +157,13 @@ def spans_of_run(P, by, rows, runs, index, room, n):
         for c in range(find_changes(P, by, curve, i, told, changes)):
             inside = max(changes[c, CHANGE_AT] - JUST_OUTSIDE, x)
             outside = max(min(changes[c, CHANGE_AT] + JUST_OUTSIDE, rows[i, 0]), inside)
-            there, _ = on_curve(P, by, 0, curve, inside)
+            there = posture_beside(P, by, curve, changes[c], inside)
             change = short_way(angle_at(P, by, there) - psi)
             behind = turn_at(P, by, there)
             take_turn(P, by, curve, spans[n - 1], Passed(psi, rise), inside, (change, behind))
             psi += change
             extend(spans[n - 1], inside, psi)
-            there, _ = on_curve(P, by, 0, curve, outside)
+            there = posture_beside(P, by, curve, changes[c], outside)
             psi += short_way(angle_at(P, by, there) - psi)
             branch ^= bit_of(int(changes[c, CHANGE_MIDDLE]))
             n = open_span(spans, n, index, branch, outside, psi)
@@ -193,8 +182,13 @@ def spans_of_run(P, by, rows, runs, index, room, n):
 @kernel
 def find_spans(P, by, rows, runs, spans):
     """Cut all runs into spans; return their number."""
-    room = spans, np.empty((rows.shape[0], TOLD)), np.empty((MOST_CHANGES, CHANGE))
+    told, changes = np.empty((rows.shape[0], TOLD)), np.empty((MOST_CHANGES, CHANGE))
+    count = runs.shape[0]
+    if count > 0:
+        # Runs lie one behind the other.
+        tell_samples(P, by, Samples(rows, int(runs[0, 3]), int(runs[count - 1, 4])), told)
+    room = spans, told, changes
     n = 0
-    for index in range(runs.shape[0]):
+    for index in range(count):
         n = spans_of_run(P, by, rows, runs, index, room, n)
     return n

@@ -4,26 +4,25 @@ from __future__ import annotations
 
 import math
 
-from srs_ik.kernels.algebra.joint_vectors import along7, short_way
 from srs_ik.kernels.algebra.lane_trig import angle_of, turn, turns_of
 from srs_ik.kernels.algebra.lanes import as_bits, root, scatter
 from srs_ik.kernels.algebra.pointers import row
-from srs_ik.kernels.algebra.vectors import cross, dot, load3, sub
-from srs_ik.kernels.chain.eight import branches_of
+from srs_ik.kernels.algebra.vectors import along, cross, dot, load3, rotate, sub
+from srs_ik.kernels.chain.eight import branches_of, sines_of_eight, take_ways
 from srs_ik.kernels.chain.kinematics import turn_about_line
 from srs_ik.kernels.chain.newton import arm_angle
-from srs_ik.kernels.chain.newton_eight import all_along, curve_step
+from srs_ik.kernels.chain.newton_eight import curve_step
 from srs_ik.kernels.curves.follow import tangent_at
-from srs_ik.kernels.curves.in_step import SAMPLE, load_sample, short_ways, take_ways
+from srs_ik.kernels.curves.in_step import SAMPLE, load_sample
 from srs_ik.kernels.jit import kernel
-from srs_ik.kernels.layout.limb import ELBOW_CENTRE, PHASE, SHOULDER_CENTRE, WRIST
+from srs_ik.kernels.layout.limb import AXES, ELBOW_CENTRE, POINTS, SHOULDER_CENTRE
+from srs_ik.kernels.limb.branches import sine_of
 
-TOLD = 6
+TOLD = 9
 TOLD_BRANCH, TOLD_PSI, TOLD_RATE, TOLD_MIDDLES = range(4)
-"""What a sample tells: its branch, its arm angle, rad, and the rates of that and of joints 2, 4, 6 along the curve."""
-
-LITTLE = 1e-6
-"""A step that tells how an arm angle changes, rad."""
+TOLD_SINES = 6
+"""What a sample tells: its branch, its arm angle, rad, the rates of that and of joints 2, 4, 6 along the curve, and the
+sines of these joints from their phases on."""
 
 TURNING_WRIST = 1e-4
 """Sine of q6 below which a way along a curve is asked for alone: in step it divides by what axes 5 to 7 span."""
@@ -36,23 +35,43 @@ def angle_at(P, by, q):
 
 
 @kernel
-def arm_angles(P, place_, q):
-    """The arm angles of eight postures."""
+def moved_on(P, joint, turn_, point, rate, speed):
+    """A point that moves, turned about the line of a joint that turns itself: where it is then, and how it moves."""
+    c, s = turn_
+    axis = load3(P, AXES + 3 * joint)
+    point = turn_about_line(P, joint, c, s, point)
+    arm = sub(point, load3(P, POINTS + 3 * joint))
+    return point, along(rotate(axis, c, s, rate), speed, cross(axis, arm))
+
+
+@kernel
+def across_line(P, place_, turns, way):
+    """The elbow across the line S-W, towards arm angles of 0 and of 90 degrees, and how both change along a way."""
     t, h0 = place_[0], place_[1]
-    turn_1, turn_2, turn_3 = turn(q[0]), turn(q[1]), turn(q[2])
-    elbow = turn_about_line(P, 2, turn_3[0], turn_3[1], load3(P, ELBOW_CENTRE))
-    elbow = turn_about_line(P, 1, turn_2[0], turn_2[1], elbow)
-    elbow = turn_about_line(P, 0, turn_1[0], turn_1[1], elbow)
-    upper_arm = sub(elbow, load3(P, SHOULDER_CENTRE))
-    c, s = dot(upper_arm, h0), dot(upper_arm, cross(t, h0))
-    share = 1.0 / root(c * c + s * s)
-    return angle_of(share * c, share * s)
+    elbow, rate = moved_on(P, 2, turns[2], load3(P, ELBOW_CENTRE), (0.0, 0.0, 0.0), way[2])
+    elbow, rate = moved_on(P, 1, turns[1], elbow, rate, way[1])
+    elbow, rate = moved_on(P, 0, turns[0], elbow, rate, way[0])
+    upper_arm, b0 = sub(elbow, load3(P, SHOULDER_CENTRE)), cross(t, h0)
+    return (dot(upper_arm, h0), dot(upper_arm, b0)), (dot(rate, h0), dot(rate, b0))
+
+
+@kernel
+def arm_angles(P, place_, q, way):
+    """The arm angles of eight postures, and how fast they change along ways from these."""
+    turns = turn(q[0]), turn(q[1]), turn(q[2])
+    (c, s), (c_rate, s_rate) = across_line(P, place_, turns, way)
+    share = 1.0 / (c * c + s * s)
+    size = root(share)
+    return angle_of(size * c, size * s), share * (c * s_rate - s * c_rate)
 
 
 @kernel
 def rate_along(P, by, q, way):
-    """How fast the arm angle changes along a way from a posture."""
-    return short_way(angle_at(P, by, along7(q, LITTLE, way)) - angle_at(P, by, q)) / LITTLE
+    """How fast the arm angle changes along a way from a posture; 0 where it is anything."""
+    turns = (math.cos(q[0]), math.sin(q[0])), (math.cos(q[1]), math.sin(q[1])), (math.cos(q[2]), math.sin(q[2]))
+    (c, s), (c_rate, s_rate) = across_line(P, by.target.place, turns, way)
+    size2 = c * c + s * s
+    return (c * s_rate - s * c_rate) / size2 if size2 > 0.0 else 0.0
 
 
 @kernel
@@ -75,6 +94,7 @@ def tell_one(P, by, q, told):
     told[TOLD_PSI], told[TOLD_RATE] = angle_at(P, by, q), rate_along(P, by, q, way)
     for middle in range(3):
         told[TOLD_MIDDLES + middle] = way[1 + 2 * middle]
+        told[TOLD_SINES + middle] = sine_of(P, q, middle)
 
 
 @kernel
@@ -87,16 +107,19 @@ def tell_samples(P, by, curve, told):
         k = min(i, rows.shape[0] - 8)
         q = take_ways(row(rows, k), 1, SAMPLE)
         eight = row(told, k)
-        psi = arm_angles(P, place_, q)
         _, way, _, _ = curve_step(P, turns_of(q), R, p, q, 0.0 * q[0])
-        scatter(eight, TOLD_BRANCH, TOLD, branches_of(P, q))
+        psi, rate = arm_angles(P, place_, q, way)
+        sines = sines_of_eight(P, q)
+        scatter(eight, TOLD_BRANCH, TOLD, branches_of(sines))
         scatter(eight, TOLD_PSI, TOLD, psi)
-        scatter(eight, TOLD_RATE, TOLD, short_ways(arm_angles(P, place_, all_along(q, LITTLE, way)) - psi) / LITTLE)
+        scatter(eight, TOLD_RATE, TOLD, rate)
         scatter(eight, TOLD_MIDDLES, TOLD, way[1])
         scatter(eight, TOLD_MIDDLES + 1, TOLD, way[3])
         scatter(eight, TOLD_MIDDLES + 2, TOLD, way[5])
-        _, s6 = turn(q[5] - P[WRIST + PHASE])
-        sure = as_bits(abs(s6) > TURNING_WRIST)
+        scatter(eight, TOLD_SINES, TOLD, sines[0])
+        scatter(eight, TOLD_SINES + 1, TOLD, sines[1])
+        scatter(eight, TOLD_SINES + 2, TOLD, sines[2])
+        sure = as_bits(abs(sines[2]) > TURNING_WRIST)
         for m in range(k, min(k + 8, last)):
             if (sure >> (m - k)) & 1 == 0:
                 tell_one(P, by, load_sample(rows[m]), told[m])

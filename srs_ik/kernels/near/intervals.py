@@ -14,7 +14,7 @@ from srs_ik.kernels.algebra.pointers import row
 from srs_ik.kernels.chain.answer import measure_row
 from srs_ik.kernels.chain.newton import arm_angle
 from srs_ik.kernels.curves.best import best_on
-from srs_ik.kernels.curves.follow import CURVE, follow, reverse, tangent_at
+from srs_ik.kernels.curves.follow import CURVE, follow_through, tangent_at
 from srs_ik.kernels.curves.in_step import SAMPLE
 from srs_ik.kernels.curves.runs import CURVE_ROWS, SPARE_ROWS, near_runs, samples_of, survey_curves
 from srs_ik.kernels.curves.spans import MAX_SPANS, SPAN, find_spans
@@ -70,11 +70,7 @@ def intervals_through(P, target, q, out, J, A):
     n = 0
     t, sign = tangent_at(P, by, q)
     if sign != 0.0:
-        length, closed, end, t = follow(P, by, q, t, 1.0, rows, 0)
-        if not closed:
-            # It ends where curves cross: all of it lies behind that end.
-            length, closed, _, _ = follow(P, by, end, t, -1.0, rows, 0)
-            reverse(rows, 0, length)
+        length, closed = follow_through(P, by, q, t, rows, 0)
         if length > 1:
             curves[0, 0], curves[0, 1], curves[0, 2] = 0.0, length, 1.0 if closed else 0.0
             _, k = survey_curves(P, by, rows, curves, line, Runs(sampled, runs))

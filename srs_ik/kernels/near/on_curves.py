@@ -8,13 +8,17 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from srs_ik.kernels.algebra.joint_vectors import difference, dot7, short_way
-from srs_ik.kernels.algebra.minimum import propose, start_search
-from srs_ik.kernels.algebra.minimum import tell as tell_height
 from srs_ik.kernels.chain.newton import STEPS, close_at_angle
 from srs_ik.kernels.chain.starts import best_row
 from srs_ik.kernels.curves.best import cost_of_turn
-from srs_ik.kernels.curves.changes import CHANGE, CHANGE_AT, CHANGE_MIDDLE, MOST_CHANGES, find_changes
-from srs_ik.kernels.curves.ends import on_curve
+from srs_ik.kernels.curves.changes import (
+    CHANGE,
+    CHANGE_AT,
+    CHANGE_MIDDLE,
+    MOST_CHANGES,
+    find_changes,
+    posture_beside,
+)
 from srs_ik.kernels.curves.follow import between
 from srs_ik.kernels.curves.in_step import SAMPLE, load_sample, put_sample
 from srs_ik.kernels.curves.runs import SPARE_ROWS, near_runs, samples_of
@@ -29,12 +33,13 @@ from srs_ik.kernels.curves.told import (
     tell_one,
     tell_samples,
 )
+from srs_ik.kernels.curves.turning import turning_between
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.answer import ROW_COST
 from srs_ik.kernels.layout.asked import Goal, Samples, Setting
-from srs_ik.kernels.layout.search import BEST, MAX_RUNS, RUN, SMOOTH, STATE
+from srs_ik.kernels.layout.search import MAX_RUNS, RUN
 from srs_ik.kernels.limb.branches import NO_BRANCH, bit_of, branch_of, is_on_border
-from srs_ik.kernels.limb.goal import NO_SEED
+from srs_ik.kernels.limb.goal import NO_SEED, turned
 from srs_ik.kernels.limb.poses import read7
 from srs_ik.kernels.limb.triangle import elbow_side
 from srs_ik.kernels.near.arcs import ARC, MOST_ARCS, find_arcs, follow_arcs, mark_around, put_ends_of_arcs
@@ -81,11 +86,11 @@ def no_curves():
 
 
 @kernel
-def put_beside(P, by, curve, x, branch, n, followed):
-    """Append a posture next to a change of branch, at a parameter of a curve, and what it tells; the number of rows."""
+def put_beside(P, by, x, q, branch, n, followed):
+    """Append a posture next to a change of branch, at a parameter, and what it tells; the number of rows."""
     if n >= followed.rows.shape[0]:
         return n
-    q, _ = on_curve(P, by, 0, curve, x)
+    q = turned(P, q, False, NO_SEED, by.respect)
     put_sample(followed.rows, n, x, q)
     tell_one(P, by, q, followed.told[n])
     followed.told[n, TOLD_BRANCH] = branch
@@ -108,9 +113,10 @@ def told_runs(P, by, samples, n_samples, runs, certain):
         for i in range(curve.first, curve.last):
             for c in range(find_changes(P, by, curve, i, told, changes) if i > curve.first else 0):
                 x = changes[c, CHANGE_AT]
-                n = put_beside(P, by, curve, max(x - JUST_OUTSIDE, samples[i - 1, 0]), branch, n, out)
+                inside, outside = max(x - JUST_OUTSIDE, samples[i - 1, 0]), min(x + JUST_OUTSIDE, samples[i, 0])
+                n = put_beside(P, by, inside, posture_beside(P, by, curve, changes[c], inside), branch, n, out)
                 branch ^= bit_of(int(changes[c, CHANGE_MIDDLE]))
-                n = put_beside(P, by, curve, min(x + JUST_OUTSIDE, samples[i, 0]), branch, n, out)
+                n = put_beside(P, by, outside, posture_beside(P, by, curve, changes[c], outside), branch, n, out)
             if n < room:
                 put_sample(out.rows, n, samples[i, 0], load_sample(samples[i]))
                 for column in range(TOLD):
@@ -182,29 +188,6 @@ def put_passing(P, by, psi, branch, ends, goal, out):
 
 
 @kernel
-def height_at(P, by, ends, psi, share, rise):
-    """How far the arm angle at a share of the way between two postures of a curve is from one that it rises to."""
-    q, met = between(P, by, ends[0], ends[1], share)
-    return -rise * short_way(angle_at(P, by, q) - psi) if met else math.inf
-
-
-@kernel
-def turning_between(P, by, a, b, rise):
-    """The posture of a curve at which the arm angle turns around between two; `rise` is its sign at the first."""
-    S = np.empty(STATE)
-    psi = angle_at(P, by, a)
-    last = height_at(P, by, (a, b), psi, 1.0, rise)
-    start_search(S, 0.0, 0.5, 1.0, 0.0, height_at(P, by, (a, b), psi, 0.5, rise), last, SMOOTH)
-    while True:
-        wanted, more = propose(S)
-        if not more:
-            break
-        tell_height(S, height_at(P, by, (a, b), psi, wanted, rise))
-    q, met = between(P, by, a, b, S[BEST])
-    return q if met else a
-
-
-@kernel
 def look_between(P, by, followed, i, psi, goal, out):
     """Keep what is at an arm angle between the sample i - 1 and the next one.
 
@@ -229,8 +212,9 @@ def look_between(P, by, followed, i, psi, goal, out):
     if abs(ahead_b) < SAME_ANGLE:
         keep_found(P, b, next_branch, goal, out)
     if turns:
-        turning = turning_between(P, by, a, b, 1.0 if rate_a > 0.0 else -1.0)
-        ahead = ahead_a + short_way(angle_at(P, by, turning) - at_a)
+        share, to_turn = turning_between(P, by, a, b, 1.0 if rate_a > 0.0 else -1.0)
+        turning, met = between(P, by, a, b, share)
+        turning, ahead = (turning, ahead_a + to_turn) if met else (a, ahead_a)
         put_passing(P, by, psi, branch, ((a, ahead_a), (turning, ahead)), goal, out)
         put_passing(P, by, psi, branch, ((turning, ahead), (b, ahead_b)), goal, out)
         if abs(ahead) < SAME_ANGLE:

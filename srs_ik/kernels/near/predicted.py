@@ -55,7 +55,7 @@ from srs_ik.kernels.near.ends import (
     put_end,
     put_fixed,
 )
-from srs_ik.kernels.near.scan import POINT_BRANCH, POINT_OFF, POINT_PSI, scan, view_of
+from srs_ik.kernels.near.scan import LAST, POINT_BRANCH, POINT_NEXT, POINT_OFF, POINT_PSI, scan, view_of
 
 AT_END = 1e-7
 """What is followed on an arc begins and ends with it, up to this, rad."""
@@ -71,25 +71,26 @@ OUTSIDE, INSIDE, ANY = range(3)
 def put_scanned(P, view, branch, stretch, states, ends, n):
     """Append the ends on a stretch of arm angles whose own ends are in given states; their number, -1 if it fails."""
     points = view.points
-    count = scan(P, view, branch, stretch[0], stretch[1])
-    if count < 0:
+    if not scan(P, view, branch, stretch[0], stretch[1]):
         return -1
-    starts_inside, ends_inside = points[0, POINT_OFF] <= 0.0, points[count - 1, POINT_OFF] <= 0.0
+    starts_inside, ends_inside = points[0, POINT_OFF] <= 0.0, points[LAST, POINT_OFF] <= 0.0
     if states[0] != ANY and starts_inside != (states[0] == INSIDE):
         return -1
     if states[1] != ANY and ends_inside != (states[1] == INSIDE):
         return -1
     if states[0] == ANY and starts_inside:
         n = put_fixed(points[0], branch, ends, n)
-    for i in range(1, count):
-        inside = points[i, POINT_OFF] <= 0.0
-        if inside == (points[i - 1, POINT_OFF] <= 0.0):
-            continue
-        k = i if inside else i - 1
-        at = (points[k, POINT_PSI], -1.0 if inside else 1.0, points[i - 1, POINT_PSI], points[i, POINT_PSI])
-        n = put_end(ends, n, read7(points[k]), branch, at)
+    a = 0
+    while a != LAST:
+        b = int(points[a, POINT_NEXT])
+        inside = points[b, POINT_OFF] <= 0.0
+        if inside != (points[a, POINT_OFF] <= 0.0):
+            k = b if inside else a
+            at = (points[k, POINT_PSI], -1.0 if inside else 1.0, points[a, POINT_PSI], points[b, POINT_PSI])
+            n = put_end(ends, n, read7(points[k]), branch, at)
+        a = b
     if states[1] == ANY and ends_inside:
-        n = put_fixed(points[count - 1], branch, ends, n)
+        n = put_fixed(points[LAST], branch, ends, n)
     return n
 
 

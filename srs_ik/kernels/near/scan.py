@@ -8,27 +8,31 @@ from srs_ik.kernels.algebra.joint_vectors import short_way
 from srs_ik.kernels.algebra.lane_trig import turn
 from srs_ik.kernels.algebra.lanes import as_bits, gather, one_of, scatter, whole_number
 from srs_ik.kernels.algebra.pointers import row
-from srs_ik.kernels.chain.eight import put_eight, take_eight
+from srs_ik.kernels.chain.eight import put_eight, sines_of_eight, take_eight
 from srs_ik.kernels.chain.newton import STEPS
 from srs_ik.kernels.chain.newton_eight import ALL, close_in_planes, half_planes
 from srs_ik.kernels.exact.intervals import PI
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.asked import View
-from srs_ik.kernels.layout.limb import PHASE, SHOULDER, STRAIGHT, WRIST
 from srs_ik.kernels.limb.limits import beyond, turn_to_middle
 from srs_ik.kernels.limb.postures_eight import eight_postures
 from srs_ik.kernels.limb.triangle import elbow_side
 from srs_ik.kernels.near.band import band_with, certain_posture, least_bend, sines_of_middles
 
-POINT = 31
+POINT = 32
 POINT_PSI = 7
 POINT_RATES = 8
 POINT_OFF = 15
 POINT_BRANCH = 16
 POINT_COSTS = 17
 POINT_SLOPES = 24
+POINT_NEXT = 31
 """A point: joint angles, arm angle, the rates of the joints with it, how far it is outside the limits, branch; where
-costs count (`within`), cost of each joint and its rate with the arm angle, and in the place of the limits the cost."""
+costs count (`within`), cost of each joint and its rate with the arm angle, and in the place of the limits the cost;
+the row of the point that comes next."""
+
+LAST = 7
+"""Of the first eight points of a stretch, the one at its end."""
 
 MAX_POINTS = 512
 """Room for the points between two arm angles."""
@@ -165,20 +169,21 @@ def is_decided(P, a, b):
 
 @kernel
 def scan(P, view, branch, lower, upper):
-    """Look at the postures of a branch between two arm angles, closely enough to miss no limit; the number of points.
+    """Look at the postures of a branch between two arm angles, closely enough to miss no limit; whether it is done.
 
-    Gaps between points are halved until each is decided. The points, those of the view, are sorted by their arm angles.
-    Returns -1 where this cannot be done.
+    Gaps between points are halved until each is decided. The points are those of the view, and each tells which one
+    comes next, from the first to the one in row LAST.
     """
     points, gaps = view.points, view.gaps
     for i in range(8):
-        points[i, POINT_PSI] = lower + (upper - lower) * i / 7.0
+        points[i, POINT_PSI] = lower + (upper - lower) * i / LAST
         points[i, POINT_BRANCH] = branch
+        points[i, POINT_NEXT] = i + 1
         gaps[i, 0], gaps[i, 1] = i, i + 1
-    left = 7
-    n = 8
+    left = LAST
+    n = LAST + 1
     if not put_points(P, view, points, 0):
-        return -1
+        return False
     while True:
         for i in range(n - 8, n):
             points[i, POINT_OFF] = outside_by(P, points[i])
@@ -188,31 +193,23 @@ def scan(P, view, branch, lower, upper):
                 gaps[kept, 0], gaps[kept, 1] = gaps[i, 0], gaps[i, 1]
                 kept += 1
         if kept == 0:
-            break
+            return True
         # Eight gaps at a time; the others wait.
         if n + 8 > MAX_POINTS or not put_between(P, view, points, gaps, kept, n):
-            return -1
+            return False
         left = kept
         for i in range(min(kept, 8)):
+            points[n + i, POINT_NEXT], points[gaps[i, 0], POINT_NEXT] = gaps[i, 1], n + i
             gaps[left, 0], gaps[left, 1] = n + i, gaps[i, 1]
             gaps[i, 1] = n + i
             left += 1
         n += 8
-    for i in range(1, n):
-        k = i
-        while k > 0 and points[k - 1, POINT_PSI] > points[k, POINT_PSI]:
-            for c in range(POINT):
-                points[k, c], points[k - 1, c] = points[k - 1, c], points[k, c]
-            k -= 1
-    return n
 
 
 @kernel
 def in_branches(P, q, branches):
     """Which of eight postures, as bits, lie each in its branch."""
-    _, s2 = turn(q[1] - P[SHOULDER + PHASE])
-    _, s4 = turn(q[3] - P[STRAIGHT])
-    _, s6 = turn(q[5] - P[WRIST + PHASE])
+    s2, s4, s6 = sines_of_eight(P, q)
     elbow = whole_number((branches - 1.5) * 0.25)
     rest = branches - 4.0 * elbow
     shoulder = whole_number((rest - 0.5) * 0.5)

@@ -1,0 +1,146 @@
+"""All curves of a pose on the true chain of a near limb, from starts that the closed form gives."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from srs_ik.kernels.algebra.joint_vectors import dot7
+from srs_ik.kernels.algebra.lanes import scatter
+from srs_ik.kernels.algebra.pointers import row
+from srs_ik.kernels.chain.eight import ALL, put_eight, take_eight
+from srs_ik.kernels.chain.newton import CLOSED, LEFT, STEPS
+from srs_ik.kernels.chain.newton_eight import close_eight
+from srs_ik.kernels.chain.starts import FIRST, WIDTH, bent_place, start_all
+from srs_ik.kernels.curves.follow import correct, extend_back, follow_through, is_known, tangent_at
+from srs_ik.kernels.curves.in_step import CORRECTIONS, SAMPLE, one_of_seven, to_curves
+from srs_ik.kernels.curves.marks import MARK, MARK_NEXT, MARK_WAY, follow_marks, join_pieces, put_mark
+from srs_ik.kernels.curves.surface import put_starts
+from srs_ik.kernels.exact.free_splits import close_gently
+from srs_ik.kernels.jit import kernel
+from srs_ik.kernels.layout.limb import BOTTOM_GAP, SHOULDER, TOP_GAP, WRIST
+from srs_ik.kernels.limb.goal import NO_SEED
+from srs_ik.kernels.limb.limits import turn_to_middle, violation
+from srs_ik.kernels.limb.poses import read7
+
+STARTS = 8
+STARTS_OBLIQUE = 48
+"""Arm angles, all around, at which the closed form gives starts; a branch of oblique axes may be a short arc."""
+
+MORE_STARTS = 512
+"""Room for starts where several parts of a limb are singular."""
+
+OBLIQUE = 1e-3
+"""Axes are oblique where this part of all directions, as a cosine, is beyond the reach of a shoulder or wrist."""
+
+CLOSING_STEPS = 16
+"""Newton's steps from a start to a curve, at most."""
+
+MAX_CURVES = 32
+MOST_LEFT = 8
+"""Curves of a pose, and those on which an error is left (`LEFT`), at most."""
+
+ELBOW_SPARE = 0.5
+"""By so much, rad, q4 of a start may be outside its limits where limits count."""
+
+
+@kernel
+def put_marks(P, by, angles, marks, missed):
+    """Marks on all curves, from the closed form at arm angles all around; how many, and how many starts are missed.
+
+    `missed` takes the postures from which Newton's method in step does not reach the pose.
+    """
+    R, p, place_ = by.target
+    A = by.A
+    starts = row(A, FIRST)
+    count = 0
+    n_missed = 0
+    oblique = angles > STARTS
+    for i in range(angles):
+        psi = (2.0 * i / angles - 1.0) * math.pi
+        exist = start_all(P, bent_place(P, place_), psi, False, NO_SEED, False, A)
+        closed, met = close_eight(P, take_eight(starts, WIDTH), R, p, place_[0], place_[1], psi, STEPS)
+        put_eight(starts, WIDTH, met, closed)
+        # Where a branch has no posture at the arm angle, there may be one next to it.
+        closed, t, met = to_curves(P, R, p, take_eight(starts, WIDTH), ALL if oblique else exist, CORRECTIONS)
+        put_eight(starts, WIDTH, met, closed)
+        for branch in range(8):
+            q = read7(row(A, FIRST + branch))
+            spare = ELBOW_SPARE - violation(P, 3, turn_to_middle(P, 3, q[3])) if by.respect else ELBOW_SPARE
+            # At the edge of the reach of oblique axes, the true chain may have postures where the closed form has none.
+            if spare < 0.0 or not (oblique or (exist >> branch) & 1 == 1):
+                continue
+            if (met >> branch) & 1 == 1:
+                count = put_mark(marks, 0, count, q, one_of_seven(t, branch))
+            else:
+                for j in range(7):
+                    missed[n_missed, j] = q[j]
+                n_missed += 1
+    return count, n_missed
+
+
+@kernel
+def bring_to_curves(P, by, starts, first, n):
+    """Bring the starts in rows first to n - 1 to curves, eight in step; those that are have 1 for the mark behind."""
+    R, p, _ = by.target
+    for i in range(first, n, 8):
+        # The last eight rows there are may begin before.
+        k = min(i, starts.shape[0] - 8)
+        rows = row(starts, k)
+        q, t, met = to_curves(P, R, p, take_eight(rows, MARK), (1 << min(n - k, 8)) - 1, CLOSING_STEPS)
+        put_eight(rows, MARK, met, q)
+        for j in range(7):
+            scatter(rows, MARK_WAY + j, MARK, t[j])
+        for m in range(8):
+            starts[k + m, MARK_NEXT] = (met >> m) & 1
+
+
+@kernel
+def follow_all(P, by, rows, curves):
+    """Follow every curve of a pose that the closed form of the nearest exact limb leads to; the number of curves."""
+    R, p, _ = by.target
+    oblique = P[SHOULDER + TOP_GAP] + P[SHOULDER + BOTTOM_GAP] + P[WRIST + TOP_GAP] + P[WRIST + BOTTOM_GAP] > OBLIQUE
+    angles = STARTS_OBLIQUE if oblique else STARTS
+    marks = np.empty((8 * angles, MARK))
+    missed = np.zeros((8 * angles + MORE_STARTS, MARK))
+    pieces = np.empty((rows.shape[0], SAMPLE))
+    n = 0
+    count = 0
+    n_marks, n_off = put_marks(P, by, angles, marks, missed)
+    n_missed = put_starts(P, by.target.place, missed, n_off)
+    if n_marks > 0:
+        follow_marks(P, by.target, marks[:n_marks], n_marks, pieces)
+        n, count = join_pieces(marks, n_marks, pieces, rows, curves)
+    for k in range(count):
+        if curves[k, 2] == 0.0:
+            # It begins where curves cross, before its first mark.
+            n = extend_back(P, by, rows, curves, k, n)
+    vague = 0
+    bring_to_curves(P, by, missed, n_off, n_missed)
+    for i in range(n_missed):
+        if count >= curves.shape[0]:
+            break
+        q, t = read7(missed[i]), read7(row(missed[i], MARK_WAY))
+        brought = missed[i, MARK_NEXT] == 1.0
+        if brought and is_known(P, by, q, t, rows, curves, count):
+            continue
+        q, error = close_gently(P, q, R, p, False, by.J, by.A)
+        if error > LEFT or (error > CLOSED and vague >= MOST_LEFT):
+            continue
+        t, sign = tangent_at(P, by, q)
+        # As close to the curve as floats tell, so that it is known where the curve closes.
+        q, met = correct(P, by, q, t, dot7(t, q))
+        if sign == 0.0 or not met or (not brought and is_known(P, by, q, t, rows, curves, count)):
+            continue
+        first = n
+        n, closed = follow_through(P, by, q, t, rows, n)
+        if n - first < 2:
+            n = first
+            continue
+        curves[count, 0] = first
+        curves[count, 1] = n
+        curves[count, 2] = 1.0 if closed else 0.0
+        count += 1
+        vague += 1 if error > CLOSED else 0
+    return count
