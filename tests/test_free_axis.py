@@ -71,13 +71,27 @@ def test_none_of_many_poses_is_missed(name):
     assert missed == 0
 
 
-def best_of_grid(name, axis, T, seed, rolls, angles):
-    """Squared distances of the nearest postures on a grid over roll and arm angle, and these, nearest first."""
+def all_rolls(axis, count):
+    return np.array([pin.exp3(unit(axis) * angle) for angle in 2.0 * np.pi * np.arange(count) / count])
+
+
+def all_leans(free, count, rolls):
+    """Turns that a cone leaves free: directions on a spiral, rolls about each."""
+    across = np.linalg.svd(free.axis[None])[2][1:]
+    leans = np.arccos(1.0 - (1.0 - math.cos(free.cone)) * (np.arange(count) + 0.5) / count)
+    ways = 2.399963 * np.arange(count)
+    tilts = [
+        pin.exp3(a * (math.cos(b) * across[0] + math.sin(b) * across[1])) for a, b in zip(leans, ways, strict=True)
+    ]
+    return np.array([tilt @ roll for tilt in tilts for roll in all_rolls(free.axis, rolls)])
+
+
+def best_of_grid(name, turns, T, seed, angles):
+    """Squared distances of the nearest postures on a grid over turns and arm angle, and these, nearest first."""
     arm = arms.load(name)
-    poses = np.repeat(T[None], rolls * angles, axis=0)
-    turns = np.array([pin.exp3(unit(axis) * angle) for angle in 2.0 * np.pi * np.arange(rolls) / rolls])
+    poses = np.repeat(T[None], len(turns) * angles, axis=0)
     poses[:, :3, :3] = np.repeat(T[:3, :3] @ turns, angles, axis=0)
-    psis = np.tile(2.0 * np.pi * np.arange(angles) / angles, rolls)
+    psis = np.tile(2.0 * np.pi * np.arange(angles) / angles, len(turns))
     found = arm.solve_batch(poses, arm_angle=psis, all_branches=True)
     q = found.q.reshape(-1, 7)
     best = np.full(q.shape, np.inf)
@@ -91,28 +105,42 @@ def best_of_grid(name, axis, T, seed, rolls, angles):
     return square[order], nearest[order]
 
 
-def polished(name, axis, T, seed, q):
+def polished(name, free, T, seed, q):
     """The nearest posture around one, by SciPy."""
-    arm, forward, a = arms.load(name), arms.forward(name), unit(axis)
-    across = np.linalg.svd((T[:3, :3] @ a)[None])[2][1:]
+    arm, forward, a = arms.load(name), arms.forward(name), free.axis
+    ought = T[:3, :3] @ a
+    across = np.linalg.svd(ought[None])[2][1:] if free.cone == 0.0 else np.empty((0, 3))
 
     def off(x):
         tip = forward(x)
         return np.r_[tip.translation - T[:3, 3], across @ tip.rotation @ a]
 
+    def room(x):
+        return (forward(x).rotation @ a) @ ought - math.cos(free.cone)
+
     bounds = list(zip(np.maximum(arm.lower, -30.0), np.minimum(arm.upper, 30.0), strict=True))
+    inside = [{"type": "ineq", "fun": room}] if free.cone > 0.0 else []
     found = minimize(
         lambda x: ((x - seed) ** 2).sum(),
         q,
         jac=lambda x: 2.0 * (x - seed),
         bounds=bounds,
-        constraints=[{"type": "eq", "fun": off}],
+        constraints=[{"type": "eq", "fun": off}, *inside],
         method="SLSQP",
         options={"ftol": 1e-13, "maxiter": 100},
     )
-    tip = forward(found.x)
-    same_way = (tip.rotation @ a) @ (T[:3, :3] @ a) > 0.0
-    return found.fun if np.abs(off(found.x)).max() < 1e-9 and same_way else np.inf
+    met = np.abs(off(found.x)).max() < 1e-9 and (room(found.x) > -1e-9 if inside else room(found.x) > -1.0)
+    return found.fun if met else np.inf
+
+
+def best_of_all(name, free, T, seed, turns, angles):
+    """The squared distance of the nearest posture of a grid whose six best dips SciPy polishes."""
+    square, grid = best_of_grid(name, turns, T, seed, angles)
+    apart = [0]
+    for i in range(min(400, len(grid))):
+        if np.abs(grid[i] - grid[apart]).max(axis=1).min() > 0.4 and len(apart) < 6:
+            apart.append(i)
+    return min(square[0], *(polished(name, free, T, seed, grid[i]) for i in apart if np.isfinite(square[i])), np.inf)
 
 
 @pytest.mark.slow
@@ -122,12 +150,19 @@ def test_the_nearest_posture_is_that_of_a_dense_grid(name, axis):
     _, poses, seeds = rolled(name, 8, axis, 30)
     found = arms.load(name).solve_batch(poses, seed=seeds, free_axis=axis)
     for T, seed, q in zip(poses, seeds, found.q, strict=True):
-        square, grid = best_of_grid(name, axis, T, seed, 72, 72)
-        apart = [0]
-        for i in range(400):
-            if np.abs(grid[i] - grid[apart]).max(axis=1).min() > 0.4 and len(apart) < 6:
-                apart.append(i)
-        best = min(square[0], *(polished(name, axis, T, seed, grid[i]) for i in apart if np.isfinite(square[i])))
+        best = best_of_all(name, FreeAxis(axis), T, seed, all_rolls(axis, 72), 72)
+        assert ((q - seed) ** 2).sum() <= best + NEAREST
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("cone", [0.1, 0.4, 1.0, math.pi])
+@pytest.mark.parametrize("name", arms.here("iiwa14", "gen3", "human_arm"))
+def test_in_cones_the_nearest_posture_is_that_of_a_dense_grid(name, cone):
+    free = FreeAxis(AXES[1], cone=cone)
+    _, poses, seeds = rolled(name, 4, AXES[1], 90)
+    found = arms.load(name).solve_batch(poses, seed=seeds, free_axis=free)
+    for T, seed, q in zip(poses, seeds, found.q, strict=True):
+        best = best_of_all(name, free, T, seed, all_leans(free, 30, 12), 36)
         assert ((q - seed) ** 2).sum() <= best + NEAREST
 
 
@@ -139,7 +174,7 @@ def test_close_to_the_seed_it_is_the_nearest_too(name):
     seeds = np.clip(q + rng.normal(0.0, 0.02, q.shape), arm.lower, arm.upper)
     found = arm.solve_batch(poses, seed=seeds, free_axis=AXES[0])
     for T, seed, each in zip(poses, seeds, found.q, strict=True):
-        best = polished(name, AXES[0], T, seed, each)
+        best = polished(name, FreeAxis(AXES[0]), T, seed, each)
         assert ((each - seed) ** 2).sum() <= best + 1e-9
 
 

@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+import pinocchio as pin
 from motions import KINDS, motion, off_target, within
+from scipy.optimize import least_squares
 
 BEYOND = 1e-9
 """What limits may be passed by, rad, rad/s and rad/s^2: rounding."""
@@ -17,8 +20,12 @@ SMOOTHING = 0.02
 
 PATIENCE = 5.0
 
-STEP_BETWEEN = 0.02
-"""What lies between two postures or two poses that are looked at, rad."""
+STEP_BETWEEN = 0.1
+"""How far outside of bounds postures of the grid may be that SciPy brings inside, rad."""
+
+STARTS = 6
+EVERY = 5
+"""Postures of the grid from which SciPy starts; one pose in so many is looked at."""
 
 WITHIN_REACH = tuple(kind for kind in KINDS if kind != "reach")
 """Motions that can be followed."""
@@ -102,20 +109,49 @@ def farthest(seconds: float, velocity: np.ndarray, fastest: np.ndarray, hardest:
     return velocity * rising + 0.5 * hardest * rising**2 + fastest * (seconds - rising)
 
 
-def could_return(
-    arm: Any, start: tuple[np.ndarray, np.ndarray], ahead: np.ndarray, bounds: tuple[np.ndarray, np.ndarray], dt: float
-) -> bool:
-    """Whether joints could be on one of the poses ahead, each by its own limits alone; one pose in ten is looked at.
+def box_after(
+    arm: Any, start: tuple[np.ndarray, np.ndarray], seconds: float, bounds: tuple[np.ndarray, np.ndarray]
+) -> tuple[np.ndarray, np.ndarray]:
+    """(7,) each: how far down and up joints come in a time from where they are, by their velocities, rad.
 
-    None could return where this is false; where it is true, perhaps none that does not know the future.
+    Every joint is for itself, so a posture can be reached in that time just if it is in there.
     """
     q, velocity = start
-    for k in range(0, len(ahead), 10):
-        seconds, way = dt * (k + 1), ways_to(arm, q, ahead[k])
-        up, down = farthest(seconds, velocity, *bounds), farthest(seconds, -velocity, *bounds)
-        if ((way <= up + STEP_BETWEEN) & (way >= -down - STEP_BETWEEN)).all(axis=1).any():
+    low, high = q - farthest(seconds, -velocity, *bounds), q + farthest(seconds, velocity, *bounds)
+    return np.maximum(low, arm.lower), np.minimum(high, arm.upper)
+
+
+def in_box(arm: Any, q: np.ndarray, T: np.ndarray, low: np.ndarray, high: np.ndarray) -> bool:
+    """Whether a posture on a pose, to `NEAR_TARGET`, is between bounds: nearest of a grid of arm angles, by SciPy."""
+    near = q + ways_to(arm, q, T)
+    outside = np.maximum(np.maximum(low - near, near - high), 0.0).max(axis=1, initial=0.0)
+
+    def off(x: np.ndarray) -> np.ndarray:
+        tip = arm.forward_kinematics(x)
+        turn = pin.log3(tip.rotation.T @ T[:3, :3])
+        return np.concatenate([(tip.translation - T[:3, 3]) / NEAR_TARGET[0], turn / NEAR_TARGET[1]])
+
+    for k in np.argsort(outside)[:STARTS]:
+        if outside[k] > STEP_BETWEEN:
+            break
+        wide = np.maximum(high, low + 1e-9)
+        found = least_squares(off, np.clip(near[k], low, wide), bounds=(low - 1e-12, wide + 1e-12), xtol=1e-10)
+        if max(np.linalg.norm(found.fun[:3]), np.linalg.norm(found.fun[3:])) < 1.0:
             return True
     return False
+
+
+def least_return(
+    arm: Any, start: tuple[np.ndarray, np.ndarray], ahead: np.ndarray, bounds: tuple[np.ndarray, np.ndarray], dt: float
+) -> float:
+    """Seconds until any motion within the limits could be on its target, which it knows; endless where none could.
+
+    One pose in `EVERY` is looked at.
+    """
+    for k in range(0, len(ahead), EVERY):
+        if in_box(arm, start[0], ahead[k], *box_after(arm, start, dt * (k + 1), bounds)):
+            return dt * k
+    return float(np.inf)
 
 
 def recoveries(arm: Any, count: int, seed: int, dt: float) -> list[tuple[float, float]]:
@@ -154,19 +190,33 @@ def recovery_line(arm: Any, name: str, count: int, seed: int, dt: float) -> str:
     )
 
 
-def losses(arm: Any, count: int, seed: int, dt: float) -> tuple[np.ndarray, np.ndarray, int]:
-    """What comes of targets of which 5 % are lost, and all for a while.
+@dataclass
+class Loss:
+    """What came of a loss: whether it took a tip off its target, and seconds until the tip was on it again.
+
+    `least` is the time in which a motion within the limits could be there that knows the future; NaN where it was not
+    asked for, since the tip was back at once or off its target before.
+    """
+
+    on_before: bool
+    back: float
+    least: float
+
+
+def losses(arm: Any, count: int, seed: int, dt: float) -> tuple[list[Loss], np.ndarray]:
+    """What comes of targets of which 5 % are lost for 10 s, and all for a while; then none, so that all may be met.
 
     Returns:
-        Seconds from the first target after each loss until the tip is on it, endless where it never is; the share
-        of updates on target of each motion; and after how many of the losses without a return one was possible.
+        The losses; and the share of updates on target of each motion, in these 10 s.
     """
-    back, shares, possible = [], [], 0
+    out, shares = [], []
+    n = round(SECONDS / dt)
     for k in range(seed, seed + count):
-        moving = motion(arm, k, SECONDS, dt, WITHIN_REACH[k % len(WITHIN_REACH)], trouble=False)
+        moving = motion(arm, k, SECONDS + PATIENCE, dt, WITHIN_REACH[k % len(WITHIN_REACH)], trouble=False)
         rng = np.random.default_rng(k + 7_000_000)
-        lost = rng.uniform(size=len(moving.given)) < LOST
-        gone = int(rng.integers(len(lost) // 4, len(lost) // 2))
+        lost = np.zeros(len(moving.given), bool)
+        lost[:n] = rng.uniform(size=n) < LOST
+        gone = int(rng.integers(n // 4, n // 2))
         lost[gone : gone + round(GONE_FOR / dt)] = True
         tracker = arm.tracker(moving.q0, dt, velocities(arm))
         steps = [tracker.update(None if off else T) for off, T in zip(lost, moving.true, strict=True)]
@@ -174,25 +224,35 @@ def losses(arm: Any, count: int, seed: int, dt: float) -> tuple[np.ndarray, np.n
         bounds = tracker.velocity_limit, tracker.acceleration_limit
         position, angle = off_target(arm.forward_kinematics, q, moving.true)
         on = (position < NEAR_TARGET[0]) & (angle < NEAR_TARGET[1])
-        shares.append(on.mean())
-        for end in np.flatnonzero(lost[:-1] & ~lost[1:]) + 1:
-            back.append(dt * float(np.argmax(on[end:])) if on[end:].any() else np.inf)
-            if np.isinf(back[-1]):
+        shares.append(on[:n].mean())
+        edges = np.flatnonzero(np.diff(np.concatenate([[False], lost, [False]]).astype(int)))
+        for first, end in edges.reshape(-1, 2):
+            back = dt * float(np.argmax(on[end:])) if on[end:].any() else np.inf
+            before = bool(first == 0 or on[first - 1])
+            least = np.nan
+            if before and back > 0.0:
                 start = steps[end - 1].q, steps[end - 1].velocity
-                possible += could_return(arm, start, moving.true[end:], bounds, dt)
-    return np.array(back), np.array(shares), possible
+                least = least_return(arm, start, moving.true[end:], bounds, dt)
+            out.append(Loss(before, back, least))
+    return out, np.array(shares)
 
 
 def losses_line(arm: Any, name: str, count: int, seed: int, dt: float) -> str:
     """One line on what `losses` measures."""
-    back, shares, possible = losses(arm, count, seed, dt)
-    never = np.isinf(back)
-    back = np.where(never, SECONDS, back)
+    found, shares = losses(arm, count, seed, dt)
+    taken = np.array([loss.back for loss in found if loss.on_before])
+    others = np.array([loss.back for loss in found if not loss.on_before])
+    late = [loss for loss in found if loss.on_before and 0.0 < loss.back < np.inf]
+    over = np.array([loss.back - loss.least for loss in late]) if late else np.zeros(1)
+    never = np.isinf(taken)
+    possible = sum(1 for loss in found if loss.on_before and np.isinf(loss.back) and np.isfinite(loss.least))
+    kept = np.where(never, SECONDS + PATIENCE, taken)
     return (
-        f"{name}: seeds {seed} to {seed + count - 1}, {count} motions, {len(back)} losses, "
-        f"{int(never.sum())} without a return ({possible} of them possible by the limits of each joint alone); "
-        f"on target again after: "
-        f"median {np.median(back):.3f} s, 95 % {np.percentile(back, 95.0):.3f} s, "
-        f"99 % {np.percentile(back, 99.0):.3f} s; at once {100.0 * (back == 0.0).mean():.1f} %; "
+        f"{name}: seeds {seed} to {seed + count - 1}, {count} motions; {len(taken)} losses with the tip on its target, "
+        f"{int(never.sum())} without a return ({possible} of them possible); on target again at once "
+        f"{100.0 * (kept == 0.0).mean():.1f} %, 99 % {np.percentile(kept, 99.0):.2f} s, at most {kept.max():.2f} s; "
+        f"{len(late)} later than at once, later than limits allow one who knows the future by: "
+        f"median {np.median(over):.3f} s, 95 % {np.percentile(over, 95.0):.3f} s, most {over.max():.3f} s; "
+        f"{len(others)} losses with the tip off it before, {int(np.isinf(others).sum())} without a return; "
         f"on target {100.0 * shares.mean():.1f} % of all updates"
     )

@@ -14,6 +14,7 @@ from srs_ik.kernels.algebra.vectors import load3, norm
 from srs_ik.kernels.chain.freedom import free_error
 from srs_ik.kernels.exact.nearest import between_limbs
 from srs_ik.kernels.freedom.settle import distance, settle
+from srs_ik.kernels.freedom.starts import NARROW
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.answer import SOLVED
 from srs_ik.kernels.layout.freedom import START, START_COST, Found, Liking
@@ -33,8 +34,8 @@ SPREAD = math.sqrt(7.0)
 
 NONE_LEFT = 1e300
 
-ATTEMPTS, ATTEMPTS_IN_CONE = 32, 12
-"""Local searches at least: where the axis may lean, they come farther."""
+ATTEMPTS, ATTEMPTS_IN_CONE, ATTEMPTS_IN_WIDE_CONE = 32, 20, 12
+"""Local searches at least: the farther the axis may lean, the farther they come."""
 
 NO_NEARER = 2.0
 """A search does not come so much nearer to the seed than what its start costs, rad ..."""
@@ -108,7 +109,9 @@ def nearest(P, pose, freedom, liking, count, desk):
     """The nearest posture that searches from the starts in `desk` lead to, `count` of them."""
     found = Found(liking.posture, NONE_LEFT, False)
     attempts = 0
-    enough = ATTEMPTS_IN_CONE if freedom.cone > 0.0 else ATTEMPTS
+    enough = ATTEMPTS
+    if freedom.cone > 0.0:
+        enough = ATTEMPTS_IN_CONE if freedom.cone < NARROW else ATTEMPTS_IN_WIDE_CONE
     while attempts < MOST_ATTEMPTS and not (found.met and attempts >= enough):
         start, least, count = take_best(desk.starts, count)
         reached = math.sqrt(found.cost)

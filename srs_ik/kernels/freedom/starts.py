@@ -107,14 +107,19 @@ def write_minima(table, count, branch, seeded, starts, n):
 
 
 @kernel
-def add_strip(P, pose, axis, given, goal, desk, n):
-    """Write the starts of a strip of rolls on one side of the elbow; return how many there are."""
+def add_strip(P, pose, freedom, given, goal, desk, n):
+    """Write the starts of a strip of rolls on one side of the elbow; return how many there are.
+
+    Half as many rolls serve where the axis may lean: searches come farther.
+    """
     elbow, (lower, upper) = given
     R, p = pose
     count = strip_count(lower, upper)
+    if freedom.cone > 0.0:
+        count = (count + 1) // 2
     for k in range(count):
         roll = lower + (upper - lower) * (k + 0.5) / count
-        turn = rotation(axis, math.cos(roll), math.sin(roll))
+        turn = rotation(freedom.axis, math.cos(roll), math.sin(roll))
         fill_row(P, (times(R, turn), p), elbow, goal, row(desk.table, k))
     for branch in range(4):
         n = write_minima(desk.table, count, branch, goal[0], desk.starts, n)
@@ -136,5 +141,5 @@ def find_starts(P, pose, freedom, turns, goal, desk):
             for i in range(STRIPS):
                 found, ends = strip(P, pose, freedom.axis, elbow, i)
                 if found:
-                    n = add_strip(P, pose, freedom.axis, (elbow, ends), goal, desk, n)
+                    n = add_strip(P, pose, freedom, (elbow, ends), goal, desk, n)
     return n
