@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import ast
+from collections import Counter
 from pathlib import Path
 
 import srs_ik
 
-KERNELS = Path(srs_ik.__file__).parent / "kernels"
+PACKAGE = Path(srs_ik.__file__).parent
+KERNELS = PACKAGE / "kernels"
 
 MANY = 8
 """So many arguments are many."""
@@ -42,3 +44,24 @@ def test_rooms_are_small():
         str(room.relative_to(KERNELS)): len(list(room.glob("*.py"))) for room in KERNELS.rglob("*") if room.is_dir()
     }
     assert {name: count for name, count in rooms.items() if count > MOST_FILES} == {}
+
+
+def test_nothing_is_named_twice():
+    twice = [
+        f"{path.relative_to(PACKAGE)}: {name}"
+        for path in PACKAGE.rglob("*.py")
+        for name, count in Counter(names_given(ast.parse(path.read_text()))).items()
+        if count > 1
+    ]
+    assert twice == []
+
+
+def names_given(module: ast.Module) -> list[str]:
+    """Names of constants, functions and classes of a module, as often as it gives them to something."""
+    names: list[str] = []
+    for node in module.body:
+        if isinstance(node, (ast.FunctionDef, ast.ClassDef)):
+            names.append(node.name)
+        elif isinstance(node, ast.Assign):
+            names += [target.id for target in node.targets if isinstance(target, ast.Name)]
+    return names

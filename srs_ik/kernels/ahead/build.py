@@ -119,14 +119,17 @@ BATCH = 64
 
 def translated(work: list[Work], machine: str) -> list[bytes]:
     """All kernels and entries in LLVM, part by part."""
-    frontend = Frontend()
     with Forks() as forks:
+
+        def share(frontend: Frontend) -> None:
+            # Types are found by this process alone: it goes on while others write. The last function is not done yet.
+            while frontend.waiting() > BATCH and forks.has_room(CORES - 1):
+                forks.begin(partial(_written, frontend.take(BATCH), machine), CORES - 1)
+
+        frontend = Frontend(share)
         forks.begin(lambda: backend.prepare(frontend.runtime(), None, triple(machine)), CORES)
         for done, each in enumerate(work, 1):
             frontend.find_types(*each)
-            # Types are found by this process alone: it goes on while others write.
-            while frontend.waiting() >= BATCH and forks.has_room(CORES - 1):
-                forks.begin(partial(_written, frontend.take(BATCH), machine), CORES - 1)
             _say(f"read {done} of {len(work)}")
         while frontend.waiting():
             forks.begin(partial(_written, frontend.take(BATCH), machine), CORES)

@@ -78,15 +78,20 @@ class _Untouched(CodeLibrary):
 
 
 class Frontend:
-    """Numba, made to translate only. What it has compiled in this process before must not be asked for again."""
+    """Numba, made to translate only. What it has compiled in this process before must not be asked for again.
 
-    def __init__(self) -> None:
+    Args:
+        found: is called whenever the types of one more function are known.
+    """
+
+    def __init__(self, found: Callable[[Frontend], None] = lambda frontend: None) -> None:
         make_quick()
         make_lean()
         make_borrow()
         make_passing()
+        self._found = found
         self._waiting: list[Callable[[], str]] = []
-        self._halves = Halves(self._waiting)
+        self._halves = Halves(self._wait)
         self._halves.install()
         self._written: list[str] = []
         self._context = cpu_target.target_context
@@ -116,7 +121,11 @@ class Frontend:
             compiled = compiler.compile_extra(
                 self._typing, self._context, function.py_func, kinds, None, self._flags, {}
             )
-        self._waiting.append(partial(self._export, entry, compiled, symbol))
+        self._wait(partial(self._export, entry, compiled, symbol))
+
+    def _wait(self, write: Callable[[], str]) -> None:
+        self._waiting.append(write)
+        self._found(self)
 
     def waiting(self) -> int:
         """How many functions have types and no code yet."""

@@ -6,11 +6,12 @@ be done later, in any order and in another process.
 
 from __future__ import annotations
 
+from collections import defaultdict
 from collections.abc import Callable
 from functools import partial
 from typing import Any
 
-from numba.core import compiler, interpreter, postproc, transforms, typed_passes, untyped_passes
+from numba.core import compiler, interpreter, ir, postproc, transforms, typed_passes, untyped_passes
 from numba.core.compiler_machinery import AnalysisPass, PassManager, _pass_registry, register_pass
 from numba.core.funcdesc import PythonFunctionDescriptor
 from numba.core.targetconfig import ConfigStack
@@ -25,6 +26,7 @@ NOT_NEEDED = {
     untyped_passes.MakeFunctionToJitFunction,
     untyped_passes.InlineInlinables,
     untyped_passes.FindLiterallyCalls,
+    untyped_passes.ReconstructSSA,
     untyped_passes.LiteralUnroll,
     untyped_passes.LiteralPropagationSubPipelinePass,
     typed_passes.InlineOverloads,
@@ -33,7 +35,7 @@ NOT_NEEDED = {
     typed_passes.AnnotateTypes,
     typed_passes.DumpParforDiagnostics,
 }
-"""Passes for what no kernel contains."""
+"""Passes for what no kernel contains; and every name in a kernel has one type, wherever it is assigned."""
 
 
 class Plain(PassManager):
@@ -52,12 +54,12 @@ class Halves:
     """Numba's passes, cut in two for as long as `postponing`.
 
     Args:
-        waiting: where a function that has types leaves the call that writes its code and returns its name.
+        wait: takes the call that writes the code of a function that has types, and returns its name.
     """
 
-    def __init__(self, waiting: list[Callable[[], str]]) -> None:
+    def __init__(self, wait: Callable[[Callable[[], str]], None]) -> None:
         self.postponing = True
-        self._waiting = waiting
+        self._wait = wait
 
     def install(self) -> None:
         """Change Numba in this process, for good."""
@@ -72,6 +74,7 @@ class Halves:
             passes, cut = found.passes, typed_passes.IRLegalization
             if _is_kernel(pipeline.state.func_id):
                 passes = [(one, words) for one, words in passes if one not in NOT_NEEDED]
+                passes.insert([one for one, _ in passes].index(typed_passes.NopythonTypeInference), (OneType, "names"))
                 cut = typed_passes.NopythonTypeInference
             if not self.postponing:
                 return [found if passes is found.passes else _manager(passes)]
@@ -79,7 +82,7 @@ class Halves:
             backend = next(each for each in passes if each[0] is typed_passes.NoPythonBackend)
             first = _manager([*passes[:at], (Postpone, "postpone"), backend])
             left = _manager([each for each in passes[at:] if each is not backend])
-            pipeline.state["postpone"] = partial(self._waiting.append, partial(_finish, pipeline.state, left))
+            pipeline.state["postpone"] = partial(self._wait, partial(_finish, pipeline.state, left))
             return [first]
 
         return define_pipelines
@@ -166,3 +169,31 @@ class Postpone(AnalysisPass):
         state["cr"] = compiler._LowerResult(descriptor, None, cfunc=called, env=None)
         state["postpone"]()
         return False
+
+
+@register_pass(mutates_CFG=False, analysis_only=False)
+class OneType(AnalysisPass):
+    """What stands between a kernel and names that have one type each, wherever they are assigned."""
+
+    _name = "one_type"
+
+    def __init__(self) -> None:
+        AnalysisPass.__init__(self)
+
+    def run_pass(self, state: Any) -> bool:
+        """Each value that is left to "_" has a name of its own, and no name has the type of one global constant."""
+        found: dict[str, list[tuple[Any, Any]]] = defaultdict(list)
+        for block in state.func_ir.blocks.values():
+            for each in block.find_insts(ir.Assign):
+                found[each.target.name].append((block, each))
+        for name, places in found.items():
+            discarded = name.split(".")[0] == "_"
+            for i, (block, each) in enumerate(places if discarded or len(places) > 1 else []):
+                if discarded or isinstance(each.value, (ir.Global, ir.FreeVar)):
+                    name_of_all, each.target = (
+                        each.target,
+                        ir.Var(each.target.scope, f"{name}.only.{i}", each.target.loc),
+                    )
+                    if not discarded:
+                        block.insert_after(ir.Assign(each.target, name_of_all, each.loc), each)
+        return True

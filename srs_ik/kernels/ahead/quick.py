@@ -1,17 +1,19 @@
 """Numba's translation without what it would find out again and again.
 
-Nothing here changes what a kernel means: sizes of types and types of calls are remembered, variables are found by a
-shorter way, and nobody looks for garbage.
+Nothing here changes what a kernel means: sizes of types, types of calls and ways to pass arguments are remembered,
+variables are found by a shorter way, functions have short names, and nobody looks for garbage.
 """
 
 from __future__ import annotations
 
 import gc
 from collections.abc import Callable
+from contextlib import nullcontext
+from functools import cache
 from typing import Any
 
 from llvmlite import ir as llvm
-from numba.core import base, config, ir, types
+from numba.core import base, config, errors, ir, types
 from numba.core.runtime import nrtdynmod
 
 
@@ -21,7 +23,12 @@ def make_quick() -> None:
     gc.disable()
     nrtdynmod._define_atomic_inc_dec = _define_count
     ir.Inst._rec_list_vars = _variables_of
+    errors.WarningsFixer.catch_warnings = _catch_nothing  # type: ignore[attr-defined]
+    types.Type.__eq__ = _same_type  # type: ignore[method-assign]
     base.BaseContext.get_abi_sizeof = _known_sizes(base.BaseContext.get_abi_sizeof)
+    base.BaseContext.get_arg_packer = _known_packers(base.BaseContext.get_arg_packer)
+    base.BaseContext.mangler = _short_names(base.BaseContext.mangler)
+    base._has_loc = cache(base._has_loc)
     types.Function.get_call_type = _known_call_types(types.Function.get_call_type)  # type: ignore[method-assign]
 
 
@@ -37,6 +44,16 @@ def _define_count(module: Any, op: str, ordering: str) -> Any:
     builder.store(count, function.args[0])
     builder.ret(count)
     return function
+
+
+def _catch_nothing(self: Any, filename: str | None = None, lineno: int | None = None) -> Any:
+    """There is nobody to warn."""
+    return nullcontext()
+
+
+def _same_type(self: Any, other: Any) -> bool:
+    """Most types are compared with themselves."""
+    return self is other or (self.__class__ is other.__class__ and self.key == other.key)
 
 
 def _variables_of(_: Any, value: Any) -> list[Any]:
@@ -70,6 +87,31 @@ def _known_sizes(find: Callable[..., Any]) -> Callable[..., Any]:
         return known[name]
 
     return get_abi_sizeof
+
+
+def _short_names(usual: Callable[..., str]) -> Callable[..., str]:
+    """A function and its environment are known by a number: names that spell out types were a quarter of all text."""
+
+    def mangler(self: Any, name: str, kinds: Any, *, abi_tags: Any = (), uid: int | None = None) -> str:
+        if uid is None:
+            return usual(self, name, kinds, abi_tags=abi_tags)
+        own = name.rpartition(".")[2]
+        return f"{own}.environment.{uid}" if name.startswith(".NumbaEnv") else f"{own}.{uid}"
+
+    return mangler
+
+
+def _known_packers(find: Callable[..., Any]) -> Callable[..., Any]:
+    """How arguments are passed depends on their types alone."""
+    known: dict[tuple[Any, ...], Any] = {}
+
+    def get_arg_packer(self: Any, kinds: Any) -> Any:
+        key = tuple(kinds)
+        if key not in known:
+            known[key] = find(self, key)
+        return known[key]
+
+    return get_arg_packer
 
 
 def _known_call_types(find: Callable[..., Any]) -> Callable[..., Any]:

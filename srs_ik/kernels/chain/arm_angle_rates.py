@@ -129,9 +129,9 @@ def tangent(P, q):
         return v if exists else NO_SEED, exists
     if exists:
         for joint in range(7):
-            v = point_velocity(J, joint, p)
+            velocity = point_velocity(J, joint, p)
             for i in range(3):
-                J[i, joint] = v[i]
+                J[i, joint] = velocity[i]
         load_system(J, g, A)
         A[6, 7] = 1.0
         exists = solve_linear(A, 7) != 0.0 and longest(A) < FASTEST

@@ -82,9 +82,9 @@ def close_all(P, target, psi, wanted, goal, A):
     seeded, seed, respect = goal
     exist = start_all(P, bent_place(P, place_), psi, seeded, seed, respect, A)
     rows = row(A, FIRST)
-    q, met = close_eight(P, take_eight(rows, WIDTH), R, p, place_[0], place_[1], psi, STEPS)
-    met &= exist & in_own_branch(P, q)
-    put_eight(rows, WIDTH, met, q)
+    closed, met = close_eight(P, take_eight(rows, WIDTH), R, p, place_[0], place_[1], psi, STEPS)
+    met &= exist & in_own_branch(P, closed)
+    put_eight(rows, WIDTH, met, closed)
     for b in range(8):
         if wanted >= 0 and b != wanted:
             continue

@@ -83,7 +83,7 @@ OBLIQUE = 1e-3
 """Axes are oblique where this part of all directions, as a cosine, is beyond the reach of a shoulder or wrist."""
 
 MAX_CURVES = 32
-MOST_VAGUE = 8
+MOST_LEFT = 8
 """Curves of a pose, and those on which an error is left (`LEFT`), at most."""
 
 SAME_CURVE = 4e-6
@@ -330,11 +330,11 @@ def put_marks(P, by, angles, marks, missed):
     for i in range(angles):
         psi = (2.0 * i / angles - 1.0) * math.pi
         exist = start_all(P, bent_place(P, place_), psi, False, NO_SEED, False, A)
-        q, met = close_eight(P, take_eight(starts, WIDTH), R, p, place_[0], place_[1], psi, STEPS)
-        put_eight(starts, WIDTH, met, q)
+        closed, met = close_eight(P, take_eight(starts, WIDTH), R, p, place_[0], place_[1], psi, STEPS)
+        put_eight(starts, WIDTH, met, closed)
         # Where a branch has no posture at the arm angle, there may be one next to it.
-        q, t, met = to_curves(P, R, p, take_eight(starts, WIDTH), 0xFF if oblique else exist)
-        put_eight(starts, WIDTH, met, q)
+        closed, t, met = to_curves(P, R, p, take_eight(starts, WIDTH), 0xFF if oblique else exist)
+        put_eight(starts, WIDTH, met, closed)
         for branch in range(8):
             q = read7(row(A, FIRST + branch))
             spare = ELBOW_SPARE - violation(P, 3, turn_to_middle(P, 3, q[3])) if by.respect else ELBOW_SPARE
@@ -375,7 +375,7 @@ def follow_all(P, by, rows, curves):
         if count >= curves.shape[0]:
             break
         q, error = close_gently(P, read7(missed[i]), R, p, False, by.J, by.A)
-        if error > LEFT or (error > CLOSED and vague >= MOST_VAGUE):
+        if error > LEFT or (error > CLOSED and vague >= MOST_LEFT):
             continue
         t, sign = tangent_at(P, by, q)
         # As close to the curve as floats tell, so that it is known where the curve closes.

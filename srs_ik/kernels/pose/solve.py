@@ -267,13 +267,13 @@ def all_branches(family, T, asked, J, A, out, first):
             else:
                 measure_row(P, target, q, branch, answer[ROW_COST], respect, answer)
         return GOOD_POSE
-    found = np.empty((8, 8))
-    solve_all_at_angle(P, target, psi, respect, J, A, found)
-    rows = row(found, 0)
+    closed = np.empty((8, 8))
+    solve_all_at_angle(P, target, psi, respect, J, A, closed)
+    rows = row(closed, 0)
     position, orientation, measured = tip_errors(P, take_eight(rows, 8), R, p)
     right = as_bits(measured & (gather(rows, ROW_COST, 8) < OUTSIDE))
     for branch in range(8):
-        q, lowest = read7(found[branch]), found[branch, ROW_COST]
+        q, lowest = read7(closed[branch]), closed[branch, ROW_COST]
         answer = row(out, first + branch)
         if (right >> branch) & 1 == 1:
             errors = (one_of(position, branch), one_of(orientation, branch))
