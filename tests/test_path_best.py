@@ -292,11 +292,19 @@ def test_a_path_beside_the_chords_of_coarse_strips_is_found(name, motion, count)
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(("motion", "seeded"), [(4016, True), (4018, False), (6009, False)])
-def test_velocity_limits_of_a_near_arm_are_kept_where_a_motion_that_keeps_them_is_known(motion, seeded):
+@pytest.mark.parametrize(
+    ("name", "kind", "motion", "seeded"),
+    [
+        ("gen3", "cross", 4016, True),
+        ("gen3", "cross", 4018, False),
+        ("gen3", "cross", 6009, False),
+        pytest.param("rm75", "limits", 32001, True, marks=pytest.mark.files),
+    ],
+)
+def test_velocity_limits_of_a_near_arm_are_kept_where_a_motion_that_keeps_them_is_known(name, kind, motion, seeded):
     """Between postures of coarse strips, steps seem faster than they are."""
-    arm = load("gen3")
-    known = motion_of_benchmark(arm, "gen3", "cross", motion)
+    arm = load(name)
+    known = motion_of_benchmark(arm, name, kind, motion)
     dt = 1.05 * float((np.abs(np.diff(known, axis=0)) / arm.velocity_limit).max())
     path = arm.solve_path(poses_of(arm, known), seed=known[0] if seeded else None, dt=dt)
     assert path

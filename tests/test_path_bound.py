@@ -13,7 +13,10 @@ import srs_ik
 from srs_ik.kernels.entries import path_bound
 from srs_ik.kernels.layout.path import CELL, CELL_OFF
 from srs_ik.kernels.path.cells import FREE
+from srs_ik.solve.path import _problem
+from srs_ik.solve.path_blocks import through
 from srs_ik.solve.path_bound import MOST_ROOM
+from srs_ik.solve.path_narrow import costs_to_end
 from srs_ik.solve.path_problem import roomy_family
 
 TURN = 2.0 * np.pi
@@ -153,3 +156,20 @@ def test_long_paths_are_bounded_block_by_block(monkeypatch):
     whole = arm.solve_path(poses).lower_bound
     monkeypatch.setattr(bounds, "ROOM", 300)
     assert arm.solve_path(poses).lower_bound == pytest.approx(whole, rel=1e-9)
+
+
+@pytest.mark.parametrize(("name", "count"), [("iiwa14", 41), ("human_arm", 1101)])
+def test_what_a_path_costs_to_its_end_is_what_one_the_other_way_round_costs(name, count):
+    """From each posture of the first pose on, through one block of strips and through three."""
+    arm, rng = load(name), generator(name, 42)
+    poses, keys = poses_of(arm, known_motion(arm, rng, count, 0.1)), np.arange(count)
+    forth, back = (
+        _problem(arm.packed, np.ascontiguousarray(T), None, None, 0.5, "sum_of_squares", None)
+        for T in (poses, poses[::-1])
+    )
+    blocks, turned = through(forth, keys, False)[1], through(back, keys, False)[1]
+    assert len(blocks) == (1 if count == 41 else 3)
+    _, cost, _, ends = turned[-1].fill()
+    begin, end = ends[turned[-1].count, :2]
+    after = costs_to_end(forth, blocks, np.inf).after[0][: end - begin, 0]
+    np.testing.assert_allclose(after, cost[begin:end], rtol=1e-12)

@@ -17,12 +17,15 @@ from srs_ik.solve.path_blocks import KEPT, find_way, through
 from srs_ik.solve.path_narrow import costs_to_end, find_narrow, held_below
 from srs_ik.solve.path_polish import FINE, improve, keep_limits
 from srs_ik.solve.path_problem import JUST_ABOVE, Problem, Way, copy, too_fast, worth
-from srs_ik.solve.path_search import EVERYWHERE, fine_everywhere, finer, found
+from srs_ik.solve.path_search import EVERYWHERE, finer, found
 
 DEAR = 1.02
 """A path that costs so many times what the best one does without velocity limits may not be the best with them."""
 
-ROUNDS = 4
+AT_MOST = (1.3, 3.0)
+"""While no path within the limits is known, what costs up to so many times the best one without them is looked at."""
+
+ROUNDS = 3
 """Strips are made finer so often at most."""
 
 LEAST_GAIN = 1e-3
@@ -34,16 +37,26 @@ def search(problem: Problem) -> Way:
     if not (problem.limited and problem.even):
         return found(problem)
     way = found(replace(problem, limited=False))
-    most = DEAR * way.cost
+    least = way.cost
     if not keeps_limits(problem, way):
         keep_limits(problem, way, copy(way))
-    if way.reached.all() and not (keeps_limits(problem, way) and way.cost <= most):
-        way = better(problem, way, found(problem))
-        if not keeps_limits(problem, way):
-            way = better(problem, way, found_in_fine(problem))
-        if keeps_limits(problem, way) and way.cost > most and way.cost < 0.5 * BREAK:
-            way = found_below(problem, way)
+    if not way.reached.all() or is_done(problem, way, least):
+        return way
+    way = better(problem, way, found(problem))
+    if least >= 0.5 * BREAK or is_done(problem, way, least):
+        return way
+    if keeps_limits(problem, way):
+        return found_below(problem, way, way.cost)
+    for part in AT_MOST:
+        way = found_below(problem, way, part * least)
+        if keeps_limits(problem, way):
+            break
     return way
+
+
+def is_done(problem: Problem, way: Way, least: float) -> bool:
+    """Whether a path keeps the velocity limits, and costs about as little as the best one does without them."""
+    return keeps_limits(problem, way) and way.cost <= DEAR * least
 
 
 def better(problem: Problem, way: Way, other: Way) -> Way:
@@ -56,33 +69,29 @@ def keeps_limits(problem: Problem, way: Way) -> bool:
     return bool((too_fast(problem, way) <= JUST_ABOVE).all())
 
 
-def found_in_fine(problem: Problem) -> Way:
-    """The best path in strips that are fine everywhere."""
-    keys = np.arange(len(problem.T))
-    way = find_way(fine_everywhere(problem, keys), keys, False)
-    improve(problem, way, FINE)
-    return way
-
-
-def found_below(problem: Problem, way: Way) -> Way:
-    """The best path that costs no more than one within the limits, in strips that are finer from round to round."""
+def found_below(problem: Problem, way: Way, most: float) -> Way:
+    """A path as good as one at hand or better, in strips of what costs at most so much, finer from round to round."""
     keys, near = np.arange(len(problem.T)), problem.work()[0] is not None
     loose = replace(problem, limited=False)
     for _ in range(ROUNDS):
         blocks = through(loose, keys, False)[1]
         if len(blocks) > KEPT:
             break
-        after = costs_to_end(loose, blocks, way.cost)
+        rest = costs_to_end(loose, blocks, most)
         if near:
-            loose = finer(held_below(loose, keys, blocks, after, way.cost))
+            loose = finer(held_below(loose, keys, blocks, rest, most))
             other = find_way(replace(loose, limited=True), keys, False)
         else:
-            other = find_narrow(loose, keys, blocks, after, way, replace(problem, radius=EVERYWHERE))
+            other = find_narrow(loose, keys, blocks, rest, way, replace(problem, radius=EVERYWHERE))
         if other.cost >= 0.5 * BREAK or not other.reached.all():
             break
         improve(problem, other, FINE)
-        gain = way.cost - other.cost
+        kept, before = keeps_limits(problem, way), way.cost
         way = better(problem, way, other)
-        if not gain > LEAST_GAIN * way.cost:
+        if keeps_limits(problem, way):
+            most = min(most, way.cost)
+            if kept and not before - way.cost > LEAST_GAIN * before:
+                break
+        if not near:
             break
     return way

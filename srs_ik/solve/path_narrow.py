@@ -39,25 +39,31 @@ class Part:
     strips: Array
 
 
+@dataclass
+class Rest:
+    """Of each block, what a path costs from each posture on (m, 2), and how far that sags to the next one.
+
+    Left out are postures through which no path leads that costs at most `most`.
+    """
+
+    after: list[Array]
+    most: float
+
+
 def find_narrow(
-    problem: Problem,
-    keys: NDArray[np.int64],
-    blocks: list[Block],
-    after: list[Array],
-    way: Way,
-    asked: Problem | None = None,
+    problem: Problem, keys: NDArray[np.int64], blocks: list[Block], rest: Rest, way: Way, asked: Problem | None = None
 ) -> Way:
-    """The best way through fine strips of what a path may touch that costs no more than one at hand.
+    """The best way through fine strips of what a path may touch that costs as little as is asked for.
 
     Args:
         problem: the path that is asked for, on an exact limb.
         keys: (k,) the poses that count.
         blocks: their strips, as they were planned.
-        after: what a path costs from their postures on, by `costs_to_end`.
-        way: the path at hand, which costs `way.cost`.
+        rest: what a path costs from their postures on, by `costs_to_end`, and what it may cost.
+        way: the path at hand.
         asked: what is asked for in fine strips, and how fine they are, if it is more than by `problem`.
     """
-    parts = [kept(block, costs, way.cost) for block, costs in zip(blocks, after, strict=True)]
+    parts = [kept(block, costs, rest.most) for block, costs in zip(blocks, rest.after, strict=True)]
     rows, poses = np.vstack([part.rows for part in parts]), np.concatenate([part.poses for part in parts])
     free = np.split(rows, np.searchsorted(poses, np.arange(1, len(problem.T))))
     told = replace(problem, radius=FINE) if asked is None else asked
@@ -73,11 +79,8 @@ def find_narrow(
     return found
 
 
-def costs_to_end(problem: Problem, blocks: list[Block], most: float) -> list[Array]:
-    """Of each block, what a path costs from each posture on (m, 2), and how far these costs sag to the next one.
-
-    Postures through which no path leads that costs at most so much are left out on the way.
-    """
+def costs_to_end(problem: Problem, blocks: list[Block], most: float) -> Rest:
+    """What a path that costs at most so much costs from each posture on."""
     behind: Carry | None = None
     found = []
     for block in reversed(blocks):
@@ -101,18 +104,16 @@ def costs_to_end(problem: Problem, blocks: list[Block], most: float) -> list[Arr
             behind = carried(int(block.keys[block.first + at - 1]), rows[at], nodes, after, strips)
         first = ends[1, 0]
         found.append(np.column_stack([after[first:n], nodes[first:n, NODE_SAG]]))
-    return found[::-1]
+    return Rest(found[::-1], most)
 
 
-def held_below(
-    problem: Problem, keys: NDArray[np.int64], blocks: list[Block], after: list[Array], most: float
-) -> Problem:
+def held_below(problem: Problem, keys: NDArray[np.int64], blocks: list[Block], rest: Rest, most: float) -> Problem:
     """The problem with those postures of blocks known through which a path may lead that costs at most so much.
 
-    `after` is what a path costs from them on, by `costs_to_end` with at least as much.
+    `rest` is for paths that cost as much or more.
     """
     found, alone = [], np.zeros(len(problem.T), np.bool_)
-    for block, costs in zip(blocks, after, strict=True):
+    for block, costs in zip(blocks, rest.after, strict=True):
         rows, poses = block.held()
         some, cells = touched(rows, block, costs, most)
         rows[:, HELD_LINKED] = cells

@@ -75,8 +75,8 @@ def keep_limits(problem: Problem, way: Way, planned: Way) -> None:
     more steps are breaks than those of the plan.
     """
     loose = breaks_in(problem, planned)
-    refine(problem, planned, FINE, False)
     starts = (way,) if np.array_equal(way.q, planned.q) else (way, planned)
+    refine(problem, planned, FINE, False)
     slow = [slowed(problem, start, loose) for start in starts]
     if not any(keeps(problem, each, loose) for each in slow):
         refine(problem, planned, FINE_WIDTHS, False)

@@ -177,8 +177,8 @@ def in_closed_form(problem: Problem, plan: Problem, marks: NDArray[np.bool_]) ->
         return best, None
     if not problem.even:
         return (search_around(problem, best), None) if best.cost < AS_PLANNED * least else (best, problem)
-    after = costs_to_end(told, blocks, best.cost)
-    way = find_narrow(told, keys, blocks, after, best)
+    rest = costs_to_end(told, blocks, best.cost)
+    way = find_narrow(told, keys, blocks, rest, best)
     joined = way.cost < 0.5 * BREAK and bool(way.reached[keys].all())
     if joined:
         least = way.cost
@@ -188,7 +188,7 @@ def in_closed_form(problem: Problem, plan: Problem, marks: NDArray[np.bool_]) ->
         return best if joined else search_around(problem, best), None
     if stands_in:
         return best, problem
-    return best, replace(held_below(told, keys, blocks, after, best.cost), settings=problem.settings)
+    return best, replace(held_below(told, keys, blocks, rest, best.cost), settings=problem.settings)
 
 
 def filled(problem: Problem, way: Way, keys: NDArray[np.int64], stands_in: bool) -> Way | None:
@@ -242,8 +242,8 @@ def sparse(problem: Problem, marks: NDArray[np.bool_]) -> Way | None:
             plan = held_in(problem, keys, blocks)
         else:
             told = far(problem, keys)
-            after = costs_to_end(told, blocks, best.cost)
-            plan = replace(held_below(told, keys, blocks, after, best.cost), settings=problem.settings)
+            rest = costs_to_end(told, blocks, best.cost)
+            plan = replace(held_below(told, keys, blocks, rest, best.cost), settings=problem.settings)
         more = wider(missed) & ~marks
         marks = marks | more if more.any() and marks.mean() < MOST_PLANNED else np.ones_like(marks)
 
