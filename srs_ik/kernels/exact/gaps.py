@@ -31,7 +31,7 @@ NARROW = 1e-6
 """A gap narrower than this, rad, is looked at by itself: next to what it lies between, rounding decides."""
 
 
-AT_ITS_END = 1e-12
+AT_ITS_END = 2e-14
 """A cosine this far out of the reach of oblique axes is at its end, as far as a pose with a folded elbow tells."""
 
 
