@@ -56,9 +56,6 @@ LONGEST_CORRECTION = 1.0
 SHRUNK = 0.5
 """Steps back to the curve that shrink by less, where the pose is met, are rounding."""
 
-MOST_VAGUE = 2e-3
-"""From a posture that meets its pose, a first step of half of this, rad, is rounding."""
-
 SAME_CURVE = 4e-6
 """A posture this close to a curve, rad squared, lies on it."""
 
@@ -107,7 +104,7 @@ def correct(P, by, q, d, place):
     R, p, _ = by.target
     J, A = by.J, by.A
     error = 1.0
-    last = MOST_VAGUE
+    last = math.inf
     for _ in range(CORRECTIONS):
         linear, angular = pose_step(P, q, R, p, J)
         off = place - dot7(d, q)
