@@ -58,6 +58,9 @@ FARTHEST = 1e6
 Farther out, a position has no micrometres left in double precision.
 """
 
+HEAVIEST = 1e9
+"""Largest mass of a link, kg, and largest moment of inertia, kg m^2: sums of a few thousand are finite."""
+
 FILES_BESIDE = 1000
 """Most files of a folder that are looked at for a name like that of a missing one."""
 

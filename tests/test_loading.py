@@ -594,3 +594,10 @@ def test_a_real_file_is_at_hand(name):
 
 def test_every_file_has_its_expectation():
     assert {*ARMS, *REFUSED} == {*chains.MAKERS, *REAL} >= {path.stem for path in SHARED.glob("*.urdf")}
+
+
+def test_a_model_without_finite_masses_is_refused_in_one_line():
+    model = load("iiwa14").model.copy()
+    model.inertias[4] = pin.Inertia(1.0, np.array([0.0, np.nan, 0.0]), np.eye(3))
+    with pytest.raises(InvalidRobot, match=r"^what joint 'iiwa_joint_4' of 'iiwa14' carries has no finite mass"):
+        load(model)

@@ -1,3 +1,4 @@
+import math
 import os
 import re
 import threading
@@ -23,6 +24,12 @@ AXIS, LIMIT = '<axis xyz="0 0 1"/>', '<limit lower="-1" upper="1" effort="1" vel
 
 def two_joints(inside: str, kind: str = "revolute") -> str:
     return robot_xml(joint_xml("first", "a", "b", kind, inside), joint_xml("second", "b", "c"))
+
+
+def weighing(mass: float, ixx: float = 1.0) -> str:
+    """A link d with a mass and a matrix of inertia."""
+    figures = f'ixx="{ixx!r}" ixy="0" ixz="0" iyy="1" iyz="0" izz="1"'
+    return f'<link name="d"><inertial><mass value="{mass!r}"/><inertia {figures}/></inertial></link>'
 
 
 # Reading what is right
@@ -229,12 +236,14 @@ WRONG_TEXT = {
     "formula": (two_joints('<axis xyz="0 0 ${pi}"/>' + LIMIT), "'${pi}', not a finite number"),
     "underscore": (two_joints('<axis xyz="0 0 1_0"/>' + LIMIT), "'1_0', not"),
     "NaN mass": (
-        robot_xml(
-            '<link name="d"><inertial><mass value="nan"/><inertia ixx="1" ixy="0" ixz="0" iyy="1" iyz="0" izz="1"/>'
-            "</inertial></link>",
-            links="",
-        ),
+        robot_xml(weighing(math.nan), links=""),
         "mass> value of inertia of link 'd' is 'nan'",
+    ),
+    "negative mass": (robot_xml(weighing(-0.1), links=""), "the mass of link 'd' is -0.1; a mass is between 0 and"),
+    "mass beyond sums": (robot_xml(weighing(1e308), links=""), "the mass of link 'd' is 1e+308; a mass is"),
+    "inertia beyond sums": (
+        robot_xml(weighing(1.0, ixx=-1e200), links=""),
+        "ixx of the inertia of link 'd' is -1e+200",
     ),
     "joint of Pinocchio": (two_joints(AXIS + LIMIT).replace('"first"', '"universe"'), "Pinocchio's name of the world"),
     "too many links": (robot_xml(links=" ".join(f"l{k}" for k in range(2001))), "2001 links"),

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from srs_ik.analysis.gravity import torque_scales
+from srs_ik.errors import InvalidRobot
 from srs_ik.kernels.entries.pose import pack_limits
 from srs_ik.kernels.layout import limb as at
 from srs_ik.kernels.layout import task as hand_at
@@ -303,11 +304,19 @@ def _reach(limb: SrsLimb, stretch: float) -> tuple[float, float]:
 
 
 def pack_weights(arm: ChainKinematics) -> Vector:
-    """The masses of an arm as the kernels of gravity read them, (WEIGHTS,), read-only."""
+    """The masses of an arm as the kernels of gravity read them, (WEIGHTS,), read-only.
+
+    Raises:
+        InvalidRobot: a mass or its place is not finite.
+    """
     frames = arm.joint_frames(np.zeros(7))
     W = np.empty(weight_at.WEIGHTS)
     for joint in range(7):
         T_base_joint, inertia = frames[joint + 1], arm.model.inertias[joint + 1]
+        if not np.isfinite((inertia.mass, *inertia.lever)).all():
+            raise InvalidRobot(
+                f"what joint {arm.joint_names[joint]!r} of {arm.name!r} carries has no finite mass or centre"
+            )
         centre = T_base_joint[:3, :3] @ inertia.lever + T_base_joint[:3, 3]
         W[weight_at.MASSES + joint] = inertia.mass
         _put(W, weight_at.MOMENTS + 3 * joint, inertia.mass * centre)

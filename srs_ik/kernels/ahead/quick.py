@@ -8,11 +8,12 @@ from __future__ import annotations
 
 import gc
 from collections.abc import Callable
+from contextlib import nullcontext
 from functools import cache
 from typing import Any
 
 from llvmlite import ir as llvm
-from numba.core import base, config, ir, types
+from numba.core import base, config, errors, ir, types
 from numba.core.runtime import nrtdynmod
 
 
@@ -22,6 +23,8 @@ def make_quick() -> None:
     gc.disable()
     nrtdynmod._define_atomic_inc_dec = _define_count
     ir.Inst._rec_list_vars = _variables_of
+    errors.WarningsFixer.catch_warnings = _catch_nothing  # type: ignore[attr-defined]
+    types.Type.__eq__ = _same_type  # type: ignore[method-assign]
     base.BaseContext.get_abi_sizeof = _known_sizes(base.BaseContext.get_abi_sizeof)
     base.BaseContext.get_arg_packer = _known_packers(base.BaseContext.get_arg_packer)
     base.BaseContext.mangler = _short_names(base.BaseContext.mangler)
@@ -41,6 +44,16 @@ def _define_count(module: Any, op: str, ordering: str) -> Any:
     builder.store(count, function.args[0])
     builder.ret(count)
     return function
+
+
+def _catch_nothing(self: Any, filename: str | None = None, lineno: int | None = None) -> Any:
+    """There is nobody to warn."""
+    return nullcontext()
+
+
+def _same_type(self: Any, other: Any) -> bool:
+    """Most types are compared with themselves."""
+    return self is other or (self.__class__ is other.__class__ and self.key == other.key)
 
 
 def _variables_of(_: Any, value: Any) -> list[Any]:

@@ -19,6 +19,7 @@ _MIN_AXIS = 1e-6
 """Shortest joint axis that is taken for a direction; unit axes are the rule."""
 
 _INERTIA = ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")
+_MASSES = f"a mass is between 0 and {bounds.HEAVIEST:g} kg"
 
 
 def check(robot: Element, source: str) -> frozenset[str]:
@@ -108,9 +109,11 @@ class _Checker:
         ):
             link.remove(inertial)
             return
-        self.number(mass, "value", where)
+        if not 0.0 <= self.number(mass, "value", where) <= bounds.HEAVIEST:
+            raise self.fail(f"the mass of link {quoted(link.attrib['name'])} is {mass.attrib['value']}; {_MASSES}")
         for key in _INERTIA:
-            self.number(inertia, key, where)
+            if abs(self.number(inertia, key, where)) > bounds.HEAVIEST:
+                raise self.fail(f"{key} of the {where} is {inertia.attrib[key]}, more than {bounds.HEAVIEST:g} kg m^2")
         self.origin(inertial, where)
 
     def joint(self, joint: Element) -> bool:
