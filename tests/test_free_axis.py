@@ -304,3 +304,15 @@ def test_a_seed_that_meets_its_singular_pose_is_the_answer(name, joints):
         solution = arm.solve(pose, seed=aside, free_axis=free)
         assert solution, solution.message
         assert max(left(name, free, solution.q, pose.homogeneous)) < 1e-9
+
+
+@pytest.mark.skipif("human_arm" not in LIMBS, reason="no human_arm here")
+def test_a_pose_met_in_few_turns_is_met_from_a_far_seed():
+    arm, free = arms.load("human_arm"), FreeAxis(cone=0.1)
+    q = [-0.580782871, -1.41365482, -1.5682612, -0.227737606, 0.816938492, 0.827447406, 0.00015511]
+    T = arms.forward("human_arm")(np.array(q)).homogeneous
+    T[:3, :3] = T[:3, :3] @ pin.exp3(np.array([-0.01239508, -0.09948839, 0.24827758]))
+    seed = [-0.294961893, 2.0018580, -0.169357076, -1.52757533, -0.96028191, -1.23476384, 0.000453945]
+    solution = arm.solve(T, seed=seed, free_axis=free)
+    assert solution, solution.message
+    assert_met("human_arm", free, solution.q, T)

@@ -65,6 +65,21 @@ def _rows(
     free = as_free_axis(free_axis)
     n = len(T)
     seeds = None if seed is None else as_seeds(seed, n, arm.lower, arm.upper)
+    out, verdicts = _searched(arm, T, free, seeds, respect, threads)
+    if seeds is None and respect and not verdicts.any():
+        _keep_wider(arm, T, out, threads)
+    for i in np.flatnonzero((out[:, ROW_STATUS] != Status.OK) & (verdicts == 0)).tolist():
+        near = None if seeds is None else seeds[i if len(seeds) > 1 else 0]
+        row = None if near is None else _met_at_all(arm, T[i], free, near, respect)
+        out[i] = _closest(arm, T[i], free, near, respect) if row is None else row
+    return out, verdicts
+
+
+def _searched(
+    arm: PackedArm, T: Array, free: FreeAxis, seeds: Array | None, respect: bool, threads: int | None
+) -> tuple[Array, NDArray[np.int8]]:
+    """What searches find for poses, and what is said of these."""
+    n = len(T)
     out, verdicts = np.empty((n, ROW)), np.zeros(n, np.int8)
 
     def work(first: int, last: int) -> None:
@@ -73,11 +88,6 @@ def _rows(
         entries.solve_range(*given, *space, out, verdicts)
 
     run_in_threads(work, n, threads)
-    if seeds is None and respect and not verdicts.any():
-        _keep_wider(arm, T, out, threads)
-    for i in np.flatnonzero((out[:, ROW_STATUS] != Status.OK) & (verdicts == 0)).tolist():
-        near = None if seeds is None else seeds[i if len(seeds) > 1 else 0]
-        out[i] = _closest(arm, T[i], free, near, respect)
     return out, verdicts
 
 
@@ -107,6 +117,20 @@ def _keep_wider(arm: PackedArm, T: Array, out: Array, threads: int | None) -> No
     as_given = pose.solve_batch(arm, T[maybe], None, None, None, False, True, threads)
     wider = as_given.ok & (margins(as_given._rows) > known[maybe])
     out[maybe[wider]] = as_given._rows[wider]
+
+
+def _met_at_all(arm: PackedArm, T: Array, free: FreeAxis, seed: Array, respect: bool) -> Array | None:
+    """The answer nearest to a seed at the turn at which a posture is found without it; None where none is.
+
+    Starts that are good by their distance from a seed may all lead beside a pose that is met in few turns only.
+    """
+    rows, _ = _searched(arm, T[None], free, None, respect, 1)
+    if rows[0, ROW_STATUS] != Status.OK:
+        return None
+    turned = T.copy()
+    turned[:3, :3] = forward_kinematics_batch(arm, rows[:, :ROW_POSITION_ERROR], 1)[0, :3, :3]
+    nearest = pose.solve(arm, turned, seed=seed, respect_limits=respect)
+    return nearest._row.copy() if nearest else rows[0]
 
 
 def _closest(arm: PackedArm, T: Array, free: FreeAxis, seed: Array | None, respect: bool) -> Array:
