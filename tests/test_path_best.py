@@ -278,6 +278,7 @@ def test_a_path_that_leads_elsewhere_between_few_poses_is_planned_at_all(name, k
     ("name", "motion", "count"),
     [
         pytest.param("romeo_left", 5059, 200, marks=pytest.mark.files),
+        pytest.param("human_left", 34012, 200, marks=pytest.mark.files),
         pytest.param("human_left", 4003, 2000, marks=[pytest.mark.files, pytest.mark.slow]),
     ],
 )
