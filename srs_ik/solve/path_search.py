@@ -201,7 +201,7 @@ def in_closed_form(problem: Problem, plan: Problem, marks: NDArray[np.bool_]) ->
 
 
 def is_in_slivers(way: Way) -> bool:
-    """Whether a path leads through intervals so narrow that joints turn fast in them, where coarse strips tell little."""
+    """Whether a path leads through intervals so narrow that joints turn fast in them: coarse strips tell little."""
     return bool((way.bounds[:, 1] - way.bounds[:, 0] < SLIVER).any())
 
 
