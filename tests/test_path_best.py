@@ -299,6 +299,7 @@ def test_a_path_beside_the_chords_of_coarse_strips_is_found(name, motion, count)
         ("gen3", "cross", 4016, True),
         ("gen3", "cross", 4018, False),
         ("gen3", "cross", 6009, False),
+        ("gen3", "cross", 38004, False),
         pytest.param("rm75", "limits", 32001, True, marks=pytest.mark.files),
     ],
 )
