@@ -278,6 +278,7 @@ def test_a_path_that_leads_elsewhere_between_few_poses_is_planned_at_all(name, k
     ("name", "motion", "count"),
     [
         pytest.param("romeo_left", 5059, 200, marks=pytest.mark.files),
+        pytest.param("human_left", 34012, 200, marks=pytest.mark.files),
         pytest.param("human_left", 4003, 2000, marks=[pytest.mark.files, pytest.mark.slow]),
     ],
 )
@@ -298,6 +299,7 @@ def test_a_path_beside_the_chords_of_coarse_strips_is_found(name, motion, count)
         ("gen3", "cross", 4016, True),
         ("gen3", "cross", 4018, False),
         ("gen3", "cross", 6009, False),
+        ("gen3", "cross", 38004, False),
         pytest.param("rm75", "limits", 32001, True, marks=pytest.mark.files),
     ],
 )

@@ -88,15 +88,31 @@ class Block:
 
     def held(self) -> tuple[Array, NDArray[np.int64]]:
         """Its postures (h, HELD), and to which poses they belong."""
-        nodes, _, strips, ends = self.fill()
+        nodes, _, _, ends = self.fill()
         first, last = ends[1, 0], ends[self.count, 1]
-        lasts = strips[ends[1, 2] : ends[self.count, 3], STRIP_LAST].astype(np.int64)
-        rows = np.ones((last - first, HELD))
+        rows = np.empty((last - first, HELD))
         rows[:, :HELD_PSI] = nodes[first:last, :NODE_PSI]
         rows[:, HELD_PSI], rows[:, HELD_BRANCH] = nodes[first:last, NODE_PSI], nodes[first:last, NODE_BRANCH]
-        rows[lasts - first, HELD_LINKED] = 0.0
-        counts = ends[1 : self.count + 1, 1] - ends[1 : self.count + 1, 0]
-        return rows, np.repeat(self.keys[self.first : self.first + self.count], counts)
+        rows[:, HELD_LINKED] = self.linked()
+        return rows, self.poses()
+
+    def linked(self) -> NDArray[np.bool_]:
+        """(h,) whether each of its postures is linked to the next one."""
+        _, _, strips, ends = self.fill()
+        linked = np.ones(ends[self.count, 1] - ends[1, 0], np.bool_)
+        linked[strips[ends[1, 2] : ends[self.count, 3], STRIP_LAST].astype(np.int64) - ends[1, 0]] = False
+        return linked
+
+    def poses(self) -> NDArray[np.int64]:
+        """(h,) to which poses its postures belong."""
+        ends = self.fill()[3][1 : self.count + 1]
+        return np.repeat(self.keys[self.first : self.first + self.count], ends[:, 1] - ends[:, 0])
+
+    def places(self) -> tuple[Array, Array]:
+        """(h,) arm angles and branches of its postures."""
+        nodes, _, _, ends = self.fill()
+        own = nodes[ends[1, 0] : ends[self.count, 1]]
+        return own[:, NODE_PSI], own[:, NODE_BRANCH]
 
     def costs(self) -> tuple[Array, Array]:
         """What its postures cost, and how far these costs sag to the next one, in the order of `held`."""

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from srs_ik.kernels.entries import path_bound as entries
-from srs_ik.kernels.layout.path import HELD_BRANCH, HELD_LINKED, HELD_PSI, NODE_SAG, STRIP_FIRST, STRIP_LEAST
+from srs_ik.kernels.layout.path import HELD_LINKED, NODE_SAG, STRIP_FIRST, STRIP_LEAST
 from srs_ik.solve.path_blocks import Block, Carry, carried, find_way
 from srs_ik.solve.path_problem import Problem, Stopped, Way
 
@@ -115,7 +115,7 @@ def held_below(problem: Problem, keys: NDArray[np.int64], blocks: list[Block], r
     found, alone = [], np.zeros(len(problem.T), np.bool_)
     for block, costs in zip(blocks, rest.after, strict=True):
         rows, poses = block.held()
-        some, cells = touched(rows, block, costs, most)
+        some, cells = touched(block.linked(), block, costs, most)
         rows[:, HELD_LINKED] = cells
         found.append((rows[some], poses[some]))
     alone[keys] = True
@@ -123,26 +123,24 @@ def held_below(problem: Problem, keys: NDArray[np.int64], blocks: list[Block], r
     return replace(problem, held=rows, held_of=poses, held_alone=alone)
 
 
-def touched(rows: Array, block: Block, after: Array, most: float) -> tuple[Marks, Marks]:
+def touched(linked: Marks, block: Block, after: Array, most: float) -> tuple[Marks, Marks]:
     """Of a block's postures, those that such a path may touch, and those from which it may lie towards the next one."""
     cost, sag = block.costs()
     total = cost + after[:, 0]
     following = np.append(total[1:], np.inf)
-    linked = rows[:, HELD_LINKED] != 0.0
     cells = linked & (np.minimum(total, following) - SAGGED * (sag + after[:, 1]) <= most)
     return (total <= most) | cells | np.append(False, cells[:-1]), cells
 
 
 def kept(block: Block, after: Array, most: float) -> Part:
     """The intervals of a block through which a path may lead that costs at most so much."""
-    rows, poses = block.held()
-    some, cells = touched(rows, block, after, most)
-    some &= rows[:, HELD_BRANCH] >= 0.0
+    linked, (angles, branches) = block.linked(), block.places()
+    some, cells = touched(linked, block, after, most)
+    some &= branches >= 0.0
     first = np.flatnonzero(some & ~np.append(False, cells[:-1]))
     last = np.flatnonzero(some & ~cells)
-    lasts = np.flatnonzero(rows[:, HELD_LINKED] == 0.0)
+    lasts = np.flatnonzero(~linked)
     firsts = np.append(0, lasts[:-1] + 1)
     of = np.searchsorted(lasts, first)
-    angles = rows[:, HELD_PSI]
-    intervals = np.column_stack([rows[first, HELD_BRANCH], angles[first], angles[last]])
-    return Part(intervals, poses[first], np.column_stack([angles[firsts[of]], angles[lasts[of]]]))
+    intervals = np.column_stack([branches[first], angles[first], angles[last]])
+    return Part(intervals, block.poses()[first], np.column_stack([angles[firsts[of]], angles[lasts[of]]]))

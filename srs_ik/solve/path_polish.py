@@ -40,7 +40,8 @@ BARRIERS = np.geomspace(0.3, 1e-7, 10)
 KEPT_BARRIERS = np.geomspace(0.1, 1e-6, 7)
 """The same where limits are kept, of which few are reached."""
 
-JUST_WITHIN = 1.0 - 1e-9
+JUST_WITHIN = 1.0 - 1e-8
+"""Of a limit; closing postures on their poses once more may take this much of it."""
 
 
 def improve(problem: Problem, way: Way, widths: Array = WIDTHS) -> None:
@@ -92,7 +93,8 @@ def keeps(problem: Problem, way: Way, loose: Breaks) -> bool:
 def slowed(problem: Problem, way: Way, loose: Breaks) -> Way:
     """The best path within the velocity limits near one, or one whose fastest step is as slow as can be."""
     slow = copy(way)
-    scale = np.where(np.isfinite(problem.settings[BY_VELOCITY]), 1.0 / problem.settings[BY_VELOCITY], 0.0)
+    limits = JUST_WITHIN * problem.settings[BY_VELOCITY]
+    scale = np.where(np.isfinite(limits), 1.0 / limits, 0.0)
     polish_kind(problem, slow, LARGEST, scale, loose)
     if not keeps(problem, slow, loose):
         # The step from the seed is free.

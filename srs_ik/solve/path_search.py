@@ -50,6 +50,12 @@ AS_PLANNED = 1.006
 CLOSE = 1.002
 """On an exact limb, a path that costs less than so many times its plan is not looked at any closer."""
 
+AS_LITTLE = 0.9999
+"""A path that costs less than so much of its plan says that strips miss what it does."""
+
+SLIVER = 1e-4
+"""An interval of arm angles that is narrower than this, rad, lies between a limit and a singular posture."""
+
 LEAP = 0.2
 """A joint step of a path that is longer than this, rad, may be there because strips miss a posture."""
 
@@ -173,22 +179,38 @@ def in_closed_form(problem: Problem, plan: Problem, marks: NDArray[np.bool_]) ->
     best = filled(problem, way, keys, stands_in)
     if best is None:
         return None, problem
-    if best.cost < CLOSE * least:
+    missed = best.cost <= AS_LITTLE * least
+    if best.cost < CLOSE * least and not missed:
         return best, None
     if not problem.even:
         return (search_around(problem, best), None) if best.cost < AS_PLANNED * least else (best, problem)
-    rest = costs_to_end(told, blocks, best.cost)
+    rest = costs_to_end(told, blocks, max(best.cost, CLOSE * least))
     way = find_narrow(told, keys, blocks, rest, best)
     joined = way.cost < 0.5 * BREAK and bool(way.reached[keys].all())
     if joined:
         least = way.cost
         again = filled(problem, way, keys, stands_in)
         best = again if again is not None and again.cost < best.cost else best
+    if is_in_slivers(best) and not stands_in and (not joined or (missed and best.cost >= CLOSE * least)):
+        best = min(best, planned_in_fine(problem), key=lambda each: each.cost)
     if best.cost < AS_PLANNED * least:
         return best if joined else search_around(problem, best), None
     if stands_in:
         return best, problem
     return best, replace(held_below(told, keys, blocks, rest, best.cost), settings=problem.settings)
+
+
+def is_in_slivers(way: Way) -> bool:
+    """Whether a path leads through intervals so narrow that joints turn fast in them: coarse strips tell little."""
+    return bool((way.bounds[:, 1] - way.bounds[:, 0] < SLIVER).any())
+
+
+def planned_in_fine(problem: Problem) -> Way:
+    """A path planned at every pose, in strips that are fine everywhere."""
+    keys = np.arange(len(problem.T))
+    way = find_way(fine_everywhere(problem, keys), keys, False)
+    improve(problem, way, FINE)
+    return way
 
 
 def filled(problem: Problem, way: Way, keys: NDArray[np.int64], stands_in: bool) -> Way | None:
