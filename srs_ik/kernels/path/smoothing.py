@@ -260,7 +260,7 @@ def smooth(family, course, line, seed, aim, settings, space):
     system = System(np.empty(n), np.empty(n), np.empty(n), np.empty(n), np.empty(n), np.empty(n), np.empty((TERMS, 7)))
     write_steps(chain, seed, settings, line.q, steps)
     lowest, t = value_of(aim, chain, steps, first)
-    damping, gain_before = 0.0, 0.0
+    damping, gain_before, ratio_before = 0.0, 0.0, SLOWEST_GAINS
     for _ in range(SWEEPS):
         if lowest == OUTSIDE or damping > MOST_DAMPING:
             break
@@ -287,8 +287,10 @@ def smooth(family, course, line, seed, aim, settings, space):
             damping = max(10.0 * damping, 0.1)
             continue
         damping *= 0.1
-        shrunk = min(gain / gain_before, SLOWEST_GAINS) if gain_before > 0.0 else SLOWEST_GAINS
-        gain_before = gain
+        # One small gain may stand before many as small.
+        ratio = min(gain / gain_before, SLOWEST_GAINS) if gain_before > 0.0 else SLOWEST_GAINS
+        shrunk = max(ratio, ratio_before)
+        gain_before, ratio_before = gain, ratio
         left, enough = gain * shrunk / (1.0 - shrunk), ENOUGH * lowest
         if aim.weight > 0.0:
             left, enough = gain, ENOUGH_OF_WEIGHT * n * aim.weight
