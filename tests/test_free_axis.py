@@ -316,3 +316,19 @@ def test_a_pose_met_in_few_turns_is_met_from_a_far_seed():
     solution = arm.solve(T, seed=seed, free_axis=free)
     assert solution, solution.message
     assert_met("human_arm", free, solution.q, T)
+
+
+@pytest.mark.parametrize("cone", [1e-6, 1e-3, 0.05, 0.3])
+@pytest.mark.parametrize("name", ["iiwa14", "human_arm"])
+def test_a_narrow_cone_is_answered_no_worse_than_the_roll_alone(name, cone):
+    arm = arms.load(name)
+    rng = np.random.default_rng(0)
+    middle, half = 0.5 * (arm.lower + arm.upper), 0.5 * (arm.upper - arm.lower)
+    free = FreeAxis([0.0, 0.0, 1.0]), FreeAxis([0.0, 0.0, 1.0], cone=cone)
+    for _ in range(12):
+        q = rng.uniform(arm.lower, arm.upper)
+        pose, seed = arm.forward_kinematics(q), q + 0.3 * rng.normal(size=7)
+        far = [np.linalg.norm(arm.solve(pose, free_axis=axis, seed=seed).q - seed) for axis in free]
+        margin = [np.min(1.0 - abs(arm.solve(pose, free_axis=axis).q - middle) / half) for axis in free]
+        assert far[1] < far[0] + 1e-7
+        assert margin[1] > margin[0] - 1e-6

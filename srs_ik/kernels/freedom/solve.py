@@ -8,12 +8,12 @@ from srs_ik.kernels.chain.freedom import as_rotation, free_error
 from srs_ik.kernels.chain.kinematics import forward_kinematics
 from srs_ik.kernels.chain.newton import arm_angle
 from srs_ik.kernels.freedom.nearest import NONE_LEFT, beside, nearest
-from srs_ik.kernels.freedom.settle import EVEN, onto_pose
-from srs_ik.kernels.freedom.starts import find_starts
-from srs_ik.kernels.freedom.widen import largest_share
+from srs_ik.kernels.freedom.settle import EVEN, NO_RIVAL, onto_pose, settle
+from srs_ik.kernels.freedom.starts import NARROW, find_starts
+from srs_ik.kernels.freedom.widen import largest_share, widen
 from srs_ik.kernels.freedom.widest import any_limited, weights, widest
 from srs_ik.kernels.jit import kernel
-from srs_ik.kernels.layout.answer import GOOD_POSE, ROW_STATUS, UNREACHABLE
+from srs_ik.kernels.layout.answer import GOOD_POSE, ROW_STATUS, SOLVED, UNREACHABLE
 from srs_ik.kernels.layout.freedom import Found, Freedom, Liking
 from srs_ik.kernels.layout.limb import FREE, LIMITED, LOWER, UPPER
 from srs_ik.kernels.limb.branches import branch_of
@@ -53,14 +53,31 @@ def found_posture(P, pose, given, liking, respect, desk):
         if close.met:
             return close
     found = searched(P, pose, (freedom, turns), (seeded, liking), desk)
-    if not found.met and freedom.cone > 0.0:
-        # Turns of a cone are far apart; rolls leave none out.
-        found = searched(P, pose, (Freedom(freedom.axis, 0.0), turns), (seeded, liking), desk)
+    if freedom.cone > 0.0 and (freedom.cone < NARROW or not found.met):
+        # Turns of a cone are far apart, rolls leave none out: no answer is worse than with the roll alone free.
+        roll = searched(P, pose, (Freedom(freedom.axis, 0.0), turns), (seeded, liking), desk)
+        roll = improved(P, roll, pose, freedom, (seeded, liking), desk)
+        if roll.met and not (found.met and found.cost <= roll.cost):
+            found = roll
     if found.met or seeded:
         return found
     # Other starts, from distances and not margins, may yet lead to a posture.
     other = searched(P, pose, (freedom, turns), (True, liking), desk)
     return Found(other.q, largest_share(P, other.q) - 1.0, other.met)
+
+
+@kernel
+def improved(P, found, pose, freedom, goal, desk):
+    """A posture that meets its pose where less is free, or the better one that it leads to where more is."""
+    seeded, liking = goal
+    if not found.met:
+        return found
+    if seeded:
+        q, cost, error, _ = settle(P, found.q, pose, freedom, liking, desk)
+    else:
+        q, share, error = widen(P, found.q, pose, freedom, NO_RIVAL, desk)
+        cost = share - 1.0
+    return Found(q, cost, True) if error < SOLVED and cost < found.cost else found
 
 
 @kernel
