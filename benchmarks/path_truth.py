@@ -190,6 +190,9 @@ def against_brute_force(arm: srs_ik.Arm, chosen: argparse.Namespace) -> tuple[st
         own = float((steps_from(arm, seed, path.q) ** 2).sum())
         found = np.inf if path.breaks else own * (1.0 + COARSE)
         nodes = [swept_postures(arm, pose, chosen.angles) for pose in poses]
+        if not all(map(len, nodes)):
+            # A pose whose only postures lie between those of the sweep: there is nothing to compare with.
+            continue
         breaks, least = best_path(nodes, seed, LONGEST, endless, found)
         if np.isinf(least) and not path.breaks:
             # All swept ones cost more.
