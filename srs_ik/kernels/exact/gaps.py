@@ -56,13 +56,17 @@ def fits(P, k, v, y, c, s, sign):
 
 
 @kernel
+def turned_with(motion, psi):
+    """The two columns of a spherical joint's rotation that its angles depend on, at an arm angle."""
+    cos_psi, sin_psi = math.cos(psi), math.sin(psi)
+    v0, y0, _ = motion
+    return swing(v0[0], v0[1], v0[2], cos_psi, sin_psi), swing(y0[0], y0[1], y0[2], cos_psi, sin_psi)
+
+
+@kernel
 def feasible_signs(P, k, motion, psi, wanted):
     """Which of the wanted solutions (bits 1: first, 2: second) of a spherical joint keep the limits at psi."""
-    cos_psi = math.cos(psi)
-    sin_psi = math.sin(psi)
-    v0, y0, _ = motion
-    v = swing(v0[0], v0[1], v0[2], cos_psi, sin_psi)
-    y = swing(y0[0], y0[1], y0[2], cos_psi, sin_psi)
+    v, y = turned_with(motion, psi)
     c, s, reached = middle_angle(P, k, v)
     if not reached:
         return 0
@@ -73,11 +77,7 @@ def feasible_signs(P, k, motion, psi, wanted):
 @kernel
 def almost_fits(P, k, motion, psi, sign):
     """Whether one solution of a spherical joint keeps the limits at an arm angle where its reach may end."""
-    cos_psi = math.cos(psi)
-    sin_psi = math.sin(psi)
-    v0, y0, _ = motion
-    v = swing(v0[0], v0[1], v0[2], cos_psi, sin_psi)
-    y = swing(y0[0], y0[1], y0[2], cos_psi, sin_psi)
+    v, y = turned_with(motion, psi)
     c, s, _ = middle_angle(P, k, v)
     up, down = sub(v, load3(P, k + A1)), add(v, load3(P, k + A1))
     short = max(P[k + TOP_GAP] - 0.5 * dot(up, up), P[k + BOTTOM_GAP] - 0.5 * dot(down, down))

@@ -12,8 +12,8 @@ import math
 
 import numpy as np
 
-from srs_ik.kernels.algebra.vectors import dot, load3, norm, swing
-from srs_ik.kernels.exact.gaps import almost_fits, feasible_signs, mark_gaps
+from srs_ik.kernels.algebra.vectors import dot, load3, norm
+from srs_ik.kernels.exact.gaps import almost_fits, feasible_signs, mark_gaps, turned_with
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.answer import MAX_EVENTS, MAX_PIECES
 from srs_ik.kernels.layout.limb import (
@@ -106,10 +106,7 @@ def add_limit(x, circle, value, band, events, n):
 @kernel
 def sum_at(P, k, motion, psi):
     """At an arm angle, the sum of the outer joints of a spherical joint that is singular there, and the sign of q1."""
-    cos_psi, sin_psi = math.cos(psi), math.sin(psi)
-    v0, y0, _ = motion
-    v = swing(v0[0], v0[1], v0[2], cos_psi, sin_psi)
-    y = swing(y0[0], y0[1], y0[2], cos_psi, sin_psi)
+    v, y = turned_with(motion, psi)
     c, s, _ = middle_angle(P, k, v)
     _, _, _, _, c3, s3, _ = sines(P, k, v, y, c, s, 0)
     return math.atan2(s3, c3), 1.0 if c > 0.0 else -1.0
