@@ -166,7 +166,7 @@ def is_known(P, by, q, t, rows, curves, count):
     """Whether a posture with the oriented null vector t lies on one of the curves."""
     for k in range(count):
         for i in range(int(curves[k, 0]), int(curves[k, 1]) - 1):
-            if abs(short_way(q[1] - rows[i, 2])) > BEYOND or abs(short_way(q[5] - rows[i, 6])) > BEYOND:
+            if abs(short_way(q[0] - rows[i, 1])) > BEYOND or abs(short_way(q[4] - rows[i, 5])) > BEYOND:
                 continue
             a, b = load_sample(rows[i]), load_sample(rows[i + 1])
             share = share_of_chord(a, b, q)

@@ -103,7 +103,7 @@ def find_passed(P, before, after, which, marks, count):
     passed = shares - 3.0
     for m in range(count):
         mark = marks[m]
-        near = (abs(short_ways(q[1] - mark[1])) < reach) & (abs(short_ways(q[5] - mark[5])) < reach)
+        near = (abs(short_ways(q[0] - mark[0])) < reach) & (abs(short_ways(q[4] - mark[4])) < reach)
         if which & as_bits(near) == 0:
             continue
         to_mark = ways_to(mark, q)
