@@ -21,7 +21,7 @@ from srs_ik.kernels.layout.asked import Best, Goal, Setting
 from srs_ik.kernels.layout.limb import SIZE
 from srs_ik.kernels.layout.search import MAX_RUNS, RUN
 from srs_ik.kernels.limb.branches import NO_BRANCH
-from srs_ik.kernels.limb.goal import NO_SEED, elbow_part
+from srs_ik.kernels.limb.goal import NO_SEED
 from srs_ik.kernels.near.arcs import (
     ARC,
     ARC_ELBOW,
@@ -33,10 +33,10 @@ from srs_ik.kernels.near.arcs import (
     touches,
     without_arcs,
 )
-from srs_ik.kernels.near.band import ALMOST_NOTHING, may_predict_limits, widen, widest
+from srs_ik.kernels.near.band import may_predict_limits, widen
 from srs_ik.kernels.near.predicted import predicted_intervals
 from srs_ik.kernels.near.scan import POINT_BRANCH, POINT_PSI, put_points, view_of
-from srs_ik.kernels.near.within import GAIN, best_within, measure_points
+from srs_ik.kernels.near.within import best_within, measure_points
 
 
 @kernel
@@ -65,16 +65,6 @@ def first_best(P, view, branch):
 
 
 @kernel
-def is_of_elbow(P, best):
-    """Whether the elbow has the least margin of all joints, as the nearest exact limb's has at every arm angle.
-
-    On the true chain it changes by no more than the band.
-    """
-    _, value = elbow_part(P, best.q[3], False, 0.0, True)
-    return best.cost < 0.0 and best.cost <= value + GAIN
-
-
-@kernel
 def predicted_best(P, target, branch, J, A):
     """Posture of the largest margin over all arm angles (in one branch, if it is wanted).
 
@@ -85,8 +75,6 @@ def predicted_best(P, target, branch, J, A):
     if not may_predict_limits(P, target.place, view.band):
         return best, False
     best = first_best(P, view, branch)
-    if widest(view.band) < ALMOST_NOTHING and is_of_elbow(P, best):
-        return best, True
     boxes = np.empty((2, SIZE))
     box = row(boxes, 0)
     if not draw_in(P, best.cost, True, box):
