@@ -62,9 +62,6 @@ VAGUE = 1e-6
 SETTLED = 1e-14
 """A step that has settled is on a curve up to this, rad squared."""
 
-FORESEEN = 1e-12
-"""Steps back to the curve shrink like squares: where the next one is foreseen to be this short, rad, it is not taken."""
-
 SHRINKING = 0.4
 """Steps back to the curve that shrink by less do not lead there."""
 
@@ -144,12 +141,6 @@ def is_along(made, way, cosine, vague):
 
 
 @kernel
-def has_settled(size, last):
-    """Which of eight postures need no more steps back to their curves than this one, after the last."""
-    return (size < LAST_STEP) | ((size * size * size < FORESEEN * last * last) & (size < SHRINKING * last))
-
-
-@kernel
 def step_in_step(P, R, p, rows, alive):
     """Take eight curves a step on: postures, ways of the curves, which are there (bits), cosines of their turns.
 
@@ -169,7 +160,7 @@ def step_in_step(P, R, p, rows, alive):
     for _ in range(CORRECTIONS):
         d, t, _, right = curve_step(P, turns, R, p, way, none)
         size = largest(d)
-        settled = has_settled(size, last)
+        settled = size < LAST_STEP
         q = along7(q, 1.0, d)
         met = as_bits(settled & right)
         if alive & ~as_bits(settled | (size > SHRINKING * last)) == 0:
