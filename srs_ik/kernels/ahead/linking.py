@@ -13,7 +13,7 @@ import sysconfig
 from collections.abc import Sequence
 from pathlib import Path
 
-OPTIONS = ("-std=c11", "-O2", "-fPIC", "-Wall", "-Wextra", "-Wno-missing-field-initializers")
+OPTIONS = ("-std=c11", "-O2", "-fPIC", "-pthread", "-Wall", "-Wextra", "-Wno-missing-field-initializers")
 
 
 class NoCompiler(Exception):
