@@ -47,10 +47,6 @@ NARROW = 4.0 * NOTABLE
 """Ends of intervals are looked for this closely, in steps up to the longest, rad; an interval narrower than the last is
 as good as one arm angle."""
 
-STAGES = 15
-"""What is tried one after the other: a pose as it is, strictly (0) and loosely (1), a flat elbow (2), and bends, each
-twice the one before, up to about `NEARLY_FLAT`."""
-
 
 @kernel
 def is_as_good_as_flat(place_):
@@ -69,14 +65,6 @@ def level(place_):
     """A place with a flat elbow."""
     t, h0, c, _, hand, miss = place_
     return t, h0, math.copysign(1.0, c), 0.0, hand, miss
-
-
-@kernel
-def loosely(place_, stage):
-    """The place of a stage from 1 on."""
-    if stage == 1:
-        return place_
-    return level(place_) if stage == 2 else bent_place(place_, SMALLEST_BEND * 2.0**stage)
 
 
 @kernel
