@@ -142,7 +142,7 @@ def solve_intervals(family, T, respect, J, A, out):
         q, b, lowest = farthest(P, place_, found[i : i + 1], -1, respect)
         if lowest >= OUTSIDE and respect:
             goal = Goal(False, NO_SEED, True)
-            q, b, lowest = best_in_interval(family, target, found[i : i + 1], goal, (q, b, lowest))
+            q, b, lowest = best_in_interval(family, target, found[i : i + 1], b, goal, (q, b, lowest))
         measure_row(P, target, q, b, lowest, respect, row(out, i))
     return n
 

@@ -34,11 +34,8 @@ from srs_ik.kernels.layout.limb import (
     AXES,
     BOTTOM_GAP,
     BOUND_1_LOWER,
-    BOUND_1_UPPER,
     BOUND_2_LOWER,
-    BOUND_2_UPPER,
     BOUND_3_LOWER,
-    BOUND_3_UPPER,
     FIRST_JOINT,
     LOWER,
     RANGE_KIND,
@@ -51,6 +48,7 @@ from srs_ik.kernels.layout.limb import (
 from srs_ik.kernels.limb.limits import turn_to_middle
 from srs_ik.kernels.limb.triangle import (
     elbow_at,
+    elbow_side,
     shoulder_columns,
     side_frames,
     turned_frame,
@@ -59,6 +57,16 @@ from srs_ik.kernels.limb.triangle import (
 
 MOST_EVENTS = 22
 """Most bends at which anything changes at an arm angle: nine each of shoulder and wrist, two of the elbow, two ends."""
+
+LIMITS = 6
+"""Limits of a spherical joint."""
+
+SHRINKING = 4.0
+"""A circle of arm angles whose radius is at most so many bends shrinks with them."""
+
+MOST_LINES = 32
+MOST_CROSSINGS = 320
+"""Lines of a limit in the plane of bend and arm angle, and bends at which two of them cross, at most."""
 
 SECANTS = 3
 """Steps towards a bend that brings outer axes into line."""
@@ -92,22 +100,31 @@ def add_crossing(form, value, curve, span, bends, n):
 
 
 @kernel
+def limit_form(P, k, i):
+    """A limit of the spherical joint at block k, lower and upper of each of its joints in turn, as a linear form.
+
+    Returns the form, its value on the limit, whether it is one of R'a1 and not of R a3, and whether there is a limit.
+    """
+    joint, end = i // 2, i % 2
+    there = P[RANGE_KIND + int(P[k + FIRST_JOINT]) + joint] != 0.0
+    if joint == 0:
+        return load3(P, k + BOUND_1_LOWER + 3 * end), P[k + A2_A3], False, there
+    if joint == 1:
+        return load3(P, k + A1), P[k + BOUND_2_LOWER + end], False, there
+    return load3(P, k + BOUND_3_LOWER + 3 * end), P[k + A1_A2], True, there
+
+
+@kernel
 def add_joint(P, k, v, r, span, bends, n):
     """Insert the bends at which the spherical joint at block k reaches a limit, the end of its reach or a singularity.
 
     v and r are the curves of R a3 and R'a1 from no bend to the largest.
     """
     a1 = load3(P, k + A1)
-    first = int(P[k + FIRST_JOINT])
-    if P[RANGE_KIND + first] != 0.0:
-        n = add_crossing(load3(P, k + BOUND_1_LOWER), P[k + A2_A3], v, span, bends, n)
-        n = add_crossing(load3(P, k + BOUND_1_UPPER), P[k + A2_A3], v, span, bends, n)
-    if P[RANGE_KIND + first + 1] != 0.0:
-        n = add_crossing(a1, P[k + BOUND_2_LOWER], v, span, bends, n)
-        n = add_crossing(a1, P[k + BOUND_2_UPPER], v, span, bends, n)
-    if P[RANGE_KIND + first + 2] != 0.0:
-        n = add_crossing(load3(P, k + BOUND_3_LOWER), P[k + A1_A2], r, span, bends, n)
-        n = add_crossing(load3(P, k + BOUND_3_UPPER), P[k + A1_A2], r, span, bends, n)
+    for i in range(LIMITS):
+        form, value, of_r, there = limit_form(P, k, i)
+        if there:
+            n = add_crossing(form, value, r if of_r else v, span, bends, n)
     n = add_crossing(a1, 1.0 - P[k + TOP_GAP], v, span, bends, n)
     n = add_crossing(a1, P[k + BOTTOM_GAP] - 1.0, v, span, bends, n)
     beside, way = across(v[0], a1), across(v[1], a1)
@@ -200,3 +217,62 @@ def bend_in_line(P, place_, k, elbow, end, span):
         if abs(y1) < least:
             best, least = x1, abs(y1)
     return best
+
+
+@kernel
+def put_line(c, s, rest, lines, n):
+    """Append a line with this normal and this product with it; how many there are then."""
+    lines[n, 0], lines[n, 1], lines[n, 2] = c, s, rest
+    return n + 1
+
+
+@kernel
+def add_lines(P, k, motion, most, rays, lines, n):
+    """Append lines on which a spherical joint is on a limit, to the first n; how many they are then.
+
+    They are lines in the plane of points at the distance of the bend and in the direction of the arm angle: through its
+    origin where the bend does not count (if `rays` are wanted), and at a distance where the circle shrinks with it.
+    """
+    for i in range(LIMITS):
+        form, value, of_r, there = limit_form(P, k, i)
+        circle = motion[2] if of_r else motion[0]
+        c, s, rest = dot(form, circle[1]), dot(form, circle[2]), value - dot(form, circle[0])
+        size = math.sqrt(c * c + s * s)
+        if not there or abs(rest) > size + P[SLACK_LIMIT] or size == 0.0:
+            continue
+        if size > SHRINKING * most:
+            away = math.acos(max(min(rest / size, 1.0), -1.0))
+            for side in range(2 if rays else 0):
+                psi = math.atan2(s, c) + (away if side == 0 else -away)
+                n = put_line(-math.sin(psi), math.cos(psi), 0.0, lines, n)
+        elif not rays:
+            n = put_line(c / most, s / most, rest, lines, n)
+    return n
+
+
+@kernel
+def bends_of_crossings(P, place_, span, lines, bends):
+    """Fill in the sorted bends at which limits cross, begin or end, those of the span included; their number.
+
+    Between two neighbours of them no interval of arm angles appears, parts or goes.
+    """
+    bent = bent_place(place_, span[1])
+    sides = (elbow_side(P, bent, 0), elbow_side(P, bent, 1))
+    m = add_lines(P, WRIST, sides[0][2], span[1], False, lines, 0)
+    m = add_lines(P, SHOULDER, sides[0][1], span[1], False, lines, m)
+    shrinking = m
+    n = add_elbow(P, place_, 1, span, bends, add_elbow(P, place_, 0, span, bends, 0))
+    if shrinking > 0:
+        for elbow in range(2):
+            m = add_lines(P, WRIST, sides[elbow][2], span[1], True, lines, m)
+            m = add_lines(P, SHOULDER, sides[elbow][1], span[1], True, lines, m)
+    for i in range(shrinking):
+        a, b, rest = lines[i, 0], lines[i, 1], lines[i, 2]
+        n = add_bend(abs(rest) / math.sqrt(a * a + b * b), span, bends, n)
+        for j in range(i + 1, m):
+            c, d, other = lines[j, 0], lines[j, 1], lines[j, 2]
+            area = a * d - b * c
+            if area != 0.0:
+                u, w = (rest * d - other * b) / area, (a * other - c * rest) / area
+                n = add_bend(math.sqrt(u * u + w * w), span, bends, n)
+    return insert(span[1], bends, insert(span[0], bends, n))

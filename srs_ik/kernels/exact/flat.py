@@ -12,7 +12,14 @@ import math
 import numpy as np
 
 from srs_ik.kernels.algebra.pointers import row
-from srs_ik.kernels.exact.bend_events import MOST_EVENTS, bend_in_line, bends_at
+from srs_ik.kernels.exact.bend_events import (
+    MOST_CROSSINGS,
+    MOST_EVENTS,
+    MOST_LINES,
+    bend_in_line,
+    bends_at,
+    bends_of_crossings,
+)
 from srs_ik.kernels.exact.bends import bent_place
 from srs_ik.kernels.exact.intervals import TURN, find_intervals, join_touching, write_interval
 from srs_ik.kernels.jit import kernel
@@ -214,8 +221,14 @@ def intervals_of_bends(family, place_, respect, out, n):
     centres = np.empty(8)
     P = row(family, LOOSE + (LIMITED if respect else FREE))
     span = span_of_bends(P, place_)
-    for i in range(3):
-        n = merge(P, place_, place_[3] if i == 0 else span[i - 1], found, both, out, n)
+    bends, lines = np.empty(MOST_CROSSINGS), np.empty((MOST_LINES, 3))
+    n = merge(P, place_, place_[3], found, both, out, n)
+    crossings = bends_of_crossings(P, place_, span, lines, bends)
+    for i in range(crossings):
+        if i == 0 or bends[i] - bends[i - 1] > SAME_BEND * bends[i]:
+            n = merge(P, place_, bends[i], found, both, out, n)
+            if i > 0:
+                n = merge(P, place_, 0.5 * (bends[i - 1] + bends[i]), found, both, out, n)
     for i in range(take_centres(P, place_, span, centres)):
         n = merge(P, place_, centres[i], found, both, out, n)
         away = span[1]

@@ -60,7 +60,7 @@ def at_any_bend(family, target, psi, branch, goal, found):
 
 
 @kernel
-def best_in_interval(family, target, interval, goal, best):
+def best_in_interval(family, target, interval, wanted, goal, best):
     """The best posture as known so far, or a better one of an interval (1, 3), at any bend: q, branch, cost."""
     place_ = target.place
     boxes = np.empty((1, SIZE))
@@ -76,7 +76,9 @@ def best_in_interval(family, target, interval, goal, best):
     psi = arm_angle(row(family, LIMITED), q, place_[0], place_[1])
     found = at_any_bend(family, target, psi, branch, goal, (q, branch, NO_BRANCH))
     work = (np.empty((6, 7)), np.empty((16, 9)))
-    return keep_better(row(family, LOOSE), target, found, branch, goal, best, work)
+    closed = keep_better(row(family, LOOSE), target, found, wanted, goal, best, work)
+    # A posture of the wanted branch may close to one on the other side of a flat elbow.
+    return found if found[2] < OUTSIDE <= closed[2] else closed
 
 
 @kernel
@@ -86,5 +88,5 @@ def best_at_any_bend(family, target, wanted, goal, best):
     n = all_intervals(family, target, goal.respect, None, None, found)
     for i in range(n):
         if wanted < 0 or int(found[i, 0]) == wanted:
-            best = best_in_interval(family, target, found[i : i + 1], goal, best)
+            best = best_in_interval(family, target, found[i : i + 1], wanted, goal, best)
     return best
