@@ -13,19 +13,20 @@ import numpy as np
 
 from srs_ik.kernels.algebra.pointers import keep, row
 from srs_ik.kernels.chain.kinematics import pose_error
-from srs_ik.kernels.chain.newton import LEFT, arm_angle
+from srs_ik.kernels.chain.newton import LEFT, arm_angle, clipped
 from srs_ik.kernels.exact.bend_events import MOST_EVENTS, bends_at
 from srs_ik.kernels.exact.bends import bent_place
 from srs_ik.kernels.exact.farthest import farthest
-from srs_ik.kernels.exact.flat import span_of_bends
+from srs_ik.kernels.exact.flat import SMALLEST_BEND, span_of_bends
 from srs_ik.kernels.exact.free_splits import keep_better
 from srs_ik.kernels.exact.nearest import tighten
 from srs_ik.kernels.exact.nearest_within import nearest_within
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.answer import MAX_PIECES
-from srs_ik.kernels.layout.limb import FREE, LIMITED, LOOSE, SIZE
+from srs_ik.kernels.layout.limb import FREE, LIMITED, LOOSE, SIZE, SLACK_SINGULAR
 from srs_ik.kernels.limb.branches import NO_BRANCH, best_branch
 from srs_ik.kernels.limb.goal import NO_SEED, OUTSIDE
+from srs_ik.kernels.limb.in_line import NEARLY_IN_LINE, may_split
 from srs_ik.kernels.pose.intervals import all_intervals
 from srs_ik.kernels.pose.on_limits import put_on_limits
 
@@ -61,24 +62,35 @@ def at_any_bend(family, target, psi, branch, goal, found):
 
 @kernel
 def best_in_interval(family, target, interval, wanted, goal, best):
-    """The best posture as known so far, or a better one of an interval (1, 3), at any bend: q, branch, cost."""
-    place_ = target.place
+    """The best posture as known so far, or a better one of an interval (1, 3), at any bend: q, branch, cost.
+
+    Where outer axes are almost in line, no arm angle tells their split: it is closed as it is.
+    """
+    P = row(family, LOOSE + (LIMITED if goal.respect else FREE))
+    # A flat elbow does not tell on which side its arm angle lies.
+    place_ = bent_place(target.place, max(target.place[3], SMALLEST_BEND))
+    work = (np.empty((6, 7)), np.empty((16, 9)))
     boxes = np.empty((1, SIZE))
     box = row(boxes, 0)
-    tighten(row(family, LOOSE + (LIMITED if goal.respect else FREE)), NO_SEED, math.inf, WIDER, box)
-    if goal.seeded:
-        q, branch, value = nearest_within(box, place_, interval, -1, goal, best[2])
-    else:
-        q, branch, value = farthest(box, place_, interval, -1, goal.respect)
+    tighten(P, NO_SEED, math.inf, WIDER, box)
+    for in_line in range(2 if may_split(P, place_) else 1):
+        if in_line == 1:
+            box[SLACK_SINGULAR] = NEARLY_IN_LINE
+        if goal.seeded:
+            q, branch, value = nearest_within(box, place_, interval, -1, goal, best[2])
+        else:
+            q, branch, value = farthest(box, place_, interval, -1, goal.respect)
+        if value >= OUTSIDE:
+            continue
+        found = (clipped(P, q), branch, value)
+        if in_line == 0:
+            psi = arm_angle(P, q, place_[0], place_[1])
+            found = at_any_bend(family, target, psi, branch, goal, (q, branch, NO_BRANCH))
+        closed = keep_better(P, target, found, wanted, goal, best, work)
+        # A posture of the wanted branch may close to one on the other side of a flat elbow.
+        best = found if in_line == 0 and found[2] < OUTSIDE <= closed[2] else closed
     keep(boxes)
-    if value >= OUTSIDE:
-        return best
-    psi = arm_angle(row(family, LIMITED), q, place_[0], place_[1])
-    found = at_any_bend(family, target, psi, branch, goal, (q, branch, NO_BRANCH))
-    work = (np.empty((6, 7)), np.empty((16, 9)))
-    closed = keep_better(row(family, LOOSE), target, found, wanted, goal, best, work)
-    # A posture of the wanted branch may close to one on the other side of a flat elbow.
-    return found if found[2] < OUTSIDE <= closed[2] else closed
+    return best
 
 
 @kernel

@@ -49,8 +49,10 @@ HARDLY_FARTHER = 1e-4
 FEW_STEPS = 12
 """Its nearest posture is found in a few steps, and no farther from a seed, in squared rad, than this."""
 
-STAGES = 3
-"""How a closed limb is searched, one after the other: strictly (0), loosely (1), and without regard to limits."""
+BENDS = 2
+STAGES = 4
+"""How a closed limb is searched, one after the other: strictly (0), loosely (1), a flat elbow at all its bends (2), and
+for the least violation of limits."""
 
 ONE_VALLEY = 0.3
 """An interval shorter than this, rad, whose ends are close to a minimum in it, has no other one."""
@@ -177,32 +179,37 @@ def search_exact(family, target, branch, seed, respect):
     goal = Goal(seed is not None, NO_SEED if seed is None else seed, respect)
     found = np.empty((8 * MAX_PIECES, 3))
     best = (NO_SEED, 0, 4.0 * NO_BRANCH)
-    for stage in range(STAGES):
+    flat = is_almost_flat(place_)
+    stage = 0
+    while stage < STAGES:
         P = row(family, LIMITED if stage == 0 else LOOSE)
         F = row(family, (LIMITED if stage == 0 else LOOSE) + strictness)
-        if seed is None:
-            if stage < STAGES - 1:
-                other = farthest_of_all(P, F, place_, branch, respect)
-            else:
-                whole_circles(found)
-                other = farthest(P, place_, found[:8], branch, respect)
+        if stage == BENDS:
+            if flat:
+                best = best_at_any_bend(family, target, branch, goal, best)
         else:
             n = 8
-            if stage < STAGES - 1:
-                n = find_intervals(F, place_, branch, found)
+            whole_circles(found)
+            if seed is None:
+                if stage < BENDS:
+                    other = farthest_of_all(P, F, place_, branch, respect)
+                else:
+                    other = farthest(P, place_, found[:n], branch, respect)
             else:
-                whole_circles(found)
-            other = nearest_within(P, place_, found[:n], branch, Goal(True, seed, respect), 4.0 * NO_BRANCH)
-        if other[2] < best[2]:
-            best = other
+                if stage < BENDS:
+                    n = find_intervals(F, place_, branch, found)
+                other = nearest_within(P, place_, found[:n], branch, goal, 4.0 * NO_BRANCH)
+            if other[2] < best[2]:
+                best = other
         if stage == 0:
             best = with_splits(P, target, branch, seed, respect, best)
-        if stage == 1 and is_almost_flat(place_):
-            best = best_at_any_bend(family, target, branch, goal, best)
-        if best[2] < OUTSIDE:
+        if best[2] >= OUTSIDE:
+            stage += 1
+        elif stage < BENDS and flat and respect and seed is not None:
+            # What rounding hides may be nearer.
+            stage = BENDS
+        else:
             break
-    if respect and seed is not None and best[2] < OUTSIDE and is_almost_flat(place_):
-        return best_at_any_bend(family, target, branch, goal, best)
     return best
 
 
