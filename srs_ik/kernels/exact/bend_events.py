@@ -61,12 +61,9 @@ MOST_EVENTS = 22
 LIMITS = 6
 """Limits of a spherical joint."""
 
-SHRINKING = 4.0
-"""A circle of arm angles whose radius is at most so many bends shrinks with them."""
-
-MOST_LINES = 32
-MOST_CROSSINGS = 320
-"""Lines of a limit in the plane of bend and arm angle, and bends at which two of them cross, at most."""
+MOST_CURVES = 48
+MOST_CROSSINGS = 512
+"""Curves of limits in the plane of bend and arm angle, and bends at which two of them cross, at most."""
 
 SECANTS = 3
 """Steps towards a bend that brings outer axes into line."""
@@ -220,59 +217,91 @@ def bend_in_line(P, place_, k, elbow, end, span):
 
 
 @kernel
-def put_line(c, s, rest, lines, n):
-    """Append a line with this normal and this product with it; how many there are then."""
-    lines[n, 0], lines[n, 1], lines[n, 2] = c, s, rest
+def put_curve(square, c, s, rest, curves, n):
+    """Append a curve square (u^2 + v^2) + c u + s v + rest = 0; how many there are then."""
+    curves[n, 0], curves[n, 1], curves[n, 2], curves[n, 3] = square, c, s, rest
     return n + 1
 
 
 @kernel
-def add_lines(P, k, motion, most, rays, lines, n):
-    """Append lines on which a spherical joint is on a limit, to the first n; how many they are then.
+def read_curve(curves, i):
+    """Row i of some curves as a tuple."""
+    return curves[i, 0], curves[i, 1], curves[i, 2], curves[i, 3]
 
-    They are lines in the plane of points at the distance of the bend and in the direction of the arm angle: through its
-    origin where the bend does not count (if `rays` are wanted), and at a distance where the circle shrinks with it.
+
+@kernel
+def add_curves(P, k, motions, elbow, curves, n):
+    """Append the curves on which a spherical joint is on a limit to the first n; how many they are then.
+
+    They are lines and circles in the plane of points (u, v) at the distance of the bend, as a part of the largest, and
+    in the direction of the arm angle. `motions` are those with no bend and with the largest.
     """
     for i in range(LIMITS):
         form, value, of_r, there = limit_form(P, k, i)
-        circle = motion[2] if of_r else motion[0]
-        c, s, rest = dot(form, circle[1]), dot(form, circle[2]), value - dot(form, circle[0])
+        flat, circle = (motions[0][2], motions[1][2]) if of_r else (motions[0][0], motions[1][0])
+        c, s = dot(form, circle[1]), dot(form, circle[2])
         size = math.sqrt(c * c + s * s)
-        if not there or abs(rest) > size + P[SLACK_LIMIT] or size == 0.0:
+        c0, s0 = dot(form, flat[1]), dot(form, flat[2])
+        square, rest = dot(form, circle[0]) - dot(form, flat[0]), dot(form, flat[0]) - value
+        if not there or abs(rest) > size + abs(square) + P[SLACK_LIMIT]:
             continue
-        if size > SHRINKING * most:
-            away = math.acos(max(min(rest / size, 1.0), -1.0))
-            for side in range(2 if rays else 0):
+        if math.sqrt(c0 * c0 + s0 * s0) < 0.5 * size:
+            # The circle of the arm angle shrinks with the bend, the same way on either side of the elbow.
+            if elbow == 0:
+                n = put_curve(square, c, s, rest, curves, n)
+        elif abs(rest) <= P[SLACK_LIMIT]:
+            n = put_curve(square, c, s, 0.0, curves, n)
+        else:
+            away = math.acos(max(min(-rest / size, 1.0), -1.0))
+            for side in range(2):
                 psi = math.atan2(s, c) + (away if side == 0 else -away)
-                n = put_line(-math.sin(psi), math.cos(psi), 0.0, lines, n)
-        elif not rays:
-            n = put_line(c / most, s / most, rest, lines, n)
+                n = put_curve(0.0, -math.sin(psi), math.cos(psi), 0.0, curves, n)
     return n
 
 
 @kernel
-def bends_of_crossings(P, place_, span, lines, bends):
+def add_meetings(curve_, line, most, span, bends, n):
+    """Insert the bends of the points that a curve shares with a line, each a row of such figures, to the first n."""
+    c, s, rest = line
+    size = math.sqrt(c * c + s * s)
+    if size == 0.0 or n + 2 > bends.shape[0]:
+        return n
+    c, s, away = c / size, s / size, -rest / size
+    # Along the line, from its foot: square x^2 + slope x + start.
+    square, slope = curve_[0], curve_[2] * c - curve_[1] * s
+    start = square * away * away + (curve_[1] * c + curve_[2] * s) * away + curve_[3]
+    under = slope * slope - 4.0 * square * start
+    if under < 0.0:
+        return n
+    sum_ = -0.5 * (slope + math.copysign(math.sqrt(under), slope))
+    if sum_ != 0.0:
+        n = add_bend(most * math.hypot(away, start / sum_), span, bends, n)
+    if square != 0.0:
+        n = add_bend(most * math.hypot(away, sum_ / square), span, bends, n)
+    return n
+
+
+@kernel
+def bends_of_crossings(P, place_, span, curves, bends):
     """Fill in the sorted bends at which limits cross, begin or end, those of the span included; their number.
 
     Between two neighbours of them no interval of arm angles appears, parts or goes.
     """
-    bent = bent_place(place_, span[1])
-    sides = (elbow_side(P, bent, 0), elbow_side(P, bent, 1))
-    m = add_lines(P, WRIST, sides[0][2], span[1], False, lines, 0)
-    m = add_lines(P, SHOULDER, sides[0][1], span[1], False, lines, m)
-    shrinking = m
-    n = add_elbow(P, place_, 1, span, bends, add_elbow(P, place_, 0, span, bends, 0))
-    if shrinking > 0:
-        for elbow in range(2):
-            m = add_lines(P, WRIST, sides[elbow][2], span[1], True, lines, m)
-            m = add_lines(P, SHOULDER, sides[elbow][1], span[1], True, lines, m)
-    for i in range(shrinking):
-        a, b, rest = lines[i, 0], lines[i, 1], lines[i, 2]
-        n = add_bend(abs(rest) / math.sqrt(a * a + b * b), span, bends, n)
+    m, n, most = 0, 0, span[1]
+    for elbow in range(2):
+        n = add_elbow(P, place_, elbow, span, bends, n)
+        flat, bent = elbow_side(P, bent_place(place_, 0.0), elbow), elbow_side(P, bent_place(place_, most), elbow)
+        m = add_curves(P, SHOULDER, (flat[1], bent[1]), elbow, curves, m)
+        m = add_curves(P, WRIST, (flat[2], bent[2]), elbow, curves, m)
+    for i in range(m):
+        a = read_curve(curves, i)
+        # The points of a curve closest to the origin and farthest from it are on the line through that and its centre.
+        n = add_meetings(a, (-a[2], a[1], 0.0), most, span, bends, n)
         for j in range(i + 1, m):
-            c, d, other = lines[j, 0], lines[j, 1], lines[j, 2]
-            area = a * d - b * c
-            if area != 0.0:
-                u, w = (rest * d - other * b) / area, (a * other - c * rest) / area
-                n = add_bend(math.sqrt(u * u + w * w), span, bends, n)
+            b = read_curve(curves, j)
+            if a[0] == 0.0 and b[0] == 0.0:
+                n = add_meetings(a, (b[1], b[2], b[3]), most, span, bends, n)
+            else:
+                line = b[0] * a[1] - a[0] * b[1], b[0] * a[2] - a[0] * b[2], b[0] * a[3] - a[0] * b[3]
+                n = add_meetings(a if a[0] != 0.0 else b, line, most, span, bends, n)
     return insert(span[1], bends, insert(span[0], bends, n))

@@ -14,8 +14,8 @@ import numpy as np
 from srs_ik.kernels.algebra.pointers import row
 from srs_ik.kernels.exact.bend_events import (
     MOST_CROSSINGS,
+    MOST_CURVES,
     MOST_EVENTS,
-    MOST_LINES,
     bend_in_line,
     bends_at,
     bends_of_crossings,
@@ -221,9 +221,9 @@ def intervals_of_bends(family, place_, respect, out, n):
     centres = np.empty(8)
     P = row(family, LOOSE + (LIMITED if respect else FREE))
     span = span_of_bends(P, place_)
-    bends, lines = np.empty(MOST_CROSSINGS), np.empty((MOST_LINES, 3))
+    bends, curves = np.empty(MOST_CROSSINGS), np.empty((MOST_CURVES, 4))
     n = merge(P, place_, place_[3], found, both, out, n)
-    crossings = bends_of_crossings(P, place_, span, lines, bends)
+    crossings = bends_of_crossings(P, place_, span, curves, bends)
     for i in range(crossings):
         if i == 0 or bends[i] - bends[i - 1] > SAME_BEND * bends[i]:
             n = merge(P, place_, bends[i], found, both, out, n)
