@@ -11,13 +11,14 @@ import math
 
 import numpy as np
 
+from srs_ik.kernels.algebra.joint_vectors import short_way
 from srs_ik.kernels.algebra.pointers import keep, row
 from srs_ik.kernels.chain.kinematics import pose_error
 from srs_ik.kernels.chain.newton import LEFT, arm_angle, clipped
 from srs_ik.kernels.exact.bend_events import MOST_EVENTS, bends_at
 from srs_ik.kernels.exact.bends import bent_place
 from srs_ik.kernels.exact.farthest import farthest
-from srs_ik.kernels.exact.flat import SMALLEST_BEND, span_of_bends
+from srs_ik.kernels.exact.flat import NOTABLE, SMALLEST_BEND, span_of_bends
 from srs_ik.kernels.exact.free_splits import keep_better
 from srs_ik.kernels.exact.nearest import tighten
 from srs_ik.kernels.exact.nearest_within import nearest_within
@@ -32,6 +33,10 @@ from srs_ik.kernels.pose.on_limits import put_on_limits
 
 WIDER = 1e-4
 """By so much, rad, limits are wider where one bend stands for all."""
+
+INWARDS = 4
+FARTHER = 8.0
+"""So many arm angles are tried at an end of an interval, each farther from it by this factor."""
 
 
 @kernel
@@ -61,6 +66,25 @@ def at_any_bend(family, target, psi, branch, goal, found):
 
 
 @kernel
+def at_or_inside(family, target, interval, psi, branch, goal):
+    """The best posture of a branch at an arm angle of an interval (1, 3), or farther from an end where it has none.
+
+    Next to a singularity, ends are told no better than a few times `NOTABLE`.
+    """
+    middle, half = 0.5 * (interval[0, 1] + interval[0, 2]), 0.5 * (interval[0, 2] - interval[0, 1])
+    found = (NO_SEED, branch, NO_BRANCH)
+    inwards = NOTABLE
+    for _ in range(INWARDS):
+        room = max(half - inwards, 0.0)
+        inside = middle + max(min(short_way(psi - middle), room), -room)
+        found = at_any_bend(family, target, inside, branch, goal, found)
+        if found[2] < OUTSIDE or inwards > half:
+            break
+        inwards *= FARTHER
+    return found
+
+
+@kernel
 def best_in_interval(family, target, interval, wanted, goal, best):
     """The best posture as known so far, or a better one of an interval (1, 3), at any bend: q, branch, cost.
 
@@ -85,7 +109,7 @@ def best_in_interval(family, target, interval, wanted, goal, best):
         found = (clipped(P, q), branch, value)
         if in_line == 0:
             psi = arm_angle(P, q, place_[0], place_[1])
-            found = at_any_bend(family, target, psi, branch, goal, (q, branch, NO_BRANCH))
+            found = at_or_inside(family, target, interval, psi, branch, goal)
         closed = keep_better(P, target, found, wanted, goal, best, work)
         # A posture of the wanted branch may close to one on the other side of a flat elbow.
         best = found if in_line == 0 and found[2] < OUTSIDE <= closed[2] else closed
