@@ -31,7 +31,7 @@ from srs_ik.kernels.limb.goal import NO_SEED, OUTSIDE
 NEARLY_FLAT = 3e-6
 """Bends of the elbow below this, rad from straight or from folded, cannot be told apart within 1e-11 of reach."""
 
-ALMOST_FLAT = 1e-4
+ALMOST_FLAT = 1e-3
 """Bends below this are told so badly that next to a singular shoulder or wrist the ends of intervals move with that."""
 
 SMALLEST_BEND = 2.5e-10
