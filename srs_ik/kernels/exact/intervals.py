@@ -255,6 +255,7 @@ def write_interval(out, first, n, branch, lower, upper):
     if n >= out.shape[0]:
         return n
     shift = TURN * math.floor((lower + PI) / TURN)
+    lower = max(lower, shift - PI)
     i = n
     while i > first and out[i - 1, 1] > lower - shift:
         out[i, 1] = out[i - 1, 1]
