@@ -25,7 +25,7 @@ from srs_ik.kernels.exact.nearest_within import nearest_within
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.answer import MAX_PIECES
 from srs_ik.kernels.layout.limb import FREE, LIMITED, LOOSE, SIZE, SLACK_SINGULAR
-from srs_ik.kernels.limb.branches import NO_BRANCH, best_branch
+from srs_ik.kernels.limb.branches import NO_BRANCH, best_branch, is_on_border
 from srs_ik.kernels.limb.goal import NO_SEED, OUTSIDE
 from srs_ik.kernels.limb.in_line import NEARLY_IN_LINE, may_split
 from srs_ik.kernels.pose.intervals import all_intervals
@@ -104,15 +104,17 @@ def best_in_interval(family, target, interval, wanted, goal, best):
             q, branch, value = nearest_within(box, place_, interval, -1, goal, best[2])
         else:
             q, branch, value = farthest(box, place_, interval, -1, goal.respect)
-        if value >= OUTSIDE:
+        if value >= OUTSIDE and (in_line == 1 or best[2] < OUTSIDE):
             continue
         found = (clipped(P, q), branch, value)
         if in_line == 0:
             psi = arm_angle(P, q, place_[0], place_[1])
+            if value >= OUTSIDE:
+                psi, branch = 0.5 * (interval[0, 1] + interval[0, 2]), int(interval[0, 0])
             found = at_or_inside(family, target, interval, psi, branch, goal)
-        closed = keep_better(P, target, found, wanted, goal, best, work)
-        # A posture of the wanted branch may close to one on the other side of a flat elbow.
-        best = found if in_line == 0 and found[2] < OUTSIDE <= closed[2] else closed
+        closed = keep_better(P, target, found, -1, goal, best, work)
+        if closed[2] < best[2] and (wanted < 0 or is_on_border(P, closed[0], wanted)):
+            best = (closed[0], closed[1] if wanted < 0 else wanted, closed[2])
     keep(boxes)
     return best
 
