@@ -140,16 +140,18 @@ def is_met(asked, psi):
 
 
 @kernel
-def reach_on(asked, psi, way, room):
+def reach_on(asked, psi, way, room, beyond):
     """How far a branch goes on from an arm angle that is met, upwards (way 1.0) or downwards (-1.0): at most room, rad.
 
-    It is looked at in growing steps.
+    It is looked at in growing steps. `beyond` says whether the arm angle at the end of the room is met.
     """
     good, bad = 0.0, NOTABLE
     while bad < room and is_met(asked, psi + way * bad):
         good, bad = bad, bad + min(bad, LONGEST_STEP)
     if bad >= room:
-        return room
+        if beyond:
+            return room
+        bad = room
     while bad - good > NOTABLE:
         middle = 0.5 * (good + bad)
         if is_met(asked, psi + way * middle):
@@ -166,14 +168,14 @@ def end_of(asked, psi, way, width, room):
     With its width, and the room up to the next one, rad. Next to a singularity rounding may have put psi outside.
     """
     if is_met(asked, psi):
-        return psi + way * reach_on(asked, psi, way, room)
+        return psi + way * reach_on(asked, psi, way, room, True)
     back = NOTABLE
     while back < width and not is_met(asked, psi - way * back):
         back *= 2.0
     if back >= width:
         return psi
     inner = psi - way * back
-    return inner + way * reach_on(asked, inner, way, back)
+    return inner + way * reach_on(asked, inner, way, back, False)
 
 
 @kernel
@@ -185,7 +187,9 @@ def ends_of(asked, lower, upper, before, behind):
     for i in range(3):
         psi = 0.5 * (lower + upper) + NOTABLE * (i if i < 2 else -1)
         if before < psi < behind and is_met(asked, psi):
-            return psi - reach_on(asked, psi, -1.0, psi - before), psi + reach_on(asked, psi, 1.0, behind - psi)
+            return psi - reach_on(asked, psi, -1.0, psi - before, True), psi + reach_on(
+                asked, psi, 1.0, behind - psi, True
+            )
     return lower, upper
 
 
