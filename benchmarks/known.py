@@ -1,6 +1,6 @@
 """Whether postures at and next to singular ones are in an interval, and arm angles of intervals are met.
 
-python benchmarks/known.py [--count 1000] [--seed 0] [--robot iiwa14] [--kind singular]
+python benchmarks/known.py [--count 1000] [--seed 0] [--robot iiwa14] [--kind singular] [--limits 0.3]
 
 Poses are those of random configurations inside the limits, most of whose shoulder, elbow or wrist is singular, or
 almost. The arm angle of each must lie in an interval of its branch; where a joint is singular, of either side of it.
@@ -13,7 +13,7 @@ from collections.abc import Iterator, Sequence
 from itertools import islice
 
 import numpy as np
-from singular import TOGETHER, Case, Known, anywhere, cases, singular_angles
+from singular import ON_LIMITS, TOGETHER, Case, Known, anywhere, cases, singular_angles, told
 from subjects import arms_of, finish, parser, say
 from swept import wrapped
 
@@ -91,12 +91,14 @@ def main(arguments: Sequence[str] | None = None) -> None:
     made = parser(__doc__.splitlines()[0], "postures")
     kinds = ("singular", "outer", "ordinary")
     made.add_argument("--kind", choices=kinds, default="singular", help="singular, so but for the elbow, or by chance")
+    made.add_argument("--limits", type=float, default=ON_LIMITS, help="part with other joints on limits (0.3)")
     given = made.parse_args(arguments)
     together = TOGETHER if given.kind == "singular" else ((1,), (5,), (1, 5))
     lost, unmet, total, tried = 0, 0, 0, 0
     for arm, count in arms_of(given.robot, given.count, given.seed):
         rng = np.random.default_rng([given.seed, tried])
-        every = ordinary(arm, count, rng) if given.kind == "ordinary" else cases(arm, count, rng, together)
+        singular = cases(arm, count, rng, together, given.limits)
+        every = ordinary(arm, count, rng) if given.kind == "ordinary" else singular
         while some := list(islice(every, BLOCK)):
             tried += len(some)
             intervals = list(arm.intervals_batch(np.array([case.pose for case in some]), threads=1))
@@ -112,11 +114,6 @@ def main(arguments: Sequence[str] | None = None) -> None:
                 say(f"{told(arm, case)} branch {branch}, arm angle {psi!r}: {status}")
     figures = f"{tried} known postures ({given.kind}), {lost} in no interval; {total} arm angles of intervals, {unmet}"
     finish(given.robot, given.seed, f"{figures} not met", lost + unmet)
-
-
-def told(arm: srs_ik.Arm, case: Case) -> str:
-    """A case in words."""
-    return f"{arm.name}: joints {[j + 1 for j in case.joints]} off by {case.offset:g}, q = {case.q.tolist()}:"
 
 
 if __name__ == "__main__":

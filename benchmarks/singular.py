@@ -1,11 +1,12 @@
 """Whether seeded answers at and next to singular poses are the nearest: against a dense sweep that SciPy polishes.
 
-python benchmarks/singular.py [--count 1000] [--seed 0] [--robot iiwa14] [--joints all]
+python benchmarks/singular.py [--count 1000] [--seed 0] [--robot iiwa14] [--joints all] [--limits 0.3]
 
-A pose is that of a random configuration whose shoulder, elbow or wrist is singular, or almost. Its postures are known
-by construction: any split of the sum of the outer joints is one, as far as Newton's method closes it on Pinocchio's own
-figures; and so are those of a sweep over arm angles. The nearest of them to a seed, polished by SciPy, is what an
-answer must not be farther than. Where floats do not tell postures apart, both are closed with more bits first.
+A pose is that of a random configuration whose shoulder, elbow or wrist is singular, or almost, and whose other joints
+may be on limits. Its postures are known by construction: any split of the sum of the outer joints is one, as far as
+Newton's method closes it on Pinocchio's own figures; and so are those of a sweep over arm angles. The nearest of them
+to a seed, polished by SciPy, is what an answer must not be farther than. Where floats do not tell postures apart, both
+are closed with more bits first.
 """
 
 from __future__ import annotations
@@ -25,7 +26,7 @@ import srs_ik
 OFFSETS = (0.0, 1e-12, 1e-11, 1e-10, 1e-9, 1e-8, 1e-7, 1e-6, 1e-5, 1e-4)
 """How far the singular joints are off, rad."""
 
-TOGETHER = ((1,), (5,), (1, 5), (1, 3), (3, 5), (1, 3, 5))
+TOGETHER = ((1,), (3,), (5,), (1, 5), (1, 3), (3, 5), (1, 3, 5))
 """Which joints are singular at once, counted from 0: 1 the shoulder's, 3 the elbow, 5 the wrist's."""
 
 CLOSED = 1e-13
@@ -33,6 +34,9 @@ CLOSED = 1e-13
 
 WORSE = 1e-6
 """An answer farther from its seed by more than this, rad, than a known posture is a failure."""
+
+ON_LIMITS = 0.3
+"""Part of the cases with other joints on limits."""
 
 SWEPT = 360
 SPLITS = 240
@@ -55,6 +59,7 @@ class Case:
     seed: np.ndarray
     joints: tuple[int, ...]
     offset: float
+    on_limits: tuple[int, ...] = ()
 
 
 def middle_phase(a1: np.ndarray, a2: np.ndarray, a3: np.ndarray) -> float:
@@ -89,10 +94,28 @@ def turned_into(arm: srs_ik.Arm, joint: int, angle: float) -> float:
     return float(inside[0] if len(inside) else turns[0])
 
 
+def put_on_limits(arm: srs_ik.Arm, q: np.ndarray, free: Sequence[int], rng: np.random.Generator) -> tuple[int, ...]:
+    """Put up to three of some joints on limits, or a little inside of them; which ones."""
+    bounded = [j for j in free if np.isfinite([arm.lower[j], arm.upper[j]]).all()]
+    chosen = rng.permutation(bounded)[: rng.integers(1, 4)]
+    offset = OFFSETS[rng.integers(len(OFFSETS))] if rng.random() < 0.5 else 0.0
+    for j in chosen:
+        above = rng.random() < 0.5
+        q[j] = arm.upper[j] - offset if above else arm.lower[j] + offset
+    return tuple(int(j) for j in sorted(chosen))
+
+
 def cases(
-    arm: srs_ik.Arm, count: int, rng: np.random.Generator, together: Sequence[tuple[int, ...]] = TOGETHER
+    arm: srs_ik.Arm,
+    count: int,
+    rng: np.random.Generator,
+    together: Sequence[tuple[int, ...]] = TOGETHER,
+    limits: float = 0.0,
 ) -> Iterator[Case]:
-    """Random cases whose posture keeps the limits; half of the seeds are within 0.5 rad a joint of another split."""
+    """Random cases whose posture keeps the limits, a part of them with joints on limits.
+
+    Half of the seeds are anywhere, the others around the posture.
+    """
     angles = singular_angles(arm.limb)
     angles = {j: turned_into(arm, j, angle) for j, angle in angles.items()}
     reached = {j for j in angles if arm.lower[j] <= angles[j] <= arm.upper[j]}
@@ -100,14 +123,19 @@ def cases(
     made = 0
     while made < count and together:
         joints, offset = together[rng.integers(len(together))], OFFSETS[rng.integers(len(OFFSETS))]
-        q = anywhere(arm, rng)
+        q, on_limits = anywhere(arm, rng), ()
+        if rng.random() < limits:
+            on_limits = put_on_limits(arm, q, [j for j in range(7) if j not in joints], rng)
         for joint in joints:
             there = angles[joint] + np.pi * (rng.random() < 0.2)
             q[joint] = turned_into(arm, joint, there) + offset * rng.choice([-1.0, 1.0])
         if ((q < arm.lower) | (q > arm.upper)).any():
             continue
         made += 1
-        yield Case(q, arm.forward_kinematics(q).homogeneous, anywhere(arm, rng), joints, offset)
+        seed = anywhere(arm, rng)
+        if rng.random() < 0.5:
+            seed = np.clip(q + 10.0 ** rng.uniform(-4.0, -0.3) * rng.uniform(-1.0, 1.0, 7), arm.lower, arm.upper)
+        yield Case(q, arm.forward_kinematics(q).homogeneous, seed, joints, offset, on_limits)
 
 
 class Known:
@@ -308,23 +336,27 @@ def farther(arm: srs_ik.Arm, known: Known, case: Case) -> float:
     return (exact if np.isfinite(exact) else away) - known.exactly(case, nearest)
 
 
+def told(arm: srs_ik.Arm, case: Case) -> str:
+    """A case in words."""
+    limits = f", {[j + 1 for j in case.on_limits]} on limits" if case.on_limits else ""
+    return f"{arm.name}: joints {[j + 1 for j in case.joints]} off by {case.offset:g}{limits}, q = {case.q.tolist()}:"
+
+
 def main(arguments: Sequence[str] | None = None) -> None:
     made = parser(__doc__.splitlines()[0], "seeds")
     made.add_argument("--joints", choices=("outer", "all"), default="all", help="shoulder and wrist, or the elbow too")
+    made.add_argument("--limits", type=float, default=ON_LIMITS, help="part with other joints on limits (0.3)")
     given = made.parse_args(arguments)
     together = TOGETHER if given.joints == "all" else ((1,), (5,))
     worst, failed, tried = -np.inf, 0, 0
     for arm, count in arms_of(given.robot, given.count, given.seed):
         known, rng = Known(arm), np.random.default_rng([given.seed, tried])
-        for case in cases(arm, count, rng, together):
+        for case in cases(arm, count, rng, together, given.limits):
             away, tried = farther(arm, known, case), tried + 1
             failed += away > WORSE
             worst = max(worst, away)
             if away > WORSE:
-                say(
-                    f"{arm.name}: joints {[j + 1 for j in case.joints]} off by {case.offset:g}: {away:.3g} rad farther;"
-                    f" q = {case.q.tolist()}, seed = {case.seed.tolist()}"
-                )
+                say(f"{told(arm, case)} {away:.3g} rad farther; seed = {case.seed.tolist()}")
     figures = f"{tried} seeds, {failed} farther than a known posture (1e-6 rad), the worst by {worst:.1e} rad"
     finish(given.robot, given.seed, figures, failed)
 

@@ -38,7 +38,7 @@ NO_HAND = 1e-9
 NO_ROOM = 1e-9
 """A joint with a narrower range, rad, cannot move."""
 
-STRICT = (1e-13, 1e-14, 1e-12, 0.0)
+STRICT = (1e-13, 1e-14, 1e-12, 1e-12)
 LOOSE = (3e-11, 3e-11, 1e-11, 1e-10)
 """Tolerances `SLACK_*` of the layout: those of rounding, and those that still close to 1e-10."""
 

@@ -34,11 +34,8 @@ from srs_ik.kernels.layout.limb import (
     AXES,
     BOTTOM_GAP,
     BOUND_1_LOWER,
-    BOUND_1_UPPER,
     BOUND_2_LOWER,
-    BOUND_2_UPPER,
     BOUND_3_LOWER,
-    BOUND_3_UPPER,
     FIRST_JOINT,
     LOWER,
     RANGE_KIND,
@@ -51,6 +48,7 @@ from srs_ik.kernels.layout.limb import (
 from srs_ik.kernels.limb.limits import turn_to_middle
 from srs_ik.kernels.limb.triangle import (
     elbow_at,
+    elbow_side,
     shoulder_columns,
     side_frames,
     turned_frame,
@@ -59,6 +57,13 @@ from srs_ik.kernels.limb.triangle import (
 
 MOST_EVENTS = 22
 """Most bends at which anything changes at an arm angle: nine each of shoulder and wrist, two of the elbow, two ends."""
+
+LIMITS = 6
+"""Limits of a spherical joint."""
+
+MOST_CURVES = 48
+MOST_CROSSINGS = 512
+"""Curves of limits in the plane of bend and arm angle, and bends at which two of them cross, at most."""
 
 SECANTS = 3
 """Steps towards a bend that brings outer axes into line."""
@@ -92,22 +97,31 @@ def add_crossing(form, value, curve, span, bends, n):
 
 
 @kernel
+def limit_form(P, k, i):
+    """A limit of the spherical joint at block k, lower and upper of each of its joints in turn, as a linear form.
+
+    Returns the form, its value on the limit, whether it is one of R'a1 and not of R a3, and whether there is a limit.
+    """
+    joint, end = i // 2, i % 2
+    there = P[RANGE_KIND + int(P[k + FIRST_JOINT]) + joint] != 0.0
+    if joint == 0:
+        return load3(P, k + BOUND_1_LOWER + 3 * end), P[k + A2_A3], False, there
+    if joint == 1:
+        return load3(P, k + A1), P[k + BOUND_2_LOWER + end], False, there
+    return load3(P, k + BOUND_3_LOWER + 3 * end), P[k + A1_A2], True, there
+
+
+@kernel
 def add_joint(P, k, v, r, span, bends, n):
     """Insert the bends at which the spherical joint at block k reaches a limit, the end of its reach or a singularity.
 
     v and r are the curves of R a3 and R'a1 from no bend to the largest.
     """
     a1 = load3(P, k + A1)
-    first = int(P[k + FIRST_JOINT])
-    if P[RANGE_KIND + first] != 0.0:
-        n = add_crossing(load3(P, k + BOUND_1_LOWER), P[k + A2_A3], v, span, bends, n)
-        n = add_crossing(load3(P, k + BOUND_1_UPPER), P[k + A2_A3], v, span, bends, n)
-    if P[RANGE_KIND + first + 1] != 0.0:
-        n = add_crossing(a1, P[k + BOUND_2_LOWER], v, span, bends, n)
-        n = add_crossing(a1, P[k + BOUND_2_UPPER], v, span, bends, n)
-    if P[RANGE_KIND + first + 2] != 0.0:
-        n = add_crossing(load3(P, k + BOUND_3_LOWER), P[k + A1_A2], r, span, bends, n)
-        n = add_crossing(load3(P, k + BOUND_3_UPPER), P[k + A1_A2], r, span, bends, n)
+    for i in range(LIMITS):
+        form, value, of_r, there = limit_form(P, k, i)
+        if there:
+            n = add_crossing(form, value, r if of_r else v, span, bends, n)
     n = add_crossing(a1, 1.0 - P[k + TOP_GAP], v, span, bends, n)
     n = add_crossing(a1, P[k + BOTTOM_GAP] - 1.0, v, span, bends, n)
     beside, way = across(v[0], a1), across(v[1], a1)
@@ -200,3 +214,94 @@ def bend_in_line(P, place_, k, elbow, end, span):
         if abs(y1) < least:
             best, least = x1, abs(y1)
     return best
+
+
+@kernel
+def put_curve(square, c, s, rest, curves, n):
+    """Append a curve square (u^2 + v^2) + c u + s v + rest = 0; how many there are then."""
+    curves[n, 0], curves[n, 1], curves[n, 2], curves[n, 3] = square, c, s, rest
+    return n + 1
+
+
+@kernel
+def read_curve(curves, i):
+    """Row i of some curves as a tuple."""
+    return curves[i, 0], curves[i, 1], curves[i, 2], curves[i, 3]
+
+
+@kernel
+def add_curves(P, k, motions, elbow, curves, n):
+    """Append the curves on which a spherical joint is on a limit to the first n; how many they are then.
+
+    They are lines and circles in the plane of points (u, v) at the distance of the bend, as a part of the largest, and
+    in the direction of the arm angle. `motions` are those with no bend and with the largest.
+    """
+    for i in range(LIMITS):
+        form, value, of_r, there = limit_form(P, k, i)
+        flat, circle = (motions[0][2], motions[1][2]) if of_r else (motions[0][0], motions[1][0])
+        c, s = dot(form, circle[1]), dot(form, circle[2])
+        size = math.sqrt(c * c + s * s)
+        c0, s0 = dot(form, flat[1]), dot(form, flat[2])
+        square, rest = dot(form, circle[0]) - dot(form, flat[0]), dot(form, flat[0]) - value
+        if not there or abs(rest) > size + abs(square) + P[SLACK_LIMIT]:
+            continue
+        if math.sqrt(c0 * c0 + s0 * s0) < 0.5 * size:
+            # The circle of the arm angle shrinks with the bend, the same way on either side of the elbow.
+            if elbow == 0:
+                n = put_curve(square, c, s, rest, curves, n)
+        elif abs(rest) <= P[SLACK_LIMIT]:
+            n = put_curve(square, c, s, 0.0, curves, n)
+        else:
+            away = math.acos(max(min(-rest / size, 1.0), -1.0))
+            for side in range(2):
+                psi = math.atan2(s, c) + (away if side == 0 else -away)
+                n = put_curve(0.0, -math.sin(psi), math.cos(psi), 0.0, curves, n)
+    return n
+
+
+@kernel
+def add_meetings(curve_, line, most, span, bends, n):
+    """Insert the bends of the points that a curve shares with a line, each a row of such figures, to the first n."""
+    c, s, rest = line
+    size = math.sqrt(c * c + s * s)
+    if size == 0.0 or n + 2 > bends.shape[0]:
+        return n
+    c, s, away = c / size, s / size, -rest / size
+    # Along the line, from its foot: square x^2 + slope x + start.
+    square, slope = curve_[0], curve_[2] * c - curve_[1] * s
+    start = square * away * away + (curve_[1] * c + curve_[2] * s) * away + curve_[3]
+    under = slope * slope - 4.0 * square * start
+    if under < 0.0:
+        return n
+    sum_ = -0.5 * (slope + math.copysign(math.sqrt(under), slope))
+    if sum_ != 0.0:
+        n = add_bend(most * math.hypot(away, start / sum_), span, bends, n)
+    if square != 0.0:
+        n = add_bend(most * math.hypot(away, sum_ / square), span, bends, n)
+    return n
+
+
+@kernel
+def bends_of_crossings(P, place_, span, curves, bends):
+    """Fill in the sorted bends at which limits cross, begin or end, those of the span included; their number.
+
+    Between two neighbours of them no interval of arm angles appears, parts or goes.
+    """
+    m, n, most = 0, 0, span[1]
+    for elbow in range(2):
+        n = add_elbow(P, place_, elbow, span, bends, n)
+        flat, bent = elbow_side(P, bent_place(place_, 0.0), elbow), elbow_side(P, bent_place(place_, most), elbow)
+        m = add_curves(P, SHOULDER, (flat[1], bent[1]), elbow, curves, m)
+        m = add_curves(P, WRIST, (flat[2], bent[2]), elbow, curves, m)
+    for i in range(m):
+        a = read_curve(curves, i)
+        # The points of a curve closest to the origin and farthest from it are on the line through that and its centre.
+        n = add_meetings(a, (-a[2], a[1], 0.0), most, span, bends, n)
+        for j in range(i + 1, m):
+            b = read_curve(curves, j)
+            if a[0] == 0.0 and b[0] == 0.0:
+                n = add_meetings(a, (b[1], b[2], b[3]), most, span, bends, n)
+            else:
+                line = b[0] * a[1] - a[0] * b[1], b[0] * a[2] - a[0] * b[2], b[0] * a[3] - a[0] * b[3]
+                n = add_meetings(a if a[0] != 0.0 else b, line, most, span, bends, n)
+    return insert(span[1], bends, insert(span[0], bends, n))

@@ -12,7 +12,14 @@ import math
 import numpy as np
 
 from srs_ik.kernels.algebra.pointers import row
-from srs_ik.kernels.exact.bend_events import MOST_EVENTS, bend_in_line, bends_at
+from srs_ik.kernels.exact.bend_events import (
+    MOST_CROSSINGS,
+    MOST_CURVES,
+    MOST_EVENTS,
+    bend_in_line,
+    bends_at,
+    bends_of_crossings,
+)
 from srs_ik.kernels.exact.bends import bent_place
 from srs_ik.kernels.exact.intervals import TURN, find_intervals, join_touching, write_interval
 from srs_ik.kernels.jit import kernel
@@ -24,7 +31,7 @@ from srs_ik.kernels.limb.goal import NO_SEED, OUTSIDE
 NEARLY_FLAT = 3e-6
 """Bends of the elbow below this, rad from straight or from folded, cannot be told apart within 1e-11 of reach."""
 
-ALMOST_FLAT = 1e-4
+ALMOST_FLAT = 1e-3
 """Bends below this are told so badly that next to a singular shoulder or wrist the ends of intervals move with that."""
 
 SMALLEST_BEND = 2.5e-10
@@ -47,10 +54,6 @@ NARROW = 4.0 * NOTABLE
 """Ends of intervals are looked for this closely, in steps up to the longest, rad; an interval narrower than the last is
 as good as one arm angle."""
 
-STAGES = 15
-"""What is tried one after the other: a pose as it is, strictly (0) and loosely (1), a flat elbow (2), and bends, each
-twice the one before, up to about `NEARLY_FLAT`."""
-
 
 @kernel
 def is_as_good_as_flat(place_):
@@ -69,14 +72,6 @@ def level(place_):
     """A place with a flat elbow."""
     t, h0, c, _, hand, miss = place_
     return t, h0, math.copysign(1.0, c), 0.0, hand, miss
-
-
-@kernel
-def loosely(place_, stage):
-    """The place of a stage from 1 on."""
-    if stage == 1:
-        return place_
-    return level(place_) if stage == 2 else bent_place(place_, SMALLEST_BEND * 2.0**stage)
 
 
 @kernel
@@ -145,16 +140,18 @@ def is_met(asked, psi):
 
 
 @kernel
-def reach_on(asked, psi, way, room):
+def reach_on(asked, psi, way, room, beyond):
     """How far a branch goes on from an arm angle that is met, upwards (way 1.0) or downwards (-1.0): at most room, rad.
 
-    It is looked at in growing steps.
+    It is looked at in growing steps. `beyond` says whether the arm angle at the end of the room is met.
     """
     good, bad = 0.0, NOTABLE
     while bad < room and is_met(asked, psi + way * bad):
         good, bad = bad, bad + min(bad, LONGEST_STEP)
     if bad >= room:
-        return room
+        if beyond:
+            return room
+        bad = room
     while bad - good > NOTABLE:
         middle = 0.5 * (good + bad)
         if is_met(asked, psi + way * middle):
@@ -171,14 +168,14 @@ def end_of(asked, psi, way, width, room):
     With its width, and the room up to the next one, rad. Next to a singularity rounding may have put psi outside.
     """
     if is_met(asked, psi):
-        return psi + way * reach_on(asked, psi, way, room)
+        return psi + way * reach_on(asked, psi, way, room, True)
     back = NOTABLE
     while back < width and not is_met(asked, psi - way * back):
         back *= 2.0
     if back >= width:
         return psi
     inner = psi - way * back
-    return inner + way * reach_on(asked, inner, way, back)
+    return inner + way * reach_on(asked, inner, way, back, False)
 
 
 @kernel
@@ -190,7 +187,9 @@ def ends_of(asked, lower, upper, before, behind):
     for i in range(3):
         psi = 0.5 * (lower + upper) + NOTABLE * (i if i < 2 else -1)
         if before < psi < behind and is_met(asked, psi):
-            return psi - reach_on(asked, psi, -1.0, psi - before), psi + reach_on(asked, psi, 1.0, behind - psi)
+            return psi - reach_on(asked, psi, -1.0, psi - before, True), psi + reach_on(
+                asked, psi, 1.0, behind - psi, True
+            )
     return lower, upper
 
 
@@ -226,8 +225,14 @@ def intervals_of_bends(family, place_, respect, out, n):
     centres = np.empty(8)
     P = row(family, LOOSE + (LIMITED if respect else FREE))
     span = span_of_bends(P, place_)
-    for i in range(3):
-        n = merge(P, place_, place_[3] if i == 0 else span[i - 1], found, both, out, n)
+    bends, curves = np.empty(MOST_CROSSINGS), np.empty((MOST_CURVES, 4))
+    n = merge(P, place_, place_[3], found, both, out, n)
+    crossings = bends_of_crossings(P, place_, span, curves, bends)
+    for i in range(crossings):
+        if i == 0 or bends[i] - bends[i - 1] > SAME_BEND * bends[i]:
+            n = merge(P, place_, bends[i], found, both, out, n)
+            if i > 0:
+                n = merge(P, place_, 0.5 * (bends[i - 1] + bends[i]), found, both, out, n)
     for i in range(take_centres(P, place_, span, centres)):
         n = merge(P, place_, centres[i], found, both, out, n)
         away = span[1]

@@ -24,8 +24,12 @@ from srs_ik.kernels.layout.limb import (
 from srs_ik.kernels.limb.limits import TURN, is_inside, turn_to_middle, violation
 from srs_ik.kernels.limb.spherical import angles, middle_anchor, middle_angle, sines
 from srs_ik.kernels.limb.spherical_eight import eight_middles, eight_sines
+from srs_ik.kernels.limb.splits import nearest_split
 
 ALL = 0b11111111
+
+ROUNDING = 4e-15
+"""What rounding makes of directions; over the sine of a middle angle, of the outer angles, rad."""
 
 NARROW = 1e-6
 """A gap narrower than this, rad, is looked at by itself: next to what it lies between, rounding decides."""
@@ -33,6 +37,21 @@ NARROW = 1e-6
 
 AT_ITS_END = 2e-14
 """A cosine this far out of the reach of oblique axes is at its end, as far as a pose with a folded elbow tells."""
+
+
+@kernel
+def splits_inside(P, k, turn_1, turn_3, toward, give):
+    """Whether two outer joints, given by cosine and sine, keep their limits but for what rounding makes of their split.
+
+    That is the more, the closer their axes are to one line: `give`, rad.
+    """
+    first = int(P[k + FIRST_JOINT])
+    if give <= P[SLACK_LIMIT] or not is_inside(P, first, turn_1[0], turn_1[1], give):
+        return False
+    q1 = turn_to_middle(P, first, math.atan2(turn_1[1], turn_1[0]))
+    q3 = turn_to_middle(P, first + 2, math.atan2(turn_3[1], turn_3[0]))
+    a, b = nearest_split(P, k, first, toward * q1 + q3, toward, q1, q3)
+    return abs(a - q1) <= 2.0 * give and max(violation(P, first, a), violation(P, first + 2, b)) <= P[SLACK_LIMIT]
 
 
 @kernel
@@ -47,7 +66,9 @@ def fits(P, k, v, y, c, s, sign):
         slack = P[BAND] / math.sqrt(max(length, 1e-12))
         return is_inside(P, first, c1, s1, slack) and is_inside(P, first + 2, c3, s3, slack)
     if length > 0.0:
-        return is_inside(P, first, c1, s1, slack) and is_inside(P, first + 2, c3, s3, slack)
+        if is_inside(P, first, c1, s1, slack) and is_inside(P, first + 2, c3, s3, slack):
+            return True
+        return splits_inside(P, k, (c1, s1), (c3, s3), 1.0 if c > 0.0 else -1.0, ROUNDING / math.sqrt(length))
     q = angles(P, k, v, y, c, s, sign, middle_anchor())
     return (
         violation(P, first, turn_to_middle(P, first, q[0])) == 0.0

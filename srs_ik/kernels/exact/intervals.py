@@ -33,6 +33,7 @@ from srs_ik.kernels.layout.limb import (
     RANGE_KIND,
     SHOULDER,
     SLACK_JOIN,
+    SLACK_LIMIT,
     SLACK_SINGULAR,
     TOP_GAP,
     UPPER,
@@ -80,13 +81,13 @@ def add_event(psi, events, n):
 
 
 @kernel
-def add_roots(x, circle, value, events, n):
-    """Insert the arm angles at which a vector on a circle has the product `value` with x."""
+def add_roots(x, circle, value, slack, events, n):
+    """Insert the arm angles at which a vector on a circle has the product `value` with x, or almost: within a slack."""
     c = dot(x, circle[1])
     s = dot(x, circle[2])
     rest = value - dot(x, circle[0])
     r = math.sqrt(c * c + s * s)
-    if r < 1e-15 or abs(rest) > r * (1.0 + TOUCH):
+    if r < 1e-15 or abs(rest) > r * (1.0 + TOUCH) + slack:
         return n
     middle = math.atan2(s, c)
     apart = math.atan2(math.sqrt(max((r - rest) * (r + rest), 0.0)), rest)
@@ -95,12 +96,13 @@ def add_roots(x, circle, value, events, n):
 
 
 @kernel
-def add_limit(x, circle, value, band, events, n):
+def add_limit(P, x, circle, value, events, n):
     """Insert the arm angles at which a joint is on a limit, or those at which it is a band away from it."""
+    band, slack = P[BAND], P[SLACK_LIMIT]
     if band == 0.0:
-        return add_roots(x, circle, value, events, n)
-    n = add_roots(x, circle, value - band, events, n)
-    return add_roots(x, circle, value + band, events, n)
+        return add_roots(x, circle, value, slack, events, n)
+    n = add_roots(x, circle, value - band, slack, events, n)
+    return add_roots(x, circle, value + band, slack, events, n)
 
 
 @kernel
@@ -168,21 +170,21 @@ def joint_events(P, k, motion, events):
     v, _, r = motion
     a1 = load3(P, k + A1)
     first = int(P[k + FIRST_JOINT])
-    band = P[BAND]
+    slack = P[SLACK_LIMIT]
     n = 0
     if P[RANGE_KIND + first] != 0.0:
-        n = add_limit(load3(P, k + BOUND_1_LOWER), v, P[k + A2_A3], band, events, n)
-        n = add_limit(load3(P, k + BOUND_1_UPPER), v, P[k + A2_A3], band, events, n)
+        n = add_limit(P, load3(P, k + BOUND_1_LOWER), v, P[k + A2_A3], events, n)
+        n = add_limit(P, load3(P, k + BOUND_1_UPPER), v, P[k + A2_A3], events, n)
     if P[RANGE_KIND + first + 1] != 0.0:
-        n = add_roots(a1, v, P[k + BOUND_2_LOWER], events, n)
-        n = add_roots(a1, v, P[k + BOUND_2_UPPER], events, n)
+        n = add_roots(a1, v, P[k + BOUND_2_LOWER], slack, events, n)
+        n = add_roots(a1, v, P[k + BOUND_2_UPPER], slack, events, n)
     if P[RANGE_KIND + first + 2] != 0.0:
-        n = add_limit(load3(P, k + BOUND_3_LOWER), r, P[k + A1_A2], band, events, n)
-        n = add_limit(load3(P, k + BOUND_3_UPPER), r, P[k + A1_A2], band, events, n)
+        n = add_limit(P, load3(P, k + BOUND_3_LOWER), r, P[k + A1_A2], events, n)
+        n = add_limit(P, load3(P, k + BOUND_3_UPPER), r, P[k + A1_A2], events, n)
     if P[k + TOP_GAP] > TOUCH:
-        n = add_roots(a1, v, 1.0 - P[k + TOP_GAP], events, n)
+        n = add_roots(a1, v, 1.0 - P[k + TOP_GAP], slack, events, n)
     if P[k + BOTTOM_GAP] > TOUCH:
-        n = add_roots(a1, v, P[k + BOTTOM_GAP] - 1.0, events, n)
+        n = add_roots(a1, v, P[k + BOTTOM_GAP] - 1.0, slack, events, n)
     for end in range(2):
         if P[k + (TOP_GAP if end == 0 else BOTTOM_GAP)] <= TOUCH:
             n = add_singular(P, k, motion, end, events, n)
@@ -253,6 +255,7 @@ def write_interval(out, first, n, branch, lower, upper):
     if n >= out.shape[0]:
         return n
     shift = TURN * math.floor((lower + PI) / TURN)
+    lower = max(lower, shift - PI)
     i = n
     while i > first and out[i - 1, 1] > lower - shift:
         out[i, 1] = out[i - 1, 1]

@@ -11,7 +11,7 @@ from srs_ik.kernels.chain.kinematics import pose_error
 from srs_ik.kernels.chain.newton import CLOSED, arm_angle, close_free
 from srs_ik.kernels.curves.best import search_followed
 from srs_ik.kernels.exact.farthest import branch_at, copy_interval, farthest, farthest_of_all, whole_circles
-from srs_ik.kernels.exact.flat import STAGES, is_as_good_as_flat, loosely
+from srs_ik.kernels.exact.flat import is_almost_flat
 from srs_ik.kernels.exact.free_splits import settled_split, with_splits
 from srs_ik.kernels.exact.intervals import find_intervals
 from srs_ik.kernels.exact.nearest import (
@@ -37,6 +37,7 @@ from srs_ik.kernels.limb.triangle import elbow_side
 from srs_ik.kernels.near.many_singular import nearest_among_splits
 from srs_ik.kernels.near.predicted_best import predicted_best
 from srs_ik.kernels.near.second_attempts import look_around, rescue
+from srs_ik.kernels.pose.any_bend import best_at_any_bend
 
 MOST_LEVERAGE = 4.0
 """A seed farther from its nearest posture than so many times the pose error asks for a closer look."""
@@ -47,6 +48,11 @@ HARDLY = 1e-5
 HARDLY_FARTHER = 1e-4
 FEW_STEPS = 12
 """Its nearest posture is found in a few steps, and no farther from a seed, in squared rad, than this."""
+
+BENDS = 2
+STAGES = 4
+"""How a closed limb is searched, one after the other: strictly (0), loosely (1), a flat elbow at all its bends (2), and
+for the least violation of limits."""
 
 ONE_VALLEY = 0.3
 """An interval shorter than this, rad, whose ends are close to a minimum in it, has no other one."""
@@ -166,45 +172,45 @@ def search_exact(family, target, branch, seed, respect):
     """Best posture of a closed limb over all arm angles: q, branch, cost; the least violating one if all break limits.
 
     Rounding may hide a posture from the strict search. So looser tolerances follow, and, with the elbow almost straight
-    or folded, all the bends that a pose cannot tell from each other: a bend x changes the length of the arm by x^2 / 8
-    of it.
+    or folded, all the bends that a pose cannot tell from each other.
     """
     place_ = target.place
     strictness = LIMITED if respect else FREE
+    goal = Goal(seed is not None, NO_SEED if seed is None else seed, respect)
     found = np.empty((8 * MAX_PIECES, 3))
-    best_q = NO_SEED
-    best = 0
-    lowest = 4.0 * NO_BRANCH
-    for stage in range(STAGES + 1):
-        near = place_
-        tolerances = LIMITED
-        if 0 < stage < STAGES:
-            if stage > 1 and not is_as_good_as_flat(place_):
-                continue
-            tolerances = LOOSE
-            near = loosely(place_, stage)
-        P = row(family, tolerances)
-        F = row(family, tolerances + strictness)
-        if seed is None:
-            if stage < STAGES:
-                q, b, value = farthest_of_all(P, F, near, branch, respect)
-            else:
-                whole_circles(found)
-                q, b, value = farthest(P, near, found[:8], branch, respect)
+    best = (NO_SEED, 0, 4.0 * NO_BRANCH)
+    flat = is_almost_flat(place_)
+    stage = 0
+    while stage < STAGES:
+        P = row(family, LIMITED if stage == 0 else LOOSE)
+        F = row(family, (LIMITED if stage == 0 else LOOSE) + strictness)
+        if stage == BENDS:
+            if flat:
+                best = best_at_any_bend(family, target, branch, goal, best)
         else:
             n = 8
-            if stage < STAGES:
-                n = find_intervals(F, near, branch, found)
+            whole_circles(found)
+            if seed is None:
+                if stage < BENDS:
+                    other = farthest_of_all(P, F, place_, branch, respect)
+                else:
+                    other = farthest(P, place_, found[:n], branch, respect)
             else:
-                whole_circles(found)
-            q, b, value = nearest_within(P, near, found[:n], branch, Goal(True, seed, respect), 4.0 * NO_BRANCH)
-        if value < lowest:
-            best_q, best, lowest = q, b, value
+                if stage < BENDS:
+                    n = find_intervals(F, place_, branch, found)
+                other = nearest_within(P, place_, found[:n], branch, goal, 4.0 * NO_BRANCH)
+            if other[2] < best[2]:
+                best = other
         if stage == 0:
-            best_q, best, lowest = with_splits(P, target, branch, seed, respect, (best_q, best, lowest))
-        if lowest < OUTSIDE:
+            best = with_splits(P, target, branch, seed, respect, best)
+        if best[2] >= OUTSIDE:
+            stage += 1
+        elif stage < BENDS and flat and respect and seed is not None:
+            # What rounding hides may be nearer.
+            stage = BENDS
+        else:
             break
-    return best_q, best, lowest
+    return best
 
 
 @kernel

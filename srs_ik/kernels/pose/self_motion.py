@@ -18,7 +18,8 @@ from srs_ik.kernels.limb.triangle import place
 from srs_ik.kernels.near.at_angle import from_curves, solve_at_angle
 from srs_ik.kernels.near.band import is_told
 from srs_ik.kernels.near.on_curves import followed_curves, no_curves, setting_of
-from srs_ik.kernels.pose.solve import put_on_limits, solve_row_at
+from srs_ik.kernels.pose.on_limits import put_on_limits
+from srs_ik.kernels.pose.solve import solve_row_at
 
 INSIDE = 1e-9
 """Samples stay this far inside the ends of an interval, rad; on an end, rounding may put a joint past its limit. An

@@ -6,21 +6,15 @@ that the closed form answers, J and A are None; else they are work space, (6, 7)
 
 from __future__ import annotations
 
-import math
-
 import numpy as np
 
-from srs_ik.kernels.algebra.joint_vectors import short_way
 from srs_ik.kernels.algebra.lanes import as_bits, gather, one_of
 from srs_ik.kernels.algebra.pointers import row
 from srs_ik.kernels.chain.answer import measure_row, measure_row_at, write_row
 from srs_ik.kernels.chain.closest import closest
 from srs_ik.kernels.chain.eight import ALL, put_some, take_eight, tip_errors
-from srs_ik.kernels.chain.kinematics import pose_error
-from srs_ik.kernels.chain.newton import CLOSED, LEFT, ROUNDING, arm_angle, clipped, close_free, shortest_step
-from srs_ik.kernels.exact.bend_events import MOST_EVENTS, bends_at
-from srs_ik.kernels.exact.bends import bent_place
-from srs_ik.kernels.exact.flat import is_almost_flat, span_of_bends
+from srs_ik.kernels.chain.newton import arm_angle, clipped
+from srs_ik.kernels.exact.flat import is_almost_flat
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.answer import (
     GOOD_POSE,
@@ -35,22 +29,17 @@ from srs_ik.kernels.layout.answer import (
     UNREACHABLE,
 )
 from srs_ik.kernels.layout.asked import Goal, Target
-from srs_ik.kernels.layout.limb import FIRST_JOINT, FREE, LIMITED, LOOSE, LOWER, SHOULDER, UPPER, WRIST
-from srs_ik.kernels.limb.branches import NO_BRANCH, best_branch, branch_of, elbow_branches
-from srs_ik.kernels.limb.goal import NO_SEED, OUTSIDE, UNMET, cost, tightest_joint, turned
-from srs_ik.kernels.limb.in_line import NEARLY_IN_LINE, is_in_line, may_split, toward_of
+from srs_ik.kernels.layout.limb import FREE, LIMITED
+from srs_ik.kernels.limb.branches import NO_BRANCH, branch_of, elbow_branches
+from srs_ik.kernels.limb.goal import NO_SEED, OUTSIDE, UNMET, tightest_joint, turned
+from srs_ik.kernels.limb.in_line import may_split
 from srs_ik.kernels.limb.poses import read7, read_pose
-from srs_ik.kernels.limb.splits import nearest_split
 from srs_ik.kernels.limb.triangle import place
 from srs_ik.kernels.near.at_angle import may_reach, solve_all_at_angle, solve_at_angle
-from srs_ik.kernels.near.on_curves import SAME_ANGLE
 from srs_ik.kernels.near.second_attempts import rescue
+from srs_ik.kernels.pose.any_bend import at_any_bend, best_at_any_bend
+from srs_ik.kernels.pose.on_limits import put_on_limits
 from srs_ik.kernels.pose.search import search_exact, search_near_seed, search_true
-
-BARELY = 1e-3
-"""A posture farther outside its limits than this, rad, is not so by rounding."""
-
-CLOSING_STEPS = 12
 
 
 @kernel
@@ -95,7 +84,11 @@ def best_posture(family, target, asked, seed, J, A):
     if seed is not None:
         if branch < 0:
             F = row(family, LIMITED if respect else FREE)
-            q, best, lowest = search_near_seed(P, F, target, Goal(True, near, respect), J, A)
+            goal = Goal(True, near, respect)
+            q, best, lowest = search_near_seed(P, F, target, goal, J, A)
+            if J is None:
+                if respect and lowest < OUTSIDE and is_almost_flat(target.place):
+                    q, best, lowest = best_at_any_bend(family, target, -1, goal, (q, best, lowest))
     if lowest >= OUTSIDE:
         if J is not None and may_reach(P, target.place):
             q, best, lowest = search_true(P, target, branch, Goal(seed is not None, near, respect), J, A)
@@ -130,88 +123,6 @@ def solve_row(family, T, branch, seed, respect, J, A, out):
     if respect and branch < 0 and lowest >= OUTSIDE and out[ROW_STATUS] == UNREACHABLE:
         write_closest(P, target, goal, row(out, 0))
     return GOOD_POSE
-
-
-@kernel
-def split_inside(P, k, q1, q2, q3):
-    """The outer angles of a spherical joint, what one is outside its limits moved to the other: q1, q3.
-
-    They are as they were, unless the joint is next to its singularity, where a pose tells their sum alone.
-    """
-    if not is_in_line(P, k, q2, NEARLY_IN_LINE):
-        return q1, q3
-    first = int(P[k + FIRST_JOINT])
-    toward = toward_of(P, k, q2)
-    q1, other = nearest_split(P, k, first, toward * q1 + q3, toward, q1, q3)
-    return q1, min(max(other, P[LOWER + first + 2]), P[UPPER + first + 2])
-
-
-@kernel
-def vagueness(J, A):
-    """How far apart, rad, postures may be that meet a pose as well as floats tell; J is that of one of them.
-
-    A turn that J shrinks to nothing by a factor is shrunk by its square in JJ', whose inverse the step leaves in A.
-    """
-    shortest_step(J, (ROUNDING, -ROUNDING, ROUNDING), (ROUNDING, -ROUNDING, ROUNDING), 0, 0.0, A)
-    most = 0.0
-    for i in range(6):
-        most = max(most, abs(A[i, 6]))
-    return math.sqrt(ROUNDING * most)
-
-
-@kernel
-def put_on_limits(P, target, psi, found, goal):
-    """A posture at an arm angle, or one inside the limits where rounding alone leaves it outside: q, branch, cost.
-
-    Next to a singularity, the rounding of an arm angle turns joints farther than that of the limits allows.
-    """
-    q, branch, value = found
-    if not (goal.respect and OUTSIDE < value < UNMET):
-        return found
-    R, p, place_ = target
-    if may_split(P, place_):
-        q1, q3 = split_inside(P, SHOULDER, q[0], q[1], q[2])
-        q5, q7 = split_inside(P, WRIST, q[4], q[5], q[6])
-        inside = (q1, q[1], q3, q[3], q5, q[5], q7)
-        at_split = cost(P, inside, goal.seeded, goal.seed, True)
-        if at_split < OUTSIDE:
-            position, orientation = pose_error(P, inside, R, p)
-            if max(position, orientation) < LEFT:
-                return inside, branch, at_split
-    if value > OUTSIDE + BARELY:
-        return found
-    J, A = np.empty((6, 7)), np.empty((16, 9))
-    q, error = close_free(P, clipped(P, q), R, p, True, CLOSING_STEPS, J, A)
-    away = short_way(arm_angle(P, q, place_[0], place_[1]) - psi)
-    if error > CLOSED or not abs(away) <= SAME_ANGLE + vagueness(J, A):
-        return found
-    return q, branch, cost(P, q, goal.seeded, goal.seed, True)
-
-
-@kernel
-def at_any_bend(family, target, psi, branch, goal, found):
-    """The best posture at an arm angle as known so far, or a better one at another bend of an elbow as good as flat.
-
-    Each is given as q, branch, cost.
-    """
-    best = found
-    loose = row(family, LOOSE)
-    bends = np.empty(MOST_EVENTS)
-    span = span_of_bends(loose, target.place)
-    for elbow in range(2):
-        if branch >= 0 and branch >> 2 != elbow:
-            continue
-        n = bends_at(loose, target.place, psi, elbow, span, bends)
-        for i in range(2 * n):
-            x = bends[i // 2] if i % 2 == 0 else 0.5 * (bends[i // 2] + bends[min(i // 2 + 1, n - 1)])
-            place_ = bent_place(target.place, x)
-            other = best_branch(loose, place_, psi, branch, goal.seeded, goal.seed, goal.respect)
-            other = put_on_limits(loose, target, psi, other, goal)
-            if other[2] < best[2]:
-                position, orientation = pose_error(loose, other[0], target.R, target.p)
-                if max(position, orientation) < LEFT:
-                    best = other
-    return best
 
 
 @kernel

@@ -1,0 +1,130 @@
+"""Postures of an elbow as good as flat, at any of the bends that its pose cannot tell from each other.
+
+The feasible arm angles of all bends are known (`exact.flat`). The bend moves joints that are away from singularities by
+no more than itself. So the best arm angle is looked for at one bend, with limits that are wider by that, and the bend
+then at that arm angle.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from srs_ik.kernels.algebra.joint_vectors import short_way
+from srs_ik.kernels.algebra.pointers import keep, row
+from srs_ik.kernels.chain.kinematics import pose_error
+from srs_ik.kernels.chain.newton import LEFT, arm_angle, clipped
+from srs_ik.kernels.exact.bend_events import MOST_EVENTS, bends_at
+from srs_ik.kernels.exact.bends import bent_place
+from srs_ik.kernels.exact.farthest import farthest
+from srs_ik.kernels.exact.flat import NOTABLE, SMALLEST_BEND, span_of_bends
+from srs_ik.kernels.exact.free_splits import keep_better
+from srs_ik.kernels.exact.nearest import tighten
+from srs_ik.kernels.exact.nearest_within import nearest_within
+from srs_ik.kernels.jit import kernel
+from srs_ik.kernels.layout.answer import MAX_PIECES
+from srs_ik.kernels.layout.limb import FREE, LIMITED, LOOSE, SIZE, SLACK_SINGULAR
+from srs_ik.kernels.limb.branches import NO_BRANCH, best_branch, is_on_border
+from srs_ik.kernels.limb.goal import NO_SEED, OUTSIDE
+from srs_ik.kernels.limb.in_line import NEARLY_IN_LINE, may_split
+from srs_ik.kernels.pose.intervals import all_intervals
+from srs_ik.kernels.pose.on_limits import put_on_limits
+
+WIDER = 1e-4
+"""By so much, rad, limits are wider where one bend stands for all."""
+
+INWARDS = 4
+FARTHER = 8.0
+"""So many arm angles are tried at an end of an interval, each farther from it by this factor."""
+
+
+@kernel
+def at_any_bend(family, target, psi, branch, goal, found):
+    """The best posture at an arm angle as known so far, or a better one at another bend of an elbow as good as flat.
+
+    Each is given as q, branch, cost.
+    """
+    best = found
+    loose = row(family, LOOSE)
+    bends = np.empty(MOST_EVENTS)
+    span = span_of_bends(loose, target.place)
+    for elbow in range(2):
+        if branch >= 0 and branch >> 2 != elbow:
+            continue
+        n = bends_at(loose, target.place, psi, elbow, span, bends)
+        for i in range(2 * n):
+            x = bends[i // 2] if i % 2 == 0 else 0.5 * (bends[i // 2] + bends[min(i // 2 + 1, n - 1)])
+            place_ = bent_place(target.place, x)
+            other = best_branch(loose, place_, psi, branch, goal.seeded, goal.seed, goal.respect)
+            other = put_on_limits(loose, target, psi, other, goal)
+            if other[2] < best[2]:
+                position, orientation = pose_error(loose, other[0], target.R, target.p)
+                if max(position, orientation) < LEFT:
+                    best = other
+    return best
+
+
+@kernel
+def at_or_inside(family, target, interval, psi, branch, goal):
+    """The best posture of a branch at an arm angle of an interval (1, 3), or farther from an end where it has none.
+
+    Next to a singularity, ends are told no better than a few times `NOTABLE`.
+    """
+    middle, half = 0.5 * (interval[0, 1] + interval[0, 2]), 0.5 * (interval[0, 2] - interval[0, 1])
+    found = (NO_SEED, branch, NO_BRANCH)
+    inwards = NOTABLE
+    for _ in range(INWARDS):
+        room = max(half - inwards, 0.0)
+        inside = middle + max(min(short_way(psi - middle), room), -room)
+        found = at_any_bend(family, target, inside, branch, goal, found)
+        if found[2] < OUTSIDE or inwards > half:
+            break
+        inwards *= FARTHER
+    return found
+
+
+@kernel
+def best_in_interval(family, target, interval, wanted, goal, best):
+    """The best posture as known so far, or a better one of an interval (1, 3), at any bend: q, branch, cost.
+
+    Where outer axes are almost in line, no arm angle tells their split: it is closed as it is.
+    """
+    P = row(family, LOOSE + (LIMITED if goal.respect else FREE))
+    # A flat elbow does not tell on which side its arm angle lies.
+    place_ = bent_place(target.place, max(target.place[3], SMALLEST_BEND))
+    work = (np.empty((6, 7)), np.empty((16, 9)))
+    boxes = np.empty((1, SIZE))
+    box = row(boxes, 0)
+    tighten(P, NO_SEED, math.inf, WIDER, box)
+    for in_line in range(2 if may_split(P, place_) else 1):
+        if in_line == 1:
+            box[SLACK_SINGULAR] = NEARLY_IN_LINE
+        if goal.seeded:
+            q, branch, value = nearest_within(box, place_, interval, -1, goal, best[2])
+        else:
+            q, branch, value = farthest(box, place_, interval, -1, goal.respect)
+        if value >= OUTSIDE and (in_line == 1 or best[2] < OUTSIDE):
+            continue
+        found = (clipped(P, q), branch, value)
+        if in_line == 0:
+            psi = arm_angle(P, q, place_[0], place_[1])
+            if value >= OUTSIDE:
+                psi, branch = 0.5 * (interval[0, 1] + interval[0, 2]), int(interval[0, 0])
+            found = at_or_inside(family, target, interval, psi, branch, goal)
+        closed = keep_better(P, target, found, -1, goal, best, work)
+        if closed[2] < best[2] and (wanted < 0 or is_on_border(P, closed[0], wanted)):
+            best = (closed[0], closed[1] if wanted < 0 else wanted, closed[2])
+    keep(boxes)
+    return best
+
+
+@kernel
+def best_at_any_bend(family, target, wanted, goal, best):
+    """The best posture of a pose as known so far, or a better one of a branch (-1: of all), at any bend."""
+    found = np.empty((8 * MAX_PIECES, 3))
+    n = all_intervals(family, target, goal.respect, None, None, found)
+    for i in range(n):
+        if wanted < 0 or int(found[i, 0]) == wanted:
+            best = best_in_interval(family, target, found[i : i + 1], wanted, goal, best)
+    return best

@@ -1,0 +1,78 @@
+"""Postures that rounding alone leaves outside their limits, next to a singularity: put inside."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from srs_ik.kernels.algebra.joint_vectors import short_way
+from srs_ik.kernels.chain.kinematics import pose_error
+from srs_ik.kernels.chain.newton import CLOSED, LEFT, ROUNDING, arm_angle, clipped, close_free, shortest_step
+from srs_ik.kernels.jit import kernel
+from srs_ik.kernels.layout.limb import FIRST_JOINT, LOWER, SHOULDER, UPPER, WRIST
+from srs_ik.kernels.limb.goal import OUTSIDE, UNMET, cost
+from srs_ik.kernels.limb.in_line import NEARLY_IN_LINE, is_in_line, may_split, toward_of
+from srs_ik.kernels.limb.splits import nearest_split
+from srs_ik.kernels.near.on_curves import SAME_ANGLE
+
+BARELY = 1e-3
+"""A posture farther outside its limits than this, rad, is not so by rounding."""
+
+CLOSING_STEPS = 12
+
+
+@kernel
+def split_inside(P, k, q1, q2, q3):
+    """The outer angles of a spherical joint, what one is outside its limits moved to the other: q1, q3.
+
+    They are as they were, unless the joint is next to its singularity, where a pose tells their sum alone.
+    """
+    if not is_in_line(P, k, q2, NEARLY_IN_LINE):
+        return q1, q3
+    first = int(P[k + FIRST_JOINT])
+    toward = toward_of(P, k, q2)
+    q1, other = nearest_split(P, k, first, toward * q1 + q3, toward, q1, q3)
+    return q1, min(max(other, P[LOWER + first + 2]), P[UPPER + first + 2])
+
+
+@kernel
+def vagueness(J, A):
+    """How far apart, rad, postures may be that meet a pose as well as floats tell; J is that of one of them.
+
+    A turn that J shrinks to nothing by a factor is shrunk by its square in JJ', whose inverse the step leaves in A.
+    """
+    shortest_step(J, (ROUNDING, -ROUNDING, ROUNDING), (ROUNDING, -ROUNDING, ROUNDING), 0, 0.0, A)
+    most = 0.0
+    for i in range(6):
+        most = max(most, abs(A[i, 6]))
+    return math.sqrt(ROUNDING * most)
+
+
+@kernel
+def put_on_limits(P, target, psi, found, goal):
+    """A posture at an arm angle, or one inside the limits where rounding alone leaves it outside: q, branch, cost.
+
+    Next to a singularity, the rounding of an arm angle turns joints farther than that of the limits allows.
+    """
+    q, branch, value = found
+    if not (goal.respect and OUTSIDE < value < UNMET):
+        return found
+    R, p, place_ = target
+    if may_split(P, place_):
+        q1, q3 = split_inside(P, SHOULDER, q[0], q[1], q[2])
+        q5, q7 = split_inside(P, WRIST, q[4], q[5], q[6])
+        inside = (q1, q[1], q3, q[3], q5, q[5], q7)
+        at_split = cost(P, inside, goal.seeded, goal.seed, True)
+        if at_split < OUTSIDE:
+            position, orientation = pose_error(P, inside, R, p)
+            if max(position, orientation) < LEFT:
+                return inside, branch, at_split
+    if value > OUTSIDE + BARELY:
+        return found
+    J, A = np.empty((6, 7)), np.empty((16, 9))
+    q, error = close_free(P, clipped(P, q), R, p, True, CLOSING_STEPS, J, A)
+    away = short_way(arm_angle(P, q, place_[0], place_[1]) - psi)
+    if error > CLOSED or not abs(away) <= SAME_ANGLE + vagueness(J, A):
+        return found
+    return q, branch, cost(P, q, goal.seeded, goal.seed, True)
