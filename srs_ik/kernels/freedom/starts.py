@@ -21,6 +21,7 @@ from srs_ik.kernels.layout.freedom import (
     HALF,
     HALF_COST,
     MOST_STARTS,
+    MOST_TAKEN,
     START_COST,
     STRIPS,
 )
@@ -31,9 +32,6 @@ from srs_ik.kernels.limb.triangle import elbow_side, place
 
 OUT_OF_REACH = 0.1
 """Turns that bring the wrist this far out of reach, by the reach, are no starts."""
-
-NARROW = 0.55
-"""Cones narrower than this, rad, are searched as the roll alone is, too."""
 
 MOST_OUTSIDE = 0.3
 """An elbow farther outside its limits, rad, is no start."""
@@ -95,7 +93,7 @@ def write_minima(table, count, branch, seeded, starts, n):
             before = cost_at(here, (i + ARM_ANGLES - 1) % ARM_ANGLES, halves, seeded)
             behind = cost_at(here, (i + 1) % ARM_ANGLES, halves, seeded)
             # Where the elbow is the tightest joint, all arm angles may cost the same: then the first one is taken.
-            if cost > before or cost > behind or (cost == behind and i > 0) or cost >= NO_BRANCH or n >= MOST_STARTS:
+            if cost > before or cost > behind or (cost == behind and i > 0) or cost >= NO_BRANCH or n >= MOST_STARTS - MOST_TAKEN:
                 continue
             for j in range(3):
                 starts[n, j] = here[(shoulder + j) * ARM_ANGLES + i]
@@ -108,15 +106,10 @@ def write_minima(table, count, branch, seeded, starts, n):
 
 @kernel
 def add_strip(P, pose, freedom, given, goal, desk, n):
-    """Write the starts of a strip of rolls on one side of the elbow; return how many there are.
-
-    Half as many rolls serve where the axis may lean: searches come farther.
-    """
+    """Write the starts of a strip of rolls on one side of the elbow; return how many there are."""
     elbow, (lower, upper) = given
     R, p = pose
     count = strip_count(lower, upper)
-    if freedom.cone > 0.0:
-        count = (count + 1) // 2
     for k in range(count):
         roll = lower + (upper - lower) * (k + 0.5) / count
         turn = rotation(freedom.axis, math.cos(roll), math.sin(roll))
@@ -127,19 +120,24 @@ def add_strip(P, pose, freedom, given, goal, desk, n):
 
 
 @kernel
-def find_starts(P, pose, freedom, turns, goal, desk):
-    """Write a start for every dip of the cost over turns and arm angles, of all branches; return their number."""
+def starts_of_roll(P, pose, freedom, goal, desk):
+    """Write a start for every dip of the cost over arm angles at rolls, of all branches; return their number."""
     n = 0
+    for elbow in range(2):
+        for i in range(STRIPS):
+            found, ends = strip(P, pose, freedom.axis, elbow, i)
+            if found:
+                n = add_strip(P, pose, freedom, (elbow, ends), goal, desk, n)
+    return n
+
+
+@kernel
+def starts_of_turns(P, pose, turns, goal, desk, n):
+    """Write starts as `starts_of_roll` at turns, behind n others; return the number of all."""
     R, p = pose
     for elbow in range(2):
-        if freedom.cone > 0.0:
-            for k in range(turns.shape[0]):
-                fill_row(P, (times(R, load9(row(turns, k), 0)), p), elbow, goal, row(desk.table, 0))
-                for branch in range(4):
-                    n = write_minima(desk.table, 1, branch, goal[0], desk.starts, n)
-        if freedom.cone < NARROW:
-            for i in range(STRIPS):
-                found, ends = strip(P, pose, freedom.axis, elbow, i)
-                if found:
-                    n = add_strip(P, pose, freedom, (elbow, ends), goal, desk, n)
+        for k in range(turns.shape[0]):
+            fill_row(P, (times(R, load9(row(turns, k), 0)), p), elbow, goal, row(desk.table, 0))
+            for branch in range(4):
+                n = write_minima(desk.table, 1, branch, goal[0], desk.starts, n)
     return n
