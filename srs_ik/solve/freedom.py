@@ -21,6 +21,9 @@ from srs_ik.solve.threads import run_in_threads
 
 Array = NDArray[np.float64]
 
+BESIDE = 0.2
+"""A posture that misses its pose by less, m and rad, may lead onto it."""
+
 CLOSEST_OF = 24
 """Turns at which the closest posture is looked for where none meets the pose."""
 
@@ -62,9 +65,22 @@ def _rows(
     out, verdicts = _searched(arm, T, free, seeds, respect, threads)
     for i in np.flatnonzero((out[:, ROW_STATUS] != Status.OK) & (verdicts == 0)).tolist():
         near = None if seeds is None else seeds[i if len(seeds) > 1 else 0]
-        row = None if near is None else _met_at_all(arm, T[i], free, near, respect)
-        out[i] = _closest(arm, T[i], free, near, respect) if row is None else row
+        out[i] = _found_otherwise(arm, T[i], free, near, respect)
     return out, verdicts
+
+
+def _found_otherwise(arm: PackedArm, T: Array, free: FreeAxis, near: Array | None, respect: bool) -> Array:
+    """The answer where searches from starts that are good by their costs have all led beside the pose.
+
+    Few turns may meet it. So others are tried: without the seed, and from the closest posture of all.
+    """
+    met = None if near is None else _met_at_all(arm, T, free, None, near, respect)
+    if met is not None:
+        return met
+    closest = _closest(arm, T, free, near, respect)
+    if closest[ROW_STATUS] != Status.OK and max(closest[ROW_POSITION_ERROR], closest[ROW_ORIENTATION_ERROR]) < BESIDE:
+        met = _met_at_all(arm, T, free, closest[None, :ROW_POSITION_ERROR], near, respect)
+    return closest if met is None else met
 
 
 def _searched(
@@ -83,14 +99,13 @@ def _searched(
     return out, verdicts
 
 
-def _met_at_all(arm: PackedArm, T: Array, free: FreeAxis, seed: Array, respect: bool) -> Array | None:
-    """The answer nearest to a seed at the turn at which a posture is found without it; None where none is.
-
-    Starts that are good by their distance from a seed may all lead beside a pose that is met in few turns only.
-    """
-    rows, _ = _searched(arm, T[None], free, None, respect, 1)
-    if rows[0, ROW_STATUS] != Status.OK:
-        return None
+def _met_at_all(
+    arm: PackedArm, T: Array, free: FreeAxis, starts: Array | None, seed: Array | None, respect: bool
+) -> Array | None:
+    """The answer nearest to a seed at the turn that searches from a start, or from none, lead to; None without one."""
+    rows, _ = _searched(arm, T[None], free, starts, respect, 1)
+    if rows[0, ROW_STATUS] != Status.OK or seed is None:
+        return rows[0] if rows[0, ROW_STATUS] == Status.OK else None
     turned = T.copy()
     turned[:3, :3] = forward_kinematics_batch(arm, rows[:, :ROW_POSITION_ERROR], 1)[0, :3, :3]
     nearest = pose.solve(arm, turned, seed=seed, respect_limits=respect)

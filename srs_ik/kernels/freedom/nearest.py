@@ -57,7 +57,7 @@ def beside(P, pose, freedom, liking, desk):
 
 @kernel
 def nearest(P, pose, freedom, liking, count, found, desk):
-    """The nearest posture that searches from the starts in `desk` lead to, `count` of them, or the one that is known."""
+    """The nearest posture that searches from `count` starts in `desk` lead to, or the one that is known."""
     attempts, taken = 0, 0
     enough = ATTEMPTS if freedom.cone == 0.0 else ATTEMPTS_IN_CONE
     line_up(desk.starts, count)

@@ -11,6 +11,7 @@ from srs_ik.kernels.freedom.nearest import beside, nearest
 from srs_ik.kernels.freedom.queue import NONE_LEFT
 from srs_ik.kernels.freedom.settle import EVEN, onto_pose, settle
 from srs_ik.kernels.freedom.starts import starts_of_roll, starts_of_turns
+from srs_ik.kernels.freedom.turns import held_straight
 from srs_ik.kernels.freedom.widen import largest_share
 from srs_ik.kernels.freedom.widest import any_limited, as_given, weights, widened, widest
 from srs_ik.kernels.jit import kernel
@@ -65,7 +66,7 @@ def found_posture(P, pose, given, liking, respect, desk):
 def searched(P, pose, given, goal, desk):
     """The nearest or widest posture that searches lead to, from starts all over what is free.
 
-    The roll alone comes first, in a cone too: what is found there leads to a posture that is no worse.
+    In a cone the roll alone comes first, too: what is found there leads to a posture that is no worse.
     """
     freedom, turns = given
     seeded, liking = goal
@@ -73,22 +74,23 @@ def searched(P, pose, given, goal, desk):
     found = Found(liking.posture, NONE_LEFT, False)
     count = starts_of_roll(P, pose, freedom, (seeded, liking.posture), desk)
     if seeded:
-        found = nearest(P, pose, roll, liking, count, found, desk)
+        held = held_straight(P, pose, freedom.axis, liking)
+        found = nearest(P, pose, roll, held, count, found, desk)
     else:
-        found = as_given(P, pose, roll, liking, desk)
+        found = as_given(P, pose, roll, liking, found, desk)
         found = widest(P, pose, roll, liking, count, found, desk)
     if freedom.cone == 0.0:
         return found
     count = starts_of_turns(P, pose, turns, (seeded, liking.posture), desk, count)
-    if seeded:
+    if not seeded:
         if found.met:
-            q, cost, error, _ = settle(P, found.q, pose, freedom, liking, desk)
-            if error < SOLVED and cost < found.cost:
-                found = Found(q, cost, True)
-        return nearest(P, pose, freedom, liking, count, found, desk)
+            found = widened(P, found.q, pose, freedom, liking, found, desk)
+        return widest(P, pose, freedom, liking, count, found, desk)
     if found.met:
-        found = widened(P, found.q, pose, freedom, liking, found, desk)
-    return widest(P, pose, freedom, liking, count, found, desk)
+        q, cost, error, _ = settle(P, found.q, pose, freedom, liking, desk)
+        if error < SOLVED and cost < found.cost:
+            found = Found(q, cost, True)
+    return nearest(P, pose, freedom, liking, count, found, desk)
 
 
 @kernel

@@ -33,6 +33,9 @@ from srs_ik.kernels.limb.triangle import elbow_side, place
 OUT_OF_REACH = 0.1
 """Turns that bring the wrist this far out of reach, by the reach, are no starts."""
 
+SCATTERED = 7
+"""So many arm angles farther a start of the next roll lies where all of them cost the same."""
+
 MOST_OUTSIDE = 0.3
 """An elbow farther outside its limits, rad, is no start."""
 
@@ -92,8 +95,10 @@ def write_minima(table, count, branch, seeded, starts, n):
             cost = cost_at(here, i, halves, seeded)
             before = cost_at(here, (i + ARM_ANGLES - 1) % ARM_ANGLES, halves, seeded)
             behind = cost_at(here, (i + 1) % ARM_ANGLES, halves, seeded)
-            # Where the elbow is the tightest joint, all arm angles may cost the same: then the first one is taken.
-            if cost > before or cost > behind or (cost == behind and i > 0) or cost >= NO_BRANCH or n >= MOST_STARTS - MOST_TAKEN:
+            if cost > before or cost > behind or cost >= NO_BRANCH or n >= MOST_STARTS - MOST_TAKEN:
+                continue
+            # Where the elbow is the tightest joint, many arm angles may cost the same: then one is taken.
+            if cost == behind and (cost < before or i != SCATTERED * k % ARM_ANGLES):
                 continue
             for j in range(3):
                 starts[n, j] = here[(shoulder + j) * ARM_ANGLES + i]

@@ -22,6 +22,9 @@ from srs_ik.kernels.limb.triangle import place
 ATTEMPTS, ATTEMPTS_IN_CONE = 8, 4
 """Local searches at least: where the axis may lean, they come farther."""
 
+NO_WIDER = 0.25
+"""A search from inside the limits does not widen the margin that its start has by so much."""
+
 ALMOST = 1e-3
 """A search that ends this close to its pose, m and rad, is brought onto it."""
 
@@ -63,32 +66,32 @@ def widened(P, start, pose, freedom, liking, found, desk):
 
 
 @kernel
-def as_given(P, pose, freedom, liking, desk):
+def as_given(P, pose, freedom, liking, found, desk):
     """The posture of the widest margin at the turn that is given, or around that of the nearest exact limb.
 
     Searches over the turns start from a grid, and may miss by a little what a single turn has.
     """
-    none = Found(liking.posture, NONE_LEFT, False)
     place_ = place(P, pose[0], pose[1])
     if abs(place_[5]) > OUT_OF_REACH * P[FAR]:
-        return none
+        return found
     q, _, cost = farthest_of_all(P, P, place_, -1, True)
     if cost >= 0.0:
-        return none
+        return found
     off, turned = free_error(P, q, pose[0], pose[1], freedom)
-    known = Found(q, cost, True) if max(off, turned) < SOLVED else none
-    return widened(P, q, pose, freedom, liking, known, desk)
+    if max(off, turned) < SOLVED and cost < found.cost:
+        found = Found(q, cost, True)
+    return widened(P, q, pose, freedom, liking, found, desk)
 
 
 @kernel
 def widest(P, pose, freedom, liking, count, found, desk):
-    """The posture of the widest margin that searches from `count` starts in `desk` lead to, or the one that is known."""
+    """The posture of the widest margin that searches from `count` starts in `desk` lead to, or a known one."""
     attempts = 0
     enough = ATTEMPTS if freedom.cone == 0.0 else ATTEMPTS_IN_CONE
     line_up(desk.starts, count)
     while attempts < MOST_ATTEMPTS and not (found.met and attempts >= enough):
         start, least, count = take_next(desk.starts, count, attempts)
-        if least >= NONE_LEFT:
+        if least >= NONE_LEFT or found.cost + NO_WIDER < least < 0.0:
             break
         attempts += 1
         found = widened(P, start, pose, freedom, liking, found, desk)
