@@ -69,10 +69,10 @@ class FreeAxis:
 
     @cached_property
     def turns(self) -> Array:
-        """(n, 9) rotations of the tip, all over what is free; none of the roll alone, of which kernels know."""
+        """(n, 9) rotations of the tip, all over what is free; none of the roll, of which kernels know."""
         if self.cone == 0.0:
             return np.empty((0, 9))
-        return self._spread(WIDE_APART if self.cone >= WIDE else RINGS_APART, ROLLS)
+        return self._spread(WIDE_APART if self.cone >= WIDE else RINGS_APART, ROLLS)[ROLLS:]
 
     def _spread(self, apart: float, rolls: int) -> Array:
         return _turns_of(tuple(self.axis.tolist()), self.cone, apart, rolls)
@@ -115,9 +115,14 @@ def as_free_axis(value: Any) -> FreeAxis:
         return value
     if isinstance(value, str):
         if value == ANY:
-            return FreeAxis(cone=math.pi)
+            return _position_alone()
         raise InvalidTask(f'free_axis must be a direction in the tip frame, "{ANY}" or a FreeAxis, not {value!r:.40}')
     return FreeAxis(value)
+
+
+@lru_cache(maxsize=1)
+def _position_alone() -> FreeAxis:
+    return FreeAxis(cone=math.pi)
 
 
 @lru_cache(maxsize=16)

@@ -26,9 +26,6 @@ CLEAR = 2.0
 SPREAD = math.sqrt(7.0)
 """Seven joints that turn by one together, each by the same, turn the tip by at most so much."""
 
-ATTEMPTS, ATTEMPTS_IN_CONE = 32, 16
-"""Local searches at least: where the axis may lean, searches come farther."""
-
 NO_NEARER = 2.0
 """A search does not come so much nearer to the seed than what its start costs, rad ..."""
 
@@ -56,10 +53,10 @@ def beside(P, pose, freedom, liking, desk):
 
 
 @kernel
-def nearest(P, pose, freedom, liking, count, found, desk):
-    """The nearest posture that searches from `count` starts in `desk` lead to, or the one that is known."""
+def nearest(P, pose, freedom, liking, sizes, found, desk):
+    """The nearest posture that searches from so many starts in `desk` lead to, or the one that is known."""
     attempts, taken = 0, 0
-    enough = ATTEMPTS if freedom.cone == 0.0 else ATTEMPTS_IN_CONE
+    count, enough = sizes
     line_up(desk.starts, count)
     while attempts < MOST_ATTEMPTS and taken < MOST_TAKEN and not (found.met and attempts >= enough):
         start, least, count = take_next(desk.starts, count, taken)

@@ -23,6 +23,10 @@ from srs_ik.kernels.limb.limits import middles
 from srs_ik.kernels.limb.poses import read7, read_pose
 from srs_ik.kernels.limb.triangle import place
 
+NEAREST, NEAREST_IN_CONE = 32, 12
+WIDEST, WIDEST_IN_CONE = 8, 4
+"""Local searches at least, with the roll alone free; in cones, first so and then with the cone free."""
+
 ROUNDING = 1e-13
 """Errors of a pose, m and rad, that need no step any more."""
 
@@ -71,26 +75,27 @@ def searched(P, pose, given, goal, desk):
     freedom, turns = given
     seeded, liking = goal
     roll = Freedom(freedom.axis, 0.0)
+    alone = freedom.cone == 0.0
     found = Found(liking.posture, NONE_LEFT, False)
     count = starts_of_roll(P, pose, freedom, (seeded, liking.posture), desk)
     if seeded:
         held = held_straight(P, pose, freedom.axis, liking)
-        found = nearest(P, pose, roll, held, count, found, desk)
+        found = nearest(P, pose, roll, held, (count, NEAREST if alone else NEAREST_IN_CONE), found, desk)
     else:
         found = as_given(P, pose, roll, liking, found, desk)
-        found = widest(P, pose, roll, liking, count, found, desk)
-    if freedom.cone == 0.0:
+        found = widest(P, pose, roll, liking, (count, WIDEST if alone else WIDEST_IN_CONE), found, desk)
+    if alone:
         return found
     count = starts_of_turns(P, pose, turns, (seeded, liking.posture), desk, count)
     if not seeded:
         if found.met:
             found = widened(P, found.q, pose, freedom, liking, found, desk)
-        return widest(P, pose, freedom, liking, count, found, desk)
+        return widest(P, pose, freedom, liking, (count, WIDEST_IN_CONE), found, desk)
     if found.met:
         q, cost, error, _ = settle(P, found.q, pose, freedom, liking, desk)
         if error < SOLVED and cost < found.cost:
             found = Found(q, cost, True)
-    return nearest(P, pose, freedom, liking, count, found, desk)
+    return nearest(P, pose, freedom, liking, (count, NEAREST_IN_CONE), found, desk)
 
 
 @kernel

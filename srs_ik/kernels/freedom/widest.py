@@ -19,9 +19,6 @@ from srs_ik.kernels.layout.freedom import Found
 from srs_ik.kernels.layout.limb import FAR, INVERSE_HALF_RANGE
 from srs_ik.kernels.limb.triangle import place
 
-ATTEMPTS, ATTEMPTS_IN_CONE = 8, 4
-"""Local searches at least: where the axis may lean, they come farther."""
-
 NO_WIDER = 0.25
 """A search from inside the limits does not widen the margin that its start has by so much."""
 
@@ -84,10 +81,10 @@ def as_given(P, pose, freedom, liking, found, desk):
 
 
 @kernel
-def widest(P, pose, freedom, liking, count, found, desk):
-    """The posture of the widest margin that searches from `count` starts in `desk` lead to, or a known one."""
+def widest(P, pose, freedom, liking, sizes, found, desk):
+    """The posture of the widest margin that searches from so many starts in `desk` lead to, or a known one."""
     attempts = 0
-    enough = ATTEMPTS if freedom.cone == 0.0 else ATTEMPTS_IN_CONE
+    count, enough = sizes
     line_up(desk.starts, count)
     while attempts < MOST_ATTEMPTS and not (found.met and attempts >= enough):
         start, least, count = take_next(desk.starts, count, attempts)
