@@ -14,6 +14,7 @@ from srs_ik.kernels.chain.freedom import free_error
 from srs_ik.kernels.exact.nearest import between_limbs
 from srs_ik.kernels.freedom.queue import MOST_ATTEMPTS, NONE_LEFT, line_up, take_next
 from srs_ik.kernels.freedom.settle import distance, settle
+from srs_ik.kernels.freedom.starts import is_of_no_use
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.answer import SOLVED
 from srs_ik.kernels.layout.freedom import MOST_TAKEN, Found, Liking
@@ -26,11 +27,8 @@ CLEAR = 2.0
 SPREAD = math.sqrt(7.0)
 """Seven joints that turn by one together, each by the same, turn the tip by at most so much."""
 
-NO_NEARER = 2.0
-"""A search does not come so much nearer to the seed than what its start costs, rad ..."""
-
 NO_SHORTER = 1.0
-"""... nor so much nearer than its start is once it is inside the limits."""
+"""A search does not come so much nearer to the seed than its start is once it is inside the limits, rad."""
 
 
 @kernel
@@ -61,7 +59,7 @@ def nearest(P, pose, freedom, liking, sizes, found, desk):
     while attempts < MOST_ATTEMPTS and taken < MOST_TAKEN and not (found.met and attempts >= enough):
         start, least, count = take_next(desk.starts, count, taken)
         reached = math.sqrt(found.cost)
-        if least >= NONE_LEFT or (found.met and math.sqrt(least) > reached + NO_NEARER):
+        if least >= NONE_LEFT or is_of_no_use(least, found, True):
             break
         taken += 1
         start = between(start, liking.lower, liking.upper)

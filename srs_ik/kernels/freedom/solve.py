@@ -77,16 +77,17 @@ def searched(P, pose, given, goal, desk):
     roll = Freedom(freedom.axis, 0.0)
     alone = freedom.cone == 0.0
     found = Found(liking.posture, NONE_LEFT, False)
-    count = starts_of_roll(P, pose, freedom, (seeded, liking.posture), desk)
+    if not seeded:
+        found = as_given(P, pose, roll, liking, found, desk)
+    count = starts_of_roll(P, pose, freedom, (seeded, liking.posture, found), desk)
     if seeded:
         held = held_straight(P, pose, freedom.axis, liking)
         found = nearest(P, pose, roll, held, (count, NEAREST if alone else NEAREST_IN_CONE), found, desk)
     else:
-        found = as_given(P, pose, roll, liking, found, desk)
         found = widest(P, pose, roll, liking, (count, WIDEST if alone else WIDEST_IN_CONE), found, desk)
     if alone:
         return found
-    count = starts_of_turns(P, pose, turns, (seeded, liking.posture), desk, count)
+    count = starts_of_turns(P, pose, turns, (seeded, liking.posture, found), desk, count)
     if not seeded:
         if found.met:
             found = widened(P, found.q, pose, freedom, liking, found, desk)

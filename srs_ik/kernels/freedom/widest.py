@@ -11,16 +11,13 @@ from srs_ik.kernels.chain.freedom import free_error
 from srs_ik.kernels.exact.farthest import farthest_of_all
 from srs_ik.kernels.freedom.queue import MOST_ATTEMPTS, NONE_LEFT, line_up, take_next
 from srs_ik.kernels.freedom.settle import onto_pose
-from srs_ik.kernels.freedom.starts import OUT_OF_REACH
+from srs_ik.kernels.freedom.starts import OUT_OF_REACH, is_of_no_use
 from srs_ik.kernels.freedom.widen import largest_share, widen
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.answer import SOLVED
 from srs_ik.kernels.layout.freedom import Found
 from srs_ik.kernels.layout.limb import FAR, INVERSE_HALF_RANGE
 from srs_ik.kernels.limb.triangle import place
-
-NO_WIDER = 0.25
-"""A search from inside the limits does not widen the margin that its start has by so much."""
 
 ALMOST = 1e-3
 """A search that ends this close to its pose, m and rad, is brought onto it."""
@@ -88,7 +85,7 @@ def widest(P, pose, freedom, liking, sizes, found, desk):
     line_up(desk.starts, count)
     while attempts < MOST_ATTEMPTS and not (found.met and attempts >= enough):
         start, least, count = take_next(desk.starts, count, attempts)
-        if least >= NONE_LEFT or found.cost + NO_WIDER < least < 0.0:
+        if least >= NONE_LEFT or is_of_no_use(least, found, False):
             break
         attempts += 1
         found = widened(P, start, pose, freedom, liking, found, desk)
