@@ -21,6 +21,9 @@ ANY = "any"
 RINGS_APART, ROLLS = 1.05, 3
 """Directions of a cone at which searches for a posture start are this far apart, rad; turns about each of them."""
 
+WRITTEN_PI = 1e-4
+"""Cones larger than pi by less, rad, are those of a pi with few digits, such as 3.1416."""
+
 WIDE = 0.5 * math.pi
 WIDE_APART = 1.5
 """The same for cones this wide, rad."""
@@ -56,6 +59,8 @@ class FreeAxis:
         self.axis = direction / length
         self.axis.flags.writeable = False
         self.cone = real_number(cone)
+        if math.pi < self.cone < math.pi + WRITTEN_PI:
+            self.cone = math.pi
         if not 0.0 <= self.cone <= math.pi:
             raise InvalidTask(f"the cone of a free axis must be an angle from 0 to pi rad, not {cone!r:.40}")
 

@@ -24,8 +24,8 @@ from srs_ik.kernels.limb.poses import read7, read_pose
 from srs_ik.kernels.limb.triangle import place
 
 NEAREST, NEAREST_IN_CONE = 32, 12
-WIDEST, WIDEST_IN_CONE = 8, 4
-"""Local searches at least, with the roll alone free; in cones, first so and then with the cone free."""
+WIDEST, WIDEST_IN_CONE = 8, 3
+"""Local searches at least: with the roll alone free, and then so many more with the cone free."""
 
 ROUNDING = 1e-13
 """Errors of a pose, m and rad, that need no step any more."""
@@ -75,17 +75,16 @@ def searched(P, pose, given, goal, desk):
     freedom, turns = given
     seeded, liking = goal
     roll = Freedom(freedom.axis, 0.0)
-    alone = freedom.cone == 0.0
     found = Found(liking.posture, NONE_LEFT, False)
     if not seeded:
         found = as_given(P, pose, roll, liking, found, desk)
     count = starts_of_roll(P, pose, freedom, (seeded, liking.posture, found), desk)
     if seeded:
         held = held_straight(P, pose, freedom.axis, liking)
-        found = nearest(P, pose, roll, held, (count, NEAREST if alone else NEAREST_IN_CONE), found, desk)
+        found = nearest(P, pose, roll, held, (count, NEAREST), found, desk)
     else:
-        found = widest(P, pose, roll, liking, (count, WIDEST if alone else WIDEST_IN_CONE), found, desk)
-    if alone:
+        found = widest(P, pose, roll, liking, (count, WIDEST), found, desk)
+    if freedom.cone == 0.0:
         return found
     count = starts_of_turns(P, pose, turns, (seeded, liking.posture, found), desk, count)
     if not seeded:

@@ -110,14 +110,15 @@ def share_before(P, M, q, mark):
 def worst_of(P, K, M, q, n):
     """The joint whose share is the largest after a step along n ways, in column RHS of K: its mark, and the share."""
     worst, most = -1, -math.inf
-    for mark in range(14):
-        if P[INVERSE_HALF_RANGE + mark // 2] <= 0.0:
+    for j in range(7):
+        if P[INVERSE_HALF_RANGE + j] <= 0.0:
             continue
-        share = share_before(P, M, q, mark)
+        away = q[j] + M[STEP_ROW, j] - P[MIDDLE + j]
         for k in range(n):
-            share += slope_along(P, M, mark, k) * K[k, RHS]
+            away += M[WAYS + k, j] * K[k, RHS]
+        share = P[INVERSE_HALF_RANGE + j] * abs(away)
         if share > most:
-            worst, most = mark, share
+            worst, most = 2 * j + (1 if away > 0.0 else 0), share
     return worst, most
 
 
