@@ -24,7 +24,7 @@ from srs_ik.kernels.limb.poses import read7, read_pose
 from srs_ik.kernels.limb.triangle import place
 
 NEAREST, NEAREST_IN_CONE = 32, 12
-WIDEST, WIDEST_IN_CONE = 8, 3
+WIDEST, WIDEST_IN_CONE = 8, 4
 """Local searches at least: with the roll alone free, and then so many more with the cone free."""
 
 ROUNDING = 1e-13
