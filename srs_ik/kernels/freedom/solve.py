@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from srs_ik.kernels.algebra.joint_vectors import between
 from srs_ik.kernels.algebra.pointers import row
 from srs_ik.kernels.chain.answer import write_row
 from srs_ik.kernels.chain.freedom import as_rotation, free_error
@@ -101,11 +102,12 @@ def searched(P, pose, given, goal, desk):
 @kernel
 def closed_up(P, found, pose, freedom, liking, desk):
     """A posture that was found, taken onto its pose to rounding: searches may end as soon as it counts as met."""
-    off, turned = free_error(P, found.q, pose[0], pose[1], freedom)
+    there = between(found.q, liking.lower, liking.upper)
+    off, turned = free_error(P, there, pose[0], pose[1], freedom)
     if not found.met or max(off, turned) < ROUNDING:
-        return found
-    q, error = onto_pose(P, found.q, pose, freedom, liking, desk)
-    return Found(q, found.cost, True) if error < max(off, turned) else found
+        return Found(there, found.cost, found.met)
+    q, error = onto_pose(P, there, pose, freedom, liking, desk)
+    return Found(q if error < max(off, turned) else there, found.cost, True)
 
 
 @kernel
