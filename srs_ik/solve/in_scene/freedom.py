@@ -68,7 +68,7 @@ def solve(around: Surroundings, T: Array, free: FreeAxis, near: Array | None, re
     best, found, where = None, NO_POSTURE, 0
     at_turns = [alone_at(turn) for turn in turns]
     floors = np.array([floor for _, floor in at_turns])
-    hits = [answer is None or around.hit_at(answer.q) is not None for answer, _ in at_turns]
+    hits = np.array([answer is None or around.hit_at(answer.q) is not None for answer, _ in at_turns])
     # Those that hit nothing come first: to know what is free at the other turns takes much longer.
     for k in np.lexsort((floors, hits)).tolist():
         if floors[k] >= found:
