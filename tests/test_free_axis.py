@@ -256,6 +256,7 @@ def test_wrong_free_axes_are_named(given, words):
 def test_the_angle_of_a_cone_is_checked():
     with pytest.raises(InvalidTask, match="from 0 to pi"):
         FreeAxis(cone=4.0)
+    assert FreeAxis(cone=3.1416) == FreeAxis(cone=math.pi)
     with pytest.raises(InvalidConfiguration):
         arms.load("iiwa14").solve(np.eye(4), seed=[0.0], free_axis=[0, 0, 1])
 
@@ -318,17 +319,57 @@ def test_a_pose_met_in_few_turns_is_met_from_a_far_seed():
     assert_met("human_arm", free, solution.q, T)
 
 
-@pytest.mark.parametrize("cone", [1e-6, 1e-3, 0.05, 0.3])
-@pytest.mark.parametrize("name", ["iiwa14", "human_arm"])
-def test_a_narrow_cone_is_answered_no_worse_than_the_roll_alone(name, cone):
+@pytest.mark.parametrize("cone", [1e-6, 1e-3, 0.05, 0.3, 1.0, 2.0, math.pi])
+@pytest.mark.parametrize("name", ["iiwa14", "human_arm", "gen3"])
+def test_no_cone_is_answered_worse_than_the_roll_alone(name, cone):
     arm = arms.load(name)
     rng = np.random.default_rng(0)
-    middle, half = 0.5 * (arm.lower + arm.upper), 0.5 * (arm.upper - arm.lower)
+    half = 0.5 * (arm.upper - arm.lower)
+    lower, upper = np.maximum(arm.lower, -np.pi), np.minimum(arm.upper, np.pi)
+    middle = 0.5 * (lower + upper)
     free = FreeAxis([0.0, 0.0, 1.0]), FreeAxis([0.0, 0.0, 1.0], cone=cone)
     for _ in range(12):
-        q = rng.uniform(arm.lower, arm.upper)
+        q = rng.uniform(lower, upper)
         pose, seed = arm.forward_kinematics(q), q + 0.3 * rng.normal(size=7)
         far = [np.linalg.norm(arm.solve(pose, free_axis=axis, seed=seed).q - seed) for axis in free]
         margin = [np.min(1.0 - abs(arm.solve(pose, free_axis=axis).q - middle) / half) for axis in free]
         assert far[1] < far[0] + 1e-7
         assert margin[1] > margin[0] - 1e-6
+
+
+def on_limits(name, count, salt=120):
+    """Postures with two joints in five on a limit."""
+    rng, arm = arms.generator(name, salt), arms.load(name)
+    q = arms.configurations(name, count, salt)
+    limit = np.where(rng.random(q.shape) < 0.5, arm.lower, arm.upper)
+    return np.where((rng.random(q.shape) < 0.4) & np.isfinite(limit), limit, q)
+
+
+@pytest.mark.parametrize("axis", np.eye(3).tolist())
+@pytest.mark.parametrize("name", LIMBS)
+def test_no_pose_of_a_posture_on_its_limits_is_missed(name, axis):
+    """Few turns meet such a pose, often one alone; where the axis passes the wrist, all have the elbow on its limit."""
+    rng = arms.generator(name, 120)
+    poses = np.array([arms.forward(name)(each).homogeneous for each in on_limits(name, 60)])
+    for T in poses:
+        T[:3, :3] = T[:3, :3] @ pin.exp3(np.asarray(axis) * rng.uniform(-np.pi, np.pi))
+    for seed in (arms.configurations(name, 60, 121), None):
+        found = arms.load(name).solve_batch(poses, seed=seed, free_axis=axis)
+        assert found.ok.all(), np.flatnonzero(~found.ok)
+        for q, T in zip(found.q, poses, strict=True):
+            assert_met(name, FreeAxis(axis), q, T)
+
+
+@pytest.mark.skipif("human_arm" not in LIMBS, reason="no human_arm here")
+@pytest.mark.parametrize("wrist", [-1.3962634015954636, -1.0, 1.2217304763960306])
+def test_a_straight_elbow_is_met_with_the_axis_through_the_wrist(wrist):
+    arm = arms.load("human_arm")
+    q = [-0.6971317007977318, 1.529282224217222, 0.56985891800, 0.0, -0.97081898807, wrist, -0.23998850478]
+    pose = arms.forward("human_arm")(np.clip(q, arm.lower, arm.upper)).homogeneous
+    for angle in (0.0, 1.234, -2.0):
+        T = pose.copy()
+        T[:3, :3] = T[:3, :3] @ pin.exp3(angle * np.array([1.0, 0.0, 0.0]))
+        for seed in (None, q, np.zeros(7)):
+            solution = arm.solve(T, seed=seed, free_axis=[1, 0, 0])
+            assert solution, solution.message
+            assert_met("human_arm", FreeAxis([1, 0, 0]), solution.q, T)

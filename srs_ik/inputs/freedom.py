@@ -21,6 +21,9 @@ ANY = "any"
 RINGS_APART, ROLLS = 1.05, 3
 """Directions of a cone at which searches for a posture start are this far apart, rad; turns about each of them."""
 
+WRITTEN_PI = 1e-4
+"""Cones larger than pi by less, rad, are those of a pi with few digits, such as 3.1416."""
+
 WIDE = 0.5 * math.pi
 WIDE_APART = 1.5
 """The same for cones this wide, rad."""
@@ -56,6 +59,8 @@ class FreeAxis:
         self.axis = direction / length
         self.axis.flags.writeable = False
         self.cone = real_number(cone)
+        if math.pi < self.cone < math.pi + WRITTEN_PI:
+            self.cone = math.pi
         if not 0.0 <= self.cone <= math.pi:
             raise InvalidTask(f"the cone of a free axis must be an angle from 0 to pi rad, not {cone!r:.40}")
 
@@ -69,10 +74,10 @@ class FreeAxis:
 
     @cached_property
     def turns(self) -> Array:
-        """(n, 9) rotations of the tip, all over what is free; none of the roll alone, of which kernels know."""
+        """(n, 9) rotations of the tip, all over what is free; none of the roll, of which kernels know."""
         if self.cone == 0.0:
             return np.empty((0, 9))
-        return self._spread(WIDE_APART if self.cone >= WIDE else RINGS_APART, ROLLS)
+        return self._spread(WIDE_APART if self.cone >= WIDE else RINGS_APART, ROLLS)[ROLLS:]
 
     def _spread(self, apart: float, rolls: int) -> Array:
         return _turns_of(tuple(self.axis.tolist()), self.cone, apart, rolls)
@@ -115,9 +120,14 @@ def as_free_axis(value: Any) -> FreeAxis:
         return value
     if isinstance(value, str):
         if value == ANY:
-            return FreeAxis(cone=math.pi)
+            return _position_alone()
         raise InvalidTask(f'free_axis must be a direction in the tip frame, "{ANY}" or a FreeAxis, not {value!r:.40}')
     return FreeAxis(value)
+
+
+@lru_cache(maxsize=1)
+def _position_alone() -> FreeAxis:
+    return FreeAxis(cone=math.pi)
 
 
 @lru_cache(maxsize=16)

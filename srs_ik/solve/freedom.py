@@ -11,21 +11,18 @@ from srs_ik.errors import InvalidTask
 from srs_ik.inputs.freedom import FreeAxis, as_free_axis
 from srs_ik.inputs.poses import PoseLike, as_matrices, as_matrix, as_seeds, invalid_pose, refuse_bad_poses
 from srs_ik.kernels.entries import freedom as entries
-from srs_ik.kernels.entries import maps
 from srs_ik.kernels.layout.answer import ROW, ROW_ORIENTATION_ERROR, ROW_POSITION_ERROR, ROW_STATUS
 from srs_ik.kernels.layout.freedom import MOST_STARTS, START, WORK
-from srs_ik.kernels.layout.limb import INVERSE_HALF_RANGE, LIMITED, MIDDLE
 from srs_ik.solve import pose
 from srs_ik.solve.kinematics import forward_kinematics_batch
 from srs_ik.solve.packed import PackedArm
-from srs_ik.solve.reachable import reachable_batch
 from srs_ik.solve.solution import BatchSolution, Solution, Status
 from srs_ik.solve.threads import run_in_threads
 
 Array = NDArray[np.float64]
 
-NEAR_MARGIN = 0.02
-"""By how much the widest margin of a near limb may be above that of its nearest exact limb, which is known at once."""
+BESIDE = 0.2
+"""A posture that misses its pose by less, m and rad, may lead onto it."""
 
 CLOSEST_OF = 24
 """Turns at which the closest posture is looked for where none meets the pose."""
@@ -66,13 +63,24 @@ def _rows(
     n = len(T)
     seeds = None if seed is None else as_seeds(seed, n, arm.lower, arm.upper)
     out, verdicts = _searched(arm, T, free, seeds, respect, threads)
-    if seeds is None and respect and not verdicts.any():
-        _keep_wider(arm, T, out, threads)
     for i in np.flatnonzero((out[:, ROW_STATUS] != Status.OK) & (verdicts == 0)).tolist():
         near = None if seeds is None else seeds[i if len(seeds) > 1 else 0]
-        row = None if near is None else _met_at_all(arm, T[i], free, near, respect)
-        out[i] = _closest(arm, T[i], free, near, respect) if row is None else row
+        out[i] = _found_otherwise(arm, T[i], free, near, respect)
     return out, verdicts
+
+
+def _found_otherwise(arm: PackedArm, T: Array, free: FreeAxis, near: Array | None, respect: bool) -> Array:
+    """The answer where searches from starts that are good by their costs have all led beside the pose.
+
+    Few turns may meet it. So others are tried: without the seed, and from the closest posture of all.
+    """
+    met = None if near is None else _met_at_all(arm, T, free, None, near, respect)
+    if met is not None:
+        return met
+    closest = _closest(arm, T, free, near, respect)
+    if closest[ROW_STATUS] != Status.OK and max(closest[ROW_POSITION_ERROR], closest[ROW_ORIENTATION_ERROR]) < BESIDE:
+        met = _met_at_all(arm, T, free, closest[None, :ROW_POSITION_ERROR], near, respect)
+    return closest if met is None else met
 
 
 def _searched(
@@ -91,42 +99,13 @@ def _searched(
     return out, verdicts
 
 
-def _keep_wider(arm: PackedArm, T: Array, out: Array, threads: int | None) -> None:
-    """Write the answers at the turns as they are given where these keep a wider margin.
-
-    Searches over the turns are local, and may miss by a little what a single turn has.
-    """
-    limits = arm.family[LIMITED]
-    middle, share = limits[MIDDLE : MIDDLE + 7], limits[INVERSE_HALF_RANGE : INVERSE_HALF_RANGE + 7]
-
-    def margins(rows: Array) -> Array:
-        kept: Array = 1.0 - (np.abs(rows[:, :ROW_POSITION_ERROR] - middle) * share).max(axis=1)
-        return np.where(rows[:, ROW_STATUS] == Status.OK, kept, -np.inf)
-
-    there = np.empty(len(T))
-    maps.margin_range(arm.family, T, 0, len(T), there)
-    known = margins(out)
-    maybe = np.flatnonzero((there > known - (0.0 if arm.closed else NEAR_MARGIN)) | (known == -np.inf))
-    # A search for the closest posture would take milliseconds; with a margin there is one on the pose.
-    unsure = there[maybe] <= NEAR_MARGIN
-    if unsure.any():
-        unsure[unsure] = ~reachable_batch(arm, T[maybe[unsure]], threads)
-        maybe = maybe[~unsure]
-    if not len(maybe):
-        return
-    as_given = pose.solve_batch(arm, T[maybe], None, None, None, False, True, threads)
-    wider = as_given.ok & (margins(as_given._rows) > known[maybe])
-    out[maybe[wider]] = as_given._rows[wider]
-
-
-def _met_at_all(arm: PackedArm, T: Array, free: FreeAxis, seed: Array, respect: bool) -> Array | None:
-    """The answer nearest to a seed at the turn at which a posture is found without it; None where none is.
-
-    Starts that are good by their distance from a seed may all lead beside a pose that is met in few turns only.
-    """
-    rows, _ = _searched(arm, T[None], free, None, respect, 1)
-    if rows[0, ROW_STATUS] != Status.OK:
-        return None
+def _met_at_all(
+    arm: PackedArm, T: Array, free: FreeAxis, starts: Array | None, seed: Array | None, respect: bool
+) -> Array | None:
+    """The answer nearest to a seed at the turn that searches from a start, or from none, lead to; None without one."""
+    rows, _ = _searched(arm, T[None], free, starts, respect, 1)
+    if rows[0, ROW_STATUS] != Status.OK or seed is None:
+        return rows[0] if rows[0, ROW_STATUS] == Status.OK else None
     turned = T.copy()
     turned[:3, :3] = forward_kinematics_batch(arm, rows[:, :ROW_POSITION_ERROR], 1)[0, :3, :3]
     nearest = pose.solve(arm, turned, seed=seed, respect_limits=respect)

@@ -39,6 +39,9 @@ from srs_ik.kernels.limb.branches import NO_BRANCH
 STEEP = 30.0
 """Cost of a radian outside the limits."""
 
+ALMOST_ACROSS = 1e-4
+"""Axes whose directions have a smaller dot product count as across each other."""
+
 TINY = 1e-300
 TURN = 2.0 * math.pi
 PER_TURN = 1.0 / TURN
@@ -154,7 +157,7 @@ def write_halves(P, k, circles, goal, table):
         c, s, reached = middle_eight(P, k, v)
         q = angles_eight(P, k, v, y, c, s)
         write_eight(P, first, q, reached, here, table, half * HALF * ARM_ANGLES + i)
-        if P[k + A1_A2] == 0.0 and P[k + A2_A3] == 0.0:
+        if max(abs(P[k + A1_A2]), abs(P[k + A2_A3])) < ALMOST_ACROSS:
             q = q[0] + math.pi, 2.0 * P[k + PHASE] - q[1], q[2] + math.pi
         else:
             q = angles_eight(P, k, v, y, c, -s)

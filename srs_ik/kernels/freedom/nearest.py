@@ -9,21 +9,16 @@ from __future__ import annotations
 import math
 
 from srs_ik.kernels.algebra.joint_vectors import between
-from srs_ik.kernels.algebra.pointers import row
 from srs_ik.kernels.algebra.vectors import load3, norm
 from srs_ik.kernels.chain.freedom import free_error
 from srs_ik.kernels.exact.nearest import between_limbs
+from srs_ik.kernels.freedom.queue import MOST_ATTEMPTS, NONE_LEFT, line_up, take_next
 from srs_ik.kernels.freedom.settle import distance, settle
-from srs_ik.kernels.freedom.starts import NARROW
+from srs_ik.kernels.freedom.starts import is_of_no_use
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.answer import SOLVED
-from srs_ik.kernels.layout.freedom import START, START_COST, Found, Liking
+from srs_ik.kernels.layout.freedom import MOST_TAKEN, Found, Liking
 from srs_ik.kernels.layout.limb import FAR, MISS, PHASE, SHOULDER, STRAIGHT, WRIST, WRIST_IN_TIP
-from srs_ik.kernels.limb.goal import NO_SEED
-from srs_ik.kernels.limb.poses import read7
-
-APART = 0.5
-"""Starts this close to each other, rad in every joint, lead to the same posture."""
 
 CLOSE = 0.15
 CLEAR = 2.0
@@ -32,57 +27,8 @@ CLEAR = 2.0
 SPREAD = math.sqrt(7.0)
 """Seven joints that turn by one together, each by the same, turn the tip by at most so much."""
 
-NONE_LEFT = 1e300
-
-ATTEMPTS, ATTEMPTS_IN_CONE, ATTEMPTS_IN_WIDE_CONE = 32, 20, 12
-"""Local searches at least: the farther the axis may lean, the farther they come."""
-
-NO_NEARER = 2.0
-"""A search does not come so much nearer to the seed than what its start costs, rad ..."""
-
 NO_SHORTER = 1.0
-"""... nor so much nearer than its start is once it is inside the limits."""
-
-MOST_ATTEMPTS = 60
-"""Searches at most, where none has found a posture yet."""
-
-
-@kernel
-def are_close(a, b):
-    """Whether two starts lead to the same posture."""
-    j = 0
-    while j < 7 and abs(a[j] - b[j]) < APART:
-        j += 1
-    return j == 7
-
-
-@kernel
-def copy_start(a, b):
-    """Write a start over another one."""
-    for j in range(START):
-        b[j] = a[j]
-
-
-@kernel
-def take_best(starts, n):
-    """Take the start of least cost out of n, and drop those next to it: it, its cost, and how many are left.
-
-    The cost is `NONE_LEFT` where there was none.
-    """
-    best, least = 0, NONE_LEFT
-    for i in range(n):
-        if starts[i, START_COST] < least:
-            best, least = i, starts[i, START_COST]
-    if least >= NONE_LEFT:
-        return NO_SEED, least, 0
-    q = read7(row(starts, best))
-    left = 0
-    for i in range(n):
-        here = row(starts, i)
-        if not are_close(here, q):
-            copy_start(here, row(starts, left))
-            left += 1
-    return q, least, left
+"""A search does not come so much nearer to the seed than its start is once it is inside the limits, rad."""
 
 
 @kernel
@@ -105,18 +51,17 @@ def beside(P, pose, freedom, liking, desk):
 
 
 @kernel
-def nearest(P, pose, freedom, liking, count, desk):
-    """The nearest posture that searches from the starts in `desk` lead to, `count` of them."""
-    found = Found(liking.posture, NONE_LEFT, False)
-    attempts = 0
-    enough = ATTEMPTS
-    if freedom.cone > 0.0:
-        enough = ATTEMPTS_IN_CONE if freedom.cone < NARROW else ATTEMPTS_IN_WIDE_CONE
-    while attempts < MOST_ATTEMPTS and not (found.met and attempts >= enough):
-        start, least, count = take_best(desk.starts, count)
+def nearest(P, pose, freedom, liking, sizes, found, desk):
+    """The nearest posture that searches from so many starts in `desk` lead to, or the one that is known."""
+    attempts, taken = 0, 0
+    count, enough = sizes
+    line_up(desk.starts, count)
+    while attempts < MOST_ATTEMPTS and taken < MOST_TAKEN and not (found.met and attempts >= enough):
+        start, least, count = take_next(desk.starts, count, taken)
         reached = math.sqrt(found.cost)
-        if least >= NONE_LEFT or (found.met and math.sqrt(least) > reached + NO_NEARER):
+        if least >= NONE_LEFT or is_of_no_use(least, found, True):
             break
+        taken += 1
         start = between(start, liking.lower, liking.upper)
         if found.met and math.sqrt(distance(start, liking)) > reached + NO_SHORTER:
             continue

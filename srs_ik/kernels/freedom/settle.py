@@ -43,7 +43,7 @@ CLOSE_BY = 0.1
 """Steps longer than this, rad, have to be worth it, and are cut by that factor where not."""
 
 
-LEFT = 3.0
+LEFT = 1.5
 """Where the pose is almost met, a search comes nearer to the seed by no more than so many times its last step."""
 
 SAME = 0.01

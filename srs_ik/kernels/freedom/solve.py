@@ -2,16 +2,19 @@
 
 from __future__ import annotations
 
+from srs_ik.kernels.algebra.joint_vectors import between
 from srs_ik.kernels.algebra.pointers import row
 from srs_ik.kernels.chain.answer import write_row
 from srs_ik.kernels.chain.freedom import as_rotation, free_error
 from srs_ik.kernels.chain.kinematics import forward_kinematics
 from srs_ik.kernels.chain.newton import arm_angle
-from srs_ik.kernels.freedom.nearest import NONE_LEFT, beside, nearest
-from srs_ik.kernels.freedom.settle import EVEN, NO_RIVAL, onto_pose, settle
-from srs_ik.kernels.freedom.starts import NARROW, find_starts
-from srs_ik.kernels.freedom.widen import largest_share, widen
-from srs_ik.kernels.freedom.widest import any_limited, weights, widest
+from srs_ik.kernels.freedom.nearest import beside, nearest
+from srs_ik.kernels.freedom.queue import NONE_LEFT
+from srs_ik.kernels.freedom.settle import EVEN, onto_pose, settle
+from srs_ik.kernels.freedom.starts import starts_of_roll, starts_of_turns
+from srs_ik.kernels.freedom.turns import held_straight
+from srs_ik.kernels.freedom.widen import largest_share
+from srs_ik.kernels.freedom.widest import any_limited, as_given, weights, widened, widest
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.answer import GOOD_POSE, ROW_STATUS, SOLVED, UNREACHABLE
 from srs_ik.kernels.layout.freedom import Found, Freedom, Liking
@@ -20,6 +23,10 @@ from srs_ik.kernels.limb.branches import branch_of
 from srs_ik.kernels.limb.limits import middles
 from srs_ik.kernels.limb.poses import read7, read_pose
 from srs_ik.kernels.limb.triangle import place
+
+NEAREST, NEAREST_IN_CONE = 32, 12
+WIDEST, WIDEST_IN_CONE = 8, 4
+"""Local searches at least: with the roll alone free, and then so many more with the cone free."""
 
 ROUNDING = 1e-13
 """Errors of a pose, m and rad, that need no step any more."""
@@ -53,12 +60,6 @@ def found_posture(P, pose, given, liking, respect, desk):
         if close.met:
             return close
     found = searched(P, pose, (freedom, turns), (seeded, liking), desk)
-    if freedom.cone > 0.0 and (freedom.cone < NARROW or not found.met):
-        # Turns of a cone are far apart, rolls leave none out: no answer is worse than with the roll alone free.
-        roll = searched(P, pose, (Freedom(freedom.axis, 0.0), turns), (seeded, liking), desk)
-        roll = improved(P, roll, pose, freedom, (seeded, liking), desk)
-        if roll.met and not (found.met and found.cost <= roll.cost):
-            found = roll
     if found.met or seeded:
         return found
     # Other starts, from distances and not margins, may yet lead to a posture.
@@ -67,38 +68,46 @@ def found_posture(P, pose, given, liking, respect, desk):
 
 
 @kernel
-def improved(P, found, pose, freedom, goal, desk):
-    """A posture that meets its pose where less is free, or the better one that it leads to where more is."""
-    seeded, liking = goal
-    if not found.met:
-        return found
-    if seeded:
-        q, cost, error, _ = settle(P, found.q, pose, freedom, liking, desk)
-    else:
-        q, share, error = widen(P, found.q, pose, freedom, NO_RIVAL, desk)
-        cost = share - 1.0
-    return Found(q, cost, True) if error < SOLVED and cost < found.cost else found
-
-
-@kernel
 def searched(P, pose, given, goal, desk):
-    """The nearest or widest posture that searches lead to, from starts all over what is free."""
+    """The nearest or widest posture that searches lead to, from starts all over what is free.
+
+    In a cone the roll alone comes first, too: what is found there leads to a posture that is no worse.
+    """
     freedom, turns = given
     seeded, liking = goal
-    count = find_starts(P, pose, freedom, turns, (seeded, liking.posture), desk)
+    roll = Freedom(freedom.axis, 0.0)
+    found = Found(liking.posture, NONE_LEFT, False)
+    if not seeded:
+        found = as_given(P, pose, roll, liking, found, desk)
+    count = starts_of_roll(P, pose, freedom, (seeded, liking.posture, found), desk)
     if seeded:
-        return nearest(P, pose, freedom, liking, count, desk)
-    return widest(P, pose, freedom, liking, count, desk)
+        held = held_straight(P, pose, freedom.axis, liking)
+        found = nearest(P, pose, roll, held, (count, NEAREST), found, desk)
+    else:
+        found = widest(P, pose, roll, liking, (count, WIDEST), found, desk)
+    if freedom.cone == 0.0:
+        return found
+    count = starts_of_turns(P, pose, turns, (seeded, liking.posture, found), desk, count)
+    if not seeded:
+        if found.met:
+            found = widened(P, found.q, pose, freedom, liking, found, desk)
+        return widest(P, pose, freedom, liking, (count, WIDEST_IN_CONE), found, desk)
+    if found.met:
+        q, cost, error, _ = settle(P, found.q, pose, freedom, liking, desk)
+        if error < SOLVED and cost < found.cost:
+            found = Found(q, cost, True)
+    return nearest(P, pose, freedom, liking, (count, NEAREST_IN_CONE), found, desk)
 
 
 @kernel
 def closed_up(P, found, pose, freedom, liking, desk):
     """A posture that was found, taken onto its pose to rounding: searches may end as soon as it counts as met."""
-    off, turned = free_error(P, found.q, pose[0], pose[1], freedom)
+    there = between(found.q, liking.lower, liking.upper)
+    off, turned = free_error(P, there, pose[0], pose[1], freedom)
     if not found.met or max(off, turned) < ROUNDING:
-        return found
-    q, error = onto_pose(P, found.q, pose, freedom, liking, desk)
-    return Found(q, found.cost, True) if error < max(off, turned) else found
+        return Found(there, found.cost, found.met)
+    q, error = onto_pose(P, there, pose, freedom, liking, desk)
+    return Found(q if error < max(off, turned) else there, found.cost, True)
 
 
 @kernel

@@ -21,6 +21,7 @@ from srs_ik.kernels.layout.freedom import (
     HALF,
     HALF_COST,
     MOST_STARTS,
+    MOST_TAKEN,
     START_COST,
     STRIPS,
 )
@@ -32,17 +33,31 @@ from srs_ik.kernels.limb.triangle import elbow_side, place
 OUT_OF_REACH = 0.1
 """Turns that bring the wrist this far out of reach, by the reach, are no starts."""
 
-NARROW = 0.55
-"""Cones narrower than this, rad, are searched as the roll alone is, too."""
+NO_NEARER = 2.0
+"""A search does not come so much nearer to the seed than what its start costs, rad."""
+
+NO_WIDER = 0.25
+"""A search from inside the limits does not widen the margin that its start has by so much."""
+
+SCATTERED = 7
+"""So many arm angles farther a start of the next roll lies where all of them cost the same."""
 
 MOST_OUTSIDE = 0.3
 """An elbow farther outside its limits, rad, is no start."""
 
 
 @kernel
+def is_of_no_use(cost, found, seeded):
+    """Whether no search from a start of such a cost is better than the posture that is known."""
+    if seeded:
+        return found.met and math.sqrt(cost) > math.sqrt(found.cost) + NO_NEARER
+    return found.cost + NO_WIDER < cost < 0.0
+
+
+@kernel
 def fill_row(P, pose, elbow, goal, table):
-    """Write what postures of a pose on one side of the elbow are and cost."""
-    seeded, seed = goal
+    """Write what postures of a pose on one side of the elbow are and cost, if they may be of use."""
+    seeded, seed, known = goal
     table[ELBOW_COST] = NO_BRANCH
     place_ = place(P, pose[0], pose[1])
     if P[IS_CLOSED] != 1.0:
@@ -56,22 +71,22 @@ def fill_row(P, pose, elbow, goal, table):
         if outside > MOST_OUTSIDE:
             return
         cost = STEEP * outside + ((e - seed[3]) ** 2 if seeded else 0.0)
+    if is_of_no_use(cost, known, seeded):
+        return
     table[ELBOW_ANGLE], table[ELBOW_COST] = e, cost
-    write_halves(P, SHOULDER, side[1], goal, table)
-    write_halves(P, WRIST, side[2], goal, table)
+    write_halves(P, SHOULDER, side[1], (seeded, seed), table)
+    write_halves(P, WRIST, side[2], (seeded, seed), table)
 
 
 @kernel
 def cost_at(table, i, halves, seeded):
     """Cost of a posture at arm angle i of a row, by the columns of the costs of shoulder and wrist."""
-    if table[ELBOW_COST] >= NO_BRANCH:
-        return NO_BRANCH
     both = join(table[halves[0] + i], table[halves[1] + i], seeded, False)
     return NO_BRANCH if both >= NO_BRANCH else join(both, table[ELBOW_COST], seeded, False)
 
 
 @kernel
-def write_minima(table, count, branch, seeded, starts, n):
+def write_minima(table, count, branch, goal, starts, n):
     """Write the postures of a branch that cost less than those beside them in arm angle; return how many there are.
 
     Not in roll, too: where a valley lies across the grid, its ends are no dips of the grid.
@@ -80,22 +95,28 @@ def write_minima(table, count, branch, seeded, starts, n):
         table: (count, TABLE) from `fill_row`, turns next to each other.
         count: number of rows.
         branch: 2 for the other shoulder, plus 1 for the other wrist.
-        seeded: whether costs are distances from a seed.
+        goal: whether costs are distances from a seed, the seed, and the best posture that is known.
         starts: (MOST_STARTS, START) output, n of them written.
         n: see above.
     """
+    seeded, _, known = goal
     shoulder, wrist = HALF * (branch >> 1), HALF * (2 + (branch & 1))
     halves = (shoulder + HALF_COST) * ARM_ANGLES, (wrist + HALF_COST) * ARM_ANGLES
     for k in range(count):
         here = row(table, k)
         if here[ELBOW_COST] >= NO_BRANCH:
             continue
+        first = cost_at(here, 0, halves, seeded)
+        cost, behind = cost_at(here, ARM_ANGLES - 1, halves, seeded), first
         for i in range(ARM_ANGLES):
-            cost = cost_at(here, i, halves, seeded)
-            before = cost_at(here, (i + ARM_ANGLES - 1) % ARM_ANGLES, halves, seeded)
-            behind = cost_at(here, (i + 1) % ARM_ANGLES, halves, seeded)
-            # Where the elbow is the tightest joint, all arm angles may cost the same: then the first one is taken.
-            if cost > before or cost > behind or (cost == behind and i > 0) or cost >= NO_BRANCH or n >= MOST_STARTS:
+            before, cost = cost, behind
+            behind = cost_at(here, i + 1, halves, seeded) if i < ARM_ANGLES - 1 else first
+            if cost > before or cost > behind or cost >= NO_BRANCH or n >= MOST_STARTS - MOST_TAKEN:
+                continue
+            # Where the elbow is the tightest joint, many arm angles may cost the same: then one is taken.
+            if cost == behind and (cost < before or i != SCATTERED * k % ARM_ANGLES):
+                continue
+            if is_of_no_use(cost, known, seeded):
                 continue
             for j in range(3):
                 starts[n, j] = here[(shoulder + j) * ARM_ANGLES + i]
@@ -108,38 +129,38 @@ def write_minima(table, count, branch, seeded, starts, n):
 
 @kernel
 def add_strip(P, pose, freedom, given, goal, desk, n):
-    """Write the starts of a strip of rolls on one side of the elbow; return how many there are.
-
-    Half as many rolls serve where the axis may lean: searches come farther.
-    """
+    """Write the starts of a strip of rolls on one side of the elbow; return how many there are."""
     elbow, (lower, upper) = given
     R, p = pose
     count = strip_count(lower, upper)
-    if freedom.cone > 0.0:
-        count = (count + 1) // 2
     for k in range(count):
         roll = lower + (upper - lower) * (k + 0.5) / count
         turn = rotation(freedom.axis, math.cos(roll), math.sin(roll))
         fill_row(P, (times(R, turn), p), elbow, goal, row(desk.table, k))
     for branch in range(4):
-        n = write_minima(desk.table, count, branch, goal[0], desk.starts, n)
+        n = write_minima(desk.table, count, branch, goal, desk.starts, n)
     return n
 
 
 @kernel
-def find_starts(P, pose, freedom, turns, goal, desk):
-    """Write a start for every dip of the cost over turns and arm angles, of all branches; return their number."""
+def starts_of_roll(P, pose, freedom, goal, desk):
+    """Write a start for every dip of the cost over arm angles at rolls, of all branches; return their number."""
     n = 0
+    for elbow in range(2):
+        for i in range(STRIPS):
+            found, ends = strip(P, pose, freedom.axis, elbow, i)
+            if found:
+                n = add_strip(P, pose, freedom, (elbow, ends), goal, desk, n)
+    return n
+
+
+@kernel
+def starts_of_turns(P, pose, turns, goal, desk, n):
+    """Write starts as `starts_of_roll` at turns, behind n others; return the number of all."""
     R, p = pose
     for elbow in range(2):
-        if freedom.cone > 0.0:
-            for k in range(turns.shape[0]):
-                fill_row(P, (times(R, load9(row(turns, k), 0)), p), elbow, goal, row(desk.table, 0))
-                for branch in range(4):
-                    n = write_minima(desk.table, 1, branch, goal[0], desk.starts, n)
-        if freedom.cone < NARROW:
-            for i in range(STRIPS):
-                found, ends = strip(P, pose, freedom.axis, elbow, i)
-                if found:
-                    n = add_strip(P, pose, freedom, (elbow, ends), goal, desk, n)
+        for k in range(turns.shape[0]):
+            fill_row(P, (times(R, load9(row(turns, k), 0)), p), elbow, goal, row(desk.table, 0))
+            for branch in range(4):
+                n = write_minima(desk.table, 1, branch, goal, desk.starts, n)
     return n

@@ -32,8 +32,15 @@ SWEEPS = 4
 FLAT = 0.01
 """Least bend along a way, by the largest, where steps are turned downhill."""
 
+FEWEST = 3
+"""Independent equations at least: there is room for four ways along them."""
+
 DEPENDENT = 1e-7
 """Pivots smaller than this, m and rad by rad, are none."""
+
+CONTRADICTION = 1e-3
+"""An equation that depends on others is left out where these leave no more than so much of it, m and rad: along a
+straight arm, what is left of a pose depends on the square of what is left across it."""
 
 SOFT = 1e-15
 """Weight by which equations that contradict each other give way."""
@@ -110,7 +117,9 @@ def solve_equations(K, M, m, held, d):
 
     Rows 0 on of M come to hold the equations in terms of the others, the inverse and the right-hand sides.
 
-    Returns the bit set of these joints, or -1 where there are not so many.
+    Returns:
+        The bit set of these joints, or -1 where there are not so many; how many equations do not depend on others: they
+        come to stand first.
     """
     for r in range(m):
         rest = K[7 + r, RHS]
@@ -122,8 +131,8 @@ def solve_equations(K, M, m, held, d):
         for i in range(INVERSE, RHS):
             M[r, i] = 1.0 if i == INVERSE + r else 0.0
         M[r, RHS] = rest
-    done, basic = 0, 0
-    for _ in range(m):
+    done, basic, rank = 0, 0, 0
+    while rank < m:
         line, column, most = -1, -1, DEPENDENT
         for r in range(m):
             if (done >> r) & 1 == 0:
@@ -131,7 +140,7 @@ def solve_equations(K, M, m, held, d):
                     if abs(M[r, j]) > most:
                         line, column, most = r, j, abs(M[r, j])
         if line < 0:
-            return -1
+            break
         share = 1.0 / M[line, column]
         for j in range(SYSTEM):
             M[line, j] *= share
@@ -144,7 +153,32 @@ def solve_equations(K, M, m, held, d):
         M[BASIC_ROW, line] = column
         done |= 1 << line
         basic |= 1 << column
-    return basic
+        rank += 1
+    if rank < m:
+        place = 0
+        for r in range(m):
+            if (done >> r) & 1 == 1:
+                for j in range(SYSTEM):
+                    M[place, j] = M[r, j]
+                M[BASIC_ROW, place] = M[BASIC_ROW, r]
+                place += 1
+            elif abs(M[r, RHS]) > CONTRADICTION:
+                return -1, rank
+        if rank < FEWEST:
+            return -1, rank
+    return basic, rank
+
+
+@kernel
+def multipliers(M, rank):
+    """Multipliers of five equations, of which so many count."""
+    return (
+        multiplier(M, rank, 0),
+        multiplier(M, rank, 1),
+        multiplier(M, rank, 2),
+        multiplier(M, rank, 3),
+        multiplier(M, rank, 4),
+    )
 
 
 @kernel
@@ -321,24 +355,14 @@ def solve_held(K, M, m, held, d):
 
     Returns it, the multipliers of the equations, and whether it may lead to a minimum, and not to a saddle.
     """
-    basic = solve_equations(K, M, m, held, d)
+    basic, rank = solve_equations(K, M, m, held, d)
     if basic < 0:
         return solve_together(K, M, m, held, d)
-    n = write_ways(K, M, m, basic | held, held, d)
-    down = go_along(M, m, n)
+    n = write_ways(K, M, rank, basic | held, held, d)
+    down = go_along(M, rank, n)
     for k in range(n):
-        far = M[m + k, RHS]
+        far = M[rank + k, RHS]
         for j in range(7):
             M[STEP_ROW, j] += far * M[WAYS + k, j]
             M[REST_ROW, j] -= far * M[WAYS + k, 7 + j]
-    return (
-        read7(row(M, STEP_ROW)),
-        (
-            multiplier(M, m, 0),
-            multiplier(M, m, 1),
-            multiplier(M, m, 2),
-            multiplier(M, m, 3) if m > 3 else 0.0,
-            multiplier(M, m, 4) if m > 4 else 0.0,
-        ),
-        down,
-    )
+    return read7(row(M, STEP_ROW)), multipliers(M, rank), down

@@ -8,11 +8,13 @@ from __future__ import annotations
 
 import math
 
+from srs_ik.kernels.algebra.joint_vectors import with_joint
 from srs_ik.kernels.algebra.vectors import along, apply, cross, dot, load3, scale, sub
 from srs_ik.kernels.jit import kernel
+from srs_ik.kernels.layout.freedom import Liking
 from srs_ik.kernels.layout.limb import FAR, IS_CLOSED, LOWER, NEAR, SHOULDER_CENTRE, STRAIGHT, UPPER, WRIST_IN_TIP
 
-ROLLS = 24
+ROLLS = 16
 """Rolls that are looked at, of a turn."""
 
 FEWEST = 3
@@ -20,6 +22,12 @@ FEWEST = 3
 
 CONSTANT = 1e-9
 """A circle of the wrist this small, by the squared reach, leaves the elbow's angle as it is."""
+
+HARDLY = 1e-9
+"""By so much of the squared reach rounding may put a wrist beyond what the elbow's limits allow, and more."""
+
+ALMOST_STRAIGHT = 1e-5
+"""An elbow bent by less, rad, is straight: the wrist is off by less than rounding."""
 
 SLACK = 0.2
 SPARE = 0.02
@@ -55,12 +63,8 @@ def both_sides(nearest, farthest, middle, side):
 
 
 @kernel
-def strip(P, pose, axis, elbow, i):
-    """Rolls about an axis of the tip at which one side of the elbow keeps its limits: strip i of at most `STRIPS`.
-
-    Returns:
-        Whether there is such a strip; its first and last roll.
-    """
+def circle_of_wrist(P, pose, axis):
+    """Square of the distance shoulder-wrist over rolls: its mean, its amplitude, and where it is largest."""
     R, p = pose
     w = load3(P, WRIST_IN_TIP)
     on = scale(dot(axis, w), axis)
@@ -69,10 +73,33 @@ def strip(P, pose, axis, elbow, i):
     a, b = apply(R, off), apply(R, cross(axis, off))
     constant = dot(start, start) + dot(off, off)
     c, s = 2.0 * dot(start, a), 2.0 * dot(start, b)
-    swing = math.sqrt(c * c + s * s)
-    middle = math.atan2(s, c)
+    return constant, math.sqrt(c * c + s * s), math.atan2(s, c)
+
+
+@kernel
+def held_straight(P, pose, axis, liking):
+    """Limits that hold the elbow where it is straight at every roll: no step would find that it has to stay so."""
+    constant, swing, _ = circle_of_wrist(P, pose, axis)
+    far = P[FAR] * P[FAR]
+    if P[IS_CLOSED] != 1.0 or swing > HARDLY * far or constant < square_at(P, ALMOST_STRAIGHT):
+        return liking
+    e = P[STRAIGHT] + TURN * math.floor((liking.posture[3] - P[STRAIGHT]) / TURN + 0.5)
+    e = min(max(e, liking.lower[3]), liking.upper[3])
+    lower, upper = with_joint(liking.lower, 3, e), with_joint(liking.upper, 3, e)
+    return Liking(liking.posture, liking.weights, lower, upper, liking.rival, liking.rival_posture)
+
+
+@kernel
+def strip(P, pose, axis, elbow, i):
+    """Rolls about an axis of the tip at which one side of the elbow keeps its limits: strip i of at most `STRIPS`.
+
+    Returns:
+        Whether there is such a strip; its first and last roll.
+    """
+    constant, swing, middle = circle_of_wrist(P, pose, axis)
     sign = 1.0 if elbow == 0 else -1.0
-    slack, spare = (0.0, 0.0) if P[IS_CLOSED] == 1.0 else (SLACK, SPARE * P[FAR] * P[FAR])
+    slack, spare = (0.0, HARDLY) if P[IS_CLOSED] == 1.0 else (SLACK, SPARE)
+    spare *= P[FAR] * P[FAR]
     turns, side = i // 2 - 1, i % 2
     low = P[LOWER + 3] - P[STRAIGHT] + TURN * turns - slack
     high = P[UPPER + 3] - P[STRAIGHT] + TURN * turns + slack

@@ -37,7 +37,7 @@ from srs_ik.kernels.freedom.system import (
     STEP_ROW,
     WAYS,
     eliminate,
-    multiplier,
+    multipliers,
     put_bends,
     solve_equations,
     turn_all_down,
@@ -110,14 +110,15 @@ def share_before(P, M, q, mark):
 def worst_of(P, K, M, q, n):
     """The joint whose share is the largest after a step along n ways, in column RHS of K: its mark, and the share."""
     worst, most = -1, -math.inf
-    for mark in range(14):
-        if P[INVERSE_HALF_RANGE + mark // 2] <= 0.0:
+    for j in range(7):
+        if P[INVERSE_HALF_RANGE + j] <= 0.0:
             continue
-        share = share_before(P, M, q, mark)
+        away = q[j] + M[STEP_ROW, j] - P[MIDDLE + j]
         for k in range(n):
-            share += slope_along(P, M, mark, k) * K[k, RHS]
+            away += M[WAYS + k, j] * K[k, RHS]
+        share = P[INVERSE_HALF_RANGE + j] * abs(away)
         if share > most:
-            worst, most = mark, share
+            worst, most = 2 * j + (1 if away > 0.0 else 0), share
     return worst, most
 
 
@@ -240,23 +241,17 @@ def press(P, K, M, q, m, n):
         j = mark // 2
         side = 1.0 if mark % 2 == 1 else -1.0
         M[REST_ROW, j] -= K[n + 1 + i, RHS] * side * P[INVERSE_HALF_RANGE + j]
-    forces = (
-        multiplier(M, m, 0),
-        multiplier(M, m, 1),
-        multiplier(M, m, 2),
-        multiplier(M, m, 3) if m > 3 else 0.0,
-        multiplier(M, m, 4) if m > 4 else 0.0,
-    )
-    return read7(row(M, STEP_ROW)), forces, (share, count)
+    return read7(row(M, STEP_ROW)), multipliers(M, m), (share, count)
 
 
 @kernel
-def mend(P, K, M, q, m, n, count):
+def mend(P, K, M, q, m, known, along):
     """The step back to the pose after one along its bends, at which the same joints have the largest share."""
+    n, count = along
     for j in range(7):
         M[STEP_ROW, j] = 0.0
     for i in range(m):
-        for r in range(m):
+        for r in range(known):
             M[STEP_ROW, int(M[BASIC_ROW, i])] += M[i, INVERSE + r] * K[7 + r, RHS]
     for k in range(n):
         M[m + k, RHS] = 0.0
@@ -284,7 +279,7 @@ def widen(P, q, pose, freedom, rival, desk):
     K, M, J = desk.system, desk.copy, desk.J
     forces, last, asked = NO_FORCE, NO_FORCE, NO_FORCE
     before, step = q, NO_SEED
-    known, part, radius, n, count = 0, 1.0, MAX_STEP, 0, 0
+    known, part, radius, rank, n, count = 0, 1.0, MAX_STEP, 0, 0, 0
     error, size, worth, best = math.inf, math.inf, math.inf, math.inf
     mended, curved = False, False
     for _ in range(STEPS):
@@ -298,7 +293,7 @@ def widen(P, q, pose, freedom, rival, desk):
         wider = share < best and error < NEARLY
         if share + price(forces) * error > worth and size > CLOSE_BY and not wider:
             if not mended and m == known:
-                q, mended = along7(q, 1.0, mend(P, K, M, q, m, n, count)), True
+                q, mended = along7(q, 1.0, mend(P, K, M, q, rank, m, (n, count))), True
                 continue
             mended = False
             step = along7(NO_SEED, SHORTER, step)
@@ -314,18 +309,18 @@ def widen(P, q, pose, freedom, rival, desk):
         curved = error < ALMOST and known == m
         own = Liking(q, EVEN, NO_SEED, NO_SEED, 0.0, NO_SEED)
         fill(J, K, q, own, curve, (1.0 if curved else 0.0, STIFF if curved else STIFFER))
-        basic = solve_equations(K, M, m, 0, NO_SEED)
+        basic, rank = solve_equations(K, M, m, 0, NO_SEED)
         if basic < 0:
             return q, share, math.inf
-        n = write_ways(K, M, m, basic, 0, NO_SEED)
-        step, asked, (ahead, count) = press(P, K, M, q, m, n)
+        n = write_ways(K, M, rank, basic, 0, NO_SEED)
+        step, asked, (ahead, count) = press(P, K, M, q, rank, n)
         if m == 3 and leaves_cone(K, freedom, step):
             m = 4
-            basic = solve_equations(K, M, m, 0, NO_SEED)
+            basic, rank = solve_equations(K, M, m, 0, NO_SEED)
             if basic < 0:
                 return q, share, math.inf
-            n = write_ways(K, M, m, basic, 0, NO_SEED)
-            step, asked, (ahead, count) = press(P, K, M, q, m, n)
+            n = write_ways(K, M, rank, basic, 0, NO_SEED)
+            step, asked, (ahead, count) = press(P, K, M, q, rank, n)
         last = forces if known == m else asked
         known = m
         worth = share + price(asked) * error

@@ -7,16 +7,17 @@ from __future__ import annotations
 
 import math
 
-from srs_ik.kernels.freedom.nearest import MOST_ATTEMPTS, NONE_LEFT, take_best
+from srs_ik.kernels.chain.freedom import free_error
+from srs_ik.kernels.exact.farthest import farthest_of_all
+from srs_ik.kernels.freedom.queue import MOST_ATTEMPTS, NONE_LEFT, line_up, take_next
 from srs_ik.kernels.freedom.settle import onto_pose
+from srs_ik.kernels.freedom.starts import OUT_OF_REACH, is_of_no_use
 from srs_ik.kernels.freedom.widen import largest_share, widen
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.answer import SOLVED
 from srs_ik.kernels.layout.freedom import Found
-from srs_ik.kernels.layout.limb import INVERSE_HALF_RANGE
-
-ATTEMPTS, ATTEMPTS_IN_CONE = 8, 4
-"""Local searches at least: where the axis may lean, they come farther."""
+from srs_ik.kernels.layout.limb import FAR, INVERSE_HALF_RANGE
+from srs_ik.kernels.limb.triangle import place
 
 ALMOST = 1e-3
 """A search that ends this close to its pose, m and rad, is brought onto it."""
@@ -47,21 +48,45 @@ def weights(P):
 
 
 @kernel
-def widest(P, pose, freedom, liking, count, desk):
-    """The posture of the widest margin that searches from the starts in `desk` lead to, `count` of them."""
-    best, most, attempts = liking.posture, math.inf, 0
-    enough = ATTEMPTS if freedom.cone == 0.0 else ATTEMPTS_IN_CONE
-    while attempts < MOST_ATTEMPTS and not (most <= 1.0 and attempts >= enough):
-        start, least, count = take_best(desk.starts, count)
-        if least >= NONE_LEFT:
+def widened(P, start, pose, freedom, liking, found, desk):
+    """The posture that a search from a start leads to, if it keeps a wider margin than the one that is known."""
+    q, share, error = widen(P, start, pose, freedom, 1.0 + found.cost if found.met else math.inf, desk)
+    if SOLVED <= error < ALMOST and share < 1.0 + found.cost:
+        q, error = onto_pose(P, q, pose, freedom, liking, desk)
+        share = largest_share(P, q)
+    if error < SOLVED and share < 1.0 + found.cost and share <= 1.0:
+        return Found(q, share - 1.0, True)
+    return found
+
+
+@kernel
+def as_given(P, pose, freedom, liking, found, desk):
+    """The posture of the widest margin at the turn that is given, or around that of the nearest exact limb.
+
+    Searches over the turns start from a grid, and may miss by a little what a single turn has.
+    """
+    place_ = place(P, pose[0], pose[1])
+    if abs(place_[5]) > OUT_OF_REACH * P[FAR]:
+        return found
+    q, _, cost = farthest_of_all(P, P, place_, -1, True)
+    if cost >= 0.0:
+        return found
+    off, turned = free_error(P, q, pose[0], pose[1], freedom)
+    if max(off, turned) < SOLVED and cost < found.cost:
+        found = Found(q, cost, True)
+    return widened(P, q, pose, freedom, liking, found, desk)
+
+
+@kernel
+def widest(P, pose, freedom, liking, sizes, found, desk):
+    """The posture of the widest margin that searches from so many starts in `desk` lead to, or a known one."""
+    attempts = 0
+    count, enough = sizes
+    line_up(desk.starts, count)
+    while attempts < MOST_ATTEMPTS and not (found.met and attempts >= enough):
+        start, least, count = take_next(desk.starts, count, attempts)
+        if least >= NONE_LEFT or is_of_no_use(least, found, False):
             break
         attempts += 1
-        q, share, error = widen(P, start, pose, freedom, most, desk)
-        if SOLVED <= error < ALMOST and share < most:
-            q, error = onto_pose(P, q, pose, freedom, liking, desk)
-            share = largest_share(P, q)
-        if error < SOLVED and share < most:
-            best, most = q, share
-    if most > 1.0:
-        return Found(best, NONE_LEFT, False)
-    return Found(best, most - 1.0, True)
+        found = widened(P, start, pose, freedom, liking, found, desk)
+    return found

@@ -12,8 +12,8 @@ FREEDOM = 4
 SYSTEM = 16
 """Rows and columns of the work space of a step: seven joints, up to five equations, a right-hand side."""
 
-MOST_STARTS = 2048
-"""Most postures that a search starts from."""
+MOST_STARTS, MOST_TAKEN = 2048, 256
+"""Room for postures that searches start from; most of them that are taken, which are kept in the last rows."""
 
 STRIPS = 6
 """Most strips of rolls on one side of the elbow: two in each of three turns of its joint."""

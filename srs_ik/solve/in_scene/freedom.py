@@ -52,22 +52,28 @@ def solve(around: Surroundings, T: Array, free: FreeAxis, near: Array | None, re
     turns = free.sampled(TURNS if free.cone == 0.0 else TURNS_OF_CONE)
     cost = goal_of(around.packed, near).cost
 
-    def least(turn: Array) -> float:
-        """What the best posture at a turn costs without the scene: with it none costs less."""
+    def alone_at(turn: Array) -> tuple[Solution | None, float]:
+        """The best posture at a turn without the scene, and what it costs: with the scene none costs less."""
         answer = pose.solve(around.packed, _turned(T, turn), seed=near, respect_limits=respect)
-        return cost(answer.q) if answer else NO_POSTURE
+        return (answer, cost(answer.q)) if answer else (None, NO_POSTURE)
 
-    def at(turn: Array) -> Solution | None:
+    def at(turn: Array, known: Solution | None) -> Solution | None:
+        """The best posture at a turn: the one without the scene, where that hits nothing."""
+        if known is None or around.hit_at(known.q) is None:
+            return known
         turned = _turned(T, turn)
         rows = around.all_free(turned, respect)
         return in_scene.best(around, turned, rows, None, near, respect) if len(rows) else None
 
     best, found, where = None, NO_POSTURE, 0
-    floors = [least(turn) for turn in turns]
-    for k in np.argsort(floors).tolist():
+    at_turns = [alone_at(turn) for turn in turns]
+    floors = np.array([floor for _, floor in at_turns])
+    hits = np.array([answer is None or around.hit_at(answer.q) is not None for answer, _ in at_turns])
+    # Those that hit nothing come first: to know what is free at the other turns takes much longer.
+    for k in np.lexsort((floors, hits)).tolist():
         if floors[k] >= found:
-            break
-        answer = at(turns[k])
+            continue
+        answer = at(turns[k], at_turns[k][0])
         if answer is not None and cost(answer.q) < found:
             best, found, where = answer, cost(answer.q), k
     if best is None:
@@ -76,8 +82,8 @@ def solve(around: Surroundings, T: Array, free: FreeAxis, near: Array | None, re
     def price(roll: float) -> float:
         nonlocal best, found
         turn = turns[where] @ free.rolled(roll)
-        floor = least(turn)
-        answer = at(turn) if floor < found else None
+        known, floor = alone_at(turn)
+        answer = at(turn, known) if floor < found else None
         value = max(floor, found) if answer is None else cost(answer.q)
         if answer is not None and value < found:
             best, found = answer, value
