@@ -1,8 +1,9 @@
 """How far a tip may be off a target that can be followed: what the limits imply, by a follower that is no tracker.
 
-A target that comes from a motion of the joints within the limits of position, velocity and acceleration can be
-followed. A follower that is told these joint angles sample by sample, and nothing of what comes, takes each joint for
-itself to them in the shortest time; how far its tip is off, from then on at most, is the bound.
+A target that comes from a motion of the joints within their limits can be followed. From where a tracker's joints are
+when its tip was on the target last, a follower that is told the target's joint angles, sample by sample and nothing of
+what comes, takes each joint for itself to them in the shortest time. So the limits allow a tip that is never farther
+off than on that way, and on its target from its end on: that is the bound.
 """
 
 from __future__ import annotations
@@ -14,7 +15,6 @@ import numpy as np
 import pinocchio as pin
 from motions import joint_motion, minimum_jerk
 from scipy.interpolate import CubicSpline
-from scipy.optimize import lsq_linear
 from tracked import BEYOND, GONE_FOR, LOST, NEAR_TARGET, SECONDS, SMOOTHING, velocities
 
 KINDS = ("joints", "limits", "singular")
@@ -29,15 +29,11 @@ JUMP = 0.1
 JITTER = 5e-4
 """Of the joint angles behind a pose that is given, rad, standard deviation."""
 
-BLOCK = True
 LONG = 10
-"""A target that is gone for more samples than these may be anywhere: its follower begins anew."""
+"""A target that is gone for so many samples may be anywhere: its follower begins anew."""
 
 TOGETHER = 1e-6
 """Joints this close to the target's, rad, have caught up with it."""
-
-MET = 1e-6
-"""A tip this close, m and rad, is exactly on its target."""
 
 ASK_AGAIN = 25
 """Periods between two permissions to reconfigure."""
@@ -79,7 +75,7 @@ def known_motion(arm: Any, seed: int, dt: float) -> Known:
 
 
 def can_be_followed(q: np.ndarray, bounds: Bounds, dt: float) -> np.ndarray:
-    """Which samples a motion of the joints comes to, from rest at its first, within limits of velocity and acceleration."""
+    """Which samples a motion of the joints, at rest before it, comes to within limits of velocity and acceleration."""
     velocity = np.diff(np.vstack([q[:1], q[:1], q]), axis=0) / dt
     acceleration = np.diff(velocity, axis=0) / dt
     fast = (np.abs(velocity[1:]) > bounds[0] + BEYOND).any(axis=1)
@@ -140,7 +136,9 @@ class Follower:
 def off_by(forward: Any, q: np.ndarray, T: Any) -> np.ndarray:
     """Metres and radians between the tip and a target."""
     tip = forward(q)
-    return np.array([np.linalg.norm(tip.translation - T.translation), np.linalg.norm(pin.log3(tip.rotation.T @ T.rotation))])
+    return np.array(
+        [np.linalg.norm(tip.translation - T.translation), np.linalg.norm(pin.log3(tip.rotation.T @ T.rotation))]
+    )
 
 
 @dataclass
@@ -161,9 +159,8 @@ class Run:
         return np.asarray((self.off <= np.array(NEAR_TARGET) + self.noise).all(axis=1))
 
 
-def run(arm: Any, forward: Any, seed: int, dt: float) -> tuple[Run, Bounds]:
+def run(arm: Any, forward: Any, known: Known, dt: float) -> tuple[Run, Bounds]:
     """A motion through a tracker, whose user allows another configuration where only such a one reaches the target."""
-    known = known_motion(arm, seed, dt)
     q0 = known.q[0]
     tracker = arm.tracker(q0, dt, velocities(arm), smoothing=SMOOTHING if known.shaken else 0.0)
     bounds = tracker.velocity_limit, tracker.acceleration_limit
@@ -198,13 +195,10 @@ def envelope(arm: Any, forward: Any, found: Run, k: int, bounds: Bounds, dt: flo
     It ends before what cannot be followed.
     """
     known = found.known
-    if found.free[k]:
+    seen = known.q[k], np.zeros(7)
+    if found.free[k] and k > 1 and not known.lost[max(k - LONG, 0) : k].all():
+        # Not after a jump or a long time without a target: all that is known then is where it is.
         seen = known.q[k - 1], (known.q[k - 1] - known.q[k - 2]) / dt
-    else:
-        # It jumped: all that is known is where it is.
-        seen = known.q[k], np.zeros(7)
-    if k < 2:
-        seen = known.q[0], np.zeros(7)
     follower = Follower(arm, (found.q[k], found.v[k]), seen, bounds, dt)
     off = []
     for m in range(k, len(known.q)):
@@ -214,8 +208,7 @@ def envelope(arm: Any, forward: Any, found: Run, k: int, bounds: Bounds, dt: flo
         off.append(off_by(forward, follower.q, found.targets[m]))
         if left < TOGETHER and not known.lost[m]:
             break
-    off = np.array(off)
-    return np.tile(off.max(axis=0), (len(off), 1)) if BLOCK else np.maximum.accumulate(off[::-1], axis=0)[::-1]
+    return np.tile(np.max(off, axis=0), (len(off), 1))
 
 
 def bound(arm: Any, forward: Any, found: Run, bounds: Bounds, dt: float, anew: np.ndarray) -> np.ndarray:
@@ -228,71 +221,41 @@ def bound(arm: Any, forward: Any, found: Run, bounds: Bounds, dt: float, anew: n
     return out
 
 
-def least_off(arm: Any, forward: Any, found: Run, k: int, bounds: Bounds, dt: float) -> float:
-    """How close to sample k any step comes that the limits allow from where the joints were, m and, as much, rad.
+def beyond(arm: Any, forward: Any, found: Run, bounds: Bounds, dt: float, told: bool) -> np.ndarray:
+    """(n, 2) how far tips are beyond the bound, m and rad, of samples that came and can be followed; others -inf.
 
-    A step is so short that the tip moves in proportion; twice, since not quite.
+    Args:
+        arm: the arm.
+        forward: Pinocchio's forward kinematics.
+        found: what a tracker made of a motion.
+        bounds: largest velocities and accelerations.
+        dt: period, s.
+        told: the follower goes on from its own joint angles, and so is never off after its start; else from the
+            tracker's where its tip was on the target.
     """
-    q, T = found.q[k], found.targets[k]
-    low, high = (dt * each for each in box(arm, q, found.v[k], bounds, dt))
-    d = np.clip(dt * found.v[k], low, high)
-    for _ in range(3):
-        tip = forward(q + d)
-        e = np.concatenate([T.translation - tip.translation, tip.rotation @ pin.log3(tip.rotation.T @ T.rotation)])
-        if np.abs(e).max() < 0.1 * MET:
-            break
-        J = arm.jacobian(q + d)
-        d = d + lsq_linear(J, e, (low - d - 1e-15, high - d + 1e-15), method="bvls").x
-    return float(off_by(forward, q + d, T).max())
-
-
-@dataclass
-class Account:
-    """Samples of a motion that count, and what there is beyond the two bounds, m and rad; and the ends of tips' stays."""
-
-    counted: np.ndarray
-    beyond: np.ndarray
-    beyond_known: np.ndarray
-    left: list[float]
-
-
-def account(arm: Any, forward: Any, seed: int, dt: float) -> tuple[Account, Run]:
-    """One motion against the bounds."""
-    found, bounds = run(arm, forward, seed, dt)
-    known, on = found.known, found.on
     anew = begins_anew(found)
-    counted = found.free & ~known.lost
-    tolerance = np.array(NEAR_TARGET) + found.noise
-    stays = np.concatenate([[True], on[:-1]]) & ~on
-    bound_known = bound(arm, forward, found, bounds, dt, anew)
-    bound_here = bound(arm, forward, found, bounds, dt, anew | stays)
-    beyond_known, beyond = (
-        np.where(counted[:, None], found.off - np.maximum(most, tolerance), -np.inf) for most in (bound_known, bound_here)
-    )
-    exact = (found.off < MET).all(axis=1)
-    leaves = np.flatnonzero(np.concatenate([[True], exact[:-1]]) & ~exact & counted)
-    left = [] if known.shaken else [least_off(arm, forward, found, int(k), bounds, dt) for k in leaves]
-    return Account(counted, beyond, beyond_known, left), found
+    if not told:
+        anew |= np.concatenate([[True], found.on[:-1]]) & ~found.on
+    most = np.maximum(bound(arm, forward, found, bounds, dt, anew), np.array(NEAR_TARGET) + found.noise)
+    counted = found.free & ~found.known.lost
+    return np.where(counted[:, None], found.off - most, -np.inf)
 
 
 def bound_line(arm: Any, forward: Any, name: str, count: int, seed: int, dt: float) -> str:
     """One line on motions against the bounds."""
-    counted, past, past_known, worst, on = 0, 0, 0, np.zeros(2), 0
-    left: list[float] = []
+    counted, past, past_told, worst, on = 0, 0, 0, np.full(2, -np.inf), 0
     for k in range(seed, seed + count):
-        made, found = account(arm, forward, k, dt)
-        counted += int(made.counted.sum())
-        on += int((found.on & made.counted).sum())
-        past += int((made.beyond > 0.0).any(axis=1).sum())
-        past_known += int((made.beyond_known > 0.0).any(axis=1).sum())
-        worst = np.maximum(worst, made.beyond.max(axis=0))
-        left += made.left
-    could = np.array(left) < MET
+        found, bounds = run(arm, forward, known_motion(arm, k, dt), dt)
+        here, told = (beyond(arm, forward, found, bounds, dt, each) for each in (False, True))
+        samples = np.isfinite(here[:, 0])
+        counted += int(samples.sum())
+        on += int((found.on & samples).sum())
+        past += int((here > 0.0).any(axis=1).sum())
+        past_told += int((told > 0.0).any(axis=1).sum())
+        worst = np.maximum(worst, here.max(axis=0))
     return (
         f"{name}: seeds {seed} to {seed + count - 1}, {count} motions, {counted} samples that can be followed; "
-        f"on target {100.0 * on / counted:.2f} %; within the bound from where the joints are "
-        f"{100.0 * (1.0 - past / counted):.3f} % ({past} beyond it, by {1e3 * worst[0]:.1f} mm and "
-        f"{1e3 * worst[1]:.0f} mrad at most), within that of one who knows the joint angles "
-        f"{100.0 * (1.0 - past_known / counted):.2f} %; "
-        f"the tip left its target {len(left)} times, {int(could.sum())} of them where a step would have kept it there"
+        f"within the bound {100.0 * (1.0 - past / counted):.2f} % ({past} beyond it, by {1e3 * worst[0]:.0f} mm and "
+        f"{1e3 * worst[1]:.0f} mrad at most), on target {100.0 * on / counted:.2f} %, within that of one who "
+        f"knows the joint angles all along {100.0 * (1.0 - past_told / counted):.2f} %"
     )
