@@ -6,6 +6,7 @@
     python benchmarks/tracking.py --limits --robot gen3 --count 200 --seed 0
     python benchmarks/tracking.py --recovery --robot gen3 --count 60 --seed 0
     python benchmarks/tracking.py --losses --robot gen3 --count 20 --seed 0
+    python benchmarks/tracking.py --bound --robot gen3 --count 200 --seed 0
 
 Each gets the joint limits that it knows, which stand beside its name: v for position and velocity, a for acceleration,
 too. Pink has both, as ours has; ssik and Mink have velocities alone, and are to be compared with ours without limits of
@@ -36,6 +37,7 @@ HERE = Path(__file__).parent
 sys.path.insert(0, str(HERE.parent / "tests"))
 
 import arms  # noqa: E402
+from bounded import bound_line  # noqa: E402
 from motions import KINDS, Motion, motion  # noqa: E402
 from tracked import limits_line, losses_line, recovery_line  # noqa: E402
 
@@ -241,11 +243,15 @@ def main(words: list[str] | None = None) -> None:
     parser.add_argument("--limits", action="store_true", help="one line: what 10 s motions with trouble pass of limits")
     parser.add_argument("--recovery", action="store_true", help="one line: how fast a target that jumped is met again")
     parser.add_argument("--losses", action="store_true", help="one line: when a target is met again that was lost")
-    parser.add_argument("--robot", default="iiwa14", help="of --limits, --recovery and --losses")
+    parser.add_argument("--bound", action="store_true", help="one line: how far off the tip is, by what limits imply")
+    parser.add_argument("--robot", default="iiwa14", help="of --limits, --recovery, --losses and --bound")
     parser.add_argument("--count", type=int, default=200, help="motions, or jumps")
     parser.add_argument("--seed", type=int, default=0, help="of the first of them")
     given = parser.parse_args(words)
     dt = 1.0 / given.rate
+    if given.bound:
+        print(bound_line(arms.load(given.robot), arms.forward(given.robot), given.robot, given.count, given.seed, dt))
+        return
     if given.limits or given.recovery or given.losses:
         measure = limits_line if given.limits else recovery_line if given.recovery else losses_line
         print(measure(arms.load(given.robot), given.robot, given.count, given.seed, dt))

@@ -259,6 +259,7 @@ class Tracker:
         self._state[at.Q : at.V] = self._state[at.GOAL : at.GOAL_RATE] = q
         # The first target may be where the tip is.
         self._state[at.ON] = 1.0
+        self._state[at.GAP] = np.inf
         self._jerk: JerkFilter | None = None
         if self.jerk_limit is not None:
             pushes = self._settings[at.ACCELERATION : at.ALPHA].copy()

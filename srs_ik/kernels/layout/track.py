@@ -31,7 +31,8 @@ KNOT = 103  # 7 KNOTS, postures at the times of the plan
 TREND = 152  # 12, the target as its trend has it: rotation, position
 TREND_PACE = 164  # 6, its velocity: linear, angular
 TREND_PUSH = 170  # 6, its acceleration
-STATE = 176
+GAP = 176  # how far the joints were behind the goal when that was looked at last, rad
+STATE = 177
 
 KNOTS = 7
 """Postures of a plan."""

@@ -22,6 +22,7 @@ from srs_ik.kernels.layout.track import (
     DETOUR,
     DETOUR_END,
     ELSEWHERE,
+    GAP,
     GOAL,
     GOAL_RATE,
     HELD,
@@ -59,7 +60,7 @@ from srs_ik.kernels.limb.poses import read7
 from srs_ik.kernels.limb.triangle import place
 from srs_ik.kernels.track.catch_up import CLOSE_BY, LEVER, STAYS, catch_up, way_left
 from srs_ik.kernels.track.closest import DAMPING, approach, error_at, minus
-from srs_ik.kernels.track.elsewhere import look_elsewhere, out_of_reach
+from srs_ik.kernels.track.elsewhere import look_elsewhere, look_nearer, out_of_reach
 from srs_ik.kernels.track.foresight import busyness, foresee, planned_step
 from srs_ik.kernels.track.freedom import error_left, other_turn, shown_at, wanted
 from srs_ik.kernels.track.limits import bounds, toward
@@ -220,22 +221,28 @@ def most_used(C, v):
 
 
 @kernel
-def watch(P, S, C, size, place_, pose, work):
-    """Keep account of how long the goal has been off the target, and look elsewhere where that takes long."""
+def watch(P, S, C, q, size, place_, pose, work):
+    """Keep account of how long the goal has been off the target, or gone from the joints, and look elsewhere then."""
     closer = size < CLOSER * S[MISS]
     S[MISS] = size
     if size < CLOSE:
         S[STUCK] = 0.0
         S[ELSEWHERE] = UNKNOWN
+        if S[TICK] % AGAIN != 0.0:
+            return
+        look_nearer(P, S, q, place_)
+    elif closer:
         return
-    if closer:
-        return
-    S[STUCK] += 1.0
-    if S[STUCK] >= STUCK_FOR and (S[STUCK] - STUCK_FOR) % AGAIN == 0.0 and not out_of_reach(P, place_):
+    else:
+        S[STUCK] += 1.0
+        if S[STUCK] < STUCK_FOR or (S[STUCK] - STUCK_FOR) % AGAIN != 0.0 or out_of_reach(P, place_):
+            return
         S[ELSEWHERE] = UNKNOWN
         look_elsewhere(P, S, other_turn(P, S, C, place_))
-        if S[DETOUR] == 1.0 and not on_true_chain(P, S, C, pose, work):
-            S[DETOUR], S[ELSEWHERE] = 0.0, NOWHERE
+    if S[DETOUR] == 1.0 and not on_true_chain(P, S, C, pose, work):
+        S[DETOUR] = 0.0
+        if size >= CLOSE:
+            S[ELSEWHERE] = NOWHERE
 
 
 @kernel
@@ -333,6 +340,7 @@ def advance(P, S, C, given, work, out):
         after, v = step_to(P, S, C, v)
         store7(S, GOAL, after)
         store7(S, GOAL_RATE, v)
+        S[GAP] = math.inf
         if near:
             _, size = error_at(P, C, after, pose, P[FAR], J)
             on = size < MET
@@ -348,7 +356,7 @@ def advance(P, S, C, given, work, out):
         status, reason = (UNREACHABLE, OUT_OF_REACH) if out_of_reach(P, place_) else (LIMITED, BEHIND)
         said = status, reason, hardest(S, C, v)
     else:
-        watch(P, S, C, size, place_, pose, (J, A))
+        watch(P, S, C, after, size, place_, pose, (J, A))
         said = verdict(P, S, C, after, size, place_)
     if has != 1:
         said = HELD, LOST_TARGET if has == 0 else BAD_TARGET, said[2]

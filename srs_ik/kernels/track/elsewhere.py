@@ -17,7 +17,7 @@ from srs_ik.kernels.exact.intervals import find_intervals
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.answer import MOST_INTERVALS
 from srs_ik.kernels.layout.limb import FAR, MISS
-from srs_ik.kernels.layout.track import DETOUR, DETOUR_END, ELSEWHERE, GOAL, NOWHERE, RECONFIGURE
+from srs_ik.kernels.layout.track import DETOUR, DETOUR_END, ELSEWHERE, GAP, GOAL, NOWHERE, RECONFIGURE
 from srs_ik.kernels.limb.branches import branch_of
 from srs_ik.kernels.limb.goal import OUTSIDE
 from srs_ik.kernels.limb.poses import read7
@@ -34,6 +34,12 @@ LONGEST = 2.0
 
 LONGEST_FLIP = 1.0
 """The same for postures of other branches, which lie next to each other where the arm is almost singular."""
+
+RELUCTANT = 0.5
+"""How much nearer that has to be of which the goal takes another branch by itself."""
+
+NEARER = 0.9
+"""A posture that is nearer to the joints than this share of what they are behind the goal is nearer."""
 
 SHORTEST = 1e-3
 """A posture this close, rad, is where the goal is stuck."""
@@ -62,33 +68,62 @@ def nearest_in(P, side, interval, goal, best, least):
 
 
 @kernel
-def look_elsewhere(P, S, place_):
-    """Send the goal to the nearest posture on the target; where none is near, write what there is.
+def nearest_posture(P, q, place_, share):
+    """A posture on the target that is near another, and how far it is, rad; how many intervals there are.
 
-    Of other branches, only postures that are next to the goal are near: else the arm would flip.
+    Of other branches, only postures that are next to it are near, and nearer than a share of what its own has: else
+    the arm would flip.
     """
-    goal = read7(row(S, GOAL))
-    branch = branch_of(P, goal)
+    branch = branch_of(P, q)
     found = np.empty((MOST_INTERVALS, 3))
     n = find_intervals(P, place_, -1, found)
-    if n == 0:
-        S[ELSEWHERE] = NOWHERE
-        return
-    best, least, other, nearest = goal, math.inf, goal, math.inf
+    best, least, other, nearest = q, math.inf, q, math.inf
     for elbow in range(2):
         side = elbow_side(P, place_, elbow)
         for i in range(n):
             if int(found[i, 0]) >> 2 != elbow:
                 continue
             if int(found[i, 0]) == branch:
-                best, least = nearest_in(P, side, row(found, i), goal, best, least)
+                best, least = nearest_in(P, side, row(found, i), q, best, least)
             else:
-                other, nearest = nearest_in(P, side, row(found, i), goal, other, nearest)
-    if nearest < LONGEST_FLIP and nearest < 0.5 * least:
+                other, nearest = nearest_in(P, side, row(found, i), q, other, nearest)
+    if nearest < LONGEST_FLIP and nearest < share * least:
         best, least = other, nearest
-    if least >= LONGEST:
+    return best, least, n
+
+
+@kernel
+def look_elsewhere(P, S, place_):
+    """Send the goal to the nearest posture on the target; where none is near, write what there is.
+
+    A goal that is on its way to a posture stays on it, and goes to where that has come to with the target.
+    """
+    best, least, n = nearest_posture(P, read7(row(S, DETOUR_END if S[DETOUR] == 1.0 else GOAL)), place_, RELUCTANT)
+    if SHORTEST < least < LONGEST:
+        send(S, best)
+    elif S[DETOUR] == 0.0 and n == 0:
+        S[ELSEWHERE] = NOWHERE
+    elif S[DETOUR] == 0.0 and least >= LONGEST:
         S[ELSEWHERE] = RECONFIGURE
-    elif least > SHORTEST:
-        S[DETOUR] = 1.0
-        for j in range(7):
-            S[DETOUR_END + j] = best[j]
+
+
+@kernel
+def look_nearer(P, S, q, place_):
+    """Where the joints fall behind a goal on its target, send it to a posture that is nearer to them.
+
+    The goal knows no inertia: it goes around a singular posture in whose midst joints are too slow, and then away.
+    """
+    gap = apart(q, read7(row(S, GOAL)))
+    if gap > S[GAP]:
+        best, least, _ = nearest_posture(P, q, place_, 1.0)
+        if least < NEARER * gap:
+            send(S, best)
+    S[GAP] = gap
+
+
+@kernel
+def send(S, q):
+    """Let the goal go to a posture."""
+    S[DETOUR] = 1.0
+    for j in range(7):
+        S[DETOUR_END + j] = q[j]
