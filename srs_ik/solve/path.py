@@ -16,6 +16,7 @@ from srs_ik.kernels.layout.answer import ROW
 from srs_ik.kernels.layout.path import (
     BY_CONTINUITY,
     BY_VELOCITY,
+    ENDLESS,
     INVERSE_PERIOD,
     INVERSE_SPEED,
     LEAST_INVERSE,
@@ -289,6 +290,7 @@ def _settings(arm: PackedArm, dt: float | None, longest_step: float, objective: 
     endless = np.isinf(arm.lower) & np.isinf(arm.upper)
     settings[PERIOD, endless] = 2.0 * np.pi
     settings[INVERSE_PERIOD, endless] = 0.5 / np.pi
+    settings[ENDLESS] = endless.any()
     return settings
 
 

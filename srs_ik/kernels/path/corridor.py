@@ -13,6 +13,7 @@ from srs_ik.kernels.chain.newton import CLOSED, STEPS, close_free
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.limb import LIMITED
 from srs_ik.kernels.layout.path import (
+    IMPOSSIBLE,
     NODE,
     NODE_PSI,
     SETTINGS,
@@ -167,7 +168,7 @@ def corridor(family, course, line, width, seed, rules, space):
     chain = course.chain
     count = chain.shape[0]
     room = count * ACROSS
-    sheet = Sheet(np.empty((room, NODE)), np.ones(room, np.bool_), np.empty(room), np.empty((count, STRIP)))
+    sheet = Sheet(np.empty((room, NODE)), np.ones(room, np.bool_), np.full(room, IMPOSSIBLE), np.empty((count, STRIP)))
     ends = np.zeros(count + 1, np.int64)
     scales = np.empty(7 * SETTINGS)
     scaled = copied(rules.settings, row(scales, 0))

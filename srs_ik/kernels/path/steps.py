@@ -11,8 +11,9 @@ import math
 
 from srs_ik.kernels.algebra.pointers import row
 from srs_ik.kernels.jit import kernel
-from srs_ik.kernels.layout.path import CELL_OFF, INVERSE_PERIOD, INVERSE_SPEED, PERIOD
+from srs_ik.kernels.layout.path import CELL_OFF, ENDLESS, INVERSE_PERIOD, INVERSE_SPEED, PERIOD
 from srs_ik.kernels.path.cells import cell_chord
+from srs_ik.kernels.path.followed import along_cell
 
 MOST_CORNERS = 40
 """Corners of a polygon, at most."""
@@ -36,6 +37,8 @@ def step_of(settings, j, a, b):
 @kernel
 def steps_between(settings, a, b):
     """The seven joint steps from a to b."""
+    if settings[7 * ENDLESS] == 0.0:
+        return along_cell(a, b)
     return (
         step_of(settings, 0, a[0], b[0]),
         step_of(settings, 1, a[1], b[1]),
