@@ -301,10 +301,11 @@ def test_a_path_beside_the_chords_of_coarse_strips_is_found(name, motion, count)
         ("gen3", "cross", 6009, False),
         ("gen3", "cross", 38004, False),
         pytest.param("rm75", "limits", 32001, True, marks=pytest.mark.files),
+        pytest.param("human_left", "limits", 38000, True, marks=pytest.mark.files),
     ],
 )
-def test_velocity_limits_of_a_near_arm_are_kept_where_a_motion_that_keeps_them_is_known(name, kind, motion, seeded):
-    """Between postures of coarse strips, steps seem faster than they are."""
+def test_velocity_limits_are_kept_where_a_motion_that_keeps_them_is_known(name, kind, motion, seeded):
+    """Between postures of coarse strips, steps seem faster than they are, and closing postures next to limits moves them."""
     arm = load(name)
     known = motion_of_benchmark(arm, name, kind, motion)
     dt = 1.05 * float((np.abs(np.diff(known, axis=0)) / arm.velocity_limit).max())

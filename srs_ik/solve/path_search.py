@@ -185,11 +185,12 @@ def in_closed_form(problem: Problem, plan: Problem, marks: NDArray[np.bool_]) ->
     missed = best.cost <= AS_LITTLE * least
     if not problem.even and (missed or best.cost >= CLOSE * least):
         return (search_around(problem, best), None) if best.cost < AS_PLANNED * least else (best, problem)
-    again, fine, torn = best, False, False
+    again, fine, torn, off = best, False, False, missed
+    in_slivers = missed and is_in_slivers(best) and not stands_in
     for _ in range(ROUNDS):
-        if best.cost < (AS_PLANNED if fine else CLOSE) * least and not missed:
+        if best.cost < (AS_PLANNED if fine else CLOSE) * least and (fine or not off):
             break
-        marks = dear(problem, again, keys, LEFT * least)
+        marks = dear(problem, again, keys, LEFT * least) & (not in_slivers)
         marks[keys] = False
         if fine and not marks.any():
             break
@@ -207,7 +208,7 @@ def in_closed_form(problem: Problem, plan: Problem, marks: NDArray[np.bool_]) ->
         told, keys, blocks, least = far(plan, more), more, found, way.cost
         again = filled(problem, way, keys, stands_in) or again
         best = min(best, again, key=lambda each: each.cost)
-        missed = best.cost <= AS_LITTLE * least
+        off = best.cost <= AS_LITTLE * least
     improve(problem, best, FINE)
     if is_in_slivers(best) and not stands_in and (torn or (missed and best.cost >= CLOSE * least)):
         best = min(best, planned_in_fine(problem), key=lambda each: each.cost)

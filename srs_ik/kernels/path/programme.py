@@ -82,19 +82,19 @@ def length_of(e, settings):
 
 @kernel
 def reach_of(strip, rules, least):
-    """How far apart postures may be for a step from a strip to be continuous, and cheaper than what is known."""
+    """Square of how far postures may be for a step from a strip to be continuous, and cheaper than what is known."""
     longest = rules.settings[7 * BY_CONTINUITY]
     room = max(least - strip[STRIP_LEAST], 0.0)
     if rules.settings[7 * INVERSE_SPEED] != 0.0:
-        return min(longest, room / rules.settings[7 * LEAST_INVERSE])
-    return math.sqrt(min(room / rules.share, 7.0 * longest * longest))
+        return min(longest, room / rules.settings[7 * LEAST_INVERSE]) ** 2
+    return min(room / rules.share, 7.0 * longest * longest)
 
 
 @kernel
-def is_beyond(low, high, strip, reach, settings):
-    """Whether what is between joint angles low and high is farther than that from all postures of a strip."""
+def is_beyond(low, high, strip, most, settings):
+    """Whether what is between joint angles low and high is farther, squared, than that from all postures of a strip."""
     together = settings[7 * INVERSE_SPEED] == 0.0
-    total, most = 0.0, reach * reach
+    total = 0.0
     for k in range(7):
         j = (3, 1, 5, 0, 2, 4, 6)[k]
         off = abs(step_of(settings, j, 0.5 * (strip[j] + strip[7 + j]), 0.5 * (low[j] + high[j])))
@@ -116,17 +116,22 @@ def try_row(q, pages, i, last, e, rules, found):
 
 
 @kernel
-def may_be_cheaper(pages, i, last, distance, rules, least):
-    """Whether between row i of a strip and the next one there may be a way that costs less, by distance alone."""
-    nodes, cost = pages.nodes, pages.cost
+def lowest(pages, i, last):
+    """What no posture between row i of a strip and the next one costs less than."""
+    if i == last:
+        return pages.cost[i]
+    return min(pages.cost[i], pages.cost[i + 1]) - 0.25 * pages.nodes[i * NODE + NODE_SAG]
+
+
+@kernel
+def may_be_cheaper(pages, i, last, distance, rules, room):
+    """Whether a step from between row i of a strip and the next one may cost less than that, by distance alone."""
+    nodes = pages.nodes
     following = min(i + 1, last)
-    lowest = min(cost[i], cost[following])
-    if following > i:
-        lowest -= 0.25 * nodes[i * NODE + NODE_SAG]
     closest = max(distance - (nodes[following * NODE + NODE_WAY] - nodes[i * NODE + NODE_WAY]), 0.0)
     if rules.settings[7 * INVERSE_SPEED] != 0.0:
-        return lowest + rules.settings[7 * LEAST_INVERSE] * closest < least
-    return lowest + rules.share * closest * closest < least
+        return rules.settings[7 * LEAST_INVERSE] * closest < room
+    return rules.share * closest * closest < room
 
 
 @kernel
@@ -143,11 +148,16 @@ def try_strip(q, pages, strip, rules, found, hint):
         return found
     if first <= hint <= last:
         found = try_row(q, pages, hint, last, steps_between(settings, row(nodes, hint * NODE), q), rules, found)
-    reach = reach_of(box, rules, found[0])
-    if is_beyond(q, q, box, reach, settings):
+    square = reach_of(box, rules, found[0])
+    if is_beyond(q, q, box, square, settings):
         return found
+    reach = math.sqrt(square)
     i = first
     while i <= last:
+        room = found[0] - lowest(pages, i, last)
+        if not room > 0.0:
+            i += 1
+            continue
         e = steps_between(settings, row(nodes, i * NODE), q)
         distance = length_of(e, settings)
         if distance > reach:
@@ -159,11 +169,11 @@ def try_strip(q, pages, strip, rules, found, hint):
                 while i < last and nodes[(i + 1) * NODE + NODE_WAY] <= way:
                     i += 1
                 continue
-        if i != hint and may_be_cheaper(pages, i, last, distance, rules, found[0]):
+        if i != hint and may_be_cheaper(pages, i, last, distance, rules, room):
             better = try_row(q, pages, i, last, e, rules, found)
             if better[0] < found[0]:
                 found = better
-                reach = reach_of(box, rules, found[0])
+                reach = math.sqrt(reach_of(box, rules, found[0]))
         i += 1
     return found
 
