@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from srs_ik.kernels.entries import path_bound as entries
 from srs_ik.kernels.layout.path import HELD_LINKED, NODE_SAG, STRIP_FIRST, STRIP_LEAST
 from srs_ik.solve.path_blocks import Block, Carry, carried, through
-from srs_ik.solve.path_problem import EVERYWHERE, NEAR_SPACING, Problem, Stopped, Way
+from srs_ik.solve.path_problem import EVERYWHERE, NEAR_SPACING, Problem, Stopped, Way, steps_of
 
 Array = NDArray[np.float64]
 Marks = NDArray[np.bool_]
@@ -62,6 +62,7 @@ def find_narrow(
     keys: NDArray[np.int64],
     blocks: list[Block],
     rest: Rest,
+    more: Marks | None = None,
     asked: Problem | None = None,
 ) -> tuple[Way, list[Block]]:
     """The best way through fine strips of what a path may touch that costs as little as is asked for, and these strips.
@@ -71,12 +72,19 @@ def find_narrow(
         keys: (k,) the poses that count.
         blocks: their strips, as they were planned.
         rest: what a path costs from their postures on, by `costs_to_end`, and what it may cost.
+        more: (n,) other poses that count then.
         asked: what is asked for in fine strips, and how fine they are, if it is more than by `problem`.
     """
     parts = [kept(block, costs, rest.most) for block, costs in zip(blocks, rest.after, strict=True)]
     rows, poses = np.vstack([part.rows for part in parts]), np.concatenate([part.poses for part in parts])
-    free = np.split(rows, np.searchsorted(poses, np.arange(1, len(problem.T))))
+    free: list[Array | None] = list(np.split(rows, np.searchsorted(poses, np.arange(1, len(problem.T)))))
     told = replace(problem, radius=EVERYWHERE) if asked is None else asked
+    if more is not None and more.any():
+        near, radius = between(problem, keys, blocks, rest)
+        told = replace(told, near=near, radius=np.where(more, radius, EVERYWHERE))
+        for i in np.flatnonzero(more):
+            free[i] = None
+        keys = np.union1d(keys, np.flatnonzero(more))
     found, fine = through(replace(told, free=free), keys, False)
     # Intervals that are cut have ends that are none of the strip.
     strips = np.vstack([part.strips for part in parts])
@@ -187,3 +195,29 @@ def kept(block: Block, after: Array, most: float) -> Part:
     of = np.searchsorted(lasts, first)
     intervals = np.column_stack([branches[first], angles[first], angles[last]])
     return Part(intervals, block.poses()[first], np.column_stack([angles[firsts[of]], angles[lasts[of]]]))
+
+
+def worse(problem: Problem, way: Way, keys: NDArray[np.int64], q: Array) -> Marks:
+    """(n,) the poses between planned ones, q being the postures planned there, where a path costs more than planned."""
+    more = above_plan(problem, way, keys, q)
+    return from_keys(more > more.max(initial=0.0) / 8.0, keys, len(way.q))
+
+
+def dear(problem: Problem, way: Way, keys: NDArray[np.int64], left: float) -> Marks:
+    """(n,) from which planned poses to the next a path costs more than straight steps would, but for so much in all."""
+    more = above_plan(problem, way, keys, way.q[keys])
+    order = np.argsort(more)
+    some = np.zeros(len(more), np.bool_)
+    some[order[np.cumsum(more[order]) > left]] = True
+    return from_keys(some, keys, len(way.q))
+
+
+def above_plan(problem: Problem, way: Way, keys: NDArray[np.int64], q: Array) -> Array:
+    """(k - 1,) what a path costs from each planned pose to the next above straight steps between the postures q."""
+    costs = np.append(0.0, np.cumsum((steps_of(problem, way.q) ** 2).sum(axis=1)))
+    return costs[keys[1:]] - costs[keys[:-1]] - (steps_of(problem, q) ** 2).sum(axis=1) / np.diff(keys)
+
+
+def from_keys(some: Marks, keys: NDArray[np.int64], n: int) -> Marks:
+    """(n,) the poses from some planned ones on to the next."""
+    return np.append(some, False)[np.searchsorted(keys, np.arange(n), side="right") - 1]

@@ -16,9 +16,9 @@ from srs_ik.kernels.layout.path import BREAK, BY_CONTINUITY, HELD_LINKED
 from srs_ik.solve.path_around import BESIDE, find_at, search_around, wider
 from srs_ik.solve.path_blocks import find_way, held_in, through
 from srs_ik.solve.path_bridges import bridged
-from srs_ik.solve.path_narrow import costs_to_end, find_narrow, held_below, held_between
+from srs_ik.solve.path_narrow import costs_to_end, dear, find_narrow, held_below, held_between, worse
 from srs_ik.solve.path_polish import FINE, ROUGHLY, WIDTHS, improve
-from srs_ik.solve.path_problem import EVERYWHERE, FINE_SPACING, Problem, Way, steps_of, worth
+from srs_ik.solve.path_problem import EVERYWHERE, FINE_SPACING, Problem, Way, copy, steps_of, worth
 
 Array = NDArray[np.float64]
 
@@ -49,6 +49,9 @@ CLOSE = 1.002
 
 AS_LITTLE = 0.9999
 """A path that costs less than so much of its plan says that strips miss what it does."""
+
+FAR_ABOVE = 1.02
+"""A path that costs so many times its plan is bettered first by poses between planned ones, in coarse strips."""
 
 ROUNDS = 4
 """Poses between planned ones are planned too so often at most, where a path does something of its own there."""
@@ -185,34 +188,37 @@ def in_closed_form(problem: Problem, plan: Problem, marks: NDArray[np.bool_]) ->
     missed = best.cost <= AS_LITTLE * least
     if not problem.even and (missed or best.cost >= CLOSE * least):
         return (search_around(problem, best), None) if best.cost < AS_PLANNED * least else (best, problem)
-    again, fine, torn, off = best, False, False, missed
+    if best.cost < CLOSE * least and not missed:
+        improve(problem, best, FINE)
+        return best, None
+    again, torn, fine = best, False, False
     in_slivers = missed and is_in_slivers(best) and not stands_in
     for _ in range(ROUNDS):
-        if best.cost < (AS_PLANNED if fine else CLOSE) * least and (fine or not off):
-            break
         marks = dear(problem, again, keys, LEFT * least) & (not in_slivers)
         marks[keys] = False
-        if fine and not marks.any():
+        if fine and (best.cost < AS_PLANNED * least or not marks.any()):
             break
         rest = costs_to_end(told, blocks, max(best.cost, CLOSE * least))
-        if marks.any():
-            marks[keys] = True
-            more = np.flatnonzero(marks)
+        if fine or (marks.any() and best.cost > FAR_ABOVE * least and again is best):
+            more = np.union1d(keys, np.flatnonzero(marks))
             way, found = through(far(held_between(told, keys, blocks, rest), more), more, False)
         else:
-            more, fine = keys, True
-            way, found = find_narrow(told, keys, blocks, rest)
+            more = np.union1d(keys, np.flatnonzero(marks))
+            way, found = find_narrow(told, keys, blocks, rest, marks)
+            fine = True
         torn = not is_whole(way, more)
         if torn:
             break
-        told, keys, blocks, least = far(plan, more), more, found, way.cost
-        again = filled(problem, way, keys, stands_in) or again
+        value = way.cost
+        again = filled(problem, way, more, stands_in) or copy(again)
+        if fine:
+            # Beside postures of finer strips, chords of coarse ones cost too much: they tell of a better path alone.
+            told, keys, blocks, least = far(plan, more), more, found, value
         best = min(best, again, key=lambda each: each.cost)
-        off = best.cost <= AS_LITTLE * least
     improve(problem, best, FINE)
     if is_in_slivers(best) and not stands_in and (torn or (missed and best.cost >= CLOSE * least)):
         best = min(best, planned_in_fine(problem), key=lambda each: each.cost)
-    if best.cost < (AS_PLANNED if fine else CLOSE) * least:
+    if best.cost < AS_PLANNED * least:
         return search_around(problem, best) if torn else best, None
     if stands_in:
         return best, problem
@@ -309,32 +315,6 @@ def fill(problem: Problem, way: Way, keys: NDArray[np.int64]) -> NDArray[np.bool
     told = problem.family, problem.T, keys, way.reached, problem.settings
     entries.fill_between(*told, *place, missed, *problem.work())
     return missed
-
-
-def worse(problem: Problem, way: Way, keys: NDArray[np.int64], q: Array) -> NDArray[np.bool_]:
-    """(n,) the poses between planned ones, q being the postures planned there, where a path costs more than planned."""
-    more = above_plan(problem, way, keys, q)
-    return from_keys(more > more.max(initial=0.0) / 8.0, keys, len(way.q))
-
-
-def dear(problem: Problem, way: Way, keys: NDArray[np.int64], left: float) -> NDArray[np.bool_]:
-    """(n,) from which planned poses to the next a path costs more than straight steps would, but for so much in all."""
-    more = above_plan(problem, way, keys, way.q[keys])
-    order = np.argsort(more)
-    some = np.zeros(len(more), np.bool_)
-    some[order[np.cumsum(more[order]) > left]] = True
-    return from_keys(some, keys, len(way.q))
-
-
-def above_plan(problem: Problem, way: Way, keys: NDArray[np.int64], q: Array) -> Array:
-    """(k - 1,) what a path costs from each planned pose to the next above straight steps between the postures q."""
-    costs = np.append(0.0, np.cumsum((steps_of(problem, way.q) ** 2).sum(axis=1)))
-    return costs[keys[1:]] - costs[keys[:-1]] - (steps_of(problem, q) ** 2).sum(axis=1) / np.diff(keys)
-
-
-def from_keys(some: NDArray[np.bool_], keys: NDArray[np.int64], n: int) -> NDArray[np.bool_]:
-    """(n,) the poses from some planned ones on to the next."""
-    return np.append(some, False)[np.searchsorted(keys, np.arange(n), side="right") - 1]
 
 
 def planned_everywhere(problem: Problem, plan: Problem) -> Way:

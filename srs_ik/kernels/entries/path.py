@@ -50,9 +50,10 @@ from srs_ik.kernels.path.corridor import corridor, put_on_poses
 from srs_ik.kernels.path.edges import path_cost
 from srs_ik.kernels.path.followed import write_sides
 from srs_ik.kernels.path.pose_strips import list_strips, pose_strips
-from srs_ik.kernels.path.programme import advance, cheapest, first_costs, rules_for, step_back, unbounded
+from srs_ik.kernels.path.programme import advance, cheapest, first_costs, step_back, unbounded
 from srs_ik.kernels.path.smoothing import smooth
 from srs_ik.kernels.path.splits import put_split
+from srs_ik.kernels.path.steps import rules_for
 from srs_ik.kernels.path.strips import DEEPEST, GRID, SPACING, put_node
 
 MOST_NODES = 4096
@@ -313,8 +314,7 @@ def refine(family, poses, chain, fixed, bounds, widths, enough, seed, settings, 
     """Move the postures of a path, in place, to the best ones near them.
 
     `widths` (m,) are those of the corridors, one after the other. Where squared joint steps are all that counts, all
-    arm angles move at once in the end, until no more than a part `enough` of the cost is left to gain; with 0 they do
-    not.
+    arm angles move at once in the end, until a part `enough` of the cost is left to gain; with 0 they do not.
     The others are those of `corridor`. Returns the cost.
     """
     space = Space(J, A)

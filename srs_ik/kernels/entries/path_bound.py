@@ -33,9 +33,9 @@ from srs_ik.kernels.path.cells import SLACK, put_cell
 from srs_ik.kernels.path.corridor import spot_of
 from srs_ik.kernels.path.cover import cover_pose, cut_cell
 from srs_ik.kernels.path.followed import along_cell
-from srs_ik.kernels.path.programme import advance, first_costs, leave_out, rules_for
+from srs_ik.kernels.path.programme import advance, first_costs, leave_out
 from srs_ik.kernels.path.relaxed import GROUP, advance_cell, write_groups
-from srs_ik.kernels.path.steps import MOST_CORNERS, reach_cell
+from srs_ik.kernels.path.steps import MOST_CORNERS, reach_cell, rules_for
 from srs_ik.kernels.path.strips import DEEPEST
 
 

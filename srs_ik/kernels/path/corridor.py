@@ -31,8 +31,9 @@ from srs_ik.kernels.limb.triangle import place
 from srs_ik.kernels.path.followed import ON_LIMIT, along_cell, posture_of, read_side, settled
 from srs_ik.kernels.path.near_strips import direction, moved_along, setting_of
 from srs_ik.kernels.path.pose_strips import list_strips
-from srs_ik.kernels.path.programme import advance, cheapest, copied, first_costs, rules_for, step_back
+from srs_ik.kernels.path.programme import advance, cheapest, first_costs, step_back
 from srs_ik.kernels.path.splits import along_split, split_of
+from srs_ik.kernels.path.steps import copied, rules_for
 from srs_ik.kernels.path.strips import put_node
 
 WIDTH = 2

@@ -26,14 +26,12 @@ from srs_ik.kernels.layout.path import (
     NODE_BRANCH,
     NODE_SAG,
     NODE_WAY,
-    SETTINGS,
     STRIP,
     STRIP_FIRST,
     STRIP_LAST,
     STRIP_LEAST,
     TOO_FAST,
     Pages,
-    Rules,
 )
 from srs_ik.kernels.path.followed import along_cell
 from srs_ik.kernels.path.steps import kept, moved_on, product, step_cost, step_of, step_value, steps_between
@@ -211,29 +209,6 @@ def cheapest(cost, first, last):
         if cost[i] < cost[best]:
             best = i
     return best
-
-
-@kernel
-def scale_settings(settings, between, scaled):
-    """Write the settings for a step over so many poses: as many times as fast, and twice as far at most."""
-    for j in range(7):
-        scaled[7 * BY_VELOCITY + j] = settings[7 * BY_VELOCITY + j] * between
-        scaled[7 * BY_CONTINUITY + j] = settings[7 * BY_CONTINUITY + j] * min(between, 2)
-
-
-@kernel
-def copied(settings, scaled):
-    """The settings once more, where there is room for them."""
-    for k in range(7 * SETTINGS):
-        scaled[k] = settings[k]
-    return scaled
-
-
-@kernel
-def rules_for(settings, scaled, between, limited):
-    """What a step over so many poses counts; `scaled` are the settings with room for its speeds."""
-    scale_settings(settings, between, scaled)
-    return Rules(scaled, limited, 1.0 / between)
 
 
 @kernel
