@@ -315,6 +315,18 @@ def test_velocity_limits_are_kept_where_a_motion_that_keeps_them_is_known(name, 
     assert (path.steps**2).sum() <= (np.diff(known, axis=0) ** 2).sum()
 
 
+@pytest.mark.parametrize(
+    ("name", "motion", "seeded", "value"), [("human_arm", 51176, False, 1.52554), ("iiwa14", 51275, True, 0.591405)]
+)
+def test_postures_between_planned_poses_hide_no_better_path(name, motion, seeded, value):
+    """Beside fine strips, chords of coarse ones seem to cost more than they do: paths of these values are known."""
+    arm = load(name)
+    known = motion_of_benchmark(arm, name, "singular", motion)
+    path = arm.solve_path(poses_of(arm, known), seed=known[0] if seeded else None)
+    assert path
+    assert path.value <= value
+
+
 def test_a_path_with_a_slightly_smaller_largest_step_is_found():
     """None has steps below 0.97 of the first path's; one has steps below 0.995."""
     arm = load("iiwa14")
