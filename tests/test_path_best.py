@@ -305,7 +305,7 @@ def test_a_path_beside_the_chords_of_coarse_strips_is_found(name, motion, count)
     ],
 )
 def test_velocity_limits_are_kept_where_a_motion_that_keeps_them_is_known(name, kind, motion, seeded):
-    """Between postures of coarse strips, steps seem faster than they are; closing postures next to limits moves them."""
+    """Steps along coarse strips seem faster than they are, and closing postures next to limits moves them."""
     arm = load(name)
     known = motion_of_benchmark(arm, name, kind, motion)
     dt = 1.05 * float((np.abs(np.diff(known, axis=0)) / arm.velocity_limit).max())

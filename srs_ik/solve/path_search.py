@@ -174,7 +174,8 @@ def leaps_of(problem: Problem, way: Way) -> NDArray[np.bool_]:
 def in_closed_form(problem: Problem, plan: Problem, marks: NDArray[np.bool_]) -> tuple[Way | None, Problem | None]:
     """A path planned on an exact limb at the poses that are marked, filled in between; and what is left to plan.
 
-    Where it costs more than planned, strips are made finer first: it may be their chords that cost less.
+    Where it costs more than planned, it may be that chords of strips cost less, or that poses between planned ones do
+    not let the path pass so straight. So strips are made finer, and such poses are planned too, from round to round.
     """
     keys, stands_in = np.flatnonzero(marks), plan is not problem
     told = far(plan, keys)
@@ -199,11 +200,10 @@ def in_closed_form(problem: Problem, plan: Problem, marks: NDArray[np.bool_]) ->
         if fine and (best.cost < AS_PLANNED * least or not marks.any()):
             break
         rest = costs_to_end(told, blocks, max(best.cost, CLOSE * least))
+        more = np.union1d(keys, np.flatnonzero(marks))
         if fine or (marks.any() and best.cost > FAR_ABOVE * least and again is best):
-            more = np.union1d(keys, np.flatnonzero(marks))
             way, found = through(far(held_between(told, keys, blocks, rest), more), more, False)
         else:
-            more = np.union1d(keys, np.flatnonzero(marks))
             way, found = find_narrow(told, keys, blocks, rest, marks)
             fine = True
         torn = not is_whole(way, more)
