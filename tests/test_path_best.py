@@ -301,10 +301,11 @@ def test_a_path_beside_the_chords_of_coarse_strips_is_found(name, motion, count)
         ("gen3", "cross", 6009, False),
         ("gen3", "cross", 38004, False),
         pytest.param("rm75", "limits", 32001, True, marks=pytest.mark.files),
+        pytest.param("human_left", "limits", 38000, True, marks=pytest.mark.files),
     ],
 )
-def test_velocity_limits_of_a_near_arm_are_kept_where_a_motion_that_keeps_them_is_known(name, kind, motion, seeded):
-    """Between postures of coarse strips, steps seem faster than they are."""
+def test_velocity_limits_are_kept_where_a_motion_that_keeps_them_is_known(name, kind, motion, seeded):
+    """Steps along coarse strips seem faster than they are, and closing postures next to limits moves them."""
     arm = load(name)
     known = motion_of_benchmark(arm, name, kind, motion)
     dt = 1.05 * float((np.abs(np.diff(known, axis=0)) / arm.velocity_limit).max())
@@ -312,6 +313,18 @@ def test_velocity_limits_of_a_near_arm_are_kept_where_a_motion_that_keeps_them_i
     assert path
     assert (np.abs(path.steps) <= arm.velocity_limit * dt * (1.0 + 1e-9)).all()
     assert (path.steps**2).sum() <= (np.diff(known, axis=0) ** 2).sum()
+
+
+@pytest.mark.parametrize(
+    ("name", "motion", "seeded", "value"), [("human_arm", 51176, False, 1.52554), ("iiwa14", 51275, True, 0.591405)]
+)
+def test_postures_between_planned_poses_hide_no_better_path(name, motion, seeded, value):
+    """Beside fine strips, chords of coarse ones seem to cost more than they do: paths of these values are known."""
+    arm = load(name)
+    known = motion_of_benchmark(arm, name, "singular", motion)
+    path = arm.solve_path(poses_of(arm, known), seed=known[0] if seeded else None)
+    assert path
+    assert path.value <= value
 
 
 def test_a_path_with_a_slightly_smaller_largest_step_is_found():

@@ -16,6 +16,7 @@ from srs_ik.kernels.layout.answer import ROW
 from srs_ik.kernels.layout.path import (
     BY_CONTINUITY,
     BY_VELOCITY,
+    ENDLESS,
     INVERSE_PERIOD,
     INVERSE_SPEED,
     LEAST_INVERSE,
@@ -27,7 +28,9 @@ from srs_ik.solve.path_aims import best
 from srs_ik.solve.path_aims import closed as closed_way
 from srs_ik.solve.path_bound import least_largest, least_sum
 from srs_ik.solve.path_breaks import PathBreak, breaks_of
-from srs_ik.solve.path_problem import LARGEST_STEP, OBJECTIVES, TIME, Problem, Way, objective_of, steps_of, worth
+from srs_ik.solve.path_limited import keeps_limits
+from srs_ik.solve.path_polish import keep_limits
+from srs_ik.solve.path_problem import LARGEST_STEP, OBJECTIVES, TIME, Problem, Way, copy, objective_of, steps_of, worth
 from srs_ik.solve.path_rows import off_pose, rows_of
 from srs_ik.solve.path_timing import passing_times
 from srs_ik.solve.pose import solve
@@ -235,7 +238,14 @@ def _found(find: Callable[[Problem], Way], problem: Problem) -> tuple[Way, Array
     held = _with_held_splits(problem)
     if held is not None:
         way = min(way, find(held), key=lambda way: worth(problem, way))
-    return way, rows_of(problem, way)
+    slow = problem.limited and problem.even and keeps_limits(problem, way)
+    rows = rows_of(problem, way)
+    if slow and not keeps_limits(problem, way):
+        # Taken to their poses, postures next to limits have moved farther than was left of the velocity limits; they
+        # stay now, and those beside them make room.
+        keep_limits(problem, way, copy(way))
+        rows = rows_of(problem, way)
+    return way, rows
 
 
 def _with_held_splits(problem: Problem) -> Problem | None:
@@ -289,6 +299,7 @@ def _settings(arm: PackedArm, dt: float | None, longest_step: float, objective: 
     endless = np.isinf(arm.lower) & np.isinf(arm.upper)
     settings[PERIOD, endless] = 2.0 * np.pi
     settings[INVERSE_PERIOD, endless] = 0.5 / np.pi
+    settings[ENDLESS] = endless.any()
     return settings
 
 

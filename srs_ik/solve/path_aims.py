@@ -11,8 +11,17 @@ from srs_ik.kernels.layout.path import BREAK, BY_CONTINUITY, BY_VELOCITY, INVERS
 from srs_ik.solve.path_blocks import find_way
 from srs_ik.solve.path_limited import search
 from srs_ik.solve.path_polish import WIDTHS, polish, refine
-from srs_ik.solve.path_problem import LARGEST_STEP, SUM_OF_SQUARES, Problem, Way, steps_of, worth
-from srs_ik.solve.path_search import EVERYWHERE, may_be_fine
+from srs_ik.solve.path_problem import (
+    EVERYWHERE,
+    FINE_SPACING,
+    LARGEST_STEP,
+    SUM_OF_SQUARES,
+    Problem,
+    Way,
+    steps_of,
+    worth,
+)
+from srs_ik.solve.path_search import may_be_fine
 from srs_ik.solve.path_timing import passing_times
 
 Array = NDArray[np.float64]
@@ -85,11 +94,11 @@ def smaller(problem: Problem, way: Way, part: float) -> Way | None:
     settings[BY_CONTINUITY] = np.minimum(settings[BY_CONTINUITY], ALMOST * largest)
     slower = replace(problem, settings=settings, limited=True, objective=SUM_OF_SQUARES)
     if may_be_fine(problem):
-        slower = replace(slower, radius=EVERYWHERE)
+        slower = replace(slower, radius=EVERYWHERE, spacing=FINE_SPACING)
     other = find_way(slower, np.flatnonzero(way.reached), False)
     if other.cost >= 0.5 * BREAK:
         return None
-    refine(slower, other, WIDTHS, False)
+    refine(slower, other, WIDTHS, 0.0)
     polish(problem, other)
     return other if worth(problem, other) < worth(problem, way) else None
 

@@ -76,7 +76,8 @@ class Block:
             *p.known_before(),
             *p.allowed(),
             p.near,
-            p.radius,
+            np.full(len(p.T), p.radius),
+            np.full(len(p.T), p.spacing),
             p.seed,
             *answer,
         )

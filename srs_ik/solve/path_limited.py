@@ -16,8 +16,8 @@ from srs_ik.kernels.layout.path import BREAK
 from srs_ik.solve.path_blocks import KEPT, find_way, through
 from srs_ik.solve.path_narrow import costs_to_end, find_narrow, held_below
 from srs_ik.solve.path_polish import FINE, improve, keep_limits
-from srs_ik.solve.path_problem import JUST_ABOVE, Problem, Way, copy, too_fast, worth
-from srs_ik.solve.path_search import EVERYWHERE, finer, found
+from srs_ik.solve.path_problem import EVERYWHERE, FINE_SPACING, JUST_ABOVE, Problem, Way, copy, too_fast, worth
+from srs_ik.solve.path_search import finer, found
 
 DEAR = 1.02
 """A path that costs so many times what the best one does without velocity limits may not be the best with them."""
@@ -82,7 +82,8 @@ def found_below(problem: Problem, way: Way, most: float) -> Way:
             loose = finer(held_below(loose, keys, blocks, rest, most))
             other = find_way(replace(loose, limited=True), keys, False)
         else:
-            other = find_narrow(loose, keys, blocks, rest, way, replace(problem, radius=EVERYWHERE))
+            asked = replace(problem, radius=EVERYWHERE, spacing=FINE_SPACING)
+            other, _ = find_narrow(loose, keys, blocks, rest, asked=asked)
         if other.cost >= 0.5 * BREAK or not other.reached.all():
             break
         improve(problem, other, FINE)

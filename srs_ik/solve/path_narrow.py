@@ -14,8 +14,8 @@ from numpy.typing import NDArray
 
 from srs_ik.kernels.entries import path_bound as entries
 from srs_ik.kernels.layout.path import HELD_LINKED, NODE_SAG, STRIP_FIRST, STRIP_LEAST
-from srs_ik.solve.path_blocks import Block, Carry, carried, find_way
-from srs_ik.solve.path_problem import Problem, Stopped, Way
+from srs_ik.solve.path_blocks import Block, Carry, carried, through
+from srs_ik.solve.path_problem import EVERYWHERE, NEAR_SPACING, Problem, Stopped, Way, steps_of
 
 Array = NDArray[np.float64]
 Marks = NDArray[np.bool_]
@@ -23,11 +23,17 @@ Marks = NDArray[np.bool_]
 SAGGED = 0.25
 """Between two postures costs lie below those of both by at most this part of how far they sag."""
 
-FINE = 3.0
-"""Strips are fine so far around, rad: everywhere, for whole turns are left out."""
-
 AT_ENDS = 1e-9
 """Rounding of arm angles, rad."""
+
+WIDE_SPACING = 0.4
+"""Joints move no farther from one posture of a strip to the next, rad, where much of it may be touched."""
+
+ROOM = 0.05
+"""Postures between two of a strip are off their straight line by less than this, rad."""
+
+SPACED = 0.4
+"""About such postures, those of a strip are no farther apart than this part of how far around it is looked."""
 
 
 @dataclass
@@ -43,31 +49,43 @@ class Part:
 class Rest:
     """Of each block, what a path costs from each posture on (m, 2), and how far that sags to the next one.
 
-    Left out are postures through which no path leads that costs at most `most`.
+    Left out are postures through which no path leads that costs at most `most`; `least` is what the best one does.
     """
 
     after: list[Array]
     most: float
+    least: float
 
 
 def find_narrow(
-    problem: Problem, keys: NDArray[np.int64], blocks: list[Block], rest: Rest, way: Way, asked: Problem | None = None
-) -> Way:
-    """The best way through fine strips of what a path may touch that costs as little as is asked for.
+    problem: Problem,
+    keys: NDArray[np.int64],
+    blocks: list[Block],
+    rest: Rest,
+    more: Marks | None = None,
+    asked: Problem | None = None,
+) -> tuple[Way, list[Block]]:
+    """The best way through fine strips of what a path may touch that costs as little as is asked for, and these strips.
 
     Args:
         problem: the path that is asked for, on an exact limb.
         keys: (k,) the poses that count.
         blocks: their strips, as they were planned.
         rest: what a path costs from their postures on, by `costs_to_end`, and what it may cost.
-        way: the path at hand.
+        more: (n,) other poses that count then.
         asked: what is asked for in fine strips, and how fine they are, if it is more than by `problem`.
     """
     parts = [kept(block, costs, rest.most) for block, costs in zip(blocks, rest.after, strict=True)]
     rows, poses = np.vstack([part.rows for part in parts]), np.concatenate([part.poses for part in parts])
-    free = np.split(rows, np.searchsorted(poses, np.arange(1, len(problem.T))))
-    told = replace(problem, radius=FINE) if asked is None else asked
-    found = find_way(replace(told, near=way.q, free=free), keys, False)
+    free: list[Array | None] = list(np.split(rows, np.searchsorted(poses, np.arange(1, len(problem.T)))))
+    told = replace(problem, radius=EVERYWHERE) if asked is None else asked
+    if more is not None and more.any():
+        near, radius = between(problem, keys, blocks, rest)
+        told = replace(told, near=near, radius=np.where(more, radius, EVERYWHERE))
+        for i in np.flatnonzero(more):
+            free[i] = None
+        keys = np.union1d(keys, np.flatnonzero(more))
+    found, fine = through(replace(told, free=free), keys, False)
     # Intervals that are cut have ends that are none of the strip.
     strips = np.vstack([part.strips for part in parts])
     psi = found.psi[poses]
@@ -76,7 +94,40 @@ def find_narrow(
     np.minimum.at(found.bounds[:, 0], poses[own], np.where(strips[own, 0] > -np.pi, strips[own, 0], -np.inf))
     np.maximum.at(found.bounds[:, 1], poses[own], np.where(strips[own, 1] < np.pi, strips[own, 1], np.inf))
     found.bounds[found.bounds[:, 0] > found.bounds[:, 1]] = -np.inf, np.inf
-    return found
+    return found, fine
+
+
+def held_between(problem: Problem, keys: NDArray[np.int64], blocks: list[Block], rest: Rest) -> Problem:
+    """The problem with what a path may touch that costs so little: known at key poses, looked for alone between."""
+    near, radius = between(problem, keys, blocks, rest)
+    spacing = np.clip(SPACED * radius, NEAR_SPACING, WIDE_SPACING)
+    return replace(held_below(problem, keys, blocks, rest, rest.most), near=near, radius=radius, spacing=spacing)
+
+
+def between(problem: Problem, keys: NDArray[np.int64], blocks: list[Block], rest: Rest) -> tuple[Array, Array]:
+    """Postures (n, 7) about which a path is at every pose, and (n,) how far around, rad, if it costs so little.
+
+    One that is off the straight line between two key poses by d, k and l poses from them, costs d^2 (1/k + 1/l) more
+    than is known of it.
+    """
+    q, poses = [], []
+    for block, costs in zip(blocks, rest.after, strict=True):
+        rows, own = block.held()
+        some, _ = touched(block.linked(), block, costs, rest.most)
+        q.append(rows[some, :7])
+        poses.append(own[some])
+    where = np.concatenate(poses)
+    first = np.flatnonzero(np.diff(where, prepend=-1))
+    if len(first) < len(keys):
+        return np.zeros((len(problem.T), 7)), np.full(len(problem.T), EVERYWHERE)
+    low, high = (each.reduceat(np.concatenate(q), first) for each in (np.minimum, np.maximum))
+    n = np.arange(len(problem.T))
+    behind = np.searchsorted(keys, n)
+    before = behind - (keys[behind] > n)
+    low, high = np.minimum(low[before], low[behind]), np.maximum(high[before], high[behind])
+    k, m = n - keys[before], keys[behind] - n
+    off = np.sqrt(max(rest.most - rest.least, 0.0) * k * m / np.maximum(k + m, 1))
+    return 0.5 * (low + high), 0.5 * (high - low).max(axis=1) + off + ROOM
 
 
 def costs_to_end(problem: Problem, blocks: list[Block], most: float) -> Rest:
@@ -104,7 +155,7 @@ def costs_to_end(problem: Problem, blocks: list[Block], most: float) -> Rest:
             behind = carried(int(block.keys[block.first + at - 1]), rows[at], nodes, after, strips)
         first = ends[1, 0]
         found.append(np.column_stack([after[first:n], nodes[first:n, NODE_SAG]]))
-    return Rest(found[::-1], most)
+    return Rest(found[::-1], most, float(blocks[-1].costs()[0].min()))
 
 
 def held_below(problem: Problem, keys: NDArray[np.int64], blocks: list[Block], rest: Rest, most: float) -> Problem:
@@ -144,3 +195,29 @@ def kept(block: Block, after: Array, most: float) -> Part:
     of = np.searchsorted(lasts, first)
     intervals = np.column_stack([branches[first], angles[first], angles[last]])
     return Part(intervals, block.poses()[first], np.column_stack([angles[firsts[of]], angles[lasts[of]]]))
+
+
+def worse(problem: Problem, way: Way, keys: NDArray[np.int64], q: Array) -> Marks:
+    """(n,) the poses between planned ones, q being the postures planned there, where a path costs more than planned."""
+    more = above_plan(problem, way, keys, q)
+    return from_keys(more > more.max(initial=0.0) / 8.0, keys, len(way.q))
+
+
+def dear(problem: Problem, way: Way, keys: NDArray[np.int64], left: float) -> Marks:
+    """(n,) from which planned poses to the next a path costs more than straight steps would, but for so much in all."""
+    more = above_plan(problem, way, keys, way.q[keys])
+    order = np.argsort(more)
+    some = np.zeros(len(more), np.bool_)
+    some[order[np.cumsum(more[order]) > left]] = True
+    return from_keys(some, keys, len(way.q))
+
+
+def above_plan(problem: Problem, way: Way, keys: NDArray[np.int64], q: Array) -> Array:
+    """(k - 1,) what a path costs from each planned pose to the next above straight steps between the postures q."""
+    costs = np.append(0.0, np.cumsum((steps_of(problem, way.q) ** 2).sum(axis=1)))
+    return costs[keys[1:]] - costs[keys[:-1]] - (steps_of(problem, q) ** 2).sum(axis=1) / np.diff(keys)
+
+
+def from_keys(some: Marks, keys: NDArray[np.int64], n: int) -> Marks:
+    """(n,) the poses from some planned ones on to the next."""
+    return np.append(some, False)[np.searchsorted(keys, np.arange(n), side="right") - 1]

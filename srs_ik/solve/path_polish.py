@@ -40,24 +40,30 @@ BARRIERS = np.geomspace(0.3, 1e-7, 10)
 KEPT_BARRIERS = np.geomspace(0.1, 1e-6, 7)
 """The same where limits are kept, of which few are reached."""
 
+ENOUGH = 3e-7
+"""What may be left to gain by moving all postures, relative to all, by how gains shrink from step to step ..."""
+
+ROUGHLY = 1e-4
+"""... and where a path only tells what others may cost."""
+
 JUST_WITHIN = 1.0 - 1e-8
 """Of a limit; closing postures on their poses once more may take this much of it."""
 
 
-def improve(problem: Problem, way: Way, widths: Array = WIDTHS) -> None:
-    """Move the postures of a path, in place, to the best ones near them."""
+def improve(problem: Problem, way: Way, widths: Array = WIDTHS, enough: float = ENOUGH) -> None:
+    """Move the postures of a path, in place, to the best ones near them, or within a part `enough` of these."""
     if not way.reached.any():
         return
     if problem.even:
         planned = copy(way)
-        refine(replace(problem, limited=False), way, widths, True)
+        refine(replace(problem, limited=False), way, widths, enough)
         if way.cost > planned.cost + 0.5 * BREAK:
             # A step that was just short enough has become a break, which has a smaller sum.
             keep_limits(continuous(problem), way, copy(planned))
         if problem.limited and (too_fast(problem, way) > JUST_ABOVE).any():
             keep_limits(problem, way, planned)
         return
-    refine(problem, way, WIDTHS, False)
+    refine(problem, way, WIDTHS, 0.0)
     if problem.objective == TIME:
         polish(problem, way)
 
@@ -77,12 +83,12 @@ def keep_limits(problem: Problem, way: Way, planned: Way) -> None:
     """
     loose = breaks_in(problem, planned)
     starts = (way,) if np.array_equal(way.q, planned.q) else (way, planned)
-    refine(problem, planned, FINE, False)
+    refine(problem, planned, FINE, 0.0)
     slow = [slowed(problem, start, loose) for start in starts]
     if not any(keeps(problem, each, loose) for each in slow):
-        refine(problem, planned, FINE_WIDTHS, False)
+        refine(problem, planned, FINE_WIDTHS, 0.0)
     take(way, min((planned, *slow), key=lambda each: worth(problem, each)))
-    way.cost = entries.refine(*_told(problem, way, FINE, False), problem.limited, *_line(way), *problem.work())
+    way.cost = entries.refine(*_told(problem, way, FINE, 0.0), problem.limited, *_line(way), *problem.work())
 
 
 def keeps(problem: Problem, way: Way, loose: Breaks) -> bool:
@@ -135,9 +141,9 @@ def polish_kind(problem: Problem, way: Way, kind: int, scale: Array, loose: Brea
     entries.polish(problem.arm.family, *told, *_line(way), *problem.work())
 
 
-def refine(problem: Problem, way: Way, widths: Array, even: bool) -> None:
+def refine(problem: Problem, way: Way, widths: Array, enough: float) -> None:
     """Move the postures of a path, in place, through corridors of some widths, and all at once where that will do."""
-    way.cost = entries.refine(*_told(problem, way, widths, even), problem.limited, *_line(way), *problem.work())
+    way.cost = entries.refine(*_told(problem, way, widths, enough), problem.limited, *_line(way), *problem.work())
 
 
 def take(way: Way, other: Way) -> None:
@@ -146,10 +152,10 @@ def take(way: Way, other: Way) -> None:
     way.reached, way.cost = other.reached, other.cost
 
 
-def _told(problem: Problem, way: Way, widths: Array, even: bool) -> tuple[object, ...]:
+def _told(problem: Problem, way: Way, widths: Array, enough: float) -> tuple[object, ...]:
     chain = np.flatnonzero(way.reached)
     fixed = problem.has_known | (way.branch < 0)
-    return problem.arm.family, problem.T, chain, fixed, way.bounds, widths, even, problem.seed, problem.settings
+    return problem.arm.family, problem.T, chain, fixed, way.bounds, widths, enough, problem.seed, problem.settings
 
 
 def _line(way: Way) -> tuple[Array, Array, NDArray[np.int64]]:

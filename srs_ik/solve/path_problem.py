@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import TYPE_CHECKING
@@ -42,6 +42,15 @@ JUST_ABOVE = 1.0 + 1e-9
 """Of a limit; what is above breaks it."""
 
 
+EVERYWHERE = 4.0
+"""Farther than any joint angle from any other, whole turns left out, rad."""
+
+FINE_SPACING = 0.05
+"""Joints move no farther from one posture of a strip to the next, rad, where strips are fine everywhere ..."""
+
+NEAR_SPACING = 0.1
+"""... and where a path is nearly the best."""
+
 ROOM_OF_ENDS = 1e-9
 ROOM_OF_BENDS = 2e-7
 """So far are limits drawn out where intervals are looked for, rad; the second one where an elbow is as good as flat."""
@@ -64,16 +73,17 @@ class Problem:
         known: (n, 7) postures that are given.
         has_known: (n,) where they are.
         near: (n, 7) postures around which strips are finer.
+        spacing: of fine strips, rad, of all or of each (n,): joints move no farther from a posture to the next.
         held: (h, HELD) postures that are known already.
         held_of: (h,) to which poses they belong, in order.
         held_alone: (n,) where they are all postures of their pose, and not some that strips miss; None: nowhere.
-        radius: how far around, rad; 0: nowhere.
+        radius: how far around, rad, of all or of each (n,); 0: nowhere.
         objective: what is to be least.
         in_closed_form: whether to go by the nearest exact limb of a near one.
         acceleration: (7,) limits of joint accelerations, rad/s^2, within which the time is to be least; None: none.
         stop: (1,) set by another thread where nobody wants the answer any more.
         around: what must not be touched; None for nothing.
-        free: with it, of each pose the (k, 3) intervals that keep clear of it.
+        free: of each pose the (k, 3) intervals that strips may have, None for all; with `around`, those clear of it.
     """
 
     arm: PackedArm
@@ -84,7 +94,8 @@ class Problem:
     known: Array
     has_known: NDArray[np.bool_]
     near: Array
-    radius: float = 0.0
+    radius: float | Array = 0.0
+    spacing: float | Array = NEAR_SPACING
     objective: str = SUM_OF_SQUARES
     in_closed_form: bool = False
     acceleration: Array | None = None
@@ -93,7 +104,7 @@ class Problem:
     held_of: NDArray[np.int64] = field(default_factory=lambda: np.empty(0, np.int64))
     held_alone: NDArray[np.bool_] | None = None
     around: Surroundings | None = None
-    free: list[Array] | None = None
+    free: Sequence[Array | None] | None = None
 
     @cached_property
     def family(self) -> Array:
@@ -110,13 +121,15 @@ class Problem:
         return (None, None) if self.in_closed_form else self.arm.work()
 
     def allowed(self) -> tuple[Array, NDArray[np.int64]]:
-        """(m, 3) the only intervals that strips may have, and (n + 1,) the first of each pose; (0,) where all are."""
+        """(m, 3) the only intervals that strips may have, and (n, 2) which of them a pose has; (0, 2) where all are."""
         if self.free is None:
-            return np.empty((0, 3)), np.empty(0, np.int64)
-        ends = np.cumsum([0, *(len(rows) for rows in self.free)])
-        return np.ascontiguousarray(np.concatenate([np.empty((0, 3)), *self.free])), ends
+            return np.empty((0, 3)), np.empty((0, 2), np.int64)
+        last = np.cumsum([0 if rows is None else len(rows) for rows in self.free])
+        ends = np.column_stack([np.append(0, last[:-1]), last])
+        ends[[rows is None for rows in self.free]] = -1
+        return np.concatenate([np.empty((0, 3)), *(rows for rows in self.free if rows is not None)]), ends
 
-    def reordered(self, order: Iterable[int]) -> list[Array] | None:
+    def reordered(self, order: Iterable[int]) -> list[Array | None] | None:
         """`free` of the poses in another order."""
         return None if self.free is None else [self.free[i] for i in order]
 

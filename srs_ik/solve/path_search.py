@@ -16,9 +16,9 @@ from srs_ik.kernels.layout.path import BREAK, BY_CONTINUITY, HELD_LINKED
 from srs_ik.solve.path_around import BESIDE, find_at, search_around, wider
 from srs_ik.solve.path_blocks import find_way, held_in, through
 from srs_ik.solve.path_bridges import bridged
-from srs_ik.solve.path_narrow import costs_to_end, find_narrow, held_below
-from srs_ik.solve.path_polish import FINE, WIDTHS, improve
-from srs_ik.solve.path_problem import Problem, Way, steps_of, worth
+from srs_ik.solve.path_narrow import costs_to_end, dear, find_narrow, held_below, held_between, worse
+from srs_ik.solve.path_polish import FINE, ROUGHLY, WIDTHS, improve
+from srs_ik.solve.path_problem import EVERYWHERE, FINE_SPACING, Problem, Way, copy, steps_of, worth
 
 Array = NDArray[np.float64]
 
@@ -31,9 +31,6 @@ FINE_POSES = 256
 PARTS = np.array([0.25, 0.5, 0.75])
 FARTHEST = 0.1
 """Where strips of a near limb are fine, postures at these parts of the way are put between two, so far off it, rad."""
-
-EVERYWHERE = 4.0
-"""Farther than any joint angle from any other, whole turns left out, rad."""
 
 ROUNDED = 1e-4
 """Joints of a near limb that are off those of its nearest exact one by less than this, rad, are so by rounding."""
@@ -52,6 +49,15 @@ CLOSE = 1.002
 
 AS_LITTLE = 0.9999
 """A path that costs less than so much of its plan says that strips miss what it does."""
+
+FAR_ABOVE = 1.02
+"""A path that costs so many times its plan is bettered first by poses between planned ones, in coarse strips."""
+
+ROUNDS = 4
+"""Poses between planned ones are planned too so often at most, where a path does something of its own there."""
+
+LEFT = 0.002
+"""What poses between planned ones add to the cost of a path may be left out up to this part of all."""
 
 SLIVER = 1e-4
 """An interval of arm angles that is narrower than this, rad, lies between a limit and a singular posture."""
@@ -168,36 +174,61 @@ def leaps_of(problem: Problem, way: Way) -> NDArray[np.bool_]:
 def in_closed_form(problem: Problem, plan: Problem, marks: NDArray[np.bool_]) -> tuple[Way | None, Problem | None]:
     """A path planned on an exact limb at the poses that are marked, filled in between; and what is left to plan.
 
-    Where it costs more than planned, strips are made finer first: it may be their chords that cost less.
+    Where it costs more than planned, it may be that chords of strips cost less, or that poses between planned ones do
+    not let the path pass so straight. So strips are made finer, and such poses are planned too, from round to round.
     """
     keys, stands_in = np.flatnonzero(marks), plan is not problem
     told = far(plan, keys)
     way, blocks = through(told, keys, False)
-    if way.cost >= 0.5 * BREAK or not way.reached[keys].all():
+    if not is_whole(way, keys):
         return None, problem
     least = way.cost
     best = filled(problem, way, keys, stands_in)
     if best is None:
         return None, problem
     missed = best.cost <= AS_LITTLE * least
-    if best.cost < CLOSE * least and not missed:
-        return best, None
-    if not problem.even:
+    if not problem.even and (missed or best.cost >= CLOSE * least):
         return (search_around(problem, best), None) if best.cost < AS_PLANNED * least else (best, problem)
-    rest = costs_to_end(told, blocks, max(best.cost, CLOSE * least))
-    way = find_narrow(told, keys, blocks, rest, best)
-    joined = way.cost < 0.5 * BREAK and bool(way.reached[keys].all())
-    if joined:
-        least = way.cost
-        again = filled(problem, way, keys, stands_in)
-        best = again if again is not None and again.cost < best.cost else best
-    if is_in_slivers(best) and not stands_in and (not joined or (missed and best.cost >= CLOSE * least)):
+    if best.cost < CLOSE * least and not missed:
+        improve(problem, best, FINE)
+        return best, None
+    again, torn, fine = best, False, False
+    in_slivers = missed and is_in_slivers(best) and not stands_in
+    for _ in range(ROUNDS):
+        marks = dear(problem, again, keys, LEFT * least) & (not in_slivers)
+        marks[keys] = False
+        if fine and (best.cost < AS_PLANNED * least or not marks.any()):
+            break
+        rest = costs_to_end(told, blocks, max(best.cost, CLOSE * least))
+        more = np.union1d(keys, np.flatnonzero(marks))
+        if fine or (marks.any() and best.cost > FAR_ABOVE * least and again is best):
+            way, found = through(far(held_between(told, keys, blocks, rest), more), more, False)
+        else:
+            way, found = find_narrow(told, keys, blocks, rest, marks)
+            fine = True
+        torn = not is_whole(way, more)
+        if torn:
+            break
+        value = way.cost
+        again = filled(problem, way, more, stands_in) or copy(again)
+        if fine:
+            # Beside postures of finer strips, chords of coarse ones cost too much: they tell of a better path alone.
+            told, keys, blocks, least = far(plan, more), more, found, value
+        best = min(best, again, key=lambda each: each.cost)
+    improve(problem, best, FINE)
+    if is_in_slivers(best) and not stands_in and (torn or (missed and best.cost >= CLOSE * least)):
         best = min(best, planned_in_fine(problem), key=lambda each: each.cost)
     if best.cost < AS_PLANNED * least:
-        return best if joined else search_around(problem, best), None
+        return search_around(problem, best) if torn else best, None
     if stands_in:
         return best, problem
-    return best, replace(held_below(told, keys, blocks, rest, best.cost), settings=problem.settings)
+    rest = costs_to_end(told, blocks, best.cost)
+    return best, replace(held_between(told, keys, blocks, rest), settings=problem.settings)
+
+
+def is_whole(way: Way, keys: NDArray[np.int64]) -> bool:
+    """Whether a path is planned at all of some poses, without a break."""
+    return way.cost < 0.5 * BREAK and bool(way.reached[keys].all())
 
 
 def is_in_slivers(way: Way) -> bool:
@@ -227,7 +258,7 @@ def filled(problem: Problem, way: Way, keys: NDArray[np.int64], stands_in: bool)
             return None
     missed = fill(problem, way, keys)
     if not missed.any():
-        improve(problem, way, WIDTHS if stands_in else FINE)
+        improve(problem, way, WIDTHS if stands_in else FINE, ROUGHLY)
         return way
     if stands_in:
         return None
@@ -236,7 +267,7 @@ def filled(problem: Problem, way: Way, keys: NDArray[np.int64], stands_in: bool)
     way = find_at(problem, way, wider(missed, BESIDE))
     if way.cost >= 0.5 * BREAK or not way.reached.all():
         return None
-    improve(problem, way, FINE)
+    improve(problem, way, FINE, ROUGHLY)
     return way
 
 
@@ -286,15 +317,6 @@ def fill(problem: Problem, way: Way, keys: NDArray[np.int64]) -> NDArray[np.bool
     return missed
 
 
-def worse(problem: Problem, way: Way, keys: NDArray[np.int64], q: Array) -> NDArray[np.bool_]:
-    """(n,) the poses between planned ones, q being the postures planned there, where a path costs more than planned."""
-    apart = np.diff(keys)
-    costs = np.append(0.0, np.cumsum((steps_of(problem, way.q) ** 2).sum(axis=1)))
-    more = costs[keys[1:]] - costs[keys[:-1]] - (steps_of(problem, q) ** 2).sum(axis=1) / apart
-    some = np.append(more > more.max(initial=0.0) / 8.0, False)
-    return some[np.searchsorted(keys, np.arange(len(way.q)), side="right") - 1]
-
-
 def planned_everywhere(problem: Problem, plan: Problem) -> Way:
     """A path planned at every pose, with postures that strips miss and with breaks where there is no other way.
 
@@ -310,7 +332,7 @@ def planned_everywhere(problem: Problem, plan: Problem) -> Way:
         least, joined = way.cost, False
         improve(problem, way)
         if problem.even and fine is plan and problem.work()[0] is None and way.cost >= AS_PLANNED * least:
-            other = find_narrow(problem, keys, blocks, costs_to_end(problem, blocks, way.cost), way)
+            other, _ = find_narrow(problem, keys, blocks, costs_to_end(problem, blocks, way.cost))
             joined = other.cost < 0.5 * BREAK
             if joined:
                 improve(problem, other)
@@ -339,7 +361,7 @@ def planned_everywhere(problem: Problem, plan: Problem) -> Way:
 def fine_everywhere(problem: Problem, keys: NDArray[np.int64]) -> Problem:
     """The problem with fine strips at all key poses."""
     if problem.work()[0] is None:
-        return replace(problem, radius=EVERYWHERE)
+        return replace(problem, radius=EVERYWHERE, spacing=FINE_SPACING)
     return finer(held_in(problem, keys, through(problem, keys, False)[1]))
 
 

@@ -45,14 +45,15 @@ from srs_ik.kernels.limb.branches import branch_of
 from srs_ik.kernels.limb.limits import TURN
 from srs_ik.kernels.limb.poses import read7, read_pose
 from srs_ik.kernels.limb.triangle import place
-from srs_ik.kernels.path.between import between_two, follow_on, pose_change
+from srs_ik.kernels.path.between import between_two, follow_on, pose_change, write_own_bounds
 from srs_ik.kernels.path.corridor import corridor, put_on_poses
 from srs_ik.kernels.path.edges import path_cost
 from srs_ik.kernels.path.followed import write_sides
 from srs_ik.kernels.path.pose_strips import list_strips, pose_strips
-from srs_ik.kernels.path.programme import advance, cheapest, first_costs, rules_for, step_back
+from srs_ik.kernels.path.programme import advance, cheapest, first_costs, step_back, unbounded
 from srs_ik.kernels.path.smoothing import smooth
 from srs_ik.kernels.path.splits import put_split
+from srs_ik.kernels.path.steps import rules_for
 from srs_ik.kernels.path.strips import DEEPEST, GRID, SPACING, put_node
 
 MOST_NODES = 4096
@@ -113,6 +114,7 @@ def sweep(
     allowed_ends,
     near,
     radius,
+    spacing,
     seed,
     settings,
     limited,
@@ -139,9 +141,10 @@ def sweep(
         held_ends: (n + 1,) the first of each pose.
         held_alone: (n,) where they are all there are.
         allowed: (m, 3) the only intervals that strips may have, one pose after the other: branch, lower and upper end.
-        allowed_ends: (n + 1,) the first of each pose; (0,): strips may have all.
+        allowed_ends: (n, 2) the first of each pose and one behind its last, -1: it may have all; (0, 2): all may.
         near: (n, 7) postures around which strips are finer.
-        radius: how far around, rad; 0: nowhere.
+        radius: (n,) how far around, rad; 0: nowhere.
+        spacing: (n,) how far joints move there from one posture of a strip to the next at most, rad.
         seed: (7,) posture before the first one, or None.
         settings: (SETTINGS, 7).
         limited: whether there are velocity limits.
@@ -172,7 +175,7 @@ def sweep(
             break
         pose = keys[i]
         if allowed_ends.shape[0] > 0:
-            given[0], given[1] = allowed_ends[pose], allowed_ends[pose + 1]
+            given[0], given[1] = allowed_ends[pose, 0], allowed_ends[pose, 1]
         ends[at, 0] = n
         ends[at, 2] = m
         if has_known[pose]:
@@ -180,7 +183,7 @@ def sweep(
             n += 1
         else:
             if not held_alone[pose]:
-                around = Around(read7(row(near, pose)), radius)
+                around = Around(read7(row(near, pose)), radius[pose], spacing[pose])
                 stamp[0] += 1.0
                 n = pose_strips(family, row(poses, pose), around, sheet, n, desk, J, A)
             for k in range(held_ends[pose], held_ends[pose + 1]):
@@ -200,6 +203,7 @@ def sweep(
                 first_costs(sheet, now, seed, told)
             else:
                 before = Span(ends[last, 0], ends[last, 1], ends[last, 2], ends[last, 3])
+                unbounded(cost, now)
                 advance(sheet, before, now, rules_for(told, scaled, pose - carried, limited), exact)
             carried = pose
             last = at
@@ -267,7 +271,8 @@ def go_back(keys, first, count, following, settings, limited, nodes, cost, strip
 def fill_between(family, poses, keys, reached, settings, q, psi, branch, bounds, missed, J, A):
     """Fill in the poses between key poses that are reached: postures near the straight line from one to the other.
 
-    Marks in `missed` where there is none, and writes the point of that line; other arguments as in `go_back`.
+    Strips may have been cut: those of an exact limb have the ends of their intervals behind it. Marks in `missed` where
+    there is none, and writes the point of that line; other arguments as in `go_back`.
     """
     course = Course(poses, keys, reached, bounds, np.empty((0, SIDE)))
     line = Line(q, psi, branch)
@@ -280,6 +285,8 @@ def fill_between(family, poses, keys, reached, settings, q, psi, branch, bounds,
                     missed[i] = True
             last = -1
             continue
+        if A is None:
+            write_own_bounds(family, course, line, pose)
         if number > 0 and last < 0:
             for i in range(keys[number - 1] + 1, pose):
                 missed[i] = True
@@ -303,11 +310,12 @@ def course_of(family, course, branch, A):
 
 
 @entry
-def refine(family, poses, chain, fixed, bounds, widths, even, seed, settings, limited, q, psi, branch, J, A):
+def refine(family, poses, chain, fixed, bounds, widths, enough, seed, settings, limited, q, psi, branch, J, A):
     """Move the postures of a path, in place, to the best ones near them.
 
-    `widths` (m,) are those of the corridors, one after the other; `even` says whether squared joint steps are all that
-    counts, so that all arm angles move at once in the end. The others are those of `corridor`. Returns the cost.
+    `widths` (m,) are those of the corridors, one after the other. Where squared joint steps are all that counts, all
+    arm angles move at once in the end, until a part `enough` of the cost is left to gain; with 0 they do not.
+    The others are those of `corridor`. Returns the cost.
     """
     space = Space(J, A)
     course = course_of(family, Course(poses, chain, fixed, bounds, np.empty((0, SIDE))), branch, A)
@@ -325,8 +333,8 @@ def refine(family, poses, chain, fixed, bounds, widths, even, seed, settings, li
             psi[:] = psi_before
         else:
             lowest = total
-    if even:
-        lowest = smooth(family, course, line, seed, Aim(SQUARES, told, 0.0, np.empty(0, np.bool_)), told, space)
+    if enough > 0.0:
+        lowest = smooth(family, course, line, seed, Aim(SQUARES, told, enough, np.empty(0, np.bool_)), told, space)
         lowest = path_cost(chain, seed, told, False, q)
     return lowest
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from srs_ik.kernels.algebra.joint_vectors import dot7
 from srs_ik.kernels.algebra.pointers import keep, row
 from srs_ik.kernels.entries.path import MOST_NODES, MOST_STRIPS
 from srs_ik.kernels.exact.samples import MAX_SAMPLES
@@ -31,9 +32,10 @@ from srs_ik.kernels.limb.poses import read7
 from srs_ik.kernels.path.cells import SLACK, put_cell
 from srs_ik.kernels.path.corridor import spot_of
 from srs_ik.kernels.path.cover import cover_pose, cut_cell
-from srs_ik.kernels.path.programme import advance, first_costs, leave_out, rules_for
+from srs_ik.kernels.path.followed import along_cell
+from srs_ik.kernels.path.programme import advance, first_costs, leave_out
 from srs_ik.kernels.path.relaxed import GROUP, advance_cell, write_groups
-from srs_ik.kernels.path.steps import MOST_CORNERS, reach_cell
+from srs_ik.kernels.path.steps import MOST_CORNERS, reach_cell, rules_for
 from srs_ik.kernels.path.strips import DEEPEST
 
 
@@ -144,8 +146,11 @@ def relax(cells, ends, backward, settings, worth):
 
 
 @kernel
-def write_rooms(sheet, span, most, rooms):
-    """Write what a path may cost from the postures of a pose on, by what it costs up to them, and their links."""
+def write_rooms(sheet, span, most, rooms, rules, after):
+    """Write what a path may cost from the postures of a pose on, by what it costs up to them, and their links.
+
+    In `after` it is so much more as costs may sag towards the next posture.
+    """
     nodes = sheet.nodes
     for b in range(span.first_strip, span.last_strip):
         first, last = int(sheet.strips[b, STRIP_FIRST]), int(sheet.strips[b, STRIP_LAST])
@@ -153,6 +158,11 @@ def write_rooms(sheet, span, most, rooms):
             sheet.linked[i] = i < last
             sag = max(nodes[i, NODE_SAG], nodes[i - 1, NODE_SAG] if i > first else 0.0)
             rooms[i] = most - sheet.cost[i] + 0.25 * sag
+            sag = 0.0
+            for k in range(max(i - 1, first), min(i, last - 1) + 1):
+                d = along_cell(row(nodes, k), row(nodes, k + 1))
+                sag = max(sag, rules.share * dot7(d, d))
+            after[i] = rooms[i] + 0.25 * sag
 
 
 @entry
@@ -189,13 +199,14 @@ def costs_to_end(keys, first, count, behind, most, stop, settings, limited, node
         if ends[at, 0] == ends[at, 1] or stop[0]:
             continue
         now = Span(ends[at, 0], ends[at, 1], ends[at, 2], ends[at, 3])
-        write_rooms(forth, now, most, rooms)
         pose = keys[first + at - 1]
+        rules = rules_for(told, scaled, max(carried - pose, 1), limited)
+        write_rooms(forth, now, most, rooms, rules, after)
         if carried < 0:
             first_costs(sheet, now, None, told)
         else:
             before = Span(ends[last, 0], ends[last, 1], ends[last, 2], ends[last, 3])
-            advance(sheet, before, now, rules_for(told, scaled, carried - pose, limited), False)
+            advance(sheet, before, now, rules, False)
         leave_out(sheet, now, rooms)
         last, carried = at, pose
     keep(scales)

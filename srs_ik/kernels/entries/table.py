@@ -85,15 +85,15 @@ optimum.posture(family, T, rows: float[n, SAMPLE], run: float[RUN], x: float, re
 optimum.interval(family, T, rows: float[n, SAMPLE], run: float[RUN]) -> (float, float)
 path.choose_keys(family, poses, has_known: bool[n], keys: bool[n]&, verdicts: int[n]&)
 path.sweep(family, poses, keys: int[k], first, carried: int, stop: byte[1], known: float[n, 7], has_known: bool[n],
-    held: float[h, HELD], held_ends: int[u], held_alone: bool[n], allowed: float[a, 3], allowed_ends: int[i],
-    near: float[n, 7], radius: float, seed, settings, limited, exact: bool, J, A, nodes: float[N, NODE]&,
-    cost: float[N]&, strips: float[M, STRIP]&, ends: int[e, 4]&) -> (int, int)
+    held: float[h, HELD], held_ends: int[u], held_alone: bool[n], allowed: float[a, 3], allowed_ends: int[i, 2],
+    near: float[n, 7], radius: float[n], spacing: float[n], seed, settings, limited, exact: bool, J, A,
+    nodes: float[N, NODE]&, cost: float[N]&, strips: float[M, STRIP]&, ends: int[e, 4]&) -> (int, int)
 path.go_back(keys: int[k], first, count: int, following: int, settings, limited, nodes: float[N, NODE],
     cost: float[N], strips: float[M, STRIP], ends: int[e, 4], q: float[n, 7]&, psi: float[n]&, branch: int[n]&,
     bounds: float[n, 2]&) -> (int, float)
 path.fill_between(family, poses, keys: int[k], reached: bool[n]&, settings, q: float[n, 7]&, psi: float[n]&,
     branch: int[n]&, bounds: float[n, 2]&, missed: bool[n]&, J, A)
-path.refine(family, poses, chain: int[c], fixed: bool[n], bounds: float[n, 2], widths: float[m], even: bool, seed,
+path.refine(family, poses, chain: int[c], fixed: bool[n], bounds: float[n, 2], widths: float[m], enough: float, seed,
     settings, limited, q: float[n, 7]&, psi: float[n]&, branch: int[n]&, J, A) -> float
 path.finish(family, poses, chain: int[c], q: float[n, 7], psi: float[n], branch: int[n], J, A, out: float[n, ROW]&)
 path.polish(family, poses, chain: int[c], fixed: bool[n], loose: bool[c], bounds: float[n, 2], seed, settings,

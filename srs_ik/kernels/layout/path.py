@@ -64,11 +64,12 @@ PERIOD = 2
 INVERSE_PERIOD = 3
 INVERSE_SPEED = 4
 LEAST_INVERSE = 5
-SETTINGS = 6
+ENDLESS = 6
+SETTINGS = 7
 """Rows of the settings of a path, seven figures each: longest steps, a turn for joints without end or zero, 1 / it.
 
 Where the slowest joint counts in place of the squares of all: by what steps are multiplied, and the least of that;
-else zero. Kernels know them by a pointer to the first figure.
+else zero. And whether any joint turns without end. Kernels know them by a pointer to the first figure.
 """
 
 BREAK = 1e10
@@ -158,10 +159,11 @@ class Rules(NamedTuple):
 
 
 class Around(NamedTuple):
-    """Where strips are fine: about a posture, so far, rad; with 0, they are coarse everywhere."""
+    """Where strips are fine: about a posture, so far, joints so far apart, rad; with 0, they are coarse everywhere."""
 
     q: Any
     radius: float
+    spacing: float
 
 
 class Spot(NamedTuple):
@@ -210,6 +212,8 @@ class Space(NamedTuple):
 
 class Aim(NamedTuple):
     """What is made least: its kind, by which figures (7,) steps are multiplied, and the weight of limits.
+
+    Without limits, the weight is the part of all that may be left to gain.
 
     Steps that are `loose` (n,) are breaks, for which no limits hold.
     """

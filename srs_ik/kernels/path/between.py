@@ -90,6 +90,15 @@ def write_posture(line, i, here, angle, number):
 
 
 @kernel
+def write_own_bounds(family, course, line, i):
+    """Write the ends of the interval of the posture of a pose, if it has one."""
+    if line.branch[i] >= 0:
+        R, p, _ = read_pose(row(course.poses, i))
+        place_ = place(row(family, LIMITED), R, p)
+        write_bounds(family, place_, line.branch[i], line.psi[i], row(course.bounds, i))
+
+
+@kernel
 def write_bounds(family, place_, number, angle, bounds):
     """Write the ends of the interval around an arm angle."""
     bounds[0] = -math.inf

@@ -13,6 +13,7 @@ from srs_ik.kernels.chain.newton import CLOSED, STEPS, close_free
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.limb import LIMITED
 from srs_ik.kernels.layout.path import (
+    IMPOSSIBLE,
     NODE,
     NODE_PSI,
     SETTINGS,
@@ -30,8 +31,9 @@ from srs_ik.kernels.limb.triangle import place
 from srs_ik.kernels.path.followed import ON_LIMIT, along_cell, posture_of, read_side, settled
 from srs_ik.kernels.path.near_strips import direction, moved_along, setting_of
 from srs_ik.kernels.path.pose_strips import list_strips
-from srs_ik.kernels.path.programme import advance, cheapest, copied, first_costs, rules_for, step_back
+from srs_ik.kernels.path.programme import advance, cheapest, first_costs, step_back
 from srs_ik.kernels.path.splits import along_split, split_of
+from srs_ik.kernels.path.steps import copied, rules_for
 from srs_ik.kernels.path.strips import put_node
 
 WIDTH = 2
@@ -167,7 +169,7 @@ def corridor(family, course, line, width, seed, rules, space):
     chain = course.chain
     count = chain.shape[0]
     room = count * ACROSS
-    sheet = Sheet(np.empty((room, NODE)), np.ones(room, np.bool_), np.empty(room), np.empty((count, STRIP)))
+    sheet = Sheet(np.empty((room, NODE)), np.ones(room, np.bool_), np.full(room, IMPOSSIBLE), np.empty((count, STRIP)))
     ends = np.zeros(count + 1, np.int64)
     scales = np.empty(7 * SETTINGS)
     scaled = copied(rules.settings, row(scales, 0))

@@ -137,7 +137,7 @@ def cover_curves(family, T, spot, net, n, J, A):
     """Write the cells of a near limb's curves, between the postures of its strips; the next free row."""
     P = row(family, LIMITED)
     nodes, linked = net.sheet.nodes, net.sheet.linked
-    last = pose_strips(family, T, Around(NO_SEED, 0.0), net.sheet, 0, net.desk, J, A)
+    last = pose_strips(family, T, Around(NO_SEED, 0.0, 0.0), net.sheet, 0, net.desk, J, A)
     for i in range(last):
         if n >= net.cells.shape[0]:
             break

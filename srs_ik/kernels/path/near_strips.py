@@ -22,7 +22,7 @@ from srs_ik.kernels.limb.branches import branch_of
 from srs_ik.kernels.limb.goal import NO_SEED
 from srs_ik.kernels.limb.triangle import elbow_side
 from srs_ik.kernels.path.followed import turn_all
-from srs_ik.kernels.path.strips import NEAR_SPACING, SPACING, put_node
+from srs_ik.kernels.path.strips import SPACING, put_node
 
 MOST_PARTS = 16
 """A step of a followed curve is cut into so many at most."""
@@ -89,16 +89,16 @@ def take_line(P, spot, around, sheet, n, J, A):
     if not error < CLOSED:
         return n
     first = n
-    count = math.ceil(around.radius / NEAR_SPACING)
+    count = math.ceil(around.radius / around.spacing)
     by = setting_of(P, spot, J, A)
-    n = walk(P, by, (middle, -NEAR_SPACING, count), sheet, n)
+    n = walk(P, by, (middle, -around.spacing, count), sheet, n)
     for i in range((n - first) // 2):
         for j in range(NODE):
             here, there = sheet.nodes[first + i, j], sheet.nodes[n - 1 - i, j]
             sheet.nodes[first + i, j] = there
             sheet.nodes[n - 1 - i, j] = here
     put_node(sheet.nodes, n, middle, 0.0, branch_of(P, middle))
-    n = walk(P, by, (middle, NEAR_SPACING, count), sheet, n + 1)
+    n = walk(P, by, (middle, around.spacing, count), sheet, n + 1)
     for i in range(first, n):
         sheet.linked[i] = i + 1 < n
     return n

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from srs_ik.kernels.algebra.joint_vectors import along7, apart
+from srs_ik.kernels.algebra.joint_vectors import along7, dot7
 from srs_ik.kernels.algebra.pointers import row
 from srs_ik.kernels.chain.newton import arm_angle
 from srs_ik.kernels.exact.flat import is_as_good_as_flat
@@ -63,12 +63,7 @@ def pose_strips(family, T, around, sheet, n, desk, J, A):
     if not abs(place_[5]) < SOLVED:
         return n
     sides = (elbow_side(P, place_, 0), elbow_side(P, place_, 1))
-    if around.radius == 0.0:
-        return branch_strips(family, place_, sides, -1, around, sheet, n, desk)
-    for branch in range(8):
-        if may_be_near(P, sides[0] if branch < 4 else sides[1], branch, around):
-            n = branch_strips(family, place_, sides, branch, around, sheet, n, desk)
-    return n
+    return branch_strips(family, place_, sides, around, sheet, n, desk)
 
 
 @kernel
@@ -78,27 +73,27 @@ def roomy(family, place_):
 
 
 @kernel
-def allowed_intervals(family, place_, wanted, desk):
-    """Write the intervals of a branch, or of all (-1), into `desk.found`, of those that are given or of all."""
+def allowed_intervals(family, place_, desk):
+    """Write the intervals of all branches into `desk.found`, or those that are given."""
     if desk.given[0] < 0:
-        return find_intervals(roomy(family, place_), place_, wanted, desk.found)
-    n = 0
-    for i in range(desk.given[0], desk.given[1]):
-        if (wanted < 0 or int(desk.allowed[i, 0]) == wanted) and n < desk.found.shape[0]:
-            for k in range(3):
-                desk.found[n, k] = desk.allowed[i, k]
-            n += 1
-    return n
+        return find_intervals(roomy(family, place_), place_, -1, desk.found)
+    count = min(desk.given[1] - desk.given[0], desk.found.shape[0])
+    for i in range(count):
+        for k in range(3):
+            desk.found[i, k] = desk.allowed[desk.given[0] + i, k]
+    return count
 
 
 @kernel
-def branch_strips(family, place_, sides, wanted, around, sheet, n, desk):
-    """Write the postures of the intervals of a branch, or of all (-1); the next free row."""
+def branch_strips(family, place_, sides, around, sheet, n, desk):
+    """Write the postures of the intervals of all branches; the next free row."""
     P = row(family, LIMITED)
     splits = may_split(P, place_)
-    for i in range(allowed_intervals(family, place_, wanted, desk)):
+    for i in range(allowed_intervals(family, place_, desk)):
         branch = int(desk.found[i, 0])
         side = sides[0] if branch < 4 else sides[1]
+        if around.radius > 0.0 and not may_be_near(P, side, branch, around):
+            continue
         begin, end = desk.found[i, 1], desk.found[i, 2]
         if splits:
             begin, end = next_to_singular(P, side, begin), next_to_singular(P, side, end)
@@ -309,7 +304,8 @@ def list_strips(sheet, first, last, count):
         if i == start:
             nodes[i, NODE_WAY] = 0.0
         else:
-            nodes[i, NODE_WAY] = nodes[i - 1, NODE_WAY] + apart(row(nodes, i), row(nodes, i - 1))
+            d = along_cell(row(nodes, i - 1), row(nodes, i))
+            nodes[i, NODE_WAY] = nodes[i - 1, NODE_WAY] + math.sqrt(dot7(d, d))
         if sheet.linked[i] and i + 1 < last:
             continue
         if count < strips.shape[0]:

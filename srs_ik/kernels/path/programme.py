@@ -26,14 +26,12 @@ from srs_ik.kernels.layout.path import (
     NODE_BRANCH,
     NODE_SAG,
     NODE_WAY,
-    SETTINGS,
     STRIP,
     STRIP_FIRST,
     STRIP_LAST,
     STRIP_LEAST,
     TOO_FAST,
     Pages,
-    Rules,
 )
 from srs_ik.kernels.path.followed import along_cell
 from srs_ik.kernels.path.steps import kept, moved_on, product, step_cost, step_of, step_value, steps_between
@@ -54,7 +52,8 @@ def try_cell(e, a, b, ends, rules, found, place):
         t1, vb = 0.0, va
     elif va > vb + 0.5 * TOO_FAST:
         t0, va = 1.0, vb
-    t0, t1 = kept(e, d, t0, t1, settings, BY_CONTINUITY)
+    if largest(e) + largest(d) > settings[7 * BY_CONTINUITY]:
+        t0, t1 = kept(e, d, t0, t1, settings, BY_CONTINUITY)
     if t0 > t1:
         return found
     extra = 0.0
@@ -74,23 +73,34 @@ def try_cell(e, a, b, ends, rules, found, place):
 
 
 @kernel
-def reach_of(strip, rules, least):
-    """How far apart joints may be, rad, for a step from a strip to be continuous, and cheaper than what is known."""
-    reach = rules.settings[7 * BY_CONTINUITY]
-    room = least - strip[STRIP_LEAST]
-    if rules.settings[7 * INVERSE_SPEED] != 0.0:
-        return min(reach, max(room, 0.0) / rules.settings[7 * LEAST_INVERSE])
-    return math.sqrt(max(room, 0.0) / rules.share) if room < rules.share * reach * reach else reach
+def length_of(e, settings):
+    """How far apart postures are: all joints together, or the one that is farthest, if the time is what counts."""
+    return math.sqrt(product(e, e)) if settings[7 * INVERSE_SPEED] == 0.0 else largest(e)
 
 
 @kernel
-def is_beyond(q, strip, reach, settings):
-    """Whether a posture is farther than that from all postures of a strip."""
+def reach_of(strip, rules, least):
+    """Square of how far postures may be for a step from a strip to be continuous, and cheaper than what is known."""
+    longest = rules.settings[7 * BY_CONTINUITY]
+    room = max(least - strip[STRIP_LEAST], 0.0)
+    if rules.settings[7 * INVERSE_SPEED] != 0.0:
+        return min(longest, room / rules.settings[7 * LEAST_INVERSE]) ** 2
+    return min(room / rules.share, 7.0 * longest * longest)
+
+
+@kernel
+def is_beyond(low, high, strip, most, settings):
+    """Whether what is between joint angles low and high is farther, squared, than that from all postures of a strip."""
+    together = settings[7 * INVERSE_SPEED] == 0.0
+    total = 0.0
     for k in range(7):
         j = (3, 1, 5, 0, 2, 4, 6)[k]
-        off = abs(step_of(settings, j, 0.5 * (strip[j] + strip[7 + j]), q[j]))
-        if off > reach + 0.5 * (strip[7 + j] - strip[j]):
-            return True
+        off = abs(step_of(settings, j, 0.5 * (strip[j] + strip[7 + j]), 0.5 * (low[j] + high[j])))
+        off -= 0.5 * ((strip[7 + j] - strip[j]) + (high[j] - low[j]))
+        if off > 0.0:
+            total = total + off * off if together else max(total, off * off)
+            if total > most or off > settings[7 * BY_CONTINUITY]:
+                return True
     return False
 
 
@@ -104,17 +114,22 @@ def try_row(q, pages, i, last, e, rules, found):
 
 
 @kernel
-def may_be_cheaper(pages, i, last, distance, rules, least):
-    """Whether between row i of a strip and the next one there may be a way that costs less, by distance alone."""
-    nodes, cost = pages.nodes, pages.cost
+def lowest(pages, i, last):
+    """What no posture between row i of a strip and the next one costs less than."""
+    if i == last:
+        return pages.cost[i]
+    return min(pages.cost[i], pages.cost[i + 1]) - 0.25 * pages.nodes[i * NODE + NODE_SAG]
+
+
+@kernel
+def may_be_cheaper(pages, i, last, distance, rules, room):
+    """Whether a step from between row i of a strip and the next one may cost less than that, by distance alone."""
+    nodes = pages.nodes
     following = min(i + 1, last)
-    lowest = min(cost[i], cost[following])
-    if following > i:
-        lowest -= 0.25 * nodes[i * NODE + NODE_SAG]
     closest = max(distance - (nodes[following * NODE + NODE_WAY] - nodes[i * NODE + NODE_WAY]), 0.0)
     if rules.settings[7 * INVERSE_SPEED] != 0.0:
-        return lowest + rules.settings[7 * LEAST_INVERSE] * closest < least
-    return lowest + rules.share * closest * closest < least
+        return rules.settings[7 * LEAST_INVERSE] * closest < room
+    return rules.share * closest * closest < room
 
 
 @kernel
@@ -131,13 +146,18 @@ def try_strip(q, pages, strip, rules, found, hint):
         return found
     if first <= hint <= last:
         found = try_row(q, pages, hint, last, steps_between(settings, row(nodes, hint * NODE), q), rules, found)
-    reach = reach_of(box, rules, found[0])
-    if is_beyond(q, box, reach, settings):
+    square = reach_of(box, rules, found[0])
+    if is_beyond(q, q, box, square, settings):
         return found
+    reach = math.sqrt(square)
     i = first
     while i <= last:
+        room = found[0] - lowest(pages, i, last)
+        if not room > 0.0:
+            i += 1
+            continue
         e = steps_between(settings, row(nodes, i * NODE), q)
-        distance = largest(e)
+        distance = length_of(e, settings)
         if distance > reach:
             way = nodes[i * NODE + NODE_WAY] + (distance - reach)
             if nodes[last * NODE + NODE_WAY] < way:
@@ -147,11 +167,11 @@ def try_strip(q, pages, strip, rules, found, hint):
                 while i < last and nodes[(i + 1) * NODE + NODE_WAY] <= way:
                     i += 1
                 continue
-        if i != hint and may_be_cheaper(pages, i, last, distance, rules, found[0]):
+        if i != hint and may_be_cheaper(pages, i, last, distance, rules, room):
             better = try_row(q, pages, i, last, e, rules, found)
             if better[0] < found[0]:
                 found = better
-                reach = reach_of(box, rules, found[0])
+                reach = math.sqrt(reach_of(box, rules, found[0]))
         i += 1
     return found
 
@@ -160,18 +180,6 @@ def try_strip(q, pages, strip, rules, found, hint):
 def pages_of(sheet):
     """Postures, costs and strips of a sheet, which has to be kept, as pointers."""
     return Pages(row(sheet.nodes, 0), row(sheet.cost, 0), row(sheet.strips, 0))
-
-
-@kernel
-def boxes_meet(a, b, settings):
-    """Whether two strips may have postures no farther apart than a continuous step."""
-    reach = settings[7 * BY_CONTINUITY]
-    for k in range(7):
-        j = (3, 1, 5, 0, 2, 4, 6)[k]
-        middle = step_of(settings, j, 0.5 * (a[j] + a[7 + j]), 0.5 * (b[j] + b[7 + j]))
-        if abs(middle) > reach + 0.5 * ((a[7 + j] - a[j]) + (b[7 + j] - b[j])):
-            return False
-    return True
 
 
 @kernel
@@ -187,6 +195,13 @@ def leap(q, sheet, first, last, settings, found):
 
 
 @kernel
+def unbounded(cost, span):
+    """Write that the ways to the postures of a pose may cost what they want."""
+    for i in range(span.first, span.last):
+        cost[i] = IMPOSSIBLE
+
+
+@kernel
 def cheapest(cost, first, last):
     """The cheapest of the rows first to last - 1."""
     best = first
@@ -194,29 +209,6 @@ def cheapest(cost, first, last):
         if cost[i] < cost[best]:
             best = i
     return best
-
-
-@kernel
-def scale_settings(settings, between, scaled):
-    """Write the settings for a step over so many poses: as many times as fast, and twice as far at most."""
-    for j in range(7):
-        scaled[7 * BY_VELOCITY + j] = settings[7 * BY_VELOCITY + j] * between
-        scaled[7 * BY_CONTINUITY + j] = settings[7 * BY_CONTINUITY + j] * min(between, 2)
-
-
-@kernel
-def copied(settings, scaled):
-    """The settings once more, where there is room for them."""
-    for k in range(7 * SETTINGS):
-        scaled[k] = settings[k]
-    return scaled
-
-
-@kernel
-def rules_for(settings, scaled, between, limited):
-    """What a step over so many poses counts; `scaled` are the settings with room for its speeds."""
-    scale_settings(settings, between, scaled)
-    return Rules(scaled, limited, 1.0 / between)
 
 
 @kernel
@@ -303,39 +295,85 @@ def leave_out(sheet, span, rooms):
 
 @kernel
 def try_pair(pages, a, b, first_row, places, rules):
-    """Costs of the postures of strip b of a pose, whose rows begin there, by way of strip a of the pose before."""
+    """Costs of the postures of strip b of a pose, whose rows begin there, by way of strip a of the pose before.
+
+    Returned is the largest one of them.
+    """
     cost, strip = pages.cost, row(pages.strips, b * STRIP)
     hint = -1
+    most = 0.0
     for i in range(int(strip[STRIP_FIRST]), int(strip[STRIP_LAST]) + 1):
         k = i - first_row
         cost[i], places[k] = try_strip(row(pages.nodes, i * NODE), pages, a, rules, (cost[i], places[k]), hint)
+        most = max(most, cost[i])
         if places[k] >= 0.0:
             hint = int(places[k])
+    return most
+
+
+@kernel
+def try_all(pages, before, b, first_row, places, rules, most):
+    """`try_pair` with all strips of the pose before that cost less than `most`.
+
+    Those of the same branch are the likely ones: they come first, and others are left out by what these cost.
+    """
+    nodes, strips = pages.nodes, pages.strips
+    own, dearest = row(strips, b * STRIP), 0.0
+    for i in range(int(own[STRIP_FIRST]), int(own[STRIP_LAST]) + 1):
+        dearest = max(dearest, pages.cost[i])
+    most = min(most, dearest)
+    branch = nodes[int(own[STRIP_FIRST]) * NODE + NODE_BRANCH]
+    for turn in range(2):
+        for a in range(before.first_strip, before.last_strip):
+            strip = row(strips, a * STRIP)
+            same = nodes[int(strip[STRIP_FIRST]) * NODE + NODE_BRANCH] == branch
+            if same == (turn == 0) and strip[STRIP_LEAST] < most:
+                if not is_beyond(own, row(own, 7), strip, reach_of(strip, rules, most), rules.settings):
+                    most = min(most, try_pair(pages, a, b, first_row, places, rules))
+
+
+@kernel
+def try_beside(pages, before, now, places, rules):
+    """Costs of postures that are reached for more than they may cost, next to others: ways lead between both.
+
+    Those that are reached nowhere, or not for what they may cost, become impossible.
+    """
+    cost, strips = pages.cost, pages.strips
+    for b in range(now.first_strip, now.last_strip):
+        first, last = int(strips[b * STRIP + STRIP_FIRST]), int(strips[b * STRIP + STRIP_LAST])
+        follows = False
+        for i in range(first, last + 1):
+            k = i - now.first
+            reached = places[k] >= 0.0
+            if not reached:
+                hint = -1
+                if follows:
+                    hint = int(places[k - 1])
+                elif i < last and places[k + 1] >= 0.0:
+                    hint = int(places[k + 1])
+                found = (IMPOSSIBLE, -1.0)
+                if hint >= 0 and cost[i] < IMPOSSIBLE:
+                    for a in range(before.first_strip, before.last_strip):
+                        found = try_strip(row(pages.nodes, i * NODE), pages, a, rules, found, hint)
+                cost[i], places[k] = found
+            follows = reached
 
 
 @kernel
 def advance(sheet, before, now, rules, exact):
     """Costs of the postures of a pose, span `now`, from those of the pose before.
 
-    Unless `exact`, breaks come from the cheapest posture alone, and strips that need one more break than it go on
-    nowhere: a break there is as good.
+    What ways to them may cost at most is there already. Unless `exact`, breaks come from the cheapest posture alone,
+    and strips that need one more break than it go on nowhere: a break there is as good.
     """
-    nodes, cost, strips = sheet.nodes, sheet.cost, sheet.strips
+    nodes, cost = sheet.nodes, sheet.cost
     pages, places = pages_of(sheet), np.full(now.last - now.first, -1.0)
-    for i in range(now.first, now.last):
-        cost[i] = IMPOSSIBLE
     start = cheapest(cost, before.first, before.last)
     least = cost[start] + BREAK
     most = IMPOSSIBLE if exact else least
     for b in range(now.first_strip, now.last_strip):
-        own = nodes[int(strips[b, STRIP_FIRST]), NODE_BRANCH]
-        # Strips of the same branch first: they are the likely ones, and others are left out by what these cost.
-        for turn in range(2):
-            for a in range(before.first_strip, before.last_strip):
-                same = nodes[int(strips[a, STRIP_FIRST]), NODE_BRANCH] == own
-                if same == (turn == 0) and strips[a, STRIP_LEAST] < most:
-                    if boxes_meet(row(strips, a), row(strips, b), rules.settings):
-                        try_pair(pages, a, b, now.first, row(places, 0), rules)
+        try_all(pages, before, b, now.first, row(places, 0), rules, most)
+    try_beside(pages, before, now, row(places, 0), rules)
     if exact or cost[cheapest(cost, now.first, now.last)] > least:
         first, last = (before.first, before.last) if exact else (start, start + 1)
         for i in range(now.first, now.last):

@@ -36,11 +36,8 @@ SWEEPS = 24
 LONGEST_MOVE = 0.25
 """Longest move of a joint in one step, rad."""
 
-ENOUGH = 3e-7
-"""If less than this is left to gain, relative to all, by how gains shrink from step to step, one is the last ..."""
-
 ENOUGH_OF_WEIGHT = 0.02
-"""... and with a barrier one that gains less of its weight for each step of the path."""
+"""With a barrier, a step that gains less of its weight for each step of the path is the last one."""
 
 SLOWEST_GAINS = 0.98
 """Gains shrink to this part of the one before at most."""
@@ -291,8 +288,8 @@ def smooth(family, course, line, seed, aim, settings, space):
         ratio = min(gain / gain_before, SLOWEST_GAINS) if gain_before > 0.0 else SLOWEST_GAINS
         shrunk = max(ratio, ratio_before)
         gain_before, ratio_before = gain, ratio
-        left, enough = gain * shrunk / (1.0 - shrunk), ENOUGH * lowest
-        if aim.weight > 0.0:
+        left, enough = gain * shrunk / (1.0 - shrunk), aim.weight * lowest
+        if aim.kind != SQUARES:
             left, enough = gain, ENOUGH_OF_WEIGHT * n * aim.weight
         if left < enough:
             break

@@ -15,7 +15,7 @@ from srs_ik.kernels.layout.path import NODE_BRANCH, NODE_PSI
 from srs_ik.kernels.limb.goal import NO_SEED
 from srs_ik.kernels.limb.poses import read7
 from srs_ik.kernels.path.followed import settled
-from srs_ik.kernels.path.strips import NEAR_SPACING, SPACING, put_node
+from srs_ik.kernels.path.strips import SPACING, put_node
 
 SPLIT = 1e-7
 """Sine of a middle angle under which joints 1 and 3, or 5 and 7, turn against each other freely."""
@@ -88,7 +88,7 @@ def put_split(P, sheet, i, spacing, n):
 @kernel
 def put_splits(P, sheet, first, n, around):
     """Append the splits of the ends of the strips among rows first to n - 1; the next free row."""
-    spacing = SPACING if around.radius == 0.0 else NEAR_SPACING
+    spacing = SPACING if around.radius == 0.0 else around.spacing
     last = n
     for i in range(first, last):
         if i == first or not sheet.linked[i - 1] or not sheet.linked[i]:

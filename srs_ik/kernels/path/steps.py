@@ -11,8 +11,19 @@ import math
 
 from srs_ik.kernels.algebra.pointers import row
 from srs_ik.kernels.jit import kernel
-from srs_ik.kernels.layout.path import CELL_OFF, INVERSE_PERIOD, INVERSE_SPEED, PERIOD
+from srs_ik.kernels.layout.path import (
+    BY_CONTINUITY,
+    BY_VELOCITY,
+    CELL_OFF,
+    ENDLESS,
+    INVERSE_PERIOD,
+    INVERSE_SPEED,
+    PERIOD,
+    SETTINGS,
+    Rules,
+)
 from srs_ik.kernels.path.cells import cell_chord
+from srs_ik.kernels.path.followed import along_cell
 
 MOST_CORNERS = 40
 """Corners of a polygon, at most."""
@@ -36,6 +47,8 @@ def step_of(settings, j, a, b):
 @kernel
 def steps_between(settings, a, b):
     """The seven joint steps from a to b."""
+    if settings[7 * ENDLESS] == 0.0:
+        return along_cell(a, b)
     return (
         step_of(settings, 0, a[0], b[0]),
         step_of(settings, 1, a[1], b[1]),
@@ -69,6 +82,29 @@ def kept(e, d, t0, t1, settings, kind):
         t0 = max(t0, min(one, other))
         t1 = min(t1, max(one, other))
     return t0, t1
+
+
+@kernel
+def scale_settings(settings, between, scaled):
+    """Write the settings for a step over so many poses: as many times as fast, and twice as far at most."""
+    for j in range(7):
+        scaled[7 * BY_VELOCITY + j] = settings[7 * BY_VELOCITY + j] * between
+        scaled[7 * BY_CONTINUITY + j] = settings[7 * BY_CONTINUITY + j] * min(between, 2)
+
+
+@kernel
+def copied(settings, scaled):
+    """The settings once more, where there is room for them."""
+    for k in range(7 * SETTINGS):
+        scaled[k] = settings[k]
+    return scaled
+
+
+@kernel
+def rules_for(settings, scaled, between, limited):
+    """What a step over so many poses counts; `scaled` are the settings with room for its speeds."""
+    scale_settings(settings, between, scaled)
+    return Rules(scaled, limited, 1.0 / between)
 
 
 @kernel

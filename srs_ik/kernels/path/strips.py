@@ -37,12 +37,6 @@ from srs_ik.kernels.path.followed import posture_of, turn_all, turned_away
 SPACING = 0.45
 """Farthest that a joint moves between two postures of a strip, rad."""
 
-FINE_SPACING = 0.05
-"""The same where strips are fine everywhere ..."""
-
-NEAR_SPACING = 0.1
-"""... and next to a posture that is nearly the best."""
-
 GRID = 288
 """Arm angles all around at which the postures of all branches are worked out together, when one is asked for."""
 
@@ -184,11 +178,10 @@ def first_angles(P, side, lower, upper, targets):
 
 @kernel
 def widest_step(q, ahead, around):
-    """Joint step from a posture to the next above which there are others between, fine about a posture."""
+    """Joint step from a posture to the next above which there are others between, about a posture if one is given."""
     if around.radius == 0.0:
         return SPACING
-    fine = FINE_SPACING if around.radius > math.pi else NEAR_SPACING
-    return fine if turned_away(q, around.q) < around.radius + 2.0 * apart(ahead, q) else math.inf
+    return around.spacing if turned_away(q, around.q) < around.radius + 2.0 * apart(ahead, q) else math.inf
 
 
 @kernel
