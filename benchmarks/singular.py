@@ -36,7 +36,8 @@ WORSE = 1e-6
 """An answer farther from its seed by more than this, rad, than a known posture is a failure."""
 
 ON_LIMITS = 0.3
-"""Part of the cases with other joints on limits."""
+AROUND = 0.5
+"""Part of the cases with other joints on limits, and with a seed around their posture."""
 
 SWEPT = 360
 SPLITS = 240
@@ -111,10 +112,11 @@ def cases(
     rng: np.random.Generator,
     together: Sequence[tuple[int, ...]] = TOGETHER,
     limits: float = 0.0,
+    around: float = 0.0,
 ) -> Iterator[Case]:
     """Random cases whose posture keeps the limits, a part of them with joints on limits.
 
-    Half of the seeds are anywhere, the others around the posture.
+    A part of the seeds is around the posture, the others are anywhere.
     """
     angles = singular_angles(arm.limb)
     angles = {j: turned_into(arm, j, angle) for j, angle in angles.items()}
@@ -124,7 +126,7 @@ def cases(
     while made < count and together:
         joints, offset = together[rng.integers(len(together))], OFFSETS[rng.integers(len(OFFSETS))]
         q, on_limits = anywhere(arm, rng), ()
-        if rng.random() < limits:
+        if limits > 0.0 and rng.random() < limits:
             on_limits = put_on_limits(arm, q, [j for j in range(7) if j not in joints], rng)
         for joint in joints:
             there = angles[joint] + np.pi * (rng.random() < 0.2)
@@ -133,7 +135,7 @@ def cases(
             continue
         made += 1
         seed = anywhere(arm, rng)
-        if rng.random() < 0.5:
+        if around > 0.0 and rng.random() < around:
             seed = np.clip(q + 10.0 ** rng.uniform(-4.0, -0.3) * rng.uniform(-1.0, 1.0, 7), arm.lower, arm.upper)
         yield Case(q, arm.forward_kinematics(q).homogeneous, seed, joints, offset, on_limits)
 
@@ -351,7 +353,7 @@ def main(arguments: Sequence[str] | None = None) -> None:
     worst, failed, tried = -np.inf, 0, 0
     for arm, count in arms_of(given.robot, given.count, given.seed):
         known, rng = Known(arm), np.random.default_rng([given.seed, tried])
-        for case in cases(arm, count, rng, together, given.limits):
+        for case in cases(arm, count, rng, together, given.limits, AROUND):
             away, tried = farther(arm, known, case), tried + 1
             failed += away > WORSE
             worst = max(worst, away)
