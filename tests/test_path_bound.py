@@ -24,7 +24,7 @@ LONGEST = 30.0
 """Longer than any cell, rad."""
 
 MOST_ASKED = 400
-"""Of joints of many turns a sweep has thousands of postures, and a million cells: of more than so many, some are asked."""
+"""Of joints of many turns a sweep has thousands of postures, and there are a million cells: some of them are asked."""
 
 ARMS = ("iiwa14", "human_left", "sia10f", "openarm_left", "romeo_left")
 
