@@ -1,6 +1,7 @@
 """A near limb among bodies at nearly singular poses, where its branches meet: Pinocchio's check, and a brute sweep."""
 
 import numpy as np
+import pinocchio as pin
 import pytest
 from arms import generator
 from collision_oracle import Truth, file_of_and
@@ -63,3 +64,28 @@ def test_nothing_called_free_collides(among_things, number):
                 called += 1
                 assert not truth.collides(posture.q)
     assert called or not arm.intervals(T, scene=scene)
+
+
+@pytest.mark.parametrize(
+    ("name", "q"),
+    [
+        ("iiwa14", [-1.4794701996357582, 0, -0.9315040130915926, 1e-9, -1.91276253247124, 1e-9, -0.21845406696254388]),
+        ("human_arm", [1.0238148, -0.001, -2.0798146215, 0, -0.780810380133, -0.687784266952, 0.4197878439298]),
+        ("human_arm", [-0.1899063211, 1e-5, -2.600848085, 0, 0.93372981782, -0.001, -0.3270052367]),
+    ],
+)
+def test_every_free_interval_of_a_flat_elbow_has_its_posture(name, q):
+    arm = srs_ik.load(name)
+    scene = srs_ik.Scene()
+    if name == "iiwa14":
+        scene.add_half_space("floor", [0, 0, -0.5], [0, 0, 1])
+    T = arm.forward_kinematics(q)
+    free = arm.intervals(T, scene=scene)
+    found = arm.solve_all(T, scene=scene)
+    assert len(free) > 1
+    assert len(found) == len(free)
+    for solution in found:
+        error = pin.log6(T.actInv(arm.forward_kinematics(solution.q))).vector
+        assert np.abs(error).max() < 1e-9
+        assert (solution.q >= arm.lower).all()
+        assert (solution.q <= arm.upper).all()

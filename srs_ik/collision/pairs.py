@@ -5,6 +5,7 @@ from __future__ import annotations
 import hashlib
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from heapq import heapify, heappop, heappush
 from itertools import combinations
 from pathlib import Path
@@ -21,6 +22,7 @@ from srs_ik.robot.description.shapes import read_tree
 from srs_ik.robot.description.srdf import disabled_pairs
 
 if TYPE_CHECKING:
+    from srs_ik.collision.real import RealBodies
     from srs_ik.kinematics import ChainKinematics
     from srs_ik.robot.description.model import Drawing
 
@@ -187,14 +189,10 @@ class _Survey:
     """Bodies at random postures, and what that says of their pairs."""
 
     def __init__(self, arm: ChainKinematics, bodies: Sequence[Body]) -> None:
-        from srs_ik.collision.real import RealBodies, at_place
-
-        self._arm, self._bodies, self._placed = arm, bodies, at_place
-        self._real = RealBodies(bodies)
+        self._arm, self._bodies = arm, bodies
         self._lower = np.where(np.isfinite(arm.lower), arm.lower, -np.pi)
         self._upper = np.where(np.isfinite(arm.upper), arm.upper, np.pi)
         self._angles = np.random.default_rng(0).uniform(self._lower, self._upper, (POSTURES, 7))
-        self._postures = [self._frames(q, range(8)) for q in self._angles]
         frames = arm.joint_frames(np.zeros(7))
         # As the root of the robot sees them: no base changes how its links meet.
         self._zero = np.linalg.inv(frames[0]) @ frames
@@ -202,13 +200,18 @@ class _Survey:
         self._hops = np.linalg.norm(np.diff(self._zero[:, :3, 3], axis=0), axis=1)
         self._sizes = [_size(body) for body in bodies]
 
-    def _frames(self, q: Array, joints: Sequence[int]) -> dict[int, Any]:
-        """Where some joints are, 0 for the root, as coal's transforms."""
-        places = self._arm.joint_places(q, joints)
-        return {joint: self._placed(T) for joint, T in zip(joints, places, strict=True)}
+    @cached_property
+    def _real(self) -> RealBodies:
+        # Where all that is asked has been kept on disk, nobody needs the shapes.
+        from srs_ik.collision.real import RealBodies
 
-    def _frames_of(self, q: Array, i: int, j: int) -> dict[int, Any]:
-        return self._frames(q, (self._bodies[i].joint, self._bodies[j].joint))
+        return RealBodies(self._bodies)
+
+    def _frames(self, q: Array, i: int, j: int) -> dict[int, Any]:
+        """Where the joints of two bodies are, as `RealBodies` has it."""
+        joints = self._bodies[i].joint, self._bodies[j].joint
+        places = self._arm.joint_places(q, joints)
+        return {joint: self._real.at_place(T) for joint, T in zip(joints, places, strict=True)}
 
     def reason(self, i: int, j: int) -> str:
         """Why two bodies need not be watched; empty where they have to."""
@@ -229,7 +232,7 @@ class _Survey:
         kept = store.load(digest)
         if kept is None:
             angles = np.random.default_rng(1).uniform(self._lower, self._upper, (MANY, 7))
-            apart = all(not self._touch(self._frames_of(q, i, j), i, j) for q in angles)
+            apart = all(not self._touch(self._frames(q, i, j), i, j) for q in angles)
             kept = np.full((1, 4), float(apart))
             store.keep(digest, kept)
         return bool(kept[0, 0])
@@ -263,7 +266,7 @@ class _Survey:
 
             def distance(first: float, second: float) -> float:
                 q[joints] = first, second
-                frames = self._frames_of(q, i, j)
+                frames = self._frames(q, i, j)
                 hulls = self._real.hull_distance(frames, i, j)
                 return hulls if hulls > _AMPLE else self._real.distance(frames, i, j)
 
@@ -294,9 +297,17 @@ class _Survey:
         return float((np.linalg.norm(across, axis=1) + rows[:, 3]).max())
 
     def _always_touch(self, i: int, j: int) -> bool:
+        digest = self._digest(i, j, f"touch {POSTURES} {ALWAYS} {_HAIR}".encode())
+        kept = store.load(digest)
+        if kept is None:
+            kept = np.full((1, 4), float(self._touch_at_random(i, j)))
+            store.keep(digest, kept)
+        return bool(kept[0, 0])
+
+    def _touch_at_random(self, i: int, j: int) -> bool:
         free = 0
-        for frames in self._postures:
-            free += not self._touch(frames, i, j)
+        for q in self._angles:
+            free += not self._touch(self._frames(q, i, j), i, j)
             if free >= (1.0 - ALWAYS) * POSTURES:
                 return False
         return True
@@ -352,7 +363,7 @@ class _Survey:
             tries += 1
             q[joints] = 0.5 * (lower + upper)
             moves = 0.5 * (upper - lower) * reach
-            frames = self._frames_of(q, i, j)
+            frames = self._frames(q, i, j)
             distance = self._real.hull_distance(frames, i, j)
             if distance <= _AMPLE + moves.sum():
                 distance = self._real.distance(frames, i, j)

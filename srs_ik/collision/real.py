@@ -19,11 +19,6 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 
 
-def at_place(T: Any) -> Any:
-    """A pinocchio.SE3 as coal's transform."""
-    return coal.Transform3s(T.rotation, T.translation)
-
-
 class RealBodies:
     """Bodies of an arm, each as its parts and as the convex hull of these, to be placed by the frames of joints."""
 
@@ -33,6 +28,11 @@ class RealBodies:
         self._hulls = [hull(real_forms(body)) for body in bodies]
         self._request = coal.DistanceRequest()
         self._collide = coal.CollisionRequest()
+
+    @staticmethod
+    def at_place(T: Any) -> Any:
+        """A pinocchio.SE3 as coal's transform."""
+        return coal.Transform3s(T.rotation, T.translation)
 
     def hull_distance(self, frames: Mapping[int, Any], a: int, b: int) -> float:
         """Distance of the hulls of two bodies, m; not positive where they meet."""

@@ -19,7 +19,7 @@ from srs_ik.kernels.chain.answer import measure_row
 from srs_ik.kernels.chain.newton import arm_angle
 from srs_ik.kernels.collision.arcs import angles_of
 from srs_ik.kernels.collision.clearance import MOST_PARTS, resting_clearance, turning_clearance, widest_within
-from srs_ik.kernels.collision.free import best_of, forbidden_arcs, left_of
+from srs_ik.kernels.collision.free import forbidden_arcs, left_of
 from srs_ik.kernels.collision.march import march_all
 from srs_ik.kernels.collision.motion import CLEAR, look_along
 from srs_ik.kernels.collision.seen import World, see_balls, still_frames, turning_frames
@@ -28,7 +28,7 @@ from srs_ik.kernels.collision.shapes import NORMALS, Along, Shapes
 from srs_ik.kernels.exact.farthest import keep_branch
 from srs_ik.kernels.jit import entry, kernel
 from srs_ik.kernels.layout.answer import GOOD_POSE, MOST_INTERVALS, ROW_STATUS
-from srs_ik.kernels.layout.asked import Target
+from srs_ik.kernels.layout.asked import Goal, Target
 from srs_ik.kernels.layout.collision import (
     DRIFT,
     EDGE_AT,
@@ -51,6 +51,7 @@ from srs_ik.kernels.limb.goal import OUTSIDE
 from srs_ik.kernels.limb.limits import TURN
 from srs_ik.kernels.limb.poses import read7, read_pose
 from srs_ik.kernels.limb.triangle import place
+from srs_ik.kernels.pose.any_bend import best_of
 from srs_ik.kernels.pose.intervals import all_intervals
 from srs_ik.kernels.pose.solve import best_posture, own_seed, seed_or_zero
 
@@ -198,7 +199,11 @@ def best_within(family, T, found, n, branch, seed, seeded, respect, out):
     It is the one nearest to the seed where `seeded`, else the one farthest from the limits; branch -1 stands for all.
     """
     P = row(family, LIMITED)
-    return best_of(P, spot_of(P, T), found[:n], branch, (seeded, read7(seed), respect), row(out, 0))
+    spot, goal = spot_of(P, T), Goal(seeded, read7(seed), respect)
+    target = Target(spot.R, spot.p, spot.place)
+    q, best, lowest = best_of(family, target, found[:n], branch, goal)
+    measure_row(P, target, q, best, lowest, respect, row(out, 0))
+    return lowest
 
 
 @kernel
@@ -277,8 +282,10 @@ def solve_range(
             n = left_of(P, spot, found[:n], world, slack, left) if n > 0 else 0
             n = keep_branch(left, n, branch) if branch >= 0 else n
             if n > 0:
-                goal = (seeds is not None, seed_or_zero(seed), respect)
-                best_of(P, spot, left[:n], branch, goal, row(out, i))
+                goal = Goal(seeds is not None, seed_or_zero(seed), respect)
+                target = Target(R, p, spot.place)
+                q, best, lowest = best_of(family, target, left[:n], branch, goal)
+                measure_row(P, target, q, best, lowest, respect, row(out, i))
 
 
 @entry

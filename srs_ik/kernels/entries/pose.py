@@ -12,12 +12,11 @@ import numpy as np
 
 from srs_ik.kernels.algebra.pointers import row
 from srs_ik.kernels.chain.answer import measure_row
-from srs_ik.kernels.exact.farthest import farthest
 from srs_ik.kernels.jit import entry
 from srs_ik.kernels.layout.answer import GOOD_POSE, MAX_PIECES, MOST_INTERVALS, OK, ROW_STATUS
 from srs_ik.kernels.layout.asked import Goal, Target
 from srs_ik.kernels.layout.limb import LIMITED
-from srs_ik.kernels.limb.goal import NO_SEED, OUTSIDE
+from srs_ik.kernels.limb.goal import NO_SEED
 from srs_ik.kernels.limb.limits import set_limits
 from srs_ik.kernels.limb.poses import read7, read_pose
 from srs_ik.kernels.limb.triangle import place
@@ -25,7 +24,7 @@ from srs_ik.kernels.near.band import put_shift
 from srs_ik.kernels.near.intervals import best_of_true_intervals
 from srs_ik.kernels.near.led import lead_row
 from srs_ik.kernels.near.predicted_best import predicted_best_of_intervals
-from srs_ik.kernels.pose.any_bend import best_in_interval
+from srs_ik.kernels.pose.any_bend import best_of
 from srs_ik.kernels.pose.intervals import all_intervals
 from srs_ik.kernels.pose.self_motion import self_motion_rows
 from srs_ik.kernels.pose.solve import all_branches, own, own_seed, seed_or_zero, solve_row, solve_row_at
@@ -139,10 +138,7 @@ def solve_intervals(family, T, respect, J, A, out):
     found = np.empty((8 * MAX_PIECES, 3))
     n = all_intervals(family, target, respect, J, A, found)
     for i in range(n):
-        q, b, lowest = farthest(P, place_, found[i : i + 1], -1, respect)
-        if lowest >= OUTSIDE and respect:
-            goal = Goal(False, NO_SEED, True)
-            q, b, lowest = best_in_interval(family, target, found[i : i + 1], b, goal, (q, b, lowest))
+        q, b, lowest = best_of(family, target, found[i : i + 1], -1, Goal(False, NO_SEED, respect))
         measure_row(P, target, q, b, lowest, respect, row(out, i))
     return n
 

@@ -18,7 +18,7 @@ from srs_ik.kernels.chain.newton import LEFT, arm_angle, clipped
 from srs_ik.kernels.exact.bend_events import MOST_EVENTS, bends_at
 from srs_ik.kernels.exact.bends import bent_place
 from srs_ik.kernels.exact.farthest import farthest
-from srs_ik.kernels.exact.flat import NOTABLE, SMALLEST_BEND, span_of_bends
+from srs_ik.kernels.exact.flat import NOTABLE, SMALLEST_BEND, is_almost_flat, span_of_bends
 from srs_ik.kernels.exact.free_splits import keep_better
 from srs_ik.kernels.exact.nearest import tighten
 from srs_ik.kernels.exact.nearest_within import nearest_within
@@ -116,6 +116,22 @@ def best_in_interval(family, target, interval, wanted, goal, best):
         if closed[2] < best[2] and (wanted < 0 or is_on_border(P, closed[0], wanted)):
             best = (closed[0], closed[1] if wanted < 0 else wanted, closed[2])
     keep(boxes)
+    return best
+
+
+@kernel
+def best_of(family, target, found, branch, goal):
+    """The best posture of an exact limb over intervals (n, 3), of a branch (-1: of all), at any bend."""
+    P = row(family, LIMITED)
+    if goal.seeded:
+        best = nearest_within(P, target.place, found, branch, goal, 4.0 * NO_BRANCH)
+    else:
+        best = farthest(P, target.place, found, branch, goal.respect)
+    if goal.respect and (best[2] >= OUTSIDE or (goal.seeded and is_almost_flat(target.place))):
+        for i in range(found.shape[0]):
+            own = int(found[i, 0])
+            if branch < 0 or own == branch:
+                best = best_in_interval(family, target, found[i : i + 1], own, goal, best)
     return best
 
 
