@@ -78,7 +78,7 @@ class Block:
             p.near,
             np.full(len(p.T), p.radius),
             np.full(len(p.T), p.spacing),
-            p.seed,
+            p.start,
             *answer,
         )
         if p.stop[0]:

@@ -48,7 +48,7 @@ def bridged(problem: Problem) -> Problem:
     found: list[Array] = []
     first, before, tried = 0, None, 0
     keys = np.arange(len(problem.T))
-    reachable = np.empty((0, 7)) if problem.seed is None else problem.seed[None]
+    reachable = problem.start
     while first < len(keys) and tried < MOST_OF_ALL:
         block = Block(problem, keys, first, False, before)
         nodes, _, _, ends = block.fill()

@@ -112,6 +112,11 @@ class Problem:
         return roomy_family(self.arm)
 
     @property
+    def start(self) -> Array:
+        """The posture before the first one, (1, 7), or (0, 7) for none."""
+        return np.empty((0, 7)) if self.seed is None else self.seed[None]
+
+    @property
     def even(self) -> bool:
         """Whether squared joint steps are what counts."""
         return self.objective == SUM_OF_SQUARES
@@ -210,7 +215,7 @@ def worth(problem: Problem, way: Way) -> tuple[int, float]:
     Steps above the velocity limits count for more than what is to be least does.
     """
     q = way.q[way.reached]
-    steps = np.abs(steps_of(problem, q if problem.seed is None else np.vstack([problem.seed, q])))
+    steps = np.abs(steps_of(problem, np.vstack([problem.start, q])))
     missing = int((~way.reached).sum()) + int((steps > problem.settings[BY_CONTINUITY]).any(axis=1).sum())
     value = objective_of(problem, steps)
     if problem.limited:

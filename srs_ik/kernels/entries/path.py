@@ -115,7 +115,7 @@ def sweep(
     near,
     radius,
     spacing,
-    seed,
+    start,
     settings,
     limited,
     exact,
@@ -145,7 +145,7 @@ def sweep(
         near: (n, 7) postures around which strips are finer.
         radius: (n,) how far around, rad; 0: nowhere.
         spacing: (n,) how far joints move there from one posture of a strip to the next at most, rad.
-        seed: (7,) posture before the first one, or None.
+        start: (k, 7) the posture before the first one, or none.
         settings: (SETTINGS, 7).
         limited: whether there are velocity limits.
         exact: whether breaks are to be the shortest.
@@ -200,7 +200,7 @@ def sweep(
         if n > ends[at, 0]:
             now = Span(ends[at, 0], n, ends[at, 2], m)
             if carried < 0:
-                first_costs(sheet, now, seed, told)
+                first_costs(sheet, now, start, told)
             else:
                 before = Span(ends[last, 0], ends[last, 1], ends[last, 2], ends[last, 3])
                 unbounded(cost, now)
@@ -310,7 +310,7 @@ def course_of(family, course, branch, A):
 
 
 @entry
-def refine(family, poses, chain, fixed, bounds, widths, enough, seed, settings, limited, q, psi, branch, J, A):
+def refine(family, poses, chain, fixed, bounds, widths, enough, start, settings, limited, q, psi, branch, J, A):
     """Move the postures of a path, in place, to the best ones near them.
 
     `widths` (m,) are those of the corridors, one after the other. Where squared joint steps are all that counts, all
@@ -323,24 +323,24 @@ def refine(family, poses, chain, fixed, bounds, widths, enough, seed, settings, 
     told = row(settings, 0)
     rules = Rules(told, limited, 1.0)
     put_on_poses(family, course, line, space)
-    lowest = path_cost(chain, seed, told, limited, q)
+    lowest = path_cost(chain, start, told, limited, q)
     for width in widths:
         q_before, psi_before = q.copy(), psi.copy()
-        corridor(family, course, line, width, seed, rules, space)
-        total = path_cost(chain, seed, told, limited, q)
+        corridor(family, course, line, width, start, rules, space)
+        total = path_cost(chain, start, told, limited, q)
         if total > lowest:
             q[:] = q_before
             psi[:] = psi_before
         else:
             lowest = total
     if enough > 0.0:
-        lowest = smooth(family, course, line, seed, Aim(SQUARES, told, enough, np.empty(0, np.bool_)), told, space)
-        lowest = path_cost(chain, seed, told, False, q)
+        lowest = smooth(family, course, line, start, Aim(SQUARES, told, enough, np.empty(0, np.bool_)), told, space)
+        lowest = path_cost(chain, start, told, False, q)
     return lowest
 
 
 @entry
-def polish(family, poses, chain, fixed, loose, bounds, seed, settings, kind, scale, weights, q, psi, branch, J, A):
+def polish(family, poses, chain, fixed, loose, bounds, start, settings, kind, scale, weights, q, psi, branch, J, A):
     """Move all postures of a path at once, in place, to what makes a kind of sum least, by barriers less and less wide.
 
     Args:
@@ -350,7 +350,7 @@ def polish(family, poses, chain, fixed, loose, bounds, seed, settings, kind, sca
         fixed: (n,) whether a posture has to stay.
         loose: (k,) whether the step to each of the chain is a break, for which no limits hold.
         bounds: (n, 2) least and largest arm angle of each.
-        seed: (7,) posture before the first one, or None.
+        start: (k, 7) the posture before the first one, or none.
         settings: (SETTINGS, 7).
         kind: `WITHIN`, `LARGEST` or `SLOWEST`.
         scale: (7,) by which joint steps are multiplied.
@@ -369,7 +369,7 @@ def polish(family, poses, chain, fixed, loose, bounds, seed, settings, kind, sca
     line = Line(q, psi, branch)
     lowest = 0.0
     for weight in weights:
-        lowest = smooth(family, course, line, seed, Aim(kind, row(scale, 0), weight, loose), row(settings, 0), space)
+        lowest = smooth(family, course, line, start, Aim(kind, row(scale, 0), weight, loose), row(settings, 0), space)
     return lowest
 
 

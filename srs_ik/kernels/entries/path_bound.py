@@ -203,7 +203,7 @@ def costs_to_end(keys, first, count, behind, most, stop, settings, limited, node
         rules = rules_for(told, scaled, max(carried - pose, 1), limited)
         write_rooms(forth, now, most, rooms, rules, after)
         if carried < 0:
-            first_costs(sheet, now, None, told)
+            first_costs(sheet, now, np.empty((0, 7)), told)
         else:
             before = Span(ends[last, 0], ends[last, 1], ends[last, 2], ends[last, 3])
             advance(sheet, before, now, rules, False)

@@ -29,6 +29,7 @@ given: int
 side: float
 tie: float
 settings: float[path.SETTINGS, 7]
+start: float[s, 7]
 limited: bool
 bodies: float[b, BODY_ROW]
 groups: int[g, GROUP]
@@ -86,17 +87,17 @@ optimum.interval(family, T, rows: float[n, SAMPLE], run: float[RUN]) -> (float, 
 path.choose_keys(family, poses, has_known: bool[n], keys: bool[n]&, verdicts: int[n]&)
 path.sweep(family, poses, keys: int[k], first, carried: int, stop: byte[1], known: float[n, 7], has_known: bool[n],
     held: float[h, HELD], held_ends: int[u], held_alone: bool[n], allowed: float[a, 3], allowed_ends: int[i, 2],
-    near: float[n, 7], radius: float[n], spacing: float[n], seed, settings, limited, exact: bool, J, A,
+    near: float[n, 7], radius: float[n], spacing: float[n], start, settings, limited, exact: bool, J, A,
     nodes: float[N, NODE]&, cost: float[N]&, strips: float[M, STRIP]&, ends: int[e, 4]&) -> (int, int)
 path.go_back(keys: int[k], first, count: int, following: int, settings, limited, nodes: float[N, NODE],
     cost: float[N], strips: float[M, STRIP], ends: int[e, 4], q: float[n, 7]&, psi: float[n]&, branch: int[n]&,
     bounds: float[n, 2]&) -> (int, float)
 path.fill_between(family, poses, keys: int[k], reached: bool[n]&, settings, q: float[n, 7]&, psi: float[n]&,
     branch: int[n]&, bounds: float[n, 2]&, missed: bool[n]&, J, A)
-path.refine(family, poses, chain: int[c], fixed: bool[n], bounds: float[n, 2], widths: float[m], enough: float, seed,
+path.refine(family, poses, chain: int[c], fixed: bool[n], bounds: float[n, 2], widths: float[m], enough: float, start,
     settings, limited, q: float[n, 7]&, psi: float[n]&, branch: int[n]&, J, A) -> float
 path.finish(family, poses, chain: int[c], q: float[n, 7], psi: float[n], branch: int[n], J, A, out: float[n, ROW]&)
-path.polish(family, poses, chain: int[c], fixed: bool[n], loose: bool[c], bounds: float[n, 2], seed, settings,
+path.polish(family, poses, chain: int[c], fixed: bool[n], loose: bool[c], bounds: float[n, 2], start, settings,
     kind: int, scale: float[7], weights: float[w], q: float[n, 7]&, psi: float[n]&, branch: int[n]&, J, A) -> float
 path_bound.cover(family, poses, first, known: float[n, 7], has_known: bool[n], extra: float[n, 7], longest: float, J, A,
     cells: float[M, CELL]&, ends: int[e]&) -> int

@@ -153,7 +153,7 @@ def put_across(P, course, line, at, sheet, n, space):
 
 
 @kernel
-def corridor(family, course, line, width, seed, rules, space):
+def corridor(family, course, line, width, start, rules, space):
     """Move the postures of a path, in place, to the best way through the corridor around them.
 
     Args:
@@ -161,7 +161,7 @@ def corridor(family, course, line, width, seed, rules, space):
         course: the poses, and what is known of them.
         line: the postures.
         width: joint step from one posture of the corridor to the next, rad.
-        seed: (7,) posture before the first one, or None.
+        start: (k, 7) the posture before the first one, or none.
         rules: what a step over one pose counts.
         space: work space of a near limb.
     """
@@ -179,7 +179,7 @@ def corridor(family, course, line, width, seed, rules, space):
         list_strips(sheet, ends[c], ends[c + 1], c)
         now = Span(ends[c], ends[c + 1], c, c + 1)
         if c == 0:
-            first_costs(sheet, now, seed, rules.settings)
+            first_costs(sheet, now, start, rules.settings)
             continue
         stepped = rules_for(rules.settings, scaled, i - chain[c - 1], rules.limited)
         advance(sheet, Span(ends[c - 1], ends[c], c - 1, c), now, stepped, True)
