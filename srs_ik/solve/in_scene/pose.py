@@ -9,7 +9,16 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from srs_ik.errors import InvalidConfiguration
-from srs_ik.inputs.poses import as_branch, as_matrices, as_seeds, invalid_pose, per_pose, refuse_bad_poses
+from srs_ik.inputs.poses import (
+    NO_SEED,
+    as_branch,
+    as_matrices,
+    as_seeds,
+    invalid_pose,
+    per_pose,
+    refuse_bad_poses,
+    seed_of,
+)
 from srs_ik.kernels.entries import collision as entries
 from srs_ik.kernels.layout import collision as at
 from srs_ik.kernels.layout.answer import ROW, ROW_STATUS
@@ -104,7 +113,7 @@ def best(
     if not arm.closed:
         return goal_of(arm, near).over(T, free, respect)
     row = np.empty(ROW)
-    seed = np.zeros(7) if near is None else near
+    seed = NO_SEED if near is None else near
     entries.best_within(arm.family, T, free, len(free), -1, seed, near is not None, respect, row)
     solution = Solution(row, arm.joint_names, arm.elbow)
     return solution or None
@@ -158,7 +167,7 @@ def solve_batch(
     arm, T = around.packed, as_matrices(poses)
     n = len(T)
     psis = None if arm_angle is None else per_pose(arm_angle, (), n, "arm_angle")
-    seeds = None if seed is None else as_seeds(seed, n, arm.lower, arm.upper)
+    seeds = as_seeds(seed, n, arm.lower, arm.upper)
     wanted = as_branch(branch)
     if all_branches and psis is None:
         raise InvalidConfiguration("all_branches needs an arm_angle; without one, see solve_all and intervals")
@@ -169,7 +178,7 @@ def solve_batch(
     def work(first: int, last: int) -> None:
         for i in range(first, last):
             psi = None if psis is None else float(psis[i if len(psis) > 1 else 0])
-            near = None if seeds is None else seeds[i if len(seeds) > 1 else 0]
+            near = seed_of(seeds, i)
             for k, b in enumerate(branches):
                 answer = solve(around, T[i], psi, near, b, respect)
                 rows[i, k] = answer._row
@@ -198,7 +207,7 @@ def _in_kernels(
 
     def rest(first: int, last: int) -> None:
         for i in left[first:last].tolist():
-            near = None if seeds is None else seeds[i if len(seeds) > 1 else 0]
+            near = seed_of(seeds, i)
             answer = _where_nothing_is_free(around, T[i], None, near, branch, respect)
             rows[i] = answer._row
             if answer.collision is not None:
