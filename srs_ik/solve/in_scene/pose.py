@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 from srs_ik.errors import InvalidConfiguration
 from srs_ik.inputs.poses import (
     NO_SEED,
+    NO_SEEDS,
     as_branch,
     as_matrices,
     as_seeds,
@@ -51,7 +52,7 @@ def solve(
     """
     if psi is None and around.in_closed_form:
         rows, verdicts = np.empty((1, ROW)), np.zeros(1, np.int8)
-        seeds = None if near is None else near[None]
+        seeds = NO_SEEDS if near is None else near[None]
         around.solve_range(T[None], 0, 1, branch, seeds, respect, rows, verdicts)
         if verdicts[0]:
             raise invalid_pose(int(verdicts[0]))
@@ -192,7 +193,7 @@ def solve_batch(
 
 
 def _in_kernels(
-    around: Surroundings, T: Array, branch: int, seeds: Array | None, respect: bool, threads: int | None
+    around: Surroundings, T: Array, branch: int, seeds: Array, respect: bool, threads: int | None
 ) -> BatchSolution:
     """The best postures of many poses of an exact limb by its spheres; where there is none, pose by pose."""
     arm = around.packed
