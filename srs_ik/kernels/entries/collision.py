@@ -14,7 +14,7 @@ import math
 import numpy as np
 
 from srs_ik.kernels.algebra.joint_vectors import along7
-from srs_ik.kernels.algebra.pointers import row
+from srs_ik.kernels.algebra.pointers import row, scratch
 from srs_ik.kernels.chain.answer import measure_row
 from srs_ik.kernels.chain.newton import arm_angle
 from srs_ik.kernels.collision.arcs import angles_of
@@ -52,8 +52,8 @@ from srs_ik.kernels.limb.limits import TURN
 from srs_ik.kernels.limb.poses import read7, read_pose
 from srs_ik.kernels.limb.triangle import place
 from srs_ik.kernels.pose.any_bend import best_of
-from srs_ik.kernels.pose.intervals import all_intervals
-from srs_ik.kernels.pose.solve import best_posture, own_seed, seed_or_zero
+from srs_ik.kernels.pose.intervals import exact_intervals
+from srs_ik.kernels.pose.solve import best_posture, own_goal
 
 NO_COUPLE = -1
 """No shapes belong to a pair: it is one with a cloud or a half-space."""
@@ -91,11 +91,11 @@ def free_intervals(family, T, bodies, groups, pairs, slack, local, ready, found,
 
 
 @entry
-def march(family, T, found, n, bodies, groups, pairs, slack, local, ready, J, A, out):
+def march(family, T, found, n, bodies, groups, pairs, slack, local, ready, out):
     """The same on the true chain of a near limb, along its curves: found (m, 3) is sorted by branch."""
     P = row(family, LIMITED)
     around = (World(bodies, groups, pairs, local, ready), slack, None)
-    return march_all(P, spot_of(P, T), around, found[:n], Space(J, A), out)
+    return march_all(P, spot_of(P, T), around, found[:n], Space(scratch(6, 7), scratch(16, 9)), out)
 
 
 @entry
@@ -118,7 +118,7 @@ def free_range(
         if verdicts[i] == GOOD_POSE:
             spot = Spot(R, p, place(P, R, p))
             target = Target(R, p, place(row(limits, LIMITED), R, p))
-            n = all_intervals(limits, target, respect, None, None, found)
+            n = exact_intervals(limits, target, respect, found)
             if n > 0:
                 counts[i] = left_of(P, spot, found[:n], world, slack, rows[used : used + MOST_INTERVALS])
         used += counts[i]
@@ -267,22 +267,22 @@ def solve_range(
     world = World(bodies, groups, pairs, local, ready)
     P = row(family, LIMITED)
     found, left = np.empty((MOST_INTERVALS, 3)), np.empty((MOST_INTERVALS, 3))
+    J, A = scratch(6, 7), scratch(16, 9)
     for i in range(first, last):
         R, p, verdicts[i] = read_pose(row(poses, i))
         out[i, ROW_STATUS] = NOTHING_FREE
         if verdicts[i] == GOOD_POSE:
             spot = Spot(R, p, place(P, R, p))
-            seed, target = own_seed(seeds, i), Target(R, p, spot.place)
-            q, best, lowest = best_posture(family, target, (branch, respect), seed, None, None)
+            goal, target = own_goal(seeds, i, respect), Target(R, p, spot.place)
+            q, best, lowest = best_posture(family, target, branch, goal, J, A)
             if lowest < OUTSIDE and is_within(limits, limited, q) and is_clear(P, spot, q, best, world, slack):
                 measure_row(P, target, q, best, lowest, respect, row(out, i))
                 continue
             target = Target(R, p, place(row(limits, LIMITED), R, p))
-            n = all_intervals(limits, target, limited, None, None, found)
+            n = exact_intervals(limits, target, limited, found)
             n = left_of(P, spot, found[:n], world, slack, left) if n > 0 else 0
             n = keep_branch(left, n, branch) if branch >= 0 else n
             if n > 0:
-                goal = Goal(seeds is not None, seed_or_zero(seed), respect)
                 target = Target(R, p, spot.place)
                 q, best, lowest = best_of(family, target, left[:n], branch, goal)
                 measure_row(P, target, q, best, lowest, respect, row(out, i))
@@ -327,8 +327,6 @@ def free_by_solids(
     of_body,
     couples,
     outer,
-    J,
-    A,
     out,
     rest,
 ):
@@ -352,7 +350,8 @@ def free_by_solids(
     room = Room(np.empty((8, MOST_ARCS, 2)), np.empty((MOST_WAITING, 4)), spins, spin_counts, rest)
     world = World(bodies, groups, pairs, local, ready)
     spot = Spot(R, p, place(P, R, p))
-    return free_by_shapes(P, spot, world, shapes, found, ranges, (margin, slack[MARGIN]), Space(J, A), room, out)
+    space = Space(scratch(6, 7), scratch(16, 9))
+    return free_by_shapes(P, spot, world, shapes, found, ranges, (margin, slack[MARGIN]), space, room, out)
 
 
 @entry
@@ -373,8 +372,6 @@ def march_by_solids(
     of_body,
     couples,
     outer,
-    J,
-    A,
     out,
 ):
     """The same on the true chain of a near limb, along its curves: found (n, 3) is sorted by branch; rows of out."""
@@ -390,4 +387,4 @@ def march_by_solids(
             couple_of[couples[k, WATCHED]] = k
     along = Along(shapes, couple_of, np.empty((8, 12)), np.empty((8, 12)))
     around = (World(bodies, groups, pairs, local, ready), slack, along)
-    return march_all(P, Spot(R, p, place(P, R, p)), around, found, Space(J, A), out)
+    return march_all(P, Spot(R, p, place(P, R, p)), around, found, Space(scratch(6, 7), scratch(16, 9)), out)

@@ -129,7 +129,7 @@ def is_met_near(P, pose, band, family, space):
             psi = TURN * i / PROBED
             if is_met_at(box, side, math.cos(psi), math.sin(psi)) and is_clear(P, side, psi, band):
                 answer = row(space.answers, 0)
-                solve_row_at(family, pose.T, psi, (-1, None, True), space.J, space.A, answer)
+                solve_row_at(family, pose.T, psi, -1, Goal(False, NO_SEED, True), space.J, space.A, answer)
                 if answer[ROW_STATUS] == OK:
                     return True
     return False
@@ -192,7 +192,7 @@ def reach_near(family, pose, space):
 def first_angle_near(family, pose, psi, branch, near, space):
     """Joint 1 of a branch at an arm angle, in the turn next to an angle, and whether there is such a posture."""
     answer = row(space.answers, 0)
-    solve_row_at(family, pose.T, psi, (branch, None, True), space.J, space.A, answer)
+    solve_row_at(family, pose.T, psi, branch, Goal(False, NO_SEED, True), space.J, space.A, answer)
     q = answer[ROW_Q]
     return q - TURN * math.floor((q - near) / TURN + 0.5), answer[ROW_STATUS] == OK
 

@@ -28,7 +28,7 @@ from srs_ik.kernels.layout.limb import FREE, LIMITED, LOOSE, SIZE, SLACK_SINGULA
 from srs_ik.kernels.limb.branches import NO_BRANCH, best_branch, is_on_border
 from srs_ik.kernels.limb.goal import NO_SEED, OUTSIDE
 from srs_ik.kernels.limb.in_line import NEARLY_IN_LINE, may_split
-from srs_ik.kernels.pose.intervals import all_intervals
+from srs_ik.kernels.pose.intervals import exact_intervals
 from srs_ik.kernels.pose.on_limits import put_on_limits
 
 WIDER = 1e-4
@@ -139,7 +139,7 @@ def best_of(family, target, found, branch, goal):
 def best_at_any_bend(family, target, wanted, goal, best):
     """The best posture of a pose as known so far, or a better one of a branch (-1: of all), at any bend."""
     found = np.empty((8 * MAX_PIECES, 3))
-    n = all_intervals(family, target, goal.respect, None, None, found)
+    n = exact_intervals(family, target, goal.respect, found)
     for i in range(n):
         if wanted < 0 or int(found[i, 0]) == wanted:
             best = best_in_interval(family, target, found[i : i + 1], wanted, goal, best)
