@@ -11,7 +11,7 @@ import math
 import numpy as np
 
 from srs_ik.kernels.algebra.pointers import row
-from srs_ik.kernels.chain.answer import measure_row
+from srs_ik.kernels.chain.answer import measure_row, measure_row_at
 from srs_ik.kernels.chain.newton import arm_angle
 from srs_ik.kernels.curves.best import best_on
 from srs_ik.kernels.curves.follow import CURVE, follow_through, tangent_at
@@ -20,10 +20,11 @@ from srs_ik.kernels.curves.runs import CURVE_ROWS, SPARE_ROWS, near_runs, sample
 from srs_ik.kernels.curves.spans import MAX_SPANS, SPAN, find_spans
 from srs_ik.kernels.exact.intervals import TURN, join_touching, write_interval
 from srs_ik.kernels.jit import kernel
+from srs_ik.kernels.layout.answer import OK, ROW_STATUS
 from srs_ik.kernels.layout.asked import Best, Goal, Runs, Setting
 from srs_ik.kernels.layout.search import MAX_RUNS, RUN
 from srs_ik.kernels.limb.branches import NO_BRANCH, branch_of
-from srs_ik.kernels.limb.goal import NO_SEED, OUTSIDE
+from srs_ik.kernels.limb.goal import NO_SEED
 from srs_ik.kernels.limb.triangle import elbow_side
 from srs_ik.kernels.near.at_angle import solve_at_angle
 
@@ -103,10 +104,10 @@ def best_of_true_intervals(P, target, respect, intervals, out, J, A):
             if int(spans[j, 1]) == branch and ahead <= upper - lower:
                 curve = samples_of(rows, runs[int(spans[j, 0])])
                 best = best_on(P, by, curve, (spans[j, 2], spans[j, 3]), goal, best)
+        measure_row(P, target, best.q, branch, best.cost, respect, row(out, i))
         for j in range(LOOKS + 1):
-            if best.cost >= OUTSIDE:
+            if out[i, ROW_STATUS] != OK:
                 # Its ends came by another way than along these curves.
                 psi = lower + (upper - lower) * ((j + LOOKS // 2) % (LOOKS + 1)) / LOOKS
-                q, _, cost = solve_at_angle(P, target, psi, branch, goal, J, A)
-                best = Best(q, cost)
-        measure_row(P, target, best.q, branch, best.cost, respect, row(out, i))
+                found = solve_at_angle(P, target, psi, branch, goal, J, A)
+                measure_row_at(P, target, psi, found, respect, row(out, i))
