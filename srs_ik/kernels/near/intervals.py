@@ -66,12 +66,12 @@ def true_intervals(P, target, respect, out, J, A):
 
 
 @kernel
-def intervals_through(P, target, q, out, J, A):
+def intervals_through(P, target, q, respect, out, J, A):
     """`true_intervals` of the one curve through a posture that no curve from the closed form led to; at least one."""
     rows, line = np.empty((CURVE_ROWS, SAMPLE)), np.empty((CURVE_ROWS, SAMPLE))
     sampled = np.empty((CURVE_ROWS + SPARE_ROWS, SAMPLE))
     runs, spans, curves = np.empty((MAX_RUNS, RUN)), np.empty((MAX_SPANS, SPAN)), np.empty((1, CURVE))
-    by = Setting(target, elbow_side(P, target.place, 0), True, J, A)
+    by = Setting(target, elbow_side(P, target.place, 0), respect, J, A)
     n = 0
     t, sign = tangent_at(P, by, q)
     if sign != 0.0:

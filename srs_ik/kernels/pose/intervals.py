@@ -8,8 +8,10 @@ from srs_ik.kernels.exact.intervals import find_intervals
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.answer import SOLVED
 from srs_ik.kernels.layout.limb import FREE, IS_NEAR, LIMITED, LOOSE
-from srs_ik.kernels.near.intervals import true_intervals
+from srs_ik.kernels.near.at_angle import may_reach
+from srs_ik.kernels.near.intervals import intervals_through, true_intervals
 from srs_ik.kernels.near.predicted import predicted_intervals
+from srs_ik.kernels.near.second_attempts import found_again
 
 
 @kernel
@@ -34,4 +36,9 @@ def all_intervals(family, target, respect, J, A, out):
     if P[IS_NEAR] == 0.0:
         return exact_intervals(family, target, respect, out)
     n = predicted_intervals(row(family, LIMITED if respect else FREE), target, out, J, A)
-    return n if n >= 0 else true_intervals(P, target, respect, out, J, A)
+    if n < 0:
+        n = true_intervals(P, target, respect, out, J, A)
+        if n == 0 and may_reach(P, target.place):
+            q, again = found_again(P, target, respect, J, A)
+            n = intervals_through(P, target, q, respect, out, J, A) if again else 0
+    return n
