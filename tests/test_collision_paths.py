@@ -216,3 +216,15 @@ def _rpy(T):
     from scipy.spatial.transform import Rotation
 
     return Rotation.from_matrix(T[:3, :3]).as_euler("xyz")
+
+
+def test_a_path_of_which_every_pose_hits_something_is_told_pose_by_pose():
+    arm = srs_ik.load("iiwa14")
+    poses = poses_of(arm, motion(arm, generator("all hit"), 40))
+    scene = srs_ik.Scene()
+    scene.add_sphere("ball around the shoulder", [0.0, 0.0, 0.36], 0.3)
+    path = arm.solve_path(poses, scene=scene)
+    assert not path.ok.any()
+    assert {int(status) for status in path.status} == {int(srs_ik.Status.COLLISION)}
+    assert np.isfinite(path.q).all()
+    assert path.breaks

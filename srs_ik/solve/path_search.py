@@ -331,7 +331,7 @@ def planned_everywhere(problem: Problem, plan: Problem) -> Way:
     if way.cost < 0.5 * BREAK:
         least, joined = way.cost, False
         improve(problem, way)
-        if problem.even and fine is plan and not problem.is_near and way.cost >= AS_PLANNED * least:
+        if problem.even and fine is plan and not problem.is_near and way.cost > AS_PLANNED * least:
             other, _ = find_narrow(problem, keys, blocks, costs_to_end(problem, blocks, way.cost))
             joined = other.cost < 0.5 * BREAK
             if joined:
