@@ -51,7 +51,6 @@ def cover(family, poses, first, known, has_known, extra, longest, cells, ends):
         has_known: (n,) where they are.
         extra: (n, 7) a posture of each pose beside those of the intervals, or NaN.
         longest: length of a cell, rad.
-        A: (16, 9) work space, or None.
         cells: (M, CELL) output.
         ends: (K + 1,) output: the first row of each pose and one behind its last.
 

@@ -195,6 +195,14 @@ class Course(NamedTuple):
     sides: Any
 
 
+class Stop(NamedTuple):
+    """What a course tells of one of its poses, as pointers: the pose, its arm angles, and the elbow branch."""
+
+    pose: Any
+    bounds: Any
+    side: Any
+
+
 class Line(NamedTuple):
     """Postures of a path: joint angles (n, 7), arm angles (n,), branches (n,)."""
 

@@ -24,6 +24,7 @@ from srs_ik.kernels.layout.path import (
     Sheet,
     Span,
     Spot,
+    Stop,
 )
 from srs_ik.kernels.limb.poses import read7, read_pose
 from srs_ik.kernels.limb.self_motion import rates
@@ -59,7 +60,7 @@ def spot_of(P, T):
 
 
 @kernel
-def put_inside(P, q, A):
+def put_inside(P, q):
     """A posture with joints that are beyond their limits by rounding put on them, and whether it is inside then.
 
     On a near limb, where a joint is on its limit, others may have to move far for what that leaves of an error.
@@ -76,43 +77,47 @@ def posture_at(line, i):
 
 
 @kernel
-def moving_rates(P, course, i, here, J, A):
-    """Joint rates with the arm angle, on a near limb along its curve, and whether there are any."""
-    if P[IS_NEAR] != 0.0:
-        return direction(P, setting_of(P, spot_of(P, row(course.poses, i)), J, A), here.q)
-    side = row(course.sides, i)
-    return rates(P, here.q, load3(side, SIDE_LINE), load3(side, SIDE_FOREARM))
+def stop_of(course, i):
+    """What a course tells of one of its poses."""
+    return Stop(row(course.poses, i), row(course.bounds, i), row(course.sides, i))
 
 
 @kernel
-def moved_by(P, course, i, here, motion, J, A):
+def moving_rates(P, stop, here, J, A):
+    """Joint rates with the arm angle, on a near limb along its curve, and whether there are any."""
+    if P[IS_NEAR] != 0.0:
+        return direction(P, setting_of(P, spot_of(P, stop.pose), J, A), here.q)
+    return rates(P, here.q, load3(stop.side, SIDE_LINE), load3(stop.side, SIDE_FOREARM))
+
+
+@kernel
+def moved_by(P, stop, here, motion, J, A):
     """The posture with its arm angle moved, on a near limb so far along its curve."""
     v, move = motion
     if P[IS_NEAR] != 0.0:
-        return moved_along(P, setting_of(P, spot_of(P, row(course.poses, i)), J, A), here.q, v, move)
-    return posture_of(P, read_side(row(course.sides, i)), here.psi + move, here.branch, here.q, True)
+        return moved_along(P, setting_of(P, spot_of(P, stop.pose), J, A), here.q, v, move)
+    return posture_of(P, read_side(stop.side), here.psi + move, here.branch, here.q, True)
 
 
 @kernel
-def beside(P, course, i, here, motion, J, A):
+def beside(P, stop, here, motion, J, A):
     """The posture moved on, or half as far, or a quarter: posture, arm angle, whether there is one.
 
     Args:
         P: packed limb.
-        course: the poses, and what is known of them.
-        i: the number of its pose.
+        stop: its pose, and what is known of that.
         here: the posture.
         motion: the direction of its curve, how far it is to be moved, and the longest joint step.
-        J: (6, 7) work space, or None.
-        A: (16, 9) work space, or None.
+        J: (6, 7) work space.
+        A: (16, 9) work space.
     """
     v, move, longest = motion
     for _ in range(3):
-        there = min(max(here.psi + move, course.bounds[i, 0]), course.bounds[i, 1])
+        there = min(max(here.psi + move, stop.bounds[0]), stop.bounds[1])
         if there == here.psi:
             break
-        moved, good = moved_by(P, course, i, here, (v, there - here.psi), J, A)
-        moved, inside = put_inside(P, moved, A)
+        moved, good = moved_by(P, stop, here, (v, there - here.psi), J, A)
+        moved, inside = put_inside(P, moved)
         if good and inside and apart(moved, here.q) < longest:
             return moved, there, True
         move *= 0.5
@@ -132,7 +137,8 @@ def put_across(P, course, line, at, sheet, n, space):
         put_node(nodes, n, here.q, here.psi, here.branch)
         return n + 1
     split, is_singular = split_of(P, here.q)
-    v, good = moving_rates(P, course, i, here, space.J, space.A)
+    stop = stop_of(course, i)
+    v, good = moving_rates(P, stop, here, space.J, space.A)
     move = min(width / max(largest(v), 1e-3), WIDEST_MOVE)
     for k in range(ACROSS):
         x = float(k - WIDTH)
@@ -145,7 +151,7 @@ def put_across(P, course, line, at, sheet, n, space):
                 put_node(nodes, n, turned, here.psi, here.branch)
                 n += 1
         elif good:
-            moved, there, found = beside(P, course, i, here, (v, x * move, 4.0 * WIDTH * width), space.J, space.A)
+            moved, there, found = beside(P, stop, here, (v, x * move, 4.0 * WIDTH * width), space.J, space.A)
             if found:
                 put_node(nodes, n, moved, there, here.branch)
                 n += 1
@@ -196,19 +202,19 @@ def corridor(family, course, line, width, start, rules, space):
 
 
 @kernel
-def on_pose(P, course, i, here, J, A):
+def on_pose(P, stop, here, J, A):
     """The posture at an arm angle next to one that almost meets its pose, on a near limb the nearest one."""
     if P[IS_NEAR] != 0.0:
-        spot = spot_of(P, row(course.poses, i))
+        spot = spot_of(P, stop.pose)
         v, good = direction(P, setting_of(P, spot, J, A), here.q)
         if good:
             q, good = moved_along(P, setting_of(P, spot, J, A), here.q, v, 0.0)
-            _, inside = put_inside(P, q, A)
+            _, inside = put_inside(P, q)
             if good and inside:
                 return q, True
         q, error = close_free(P, here.q, spot.R, spot.p, True, 2 * STEPS, J, A)
         return q, error < CLOSED
-    return posture_of(P, read_side(row(course.sides, i)), here.psi, here.branch, here.q, True)
+    return posture_of(P, read_side(stop.side), here.psi, here.branch, here.q, True)
 
 
 @kernel
@@ -228,8 +234,8 @@ def settle_on(P, course, line, i, nodes, at, space):
             nearer = between
         else:
             wanted = Posture(between, there, line.branch[i])
-            found, good = on_pose(P, course, i, wanted, space.J, space.A)
-            found, inside = put_inside(P, found, space.A)
+            found, good = on_pose(P, stop_of(course, i), wanted, space.J, space.A)
+            found, inside = put_inside(P, found)
             if good and inside and apart(found, between) < apart(a, b) + 0.1:
                 nearer, angle = found, there
     line.psi[i] = angle
@@ -248,8 +254,8 @@ def put_on_poses(family, course, line, space):
         _, is_singular = split_of(P, here.q)
         if course.fixed[i] or is_singular:
             continue
-        found, good = on_pose(P, course, i, here, space.J, space.A)
-        found, inside = put_inside(P, found, space.A)
+        found, good = on_pose(P, stop_of(course, i), here, space.J, space.A)
+        found, inside = put_inside(P, found)
         good = good and inside and apart(found, here.q) < FARTHEST
         all_good = all_good and good
         if good:

@@ -16,7 +16,7 @@ from srs_ik.kernels.algebra.pointers import row
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.limb import LIMITED
 from srs_ik.kernels.layout.path import LARGEST, SLOWEST, SQUARES, Line, System
-from srs_ik.kernels.path.corridor import beside, moving_rates, posture_at
+from srs_ik.kernels.path.corridor import beside, moving_rates, posture_at, stop_of
 from srs_ik.kernels.path.edges import (
     CROSS,
     GRADIENT,
@@ -175,7 +175,7 @@ def write_rates(P, course, line, rate, space):
             here = posture_at(line, i)
             v, usable = split_of(P, here.q)
             if not usable:
-                v, usable = moving_rates(P, course, i, here, space.J, space.A)
+                v, usable = moving_rates(P, stop_of(course, i), here, space.J, space.A)
             if usable and largest(v) < FASTEST:
                 for j in range(7):
                     rate[i, j] = v[j]
@@ -197,7 +197,7 @@ def move_all(P, course, line, rate, move, moved, space):
                 back, forth = split_room(P, here.q, v)
                 q, _ = along_split(P, here.q, v, min(max(size, back), forth))
             else:
-                q, there, _ = beside(P, course, i, here, (v, size, 4.0 * LONGEST_MOVE), space.J, space.A)
+                q, there, _ = beside(P, stop_of(course, i), here, (v, size, 4.0 * LONGEST_MOVE), space.J, space.A)
         moved.psi[i] = there
         for j in range(7):
             moved.q[i, j] = q[j]
