@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
-from srs_ik.kernels.algebra.pointers import row
-from srs_ik.kernels.exact.flat import intervals_of_bends, is_almost_flat
+import numpy as np
+
+from srs_ik.kernels.algebra.pointers import keep, row
+from srs_ik.kernels.exact.flat import ease, intervals_of_bends, is_almost_flat
 from srs_ik.kernels.exact.intervals import find_intervals
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.answer import SOLVED
-from srs_ik.kernels.layout.limb import FREE, LIMITED, LOOSE
+from srs_ik.kernels.layout.limb import FREE, LIMITED, LOOSE, SIZE
 from srs_ik.kernels.near.intervals import true_intervals
 from srs_ik.kernels.near.predicted import predicted_intervals
 
@@ -26,5 +28,9 @@ def all_intervals(family, target, respect, J, A, out):
         return intervals_of_bends(family, place_, respect, out, n)
     if n == 0 and respect:
         # A pose whose postures all lie on limits leaves room by rounding alone.
-        n = find_intervals(row(family, LOOSE), place_, -1, out)
+        boxes = np.empty((1, SIZE))
+        eased = row(boxes, 0)
+        ease(row(family, LOOSE), eased)
+        n = find_intervals(eased, place_, -1, out)
+        keep(boxes)
     return n

@@ -49,11 +49,6 @@ HARDLY_FARTHER = 1e-4
 FEW_STEPS = 12
 """Its nearest posture is found in a few steps, and no farther from a seed, in squared rad, than this."""
 
-BENDS = 2
-STAGES = 4
-"""How a closed limb is searched, one after the other: strictly (0), loosely (1), a flat elbow at all its bends (2), and
-for the least violation of limits."""
-
 ONE_VALLEY = 0.3
 """An interval shorter than this, rad, whose ends are close to a minimum in it, has no other one."""
 
@@ -171,45 +166,30 @@ def search_near_seed(P, F, target, goal, J, A):
 def search_exact(family, target, branch, seed, respect):
     """Best posture of a closed limb over all arm angles: q, branch, cost; the least violating one if all break limits.
 
-    Rounding may hide a posture from the strict search. So looser tolerances follow, and, with the elbow almost straight
-    or folded, all the bends that a pose cannot tell from each other.
+    Rounding may hide a posture from the strict search. So looser tolerances follow in every interval, with the elbow
+    almost straight or folded at all the bends that a pose cannot tell from each other.
     """
     place_ = target.place
-    strictness = LIMITED if respect else FREE
     goal = Goal(seed is not None, NO_SEED if seed is None else seed, respect)
+    P, F, loose = row(family, LIMITED), row(family, LIMITED if respect else FREE), row(family, LOOSE)
     found = np.empty((8 * MAX_PIECES, 3))
-    best = (NO_SEED, 0, 4.0 * NO_BRANCH)
-    flat = is_almost_flat(place_)
-    stage = 0
-    while stage < STAGES:
-        P = row(family, LIMITED if stage == 0 else LOOSE)
-        F = row(family, (LIMITED if stage == 0 else LOOSE) + strictness)
-        if stage == BENDS:
-            if flat:
-                best = best_at_any_bend(family, target, branch, goal, best)
+    if seed is None:
+        best = farthest_of_all(P, F, place_, branch, respect)
+    else:
+        n = find_intervals(F, place_, branch, found)
+        best = nearest_within(P, place_, found[:n], branch, goal, 4.0 * NO_BRANCH)
+    best = with_splits(P, target, branch, seed, respect, best)
+    # What rounding hides of a flat elbow may be nearer.
+    if best[2] >= OUTSIDE or (seed is not None and respect and is_almost_flat(place_)):
+        best = best_at_any_bend(family, target, branch, goal, best)
+    if best[2] >= OUTSIDE:
+        whole_circles(found)
+        if seed is None:
+            other = farthest(loose, place_, found[:8], branch, respect)
         else:
-            n = 8
-            whole_circles(found)
-            if seed is None:
-                if stage < BENDS:
-                    other = farthest_of_all(P, F, place_, branch, respect)
-                else:
-                    other = farthest(P, place_, found[:n], branch, respect)
-            else:
-                if stage < BENDS:
-                    n = find_intervals(F, place_, branch, found)
-                other = nearest_within(P, place_, found[:n], branch, goal, 4.0 * NO_BRANCH)
-            if other[2] < best[2]:
-                best = other
-        if stage == 0:
-            best = with_splits(P, target, branch, seed, respect, best)
-        if best[2] >= OUTSIDE:
-            stage += 1
-        elif stage < BENDS and flat and respect and seed is not None:
-            # What rounding hides may be nearer.
-            stage = BENDS
-        else:
-            break
+            other = nearest_within(loose, place_, found[:8], branch, goal, 4.0 * NO_BRANCH)
+        if other[2] < best[2]:
+            best = other
     return best
 
 

@@ -140,7 +140,7 @@ def solve_row_at(family, T, psi, asked, J, A, out):
     goal = Goal(seed is not None, seed_or_zero(seed), respect)
     found = put_on_limits(P, target, psi, solve_at_angle(P, target, psi, branch, goal, J, A), goal)
     if J is None:
-        if found[2] >= OUTSIDE and is_almost_flat(target.place):
+        if found[2] >= OUTSIDE and (is_almost_flat(target.place) or may_split(P, target.place)):
             found = at_any_bend(family, target, psi, branch, goal, found)
     measure_row_at(P, target, psi, found, respect, row(out, 0))
     return GOOD_POSE
@@ -168,15 +168,14 @@ def all_branches(family, T, asked, J, A, out, first):
         put_some(rows, ROW_POSITION_ERROR, ROW, measured, position)
         put_some(rows, ROW_ORIENTATION_ERROR, ROW, measured, orientation)
         right = as_bits(measured)
-        flat = is_almost_flat(place_)
-        splits = respect and right != ALL and (flat or may_split(P, place_))
+        splits = respect and right != ALL and (is_almost_flat(place_) or may_split(P, place_))
         for branch in range(8):
             answer = row(out, first + branch)
             q = read7(answer)
             if splits and (right >> branch) & 1 == 0:
                 goal = Goal(False, NO_SEED, True)
                 found = put_on_limits(P, target, psi, (q, branch, answer[ROW_COST]), goal)
-                if flat and found[2] >= OUTSIDE:
+                if found[2] >= OUTSIDE:
                     found = at_any_bend(family, target, psi, branch, goal, found)
                 measure_row_at(P, target, psi, found, respect, answer)
                 continue
