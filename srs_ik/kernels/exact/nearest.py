@@ -229,6 +229,16 @@ def slid(P, target, q, goal, J, A):
 
 
 @kernel
+def settle_inside(P, target, q, goal, J, A):
+    """From a posture to one inside the limits that closes, and from there to the nearest one around: q, cost."""
+    q, error = close_free(P, clipped(P, q), target.R, target.p, True, 40, J, A)
+    if error > CLOSED:
+        return q, NO_BRANCH
+    q, value, _ = slid(P, target, q, goal, J, A)
+    return q, value
+
+
+@kernel
 def settled(P, target, q, goal, free_minimum, J, A):
     """A posture of the true chain in its best turn, or one inside the limits: q, cost, and whether it is a minimum."""
     q = turned(P, q, True, goal.seed, goal.respect)
@@ -236,10 +246,7 @@ def settled(P, target, q, goal, free_minimum, J, A):
     if value < OUTSIDE:
         return q, value, free_minimum
     # The free minimum breaks a limit: any posture inside still bounds the distance.
-    q, error = close_free(P, clipped(P, q), target.R, target.p, True, 40, J, A)
-    if error > CLOSED:
-        return q, NO_BRANCH, False
-    q, value, _ = slid(P, target, q, goal, J, A)
+    q, value = settle_inside(P, target, q, goal, J, A)
     return q, value, False
 
 
@@ -292,6 +299,11 @@ def first_guess_near(P, target, goal, J, A):
     q, lowest, minimum = settle_near(P, target, seed, goal, J, A)
     if minimum and is_alone(P, seed, lowest):
         return arm_angle(P, q, place_[0], place_[1]), q, branch_of(P, q), lowest, minimum
+    if goal.respect and not minimum:
+        # Next to a singularity, the free minimum may be far from where the limits leave a posture near the seed.
+        other, value = settle_inside(P, target, seed, goal, J, A)
+        if value < lowest:
+            q, lowest = other, value
     psi, start, branch, guess, _ = first_guess(P, place_, seed, False)
     if guess < OUTSIDE:
         other, value, other_minimum = settle_near(P, target, start, goal, J, A)

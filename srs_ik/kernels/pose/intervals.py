@@ -2,16 +2,45 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 
 from srs_ik.kernels.algebra.pointers import keep, row
 from srs_ik.kernels.exact.flat import ease, intervals_of_bends, is_almost_flat
 from srs_ik.kernels.exact.intervals import find_intervals
+from srs_ik.kernels.exact.nearest import tighten
 from srs_ik.kernels.jit import kernel
-from srs_ik.kernels.layout.answer import SOLVED
+from srs_ik.kernels.layout.answer import MAX_PIECES, SOLVED
+from srs_ik.kernels.layout.asked import Goal
 from srs_ik.kernels.layout.limb import FREE, LIMITED, LOOSE, SIZE
-from srs_ik.kernels.near.intervals import true_intervals
+from srs_ik.kernels.limb.goal import NO_SEED, OUTSIDE
+from srs_ik.kernels.limb.in_line import may_split
+from srs_ik.kernels.near.at_angle import may_reach
+from srs_ik.kernels.near.intervals import intervals_through, true_intervals
 from srs_ik.kernels.near.predicted import predicted_intervals
+from srs_ik.kernels.near.predicted_best import search_true
+
+WIDER = 1e-9
+"""Limits that are so much farther out, rad, tell postures that rounding hides."""
+
+
+@kernel
+def may_be_hidden(P, target, J, A):
+    """Whether a pose of a near limb without intervals may have postures all the same: with limits a little farther out.
+
+    Or next to a singularity, where the curves may have been lost.
+    """
+    if not may_reach(P, target.place):
+        return False
+    if may_split(P, target.place):
+        return True
+    boxes, found = np.empty((1, SIZE)), np.empty((8 * MAX_PIECES, 3))
+    box = row(boxes, 0)
+    tighten(P, NO_SEED, math.inf, WIDER, box)
+    hidden = predicted_intervals(box, target, found, J, A) != 0
+    keep(boxes)
+    return hidden
 
 
 @kernel
@@ -19,7 +48,13 @@ def all_intervals(family, target, respect, J, A, out):
     """Feasible intervals of one pose on the true chain; none where the pose is out of reach."""
     if J is not None:
         n = predicted_intervals(row(family, LIMITED if respect else FREE), target, out, J, A)
-        return n if n >= 0 else true_intervals(row(family, LIMITED), target, respect, out, J, A)
+        if n < 0:
+            n = true_intervals(row(family, LIMITED), target, respect, out, J, A)
+        if n == 0 and respect and may_be_hidden(row(family, LIMITED), target, J, A):
+            q, _, lowest = search_true(row(family, LIMITED), target, -1, Goal(False, NO_SEED, True), J, A)
+            if lowest < OUTSIDE:
+                n = intervals_through(row(family, LIMITED), target, q, out, J, A)
+        return n
     place_ = target.place
     if abs(place_[5]) >= SOLVED:
         return 0

@@ -35,8 +35,6 @@ from srs_ik.kernels.limb.branches import NO_BRANCH, branch_of, is_unsure
 from srs_ik.kernels.limb.goal import NO_SEED, OUTSIDE
 from srs_ik.kernels.limb.triangle import elbow_side
 from srs_ik.kernels.near.many_singular import nearest_among_splits
-from srs_ik.kernels.near.predicted_best import predicted_best
-from srs_ik.kernels.near.second_attempts import look_around, rescue
 from srs_ik.kernels.pose.any_bend import best_at_any_bend
 
 MOST_LEVERAGE = 4.0
@@ -191,24 +189,3 @@ def search_exact(family, target, branch, seed, respect):
         if other[2] < best[2]:
             best = other
     return best
-
-
-@kernel
-def search_true(P, target, branch, goal, J, A):
-    """Best posture of a near limb over all arm angles: q, branch, cost; the least violating one if all break limits."""
-    if goal.respect and not goal.seeded:
-        found, certain = predicted_best(P, target, branch, J, A)
-        if certain:
-            return found.q, branch_of(P, found.q), found.cost
-    best = search_followed(P, target, branch, goal, goal.respect, J, A)
-    if best[2] < OUTSIDE:
-        return best
-    hidden = look_around(P, target, branch, goal, J, A)
-    if hidden[2] >= OUTSIDE:
-        hidden = rescue(P, target, branch, goal, J, A)
-    if hidden[2] < best[2]:
-        best = hidden
-    if best[2] < OUTSIDE:
-        return best
-    outside = search_followed(P, target, branch, goal, False, J, A)
-    return outside if outside[2] < best[2] else best

@@ -36,10 +36,11 @@ from srs_ik.kernels.limb.in_line import may_split
 from srs_ik.kernels.limb.poses import read7, read_pose
 from srs_ik.kernels.limb.triangle import place
 from srs_ik.kernels.near.at_angle import may_reach, solve_all_at_angle, solve_at_angle
+from srs_ik.kernels.near.predicted_best import search_true
 from srs_ik.kernels.near.second_attempts import rescue
 from srs_ik.kernels.pose.any_bend import at_any_bend, best_at_any_bend
 from srs_ik.kernels.pose.on_limits import put_on_limits
-from srs_ik.kernels.pose.search import search_exact, search_near_seed, search_true
+from srs_ik.kernels.pose.search import search_exact, search_near_seed
 
 
 @kernel
