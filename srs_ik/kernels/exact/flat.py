@@ -23,12 +23,12 @@ from srs_ik.kernels.exact.bend_events import (
 from srs_ik.kernels.exact.bends import bent_place
 from srs_ik.kernels.exact.events import TURN
 from srs_ik.kernels.exact.intervals import find_intervals, join_touching, write_interval
-from srs_ik.kernels.exact.nearest import tighten
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.answer import MAX_PIECES
 from srs_ik.kernels.layout.limb import FAR, FREE, LIMITED, LOOSE, NEAR, SHOULDER, SIZE, SLACK_LIMIT, WRIST
 from srs_ik.kernels.limb.branches import best_branch
 from srs_ik.kernels.limb.goal import NO_SEED, OUTSIDE
+from srs_ik.kernels.limb.limits import tighten
 
 NEARLY_FLAT = 3e-6
 """Bends of the elbow below this, rad from straight or from folded, cannot be told apart within 1e-11 of reach."""

@@ -34,14 +34,12 @@ from srs_ik.kernels.layout.limb import (
     MISS,
     PHASE,
     SHOULDER,
-    SIZE,
     STRAIGHT,
     UPPER,
     WRIST,
 )
 from srs_ik.kernels.limb.branches import NO_BRANCH, branch_of, is_unsure, side_posture
 from srs_ik.kernels.limb.goal import NO_SEED, OUTSIDE, cost, turned
-from srs_ik.kernels.limb.limits import set_joint_limits, set_limit
 from srs_ik.kernels.limb.self_motion import rates
 from srs_ik.kernels.limb.triangle import elbow_side
 
@@ -395,16 +393,3 @@ def look_beside(P, target, found, known, goal, J, A):
                 return (q, best, lowest), False
             q, best, lowest = other, branch_of(P, other), value
     return (q, best, lowest), True
-
-
-@kernel
-def tighten(P, seed, distance, slack, box):
-    """Copy the packed limb to `box` with its limits tightened to seed +- distance, then widened by some slack."""
-    for i in range(SIZE):
-        box[i] = P[i]
-    for j in range(7):
-        lower = max(P[LOWER + j], seed[j] - distance) - slack
-        upper = min(P[UPPER + j], seed[j] + distance) + slack
-        set_limit(box, j, min(lower, upper), upper)
-    set_joint_limits(box, SHOULDER, 0)
-    set_joint_limits(box, WRIST, 4)

@@ -17,7 +17,6 @@ from srs_ik.kernels.exact.events import TURN
 from srs_ik.kernels.exact.flat import is_as_good_as_flat
 from srs_ik.kernels.exact.gaps import fits
 from srs_ik.kernels.exact.intervals import feasible_intervals, joint_pieces
-from srs_ik.kernels.exact.nearest import tighten
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.answer import GOOD_POSE, MAX_EVENTS, MAX_PIECES, MOST_INTERVALS, SOLVED
 from srs_ik.kernels.layout.limb import (
@@ -42,7 +41,7 @@ from srs_ik.kernels.layout.limb import (
 from srs_ik.kernels.layout.maps import NOT_REACHED, REACHED, UNSURE
 from srs_ik.kernels.limb.goal import NO_SEED
 from srs_ik.kernels.limb.in_line import may_split
-from srs_ik.kernels.limb.limits import is_inside
+from srs_ik.kernels.limb.limits import is_inside, tighten
 from srs_ik.kernels.limb.poses import read_pose
 from srs_ik.kernels.limb.spherical import middle_angle
 from srs_ik.kernels.limb.triangle import elbow_side, place

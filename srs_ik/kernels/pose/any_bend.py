@@ -20,7 +20,6 @@ from srs_ik.kernels.exact.bends import bent_place
 from srs_ik.kernels.exact.farthest import farthest
 from srs_ik.kernels.exact.flat import NOTABLE, SMALLEST_BEND, is_almost_flat, span_of_bends
 from srs_ik.kernels.exact.free_splits import keep_better
-from srs_ik.kernels.exact.nearest import tighten
 from srs_ik.kernels.exact.nearest_within import nearest_within
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.answer import MAX_PIECES
@@ -28,6 +27,7 @@ from srs_ik.kernels.layout.limb import FREE, LIMITED, LOOSE, SIZE, SLACK_SINGULA
 from srs_ik.kernels.limb.branches import NO_BRANCH, best_branch, is_on_border
 from srs_ik.kernels.limb.goal import NO_SEED, OUTSIDE
 from srs_ik.kernels.limb.in_line import NEARLY_IN_LINE, may_split
+from srs_ik.kernels.limb.limits import tighten
 from srs_ik.kernels.pose.intervals import all_intervals
 from srs_ik.kernels.pose.on_limits import put_on_limits
 

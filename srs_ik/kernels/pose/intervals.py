@@ -9,13 +9,13 @@ import numpy as np
 from srs_ik.kernels.algebra.pointers import keep, row
 from srs_ik.kernels.exact.flat import ease, intervals_of_bends, is_almost_flat
 from srs_ik.kernels.exact.intervals import find_intervals
-from srs_ik.kernels.exact.nearest import tighten
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.answer import MAX_PIECES, SOLVED
 from srs_ik.kernels.layout.asked import Goal
 from srs_ik.kernels.layout.limb import FREE, LIMITED, LOOSE, SIZE
 from srs_ik.kernels.limb.goal import NO_SEED, OUTSIDE
 from srs_ik.kernels.limb.in_line import may_split
+from srs_ik.kernels.limb.limits import tighten
 from srs_ik.kernels.near.at_angle import may_reach
 from srs_ik.kernels.near.intervals import intervals_through, true_intervals
 from srs_ik.kernels.near.predicted import predicted_intervals

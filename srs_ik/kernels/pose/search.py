@@ -24,7 +24,6 @@ from srs_ik.kernels.exact.nearest import (
     look_beside,
     settle_near,
     slid,
-    tighten,
 )
 from srs_ik.kernels.exact.nearest_within import nearest_within, way_between
 from srs_ik.kernels.jit import kernel
@@ -33,6 +32,7 @@ from srs_ik.kernels.layout.asked import Goal
 from srs_ik.kernels.layout.limb import FAR, FREE, LIMITED, LOOSE, MISS, SIZE
 from srs_ik.kernels.limb.branches import NO_BRANCH, branch_of, is_unsure
 from srs_ik.kernels.limb.goal import NO_SEED, OUTSIDE
+from srs_ik.kernels.limb.limits import tighten
 from srs_ik.kernels.limb.triangle import elbow_side
 from srs_ik.kernels.near.many_singular import nearest_among_splits
 from srs_ik.kernels.pose.any_bend import best_at_any_bend
