@@ -222,11 +222,21 @@ ON_LIMITS = {
         "0.5235987755982988",
         "1.4503313743234658 2.6179938779914944 0.1536831201213169 -2.4871883629073187e-09 -0.9321310218483052 "
         "1.2217304763960306 0.13117742090097534",
+        # Three joints on limits, and the bend that the pose hides is the only one.
+        "-0.6981317007977318 1.3761878257774467 0.44396614028080306 -1e-09 "
+        "-1.3962634015954636 -0.04341593393264365 0.5235987755982988",
+        "-0.6981317007977318 -1.5707963267938965 -3.141592653589793 -0.7103658427990986 "
+        "1.3797692354926874 -1.3962634015954636 -0.09128482507312063",
     ],
     "human_left": [
         "1.0882440231912618 -0.016876387497678502 -1.4142958385214537 1.4151895948473872 3.14159 -1.5707963257948965 "
         "0.785398",
         "-1.3370532615594348 0.3400953688278556 0.5962926122608969 2.617991667 3.14159 -1.5707863267948965 0.785398",
+        # A limit 3.7e-6 rad beside a singular angle, whose cosine floats do not tell from 1.
+        "-1.743712437330728 -1.0472 -1.0173538968566571 1.478560980574802e-10 "
+        "1.8382754670278877 -1.5708 -0.05175522114950182",
+        # Limits that cross at three bends next to each other.
+        "-1.8290523685960762 0.5413450828876143 -1.57079999 1e-06 -0.34906599 -1.5707953267948966 -0.78539799",
     ],
 }
 """Postures next to singular ones with some joints on limits, each the only one of its arm angles, or at their end."""
@@ -249,9 +259,23 @@ TOUCHING = {
 """Postures of arms with oblique axes, by their number: shoulder and wrist are both at the end of their reach."""
 
 
-def test_single_arm_angles_at_which_oblique_axes_end_are_intervals(bench):
-    made = [arm for arm, _ in islice(subjects()["arms_of"]("random_oblique", 1000, 101), max(TOUCHING) + 1)]
-    for number, given in TOUCHING.items():
+HIDDEN = {
+    140: "0.04179738652474985 0.24381599978463156 -1.7302833177380836 1e-09 "
+    "2.806676941600383 -4.959423631768023 0.15105646060373523",
+    178: "5.298650821302228 -2.9091545159521477 -4.010521394644747 -1e-08 "
+    "-0.2639596706467673 -1.2099660415282028 -5.004469313900547",
+    200: "-3.301784310926493 3.016527774225868 5.256323582482743 0.0001 "
+    "0.5987910851847529 0.15329650682634255 5.332607580969976",
+    211: "2.061940064572428 0.2879182463277372 -5.217110428378039 -1e-07 "
+    "1.8459857037051357 -0.11043229519269121 -3.4930726159145076",
+}
+"""Postures of such arms next to the end of a reach, with an elbow almost flat: some arm angles are met at one bend."""
+
+
+@pytest.mark.parametrize(("seed", "cases"), [(101, TOUCHING), (8802, HIDDEN)])
+def test_postures_of_oblique_axes_at_the_end_of_their_reach_are_whole(bench, seed, cases):
+    made = [arm for arm, _ in islice(subjects()["arms_of"]("random_oblique", 10000, seed), max(cases) + 1)]
+    for number, given in cases.items():
         assert_is_whole(bench, made[number], np.array(given.split(), float))
 
 

@@ -49,6 +49,24 @@ def test_a_posture_six_radians_nearer():
     assert_no_farther("iiwa14", np.array(q.split(), float), np.array(seed.split(), float))
 
 
+@pytest.mark.skipif("human_left" not in arms.here("human_left"), reason="its file is not here")
+def test_a_straight_elbow_and_two_joints_on_limits_leave_an_answer():
+    """The last step of Newton's method, from a posture that is closed, led away by 1e-3."""
+    q = "-0.6739337137840073 1.5254184202861485 2.927643163699172 0 -0.2811505104616593 -1.5707963267948966 "
+    seed = "-0.5740914046434653 1.8548335487717267 3.01549578854863 0.27864018675789043 -0.349066 -1.3769326774865074 "
+    q, seed = q + "-0.17597479427561247", seed + "-0.45734917224815724"
+    assert_no_farther("human_left", np.array(q.split(), float), np.array(seed.split(), float))
+
+
+def test_the_outer_joints_of_a_singular_shoulder_on_limits_leave_an_answer():
+    q = "1.5707963267948966 -1.5707963167948966 -3.141592653589793 -0.44060925050757715 0.5716907685246475 "
+    seed = "0.2269628864289186 2.220734150424233 -1.784215458801392 -0.6529118879066169 -1.0655583687871089 "
+    q, seed = q + "-1.3962634015954636 -0.11267746473124199", seed + "0.9882677481128159 0.4339232254984437"
+    assert_no_farther("human_arm", np.array(q.split(), float), np.array(seed.split(), float))
+    arm = arms.load("human_arm")
+    assert arm.solve(arm.forward_kinematics(np.array(q.split(), float)))
+
+
 @pytest.mark.parametrize("name", NAMES)
 def test_a_flat_elbow_with_two_joints_on_limits_is_solved_without_a_seed(name):
     arm, forward = arms.load(name), arms.forward(name)

@@ -198,13 +198,19 @@ def close_free(P, q, R, p, respect, steps, J, A):
         A: (16, 9) work space.
 
     Returns:
-        The posture, and the larger of its position (m) and orientation (rad) errors.
+        The posture, and the larger of its position (m) and orientation (rad) errors; where that is not below `CLOSED`,
+        of one a step before.
     """
     error = 0.0
     checkpoint = 1e9
+    kept, least = q, CLOSED
     for step in range(steps):
         linear, angular = pose_step(P, q, R, p, J)
         error = max(norm(linear), norm(angular))
+        if error >= least and least < CLOSED:
+            break
+        if error < least:
+            kept, least = q, error
         if error < 0.1 * CLOSED:
             break
         if step % STALL == 0:
@@ -231,7 +237,8 @@ def close_free(P, q, R, p, respect, steps, J, A):
                 break
             blocked |= again
         q = clipped(P, q_next) if respect else q_next
-    return q, error
+    # Next to a singularity a step from what is closed may lead away from it.
+    return (kept, least) if least < CLOSED else (q, error)
 
 
 @kernel

@@ -24,7 +24,7 @@ from srs_ik.kernels.algebra.vectors import (
     sub,
 )
 from srs_ik.kernels.exact.bends import bent_place
-from srs_ik.kernels.exact.intervals import insert
+from srs_ik.kernels.exact.events import NEXT_TO_END, beyond_middle, end_of_middle, insert
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.limb import (
     A1,
@@ -41,6 +41,7 @@ from srs_ik.kernels.layout.limb import (
     RANGE_KIND,
     SHOULDER,
     SLACK_LIMIT,
+    SLACK_REACH,
     TOP_GAP,
     UPPER,
     WRIST,
@@ -55,8 +56,8 @@ from srs_ik.kernels.limb.triangle import (
     wrist_columns,
 )
 
-MOST_EVENTS = 22
-"""Most bends at which anything changes at an arm angle: nine each of shoulder and wrist, two of the elbow, two ends."""
+MOST_EVENTS = 38
+"""Most bends at which anything changes at an arm angle: 17 each of shoulder and wrist, two of the elbow, two ends."""
 
 LIMITS = 6
 """Limits of a spherical joint."""
@@ -87,13 +88,27 @@ def add_bend(x, span, bends, n):
 
 
 @kernel
+def along_span(span, part):
+    """The bend at a part of the way from the smallest to the largest."""
+    return span[0] + part * (span[1] - span[0])
+
+
+@kernel
 def add_crossing(form, value, curve, span, bends, n):
-    """Insert the bend at which a vector on a curve has the product `value` with a form."""
-    slope = dot(form, curve[1])
-    if slope == 0.0:
+    """Insert the bends at which a vector on a curve has the product `value` with a form."""
+    return add_roots_of_bend(dot(form, curve[0]) - value, dot(form, curve[1]), dot(form, curve[2]), span, bends, n)
+
+
+@kernel
+def add_roots_of_bend(rest, slope, square, span, bends, n):
+    """Insert the bends, as a part of the way along their span, at which rest + slope x + square x^2 = 0."""
+    under = slope * slope - 4.0 * square * rest
+    if under < 0.0:
         return n
-    x = (value - dot(form, curve[0])) / slope
-    return add_bend(span[1] * (x - x * x * dot(form, curve[2]) / slope), span, bends, n)
+    sum_ = -0.5 * (slope + math.copysign(math.sqrt(under), slope))
+    if sum_ != 0.0:
+        n = add_bend(along_span(span, rest / sum_), span, bends, n)
+    return add_bend(along_span(span, sum_ / square), span, bends, n) if square != 0.0 else n
 
 
 @kernel
@@ -112,21 +127,42 @@ def limit_form(P, k, i):
 
 
 @kernel
+def beyond_middle_along(P, k, end, curve):
+    """`beyond_middle` along a curve of unit vectors: a constant, a linear and a square part."""
+    a1, value = load3(P, k + A1), P[k + BOUND_2_LOWER + end]
+    if abs(value) < NEXT_TO_END:
+        return dot(a1, curve[0]) - value, dot(a1, curve[1]), dot(a1, curve[2])
+    way, gap = end_of_middle(P, k, end)
+    off = sub(scale(way, a1), curve[0])
+    square = dot(off, curve[2]) - 0.5 * dot(curve[1], curve[1])
+    return way * (gap - 0.5 * dot(off, off)), way * dot(off, curve[1]), way * square
+
+
+@kernel
+def ease_of_reach(P, gap):
+    """By how much a cosine may be out of the reach of oblique axes and count as at its end, with room for rounding."""
+    return 0.5 * P[SLACK_REACH] * math.sqrt(2.0 * gap)
+
+
+@kernel
 def add_joint(P, k, v, r, span, bends, n):
     """Insert the bends at which the spherical joint at block k reaches a limit, the end of its reach or a singularity.
 
-    v and r are the curves of R a3 and R'a1 from no bend to the largest.
+    v and r are the curves of R a3 and R'a1 from the smallest bend to the largest.
     """
     a1 = load3(P, k + A1)
     for i in range(LIMITS):
         form, value, of_r, there = limit_form(P, k, i)
-        if there:
+        if there and i // 2 == 1:
+            rest, slope, square = beyond_middle_along(P, k, i % 2, v)
+            n = add_roots_of_bend(rest, slope, square, span, bends, n)
+        elif there:
             n = add_crossing(form, value, r if of_r else v, span, bends, n)
-    n = add_crossing(a1, 1.0 - P[k + TOP_GAP], v, span, bends, n)
-    n = add_crossing(a1, P[k + BOTTOM_GAP] - 1.0, v, span, bends, n)
+    n = add_crossing(a1, 1.0 - P[k + TOP_GAP] + ease_of_reach(P, P[k + TOP_GAP]), v, span, bends, n)
+    n = add_crossing(a1, P[k + BOTTOM_GAP] - 1.0 - ease_of_reach(P, P[k + BOTTOM_GAP]), v, span, bends, n)
     beside, way = across(v[0], a1), across(v[1], a1)
     square = dot(way, way)
-    return add_bend(-span[1] * dot(beside, way) / square, span, bends, n) if square > 0.0 else n
+    return add_bend(along_span(span, -dot(beside, way) / square), span, bends, n) if square > 0.0 else n
 
 
 @kernel
@@ -159,14 +195,13 @@ def bends_at(P, place_, psi, elbow, span, bends):
         bends: (MOST_EVENTS,) output.
     """
     c, s = math.cos(psi), math.sin(psi)
-    most = span[1]
-    s_0, w_0 = to_be_turned(P, bent_place(place_, 0.0), elbow, c, s)
-    s_1, w_1 = to_be_turned(P, bent_place(place_, 0.5 * most), elbow, c, s)
-    s_2, w_2 = to_be_turned(P, bent_place(place_, most), elbow, c, s)
+    s_0, w_0 = to_be_turned(P, bent_place(place_, span[0]), elbow, c, s)
+    s_1, w_1 = to_be_turned(P, bent_place(place_, along_span(span, 0.5)), elbow, c, s)
+    s_2, w_2 = to_be_turned(P, bent_place(place_, span[1]), elbow, c, s)
     n = add_joint(P, SHOULDER, curve(s_0[0], s_1[0], s_2[0]), curve(s_0[1], s_1[1], s_2[1]), span, bends, 0)
     n = add_joint(P, WRIST, curve(w_0[0], w_1[0], w_2[0]), curve(w_0[1], w_1[1], w_2[1]), span, bends, n)
     n = add_elbow(P, place_, elbow, span, bends, n)
-    return insert(most, bends, insert(span[0], bends, n))
+    return insert(span[1], bends, insert(span[0], bends, n))
 
 
 @kernel
@@ -241,21 +276,28 @@ def add_curves(P, k, motions, elbow, curves, n):
         flat, circle = (motions[0][2], motions[1][2]) if of_r else (motions[0][0], motions[1][0])
         c, s = dot(form, circle[1]), dot(form, circle[2])
         size = math.sqrt(c * c + s * s)
-        c0, s0 = dot(form, flat[1]), dot(form, flat[2])
-        square, rest = dot(form, circle[0]) - dot(form, flat[0]), dot(form, flat[0]) - value
+        c_0, s_0 = dot(form, flat[1]), dot(form, flat[2])
+        size_0 = math.sqrt(c_0 * c_0 + s_0 * s_0)
+        rest = dot(form, flat[0]) - value
+        square = dot(form, circle[0]) - dot(form, flat[0])
+        if i // 2 == 1:
+            rest = beyond_middle(P, k, i % 2, flat[0], dot(flat[1], flat[1]))
+            square = beyond_middle(P, k, i % 2, circle[0], dot(circle[1], circle[1])) - rest
         if not there or abs(rest) > size + abs(square) + P[SLACK_LIMIT]:
             continue
-        if math.sqrt(c0 * c0 + s0 * s0) < 0.5 * size:
+        if size_0 <= 0.5 * size:
             # The circle of the arm angle shrinks with the bend, the same way on either side of the elbow.
             if elbow == 0:
                 n = put_curve(square, c, s, rest, curves, n)
-        elif abs(rest) <= P[SLACK_LIMIT]:
-            n = put_curve(square, c, s, 0.0, curves, n)
         else:
-            away = math.acos(max(min(-rest / size, 1.0), -1.0))
+            # An arm angle of its own, from which the bend leads away in proportion.
+            away = math.acos(max(min(-rest / size_0, 1.0), -1.0))
             for side in range(2):
-                psi = math.atan2(s, c) + (away if side == 0 else -away)
-                n = put_curve(0.0, -math.sin(psi), math.cos(psi), 0.0, curves, n)
+                psi = math.atan2(s_0, c_0) + (away if side == 0 else -away)
+                u, v = math.cos(psi), math.sin(psi)
+                slope, change = s_0 * u - c_0 * v, rest + square + c * u + s * v
+                turn = change / slope if abs(slope) > abs(change) else 0.0
+                n = put_curve(turn, -v, u, 0.0, curves, n)
     return n
 
 

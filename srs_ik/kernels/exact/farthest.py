@@ -13,8 +13,9 @@ import numpy as np
 
 from srs_ik.kernels.algebra.minimum import propose, start_search, tell
 from srs_ik.kernels.algebra.pointers import keep, row
+from srs_ik.kernels.exact.events import TURN
 from srs_ik.kernels.exact.glance import NEXT_GLANCE, glance
-from srs_ik.kernels.exact.intervals import TURN, find_intervals
+from srs_ik.kernels.exact.intervals import find_intervals
 from srs_ik.kernels.exact.summit import summit, turning_axes
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.answer import MAX_PIECES

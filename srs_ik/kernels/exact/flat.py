@@ -11,7 +11,7 @@ import math
 
 import numpy as np
 
-from srs_ik.kernels.algebra.pointers import row
+from srs_ik.kernels.algebra.pointers import keep, row
 from srs_ik.kernels.exact.bend_events import (
     MOST_CROSSINGS,
     MOST_CURVES,
@@ -21,12 +21,14 @@ from srs_ik.kernels.exact.bend_events import (
     bends_of_crossings,
 )
 from srs_ik.kernels.exact.bends import bent_place
-from srs_ik.kernels.exact.intervals import TURN, find_intervals, join_touching, write_interval
+from srs_ik.kernels.exact.events import TURN
+from srs_ik.kernels.exact.intervals import find_intervals, join_touching, write_interval
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.answer import MAX_PIECES
-from srs_ik.kernels.layout.limb import FAR, FREE, LIMITED, LOOSE, NEAR, SHOULDER, WRIST
+from srs_ik.kernels.layout.limb import FAR, FREE, LIMITED, LOOSE, NEAR, SHOULDER, SIZE, SLACK_LIMIT, WRIST
 from srs_ik.kernels.limb.branches import best_branch
 from srs_ik.kernels.limb.goal import NO_SEED, OUTSIDE
+from srs_ik.kernels.limb.limits import tighten
 
 NEARLY_FLAT = 3e-6
 """Bends of the elbow below this, rad from straight or from folded, cannot be told apart within 1e-11 of reach."""
@@ -45,7 +47,7 @@ LEVELS = 26
 CLOSER = 0.5
 """Around a bend that brings outer axes into line others are tried, each closer to it by this factor."""
 
-SAME_BEND = 1e-6
+SAME_BEND = 1e-11
 """Bends that differ by a smaller part of them are one."""
 
 NOTABLE = 2e-7
@@ -215,6 +217,15 @@ def stretch(P, place_, span, rows, out):
 
 
 @kernel
+def ease(P, box):
+    """Copy a packed limb to `box` with limits a little farther out, but no farther than what is put on them.
+
+    Where limits of several joints meet in one point, rounding leaves no room between them.
+    """
+    tighten(P, NO_SEED, math.inf, 0.5 * P[SLACK_LIMIT], box)
+
+
+@kernel
 def intervals_of_bends(family, place_, respect, out, n):
     """Join to the first n intervals in rows of out those that a pose has at other bends; their number.
 
@@ -224,25 +235,29 @@ def intervals_of_bends(family, place_, respect, out, n):
     found, both = np.empty((8 * MAX_PIECES, 3)), np.empty((16 * MAX_PIECES, 3))
     centres = np.empty(8)
     P = row(family, LOOSE + (LIMITED if respect else FREE))
+    boxes = np.empty((1, SIZE))
+    eased = row(boxes, 0)
+    ease(P, eased)
     span = span_of_bends(P, place_)
     bends, curves = np.empty(MOST_CROSSINGS), np.empty((MOST_CURVES, 4))
-    n = merge(P, place_, place_[3], found, both, out, n)
-    crossings = bends_of_crossings(P, place_, span, curves, bends)
+    n = merge(eased, place_, place_[3], found, both, out, n)
+    crossings = bends_of_crossings(eased, place_, span, curves, bends)
     for i in range(crossings):
         if i == 0 or bends[i] - bends[i - 1] > SAME_BEND * bends[i]:
-            n = merge(P, place_, bends[i], found, both, out, n)
+            n = merge(eased, place_, bends[i], found, both, out, n)
             if i > 0:
-                n = merge(P, place_, 0.5 * (bends[i - 1] + bends[i]), found, both, out, n)
+                n = merge(eased, place_, 0.5 * (bends[i - 1] + bends[i]), found, both, out, n)
     for i in range(take_centres(P, place_, span, centres)):
-        n = merge(P, place_, centres[i], found, both, out, n)
+        n = merge(eased, place_, centres[i], found, both, out, n)
         away = span[1]
         for _ in range(LEVELS):
             away *= CLOSER
             if centres[i] - away > span[0]:
-                n = merge(P, place_, centres[i] - away, found, both, out, n)
+                n = merge(eased, place_, centres[i] - away, found, both, out, n)
             if centres[i] + away < span[1]:
-                n = merge(P, place_, centres[i] + away, found, both, out, n)
+                n = merge(eased, place_, centres[i] + away, found, both, out, n)
     for i in range(n):
         for c in range(3):
             both[i, c] = out[i, c]
+    keep(boxes)
     return stretch(P, place_, span, both[:n], out)

@@ -34,14 +34,12 @@ from srs_ik.kernels.layout.limb import (
     MISS,
     PHASE,
     SHOULDER,
-    SIZE,
     STRAIGHT,
     UPPER,
     WRIST,
 )
 from srs_ik.kernels.limb.branches import NO_BRANCH, branch_of, is_unsure, side_posture
 from srs_ik.kernels.limb.goal import NO_SEED, OUTSIDE, cost, turned
-from srs_ik.kernels.limb.limits import set_joint_limits, set_limit
 from srs_ik.kernels.limb.self_motion import rates
 from srs_ik.kernels.limb.triangle import elbow_side
 
@@ -229,6 +227,16 @@ def slid(P, target, q, goal, J, A):
 
 
 @kernel
+def settle_inside(P, target, q, goal, J, A):
+    """From a posture to one inside the limits that closes, and from there to the nearest one around: q, cost."""
+    q, error = close_free(P, clipped(P, q), target.R, target.p, True, 40, J, A)
+    if error > CLOSED:
+        return q, NO_BRANCH
+    q, value, _ = slid(P, target, q, goal, J, A)
+    return q, value
+
+
+@kernel
 def settled(P, target, q, goal, free_minimum, J, A):
     """A posture of the true chain in its best turn, or one inside the limits: q, cost, and whether it is a minimum."""
     q = turned(P, q, True, goal.seed, goal.respect)
@@ -236,10 +244,7 @@ def settled(P, target, q, goal, free_minimum, J, A):
     if value < OUTSIDE:
         return q, value, free_minimum
     # The free minimum breaks a limit: any posture inside still bounds the distance.
-    q, error = close_free(P, clipped(P, q), target.R, target.p, True, 40, J, A)
-    if error > CLOSED:
-        return q, NO_BRANCH, False
-    q, value, _ = slid(P, target, q, goal, J, A)
+    q, value = settle_inside(P, target, q, goal, J, A)
     return q, value, False
 
 
@@ -292,6 +297,11 @@ def first_guess_near(P, target, goal, J, A):
     q, lowest, minimum = settle_near(P, target, seed, goal, J, A)
     if minimum and is_alone(P, seed, lowest):
         return arm_angle(P, q, place_[0], place_[1]), q, branch_of(P, q), lowest, minimum
+    if goal.respect and not minimum:
+        # Next to a singularity, the free minimum may be far from where the limits leave a posture near the seed.
+        other, value = settle_inside(P, target, seed, goal, J, A)
+        if value < lowest:
+            q, lowest = other, value
     psi, start, branch, guess, _ = first_guess(P, place_, seed, False)
     if guess < OUTSIDE:
         other, value, other_minimum = settle_near(P, target, start, goal, J, A)
@@ -383,16 +393,3 @@ def look_beside(P, target, found, known, goal, J, A):
                 return (q, best, lowest), False
             q, best, lowest = other, branch_of(P, other), value
     return (q, best, lowest), True
-
-
-@kernel
-def tighten(P, seed, distance, slack, box):
-    """Copy the packed limb to `box` with its limits tightened to seed +- distance, then widened by some slack."""
-    for i in range(SIZE):
-        box[i] = P[i]
-    for j in range(7):
-        lower = max(P[LOWER + j], seed[j] - distance) - slack
-        upper = min(P[UPPER + j], seed[j] + distance) + slack
-        set_limit(box, j, min(lower, upper), upper)
-    set_joint_limits(box, SHOULDER, 0)
-    set_joint_limits(box, WRIST, 4)

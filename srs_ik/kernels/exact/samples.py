@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 
 from srs_ik.kernels.algebra.vectors import dot, load3, rotate
-from srs_ik.kernels.exact.intervals import insert
+from srs_ik.kernels.exact.events import insert
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.limb import (
     A1,

@@ -28,6 +28,7 @@ from srs_ik.kernels.layout.limb import (
     SHOULDER,
     SIN_LOWER,
     SIN_UPPER,
+    SIZE,
     SLACK_LIMIT,
     SMALLEST_RANGE,
     UPPER,
@@ -109,6 +110,19 @@ def set_limits(P, lower, upper):
         set_limit(P, joint, lower[joint], upper[joint])
     set_joint_limits(P, SHOULDER, 0)
     set_joint_limits(P, WRIST, 4)
+
+
+@kernel
+def tighten(P, seed, distance, slack, box):
+    """Copy the packed limb to `box` with its limits tightened to seed +- distance, then widened by some slack."""
+    for i in range(SIZE):
+        box[i] = P[i]
+    for j in range(7):
+        lower = max(P[LOWER + j], seed[j] - distance) - slack
+        upper = min(P[UPPER + j], seed[j] + distance) + slack
+        set_limit(box, j, min(lower, upper), upper)
+    set_joint_limits(box, SHOULDER, 0)
+    set_joint_limits(box, WRIST, 4)
 
 
 @kernel

@@ -7,8 +7,8 @@ import math
 import numpy as np
 
 from srs_ik.kernels.algebra.pointers import row
+from srs_ik.kernels.exact.events import TOUCH, TURN
 from srs_ik.kernels.exact.farthest import farthest, farthest_of_all
-from srs_ik.kernels.exact.intervals import TOUCH, TURN
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.answer import GOOD_POSE, SOLVED
 from srs_ik.kernels.layout.limb import LIMITED, LOOSE

@@ -10,7 +10,7 @@ from __future__ import annotations
 import math
 
 from srs_ik.kernels.algebra.vectors import across, cross, dot, load3, rotate, swing
-from srs_ik.kernels.exact.intervals import TOUCH
+from srs_ik.kernels.exact.events import TOUCH
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.limb import A1, A1_A2, A2, A2_A3, BOTTOM_GAP, SHOULDER, TOP_GAP
 from srs_ik.kernels.limb.spherical import middle_angle, sines

@@ -13,7 +13,7 @@ import numpy as np
 
 from srs_ik.kernels.algebra.pointers import row
 from srs_ik.kernels.algebra.vectors import across, add, apply, load3, load9, norm, sub
-from srs_ik.kernels.exact.intervals import TOUCH, TURN
+from srs_ik.kernels.exact.events import TOUCH, TURN
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.answer import GOOD_POSE, MOST_INTERVALS, OK, ROW, ROW_Q, ROW_STATUS
 from srs_ik.kernels.layout.asked import Goal, Target

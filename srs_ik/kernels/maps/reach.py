@@ -13,9 +13,10 @@ import numpy as np
 
 from srs_ik.kernels.algebra.pointers import row
 from srs_ik.kernels.algebra.vectors import dot, load3, swing
+from srs_ik.kernels.exact.events import TURN
 from srs_ik.kernels.exact.flat import is_as_good_as_flat
 from srs_ik.kernels.exact.gaps import fits
-from srs_ik.kernels.exact.intervals import TURN, feasible_intervals, joint_pieces
+from srs_ik.kernels.exact.intervals import feasible_intervals, joint_pieces
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.answer import GOOD_POSE, MAX_EVENTS, MAX_PIECES, MOST_INTERVALS, SOLVED
 from srs_ik.kernels.layout.limb import (
@@ -38,8 +39,9 @@ from srs_ik.kernels.layout.limb import (
     WRIST,
 )
 from srs_ik.kernels.layout.maps import NOT_REACHED, REACHED, UNSURE
+from srs_ik.kernels.limb.goal import NO_SEED
 from srs_ik.kernels.limb.in_line import may_split
-from srs_ik.kernels.limb.limits import is_inside, set_joint_limits, set_limit
+from srs_ik.kernels.limb.limits import is_inside, tighten
 from srs_ik.kernels.limb.poses import read_pose
 from srs_ik.kernels.limb.spherical import middle_angle
 from srs_ik.kernels.limb.triangle import elbow_side, place
@@ -64,12 +66,7 @@ WIDER = 1e-6
 @kernel
 def widened(family, box):
     """Copy the packed limb to `box` with limits farther out by `WIDER`."""
-    for i in range(SIZE):
-        box[i] = family[LOOSE, i]
-    for j in range(7):
-        set_limit(box, j, family[LOOSE, LOWER + j] - WIDER, family[LOOSE, UPPER + j] + WIDER)
-    set_joint_limits(box, SHOULDER, 0)
-    set_joint_limits(box, WRIST, 4)
+    tighten(row(family, LOOSE), NO_SEED, math.inf, WIDER, box)
 
 
 @kernel

@@ -21,7 +21,8 @@ from srs_ik.kernels.curves.follow import CURVE
 from srs_ik.kernels.curves.in_step import SAMPLE, one_of_seven
 from srs_ik.kernels.curves.marks import MARK, MARK_FIRST, MARK_LAST, MARK_NEXT, follow_marks, put_mark
 from srs_ik.kernels.curves.runs import SPARE_ROWS, survey_curves
-from srs_ik.kernels.exact.intervals import SAME, TURN
+from srs_ik.kernels.exact.events import TURN
+from srs_ik.kernels.exact.intervals import SAME
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.asked import Runs
 from srs_ik.kernels.layout.limb import A1, BOTTOM_GAP, SHOULDER, TOP_GAP, WRIST

@@ -18,7 +18,8 @@ from srs_ik.kernels.curves.follow import CURVE, follow_through, tangent_at
 from srs_ik.kernels.curves.in_step import SAMPLE
 from srs_ik.kernels.curves.runs import CURVE_ROWS, SPARE_ROWS, near_runs, samples_of, survey_curves
 from srs_ik.kernels.curves.spans import MAX_SPANS, SPAN, find_spans
-from srs_ik.kernels.exact.intervals import TURN, join_touching, write_interval
+from srs_ik.kernels.exact.events import TURN
+from srs_ik.kernels.exact.intervals import join_touching, write_interval
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.answer import OK, ROW_STATUS
 from srs_ik.kernels.layout.asked import Best, Goal, Runs, Setting

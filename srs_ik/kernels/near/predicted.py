@@ -16,7 +16,8 @@ from srs_ik.kernels.algebra.joint_vectors import short_way
 from srs_ik.kernels.algebra.pointers import keep, row
 from srs_ik.kernels.curves.spans import MAX_SPANS, SPAN, find_spans
 from srs_ik.kernels.curves.surface import has_surface
-from srs_ik.kernels.exact.intervals import PI, TURN, find_intervals, join_touching, write_interval
+from srs_ik.kernels.exact.events import PI, TURN
+from srs_ik.kernels.exact.intervals import find_intervals, join_touching, write_interval
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.answer import MAX_PIECES
 from srs_ik.kernels.layout.asked import Setting

@@ -12,7 +12,7 @@ import numpy as np
 from srs_ik.kernels.algebra.pointers import keep, row
 from srs_ik.kernels.chain.answer import measure_row
 from srs_ik.kernels.chain.newton import arm_angle
-from srs_ik.kernels.curves.best import best_of_runs
+from srs_ik.kernels.curves.best import best_of_runs, search_followed
 from srs_ik.kernels.exact.farthest import copy_interval, draw_in, farthest_of_all
 from srs_ik.kernels.exact.intervals import find_intervals
 from srs_ik.kernels.jit import kernel
@@ -20,8 +20,8 @@ from srs_ik.kernels.layout.answer import MAX_PIECES
 from srs_ik.kernels.layout.asked import Best, Goal, Setting
 from srs_ik.kernels.layout.limb import SIZE
 from srs_ik.kernels.layout.search import MAX_RUNS, RUN
-from srs_ik.kernels.limb.branches import NO_BRANCH
-from srs_ik.kernels.limb.goal import NO_SEED
+from srs_ik.kernels.limb.branches import NO_BRANCH, branch_of
+from srs_ik.kernels.limb.goal import NO_SEED, OUTSIDE
 from srs_ik.kernels.near.arcs import (
     ARC,
     ARC_ELBOW,
@@ -36,6 +36,7 @@ from srs_ik.kernels.near.arcs import (
 from srs_ik.kernels.near.band import may_predict_limits, widen
 from srs_ik.kernels.near.predicted import predicted_intervals
 from srs_ik.kernels.near.scan import POINT_BRANCH, POINT_PSI, put_points, view_of
+from srs_ik.kernels.near.second_attempts import look_around, rescue
 from srs_ik.kernels.near.within import best_within, measure_points
 
 
@@ -131,3 +132,24 @@ def predicted_best_of_intervals(P, target, respect, out, J, A):
             return -1
         measure_row(P, target, best.q, int(found[i, 0]), best.cost, respect, row(out, i))
     return n
+
+
+@kernel
+def search_true(P, target, branch, goal, J, A):
+    """Best posture of a near limb over all arm angles: q, branch, cost; the least violating one if all break limits."""
+    if goal.respect and not goal.seeded:
+        found, certain = predicted_best(P, target, branch, J, A)
+        if certain:
+            return found.q, branch_of(P, found.q), found.cost
+    best = search_followed(P, target, branch, goal, goal.respect, J, A)
+    if best[2] < OUTSIDE:
+        return best
+    hidden = look_around(P, target, branch, goal, J, A)
+    if hidden[2] >= OUTSIDE:
+        hidden = rescue(P, target, branch, goal, J, A)
+    if hidden[2] < best[2]:
+        best = hidden
+    if best[2] < OUTSIDE:
+        return best
+    outside = search_followed(P, target, branch, goal, False, J, A)
+    return outside if outside[2] < best[2] else best

@@ -11,7 +11,7 @@ from srs_ik.kernels.algebra.pointers import row
 from srs_ik.kernels.chain.eight import put_eight, sines_of_eight, take_eight
 from srs_ik.kernels.chain.newton import STEPS
 from srs_ik.kernels.chain.newton_eight import ALL, close_in_planes, half_planes
-from srs_ik.kernels.exact.intervals import PI
+from srs_ik.kernels.exact.events import PI
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.asked import View
 from srs_ik.kernels.limb.limits import beyond, turn_to_middle

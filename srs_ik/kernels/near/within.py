@@ -12,7 +12,7 @@ import numpy as np
 from srs_ik.kernels.algebra.lanes import gather, scatter, where, whole_number
 from srs_ik.kernels.algebra.pointers import row
 from srs_ik.kernels.chain.newton_eight import larger
-from srs_ik.kernels.exact.intervals import TURN
+from srs_ik.kernels.exact.events import TURN
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.asked import Best
 from srs_ik.kernels.layout.limb import INVERSE_HALF_RANGE, LOWER, MIDDLE, SLACK_LIMIT, UPPER

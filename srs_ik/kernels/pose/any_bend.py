@@ -20,7 +20,6 @@ from srs_ik.kernels.exact.bends import bent_place
 from srs_ik.kernels.exact.farthest import farthest
 from srs_ik.kernels.exact.flat import NOTABLE, SMALLEST_BEND, is_almost_flat, span_of_bends
 from srs_ik.kernels.exact.free_splits import keep_better
-from srs_ik.kernels.exact.nearest import tighten
 from srs_ik.kernels.exact.nearest_within import nearest_within
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.answer import MAX_PIECES
@@ -28,6 +27,7 @@ from srs_ik.kernels.layout.limb import FREE, LIMITED, LOOSE, SIZE, SLACK_SINGULA
 from srs_ik.kernels.limb.branches import NO_BRANCH, best_branch, is_on_border
 from srs_ik.kernels.limb.goal import NO_SEED, OUTSIDE
 from srs_ik.kernels.limb.in_line import NEARLY_IN_LINE, may_split
+from srs_ik.kernels.limb.limits import tighten
 from srs_ik.kernels.pose.intervals import exact_intervals
 from srs_ik.kernels.pose.on_limits import put_on_limits
 
@@ -41,7 +41,9 @@ FARTHER = 8.0
 
 @kernel
 def at_any_bend(family, target, psi, branch, goal, found):
-    """The best posture at an arm angle as known so far, or a better one at another bend of an elbow as good as flat.
+    """The best posture at an arm angle as known so far, or a better one that looser tolerances find.
+
+    Of an elbow as good as flat, one at any bend.
 
     Each is given as q, branch, cost.
     """
@@ -52,9 +54,11 @@ def at_any_bend(family, target, psi, branch, goal, found):
     for elbow in range(2):
         if branch >= 0 and branch >> 2 != elbow:
             continue
-        n = bends_at(loose, target.place, psi, elbow, span, bends)
-        for i in range(2 * n):
-            x = bends[i // 2] if i % 2 == 0 else 0.5 * (bends[i // 2] + bends[min(i // 2 + 1, n - 1)])
+        bends[0], n = target.place[3], 1
+        if is_almost_flat(target.place):
+            n = bends_at(loose, target.place, psi, elbow, span, bends)
+        for i in range(2 * n - 1):
+            x = bends[i // 2] if i % 2 == 0 else 0.5 * (bends[i // 2] + bends[i // 2 + 1])
             place_ = bent_place(target.place, x)
             other = best_branch(loose, place_, psi, branch, goal.seeded, goal.seed, goal.respect)
             other = put_on_limits(loose, target, psi, other, goal)

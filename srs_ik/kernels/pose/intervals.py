@@ -2,16 +2,27 @@
 
 from __future__ import annotations
 
-from srs_ik.kernels.algebra.pointers import row
-from srs_ik.kernels.exact.flat import intervals_of_bends, is_almost_flat
+import math
+
+import numpy as np
+
+from srs_ik.kernels.algebra.pointers import keep, row
+from srs_ik.kernels.exact.flat import ease, intervals_of_bends, is_almost_flat
 from srs_ik.kernels.exact.intervals import find_intervals
 from srs_ik.kernels.jit import kernel
-from srs_ik.kernels.layout.answer import SOLVED
-from srs_ik.kernels.layout.limb import FREE, IS_NEAR, LIMITED, LOOSE
+from srs_ik.kernels.layout.answer import MAX_PIECES, SOLVED
+from srs_ik.kernels.layout.asked import Goal
+from srs_ik.kernels.layout.limb import FREE, IS_NEAR, LIMITED, LOOSE, SIZE
+from srs_ik.kernels.limb.goal import NO_SEED, OUTSIDE
+from srs_ik.kernels.limb.in_line import may_split
+from srs_ik.kernels.limb.limits import tighten
 from srs_ik.kernels.near.at_angle import may_reach
 from srs_ik.kernels.near.intervals import intervals_through, true_intervals
 from srs_ik.kernels.near.predicted import predicted_intervals
-from srs_ik.kernels.near.second_attempts import found_again
+from srs_ik.kernels.near.predicted_best import search_true
+
+WIDER = 1e-9
+"""Limits that are so much farther out, rad, tell postures that rounding hides."""
 
 
 @kernel
@@ -25,20 +36,43 @@ def exact_intervals(family, target, respect, out):
         return intervals_of_bends(family, place_, respect, out, n)
     if n == 0 and respect:
         # A pose whose postures all lie on limits leaves room by rounding alone.
-        n = find_intervals(row(family, LOOSE), place_, -1, out)
+        boxes = np.empty((1, SIZE))
+        eased = row(boxes, 0)
+        ease(row(family, LOOSE), eased)
+        n = find_intervals(eased, place_, -1, out)
+        keep(boxes)
     return n
+
+
+@kernel
+def may_be_hidden(F, target, J, A):
+    """Whether a pose of a near limb without intervals may have postures all the same: with limits a little farther out.
+
+    Or next to a singularity, where the curves may have been lost.
+    """
+    if not may_reach(F, target.place):
+        return False
+    if may_split(F, target.place):
+        return True
+    boxes, found = np.empty((1, SIZE)), np.empty((8 * MAX_PIECES, 3))
+    box = row(boxes, 0)
+    tighten(F, NO_SEED, math.inf, WIDER, box)
+    hidden = predicted_intervals(box, target, found, J, A) != 0
+    keep(boxes)
+    return hidden
 
 
 @kernel
 def all_intervals(family, target, respect, J, A, out):
     """Feasible intervals of one pose on the true chain; none where the pose is out of reach."""
-    P = row(family, LIMITED)
+    P, F = row(family, LIMITED), row(family, LIMITED if respect else FREE)
     if P[IS_NEAR] == 0.0:
         return exact_intervals(family, target, respect, out)
-    n = predicted_intervals(row(family, LIMITED if respect else FREE), target, out, J, A)
+    n = predicted_intervals(F, target, out, J, A)
     if n < 0:
         n = true_intervals(P, target, respect, out, J, A)
-        if n == 0 and may_reach(P, target.place):
-            q, again = found_again(P, target, respect, J, A)
-            n = intervals_through(P, target, q, respect, out, J, A) if again else 0
+    if n == 0 and may_be_hidden(F, target, J, A):
+        q, _, lowest = search_true(P, target, -1, Goal(False, NO_SEED, respect), J, A)
+        if lowest < OUTSIDE:
+            n = intervals_through(P, target, q, respect, out, J, A)
     return n

@@ -24,18 +24,16 @@ from srs_ik.kernels.exact.nearest import (
     look_beside,
     settle_near,
     slid,
-    tighten,
 )
 from srs_ik.kernels.exact.nearest_within import nearest_within, way_between
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.answer import MAX_PIECES
 from srs_ik.kernels.layout.limb import FAR, FREE, IS_NEAR, LIMITED, LOOSE, MISS, SIZE
 from srs_ik.kernels.limb.branches import NO_BRANCH, branch_of, is_unsure
-from srs_ik.kernels.limb.goal import NO_SEED, OUTSIDE
+from srs_ik.kernels.limb.goal import OUTSIDE
+from srs_ik.kernels.limb.limits import tighten
 from srs_ik.kernels.limb.triangle import elbow_side
 from srs_ik.kernels.near.many_singular import nearest_among_splits
-from srs_ik.kernels.near.predicted_best import predicted_best
-from srs_ik.kernels.near.second_attempts import look_around, rescue
 from srs_ik.kernels.pose.any_bend import best_at_any_bend
 
 MOST_LEVERAGE = 4.0
@@ -47,11 +45,6 @@ HARDLY = 1e-5
 HARDLY_FARTHER = 1e-4
 FEW_STEPS = 12
 """Its nearest posture is found in a few steps, and no farther from a seed, in squared rad, than this."""
-
-BENDS = 2
-STAGES = 4
-"""How a closed limb is searched, one after the other: strictly (0), loosely (1), a flat elbow at all its bends (2), and
-for the least violation of limits."""
 
 ONE_VALLEY = 0.3
 """An interval shorter than this, rad, whose ends are close to a minimum in it, has no other one."""
@@ -169,62 +162,27 @@ def search_near_seed(P, F, target, goal, J, A):
 def search_exact(family, target, branch, goal):
     """Best posture of a closed limb over all arm angles: q, branch, cost; the least violating one if all break limits.
 
-    Rounding may hide a posture from the strict search. So looser tolerances follow, and, with the elbow almost straight
-    or folded, all the bends that a pose cannot tell from each other.
+    Rounding may hide a posture from the strict search. So looser tolerances follow in every interval, with the elbow
+    almost straight or folded at all the bends that a pose cannot tell from each other.
     """
     place_ = target.place
-    strictness = LIMITED if goal.respect else FREE
+    P, F, loose = row(family, LIMITED), row(family, LIMITED if goal.respect else FREE), row(family, LOOSE)
     found = np.empty((8 * MAX_PIECES, 3))
-    best = (NO_SEED, 0, 4.0 * NO_BRANCH)
-    flat = is_almost_flat(place_)
-    stage = 0
-    while stage < STAGES:
-        P = row(family, LIMITED if stage == 0 else LOOSE)
-        F = row(family, (LIMITED if stage == 0 else LOOSE) + strictness)
-        if stage == BENDS:
-            if flat:
-                best = best_at_any_bend(family, target, branch, goal, best)
+    if goal.seeded:
+        n = find_intervals(F, place_, branch, found)
+        best = nearest_within(P, place_, found[:n], branch, goal, 4.0 * NO_BRANCH)
+    else:
+        best = farthest_of_all(P, F, place_, branch, goal.respect)
+    best = with_splits(P, target, branch, goal, best)
+    # What rounding hides of a flat elbow may be nearer.
+    if best[2] >= OUTSIDE or (goal.seeded and goal.respect and is_almost_flat(place_)):
+        best = best_at_any_bend(family, target, branch, goal, best)
+    if best[2] >= OUTSIDE:
+        whole_circles(found)
+        if goal.seeded:
+            other = nearest_within(loose, place_, found[:8], branch, goal, 4.0 * NO_BRANCH)
         else:
-            n = 8
-            whole_circles(found)
-            if goal.seeded:
-                if stage < BENDS:
-                    n = find_intervals(F, place_, branch, found)
-                other = nearest_within(P, place_, found[:n], branch, goal, 4.0 * NO_BRANCH)
-            elif stage < BENDS:
-                other = farthest_of_all(P, F, place_, branch, goal.respect)
-            else:
-                other = farthest(P, place_, found[:n], branch, goal.respect)
-            if other[2] < best[2]:
-                best = other
-        if stage == 0:
-            best = with_splits(P, target, branch, goal, best)
-        if best[2] >= OUTSIDE:
-            stage += 1
-        elif stage < BENDS and flat and goal.respect and goal.seeded:
-            # What rounding hides may be nearer.
-            stage = BENDS
-        else:
-            break
+            other = farthest(loose, place_, found[:8], branch, goal.respect)
+        if other[2] < best[2]:
+            best = other
     return best
-
-
-@kernel
-def search_true(P, target, branch, goal, J, A):
-    """Best posture of a near limb over all arm angles: q, branch, cost; the least violating one if all break limits."""
-    if goal.respect and not goal.seeded:
-        found, certain = predicted_best(P, target, branch, J, A)
-        if certain:
-            return found.q, branch_of(P, found.q), found.cost
-    best = search_followed(P, target, branch, goal, goal.respect, J, A)
-    if best[2] < OUTSIDE:
-        return best
-    hidden = look_around(P, target, branch, goal, J, A)
-    if hidden[2] >= OUTSIDE:
-        hidden = rescue(P, target, branch, goal, J, A)
-    if hidden[2] < best[2]:
-        best = hidden
-    if best[2] < OUTSIDE:
-        return best
-    outside = search_followed(P, target, branch, goal, False, J, A)
-    return outside if outside[2] < best[2] else best

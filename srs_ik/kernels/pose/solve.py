@@ -36,10 +36,11 @@ from srs_ik.kernels.limb.in_line import may_split
 from srs_ik.kernels.limb.poses import read7, read_pose
 from srs_ik.kernels.limb.triangle import place
 from srs_ik.kernels.near.at_angle import may_reach, solve_all_at_angle, solve_at_angle
+from srs_ik.kernels.near.predicted_best import search_true
 from srs_ik.kernels.near.second_attempts import rescue
 from srs_ik.kernels.pose.any_bend import at_any_bend, best_at_any_bend
 from srs_ik.kernels.pose.on_limits import put_on_limits
-from srs_ik.kernels.pose.search import search_exact, search_near_seed, search_true
+from srs_ik.kernels.pose.search import search_exact, search_near_seed
 
 
 @kernel
@@ -113,7 +114,7 @@ def solve_row_at(family, T, psi, branch, goal, J, A, out):
     P = row(family, LIMITED)
     target = Target(R, p, place(P, R, p))
     found = put_on_limits(P, target, psi, solve_at_angle(P, target, psi, branch, goal, J, A), goal)
-    if P[IS_NEAR] == 0.0 and found[2] >= OUTSIDE and is_almost_flat(target.place):
+    if P[IS_NEAR] == 0.0 and found[2] >= OUTSIDE and (is_almost_flat(target.place) or may_split(P, target.place)):
         found = at_any_bend(family, target, psi, branch, goal, found)
     measure_row_at(P, target, psi, found, goal.respect, row(out, 0))
     return GOOD_POSE
@@ -141,15 +142,14 @@ def all_branches(family, T, asked, J, A, out, first):
         put_some(rows, ROW_POSITION_ERROR, ROW, measured, position)
         put_some(rows, ROW_ORIENTATION_ERROR, ROW, measured, orientation)
         right = as_bits(measured)
-        flat = is_almost_flat(place_)
-        splits = respect and right != ALL and (flat or may_split(P, place_))
+        splits = respect and right != ALL and (is_almost_flat(place_) or may_split(P, place_))
         for branch in range(8):
             answer = row(out, first + branch)
             q = read7(answer)
             if splits and (right >> branch) & 1 == 0:
                 goal = Goal(False, NO_SEED, True)
                 found = put_on_limits(P, target, psi, (q, branch, answer[ROW_COST]), goal)
-                if flat and found[2] >= OUTSIDE:
+                if found[2] >= OUTSIDE:
                     found = at_any_bend(family, target, psi, branch, goal, found)
                 measure_row_at(P, target, psi, found, respect, answer)
                 continue

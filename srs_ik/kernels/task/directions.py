@@ -12,7 +12,7 @@ from __future__ import annotations
 import math
 
 from srs_ik.kernels.algebra.vectors import across, cross, dot, load3, rotate
-from srs_ik.kernels.exact.intervals import add_event
+from srs_ik.kernels.exact.events import add_event
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.limb import A1, A2, A3, LOWER, PHASE, RANGE_KIND, UPPER, WRIST
 

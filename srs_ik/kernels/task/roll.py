@@ -11,7 +11,8 @@ import math
 import numpy as np
 
 from srs_ik.kernels.algebra.vectors import across, apply, apply_transposed, cross, dot, load3, rotate, scale, swing
-from srs_ik.kernels.exact.intervals import add_event, joint_pieces
+from srs_ik.kernels.exact.events import add_event
+from srs_ik.kernels.exact.intervals import joint_pieces
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.answer import MAX_EVENTS, MAX_PIECES
 from srs_ik.kernels.layout.limb import A1, A3, ACROSS_3, AXES, INVERSE_HALF_RANGE, MIDDLE, SHOULDER, WRIST

@@ -48,8 +48,9 @@ from srs_ik.kernels.limb.goal import NO_SEED, OUTSIDE, tightest_joint
 from srs_ik.kernels.limb.poses import read7
 from srs_ik.kernels.limb.triangle import elbow_bend, hand_rotation, shoulder_to_wrist, target_frame, unit_across
 from srs_ik.kernels.near.at_angle import may_reach, solve_at_angle
+from srs_ik.kernels.near.predicted_best import search_true
 from srs_ik.kernels.pose.intervals import all_intervals
-from srs_ik.kernels.pose.search import search_exact, search_true
+from srs_ik.kernels.pose.search import search_exact
 from srs_ik.kernels.task.branch import steady_branch
 from srs_ik.kernels.task.near_posture import settle_posture
 from srs_ik.kernels.task.posture import (
