@@ -58,12 +58,16 @@ STIFFER = 0.1
 GAINED = 1e-8
 """A share that falls by less is the least one."""
 
-LITTLE, ALMOST_ON = 1e-6, 1e-6
+LITTLE, ALMOST_ON = 1e-6, 1e-5
 """A share that falls by so little, at a posture so close to its pose, m and rad, falls no more to speak of: where no
 joint with limits feels a motion, it would go on for long."""
 
-NO_WIDER = 1.0
-"""Once bends are known, the largest share falls below what a step promises by no more than so much of it, rad."""
+NO_WIDER, BENT = 1.0, 4.0
+"""Once bends are known, the largest share falls below what a step promises by no more than so much of it, rad, or of
+its square if that is less."""
+
+NO_GAIN = 1e-7
+"""A share that is lower than a known one by less is not worth a search."""
 
 NEARLY = 0.02
 """A step that leaves the pose no worse than so, m and rad, is taken if the largest share falls."""
@@ -334,6 +338,6 @@ def widen(P, q, pose, freedom, rival, desk):
         forces = part_way(last, part, asked)
         before = q
         q = along7(q, 1.0, step)
-        if curved and ahead - NO_WIDER * size > rival - GAINED:
+        if curved and ahead - size * min(NO_WIDER, BENT * size) > rival - NO_GAIN:
             return q, share, math.inf
     return q, largest_share(P, q), error
