@@ -30,11 +30,13 @@ def solve_range(family, poses, first, last, freedom, turns, seeds, respect, work
     """
     equations = 42 + SYSTEM * SYSTEM
     solved = equations + SYSTEM * SYSTEM
+    shares = solved + SYSTEM * SYSTEM
     desk = Desk(
         work[:42].reshape((6, 7)),
         work[42:equations].reshape((SYSTEM, SYSTEM)),
         work[equations:solved].reshape((SYSTEM, SYSTEM)),
-        row(work[solved:].reshape((1, TABLE)), 0),
+        work[solved:shares].reshape((SYSTEM, SYSTEM)),
+        row(work[shares:].reshape((1, TABLE)), 0),
         starts,
     )
     free = read_freedom(row(freedom, 0)), turns

@@ -30,12 +30,14 @@ from srs_ik.kernels.freedom.settle import (
     price,
 )
 from srs_ik.kernels.freedom.system import (
+    ASIDE,
     BASIC_ROW,
     INVERSE,
     REST_ROW,
     RHS,
     STEP_ROW,
     WAYS,
+    bends_up,
     eliminate,
     multipliers,
     put_bends,
@@ -80,6 +82,9 @@ EVEN_SHARES = 1e-13
 
 ON_TOP, HOLDING = 15, 14
 """Rows of the system: the joints that have the largest share (2 j + 1 above the middle, 2 j below); their weights."""
+
+EVENED = 8
+"""Columns of the system behind those of the joints that have the largest share: their slopes along evened ways."""
 
 LIGHT = 1e-12
 """A joint that weighs less, weighs nothing."""
@@ -130,27 +135,38 @@ def worst_of(P, K, M, q, n):
 def solve_on_top(P, K, M, q, m, n, count):
     """The step along n ways at which `count` joints have the same share, and no other way lowers it: into column RHS.
 
-    Behind it stand the share and what each of the joints weighs.
+    Behind it stand the share and what each of the joints weighs. These are solved for alone, with what the joints'
+    slopes and the step without any of them are where bends are even (by their triangle, behind them in M).
     """
-    last = n + 1 + count
-    for i in range(last):
-        for j in range(last):
-            K[i, j] = 0.0
-        K[i, RHS] = 0.0
-    for k in range(n):
-        for i in range(n):
-            K[k, i] = M[m + k, i]
-        K[k, RHS] = M[m + k, RHS]
-    K[n, RHS] = -1.0
-    for i in range(count):
-        mark = int(K[ON_TOP, i])
+    for i in range(count + 1):
         for k in range(n):
-            slope = slope_along(P, M, mark, k)
-            K[n + 1 + i, k] = slope
-            K[k, n + 1 + i] = slope
-        K[n + 1 + i, n] = K[n, n + 1 + i] = -1.0
-        K[n + 1 + i, RHS] = -share_before(P, M, q, mark)
-    eliminate(K, last)
+            rest = slope_along(P, M, int(K[ON_TOP, i]), k) if i < count else M[m + k, RHS]
+            for j in range(k):
+                rest -= M[m + k, ASIDE + j] * K[i, EVENED + j]
+            K[i, EVENED + k] = rest / M[m + k, ASIDE + k]
+    for i in range(count + 1):
+        for j in range(i + 1):
+            total = 0.0
+            for k in range(n):
+                total += K[i, EVENED + k] * K[j, EVENED + k]
+            if i < count:
+                K[i, j] = K[j, i] = total
+            elif j < count:
+                K[i, j] = K[j, i] = 1.0
+                K[j, RHS] = total + share_before(P, M, q, int(K[ON_TOP, j]))
+    K[count, count], K[count, RHS] = 0.0, 1.0
+    eliminate(K, count + 1)
+    share = K[count, RHS]
+    for i in range(count - 1, -1, -1):
+        K[n + 1 + i, RHS] = K[i, RHS]
+    K[n, RHS] = share
+    for k in range(n - 1, -1, -1):
+        rest = K[count, EVENED + k]
+        for i in range(count):
+            rest -= K[n + 1 + i, RHS] * K[i, EVENED + k]
+        for j in range(k + 1, n):
+            rest -= M[m + j, ASIDE + k] * K[j, RHS]
+        K[k, RHS] = rest / M[m + k, ASIDE + k]
 
 
 @kernel
@@ -209,6 +225,7 @@ def write_bends(M, m, n):
         turn_down(M, m)
     else:
         turn_all_down(M, m, n)
+    bends_up(M, m, n, 0.0)
 
 
 @kernel
@@ -249,14 +266,15 @@ def press(P, K, M, q, m, n):
 
 
 @kernel
-def mend(P, K, M, q, m, known, along):
+def mend(P, desk, q, m, known, along):
     """The step back to the pose after one along its bends, at which the same joints have the largest share."""
+    K, M = desk.shares, desk.copy
     n, count = along
     for j in range(7):
         M[STEP_ROW, j] = 0.0
     for i in range(m):
         for r in range(known):
-            M[STEP_ROW, int(M[BASIC_ROW, i])] += M[i, INVERSE + r] * K[7 + r, RHS]
+            M[STEP_ROW, int(M[BASIC_ROW, i])] += M[i, INVERSE + r] * desk.system[7 + r, RHS]
     for k in range(n):
         M[m + k, RHS] = 0.0
         for i in range(count):
@@ -297,7 +315,7 @@ def widen(P, q, pose, freedom, rival, desk):
         wider = share < best and error < NEARLY
         if share + price(forces) * error > worth and size > CLOSE_BY and not wider:
             if not mended and m == known:
-                q, mended = along7(q, 1.0, mend(P, K, M, q, rank, m, (n, count))), True
+                q, mended = along7(q, 1.0, mend(P, desk, q, rank, m, (n, count))), True
                 continue
             mended = False
             step = along7(NO_SEED, SHORTER, step)
@@ -317,14 +335,14 @@ def widen(P, q, pose, freedom, rival, desk):
         if basic < 0:
             return q, share, math.inf
         n = write_ways(K, M, rank, basic, 0, NO_SEED)
-        step, asked, (ahead, count) = press(P, K, M, q, rank, n)
+        step, asked, (ahead, count) = press(P, desk.shares, M, q, rank, n)
         if m == 3 and leaves_cone(K, freedom, step):
             m = 4
             basic, rank = solve_equations(K, M, m, 0, NO_SEED)
             if basic < 0:
                 return q, share, math.inf
             n = write_ways(K, M, rank, basic, 0, NO_SEED)
-            step, asked, (ahead, count) = press(P, K, M, q, rank, n)
+            step, asked, (ahead, count) = press(P, desk.shares, M, q, rank, n)
         last = forces if known == m else asked
         known = m
         worth = share + price(asked) * error

@@ -39,7 +39,7 @@ TABLE = BRANCH_COST + ARM_ANGLES
 """Postures at a turn: both solutions of the shoulder, both of the wrist, and the elbow; the direction from shoulder to
 wrist, for which they were written; what a branch costs at all arm angles."""
 
-WORK = 42 + 2 * SYSTEM * SYSTEM + TABLE
+WORK = 42 + 3 * SYSTEM * SYSTEM + TABLE
 """Work space of a search."""
 
 
@@ -73,7 +73,7 @@ class Found(NamedTuple):
 
 
 class Desk(NamedTuple):
-    """Work space: J (6, 7), a system of equations (SYSTEM, SYSTEM), a copy to be solved, and tables.
+    """Work space: J (6, 7), a system of equations (SYSTEM, SYSTEM), a copy to be solved, one for shares, and tables.
 
     These are postures at a turn (TABLE,) and starts (MOST_STARTS, START).
     """
@@ -81,5 +81,6 @@ class Desk(NamedTuple):
     J: Any
     system: Any
     copy: Any
+    shares: Any
     table: Any
     starts: Any
