@@ -7,12 +7,14 @@ from __future__ import annotations
 
 import math
 
+from srs_ik.kernels.algebra.pointers import row
 from srs_ik.kernels.chain.freedom import free_error
 from srs_ik.kernels.exact.farthest import farthest_of_all
 from srs_ik.kernels.freedom.queue import MOST_ATTEMPTS, NONE_LEFT, line_up, take_next
 from srs_ik.kernels.freedom.settle import onto_pose
+from srs_ik.kernels.freedom.shares import largest_share, share_of
 from srs_ik.kernels.freedom.starts import OUT_OF_REACH, is_of_no_use, starts_of_roll, starts_of_turns
-from srs_ik.kernels.freedom.widen import largest_share, widen
+from srs_ik.kernels.freedom.widen import widen
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.answer import SOLVED
 from srs_ik.kernels.layout.freedom import MOST_STARTS, START_LEANS, Found, Freedom
@@ -24,6 +26,9 @@ ALMOST = 1e-3
 
 WIDEST, WIDEST_IN_CONE = 8, 4
 """Local searches at least: with the roll alone free, and with the cone free."""
+
+MIRRORED = 1e-5
+"""Shares of starts that differ by less are equal."""
 
 LEAST_WEIGHT = 1e-6
 """Weight of a joint without limits, which may be anywhere."""
@@ -80,6 +85,20 @@ def as_given(P, pose, freedom, liking):
 
 
 @kernel
+def is_mirrored(P, starts, taken):
+    """Whether the start that is taken last has the shares of one before: it leads to the mirror image of a posture."""
+    here = row(starts, MOST_STARTS - 1 - taken)
+    for i in range(taken):
+        before = row(starts, MOST_STARTS - 1 - i)
+        j = 0
+        while j < 7 and abs(share_of(P, j, here[j]) - share_of(P, j, before[j])) < MIRRORED:
+            j += 1
+        if j == 7:
+            return True
+    return False
+
+
+@kernel
 def widest(P, pose, freedom, liking, sizes, found, desk):
     """The posture of the widest margin that searches from so many starts in `desk` lead to, or a known one."""
     attempts = 0
@@ -90,6 +109,8 @@ def widest(P, pose, freedom, liking, sizes, found, desk):
         if least >= NONE_LEFT or is_of_no_use(least, found, False):
             break
         if freedom.cone == 0.0 and desk.starts[MOST_STARTS - 1 - attempts, START_LEANS] > 0.0:
+            continue
+        if found.met and is_mirrored(P, desk.starts, attempts):
             continue
         attempts += 1
         found = widened(P, start, pose, freedom, liking, found, desk)
