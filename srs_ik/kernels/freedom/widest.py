@@ -27,6 +27,9 @@ ALMOST = 1e-3
 WIDEST, WIDEST_IN_CONE = 8, 4
 """Local searches at least: with the roll alone free, and with the cone free."""
 
+NARROW = 0.2
+"""A cone up to this, rad, hardly widens the margin of its roll, whose searches come first then."""
+
 MIRRORED = 1e-5
 """Shares of starts that differ by less are equal."""
 
@@ -118,27 +121,40 @@ def widest(P, pose, freedom, liking, sizes, found, desk):
 
 
 @kernel
+def in_roll(P, pose, given, liking, start, found, desk):
+    """The posture of the widest margin with the roll alone free, if it is wider than a known one."""
+    roll, count = given
+    if start.cost < 0.0:
+        found = widened(P, start.q, pose, roll, liking, found, desk)
+    return widest(P, pose, roll, liking, (count, WIDEST), found, desk)
+
+
+@kernel
 def widest_of_all(P, pose, given, liking, desk):
     """The posture of the widest margin over all that is free.
 
-    In a cone the roll alone comes last: its searches then end as soon as they promise less than what the cone has, and
-    no cone is answered worse than the roll that it contains.
+    No cone is answered worse than the roll that it contains. In a wide one the roll alone comes last: its searches then
+    end as soon as they promise less than what the cone has.
     """
     freedom, turns = given
     roll = Freedom(freedom.axis, 0.0)
     start = as_given(P, pose, roll, liking)
     found = Found(start.q, start.cost if start.met else NONE_LEFT, start.met)
-    if start.cost < 0.0:
+    wide = freedom.cone > NARROW
+    if wide and start.cost < 0.0:
         found = widened(P, start.q, pose, freedom, liking, found, desk)
     count = starts_of_roll(P, pose, freedom, (False, liking.posture, found), desk)
+    if not wide:
+        found = in_roll(P, pose, (roll, count), liking, start, found, desk)
     if freedom.cone == 0.0:
-        return widest(P, pose, roll, liking, (count, WIDEST), found, desk)
+        return found
     count = starts_of_turns(P, pose, turns, (False, liking.posture, found), desk, count)
+    if not wide and found.met:
+        found = widened(P, found.q, pose, freedom, liking, found, desk)
     found = widest(P, pose, freedom, liking, (count, WIDEST_IN_CONE), found, desk)
-    best = found
-    if start.cost < 0.0:
-        best = widened(P, start.q, pose, roll, liking, found, desk)
-    best = widest(P, pose, roll, liking, (count, WIDEST), best, desk)
+    if not wide:
+        return found
+    best = in_roll(P, pose, (roll, count), liking, start, found, desk)
     if best.cost < found.cost:
         return widened(P, best.q, pose, freedom, liking, best, desk)
     return found
