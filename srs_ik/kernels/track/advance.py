@@ -60,7 +60,7 @@ from srs_ik.kernels.limb.poses import read7
 from srs_ik.kernels.limb.triangle import place
 from srs_ik.kernels.track.catch_up import CLOSE_BY, LEVER, STAYS, catch_up, way_left
 from srs_ik.kernels.track.closest import DAMPING, approach, error_at, minus
-from srs_ik.kernels.track.elsewhere import look_elsewhere, look_sooner, out_of_reach
+from srs_ik.kernels.track.elsewhere import look_elsewhere, look_nearer, out_of_reach
 from srs_ik.kernels.track.foresight import busyness, foresee, planned_step
 from srs_ik.kernels.track.freedom import error_left, other_turn, shown_at, wanted
 from srs_ik.kernels.track.limits import bounds, toward
@@ -230,7 +230,7 @@ def watch(P, S, C, q, size, place_, pose, work):
         S[ELSEWHERE] = UNKNOWN
         if S[TICK] % AGAIN != 0.0:
             return
-        look_sooner(P, S, C, q, place_, pose, work)
+        look_nearer(P, S, q, place_)
     elif closer:
         return
     else:
@@ -238,7 +238,7 @@ def watch(P, S, C, q, size, place_, pose, work):
         if S[STUCK] < STUCK_FOR or (S[STUCK] - STUCK_FOR) % AGAIN != 0.0 or out_of_reach(P, place_):
             return
         S[ELSEWHERE] = UNKNOWN
-        look_elsewhere(P, S, C, other_turn(P, S, C, place_))
+        look_elsewhere(P, S, other_turn(P, S, C, place_))
     if S[DETOUR] == 1.0 and not on_true_chain(P, S, C, pose, work):
         S[DETOUR] = 0.0
         if size >= CLOSE:

@@ -83,31 +83,6 @@ def toward(C, joint, q, goal, rate):
     return rate + math.copysign(speed, behind)
 
 
-@kernel
-def least_time(C, joint, way, v, rate):
-    """The shortest time in which a joint goes a way, from velocity v to that of what it makes for, s."""
-    a, u = C[ACCELERATION + joint], v - rate
-    side = 1.0 if way >= 0.5 * u * abs(u) / a else -1.0
-    far, u = side * way, side * u
-    fastest = max(C[SPEED + joint] - side * rate, OUTRUN * C[SPEED + joint])
-    top = math.sqrt(max(a * far + 0.5 * u * u, 0.0))
-    if top <= fastest:
-        return (2.0 * top - u) / a
-    return (2.0 * fastest - u) / a + (far - (fastest * fastest - 0.5 * u * u) / a) / fastest
-
-
-@kernel
-def time_to(C, q, v, end, rate):
-    """The shortest time in which all joints come to a posture that moves on at a rate, s."""
-    most = 0.0
-    for j in range(7):
-        most = max(most, least_time(C, j, end[j] - q[j], v[j], rate[j]))
-    return most
-
-
-OUTRUN = 0.02
-"""A joint comes closer to what is as fast as itself at this share of its velocity: never, as good as."""
-
 SHARE, SHARE_STILL = 0.8, 0.98
 """Share of the largest acceleration that is reckoned with for stopping at a goal that moves, the rest being for the
 goal's own, and at one that does not."""
