@@ -6,7 +6,7 @@ from srs_ik.kernels.algebra.pointers import row
 from srs_ik.kernels.chain.freedom import read_freedom
 from srs_ik.kernels.freedom.solve import solve_free
 from srs_ik.kernels.jit import entry
-from srs_ik.kernels.layout.freedom import MOST_ROLLS, SYSTEM, TABLE, Desk
+from srs_ik.kernels.layout.freedom import SYSTEM, TABLE, Desk
 from srs_ik.kernels.pose.solve import own_goal
 
 
@@ -30,11 +30,13 @@ def solve_range(family, poses, first, last, freedom, turns, seeds, respect, work
     """
     equations = 42 + SYSTEM * SYSTEM
     solved = equations + SYSTEM * SYSTEM
+    shares = solved + SYSTEM * SYSTEM
     desk = Desk(
         work[:42].reshape((6, 7)),
         work[42:equations].reshape((SYSTEM, SYSTEM)),
         work[equations:solved].reshape((SYSTEM, SYSTEM)),
-        work[solved:].reshape((MOST_ROLLS, TABLE)),
+        work[solved:shares].reshape((SYSTEM, SYSTEM)),
+        row(work[shares:].reshape((1, TABLE)), 0),
         starts,
     )
     free = read_freedom(row(freedom, 0)), turns

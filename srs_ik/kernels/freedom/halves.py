@@ -8,10 +8,10 @@ from __future__ import annotations
 import math
 
 from srs_ik.kernels.algebra.lane_trig import turn
-from srs_ik.kernels.algebra.lanes import LANES, eight_of, root, scatter, where, whole_number
+from srs_ik.kernels.algebra.lanes import LANES, eight_of, gather, root, scatter, where, whole_number
 from srs_ik.kernels.algebra.vectors import across, add, cross, dot, load3, rotate, sub, swing
 from srs_ik.kernels.jit import kernel
-from srs_ik.kernels.layout.freedom import ARM_ANGLES, HALF, HALF_COST
+from srs_ik.kernels.layout.freedom import ARM_ANGLES, BRANCH_COST, ELBOW_COST, HALF, HALF_COST
 from srs_ik.kernels.layout.limb import (
     A1,
     A1_A2,
@@ -104,10 +104,15 @@ def more_of(a, b):
 
 
 @kernel
-def to_limits(P, joint, q, wish):
-    """The turns of angles nearest to a wish, inside the limits if there are any; how far they are outside."""
+def to_limits(P, joint, q, seeded, wish):
+    """The turns of angles nearest to a wish, inside the limits if there are any; how far they are outside.
+
+    Without a seed the wish is the middle between the limits: a turn inside them is the nearest one to it.
+    """
     lower, upper = P[LOWER + joint], P[UPPER + joint]
     near = q + TURN * whole_number((wish - q) * PER_TURN)
+    if not seeded:
+        return near, more_of(more_of(lower - near, near - upper), 0.0)
     near = where(near > upper, near - TURN * whole_number((near - upper) * PER_TURN + 0.5), near)
     near = where(near < lower, near + TURN * whole_number((lower - near) * PER_TURN + 0.5), near)
     amid = q + TURN * whole_number((P[MIDDLE + joint] - q) * PER_TURN)
@@ -127,9 +132,9 @@ def cost_of(P, joint, q, seeded, wish):
 def write_eight(P, first, q, reached, goal, table, at):
     """Write three angles and their cost at eight arm angles, from column `at` on; limits are passed at a price."""
     seeded, wish = goal
-    a, out_a = to_limits(P, first, q[0], wish[0])
-    b, out_b = to_limits(P, first + 1, q[1], wish[1])
-    c, out_c = to_limits(P, first + 2, q[2], wish[2])
+    a, out_a = to_limits(P, first, q[0], seeded, wish[0])
+    b, out_b = to_limits(P, first + 1, q[1], seeded, wish[1])
+    c, out_c = to_limits(P, first + 2, q[2], seeded, wish[2])
     of_a = cost_of(P, first, a, seeded, wish[0])
     of_b = cost_of(P, first + 1, b, seeded, wish[1])
     of_c = cost_of(P, first + 2, c, seeded, wish[2])
@@ -162,3 +167,13 @@ def write_halves(P, k, circles, goal, table):
         else:
             q = angles_eight(P, k, v, y, c, -s)
         write_eight(P, first, q, reached, here, table, (half + 1) * HALF * ARM_ANGLES + i)
+
+
+@kernel
+def write_costs(table, halves, seeded):
+    """Write what postures cost at all arm angles, of a half of the shoulder, one of the wrist, and the elbow."""
+    for i in range(0, ARM_ANGLES, LANES):
+        a = gather(table, (halves[0] * HALF + HALF_COST) * ARM_ANGLES + i, 1)
+        b = gather(table, (halves[1] * HALF + HALF_COST) * ARM_ANGLES + i, 1)
+        e = table[ELBOW_COST]
+        scatter(table, BRANCH_COST + i, 1, a + b + e if seeded else more_of(more_of(a, b), e))

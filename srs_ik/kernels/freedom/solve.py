@@ -13,8 +13,7 @@ from srs_ik.kernels.freedom.queue import NONE_LEFT
 from srs_ik.kernels.freedom.settle import EVEN, onto_pose, settle
 from srs_ik.kernels.freedom.starts import starts_of_roll, starts_of_turns
 from srs_ik.kernels.freedom.turns import held_straight
-from srs_ik.kernels.freedom.widen import largest_share
-from srs_ik.kernels.freedom.widest import any_limited, as_given, weights, widened, widest
+from srs_ik.kernels.freedom.widest import any_limited, weights, widest_of_all
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.answer import GOOD_POSE, ROW_STATUS, SOLVED, UNREACHABLE
 from srs_ik.kernels.layout.freedom import Found, Freedom, Liking
@@ -25,7 +24,6 @@ from srs_ik.kernels.limb.poses import read_pose
 from srs_ik.kernels.limb.triangle import place
 
 NEAREST, NEAREST_IN_CONE = 32, 12
-WIDEST, WIDEST_IN_CONE = 8, 4
 """Local searches at least: with the roll alone free, and then so many more with the cone free."""
 
 ROUNDING = 1e-13
@@ -52,44 +50,33 @@ def liking_of(family, P, goal):
 @kernel
 def found_posture(P, pose, given, goal, liking, desk):
     """The posture nearest to a seed, or without one farthest from the limits."""
-    seeded = goal.seeded or not goal.respect or not any_limited(P)
     if goal.seeded:
         close = beside(P, pose, given[0], liking, desk)
         if close.met:
             return close
-    found = searched(P, pose, given, (seeded, liking), desk)
-    if found.met or seeded:
-        return found
-    # Other starts, from distances and not margins, may yet lead to a posture.
-    other = searched(P, pose, given, (True, liking), desk)
-    return Found(other.q, largest_share(P, other.q) - 1.0, other.met)
+    elif goal.respect and any_limited(P):
+        found = widest_of_all(P, pose, given, liking, desk)
+        if found.met:
+            return found
+    # Without a seed other starts, from distances and not margins, may yet lead to a posture.
+    return nearest_of_all(P, pose, given, liking, desk)
 
 
 @kernel
-def searched(P, pose, given, goal, desk):
-    """The nearest or widest posture that searches lead to, from starts all over what is free.
+def nearest_of_all(P, pose, given, liking, desk):
+    """The nearest posture that searches lead to, from starts all over what is free.
 
     In a cone the roll alone comes first, too: what is found there leads to a posture that is no worse.
     """
     freedom, turns = given
-    seeded, liking = goal
     roll = Freedom(freedom.axis, 0.0)
     found = Found(liking.posture, NONE_LEFT, False)
-    if not seeded:
-        found = as_given(P, pose, roll, liking, found, desk)
-    count = starts_of_roll(P, pose, freedom, (seeded, liking.posture, found), desk)
-    if seeded:
-        held = held_straight(P, pose, freedom.axis, liking)
-        found = nearest(P, pose, roll, held, (count, NEAREST), found, desk)
-    else:
-        found = widest(P, pose, roll, liking, (count, WIDEST), found, desk)
+    count = starts_of_roll(P, pose, freedom, (True, liking.posture, found), desk)
+    held = held_straight(P, pose, freedom.axis, liking)
+    found = nearest(P, pose, roll, held, (count, NEAREST), found, desk)
     if freedom.cone == 0.0:
         return found
-    count = starts_of_turns(P, pose, turns, (seeded, liking.posture, found), desk, count)
-    if not seeded:
-        if found.met:
-            found = widened(P, found.q, pose, freedom, liking, found, desk)
-        return widest(P, pose, freedom, liking, (count, WIDEST_IN_CONE), found, desk)
+    count = starts_of_turns(P, pose, turns, (True, liking.posture, found), desk, count)
     if found.met:
         q, cost, error, _ = settle(P, found.q, pose, freedom, liking, desk)
         if error < SOLVED and cost < found.cost:

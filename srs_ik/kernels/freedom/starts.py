@@ -9,25 +9,27 @@ from __future__ import annotations
 import math
 
 from srs_ik.kernels.algebra.pointers import row
-from srs_ik.kernels.algebra.vectors import load9, rotation, times
+from srs_ik.kernels.algebra.vectors import load3, load9, norm, rotation, sub, times
 from srs_ik.kernels.chain.starts import bent_place
-from srs_ik.kernels.freedom.halves import STEEP, write_halves
+from srs_ik.kernels.freedom.halves import STEEP, write_costs, write_halves
 from srs_ik.kernels.freedom.turns import strip, strip_count
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.freedom import (
     ARM_ANGLES,
+    BRANCH_COST,
     ELBOW_ANGLE,
     ELBOW_COST,
     HALF,
-    HALF_COST,
+    LINE,
     MOST_STARTS,
     MOST_TAKEN,
     START_COST,
+    START_LEANS,
     STRIPS,
 )
 from srs_ik.kernels.layout.limb import FAR, IS_CLOSED, SHOULDER, WRIST
 from srs_ik.kernels.limb.branches import NO_BRANCH
-from srs_ik.kernels.limb.goal import OUTSIDE, elbow_part, join
+from srs_ik.kernels.limb.goal import OUTSIDE, elbow_part
 from srs_ik.kernels.limb.triangle import elbow_side, place
 
 OUT_OF_REACH = 0.1
@@ -41,6 +43,9 @@ NO_WIDER = 0.25
 
 SCATTERED = 7
 """So many arm angles farther a start of the next roll lies where all of them cost the same."""
+
+SAME_PLACE = 1e-6
+"""Elbow and direction of the wrist that differ by less, rad, are the same."""
 
 MOST_OUTSIDE = 0.3
 """An elbow farther outside its limits, rad, is no start."""
@@ -56,74 +61,79 @@ def is_of_no_use(cost, found, seeded):
 
 @kernel
 def fill_row(P, pose, elbow, goal, table):
-    """Write what postures of a pose on one side of the elbow are and cost, if they may be of use."""
+    """Write what postures of a pose on one side of the elbow are and cost, if they may be of use; whether they may.
+
+    The shoulder has written its part already where the wrist's place is that of the turn before.
+    """
     seeded, seed, known = goal
-    table[ELBOW_COST] = NO_BRANCH
     place_ = place(P, pose[0], pose[1])
     if P[IS_CLOSED] != 1.0:
         place_ = bent_place(P, place_)
     if abs(place_[5]) > OUT_OF_REACH * P[FAR]:
-        return
+        return False
     side = elbow_side(P, place_, elbow)
     e, cost = elbow_part(P, side[0], seeded, seed[3], True)
     if cost >= OUTSIDE:
         outside = cost - OUTSIDE
         if outside > MOST_OUTSIDE:
-            return
+            return False
         cost = STEEP * outside + ((e - seed[3]) ** 2 if seeded else 0.0)
     if is_of_no_use(cost, known, seeded):
-        return
-    table[ELBOW_ANGLE], table[ELBOW_COST] = e, cost
-    write_halves(P, SHOULDER, side[1], (seeded, seed), table)
+        return False
+    line = place_[0]
+    moved = max(abs(table[ELBOW_ANGLE] - e), norm(sub(load3(table, LINE), line)))
+    if not moved < SAME_PLACE:
+        write_halves(P, SHOULDER, side[1], (seeded, seed), table)
+        table[ELBOW_ANGLE], table[LINE], table[LINE + 1], table[LINE + 2] = e, line[0], line[1], line[2]
+    table[ELBOW_COST] = cost
     write_halves(P, WRIST, side[2], (seeded, seed), table)
+    return True
 
 
 @kernel
-def cost_at(table, i, halves, seeded):
-    """Cost of a posture at arm angle i of a row, by the columns of the costs of shoulder and wrist."""
-    both = join(table[halves[0] + i], table[halves[1] + i], seeded, False)
-    return NO_BRANCH if both >= NO_BRANCH else join(both, table[ELBOW_COST], seeded, False)
-
-
-@kernel
-def write_minima(table, count, branch, goal, starts, n):
+def write_minima(table, k, branch, goal, starts, n):
     """Write the postures of a branch that cost less than those beside them in arm angle; return how many there are.
 
     Not in roll, too: where a valley lies across the grid, its ends are no dips of the grid.
 
     Args:
-        table: (count, TABLE) from `fill_row`, turns next to each other.
-        count: number of rows.
+        table: (TABLE,) from `fill_row`.
+        k: number of the turn.
         branch: 2 for the other shoulder, plus 1 for the other wrist.
         goal: whether costs are distances from a seed, the seed, and the best posture that is known.
         starts: (MOST_STARTS, START) output, n of them written.
         n: see above.
     """
     seeded, _, known = goal
-    shoulder, wrist = HALF * (branch >> 1), HALF * (2 + (branch & 1))
-    halves = (shoulder + HALF_COST) * ARM_ANGLES, (wrist + HALF_COST) * ARM_ANGLES
-    for k in range(count):
-        here = row(table, k)
-        if here[ELBOW_COST] >= NO_BRANCH:
+    halves = branch >> 1, 2 + (branch & 1)
+    write_costs(table, halves, seeded)
+    before, cost = table[BRANCH_COST + ARM_ANGLES - 2], table[BRANCH_COST + ARM_ANGLES - 1]
+    for i in range(ARM_ANGLES):
+        at = (i if i > 0 else ARM_ANGLES) - 1
+        behind = table[BRANCH_COST + i]
+        here, before, cost = (before, cost, behind), cost, behind
+        if here[1] > here[0] or here[1] > behind or here[1] >= NO_BRANCH or n >= MOST_STARTS - MOST_TAKEN:
             continue
-        first = cost_at(here, 0, halves, seeded)
-        cost, behind = cost_at(here, ARM_ANGLES - 1, halves, seeded), first
-        for i in range(ARM_ANGLES):
-            before, cost = cost, behind
-            behind = cost_at(here, i + 1, halves, seeded) if i < ARM_ANGLES - 1 else first
-            if cost > before or cost > behind or cost >= NO_BRANCH or n >= MOST_STARTS - MOST_TAKEN:
-                continue
-            # Where the elbow is the tightest joint, many arm angles may cost the same: then one is taken.
-            if cost == behind and (cost < before or i != SCATTERED * k % ARM_ANGLES):
-                continue
-            if is_of_no_use(cost, known, seeded):
-                continue
-            for j in range(3):
-                starts[n, j] = here[(shoulder + j) * ARM_ANGLES + i]
-                starts[n, 4 + j] = here[(wrist + j) * ARM_ANGLES + i]
-            starts[n, 3] = here[ELBOW_ANGLE]
-            starts[n, START_COST] = cost
-            n += 1
+        # Where the elbow is the tightest joint, many arm angles may cost the same: then one is taken.
+        if here[1] == behind and (here[1] < here[0] or at != SCATTERED * k % ARM_ANGLES):
+            continue
+        if is_of_no_use(here[1], known, seeded):
+            continue
+        for j in range(3):
+            starts[n, j] = table[(halves[0] * HALF + j) * ARM_ANGLES + at]
+            starts[n, 4 + j] = table[(halves[1] * HALF + j) * ARM_ANGLES + at]
+        starts[n, 3] = table[ELBOW_ANGLE]
+        starts[n, START_COST] = here[1]
+        n += 1
+    return n
+
+
+@kernel
+def add_turn(P, pose, k, elbow, goal, desk, n):
+    """Write the starts of turn k on one side of the elbow; return how many there are."""
+    if fill_row(P, pose, elbow, goal, desk.table):
+        for branch in range(4):
+            n = write_minima(desk.table, k, branch, goal, desk.starts, n)
     return n
 
 
@@ -136,9 +146,7 @@ def add_strip(P, pose, freedom, given, goal, desk, n):
     for k in range(count):
         roll = lower + (upper - lower) * (k + 0.5) / count
         turn = rotation(freedom.axis, math.cos(roll), math.sin(roll))
-        fill_row(P, (times(R, turn), p), elbow, goal, row(desk.table, k))
-    for branch in range(4):
-        n = write_minima(desk.table, count, branch, goal, desk.starts, n)
+        n = add_turn(P, (times(R, turn), p), k, elbow, goal, desk, n)
     return n
 
 
@@ -146,11 +154,14 @@ def add_strip(P, pose, freedom, given, goal, desk, n):
 def starts_of_roll(P, pose, freedom, goal, desk):
     """Write a start for every dip of the cost over arm angles at rolls, of all branches; return their number."""
     n = 0
+    desk.table[ELBOW_ANGLE] = math.inf
     for elbow in range(2):
         for i in range(STRIPS):
             found, ends = strip(P, pose, freedom.axis, elbow, i)
             if found:
                 n = add_strip(P, pose, freedom, (elbow, ends), goal, desk, n)
+    for i in range(n):
+        desk.starts[i, START_LEANS] = 0.0
     return n
 
 
@@ -158,9 +169,10 @@ def starts_of_roll(P, pose, freedom, goal, desk):
 def starts_of_turns(P, pose, turns, goal, desk, n):
     """Write starts as `starts_of_roll` at turns, behind n others; return the number of all."""
     R, p = pose
+    first = n
     for elbow in range(2):
         for k in range(turns.shape[0]):
-            fill_row(P, (times(R, load9(row(turns, k), 0)), p), elbow, goal, row(desk.table, 0))
-            for branch in range(4):
-                n = write_minima(desk.table, 1, branch, goal, desk.starts, n)
+            n = add_turn(P, (times(R, load9(row(turns, k), 0)), p), 0, elbow, goal, desk, n)
+    for i in range(first, n):
+        desk.starts[i, START_LEANS] = 1.0
     return n

@@ -7,20 +7,31 @@ from __future__ import annotations
 
 import math
 
+from srs_ik.kernels.algebra.pointers import row
 from srs_ik.kernels.chain.freedom import free_error
 from srs_ik.kernels.exact.farthest import farthest_of_all
 from srs_ik.kernels.freedom.queue import MOST_ATTEMPTS, NONE_LEFT, line_up, take_next
 from srs_ik.kernels.freedom.settle import onto_pose
-from srs_ik.kernels.freedom.starts import OUT_OF_REACH, is_of_no_use
-from srs_ik.kernels.freedom.widen import largest_share, widen
+from srs_ik.kernels.freedom.shares import largest_share, share_of
+from srs_ik.kernels.freedom.starts import OUT_OF_REACH, is_of_no_use, starts_of_roll, starts_of_turns
+from srs_ik.kernels.freedom.widen import widen
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.answer import SOLVED
-from srs_ik.kernels.layout.freedom import Found
+from srs_ik.kernels.layout.freedom import MOST_STARTS, START_LEANS, Found, Freedom
 from srs_ik.kernels.layout.limb import FAR, INVERSE_HALF_RANGE
 from srs_ik.kernels.limb.triangle import place
 
 ALMOST = 1e-3
 """A search that ends this close to its pose, m and rad, is brought onto it."""
+
+WIDEST, WIDEST_IN_CONE = 8, 4
+"""Local searches at least: with the roll alone free, and with the cone free."""
+
+NARROW = 0.2
+"""A cone up to this, rad, hardly widens the margin of its roll, whose searches come first then."""
+
+MIRRORED = 1e-5
+"""Shares of starts that differ by less are equal."""
 
 LEAST_WEIGHT = 1e-6
 """Weight of a joint without limits, which may be anywhere."""
@@ -60,21 +71,34 @@ def widened(P, start, pose, freedom, liking, found, desk):
 
 
 @kernel
-def as_given(P, pose, freedom, liking, found, desk):
-    """The posture of the widest margin at the turn that is given, or around that of the nearest exact limb.
+def as_given(P, pose, freedom, liking):
+    """The posture of the widest margin at the turn that is given, or that of the nearest exact limb; its margin.
 
     Searches over the turns start from a grid, and may miss by a little what a single turn has.
     """
+    none = Found(liking.posture, NONE_LEFT, False)
     place_ = place(P, pose[0], pose[1])
     if abs(place_[5]) > OUT_OF_REACH * P[FAR]:
-        return found
+        return none
     q, _, cost = farthest_of_all(P, P, place_, -1, True)
     if cost >= 0.0:
-        return found
+        return none
     off, turned = free_error(P, q, pose[0], pose[1], freedom)
-    if max(off, turned) < SOLVED and cost < found.cost:
-        found = Found(q, cost, True)
-    return widened(P, q, pose, freedom, liking, found, desk)
+    return Found(q, cost, max(off, turned) < SOLVED)
+
+
+@kernel
+def is_mirrored(P, starts, taken):
+    """Whether the start that is taken last has the shares of one before: it leads to the mirror image of a posture."""
+    here = row(starts, MOST_STARTS - 1 - taken)
+    for i in range(taken):
+        before = row(starts, MOST_STARTS - 1 - i)
+        j = 0
+        while j < 7 and abs(share_of(P, j, here[j]) - share_of(P, j, before[j])) < MIRRORED:
+            j += 1
+        if j == 7:
+            return True
+    return False
 
 
 @kernel
@@ -87,6 +111,50 @@ def widest(P, pose, freedom, liking, sizes, found, desk):
         start, least, count = take_next(desk.starts, count, attempts)
         if least >= NONE_LEFT or is_of_no_use(least, found, False):
             break
+        if freedom.cone == 0.0 and desk.starts[MOST_STARTS - 1 - attempts, START_LEANS] > 0.0:
+            continue
+        if found.met and is_mirrored(P, desk.starts, attempts):
+            continue
         attempts += 1
         found = widened(P, start, pose, freedom, liking, found, desk)
+    return found
+
+
+@kernel
+def in_roll(P, pose, given, liking, start, found, desk):
+    """The posture of the widest margin with the roll alone free, if it is wider than a known one."""
+    roll, count = given
+    if start.cost < 0.0:
+        found = widened(P, start.q, pose, roll, liking, found, desk)
+    return widest(P, pose, roll, liking, (count, WIDEST), found, desk)
+
+
+@kernel
+def widest_of_all(P, pose, given, liking, desk):
+    """The posture of the widest margin over all that is free.
+
+    No cone is answered worse than the roll that it contains. In a wide one the roll alone comes last: its searches then
+    end as soon as they promise less than what the cone has.
+    """
+    freedom, turns = given
+    roll = Freedom(freedom.axis, 0.0)
+    start = as_given(P, pose, roll, liking)
+    found = Found(start.q, start.cost if start.met else NONE_LEFT, start.met)
+    wide = freedom.cone > NARROW
+    if wide and start.cost < 0.0:
+        found = widened(P, start.q, pose, freedom, liking, found, desk)
+    count = starts_of_roll(P, pose, freedom, (False, liking.posture, found), desk)
+    if not wide:
+        found = in_roll(P, pose, (roll, count), liking, start, found, desk)
+    if freedom.cone == 0.0:
+        return found
+    count = starts_of_turns(P, pose, turns, (False, liking.posture, found), desk, count)
+    if not wide and found.met:
+        found = widened(P, found.q, pose, freedom, liking, found, desk)
+    found = widest(P, pose, freedom, liking, (count, WIDEST_IN_CONE), found, desk)
+    if not wide:
+        return found
+    best = in_roll(P, pose, (roll, count), liking, start, found, desk)
+    if best.cost < found.cost:
+        return widened(P, best.q, pose, freedom, liking, best, desk)
     return found

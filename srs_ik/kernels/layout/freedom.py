@@ -18,12 +18,10 @@ MOST_STARTS, MOST_TAKEN = 2048, 256
 STRIPS = 6
 """Most strips of rolls on one side of the elbow: two in each of three turns of its joint."""
 
-MOST_ROLLS = 24
-"""Most rolls of a strip."""
-
 START_COST = 7
-START = 8
-"""A start: seven joint angles, their cost."""
+START_LEANS = 8
+START = 9
+"""A start: seven joint angles, their cost, and whether its turn is more than a roll."""
 
 
 ARM_ANGLES = 16
@@ -35,10 +33,13 @@ HALF_COST = 3
 
 ELBOW_ANGLE = 4 * HALF * ARM_ANGLES
 ELBOW_COST = ELBOW_ANGLE + 1
-TABLE = ELBOW_ANGLE + 2
-"""Postures at a roll: both solutions of the shoulder, both of the wrist, and the elbow."""
+LINE = ELBOW_ANGLE + 2
+BRANCH_COST = LINE + 3
+TABLE = BRANCH_COST + ARM_ANGLES
+"""Postures at a turn: both solutions of the shoulder, both of the wrist, and the elbow; the direction from shoulder to
+wrist, for which they were written; what a branch costs at all arm angles."""
 
-WORK = 42 + 2 * SYSTEM * SYSTEM + MOST_ROLLS * TABLE
+WORK = 42 + 3 * SYSTEM * SYSTEM + TABLE
 """Work space of a search."""
 
 
@@ -72,13 +73,14 @@ class Found(NamedTuple):
 
 
 class Desk(NamedTuple):
-    """Work space: J (6, 7), a system of equations (SYSTEM, SYSTEM), a copy to be solved, and tables.
+    """Work space: J (6, 7), a system of equations (SYSTEM, SYSTEM), a copy to be solved, one for shares, and tables.
 
-    These are postures at rolls (MOST_ROLLS, TABLE) and starts (MOST_STARTS, START).
+    These are postures at a turn (TABLE,) and starts (MOST_STARTS, START).
     """
 
     J: Any
     system: Any
     copy: Any
+    shares: Any
     table: Any
     starts: Any
