@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from srs_ik.kernels.algebra.joint_vectors import along7, dot7
+from srs_ik.kernels.algebra.joint_vectors import along7
 from srs_ik.kernels.algebra.pointers import row
 from srs_ik.kernels.chain.newton import arm_angle
 from srs_ik.kernels.exact.flat import is_as_good_as_flat
@@ -16,7 +16,6 @@ from srs_ik.kernels.layout.path import (
     NODE,
     NODE_BRANCH,
     NODE_PSI,
-    NODE_WAY,
     ROOMIEST,
     ROOMY,
     STRIP_FIRST,
@@ -301,11 +300,6 @@ def list_strips(sheet, first, last, count):
     nodes, strips = sheet.nodes, sheet.strips
     start = first
     for i in range(first, last):
-        if i == start:
-            nodes[i, NODE_WAY] = 0.0
-        else:
-            d = along_cell(row(nodes, i - 1), row(nodes, i))
-            nodes[i, NODE_WAY] = nodes[i - 1, NODE_WAY] + math.sqrt(dot7(d, d))
         if sheet.linked[i] and i + 1 < last:
             continue
         if count < strips.shape[0]:
