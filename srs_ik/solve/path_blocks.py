@@ -137,6 +137,13 @@ class Block:
             last, level = number, needed
         return found
 
+    def least(self) -> float:
+        """What a way to the last pose of it that is reached costs at least."""
+        if self.reached == 0:
+            return 0.0 if self.before is None else float(self.before.cost.min())
+        _, cost, _, ends = self.fill()
+        return float(cost[ends[self.reached, 0] : ends[self.reached, 1]].min())
+
     def carry(self) -> Carry | None:
         """The last pose of it that is reached."""
         if self.reached == 0:
@@ -185,12 +192,14 @@ def through(problem: Problem, keys: NDArray[np.int64], exact: bool) -> tuple[Way
     while first < len(keys):
         block = Block(problem, keys, first, exact, before)
         block.fill()
-        before, first = block.carry(), first + block.count
+        first += block.count
+        if first < len(keys):
+            before = block.carry()
         if len(blocks) >= KEPT:
             blocks[-KEPT].arrays = None
         blocks.append(block)
     way = Way(len(problem.T))
-    if before is not None and before.cost.min() >= BREAK and not exact:
+    if blocks and blocks[-1].least() >= BREAK and not exact:
         way.walls = [wall for block in blocks for wall in block.walls()]
     following = -1
     for block in reversed(blocks):

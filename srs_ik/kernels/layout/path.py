@@ -115,7 +115,8 @@ class Pages(NamedTuple):
 class Desk(NamedTuple):
     """Work space of the strips of a pose: intervals, first arm angles, postures on hold, turns of joints.
 
-    In `memo` (m, MEMO) is what is known at angles of a grid, for the pose of number `stamp[0]`.
+    In `memo` (m, MEMO) is what is known at angles of a grid, for the pose of number `stamp[0]`, in `ends` (m, 8) at the
+    ends of intervals: arm angle and joint angles.
     Intervals that are allowed (m, 3) may be given, those of a pose from row `given[0]` on; -1: all are.
     """
 
@@ -127,6 +128,7 @@ class Desk(NamedTuple):
     given: Any
     memo: Any
     stamp: Any
+    ends: Any
 
 
 class Net(NamedTuple):

@@ -31,7 +31,7 @@ from srs_ik.kernels.limb.triangle import elbow_side, place
 from srs_ik.kernels.path.followed import along_cell, settled
 from srs_ik.kernels.path.near_strips import take_line, take_runs
 from srs_ik.kernels.path.splits import SPLIT, put_splits
-from srs_ik.kernels.path.strips import ROUNDING, is_wide, put_node, take_strip
+from srs_ik.kernels.path.strips import ROUNDING, fill_ends, is_wide, put_node, take_strip
 
 SAME_ELBOW = 1e-5
 """Elbow angles this close, rad, are of one elbow branch ..."""
@@ -88,7 +88,10 @@ def branch_strips(family, place_, sides, around, sheet, n, desk):
     """Write the postures of the intervals of all branches; the next free row."""
     P = row(family, LIMITED)
     splits = may_split(P, place_)
-    for i in range(allowed_intervals(family, place_, desk)):
+    count = allowed_intervals(family, place_, desk)
+    if count > 0:
+        fill_ends(P, sides, desk.found, count, desk.ends)
+    for i in range(count):
         branch = int(desk.found[i, 0])
         side = sides[0] if branch < 4 else sides[1]
         if around.radius > 0.0 and not may_be_near(P, side, branch, around):
@@ -102,7 +105,7 @@ def branch_strips(family, place_, sides, around, sheet, n, desk):
             upper = min(end, middle + TURN * turn + wide)
             if lower <= upper:
                 first = n
-                n = take_strip(P, side, (branch, lower, upper), around, sheet, n, desk)
+                n = take_strip(P, side, (branch, lower, upper, row(desk.ends, 2 * i)), around, sheet, n, desk)
                 n = put_splits(P, sheet, first, within_limits(P, sheet, first, n, desk), around)
             if wide == math.inf:
                 break

@@ -155,12 +155,16 @@ def try_eight(q, pages, i, last, rules, found):
     a, d, ends = cell_of(pages, i, last)
     e = eight_steps(rules.settings, a, q)
     t0, t1, va, vb = cheaper_part(ends[0], ends[1])
+    longest = rules.settings[7 * BY_CONTINUITY]
     value, t = least_of_eight(e, d, (va, vb, ends[2]), t0, t1, rules)
     better = as_bits(value < best)
     if not better:
         return found
     if rules.settings[7 * INVERSE_SPEED] == 0.0:
-        good = (value < best) & are_short(moved_on(e, d, t), rules.settings, rules.limited, 0.0)
+        good = value < best
+        # Squares of steps are at least those of the longest joint's.
+        if rules.limited or as_bits(good & (value > lowest(ends) + rules.share * longest * longest)):
+            good = good & are_short(moved_on(e, d, t), rules.settings, rules.limited, 0.0)
         best, place = where(good, value, best), where(good, t + float(i), place)
         better &= ~as_bits(good)
     if better:
@@ -328,34 +332,13 @@ def highest(x):
 
 
 @kernel
-def highest_of(q):
-    """The largest angle of each joint of eight postures."""
-    return (
-        highest(q[0]),
-        highest(q[1]),
-        highest(q[2]),
-        highest(q[3]),
-        highest(q[4]),
-        highest(q[5]),
-        highest(q[6]),
-    )
-
-
-@kernel
-def negative(q):
-    """Seven figures, the other way."""
-    return (-q[0], -q[1], -q[2], -q[3], -q[4], -q[5], -q[6])
-
-
-@kernel
-def try_all(pages, before, first, last, places, rules, most):
+def try_all(pages, before, own, first, last, places, rules, most):
     """Costs of up to eight postures of a strip of a pose, by way of all strips of the pose before that cost less.
 
     Those of the same branch are the likely ones: they come first, and others are left out by what these cost.
     """
     nodes, strips, cost = pages.nodes, pages.strips, pages.cost
     q = postures_of(nodes, first, last)
-    low, high = negative(highest_of(negative(q))), highest_of(q)
     best, place = rows_of(cost, first, last, 1), 0.0 * q[0] - 1.0
     dearest = min(most, highest(best))
     branch = nodes[first * NODE + NODE_BRANCH]
@@ -364,7 +347,7 @@ def try_all(pages, before, first, last, places, rules, most):
             box = row(strips, a * STRIP)
             begin, end = int(box[STRIP_FIRST]), int(box[STRIP_LAST])
             if (nodes[begin * NODE + NODE_BRANCH] == branch) == (turn == 0) and box[STRIP_LEAST] < dearest:
-                if not is_beyond(low, high, box, reach_of(box, rules, dearest), rules.settings):
+                if not is_beyond(own, row(own, 7), box, reach_of(box, rules, dearest), rules.settings):
                     for i in range(begin, max(end, begin + 1)):
                         best, place = try_eight(q, pages, i, end, rules, (best, place))
                     dearest = min(most, highest(best))
@@ -407,9 +390,9 @@ def advance(sheet, before, now, rules, exact):
     least = cost[start] + BREAK
     most = IMPOSSIBLE if exact else least
     for b in range(now.first_strip, now.last_strip):
-        last = int(sheet.strips[b, STRIP_LAST])
+        own, last = row(pages.strips, b * STRIP), int(sheet.strips[b, STRIP_LAST])
         for i in range(int(sheet.strips[b, STRIP_FIRST]), last + 1, LANES):
-            try_all(pages, before, i, min(i + LANES - 1, last), row(places, i - now.first), rules, most)
+            try_all(pages, before, own, i, min(i + LANES - 1, last), row(places, i - now.first), rules, most)
     try_beside(pages, before, now, row(places, 0), rules)
     if exact or cost[cheapest(cost, now.first, now.last)] > least:
         begin, end = (before.first, before.last) if exact else (start, start + 1)
