@@ -216,9 +216,10 @@ def in_closed_form(problem: Problem, plan: Problem, marks: NDArray[np.bool_]) ->
             told, keys, blocks, least = far(plan, more), more, found, value
         best = min(best, again, key=lambda each: each.cost)
     improve(problem, best, FINE)
-    if is_in_slivers(best) and not stands_in and (torn or (missed and best.cost >= CLOSE * least)):
+    narrow = is_in_slivers(best) and not stands_in
+    if narrow and (torn or (missed and best.cost >= CLOSE * least)):
         best = min(best, planned_in_fine(problem), key=lambda each: each.cost)
-    if best.cost < AS_PLANNED * least:
+    if best.cost < (CLOSE if narrow else AS_PLANNED) * least:
         return search_around(problem, best) if torn else best, None
     if stands_in:
         return best, problem

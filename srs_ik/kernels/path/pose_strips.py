@@ -98,7 +98,7 @@ def branch_strips(family, place_, sides, around, sheet, n, desk):
             continue
         begin, end = desk.found[i, 1], desk.found[i, 2]
         if splits:
-            begin, end = next_to_singular(P, side, begin), next_to_singular(P, side, end)
+            begin, end = to_singular(P, side, begin, end)
         middle, wide = window(P, place_, side, around)
         for turn in range(-1, 2):
             lower = max(begin, middle + TURN * turn - wide)
@@ -127,6 +127,15 @@ def next_to_singular(P, side, psi):
                 if abs(off) < NEXT_TO:
                     return psi + off
     return psi
+
+
+@kernel
+def to_singular(P, side, begin, end):
+    """`next_to_singular` for both ends of an interval, or for the nearer one alone where both are next to the same."""
+    first, last = next_to_singular(P, side, begin), next_to_singular(P, side, end)
+    if first < last:
+        return first, last
+    return (begin, last) if last - begin > first - end else (first, end)
 
 
 @kernel
