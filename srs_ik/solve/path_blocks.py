@@ -38,6 +38,9 @@ KEPT = 24
 """So many blocks are kept; of longer paths, the others are computed again on the way back."""
 
 
+ALL = slice(None)
+
+
 class Block:
     """The strips of some key poses, and the costs of their postures."""
 
@@ -87,15 +90,15 @@ class Block:
         self.arrays = nodes, cost, strips, ends
         return self.arrays
 
-    def held(self) -> tuple[Array, NDArray[np.int64]]:
-        """Its postures (h, HELD), and to which poses they belong."""
+    def held(self, some: NDArray[np.bool_] | slice = ALL) -> tuple[Array, NDArray[np.int64]]:
+        """Its postures (h, HELD), or some of them, and to which poses they belong."""
         nodes, _, _, ends = self.fill()
-        first, last = ends[1, 0], ends[self.count, 1]
-        rows = np.empty((last - first, HELD))
-        rows[:, :HELD_PSI] = nodes[first:last, :NODE_PSI]
-        rows[:, HELD_PSI], rows[:, HELD_BRANCH] = nodes[first:last, NODE_PSI], nodes[first:last, NODE_BRANCH]
-        rows[:, HELD_LINKED] = self.linked()
-        return rows, self.poses()
+        own = nodes[ends[1, 0] : ends[self.count, 1]][some]
+        rows = np.empty((len(own), HELD))
+        rows[:, :HELD_PSI] = own[:, :NODE_PSI]
+        rows[:, HELD_PSI], rows[:, HELD_BRANCH] = own[:, NODE_PSI], own[:, NODE_BRANCH]
+        rows[:, HELD_LINKED] = self.linked()[some]
+        return rows, self.poses()[some]
 
     def linked(self) -> NDArray[np.bool_]:
         """(h,) whether each of its postures is linked to the next one."""

@@ -114,10 +114,10 @@ def between(problem: Problem, keys: NDArray[np.int64], blocks: list[Block], rest
     """
     q, poses = [], []
     for block, costs in zip(blocks, rest.after, strict=True):
-        rows, own = block.held()
         some, _ = touched(block.linked(), block, costs, rest.most)
-        q.append(rows[some, :7])
-        poses.append(own[some])
+        rows, own = block.held(some)
+        q.append(rows[:, :7])
+        poses.append(own)
     where = np.concatenate(poses)
     first = np.flatnonzero(np.diff(where, prepend=-1))
     if len(first) < len(keys):
@@ -174,10 +174,10 @@ def held_below(problem: Problem, keys: NDArray[np.int64], blocks: list[Block], r
     """
     found, alone = [], np.zeros(len(problem.T), np.bool_)
     for block, costs in zip(blocks, rest.after, strict=True):
-        rows, poses = block.held()
         some, cells = touched(block.linked(), block, costs, most)
-        rows[:, HELD_LINKED] = cells
-        found.append((rows[some], poses[some]))
+        rows, poses = block.held(some)
+        rows[:, HELD_LINKED] = cells[some]
+        found.append((rows, poses))
     alone[keys] = True
     rows, poses = (np.concatenate(each) for each in zip(*found, strict=True))
     return replace(problem, held=rows, held_of=poses, held_alone=alone)

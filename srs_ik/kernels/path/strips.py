@@ -45,8 +45,6 @@ GRID = 256
 WIDEST = 32
 """Farthest apart in arm angle, on that grid: eight of them, which are worked out at once."""
 
-APART = WIDEST * MEMO
-
 END = 8
 """An end of an interval: arm angle and joint angles."""
 
@@ -90,7 +88,7 @@ def has_turns(P):
 
 
 @kernel
-def fill_half(P, k, motion, turns, memo, at):
+def fill_half(P, k, motion, turns, memo, at, stride):
     """Write both solutions of a spherical joint at eight arm angles; as bits, which are clear cut."""
     v = swing(motion[0][0], motion[0][1], motion[0][2], turns[0], turns[1])
     y = swing(motion[1][0], motion[1][1], motion[1][2], turns[0], turns[1])
@@ -98,30 +96,35 @@ def fill_half(P, k, motion, turns, memo, at):
     c, s, missed = eight_middles(P, k, v)
     for sign in range(2):
         one, two, three, _ = eight_sines(P, k, v, y, c, s if sign == 0 else -s)
-        scatter(memo, at + 3 * sign, APART, in_middle_turn(P, first, angle_of(one[0], one[1])))
-        scatter(memo, at + 3 * sign + 1, APART, in_middle_turn(P, first + 1, angle_of(two[0], two[1])))
-        scatter(memo, at + 3 * sign + 2, APART, in_middle_turn(P, first + 2, angle_of(three[0], three[1])))
+        scatter(memo, at + 3 * sign, stride, in_middle_turn(P, first, angle_of(one[0], one[1])))
+        scatter(memo, at + 3 * sign + 1, stride, in_middle_turn(P, first + 1, angle_of(two[0], two[1])))
+        scatter(memo, at + 3 * sign + 2, stride, in_middle_turn(P, first + 2, angle_of(three[0], three[1])))
     return as_bits(s > CLEAR) & ~as_bits(missed)
 
 
 @kernel
-def fill_eight(P, side, number, stamp, memo, at):
-    """Write what is known at eight angles of the grid, `WIDEST` apart, for all four branches of an elbow branch."""
-    psi = eight_of(0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0) * (WIDEST * FINEST) + FINEST * number
+def fill_eight(P, side, number, stamp, memo):
+    """Write what is known at eight angles of the grid, that of a number among them: `WIDEST` apart, or neighbours."""
+    each, first = WIDEST, number % WIDEST
+    if number % LANES > 0:
+        each, first = 1, number // LANES * LANES
+    at, stride = first * MEMO, each * MEMO
+    psi = eight_of(0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0) * (each * FINEST) + FINEST * first
     turns = turn(psi)
-    clear = fill_half(P, SHOULDER, side[1], turns, memo, at + MEMO_SHOULDER)
-    clear &= fill_half(P, WRIST, side[2], turns, memo, at + MEMO_WRIST)
-    scatter(memo, at + MEMO_STAMP, APART, 0.0 * psi + stamp)
-    scatter(memo, at + MEMO_CLEAR, APART, where(as_mask(clear), 0.0 * psi + 1.0, 0.0 * psi))
+    clear = fill_half(P, SHOULDER, side[1], turns, memo, at + MEMO_SHOULDER, stride)
+    clear &= fill_half(P, WRIST, side[2], turns, memo, at + MEMO_WRIST, stride)
+    scatter(memo, at + MEMO_STAMP, stride, 0.0 * psi + stamp)
+    scatter(memo, at + MEMO_CLEAR, stride, where(as_mask(clear), 0.0 * psi + 1.0, 0.0 * psi))
 
 
 @kernel
 def grid_posture(P, side, number, branch, q, begun, known):
     """The posture of a branch at an angle of the grid, following another one, and whether there is one."""
-    memo, stamp, loose, _ = known
-    at = ((branch >> 2) * GRID + number % GRID) * MEMO
+    _, stamp, loose, _ = known
+    memo = row(known[0], (branch >> 2) * GRID * MEMO)
+    at = number % GRID * MEMO
     if memo[at + MEMO_STAMP] != stamp:
-        fill_eight(P, side, number % WIDEST, stamp, memo, ((branch >> 2) * GRID + number % WIDEST) * MEMO)
+        fill_eight(P, side, number % GRID, stamp, memo)
     if memo[at + MEMO_CLEAR] == 0.0:
         return posture_of(P, side, FINEST * number, branch, q, begun)
     a = load3(memo, at + MEMO_SHOULDER + 3 * ((branch >> 1) & 1))
