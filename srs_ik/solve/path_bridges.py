@@ -80,12 +80,12 @@ def bridged(problem: Problem) -> Problem:
 
 
 def flat_turns(problem: Problem, way: Way) -> NDArray[np.bool_]:
-    """(n,) where a path has a straight elbow and a shoulder or a wrist that may turn on the spot, so that both may."""
+    """(n,) where a straight elbow of a path and either its shoulder or its wrist may turn on the spot, so that both may."""
     arm, P = problem.arm, problem.arm.family[LIMITED]
     if not arm.closed or problem.free is not None:
         return np.zeros(len(way.q), np.bool_)
     aligned = np.abs(np.sin(way.q[:, [1, 3, 5]] - P[[SHOULDER + PHASE, STRAIGHT, WRIST + PHASE]])) < ALIGNED
-    return aligned[:, 1] & (aligned[:, 0] | aligned[:, 2]) & way.reached & ~problem.has_known
+    return aligned[:, 1] & (aligned[:, 0] ^ aligned[:, 2]) & way.reached & ~problem.has_known
 
 
 def with_turns(problem: Problem, way: Way, flat: NDArray[np.bool_], angles: Array) -> Problem:

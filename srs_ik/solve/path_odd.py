@@ -20,7 +20,7 @@ LEAP = 0.2
 TURNS_OF_FLAT = np.linspace(-np.pi, np.pi, 64), *(np.linspace(-width, width, 21) for width in (0.2, 0.04, 0.008))
 """Where a straight elbow and a shoulder or wrist turn on the spot, arm angles from those of the path, rad, in turn."""
 
-MOST_FLAT = 256
+MOST_FLAT = 64
 """Of a path with more such poses, these take too long."""
 
 
