@@ -80,7 +80,7 @@ def bridged(problem: Problem) -> Problem:
 
 
 def flat_turns(problem: Problem, way: Way) -> NDArray[np.bool_]:
-    """(n,) where a straight elbow of a path and either its shoulder or its wrist may turn on the spot, so that both may."""
+    """(n,) where a straight elbow and either the shoulder or the wrist may turn on the spot, so that both may."""
     arm, P = problem.arm, problem.arm.family[LIMITED]
     if not arm.closed or problem.free is not None:
         return np.zeros(len(way.q), np.bool_)
