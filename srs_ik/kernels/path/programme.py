@@ -13,8 +13,9 @@ import math
 import numpy as np
 
 from srs_ik.kernels.algebra.joint_vectors import largest
-from srs_ik.kernels.algebra.lanes import LANES, as_bits, as_mask, eight_of, one_of, where
+from srs_ik.kernels.algebra.lanes import LANES, as_bits, as_mask, one_of, where
 from srs_ik.kernels.algebra.pointers import row
+from srs_ik.kernels.chain.eight import highest, postures_of, rows_of
 from srs_ik.kernels.curves.in_step import one_of_seven
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.path import (
@@ -212,17 +213,17 @@ def cheapest(cost, first, last):
 
 
 @kernel
-def first_costs(sheet, span, seed, settings):
-    """Costs of the postures of a first pose: squared joint steps from the seed, if there is one."""
+def first_costs(sheet, span, start, settings):
+    """Costs of the postures of a first pose: squared joint steps from the start, if there is one."""
     nodes, cost = sheet.nodes, sheet.cost
     for i in range(span.first, span.last):
         cost[i] = 0.0
         nodes[i, NODE_SAG] = 0.0
-        if seed is not None:
+        if start.shape[0] > 0:
             if i + 1 < span.last and settings[7 * INVERSE_SPEED] == 0.0:
                 d = along_cell(row(nodes, i), row(nodes, i + 1))
                 nodes[i, NODE_SAG] = product(d, d)
-            e = steps_between(settings, seed, row(nodes, i))
+            e = steps_between(settings, row(start, 0), row(nodes, i))
             cost[i] = step_value(settings, e, 1.0) + (BREAK if largest(e) > settings[7 * BY_CONTINUITY] else 0.0)
     write_least(sheet, span)
 
@@ -294,51 +295,13 @@ def leave_out(sheet, span, rooms):
 
 
 @kernel
-def rows_of(figures, first, last, width):
-    """A figure of up to eight rows as eight floats, that of the last one again and again."""
-    return eight_of(
-        figures[width * first],
-        figures[width * min(first + 1, last)],
-        figures[width * min(first + 2, last)],
-        figures[width * min(first + 3, last)],
-        figures[width * min(first + 4, last)],
-        figures[width * min(first + 5, last)],
-        figures[width * min(first + 6, last)],
-        figures[width * min(first + 7, last)],
-    )
-
-
-@kernel
-def postures_of(nodes, first, last):
-    """Joint angles of up to eight postures."""
-    return (
-        rows_of(nodes, first, last, NODE),
-        rows_of(row(nodes, 1), first, last, NODE),
-        rows_of(row(nodes, 2), first, last, NODE),
-        rows_of(row(nodes, 3), first, last, NODE),
-        rows_of(row(nodes, 4), first, last, NODE),
-        rows_of(row(nodes, 5), first, last, NODE),
-        rows_of(row(nodes, 6), first, last, NODE),
-    )
-
-
-@kernel
-def highest(x):
-    """The largest of eight floats."""
-    most = one_of(x, 0)
-    for k in range(1, LANES):
-        most = max(most, one_of(x, k))
-    return most
-
-
-@kernel
 def try_all(pages, before, own, first, last, places, rules, most):
     """Costs of up to eight postures of a strip of a pose, by way of all strips of the pose before that cost less.
 
     Those of the same branch are the likely ones: they come first, and others are left out by what these cost.
     """
     nodes, strips, cost = pages.nodes, pages.strips, pages.cost
-    q = postures_of(nodes, first, last)
+    q = postures_of(nodes, first, last, NODE)
     best, place = rows_of(cost, first, last, 1), 0.0 * q[0] - 1.0
     dearest = min(most, highest(best))
     branch = nodes[first * NODE + NODE_BRANCH]

@@ -11,6 +11,8 @@ from __future__ import annotations
 
 import math
 
+import numpy as np
+
 from srs_ik.kernels.algebra.joint_vectors import apart
 from srs_ik.kernels.algebra.lane_trig import angle_of, turn
 from srs_ik.kernels.algebra.lanes import LANES, as_bits, as_mask, eight_of, gather, scatter, where
@@ -131,6 +133,12 @@ def grid_posture(P, side, number, branch, q, begun, known):
     b = load3(memo, at + MEMO_WRIST + 3 * (branch & 1))
     there = (a[0], a[1], a[2], turn_to_middle(P, 3, side[0]), b[0], b[1], b[2])
     return turn_all(P, there, q, begun) if loose else there, True
+
+
+@kernel
+def room_for_ends(found):
+    """Where `fill_ends` writes the ends of as many intervals."""
+    return np.empty((2 * found.shape[0] + LANES, END))
 
 
 @kernel

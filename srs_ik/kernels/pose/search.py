@@ -29,8 +29,7 @@ from srs_ik.kernels.exact.nearest import (
 from srs_ik.kernels.exact.nearest_within import nearest_within, way_between
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.answer import MAX_PIECES
-from srs_ik.kernels.layout.asked import Goal
-from srs_ik.kernels.layout.limb import FAR, FREE, LIMITED, LOOSE, MISS, SIZE
+from srs_ik.kernels.layout.limb import FAR, FREE, IS_NEAR, LIMITED, LOOSE, MISS, SIZE
 from srs_ik.kernels.limb.branches import NO_BRANCH, branch_of, is_unsure
 from srs_ik.kernels.limb.goal import NO_SEED, OUTSIDE
 from srs_ik.kernels.limb.triangle import elbow_side
@@ -87,7 +86,7 @@ def without(P, place_, found, known, psi, goal):
 @kernel
 def guess(P, target, goal, J, A):
     """A posture near a seed by local search: psi, q, branch, cost, and whether it is a local minimum."""
-    if J is None:
+    if P[IS_NEAR] == 0.0:
         place_, seed = target.place, goal.seed
         psi, q, branch, lowest, minimum = first_guess(P, place_, seed, goal.respect)
         position, orientation = pose_error(P, seed, target.R, target.p)
@@ -131,16 +130,15 @@ def search_near_seed(P, F, target, goal, J, A):
     if minimum and is_alone(P, goal.seed, lowest):
         return known
     if lowest < OUTSIDE:
-        known = with_splits(P, target, -1, goal.seed, goal.respect, known)
-    if J is not None:
+        known = with_splits(P, target, -1, goal, known)
+    if P[IS_NEAR] != 0.0:
         known = nearest_among_splits(P, target, goal, known)
     if known[2] >= OUTSIDE:
         return known
-    if J is not None:
-        if math.sqrt(known[2]) < CLOSE:
-            known, sure = look_across(P, target, known, minimum, goal, J, A)
-            if sure:
-                return known
+    if P[IS_NEAR] != 0.0 and math.sqrt(known[2]) < CLOSE:
+        known, sure = look_across(P, target, known, minimum, goal, J, A)
+        if sure:
+            return known
     distance = math.sqrt(known[2])
     boxes = np.empty((1, SIZE))
     box = row(boxes, 0)
@@ -153,7 +151,7 @@ def search_near_seed(P, F, target, goal, J, A):
         n = without(P, place_, found[:n], (guessed, branch), psi, goal)
     if n == 0:
         return known
-    if J is None:
+    if P[IS_NEAR] == 0.0:
         nearer = nearest_within(P, place_, found[:n], -1, goal, known[2])
         if nearer[2] < known[2]:
             nearer = settled_split(P, target, nearer, goal)
@@ -168,15 +166,14 @@ def search_near_seed(P, F, target, goal, J, A):
 
 
 @kernel
-def search_exact(family, target, branch, seed, respect):
+def search_exact(family, target, branch, goal):
     """Best posture of a closed limb over all arm angles: q, branch, cost; the least violating one if all break limits.
 
     Rounding may hide a posture from the strict search. So looser tolerances follow, and, with the elbow almost straight
     or folded, all the bends that a pose cannot tell from each other.
     """
     place_ = target.place
-    strictness = LIMITED if respect else FREE
-    goal = Goal(seed is not None, NO_SEED if seed is None else seed, respect)
+    strictness = LIMITED if goal.respect else FREE
     found = np.empty((8 * MAX_PIECES, 3))
     best = (NO_SEED, 0, 4.0 * NO_BRANCH)
     flat = is_almost_flat(place_)
@@ -190,22 +187,21 @@ def search_exact(family, target, branch, seed, respect):
         else:
             n = 8
             whole_circles(found)
-            if seed is None:
-                if stage < BENDS:
-                    other = farthest_of_all(P, F, place_, branch, respect)
-                else:
-                    other = farthest(P, place_, found[:n], branch, respect)
-            else:
+            if goal.seeded:
                 if stage < BENDS:
                     n = find_intervals(F, place_, branch, found)
                 other = nearest_within(P, place_, found[:n], branch, goal, 4.0 * NO_BRANCH)
+            elif stage < BENDS:
+                other = farthest_of_all(P, F, place_, branch, goal.respect)
+            else:
+                other = farthest(P, place_, found[:n], branch, goal.respect)
             if other[2] < best[2]:
                 best = other
         if stage == 0:
-            best = with_splits(P, target, branch, seed, respect, best)
+            best = with_splits(P, target, branch, goal, best)
         if best[2] >= OUTSIDE:
             stage += 1
-        elif stage < BENDS and flat and respect and seed is not None:
+        elif stage < BENDS and flat and goal.respect and goal.seeded:
             # What rounding hides may be nearer.
             stage = BENDS
         else:
