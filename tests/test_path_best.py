@@ -274,6 +274,29 @@ def test_a_path_that_leads_elsewhere_between_few_poses_is_planned_at_all(name, k
         assert total(path, seed) <= (np.diff(known, axis=0) ** 2).sum() * (1.0 + 1e-6)
 
 
+def test_a_straight_elbow_and_a_shoulder_that_turn_on_the_spot_turn_together():
+    """Where both do, a pose has postures in two directions: joints 1, 3 and 5 share one angle."""
+    arm = load("human_arm")
+    known = motion_of_benchmark(arm, "human_arm", "limits", 54001)
+    for seed in (known[0], None):
+        path = arm.solve_path(poses_of(arm, known), seed=seed)
+        assert path
+        assert total(path, seed) <= (np.diff(known, axis=0) ** 2).sum() * (1.0 + 1e-6)
+
+
+@pytest.mark.files
+def test_an_interval_between_a_limit_and_a_singular_arm_angle_beside_it_is_no_point():
+    """Joint 6 has a limit 4e-6 rad behind its singular angle: arm angles as far apart turn joint 5 by 1.3 rad.
+
+    Newton's method takes one posture of the best path 0.008 rad from it, which is 3e-4 of all squares.
+    """
+    arm = load("human_left")
+    known = motion_of_benchmark(arm, "human_left", "limits", 54053)
+    path = arm.solve_path(poses_of(arm, known), seed=known[0])
+    assert path
+    assert total(path, known[0]) <= (np.diff(known, axis=0) ** 2).sum() * (1.0 + 5e-4)
+
+
 @pytest.mark.parametrize(
     ("name", "motion", "count"),
     [

@@ -29,7 +29,7 @@ from srs_ik.solve.path_aims import closed as closed_way
 from srs_ik.solve.path_bound import least_largest, least_sum
 from srs_ik.solve.path_breaks import PathBreak, breaks_of
 from srs_ik.solve.path_limited import keeps_limits
-from srs_ik.solve.path_polish import keep_limits
+from srs_ik.solve.path_polish import FINE, improve, keep_limits
 from srs_ik.solve.path_problem import LARGEST_STEP, OBJECTIVES, TIME, Problem, Way, copy, objective_of, steps_of, worth
 from srs_ik.solve.path_rows import off_pose, rows_of
 from srs_ik.solve.path_timing import passing_times
@@ -239,11 +239,15 @@ def _found(find: Callable[[Problem], Way], problem: Problem) -> tuple[Way, Array
     if held is not None:
         way = min(way, find(held), key=lambda way: worth(problem, way))
     slow = problem.limited and problem.even and keeps_limits(problem, way)
+    free = way.branch >= 0
     rows = rows_of(problem, way)
+    # Taken to their poses, postures next to limits may have moved, farther even than was left of the velocity limits;
+    # they stay now, and those beside them make room.
     if slow and not keeps_limits(problem, way):
-        # Taken to their poses, postures next to limits have moved farther than was left of the velocity limits; they
-        # stay now, and those beside them make room.
         keep_limits(problem, way, copy(way))
+        rows = rows_of(problem, way)
+    elif problem.even and (free & (way.branch < 0)).any():
+        improve(problem, way, FINE)
         rows = rows_of(problem, way)
     return way, rows
 

@@ -38,6 +38,9 @@ KEPT = 24
 """So many blocks are kept; of longer paths, the others are computed again on the way back."""
 
 
+ALL = slice(None)
+
+
 class Block:
     """The strips of some key poses, and the costs of their postures."""
 
@@ -86,15 +89,15 @@ class Block:
         self.arrays = nodes, cost, strips, ends
         return self.arrays
 
-    def held(self) -> tuple[Array, NDArray[np.int64]]:
-        """Its postures (h, HELD), and to which poses they belong."""
+    def held(self, some: NDArray[np.bool_] | slice = ALL) -> tuple[Array, NDArray[np.int64]]:
+        """Its postures (h, HELD), or some of them, and to which poses they belong."""
         nodes, _, _, ends = self.fill()
-        first, last = ends[1, 0], ends[self.count, 1]
-        rows = np.empty((last - first, HELD))
-        rows[:, :HELD_PSI] = nodes[first:last, :NODE_PSI]
-        rows[:, HELD_PSI], rows[:, HELD_BRANCH] = nodes[first:last, NODE_PSI], nodes[first:last, NODE_BRANCH]
-        rows[:, HELD_LINKED] = self.linked()
-        return rows, self.poses()
+        own = nodes[ends[1, 0] : ends[self.count, 1]][some]
+        rows = np.empty((len(own), HELD))
+        rows[:, :HELD_PSI] = own[:, :NODE_PSI]
+        rows[:, HELD_PSI], rows[:, HELD_BRANCH] = own[:, NODE_PSI], own[:, NODE_BRANCH]
+        rows[:, HELD_LINKED] = self.linked()[some]
+        return rows, self.poses()[some]
 
     def linked(self) -> NDArray[np.bool_]:
         """(h,) whether each of its postures is linked to the next one."""
@@ -135,6 +138,13 @@ class Block:
                 found.append(Wall(int(self.keys[self.first + number - 1]), open_ended.copy()))
             last, level = number, needed
         return found
+
+    def least(self) -> float:
+        """What a way to the last pose of it that is reached costs at least."""
+        if self.reached == 0:
+            return 0.0 if self.before is None else float(self.before.cost.min())
+        _, cost, _, ends = self.fill()
+        return float(cost[ends[self.reached, 0] : ends[self.reached, 1]].min())
 
     def carry(self) -> Carry | None:
         """The last pose of it that is reached."""
@@ -184,12 +194,14 @@ def through(problem: Problem, keys: NDArray[np.int64], exact: bool) -> tuple[Way
     while first < len(keys):
         block = Block(problem, keys, first, exact, before)
         block.fill()
-        before, first = block.carry(), first + block.count
+        first += block.count
+        if first < len(keys):
+            before = block.carry()
         if len(blocks) >= KEPT:
             blocks[-KEPT].arrays = None
         blocks.append(block)
     way = Way(len(problem.T))
-    if before is not None and before.cost.min() >= BREAK and not exact:
+    if blocks and blocks[-1].least() >= BREAK and not exact:
         way.walls = [wall for block in blocks for wall in block.walls()]
     following = -1
     for block in reversed(blocks):

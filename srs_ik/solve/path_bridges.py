@@ -14,10 +14,11 @@ from numpy.typing import NDArray
 
 from srs_ik.kernels.entries import path as entries
 from srs_ik.kernels.entries.kinematics import configuration_arm_angle
-from srs_ik.kernels.layout.limb import LIMITED, PHASE, SHOULDER, WRIST
+from srs_ik.kernels.layout.limb import LIMITED, PHASE, SHOULDER, STRAIGHT, WRIST
 from srs_ik.kernels.layout.path import BY_CONTINUITY, HELD, HELD_BRANCH, HELD_PSI, INVERSE_PERIOD, PERIOD
 from srs_ik.solve.path_blocks import Block
-from srs_ik.solve.path_problem import Problem
+from srs_ik.solve.path_problem import Problem, Way
+from srs_ik.solve.pose import solve_all
 
 if TYPE_CHECKING:
     from srs_ik.solve.packed import PackedArm
@@ -76,6 +77,32 @@ def bridged(problem: Problem) -> Problem:
     if not len(held):
         return problem
     return replace(problem, held=held, held_of=np.repeat(np.arange(len(found)), [len(new) for new in found]))
+
+
+def flat_turns(problem: Problem, way: Way) -> NDArray[np.bool_]:
+    """(n,) where a straight elbow and either the shoulder or the wrist may turn on the spot, so that both may."""
+    arm, P = problem.arm, problem.arm.family[LIMITED]
+    if not arm.closed or problem.free is not None:
+        return np.zeros(len(way.q), np.bool_)
+    aligned = np.abs(np.sin(way.q[:, [1, 3, 5]] - P[[SHOULDER + PHASE, STRAIGHT, WRIST + PHASE]])) < ALIGNED
+    return aligned[:, 1] & (aligned[:, 0] ^ aligned[:, 2]) & way.reached & ~problem.has_known
+
+
+def with_turns(problem: Problem, way: Way, flat: NDArray[np.bool_], angles: Array) -> Problem:
+    """The problem with postures at arm angles (k,) from those of a path, of poses that a strip holds a line of alone.
+
+    There, postures have two freedoms. Each posture brings the turn of its shoulder or wrist along, as every held one.
+    """
+    rows, poses = [], []
+    for i in np.flatnonzero(flat):
+        for angle in angles:
+            found = solve_all(problem.arm, problem.T[i], float(way.psi[i] + angle), True)
+            same = [one for one in found if np.abs(one.q[[1, 3, 5]] - way.q[i, [1, 3, 5]]).max() < APART]
+            rows += [one.q for one in same[:1]]
+            poses += [i] * len(same[:1])
+    if not rows:
+        return problem
+    return replace(problem, held=_rows(problem.arm, np.array(rows)), held_of=np.array(poses))
 
 
 def _rows(arm: PackedArm, postures: Array) -> Array:

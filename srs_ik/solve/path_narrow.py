@@ -8,6 +8,7 @@ what it costs up to there, leaves most strips out; what is left may be fine.
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -77,7 +78,8 @@ def find_narrow(
     """
     parts = [kept(block, costs, rest.most) for block, costs in zip(blocks, rest.after, strict=True)]
     rows, poses = np.vstack([part.rows for part in parts]), np.concatenate([part.poses for part in parts])
-    free: list[Array | None] = list(np.split(rows, np.searchsorted(poses, np.arange(1, len(problem.T)))))
+    ends = np.searchsorted(poses, np.arange(len(problem.T) + 1)).tolist()
+    free: list[Array | None] = [rows[first:last] for first, last in pairwise(ends)]
     told = replace(problem, radius=EVERYWHERE) if asked is None else asked
     if more is not None and more.any():
         near, radius = between(problem, keys, blocks, rest)
@@ -112,10 +114,10 @@ def between(problem: Problem, keys: NDArray[np.int64], blocks: list[Block], rest
     """
     q, poses = [], []
     for block, costs in zip(blocks, rest.after, strict=True):
-        rows, own = block.held()
         some, _ = touched(block.linked(), block, costs, rest.most)
-        q.append(rows[some, :7])
-        poses.append(own[some])
+        rows, own = block.held(some)
+        q.append(rows[:, :7])
+        poses.append(own)
     where = np.concatenate(poses)
     first = np.flatnonzero(np.diff(where, prepend=-1))
     if len(first) < len(keys):
@@ -137,7 +139,13 @@ def costs_to_end(problem: Problem, blocks: list[Block], most: float) -> Rest:
     for block in reversed(blocks):
         nodes, cost, strips, ends = block.fill()
         n, m, count = ends[block.count, 1], ends[block.count, 3], block.count
-        nodes, cost, strips, after = nodes[:n].copy(), cost[:n], strips[:m].copy(), np.empty(n)
+        sag, nodes, cost, strips, after = (
+            nodes[:n, NODE_SAG].copy(),
+            nodes[:n],
+            cost[:n],
+            strips[:m].copy(),
+            np.empty(n),
+        )
         rows = np.vstack([ends[: count + 1], np.zeros((1, 4), np.int64)])
         if behind is not None:
             rows[-1] = n, n + len(behind.nodes), m, m + len(behind.strips)
@@ -155,6 +163,7 @@ def costs_to_end(problem: Problem, blocks: list[Block], most: float) -> Rest:
             behind = carried(int(block.keys[block.first + at - 1]), rows[at], nodes, after, strips)
         first = ends[1, 0]
         found.append(np.column_stack([after[first:n], nodes[first:n, NODE_SAG]]))
+        nodes[:n, NODE_SAG] = sag
     return Rest(found[::-1], most, float(blocks[-1].costs()[0].min()))
 
 
@@ -165,10 +174,10 @@ def held_below(problem: Problem, keys: NDArray[np.int64], blocks: list[Block], r
     """
     found, alone = [], np.zeros(len(problem.T), np.bool_)
     for block, costs in zip(blocks, rest.after, strict=True):
-        rows, poses = block.held()
         some, cells = touched(block.linked(), block, costs, most)
-        rows[:, HELD_LINKED] = cells
-        found.append((rows[some], poses[some]))
+        rows, poses = block.held(some)
+        rows[:, HELD_LINKED] = cells[some]
+        found.append((rows, poses))
     alone[keys] = True
     rows, poses = (np.concatenate(each) for each in zip(*found, strict=True))
     return replace(problem, held=rows, held_of=poses, held_alone=alone)

@@ -17,8 +17,9 @@ from srs_ik.solve.path_around import BESIDE, find_at, search_around, wider
 from srs_ik.solve.path_blocks import find_way, held_in, through
 from srs_ik.solve.path_bridges import bridged
 from srs_ik.solve.path_narrow import costs_to_end, dear, find_narrow, held_below, held_between, worse
+from srs_ik.solve.path_odd import is_odd, smoothed_leaps, turned_at_flat
 from srs_ik.solve.path_polish import FINE, ROUGHLY, WIDTHS, improve
-from srs_ik.solve.path_problem import EVERYWHERE, FINE_SPACING, Problem, Way, copy, steps_of, worth
+from srs_ik.solve.path_problem import EVERYWHERE, FINE_SPACING, Problem, Way, copy, worth
 
 Array = NDArray[np.float64]
 
@@ -61,9 +62,6 @@ LEFT = 0.002
 
 SLIVER = 1e-4
 """An interval of arm angles that is narrower than this, rad, lies between a limit and a singular posture."""
-
-LEAP = 0.2
-"""A joint step of a path that is longer than this, rad, may be there because strips miss a posture."""
 
 
 def may_be_fine(problem: Problem) -> bool:
@@ -122,27 +120,12 @@ def planned(problem: Problem) -> Way:
     """`found` on the true chain, or on the nearest exact limb."""
     way, rest = planned_at_some(problem)
     if way is None:
-        return planned_everywhere(problem, problem)
-    if rest is not None or way.torn:
-        return min(planned_everywhere(problem, rest or problem), way, key=lambda each: worth(problem, each))
-    return smoothed_leaps(problem, way) if is_odd(problem, way) else way
-
-
-def smoothed_leaps(problem: Problem, way: Way) -> Way:
-    """A path with postures that strips miss where it leaps, if they make it better."""
-    marks = np.zeros(len(way.q), np.bool_)
-    marks[np.flatnonzero(way.reached)[:-1][leaps_of(problem, way)]] = True
-    held = (way.reached & ~wider(marks)) | problem.has_known
-    local = replace(problem, known=way.q.copy(), has_known=held)
-    more = bridged(local)
-    if more is local:
-        return way
-    other = find_way(more, np.arange(len(marks)), False)
-    if other.cost >= 0.5 * BREAK:
-        return way
-    other.psi[held], other.branch[held], other.bounds[held] = way.psi[held], way.branch[held], way.bounds[held]
-    improve(problem, other)
-    return min(way, other, key=lambda each: worth(problem, each))
+        way = planned_everywhere(problem, problem)
+    elif rest is not None or way.torn:
+        way = min(planned_everywhere(problem, rest or problem), way, key=lambda each: worth(problem, each))
+    elif is_odd(problem, way):
+        way = smoothed_leaps(problem, way)
+    return turned_at_flat(problem, way)
 
 
 def planned_at_some(problem: Problem) -> tuple[Way | None, Problem | None]:
@@ -159,16 +142,6 @@ def planned_at_some(problem: Problem) -> tuple[Way | None, Problem | None]:
         if rest is None:
             return way, None
     return sparse(problem, every_second(marks, problem.has_known)), None
-
-
-def is_odd(problem: Problem, way: Way) -> bool:
-    """Whether a path on an exact limb leaps, or fine strips about it are torn: its strips may miss postures."""
-    return problem.arm.closed and (way.torn or bool(leaps_of(problem, way).any()))
-
-
-def leaps_of(problem: Problem, way: Way) -> NDArray[np.bool_]:
-    """(k - 1,) whether a path leaps, from each pose that is reached to the next."""
-    return np.abs(steps_of(problem, way.q[way.reached])).max(axis=1, initial=0.0) > LEAP
 
 
 def in_closed_form(problem: Problem, plan: Problem, marks: NDArray[np.bool_]) -> tuple[Way | None, Problem | None]:
@@ -216,9 +189,10 @@ def in_closed_form(problem: Problem, plan: Problem, marks: NDArray[np.bool_]) ->
             told, keys, blocks, least = far(plan, more), more, found, value
         best = min(best, again, key=lambda each: each.cost)
     improve(problem, best, FINE)
-    if is_in_slivers(best) and not stands_in and (torn or (missed and best.cost >= CLOSE * least)):
+    narrow = is_in_slivers(best) and not stands_in
+    if narrow and (torn or (missed and best.cost >= CLOSE * least)):
         best = min(best, planned_in_fine(problem), key=lambda each: each.cost)
-    if best.cost < AS_PLANNED * least:
+    if best.cost < (CLOSE if narrow else AS_PLANNED) * least:
         return search_around(problem, best) if torn else best, None
     if stands_in:
         return best, problem

@@ -40,7 +40,7 @@ def turn(q):
 def angle_of(c, s):
     """The angle of a cosine and a sine, in [-pi, pi]: a rough one, and what a turn back by it leaves."""
     flat = abs(c) > abs(s)
-    t = where(flat, s / c, c / s)
+    t = where(flat, s, c) / where(flat, c, s)
     z = t * t
     rough = t * (0.99997726 - z * (0.33262347 - z * (0.19354346 - z * (0.11643287 - z * (0.05265332 - z * 0.0117212)))))
     quarter = where(s < 0.0, 0.0 * s - HALF_PI, 0.0 * s + HALF_PI)

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from srs_ik.kernels.algebra.lane_trig import turn, turns_of
-from srs_ik.kernels.algebra.lanes import as_bits, as_mask, gather, root, scatter, where
+from srs_ik.kernels.algebra.lanes import LANES, as_bits, as_mask, eight_of, gather, one_of, root, scatter, where
+from srs_ik.kernels.algebra.pointers import row
 from srs_ik.kernels.algebra.vectors import dot, sub
 from srs_ik.kernels.chain.kinematics import tip_frame, turn_between
 from srs_ik.kernels.jit import kernel
@@ -34,6 +35,44 @@ def take_ways(rows, first, width):
 def take_eight(rows, width):
     """The first seven figures of eight rows, each as eight floats."""
     return take_ways(rows, 0, width)
+
+
+@kernel
+def rows_of(figures, first, last, width):
+    """A figure of up to eight rows as eight floats, that of the last one again and again."""
+    return eight_of(
+        figures[width * first],
+        figures[width * min(first + 1, last)],
+        figures[width * min(first + 2, last)],
+        figures[width * min(first + 3, last)],
+        figures[width * min(first + 4, last)],
+        figures[width * min(first + 5, last)],
+        figures[width * min(first + 6, last)],
+        figures[width * min(first + 7, last)],
+    )
+
+
+@kernel
+def postures_of(nodes, first, last, width):
+    """Joint angles of up to eight postures."""
+    return (
+        rows_of(nodes, first, last, width),
+        rows_of(row(nodes, 1), first, last, width),
+        rows_of(row(nodes, 2), first, last, width),
+        rows_of(row(nodes, 3), first, last, width),
+        rows_of(row(nodes, 4), first, last, width),
+        rows_of(row(nodes, 5), first, last, width),
+        rows_of(row(nodes, 6), first, last, width),
+    )
+
+
+@kernel
+def highest(x):
+    """The largest of eight floats."""
+    most = one_of(x, 0)
+    for k in range(1, LANES):
+        most = max(most, one_of(x, k))
+    return most
 
 
 @kernel

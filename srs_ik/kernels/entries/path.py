@@ -54,7 +54,7 @@ from srs_ik.kernels.path.programme import advance, cheapest, first_costs, step_b
 from srs_ik.kernels.path.smoothing import smooth
 from srs_ik.kernels.path.splits import put_split
 from srs_ik.kernels.path.steps import rules_for
-from srs_ik.kernels.path.strips import DEEPEST, GRID, SPACING, put_node
+from srs_ik.kernels.path.strips import DEEPEST, GRID, SPACING, put_node, room_for_ends
 
 MOST_NODES = 4096
 """Most postures of a pose."""
@@ -160,7 +160,7 @@ def sweep(
     sheet = Sheet(nodes, np.zeros(nodes.shape[0], np.bool_), cost, strips)
     found, given = np.empty((8 * MAX_PIECES, 3)), np.full(2, -1)
     on_hold, turns, memo, stamp = np.empty((DEEPEST, NODE)), np.zeros((3, 7)), np.zeros((2 * GRID, MEMO)), np.zeros(1)
-    desk = Desk(found, np.empty(MAX_SAMPLES), on_hold, turns, allowed, given, memo, stamp)
+    desk = Desk(found, np.empty(MAX_SAMPLES), on_hold, turns, allowed, given, memo, stamp, room_for_ends(found))
     scales, told = settings.copy(), row(settings, 0)
     scaled = row(scales, 0)
     last = 0

@@ -221,7 +221,7 @@ def net_of(cells, longest, all_turns):
     )
     found, given = np.empty((8 * MAX_PIECES, 3)), np.full(2, -1)
     held, turns, memo = np.empty((DEEPEST, NODE)), np.zeros((3, 7)), np.empty((0, MEMO))
-    desk = Desk(found, np.empty(MAX_SAMPLES), held, turns, np.empty((0, 3)), given, memo, np.zeros(1))
+    desk = Desk(found, np.empty(MAX_SAMPLES), held, turns, np.empty((0, 3)), given, memo, np.zeros(1), memo)
     return Net(cells, longest, all_turns, desk, sheet)
 
 

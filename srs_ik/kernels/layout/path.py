@@ -9,13 +9,11 @@ ROOMIEST = 3
 """In a path's family, in place of those with loose tolerances: the limb with limits drawn out by rounding, and by what
 a bend of the elbow that rounding hides does to the other joints."""
 
-NODE = 11
+NODE = 10
 NODE_PSI = 7
-NODE_WAY = 8
-NODE_BRANCH = 9
-NODE_SAG = 10
-"""A posture of a strip: seven joint angles, arm angle, way along the strip, branch, and how far the costs sag towards
-the next one."""
+NODE_BRANCH = 8
+NODE_SAG = 9
+"""A posture of a strip: seven joint angles, arm angle, branch, and how far the costs sag towards the next one."""
 
 STRIP = 17
 STRIP_FIRST = 14
@@ -117,7 +115,8 @@ class Pages(NamedTuple):
 class Desk(NamedTuple):
     """Work space of the strips of a pose: intervals, first arm angles, postures on hold, turns of joints.
 
-    In `memo` (m, MEMO) is what is known at angles of a grid, for the pose of number `stamp[0]`.
+    In `memo` (m, MEMO) is what is known at angles of a grid, for the pose of number `stamp[0]`, in `ends` (m, 8) at the
+    ends of intervals: arm angle and joint angles.
     Intervals that are allowed (m, 3) may be given, those of a pose from row `given[0]` on; -1: all are.
     """
 
@@ -129,6 +128,7 @@ class Desk(NamedTuple):
     given: Any
     memo: Any
     stamp: Any
+    ends: Any
 
 
 class Net(NamedTuple):

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from srs_ik.kernels.algebra.joint_vectors import along7, dot7
+from srs_ik.kernels.algebra.joint_vectors import along7
 from srs_ik.kernels.algebra.pointers import row
 from srs_ik.kernels.chain.newton import arm_angle
 from srs_ik.kernels.exact.flat import is_as_good_as_flat
@@ -16,7 +16,6 @@ from srs_ik.kernels.layout.path import (
     NODE,
     NODE_BRANCH,
     NODE_PSI,
-    NODE_WAY,
     ROOMIEST,
     ROOMY,
     STRIP_FIRST,
@@ -32,7 +31,7 @@ from srs_ik.kernels.limb.triangle import elbow_side, place
 from srs_ik.kernels.path.followed import along_cell, settled
 from srs_ik.kernels.path.near_strips import take_line, take_runs
 from srs_ik.kernels.path.splits import SPLIT, put_splits
-from srs_ik.kernels.path.strips import ROUNDING, is_wide, put_node, take_strip
+from srs_ik.kernels.path.strips import ROUNDING, fill_ends, is_wide, put_node, take_strip
 
 SAME_ELBOW = 1e-5
 """Elbow angles this close, rad, are of one elbow branch ..."""
@@ -89,21 +88,24 @@ def branch_strips(family, place_, sides, around, sheet, n, desk):
     """Write the postures of the intervals of all branches; the next free row."""
     P = row(family, LIMITED)
     splits = may_split(P, place_)
-    for i in range(allowed_intervals(family, place_, desk)):
+    count = allowed_intervals(family, place_, desk)
+    if count > 0:
+        fill_ends(P, sides, desk.found, count, desk.ends)
+    for i in range(count):
         branch = int(desk.found[i, 0])
         side = sides[0] if branch < 4 else sides[1]
         if around.radius > 0.0 and not may_be_near(P, side, branch, around):
             continue
         begin, end = desk.found[i, 1], desk.found[i, 2]
         if splits:
-            begin, end = next_to_singular(P, side, begin), next_to_singular(P, side, end)
+            begin, end = to_singular(P, side, begin, end)
         middle, wide = window(P, place_, side, around)
         for turn in range(-1, 2):
             lower = max(begin, middle + TURN * turn - wide)
             upper = min(end, middle + TURN * turn + wide)
             if lower <= upper:
                 first = n
-                n = take_strip(P, side, (branch, lower, upper), around, sheet, n, desk)
+                n = take_strip(P, side, (branch, lower, upper, row(desk.ends, 2 * i)), around, sheet, n, desk)
                 n = put_splits(P, sheet, first, within_limits(P, sheet, first, n, desk), around)
             if wide == math.inf:
                 break
@@ -125,6 +127,15 @@ def next_to_singular(P, side, psi):
                 if abs(off) < NEXT_TO:
                     return psi + off
     return psi
+
+
+@kernel
+def to_singular(P, side, begin, end):
+    """`next_to_singular` for both ends of an interval, or for the nearer one alone where both are next to the same."""
+    first, last = next_to_singular(P, side, begin), next_to_singular(P, side, end)
+    if first < last:
+        return first, last
+    return (begin, last) if last - begin > first - end else (first, end)
 
 
 @kernel
@@ -301,11 +312,6 @@ def list_strips(sheet, first, last, count):
     nodes, strips = sheet.nodes, sheet.strips
     start = first
     for i in range(first, last):
-        if i == start:
-            nodes[i, NODE_WAY] = 0.0
-        else:
-            d = along_cell(row(nodes, i - 1), row(nodes, i))
-            nodes[i, NODE_WAY] = nodes[i - 1, NODE_WAY] + math.sqrt(dot7(d, d))
         if sheet.linked[i] and i + 1 < last:
             continue
         if count < strips.shape[0]:

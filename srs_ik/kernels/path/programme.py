@@ -13,7 +13,10 @@ import math
 import numpy as np
 
 from srs_ik.kernels.algebra.joint_vectors import largest
+from srs_ik.kernels.algebra.lanes import LANES, as_bits, as_mask, one_of, where
 from srs_ik.kernels.algebra.pointers import row
+from srs_ik.kernels.chain.eight import highest, postures_of, rows_of
+from srs_ik.kernels.curves.in_step import one_of_seven
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.path import (
     BREAK,
@@ -25,7 +28,6 @@ from srs_ik.kernels.layout.path import (
     NODE,
     NODE_BRANCH,
     NODE_SAG,
-    NODE_WAY,
     STRIP,
     STRIP_FIRST,
     STRIP_LAST,
@@ -34,24 +36,42 @@ from srs_ik.kernels.layout.path import (
     Pages,
 )
 from srs_ik.kernels.path.followed import along_cell
-from srs_ik.kernels.path.steps import kept, moved_on, product, step_cost, step_of, step_value, steps_between
+from srs_ik.kernels.path.steps import (
+    are_short,
+    eight_steps,
+    kept,
+    least_of_eight,
+    moved_on,
+    product,
+    step_cost,
+    step_of,
+    step_value,
+    steps_between,
+)
+
+ROUNDING = 1e-9
+"""Of a step that is just continuous, rad."""
 
 
 @kernel
-def try_cell(e, a, b, ends, rules, found, place):
-    """Step from between two postures a and b of a strip, e being that from a: least cost and its place, if better.
+def cheaper_part(va, vb):
+    """From where to where on the way between two postures paths may lead, and what they cost at both."""
+    if vb > va + 0.5 * TOO_FAST:
+        # Only one end belongs to the better ways.
+        return 0.0, 0.0, va, va
+    if va > vb + 0.5 * TOO_FAST:
+        return 1.0, 1.0, vb, vb
+    return 0.0, 1.0, va, vb
+
+
+@kernel
+def try_cell(e, d, ends, rules, found, place):
+    """Step from between two postures of a strip, e being that from the first and d its way to the second, if better.
 
     `ends` are the costs of both, and by how much those between sag; `found` the least cost so far and its place.
     """
-    va, vb, sag = ends
     settings = rules.settings
-    d = along_cell(a, b)
-    t0, t1 = 0.0, 1.0
-    if vb > va + 0.5 * TOO_FAST:
-        # Only one end belongs to the better ways.
-        t1, vb = 0.0, va
-    elif va > vb + 0.5 * TOO_FAST:
-        t0, va = 1.0, vb
+    t0, t1, va, vb = cheaper_part(ends[0], ends[1])
     if largest(e) + largest(d) > settings[7 * BY_CONTINUITY]:
         t0, t1 = kept(e, d, t0, t1, settings, BY_CONTINUITY)
     if t0 > t1:
@@ -63,19 +83,13 @@ def try_cell(e, a, b, ends, rules, found, place):
             t0, t1 = slow0, slow1
         else:
             extra = TOO_FAST
-    value, t = step_cost(e, d, (va, vb, sag), t0, t1, rules)
+    value, t = step_cost(e, d, (va, vb, ends[2]), t0, t1, rules)
     if extra > 0.0:
         over = 0.0
         for j in range(7):
             over = max(over, abs(e[j] - t * d[j]) / settings[7 * BY_VELOCITY + j])
         value += extra * over
     return (value, place + t) if value < found[0] else found
-
-
-@kernel
-def length_of(e, settings):
-    """How far apart postures are: all joints together, or the one that is farthest, if the time is what counts."""
-    return math.sqrt(product(e, e)) if settings[7 * INVERSE_SPEED] == 0.0 else largest(e)
 
 
 @kernel
@@ -105,75 +119,62 @@ def is_beyond(low, high, strip, most, settings):
 
 
 @kernel
-def try_row(q, pages, i, last, e, rules, found):
-    """The cheapest way to a posture q from between row i of a strip, by the step e, and the next one, if better."""
-    nodes, cost = pages.nodes, pages.cost
+def cell_of(pages, i, last):
+    """From row i of a strip to the next: joint angles, steps, and the costs of both and how far they sag between."""
     following = min(i + 1, last)
-    ends = (cost[i], cost[following], nodes[i * NODE + NODE_SAG] if following > i else 0.0)
-    return try_cell(e, row(nodes, i * NODE), row(nodes, following * NODE), ends, rules, found, float(i))
+    a = row(pages.nodes, i * NODE)
+    sag = a[NODE_SAG] if following > i else 0.0
+    return a, along_cell(a, row(pages.nodes, following * NODE)), (pages.cost[i], pages.cost[following], sag)
 
 
 @kernel
-def lowest(pages, i, last):
-    """What no posture between row i of a strip and the next one costs less than."""
-    if i == last:
-        return pages.cost[i]
-    return min(pages.cost[i], pages.cost[i + 1]) - 0.25 * pages.nodes[i * NODE + NODE_SAG]
+def lowest(ends):
+    """What no posture between two of a strip costs less than."""
+    return min(ends[0], ends[1]) - 0.25 * ends[2]
 
 
 @kernel
-def may_be_cheaper(pages, i, last, distance, rules, room):
-    """Whether a step from between row i of a strip and the next one may cost less than that, by distance alone."""
-    nodes = pages.nodes
-    following = min(i + 1, last)
-    closest = max(distance - (nodes[following * NODE + NODE_WAY] - nodes[i * NODE + NODE_WAY]), 0.0)
-    if rules.settings[7 * INVERSE_SPEED] != 0.0:
-        return rules.settings[7 * LEAST_INVERSE] * closest < room
-    return rules.share * closest * closest < room
-
-
-@kernel
-def try_strip(q, pages, strip, rules, found, hint):
-    """The cheapest way to a posture q from a strip of the pose before, if better: cost, and place (row and part).
-
-    Postures that are too far away are skipped by their distance: none moves on faster than the strip is long. The row
-    `hint` is looked at first, if it is one of the strip.
-    """
-    nodes, settings = pages.nodes, rules.settings
+def try_strip(q, pages, strip, rules, found):
+    """The cheapest way to a posture q from a strip of the pose before, if better: cost, and place (row and part)."""
     box = row(pages.strips, strip * STRIP)
     first, last = int(box[STRIP_FIRST]), int(box[STRIP_LAST])
-    if box[STRIP_LEAST] >= found[0]:
-        return found
-    if first <= hint <= last:
-        found = try_row(q, pages, hint, last, steps_between(settings, row(nodes, hint * NODE), q), rules, found)
-    square = reach_of(box, rules, found[0])
-    if is_beyond(q, q, box, square, settings):
-        return found
-    reach = math.sqrt(square)
-    i = first
-    while i <= last:
-        room = found[0] - lowest(pages, i, last)
-        if not room > 0.0:
-            i += 1
-            continue
-        e = steps_between(settings, row(nodes, i * NODE), q)
-        distance = length_of(e, settings)
-        if distance > reach:
-            way = nodes[i * NODE + NODE_WAY] + (distance - reach)
-            if nodes[last * NODE + NODE_WAY] < way:
-                break
-            if i < last and nodes[(i + 1) * NODE + NODE_WAY] <= way:
-                i += 1
-                while i < last and nodes[(i + 1) * NODE + NODE_WAY] <= way:
-                    i += 1
-                continue
-        if i != hint and may_be_cheaper(pages, i, last, distance, rules, room):
-            better = try_row(q, pages, i, last, e, rules, found)
-            if better[0] < found[0]:
-                found = better
-                reach = math.sqrt(reach_of(box, rules, found[0]))
-        i += 1
+    if box[STRIP_LEAST] < found[0] and not is_beyond(q, q, box, reach_of(box, rules, found[0]), rules.settings):
+        for i in range(first, max(last, first + 1)):
+            a, d, ends = cell_of(pages, i, last)
+            if lowest(ends) < found[0]:
+                found = try_cell(steps_between(rules.settings, a, q), d, ends, rules, found, float(i))
     return found
+
+
+@kernel
+def try_eight(q, pages, i, last, rules, found):
+    """The cheapest ways to eight postures q from between row i of a strip and the next one, if better.
+
+    A way that costs less where nothing limits it is taken if it is short enough, and else looked at by itself.
+    """
+    best, place = found
+    a, d, ends = cell_of(pages, i, last)
+    e = eight_steps(rules.settings, a, q)
+    t0, t1, va, vb = cheaper_part(ends[0], ends[1])
+    longest = rules.settings[7 * BY_CONTINUITY]
+    value, t = least_of_eight(e, d, (va, vb, ends[2]), t0, t1, rules)
+    better = as_bits(value < best)
+    if not better:
+        return found
+    if rules.settings[7 * INVERSE_SPEED] == 0.0:
+        good = value < best
+        # Squares of steps are at least those of the longest joint's.
+        if rules.limited or as_bits(good & (value > lowest(ends) + rules.share * longest * longest)):
+            good = good & are_short(moved_on(e, d, t), rules.settings, rules.limited, 0.0)
+        best, place = where(good, value, best), where(good, t + float(i), place)
+        better &= ~as_bits(good)
+    if better:
+        better &= as_bits(are_short(moved_on(e, d, 0.5), rules.settings, False, 0.5 * largest(d) + ROUNDING))
+    for k in range(LANES):
+        if better >> k & 1:
+            cost, at = try_cell(one_of_seven(e, k), d, ends, rules, (one_of(best, k), one_of(place, k)), float(i))
+            best, place = where(as_mask(1 << k), cost, best), where(as_mask(1 << k), at, place)
+    return best, place
 
 
 @kernel
@@ -294,42 +295,27 @@ def leave_out(sheet, span, rooms):
 
 
 @kernel
-def try_pair(pages, a, b, first_row, places, rules):
-    """Costs of the postures of strip b of a pose, whose rows begin there, by way of strip a of the pose before.
-
-    Returned is the largest one of them.
-    """
-    cost, strip = pages.cost, row(pages.strips, b * STRIP)
-    hint = -1
-    most = 0.0
-    for i in range(int(strip[STRIP_FIRST]), int(strip[STRIP_LAST]) + 1):
-        k = i - first_row
-        cost[i], places[k] = try_strip(row(pages.nodes, i * NODE), pages, a, rules, (cost[i], places[k]), hint)
-        most = max(most, cost[i])
-        if places[k] >= 0.0:
-            hint = int(places[k])
-    return most
-
-
-@kernel
-def try_all(pages, before, b, first_row, places, rules, most):
-    """`try_pair` with all strips of the pose before that cost less than `most`.
+def try_all(pages, before, own, first, last, places, rules, most):
+    """Costs of up to eight postures of a strip of a pose, by way of all strips of the pose before that cost less.
 
     Those of the same branch are the likely ones: they come first, and others are left out by what these cost.
     """
-    nodes, strips = pages.nodes, pages.strips
-    own, dearest = row(strips, b * STRIP), 0.0
-    for i in range(int(own[STRIP_FIRST]), int(own[STRIP_LAST]) + 1):
-        dearest = max(dearest, pages.cost[i])
-    most = min(most, dearest)
-    branch = nodes[int(own[STRIP_FIRST]) * NODE + NODE_BRANCH]
+    nodes, strips, cost = pages.nodes, pages.strips, pages.cost
+    q = postures_of(nodes, first, last, NODE)
+    best, place = rows_of(cost, first, last, 1), 0.0 * q[0] - 1.0
+    dearest = min(most, highest(best))
+    branch = nodes[first * NODE + NODE_BRANCH]
     for turn in range(2):
         for a in range(before.first_strip, before.last_strip):
-            strip = row(strips, a * STRIP)
-            same = nodes[int(strip[STRIP_FIRST]) * NODE + NODE_BRANCH] == branch
-            if same == (turn == 0) and strip[STRIP_LEAST] < most:
-                if not is_beyond(own, row(own, 7), strip, reach_of(strip, rules, most), rules.settings):
-                    most = min(most, try_pair(pages, a, b, first_row, places, rules))
+            box = row(strips, a * STRIP)
+            begin, end = int(box[STRIP_FIRST]), int(box[STRIP_LAST])
+            if (nodes[begin * NODE + NODE_BRANCH] == branch) == (turn == 0) and box[STRIP_LEAST] < dearest:
+                if not is_beyond(own, row(own, 7), box, reach_of(box, rules, dearest), rules.settings):
+                    for i in range(begin, max(end, begin + 1)):
+                        best, place = try_eight(q, pages, i, end, rules, (best, place))
+                    dearest = min(most, highest(best))
+    for i in range(first, last + 1):
+        cost[i], places[i - first] = one_of(best, i - first), one_of(place, i - first)
 
 
 @kernel
@@ -346,15 +332,10 @@ def try_beside(pages, before, now, places, rules):
             k = i - now.first
             reached = places[k] >= 0.0
             if not reached:
-                hint = -1
-                if follows:
-                    hint = int(places[k - 1])
-                elif i < last and places[k + 1] >= 0.0:
-                    hint = int(places[k + 1])
                 found = (IMPOSSIBLE, -1.0)
-                if hint >= 0 and cost[i] < IMPOSSIBLE:
+                if (follows or (i < last and places[k + 1] >= 0.0)) and cost[i] < IMPOSSIBLE:
                     for a in range(before.first_strip, before.last_strip):
-                        found = try_strip(row(pages.nodes, i * NODE), pages, a, rules, found, hint)
+                        found = try_strip(row(pages.nodes, i * NODE), pages, a, rules, found)
                 cost[i], places[k] = found
             follows = reached
 
@@ -372,14 +353,16 @@ def advance(sheet, before, now, rules, exact):
     least = cost[start] + BREAK
     most = IMPOSSIBLE if exact else least
     for b in range(now.first_strip, now.last_strip):
-        try_all(pages, before, b, now.first, row(places, 0), rules, most)
+        own, last = row(pages.strips, b * STRIP), int(sheet.strips[b, STRIP_LAST])
+        for i in range(int(sheet.strips[b, STRIP_FIRST]), last + 1, LANES):
+            try_all(pages, before, own, i, min(i + LANES - 1, last), row(places, i - now.first), rules, most)
     try_beside(pages, before, now, row(places, 0), rules)
     if exact or cost[cheapest(cost, now.first, now.last)] > least:
-        first, last = (before.first, before.last) if exact else (start, start + 1)
+        begin, end = (before.first, before.last) if exact else (start, start + 1)
         for i in range(now.first, now.last):
             if cost[i] > least:
                 before_leap = cost[i]
-                cost[i], _ = leap(row(nodes, i), sheet, first, last, rules.settings, (cost[i], 0.0))
+                cost[i], _ = leap(row(nodes, i), sheet, begin, end, rules.settings, (cost[i], 0.0))
                 if cost[i] < before_leap:
                     places[i - now.first] = -1.0
     write_sags(sheet, places, now, rules)
@@ -391,5 +374,5 @@ def step_back(q, sheet, before, rules):
     """The best place of the pose before on the way to a posture q: cost, row and part of the way to the next row."""
     found, pages = (IMPOSSIBLE, -1.0), pages_of(sheet)
     for a in range(before.first_strip, before.last_strip):
-        found = try_strip(q, pages, a, rules, found, -1)
+        found = try_strip(q, pages, a, rules, found)
     return leap(q, sheet, before.first, before.last, rules.settings, found)

@@ -9,7 +9,9 @@ from __future__ import annotations
 
 import math
 
+from srs_ik.kernels.algebra.lanes import where, whole_number
 from srs_ik.kernels.algebra.pointers import row
+from srs_ik.kernels.chain.newton_eight import larger
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.path import (
     BY_CONTINUITY,
@@ -134,6 +136,61 @@ def step_cost(e, d, ends, t0, t1, rules):
     elif slope > 0.0:
         t = t1
     return va + t * (vb - va) - sag * t * (1.0 - t) + share * product(e, e) - t * (2.0 * across - t * size), t
+
+
+@kernel
+def eight_step(settings, j, d):
+    """`step_of` for eight differences."""
+    return d - settings[7 * PERIOD + j] * whole_number(d * settings[7 * INVERSE_PERIOD + j])
+
+
+@kernel
+def eight_steps(settings, a, q):
+    """The seven joint steps from a posture to each of eight."""
+    d = along_cell(a, q)
+    if settings[7 * ENDLESS] == 0.0:
+        return d
+    return (
+        eight_step(settings, 0, d[0]),
+        eight_step(settings, 1, d[1]),
+        eight_step(settings, 2, d[2]),
+        eight_step(settings, 3, d[3]),
+        eight_step(settings, 4, d[4]),
+        eight_step(settings, 5, d[5]),
+        eight_step(settings, 6, d[6]),
+    )
+
+
+@kernel
+def are_short(e, settings, limited, more):
+    """Which of eight steps are continuous, and within velocity limits where these count, or above by `more` at most."""
+    over = abs(e[0]) - settings[7 * BY_CONTINUITY]
+    for j in range(7):
+        longest = settings[7 * BY_CONTINUITY + j]
+        if limited:
+            longest = min(longest, settings[7 * BY_VELOCITY + j])
+        over = larger(over, abs(e[j]) - longest)
+    return over < more
+
+
+@kernel
+def least_of_eight(e, d, ends, t0, t1, rules):
+    """`step_cost` for eight steps, nothing limiting them; of times, what they are at least."""
+    va, vb, sag = ends
+    settings = rules.settings
+    if settings[7 * INVERSE_SPEED] != 0.0:
+        most = 0.0 * e[0]
+        for j in range(7):
+            most = larger(most, settings[7 * INVERSE_SPEED + j] * (abs(e[j] - 0.5 * d[j]) - 0.5 * abs(d[j])))
+        return most + min(va, vb), most
+    size = product(d, d) * rules.share
+    across = product(e, d) * rules.share
+    slope = across + 0.5 * (sag - (vb - va))
+    t = where(slope > 0.0, t1, t0)
+    if size + sag > 1e-18:
+        t = slope / (size + sag)
+        t = where(t < t0, t0, where(t > t1, t1, t))
+    return va + t * (vb - va) - sag * t * (1.0 - t) + rules.share * product(e, e) - t * (2.0 * across - t * size), t
 
 
 @kernel

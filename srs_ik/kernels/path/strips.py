@@ -1,7 +1,7 @@
 """The postures of a pose as strips: runs of postures from end to end of each feasible interval of arm angles.
 
-A posture of a strip is a row of figures (`NODE`): seven joint angles, its arm angle, its way along the strip, its
-branch, and how far the costs sag towards the next one. Rows are close enough, in joint angles, that what lies between
+A posture of a strip is a row of figures (`NODE`): seven joint angles, its arm angle, its branch, and
+how far the costs sag towards the next one. Rows are close enough, in joint angles, that what lies between
 two of them is almost straight: next to a singularity, where joints 1 and 3 (or 5 and 7) turn by half a turn while the
 arm angle stands still, there are as many as the joints need. Where a joint has more than one turn, each combination of
 turns has strips of its own.
@@ -11,14 +11,17 @@ from __future__ import annotations
 
 import math
 
+import numpy as np
+
 from srs_ik.kernels.algebra.joint_vectors import apart
+from srs_ik.kernels.algebra.lane_trig import angle_of, turn
+from srs_ik.kernels.algebra.lanes import LANES, as_bits, as_mask, eight_of, gather, scatter, where
 from srs_ik.kernels.algebra.pointers import row
-from srs_ik.kernels.algebra.vectors import load3, store3, swing
+from srs_ik.kernels.algebra.vectors import load3, swing
+from srs_ik.kernels.chain.eight import put_eight
 from srs_ik.kernels.exact.samples import add_changes
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.limb import (
-    A1_A2,
-    A2_A3,
     FIRST_JOINT,
     INVERSE_HALF_RANGE,
     LOWER,
@@ -31,17 +34,21 @@ from srs_ik.kernels.layout.path import MEMO, MEMO_CLEAR, MEMO_SHOULDER, MEMO_STA
 from srs_ik.kernels.limb.goal import NO_SEED
 from srs_ik.kernels.limb.limits import TURN, turn_to_middle
 from srs_ik.kernels.limb.poses import read7
-from srs_ik.kernels.limb.spherical import angles, middle_anchor, middle_angle, mirrored
+from srs_ik.kernels.limb.postures_eight import eight_postures, in_middle_turn
+from srs_ik.kernels.limb.spherical_eight import eight_middles, eight_sines
 from srs_ik.kernels.path.followed import posture_of, turn_all, turned_away
 
 SPACING = 0.45
 """Farthest that a joint moves between two postures of a strip, rad."""
 
-GRID = 288
+GRID = 256
 """Arm angles all around at which the postures of all branches are worked out together, when one is asked for."""
 
 WIDEST = 32
-"""Farthest apart in arm angle, on that grid."""
+"""Farthest apart in arm angle, on that grid: eight of them, which are worked out at once."""
+
+END = 8
+"""An end of an interval: arm angle and joint angles."""
 
 FINEST = TURN / GRID
 """Between two angles of the grid, rad."""
@@ -83,45 +90,43 @@ def has_turns(P):
 
 
 @kernel
-def turned(P, k, q):
-    """Three angles of a spherical joint in the turns next to the middles of their ranges."""
+def fill_half(P, k, motion, turns, memo, at, stride):
+    """Write both solutions of a spherical joint at eight arm angles; as bits, which are clear cut."""
+    v = swing(motion[0][0], motion[0][1], motion[0][2], turns[0], turns[1])
+    y = swing(motion[1][0], motion[1][1], motion[1][2], turns[0], turns[1])
     first = int(P[k + FIRST_JOINT])
-    return (
-        turn_to_middle(P, first, q[0]),
-        turn_to_middle(P, first + 1, q[1]),
-        turn_to_middle(P, first + 2, q[2]),
-    )
+    c, s, missed = eight_middles(P, k, v)
+    for sign in range(2):
+        one, two, three, _ = eight_sines(P, k, v, y, c, s if sign == 0 else -s)
+        scatter(memo, at + 3 * sign, stride, in_middle_turn(P, first, angle_of(one[0], one[1])))
+        scatter(memo, at + 3 * sign + 1, stride, in_middle_turn(P, first + 1, angle_of(two[0], two[1])))
+        scatter(memo, at + 3 * sign + 2, stride, in_middle_turn(P, first + 2, angle_of(three[0], three[1])))
+    return as_bits(s > CLEAR) & ~as_bits(missed)
 
 
 @kernel
-def fill_half(P, k, motion, turn, memo, at):
-    """Write both solutions of a spherical joint at cosine and sine of an arm angle; whether they are clear cut."""
-    v0, y0, _ = motion
-    v = swing(v0[0], v0[1], v0[2], turn[0], turn[1])
-    y = swing(y0[0], y0[1], y0[2], turn[0], turn[1])
-    c, s, reached = middle_angle(P, k, v)
-    if not reached or s < CLEAR:
-        return False
-    above = angles(P, k, v, y, c, s, 0, middle_anchor())
-    store3(memo, at, turned(P, k, above))
-    if P[k + A1_A2] == 0.0 and P[k + A2_A3] == 0.0:
-        store3(memo, at + 3, turned(P, k, mirrored(P, k, above)))
-    else:
-        store3(memo, at + 3, turned(P, k, angles(P, k, v, y, c, s, 1, middle_anchor())))
-    return True
+def fill_eight(P, side, number, stamp, memo):
+    """Write what is known at eight angles of the grid, that of a number among them: `WIDEST` apart, or neighbours."""
+    each, first = WIDEST, number % WIDEST
+    if number % LANES > 0:
+        each, first = 1, number // LANES * LANES
+    at, stride = first * MEMO, each * MEMO
+    psi = eight_of(0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0) * (each * FINEST) + FINEST * first
+    turns = turn(psi)
+    clear = fill_half(P, SHOULDER, side[1], turns, memo, at + MEMO_SHOULDER, stride)
+    clear &= fill_half(P, WRIST, side[2], turns, memo, at + MEMO_WRIST, stride)
+    scatter(memo, at + MEMO_STAMP, stride, 0.0 * psi + stamp)
+    scatter(memo, at + MEMO_CLEAR, stride, where(as_mask(clear), 0.0 * psi + 1.0, 0.0 * psi))
 
 
 @kernel
 def grid_posture(P, side, number, branch, q, begun, known):
     """The posture of a branch at an angle of the grid, following another one, and whether there is one."""
-    memo, stamp, loose = known
-    at = ((branch >> 2) * GRID + number % GRID) * MEMO
+    _, stamp, loose, _ = known
+    memo = row(known[0], (branch >> 2) * GRID * MEMO)
+    at = number % GRID * MEMO
     if memo[at + MEMO_STAMP] != stamp:
-        memo[at + MEMO_STAMP] = stamp
-        turn = (math.cos(FINEST * number), math.sin(FINEST * number))
-        clear = fill_half(P, SHOULDER, side[1], turn, memo, at + MEMO_SHOULDER)
-        clear = clear and fill_half(P, WRIST, side[2], turn, memo, at + MEMO_WRIST)
-        memo[at + MEMO_CLEAR] = 1.0 if clear else 0.0
+        fill_eight(P, side, number % GRID, stamp, memo)
     if memo[at + MEMO_CLEAR] == 0.0:
         return posture_of(P, side, FINEST * number, branch, q, begun)
     a = load3(memo, at + MEMO_SHOULDER + 3 * ((branch >> 1) & 1))
@@ -131,8 +136,36 @@ def grid_posture(P, side, number, branch, q, begun, known):
 
 
 @kernel
+def room_for_ends(found):
+    """Where `fill_ends` writes the ends of as many intervals."""
+    return np.empty((2 * found.shape[0] + LANES, END))
+
+
+@kernel
+def fill_ends(P, sides, found, count, ends):
+    """Write the postures at both ends of intervals: arm angle, infinite where they are unsure, and joint angles."""
+    last = 2 * count - 1
+    for k in range(last // LANES * LANES + LANES):
+        i = min(k, last) // 2
+        ends[k, 0], ends[k, 1] = found[i, 1 + min(k, last) % 2], found[i, 0]
+    for first in range(0, last, LANES):
+        rows = row(ends, first)
+        c, s = turn(gather(rows, 0, END))
+        q, sure = eight_postures(P, sides, gather(rows, 1, END), c, s)
+        put_eight(row(rows, 1), END, sure, q)
+        for k in range(LANES):
+            if not sure >> k & 1:
+                ends[first + k, 0] = math.inf
+
+
+@kernel
 def posture_at_angle(P, side, psi, branch, q, begun, known):
     """The posture of a branch at any angle, following another one, and whether there is one."""
+    _, _, loose, ends = known
+    for end in range(2):
+        if psi == ends[END * end]:
+            there = read7(row(ends, END * end + 1))
+            return turn_all(P, there, q, begun) if loose else there, True
     number = math.floor(psi / FINEST + 0.5)
     if psi == FINEST * number:
         return grid_posture(P, side, int(number), branch, q, begun, known)
@@ -186,14 +219,14 @@ def widest_step(q, ahead, around):
 
 @kernel
 def take_strip(P, side, interval, around, sheet, n, desk):
-    """Write the postures of an interval (branch, lower, upper) from row n on, and their links; the next free row.
+    """Write the postures of an interval (branch, lower, upper, ends) from row n on, and their links; the next free row.
 
     Fine strips hold only the postures that are as near as is asked for, close together.
     """
-    branch, lower, upper = interval
+    branch, lower, upper, ends = interval
     nodes, linked = sheet.nodes, sheet.linked
     targets, stack, loose = desk.targets, desk.stack, has_turns(P)
-    known = (row(desk.memo, 0), desk.stamp[0], loose)
+    known = (row(desk.memo, 0), desk.stamp[0], loose, ends)
     count = first_angles(P, side, lower, upper, targets)
     q = NO_SEED
     psi = lower

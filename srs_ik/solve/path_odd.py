@@ -1,0 +1,65 @@
+"""Paths where strips miss something: where they leap, and where an elbow and another joint turn on the spot at once."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from srs_ik.kernels.layout.path import BREAK
+from srs_ik.solve.path_around import ABOUT, wider
+from srs_ik.solve.path_blocks import find_way
+from srs_ik.solve.path_bridges import bridged, flat_turns, with_turns
+from srs_ik.solve.path_polish import improve
+from srs_ik.solve.path_problem import Problem, Way, steps_of, worth
+
+LEAP = 0.2
+"""A joint step of a path that is longer than this, rad, may be there because strips miss a posture."""
+
+TURNS_OF_FLAT = np.linspace(-np.pi, np.pi, 64), *(np.linspace(-width, width, 21) for width in (0.2, 0.04, 0.008))
+"""Where a straight elbow and a shoulder or wrist turn on the spot, arm angles from those of the path, rad, in turn."""
+
+MOST_FLAT = 64
+"""Of a path with more such poses, these take too long."""
+
+
+def smoothed_leaps(problem: Problem, way: Way) -> Way:
+    """A path with postures that strips miss where it leaps, if they make it better."""
+    marks = np.zeros(len(way.q), np.bool_)
+    marks[np.flatnonzero(way.reached)[:-1][leaps_of(problem, way)]] = True
+    held = (way.reached & ~wider(marks)) | problem.has_known
+    local = replace(problem, known=way.q.copy(), has_known=held)
+    more = bridged(local)
+    return way if more is local else held_and_improved(problem, way, more, held)
+
+
+def held_and_improved(problem: Problem, way: Way, more: Problem, held: NDArray[np.bool_]) -> Way:
+    """The best way of a problem in which some postures of a path stay, improved, or that path if it is better."""
+    other = find_way(more, np.arange(len(held)), False)
+    if other.cost >= 0.5 * BREAK:
+        return way
+    other.psi[held], other.branch[held], other.bounds[held] = way.psi[held], way.branch[held], way.bounds[held]
+    improve(problem, other)
+    return min(way, other, key=lambda each: worth(problem, each))
+
+
+def turned_at_flat(problem: Problem, way: Way) -> Way:
+    """A path with other postures where a straight elbow and a shoulder or wrist turn on the spot, if it gets better."""
+    flat = flat_turns(problem, way)
+    for angles in TURNS_OF_FLAT if 0 < flat.sum() <= MOST_FLAT else ():
+        held = (way.reached & ~wider(flat, ABOUT)) | problem.has_known
+        local = with_turns(replace(problem, known=way.q.copy(), has_known=held), way, flat, angles)
+        way = held_and_improved(problem, way, local, held)
+        flat = flat_turns(problem, way)
+    return way
+
+
+def is_odd(problem: Problem, way: Way) -> bool:
+    """Whether a path on an exact limb leaps, or fine strips about it are torn: its strips may miss postures."""
+    return problem.arm.closed and (way.torn or bool(leaps_of(problem, way).any()))
+
+
+def leaps_of(problem: Problem, way: Way) -> NDArray[np.bool_]:
+    """(k - 1,) whether a path leaps, from each pose that is reached to the next."""
+    return np.abs(steps_of(problem, way.q[way.reached])).max(axis=1, initial=0.0) > LEAP
