@@ -14,23 +14,18 @@ int main(int count, char **words) {
         fprintf(stderr, "usage: solve FILE, which srs-ik inspect ROBOT --packed FILE writes\n");
         return 2;
     }
-    /* A near limb needs work space, an exact one none. */
-    const bool exact = family[SRS_IK_LIMB_LIMITED][SRS_IK_LIMB_IS_CLOSED] == 1.0;
-    double space_j[6 * 7], space_a[16 * 9];
-    double *J = exact ? NULL : space_j, *A = exact ? NULL : space_a;
-
     const double q[1][7] = {{0.3, 0.7, -0.4, -1.1, 0.5, 0.8, -0.2}};
     double pose[1][4][4], row[SRS_IK_ANSWER_ROW];
     srs_ik_kinematics_forward_range(*family, *q, 0, 1, **pose, 1);
 
     int64_t verdict;
-    if (srs_ik_pose_solve(*family, **pose, -1, *q, true, J, A, row, &verdict) || verdict) return 1;
+    if (srs_ik_pose_solve(*family, **pose, -1, *q, true, true, row, &verdict) || verdict) return 1;
     printf("status %g:", row[SRS_IK_ANSWER_ROW_STATUS]);
     for (int i = 0; i < 7; i++) printf(" %.12f", row[SRS_IK_ANSWER_ROW_Q + i]);
 
     static double intervals[SRS_IK_ANSWER_MOST_INTERVALS][3];
     int64_t found;
-    if (srs_ik_pose_intervals(*family, **pose, true, J, A, *intervals, &found) || found < 0) return 1;
+    if (srs_ik_pose_intervals(*family, **pose, true, *intervals, &found) || found < 0) return 1;
     printf("\n%lld intervals\n", (long long)found);
     for (int64_t i = 0; i < found; i++)
         printf("branch %g: %.12f to %.12f\n", intervals[i][0], intervals[i][1], intervals[i][2]);
@@ -40,7 +35,7 @@ int main(int count, char **words) {
     static int8_t verdicts[POSES];
     for (int i = 0; i < POSES; i++)
         for (int k = 0; k < 16; k++) poses[i][k / 4][k % 4] = pose[0][k / 4][k % 4];
-    if (srs_ik_pose_solve_range(*family, **poses, 0, POSES, -1, *q, true, J, A, *rows, verdicts, POSES, 1)) return 1;
+    if (srs_ik_pose_solve_range(*family, **poses, 0, POSES, -1, *q, true, *rows, verdicts, POSES, 1)) return 1;
     int solved = 0;
     for (int i = 0; i < POSES; i++) solved += verdicts[i] == 0 && rows[i][SRS_IK_ANSWER_ROW_STATUS] == 0.0;
     printf("%d of %d solved, for %s\n", solved, POSES, srs_ik_target());

@@ -49,10 +49,10 @@ def test_a_line_that_cannot_be_read_is_named():
             read_table(line)
 
 
-def test_variants_are_all_combinations_of_what_may_be_absent():
-    (entry,) = read_table("pose.solve(seed, J, A, out: float[n, ROW]&) -> int")
-    assert entry.optional == ("seed", "J")
-    assert entry.variants == [set(), {"seed"}, {"J"}, {"J", "seed"}]
+def test_a_line_of_the_table_tells_arguments_sizes_and_results():
+    (entry,) = read_table("pose.solve(seed, respect, out: float[n, ROW]&) -> int")
+    assert [a.name for a in entry.arguments] == ["seed", "respect", "out"]
+    assert [a.written for a in entry.arguments] == [False, False, True]
     assert (entry.sizes, entry.results) == (("n",), ("int",))
     assert entry.arguments[-1].shape == ("n", 13)
 
@@ -85,12 +85,9 @@ def test_what_numba_compiles_for_every_question_is_in_the_table(robot):
     seen = 0
     for entry in read_table():
         dispatcher = getattr(import_module(f"{entries.__name__}.{entry.room}"), entry.name)
-        known = [
-            tuple("none" if a.absent_with in absent else numba_kind(numba_type(a)) for a in entry.arguments)
-            for absent in entry.variants
-        ]
+        known = tuple(numba_kind(numba_type(a)) for a in entry.arguments)
         for compiled in dispatcher.overloads.values():
-            assert tuple(map(numba_kind, compiled.signature.args)) in known, f"{entry.room}.{entry.name}"
+            assert tuple(map(numba_kind, compiled.signature.args)) == known, f"{entry.room}.{entry.name}"
             result = compiled.signature.return_type
             found = tuple(result) if hasattr(result, "__iter__") else () if str(result) == "none" else (result,)
             assert found == tuple(_ELEMENTS[each] for each in entry.results)
@@ -424,7 +421,7 @@ from srs_ik.kernels.entries import pose
 out, verdicts = np.empty((len(poses), 13)), np.zeros(len(poses), np.int8)
 seeds = np.random.default_rng(0).uniform(-1, 1, (len(poses), 7))
 before = count[0]
-pose.solve_range(arm.packed.family, poses, 0, len(poses), -1, seeds, True, None, None, out, verdicts)
+pose.solve_range(arm.packed.family, poses, 0, len(poses), -1, seeds, True, out, verdicts)
 during = count[0] - before
 done.set()
 print(during)

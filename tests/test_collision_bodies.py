@@ -153,3 +153,26 @@ def test_what_the_hand_holds_counts():
         arm.with_object("stick", np.eye(4))
     tool = holding.with_tool(srs_ik.pose_from_xyz_rpy([0.1, 0, 0], [0, 0, 0]))
     assert "stick" in [body.name for body in tool.bodies]
+
+
+def test_a_base_and_a_tool_leave_what_was_found_of_the_links(monkeypatch):
+    arm = srs_ik.load("iiwa14")
+    scene = srs_ik.Scene()
+    q = [0.3, 0.7, -0.4, -1.1, 0.5, 0.8, -0.2]
+    T = arm.forward_kinematics(q)
+    expected = arm.intervals(T, scene=scene)
+
+    def refuse(*args):
+        raise AssertionError("looked for again")
+
+    monkeypatch.setattr("srs_ik.collision.bodies.cover", refuse)
+    monkeypatch.setattr("srs_ik.collision.ranges.Bounds.over", refuse)
+    rng = np.random.default_rng(3)
+    for _ in range(5):
+        T_base, T_tool = (srs_ik.pose_from_xyz_rpy(rng.normal(size=3), rng.uniform(-3, 3, 3)) for _ in range(2))
+        other = arm.with_base(T_base).with_tool(T_tool)
+        found = other.intervals(T_base @ T.homogeneous @ T_tool, scene=scene)
+        assert [i.branch for i in found] == [i.branch for i in expected]
+        # Arm angles are told from a direction that no base changes.
+        for a, b in zip(found, expected, strict=True):
+            assert abs(a.upper - a.lower - (b.upper - b.lower)) < 1e-9

@@ -1,6 +1,7 @@
 """A near limb among bodies at nearly singular poses, where its branches meet: Pinocchio's check, and a brute sweep."""
 
 import numpy as np
+import pinocchio as pin
 import pytest
 from arms import generator
 from collision_oracle import Truth, file_of_and
@@ -63,3 +64,28 @@ def test_nothing_called_free_collides(among_things, number):
                 called += 1
                 assert not truth.collides(posture.q)
     assert called or not arm.intervals(T, scene=scene)
+
+
+@pytest.mark.parametrize(
+    ("name", "q"),
+    [
+        ("iiwa14", [2.9670597283903604, 1e-05, -2.66, 1e-09, 0.71, 0.0, 2.7]),
+        ("iiwa14", [-1.46, -0.52, -0.13, 1e-09, -2.85, 1e-05, 0.0]),
+        ("human_arm", [1.5707963267948966, -1.37, 1.06, 0.0, -0.11, -0.44, -0.11]),
+        ("human_arm", [-0.44, -0.001, 0.78, 0.0, -1.19, 0.63, 0.5235987755982988]),
+    ],
+)
+def test_every_free_interval_of_a_flat_elbow_has_its_posture(name, q):
+    arm = srs_ik.load(name)
+    scene = srs_ik.Scene()
+    scene.add_sphere("ball", [0.5, 0.1, 0.3], 0.1)
+    T = arm.forward_kinematics(q)
+    free = arm.intervals(T, scene=scene)
+    found = arm.solve_all(T, scene=scene)
+    assert len(free) > 1
+    assert len(found) == len(free)
+    for solution in found:
+        error = pin.log6(T.actInv(arm.forward_kinematics(solution.q))).vector
+        assert np.abs(error).max() < 1e-9
+        assert (solution.q >= arm.lower).all()
+        assert (solution.q <= arm.upper).all()

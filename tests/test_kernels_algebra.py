@@ -12,6 +12,7 @@ from scipy.optimize import minimize_scalar
 from srs_ik.kernels.algebra.joint_vectors import along7, difference, dot7, short_way
 from srs_ik.kernels.algebra.linear import solve_linear
 from srs_ik.kernels.algebra.minimum import propose, start_search, tell
+from srs_ik.kernels.algebra.pointers import row, scratch
 from srs_ik.kernels.layout.search import BEST, F_BEST, SHARP, SMOOTH, STATE
 
 ANGLE = st.floats(-20.0, 20.0)
@@ -31,6 +32,24 @@ def vectors(a, s, b):
 @njit
 def short(angle):
     return short_way(angle)
+
+
+@njit
+def product_on_stack(a, b):
+    """a b of two (3, 3) matrices, by copies on the stack."""
+    A, B = scratch(3, 3), scratch(3, 3)
+    second = row(B, 0)
+    for i in range(3):
+        for j in range(3):
+            A[i, j], second[3 * i + j] = a[i, j], b[i, j]
+    return A @ B, A.shape, A.strides
+
+
+def test_arrays_on_the_stack_are_arrays_and_lie_apart():
+    a, b = np.random.default_rng(0).normal(size=(2, 3, 3))
+    product, shape, strides = product_on_stack(a, b)
+    np.testing.assert_allclose(product, a @ b, rtol=1e-14)
+    assert (shape, strides) == ((3, 3), (24, 8))
 
 
 @settings(deadline=None)  # the first example compiles

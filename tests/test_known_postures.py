@@ -316,3 +316,44 @@ def test_curves_that_almost_meet_are_told_apart(bench, robot, number):
         intervals = arm.intervals(case.pose)
         assert bench["beside"](arm, case, intervals) < 1e-6
         assert not list(bench["missed"](arm, [case], [intervals]))
+
+
+STRAIGHT_UP = [
+    [0.5 * np.pi, -0.5 * np.pi, 0.0, 0.0, 0.0, 0.0, 0.5 * np.pi],
+    [0.0, -0.5 * np.pi, 0.0, 0.0, 0.0, -0.5 * np.pi, 0.5 * np.pi],
+    [-0.5 * np.pi, -0.5 * np.pi, 0.0, 0.0, 0.0, 0.0, 0.0],
+]
+"""Of a gen3: the elbow straight at the end of its reach, where the nearest exact limb has no posture."""
+
+
+@pytest.mark.parametrize("q", STRAIGHT_UP)
+def test_a_near_limb_stretched_out_has_the_interval_of_its_posture(q):
+    arm = arms.load("gen3")
+    T = arm.forward_kinematics(q)
+    found = arm.intervals(T)
+    answers = arm.solve_all(T)
+    assert found
+    assert len(answers) == len(found)
+    for interval, answer in zip(found, answers, strict=True):
+        assert max(distance(T, arm.forward_kinematics(answer.q))) < 1e-9
+        assert interval.branch == answer.branch
+        again = arm.solve(T, arm_angle=0.5 * (interval.lower + interval.upper), branch=interval.branch)
+        assert again
+    batch = arm.intervals_batch([T])
+    assert batch.lower.tolist() == [interval.lower for interval in found]
+
+
+@pytest.mark.parametrize(
+    "q",
+    [
+        [-0.5 * np.pi, 0.0, np.pi, 0.5 * np.pi, -np.pi, 0.0, 0.5 * np.pi],
+        [np.pi, 0.0, 0.0, -0.5 * np.pi, 0.0, 0.0, -0.5 * np.pi],
+    ],
+)
+def test_every_interval_of_a_near_limb_at_right_angles_has_a_posture(q):
+    arm = arms.load("gen3")
+    T = arm.forward_kinematics(q)
+    answers = arm.solve_all(T)
+    assert [answer.branch for answer in answers] == [interval.branch for interval in arm.intervals(T)]
+    for answer in answers:
+        assert max(distance(T, arm.forward_kinematics(answer.q))) < 1e-9

@@ -27,7 +27,7 @@ def test_the_closed_form_is_no_farther_from_the_true_chain_than_the_band(name):
     arm = arms.load(name) if name[-1].isdigit() else random_arm(5, name, "continuous", 0.01)[1]
     family = arm.packed.family
     exact = family.copy()
-    exact[:, at.IS_CLOSED] = 1.0
+    exact[:, at.IS_CLOSED], exact[:, at.IS_NEAR] = 1.0, 0.0
     P = family[at.FREE]
     bands = P[at.BANDS : at.BANDS + 14].reshape(7, 2)
     rng = np.random.default_rng(11)
@@ -39,7 +39,7 @@ def test_the_closed_form_is_no_farther_from_the_true_chain_than_the_band(name):
         if middles.min() < 0.5:
             continue
         T = np.ascontiguousarray(arm.forward_kinematics(q).homogeneous)
-        entries.solve_at(exact, T, arm.arm_angle(q), arm.branch(q), None, False, None, None, row)
+        entries.solve_at(exact, T, arm.arm_angle(q), arm.branch(q), q, False, False, row)
         bend = abs(np.sin(row[3] - P[at.STRAIGHT]))
         told = 1.0 - abs(np.cos(row[3] - P[at.STRAIGHT])) > at.WELL_CLEAR * P[at.COSINE_OFF]
         band = bands[:, 0] + bands[:, 1] / max(bend, 1e-9)

@@ -34,9 +34,9 @@ def assert_covered(arm, pose, longest, count):
     rows, ends = np.empty((MOST_ROOM, CELL)), np.zeros(2, np.int64)
     none = np.full((1, 7), np.nan)
     told = pose[None], 0, none, np.zeros(1, bool), none
-    family = roomy_family(arm.packed)
+    family = roomy_family(arm.packed, arm.packed.family)
     # Joints of many turns have more short cells than there is room for.
-    while not path_bound.cover(family, *told, longest, *arm.packed.work(), rows, ends):
+    while not path_bound.cover(family, *told, longest, rows, ends):
         longest *= 2.0
         assert longest < LONGEST
     rows = rows[: ends[1]]

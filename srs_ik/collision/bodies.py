@@ -192,9 +192,9 @@ def revolved(arm: ChainKinematics, body: Body, axis: int, lines: tuple[Array, Ar
     """
     T = arm.joint_frames(np.zeros(7))[body.joint]
     direction, point = lines[0][axis], lines[1][axis]
-    profile = [_profile(body, T, direction, point)]
-    low, high, radius = np.concatenate(profile).T
-    vertices, faces = _lathe(low, high, radius)
+    # In the frame of the joint and without the last digits: what is kept on disk is found again on any base.
+    own_direction, own_point = (direction @ T[:3, :3]).round(_DIGITS), ((point - T[:3, 3]) @ T[:3, :3]).round(_DIGITS)
+    vertices, faces = _lathe(*_profile(body, own_direction, own_point).T)
     rows, _ = covered_mesh(vertices, faces, SPHERES)
     side = np.linalg.svd(direction[None])[2][1:]
     if np.linalg.det(np.vstack([side, direction])) < 0.0:
@@ -204,16 +204,14 @@ def revolved(arm: ChainKinematics, body: Body, axis: int, lines: tuple[Array, Ar
 
 
 _SLICES = 20
+_DIGITS = 12
 
 
-def _profile(body: Body, T: Array, direction: Array, point: Array) -> Array:
-    """(n, 3) slices along an axis that contain a body: lower and upper end, and radius, m."""
-    spans = []
-    for form in body.forms:
-        vertices, faces = surface(form)
-        spans.append(_spans(vertices @ T[:3, :3].T + T[:3, 3], faces, direction, point))
+def _profile(body: Body, direction: Array, point: Array) -> Array:
+    """(n, 3) slices along an axis in a body's frame that contain the body: lower and upper end, and radius, m."""
+    spans = [_spans(*surface(form), direction, point) for form in body.forms]
     if not spans:
-        offset = body.spheres[:, :3] @ T[:3, :3].T + T[:3, 3] - point
+        offset = body.spheres[:, :3] - point
         along = offset @ direction
         r = body.spheres[:, 3]
         across = np.linalg.norm(offset - along[:, None] * direction, axis=1)

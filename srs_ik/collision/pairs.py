@@ -5,6 +5,7 @@ from __future__ import annotations
 import hashlib
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from heapq import heapify, heappop, heappush
 from itertools import combinations
 from pathlib import Path
@@ -21,6 +22,7 @@ from srs_ik.robot.description.shapes import read_tree
 from srs_ik.robot.description.srdf import disabled_pairs
 
 if TYPE_CHECKING:
+    from srs_ik.collision.real import RealBodies
     from srs_ik.kinematics import ChainKinematics
     from srs_ik.robot.description.model import Drawing
 
@@ -66,6 +68,8 @@ _ENOUGH = 0.8
 
 _NEVER = 1e3
 """Stands for a distance without end, m."""
+
+_DIGITS = 12
 
 _APART = 1e-4
 """Bodies nearer than this, m, are not taken to be apart: coal's own tolerance is 1e-6."""
@@ -185,22 +189,29 @@ class _Survey:
     """Bodies at random postures, and what that says of their pairs."""
 
     def __init__(self, arm: ChainKinematics, bodies: Sequence[Body]) -> None:
-        from srs_ik.collision.parts import transform
-        from srs_ik.collision.real import RealBodies
-
-        self._arm, self._bodies, self._transform = arm, bodies, transform
-        self._real = RealBodies(bodies)
+        self._arm, self._bodies = arm, bodies
         self._lower = np.where(np.isfinite(arm.lower), arm.lower, -np.pi)
         self._upper = np.where(np.isfinite(arm.upper), arm.upper, np.pi)
         self._angles = np.random.default_rng(0).uniform(self._lower, self._upper, (POSTURES, 7))
-        self._postures = [self._frames(q) for q in self._angles]
-        self._zero = arm.joint_frames(np.zeros(7))
-        self._axes = arm.jacobian(np.zeros(7))[3:].T
+        frames = arm.joint_frames(np.zeros(7))
+        # As the root of the robot sees them: no base changes how its links meet.
+        self._zero = np.linalg.inv(frames[0]) @ frames
+        self._axes = arm.jacobian(np.zeros(7))[3:].T @ frames[0, :3, :3]
         self._hops = np.linalg.norm(np.diff(self._zero[:, :3, 3], axis=0), axis=1)
         self._sizes = [_size(body) for body in bodies]
 
-    def _frames(self, q: Array) -> list[Any]:
-        return [self._transform(T) for T in self._arm.joint_frames(q)]
+    @cached_property
+    def _real(self) -> RealBodies:
+        # Where all that is asked has been kept on disk, nobody needs the shapes.
+        from srs_ik.collision.real import RealBodies
+
+        return RealBodies(self._bodies)
+
+    def _frames(self, q: Array, i: int, j: int) -> dict[int, Any]:
+        """Where the joints of two bodies are, as `RealBodies` has it."""
+        joints = self._bodies[i].joint, self._bodies[j].joint
+        places = self._arm.joint_places(q, joints)
+        return {joint: self._real.at_place(T) for joint, T in zip(joints, places, strict=True)}
 
     def reason(self, i: int, j: int) -> str:
         """Why two bodies need not be watched; empty where they have to."""
@@ -221,7 +232,7 @@ class _Survey:
         kept = store.load(digest)
         if kept is None:
             angles = np.random.default_rng(1).uniform(self._lower, self._upper, (MANY, 7))
-            apart = all(not self._touch(self._frames(q), i, j) for q in angles)
+            apart = all(not self._touch(self._frames(q, i, j), i, j) for q in angles)
             kept = np.full((1, 4), float(apart))
             store.keep(digest, kept)
         return bool(kept[0, 0])
@@ -255,7 +266,7 @@ class _Survey:
 
             def distance(first: float, second: float) -> float:
                 q[joints] = first, second
-                frames = self._frames(q)
+                frames = self._frames(q, i, j)
                 hulls = self._real.hull_distance(frames, i, j)
                 return hulls if hulls > _AMPLE else self._real.distance(frames, i, j)
 
@@ -286,14 +297,22 @@ class _Survey:
         return float((np.linalg.norm(across, axis=1) + rows[:, 3]).max())
 
     def _always_touch(self, i: int, j: int) -> bool:
+        digest = self._digest(i, j, f"touch {POSTURES} {ALWAYS} {_HAIR}".encode())
+        kept = store.load(digest)
+        if kept is None:
+            kept = np.full((1, 4), float(self._touch_at_random(i, j)))
+            store.keep(digest, kept)
+        return bool(kept[0, 0])
+
+    def _touch_at_random(self, i: int, j: int) -> bool:
         free = 0
-        for frames in self._postures:
-            free += not self._touch(frames, i, j)
+        for q in self._angles:
+            free += not self._touch(self._frames(q, i, j), i, j)
             if free >= (1.0 - ALWAYS) * POSTURES:
                 return False
         return True
 
-    def _touch(self, frames: list[Any], i: int, j: int) -> bool:
+    def _touch(self, frames: dict[int, Any], i: int, j: int) -> bool:
         """Whether two bodies touch, or are a hair apart."""
         if self._real.hull_distance(frames, i, j) > _HAIR:
             return False
@@ -344,7 +363,7 @@ class _Survey:
             tries += 1
             q[joints] = 0.5 * (lower + upper)
             moves = 0.5 * (upper - lower) * reach
-            frames = self._frames(q)
+            frames = self._frames(q, i, j)
             distance = self._real.hull_distance(frames, i, j)
             if distance <= _AMPLE + moves.sum():
                 distance = self._real.distance(frames, i, j)
@@ -384,7 +403,9 @@ class _Survey:
         bodies = self._bodies[i], self._bodies[j]
         figures = [figure for body in bodies for figure in (body.spheres, *(form.T for form in body.forms))]
         what += f" {BOXES} {FINE} {PART} {_CLOSE} {_AMPLE} {_STEPS}".encode()
-        return hashlib.sha256(what + key_of(self._lower, self._upper, self._zero, *figures)).hexdigest()
+        # Without the last digits, and without minus zeros: what is kept on disk is found again on any base.
+        zero = self._zero.round(_DIGITS) + 0.0
+        return hashlib.sha256(what + key_of(self._lower, self._upper, zero, *figures)).hexdigest()
 
 
 def _told(found: JointRange) -> float:

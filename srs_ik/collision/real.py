@@ -12,7 +12,7 @@ from srs_ik.collision.forms import Form
 from srs_ik.collision.parts import apart, hull, is_convex, parts_of
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Mapping, Sequence
 
     from srs_ik.collision.bodies import Body
 
@@ -29,13 +29,18 @@ class RealBodies:
         self._request = coal.DistanceRequest()
         self._collide = coal.CollisionRequest()
 
-    def hull_distance(self, frames: Sequence[Any], a: int, b: int) -> float:
+    @staticmethod
+    def at_place(T: Any) -> Any:
+        """A pinocchio.SE3 as coal's transform."""
+        return coal.Transform3s(T.rotation, T.translation)
+
+    def hull_distance(self, frames: Mapping[int, Any], a: int, b: int) -> float:
         """Distance of the hulls of two bodies, m; not positive where they meet."""
         result = coal.DistanceResult()
         T_a, T_b = frames[self._joints[a]], frames[self._joints[b]]
         return float(coal.distance(self._hulls[a], T_a, self._hulls[b], T_b, self._request, result))
 
-    def distance(self, frames: Sequence[Any], a: int, b: int) -> float:
+    def distance(self, frames: Mapping[int, Any], a: int, b: int) -> float:
         """Distance of two bodies, m; where they meet, minus a depth that they have at least."""
         least = np.inf
         T_a, T_b = frames[self._joints[a]], frames[self._joints[b]]
@@ -45,7 +50,7 @@ class RealBodies:
                 least = min(least, value if value > 0.0 or is_convex(one, other) else 0.0)
         return least
 
-    def meet(self, frames: Sequence[Any], a: int, b: int) -> bool:
+    def meet(self, frames: Mapping[int, Any], a: int, b: int) -> bool:
         """Whether two bodies touch."""
         T_a, T_b = frames[self._joints[a]], frames[self._joints[b]]
         for one in self._parts[a]:

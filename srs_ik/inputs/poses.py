@@ -256,16 +256,27 @@ def as_seed(seed: ArrayLike, lower: Array, upper: Array) -> Array:
     return array
 
 
-def as_seeds(seeds: ArrayLike, n: int, lower: Array, upper: Array) -> Array:
-    """`as_seed` for n poses: (1, 7) or (n, 7), of one for all or one a pose; plain arrays are not copied.
+NO_SEED, NO_SEEDS = np.zeros(7), np.empty((0, 7))
+"""What kernels get that ask for a seed, or for seeds, where there is none."""
+
+
+def as_seeds(seeds: ArrayLike | None, n: int, lower: Array, upper: Array) -> Array:
+    """`as_seed` for n poses: (0, 7), (1, 7) or (n, 7), of none, one for all or one a pose; plain arrays are not copied.
 
     Raises:
         InvalidConfiguration: of another shape, not finite angles, or nowhere near the limits.
     """
+    if seeds is None:
+        return NO_SEEDS
     array = per_pose(seeds, (7,), n, "seed")
     if array.size and max(-array.min(), array.max()) > FARTHEST_SEED:
         refuse_far_seeds(array, lower, upper)
     return array
+
+
+def seed_of(seeds: Array, i: int) -> Array | None:
+    """The seed of pose i among those of `as_seeds`."""
+    return seeds[i if len(seeds) > 1 else 0] if len(seeds) else None
 
 
 def as_positive(value: Any, what: str, unit: str, error: type[SrsIkError] = InvalidConfiguration) -> float:

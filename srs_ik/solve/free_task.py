@@ -17,7 +17,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from srs_ik.errors import InvalidTask
 from srs_ik.inputs.freedom import FreeAxis, as_free_axis
-from srs_ik.inputs.poses import as_seeds
+from srs_ik.inputs.poses import as_seeds, seed_of
 from srs_ik.inputs.task import Task
 from srs_ik.solve.solution import Status
 from srs_ik.solve.task import BatchTaskSolution, TaskSolution
@@ -51,11 +51,8 @@ def solve_task(arm: PackedArm, ask: Ask, task: Task, free_axis: Any, seed: Array
     if task.grasp is None or task.pronosupination is None:
         raise InvalidTask("free_axis turns a hand whose rotation is known: give the task grasp and pronosupination")
     count = 1 if task.count is None else task.count
-    seeds = None if seed is None else as_seeds(seed, count, arm.lower, arm.upper)
-    found = [
-        _best(arm, ask, one, free, None if seeds is None else seeds[i if len(seeds) > 1 else 0])
-        for i, one in enumerate(_single(task))
-    ]
+    seeds = as_seeds(seed, count, arm.lower, arm.upper)
+    found = [_best(arm, ask, one, free, seed_of(seeds, i)) for i, one in enumerate(_single(task))]
     if task.count is None:
         return found[0]
     rows = np.array([each._row for each in found])

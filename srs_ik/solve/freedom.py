@@ -9,7 +9,16 @@ from numpy.typing import ArrayLike, NDArray
 
 from srs_ik.errors import InvalidTask
 from srs_ik.inputs.freedom import FreeAxis, as_free_axis
-from srs_ik.inputs.poses import PoseLike, as_matrices, as_matrix, as_seeds, invalid_pose, refuse_bad_poses
+from srs_ik.inputs.poses import (
+    NO_SEEDS,
+    PoseLike,
+    as_matrices,
+    as_matrix,
+    as_seeds,
+    invalid_pose,
+    refuse_bad_poses,
+    seed_of,
+)
 from srs_ik.kernels.entries import freedom as entries
 from srs_ik.kernels.layout.answer import ROW, ROW_ORIENTATION_ERROR, ROW_POSITION_ERROR, ROW_STATUS
 from srs_ik.kernels.layout.freedom import MOST_STARTS, START, WORK
@@ -61,10 +70,10 @@ def _rows(
 ) -> tuple[Array, NDArray[np.int8]]:
     free = as_free_axis(free_axis)
     n = len(T)
-    seeds = None if seed is None else as_seeds(seed, n, arm.lower, arm.upper)
+    seeds = as_seeds(seed, n, arm.lower, arm.upper)
     out, verdicts = _searched(arm, T, free, seeds, respect, threads)
     for i in np.flatnonzero((out[:, ROW_STATUS] != Status.OK) & (verdicts == 0)).tolist():
-        near = None if seeds is None else seeds[i if len(seeds) > 1 else 0]
+        near = seed_of(seeds, i)
         out[i] = _found_otherwise(arm, T[i], free, near, respect)
     return out, verdicts
 
@@ -74,7 +83,7 @@ def _found_otherwise(arm: PackedArm, T: Array, free: FreeAxis, near: Array | Non
 
     Few turns may meet it. So others are tried: without the seed, and from the closest posture of all.
     """
-    met = None if near is None else _met_at_all(arm, T, free, None, near, respect)
+    met = None if near is None else _met_at_all(arm, T, free, NO_SEEDS, near, respect)
     if met is not None:
         return met
     closest = _closest(arm, T, free, near, respect)
@@ -84,7 +93,7 @@ def _found_otherwise(arm: PackedArm, T: Array, free: FreeAxis, near: Array | Non
 
 
 def _searched(
-    arm: PackedArm, T: Array, free: FreeAxis, seeds: Array | None, respect: bool, threads: int | None
+    arm: PackedArm, T: Array, free: FreeAxis, seeds: Array, respect: bool, threads: int | None
 ) -> tuple[Array, NDArray[np.int8]]:
     """What searches find for poses, and what is said of these."""
     n = len(T)
@@ -100,7 +109,7 @@ def _searched(
 
 
 def _met_at_all(
-    arm: PackedArm, T: Array, free: FreeAxis, starts: Array | None, seed: Array | None, respect: bool
+    arm: PackedArm, T: Array, free: FreeAxis, starts: Array, seed: Array | None, respect: bool
 ) -> Array | None:
     """The answer nearest to a seed at the turn that searches from a start, or from none, lead to; None without one."""
     rows, _ = _searched(arm, T[None], free, starts, respect, 1)

@@ -73,7 +73,7 @@ class IntervalsBatch:
 def intervals(arm: PackedArm, pose: PoseLike, respect_limits: bool) -> list[Interval]:
     """Feasible arm angles of one pose; see `Arm.intervals`."""
     out = np.empty((MOST_INTERVALS, 3))
-    count = entries.intervals(arm.family, as_matrix(pose), respect_limits, *arm.work(), out)
+    count = entries.intervals(arm.family, as_matrix(pose), respect_limits, out)
     if count < 0:
         raise invalid_pose(-count)
     return [Interval(int(b), lower, upper) for b, lower, upper in out[:count].tolist()]
@@ -84,7 +84,7 @@ def intervals_batch(arm: PackedArm, poses: Any, respect_limits: bool, threads: i
     T = as_matrices(poses)
 
     def write(first: int, last: int, respect: bool, *out: Any) -> tuple[int, int]:
-        return entries.intervals_range(arm.family, T, first, last, respect, *arm.work(), *out)
+        return entries.intervals_range(arm.family, T, first, last, respect, *out)
 
     return gathered(len(T), threads, write, respect_limits)
 

@@ -80,10 +80,6 @@ class PackedArm:
     elbow: ElbowRange
     closed: bool
 
-    def work(self) -> tuple[Vector | None, Vector | None]:
-        """Work space that the kernels of a near limb need in one call; none where the closed form is the answer."""
-        return (None, None) if self.closed else (np.empty((6, 7)), np.empty((16, 9)))
-
 
 def pack_arm(arm: ChainKinematics, limb: SrsLimb, hand: Hand | None) -> PackedArm:
     """What kernels know of an arm.
@@ -144,6 +140,7 @@ def _pack(limb: SrsLimb, lower: Vector, upper: Vector, slack: tuple[float, ...])
     _put(P, at.TIP_ROTATION, T[:3, :3])
     _put(P, at.TIP_POSITION, T[:3, 3])
     P[at.IS_CLOSED] = float(limb.misses.max() < CLOSED_MISS)
+    P[at.IS_NEAR] = 1.0 - P[at.IS_CLOSED]
 
     _put(P, at.SLACK_SINGULAR, np.array(slack))
     _put(P, at.SHOULDER_CENTRE, limb.shoulder)

@@ -66,7 +66,7 @@ def search_around(problem: Problem, way: Way) -> Way:
     """The best path around one: strips are finer there, so branches change where that is best."""
     chain = np.flatnonzero(way.reached)
     for _ in range(ROUNDS):
-        if problem.even and (problem.work()[0] is not None or not np.diff(way.branch[chain]).any()):
+        if problem.even and (problem.is_near or not np.diff(way.branch[chain]).any()):
             # Along one curve, all postures moved at once are the best.
             break
         again = find_about_changes(problem, way, chain)

@@ -62,8 +62,7 @@ class Block:
             nodes[:n], cost[:n], strips[:m] = self.before.nodes, self.before.cost, self.before.strips
             ends[0] = 0, n, 0, m
         p = self.problem
-        space = p.work()
-        answer = (p.settings, p.limited, self.exact, *space, nodes, cost, strips, ends)
+        answer = (p.settings, p.limited, self.exact, nodes, cost, strips, ends)
         after, self.reached = entries.sweep(
             p.family,
             p.T,
@@ -78,7 +77,7 @@ class Block:
             p.near,
             np.full(len(p.T), p.radius),
             np.full(len(p.T), p.spacing),
-            p.seed,
+            p.start,
             *answer,
         )
         if p.stop[0]:
@@ -204,7 +203,7 @@ def through(problem: Problem, keys: NDArray[np.int64], exact: bool) -> tuple[Way
         way.reached[keys[block.first : block.first + block.count]] = ends[:, 1] > ends[:, 0]
         if len(blocks) > KEPT:
             block.arrays = None
-    if problem.work()[0] is not None:
+    if problem.is_near:
         # Along the curves of a near limb, limits are looked at step by step.
         way.bounds[:] = -np.inf, np.inf
     return way, blocks

@@ -250,7 +250,7 @@ def _covering(problem: Problem, q: Array, longest: float) -> Source:
     def cover(first: int, room: int) -> Cells:
         rows, ends = np.empty((room, CELL)), np.zeros(len(problem.T) - first + 1, np.int64)
         told = problem.T, first, problem.known, problem.has_known, q
-        done = entries.cover(problem.family, *told, longest, *problem.arm.work(), rows, ends)
+        done = entries.cover(problem.family, *told, longest, rows, ends)
         return Cells(rows[: ends[done]], ends[: done + 1])
 
     return cover
@@ -262,7 +262,7 @@ def _cutting(problem: Problem, coarse: Cells, longest: float) -> Source:
     def cut(first: int, room: int) -> Cells:
         rows, ends = np.empty((room, CELL)), np.zeros(len(problem.T) - first + 1, np.int64)
         told = problem.T[first:], coarse.rows, coarse.ends[first:]
-        done = entries.cut(problem.family, *told, longest, *problem.arm.work(), rows, ends)
+        done = entries.cut(problem.family, *told, longest, rows, ends)
         return Cells(rows[: ends[done]], ends[: done + 1])
 
     return cut

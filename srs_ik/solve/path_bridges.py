@@ -48,7 +48,7 @@ def bridged(problem: Problem) -> Problem:
     found: list[Array] = []
     first, before, tried = 0, None, 0
     keys = np.arange(len(problem.T))
-    reachable = np.empty((0, 7)) if problem.seed is None else problem.seed[None]
+    reachable = problem.start
     while first < len(keys) and tried < MOST_OF_ALL:
         block = Block(problem, keys, first, False, before)
         nodes, _, _, ends = block.fill()
@@ -105,7 +105,7 @@ def _taken(problem: Problem, pose: int, starts: Array) -> Array:
     q = starts.copy()
     met = np.zeros(len(q), np.bool_)
     poses = np.repeat(problem.T[pose : pose + 1], len(q), axis=0)
-    entries.bridge(problem.arm.family, poses, q, met, np.empty((6, 7)), np.empty((16, 9)))
+    entries.bridge(problem.arm.family, poses, q, met)
     if not met.any():
         return np.empty((0, 7))
     near = np.diag(_distances(problem, starts, q)) <= problem.settings[BY_CONTINUITY, 0]

@@ -71,7 +71,7 @@ def keeps_limits(problem: Problem, way: Way) -> bool:
 
 def found_below(problem: Problem, way: Way, most: float) -> Way:
     """A path as good as one at hand or better, in strips of what costs at most so much, finer from round to round."""
-    keys, near = np.arange(len(problem.T)), problem.work()[0] is not None
+    keys, near = np.arange(len(problem.T)), problem.is_near
     loose = replace(problem, limited=False)
     for _ in range(ROUNDS):
         blocks = through(loose, keys, False)[1]

@@ -88,7 +88,7 @@ def keep_limits(problem: Problem, way: Way, planned: Way) -> None:
     if not any(keeps(problem, each, loose) for each in slow):
         refine(problem, planned, FINE_WIDTHS, 0.0)
     take(way, min((planned, *slow), key=lambda each: worth(problem, each)))
-    way.cost = entries.refine(*_told(problem, way, FINE, 0.0), problem.limited, *_line(way), *problem.work())
+    way.cost = entries.refine(*_told(problem, way, FINE, 0.0), problem.limited, *_line(way))
 
 
 def keeps(problem: Problem, way: Way, loose: Breaks) -> bool:
@@ -125,7 +125,7 @@ def polish_kind(problem: Problem, way: Way, kind: int, scale: Array, loose: Brea
     """Move all postures of a path at once, in place, by barriers less and less wide; steps (k - 1,) may be loose."""
     chain = np.flatnonzero(way.reached)
     q = way.q[chain]
-    steps = np.abs(steps_of(problem, q if problem.seed is None else np.vstack([problem.seed, q])))
+    steps = np.abs(steps_of(problem, np.vstack([problem.start, q])))
     if not len(steps):
         return
     if kind == WITHIN:
@@ -137,13 +137,13 @@ def polish_kind(problem: Problem, way: Way, kind: int, scale: Array, loose: Brea
         return
     fixed = problem.has_known | (way.branch < 0)
     free = np.append(False, loose)
-    told = problem.T, chain, fixed, free, way.bounds, problem.seed, problem.settings, kind, scale, weights
-    entries.polish(problem.arm.family, *told, *_line(way), *problem.work())
+    told = problem.T, chain, fixed, free, way.bounds, problem.start, problem.settings, kind, scale, weights
+    entries.polish(problem.limb, *told, *_line(way))
 
 
 def refine(problem: Problem, way: Way, widths: Array, enough: float) -> None:
     """Move the postures of a path, in place, through corridors of some widths, and all at once where that will do."""
-    way.cost = entries.refine(*_told(problem, way, widths, enough), problem.limited, *_line(way), *problem.work())
+    way.cost = entries.refine(*_told(problem, way, widths, enough), problem.limited, *_line(way))
 
 
 def take(way: Way, other: Way) -> None:
@@ -155,7 +155,7 @@ def take(way: Way, other: Way) -> None:
 def _told(problem: Problem, way: Way, widths: Array, enough: float) -> tuple[object, ...]:
     chain = np.flatnonzero(way.reached)
     fixed = problem.has_known | (way.branch < 0)
-    return problem.arm.family, problem.T, chain, fixed, way.bounds, widths, enough, problem.seed, problem.settings
+    return problem.limb, problem.T, chain, fixed, way.bounds, widths, enough, problem.start, problem.settings
 
 
 def _line(way: Way) -> tuple[Array, Array, NDArray[np.int64]]:

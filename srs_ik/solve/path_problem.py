@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from srs_ik.kernels.entries.pose import pack_limits
-from srs_ik.kernels.layout.limb import LOOSE
+from srs_ik.kernels.layout.limb import IS_NEAR, LOOSE
 from srs_ik.kernels.layout.path import (
     BY_CONTINUITY,
     BY_VELOCITY,
@@ -107,18 +107,29 @@ class Problem:
     free: Sequence[Array | None] | None = None
 
     @cached_property
+    def limb(self) -> Array:
+        """The packed limb that answers: that of the arm, or the nearest exact one."""
+        return as_closed(self.arm.family) if self.in_closed_form else self.arm.family
+
+    @cached_property
     def family(self) -> Array:
         """The packed limb of its strips."""
-        return roomy_family(self.arm)
+        return roomy_family(self.arm, self.limb)
+
+    @property
+    def is_near(self) -> bool:
+        """Whether its postures are looked for on the true chain of a near limb."""
+        return not (self.in_closed_form or self.arm.closed)
+
+    @property
+    def start(self) -> Array:
+        """The posture before the first one, (1, 7), or (0, 7) for none."""
+        return np.empty((0, 7)) if self.seed is None else self.seed[None]
 
     @property
     def even(self) -> bool:
         """Whether squared joint steps are what counts."""
         return self.objective == SUM_OF_SQUARES
-
-    def work(self) -> tuple[Array | None, Array | None]:
-        """Work space of the kernels; none where the closed form is asked for alone."""
-        return (None, None) if self.in_closed_form else self.arm.work()
 
     def allowed(self) -> tuple[Array, NDArray[np.int64]]:
         """(m, 3) the only intervals that strips may have, and (n, 2) which of them a pose has; (0, 2) where all are."""
@@ -155,11 +166,18 @@ class Problem:
         return self.held, np.searchsorted(self.held_of, np.arange(len(self.T) + 1)), alone
 
 
-def roomy_family(arm: PackedArm) -> Array:
+def as_closed(family: Array) -> Array:
+    """A packed limb for which the closed form answers."""
+    rows = family.copy()
+    rows[:, IS_NEAR] = 0.0
+    return rows
+
+
+def roomy_family(arm: PackedArm, limb: Array) -> Array:
     """The packed limb, and in it what the strips of an exact one are made of: limits with room for rounding."""
-    rows = arm.family.copy()
+    rows = limb.copy()
     for which, room in ((ROOMY, ROOM_OF_ENDS), (ROOMIEST, ROOM_OF_BENDS)):
-        rows[which] = arm.family[LOOSE]
+        rows[which] = limb[LOOSE]
         pack_limits(rows[which], arm.lower - room, arm.upper + room)
     return rows
 
@@ -210,7 +228,7 @@ def worth(problem: Problem, way: Way) -> tuple[int, float]:
     Steps above the velocity limits count for more than what is to be least does.
     """
     q = way.q[way.reached]
-    steps = np.abs(steps_of(problem, q if problem.seed is None else np.vstack([problem.seed, q])))
+    steps = np.abs(steps_of(problem, np.vstack([problem.start, q])))
     missing = int((~way.reached).sum()) + int((steps > problem.settings[BY_CONTINUITY]).any(axis=1).sum())
     value = objective_of(problem, steps)
     if problem.limited:

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from srs_ik.kernels.entries import path as entries
 from srs_ik.kernels.layout.answer import ROW, ROW_ORIENTATION_ERROR, ROW_POSITION_ERROR, ROW_STATUS
-from srs_ik.solve.path_problem import Problem, Way
+from srs_ik.solve.path_problem import Problem, Way, as_closed
 from srs_ik.solve.solution import Status
 
 if TYPE_CHECKING:
@@ -26,15 +26,15 @@ def rows_of(problem: Problem, way: Way) -> Array:
     arm, T = problem.arm, problem.T
     rows = np.full((len(T), ROW), np.nan)
     chain = np.flatnonzero(way.reached)
-    entries.finish(arm.family, T, chain, way.q, way.psi, way.branch, *arm.work(), rows)
+    entries.finish(arm.family, T, chain, way.q, way.psi, way.branch, rows)
     errors = rows[chain, ROW_POSITION_ERROR : ROW_ORIENTATION_ERROR + 1].max(axis=1, initial=0.0)
     off = chain[(rows[chain, ROW_STATUS] != Status.OK) | (errors > ON_POSE)]
     if len(off):
         # Rounding left them beside their poses, or limits with room for it did.
         q, met = way.q[off], np.zeros(len(off), np.bool_)
-        entries.bridge(arm.family, T[off], q, met, np.empty((6, 7)), np.empty((16, 9)))
+        entries.bridge(arm.family, T[off], q, met)
         way.q[off[met]], way.branch[off[met]] = q[met], -1
-        entries.finish(arm.family, T, off[met], way.q, way.psi, way.branch, *arm.work(), rows)
+        entries.finish(arm.family, T, off[met], way.q, way.psi, way.branch, rows)
     for i in np.flatnonzero(~way.reached | (rows[:, ROW_STATUS] != Status.OK)).tolist():
         rows[i] = problem.solve(i, rows[i - 1, :7] if i else problem.seed)._row
     return rows
@@ -44,5 +44,5 @@ def off_pose(arm: PackedArm, pose: Array, q: Array) -> float:
     """How far a posture is off a pose, the larger of m and rad."""
     rows = np.empty((1, ROW))
     one = np.zeros(1, np.int64)
-    entries.finish(arm.family, pose[None], one, q[None], np.zeros(1), one - 1, None, None, rows)
+    entries.finish(as_closed(arm.family), pose[None], one, q[None], np.zeros(1), one - 1, rows)
     return float(rows[0, ROW_POSITION_ERROR : ROW_ORIENTATION_ERROR + 1].max())

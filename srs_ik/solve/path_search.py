@@ -68,7 +68,7 @@ LEAP = 0.2
 
 def may_be_fine(problem: Problem) -> bool:
     """Whether strips may be fine everywhere: a short path, of an arm in closed form."""
-    return len(problem.T) <= FINE_POSES and problem.work()[0] is None
+    return len(problem.T) <= FINE_POSES and not problem.is_near
 
 
 def found(problem: Problem) -> Way:
@@ -110,7 +110,7 @@ def close(problem: Problem, way: Way, keys: NDArray[np.int64] | None = None) -> 
     """Take postures of a path to their poses, on the true chain and inside the limits; which of them could be."""
     keys = np.arange(len(way.q)) if keys is None else keys
     q, met = way.q[keys], np.zeros(len(keys), np.bool_)
-    entries.bridge(problem.arm.family, problem.T[keys], q, met, *problem.work())
+    entries.bridge(problem.arm.family, problem.T[keys], q, met)
     way.q[keys] = q
     way.bounds[:] = -np.inf, np.inf
     way.psi[:] = 0.0
@@ -150,7 +150,7 @@ def planned_at_some(problem: Problem) -> tuple[Way | None, Problem | None]:
     marks = keys_of(problem)
     if problem.free is not None or len(problem.T) <= SHORT:
         return None, problem
-    if problem.work()[0] is None:
+    if not problem.is_near:
         if problem.even:
             return in_closed_form(problem, problem, every_second(marks, problem.has_known))
         return in_closed_form(problem, problem, marks) if marks.mean() < MOST_PLANNED else (None, problem)
@@ -313,7 +313,7 @@ def fill(problem: Problem, way: Way, keys: NDArray[np.int64]) -> NDArray[np.bool
     """Fill in a path between the poses at which it is planned; (n,) where no posture is near the straight line."""
     missed, place = np.zeros(len(problem.T), np.bool_), (way.q, way.psi, way.branch, way.bounds)
     told = problem.family, problem.T, keys, way.reached, problem.settings
-    entries.fill_between(*told, *place, missed, *problem.work())
+    entries.fill_between(*told, *place, missed)
     return missed
 
 
@@ -331,7 +331,7 @@ def planned_everywhere(problem: Problem, plan: Problem) -> Way:
     if way.cost < 0.5 * BREAK:
         least, joined = way.cost, False
         improve(problem, way)
-        if problem.even and fine is plan and problem.work()[0] is None and way.cost >= AS_PLANNED * least:
+        if problem.even and fine is plan and not problem.is_near and way.cost >= AS_PLANNED * least:
             other, _ = find_narrow(problem, keys, blocks, costs_to_end(problem, blocks, way.cost))
             joined = other.cost < 0.5 * BREAK
             if joined:
@@ -360,7 +360,7 @@ def planned_everywhere(problem: Problem, plan: Problem) -> Way:
 
 def fine_everywhere(problem: Problem, keys: NDArray[np.int64]) -> Problem:
     """The problem with fine strips at all key poses."""
-    if problem.work()[0] is None:
+    if not problem.is_near:
         return replace(problem, radius=EVERYWHERE, spacing=FINE_SPACING)
     return finer(held_in(problem, keys, through(problem, keys, False)[1]))
 
@@ -372,7 +372,7 @@ def finer(problem: Problem) -> Problem:
     straight = rows[first, None, :7] + PARTS[:, None] * (rows[first + 1, :7] - rows[first, :7])[:, None]
     q = straight.reshape(-1, 7).copy()
     met, where = np.zeros(len(q), np.bool_), np.repeat(poses[first], len(PARTS))
-    entries.bridge(problem.arm.family, problem.T[where], q, met, *problem.work())
+    entries.bridge(problem.arm.family, problem.T[where], q, met)
     good = met & (np.abs(q - straight.reshape(-1, 7)).max(axis=1) < FARTHEST)
     between = np.repeat(rows[first], len(PARTS), axis=0)
     between[:, :7] = q

@@ -9,6 +9,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from srs_ik.errors import InvalidConfiguration
 from srs_ik.inputs.poses import (
+    NO_SEED,
     PoseLike,
     as_arm_angle,
     as_branch,
@@ -41,14 +42,13 @@ def solve(
     row = np.empty(ROW)
     T = as_matrix(pose)
     chosen = -1 if branch is None else as_branch(branch)
-    near = None if seed is None else as_seed(seed, arm.lower, arm.upper)
+    near = NO_SEED if seed is None else as_seed(seed, arm.lower, arm.upper)
     respect_limits = bool(respect_limits)
-    J, A = arm.work()
     if arm_angle is None:
-        verdict = entries.solve(arm.family, T, chosen, near, respect_limits, J, A, row)
+        verdict = entries.solve(arm.family, T, chosen, near, seed is not None, respect_limits, row)
     else:
         psi = as_arm_angle(arm_angle)
-        verdict = entries.solve_at(arm.family, T, psi, chosen, near, respect_limits, J, A, row)
+        verdict = entries.solve_at(arm.family, T, psi, chosen, near, seed is not None, respect_limits, row)
     if verdict:
         raise invalid_pose(verdict)
     return Solution(row, arm.joint_names, arm.elbow)
@@ -59,8 +59,8 @@ def lead(
 ) -> Solution | None:
     """The posture of a near limb at an arm angle, if one of its branch close by leads to it."""
     row = np.empty(ROW)
-    _, A = arm.work()
-    met = entries.lead(arm.family, T, psi, branch, before, seed, respect, A, row)
+    near = NO_SEED if seed is None else seed
+    met = entries.lead(arm.family, T, psi, branch, before, near, seed is not None, respect, row)
     return Solution(row, arm.joint_names, arm.elbow) if met else None
 
 
@@ -69,12 +69,11 @@ def solve_all(arm: PackedArm, pose: PoseLike, arm_angle: float | None, respect_l
     T = as_matrix(pose)
     if arm_angle is None:
         rows = np.empty((MOST_INTERVALS, ROW))
-        count = entries.solve_intervals(arm.family, T, respect_limits, *arm.work(), rows)
+        count = entries.solve_intervals(arm.family, T, respect_limits, rows)
     else:
         rows = np.empty((8, ROW))
         psi = as_arm_angle(arm_angle)
-        J, A = arm.work()
-        count = entries.solve_all(arm.family, T, psi, respect_limits, J, A, rows)
+        count = entries.solve_all(arm.family, T, psi, respect_limits, rows)
     if count < 0:
         raise invalid_pose(-count)
     solved = Solutions(rows if count == len(rows) else rows[:count], arm.joint_names, None, arm.elbow)
@@ -105,7 +104,7 @@ def solve_batch(
     T = as_matrices(poses)
     n = len(T)
     psis = None if arm_angle is None else per_pose(arm_angle, (), n, "arm_angle")
-    seeds = None if seed is None else as_seeds(seed, n, arm.lower, arm.upper)
+    seeds = as_seeds(seed, n, arm.lower, arm.upper)
     chosen = as_branch(branch)
     if all_branches and psis is None:
         raise InvalidConfiguration("all_branches needs an arm_angle; without one, see solve_all and intervals")
@@ -113,8 +112,7 @@ def solve_batch(
     out = np.empty((8 * n if all_branches else n, ROW))
 
     def work(first: int, last: int) -> None:
-        J, A = arm.work()
-        answer = (respect_limits, J, A, out, verdicts)
+        answer = (respect_limits, out, verdicts)
         if psis is None:
             entries.solve_range(limb, T, first, last, chosen, seeds, *answer)
         elif all_branches:

@@ -28,7 +28,7 @@ def reachable_batch(arm: PackedArm, poses: Any, threads: int | None = None) -> N
     found = np.zeros(len(T), np.int64)
 
     def work(first: int, last: int) -> None:
-        entries.reachable_range(arm.family, T, first, last, *arm.work(), found)
+        entries.reachable_range(arm.family, T, first, last, found)
 
     run_in_threads(work, len(T), threads)
     refuse_bad_poses(np.maximum(-found, 0))
@@ -54,7 +54,7 @@ def measured(arm: PackedArm, poses: Array, *, arcs: int = 0, margin: bool = Fals
     first_limits = np.array([arm.lower[0], arm.upper[0]])
 
     def work(first: int, last: int) -> None:
-        entries.measure_range(family, poses, first, last, first_limits, int(margin), *arm.work(), rows)
+        entries.measure_range(family, poses, first, last, first_limits, int(margin), rows)
 
     run_in_threads(work, len(poses), threads)
     if margin and not arm.closed:

@@ -60,6 +60,6 @@ def through(arm: PackedArm, T: Array, wide: Sequence[Interval], count: int, resp
         return []
     found = np.array([(i.branch, i.lower, i.upper) for i in wide], float)
     rows = np.empty((len(wide) * count, ROW))
-    entries.self_motion(arm.family, T, found, respect_limits, *arm.work(), rows)
+    entries.self_motion(arm.family, T, found, respect_limits, rows)
     of_each = rows.reshape(len(wide), count, ROW)
     return [SelfMotion(own, arm.joint_names, interval) for own, interval in zip(of_each, wide, strict=True)]

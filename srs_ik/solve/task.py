@@ -122,14 +122,11 @@ def solve_task(
             "hand=(grasp, pronosupination), two directions in that frame"
         )
     rows, given = task._rows, task._given
-    seeds = None if seed is None else as_seeds(seed, len(rows), arm.lower, arm.upper)
+    seeds = as_seeds(seed, len(rows), arm.lower, arm.upper)
     out = np.empty((len(rows), at.TASK_SOLUTION))
 
     def work(first: int, last: int) -> None:
-        J, A = arm.work()
-        entries.solve_tasks(
-            arm.family, arm.hand, rows, first, last, given, sides, ties, seeds, respect_limits, J, A, out
-        )
+        entries.solve_tasks(arm.family, arm.hand, rows, first, last, given, sides, ties, seeds, respect_limits, out)
 
     if task.count is None:
         work(0, 1)

@@ -47,7 +47,7 @@ NEEDED = {
 }
 """What a kind has that the kind before it lacks, as LLVM names it."""
 
-Work = tuple[Entry, int, str]
+Work = tuple[Entry, str]
 
 
 def targets(machine: str = HERE, *, portable: bool = True) -> Targets:
@@ -103,13 +103,11 @@ APART = ("collision", "control", "kinematics", "maps", "rates")
 
 
 def parts(entries: tuple[Entry, ...]) -> list[list[Work]]:
-    """All variants, in two parts that share few kernels and take about as long: near limbs, and the rest."""
+    """All entries, in two parts that share few kernels and take about as long: near limbs, and the rest."""
     near: list[Work] = []
     rest: list[Work] = []
     for entry in entries:
-        for variant, absent in enumerate(entry.variants):
-            part = rest if "J" in absent or entry.room in APART else near
-            part.append((entry, variant, glue.variant_symbol("kernel", entry, variant)))
+        (rest if entry.room in APART else near).append((entry, glue.symbol("kernel", entry)))
     return [near, rest]
 
 
@@ -143,7 +141,7 @@ def _written(write: Callable[[], Written], machine: str) -> bytes:
 def compiled(works: list[list[Work]], machine: str, kinds: Targets) -> list[bytes]:
     """Object code of parts for some kinds of processors."""
     code = translated([each for work in works for each in work], machine)
-    symbols = [[symbol for _, _, symbol in work] for work in works]
+    symbols = [[symbol for _, symbol in work] for work in works]
     whole = backend.join(code, {each for part in symbols for each in part}, triple(machine))
     units = divide(whole, symbols)
     with Forks() as forks:

@@ -112,11 +112,10 @@ class Frontend:
         self._runtime = self._written[:]
         self._written.clear()
 
-    def find_types(self, entry: Entry, variant: int, symbol: str) -> None:
-        """Find the types of one variant of an entry, which is to be a C function of a name, and of its kernels."""
+    def find_types(self, entry: Entry, symbol: str) -> None:
+        """Find the types of an entry, which is to be a C function of a name, and of its kernels."""
         function = getattr(importlib.import_module(f"{entries.__name__}.{entry.room}"), entry.name)
-        absent = entry.variants[variant]
-        kinds = tuple(types.none if a.absent_with in absent else numba_type(a) for a in entry.arguments)
+        kinds = tuple(map(numba_type, entry.arguments))
         with global_compiler_lock:
             compiled = compiler.compile_extra(
                 self._typing, self._context, function.py_func, kinds, None, self._flags, {}
@@ -181,8 +180,6 @@ class Frontend:
         return symbol
 
     def _given(self, builder: Any, argument: Argument, kind: Any, value: Any, sizes: dict[str, Any]) -> Any:
-        if kind is types.none:
-            return self._context.get_dummy_value()
         if argument.shape is None:
             return builder.icmp_unsigned("!=", value, _BYTE(0)) if argument.element == "bool" else value
         array = self._context.make_array(kind)(self._context, builder)
@@ -205,6 +202,6 @@ class Frontend:
 
 
 def numba_type(argument: Argument) -> Any:
-    """The type of an argument that is there, as Numba names it."""
+    """The type of an argument, as Numba names it."""
     element = _ELEMENTS[argument.element]
     return types.Array(element, len(argument.shape), "C") if argument.shape else element

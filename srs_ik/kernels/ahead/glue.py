@@ -20,7 +20,7 @@ _FROM_C = {"float": "PyFloat_FromDouble", "int": "PyLong_FromLongLong", "bool": 
 _ABOUT = """\
 /* srs_ik in C: inverse kinematics of S-R-S arms. Written from the table of entries when the library is built.
 
-   Angles in radians, lengths in metres, arrays in C order. Where an argument may be absent, NULL says that it is.
+   Angles in radians, lengths in metres, arrays in C order; one without rows may be NULL.
    A call returns 0; 1 where there is no memory for its work space, 2 where this processor is of no kind that was
    compiled for. It keeps nothing, takes no lock, and may run on many threads at once, each with its own output and work
    space. What the rows hold: see the places `SRS_IK_*` below.
@@ -62,9 +62,7 @@ def _places() -> list[tuple[str, str, int]]:
 
 def _documented(entry: Entry) -> str:
     shapes = [f"{a.name} {_shape(a)}" for a in entry.arguments if a.shape]
-    optional = [a.name for a in entry.arguments if a.absent_with]
-    words = f"arrays: {', '.join(shapes)}" if shapes else "no arrays"
-    return words + (f"; may be NULL: {', '.join(optional)}" if optional else "")
+    return f"arrays: {', '.join(shapes)}" if shapes else "no arrays"
 
 
 def _shape(argument: Argument) -> str:
@@ -90,25 +88,22 @@ def _types(entry: Entry) -> str:
     return ", ".join(kind.strip() for kind, _ in _parameters(entry)) or "void"
 
 
-def variant_symbol(target: str, entry: Entry, variant: int) -> str:
-    """Name of the machine code of a variant for a kind of processor."""
-    return f"{target.replace('-', '_')}_{entry.symbol}_{variant}"
+def symbol(target: str, entry: Entry) -> str:
+    """Name of the machine code of an entry for a kind of processor."""
+    return f"{target.replace('-', '_')}_{entry.symbol}"
 
 
 def library(entries: Sequence[Entry], targets: Sequence[tuple[str, str]]) -> str:
-    """C that hands a call on to the variant that fits; targets are names and the checks for them, best last."""
+    """C that hands a call on to the machine code that fits; targets are names and the checks for them, best last."""
     lines = [f'#include "{NAME}.h"', "#include <stdio.h>", "#include <stdlib.h>", "#include <string.h>", ""]
     lines.append((HERE / "processor.h").read_text())
     lines.append("typedef struct {")
-    lines += [f"    int (*{e.symbol}[{len(e.variants)}])({_types(e)});" for e in entries]
+    lines += [f"    int (*{e.symbol})({_types(e)});" for e in entries]
     lines += ["} functions;", ""]
     for target, _ in targets:
-        for e in entries:
-            lines += [f"{_prototype(e, variant_symbol(target, e, i))};" for i in range(len(e.variants))]
+        lines += [f"{_prototype(e, symbol(target, e))};" for e in entries]
         lines.append(f"static const functions {target.replace('-', '_')} = {{")
-        for e in entries:
-            names = ", ".join(variant_symbol(target, e, i) for i in range(len(e.variants)))
-            lines.append(f"    {{{names}}},")
+        lines += [f"    {symbol(target, e)}," for e in entries]
         lines += ["};", ""]
     lines.append("static const struct { const char *name; const functions *of; } targets[] = {")
     lines += [f'    {{"{target}", &{target.replace("-", "_")}}},' for target, _ in targets]
@@ -119,12 +114,11 @@ def library(entries: Sequence[Entry], targets: Sequence[tuple[str, str]]) -> str
     lines += ["    }", "    return false;", "}", "", f"static const unsigned char limb_mark[16] = {{{mark}}};", ""]
     lines += [(HERE / "library.c").read_text()]
     for e in entries:
-        bits = " | ".join(f"({name} == NULL) << {i}" for i, name in enumerate(e.optional)) or "0"
         names = ", ".join(name for _, name in _parameters(e))
         lines += [
             f"{_prototype(e, e.symbol)} {{",
             "    if (at < 0) return 2;",
-            f"    return targets[at].of->{e.symbol}[{bits}]({names});",
+            f"    return targets[at].of->{e.symbol}({names});",
             "}",
             "",
         ]
@@ -177,10 +171,9 @@ def _read(entry: Entry, place: int, a: Argument) -> list[str]:
         for axis, size in enumerate(a.shape)
     ]
     use = "WRITTEN" if a.written else "READ"
-    condition = f"if ({given} != Py_None) " if a.absent_with else ""
     return [
         *lines,
-        f"    {condition}{{",
+        "    {",
         "        const Py_ssize_t *d = NULL;",
         f"        {a.name} = array({given}, {a.element}_, {len(a.shape)}, {use}, &d);",
         f"        if (!{a.name} || !({' && '.join(checks)}))",

@@ -6,7 +6,6 @@ import importlib
 import re
 from dataclasses import dataclass
 from functools import cache
-from itertools import product
 from pkgutil import iter_modules
 from typing import Any
 
@@ -14,7 +13,7 @@ from srs_ik.kernels import entries, layout
 from srs_ik.kernels.entries.table import ARGUMENTS, ENTRIES
 
 _LINE = re.compile(r"(\w+)\.(\w+)\((.*?)\)(?: -> (.*))?$")
-_ARGUMENT = re.compile(r"(\w+): (float|int|byte|bool)(?:\[(.*?)\])?(&?)(?:(\?)(\w*))?$")
+_ARGUMENT = re.compile(r"(\w+): (float|int|byte|bool)(?:\[(.*?)\])?(&?)$")
 _USUAL = dict(line.split(": ", 1) for line in ARGUMENTS.strip().splitlines())
 
 
@@ -27,14 +26,12 @@ class Argument:
         element: `float`, `int`, `byte` or `bool`.
         shape: sizes of an array, a name where any size will do; None of a scalar.
         written: whether the entry writes to the array.
-        absent_with: name of the argument whose absence is that of this one, its own if it stands alone; or None.
     """
 
     name: str
     element: str
     shape: tuple[int | str, ...] | None
     written: bool
-    absent_with: str | None
 
 
 @dataclass(frozen=True)
@@ -50,18 +47,6 @@ class Entry:
     def symbol(self) -> str:
         """Its name in C."""
         return f"srs_ik_{self.room}_{self.name}"
-
-    @property
-    def optional(self) -> tuple[str, ...]:
-        """Arguments that may be absent, each by itself."""
-        found = dict.fromkeys(a.absent_with for a in self.arguments if a.absent_with)
-        return tuple(name for name in found if name)
-
-    @property
-    def variants(self) -> list[frozenset[str]]:
-        """What is absent in each variant; bit i of its number tells whether `optional[i]` is."""
-        choices = product((False, True), repeat=len(self.optional))
-        return [frozenset(n for n, absent in zip(reversed(self.optional), c, strict=True) if absent) for c in choices]
 
     @property
     def sizes(self) -> tuple[str, ...]:
@@ -93,9 +78,9 @@ def _argument(room: str, text: str) -> Argument:
     match = _ARGUMENT.match(text if ":" in text else f"{text}: {_USUAL.get(text)}")
     if match is None:
         raise ValueError(f"no argument of an entry: {text!r}")
-    name, element, shape, written, absent, with_ = match.groups()
+    name, element, shape, written = match.groups()
     sizes = None if shape is None else tuple(_size(room, part.strip()) for part in shape.split(","))
-    return Argument(name, element, sizes, bool(written), (with_ or name) if absent else None)
+    return Argument(name, element, sizes, bool(written))
 
 
 def _size(room: str, text: str) -> int | str:

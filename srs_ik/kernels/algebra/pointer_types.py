@@ -4,8 +4,11 @@ from __future__ import annotations
 
 from typing import Any
 
+from llvmlite import ir
 from numba import types
+from numba.core import cgutils
 from numba.core.errors import TypingError
+from numba.np.arrayobj import make_array, populate_array
 
 
 def typed_row(typing_context: Any, array: Any, index: Any) -> Any:
@@ -24,3 +27,27 @@ def typed_row(typing_context: Any, array: Any, index: Any) -> Any:
         return builder.gep(first, [offset])
 
     return types.CPointer(array.dtype)(array, types.intp), generate
+
+
+def typed_scratch(typing_context: Any, rows: Any, columns: Any) -> Any:
+    """Type and code of `pointers.scratch`."""
+    if not isinstance(rows, types.IntegerLiteral) or not isinstance(columns, types.IntegerLiteral):
+        raise TypingError("the sizes of an array on the stack are constants")
+    shape = rows.literal_value, columns.literal_value
+    kind = types.Array(types.float64, 2, "C")
+
+    def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+        word, item = ir.IntType(64), ir.DoubleType()
+        room = cgutils.alloca_once(builder, ir.ArrayType(item, shape[0] * shape[1]))
+        array = make_array(kind)(context, builder)
+        populate_array(
+            array,
+            data=builder.bitcast(room, item.as_pointer()),
+            shape=[word(n) for n in shape],
+            strides=[word(8 * shape[1]), word(8)],
+            itemsize=word(8),
+            meminfo=None,
+        )
+        return array._getvalue()
+
+    return kind(rows, columns), generate

@@ -10,12 +10,14 @@ from __future__ import annotations
 import math
 from typing import Any
 
+import numpy as np
+
 from srs_ik.kernels.jit import BY_NUMBA, kernel
 
 if BY_NUMBA:
     from numba.extending import intrinsic
 
-    from srs_ik.kernels.algebra.pointer_types import typed_row
+    from srs_ik.kernels.algebra.pointer_types import typed_row, typed_scratch
 
 
 @kernel
@@ -32,4 +34,15 @@ row = intrinsic(typed_row) if BY_NUMBA else _row
 """row(array, index): the figures of array[index] and of the rows behind it, as a pointer to the first.
 
 The row 0 of a pointer is the pointer itself.
+"""
+
+
+def _scratch(rows: int, columns: int) -> Any:
+    return np.empty((rows, columns))
+
+
+scratch = intrinsic(prefer_literal=True)(typed_scratch) if BY_NUMBA else _scratch
+"""scratch(rows, columns): an array of floats on the stack of the function that calls it, which is gone when that ends.
+
+It costs nothing, where an array from the heap takes part of a microsecond. Both sizes are constants, and small.
 """

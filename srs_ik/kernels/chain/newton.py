@@ -207,8 +207,6 @@ def close_free(P, q, R, p, respect, steps, J, A):
     for step in range(steps):
         linear, angular = pose_step(P, q, R, p, J)
         error = max(norm(linear), norm(angular))
-        if error >= least and least < CLOSED:
-            break
         if error < least:
             kept, least = q, error
         if error < 0.1 * CLOSED:

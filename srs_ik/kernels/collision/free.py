@@ -1,4 +1,4 @@
-"""What bodies leave of the intervals of a pose, and the best posture in it."""
+"""What bodies leave of the intervals of a pose."""
 
 from __future__ import annotations
 
@@ -6,17 +6,12 @@ import math
 
 import numpy as np
 
-from srs_ik.kernels.chain.answer import measure_row
 from srs_ik.kernels.collision.arcs import add_all, add_arc, cut
 from srs_ik.kernels.collision.drift import drifted
 from srs_ik.kernels.collision.forbidden import forbid
 from srs_ik.kernels.collision.seen import see_balls, still_frames, turning_frames
-from srs_ik.kernels.exact.farthest import farthest
-from srs_ik.kernels.exact.nearest_within import nearest_within
 from srs_ik.kernels.jit import kernel
-from srs_ik.kernels.layout.asked import Goal, Target
 from srs_ik.kernels.layout.collision import MARGIN, MOST_ARCS
-from srs_ik.kernels.limb.branches import NO_BRANCH
 
 
 @kernel
@@ -54,18 +49,3 @@ def left_of(P, spot, found, world, slack, out):
     arcs, counts = np.empty((2, MOST_ARCS, 2)), np.zeros(2, np.int64)
     forbidden_arcs(P, spot, world, slack, arcs, counts, np.empty((MOST_ARCS, 2)))
     return cut(found, found.shape[0], arcs, counts, out)
-
-
-@kernel
-def best_of(P, spot, found, branch, goal, out):
-    """Write the best posture of an exact limb over intervals (n, 3) of a branch (-1: of all); its cost.
-
-    `goal` is whether nearness to a seed counts, that seed, and whether limits do.
-    """
-    seeded, seed, respect = goal
-    if seeded:
-        q, best, lowest = nearest_within(P, spot.place, found, branch, Goal(True, seed, respect), 4.0 * NO_BRANCH)
-    else:
-        q, best, lowest = farthest(P, spot.place, found, branch, respect)
-    measure_row(P, Target(spot.R, spot.p, spot.place), q, best, lowest, respect, out)
-    return lowest

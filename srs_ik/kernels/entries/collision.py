@@ -14,12 +14,12 @@ import math
 import numpy as np
 
 from srs_ik.kernels.algebra.joint_vectors import along7
-from srs_ik.kernels.algebra.pointers import row
+from srs_ik.kernels.algebra.pointers import row, scratch
 from srs_ik.kernels.chain.answer import measure_row
 from srs_ik.kernels.chain.newton import arm_angle
 from srs_ik.kernels.collision.arcs import angles_of
 from srs_ik.kernels.collision.clearance import MOST_PARTS, resting_clearance, turning_clearance, widest_within
-from srs_ik.kernels.collision.free import best_of, forbidden_arcs, left_of
+from srs_ik.kernels.collision.free import forbidden_arcs, left_of
 from srs_ik.kernels.collision.march import march_all
 from srs_ik.kernels.collision.motion import CLEAR, look_along
 from srs_ik.kernels.collision.seen import World, see_balls, still_frames, turning_frames
@@ -28,7 +28,7 @@ from srs_ik.kernels.collision.shapes import NORMALS, Along, Shapes
 from srs_ik.kernels.exact.farthest import keep_branch
 from srs_ik.kernels.jit import entry, kernel
 from srs_ik.kernels.layout.answer import GOOD_POSE, MOST_INTERVALS, ROW_STATUS
-from srs_ik.kernels.layout.asked import Target
+from srs_ik.kernels.layout.asked import Goal, Target
 from srs_ik.kernels.layout.collision import (
     DRIFT,
     EDGE_AT,
@@ -51,8 +51,9 @@ from srs_ik.kernels.limb.goal import OUTSIDE
 from srs_ik.kernels.limb.limits import TURN
 from srs_ik.kernels.limb.poses import read7, read_pose
 from srs_ik.kernels.limb.triangle import place
-from srs_ik.kernels.pose.intervals import all_intervals
-from srs_ik.kernels.pose.solve import best_posture, own_seed, seed_or_zero
+from srs_ik.kernels.pose.any_bend import best_of
+from srs_ik.kernels.pose.intervals import exact_intervals
+from srs_ik.kernels.pose.solve import best_posture, own_goal
 
 NO_COUPLE = -1
 """No shapes belong to a pair: it is one with a cloud or a half-space."""
@@ -90,11 +91,11 @@ def free_intervals(family, T, bodies, groups, pairs, slack, local, ready, found,
 
 
 @entry
-def march(family, T, found, n, bodies, groups, pairs, slack, local, ready, J, A, out):
+def march(family, T, found, n, bodies, groups, pairs, slack, local, ready, out):
     """The same on the true chain of a near limb, along its curves: found (m, 3) is sorted by branch."""
     P = row(family, LIMITED)
     around = (World(bodies, groups, pairs, local, ready), slack, None)
-    return march_all(P, spot_of(P, T), around, found[:n], Space(J, A), out)
+    return march_all(P, spot_of(P, T), around, found[:n], Space(scratch(6, 7), scratch(16, 9)), out)
 
 
 @entry
@@ -117,7 +118,7 @@ def free_range(
         if verdicts[i] == GOOD_POSE:
             spot = Spot(R, p, place(P, R, p))
             target = Target(R, p, place(row(limits, LIMITED), R, p))
-            n = all_intervals(limits, target, respect, None, None, found)
+            n = exact_intervals(limits, target, respect, found)
             if n > 0:
                 counts[i] = left_of(P, spot, found[:n], world, slack, rows[used : used + MOST_INTERVALS])
         used += counts[i]
@@ -198,7 +199,11 @@ def best_within(family, T, found, n, branch, seed, seeded, respect, out):
     It is the one nearest to the seed where `seeded`, else the one farthest from the limits; branch -1 stands for all.
     """
     P = row(family, LIMITED)
-    return best_of(P, spot_of(P, T), found[:n], branch, (seeded, read7(seed), respect), row(out, 0))
+    spot, goal = spot_of(P, T), Goal(seeded, read7(seed), respect)
+    target = Target(spot.R, spot.p, spot.place)
+    q, best, lowest = best_of(family, target, found[:n], branch, goal)
+    measure_row(P, target, q, best, lowest, respect, row(out, 0))
+    return lowest
 
 
 @kernel
@@ -262,23 +267,25 @@ def solve_range(
     world = World(bodies, groups, pairs, local, ready)
     P = row(family, LIMITED)
     found, left = np.empty((MOST_INTERVALS, 3)), np.empty((MOST_INTERVALS, 3))
+    J, A = scratch(6, 7), scratch(16, 9)
     for i in range(first, last):
         R, p, verdicts[i] = read_pose(row(poses, i))
         out[i, ROW_STATUS] = NOTHING_FREE
         if verdicts[i] == GOOD_POSE:
             spot = Spot(R, p, place(P, R, p))
-            seed, target = own_seed(seeds, i), Target(R, p, spot.place)
-            q, best, lowest = best_posture(family, target, (branch, respect), seed, None, None)
+            goal, target = own_goal(seeds, i, respect), Target(R, p, spot.place)
+            q, best, lowest = best_posture(family, target, branch, goal, J, A)
             if lowest < OUTSIDE and is_within(limits, limited, q) and is_clear(P, spot, q, best, world, slack):
                 measure_row(P, target, q, best, lowest, respect, row(out, i))
                 continue
             target = Target(R, p, place(row(limits, LIMITED), R, p))
-            n = all_intervals(limits, target, limited, None, None, found)
+            n = exact_intervals(limits, target, limited, found)
             n = left_of(P, spot, found[:n], world, slack, left) if n > 0 else 0
             n = keep_branch(left, n, branch) if branch >= 0 else n
             if n > 0:
-                goal = (seeds is not None, seed_or_zero(seed), respect)
-                best_of(P, spot, left[:n], branch, goal, row(out, i))
+                target = Target(R, p, spot.place)
+                q, best, lowest = best_of(family, target, left[:n], branch, goal)
+                measure_row(P, target, q, best, lowest, respect, row(out, i))
 
 
 @entry
@@ -320,8 +327,6 @@ def free_by_solids(
     of_body,
     couples,
     outer,
-    J,
-    A,
     out,
     rest,
 ):
@@ -345,7 +350,8 @@ def free_by_solids(
     room = Room(np.empty((8, MOST_ARCS, 2)), np.empty((MOST_WAITING, 4)), spins, spin_counts, rest)
     world = World(bodies, groups, pairs, local, ready)
     spot = Spot(R, p, place(P, R, p))
-    return free_by_shapes(P, spot, world, shapes, found, ranges, (margin, slack[MARGIN]), Space(J, A), room, out)
+    space = Space(scratch(6, 7), scratch(16, 9))
+    return free_by_shapes(P, spot, world, shapes, found, ranges, (margin, slack[MARGIN]), space, room, out)
 
 
 @entry
@@ -366,8 +372,6 @@ def march_by_solids(
     of_body,
     couples,
     outer,
-    J,
-    A,
     out,
 ):
     """The same on the true chain of a near limb, along its curves: found (n, 3) is sorted by branch; rows of out."""
@@ -383,4 +387,4 @@ def march_by_solids(
             couple_of[couples[k, WATCHED]] = k
     along = Along(shapes, couple_of, np.empty((8, 12)), np.empty((8, 12)))
     around = (World(bodies, groups, pairs, local, ready), slack, along)
-    return march_all(P, Spot(R, p, place(P, R, p)), around, found, Space(J, A), out)
+    return march_all(P, Spot(R, p, place(P, R, p)), around, found, Space(scratch(6, 7), scratch(16, 9)), out)

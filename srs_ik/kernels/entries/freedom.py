@@ -7,7 +7,7 @@ from srs_ik.kernels.chain.freedom import read_freedom
 from srs_ik.kernels.freedom.solve import solve_free
 from srs_ik.kernels.jit import entry
 from srs_ik.kernels.layout.freedom import MOST_ROLLS, SYSTEM, TABLE, Desk
-from srs_ik.kernels.pose.solve import own_seed
+from srs_ik.kernels.pose.solve import own_goal
 
 
 @entry
@@ -21,7 +21,7 @@ def solve_range(family, poses, first, last, freedom, turns, seeds, respect, work
         last: one behind the last of them.
         freedom: (FREEDOM,) what they leave free.
         turns: (t, 9) rotations at which postures are looked for where the axis may lean, in the tip frame.
-        seeds: (m, 7) one for all, or one a pose, or None.
+        seeds: (m, 7) one for all, one a pose, or none.
         respect: whether joint limits count.
         work: (WORK,) work space.
         starts: (MOST_STARTS, START) work space.
@@ -39,4 +39,4 @@ def solve_range(family, poses, first, last, freedom, turns, seeds, respect, work
     )
     free = read_freedom(row(freedom, 0)), turns
     for i in range(first, last):
-        verdicts[i] = solve_free(family, row(poses, i), free, own_seed(seeds, i), respect, desk, row(out, i))
+        verdicts[i] = solve_free(family, row(poses, i), free, own_goal(seeds, i, respect), desk, row(out, i))

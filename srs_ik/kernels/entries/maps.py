@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from srs_ik.kernels.algebra.pointers import row
+from srs_ik.kernels.algebra.pointers import row, scratch
 from srs_ik.kernels.jit import entry
-from srs_ik.kernels.layout.limb import LIMITED
+from srs_ik.kernels.layout.limb import IS_NEAR, LIMITED
 from srs_ik.kernels.layout.maps import CELL_ARCS
 from srs_ik.kernels.limb.triangle import place
 from srs_ik.kernels.maps.cells import margin_of_poses, measure_poses, write_cell
@@ -13,12 +13,12 @@ from srs_ik.kernels.maps.reach import reach_poses, room
 
 
 @entry
-def reachable_range(family, poses, first, last, J, A, out):
+def reachable_range(family, poses, first, last, out):
     """Write whether the poses first to last - 1 of (N, 4, 4) are reached into out (N,), as in `layout.maps`."""
-    if J is None:
+    if row(family, LIMITED)[IS_NEAR] == 0.0:
         reach_poses(family, poses, first, last, out)
     else:
-        reach_near_poses(family, poses, first, last, J, A, out)
+        reach_near_poses(family, poses, first, last, scratch(6, 7), scratch(16, 9), out)
 
 
 @entry
@@ -28,7 +28,7 @@ def margin_range(family, poses, first, last, out):
 
 
 @entry
-def measure_range(family, poses, first, last, limits, margin, J, A, out):
+def measure_range(family, poses, first, last, limits, margin, out):
     """Write what a map tells of the poses first to last - 1 of (N, 4, 4) into the rows of out (N, CELL_ARCS + 2 n).
 
     Args:
@@ -38,15 +38,13 @@ def measure_range(family, poses, first, last, limits, margin, J, A, out):
         last: one behind the last.
         limits: (2,) of joint 1, rad, for arcs of yaw; the columns of out say how many there is room for.
         margin: whether the margin is wanted, 0 or 1; near limbs have none here.
-        J: (6, 7) work space, or None for a limb that the closed form answers.
-        A: (16, 9) work space, or None.
         out: output.
     """
     most = (out.shape[1] - CELL_ARCS) // 2
-    if J is None:
+    if row(family, LIMITED)[IS_NEAR] == 0.0:
         measure_poses(family, poses, first, last, (limits[0], limits[1]), (most, margin == 1), out)
     else:
-        space = near_room(family, J, A)
+        space = near_room(family, scratch(6, 7), scratch(16, 9))
         measure_near_poses(family, poses, first, last, (limits[0], limits[1]), most, space, out)
 
 

@@ -9,7 +9,7 @@ import math
 
 import numpy as np
 
-from srs_ik.kernels.algebra.pointers import keep, row
+from srs_ik.kernels.algebra.pointers import keep, row, scratch
 from srs_ik.kernels.chain.answer import measure_row
 from srs_ik.kernels.chain.bridge import bridge_to
 from srs_ik.kernels.chain.kinematics import pose_error
@@ -18,7 +18,7 @@ from srs_ik.kernels.exact.samples import MAX_SAMPLES
 from srs_ik.kernels.jit import entry, kernel
 from srs_ik.kernels.layout.answer import GOOD_POSE, MAX_PIECES, ROW_ARM_ANGLE
 from srs_ik.kernels.layout.asked import Target
-from srs_ik.kernels.layout.limb import IS_CLOSED, LIMITED
+from srs_ik.kernels.layout.limb import IS_CLOSED, IS_NEAR, LIMITED
 from srs_ik.kernels.layout.path import (
     HELD_BRANCH,
     HELD_LINKED,
@@ -115,12 +115,10 @@ def sweep(
     near,
     radius,
     spacing,
-    seed,
+    start,
     settings,
     limited,
     exact,
-    J,
-    A,
     nodes,
     cost,
     strips,
@@ -145,12 +143,10 @@ def sweep(
         near: (n, 7) postures around which strips are finer.
         radius: (n,) how far around, rad; 0: nowhere.
         spacing: (n,) how far joints move there from one posture of a strip to the next at most, rad.
-        seed: (7,) posture before the first one, or None.
+        start: (k, 7) the posture before the first one, or none.
         settings: (SETTINGS, 7).
         limited: whether there are velocity limits.
         exact: whether breaks are to be the shortest.
-        J: (6, 7) work space, or None.
-        A: (16, 9) work space, or None.
         nodes: (N, NODE) output.
         cost: (N,) output.
         strips: (M, STRIP) output.
@@ -160,6 +156,7 @@ def sweep(
     Returns:
         The number of the next key pose, and the row in `ends` of the last one that is reached (0: none).
     """
+    J, A = scratch(6, 7), scratch(16, 9)
     sheet = Sheet(nodes, np.zeros(nodes.shape[0], np.bool_), cost, strips)
     found, given = np.empty((8 * MAX_PIECES, 3)), np.full(2, -1)
     on_hold, turns, memo, stamp = np.empty((DEEPEST, NODE)), np.zeros((3, 7)), np.zeros((2 * GRID, MEMO)), np.zeros(1)
@@ -200,7 +197,7 @@ def sweep(
         if n > ends[at, 0]:
             now = Span(ends[at, 0], n, ends[at, 2], m)
             if carried < 0:
-                first_costs(sheet, now, seed, told)
+                first_costs(sheet, now, start, told)
             else:
                 before = Span(ends[last, 0], ends[last, 1], ends[last, 2], ends[last, 3])
                 unbounded(cost, now)
@@ -268,12 +265,13 @@ def go_back(keys, first, count, following, settings, limited, nodes, cost, strip
 
 
 @entry
-def fill_between(family, poses, keys, reached, settings, q, psi, branch, bounds, missed, J, A):
+def fill_between(family, poses, keys, reached, settings, q, psi, branch, bounds, missed):
     """Fill in the poses between key poses that are reached: postures near the straight line from one to the other.
 
     Strips may have been cut: those of an exact limb have the ends of their intervals behind it. Marks in `missed` where
     there is none, and writes the point of that line; other arguments as in `go_back`.
     """
+    P, J, A = row(family, LIMITED), scratch(6, 7), scratch(16, 9)
     course = Course(poses, keys, reached, bounds, np.empty((0, SIDE)))
     line = Line(q, psi, branch)
     last = -1
@@ -285,7 +283,7 @@ def fill_between(family, poses, keys, reached, settings, q, psi, branch, bounds,
                     missed[i] = True
             last = -1
             continue
-        if A is None:
+        if P[IS_NEAR] == 0.0:
             write_own_bounds(family, course, line, pose)
         if number > 0 and last < 0:
             for i in range(keys[number - 1] + 1, pose):
@@ -300,47 +298,47 @@ def fill_between(family, poses, keys, reached, settings, q, psi, branch, bounds,
 
 
 @kernel
-def course_of(family, course, branch, A):
-    """The course with the sides of its postures, which only an exact limb has."""
-    if A is not None:
-        return course
-    whole = Course(course.poses, course.chain, course.fixed, course.bounds, np.empty((course.poses.shape[0], SIDE)))
-    write_sides(row(family, LIMITED), whole, branch)
-    return whole
+def course_of(P, poses, chain, fixed, bounds, branch):
+    """A course with the sides of its postures, which only an exact limb has."""
+    is_near = P[IS_NEAR] != 0.0
+    course = Course(poses, chain, fixed, bounds, np.empty((0 if is_near else poses.shape[0], SIDE)))
+    if not is_near:
+        write_sides(P, course, branch)
+    return course
 
 
 @entry
-def refine(family, poses, chain, fixed, bounds, widths, enough, seed, settings, limited, q, psi, branch, J, A):
+def refine(family, poses, chain, fixed, bounds, widths, enough, start, settings, limited, q, psi, branch):
     """Move the postures of a path, in place, to the best ones near them.
 
     `widths` (m,) are those of the corridors, one after the other. Where squared joint steps are all that counts, all
     arm angles move at once in the end, until a part `enough` of the cost is left to gain; with 0 they do not.
     The others are those of `corridor`. Returns the cost.
     """
-    space = Space(J, A)
-    course = course_of(family, Course(poses, chain, fixed, bounds, np.empty((0, SIDE))), branch, A)
+    space = Space(scratch(6, 7), scratch(16, 9))
+    course = course_of(row(family, LIMITED), poses, chain, fixed, bounds, branch)
     line = Line(q, psi, branch)
     told = row(settings, 0)
     rules = Rules(told, limited, 1.0)
     put_on_poses(family, course, line, space)
-    lowest = path_cost(chain, seed, told, limited, q)
+    lowest = path_cost(chain, start, told, limited, q)
     for width in widths:
         q_before, psi_before = q.copy(), psi.copy()
-        corridor(family, course, line, width, seed, rules, space)
-        total = path_cost(chain, seed, told, limited, q)
+        corridor(family, course, line, width, start, rules, space)
+        total = path_cost(chain, start, told, limited, q)
         if total > lowest:
             q[:] = q_before
             psi[:] = psi_before
         else:
             lowest = total
     if enough > 0.0:
-        lowest = smooth(family, course, line, seed, Aim(SQUARES, told, enough, np.empty(0, np.bool_)), told, space)
-        lowest = path_cost(chain, seed, told, False, q)
+        lowest = smooth(family, course, line, start, Aim(SQUARES, told, enough, np.empty(0, np.bool_)), told, space)
+        lowest = path_cost(chain, start, told, False, q)
     return lowest
 
 
 @entry
-def polish(family, poses, chain, fixed, loose, bounds, seed, settings, kind, scale, weights, q, psi, branch, J, A):
+def polish(family, poses, chain, fixed, loose, bounds, start, settings, kind, scale, weights, q, psi, branch):
     """Move all postures of a path at once, in place, to what makes a kind of sum least, by barriers less and less wide.
 
     Args:
@@ -350,7 +348,7 @@ def polish(family, poses, chain, fixed, loose, bounds, seed, settings, kind, sca
         fixed: (n,) whether a posture has to stay.
         loose: (k,) whether the step to each of the chain is a break, for which no limits hold.
         bounds: (n, 2) least and largest arm angle of each.
-        seed: (7,) posture before the first one, or None.
+        start: (k, 7) the posture before the first one, or none.
         settings: (SETTINGS, 7).
         kind: `WITHIN`, `LARGEST` or `SLOWEST`.
         scale: (7,) by which joint steps are multiplied.
@@ -358,39 +356,38 @@ def polish(family, poses, chain, fixed, loose, bounds, seed, settings, kind, sca
         q: (n, 7).
         psi: (n,).
         branch: (n,).
-        J: (6, 7) work space, or None.
-        A: (16, 9) work space, or None.
 
     Returns:
         The value with the last barrier; 1e300 where the path begins beyond its limits.
     """
-    space = Space(J, A)
-    course = course_of(family, Course(poses, chain, fixed, bounds, np.empty((0, SIDE))), branch, A)
+    space = Space(scratch(6, 7), scratch(16, 9))
+    course = course_of(row(family, LIMITED), poses, chain, fixed, bounds, branch)
     line = Line(q, psi, branch)
     lowest = 0.0
     for weight in weights:
-        lowest = smooth(family, course, line, seed, Aim(kind, row(scale, 0), weight, loose), row(settings, 0), space)
+        lowest = smooth(family, course, line, start, Aim(kind, row(scale, 0), weight, loose), row(settings, 0), space)
     return lowest
 
 
 @entry
-def bridge(family, poses, starts, met, J, A):
+def bridge(family, poses, starts, met):
     """Take postures (n, 7), in place, to poses (n, 4, 4) inside the limits; `met` (n,) says which meet theirs then."""
+    J, A = scratch(6, 7), scratch(16, 9)
     for i in range(starts.shape[0]):
         R, p, _ = read_pose(row(poses, i))
         met[i] = bridge_to(row(family, LIMITED), R, p, row(starts, i), J, A)
 
 
 @entry
-def finish(family, poses, chain, q, psi, branch, J, A, out):
+def finish(family, poses, chain, q, psi, branch, out):
     """Write the rows (n, ROW) of the postures of a path, those of a near limb closed on the true chain once more."""
-    P = row(family, LIMITED)
+    P, J, A = row(family, LIMITED), scratch(6, 7), scratch(16, 9)
     for c in range(chain.shape[0]):
         i = chain[c]
         R, p, _ = read_pose(row(poses, i))
         place_ = place(P, R, p)
         here = clipped(P, read7(row(q, i)))
-        if J is not None:
+        if P[IS_NEAR] != 0.0:
             position, orientation = pose_error(P, here, R, p)
             if max(position, orientation) > CLOSED:
                 here, _ = close_free(P, here, R, p, True, 2 * STEPS, J, A)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from srs_ik.kernels.algebra.joint_vectors import dot7
-from srs_ik.kernels.algebra.pointers import keep, row
+from srs_ik.kernels.algebra.pointers import keep, row, scratch
 from srs_ik.kernels.entries.path import MOST_NODES, MOST_STRIPS
 from srs_ik.kernels.exact.samples import MAX_SAMPLES
 from srs_ik.kernels.jit import entry, kernel
@@ -40,7 +40,7 @@ from srs_ik.kernels.path.strips import DEEPEST
 
 
 @entry
-def cover(family, poses, first, known, has_known, extra, longest, J, A, cells, ends):
+def cover(family, poses, first, known, has_known, extra, longest, cells, ends):
     """Write cells that hold all postures of the poses from number `first` on, until the arrays are full.
 
     Args:
@@ -51,7 +51,6 @@ def cover(family, poses, first, known, has_known, extra, longest, J, A, cells, e
         has_known: (n,) where they are.
         extra: (n, 7) a posture of each pose beside those of the intervals, or NaN.
         longest: length of a cell, rad.
-        J: (6, 7) work space, or None.
         A: (16, 9) work space, or None.
         cells: (M, CELL) output.
         ends: (K + 1,) output: the first row of each pose and one behind its last.
@@ -59,6 +58,7 @@ def cover(family, poses, first, known, has_known, extra, longest, J, A, cells, e
     Returns:
         How many poses are done.
     """
+    J, A = scratch(6, 7), scratch(16, 9)
     net = net_of(cells, longest, True)
     ends[0] = 0
     count = 0
@@ -84,11 +84,12 @@ def cover(family, poses, first, known, has_known, extra, longest, J, A, cells, e
 
 
 @entry
-def cut(family, poses, coarse, coarse_ends, longest, J, A, cells, ends):
+def cut(family, poses, coarse, coarse_ends, longest, cells, ends):
     """Write finer cells (M, CELL) in the place of coarse ones of poses (k, 4, 4), until the array is full.
 
     Returns how many poses are done.
     """
+    J, A = scratch(6, 7), scratch(16, 9)
     net = net_of(cells, longest, False)
     ends[0] = 0
     for i in range(poses.shape[0]):
@@ -203,7 +204,7 @@ def costs_to_end(keys, first, count, behind, most, stop, settings, limited, node
         rules = rules_for(told, scaled, max(carried - pose, 1), limited)
         write_rooms(forth, now, most, rooms, rules, after)
         if carried < 0:
-            first_costs(sheet, now, None, told)
+            first_costs(sheet, now, np.empty((0, 7)), told)
         else:
             before = Span(ends[last, 0], ends[last, 1], ends[last, 2], ends[last, 3])
             advance(sheet, before, now, rules, False)

@@ -1,8 +1,5 @@
 """Entry points: thin array wrappers around the kernels, for one pose and for many.
 
-An argument that is not given is None, and Numba compiles no more than the arguments at hand need. On a limb that the
-closed form answers, J and A are None; else they are work space, (6, 7) and (16, 9) (see `chain.starts`).
-
 A solving function writes rows laid out as `ROW_*` in `layout`; statuses are numbered as in `srs_ik.Status`.
 """
 
@@ -10,14 +7,13 @@ from __future__ import annotations
 
 import numpy as np
 
-from srs_ik.kernels.algebra.pointers import row
+from srs_ik.kernels.algebra.pointers import row, scratch
 from srs_ik.kernels.chain.answer import measure_row
-from srs_ik.kernels.exact.farthest import farthest
 from srs_ik.kernels.jit import entry
 from srs_ik.kernels.layout.answer import GOOD_POSE, MAX_PIECES, MOST_INTERVALS, OK, ROW_STATUS
 from srs_ik.kernels.layout.asked import Goal, Target
-from srs_ik.kernels.layout.limb import LIMITED
-from srs_ik.kernels.limb.goal import NO_SEED, OUTSIDE
+from srs_ik.kernels.layout.limb import IS_NEAR, LIMITED
+from srs_ik.kernels.limb.goal import NO_SEED
 from srs_ik.kernels.limb.limits import set_limits
 from srs_ik.kernels.limb.poses import read7, read_pose
 from srs_ik.kernels.limb.triangle import place
@@ -25,52 +21,57 @@ from srs_ik.kernels.near.band import put_shift
 from srs_ik.kernels.near.intervals import best_of_true_intervals
 from srs_ik.kernels.near.led import lead_row
 from srs_ik.kernels.near.predicted_best import predicted_best_of_intervals
-from srs_ik.kernels.pose.any_bend import best_in_interval
-from srs_ik.kernels.pose.intervals import all_intervals
+from srs_ik.kernels.pose.any_bend import best_of
+from srs_ik.kernels.pose.intervals import all_intervals, exact_intervals
 from srs_ik.kernels.pose.self_motion import self_motion_rows
-from srs_ik.kernels.pose.solve import all_branches, own, own_seed, seed_or_zero, solve_row, solve_row_at
+from srs_ik.kernels.pose.solve import all_branches, own, own_goal, solve_row, solve_row_at
 
 
 @entry
-def solve(family, T, branch, seed, respect, J, A, out):
-    """`solve_row` of one pose."""
-    return solve_row(family, row(T, 0), branch, seed, respect, J, A, row(out, 0))
+def solve(family, T, branch, seed, seeded, respect, out):
+    """`solve_row` of one pose; `seeded` tells whether the seed counts."""
+    goal = Goal(seeded, read7(row(seed, 0)), respect)
+    return solve_row(family, row(T, 0), branch, goal, scratch(6, 7), scratch(16, 9), row(out, 0))
 
 
 @entry
-def solve_at(family, T, psi, branch, seed, respect, J, A, out):
-    """`solve_row_at` of one pose."""
-    return solve_row_at(family, row(T, 0), psi, (branch, seed, respect), J, A, row(out, 0))
+def solve_at(family, T, psi, branch, seed, seeded, respect, out):
+    """`solve_row_at` of one pose; `seeded` tells whether the seed counts."""
+    goal = Goal(seeded, read7(row(seed, 0)), respect)
+    return solve_row_at(family, row(T, 0), psi, branch, goal, scratch(6, 7), scratch(16, 9), row(out, 0))
 
 
 @entry
-def lead(family, T, psi, branch, before, seed, respect, A, out):
+def lead(family, T, psi, branch, before, seed, seeded, respect, out):
     """Write the row of a near limb's posture at an arm angle, next to one of its branch; whether it is a solution."""
     R, p, _ = read_pose(row(T, 0))
     P = row(family, LIMITED)
-    goal = Goal(seed is not None, seed_or_zero(seed), respect)
-    return lead_row(P, Target(R, p, place(P, R, p)), (psi, branch), read7(before), goal, A, row(out, 0))
+    goal = Goal(seeded, read7(row(seed, 0)), respect)
+    target = Target(R, p, place(P, R, p))
+    return lead_row(P, target, (psi, branch), read7(row(before, 0)), goal, scratch(16, 9), row(out, 0))
 
 
 @entry
-def solve_range(family, poses, first, last, branch, seeds, respect, J, A, out, verdicts):
-    """`solve` for the poses first to last - 1; seeds hold one for all, or one a pose, or are None."""
+def solve_range(family, poses, first, last, branch, seeds, respect, out, verdicts):
+    """`solve` for the poses first to last - 1; seeds hold one for all, one a pose, or none."""
+    J, A = scratch(6, 7), scratch(16, 9)
     for i in range(first, last):
-        verdicts[i] = solve_row(family, row(poses, i), branch, own_seed(seeds, i), respect, J, A, row(out, i))
+        verdicts[i] = solve_row(family, row(poses, i), branch, own_goal(seeds, i, respect), J, A, row(out, i))
 
 
 @entry
-def solve_at_range(family, poses, first, last, psis, branch, seeds, respect, J, A, out, verdicts):
-    """`solve_at` for the poses first to last - 1; psis and seeds hold one for all, or one a pose."""
+def solve_at_range(family, poses, first, last, psis, branch, seeds, respect, out, verdicts):
+    """`solve_at` for the poses first to last - 1; psis hold one for all, or one a pose, and seeds may hold none."""
+    J, A = scratch(6, 7), scratch(16, 9)
     for i in range(first, last):
-        asked = (branch, own_seed(seeds, i), respect)
-        verdicts[i] = solve_row_at(family, row(poses, i), own(psis, i), asked, J, A, row(out, i))
+        goal = own_goal(seeds, i, respect)
+        verdicts[i] = solve_row_at(family, row(poses, i), own(psis, i), branch, goal, J, A, row(out, i))
 
 
 @entry
-def solve_all(family, T, psi, respect, J, A, out):
+def solve_all(family, T, psi, respect, out):
     """Branches of one pose that are solutions at an arm angle, in order: number of rows, or minus the verdict."""
-    verdict = all_branches(family, row(T, 0), (psi, respect), J, A, out, 0)
+    verdict = all_branches(family, row(T, 0), (psi, respect), scratch(6, 7), scratch(16, 9), out, 0)
     if verdict != GOOD_POSE:
         return -verdict
     n = 0
@@ -83,34 +84,37 @@ def solve_all(family, T, psi, respect, J, A, out):
 
 
 @entry
-def solve_all_range(family, poses, first, last, psis, respect, J, A, out, verdicts):
+def solve_all_range(family, poses, first, last, psis, respect, out, verdicts):
     """All eight branches of the poses first to last - 1, in eight rows of `out` a pose."""
+    J, A = scratch(6, 7), scratch(16, 9)
     for i in range(first, last):
         verdicts[i] = all_branches(family, row(poses, i), (own(psis, i), respect), J, A, out, 8 * i)
 
 
 @entry
-def intervals(family, T, respect, J, A, out):
+def intervals(family, T, respect, out):
     """Feasible intervals of one pose: number of rows written to `out` (n, 3), or minus the verdict."""
     R, p, verdict = read_pose(row(T, 0))
     if verdict != GOOD_POSE:
         return -verdict
-    return all_intervals(family, Target(R, p, place(row(family, LIMITED), R, p)), respect, J, A, out)
+    target = Target(R, p, place(row(family, LIMITED), R, p))
+    return all_intervals(family, target, respect, scratch(6, 7), scratch(16, 9), out)
 
 
 @entry
-def self_motion(family, T, found, respect, J, A, out):
+def self_motion(family, T, found, respect, out):
     """Postures through intervals of a pose, rows of found, as many as `out` (n, ROW) has room for."""
-    return self_motion_rows(family, row(T, 0), found, respect, J, A, out)
+    return self_motion_rows(family, row(T, 0), found, respect, scratch(6, 7), scratch(16, 9), out)
 
 
 @entry
-def intervals_range(family, poses, first, last, respect, J, A, rows, counts, verdicts):
+def intervals_range(family, poses, first, last, respect, rows, counts, verdicts):
     """Intervals of the poses from first to last - 1, as far as rows suffice; returns the next pose and the rows used.
 
     Rows, at least MOST_INTERVALS of them, take branch, lower and upper end of each interval, pose after pose; counts
     take how many each pose has, verdicts those on the poses.
     """
+    J, A = scratch(6, 7), scratch(16, 9)
     used = 0
     i = first
     while i < last and used + MOST_INTERVALS <= rows.shape[0]:
@@ -125,7 +129,7 @@ def intervals_range(family, poses, first, last, respect, J, A, rows, counts, ver
 
 
 @entry
-def solve_intervals(family, T, respect, J, A, out):
+def solve_intervals(family, T, respect, out):
     """The best posture of every feasible interval of one pose: number of rows of `out`, or minus the verdict."""
     R, p, verdict = read_pose(row(T, 0))
     if verdict != GOOD_POSE:
@@ -133,16 +137,17 @@ def solve_intervals(family, T, respect, J, A, out):
     P = row(family, LIMITED)
     place_ = place(P, R, p)
     target = Target(R, p, place_)
-    if J is not None:
-        n = predicted_best_of_intervals(P, target, respect, out, J, A)
-        return n if n >= 0 else best_of_true_intervals(P, target, respect, out, J, A)
     found = np.empty((8 * MAX_PIECES, 3))
-    n = all_intervals(family, target, respect, J, A, found)
+    if P[IS_NEAR] != 0.0:
+        J, A = scratch(6, 7), scratch(16, 9)
+        n = predicted_best_of_intervals(P, target, respect, out, J, A)
+        if n < 0:
+            n = all_intervals(family, target, respect, J, A, found)
+            best_of_true_intervals(P, target, respect, found[:n], out, J, A)
+        return n
+    n = exact_intervals(family, target, respect, found)
     for i in range(n):
-        q, b, lowest = farthest(P, place_, found[i : i + 1], -1, respect)
-        if lowest >= OUTSIDE and respect:
-            goal = Goal(False, NO_SEED, True)
-            q, b, lowest = best_in_interval(family, target, found[i : i + 1], b, goal, (q, b, lowest))
+        q, b, lowest = best_of(family, target, found[i : i + 1], -1, Goal(False, NO_SEED, respect))
         measure_row(P, target, q, b, lowest, respect, row(out, i))
     return n
 

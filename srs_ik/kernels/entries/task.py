@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from srs_ik.kernels.algebra.pointers import row
+from srs_ik.kernels.algebra.pointers import row, scratch
 from srs_ik.kernels.jit import entry
 from srs_ik.kernels.layout.limb import LIMITED
+from srs_ik.kernels.pose.solve import own_goal
 from srs_ik.kernels.task.posture import (
     plan_given,
     read_task,
@@ -40,8 +41,9 @@ def posture_range(family, H, tasks, first, last, given, side, tie, out):
 
 
 @entry
-def solve_tasks(family, H, tasks, first, last, given, side, tie, seeds, respect, J, A, out):
-    """Solve the task rows first to last - 1; seeds are one for all, or one a task, or None."""
-    hand = row(H, 0)
+def solve_tasks(family, H, tasks, first, last, given, side, tie, seeds, respect, out):
+    """Solve the task rows first to last - 1; seeds are one for all, one a task, or none."""
+    hand, J, A = row(H, 0), scratch(6, 7), scratch(16, 9)
     for i in range(first, last):
-        solve_task_one(family, hand, row(tasks, i), given, side, tie, seeds, i, respect, J, A, row(out, i))
+        goal = own_goal(seeds, i, respect)
+        solve_task_one(family, hand, row(tasks, i), given, side, tie, goal, J, A, row(out, i))

@@ -18,7 +18,6 @@ from srs_ik.kernels.exact.intervals import find_intervals
 from srs_ik.kernels.exact.nearest_within import height, nearest_within
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.answer import MAX_PIECES
-from srs_ik.kernels.layout.asked import Goal
 from srs_ik.kernels.layout.limb import FAR, LOWER, NEAR, SHOULDER, SIZE, UPPER, WRIST
 from srs_ik.kernels.layout.search import STATE
 from srs_ik.kernels.limb.branches import NO_BRANCH
@@ -68,28 +67,28 @@ def bent_place(place_, s):
 
 
 @kernel
-def best_on_circles(P, place_, branch, seed, respect):
+def best_on_circles(P, place_, branch, goal):
     """The best posture over all arm angles: q, branch, cost."""
     found = np.empty((8 * MAX_PIECES, 3))
     n = 0
-    if respect:
+    if goal.respect:
         n = find_intervals(P, place_, branch, found)
     else:
         whole_circles(found)
         n = 8
-    if seed is None:
-        return farthest(P, place_, found[:n], branch, respect)
-    return nearest_within(P, place_, found[:n], branch, Goal(True, seed, respect), 4.0 * NO_BRANCH)
+    if goal.seeded:
+        return nearest_within(P, place_, found[:n], branch, goal, 4.0 * NO_BRANCH)
+    return farthest(P, place_, found[:n], branch, goal.respect)
 
 
 @kernel
-def draw_around(P, seed, distance, respect, box):
+def draw_around(P, goal, distance, box):
     """Copy the packed limb to `box`, with limits around a seed and, if they are respected, inside its own."""
     for i in range(SIZE):
         box[i] = P[i]
     for j in range(7):
-        lower, upper = seed[j] - distance, seed[j] + distance
-        if respect:
+        lower, upper = goal.seed[j] - distance, goal.seed[j] + distance
+        if goal.respect:
             lower, upper = max(lower, P[LOWER + j]), min(upper, P[UPPER + j])
         set_limit(box, j, min(lower, upper), upper)
     set_joint_limits(box, SHOULDER, 0)
@@ -97,18 +96,18 @@ def draw_around(P, seed, distance, respect, box):
 
 
 @kernel
-def at_bend(P, box, place_, x, branch, seed, respect, hope):
+def at_bend(P, box, place_, x, branch, goal, hope):
     """The best posture at the logarithm of a bend: q, branch, cost, and what a search is told.
 
     Near a seed, of those within the limits of `box` and nearer than `hope`, rad.
     """
     bent = bent_place(place_, math.exp(x))
-    if seed is None:
-        q, found, value = best_on_circles(P, bent, branch, seed, respect)
+    if not goal.seeded:
+        q, found, value = best_on_circles(P, bent, branch, goal)
         return q, found, value, value
     intervals = np.empty((8 * MAX_PIECES, 3))
     n = find_intervals(box, bent, branch, intervals)
-    q, found, value = nearest_within(P, bent, intervals[:n], branch, Goal(True, seed, respect), hope * hope)
+    q, found, value = nearest_within(P, bent, intervals[:n], branch, goal, hope * hope)
     return q, found, value, height(value)
 
 
@@ -137,7 +136,7 @@ def lowest_left(values, n):
 
 
 @kernel
-def best_of_bends(P, place_, branch, seed, respect, lowest):
+def best_of_bends(P, place_, branch, goal, lowest):
     """The best posture over all arm angles and all bends that a pose may have: q, branch, cost.
 
     Looks for a cost below `lowest` alone; there may be none.
@@ -149,22 +148,22 @@ def best_of_bends(P, place_, branch, seed, respect, lowest):
     boxes = np.empty((1, SIZE))
     box = row(boxes, 0)
     hope = 0.0
-    if seed is not None:
+    if goal.seeded:
         distance = height(lowest)
         if distance < FLAT:
             return best_q, best, least
         hope = distance + min(distance, MARGIN)
-        draw_around(P, seed, hope, respect, box)
+        draw_around(P, goal, hope, box)
     logs, values, S = np.empty(MOST_BENDS), np.empty((MOST_BENDS, 2)), np.empty(STATE)
     n = take_bends(lower, upper, logs)
     for i in range(n):
-        q, found, value, values[i, 0] = at_bend(P, box, place_, logs[i], branch, seed, respect, hope)
+        q, found, value, values[i, 0] = at_bend(P, box, place_, logs[i], branch, goal, hope)
         values[i, 1] = 0.0
         if value < least:
             best_q, best, least = q, found, value
     for _ in range(MINIMA):
         i = lowest_left(values, n)
-        if i < 0 or (seed is not None and values[i, 0] >= NO_BRANCH):
+        if i < 0 or (goal.seeded and values[i, 0] >= NO_BRANCH):
             break
         values[i, 1] = 1.0
         a, b = max(i - 1, 0), min(i + 1, n - 1)
@@ -173,7 +172,7 @@ def best_of_bends(P, place_, branch, seed, respect, lowest):
             x, wanted = propose(S)
             if not wanted:
                 break
-            q, found, value, here = at_bend(P, box, place_, x, branch, seed, respect, hope)
+            q, found, value, here = at_bend(P, box, place_, x, branch, goal, hope)
             tell(S, here)
             if value < least:
                 best_q, best, least = q, found, value

@@ -20,7 +20,7 @@ from srs_ik.kernels.exact.bends import best_of_bends, best_on_circles
 from srs_ik.kernels.exact.flat import is_as_good_as_flat, level
 from srs_ik.kernels.exact.nearest import slid
 from srs_ik.kernels.jit import kernel
-from srs_ik.kernels.layout.asked import Goal, Target
+from srs_ik.kernels.layout.asked import Target
 from srs_ik.kernels.layout.limb import (
     BOTTOM_GAP,
     LOWER,
@@ -137,13 +137,12 @@ def split_end(P, wide, side, psi, branch, i, last):
 
 
 @kernel
-def search_near_line(limbs, target, wanted, seed, respect, best, work):
+def search_near_line(limbs, target, wanted, goal, best, work):
     """The best posture of a pose, or a split that is better, and whether axes stay in line.
 
     The second of two limbs takes axes almost in line so; in line at all arm angles they lie along the line S-W.
     """
     P, wide = limbs
-    goal = Goal(seed is not None, NO_SEED if seed is None else seed, respect)
     circles = False
     for elbow in range(2):
         side = elbow_side(P, target.place, elbow)
@@ -167,38 +166,36 @@ def search_near_line(limbs, target, wanted, seed, respect, best, work):
                         start, value = split_end(P, wide, side, psi, b, i, last)
                         best = keep_better(P, target, (start, b, value), wanted, goal, best, work)
     if circles:
-        split = best_on_circles(wide, target.place, wanted, seed, respect)
+        split = best_on_circles(wide, target.place, wanted, goal)
         best = keep_better(P, target, split, wanted, goal, best, work)
     return best, circles
 
 
 @kernel
-def with_splits(P, target, wanted, seed, respect, best):
+def with_splits(P, target, wanted, goal, best):
     """The best posture of a pose as known so far, or a free split that is better, each a posture, branch and cost.
 
     Args:
         P: packed limb.
         target: the pose.
         wanted: the only branch that counts; -1: all.
-        seed: seven angles to be near, or None to be far from the limits.
-        respect: whether the limits have to be kept.
+        goal: which posture is best.
         best: best posture so far, its branch and its cost.
     """
     if not may_split(P, target.place):
         return best
-    goal = Goal(seed is not None, NO_SEED if seed is None else seed, respect)
     boxes = np.empty((1, SIZE))
     wide = row(boxes, 0)
     wide_limb(P, wide)
     work = (np.empty((6, 7)), np.empty((16, 9)))
     limbs = (P, wide)
-    best, along = search_near_line(limbs, target, wanted, seed, respect, best, work)
+    best, along = search_near_line(limbs, target, wanted, goal, best, work)
     if is_as_good_as_flat(target.place):
         flat = Target(target.R, target.p, level(target.place))
-        best, alike = search_near_line(limbs, flat, wanted, seed, respect, best, work)
+        best, alike = search_near_line(limbs, flat, wanted, goal, best, work)
         along = along or alike
     if along:
-        split = best_of_bends(P, target.place, wanted, seed, respect, best[2])
+        split = best_of_bends(P, target.place, wanted, goal, best[2])
         best = keep_better(P, target, split, wanted, goal, best, work)
     keep(boxes)
     return best

@@ -21,7 +21,7 @@ from srs_ik.kernels.layout.freedom import Found, Freedom, Liking
 from srs_ik.kernels.layout.limb import FREE, LIMITED, LOWER, UPPER
 from srs_ik.kernels.limb.branches import branch_of
 from srs_ik.kernels.limb.limits import middles
-from srs_ik.kernels.limb.poses import read7, read_pose
+from srs_ik.kernels.limb.poses import read_pose
 from srs_ik.kernels.limb.triangle import place
 
 NEAREST, NEAREST_IN_CONE = 32, 12
@@ -39,31 +39,29 @@ def limits(P, k):
 
 
 @kernel
-def liking_of(family, P, seed):
+def liking_of(family, P, goal):
     """What is nearest: the seed, or without one the middles of the ranges."""
     lower, upper = limits(P, LOWER), limits(P, UPPER)
-    if seed is not None:
-        wish = read7(seed)
-        return Liking(wish, EVEN, lower, upper, NONE_LEFT, wish)
+    if goal.seeded:
+        return Liking(goal.seed, EVEN, lower, upper, NONE_LEFT, goal.seed)
     limited = row(family, LIMITED)
     wish = middles(limited)
     return Liking(wish, weights(limited), lower, upper, NONE_LEFT, wish)
 
 
 @kernel
-def found_posture(P, pose, given, liking, respect, desk):
+def found_posture(P, pose, given, goal, liking, desk):
     """The posture nearest to a seed, or without one farthest from the limits."""
-    freedom, turns, seed = given
-    seeded = seed is not None or not respect or not any_limited(P)
-    if seed is not None:
-        close = beside(P, pose, freedom, liking, desk)
+    seeded = goal.seeded or not goal.respect or not any_limited(P)
+    if goal.seeded:
+        close = beside(P, pose, given[0], liking, desk)
         if close.met:
             return close
-    found = searched(P, pose, (freedom, turns), (seeded, liking), desk)
+    found = searched(P, pose, given, (seeded, liking), desk)
     if found.met or seeded:
         return found
     # Other starts, from distances and not margins, may yet lead to a posture.
-    other = searched(P, pose, (freedom, turns), (True, liking), desk)
+    other = searched(P, pose, given, (True, liking), desk)
     return Found(other.q, largest_share(P, other.q) - 1.0, other.met)
 
 
@@ -121,27 +119,25 @@ def write_found(P, pose, freedom, q, out):
 
 
 @kernel
-def solve_free(family, T, free, seed, respect, desk, out):
+def solve_free(family, T, free, goal, desk, out):
     """Solve one pose that leaves a turn free into a row of `out`; returns the verdict on the pose.
 
     Args:
         family: (4, SIZE) packed limb.
         T: the 16 figures of the pose.
         free: the freedom, and the turns (n, 9) that it is searched at where the axis may lean.
-        seed: seven joint angles to stay near, or None.
-        respect: whether joint limits count.
+        goal: seven joint angles to stay near, or none, and whether joint limits count.
         desk: work space.
         out: a row; one that is UNREACHABLE has no posture in it.
     """
     R, p, verdict = read_pose(T)
     if verdict != GOOD_POSE:
         return verdict
-    freedom, turns = free
-    P = row(family, LIMITED if respect else FREE)
-    liking = liking_of(family, P, seed)
-    found = found_posture(P, (R, p), (freedom, turns, seed), liking, respect, desk)
-    found = closed_up(P, found, (R, p), freedom, liking, desk)
+    P = row(family, LIMITED if goal.respect else FREE)
+    liking = liking_of(family, P, goal)
+    found = found_posture(P, (R, p), free, goal, liking, desk)
+    found = closed_up(P, found, (R, p), free[0], liking, desk)
     out[ROW_STATUS] = UNREACHABLE
     if found.met:
-        write_found(row(family, LIMITED), (R, p), freedom, found.q, out)
+        write_found(row(family, LIMITED), (R, p), free[0], found.q, out)
     return GOOD_POSE

@@ -86,7 +86,8 @@ BAND = SHIFT + 1  # how far limits of joints 1, 3, 5 and 7 are drawn out, rad; d
 # Joints 1, 3, 5 and 7 times the sine of the middle angle between them; joint 4 times the sine of the bend: its cosine.
 BANDS = BAND + 1  # 7 times both
 COSINE_OFF = BANDS + 14  # how far the cosine of the bend is off at a straight elbow, or a folded one
-SIZE = COSINE_OFF + 1
+IS_NEAR = COSINE_OFF + 1  # 1.0 if answers are looked for on the true chain, 0.0 if those of the closed form are taken
+SIZE = IS_NEAR + 1
 
 # How far a configuration is from the closed form, rad: the same of each joint; zero where they are not told.
 SHIFT_COSINE = 7  # cosine of the elbow's bend

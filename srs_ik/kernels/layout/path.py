@@ -204,7 +204,7 @@ class Line(NamedTuple):
 
 
 class Space(NamedTuple):
-    """Work space of a near limb: J (6, 7) and A (16, 9), or twice None."""
+    """Work space of a near limb: J (6, 7) and A (16, 9)."""
 
     J: Any
     A: Any

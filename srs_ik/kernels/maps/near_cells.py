@@ -30,7 +30,7 @@ from srs_ik.kernels.layout.limb import (
     WRIST_IN_TIP,
 )
 from srs_ik.kernels.layout.maps import MOST_ARCS, NOT_REACHED, REACHED
-from srs_ik.kernels.limb.goal import NO_SEED, OUTSIDE
+from srs_ik.kernels.limb.goal import NO_SEED
 from srs_ik.kernels.limb.poses import read_pose
 from srs_ik.kernels.limb.triangle import elbow_side, place
 from srs_ik.kernels.maps.arcs import put_arc, write_arcs
@@ -40,7 +40,7 @@ from srs_ik.kernels.near.at_angle import may_reach
 from srs_ik.kernels.near.band import WIDEST_BAND, band_of, is_near_singularity, may_predict, widen, widest
 from srs_ik.kernels.near.intervals import intervals_through, true_intervals
 from srs_ik.kernels.near.predicted import predicted_intervals
-from srs_ik.kernels.near.second_attempts import look_around, rescue
+from srs_ik.kernels.near.second_attempts import found_again
 from srs_ik.kernels.pose.intervals import all_intervals
 from srs_ik.kernels.pose.solve import solve_row_at
 
@@ -129,7 +129,7 @@ def is_met_near(P, pose, band, family, space):
             psi = TURN * i / PROBED
             if is_met_at(box, side, math.cos(psi), math.sin(psi)) and is_clear(P, side, psi, band):
                 answer = row(space.answers, 0)
-                solve_row_at(family, pose.T, psi, (-1, None, True), space.J, space.A, answer)
+                solve_row_at(family, pose.T, psi, -1, Goal(False, NO_SEED, True), space.J, space.A, answer)
                 if answer[ROW_STATUS] == OK:
                     return True
     return False
@@ -156,16 +156,6 @@ def is_surely_out(P, pose, space):
 
 
 @kernel
-def found_again(P, target, space):
-    """A posture inside the limits that the curves from the closed form have passed by, and whether there is one."""
-    goal = Goal(False, NO_SEED, True)
-    q, _, cost = look_around(P, target, -1, goal, space.J, space.A)
-    if cost >= OUTSIDE:
-        q, _, cost = rescue(P, target, -1, goal, space.J, space.A)
-    return q, cost < OUTSIDE
-
-
-@kernel
 def reach_near(family, pose, space):
     """Whether a posture of a near limb inside the limits meets a pose: REACHED or NOT_REACHED.
 
@@ -185,14 +175,14 @@ def reach_near(family, pose, space):
     n = predicted_intervals(P, target, space.found, space.J, space.A)
     if n < 0:
         n = true_intervals(P, target, True, space.found, space.J, space.A)
-    return REACHED if n > 0 or found_again(P, target, space)[1] else NOT_REACHED
+    return REACHED if n > 0 or found_again(P, target, True, space.J, space.A)[1] else NOT_REACHED
 
 
 @kernel
 def first_angle_near(family, pose, psi, branch, near, space):
     """Joint 1 of a branch at an arm angle, in the turn next to an angle, and whether there is such a posture."""
     answer = row(space.answers, 0)
-    solve_row_at(family, pose.T, psi, (branch, None, True), space.J, space.A, answer)
+    solve_row_at(family, pose.T, psi, branch, Goal(False, NO_SEED, True), space.J, space.A, answer)
     q = answer[ROW_Q]
     return q - TURN * math.floor((q - near) / TURN + 0.5), answer[ROW_STATUS] == OK
 
@@ -281,9 +271,9 @@ def write_cell_near(family, pose, limits, most, space, out):
     n = intervals_near(family, pose, space)
     q, again = NO_SEED, False
     if n == 0 and not is_surely_out(P, pose, space):
-        q, again = found_again(P, target, space)
+        q, again = found_again(P, target, True, space.J, space.A)
         if again:
-            n = intervals_through(P, target, q, space.found, space.J, space.A)
+            n = intervals_through(P, target, q, True, space.found, space.J, space.A)
     if n == 0:
         return
     write_measures(space.found, n, out)

@@ -14,7 +14,7 @@ from srs_ik.kernels.curves.surface import has_surface
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.answer import ROW_COST
 from srs_ik.kernels.layout.asked import Best, Goal
-from srs_ik.kernels.layout.limb import COSINE_OFF, FAR, MISS, NEAR, SHIFT
+from srs_ik.kernels.layout.limb import COSINE_OFF, FAR, IS_NEAR, MISS, NEAR, SHIFT
 from srs_ik.kernels.limb.branches import NO_BRANCH, best_branch, branch_of, is_on_border, is_unsure
 from srs_ik.kernels.limb.goal import NO_SEED, OUTSIDE
 from srs_ik.kernels.limb.in_line import ROUNDED
@@ -236,7 +236,7 @@ def solve_at_angle(P, target, psi, wanted, goal, J, A):
     """
     place_ = target.place
     seeded, seed, respect = goal
-    if J is None:
+    if P[IS_NEAR] == 0.0:
         return best_branch(P, place_, psi, wanted, seeded, seed, respect)
     q, best, lowest = best_of_all(P, target, psi, wanted, goal, A)
     if not may_reach(P, place_):

@@ -11,7 +11,7 @@ import math
 import numpy as np
 
 from srs_ik.kernels.algebra.pointers import row
-from srs_ik.kernels.chain.answer import measure_row
+from srs_ik.kernels.chain.answer import measure_row, measure_row_at
 from srs_ik.kernels.chain.newton import arm_angle
 from srs_ik.kernels.curves.best import best_on
 from srs_ik.kernels.curves.follow import CURVE, follow_through, tangent_at
@@ -21,11 +21,16 @@ from srs_ik.kernels.curves.spans import MAX_SPANS, SPAN, find_spans
 from srs_ik.kernels.exact.events import TURN
 from srs_ik.kernels.exact.intervals import join_touching, write_interval
 from srs_ik.kernels.jit import kernel
+from srs_ik.kernels.layout.answer import OK, ROW_STATUS
 from srs_ik.kernels.layout.asked import Best, Goal, Runs, Setting
 from srs_ik.kernels.layout.search import MAX_RUNS, RUN
 from srs_ik.kernels.limb.branches import NO_BRANCH, branch_of
 from srs_ik.kernels.limb.goal import NO_SEED
 from srs_ik.kernels.limb.triangle import elbow_side
+from srs_ik.kernels.near.at_angle import solve_at_angle
+
+LOOKS = 2
+"""So many parts of an interval are looked at the ends of, where nothing else tells a posture of it."""
 
 
 @kernel
@@ -62,12 +67,12 @@ def true_intervals(P, target, respect, out, J, A):
 
 
 @kernel
-def intervals_through(P, target, q, out, J, A):
+def intervals_through(P, target, q, respect, out, J, A):
     """`true_intervals` of the one curve through a posture that no curve from the closed form led to; at least one."""
     rows, line = np.empty((CURVE_ROWS, SAMPLE)), np.empty((CURVE_ROWS, SAMPLE))
     sampled = np.empty((CURVE_ROWS + SPARE_ROWS, SAMPLE))
     runs, spans, curves = np.empty((MAX_RUNS, RUN)), np.empty((MAX_SPANS, SPAN)), np.empty((1, CURVE))
-    by = Setting(target, elbow_side(P, target.place, 0), True, J, A)
+    by = Setting(target, elbow_side(P, target.place, 0), respect, J, A)
     n = 0
     t, sign = tangent_at(P, by, q)
     if sign != 0.0:
@@ -83,23 +88,27 @@ def intervals_through(P, target, q, out, J, A):
 
 
 @kernel
-def best_of_true_intervals(P, target, respect, out, J, A):
-    """Write the posture with the largest margin of every interval into the rows of out; return their number."""
+def best_of_true_intervals(P, target, respect, intervals, out, J, A):
+    """Write the posture with the largest margin of each of some intervals (n, 3) of a pose into the rows of out."""
     runs = np.empty((MAX_RUNS, RUN))
     by = Setting(target, elbow_side(P, target.place, 0), respect, J, A)
     rows, _, k, _ = near_runs(P, by, runs)
     spans = np.empty((MAX_SPANS, SPAN))
     count = find_spans(P, by, rows, runs[:k], spans)
-    found = np.empty((out.shape[0], 3))
-    n = write_spans(spans, count, found)
     goal = Goal(False, NO_SEED, respect)
-    for i in range(n):
+    for i in range(intervals.shape[0]):
+        branch, lower, upper = int(intervals[i, 0]), intervals[i, 1], intervals[i, 2]
         best = Best(NO_SEED, 4.0 * NO_BRANCH)
         for j in range(count):
             middle = 0.5 * (spans[j, 4] + spans[j, 5])
-            ahead = middle - found[i, 1] - TURN * math.floor((middle - found[i, 1]) / TURN)
-            if spans[j, 1] == found[i, 0] and ahead <= found[i, 2] - found[i, 1]:
+            ahead = middle - lower - TURN * math.floor((middle - lower) / TURN)
+            if int(spans[j, 1]) == branch and ahead <= upper - lower:
                 curve = samples_of(rows, runs[int(spans[j, 0])])
                 best = best_on(P, by, curve, (spans[j, 2], spans[j, 3]), goal, best)
-        measure_row(P, target, best.q, branch_of(P, best.q), best.cost, respect, row(out, i))
-    return n
+        measure_row(P, target, best.q, branch, best.cost, respect, row(out, i))
+        for j in range(LOOKS + 1):
+            if out[i, ROW_STATUS] != OK:
+                # Its ends came by another way than along these curves.
+                psi = lower + (upper - lower) * ((j + LOOKS // 2) % (LOOKS + 1)) / LOOKS
+                found = solve_at_angle(P, target, psi, branch, goal, J, A)
+                measure_row_at(P, target, psi, found, respect, row(out, i))

@@ -18,7 +18,7 @@ from srs_ik.kernels.chain.newton import (
 )
 from srs_ik.kernels.curves.best import cost_of_turn
 from srs_ik.kernels.jit import kernel
-from srs_ik.kernels.layout.asked import Best
+from srs_ik.kernels.layout.asked import Best, Goal
 from srs_ik.kernels.layout.limb import PHASE, SHOULDER, SHOULDER_CENTRE, STRAIGHT, WRIST
 from srs_ik.kernels.limb.branches import NO_BRANCH, best_branch, branch_of
 from srs_ik.kernels.limb.goal import NO_SEED, OUTSIDE
@@ -225,6 +225,16 @@ def rescue(P, target, branch, goal, J, A):
                 if lowest < OUTSIDE:
                     break
     return best_q, best, lowest
+
+
+@kernel
+def found_again(P, target, respect, J, A):
+    """A posture that the curves from the closed form have passed by, and whether there is one."""
+    goal = Goal(False, NO_SEED, respect)
+    q, _, cost = look_around(P, target, -1, goal, J, A)
+    if cost >= OUTSIDE:
+        q, _, cost = rescue(P, target, -1, goal, J, A)
+    return q, cost < OUTSIDE
 
 
 @kernel

@@ -13,7 +13,7 @@ from srs_ik.kernels.chain.newton import CLOSED, STEPS, arm_angle, close_free
 from srs_ik.kernels.exact.intervals import find_intervals
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.answer import MAX_PIECES
-from srs_ik.kernels.layout.limb import LIMITED
+from srs_ik.kernels.layout.limb import IS_NEAR, LIMITED
 from srs_ik.kernels.layout.path import BY_CONTINUITY
 from srs_ik.kernels.limb.branches import branch_of
 from srs_ik.kernels.limb.limits import TURN
@@ -58,7 +58,7 @@ def follow_on(family, course, line, at, settings, J, A):
     near = between_two(line, at, settings)
     reach = 0.5 * settings[7 * BY_CONTINUITY]
     R, p, _ = read_pose(row(course.poses, i))
-    if A is not None:
+    if P[IS_NEAR] != 0.0:
         here, error = close_free(P, near, R, p, True, 2 * STEPS, J, A)
         good = error < CLOSED and apart(here, near) < reach
         write_posture(line, i, here, 0.0, branch_of(P, here))

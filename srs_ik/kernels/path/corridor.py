@@ -11,7 +11,7 @@ from srs_ik.kernels.algebra.pointers import keep, row
 from srs_ik.kernels.algebra.vectors import load3
 from srs_ik.kernels.chain.newton import CLOSED, STEPS, close_free
 from srs_ik.kernels.jit import kernel
-from srs_ik.kernels.layout.limb import LIMITED
+from srs_ik.kernels.layout.limb import IS_NEAR, LIMITED
 from srs_ik.kernels.layout.path import (
     IMPOSSIBLE,
     NODE,
@@ -64,7 +64,7 @@ def put_inside(P, q, A):
 
     On a near limb, where a joint is on its limit, others may have to move far for what that leaves of an error.
     """
-    if A is not None:
+    if P[IS_NEAR] != 0.0:
         return settled(P, q, ON_LIMIT_OF_CURVE)
     return settled(P, q, ON_LIMIT)
 
@@ -78,7 +78,7 @@ def posture_at(line, i):
 @kernel
 def moving_rates(P, course, i, here, J, A):
     """Joint rates with the arm angle, on a near limb along its curve, and whether there are any."""
-    if A is not None:
+    if P[IS_NEAR] != 0.0:
         return direction(P, setting_of(P, spot_of(P, row(course.poses, i)), J, A), here.q)
     side = row(course.sides, i)
     return rates(P, here.q, load3(side, SIDE_LINE), load3(side, SIDE_FOREARM))
@@ -88,7 +88,7 @@ def moving_rates(P, course, i, here, J, A):
 def moved_by(P, course, i, here, motion, J, A):
     """The posture with its arm angle moved, on a near limb so far along its curve."""
     v, move = motion
-    if A is not None:
+    if P[IS_NEAR] != 0.0:
         return moved_along(P, setting_of(P, spot_of(P, row(course.poses, i)), J, A), here.q, v, move)
     return posture_of(P, read_side(row(course.sides, i)), here.psi + move, here.branch, here.q, True)
 
@@ -153,7 +153,7 @@ def put_across(P, course, line, at, sheet, n, space):
 
 
 @kernel
-def corridor(family, course, line, width, seed, rules, space):
+def corridor(family, course, line, width, start, rules, space):
     """Move the postures of a path, in place, to the best way through the corridor around them.
 
     Args:
@@ -161,7 +161,7 @@ def corridor(family, course, line, width, seed, rules, space):
         course: the poses, and what is known of them.
         line: the postures.
         width: joint step from one posture of the corridor to the next, rad.
-        seed: (7,) posture before the first one, or None.
+        start: (k, 7) the posture before the first one, or none.
         rules: what a step over one pose counts.
         space: work space of a near limb.
     """
@@ -179,7 +179,7 @@ def corridor(family, course, line, width, seed, rules, space):
         list_strips(sheet, ends[c], ends[c + 1], c)
         now = Span(ends[c], ends[c + 1], c, c + 1)
         if c == 0:
-            first_costs(sheet, now, seed, rules.settings)
+            first_costs(sheet, now, start, rules.settings)
             continue
         stepped = rules_for(rules.settings, scaled, i - chain[c - 1], rules.limited)
         advance(sheet, Span(ends[c - 1], ends[c], c - 1, c), now, stepped, True)
@@ -198,7 +198,7 @@ def corridor(family, course, line, width, seed, rules, space):
 @kernel
 def on_pose(P, course, i, here, J, A):
     """The posture at an arm angle next to one that almost meets its pose, on a near limb the nearest one."""
-    if A is not None:
+    if P[IS_NEAR] != 0.0:
         spot = spot_of(P, row(course.poses, i))
         v, good = direction(P, setting_of(P, spot, J, A), here.q)
         if good:

@@ -10,7 +10,7 @@ from srs_ik.kernels.curves.follow import between
 from srs_ik.kernels.exact.intervals import find_intervals
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.answer import SOLVED
-from srs_ik.kernels.layout.limb import LIMITED
+from srs_ik.kernels.layout.limb import IS_NEAR, LIMITED
 from srs_ik.kernels.layout.path import (
     CELL_BRANCH,
     CELL_FROM,
@@ -66,7 +66,7 @@ def cover_pose(family, T, net, n, J, A):
     """Write cells that hold all postures of a pose from row n on; the next free row."""
     P = row(family, LIMITED)
     spot = spot_of(P, T)
-    if J is not None:
+    if P[IS_NEAR] != 0.0:
         return cover_curves(family, T, spot, net, n, J, A)
     if not abs(spot.place[5]) < SOLVED:
         return n
@@ -179,9 +179,8 @@ def cut_cell(family, spot, cell, net, n, J, A):
     a = read7(cell)
     b = along7(a, 1.0, (cell[7], cell[8], cell[9], cell[10], cell[11], cell[12], cell[13]))
     is_small = length_of(along_cell(a, b)) <= net.longest and cell[CELL_OFF] <= OFF_SHARE * net.longest
-    if J is not None:
-        if branch == CURVE and not is_small:
-            return cover_curve(P, spot, (a, b), net, n, J, A)
+    if P[IS_NEAR] != 0.0 and branch == CURVE and not is_small:
+        return cover_curve(P, spot, (a, b), net, n, J, A)
     if (
         branch < 0
         or is_small

@@ -29,14 +29,14 @@ TERMS = 3
 
 
 @kernel
-def write_steps(chain, seed, settings, q, steps):
-    """Write the steps (k, 7) to each posture of a path, that to the first one from the seed; zero without one."""
+def write_steps(chain, start, settings, q, steps):
+    """Write the steps (k, 7) to each posture of a path, that to the first one from the start; zero without one."""
     for c in range(chain.shape[0]):
         for j in range(7):
             if c > 0:
                 steps[c, j] = step_of(settings, j, q[chain[c - 1], j], q[chain[c], j])
-            elif seed is not None:
-                steps[c, j] = step_of(settings, j, seed[j], q[chain[c], j])
+            elif start.shape[0] > 0:
+                steps[c, j] = step_of(settings, j, start[0, j], q[chain[c], j])
             else:
                 steps[c, j] = 0.0
 
@@ -173,7 +173,7 @@ def write_terms(aim, chain, steps, c, t, terms):
 
 
 @kernel
-def path_cost(chain, seed, settings, limited, q):
+def path_cost(chain, start, settings, limited, q):
     """Breaks, steps that are too fast, and the value of all steps of a path."""
     total = 0.0
     for c in range(chain.shape[0]):
@@ -182,8 +182,8 @@ def path_cost(chain, seed, settings, limited, q):
         if c > 0:
             between = chain[c] - chain[c - 1]
             e = steps_between(settings, row(q, chain[c - 1]), here)
-        elif seed is not None:
-            e = steps_between(settings, seed, here)
+        elif start.shape[0] > 0:
+            e = steps_between(settings, row(start, 0), here)
         else:
             continue
         total += step_value(settings, e, 1.0 / between)

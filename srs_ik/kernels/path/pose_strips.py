@@ -11,7 +11,7 @@ from srs_ik.kernels.exact.flat import is_as_good_as_flat
 from srs_ik.kernels.exact.intervals import find_intervals
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.answer import SOLVED
-from srs_ik.kernels.layout.limb import BOTTOM_GAP, LIMITED, LOWER, PHASE, SHOULDER, TOP_GAP, UPPER, WRIST
+from srs_ik.kernels.layout.limb import BOTTOM_GAP, IS_NEAR, LIMITED, LOWER, PHASE, SHOULDER, TOP_GAP, UPPER, WRIST
 from srs_ik.kernels.layout.path import (
     NODE,
     NODE_BRANCH,
@@ -53,7 +53,7 @@ def pose_strips(family, T, around, sheet, n, desk, J, A):
     P = row(family, LIMITED)
     R, p, _ = read_pose(T)
     place_ = place(P, R, p)
-    if J is not None:
+    if P[IS_NEAR] != 0.0:
         first = n
         if around.radius > 0.0:
             n = take_line(P, Spot(R, p, place_), around, sheet, n, J, A)

@@ -212,17 +212,17 @@ def cheapest(cost, first, last):
 
 
 @kernel
-def first_costs(sheet, span, seed, settings):
-    """Costs of the postures of a first pose: squared joint steps from the seed, if there is one."""
+def first_costs(sheet, span, start, settings):
+    """Costs of the postures of a first pose: squared joint steps from the start, if there is one."""
     nodes, cost = sheet.nodes, sheet.cost
     for i in range(span.first, span.last):
         cost[i] = 0.0
         nodes[i, NODE_SAG] = 0.0
-        if seed is not None:
+        if start.shape[0] > 0:
             if i + 1 < span.last and settings[7 * INVERSE_SPEED] == 0.0:
                 d = along_cell(row(nodes, i), row(nodes, i + 1))
                 nodes[i, NODE_SAG] = product(d, d)
-            e = steps_between(settings, seed, row(nodes, i))
+            e = steps_between(settings, row(start, 0), row(nodes, i))
             cost[i] = step_value(settings, e, 1.0) + (BREAK if largest(e) > settings[7 * BY_CONTINUITY] else 0.0)
     write_least(sheet, span)
 

@@ -245,23 +245,23 @@ def direct(P, course, line, aim, problem, damping):
 
 
 @kernel
-def smooth(family, course, line, seed, aim, settings, space):
+def smooth(family, course, line, start, aim, settings, space):
     """Move the postures of a path, in place, so that what is aimed at becomes least; see `corridor`. Returns it."""
     P = row(family, LIMITED)
     chain = course.chain
     n = chain.shape[0]
-    first = 0 if seed is not None else 1
+    first = 0 if start.shape[0] > 0 else 1
     rate = np.zeros(line.q.shape)
     moved = Line(line.q.copy(), line.psi.copy(), line.branch)
     steps = np.empty((n, 7))
     system = System(np.empty(n), np.empty(n), np.empty(n), np.empty(n), np.empty(n), np.empty(n), np.empty((TERMS, 7)))
-    write_steps(chain, seed, settings, line.q, steps)
+    write_steps(chain, start, settings, line.q, steps)
     lowest, t = value_of(aim, chain, steps, first)
     damping, gain_before, ratio_before = 0.0, 0.0, SLOWEST_GAINS
     for _ in range(SWEEPS):
         if lowest == OUTSIDE or damping > MOST_DAMPING:
             break
-        write_steps(chain, seed, settings, line.q, steps)
+        write_steps(chain, start, settings, line.q, steps)
         write_rates(P, course, line, rate, space)
         assemble(chain, aim, steps, t, rate, system)
         hold(P, course, line, system.move, rate)
@@ -269,7 +269,7 @@ def smooth(family, course, line, seed, aim, settings, space):
         gain = 0.0
         for _ in range(HALVINGS):
             move_all(P, course, line, rate, system.spare, moved, space)
-            write_steps(chain, seed, settings, moved.q, steps)
+            write_steps(chain, start, settings, moved.q, steps)
             total, t_moved = value_of(aim, chain, steps, first)
             if total < lowest:
                 gain = lowest - total

@@ -28,7 +28,7 @@ from srs_ik.kernels.limb.branches import NO_BRANCH, best_branch, is_on_border
 from srs_ik.kernels.limb.goal import NO_SEED, OUTSIDE
 from srs_ik.kernels.limb.in_line import NEARLY_IN_LINE, may_split
 from srs_ik.kernels.limb.limits import tighten
-from srs_ik.kernels.pose.intervals import all_intervals
+from srs_ik.kernels.pose.intervals import exact_intervals
 from srs_ik.kernels.pose.on_limits import put_on_limits
 
 WIDER = 1e-4
@@ -124,10 +124,26 @@ def best_in_interval(family, target, interval, wanted, goal, best):
 
 
 @kernel
+def best_of(family, target, found, branch, goal):
+    """The best posture of an exact limb over intervals (n, 3), of a branch (-1: of all), at any bend."""
+    P = row(family, LIMITED)
+    if goal.seeded:
+        best = nearest_within(P, target.place, found, branch, goal, 4.0 * NO_BRANCH)
+    else:
+        best = farthest(P, target.place, found, branch, goal.respect)
+    if goal.respect and (best[2] >= OUTSIDE or (goal.seeded and is_almost_flat(target.place))):
+        for i in range(found.shape[0]):
+            own = int(found[i, 0])
+            if branch < 0 or own == branch:
+                best = best_in_interval(family, target, found[i : i + 1], own, goal, best)
+    return best
+
+
+@kernel
 def best_at_any_bend(family, target, wanted, goal, best):
     """The best posture of a pose as known so far, or a better one of a branch (-1: of all), at any bend."""
     found = np.empty((8 * MAX_PIECES, 3))
-    n = all_intervals(family, target, goal.respect, None, None, found)
+    n = exact_intervals(family, target, goal.respect, found)
     for i in range(n):
         if wanted < 0 or int(found[i, 0]) == wanted:
             best = best_in_interval(family, target, found[i : i + 1], wanted, goal, best)

@@ -12,7 +12,7 @@ from srs_ik.kernels.exact.intervals import find_intervals
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.answer import MAX_PIECES, SOLVED
 from srs_ik.kernels.layout.asked import Goal
-from srs_ik.kernels.layout.limb import FREE, LIMITED, LOOSE, SIZE
+from srs_ik.kernels.layout.limb import FREE, IS_NEAR, LIMITED, LOOSE, SIZE
 from srs_ik.kernels.limb.goal import NO_SEED, OUTSIDE
 from srs_ik.kernels.limb.in_line import may_split
 from srs_ik.kernels.limb.limits import tighten
@@ -20,6 +20,7 @@ from srs_ik.kernels.near.at_angle import may_reach
 from srs_ik.kernels.near.intervals import intervals_through, true_intervals
 from srs_ik.kernels.near.predicted import predicted_intervals
 from srs_ik.kernels.near.predicted_best import search_true
+from srs_ik.kernels.near.second_attempts import found_again
 
 WIDER = 1e-9
 """Limits that are so much farther out, rad, tell postures that rounding hides."""
@@ -44,17 +45,8 @@ def may_be_hidden(P, target, J, A):
 
 
 @kernel
-def all_intervals(family, target, respect, J, A, out):
-    """Feasible intervals of one pose on the true chain; none where the pose is out of reach."""
-    if J is not None:
-        n = predicted_intervals(row(family, LIMITED if respect else FREE), target, out, J, A)
-        if n < 0:
-            n = true_intervals(row(family, LIMITED), target, respect, out, J, A)
-        if n == 0 and respect and may_be_hidden(row(family, LIMITED), target, J, A):
-            q, _, lowest = search_true(row(family, LIMITED), target, -1, Goal(False, NO_SEED, True), J, A)
-            if lowest < OUTSIDE:
-                n = intervals_through(row(family, LIMITED), target, q, out, J, A)
-        return n
+def exact_intervals(family, target, respect, out):
+    """Feasible intervals of one pose in closed form; none where the pose is out of reach."""
     place_ = target.place
     if abs(place_[5]) >= SOLVED:
         return 0
@@ -68,4 +60,22 @@ def all_intervals(family, target, respect, J, A, out):
         ease(row(family, LOOSE), eased)
         n = find_intervals(eased, place_, -1, out)
         keep(boxes)
+    return n
+
+
+@kernel
+def all_intervals(family, target, respect, J, A, out):
+    """Feasible intervals of one pose on the true chain; none where the pose is out of reach."""
+    P = row(family, LIMITED)
+    if P[IS_NEAR] == 0.0:
+        return exact_intervals(family, target, respect, out)
+    n = predicted_intervals(row(family, LIMITED if respect else FREE), target, out, J, A)
+    if n < 0:
+        n = true_intervals(P, target, respect, out, J, A)
+        if n == 0 and may_reach(P, target.place):
+            q, again = found_again(P, target, respect, J, A)
+            n = intervals_through(P, target, q, respect, out, J, A) if again else 0
+    if n == 0 and respect and may_be_hidden(P, target, J, A):
+        q, _, lowest = search_true(P, target, -1, Goal(False, NO_SEED, True), J, A)
+        n = intervals_through(P, target, q, respect, out, J, A) if lowest < OUTSIDE else 0
     return n

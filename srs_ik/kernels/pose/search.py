@@ -28,10 +28,9 @@ from srs_ik.kernels.exact.nearest import (
 from srs_ik.kernels.exact.nearest_within import nearest_within, way_between
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.answer import MAX_PIECES
-from srs_ik.kernels.layout.asked import Goal
-from srs_ik.kernels.layout.limb import FAR, FREE, LIMITED, LOOSE, MISS, SIZE
+from srs_ik.kernels.layout.limb import FAR, FREE, IS_NEAR, LIMITED, LOOSE, MISS, SIZE
 from srs_ik.kernels.limb.branches import NO_BRANCH, branch_of, is_unsure
-from srs_ik.kernels.limb.goal import NO_SEED, OUTSIDE
+from srs_ik.kernels.limb.goal import OUTSIDE
 from srs_ik.kernels.limb.limits import tighten
 from srs_ik.kernels.limb.triangle import elbow_side
 from srs_ik.kernels.near.many_singular import nearest_among_splits
@@ -80,7 +79,7 @@ def without(P, place_, found, known, psi, goal):
 @kernel
 def guess(P, target, goal, J, A):
     """A posture near a seed by local search: psi, q, branch, cost, and whether it is a local minimum."""
-    if J is None:
+    if P[IS_NEAR] == 0.0:
         place_, seed = target.place, goal.seed
         psi, q, branch, lowest, minimum = first_guess(P, place_, seed, goal.respect)
         position, orientation = pose_error(P, seed, target.R, target.p)
@@ -124,16 +123,15 @@ def search_near_seed(P, F, target, goal, J, A):
     if minimum and is_alone(P, goal.seed, lowest):
         return known
     if lowest < OUTSIDE:
-        known = with_splits(P, target, -1, goal.seed, goal.respect, known)
-    if J is not None:
+        known = with_splits(P, target, -1, goal, known)
+    if P[IS_NEAR] != 0.0:
         known = nearest_among_splits(P, target, goal, known)
     if known[2] >= OUTSIDE:
         return known
-    if J is not None:
-        if math.sqrt(known[2]) < CLOSE:
-            known, sure = look_across(P, target, known, minimum, goal, J, A)
-            if sure:
-                return known
+    if P[IS_NEAR] != 0.0 and math.sqrt(known[2]) < CLOSE:
+        known, sure = look_across(P, target, known, minimum, goal, J, A)
+        if sure:
+            return known
     distance = math.sqrt(known[2])
     boxes = np.empty((1, SIZE))
     box = row(boxes, 0)
@@ -146,7 +144,7 @@ def search_near_seed(P, F, target, goal, J, A):
         n = without(P, place_, found[:n], (guessed, branch), psi, goal)
     if n == 0:
         return known
-    if J is None:
+    if P[IS_NEAR] == 0.0:
         nearer = nearest_within(P, place_, found[:n], -1, goal, known[2])
         if nearer[2] < known[2]:
             nearer = settled_split(P, target, nearer, goal)
@@ -161,29 +159,28 @@ def search_near_seed(P, F, target, goal, J, A):
 
 
 @kernel
-def search_exact(family, target, branch, seed, respect):
+def search_exact(family, target, branch, goal):
     """Best posture of a closed limb over all arm angles: q, branch, cost; the least violating one if all break limits.
 
     Rounding may hide a posture from the strict search. So looser tolerances follow in every interval, with the elbow
     almost straight or folded at all the bends that a pose cannot tell from each other.
     """
     place_ = target.place
-    goal = Goal(seed is not None, NO_SEED if seed is None else seed, respect)
-    P, F, loose = row(family, LIMITED), row(family, LIMITED if respect else FREE), row(family, LOOSE)
+    P, F, loose = row(family, LIMITED), row(family, LIMITED if goal.respect else FREE), row(family, LOOSE)
     found = np.empty((8 * MAX_PIECES, 3))
-    if seed is None:
-        best = farthest_of_all(P, F, place_, branch, respect)
+    if not goal.seeded:
+        best = farthest_of_all(P, F, place_, branch, goal.respect)
     else:
         n = find_intervals(F, place_, branch, found)
         best = nearest_within(P, place_, found[:n], branch, goal, 4.0 * NO_BRANCH)
-    best = with_splits(P, target, branch, seed, respect, best)
+    best = with_splits(P, target, branch, goal, best)
     # What rounding hides of a flat elbow may be nearer.
-    if best[2] >= OUTSIDE or (seed is not None and respect and is_almost_flat(place_)):
+    if best[2] >= OUTSIDE or (goal.seeded and goal.respect and is_almost_flat(place_)):
         best = best_at_any_bend(family, target, branch, goal, best)
     if best[2] >= OUTSIDE:
         whole_circles(found)
-        if seed is None:
-            other = farthest(loose, place_, found[:8], branch, respect)
+        if not goal.seeded:
+            other = farthest(loose, place_, found[:8], branch, goal.respect)
         else:
             other = nearest_within(loose, place_, found[:8], branch, goal, 4.0 * NO_BRANCH)
         if other[2] < best[2]:

@@ -10,7 +10,7 @@ from srs_ik.kernels.chain.starts import best_of_all
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.answer import GOOD_POSE, OK, ROW_STATUS
 from srs_ik.kernels.layout.asked import Goal, Target
-from srs_ik.kernels.layout.limb import LIMITED
+from srs_ik.kernels.layout.limb import IS_NEAR, LIMITED
 from srs_ik.kernels.limb.branches import NO_BRANCH
 from srs_ik.kernels.limb.goal import OUTSIDE
 from srs_ik.kernels.limb.poses import read7, read_pose
@@ -56,13 +56,10 @@ def self_motion_rows(family, T, intervals, respect, J, A, out):
         interval = row(intervals, i // count)
         psi, branch = angle_of_sample(interval, i % count, count), int(interval[0])
         seeded = i % count > 0 and out[i - 1, ROW_STATUS] == OK
-        if J is None:
-            if seeded:
-                solve_row_at(family, T, psi, (branch, row(before, 0), respect), J, A, row(out, i))
-            else:
-                solve_row_at(family, T, psi, (branch, None, respect), J, A, row(out, i))
+        goal = Goal(seeded, read7(row(before, 0)), respect)
+        if P[IS_NEAR] == 0.0:
+            solve_row_at(family, T, psi, branch, goal, J, A, row(out, i))
         else:
-            goal = Goal(seeded, read7(row(before, 0)), respect)
             found = (goal.seed, branch, 2.0 * NO_BRANCH)
             if is_told(P, target.place, psi):
                 found = best_of_all(P, target, psi, branch, goal, A)

@@ -1,7 +1,7 @@
 """One pose, either kind of limb: the best posture of all arm angles, or at one; and all eight branches at one.
 
-A solving function writes rows laid out as `ROW_*` in `layout`; statuses are numbered as in `srs_ik.Status`. On a limb
-that the closed form answers, J and A are None; else they are work space, (6, 7) and (16, 9) (see `chain.starts`).
+A solving function writes rows laid out as `ROW_*` in `layout`; statuses are numbered as in `srs_ik.Status`. J and
+A are work space of near limbs, (6, 7) and (16, 9) (see `chain.starts`).
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ from srs_ik.kernels.layout.answer import (
     UNREACHABLE,
 )
 from srs_ik.kernels.layout.asked import Goal, Target
-from srs_ik.kernels.layout.limb import FREE, LIMITED
+from srs_ik.kernels.layout.limb import FREE, IS_NEAR, LIMITED
 from srs_ik.kernels.limb.branches import NO_BRANCH, branch_of, elbow_branches
 from srs_ik.kernels.limb.goal import NO_SEED, OUTSIDE, UNMET, tightest_joint, turned
 from srs_ik.kernels.limb.in_line import may_split
@@ -44,25 +44,17 @@ from srs_ik.kernels.pose.search import search_exact, search_near_seed
 
 
 @kernel
-def seed_or_zero(seed):
-    """Seven angles of a seed, or zeros if there is none."""
-    if seed is None:
-        return NO_SEED
-    return read7(seed)
-
-
-@kernel
 def own(values, i):
     """The value of pose i, from one for all, or one a pose."""
     return values[i if values.shape[0] > 1 else 0]
 
 
 @kernel
-def own_seed(seeds, i):
-    """The seed of pose i, from one for all, or one a pose, or None."""
-    if seeds is None:
-        return None
-    return row(seeds, i if seeds.shape[0] > 1 else 0)
+def own_goal(seeds, i, respect):
+    """What is wanted of pose i: nearness to a seed, one for all or one a pose, or without any to be far from limits."""
+    if seeds.shape[0] == 0:
+        return Goal(False, NO_SEED, respect)
+    return Goal(True, read7(row(seeds, i if seeds.shape[0] > 1 else 0)), respect)
 
 
 @kernel
@@ -75,33 +67,23 @@ def write_closest(P, target, goal, out):
 
 
 @kernel
-def best_posture(family, target, asked, seed, J, A):
-    """The best posture of all arm angles: q, branch, cost. `asked` holds the branch, and whether limits count."""
-    branch, respect = asked
+def best_posture(family, target, branch, goal, J, A):
+    """The best posture of all arm angles: q, branch, cost."""
     P = row(family, LIMITED)
-    near = seed_or_zero(seed)
-    q, best, lowest = near, 0, 4.0 * NO_BRANCH
-    # What is None is left out when this is compiled: an answer without a seed needs no search for one.
-    if seed is not None:
-        if branch < 0:
-            F = row(family, LIMITED if respect else FREE)
-            goal = Goal(True, near, respect)
-            q, best, lowest = search_near_seed(P, F, target, goal, J, A)
-            if J is None:
-                if respect and lowest < OUTSIDE and is_almost_flat(target.place):
-                    q, best, lowest = best_at_any_bend(family, target, -1, goal, (q, best, lowest))
-    if lowest >= OUTSIDE:
-        if J is not None and may_reach(P, target.place):
-            q, best, lowest = search_true(P, target, branch, Goal(seed is not None, near, respect), J, A)
-        elif seed is not None:
-            q, best, lowest = search_exact(family, target, branch, near, respect)
-        else:
-            q, best, lowest = search_exact(family, target, branch, None, respect)
-    return q, best, lowest
+    found = (goal.seed, 0, 4.0 * NO_BRANCH)
+    if goal.seeded and branch < 0:
+        found = search_near_seed(P, row(family, LIMITED if goal.respect else FREE), target, goal, J, A)
+        if P[IS_NEAR] == 0.0 and goal.respect and found[2] < OUTSIDE and is_almost_flat(target.place):
+            found = best_at_any_bend(family, target, -1, goal, found)
+    if found[2] < OUTSIDE:
+        return found
+    if P[IS_NEAR] != 0.0 and may_reach(P, target.place):
+        return search_true(P, target, branch, goal, J, A)
+    return search_exact(family, target, branch, goal)
 
 
 @kernel
-def solve_row(family, T, branch, seed, respect, J, A, out):
+def solve_row(family, T, branch, goal, J, A, out):
     """Solve one pose into a row of `out`, the best posture of all arm angles; returns the verdict on the pose."""
     R, p, verdict = read_pose(row(T, 0))
     if verdict != GOOD_POSE:
@@ -109,41 +91,32 @@ def solve_row(family, T, branch, seed, respect, J, A, out):
     P = row(family, LIMITED)
     place_ = place(P, R, p)
     target = Target(R, p, place_)
-    near = seed_or_zero(seed)
-    goal = Goal(seed is not None, near, respect)
-    q, best, lowest = best_posture(family, target, (branch, respect), seed, J, A)
-    measure_row(P, target, q, best, lowest, respect, row(out, 0))
-    if J is not None:
-        if respect and out[ROW_STATUS] == UNREACHABLE and may_reach(P, place_):
-            # Only a posture without limits can tell what a near limb does not reach from what its limits forbid.
-            if lowest >= UNMET:
-                q, _, lowest = rescue(P, target, branch, Goal(goal.seeded, near, False), J, A)
-            if lowest < UNMET:
-                out[ROW_STATUS] = OUT_OF_LIMITS
-                out[ROW_JOINT] = tightest_joint(P, q)
-    if respect and branch < 0 and lowest >= OUTSIDE and out[ROW_STATUS] == UNREACHABLE:
+    q, best, lowest = best_posture(family, target, branch, goal, J, A)
+    measure_row(P, target, q, best, lowest, goal.respect, row(out, 0))
+    if P[IS_NEAR] != 0.0 and goal.respect and out[ROW_STATUS] == UNREACHABLE and may_reach(P, place_):
+        # Only a posture without limits can tell what a near limb does not reach from what its limits forbid.
+        if lowest >= UNMET:
+            q, _, lowest = rescue(P, target, branch, Goal(goal.seeded, goal.seed, False), J, A)
+        if lowest < UNMET:
+            out[ROW_STATUS] = OUT_OF_LIMITS
+            out[ROW_JOINT] = tightest_joint(P, q)
+    if goal.respect and branch < 0 and lowest >= OUTSIDE and out[ROW_STATUS] == UNREACHABLE:
         write_closest(P, target, goal, row(out, 0))
     return GOOD_POSE
 
 
 @kernel
-def solve_row_at(family, T, psi, asked, J, A, out):
-    """Solve one pose at an arm angle into a row of `out`; returns the verdict on the pose.
-
-    `asked` holds the branch (-1: any), the seed, or None, and whether the limits count.
-    """
+def solve_row_at(family, T, psi, branch, goal, J, A, out):
+    """Solve one pose at an arm angle, in a branch (-1: any), into a row of `out`; returns the verdict on the pose."""
     R, p, verdict = read_pose(row(T, 0))
     if verdict != GOOD_POSE:
         return verdict
-    branch, seed, respect = asked
     P = row(family, LIMITED)
     target = Target(R, p, place(P, R, p))
-    goal = Goal(seed is not None, seed_or_zero(seed), respect)
     found = put_on_limits(P, target, psi, solve_at_angle(P, target, psi, branch, goal, J, A), goal)
-    if J is None:
-        if found[2] >= OUTSIDE and (is_almost_flat(target.place) or may_split(P, target.place)):
-            found = at_any_bend(family, target, psi, branch, goal, found)
-    measure_row_at(P, target, psi, found, respect, row(out, 0))
+    if P[IS_NEAR] == 0.0 and found[2] >= OUTSIDE and (is_almost_flat(target.place) or may_split(P, target.place)):
+        found = at_any_bend(family, target, psi, branch, goal, found)
+    measure_row_at(P, target, psi, found, goal.respect, row(out, 0))
     return GOOD_POSE
 
 
@@ -160,7 +133,7 @@ def all_branches(family, T, asked, J, A, out, first):
     P = row(family, LIMITED)
     place_ = place(P, R, p)
     target = Target(R, p, place_)
-    if J is None:
+    if P[IS_NEAR] == 0.0:
         for elbow in range(2):
             elbow_branches(P, place_, psi, elbow, respect, out, first + 4 * elbow)
         rows = row(out, first)

@@ -28,7 +28,7 @@ from srs_ik.kernels.layout.answer import (
     UNREACHABLE,
 )
 from srs_ik.kernels.layout.asked import Goal, Target
-from srs_ik.kernels.layout.limb import FREE, LIMITED, LOOSE, NEAR
+from srs_ik.kernels.layout.limb import FREE, IS_NEAR, LIMITED, LOOSE, NEAR
 from srs_ik.kernels.layout.task import (
     ANGLE_LOST,
     GRASP,
@@ -51,7 +51,6 @@ from srs_ik.kernels.near.at_angle import may_reach, solve_at_angle
 from srs_ik.kernels.near.predicted_best import search_true
 from srs_ik.kernels.pose.intervals import all_intervals
 from srs_ik.kernels.pose.search import search_exact
-from srs_ik.kernels.pose.solve import own_seed, seed_or_zero
 from srs_ik.kernels.task.branch import steady_branch
 from srs_ik.kernels.task.near_posture import settle_posture
 from srs_ik.kernels.task.posture import (
@@ -125,16 +124,14 @@ def in_branch(P, target, psi, branch, goal, J, A):
     Where a near limb does not reach, nothing closes on its true chain: there it lies as its nearest exact limb would.
     """
     place_, respect = target.place, goal.respect
-    if J is None:
-        if branch < 0 and not goal.seeded:
-            return steady_branch(P, place_, math.cos(psi), math.sin(psi), respect)
-    if J is not None:
-        if not may_reach(P, place_):
-            return out_of_reach(P, target, psi, branch, respect)
+    is_near = P[IS_NEAR] != 0.0
+    if not is_near and branch < 0 and not goal.seeded:
+        return steady_branch(P, place_, math.cos(psi), math.sin(psi), respect)
+    if is_near and not may_reach(P, place_):
+        return out_of_reach(P, target, psi, branch, respect)
     q, b, cost = solve_at_angle(P, target, psi, branch, goal, J, A)
-    if J is not None:
-        if cost >= OUTSIDE and place_[5] != 0.0:
-            return out_of_reach(P, target, psi, branch, respect)
+    if is_near and cost >= OUTSIDE and place_[5] != 0.0:
+        return out_of_reach(P, target, psi, branch, respect)
     return q, b, cost
 
 
@@ -181,13 +178,12 @@ def nearest_feasible(family, target, psi, branch, goal, J, A):
                 return q, b, cost
             nudge = max(SMALLEST_NUDGE, 8.0 * nudge)
         found[best, 0] = -1.0
-    if J is not None:
-        if place_[5] != 0.0:
-            return out_of_reach(row(family, LIMITED), target, psi, -1, respect)
-        return search_true(row(family, LIMITED), target, -1, goal, J, A)
-    if goal.seeded:
-        return search_exact(family, target, -1, goal.seed, respect)
-    return search_exact(family, target, -1, None, respect)
+    P = row(family, LIMITED)
+    if P[IS_NEAR] == 0.0:
+        return search_exact(family, target, -1, goal)
+    if place_[5] != 0.0:
+        return out_of_reach(P, target, psi, -1, respect)
+    return search_true(P, target, -1, goal, J, A)
 
 
 @kernel
@@ -208,13 +204,12 @@ def solve_posed(family, pose, m, branch, goal, work, out):
         return 0.0
     q, b, cost = nearest_feasible(family, target, psi, branch, goal, J, A)
     measure_row(P, target, q, b, cost, goal.respect, out)
-    if J is not None:
-        if goal.respect and out[ROW_STATUS] == UNREACHABLE and place_[5] == 0.0:
-            # On a near limb, only an attempt without limits tells what they forbid from what is out of reach.
-            free, _, value = at_angle(P, target, psi, -1, Goal(goal.seeded, goal.seed, False), J, A)
-            if value < OUTSIDE:
-                out[ROW_STATUS] = OUT_OF_LIMITS
-                out[ROW_JOINT] = tightest_joint(P, free)
+    if P[IS_NEAR] != 0.0 and goal.respect and out[ROW_STATUS] == UNREACHABLE and place_[5] == 0.0:
+        # On a near limb, only an attempt without limits tells what they forbid from what is out of reach.
+        free, _, value = at_angle(P, target, psi, -1, Goal(goal.seeded, goal.seed, False), J, A)
+        if value < OUTSIDE:
+            out[ROW_STATUS] = OUT_OF_LIMITS
+            out[ROW_JOINT] = tightest_joint(P, free)
     away = out[ROW_ARM_ANGLE] - psi
     return abs(away - 2.0 * math.pi * math.floor(away / (2.0 * math.pi) + 0.5))
 
@@ -289,11 +284,10 @@ def solve_true(family, H, x, grasped, phi, side, tie, found, hand_axes, branch, 
 
 
 @kernel
-def solve_task_one(family, H, x, given, side, tie, seeds, i, respect, J, A, out):
+def solve_task_one(family, H, x, given, side, tie, goal, J, A, out):
     """Solve one task row into a task solution row."""
     P = row(family, LIMITED)
-    seeded = seeds is not None
-    seed = seed_or_zero(own_seed(seeds, i))
+    seeded, seed, respect = goal
     grasped = given & GRASP != 0
     phi = load3(x, TASK_PRONOSUPINATION)
     rolled = given & PRONOSUPINATION != 0
@@ -307,9 +301,9 @@ def solve_task_one(family, H, x, given, side, tie, seeds, i, respect, J, A, out)
     if not rolled:
         phi, found, branch = choose_roll(P, H, x, grasped, found, hand_axes, side, tie, seeded, seed, respect)
     p = load3(x, TASK_POSITION)
-    if J is None:
+    if P[IS_NEAR] == 0.0:
         R = times_transposed(tip_axes(found[5], phi), hand_axes)
-        out[ANGLE_LOST] = solve_posed(family, (R, p), found[3], branch, Goal(seeded, seed, respect), (J, A), out)
+        out[ANGLE_LOST] = solve_posed(family, (R, p), found[3], branch, goal, (J, A), out)
     else:
         found, R, lost = solve_true(
             family, H, x, grasped, phi, side, tie, found, hand_axes, branch, seeded, seed, respect, J, A, out

@@ -54,7 +54,7 @@ def certified_free(
     asked = T, found, in_range, margin + TOUCH, *spheres, *world.solids.tables
     out, rest = np.empty((MOST_INTERVALS, 3)), np.empty((_ROOM, at.REST))
     while True:
-        told = (couples, world.solids.outer, *around.packed.work(), out, rest)
+        told = (couples, world.solids.outer, out, rest)
         count, undecided, left = entries.free_by_solids(around.packed.family, *asked, *told)
         if left <= len(rest):
             break
@@ -73,7 +73,7 @@ def marched(around: Surroundings, T: Array, found: Array, more: float = 0.0) -> 
     spheres = tables.bodies, tables.groups, tables.pairs, tables.with_margin(margin + TOUCH), *tables.work()
     out = np.empty((MOST_INTERVALS, 3))
     solids = *world.solids.tables, couples, world.solids.outer
-    count = entries.march_by_solids(around.packed.family, T, found, *spheres, *solids, *around.packed.work(), out)
+    count = entries.march_by_solids(around.packed.family, T, found, *spheres, *solids, out)
     return out[:count]
 
 

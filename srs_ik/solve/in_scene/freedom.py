@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 from scipy.optimize import minimize_scalar
 
 from srs_ik.inputs.freedom import FreeAxis, as_free_axis
-from srs_ik.inputs.poses import as_matrices, as_seeds
+from srs_ik.inputs.poses import as_matrices, as_seeds, seed_of
 from srs_ik.kernels.layout.answer import ROW, ROW_ORIENTATION_ERROR, ROW_POSITION_ERROR, ROW_STATUS
 from srs_ik.solve import freedom, pose
 from srs_ik.solve.goals import goal_of
@@ -135,13 +135,13 @@ def solve_batch(
 ) -> BatchSolution:
     """`solve` for many poses."""
     arm, T, free = around.packed, as_matrices(poses), as_free_axis(free_axis)
-    seeds = None if seed is None else as_seeds(seed, len(T), arm.lower, arm.upper)
+    seeds = as_seeds(seed, len(T), arm.lower, arm.upper)
     rows = np.empty((len(T), ROW))
     hits: dict[tuple[int, ...], Collision] = {}
 
     def work(first: int, last: int) -> None:
         for i in range(first, last):
-            near = None if seeds is None else seeds[i if len(seeds) > 1 else 0]
+            near = seed_of(seeds, i)
             answer = solve(around, T[i], free, near, respect)
             rows[i] = answer._row
             if answer.collision is not None:

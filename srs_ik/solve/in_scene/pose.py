@@ -9,7 +9,17 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from srs_ik.errors import InvalidConfiguration
-from srs_ik.inputs.poses import as_branch, as_matrices, as_seeds, invalid_pose, per_pose, refuse_bad_poses
+from srs_ik.inputs.poses import (
+    NO_SEED,
+    NO_SEEDS,
+    as_branch,
+    as_matrices,
+    as_seeds,
+    invalid_pose,
+    per_pose,
+    refuse_bad_poses,
+    seed_of,
+)
 from srs_ik.kernels.entries import collision as entries
 from srs_ik.kernels.layout import collision as at
 from srs_ik.kernels.layout.answer import ROW, ROW_STATUS
@@ -42,7 +52,7 @@ def solve(
     """
     if psi is None and around.in_closed_form:
         rows, verdicts = np.empty((1, ROW)), np.zeros(1, np.int8)
-        seeds = None if near is None else near[None]
+        seeds = NO_SEEDS if near is None else near[None]
         around.solve_range(T[None], 0, 1, branch, seeds, respect, rows, verdicts)
         if verdicts[0]:
             raise invalid_pose(int(verdicts[0]))
@@ -104,7 +114,7 @@ def best(
     if not arm.closed:
         return goal_of(arm, near).over(T, free, respect)
     row = np.empty(ROW)
-    seed = np.zeros(7) if near is None else near
+    seed = NO_SEED if near is None else near
     entries.best_within(arm.family, T, free, len(free), -1, seed, near is not None, respect, row)
     solution = Solution(row, arm.joint_names, arm.elbow)
     return solution or None
@@ -158,7 +168,7 @@ def solve_batch(
     arm, T = around.packed, as_matrices(poses)
     n = len(T)
     psis = None if arm_angle is None else per_pose(arm_angle, (), n, "arm_angle")
-    seeds = None if seed is None else as_seeds(seed, n, arm.lower, arm.upper)
+    seeds = as_seeds(seed, n, arm.lower, arm.upper)
     wanted = as_branch(branch)
     if all_branches and psis is None:
         raise InvalidConfiguration("all_branches needs an arm_angle; without one, see solve_all and intervals")
@@ -169,7 +179,7 @@ def solve_batch(
     def work(first: int, last: int) -> None:
         for i in range(first, last):
             psi = None if psis is None else float(psis[i if len(psis) > 1 else 0])
-            near = None if seeds is None else seeds[i if len(seeds) > 1 else 0]
+            near = seed_of(seeds, i)
             for k, b in enumerate(branches):
                 answer = solve(around, T[i], psi, near, b, respect)
                 rows[i, k] = answer._row
@@ -183,7 +193,7 @@ def solve_batch(
 
 
 def _in_kernels(
-    around: Surroundings, T: Array, branch: int, seeds: Array | None, respect: bool, threads: int | None
+    around: Surroundings, T: Array, branch: int, seeds: Array, respect: bool, threads: int | None
 ) -> BatchSolution:
     """The best postures of many poses of an exact limb by its spheres; where there is none, pose by pose."""
     arm = around.packed
@@ -198,7 +208,7 @@ def _in_kernels(
 
     def rest(first: int, last: int) -> None:
         for i in left[first:last].tolist():
-            near = None if seeds is None else seeds[i if len(seeds) > 1 else 0]
+            near = seed_of(seeds, i)
             answer = _where_nothing_is_free(around, T[i], None, near, branch, respect)
             rows[i] = answer._row
             if answer.collision is not None:

@@ -155,7 +155,7 @@ class Surroundings:
         first: int,
         last: int,
         branch: int,
-        seeds: Array | None,
+        seeds: Array,
         respect: bool,
         rows: Array,
         verdicts: NDArray[np.int8],
@@ -178,7 +178,7 @@ class Surroundings:
         out = np.empty((MOST_INTERVALS, 3))
         slack = tables.with_margin(self.margin + more)
         bodies = tables.bodies, tables.groups, tables.pairs, slack, *tables.work()
-        count = entries.march(self.packed.family, T, found, len(found), *bodies, *self.packed.work(), out)
+        count = entries.march(self.packed.family, T, found, len(found), *bodies, out)
         return out[:count]
 
     @property
@@ -201,7 +201,7 @@ class Surroundings:
 
     def _intervals(self, family: Array, T: Array, respect: bool) -> Array:
         found = np.empty((MOST_INTERVALS, 3))
-        count = pose_entries.intervals(family, T, respect, *self.packed.work(), found)
+        count = pose_entries.intervals(family, T, respect, found)
         if count < 0:
             raise invalid_pose(-count)
         return found[:count]

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.spatial.transform import Rotation
 
-from srs_ik.inputs.poses import as_seeds
+from srs_ik.inputs.poses import as_seeds, seed_of
 from srs_ik.kernels.layout import task as at
 from srs_ik.kernels.layout.answer import ROW, ROW_STATUS
 from srs_ik.solve import task as task_solver
@@ -52,11 +52,11 @@ def solve_task(
     arm = around.packed
     wanted = task_solver.solve_task(arm, task, side, respect, tie, threads, seed)
     rows = np.atleast_2d(wanted._row if isinstance(wanted, TaskSolution) else wanted._rows)
-    seeds = None if seed is None else as_seeds(seed, len(rows), arm.lower, arm.upper)
+    seeds = as_seeds(seed, len(rows), arm.lower, arm.upper)
     rolls = not task._given & at.PRONOSUPINATION
     hits: dict[tuple[int, ...], Collision] = {}
     for i, row in enumerate(rows):
-        near = None if seeds is None else seeds[i if len(seeds) > 1 else 0]
+        near = seed_of(seeds, i)
         hit = _keep_clear(around, row, near, respect, rolls)
         if hit is not None:
             hits[(i,)] = hit
