@@ -10,7 +10,7 @@ import math
 
 from srs_ik.kernels.algebra.linear import solve_linear
 from srs_ik.kernels.algebra.vectors import across, add, along, cross, dot, load3, norm, rotate, scale, sub
-from srs_ik.kernels.chain.kinematics import joint_lines, turn_about_line, turn_between
+from srs_ik.kernels.chain.kinematics import joint_lines, pose_error, turn_about_line, turn_between
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.limb import AXES, ELBOW_CENTRE, IS_CLOSED, LOWER, SHOULDER_CENTRE, UPPER
 from srs_ik.kernels.limb.triangle import arm_angle_of_direction, arm_frame, straight_offset
@@ -198,8 +198,7 @@ def close_free(P, q, R, p, respect, steps, J, A):
         A: (16, 9) work space.
 
     Returns:
-        The posture, and the larger of its position (m) and orientation (rad) errors; where that is not below `CLOSED`,
-        of one a step before.
+        The posture, and the larger of its position (m) and orientation (rad) errors, or those of one a step before.
     """
     error = 0.0
     checkpoint = 1e9
@@ -207,8 +206,6 @@ def close_free(P, q, R, p, respect, steps, J, A):
     for step in range(steps):
         linear, angular = pose_step(P, q, R, p, J)
         error = max(norm(linear), norm(angular))
-        if error >= least and least < CLOSED:
-            break
         if error < least:
             kept, least = q, error
         if error < 0.1 * CLOSED:
@@ -237,8 +234,12 @@ def close_free(P, q, R, p, respect, steps, J, A):
                 break
             blocked |= again
         q = clipped(P, q_next) if respect else q_next
-    # Next to a singularity a step from what is closed may lead away from it.
-    return (kept, least) if least < CLOSED else (q, error)
+    if 0.1 * CLOSED <= least < CLOSED:
+        # Next to a singularity a step from what is closed may lead away from it.
+        position, orientation = pose_error(P, q, R, p)
+        if max(position, orientation) >= CLOSED:
+            return kept, least
+    return q, error
 
 
 @kernel
