@@ -20,7 +20,6 @@ from srs_ik.kernels.near.at_angle import may_reach
 from srs_ik.kernels.near.intervals import intervals_through, true_intervals
 from srs_ik.kernels.near.predicted import predicted_intervals
 from srs_ik.kernels.near.predicted_best import search_true
-from srs_ik.kernels.near.second_attempts import found_again
 
 WIDER = 1e-9
 """Limits that are so much farther out, rad, tell postures that rounding hides."""
