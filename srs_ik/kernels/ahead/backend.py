@@ -84,6 +84,6 @@ def _machine(triple: str, processor: str, features: str) -> Any:
 
 def _options() -> Any:
     options = llvm.create_pipeline_tuning_options(speed_level=OPT)
-    options.loop_vectorization = True
-    options.slp_vectorization = False
+    # Kernels have few loops, and short ones: no call is quicker where they are unrolled or made into vectors.
+    options.loop_vectorization = options.loop_unrolling = options.slp_vectorization = False
     return options
