@@ -17,6 +17,9 @@ from srs_ik.robot.limb import EXACT_MISS, SrsLimb, Vector, WristKind, line_dista
 NEAR_MISS_RATIO = 0.025
 """Largest miss of an axis that is still near, as a part of the length shoulder-elbow-wrist."""
 
+ROUNDED_LEAN = 1e-5
+"""An elbow axis that leans by less than this, rad, is across the arm, written with six digits or so."""
+
 MIN_SINE = 0.05
 """Smallest sine of the angle between consecutive axes of a spherical joint (about 3 degrees)."""
 
@@ -117,7 +120,22 @@ def _nearest_point(axes: Vector, points: Vector) -> Vector:
 
 
 def _elbow_centre(axes: Vector, points: Vector, shoulder: Vector, wrist: Vector) -> Vector:
-    """Point of axis 4 nearest to axes 3 and 5; midway between the feet of S and W where those are parallel to it."""
+    """Point of axis 4 nearest to axes 3 and 5; midway between the feet of S and W where those are parallel to it.
+
+    Where no more than rounding in the description leans the axis, the point that is on the line S-W when the arm is
+    stretched out: an elbow beside that line, be it by a micrometre, would go around it while the arm is stretched.
+    """
+    nearest = _nearest_on_axis(axes, points, shoulder, wrist)
+    axis, inner, outer = axes[3], nearest - shoulder, wrist - nearest
+    inner_along, outer_along = float(axis @ inner), float(axis @ outer)
+    inner_across = float(np.linalg.norm(inner - axis * inner_along))
+    outer_across = float(np.linalg.norm(outer - axis * outer_along))
+    reach = inner_across + outer_across
+    shift = inner_across * outer_along - outer_across * inner_along
+    return nearest + axis * (shift / reach) if abs(shift) < ROUNDED_LEAN * reach * reach else nearest
+
+
+def _nearest_on_axis(axes: Vector, points: Vector, shoulder: Vector, wrist: Vector) -> Vector:
     axis, origin = axes[3], points[3]
     numerator = denominator = 0.0
     for k in (2, 4):

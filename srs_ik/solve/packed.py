@@ -42,6 +42,9 @@ STRICT = (1e-13, 1e-14, 1e-12, 1e-12)
 LOOSE = (3e-11, 3e-11, 1e-11, 1e-10)
 """Tolerances `SLACK_*` of the layout: those of rounding, and those that still close to 1e-10."""
 
+ROUNDED = 1.5e-11
+"""Axes that lean by less than this, rad, are perpendicular, written with 11 digits or so: no answer is farther off."""
+
 OBLIQUE = 1e-9
 TOUCHING = 1e-13
 """Oblique axes leave this part of all directions, as a cosine, out of reach; intervals may end at single arm angles
@@ -152,7 +155,8 @@ def _pack(limb: SrsLimb, lower: Vector, upper: Vector, slack: tuple[float, ...])
 
     _pack_elbow(P, limb)
     for block, first in ((at.SHOULDER, 0), (at.WRIST, 4)):
-        _pack_spherical(P, block, first, limb.axes[first : first + 3])
+        lean = _pack_spherical(P, block, first, limb.axes[first : first + 3])
+        P[at.SLACK_SINGULAR] = max(P[at.SLACK_SINGULAR], 2.0 * lean)
         if max(P[block + at.TOP_GAP], P[block + at.BOTTOM_GAP]) > OBLIQUE:
             P[at.SLACK_JOIN] = max(P[at.SLACK_JOIN], TOUCHING)
     pack_limits(P, np.array(lower, dtype=float), np.array(upper, dtype=float))
@@ -215,7 +219,8 @@ def _cosine(a: Vector, b: Vector) -> float:
     return 0.0 if abs(cosine) < 1e-15 else cosine
 
 
-def _pack_spherical(P: Vector, k: int, first: int, axes: Vector) -> None:
+def _pack_spherical(P: Vector, k: int, first: int, axes: Vector) -> float:
+    """Fill in a spherical joint; return how far apart its outer axes stay that count as coming into one line, rad."""
     a1, a2, a3 = axes
     _put(P, k + at.A1, a1)
     _put(P, k + at.A2, a2)
@@ -227,15 +232,12 @@ def _pack_spherical(P: Vector, k: int, first: int, axes: Vector) -> None:
     phase = np.arctan2(a1 @ np.cross(a2, a3), a1 @ a3 - (a1 @ a2) * (a2 @ a3))
     P[k + at.PHASE], P[k + at.COS_PHASE], P[k + at.SIN_PHASE] = phase, np.cos(phase), np.sin(phase)
     alpha, beta = _angle(a1, a2), _angle(a2, a3)
-    P[k + at.TOP_GAP], P[k + at.BOTTOM_GAP] = _gap(alpha - beta), _gap(np.pi - alpha - beta)
+    apart = np.abs([alpha - beta, np.pi - alpha - beta])
+    P[k + at.TOP_GAP], P[k + at.BOTTOM_GAP] = np.where(apart < ROUNDED, 0.0, 2.0 * np.sin(0.5 * apart) ** 2)
     P[k + at.A1_A2], P[k + at.A2_A3] = _cosine(a1, a2), _cosine(a2, a3)
     _put(P, k + at.CROSS_23, np.cross(a2, a3))
     P[k + at.FIRST_JOINT] = first
-
-
-def _gap(angle: float) -> float:
-    """1 - cos of an angle; exactly zero where it is rounding, or axes 1 and 3 could never be quite parallel."""
-    return 0.0 if abs(angle) < 4e-15 else float(2.0 * np.sin(0.5 * angle) ** 2)
+    return float(np.max(np.where(apart < ROUNDED, apart, 0.0)))
 
 
 def _angle(a: Vector, b: Vector) -> float:

@@ -24,7 +24,7 @@ from srs_ik.kernels.algebra.vectors import (
     sub,
 )
 from srs_ik.kernels.exact.bends import bent_place
-from srs_ik.kernels.exact.events import NEXT_TO_END, beyond_middle, end_of_middle, insert
+from srs_ik.kernels.exact.events import NEXT_TO_END, beyond_middle, end_of_middle, end_of_reach, insert, short_of_end
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.limb import (
     A1,
@@ -60,7 +60,8 @@ MOST_EVENTS = 38
 """Most bends at which anything changes at an arm angle: 17 each of shoulder and wrist, two of the elbow, two ends."""
 
 LIMITS = 6
-"""Limits of a spherical joint."""
+ENDS = LIMITS + 2
+"""Limits of a spherical joint; with them, both ends of the reach of oblique axes."""
 
 MOST_CURVES = 48
 MOST_CROSSINGS = 512
@@ -115,9 +116,13 @@ def add_roots_of_bend(rest, slope, square, span, bends, n):
 def limit_form(P, k, i):
     """A limit of the spherical joint at block k, lower and upper of each of its joints in turn, as a linear form.
 
-    Returns the form, its value on the limit, whether it is one of R'a1 and not of R a3, and whether there is a limit.
+    The last two are the ends of the reach of oblique axes. Returns the form, its value on the limit, whether it is one
+    of R'a1 and not of R a3, and whether there is a limit.
     """
     joint, end = i // 2, i % 2
+    if i >= LIMITS:
+        axis, gap = end_of_reach(P, k, end)
+        return axis, 1.0 - gap, False, gap > 0.0
     there = P[RANGE_KIND + int(P[k + FIRST_JOINT]) + joint] != 0.0
     if joint == 0:
         return load3(P, k + BOUND_1_LOWER + 3 * end), P[k + A2_A3], False, there
@@ -133,9 +138,19 @@ def beyond_middle_along(P, k, end, curve):
     if abs(value) < NEXT_TO_END:
         return dot(a1, curve[0]) - value, dot(a1, curve[1]), dot(a1, curve[2])
     way, gap = end_of_middle(P, k, end)
-    off = sub(scale(way, a1), curve[0])
-    square = dot(off, curve[2]) - 0.5 * dot(curve[1], curve[1])
-    return way * (gap - 0.5 * dot(off, off)), way * dot(off, curve[1]), way * square
+    rest, slope, square = short_of_end_along(scale(way, a1), gap, curve)
+    return way * rest, way * slope, way * square
+
+
+@kernel
+def short_of_end_along(axis, gap, curve):
+    """`short_of_end` along a curve of unit vectors: a constant, a linear and a square part."""
+    off = sub(axis, curve[0])
+    return (
+        short_of_end(axis, gap, curve[0], 0.0),
+        dot(off, curve[1]),
+        dot(off, curve[2]) - 0.5 * dot(curve[1], curve[1]),
+    )
 
 
 @kernel
@@ -158,8 +173,10 @@ def add_joint(P, k, v, r, span, bends, n):
             n = add_roots_of_bend(rest, slope, square, span, bends, n)
         elif there:
             n = add_crossing(form, value, r if of_r else v, span, bends, n)
-    n = add_crossing(a1, 1.0 - P[k + TOP_GAP] + ease_of_reach(P, P[k + TOP_GAP]), v, span, bends, n)
-    n = add_crossing(a1, P[k + BOTTOM_GAP] - 1.0 - ease_of_reach(P, P[k + BOTTOM_GAP]), v, span, bends, n)
+    for end in range(2):
+        axis, gap = end_of_reach(P, k, end)
+        rest, slope, square = short_of_end_along(axis, gap - ease_of_reach(P, gap), v)
+        n = add_roots_of_bend(rest, slope, square, span, bends, n)
     beside, way = across(v[0], a1), across(v[1], a1)
     square = dot(way, way)
     return add_bend(along_span(span, -dot(beside, way) / square), span, bends, n) if square > 0.0 else n
@@ -252,6 +269,17 @@ def bend_in_line(P, place_, k, elbow, end, span):
 
 
 @kernel
+def beyond_on(P, k, i, form, value, circle):
+    """By how much the spherical joint at block k is beyond a limit on a circle of arm angles, in the mean over them."""
+    square = dot(circle[1], circle[1])
+    if i // 2 == 1:
+        return beyond_middle(P, k, i % 2, circle[0], square)
+    if i >= LIMITS:
+        return short_of_end(form, end_of_reach(P, k, i % 2)[1], circle[0], square)
+    return dot(form, circle[0]) - value
+
+
+@kernel
 def put_curve(square, c, s, rest, curves, n):
     """Append a curve square (u^2 + v^2) + c u + s v + rest = 0; how many there are then."""
     curves[n, 0], curves[n, 1], curves[n, 2], curves[n, 3] = square, c, s, rest
@@ -271,18 +299,15 @@ def add_curves(P, k, motions, elbow, curves, n):
     They are lines and circles in the plane of points (u, v) at the distance of the bend, as a part of the largest, and
     in the direction of the arm angle. `motions` are those with no bend and with the largest.
     """
-    for i in range(LIMITS):
+    for i in range(ENDS):
         form, value, of_r, there = limit_form(P, k, i)
         flat, circle = (motions[0][2], motions[1][2]) if of_r else (motions[0][0], motions[1][0])
         c, s = dot(form, circle[1]), dot(form, circle[2])
         size = math.sqrt(c * c + s * s)
         c_0, s_0 = dot(form, flat[1]), dot(form, flat[2])
         size_0 = math.sqrt(c_0 * c_0 + s_0 * s_0)
-        rest = dot(form, flat[0]) - value
-        square = dot(form, circle[0]) - dot(form, flat[0])
-        if i // 2 == 1:
-            rest = beyond_middle(P, k, i % 2, flat[0], dot(flat[1], flat[1]))
-            square = beyond_middle(P, k, i % 2, circle[0], dot(circle[1], circle[1])) - rest
+        rest = beyond_on(P, k, i, form, value, flat)
+        square = beyond_on(P, k, i, form, value, circle) - rest
         if not there or abs(rest) > size + abs(square) + P[SLACK_LIMIT]:
             continue
         if size_0 <= 0.5 * size:

@@ -104,8 +104,35 @@ def beyond_middle(P, k, end, centre, square):
     if abs(value) < NEXT_TO_END:
         return dot(a1, centre) - value
     way, gap = end_of_middle(P, k, end)
-    off = sub(scale(way, a1), centre)
-    return way * (gap - 0.5 * (dot(off, off) + square))
+    return way * short_of_end(scale(way, a1), gap, centre, square)
+
+
+@kernel
+def short_of_end(axis, gap, centre, square):
+    """By how much the cosine between an axis and a vector is beyond 1 - gap, where the vector is `centre` and more.
+
+    What is more is across that, and has this square length. The gap has all its digits, and they are kept.
+    """
+    off = sub(axis, centre)
+    return gap - 0.5 * (dot(off, off) + square)
+
+
+@kernel
+def end_of_reach(P, k, end):
+    """The axis to which a3 comes closest at an end of the middle joint's reach, a1 (0) or -a1 (1), and 1 - that cosine."""
+    if end == 0:
+        return load3(P, k + A1), P[k + TOP_GAP]
+    return scale(-1.0, load3(P, k + A1)), P[k + BOTTOM_GAP]
+
+
+@kernel
+def add_end_of_reach(P, k, circle, end, events, n):
+    """Insert the arm angles at which oblique axes leave no room for more: the outer ones come no closer to one line."""
+    axis, gap = end_of_reach(P, k, end)
+    sine = math.sqrt(2.0 * gap) + P[SLACK_LIMIT]
+    rest = -short_of_end(axis, gap, circle[0], dot(circle[1], circle[1]))
+    c, s = dot(axis, circle[1]), dot(axis, circle[2])
+    return put_roots(c, s, rest, (1e-15 * sine, P[SLACK_LIMIT] * sine), events, n)
 
 
 @kernel
@@ -192,9 +219,7 @@ def add_singular(P, k, motion, end, events, n):
 def joint_events(P, k, motion, events):
     """Arm angles at which the spherical joint at block k reaches a limit, the end of its reach, or a singularity."""
     v, _, r = motion
-    a1 = load3(P, k + A1)
     first = int(P[k + FIRST_JOINT])
-    slack = P[SLACK_LIMIT]
     n = 0
     if P[RANGE_KIND + first] != 0.0:
         n = add_limit(P, load3(P, k + BOUND_1_LOWER), v, P[k + A2_A3], events, n)
@@ -205,11 +230,9 @@ def joint_events(P, k, motion, events):
     if P[RANGE_KIND + first + 2] != 0.0:
         n = add_limit(P, load3(P, k + BOUND_3_LOWER), r, P[k + A1_A2], events, n)
         n = add_limit(P, load3(P, k + BOUND_3_UPPER), r, P[k + A1_A2], events, n)
-    if P[k + TOP_GAP] > TOUCH:
-        n = add_roots(a1, v, 1.0 - P[k + TOP_GAP], slack, events, n)
-    if P[k + BOTTOM_GAP] > TOUCH:
-        n = add_roots(a1, v, P[k + BOTTOM_GAP] - 1.0, slack, events, n)
     for end in range(2):
-        if P[k + (TOP_GAP if end == 0 else BOTTOM_GAP)] <= TOUCH:
+        if P[k + (TOP_GAP if end == 0 else BOTTOM_GAP)] == 0.0:
             n = add_singular(P, k, motion, end, events, n)
+        else:
+            n = add_end_of_reach(P, k, v, end, events, n)
     return n
