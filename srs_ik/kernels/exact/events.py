@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from srs_ik.kernels.algebra.vectors import dot, load3, norm, scale, sub
+from srs_ik.kernels.algebra.vectors import along, dot, load3, norm, scale, sub
 from srs_ik.kernels.exact.gaps import turned_with
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.limb import (
@@ -66,14 +66,9 @@ def add_event(psi, events, n):
 @kernel
 def add_roots(x, circle, value, slack, events, n):
     """Insert the arm angles at which a vector on a circle has the product `value` with x, or almost: within a slack."""
-    return put_roots(dot(x, circle[1]), dot(x, circle[2]), value - dot(x, circle[0]), (1e-15, slack), events, n)
-
-
-@kernel
-def put_roots(c, s, rest, least, events, n):
-    """Insert the arm angles at which c cos + s sin = rest; `least` are the smallest swing and the slack."""
+    c, s, rest = dot(x, circle[1]), dot(x, circle[2]), value - dot(x, circle[0])
     r = math.sqrt(c * c + s * s)
-    if r < least[0] or abs(rest) > r * (1.0 + TOUCH) + least[1]:
+    if r < 1e-15 or abs(rest) > r * (1.0 + TOUCH) + slack:
         return n
     middle = math.atan2(s, c)
     apart = math.atan2(math.sqrt(max((r - rest) * (r + rest), 0.0)), rest)
@@ -95,55 +90,43 @@ def end_of_middle(P, k, end):
 
 
 @kernel
-def beyond_middle(P, k, end, centre, square):
-    """By how much the cosine of a middle joint is beyond a limit of it, where the vector a3 is `centre` and more.
-
-    What is more is across that, and has this square length. Next to a singular angle a cosine has lost its digits.
-    """
-    a1, value = load3(P, k + A1), P[k + BOUND_2_LOWER + end]
-    if abs(value) < NEXT_TO_END:
-        return dot(a1, centre) - value
-    way, gap = end_of_middle(P, k, end)
-    return way * short_of_end(scale(way, a1), gap, centre, square)
-
-
-@kernel
-def short_of_end(axis, gap, centre, square):
-    """By how much the cosine between an axis and a vector is beyond 1 - gap, where the vector is `centre` and more.
-
-    What is more is across that, and has this square length. The gap has all its digits, and they are kept.
-    """
-    off = sub(axis, centre)
-    return gap - 0.5 * (dot(off, off) + square)
-
-
-@kernel
 def end_of_reach(P, k, end):
-    """The axis to which a3 comes closest at an end of the middle joint's reach, a1 (0) or -a1 (1), and 1 - that cosine."""
+    """What a3 comes closest to at an end of the middle joint's reach, a1 (0) or -a1 (1), and 1 - the cosine there."""
     if end == 0:
         return load3(P, k + A1), P[k + TOP_GAP]
     return scale(-1.0, load3(P, k + A1)), P[k + BOTTOM_GAP]
 
 
 @kernel
-def add_end_of_reach(P, k, circle, end, events, n):
-    """Insert the arm angles at which oblique axes leave no room for more: the outer ones come no closer to one line."""
-    axis, gap = end_of_reach(P, k, end)
-    sine = math.sqrt(2.0 * gap) + P[SLACK_LIMIT]
-    rest = -short_of_end(axis, gap, circle[0], dot(circle[1], circle[1]))
+def add_approach(axis, gap, circle, slack, events, n):
+    """Insert the arm angles at which a vector on a circle has the cosine 1 - gap with an axis, or almost: by an angle.
+
+    The gap has all its digits, and the arm angles keep them where the circle passes the axis closely.
+    """
     c, s = dot(axis, circle[1]), dot(axis, circle[2])
-    return put_roots(c, s, rest, (1e-15 * sine, P[SLACK_LIMIT] * sine), events, n)
+    size = math.sqrt(c * c + s * s)
+    if size < 1e-15:
+        return n
+    closest = along(along(circle[0], c / size, circle[1]), s / size, circle[2])
+    wanted, least = math.sqrt(2.0 * gap), norm(sub(axis, closest))
+    # From the closest point on, the square of the distance grows by this times the square of the sine of half the way.
+    most = 4.0 * size
+    square = (wanted - least) * (wanted + least)
+    if wanted < least - slack or math.sqrt(max(square, 0.0)) > math.sqrt(most) + slack:
+        return n
+    middle, away = math.atan2(s, c), 2.0 * math.asin(math.sqrt(min(max(square / most, 0.0), 1.0)))
+    n = add_event(middle + away, events, n)
+    return add_event(middle - away, events, n)
 
 
 @kernel
 def add_middle(P, k, circle, end, events, n):
     """Insert the arm angles at which a middle joint is on its lower (0) or upper (1) limit."""
-    a1, sine, slack = load3(P, k + A1), 1.0, P[SLACK_LIMIT]
-    value = P[k + BOUND_2_LOWER + end]
-    if abs(value) >= NEXT_TO_END:
-        sine = math.sqrt(2.0 * max(1.0 - abs(value), 0.0)) + slack
-    rest = -beyond_middle(P, k, end, circle[0], dot(circle[1], circle[1]))
-    return put_roots(dot(a1, circle[1]), dot(a1, circle[2]), rest, (1e-15 * sine, slack * sine), events, n)
+    a1, value, slack = load3(P, k + A1), P[k + BOUND_2_LOWER + end], P[SLACK_LIMIT]
+    if abs(value) < NEXT_TO_END:
+        return add_roots(a1, circle, value, slack, events, n)
+    way, gap = end_of_middle(P, k, end)
+    return add_approach(scale(way, a1), gap, circle, slack, events, n)
 
 
 @kernel
@@ -234,5 +217,6 @@ def joint_events(P, k, motion, events):
         if P[k + (TOP_GAP if end == 0 else BOTTOM_GAP)] == 0.0:
             n = add_singular(P, k, motion, end, events, n)
         else:
-            n = add_end_of_reach(P, k, v, end, events, n)
+            axis, gap = end_of_reach(P, k, end)
+            n = add_approach(axis, gap, v, P[SLACK_LIMIT], events, n)
     return n

@@ -6,7 +6,7 @@ import math
 
 from srs_ik.kernels.algebra.lane_trig import turn
 from srs_ik.kernels.algebra.lanes import as_bits, eight_of, root, where
-from srs_ik.kernels.algebra.vectors import add, dot, load3, sub, swing
+from srs_ik.kernels.algebra.vectors import add, load3, norm, sub, swing
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.limb import (
     A1,
@@ -36,7 +36,9 @@ NARROW = 1e-6
 
 
 AT_ITS_END = 2e-14
-"""A cosine this far out of the reach of oblique axes is at its end, as far as a pose with a folded elbow tells."""
+CLOSE_TO_END = 1e-13
+"""A cosine this far out of the reach of oblique axes is at its end, as far as a pose with a folded elbow tells; no
+farther than what such an angle makes of it, rad."""
 
 
 @kernel
@@ -100,9 +102,12 @@ def almost_fits(P, k, motion, psi, sign):
     """Whether one solution of a spherical joint keeps the limits at an arm angle where its reach may end."""
     v, y = turned_with(motion, psi)
     c, s, _ = middle_angle(P, k, v)
-    up, down = sub(v, load3(P, k + A1)), add(v, load3(P, k + A1))
-    short = max(P[k + TOP_GAP] - 0.5 * dot(up, up), P[k + BOTTOM_GAP] - 0.5 * dot(down, down))
-    return short < AT_ITS_END and fits(P, k, v, y, c, s, sign)
+    up, down = norm(sub(v, load3(P, k + A1))), norm(add(v, load3(P, k + A1)))
+    if P[k + TOP_GAP] - 0.5 * up * up > min(AT_ITS_END, CLOSE_TO_END * up):
+        return False
+    if P[k + BOTTOM_GAP] - 0.5 * down * down > min(AT_ITS_END, CLOSE_TO_END * down):
+        return False
+    return fits(P, k, v, y, c, s, sign)
 
 
 @kernel
