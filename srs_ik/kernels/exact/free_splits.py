@@ -22,17 +22,15 @@ from srs_ik.kernels.exact.nearest import slid
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.asked import Target
 from srs_ik.kernels.layout.limb import (
-    BOTTOM_GAP,
     LOWER,
     SHOULDER,
     SIZE,
-    TOP_GAP,
     UPPER,
     WRIST,
 )
 from srs_ik.kernels.limb.branches import branch_of, side_posture
 from srs_ik.kernels.limb.goal import NO_SEED, OUTSIDE, cost, turned
-from srs_ik.kernels.limb.in_line import NEARLY_IN_LINE, closest, may_split, wide_limb
+from srs_ik.kernels.limb.in_line import NEARLY_IN_LINE, closest, comes_in_line, may_split, wide_limb
 from srs_ik.kernels.limb.triangle import elbow_side
 
 CLOSING_STEPS = 30
@@ -149,7 +147,7 @@ def search_near_line(limbs, target, wanted, goal, best, work):
         for i in range(4):
             k = SHOULDER if i < 2 else WRIST
             end = i % 2
-            if P[k + (TOP_GAP if end == 0 else BOTTOM_GAP)] != 0.0:
+            if not comes_in_line(P, k, end):
                 continue
             psi, least, most = closest(P, k, side[1] if i < 2 else side[2], end)
             circles = circles or most < NEARLY_IN_LINE

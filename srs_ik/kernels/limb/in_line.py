@@ -28,6 +28,9 @@ from srs_ik.kernels.layout.limb import (
 NEARLY_IN_LINE = 1e-4
 """Outer axes that come this close to one line, rad, are searched as if they did; wider apart, the curves tell all."""
 
+CLOSE_GAP = 0.5 * NEARLY_IN_LINE**2
+"""Axes that lean come no closer to one line than 1 - the cosine says: below this, within `NEARLY_IN_LINE`."""
+
 ROUNDED = 1e-5
 """A limb that misses by less than this part of its reach has postures all along a free split, or next to it."""
 
@@ -36,10 +39,19 @@ SMALLEST_REACH = 1e-300
 
 
 @kernel
+def comes_in_line(P, k, end):
+    """Whether some turns of a spherical joint bring its outer axes into line, or almost.
+
+    The end says whether they point the same way there (0) or opposite ways (1).
+    """
+    return P[k + (TOP_GAP if end == 0 else BOTTOM_GAP)] < CLOSE_GAP
+
+
+@kernel
 def in_line(x, y, P, k):
     """Whether two axes at cosines x and y from a line that one of them turns about come into line, or almost."""
-    return (P[k + TOP_GAP] == 0.0 and abs(x - y) < NEARLY_IN_LINE) or (
-        P[k + BOTTOM_GAP] == 0.0 and abs(x + y) < NEARLY_IN_LINE
+    return (comes_in_line(P, k, 0) and abs(x - y) < NEARLY_IN_LINE) or (
+        comes_in_line(P, k, 1) and abs(x + y) < NEARLY_IN_LINE
     )
 
 
@@ -96,8 +108,8 @@ def toward_of(P, k, q2):
 @kernel
 def is_in_line(P, k, q2, width):
     """Whether the outer axes of a spherical joint are within some angle of one line."""
-    gap = P[k + TOP_GAP] if toward_of(P, k, q2) > 0.0 else P[k + BOTTOM_GAP]
-    return gap == 0.0 and abs(math.sin(q2 - P[k + PHASE])) < width
+    end = 0 if toward_of(P, k, q2) > 0.0 else 1
+    return comes_in_line(P, k, end) and abs(math.sin(q2 - P[k + PHASE])) < width
 
 
 @kernel

@@ -23,19 +23,17 @@ from srs_ik.kernels.layout.limb import (
     A1,
     A3,
     AXES,
-    BOTTOM_GAP,
     COS_STRAIGHT,
     SHOULDER,
     SIN_STRAIGHT,
     SIZE,
     STRAIGHT,
-    TOP_GAP,
     WRIST,
 )
 from srs_ik.kernels.layout.search import LINES, MOST_LINES, SPLIT, SURFACE
 from srs_ik.kernels.limb.branches import NO_BRANCH, side_posture
 from srs_ik.kernels.limb.goal import NO_SEED
-from srs_ik.kernels.limb.in_line import NEARLY_IN_LINE, closest, is_in_line, toward_of, wide_limb
+from srs_ik.kernels.limb.in_line import NEARLY_IN_LINE, closest, comes_in_line, is_in_line, toward_of, wide_limb
 from srs_ik.kernels.limb.triangle import elbow_side
 
 PARTS = 48
@@ -112,7 +110,7 @@ def survey_splits(P, by, line, out, used):
         by = Setting(by.target, side, by.respect, by.J, by.A)
         for i in range(4):
             block = SHOULDER if i < 2 else WRIST
-            if P[block + (TOP_GAP if i % 2 == 0 else BOTTOM_GAP)] != 0.0:
+            if not comes_in_line(P, block, i % 2):
                 continue
             psi, least, most = closest(P, block, side[1] if i < 2 else side[2], i % 2)
             if least > NEARLY_IN_LINE:
