@@ -238,8 +238,13 @@ def found_again(P, target, respect, J, A):
 
 
 @kernel
+def is_on_line(P, q, place_):
+    """Whether the elbow of a posture is on the line S-W of its pose, and so at every arm angle at once."""
+    return norm(across(sub(elbow_position(P, q), load3(P, SHOULDER_CENTRE)), place_[0])) < 3.0 * ON_LINE
+
+
+@kernel
 def stretched(P, target, branch, goal, J, A):
     """`rescue` where an arm angle is given but the elbow is on the line S-W, and so at every arm angle at once."""
     q, best, lowest = rescue(P, target, branch, goal, J, A)
-    off_line = norm(across(sub(elbow_position(P, q), load3(P, SHOULDER_CENTRE)), target.place[0]))
-    return q, best, (lowest if off_line < 3.0 * ON_LINE else 2.0 * NO_BRANCH)
+    return q, best, (lowest if is_on_line(P, q, target.place) else 2.0 * NO_BRANCH)
