@@ -26,7 +26,6 @@ from srs_ik.kernels.collision.seen import World, see_balls, still_frames, turnin
 from srs_ik.kernels.collision.shaped import Room, free_by_shapes
 from srs_ik.kernels.collision.shapes import NORMALS, Along, Shapes
 from srs_ik.kernels.exact.farthest import keep_branch
-from srs_ik.kernels.exact.flat import exact_intervals
 from srs_ik.kernels.jit import entry, kernel
 from srs_ik.kernels.layout.answer import GOOD_POSE, MOST_INTERVALS, ROW_STATUS
 from srs_ik.kernels.layout.asked import Goal, Target
@@ -53,6 +52,7 @@ from srs_ik.kernels.limb.limits import TURN
 from srs_ik.kernels.limb.poses import read7, read_pose
 from srs_ik.kernels.limb.triangle import place
 from srs_ik.kernels.pose.any_bend import best_of
+from srs_ik.kernels.pose.intervals import exact_intervals
 from srs_ik.kernels.pose.solve import best_posture, own_goal
 
 NO_COUPLE = -1

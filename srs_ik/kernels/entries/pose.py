@@ -9,7 +9,6 @@ import numpy as np
 
 from srs_ik.kernels.algebra.pointers import row, scratch
 from srs_ik.kernels.chain.answer import measure_row
-from srs_ik.kernels.exact.flat import exact_intervals
 from srs_ik.kernels.jit import entry
 from srs_ik.kernels.layout.answer import GOOD_POSE, MAX_PIECES, MOST_INTERVALS, OK, ROW_STATUS
 from srs_ik.kernels.layout.asked import Goal, Target
@@ -23,8 +22,7 @@ from srs_ik.kernels.near.intervals import best_of_true_intervals
 from srs_ik.kernels.near.led import lead_row
 from srs_ik.kernels.near.predicted_best import predicted_best_of_intervals
 from srs_ik.kernels.pose.any_bend import best_of
-from srs_ik.kernels.pose.intervals import all_intervals
-from srs_ik.kernels.pose.on_line import best_on_line, is_on_line_throughout, on_line_intervals
+from srs_ik.kernels.pose.intervals import all_intervals, exact_intervals
 from srs_ik.kernels.pose.self_motion import self_motion_rows
 from srs_ik.kernels.pose.solve import all_branches, own, own_goal, solve_row, solve_row_at
 
@@ -140,13 +138,6 @@ def solve_intervals(family, T, respect, out):
     place_ = place(P, R, p)
     target = Target(R, p, place_)
     found = np.empty((8 * MAX_PIECES, 3))
-    if is_on_line_throughout(P, place_):
-        n = on_line_intervals(family, target, respect, found)
-        for i in range(n):
-            q, b, lowest = best_on_line(family, target, int(found[i, 0]), respect)
-            measure_row(P, target, q, b, lowest, respect, row(out, i))
-        if n > 0:
-            return n
     if P[IS_NEAR] != 0.0:
         J, A = scratch(6, 7), scratch(16, 9)
         n = predicted_best_of_intervals(P, target, respect, out, J, A)

@@ -24,7 +24,7 @@ from srs_ik.kernels.exact.bends import bent_place
 from srs_ik.kernels.exact.events import TURN
 from srs_ik.kernels.exact.intervals import find_intervals, join_touching, write_interval
 from srs_ik.kernels.jit import kernel
-from srs_ik.kernels.layout.answer import MAX_PIECES, SOLVED
+from srs_ik.kernels.layout.answer import MAX_PIECES
 from srs_ik.kernels.layout.limb import FAR, FREE, LIMITED, LOOSE, NEAR, SHOULDER, SIZE, SLACK_LIMIT, WRIST
 from srs_ik.kernels.limb.branches import best_branch
 from srs_ik.kernels.limb.goal import NO_SEED, OUTSIDE
@@ -103,16 +103,11 @@ def merge(P, place_, x, found, both, out, n):
 
 
 @kernel
-def hidden_bend(P, place_, off):
-    """The bend of the elbow that takes so much off the reach of a pose, m, as a sine."""
-    reach = P[FAR] if place_[2] > 0.0 else P[NEAR]
-    return math.sqrt(8.0 * off * reach / ((P[FAR] - P[NEAR]) * (P[FAR] + P[NEAR])))
-
-
-@kernel
 def span_of_bends(P, place_):
     """The smallest and the largest bend that are tried of a pose whose elbow is as good as flat, as sines."""
-    own, untold = place_[3], max(min(LARGEST_BEND, hidden_bend(P, place_, UNTOLD_REACH)), SMALLEST_BEND)
+    reach, own = P[FAR] if place_[2] > 0.0 else P[NEAR], place_[3]
+    untold = math.sqrt(8.0 * UNTOLD_REACH * reach / ((P[FAR] - P[NEAR]) * (P[FAR] + P[NEAR])))
+    untold = max(min(LARGEST_BEND, untold), SMALLEST_BEND)
     return math.sqrt(max(own * own - untold * untold, 0.0)), math.sqrt(own * own + untold * untold)
 
 
@@ -266,22 +261,3 @@ def intervals_of_bends(family, place_, respect, out, n):
             both[i, c] = out[i, c]
     keep(boxes)
     return stretch(P, place_, span, both[:n], out)
-
-
-@kernel
-def exact_intervals(family, target, respect, out):
-    """Feasible intervals of one pose in closed form; none where the pose is out of reach."""
-    place_ = target.place
-    if abs(place_[5]) >= SOLVED:
-        return 0
-    n = find_intervals(row(family, LIMITED if respect else FREE), place_, -1, out)
-    if is_almost_flat(place_):
-        return intervals_of_bends(family, place_, respect, out, n)
-    if n == 0 and respect:
-        # A pose whose postures all lie on limits leaves room by rounding alone.
-        boxes = np.empty((1, SIZE))
-        eased = row(boxes, 0)
-        ease(row(family, LOOSE), eased)
-        n = find_intervals(eased, place_, -1, out)
-        keep(boxes)
-    return n

@@ -18,16 +18,17 @@ from srs_ik.kernels.chain.newton import LEFT, arm_angle, clipped
 from srs_ik.kernels.exact.bend_events import MOST_EVENTS, bends_at
 from srs_ik.kernels.exact.bends import bent_place
 from srs_ik.kernels.exact.farthest import farthest
-from srs_ik.kernels.exact.flat import NOTABLE, SMALLEST_BEND, exact_intervals, is_almost_flat, span_of_bends
-from srs_ik.kernels.exact.free_splits import close_gently, keep_better
+from srs_ik.kernels.exact.flat import NOTABLE, SMALLEST_BEND, is_almost_flat, span_of_bends
+from srs_ik.kernels.exact.free_splits import keep_better
 from srs_ik.kernels.exact.nearest_within import nearest_within
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.answer import MAX_PIECES
-from srs_ik.kernels.layout.limb import FREE, IS_NEAR, LIMITED, LOOSE, SIZE, SLACK_SINGULAR
+from srs_ik.kernels.layout.limb import FREE, LIMITED, LOOSE, SIZE, SLACK_SINGULAR
 from srs_ik.kernels.limb.branches import NO_BRANCH, best_branch, is_on_border
-from srs_ik.kernels.limb.goal import NO_SEED, OUTSIDE, cost
+from srs_ik.kernels.limb.goal import NO_SEED, OUTSIDE
 from srs_ik.kernels.limb.in_line import NEARLY_IN_LINE, may_split
 from srs_ik.kernels.limb.limits import tighten
+from srs_ik.kernels.pose.intervals import exact_intervals
 from srs_ik.kernels.pose.on_limits import put_on_limits
 
 WIDER = 1e-4
@@ -42,13 +43,12 @@ FARTHER = 8.0
 def at_any_bend(family, target, psi, branch, goal, found):
     """The best posture at an arm angle as known so far, or a better one that looser tolerances find.
 
-    Of an elbow as good as flat, one at any bend. Of a near limb, it is closed on the true chain.
+    Of an elbow as good as flat, one at any bend.
 
     Each is given as q, branch, cost.
     """
     best = found
-    loose = row(family, LOOSE + (LIMITED if goal.respect else FREE))
-    J, A = np.empty((6, 7)), np.empty((16, 9))
+    loose = row(family, LOOSE)
     bends = np.empty(MOST_EVENTS)
     span = span_of_bends(loose, target.place)
     for elbow in range(2):
@@ -61,11 +61,7 @@ def at_any_bend(family, target, psi, branch, goal, found):
             x = bends[i // 2] if i % 2 == 0 else 0.5 * (bends[i // 2] + bends[i // 2 + 1])
             place_ = bent_place(target.place, x)
             other = best_branch(loose, place_, psi, branch, goal.seeded, goal.seed, goal.respect)
-            if loose[IS_NEAR] == 0.0:
-                other = put_on_limits(loose, target, psi, other, goal)
-            else:
-                q, _ = close_gently(loose, other[0], target.R, target.p, goal.respect, J, A)
-                other = (q, other[1], cost(loose, q, goal.seeded, goal.seed, goal.respect))
+            other = put_on_limits(loose, target, psi, other, goal)
             if other[2] < best[2]:
                 position, orientation = pose_error(loose, other[0], target.R, target.p)
                 if max(position, orientation) < LEFT:

@@ -7,22 +7,42 @@ import math
 import numpy as np
 
 from srs_ik.kernels.algebra.pointers import keep, row
-from srs_ik.kernels.exact.flat import exact_intervals
+from srs_ik.kernels.exact.flat import ease, intervals_of_bends, is_almost_flat
+from srs_ik.kernels.exact.intervals import find_intervals
 from srs_ik.kernels.jit import kernel
-from srs_ik.kernels.layout.answer import MAX_PIECES
+from srs_ik.kernels.layout.answer import MAX_PIECES, SOLVED
 from srs_ik.kernels.layout.asked import Goal
-from srs_ik.kernels.layout.limb import FREE, IS_NEAR, LIMITED, SIZE
+from srs_ik.kernels.layout.limb import FREE, IS_NEAR, LIMITED, LOOSE, SIZE
 from srs_ik.kernels.limb.goal import NO_SEED, OUTSIDE
 from srs_ik.kernels.limb.in_line import may_split
 from srs_ik.kernels.limb.limits import tighten
 from srs_ik.kernels.near.at_angle import may_reach
-from srs_ik.kernels.near.intervals import intervals_through, true_intervals
+from srs_ik.kernels.near.intervals import intervals_through, true_intervals, with_on_line
 from srs_ik.kernels.near.predicted import predicted_intervals
 from srs_ik.kernels.near.predicted_best import search_true
-from srs_ik.kernels.pose.on_line import is_on_line_throughout, may_be_on_line, on_line_intervals
+from srs_ik.kernels.near.second_attempts import hides_turns, may_be_on_line
 
 WIDER = 1e-9
 """Limits that are so much farther out, rad, tell postures that rounding hides."""
+
+
+@kernel
+def exact_intervals(family, target, respect, out):
+    """Feasible intervals of one pose in closed form; none where the pose is out of reach."""
+    place_ = target.place
+    if abs(place_[5]) >= SOLVED:
+        return 0
+    n = find_intervals(row(family, LIMITED if respect else FREE), place_, -1, out)
+    if is_almost_flat(place_):
+        return intervals_of_bends(family, place_, respect, out, n)
+    if n == 0 and respect:
+        # A pose whose postures all lie on limits leaves room by rounding alone.
+        boxes = np.empty((1, SIZE))
+        eased = row(boxes, 0)
+        ease(row(family, LOOSE), eased)
+        n = find_intervals(eased, place_, -1, out)
+        keep(boxes)
+    return n
 
 
 @kernel
@@ -49,15 +69,11 @@ def all_intervals(family, target, respect, J, A, out):
     P, F = row(family, LIMITED), row(family, LIMITED if respect else FREE)
     if P[IS_NEAR] == 0.0:
         return exact_intervals(family, target, respect, out)
-    if is_on_line_throughout(P, target.place):
-        n = on_line_intervals(family, target, respect, out)
-        if n > 0:
-            return n
     n = predicted_intervals(F, target, out, J, A)
     if n < 0:
         n = true_intervals(P, target, respect, out, J, A)
-    if n == 0 and may_be_on_line(P, target.place):
-        n = on_line_intervals(family, target, respect, out)
+    if hides_turns(P, target.place) or (n == 0 and may_be_on_line(P, target.place)):
+        n = with_on_line(P, target, respect, J, A, out, n)
     if n == 0 and may_be_hidden(F, target, J, A):
         q, _, lowest = search_true(P, target, -1, Goal(False, NO_SEED, respect), J, A)
         if lowest < OUTSIDE:

@@ -19,7 +19,6 @@ from srs_ik.kernels.near.at_angle import from_curves, solve_at_angle
 from srs_ik.kernels.near.band import is_told
 from srs_ik.kernels.near.on_curves import followed_curves, no_curves, setting_of
 from srs_ik.kernels.pose.on_limits import put_on_limits
-from srs_ik.kernels.pose.on_line import is_on_line_throughout
 from srs_ik.kernels.pose.solve import solve_row_at
 
 INSIDE = 1e-9
@@ -58,7 +57,7 @@ def self_motion_rows(family, T, intervals, respect, J, A, out):
         psi, branch = angle_of_sample(interval, i % count, count), int(interval[0])
         seeded = i % count > 0 and out[i - 1, ROW_STATUS] == OK
         goal = Goal(seeded, read7(row(before, 0)), respect)
-        if P[IS_NEAR] == 0.0 or is_on_line_throughout(P, target.place):
+        if P[IS_NEAR] == 0.0:
             solve_row_at(family, T, psi, branch, goal, J, A, row(out, i))
         else:
             found = (goal.seed, branch, 2.0 * NO_BRANCH)

@@ -40,7 +40,6 @@ from srs_ik.kernels.near.predicted_best import search_true
 from srs_ik.kernels.near.second_attempts import rescue
 from srs_ik.kernels.pose.any_bend import at_any_bend, best_at_any_bend
 from srs_ik.kernels.pose.on_limits import put_on_limits
-from srs_ik.kernels.pose.on_line import is_on_line_throughout, may_be_on_line, on_line_at
 from srs_ik.kernels.pose.search import search_exact, search_near_seed
 
 
@@ -107,21 +106,6 @@ def solve_row(family, T, branch, goal, J, A, out):
 
 
 @kernel
-def solve_target_at(family, target, psi, branch, goal, J, A):
-    """The best posture at an arm angle, in a branch (-1: any), but for what a flat elbow hides: q, branch, cost."""
-    P = row(family, LIMITED)
-    found = (goal.seed, max(branch, 0), 4.0 * NO_BRANCH)
-    if is_on_line_throughout(P, target.place):
-        found = on_line_at(family, target, psi, branch, goal, found)
-        if found[2] < OUTSIDE:
-            return found
-    found = put_on_limits(P, target, psi, solve_at_angle(P, target, psi, branch, goal, J, A), goal)
-    if found[2] >= OUTSIDE and may_be_on_line(P, target.place):
-        found = on_line_at(family, target, psi, branch, goal, found)
-    return found
-
-
-@kernel
 def solve_row_at(family, T, psi, branch, goal, J, A, out):
     """Solve one pose at an arm angle, in a branch (-1: any), into a row of `out`; returns the verdict on the pose."""
     R, p, verdict = read_pose(row(T, 0))
@@ -129,7 +113,7 @@ def solve_row_at(family, T, psi, branch, goal, J, A, out):
         return verdict
     P = row(family, LIMITED)
     target = Target(R, p, place(P, R, p))
-    found = solve_target_at(family, target, psi, branch, goal, J, A)
+    found = put_on_limits(P, target, psi, solve_at_angle(P, target, psi, branch, goal, J, A), goal)
     if P[IS_NEAR] == 0.0 and found[2] >= OUTSIDE and (is_almost_flat(target.place) or may_split(P, target.place)):
         found = at_any_bend(family, target, psi, branch, goal, found)
     measure_row_at(P, target, psi, found, goal.respect, row(out, 0))
@@ -187,11 +171,7 @@ def all_branches(family, T, asked, J, A, out, first):
             errors = (one_of(position, branch), one_of(orientation, branch))
             write_row(place_, q, branch, arm_angle(P, q, place_[0], place_[1]), errors, (False, 0), answer)
         else:
-            goal = Goal(False, NO_SEED, respect)
-            known = put_on_limits(P, target, psi, (q, branch, lowest), goal)
-            if known[2] >= OUTSIDE and may_be_on_line(P, place_):
-                known = on_line_at(family, target, psi, branch, goal, known)
-            q, _, lowest = known
+            q, _, lowest = put_on_limits(P, target, psi, (q, branch, lowest), Goal(False, NO_SEED, respect))
             measure_row(P, target, q, branch, lowest, respect, answer)
             answer[ROW_BRANCH] = branch
     return GOOD_POSE
