@@ -8,6 +8,7 @@ import numpy as np
 
 from srs_ik.kernels.algebra.pointers import keep, row
 from srs_ik.kernels.algebra.vectors import across, load3, norm, sub
+from srs_ik.kernels.chain.kinematics import pose_error
 from srs_ik.kernels.chain.newton import (
     CLOSED,
     LEFT,
@@ -21,7 +22,7 @@ from srs_ik.kernels.chain.newton import (
 )
 from srs_ik.kernels.curves.best import cost_of_turn
 from srs_ik.kernels.curves.follow import correct
-from srs_ik.kernels.curves.surface import is_flat, level_place
+from srs_ik.kernels.curves.surface import is_flat, level_place, put_starts
 from srs_ik.kernels.exact.free_splits import close_gently
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.asked import Best, Goal, Setting
@@ -42,6 +43,7 @@ from srs_ik.kernels.limb.branches import NO_BRANCH, best_branch, branch_of, is_o
 from srs_ik.kernels.limb.goal import NO_SEED, OUTSIDE
 from srs_ik.kernels.limb.in_line import ROUNDED
 from srs_ik.kernels.limb.limits import turn_to_middle, violation
+from srs_ik.kernels.limb.poses import read7
 from srs_ik.kernels.limb.triangle import elbow_side
 
 MORE_STEPS = 80
@@ -63,8 +65,10 @@ STRETCHED = 1e-4
 HIDDEN = 1e-13
 """What misses may take off the reach of a straight arm, m, for its curves to turn around too sharply to be followed."""
 
-LINE_LOOKS = 24
-"""Arm angles at which a posture with its elbow on the line S-W is looked for."""
+LINE_LOOKS = 25
+LINE_STARTS = 320
+"""Arm angles at which a posture with its elbow on the line S-W is looked for, and room for postures that are singular
+elsewhere too, where many splits are looked at."""
 
 ELBOW_ALONE = (0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0)
 
@@ -305,13 +309,15 @@ def hold_elbow(P, place_, respect, box):
 def on_line_from(limbs, by, q, goal):
     """The posture with the elbow on the line S-W next to one, and its cost; in the second limb the elbow is held."""
     P, box = limbs
-    closed, met = correct(P, by, q, ELBOW_ALONE, q[3])
+    R, p, place_ = by.target
+    closed, _ = correct(P, by, q, ELBOW_ALONE, q[3])
     closed, value = cost_of_turn(P, closed, goal)
-    if not met or value >= OUTSIDE:
-        closed, error = close_gently(box, clipped(box, q), by.target.R, by.target.p, True, by.J, by.A)
+    position, orientation = pose_error(P, closed, R, p)
+    error = max(position, orientation)
+    if error > LEFT or value >= OUTSIDE:
+        closed, error = close_gently(box, clipped(box, q), R, p, True, by.J, by.A)
         closed, value = cost_of_turn(P, closed, goal)
-        met = error < LEFT
-    return closed, (value if met and is_on_line(P, closed, by.target.place) else 2.0 * NO_BRANCH)
+    return closed, (value if error < LEFT and is_on_line(P, closed, place_) else 2.0 * NO_BRANCH)
 
 
 @kernel
@@ -325,14 +331,20 @@ def stretched(P, target, psi, branch, goal, J, A):
     flat = hold_elbow(P, target.place, goal.respect, box)
     place_ = level_place(target.place)
     by = Setting(target, elbow_side(P, place_, 0), goal.respect, J, A)
+    starts = np.empty((LINE_LOOKS + LINE_STARTS, 7))
+    n = put_starts(P, place_, starts, LINE_LOOKS)
     best, own, lowest = goal.seed, max(branch, 0), 2.0 * NO_BRANCH
-    for i in range(LINE_LOOKS):
+    for i in range(n):
         if lowest < OUTSIDE or (goal.respect and violation(P, 3, flat) > 0.0):
             break
-        away = (math.pi / LINE_LOOKS) * (i if i % 2 == 0 else -i - 1)
-        q, _, _ = best_branch(P, place_, psi + away, branch, goal.seeded, goal.seed, goal.respect)
+        q = read7(row(starts, i))
+        if i < LINE_LOOKS:
+            # What is found at one arm angle is found at all.
+            at, seeded = (psi, goal.seeded) if i == 0 else (2.0 * math.pi * i / (LINE_LOOKS - 1), False)
+            q, _, _ = best_branch(P, place_, at, branch, seeded, goal.seed, goal.respect)
         q, value = on_line_from((P, box), by, (q[0], q[1], q[2], flat, q[4], q[5], q[6]), goal)
         if value < lowest and (branch < 0 or is_on_border(P, q, branch)):
             best, own, lowest = q, (branch if branch >= 0 else branch_of(P, q)), value
     keep(boxes)
+    keep(starts)
     return best, own, lowest
