@@ -19,7 +19,6 @@ from srs_ik.kernels.algebra.linear import solve_linear
 from srs_ik.kernels.algebra.vectors import norm
 from srs_ik.kernels.chain.newton import (
     CLOSED,
-    LAST_STEP,
     LEFT,
     ROUNDING,
     load_system,
@@ -52,6 +51,9 @@ CORRECTIONS = 12
 
 LONGEST_CORRECTION = 1.0
 """A longer step, rad, leads to no curve nearby."""
+
+LAST_CORRECTION = 1e-9
+"""A step this short, rad, is the last: some curves turn around within 1e-6 rad, and its square counts against that."""
 
 SHRUNK = 0.5
 """Steps back to the curve that shrink by less, where the pose is met, are rounding."""
@@ -123,7 +125,7 @@ def correct(P, by, q, d, place):
             return q, False
         q = moved(q, A, 1.0)
         last = size
-        if size < LAST_STEP:
+        if size < LAST_CORRECTION:
             return q, True
     return q, error < LEFT
 

@@ -342,6 +342,7 @@ def stretched(P, target, psi, branch, goal, J, A):
             # What is found at one arm angle is found at all.
             at, seeded = (psi, goal.seeded) if i == 0 else (2.0 * math.pi * i / (LINE_LOOKS - 1), False)
             q, _, _ = best_branch(P, place_, at, branch, seeded, goal.seed, goal.respect)
+        q, _ = cost_of_turn(P, q, goal)
         q, value = on_line_from((P, box), by, (q[0], q[1], q[2], flat, q[4], q[5], q[6]), goal)
         if value < lowest and (branch < 0 or is_on_border(P, q, branch)):
             best, own, lowest = q, (branch if branch >= 0 else branch_of(P, q)), value
