@@ -19,6 +19,7 @@ from srs_ik.kernels.algebra.linear import solve_linear
 from srs_ik.kernels.algebra.vectors import norm
 from srs_ik.kernels.chain.newton import (
     CLOSED,
+    LAST_STEP,
     LEFT,
     ROUNDING,
     load_system,
@@ -51,9 +52,6 @@ CORRECTIONS = 12
 
 LONGEST_CORRECTION = 1.0
 """A longer step, rad, leads to no curve nearby."""
-
-LAST_CORRECTION = 1e-9
-"""A step this short, rad, is the last: some curves turn around within 1e-6 rad, and its square counts against that."""
 
 SHRUNK = 0.5
 """Steps back to the curve that shrink by less, where the pose is met, are rounding."""
@@ -125,7 +123,7 @@ def correct(P, by, q, d, place):
             return q, False
         q = moved(q, A, 1.0)
         last = size
-        if size < LAST_CORRECTION:
+        if size < LAST_STEP and error < LEFT:
             return q, True
     return q, error < LEFT
 
