@@ -35,6 +35,7 @@ from srs_ik.kernels.near.second_attempts import (
     evaluate_again,
     hides_turns,
     is_near_line,
+    may_be_on_line,
     stretched,
 )
 
@@ -180,8 +181,10 @@ def solve_all_at_angle(P, target, psi, respect, J, A, found):
             found[branch, i] = A[FIRST + branch, i]
     if highest_cost(found) < OUTSIDE or not may_reach(P, target.place):
         return
-    elbows = ANY_ELBOW if has_surface(P, target.place) else elbows_to_look_at(P, target, psi, -1, A)
+    many = has_surface(P, target.place)
+    elbows = ANY_ELBOW if many else elbows_to_look_at(P, target, psi, -1, A)
     if elbows != 0:
+        on_line = hides_turns(P, target.place) or (many and may_be_on_line(P, target.place))
         other = np.empty((8, 8))
         by = setting_of(P, target, J, A)
         followed = curves_around(P, by, psi, elbows)
@@ -197,7 +200,7 @@ def solve_all_at_angle(P, target, psi, respect, J, A, found):
             # The curves of an almost exact limb are not the only postures there: it has surfaces of them.
             if P[MISS] < ROUNDED * P[FAR] and found[branch, ROW_COST] >= OUTSIDE:
                 q, value = evaluate_again(P, target, psi, branch, goal, 1, A)
-                if value >= OUTSIDE and hides_turns(P, target.place):
+                if value >= OUTSIDE and on_line:
                     q, _, value = stretched(P, target, psi, branch, goal, J, A)
                 if value < OUTSIDE:
                     put_found(q, value, found[branch])
