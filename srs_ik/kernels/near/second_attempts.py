@@ -25,7 +25,7 @@ from srs_ik.kernels.curves.follow import correct
 from srs_ik.kernels.curves.surface import is_flat, level_place, put_starts
 from srs_ik.kernels.exact.free_splits import close_gently
 from srs_ik.kernels.jit import kernel
-from srs_ik.kernels.layout.asked import Best, Goal, Setting
+from srs_ik.kernels.layout.asked import Best, Setting
 from srs_ik.kernels.layout.limb import (
     FAR,
     IS_NEAR,
@@ -264,13 +264,10 @@ def rescue(P, target, branch, goal, J, A):
 
 
 @kernel
-def found_again(P, target, respect, J, A):
-    """A posture that the curves from the closed form have passed by, and whether there is one."""
-    goal = Goal(False, NO_SEED, respect)
-    q, _, cost = look_around(P, target, -1, goal, J, A)
-    if cost >= OUTSIDE:
-        q, _, cost = rescue(P, target, -1, goal, J, A)
-    return q, cost < OUTSIDE
+def found_again(P, target, branch, goal, J, A):
+    """A posture that the curves from the closed form have passed by: q, branch, cost."""
+    found = look_around(P, target, branch, goal, J, A)
+    return found if found[2] < OUTSIDE else rescue(P, target, branch, goal, J, A)
 
 
 @kernel
