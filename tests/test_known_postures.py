@@ -149,6 +149,7 @@ CLOSE_BY = {
     ("rm75", 0): [
         "2.9682368833495745 0.40820231949612795 0.6513487737450778 -1e-09 1.0939915116392878 1e-09 -0.7496628521163649",
         "2.110092102903869 1e-10 3.027496196872853 1.864686943095451 0.9865729218642731 -1e-10 0.5531856599955551",
+        "2.677896433128184 -1e-09 -0.04033112868530386 1e-09 -1.024909238279215 1.5400094450368562 2.734962829322787",
         "-1.5912577351362547 0.0001 1.0575820629139305 -0.0001 1.3318739326404896 0.0001 2.6378742708935645",
     ],
     ("random_near", 2): [
@@ -357,3 +358,84 @@ def test_every_interval_of_a_near_limb_at_right_angles_has_a_posture(q):
     assert [answer.branch for answer in answers] == [interval.branch for interval in arm.intervals(T)]
     for answer in answers:
         assert max(distance(T, arm.forward_kinematics(answer.q))) < 1e-9
+
+
+ROUNDED = {
+    0: "-1.1431686948816164 1e-08 -5.075971376377706 -2.4217844899021655e-09 4.741792707951234 2.6301426432651365 "
+    "2.412537400743655",
+    1: "-2.561950591386843 -1e-08 -1.8578825815589854 2.9496895087864914e-08 1.210965495333889 -1e-08 "
+    "-1.0027270084713047",
+    3: "-1.5913804140734116 -3.141592663589793 -4.833741821769592 3.617817950247627e-08 1.8988243209956828 1e-08 "
+    "0.6965608892056481",
+    7: "0.08911633826788545 -1.358731046843248 3.2699411832703444 -3.751643973259888e-08 -5.046081522310415 0.0 "
+    "2.700418740654361",
+    9: "-0.2602966120801615 -1.5037095316986928 -3.780659482208685 1.3959147444036035e-07 -5.901494043988516 1e-08 "
+    "-0.7083293291458934",
+}
+"""Postures of arms whose axes miss by 1e-8 m: elbows on the line from shoulder to wrist, closer than what they miss."""
+
+
+@pytest.fixture(scope="module")
+def rounded():
+    return [arm for arm, _ in islice(subjects()["arms_of"]("random_rounded", 10000, 9601), max(ROUNDED) + 1)]
+
+
+@pytest.mark.parametrize("number", ROUNDED)
+def test_elbows_of_rounded_arms_on_the_line_from_shoulder_to_wrist_lose_nothing(bench, rounded, number):
+    assert_is_whole(bench, rounded[number], np.array(ROUNDED[number].split(), float))
+
+
+@pytest.mark.parametrize("number", [0, 7])
+def test_an_elbow_on_the_line_is_at_every_arm_angle_in_all_kinds_of_call(rounded, number):
+    arm, q = rounded[number], np.array(ROUNDED[number].split(), float)
+    pose = arm.forward_kinematics(q)
+    whole = [i for i in arm.intervals(pose) if i.width > 6.28]
+    assert whole
+    for motion in arm.self_motion(pose, count=9):
+        assert motion.ok.all()
+    for interval in whole:
+        for psi in (-2.0, 0.3, 2.9):
+            alone = arm.solve(pose, arm_angle=psi, branch=interval.branch)
+            among = arm.solve_batch([pose.homogeneous], arm_angle=[psi], all_branches=True)
+            for answer in (alone.q, among.q[0, interval.branch]):
+                assert max(distance(pose, arm.forward_kinematics(answer))) < 1e-9
+                assert inside(answer, arm.lower, arm.upper)
+
+
+CLOSE_TO_FLAT = [
+    "-2.319680924494283 -0.7996655876862502 2.7196371775311934 0.0001 2.995747387637652 0.7355529779117749 "
+    "6.264610202286449",
+    "-0.3014366807894784 1.9728236141034392 2.277368633341174 0.0001 0.27662174602722533 0.3018166509867868 "
+    "-4.152802332517478",
+]
+"""Of an rm75: ends of intervals on a limit, whose arm angle rounding tells to 1e-8 rad, for axes miss by 1e-6 m."""
+
+
+@pytest.mark.parametrize("given", CLOSE_TO_FLAT if arms.here("rm75") else [])
+def test_ends_on_a_limit_next_to_a_flat_elbow_are_met(bench, given):
+    arm = arms.load("rm75")
+    assert_is_whole(bench, arm, np.array(given.split(), float))
+
+
+def test_a_seed_next_to_a_stretched_near_limb_has_the_nearest_posture():
+    """The true chain bends its elbow where the nearest exact limb does not reach: 0.42 rad too far."""
+    arm = arms.load("gen3")
+    q = np.array(
+        [-2.992667730378908, 0, -0.34805971184642814, 0, 0.25333412359005436, -1.188728257542746, -2.850541690772822]
+    )
+    seed = np.array(
+        [
+            -2.9963437599061793,
+            -0.12798635450949514,
+            -0.30165691801852856,
+            -0.0524606848062616,
+            0.35199535637032725,
+            -1.1941620840997695,
+            -2.7854546677611145,
+        ]
+    )
+    pose = arm.forward_kinematics(q)
+    solution = arm.solve(pose, seed=seed)
+    assert max(distance(pose, arms.forward("gen3")(solution.q))) < 1e-9
+    assert inside(solution.q, arm.lower, arm.upper)
+    assert np.linalg.norm(solution.q - seed) < np.linalg.norm(q - seed) + 1e-9

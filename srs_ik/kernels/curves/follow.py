@@ -123,7 +123,7 @@ def correct(P, by, q, d, place):
             return q, False
         q = moved(q, A, 1.0)
         last = size
-        if size < LAST_STEP:
+        if size < LAST_STEP and error < LEFT:
             return q, True
     return q, error < LEFT
 

@@ -30,7 +30,7 @@ from srs_ik.kernels.layout.limb import (
     WRIST_IN_TIP,
 )
 from srs_ik.kernels.layout.maps import MOST_ARCS, NOT_REACHED, REACHED
-from srs_ik.kernels.limb.goal import NO_SEED
+from srs_ik.kernels.limb.goal import NO_SEED, OUTSIDE
 from srs_ik.kernels.limb.poses import read_pose
 from srs_ik.kernels.limb.triangle import elbow_side, place
 from srs_ik.kernels.maps.arcs import put_arc, write_arcs
@@ -156,6 +156,13 @@ def is_surely_out(P, pose, space):
 
 
 @kernel
+def was_missed(P, target, space):
+    """A posture that no curve has led to, and whether there is one."""
+    q, _, lowest = found_again(P, target, -1, Goal(False, NO_SEED, True), space.J, space.A)
+    return q, lowest < OUTSIDE
+
+
+@kernel
 def reach_near(family, pose, space):
     """Whether a posture of a near limb inside the limits meets a pose: REACHED or NOT_REACHED.
 
@@ -175,7 +182,7 @@ def reach_near(family, pose, space):
     n = predicted_intervals(P, target, space.found, space.J, space.A)
     if n < 0:
         n = true_intervals(P, target, True, space.found, space.J, space.A)
-    return REACHED if n > 0 or found_again(P, target, True, space.J, space.A)[1] else NOT_REACHED
+    return REACHED if n > 0 or was_missed(P, target, space)[1] else NOT_REACHED
 
 
 @kernel
@@ -271,7 +278,7 @@ def write_cell_near(family, pose, limits, most, space, out):
     n = intervals_near(family, pose, space)
     q, again = NO_SEED, False
     if n == 0 and not is_surely_out(P, pose, space):
-        q, again = found_again(P, target, True, space.J, space.A)
+        q, again = was_missed(P, target, space)
         if again:
             n = intervals_through(P, target, q, True, space.found, space.J, space.A)
     if n == 0:

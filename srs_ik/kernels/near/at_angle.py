@@ -29,7 +29,15 @@ from srs_ik.kernels.near.on_curves import (
     find_at_angle,
     setting_of,
 )
-from srs_ik.kernels.near.second_attempts import ATTEMPTS, STRETCHED, evaluate_again, is_near_line, stretched
+from srs_ik.kernels.near.second_attempts import (
+    ATTEMPTS,
+    STRETCHED,
+    evaluate_again,
+    hides_turns,
+    is_near_line,
+    may_be_on_line,
+    stretched,
+)
 
 AT_SEED = 1e-12
 """A posture this close to a seed, rad squared, is the nearest one."""
@@ -173,8 +181,10 @@ def solve_all_at_angle(P, target, psi, respect, J, A, found):
             found[branch, i] = A[FIRST + branch, i]
     if highest_cost(found) < OUTSIDE or not may_reach(P, target.place):
         return
-    elbows = ANY_ELBOW if has_surface(P, target.place) else elbows_to_look_at(P, target, psi, -1, A)
+    many = has_surface(P, target.place)
+    elbows = ANY_ELBOW if many else elbows_to_look_at(P, target, psi, -1, A)
     if elbows != 0:
+        on_line = hides_turns(P, target.place) or (many and may_be_on_line(P, target.place))
         other = np.empty((8, 8))
         by = setting_of(P, target, J, A)
         followed = curves_around(P, by, psi, elbows)
@@ -188,8 +198,10 @@ def solve_all_at_angle(P, target, psi, respect, J, A, found):
         put_borders(P, goal, found)
         for branch in range(8):
             # The curves of an almost exact limb are not the only postures there: it has surfaces of them.
-            if P[MISS] < ROUNDED * P[FAR] and OUTSIDE <= found[branch, ROW_COST] < NO_BRANCH:
+            if P[MISS] < ROUNDED * P[FAR] and found[branch, ROW_COST] >= OUTSIDE:
                 q, value = evaluate_again(P, target, psi, branch, goal, 1, A)
+                if value >= OUTSIDE and on_line:
+                    q, _, value = stretched(P, target, psi, branch, goal, J, A)
                 if value < OUTSIDE:
                     put_found(q, value, found[branch])
 
@@ -244,6 +256,10 @@ def solve_at_angle(P, target, psi, wanted, goal, J, A):
     elbows = elbows_in_question(P, target, psi, wanted, goal, (q, lowest), A)
     if elbows == 0:
         return q, best, lowest
+    if lowest >= OUTSIDE and hides_turns(P, place_):
+        on_line = stretched(P, target, psi, wanted, goal, J, A)
+        if on_line[2] < OUTSIDE:
+            return on_line
     ends = wanted >= 0 and lowest >= NO_BRANCH
     by = setting_of(P, target, J, A)
     followed = curves_around(P, by, psi, elbows)
@@ -264,7 +280,7 @@ def solve_at_angle(P, target, psi, wanted, goal, J, A):
         if lowest < OUTSIDE:
             break
     if lowest >= OUTSIDE and abs(place_[3]) < STRETCHED and P[MISS] < ON_LINE * P[FAR]:
-        other, b, value = stretched(P, target, wanted, goal, J, A)
+        other, b, value = stretched(P, target, psi, wanted, goal, J, A)
         if value < lowest:
             q, best, lowest = other, b, value
     return q, best, lowest

@@ -206,12 +206,17 @@ def is_oblique(P):
 
 
 @kernel
+def is_well_bent(P, place_):
+    """Whether the elbow at a pose is neither almost straight nor folded, as far as the nearest exact limb tells."""
+    return place_[5] == 0.0 and 1.0 - abs(place_[2]) > WELL_CLEAR * P[COSINE_OFF]
+
+
+@kernel
 def may_predict(P, place_, band):
     """Whether a band tells enough: not with the elbow almost straight or folded, nor of oblique axes."""
     narrow = widest(band) < ALMOST_NOTHING
-    bent = 1.0 - abs(place_[2]) > WELL_CLEAR * P[COSINE_OFF]
     tells = max(band[1], band[3], band[5]) < WIDEST_BAND and outer_band(band) < WIDEST_OUTER
-    return tells and bent and place_[5] == 0.0 and (narrow or not is_oblique(P))
+    return tells and is_well_bent(P, place_) and (narrow or not is_oblique(P))
 
 
 @kernel

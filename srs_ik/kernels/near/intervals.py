@@ -19,15 +19,18 @@ from srs_ik.kernels.curves.in_step import SAMPLE
 from srs_ik.kernels.curves.runs import CURVE_ROWS, SPARE_ROWS, near_runs, samples_of, survey_curves
 from srs_ik.kernels.curves.spans import MAX_SPANS, SPAN, find_spans
 from srs_ik.kernels.exact.events import TURN
+from srs_ik.kernels.exact.farthest import copy_interval
 from srs_ik.kernels.exact.intervals import join_touching, write_interval
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.answer import OK, ROW_STATUS
 from srs_ik.kernels.layout.asked import Best, Goal, Runs, Setting
 from srs_ik.kernels.layout.search import MAX_RUNS, RUN
 from srs_ik.kernels.limb.branches import NO_BRANCH, branch_of
-from srs_ik.kernels.limb.goal import NO_SEED
+from srs_ik.kernels.limb.goal import NO_SEED, OUTSIDE
 from srs_ik.kernels.limb.triangle import elbow_side
 from srs_ik.kernels.near.at_angle import solve_at_angle
+from srs_ik.kernels.near.predicted import write_whole
+from srs_ik.kernels.near.second_attempts import stretched
 
 LOOKS = 2
 """So many parts of an interval are looked at the ends of, where nothing else tells a posture of it."""
@@ -85,6 +88,31 @@ def intervals_through(P, target, q, respect, out, J, A):
         psi = arm_angle(P, q, target.place[0], target.place[1])
         n = write_interval(out, 0, 0, branch_of(P, q), psi, psi)
     return n
+
+
+@kernel
+def with_on_line(P, target, respect, J, A, out, n):
+    """Put whole circles for n intervals of branches that have a posture with its elbow on the line S-W; their number.
+
+    It is on either side of the line.
+    """
+    found = np.empty((out.shape[0], 3))
+    for i in range(n):
+        copy_interval(out, i, found, i)
+    goal = Goal(False, NO_SEED, respect)
+    on_line = 0
+    for signs in range(4):
+        if stretched(P, target, 0.0, signs, goal, J, A)[2] < OUTSIDE:
+            on_line |= 0b10001 << signs
+    count = 0
+    for branch in range(8):
+        if (on_line >> branch) & 1 == 1:
+            count = write_whole(out, count, branch)
+        for i in range(n):
+            if (on_line >> branch) & 1 == 0 and int(found[i, 0]) == branch:
+                copy_interval(found, i, out, count)
+                count += 1
+    return count
 
 
 @kernel

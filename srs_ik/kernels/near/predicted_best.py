@@ -36,7 +36,7 @@ from srs_ik.kernels.near.arcs import (
 from srs_ik.kernels.near.band import may_predict_limits, widen
 from srs_ik.kernels.near.predicted import predicted_intervals
 from srs_ik.kernels.near.scan import POINT_BRANCH, POINT_PSI, put_points, view_of
-from srs_ik.kernels.near.second_attempts import look_around, rescue
+from srs_ik.kernels.near.second_attempts import found_again, hides_turns
 from srs_ik.kernels.near.within import best_within, measure_points
 
 
@@ -114,7 +114,7 @@ def predicted_best_of_intervals(P, target, respect, out, J, A):
         J: (6, 7) work space.
         A: (16, 9) work space.
     """
-    if not respect:
+    if not respect or hides_turns(P, target.place):
         return -1
     found = np.empty((8 * MAX_PIECES, 3))
     n = predicted_intervals(P, target, found, J, A)
@@ -144,9 +144,7 @@ def search_true(P, target, branch, goal, J, A):
     best = search_followed(P, target, branch, goal, goal.respect, J, A)
     if best[2] < OUTSIDE:
         return best
-    hidden = look_around(P, target, branch, goal, J, A)
-    if hidden[2] >= OUTSIDE:
-        hidden = rescue(P, target, branch, goal, J, A)
+    hidden = found_again(P, target, branch, goal, J, A)
     if hidden[2] < best[2]:
         best = hidden
     if best[2] < OUTSIDE:

@@ -4,7 +4,11 @@ from __future__ import annotations
 
 import math
 
+import numpy as np
+
+from srs_ik.kernels.algebra.pointers import keep, row
 from srs_ik.kernels.algebra.vectors import across, load3, norm, sub
+from srs_ik.kernels.chain.kinematics import pose_error
 from srs_ik.kernels.chain.newton import (
     CLOSED,
     LEFT,
@@ -17,11 +21,30 @@ from srs_ik.kernels.chain.newton import (
     pose_step,
 )
 from srs_ik.kernels.curves.best import cost_of_turn
+from srs_ik.kernels.curves.follow import correct
+from srs_ik.kernels.curves.surface import is_flat, level_place, put_starts
+from srs_ik.kernels.exact.free_splits import close_gently
 from srs_ik.kernels.jit import kernel
-from srs_ik.kernels.layout.asked import Best, Goal
-from srs_ik.kernels.layout.limb import PHASE, SHOULDER, SHOULDER_CENTRE, STRAIGHT, WRIST
-from srs_ik.kernels.limb.branches import NO_BRANCH, best_branch, branch_of
+from srs_ik.kernels.layout.asked import Best, Setting
+from srs_ik.kernels.layout.limb import (
+    FAR,
+    IS_NEAR,
+    LOWER,
+    MISS,
+    PHASE,
+    SHOULDER,
+    SHOULDER_CENTRE,
+    SIZE,
+    STRAIGHT,
+    UPPER,
+    WRIST,
+)
+from srs_ik.kernels.limb.branches import NO_BRANCH, best_branch, branch_of, is_on_border
 from srs_ik.kernels.limb.goal import NO_SEED, OUTSIDE
+from srs_ik.kernels.limb.in_line import ROUNDED
+from srs_ik.kernels.limb.limits import turn_to_middle, violation
+from srs_ik.kernels.limb.poses import read7
+from srs_ik.kernels.limb.triangle import elbow_side
 
 MORE_STEPS = 80
 """Steps of Newton's method, which halves the error at best next to a singularity."""
@@ -38,6 +61,19 @@ JITTERS = 100
 
 STRETCHED = 1e-4
 """Sine of the bend of the elbow under which it may be on the line S-W."""
+
+HIDDEN = 1e-13
+"""What misses may take off the reach of a straight arm, m, for its curves to turn around too sharply to be followed."""
+
+LINE_LOOKS = 25
+LINE_STARTS = 320
+"""Arm angles at which a posture with its elbow on the line S-W is looked for, and room for postures that are singular
+elsewhere too, where many splits are looked at."""
+
+ELBOW_ALONE = (0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0)
+
+ON_LIMIT = 1e-6
+"""An elbow so close to a limit, rad, is on it where it is on the line S-W."""
 
 NEAR_SINGULAR = 0.05
 """Sine of a middle angle under which a spherical joint or the elbow is close to singular, for a second attempt."""
@@ -228,18 +264,85 @@ def rescue(P, target, branch, goal, J, A):
 
 
 @kernel
-def found_again(P, target, respect, J, A):
-    """A posture that the curves from the closed form have passed by, and whether there is one."""
-    goal = Goal(False, NO_SEED, respect)
-    q, _, cost = look_around(P, target, -1, goal, J, A)
-    if cost >= OUTSIDE:
-        q, _, cost = rescue(P, target, -1, goal, J, A)
-    return q, cost < OUTSIDE
+def found_again(P, target, branch, goal, J, A):
+    """A posture that the curves from the closed form have passed by: q, branch, cost."""
+    found = look_around(P, target, branch, goal, J, A)
+    return found if found[2] < OUTSIDE else rescue(P, target, branch, goal, J, A)
 
 
 @kernel
-def stretched(P, target, branch, goal, J, A):
-    """`rescue` where an arm angle is given but the elbow is on the line S-W, and so at every arm angle at once."""
-    q, best, lowest = rescue(P, target, branch, goal, J, A)
-    off_line = norm(across(sub(elbow_position(P, q), load3(P, SHOULDER_CENTRE)), target.place[0]))
-    return q, best, (lowest if off_line < 3.0 * ON_LINE else 2.0 * NO_BRANCH)
+def is_on_line(P, q, place_):
+    """Whether the elbow of a posture is on the line S-W of its pose, and so at every arm angle at once."""
+    return norm(across(sub(elbow_position(P, q), load3(P, SHOULDER_CENTRE)), place_[0])) < 3.0 * ON_LINE
+
+
+@kernel
+def may_be_on_line(P, place_):
+    """Whether the elbow of an almost exact limb may lie on the line S-W at a pose."""
+    return P[IS_NEAR] != 0.0 and P[MISS] < ROUNDED * P[FAR] and is_flat(P, place_)
+
+
+@kernel
+def hides_turns(P, place_):
+    """Whether it may, and what its axes miss is less than steps are long: its curves turn around there within that."""
+    return P[MISS] * P[MISS] < HIDDEN * P[FAR] and may_be_on_line(P, place_)
+
+
+@kernel
+def hold_elbow(P, place_, respect, box):
+    """Copy a limb to `box`, its elbow held straight or folded, and without other limits if they do not count."""
+    for i in range(SIZE):
+        box[i] = P[i]
+    for j in range(7 if not respect else 0):
+        box[LOWER + j], box[UPPER + j] = -math.inf, math.inf
+    flat = turn_to_middle(P, 3, P[STRAIGHT] + (0.0 if place_[2] > 0.0 else math.pi))
+    if respect and violation(P, 3, flat) < ON_LIMIT:
+        flat = min(max(flat, P[LOWER + 3]), P[UPPER + 3])
+    box[LOWER + 3], box[UPPER + 3] = flat, flat
+    return flat
+
+
+@kernel
+def on_line_from(limbs, by, q, goal):
+    """The posture with the elbow on the line S-W next to one, and its cost; in the second limb the elbow is held."""
+    P, box = limbs
+    R, p, place_ = by.target
+    closed, _ = correct(P, by, q, ELBOW_ALONE, q[3])
+    closed, value = cost_of_turn(P, closed, goal)
+    position, orientation = pose_error(P, closed, R, p)
+    error = max(position, orientation)
+    if error > LEFT or value >= OUTSIDE:
+        closed, error = close_gently(box, clipped(box, q), R, p, True, by.J, by.A)
+        closed, value = cost_of_turn(P, closed, goal)
+    return closed, (value if error < LEFT and is_on_line(P, closed, place_) else 2.0 * NO_BRANCH)
+
+
+@kernel
+def stretched(P, target, psi, branch, goal, J, A):
+    """A posture whose elbow is on the line S-W, and so at every arm angle at once, if there is any: q, branch, cost.
+
+    Those are looked for first that the nearest exact limb has at an arm angle.
+    """
+    boxes = np.empty((1, SIZE))
+    box = row(boxes, 0)
+    flat = hold_elbow(P, target.place, goal.respect, box)
+    place_ = level_place(target.place)
+    by = Setting(target, elbow_side(P, place_, 0), goal.respect, J, A)
+    starts = np.empty((LINE_LOOKS + LINE_STARTS, 7))
+    n = put_starts(P, place_, starts, LINE_LOOKS)
+    best, own, lowest = goal.seed, max(branch, 0), 2.0 * NO_BRANCH
+    for i in range(n):
+        if lowest < OUTSIDE or (goal.respect and violation(P, 3, flat) > 0.0):
+            break
+        q = read7(row(starts, i))
+        if i < LINE_LOOKS:
+            # What is found at one arm angle is found at all.
+            at, seeded = (psi, goal.seeded) if i == 0 else (2.0 * math.pi * i / (LINE_LOOKS - 1), False)
+            q, _, _ = best_branch(P, place_, at, branch, seeded, goal.seed, goal.respect)
+        q, _ = cost_of_turn(P, q, goal)
+        q, value = on_line_from((P, box), by, (q[0], q[1], q[2], flat, q[4], q[5], q[6]), goal)
+        if value < lowest and (branch < 0 or is_on_border(P, q, branch)):
+            best, own, lowest = q, (branch if branch >= 0 else branch_of(P, q)), value
+    keep(boxes)
+    keep(starts)
+    return best, own, lowest

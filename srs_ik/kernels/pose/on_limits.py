@@ -7,8 +7,19 @@ import math
 import numpy as np
 
 from srs_ik.kernels.algebra.joint_vectors import short_way
+from srs_ik.kernels.algebra.linear import solve_linear
+from srs_ik.kernels.algebra.vectors import along, cross, scale
 from srs_ik.kernels.chain.kinematics import pose_error
-from srs_ik.kernels.chain.newton import CLOSED, LEFT, ROUNDING, arm_angle, clipped, close_free, shortest_step
+from srs_ik.kernels.chain.newton import (
+    CLOSED,
+    LEFT,
+    ROUNDING,
+    arm_angle,
+    clipped,
+    close_free,
+    equations_at_angle,
+    longest,
+)
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.limb import FIRST_JOINT, LOWER, SHOULDER, UPPER, WRIST
 from srs_ik.kernels.limb.goal import OUTSIDE, UNMET, cost
@@ -37,16 +48,15 @@ def split_inside(P, k, q1, q2, q3):
 
 
 @kernel
-def vagueness(J, A):
-    """How far apart, rad, postures may be that meet a pose as well as floats tell; J is that of one of them.
-
-    A turn that J shrinks to nothing by a factor is shrunk by its square in JJ', whose inverse the step leaves in A.
-    """
-    shortest_step(J, (ROUNDING, -ROUNDING, ROUNDING), (ROUNDING, -ROUNDING, ROUNDING), 0, 0.0, A)
-    most = 0.0
+def vagueness(P, q, target, psi, A):
+    """How far apart, rad, postures at an arm angle may be that meet a pose as well as floats tell."""
+    t, h0 = target.place[0], target.place[1]
+    across = along(scale(math.cos(psi), cross(t, h0)), -math.sin(psi), h0)
+    equations_at_angle(P, q, target.R, target.p, across, A)
     for i in range(6):
-        most = max(most, abs(A[i, 6]))
-    return math.sqrt(ROUNDING * most)
+        A[i, 7] = ROUNDING if i % 2 == 0 else -ROUNDING
+    A[6, 7] = 0.0
+    return longest(A) if solve_linear(A, 7) != 0.0 else math.inf
 
 
 @kernel
@@ -73,6 +83,6 @@ def put_on_limits(P, target, psi, found, goal):
     J, A = np.empty((6, 7)), np.empty((16, 9))
     q, error = close_free(P, clipped(P, q), R, p, True, CLOSING_STEPS, J, A)
     away = short_way(arm_angle(P, q, place_[0], place_[1]) - psi)
-    if error > CLOSED or not abs(away) <= SAME_ANGLE + vagueness(J, A):
+    if error > CLOSED or not abs(away) <= SAME_ANGLE + vagueness(P, q, target, psi, A):
         return found
     return q, branch, cost(P, q, goal.seeded, goal.seed, True)

@@ -33,6 +33,7 @@ from srs_ik.kernels.limb.branches import NO_BRANCH, branch_of, is_unsure
 from srs_ik.kernels.limb.goal import OUTSIDE
 from srs_ik.kernels.limb.limits import tighten
 from srs_ik.kernels.limb.triangle import elbow_side
+from srs_ik.kernels.near.band import is_well_bent
 from srs_ik.kernels.near.many_singular import nearest_among_splits
 from srs_ik.kernels.pose.any_bend import best_at_any_bend
 
@@ -142,7 +143,9 @@ def search_near_seed(P, F, target, goal, J, A):
     # In a box of less than a turn, no joint has two turns to choose from.
     if minimum and distance < 3.0:
         n = without(P, place_, found[:n], (guessed, branch), psi, goal)
-    if n == 0:
+    # The true chain may reach a pose, and bend its elbow, where the closed form does not.
+    told = P[IS_NEAR] == 0.0 or is_well_bent(P, place_)
+    if n == 0 and told:
         return known
     if P[IS_NEAR] == 0.0:
         nearer = nearest_within(P, place_, found[:n], -1, goal, known[2])
@@ -151,9 +154,10 @@ def search_near_seed(P, F, target, goal, J, A):
     elif P[MISS] < HARDLY * P[FAR]:
         return search_hardly_near(P, target, found[:n], known, goal, J, A)
     else:
-        known, sure = look_beside(P, target, found[:n], known, goal, J, A)
-        if sure:
-            return known
+        if told:
+            known, sure = look_beside(P, target, found[:n], known, goal, J, A)
+            if sure:
+                return known
         nearer = search_followed(P, target, -1, goal, goal.respect, J, A)
     return nearer if nearer[2] < known[2] else known
 

@@ -18,6 +18,7 @@ from srs_ik.kernels.limb.triangle import place
 from srs_ik.kernels.near.at_angle import from_curves, solve_at_angle
 from srs_ik.kernels.near.band import is_told
 from srs_ik.kernels.near.on_curves import followed_curves, no_curves, setting_of
+from srs_ik.kernels.near.second_attempts import may_be_on_line, stretched
 from srs_ik.kernels.pose.on_limits import put_on_limits
 from srs_ik.kernels.pose.solve import solve_row_at
 
@@ -72,6 +73,8 @@ def self_motion_rows(family, T, intervals, respect, J, A, out):
             if found[2] >= OUTSIDE and searches < MOST_SEARCHES:
                 found = solve_at_angle(P, target, psi, branch, goal, J, A)
                 searches += 1
+            if found[2] >= OUTSIDE and may_be_on_line(P, target.place):
+                found = stretched(P, target, psi, branch, goal, J, A)
             found = put_on_limits(P, target, psi, found, goal)
             measure_row_at(P, target, psi, found, respect, row(out, i))
         if out[i, ROW_STATUS] == OK:
