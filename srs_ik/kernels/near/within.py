@@ -279,10 +279,16 @@ def next_arm_angle(P, a, b, latest, step):
     if not lower < x < upper:
         cost_a, slope_a, active_a = cost_of(a)
         cost_b, slope_b, active_b = cost_of(b)
+        own_a, own_b = a[POINT_SLOPES + active_b], b[POINT_SLOPES + active_a]
         width = upper - lower
-        # Where the rate of one joint vanishes, or where the tangents of two meet.
-        fall = slope_a * width if active_a == active_b else cost_a - cost_b + slope_b * width
-        x = lower - fall / (slope_b - slope_a) if active_a == active_b else lower + fall / (slope_b - slope_a)
+        # Where the tangents of two meet, or where the rate of one vanishes before it meets another.
+        x = lower + (cost_a - cost_b + slope_b * width) / (slope_b - slope_a)
+        if active_a == active_b:
+            x = lower - slope_a * width / (slope_b - slope_a)
+        elif own_a < 0.0:
+            x = max(x, lower - own_a * width / (slope_b - own_a))
+        elif own_b > 0.0:
+            x = min(x, lower - slope_a * width / (own_b - slope_a))
     if (step % 4 == 3 and upper - lower > COARSE) or not lower < x < upper:
         x = 0.5 * (lower + upper)
     return x
