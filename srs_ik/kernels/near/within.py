@@ -62,8 +62,7 @@ SHORT_SHARE = 0.15
 
 CLOSING_STEPS = 24
 CLOSED_IN = 1e-7
-NO_GAIN = 1e-13
-"""A step of the arm angle this short, rad, is the last, or one that gains no more: steps shrink like squares."""
+"""A step of the arm angle this short, rad, is the last: steps shrink like squares."""
 
 
 @kernel
@@ -284,7 +283,10 @@ def next_arm_angle(P, a, b, latest, step):
         # Where the tangents of two meet, or where the rate of one vanishes before it meets another.
         x = lower + (cost_a - cost_b + slope_b * width) / (slope_b - slope_a)
         if active_a == active_b:
-            x = lower - slope_a * width / (slope_b - slope_a)
+            # The minimum of the cubic through both.
+            mean = slope_a + slope_b - 3.0 * (cost_b - cost_a) / width
+            far = math.sqrt(max(mean * mean - slope_a * slope_b, 0.0))
+            x = upper - width * (slope_b + far - mean) / (slope_b - slope_a + 2.0 * far)
         elif own_a < 0.0:
             x = max(x, lower - own_a * width / (slope_b - own_a))
         elif own_b > 0.0:
@@ -315,11 +317,13 @@ def close_in(P, view, gaps, work, best):
             x = next_arm_angle(P, work[i], work[8 + i], work[16 + i], step)
             way = x - work[16 + i, POINT_PSI]
             _, slope, _ = cost_of(work[16 + i])
-            longest = max(longest, abs(way) if abs(way * slope) > NO_GAIN else 0.0)
+            longest = max(longest, abs(way) if abs(way * slope) > GAIN else 0.0)
             for j in range(7):
                 work[24 + i, j] = work[16 + i, j] + way * work[16 + i, POINT_RATES + j]
             work[24 + i, POINT_PSI] = x
             work[24 + i, POINT_BRANCH] = work[i, POINT_BRANCH]
+        if longest == 0.0:
+            break
         if not close_points(P, view.target, work, 24):
             return best, False
         best = measure_points(P, work, 24, 24 + count, best)
