@@ -259,5 +259,6 @@ def intervals_of_bends(family, place_, respect, out, n):
     for i in range(n):
         for c in range(3):
             both[i, c] = out[i, c]
+    n = stretch(eased, place_, span, both[:n], out)
     keep(boxes)
-    return stretch(P, place_, span, both[:n], out)
+    return n
