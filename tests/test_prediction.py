@@ -214,7 +214,7 @@ def margin(arm, q):
     return float(np.min(1.0 - np.abs(q[limited] - 0.5 * (lower + upper)) / (0.5 * (upper - lower))))
 
 
-@pytest.mark.parametrize("name", arms.here("gen3", "j2s7s300"))
+@pytest.mark.parametrize("name", arms.here("gen3", "j2s7s300", "rm75"))
 def test_no_arm_angle_has_a_larger_margin_where_the_elbow_decides(name):
     arm = arms.load(name)
     limited = np.isfinite(arm.lower) & np.isfinite(arm.upper)

@@ -164,28 +164,43 @@ def reach_on(asked, psi, way, room, beyond):
 
 
 @kernel
-def end_of(asked, psi, way, width, room):
-    """Where the interval of a branch ends that ends at psi at one bend, upwards (way 1.0) or downwards (-1.0), rad.
-
-    With its width, and the room up to the next one, rad. Next to a singularity rounding may have put psi outside.
-    """
-    if is_met(asked, psi):
-        return psi + way * reach_on(asked, psi, way, room, True)
+def back_to_met(asked, psi, way, width):
+    """How far back from an arm angle of a branch, in doubling steps, one is met; the width, rad, if none is."""
     back = NOTABLE
     while back < width and not is_met(asked, psi - way * back):
         back *= 2.0
-    if back >= width:
-        return psi
-    inner = psi - way * back
-    return inner + way * reach_on(asked, inner, way, back, False)
+    return min(back, width)
 
 
 @kernel
-def ends_of(asked, lower, upper, before, behind):
+def end_of(asked, eased, psi, way, width, room):
+    """Where the interval of a branch ends that ends at psi at one bend, upwards (way 1.0) or downwards (-1.0), rad.
+
+    With its width, and the room up to the next one, rad. Next to a singularity rounding may have put psi outside; where
+    limits leave no arm angle but for rounding, the eased ones tell.
+    """
+    if is_met(asked, psi):
+        return psi + way * reach_on(asked, psi, way, room, True)
+    back = back_to_met(asked, psi, way, width)
+    if back < width:
+        inner = psi - way * back
+        return inner + way * reach_on(asked, inner, way, back, False)
+    if is_met(eased, psi):
+        return psi
+    back = back_to_met(eased, psi, way, width)
+    if back >= width:
+        return psi
+    inner = psi - way * back
+    return inner + way * reach_on(eased, inner, way, back, False)
+
+
+@kernel
+def ends_of(asked, eased, lower, upper, before, behind):
     """Where the interval of a branch ends at any bend that ends so at one, up to the intervals before and behind it."""
     if upper - lower > NARROW:
         width = upper - lower
-        return end_of(asked, lower, -1.0, width, lower - before), end_of(asked, upper, 1.0, width, behind - upper)
+        below = end_of(asked, eased, lower, -1.0, width, lower - before)
+        return below, end_of(asked, eased, upper, 1.0, width, behind - upper)
     for i in range(3):
         psi = 0.5 * (lower + upper) + NOTABLE * (i if i < 2 else -1)
         if before < psi < behind and is_met(asked, psi):
@@ -196,20 +211,24 @@ def ends_of(asked, lower, upper, before, behind):
 
 
 @kernel
-def stretch(P, place_, span, rows, out):
-    """Take the ends of sorted intervals of all branches as far as any bend allows; write them to out; their number."""
+def stretch(limbs, place_, span, rows, out):
+    """Take the ends of sorted intervals of all branches as far as any bend allows; write them to out; their number.
+
+    `limbs` are the packed limb and the one with eased limits, of which the intervals are.
+    """
     bends = np.empty(MOST_EVENTS)
     n, first, count = rows.shape[0], 0, 0
     while first < n:
         branch, last = int(rows[first, 0]), first
         while last + 1 < n and int(rows[last + 1, 0]) == branch:
             last += 1
-        asked = (P, place_, branch, span, bends)
+        asked = (limbs[0], place_, branch, span, bends)
+        eased = (limbs[1], place_, branch, span, bends)
         begin = count
         for i in range(first, last + 1):
             before = rows[i - 1, 2] if i > first else rows[last, 2] - TURN
             behind = rows[i + 1, 1] if i < last else rows[first, 1] + TURN
-            lower, upper = ends_of(asked, rows[i, 1], rows[i, 2], before, behind)
+            lower, upper = ends_of(asked, eased, rows[i, 1], rows[i, 2], before, behind)
             count = write_interval(out, begin, count, branch, lower, upper)
         count = join_touching(out, begin, count)
         first = last + 1
@@ -259,5 +278,6 @@ def intervals_of_bends(family, place_, respect, out, n):
     for i in range(n):
         for c in range(3):
             both[i, c] = out[i, c]
+    n = stretch((P, eased), place_, span, both[:n], out)
     keep(boxes)
-    return stretch(P, place_, span, both[:n], out)
+    return n

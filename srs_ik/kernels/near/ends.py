@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from srs_ik.kernels.algebra.lanes import as_bits, gather, one_of
 from srs_ik.kernels.algebra.pointers import row
-from srs_ik.kernels.chain.eight import put_eight, take_eight
+from srs_ik.kernels.chain.eight import put_eight, sines_of_eight, take_eight
 from srs_ik.kernels.chain.limit_ends import to_limits
 from srs_ik.kernels.chain.newton import STEPS
 from srs_ik.kernels.chain.newton_eight import ALL
@@ -76,7 +76,7 @@ def correct_ends(P, view, ends, n):
         tell_starts(P, view, rows)
         way = gather(rows, END_WAY, END)
         q, psi, met = to_limits(P, take_eight(rows, END), gather(rows, END_PSI, END), way, view.target, STEPS)
-        met &= in_branches(P, q, gather(rows, END_BRANCH, END))
+        met &= in_branches(sines_of_eight(P, q), gather(rows, END_BRANCH, END))
         first_psi, last_psi = gather(rows, END_FIRST, END), gather(rows, END_LAST, END)
         more = SPARE * (last_psi - first_psi) + MARGINS
         met &= as_bits((psi > first_psi - more) & (psi < last_psi + more))

@@ -13,7 +13,7 @@ from srs_ik.kernels.algebra.pointers import keep, row
 from srs_ik.kernels.chain.answer import measure_row
 from srs_ik.kernels.chain.newton import arm_angle
 from srs_ik.kernels.curves.best import best_of_runs, search_followed
-from srs_ik.kernels.exact.farthest import copy_interval, draw_in, farthest_of_all
+from srs_ik.kernels.exact.farthest import best_glance, copy_interval, draw_in, farthest_of_all
 from srs_ik.kernels.exact.intervals import find_intervals
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.answer import MAX_PIECES
@@ -56,7 +56,9 @@ def first_best(P, view, branch):
     """The posture beside the exact limb's best one; its cost is 0 where there is none inside the limits."""
     place_ = view.target.place
     none = Best(NO_SEED, 0.0)
-    q, best_branch, lowest = farthest_of_all(P, P, place_, branch, True)
+    q, best_branch, lowest = best_glance(P, place_, view.sides, branch, True)
+    if not lowest < 0.0:
+        q, best_branch, lowest = farthest_of_all(P, P, place_, branch, True)
     if not lowest < 0.0:
         return none
     for i in range(8):

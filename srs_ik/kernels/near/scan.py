@@ -6,7 +6,7 @@ import numpy as np
 
 from srs_ik.kernels.algebra.joint_vectors import short_way
 from srs_ik.kernels.algebra.lane_trig import turn
-from srs_ik.kernels.algebra.lanes import as_bits, gather, one_of, scatter, whole_number
+from srs_ik.kernels.algebra.lanes import as_bits, gather, one_of, scatter, where, whole_number
 from srs_ik.kernels.algebra.pointers import row
 from srs_ik.kernels.chain.eight import put_eight, sines_of_eight, take_eight
 from srs_ik.kernels.chain.newton import STEPS
@@ -17,9 +17,9 @@ from srs_ik.kernels.layout.asked import View
 from srs_ik.kernels.limb.limits import beyond, turn_to_middle
 from srs_ik.kernels.limb.postures_eight import eight_postures
 from srs_ik.kernels.limb.triangle import elbow_side
-from srs_ik.kernels.near.band import band_with, certain_posture, least_bend, sines_of_middles
+from srs_ik.kernels.near.band import band_with, certain_posture, least_bend
 
-POINT = 32
+POINT = 33
 POINT_PSI = 7
 POINT_RATES = 8
 POINT_OFF = 15
@@ -27,9 +27,10 @@ POINT_BRANCH = 16
 POINT_COSTS = 17
 POINT_SLOPES = 24
 POINT_NEXT = 31
+POINT_SINE = 32
 """A point: joint angles, arm angle, the rates of the joints with it, how far it is outside the limits, branch; where
 costs count (`within`), cost of each joint and its rate with the arm angle, and in the place of the limits the cost;
-the row of the point that comes next."""
+the row of the point that comes next; how far shoulder and wrist are from singular."""
 
 LAST = 7
 """Of the first eight points of a stretch, the one at its end."""
@@ -74,7 +75,10 @@ def close_points(P, target, points, n):
     put_eight(rows, POINT, ALL, q)
     for j in range(7):
         scatter(rows, POINT_RATES + j, POINT, rates[j])
-    return met == ALL and in_branches(P, q, gather(rows, POINT_BRANCH, POINT)) == ALL
+    sines = sines_of_eight(P, q)
+    s2, s6 = abs(sines[0]), abs(sines[2])
+    scatter(rows, POINT_SINE, POINT, where(s2 < s6, s2, s6))
+    return met == ALL and in_branches(sines, gather(rows, POINT_BRANCH, POINT)) == ALL
 
 
 @kernel
@@ -129,17 +133,9 @@ def outside_by(P, point):
 
 
 @kernel
-def least_sine(P, a, b):
-    """How far shoulder and wrist are from singular at two points."""
-    s2, s6 = sines_of_middles(P, a)
-    t2, t6 = sines_of_middles(P, b)
-    return min(s2, s6, t2, t6)
-
-
-@kernel
-def is_narrow(P, a, b):
+def is_narrow(a, b):
     """Whether two points are so close together that no joint turns much faster between them."""
-    return b[POINT_PSI] - a[POINT_PSI] < CLOSER * least_sine(P, a, b)
+    return b[POINT_PSI] - a[POINT_PSI] < CLOSER * min(a[POINT_SINE], b[POINT_SINE])
 
 
 @kernel
@@ -150,7 +146,7 @@ def is_decided(P, a, b):
         return False
     if width < SMALLEST_GAP:
         return True
-    if not is_narrow(P, a, b):
+    if not is_narrow(a, b):
         return False
     inside_a, inside_b = a[POINT_OFF] <= 0.0, b[POINT_OFF] <= 0.0
     fastest = 0.0
@@ -207,9 +203,9 @@ def scan(P, view, branch, lower, upper):
 
 
 @kernel
-def in_branches(P, q, branches):
-    """Which of eight postures, as bits, lie each in its branch."""
-    s2, s4, s6 = sines_of_eight(P, q)
+def in_branches(sines, branches):
+    """Which of eight postures, as bits, lie each in its branch, told by `sines_of_eight`."""
+    s2, s4, s6 = sines
     elbow = whole_number((branches - 1.5) * 0.25)
     rest = branches - 4.0 * elbow
     shoulder = whole_number((rest - 0.5) * 0.5)

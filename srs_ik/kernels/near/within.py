@@ -28,10 +28,10 @@ from srs_ik.kernels.near.scan import (
     POINT_OFF,
     POINT_PSI,
     POINT_RATES,
+    POINT_SINE,
     POINT_SLOPES,
     close_points,
     is_narrow,
-    least_sine,
     put_between,
     put_points,
 )
@@ -51,7 +51,7 @@ BEYOND = 0.02
 SHORT_GAP = 0.03
 """A gap so short, rad, has one minimum at most: where the cost falls at its first end and rises at its last."""
 
-AT_ONCE = 64
+AT_ONCE = 160
 """Points that are looked at first, at most, but for those of one interval: the best of them shortens what follows."""
 
 COARSE = 1e-3
@@ -104,15 +104,33 @@ def cost_of(point):
 
 
 @kernel
-def least_cost(P, a, b):
+def joint_between(a, b, joint):
+    """Costs of a joint that no posture between two points undercuts, and that none exceeds."""
+    cost_a, rate_a = joint_figures(a, joint)
+    cost_b, rate_b = joint_figures(b, joint)
+    change = FASTER * max(abs(rate_a), abs(rate_b)) * (b[POINT_PSI] - a[POINT_PSI])
+    return 0.5 * (cost_a + cost_b - change), 0.5 * (cost_a + cost_b + change)
+
+
+@kernel
+def least_cost(a, b):
     """A cost that no posture between two points undercuts."""
-    width = b[POINT_PSI] - a[POINT_PSI]
     least = -1.0
     for j in range(7):
-        cost_a, rate_a = joint_figures(a, j)
-        cost_b, rate_b = joint_figures(b, j)
-        least = max(least, 0.5 * (cost_a + cost_b - FASTER * max(abs(rate_a), abs(rate_b)) * width))
+        least = max(least, joint_between(a, b, j)[0])
     return least
+
+
+@kernel
+def is_valley(a, b, least):
+    """Whether the cost between two points that are narrow, no less than a known one, rises nowhere before it falls.
+
+    No joint's cost has more than one minimum or maximum there. So none that may be the largest has a maximum.
+    """
+    for j in range(7):
+        if joint_between(a, b, j)[1] >= least and a[POINT_SLOPES + j] > 0.0 > b[POINT_SLOPES + j]:
+            return False
+    return True
 
 
 @kernel
@@ -202,10 +220,10 @@ def may_be_better_beyond(P, points, found, lowest):
 
 
 @kernel
-def is_short_gap(P, a, b):
+def is_short_gap(a, b):
     """Whether a gap between two points is so short that its ends tell whether there is a minimum in it."""
     width = b[POINT_PSI] - a[POINT_PSI]
-    return width < SHORT_GAP and width < SHORT_SHARE * least_sine(P, a, b)
+    return width < SHORT_GAP and width < SHORT_SHARE * min(a[POINT_SINE], b[POINT_SINE])
 
 
 @kernel
@@ -220,10 +238,14 @@ def halve_gaps(P, view, n, left, best):
         long = 0
         for i in range(left):
             a, b = gaps[i, 0], gaps[i, 1]
-            if is_narrow(P, points[a], points[b]) and least_cost(P, points[a], points[b]) > best.cost - GAIN:
-                continue
+            short = is_short_gap(points[a], points[b])
+            if is_narrow(points[a], points[b]):
+                least = least_cost(points[a], points[b])
+                if least > best.cost - GAIN:
+                    continue
+                short = short or is_valley(points[a], points[b], least)
             gaps[kept, 0], gaps[kept, 1] = a, b
-            if not is_short_gap(P, points[a], points[b]):
+            if not short:
                 gaps[kept, 0], gaps[kept, 1] = gaps[long, 0], gaps[long, 1]
                 gaps[long, 0], gaps[long, 1] = a, b
                 long += 1
@@ -256,10 +278,19 @@ def next_arm_angle(P, a, b, latest, step):
     if not lower < x < upper:
         cost_a, slope_a, active_a = cost_of(a)
         cost_b, slope_b, active_b = cost_of(b)
+        own_a, own_b = a[POINT_SLOPES + active_b], b[POINT_SLOPES + active_a]
         width = upper - lower
-        # Where the rate of one joint vanishes, or where the tangents of two meet.
-        fall = slope_a * width if active_a == active_b else cost_a - cost_b + slope_b * width
-        x = lower - fall / (slope_b - slope_a) if active_a == active_b else lower + fall / (slope_b - slope_a)
+        # Where the tangents of two meet, or where the rate of one vanishes before it meets another.
+        x = lower + (cost_a - cost_b + slope_b * width) / (slope_b - slope_a)
+        if active_a == active_b:
+            # The minimum of the cubic through both.
+            mean = slope_a + slope_b - 3.0 * (cost_b - cost_a) / width
+            far = math.sqrt(max(mean * mean - slope_a * slope_b, 0.0))
+            x = upper - width * (slope_b + far - mean) / (slope_b - slope_a + 2.0 * far)
+        elif own_a < 0.0:
+            x = max(x, lower - own_a * width / (slope_b - own_a))
+        elif own_b > 0.0:
+            x = min(x, lower - slope_a * width / (own_b - slope_a))
     if (step % 4 == 3 and upper - lower > COARSE) or not lower < x < upper:
         x = 0.5 * (lower + upper)
     return x
@@ -285,11 +316,14 @@ def close_in(P, view, gaps, work, best):
         for i in range(count):
             x = next_arm_angle(P, work[i], work[8 + i], work[16 + i], step)
             way = x - work[16 + i, POINT_PSI]
-            longest = max(longest, abs(way))
+            _, slope, _ = cost_of(work[16 + i])
+            longest = max(longest, abs(way) if abs(way * slope) > GAIN else 0.0)
             for j in range(7):
                 work[24 + i, j] = work[16 + i, j] + way * work[16 + i, POINT_RATES + j]
             work[24 + i, POINT_PSI] = x
             work[24 + i, POINT_BRANCH] = work[i, POINT_BRANCH]
+        if longest == 0.0:
+            break
         if not close_points(P, view.target, work, 24):
             return best, False
         best = measure_points(P, work, 24, 24 + count, best)
