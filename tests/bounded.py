@@ -6,8 +6,8 @@ target. It keeps the limits, so that they allow a tip that is never farther off 
 its target from its end on: that is the bound.
 
 There are two followers. The `Chaser` knows what a tracker knows, the poses so far: it makes for the posture that can be
-met soonest. The `Follower` is told the joint angles behind the poses, and so where no later pose leads out of the limits.
-No tracker can hold its bound for sure: the same poses may come from other joint angles, too, and go on otherwise.
+met soonest. The `Follower` is told the joint angles behind the poses, and so where no later pose leads out of the
+limits. No tracker can hold its bound for sure: the same poses may come from other joint angles, and go on otherwise.
 """
 
 from __future__ import annotations
@@ -154,7 +154,7 @@ class Chaser(Follower):
     """A follower that is told poses alone: it makes for the posture that it meets soonest if the target goes on so."""
 
     def __init__(self, arm: Any, start: Bounds, before: Any, bounds: Bounds, dt: float) -> None:
-        """Begin at joint angles and velocities; before: the pose of the target a period ago, None if that is unknown."""
+        """Begin at joint angles and velocities; before: the target's pose a period ago, None if that is unknown."""
         super().__init__(arm, start, start, bounds, dt)
         self.before, self.ticks = before, 0
 
@@ -275,13 +275,13 @@ def steps_of(arm: Any, found: Run, k: int, bounds: Bounds, dt: float, told: bool
 
 
 def envelope(
-    arm: Any, forward: Any, found: Run, given: tuple[int, int], bounds: Bounds, dt: float, told: bool
+    arm: Any, forward: Any, found: Run, span: tuple[int, int], bounds: Bounds, dt: float, told: bool
 ) -> np.ndarray:
     """(m, 2) bound from a sample on, until the follower has caught up, or up to another one.
 
     It ends before what cannot be followed.
     """
-    k, end = given
+    k, end = span
     follower, step = steps_of(arm, found, k, bounds, dt, told)
     off = []
     for m in range(k, end):
