@@ -359,20 +359,6 @@ def test_a_cone_has_the_margin_of_each_of_its_turns(name, cone, q):
     assert np.min(1.0 - abs(arm.solve(T, free_axis=free).q - middle) / half) > most
 
 
-@pytest.mark.parametrize(
-    ("axis", "cone", "number"), [((1.0, 0.0, 0.0), 0.4, 147), ((1.0, 0.0, 0.0), 0.6, 103), ((0.3, 0.5, 0.8), 0.25, 115)]
-)
-def test_a_near_arm_has_no_mirror_images(axis, cone, number):
-    """Starts of equal shares lead to other margins there; which of two was left out told a cone from its roll: 3e-4."""
-    arm = arms.load("gen3")
-    lower, upper = np.maximum(arm.lower, -np.pi), np.minimum(arm.upper, np.pi)
-    half = 0.5 * (arm.upper - arm.lower)
-    pose = arm.forward_kinematics(np.random.default_rng(78).uniform(lower, upper, (400, 7))[number])
-    found = [arm.solve(pose, free_axis=FreeAxis(axis, cone=each)).q for each in (0.0, cone)]
-    roll, wide = (np.min(1.0 - abs(q - 0.5 * (lower + upper)) / half) for q in found)
-    assert wide > roll - 1e-6
-
-
 def on_limits(name, count, salt=120):
     """Postures with two joints in five on a limit."""
     rng, arm = arms.generator(name, salt), arms.load(name)

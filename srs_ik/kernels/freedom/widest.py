@@ -18,7 +18,7 @@ from srs_ik.kernels.freedom.widen import widen
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.answer import SOLVED
 from srs_ik.kernels.layout.freedom import MOST_STARTS, START_LEANS, Found, Freedom
-from srs_ik.kernels.layout.limb import FAR, INVERSE_HALF_RANGE, IS_CLOSED
+from srs_ik.kernels.layout.limb import FAR, INVERSE_HALF_RANGE
 from srs_ik.kernels.limb.triangle import place
 
 ALMOST = 1e-3
@@ -89,12 +89,7 @@ def as_given(P, pose, freedom, liking):
 
 @kernel
 def is_mirrored(P, starts, taken):
-    """Whether the start that is taken last has the shares of one before: it leads to the mirror image of a posture.
-
-    On an exact limb alone: of a near one, which offsets bend, two such starts lead to postures of different shares.
-    """
-    if P[IS_CLOSED] != 1.0:
-        return False
+    """Whether the start that is taken last has the shares of one before: it leads to the mirror image of a posture."""
     here = row(starts, MOST_STARTS - 1 - taken)
     for i in range(taken):
         before = row(starts, MOST_STARTS - 1 - i)
