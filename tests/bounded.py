@@ -1,13 +1,18 @@
-"""How far a tip may be off a target that can be followed: what the limits imply, by a follower that is no tracker.
+"""How far a tip may be off a target that can be followed: what the limits imply, by followers that are no trackers.
 
 A target that comes from a motion of the joints within their limits can be followed. From where a tracker's joints are
-when its tip was on the target last, a follower that is told the target's joint angles, sample by sample and nothing of
-what comes, takes each joint for itself to them in the shortest time. So the limits allow a tip that is never farther
-off than on that way, and on its target from its end on: that is the bound.
+when its tip was on the target last, a follower takes each joint for itself in the shortest time to a posture of the
+target. It keeps the limits, so that they allow a tip that is never farther off than the follower's on that way, and on
+its target from its end on: that is the bound.
+
+There are two followers. The `Chaser` knows what a tracker knows, the poses so far: it makes for the posture that can be
+met soonest. The `Follower` is told the joint angles behind the poses, and so where no later pose leads out of the
+limits. No tracker can hold its bound for sure: the same poses may come from other joint angles, and go on otherwise.
 """
 
 from __future__ import annotations
 
+import itertools
 from dataclasses import dataclass
 from typing import Any
 
@@ -15,7 +20,7 @@ import numpy as np
 import pinocchio as pin
 from motions import joint_motion, minimum_jerk
 from scipy.interpolate import CubicSpline
-from tracked import BEYOND, GONE_FOR, LOST, NEAR_TARGET, SECONDS, SMOOTHING, velocities
+from tracked import BEYOND, GONE_FOR, LOST, NEAR_TARGET, SECONDS, SMOOTHING, least_time, velocities, ways_to
 
 KINDS = ("joints", "limits", "singular")
 """Motions whose joint angles are known."""
@@ -37,6 +42,18 @@ TOGETHER = 1e-6
 
 ASK_AGAIN = 25
 """Periods between two permissions to reconfigure."""
+
+CHOOSE_EVERY = 10
+"""Periods after which a chaser looks for the posture that it can meet soonest."""
+
+SOONEST, EVERY = 40, 4
+"""Of so many postures, by the time to a pose that rests, one in so many is looked at with the velocity that it has."""
+
+SOONER = 0.9
+"""A posture that is met in less than this share of the time to the one that is chosen is met clearly sooner."""
+
+DAMPING = 1e-6
+"""Of the velocities of postures next to singular ones, m^2."""
 
 Bounds = tuple[np.ndarray, np.ndarray]
 
@@ -133,6 +150,58 @@ class Follower:
         return float(np.abs(short_way(self.arm, aim - self.q)).max())
 
 
+class Chaser(Follower):
+    """A follower that is told poses alone: it makes for the posture that it meets soonest if the target goes on so."""
+
+    def __init__(self, arm: Any, start: Bounds, before: Any, bounds: Bounds, dt: float) -> None:
+        """Begin at joint angles and velocities; before: the target's pose a period ago, None if that is unknown."""
+        super().__init__(arm, start, start, bounds, dt)
+        self.before, self.ticks = before, 0
+
+    def rate_of(self, q: np.ndarray, T: Any) -> np.ndarray:
+        """The least velocities with which a posture of the target moves on with it."""
+        if self.before is None:
+            return np.zeros(7)
+        turn = T.rotation @ pin.log3(self.before.rotation.T @ T.rotation)
+        J = self.arm.jacobian(q)
+        twist = np.concatenate([T.translation - self.before.translation, turn]) / self.dt
+        rate = J.T @ np.linalg.solve(J @ J.T + DAMPING * np.eye(6), twist)
+        return np.asarray(np.clip(rate, -self.bounds[0], self.bounds[0]))
+
+    def seconds_to(self, way: np.ndarray, rate: np.ndarray) -> float:
+        """The shortest time to a posture that moves on evenly."""
+        return float(least_time(way, *self.bounds, self.v - rate).max())
+
+    def choose(self, T: Any, kept: np.ndarray | None) -> np.ndarray:
+        """The posture that is met soonest: one that is kept, unless another is met clearly sooner."""
+        best, chosen = np.inf, self.q
+        if kept is not None:
+            chosen = kept
+            best = SOONER * self.seconds_to(short_way(self.arm, kept - self.q), self.rate)
+        ways = ways_to(self.arm, self.q, T.homogeneous)
+        for way in ways[np.argsort(least_time(ways, *self.bounds, self.v).max(axis=1))[:SOONEST:EVERY]]:
+            rate = self.rate_of(self.q + way, T)
+            seconds = self.seconds_to(way, rate)
+            if seconds < best:
+                best, chosen, self.rate = seconds, self.q + way, rate
+        return chosen
+
+    def chase(self, T: Any | None) -> float:
+        """Go on by a period towards a pose: how far the joint that is farthest off is then, rad."""
+        if T is None:
+            self.before = None
+            return self.step(None)
+        kept = self.arm.solve(T, seed=self.target).q if self.ticks else None
+        if self.ticks % CHOOSE_EVERY == 0:
+            chosen = self.choose(T, kept)
+            if chosen is not kept:
+                # Where that posture was a period ago.
+                self.target, self.gone, kept = chosen - self.dt * self.rate, 0, chosen
+        self.before = T
+        self.ticks += 1
+        return self.step(kept)
+
+
 def off_by(forward: Any, q: np.ndarray, T: Any) -> np.ndarray:
     """Metres and radians between the tip and a target."""
     tip = forward(q)
@@ -189,36 +258,40 @@ def begins_anew(found: Run) -> np.ndarray:
     return np.asarray(~found.free | (gone & ~lost))
 
 
-def envelope(arm: Any, forward: Any, found: Run, k: int, bounds: Bounds, dt: float) -> np.ndarray:
-    """(m, 2) bound from sample k on, until the follower has caught up: from where the tracker's joints were before.
+def seen_before(found: Run, k: int) -> bool:
+    """Whether the target a period ago says how it moves: not after a jump or a long time without one."""
+    return bool(found.free[k] and k > 1 and not found.known.lost[max(k - LONG, 0) : k].all())
+
+
+def steps_of(arm: Any, found: Run, k: int, bounds: Bounds, dt: float, told: bool) -> tuple[Follower, Any]:
+    """The follower that begins at sample k, where the tracker's joints are, and what takes it on to a sample."""
+    known, start, seen = found.known, (found.q[k], found.v[k]), seen_before(found, k)
+    if told:
+        before = (known.q[k - 1], (known.q[k - 1] - known.q[k - 2]) / dt) if seen else (known.q[k], np.zeros(7))
+        follower = Follower(arm, start, before, bounds, dt)
+        return follower, lambda m: follower.step(None if known.lost[m] else known.q[m])
+    chaser = Chaser(arm, start, found.targets[k - 1] if seen else None, bounds, dt)
+    return chaser, lambda m: chaser.chase(None if known.lost[m] else found.targets[m])
+
+
+def envelope(
+    arm: Any, forward: Any, found: Run, span: tuple[int, int], bounds: Bounds, dt: float, told: bool
+) -> np.ndarray:
+    """(m, 2) bound from a sample on, until the follower has caught up, or up to another one.
 
     It ends before what cannot be followed.
     """
-    known = found.known
-    seen = known.q[k], np.zeros(7)
-    if found.free[k] and k > 1 and not known.lost[max(k - LONG, 0) : k].all():
-        # Not after a jump or a long time without a target: all that is known then is where it is.
-        seen = known.q[k - 1], (known.q[k - 1] - known.q[k - 2]) / dt
-    follower = Follower(arm, (found.q[k], found.v[k]), seen, bounds, dt)
+    k, end = span
+    follower, step = steps_of(arm, found, k, bounds, dt, told)
     off = []
-    for m in range(k, len(known.q)):
+    for m in range(k, end):
         if m > k + 2 and not found.free[m]:
             break
-        left = follower.step(None if known.lost[m] else known.q[m])
+        left = step(m)
         off.append(off_by(forward, follower.q, found.targets[m]))
-        if left < TOGETHER and not known.lost[m]:
+        if left < TOGETHER and not found.known.lost[m]:
             break
     return np.tile(np.max(off, axis=0), (len(off), 1))
-
-
-def bound(arm: Any, forward: Any, found: Run, bounds: Bounds, dt: float, anew: np.ndarray) -> np.ndarray:
-    """(n, 2) bound of each sample, metres and radians, where followers begin anew at some samples."""
-    out = np.zeros((len(found.off), 2))
-    for k in np.flatnonzero(anew):
-        away = envelope(arm, forward, found, int(k), bounds, dt)
-        out[k:] = 0.0
-        out[k : k + len(away)] = away
-    return out
 
 
 def beyond(arm: Any, forward: Any, found: Run, bounds: Bounds, dt: float, told: bool) -> np.ndarray:
@@ -230,13 +303,15 @@ def beyond(arm: Any, forward: Any, found: Run, bounds: Bounds, dt: float, told: 
         found: what a tracker made of a motion.
         bounds: largest velocities and accelerations.
         dt: period, s.
-        told: the follower goes on from its own joint angles, and so is never off after its start; else from the
-            tracker's where its tip was on the target.
+        told: whether the follower is told the joint angles of the target, and not its poses alone.
     """
-    anew = begins_anew(found)
-    if not told:
-        anew |= np.concatenate([[True], found.on[:-1]]) & ~found.on
-    most = np.maximum(bound(arm, forward, found, bounds, dt, anew), np.array(NEAR_TARGET) + found.noise)
+    anew = begins_anew(found) | (np.concatenate([[True], found.on[:-1]]) & ~found.on)
+    most = np.zeros((len(found.off), 2))
+    at = [*np.flatnonzero(anew).tolist(), len(found.off)]
+    for k, end in itertools.pairwise(at):
+        away = envelope(arm, forward, found, (k, end), bounds, dt, told)
+        most[k : k + len(away)] = away
+    most = np.maximum(most, np.array(NEAR_TARGET) + found.noise)
     counted = found.free & ~found.known.lost
     return np.where(counted[:, None], found.off - most, -np.inf)
 
@@ -257,5 +332,5 @@ def bound_line(arm: Any, forward: Any, name: str, count: int, seed: int, dt: flo
         f"{name}: seeds {seed} to {seed + count - 1}, {count} motions, {counted} samples that can be followed; "
         f"within the bound {100.0 * (1.0 - past / counted):.2f} % ({past} beyond it, by {1e3 * worst[0]:.0f} mm and "
         f"{1e3 * worst[1]:.0f} mrad at most), on target {100.0 * on / counted:.2f} %, within that of one who "
-        f"knows the joint angles all along {100.0 * (1.0 - past_told / counted):.2f} %"
+        f"is told the joint angles {100.0 * (1.0 - past_told / counted):.2f} %"
     )

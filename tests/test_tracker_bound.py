@@ -3,7 +3,7 @@
 import arms
 import numpy as np
 import pytest
-from bounded import Follower, beyond, can_be_followed, known_motion, off_by, run
+from bounded import Chaser, Follower, beyond, can_be_followed, known_motion, off_by, run
 from tracked import passed, velocities
 
 DT = 0.002
@@ -49,12 +49,28 @@ def test_the_follower_keeps_the_limits_and_loses_nothing_of_what_can_be_followed
     assert least < back < 4.0 * least + 0.2
 
 
+@pytest.mark.parametrize("name", ARMS)
+def test_the_chaser_keeps_the_limits_and_is_back_after_a_jump_by_poses_alone(name):
+    arm, forward = arms.load(name), arms.forward(name)
+    known = known_motion(arm, 0, DT)
+    jump = int(np.argmax(~can_be_followed(known.q, limits(arm), DT)))
+    chaser = Chaser(arm, (known.q[jump - 1], np.zeros(7)), None, limits(arm), DT)
+    q, off = [], []
+    for each in known.q[jump : jump + 400]:
+        chaser.chase(forward(each))
+        q.append(chaser.q)
+        off.append(off_by(forward, chaser.q, forward(each)))
+    assert passed(arm, known.q[jump - 1], np.array(q), limits(arm), DT).max() < ROUNDING
+    assert off[0][0] > 1e-3
+    assert np.max(off[-50:], axis=0) == pytest.approx(0.0, abs=1e-3)
+
+
 @pytest.mark.parametrize(("name", "seed", "most"), [("iiwa14", 302, 0.1), ("iiwa14", 306, 0.01), ("gen3", 300, 0.05)])
 def test_the_tip_is_no_farther_off_than_the_limits_imply(name, seed, most):
     """With 302 the goal went ahead of the joints around a singular shoulder: for 3.4 s, 0.6 m off, 35 % beyond."""
     arm, forward = arms.load(name), arms.forward(name)
     found, bounds = run(arm, forward, known_motion(arm, seed, DT), DT)
-    past = beyond(arm, forward, found, bounds, DT, told=False)
+    past = beyond(arm, forward, found, bounds, DT, told=True)
     counted = np.isfinite(past[:, 0])
     assert counted.mean() > 0.9
     assert (past[counted] > 0.0).any(axis=1).mean() < most

@@ -78,17 +78,22 @@ def limits_line(arm: Any, name: str, count: int, seed: int, dt: float) -> str:
     )
 
 
-def least_time(way: np.ndarray, fastest: np.ndarray, hardest: np.ndarray) -> np.ndarray:
-    """Seconds from rest to rest over a way, at a largest velocity and acceleration."""
-    way = np.abs(way)
-    short = way <= fastest**2 / hardest
-    return np.where(short, 2.0 * np.sqrt(way / hardest), way / fastest + fastest / hardest)
+def least_time(
+    way: np.ndarray, fastest: np.ndarray, hardest: np.ndarray, velocity: np.ndarray | float = 0.0
+) -> np.ndarray:
+    """Seconds over a way to rest, from rest or a velocity, at a largest velocity and acceleration."""
+    # A joint that cannot stop before its end comes back to it.
+    side = np.where(way - velocity * np.abs(velocity) / (2.0 * hardest) >= 0.0, 1.0, -1.0)
+    way, velocity = side * way, side * velocity
+    peak = np.sqrt(np.maximum(hardest * way + 0.5 * velocity**2, 0.0))
+    even = (way - (fastest**2 - 0.5 * velocity**2) / hardest) / fastest
+    return (2.0 * np.minimum(peak, fastest) - velocity) / hardest + np.where(peak > fastest, even, 0.0)
 
 
 def ways_to(arm: Any, q: np.ndarray, T: np.ndarray) -> np.ndarray:
     """(n, 7) how far joints are from the postures of a pose: over 180 arm angles, all branches."""
     angles = np.linspace(-np.pi, np.pi, 180, endpoint=False)
-    found = arm.solve_batch(np.repeat(T[None], len(angles), axis=0), arm_angle=angles, all_branches=True)
+    found = arm.solve_batch(np.repeat(T[None], len(angles), axis=0), arm_angle=angles, all_branches=True, threads=1)
     way: np.ndarray = found.q.reshape(-1, 7)[np.asarray(found.ok).ravel()] - q
     endless = np.isinf(arm.upper)
     way[:, endless] = (way[:, endless] + np.pi) % (2.0 * np.pi) - np.pi

@@ -37,7 +37,7 @@ GENTLY = 1e-4
 """Weight of the step that is planned, m^2, where the tip is farther away than this, m: it comes back, but not at any
 price."""
 
-BRAKING = 0.15
+BRAKING = 0.4
 """The tip brakes with so much of what the slowest joint can do at the end of the stretched arm."""
 
 
