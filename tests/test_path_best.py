@@ -183,18 +183,19 @@ def motion_of_benchmark(arm, name, kind, motion, count=200):
     return benchmark["known_motion"](arm, rng, kind, count)
 
 
-def two_pieces(arm, name, kind, number):
-    """(20, 7) two pieces of motions that have nothing to do with each other, as in `benchmarks/path_truth.py`."""
+def pieces(arm, name, kind, number, count):
+    """(20, 7) pieces of motions that have nothing to do with each other, as in `benchmarks/path_truth.py`."""
     benchmark = runpy.run_path(
         str(Path(__file__).parents[1] / "benchmarks" / "known_motions.py"), run_name="known_motions"
     )
     rng = np.random.default_rng([zlib.crc32(name.encode()), benchmark["KINDS"].index(kind), 100_000 + number])
     parts = []
-    for _ in range(2):
+    each = 20 // count
+    for _ in range(count):
         stride = int(rng.integers(1, 4))
         known = benchmark["known_motion"](arm, rng, kind, 200)
-        first = int(rng.integers(0, 200 - stride * 10))
-        parts.append(known[first : first + stride * 10 : stride])
+        first = int(rng.integers(0, 200 - stride * each))
+        parts.append(known[first : first + stride * each : stride])
     return np.vstack(parts)
 
 
@@ -208,12 +209,21 @@ def two_pieces(arm, name, kind, number):
 def test_a_step_that_is_just_short_enough_stays_so(name, kind, number, seeded, breaks):
     """Brute force finds so few breaks, with a step of 0.49999 rad; chords of strips are shorter than the steps."""
     arm = load(name)
-    known = two_pieces(arm, name.rstrip("f"), kind, number)
+    known = pieces(arm, name.rstrip("f"), kind, number, 2)
     poses, seed = poses_of(arm, known), known[0] if seeded else None
     path = arm.solve_path(poses, seed=seed)
     assert_on_poses(name, arm, poses, path)
     assert len(path.breaks) == breaks
     assert (np.abs(path.steps).max(axis=1) > LONGEST).sum() == breaks
+
+
+def test_of_two_paths_that_seem_as_good_the_better_is_taken():
+    """They end in different strips; brute force finds the one whose chords are longer, and whose steps are shorter."""
+    arm = load("iiwa14")
+    poses = poses_of(arm, pieces(arm, "iiwa14", "singular", 915, 1))
+    path = arm.solve_path(poses)
+    assert_on_poses("iiwa14", arm, poses, path)
+    assert path.value <= 0.0199276
 
 
 @pytest.mark.files
@@ -263,6 +273,8 @@ def test_postures_that_rounding_takes_away_are_no_break(name, motion):
         ("gen3", "singular", 61000),
         pytest.param("rm75", "limits", 3007, marks=pytest.mark.files),
         pytest.param("rm75", "limits", 3009, marks=pytest.mark.files),
+        pytest.param("rm75", "limits", 71037, marks=pytest.mark.files),
+        pytest.param("h1_2_left", "cross", 71026, marks=pytest.mark.files),
     ],
 )
 def test_a_path_that_leads_elsewhere_between_few_poses_is_planned_at_all(name, kind, motion):

@@ -14,7 +14,7 @@ from srs_ik.kernels.entries.pose import pack_limits
 from srs_ik.kernels.layout.limb import LIMITED, LOOSE, SHIFT
 from srs_ik.kernels.layout.path import BREAK, BY_CONTINUITY, HELD_LINKED
 from srs_ik.solve.path_around import BESIDE, find_at, search_around, wider
-from srs_ik.solve.path_blocks import find_way, held_in, through
+from srs_ik.solve.path_blocks import Block, find_way, gone_back, held_in, through
 from srs_ik.solve.path_bridges import bridged
 from srs_ik.solve.path_narrow import costs_to_end, dear, find_narrow, held_below, held_between, worse
 from srs_ik.solve.path_odd import is_odd, smoothed_leaps, turned_at_flat
@@ -59,6 +59,9 @@ ROUNDS = 4
 
 LEFT = 0.002
 """What poses between planned ones add to the cost of a path may be left out up to this part of all."""
+
+OTHER_ENDS = 8
+"""So many strips of the last pose at most are tried as ends of a path beside the one that seems best."""
 
 SLIVER = 1e-4
 """An interval of arm angles that is narrower than this, rad, lies between a limit and a singular posture."""
@@ -305,6 +308,7 @@ def planned_everywhere(problem: Problem, plan: Problem) -> Way:
     if way.cost < 0.5 * BREAK:
         least, joined = way.cost, False
         improve(problem, way)
+        way = with_other_end(problem, way, keys, blocks)
         if problem.even and fine is plan and not problem.is_near and way.cost > AS_PLANNED * least:
             other, _ = find_narrow(problem, keys, blocks, costs_to_end(problem, blocks, way.cost))
             joined = other.cost < 0.5 * BREAK
@@ -329,6 +333,16 @@ def planned_everywhere(problem: Problem, plan: Problem) -> Way:
         way.walls = walls
         improve(problem, way)
         way = search_around(problem, way)
+    return way
+
+
+def with_other_end(problem: Problem, way: Way, keys: NDArray[np.int64], blocks: list[Block]) -> Way:
+    """A path, or one that ends in another strip and is better: before they are improved, two may seem as good."""
+    numbers, least = blocks[-1].ends_at()
+    for number in numbers[1:][least[1:] < way.cost][:OTHER_ENDS].tolist():
+        other = gone_back(problem, keys, blocks, number)
+        improve(problem, other)
+        way = min(way, other, key=lambda each: worth(problem, each))
     return way
 
 
