@@ -125,7 +125,7 @@ def planned(problem: Problem) -> Way:
     if way is None:
         way = planned_everywhere(problem, problem)
     elif rest is not None or way.torn:
-        way = min(planned_everywhere(problem, rest or problem), way, key=lambda each: worth(problem, each))
+        way = min(planned_everywhere(problem, rest or problem, way), way, key=lambda each: worth(problem, each))
     elif is_odd(problem, way):
         way = smoothed_leaps(problem, way)
     return turned_at_flat(problem, way)
@@ -294,10 +294,10 @@ def fill(problem: Problem, way: Way, keys: NDArray[np.int64]) -> NDArray[np.bool
     return missed
 
 
-def planned_everywhere(problem: Problem, plan: Problem) -> Way:
+def planned_everywhere(problem: Problem, plan: Problem, known: Way | None = None) -> Way:
     """A path planned at every pose, with postures that strips miss and with breaks where there is no other way.
 
-    `plan` is the problem with what is known of its strips.
+    `plan` is the problem with what is known of its strips, `known` a path without a break, if there is one.
     """
     arm, keys = problem.arm, np.arange(len(problem.T))
     may_bridge = problem.free is None and (arm.closed or not problem.in_closed_form)
@@ -306,10 +306,15 @@ def planned_everywhere(problem: Problem, plan: Problem) -> Way:
         fine = fine_everywhere(problem, keys)
     way, blocks = through(fine, keys, False)
     if way.cost < 0.5 * BREAK:
-        least, joined = way.cost, False
-        improve(problem, way)
-        way = with_other_end(problem, way, keys, blocks)
-        if problem.even and fine is plan and not problem.is_near and way.cost > AS_PLANNED * least:
+        least, joined, may_join = way.cost, False, problem.even and fine is plan and not problem.is_near
+        if may_join and known is not None and known.cost > AS_PLANNED * least:
+            # What coarse strips tell of the best path, fine ones tell better; how much one costs is known.
+            way = known
+        else:
+            improve(problem, way)
+        if fine is not plan:
+            way = with_other_end(problem, way, keys, blocks)
+        if may_join and way.cost > AS_PLANNED * least:
             other, _ = find_narrow(problem, keys, blocks, costs_to_end(problem, blocks, way.cost))
             joined = other.cost < 0.5 * BREAK
             if joined:
