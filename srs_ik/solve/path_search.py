@@ -54,7 +54,7 @@ AS_LITTLE = 0.9999
 FAR_ABOVE = 1.02
 """A path that costs so many times its plan is bettered first by poses between planned ones, in coarse strips."""
 
-ROUNDS = 4
+ROUNDS = 2
 """Poses between planned ones are planned too so often at most, where a path does something of its own there."""
 
 LEFT = 0.002
