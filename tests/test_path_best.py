@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from arms import forward, generator, load
+from arms import configurations, forward, generator, load
 from oracles import random_limb
 from path_oracle import best_path, swept_postures
 
@@ -111,6 +111,30 @@ def test_a_posture_that_is_given_is_taken():
     assert path
     np.testing.assert_array_equal(path.q[[20, 59]], known[[20, 59]])
     assert (path.steps**2).sum() >= (arm.solve_path(poses).steps ** 2).sum() - 1e-9
+
+
+def test_between_two_splits_of_a_straight_arm_joints_turn_evenly():
+    """Joints 1, 3, 5 and 7 turn about one line, each against the others; no path is shorter than a straight one."""
+    arm = load("iiwa14")
+    begin, end = np.array([0.4, 0.0, -0.3, 0.0, 0.2, 0.0, 0.1]), np.array([-0.45, 0.0, 0.65, 0.0, -0.35, 0.0, 0.55])
+    poses = np.repeat(poses_of(arm, begin[None]), 40, axis=0)
+    path = arm.solve_path(poses, known={0: begin, -1: end})
+    assert path
+    assert path.value == pytest.approx(((end - begin) ** 2).sum() / 39, rel=1e-9)
+    assert_on_poses("iiwa14", arm, poses, path)
+
+
+@pytest.mark.parametrize("name", ["gen3", "human_arm"])
+def test_between_given_postures_a_straight_line_of_poses_is_straight(name):
+    """Turned by whole turns, too: gen3's joints 1, 3, 5 and 7 have no ends."""
+    arm, rng = load(name), generator(name, 39)
+    begin, end = configurations(name, 2, 39)
+    end = begin + 0.3 * (end - begin)
+    known = begin + np.linspace(0.0, 1.0, 30)[:, None] * (end - begin)
+    turned = np.where(np.isinf(arm.upper), 2.0 * np.pi * rng.integers(-1, 2, 7), 0.0)
+    path = arm.solve_path(poses_of(arm, known), known={0: begin, 29: end + turned})
+    assert path
+    assert path.value == pytest.approx(((end - begin) ** 2).sum() / 29, rel=1e-9)
 
 
 def test_a_closed_path_ends_where_it_begins():

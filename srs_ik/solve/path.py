@@ -31,7 +31,7 @@ from srs_ik.solve.path_breaks import PathBreak, breaks_of
 from srs_ik.solve.path_limited import keeps_limits
 from srs_ik.solve.path_polish import FINE, improve, keep_limits
 from srs_ik.solve.path_problem import LARGEST_STEP, OBJECTIVES, TIME, Problem, Way, copy, objective_of, steps_of, worth
-from srs_ik.solve.path_rows import off_pose, rows_of
+from srs_ik.solve.path_rows import off_poses, on_straight_lines, rows_of
 from srs_ik.solve.path_timing import passing_times
 from srs_ik.solve.pose import solve
 from srs_ik.solve.solution import BatchSolution, Collision, ElbowRange
@@ -164,6 +164,7 @@ def solve_path(
         from srs_ik.solve.in_scene.path import keep_clear
 
         return keep_clear(replace(problem, around=around), find)
+    problem = on_straight_lines(problem)
     if n > SHORT:
         # What has to be compiled is compiled here: in another thread nobody could interrupt it.
         one = replace(problem, T=T[:1], known=given[:1], has_known=has_given[:1], near=problem.near[:1])
@@ -283,7 +284,7 @@ def _known(arm: PackedArm, T: Array, known: Mapping[int, ArrayLike]) -> tuple[Ar
         q = as_joint_vector(posture, f"the posture of pose {index}")
         if (q < arm.lower).any() or (q > arm.upper).any():
             raise InvalidConfiguration(f"known: the posture of pose {index} is outside the joint limits")
-        if off_pose(arm, T[index], q) > ON_POSE:
+        if off_poses(arm, T[index][None], q[None])[0] > ON_POSE:
             raise InvalidConfiguration(f"known: the posture given for pose {index} does not meet it")
         given[index], has_given[index] = q, True
     return given, has_given
