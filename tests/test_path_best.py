@@ -298,6 +298,7 @@ def test_postures_that_rounding_takes_away_are_no_break(name, motion):
         pytest.param("rm75", "limits", 3007, marks=pytest.mark.files),
         pytest.param("rm75", "limits", 3009, marks=pytest.mark.files),
         pytest.param("rm75", "limits", 71037, marks=pytest.mark.files),
+        pytest.param("human_left", "limits", 54053, marks=pytest.mark.files),
         pytest.param("h1_2_left", "cross", 71026, marks=pytest.mark.files),
     ],
 )
