@@ -388,6 +388,17 @@ def test_postures_between_planned_poses_hide_no_better_path(name, motion, seeded
     assert path.value <= value
 
 
+@pytest.mark.slow
+@pytest.mark.parametrize(("kind", "motion", "seeded"), [("limits", 81200, True), ("singular", 81201, False)])
+def test_no_known_motion_of_a_near_arm_has_a_smaller_largest_step(kind, motion, seeded):
+    """Chords of coarse strips on the true chain are too far from it for steps that are so short."""
+    arm = load("gen3")
+    known = motion_of_benchmark(arm, "gen3", kind, motion)
+    path = arm.solve_path(poses_of(arm, known), seed=known[0] if seeded else None, objective="largest_step")
+    assert path
+    assert path.value <= np.abs(np.diff(known, axis=0)).max()
+
+
 def test_a_path_with_a_slightly_smaller_largest_step_is_found():
     """None has steps below 0.97 of the first path's; one has steps below 0.995."""
     arm = load("iiwa14")

@@ -30,6 +30,7 @@ FINE_POSES = 256
 """The same where a path with smaller steps is looked for."""
 
 PARTS = np.array([0.25, 0.5, 0.75])
+THIRDS = np.array([1.0, 2.0]) / 3.0
 FARTHEST = 0.1
 """Where strips of a near limb are fine, postures at these parts of the way are put between two, so far off it, rad."""
 
@@ -351,25 +352,25 @@ def with_other_end(problem: Problem, way: Way, keys: NDArray[np.int64], blocks: 
     return way
 
 
-def fine_everywhere(problem: Problem, keys: NDArray[np.int64]) -> Problem:
-    """The problem with fine strips at all key poses."""
+def fine_everywhere(problem: Problem, keys: NDArray[np.int64], parts: Array = PARTS) -> Problem:
+    """The problem with fine strips at all key poses; those of a near limb get postures at parts of the way."""
     if not problem.is_near:
         return replace(problem, radius=EVERYWHERE, spacing=FINE_SPACING)
-    return finer(held_in(problem, keys, through(problem, keys, False)[1]))
+    return finer(held_in(problem, keys, through(problem, keys, False)[1]), parts)
 
 
-def finer(problem: Problem) -> Problem:
+def finer(problem: Problem, parts: Array) -> Problem:
     """The problem with strips of a near limb that are known, others of their postures put between each two."""
     rows, poses = problem.held, problem.held_of
     first = np.flatnonzero(rows[:, HELD_LINKED])
-    straight = rows[first, None, :7] + PARTS[:, None] * (rows[first + 1, :7] - rows[first, :7])[:, None]
+    straight = rows[first, None, :7] + parts[:, None] * (rows[first + 1, :7] - rows[first, :7])[:, None]
     q = straight.reshape(-1, 7).copy()
-    met, where = np.zeros(len(q), np.bool_), np.repeat(poses[first], len(PARTS))
+    met, where = np.zeros(len(q), np.bool_), np.repeat(poses[first], len(parts))
     entries.bridge(problem.arm.family, problem.T[where], q, met)
     good = met & (np.abs(q - straight.reshape(-1, 7)).max(axis=1) < FARTHEST)
-    between = np.repeat(rows[first], len(PARTS), axis=0)
+    between = np.repeat(rows[first], len(parts), axis=0)
     between[:, :7] = q
-    places = np.append(np.arange(len(rows)), (first[:, None] + PARTS).ravel()[good])
+    places = np.append(np.arange(len(rows)), (first[:, None] + parts).ravel()[good])
     order = np.argsort(places, kind="stable")
     held, held_of = np.vstack([rows, between[good]])[order], np.append(poses, where[good])[order]
     return problem if np.bincount(held_of).max(initial=0) > MOST_NODES else replace(problem, held=held, held_of=held_of)
