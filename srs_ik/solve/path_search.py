@@ -359,7 +359,7 @@ def fine_everywhere(problem: Problem, keys: NDArray[np.int64], parts: Array = PA
     return finer(held_in(problem, keys, through(problem, keys, False)[1]), parts)
 
 
-def finer(problem: Problem, parts: Array) -> Problem:
+def finer(problem: Problem, parts: Array = PARTS) -> Problem:
     """The problem with strips of a near limb that are known, others of their postures put between each two."""
     rows, poses = problem.held, problem.held_of
     first = np.flatnonzero(rows[:, HELD_LINKED])
