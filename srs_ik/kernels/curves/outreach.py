@@ -38,6 +38,9 @@ LEVEL = 1e-10
 NARROWEST = 1e-9
 """Two turns closer than this, rad, are one."""
 
+LEAST_BEND = 5e-5
+"""Where the best bend leaves less room than this, rad, to both sides, Newton's method closes no posture for certain."""
+
 LONGEST_STEP = 0.5
 """A longer step, rad, leads to no posture nearby."""
 
@@ -138,7 +141,7 @@ def put_pair(P, by, ends, curvature, starts, n):
             begin, low, high = part, rise, 0.5 * high
         else:
             end, high, low = part, rise, 0.5 * low
-    if good and past * curvature <= 0.0:
+    if good and past * curvature < -0.5 * (LEAST_BEND * curvature) ** 2:
         bend = math.sqrt(-2.0 * past / curvature)
         for sign in range(2):
             there = along7(best, bend if sign == 0 else -bend, bending)
