@@ -12,7 +12,9 @@ import arms
 import numpy as np
 import pytest
 from oracles import distance, inside, phases
+from scipy.optimize import minimize
 
+TIGHT = {"xatol": 1e-12, "fatol": 1e-14, "maxiter": 600}
 BENCHMARKS = Path(__file__).resolve().parents[1] / "benchmarks"
 
 
@@ -327,6 +329,35 @@ STRAIGHT_UP = [
     [-0.5 * np.pi, -0.5 * np.pi, 0.0, 0.0, 0.0, 0.0, 0.0],
 ]
 """Of a gen3: the elbow straight at the end of its reach, where the nearest exact limb has no posture."""
+
+
+def outermost(arm, q):
+    """A posture next to one with an almost straight elbow, of which no joint moves the tip along one direction."""
+    straight = phases(arm.limb)[3]
+
+    def least(x):
+        posture = np.array([q[0], q[1], x[0], straight + x[1], q[4], q[5], q[6]])
+        return np.linalg.svd(arm.jacobian(posture), compute_uv=False)[-1]
+
+    turns = [minimize(least, (turn, 0.0), method="Nelder-Mead", options=TIGHT) for turn in (-2.0, 0.0, 2.0)]
+    best = min(turns, key=lambda found: found.fun)
+    q = q.copy()
+    q[2:4] = best.x[0], straight + best.x[1]
+    return q if best.fun < 1e-8 else None
+
+
+@pytest.mark.parametrize("name", arms.here("gen3", "made_near", "j2s7s300"))
+def test_poses_next_to_the_end_of_the_reach_are_met_where_it_is_greatest(bench, name):
+    """There the elbow is left a small part of all turns about the line S-W, and a bend of up to 0.001 rad."""
+    arm, asked = arms.load(name), 0
+    for q in arms.configurations(name, 12, 73):
+        end = outermost(arm, q)
+        for bend in (-1e-3, 1e-4, 1e-3) if end is not None else ():
+            near = end + bend * np.eye(7)[3]
+            if inside(near, arm.lower, arm.upper):
+                assert_is_inside(bench, name, near)
+                asked += 1
+    assert asked > 9
 
 
 @pytest.mark.parametrize("q", STRAIGHT_UP)

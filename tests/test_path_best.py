@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from arms import forward, generator, load
+from arms import configurations, forward, generator, load
 from oracles import random_limb
 from path_oracle import best_path, swept_postures
 
@@ -113,6 +113,30 @@ def test_a_posture_that_is_given_is_taken():
     assert (path.steps**2).sum() >= (arm.solve_path(poses).steps ** 2).sum() - 1e-9
 
 
+def test_between_two_splits_of_a_straight_arm_joints_turn_evenly():
+    """Joints 1, 3, 5 and 7 turn about one line, each against the others; no path is shorter than a straight one."""
+    arm = load("iiwa14")
+    begin, end = np.array([0.4, 0.0, -0.3, 0.0, 0.2, 0.0, 0.1]), np.array([-0.45, 0.0, 0.65, 0.0, -0.35, 0.0, 0.55])
+    poses = np.repeat(poses_of(arm, begin[None]), 40, axis=0)
+    path = arm.solve_path(poses, known={0: begin, -1: end})
+    assert path
+    assert path.value == pytest.approx(((end - begin) ** 2).sum() / 39, rel=1e-9)
+    assert_on_poses("iiwa14", arm, poses, path)
+
+
+@pytest.mark.parametrize("name", ["gen3", "human_arm"])
+def test_between_given_postures_a_straight_line_of_poses_is_straight(name):
+    """Turned by whole turns, too: gen3's joints 1, 3, 5 and 7 have no ends."""
+    arm, rng = load(name), generator(name, 39)
+    begin, end = configurations(name, 2, 39)
+    end = begin + 0.3 * (end - begin)
+    known = begin + np.linspace(0.0, 1.0, 30)[:, None] * (end - begin)
+    turned = np.where(np.isinf(arm.upper), 2.0 * np.pi * rng.integers(-1, 2, 7), 0.0)
+    path = arm.solve_path(poses_of(arm, known), known={0: begin, 29: end + turned})
+    assert path
+    assert path.value == pytest.approx(((end - begin) ** 2).sum() / 29, rel=1e-9)
+
+
 def test_a_closed_path_ends_where_it_begins():
     arm = load("iiwa14")
     turn = np.linspace(0.0, 2.0 * np.pi, 80)
@@ -183,18 +207,19 @@ def motion_of_benchmark(arm, name, kind, motion, count=200):
     return benchmark["known_motion"](arm, rng, kind, count)
 
 
-def two_pieces(arm, name, kind, number):
-    """(20, 7) two pieces of motions that have nothing to do with each other, as in `benchmarks/path_truth.py`."""
+def pieces(arm, name, kind, number, count):
+    """(20, 7) pieces of motions that have nothing to do with each other, as in `benchmarks/path_truth.py`."""
     benchmark = runpy.run_path(
         str(Path(__file__).parents[1] / "benchmarks" / "known_motions.py"), run_name="known_motions"
     )
     rng = np.random.default_rng([zlib.crc32(name.encode()), benchmark["KINDS"].index(kind), 100_000 + number])
     parts = []
-    for _ in range(2):
+    each = 20 // count
+    for _ in range(count):
         stride = int(rng.integers(1, 4))
         known = benchmark["known_motion"](arm, rng, kind, 200)
-        first = int(rng.integers(0, 200 - stride * 10))
-        parts.append(known[first : first + stride * 10 : stride])
+        first = int(rng.integers(0, 200 - stride * each))
+        parts.append(known[first : first + stride * each : stride])
     return np.vstack(parts)
 
 
@@ -208,12 +233,21 @@ def two_pieces(arm, name, kind, number):
 def test_a_step_that_is_just_short_enough_stays_so(name, kind, number, seeded, breaks):
     """Brute force finds so few breaks, with a step of 0.49999 rad; chords of strips are shorter than the steps."""
     arm = load(name)
-    known = two_pieces(arm, name.rstrip("f"), kind, number)
+    known = pieces(arm, name.rstrip("f"), kind, number, 2)
     poses, seed = poses_of(arm, known), known[0] if seeded else None
     path = arm.solve_path(poses, seed=seed)
     assert_on_poses(name, arm, poses, path)
     assert len(path.breaks) == breaks
     assert (np.abs(path.steps).max(axis=1) > LONGEST).sum() == breaks
+
+
+def test_of_two_paths_that_seem_as_good_the_better_is_taken():
+    """They end in different strips; brute force finds the one whose chords are longer, and whose steps are shorter."""
+    arm = load("iiwa14")
+    poses = poses_of(arm, pieces(arm, "iiwa14", "singular", 915, 1))
+    path = arm.solve_path(poses)
+    assert_on_poses("iiwa14", arm, poses, path)
+    assert path.value <= 0.0199276
 
 
 @pytest.mark.files
@@ -260,12 +294,16 @@ def test_postures_that_rounding_takes_away_are_no_break(name, motion):
         ("gen3", "cross", 16),
         ("gen3", "limits", 26),
         ("gen3", "singular", 27),
+        ("gen3", "singular", 61000),
         pytest.param("rm75", "limits", 3007, marks=pytest.mark.files),
         pytest.param("rm75", "limits", 3009, marks=pytest.mark.files),
+        pytest.param("rm75", "limits", 71037, marks=pytest.mark.files),
+        pytest.param("human_left", "limits", 54053, marks=pytest.mark.files),
+        pytest.param("h1_2_left", "cross", 71026, marks=pytest.mark.files),
     ],
 )
 def test_a_path_that_leads_elsewhere_between_few_poses_is_planned_at_all(name, kind, motion):
-    """What joins strips, or ends them, lies between poses 0.25 rad apart."""
+    """What joins strips, or ends them, lies between poses 0.25 rad apart, or the arm is almost stretched there."""
     arm = load(name)
     known = motion_of_benchmark(arm, name, kind, motion)
     for seed in (known[0], None):
@@ -348,6 +386,17 @@ def test_postures_between_planned_poses_hide_no_better_path(name, motion, seeded
     path = arm.solve_path(poses_of(arm, known), seed=known[0] if seeded else None)
     assert path
     assert path.value <= value
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("kind", "motion", "seeded"), [("limits", 81200, True), ("singular", 81201, False)])
+def test_no_known_motion_of_a_near_arm_has_a_smaller_largest_step(kind, motion, seeded):
+    """Chords of coarse strips on the true chain are too far from it for steps that are so short."""
+    arm = load("gen3")
+    known = motion_of_benchmark(arm, "gen3", kind, motion)
+    path = arm.solve_path(poses_of(arm, known), seed=known[0] if seeded else None, objective="largest_step")
+    assert path
+    assert path.value <= np.abs(np.diff(known, axis=0)).max()
 
 
 def test_a_path_with_a_slightly_smaller_largest_step_is_found():

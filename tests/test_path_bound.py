@@ -17,7 +17,7 @@ from srs_ik.solve.path import _problem
 from srs_ik.solve.path_blocks import through
 from srs_ik.solve.path_bound import MOST_ROOM
 from srs_ik.solve.path_narrow import costs_to_end
-from srs_ik.solve.path_problem import roomy_family
+from srs_ik.solve.path_problem import limbs_of
 
 TURN = 2.0 * np.pi
 LONGEST = 30.0
@@ -34,7 +34,7 @@ def assert_covered(arm, pose, longest, count):
     rows, ends = np.empty((MOST_ROOM, CELL)), np.zeros(2, np.int64)
     none = np.full((1, 7), np.nan)
     told = pose[None], 0, none, np.zeros(1, bool), none
-    family = roomy_family(arm.packed, arm.packed.family)
+    _, family = limbs_of(arm.packed, False)
     # Joints of many turns have more short cells than there is room for.
     while not path_bound.cover(family, *told, longest, rows, ends):
         longest *= 2.0

@@ -29,9 +29,10 @@ from srs_ik.solve.path_aims import closed as closed_way
 from srs_ik.solve.path_bound import least_largest, least_sum
 from srs_ik.solve.path_breaks import PathBreak, breaks_of
 from srs_ik.solve.path_limited import keeps_limits
+from srs_ik.solve.path_odd import searched_beside
 from srs_ik.solve.path_polish import FINE, improve, keep_limits
 from srs_ik.solve.path_problem import LARGEST_STEP, OBJECTIVES, TIME, Problem, Way, copy, objective_of, steps_of, worth
-from srs_ik.solve.path_rows import off_pose, rows_of
+from srs_ik.solve.path_rows import off_poses, on_straight_lines, rows_of
 from srs_ik.solve.path_timing import passing_times
 from srs_ik.solve.pose import solve
 from srs_ik.solve.solution import BatchSolution, Collision, ElbowRange
@@ -48,6 +49,9 @@ LONGEST_STEP = 0.5
 
 SHORT = 200
 """Paths of so many poses at most are done before anybody could interrupt them."""
+
+MOVED = 1e-3
+"""Where a posture has to be moved farther than this to meet its pose, rad, a path may be better elsewhere."""
 
 ON_POSE = 1e-6
 """A posture that is given may miss its pose by so much, m and rad."""
@@ -164,6 +168,7 @@ def solve_path(
         from srs_ik.solve.in_scene.path import keep_clear
 
         return keep_clear(replace(problem, around=around), find)
+    problem = on_straight_lines(problem)
     if n > SHORT:
         # What has to be compiled is compiled here: in another thread nobody could interrupt it.
         one = replace(problem, T=T[:1], known=given[:1], has_known=has_given[:1], near=problem.near[:1])
@@ -239,7 +244,7 @@ def _found(find: Callable[[Problem], Way], problem: Problem) -> tuple[Way, Array
     if held is not None:
         way = min(way, find(held), key=lambda way: worth(problem, way))
     slow = problem.limited and problem.even and keeps_limits(problem, way)
-    free = way.branch >= 0
+    free, planned = way.branch >= 0, way.q.copy()
     rows = rows_of(problem, way)
     # Taken to their poses, postures next to limits may have moved, farther even than was left of the velocity limits;
     # they stay now, and those beside them make room.
@@ -247,6 +252,9 @@ def _found(find: Callable[[Problem], Way], problem: Problem) -> tuple[Way, Array
         keep_limits(problem, way, copy(way))
         rows = rows_of(problem, way)
     elif problem.even and (free & (way.branch < 0)).any():
+        moved = way.reached & (np.abs(way.q - planned).max(axis=1) > MOVED)
+        if moved.any() and way.reached.all() and not problem.is_near:
+            way = searched_beside(problem, way, moved)
         improve(problem, way, FINE)
         rows = rows_of(problem, way)
     return way, rows
@@ -283,7 +291,7 @@ def _known(arm: PackedArm, T: Array, known: Mapping[int, ArrayLike]) -> tuple[Ar
         q = as_joint_vector(posture, f"the posture of pose {index}")
         if (q < arm.lower).any() or (q > arm.upper).any():
             raise InvalidConfiguration(f"known: the posture of pose {index} is outside the joint limits")
-        if off_pose(arm, T[index], q) > ON_POSE:
+        if off_poses(arm, T[index][None], q[None])[0] > ON_POSE:
             raise InvalidConfiguration(f"known: the posture given for pose {index} does not meet it")
         given[index], has_given[index] = q, True
     return given, has_given

@@ -21,7 +21,7 @@ from srs_ik.solve.path_problem import (
     steps_of,
     worth,
 )
-from srs_ik.solve.path_search import may_be_fine
+from srs_ik.solve.path_search import FINE_POSES, THIRDS, fine_everywhere, may_be_fine
 from srs_ik.solve.path_timing import passing_times
 
 Array = NDArray[np.float64]
@@ -95,7 +95,11 @@ def smaller(problem: Problem, way: Way, part: float) -> Way | None:
     slower = replace(problem, settings=settings, limited=True, objective=SUM_OF_SQUARES)
     if may_be_fine(problem):
         slower = replace(slower, radius=EVERYWHERE, spacing=FINE_SPACING)
-    other = find_way(slower, np.flatnonzero(way.reached), False)
+    keys = np.flatnonzero(way.reached)
+    other = find_way(slower, keys, False)
+    if other.cost >= 0.5 * BREAK and problem.is_near and part == BELOW and len(keys) <= FINE_POSES:
+        # The chords of coarse strips are too far from the curves for steps so short.
+        other = find_way(fine_everywhere(slower, keys, THIRDS), keys, False)
     if other.cost >= 0.5 * BREAK:
         return None
     refine(slower, other, WIDTHS, 0.0)

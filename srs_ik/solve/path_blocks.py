@@ -16,6 +16,7 @@ from srs_ik.kernels.layout.path import (
     HELD_BRANCH,
     HELD_LINKED,
     HELD_PSI,
+    IMPOSSIBLE,
     NODE,
     NODE_BRANCH,
     NODE_PSI,
@@ -146,6 +147,14 @@ class Block:
         _, cost, _, ends = self.fill()
         return float(cost[ends[self.reached, 0] : ends[self.reached, 1]].min())
 
+    def ends_at(self) -> tuple[NDArray[np.int64], Array]:
+        """Numbers of the strips of its last pose, and what no way to each costs less than: the cheapest first."""
+        _, _, strips, ends = self.fill()
+        numbers = np.arange(*ends[self.count, 2:4])
+        least = strips[numbers, STRIP_LEAST]
+        order = np.argsort(least, kind="stable")
+        return numbers[order], least[order]
+
     def carry(self) -> Carry | None:
         """The last pose of it that is reached."""
         if self.reached == 0:
@@ -200,14 +209,21 @@ def through(problem: Problem, keys: NDArray[np.int64], exact: bool) -> tuple[Way
         if len(blocks) >= KEPT:
             blocks[-KEPT].arrays = None
         blocks.append(block)
+    return gone_back(problem, keys, blocks), blocks
+
+
+def gone_back(problem: Problem, keys: NDArray[np.int64], blocks: list[Block], last: int = -1) -> Way:
+    """The best way through the strips of blocks, or to the one of the last pose with the number `last`."""
     way = Way(len(problem.T))
-    if blocks and blocks[-1].least() >= BREAK and not exact:
+    if blocks and blocks[-1].least() >= BREAK and not blocks[-1].exact:
         way.walls = [wall for block in blocks for wall in block.walls()]
     following = -1
     for block in reversed(blocks):
         place = way.q, way.psi, way.branch, way.bounds
         settings = problem.settings, problem.limited
         arrays = block.fill()
+        if last >= 0 and following < 0:
+            arrays = ending_in(arrays, block.count, last)
         following, least = entries.go_back(keys, block.first, block.count, following, *settings, *arrays, *place)
         if least >= 0.0:
             way.cost = least
@@ -218,4 +234,15 @@ def through(problem: Problem, keys: NDArray[np.int64], exact: bool) -> tuple[Way
     if problem.is_near:
         # Along the curves of a near limb, limits are looked at step by step.
         way.bounds[:] = -np.inf, np.inf
-    return way, blocks
+    return way
+
+
+def ending_in(arrays: tuple[Any, ...], count: int, strip: int) -> tuple[Any, ...]:
+    """The arrays of a block as if its last pose, number `count`, had no postures but those of one strip."""
+    nodes, cost, strips, ends = arrays
+    others = np.ones(ends[count, 1] - ends[count, 0], np.bool_)
+    first, last = strips[strip, STRIP_FIRST : STRIP_LAST + 1].astype(np.int64) - ends[count, 0]
+    others[first : last + 1] = False
+    own = cost.copy()
+    own[ends[count, 0] : ends[count, 1]][others] = IMPOSSIBLE
+    return nodes, own, strips, ends

@@ -8,10 +8,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from srs_ik.kernels.layout.path import BREAK
-from srs_ik.solve.path_around import ABOUT, wider
+from srs_ik.solve.path_around import ABOUT, find_at, wider
 from srs_ik.solve.path_blocks import find_way
 from srs_ik.solve.path_bridges import bridged, flat_turns, with_turns
-from srs_ik.solve.path_polish import improve
+from srs_ik.solve.path_polish import FINE, improve
 from srs_ik.solve.path_problem import Problem, Way, steps_of, worth
 
 LEAP = 0.2
@@ -41,6 +41,19 @@ def held_and_improved(problem: Problem, way: Way, more: Problem, held: NDArray[n
         return way
     other.psi[held], other.branch[held], other.bounds[held] = way.psi[held], way.branch[held], way.bounds[held]
     improve(problem, other)
+    return min(way, other, key=lambda each: worth(problem, each))
+
+
+def searched_beside(problem: Problem, way: Way, moved: NDArray[np.bool_]) -> Way:
+    """A path whose postures (n,) have been moved to their poses, or a better one that passes them.
+
+    Strips take joints next to a singular posture as turning on the spot; beside a limit they may not.
+    """
+    known = replace(problem, known=way.q.copy(), has_known=problem.has_known | moved)
+    other = find_at(known, way, wider(moved, ABOUT))
+    if other.cost >= 0.5 * BREAK or not other.reached.all():
+        return way
+    improve(known, other, FINE)
     return min(way, other, key=lambda each: worth(problem, each))
 
 

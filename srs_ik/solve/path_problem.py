@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
-from functools import cached_property
+from functools import lru_cache
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -106,15 +106,15 @@ class Problem:
     around: Surroundings | None = None
     free: Sequence[Array | None] | None = None
 
-    @cached_property
+    @property
     def limb(self) -> Array:
         """The packed limb that answers: that of the arm, or the nearest exact one."""
-        return as_closed(self.arm.family) if self.in_closed_form else self.arm.family
+        return limbs_of(self.arm, self.in_closed_form)[0]
 
-    @cached_property
+    @property
     def family(self) -> Array:
         """The packed limb of its strips."""
-        return roomy_family(self.arm, self.limb)
+        return limbs_of(self.arm, self.in_closed_form)[1]
 
     @property
     def is_near(self) -> bool:
@@ -173,13 +173,15 @@ def as_closed(family: Array) -> Array:
     return rows
 
 
-def roomy_family(arm: PackedArm, limb: Array) -> Array:
-    """The packed limb, and in it what the strips of an exact one are made of: limits with room for rounding."""
+@lru_cache(maxsize=16)
+def limbs_of(arm: PackedArm, in_closed_form: bool) -> tuple[Array, Array]:
+    """The packed limb that answers, and that with what strips of an exact one are made of: limits with some room."""
+    limb = as_closed(arm.family) if in_closed_form else arm.family
     rows = limb.copy()
     for which, room in ((ROOMY, ROOM_OF_ENDS), (ROOMIEST, ROOM_OF_BENDS)):
         rows[which] = limb[LOOSE]
         pack_limits(rows[which], arm.lower - room, arm.upper + room)
-    return rows
+    return limb, rows
 
 
 @dataclass

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+from itertools import pairwise
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -9,7 +11,8 @@ from numpy.typing import NDArray
 
 from srs_ik.kernels.entries import path as entries
 from srs_ik.kernels.layout.answer import ROW, ROW_ORIENTATION_ERROR, ROW_POSITION_ERROR, ROW_STATUS
-from srs_ik.solve.path_problem import Problem, Way, as_closed
+from srs_ik.kernels.layout.path import BY_CONTINUITY
+from srs_ik.solve.path_problem import Problem, Way, limbs_of, steps_of
 from srs_ik.solve.solution import Status
 
 if TYPE_CHECKING:
@@ -40,9 +43,30 @@ def rows_of(problem: Problem, way: Way) -> Array:
     return rows
 
 
-def off_pose(arm: PackedArm, pose: Array, q: Array) -> float:
-    """How far a posture is off a pose, the larger of m and rad."""
-    rows = np.empty((1, ROW))
-    one = np.zeros(1, np.int64)
-    entries.finish(as_closed(arm.family), pose[None], one, q[None], np.zeros(1), one - 1, rows)
-    return float(rows[0, ROW_POSITION_ERROR : ROW_ORIENTATION_ERROR + 1].max())
+def off_poses(arm: PackedArm, poses: Array, q: Array) -> Array:
+    """(k,) how far postures (k, 7) are off poses (k, 4, 4), the larger of m and rad."""
+    rows, chain = np.empty((len(q), ROW)), np.arange(len(q))
+    entries.finish(limbs_of(arm, True)[0], poses, chain, q, np.zeros(len(q)), np.full(len(q), -1), rows)
+    return np.asarray(rows[:, ROW_POSITION_ERROR : ROW_ORIENTATION_ERROR + 1].max(axis=1, initial=0.0))
+
+
+def on_straight_lines(problem: Problem) -> Problem:
+    """The problem with the postures known between two given ones if these are on the straight line from one to another.
+
+    No path is shorter, and none has smaller steps. Where several joints turn on the spot at once, that line is one of
+    many that a strip does not hold.
+    """
+    given = np.flatnonzero(problem.has_known)
+    q, has_known = problem.known.copy(), problem.has_known.copy()
+    most = problem.settings[: BY_CONTINUITY + 1].min(axis=0)
+    for first, last in pairwise(given if problem.seed is None else np.append(-1, given)):
+        begin = problem.start[0] if first < 0 else q[first]
+        step = steps_of(problem, np.vstack([begin, q[last]]))[0] / (last - first)
+        line = begin + step * np.arange(1, last - first)[:, None]
+        between = np.arange(first + 1, last)
+        if not len(line) or (np.abs(step) > most).any():
+            continue
+        inside = (line >= problem.arm.lower) & (line <= problem.arm.upper)
+        if inside.all() and (off_poses(problem.arm, problem.T[between], line) < ON_POSE).all():
+            q[between], has_known[between] = line, True
+    return replace(problem, known=q, has_known=has_known)

@@ -14,7 +14,7 @@ from srs_ik.kernels.entries.pose import pack_limits
 from srs_ik.kernels.layout.limb import LIMITED, LOOSE, SHIFT
 from srs_ik.kernels.layout.path import BREAK, BY_CONTINUITY, HELD_LINKED
 from srs_ik.solve.path_around import BESIDE, find_at, search_around, wider
-from srs_ik.solve.path_blocks import find_way, held_in, through
+from srs_ik.solve.path_blocks import Block, find_way, gone_back, held_in, through
 from srs_ik.solve.path_bridges import bridged
 from srs_ik.solve.path_narrow import costs_to_end, dear, find_narrow, held_below, held_between, worse
 from srs_ik.solve.path_odd import is_odd, smoothed_leaps, turned_at_flat
@@ -30,6 +30,7 @@ FINE_POSES = 256
 """The same where a path with smaller steps is looked for."""
 
 PARTS = np.array([0.25, 0.5, 0.75])
+THIRDS = np.array([1.0, 2.0]) / 3.0
 FARTHEST = 0.1
 """Where strips of a near limb are fine, postures at these parts of the way are put between two, so far off it, rad."""
 
@@ -54,11 +55,14 @@ AS_LITTLE = 0.9999
 FAR_ABOVE = 1.02
 """A path that costs so many times its plan is bettered first by poses between planned ones, in coarse strips."""
 
-ROUNDS = 4
+ROUNDS = 2
 """Poses between planned ones are planned too so often at most, where a path does something of its own there."""
 
 LEFT = 0.002
 """What poses between planned ones add to the cost of a path may be left out up to this part of all."""
+
+OTHER_ENDS = 8
+"""So many strips of the last pose at most are tried as ends of a path beside the one that seems best."""
 
 SLIVER = 1e-4
 """An interval of arm angles that is narrower than this, rad, lies between a limit and a singular posture."""
@@ -122,7 +126,7 @@ def planned(problem: Problem) -> Way:
     if way is None:
         way = planned_everywhere(problem, problem)
     elif rest is not None or way.torn:
-        way = min(planned_everywhere(problem, rest or problem), way, key=lambda each: worth(problem, each))
+        way = min(planned_everywhere(problem, rest or problem, way), way, key=lambda each: worth(problem, each))
     elif is_odd(problem, way):
         way = smoothed_leaps(problem, way)
     return turned_at_flat(problem, way)
@@ -291,10 +295,10 @@ def fill(problem: Problem, way: Way, keys: NDArray[np.int64]) -> NDArray[np.bool
     return missed
 
 
-def planned_everywhere(problem: Problem, plan: Problem) -> Way:
+def planned_everywhere(problem: Problem, plan: Problem, known: Way | None = None) -> Way:
     """A path planned at every pose, with postures that strips miss and with breaks where there is no other way.
 
-    `plan` is the problem with what is known of its strips.
+    `plan` is the problem with what is known of its strips, `known` a path without a break, if there is one.
     """
     arm, keys = problem.arm, np.arange(len(problem.T))
     may_bridge = problem.free is None and (arm.closed or not problem.in_closed_form)
@@ -303,9 +307,15 @@ def planned_everywhere(problem: Problem, plan: Problem) -> Way:
         fine = fine_everywhere(problem, keys)
     way, blocks = through(fine, keys, False)
     if way.cost < 0.5 * BREAK:
-        least, joined = way.cost, False
-        improve(problem, way)
-        if problem.even and fine is plan and not problem.is_near and way.cost > AS_PLANNED * least:
+        least, joined, may_join = way.cost, False, problem.even and fine is plan and not problem.is_near
+        if may_join and known is not None and known.cost > AS_PLANNED * least:
+            # What coarse strips tell of the best path, fine ones tell better; how much one costs is known.
+            way = known
+        else:
+            improve(problem, way)
+        if fine is not plan:
+            way = with_other_end(problem, way, keys, blocks)
+        if may_join and way.cost > AS_PLANNED * least:
             other, _ = find_narrow(problem, keys, blocks, costs_to_end(problem, blocks, way.cost))
             joined = other.cost < 0.5 * BREAK
             if joined:
@@ -332,25 +342,35 @@ def planned_everywhere(problem: Problem, plan: Problem) -> Way:
     return way
 
 
-def fine_everywhere(problem: Problem, keys: NDArray[np.int64]) -> Problem:
-    """The problem with fine strips at all key poses."""
+def with_other_end(problem: Problem, way: Way, keys: NDArray[np.int64], blocks: list[Block]) -> Way:
+    """A path, or one that ends in another strip and is better: before they are improved, two may seem as good."""
+    numbers, least = blocks[-1].ends_at()
+    for number in numbers[1:][least[1:] < way.cost][:OTHER_ENDS].tolist():
+        other = gone_back(problem, keys, blocks, number)
+        improve(problem, other)
+        way = min(way, other, key=lambda each: worth(problem, each))
+    return way
+
+
+def fine_everywhere(problem: Problem, keys: NDArray[np.int64], parts: Array = PARTS) -> Problem:
+    """The problem with fine strips at all key poses; those of a near limb get postures at parts of the way."""
     if not problem.is_near:
         return replace(problem, radius=EVERYWHERE, spacing=FINE_SPACING)
-    return finer(held_in(problem, keys, through(problem, keys, False)[1]))
+    return finer(held_in(problem, keys, through(problem, keys, False)[1]), parts)
 
 
-def finer(problem: Problem) -> Problem:
+def finer(problem: Problem, parts: Array = PARTS) -> Problem:
     """The problem with strips of a near limb that are known, others of their postures put between each two."""
     rows, poses = problem.held, problem.held_of
     first = np.flatnonzero(rows[:, HELD_LINKED])
-    straight = rows[first, None, :7] + PARTS[:, None] * (rows[first + 1, :7] - rows[first, :7])[:, None]
+    straight = rows[first, None, :7] + parts[:, None] * (rows[first + 1, :7] - rows[first, :7])[:, None]
     q = straight.reshape(-1, 7).copy()
-    met, where = np.zeros(len(q), np.bool_), np.repeat(poses[first], len(PARTS))
+    met, where = np.zeros(len(q), np.bool_), np.repeat(poses[first], len(parts))
     entries.bridge(problem.arm.family, problem.T[where], q, met)
     good = met & (np.abs(q - straight.reshape(-1, 7)).max(axis=1) < FARTHEST)
-    between = np.repeat(rows[first], len(PARTS), axis=0)
+    between = np.repeat(rows[first], len(parts), axis=0)
     between[:, :7] = q
-    places = np.append(np.arange(len(rows)), (first[:, None] + PARTS).ravel()[good])
+    places = np.append(np.arange(len(rows)), (first[:, None] + parts).ravel()[good])
     order = np.argsort(places, kind="stable")
     held, held_of = np.vstack([rows, between[good]])[order], np.append(poses, where[good])[order]
     return problem if np.bincount(held_of).max(initial=0) > MOST_NODES else replace(problem, held=held, held_of=held_of)

@@ -16,6 +16,7 @@ from srs_ik.kernels.chain.starts import FIRST, WIDTH, bent_place, start_all
 from srs_ik.kernels.curves.follow import correct, extend_back, follow_through, is_known, tangent_at
 from srs_ik.kernels.curves.in_step import CORRECTIONS, SAMPLE, one_of_seven, to_curves
 from srs_ik.kernels.curves.marks import MARK, MARK_NEXT, MARK_WAY, follow_marks, join_pieces, put_mark
+from srs_ik.kernels.curves.outreach import put_outermost
 from srs_ik.kernels.curves.surface import put_starts
 from srs_ik.kernels.exact.free_splits import close_gently
 from srs_ik.kernels.jit import kernel
@@ -49,13 +50,14 @@ ELBOW_SPARE = 0.5
 def put_marks(P, by, angles, marks, missed):
     """Marks on all curves, from the closed form at arm angles all around; how many, and how many starts are missed.
 
-    `missed` takes the postures from which Newton's method in step does not reach the pose.
+    `missed` takes the postures from which Newton's method in step does not reach the pose. Returned last are, as bits,
+    the signs of shoulder and wrist of which some are.
     """
     R, p, place_ = by.target
     A = by.A
     starts = row(A, FIRST)
     count = 0
-    n_missed = 0
+    n_missed, signs = 0, 0
     oblique = angles > STARTS
     for i in range(angles):
         psi = (2.0 * i / angles - 1.0) * math.pi
@@ -77,7 +79,8 @@ def put_marks(P, by, angles, marks, missed):
                 for j in range(7):
                     missed[n_missed, j] = q[j]
                 n_missed += 1
-    return count, n_missed
+                signs |= 1 << (branch & 3)
+    return count, n_missed, signs
 
 
 @kernel
@@ -107,8 +110,8 @@ def follow_all(P, by, rows, curves):
     pieces = np.empty((rows.shape[0], SAMPLE))
     n = 0
     count = 0
-    n_marks, n_off = put_marks(P, by, angles, marks, missed)
-    n_missed = put_starts(P, by.target.place, missed, n_off)
+    n_marks, n_off, signs = put_marks(P, by, angles, marks, missed)
+    n_missed = put_outermost(P, by, signs, missed, put_starts(P, by.target.place, missed, n_off))
     if n_marks > 0:
         follow_marks(P, by.target, marks[:n_marks], n_marks, pieces)
         n, count = join_pieces(marks, n_marks, pieces, rows, curves)

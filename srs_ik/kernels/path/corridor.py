@@ -45,7 +45,7 @@ ACROSS = 2 * WIDTH + 1
 WIDEST_MOVE = 0.3
 """Longest move of an arm angle, rad."""
 
-ON_LIMIT_OF_CURVE = 1e-9
+ON_LIMIT_OF_CURVE = 1e-11
 """`ON_LIMIT` where strips are curves on the true chain, rad."""
 
 FARTHEST = 0.5

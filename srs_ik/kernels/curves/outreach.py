@@ -1,0 +1,151 @@
+"""Small closed curves of a pose next to the end of the reach, which arm angles all around pass by.
+
+With the elbow almost straight or folded, how far the true chain reaches differs from one turn of the elbow about the
+line S-W to another, by what the axes miss. Close to the farthest it reaches a pose at some of these turns alone: about
+a turn at which its reach, with the best bend of the elbow, is greater than at all others near it.
+"""
+
+from __future__ import annotations
+
+import math
+
+from srs_ik.kernels.algebra.joint_vectors import along7, largest
+from srs_ik.kernels.algebra.linear import solve_linear
+from srs_ik.kernels.chain.newton import pose_step
+from srs_ik.kernels.chain.starts import bent_place
+from srs_ik.kernels.curves.surface import level_place
+from srs_ik.kernels.jit import kernel
+from srs_ik.kernels.layout.limb import FAR, NEAR
+from srs_ik.kernels.limb.branches import side_posture
+from srs_ik.kernels.limb.goal import NO_SEED
+from srs_ik.kernels.limb.triangle import elbow_side
+
+TURNS = 12
+"""Turns, all around, between which the greatest reaches are looked for."""
+
+STEPS = 8
+"""Newton's steps to the best bend at a turn, at most ..."""
+
+SETTLED = 1e-6
+"""... and the step, rad, that is the last one."""
+
+CUTS = 12
+"""Steps to a greatest reach between two turns, at most."""
+
+LEVEL = 1e-10
+"""The rise with a turn, m/rad, that is none."""
+
+NARROWEST = 1e-9
+"""Two turns closer than this, rad, are one."""
+
+LEAST_BEND = 5e-5
+"""Where the best bend leaves less room than this, rad, to both sides, Newton's method closes no posture for certain."""
+
+LONGEST_STEP = 0.5
+"""A longer step, rad, leads to no posture nearby."""
+
+
+@kernel
+def answer_to(J, t, right, A):
+    """Steps of joints 1, 2, 5, 6 and 7 that make up for a twist `right`, but for a way along S-W, which is the last."""
+    for i in range(6):
+        A[i, 0], A[i, 1] = J[i, 0], J[i, 1]
+        A[i, 2], A[i, 3], A[i, 4] = J[i, 4], J[i, 5], J[i, 6]
+        A[i, 5] = -t[i] if i < 3 else 0.0
+        A[i, 6] = right[i]
+    sign = solve_linear(A, 6)
+    return (A[0, 6], A[1, 6], 0.0, 0.0, A[2, 6], A[3, 6], A[4, 6]), A[5, 6], sign != 0.0
+
+
+@kernel
+def column(J, j):
+    """What a joint does to the tip, turned the other way."""
+    return (-J[0, j], -J[1, j], -J[2, j], -J[3, j], -J[4, j], -J[5, j])
+
+
+@kernel
+def best_bend(P, by, q, curvature):
+    """The posture at a turn whose bend reaches farthest along S-W: how far past the pose, and how that goes on.
+
+    Returned are the posture, the reach past the pose, its rise with the turn, the ways of the joints with the turn and
+    with the bend, and whether there is one.
+    """
+    R, p, place_ = by.target
+    t = place_[0]
+    turning, bending = NO_SEED, NO_SEED
+    past, rise = 0.0, 0.0
+    for _ in range(STEPS):
+        linear, angular = pose_step(P, q, R, p, by.J)
+        right = (linear[0], linear[1], linear[2], angular[0], angular[1], angular[2])
+        step, past, good = answer_to(by.J, t, right, by.A)
+        turning, rise, _ = answer_to(by.J, t, column(by.J, 2), by.A)
+        bending, slope, _ = answer_to(by.J, t, column(by.J, 3), by.A)
+        turning = along7(turning, 1.0, (0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0))
+        bending = along7(bending, 1.0, (0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0))
+        step = along7(step, -slope / curvature, bending)
+        size = largest(step)
+        if not (good and size < LONGEST_STEP):
+            return q, past, rise, turning, bending, False
+        q = along7(q, 1.0, step)
+        if size < SETTLED:
+            break
+    return q, past, rise, turning, bending, True
+
+
+@kernel
+def put_outermost(P, by, which, starts, n):
+    """Append postures of the curves about the greatest reaches that are past a pose; their number.
+
+    `which` are, as bits, the signs of shoulder and wrist with which the pose is not reached all around.
+    """
+    place_ = by.target.place
+    if bent_place(P, place_)[3] == place_[3] or P[NEAR] < NARROWEST:
+        return n
+    level = level_place(place_)
+    reach = P[FAR] if level[2] > 0.0 else -P[NEAR]
+    curvature = (P[NEAR] - P[FAR]) * (P[NEAR] + P[FAR]) / (2.0 * reach)
+    away = math.copysign(1.0, reach)
+    side = elbow_side(P, level, 0)
+    for signs in range(4):
+        if not which >> signs & 1:
+            continue
+        q, _, _ = side_posture(P, side, 0.0, signs >> 1, signs & 1, False, NO_SEED, False)
+        q, _, rise, turning, _, good = best_bend(P, by, q, curvature)
+        for _ in range(TURNS):
+            if not good:
+                break
+            before, rise_before = q, rise
+            q = along7(q, 2.0 * math.pi / TURNS, turning)
+            q, _, rise, turning, _, good = best_bend(P, by, q, curvature)
+            if good and away * rise_before > 0.0 and away * rise <= 0.0 and n + 2 <= starts.shape[0]:
+                n = put_pair(P, by, (before, rise_before, q, rise), curvature, starts, n)
+    return n
+
+
+@kernel
+def put_pair(P, by, ends, curvature, starts, n):
+    """Append both bends of the greatest reach between two turns, each given with its rise, if it is past the pose."""
+    q, low, behind, high = ends
+    width = behind[2] - q[2]
+    part = width
+    begin, end = 0.0, width
+    best, past, rise, turning, bending, good = best_bend(P, by, q, curvature)
+    for _ in range(CUTS):
+        part = begin + (end - begin) * low / (low - high)
+        best, past, rise, turning, bending, good = best_bend(
+            P, by, along7(best, part - (best[2] - q[2]), turning), curvature
+        )
+        if not good or abs(rise) < LEVEL or end - begin < NARROWEST:
+            break
+        if (rise > 0.0) == (low > 0.0):
+            begin, low, high = part, rise, 0.5 * high
+        else:
+            end, high, low = part, rise, 0.5 * low
+    if good and past * curvature < -0.5 * (LEAST_BEND * curvature) ** 2:
+        bend = math.sqrt(-2.0 * past / curvature)
+        for sign in range(2):
+            there = along7(best, bend if sign == 0 else -bend, bending)
+            for j in range(7):
+                starts[n, j] = there[j]
+            n += 1
+    return n
