@@ -17,6 +17,9 @@ WristKind = Literal["XYX", "XYZ"]
 EXACT_MISS = 1e-6
 """An arm is *exact* when every axis passes its centre within this distance, in metres."""
 
+CLOSED_MISS = 1e-12
+"""Axes that pass their centres within this distance, metres, leave nothing for Newton's method to do."""
+
 
 class Hand(NamedTuple):
     """Axes of the hand in the tip frame."""
@@ -53,7 +56,8 @@ class SrsLimb(ReadOnlyArrays):
         T_base_tip_zero: (4, 4) pose of the tip frame at the zero configuration.
         shoulder: (3,) shoulder centre S, the common point of axes 1 to 3; if they miss each other, the point of axis 1
             that is nearest to the others.
-        elbow: (3,) elbow centre E, the point of axis 4 nearest to axes 3 and 5.
+        elbow: (3,) elbow centre E, the point of axis 4 nearest to axes 3 and 5; where rounding in the description
+            leans that axis, the point that is on the line S-W when the arm is stretched out.
         wrist: (3,) wrist centre W, the common point of axes 5 to 7; if they miss each other, the point of axis 7
             that is nearest to the others.
         reference: (3,) unit vector; the arm angle is zero where the elbow lies in the half-plane that starts at the

@@ -12,7 +12,7 @@ from typing import Literal
 
 import numpy as np
 
-from srs_ik.robot.limb import EXACT_MISS, SrsLimb, Vector, WristKind, line_distance, line_foot
+from srs_ik.robot.limb import CLOSED_MISS, EXACT_MISS, SrsLimb, Vector, WristKind, line_distance, line_foot
 
 NEAR_MISS_RATIO = 0.025
 """Largest miss of an axis that is still near, as a part of the length shoulder-elbow-wrist."""
@@ -74,11 +74,13 @@ def recognise(axes: Vector, points: Vector, T_base_tip_zero: Vector, reference: 
 
     inner, outer = _nearest_point(axes[:3], points[:3]), _nearest_point(axes[4:], points[4:])
     shoulder, wrist = line_foot(inner, points[0], axes[0]), line_foot(outer, points[6], axes[6])
-    elbow = _elbow_centre(axes, points, shoulder, wrist)
     misses = np.zeros(7)
     for i in range(7):
         if i != 3:
             misses[i] = line_distance(inner if i < 3 else outer, points[i], axes[i])
+    elbow = _elbow_centre(axes, points, shoulder, wrist)
+    if misses.max() < CLOSED_MISS:
+        elbow = _on_the_line(elbow, axes[3], shoulder, wrist)
 
     direction = default_reference(axes[0]) if reference is None else np.asarray(reference, dtype=float)
     limb = SrsLimb(
@@ -120,22 +122,7 @@ def _nearest_point(axes: Vector, points: Vector) -> Vector:
 
 
 def _elbow_centre(axes: Vector, points: Vector, shoulder: Vector, wrist: Vector) -> Vector:
-    """Point of axis 4 nearest to axes 3 and 5; midway between the feet of S and W where those are parallel to it.
-
-    Where no more than rounding in the description leans the axis, the point that is on the line S-W when the arm is
-    stretched out: an elbow beside that line, be it by a micrometre, would go around it while the arm is stretched.
-    """
-    nearest = _nearest_on_axis(axes, points, shoulder, wrist)
-    axis, inner, outer = axes[3], nearest - shoulder, wrist - nearest
-    inner_along, outer_along = float(axis @ inner), float(axis @ outer)
-    inner_across = float(np.linalg.norm(inner - axis * inner_along))
-    outer_across = float(np.linalg.norm(outer - axis * outer_along))
-    reach = inner_across + outer_across
-    shift = inner_across * outer_along - outer_across * inner_along
-    return nearest + axis * (shift / reach) if abs(shift) < ROUNDED_LEAN * reach * reach else nearest
-
-
-def _nearest_on_axis(axes: Vector, points: Vector, shoulder: Vector, wrist: Vector) -> Vector:
+    """Point of axis 4 nearest to axes 3 and 5; midway between the feet of S and W where those are parallel to it."""
     axis, origin = axes[3], points[3]
     numerator = denominator = 0.0
     for k in (2, 4):
@@ -145,6 +132,21 @@ def _nearest_on_axis(axes: Vector, points: Vector, shoulder: Vector, wrist: Vect
     if denominator < MIN_SINE**2:
         return origin + axis * (axis @ (0.5 * (shoulder + wrist) - origin))
     return origin + axis * (numerator / denominator)
+
+
+def _on_the_line(elbow: Vector, axis: Vector, shoulder: Vector, wrist: Vector) -> Vector:
+    """The elbow centre; where rounding in the description leans its axis, on the line S-W of the arm stretched out.
+
+    An elbow beside that line, be it by a micrometre, would go around it while the arm is stretched.
+    """
+    inner, outer = elbow - shoulder, wrist - elbow
+    inner_along, outer_along = float(axis @ inner), float(axis @ outer)
+    inner_across = float(np.linalg.norm(inner - axis * inner_along))
+    outer_across = float(np.linalg.norm(outer - axis * outer_along))
+    reach = inner_across + outer_across
+    shift = inner_across * outer_along - outer_across * inner_along
+    moved: Vector = elbow + axis * (shift / reach) if abs(shift) < ROUNDED_LEAN * reach * reach else elbow
+    return moved
 
 
 def default_reference(axis: Vector) -> Vector:

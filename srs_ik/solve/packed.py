@@ -14,7 +14,7 @@ from srs_ik.kernels.layout import limb as at
 from srs_ik.kernels.layout import task as hand_at
 from srs_ik.kernels.layout import weights as weight_at
 from srs_ik.kernels.native import limb_mark
-from srs_ik.robot.limb import Hand, SrsLimb, Vector, line_foot
+from srs_ik.robot.limb import CLOSED_MISS, Hand, SrsLimb, Vector, line_foot
 from srs_ik.solve.bands import put_bands
 from srs_ik.solve.solution import ElbowRange
 
@@ -23,10 +23,6 @@ if TYPE_CHECKING:
 
 ALIGNED = 1e-9
 """Relative size under which a component that should vanish by design is taken as rounding in the robot description."""
-
-
-CLOSED_MISS = 1e-12
-"""Axes that pass their centres within this distance, metres, leave nothing for Newton's method to do."""
 
 
 FLAT = 1e-12
