@@ -28,7 +28,13 @@ FILES = {
     "h1_2_left": "unitree_h1_2_handless.urdf:torso_link:left_wrist_yaw_link",
 }
 
-MADE = {"random": (0.0, 0.0), "random_near": (2e-4, 0.0), "random_oblique": (0.0, 0.2), "random_rounded": (1e-8, 0.0)}
+MADE = {
+    "random": (0.0, 0.0),
+    "random_near": (2e-4, 0.0),
+    "random_oblique": (0.0, 0.2),
+    "random_leaning": (0.0, 1e-6),
+    "random_rounded": (1e-8, 0.0),
+}
 """Arms that are made: by how much, m, their joints miss their places, and by how much their axes lean, rad."""
 
 CASES_EACH = 10

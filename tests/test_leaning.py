@@ -1,0 +1,79 @@
+"""Exact arms whose axes lean by what a description rounds: 1.5708 for a right angle leans one by 4e-6 rad.
+
+Next to a singular posture that is not little: outer axes that lean never come into one line, and their joints turn fast
+in arcs as narrow as the lean.
+"""
+
+import runpy
+import sys
+from itertools import islice
+from pathlib import Path
+
+import arms
+import numpy as np
+import pytest
+from oracles import inside
+
+import srs_ik
+
+BENCHMARKS = Path(__file__).resolve().parents[1] / "benchmarks"
+LEANS = [1e-11, 1e-9, 1e-7, 1e-6]
+"""By how much axes lean, rad: written with eleven digits, with nine, seven, and six."""
+
+
+@pytest.fixture(scope="module")
+def bench():
+    sys.path.insert(0, str(BENCHMARKS))
+    yield runpy.run_path(str(BENCHMARKS / "known.py"), run_name="known")
+    sys.path.remove(str(BENCHMARKS))
+
+
+def leaning(lean, count):
+    made = runpy.run_path(str(BENCHMARKS / "subjects.py"))["random_arms"](np.random.default_rng(3), 0.0, lean)
+    return list(islice(made, count))
+
+
+def assert_nothing_is_lost(bench, arm, some):
+    intervals = list(arm.intervals_batch(np.array([case.pose for case in some]), threads=1))
+    for case, found in zip(some, intervals, strict=True):
+        assert bench["beside"](arm, case, found) < 1e-4, case.q.tolist()
+    assert not list(bench["missed"](arm, some, intervals))
+
+
+@pytest.mark.parametrize("lean", LEANS)
+def test_known_postures_are_in_intervals_and_all_of_these_is_met(bench, lean):
+    for arm in leaning(lean, 12):
+        cases = bench["cases"](arm, 8, np.random.default_rng(7), bench["TOGETHER"], 0.0)
+        assert_nothing_is_lost(bench, arm, list(islice(cases, 8)))
+
+
+@pytest.mark.skipif(not arms.here("human_left"), reason="example-robot-data is not here")
+@pytest.mark.parametrize("name", ["icub_left", "icub_right"])
+def test_arms_of_a_file_with_six_digits_lose_nothing(bench, name):
+    cases = bench["cases"](srs_ik.load(name), 60, np.random.default_rng(5), bench["TOGETHER"], 0.0)
+    assert_nothing_is_lost(bench, srs_ik.load(name), list(islice(cases, 60)))
+
+
+@pytest.mark.parametrize("lean", LEANS)
+def test_answers_are_no_farther_from_a_seed_than_a_known_posture(bench, lean):
+    rng = np.random.default_rng(11)
+    for arm in leaning(lean, 12):
+        for case in islice(bench["cases"](arm, 8, rng, bench["TOGETHER"], 0.0), 8):
+            seed = np.clip(case.q + 0.1 * rng.normal(size=7), arm.lower, arm.upper)
+            found = arm.solve(case.pose, seed=seed)
+            assert found
+            assert inside(found.q, arm.lower, arm.upper)
+            assert np.linalg.norm(found.q - seed) <= np.linalg.norm(case.q - seed) + 1e-6, (case.q, seed)
+
+
+@pytest.mark.parametrize("lean", [1e-7, 1e-6])
+def test_the_elbow_is_on_the_line_of_the_arm_stretched_out(lean):
+    for arm in leaning(lean, 6):
+        limb = arm.limb
+        across = limb.axes[3]
+        inner, outer = limb.elbow - limb.shoulder, limb.wrist - limb.elbow
+        inner_along, outer_along = across @ inner, across @ outer
+        sides = np.linalg.norm(inner - across * inner_along), np.linalg.norm(outer - across * outer_along)
+        # Stretched out, the parts along axis 4 are to those across it as on one straight line.
+        assert abs(inner_along / sides[0] - outer_along / sides[1]) < 1e-14
+        assert np.linalg.norm(np.cross(limb.elbow - limb.points[3], across)) < 1e-15
