@@ -24,7 +24,7 @@ from srs_ik.kernels.algebra.vectors import (
     sub,
 )
 from srs_ik.kernels.exact.bends import bent_place
-from srs_ik.kernels.exact.events import NEXT_TO_END, end_of_middle, end_of_reach, insert
+from srs_ik.kernels.exact.events import NEXT_TO_END, beyond_middle, end_of_middle, end_of_reach, insert, short_of_end
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.limb import (
     A1,
@@ -129,29 +129,6 @@ def limit_form(P, k, i):
     if joint == 1:
         return load3(P, k + A1), P[k + BOUND_2_LOWER + end], False, there
     return load3(P, k + BOUND_3_LOWER + 3 * end), P[k + A1_A2], True, there
-
-
-@kernel
-def beyond_middle(P, k, end, centre, square):
-    """By how much the cosine of a middle joint is beyond a limit of it, where the vector a3 is `centre` and more.
-
-    What is more is across that, and has this square length. Next to a singular angle a cosine has lost its digits.
-    """
-    a1, value = load3(P, k + A1), P[k + BOUND_2_LOWER + end]
-    if abs(value) < NEXT_TO_END:
-        return dot(a1, centre) - value
-    way, gap = end_of_middle(P, k, end)
-    return way * short_of_end(scale(way, a1), gap, centre, square)
-
-
-@kernel
-def short_of_end(axis, gap, centre, square):
-    """By how much the cosine between an axis and a vector is beyond 1 - gap, where the vector is `centre` and more.
-
-    What is more is across that, and has this square length. The gap has all its digits, and they are kept.
-    """
-    off = sub(axis, centre)
-    return gap - 0.5 * (dot(off, off) + square)
 
 
 @kernel

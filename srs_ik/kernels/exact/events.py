@@ -66,9 +66,14 @@ def add_event(psi, events, n):
 @kernel
 def add_roots(x, circle, value, slack, events, n):
     """Insert the arm angles at which a vector on a circle has the product `value` with x, or almost: within a slack."""
-    c, s, rest = dot(x, circle[1]), dot(x, circle[2]), value - dot(x, circle[0])
+    return put_roots(dot(x, circle[1]), dot(x, circle[2]), value - dot(x, circle[0]), (1e-15, slack), events, n)
+
+
+@kernel
+def put_roots(c, s, rest, least, events, n):
+    """Insert the arm angles at which c cos + s sin = rest; `least` are the smallest swing and the slack."""
     r = math.sqrt(c * c + s * s)
-    if r < 1e-15 or abs(rest) > r * (1.0 + TOUCH) + slack:
+    if r < least[0] or abs(rest) > r * (1.0 + TOUCH) + least[1]:
         return n
     middle = math.atan2(s, c)
     apart = math.atan2(math.sqrt(max((r - rest) * (r + rest), 0.0)), rest)
@@ -87,6 +92,29 @@ def end_of_middle(P, k, end):
     if P[k + BOUND_2_LOWER + end] > 0.0:
         return 1.0, P[k + TOP_GAP] + span * math.sin(half) ** 2
     return -1.0, P[k + BOTTOM_GAP] + span * math.cos(half) ** 2
+
+
+@kernel
+def beyond_middle(P, k, end, centre, square):
+    """By how much the cosine of a middle joint is beyond a limit of it, where the vector a3 is `centre` and more.
+
+    What is more is across that, and has this square length. Next to a singular angle a cosine has lost its digits.
+    """
+    a1, value = load3(P, k + A1), P[k + BOUND_2_LOWER + end]
+    if abs(value) < NEXT_TO_END:
+        return dot(a1, centre) - value
+    way, gap = end_of_middle(P, k, end)
+    return way * short_of_end(scale(way, a1), gap, centre, square)
+
+
+@kernel
+def short_of_end(axis, gap, centre, square):
+    """By how much the cosine between an axis and a vector is beyond 1 - gap, where the vector is `centre` and more.
+
+    What is more is across that, and has this square length. The gap has all its digits, and they are kept.
+    """
+    off = sub(axis, centre)
+    return gap - 0.5 * (dot(off, off) + square)
 
 
 @kernel
@@ -112,7 +140,8 @@ def add_approach(axis, gap, circle, slack, events, n):
     # From the closest point on, the square of the distance grows by this times the square of the sine of half the way.
     most = 4.0 * size
     square = (wanted - least) * (wanted + least)
-    if wanted < least - slack or math.sqrt(max(square, 0.0)) > math.sqrt(most) + slack:
+    touch = 2.0 * (size * TOUCH + slack * wanted)
+    if square < -touch or square > most + touch:
         return n
     middle, away = math.atan2(s, c), 2.0 * math.asin(math.sqrt(min(max(square / most, 0.0), 1.0)))
     n = add_event(middle + away, events, n)
@@ -122,11 +151,12 @@ def add_approach(axis, gap, circle, slack, events, n):
 @kernel
 def add_middle(P, k, circle, end, events, n):
     """Insert the arm angles at which a middle joint is on its lower (0) or upper (1) limit."""
-    a1, value, slack = load3(P, k + A1), P[k + BOUND_2_LOWER + end], P[SLACK_LIMIT]
-    if abs(value) < NEXT_TO_END:
-        return add_roots(a1, circle, value, slack, events, n)
-    way, gap = end_of_middle(P, k, end)
-    return add_approach(scale(way, a1), gap, circle, slack, events, n)
+    a1, sine, slack = load3(P, k + A1), 1.0, P[SLACK_LIMIT]
+    value = P[k + BOUND_2_LOWER + end]
+    if abs(value) >= NEXT_TO_END:
+        sine = math.sqrt(2.0 * max(1.0 - abs(value), 0.0)) + slack
+    rest = -beyond_middle(P, k, end, circle[0], dot(circle[1], circle[1]))
+    return put_roots(dot(a1, circle[1]), dot(a1, circle[2]), rest, (1e-15 * sine, slack * sine), events, n)
 
 
 @kernel
