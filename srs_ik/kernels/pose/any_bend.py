@@ -34,6 +34,9 @@ from srs_ik.kernels.pose.on_limits import put_on_limits
 WIDER = 1e-4
 """By so much, rad, limits are wider where one bend stands for all."""
 
+ALONE = 1e-12
+"""An interval narrower than this, rad, is a single arm angle."""
+
 INWARDS = 4
 FARTHER = 8.0
 """So many arm angles are tried at an end of an interval, each farther from it by this factor."""
@@ -120,6 +123,18 @@ def best_in_interval(family, target, interval, wanted, goal, best):
         if closed[2] < best[2] and (wanted < 0 or is_on_border(P, closed[0], wanted)):
             best = (closed[0], closed[1] if wanted < 0 else wanted, closed[2])
     keep(boxes)
+    return best
+
+
+@kernel
+def nearest_alone(family, target, found, goal, best):
+    """The nearest posture as known so far, or a nearer one of those intervals (n, 3) that are single arm angles.
+
+    Where the shoulder's reach begins and the wrist's ends, only loose tolerances find it.
+    """
+    for i in range(found.shape[0]):
+        if found[i, 2] - found[i, 1] < ALONE:
+            best = best_in_interval(family, target, found[i : i + 1], int(found[i, 0]), goal, best)
     return best
 
 

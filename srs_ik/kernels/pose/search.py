@@ -35,7 +35,7 @@ from srs_ik.kernels.limb.limits import tighten
 from srs_ik.kernels.limb.triangle import elbow_side
 from srs_ik.kernels.near.band import is_well_bent
 from srs_ik.kernels.near.many_singular import nearest_among_splits
-from srs_ik.kernels.pose.any_bend import best_at_any_bend
+from srs_ik.kernels.pose.any_bend import best_at_any_bend, nearest_alone
 
 MOST_LEVERAGE = 4.0
 """A seed farther from its nearest posture than so many times the pose error asks for a closer look."""
@@ -116,8 +116,9 @@ def search_hardly_near(P, target, found, known, goal, J, A):
 
 
 @kernel
-def search_near_seed(P, F, target, goal, J, A):
+def search_near_seed(family, target, goal, J, A):
     """The posture nearest to a seed over all branches and arm angles: q, branch, cost (OUTSIDE if none was found)."""
+    P, F = row(family, LIMITED), row(family, LIMITED if goal.respect else FREE)
     place_ = target.place
     psi, guessed, branch, lowest, minimum = guess(P, target, goal, J, A)
     known = (guessed, branch, lowest)
@@ -151,6 +152,7 @@ def search_near_seed(P, F, target, goal, J, A):
         nearer = nearest_within(P, place_, found[:n], -1, goal, known[2])
         if nearer[2] < known[2]:
             nearer = settled_split(P, target, nearer, goal)
+        nearer = nearest_alone(family, target, found[:n], goal, nearer if nearer[2] < known[2] else known)
     elif P[MISS] < HARDLY * P[FAR]:
         return search_hardly_near(P, target, found[:n], known, goal, J, A)
     else:

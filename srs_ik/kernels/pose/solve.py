@@ -29,7 +29,7 @@ from srs_ik.kernels.layout.answer import (
     UNREACHABLE,
 )
 from srs_ik.kernels.layout.asked import Goal, Target
-from srs_ik.kernels.layout.limb import FREE, IS_NEAR, LIMITED
+from srs_ik.kernels.layout.limb import IS_NEAR, LIMITED
 from srs_ik.kernels.limb.branches import NO_BRANCH, branch_of, elbow_branches
 from srs_ik.kernels.limb.goal import NO_SEED, OUTSIDE, UNMET, tightest_joint, turned
 from srs_ik.kernels.limb.in_line import may_split
@@ -72,7 +72,7 @@ def best_posture(family, target, branch, goal, J, A):
     P = row(family, LIMITED)
     found = (goal.seed, 0, 4.0 * NO_BRANCH)
     if goal.seeded and branch < 0:
-        found = search_near_seed(P, row(family, LIMITED if goal.respect else FREE), target, goal, J, A)
+        found = search_near_seed(family, target, goal, J, A)
         if P[IS_NEAR] == 0.0 and goal.respect and found[2] < OUTSIDE and is_almost_flat(target.place):
             found = best_at_any_bend(family, target, -1, goal, found)
     if found[2] < OUTSIDE:
