@@ -15,6 +15,7 @@ from srs_ik.kernels.chain.closest import closest
 from srs_ik.kernels.chain.eight import ALL, put_some, take_eight, tip_errors
 from srs_ik.kernels.chain.newton import arm_angle, clipped
 from srs_ik.kernels.exact.flat import is_almost_flat
+from srs_ik.kernels.exact.nearest import settle_inside
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.answer import (
     GOOD_POSE,
@@ -67,14 +68,33 @@ def write_closest(P, target, goal, out):
 
 
 @kernel
+def nearest_on_limits(family, target, goal, found, J, A):
+    """The posture of a closed limb nearest to a seed as known so far, or a nearer one: q, branch, cost.
+
+    Next to a singularity rounding turns joints farther than limits allow, so that a posture on a limit is missed, or
+    taken a whole turn away.
+    """
+    P, flat = row(family, LIMITED), is_almost_flat(target.place)
+    if flat:
+        found = best_at_any_bend(family, target, -1, goal, found)
+    elif may_split(P, target.place):
+        other = search_exact(family, target, -1, goal)
+        found = other if other[2] < found[2] else found
+    else:
+        return found
+    q, value = settle_inside(P, target, goal.seed, goal, J, A)
+    return (q, branch_of(P, q), value) if value < found[2] else found
+
+
+@kernel
 def best_posture(family, target, branch, goal, J, A):
     """The best posture of all arm angles: q, branch, cost."""
     P = row(family, LIMITED)
     found = (goal.seed, 0, 4.0 * NO_BRANCH)
     if goal.seeded and branch < 0:
         found = search_near_seed(family, target, goal, J, A)
-        if P[IS_NEAR] == 0.0 and goal.respect and found[2] < OUTSIDE and is_almost_flat(target.place):
-            found = best_at_any_bend(family, target, -1, goal, found)
+        if P[IS_NEAR] == 0.0 and goal.respect and found[2] < OUTSIDE:
+            found = nearest_on_limits(family, target, goal, found, J, A)
     if found[2] < OUTSIDE:
         return found
     if P[IS_NEAR] != 0.0 and may_reach(P, target.place):
