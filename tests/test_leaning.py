@@ -1,4 +1,4 @@
-"""Exact arms whose axes lean by what a description rounds: 1.5708 for a right angle leans one by 4e-6 rad.
+"""Exact arms that are made, and such whose axes lean by what a description rounds: 1.5708 leans one by 4e-6 rad.
 
 Next to a singular posture that is not little: outer axes that lean never come into one line, and their joints turn fast
 in arcs as narrow as the lean.
@@ -31,8 +31,8 @@ def bench():
     sys.path.remove(str(BENCHMARKS))
 
 
-def leaning(lean, count):
-    made = runpy.run_path(str(BENCHMARKS / "subjects.py"))["random_arms"](np.random.default_rng(3), 0.0, lean)
+def leaning(lean, count, seed=3):
+    made = runpy.run_path(str(BENCHMARKS / "subjects.py"))["random_arms"](np.random.default_rng(seed), 0.0, lean)
     return list(islice(made, count))
 
 
@@ -57,16 +57,26 @@ def test_arms_of_a_file_with_six_digits_lose_nothing(bench, name):
     assert_nothing_is_lost(bench, srs_ik.load(name), list(islice(cases, 60)))
 
 
+def assert_none_is_farther_than_known(cases, arm, rng, count):
+    for case in islice(cases, count):
+        seed = np.clip(case.q + 0.1 * rng.normal(size=7), arm.lower, arm.upper)
+        found = arm.solve(case.pose, seed=seed)
+        assert found
+        assert inside(found.q, arm.lower, arm.upper)
+        assert np.linalg.norm(found.q - seed) <= np.linalg.norm(case.q - seed) + 1e-6, (case.q, seed)
+
+
 @pytest.mark.parametrize("lean", LEANS)
 def test_answers_are_no_farther_from_a_seed_than_a_known_posture(bench, lean):
     rng = np.random.default_rng(11)
     for arm in leaning(lean, 12):
-        for case in islice(bench["cases"](arm, 8, rng, SINGULAR, 0.0), 8):
-            seed = np.clip(case.q + 0.1 * rng.normal(size=7), arm.lower, arm.upper)
-            found = arm.solve(case.pose, seed=seed)
-            assert found
-            assert inside(found.q, arm.lower, arm.upper)
-            assert np.linalg.norm(found.q - seed) <= np.linalg.norm(case.q - seed) + 1e-6, (case.q, seed)
+        assert_none_is_farther_than_known(bench["cases"](arm, 8, rng, SINGULAR, 0.0), arm, rng, 8)
+
+
+def test_nor_where_joints_are_on_limits(bench):
+    rng = np.random.default_rng(12)
+    for arm in leaning(0.0, 40, 4):
+        assert_none_is_farther_than_known(bench["cases"](arm, 8, rng, bench["TOGETHER"], 0.3), arm, rng, 8)
 
 
 @pytest.mark.parametrize("lean", [1e-7, 1e-6])
