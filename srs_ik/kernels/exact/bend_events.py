@@ -63,7 +63,7 @@ LIMITS = 6
 ENDS = LIMITS + 2
 """Limits of a spherical joint; with them, both ends of the reach of oblique axes."""
 
-MOST_CURVES = 48
+MOST_CURVES = 64
 MOST_CROSSINGS = 512
 """Curves of limits in the plane of bend and arm angle, and bends at which two of them cross, at most."""
 
@@ -331,7 +331,8 @@ def add_meetings(curve_, line, most, span, bends, n):
     """Insert the bends of the points that a curve shares with a line, each a row of such figures, to the first n."""
     c, s, rest = line
     size = math.sqrt(c * c + s * s)
-    if size == 0.0 or n + 2 > bends.shape[0]:
+    # Both ends of the span come behind these.
+    if size == 0.0 or n + 4 > bends.shape[0]:
         return n
     c, s, away = c / size, s / size, -rest / size
     # Along the line, from its foot: square x^2 + slope x + start.

@@ -68,7 +68,7 @@ def write_closest(P, target, goal, out):
 
 
 @kernel
-def nearest_on_limits(family, target, goal, found, J, A):
+def nearest_on_limits(family, target, goal, found):
     """The posture of a closed limb nearest to a seed as known so far, or a nearer one: q, branch, cost.
 
     Next to a singularity rounding turns joints farther than limits allow, so that a posture on a limit is missed, or
@@ -82,7 +82,7 @@ def nearest_on_limits(family, target, goal, found, J, A):
         found = other if other[2] < found[2] else found
     else:
         return found
-    q, value = settle_inside(P, target, goal.seed, goal, J, A)
+    q, value = settle_inside(P, target, goal.seed, goal, np.empty((6, 7)), np.empty((16, 9)))
     return (q, branch_of(P, q), value) if value < found[2] else found
 
 
@@ -94,7 +94,7 @@ def best_posture(family, target, branch, goal, J, A):
     if goal.seeded and branch < 0:
         found = search_near_seed(family, target, goal, J, A)
         if P[IS_NEAR] == 0.0 and goal.respect and found[2] < OUTSIDE:
-            found = nearest_on_limits(family, target, goal, found, J, A)
+            found = nearest_on_limits(family, target, goal, found)
     if found[2] < OUTSIDE:
         return found
     if P[IS_NEAR] != 0.0 and may_reach(P, target.place):
