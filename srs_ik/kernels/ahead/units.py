@@ -11,9 +11,12 @@ from collections import Counter
 from collections.abc import Iterable
 from typing import NamedTuple
 
-LARGE = 400
-"""Instructions from which a function is compiled once. LLVM inlines fewer than a hundred, but what it knows of a
-function beside its caller is worth more than the call: at 150, searches took 6 % longer."""
+LARGE = 8000
+"""Instructions, with those of all that it calls, from which a function is compiled once: what LLVM knows of it beside
+its caller is worth less than to compile so many twice."""
+
+SMALL = 100
+"""Instructions of its own below which LLVM makes a function part of its callers, whatever it calls."""
 
 _DEFINITION = re.compile(r"^define (?:internal )?(.*? )(@[^( ]+|@\"[^\"]+\")(\(.*?\n)(.*?^}\n)", re.M | re.S)
 _CALLED = re.compile(r" call [^@\n]*(@[^( \n]+|@\"[^\"\n]+\")\(")
@@ -91,20 +94,30 @@ def _reached(found: dict[str, _Function], roots: Iterable[str], barred: set[str]
 
 
 def _heads(found: dict[str, _Function], entries: list[list[str]]) -> set[str]:
-    """Large functions that every part calls in more than one place; what is called once becomes part of its caller."""
-    heads = {name for name, each in found.items() if each.size >= LARGE and len(entries) > 1}
-    for roots in entries:
-        places = Counter(callee for name in _reached(found, roots, set()) for callee in found[name].calls.elements())
-        heads &= {name for name, count in places.items() if count > 1}
-    return heads
+    """Large functions that every part calls, from more than one place; what is called once is part of its caller."""
+    if len(entries) < 2:
+        return set()
+    places = sum((each.calls for each in found.values()), Counter[str]())
+    common = set.intersection(*(_reached(found, roots, set()) for roots in entries))
+    return {
+        name
+        for name in common
+        if found[name].size >= SMALL and places[name] > 1 and _size(found, _reached(found, [name], set())) >= LARGE
+    }
 
 
 def _assigned(found: dict[str, _Function], entries: list[list[str]], heads: set[str]) -> list[list[str]]:
     """Entries and heads of each part, so that all take about as long."""
     parts = [list(each) for each in entries]
-    loads = [sum(found[name].size for name in _reached(found, part, heads)) for part in parts]
-    for head in sorted(heads, key=lambda name: (-found[name].size, name)):
-        least = loads.index(min(loads))
+    inside = [_reached(found, part, heads) for part in parts]
+    behind = {head: _reached(found, [head], heads - {head}) for head in heads}
+    for head in sorted(heads, key=lambda name: (-_size(found, behind[name]), name)):
+        sizes = [_size(found, each | behind[head]) for each in inside]
+        least = sizes.index(min(sizes))
         parts[least].append(head)
-        loads[least] += sum(found[name].size for name in _reached(found, [head], heads - {head}))
+        inside[least] |= behind[head]
     return parts
+
+
+def _size(found: dict[str, _Function], names: Iterable[str]) -> int:
+    return sum(found[name].size for name in names)
