@@ -25,7 +25,8 @@ def readme_command(name: str) -> str:
 
 
 def test_readme_gives_the_two_commands_that_the_checks_run():
-    assert readme_command("solve").startswith("pip install . && srs-ik solve ")
+    begin = "pip install uv && uv pip install . || pip install . && srs-ik solve "
+    assert readme_command("solve").startswith(begin)
     steps = readme_command("test").split(" && ")
     assert steps == ['pip install -e ".[test]"', "python -m srs_ik.kernels.ahead.build", "pytest -n auto"]
 
