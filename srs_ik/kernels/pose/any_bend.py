@@ -92,6 +92,15 @@ def at_or_inside(family, target, interval, psi, branch, goal):
 
 
 @kernel
+def closed_in_branch(P, target, found, wanted, goal, best, work):
+    """The better of a posture, closed on the true chain, and the best so far of a branch (-1: of all)."""
+    closed = keep_better(P, target, found, -1, goal, best, work)
+    if closed[2] < best[2] and (wanted < 0 or is_on_border(P, closed[0], wanted)):
+        return closed[0], closed[1] if wanted < 0 else wanted, closed[2]
+    return best
+
+
+@kernel
 def best_in_interval(family, target, interval, wanted, goal, best):
     """The best posture as known so far, or a better one of an interval (1, 3), at any bend: q, branch, cost.
 
@@ -113,15 +122,15 @@ def best_in_interval(family, target, interval, wanted, goal, best):
             q, branch, value = farthest(box, place_, interval, -1, goal.respect)
         if value >= OUTSIDE and (in_line == 1 or best[2] < OUTSIDE):
             continue
+        # On a limit that rounding may put a joint beyond, which then is taken in another turn at its arm angle.
         found = (clipped(P, q), branch, value)
+        best = closed_in_branch(P, target, found, wanted, goal, best, work)
         if in_line == 0:
             psi = arm_angle(P, q, place_[0], place_[1])
             if value >= OUTSIDE:
                 psi, branch = 0.5 * (interval[0, 1] + interval[0, 2]), int(interval[0, 0])
             found = at_or_inside(family, target, interval, psi, branch, goal)
-        closed = keep_better(P, target, found, -1, goal, best, work)
-        if closed[2] < best[2] and (wanted < 0 or is_on_border(P, closed[0], wanted)):
-            best = (closed[0], closed[1] if wanted < 0 else wanted, closed[2])
+            best = closed_in_branch(P, target, found, wanted, goal, best, work)
     keep(boxes)
     return best
 

@@ -15,7 +15,6 @@ from srs_ik.kernels.chain.closest import closest
 from srs_ik.kernels.chain.eight import ALL, put_some, take_eight, tip_errors
 from srs_ik.kernels.chain.newton import arm_angle, clipped
 from srs_ik.kernels.exact.flat import is_almost_flat
-from srs_ik.kernels.exact.nearest import settle_inside
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.answer import (
     GOOD_POSE,
@@ -74,16 +73,9 @@ def nearest_on_limits(family, target, goal, found):
     Next to a singularity rounding turns joints farther than limits allow, so that a posture on a limit is missed, or
     taken a whole turn away.
     """
-    P, flat = row(family, LIMITED), is_almost_flat(target.place)
-    if flat:
-        found = best_at_any_bend(family, target, -1, goal, found)
-    elif may_split(P, target.place):
-        other = search_exact(family, target, -1, goal)
-        found = other if other[2] < found[2] else found
-    else:
-        return found
-    q, value = settle_inside(P, target, goal.seed, goal, np.empty((6, 7)), np.empty((16, 9)))
-    return (q, branch_of(P, q), value) if value < found[2] else found
+    if is_almost_flat(target.place) or may_split(row(family, LIMITED), target.place):
+        return best_at_any_bend(family, target, -1, goal, found)
+    return found
 
 
 @kernel
