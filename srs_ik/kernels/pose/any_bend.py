@@ -125,12 +125,11 @@ def best_in_interval(family, target, interval, wanted, goal, best):
         # On a limit that rounding may put a joint beyond, which then is taken in another turn at its arm angle.
         found = (clipped(P, q), branch, value)
         best = closed_in_branch(P, target, found, wanted, goal, best, work)
-        if in_line == 0:
-            psi = arm_angle(P, q, place_[0], place_[1])
-            if value >= OUTSIDE:
-                psi, branch = 0.5 * (interval[0, 1] + interval[0, 2]), int(interval[0, 0])
-            found = at_or_inside(family, target, interval, psi, branch, goal)
-            best = closed_in_branch(P, target, found, wanted, goal, best, work)
+        psi = arm_angle(P, q, place_[0], place_[1])
+        if value >= OUTSIDE:
+            psi, branch = 0.5 * (interval[0, 1] + interval[0, 2]), int(interval[0, 0])
+        found = at_or_inside(family, target, interval, psi, branch, goal)
+        best = closed_in_branch(P, target, found, wanted, goal, best, work)
     keep(boxes)
     return best
 
