@@ -43,6 +43,12 @@ FARTHER = 8.0
 
 
 @kernel
+def hides_some(P, place_):
+    """Whether rounding may hide postures on limits of a pose, or take them in another turn: next to a singularity."""
+    return is_almost_flat(place_) or may_split(P, place_)
+
+
+@kernel
 def at_any_bend(family, target, psi, branch, goal, found):
     """The best posture at an arm angle as known so far, or a better one that looser tolerances find.
 
@@ -154,7 +160,7 @@ def best_of(family, target, found, branch, goal):
         best = nearest_within(P, target.place, found, branch, goal, 4.0 * NO_BRANCH)
     else:
         best = farthest(P, target.place, found, branch, goal.respect)
-    if goal.respect and (best[2] >= OUTSIDE or (goal.seeded and is_almost_flat(target.place))):
+    if goal.respect and (best[2] >= OUTSIDE or (goal.seeded and hides_some(P, target.place))):
         for i in range(found.shape[0]):
             own = int(found[i, 0])
             if branch < 0 or own == branch:
