@@ -19,7 +19,7 @@ from srs_ik.kernels.exact.bend_events import MOST_EVENTS, bends_at
 from srs_ik.kernels.exact.bends import bent_place
 from srs_ik.kernels.exact.farthest import farthest
 from srs_ik.kernels.exact.flat import NOTABLE, SMALLEST_BEND, is_almost_flat, span_of_bends
-from srs_ik.kernels.exact.free_splits import keep_better
+from srs_ik.kernels.exact.free_splits import keep_better, worse_by
 from srs_ik.kernels.exact.nearest_within import nearest_within
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.answer import MAX_PIECES
@@ -36,6 +36,9 @@ WIDER = 1e-4
 
 ALONE = 1e-12
 """An interval narrower than this, rad, is a single arm angle."""
+
+BETTER = 1e-8
+"""A posture that is better by less than this, rad or of a range, may owe it to missing its pose by rounding."""
 
 INWARDS = 4
 FARTHER = 8.0
@@ -101,7 +104,7 @@ def at_or_inside(family, target, interval, psi, branch, goal):
 def closed_in_branch(P, target, found, wanted, goal, best, work):
     """The better of a posture, closed on the true chain, and the best so far of a branch (-1: of all)."""
     closed = keep_better(P, target, found, -1, goal, best, work)
-    if closed[2] < best[2] and (wanted < 0 or is_on_border(P, closed[0], wanted)):
+    if worse_by(closed[2], best[2], goal.seeded) < -BETTER and (wanted < 0 or is_on_border(P, closed[0], wanted)):
         return closed[0], closed[1] if wanted < 0 else wanted, closed[2]
     return best
 
