@@ -134,6 +134,8 @@ def best_in_interval(family, target, interval, wanted, goal, best):
         # On a limit that rounding may put a joint beyond, which then is taken in another turn at its arm angle.
         found = (clipped(P, q), branch, value)
         best = closed_in_branch(P, target, found, wanted, goal, best, work)
+        if best[2] < OUTSIDE and worse_by(best[2], value, goal.seeded) < BETTER:
+            continue
         psi = arm_angle(P, q, place_[0], place_[1])
         if value >= OUTSIDE:
             psi, branch = 0.5 * (interval[0, 1] + interval[0, 2]), int(interval[0, 0])
