@@ -179,6 +179,7 @@ class Known:
         sine = np.linalg.norm(skew, axis=1)
         angle = np.arctan2(sine, 0.5 * (np.trace(D, axis1=1, axis2=2) - 1.0))
         turn = skew * np.where(sine > 1e-9, angle / np.maximum(sine, 1e-9), 1.0)[:, None]
+        turn[angle > np.pi - 1e-8, 2] = np.pi  # about whichever axis: a half turn is no zero
         return np.concatenate([pose[:3, 3] - tip, turn], axis=1), J
 
     def errors_of_one(self, q: np.ndarray, pose: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

@@ -73,9 +73,12 @@ def test_answers_are_no_farther_from_a_seed_than_a_known_posture(bench, lean):
         assert_none_is_farther_than_known(bench["cases"](arm, 8, rng, SINGULAR, 0.0), arm, rng, 8)
 
 
-def test_nor_where_joints_are_on_limits(bench):
-    rng = np.random.default_rng(12)
-    for arm in leaning(0.0, 40, 4):
+@pytest.mark.parametrize(
+    ("lean", "number"), [(0.0, 12), (0.0, 13), (0.0, 14), (0.0, 15), (1e-6, 14), (1e-6, 15), (1e-7, 14)]
+)
+def test_nor_where_joints_are_on_limits(bench, lean, number):
+    rng = np.random.default_rng(number)
+    for arm in leaning(lean, 40, 4):
         assert_none_is_farther_than_known(bench["cases"](arm, 8, rng, bench["TOGETHER"], 0.3), arm, rng, 8)
 
 

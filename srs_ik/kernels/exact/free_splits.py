@@ -49,11 +49,9 @@ FAR_SPLIT = 1e3
 
 
 @kernel
-def is_hopeless(value, lowest, seeded):
-    """Whether a split of some cost stays worse than the best, however its posture is closed."""
-    if seeded:
-        return math.sqrt(value) > math.sqrt(lowest) + GIVE
-    return value > lowest + GIVE
+def worse_by(value, lowest, seeded):
+    """By how much one cost is worse than another: as distances from a seed, rad, or as margins."""
+    return math.sqrt(value) - math.sqrt(lowest) if seeded else value - lowest
 
 
 @kernel
@@ -102,7 +100,7 @@ def keep_better(P, target, split, wanted, goal, best, work):
     off = max(position, orientation)
     if value >= OUTSIDE + GIVE or off < CLOSED:
         return split if value < lowest else best
-    if is_hopeless(value, lowest, goal.seeded):
+    if worse_by(value, lowest, goal.seeded) > GIVE:
         return best
     J, A = work
     closed, error = close_gently(P, start, target.R, target.p, goal.respect, J, A)

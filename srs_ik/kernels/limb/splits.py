@@ -31,10 +31,13 @@ def widest_split(P, k, first, total, toward):
     rest = rest_of(total, toward, q1, q3)
     part = P[k + SHARE_1] * rest
     if P[INVERSE_HALF_RANGE + first] > 0.0 and P[INVERSE_HALF_RANGE + first + 2] > 0.0:
-        half_1 = 1.0 / P[INVERSE_HALF_RANGE + first]
-        beyond = abs(rest) - half_1 - 1.0 / P[INVERSE_HALF_RANGE + first + 2]
-        if beyond > 0.0:
-            part = math.copysign(half_1 + 0.5 * beyond, rest)
+        half_1 = 0.5 * (P[UPPER + first] - P[LOWER + first])
+        half_3 = 0.5 * (P[UPPER + first + 2] - P[LOWER + first + 2])
+        beyond = abs(rest) - half_1 - half_3
+        # A joint with hardly any range takes no more than that.
+        most = half_1 + 0.5 * max(beyond, 0.0)
+        least = abs(rest) - half_3 - 0.5 * max(beyond, 0.0)
+        part = math.copysign(min(max(abs(part), least), most), rest)
     return q1 + toward * part, q3 + (rest - part)
 
 

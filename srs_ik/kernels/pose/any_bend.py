@@ -19,7 +19,7 @@ from srs_ik.kernels.exact.bend_events import MOST_EVENTS, bends_at
 from srs_ik.kernels.exact.bends import bent_place
 from srs_ik.kernels.exact.farthest import farthest
 from srs_ik.kernels.exact.flat import NOTABLE, SMALLEST_BEND, is_almost_flat, span_of_bends
-from srs_ik.kernels.exact.free_splits import keep_better
+from srs_ik.kernels.exact.free_splits import keep_better, worse_by
 from srs_ik.kernels.exact.nearest_within import nearest_within
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.answer import MAX_PIECES
@@ -37,9 +37,18 @@ WIDER = 1e-4
 ALONE = 1e-12
 """An interval narrower than this, rad, is a single arm angle."""
 
+BETTER = 1e-8
+"""A posture that is better by less than this, rad or of a range, may owe it to missing its pose by rounding."""
+
 INWARDS = 4
 FARTHER = 8.0
 """So many arm angles are tried at an end of an interval, each farther from it by this factor."""
+
+
+@kernel
+def hides_some(P, place_):
+    """Whether rounding may hide postures on limits of a pose, or take them in another turn: next to a singularity."""
+    return is_almost_flat(place_) or may_split(P, place_)
 
 
 @kernel
@@ -92,6 +101,15 @@ def at_or_inside(family, target, interval, psi, branch, goal):
 
 
 @kernel
+def closed_in_branch(P, target, found, wanted, goal, best, work):
+    """The better of a posture, closed on the true chain, and the best so far of a branch (-1: of all)."""
+    closed = keep_better(P, target, found, -1, goal, best, work)
+    if worse_by(closed[2], best[2], goal.seeded) < -BETTER and (wanted < 0 or is_on_border(P, closed[0], wanted)):
+        return closed[0], closed[1] if wanted < 0 else wanted, closed[2]
+    return best
+
+
+@kernel
 def best_in_interval(family, target, interval, wanted, goal, best):
     """The best posture as known so far, or a better one of an interval (1, 3), at any bend: q, branch, cost.
 
@@ -113,15 +131,16 @@ def best_in_interval(family, target, interval, wanted, goal, best):
             q, branch, value = farthest(box, place_, interval, -1, goal.respect)
         if value >= OUTSIDE and (in_line == 1 or best[2] < OUTSIDE):
             continue
+        # On a limit that rounding may put a joint beyond, which then is taken in another turn at its arm angle.
         found = (clipped(P, q), branch, value)
-        if in_line == 0:
-            psi = arm_angle(P, q, place_[0], place_[1])
-            if value >= OUTSIDE:
-                psi, branch = 0.5 * (interval[0, 1] + interval[0, 2]), int(interval[0, 0])
-            found = at_or_inside(family, target, interval, psi, branch, goal)
-        closed = keep_better(P, target, found, -1, goal, best, work)
-        if closed[2] < best[2] and (wanted < 0 or is_on_border(P, closed[0], wanted)):
-            best = (closed[0], closed[1] if wanted < 0 else wanted, closed[2])
+        best = closed_in_branch(P, target, found, wanted, goal, best, work)
+        if best[2] < OUTSIDE and worse_by(best[2], value, goal.seeded) < BETTER:
+            continue
+        psi = arm_angle(P, q, place_[0], place_[1])
+        if value >= OUTSIDE:
+            psi, branch = 0.5 * (interval[0, 1] + interval[0, 2]), int(interval[0, 0])
+        found = at_or_inside(family, target, interval, psi, branch, goal)
+        best = closed_in_branch(P, target, found, wanted, goal, best, work)
     keep(boxes)
     return best
 
@@ -146,7 +165,7 @@ def best_of(family, target, found, branch, goal):
         best = nearest_within(P, target.place, found, branch, goal, 4.0 * NO_BRANCH)
     else:
         best = farthest(P, target.place, found, branch, goal.respect)
-    if goal.respect and (best[2] >= OUTSIDE or (goal.seeded and is_almost_flat(target.place))):
+    if goal.respect and (best[2] >= OUTSIDE or (goal.seeded and hides_some(P, target.place))):
         for i in range(found.shape[0]):
             own = int(found[i, 0])
             if branch < 0 or own == branch:

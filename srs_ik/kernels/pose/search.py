@@ -11,7 +11,6 @@ from srs_ik.kernels.chain.kinematics import pose_error
 from srs_ik.kernels.chain.newton import CLOSED, arm_angle, close_free
 from srs_ik.kernels.curves.best import search_followed
 from srs_ik.kernels.exact.farthest import branch_at, copy_interval, farthest, farthest_of_all, whole_circles
-from srs_ik.kernels.exact.flat import is_almost_flat
 from srs_ik.kernels.exact.free_splits import settled_split, with_splits
 from srs_ik.kernels.exact.intervals import find_intervals
 from srs_ik.kernels.exact.nearest import (
@@ -35,7 +34,7 @@ from srs_ik.kernels.limb.limits import tighten
 from srs_ik.kernels.limb.triangle import elbow_side
 from srs_ik.kernels.near.band import is_well_bent
 from srs_ik.kernels.near.many_singular import nearest_among_splits
-from srs_ik.kernels.pose.any_bend import best_at_any_bend, nearest_alone
+from srs_ik.kernels.pose.any_bend import best_at_any_bend, hides_some, nearest_alone
 
 MOST_LEVERAGE = 4.0
 """A seed farther from its nearest posture than so many times the pose error asks for a closer look."""
@@ -180,8 +179,8 @@ def search_exact(family, target, branch, goal):
     else:
         best = farthest_of_all(P, F, place_, branch, goal.respect)
     best = with_splits(P, target, branch, goal, best)
-    # What rounding hides of a flat elbow may be nearer.
-    if best[2] >= OUTSIDE or (goal.seeded and goal.respect and is_almost_flat(place_)):
+    # What rounding hides may be nearer.
+    if best[2] >= OUTSIDE or (goal.seeded and goal.respect and hides_some(P, place_)):
         best = best_at_any_bend(family, target, branch, goal, best)
     if best[2] >= OUTSIDE:
         whole_circles(found)

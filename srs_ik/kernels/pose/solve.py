@@ -14,8 +14,6 @@ from srs_ik.kernels.chain.answer import measure_row, measure_row_at, write_row
 from srs_ik.kernels.chain.closest import closest
 from srs_ik.kernels.chain.eight import ALL, put_some, take_eight, tip_errors
 from srs_ik.kernels.chain.newton import arm_angle, clipped
-from srs_ik.kernels.exact.flat import is_almost_flat
-from srs_ik.kernels.exact.nearest import settle_inside
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.answer import (
     GOOD_POSE,
@@ -33,13 +31,12 @@ from srs_ik.kernels.layout.asked import Goal, Target
 from srs_ik.kernels.layout.limb import IS_NEAR, LIMITED
 from srs_ik.kernels.limb.branches import NO_BRANCH, branch_of, elbow_branches
 from srs_ik.kernels.limb.goal import NO_SEED, OUTSIDE, UNMET, tightest_joint, turned
-from srs_ik.kernels.limb.in_line import may_split
 from srs_ik.kernels.limb.poses import read7, read_pose
 from srs_ik.kernels.limb.triangle import place
 from srs_ik.kernels.near.at_angle import may_reach, solve_all_at_angle, solve_at_angle
 from srs_ik.kernels.near.predicted_best import search_true
 from srs_ik.kernels.near.second_attempts import rescue
-from srs_ik.kernels.pose.any_bend import at_any_bend, best_at_any_bend
+from srs_ik.kernels.pose.any_bend import at_any_bend, best_at_any_bend, hides_some
 from srs_ik.kernels.pose.on_limits import put_on_limits
 from srs_ik.kernels.pose.search import search_exact, search_near_seed
 
@@ -68,33 +65,14 @@ def write_closest(P, target, goal, out):
 
 
 @kernel
-def nearest_on_limits(family, target, goal, found):
-    """The posture of a closed limb nearest to a seed as known so far, or a nearer one: q, branch, cost.
-
-    Next to a singularity rounding turns joints farther than limits allow, so that a posture on a limit is missed, or
-    taken a whole turn away.
-    """
-    P, flat = row(family, LIMITED), is_almost_flat(target.place)
-    if flat:
-        found = best_at_any_bend(family, target, -1, goal, found)
-    elif may_split(P, target.place):
-        other = search_exact(family, target, -1, goal)
-        found = other if other[2] < found[2] else found
-    else:
-        return found
-    q, value = settle_inside(P, target, goal.seed, goal, np.empty((6, 7)), np.empty((16, 9)))
-    return (q, branch_of(P, q), value) if value < found[2] else found
-
-
-@kernel
 def best_posture(family, target, branch, goal, J, A):
     """The best posture of all arm angles: q, branch, cost."""
     P = row(family, LIMITED)
     found = (goal.seed, 0, 4.0 * NO_BRANCH)
     if goal.seeded and branch < 0:
         found = search_near_seed(family, target, goal, J, A)
-        if P[IS_NEAR] == 0.0 and goal.respect and found[2] < OUTSIDE:
-            found = nearest_on_limits(family, target, goal, found)
+        if P[IS_NEAR] == 0.0 and goal.respect and found[2] < OUTSIDE and hides_some(P, target.place):
+            found = best_at_any_bend(family, target, -1, goal, found)
     if found[2] < OUTSIDE:
         return found
     if P[IS_NEAR] != 0.0 and may_reach(P, target.place):
@@ -134,7 +112,7 @@ def solve_row_at(family, T, psi, branch, goal, J, A, out):
     P = row(family, LIMITED)
     target = Target(R, p, place(P, R, p))
     found = put_on_limits(P, target, psi, solve_at_angle(P, target, psi, branch, goal, J, A), goal)
-    if P[IS_NEAR] == 0.0 and found[2] >= OUTSIDE and (is_almost_flat(target.place) or may_split(P, target.place)):
+    if P[IS_NEAR] == 0.0 and found[2] >= OUTSIDE and hides_some(P, target.place):
         found = at_any_bend(family, target, psi, branch, goal, found)
     measure_row_at(P, target, psi, found, goal.respect, row(out, 0))
     return GOOD_POSE
@@ -162,7 +140,7 @@ def all_branches(family, T, asked, J, A, out, first):
         put_some(rows, ROW_POSITION_ERROR, ROW, measured, position)
         put_some(rows, ROW_ORIENTATION_ERROR, ROW, measured, orientation)
         right = as_bits(measured)
-        splits = respect and right != ALL and (is_almost_flat(place_) or may_split(P, place_))
+        splits = respect and right != ALL and hides_some(P, place_)
         for branch in range(8):
             answer = row(out, first + branch)
             q = read7(answer)
