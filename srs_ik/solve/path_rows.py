@@ -23,6 +23,9 @@ Array = NDArray[np.float64]
 ON_POSE = 1e-10
 """A posture that is farther off its pose than this, m and rad, is taken to it once more."""
 
+NEXT_TO = 0.1
+"""... or, where it cannot be, another one no farther away than this, rad, is taken."""
+
 
 def rows_of(problem: Problem, way: Way) -> Array:
     """Rows of the postures of a path; where there is none, that of the search for one pose near the one before."""
@@ -36,11 +39,23 @@ def rows_of(problem: Problem, way: Way) -> Array:
         # Rounding left them beside their poses, or limits with room for it did.
         q, met = way.q[off], np.zeros(len(off), np.bool_)
         entries.bridge(arm.family, T[off], q, met)
+        for k in np.flatnonzero(~met).tolist():
+            # Where Newton's method turns joints too little: at a singular posture with others on limits.
+            nearest, q[k] = nearest_of_all(problem, int(off[k]), way.q[off[k]])
+            met[k] = nearest < NEXT_TO
         way.q[off[met]], way.branch[off[met]] = q[met], -1
         entries.finish(arm.family, T, off[met], way.q, way.psi, way.branch, rows)
     for i in np.flatnonzero(~way.reached | (rows[:, ROW_STATUS] != Status.OK)).tolist():
         rows[i] = problem.solve(i, rows[i - 1, :7] if i else problem.seed)._row
     return rows
+
+
+def nearest_of_all(problem: Problem, i: int, near: Array) -> tuple[float, Array]:
+    """The posture next to others of those that a pose has, one an interval, and the largest joint step to it."""
+    found = [each.q for each in problem.solve_all(i)]
+    steps = [float(np.abs(steps_of(problem, np.vstack([near, q]))).max()) for q in found]
+    k = int(np.argmin(steps)) if found else -1
+    return (steps[k], found[k]) if found else (np.inf, near)
 
 
 def off_poses(arm: PackedArm, poses: Array, q: Array) -> Array:
