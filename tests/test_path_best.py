@@ -283,6 +283,20 @@ def test_postures_that_rounding_takes_away_are_no_break(name, motion):
     assert arm.solve_path(poses_of(arm, known), seed=known[0])
 
 
+@pytest.mark.files
+@pytest.mark.parametrize(("name", "numbers", "motion"), [("human_left", "human_left", 96223), ("sia5d", "motoman_sia5d", 98172)])
+def test_where_rounding_is_a_tenth_of_a_radian_a_known_motion_is_no_better(name, numbers, motion):
+    """Beside a singular posture with other joints on limits, 1e-9 rad of a limit turn joints by up to 0.17 rad."""
+    arm = load(name)
+    known = motion_of_benchmark(arm, numbers, "limits", motion)
+    poses = poses_of(arm, known)
+    for seed in (known[0], None):
+        path = arm.solve_path(poses, seed=seed)
+        assert path
+        assert total(path, seed) <= (np.diff(known, axis=0) ** 2).sum() * (1.0 + 1e-6)
+        assert_on_poses(name, arm, poses, path)
+
+
 @pytest.mark.parametrize(
     ("name", "kind", "motion"),
     [

@@ -23,10 +23,6 @@ Array = NDArray[np.float64]
 ON_POSE = 1e-10
 """A posture that is farther off its pose than this, m and rad, is taken to it once more."""
 
-NEXT_TO = 0.1
-"""... or, where it cannot be, another one no farther away than this, rad, is taken."""
-
-
 def rows_of(problem: Problem, way: Way) -> Array:
     """Rows of the postures of a path; where there is none, that of the search for one pose near the one before."""
     arm, T = problem.arm, problem.T
@@ -41,8 +37,7 @@ def rows_of(problem: Problem, way: Way) -> Array:
         entries.bridge(arm.family, T[off], q, met)
         for k in np.flatnonzero(~met).tolist():
             # Where Newton's method turns joints too little: at a singular posture with others on limits.
-            nearest, q[k] = nearest_of_all(problem, int(off[k]), way.q[off[k]])
-            met[k] = nearest < NEXT_TO
+            q[k], met[k] = nearest_of_all(problem, int(off[k]), way.q[off[k]])
         way.q[off[met]], way.branch[off[met]] = q[met], -1
         entries.finish(arm.family, T, off[met], way.q, way.psi, way.branch, rows)
     for i in np.flatnonzero(~way.reached | (rows[:, ROW_STATUS] != Status.OK)).tolist():
@@ -50,12 +45,14 @@ def rows_of(problem: Problem, way: Way) -> Array:
     return rows
 
 
-def nearest_of_all(problem: Problem, i: int, near: Array) -> tuple[float, Array]:
-    """The posture next to others of those that a pose has, one an interval, and the largest joint step to it."""
-    found = [each.q for each in problem.solve_all(i)]
-    steps = [float(np.abs(steps_of(problem, np.vstack([near, q]))).max()) for q in found]
-    k = int(np.argmin(steps)) if found else -1
-    return (steps[k], found[k]) if found else (np.inf, near)
+def nearest_of_all(problem: Problem, i: int, near: Array) -> tuple[Array, bool]:
+    """The posture of a pose nearest to another one, also of intervals as narrow as a point; is it a step away at most?"""
+    found = [each.q for each in (problem.solve(i, near), *problem.solve_all(i)) if each]
+    if not found:
+        return near, False
+    steps = [np.abs(steps_of(problem, np.vstack([near, q]))).max() for q in found]
+    k = int(np.argmin(steps))
+    return found[k], bool(steps[k] <= problem.settings[BY_CONTINUITY, 0])
 
 
 def off_poses(arm: PackedArm, poses: Array, q: Array) -> Array:
