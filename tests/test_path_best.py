@@ -284,7 +284,9 @@ def test_postures_that_rounding_takes_away_are_no_break(name, motion):
 
 
 @pytest.mark.files
-@pytest.mark.parametrize(("name", "numbers", "motion"), [("human_left", "human_left", 96223), ("sia5d", "motoman_sia5d", 98172)])
+@pytest.mark.parametrize(
+    ("name", "numbers", "motion"), [("human_left", "human_left", 96223), ("sia5d", "motoman_sia5d", 98172)]
+)
 def test_where_rounding_is_a_tenth_of_a_radian_a_known_motion_is_no_better(name, numbers, motion):
     """Beside a singular posture with other joints on limits, 1e-9 rad of a limit turn joints by up to 0.17 rad."""
     arm = load(name)

@@ -49,7 +49,7 @@ def searched_beside(problem: Problem, way: Way, moved: NDArray[np.bool_]) -> Way
     """A path whose postures (n,) have been moved to their poses, or a better one that passes them, or goes beside them.
 
     Strips take joints next to a singular posture as turning on the spot, and limits with some room; beside a limit,
-    rounding is as much as a tenth of a radian there. Within the intervals that limits leave, postures are on their poses.
+    rounding is as much as a tenth of a radian there. Within the intervals that limits leave, postures meet their poses.
     """
     beside = wider(moved, ABOUT)
     plans = [replace(problem, known=way.q.copy(), has_known=problem.has_known | moved)]

@@ -23,6 +23,7 @@ Array = NDArray[np.float64]
 ON_POSE = 1e-10
 """A posture that is farther off its pose than this, m and rad, is taken to it once more."""
 
+
 def rows_of(problem: Problem, way: Way) -> Array:
     """Rows of the postures of a path; where there is none, that of the search for one pose near the one before."""
     arm, T = problem.arm, problem.T
@@ -46,7 +47,7 @@ def rows_of(problem: Problem, way: Way) -> Array:
 
 
 def nearest_of_all(problem: Problem, i: int, near: Array) -> tuple[Array, bool]:
-    """The posture of a pose nearest to another one, also of intervals as narrow as a point; is it a step away at most?"""
+    """The posture of a pose nearest to another one, of intervals narrow as a point too; is it a step away at most?"""
     found = [each.q for each in (problem.solve(i, near), *problem.solve_all(i)) if each]
     if not found:
         return near, False
