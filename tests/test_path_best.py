@@ -299,6 +299,19 @@ def test_where_rounding_is_a_tenth_of_a_radian_a_known_motion_is_no_better(name,
         assert_on_poses(name, arm, poses, path)
 
 
+@pytest.mark.files
+def test_a_whole_path_is_kept_where_strips_of_more_poses_break():
+    """Planned at some poses the path is whole; strips of those that are planned then miss what it touches."""
+    arm = load("iiwa14_experimental")
+    known = motion_of_benchmark(arm, arm.name, "limits", 98163)
+    poses = poses_of(arm, known)
+    for seed in (known[0], None):
+        path = arm.solve_path(poses, seed=seed)
+        assert path
+        assert total(path, seed) <= (np.diff(known, axis=0) ** 2).sum() * (1.0 + 1e-6)
+        assert_on_poses("iiwa14_experimental", arm, poses, path)
+
+
 @pytest.mark.parametrize(
     ("name", "kind", "motion"),
     [
@@ -405,11 +418,20 @@ def test_postures_between_planned_poses_hide_no_better_path(name, motion, seeded
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(("kind", "motion", "seeded"), [("limits", 81200, True), ("singular", 81201, False)])
-def test_no_known_motion_of_a_near_arm_has_a_smaller_largest_step(kind, motion, seeded):
-    """Chords of coarse strips on the true chain are too far from it for steps that are so short."""
-    arm = load("gen3")
-    known = motion_of_benchmark(arm, "gen3", kind, motion)
+@pytest.mark.parametrize(
+    ("name", "kind", "motion", "seeded"),
+    [
+        ("gen3", "limits", 81200, True),
+        ("gen3", "limits", 98101, False),
+        ("gen3", "singular", 81201, False),
+        ("gen3", "singular", 98101, True),
+        pytest.param("rm75", "limits", 98107, False, marks=pytest.mark.files),
+    ],
+)
+def test_no_known_motion_of_a_near_arm_has_a_smaller_largest_step(name, kind, motion, seeded):
+    """Chords of strips on the true chain are too far from it, and their postures too far apart, for steps so short."""
+    arm = load(name)
+    known = motion_of_benchmark(arm, name, kind, motion)
     path = arm.solve_path(poses_of(arm, known), seed=known[0] if seeded else None, objective="largest_step")
     assert path
     assert path.value <= np.abs(np.diff(known, axis=0)).max()

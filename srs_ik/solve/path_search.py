@@ -259,8 +259,9 @@ def sparse(problem: Problem, marks: NDArray[np.bool_]) -> Way | None:
     while True:
         keys = np.flatnonzero(marks)
         way, blocks = through(far(plan, keys), keys, False)
-        if way.cost >= 0.5 * BREAK or not way.reached[keys].all():
-            return None
+        if not is_whole(way, keys):
+            # Strips of poses that are planned too may miss what a path touches that is whole.
+            return None if best is None else search_around(problem, best)
         least, q = way.cost, way.q[keys]
         missed = fill(problem, way, keys)
         if not missed.any():
