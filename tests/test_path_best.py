@@ -207,6 +207,18 @@ def motion_of_benchmark(arm, name, kind, motion, count=200):
     return benchmark["known_motion"](arm, rng, kind, count)
 
 
+def assert_not_worse(name, numbers, motion):
+    """A motion along limits, of random numbers for the name `numbers`, is no better than the paths through its poses."""
+    arm = load(name)
+    known = motion_of_benchmark(arm, numbers, "limits", motion)
+    poses = poses_of(arm, known)
+    for seed in (known[0], None):
+        path = arm.solve_path(poses, seed=seed)
+        assert path
+        assert total(path, seed) <= (np.diff(known, axis=0) ** 2).sum() * (1.0 + 1e-6)
+        assert_on_poses(name, arm, poses, path)
+
+
 def pieces(arm, name, kind, number, count):
     """(20, 7) pieces of motions that have nothing to do with each other, as in `benchmarks/path_truth.py`."""
     benchmark = runpy.run_path(
@@ -264,14 +276,7 @@ def test_of_two_paths_that_seem_as_good_the_better_is_taken():
 )
 def test_postures_that_two_limits_leave_alone_belong_to_their_strip(name, motion):
     """A pose at which two joints are on limits, one of them next to its singular angle or to a straight elbow."""
-    arm = load(name)
-    known = motion_of_benchmark(arm, name, "limits", motion)
-    poses = poses_of(arm, known)
-    for seed in (known[0], None):
-        path = arm.solve_path(poses, seed=seed)
-        assert path
-        assert total(path, seed) <= (np.diff(known, axis=0) ** 2).sum() * (1.0 + 1e-6)
-        assert_on_poses(name, arm, poses, path)
+    assert_not_worse(name, name, motion)
 
 
 @pytest.mark.files
@@ -289,27 +294,13 @@ def test_postures_that_rounding_takes_away_are_no_break(name, motion):
 )
 def test_where_rounding_is_a_tenth_of_a_radian_a_known_motion_is_no_better(name, numbers, motion):
     """Beside a singular posture with other joints on limits, 1e-9 rad of a limit turn joints by up to 0.17 rad."""
-    arm = load(name)
-    known = motion_of_benchmark(arm, numbers, "limits", motion)
-    poses = poses_of(arm, known)
-    for seed in (known[0], None):
-        path = arm.solve_path(poses, seed=seed)
-        assert path
-        assert total(path, seed) <= (np.diff(known, axis=0) ** 2).sum() * (1.0 + 1e-6)
-        assert_on_poses(name, arm, poses, path)
+    assert_not_worse(name, numbers, motion)
 
 
 @pytest.mark.files
 def test_a_whole_path_is_kept_where_strips_of_more_poses_break():
     """Planned at some poses the path is whole; strips of those that are planned then miss what it touches."""
-    arm = load("iiwa14_experimental")
-    known = motion_of_benchmark(arm, arm.name, "limits", 98163)
-    poses = poses_of(arm, known)
-    for seed in (known[0], None):
-        path = arm.solve_path(poses, seed=seed)
-        assert path
-        assert total(path, seed) <= (np.diff(known, axis=0) ** 2).sum() * (1.0 + 1e-6)
-        assert_on_poses("iiwa14_experimental", arm, poses, path)
+    assert_not_worse("iiwa14_experimental", load("iiwa14_experimental").name, 98163)
 
 
 @pytest.mark.parametrize(
