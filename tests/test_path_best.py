@@ -208,7 +208,7 @@ def motion_of_benchmark(arm, name, kind, motion, count=200):
 
 
 def assert_not_worse(name, numbers, motion):
-    """A motion along limits, of random numbers for the name `numbers`, is no better than the paths through its poses."""
+    """A motion along limits, of random numbers for the name `numbers`, is no better than paths through its poses."""
     arm = load(name)
     known = motion_of_benchmark(arm, numbers, "limits", motion)
     poses = poses_of(arm, known)
