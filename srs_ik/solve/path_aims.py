@@ -22,7 +22,7 @@ from srs_ik.solve.path_problem import (
     steps_of,
     worth,
 )
-from srs_ik.solve.path_search import FINE_POSES, THIRDS, finer, may_be_fine
+from srs_ik.solve.path_search import THIRDS, finer, may_be_fine
 from srs_ik.solve.path_timing import passing_times
 
 Array = NDArray[np.float64]
@@ -41,6 +41,9 @@ ALMOST = 1.05
 
 MORE = (0.0, 0.03)
 """... or so much longer, rad, for postures lie between those of strips, and what is reached of a strip may be less."""
+
+MOST_FINE = 1000
+"""Fine strips of a near limb take 80 kB a pose: paths of more poses have them about a path at hand alone."""
 
 STARTS = 6
 """Most postures at which a closed path is tried to begin."""
@@ -102,7 +105,7 @@ class Plans:
 
     def strips_at(self, number: int, way: Way) -> Problem:
         """Coarse strips (0), or fine ones, of a long path about it alone."""
-        if number and len(self.keys) > FINE_POSES:
+        if number and len(self.keys) > MOST_FINE:
             return replace(self.strips[0], near=way.q, radius=RADIUS)
         if number == len(self.strips):
             coarse = held_in(self.strips[0], self.keys, through(self.strips[0], self.keys, False)[1])
