@@ -13,10 +13,12 @@ BESIDE = Path(__file__).resolve().parents[2] / "shared" / "urdf"
 OF_MAKERS = {
     "med7": "med7_lbr_stack",
     "openarm_left": "openarm_v10_bimanual",
+    "openarm_right": "openarm_v10_bimanual",
     "sia10": "motoman_sia10f",
     "rm75": "realman_rm75",
     "j2s7s300": "kinova_j2s7s300",
     "h1_2_left": "unitree_h1_2_handless",
+    "h1_2_right": "unitree_h1_2_handless",
 }
 """Files of makers, used where they lie beside the checkout."""
 

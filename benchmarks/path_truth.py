@@ -33,7 +33,8 @@ import numpy as np
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "tests"))
 sys.path.insert(0, str(Path(__file__).resolve().parent))
 
-from known_motions import KINDS, known_motion, load
+import subjects
+from known_motions import KINDS, OF_MAKERS, known_motion, load
 from path_brute import best_path
 from path_oracle import differences, swept_postures
 
@@ -263,7 +264,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser.add_argument("--angles", type=int, default=2000, help="arm angles of the sweep")
     chosen = parser.parse_args(arguments)
     try:
-        arm = load(chosen.robot)
+        arm = (subjects.load if chosen.robot in subjects.FILES.keys() - OF_MAKERS.keys() else load)(chosen.robot)
     except srs_ik.SrsIkError as error:
         print(error)
         return 2

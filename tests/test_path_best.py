@@ -207,6 +207,18 @@ def motion_of_benchmark(arm, name, kind, motion, count=200):
     return benchmark["known_motion"](arm, rng, kind, count)
 
 
+def assert_not_worse(name, numbers, motion):
+    """A motion along limits, of random numbers for the name `numbers`, is no better than paths through its poses."""
+    arm = load(name)
+    known = motion_of_benchmark(arm, numbers, "limits", motion)
+    poses = poses_of(arm, known)
+    for seed in (known[0], None):
+        path = arm.solve_path(poses, seed=seed)
+        assert path
+        assert total(path, seed) <= (np.diff(known, axis=0) ** 2).sum() * (1.0 + 1e-6)
+        assert_on_poses(name, arm, poses, path)
+
+
 def pieces(arm, name, kind, number, count):
     """(20, 7) pieces of motions that have nothing to do with each other, as in `benchmarks/path_truth.py`."""
     benchmark = runpy.run_path(
@@ -264,14 +276,7 @@ def test_of_two_paths_that_seem_as_good_the_better_is_taken():
 )
 def test_postures_that_two_limits_leave_alone_belong_to_their_strip(name, motion):
     """A pose at which two joints are on limits, one of them next to its singular angle or to a straight elbow."""
-    arm = load(name)
-    known = motion_of_benchmark(arm, name, "limits", motion)
-    poses = poses_of(arm, known)
-    for seed in (known[0], None):
-        path = arm.solve_path(poses, seed=seed)
-        assert path
-        assert total(path, seed) <= (np.diff(known, axis=0) ** 2).sum() * (1.0 + 1e-6)
-        assert_on_poses(name, arm, poses, path)
+    assert_not_worse(name, name, motion)
 
 
 @pytest.mark.files
@@ -281,6 +286,21 @@ def test_postures_that_rounding_takes_away_are_no_break(name, motion):
     arm = load(name)
     known = motion_of_benchmark(arm, name, "limits", motion)
     assert arm.solve_path(poses_of(arm, known), seed=known[0])
+
+
+@pytest.mark.files
+@pytest.mark.parametrize(
+    ("name", "numbers", "motion"), [("human_left", "human_left", 96223), ("sia5d", "motoman_sia5d", 98172)]
+)
+def test_where_rounding_is_a_tenth_of_a_radian_a_known_motion_is_no_better(name, numbers, motion):
+    """Beside a singular posture with other joints on limits, 1e-9 rad of a limit turn joints by up to 0.17 rad."""
+    assert_not_worse(name, numbers, motion)
+
+
+@pytest.mark.files
+def test_a_whole_path_is_kept_where_strips_of_more_poses_break():
+    """Planned at some poses the path is whole; strips of those that are planned then miss what it touches."""
+    assert_not_worse("iiwa14_experimental", load("iiwa14_experimental").name, 98163)
 
 
 @pytest.mark.parametrize(
@@ -389,11 +409,20 @@ def test_postures_between_planned_poses_hide_no_better_path(name, motion, seeded
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(("kind", "motion", "seeded"), [("limits", 81200, True), ("singular", 81201, False)])
-def test_no_known_motion_of_a_near_arm_has_a_smaller_largest_step(kind, motion, seeded):
-    """Chords of coarse strips on the true chain are too far from it for steps that are so short."""
-    arm = load("gen3")
-    known = motion_of_benchmark(arm, "gen3", kind, motion)
+@pytest.mark.parametrize(
+    ("name", "kind", "motion", "seeded"),
+    [
+        ("gen3", "limits", 81200, True),
+        ("gen3", "limits", 98101, False),
+        ("gen3", "singular", 81201, False),
+        ("gen3", "singular", 98101, True),
+        pytest.param("rm75", "limits", 98107, False, marks=pytest.mark.files),
+    ],
+)
+def test_no_known_motion_of_a_near_arm_has_a_smaller_largest_step(name, kind, motion, seeded):
+    """Chords of strips on the true chain are too far from it, and their postures too far apart, for steps so short."""
+    arm = load(name)
+    known = motion_of_benchmark(arm, name, kind, motion)
     path = arm.solve_path(poses_of(arm, known), seed=known[0] if seeded else None, objective="largest_step")
     assert path
     assert path.value <= np.abs(np.diff(known, axis=0)).max()

@@ -8,7 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from srs_ik.kernels.layout.path import BREAK, BY_CONTINUITY, BY_VELOCITY, INVERSE_SPEED, LEAST_INVERSE
-from srs_ik.solve.path_blocks import find_way
+from srs_ik.solve.path_around import RADIUS
+from srs_ik.solve.path_blocks import find_way, held_in, through
 from srs_ik.solve.path_limited import search
 from srs_ik.solve.path_polish import WIDTHS, polish, refine
 from srs_ik.solve.path_problem import (
@@ -21,7 +22,7 @@ from srs_ik.solve.path_problem import (
     steps_of,
     worth,
 )
-from srs_ik.solve.path_search import FINE_POSES, THIRDS, fine_everywhere, may_be_fine
+from srs_ik.solve.path_search import THIRDS, finer, may_be_fine
 from srs_ik.solve.path_timing import passing_times
 
 Array = NDArray[np.float64]
@@ -37,6 +38,12 @@ JUST_BELOW = 0.995
 
 ALMOST = 1.05
 """Steps above this part of the last one are left out then: few of them can be moved below the limit."""
+
+MORE = (0.0, 0.03)
+"""... or so much longer, rad, for postures lie between those of strips, and what is reached of a strip may be less."""
+
+MOST_FINE = 1000
+"""Fine strips of a near limb take 80 kB a pose: paths of more poses have them about a path at hand alone."""
 
 STARTS = 6
 """Most postures at which a closed path is tried to begin."""
@@ -78,33 +85,49 @@ def least_largest_step(problem: Problem) -> Way:
     if way.cost >= 0.5 * BREAK:
         return way
     polish(problem, way)
+    plans = Plans(problem, np.flatnonzero(way.reached))
     for _ in range(SEARCHES):
-        better = smaller(problem, way, BELOW) or smaller(problem, way, JUST_BELOW)
+        better = plans.smaller(way, BELOW) or plans.smaller(way, JUST_BELOW)
         if better is None:
             break
         way = better
     return way
 
 
-def smaller(problem: Problem, way: Way, part: float) -> Way | None:
-    """A path with a smaller largest step, of those whose steps are about below a part of this one's."""
-    largest = worth(problem, way)[1]
-    settings = problem.settings.copy()
-    settings[BY_VELOCITY] = part * largest
-    settings[BY_CONTINUITY] = np.minimum(settings[BY_CONTINUITY], ALMOST * largest)
-    slower = replace(problem, settings=settings, limited=True, objective=SUM_OF_SQUARES)
-    if may_be_fine(problem):
-        slower = replace(slower, radius=EVERYWHERE, spacing=FINE_SPACING)
-    keys = np.flatnonzero(way.reached)
-    other = find_way(slower, keys, False)
-    if other.cost >= 0.5 * BREAK and problem.is_near and part == BELOW and len(keys) <= FINE_POSES:
-        # The chords of coarse strips are too far from the curves for steps so short.
-        other = find_way(fine_everywhere(slower, keys, THIRDS), keys, False)
-    if other.cost >= 0.5 * BREAK:
+class Plans:
+    """The strips in which paths with a smaller largest step are planned: those of a near limb are found once."""
+
+    def __init__(self, problem: Problem, keys: NDArray[np.int64]) -> None:
+        self.problem, self.keys = problem, keys
+        self.strips = [replace(problem, limited=True, objective=SUM_OF_SQUARES)]
+        if may_be_fine(problem):
+            self.strips = [replace(self.strips[0], radius=EVERYWHERE, spacing=FINE_SPACING)]
+
+    def strips_at(self, number: int, way: Way) -> Problem:
+        """Coarse strips (0), or fine ones, of a long path about it alone."""
+        if number and len(self.keys) > MOST_FINE:
+            return replace(self.strips[0], near=way.q, radius=RADIUS)
+        if number == len(self.strips):
+            coarse = held_in(self.strips[0], self.keys, through(self.strips[0], self.keys, False)[1])
+            self.strips = [coarse, finer(coarse, THIRDS)]
+        return self.strips[number]
+
+    def smaller(self, way: Way, part: float) -> Way | None:
+        """A path with a smaller largest step, of those whose steps are about below a part of this one's."""
+        problem, largest = self.problem, worth(self.problem, way)[1]
+        for number in range(2 if problem.is_near and part == BELOW else 1):
+            for more in MORE if part == BELOW else MORE[:1]:
+                settings = problem.settings.copy()
+                settings[BY_VELOCITY] = part * largest
+                settings[BY_CONTINUITY] = np.minimum(settings[BY_CONTINUITY], ALMOST * largest + more)
+                plan = replace(self.strips_at(number, way), settings=settings)
+                other = find_way(plan, self.keys, False)
+                # Planned steps may be longer than those near them: chords are off the curves of their strips.
+                refine(plan, other, WIDTHS, 0.0)
+                polish(problem, other)
+                if worth(problem, other) < worth(problem, way):
+                    return other
         return None
-    refine(slower, other, WIDTHS, 0.0)
-    polish(problem, other)
-    return other if worth(problem, other) < worth(problem, way) else None
 
 
 def closed(problem: Problem) -> Way:

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from srs_ik.kernels.layout.path import BREAK
+from srs_ik.solve.intervals import intervals
 from srs_ik.solve.path_around import ABOUT, find_at, wider
 from srs_ik.solve.path_blocks import find_way
 from srs_ik.solve.path_bridges import bridged, flat_turns, with_turns
@@ -45,16 +46,27 @@ def held_and_improved(problem: Problem, way: Way, more: Problem, held: NDArray[n
 
 
 def searched_beside(problem: Problem, way: Way, moved: NDArray[np.bool_]) -> Way:
-    """A path whose postures (n,) have been moved to their poses, or a better one that passes them.
+    """A path whose postures (n,) have been moved to their poses, or a better one that passes them, or goes beside them.
 
-    Strips take joints next to a singular posture as turning on the spot; beside a limit they may not.
+    Strips take joints next to a singular posture as turning on the spot, and limits with some room; beside a limit,
+    rounding is as much as a tenth of a radian there. Within the intervals that limits leave, postures meet their poses.
     """
-    known = replace(problem, known=way.q.copy(), has_known=problem.has_known | moved)
-    other = find_at(known, way, wider(moved, ABOUT))
-    if other.cost >= 0.5 * BREAK or not other.reached.all():
-        return way
-    improve(known, other, FINE)
-    return min(way, other, key=lambda each: worth(problem, each))
+    beside = wider(moved, ABOUT)
+    plans = [replace(problem, known=way.q.copy(), has_known=problem.has_known | moved)]
+    if problem.free is None:
+        plans.append(replace(problem, free=[_within(problem, i) if beside[i] else None for i in range(len(beside))]))
+    for plan in plans:
+        other = find_at(plan, way, beside)
+        if other.cost < 0.5 * BREAK and other.reached.all():
+            improve(plan, other, FINE)
+            way = min(way, other, key=lambda each: worth(problem, each))
+    return way
+
+
+def _within(problem: Problem, i: int) -> NDArray[np.float64]:
+    """(k, 3) the intervals of a pose that limits leave, without room for rounding: branch, first and last arm angle."""
+    found = intervals(problem.arm, problem.T[i], True)
+    return np.array([(each.branch, each.lower, each.upper) for each in found]).reshape(-1, 3)
 
 
 def turned_at_flat(problem: Problem, way: Way) -> Way:

@@ -36,11 +36,24 @@ def rows_of(problem: Problem, way: Way) -> Array:
         # Rounding left them beside their poses, or limits with room for it did.
         q, met = way.q[off], np.zeros(len(off), np.bool_)
         entries.bridge(arm.family, T[off], q, met)
+        for k in np.flatnonzero(~met).tolist():
+            # Where Newton's method turns joints too little: at a singular posture with others on limits.
+            q[k], met[k] = nearest_of_all(problem, int(off[k]), way.q[off[k]])
         way.q[off[met]], way.branch[off[met]] = q[met], -1
         entries.finish(arm.family, T, off[met], way.q, way.psi, way.branch, rows)
     for i in np.flatnonzero(~way.reached | (rows[:, ROW_STATUS] != Status.OK)).tolist():
         rows[i] = problem.solve(i, rows[i - 1, :7] if i else problem.seed)._row
     return rows
+
+
+def nearest_of_all(problem: Problem, i: int, near: Array) -> tuple[Array, bool]:
+    """The posture of a pose nearest to another one, of intervals narrow as a point too; is it a step away at most?"""
+    found = [each.q for each in (problem.solve(i, near), *problem.solve_all(i)) if each]
+    if not found:
+        return near, False
+    steps = [np.abs(steps_of(problem, np.vstack([near, q]))).max() for q in found]
+    k = int(np.argmin(steps))
+    return found[k], bool(steps[k] <= problem.settings[BY_CONTINUITY, 0])
 
 
 def off_poses(arm: PackedArm, poses: Array, q: Array) -> Array:

@@ -40,6 +40,9 @@ ROUNDED = 1e-4
 DRAWN_OUT = 30.0
 """That limb is planned with limits drawn out by so many times this: else postures on two limits would be none of it."""
 
+KEYS, NEAR_KEYS = 2, 3
+"""Of key poses one after the other a path is planned at one of so many; on the true chain each costs ten times more."""
+
 MOST_PLANNED = 0.6
 """If it is to be planned at a larger part of all poses, it may as well be planned at all."""
 
@@ -93,10 +96,10 @@ def as_exact(problem: Problem) -> Problem:
     return replace(problem, arm=replace(arm, family=family, lower=lower, upper=upper), in_closed_form=True)
 
 
-def every_second(marks: NDArray[np.bool_], kept: NDArray[np.bool_]) -> NDArray[np.bool_]:
-    """Of poses that are marked one after the other every second one, with both ends and those that are kept."""
+def thinned(marks: NDArray[np.bool_], kept: NDArray[np.bool_], by: int) -> NDArray[np.bool_]:
+    """Of poses that are marked one after the other one of so many, with both ends and those that are kept."""
     between = np.append(False, marks[:-1]) & np.append(marks[1:], False)
-    return marks & (kept | ~between | (np.arange(len(marks)) % 2 == 0))
+    return marks & (kept | ~between | (np.arange(len(marks)) % by == 0))
 
 
 def keys_of(problem: Problem) -> NDArray[np.bool_]:
@@ -139,13 +142,13 @@ def planned_at_some(problem: Problem) -> tuple[Way | None, Problem | None]:
         return None, problem
     if not problem.is_near:
         if problem.even:
-            return in_closed_form(problem, problem, every_second(marks, problem.has_known))
+            return in_closed_form(problem, problem, thinned(marks, problem.has_known, KEYS))
         return in_closed_form(problem, problem, marks) if marks.mean() < MOST_PLANNED else (None, problem)
     if problem.arm.family[LIMITED, SHIFT] < ROUNDED:
-        way, rest = in_closed_form(problem, as_exact(problem), every_second(marks, problem.has_known))
+        way, rest = in_closed_form(problem, as_exact(problem), thinned(marks, problem.has_known, KEYS))
         if rest is None:
             return way, None
-    return sparse(problem, every_second(marks, problem.has_known)), None
+    return sparse(problem, thinned(marks, problem.has_known, NEAR_KEYS)), None
 
 
 def in_closed_form(problem: Problem, plan: Problem, marks: NDArray[np.bool_]) -> tuple[Way | None, Problem | None]:
@@ -259,8 +262,9 @@ def sparse(problem: Problem, marks: NDArray[np.bool_]) -> Way | None:
     while True:
         keys = np.flatnonzero(marks)
         way, blocks = through(far(plan, keys), keys, False)
-        if way.cost >= 0.5 * BREAK or not way.reached[keys].all():
-            return None
+        if not is_whole(way, keys):
+            # Strips of poses that are planned too may miss what a path touches that is whole.
+            return None if best is None else search_around(problem, best)
         least, q = way.cost, way.q[keys]
         missed = fill(problem, way, keys)
         if not missed.any():
