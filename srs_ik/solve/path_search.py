@@ -55,6 +55,9 @@ CLOSE = 1.002
 AS_LITTLE = 0.9999
 """A path that costs less than so much of its plan says that strips miss what it does."""
 
+COARSE = 1.5
+"""Beside the curves of a near limb, chords of coarse strips may tell of paths that cost more than they do, by less."""
+
 FAR_ABOVE = 1.02
 """A path that costs so many times its plan is bettered first by poses between planned ones, in coarse strips."""
 
@@ -360,7 +363,14 @@ def fine_everywhere(problem: Problem, keys: NDArray[np.int64], parts: Array = PA
     """The problem with fine strips at all key poses; those of a near limb get postures at parts of the way."""
     if not problem.is_near:
         return replace(problem, radius=EVERYWHERE, spacing=FINE_SPACING)
-    return finer(held_in(problem, keys, through(problem, keys, False)[1]), parts)
+    way, blocks = through(problem, keys, False)
+    if not is_whole(way, keys):
+        return finer(held_in(problem, keys, blocks), parts)
+    # Where no path leads that costs about as little as one at hand, postures would be put between in vain.
+    improve(problem, way)
+    most = COARSE * way.cost
+    few = held_below(problem, keys, blocks, costs_to_end(problem, blocks, most), most)
+    return finer(replace(few, settings=problem.settings), parts)
 
 
 def finer(problem: Problem, parts: Array = PARTS) -> Problem:
