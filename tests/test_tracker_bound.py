@@ -4,6 +4,7 @@ import arms
 import numpy as np
 import pytest
 from bounded import Chaser, Follower, beyond, can_be_followed, known_motion, off_by, run
+from motions import motion, off_target
 from tracked import passed, velocities
 
 DT = 0.002
@@ -77,3 +78,15 @@ def test_the_tip_is_no_farther_off_than_the_limits_imply(name, seed, most):
     # What counts is checked by Pinocchio on a sample.
     k = int(np.argmax(counted))
     assert off_by(forward, found.q[k + 1], forward(found.known.q[k])) == pytest.approx(found.off[k], abs=1e-12)
+
+
+def test_along_limits_the_arm_is_ahead_of_what_comes():
+    """A target foretold by velocity and acceleration alone was met for 75.6 % of the time."""
+    arm, met = arms.load("human_left"), []
+    for seed in range(81000, 81012):
+        moving = motion(arm, seed, 8.0, DT, "limits", trouble=False)
+        tracker = arm.tracker(moving.q0, DT, velocities(arm))
+        q = np.array([tracker.update(T).q for T in moving.given])
+        position, angle = off_target(arms.forward("human_left"), q, moving.true)
+        met.append(((position < 1e-3) & (angle < 1e-2)).mean())
+    assert np.mean(met) > 0.82

@@ -43,6 +43,9 @@ brings targets back no sooner, and shakes the arm."""
 AVERAGED = 0.006
 """Seconds over which the velocity of a target is averaged, at least."""
 
+MEMORY = 0.03
+"""Time constant, seconds, with which the trend of the target is forgotten; that of the smoothing comes on top of it."""
+
 CHOSEN_EVERY = 10
 """Updates from one look at the bodies of a scene to the next."""
 
@@ -233,6 +236,7 @@ class Tracker:
         if not 0.0 <= self._smoothing < math.inf:
             raise InvalidConfiguration(f"smoothing must be a number of seconds from 0 on, not {seconds!r:.40}")
         kept = math.exp(-self.dt / self._smoothing) if self._smoothing > 0.0 else 0.0
+        self._settings[at.KEPT] = math.exp(-self.dt / (MEMORY + self._smoothing))
         # Critically damped: position and velocity forget at the same rate.
         self._settings[at.ALPHA] = 1.0 - kept**2
         self._settings[at.GAMMA] = 1.0 - kept

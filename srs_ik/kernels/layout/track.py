@@ -31,8 +31,9 @@ KNOT = 103  # 7 KNOTS, postures at the times of the plan
 TREND = 152  # 12, the target as its trend has it: rotation, position
 TREND_PACE = 164  # 6, its velocity: linear, angular
 TREND_PUSH = 170  # 6, its acceleration
-GAP = 176  # how far the joints were behind the goal when that was looked at last, rad
-STATE = 177
+TREND_JOLT = 176  # 6, and how fast that changes
+GAP = 182  # how far the joints were behind the goal when that was looked at last, rad
+STATE = 183
 
 KNOTS = 7
 """Postures of a plan."""
@@ -55,9 +56,10 @@ ELBOW = 17  # `KEEP`, `ANGLE`, or an objective from `OBJECTIVE` on
 ANGLE_WANTED = 18  # rad
 PATIENCE = 19  # time constant in which a target that is lost slows down, seconds
 GAMMA = 20  # share of the estimate that the target takes over
-HAS_FREE = 21  # 1.0 where the target leaves a turn free
-FREE = 22  # 4, that freedom
-SETTINGS = 26
+KEPT = 21  # share of the trend of the target that is kept from one update to the next
+HAS_FREE = 22  # 1.0 where the target leaves a turn free
+FREE = 23  # 4, that freedom
+SETTINGS = 27
 
 # Elbow policies.
 KEEP = -1.0

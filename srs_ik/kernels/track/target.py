@@ -18,6 +18,7 @@ from srs_ik.kernels.layout.track import (
     PERIOD,
     ROTATION,
     STARTED,
+    TREND_JOLT,
     TREND_PACE,
     TREND_PUSH,
     TWIST,
@@ -142,6 +143,7 @@ def lose_target(S, C):
     for i in range(6):
         S[TREND_PACE + i] *= slower
         S[TREND_PUSH + i] *= slower
+        S[TREND_JOLT + i] *= slower
     v = along(load3(S, TREND_PACE), 0.5 * period, load3(S, TREND_PUSH))
     w = along(load3(S, TREND_PACE + 3), 0.5 * period, load3(S, TREND_PUSH + 3))
     R, p = load_pose(S, ROTATION)

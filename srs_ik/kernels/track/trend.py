@@ -1,7 +1,8 @@
-"""The trend of the target: its velocity and acceleration, and where it is expected a while ahead.
+"""The trend of the target: its velocity, acceleration and jolt, and where it is expected a while ahead.
 
-A fading memory polynomial of second order: exponentially weighted least squares, with no lag behind a target of
-constant acceleration.
+A fading memory polynomial of third order: exponentially weighted least squares, with no lag behind a target of
+constant jolt. What a target does at a singular posture is decided by some millimetres half a second ahead, and these
+are a matter of the jolt.
 
 Source: E. Brookner, Tracking and Kalman Filtering Made Easy (1998), section 1.3.
 """
@@ -12,62 +13,56 @@ import math
 
 from srs_ik.kernels.algebra.vectors import along, load3, norm
 from srs_ik.kernels.jit import kernel
-from srs_ik.kernels.layout.track import PERIOD, ROTATION, TREND, TREND_PACE, TREND_PUSH
+from srs_ik.kernels.layout.track import KEPT, PERIOD, ROTATION, TREND, TREND_JOLT, TREND_PACE, TREND_PUSH
 from srs_ik.kernels.track.target import JUMP, JUMP_TURN, load_pose, moved_on, part_of_way, store_pose, way_to
 
-MEMORY = 0.02
-"""Time constant, seconds, with which the trend forgets."""
-
-LASTS = 1.0
-"""An acceleration is expected to die away with this time constant, seconds."""
-
-
-@kernel
-def store3(S, k, a):
-    """Write three figures from place k on."""
-    for i in range(3):
-        S[k + i] = a[i]
+LASTS = 0.3
+"""A jolt is expected to die away with this time constant, seconds."""
 
 
 @kernel
 def forget(S, R, p):
     """Begin anew with a pose at rest."""
     store_pose(S, TREND, R, p)
-    for i in range(12):
+    for i in range(18):
         S[TREND_PACE + i] = 0.0
+
+
+@kernel
+def mean_pace(S, i, push, jolt):
+    """The velocity, linear (i = 0) or angular (3), with parts of the acceleration and the jolt."""
+    return along(along(load3(S, TREND_PACE + i), push, load3(S, TREND_PUSH + i)), jolt, load3(S, TREND_JOLT + i))
 
 
 @kernel
 def learn(S, C, known):
     """Take in where the smoothed target is now; one that has jumped, or was not known before, is at rest."""
     R, p = load_pose(S, ROTATION)
-    period = C[PERIOD]
-    a, b = load3(S, TREND_PUSH), load3(S, TREND_PUSH + 3)
-    v, w = along(load3(S, TREND_PACE), period, a), along(load3(S, TREND_PACE + 3), period, b)
+    t = C[PERIOD]
     before = load_pose(S, TREND)
-    expected = moved_on(before[0], before[1], along(v, -0.5 * period, a), along(w, -0.5 * period, b), period)
+    v, w = mean_pace(S, 0, t / 2.0, t * t / 6.0), mean_pace(S, 3, t / 2.0, t * t / 6.0)
+    expected = moved_on(before[0], before[1], v, w, t)
     linear, angular = way_to(expected, (R, p))
     if not known or norm(linear) > JUMP or norm(angular) > JUMP_TURN:
         forget(S, R, p)
         return
-    kept = math.exp(-period / MEMORY)
-    left = 1.0 - kept
-    R, p = part_of_way(expected, 1.0 - kept**3, linear, angular)
+    kept, left = C[KEPT], 1.0 - C[KEPT]
+    R, p = part_of_way(expected, 1.0 - kept**4, linear, angular)
     store_pose(S, TREND, R, p)
-    gain = 1.5 * left * left * (1.0 + kept) / period
-    store3(S, TREND_PACE, along(v, gain, linear))
-    store3(S, TREND_PACE + 3, along(w, gain, angular))
-    gain = left**3 / period**2
-    store3(S, TREND_PUSH, along(a, gain, linear))
-    store3(S, TREND_PUSH + 3, along(b, gain, angular))
+    pace = left**2 * (11.0 + 14.0 * kept + 11.0 * kept**2) / (6.0 * t)
+    push, jolt = 2.0 * left**3 * (1.0 + kept) / t**2, left**4 / t**3
+    for i in range(6):
+        missed = linear[i] if i < 3 else angular[i - 3]
+        S[TREND_PACE + i] += t * (S[TREND_PUSH + i] + 0.5 * t * S[TREND_JOLT + i]) + pace * missed
+        S[TREND_PUSH + i] += t * S[TREND_JOLT + i] + push * missed
+        S[TREND_JOLT + i] += jolt * missed
 
 
 @kernel
 def foretold(S, seconds):
     """The pose of the target after a while."""
     R, p = load_pose(S, ROTATION)
-    # The mean velocity on the way, from an acceleration that dies away.
-    gain = LASTS * (1.0 - LASTS / seconds * (1.0 - math.exp(-seconds / LASTS)))
-    v = along(load3(S, TREND_PACE), gain, load3(S, TREND_PUSH))
-    w = along(load3(S, TREND_PACE + 3), gain, load3(S, TREND_PUSH + 3))
-    return moved_on(R, p, v, w, seconds)
+    # The mean velocity on the way, from a jolt that dies away.
+    gone = LASTS * (1.0 - math.exp(-seconds / LASTS)) / seconds
+    jolt = LASTS * (0.5 * seconds - LASTS * (1.0 - gone))
+    return moved_on(R, p, mean_pace(S, 0, 0.5 * seconds, jolt), mean_pace(S, 3, 0.5 * seconds, jolt), seconds)

@@ -1,0 +1,70 @@
+"""Where a target is expected: its trend, against polynomials and an integration by SciPy."""
+
+import numpy as np
+import pinocchio as pin
+import pytest
+from numba import njit
+from scipy.integrate import solve_ivp
+
+from srs_ik.kernels.algebra.pointers import keep, row
+from srs_ik.kernels.layout.track import KEPT, PERIOD, ROTATION, SETTINGS, STATE
+from srs_ik.kernels.track.target import store_pose
+from srs_ik.kernels.track.trend import LASTS, foretold, learn
+
+DT = 0.002
+SEEN = 1.2
+"""Seconds for which the target is seen: all of the beginning is forgotten."""
+
+
+@njit
+def seen(state, settings, R, p):
+    """Let a trend learn from poses, one a period."""
+    S = row(state, 0)
+    for k in range(len(R)):
+        a, b = R[k], p[k]
+        store_pose(S, ROTATION, (a[0], a[1], a[2], a[3], a[4], a[5], a[6], a[7], a[8]), (b[0], b[1], b[2]))
+        learn(S, settings, k > 0)
+    keep(state)
+
+
+@njit
+def expected(state, seconds):
+    """Where it is expected then."""
+    R, p = foretold(row(state, 0), seconds)
+    keep(state)
+    return R, p
+
+
+def cubic(t, powers):
+    """The polynomial of third order with these derivatives at zero."""
+    t = np.asarray(t, float)[..., None]
+    return powers[0] * t + powers[1] * t**2 / 2.0 + powers[2] * t**3 / 6.0
+
+
+def dying(seconds, powers):
+    """The way from there if the third derivative dies away."""
+    rise = solve_ivp(
+        lambda t, x: [x[1], x[2], np.exp(-t / LASTS)], (0.0, seconds), np.zeros(3), rtol=1e-10, atol=1e-14
+    ).y[0, -1]
+    return powers[0] * seconds + powers[1] * seconds**2 / 2.0 + powers[2] * rise
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_a_target_of_constant_jolt_is_foretold_without_a_lag(seed):
+    rng = np.random.default_rng(seed)
+    move, spin = rng.normal(size=(3, 3)) * [[0.3], [1.0], [4.0]], rng.normal(size=3) * [0.5, 1.0, 4.0]
+    axis = pin.exp3(rng.normal(size=3))[:, 0]
+    t = np.arange(-SEEN, DT / 2.0, DT)
+    angles = cubic(t, spin[:, None])[:, 0]
+    R = np.array([pin.exp3(angle * axis).ravel() for angle in angles])
+    state, settings = np.zeros((1, STATE)), np.zeros(SETTINGS)
+    settings[PERIOD], settings[KEPT] = DT, np.exp(-DT / 0.03)
+    seen(state, settings, R, cubic(t, move))
+    for seconds in (0.02, 0.1, 0.25, 0.45):
+        rotation, p = expected(state, seconds)
+        np.testing.assert_allclose(p, dying(seconds, move), atol=1e-8)
+        turn = pin.log3(np.array(rotation).reshape(3, 3))
+        np.testing.assert_allclose(turn, dying(seconds, spin) * axis, atol=1e-8)
+        # Nearer to where it truly goes than without a jolt.
+        straight = np.linalg.norm(move[2]) * seconds**3 / 6.0
+        assert np.linalg.norm(p - cubic(seconds, move)) < 0.4 * straight + 1e-8
