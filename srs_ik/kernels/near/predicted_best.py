@@ -37,7 +37,7 @@ from srs_ik.kernels.near.band import may_predict_limits, widen
 from srs_ik.kernels.near.predicted import predicted_intervals
 from srs_ik.kernels.near.scan import POINT_BRANCH, POINT_PSI, put_points, view_of
 from srs_ik.kernels.near.second_attempts import found_again, hides_turns
-from srs_ik.kernels.near.within import best_within, measure_points
+from srs_ik.kernels.near.within import best_within, closed_best, measure_points
 
 
 @kernel
@@ -101,6 +101,8 @@ def predicted_best(P, target, branch, J, A):
         if count > 0:
             best, certain = best_on_arcs(P, box, by, view.points, count, branch, best)
     keep(boxes)
+    if certain and best.cost < 0.0:
+        best = closed_best(P, target, best)
     return best, certain and best.cost < 0.0
 
 
@@ -130,6 +132,8 @@ def predicted_best_of_intervals(P, target, respect, out, J, A):
                 return -1
         copy_interval(found, i, one, 0)
         best, certain = best_within(P, view, one, False, Best(NO_SEED, NO_BRANCH))
+        if certain and best.cost < 0.0:
+            best = closed_best(P, target, best)
         if not certain or best.cost >= 0.0:
             return -1
         measure_row(P, target, best.q, int(found[i, 0]), best.cost, respect, row(out, i))

@@ -10,14 +10,14 @@ from srs_ik.kernels.algebra.lanes import as_bits, gather, one_of, scatter, where
 from srs_ik.kernels.algebra.pointers import row
 from srs_ik.kernels.chain.eight import put_eight, sines_of_eight, take_eight
 from srs_ik.kernels.chain.newton import STEPS
-from srs_ik.kernels.chain.newton_eight import ALL, close_in_planes, half_planes
+from srs_ik.kernels.chain.newton_eight import ALL, PROBED, close_in_planes, half_planes
 from srs_ik.kernels.exact.events import PI
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.asked import View
 from srs_ik.kernels.limb.limits import beyond, turn_to_middle
 from srs_ik.kernels.limb.postures_eight import eight_postures
 from srs_ik.kernels.limb.triangle import elbow_side
-from srs_ik.kernels.near.band import band_with, certain_posture, least_bend
+from srs_ik.kernels.near.band import ALMOST_NOTHING, band_with, certain_posture, least_bend, widest
 
 POINT = 33
 POINT_PSI = 7
@@ -35,7 +35,7 @@ the row of the point that comes next; how far shoulder and wrist are from singul
 LAST = 7
 """Of the first eight points of a stretch, the one at its end."""
 
-MAX_POINTS = 512
+MAX_POINTS = 1024
 """Room for the points between two arm angles."""
 
 LARGEST_GAP = 0.3
@@ -71,7 +71,7 @@ def close_points(P, target, points, n):
     R, p, place_ = target
     rows = row(points, n)
     planes = half_planes(place_[0], place_[1], turn(gather(rows, POINT_PSI, POINT)))
-    q, rates, met = close_in_planes(P, take_eight(rows, POINT), R, p, planes, STEPS)
+    q, rates, met = close_in_planes(P, take_eight(rows, POINT), R, p, planes, (STEPS, PROBED))
     put_eight(rows, POINT, ALL, q)
     for j in range(7):
         scatter(rows, POINT_RATES + j, POINT, rates[j])
@@ -108,8 +108,9 @@ def put_between(P, view, points, pairs, count, n):
     """Put eight points half-way between pairs of points, from row n on; whether all are met.
 
     The pairs are the first `count` rows of `pairs`; the last of the eight repeat the first. Where joints turn fast, the
-    way between two points may lead elsewhere: then the closed form gives the starts.
+    way between two points may lead elsewhere: then the closed form gives the starts, as it does where it is close.
     """
+    close = widest(view.band) < ALMOST_NOTHING
     for i in range(8):
         a, b = pairs[i % count, 0], pairs[i % count, 1]
         width = points[b, POINT_PSI] - points[a, POINT_PSI]
@@ -120,7 +121,7 @@ def put_between(P, view, points, pairs, count, n):
             points[n + i, j] = points[a, j] + half + 0.125 * width * rates
         points[n + i, POINT_PSI] = points[a, POINT_PSI] + 0.5 * width
         points[n + i, POINT_BRANCH] = points[a, POINT_BRANCH]
-    return close_points(P, view.target, points, n) or put_points(P, view, points, n)
+    return (not close and close_points(P, view.target, points, n)) or put_points(P, view, points, n)
 
 
 @kernel

@@ -9,14 +9,17 @@ import math
 
 import numpy as np
 
-from srs_ik.kernels.algebra.lanes import gather, scatter, where, whole_number
+from srs_ik.kernels.algebra.lanes import eight_of, gather, scatter, where, whole_number
 from srs_ik.kernels.algebra.pointers import row
-from srs_ik.kernels.chain.newton_eight import larger
+from srs_ik.kernels.chain.newton import STEPS, arm_angle
+from srs_ik.kernels.chain.newton_eight import ALL, all_times, close_eight, larger
+from srs_ik.kernels.curves.in_step import one_of_seven
 from srs_ik.kernels.exact.events import TURN
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.asked import Best
 from srs_ik.kernels.layout.limb import INVERSE_HALF_RANGE, LOWER, MIDDLE, SLACK_LIMIT, UPPER
-from srs_ik.kernels.limb.goal import NO_SEED, turned
+from srs_ik.kernels.limb.branches import NO_BRANCH
+from srs_ik.kernels.limb.goal import NO_SEED, cost, turned
 from srs_ik.kernels.limb.limits import PER_TURN
 from srs_ik.kernels.limb.poses import read7
 from srs_ik.kernels.near.scan import (
@@ -203,17 +206,34 @@ def spread_points(found, points, gaps):
 
 
 @kernel
-def may_be_better_beyond(P, points, found, lowest):
+def falls_below(point, way, lowest):
+    """Whether the cost falls below a known one close behind a point, with the arm angle or against it (1.0, -1.0).
+
+    The costs of all its joints are taken to go on as they go there.
+    """
+    first, last = 0.0, BEYOND
+    for j in range(7):
+        height, slope = joint_figures(point, j)
+        slope *= way
+        if slope < 0.0:
+            first = max(first, (lowest - height) / slope)
+        elif height >= lowest:
+            return False
+        elif slope > 0.0:
+            last = min(last, (lowest - height) / slope)
+    return first < last
+
+
+@kernel
+def may_be_better_beyond(points, found, lowest):
     """Whether a cost close to the best one falls at an end of the intervals but for arcs, and may be less behind it."""
     k = 0
     for i in range(found.shape[0]):
         parts = max(math.ceil((found[i, 2] - found[i, 1]) / SPACING), 1)
         if found[i, 2] - found[i, 1] < TURN:
-            cost_a, slope_a, _ = cost_of(points[k])
-            cost_b, slope_b, _ = cost_of(points[k + parts])
-            falls_a = found[i, 3] < 0.0 and slope_a > 0.0 and cost_a - slope_a * BEYOND < lowest
-            falls_b = found[i, 4] < 0.0 and slope_b < 0.0 and cost_b + slope_b * BEYOND < lowest
-            if falls_a or falls_b:
+            if found[i, 3] < 0.0 and falls_below(points[k], -1.0, lowest):
+                return True
+            if found[i, 4] < 0.0 and falls_below(points[k + parts], 1.0, lowest):
                 return True
         k += parts + 1
     return False
@@ -227,40 +247,50 @@ def is_short_gap(a, b):
 
 
 @kernel
+def sort_gaps(points, gaps, kept, left, lowest):
+    """Sort gaps behind those that are kept: short ones to these, what cannot cost less than a known cost out.
+
+    Stops at eight that have to be halved, which come next. Returns how many are kept, are left and have to be halved.
+    """
+    i = kept
+    while i < left and i < kept + 8:
+        a, b = points[gaps[i, 0]], points[gaps[i, 1]]
+        short = is_short_gap(a, b)
+        if is_narrow(a, b):
+            least = least_cost(a, b)
+            if least > lowest - GAIN:
+                left -= 1
+                gaps[i, 0], gaps[i, 1] = gaps[left, 0], gaps[left, 1]
+                continue
+            short = short or is_valley(a, b, least)
+        if short:
+            first, last = gaps[i, 0], gaps[i, 1]
+            gaps[i, 0], gaps[i, 1] = gaps[kept, 0], gaps[kept, 1]
+            gaps[kept, 0], gaps[kept, 1] = first, last
+            kept += 1
+        i += 1
+    return kept, left, i - kept
+
+
+@kernel
 def halve_gaps(P, view, n, left, best):
     """Halve gaps of a view that may hide a better point until they are short, behind its n points.
 
     Returns the number of gaps that are left (-1: it fails), and the best configuration so far.
     """
     points, gaps = view.points, view.gaps
-    while True:
-        kept = 0
-        long = 0
-        for i in range(left):
-            a, b = gaps[i, 0], gaps[i, 1]
-            short = is_short_gap(points[a], points[b])
-            if is_narrow(points[a], points[b]):
-                least = least_cost(points[a], points[b])
-                if least > best.cost - GAIN:
-                    continue
-                short = short or is_valley(points[a], points[b], least)
-            gaps[kept, 0], gaps[kept, 1] = a, b
-            if not short:
-                gaps[kept, 0], gaps[kept, 1] = gaps[long, 0], gaps[long, 1]
-                gaps[long, 0], gaps[long, 1] = a, b
-                long += 1
-            kept += 1
-        left = kept
-        if long == 0:
-            return left, best
-        if n + 8 > MAX_POINTS or not put_between(P, view, points, gaps, long, n):
+    kept, left, long = sort_gaps(points, gaps, 0, left, best.cost)
+    while long > 0:
+        if n + 8 > MAX_POINTS or not put_between(P, view, points, gaps[kept:], long, n):
             return -1, best
         best = measure_points(P, points, n, n + 8, best)
-        for i in range(min(long, 8)):
-            gaps[left, 0], gaps[left, 1] = n + i, gaps[i, 1]
-            gaps[i, 1] = n + i
+        for i in range(long):
+            gaps[left, 0], gaps[left, 1] = n + i, gaps[kept + i, 1]
+            gaps[kept + i, 1] = n + i
             left += 1
         n += 8
+        kept, left, long = sort_gaps(points, gaps, kept, left, best.cost)
+    return kept, best
 
 
 @kernel
@@ -346,13 +376,14 @@ def best_of_some(P, view, found, drawn_in, best):
             return best, taken, False
     best = measure_points(P, points, 0, count, best)
     left, best = halve_gaps(P, view, count, left, best)
-    if left < 0 or (drawn_in and may_be_better_beyond(P, points, found[:taken], best.cost)):
+    if left < 0 or (drawn_in and may_be_better_beyond(points, found[:taken], best.cost)):
         return best, taken, False
     kept = 0
     for i in range(left):
-        _, slope_a, _ = cost_of(points[gaps[i, 0]])
-        _, slope_b, _ = cost_of(points[gaps[i, 1]])
-        if slope_a < 0.0 < slope_b:
+        a, b = points[gaps[i, 0]], points[gaps[i, 1]]
+        _, slope_a, _ = cost_of(a)
+        _, slope_b, _ = cost_of(b)
+        if slope_a < 0.0 < slope_b and not (is_narrow(a, b) and least_cost(a, b) > best.cost - GAIN):
             gaps[kept, 0], gaps[kept, 1] = gaps[i, 0], gaps[i, 1]
             kept += 1
     work = np.empty((32, POINT))
@@ -376,4 +407,15 @@ def best_within(P, view, found, drawn_in, best):
         if not certain:
             return best, False
         first += taken
-    return (Best(turned(P, best.q, False, NO_SEED, True), best.cost) if first > 0 else best), True
+    return best, True
+
+
+@kernel
+def closed_best(P, target, best):
+    """A posture that was looked at, closed, with its cost."""
+    R, p, place_ = target
+    psi = arm_angle(P, best.q, place_[0], place_[1])
+    alike = all_times(eight_of(1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0), best.q)
+    closed, met = close_eight(P, alike, R, p, place_[0], place_[1], psi, STEPS)
+    q = turned(P, one_of_seven(closed, 0), False, NO_SEED, True)
+    return Best(q, cost(P, q, False, NO_SEED, True) if met == ALL else NO_BRANCH)
