@@ -172,22 +172,28 @@ def put_searched(P, target, psi, wanted, goal, found, A):
 
 
 @kernel
-def solve_all_at_angle(P, target, psi, respect, J, A, found):
-    """The posture of every branch at an arm angle, and its cost, into the rows of found (8, 8)."""
+def solve_all_at_angle(P, target, psi, work, found, kept):
+    """The posture of every branch at an arm angle, and its cost, into the rows of found (8, 8).
+
+    `work` holds whether limits count, J and A. `kept` are all curves of the pose, if they have been followed; they are
+    returned, or those that have been now.
+    """
+    respect, J, A = work
     goal = Goal(False, NO_SEED, respect)
     close_all(P, target, psi, -1, goal, A)
     for branch in range(8):
         for i in range(8):
             found[branch, i] = A[FIRST + branch, i]
     if highest_cost(found) < OUTSIDE or not may_reach(P, target.place):
-        return
+        return kept
     many = has_surface(P, target.place)
     elbows = ANY_ELBOW if many else elbows_to_look_at(P, target, psi, -1, A)
     if elbows != 0:
         on_line = hides_turns(P, target.place) or (many and may_be_on_line(P, target.place))
         other = np.empty((8, 8))
         by = setting_of(P, target, J, A)
-        followed = curves_around(P, by, psi, elbows)
+        followed = kept if kept.runs.shape[0] > 0 else curves_around(P, by, psi, elbows)
+        kept = kept if followed.certain else followed
         for side in range(3):
             find_at_angle(P, by, followed, psi + BESIDE[side], -1, goal, other)
             put_better(other, found)
@@ -204,6 +210,7 @@ def solve_all_at_angle(P, target, psi, respect, J, A, found):
                     q, _, value = stretched(P, target, psi, branch, goal, J, A)
                 if value < OUTSIDE:
                     put_found(q, value, found[branch])
+    return kept
 
 
 @kernel
