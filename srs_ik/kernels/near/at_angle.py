@@ -27,6 +27,7 @@ from srs_ik.kernels.near.on_curves import (
     best_on_curves,
     curves_around,
     find_at_angle,
+    no_curves,
     setting_of,
 )
 from srs_ik.kernels.near.second_attempts import (
@@ -192,7 +193,7 @@ def solve_all_at_angle(P, target, psi, work, found, kept):
         on_line = hides_turns(P, target.place) or (many and may_be_on_line(P, target.place))
         other = np.empty((8, 8))
         by = setting_of(P, target, J, A)
-        followed = kept if kept.runs.shape[0] > 0 else curves_around(P, by, psi, elbows)
+        followed = curves_around(P, by, psi, elbows, kept)
         kept = kept if followed.certain else followed
         for side in range(3):
             find_at_angle(P, by, followed, psi + BESIDE[side], -1, goal, other)
@@ -269,7 +270,7 @@ def solve_at_angle(P, target, psi, wanted, goal, J, A):
             return on_line
     ends = wanted >= 0 and lowest >= NO_BRANCH
     by = setting_of(P, target, J, A)
-    followed = curves_around(P, by, psi, elbows)
+    followed = curves_around(P, by, psi, elbows, no_curves())
     q, best, lowest = from_curves(P, by, followed, psi, wanted, goal, (q, best, lowest))
     if lowest < OUTSIDE or followed.certain:
         return q, best, lowest

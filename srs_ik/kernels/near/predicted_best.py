@@ -9,10 +9,13 @@ from __future__ import annotations
 
 import numpy as np
 
+from srs_ik.kernels.algebra.lanes import eight_of
 from srs_ik.kernels.algebra.pointers import keep, row
 from srs_ik.kernels.chain.answer import measure_row
-from srs_ik.kernels.chain.newton import arm_angle
+from srs_ik.kernels.chain.newton import STEPS, arm_angle
+from srs_ik.kernels.chain.newton_eight import ALL, all_times, close_eight
 from srs_ik.kernels.curves.best import best_of_runs, search_followed
+from srs_ik.kernels.curves.in_step import one_of_seven
 from srs_ik.kernels.exact.farthest import best_glance, copy_interval, draw_in, farthest_of_all
 from srs_ik.kernels.exact.intervals import find_intervals
 from srs_ik.kernels.jit import kernel
@@ -21,7 +24,7 @@ from srs_ik.kernels.layout.asked import Best, Goal, Setting
 from srs_ik.kernels.layout.limb import SIZE
 from srs_ik.kernels.layout.search import MAX_RUNS, RUN
 from srs_ik.kernels.limb.branches import NO_BRANCH, branch_of
-from srs_ik.kernels.limb.goal import NO_SEED, OUTSIDE
+from srs_ik.kernels.limb.goal import NO_SEED, OUTSIDE, cost, turned
 from srs_ik.kernels.near.arcs import (
     ARC,
     ARC_ELBOW,
@@ -37,7 +40,7 @@ from srs_ik.kernels.near.band import may_predict_limits, widen
 from srs_ik.kernels.near.predicted import predicted_intervals
 from srs_ik.kernels.near.scan import POINT_BRANCH, POINT_PSI, put_points, view_of
 from srs_ik.kernels.near.second_attempts import found_again, hides_turns
-from srs_ik.kernels.near.within import best_within, closed_best, measure_points
+from srs_ik.kernels.near.within import best_within, measure_points
 
 
 @kernel
@@ -65,6 +68,17 @@ def first_best(P, view, branch):
         view.points[i, POINT_PSI] = arm_angle(P, q, place_[0], place_[1])
         view.points[i, POINT_BRANCH] = best_branch
     return measure_points(P, view.points, 0, 1, none) if put_points(P, view, view.points, 0) else none
+
+
+@kernel
+def closed_best(P, target, best):
+    """A posture that was looked at, closed, with its cost."""
+    R, p, place_ = target
+    psi = arm_angle(P, best.q, place_[0], place_[1])
+    alike = all_times(eight_of(1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0), best.q)
+    closed, met = close_eight(P, alike, R, p, place_[0], place_[1], psi, STEPS)
+    q = turned(P, one_of_seven(closed, 0), False, NO_SEED, True)
+    return Best(q, cost(P, q, False, NO_SEED, True) if met == ALL else NO_BRANCH)
 
 
 @kernel

@@ -9,41 +9,32 @@ import math
 
 import numpy as np
 
-from srs_ik.kernels.algebra.lanes import eight_of, gather, scatter, where, whole_number
 from srs_ik.kernels.algebra.pointers import row
-from srs_ik.kernels.chain.newton import STEPS, arm_angle
-from srs_ik.kernels.chain.newton_eight import ALL, all_times, close_eight, larger
-from srs_ik.kernels.curves.in_step import one_of_seven
 from srs_ik.kernels.exact.events import TURN
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.asked import Best
-from srs_ik.kernels.layout.limb import INVERSE_HALF_RANGE, LOWER, MIDDLE, SLACK_LIMIT, UPPER
-from srs_ik.kernels.limb.branches import NO_BRANCH
-from srs_ik.kernels.limb.goal import NO_SEED, cost, turned
-from srs_ik.kernels.limb.limits import PER_TURN
 from srs_ik.kernels.limb.poses import read7
 from srs_ik.kernels.near.scan import (
     FASTER,
     MAX_POINTS,
     POINT,
     POINT_BRANCH,
-    POINT_COSTS,
     POINT_OFF,
     POINT_PSI,
     POINT_RATES,
     POINT_SINE,
     POINT_SLOPES,
     close_points,
+    cost_of,
     is_narrow,
+    joint_figures,
     put_between,
+    put_costs,
     put_points,
 )
 
 GAIN = 1e-12
 """Costs closer than this are equal."""
-
-BREAKS_LIMITS = 2.0
-"""Cost of a posture outside its limits, plus how far it is outside, rad."""
 
 SPACING = 0.3
 """Widest spacing of the arm angles that are looked at first, rad."""
@@ -66,44 +57,6 @@ SHORT_SHARE = 0.15
 CLOSING_STEPS = 24
 CLOSED_IN = 1e-7
 """A step of the arm angle this short, rad, is the last: steps shrink like squares."""
-
-
-@kernel
-def joint_figures(point, joint):
-    """Cost of a joint at a point, and its rate with the arm angle."""
-    return point[POINT_COSTS + joint], point[POINT_SLOPES + joint]
-
-
-@kernel
-def put_costs(P, rows):
-    """Tell the cost of each joint at eight points, its rate with the arm angle, and the points' costs."""
-    highest = 0.0 * gather(rows, 0, POINT) - 1.0
-    worst = 0.0 * highest
-    for joint in range(7):
-        q = gather(rows, joint, POINT)
-        q = q + TURN * whole_number((P[MIDDLE + joint] - q) * PER_TURN)
-        off, inverse = q - P[MIDDLE + joint], P[INVERSE_HALF_RANGE + joint]
-        cost = abs(off) * inverse - 1.0
-        slope = inverse * gather(rows, POINT_RATES + joint, POINT)
-        scatter(rows, POINT_COSTS + joint, POINT, cost)
-        scatter(rows, POINT_SLOPES + joint, POINT, where(off < 0.0, -slope, slope))
-        beyond = larger(P[LOWER + joint] - q, q - P[UPPER + joint])
-        worst = larger(worst, where(beyond > P[SLACK_LIMIT], beyond, 0.0))
-        highest = larger(highest, cost)
-    scatter(rows, POINT_OFF, POINT, where(worst > 0.0, BREAKS_LIMITS + worst, highest))
-
-
-@kernel
-def cost_of(point):
-    """Cost of a point, its rate with the arm angle, and the joint that makes it."""
-    highest = -1.0
-    rate = 0.0
-    active = -1
-    for joint in range(7):
-        cost, slope = joint_figures(point, joint)
-        if cost > highest:
-            highest, rate, active = cost, slope, joint
-    return point[POINT_OFF], rate, active
 
 
 @kernel
@@ -408,14 +361,3 @@ def best_within(P, view, found, drawn_in, best):
             return best, False
         first += taken
     return best, True
-
-
-@kernel
-def closed_best(P, target, best):
-    """A posture that was looked at, closed, with its cost."""
-    R, p, place_ = target
-    psi = arm_angle(P, best.q, place_[0], place_[1])
-    alike = all_times(eight_of(1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0), best.q)
-    closed, met = close_eight(P, alike, R, p, place_[0], place_[1], psi, STEPS)
-    q = turned(P, one_of_seven(closed, 0), False, NO_SEED, True)
-    return Best(q, cost(P, q, False, NO_SEED, True) if met == ALL else NO_BRANCH)
