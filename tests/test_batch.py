@@ -13,6 +13,7 @@ import pinocchio as pin
 import pytest
 
 from srs_ik import InvalidConfiguration, InvalidPose, SrsIkError, Status
+from srs_ik.kernels.layout.limb import LIMITED, STRAIGHT
 from srs_ik.solve.threads import interruptible, processors, run_in_threads, watched
 
 COUNT = 100
@@ -386,3 +387,19 @@ def test_what_is_interruptible_answers_and_fails_as_it_would_alone():
 
 def _fail():
     raise ArithmeticError
+
+
+@pytest.mark.parametrize("name", ["gen3", *arms.here("h1_2_left")])
+def test_branches_of_one_pose_at_many_arm_angles_equal_single_calls(name):
+    """The curves of a pose are kept as long as it stays the same, and no longer."""
+    arm = arms.load(name)
+    q = arms.configurations(name, 3, 54)
+    q[1, 3] = arm.packed.family[LIMITED, STRAIGHT] + 0.02
+    q[1, 5] = 1e-3
+    poses = np.array([arm.forward_kinematics(q[i]).homogeneous for i in (0, 1, 1, 1, 2, 1, 1)])
+    angles = arms.generator(name, 55).uniform(-3.0, 3.0, len(poses))
+    batch = arm.solve_batch(poses, angles, all_branches=True)
+    for i in range(len(poses)):
+        alone = arm.solve_batch(poses[i : i + 1], angles[i : i + 1], all_branches=True)
+        assert np.asarray(batch.q)[i].tobytes() == np.asarray(alone.q)[0].tobytes()
+        assert np.asarray(batch.status)[i].tobytes() == np.asarray(alone.status)[0].tobytes()

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import os
+import subprocess
+import sys
 from itertools import pairwise
 
 import arms
@@ -235,3 +238,78 @@ def test_no_arm_angle_has_a_larger_margin_where_the_elbow_decides(name):
         others = (np.abs(answers.q - middle) / half).max(axis=-1)[answers.status == Status.OK]
         assert used.max() <= others.min() + 1e-9
     assert tried >= 3
+
+
+COUNTED = """
+import numpy as np, srs_ik
+from srs_ik.kernels.near import on_curves, predicted_best
+from srs_ik.kernels.layout.limb import STRAIGHT
+arm = srs_ik.load("gen3")
+calls = []
+def count(module, name):
+    kernel = getattr(module, name)
+    setattr(module, name, lambda *given: (calls.append(name), kernel(*given))[1])
+count(on_curves, "near_runs")
+count(predicted_best, "search_followed")
+{call}
+print(len(calls))
+"""
+
+
+def curves_followed(call):
+    """How often all curves of a pose are followed in calls of gen3, told by kernels that are not compiled."""
+    clean = {**os.environ, "NUMBA_DISABLE_JIT": "1"}
+    done = subprocess.run(
+        [sys.executable, "-W", "ignore", "-c", COUNTED.format(call=call)],
+        capture_output=True,
+        text=True,
+        env=clean,
+        check=True,
+        timeout=300,
+    )
+    return int(done.stdout)
+
+
+SLIVERS = (
+    (
+        -0.66187201529906,
+        -1.19924459072082,
+        1.56297831642153,
+        0.738642477092795,
+        1.41847736970079,
+        -1.74386015275265,
+        -0.925240406881799,
+    ),
+    (
+        0.521467288603056,
+        1.06026941221308,
+        -0.749241397475382,
+        -1.25500004596704,
+        0.809701794110522,
+        -1.27092357689223,
+        1.24223871718928,
+    ),
+    (
+        0.376423471811116,
+        -1.55676988269577,
+        0.393366305411693,
+        -0.97929000250142,
+        2.9601332609646,
+        -1.77466581983029,
+        2.37318934345849,
+    ),
+)
+"""The best posture is where the costs of two joints cross: none is better past it, though one of both falls."""
+
+
+def test_no_curves_are_followed_where_two_joints_decide():
+    assert curves_followed(f"for q in {SLIVERS}: arm.solve(arm.forward_kinematics(q))") == 0
+
+
+def test_the_curves_of_a_pose_are_followed_once_for_many_arm_angles():
+    call = (
+        "q = np.array([0.3, 0.9, -0.5, arm.packed.family[0, STRAIGHT] + 0.02, 0.4, 1e-3, 0.2]);"
+        "poses = np.repeat(arm.forward_kinematics(q).homogeneous[None], 3, 0);"
+        "arm.solve_batch(poses, [0.1, 0.2, 0.3], all_branches=True, threads=1)"
+    )
+    assert curves_followed(call) == 1

@@ -22,7 +22,13 @@ from srs_ik.kernels.layout.limb import ELBOW_CENTRE, SHOULDER_CENTRE, TIP_POSITI
 ALL = 0b11111111
 
 NOTHING = 1e-15
-"""A step this short, rad, need not be taken."""
+"""A step this short, rad, need not be taken ..."""
+
+PROBED = 1e-10
+"""... nor this one where a posture is only looked at, and closed if it is taken."""
+
+EXPECTED = 300.0
+"""Before the first step, the next one is expected to be its square times so much, at most, as that was long."""
 
 SHORT = 0.01
 """After a longer step, rad, the next one but one is not foreseen."""
@@ -227,12 +233,21 @@ def half_planes(t, h0, turn_):
 @kernel
 def close_eight(P, q, R, p, t, h0, psi, steps):
     """Newton's method for eight postures, the pose and one arm angle together: the postures, which are met, as bits."""
-    q, _, met = close_in_planes(P, q, R, p, half_planes(t, h0, (math.cos(psi), math.sin(psi))), steps)
+    q, _, met = close_in_planes(P, q, R, p, half_planes(t, h0, (math.cos(psi), math.sin(psi))), (steps, NOTHING))
     return q, met
 
 
 @kernel
-def close_in_planes(P, q, R, p, planes, steps):
+def is_foreseen(size, last, short):
+    """Whether the steps after those of a size need not be taken, since they will be that short, rad.
+
+    Steps shrink like squares: the next one is known from the last two.
+    """
+    return (size * size * size < short * last * last) & (last < SHORT)
+
+
+@kernel
+def close_in_planes(P, q, R, p, planes, until):
     """Newton's method for eight postures, the pose and an arm angle together.
 
     Args:
@@ -241,7 +256,7 @@ def close_in_planes(P, q, R, p, planes, steps):
         R: rotation of the wanted tip pose.
         p: position of the wanted tip pose.
         planes: half-planes of the arm angles, from `half_planes`.
-        steps: largest number of steps.
+        until: largest number of steps, and how short one need not be taken, rad.
 
     Returns:
         The postures, their rates with the arm angle before the last step, and as bits which of them meet pose and arm
@@ -251,13 +266,14 @@ def close_in_planes(P, q, R, p, planes, steps):
     rates = q
     turns = turns_of(q)
     met = 0
-    last = 0.0 * q[0]
+    steps, short = until
+    last = 0.0 * q[0] + EXPECTED * math.sqrt(short)
     for _ in range(steps):
         d, rates, off2, right = newton_step(P, turns, R, p, h, b)
         size = largest(d)
-        # Steps shrink like squares, so the next one is foreseen. Next to a singularity, rounding may make them long.
+        # Next to a singularity, rounding may make steps long.
         there = off2 < SMALLEST
-        settled = there | ((size * size * size < NOTHING * last * last) & (last < SHORT))
+        settled = there | is_foreseen(size, last, short)
         f = where(there & (size > LAST_STEP), 0.0 * size, MAX_STEP / larger(size, MAX_STEP + 0.0 * size))
         d = all_times(f, d)
         q = along7(q, 1.0, d)

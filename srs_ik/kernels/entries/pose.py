@@ -15,11 +15,12 @@ from srs_ik.kernels.layout.asked import Goal, Target
 from srs_ik.kernels.layout.limb import IS_NEAR, LIMITED
 from srs_ik.kernels.limb.goal import NO_SEED
 from srs_ik.kernels.limb.limits import set_limits
-from srs_ik.kernels.limb.poses import read7, read_pose
+from srs_ik.kernels.limb.poses import is_same_pose, read7, read_pose
 from srs_ik.kernels.limb.triangle import place
 from srs_ik.kernels.near.band import put_shift
 from srs_ik.kernels.near.intervals import best_of_true_intervals
 from srs_ik.kernels.near.led import lead_row
+from srs_ik.kernels.near.on_curves import no_curves
 from srs_ik.kernels.near.predicted_best import predicted_best_of_intervals
 from srs_ik.kernels.pose.any_bend import best_of
 from srs_ik.kernels.pose.intervals import all_intervals, exact_intervals
@@ -71,7 +72,8 @@ def solve_at_range(family, poses, first, last, psis, branch, seeds, respect, out
 @entry
 def solve_all(family, T, psi, respect, out):
     """Branches of one pose that are solutions at an arm angle, in order: number of rows, or minus the verdict."""
-    verdict = all_branches(family, row(T, 0), (psi, respect), scratch(6, 7), scratch(16, 9), out, 0)
+    work = (scratch(6, 7), scratch(16, 9))
+    verdict, _ = all_branches(family, row(T, 0), (psi, respect), work[0], work[1], out, 0, no_curves())
     if verdict != GOOD_POSE:
         return -verdict
     n = 0
@@ -85,10 +87,17 @@ def solve_all(family, T, psi, respect, out):
 
 @entry
 def solve_all_range(family, poses, first, last, psis, respect, out, verdicts):
-    """All eight branches of the poses first to last - 1, in eight rows of `out` a pose."""
+    """All eight branches of the poses first to last - 1, in eight rows of `out` a pose.
+
+    As long as a pose stays the same, its curves are followed once.
+    """
     J, A = scratch(6, 7), scratch(16, 9)
+    kept = no_curves()
     for i in range(first, last):
-        verdicts[i] = all_branches(family, row(poses, i), (own(psis, i), respect), J, A, out, 8 * i)
+        if kept.runs.shape[0] > 0 and not is_same_pose(row(poses, i - 1), row(poses, i)):
+            kept = no_curves()
+        asked = (own(psis, i), respect)
+        verdicts[i], kept = all_branches(family, row(poses, i), asked, J, A, out, 8 * i, kept)
 
 
 @entry

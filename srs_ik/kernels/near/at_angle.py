@@ -27,6 +27,7 @@ from srs_ik.kernels.near.on_curves import (
     best_on_curves,
     curves_around,
     find_at_angle,
+    no_curves,
     setting_of,
 )
 from srs_ik.kernels.near.second_attempts import (
@@ -172,22 +173,28 @@ def put_searched(P, target, psi, wanted, goal, found, A):
 
 
 @kernel
-def solve_all_at_angle(P, target, psi, respect, J, A, found):
-    """The posture of every branch at an arm angle, and its cost, into the rows of found (8, 8)."""
+def solve_all_at_angle(P, target, psi, work, found, kept):
+    """The posture of every branch at an arm angle, and its cost, into the rows of found (8, 8).
+
+    `work` holds whether limits count, J and A. `kept` are all curves of the pose, if they have been followed; they are
+    returned, or those that have been now.
+    """
+    respect, J, A = work
     goal = Goal(False, NO_SEED, respect)
     close_all(P, target, psi, -1, goal, A)
     for branch in range(8):
         for i in range(8):
             found[branch, i] = A[FIRST + branch, i]
     if highest_cost(found) < OUTSIDE or not may_reach(P, target.place):
-        return
+        return kept
     many = has_surface(P, target.place)
     elbows = ANY_ELBOW if many else elbows_to_look_at(P, target, psi, -1, A)
     if elbows != 0:
         on_line = hides_turns(P, target.place) or (many and may_be_on_line(P, target.place))
         other = np.empty((8, 8))
         by = setting_of(P, target, J, A)
-        followed = curves_around(P, by, psi, elbows)
+        followed = curves_around(P, by, psi, elbows, kept)
+        kept = kept if followed.certain else followed
         for side in range(3):
             find_at_angle(P, by, followed, psi + BESIDE[side], -1, goal, other)
             put_better(other, found)
@@ -204,6 +211,7 @@ def solve_all_at_angle(P, target, psi, respect, J, A, found):
                     q, _, value = stretched(P, target, psi, branch, goal, J, A)
                 if value < OUTSIDE:
                     put_found(q, value, found[branch])
+    return kept
 
 
 @kernel
@@ -262,7 +270,7 @@ def solve_at_angle(P, target, psi, wanted, goal, J, A):
             return on_line
     ends = wanted >= 0 and lowest >= NO_BRANCH
     by = setting_of(P, target, J, A)
-    followed = curves_around(P, by, psi, elbows)
+    followed = curves_around(P, by, psi, elbows, no_curves())
     q, best, lowest = from_curves(P, by, followed, psi, wanted, goal, (q, best, lowest))
     if lowest < OUTSIDE or followed.certain:
         return q, best, lowest

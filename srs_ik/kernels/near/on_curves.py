@@ -264,11 +264,12 @@ def best_on_curves(P, by, followed, psi, wanted, goal, out):
 
 
 @kernel
-def curves_around(P, by, psi, elbows):
+def curves_around(P, by, psi, elbows, kept):
     """The curves of a pose around an arm angle, as far as sides of the elbow (bits) need them.
 
     Where the band of the nearest exact limb tells all but arcs next to singularities, the curves on these are followed
-    alone; else all of them, and where one turns around or goes over into another branch next to the arm angle.
+    alone; else all of them, and where one turns around or goes over into another branch next to the arm angle. `kept`
+    are all of them, if they have been followed.
     """
     place_ = by.target.place
     band = band_of(P, place_)
@@ -286,4 +287,4 @@ def curves_around(P, by, psi, elbows):
                     out = np.empty((8, 8))
                     if find_at_angle(P, by, followed, psi, -1, Goal(False, NO_SEED, False), out) > CLOSE_CALL:
                         return followed
-    return followed_curves(P, by)
+    return kept if kept.runs.shape[0] > 0 else followed_curves(P, by)

@@ -9,10 +9,13 @@ from __future__ import annotations
 
 import numpy as np
 
+from srs_ik.kernels.algebra.lanes import eight_of
 from srs_ik.kernels.algebra.pointers import keep, row
 from srs_ik.kernels.chain.answer import measure_row
-from srs_ik.kernels.chain.newton import arm_angle
+from srs_ik.kernels.chain.newton import STEPS, arm_angle
+from srs_ik.kernels.chain.newton_eight import ALL, all_times, close_eight
 from srs_ik.kernels.curves.best import best_of_runs, search_followed
+from srs_ik.kernels.curves.in_step import one_of_seven
 from srs_ik.kernels.exact.farthest import best_glance, copy_interval, draw_in, farthest_of_all
 from srs_ik.kernels.exact.intervals import find_intervals
 from srs_ik.kernels.jit import kernel
@@ -21,7 +24,7 @@ from srs_ik.kernels.layout.asked import Best, Goal, Setting
 from srs_ik.kernels.layout.limb import SIZE
 from srs_ik.kernels.layout.search import MAX_RUNS, RUN
 from srs_ik.kernels.limb.branches import NO_BRANCH, branch_of
-from srs_ik.kernels.limb.goal import NO_SEED, OUTSIDE
+from srs_ik.kernels.limb.goal import NO_SEED, OUTSIDE, cost, turned
 from srs_ik.kernels.near.arcs import (
     ARC,
     ARC_ELBOW,
@@ -68,6 +71,17 @@ def first_best(P, view, branch):
 
 
 @kernel
+def closed_best(P, target, best):
+    """A posture that was looked at, closed, with its cost."""
+    R, p, place_ = target
+    psi = arm_angle(P, best.q, place_[0], place_[1])
+    alike = all_times(eight_of(1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0), best.q)
+    closed, met = close_eight(P, alike, R, p, place_[0], place_[1], psi, STEPS)
+    q = turned(P, one_of_seven(closed, 0), False, NO_SEED, True)
+    return Best(q, cost(P, q, False, NO_SEED, True) if met == ALL else NO_BRANCH)
+
+
+@kernel
 def predicted_best(P, target, branch, J, A):
     """Posture of the largest margin over all arm angles (in one branch, if it is wanted).
 
@@ -101,6 +115,8 @@ def predicted_best(P, target, branch, J, A):
         if count > 0:
             best, certain = best_on_arcs(P, box, by, view.points, count, branch, best)
     keep(boxes)
+    if certain and best.cost < 0.0:
+        best = closed_best(P, target, best)
     return best, certain and best.cost < 0.0
 
 
@@ -130,6 +146,8 @@ def predicted_best_of_intervals(P, target, respect, out, J, A):
                 return -1
         copy_interval(found, i, one, 0)
         best, certain = best_within(P, view, one, False, Best(NO_SEED, NO_BRANCH))
+        if certain and best.cost < 0.0:
+            best = closed_best(P, target, best)
         if not certain or best.cost >= 0.0:
             return -1
         measure_row(P, target, best.q, int(found[i, 0]), best.cost, respect, row(out, i))

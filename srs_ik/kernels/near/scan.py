@@ -10,14 +10,15 @@ from srs_ik.kernels.algebra.lanes import as_bits, gather, one_of, scatter, where
 from srs_ik.kernels.algebra.pointers import row
 from srs_ik.kernels.chain.eight import put_eight, sines_of_eight, take_eight
 from srs_ik.kernels.chain.newton import STEPS
-from srs_ik.kernels.chain.newton_eight import ALL, close_in_planes, half_planes
-from srs_ik.kernels.exact.events import PI
+from srs_ik.kernels.chain.newton_eight import ALL, PROBED, close_in_planes, half_planes, larger
+from srs_ik.kernels.exact.events import PI, TURN
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.asked import View
-from srs_ik.kernels.limb.limits import beyond, turn_to_middle
+from srs_ik.kernels.layout.limb import INVERSE_HALF_RANGE, LOWER, MIDDLE, SLACK_LIMIT, UPPER
+from srs_ik.kernels.limb.limits import PER_TURN, beyond, turn_to_middle
 from srs_ik.kernels.limb.postures_eight import eight_postures
 from srs_ik.kernels.limb.triangle import elbow_side
-from srs_ik.kernels.near.band import band_with, certain_posture, least_bend
+from srs_ik.kernels.near.band import ALMOST_NOTHING, band_with, certain_posture, least_bend, widest
 
 POINT = 33
 POINT_PSI = 7
@@ -35,7 +36,7 @@ the row of the point that comes next; how far shoulder and wrist are from singul
 LAST = 7
 """Of the first eight points of a stretch, the one at its end."""
 
-MAX_POINTS = 512
+MAX_POINTS = 1024
 """Room for the points between two arm angles."""
 
 LARGEST_GAP = 0.3
@@ -47,6 +48,9 @@ CLOSER = 0.7
 
 LONGEST_CROSSING = 0.2
 """Where a limit is between two points, no joint moves farther than this, rad."""
+
+BREAKS_LIMITS = 2.0
+"""Cost of a posture outside its limits, plus how far it is outside, rad."""
 
 FASTER = 1.5
 """Between two points no joint moves faster than at the faster one, but for this factor."""
@@ -71,7 +75,7 @@ def close_points(P, target, points, n):
     R, p, place_ = target
     rows = row(points, n)
     planes = half_planes(place_[0], place_[1], turn(gather(rows, POINT_PSI, POINT)))
-    q, rates, met = close_in_planes(P, take_eight(rows, POINT), R, p, planes, STEPS)
+    q, rates, met = close_in_planes(P, take_eight(rows, POINT), R, p, planes, (STEPS, PROBED))
     put_eight(rows, POINT, ALL, q)
     for j in range(7):
         scatter(rows, POINT_RATES + j, POINT, rates[j])
@@ -108,8 +112,9 @@ def put_between(P, view, points, pairs, count, n):
     """Put eight points half-way between pairs of points, from row n on; whether all are met.
 
     The pairs are the first `count` rows of `pairs`; the last of the eight repeat the first. Where joints turn fast, the
-    way between two points may lead elsewhere: then the closed form gives the starts.
+    way between two points may lead elsewhere: then the closed form gives the starts, as it does where it is close.
     """
+    close = widest(view.band) < ALMOST_NOTHING
     for i in range(8):
         a, b = pairs[i % count, 0], pairs[i % count, 1]
         width = points[b, POINT_PSI] - points[a, POINT_PSI]
@@ -120,7 +125,7 @@ def put_between(P, view, points, pairs, count, n):
             points[n + i, j] = points[a, j] + half + 0.125 * width * rates
         points[n + i, POINT_PSI] = points[a, POINT_PSI] + 0.5 * width
         points[n + i, POINT_BRANCH] = points[a, POINT_BRANCH]
-    return close_points(P, view.target, points, n) or put_points(P, view, points, n)
+    return (not close and close_points(P, view.target, points, n)) or put_points(P, view, points, n)
 
 
 @kernel
@@ -213,3 +218,41 @@ def in_branches(sines, branches):
     return as_bits(
         ((1.0 - 2.0 * elbow) * s4 > 0.0) & ((1.0 - 2.0 * shoulder) * s2 > 0.0) & ((1.0 - 2.0 * wrist) * s6 > 0.0)
     )
+
+
+@kernel
+def joint_figures(point, joint):
+    """Cost of a joint at a point, and its rate with the arm angle."""
+    return point[POINT_COSTS + joint], point[POINT_SLOPES + joint]
+
+
+@kernel
+def put_costs(P, rows):
+    """Tell the cost of each joint at eight points, its rate with the arm angle, and the points' costs."""
+    highest = 0.0 * gather(rows, 0, POINT) - 1.0
+    worst = 0.0 * highest
+    for joint in range(7):
+        q = gather(rows, joint, POINT)
+        q = q + TURN * whole_number((P[MIDDLE + joint] - q) * PER_TURN)
+        off, inverse = q - P[MIDDLE + joint], P[INVERSE_HALF_RANGE + joint]
+        cost = abs(off) * inverse - 1.0
+        slope = inverse * gather(rows, POINT_RATES + joint, POINT)
+        scatter(rows, POINT_COSTS + joint, POINT, cost)
+        scatter(rows, POINT_SLOPES + joint, POINT, where(off < 0.0, -slope, slope))
+        beyond = larger(P[LOWER + joint] - q, q - P[UPPER + joint])
+        worst = larger(worst, where(beyond > P[SLACK_LIMIT], beyond, 0.0))
+        highest = larger(highest, cost)
+    scatter(rows, POINT_OFF, POINT, where(worst > 0.0, BREAKS_LIMITS + worst, highest))
+
+
+@kernel
+def cost_of(point):
+    """Cost of a point, its rate with the arm angle, and the joint that makes it."""
+    highest = -1.0
+    rate = 0.0
+    active = -1
+    for joint in range(7):
+        cost, slope = joint_figures(point, joint)
+        if cost > highest:
+            highest, rate, active = cost, slope, joint
+    return point[POINT_OFF], rate, active

@@ -9,38 +9,32 @@ import math
 
 import numpy as np
 
-from srs_ik.kernels.algebra.lanes import gather, scatter, where, whole_number
 from srs_ik.kernels.algebra.pointers import row
-from srs_ik.kernels.chain.newton_eight import larger
 from srs_ik.kernels.exact.events import TURN
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.asked import Best
-from srs_ik.kernels.layout.limb import INVERSE_HALF_RANGE, LOWER, MIDDLE, SLACK_LIMIT, UPPER
-from srs_ik.kernels.limb.goal import NO_SEED, turned
-from srs_ik.kernels.limb.limits import PER_TURN
 from srs_ik.kernels.limb.poses import read7
 from srs_ik.kernels.near.scan import (
     FASTER,
     MAX_POINTS,
     POINT,
     POINT_BRANCH,
-    POINT_COSTS,
     POINT_OFF,
     POINT_PSI,
     POINT_RATES,
     POINT_SINE,
     POINT_SLOPES,
     close_points,
+    cost_of,
     is_narrow,
+    joint_figures,
     put_between,
+    put_costs,
     put_points,
 )
 
 GAIN = 1e-12
 """Costs closer than this are equal."""
-
-BREAKS_LIMITS = 2.0
-"""Cost of a posture outside its limits, plus how far it is outside, rad."""
 
 SPACING = 0.3
 """Widest spacing of the arm angles that are looked at first, rad."""
@@ -63,44 +57,6 @@ SHORT_SHARE = 0.15
 CLOSING_STEPS = 24
 CLOSED_IN = 1e-7
 """A step of the arm angle this short, rad, is the last: steps shrink like squares."""
-
-
-@kernel
-def joint_figures(point, joint):
-    """Cost of a joint at a point, and its rate with the arm angle."""
-    return point[POINT_COSTS + joint], point[POINT_SLOPES + joint]
-
-
-@kernel
-def put_costs(P, rows):
-    """Tell the cost of each joint at eight points, its rate with the arm angle, and the points' costs."""
-    highest = 0.0 * gather(rows, 0, POINT) - 1.0
-    worst = 0.0 * highest
-    for joint in range(7):
-        q = gather(rows, joint, POINT)
-        q = q + TURN * whole_number((P[MIDDLE + joint] - q) * PER_TURN)
-        off, inverse = q - P[MIDDLE + joint], P[INVERSE_HALF_RANGE + joint]
-        cost = abs(off) * inverse - 1.0
-        slope = inverse * gather(rows, POINT_RATES + joint, POINT)
-        scatter(rows, POINT_COSTS + joint, POINT, cost)
-        scatter(rows, POINT_SLOPES + joint, POINT, where(off < 0.0, -slope, slope))
-        beyond = larger(P[LOWER + joint] - q, q - P[UPPER + joint])
-        worst = larger(worst, where(beyond > P[SLACK_LIMIT], beyond, 0.0))
-        highest = larger(highest, cost)
-    scatter(rows, POINT_OFF, POINT, where(worst > 0.0, BREAKS_LIMITS + worst, highest))
-
-
-@kernel
-def cost_of(point):
-    """Cost of a point, its rate with the arm angle, and the joint that makes it."""
-    highest = -1.0
-    rate = 0.0
-    active = -1
-    for joint in range(7):
-        cost, slope = joint_figures(point, joint)
-        if cost > highest:
-            highest, rate, active = cost, slope, joint
-    return point[POINT_OFF], rate, active
 
 
 @kernel
@@ -203,17 +159,34 @@ def spread_points(found, points, gaps):
 
 
 @kernel
-def may_be_better_beyond(P, points, found, lowest):
+def falls_below(point, way, lowest):
+    """Whether the cost falls below a known one close behind a point, with the arm angle or against it (1.0, -1.0).
+
+    The costs of all its joints are taken to go on as they go there.
+    """
+    first, last = 0.0, BEYOND
+    for j in range(7):
+        height, slope = joint_figures(point, j)
+        slope *= way
+        if slope < 0.0:
+            first = max(first, (lowest - height) / slope)
+        elif height >= lowest:
+            return False
+        elif slope > 0.0:
+            last = min(last, (lowest - height) / slope)
+    return first < last
+
+
+@kernel
+def may_be_better_beyond(points, found, lowest):
     """Whether a cost close to the best one falls at an end of the intervals but for arcs, and may be less behind it."""
     k = 0
     for i in range(found.shape[0]):
         parts = max(math.ceil((found[i, 2] - found[i, 1]) / SPACING), 1)
         if found[i, 2] - found[i, 1] < TURN:
-            cost_a, slope_a, _ = cost_of(points[k])
-            cost_b, slope_b, _ = cost_of(points[k + parts])
-            falls_a = found[i, 3] < 0.0 and slope_a > 0.0 and cost_a - slope_a * BEYOND < lowest
-            falls_b = found[i, 4] < 0.0 and slope_b < 0.0 and cost_b + slope_b * BEYOND < lowest
-            if falls_a or falls_b:
+            if found[i, 3] < 0.0 and falls_below(points[k], -1.0, lowest):
+                return True
+            if found[i, 4] < 0.0 and falls_below(points[k + parts], 1.0, lowest):
                 return True
         k += parts + 1
     return False
@@ -227,40 +200,50 @@ def is_short_gap(a, b):
 
 
 @kernel
+def sort_gaps(points, gaps, kept, left, lowest):
+    """Sort gaps behind those that are kept: short ones to these, what cannot cost less than a known cost out.
+
+    Stops at eight that have to be halved, which come next. Returns how many are kept, are left and have to be halved.
+    """
+    i = kept
+    while i < left and i < kept + 8:
+        a, b = points[gaps[i, 0]], points[gaps[i, 1]]
+        short = is_short_gap(a, b)
+        if is_narrow(a, b):
+            least = least_cost(a, b)
+            if least > lowest - GAIN:
+                left -= 1
+                gaps[i, 0], gaps[i, 1] = gaps[left, 0], gaps[left, 1]
+                continue
+            short = short or is_valley(a, b, least)
+        if short:
+            first, last = gaps[i, 0], gaps[i, 1]
+            gaps[i, 0], gaps[i, 1] = gaps[kept, 0], gaps[kept, 1]
+            gaps[kept, 0], gaps[kept, 1] = first, last
+            kept += 1
+        i += 1
+    return kept, left, i - kept
+
+
+@kernel
 def halve_gaps(P, view, n, left, best):
     """Halve gaps of a view that may hide a better point until they are short, behind its n points.
 
     Returns the number of gaps that are left (-1: it fails), and the best configuration so far.
     """
     points, gaps = view.points, view.gaps
-    while True:
-        kept = 0
-        long = 0
-        for i in range(left):
-            a, b = gaps[i, 0], gaps[i, 1]
-            short = is_short_gap(points[a], points[b])
-            if is_narrow(points[a], points[b]):
-                least = least_cost(points[a], points[b])
-                if least > best.cost - GAIN:
-                    continue
-                short = short or is_valley(points[a], points[b], least)
-            gaps[kept, 0], gaps[kept, 1] = a, b
-            if not short:
-                gaps[kept, 0], gaps[kept, 1] = gaps[long, 0], gaps[long, 1]
-                gaps[long, 0], gaps[long, 1] = a, b
-                long += 1
-            kept += 1
-        left = kept
-        if long == 0:
-            return left, best
-        if n + 8 > MAX_POINTS or not put_between(P, view, points, gaps, long, n):
+    kept, left, long = sort_gaps(points, gaps, 0, left, best.cost)
+    while long > 0:
+        if n + 8 > MAX_POINTS or not put_between(P, view, points, gaps[kept:], long, n):
             return -1, best
         best = measure_points(P, points, n, n + 8, best)
-        for i in range(min(long, 8)):
-            gaps[left, 0], gaps[left, 1] = n + i, gaps[i, 1]
-            gaps[i, 1] = n + i
+        for i in range(long):
+            gaps[left, 0], gaps[left, 1] = n + i, gaps[kept + i, 1]
+            gaps[kept + i, 1] = n + i
             left += 1
         n += 8
+        kept, left, long = sort_gaps(points, gaps, kept, left, best.cost)
+    return kept, best
 
 
 @kernel
@@ -346,13 +329,14 @@ def best_of_some(P, view, found, drawn_in, best):
             return best, taken, False
     best = measure_points(P, points, 0, count, best)
     left, best = halve_gaps(P, view, count, left, best)
-    if left < 0 or (drawn_in and may_be_better_beyond(P, points, found[:taken], best.cost)):
+    if left < 0 or (drawn_in and may_be_better_beyond(points, found[:taken], best.cost)):
         return best, taken, False
     kept = 0
     for i in range(left):
-        _, slope_a, _ = cost_of(points[gaps[i, 0]])
-        _, slope_b, _ = cost_of(points[gaps[i, 1]])
-        if slope_a < 0.0 < slope_b:
+        a, b = points[gaps[i, 0]], points[gaps[i, 1]]
+        _, slope_a, _ = cost_of(a)
+        _, slope_b, _ = cost_of(b)
+        if slope_a < 0.0 < slope_b and not (is_narrow(a, b) and least_cost(a, b) > best.cost - GAIN):
             gaps[kept, 0], gaps[kept, 1] = gaps[i, 0], gaps[i, 1]
             kept += 1
     work = np.empty((32, POINT))
@@ -376,4 +360,4 @@ def best_within(P, view, found, drawn_in, best):
         if not certain:
             return best, False
         first += taken
-    return (Best(turned(P, best.q, False, NO_SEED, True), best.cost) if first > 0 else best), True
+    return best, True

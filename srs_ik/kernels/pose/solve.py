@@ -119,14 +119,15 @@ def solve_row_at(family, T, psi, branch, goal, J, A, out):
 
 
 @kernel
-def all_branches(family, T, asked, J, A, out, first):
+def all_branches(family, T, asked, J, A, out, first, kept):
     """One row a branch at an arm angle, in the order of branches: rows `first` to `first + 7` of out.
 
-    `asked` holds the arm angle, and whether the limits count.
+    `asked` holds the arm angle, and whether the limits count; `kept` is as in `solve_all_at_angle`. Returns the verdict
+    on the pose, and these curves.
     """
     R, p, verdict = read_pose(T)
     if verdict != GOOD_POSE:
-        return verdict
+        return verdict, kept
     psi, respect = asked
     P = row(family, LIMITED)
     place_ = place(P, R, p)
@@ -156,9 +157,9 @@ def all_branches(family, T, asked, J, A, out, first):
                 write_row(place_, q, branch, psi, (off, turned), (False, 0), answer)
             else:
                 measure_row(P, target, q, branch, answer[ROW_COST], respect, answer)
-        return GOOD_POSE
+        return GOOD_POSE, kept
     closed = np.empty((8, 8))
-    solve_all_at_angle(P, target, psi, respect, J, A, closed)
+    kept = solve_all_at_angle(P, target, psi, (respect, J, A), closed, kept)
     rows = row(closed, 0)
     position, orientation, measured = tip_errors(P, take_eight(rows, 8), R, p)
     right = as_bits(measured & (gather(rows, ROW_COST, 8) < OUTSIDE))
@@ -172,4 +173,4 @@ def all_branches(family, T, asked, J, A, out, first):
             q, _, lowest = put_on_limits(P, target, psi, (q, branch, lowest), Goal(False, NO_SEED, respect))
             measure_row(P, target, q, branch, lowest, respect, answer)
             answer[ROW_BRANCH] = branch
-    return GOOD_POSE
+    return GOOD_POSE, kept
