@@ -6,16 +6,14 @@ pose to first order and goes with the arm angle, one way or the other, until the
 
 from __future__ import annotations
 
-import math
-
 from srs_ik.kernels.algebra.joint_vectors import along7
 from srs_ik.kernels.algebra.lane_trig import turn, turned_by, turns_of
 from srs_ik.kernels.algebra.lanes import as_bits, where
 from srs_ik.kernels.chain.newton import LAST_STEP, MAX_STEP
 from srs_ik.kernels.chain.newton_eight import (
     ALL,
-    EXPECTED,
-    PROBED,
+    NOTHING,
+    SMALLEST,
     all_times,
     half_planes,
     is_foreseen,
@@ -74,14 +72,14 @@ def to_limits(P, q, psi, way, target, steps):
     turns = turns_of(q)
     around = turn(psi)
     met = 0
-    last = 0.0 * psi + EXPECTED * math.sqrt(PROBED)
+    last = 0.0 * psi
     for _ in range(steps):
         h, b = half_planes(t, h0, around)
-        d, rates, _, right = newton_step(P, turns, R, p, h, b)
+        d, rates, off2, right = newton_step(P, turns, R, p, h, b)
         ahead = way * way_to_limits(P, along7(q, 1.0, d), rates, way)
         d = along7(d, ahead, rates)
         size = larger(largest(d), abs(ahead))
-        settled = (size < LAST_STEP) | is_foreseen(size, last, PROBED)
+        settled = (size < LAST_STEP) | (is_foreseen(size, last, NOTHING) & (off2 < SMALLEST))
         f = MAX_STEP / larger(size, MAX_STEP + 0.0 * size)
         d = all_times(f, d)
         q = along7(q, 1.0, d)
