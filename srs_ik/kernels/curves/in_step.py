@@ -12,7 +12,6 @@ from srs_ik.kernels.chain.newton import LAST_STEP, MAX_STEP
 from srs_ik.kernels.chain.newton_eight import (
     all_times,
     curve_step,
-    is_foreseen,
     larger,
     largest,
     turned_by_all,
@@ -65,9 +64,6 @@ SETTLED = 1e-14
 
 SHRINKING = 0.4
 """Steps back to the curve that shrink by less do not lead there."""
-
-FOLLOWED = 1e-12
-"""A step back to the curve this short, rad, need not be taken."""
 
 BESIDE = 0.08
 """A posture this close to the chord of a step, as a part of its length, is on the curve."""
@@ -164,7 +160,7 @@ def step_in_step(P, R, p, rows, alive):
     for _ in range(CORRECTIONS):
         d, t, _, right = curve_step(P, turns, R, p, way, none)
         size = largest(d)
-        settled = (size < LAST_STEP) | is_foreseen(size, last, FOLLOWED)
+        settled = size < LAST_STEP
         q = along7(q, 1.0, d)
         met = as_bits(settled & right)
         if alive & ~as_bits(settled | (size > SHRINKING * last)) == 0:
