@@ -106,3 +106,20 @@ def test_a_singular_shoulder_with_a_joint_that_cannot_move_is_in_an_interval(ben
         found = robot.solve(case.pose, arm_angle=robot.arm_angle(q))
         assert found
         assert found.q[2] == angle
+
+
+@pytest.mark.parametrize("offset", [1e-10, 1e-9, 1e-8, 1e-7])
+def test_so_is_one_whose_elbow_is_as_good_as_straight(bench, load, offset):
+    robot = load("even", {"joint_3": {"lower": 0.4, "upper": 0.4}})
+    rng = np.random.default_rng(8)
+    some = []
+    for _ in range(10):
+        q = rng.uniform(robot.lower, robot.upper)
+        q[1] = rng.choice([-offset, offset])
+        q[3] = -q[1]
+        some.append(bench["Case"](q, robot.forward_kinematics(q).homogeneous, q, (1, 3), offset))
+    intervals = list(robot.intervals_batch(np.array([case.pose for case in some]), threads=1))
+    for case, found in zip(some, intervals, strict=True):
+        # The smaller the bend, the worse it tells the arm angle: rounding of directions over it, rad.
+        assert bench["beside"](robot, case, found) < 1e-6 + 1e-14 / offset, case.q.tolist()
+    assert not list(bench["missed"](robot, some, intervals))

@@ -22,13 +22,26 @@ from srs_ik.kernels.exact.bend_events import (
 )
 from srs_ik.kernels.exact.bends import bent_place
 from srs_ik.kernels.exact.events import TURN
+from srs_ik.kernels.exact.gaps import ROUNDING, can_be
 from srs_ik.kernels.exact.intervals import find_intervals, join_touching, write_interval
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.answer import MAX_PIECES
-from srs_ik.kernels.layout.limb import FAR, FREE, LIMITED, LOOSE, NEAR, SHOULDER, SIZE, SLACK_LIMIT, WRIST
+from srs_ik.kernels.layout.limb import (
+    FAR,
+    FREE,
+    INVERSE_HALF_RANGE,
+    LIMITED,
+    LOOSE,
+    NEAR,
+    SHOULDER,
+    SIZE,
+    SLACK_LIMIT,
+    WRIST,
+)
 from srs_ik.kernels.limb.branches import best_branch
 from srs_ik.kernels.limb.goal import NO_SEED, OUTSIDE
-from srs_ik.kernels.limb.limits import tighten
+from srs_ik.kernels.limb.limits import is_inside, tighten
+from srs_ik.kernels.limb.triangle import shoulder_columns, side_frames, wrist_columns
 
 NEARLY_FLAT = 3e-6
 """Bends of the elbow below this, rad from straight or from folded, cannot be told apart within 1e-11 of reach."""
@@ -127,16 +140,45 @@ def take_centres(P, place_, span, centres):
 
 
 @kernel
+def is_pinned(P):
+    """Whether limits leave an outer joint less room than rounding takes of it at the smallest bends."""
+    narrowest = max(
+        max(P[INVERSE_HALF_RANGE], P[INVERSE_HALF_RANGE + 2]), max(P[INVERSE_HALF_RANGE + 4], P[INVERSE_HALF_RANGE + 6])
+    )
+    return narrowest > 2.0 * SMALLEST_BEND / ROUNDING
+
+
+@kernel
+def keeps_limits(P, place_, c, s, branch):
+    """Whether a branch keeps the limits at an arm angle, given by cosine and sine, but for rounding."""
+    base, arm, c4, s4 = side_frames(P, place_, branch >> 2, c, s)
+    if not is_inside(P, 3, c4, s4, P[SLACK_LIMIT]):
+        return False
+    v, y = shoulder_columns(P, base, arm)
+    if not can_be(P, SHOULDER, v, y, (branch >> 1) & 1):
+        return False
+    v, y = wrist_columns(P, place_, base, arm, c4, s4)
+    return can_be(P, WRIST, v, y, branch & 1)
+
+
+@kernel
 def is_met(asked, psi):
     """Whether a branch of a pose with a flat elbow has a posture at an arm angle, at any bend.
+
+    A joint that cannot move is on its limits at single bends, which rounding misses: only there it is made up for.
 
     `asked` holds the packed limb, the pose, the branch, the span of bends, and work space, (MOST_EVENTS,).
     """
     P, place_, branch, span, bends = asked
-    n = bends_at(P, place_, psi, branch >> 2, span, bends)
+    n, pinned = bends_at(P, place_, psi, branch >> 2, span, bends), is_pinned(P)
+    c, s = math.cos(psi), math.sin(psi)
     for i in range(2 * n - 1):
         x = bends[i // 2] if i % 2 == 0 else 0.5 * (bends[i // 2] + bends[i // 2 + 1])
-        if best_branch(P, bent_place(place_, x), psi, branch, False, NO_SEED, True)[2] < OUTSIDE:
+        bent = bent_place(place_, x)
+        if pinned:
+            if keeps_limits(P, bent, c, s, branch):
+                return True
+        elif best_branch(P, bent, psi, branch, False, NO_SEED, True)[2] < OUTSIDE:
             return True
     return False
 

@@ -79,6 +79,13 @@ def fits(P, k, v, y, c, s, sign):
 
 
 @kernel
+def can_be(P, k, v, y, sign):
+    """Whether one solution of the spherical joint at block k exists and keeps the limits."""
+    c, s, reached = middle_angle(P, k, v)
+    return reached and fits(P, k, v, y, c, s, sign)
+
+
+@kernel
 def turned_with(motion, psi):
     """The two columns of a spherical joint's rotation that its angles depend on, at an arm angle."""
     cos_psi, sin_psi = math.cos(psi), math.sin(psi)
