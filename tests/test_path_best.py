@@ -537,3 +537,13 @@ def test_a_short_path_of_a_near_arm_whose_steps_are_just_short_enough_is_found()
     breaks, least = best_path(arm, [swept_postures(arm, pose, 200) for pose in poses], None, LONGEST)
     assert breaks == len(path.breaks) == 0
     assert path.value <= least
+
+
+@pytest.mark.parametrize("given", [3, 30])
+def test_a_near_arm_stays_where_it_is_known_to_be_if_its_pose_stays(given):
+    """A plan by coarse strips costs more there than the path does once it is improved, which costs nothing."""
+    arm = load("gen3")
+    q = np.full(7, 0.3)
+    path = arm.solve_path(poses_of(arm, np.tile(q, (31, 1))), known={given: q})
+    assert path
+    np.testing.assert_allclose(path.q, np.tile(q, (31, 1)), atol=1e-9)

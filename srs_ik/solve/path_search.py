@@ -371,13 +371,13 @@ def fine_everywhere(problem: Problem, keys: NDArray[np.int64], parts: Array = PA
     settings[BY_CONTINUITY] *= LONGER
     told = replace(problem, settings=settings)
     way, blocks = through(told, keys, False)
-    whole = is_whole(way, keys)
+    whole, least = is_whole(way, keys), way.cost
     if whole:
         improve(problem, way)
     if not whole or worth(problem, way)[0]:
         return finer(held_in(problem, keys, blocks), parts)
-    # Where no path leads that costs about as little as one at hand, postures would be put between in vain.
-    most = COARSE * way.cost
+    # Where no path leads that costs about as little as one at hand, or its plan, postures would be put between in vain.
+    most = COARSE * max(least, way.cost)
     few = held_below(told, keys, blocks, costs_to_end(told, blocks, most), most)
     return finer(replace(few, settings=problem.settings), parts)
 
