@@ -515,3 +515,37 @@ def test_wrong_wishes_are_refused(options, named):
     poses = poses_of(arm, np.linspace(np.full(7, 0.2), np.full(7, 0.4), 3))
     with pytest.raises(srs_ik.InvalidConfiguration, match=named):
         arm.solve_path(poses, **options)
+
+
+LONG_STEPS = (
+    (-4.12, -0.65, 1.33, -0.76, -2.62, -0.76, 2.62),
+    (-3.70, -0.54, 0.63, -0.86, -1.93, -1.02, 2.51),
+    (-3.19, -0.32, -0.03, -0.92, -1.18, -1.19, 2.38),
+    (-2.62, 0.02, -0.60, -0.96, -0.41, -1.26, 2.25),
+    (-2.04, 0.42, -1.05, -0.98, 0.28, -1.22, 2.09),
+    (-1.50, 0.85, -1.34, -0.96, 0.83, -1.09, 1.93),
+)
+"""Some joints step farther than is continuous; beside these postures are others whose steps are just short enough."""
+
+
+def test_a_short_path_of_a_near_arm_whose_steps_are_just_short_enough_is_found():
+    """Chords of coarse strips are too long there: finer ones must not be left out for that."""
+    arm = load("gen3")
+    poses = poses_of(arm, np.array(LONG_STEPS))
+    path = arm.solve_path(poses)
+    assert_on_poses("gen3", arm, poses, path)
+    breaks, least = best_path(arm, [swept_postures(arm, pose, 200) for pose in poses], None, LONGEST)
+    assert breaks == len(path.breaks) == 0
+    assert path.value <= least
+
+
+@pytest.mark.parametrize("given", [3, 30])
+def test_a_near_arm_stays_where_it_is_known_to_be_if_its_pose_stays(given):
+    """A plan by coarse strips costs more there than the path does once it is improved, which costs nothing."""
+    arm = load("gen3")
+    q = np.full(7, 0.3)
+    path = arm.solve_path(poses_of(arm, np.tile(q, (31, 1))), known={given: q})
+    assert path
+    # Up to whole turns of joints without end.
+    np.testing.assert_allclose(np.cos(path.q - q), 1.0, atol=1e-15)
+    assert path.largest_step < 1e-9

@@ -56,7 +56,10 @@ AS_LITTLE = 0.9999
 """A path that costs less than so much of its plan says that strips miss what it does."""
 
 COARSE = 1.5
-"""Beside the curves of a near limb, chords of coarse strips may tell of paths that cost more than they do, by less."""
+"""Off the curves of a near limb, chords of coarse strips may tell of paths that cost more than they do, by less ..."""
+
+LONGER = 1.2
+"""... and that take longer steps."""
 
 FAR_ABOVE = 1.02
 """A path that costs so many times its plan is bettered first by poses between planned ones, in coarse strips."""
@@ -363,13 +366,19 @@ def fine_everywhere(problem: Problem, keys: NDArray[np.int64], parts: Array = PA
     """The problem with fine strips at all key poses; those of a near limb get postures at parts of the way."""
     if not problem.is_near:
         return replace(problem, radius=EVERYWHERE, spacing=FINE_SPACING)
-    way, blocks = through(problem, keys, False)
-    if not is_whole(way, keys):
+    settings = problem.settings.copy()
+    # Chords of coarse strips may be too long where steps of a path are not.
+    settings[BY_CONTINUITY] *= LONGER
+    told = replace(problem, settings=settings)
+    way, blocks = through(told, keys, False)
+    whole, least = is_whole(way, keys), way.cost
+    if whole:
+        improve(problem, way)
+    if not whole or worth(problem, way)[0]:
         return finer(held_in(problem, keys, blocks), parts)
-    # Where no path leads that costs about as little as one at hand, postures would be put between in vain.
-    improve(problem, way)
-    most = COARSE * way.cost
-    few = held_below(problem, keys, blocks, costs_to_end(problem, blocks, most), most)
+    # Where no path leads that costs about as little as one at hand, or its plan, postures would be put between in vain.
+    most = COARSE * max(least, way.cost)
+    few = held_below(told, keys, blocks, costs_to_end(told, blocks, most), most)
     return finer(replace(few, settings=problem.settings), parts)
 
 
