@@ -28,7 +28,8 @@ PROBED = 1e-10
 """... nor this one where a posture is only looked at, and closed if it is taken."""
 
 EXPECTED = 300.0
-"""Before the first step, the next one is expected to be its square times so much, at most, as that was long."""
+"""The step before the first counts as so many times the root of what need not be taken, rad: a first step below
+(EXPECTED * short)^(2/3) is the last."""
 
 SHORT = 0.01
 """After a longer step, rad, the next one but one is not foreseen."""
