@@ -17,12 +17,18 @@ define internal double @once{LARGE}
 define internal double @small(double %x) {{
   ret double %x
 }}
+define internal double @thin(double %x) {{
+  %a = call double @large(double %x)
+  ret double %a
+}}
 define double @first(double %x) {{
 {CALLS}  %d = call double @once(double %c)
-  ret double %d
+  %e = call double @thin(double %d)
+  ret double %e
 }}
 define double @second(double %x) {{
-{CALLS}  ret double %c
+{CALLS}  %d = call double @thin(double %c)
+  ret double %d
 }}
 """
 
@@ -36,10 +42,14 @@ def defined(text: str) -> set[str]:
 
 def test_large_functions_stand_in_one_part_and_small_ones_where_they_are_called(monkeypatch):
     monkeypatch.setattr(units, "LARGE", 9)
+    monkeypatch.setattr(units, "SMALL", 5)
     first, second = units.divide(str(llvm.parse_assembly(MODULE)), [["first"], ["second"]])
     found = [defined(first.text), defined(second.text)]
-    assert found[0] & found[1] == {"small"}
-    assert found[0] | found[1] == {"first", "second", "large", "once", "small"}
+    assert found[0] & found[1] == {
+        "small",
+        "thin",
+    }  # this one would be part of its callers, large as it is with what it calls
+    assert found[0] | found[1] == {"first", "second", "large", "once", "small", "thin"}
     assert "once" in found[0]  # with its only caller
     assert (first.entries, second.entries) == (["first"], ["second"])
     assert first.shared == second.shared == ["large"]
@@ -48,5 +58,5 @@ def test_large_functions_stand_in_one_part_and_small_ones_where_they_are_called(
 def test_one_part_alone_is_not_divided(monkeypatch):
     monkeypatch.setattr(units, "LARGE", 9)
     (whole,) = units.divide(str(llvm.parse_assembly(MODULE)), [["first", "second"]])
-    assert defined(whole.text) == {"first", "second", "large", "once", "small"}
+    assert defined(whole.text) == {"first", "second", "large", "once", "small", "thin"}
     assert not whole.shared
