@@ -26,8 +26,8 @@ equations (and behind them what they are bent by), the joints that are free, and
 ASIDE, UPWARDS = 7, 11
 """Columns behind bends: a triangle or main directions, and how far up these are bent."""
 
-SWEEPS = 4
-"""Of Jacobi's method: with four ways, enough for what only steps depend on."""
+SWEEPS, SPLIT = 4, 1e-4
+"""Of Jacobi's method, and what is left between two ways, by the largest bend: enough for what only steps depend on."""
 
 FLAT = 0.01
 """Least bend along a way, by the largest, where steps are turned downhill."""
@@ -44,6 +44,17 @@ straight arm, what is left of a pose depends on the square of what is left acros
 
 SOFT = 1e-15
 """Weight by which equations that contradict each other give way."""
+
+
+@kernel
+def dot7(A, i, B, k, at):
+    """The first seven figures of row i of A times seven of row k of B, in pairs: these do not wait for each other."""
+    return (
+        (A[i, 0] * B[k, at] + A[i, 1] * B[k, at + 1])
+        + (A[i, 2] * B[k, at + 2] + A[i, 3] * B[k, at + 3])
+        + (A[i, 4] * B[k, at + 4] + A[i, 5] * B[k, at + 5])
+        + A[i, 6] * B[k, at + 6]
+    )
 
 
 @kernel
@@ -189,10 +200,7 @@ def write_ways(K, M, m, taken, held, d):
     for r in range(m):
         M[STEP_ROW, int(M[BASIC_ROW, r])] = M[r, RHS]
     for i in range(7):
-        rest = K[i, RHS]
-        for j in range(7):
-            rest -= K[i, j] * M[STEP_ROW, j]
-        M[REST_ROW, i] = rest
+        M[REST_ROW, i] = K[i, RHS] - dot7(K, i, M, STEP_ROW, 0)
     n = 0
     for c in range(7):
         if (taken >> c) & 1 == 1:
@@ -202,10 +210,7 @@ def write_ways(K, M, m, taken, held, d):
         for r in range(m):
             M[WAYS + n, int(M[BASIC_ROW, r])] = -M[r, c]
         for i in range(7):
-            bend = 0.0
-            for j in range(7):
-                bend += K[i, j] * M[WAYS + n, j]
-            M[WAYS + n, 7 + i] = bend
+            M[WAYS + n, 7 + i] = dot7(K, i, M, WAYS + n, 0)
         n += 1
     return n
 
@@ -244,8 +249,11 @@ def bends_up(M, m, n, least):
 
 
 @kernel
-def split_bends(M, m, n):
-    """Turn bends along n ways into those along their main directions, which come to stand behind them: by Jacobi."""
+def split_bends(M, m, n, little):
+    """Turn bends along n ways into those along their main directions, which come to stand behind them: by Jacobi.
+
+    What is left between two ways may be little.
+    """
     for k in range(n):
         for i in range(n):
             M[m + k, ASIDE + i] = 1.0 if i == k else 0.0
@@ -253,7 +261,7 @@ def split_bends(M, m, n):
         for i in range(n - 1):
             for k in range(i + 1, n):
                 off = M[m + i, k]
-                if off == 0.0:
+                if abs(off) <= little:
                     continue
                 ratio = 0.5 * (M[m + k, k] - M[m + i, i]) / off
                 t = math.copysign(1.0, ratio) / (abs(ratio) + math.sqrt(1.0 + ratio * ratio))
@@ -287,7 +295,7 @@ def turn_all_down(M, m, n):
         most = max(most, total)
     if bends_up(M, m, n, FLAT * most):
         return
-    split_bends(M, m, n)
+    split_bends(M, m, n, SPLIT * most)
     for k in range(n):
         M[m + k, UPWARDS] = max(abs(M[m + k, k]), FLAT * most)
     for k in range(n):
@@ -302,15 +310,9 @@ def turn_all_down(M, m, n):
 def put_bends(M, m, n):
     """Write how steps along n ways bend, and where they begin, into rows m on."""
     for k in range(n):
-        for i in range(n):
-            total = 0.0
-            for j in range(7):
-                total += M[WAYS + k, j] * M[WAYS + i, 7 + j]
-            M[m + k, i] = total
-        total = 0.0
-        for j in range(7):
-            total += M[WAYS + k, j] * M[REST_ROW, j]
-        M[m + k, RHS] = total
+        for i in range(k + 1):
+            M[m + k, i] = M[m + i, k] = dot7(M, WAYS + k, M, WAYS + i, 7)
+        M[m + k, RHS] = dot7(M, WAYS + k, M, REST_ROW, 0)
 
 
 @kernel
