@@ -11,6 +11,7 @@ import numpy as np
 
 from srs_ik.kernels.algebra.pointers import row
 from srs_ik.kernels.exact.events import TURN
+from srs_ik.kernels.exact.summit import downhill
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.asked import Best
 from srs_ik.kernels.limb.poses import read7
@@ -19,6 +20,7 @@ from srs_ik.kernels.near.scan import (
     MAX_POINTS,
     POINT,
     POINT_BRANCH,
+    POINT_COSTS,
     POINT_OFF,
     POINT_PSI,
     POINT_RATES,
@@ -87,35 +89,6 @@ def is_valley(a, b, least):
         if joint_between(a, b, j)[1] >= least and a[POINT_SLOPES + j] > 0.0 > b[POINT_SLOPES + j]:
             return False
     return True
-
-
-@kernel
-def downhill(P, point):
-    """The way from a point to the least of the largest of its joints' costs, each going on as it goes there."""
-    _, rate, active = cost_of(point)
-    if active < 0 or rate == 0.0:
-        return 0.0
-    sign = -1.0 if rate > 0.0 else 1.0
-    way = 0.0
-    for _ in range(7):
-        height, slope = joint_figures(point, active)
-        slope *= sign
-        nearest = math.inf
-        following = -1
-        for j in range(7):
-            cost, other = joint_figures(point, j)
-            other *= sign
-            if j != active and other > slope:
-                crossing = (height - cost) / (other - slope)
-                if way <= crossing < nearest:
-                    nearest, following = crossing, j
-        if following < 0:
-            return sign * math.inf
-        way, active = nearest, following
-        _, slope = joint_figures(point, active)
-        if sign * slope >= 0.0:
-            break
-    return sign * way
 
 
 @kernel
@@ -254,10 +227,10 @@ def copy_point(source, i, target, k):
 
 
 @kernel
-def next_arm_angle(P, a, b, latest, step):
+def next_arm_angle(a, b, latest, step):
     """Where to look for the minimum between two points, from the latest one."""
     lower, upper = a[POINT_PSI], b[POINT_PSI]
-    x = latest[POINT_PSI] + downhill(P, latest)
+    x = latest[POINT_PSI] + downhill(latest, POINT_COSTS, POINT_SLOPES, cost_of(latest)[2])
     if not lower < x < upper:
         cost_a, slope_a, active_a = cost_of(a)
         cost_b, slope_b, active_b = cost_of(b)
@@ -297,7 +270,7 @@ def close_in(P, view, gaps, work, best):
     for step in range(CLOSING_STEPS):
         longest = 0.0
         for i in range(count):
-            x = next_arm_angle(P, work[i], work[8 + i], work[16 + i], step)
+            x = next_arm_angle(work[i], work[8 + i], work[16 + i], step)
             way = x - work[16 + i, POINT_PSI]
             _, slope, _ = cost_of(work[16 + i])
             longest = max(longest, abs(way) if abs(way * slope) > GAIN else 0.0)
