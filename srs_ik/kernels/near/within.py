@@ -10,7 +10,6 @@ import math
 import numpy as np
 
 from srs_ik.kernels.algebra.pointers import row
-from srs_ik.kernels.exact.events import TURN
 from srs_ik.kernels.exact.summit import downhill
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.asked import Best
@@ -24,7 +23,6 @@ from srs_ik.kernels.near.scan import (
     POINT_OFF,
     POINT_PSI,
     POINT_RATES,
-    POINT_SINE,
     POINT_SLOPES,
     close_points,
     cost_of,
@@ -41,20 +39,11 @@ GAIN = 1e-12
 SPACING = 0.3
 """Widest spacing of the arm angles that are looked at first, rad."""
 
-BEYOND = 0.02
-"""What falls at the end of an interval may go on to fall for so long, rad."""
-
-SHORT_GAP = 0.03
-"""A gap so short, rad, has one minimum at most: where the cost falls at its first end and rises at its last."""
-
 AT_ONCE = 160
 """Points that are looked at first, at most, but for those of one interval: the best of them shortens what follows."""
 
 COARSE = 1e-3
 """Between points farther apart, rad, every fourth arm angle is half-way."""
-
-SHORT_SHARE = 0.15
-"""Nor is it wider than this part of how far shoulder and wrist are from singular."""
 
 CLOSING_STEPS = 24
 CLOSED_IN = 1e-7
@@ -132,64 +121,23 @@ def spread_points(found, points, gaps):
 
 
 @kernel
-def falls_below(point, way, lowest):
-    """Whether the cost falls below a known one close behind a point, with the arm angle or against it (1.0, -1.0).
-
-    The costs of all its joints are taken to go on as they go there.
-    """
-    first, last = 0.0, BEYOND
-    for j in range(7):
-        height, slope = joint_figures(point, j)
-        slope *= way
-        if slope < 0.0:
-            first = max(first, (lowest - height) / slope)
-        elif height >= lowest:
-            return False
-        elif slope > 0.0:
-            last = min(last, (lowest - height) / slope)
-    return first < last
-
-
-@kernel
-def may_be_better_beyond(points, found, lowest):
-    """Whether a cost close to the best one falls at an end of the intervals but for arcs, and may be less behind it."""
-    k = 0
-    for i in range(found.shape[0]):
-        parts = max(math.ceil((found[i, 2] - found[i, 1]) / SPACING), 1)
-        if found[i, 2] - found[i, 1] < TURN:
-            if found[i, 3] < 0.0 and falls_below(points[k], -1.0, lowest):
-                return True
-            if found[i, 4] < 0.0 and falls_below(points[k + parts], 1.0, lowest):
-                return True
-        k += parts + 1
-    return False
-
-
-@kernel
-def is_short_gap(a, b):
-    """Whether a gap between two points is so short that its ends tell whether there is a minimum in it."""
-    width = b[POINT_PSI] - a[POINT_PSI]
-    return width < SHORT_GAP and width < SHORT_SHARE * min(a[POINT_SINE], b[POINT_SINE])
-
-
-@kernel
 def sort_gaps(points, gaps, kept, left, lowest):
-    """Sort gaps behind those that are kept: short ones to these, what cannot cost less than a known cost out.
+    """Sort gaps behind those that are kept: valleys to these, what cannot cost less than a known cost out.
 
     Stops at eight that have to be halved, which come next. Returns how many are kept, are left and have to be halved.
     """
     i = kept
     while i < left and i < kept + 8:
         a, b = points[gaps[i, 0]], points[gaps[i, 1]]
-        short = is_short_gap(a, b)
+        valley = False
         if is_narrow(a, b):
             least = least_cost(a, b)
             if least > lowest - GAIN:
                 left -= 1
                 gaps[i, 0], gaps[i, 1] = gaps[left, 0], gaps[left, 1]
                 continue
-            short = short or is_valley(a, b, least)
-        if short:
+            valley = is_valley(a, b, least)
+        if valley:
             first, last = gaps[i, 0], gaps[i, 1]
             gaps[i, 0], gaps[i, 1] = gaps[kept, 0], gaps[kept, 1]
             gaps[kept, 0], gaps[kept, 1] = first, last
@@ -200,7 +148,7 @@ def sort_gaps(points, gaps, kept, left, lowest):
 
 @kernel
 def halve_gaps(P, view, n, left, best):
-    """Halve gaps of a view that may hide a better point until they are short, behind its n points.
+    """Halve gaps of a view that may hide a better point until they are valleys, behind its n points.
 
     Returns the number of gaps that are left (-1: it fails), and the best configuration so far.
     """
@@ -293,7 +241,7 @@ def close_in(P, view, gaps, work, best):
 
 
 @kernel
-def best_of_some(P, view, found, drawn_in, best):
+def best_of_some(P, view, found, best):
     """`best_within` of the first of some intervals: also how many these are."""
     points, gaps = view.points, view.gaps
     taken, count, left = spread_points(found, points, gaps)
@@ -302,7 +250,7 @@ def best_of_some(P, view, found, drawn_in, best):
             return best, taken, False
     best = measure_points(P, points, 0, count, best)
     left, best = halve_gaps(P, view, count, left, best)
-    if left < 0 or (drawn_in and may_be_better_beyond(points, found[:taken], best.cost)):
+    if left < 0:
         return best, taken, False
     kept = 0
     for i in range(left):
@@ -321,15 +269,14 @@ def best_of_some(P, view, found, drawn_in, best):
 
 
 @kernel
-def best_within(P, view, found, drawn_in, best):
+def best_within(P, view, found, best):
     """The best configuration in intervals, rows of `arcs.without_arcs`, if it is better than the best so far.
 
-    `drawn_in` says that the intervals end where the limits that are drawn in do, not the limits themselves. Returns
-    also whether the answer is certain.
+    Returns also whether the answer is certain.
     """
     first = 0
     while first < found.shape[0]:
-        best, taken, certain = best_of_some(P, view, found[first:], drawn_in, best)
+        best, taken, certain = best_of_some(P, view, found[first:], best)
         if not certain:
             return best, False
         first += taken
