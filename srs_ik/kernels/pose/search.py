@@ -8,7 +8,7 @@ import numpy as np
 
 from srs_ik.kernels.algebra.pointers import keep, row
 from srs_ik.kernels.chain.kinematics import pose_error
-from srs_ik.kernels.chain.newton import arm_angle
+from srs_ik.kernels.chain.newton import CLOSED, arm_angle, close_free
 from srs_ik.kernels.curves.best import search_followed
 from srs_ik.kernels.exact.farthest import branch_at, copy_interval, farthest, farthest_of_all, whole_circles
 from srs_ik.kernels.exact.free_splits import settled_split, with_splits
@@ -22,12 +22,13 @@ from srs_ik.kernels.exact.nearest import (
     look_across,
     look_beside,
     settle_near,
+    slid,
 )
 from srs_ik.kernels.exact.nearest_within import nearest_within, way_between
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.answer import MAX_PIECES
-from srs_ik.kernels.layout.limb import FAR, FREE, IS_NEAR, LIMITED, LOOSE, SIZE
-from srs_ik.kernels.limb.branches import NO_BRANCH, branch_of
+from srs_ik.kernels.layout.limb import FAR, FREE, IS_NEAR, LIMITED, LOOSE, MISS, SIZE
+from srs_ik.kernels.limb.branches import NO_BRANCH, branch_of, is_unsure
 from srs_ik.kernels.limb.goal import OUTSIDE
 from srs_ik.kernels.limb.limits import tighten
 from srs_ik.kernels.limb.triangle import elbow_side
@@ -37,6 +38,13 @@ from srs_ik.kernels.pose.any_bend import best_at_any_bend, hides_some, nearest_a
 
 MOST_LEVERAGE = 4.0
 """A seed farther from its nearest posture than so many times the pose error asks for a closer look."""
+
+HARDLY = 1e-5
+"""A limb that misses by less than this part of its reach is one with rounded figures."""
+
+HARDLY_FARTHER = 1e-4
+FEW_STEPS = 12
+"""Its nearest posture is found in a few steps, and no farther from a seed, in squared rad, than this."""
 
 ONE_VALLEY = 0.3
 """An interval shorter than this, rad, whose ends are close to a minimum in it, has no other one."""
@@ -85,6 +93,28 @@ def guess(P, target, goal, J, A):
 
 
 @kernel
+def search_hardly_near(P, target, found, known, goal, J, A):
+    """The nearest posture in intervals of a limb that hardly differs from its nearest exact limb: q, branch, cost.
+
+    That limb's own nearest posture, settled on the true chain; only next to a singularity are the curves followed.
+    `known` is the best posture so far, its branch and cost.
+    """
+    q, _, lowest = known
+    start, _, value = nearest_within(P, target.place, found, -1, goal, 4.0 * NO_BRANCH)
+    if value >= OUTSIDE and not is_unsure(P, q):
+        return known
+    if value < OUTSIDE and not is_unsure(P, start) and not is_unsure(P, q):
+        if value >= lowest:
+            return known
+        start, error = close_free(P, start, target.R, target.p, goal.respect, FEW_STEPS, J, A)
+        settled, there, _ = slid(P, target, start, goal, J, A)
+        if error < CLOSED and there < value + HARDLY_FARTHER:
+            return (settled, branch_of(P, settled), there) if there < lowest else known
+    other = search_followed(P, target, -1, goal, goal.respect, J, A)
+    return other if other[2] < lowest else known
+
+
+@kernel
 def search_near_seed(family, target, goal, J, A):
     """The posture nearest to a seed over all branches and arm angles: q, branch, cost (OUTSIDE if none was found)."""
     P, F = row(family, LIMITED), row(family, LIMITED if goal.respect else FREE)
@@ -122,6 +152,8 @@ def search_near_seed(family, target, goal, J, A):
         if nearer[2] < known[2]:
             nearer = settled_split(P, target, nearer, goal)
         nearer = nearest_alone(family, target, found[:n], goal, nearer if nearer[2] < known[2] else known)
+    elif P[MISS] < HARDLY * P[FAR]:
+        return search_hardly_near(P, target, found[:n], known, goal, J, A)
     else:
         if told:
             known, sure = look_beside(P, target, found[:n], known, goal, J, A)
