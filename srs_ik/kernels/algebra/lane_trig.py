@@ -8,6 +8,7 @@ from srs_ik.kernels.algebra.lanes import eight_of, one_of, where, whole_number
 from srs_ik.kernels.jit import kernel
 
 HALF_PI = 0.5 * math.pi
+TINY = 1e-300
 QUARTER = 1.5707963267341256
 QUARTER_REST = 6.077100506506192e-11
 """A quarter of a turn: its first 33 bits, of which small multiples are exact, and the rest of it."""
@@ -37,14 +38,20 @@ def turn(q):
 
 
 @kernel
-def angle_of(c, s):
-    """The angle of a cosine and a sine, in [-pi, pi]: a rough one, and what a turn back by it leaves."""
+def rough_angle(c, s):
+    """The angle of a cosine and a sine of any length, in [-pi, pi], to 2e-6 rad; any where both are zero."""
     flat = abs(c) > abs(s)
-    t = where(flat, s, c) / where(flat, c, s)
+    t = where(flat, s, c) / (where(flat, c, s) + TINY)
     z = t * t
     rough = t * (0.99997726 - z * (0.33262347 - z * (0.19354346 - z * (0.11643287 - z * (0.05265332 - z * 0.0117212)))))
     quarter = where(s < 0.0, 0.0 * s - HALF_PI, 0.0 * s + HALF_PI)
-    rough = where(flat, where(c < 0.0, rough + 2.0 * quarter, rough), quarter - rough)
+    return where(flat, where(c < 0.0, rough + 2.0 * quarter, rough), quarter - rough)
+
+
+@kernel
+def angle_of(c, s):
+    """The angle of a cosine and a sine, in [-pi, pi]: a rough one, and what a turn back by it leaves."""
+    rough = rough_angle(c, s)
     cosine, sine = turn(rough)
     left = s * cosine - c * sine
     return rough + left * (1.0 + left * left * (1.0 / 6.0))

@@ -94,11 +94,12 @@ def teach(operation: Callable[..., Any], kinds: tuple[Any, ...], result: Any, ge
 
 
 def of_llvm(name: str) -> Callable[..., Any]:
-    """An intrinsic function of LLVM with one argument."""
+    """An intrinsic function of LLVM with one argument, a float or eight."""
 
     def generate(builder: Any, x: Any) -> Any:
-        kind = ir.FunctionType(FLOATS, [FLOATS])
-        return builder.call(cgutils.get_or_insert_function(builder.module, kind, f"llvm.{name}.v{LANES}f64"), [x])
+        suffix = f"v{LANES}f64" if x.type == FLOATS else "f64"
+        kind = ir.FunctionType(x.type, [x.type])
+        return builder.call(cgutils.get_or_insert_function(builder.module, kind, f"llvm.{name}.{suffix}"), [x])
 
     return generate
 
@@ -135,8 +136,10 @@ teach(operator.and_, (MASK, MASK), MASK, lambda builder, a, b: builder.and_(a, b
 teach(operator.or_, (MASK, MASK), MASK, lambda builder, a, b: builder.or_(a, b))
 teach(abs, (EIGHT,), EIGHT, of_llvm("fabs"))
 teach(root, (EIGHT,), EIGHT, of_llvm("sqrt"))
+teach(root, (types.float64,), types.float64, of_llvm("sqrt"))
 teach(whole_number, (EIGHT,), EIGHT, of_llvm("rint"))
 teach(where, (MASK, EIGHT, EIGHT), EIGHT, lambda builder, condition, a, b: builder.select(condition, a, b))
+teach(where, (types.boolean, types.float64, types.float64), types.float64, lambda builder, *args: builder.select(*args))
 teach(
     as_bits,
     (MASK,),

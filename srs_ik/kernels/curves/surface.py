@@ -11,32 +11,24 @@ import math
 import numpy as np
 
 from srs_ik.kernels.algebra.pointers import keep, row
-from srs_ik.kernels.algebra.vectors import add, apply, dot, load3, norm, rotate
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.asked import Goal
 from srs_ik.kernels.layout.limb import (
-    A1,
-    A3,
-    AXES,
     BOTTOM_GAP,
-    COS_STRAIGHT,
     FAR,
-    FOREARM,
     IS_CLOSED,
     MISS,
     NEAR,
     PHASE,
     SHOULDER,
-    SIN_STRAIGHT,
     SIZE,
     SLACK_SINGULAR,
     TOP_GAP,
-    UPPER_ARM,
     WRIST,
 )
 from srs_ik.kernels.limb.branches import side_posture
 from srs_ik.kernels.limb.goal import NO_SEED
-from srs_ik.kernels.limb.in_line import ROUNDED, SMALLEST_REACH, closest, toward_of, wide_limb
+from srs_ik.kernels.limb.in_line import ROUNDED, closest, may_line_up, toward_of, wide_limb
 from srs_ik.kernels.limb.triangle import elbow_side
 
 MOST_MISS = 1e-3
@@ -68,32 +60,6 @@ PART = 7
 PART_ELBOW, PART_LEVEL, PART_PSI, PART_EVERYWHERE, PART_SIGNS, PART_SHOULDER, PART_WRIST = range(PART)
 """A part of the surface: side of the elbow, whether it is flat, arm angle, whether all arm angles count, bits of the
 shoulder and the wrist; whether the sum of joints 1 and 3 may be split anyhow, and that of 5 and 7."""
-
-
-@kernel
-def lines_up(x, y, P, k, width):
-    """Whether outer axes at cosines x and y from the line that one of them turns about come into one line."""
-    return (P[k + TOP_GAP] < IN_LINE and abs(x - y) < width) or (P[k + BOTTOM_GAP] < IN_LINE and abs(x + y) < width)
-
-
-@kernel
-def may_line_up(P, place_, width):
-    """Whether the outer axes of the shoulder or the wrist may come into line at some arm angle: a quick test."""
-    t, _, c, s, hand, _ = place_
-    still_s = dot(load3(P, SHOULDER + A1), t)
-    still_w = dot(apply(hand, load3(P, WRIST + A3)), t)
-    a4 = load3(P, AXES + 9)
-    for elbow in range(2):
-        sine = -s if elbow == 1 else s
-        to_wrist = add(load3(P, UPPER_ARM), rotate(a4, c, sine, load3(P, FOREARM)))
-        share = 1.0 / max(norm(to_wrist), SMALLEST_REACH)
-        if lines_up(still_s, share * dot(to_wrist, load3(P, SHOULDER + A3)), P, SHOULDER, width):
-            return True
-        c4 = P[COS_STRAIGHT] * c - P[SIN_STRAIGHT] * sine
-        s4 = P[SIN_STRAIGHT] * c + P[COS_STRAIGHT] * sine
-        if lines_up(still_w, share * dot(to_wrist, rotate(a4, c4, s4, load3(P, WRIST + A1))), P, WRIST, width):
-            return True
-    return False
 
 
 @kernel

@@ -174,8 +174,8 @@ def sum_at(P, k, motion, psi):
     """At an arm angle, the sum of the outer joints of a spherical joint that is singular there, and the sign of q1."""
     v, y = turned_with(motion, psi)
     c, s, _ = middle_angle(P, k, v)
-    _, _, _, _, c3, s3, _ = sines(P, k, v, y, c, s, 0)
-    return math.atan2(s3, c3), 1.0 if c > 0.0 else -1.0
+    _, _, three, _ = sines(P, k, v, y, c, s)
+    return math.atan2(three[1], three[0]), 1.0 if c > 0.0 else -1.0
 
 
 @kernel

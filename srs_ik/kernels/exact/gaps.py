@@ -22,8 +22,7 @@ from srs_ik.kernels.layout.limb import (
     TOP_GAP,
 )
 from srs_ik.kernels.limb.limits import TURN, is_inside, turn_to_middle, violation
-from srs_ik.kernels.limb.spherical import angles, middle_anchor, middle_angle, sines
-from srs_ik.kernels.limb.spherical_eight import eight_middles, eight_sines
+from srs_ik.kernels.limb.spherical import angles, eight_middles, middle_anchor, middle_angle, sines
 from srs_ik.kernels.limb.splits import nearest_split
 
 ALL = 0b11111111
@@ -60,17 +59,17 @@ def splits_inside(P, k, turn_1, turn_3, toward, give):
 def fits(P, k, v, y, c, s, sign):
     """Whether one solution of the spherical joint at block k has turns inside the limits."""
     first = int(P[k + FIRST_JOINT])
-    c1, s1, c2, s2, c3, s3, length = sines(P, k, v, y, c, s, sign)
+    one, two, three, length = sines(P, k, v, y, c, s if sign == 0 else -s)
     slack = P[SLACK_LIMIT]
-    if not is_inside(P, first + 1, c2, s2, slack):
+    if not is_inside(P, first + 1, two[0], two[1], slack):
         return False
     if P[BAND] != 0.0:
         slack = P[BAND] / math.sqrt(max(length, 1e-12))
-        return is_inside(P, first, c1, s1, slack) and is_inside(P, first + 2, c3, s3, slack)
+        return is_inside(P, first, one[0], one[1], slack) and is_inside(P, first + 2, three[0], three[1], slack)
     if length > 0.0:
-        if is_inside(P, first, c1, s1, slack) and is_inside(P, first + 2, c3, s3, slack):
+        if is_inside(P, first, one[0], one[1], slack) and is_inside(P, first + 2, three[0], three[1], slack):
             return True
-        return splits_inside(P, k, (c1, s1), (c3, s3), 1.0 if c > 0.0 else -1.0, ROUNDING / math.sqrt(length))
+        return splits_inside(P, k, one, three, 1.0 if c > 0.0 else -1.0, ROUNDING / math.sqrt(length))
     q = angles(P, k, v, y, c, s, sign, middle_anchor())
     return (
         violation(P, first, turn_to_middle(P, first, q[0])) == 0.0
@@ -137,7 +136,7 @@ def eight_outside(P, joint, turn_, slack):
 def eight_misfits(P, k, v, y, c, s):
     """Bits of eight solutions of a spherical joint outside the limits, and of those that have to be looked at alone."""
     first = int(P[k + FIRST_JOINT])
-    q1, q2, q3, length = eight_sines(P, k, v, y, c, s)
+    q1, q2, q3, length = sines(P, k, v, y, c, s)
     slack = P[SLACK_LIMIT] + 0.0 * length
     outside = eight_outside(P, first + 1, q2, slack)
     if P[BAND] != 0.0:

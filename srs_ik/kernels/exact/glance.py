@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import math
 
+from srs_ik.kernels.algebra.lane_trig import rough_angle
 from srs_ik.kernels.algebra.lanes import eight_of, one_of, where, whole_number
 from srs_ik.kernels.algebra.vectors import swing
 from srs_ik.kernels.jit import kernel
@@ -20,7 +21,7 @@ from srs_ik.kernels.layout.limb import (
     SHOULDER,
     WRIST,
 )
-from srs_ik.kernels.limb.spherical_eight import eight_middles, eight_sines
+from srs_ik.kernels.limb.spherical import eight_middles, sines
 
 TURN = 2.0 * math.pi
 
@@ -32,20 +33,6 @@ NEXT_GLANCE = TURN / GLANCES
 
 NOWHERE = 1e3
 """Stands for the cost of what does not exist or is not wanted."""
-
-
-@kernel
-def bearing(s, c):
-    """Directions of eight points, rad, to 2e-6: a polynomial in place of the arc tangent."""
-    steep = abs(s) > abs(c)
-    low, high = where(steep, abs(c), abs(s)), where(steep, abs(s), abs(c))
-    x = low / where(high > 0.0, high, 1.0)
-    z = x * x
-    rest = 0.05265332 - 0.01172120 * z
-    angle = x * (0.99997726 - z * (0.33262347 - z * (0.19354346 - z * (0.11643287 - z * rest))))
-    angle = where(steep, 0.5 * math.pi - angle, angle)
-    angle = where(c < 0.0, math.pi - angle, angle)
-    return where(s < 0.0, -angle, angle)
 
 
 @kernel
@@ -71,8 +58,8 @@ def costs_of(P, first, q):
 @kernel
 def eight_angles(P, k, v, y, c, s):
     """Eight of `spherical.angles`, about."""
-    q1, q2, q3, _ = eight_sines(P, k, v, y, c, s)
-    return bearing(q1[1], q1[0]), bearing(q2[1], q2[0]), bearing(q3[1], q3[0])
+    q1, q2, q3, _ = sines(P, k, v, y, c, s)
+    return rough_angle(q1[0], q1[1]), rough_angle(q2[0], q2[1]), rough_angle(q3[0], q3[1])
 
 
 @kernel

@@ -102,29 +102,29 @@ def look(P, side, axes, branch, psi, outside, point):
 
 
 @kernel
-def downhill(point):
+def downhill(point, costs, rates, active):
     """The way from a point to the least of the largest of its joints' costs, if each goes on as it goes there.
 
-    Infinite where no other joint stops it.
+    In the point's columns from `costs` and `rates` on are the costs of the joints and their rates with the arm angle;
+    `active` is the joint of the largest. Infinite where no other joint stops it.
     """
-    active = int(point[CLIMB_ACTIVE])
-    if point[CLIMB_RATE] == 0.0:
+    if active < 0 or point[rates + active] == 0.0:
         return 0.0
-    sign = -1.0 if point[CLIMB_RATE] > 0.0 else 1.0
+    sign = -1.0 if point[rates + active] > 0.0 else 1.0
     way = 0.0
     for _ in range(7):
-        height, slope = point[CLIMB_COSTS + active], sign * point[CLIMB_RATES + active]
+        height, slope = point[costs + active], sign * point[rates + active]
         nearest, following = math.inf, -1
         for j in range(7):
-            other = sign * point[CLIMB_RATES + j]
+            other = sign * point[rates + j]
             if j != active and other > slope:
-                crossing = (height - point[CLIMB_COSTS + j]) / (other - slope)
+                crossing = (height - point[costs + j]) / (other - slope)
                 if way <= crossing < nearest:
                     nearest, following = crossing, j
         if following < 0:
             return sign * math.inf
         way, active = nearest, following
-        if sign * point[CLIMB_RATES + active] >= 0.0:
+        if sign * point[rates + active] >= 0.0:
             break
     return sign * way
 
@@ -153,7 +153,7 @@ def next_step(points, span, step):
     """Where to look next: inside of a span that is known to hold a summit, or at an end of it."""
     a, b, x = row(points, 0), row(points, 1), row(points, 2)
     lower, upper, below, above = span
-    to = x[CLIMB_PSI] + downhill(x)
+    to = x[CLIMB_PSI] + downhill(x, CLIMB_COSTS, CLIMB_RATES, int(x[CLIMB_ACTIVE]))
     if below and above:
         if not lower < to < upper:
             to = between(a, b)

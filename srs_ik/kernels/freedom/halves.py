@@ -7,34 +7,27 @@ from __future__ import annotations
 
 import math
 
-from srs_ik.kernels.algebra.lane_trig import turn
+from srs_ik.kernels.algebra.lane_trig import TINY, rough_angle, turn
 from srs_ik.kernels.algebra.lanes import LANES, eight_of, gather, root, scatter, where, whole_number
-from srs_ik.kernels.algebra.vectors import across, add, cross, dot, load3, rotate, sub, swing
+from srs_ik.kernels.algebra.vectors import add, dot, load3, sub, swing
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.freedom import ARM_ANGLES, BRANCH_COST, ELBOW_COST, HALF, HALF_COST
 from srs_ik.kernels.layout.limb import (
     A1,
     A1_A2,
-    A2,
     A2_A3,
-    A3,
-    ACROSS_3,
     BOTTOM_GAP,
-    COS_PHASE,
-    CROSS_3,
-    CROSS_23,
     INVERSE_HALF_RANGE,
     LOWER,
     MIDDLE,
     PHASE,
     SHOULDER,
-    SIN_PHASE,
     SLACK_REACH,
-    SLACK_SINGULAR,
     TOP_GAP,
     UPPER,
 )
 from srs_ik.kernels.limb.branches import NO_BRANCH
+from srs_ik.kernels.limb.spherical import sines
 
 STEEP = 30.0
 """Cost of a radian outside the limits."""
@@ -42,23 +35,8 @@ STEEP = 30.0
 ALMOST_ACROSS = 1e-4
 """Axes whose directions have a smaller dot product count as across each other."""
 
-TINY = 1e-300
 TURN = 2.0 * math.pi
 PER_TURN = 1.0 / TURN
-
-
-@kernel
-def angle_of(s, c):
-    """Angles by their sines and cosines of any length, within 2e-6 rad."""
-    wide, high = abs(c), abs(s)
-    steep = high > wide
-    t = where(steep, wide, high) / (where(steep, high, wide) + TINY)
-    z = t * t
-    x = -0.11643287 + z * (0.05265332 - z * 0.01172120)
-    x = t * (0.99997726 + z * (-0.33262347 + z * (0.19354346 + z * x)))
-    x = where(steep, 0.5 * math.pi - x, x)
-    x = where(c < 0.0, math.pi - x, x)
-    return where(s < 0.0, -x, x)
 
 
 @kernel
@@ -77,24 +55,9 @@ def middle_eight(P, k, v):
 
 @kernel
 def angles_eight(P, k, v, y, c, s):
-    """`spherical.angles` of eight rotations, for cosine and sine of how far joint 2 is from its phase."""
-    c2 = P[k + COS_PHASE] * c - P[k + SIN_PHASE] * s
-    s2 = P[k + SIN_PHASE] * c + P[k + COS_PHASE] * s
-    a1, a2, a3, cross_23 = load3(P, k + A1), load3(P, k + A2), load3(P, k + A3), load3(P, k + CROSS_23)
-    t = (1.0 - c2) * P[k + A2_A3]
-    u = (
-        c2 * a3[0] + s2 * cross_23[0] + t * a2[0],
-        c2 * a3[1] + s2 * cross_23[1] + t * a2[1],
-        c2 * a3[2] + s2 * cross_23[2] + t * a2[2],
-    )
-    u, v = across(u, a1), across(v, a1)
-    known = dot(u, u) > P[SLACK_SINGULAR] * P[SLACK_SINGULAR]
-    s1, c1 = where(known, dot(a1, cross(u, v)), 0.0), where(known, dot(u, v), 1.0)
-    share = 1.0 / (root(s1 * s1 + c1 * c1) + TINY)
-    s1, c1 = s1 * share, c1 * share
-    z = rotate(a2, c2, -s2, rotate(a1, c1, -s1, y))
-    s3, c3 = dot(load3(P, k + CROSS_3), z), dot(load3(P, k + ACROSS_3), z)
-    return angle_of(s1, c1), angle_of(s2, c2), angle_of(s3, c3)
+    """About `spherical.angles` of eight rotations, for cosine and sine of how far joint 2 is from its phase."""
+    q1, q2, q3, _ = sines(P, k, v, y, c, s)
+    return rough_angle(q1[0], q1[1]), rough_angle(q2[0], q2[1]), rough_angle(q3[0], q3[1])
 
 
 @kernel

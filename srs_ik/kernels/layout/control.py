@@ -57,7 +57,6 @@ AGAIN = 2.0  # it grows again: the axes stay
 # What holds for the whole controller.
 MAX_TORQUE = 0  # 7, N m
 GRAVITY = 7  # 1.0 where the weight of the arm is held
-BOUNDS = 8
 
 # Rows of the work of a tick, 7 columns each.
 TORQUE = 0

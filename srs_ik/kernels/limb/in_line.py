@@ -48,23 +48,19 @@ def comes_in_line(P, k, end):
 
 
 @kernel
-def in_line(x, y, P, k):
-    """Whether two axes at cosines x and y from a line that one of them turns about come into line, or almost."""
-    return (comes_in_line(P, k, 0) and abs(x - y) < NEARLY_IN_LINE) or (
-        comes_in_line(P, k, 1) and abs(x + y) < NEARLY_IN_LINE
-    )
+def in_line(x, y, P, k, width):
+    """Whether two axes at cosines x and y from a line that one of them turns about come into line, but for a width."""
+    return (comes_in_line(P, k, 0) and abs(x - y) < width) or (comes_in_line(P, k, 1) and abs(x + y) < width)
 
 
 @kernel
-def may_split(P, place_):
+def may_line_up(P, place_, width):
     """Whether the outer axes of the shoulder or the wrist may come into line at some arm angle: a quick test.
 
     One of the two stands still while the arm angle turns the other about the line S-W; they meet if both are at the
-    same angle from it.
+    same angle from it, up to some width.
     """
     t, _, c, s, hand, _ = place_
-    if P[MISS] > ROUNDED * P[FAR]:
-        return False
     still_s = dot(load3(P, SHOULDER + A1), t)
     still_w = dot(apply(hand, load3(P, WRIST + A3)), t)
     a4 = load3(P, AXES + 9)
@@ -72,13 +68,19 @@ def may_split(P, place_):
         sine = -s if elbow == 1 else s
         to_wrist = add(load3(P, UPPER_ARM), rotate(a4, c, sine, load3(P, FOREARM)))
         share = 1.0 / max(norm(to_wrist), SMALLEST_REACH)
-        if in_line(still_s, share * dot(to_wrist, load3(P, SHOULDER + A3)), P, SHOULDER):
+        if in_line(still_s, share * dot(to_wrist, load3(P, SHOULDER + A3)), P, SHOULDER, width):
             return True
         c4 = P[COS_STRAIGHT] * c - P[SIN_STRAIGHT] * sine
         s4 = P[SIN_STRAIGHT] * c + P[COS_STRAIGHT] * sine
-        if in_line(still_w, share * dot(to_wrist, rotate(a4, c4, s4, load3(P, WRIST + A1))), P, WRIST):
+        if in_line(still_w, share * dot(to_wrist, rotate(a4, c4, s4, load3(P, WRIST + A1))), P, WRIST, width):
             return True
     return False
+
+
+@kernel
+def may_split(P, place_):
+    """Whether a limb that misses by little may have outer axes in line, or almost, at some arm angle of a pose."""
+    return P[MISS] <= ROUNDED * P[FAR] and may_line_up(P, place_, NEARLY_IN_LINE)
 
 
 @kernel

@@ -9,27 +9,12 @@ from __future__ import annotations
 import math
 
 from srs_ik.kernels.algebra.lane_trig import angle_of
-from srs_ik.kernels.algebra.lanes import as_bits, eight_of, root, where, whole_number
-from srs_ik.kernels.algebra.vectors import across, add, cross, dot, load3, rotate, sub, swing
+from srs_ik.kernels.algebra.lanes import as_bits, eight_of, where, whole_number
+from srs_ik.kernels.algebra.vectors import swing
 from srs_ik.kernels.jit import kernel
-from srs_ik.kernels.layout.limb import (
-    A1,
-    A2,
-    A2_A3,
-    A3,
-    ACROSS_3,
-    BOTTOM_GAP,
-    COS_PHASE,
-    CROSS_3,
-    CROSS_23,
-    MIDDLE,
-    SHOULDER,
-    SIN_PHASE,
-    SLACK_SINGULAR,
-    TOP_GAP,
-    WRIST,
-)
+from srs_ik.kernels.layout.limb import MIDDLE, SHOULDER, WRIST
 from srs_ik.kernels.limb.limits import PER_TURN, TURN
+from srs_ik.kernels.limb.spherical import eight_middles, sines
 from srs_ik.kernels.limb.triangle import shoulder_columns, side_frames, wrist_columns
 
 
@@ -55,32 +40,11 @@ def swung(below, circles, c, s):
 @kernel
 def three_angles(P, k, v, y, side):
     """One solution each of the spherical joint at block k, on a side (1.0, -1.0) of its phase, and which are sure."""
-    a1, a2, a3 = load3(P, k + A1), load3(P, k + A2), load3(P, k + A3)
-    up, down = sub(v, a1), add(v, a1)
-    top = 0.5 * dot(up, up) - P[k + TOP_GAP]
-    bottom = 0.5 * dot(down, down) - P[k + BOTTOM_GAP]
-    reached = (top > 0.0) & (bottom > 0.0)
-    share = 1.0 / (top + bottom)
-    c = (bottom - top) * share
-    s = 2.0 * side * share * root(where(reached, top * bottom, 0.0 * top))
-    c2 = P[k + COS_PHASE] * c - P[k + SIN_PHASE] * s
-    s2 = P[k + SIN_PHASE] * c + P[k + COS_PHASE] * s
-    t = (1.0 - c2) * P[k + A2_A3]
-    b = load3(P, k + CROSS_23)
-    u = (
-        c2 * a3[0] + s2 * b[0] + t * a2[0],
-        c2 * a3[1] + s2 * b[1] + t * a2[1],
-        c2 * a3[2] + s2 * b[2] + t * a2[2],
-    )
-    u_across, v_across = across(u, a1), across(v, a1)
-    s1 = dot(a1, cross(u_across, v_across))
-    c1 = dot(u_across, v_across)
-    share = 1.0 / root(s1 * s1 + c1 * c1)
-    s1, c1 = share * s1, share * c1
-    z = rotate(a2, c2, -s2, rotate(a1, c1, -s1, y))
-    c3, s3 = dot(load3(P, k + ACROSS_3), z), dot(load3(P, k + CROSS_3), z)
-    sure = reached & (dot(u_across, u_across) > P[SLACK_SINGULAR] * P[SLACK_SINGULAR])
-    return (angle_of(c1, s1), angle_of(c2, s2), angle_of(c3, s3)), sure
+    c, s, missed = eight_middles(P, k, v)
+    q1, q2, q3, length = sines(P, k, v, y, c, side * s)
+    # Out of reach, they count as unsure.
+    sure = where(missed, 0.0, length) > 0.0
+    return (angle_of(q1[0], q1[1]), angle_of(q2[0], q2[1]), angle_of(q3[0], q3[1])), sure
 
 
 @kernel

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import math
 
+from srs_ik.kernels.algebra.lanes import root, where
 from srs_ik.kernels.algebra.vectors import across, add, cross, dot, load3, rotate, sub
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.limb import (
@@ -60,61 +61,57 @@ def middle_angle(P, k, v):
 
 
 @kernel
-def sines(P, k, v, y, c, s, sign):
-    """One solution as unscaled cosines and sines: (c1, s1, c2, s2, c3, s3) and the common length of (c1, s1).
+def sines(P, k, v, y, c, s):
+    """One solution, or eight in step, as cosine and sine of each angle, and the common length that those of q1 had.
 
-    q2 lies above (sign 0) or below (1) its phase; c and s come from `middle_angle`. Where axes 1 and 3 are parallel the
-    length is 0, q1 is taken as zero, and (c3, s3) belong to the sum or difference of q1 and q3.
+    c and s come from `middle_angle`, for which q2 lies above its phase; with -s it lies below. Where axes 1 and 3 are
+    parallel the length is 0, q1 is taken as zero, and the last pair belongs to the sum or difference of q1 and q3.
     """
-    if sign == 1:
-        s = -s
     c2 = P[k + COS_PHASE] * c - P[k + SIN_PHASE] * s
     s2 = P[k + SIN_PHASE] * c + P[k + COS_PHASE] * s
-    a1 = load3(P, k + A1)
-    a2 = load3(P, k + A2)
-    a3 = load3(P, k + A3)
+    a1, a2, a3, cross_23 = load3(P, k + A1), load3(P, k + A2), load3(P, k + A3), load3(P, k + CROSS_23)
     t = (1.0 - c2) * P[k + A2_A3]
-    cross_23 = load3(P, k + CROSS_23)
     u = (
         c2 * a3[0] + s2 * cross_23[0] + t * a2[0],
         c2 * a3[1] + s2 * cross_23[1] + t * a2[1],
         c2 * a3[2] + s2 * cross_23[2] + t * a2[2],
     )
     # Project before multiplying: u and v may both be almost a1, and the small parts across a1 hold the answer.
-    u_across = across(u, a1)
-    v_across = across(v, a1)
-    size2 = dot(u_across, u_across)
-    c1 = 1.0
-    s1 = 0.0
-    length = 0.0
-    if size2 > P[SLACK_SINGULAR] * P[SLACK_SINGULAR]:
-        s1 = dot(a1, cross(u_across, v_across))
-        c1 = dot(u_across, v_across)
-        length = math.sqrt(s1 * s1 + c1 * c1)
-        if length > 0.0:
-            share = 1.0 / length
-            c1 *= share
-            s1 *= share
-        else:
-            c1 = 1.0
-            s1 = 0.0
+    u_across, v_across = across(u, a1), across(v, a1)
+    s1, c1 = dot(a1, cross(u_across, v_across)), dot(u_across, v_across)
+    apart = dot(u_across, u_across) > P[SLACK_SINGULAR] * P[SLACK_SINGULAR]
+    length = where(apart, root(s1 * s1 + c1 * c1), 0.0)
+    share = where(length > 0.0, 1.0 / where(length > 0.0, length, 1.0), 0.0)
+    s1, c1 = s1 * share, where(length > 0.0, c1 * share, 1.0)
     z = rotate(a2, c2, -s2, rotate(a1, c1, -s1, y))
-    return c1, s1, c2, s2, dot(load3(P, k + ACROSS_3), z), dot(load3(P, k + CROSS_3), z), length
+    return (c1, s1), (c2, s2), (dot(load3(P, k + ACROSS_3), z), dot(load3(P, k + CROSS_3), z)), length
+
+
+@kernel
+def eight_middles(P, k, v):
+    """`middle_angle` of eight directions: cosines and sines, and a mask of those that may be out of reach."""
+    a1 = load3(P, k + A1)
+    up, down = sub(v, a1), add(v, a1)
+    top, bottom = 0.5 * dot(up, up) - P[k + TOP_GAP], 0.5 * dot(down, down) - P[k + BOTTOM_GAP]
+    missed = (top < 0.0) | (bottom < 0.0)
+    top, bottom = where(top < 0.0, 0.0, top), where(bottom < 0.0, 0.0, bottom)
+    share = 1.0 / (top + bottom)
+    return (bottom - top) * share, 2.0 * root(top * bottom) * share, missed
 
 
 @kernel
 def angles(P, k, v, y, c, s, sign, anchor):
-    """One solution as angles (q1, q2, q3).
+    """One solution as angles (q1, q2, q3), q2 above its phase (sign 0) or below (1).
 
     Where axes 1 and 3 are parallel, q1 and q3 are free but for one sum: `anchor` = (seeded, q1, q3, respect) asks for
     the split nearest to a seed, inside the limits if they are respected, or for the one farthest from the limits.
     """
-    c1, s1, c2, s2, c3, s3, length = sines(P, k, v, y, c, s, sign)
-    q2 = math.atan2(s2, c2)
+    one, two, three, length = sines(P, k, v, y, c, s if sign == 0 else -s)
+    q2, q3 = math.atan2(two[1], two[0]), math.atan2(three[1], three[0])
     if length > 0.0:
-        return math.atan2(s1, c1), q2, math.atan2(s3, c3)
+        return math.atan2(one[1], one[0]), q2, q3
     toward = 1.0 if c > 0.0 else -1.0
-    q1, q3 = split(P, k, math.atan2(s3, c3), toward, anchor)
+    q1, q3 = split(P, k, q3, toward, anchor)
     return q1, q2, q3
 
 

@@ -144,12 +144,9 @@ def turned_by_arm(frames, w):
 
 @kernel
 def turned_back_by_arm(frames, w):
-    """Rs(psi)' w as constant, cosine and sine part."""
+    """Rs(psi)' w as constant, cosine and sine part: with the frames exchanged, the same."""
     t, h0, b0, arm_t, arm_h, arm_n = frames
-    x = dot(t, w)
-    y = dot(h0, w)
-    z = dot(b0, w)
-    return scale(x, arm_t), along(scale(y, arm_h), -z, arm_n), along(scale(z, arm_h), y, arm_n)
+    return turned_by_arm((arm_t, arm_h, arm_n, t, h0, b0), w)
 
 
 @kernel

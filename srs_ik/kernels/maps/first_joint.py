@@ -42,7 +42,7 @@ def first_angle(P, motion, psi, sign):
     """Joint 1 at an arm angle in one solution of the shoulder, and the direction b of axis 2 there."""
     v, y = motion_at(motion, psi)
     c, s, _ = middle_angle(P, SHOULDER, v)
-    c1, s1, _, _, _, _, _ = sines(P, SHOULDER, v, y, c, s, sign)
+    (c1, s1), _, _, _ = sines(P, SHOULDER, v, y, c, s if sign == 0 else -s)
     return math.atan2(s1, c1), rotate(load3(P, SHOULDER + A1), c1, s1, load3(P, SHOULDER + A2))
 
 
@@ -199,7 +199,7 @@ def split_angles(P, motion, psi, end):
     """The lowest and highest angle of joint 1 with joint 3 inside its limits, where only their sum is fixed."""
     v, y = motion_at(motion, psi)
     c, s, _ = middle_angle(P, SHOULDER, v)
-    _, _, _, _, c3, s3, length = sines(P, SHOULDER, v, y, c, s, 0)
+    _, _, (c3, s3), length = sines(P, SHOULDER, v, y, c, s)
     toward = 1.0 if end == 0 else -1.0
     total = math.atan2(s3, c3)
     if length > 0.0:

@@ -243,8 +243,7 @@ def elbows_in_question(P, target, psi, wanted, goal, best, A):
         if goal.seeded and lowest > AT_SEED and is_unsure(P, q):
             return asked & untold_elbows(P, target.place, psi)
         return 0
-    # Where several joints are singular at once, a branch has many postures: others may keep the limits.
-    return asked if has_surface(P, target.place) else elbows_to_look_at(P, target, psi, wanted, A)
+    return elbows_to_look_at(P, target, psi, wanted, A)
 
 
 @kernel

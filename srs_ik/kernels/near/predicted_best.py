@@ -106,7 +106,7 @@ def predicted_best(P, target, branch, J, A):
     mark_needed(arcs, n_arcs, found, n)
     cuts = np.empty((16 * MAX_PIECES, 5))
     n = without_arcs(found, n, arcs, n_arcs, cuts)
-    best, certain = best_within(P, view, cuts[:n], True, best)
+    best, certain = best_within(P, view, cuts[:n], best)
     by = Setting(target, view.sides[0], True, J, A)
     k = 0
     while certain and k < n_arcs:
@@ -137,7 +137,7 @@ def predicted_best_of_intervals(P, target, respect, out, J, A):
     found = np.empty((8 * MAX_PIECES, 3))
     n = predicted_intervals(P, target, found, J, A)
     view = view_of(P, target)
-    one = np.full((1, 5), -1.0)
+    one = np.empty((1, 3))
     arcs = np.empty((MOST_ARCS, ARC))
     n_arcs = find_arcs(P, view, arcs)
     for i in range(n):
@@ -145,7 +145,7 @@ def predicted_best_of_intervals(P, target, respect, out, J, A):
             if int(found[i, 0]) >> 2 == int(arcs[k, ARC_ELBOW]) and touches(found, i, arcs, k):
                 return -1
         copy_interval(found, i, one, 0)
-        best, certain = best_within(P, view, one, False, Best(NO_SEED, NO_BRANCH))
+        best, certain = best_within(P, view, one, Best(NO_SEED, NO_BRANCH))
         if certain and best.cost < 0.0:
             best = closed_best(P, target, best)
         if not certain or best.cost >= 0.0:

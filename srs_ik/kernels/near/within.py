@@ -10,7 +10,7 @@ import math
 import numpy as np
 
 from srs_ik.kernels.algebra.pointers import row
-from srs_ik.kernels.exact.events import TURN
+from srs_ik.kernels.exact.summit import downhill
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.asked import Best
 from srs_ik.kernels.limb.poses import read7
@@ -19,10 +19,10 @@ from srs_ik.kernels.near.scan import (
     MAX_POINTS,
     POINT,
     POINT_BRANCH,
+    POINT_COSTS,
     POINT_OFF,
     POINT_PSI,
     POINT_RATES,
-    POINT_SINE,
     POINT_SLOPES,
     close_points,
     cost_of,
@@ -39,20 +39,11 @@ GAIN = 1e-12
 SPACING = 0.3
 """Widest spacing of the arm angles that are looked at first, rad."""
 
-BEYOND = 0.02
-"""What falls at the end of an interval may go on to fall for so long, rad."""
-
-SHORT_GAP = 0.03
-"""A gap so short, rad, has one minimum at most: where the cost falls at its first end and rises at its last."""
-
 AT_ONCE = 160
 """Points that are looked at first, at most, but for those of one interval: the best of them shortens what follows."""
 
 COARSE = 1e-3
 """Between points farther apart, rad, every fourth arm angle is half-way."""
-
-SHORT_SHARE = 0.15
-"""Nor is it wider than this part of how far shoulder and wrist are from singular."""
 
 CLOSING_STEPS = 24
 CLOSED_IN = 1e-7
@@ -87,35 +78,6 @@ def is_valley(a, b, least):
         if joint_between(a, b, j)[1] >= least and a[POINT_SLOPES + j] > 0.0 > b[POINT_SLOPES + j]:
             return False
     return True
-
-
-@kernel
-def downhill(P, point):
-    """The way from a point to the least of the largest of its joints' costs, each going on as it goes there."""
-    _, rate, active = cost_of(point)
-    if active < 0 or rate == 0.0:
-        return 0.0
-    sign = -1.0 if rate > 0.0 else 1.0
-    way = 0.0
-    for _ in range(7):
-        height, slope = joint_figures(point, active)
-        slope *= sign
-        nearest = math.inf
-        following = -1
-        for j in range(7):
-            cost, other = joint_figures(point, j)
-            other *= sign
-            if j != active and other > slope:
-                crossing = (height - cost) / (other - slope)
-                if way <= crossing < nearest:
-                    nearest, following = crossing, j
-        if following < 0:
-            return sign * math.inf
-        way, active = nearest, following
-        _, slope = joint_figures(point, active)
-        if sign * slope >= 0.0:
-            break
-    return sign * way
 
 
 @kernel
@@ -159,64 +121,23 @@ def spread_points(found, points, gaps):
 
 
 @kernel
-def falls_below(point, way, lowest):
-    """Whether the cost falls below a known one close behind a point, with the arm angle or against it (1.0, -1.0).
-
-    The costs of all its joints are taken to go on as they go there.
-    """
-    first, last = 0.0, BEYOND
-    for j in range(7):
-        height, slope = joint_figures(point, j)
-        slope *= way
-        if slope < 0.0:
-            first = max(first, (lowest - height) / slope)
-        elif height >= lowest:
-            return False
-        elif slope > 0.0:
-            last = min(last, (lowest - height) / slope)
-    return first < last
-
-
-@kernel
-def may_be_better_beyond(points, found, lowest):
-    """Whether a cost close to the best one falls at an end of the intervals but for arcs, and may be less behind it."""
-    k = 0
-    for i in range(found.shape[0]):
-        parts = max(math.ceil((found[i, 2] - found[i, 1]) / SPACING), 1)
-        if found[i, 2] - found[i, 1] < TURN:
-            if found[i, 3] < 0.0 and falls_below(points[k], -1.0, lowest):
-                return True
-            if found[i, 4] < 0.0 and falls_below(points[k + parts], 1.0, lowest):
-                return True
-        k += parts + 1
-    return False
-
-
-@kernel
-def is_short_gap(a, b):
-    """Whether a gap between two points is so short that its ends tell whether there is a minimum in it."""
-    width = b[POINT_PSI] - a[POINT_PSI]
-    return width < SHORT_GAP and width < SHORT_SHARE * min(a[POINT_SINE], b[POINT_SINE])
-
-
-@kernel
 def sort_gaps(points, gaps, kept, left, lowest):
-    """Sort gaps behind those that are kept: short ones to these, what cannot cost less than a known cost out.
+    """Sort gaps behind those that are kept: valleys to these, what cannot cost less than a known cost out.
 
     Stops at eight that have to be halved, which come next. Returns how many are kept, are left and have to be halved.
     """
     i = kept
     while i < left and i < kept + 8:
         a, b = points[gaps[i, 0]], points[gaps[i, 1]]
-        short = is_short_gap(a, b)
+        valley = False
         if is_narrow(a, b):
             least = least_cost(a, b)
             if least > lowest - GAIN:
                 left -= 1
                 gaps[i, 0], gaps[i, 1] = gaps[left, 0], gaps[left, 1]
                 continue
-            short = short or is_valley(a, b, least)
-        if short:
+            valley = is_valley(a, b, least)
+        if valley:
             first, last = gaps[i, 0], gaps[i, 1]
             gaps[i, 0], gaps[i, 1] = gaps[kept, 0], gaps[kept, 1]
             gaps[kept, 0], gaps[kept, 1] = first, last
@@ -227,7 +148,7 @@ def sort_gaps(points, gaps, kept, left, lowest):
 
 @kernel
 def halve_gaps(P, view, n, left, best):
-    """Halve gaps of a view that may hide a better point until they are short, behind its n points.
+    """Halve gaps of a view that may hide a better point until they are valleys, behind its n points.
 
     Returns the number of gaps that are left (-1: it fails), and the best configuration so far.
     """
@@ -254,10 +175,10 @@ def copy_point(source, i, target, k):
 
 
 @kernel
-def next_arm_angle(P, a, b, latest, step):
+def next_arm_angle(a, b, latest, step):
     """Where to look for the minimum between two points, from the latest one."""
     lower, upper = a[POINT_PSI], b[POINT_PSI]
-    x = latest[POINT_PSI] + downhill(P, latest)
+    x = latest[POINT_PSI] + downhill(latest, POINT_COSTS, POINT_SLOPES, cost_of(latest)[2])
     if not lower < x < upper:
         cost_a, slope_a, active_a = cost_of(a)
         cost_b, slope_b, active_b = cost_of(b)
@@ -297,7 +218,7 @@ def close_in(P, view, gaps, work, best):
     for step in range(CLOSING_STEPS):
         longest = 0.0
         for i in range(count):
-            x = next_arm_angle(P, work[i], work[8 + i], work[16 + i], step)
+            x = next_arm_angle(work[i], work[8 + i], work[16 + i], step)
             way = x - work[16 + i, POINT_PSI]
             _, slope, _ = cost_of(work[16 + i])
             longest = max(longest, abs(way) if abs(way * slope) > GAIN else 0.0)
@@ -320,7 +241,7 @@ def close_in(P, view, gaps, work, best):
 
 
 @kernel
-def best_of_some(P, view, found, drawn_in, best):
+def best_of_some(P, view, found, best):
     """`best_within` of the first of some intervals: also how many these are."""
     points, gaps = view.points, view.gaps
     taken, count, left = spread_points(found, points, gaps)
@@ -329,7 +250,7 @@ def best_of_some(P, view, found, drawn_in, best):
             return best, taken, False
     best = measure_points(P, points, 0, count, best)
     left, best = halve_gaps(P, view, count, left, best)
-    if left < 0 or (drawn_in and may_be_better_beyond(points, found[:taken], best.cost)):
+    if left < 0:
         return best, taken, False
     kept = 0
     for i in range(left):
@@ -348,15 +269,14 @@ def best_of_some(P, view, found, drawn_in, best):
 
 
 @kernel
-def best_within(P, view, found, drawn_in, best):
+def best_within(P, view, found, best):
     """The best configuration in intervals, rows of `arcs.without_arcs`, if it is better than the best so far.
 
-    `drawn_in` says that the intervals end where the limits that are drawn in do, not the limits themselves. Returns
-    also whether the answer is certain.
+    Returns also whether the answer is certain.
     """
     first = 0
     while first < found.shape[0]:
-        best, taken, certain = best_of_some(P, view, found[first:], drawn_in, best)
+        best, taken, certain = best_of_some(P, view, found[first:], best)
         if not certain:
             return best, False
         first += taken

@@ -35,7 +35,7 @@ from srs_ik.kernels.limb.goal import NO_SEED
 from srs_ik.kernels.limb.limits import TURN, turn_to_middle
 from srs_ik.kernels.limb.poses import read7
 from srs_ik.kernels.limb.postures_eight import eight_postures, in_middle_turn
-from srs_ik.kernels.limb.spherical_eight import eight_middles, eight_sines
+from srs_ik.kernels.limb.spherical import eight_middles, sines
 from srs_ik.kernels.path.followed import posture_of, turn_all, turned_away
 
 SPACING = 0.45
@@ -97,7 +97,7 @@ def fill_half(P, k, motion, turns, memo, at, stride):
     first = int(P[k + FIRST_JOINT])
     c, s, missed = eight_middles(P, k, v)
     for sign in range(2):
-        one, two, three, _ = eight_sines(P, k, v, y, c, s if sign == 0 else -s)
+        one, two, three, _ = sines(P, k, v, y, c, s if sign == 0 else -s)
         scatter(memo, at + 3 * sign, stride, in_middle_turn(P, first, angle_of(one[0], one[1])))
         scatter(memo, at + 3 * sign + 1, stride, in_middle_turn(P, first + 1, angle_of(two[0], two[1])))
         scatter(memo, at + 3 * sign + 2, stride, in_middle_turn(P, first + 2, angle_of(three[0], three[1])))

@@ -35,7 +35,6 @@ from srs_ik.kernels.limb.poses import read7, read_pose
 from srs_ik.kernels.limb.triangle import place
 from srs_ik.kernels.near.at_angle import may_reach, solve_all_at_angle, solve_at_angle
 from srs_ik.kernels.near.predicted_best import search_true
-from srs_ik.kernels.near.second_attempts import rescue
 from srs_ik.kernels.pose.any_bend import at_any_bend, best_at_any_bend, hides_some
 from srs_ik.kernels.pose.on_limits import put_on_limits
 from srs_ik.kernels.pose.search import search_exact, search_near_seed
@@ -92,9 +91,7 @@ def solve_row(family, T, branch, goal, J, A, out):
     q, best, lowest = best_posture(family, target, branch, goal, J, A)
     measure_row(P, target, q, best, lowest, goal.respect, row(out, 0))
     if P[IS_NEAR] != 0.0 and goal.respect and out[ROW_STATUS] == UNREACHABLE and may_reach(P, place_):
-        # Only a posture without limits can tell what a near limb does not reach from what its limits forbid.
-        if lowest >= UNMET:
-            q, _, lowest = rescue(P, target, branch, Goal(goal.seeded, goal.seed, False), J, A)
+        # What a near limb reaches, its limits forbid.
         if lowest < UNMET:
             out[ROW_STATUS] = OUT_OF_LIMITS
             out[ROW_JOINT] = tightest_joint(P, q)
