@@ -17,7 +17,7 @@ from srs_ik.kernels.algebra.pointers import keep, row
 from srs_ik.kernels.curves.spans import MAX_SPANS, SPAN, find_spans
 from srs_ik.kernels.curves.surface import has_surface
 from srs_ik.kernels.exact.events import PI, TURN
-from srs_ik.kernels.exact.intervals import find_intervals, join_touching, write_interval
+from srs_ik.kernels.exact.intervals import SAME, find_intervals, join_touching, write_interval
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.answer import MAX_PIECES
 from srs_ik.kernels.layout.asked import Setting
@@ -342,7 +342,13 @@ def predicted_intervals(P, target, out, J, A):
 
 @kernel
 def write_ends(ends, n_ends, out, n):
-    """Sort the intervals between pairs of ends into those that are whole circles, branch after branch; their number."""
+    """Sort the intervals between pairs of ends into those that are whole circles, branch after branch; their number.
+
+    -1 where one ends before it begins: then its ends belong to others.
+    """
+    for i in range(0, n_ends, 2):
+        if ends[i, END_PSI] > ends[i + 1, END_PSI] + SAME:
+            return -1
     whole = 0
     for i in range(n):
         whole |= 1 << int(out[i, 0])
