@@ -28,6 +28,31 @@ LONGEST = 10.0
 SOLVED = 1e-9
 """Error of a pose (m, rad) of what is a solution."""
 
+ON_ELBOWS_LIMIT = (
+    (
+        2.8524363997712174,
+        1.7160637675818138,
+        -2.7845721919464013,
+        -2.354999999,
+        -2.724799972071082,
+        -1e-06,
+        5.909984344895951,
+    ),
+    (1.5525645825022019, -1e-06, -0.6654943670426094, -2.355, -2.1482851560446607, 0.39198688663668113, 6.28),
+)
+"""Postures of the RM75 with joint 4 on its limit, or a nanoradian inside."""
+
+WRIST_ON_LIMIT = (
+    -3.0999999,
+    -0.4426582573768174,
+    -2.5697617364849155,
+    0.9808343285365004,
+    3.0999999,
+    0.0,
+    1.8717049336601148,
+)
+"""One with a singular wrist, and joints 1 and 5 on limits but for 1e-7 rad."""
+
 
 @pytest.fixture(scope="module")
 def judges():

@@ -58,9 +58,9 @@ from srs_ik.kernels.near.ends import (
 )
 from srs_ik.kernels.near.scan import LAST, POINT_BRANCH, POINT_NEXT, POINT_OFF, POINT_PSI, scan, view_of
 
-AT_END = 1e-3
-WIDEST_ARC = 1e-4
-"""What is followed on an arc begins and ends with it, up to this part of its width, and of no more than this, rad."""
+AT_END = 1e-10
+END_SHARE = 1e-3
+"""What is followed on an arc begins and ends with it, up to this, rad, of a narrow one to this part of its width."""
 
 BARELY = 1e-3
 """With an almost vanishing band, no end is expected farther from that of the nearest exact limb, rad."""
@@ -267,7 +267,7 @@ def put_arc_ends(P, view, count, ends, n, by):
                 off = short_way(psi - point[POINT_PSI])
                 width = view.points[8 * (at // 2) + 4, POINT_PSI] - view.points[8 * (at // 2), POINT_PSI]
                 # The arc ends here: exactly there, so that intervals on either side join.
-                psi = psi - off if abs(off) < AT_END * min(width, WIDEST_ARC) else psi
+                psi = psi - off if abs(off) < min(AT_END, END_SHARE * width) else psi
             ends[n, END_PSI], ends[n, END_BRANCH] = psi, spans[i, 1]
             n += 1
     return n

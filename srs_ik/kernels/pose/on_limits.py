@@ -74,7 +74,8 @@ def put_on_limits(P, target, psi, found, goal):
     Next to a singularity, the rounding of an arm angle turns joints farther than that of the limits allows.
     """
     q, branch, value = found
-    if not (goal.respect and OUTSIDE < value < UNMET):
+    # The cost of what is outside by less than the rounding of large figures is `OUTSIDE` itself.
+    if not (goal.respect and OUTSIDE <= value < UNMET):
         return found
     R, p, place_ = target
     if may_split(P, place_):
