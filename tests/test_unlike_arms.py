@@ -75,14 +75,6 @@ def test_known_postures_are_in_intervals_and_all_of_these_is_met(bench, load, na
     assert not list(bench["missed"](load(name), some, intervals))
 
 
-@pytest.mark.parametrize("name", ["huge", "offset"])
-def test_so_they_are_of_arms_of_any_length_with_the_elbow_anywhere(bench, load, name):
-    """An arm of 75 m, whose positions floats tell to 1e-14 m alone, and one whose elbow is 320 mm beside its line."""
-    some = list(bench["cases"](load(name), 60, np.random.default_rng(12101), bench["TOGETHER"], 0.3))
-    intervals = list(load(name).intervals_batch(np.array([case.pose for case in some]), threads=1))
-    assert not list(bench["missed"](load(name), some, intervals))
-
-
 def test_a_gap_of_nanoradians_between_intervals_is_a_gap(load):
     """Shoulder and wrist pass their singularity there within 1e-8 rad of arm angle, outside the limits of joint 1."""
     q = [
