@@ -6,13 +6,15 @@ A are work space of near limbs, (6, 7) and (16, 9) (see `chain.starts`).
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 
 from srs_ik.kernels.algebra.lanes import as_bits, gather, one_of
 from srs_ik.kernels.algebra.pointers import row
 from srs_ik.kernels.chain.answer import measure_row, measure_row_at, write_row
 from srs_ik.kernels.chain.closest import closest
-from srs_ik.kernels.chain.eight import take_eight, tip_errors
+from srs_ik.kernels.chain.eight import ALL, take_eight, tip_errors
 from srs_ik.kernels.chain.newton import clipped
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.answer import (
@@ -35,7 +37,7 @@ from srs_ik.kernels.near.at_angle import may_reach, solve_all_at_angle, solve_at
 from srs_ik.kernels.near.predicted_best import search_true
 from srs_ik.kernels.near.second_attempts import rescue
 from srs_ik.kernels.pose.any_bend import at_any_bend, best_at_any_bend, hides_some
-from srs_ik.kernels.pose.on_limits import put_on_limits
+from srs_ik.kernels.pose.on_limits import BARELY, put_on_limits
 from srs_ik.kernels.pose.search import search_exact, search_near_seed
 
 
@@ -147,6 +149,8 @@ def all_branches(family, T, asked, J, A, out, first, kept):
     rows = row(out, first)
     position, orientation, measured = tip_errors(P, take_eight(rows, ROW), R, p)
     right = as_bits(measured & (gather(rows, ROW_COST, ROW) < OUTSIDE))
+    # What is farther outside than by rounding and next to no singularity stays as it is.
+    most = math.inf if right != ALL and (P[IS_NEAR] != 0.0 or hides_some(P, place_)) else OUTSIDE + BARELY
     for branch in range(8):
         answer = row(out, first + branch)
         q = read7(answer)
@@ -155,7 +159,9 @@ def all_branches(family, T, asked, J, A, out, first, kept):
                 place_, q, branch, psi, (one_of(position, branch), one_of(orientation, branch)), (False, 0), answer
             )
         else:
-            found = put_inside(family, target, psi, branch, (q, branch, answer[ROW_COST]), goal)
+            found = (q, branch, answer[ROW_COST])
+            if found[2] <= most:
+                found = put_inside(family, target, psi, branch, found, goal)
             measure_row_at(P, target, psi, found, respect, answer)
             answer[ROW_BRANCH] = branch
     return GOOD_POSE, kept
