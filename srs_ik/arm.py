@@ -305,8 +305,9 @@ class Arm(BodyOwner):
         They are the roots of linear forms in cosine and sine of the arm angle, not samples. On a near limb, where there
         are no such forms, each branch is followed around the circle and every end bisected on the true chain.
 
-        With a scene, they are what bodies leave of that: arcs that spheres forbid, exactly (see `Scene`). The list then
-        has an attribute `undecided`: with real shapes, the width of what is forbidden for not having been decided, rad.
+        With a scene, they are what bodies leave of that: arcs that spheres forbid, exactly (see `Scene`); where spheres
+        leave nothing, by the real shapes. The list then has an attribute `undecided`: with real shapes, the width of
+        what is forbidden for not having been decided, rad.
 
         Args:
             pose: wanted pose of the tip frame in the base frame.

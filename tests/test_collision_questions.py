@@ -8,6 +8,7 @@ from collision_oracle import Truth, clearance, file_of
 from scene_sets import KINDS, made, scene_of
 
 import srs_ik
+from srs_ik.solve.in_scene.surroundings import Surroundings
 
 Q = np.array([0.3, 0.7, -0.4, -1.1, 0.5, 0.8, -0.2])
 
@@ -47,6 +48,29 @@ def test_intervals_of_a_batch(arm):
     assert [list(each) for each in many] == [list(arm.intervals(T, scene=scene, margin=0.01)) for T in poses]
     with pytest.raises(srs_ik.InvalidPose, match="3"):
         arm.intervals_batch([*poses[:3], np.full((4, 4), np.nan)], scene=scene)
+
+
+@pytest.mark.parametrize("kind", ["shelf", "box"])
+def test_no_question_finds_nothing_free_where_another_one_does(arm, kind):
+    """Where spheres leave no arm angle, real shapes tell of all of them."""
+    scene, real = (scene_of(made(kind, arm, generator("iiwa14", 5)), exact=exact) for exact in (False, True))
+    poses = random_poses(arm, 120, 6)
+    many, alone = arm.intervals_batch(poses, scene=scene), 0
+    solved = arm.solve_batch(poses, scene=scene)
+    for i, T in enumerate(poses):
+        free, every = arm.intervals(T, scene=scene), arm.solve_all(T, scene=scene)
+        assert list(many[i]) == list(free)
+        assert bool(free) == bool(every) == bool(solved.ok[i])
+        if solved.ok[i] and not left_by_spheres(arm, scene, T):
+            alone += 1
+            assert list(free) == list(arm.intervals(T, scene=real))
+            assert any(each.branch == solved.branch[i] for each in free)
+    assert alone
+
+
+def left_by_spheres(arm, scene, T):
+    """Whether the spheres leave some arm angle."""
+    return len(Surroundings(arm, arm.packed, scene, 0.0).all_free(T, True))
 
 
 def test_the_margin_counts_for_ranges_of_joints(arm):

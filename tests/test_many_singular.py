@@ -28,6 +28,17 @@ LONGEST = 10.0
 SOLVED = 1e-9
 """Error of a pose (m, rad) of what is a solution."""
 
+WRIST_ON_LIMIT = (
+    -3.0999999000000003,
+    -0.4426582573768174,
+    -2.5697617364849155,
+    0.9808343285365004,
+    3.0999999000000003,
+    0.0,
+    1.8717049336601148,
+)
+"""One with a singular wrist, and joints 1 and 5 on limits but for 1e-7 rad."""
+
 
 @pytest.fixture(scope="module")
 def judges():
@@ -77,6 +88,23 @@ WHOLE = [*arms.here("j2s7s300"), "random_0", "random_1"]
 
 ASKED = (0.0, 1e-3, 0.5, 1.0 - 1e-3, 1.0)
 """Where in an interval its postures are asked for, as a part of its width."""
+
+
+def test_an_elbow_almost_on_its_limit_leaves_intervals(judges):
+    """What the axes miss decides on which side of the limit the elbow of the nearest exact limb is."""
+    arm, rng = load(judges, "random_5"), np.random.default_rng(74)
+    for q in rng.uniform(arm.lower, arm.upper, (20, 7)):
+        q[3] = rng.choice([arm.lower[3] + 1e-9, arm.upper[3] - 1e-9])
+        case = judges["singular"]["Case"](q, arm.forward_kinematics(q).homogeneous, q, (), 0.0)
+        assert judges["known"]["beside"](arm, case, arm.intervals(case.pose)) < 1e-6
+
+
+@pytest.mark.parametrize("name", [name for name in arms.here("rm75") if name == "rm75"])
+def test_an_interval_that_is_one_arm_angle_next_to_a_singular_wrist_is_met(judges, name):
+    """Where two branches meet at a wrist on its limit: 1e-9 rad of arm angle are 0.02 rad of joint 5 there."""
+    arm, q = arms.load(name), np.array(WRIST_ON_LIMIT)
+    case = judges["singular"]["Case"](q, arm.forward_kinematics(q).homogeneous, q, (5,), 0.0)
+    assert not list(judges["known"]["missed"](arm, [case], [arm.intervals(case.pose)]))
 
 
 @pytest.mark.parametrize("name", ["gen3", *WHOLE, *(name for name in arms.here("rm75") if name == "rm75")])

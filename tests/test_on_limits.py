@@ -89,3 +89,17 @@ def test_every_interval_of_a_flat_elbow_has_its_posture(name):
         assert all(-np.pi <= i.lower < np.pi for i in intervals)
         seen += len(intervals)
     assert seen > 12
+
+
+@pytest.mark.parametrize("name", arms.here("human_left"))
+def test_a_joint_on_its_limit_is_so_in_batches_too(name):
+    """The arm angle a nanoradian beside that of a posture on a limit puts the joint outside by 1.5e-8 rad."""
+    arm = arms.load(name)
+    q = "-3.14159 1.5809774076184155 0.36510768651690606 0.8949069825992658 3.077174777303355 "
+    q = np.array((q + "0.3695004108987323 0.6878822191910388").split(), float)
+    pose, psi = arm.forward_kinematics(q).homogeneous, arm.arm_angle(q) + 1e-9
+    many = arm.solve_batch(pose[None], [psi], all_branches=True)
+    one = [arm.solve(pose, arm_angle=psi, branch=branch) for branch in range(8)]
+    assert [each.status for each in one] == list(many.status[0])
+    assert one[2]
+    assert np.abs(many.q[0, 2] - one[2].q).max() < 1e-12

@@ -41,6 +41,7 @@ ARMS = {
     "half": lines(((-2.9, 2.9), (0, 2), (-2.9, 2.9), (0, 2.5), (-2.9, 2.9), (0, 2), (-3, 3))),
     "short_upper": lines(EVEN, upper=50, fore=500),
     "offset": lines((*EVEN[:3], (-3.1, 3.0), *EVEN[4:]), upper=200, fore=250, beside=320),
+    "huge": lines(EVEN, upper=40_000, fore=35_000),
     "tilted": lines(EVEN, rpy=(0.3, 0.7, -1.1)),
     "oblique": lines(EVEN, axes=(OBLIQUE, Y, OBLIQUE, Y, Z, OBLIQUE, Z)),
 }
@@ -72,6 +73,25 @@ def test_known_postures_are_in_intervals_and_all_of_these_is_met(bench, load, na
     for case, found in zip(some, intervals, strict=True):
         assert bench["beside"](load(name), case, found) < 1e-4, case.q.tolist()
     assert not list(bench["missed"](load(name), some, intervals))
+
+
+def test_a_gap_of_nanoradians_between_intervals_is_a_gap(load):
+    """Shoulder and wrist pass their singularity there within 1e-8 rad of arm angle, outside the limits of joint 1."""
+    q = [
+        1.4327768756171655,
+        1e-9,
+        -1.2843542280051987,
+        -1.2218023090496555,
+        -0.757597386641411,
+        -1e-9,
+        -1.4434160659883792,
+    ]
+    robot = load("offset")
+    pose = robot.forward_kinematics(q)
+    own = [i for i in robot.intervals(pose) if i.branch == 5]
+    for psi in np.concatenate([-np.geomspace(1e-6, 1e-10, 17), [0.0], np.geomspace(1e-10, 1e-6, 17)]):
+        inside_one = any(i.lower <= psi <= i.upper for i in own)
+        assert bool(robot.solve(pose, arm_angle=psi, branch=5)) == inside_one, psi
 
 
 def assert_none_is_farther(bench, robot, rng, count):

@@ -193,7 +193,8 @@ def reach_on(asked, psi, way, room, beyond):
     while bad < room and is_met(asked, psi + way * bad):
         good, bad = bad, bad + min(bad, LONGEST_STEP)
     if bad >= room:
-        if beyond:
+        # A gap that is narrower than a step is one all the same where its middle is not met.
+        if beyond and is_met(asked, psi + way * 0.5 * (good + room)):
             return room
         bad = room
     while bad - good > NOTABLE:

@@ -17,7 +17,7 @@ from srs_ik.kernels.algebra.pointers import keep, row
 from srs_ik.kernels.curves.spans import MAX_SPANS, SPAN, find_spans
 from srs_ik.kernels.curves.surface import has_surface
 from srs_ik.kernels.exact.events import PI, TURN
-from srs_ik.kernels.exact.intervals import find_intervals, join_touching, write_interval
+from srs_ik.kernels.exact.intervals import SAME, find_intervals, join_touching, write_interval
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.answer import MAX_PIECES
 from srs_ik.kernels.layout.asked import Setting
@@ -58,8 +58,9 @@ from srs_ik.kernels.near.ends import (
 )
 from srs_ik.kernels.near.scan import LAST, POINT_BRANCH, POINT_NEXT, POINT_OFF, POINT_PSI, scan, view_of
 
-AT_END = 1e-7
-"""What is followed on an arc begins and ends with it, up to this, rad."""
+AT_END = 1e-10
+END_SHARE = 1e-3
+"""What is followed on an arc begins and ends with it, up to this, rad, of a narrow one to this part of its width."""
 
 BARELY = 1e-3
 """With an almost vanishing band, no end is expected farther from that of the nearest exact limb, rad."""
@@ -200,8 +201,22 @@ def write_whole(out, n, branch):
 
 
 @kernel
+def is_elbow_unsure(P, view):
+    """Whether the elbow at a pose is so close to a limit that the band may put it on the other side of it."""
+    unsure = False
+    for elbow in range(2):
+        unsure = unsure or abs(beyond(P, 3, turn_to_middle(P, 3, view.sides[elbow][0]))) < view.band[3] + MARGINS
+    return unsure
+
+
+@kernel
 def shifted_intervals(P, view, out):
-    """`predicted_intervals` where the band is as good as nothing: the intervals of the nearest exact limb, shifted."""
+    """`predicted_intervals` where the band is as good as nothing: the intervals of the nearest exact limb, shifted.
+
+    Their number, or -1 where limits may leave more of them, or fewer, on the true chain.
+    """
+    if is_elbow_unsure(P, view):
+        return -1
     found = np.empty((8 * MAX_PIECES, 3))
     ends = np.empty((MAX_ENDS + 8, END))
     n_found = find_intervals(P, view.target.place, -1, found)
@@ -250,8 +265,9 @@ def put_arc_ends(P, view, count, ends, n, by):
                 if int(point[POINT_BRANCH]) >> 2 != int(spans[i, 1]) >> 2:
                     continue
                 off = short_way(psi - point[POINT_PSI])
+                width = view.points[8 * (at // 2) + 4, POINT_PSI] - view.points[8 * (at // 2), POINT_PSI]
                 # The arc ends here: exactly there, so that intervals on either side join.
-                psi = psi - off if abs(off) < AT_END else psi
+                psi = psi - off if abs(off) < min(AT_END, END_SHARE * width) else psi
             ends[n, END_PSI], ends[n, END_BRANCH] = psi, spans[i, 1]
             n += 1
     return n
@@ -326,7 +342,13 @@ def predicted_intervals(P, target, out, J, A):
 
 @kernel
 def write_ends(ends, n_ends, out, n):
-    """Sort the intervals between pairs of ends into those that are whole circles, branch after branch; their number."""
+    """Sort the intervals between pairs of ends into those that are whole circles, branch after branch; their number.
+
+    -1 where one ends before it begins: then its ends belong to others.
+    """
+    for i in range(0, n_ends, 2):
+        if ends[i, END_PSI] > ends[i + 1, END_PSI] + SAME:
+            return -1
     whole = 0
     for i in range(n):
         whole |= 1 << int(out[i, 0])

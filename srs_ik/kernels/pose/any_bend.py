@@ -13,8 +13,7 @@ import numpy as np
 
 from srs_ik.kernels.algebra.joint_vectors import short_way
 from srs_ik.kernels.algebra.pointers import keep, row
-from srs_ik.kernels.chain.kinematics import pose_error
-from srs_ik.kernels.chain.newton import LEFT, arm_angle, clipped
+from srs_ik.kernels.chain.newton import arm_angle, clipped
 from srs_ik.kernels.exact.bend_events import MOST_EVENTS, bends_at
 from srs_ik.kernels.exact.bends import bent_place
 from srs_ik.kernels.exact.farthest import farthest
@@ -29,7 +28,7 @@ from srs_ik.kernels.limb.goal import NO_SEED, OUTSIDE
 from srs_ik.kernels.limb.in_line import NEARLY_IN_LINE, may_split
 from srs_ik.kernels.limb.limits import tighten
 from srs_ik.kernels.pose.intervals import exact_intervals
-from srs_ik.kernels.pose.on_limits import put_on_limits
+from srs_ik.kernels.pose.on_limits import meets, put_on_limits
 
 WIDER = 1e-4
 """By so much, rad, limits are wider where one bend stands for all."""
@@ -74,10 +73,8 @@ def at_any_bend(family, target, psi, branch, goal, found):
             place_ = bent_place(target.place, x)
             other = best_branch(loose, place_, psi, branch, goal.seeded, goal.seed, goal.respect)
             other = put_on_limits(loose, target, psi, other, goal)
-            if other[2] < best[2]:
-                position, orientation = pose_error(loose, other[0], target.R, target.p)
-                if max(position, orientation) < LEFT:
-                    best = other
+            if other[2] < best[2] and meets(loose, other[0], target):
+                best = other
     return best
 
 

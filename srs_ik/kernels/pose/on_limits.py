@@ -21,7 +21,8 @@ from srs_ik.kernels.chain.newton import (
     longest,
 )
 from srs_ik.kernels.jit import kernel
-from srs_ik.kernels.layout.limb import FIRST_JOINT, LOWER, SHOULDER, UPPER, WRIST
+from srs_ik.kernels.layout.answer import SOLVED
+from srs_ik.kernels.layout.limb import FAR, FIRST_JOINT, LOWER, SHOULDER, UPPER, WRIST
 from srs_ik.kernels.limb.goal import OUTSIDE, UNMET, cost
 from srs_ik.kernels.limb.in_line import NEARLY_IN_LINE, is_in_line, may_split, toward_of
 from srs_ik.kernels.limb.splits import nearest_split
@@ -31,6 +32,13 @@ BARELY = 1e-3
 """A posture farther outside its limits than this, rad, is not so by rounding."""
 
 CLOSING_STEPS = 12
+
+
+@kernel
+def meets(P, q, target):
+    """Whether a posture meets its pose but for rounding: a position is told the worse, the longer the arm is."""
+    position, orientation = pose_error(P, q, target.R, target.p)
+    return position < min(LEFT * max(P[FAR], 1.0), SOLVED) and orientation < LEFT
 
 
 @kernel
@@ -66,7 +74,8 @@ def put_on_limits(P, target, psi, found, goal):
     Next to a singularity, the rounding of an arm angle turns joints farther than that of the limits allows.
     """
     q, branch, value = found
-    if not (goal.respect and OUTSIDE < value < UNMET):
+    # The cost of what is outside by less than the rounding of large figures is `OUTSIDE` itself.
+    if not (goal.respect and OUTSIDE <= value < UNMET):
         return found
     R, p, place_ = target
     if may_split(P, place_):
@@ -74,10 +83,8 @@ def put_on_limits(P, target, psi, found, goal):
         q5, q7 = split_inside(P, WRIST, q[4], q[5], q[6])
         inside = (q1, q[1], q3, q[3], q5, q[5], q7)
         at_split = cost(P, inside, goal.seeded, goal.seed, True)
-        if at_split < OUTSIDE:
-            position, orientation = pose_error(P, inside, R, p)
-            if max(position, orientation) < LEFT:
-                return inside, branch, at_split
+        if at_split < OUTSIDE and meets(P, inside, target):
+            return inside, branch, at_split
     if value > OUTSIDE + BARELY:
         return found
     J, A = np.empty((6, 7)), np.empty((16, 9))

@@ -6,14 +6,16 @@ A are work space of near limbs, (6, 7) and (16, 9) (see `chain.starts`).
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 
 from srs_ik.kernels.algebra.lanes import as_bits, gather, one_of
 from srs_ik.kernels.algebra.pointers import row
 from srs_ik.kernels.chain.answer import measure_row, measure_row_at, write_row
 from srs_ik.kernels.chain.closest import closest
-from srs_ik.kernels.chain.eight import ALL, put_some, take_eight, tip_errors
-from srs_ik.kernels.chain.newton import arm_angle, clipped
+from srs_ik.kernels.chain.eight import ALL, take_eight, tip_errors
+from srs_ik.kernels.chain.newton import clipped
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.answer import (
     GOOD_POSE,
@@ -22,8 +24,6 @@ from srs_ik.kernels.layout.answer import (
     ROW_BRANCH,
     ROW_COST,
     ROW_JOINT,
-    ROW_ORIENTATION_ERROR,
-    ROW_POSITION_ERROR,
     ROW_STATUS,
     UNREACHABLE,
 )
@@ -36,7 +36,7 @@ from srs_ik.kernels.limb.triangle import place
 from srs_ik.kernels.near.at_angle import may_reach, solve_all_at_angle, solve_at_angle
 from srs_ik.kernels.near.predicted_best import search_true
 from srs_ik.kernels.pose.any_bend import at_any_bend, best_at_any_bend, hides_some
-from srs_ik.kernels.pose.on_limits import put_on_limits
+from srs_ik.kernels.pose.on_limits import BARELY, put_on_limits
 from srs_ik.kernels.pose.search import search_exact, search_near_seed
 
 
@@ -101,6 +101,16 @@ def solve_row(family, T, branch, goal, J, A, out):
 
 
 @kernel
+def put_inside(family, target, psi, branch, found, goal):
+    """A posture at an arm angle, in a branch (-1: any), or one inside that rounding hides: q, branch, cost."""
+    P = row(family, LIMITED)
+    found = put_on_limits(P, target, psi, found, goal)
+    if P[IS_NEAR] == 0.0 and found[2] >= OUTSIDE and hides_some(P, target.place):
+        found = at_any_bend(family, target, psi, branch, goal, found)
+    return found
+
+
+@kernel
 def solve_row_at(family, T, psi, branch, goal, J, A, out):
     """Solve one pose at an arm angle, in a branch (-1: any), into a row of `out`; returns the verdict on the pose."""
     R, p, verdict = read_pose(row(T, 0))
@@ -108,9 +118,7 @@ def solve_row_at(family, T, psi, branch, goal, J, A, out):
         return verdict
     P = row(family, LIMITED)
     target = Target(R, p, place(P, R, p))
-    found = put_on_limits(P, target, psi, solve_at_angle(P, target, psi, branch, goal, J, A), goal)
-    if P[IS_NEAR] == 0.0 and found[2] >= OUTSIDE and hides_some(P, target.place):
-        found = at_any_bend(family, target, psi, branch, goal, found)
+    found = put_inside(family, target, psi, branch, solve_at_angle(P, target, psi, branch, goal, J, A), goal)
     measure_row_at(P, target, psi, found, goal.respect, row(out, 0))
     return GOOD_POSE
 
@@ -129,45 +137,28 @@ def all_branches(family, T, asked, J, A, out, first, kept):
     P = row(family, LIMITED)
     place_ = place(P, R, p)
     target = Target(R, p, place_)
+    goal = Goal(False, NO_SEED, respect)
     if P[IS_NEAR] == 0.0:
         for elbow in range(2):
             elbow_branches(P, place_, psi, elbow, respect, out, first + 4 * elbow)
-        rows = row(out, first)
-        position, orientation, measured = tip_errors(P, take_eight(rows, ROW), R, p)
-        measured = measured & (gather(rows, ROW_COST, ROW) < OUTSIDE)
-        put_some(rows, ROW_POSITION_ERROR, ROW, measured, position)
-        put_some(rows, ROW_ORIENTATION_ERROR, ROW, measured, orientation)
-        right = as_bits(measured)
-        splits = respect and right != ALL and hides_some(P, place_)
-        for branch in range(8):
-            answer = row(out, first + branch)
-            q = read7(answer)
-            if splits and (right >> branch) & 1 == 0:
-                goal = Goal(False, NO_SEED, True)
-                found = put_on_limits(P, target, psi, (q, branch, answer[ROW_COST]), goal)
-                if found[2] >= OUTSIDE:
-                    found = at_any_bend(family, target, psi, branch, goal, found)
-                measure_row_at(P, target, psi, found, respect, answer)
-                continue
-            if (right >> branch) & 1 == 1:
-                off, turned = answer[ROW_POSITION_ERROR], answer[ROW_ORIENTATION_ERROR]
-                write_row(place_, q, branch, psi, (off, turned), (False, 0), answer)
-            else:
-                measure_row(P, target, q, branch, answer[ROW_COST], respect, answer)
-        return GOOD_POSE, kept
-    closed = np.empty((8, 8))
-    kept = solve_all_at_angle(P, target, psi, (respect, J, A), closed, kept)
-    rows = row(closed, 0)
-    position, orientation, measured = tip_errors(P, take_eight(rows, 8), R, p)
-    right = as_bits(measured & (gather(rows, ROW_COST, 8) < OUTSIDE))
+    else:
+        kept = solve_all_at_angle(P, target, psi, (respect, J, A), out[first : first + 8], kept)
+    rows = row(out, first)
+    position, orientation, measured = tip_errors(P, take_eight(rows, ROW), R, p)
+    right = as_bits(measured & (gather(rows, ROW_COST, ROW) < OUTSIDE))
+    # What is farther outside than by rounding and next to no singularity stays as it is.
+    most = math.inf if right != ALL and (P[IS_NEAR] != 0.0 or hides_some(P, place_)) else OUTSIDE + BARELY
     for branch in range(8):
-        q, lowest = read7(closed[branch]), closed[branch, ROW_COST]
         answer = row(out, first + branch)
+        q = read7(answer)
         if (right >> branch) & 1 == 1:
-            errors = (one_of(position, branch), one_of(orientation, branch))
-            write_row(place_, q, branch, arm_angle(P, q, place_[0], place_[1]), errors, (False, 0), answer)
+            write_row(
+                place_, q, branch, psi, (one_of(position, branch), one_of(orientation, branch)), (False, 0), answer
+            )
         else:
-            q, _, lowest = put_on_limits(P, target, psi, (q, branch, lowest), Goal(False, NO_SEED, respect))
-            measure_row(P, target, q, branch, lowest, respect, answer)
+            found = (q, branch, answer[ROW_COST])
+            if found[2] <= most:
+                found = put_inside(family, target, psi, branch, found, goal)
+            measure_row_at(P, target, psi, found, respect, answer)
             answer[ROW_BRANCH] = branch
     return GOOD_POSE, kept

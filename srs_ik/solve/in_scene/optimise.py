@@ -12,7 +12,7 @@ from srs_ik.errors import InvalidTask
 from srs_ik.kernels.layout import collision as at
 from srs_ik.solve import pose as pose_solver
 from srs_ik.solve.goals import Search
-from srs_ik.solve.in_scene.pose import solve
+from srs_ik.solve.in_scene.pose import free_intervals, solve
 from srs_ik.solve.in_scene.surroundings import narrowed
 from srs_ik.solve.objectives import Objective
 from srs_ik.solve.optimise import Optimum
@@ -33,11 +33,11 @@ def optimise(
     **parameters: Any,
 ) -> Optimum:
     """See `Arm.optimise`: over what bodies leave, by samples and by closing in on the best; `clearance` certainly."""
-    free = around.all_free(T, respect)
     if isinstance(objective, str) and objective == CLEARANCE:
         if parameters:
             raise InvalidTask(f"objective 'clearance' takes no parameter {next(iter(parameters))!r}")
-        return _widest(around, T, free, respect)
+        return _widest(around, T, around.all_free(T, respect), respect)
+    free = free_intervals(around, T, respect)[0]
     if not isinstance(objective, Objective):
         objective = Objective(objective, **parameters)
     elif parameters:

@@ -23,6 +23,7 @@ from srs_ik.inputs.poses import (
 from srs_ik.kernels.entries import collision as entries
 from srs_ik.kernels.layout import collision as at
 from srs_ik.kernels.layout.answer import ROW, ROW_STATUS
+from srs_ik.solve import intervals as in_limits
 from srs_ik.solve import pose as pose_solver
 from srs_ik.solve.goals import goal_of
 from srs_ik.solve.in_scene.surroundings import chosen, narrowed
@@ -68,6 +69,16 @@ def solve(
         if solution is not None:
             return solution
     return _where_nothing_is_free(around, T, psi, near, branch, respect)
+
+
+def free_intervals(around: Surroundings, T: Array, respect: bool) -> tuple[Array, float]:
+    """(n, 3) the free intervals of a pose, by real shapes where spheres leave none; the width left undecided, rad.
+
+    Raises:
+        InvalidPose: the pose is no finite rigid transform.
+    """
+    free = around.free_and_undecided(T, respect)
+    return free if len(free[0]) or around.is_exact else around.by_shapes(T, respect)
 
 
 def _where_nothing_is_free(
@@ -143,7 +154,7 @@ def _hitting(around: Surroundings, T: Array, found: Array, psi: float | None, re
 def solve_all(around: Surroundings, T: Array, psi: float | None, respect: bool) -> Solutions:
     """One posture for every free interval, or those at an arm angle."""
     arm = around.packed
-    free = chosen(around.all_free(T, respect), -1, psi)
+    free = chosen(free_intervals(around, T, respect)[0], -1, psi)
     each = (best(around, T, row[None], psi, None, respect) for row in free)
     rows = [answer._row for answer in each if answer is not None]
     if rows:
@@ -222,15 +233,26 @@ def _in_kernels(
 def intervals_batch(around: Surroundings, poses: Any, respect: bool, threads: int | None) -> IntervalsBatch:
     """See `Arm.intervals_batch`."""
     T = as_matrices(poses)
+    rest = np.arange(len(T))
+    known = IntervalsBatch(np.empty(0, np.int64), np.empty(0), np.empty(0), np.zeros(len(T) + 1, np.int64))
     if around.in_closed_form:
-        return gathered(len(T), threads, partial(around.free_range, T), respect)
-    found: list[Array] = [np.empty((0, 3))] * len(T)
+        known = gathered(len(T), threads, partial(around.free_range, T), respect)
+        rest = np.flatnonzero(known.counts == 0)
+        rest = rest[in_limits.intervals_batch(around.packed, T[rest], respect, threads).counts > 0]
+    found: list[Array] = [np.empty((0, 3))] * len(rest)
 
     def work(first: int, last: int) -> None:
         for i in range(first, last):
-            found[i] = around.all_free(T[i], respect).copy()
+            found[i] = free_intervals(around, T[rest[i]], respect)[0].copy()
 
-    run_in_threads(work, len(T), threads)
-    offsets = np.cumsum([0, *(len(rows) for rows in found)])
+    run_in_threads(work, len(rest), threads)
     branch, lower, upper = np.concatenate([np.empty((0, 3)), *found]).T
-    return IntervalsBatch(branch.astype(np.int64), lower.copy(), upper.copy(), offsets)
+    counts = known.counts
+    counts[rest] = [len(rows) for rows in found]
+    at = np.repeat(known.offsets[rest], counts[rest])
+    return IntervalsBatch(
+        np.insert(known.branch, at, branch.astype(np.int64)),
+        np.insert(known.lower, at, lower),
+        np.insert(known.upper, at, upper),
+        np.cumsum([0, *counts]),
+    )

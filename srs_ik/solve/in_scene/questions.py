@@ -69,7 +69,7 @@ class InScene:
 
     def intervals(self, pose: PoseLike, respect: bool) -> list[Interval]:
         """See `Arm.intervals`."""
-        rows, undecided = self.around.free_and_undecided(as_matrix(pose), respect)
+        rows, undecided = pose_solver.free_intervals(self.around, as_matrix(pose), respect)
         found = FreeIntervals(Interval(int(b), lower, upper) for b, lower, upper in rows.tolist())
         found.undecided = undecided
         return found
