@@ -225,13 +225,11 @@ def _free(arm: PackedArm, T: Array, free_axis: Any, asked: tuple[Any, ...]) -> P
 
     problem = _problem(arm, T, *asked)
     seed, dt, longest_step, objective, acceleration = asked
-    found = solve_free_path(
-        arm,
-        T,
-        as_free_axis(free_axis),
-        lambda whole: solve_path(arm, whole, seed, dt, longest_step, objective, None, False, acceleration),
-        (problem.seed, problem.settings[: BY_CONTINUITY + 1].min(axis=0)),
-    )
+
+    def find(whole: Array) -> PathSolution:
+        return solve_path(arm, whole, seed, dt, longest_step, objective, None, False, acceleration)
+
+    found = solve_free_path(problem, as_free_axis(free_axis), find)
     told = found._rows, arm.joint_names, found.steps, found.breaks, arm.elbow
     return PathSolution(*told, problem=problem, bounded=False)
 
