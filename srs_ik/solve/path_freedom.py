@@ -97,7 +97,7 @@ def _value(problem: Problem, q: Array) -> float:
 def sampled_ways(problem: Problem, free: FreeAxis, first: Array | None) -> list[Array]:
     """(n, 7) postures of the best ways through those of sampled turns, planned at few poses and at more.
 
-    Between few poses what is from one sampled turn to another counts less, and more of them tell more of what is between.
+    From one of few poses to the next, a step between sampled turns counts less, but many tell more of what is between.
     The turn of a posture `first` of the first pose is among the sampled ones.
     """
     frames = problem.T.copy()
@@ -190,7 +190,9 @@ def strips_of(problem: Problem, keys: Keys, turns: Array) -> Problem:
     settings, none = problem.settings.copy(), np.zeros(len(frames), np.bool_)
     settings[BY_CONTINUITY] = NONE_LONG
     near = np.repeat(problem.near[keys], n, axis=0)
-    told = replace(problem, T=frames, seed=None, settings=settings, limited=False, near=near, known=near, has_known=none)
+    told = replace(
+        problem, T=frames, seed=None, settings=settings, limited=False, near=near, known=near, has_known=none
+    )
     rows, poses = [], []
     for number, key in enumerate(keys.tolist()):
         tell(number, len(keys))

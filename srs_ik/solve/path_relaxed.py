@@ -17,11 +17,11 @@ from srs_ik.solve.packed import PackedArm
 
 Array = NDArray[np.float64]
 
-STEPS, HALVINGS = 60, 3
-"""Most steps, and how often one that gains nothing is made half as long."""
+ROUNDS, STEPS, HALVINGS = 12, 12, 3
+"""Most rounds, steps of a round, and how often one that gains nothing is made half as long."""
 
-ENOUGH = 1e-6
-"""A step that gains less of all than this is the last one."""
+ENOUGH, ENOUGH_OF_ROUND = 1e-4, 3e-4
+"""A step that gains less of all than this is the last one of its round, and a round that does is the last one."""
 
 LONGEST_MOVE = 0.3
 """Longest move of a joint in one step, rad."""
@@ -51,20 +51,37 @@ def relaxed(arm: PackedArm, T: Array, free: FreeAxis, q: Array, start: Array | N
         longest: (7,) longest joint steps, rad: longer ones become shorter where that goes.
     """
     value = _cost(q, start, longest)
-    for _ in range(STEPS):
+    for _ in range(ROUNDS):
         before = value
-        for some in ((0, 1), (0,), (1,)):
-            move = _step(arm, T, free, q, start) if len(some) > 1 else _alone(q, start, some[0])
-            for _ in range(HALVINGS if len(some) > 1 else 1):
-                moved = _taken(arm, T, free, q, move)
-                now = _cost(moved, start, longest)
-                if now < value:
-                    value, q = now, moved
-                    break
-                move = 0.5 * move
-        if before - value <= ENOUGH * value:
+        for _ in range(STEPS):
+            q, value, gain = _moved(arm, T, free, q, (start, longest, value), _step(arm, T, free, q, start), HALVINGS)
+            if gain <= ENOUGH * value:
+                break
+        for parity in (0, 1):
+            q, value, _ = _moved(arm, T, free, q, (start, longest, value), _alone(q, start, parity), 1)
+        if before - value <= ENOUGH_OF_ROUND * value:
             break
     return q
+
+
+def _moved(
+    arm: PackedArm,
+    T: Array,
+    free: FreeAxis,
+    q: Array,
+    known: tuple[Array | None, Array, float],
+    move: Array,
+    times: int,
+) -> tuple[Array, float, float]:
+    """A path moved as far as that makes it better, half as far each time: postures, cost, and what is gained."""
+    start, longest, value = known
+    for _ in range(times):
+        moved = _taken(arm, T, free, q, move)
+        now = _cost(moved, start, longest)
+        if now < value:
+            return moved, now, value - now
+        move = 0.5 * move
+    return q, value, 0.0
 
 
 def _taken(arm: PackedArm, T: Array, free: FreeAxis, q: Array, move: Array) -> Array:
@@ -137,7 +154,7 @@ def _step(arm: PackedArm, T: Array, free: FreeAxis, q: Array, start: Array | Non
 
 
 def _ways(arm: PackedArm, T: Array, free: FreeAxis, q: Array) -> tuple[Array, Array, Array]:
-    """Of each posture: (7, m) the ways that its pose leaves, (m,) how the axis leans out with them, and its room, rad."""
+    """Of each posture: (7, m) the ways its pose leaves, (m,) how the axis leans out along them, and its room, rad."""
     jacobians, tips = jacobian_batch(arm, q, 1), forward_kinematics_batch(arm, q, 1)
     is_axis, ought = tips[:, :3, :3] @ free.axis, T[:, :3, :3] @ free.axis
     kept = jacobians[:, :3]
