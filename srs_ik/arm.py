@@ -235,7 +235,9 @@ class Arm(BodyOwner):
             longest_step: a joint step beyond this, rad, is a break.
             objective: what is least among the paths with the fewest breaks: "sum_of_squares" of the joint steps, the
                 "largest_step" of a joint, or the "time" at the velocity limits.
-            known: postures that the path has to take, (7,) by the index of their pose.
+            known: postures that the path has to take, (7,) by the index of their pose. Joints without end come back in
+                the turns that are given, and are counted on from there, whatever the seed. Where no break lies between
+                two of them, the second one is in the turns in which the path arrives.
             closed: whether the path has to end in the posture in which it begins (but for whole turns of joints without
                 end); its last pose is its first one.
             acceleration_limit: (7,) of the joints, rad/s^2, for the objective "time": the path is then passed from rest

@@ -291,6 +291,23 @@ def test_a_path_takes_the_turns_that_serve_it_best(name):
 
 
 @pytest.mark.parametrize("name", [name for name in ("iiwa14", "gen3", "human_arm") if name in LIMBS])
+@pytest.mark.parametrize("seeded", [True, False])
+def test_a_path_is_no_longer_than_a_known_one_whatever_the_rolls_of_its_poses(name, seeded):
+    arm, free = arms.load(name), FreeAxis([0, 0, 1])
+    rng, t = arms.generator(name, 41), np.linspace(0.0, 1.0, 16)[:, None]
+    for begin, end in arms.configurations(name, 4, 41).reshape(2, 2, 7):
+        known = begin + 0.5 * t * (end - begin)
+        poses = np.array([arms.forward(name)(q).homogeneous for q in known])
+        for pose in poses:
+            pose[:3, :3] = pose[:3, :3] @ free.rolled(rng.uniform(-3.0, 3.0))
+        path = arm.solve_path(poses, seed=known[0] if seeded else None, free_axis=free)
+        assert path, path.breaks
+        assert path.value <= (np.diff(known, axis=0) ** 2).sum() * (1.0 + 1e-6)
+        for q, pose in zip(path.q, poses, strict=True):
+            assert_met(name, free, q, pose)
+
+
+@pytest.mark.parametrize("name", [name for name in ("iiwa14", "gen3", "human_arm") if name in LIMBS])
 @pytest.mark.parametrize("joints", [(3, 5), (1, 3), (1, 3, 5)])
 def test_a_seed_that_meets_its_singular_pose_is_the_answer(name, joints):
     arm, free = arms.load(name), FreeAxis([0.0, 0.0, 1.0])

@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from srs_ik.errors import InvalidConfiguration, MissingLimits, quoted
 from srs_ik.inputs.poses import as_joint_vector, as_matrices, as_positive, as_seed
-from srs_ik.kernels.layout.answer import ROW
+from srs_ik.kernels.layout.answer import ROW, ROW_STATUS
 from srs_ik.kernels.layout.path import (
     BY_CONTINUITY,
     BY_VELOCITY,
@@ -35,7 +35,7 @@ from srs_ik.solve.path_problem import LARGEST_STEP, OBJECTIVES, TIME, Problem, W
 from srs_ik.solve.path_rows import off_poses, on_straight_lines, rows_of
 from srs_ik.solve.path_timing import passing_times
 from srs_ik.solve.pose import solve
-from srs_ik.solve.solution import BatchSolution, Collision, ElbowRange
+from srs_ik.solve.solution import BatchSolution, Collision, ElbowRange, Status
 from srs_ik.solve.threads import interruptible
 
 if TYPE_CHECKING:
@@ -156,7 +156,6 @@ def solve_path(
         return _free(arm, T, free_axis, (seed, dt, longest_step, objective, acceleration_limit))
     n = len(T)
     problem = _problem(arm, T, seed, dt, longest_step, objective, acceleration_limit)
-    start = problem.seed
     if not n:
         return PathSolution(np.empty((0, ROW)), arm.joint_names, np.empty((0, 7)), [])
     given, has_given = _known(arm, T, {} if known is None else known)
@@ -168,15 +167,15 @@ def solve_path(
         from srs_ik.solve.in_scene.path import keep_clear
 
         return keep_clear(replace(problem, around=around), find)
-    problem = on_straight_lines(problem)
+    asked = on_straight_lines(problem)
     if n > SHORT:
         # What has to be compiled is compiled here: in another thread nobody could interrupt it.
         one = replace(problem, T=T[:1], known=given[:1], has_known=has_given[:1], near=problem.near[:1])
         rows_of(one, find(one))
-    way, rows = interruptible(lambda stop: _found(find, replace(problem, stop=stop)), worth_it=n > SHORT)
-    rows[:, :7] = unwound(arm, rows[:, :7], start)
+    way, rows = interruptible(lambda stop: _found(find, replace(asked, stop=stop)), worth_it=n > SHORT)
+    rows[:, :7] = unwound(problem, rows)
     steps = np.diff(rows[:, :7], axis=0)
-    return PathSolution(rows, arm.joint_names, steps, breaks_of(problem, way, rows, steps), arm.elbow, problem=problem)
+    return PathSolution(rows, arm.joint_names, steps, breaks_of(asked, way, rows, steps), arm.elbow, problem=asked)
 
 
 def _acceleration(limit: ArrayLike | None, objective: str) -> Array | None:
@@ -226,13 +225,11 @@ def _free(arm: PackedArm, T: Array, free_axis: Any, asked: tuple[Any, ...]) -> P
 
     problem = _problem(arm, T, *asked)
     seed, dt, longest_step, objective, acceleration = asked
-    found = solve_free_path(
-        arm,
-        T,
-        as_free_axis(free_axis),
-        lambda whole: solve_path(arm, whole, seed, dt, longest_step, objective, None, False, acceleration),
-        (problem.seed, problem.settings[: BY_CONTINUITY + 1].min(axis=0)),
-    )
+
+    def find(whole: Array) -> PathSolution:
+        return solve_path(arm, whole, seed, dt, longest_step, objective, None, False, acceleration)
+
+    found = solve_free_path(problem, as_free_axis(free_axis), find)
     told = found._rows, arm.joint_names, found.steps, found.breaks, arm.elbow
     return PathSolution(*told, problem=problem, bounded=False)
 
@@ -315,12 +312,35 @@ def _settings(arm: PackedArm, dt: float | None, longest_step: float, objective: 
     return settings
 
 
-def unwound(arm: PackedArm, q: Array, start: Array | None) -> Array:
-    """The same postures with joints that turn without end counted on from sample to sample."""
-    q = q.copy()
-    endless = np.isinf(arm.lower) & np.isinf(arm.upper)
-    if len(q) and endless.any():
-        q[:, endless] = np.unwrap(q[:, endless], axis=0)
-        if start is not None:
-            q[:, endless] += 2.0 * np.pi * np.round((start - q[0])[endless] / (2.0 * np.pi))
+def unwound(problem: Problem, rows: Array) -> Array:
+    """(n, 7) the postures of a path's rows, joints that turn without end counted on from pose to pose.
+
+    A posture that is given is in the turns that it is given in, and so are those that are continuous with it; else the
+    path begins in the turns of the seed. A break goes the shorter way round where that leaves a choice.
+    """
+    q, met = rows[:, :7].copy(), np.flatnonzero(rows[:, ROW_STATUS] == Status.OK)
+    endless = np.flatnonzero(np.isinf(problem.arm.lower) & np.isinf(problem.arm.upper))
+    if not (len(met) and len(endless)):
+        return q
+    way, period = q[met][:, endless], 2.0 * np.pi
+    turns = np.zeros(way.shape)
+    turns[1:] = -np.cumsum(np.round(np.diff(way, axis=0) / period), axis=0)
+    piece = np.cumsum(
+        np.append(False, (np.abs(steps_of(problem, q[met])) > problem.settings[BY_CONTINUITY]).any(axis=1))
+    )
+    begin: dict[int, Array] = {}
+    for k in np.flatnonzero(problem.has_known[met]).tolist():
+        given = problem.known[met[k], endless]
+        begin.setdefault(int(piece[k]), np.round((given - way[k]) / period) - turns[k])
+    if problem.seed is not None:
+        begin.setdefault(0, np.round((problem.seed[endless] - way[0]) / period))
+    if begin:
+        # A piece without a given posture follows the one before, and what is before the first such posture precedes it.
+        pieces = np.array(sorted(begin))
+        of = pieces[np.maximum(np.searchsorted(pieces, piece, side="right") - 1, 0)]
+        turns += np.array([begin[k] for k in of.tolist()])
+    q[met[:, None], endless] = way + period * turns
+    # Postures of poses that are not met lie beside the way.
+    before = q[met[np.maximum(np.searchsorted(met, np.arange(len(q)), side="right") - 1, 0)]][:, endless]
+    q[:, endless] += period * np.round((before - q[:, endless]) / period)
     return q

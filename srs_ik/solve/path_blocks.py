@@ -30,8 +30,8 @@ from srs_ik.solve.path_problem import Problem, Stopped, Wall, Way
 
 Array = NDArray[np.float64]
 
-BLOCK_NODES = 16 * MOST_NODES
-BLOCK_STRIPS = 16 * MOST_STRIPS
+BLOCK_NODES = 4 * MOST_NODES
+BLOCK_STRIPS = 4 * MOST_STRIPS
 BLOCK_POSES = 512
 """Size of a block: about ten megabytes."""
 

@@ -1,100 +1,213 @@
-"""Joint paths through poses that leave a turn free: the turns are chosen first, on samples, and then the path.
+"""Joint paths through poses that leave a turn free: turns and postures together on samples first, and then all at once.
 
-At some poses postures are looked at for sampled turns, and the chain of them with the least joint steps is found; its
-turns, and those between them, make whole poses of all, through which a path is found as ever. Then every posture in
-turn goes where its turn is best for its neighbours.
+Frames of the poses are turned along with the path as little as can be, so that a turn that stays is as good on samples
+as it is. At some poses, the strips of all sampled turns are those of one pose, and the best way through them is found
+as for whole poses, on the nearest exact limb. It begins paths on the true chain, which Newton's method moves to the
+best ones near them, all postures at once.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from srs_ik.inputs.freedom import FreeAxis
+from srs_ik.kernels.layout.limb import FAR, LIMITED
+from srs_ik.kernels.layout.path import BY_CONTINUITY
 from srs_ik.solve.freedom import solve, solve_batch
-from srs_ik.solve.pose import solve_all
+from srs_ik.solve.kinematics import forward_kinematics_batch
+from srs_ik.solve.path_blocks import Block, through
+from srs_ik.solve.path_problem import Problem, objective_of, steps_of
+from srs_ik.solve.path_relaxed import relaxed
+from srs_ik.solve.threads import tell
 
 if TYPE_CHECKING:
     from srs_ik.solve.packed import PackedArm
     from srs_ik.solve.path import PathSolution
 
 Array = NDArray[np.float64]
+Keys = NDArray[np.int64]
 
-KEYS = 24
-"""Poses at most at which turns are sampled."""
+ROLLS, MOST_TURNS = 16, 24
+"""Rolls that are sampled, and rotations where the axis may lean by more than `LITTLE`, rad."""
 
-ROLLS = 16
-MOST_TURNS = 48
-"""Rolls that are sampled, and rotations at most where the axis may lean."""
+LITTLE = 0.5
 
-SWEEPS = 40
-ENOUGH = 1e-3
-"""How often postures go where they are best for their neighbours; a sweep that gains less than this is the last."""
+BESIDE = np.linspace(-0.3, 0.3, 5)
+RADIUS = 0.5
+"""Turns beside those of a way, and how far around it postures are looked at, rad."""
+
+KEY_CHANGE = 0.25
+"""Turns are sampled at poses this far apart, rad and reaches of the arm."""
+
+FEWEST = 12
+"""And at so many at least."""
+
+LONGEST = 1.0
+"""From one sampled turn to another, joints may step so far, rad."""
+
+NONE_LONG = 1e-6
+"""Where strips alone are wanted, no way leads from one to another."""
 
 SAME = 1e-6
 """A posture of a path is the nearest one to itself, rad."""
 
-TOO_LONG = 1e3
-"""Cost of a joint step that is no continuous one, in squared rad."""
 
-
-def solve_free_path(
-    arm: PackedArm,
-    T: Array,
-    free: FreeAxis,
-    find: Callable[[Array], PathSolution],
-    limits: tuple[Array | None, Array],
-) -> PathSolution:
+def solve_free_path(problem: Problem, free: FreeAxis, find: Callable[[Array], PathSolution]) -> PathSolution:
     """A path through poses that leave a turn free.
 
     Args:
-        arm: the arm.
-        T: (n, 4, 4) poses.
+        problem: the path that is asked for, as if its poses were whole.
         free: what they leave free.
         find: a path through whole poses.
-        limits: (7,) posture to start from, or None; (7,) longest joint steps, rad.
     """
-    start, longest = limits
-    whole = whole_poses(arm, T, free, start, longest)
-    ways = [find(each) for each in (T, whole) if each is not None]
-    best = min(ways, key=lambda way: (len(way.breaks), not way, _squares(way.q, start)))
-    if not best:
+    arm, T, start = problem.arm, problem.T, problem.seed
+    # The first pose as the arm may meet it from where it is.
+    nearest = None if start is None else solve(arm, T[0], free, start, True)
+    first = nearest.q if nearest else None
+    most = problem.settings[: BY_CONTINUITY + 1].min(axis=0)
+    begins = sampled_ways(problem, free, first)
+    moved = [relaxed(arm, T, free, q, start, most) for q in begins]
+    ways = [find(T), *(find(turned_as(arm, T, free, q)) for q in moved)]
+    best = min(ways, key=lambda way: (len(way.breaks), not way, way.value))
+    if best:
+        most = np.maximum(most, np.abs(best.steps).max(axis=0, initial=0.0))
+        moved += [relaxed(arm, T, free, way.q, start, most) for way in ways if way]
+        begins = [followed(arm, T, free, best.q[0]), followed(arm, T[::-1], free, best.q[-1])[::-1]]
+        begins += [] if first is None else [followed(arm, T, free, first)]
+        moved += [relaxed(arm, T, free, q, start, most) for q in begins if np.isfinite(q).all()] + [best.q]
+    moved = [q for q in moved if (np.abs(np.diff(q, axis=0)) <= most).all()]
+    if not moved:
         return best
-    most = np.maximum(longest, np.abs(best.steps).max(axis=0, initial=0.0))
-    q = best.q
-    ways_on = [followed(arm, T, free, best.q[0]), followed(arm, T[::-1], free, best.q[-1])[::-1], best.q]
-    if start is not None:
-        # The first pose as the arm may meet it from where it is.
-        nearest = solve(arm, T[0], free, start, True)
-        ways_on += [followed(arm, T, free, nearest.q)] if nearest else []
-    for other in ways_on:
-        if np.isfinite(other).all():
-            other = relaxed(arm, T, free, other, start is not None)
-            if (np.abs(np.diff(other, axis=0)) <= most).all() and _squares(other, start) < _squares(q, start):
-                q = other
+    q = min(moved, key=lambda q: _value(problem, q))
     found = solve_batch(arm, T, free, q, True, 1)
     if not found.ok.all() or np.abs(found.q - q).max() > SAME:
         return best
     return type(best)(found._rows, arm.joint_names, np.diff(found.q, axis=0), [], arm.elbow)
 
 
-def whole_poses(arm: PackedArm, T: Array, free: FreeAxis, start: Array | None, longest: Array) -> Array | None:
-    """(n, 4, 4) poses with the turns of a chain of postures that is as short as sampled ones are; None without one."""
-    keys = np.unique(np.linspace(0, len(T) - 1, min(KEYS, len(T))).round().astype(int))
-    turns = free.sampled(ROLLS if free.cone == 0.0 else MOST_TURNS)
-    postures, owners = [], []
-    for key in keys.tolist():
-        found = [solve_all(arm, _turned(T[key], turn), None, True) for turn in turns]
-        postures.append(np.concatenate([s.q for s in found if len(s)] or [np.empty((0, 7))]))
-        owners.append(np.repeat(np.arange(len(turns)), [len(s) for s in found]))
-        if not len(postures[-1]):
-            return None
-    chosen = _chain(postures, start, longest * np.diff(keys, prepend=0).clip(1)[:, None])
-    at_keys = [turns[owner[i]] for owner, i in zip(owners, chosen, strict=True)]
-    return _between(T, keys, np.array(at_keys))
+def _value(problem: Problem, q: Array) -> float:
+    return objective_of(problem, steps_of(problem, np.vstack([problem.start, q])))
+
+
+def sampled_ways(problem: Problem, free: FreeAxis, first: Array | None) -> list[Array]:
+    """(n, 7) postures of the best ways through those of sampled turns, planned at few poses and at more.
+
+    From one of few poses to the next, a step between sampled turns counts less, but many tell more of what is between.
+    The turn of a posture `first` of the first pose is among the sampled ones.
+    """
+    frames = problem.T.copy()
+    if first is not None:
+        frames[:1] = turned_as(problem.arm, frames[:1], free, first[None])
+    frames = turned_along(frames, free)
+    turns = free.sampled(MOST_TURNS) if free.cone > LITTLE else FreeAxis(free.axis).sampled(ROLLS)
+    ways = change_of(frames, float(problem.arm.family[LIMITED, FAR]))
+    count = int(np.ceil(ways[-1] / KEY_CHANGE)) + 1
+    few, more = (keys_of(ways, least) for least in (count, max(count, FEWEST)))
+    every = np.union1d(few, more)
+    plan = strips_of(replace(problem, T=frames, in_closed_form=True, objective="sum_of_squares"), every, turns)
+    return [planned(problem, free, plan, keys) for keys in ((few, more) if len(few) < len(more) else (more,))]
+
+
+def planned(problem: Problem, free: FreeAxis, plan: Problem, keys: Keys) -> Array:
+    """(n, 7) the best way through strips at key poses, and what is near it at every pose."""
+    way = through(plan, keys, False)[0]
+    keys = keys[way.reached[keys]]
+    if not len(keys):
+        return np.clip(np.zeros((len(plan.T), 7)), problem.arm.lower, problem.arm.upper)
+    q = way.q[keys[0]] + np.vstack([np.zeros(7), np.cumsum(steps_of(problem, way.q[keys]), axis=0)])
+    poses = np.arange(len(plan.T))
+    wanted = np.column_stack([np.interp(poses, keys, q[:, j]) for j in range(7)])
+    return around(problem, free, taken(problem, free, wanted))
+
+
+def taken(problem: Problem, free: FreeAxis, q: Array) -> Array:
+    """(n, 7) postures taken to their poses, where that goes."""
+    wanted = np.clip(q, problem.arm.lower, problem.arm.upper)
+    found = solve_batch(problem.arm, problem.T, free, wanted, True, 1)
+    return np.where(found.ok[:, None], found.q, wanted)
+
+
+def around(problem: Problem, free: FreeAxis, q: Array) -> Array:
+    """(n, 7) the best way through what is near one at every pose, at its turns and at some beside them."""
+    frames, all_poses = turned_as(problem.arm, problem.T, free, q), np.arange(len(q))
+    turns = np.array([free.rolled(angle) for angle in BESIDE])
+    told = replace(problem, T=frames, near=q, radius=RADIUS, objective="sum_of_squares")
+    way = through(strips_of(told, all_poses, turns), all_poses, False)[0]
+    return taken(problem, free, np.where(way.reached[:, None], way.q, q))
+
+
+def turned_along(T: Array, free: FreeAxis) -> Array:
+    """(n, 4, 4) the same poses as far as they are asked for, each turned against the one before as little as can be."""
+    frames = T.copy()
+    for k in range(1, len(T)):
+        if free.cone < np.pi:
+            frames[k, :3, :3] = T[k, :3, :3] @ free.rolled(_roll(T[k, :3, :3].T @ frames[k - 1, :3, :3], free.axis))
+        else:
+            frames[k, :3, :3] = T[0, :3, :3]
+    return frames
+
+
+def turned_as(arm: PackedArm, T: Array, free: FreeAxis, q: Array) -> Array:
+    """(n, 4, 4) the same poses, each with the free turn that a posture of it has."""
+    turned, tips = T.copy(), forward_kinematics_batch(arm, q, 1)
+    for pose, tip in zip(turned, tips, strict=True):
+        if free.cone > 0.0 and free.lean(tip[:3, :3], pose[:3, :3]) == 0.0:
+            pose[:3, :3] = tip[:3, :3]
+        else:
+            pose[:3, :3] = pose[:3, :3] @ free.rolled(_roll(pose[:3, :3].T @ tip[:3, :3], free.axis))
+    return turned
+
+
+def _roll(turn: Array, axis: Array) -> float:
+    """The angle about an axis of the rotation that is closest to one (3, 3)."""
+    across = np.array([turn[2, 1] - turn[1, 2], turn[0, 2] - turn[2, 0], turn[1, 0] - turn[0, 1]])
+    return float(np.arctan2(axis @ across, np.trace(turn) - axis @ turn @ axis))
+
+
+def change_of(frames: Array, reach: float) -> Array:
+    """(n,) how much poses change from the first one on, rad and reaches of the arm."""
+    moved = np.linalg.norm(np.diff(frames[:, :3, 3], axis=0), axis=1) / reach
+    cosines = 0.5 * (np.einsum("kij,kij->k", frames[1:, :3, :3], frames[:-1, :3, :3]) - 1.0)
+    return np.append(0.0, np.cumsum(moved + np.arccos(np.clip(cosines, -1.0, 1.0))))
+
+
+def keys_of(way: Array, count: int) -> Keys:
+    """About so many poses, as far apart as can be, with both ends."""
+    at = np.searchsorted(way, np.linspace(0.0, way[-1], count))
+    return np.unique(np.append(at, [0, len(way) - 1]))
+
+
+def strips_of(problem: Problem, keys: Keys, turns: Array) -> Problem:
+    """The problem with the strips of all turns of the key poses known."""
+    n = len(turns)
+    frames = np.repeat(problem.T[keys], n, axis=0)
+    frames[:, :3, :3] = frames[:, :3, :3] @ np.tile(turns, (len(keys), 1, 1))
+    settings, none = problem.settings.copy(), np.zeros(len(frames), np.bool_)
+    settings[BY_CONTINUITY] = NONE_LONG
+    near = np.repeat(problem.near[keys], n, axis=0)
+    told = replace(
+        problem, T=frames, seed=None, settings=settings, limited=False, near=near, known=near, has_known=none
+    )
+    rows, poses = [], []
+    for number, key in enumerate(keys.tolist()):
+        tell(number, len(keys))
+        some = np.arange(number * n, (number + 1) * n)
+        held, _ = Block(told, some, 0, False, None).held()
+        if not (len(held) or problem.arm.closed or told.is_near):
+            # The arm may reach what its nearest exact limb does not.
+            held, _ = Block(replace(told, in_closed_form=False), some, 0, False, None).held()
+        rows.append(held)
+        poses.append(np.full(len(held), key))
+    settings = problem.settings.copy()
+    settings[BY_CONTINUITY] = np.maximum(settings[BY_CONTINUITY], LONGEST)
+    alone = np.ones(len(problem.T), np.bool_)
+    known = np.vstack(rows), np.concatenate(poses), alone
+    return replace(problem, settings=settings, limited=False, held=known[0], held_of=known[1], held_alone=known[2])
 
 
 def followed(arm: PackedArm, T: Array, free: FreeAxis, first: Array) -> Array:
@@ -107,68 +220,3 @@ def followed(arm: PackedArm, T: Array, free: FreeAxis, first: Array) -> Array:
             break
         q[k] = found.q
     return q
-
-
-def relaxed(arm: PackedArm, T: Array, free: FreeAxis, q: Array, fixed_first: bool) -> Array:
-    """(n, 7) the same path with every posture where it is best for its neighbours, the sum of squared steps falling."""
-    q = q.copy()
-    value = _squares(q)
-    for _ in range(SWEEPS):
-        before = q.copy()
-        for parity in (0, 1):
-            some = np.arange(parity, len(q), 2)
-            some = some[(some > 0) | (not fixed_first)]
-            if len(some):
-                left, right = q[np.maximum(some - 1, 0)], q[np.minimum(some + 1, len(q) - 1)]
-                left = np.where((some == 0)[:, None], right, left)
-                right = np.where((some == len(q) - 1)[:, None], left, right)
-                found = solve_batch(arm, T[some], free, np.clip(0.5 * (left + right), arm.lower, arm.upper), True, 1)
-                better = found.ok & (np.abs(found.q - q[some]).max(axis=1) < 0.3)
-                q[some[better]] = found.q[better]
-        now = _squares(q)
-        if not now < value:
-            return before
-        if value - now < ENOUGH * value:
-            break
-        value = now
-    return q
-
-
-def _turned(T: Array, turn: Array) -> Array:
-    turned = T.copy()
-    turned[:3, :3] = T[:3, :3] @ turn
-    return turned
-
-
-def _squares(q: Array, start: Array | None = None) -> float:
-    return float((np.diff(q if start is None else np.vstack([start, q]), axis=0) ** 2).sum())
-
-
-def _chain(postures: list[Array], start: Array | None, longest: Array) -> list[int]:
-    """Indices of the postures, one a key, with the least sum of squared steps."""
-    cost = np.zeros(len(postures[0])) if start is None else ((postures[0] - start) ** 2).sum(axis=1)
-    back: list[NDArray[np.int64]] = []
-    for before, here, limit in zip(postures, postures[1:], longest[1:], strict=False):
-        steps = here[:, None] - before[None]
-        price = (steps**2).sum(axis=2) + TOO_LONG * np.maximum(np.abs(steps) - limit, 0.0).max(axis=2)
-        total = price + cost
-        back.append(total.argmin(axis=1))
-        cost = total.min(axis=1)
-    chosen = [int(cost.argmin())]
-    for step in reversed(back):
-        chosen.append(int(step[chosen[-1]]))
-    return chosen[::-1]
-
-
-def _between(T: Array, keys: NDArray[np.int64], turns: Array) -> Array:
-    """Poses whose turns go evenly from those of a key to those of the next one."""
-    import pinocchio as pin
-
-    whole = T.copy()
-    for first, last, a, b in zip(keys, keys[1:], turns, turns[1:], strict=False):
-        way = pin.log3(a.T @ b)
-        for k in range(first, last + 1):
-            whole[k, :3, :3] = T[k, :3, :3] @ a @ pin.exp3(way * (k - first) / (last - first))
-    if len(keys) == 1:
-        whole[:, :3, :3] = T[:, :3, :3] @ turns[0]
-    return whole

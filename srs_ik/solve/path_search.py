@@ -9,7 +9,6 @@ from numpy.typing import NDArray
 
 from srs_ik.inputs.poses import refuse_bad_poses
 from srs_ik.kernels.entries import path as entries
-from srs_ik.kernels.entries.path import MOST_NODES
 from srs_ik.kernels.entries.pose import pack_limits
 from srs_ik.kernels.layout.limb import LIMITED, LOOSE, SHIFT
 from srs_ik.kernels.layout.path import BREAK, BY_CONTINUITY, HELD_LINKED
@@ -31,8 +30,9 @@ FINE_POSES = 256
 
 PARTS = np.array([0.25, 0.5, 0.75])
 THIRDS = np.array([1.0, 2.0]) / 3.0
-FARTHEST = 0.1
-"""Where strips of a near limb are fine, postures at these parts of the way are put between two, so far off it, rad."""
+FARTHEST, MOST_HELD = 0.1, 4096
+"""Where strips of a near limb are fine, postures at these parts of the way are put between two, so far off it, rad, if
+a pose has no more than so many then."""
 
 ROUNDED = 1e-4
 """Joints of a near limb that are off those of its nearest exact one by less than this, rad, are so by rounding."""
@@ -396,4 +396,4 @@ def finer(problem: Problem, parts: Array = PARTS) -> Problem:
     places = np.append(np.arange(len(rows)), (first[:, None] + parts).ravel()[good])
     order = np.argsort(places, kind="stable")
     held, held_of = np.vstack([rows, between[good]])[order], np.append(poses, where[good])[order]
-    return problem if np.bincount(held_of).max(initial=0) > MOST_NODES else replace(problem, held=held, held_of=held_of)
+    return problem if np.bincount(held_of).max(initial=0) > MOST_HELD else replace(problem, held=held, held_of=held_of)

@@ -50,6 +50,13 @@ def watched(watcher: Callable[[int, int], None]) -> Iterator[None]:
         _watcher.reset(token)
 
 
+def tell(begun: int, count: int) -> None:
+    """Tell whoever watches this thread how far a piece of work is."""
+    watcher = _watcher.get()
+    if watcher is not None:
+        watcher(begun, count)
+
+
 def processors() -> int:
     """Processors that this process may use."""
     return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1

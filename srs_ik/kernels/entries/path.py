@@ -56,10 +56,10 @@ from srs_ik.kernels.path.splits import put_split
 from srs_ik.kernels.path.steps import rules_for
 from srs_ik.kernels.path.strips import DEEPEST, GRID, SPACING, put_node, room_for_ends
 
-MOST_NODES = 4096
-"""Most postures of a pose."""
+MOST_NODES = 16384
+"""Most postures of a pose, with room for those of a run in all its turns."""
 
-MOST_STRIPS = 512
+MOST_STRIPS = 2048
 """Most strips of a pose."""
 
 KEY_CHANGE = 0.03

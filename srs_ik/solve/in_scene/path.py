@@ -55,7 +55,7 @@ def keep_clear(problem: Problem, find: Callable[[Problem], Way]) -> PathSolution
         asked = replace(problem, arm=arm, free=room.free)
         way = find(asked)
         rows = rows_of(asked, way)
-        rows[:, :7] = unwound(arm, rows[:, :7], problem.seed)
+        rows[:, :7] = unwound(asked, rows)
         edges = Edges(around, rows[:, :7], _lines(asked, rows))
         found = len(edges.hits), way, rows, edges, asked
         jumps = int((~way.reached).sum()) + _jumps(asked, rows)

@@ -1,0 +1,185 @@
+"""A path through poses that leave a turn free, moved to the best one near it: all postures at once.
+
+Each posture moves along what its pose leaves free, two ways or more, so that a step of Gauss and Newton is one banded
+system for the whole path. Joints that would pass their limits, and axes that would leave their cone, are put on these.
+Each posture is then the nearest of its pose to where the step leads.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from srs_ik.inputs.freedom import FreeAxis
+from srs_ik.solve.freedom import solve_batch
+from srs_ik.solve.kinematics import forward_kinematics_batch, jacobian_batch
+from srs_ik.solve.packed import PackedArm
+
+Array = NDArray[np.float64]
+
+ROUNDS, STEPS, HALVINGS = 12, 12, 3
+"""Most rounds, steps of a round, and how often one that gains nothing is made half as long."""
+
+ENOUGH, ENOUGH_OF_ROUND = 1e-4, 3e-4
+"""A step that gains less of all than this is the last one of its round, and a round that does is the last one."""
+
+LONGEST_MOVE = 0.3
+"""Longest move of a joint in one step, rad."""
+
+HOLDS = 3
+"""So often it is asked which joints would pass their limits."""
+
+HELD = 1e6
+"""Weight of a limit that is not to be passed."""
+
+STILL = 1e-9
+"""Weight of moves that nothing asks for."""
+
+TOO_LONG = 1e3
+"""Cost of a joint step beyond its limit, in squared rad by rad."""
+
+
+def relaxed(arm: PackedArm, T: Array, free: FreeAxis, q: Array, start: Array | None, longest: Array) -> Array:
+    """(n, 7) the best path near one by the sum of squared steps, that from the start included.
+
+    Args:
+        arm: the arm.
+        T: (n, 4, 4) poses.
+        free: what they leave free.
+        q: (n, 7) the path.
+        start: (7,) posture before the first one, or None.
+        longest: (7,) longest joint steps, rad: longer ones become shorter where that goes.
+    """
+    value = _cost(q, start, longest)
+    for _ in range(ROUNDS):
+        before = value
+        for _ in range(STEPS):
+            q, value, gain = _moved(arm, T, free, q, (start, longest, value), _step(arm, T, free, q, start), HALVINGS)
+            if gain <= ENOUGH * value:
+                break
+        for parity in (0, 1):
+            q, value, _ = _moved(arm, T, free, q, (start, longest, value), _alone(q, start, parity), 1)
+        if before - value <= ENOUGH_OF_ROUND * value:
+            break
+    return q
+
+
+def _moved(
+    arm: PackedArm,
+    T: Array,
+    free: FreeAxis,
+    q: Array,
+    known: tuple[Array | None, Array, float],
+    move: Array,
+    times: int,
+) -> tuple[Array, float, float]:
+    """A path moved as far as that makes it better, half as far each time: postures, cost, and what is gained."""
+    start, longest, value = known
+    for _ in range(times):
+        moved = _taken(arm, T, free, q, move)
+        now = _cost(moved, start, longest)
+        if now < value:
+            return moved, now, value - now
+        move = 0.5 * move
+    return q, value, 0.0
+
+
+def _taken(arm: PackedArm, T: Array, free: FreeAxis, q: Array, move: Array) -> Array:
+    """(n, 7) the postures of poses that are nearest to where a step leads; those that do not move stay."""
+    some = np.flatnonzero(np.abs(move).max(axis=1) > 0.0)
+    if not len(some):
+        return q
+    wanted = np.clip(q[some] + move[some], arm.lower, arm.upper)
+    found = solve_batch(arm, T[some], free, wanted, True, 1)
+    good = found.ok & (np.abs(found.q - wanted).max(axis=1) < LONGEST_MOVE)
+    moved = q.copy()
+    moved[some[good]] = found.q[good]
+    return moved
+
+
+def _alone(q: Array, start: Array | None, parity: int) -> Array:
+    """(n, 7) the way of every second posture to the middle of its neighbours, where limits bend what all do at once."""
+    before = np.vstack([q[:1] if start is None else start[None], q[:-1]])
+    behind = np.vstack([q[1:], q[-1:]])
+    middle = 0.5 * (before + behind)
+    middle[-1] = before[-1]
+    if start is None:
+        middle[0] = behind[0]
+    move = middle - q
+    move[1 - parity :: 2] = 0.0
+    return np.asarray(move)
+
+
+def _cost(q: Array, start: Array | None, longest: Array) -> float:
+    steps = np.diff(q, axis=0)
+    over = np.maximum(np.abs(steps) - longest, 0.0).max(initial=0.0)
+    first = 0.0 if start is None else ((q[0] - start) ** 2).sum()
+    return float((steps**2).sum() + first + TOO_LONG * over)
+
+
+def _step(arm: PackedArm, T: Array, free: FreeAxis, q: Array, start: Array | None) -> Array:
+    """(n, 7) how the postures move in a step."""
+    ways, edge, room = _ways(arm, T, free, q)
+    n, _, m = ways.shape
+    # Half the slope of the sum of squares, and half its second derivatives.
+    d = np.diff(q, axis=0)
+    slope = np.zeros((n, 7))
+    slope[1:] += d
+    slope[:-1] -= d
+    count = np.full(n, 2.0)
+    count[[0, -1]] = 1.0 if n > 1 else 0.0
+    if start is not None:
+        slope[0] += q[0] - start
+        count[0] += 1.0
+    own = np.einsum("kji,kjl->kil", ways, ways) * count[:, None, None] + STILL * np.eye(m)
+    next_to = -np.einsum("kji,kjl->kil", ways[:-1], ways[1:])
+    right = -np.einsum("kji,kj->ki", ways, slope)
+    # Rows of what may not be passed: joints, and the axis at the edge of its cone; by how far each is from it.
+    rows = np.concatenate([ways, edge[:, None]], axis=1)
+    low = np.column_stack([arm.lower - q, np.full(n, -np.inf)])
+    high = np.column_stack([arm.upper - q, room])
+    weights, to = np.zeros((n, 8)), np.zeros((n, 8))
+    x = np.zeros((n, m))
+    for _ in range(HOLDS):
+        held = own + np.einsum("kji,kj,kjl->kil", rows, weights, rows)
+        x = _solved(held, next_to, right + np.einsum("kji,kj->ki", rows, weights * to))
+        reached = np.einsum("kji,ki->kj", rows, x)
+        over = ((reached < low - STILL) | (reached > high + STILL)) & (weights == 0.0)
+        if not over.any():
+            break
+        weights[over], to[over] = HELD, np.where(reached < low, low, high)[over]
+    move = np.einsum("kji,ki->kj", ways, x)
+    part = np.abs(move).max(axis=1, initial=0.0)
+    return np.asarray(move * min(1.0, LONGEST_MOVE / max(float(part.max()), LONGEST_MOVE)))
+
+
+def _ways(arm: PackedArm, T: Array, free: FreeAxis, q: Array) -> tuple[Array, Array, Array]:
+    """Of each posture: (7, m) the ways its pose leaves, (m,) how the axis leans out along them, and its room, rad."""
+    jacobians, tips = jacobian_batch(arm, q, 1), forward_kinematics_batch(arm, q, 1)
+    is_axis, ought = tips[:, :3, :3] @ free.axis, T[:, :3, :3] @ free.axis
+    kept = jacobians[:, :3]
+    if free.cone == 0.0:
+        # The axis keeps its direction: no turn across it.
+        across = np.linalg.svd(is_axis[:, None])[2][:, 1:]
+        kept = np.concatenate([kept, across @ jacobians[:, 3:]], axis=1)
+    ways = np.swapaxes(np.linalg.svd(kept)[2][:, kept.shape[1] :], 1, 2)
+    out = np.cross(ought, is_axis)
+    sine = np.linalg.norm(out, axis=1)
+    leaning = np.where(sine > STILL, 1.0 / np.maximum(sine, STILL), 0.0)[:, None] * out
+    edge = np.einsum("ki,kij,kjl->kl", leaning, jacobians[:, 3:], ways)
+    room = free.cone - np.arctan2(sine, np.einsum("ki,ki->k", is_axis, ought))
+    return ways, edge, room if free.cone > 0.0 else np.full(len(q), np.inf)
+
+
+def _solved(own: Array, next_to: Array, right: Array) -> Array:
+    """(n, m) the solution of a system of blocks (n, m, m) and (n - 1, m, m) above these."""
+    from scipy.linalg import solveh_banded
+
+    n, m, _ = own.shape
+    band = np.zeros((2 * m, n * m))
+    for i in range(m):
+        for j in range(i, m):
+            band[2 * m - 1 - (j - i), j::m] = own[:, i, j]
+        for j in range(m):
+            band[m - 1 - j + i, m + j :: m] = next_to[:, i, j]
+    return np.asarray(solveh_banded(band, right.ravel(), check_finite=False)).reshape(n, m)

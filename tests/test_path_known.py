@@ -1,0 +1,88 @@
+"""Postures that a path has to take, of arms whose joints turn without end: in the turns in which they are given."""
+
+from functools import cache
+
+import numpy as np
+import pytest
+from arms import file_of, forward, load
+
+import srs_ik
+
+TURN = 2.0 * np.pi
+
+Q = np.array([0.3, 0.7, -0.4, -1.1, 0.5, 0.8, -0.2])
+WAY = np.array([2.0, 0.3, -0.2, 0.3, 0.2, -0.4, 9.0])
+MOTION = Q + np.linspace(0.0, 1.0, 60)[:, None] * WAY
+"""Joint 7 turns more than once."""
+
+
+@cache
+def arm_without_ends(name, joints):
+    """The exact arm, its joints of these numbers without ends; gen3 has four such joints."""
+    if name == "gen3":
+        return load(name)
+    arm = load(name)
+    none = {arm.joint_names[j]: {"lower": -np.inf, "upper": np.inf} for j in joints}
+    return srs_ik.load(file_of(name), base=arm.base, tip=arm.tip, limits=none)
+
+
+def poses_of(name, motion):
+    return np.array([forward(name)(q).homogeneous for q in motion])
+
+
+def turned(*turns):
+    """Joints 1 and 7 turned by whole turns."""
+    return TURN * np.array([turns[0], 0, 0, 0, 0, 0, turns[1]])
+
+
+CASES = (("gen3", ()), ("made_offsets", (0, 2, 4, 6)), ("made_offsets", (0, 6)))
+
+
+@pytest.mark.parametrize(("name", "joints"), CASES)
+@pytest.mark.parametrize("turns", [(0, 0), (1, -1), (-3, 2)])
+@pytest.mark.parametrize("poses", [(0,), (25,), (59,), (10, 40), (0, 30, 59)])
+def test_a_posture_is_taken_in_the_turns_in_which_it_is_given(name, joints, turns, poses):
+    arm, known = arm_without_ends(name, joints), MOTION + turned(*turns)
+    path = arm.solve_path(poses_of(name, MOTION), known={i: known[i] for i in poses})
+    assert path
+    np.testing.assert_array_equal(path.q[list(poses)], known[list(poses)])
+    assert np.abs(path.steps).max() < 0.5
+    np.testing.assert_allclose(path.steps, np.diff(path.q, axis=0))
+
+
+@pytest.mark.parametrize(("name", "joints"), CASES)
+def test_a_given_posture_counts_for_more_than_the_seed(name, joints):
+    arm, known = arm_without_ends(name, joints), MOTION + turned(1, -1)
+    poses = poses_of(name, MOTION)
+    seeded, both = arm.solve_path(poses, seed=known[0]), arm.solve_path(poses, seed=known[0], known={30: MOTION[30]})
+    assert seeded
+    assert both
+    assert np.abs(seeded.q[0] - known[0]).max() < 0.5
+    np.testing.assert_array_equal(both.q[30], MOTION[30])
+
+
+@pytest.mark.parametrize(("name", "joints"), CASES)
+def test_behind_a_break_a_given_posture_is_taken_as_it_is_given(name, joints):
+    """Motions that nothing joins: those of the second half are in turns of their own."""
+    arm, motion = arm_without_ends(name, joints), MOTION.copy()
+    motion[30:] = MOTION[30:] * [1.0, -1.0, 1.0, 1.0, -1.0, 1.0, 1.0] + turned(2, -2)
+    path = arm.solve_path(poses_of(name, motion), known={0: motion[0], 59: motion[59]})
+    assert [each.sample for each in path.breaks]
+    np.testing.assert_array_equal(path.q[[0, 59]], motion[[0, 59]])
+
+
+@pytest.mark.parametrize(("name", "joints"), CASES)
+def test_turns_are_counted_on_over_poses_that_are_not_reached(name, joints):
+    arm, poses = arm_without_ends(name, joints), poses_of(name, MOTION)
+    lost = [*range(20, 22), 41]
+    poses[lost, :3, 3] += 9.0
+    path = arm.solve_path(poses, known={30: MOTION[30]})
+    kept = np.setdiff1d(np.arange(60), lost)
+    assert path.ok[kept].all()
+    assert not path.ok[lost].any()
+    assert np.isfinite(path.q).all()
+    np.testing.assert_array_equal(path.q[30], MOTION[30])
+    assert np.abs(np.diff(path.q[kept], axis=0)).max() < 1.5
+    # Those in place of what is not reached are no more than half a turn from the pose before.
+    before = path.q[[19, 19, 40]]
+    assert np.abs(path.q[lost] - before)[:, np.isinf(arm.upper)].max() <= 0.5 * TURN + 1e-9
