@@ -22,7 +22,9 @@ from numba.np import arrayobj
 
 from srs_ik.kernels import entries
 from srs_ik.kernels.ahead.borrow import make_borrow
+from srs_ik.kernels.ahead.finding import make_finding
 from srs_ik.kernels.ahead.lean import make_lean
+from srs_ik.kernels.ahead.parts import make_parts
 from srs_ik.kernels.ahead.passes import Halves
 from srs_ik.kernels.ahead.passing import make_passing
 from srs_ik.kernels.ahead.quick import make_quick
@@ -86,9 +88,11 @@ class Frontend:
 
     def __init__(self, found: Callable[[Frontend], None] = lambda frontend: None) -> None:
         make_quick()
+        make_finding()
         make_lean()
         make_borrow()
         make_passing()
+        make_parts()
         self._found = found
         self._waiting: list[Callable[[], str]] = []
         self._halves = Halves(self._wait)

@@ -29,7 +29,8 @@ def make_quick() -> None:
     base.BaseContext.get_arg_packer = _known_packers(base.BaseContext.get_arg_packer)
     base.BaseContext.mangler = _short_names(base.BaseContext.mangler)
     base._has_loc = cache(base._has_loc)
-    types.Function.get_call_type = _known_call_types(types.Function.get_call_type)  # type: ignore[method-assign]
+    for kind in (types.Function, types.Dispatcher):
+        kind.get_call_type = _known_call_types(kind.get_call_type)  # type: ignore[attr-defined]
 
 
 def _define_count(module: Any, op: str, ordering: str) -> Any:
@@ -115,7 +116,7 @@ def _known_packers(find: Callable[..., Any]) -> Callable[..., Any]:
 
 
 def _known_call_types(find: Callable[..., Any]) -> Callable[..., Any]:
-    """The type of a call of a builtin function depends on the types of its arguments alone."""
+    """The type of a call of a function depends on the types of its arguments alone."""
     known: dict[Any, Any] = {}
 
     def get_call_type(self: Any, context: Any, args: Any, kws: Any) -> Any:
