@@ -29,7 +29,9 @@ _asked: list[Any] = []
 
 def make_passing() -> None:
     """Change Numba in this process, for good."""
-    ir.IRBuilder.extract_value = _at_hand(ir.IRBuilder.extract_value)
+    ir.IRBuilder.extract_value = _at_hand(_kept(ir.IRBuilder.extract_value))
+    ir.IRBuilder.add = _without(ir.IRBuilder.add, 0)
+    ir.IRBuilder.mul = _without(ir.IRBuilder.mul, 1)
     ir.Function.descr_body = _describe
     for kind in WITHOUT_EFFECT:
         kind._get_reference = _noted(kind._get_reference)
@@ -60,6 +62,35 @@ def _at_hand(usual: Callable[..., Any]) -> Callable[..., Any]:
         return usual(self, whole, wanted, name)
 
     return extract_value
+
+
+def _kept(usual: Callable[..., Any]) -> Callable[..., Any]:
+    """A part that was taken out earlier in a block is at hand, too."""
+
+    def extract_value(self: Any, whole: Any, place: list[int], name: str = "") -> Any:
+        block = self.block
+        if self._anchor != len(block.instructions):
+            return usual(self, whole, place, name)
+        known = block.__dict__.setdefault("parts", {})
+        key = (id(whole), *place)
+        if key not in known:
+            known[key] = usual(self, whole, place, name)
+        return known[key]
+
+    return extract_value
+
+
+def _without(usual: Callable[..., Any], neutral: int) -> Callable[..., Any]:
+    """What changes nothing is not computed."""
+
+    def compute(self: Any, one: Any, other: Any, *more: Any, **flags: Any) -> Any:
+        if isinstance(one, ir.Constant) and one.constant == neutral:
+            return other
+        if isinstance(other, ir.Constant) and other.constant == neutral:
+            return one
+        return usual(self, one, other, *more, **flags)
+
+    return compute
 
 
 def _as_it_is(usual: Callable[..., Any]) -> Callable[..., Any]:
