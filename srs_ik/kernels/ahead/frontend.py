@@ -9,11 +9,13 @@ from __future__ import annotations
 import importlib
 from collections.abc import Callable
 from functools import partial
+from itertools import count
 from typing import Any
 
 from llvmlite import ir
 from numba import types
 from numba.core import cgutils, compiler
+from numba.core.bytecode import FunctionIdentity
 from numba.core.codegen import CodeLibrary
 from numba.core.compiler_lock import global_compiler_lock
 from numba.core.registry import cpu_target
@@ -54,6 +56,9 @@ def _no_address(builder: Any, address: int, info: str) -> Any:
         raise TypeError(f"a kernel cannot refer to a {info} of the process that compiles it")
     return ir.Constant(_BYTE.as_pointer(), None)
 
+
+NUMBERS = 10**6
+"""More functions than there are kernels."""
 
 Written = tuple[str, set[str]]
 """A module as LLVM reads it, and the names that other modules use of it."""
@@ -158,8 +163,11 @@ class Frontend:
         # Where calls are made in this process, what Numba wrote for the last one is out of this one's reach.
         self._context.cached_internal_func.clear()
         self._shared.append(self._context.codegen()._create_empty_module("kernels"))
+        # Numbers of functions that Numba has to find while it writes must not tell how far other processes are.
+        before, FunctionIdentity._unique_ids = FunctionIdentity._unique_ids, count(NUMBERS)
         with global_compiler_lock:
             names = {write() for write in taken}
+        FunctionIdentity._unique_ids = before
         self._halves.postponing = True
         return str(self._shared.pop()), names
 
