@@ -124,8 +124,11 @@ def _known_call_types(find: Callable[..., Any]) -> Callable[..., Any]:
             return find(self, context, args, kws)
         key = (id(self), tuple(args))
         if key not in known:
+            # The code that stands for some types stays the same: others are forked at any time to write calls of it.
+            before = dict(self.__dict__.get("_impl_keys", ()))
             # With the function, lest another one gets its number.
             known[key] = (self, find(self, context, args, kws))
+            self.__dict__.get("_impl_keys", {}).update(before)
         return known[key][1]
 
     return get_call_type
