@@ -21,8 +21,7 @@ def make_finding() -> None:
     typeinfer.TypeInferer.add_type = _add_type
     typeinfer.TypeInferer.get_state_token = _state
     typeinfer.ConstraintNetwork.propagate = _propagate
-    for module in (errors, typeinfer):
-        module.new_error_context = _Context
+    errors.new_error_context = typeinfer.new_error_context = _Context  # type: ignore[attr-defined]
     if PYVERSION == (3, 11):
         bytecode._unpack_opargs = _without_caches(bytecode._unpack_opargs)
     byteflow.Flow._run_handle_exception = _go_on(byteflow.Flow._run_handle_exception)
@@ -110,7 +109,7 @@ class _Context:
 
     def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, at: TracebackType | None) -> None:
         if isinstance(error, errors.NumbaError):
-            error.add_context(errors._format_msg(self._words, self._given, self._named))
+            error.add_context(errors._format_msg(self._words, self._given, self._named))  # type: ignore[attr-defined]
 
 
 def _without_caches(usual: Callable[..., Any]) -> Callable[..., Any]:

@@ -29,8 +29,8 @@ def make_quick() -> None:
     base.BaseContext.get_arg_packer = _known_packers(base.BaseContext.get_arg_packer)
     base.BaseContext.mangler = _short_names(base.BaseContext.mangler)
     base._has_loc = cache(base._has_loc)
-    for kind in (types.Function, types.Dispatcher):
-        kind.get_call_type = _known_call_types(kind.get_call_type)  # type: ignore[attr-defined]
+    types.Function.get_call_type = _known_call_types(types.Function.get_call_type)  # type: ignore[method-assign]
+    types.Dispatcher.get_call_type = _known_call_types(types.Dispatcher.get_call_type)  # type: ignore[method-assign]
 
 
 def _define_count(module: Any, op: str, ordering: str) -> Any:
