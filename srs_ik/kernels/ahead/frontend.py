@@ -24,12 +24,10 @@ from numba.np import arrayobj
 
 from srs_ik.kernels import entries
 from srs_ik.kernels.ahead.borrow import make_borrow
-from srs_ik.kernels.ahead.finding import make_finding
 from srs_ik.kernels.ahead.lean import make_lean
-from srs_ik.kernels.ahead.parts import make_parts
 from srs_ik.kernels.ahead.passes import Halves
-from srs_ik.kernels.ahead.passing import make_passing
-from srs_ik.kernels.ahead.quick import make_quick
+from srs_ik.kernels.ahead.passing import make_parts, make_passing
+from srs_ik.kernels.ahead.quick import make_finding, make_quick
 from srs_ik.kernels.ahead.signatures import Argument, Entry
 
 _ELEMENTS = {"float": types.float64, "int": types.int64, "byte": types.int8, "bool": types.bool_}
