@@ -10,16 +10,16 @@ import llvmlite.binding as llvm
 OPT = 3
 
 
-def prepare(modules: list[str], kept: set[str] | None, triple: str) -> bytes:
-    """One module of some, for all processors of a machine: all but the kept symbols are seen by nobody else.
+def prepare(module: str, kept: set[str] | None, triple: str) -> bytes:
+    """A module for all processors of a machine: all but the kept symbols are seen by nobody else.
 
     Args:
-        modules: as Numba writes them.
+        module: as Numba writes it.
         kept: names that other modules use; None for all.
         triple: the machine.
     """
     machine = _machine(triple, "", "")
-    whole = _linked([llvm.parse_assembly(each) for each in modules])
+    whole = llvm.parse_assembly(module)
     for each in (*whole.functions, *whole.global_variables):
         if not each.is_declaration and kept is not None:
             each.linkage = "external" if each.name in kept else "internal"

@@ -9,11 +9,13 @@ from __future__ import annotations
 import importlib
 from collections.abc import Callable
 from functools import partial
+from itertools import count
 from typing import Any
 
 from llvmlite import ir
 from numba import types
 from numba.core import cgutils, compiler
+from numba.core.bytecode import FunctionIdentity
 from numba.core.codegen import CodeLibrary
 from numba.core.compiler_lock import global_compiler_lock
 from numba.core.registry import cpu_target
@@ -24,8 +26,8 @@ from srs_ik.kernels import entries
 from srs_ik.kernels.ahead.borrow import make_borrow
 from srs_ik.kernels.ahead.lean import make_lean
 from srs_ik.kernels.ahead.passes import Halves
-from srs_ik.kernels.ahead.passing import make_passing
-from srs_ik.kernels.ahead.quick import make_quick
+from srs_ik.kernels.ahead.passing import make_parts, make_passing
+from srs_ik.kernels.ahead.quick import make_finding, make_quick
 from srs_ik.kernels.ahead.signatures import Argument, Entry
 
 _ELEMENTS = {"float": types.float64, "int": types.int64, "byte": types.int8, "bool": types.bool_}
@@ -53,17 +55,28 @@ def _no_address(builder: Any, address: int, info: str) -> Any:
     return ir.Constant(_BYTE.as_pointer(), None)
 
 
-Written = tuple[list[str], set[str]]
-"""Modules as LLVM reads them, and the names that other modules use of them."""
+NUMBERS = 10**6
+"""More functions than there are kernels."""
+
+Written = tuple[str, set[str]]
+"""A module as LLVM reads it, and the names that other modules use of it."""
 
 
 class _Untouched(CodeLibrary):
-    """Code of a function as Numba writes it: neither optimised, nor linked, nor run."""
+    """Code of a function as Numba writes it: neither optimised, nor linked, nor run.
+
+    Functions that are written together share a module, and with it what they say of those that they call.
+    """
 
     written: list[str]
+    shared: list[Any]
+
+    def create_ir_module(self, name: str) -> Any:
+        return self.shared[0] if self.shared else super().create_ir_module(name)
 
     def add_ir_module(self, ir_module: Any) -> None:
-        self.written.append(str(ir_module))
+        if not self.shared:
+            self.written.append(str(ir_module))
 
     def add_linking_library(self, library: Any) -> None:
         pass
@@ -86,9 +99,11 @@ class Frontend:
 
     def __init__(self, found: Callable[[Frontend], None] = lambda frontend: None) -> None:
         make_quick()
+        make_finding()
         make_lean()
         make_borrow()
         make_passing()
+        make_parts()
         self._found = found
         self._waiting: list[Callable[[], str]] = []
         self._halves = Halves(self._wait)
@@ -97,7 +112,8 @@ class Frontend:
         self._context = cpu_target.target_context
         self._typing = cpu_target.typing_context
         codegen = self._context.codegen()
-        codegen._library_class = type("Untouched", (_Untouched,), {"written": self._written})
+        self._shared: list[Any] = []
+        codegen._library_class = type("Untouched", (_Untouched,), {"written": self._written, "shared": self._shared})
         self._context.get_executable = lambda library, descriptor, environment: [].append
         self._context.add_dynamic_addr = _no_address
         # Numba's own words name the sizes, for which half a library of strings would have to be compiled.
@@ -109,7 +125,7 @@ class Frontend:
         self._flags.no_cfunc_wrapper = True
         self._typing.refresh()
         self._context.refresh()
-        self._runtime = self._written[:]
+        (self._runtime,) = self._written
         self._written.clear()
 
     def find_types(self, entry: Entry, symbol: str) -> None:
@@ -136,20 +152,22 @@ class Frontend:
         del self._waiting[:most]
         return partial(self._finished, taken)
 
-    def runtime(self) -> list[str]:
-        """What all code may call: the modules, in which everything is meant for others."""
-        return list(self._runtime)
+    def runtime(self) -> str:
+        """What all code may call: a module in which everything is meant for others."""
+        return self._runtime
 
     def _finished(self, taken: list[Callable[[], str]]) -> Written:
         self._halves.postponing = False
         # Where calls are made in this process, what Numba wrote for the last one is out of this one's reach.
         self._context.cached_internal_func.clear()
+        self._shared.append(self._context.codegen()._create_empty_module("kernels"))
+        # Numbers of functions that Numba has to find while it writes must not tell how far other processes are.
+        before, FunctionIdentity._unique_ids = FunctionIdentity._unique_ids, count(NUMBERS)
         with global_compiler_lock:
             names = {write() for write in taken}
+        FunctionIdentity._unique_ids = before
         self._halves.postponing = True
-        modules = self._written[:]
-        self._written.clear()
-        return modules, names
+        return str(self._shared.pop()), names
 
     def _export(self, entry: Entry, compiled: Any, symbol: str) -> str:
         """A C function: pointers, then sizes that are not fixed, scalars, and where to write the results."""

@@ -24,6 +24,7 @@ FAILURE = "excinfo"
 def make_lean() -> None:
     """Change Numba in this process, for good: it is to translate kernels and nothing else from now on."""
     CPUCallConv.call_function = _plain_call(CPUCallConv.call_function)
+    CPUCallConv.decorate_function = _once(CPUCallConv.decorate_function)
     CPUCallConv.return_status_propagate = _plain_failure(CPUCallConv.return_status_propagate)
     lowering.Lower.lower_block = _lower_block
     lowering.Lower._find_singly_assigned_variable = _without_slots
@@ -51,6 +52,16 @@ def _plain_call(usual: Callable[..., Any]) -> Callable[..., Any]:
         return status, self.context.get_returned_value(builder, resty, builder.load(slot))
 
     return call_function
+
+
+def _once(usual: Callable[..., None]) -> Callable[..., None]:
+    """A function is told once of its arguments, however many call it in a module."""
+
+    def decorate_function(self: Any, function: Any, *of: Any, **more: Any) -> None:
+        if self._get_excinfo_argument(function).name != FAILURE:
+            usual(self, function, *of, **more)
+
+    return decorate_function
 
 
 def _plain_failure(usual: Callable[..., Any]) -> Callable[..., Any]:
@@ -85,7 +96,11 @@ def _lower_block(self: Any, block: Any) -> None:
     for each in block.body:
         self.loc = each.loc
         look_at(each)
-        self.lower_inst(each)
+        if isinstance(each, ir.Assign):
+            name = each.target.name
+            self.storevar(self.lower_assign(self.typeof(name), each), name)
+        else:
+            self.lower_inst(each)
     self.post_block(block)
 
 

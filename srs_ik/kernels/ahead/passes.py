@@ -69,23 +69,33 @@ class Halves:
         interpreter.Interpreter.post_process = _without_peepholes(interpreter.Interpreter.post_process)
 
     def _cut(self, usual: Callable[..., Any]) -> Callable[..., Any]:
+        known: dict[bool, tuple[PassManager, PassManager, PassManager]] = {}
+
         def define_pipelines(pipeline: Any) -> Any:
-            (found,) = usual(pipeline)
-            passes, cut = found.passes, typed_passes.IRLegalization
-            if _is_kernel(pipeline.state.func_id):
-                passes = [(one, words) for one, words in passes if one not in NOT_NEEDED]
-                passes.insert([one for one, _ in passes].index(typed_passes.NopythonTypeInference), (OneType, "names"))
-                cut = typed_passes.NopythonTypeInference
+            is_kernel = _is_kernel(pipeline.state.func_id)
+            if is_kernel not in known:
+                known[is_kernel] = _cut_in_two(usual(pipeline)[0], is_kernel)
+            whole, first, left = known[is_kernel]
             if not self.postponing:
-                return [found if passes is found.passes else _manager(passes)]
-            at = [one for one, _ in passes].index(cut) + 1
-            backend = next(each for each in passes if each[0] is typed_passes.NoPythonBackend)
-            first = _manager([*passes[:at], (Postpone, "postpone"), backend])
-            left = _manager([each for each in passes[at:] if each is not backend])
+                return [whole]
             pipeline.state["postpone"] = partial(self._wait, partial(_finish, pipeline.state, left))
             return [first]
 
         return define_pipelines
+
+
+def _cut_in_two(found: PassManager, is_kernel: bool) -> tuple[PassManager, PassManager, PassManager]:
+    """All passes over a function, those up to where its types are known, and those that are left."""
+    passes, cut = found.passes, typed_passes.IRLegalization
+    if is_kernel:
+        passes = [(one, words) for one, words in passes if one not in NOT_NEEDED]
+        passes.insert([one for one, _ in passes].index(typed_passes.NopythonTypeInference), (OneType, "names"))
+        cut = typed_passes.NopythonTypeInference
+    at = [one for one, _ in passes].index(cut) + 1
+    backend = next(each for each in passes if each[0] is typed_passes.NoPythonBackend)
+    first = _manager([*passes[:at], (Postpone, "postpone"), backend])
+    left = _manager([each for each in passes[at:] if each is not backend])
+    return _manager(passes) if is_kernel else found, first, left
 
 
 def _manager(passes: list[Any]) -> PassManager:
