@@ -56,8 +56,8 @@ if TYPE_CHECKING:
     from srs_ik.solve.intervals import IntervalsBatch
     from srs_ik.solve.objectives import OBJECTIVES, Objective
     from srs_ik.solve.optimise import Optimum
-    from srs_ik.solve.path import PathSolution
-    from srs_ik.solve.path_breaks import PathBreak
+    from srs_ik.solve.path.breaks import PathBreak
+    from srs_ik.solve.path.solution import PathSolution
     from srs_ik.solve.posture import Posture
     from srs_ik.solve.self_motion import SelfMotion
     from srs_ik.solve.solution import BatchSolution, Collision, Interval, Solution, Solutions, Status
@@ -104,8 +104,8 @@ _MODULES = {
     "maps.reader": ("open_map",),
     "solve.objectives": ("OBJECTIVES", "Objective"),
     "solve.optimise": ("Optimum",),
-    "solve.path": ("PathSolution",),
-    "solve.path_breaks": ("PathBreak",),
+    "solve.path.solution": ("PathSolution",),
+    "solve.path.breaks": ("PathBreak",),
     "analysis.polytopes": ("Polytope", "force_polytope", "velocity_polytope"),
     "preview": ("Preview",),
     "inputs.poses": ("PoseError", "nearest_pose", "xyz_quaternion"),
@@ -116,7 +116,7 @@ _MODULES = {
     "inputs.freedom": ("FreeAxis",),
     "inputs.task": ("Task",),
     "solve.task": ("BatchTaskSolution", "TaskSolution"),
-    "solve.tracker": ("Tracker", "TrackerStatus", "TrackerStep"),
+    "solve.tracker.tracker": ("Tracker", "TrackerStatus", "TrackerStep"),
 }
 NAMESPACES = ("analysis", "control", "maps", "paper", "plots", "preview", "sim")
 """Rooms that have public names of their own."""

@@ -32,11 +32,11 @@ if TYPE_CHECKING:
     from srs_ik.solve.intervals import IntervalsBatch
     from srs_ik.solve.objectives import Objective
     from srs_ik.solve.optimise import Optimum
-    from srs_ik.solve.path import PathSolution
+    from srs_ik.solve.path.solution import PathSolution
     from srs_ik.solve.posture import Posture, Side, Tie
     from srs_ik.solve.self_motion import SelfMotion
     from srs_ik.solve.task import BatchTaskSolution, TaskSolution
-    from srs_ik.solve.tracker import Tracker
+    from srs_ik.solve.tracker.tracker import Tracker
 
 Array = NDArray[np.float64]
 
@@ -294,7 +294,7 @@ class Arm(BodyOwner):
             MissingExtra: a limit of the jerk is given, and ruckig is not installed.
             MissingLimits: the description gives a joint no velocity limit, and none is given here.
         """
-        from srs_ik.solve.tracker import Tracker
+        from srs_ik.solve.tracker.tracker import Tracker
 
         bounds = velocity, acceleration, jerk
         return Tracker((self.packed, self), q0, dt, bounds, elbow, smoothing, free_axis)

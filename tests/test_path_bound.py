@@ -13,11 +13,11 @@ import srs_ik
 from srs_ik.kernels.entries import path_bound
 from srs_ik.kernels.layout.path import CELL, CELL_OFF
 from srs_ik.kernels.path.cells import FREE
-from srs_ik.solve.path import _problem
-from srs_ik.solve.path_blocks import through
-from srs_ik.solve.path_bound import MOST_ROOM
-from srs_ik.solve.path_narrow import costs_to_end
-from srs_ik.solve.path_problem import limbs_of
+from srs_ik.solve.path.blocks import through
+from srs_ik.solve.path.bound import MOST_ROOM
+from srs_ik.solve.path.narrow import costs_to_end
+from srs_ik.solve.path.problem import limbs_of
+from srs_ik.solve.path.solution import _problem
 
 TURN = 2.0 * np.pi
 LONGEST = 30.0
@@ -153,7 +153,7 @@ def test_no_poses_and_one_pose():
 
 
 def test_long_paths_are_bounded_block_by_block(monkeypatch):
-    from srs_ik.solve import path_bound as bounds
+    from srs_ik.solve.path import bound as bounds
 
     arm, rng = load("human_left"), generator("human_left", 56)
     poses = poses_of(arm, known_motion(arm, rng, 60, 0.1))

@@ -7,7 +7,7 @@ from scipy.optimize import minimize
 from test_path_best import known_motion, poses_of
 
 import srs_ik
-from srs_ik.solve.path_timing import passing_times
+from srs_ik.solve.path.timing import passing_times
 
 
 def measured(steps, times):

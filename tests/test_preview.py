@@ -15,7 +15,7 @@ from scene import Scene
 import srs_ik
 from srs_ik.preview import Preview, palette, words
 from srs_ik.robot import zoo
-from srs_ik.solve.path import PathSolution
+from srs_ik.solve.path.solution import PathSolution
 
 Q = np.array([0.3, 0.7, -0.4, -1.2, 0.5, 0.8, -0.2])
 

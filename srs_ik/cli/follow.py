@@ -18,7 +18,7 @@ from srs_ik.cli.waiting import counted
 if TYPE_CHECKING:
     from srs_ik.arm import Arm
     from srs_ik.inputs.freedom import FreeAxis
-    from srs_ik.solve.tracker import Tracker, TrackerStep
+    from srs_ik.solve.tracker.tracker import Tracker, TrackerStep
 
 
 def follow(

@@ -19,7 +19,7 @@ from srs_ik.cli.waiting import at_work
 
 if TYPE_CHECKING:
     from srs_ik.arm import Arm
-    from srs_ik.solve.path import PathSolution
+    from srs_ik.solve.path.solution import PathSolution
 
 
 class Least(StrEnum):

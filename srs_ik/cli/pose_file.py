@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     import numpy as np
 
     from srs_ik.arm import Arm
-    from srs_ik.solve.path import PathSolution
+    from srs_ik.solve.path.solution import PathSolution
 
 POSITION = ("x", "y", "z")
 RPY = ("roll", "pitch", "yaw")

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from srs_ik.arm import Arm
-    from srs_ik.solve.path import PathSolution
+    from srs_ik.solve.path.solution import PathSolution
 
 MOST_COLUMNS = 400
 """Poses that are drawn of a longer path."""

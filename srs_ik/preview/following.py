@@ -22,7 +22,7 @@ from srs_ik.preview.words import STYLE, css, degrees
 
 if TYPE_CHECKING:
     from srs_ik.arm import Arm
-    from srs_ik.solve.tracker import Tracker, TrackerStep
+    from srs_ik.solve.tracker.tracker import Tracker, TrackerStep
 
 Array = NDArray[np.float64]
 

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from srs_ik.solve.intervals import IntervalsBatch
     from srs_ik.solve.optimise import Optimum
     from srs_ik.solve.packed import PackedArm
-    from srs_ik.solve.path import PathSolution
+    from srs_ik.solve.path.solution import PathSolution
     from srs_ik.solve.solution import BatchSolution, Interval, Solution, Solutions
     from srs_ik.solve.task import BatchTaskSolution, TaskSolution
 
@@ -60,7 +60,7 @@ class InLimits:
 
     def solve_path(self, poses: Any, *question: Any) -> PathSolution:
         """See `Arm.solve_path`."""
-        from srs_ik.solve.path import solve_path
+        from srs_ik.solve.path.solution import solve_path
 
         return solve_path(self.packed, poses, *question)
 

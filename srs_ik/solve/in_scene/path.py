@@ -17,13 +17,13 @@ from srs_ik.errors import InvalidConfiguration
 from srs_ik.kernels.layout.answer import ROW_STATUS
 from srs_ik.kernels.layout.path import BY_CONTINUITY
 from srs_ik.solve.in_scene.edges import Edges
-from srs_ik.solve.path_breaks import PathBreak, breaks_of
-from srs_ik.solve.path_problem import Problem, Way, steps_of
-from srs_ik.solve.path_rows import rows_of
+from srs_ik.solve.path.breaks import PathBreak, breaks_of
+from srs_ik.solve.path.problem import Problem, Way, steps_of
+from srs_ik.solve.path.rows import rows_of
 from srs_ik.solve.solution import Status
 
 if TYPE_CHECKING:
-    from srs_ik.solve.path import PathSolution
+    from srs_ik.solve.path.solution import PathSolution
 
 Array = NDArray[np.float64]
 
@@ -39,7 +39,7 @@ AMPLE = 1.5
 
 def keep_clear(problem: Problem, find: Callable[[Problem], Way]) -> PathSolution:
     """See `Arm.solve_path`, with a scene; `find` is the search for a path through given intervals."""
-    from srs_ik.solve.path import PathSolution, unwound
+    from srs_ik.solve.path.solution import PathSolution, unwound
 
     around = problem.around
     assert around is not None

@@ -12,13 +12,13 @@ from srs_ik.kernels.entries import path as entries
 from srs_ik.kernels.entries.pose import pack_limits
 from srs_ik.kernels.layout.limb import LIMITED, LOOSE, SHIFT
 from srs_ik.kernels.layout.path import BREAK, BY_CONTINUITY, HELD_LINKED
-from srs_ik.solve.path_around import BESIDE, find_at, search_around, wider
-from srs_ik.solve.path_blocks import Block, find_way, gone_back, held_in, through
-from srs_ik.solve.path_bridges import bridged
-from srs_ik.solve.path_narrow import costs_to_end, dear, find_narrow, held_below, held_between, worse
-from srs_ik.solve.path_odd import is_odd, smoothed_leaps, turned_at_flat
-from srs_ik.solve.path_polish import FINE, ROUGHLY, WIDTHS, improve
-from srs_ik.solve.path_problem import EVERYWHERE, FINE_SPACING, Problem, Way, copy, worth
+from srs_ik.solve.path.around import BESIDE, find_at, search_around, wider
+from srs_ik.solve.path.blocks import Block, find_way, gone_back, held_in, through
+from srs_ik.solve.path.bridges import bridged
+from srs_ik.solve.path.narrow import costs_to_end, dear, find_narrow, held_below, held_between, worse
+from srs_ik.solve.path.odd import is_odd, smoothed_leaps, turned_at_flat
+from srs_ik.solve.path.polish import FINE, ROUGHLY, WIDTHS, improve
+from srs_ik.solve.path.problem import EVERYWHERE, FINE_SPACING, Problem, Way, copy, worth
 
 Array = NDArray[np.float64]
 

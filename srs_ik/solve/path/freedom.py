@@ -20,14 +20,14 @@ from srs_ik.kernels.layout.limb import FAR, LIMITED
 from srs_ik.kernels.layout.path import BY_CONTINUITY
 from srs_ik.solve.freedom import solve, solve_batch
 from srs_ik.solve.kinematics import forward_kinematics_batch
-from srs_ik.solve.path_blocks import Block, through
-from srs_ik.solve.path_problem import Problem, objective_of, steps_of
-from srs_ik.solve.path_relaxed import relaxed
+from srs_ik.solve.path.blocks import Block, through
+from srs_ik.solve.path.problem import Problem, objective_of, steps_of
+from srs_ik.solve.path.relaxed import relaxed
 from srs_ik.solve.threads import tell
 
 if TYPE_CHECKING:
     from srs_ik.solve.packed import PackedArm
-    from srs_ik.solve.path import PathSolution
+    from srs_ik.solve.path.solution import PathSolution
 
 Array = NDArray[np.float64]
 Keys = NDArray[np.int64]

@@ -24,16 +24,16 @@ from srs_ik.kernels.layout.path import (
     SETTINGS,
 )
 from srs_ik.solve.free_splits import free_splits
-from srs_ik.solve.path_aims import best
-from srs_ik.solve.path_aims import closed as closed_way
-from srs_ik.solve.path_bound import least_largest, least_sum
-from srs_ik.solve.path_breaks import PathBreak, breaks_of
-from srs_ik.solve.path_limited import keeps_limits
-from srs_ik.solve.path_odd import searched_beside
-from srs_ik.solve.path_polish import FINE, improve, keep_limits
-from srs_ik.solve.path_problem import LARGEST_STEP, OBJECTIVES, TIME, Problem, Way, copy, objective_of, steps_of, worth
-from srs_ik.solve.path_rows import off_poses, on_straight_lines, rows_of
-from srs_ik.solve.path_timing import passing_times
+from srs_ik.solve.path.aims import best
+from srs_ik.solve.path.aims import closed as closed_way
+from srs_ik.solve.path.bound import least_largest, least_sum
+from srs_ik.solve.path.breaks import PathBreak, breaks_of
+from srs_ik.solve.path.limited import keeps_limits
+from srs_ik.solve.path.odd import searched_beside
+from srs_ik.solve.path.polish import FINE, improve, keep_limits
+from srs_ik.solve.path.problem import LARGEST_STEP, OBJECTIVES, TIME, Problem, Way, copy, objective_of, steps_of, worth
+from srs_ik.solve.path.rows import off_poses, on_straight_lines, rows_of
+from srs_ik.solve.path.timing import passing_times
 from srs_ik.solve.pose import solve
 from srs_ik.solve.solution import BatchSolution, Collision, ElbowRange, Status
 from srs_ik.solve.threads import interruptible
@@ -221,7 +221,7 @@ def _problem(
 def _free(arm: PackedArm, T: Array, free_axis: Any, asked: tuple[Any, ...]) -> PathSolution:
     """A path through poses that leave a turn free."""
     from srs_ik.inputs.freedom import as_free_axis
-    from srs_ik.solve.path_freedom import solve_free_path
+    from srs_ik.solve.path.freedom import solve_free_path
 
     problem = _problem(arm, T, *asked)
     seed, dt, longest_step, objective, acceleration = asked

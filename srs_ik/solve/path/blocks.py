@@ -26,7 +26,7 @@ from srs_ik.kernels.layout.path import (
     STRIP_LAST,
     STRIP_LEAST,
 )
-from srs_ik.solve.path_problem import Problem, Stopped, Wall, Way
+from srs_ik.solve.path.problem import Problem, Stopped, Wall, Way
 
 Array = NDArray[np.float64]
 

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from srs_ik.kernels.entries import path as entries
 from srs_ik.kernels.layout.answer import ROW, ROW_ORIENTATION_ERROR, ROW_POSITION_ERROR, ROW_STATUS
 from srs_ik.kernels.layout.path import BY_CONTINUITY
-from srs_ik.solve.path_problem import Problem, Way, limbs_of, steps_of
+from srs_ik.solve.path.problem import Problem, Way, limbs_of, steps_of
 from srs_ik.solve.solution import Status
 
 if TYPE_CHECKING:

@@ -13,11 +13,11 @@ from dataclasses import replace
 import numpy as np
 
 from srs_ik.kernels.layout.path import BREAK
-from srs_ik.solve.path_blocks import KEPT, find_way, through
-from srs_ik.solve.path_narrow import costs_to_end, find_narrow, held_below
-from srs_ik.solve.path_polish import FINE, improve, keep_limits
-from srs_ik.solve.path_problem import EVERYWHERE, FINE_SPACING, JUST_ABOVE, Problem, Way, copy, too_fast, worth
-from srs_ik.solve.path_search import finer, found
+from srs_ik.solve.path.blocks import KEPT, find_way, through
+from srs_ik.solve.path.narrow import costs_to_end, find_narrow, held_below
+from srs_ik.solve.path.polish import FINE, improve, keep_limits
+from srs_ik.solve.path.problem import EVERYWHERE, FINE_SPACING, JUST_ABOVE, Problem, Way, copy, too_fast, worth
+from srs_ik.solve.path.search import finer, found
 
 DEAR = 1.02
 """A path that costs so many times what the best one does without velocity limits may not be the best with them."""

@@ -20,8 +20,8 @@ from srs_ik.kernels.layout.objectives import PARAMS
 from srs_ik.solve.freedom import solve as solve_free
 from srs_ik.solve.pose import solve
 from srs_ik.solve.solution import Solution
-from srs_ik.solve.tracker_elbow import chosen
-from srs_ik.solve.tracker_jerk import JerkFilter
+from srs_ik.solve.tracker.elbow import chosen
+from srs_ik.solve.tracker.jerk import JerkFilter
 
 if TYPE_CHECKING:
     from srs_ik.collision.owner import BodyOwner

@@ -8,11 +8,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from srs_ik.kernels.layout.path import BREAK, BY_CONTINUITY, BY_VELOCITY, INVERSE_SPEED, LEAST_INVERSE
-from srs_ik.solve.path_around import RADIUS
-from srs_ik.solve.path_blocks import find_way, held_in, through
-from srs_ik.solve.path_limited import search
-from srs_ik.solve.path_polish import WIDTHS, polish, refine
-from srs_ik.solve.path_problem import (
+from srs_ik.solve.path.around import RADIUS
+from srs_ik.solve.path.blocks import find_way, held_in, through
+from srs_ik.solve.path.limited import search
+from srs_ik.solve.path.polish import WIDTHS, polish, refine
+from srs_ik.solve.path.problem import (
     EVERYWHERE,
     FINE_SPACING,
     LARGEST_STEP,
@@ -22,8 +22,8 @@ from srs_ik.solve.path_problem import (
     steps_of,
     worth,
 )
-from srs_ik.solve.path_search import THIRDS, finer, may_be_fine
-from srs_ik.solve.path_timing import passing_times
+from srs_ik.solve.path.search import THIRDS, finer, may_be_fine
+from srs_ik.solve.path.timing import passing_times
 
 Array = NDArray[np.float64]
 

@@ -9,8 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from srs_ik.kernels.layout.path import BY_CONTINUITY
-from srs_ik.solve.path_blocks import find_way
-from srs_ik.solve.path_problem import Problem, Wall, Way
+from srs_ik.solve.path.blocks import find_way
+from srs_ik.solve.path.problem import Problem, Wall, Way
 from srs_ik.solve.pose import solve
 from srs_ik.solve.solution import BatchSolution
 

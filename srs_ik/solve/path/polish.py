@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from srs_ik.kernels.entries import path as entries
 from srs_ik.kernels.layout.path import BREAK, BY_CONTINUITY, BY_VELOCITY, LARGEST, SLOWEST, WITHIN
-from srs_ik.solve.path_problem import (
+from srs_ik.solve.path.problem import (
     JUST_ABOVE,
     LARGEST_STEP,
     TIME,

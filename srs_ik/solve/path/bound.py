@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from srs_ik.kernels.entries import path_bound as entries
 from srs_ik.kernels.layout.path import BY_CONTINUITY, CELL, WORTH, WORTH_BEGIN, WORTH_END, WORTH_SAG
-from srs_ik.solve.path_problem import TIME, Problem
+from srs_ik.solve.path.problem import TIME, Problem
 
 Array = NDArray[np.float64]
 

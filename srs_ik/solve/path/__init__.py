@@ -1,0 +1,1 @@
+"""Joint angles along a path of poses."""

@@ -1,0 +1,1 @@
+"""Joint angles that follow a moving target."""
