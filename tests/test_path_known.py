@@ -86,3 +86,15 @@ def test_turns_are_counted_on_over_poses_that_are_not_reached(name, joints):
     # Those in place of what is not reached are no more than half a turn from the pose before.
     before = path.q[[19, 19, 40]]
     assert np.abs(path.q[lost] - before)[:, np.isinf(arm.upper)].max() <= 0.5 * TURN + 1e-9
+
+
+@pytest.mark.parametrize("free_axis", [None, [0, 0, 1]])
+def test_postures_of_poses_beyond_the_limits_do_not_turn_to_and_fro(free_axis):
+    motion = Q + 0.02 * np.arange(80)[:, None]
+    arm = load("gen3")
+    found = arm.solve_path(poses_of("gen3", motion), free_axis=free_axis)
+    unmet = ~found.ok
+    endless = np.isinf(arm.upper)
+    assert unmet.sum() > 2, "the last poses are beyond the limit of joint 2"
+    between = np.diff(found.q, axis=0)[unmet[1:] | unmet[:-1]]
+    assert np.abs(between[:, endless]).max() <= np.pi + 1e-9

@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from srs_ik.inputs.freedom import FreeAxis
 from srs_ik.kernels.layout.limb import FAR, LIMITED
 from srs_ik.kernels.layout.path import BY_CONTINUITY
-from srs_ik.solve.freedom import solve, solve_batch
+from srs_ik.solve.freedom import met_batch, solve, solve_batch
 from srs_ik.solve.kinematics import forward_kinematics_batch
 from srs_ik.solve.path.blocks import Block, through
 from srs_ik.solve.path.problem import Problem, objective_of, steps_of
@@ -71,8 +71,15 @@ def solve_free_path(problem: Problem, free: FreeAxis, find: Callable[[Array], Pa
     first = nearest.q if nearest else None
     most = problem.settings[: BY_CONTINUITY + 1].min(axis=0)
     begins = sampled_ways(problem, free, first)
-    moved = [relaxed(arm, T, free, q, start, most) for q in begins]
-    ways = [find(T), *(find(turned_as(arm, T, free, q)) for q in moved)]
+    moved, turned = [], []
+    for q in begins:
+        # Poses that are not reached stay as they are, and the others close the gap.
+        met, frames = met_batch(arm, T, free, q)[1], T.copy()
+        q[met] = relaxed(arm, T[met], free, q[met], start, most)
+        frames[met] = turned_as(arm, T[met], free, q[met])
+        moved.append(q)
+        turned.append(frames)
+    ways = [find(T), *map(find, turned)]
     best = min(ways, key=lambda way: (len(way.breaks), not way, way.value))
     if best:
         most = np.maximum(most, np.abs(best.steps).max(axis=0, initial=0.0))
@@ -128,8 +135,8 @@ def planned(problem: Problem, free: FreeAxis, plan: Problem, keys: Keys) -> Arra
 def taken(problem: Problem, free: FreeAxis, q: Array) -> Array:
     """(n, 7) postures taken to their poses, where that goes."""
     wanted = np.clip(q, problem.arm.lower, problem.arm.upper)
-    found = solve_batch(problem.arm, problem.T, free, wanted, True, 1)
-    return np.where(found.ok[:, None], found.q, wanted)
+    found, met = met_batch(problem.arm, problem.T, free, wanted)
+    return np.where(met[:, None], found, wanted)
 
 
 def around(problem: Problem, free: FreeAxis, q: Array) -> Array:

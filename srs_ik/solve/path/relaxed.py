@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from srs_ik.inputs.freedom import FreeAxis
-from srs_ik.solve.freedom import solve_batch
+from srs_ik.solve.freedom import met_batch
 from srs_ik.solve.kinematics import forward_kinematics_batch, jacobian_batch
 from srs_ik.solve.packed import PackedArm
 
@@ -90,10 +90,10 @@ def _taken(arm: PackedArm, T: Array, free: FreeAxis, q: Array, move: Array) -> A
     if not len(some):
         return q
     wanted = np.clip(q[some] + move[some], arm.lower, arm.upper)
-    found = solve_batch(arm, T[some], free, wanted, True, 1)
-    good = found.ok & (np.abs(found.q - wanted).max(axis=1) < LONGEST_MOVE)
+    found, met = met_batch(arm, T[some], free, wanted)
+    good = met & (np.abs(found - wanted).max(axis=1) < LONGEST_MOVE)
     moved = q.copy()
-    moved[some[good]] = found.q[good]
+    moved[some[good]] = found[good]
     return moved
 
 

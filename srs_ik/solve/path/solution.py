@@ -340,7 +340,9 @@ def unwound(problem: Problem, rows: Array) -> Array:
         of = pieces[np.maximum(np.searchsorted(pieces, piece, side="right") - 1, 0)]
         turns += np.array([begin[k] for k in of.tolist()])
     q[met[:, None], endless] = way + period * turns
-    # Postures of poses that are not met lie beside the way.
-    before = q[met[np.maximum(np.searchsorted(met, np.arange(len(q)), side="right") - 1, 0)]][:, endless]
-    q[:, endless] += period * np.round((before - q[:, endless]) / period)
+    # Postures of poses that are not met lie beside the one before, and those that begin a path beside the one behind.
+    unmet = np.setdiff1d(np.arange(len(q)), met)
+    for k in (*unmet[unmet > met[0]].tolist(), *unmet[unmet < met[0]][::-1].tolist()):
+        beside = q[k - 1 if k > met[0] else k + 1, endless]
+        q[k, endless] += period * np.round((beside - q[k, endless]) / period)
     return q
