@@ -83,10 +83,13 @@ def test_the_free_width_is_that_of_arm_angles_that_clear_the_scene(made):
     assert (free > 0.1).any()
     truth = Truth(file_of(arm)[0], arm, file_of(arm)[1])
     truth.add("shelf", srs_ik.pose_from_xyz_rpy([0.5, 0.35, 0.5], [0.0, 0.0, 0.0]).homogeneous, coal.Box(0.6, 0.1, 1.0))
-    step = 0.02
+    step, same = 0.02, 0
     for at in some_reached(chart, 6):
         T = pose_of(chart, at)
-        assert free[at] == pytest.approx(sum(each.width for each in arm.intervals(T, scene=scene)), abs=1e-5)
+        # A map asks spheres alone; where these leave nothing, `intervals` asks the real shapes.
+        if free[at] > 0.0:
+            assert free[at] == pytest.approx(sum(each.width for each in arm.intervals(T, scene=scene)), abs=1e-5)
+            same += 1
         clear = 0.0
         for interval in arm.intervals(T):
             for psi in np.arange(interval.lower + 0.5 * step, interval.upper, step):
@@ -94,6 +97,7 @@ def test_the_free_width_is_that_of_arm_angles_that_clear_the_scene(made):
         # Each end of a free piece may be half a step off.
         # Spheres cover the real shapes, so what is free is free of these for certain.
         assert free[at] <= clear + 0.5 * step * 2 * 12
+    assert same > 1
 
 
 def test_nothing_is_free_behind_a_wall_that_holds_the_hand():

@@ -98,3 +98,33 @@ def test_postures_of_poses_beyond_the_limits_do_not_turn_to_and_fro(free_axis):
     assert unmet.sum() > 2, "the last poses are beyond the limit of joint 2"
     between = np.diff(found.q, axis=0)[unmet[1:] | unmet[:-1]]
     assert np.abs(between[:, endless]).max() <= np.pi + 1e-9
+
+
+@pytest.mark.parametrize("name", ["gen3", "iiwa14"])
+@pytest.mark.parametrize("cone", [0.0, 0.3, np.pi])
+def test_paths_with_a_free_axis_of_poses_out_of_reach_are_broken_everywhere(name, cone):
+    poses = poses_of(name, MOTION[:6])
+    poses[:, 0, 3] += 9.0
+    for seed in (None, Q):
+        found = load(name).solve_path(poses, seed=seed, free_axis=srs_ik.FreeAxis(cone=cone))
+        assert not found.ok.any()
+        assert len(found.breaks) == 6
+        assert np.isfinite(found.q).all()
+
+
+@pytest.mark.parametrize("bad", [np.nan, np.inf])
+def test_paths_with_a_free_axis_refuse_poses_that_are_none(bad):
+    poses = poses_of("gen3", MOTION[:6])
+    poses[3, 0, 3] = bad
+    with pytest.raises(srs_ik.InvalidPose, match="3 of 6"):
+        load("gen3").solve_path(poses, free_axis=srs_ik.FreeAxis())
+
+
+def test_paths_with_a_free_axis_begin_in_the_turns_of_the_seed():
+    arm = load("gen3")
+    poses = poses_of("gen3", Q + 0.02 * np.arange(12)[:, None] * WAY)
+    beside = arm.solve_path(poses, seed=Q, free_axis=srs_ik.FreeAxis(cone=0.3))
+    turns = np.where(np.isinf(arm.upper), [-2.0, 0.0, 0.0, 0.0, -2.0, 0.0, 1.0], 0.0)
+    found = arm.solve_path(poses, seed=Q + TURN * turns, free_axis=srs_ik.FreeAxis(cone=0.3))
+    assert found.value == pytest.approx(beside.value, rel=1e-2)
+    assert np.abs(found.q[0] - Q - TURN * turns).max() < np.pi

@@ -69,32 +69,39 @@ def solve_free_path(problem: Problem, free: FreeAxis, find: Callable[[Array], Pa
     # The first pose as the arm may meet it from where it is.
     nearest = None if start is None else solve(arm, T[0], free, start, True)
     first = nearest.q if nearest else None
-    most = problem.settings[: BY_CONTINUITY + 1].min(axis=0)
-    begins = sampled_ways(problem, free, first)
-    moved, turned = [], []
-    for q in begins:
+    most = within = problem.settings[: BY_CONTINUITY + 1].min(axis=0)
+    ways, moved = [find(T)], []
+    for q in sampled_ways(problem, free, first):
         # Poses that are not reached stay as they are, and the others close the gap.
-        met, frames = met_batch(arm, T, free, q)[1], T.copy()
-        q[met] = relaxed(arm, T[met], free, q[met], start, most)
-        frames[met] = turned_as(arm, T[met], free, q[met])
-        moved.append(q)
-        turned.append(frames)
-    ways = [find(T), *map(find, turned)]
+        met, turned = met_batch(arm, T, free, q)[1], T.copy()
+        if met.any():
+            q[met] = relaxed(arm, T[met], free, in_turns_of(arm, q[met], start), start, most)
+            turned[met] = turned_as(arm, T[met], free, q[met])
+            ways.append(find(turned))
+        moved += [q] if met.all() else []
     best = min(ways, key=lambda way: (len(way.breaks), not way, way.value))
+    begins = [] if first is None else [followed(arm, T, free, first)]
     if best:
         most = np.maximum(most, np.abs(best.steps).max(axis=0, initial=0.0))
-        moved += [relaxed(arm, T, free, way.q, start, most) for way in ways if way]
-        begins = [followed(arm, T, free, best.q[0]), followed(arm, T[::-1], free, best.q[-1])[::-1]]
-        begins += [] if first is None else [followed(arm, T, free, first)]
-        moved += [relaxed(arm, T, free, q, start, most) for q in begins if np.isfinite(q).all()] + [best.q]
+        moved += [relaxed(arm, T, free, way.q, start, most) for way in ways if way] + [best.q]
+        begins += [followed(arm, T, free, best.q[0]), followed(arm, T[::-1], free, best.q[-1])[::-1]]
+    moved += [relaxed(arm, T, free, q, start, most) for q in begins if np.isfinite(q).all()]
     moved = [q for q in moved if (np.abs(np.diff(q, axis=0)) <= most).all()]
     if not moved:
         return best
-    q = min(moved, key=lambda q: _value(problem, q))
+    q = min(moved, key=lambda q: ((np.abs(np.diff(q, axis=0)) > within).any(), _value(problem, q)))
     found = solve_batch(arm, T, free, q, True, 1)
     if not found.ok.all() or np.abs(found.q - q).max() > SAME:
         return best
     return type(best)(found._rows, arm.joint_names, np.diff(found.q, axis=0), [], arm.elbow)
+
+
+def in_turns_of(arm: PackedArm, q: Array, start: Array | None) -> Array:
+    """(n, 7) a path whose joints without end begin in the turns of a posture before it."""
+    if start is None:
+        return q
+    turns = np.where(np.isinf(arm.lower) & np.isinf(arm.upper), np.round((start - q[0]) / (2.0 * np.pi)), 0.0)
+    return np.asarray(q + 2.0 * np.pi * turns)
 
 
 def _value(problem: Problem, q: Array) -> float:
