@@ -120,11 +120,34 @@ def test_paths_with_a_free_axis_refuse_poses_that_are_none(bad):
         load("gen3").solve_path(poses, free_axis=srs_ik.FreeAxis())
 
 
+def winding_path(begin, end, count, free):
+    """Poses of a straight line of joint angles of gen3, each rolled on."""
+    poses = poses_of("gen3", np.linspace(begin, end, count))
+    for k, pose in enumerate(poses):
+        pose[:3, :3] = pose[:3, :3] @ free.rolled(0.4 * k)
+    return poses
+
+
 def test_paths_with_a_free_axis_begin_in_the_turns_of_the_seed():
-    arm = load("gen3")
-    poses = poses_of("gen3", Q + 0.02 * np.arange(12)[:, None] * WAY)
-    beside = arm.solve_path(poses, seed=Q, free_axis=srs_ik.FreeAxis(cone=0.3))
-    turns = np.where(np.isinf(arm.upper), [-2.0, 0.0, 0.0, 0.0, -2.0, 0.0, 1.0], 0.0)
-    found = arm.solve_path(poses, seed=Q + TURN * turns, free_axis=srs_ik.FreeAxis(cone=0.3))
+    """Whole turns of the seed change nothing but the turns in which the path begins."""
+    arm, free = load("gen3"), srs_ik.FreeAxis([0.261298, -0.820744, -0.508038], cone=0.3)
+    seed = np.array([-1.349458, 0.136224, 1.055414, -2.367334, -0.442472, 0.232258, -2.783776])
+    end = [-1.539527, 0.938284, 1.837397, 2.281255, 0.723879, 1.918978, -2.689664]
+    poses = winding_path(seed, end, 15, free)
+    beside = arm.solve_path(poses, seed=seed, free_axis=free)
+    turns = TURN * np.array([-2.0, 0.0, 0.0, 0.0, -2.0, 0.0, 0.0])
+    found = arm.solve_path(poses, seed=seed + turns, free_axis=free)
+    assert found
     assert found.value == pytest.approx(beside.value, rel=1e-2)
-    assert np.abs(found.q[0] - Q - TURN * turns).max() < np.pi
+    assert np.abs(found.q[0] - seed - turns).max() < 0.5
+
+
+def test_paths_with_a_free_axis_are_followed_from_the_seed_too():
+    """Paths through sampled turns all begin 3 rad away from it."""
+    arm, free = load("gen3"), srs_ik.FreeAxis([-0.238985, -0.964329, 0.113823], cone=1.2)
+    begin = np.array([-0.639522, -0.25093, 0.063039, 2.078522, -1.34148, -1.264606, -0.348236])
+    end = [1.217777, -0.209741, -1.503314, 2.57, -2.060479, -1.217172, -2.14728]
+    seed = begin + np.array([0.001109, -0.078279, 0.112137, -0.004511, 0.299328, 0.220802, -0.204823])
+    found = arm.solve_path(winding_path(begin, end, 9, free), seed=seed, objective="time", free_axis=free)
+    assert found
+    assert np.abs(found.q[0] - seed).max() < 0.5
