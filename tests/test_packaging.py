@@ -1,10 +1,14 @@
 """The promises that the project's own files make to one another."""
 
+import os
 import re
+import runpy
 import subprocess
+import sys
 import tomllib
 from importlib import metadata
 from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
 
@@ -86,3 +90,26 @@ def test_nothing_else_lies_at_the_top_level():
         names = {name.split("/")[0] for name in kept}
     ignored = {line.rstrip("/") for line in (ROOT / ".gitignore").read_text().splitlines()}
     assert {name for name in names - ignored if not name.startswith(".")} <= TOP
+
+
+def test_a_wheel_is_compiled_where_this_checkout_is_installed_as_editable(monkeypatch, tmp_path):
+    # An isolated build drops from the search path what the environment around it has added to it: such a checkout, too.
+    interface = SimpleNamespace(BuildHookInterface=type("BuildHookInterface", (), {"root": str(ROOT)}))
+    monkeypatch.setitem(sys.modules, "hatchling.builders.hooks.plugin.interface", interface)
+    hook = runpy.run_path(str(ROOT / "srs_ik/kernels/ahead/hook.py"))
+    asked = {}
+
+    def refused(command, **how):
+        asked.update(how, args=command)
+        return subprocess.CompletedProcess(command, 1)
+
+    monkeypatch.setattr(subprocess, "run", refused)
+    assert hook["CompiledKernels"]()._compile({}) == "they could not be compiled, see above"
+    monkeypatch.undo()
+    drop = f"import sys\nsys.path = [folder for folder in sys.path if folder != {str(ROOT)!r}]\n"
+    (tmp_path / "sitecustomize.py").write_text(drop)
+    asked["env"]["PYTHONPATH"] += f"{os.pathsep}{tmp_path}"
+    # The same program, asked only what it can do.
+    done = subprocess.run([*asked.pop("args")[:-1], "--help"], **asked, capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr
+    assert "Compile all entries" in done.stdout

@@ -5,8 +5,9 @@ from __future__ import annotations
 import os
 import threading
 import time
+from _thread import start_new_thread
 from collections.abc import Callable, Iterator
-from concurrent.futures import ThreadPoolExecutor
+from concurrent.futures import Future, ThreadPoolExecutor
 from contextlib import contextmanager
 from contextvars import ContextVar
 from typing import TypeVar
@@ -133,9 +134,11 @@ class _Batch:
 
 def _share(batch: _Batch, size: int, helpers: int) -> None:
     """Work a batch off with so many helping threads; those that come too late are not waited for."""
-    pool = ThreadPoolExecutor(helpers)
+    helping: list[Future[None]] = [Future() for _ in range(helpers)]
     try:
-        helping = [pool.submit(batch.work_off, size) for _ in range(helpers)]
+        for helper in helping:
+            # Not a pool's: to wait until a thread has started takes as long as to solve hundreds of poses.
+            start_new_thread(_help, (helper, batch, size))
         batch.work_off(size, _watcher.get())
         for helper in helping:
             if not helper.cancel():
@@ -143,7 +146,18 @@ def _share(batch: _Batch, size: int, helpers: int) -> None:
     finally:
         # After an error or an interrupt the helpers end after the range that they are in.
         batch.abandon()
-        pool.shutdown(wait=False, cancel_futures=True)
+
+
+def _help(done: Future[None], batch: _Batch, size: int) -> None:
+    """Work off a part of a batch, unless it has been cancelled."""
+    if not done.set_running_or_notify_cancel():
+        return
+    try:
+        batch.work_off(size)
+    except BaseException as error:
+        done.set_exception(error)
+    else:
+        done.set_result(None)
 
 
 def interruptible(compute: Callable[[Stop], Result], *, worth_it: bool) -> Result:

@@ -61,7 +61,9 @@ class CompiledKernels(BuildHookInterface):
         sources = os.pathsep.join(filter(None, (self.root, os.environ.get("PYTHONPATH"))))
         environment = {**os.environ, "PYTHONPATH": sources, "PYTHONHASHSEED": "0", "SRS_IK_JIT": "1"}
         command = [sys.executable, "-m", "srs_ik.kernels.ahead.build", str(scratch)]
-        done = subprocess.run(command, cwd=scratch, env=environment, check=False)
+        # The folder that -m looks in first: an isolated build drops from PYTHONPATH what the environment has installed
+        # as editable, this checkout too.
+        done = subprocess.run(command, cwd=self.root, env=environment, check=False)
         if done.returncode:
             return "they could not be compiled, see above"
         for path in scratch.iterdir():
