@@ -11,6 +11,7 @@ from oracles import random_limb
 from path_oracle import best_path, swept_postures
 
 import srs_ik
+from srs_ik.solve.path import narrow, search
 
 LONGEST = 0.5
 
@@ -406,6 +407,25 @@ def test_postures_between_planned_poses_hide_no_better_path(name, motion, seeded
     path = arm.solve_path(poses_of(arm, known), seed=known[0] if seeded else None)
     assert path
     assert path.value <= value
+
+
+@pytest.mark.parametrize(("name", "number"), [("iiwa14", 99800), ("gen3", 99800)])
+def test_what_the_best_path_costs_at_least_is_known_where_others_are_looked_for(name, number, monkeypatch):
+    """How far around it is looked hangs on what a path may cost more than its plan, which costs little less than it."""
+    found = []
+
+    def noted(*told):
+        found.append(narrow.costs_to_end(*told))
+        return found[-1]
+
+    monkeypatch.setattr(search, "costs_to_end", noted)
+    arm = load(name)
+    known = motion_of_benchmark(arm, name, "singular", number)
+    path = arm.solve_path(poses_of(arm, known))
+    assert path
+    assert found
+    for rest in found:
+        assert 0.9 * path.value < rest.least <= 1.1 * path.value
 
 
 @pytest.mark.slow

@@ -8,11 +8,14 @@ from __future__ import annotations
 
 import math
 
+from srs_ik.kernels.algebra.joint_vectors import dot7
 from srs_ik.kernels.algebra.linear import solve_linear
+from srs_ik.kernels.algebra.pointers import row
 from srs_ik.kernels.algebra.vectors import across, add, along, cross, dot, load3, norm, rotate, scale, sub
 from srs_ik.kernels.chain.kinematics import joint_lines, pose_error, turn_about_line, turn_between
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.limb import AXES, ELBOW_CENTRE, IS_CLOSED, LOWER, SHOULDER_CENTRE, UPPER
+from srs_ik.kernels.limb.poses import read7
 from srs_ik.kernels.limb.triangle import arm_angle_of_direction, arm_frame, straight_offset
 
 CLOSED = 1e-12
@@ -243,15 +246,29 @@ def close_free(P, q, R, p, respect, steps, J, A):
 
 
 @kernel
+def with_zeros(a, which):
+    """Seven numbers, zero where a bit is set."""
+    return (
+        a[0] if which & 1 == 0 else 0.0,
+        a[1] if which & 2 == 0 else 0.0,
+        a[2] if which & 4 == 0 else 0.0,
+        a[3] if which & 8 == 0 else 0.0,
+        a[4] if which & 16 == 0 else 0.0,
+        a[5] if which & 32 == 0 else 0.0,
+        a[6] if which & 64 == 0 else 0.0,
+    )
+
+
+@kernel
 def shortest_step(J, linear, angular, blocked, damping, A):
     """Write into column 7 of A the shortest joint step for a twist, joints in the bit set `blocked` held still."""
     for i in range(6):
-        for k in range(6):
-            s = 0.0
-            for j in range(7):
-                if (blocked >> j) & 1 == 0:
-                    s += J[i, j] * J[k, j]
-            A[i, k] = s
+        free = read7(row(J, i))
+        if blocked != 0:
+            free = with_zeros(free, blocked)
+        for k in range(i + 1):
+            A[i, k] = dot7(free, row(J, k))
+            A[k, i] = A[i, k]
         A[i, i] += damping + 1e-16
     for i in range(3):
         A[i, 6] = linear[i]

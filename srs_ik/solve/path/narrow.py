@@ -36,6 +36,9 @@ ROOM = 0.05
 SPACED = 0.4
 """About such postures, those of a strip are no farther apart than this part of how far around it is looked."""
 
+ONE_CURVE = 1.0
+"""Of a path that leads farther than this about a posture, rad, its curve tells little."""
+
 
 @dataclass
 class Part:
@@ -106,6 +109,23 @@ def held_between(problem: Problem, keys: NDArray[np.int64], blocks: list[Block],
     return replace(held_below(problem, keys, blocks, rest, rest.most), near=near, radius=radius, spacing=spacing)
 
 
+def held_about(problem: Problem, keys: NDArray[np.int64], blocks: list[Block], rest: Rest) -> Problem:
+    """`held_between` on the true chain: between key poses that a path passes on one piece of a curve, that one alone.
+
+    Of the others all curves are looked for.
+    """
+    told = held_between(problem, keys, blocks, rest)
+    pieces = np.zeros(len(problem.T), np.int64)
+    for block, costs in zip(blocks, rest.after, strict=True):
+        some, cells = touched(block.linked(), block, costs, rest.most)
+        np.add.at(pieces, block.poses()[some & ~np.append(False, cells[:-1])], 1)
+    one = pieces[keys] == 1
+    n = np.arange(len(problem.T))
+    behind = np.searchsorted(keys, n)
+    before = behind - (keys[behind] > n)
+    return replace(told, radius=np.where(one[before] & one[behind] & (told.radius < ONE_CURVE), told.radius, 0.0))
+
+
 def between(problem: Problem, keys: NDArray[np.int64], blocks: list[Block], rest: Rest) -> tuple[Array, Array]:
     """Postures (n, 7) about which a path is at every pose, and (n,) how far around, rad, if it costs so little.
 
@@ -164,7 +184,7 @@ def costs_to_end(problem: Problem, blocks: list[Block], most: float) -> Rest:
         first = ends[1, 0]
         found.append(np.column_stack([after[first:n], nodes[first:n, NODE_SAG]]))
         nodes[:n, NODE_SAG] = sag
-    return Rest(found[::-1], most, float(blocks[-1].costs()[0].min()))
+    return Rest(found[::-1], most, blocks[-1].least())
 
 
 def held_below(problem: Problem, keys: NDArray[np.int64], blocks: list[Block], rest: Rest, most: float) -> Problem:

@@ -15,7 +15,7 @@ from srs_ik.kernels.layout.path import BREAK, BY_CONTINUITY, HELD_LINKED
 from srs_ik.solve.path.around import BESIDE, find_at, search_around, wider
 from srs_ik.solve.path.blocks import Block, find_way, gone_back, held_in, through
 from srs_ik.solve.path.bridges import bridged
-from srs_ik.solve.path.narrow import costs_to_end, dear, find_narrow, held_below, held_between, worse
+from srs_ik.solve.path.narrow import costs_to_end, dear, find_narrow, held_about, held_below, held_between, worse
 from srs_ik.solve.path.odd import is_odd, smoothed_leaps, turned_at_flat
 from srs_ik.solve.path.polish import FINE, ROUGHLY, WIDTHS, improve
 from srs_ik.solve.path.problem import EVERYWHERE, FINE_SPACING, Problem, Way, copy, worth
@@ -284,7 +284,7 @@ def sparse(problem: Problem, marks: NDArray[np.bool_]) -> Way | None:
         else:
             told = far(problem, keys)
             rest = costs_to_end(told, blocks, best.cost)
-            plan = replace(held_below(told, keys, blocks, rest, best.cost), settings=problem.settings)
+            plan = replace(held_about(told, keys, blocks, rest), settings=problem.settings)
         more = wider(missed) & ~marks
         marks = marks | more if more.any() and marks.mean() < MOST_PLANNED else np.ones_like(marks)
 
