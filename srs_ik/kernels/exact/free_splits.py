@@ -38,6 +38,11 @@ GENTLE = 1e-13
 STALLED = 0.9
 """Steps to close a posture, their least damping, and the part of an error that a step leaves where it ends."""
 
+BOUNCED = 2.0
+MOST_BOUNCES = 2
+"""Steps that make an error more than twice as large again lead to no posture after the second of them: they go to and
+fro about the greatest reach, which is not far enough."""
+
 LOOSELY = 3e-11
 """A split whose posture cannot be closed is one all the same if it meets its pose within this, m and rad."""
 
@@ -62,12 +67,15 @@ def close_gently(P, q, R, p, respect, J, A):
     them; the damping leaves them out, as long as the error has no part in them. What is `LEFT` is left where no step
     makes it less.
     """
-    blocked = 0
+    blocked, bounces = 0, 0
     last = math.inf
     for _ in range(CLOSING_STEPS):
         linear, angular = pose_step(P, q, R, p, J)
         error = max(norm(linear), norm(angular))
         if error < 0.1 * CLOSED or STALLED * last < error < LEFT:
+            return q, error
+        bounces += 1 if error > BOUNCED * last else 0
+        if bounces == MOST_BOUNCES:
             return q, error
         last = error
         shortest_step(J, linear, angular, blocked, max(GENTLE, 1e-2 * error * error), A)
