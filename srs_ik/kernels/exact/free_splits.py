@@ -40,8 +40,9 @@ STALLED = 0.9
 
 BOUNCED = 2.0
 MOST_BOUNCES = 2
-"""Steps that make an error more than twice as large again lead to no posture after the second of them: they go to and
-fro about the greatest reach, which is not far enough."""
+HOPELESS = 1e-5
+"""Steps that make an error twice as large again, above the last figure, m and rad, lead to no posture after the second
+of them: they go to and fro about the greatest reach, which is not far enough."""
 
 LOOSELY = 3e-11
 """A split whose posture cannot be closed is one all the same if it meets its pose within this, m and rad."""
@@ -74,7 +75,7 @@ def close_gently(P, q, R, p, respect, J, A):
         error = max(norm(linear), norm(angular))
         if error < 0.1 * CLOSED or STALLED * last < error < LEFT:
             return q, error
-        bounces += 1 if error > BOUNCED * last else 0
+        bounces += 1 if error > BOUNCED * last > BOUNCED * HOPELESS else 0
         if bounces == MOST_BOUNCES:
             return q, error
         last = error
