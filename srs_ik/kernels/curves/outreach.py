@@ -115,27 +115,26 @@ def put_outermost(P, by, which, starts, n):
         for _ in range(TURNS):
             if not good:
                 break
-            before, rise_before = q, rise
+            begin = (q, rise, turning)
             q = along7(q, 2.0 * math.pi / TURNS, turning)
             q, _, rise, turning, _, good = best_bend(P, by, q, curvature)
-            if good and away * rise_before > 0.0 and away * rise <= 0.0 and n + 2 <= starts.shape[0]:
-                n = put_pair(P, by, (before, rise_before, q, rise), curvature, starts, n)
+            if good and away * begin[1] > 0.0 and away * rise <= 0.0 and n + 2 <= starts.shape[0]:
+                n = put_pair(P, by, begin, (q[2], rise), curvature, starts, n)
     return n
 
 
 @kernel
-def put_pair(P, by, ends, curvature, starts, n):
-    """Append both bends of the greatest reach between two turns, each given with its rise, if it is past the pose."""
-    q, low, behind, high = ends
-    width = behind[2] - q[2]
-    part = width
-    begin, end = 0.0, width
-    best, past, rise, turning, bending, good = best_bend(P, by, q, curvature)
+def put_pair(P, by, before, behind, curvature, starts, n):
+    """Append both bends of the greatest reach between two turns, if it is past the pose.
+
+    The first is given by its best posture, rise and way with the turn, the second by joint 3 and its rise.
+    """
+    best, low, turning = before
+    begin, (end, high) = best[2], behind
+    past, bending, good = 0.0, NO_SEED, False
     for _ in range(CUTS):
         part = begin + (end - begin) * low / (low - high)
-        best, past, rise, turning, bending, good = best_bend(
-            P, by, along7(best, part - (best[2] - q[2]), turning), curvature
-        )
+        best, past, rise, turning, bending, good = best_bend(P, by, along7(best, part - best[2], turning), curvature)
         if not good or abs(rise) < LEVEL or end - begin < NARROWEST:
             break
         if (rise > 0.0) == (low > 0.0):

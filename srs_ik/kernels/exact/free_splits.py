@@ -73,10 +73,8 @@ def close_gently(P, q, R, p, respect, J, A):
     for _ in range(CLOSING_STEPS):
         linear, angular = pose_step(P, q, R, p, J)
         error = max(norm(linear), norm(angular))
-        if error < 0.1 * CLOSED or STALLED * last < error < LEFT:
-            return q, error
         bounces += 1 if error > BOUNCED * last > BOUNCED * HOPELESS else 0
-        if bounces == MOST_BOUNCES:
+        if error < 0.1 * CLOSED or STALLED * last < error < LEFT or bounces == MOST_BOUNCES:
             return q, error
         last = error
         shortest_step(J, linear, angular, blocked, max(GENTLE, 1e-2 * error * error), A)
