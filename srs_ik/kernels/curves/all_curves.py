@@ -38,9 +38,6 @@ OBLIQUE = 1e-3
 CLOSING_STEPS = 16
 """Newton's steps from a start to a curve, at most."""
 
-MOST_BOUNCES = 2
-"""A start whose steps bounce so often leads to no curve."""
-
 MAX_CURVES = 32
 MOST_LEFT = 8
 """Curves of a pose, and those on which an error is left (`LEFT`), at most."""
@@ -105,6 +102,7 @@ def bring_to_curves(P, by, starts, first, n):
 @kernel
 def follow_all(P, by, rows, curves):
     """Follow every curve of a pose that the closed form of the nearest exact limb leads to; the number of curves."""
+    R, p, _ = by.target
     oblique = P[SHOULDER + TOP_GAP] + P[SHOULDER + BOTTOM_GAP] + P[WRIST + TOP_GAP] + P[WRIST + BOTTOM_GAP] > OBLIQUE
     angles = STARTS_OBLIQUE if oblique else STARTS
     marks = np.empty((8 * angles, MARK))
@@ -130,7 +128,7 @@ def follow_all(P, by, rows, curves):
         brought = missed[i, MARK_NEXT] == 1.0
         if brought and is_known(P, by, q, t, rows, curves, count):
             continue
-        q, error = close_gently(P, q, by.target, False, MOST_BOUNCES, by.J, by.A)
+        q, error = close_gently(P, q, R, p, False, by.J, by.A)
         if error > LEFT or (error > CLOSED and vague >= MOST_LEFT):
             continue
         t, sign = tangent_at(P, by, q)

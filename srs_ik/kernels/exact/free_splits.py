@@ -38,12 +38,6 @@ GENTLE = 1e-13
 STALLED = 0.9
 """Steps to close a posture, their least damping, and the part of an error that a step leaves where it ends."""
 
-BOUNCED = 2.0
-HOPELESS = 1e-5
-ANY_BOUNCES = -1
-"""Steps bounce where they make an error twice as large again, above the second figure, m and rad: to and fro about the
-greatest reach, where it is not far enough."""
-
 LOOSELY = 3e-11
 """A split whose posture cannot be closed is one all the same if it meets its pose within this, m and rad."""
 
@@ -61,21 +55,19 @@ def worse_by(value, lowest, seeded):
 
 
 @kernel
-def close_gently(P, q, target, respect, most_bounces, J, A):
+def close_gently(P, q, R, p, respect, J, A):
     """Damped steps from a posture to one that meets its pose: q, and the larger of its errors (m, rad).
 
     Where more than one joint is singular some directions are as good as lost, and rounding alone would lead far along
     them; the damping leaves them out, as long as the error has no part in them. What is `LEFT` is left where no step
-    makes it less. At the last of some bounces the start is given up.
+    makes it less.
     """
-    R, p, _ = target
-    blocked, bounces = 0, 0
+    blocked = 0
     last = math.inf
     for _ in range(CLOSING_STEPS):
         linear, angular = pose_step(P, q, R, p, J)
         error = max(norm(linear), norm(angular))
-        bounces += 1 if error > BOUNCED * last > BOUNCED * HOPELESS else 0
-        if error < 0.1 * CLOSED or STALLED * last < error < LEFT or bounces == most_bounces:
+        if error < 0.1 * CLOSED or STALLED * last < error < LEFT:
             return q, error
         last = error
         shortest_step(J, linear, angular, blocked, max(GENTLE, 1e-2 * error * error), A)
@@ -95,7 +87,7 @@ def close_gently(P, q, target, respect, most_bounces, J, A):
 def closed_better(P, q, target, respect, J, A):
     """A posture, or the one that closes to less of an error."""
     position, orientation = pose_error(P, q, target.R, target.p)
-    closed, error = close_gently(P, q, target, respect, ANY_BOUNCES, J, A)
+    closed, error = close_gently(P, q, target.R, target.p, respect, J, A)
     return closed if error < max(position, orientation) else q
 
 
@@ -111,7 +103,7 @@ def keep_better(P, target, split, wanted, goal, best, work):
     if worse_by(value, lowest, goal.seeded) > GIVE:
         return best
     J, A = work
-    closed, error = close_gently(P, start, target, goal.respect, ANY_BOUNCES, J, A)
+    closed, error = close_gently(P, start, target.R, target.p, goal.respect, J, A)
     if error > LEFT:
         # With three joints singular at once, not all of a tiny error can be closed.
         known = off < LOOSELY or value >= OUTSIDE

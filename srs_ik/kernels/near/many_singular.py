@@ -25,7 +25,7 @@ from srs_ik.kernels.curves.surface import (
     posture_on,
     ways_of,
 )
-from srs_ik.kernels.exact.free_splits import ANY_BOUNCES, close_gently
+from srs_ik.kernels.exact.free_splits import close_gently
 from srs_ik.kernels.exact.nearest import read_step, slid
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.limb import LOWER, SIZE, UPPER
@@ -106,7 +106,7 @@ def descend(P, q, target, goal, least, work):
             there = moved(q, A, size)
             if goal.respect:
                 there = clipped(P, there)
-            there, error = close_gently(P, there, target, goal.respect, ANY_BOUNCES, J, A)
+            there, error = close_gently(P, there, target.R, target.p, goal.respect, J, A)
             value = cost(P, there, True, goal.seed, goal.respect)
             if error < LEFT and value < (1.0 - gain) * lowest:
                 gained = lowest - value
@@ -128,7 +128,7 @@ def try_from(P, q, target, goal, best, work):
     J, A = work
     if goal.respect:
         q = clipped(P, q)
-    q, error = close_gently(P, q, target, goal.respect, ANY_BOUNCES, J, A)
+    q, error = close_gently(P, q, target.R, target.p, goal.respect, J, A)
     if error > LEFT:
         return best
     q = turned(P, q, True, goal.seed, goal.respect)

@@ -23,7 +23,7 @@ from srs_ik.kernels.chain.newton import (
 from srs_ik.kernels.curves.best import cost_of_turn
 from srs_ik.kernels.curves.follow import correct
 from srs_ik.kernels.curves.surface import is_flat, level_place, put_starts
-from srs_ik.kernels.exact.free_splits import ANY_BOUNCES, close_gently
+from srs_ik.kernels.exact.free_splits import close_gently
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.asked import Best, Setting
 from srs_ik.kernels.layout.limb import (
@@ -312,7 +312,7 @@ def on_line_from(limbs, by, q, goal):
     position, orientation = pose_error(P, closed, R, p)
     error = max(position, orientation)
     if error > LEFT or value >= OUTSIDE:
-        closed, error = close_gently(box, clipped(box, q), by.target, True, ANY_BOUNCES, by.J, by.A)
+        closed, error = close_gently(box, clipped(box, q), R, p, True, by.J, by.A)
         closed, value = cost_of_turn(P, closed, goal)
     return closed, (value if error < LEFT and is_on_line(P, closed, place_) else 2.0 * NO_BRANCH)
 

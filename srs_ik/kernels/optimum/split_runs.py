@@ -16,7 +16,7 @@ from srs_ik.kernels.algebra.vectors import dot, load3, rotate
 from srs_ik.kernels.chain.newton import CLOSED
 from srs_ik.kernels.curves.follow import put
 from srs_ik.kernels.curves.runs import cut
-from srs_ik.kernels.exact.free_splits import ANY_BOUNCES, close_gently
+from srs_ik.kernels.exact.free_splits import close_gently
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.asked import Samples, Setting
 from srs_ik.kernels.layout.limb import (
@@ -90,7 +90,7 @@ def put_line(P, by, q, line_of, line, out, used):
                 start = split_by(P, SHOULDER, start, x)
             if way != 0:
                 start = split_by(P, WRIST, start, -x if way == 3 else x)
-        closed, error = close_gently(P, start, by.target, False, ANY_BOUNCES, by.J, by.A)
+        closed, error = close_gently(P, start, by.target.R, by.target.p, False, by.J, by.A)
         if error <= CLOSED:
             count = put(line, count, x, closed)
         if count > 0 and (error > CLOSED or i == parts):
