@@ -141,9 +141,7 @@ def follow_all(P, by, rows, curves):
         if n - first < 2:
             n = first
             continue
-        curves[count, 0] = first
-        curves[count, 1] = n
-        curves[count, 2] = 1.0 if closed else 0.0
+        curves[count, 0], curves[count, 1], curves[count, 2] = first, n, 1.0 if closed else 0.0
         count += 1
         vague += 1 if error > CLOSED else 0
     return count

@@ -47,20 +47,22 @@ LONGEST_STEP = 0.5
 
 @kernel
 def answer_to(J, t, right, A):
-    """Steps of joints 1, 2, 5, 6 and 7 that make up for a twist `right`, but for a way along S-W, which is the last."""
+    """Steps of joints 1, 2, 5, 6 and 7 that make up for a twist `right`, but for a way along S-W, and for the bend's.
+
+    They end in columns 6 and 7, the ways along S-W below them (`answer`). Returns whether there are any.
+    """
     for i in range(6):
         A[i, 0], A[i, 1] = J[i, 0], J[i, 1]
         A[i, 2], A[i, 3], A[i, 4] = J[i, 4], J[i, 5], J[i, 6]
         A[i, 5] = -t[i] if i < 3 else 0.0
-        A[i, 6] = right[i]
-    sign = solve_linear(A, 6)
-    return (A[0, 6], A[1, 6], 0.0, 0.0, A[2, 6], A[3, 6], A[4, 6]), A[5, 6], sign != 0.0
+        A[i, 6], A[i, 7] = right[i], -J[i, 3]
+    return solve_linear(A, 6) != 0.0
 
 
 @kernel
-def column(J, j):
-    """What a joint does to the tip, turned the other way."""
-    return (-J[0, j], -J[1, j], -J[2, j], -J[3, j], -J[4, j], -J[5, j])
+def answer(A, column, turn, bend):
+    """The steps in a column, with those of joints 3 and 4 given, and the way along S-W."""
+    return (A[0, column], A[1, column], turn, bend, A[2, column], A[3, column], A[4, column]), A[5, column]
 
 
 @kernel
@@ -71,25 +73,24 @@ def best_bend(P, by, q, curvature):
     with the bend, and whether there is one.
     """
     R, p, place_ = by.target
-    t = place_[0]
-    turning, bending = NO_SEED, NO_SEED
-    past, rise = 0.0, 0.0
+    J, t = by.J, place_[0]
+    bending = NO_SEED
+    past = 0.0
     for _ in range(STEPS):
-        linear, angular = pose_step(P, q, R, p, by.J)
-        right = (linear[0], linear[1], linear[2], angular[0], angular[1], angular[2])
-        step, past, good = answer_to(by.J, t, right, by.A)
-        turning, rise, _ = answer_to(by.J, t, column(by.J, 2), by.A)
-        bending, slope, _ = answer_to(by.J, t, column(by.J, 3), by.A)
-        turning = along7(turning, 1.0, (0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0))
-        bending = along7(bending, 1.0, (0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0))
+        linear, angular = pose_step(P, q, R, p, J)
+        good = answer_to(J, t, (linear[0], linear[1], linear[2], angular[0], angular[1], angular[2]), by.A)
+        step, past = answer(by.A, 6, 0.0, 0.0)
+        bending, slope = answer(by.A, 7, 0.0, 1.0)
         step = along7(step, -slope / curvature, bending)
         size = largest(step)
         if not (good and size < LONGEST_STEP):
-            return q, past, rise, turning, bending, False
+            return q, past, 0.0, NO_SEED, bending, False
         q = along7(q, 1.0, step)
         if size < SETTLED:
             break
-    return q, past, rise, turning, bending, True
+    good = answer_to(J, t, (-J[0, 2], -J[1, 2], -J[2, 2], -J[3, 2], -J[4, 2], -J[5, 2]), by.A)
+    turning, rise = answer(by.A, 6, 1.0, 0.0)
+    return q, past, rise, turning, bending, good
 
 
 @kernel
@@ -114,27 +115,26 @@ def put_outermost(P, by, which, starts, n):
         for _ in range(TURNS):
             if not good:
                 break
-            before, rise_before = q, rise
+            begin = (q, rise, turning)
             q = along7(q, 2.0 * math.pi / TURNS, turning)
             q, _, rise, turning, _, good = best_bend(P, by, q, curvature)
-            if good and away * rise_before > 0.0 and away * rise <= 0.0 and n + 2 <= starts.shape[0]:
-                n = put_pair(P, by, (before, rise_before, q, rise), curvature, starts, n)
+            if good and away * begin[1] > 0.0 and away * rise <= 0.0 and n + 2 <= starts.shape[0]:
+                n = put_pair(P, by, begin, (q[2], rise), curvature, starts, n)
     return n
 
 
 @kernel
-def put_pair(P, by, ends, curvature, starts, n):
-    """Append both bends of the greatest reach between two turns, each given with its rise, if it is past the pose."""
-    q, low, behind, high = ends
-    width = behind[2] - q[2]
-    part = width
-    begin, end = 0.0, width
-    best, past, rise, turning, bending, good = best_bend(P, by, q, curvature)
+def put_pair(P, by, before, behind, curvature, starts, n):
+    """Append both bends of the greatest reach between two turns, if it is past the pose.
+
+    The first is given by its best posture, rise and way with the turn, the second by joint 3 and its rise.
+    """
+    best, low, turning = before
+    begin, (end, high) = best[2], behind
+    past, bending, good = 0.0, NO_SEED, False
     for _ in range(CUTS):
         part = begin + (end - begin) * low / (low - high)
-        best, past, rise, turning, bending, good = best_bend(
-            P, by, along7(best, part - (best[2] - q[2]), turning), curvature
-        )
+        best, past, rise, turning, bending, good = best_bend(P, by, along7(best, part - best[2], turning), curvature)
         if not good or abs(rise) < LEVEL or end - begin < NARROWEST:
             break
         if (rise > 0.0) == (low > 0.0):

@@ -75,16 +75,10 @@ def rate_along(P, by, q, way):
 
 
 @kernel
-def rate_at(P, by, q):
-    """How fast the arm angle changes along a curve at a posture."""
-    way, _ = tangent_at(P, by, q)
-    return rate_along(P, by, q, way)
-
-
-@kernel
 def turn_at(P, by, q):
     """Whether the arm angle rises (1.0) or falls (-1.0) along a curve at a posture."""
-    return math.copysign(1.0, rate_at(P, by, q))
+    way, _ = tangent_at(P, by, q)
+    return math.copysign(1.0, rate_along(P, by, q, way))
 
 
 @kernel
