@@ -47,6 +47,13 @@ ARMS = {
 }
 
 
+EQUAL = {
+    "equal": lines((*EVEN[:3], (-3.3, 3.3), *EVEN[4:]), upper=400, fore=400),
+    "equal_free": lines((CONTINUOUS,) * 7, upper=400, fore=400),
+}
+"""Links of one length."""
+
+
 @pytest.fixture(scope="module")
 def bench():
     sys.path.insert(0, str(BENCHMARKS))
@@ -60,7 +67,7 @@ def load(tmp_path_factory):
 
     def loaded(name, limits=None):
         file = folder / f"{name}.urdf"
-        file.write_text(f'<robot name="{name}">{arm(ARMS[name], pose((0, 0, 1150)))}</robot>')
+        file.write_text(f'<robot name="{name}">{arm((ARMS | EQUAL)[name], pose((0, 0, 1150)))}</robot>')
         return srs_ik.load(file, base="link_0", tip="tool", limits=limits)
 
     return loaded
@@ -143,3 +150,38 @@ def test_so_is_one_whose_elbow_is_as_good_as_straight(bench, load, offset):
         # The smaller the bend, the worse it tells the arm angle: rounding of directions over it, rad.
         assert bench["beside"](robot, case, found) < 1e-6 + 1e-14 / offset, case.q.tolist()
     assert not list(bench["missed"](robot, some, intervals))
+
+
+def folded(bench, robot, rng, joints, offset):
+    """A posture with its wrist back on its shoulder, or as far from it as the bend tells."""
+    q = rng.uniform(-1.5, 1.5, 7)
+    for joint in (1, 5):
+        q[joint] = rng.choice([-1.0, 1.0]) * (offset if joint in joints else rng.uniform(0.3, 1.5))
+    q[3] = np.pi - offset
+    return bench["Case"](q, robot.forward_kinematics(q).homogeneous, q, joints, offset)
+
+
+@pytest.mark.parametrize("joints", [(3,), (1, 3), (3, 5)])
+@pytest.mark.parametrize(("offset", "share"), [(3e-10, 0.0), (1e-10, 0.05), (3e-11, 0.05)])
+def test_links_of_one_length_that_are_folded_meet_their_intervals(bench, load, joints, offset, share):
+    """Where S-W is shorter than 1e-10 m some are still not met: 1 to 4 % of them."""
+    robot, rng = load("equal"), np.random.default_rng(2)
+    some = [folded(bench, robot, rng, joints, offset) for _ in range(40)]
+    intervals = list(robot.intervals_batch(np.array([case.pose for case in some]), threads=1))
+    for case, found in zip(some, intervals, strict=True):
+        assert bench["beside"](robot, case, found) < 1e-6 + 1e-14 / case.offset, case.q.tolist()
+    asked = sum(len(bench["asked"](found)) for found in intervals)
+    assert len(list(bench["missed"](robot, some, intervals))) <= share * asked
+
+
+@pytest.mark.parametrize("offset", [0.0, 1e-16, 1e-14, 1e-13, 1e-12, 1e-11])
+def test_all_arm_angles_close_however_short_the_way_from_shoulder_to_wrist(bench, load, offset):
+    robot, rng = load("equal_free"), np.random.default_rng(3)
+    poses = np.array([folded(bench, robot, rng, (3,), offset).pose for _ in range(40)])
+    angles = rng.uniform(-np.pi, np.pi, len(poses))
+    for branch in range(8):
+        found = robot.solve_batch(poses, arm_angle=angles, branch=branch, threads=1)
+        assert found.ok.all()
+        _, _, tip, turned = bench["Known"](robot).moved(found.q)
+        assert np.abs(tip - poses[:, :3, 3]).max() < 1e-13
+        assert np.abs(turned - poses[:, :3, :3]).max() < 1e-13

@@ -100,6 +100,20 @@ def elbow_bend(P, d):
 
 
 @kernel
+def upper_arm_to_wrist(P, c, s):
+    """S-W in the upper arm's frame; c and s are cosine and sine of q4 - STRAIGHT.
+
+    Of two links of one length that are folded, c leaves nothing but rounding: 1 + c comes from s there.
+    """
+    a4 = load3(P, AXES + 9)
+    upper, fore = load3(P, UPPER_ARM), load3(P, FOREARM)
+    if c > -0.5:
+        return add(upper, rotate(a4, c, s, fore))
+    unfolded = along(scale(s * s / (1.0 - c), across(fore, a4)), s, cross(a4, fore))
+    return add(add(upper, rotate(a4, -1.0, 0.0, fore)), unfolded)
+
+
+@kernel
 def arm_frame(P, c, s):
     """Directions in the upper arm's frame: S-W (t), the elbow across it (h), and h x t.
 
@@ -108,12 +122,15 @@ def arm_frame(P, c, s):
     not: it stays well-defined when the elbow is on the line, and each elbow branch has its own.
     """
     a4 = load3(P, AXES + 9)
-    w = add(load3(P, UPPER_ARM), rotate(a4, c, s, load3(P, FOREARM)))
-    length = norm(w)
-    t = scale(1.0 / length, w) if length > 0.0 else unit_across(a4, a4, load3(P, UPPER_ARM))
+    w = upper_arm_to_wrist(P, c, s)
     kind = P[NORMAL_KIND]
     if kind == 0.0:
-        n = across(scale(math.copysign(1.0, s), load3(P, NORMAL_S)), t)
+        # Next to S = W, what rounding leaves of w along axis 4 is as long as w is.
+        w = across(w, a4)
+    length = norm(w)
+    t = scale(1.0 / length, w) if length > 0.0 else unit_across(cross(a4, load3(P, FOREARM)), a4, a4)
+    if kind == 0.0:
+        n = scale(math.copysign(1.0, s), load3(P, NORMAL_S))
         return t, cross(t, n), n
     if kind == 1.0:
         half_c = math.sqrt(0.5 * (1.0 + c)) if c > -0.5 else 0.5 * abs(s) / math.sqrt(0.5 * (1.0 - c))
