@@ -6,6 +6,7 @@ import pinocchio as pin
 import pytest
 from scipy.optimize import minimize
 
+import srs_ik
 from srs_ik import Status
 
 NAMES = arms.here("iiwa14", "gen3", "human_arm", "sia5d", "openarm_left")
@@ -75,3 +76,68 @@ def test_far_beyond_all_reach(distance):
     assert solution.status == Status.UNREACHABLE
     assert np.isfinite(solution.q).all()
     assert ((solution.q >= arm.lower) & (solution.q <= arm.upper)).all()
+
+
+STRAIGHT = {"iiwa14": 0.0, "gen3": 0.0, "j2s7s300": np.pi, "rm75": 0.0}
+
+
+def beyond(name, count):
+    """Poses of postures that are almost straight, moved on by up to 10 mm, that no posture meets, and that far."""
+    arm, rng = arms.load(name), arms.generator(name, 78)
+    low, high = np.maximum(arm.lower, -3.0), np.minimum(arm.upper, 3.0)
+    found = 0
+    for _ in range(400):
+        q = rng.uniform(low, high)
+        q[3] = STRAIGHT[name] + rng.normal() * 10.0 ** rng.uniform(-6.0, -2.0)
+        pose = arm.forward_kinematics(q)
+        far = 10.0 ** rng.uniform(-4.0, -2.0)
+        out = pose.translation - arm.limb.shoulder
+        moved = pin.SE3(pose.rotation, pose.translation + far * out / np.linalg.norm(out))
+        solution = arm.solve(moved)
+        if solution.status == Status.UNREACHABLE:
+            found += 1
+            yield arm, moved, solution, q, far
+        if found == count:
+            return
+
+
+@pytest.mark.parametrize("name", [name for name in arms.here(*STRAIGHT) if name in STRAIGHT])
+def test_just_out_of_reach_no_posture_with_the_rotation_is_closer(name):
+    tried = 0
+    for arm, pose, solution, q, far in beyond(name, 10):
+        tried += 1
+        position, orientation = errors(arm, pose, solution.q)
+        assert orientation < 1e-6
+        assert position < far + 1e-4
+        box = list(zip(np.maximum(arm.lower, -10.0), np.minimum(arm.upper, 10.0), strict=True))
+
+        def turn(x, arm=arm, pose=pose):
+            return pin.log3(arm.forward_kinematics(x).rotation.T @ pose.rotation)
+
+        def away(x, arm=arm, pose=pose):
+            return 1e4 * float(np.sum((arm.forward_kinematics(x).translation - pose.translation) ** 2))
+
+        for begin in (q, solution.q):
+            found = minimize(
+                away,
+                begin,
+                bounds=box,
+                constraints={"type": "eq", "fun": turn},
+                method="SLSQP",
+                options={"maxiter": 300},
+            )
+            if np.abs(turn(found.x)).max() < 1e-7:
+                assert errors(arm, pose, found.x)[0] > position - 1e-4
+        batch = arm.solve_batch([pose, pose], threads=2)
+        np.testing.assert_array_equal(batch.q[1], solution.q)
+    assert tried > 1
+
+
+def test_where_no_posture_has_an_arm_angle_the_answer_is_close_by():
+    # At full stretch a near arm has a part of all arm angles; at the others nothing was answered but zeros.
+    arm = srs_ik.load("gen3")
+    q = [0.851407071, -0.524061669, 0.379871334, -2.37065425e-04, -0.878854323, -0.210387967, -0.297467241]
+    solution = arm.solve(arm.forward_kinematics(q), arm_angle=0.4)
+    assert solution.status == Status.UNREACHABLE
+    assert solution.position_error < 0.02
+    assert solution.orientation_error < 0.02

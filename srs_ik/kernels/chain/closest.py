@@ -18,9 +18,14 @@ from srs_ik.kernels.layout.limb import FAR, LOWER, UPPER
 
 STARTS = 128
 ROUNDS = 4
-STEPS = 60
+STEPS = 150
 FLAT = 1e-11
 """Slope of the measure, per radian, at the bottom of a valley."""
+
+UPRIGHT = 1e-3
+"""Weight of lengths where the tip's rotation is kept: what that still gives up is 1e-6 of the distance, in reaches."""
+LEANING = 0.03
+"""That of the way there: along a narrow valley Newton's steps are short."""
 
 TOO_FAR = 1e6
 """A pose this many times the reach away is as well answered by any stretched arm."""
@@ -30,13 +35,15 @@ STRIDE = (0.8866, 0.7861, 0.6970, 0.6180, 0.5479, 0.4858, 0.4307)
 
 
 @kernel
-def surroundings(P, q, R, p, J):
+def surroundings(P, q, target, weight, J):
     """What the measure needs at q: M (from the wanted frame to the tip's), e (way to the pose, in reaches), measure.
 
-    J gets the velocities of the tip point, in reaches, in rows 0 to 2, and the joint axes in rows 3 to 5.
+    `weight` is that of lengths. J gets the velocities of the tip point, so weighed, in rows 0 to 2, and the joint axes
+    in rows 3 to 5.
     """
+    R, p, _ = target
     x, y, z, position = joint_lines(P, q, J)
-    unit = 1.0 / P[FAR]
+    unit = weight / P[FAR]
     for j in range(7):
         v = add((J[0, j], J[1, j], J[2, j]), cross((J[3, j], J[4, j], J[5, j]), position))
         for i in range(3):
@@ -78,11 +85,11 @@ def bottom_of_joint(slope, curvature, angle, low, high):
 
 
 @kernel
-def rounds(P, q, R, p, J):
+def rounds(P, q, target, J):
     """Each joint in turn to its best angle, a few times."""
     for _ in range(ROUNDS):
         for j in range(7):
-            M, e, _ = surroundings(P, q, R, p, J)
+            M, e, _ = surroundings(P, q, target, 1.0, J)
             angle = bottom_of_joint(first(M, e, J, j), second(M, e, J, j, j), q[j], P[LOWER + j], P[UPPER + j])
             q = with_joint(q, j, angle)
     return q
@@ -120,19 +127,19 @@ def newton_step(P, q, local, J, damping, A):
 
 
 @kernel
-def to_bottom(P, q, R, p, lowest, J, A):
+def to_bottom(P, q, target, weight, lowest, J, A):
     """From a configuration to the bottom of its valley: the configuration and its measure.
 
     A valley whose bottom stays above a measure that is known is left on the way: at full steps, of which a parabola
     gains half of what its slope says, twice the slope's gain is not enough.
     """
     damping = 1e-6
-    M, e, value = surroundings(P, q, R, p, J)
+    M, e, value = surroundings(P, q, target, weight, J)
     for _ in range(STEPS):
         there, slope, gain = newton_step(P, q, (M, e), J, damping, A)
-        if slope < FLAT or (damping < 1e-6 and value - 2.0 * gain > lowest):
+        if slope < FLAT * weight or (damping < 1e-6 and value - 2.0 * gain > lowest):
             break
-        M_there, e_there, lower = surroundings(P, there, R, p, J)
+        M_there, e_there, lower = surroundings(P, there, target, weight, J)
         if lower < value:
             q, M, e, value = there, M_there, e_there, lower
             damping = max(0.1 * damping, 1e-12)
@@ -140,7 +147,7 @@ def to_bottom(P, q, R, p, lowest, J, A):
             break
         else:
             damping = max(8.0 * damping, 1e-4)
-            surroundings(P, q, R, p, J)
+            surroundings(P, q, target, weight, J)
     return q, value
 
 
@@ -159,23 +166,41 @@ def start(P, q, number):
 
 
 @kernel
-def closest(P, q, R, p, J, A):
+def is_too_far(P, q, target, J):
+    """Whether any stretched arm answers a pose as well as another."""
+    _, e, _ = surroundings(P, q, target, 1.0, J)
+    return not max(abs(e[0]), abs(e[1]), abs(e[2])) < TOO_FAR
+
+
+@kernel
+def closest(P, q, target, J, A):
     """The configuration inside the limits that is closest to a pose, or q where none is closer.
 
     Args:
         P: packed limb.
         q: a configuration inside the limits.
-        R: rotation of the tip pose.
-        p: position of the tip pose.
+        target: the tip pose.
         J: (6, 7) work space.
         A: (16, 9) work space.
     """
-    _, e, _ = surroundings(P, q, R, p, J)
-    if not max(abs(e[0]), abs(e[1]), abs(e[2])) < TOO_FAR:
+    if is_too_far(P, q, target, J):
         return q
     best, lowest = q, math.inf
     for i in range(STARTS):
-        x, value = to_bottom(P, rounds(P, start(P, q, i), R, p, J), R, p, lowest, J, A)
+        x, value = to_bottom(P, rounds(P, start(P, q, i), target, J), target, 1.0, lowest, J, A)
         if value < lowest:
             best, lowest = x, value
     return best
+
+
+@kernel
+def closer_upright(P, q, known, target, J, A):
+    """A configuration and its measure, or the bottom of the valley of q if that is lower, with the rotation of a pose.
+
+    As an exact arm stretches itself towards a pose out of reach; the offsets of a near one let it come closer bent.
+    """
+    x, _ = to_bottom(P, q, target, LEANING, math.inf, J, A)
+    x, value = to_bottom(P, x, target, UPRIGHT, known[1], J, A)
+    if value < known[1]:
+        return x, value
+    return known

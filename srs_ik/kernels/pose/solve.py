@@ -13,7 +13,7 @@ import numpy as np
 from srs_ik.kernels.algebra.lanes import as_bits, gather, one_of
 from srs_ik.kernels.algebra.pointers import row
 from srs_ik.kernels.chain.answer import measure_row, measure_row_at, write_row
-from srs_ik.kernels.chain.closest import closest
+from srs_ik.kernels.chain.closest import closer_upright, closest, is_too_far
 from srs_ik.kernels.chain.eight import ALL, take_eight, tip_errors
 from srs_ik.kernels.chain.newton import clipped
 from srs_ik.kernels.jit import kernel
@@ -28,8 +28,8 @@ from srs_ik.kernels.layout.answer import (
     UNREACHABLE,
 )
 from srs_ik.kernels.layout.asked import Goal, Target
-from srs_ik.kernels.layout.limb import IS_NEAR, LIMITED
-from srs_ik.kernels.limb.branches import NO_BRANCH, branch_of, elbow_branches
+from srs_ik.kernels.layout.limb import FREE, IS_NEAR, LIMITED
+from srs_ik.kernels.limb.branches import NO_BRANCH, best_branch, branch_of, elbow_branches
 from srs_ik.kernels.limb.goal import NO_SEED, OUTSIDE, UNMET, tightest_joint, turned
 from srs_ik.kernels.limb.poses import read7, read_pose
 from srs_ik.kernels.limb.triangle import place
@@ -38,6 +38,9 @@ from srs_ik.kernels.near.predicted_best import search_true
 from srs_ik.kernels.pose.any_bend import at_any_bend, best_at_any_bend, hides_some
 from srs_ik.kernels.pose.on_limits import BARELY, put_on_limits
 from srs_ik.kernels.pose.search import search_exact, search_near_seed
+
+LOOKS = 16
+"""Arm angles from which a near limb is bent towards a pose out of reach, each in another branch than the one before."""
 
 
 @kernel
@@ -57,10 +60,27 @@ def own_goal(seeds, i, respect):
 @kernel
 def write_closest(P, target, goal, out):
     """Put the closest configuration in the place of one out of reach whose stretched arm breaks the limits."""
-    q = closest(P, read7(out), target.R, target.p, np.empty((6, 7)), np.empty((16, 9)))
+    q = closest(P, read7(out), target, np.empty((6, 7)), np.empty((16, 9)))
     q = clipped(P, turned(P, q, goal.seeded, goal.seed, True))
     measure_row(P, target, q, branch_of(P, q), UNMET, True, out)
     out[ROW_STATUS] = UNREACHABLE
+
+
+@kernel
+def stretch_true(family, target, goal, J, A, out):
+    """Bend a near limb, stretched towards a pose out of reach by the closed form, to where it comes closest."""
+    P, F = row(family, LIMITED), row(family, LIMITED if goal.respect else FREE)
+    q = read7(out)
+    if is_too_far(P, q, target, J):
+        return
+    best = closer_upright(F, q, (q, math.inf), target, J, A)
+    for i in range(LOOKS):
+        psi = 2.0 * math.pi * i / LOOKS
+        q, _, _ = best_branch(P, target.place, psi, 5 * i % 8, False, NO_SEED, goal.respect)
+        best = closer_upright(F, clipped(F, q), best, target, J, A)
+    q, _ = best
+    q = clipped(F, turned(F, q, goal.seeded, goal.seed, True))
+    measure_row(P, target, q, branch_of(P, q), UNMET, False, out)
 
 
 @kernel
@@ -97,6 +117,8 @@ def solve_row(family, T, branch, goal, J, A, out):
             out[ROW_JOINT] = tightest_joint(P, q)
     if goal.respect and branch < 0 and lowest >= OUTSIDE and out[ROW_STATUS] == UNREACHABLE:
         write_closest(P, target, goal, row(out, 0))
+    elif P[IS_NEAR] != 0.0 and branch < 0 and out[ROW_STATUS] == UNREACHABLE:
+        stretch_true(family, target, goal, J, A, out)
     return GOOD_POSE
 
 
@@ -119,6 +141,10 @@ def solve_row_at(family, T, psi, branch, goal, J, A, out):
     P = row(family, LIMITED)
     target = Target(R, p, place(P, R, p))
     found = put_inside(family, target, psi, branch, solve_at_angle(P, target, psi, branch, goal, J, A), goal)
+    if P[IS_NEAR] != 0.0 and found[2] >= NO_BRANCH:
+        # No posture at all: the one that the nearest exact limb has comes close.
+        q, own_branch, _ = best_branch(P, target.place, psi, branch, goal.seeded, goal.seed, goal.respect)
+        found = (q, own_branch, found[2])
     measure_row_at(P, target, psi, found, goal.respect, row(out, 0))
     return GOOD_POSE
 
