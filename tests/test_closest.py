@@ -107,7 +107,7 @@ def test_just_out_of_reach_no_posture_with_the_rotation_is_closer(name):
     for arm, pose, solution, q, far in beyond(name, 10):
         tried += 1
         position, orientation = errors(arm, pose, solution.q)
-        assert orientation < 1e-6
+        assert orientation < 1e-9
         assert position < far + 1e-4
         box = list(zip(np.maximum(arm.lower, -10.0), np.minimum(arm.upper, 10.0), strict=True))
 

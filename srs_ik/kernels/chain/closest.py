@@ -11,7 +11,7 @@ import math
 
 from srs_ik.kernels.algebra.joint_vectors import with_joint
 from srs_ik.kernels.algebra.linear import solve_linear
-from srs_ik.kernels.algebra.vectors import add, apply, cross, dot, scale, sub, times_transposed
+from srs_ik.kernels.algebra.vectors import add, apply, cross, dot, norm, scale, sub, times_transposed
 from srs_ik.kernels.chain.kinematics import joint_lines
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.limb import FAR, LOWER, UPPER
@@ -22,10 +22,14 @@ STEPS = 150
 FLAT = 1e-11
 """Slope of the measure, per radian, at the bottom of a valley."""
 
-UPRIGHT = 1e-3
-"""Weight of lengths where the tip's rotation is kept: what that still gives up is 1e-6 of the distance, in reaches."""
-LEANING = 0.03
-"""That of the way there: along a narrow valley Newton's steps are short."""
+LEANING, UPRIGHT, EXACT = 0.03, 1e-3, 1e-5
+"""Weights of lengths where the tip's rotation is kept: it gives up their square of the distance, in reaches and rad.
+
+One after the other, since along a narrow valley Newton's steps are short.
+"""
+
+GENTLE = 1e-8
+"""Damping of the last steps, which only turn the tip: more than lengths of the last weight curve the measure."""
 
 TOO_FAR = 1e6
 """A pose this many times the reach away is as well answered by any stretched arm."""
@@ -204,3 +208,15 @@ def closer_upright(P, q, known, target, J, A):
     if value < known[1]:
         return x, value
     return known
+
+
+@kernel
+def put_upright(P, q, target, J, A):
+    """The closest configuration next to one with the rotation of a pose, but for 1e-10 rad however far it is."""
+    _, e, _ = surroundings(P, q, target, 1.0, J)
+    weight = EXACT / math.sqrt(max(1.0, norm(e)))
+    # The measure does not tell turns below 1e-8 rad, its slopes do.
+    for _ in range(2):
+        M, e, _ = surroundings(P, q, target, weight, J)
+        q, _, _ = newton_step(P, q, (M, e), J, GENTLE, A)
+    return q

@@ -49,6 +49,9 @@ from srs_ik.kernels.layout.limb import (
 REFERENCE_SINE = 1e-8
 """Below this sine between S-W and the reference direction, the second reference direction defines the arm angle."""
 
+ROUNDING = 1e-14
+"""Links whose sum leaves less than this along axis 4, in parts of the reach, lie in one plane across it."""
+
 
 @kernel
 def unit_across(a, u, spare):
@@ -124,13 +127,13 @@ def arm_frame(P, c, s):
     a4 = load3(P, AXES + 9)
     w = upper_arm_to_wrist(P, c, s)
     kind = P[NORMAL_KIND]
-    if kind == 0.0:
+    if kind == 0.0 and abs(dot(a4, add(load3(P, UPPER_ARM), load3(P, FOREARM)))) < ROUNDING * P[FAR]:
         # Next to S = W, what rounding leaves of w along axis 4 is as long as w is.
         w = across(w, a4)
     length = norm(w)
     t = scale(1.0 / length, w) if length > 0.0 else unit_across(cross(a4, load3(P, FOREARM)), a4, a4)
     if kind == 0.0:
-        n = scale(math.copysign(1.0, s), load3(P, NORMAL_S))
+        n = across(scale(math.copysign(1.0, s), load3(P, NORMAL_S)), t)
         return t, cross(t, n), n
     if kind == 1.0:
         half_c = math.sqrt(0.5 * (1.0 + c)) if c > -0.5 else 0.5 * abs(s) / math.sqrt(0.5 * (1.0 - c))

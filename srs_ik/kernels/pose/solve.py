@@ -13,7 +13,7 @@ import numpy as np
 from srs_ik.kernels.algebra.lanes import as_bits, gather, one_of
 from srs_ik.kernels.algebra.pointers import row
 from srs_ik.kernels.chain.answer import measure_row, measure_row_at, write_row
-from srs_ik.kernels.chain.closest import closer_upright, closest, is_too_far
+from srs_ik.kernels.chain.closest import closer_upright, closest, is_too_far, put_upright
 from srs_ik.kernels.chain.eight import ALL, take_eight, tip_errors
 from srs_ik.kernels.chain.newton import clipped
 from srs_ik.kernels.jit import kernel
@@ -78,7 +78,7 @@ def stretch_true(family, target, goal, J, A, out):
         psi = 2.0 * math.pi * i / LOOKS
         q, _, _ = best_branch(P, target.place, psi, 5 * i % 8, False, NO_SEED, goal.respect)
         best = closer_upright(F, clipped(F, q), best, target, J, A)
-    q, _ = best
+    q = put_upright(F, best[0], target, J, A)
     q = clipped(F, turned(F, q, goal.seeded, goal.seed, True))
     measure_row(P, target, q, branch_of(P, q), UNMET, False, out)
 
