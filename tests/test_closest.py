@@ -141,3 +141,13 @@ def test_where_no_posture_has_an_arm_angle_the_answer_is_close_by():
     assert solution.status == Status.UNREACHABLE
     assert solution.position_error < 0.02
     assert solution.orientation_error < 0.02
+
+
+def test_at_an_arm_angle_that_no_posture_has_the_closer_one_is_answered():
+    # Newton's method ends 63 mm from this pose, the nearest exact limb 80 mm.
+    arm = srs_ik.load("gen3")
+    pose = pin.SE3(pin.exp3(np.array([1.4, -0.1, 1.3])), np.array([-0.6, 0.1, 0.2]))
+    solution = arm.solve(pose, arm_angle=0.1)
+    assert solution.status == Status.UNREACHABLE
+    assert solution.position_error < 0.07
+    assert solution.orientation_error < 0.5

@@ -36,7 +36,7 @@ RANGES = 12
 """Ranges at least for each of several threads: where a processor has other work too, the other threads do more."""
 
 WORTH_A_THREAD = 2e-4
-"""Seconds of work for which threads are started; to start one takes about a quarter of this."""
+"""Seconds of work for which threads are started; until one is at work, about a quarter of this is over."""
 
 _watcher: ContextVar[Callable[[int, int], None] | None] = ContextVar("watcher", default=None)
 

@@ -3,6 +3,7 @@
 The measure is the square of the distance in parts of the arm's reach, plus that of the angle, the latter as 2 - 2 cos.
 Along a single joint it is a cosine, whose least value between two limits is known; from several starts, rounds over the
 joints find the valley, and Newton's method with the true second derivatives, on the limits where they hold, its bottom.
+Where limits leave room to stretch, lengths weigh so little that the rotation is kept (`closer_upright`, `put_upright`).
 """
 
 from __future__ import annotations
@@ -174,6 +175,14 @@ def is_too_far(P, q, target, J):
     """Whether any stretched arm answers a pose as well as another."""
     _, e, _ = surroundings(P, q, target, 1.0, J)
     return not max(abs(e[0]), abs(e[1]), abs(e[2])) < TOO_FAR
+
+
+@kernel
+def is_closer(P, q, other, target, J):
+    """Whether a configuration is closer to a pose than another one."""
+    _, _, value = surroundings(P, q, target, 1.0, J)
+    _, _, known = surroundings(P, other, target, 1.0, J)
+    return value < known
 
 
 @kernel

@@ -13,7 +13,7 @@ import numpy as np
 from srs_ik.kernels.algebra.lanes import as_bits, gather, one_of
 from srs_ik.kernels.algebra.pointers import row
 from srs_ik.kernels.chain.answer import measure_row, measure_row_at, write_row
-from srs_ik.kernels.chain.closest import closer_upright, closest, is_too_far, put_upright
+from srs_ik.kernels.chain.closest import closer_upright, closest, is_closer, is_too_far, put_upright
 from srs_ik.kernels.chain.eight import ALL, take_eight, tip_errors
 from srs_ik.kernels.chain.newton import clipped
 from srs_ik.kernels.jit import kernel
@@ -142,9 +142,11 @@ def solve_row_at(family, T, psi, branch, goal, J, A, out):
     target = Target(R, p, place(P, R, p))
     found = put_inside(family, target, psi, branch, solve_at_angle(P, target, psi, branch, goal, J, A), goal)
     if P[IS_NEAR] != 0.0 and found[2] >= NO_BRANCH:
-        # No posture at all: the one that the nearest exact limb has comes close.
+        # No posture at all: the one that the nearest exact limb has may come closer than where Newton's method ended.
         q, own_branch, _ = best_branch(P, target.place, psi, branch, goal.seeded, goal.seed, goal.respect)
-        found = (q, own_branch, found[2])
+        F = row(family, LIMITED if goal.respect else FREE)
+        if is_closer(P, clipped(F, q), clipped(F, found[0]), target, J):
+            found = (q, own_branch, found[2])
     measure_row_at(P, target, psi, found, goal.respect, row(out, 0))
     return GOOD_POSE
 
