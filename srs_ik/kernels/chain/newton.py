@@ -37,6 +37,9 @@ STEPS = 12
 MANY_STEPS = 40
 """What so many steps leave of an error is left for good."""
 
+BOUNCES = 16
+"""Newton's method at an arm angle that has no posture bounces: it ends where so many steps do not halve the least error."""
+
 STALL = 10
 """After so many steps the error must have come down by a third, or the start was a bad one."""
 
@@ -171,10 +174,16 @@ def close_at_angle(P, q, R, p, t, h0, psi, steps, A):
     """
     h = along(scale(math.cos(psi), h0), math.sin(psi), cross(t, h0))
     b = cross(t, h)
-    for _ in range(steps):
+    checkpoint = least = math.inf
+    for step in range(steps):
         error, reach = equations_at_angle(P, q, R, p, b, A)
         if error < 0.1 * CLOSED and abs(A[6, 7]) < CLOSED:
             return q, dot(h, reach) > -ON_LINE
+        least = min(least, error)
+        if step % BOUNCES == BOUNCES - 1:
+            if least > 0.5 * checkpoint:
+                break
+            checkpoint = least
         if solve_linear(A, 7) == 0.0:
             return q, False
         size = longest(A)

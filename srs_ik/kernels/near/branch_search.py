@@ -16,7 +16,7 @@ from srs_ik.kernels.chain.starts import FIRST, WIDTH
 from srs_ik.kernels.curves.best import cost_of_turn
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.asked import Best
-from srs_ik.kernels.layout.limb import FAR, MISS, PHASE, SHOULDER, STRAIGHT, WRIST
+from srs_ik.kernels.layout.limb import COSINE_OFF, FAR, MISS, PHASE, SHOULDER, STRAIGHT, WRIST
 from srs_ik.kernels.limb.branches import NO_BRANCH, branch_of, elbow_starts
 from srs_ik.kernels.limb.goal import NO_SEED, OUTSIDE
 from srs_ik.kernels.limb.poses import read7
@@ -24,8 +24,9 @@ from srs_ik.kernels.limb.poses import read7
 NEAR = 15.0
 """A middle angle is next to a singularity if its sine is below so many times what axes miss, a part of the reach."""
 
-NEAR_STRAIGHT = 25.0
-"""The same for the elbow, whose bend depends on the square root of what axes miss, and on which the others depend."""
+NEAR_STRAIGHT = 2.5
+"""The elbow is if its sine is below so many times the bend that is hidden in what its cosine may be off, and so are then
+the others, which depend on it."""
 
 WIDEST = 0.7
 """No larger sine is next to a singularity."""
@@ -104,11 +105,10 @@ def search_branch(P, target, psi, branch, goal, A):
     Returns the posture and its cost (NO_BRANCH or more where none is found, or one part alone is singular).
     """
     place_ = target.place
-    miss = P[MISS] / P[FAR]
-    near = min(WIDEST, math.sqrt(NEAR_STRAIGHT * miss))
+    near = min(WIDEST, NEAR_STRAIGHT * math.sqrt(2.0 * P[COSINE_OFF]))
     straight = place_[3] < near
     if not straight:
-        near = min(WIDEST, NEAR * miss)
+        near = min(WIDEST, NEAR * P[MISS] / P[FAR])
     elbow_starts(P, place_, psi, branch >> 2, False, NO_SEED, False, A, 0)
     start = read7(row(A, branch & 3))
     phase_s = P[SHOULDER + PHASE]
