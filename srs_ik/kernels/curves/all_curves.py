@@ -30,12 +30,9 @@ STARTS = 8
 STARTS_OBLIQUE = 48
 """Arm angles, all around, at which the closed form gives starts; a branch of oblique axes may be a short arc."""
 
-SPREAD = 5
-"""They are taken in steps of so many, so that the first few are all around already; it divides neither number."""
-
 MOST_BOUNCED, BOUNCED = 6, 1e-2
-"""Starts with the same signs of shoulder and wrist that one after the other lead nowhere, at most: left with an error
-above the second one, m and rad, after all steps, they were led about where most likely no posture is."""
+"""Of starts with the same signs of shoulder and wrist, so many one after the other may end with an error above the
+second one, m and rad: they are led about where no posture is, and so are most likely the others."""
 
 MORE_STARTS = 512
 """Room for starts where several parts of a limb are singular."""
@@ -68,7 +65,7 @@ def put_marks(P, by, angles, marks, missed):
     n_missed, signs = 0, 0
     oblique = angles > STARTS
     for i in range(angles):
-        psi = (2.0 * (SPREAD * i % angles) / angles - 1.0) * math.pi
+        psi = (2.0 * i / angles - 1.0) * math.pi
         exist = start_all(P, bent_place(P, place_), psi, False, NO_SEED, False, A)
         closed, met = close_eight(P, take_eight(starts, WIDTH), R, p, place_[0], place_[1], psi, STEPS)
         put_eight(starts, WIDTH, met, closed)
