@@ -120,9 +120,15 @@ def _gather(builder: Any, figures: Any, place: Any, stride: Any) -> Any:
 
 
 def _scatter(builder: Any, figures: Any, place: Any, stride: Any, x: Any) -> None:
-    for i in LANE:
-        builder.store(builder.extract_element(x, i), builder.gep(figures, [place]))
-        place = builder.add(place, stride)
+    with builder.if_else(builder.icmp_signed("==", stride, ir.Constant(stride.type, 1))) as (in_a_row, apart):
+        with in_a_row:
+            # Eight stores would be put together to some that what is read next as one has to wait for.
+            there = builder.bitcast(builder.gep(figures, [place]), FLOATS.as_pointer())
+            builder.store(x, there, align=8)
+        with apart:
+            for i in LANE:
+                builder.store(builder.extract_element(x, i), builder.gep(figures, [place]))
+                place = builder.add(place, stride)
 
 
 teach(operator.add, (EIGHT, EIGHT), EIGHT, lambda builder, a, b: builder.fadd(a, b))

@@ -21,6 +21,7 @@ from srs_ik.kernels.curves.surface import put_starts
 from srs_ik.kernels.exact.free_splits import close_gently
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.limb import BOTTOM_GAP, SHOULDER, TOP_GAP, WRIST
+from srs_ik.kernels.limb.branches import branch_of
 from srs_ik.kernels.limb.goal import NO_SEED
 from srs_ik.kernels.limb.limits import turn_to_middle, violation
 from srs_ik.kernels.limb.poses import read7
@@ -28,6 +29,10 @@ from srs_ik.kernels.limb.poses import read7
 STARTS = 8
 STARTS_OBLIQUE = 48
 """Arm angles, all around, at which the closed form gives starts; a branch of oblique axes may be a short arc."""
+
+MOST_BOUNCED, BOUNCED = 6, 1e-2
+"""Of starts with the same signs of shoulder and wrist, so many one after the other may end with an error above the
+second one, m and rad: they are led about where no posture is, and so are most likely the others."""
 
 MORE_STARTS = 512
 """Room for starts where several parts of a limb are singular."""
@@ -120,6 +125,7 @@ def follow_all(P, by, rows, curves):
             # It begins where curves cross, before its first mark.
             n = extend_back(P, by, rows, curves, k, n)
     vague = 0
+    bounced = np.zeros(4, np.int64)
     bring_to_curves(P, by, missed, n_off, n_missed)
     for i in range(n_missed):
         if count >= curves.shape[0]:
@@ -128,7 +134,11 @@ def follow_all(P, by, rows, curves):
         brought = missed[i, MARK_NEXT] == 1.0
         if brought and is_known(P, by, q, t, rows, curves, count):
             continue
+        own = branch_of(P, q) & 3
+        if not brought and i < n_off and bounced[own] >= MOST_BOUNCED:
+            continue
         q, error = close_gently(P, q, R, p, False, by.J, by.A)
+        bounced[own] = bounced[own] + 1 if error > BOUNCED else 0
         if error > LEFT or (error > CLOSED and vague >= MOST_LEFT):
             continue
         t, sign = tangent_at(P, by, q)
