@@ -111,7 +111,8 @@ def follow_all(P, by, rows, curves):
     n = 0
     count = 0
     n_marks, n_off, signs = put_marks(P, by, angles, marks, missed)
-    n_missed = put_outermost(P, by, signs, missed, put_starts(P, by.target.place, missed, n_off))
+    n_surface = put_starts(P, by.target.place, missed, n_off)
+    n_missed = put_outermost(P, by, signs, missed, n_surface)
     if n_marks > 0:
         follow_marks(P, by.target, marks[:n_marks], n_marks, pieces)
         n, count = join_pieces(marks, n_marks, pieces, rows, curves)
@@ -126,7 +127,8 @@ def follow_all(P, by, rows, curves):
             break
         q, t = read7(missed[i]), read7(row(missed[i], MARK_WAY))
         brought = missed[i, MARK_NEXT] == 1.0
-        if brought and is_known(P, by, q, t, rows, curves, count):
+        # Where no more than one part is singular, damped steps lead to no curve that the others did not lead to.
+        if n_surface == n_off and not brought or brought and is_known(P, by, q, t, rows, curves, count):
             continue
         q, error = close_gently(P, q, R, p, False, by.J, by.A)
         if error > LEFT or (error > CLOSED and vague >= MOST_LEFT):
