@@ -17,7 +17,7 @@ from srs_ik.kernels.curves.follow import correct, extend_back, follow_through, i
 from srs_ik.kernels.curves.in_step import CORRECTIONS, SAMPLE, one_of_seven, to_curves
 from srs_ik.kernels.curves.marks import MARK, MARK_NEXT, MARK_WAY, follow_marks, join_pieces, put_mark
 from srs_ik.kernels.curves.outreach import put_outermost
-from srs_ik.kernels.curves.surface import may_have_surface, put_starts, width_for_curves
+from srs_ik.kernels.curves.surface import put_starts
 from srs_ik.kernels.exact.free_splits import close_gently
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.limb import BOTTOM_GAP, SHOULDER, TOP_GAP, WRIST
@@ -112,7 +112,6 @@ def follow_all(P, by, rows, curves):
     count = 0
     n_marks, n_off, signs = put_marks(P, by, angles, marks, missed)
     n_missed = put_outermost(P, by, signs, missed, put_starts(P, by.target.place, missed, n_off))
-    apart = not may_have_surface(P, by.target.place, width_for_curves(P))
     if n_marks > 0:
         follow_marks(P, by.target, marks[:n_marks], n_marks, pieces)
         n, count = join_pieces(marks, n_marks, pieces, rows, curves)
@@ -127,8 +126,7 @@ def follow_all(P, by, rows, curves):
             break
         q, t = read7(missed[i]), read7(row(missed[i], MARK_WAY))
         brought = missed[i, MARK_NEXT] == 1.0
-        # With shoulder and wrist far from singular, damped steps lead to no curve that the others did not lead to.
-        if (apart and not brought) or (brought and is_known(P, by, q, t, rows, curves, count)):
+        if brought and is_known(P, by, q, t, rows, curves, count):
             continue
         q, error = close_gently(P, q, R, p, False, by.J, by.A)
         if error > LEFT or (error > CLOSED and vague >= MOST_LEFT):
