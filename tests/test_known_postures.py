@@ -472,3 +472,26 @@ def test_a_seed_next_to_a_stretched_near_limb_has_the_nearest_posture():
     assert max(distance(pose, arms.forward("gen3")(solution.q))) < 1e-9
     assert inside(solution.q, arm.lower, arm.upper)
     assert np.linalg.norm(solution.q - seed) < np.linalg.norm(q - seed) + 1e-9
+
+
+STRETCHED_ALONE = [
+    -3.4584821160417683,
+    1.1908651334230003,
+    -0.26660054344693696,
+    0.0034879384050853198,
+    2.260119694991869,
+    -2.9763925659067256,
+    -0.0755355699272795,
+]
+"""Only the elbow is next to singular, and steps in eight bring no start to the part of the curve that this is on."""
+
+
+def test_starts_that_steps_in_eight_miss_lead_to_parts_of_intervals():
+    """Given up with shoulder and wrist far from singular, they cost 0.1 rad of this interval."""
+    q = np.array(STRETCHED_ALONE)
+    made = runpy.run_path(str(BENCHMARKS / "subjects.py"))["random_arms"](np.random.default_rng(9), 1e-3, 0.0)
+    arm = next(islice(made, 1, None))
+    assert inside(q, arm.lower, arm.upper)
+    pose = arm.forward_kinematics(q)
+    branch, psi = arm.branch(q), arm.arm_angle(q)
+    assert any(i.branch == branch and i.lower < psi < i.upper for i in arm.intervals(pose))
