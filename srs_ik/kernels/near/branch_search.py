@@ -25,8 +25,8 @@ NEAR = 15.0
 """A middle angle is next to a singularity if its sine is below so many times what axes miss, a part of the reach."""
 
 NEAR_STRAIGHT = 2.5
-"""The elbow is if its sine is below so many times the bend that is hidden in what its cosine may be off, and so are then
-the others, which depend on it."""
+"""The elbow is if its sine is below so many times the bend that is hidden in what its cosine may be off, and so are
+then the others, which depend on it."""
 
 WIDEST = 0.7
 """No larger sine is next to a singularity."""
