@@ -38,7 +38,7 @@ MANY_STEPS = 40
 """What so many steps leave of an error is left for good."""
 
 BOUNCES = 16
-"""Newton's method at an arm angle without a posture bounces: it ends where so many steps do not halve the least error."""
+"""Newton's method at an arm angle without a posture bounces: it ends where so many steps do not halve the error."""
 
 STALL = 10
 """After so many steps the error must have come down by a third, or the start was a bad one."""
