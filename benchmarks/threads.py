@@ -19,7 +19,7 @@ import srs_ik
 SECONDS = 0.03
 """What a batch takes on one thread, about: long for a thread, and short enough for many turns."""
 LEAST = 1000
-MOST = 50_000
+MOST = 300_000
 
 
 def batches(arm: srs_ik.Arm, count: int) -> dict[str, Callable[[int], object]]:

@@ -35,6 +35,13 @@ GROWTH = 8
 RANGES = 12
 """Ranges at least for each of several threads: where a processor has other work too, the other threads do more."""
 
+SHARE_OF_REST = 3
+"""A range is at most one of so many equal ones that each thread would get of the rest: so the last ones are short, and
+no thread is still at a long one, with dear poses, when the others have nothing left."""
+
+SHORTEST = 5e-5
+"""Seconds of work below which ranges are not made shorter for that: taking one costs some microseconds."""
+
 WORTH_A_THREAD = 2e-4
 """Seconds of work for which threads are started; until one is at work, about a quarter of this is over."""
 
@@ -89,7 +96,8 @@ def run_in_threads(work: Callable[[int, int], None], count: int, threads: int | 
     if pace * (count - SMALLEST_RANGE) < WORTH_A_THREAD:
         work(SMALLEST_RANGE, count)
         return
-    batch = _Batch(work, count, -(-count // (RANGES * (helpers + 1))), SMALLEST_RANGE)
+    longest = -(-count // (RANGES * (helpers + 1)))
+    batch = _Batch(work, count, longest, SMALLEST_RANGE, SHARE_OF_REST * (helpers + 1), int(SHORTEST / pace))
     _share(batch, max(SMALLEST_RANGE, int(LONGEST / pace)), helpers)
 
 
@@ -101,13 +109,25 @@ class _Batch:
         count: poses of the batch.
         longest: poses of a range at most, but for those too few to be worth a call.
         begun: poses that are done already.
+        parts: a range is at most one of so many parts of what is left.
+        shortest: poses of a range at least, where there are so many.
     """
 
-    def __init__(self, work: Callable[[int, int], None], count: int, longest: int, begun: int = 0) -> None:
+    def __init__(
+        self,
+        work: Callable[[int, int], None],
+        count: int,
+        longest: int,
+        begun: int = 0,
+        parts: int = 1,
+        shortest: int = 0,
+    ) -> None:
         self._work = work
         self._count = count
         self._longest = max(SMALLEST_RANGE, longest)
         self._begun = begun
+        self._parts = parts
+        self._shortest = max(SMALLEST_RANGE, shortest)
         self._lock = threading.Lock()
 
     def work_off(self, size: int, watcher: Callable[[int, int], None] | None = None) -> None:
@@ -115,7 +135,8 @@ class _Batch:
         while True:
             with self._lock:
                 first = self._begun
-                length = min(self._count - first, size, self._longest)
+                left = self._count - first
+                length = min(left, size, self._longest, max(self._shortest, left // self._parts))
                 self._begun += length
             if length <= 0:
                 return
