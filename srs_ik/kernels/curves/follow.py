@@ -53,8 +53,12 @@ CORRECTIONS = 12
 LONGEST_CORRECTION = 1.0
 """A longer step, rad, leads to no curve nearby."""
 
-SHRUNK = 0.5
-"""Steps back to the curve that shrink by less, where the pose is met, are rounding."""
+SHRUNK_AT_LAST = 64.0
+"""Where joints are singular at once, steps to the curve halve; without one ahead, the last is not shorter by as much."""
+
+SHRUNK, VAGUE_STEPS = 0.5, 10.0
+"""Steps back to the curve that shrink by less, where the pose is met, are rounding, if they are no longer than so many
+times what that is worth; else there is no curve ahead."""
 
 SAME_CURVE = 4e-6
 """A posture this close to a curve, rad squared, lies on it."""
@@ -99,12 +103,24 @@ def tangent_at(P, by, q):
 
 
 @kernel
+def vagueness(J, t, A):
+    """How far aside of a curve, rad, a posture may be that meets its pose as well as floats tell."""
+    load_system(J, t, A)
+    for i in range(6):
+        A[i, 7] = ROUNDING if i % 2 == 0 else -ROUNDING
+    if solve_linear(A, 7) == 0.0:
+        return math.inf
+    d = moved(NO_SEED, A, 1.0)
+    return math.sqrt(dot7(d, d))
+
+
+@kernel
 def correct(P, by, q, d, place):
     """Newton's method to the posture for the pose with d'q = place: q, whether it is met; J is left for it."""
     R, p, _ = by.target
     J, A = by.J, by.A
     error = 1.0
-    last = math.inf
+    last, longest_yet = math.inf, 0.0
     for _ in range(CORRECTIONS):
         linear, angular = pose_step(P, q, R, p, J)
         off = place - dot7(d, q)
@@ -118,14 +134,15 @@ def correct(P, by, q, d, place):
             return q, error < 0.1 * CLOSED and abs(off) < CLOSED
         size = longest(A)
         if error < 0.1 * CLOSED and abs(off) < CLOSED and size > SHRUNK * last:
-            return q, True
+            return q, size < VAGUE_STEPS * vagueness(J, d, A)
+        longest_yet = max(longest_yet, size)
         if not size < LONGEST_CORRECTION:
             return q, False
         q = moved(q, A, 1.0)
         last = size
         if size < LAST_STEP and error < LEFT:
             return q, True
-    return q, error < LEFT
+    return q, error < LEFT and last < longest_yet / SHRUNK_AT_LAST
 
 
 @kernel
@@ -188,18 +205,6 @@ def passes_two(P, a, b):
     passed += abs(side_of_one(a[3], P[STRAIGHT]) - side_of_one(b[3], P[STRAIGHT]))
     passed += abs(side_of_one(a[5], P[WRIST + PHASE]) - side_of_one(b[5], P[WRIST + PHASE]))
     return passed > 1
-
-
-@kernel
-def vagueness(J, t, A):
-    """How far aside of a curve, rad, a posture may be that meets its pose as well as floats tell."""
-    load_system(J, t, A)
-    for i in range(6):
-        A[i, 7] = ROUNDING if i % 2 == 0 else -ROUNDING
-    if solve_linear(A, 7) == 0.0:
-        return math.inf
-    d = moved(NO_SEED, A, 1.0)
-    return math.sqrt(dot7(d, d))
 
 
 @kernel
