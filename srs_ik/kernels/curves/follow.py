@@ -54,11 +54,11 @@ LONGEST_CORRECTION = 1.0
 """A longer step, rad, leads to no curve nearby."""
 
 SHRUNK_AT_LAST = 64.0
-"""Where joints are singular at once, steps to the curve halve; without one ahead, the last is not shorter by as much."""
+"""Where joints are singular at once, steps to a curve halve: the last is shorter by this than one was; if there is no
+curve ahead, it is not."""
 
-SHRUNK, VAGUE_STEPS = 0.5, 10.0
-"""Steps back to the curve that shrink by less, where the pose is met, are rounding, if they are no longer than so many
-times what that is worth; else there is no curve ahead."""
+SHRUNK = 0.5
+"""Steps back to the curve that shrink by less, where the pose is met, are rounding."""
 
 SAME_CURVE = 4e-6
 """A posture this close to a curve, rad squared, lies on it."""
@@ -103,18 +103,6 @@ def tangent_at(P, by, q):
 
 
 @kernel
-def vagueness(J, t, A):
-    """How far aside of a curve, rad, a posture may be that meets its pose as well as floats tell."""
-    load_system(J, t, A)
-    for i in range(6):
-        A[i, 7] = ROUNDING if i % 2 == 0 else -ROUNDING
-    if solve_linear(A, 7) == 0.0:
-        return math.inf
-    d = moved(NO_SEED, A, 1.0)
-    return math.sqrt(dot7(d, d))
-
-
-@kernel
 def correct(P, by, q, d, place):
     """Newton's method to the posture for the pose with d'q = place: q, whether it is met; J is left for it."""
     R, p, _ = by.target
@@ -134,7 +122,7 @@ def correct(P, by, q, d, place):
             return q, error < 0.1 * CLOSED and abs(off) < CLOSED
         size = longest(A)
         if error < 0.1 * CLOSED and abs(off) < CLOSED and size > SHRUNK * last:
-            return q, size < VAGUE_STEPS * vagueness(J, d, A)
+            return q, True
         longest_yet = max(longest_yet, size)
         if not size < LONGEST_CORRECTION:
             return q, False
@@ -142,7 +130,7 @@ def correct(P, by, q, d, place):
         last = size
         if size < LAST_STEP and error < LEFT:
             return q, True
-    return q, error < LEFT and last < longest_yet / SHRUNK_AT_LAST
+    return q, error < LEFT and last * SHRUNK_AT_LAST < longest_yet
 
 
 @kernel
@@ -205,6 +193,18 @@ def passes_two(P, a, b):
     passed += abs(side_of_one(a[3], P[STRAIGHT]) - side_of_one(b[3], P[STRAIGHT]))
     passed += abs(side_of_one(a[5], P[WRIST + PHASE]) - side_of_one(b[5], P[WRIST + PHASE]))
     return passed > 1
+
+
+@kernel
+def vagueness(J, t, A):
+    """How far aside of a curve, rad, a posture may be that meets its pose as well as floats tell."""
+    load_system(J, t, A)
+    for i in range(6):
+        A[i, 7] = ROUNDING if i % 2 == 0 else -ROUNDING
+    if solve_linear(A, 7) == 0.0:
+        return math.inf
+    d = moved(NO_SEED, A, 1.0)
+    return math.sqrt(dot7(d, d))
 
 
 @kernel
