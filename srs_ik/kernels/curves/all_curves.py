@@ -13,8 +13,8 @@ from srs_ik.kernels.chain.eight import ALL, put_eight, take_eight
 from srs_ik.kernels.chain.newton import CLOSED, LEFT, STEPS
 from srs_ik.kernels.chain.newton_eight import close_eight
 from srs_ik.kernels.chain.starts import FIRST, WIDTH, bent_place, start_all
-from srs_ik.kernels.curves.follow import correct, extend_back, follow_through, is_known, tangent_at
-from srs_ik.kernels.curves.in_step import CORRECTIONS, SAMPLE, one_of_seven, to_curves
+from srs_ik.kernels.curves.follow import CURVE, correct, extend, follow_through, is_known, tangent_at
+from srs_ik.kernels.curves.in_step import CORRECTIONS, SAMPLE, load_sample, one_of_seven, to_curves
 from srs_ik.kernels.curves.marks import MARK, MARK_NEXT, MARK_WAY, follow_marks, join_pieces, put_mark
 from srs_ik.kernels.curves.outreach import put_outermost
 from srs_ik.kernels.curves.surface import put_starts
@@ -105,6 +105,26 @@ def bring_to_curves(P, by, starts, first, n):
 
 
 @kernel
+def extend_open(P, by, rows, curves, n, count):
+    """Follow open curves on from their ends, where curves cross, or almost; rows and curves in use.
+
+    Those that are found to be parts of one before them are left out.
+    """
+    left = 0
+    for k in range(count):
+        if curves[k, 2] == 0.0:
+            q = load_sample(rows[int(curves[k, 0])])
+            t, _ = tangent_at(P, by, q)
+            if is_known(P, by, q, t, rows, curves, left):
+                continue
+            n = extend(P, by, rows, curves, k, n)
+        for c in range(CURVE):
+            curves[left, c] = curves[k, c]
+        left += 1
+    return n, left
+
+
+@kernel
 def follow_all(P, by, rows, curves):
     """Follow every curve of a pose that the closed form of the nearest exact limb leads to; the number of curves."""
     R, p, _ = by.target
@@ -120,10 +140,7 @@ def follow_all(P, by, rows, curves):
     if n_marks > 0:
         follow_marks(P, by.target, marks[:n_marks], n_marks, pieces)
         n, count = join_pieces(marks, n_marks, pieces, rows, curves)
-    for k in range(count):
-        if curves[k, 2] == 0.0:
-            # It begins where curves cross, before its first mark.
-            n = extend_back(P, by, rows, curves, k, n)
+    n, count = extend_open(P, by, rows, curves, n, count)
     vague = 0
     bounced = np.zeros(4, np.int64)
     bring_to_curves(P, by, missed, n_off, n_missed)

@@ -66,6 +66,19 @@ SAME_CURVE = 4e-6
 CURVE = 3
 """A curve: first row, the row behind the last, and whether it is closed (its last row then repeats the first)."""
 
+CORNER = 1e-5
+"""Where curves almost cross, one turns from one to the other in a corner too sharp for steps: it goes on so far behind
+it, rad."""
+
+SHARP = 1e-5
+"""A corner's side is known where the curve has turned by more than this on the last step, rad."""
+
+MOST_OBLIQUE = 4.0
+"""It is no farther away there than so many times this distance across."""
+
+ALMOST_CROSSED = 1e-4
+"""There the Jacobian's smallest singular value is below this."""
+
 FIRST_GUESS = (0.35, -0.25, 0.45, 0.15, 0.5, -0.4, 0.3)
 """Any direction: the null vector at a start is oriented afterwards."""
 
@@ -100,6 +113,18 @@ def tangent_at(P, by, q):
     pose_step(P, q, by.target.R, by.target.p, by.J)
     t, sign = null_vector(by.J, FIRST_GUESS, by.A)
     return along7(NO_SEED, sign, t), sign
+
+
+@kernel
+def vagueness(J, t, A):
+    """How far aside of a curve, rad, a posture may be that meets its pose as well as floats tell."""
+    load_system(J, t, A)
+    for i in range(6):
+        A[i, 7] = ROUNDING if i % 2 == 0 else -ROUNDING
+    if solve_linear(A, 7) == 0.0:
+        return math.inf
+    d = moved(NO_SEED, A, 1.0)
+    return math.sqrt(dot7(d, d))
 
 
 @kernel
@@ -196,24 +221,37 @@ def passes_two(P, a, b):
 
 
 @kernel
-def vagueness(J, t, A):
-    """How far aside of a curve, rad, a posture may be that meets its pose as well as floats tell."""
-    load_system(J, t, A)
-    for i in range(6):
-        A[i, 7] = ROUNDING if i % 2 == 0 else -ROUNDING
-    if solve_linear(A, 7) == 0.0:
-        return math.inf
-    d = moved(NO_SEED, A, 1.0)
-    return math.sqrt(dot7(d, d))
-
-
-@kernel
 def strays(by, q, next_q, t, step, cosine):
     """Whether a step along a curve has led so far aside, more than is vague, that it is to another one."""
     made = difference(q, next_q)
     aside = dot7(made, made) - step * step
     most = most_aside(step, cosine) + SETTLED
     return aside > most and math.sqrt(aside) > math.sqrt(most) + vagueness(by.J, t, by.A)
+
+
+@kernel
+def around_corner(P, by, q, t, way, turned_by):
+    """Go on behind the corner of a curve that almost crosses another one: posture, null vector, whether it is there.
+
+    At the corner the pose is kept to first order by the way t so far and by one across it, s: along s the curve goes on
+    to the side to which it has turned on the last step, by `turned_by`.
+    """
+    pose_step(P, q, by.target.R, by.target.p, by.J)
+    load_system(by.J, t, by.A)
+    for i in range(6):
+        by.A[i, 7] = 1.0 if i % 2 == 0 else -1.0
+    if solve_linear(by.A, 7) == 0.0:
+        return q, t, False
+    s = moved(NO_SEED, by.A, 1.0)
+    size = math.sqrt(dot7(s, s))
+    side = dot7(turned_by, s) / size
+    if size * ALMOST_CROSSED < 1.0 or abs(side) < SHARP:
+        return q, t, False
+    s = along7(NO_SEED, math.copysign(1.0 / size, way * side), s)
+    there, met = correct(P, by, along7(q, CORNER, s), s, dot7(s, q) + CORNER)
+    made = difference(q, there)
+    next_t, sign = null_vector(by.J, along7(NO_SEED, way, made), by.A)
+    return there, next_t, met and sign > 0.0 and dot7(made, made) < (MOST_OBLIQUE * CORNER) ** 2
 
 
 @kernel
@@ -227,10 +265,21 @@ def follow(P, by, q, t, way, rows, n):
     n0 = n
     length = 0.0
     step = LONGEST_STEP
+    turned_by = NO_SEED
     n = put(rows, n, length, q)
     for _ in range(MOST_STEPS):
-        if n >= rows.shape[0] or step < SHORTEST_STEP:
+        if n >= rows.shape[0]:
             break
+        if step < SHORTEST_STEP:
+            next_q, t, there = around_corner(P, by, q, t, way, turned_by)
+            if not there:
+                break
+            step = CORNER
+            made = difference(q, next_q)
+            length += math.sqrt(dot7(made, made))
+            q, turned_by = next_q, NO_SEED
+            n = put(rows, n, length, q)
+            continue
         next_q, met = correct(P, by, along7(q, way * step, t), t, dot7(t, q) + way * step)
         if not met:
             step *= SHRINKAGE
@@ -245,6 +294,7 @@ def follow(P, by, q, t, way, rows, n):
             share = share_of_chord(q, next_q, first)
             if share <= 1.0 and is_passed(P, by, q, next_q, share, first):
                 return put(rows, n, length + share * step, first), True, q, t
+        turned_by = difference(t, next_t)
         q = next_q
         t = next_t
         length += step
@@ -269,17 +319,23 @@ def reverse(rows, first, n):
 
 
 @kernel
-def extend_back(P, by, rows, curves, k, n):
-    """Follow an open curve against its way from where it begins, and put that before it; rows in use."""
+def extend(P, by, rows, curves, k, n):
+    """Follow an open curve on from both its ends, into rows from n on: rows in use.
+
+    Against its way it is followed from where it begins, along its way where it ends at a corner.
+    """
     first, last = int(curves[k, 0]), int(curves[k, 1])
-    q = load_sample(rows[first])
-    t, sign = tangent_at(P, by, q)
-    end, _, _, _ = follow(P, by, q, t, -1.0, rows, n)
-    if sign == 0.0 or end - n < 2:
+    t, sign = tangent_at(P, by, load_sample(rows[first]))
+    if sign == 0.0:
+        return n
+    end, closed, _, _ = follow(P, by, load_sample(rows[first]), t, -1.0, rows, n)
+    if end - n < 2:
         return n
     reverse(rows, n, end)
+    curves[k, 0], curves[k, 1], curves[k, 2] = n, end, 1.0 if closed else 0.0
+    if closed:
+        return end
     length = rows[end - 1, 0]
-    curves[k, 0] = n
     for i in range(first + 1, last):
         end = put(rows, end, length + rows[i, 0], load_sample(rows[i]))
     curves[k, 1] = end
