@@ -11,7 +11,6 @@ import numpy as np
 
 from srs_ik.kernels.algebra.pointers import keep, row, scratch
 from srs_ik.kernels.chain.answer import measure_row
-from srs_ik.kernels.chain.bridge import bridge_to
 from srs_ik.kernels.chain.kinematics import pose_error
 from srs_ik.kernels.chain.newton import CLOSED, STEPS, clipped, close_free
 from srs_ik.kernels.exact.samples import MAX_SAMPLES
@@ -46,6 +45,7 @@ from srs_ik.kernels.limb.limits import TURN
 from srs_ik.kernels.limb.poses import read7, read_pose
 from srs_ik.kernels.limb.triangle import place
 from srs_ik.kernels.path.between import between_two, follow_on, pose_change, write_own_bounds
+from srs_ik.kernels.path.bridged import bridge_all
 from srs_ik.kernels.path.corridor import corridor, put_on_poses
 from srs_ik.kernels.path.edges import path_cost
 from srs_ik.kernels.path.followed import write_sides
@@ -372,10 +372,7 @@ def polish(family, poses, chain, fixed, loose, bounds, start, settings, kind, sc
 @entry
 def bridge(family, poses, starts, met):
     """Take postures (n, 7), in place, to poses (n, 4, 4) inside the limits; `met` (n,) says which meet theirs then."""
-    J, A = scratch(6, 7), scratch(16, 9)
-    for i in range(starts.shape[0]):
-        R, p, _ = read_pose(row(poses, i))
-        met[i] = bridge_to(row(family, LIMITED), R, p, row(starts, i), J, A)
+    bridge_all(row(family, LIMITED), poses, starts, met, scratch(6, 7), scratch(16, 9))
 
 
 @entry
