@@ -2,9 +2,14 @@
 
 from __future__ import annotations
 
+import runpy
+from itertools import islice
+from pathlib import Path
+
 import arms
 import numba
 import numpy as np
+import pinocchio as pin
 import pytest
 from oracles import random_limb
 
@@ -16,6 +21,10 @@ from srs_ik.kernels.curves.in_step import SAMPLE
 from srs_ik.kernels.layout.asked import Setting, Target
 from srs_ik.kernels.limb.poses import read_pose
 from srs_ik.kernels.limb.triangle import elbow_side, place
+
+BENCHMARKS = Path(__file__).resolve().parents[1] / "benchmarks"
+
+BESIDE_ITSELF = [0.519780808, -0.874196618, 0.393787372, 0.00043453032, 1.367878079, 2.411936817, -2.517392925]
 
 NEAR = arms.here("gen3", "j2s7s300", "h1_2_left", "rm75")
 
@@ -84,6 +93,11 @@ def test_nothing_hides_between_samples(what):
     arm = srs_ik.load(limb.model, base="base", tip="tool")
     q = [limb.configuration() for _ in range(number + 1)][-1]
     pose = arm.forward_kinematics(q)
+    assert_whole(arm, pose, respect)
+
+
+def assert_whole(arm, pose, respect):
+    """Every arm angle of the intervals is met, and every one that is met is in an interval."""
     intervals = arm.intervals(pose, respect_limits=respect)
     for i in intervals:
         for psi in np.linspace(i.lower, i.upper, 42)[1:-1]:
@@ -91,3 +105,51 @@ def test_nothing_hides_between_samples(what):
     for psi in np.linspace(-np.pi, np.pi, 720):
         for solution in arm.solve_all(pose, arm_angle=psi, respect_limits=respect):
             assert any(solution.branch == i.branch and psi in i for i in intervals)
+
+
+@pytest.mark.parametrize("respect", [False, True])
+def test_a_curve_that_comes_back_beside_itself_is_followed_to_both_ends(respect):
+    made = runpy.run_path(str(BENCHMARKS / "subjects.py"))["random_arms"](np.random.default_rng(9), 1e-3, 0.0)
+    arm = next(islice(made, 2, None))
+    # Its corners are as sharp as 1e-6 rad; a step of Newton's that does not converge leaves the curve there.
+    pose = arm.forward_kinematics(BESIDE_ITSELF)
+    assert_whole(arm, pose, respect)
+    (only,) = arm.intervals(pose, respect_limits=respect)
+    # By steps along the null vector of Pinocchio's Jacobian, with the posture closed by Newton's method after each.
+    lower, upper = ends_by_steps(arm, pose, np.array(BESIDE_ITSELF))
+    assert abs(only.lower - lower) < 1e-4
+    assert abs(only.upper - upper) < 1e-4
+
+
+def ends_by_steps(arm, pose, q):
+    """Least and greatest arm angle of the closed curve through a posture, followed in steps of at most 0.01 rad."""
+
+    def closed(q, t, place):
+        for _ in range(8):
+            here = arm.forward_kinematics(q)
+            off = np.r_[pose.translation - here.translation, pin.log3(pose.rotation @ here.rotation.T), place - t @ q]
+            step = np.linalg.solve(np.vstack([arm.jacobian(q), t]), off)
+            q = q + step
+            if np.abs(step).max() < 1e-9:
+                return q
+        return None
+
+    def way(q, near):
+        t = np.linalg.solve(np.vstack([arm.jacobian(q), near]), np.eye(7)[6])
+        return t / np.linalg.norm(t), np.sign(np.linalg.det(np.vstack([arm.jacobian(q), t])))
+
+    start, (t, side) = q, way(q, np.linalg.svd(arm.jacobian(q))[2][6])
+    first, angles, step = t, [arm.arm_angle(q)], 1e-3
+    while len(angles) < 10 or np.linalg.norm(away(q - start)) > 0.8 * step or t @ first < 0.0:
+        there = closed(q + step * t, t, t @ q + step)
+        if there is not None:
+            next_t, next_side = way(there, t)
+            if next_t @ t > 0.995 and next_side == side and np.linalg.norm(there - q) < 1.05 * step:
+                q, t, step = there, next_t, min(1.4 * step, 0.01)
+                angles.append(arm.arm_angle(q))
+                continue
+        step *= 0.5
+        assert step > 1e-10
+    angles = np.unwrap(angles)
+    assert angles[-1] - angles[0] < np.pi
+    return angles.min(), angles.max()

@@ -2,17 +2,22 @@
 
 from __future__ import annotations
 
+from srs_ik.kernels.algebra.joint_vectors import along7
 from srs_ik.kernels.algebra.lanes import as_bits
 from srs_ik.kernels.algebra.pointers import row
 from srs_ik.kernels.chain.bridge import bridge_to
 from srs_ik.kernels.chain.eight import ALL, put_eight, take_eight
+from srs_ik.kernels.chain.newton_eight import largest
 from srs_ik.kernels.curves.in_step import to_curves
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.limb import LOWER, UPPER
 from srs_ik.kernels.limb.poses import read_pose
 
 STEPS_IN_STEP = 6
-"""Steps of eight in step, at most: those that need more are led to their pose one by one."""
+"""Steps of eight in step, at most: those that need more are led to their pose one by one ..."""
+
+FARTHEST = 0.1
+"""... as those that a joint of which would go farther, rad: next to a singularity, where steps have to be damped."""
 
 
 @kernel
@@ -49,8 +54,9 @@ def bridge_all(P, poses, starts, met, J, A):
         together, there = 1, 0
         if i + 8 <= count and of_one_pose(poses, i):
             together = 8
-            q, _, there = to_curves(P, R, p, take_eight(row(starts, i), 7), ALL, STEPS_IN_STEP)
-            there &= inside_limits(P, q)
+            start = take_eight(row(starts, i), 7)
+            q, _, there = to_curves(P, R, p, start, ALL, STEPS_IN_STEP)
+            there &= inside_limits(P, q) & as_bits(largest(along7(q, -1.0, start)) < FARTHEST)
             put_eight(row(starts, i), 7, there, q)
         for k in range(together):
             met[i + k] = (there >> k) & 1 == 1 or bridge_to(P, R, p, row(starts, i + k), J, A)
