@@ -13,7 +13,7 @@ from srs_ik.kernels.chain.eight import ALL, put_eight, take_eight
 from srs_ik.kernels.chain.newton import CLOSED, LEFT, STEPS
 from srs_ik.kernels.chain.newton_eight import close_eight
 from srs_ik.kernels.chain.starts import FIRST, WIDTH, bent_place, start_all
-from srs_ik.kernels.curves.follow import CURVE, correct, extend, follow_through, is_known, tangent_at
+from srs_ik.kernels.curves.follow import CURVE, correct, extend_back, follow_through, is_known, tangent_at
 from srs_ik.kernels.curves.in_step import CORRECTIONS, SAMPLE, load_sample, one_of_seven, to_curves
 from srs_ik.kernels.curves.marks import MARK, MARK_NEXT, MARK_WAY, follow_marks, join_pieces, put_mark
 from srs_ik.kernels.curves.outreach import put_outermost
@@ -106,9 +106,9 @@ def bring_to_curves(P, by, starts, first, n):
 
 @kernel
 def extend_open(P, by, rows, curves, n, count):
-    """Follow open curves on from their ends, where curves cross, or almost; rows and curves in use.
+    """Follow open curves back from where they begin, before their first mark; rows and curves in use.
 
-    Those that are found to be parts of one before them are left out.
+    They begin where curves cross, or almost. One that is a part of another before it is left out.
     """
     left = 0
     for k in range(count):
@@ -117,7 +117,7 @@ def extend_open(P, by, rows, curves, n, count):
             t, _ = tangent_at(P, by, q)
             if is_known(P, by, q, t, rows, curves, left):
                 continue
-            n = extend(P, by, rows, curves, k, n)
+            n = extend_back(P, by, rows, curves, k, n)
         for c in range(CURVE):
             curves[left, c] = curves[k, c]
         left += 1

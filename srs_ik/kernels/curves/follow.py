@@ -116,18 +116,6 @@ def tangent_at(P, by, q):
 
 
 @kernel
-def vagueness(J, t, A):
-    """How far aside of a curve, rad, a posture may be that meets its pose as well as floats tell."""
-    load_system(J, t, A)
-    for i in range(6):
-        A[i, 7] = ROUNDING if i % 2 == 0 else -ROUNDING
-    if solve_linear(A, 7) == 0.0:
-        return math.inf
-    d = moved(NO_SEED, A, 1.0)
-    return math.sqrt(dot7(d, d))
-
-
-@kernel
 def correct(P, by, q, d, place):
     """Newton's method to the posture for the pose with d'q = place: q, whether it is met; J is left for it."""
     R, p, _ = by.target
@@ -221,6 +209,18 @@ def passes_two(P, a, b):
 
 
 @kernel
+def vagueness(J, t, A):
+    """How far aside of a curve, rad, a posture may be that meets its pose as well as floats tell."""
+    load_system(J, t, A)
+    for i in range(6):
+        A[i, 7] = ROUNDING if i % 2 == 0 else -ROUNDING
+    if solve_linear(A, 7) == 0.0:
+        return math.inf
+    d = moved(NO_SEED, A, 1.0)
+    return math.sqrt(dot7(d, d))
+
+
+@kernel
 def strays(by, q, next_q, t, step, cosine):
     """Whether a step along a curve has led so far aside, more than is vague, that it is to another one."""
     made = difference(q, next_q)
@@ -271,13 +271,12 @@ def follow(P, by, q, t, way, rows, n):
         if n >= rows.shape[0]:
             break
         if step < SHORTEST_STEP:
-            next_q, t, there = around_corner(P, by, q, t, way, turned_by)
+            next_q, next_t, there = around_corner(P, by, q, t, way, turned_by)
             if not there:
                 break
-            step = CORNER
             made = difference(q, next_q)
             length += math.sqrt(dot7(made, made))
-            q, turned_by = next_q, NO_SEED
+            q, t, step, turned_by = next_q, next_t, CORNER, NO_SEED
             n = put(rows, n, length, q)
             continue
         next_q, met = correct(P, by, along7(q, way * step, t), t, dot7(t, q) + way * step)
@@ -319,25 +318,25 @@ def reverse(rows, first, n):
 
 
 @kernel
-def extend(P, by, rows, curves, k, n):
-    """Follow an open curve on from both its ends, into rows from n on: rows in use.
+def extend_back(P, by, rows, curves, k, n):
+    """Follow an open curve against its way from where it begins, and put that before it; rows in use.
 
-    Against its way it is followed from where it begins, along its way where it ends at a corner.
+    Around a corner it may come back to where it began: then that is all of it.
     """
     first, last = int(curves[k, 0]), int(curves[k, 1])
-    t, sign = tangent_at(P, by, load_sample(rows[first]))
-    if sign == 0.0:
-        return n
-    end, closed, _, _ = follow(P, by, load_sample(rows[first]), t, -1.0, rows, n)
-    if end - n < 2:
+    q = load_sample(rows[first])
+    t, sign = tangent_at(P, by, q)
+    end, closed, _, _ = follow(P, by, q, t, -1.0, rows, n)
+    if sign == 0.0 or end - n < 2:
         return n
     reverse(rows, n, end)
-    curves[k, 0], curves[k, 1], curves[k, 2] = n, end, 1.0 if closed else 0.0
+    curves[k, 0] = n
     if closed:
-        return end
-    length = rows[end - 1, 0]
-    for i in range(first + 1, last):
-        end = put(rows, end, length + rows[i, 0], load_sample(rows[i]))
+        curves[k, 2] = 1.0
+    else:
+        length = rows[end - 1, 0]
+        for i in range(first + 1, last):
+            end = put(rows, end, length + rows[i, 0], load_sample(rows[i]))
     curves[k, 1] = end
     return end
 
