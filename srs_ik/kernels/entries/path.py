@@ -45,7 +45,6 @@ from srs_ik.kernels.limb.limits import TURN
 from srs_ik.kernels.limb.poses import read7, read_pose
 from srs_ik.kernels.limb.triangle import place
 from srs_ik.kernels.path.between import between_two, follow_on, pose_change, write_own_bounds
-from srs_ik.kernels.path.bridged import bridge_all
 from srs_ik.kernels.path.corridor import corridor, put_on_poses
 from srs_ik.kernels.path.edges import path_cost
 from srs_ik.kernels.path.followed import write_sides
@@ -55,6 +54,7 @@ from srs_ik.kernels.path.smoothing import smooth
 from srs_ik.kernels.path.splits import put_split
 from srs_ik.kernels.path.steps import rules_for
 from srs_ik.kernels.path.strips import DEEPEST, GRID, SPACING, put_node, room_for_ends
+from srs_ik.kernels.pose.bridged import bridge_all
 
 MOST_NODES = 16384
 """Most postures of a pose, with room for those of a run in all its turns."""
