@@ -38,9 +38,9 @@ def read(scene: Path | None, margin: str | None, exact: bool = False) -> dict[st
         return {}
     left = 0.0 if margin is None else numbers("--margin", [margin])[0]
 
-    from srs_ik.collision.scene_files import read_scene
+    from srs_ik.collision.scene import Scene
 
-    return {"scene": read_scene(scene, exact), "margin": left}
+    return {"scene": Scene.from_file(scene, exact), "margin": left}
 
 
 def bodies_of(arm: Arm) -> dict[str, Any]:

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from srs_ik.collision.forms import is_round
 from srs_ik.collision.parts import apart, parts_of, transform
 from srs_ik.collision.real import real_forms
-from srs_ik.collision.solids import Solids
+from srs_ik.collision.solids import Carried, Solids
 
 if TYPE_CHECKING:
     from srs_ik.collision.bodies import Body
@@ -99,7 +99,9 @@ class RealWorld:
         around += [_ball_around([part.ball for part in parts]) for parts in self.parts[len(around) :]]
         self._balls = np.array(around)
         self._rows: tuple[Tables | None, list[tuple[int, int] | None]] = None, []
-        self.solids = Solids(self, zero, limb)
+        spins = [self.spin(k) if joint in SPINNING else 0.0 for k, joint in enumerate(self.joints)]
+        reaches = list(zip(self.before, self.behind, self.radius, strict=True))
+        self.solids = Solids(Carried(self.joints, self.parts, spins, reaches), zero, limb)
         self._couples: tuple[Any, Any] = None, None
 
     def watched(self, margin: float) -> list[tuple[int, int]]:
@@ -108,12 +110,12 @@ class RealWorld:
         return [*self.pairs, *(pair for pair in near if pair not in self.pairs)]
 
     def couples(self, tables: Tables, margin: float) -> tuple[NDArray[np.int64], list[tuple[int, int]]]:
-        """`Solids.couples`, found once for a margin."""
+        """The pairs of bodies that may come within a margin, m: see `Solids.couples`; found once for a margin."""
         key = tables, margin
         # Read once: another thread may put those of another margin there.
         known, found = self._couples
         if known != key:
-            found = self.solids.couples(self, tables, margin)
+            found = self.solids.couples(self.pairs_of(tables), self.watched(margin))
             self._couples = key, found
         couples: tuple[NDArray[np.int64], list[tuple[int, int]]] = found
         return couples

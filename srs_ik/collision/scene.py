@@ -5,7 +5,7 @@ from __future__ import annotations
 import contextlib
 from collections.abc import Iterator
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -19,7 +19,8 @@ from srs_ik.inputs.poses import PoseLike
 from srs_ik.kernels.layout import collision as at
 
 if TYPE_CHECKING:
-    from srs_ik.collision.owner import BodyOwner
+    from srs_ik.collision.bodies import Body
+    from srs_ik.collision.scene_files import Given
 
 Array = NDArray[np.float64]
 
@@ -27,6 +28,17 @@ MESH_SPHERES = 96
 """Spheres that cover a mesh, about."""
 
 MOST_TRIANGLES = 1_000_000
+
+
+class Bodied(Protocol):
+    """What a scene asks of an arm that stands in it."""
+
+    @property
+    def bodies(self) -> list[Body]:
+        """The links of the arm, and what it holds."""
+
+    def joint_frames(self, q: ArrayLike) -> Array:
+        """(8, 4, 4) frames of the root and of the joints in the base frame."""
 
 
 class Scene:
@@ -202,7 +214,7 @@ class Scene:
         self._put(thing)
 
     def add_arm(
-        self, name: str, other: BodyOwner, q: ArrayLike, pose: PoseLike | None = None, beside: BodyOwner | None = None
+        self, name: str, other: Bodied, q: ArrayLike, pose: PoseLike | None = None, beside: Bodied | None = None
     ) -> None:
         """Add another arm, standing at a posture.
 
@@ -246,9 +258,10 @@ class Scene:
         Raises:
             InvalidScene: it is none of these, a name is taken, or figures make no sense.
         """
-        from srs_ik.collision.scene_files import add_message
+        from srs_ik.collision.scene_files import of_message
 
-        add_message(self, message)
+        for given in of_message(message):
+            self._add_given(given)
 
     @classmethod
     def from_file(cls, file: str | Path, exact: bool = False) -> Scene:
@@ -261,7 +274,14 @@ class Scene:
         """
         from srs_ik.collision.scene_files import read_scene
 
-        return read_scene(file, exact)
+        content = read_scene(file)
+        try:
+            scene = cls(exact or content.exact, content.margin)
+            for given in content.objects:
+                scene._add_given(given)
+        except InvalidScene as error:
+            raise InvalidScene(f"{content.where}: {error}") from None
+        return scene
 
     def move(self, name: str, pose: PoseLike) -> None:
         """Put an object somewhere else, by the pose of its own frame in the base frame.
@@ -284,6 +304,11 @@ class Scene:
         self._find(name)
         del self._things[name]
         self.version += 1
+
+    def _add_given(self, given: Given) -> None:
+        getattr(self, f"add_{given.kind}")(*given.arguments)
+        if given.place is not None:
+            self.move(given.arguments[0], given.place)
 
     def _find(self, name: str) -> Thing:
         if not isinstance(name, str) or name not in self._things:

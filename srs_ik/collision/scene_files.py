@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from srs_ik import bounds
-from srs_ik.collision.scene import Scene
 from srs_ik.collision.sphere_files import read_tree_of
 from srs_ik.errors import InvalidPose, InvalidScene, did_you_mean, listed, quoted
 from srs_ik.inputs.messages import pose_matrix
@@ -27,20 +26,39 @@ _BOX, _SPHERE, _CYLINDER = 1, 2, 3
 """Types of shape_msgs/SolidPrimitive."""
 
 
-def read_scene(file: str | Path, exact: bool = False) -> Scene:
-    """A scene from a JSON or YAML file.
+class Given(NamedTuple):
+    """An object as it is described.
+
+    Attributes:
+        kind: one of `KINDS`, or "triangles": what `Scene.add_KIND` takes.
+        arguments: of that function.
+        place: (4, 4) where the object is put then; None where `arguments` say so.
+    """
+
+    kind: str
+    arguments: tuple[Any, ...]
+    place: Array | None = None
+
+
+class SceneFile(NamedTuple):
+    """What a file of a scene says; its objects are read one by one."""
+
+    where: str
+    exact: bool
+    margin: Any
+    objects: Iterator[Given]
+
+
+def read_scene(file: str | Path) -> SceneFile:
+    """The scene of a JSON or YAML file.
 
     The file holds ``objects``, a list, and perhaps a ``margin`` and ``exact``. Each object has a ``name``, one kind
     with its figures (``sphere: radius``, ``box: [x, y, z]``, ``cylinder: [radius, length]``, ``mesh: FILE``,
     ``capsule: [radius, length]``, ``points: FILE or list`` with ``radius``, ``half_space: normal``), and its place:
-    ``xyz`` with ``rpy`` or ``quat`` (x, y, z, w).
-
-    Args:
-        file: the file; meshes and points are named relative to it.
-        exact: see `Scene`; true if the file says so, too.
+    ``xyz`` with ``rpy`` or ``quat`` (x, y, z, w). Meshes and points are named relative to the file.
 
     Raises:
-        InvalidScene: it is no such file; the message says which object is wrong, and how.
+        InvalidScene: it is no such file.
         InvalidRobot: there is no such file, or it cannot be read.
         MissingExtra: a YAML file, and no reader for it is installed.
     """
@@ -51,16 +69,11 @@ def read_scene(file: str | Path, exact: bool = False) -> Scene:
         raise InvalidScene(f"{where} holds no scene: objects must be a list")
     if len(content["objects"]) > bounds.OBJECTS:
         raise InvalidScene(f"{where} has more than the {bounds.OBJECTS:,} objects that are read")
-    try:
-        scene = Scene(exact or bool(content.get("exact", False)), content.get("margin", 0.0))
-        for k, each in enumerate(content["objects"]):
-            _add(scene, each, f"object {k + 1}", path.parent)
-    except InvalidScene as error:
-        raise InvalidScene(f"{where}: {error}") from None
-    return scene
+    objects = (_given(each, f"object {k + 1}", path.parent) for k, each in enumerate(content["objects"]))
+    return SceneFile(where, bool(content.get("exact", False)), content.get("margin", 0.0), objects)
 
 
-def _add(scene: Scene, each: Any, where: str, folder: Path) -> None:
+def _given(each: Any, where: str, folder: Path) -> Given:
     if not isinstance(each, Mapping):
         raise InvalidScene(f"{where} is no mapping with a name")
     name = each.get("name", where)
@@ -74,21 +87,17 @@ def _add(scene: Scene, each: Any, where: str, folder: Path) -> None:
     (kind,) = kinds
     figure = each[kind]
     T = _pose(each, name)
-    if kind == "sphere":
-        scene.add_sphere(name, T[:3, 3], figure)
-    elif kind == "box":
-        scene.add_box(name, T, figure)
-    elif kind in ("cylinder", "capsule"):
-        if not isinstance(figure, Sequence) or len(figure) != 2:
-            raise InvalidScene(f"{kind} of {quoted(name)} must be [radius, length]")
-        (scene.add_cylinder if kind == "cylinder" else scene.add_capsule)(name, T, *figure)
-    elif kind == "mesh":
-        scene.add_mesh(name, T, folder / str(figure), each.get("scale", 1.0))
-    elif kind == "points":
-        scene.add_points(name, _points(figure, name, folder), each.get("radius", 0.0))
-        scene.move(name, T)
-    else:
-        scene.add_half_space(name, T[:3, 3], figure)
+    if kind in ("sphere", "half_space"):
+        return Given(kind, (name, T[:3, 3], figure))
+    if kind == "mesh":
+        return Given(kind, (name, T, folder / str(figure), each.get("scale", 1.0)))
+    if kind == "points":
+        return Given(kind, (name, _points(figure, name, folder), each.get("radius", 0.0)), T)
+    if kind == "box":
+        return Given(kind, (name, T, figure))
+    if not isinstance(figure, Sequence) or len(figure) != 2:
+        raise InvalidScene(f"{kind} of {quoted(name)} must be [radius, length]")
+    return Given(kind, (name, T, *figure))
 
 
 def _pose(each: Mapping[str, Any], name: Any) -> Array:
@@ -121,13 +130,13 @@ def _points(figure: Any, name: Any, folder: Path) -> Any:
         raise InvalidScene(f"points of {quoted(name)} cannot be read: {error}") from None
 
 
-def add_message(scene: Scene, message: Any) -> None:
-    """Add what a message describes: see `Scene.add_message`."""
+def of_message(message: Any) -> Iterator[Given]:
+    """The objects that a message describes: see `Scene.add_message`."""
     world = getattr(message, "world", message)
     objects = getattr(world, "collision_objects", None)
     if objects is not None:
         for each in objects:
-            add_message(scene, each)
+            yield from of_message(each)
         return
     name = getattr(message, "id", None)
     if not isinstance(name, str):
@@ -139,11 +148,11 @@ def add_message(scene: Scene, message: Any) -> None:
     if not primitives and not meshes:
         raise InvalidScene(f"{quoted(name)} has neither primitives nor meshes")
     for k, (primitive, pose) in enumerate(primitives):
-        _add_primitive(scene, f"{name}/{k}" if several else name, outer @ _of(pose, name), primitive)
+        yield _primitive(f"{name}/{k}" if several else name, outer @ _of(pose, name), primitive)
     for k, (mesh, pose) in enumerate(meshes, len(primitives)):
         vertices = [(v.x, v.y, v.z) for v in mesh.vertices]
         faces = np.array([tuple(t.vertex_indices) for t in mesh.triangles], dtype=np.int64)
-        scene.add_triangles(f"{name}/{k}" if several else name, outer @ _of(pose, name), vertices, faces)
+        yield Given("triangles", (f"{name}/{k}" if several else name, outer @ _of(pose, name), vertices, faces))
 
 
 def _of(pose: Any, name: str) -> Array:
@@ -153,17 +162,14 @@ def _of(pose: Any, name: str) -> Array:
     return T
 
 
-def _add_primitive(scene: Scene, name: str, T: Array, primitive: Any) -> None:
+def _primitive(name: str, T: Array, primitive: Any) -> Given:
     sizes = list(getattr(primitive, "dimensions", ()))
     kind = getattr(primitive, "type", None)
     if kind == _BOX:
-        scene.add_box(name, T, sizes)
-    elif kind == _SPHERE and len(sizes) == 1:
-        scene.add_sphere(name, T[:3, 3], sizes[0])
-    elif kind == _CYLINDER and len(sizes) == 2:
+        return Given("box", (name, T, sizes))
+    if kind == _SPHERE and len(sizes) == 1:
+        return Given("sphere", (name, T[:3, 3], sizes[0]))
+    if kind == _CYLINDER and len(sizes) == 2:
         # Its height comes first.
-        scene.add_cylinder(name, T, sizes[1], sizes[0])
-    else:
-        raise InvalidScene(
-            f"{quoted(name)} is of type {kind!r} with {len(sizes)} sizes; known are box, sphere, cylinder"
-        )
+        return Given("cylinder", (name, T, sizes[1], sizes[0]))
+    raise InvalidScene(f"{quoted(name)} is of type {kind!r} with {len(sizes)} sizes; known are box, sphere, cylinder")

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,12 +16,27 @@ from srs_ik.kernels.layout.collision import BASE, UPPER
 if TYPE_CHECKING:
     from srs_ik.collision.forms import Form
     from srs_ik.collision.parts import Part
-    from srs_ik.collision.real_world import RealWorld
-    from srs_ik.collision.tables import Tables
     from srs_ik.robot.limb import SrsLimb
 
 Array = NDArray[np.float64]
 Integers = NDArray[np.int64]
+
+
+class Carried(NamedTuple):
+    """Bodies, and what carries them.
+
+    Attributes:
+        joints: that carry each body, 0 for the root, negative for objects.
+        parts: of each body, in the frames of these joints.
+        spins: largest distance of a point of each from the axis that it spins about, m; 0 where it does not spin.
+        reaches: of each body of the arm, the largest distance from the axis of the joint that carries it, from that of
+            the next one, and from the centre of the shoulder or the wrist, m.
+    """
+
+    joints: Sequence[int]
+    parts: Sequence[Sequence[Part]]
+    spins: Sequence[float]
+    reaches: Sequence[tuple[float, float, float]]
 
 
 class Solids:
@@ -35,19 +51,17 @@ class Solids:
         outer: (2, OUTER) axes of shoulder and wrist.
     """
 
-    def __init__(self, world: RealWorld, zero: Array, limb: SrsLimb) -> None:
+    def __init__(self, carried: Carried, zero: Array, limb: SrsLimb) -> None:
         rows: list[tuple[Array, list[int], Array]] = []
-        self.of_body = np.zeros((len(world.joints), at.OF_BODY), np.int64)
-        self.bodies = np.zeros((len(world.joints), at.SHAPED))
-        for k, joint in enumerate(world.joints):
+        self.of_body = np.zeros((len(carried.joints), at.OF_BODY), np.int64)
+        self.bodies = np.zeros((len(carried.joints), at.SHAPED))
+        for k, (joint, spin) in enumerate(zip(carried.joints, carried.spins, strict=True)):
             T = np.eye(4) if joint < 0 else zero[joint]
-            own = [_solid(part, T) for part in world.parts[k]]
-            spins = joint in _SPINNING and world.spin(k) > 0.0
+            own = [_solid(part, T) for part in carried.parts[k]]
             place = BASE if joint < 0 else PLACES[joint]
-            self.of_body[k] = len(rows), len(rows) + len(own), max(joint, 0), place, spins
+            self.of_body[k] = len(rows), len(rows) + len(own), max(joint, 0), place, spin > 0.0
             if joint >= 0:
-                spin = world.spin(k) if joint in _SPINNING else 0.0
-                self.bodies[k] = spin, world.before[k], world.behind[k], world.radius[k]
+                self.bodies[k] = spin, *carried.reaches[k]
             rows += own
         self.points = np.concatenate([np.zeros((1, 3)), *(points for _, _, points in rows)])
         self.solids = np.array([row for row, _, _ in rows]).reshape(-1, at.SOLID)
@@ -63,16 +77,13 @@ class Solids:
         """What entries take: solids, of_solid, points, bodies, of_body."""
         return self.solids, self.of_solid, self.points, self.bodies, self.of_body
 
-    def couples(self, world: RealWorld, tables: Tables, margin: float) -> tuple[Integers, list[tuple[int, int]]]:
-        """(K, PAIR) the pairs of bodies that may come within a margin, m; and the same by their numbers."""
-        rows = world.pairs_of(tables)
+    def couples(
+        self, rows: Sequence[tuple[int, int] | None], watched: Sequence[tuple[int, int]]
+    ) -> tuple[Integers, list[tuple[int, int]]]:
+        """(K, PAIR) the pairs of rows of tables, and others that are watched; the same by the numbers of bodies."""
         found = [(self._in_order(*pair), row) for row, pair in enumerate(rows) if pair is not None]
         seen = {frozenset(pair) for pair in rows if pair is not None}
-        found += [
-            (self._in_order(*pair, ranged=True), at.RANGED)
-            for pair in world.watched(margin)
-            if frozenset(pair) not in seen
-        ]
+        found += [(self._in_order(*pair, ranged=True), at.RANGED) for pair in watched if frozenset(pair) not in seen]
         couples = np.array([(a, b, row) for (a, b), row in found], np.int64).reshape(-1, at.PAIR)
         return couples, [pair for pair, _ in found]
 
@@ -83,8 +94,6 @@ class Solids:
             return (a, b) if joint_b == 0 or 0 < joint_a <= joint_b else (b, a)
         return (a, b) if place_a >= UPPER else (b, a)
 
-
-_SPINNING = (1, 2, 5, 6)
 
 _SIGNS = np.array([(x, y, z) for x in (-1.0, 1.0) for y in (-1.0, 1.0) for z in (-1.0, 1.0)])
 """The corners of a cube."""

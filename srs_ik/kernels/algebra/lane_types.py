@@ -1,4 +1,4 @@
-"""Eight floats and eight truth values as types of Numba, and what `lanes` does with them, in LLVM."""
+"""Eight floats and eight truth values as types of Numba, and what `lane_functions` does with them, in LLVM."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from numba.core.imputils import lower_builtin, lower_cast
 from numba.core.typing.templates import AbstractTemplate, infer_global, signature
 from numba.extending import models, register_model
 
-from srs_ik.kernels.algebra.lanes import (
+from srs_ik.kernels.algebra.lane_functions import (
     LANES,
     as_bits,
     as_mask,

@@ -12,7 +12,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -25,7 +25,10 @@ from srs_ik.solve import pose as pose_solver
 from srs_ik.solve.in_scene.spans import Span, certify, common, merged, turned, width, without
 
 if TYPE_CHECKING:
-    from srs_ik.solve.in_scene.surroundings import Surroundings
+    from srs_ik.collision.owner import BodyOwner
+    from srs_ik.collision.real_world import RealWorld
+    from srs_ik.collision.tables import Tables
+    from srs_ik.solve.packed import PackedArm
 
 Array = NDArray[np.float64]
 Look = Callable[[float, float], float]
@@ -34,62 +37,67 @@ _ROOM = 256
 """Room for what is left of pairs at first."""
 
 
-def certified_free(
-    around: Surroundings, T: Array, found: Array, in_range: Array, more: float = 0.0
-) -> tuple[Array, float]:
+class Shapes(NamedTuple):
+    """An arm in its scene, as real shapes and as spheres, and what is to be left between bodies, m."""
+
+    arm: BodyOwner
+    packed: PackedArm
+    world: RealWorld
+    tables: Tables
+    margin: float
+
+
+def certified_free(shapes: Shapes, T: Array, found: Array, in_range: Array) -> tuple[Array, float]:
     """(n, 3) what is certainly free of some intervals of a pose, sorted, and the width left undecided, rad.
 
     Args:
-        around: the arm in its scene.
+        shapes: the arm in its scene.
         T: (4, 4) the pose.
         found: (n, 3) the intervals.
         in_range: (m, 3) those in which the ranges of joints keep apart bodies that no sphere watches.
-        more: to be left beyond the margin, m.
     """
     if not len(found):
         return found, 0.0
-    world, tables, margin = around.real_world(), around.tables, around.margin + more
+    _, packed, world, tables, margin = shapes
     couples, pairs = world.couples(tables, margin)
     spheres = tables.bodies, tables.groups, tables.pairs, tables.with_margin(margin), *tables.work()
     asked = T, found, in_range, margin + TOUCH, *spheres, *world.solids.tables
     out, rest = np.empty((MOST_INTERVALS, 3)), np.empty((_ROOM, at.REST))
     while True:
         told = (couples, world.solids.outer, out, rest)
-        count, undecided, left = entries.free_by_solids(around.packed.family, *asked, *told)
+        count, undecided, left = entries.free_by_solids(packed.family, *asked, *told)
         if left <= len(rest):
             break
         rest = np.empty((left, at.REST))
     if not left:
         return out[:count], undecided
-    return _Rest(around, T, margin, pairs, rest[:left]).of(out[:count], undecided)
+    return _Rest(shapes, T, pairs, rest[:left]).of(out[:count], undecided)
 
 
-def marched(around: Surroundings, T: Array, found: Array, more: float = 0.0) -> Array:
+def marched(shapes: Shapes, T: Array, found: Array) -> Array:
     """(n, 3) what the hulls of shapes leave of some intervals of a near limb, sorted, along its curves."""
-    world, tables, margin = around.real_world(), around.tables, around.margin + more
+    _, packed, world, tables, margin = shapes
     couples, _ = world.couples(tables, margin)
     if not (len(found) and len(tables.pairs)):
         return found
     spheres = tables.bodies, tables.groups, tables.pairs, tables.with_margin(margin + TOUCH), *tables.work()
     out = np.empty((MOST_INTERVALS, 3))
     solids = *world.solids.tables, couples, world.solids.outer
-    count = entries.march_by_solids(around.packed.family, T, found, *spheres, *solids, out)
+    count = entries.march_by_solids(packed.family, T, found, *spheres, *solids, out)
     return out[:count]
 
 
 class _Rest:
     """What the hulls of bodies leave undecided at one pose."""
 
-    def __init__(
-        self, around: Surroundings, T: Array, margin: float, pairs: list[tuple[int, int]], rows: Array
-    ) -> None:
-        self._arm, self._packed, self._T = around.arm, around.packed, T
-        self._world, self._margin = around.real_world(), margin
+    def __init__(self, shapes: Shapes, T: Array, pairs: list[tuple[int, int]], rows: Array) -> None:
+        self._arm, self._packed, self._world, _, self._margin = shapes
+        self._T = T
         self._left: dict[int, dict[tuple[int, int], list[Span]]] = {}
         for pair, branch, lower, upper in rows.tolist():
             own = self._left.setdefault(int(branch), {})
             own.setdefault(pairs[int(pair)], []).append((lower, upper))
-        limb = around.arm.limb
+        limb = shapes.arm.limb
         wrist = T @ np.linalg.inv(limb.T_base_tip_zero) @ [*limb.wrist, 1.0]
         line = wrist[:3] - limb.shoulder
         self._line = limb.shoulder, line / np.linalg.norm(line)

@@ -18,6 +18,7 @@ from srs_ik.kernels.entries import pose as pose_entries
 from srs_ik.kernels.layout import collision as at
 from srs_ik.kernels.layout.answer import MOST_INTERVALS, ROW_STATUS
 from srs_ik.solve import pose as pose_solver
+from srs_ik.solve.in_scene.certified import Shapes, certified_free, marched
 from srs_ik.solve.packed import pack_family
 from srs_ik.solve.solution import Collision, Status
 
@@ -116,15 +117,14 @@ class Surroundings:
         self, T: Array, respect: bool, more: float = 0.0, branch: int = -1, psi: float | None = None
     ) -> tuple[Array, float]:
         """The same on the real shapes, of one branch or of all (-1), at one arm angle or at all."""
-        from srs_ik.solve.in_scene.certified import certified_free, marched
-
         found = self.feasible(T, respect)
+        shapes = Shapes(self.arm, self.packed, self.real_world(), self.tables, self.margin + more)
         if not self.packed.closed:
-            free = marched(self, T, chosen(self.in_range(T, found, respect), branch, None), more)
+            free = marched(shapes, T, chosen(self.in_range(T, found, respect), branch, None))
             return chosen(free, branch, psi), 0.0
         possible = chosen(self.not_out_of_range(T, found, respect), branch, psi)
         possible = self.clear_of_formless(T, possible, more)
-        return certified_free(self, T, possible, self.in_range(T, found, respect), more)
+        return certified_free(shapes, T, possible, self.in_range(T, found, respect))
 
     def free_range(
         self,
