@@ -58,10 +58,7 @@ class IntervalsBatch:
     def __getitem__(self, index: int) -> list[Interval]:
         pose = range(len(self))[operator.index(index)]
         of_pose = slice(self.offsets[pose], self.offsets[pose + 1])
-        ends = zip(
-            self.branch[of_pose].tolist(), self.lower[of_pose].tolist(), self.upper[of_pose].tolist(), strict=True
-        )
-        return [Interval(*each) for each in ends]
+        return listed(self.branch[of_pose], self.lower[of_pose], self.upper[of_pose])
 
     def __iter__(self) -> Iterator[list[Interval]]:
         return map(self.__getitem__, range(len(self)))
@@ -76,7 +73,13 @@ def intervals(arm: PackedArm, pose: PoseLike, respect_limits: bool) -> list[Inte
     count = entries.intervals(arm.family, as_matrix(pose), respect_limits, out)
     if count < 0:
         raise invalid_pose(-count)
-    return [Interval(int(b), lower, upper) for b, lower, upper in out[:count].tolist()]
+    branch, lower, upper = out[:count].T
+    return listed(branch.astype(np.int64), lower, upper)
+
+
+def listed(branch: NDArray[np.int64], lower: Array, upper: Array) -> list[Interval]:
+    """Intervals of which branches (n,) and ends (n,), (n,) are given."""
+    return list(map(Interval._make, zip(branch.tolist(), lower.tolist(), upper.tolist(), strict=True)))
 
 
 def intervals_batch(arm: PackedArm, poses: Any, respect_limits: bool, threads: int | None) -> IntervalsBatch:

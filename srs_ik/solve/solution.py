@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
 from enum import IntEnum
 from functools import cached_property
 from typing import Any, NamedTuple, overload
@@ -344,9 +343,8 @@ class BatchSolution(_Rows):
         return f"BatchSolution({self.solved} of {self.ok.size} solved)"
 
 
-@dataclass(frozen=True, slots=True)
-class Interval:
-    """Arm angles that are feasible in a branch, ends included.
+class Interval(NamedTuple):
+    """Arm angles that are feasible in a branch, ends included; ``psi in interval`` counts whole turns alike.
 
     Attributes:
         branch: 0 to 7.
@@ -363,6 +361,6 @@ class Interval:
         """Length of the interval, rad."""
         return self.upper - self.lower
 
-    def __contains__(self, arm_angle: float) -> bool:
+    def __contains__(self, arm_angle: Any) -> bool:
         turn = 2.0 * np.pi
         return bool(self.lower + (arm_angle - self.lower) % turn <= self.upper) or arm_angle == self.upper
