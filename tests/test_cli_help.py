@@ -53,6 +53,14 @@ def test_help_is_as_wide_as_the_terminal(columns):
     assert min(columns, 120) - 25 < width <= min(columns, 120)
 
 
+@pytest.mark.parametrize("group", [(), ("map",)])
+def test_the_list_of_commands_is_cut_nowhere(group):
+    shown = run_apart([*group, "--help"], COLUMNS="80").stdout
+    listed = shown.partition("Commands:")[2].splitlines()[1:]
+    assert listed
+    assert all(len(line) <= 80 and line.endswith((".", ")")) and not line.endswith("...") for line in listed if line)
+
+
 @pytest.mark.parametrize("command", ["solve", "intervals", "ellipsoids"])
 def test_the_former_name_of_q_is_understood_and_not_shown(command):
     assert answer(command, "iiwa14", "--from-q", *Q) == answer(command, "iiwa14", "--q", *Q)

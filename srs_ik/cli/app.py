@@ -139,19 +139,25 @@ def srs_ik(
         announce_compilation()
 
 
-app.command("robots", cls=ExampleCommand)(robots.robots)
-app.command("inspect", cls=ExampleCommand)(inspect.inspect)
-app.command("fk", cls=NumbersCommand)(fk.fk)
-app.command("solve", cls=NumbersCommand)(solve.solve)
-app.command("intervals", cls=NumbersCommand)(intervals.intervals)
-app.command("path", cls=NumbersCommand)(path.path)
-app.command("place", cls=NumbersCommand)(place.place)
-app.add_typer(map_use.map_app, name="map")
-app.command("follow", cls=NumbersCommand)(follow.follow)
-app.command("ellipsoids", cls=NumbersCommand)(ellipsoids.ellipsoids)
-app.command("plot", cls=NumbersCommand)(plot.plot)
-app.command("preview", cls=NumbersCommand)(preview.preview)
-app.command("task", cls=NumbersCommand)(task.task)
-app.command("reproduce", cls=NumbersCommand)(reproduce.reproduce)
-app.command("bench", cls=ExampleCommand)(bench.bench)
-app.command("warm")(warm.warm)
+_COMMANDS = (
+    ("robots", robots.robots, ExampleCommand, "List the robots that have names."),
+    ("inspect", inspect.inspect, ExampleCommand, "Show the 7-joint arms of a robot file."),
+    ("fk", fk.fk, NumbersCommand, "Show the pose of the tip at joint angles."),
+    ("solve", solve.solve, NumbersCommand, "Find joint angles that bring the tip to a pose."),
+    ("intervals", intervals.intervals, NumbersCommand, "List the feasible arm angles of a pose."),
+    ("path", path.path, NumbersCommand, "Find a continuous joint path through many poses."),
+    ("follow", follow.follow, NumbersCommand, "Follow a moving target within all limits."),
+    ("task", task.task, NumbersCommand, "Find the posture that suits a task."),
+    ("ellipsoids", ellipsoids.ellipsoids, NumbersCommand, "Show the velocity and force ellipsoids of the tip."),
+    ("place", place.place, NumbersCommand, "Rank places for the base by the poses reached."),
+    ("plot", plot.plot, NumbersCommand, "Draw a picture of an arm at a pose (extra 'plot')."),
+    ("preview", preview.preview, NumbersCommand, "Show an arm in the browser, or save the page."),
+    ("reproduce", reproduce.reproduce, NumbersCommand, "Repeat the experiments of the source paper."),
+    ("bench", bench.bench, ExampleCommand, "Time every call on this machine."),
+    ("warm", warm.warm, None, "Compile all kernels now, where none came compiled."),
+)
+"""Name, function, class, and what the list of commands says of it: in one line of a terminal of 80 columns."""
+
+for name, function, kind, summary in _COMMANDS:
+    app.command(name, cls=kind, short_help=summary)(function)
+app.add_typer(map_use.map_app, name="map", short_help="Make and use maps of what an arm reaches.")

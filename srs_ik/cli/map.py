@@ -72,7 +72,7 @@ def _bar(what: str, cells: int) -> Iterator[Progress]:
         yield lambda done, total: shown.update(bar, completed=done, total=total)
 
 
-@map_app.command("make", cls=NumbersCommand)
+@map_app.command("make", cls=NumbersCommand, short_help="Make a map, or go on with one.")
 def make(
     source: Source,
     out: Annotated[
@@ -144,7 +144,7 @@ def _client(address: str | None) -> Iterator[Any]:
         yield client
 
 
-@map_app.command("estimate", cls=NumbersCommand)
+@map_app.command("estimate", cls=NumbersCommand, short_help="Say how long a map would take.")
 def estimate(
     source: Source,
     step: Step = "0.05",

@@ -29,7 +29,7 @@ class Format(StrEnum):
     h5 = "h5"
 
 
-@map_app.command("info", cls=ExampleCommand)
+@map_app.command("info", cls=ExampleCommand, short_help="Say what a map holds.")
 def info(folder: Folder, as_json: AsJson = False) -> None:
     """Say what a map holds: robot, positions, orientations, measures, and how much of it is done."""
     from srs_ik.cli.render import print_json
@@ -48,7 +48,7 @@ def info(folder: Folder, as_json: AsJson = False) -> None:
     typer.echo(f"{plan.cells:,} cells, {100.0 * reached:.2f} % reached; measures {', '.join(chart.store.names)}")
 
 
-@map_app.command("query", cls=ExampleCommand)
+@map_app.command("query", cls=ExampleCommand, short_help="Say which poses of a file are reached, and how well.")
 def query(
     folder: Folder,
     poses: Annotated[
@@ -105,7 +105,7 @@ def _with_arm(source: str, folder: Path, scene: Path | None) -> Map:
     return open_map(folder, _arm(source, folder), read(scene, None).get("scene"))
 
 
-@map_app.command("verify", cls=ExampleCommand)
+@map_app.command("verify", cls=ExampleCommand, short_help="Check the sums of a map, and some of its cells again.")
 def verify(
     folder: Folder,
     source: Source,
@@ -132,7 +132,7 @@ def verify(
         raise typer.Exit(1)
 
 
-@map_app.command("compare", cls=ExampleCommand)
+@map_app.command("compare", cls=ExampleCommand, short_help="Compare two maps on the same cells.")
 def compare(
     first: Folder,
     second: Annotated[Path, typer.Argument(metavar="MAP2", help="Folder of another map.", show_default=False)],
@@ -153,7 +153,7 @@ def compare(
     )
 
 
-@map_app.command("combine", cls=ExampleCommand)
+@map_app.command("combine", cls=ExampleCommand, short_help="Make the map of what either of two arms reaches.")
 def combine(
     first: Folder,
     second: Annotated[Path, typer.Argument(metavar="MAP2", help="Folder of another map.", show_default=False)],
@@ -166,7 +166,7 @@ def combine(
     typer.echo(repr(combined(open_map(first), open_map(second), out)))
 
 
-@map_app.command("plot", cls=ExampleCommand)
+@map_app.command("plot", cls=ExampleCommand, short_help="Draw a slice of a map, or the shell of its reach.")
 def plot(
     folder: Folder,
     output: Annotated[Path, typer.Option(metavar="FILE.png", help="Picture to write (.png, .pdf, .svg).")],
@@ -186,7 +186,7 @@ def plot(
     save(plot_shell(chart) if shell else plot_map(chart, measure or usual), output)
 
 
-@map_app.command("preview", cls=ExampleCommand)
+@map_app.command("preview", cls=ExampleCommand, short_help="Write a page of the arm in the cloud of its reach.")
 def preview(
     folder: Folder,
     source: Source,
@@ -206,7 +206,7 @@ def preview(
     typer.echo(f"{out}: {count:,} points")
 
 
-@map_app.command("export", cls=ExampleCommand)
+@map_app.command("export", cls=ExampleCommand, short_help="Write a map for NumPy, VTK or Reuleaux.")
 def export(
     folder: Folder,
     out: Annotated[Path, typer.Argument(metavar="FILE.npz|.vti|.h5", help="What to write.", show_default=False)],
