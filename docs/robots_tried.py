@@ -1,9 +1,8 @@
-"""Makes the tables of docs/robots_tried.md: python docs/robots_tried.py FOLDER ... with robot files anywhere below.
+"""Makes the table of docs/robots_tried.md: python docs/robots_tried.py FOLDER ... with robot files anywhere below.
 
 Looked for are the files of docs/robots_tried.toml; those that are not here are skipped and named. Every arm that is
 found is asked for the poses of random configurations inside its limits. The poses come from Pinocchio on the file as it
-is, and what is solved is checked by it; nothing of srs_ik takes part in either. Files whose joints were written out by
-hand have a table of their own.
+is, and what is solved is checked by it; nothing of srs_ik takes part in either.
 """
 
 from __future__ import annotations
@@ -27,8 +26,6 @@ from untouched import Untouched, distances
 
 PAGE = Path(__file__).with_name("robots_tried.md")
 FILES = Path(__file__).with_name("robots_tried.toml")
-TABLES = {"table": False, "joints": True}
-"""Marks of the tables on the page, and whether they are of files whose joints were written out."""
 SUFFIXES = (".urdf", ".xacro", ".xml")
 
 
@@ -61,13 +58,13 @@ def measure(path: Path, arm: srs_ik.Arm, count: int) -> Measured:
     return Measured(int(right.sum()), count, *worst, float(np.median(times)))
 
 
-def files(folders: Sequence[Path], joints_only: bool) -> Iterator[tuple[str, str, Path]]:
+def files(folders: Sequence[Path]) -> Iterator[tuple[str, str, Path]]:
     """Where each file is from, what the page calls it, and where it is here; files that are not are named."""
     here = [path for folder in folders for path in sorted(folder.resolve().rglob("*")) if path.suffix in SUFFIXES]
     installed = metadata.files("example-robot-data") or []
     here += [Path(str(file.locate())).resolve() for file in installed if file.suffix in SUFFIXES]
     for origin, listed in tomllib.loads(FILES.read_text()).items():
-        for name in listed["files"] if listed.get("joints_only", False) == joints_only else []:
+        for name in listed["files"]:
             path = next((path for path in here if path.as_posix().endswith(f"/{name}")), None)
             if path is None:
                 print(f"skipped, for it is not here: {name} ({origin})", file=sys.stderr)
@@ -75,12 +72,12 @@ def files(folders: Sequence[Path], joints_only: bool) -> Iterator[tuple[str, str
                 yield origin, name.removeprefix("example-robot-data/robots/"), path
 
 
-def rows(folders: Sequence[Path], joints_only: bool, count: int) -> Iterator[str]:
+def rows(folders: Sequence[Path], count: int) -> Iterator[str]:
     """The lines of the table."""
     heads = ["file", "from", "base to tip", "recognised as", "elbow offset (mm)", "axes miss by (mm)", "solved"]
     yield f"| {' | '.join([*heads, 'worst error (m)', 'worst error (rad)', 'median time (us)'])} |"
     yield "|---|---|---|---|--:|--:|--:|--:|--:|--:|"
-    for origin, name, path in files(folders, joints_only):
+    for origin, name, path in files(folders):
         try:
             reports = srs_ik.find_limbs(path)
         except srs_ik.InvalidRobot:
@@ -111,17 +108,16 @@ def why_nothing(path: Path) -> str:
 
 
 def main() -> None:
-    """Write the tables into the page."""
+    """Write the table into the page."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("folders", type=Path, nargs="*", help="folders with robot files")
     parser.add_argument("--count", type=int, default=500, help="configurations an arm (default: 500)")
     options = parser.parse_args()
-    for mark, joints_only in TABLES.items():
-        table = "\n".join(rows(options.folders, joints_only, options.count))
-        begin, end = f"<!-- {mark}: begin -->", f"<!-- {mark}: end -->"
-        before, rest = PAGE.read_text().split(begin)
-        PAGE.write_text(f"{before}{begin}\n{table}\n{end}{rest.split(end)[1]}")
-        print(table)
+    table = "\n".join(rows(options.folders, options.count))
+    begin, end = "<!-- table: begin -->", "<!-- table: end -->"
+    before, rest = PAGE.read_text().split(begin)
+    PAGE.write_text(f"{before}{begin}\n{table}\n{end}{rest.split(end)[1]}")
+    print(table)
 
 
 if __name__ == "__main__":
