@@ -13,11 +13,11 @@ import srs_ik
 from srs_ik.kernels.entries import path_bound
 from srs_ik.kernels.layout.path import CELL, CELL_OFF
 from srs_ik.kernels.path.cells import FREE
+from srs_ik.solve.path.ask import problem_of
 from srs_ik.solve.path.blocks import through
 from srs_ik.solve.path.bound import MOST_ROOM
 from srs_ik.solve.path.narrow import costs_to_end
 from srs_ik.solve.path.problem import limbs_of
-from srs_ik.solve.path.solution import _problem
 
 TURN = 2.0 * np.pi
 LONGEST = 30.0
@@ -168,7 +168,7 @@ def test_what_a_path_costs_to_its_end_is_what_one_the_other_way_round_costs(name
     arm, rng = load(name), generator(name, 42)
     poses, keys = poses_of(arm, known_motion(arm, rng, count, 0.1)), np.arange(count)
     forth, back = (
-        _problem(arm.packed, np.ascontiguousarray(T), None, None, 0.5, "sum_of_squares", None)
+        problem_of(arm.packed, np.ascontiguousarray(T), None, None, 0.5, "sum_of_squares", None)
         for T in (poses, poses[::-1])
     )
     blocks, turned = through(forth, keys, False)[1], through(back, keys, False)[1]

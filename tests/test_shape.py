@@ -1,4 +1,4 @@
-"""The shape of the kernels: few arguments, short files, small rooms."""
+"""The shape of the package: no circles; of its kernels: few arguments, short files, small rooms."""
 
 from __future__ import annotations
 
@@ -54,6 +54,41 @@ def test_nothing_is_named_twice():
         if count > 1
     ]
     assert twice == []
+
+
+def test_files_do_not_import_each_other_in_circles():
+    files = {path: ast.parse(path.read_text()) for path in PACKAGE.rglob("*.py")}
+    names = {module_of(path): path for path in files}
+    # What a package hands on from its own files is no use of them.
+    imported = {
+        path: {names[name] for name in names_imported(tree) if name in names} - {path}
+        for path, tree in files.items()
+        if path.name != "__init__.py"
+    }
+    left = dict(imported)
+    # Away with all that imports nothing that is left, and that nothing left imports.
+    while free := {path for path, used in left.items() if not used & left.keys()} or left.keys() - {
+        used for each in left.values() for used in each
+    }:
+        left = {path: used for path, used in left.items() if path not in free}
+    assert sorted(str(path.relative_to(PACKAGE)) for path in left) == []
+
+
+def module_of(path: Path) -> str:
+    """The dotted name of a file."""
+    parts = path.relative_to(PACKAGE.parent).with_suffix("").parts
+    return ".".join(parts[:-1] if parts[-1] == "__init__" else parts)
+
+
+def names_imported(tree: ast.Module) -> set[str]:
+    """Dotted names that a file imports anywhere, those for type checkers included."""
+    found: set[str] = set()
+    for node in ast.walk(tree):
+        if isinstance(node, ast.Import):
+            found |= {alias.name for alias in node.names}
+        elif isinstance(node, ast.ImportFrom) and node.module:
+            found |= {node.module, *(f"{node.module}.{alias.name}" for alias in node.names)}
+    return found
 
 
 def names_given(module: ast.Module) -> list[str]:

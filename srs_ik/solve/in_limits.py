@@ -60,7 +60,7 @@ class InLimits:
 
     def solve_path(self, poses: Any, *question: Any) -> PathSolution:
         """See `Arm.solve_path`."""
-        from srs_ik.solve.path.solution import solve_path
+        from srs_ik.solve.path.ask import solve_path
 
         return solve_path(self.packed, poses, *question)
 

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,10 +19,9 @@ from srs_ik.solve.in_scene.edges import Edges
 from srs_ik.solve.path.breaks import PathBreak, breaks_of
 from srs_ik.solve.path.problem import Problem, Way, steps_of
 from srs_ik.solve.path.rows import rows_of
+from srs_ik.solve.path.solution import PathSolution
+from srs_ik.solve.path.turns import unwound
 from srs_ik.solve.solution import Status
-
-if TYPE_CHECKING:
-    from srs_ik.solve.path.solution import PathSolution
 
 Array = NDArray[np.float64]
 
@@ -39,8 +37,6 @@ AMPLE = 1.5
 
 def keep_clear(problem: Problem, find: Callable[[Problem], Way]) -> PathSolution:
     """See `Arm.solve_path`, with a scene; `find` is the search for a path through given intervals."""
-    from srs_ik.solve.path.solution import PathSolution, unwound
-
     around = problem.around
     assert around is not None
     _refuse_hits(problem)
