@@ -14,7 +14,7 @@ from pathlib import Path
 from control_tables import all_tables
 from control_verdicts import verdicts
 
-from srs_ik.writing import write_whole
+from srs_ik.system.writing import write_whole
 
 DOCS = Path(__file__).resolve().parent
 WIDTH = 900

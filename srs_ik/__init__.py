@@ -10,7 +10,7 @@ from __future__ import annotations
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
-from srs_ik.forks import WHOLE
+from srs_ik.system.forks import WHOLE
 
 if TYPE_CHECKING:
     from srs_ik.analysis.ellipsoids import (

@@ -17,7 +17,7 @@ from typing import Any
 from urllib.parse import urlsplit
 from urllib.request import url2pathname
 
-from srs_ik import bounds
+from srs_ik.system import bounds
 
 _LISTED = 40
 """Longest list of names that is spelled out in a message; the fields of an error always hold all of them."""

@@ -272,7 +272,7 @@ def test_a_file_that_cannot_be_written_stays_as_it_was(limb, tmp_path, monkeypat
     def refuse(*paths):
         raise OSError("full")
 
-    monkeypatch.setattr("srs_ik.writing._replace", refuse)
+    monkeypatch.setattr("srs_ik.system.writing._replace", refuse)
     with pytest.raises(OSError, match="full"):
         files.write(tmp_path, "walking", limb, walking(limb, quiet))
     assert [path.name for path in tmp_path.iterdir()] == ["walking.png"]

@@ -62,7 +62,7 @@ print(len(codes), set(codes))
 """
 COMPILING = """
 from numba import njit
-import srs_ik.forks
+import srs_ik.system.forks
 
 def make(k):
     def f(x):
@@ -100,7 +100,7 @@ def test_no_child_hangs(program, count):
 def test_a_fork_within_is_no_deadlock():
     """Whoever forks while it loads itself, as a user's own function may, does not wait for itself."""
     program = """
-from srs_ik.forks import WHOLE, whole
+from srs_ik.system.forks import WHOLE, whole
 
 @whole
 def inner():
@@ -121,7 +121,7 @@ def test_locks_are_free_after_a_fork():
     program = """
 import numba
 from numba.core.compiler_lock import global_compiler_lock
-from srs_ik.forks import WHOLE
+from srs_ik.system.forks import WHOLE
 
 def free():
     found = []

@@ -22,6 +22,9 @@ LONGEST_FILE = 400
 MOST_FILES = 15
 """So many files are in a room at most, its `__init__` among them."""
 
+MOST_ROOMS = 20
+"""So many files and folders stand side by side at the top of the package at most."""
+
 
 def test_few_functions_have_many_arguments():
     counts = {
@@ -44,6 +47,11 @@ def test_rooms_are_small():
         str(room.relative_to(KERNELS)): len(list(room.glob("*.py"))) for room in KERNELS.rglob("*") if room.is_dir()
     }
     assert {name: count for name, count in rooms.items() if count > MOST_FILES} == {}
+
+
+def test_the_package_has_few_rooms():
+    rooms = {path.stem for path in PACKAGE.iterdir() if path.suffix == ".py" or (path / "__init__.py").is_file()}
+    assert len(rooms - {"__init__"}) <= MOST_ROOMS, sorted(rooms)
 
 
 def test_nothing_is_named_twice():

@@ -12,11 +12,11 @@ from hypothesis import example, given, settings
 from hypothesis import strategies as st
 from robot_files import REAL, at_hand, joint_xml, random_configuration, robot_file, robot_xml
 
-from srs_ik import bounds
 from srs_ik.errors import InvalidRobot
 from srs_ik.robot import zoo
 from srs_ik.robot.description import load_model
 from srs_ik.robot.description.from_yourdfpy import roll_pitch_yaw
+from srs_ik.system import bounds
 
 FILES = at_hand(*chains.MAKERS, *REAL)
 AXIS, LIMIT = '<axis xyz="0 0 1"/>', '<limit lower="-1" upper="1" effort="1" velocity="1"/>'

@@ -10,7 +10,7 @@ import threading
 import pytest
 from command_line import Q, run, run_apart
 
-from srs_ik.writing import write_whole
+from srs_ik.system.writing import write_whole
 
 
 def test_content_and_permissions(tmp_path):
@@ -48,7 +48,9 @@ def test_pipes_and_devices_are_written_to(tmp_path):
     reader.join(10)
     assert found == ["through"]
     assert stat.S_ISFIFO(fifo.stat().st_mode)
-    program = "from pathlib import Path; from srs_ik.writing import write_whole; write_whole(Path('/dev/stdout'), 'x')"
+    program = (
+        "from pathlib import Path; from srs_ik.system.writing import write_whole; write_whole(Path('/dev/stdout'), 'x')"
+    )
     with open(tmp_path / "out", "wb") as out:
         subprocess.run([sys.executable, "-c", program], stdout=out, check=True)
     assert (tmp_path / "out").read_text() == "x"

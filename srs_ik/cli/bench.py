@@ -42,7 +42,7 @@ def bench(
     from srs_ik.bench.work import Work
     from srs_ik.cli.render import print_json
     from srs_ik.loading import load
-    from srs_ik.writing import write_whole
+    from srs_ik.system.writing import write_whole
 
     names = robots or ["iiwa14", "gen3"]
     arms = [load(name) for name in names]

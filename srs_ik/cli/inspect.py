@@ -80,7 +80,7 @@ def inspect(
     if packed is not None and accepted:
         from srs_ik.loading import load
         from srs_ik.solve.packed import limb_file
-        from srs_ik.writing import write_whole
+        from srs_ik.system.writing import write_whole
 
         write_whole(packed, limb_file(load(source, **reading, **chosen).packed))
         typer.echo(f"srs-ik: wrote {packed}", err=True)

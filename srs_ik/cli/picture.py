@@ -8,7 +8,7 @@ from typing import Any
 
 from srs_ik.cli.options import WrongInput
 from srs_ik.errors import MissingExtra
-from srs_ik.writing import write_whole
+from srs_ik.system.writing import write_whole
 
 
 def check(path: Path, option: str) -> None:

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 
 from srs_ik.cli.options import WrongInput
 from srs_ik.cli.poses import warn_of_degrees
-from srs_ik.writing import write_whole
+from srs_ik.system.writing import write_whole
 
 if TYPE_CHECKING:
     import numpy as np

@@ -12,8 +12,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from srs_ik.errors import InvalidScene, quoted
-from srs_ik.forks import WHOLE
 from srs_ik.kinematics import ChainKinematics
+from srs_ik.system.forks import WHOLE
 
 if TYPE_CHECKING:
     from srs_ik.collision.bodies import Body

@@ -9,12 +9,12 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from srs_ik import bounds
 from srs_ik.collision.sphere_files import read_tree_of
 from srs_ik.errors import InvalidPose, InvalidScene, did_you_mean, listed, quoted
 from srs_ik.inputs.messages import pose_matrix
 from srs_ik.inputs.rotations import pose_from_xyz_quaternion, pose_from_xyz_rpy
 from srs_ik.robot.description.files import label_of
+from srs_ik.system import bounds
 
 Array = NDArray[np.float64]
 

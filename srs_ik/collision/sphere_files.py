@@ -10,10 +10,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from srs_ik import bounds
 from srs_ik.errors import InvalidScene, MissingExtra, quoted
 from srs_ik.inputs.numbers import real_number
 from srs_ik.robot.description.files import label_of, read
+from srs_ik.system import bounds
 
 Array = NDArray[np.float64]
 

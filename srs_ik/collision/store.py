@@ -12,7 +12,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from srs_ik.writing import write_whole
+from srs_ik.system.writing import write_whole
 
 Array = NDArray[np.float64]
 

@@ -18,7 +18,7 @@ from srs_ik.robot.description.files import label_of
 from srs_ik.robot.limb import SrsLimb, Vector
 from srs_ik.robot.sides import side_of
 from srs_ik.robot.sources import places_of
-from srs_ik.writing import write_whole
+from srs_ik.system.writing import write_whole
 
 if TYPE_CHECKING:
     from srs_ik.arm import Arm

@@ -10,7 +10,6 @@ import numpy as np
 import pinocchio as pin
 
 from srs_ik.errors import AmbiguousLimb, FrameNotFound, InvalidTask, NotAnSrsLimb, listed
-from srs_ik.forks import whole
 from srs_ik.inputs.numbers import real_array
 from srs_ik.robot import changes
 from srs_ik.robot.arguments import check_path, check_texts
@@ -23,6 +22,7 @@ from srs_ik.robot.recognition import default_reference, recognise
 from srs_ik.robot.sides import is_meant
 from srs_ik.robot.skeleton import Skeleton
 from srs_ik.robot.sources import Description, describe
+from srs_ik.system.forks import whole
 
 if TYPE_CHECKING:
     from srs_ik.arm import Arm

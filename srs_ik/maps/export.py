@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from srs_ik.errors import InvalidMap, MissingExtra
 from srs_ik.maps.plan import YAW
-from srs_ik.writing import write_whole
+from srs_ik.system.writing import write_whole
 
 if TYPE_CHECKING:
     from srs_ik.maps.reader import Map

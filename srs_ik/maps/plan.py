@@ -13,12 +13,12 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from srs_ik.bounds import FARTHEST
 from srs_ik.errors import InvalidMap, did_you_mean
 from srs_ik.kernels.layout.maps import MOST_ARCS
 from srs_ik.maps.grid import MOST_POSITIONS, SIDE, Grid
 from srs_ik.maps.orientations import MOST as MOST_ORIENTATIONS
 from srs_ik.maps.orientations import Orientations
+from srs_ik.system.bounds import FARTHEST
 
 if TYPE_CHECKING:
     from srs_ik.arm import Arm

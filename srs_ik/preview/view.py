@@ -24,7 +24,7 @@ from srs_ik.preview.server import Window
 from srs_ik.preview.surroundings import body_solids, forbidden, object_solids
 from srs_ik.preview.words import Entry
 from srs_ik.solve.in_scene.surroundings import Surroundings
-from srs_ik.writing import write_whole
+from srs_ik.system.writing import write_whole
 
 if TYPE_CHECKING:
     import trimesh

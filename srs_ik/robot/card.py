@@ -11,8 +11,8 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import Any, Literal
 
-from srs_ik import bounds
 from srs_ik.errors import InvalidRobot, did_you_mean, listed, quoted
+from srs_ik.system import bounds
 
 CARD_FILE = "robot.toml"
 """Usual name of a card, and that of the one which makes a folder of the package a robot."""

@@ -13,7 +13,7 @@ import numpy as np
 
 from srs_ik.kernels.native import at_work
 from srs_ik.paper.experiments.setting import SEED, Outcome
-from srs_ik.writing import write_whole
+from srs_ik.system.writing import write_whole
 
 if TYPE_CHECKING:
     from srs_ik.arm import Arm

@@ -5,9 +5,9 @@ from __future__ import annotations
 import math
 from xml.etree.ElementTree import Element
 
-from srs_ik import bounds
 from srs_ik.errors import InvalidRobot, did_you_mean, quoted
 from srs_ik.robot.description.figures import figure
+from srs_ik.system import bounds
 
 JOINT_TYPES = ("revolute", "continuous", "prismatic", "fixed", "floating", "planar")
 _WITH_AXIS = frozenset({"revolute", "continuous", "prismatic", "planar"})

@@ -12,8 +12,8 @@ from collections.abc import Mapping
 from xml.etree.ElementTree import Element
 from xml.parsers import expat
 
-from srs_ik import bounds
 from srs_ik.errors import InvalidRobot
+from srs_ik.system import bounds
 
 _PART = 2**20
 """Bytes that the parser is given at once: few enough parts, as it begins a long name or value again with each."""

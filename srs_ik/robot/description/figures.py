@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import re
 
-from srs_ik import bounds
+from srs_ik.system import bounds
 
 _NUMBER = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?", re.ASCII)
 _TINY = 1e-300

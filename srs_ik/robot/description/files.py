@@ -5,8 +5,8 @@ from __future__ import annotations
 import itertools
 from pathlib import Path
 
-from srs_ik import bounds
 from srs_ik.errors import InvalidRobot, did_you_mean
+from srs_ik.system import bounds
 
 _LONGEST_LABEL = 300
 

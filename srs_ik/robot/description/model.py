@@ -15,10 +15,10 @@ from xml.etree.ElementTree import Element, tostring
 import pinocchio as pin
 
 from srs_ik.errors import InvalidRobot
-from srs_ik.forks import WHOLE
 from srs_ik.robot.description import document, mjcf, xacro
 from srs_ik.robot.description.check import check
 from srs_ik.robot.description.files import label_of, read
+from srs_ik.system.forks import WHOLE
 
 
 @dataclass(frozen=True, eq=False)

@@ -10,9 +10,9 @@ from xml.etree.ElementTree import Element
 import numpy as np
 import pinocchio as pin
 
-from srs_ik import bounds
 from srs_ik.errors import InvalidRobot, did_you_mean, quoted
 from srs_ik.robot.description.figures import figure
+from srs_ik.system import bounds
 
 Attributes = Mapping[str, str]
 

@@ -11,10 +11,10 @@ from xml.etree.ElementTree import Element
 import numpy as np
 import pinocchio as pin
 
-from srs_ik import bounds
 from srs_ik.errors import quoted
 from srs_ik.robot.description.mjcf.attributes import ORIENTATION, Attributes, Reader, turned_to, words
 from srs_ik.robot.description.mjcf.mass import Masses
+from srs_ik.system import bounds
 
 Kind = Literal["hinge", "slide", "ball", "free"]
 

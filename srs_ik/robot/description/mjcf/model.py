@@ -8,12 +8,12 @@ from pathlib import Path
 import numpy as np
 import pinocchio as pin
 
-from srs_ik import bounds
 from srs_ik.errors import InvalidRobot, quoted
 from srs_ik.robot.description.mjcf.attributes import Reader
 from srs_ik.robot.description.mjcf.bodies import Body, Joint, read_bodies
 from srs_ik.robot.description.mjcf.text import whole
 from srs_ik.robot.description.mjcf.ties import tied_joints
+from srs_ik.system import bounds
 
 _ALIGNED = {
     "hinge": (pin.JointModelRX, pin.JointModelRY, pin.JointModelRZ),

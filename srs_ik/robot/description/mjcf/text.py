@@ -6,10 +6,10 @@ from collections import deque
 from pathlib import Path
 from xml.etree.ElementTree import Element
 
-from srs_ik import bounds
 from srs_ik.errors import InvalidRobot, quoted
 from srs_ik.robot.description import document
 from srs_ik.robot.description.files import label_of, read
+from srs_ik.system import bounds
 
 _ROOT = "mujoco"
 _SECTIONS = frozenset(
