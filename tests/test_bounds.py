@@ -10,9 +10,10 @@ from grammar import BOMB, made
 from robot_files import joint_xml, robot_xml, serial_arm
 
 import srs_ik
-from srs_ik import InvalidRobot, bounds
+from srs_ik import InvalidRobot
 from srs_ik.errors import did_you_mean, listed, quoted
 from srs_ik.loading.adapter import write_adapter
+from srs_ik.system import bounds
 
 ARM = f'<robot name="small">{serial_arm()}</robot>'
 LONG = "x" * 900

@@ -7,8 +7,9 @@ import pytest
 from robot_files import serial_arm
 
 import srs_ik
-from srs_ik import InvalidRobot, bounds
+from srs_ik import InvalidRobot
 from srs_ik.robot.description import load_model
+from srs_ik.system import bounds
 
 mujoco = pytest.importorskip("mujoco")
 
