@@ -22,6 +22,7 @@ from srs_ik.kernels.layout.path import (
     HELD_BRANCH,
     HELD_LINKED,
     HELD_PSI,
+    LARGEST,
     MEMO,
     NODE,
     NODE_BRANCH,
@@ -30,6 +31,7 @@ from srs_ik.kernels.layout.path import (
     SQUARES,
     STRIP_FIRST,
     STRIP_LAST,
+    TIP,
     Aim,
     Around,
     Course,
@@ -46,7 +48,7 @@ from srs_ik.kernels.limb.poses import read7, read_pose
 from srs_ik.kernels.limb.triangle import place
 from srs_ik.kernels.path.between import between_two, follow_on, pose_change, write_own_bounds
 from srs_ik.kernels.path.corridor import corridor, put_on_poses
-from srs_ik.kernels.path.edges import path_cost
+from srs_ik.kernels.path.edges import most_of, path_cost, write_steps
 from srs_ik.kernels.path.followed import write_sides
 from srs_ik.kernels.path.pose_strips import list_strips, pose_strips
 from srs_ik.kernels.path.programme import advance, cheapest, first_costs, step_back, unbounded
@@ -55,6 +57,7 @@ from srs_ik.kernels.path.splits import put_split
 from srs_ik.kernels.path.steps import rules_for
 from srs_ik.kernels.path.strips import DEEPEST, GRID, SPACING, put_node, room_for_ends
 from srs_ik.kernels.pose.bridged import bridge_all
+from srs_ik.kernels.pose.moved import write_tip
 
 MOST_NODES = 16384
 """Most postures of a pose, with room for those of a run in all its turns."""
@@ -299,11 +302,14 @@ def fill_between(family, poses, keys, reached, settings, q, psi, branch, bounds,
 
 @kernel
 def course_of(P, poses, chain, fixed, bounds, branch):
-    """A course with the sides of its postures, which only an exact limb has."""
+    """A course with the sides of its postures, or on a near limb with its poses as they are read."""
     is_near = P[IS_NEAR] != 0.0
-    course = Course(poses, chain, fixed, bounds, np.empty((0 if is_near else poses.shape[0], SIDE)))
+    course = Course(poses, chain, fixed, bounds, np.empty((poses.shape[0], TIP if is_near else SIDE)))
     if not is_near:
         write_sides(P, course, branch)
+        return course
+    for i in range(poses.shape[0]):
+        write_tip(row(poses, i), row(course.sides, i))
     return course
 
 
@@ -338,7 +344,7 @@ def refine(family, poses, chain, fixed, bounds, widths, enough, start, settings,
 
 
 @entry
-def polish(family, poses, chain, fixed, loose, bounds, start, settings, kind, scale, weights, q, psi, branch):
+def polish(family, poses, chain, fixed, loose, bounds, start, settings, kind, scale, weights, enough, q, psi, branch):
     """Move all postures of a path at once, in place, to what makes a kind of sum least, by barriers less and less wide.
 
     Args:
@@ -353,6 +359,7 @@ def polish(family, poses, chain, fixed, loose, bounds, start, settings, kind, sc
         kind: `WITHIN`, `LARGEST` or `SLOWEST`.
         scale: (7,) by which joint steps are multiplied.
         weights: (w,) of the barriers, one after the other.
+        enough: no other barrier follows once the largest step counts no more than this.
         q: (n, 7).
         psi: (n,).
         branch: (n,).
@@ -363,9 +370,14 @@ def polish(family, poses, chain, fixed, loose, bounds, start, settings, kind, sc
     space = Space(scratch(6, 7), scratch(16, 9))
     course = course_of(row(family, LIMITED), poses, chain, fixed, bounds, branch)
     line = Line(q, psi, branch)
-    lowest = 0.0
+    lowest, steps = 0.0, np.empty((chain.shape[0], 7))
+    first = 0 if start.shape[0] > 0 else 1
     for weight in weights:
-        lowest = smooth(family, course, line, start, Aim(kind, row(scale, 0), weight, loose), row(settings, 0), space)
+        aim = Aim(kind, row(scale, 0), weight, loose)
+        lowest = smooth(family, course, line, start, aim, row(settings, 0), space)
+        write_steps(chain, start, row(settings, 0), q, steps)
+        if kind == LARGEST and most_of(aim, steps, first, chain.shape[0]) <= enough:
+            break
     return lowest
 
 
