@@ -7,9 +7,12 @@ import math
 import numpy as np
 
 from srs_ik.kernels.algebra.joint_vectors import along7, apart, largest
+from srs_ik.kernels.algebra.lanes import as_bits, eight_of
 from srs_ik.kernels.algebra.pointers import keep, row
 from srs_ik.kernels.algebra.vectors import load3
 from srs_ik.kernels.chain.newton import CLOSED, STEPS, close_free
+from srs_ik.kernels.chain.newton_eight import largest as largest_of
+from srs_ik.kernels.curves.in_step import one_of_seven
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.limb import IS_NEAR, LIMITED
 from srs_ik.kernels.layout.path import (
@@ -36,6 +39,7 @@ from srs_ik.kernels.path.programme import advance, cheapest, first_costs, step_b
 from srs_ik.kernels.path.splits import along_split, split_of
 from srs_ik.kernels.path.steps import copied, rules_for
 from srs_ik.kernels.path.strips import put_node
+from srs_ik.kernels.pose.moved import moved_eight, one_pose
 
 WIDTH = 2
 """Postures to each side."""
@@ -125,6 +129,29 @@ def beside(P, stop, here, motion, J, A):
 
 
 @kernel
+def put_along_curve(P, stop, here, motion, sheet, n, space):
+    """`put_across` on a near limb, the postures taken to their curve in step; `motion` as in `beside`."""
+    v, move, longest = motion
+    far = (eight_of(0.0, 1.0, 2.0, 3.0, 4.0, 4.0, 4.0, 4.0) - float(WIDTH)) * move
+    aside, met = moved_eight(P, one_pose(stop.side), here.q, (v, far), ON_LIMIT_OF_CURVE)
+    met &= as_bits(largest_of(along7(aside, -1.0, here.q)) < longest)
+    for k in range(ACROSS):
+        x = float(k - WIDTH)
+        if k == WIDTH:
+            put_node(sheet.nodes, n, here.q, here.psi, here.branch)
+            n += 1
+        elif met >> k & 1:
+            put_node(sheet.nodes, n, one_of_seven(aside, k), here.psi, here.branch)
+            n += 1
+        else:
+            moved, there, found = beside(P, stop, here, (v, x * move, longest), space.J, space.A)
+            if found:
+                put_node(sheet.nodes, n, moved, there, here.branch)
+                n += 1
+    return n
+
+
+@kernel
 def put_across(P, course, line, at, sheet, n, space):
     """Write the postures of a corridor at a pose, that of the path in the middle; the next free row.
 
@@ -140,6 +167,8 @@ def put_across(P, course, line, at, sheet, n, space):
     stop = stop_of(course, i)
     v, good = moving_rates(P, stop, here, space.J, space.A)
     move = min(width / max(largest(v), 1e-3), WIDEST_MOVE)
+    if good and P[IS_NEAR] != 0.0:
+        return put_along_curve(P, stop, here, (v, move, 4.0 * WIDTH * width), sheet, n, space)
     for k in range(ACROSS):
         x = float(k - WIDTH)
         if k == WIDTH:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from srs_ik.kernels.algebra.joint_vectors import along7, dot7
 from srs_ik.kernels.algebra.lane_trig import turns_of
 from srs_ik.kernels.algebra.lanes import as_bits, gather, where
-from srs_ik.kernels.algebra.vectors import store3
+from srs_ik.kernels.algebra.vectors import load3, load9, store3
 from srs_ik.kernels.chain.newton_eight import curve_step, largest
 from srs_ik.kernels.curves.in_step import between_eight
 from srs_ik.kernels.jit import kernel
@@ -34,6 +34,12 @@ def gather3(rows, k, width):
 def eight_poses(tips):
     """Rotations and positions of eight poses."""
     return gather3(tips, 0, TIP) + gather3(tips, 3, TIP) + gather3(tips, 6, TIP), gather3(tips, 9, TIP)
+
+
+@kernel
+def one_pose(tip):
+    """Rotation and position of a pose."""
+    return load9(tip, 0), load3(tip, 9)
 
 
 @kernel
