@@ -52,6 +52,9 @@ WIDEST_MOVE = 0.3
 ON_LIMIT_OF_CURVE = 1e-11
 """`ON_LIMIT` where strips are curves on the true chain, rad."""
 
+SHORTENED = 3
+"""A posture that cannot move so far is moved half as far, and so on, so often in all."""
+
 FARTHEST = 0.5
 """A posture of a strip is no farther, rad, from the straight line between its neighbours."""
 
@@ -116,7 +119,7 @@ def beside(P, stop, here, motion, J, A):
         A: (16, 9) work space.
     """
     v, move, longest = motion
-    for _ in range(3):
+    for _ in range(SHORTENED):
         there = min(max(here.psi + move, stop.bounds[0]), stop.bounds[1])
         if there == here.psi:
             break
@@ -133,8 +136,8 @@ def put_along_curve(P, stop, here, motion, sheet, n, space):
     """`put_across` on a near limb, the postures taken to their curve in step; `motion` as in `beside`."""
     v, move, longest = motion
     far = (eight_of(0.0, 1.0, 2.0, 3.0, 4.0, 4.0, 4.0, 4.0) - float(WIDTH)) * move
-    aside, met = moved_eight(P, one_pose(stop.side), here.q, (v, far), ON_LIMIT_OF_CURVE)
-    met &= as_bits(largest_of(along7(aside, -1.0, here.q)) < longest)
+    aside, met, inside = moved_eight(P, one_pose(stop.side), here.q, (v, far), ON_LIMIT_OF_CURVE)
+    met &= inside & as_bits(largest_of(along7(aside, -1.0, here.q)) < longest)
     for k in range(ACROSS):
         x = float(k - WIDTH)
         if k == WIDTH:

@@ -20,7 +20,7 @@ from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.limb import IS_NEAR, LIMITED
 from srs_ik.kernels.layout.path import LARGEST, SLOWEST, SQUARES, Line, System
 from srs_ik.kernels.limb.poses import read7
-from srs_ik.kernels.path.corridor import ON_LIMIT_OF_CURVE, beside, moving_rates, posture_at, stop_of
+from srs_ik.kernels.path.corridor import ON_LIMIT_OF_CURVE, SHORTENED, beside, moving_rates, posture_at, stop_of
 from srs_ik.kernels.path.edges import (
     CROSS,
     GRADIENT,
@@ -220,6 +220,27 @@ def move_one(P, course, line, rate, far, moved, i, space):
 
 
 @kernel
+def move_eight(P, course, line, rate, far, moved, first, space):
+    """`move_one` for eight poses of a near limb in step; those that Newton's method fails in step go by themselves."""
+    q = take_eight(row(line.q, first), 7)
+    v, size = take_eight(row(rate, first), 7), gather(row(far, first), 0, 1)
+    put_eight(row(moved.q, first), 7, ALL, q)
+    left, failed = as_bits(abs(size) > 0.0), 0
+    for _ in range(SHORTENED):
+        there, met, inside = moved_eight(P, eight_poses(row(course.sides, first)), q, (v, size), ON_LIMIT_OF_CURVE)
+        good = inside & as_bits(largest_of(along7(there, -1.0, q)) < 4.0 * LONGEST_MOVE)
+        put_eight(row(moved.q, first), 7, left & met & good, there)
+        failed |= left & ~met
+        left &= met & ~good
+        if left == 0:
+            break
+        size = 0.5 * size
+    for k in range(LANES):
+        if failed >> k & 1:
+            move_one(P, course, line, rate, far[first + k], moved, first + k, space)
+
+
+@kernel
 def move_all(P, course, line, rate, move, moved, space):
     """`move_one` for all postures of a path, on a near limb those of eight poses in a row in step."""
     n = line.psi.shape[0]
@@ -233,16 +254,8 @@ def move_all(P, course, line, rate, move, moved, space):
         for c in range(course.chain.shape[0]):
             move_one(P, course, line, rate, far[course.chain[c]], moved, course.chain[c], space)
         return
-    for begin in range(0, n, LANES):
-        first = min(begin, n - LANES)
-        q = take_eight(row(line.q, first), 7)
-        moves = take_eight(row(rate, first), 7), gather(row(far, first), 0, 1)
-        there, met = moved_eight(P, eight_poses(row(course.sides, first)), q, moves, ON_LIMIT_OF_CURVE)
-        met &= as_bits((largest_of(along7(there, -1.0, q)) < 4.0 * LONGEST_MOVE) & (abs(moves[1]) > 0.0))
-        put_eight(row(moved.q, first), 7, met, there)
-        for k in range(LANES):
-            if not met >> k & 1:
-                move_one(P, course, line, rate, far[first + k], moved, first + k, space)
+    for first in range(0, n, LANES):
+        move_eight(P, course, line, rate, far, moved, min(first, n - LANES), space)
     keep(far)
 
 

@@ -62,12 +62,12 @@ def moved_eight(P, poses, q, moves, slack):
         slack: limits that are passed by no more than this, rad, are passed by rounding.
 
     Returns:
-        The postures, and as bits which meet their poses inside the limits.
+        The postures, and as bits which meet their poses, and which are inside the limits.
     """
     by = Setting(Target(poses[0], poses[1], 0.0), 0.0, True, 0.0, 0.0)
     there, _, met = between_eight(P, by, q, moves[0], moves[1])
     inside = within(P, there)
-    return inside, met & as_bits(largest(along7(inside, -1.0, there)) < slack)
+    return inside, met, as_bits(largest(along7(inside, -1.0, there)) < slack)
 
 
 @kernel
