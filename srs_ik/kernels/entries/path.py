@@ -14,7 +14,7 @@ from srs_ik.kernels.chain.answer import measure_row
 from srs_ik.kernels.chain.kinematics import pose_error
 from srs_ik.kernels.chain.newton import CLOSED, STEPS, clipped, close_free
 from srs_ik.kernels.exact.samples import MAX_SAMPLES
-from srs_ik.kernels.jit import entry, kernel
+from srs_ik.kernels.jit import entry
 from srs_ik.kernels.layout.answer import GOOD_POSE, MAX_PIECES, ROW_ARM_ANGLE
 from srs_ik.kernels.layout.asked import Target
 from srs_ik.kernels.layout.limb import IS_CLOSED, IS_NEAR, LIMITED
@@ -31,7 +31,6 @@ from srs_ik.kernels.layout.path import (
     SQUARES,
     STRIP_FIRST,
     STRIP_LAST,
-    TIP,
     Aim,
     Around,
     Course,
@@ -47,9 +46,8 @@ from srs_ik.kernels.limb.limits import TURN
 from srs_ik.kernels.limb.poses import read7, read_pose
 from srs_ik.kernels.limb.triangle import place
 from srs_ik.kernels.path.between import between_two, follow_on, pose_change, write_own_bounds
-from srs_ik.kernels.path.corridor import corridor, put_on_poses
+from srs_ik.kernels.path.corridor import corridor, course_of, put_on_poses
 from srs_ik.kernels.path.edges import most_of, path_cost, write_steps
-from srs_ik.kernels.path.followed import write_sides
 from srs_ik.kernels.path.pose_strips import list_strips, pose_strips
 from srs_ik.kernels.path.programme import advance, cheapest, first_costs, step_back, unbounded
 from srs_ik.kernels.path.smoothing import smooth
@@ -57,7 +55,6 @@ from srs_ik.kernels.path.splits import put_split
 from srs_ik.kernels.path.steps import rules_for
 from srs_ik.kernels.path.strips import DEEPEST, GRID, SPACING, put_node, room_for_ends
 from srs_ik.kernels.pose.bridged import bridge_all
-from srs_ik.kernels.pose.moved import write_tip
 
 MOST_NODES = 16384
 """Most postures of a pose, with room for those of a run in all its turns."""
@@ -298,19 +295,6 @@ def fill_between(family, poses, keys, reached, settings, q, psi, branch, bounds,
                 if missed[i]:
                     between_two(line, (last, i, pose), row(settings, 0))
         last = pose
-
-
-@kernel
-def course_of(P, poses, chain, fixed, bounds, branch):
-    """A course with the sides of its postures, or on a near limb with its poses as they are read."""
-    is_near = P[IS_NEAR] != 0.0
-    course = Course(poses, chain, fixed, bounds, np.empty((poses.shape[0], TIP if is_near else SIDE)))
-    if not is_near:
-        write_sides(P, course, branch)
-        return course
-    for i in range(poses.shape[0]):
-        write_tip(row(poses, i), row(course.sides, i))
-    return course
 
 
 @entry

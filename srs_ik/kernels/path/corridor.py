@@ -20,9 +20,12 @@ from srs_ik.kernels.layout.path import (
     NODE,
     NODE_PSI,
     SETTINGS,
+    SIDE,
     SIDE_FOREARM,
     SIDE_LINE,
     STRIP,
+    TIP,
+    Course,
     Posture,
     Sheet,
     Span,
@@ -32,14 +35,14 @@ from srs_ik.kernels.layout.path import (
 from srs_ik.kernels.limb.poses import read7, read_pose
 from srs_ik.kernels.limb.self_motion import rates
 from srs_ik.kernels.limb.triangle import place
-from srs_ik.kernels.path.followed import ON_LIMIT, along_cell, posture_of, read_side, settled
+from srs_ik.kernels.path.followed import ON_LIMIT, along_cell, posture_of, read_side, settled, write_sides
 from srs_ik.kernels.path.near_strips import direction, moved_along, setting_of
 from srs_ik.kernels.path.pose_strips import list_strips
 from srs_ik.kernels.path.programme import advance, cheapest, first_costs, step_back
 from srs_ik.kernels.path.splits import along_split, split_of
 from srs_ik.kernels.path.steps import copied, rules_for
 from srs_ik.kernels.path.strips import put_node
-from srs_ik.kernels.pose.moved import moved_eight, one_pose
+from srs_ik.kernels.pose.moved import moved_eight, one_pose, write_tip
 
 WIDTH = 2
 """Postures to each side."""
@@ -75,6 +78,19 @@ def put_inside(P, q):
     if P[IS_NEAR] != 0.0:
         return settled(P, q, ON_LIMIT_OF_CURVE)
     return settled(P, q, ON_LIMIT)
+
+
+@kernel
+def course_of(P, poses, chain, fixed, bounds, branch):
+    """A course with the sides of its postures, or on a near limb with its poses as they are read."""
+    is_near = P[IS_NEAR] != 0.0
+    course = Course(poses, chain, fixed, bounds, np.empty((poses.shape[0], TIP if is_near else SIDE)))
+    if not is_near:
+        write_sides(P, course, branch)
+        return course
+    for i in range(poses.shape[0]):
+        write_tip(row(poses, i), row(course.sides, i))
+    return course
 
 
 @kernel
