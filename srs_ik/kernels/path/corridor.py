@@ -42,7 +42,7 @@ from srs_ik.kernels.path.programme import advance, cheapest, first_costs, step_b
 from srs_ik.kernels.path.splits import along_split, split_of
 from srs_ik.kernels.path.steps import copied, rules_for
 from srs_ik.kernels.path.strips import put_node
-from srs_ik.kernels.pose.moved import moved_eight, one_pose, write_tip
+from srs_ik.kernels.pose.moved import moved_eight, one_pose, within, write_tip
 
 WIDTH = 2
 """Postures to each side."""
@@ -152,7 +152,8 @@ def put_along_curve(P, stop, here, motion, sheet, n, space):
     """`put_across` on a near limb, the postures taken to their curve in step; `motion` as in `beside`."""
     v, move, longest = motion
     far = (eight_of(0.0, 1.0, 2.0, 3.0, 4.0, 4.0, 4.0, 4.0) - float(WIDTH)) * move
-    aside, met, inside = moved_eight(P, one_pose(stop.side), here.q, (v, far), ON_LIMIT_OF_CURVE)
+    aside, met = moved_eight(P, one_pose(stop.side), here.q, (v, far))
+    aside, inside = within(P, aside, ON_LIMIT_OF_CURVE)
     met &= inside & as_bits(largest_of(along7(aside, -1.0, here.q)) < longest)
     for k in range(ACROSS):
         x = float(k - WIDTH)

@@ -12,9 +12,9 @@ import math
 import numpy as np
 
 from srs_ik.kernels.algebra.joint_vectors import along7, largest
-from srs_ik.kernels.algebra.lanes import LANES, as_bits, gather
+from srs_ik.kernels.algebra.lanes import LANES, as_bits, as_mask, gather, scatter, where
 from srs_ik.kernels.algebra.pointers import keep, row
-from srs_ik.kernels.chain.eight import ALL, put_eight, take_eight
+from srs_ik.kernels.chain.eight import ALL, put_eight, put_some, take_eight
 from srs_ik.kernels.chain.newton_eight import largest as largest_of
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.limb import IS_NEAR, LIMITED
@@ -32,8 +32,9 @@ from srs_ik.kernels.path.edges import (
     write_steps,
     write_terms,
 )
+from srs_ik.kernels.path.followed import ON_LIMIT, eight_followed, eight_rates
 from srs_ik.kernels.path.splits import along_split, split_of, split_room
-from srs_ik.kernels.pose.moved import eight_poses, moved_eight, ways_of_eight
+from srs_ik.kernels.pose.moved import eight_poses, moved_eight, ways_of_eight, within
 
 SWEEPS = 24
 """Most steps of a path."""
@@ -185,16 +186,24 @@ def write_rate(P, course, line, rate, i, space):
 
 
 @kernel
+def rates_of_eight(P, sides, q):
+    """Joint rates of eight poses with their arm angles, or along their curves, and as bits, which are clear cut."""
+    if P[IS_NEAR] != 0.0:
+        return ways_of_eight(P, sides, q)
+    return eight_rates(P, sides, q)
+
+
+@kernel
 def write_rates(P, course, line, rate, space):
-    """`write_rate` for all postures of a path: on a near limb those of eight poses in a row in step."""
+    """`write_rate` for all postures of a path, those of eight poses in a row in step."""
     n = line.psi.shape[0]
-    if P[IS_NEAR] == 0.0 or n < LANES:
+    if n < LANES:
         for c in range(course.chain.shape[0]):
             write_rate(P, course, line, rate, course.chain[c], space)
         return
     for begin in range(0, n, LANES):
         first = min(begin, n - LANES)
-        t, there = ways_of_eight(P, row(course.sides, first), take_eight(row(line.q, first), 7))
+        t, there = rates_of_eight(P, row(course.sides, first), take_eight(row(line.q, first), 7))
         put_eight(row(rate, first), 7, ALL, t)
         for k in range(LANES):
             if course.fixed[first + k] or not there >> k & 1:
@@ -220,16 +229,33 @@ def move_one(P, course, line, rate, far, moved, i, space):
 
 
 @kernel
+def eight_beside(P, course, first, q, moves, psi):
+    """The postures of eight poses moved on: these, arm angles, and as bits, which are clear cut and inside limits."""
+    if P[IS_NEAR] != 0.0:
+        there, met = moved_eight(P, eight_poses(row(course.sides, first)), q, moves)
+        inside, kept = within(P, there, ON_LIMIT_OF_CURVE)
+        return inside, psi + moves[1], met, kept
+    low, high = gather(row(course.bounds, first), 0, 2), gather(row(course.bounds, first), 1, 2)
+    angle = psi + moves[1]
+    angle = where(angle < low, low, where(angle > high, high, angle))
+    there, met = eight_followed(P, row(course.sides, first), angle, q)
+    inside, kept = within(P, there, ON_LIMIT)
+    return inside, angle, met, kept
+
+
+@kernel
 def move_eight(P, course, line, rate, far, moved, first, space):
-    """`move_one` for eight poses of a near limb in step; those that Newton's method fails in step go by themselves."""
-    q = take_eight(row(line.q, first), 7)
+    """`move_one` for eight poses in step; those next to singular postures go by themselves."""
+    q, psi = take_eight(row(line.q, first), 7), gather(row(line.psi, first), 0, 1)
     v, size = take_eight(row(rate, first), 7), gather(row(far, first), 0, 1)
     put_eight(row(moved.q, first), 7, ALL, q)
+    scatter(row(moved.psi, first), 0, 1, psi)
     left, failed = as_bits(abs(size) > 0.0), 0
     for _ in range(SHORTENED):
-        there, met, inside = moved_eight(P, eight_poses(row(course.sides, first)), q, (v, size), ON_LIMIT_OF_CURVE)
+        there, angle, met, inside = eight_beside(P, course, first, q, (v, size), psi)
         good = inside & as_bits(largest_of(along7(there, -1.0, q)) < 4.0 * LONGEST_MOVE)
         put_eight(row(moved.q, first), 7, left & met & good, there)
+        put_some(row(moved.psi, first), 0, 1, as_mask(left & met & good), angle)
         failed |= left & ~met
         left &= met & ~good
         if left == 0:
@@ -242,7 +268,7 @@ def move_eight(P, course, line, rate, far, moved, first, space):
 
 @kernel
 def move_all(P, course, line, rate, move, moved, space):
-    """`move_one` for all postures of a path, on a near limb those of eight poses in a row in step."""
+    """`move_one` for all postures of a path, those of eight poses in a row in step."""
     n = line.psi.shape[0]
     far = np.zeros(n)
     for c in range(course.chain.shape[0]):
@@ -250,7 +276,7 @@ def move_all(P, course, line, rate, move, moved, space):
         fastest = largest(row(rate, i))
         if fastest > 0.0 and move[c] != 0.0:
             far[i] = math.copysign(min(abs(move[c]), LONGEST_MOVE / fastest), move[c])
-    if P[IS_NEAR] == 0.0 or n < LANES:
+    if n < LANES:
         for c in range(course.chain.shape[0]):
             move_one(P, course, line, rate, far[course.chain[c]], moved, course.chain[c], space)
         return

@@ -51,23 +51,18 @@ def ways_of_eight(P, tips, q):
 
 
 @kernel
-def moved_eight(P, poses, q, moves, slack):
-    """Postures moved some ways along directions of the curves of their poses, and put on the limits they pass.
+def moved_eight(P, poses, q, moves):
+    """Postures moved some ways along directions of the curves of their poses, and as bits, which meet their poses.
 
     Args:
         P: packed limb.
         poses: eight rotations and positions, or one.
         q: a posture of each, or one.
         moves: the directions, and how far along them.
-        slack: limits that are passed by no more than this, rad, are passed by rounding.
-
-    Returns:
-        The postures, and as bits which meet their poses, and which are inside the limits.
     """
     by = Setting(Target(poses[0], poses[1], 0.0), 0.0, True, 0.0, 0.0)
     there, _, met = between_eight(P, by, q, moves[0], moves[1])
-    inside = within(P, there)
-    return inside, met, as_bits(largest(along7(inside, -1.0, there)) < slack)
+    return there, met
 
 
 @kernel
@@ -78,9 +73,9 @@ def joint_within(P, joint, x):
 
 
 @kernel
-def within(P, q):
-    """Eight postures, joints beyond a limit put on it."""
-    return (
+def within(P, q, slack):
+    """Eight postures, joints beyond a limit put on it, and as bits, which are beyond by rounding alone, `slack` rad."""
+    inside = (
         joint_within(P, 0, q[0]),
         joint_within(P, 1, q[1]),
         joint_within(P, 2, q[2]),
@@ -89,3 +84,4 @@ def within(P, q):
         joint_within(P, 5, q[5]),
         joint_within(P, 6, q[6]),
     )
+    return inside, as_bits(largest(along7(inside, -1.0, q)) < slack)
