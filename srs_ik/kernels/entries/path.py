@@ -14,7 +14,7 @@ from srs_ik.kernels.chain.answer import measure_row
 from srs_ik.kernels.chain.kinematics import pose_error
 from srs_ik.kernels.chain.newton import CLOSED, STEPS, clipped, close_free
 from srs_ik.kernels.exact.samples import MAX_SAMPLES
-from srs_ik.kernels.jit import entry, kernel
+from srs_ik.kernels.jit import entry
 from srs_ik.kernels.layout.answer import GOOD_POSE, MAX_PIECES, ROW_ARM_ANGLE
 from srs_ik.kernels.layout.asked import Target
 from srs_ik.kernels.layout.limb import IS_CLOSED, IS_NEAR, LIMITED
@@ -22,6 +22,7 @@ from srs_ik.kernels.layout.path import (
     HELD_BRANCH,
     HELD_LINKED,
     HELD_PSI,
+    LARGEST,
     MEMO,
     NODE,
     NODE_BRANCH,
@@ -45,9 +46,8 @@ from srs_ik.kernels.limb.limits import TURN
 from srs_ik.kernels.limb.poses import read7, read_pose
 from srs_ik.kernels.limb.triangle import place
 from srs_ik.kernels.path.between import between_two, follow_on, pose_change, write_own_bounds
-from srs_ik.kernels.path.corridor import corridor, put_on_poses
-from srs_ik.kernels.path.edges import path_cost
-from srs_ik.kernels.path.followed import write_sides
+from srs_ik.kernels.path.corridor import corridor, course_of, put_on_poses
+from srs_ik.kernels.path.edges import most_of, path_cost, write_steps
 from srs_ik.kernels.path.pose_strips import list_strips, pose_strips
 from srs_ik.kernels.path.programme import advance, cheapest, first_costs, step_back, unbounded
 from srs_ik.kernels.path.smoothing import smooth
@@ -297,16 +297,6 @@ def fill_between(family, poses, keys, reached, settings, q, psi, branch, bounds,
         last = pose
 
 
-@kernel
-def course_of(P, poses, chain, fixed, bounds, branch):
-    """A course with the sides of its postures, which only an exact limb has."""
-    is_near = P[IS_NEAR] != 0.0
-    course = Course(poses, chain, fixed, bounds, np.empty((0 if is_near else poses.shape[0], SIDE)))
-    if not is_near:
-        write_sides(P, course, branch)
-    return course
-
-
 @entry
 def refine(family, poses, chain, fixed, bounds, widths, enough, start, settings, limited, q, psi, branch):
     """Move the postures of a path, in place, to the best ones near them.
@@ -338,7 +328,7 @@ def refine(family, poses, chain, fixed, bounds, widths, enough, start, settings,
 
 
 @entry
-def polish(family, poses, chain, fixed, loose, bounds, start, settings, kind, scale, weights, q, psi, branch):
+def polish(family, poses, chain, fixed, loose, bounds, start, settings, kind, scale, weights, enough, q, psi, branch):
     """Move all postures of a path at once, in place, to what makes a kind of sum least, by barriers less and less wide.
 
     Args:
@@ -353,6 +343,7 @@ def polish(family, poses, chain, fixed, loose, bounds, start, settings, kind, sc
         kind: `WITHIN`, `LARGEST` or `SLOWEST`.
         scale: (7,) by which joint steps are multiplied.
         weights: (w,) of the barriers, one after the other.
+        enough: no other barrier follows once the largest step counts no more than this.
         q: (n, 7).
         psi: (n,).
         branch: (n,).
@@ -363,9 +354,14 @@ def polish(family, poses, chain, fixed, loose, bounds, start, settings, kind, sc
     space = Space(scratch(6, 7), scratch(16, 9))
     course = course_of(row(family, LIMITED), poses, chain, fixed, bounds, branch)
     line = Line(q, psi, branch)
-    lowest = 0.0
+    lowest, steps = 0.0, np.empty((chain.shape[0], 7))
+    first = 0 if start.shape[0] > 0 else 1
     for weight in weights:
-        lowest = smooth(family, course, line, start, Aim(kind, row(scale, 0), weight, loose), row(settings, 0), space)
+        aim = Aim(kind, row(scale, 0), weight, loose)
+        lowest = smooth(family, course, line, start, aim, row(settings, 0), space)
+        write_steps(chain, start, row(settings, 0), q, steps)
+        if kind == LARGEST and most_of(aim, steps, first, chain.shape[0]) <= enough:
+            break
     return lowest
 
 

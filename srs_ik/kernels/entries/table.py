@@ -96,7 +96,8 @@ path.refine(family, poses, chain: int[c], fixed: bool[n], bounds: float[n, 2], w
     settings, limited, q: float[n, 7]&, psi: float[n]&, branch: int[n]&) -> float
 path.finish(family, poses, chain: int[c], q: float[n, 7], psi: float[n], branch: int[n], out: float[n, ROW]&)
 path.polish(family, poses, chain: int[c], fixed: bool[n], loose: bool[c], bounds: float[n, 2], start, settings,
-    kind: int, scale: float[7], weights: float[w], q: float[n, 7]&, psi: float[n]&, branch: int[n]&) -> float
+    kind: int, scale: float[7], weights: float[w], enough: float, q: float[n, 7]&, psi: float[n]&,
+    branch: int[n]&) -> float
 path_bound.cover(family, poses, first, known: float[n, 7], has_known: bool[n], extra: float[n, 7], longest: float,
     cells: float[M, CELL]&, ends: int[e]&) -> int
 path_bound.cut(family, poses, coarse: float[c, CELL], coarse_ends: int[k], longest: float,

@@ -87,6 +87,9 @@ SIDE_WRIST = 25
 """One elbow branch of a pose: elbow angle, direction S-W, the same seen from the forearm, and two circles of three
 vectors each for shoulder and wrist (18 figures each)."""
 
+TIP = 12
+"""Rotation and position of a pose."""
+
 SQUARES = 0
 WITHIN = 1
 LARGEST = 2
@@ -185,7 +188,7 @@ class Posture(NamedTuple):
 class Course(NamedTuple):
     """Poses (n, 4, 4), those that count (k,), which postures stay (n,), least and largest arm angles (n, 2).
 
-    On an exact limb, `sides` (n, SIDE) are the elbow branches of the postures; on a near one there are none.
+    Of an exact limb, `sides` (n, SIDE) are the elbow branches of the postures, of a near one (n, TIP) the poses.
     """
 
     poses: Any

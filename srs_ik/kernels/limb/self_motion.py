@@ -13,19 +13,24 @@ SINGULAR_RATE = 1e-9
 
 
 @kernel
+def turned_rates(P, k, turn1, turn2, w):
+    """`spherical_rates` by cosines and sines of two joints, all times the triple product of the axes; and that."""
+    a1 = load3(P, k + A1)
+    c1, s1 = turn1
+    a2 = rotate(a1, c1, s1, load3(P, k + A2))
+    a3 = rotate(a1, c1, s1, rotate(load3(P, k + A2), turn2[0], turn2[1], load3(P, k + A3)))
+    n1 = cross(a2, a3)
+    return dot(w, n1), dot(w, cross(a3, a1)), dot(w, cross(a1, a2)), dot(a1, n1)
+
+
+@kernel
 def spherical_rates(P, k, q1, q2, w):
     """Rates of the three joints at block k that turn the outer side with angular velocity w, in the frame of axis 1."""
-    a1 = load3(P, k + A1)
-    c1, s1 = math.cos(q1), math.sin(q1)
-    a2 = rotate(a1, c1, s1, load3(P, k + A2))
-    a3 = rotate(a1, c1, s1, rotate(load3(P, k + A2), math.cos(q2), math.sin(q2), load3(P, k + A3)))
-    n1 = cross(a2, a3)
-    volume = dot(a1, n1)
+    turn1, turn2 = (math.cos(q1), math.sin(q1)), (math.cos(q2), math.sin(q2))
+    r1, r2, r3, volume = turned_rates(P, k, turn1, turn2, w)
     if abs(volume) < SINGULAR_RATE:
         return 0.0, 0.0, 0.0, False
-    n2 = cross(a3, a1)
-    n3 = cross(a1, a2)
-    return dot(w, n1) / volume, dot(w, n2) / volume, dot(w, n3) / volume, True
+    return r1 / volume, r2 / volume, r3 / volume, True
 
 
 @kernel

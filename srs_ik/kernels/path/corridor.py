@@ -7,9 +7,12 @@ import math
 import numpy as np
 
 from srs_ik.kernels.algebra.joint_vectors import along7, apart, largest
+from srs_ik.kernels.algebra.lanes import as_bits, eight_of
 from srs_ik.kernels.algebra.pointers import keep, row
 from srs_ik.kernels.algebra.vectors import load3
 from srs_ik.kernels.chain.newton import CLOSED, STEPS, close_free
+from srs_ik.kernels.chain.newton_eight import largest as largest_of
+from srs_ik.kernels.curves.in_step import one_of_seven
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.limb import IS_NEAR, LIMITED
 from srs_ik.kernels.layout.path import (
@@ -17,9 +20,12 @@ from srs_ik.kernels.layout.path import (
     NODE,
     NODE_PSI,
     SETTINGS,
+    SIDE,
     SIDE_FOREARM,
     SIDE_LINE,
     STRIP,
+    TIP,
+    Course,
     Posture,
     Sheet,
     Span,
@@ -29,13 +35,14 @@ from srs_ik.kernels.layout.path import (
 from srs_ik.kernels.limb.poses import read7, read_pose
 from srs_ik.kernels.limb.self_motion import rates
 from srs_ik.kernels.limb.triangle import place
-from srs_ik.kernels.path.followed import ON_LIMIT, along_cell, posture_of, read_side, settled
+from srs_ik.kernels.path.followed import ON_LIMIT, along_cell, posture_of, read_side, settled, write_sides
 from srs_ik.kernels.path.near_strips import direction, moved_along, setting_of
 from srs_ik.kernels.path.pose_strips import list_strips
 from srs_ik.kernels.path.programme import advance, cheapest, first_costs, step_back
 from srs_ik.kernels.path.splits import along_split, split_of
 from srs_ik.kernels.path.steps import copied, rules_for
 from srs_ik.kernels.path.strips import put_node
+from srs_ik.kernels.pose.moved import moved_eight, one_pose, within, write_tip
 
 WIDTH = 2
 """Postures to each side."""
@@ -47,6 +54,9 @@ WIDEST_MOVE = 0.3
 
 ON_LIMIT_OF_CURVE = 1e-11
 """`ON_LIMIT` where strips are curves on the true chain, rad."""
+
+SHORTENED = 3
+"""A posture that cannot move so far is moved half as far, and so on, so often in all."""
 
 FARTHEST = 0.5
 """A posture of a strip is no farther, rad, from the straight line between its neighbours."""
@@ -68,6 +78,19 @@ def put_inside(P, q):
     if P[IS_NEAR] != 0.0:
         return settled(P, q, ON_LIMIT_OF_CURVE)
     return settled(P, q, ON_LIMIT)
+
+
+@kernel
+def course_of(P, poses, chain, fixed, bounds, branch):
+    """A course with the sides of its postures, or on a near limb with its poses as they are read."""
+    is_near = P[IS_NEAR] != 0.0
+    course = Course(poses, chain, fixed, bounds, np.empty((poses.shape[0], TIP if is_near else SIDE)))
+    if not is_near:
+        write_sides(P, course, branch)
+        return course
+    for i in range(poses.shape[0]):
+        write_tip(row(poses, i), row(course.sides, i))
+    return course
 
 
 @kernel
@@ -112,7 +135,7 @@ def beside(P, stop, here, motion, J, A):
         A: (16, 9) work space.
     """
     v, move, longest = motion
-    for _ in range(3):
+    for _ in range(SHORTENED):
         there = min(max(here.psi + move, stop.bounds[0]), stop.bounds[1])
         if there == here.psi:
             break
@@ -122,6 +145,30 @@ def beside(P, stop, here, motion, J, A):
             return moved, there, True
         move *= 0.5
     return here.q, here.psi, False
+
+
+@kernel
+def put_along_curve(P, stop, here, motion, sheet, n, space):
+    """`put_across` on a near limb, the postures taken to their curve in step; `motion` as in `beside`."""
+    v, move, longest = motion
+    far = (eight_of(0.0, 1.0, 2.0, 3.0, 4.0, 4.0, 4.0, 4.0) - float(WIDTH)) * move
+    aside, met = moved_eight(P, one_pose(stop.side), here.q, (v, far))
+    aside, inside = within(P, aside, ON_LIMIT_OF_CURVE)
+    met &= inside & as_bits(largest_of(along7(aside, -1.0, here.q)) < longest)
+    for k in range(ACROSS):
+        x = float(k - WIDTH)
+        if k == WIDTH:
+            put_node(sheet.nodes, n, here.q, here.psi, here.branch)
+            n += 1
+        elif met >> k & 1:
+            put_node(sheet.nodes, n, one_of_seven(aside, k), here.psi, here.branch)
+            n += 1
+        else:
+            moved, there, found = beside(P, stop, here, (v, x * move, longest), space.J, space.A)
+            if found:
+                put_node(sheet.nodes, n, moved, there, here.branch)
+                n += 1
+    return n
 
 
 @kernel
@@ -140,6 +187,8 @@ def put_across(P, course, line, at, sheet, n, space):
     stop = stop_of(course, i)
     v, good = moving_rates(P, stop, here, space.J, space.A)
     move = min(width / max(largest(v), 1e-3), WIDEST_MOVE)
+    if good and P[IS_NEAR] != 0.0:
+        return put_along_curve(P, stop, here, (v, move, 4.0 * WIDTH * width), sheet, n, space)
     for k in range(ACROSS):
         x = float(k - WIDTH)
         if k == WIDTH:

@@ -60,13 +60,20 @@ def is_left_out(aim, c):
 
 
 @kernel
-def bound_of(aim, steps, first, last):
-    """The bound t that is best for the steps of rows first to last - 1."""
+def most_of(aim, steps, first, last):
+    """What the largest step of rows first to last - 1 counts."""
     most = 0.0
     for c in range(first, last):
         for j in range(7):
             if not is_left_out(aim, c):
                 most = max(most, abs(steps[c, j]) * aim.scale[j])
+    return most
+
+
+@kernel
+def bound_of(aim, steps, first, last):
+    """The bound t that is best for the steps of rows first to last - 1."""
+    most = most_of(aim, steps, first, last)
     mu = aim.weight
     t = mu + math.sqrt(mu * mu + most * most)
     for _ in range(TIMES):

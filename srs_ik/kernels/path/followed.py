@@ -7,18 +7,26 @@ from __future__ import annotations
 
 import math
 
+from srs_ik.kernels.algebra.lane_trig import angle_of, turn
+from srs_ik.kernels.algebra.lanes import as_bits, gather, where, whole_number
 from srs_ik.kernels.algebra.pointers import row
-from srs_ik.kernels.algebra.vectors import load3, store3, swing
+from srs_ik.kernels.algebra.vectors import load3, scale, store3, swing
+from srs_ik.kernels.chain.eight import sines_of_eight
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.limb import LOWER, RANGE_KIND, SHOULDER, UPPER, WRIST
-from srs_ik.kernels.layout.path import SIDE_ELBOW, SIDE_FOREARM, SIDE_LINE, SIDE_SHOULDER, SIDE_WRIST
-from srs_ik.kernels.limb.limits import TURN, turn_to_middle
+from srs_ik.kernels.layout.path import SIDE, SIDE_ELBOW, SIDE_FOREARM, SIDE_LINE, SIDE_SHOULDER, SIDE_WRIST
+from srs_ik.kernels.limb.limits import PER_TURN, TURN, turn_to_middle
 from srs_ik.kernels.limb.poses import read_pose
-from srs_ik.kernels.limb.spherical import angles, middle_angle
+from srs_ik.kernels.limb.self_motion import turned_rates
+from srs_ik.kernels.limb.spherical import angles, eight_middles, middle_angle, sines
 from srs_ik.kernels.limb.triangle import elbow_side, place
+from srs_ik.kernels.pose.moved import gather3
 
 ON_LIMIT = 3e-7
 """A posture beyond its limits by less than this, rad, is put on them: intervals may be found with that much room."""
+
+CLEAR = 1e-4
+"""A sine of joints 2 or 6, from their phases, above which a spherical joint has two solutions that are far apart."""
 
 
 @kernel
@@ -129,6 +137,59 @@ def read_side(side):
     """The elbow branch as `elbow_side` gives it, but for its third circles."""
     shoulder, wrist = read_circles(side, SIDE_SHOULDER), read_circles(side, SIDE_WRIST)
     return side[SIDE_ELBOW], shoulder, wrist, load3(side, SIDE_FOREARM)
+
+
+@kernel
+def eight_circles(sides, k):
+    """The first two of three circles of eight poses."""
+    v = gather3(sides, k, SIDE), gather3(sides, k + 3, SIDE), gather3(sides, k + 6, SIDE)
+    return v, (gather3(sides, k + 9, SIDE), gather3(sides, k + 12, SIDE), gather3(sides, k + 15, SIDE))
+
+
+@kernel
+def turned_near(x, near):
+    """Eight angles in the turns nearest to others."""
+    return x + TURN * whole_number((near - x) * PER_TURN)
+
+
+@kernel
+def eight_halves(P, k, circles, turns, near):
+    """Eight solutions of a spherical joint at cosines and sines of arm angles, following others; which are clear cut.
+
+    The others are three angles each, and the sines of the middle ones.
+    """
+    q, side = near
+    v = swing(circles[0][0], circles[0][1], circles[0][2], turns[0], turns[1])
+    y = swing(circles[1][0], circles[1][1], circles[1][2], turns[0], turns[1])
+    c, s, missed = eight_middles(P, k, v)
+    one, two, three, _ = sines(P, k, v, y, c, where(side < 0.0, -s, s))
+    clear = as_bits((s > CLEAR) & (abs(side) > CLEAR)) & ~as_bits(missed)
+    first = turned_near(angle_of(one[0], one[1]), q[0])
+    return (first, turned_near(angle_of(two[0], two[1]), q[1]), turned_near(angle_of(three[0], three[1]), q[2])), clear
+
+
+@kernel
+def eight_followed(P, sides, psi, q):
+    """The postures of eight poses at arm angles, in the branches and turns of others beside them; which are clear cut.
+
+    Of the others, which are no farther than half a turn, the middle joints tell the branches.
+    """
+    turns = turn(psi)
+    s2, _, s6 = sines_of_eight(P, q)
+    a, clear_s = eight_halves(P, SHOULDER, eight_circles(sides, SIDE_SHOULDER), turns, ((q[0], q[1], q[2]), s2))
+    b, clear_w = eight_halves(P, WRIST, eight_circles(sides, SIDE_WRIST), turns, ((q[4], q[5], q[6]), s6))
+    elbow = turned_near(gather(sides, SIDE_ELBOW, SIDE), q[3])
+    return (a[0], a[1], a[2], elbow, b[0], b[1], b[2]), clear_s & clear_w
+
+
+@kernel
+def eight_rates(P, sides, q):
+    """Joint rates of eight poses with the arm angle at a posture of each, and as bits, which are clear cut."""
+    r1, r2, r3, v = turned_rates(P, SHOULDER, turn(q[0]), turn(q[1]), gather3(sides, SIDE_LINE, SIDE))
+    back = scale(-1.0, gather3(sides, SIDE_FOREARM, SIDE))
+    r5, r6, r7, w = turned_rates(P, WRIST, turn(q[4]), turn(q[5]), back)
+    s2, _, s6 = sines_of_eight(P, q)
+    return (r1 / v, r2 / v, r3 / v, 0.0 * v, r5 / w, r6 / w, r7 / w), as_bits((abs(s2) > CLEAR) & (abs(s6) > CLEAR))
 
 
 @kernel

@@ -11,12 +11,16 @@ import math
 
 import numpy as np
 
-from srs_ik.kernels.algebra.joint_vectors import largest
-from srs_ik.kernels.algebra.pointers import row
+from srs_ik.kernels.algebra.joint_vectors import along7, largest
+from srs_ik.kernels.algebra.lanes import LANES, as_bits, as_mask, gather, scatter, where
+from srs_ik.kernels.algebra.pointers import keep, row
+from srs_ik.kernels.chain.eight import ALL, put_eight, put_some, take_eight
+from srs_ik.kernels.chain.newton_eight import largest as largest_of
 from srs_ik.kernels.jit import kernel
-from srs_ik.kernels.layout.limb import LIMITED
+from srs_ik.kernels.layout.limb import IS_NEAR, LIMITED
 from srs_ik.kernels.layout.path import LARGEST, SLOWEST, SQUARES, Line, System
-from srs_ik.kernels.path.corridor import beside, moving_rates, posture_at, stop_of
+from srs_ik.kernels.limb.poses import read7
+from srs_ik.kernels.path.corridor import ON_LIMIT_OF_CURVE, SHORTENED, beside, moving_rates, posture_at, stop_of
 from srs_ik.kernels.path.edges import (
     CROSS,
     GRADIENT,
@@ -28,7 +32,9 @@ from srs_ik.kernels.path.edges import (
     write_steps,
     write_terms,
 )
+from srs_ik.kernels.path.followed import ON_LIMIT, eight_followed, eight_rates
 from srs_ik.kernels.path.splits import along_split, split_of, split_room
+from srs_ik.kernels.pose.moved import eight_poses, moved_eight, ways_of_eight, within
 
 SWEEPS = 24
 """Most steps of a path."""
@@ -165,48 +171,118 @@ def solve_system(system, corner, damping, n):
 
 
 @kernel
+def write_rate(P, course, line, rate, i, space):
+    """Joint rates of a posture with its arm angle, or along its split, zero where they cannot be used."""
+    for j in range(7):
+        rate[i, j] = 0.0
+    if not course.fixed[i]:
+        here = posture_at(line, i)
+        v, usable = split_of(P, here.q)
+        if not usable:
+            v, usable = moving_rates(P, stop_of(course, i), here, space.J, space.A)
+        if usable and largest(v) < FASTEST:
+            for j in range(7):
+                rate[i, j] = v[j]
+
+
+@kernel
+def rates_of_eight(P, sides, q):
+    """Joint rates of eight poses with their arm angles, or along their curves, and as bits, which are clear cut."""
+    if P[IS_NEAR] != 0.0:
+        return ways_of_eight(P, sides, q)
+    return eight_rates(P, sides, q)
+
+
+@kernel
 def write_rates(P, course, line, rate, space):
-    """Joint rates with the arm angle, or along a split, zero where they cannot be used."""
-    for c in range(course.chain.shape[0]):
-        i = course.chain[c]
-        for j in range(7):
-            rate[i, j] = 0.0
-        if not course.fixed[i]:
-            here = posture_at(line, i)
-            v, usable = split_of(P, here.q)
-            if not usable:
-                v, usable = moving_rates(P, stop_of(course, i), here, space.J, space.A)
-            if usable and largest(v) < FASTEST:
-                for j in range(7):
-                    rate[i, j] = v[j]
+    """`write_rate` for all postures of a path, those of eight poses in a row in step."""
+    n = line.psi.shape[0]
+    if n < LANES:
+        for c in range(course.chain.shape[0]):
+            write_rate(P, course, line, rate, course.chain[c], space)
+        return
+    for begin in range(0, n, LANES):
+        first = min(begin, n - LANES)
+        t, there = rates_of_eight(P, row(course.sides, first), take_eight(row(line.q, first), 7))
+        put_eight(row(rate, first), 7, ALL, t)
+        for k in range(LANES):
+            if course.fixed[first + k] or not there >> k & 1:
+                write_rate(P, course, line, rate, first + k, space)
+
+
+@kernel
+def move_one(P, course, line, rate, far, moved, i, space):
+    """Write a posture with its arm angle moved on, as far as limits let it."""
+    here = posture_at(line, i)
+    q, there = here.q, here.psi
+    if far != 0.0:
+        v = read7(row(rate, i))
+        _, is_singular = split_of(P, here.q)
+        if is_singular:
+            back, forth = split_room(P, here.q, v)
+            q, _ = along_split(P, here.q, v, min(max(far, back), forth))
+        else:
+            q, there, _ = beside(P, stop_of(course, i), here, (v, far, 4.0 * LONGEST_MOVE), space.J, space.A)
+    moved.psi[i] = there
+    for j in range(7):
+        moved.q[i, j] = q[j]
+
+
+@kernel
+def eight_beside(P, course, first, q, moves, psi):
+    """The postures of eight poses moved on: these, arm angles, and as bits, which are clear cut and inside limits."""
+    if P[IS_NEAR] != 0.0:
+        there, met = moved_eight(P, eight_poses(row(course.sides, first)), q, moves)
+        inside, kept = within(P, there, ON_LIMIT_OF_CURVE)
+        return inside, psi + moves[1], met, kept
+    low, high = gather(row(course.bounds, first), 0, 2), gather(row(course.bounds, first), 1, 2)
+    angle = psi + moves[1]
+    angle = where(angle < low, low, where(angle > high, high, angle))
+    there, met = eight_followed(P, row(course.sides, first), angle, q)
+    inside, kept = within(P, there, ON_LIMIT)
+    return inside, angle, met, kept
+
+
+@kernel
+def move_eight(P, course, line, rate, far, moved, first, space):
+    """`move_one` for eight poses in step; those next to singular postures go by themselves."""
+    q, psi = take_eight(row(line.q, first), 7), gather(row(line.psi, first), 0, 1)
+    v, size = take_eight(row(rate, first), 7), gather(row(far, first), 0, 1)
+    put_eight(row(moved.q, first), 7, ALL, q)
+    scatter(row(moved.psi, first), 0, 1, psi)
+    left, failed = as_bits(abs(size) > 0.0), 0
+    for _ in range(SHORTENED):
+        there, angle, met, inside = eight_beside(P, course, first, q, (v, size), psi)
+        good = inside & as_bits(largest_of(along7(there, -1.0, q)) < 4.0 * LONGEST_MOVE)
+        put_eight(row(moved.q, first), 7, left & met & good, there)
+        put_some(row(moved.psi, first), 0, 1, as_mask(left & met & good), angle)
+        failed |= left & ~met
+        left &= met & ~good
+        if left == 0:
+            break
+        size = 0.5 * size
+    for k in range(LANES):
+        if failed >> k & 1:
+            move_one(P, course, line, rate, far[first + k], moved, first + k, space)
 
 
 @kernel
 def move_all(P, course, line, rate, move, moved, space):
-    """Write the postures with their arm angles moved on, as far as limits let them."""
+    """`move_one` for all postures of a path, those of eight poses in a row in step."""
+    n = line.psi.shape[0]
+    far = np.zeros(n)
     for c in range(course.chain.shape[0]):
         i = course.chain[c]
-        here = posture_at(line, i)
-        q, there = here.q, here.psi
         fastest = largest(row(rate, i))
         if fastest > 0.0 and move[c] != 0.0:
-            size = math.copysign(min(abs(move[c]), LONGEST_MOVE / fastest), move[c])
-            v = moved_direction(rate, i)
-            _, is_singular = split_of(P, here.q)
-            if is_singular:
-                back, forth = split_room(P, here.q, v)
-                q, _ = along_split(P, here.q, v, min(max(size, back), forth))
-            else:
-                q, there, _ = beside(P, stop_of(course, i), here, (v, size, 4.0 * LONGEST_MOVE), space.J, space.A)
-        moved.psi[i] = there
-        for j in range(7):
-            moved.q[i, j] = q[j]
-
-
-@kernel
-def moved_direction(rate, i):
-    """The rates of a posture."""
-    return (rate[i, 0], rate[i, 1], rate[i, 2], rate[i, 3], rate[i, 4], rate[i, 5], rate[i, 6])
+            far[i] = math.copysign(min(abs(move[c]), LONGEST_MOVE / fastest), move[c])
+    if n < LANES:
+        for c in range(course.chain.shape[0]):
+            move_one(P, course, line, rate, far[course.chain[c]], moved, course.chain[c], space)
+        return
+    for first in range(0, n, LANES):
+        move_eight(P, course, line, rate, far, moved, min(first, n - LANES), space)
+    keep(far)
 
 
 @kernel

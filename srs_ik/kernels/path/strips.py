@@ -36,7 +36,7 @@ from srs_ik.kernels.limb.limits import TURN, turn_to_middle
 from srs_ik.kernels.limb.poses import read7
 from srs_ik.kernels.limb.postures_eight import eight_postures, in_middle_turn
 from srs_ik.kernels.limb.spherical import eight_middles, sines
-from srs_ik.kernels.path.followed import posture_of, turn_all, turned_away
+from srs_ik.kernels.path.followed import CLEAR, posture_of, turn_all, turned_away
 
 SPACING = 0.45
 """Farthest that a joint moves between two postures of a strip, rad."""
@@ -52,9 +52,6 @@ END = 8
 
 FINEST = TURN / GRID
 """Between two angles of the grid, rad."""
-
-CLEAR = 1e-4
-"""A sine of joints 2 or 6, from their phases, above which a spherical joint has two solutions that are far apart."""
 
 CLOSEST = 1e-14
 """Arm angles closer than this, rad, are one: what the joints do between them, a singularity lets them do."""

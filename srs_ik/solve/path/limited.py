@@ -25,8 +25,8 @@ DEAR = 1.02
 AT_MOST = (1.3, 3.0)
 """While no path within the limits is known, what costs up to so many times the best one without them is looked at."""
 
-ROUNDS = 3
-"""Strips are made finer so often at most."""
+ROUNDS, ONCE_WITHIN = 3, 2
+"""Strips are made finer so often at most, and no more often once a path keeps the limits than the second figure."""
 
 LEAST_GAIN = 1e-3
 """A search that gains less, relative to all, is the last one."""
@@ -73,7 +73,7 @@ def found_below(problem: Problem, way: Way, most: float) -> Way:
     """A path as good as one at hand or better, in strips of what costs at most so much, finer from round to round."""
     keys, near = np.arange(len(problem.T)), problem.is_near
     loose = replace(problem, limited=False)
-    for _ in range(ROUNDS):
+    for number in range(ROUNDS):
         blocks = through(loose, keys, False)[1]
         if len(blocks) > KEPT:
             break
@@ -91,7 +91,7 @@ def found_below(problem: Problem, way: Way, most: float) -> Way:
         way = better(problem, way, other)
         if keeps_limits(problem, way):
             most = min(most, way.cost)
-            if kept and not before - way.cost > LEAST_GAIN * before:
+            if number + 1 >= ONCE_WITHIN or (kept and not before - way.cost > LEAST_GAIN * before):
                 break
         if not near:
             break

@@ -49,6 +49,9 @@ ROUGHLY = 1e-4
 JUST_WITHIN = 1.0 - 1e-8
 """Of a limit; closing postures on their poses once more may take this much of it."""
 
+WELL_WITHIN = 0.98
+"""Of a limit; from steps this short on a path is moved to the best one within it."""
+
 
 def improve(problem: Problem, way: Way, widths: Array = WIDTHS, enough: float = ENOUGH) -> None:
     """Move the postures of a path, in place, to the best ones near them, or within a part `enough` of these."""
@@ -101,10 +104,10 @@ def slowed(problem: Problem, way: Way, loose: Breaks) -> Way:
     slow = copy(way)
     limits = JUST_WITHIN * problem.settings[BY_VELOCITY]
     scale = np.where(np.isfinite(limits), 1.0 / limits, 0.0)
-    polish_kind(problem, slow, LARGEST, scale, loose)
+    polish_kind(problem, slow, LARGEST, scale, loose, WELL_WITHIN)
     if not keeps(problem, slow, loose):
         # The step from the seed is free.
-        polish_kind(replace(problem, seed=None), slow, LARGEST, scale, loose)
+        polish_kind(replace(problem, seed=None), slow, LARGEST, scale, loose, WELL_WITHIN)
     if keeps(problem, slow, loose):
         polish_kind(problem, slow, WITHIN, scale, loose)
     return slow
@@ -121,8 +124,11 @@ def polish(problem: Problem, way: Way) -> None:
         take(way, found)
 
 
-def polish_kind(problem: Problem, way: Way, kind: int, scale: Array, loose: Breaks) -> None:
-    """Move all postures of a path at once, in place, by barriers less and less wide; steps (k - 1,) may be loose."""
+def polish_kind(problem: Problem, way: Way, kind: int, scale: Array, loose: Breaks, enough: float = 0.0) -> None:
+    """Move all postures of a path at once, in place, by barriers less and less wide; steps (k - 1,) may be loose.
+
+    The largest step need not be less than `enough`.
+    """
     chain = np.flatnonzero(way.reached)
     q = way.q[chain]
     steps = np.abs(steps_of(problem, np.vstack([problem.start, q])))
@@ -137,7 +143,7 @@ def polish_kind(problem: Problem, way: Way, kind: int, scale: Array, loose: Brea
         return
     fixed = problem.has_known | (way.branch < 0)
     free = np.append(False, loose)
-    told = problem.T, chain, fixed, free, way.bounds, problem.start, problem.settings, kind, scale, weights
+    told = problem.T, chain, fixed, free, way.bounds, problem.start, problem.settings, kind, scale, weights, enough
     entries.polish(problem.limb, *told, *_line(way))
 
 
