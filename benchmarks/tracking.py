@@ -45,6 +45,9 @@ ROBOTS = ("iiwa14", "gen3")
 OF_THEIR_OWN = ("ssik", "mink")
 """Trackers that need a robot of ssik's, or its file beside this package."""
 
+HARDEST = 10.0
+"""Accelerations lead to full velocity in 0.1 s, 1/s: `Arm.tracker`'s own."""
+
 NEAR_TARGET = (1e-3, 1e-2)
 FREEZE = 0.05
 FLIP = 0.2
@@ -142,7 +145,7 @@ WITH_ACCELERATIONS = ("srs_ik", "pin-pink")
 
 def run(make: Any, arm: srs_ik.Arm, given: Motion, dt: float) -> tuple[np.ndarray, np.ndarray]:
     """Joint angles (n, 7) and microseconds of the processor (n,) of a motion."""
-    update = make(arm, given.q0, dt, 5.0 * arm.velocity_limit)
+    update = make(arm, given.q0, dt, HARDEST * arm.velocity_limit)
     if given.given[0] is None:
         given.given[0] = given.true[0]
     q, took = np.empty((len(given.given), 7)), np.empty(len(given.given))
@@ -169,10 +172,10 @@ def account(arm: srs_ik.Arm, given: Motion, q: np.ndarray, dt: float, both: bool
         "on": float(on.mean()),
         "within": float((on & _within(velocity[1:], acceleration, arm, both)).mean()),
         "velocity": float((np.abs(velocity) / arm.velocity_limit).max()),
-        "acceleration": float((np.abs(acceleration) / (5.0 * arm.velocity_limit)).max()),
-        "push": float((np.abs(acceleration) / (5.0 * arm.velocity_limit)).mean()),
-        "rms": float(np.sqrt(((acceleration / (5.0 * arm.velocity_limit)) ** 2).mean())),
-        "jerk": float((np.abs(np.diff(acceleration, axis=0)) / dt / (5.0 * arm.velocity_limit)).mean()),
+        "acceleration": float((np.abs(acceleration) / (HARDEST * arm.velocity_limit)).max()),
+        "push": float((np.abs(acceleration) / (HARDEST * arm.velocity_limit)).mean()),
+        "rms": float(np.sqrt(((acceleration / (HARDEST * arm.velocity_limit)) ** 2).mean())),
+        "jerk": float((np.abs(np.diff(acceleration, axis=0)) / dt / (HARDEST * arm.velocity_limit)).mean()),
         "freezes": float(_runs(still, round(FREEZE / dt))),
         "recovery": _recovery(given, on, dt),
         "flips": float((np.abs(steps).max(axis=1) > FLIP).sum()),
@@ -182,7 +185,7 @@ def account(arm: srs_ik.Arm, given: Motion, q: np.ndarray, dt: float, both: bool
 def _within(velocity: np.ndarray, acceleration: np.ndarray, arm: srs_ik.Arm, both: bool) -> np.ndarray:
     """Which updates keep the limits of velocity, and of acceleration if both count, but for 1 % of them."""
     fast = (np.abs(velocity) / arm.velocity_limit).max(axis=1)
-    hard = (np.abs(acceleration) / (5.0 * arm.velocity_limit)).max(axis=1)
+    hard = (np.abs(acceleration) / (HARDEST * arm.velocity_limit)).max(axis=1)
     return np.asarray((fast < 1.01) & ((hard < 1.01) | (not both)))
 
 
@@ -216,7 +219,7 @@ def picture(path: Path, arm: srs_ik.Arm, given: Motion, dt: float, names: list[s
         steps = np.diff(np.vstack([given.q0, given.q0, q]), axis=0)
         axes[0].semilogy(t, np.maximum(off, 1e-7), label=name, linewidth=1.0)
         axes[1].plot(t, (np.abs(steps[1:]) / dt / arm.velocity_limit).max(axis=1), linewidth=0.8)
-        push = (np.abs(np.diff(steps, axis=0)) / dt**2 / (5.0 * arm.velocity_limit)).max(axis=1)
+        push = (np.abs(np.diff(steps, axis=0)) / dt**2 / (HARDEST * arm.velocity_limit)).max(axis=1)
         axes[2].semilogy(t, np.maximum(push, 1e-4), linewidth=0.6)
     for axis, words in zip(axes, ("tip off target (m)", "velocity / limit", "acceleration / limit"), strict=True):
         axis.set_ylabel(words)

@@ -278,7 +278,7 @@ class Arm(BodyOwner):
             dt: seconds between two updates.
             velocity: the largest, one for all joints, or (7,), rad/s; those of the description if not given.
             acceleration: the largest, one for all joints, or (7,), rad/s^2; inf for none, where a
-                joint still takes 0.05 s to its largest velocity; if not given, what brings it there in 0.2 s.
+                joint still takes 0.05 s to its largest velocity; if not given, what brings it there in 0.1 s.
             elbow: "keep" (it moves as little as the target and the limits allow), an arm angle, rad, an `Objective` or
                 its name ("limit_margin" for farthest from the limits) that it follows downhill, a `Task`, whose force
                 and velocity it serves, or a `Scene`, from whose bodies it keeps away.

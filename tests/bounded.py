@@ -1,26 +1,26 @@
-"""How far a tip may be off a target that can be followed: what the limits imply, by followers that are no trackers.
+"""How well a tracker follows a target that can be followed, by what the limits imply for any motion whatever.
 
-A target that comes from a motion of the joints within their limits can be followed. From where a tracker's joints are
-when its tip was on the target last, a follower takes each joint for itself in the shortest time to a posture of the
-target. It keeps the limits, so that they allow a tip that is never farther off than the follower's on that way, and on
-its target from its end on: that is the bound.
+All is reckoned from where the tracker's own joints are, by two computations that share no code with it:
 
-There are two followers. The `Chaser` knows what a tracker knows, the poses so far: it makes for the posture that can be
-met soonest. The `Follower` is told the joint angles behind the poses, and so where no later pose leads out of the
-limits. No tracker can hold its bound for sure: the same poses may come from other joint angles, and go on otherwise.
+- *Nobody could*: by its limits, each joint is within an interval after a time. Where no posture of the target lies
+  within the seven intervals, no motion within the limits is on the target then, whatever it knows.
+- *Somebody could*: linear programmes look for accelerations of the joints that keep the tip on the target, whose future
+  they know. What they find is a motion, tested sample by sample, so that a target that is said to have been within
+  reach of the limits was so.
 """
 
 from __future__ import annotations
 
-import itertools
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 import pinocchio as pin
 from motions import joint_motion, minimum_jerk
+from scipy import sparse
 from scipy.interpolate import CubicSpline
-from tracked import BEYOND, GONE_FOR, LOST, NEAR_TARGET, SECONDS, SMOOTHING, least_time, velocities, ways_to
+from scipy.optimize import linprog
+from tracked import BEYOND, EVERY, GONE_FOR, LOST, NEAR_TARGET, SECONDS, SMOOTHING, box_after, velocities, ways_to
 
 KINDS = ("joints", "limits", "singular")
 """Motions whose joint angles are known."""
@@ -35,25 +35,30 @@ JITTER = 5e-4
 """Of the joint angles behind a pose that is given, rad, standard deviation."""
 
 LONG = 10
-"""A target that is gone for so many samples may be anywhere: its follower begins anew."""
-
-TOGETHER = 1e-6
-"""Joints this close to the target's, rad, have caught up with it."""
+"""A target that is gone for so many samples may be anywhere."""
 
 ASK_AGAIN = 25
 """Periods between two permissions to reconfigure."""
 
-CHOOSE_EVERY = 10
-"""Periods after which a chaser looks for the posture that it can meet soonest."""
+BEFORE, FORESEEN, AFTER = 0.1, 0.2, 0.1
+"""A motion that stays on its target begins so many seconds before the tracker leaves it, or those with more foresight,
+and stays so long after."""
 
-SOONEST, EVERY = 40, 4
-"""Of so many postures, by the time to a pose that rests, one in so many is looked at with the velocity that it has."""
+BLOCK = 5
+LOOKED_AT = (2, 4, 5)
+"""Periods of one acceleration of such a motion, and those of them in which errors are looked at."""
 
-SOONER = 0.9
-"""A posture that is met in less than this share of the time to the one that is chosen is met clearly sooner."""
+FOLLOWED = (1e-4, 1e-3)
+"""It is on the target to a tenth of what counts for a tracker, m and rad: corners are not to be cut."""
 
-DAMPING = 1e-6
-"""Of the velocities of postures next to singular ones, m^2."""
+ROUNDS, STEP = 12, 0.3
+"""Linear programmes one after the other, and how far a joint may go from one to the next, rad, at first."""
+
+BETWEEN = 0.05
+"""Postures between those of a grid of arm angles, 2 degrees apart, are nearer by no more than this, rad."""
+
+SPARE = 1e-6
+"""Share of the limits that linear programmes leave, for their rounding."""
 
 Bounds = tuple[np.ndarray, np.ndarray]
 
@@ -97,109 +102,6 @@ def can_be_followed(q: np.ndarray, bounds: Bounds, dt: float) -> np.ndarray:
     acceleration = np.diff(velocity, axis=0) / dt
     fast = (np.abs(velocity[1:]) > bounds[0] + BEYOND).any(axis=1)
     return np.asarray(~fast & (np.abs(acceleration) <= bounds[1] + BEYOND).all(axis=1))
-
-
-def stopping(room: np.ndarray, hardest: np.ndarray, dt: float) -> np.ndarray:
-    """Largest velocities for a period after which joints can stop within a distance, in whole periods."""
-    most = hardest * dt
-    n = np.floor(0.5 * (np.sqrt(1.0 + 8.0 * np.maximum(room, 0.0) / (most * dt)) - 1.0))
-    return np.asarray((np.maximum(room, 0.0) / dt + 0.5 * most * n * (n + 1.0)) / (n + 1.0))
-
-
-def box(arm: Any, q: np.ndarray, v: np.ndarray, bounds: Bounds, dt: float) -> Bounds:
-    """Least and largest velocities of the next period."""
-    room = np.minimum(q - arm.lower, 1e3), np.minimum(arm.upper - q, 1e3)
-    low = np.maximum.reduce([-bounds[0], v - bounds[1] * dt, -stopping(room[0], bounds[1], dt)])
-    high = np.minimum.reduce([bounds[0], v + bounds[1] * dt, stopping(room[1], bounds[1], dt)])
-    return np.minimum(low, high), high
-
-
-def short_way(arm: Any, way: np.ndarray) -> np.ndarray:
-    """Ways of joints, those without an end by the shorter way around."""
-    return np.where(np.isinf(arm.upper), (way + np.pi) % (2.0 * np.pi) - np.pi, way)
-
-
-class Follower:
-    """Seven joints, each for itself: to the target's joint angles in the shortest time, by its samples so far.
-
-    What the target itself makes use of a joint's acceleration is not reckoned with for braking.
-    """
-
-    def __init__(self, arm: Any, start: Bounds, seen: Bounds, bounds: Bounds, dt: float) -> None:
-        self.arm, self.bounds, self.dt = arm, bounds, dt
-        self.q, self.v = start[0].copy(), start[1].copy()
-        self.target, self.rate = seen[0].copy(), seen[1].copy()
-        self.gone = 0
-
-    def step(self, target: np.ndarray | None) -> float:
-        """Go on by a period: how far the joint that is farthest off is then, rad."""
-        dt, (fastest, hardest) = self.dt, self.bounds
-        push = np.zeros(7)
-        if target is None:
-            self.gone += 1
-            aim = self.target + self.gone * dt * self.rate
-        else:
-            rate = np.clip(short_way(self.arm, target - self.target) / (dt * (self.gone + 1)), -fastest, fastest)
-            push = np.minimum(np.abs(rate - self.rate) / (dt * (self.gone + 1)), 0.8 * hardest)
-            self.target, self.rate, self.gone = target.copy(), rate, 0
-            aim = target
-        behind = short_way(self.arm, aim - self.q) - dt * self.rate
-        wanted = self.rate + np.sign(behind) * stopping(np.abs(behind), hardest - push, dt)
-        self.v = np.clip(wanted, *box(self.arm, self.q, self.v, self.bounds, dt))
-        self.q = self.q + dt * self.v
-        return float(np.abs(short_way(self.arm, aim - self.q)).max())
-
-
-class Chaser(Follower):
-    """A follower that is told poses alone: it makes for the posture that it meets soonest if the target goes on so."""
-
-    def __init__(self, arm: Any, start: Bounds, before: Any, bounds: Bounds, dt: float) -> None:
-        """Begin at joint angles and velocities; before: the target's pose a period ago, None if that is unknown."""
-        super().__init__(arm, start, start, bounds, dt)
-        self.before, self.ticks = before, 0
-
-    def rate_of(self, q: np.ndarray, T: Any) -> np.ndarray:
-        """The least velocities with which a posture of the target moves on with it."""
-        if self.before is None:
-            return np.zeros(7)
-        turn = T.rotation @ pin.log3(self.before.rotation.T @ T.rotation)
-        J = self.arm.jacobian(q)
-        twist = np.concatenate([T.translation - self.before.translation, turn]) / self.dt
-        rate = J.T @ np.linalg.solve(J @ J.T + DAMPING * np.eye(6), twist)
-        return np.asarray(np.clip(rate, -self.bounds[0], self.bounds[0]))
-
-    def seconds_to(self, way: np.ndarray, rate: np.ndarray) -> float:
-        """The shortest time to a posture that moves on evenly."""
-        return float(least_time(way, *self.bounds, self.v - rate).max())
-
-    def choose(self, T: Any, kept: np.ndarray | None) -> np.ndarray:
-        """The posture that is met soonest: one that is kept, unless another is met clearly sooner."""
-        best, chosen = np.inf, self.q
-        if kept is not None:
-            chosen = kept
-            best = SOONER * self.seconds_to(short_way(self.arm, kept - self.q), self.rate)
-        ways = ways_to(self.arm, self.q, T.homogeneous)
-        for way in ways[np.argsort(least_time(ways, *self.bounds, self.v).max(axis=1))[:SOONEST:EVERY]]:
-            rate = self.rate_of(self.q + way, T)
-            seconds = self.seconds_to(way, rate)
-            if seconds < best:
-                best, chosen, self.rate = seconds, self.q + way, rate
-        return chosen
-
-    def chase(self, T: Any | None) -> float:
-        """Go on by a period towards a pose: how far the joint that is farthest off is then, rad."""
-        if T is None:
-            self.before = None
-            return self.step(None)
-        kept = self.arm.solve(T, seed=self.target).q if self.ticks else None
-        if self.ticks % CHOOSE_EVERY == 0:
-            chosen = self.choose(T, kept)
-            if chosen is not kept:
-                # Where that posture was a period ago.
-                self.target, self.gone, kept = chosen - self.dt * self.rate, 0, chosen
-        self.before = T
-        self.ticks += 1
-        return self.step(kept)
 
 
 def off_by(forward: Any, q: np.ndarray, T: Any) -> np.ndarray:
@@ -258,79 +160,178 @@ def begins_anew(found: Run) -> np.ndarray:
     return np.asarray(~found.free | (gone & ~lost))
 
 
-def seen_before(found: Run, k: int) -> bool:
-    """Whether the target a period ago says how it moves: not after a jump or a long time without one."""
-    return bool(found.free[k] and k > 1 and not found.known.lost[max(k - LONG, 0) : k].all())
+@dataclass
+class Start:
+    """Joint angles and velocities at rest or on the way, and what the arm may do from there."""
+
+    arm: Any
+    forward: Any
+    q: np.ndarray
+    v: np.ndarray
+    bounds: Bounds
+    dt: float
+
+    def motion(self, pushes: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Joint angles and velocities, one row a period, by accelerations, one row a block."""
+        v = self.v + self.dt * np.cumsum(np.repeat(pushes, BLOCK, axis=0), axis=0)
+        return self.q + self.dt * np.cumsum(v, axis=0), v
+
+    def worst(self, q: np.ndarray, targets: list[Any]) -> float:
+        """How far tips are from their targets at most, in parts of `FOLLOWED`."""
+        return max(
+            float((off_by(self.forward, x, T) / np.array(FOLLOWED)).max()) for x, T in zip(q, targets, strict=True)
+        )
 
 
-def steps_of(arm: Any, found: Run, k: int, bounds: Bounds, dt: float, told: bool) -> tuple[Follower, Any]:
-    """The follower that begins at sample k, where the tracker's joints are, and what takes it on to a sample."""
-    known, start, seen = found.known, (found.q[k], found.v[k]), seen_before(found, k)
-    if told:
-        before = (known.q[k - 1], (known.q[k - 1] - known.q[k - 2]) / dt) if seen else (known.q[k], np.zeros(7))
-        follower = Follower(arm, start, before, bounds, dt)
-        return follower, lambda m: follower.step(None if known.lost[m] else known.q[m])
-    chaser = Chaser(arm, start, found.targets[k - 1] if seen else None, bounds, dt)
-    return chaser, lambda m: chaser.chase(None if known.lost[m] else found.targets[m])
+def linear_programme(start: Start, q: np.ndarray, targets: list[Any], step: float) -> np.ndarray | None:
+    """Accelerations that bring the worst error down most, to first order about the joint angles of a motion.
 
-
-def envelope(
-    arm: Any, forward: Any, found: Run, span: tuple[int, int], bounds: Bounds, dt: float, told: bool
-) -> np.ndarray:
-    """(m, 2) bound from a sample on, until the follower has caught up, or up to another one.
-
-    It ends before what cannot be followed.
+    The unknowns are accelerations, velocities and joint angles at the ends of blocks, and the largest component of an
+    error; errors are looked at within blocks, too.
     """
-    k, end = span
-    follower, step = steps_of(arm, found, k, bounds, dt, told)
-    off = []
-    for m in range(k, end):
-        if m > k + 2 and not found.free[m]:
-            break
-        left = step(m)
-        off.append(off_by(forward, follower.q, found.targets[m]))
-        if left < TOGETHER and not found.known.lost[m]:
-            break
-    return np.tile(np.max(off, axis=0), (len(off), 1))
+    blocks, dt = len(q) // BLOCK, start.dt
+    n, scale = 7 * blocks, np.repeat(FOLLOWED, 3)
+    identity, before, nothing = sparse.identity(n), sparse.eye(n, n, -7), sparse.csr_matrix((n, 1))
+
+    def after(periods: int) -> tuple[Any, np.ndarray]:
+        """Joint angles so far into each block, by the unknowns, and what is known of them."""
+        known = np.zeros(n)
+        known[:7] = start.q + periods * dt * start.v
+        by_push = 0.5 * periods * (periods + 1) * dt**2 * identity
+        return sparse.hstack([by_push, periods * dt * before, before, nothing]), known
+
+    rows, right = [], []
+    for periods in LOOKED_AT:
+        jacobians, left = [], []
+        for k in range(periods - 1, len(q), BLOCK):
+            tip, T = start.forward(q[k]), targets[k]
+            turn = tip.rotation @ pin.log3(tip.rotation.T @ T.rotation)
+            jacobians.append(start.arm.jacobian(q[k]) / scale[:, None])
+            left.append(np.concatenate([T.translation - tip.translation, turn]) / scale + jacobians[-1] @ q[k])
+        J, (angles, known) = sparse.block_diag(jacobians), after(periods)
+        error = sparse.csr_matrix(np.eye(1, 3 * n + 1, 3 * n).repeat(6 * blocks, axis=0))
+        rows += [J @ angles - error, -J @ angles - error]
+        right += [np.concatenate(left) - J @ known, J @ known - np.concatenate(left)]
+    angles, known = after(BLOCK)
+    v = np.zeros(n)
+    v[:7] = start.v
+    chain = sparse.vstack(
+        [
+            sparse.hstack([-BLOCK * dt * identity, identity - before, sparse.csr_matrix((n, n)), nothing]),
+            sparse.hstack([sparse.csr_matrix((n, 2 * n)), identity, nothing]) - angles,
+        ]
+    )
+    most = [np.tile((1.0 - SPARE) * limit, blocks) for limit in start.bounds[::-1]]
+    x = q[BLOCK - 1 :: BLOCK].ravel()
+    low = np.minimum(np.maximum(np.tile(start.arm.lower, blocks), x - step), x)
+    high = np.maximum(np.minimum(np.tile(start.arm.upper, blocks), x + step), x)
+    ends = [*([-limit, limit] for limit in most), [low, high]]
+    bounds = np.vstack([*(np.stack(each, axis=1) for each in ends), [[0.0, np.inf]]])
+    cost = np.eye(1, 3 * n + 1, 3 * n)[0]
+    # Interior points: a vertex would change accelerations from one end to the other, where nothing asks for it.
+    found = linprog(
+        cost, sparse.vstack(rows), np.concatenate(right), chain, np.concatenate([v, known]), bounds, "highs-ipm"
+    )
+    return found.x[:n].reshape(-1, 7) if found.status == 0 else None
 
 
-def beyond(arm: Any, forward: Any, found: Run, bounds: Bounds, dt: float, told: bool) -> np.ndarray:
-    """(n, 2) how far tips are beyond the bound, m and rad, of samples that came and can be followed; others -inf.
+def best_motion(start: Start, targets: list[Any], pushes: np.ndarray) -> tuple[np.ndarray, np.ndarray, float]:
+    """Joint angles and velocities of a motion within limits that keeps to its targets, and its worst error.
 
     Args:
-        arm: the arm.
-        forward: Pinocchio's forward kinematics.
-        found: what a tracker made of a motion.
-        bounds: largest velocities and accelerations.
-        dt: period, s.
-        told: whether the follower is told the joint angles of the target, and not its poses alone.
+        start: where the joints are.
+        targets: one a period, a whole number of blocks.
+        pushes: accelerations to begin with, one row a block.
     """
-    anew = begins_anew(found) | (np.concatenate([[True], found.on[:-1]]) & ~found.on)
-    most = np.zeros((len(found.off), 2))
-    at = [*np.flatnonzero(anew).tolist(), len(found.off)]
-    for k, end in itertools.pairwise(at):
-        away = envelope(arm, forward, found, (k, end), bounds, dt, told)
-        most[k : k + len(away)] = away
-    most = np.maximum(most, np.array(NEAR_TARGET) + found.noise)
-    counted = found.free & ~found.known.lost
-    return np.where(counted[:, None], found.off - most, -np.inf)
+    q, v = start.motion(np.clip(pushes, -start.bounds[1], start.bounds[1]))
+    worst, step = start.worst(q, targets), STEP
+    for _ in range(ROUNDS):
+        if worst <= 1.0:
+            break
+        better = linear_programme(start, q, targets, step)
+        if better is None:
+            step *= 2.0
+            continue
+        new_q, new_v = start.motion(better)
+        here = start.worst(new_q, targets)
+        if here < worst:
+            q, v, worst = new_q, new_v, here
+        else:
+            step *= 0.4
+    return q, v, worst
+
+
+def leaves(found: Run, before: float, dt: float) -> list[int]:
+    """Samples at which the tip leaves a target that it was on, and that has not jumped nor been gone thereabouts."""
+    on, lost = found.on, found.known.lost
+    first, after = round(before / dt), round(AFTER / dt)
+    gone = np.convolve(lost, np.ones(LONG), "same") >= LONG
+    odd = gone | begins_anew(found)
+    return [
+        k
+        for k in range(first + LONG, len(on) - after)
+        if on[k - first : k].all() and not on[k] and not odd[k - first - LONG : k + after].any()
+    ]
+
+
+def kept_to(arm: Any, forward: Any, found: Run, k: int, before: float, bounds: Bounds, dt: float) -> float:
+    """How closely a motion within limits, from where the joints were, keeps to the target left at k, by `FOLLOWED`."""
+    at, end = k - round(before / dt), k + round(AFTER / dt)
+    start = Start(arm, forward, found.q[at], found.v[at], bounds, dt)
+    pushes = np.diff(found.v[at : end + 1 : BLOCK], axis=0) / (BLOCK * dt)
+    return best_motion(start, found.targets[at:end], pushes)[2]
+
+
+def nobody(arm: Any, start: Bounds, ahead: list[Any], bounds: Bounds, dt: float) -> int:
+    """For how many samples no motion within the limits can be on the target; one in `EVERY` is looked at."""
+    for k in range(0, len(ahead), EVERY):
+        low, high = box_after(arm, start, dt * (k + 1), bounds)
+        near = start[0] + ways_to(arm, start[0], ahead[k].homogeneous)
+        if np.maximum(low - near, near - high).max(axis=1, initial=-np.inf).min(initial=np.inf) < BETWEEN:
+            return k
+    return len(ahead)
+
+
+def late(arm: Any, found: Run, bounds: Bounds, dt: float) -> np.ndarray:
+    """Which samples the tip is off its target in though somebody might be on it, from where the joints were.
+
+    That is where the tip left it, or where it jumped or came back. Somebody may be on it as soon as a posture of the
+    target is within reach of the joints, and is taken to be so from then on.
+    """
+    off, anew = ~found.on, begins_anew(found)
+    out = np.zeros(len(off), bool)
+    k = 0
+    while k < len(off):
+        if not off[k]:
+            k += 1
+            continue
+        ends = np.flatnonzero(~off[k:] | (anew[k:] & (np.arange(len(off) - k) > 0)))
+        end = k + int(ends[0]) if len(ends) else len(off)
+        out[k + nobody(arm, (found.q[k], found.v[k]), found.targets[k:end], bounds, dt) : end] = True
+        k = end
+    return out
 
 
 def bound_line(arm: Any, forward: Any, name: str, count: int, seed: int, dt: float) -> str:
-    """One line on motions against the bounds."""
-    counted, past, past_told, worst, on = 0, 0, 0, np.full(2, -np.inf), 0
+    """One line on motions against what the limits imply."""
+    counted, on, behind = 0, 0, 0
+    close: dict[float, list[float]] = {BEFORE: [], FORESEEN: []}
     for k in range(seed, seed + count):
         found, bounds = run(arm, forward, known_motion(arm, k, dt), dt)
-        here, told = (beyond(arm, forward, found, bounds, dt, each) for each in (False, True))
-        samples = np.isfinite(here[:, 0])
+        samples = ~found.known.lost
         counted += int(samples.sum())
         on += int((found.on & samples).sum())
-        past += int((here > 0.0).any(axis=1).sum())
-        past_told += int((told > 0.0).any(axis=1).sum())
-        worst = np.maximum(worst, here.max(axis=0))
+        behind += int((late(arm, found, bounds, dt) & samples).sum())
+        for before, said in close.items():
+            said += [kept_to(arm, forward, found, at, before, bounds, dt) for at in leaves(found, before, dt)]
+    loose = NEAR_TARGET[0] / FOLLOWED[0]
+    left = "; ".join(
+        f"{len(said)} targets left on which it was for {before:g} s, of which a motion stays on "
+        f"{sum(np.array(said) <= 1.0)} ({sum(np.array(said) <= loose)} to 1 mm and 10 mrad)"
+        for before, said in close.items()
+    )
     return (
-        f"{name}: seeds {seed} to {seed + count - 1}, {count} motions, {counted} samples that can be followed; "
-        f"within the bound {100.0 * (1.0 - past / counted):.2f} % ({past} beyond it, by {1e3 * worst[0]:.0f} mm and "
-        f"{1e3 * worst[1]:.0f} mrad at most), on target {100.0 * on / counted:.2f} %, within that of one who "
-        f"is told the joint angles {100.0 * (1.0 - past_told / counted):.2f} %"
+        f"{name}: seeds {seed} to {seed + count - 1}, {count} motions, {counted} samples: on target "
+        f"{100.0 * on / counted:.2f} %, nobody could {100.0 * (counted - on - behind) / counted:.2f} %, somebody might "
+        f"{100.0 * behind / counted:.2f} %; {left}"
     )

@@ -243,7 +243,7 @@ def test_an_arm_without_velocity_limits_needs_them():
     arm.packed = dataclasses.replace(arm.packed, velocity_limit=np.full(7, np.inf))
     with pytest.raises(MissingLimits, match="velocity"):
         arm.tracker(np.zeros(7), DT)
-    assert arm.tracker(np.zeros(7), DT, velocity=2.0).acceleration_limit == pytest.approx(np.full(7, 10.0))
+    assert arm.tracker(np.zeros(7), DT, velocity=2.0).acceleration_limit == pytest.approx(np.full(7, 20.0))
 
 
 @pytest.mark.parametrize("kind", KINDS)
@@ -258,7 +258,7 @@ def test_without_limits_of_acceleration_those_of_position_and_velocity_are_kept(
     assert all(step.status and step.message for step in steps)
     # They are made use of: the target jumps on the way.
     velocity = np.diff(np.vstack([moving.q0, moving.q0, q]), axis=0) / DT
-    assert (np.abs(np.diff(velocity, axis=0)) / DT > 5.0 * arm.velocity_limit).any()
+    assert (np.abs(np.diff(velocity, axis=0)) / DT > 10.0 * arm.velocity_limit).any()
 
 
 def test_one_joint_alone_may_be_without_a_limit_of_acceleration():

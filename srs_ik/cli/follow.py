@@ -50,7 +50,7 @@ def follow(
     ] = None,
     acceleration: Annotated[
         str | None,
-        typer.Option(metavar="RAD/S2", help="Largest acceleration, inf: none; to full velocity in 0.2 s if not given."),
+        typer.Option(metavar="RAD/S2", help="Largest acceleration, inf: none; to full velocity in 0.1 s if not given."),
     ] = None,
     smoothing: Annotated[
         str, typer.Option(metavar="SECONDS", help="Time constant of a filter that takes jitter from the poses.")

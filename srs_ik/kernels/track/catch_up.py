@@ -19,11 +19,9 @@ from srs_ik.kernels.track.freedom import shown_at
 from srs_ik.kernels.track.limits import stopping_speed
 from srs_ik.kernels.track.target import load_pace, load_pose, part_of_way
 
-CLOSE_BY = 0.02
-"""A tip this close to its target, m and, by the reach, rad, comes back on the straight way."""
-
-STAYS = 4.0
-"""So many times as far away it still does once it has begun: else it would go to and fro between the two ways."""
+CLOSE_BY = 0.05
+"""A tip this close to its target, m and, by the reach, rad, comes back on the straight way, as does one that was on it
+and has not seen it jump, however far away: joints that go to a posture each for itself swing the tip aside."""
 
 LEVER = 0.1
 """Turning by a radian counts as much as moving by this, m, where joints cannot bring all of the tip back at once: 1 mm

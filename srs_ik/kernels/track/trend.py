@@ -13,7 +13,7 @@ import math
 
 from srs_ik.kernels.algebra.vectors import along, load3, norm
 from srs_ik.kernels.jit import kernel
-from srs_ik.kernels.layout.track import KEPT, PERIOD, ROTATION, TREND, TREND_JOLT, TREND_PACE, TREND_PUSH
+from srs_ik.kernels.layout.track import KEPT, PERIOD, PLANNED, ROTATION, TREND, TREND_JOLT, TREND_PACE, TREND_PUSH
 from srs_ik.kernels.track.target import JUMP, JUMP_TURN, load_pose, moved_on, part_of_way, store_pose, way_to
 
 LASTS = 0.3
@@ -36,7 +36,10 @@ def mean_pace(S, i, push, jolt):
 
 @kernel
 def learn(S, C, known):
-    """Take in where the smoothed target is now; one that has jumped, or was not known before, is at rest."""
+    """Take in where the smoothed target is now; one that has jumped, or was not known before, is at rest.
+
+    A jump ends the plan: the shortest way to a target that is far away is that of the joints, not of the tip.
+    """
     R, p = load_pose(S, ROTATION)
     t = C[PERIOD]
     before = load_pose(S, TREND)
@@ -45,6 +48,7 @@ def learn(S, C, known):
     linear, angular = way_to(expected, (R, p))
     if not known or norm(linear) > JUMP or norm(angular) > JUMP_TURN:
         forget(S, R, p)
+        S[PLANNED] = 0.0
         return
     kept, left = C[KEPT], 1.0 - C[KEPT]
     R, p = part_of_way(expected, 1.0 - kept**4, linear, angular)

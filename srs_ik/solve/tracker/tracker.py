@@ -33,7 +33,7 @@ LONGEST_PERIOD = 100.0
 MOST = {"velocity": 1e6, "acceleration": 1e9, "jerk": 1e12}
 """Updates so far apart at most, s, and joints so fast, rad/s, rad/s^2, rad/s^3: beyond that, figures overflow."""
 
-FULL_SPEED_IN = 0.2
+FULL_SPEED_IN = 0.1
 """Where no accelerations are given, each joint may come to its largest velocity in so many seconds."""
 
 SOON = 0.05
