@@ -44,6 +44,9 @@ LARGEST_GAP = 0.3
 SMALLEST_GAP = 1e-9
 """Between points farther apart than the first, rad, there may be anything; closer than the second, nothing."""
 
+UNSURE = 2.0 * PROBED
+"""Points tell no more closely than this, rad, how far a joint is outside its limits."""
+
 TOUCHING = 5e-13
 """Where joints are outside their limits by less than this, rad, rounding alone keeps them there."""
 
@@ -169,7 +172,7 @@ def is_decided(P, a, b):
         most = max(most, 0.5 * (both + way))
     if inside_a != inside_b:
         return fastest < LONGEST_CROSSING
-    return most <= 0.0 if inside_a else least > 0.0
+    return most <= -UNSURE if inside_a else least > UNSURE
 
 
 @kernel
