@@ -41,8 +41,11 @@ def write_piece(pieces, sign, n, lower, upper):
 
 @kernel
 def may_touch(P, apart):
-    """Whether two joints of a limb whose arm angles are known only nearly may meet their limits at the same one."""
-    return TOUCHING < P[SLACK_JOIN] > apart
+    """Whether two joints of a limb whose arm angles are known only nearly may meet their limits at the same one.
+
+    The two solutions of a spherical joint meet equal limits of the middle one at the same arm angle anyhow.
+    """
+    return TOUCHING < P[SLACK_JOIN] > apart > SAME
 
 
 @kernel

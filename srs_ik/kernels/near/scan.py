@@ -151,6 +151,20 @@ def is_narrow(a, b):
 
 
 @kernel
+def may_bulge(P, a, b, joint):
+    """Whether a joint inside its limits at two points may be outside between them: it goes out at one and comes back."""
+    at_a, at_b = turn_to_middle(P, joint, a[joint]), turn_to_middle(P, joint, b[joint])
+    f, next_f = beyond(P, joint, at_a), beyond(P, joint, at_b)
+    sign = 1.0 if at_a > P[MIDDLE + joint] else -1.0
+    out, back = sign * a[POINT_RATES + joint], -sign * b[POINT_RATES + joint]
+    if max(f, next_f) > 0.0 or min(out, back) <= 0.0:
+        return False
+    # Where the tangents meet.
+    width = b[POINT_PSI] - a[POINT_PSI]
+    return f + out * (next_f - f + back * width) / (out + back) > 0.0
+
+
+@kernel
 def is_decided(P, a, b):
     """Whether all postures between two points are inside the limits, or all outside, or one limit is between them."""
     width = b[POINT_PSI] - a[POINT_PSI]
@@ -171,7 +185,10 @@ def is_decided(P, a, b):
         least = max(least, 0.5 * (both - way))
         most = max(most, 0.5 * (both + way))
     if inside_a != inside_b:
-        return fastest < LONGEST_CROSSING
+        decided = fastest < LONGEST_CROSSING
+        for j in range(7 if decided else 0):
+            decided = decided and not may_bulge(P, a, b, j)
+        return decided
     return most <= -UNSURE if inside_a else least > UNSURE
 
 
