@@ -71,6 +71,9 @@ AT_END = 1e-10
 END_SHARE = 1e-3
 """What is followed on an arc begins and ends with it, up to this, rad, of a narrow one to this part of its width."""
 
+APART = 20.0
+"""Joints that come to their limits within so many bands of each other, rad, may do so at one arm angle."""
+
 BARELY = 1e-3
 """With an almost vanishing band, no end is expected farther from that of the nearest exact limb, rad."""
 
@@ -238,7 +241,7 @@ def shifted_intervals(P, view, out):
     for i in range(SIZE):
         box[i] = P[i]
     # Joints that come to their limits so closely one behind the other may leave an arm angle between them, or none.
-    box[SLACK_JOIN] = BARELY
+    box[SLACK_JOIN] = min(BARELY, APART * widest(view.band))
     n_found = find_intervals(box, view.target.place, -1, found)
     keep(boxes)
     arcs = np.empty((MOST_ARCS, ARC))

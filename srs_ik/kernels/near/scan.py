@@ -152,7 +152,7 @@ def is_narrow(a, b):
 
 @kernel
 def may_bulge(P, a, b, joint):
-    """Whether a joint inside its limits at two points may be outside between them: it goes out at one and comes back."""
+    """Whether a joint inside its limits at two points may be outside between them: goes out at one, comes back."""
     at_a, at_b = turn_to_middle(P, joint, a[joint]), turn_to_middle(P, joint, b[joint])
     f, next_f = beyond(P, joint, at_a), beyond(P, joint, at_b)
     sign = 1.0 if at_a > P[MIDDLE + joint] else -1.0
