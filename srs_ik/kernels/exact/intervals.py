@@ -81,8 +81,10 @@ def sign_pieces(P, k, motion, wanted, events, marks, n, sign, pieces):
     for i in range(n):
         before = marks[i - 1 if i > 0 else n - 1]
         if wanted & bit and (before | marks[i]) & bit == 0:
-            near = may_touch(P, end_of_gap(events, n, i) - events[i])
-            if near or feasible_signs(P, k, motion, events[i], bit):
+            end = end_of_gap(events, n, i)
+            if may_touch(P, end - events[i]):
+                count = write_piece(pieces, sign, count, events[i], end)
+            elif feasible_signs(P, k, motion, events[i], bit):
                 count = write_piece(pieces, sign, count, events[i], events[i])
     return count
 
@@ -179,7 +181,9 @@ def intersect(P, motions, a, b, branch, out, n):
                         n = write_interval(out, first, n, branch, lower, upper)
                     elif lower <= upper + max(TOUCHING, P[SLACK_JOIN]):
                         psi, met = touch(P, motions, (a[2], b[2]), lower, upper)
-                        if met or lower <= upper + P[SLACK_JOIN]:
+                        if may_touch(P, lower - upper):
+                            n = write_interval(out, first, n, branch, upper, lower)
+                        elif met or lower <= upper + P[SLACK_JOIN]:
                             n = write_interval(out, first, n, branch, psi, psi)
     return join_touching(out, first, n) if n > first else n
 

@@ -71,8 +71,8 @@ AT_END = 1e-10
 END_SHARE = 1e-3
 """What is followed on an arc begins and ends with it, up to this, rad, of a narrow one to this part of its width."""
 
-APART = 20.0
-"""Joints that come to their limits within so many bands of each other, rad, may do so at one arm angle."""
+TOGETHER = 3.0
+"""Where one joint is on its limit and the others are outside by no more than so many bands, all may keep them."""
 
 BARELY = 1e-3
 """With an almost vanishing band, no end is expected farther from that of the nearest exact limb, rad."""
@@ -227,6 +227,18 @@ def is_elbow_unsure(P, view):
 
 
 @kernel
+def may_meet_limits(P, view, branch, psi):
+    """Whether the true chain may keep its limits next to an arm angle."""
+    q = certain_posture(P, view.sides[branch >> 2], branch, psi)
+    s2, s6 = sines_of_middles(P, q)
+    within = True
+    for j in range(7):
+        off = share_of(j, s2, s6) * beyond(P, j, turn_to_middle(P, j, q[j]))
+        within = within and off < TOGETHER * view.band[j]
+    return within
+
+
+@kernel
 def shifted_intervals(P, view, out):
     """`predicted_intervals` where the band is as good as nothing: the intervals of the nearest exact limb, shifted.
 
@@ -241,7 +253,7 @@ def shifted_intervals(P, view, out):
     for i in range(SIZE):
         box[i] = P[i]
     # Joints that come to their limits so closely one behind the other may leave an arm angle between them, or none.
-    box[SLACK_JOIN] = min(BARELY, APART * widest(view.band))
+    box[SLACK_JOIN] = BARELY
     n_found = find_intervals(box, view.target.place, -1, found)
     keep(boxes)
     arcs = np.empty((MOST_ARCS, ARC))
@@ -254,7 +266,9 @@ def shifted_intervals(P, view, out):
         branch = int(found[i, 0])
         lower, upper = found[i, 1], found[i, 2]
         if upper - lower < BARELY:
-            return -1
+            if may_meet_limits(P, view, branch, lower) or may_meet_limits(P, view, branch, upper):
+                return -1
+            continue
         if upper - lower >= TURN - MARGINS:
             n = write_whole(out, n, branch)
             continue
