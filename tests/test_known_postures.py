@@ -495,3 +495,41 @@ def test_starts_that_steps_in_eight_miss_lead_to_parts_of_intervals():
     pose = arm.forward_kinematics(q)
     branch, psi = arm.branch(q), arm.arm_angle(q)
     assert any(i.branch == branch and i.lower < psi < i.upper for i in arm.intervals(pose))
+
+
+def on_limits(bench, arm, rng):
+    """A configuration with two or three joints exactly on limits, and which ones."""
+    q = bench["anywhere"](arm, rng)
+    bounded = np.flatnonzero(np.isfinite(arm.lower) & np.isfinite(arm.upper))
+    chosen = rng.permutation(bounded)[: rng.integers(2, 4)]
+    for j in chosen:
+        q[j] = arm.upper[j] if rng.random() < 0.5 else arm.lower[j]
+    return q, chosen
+
+
+@pytest.mark.parametrize("name", arms.here("gen3", "rm75", "j2s7s300"))
+def test_arm_angles_at_which_joints_leave_no_room_are_intervals(bench, name):
+    """Joints on limits that the self-motion leaves in opposite directions: a single arm angle, or next to it.
+
+    The elbow of an almost exact arm turns so little with the arm angle that it tells the arm angle to 1e-6 rad alone.
+    """
+    arm, rng, single, asked = arms.load(name), np.random.default_rng(13), 0, 0
+    for _ in range(60):
+        q, chosen = on_limits(bench, arm, rng)
+        pose = arm.forward_kinematics(q).homogeneous
+        way = np.linalg.svd(np.asarray(arm.jacobian(q)))[2][-1][chosen]
+        outward = way * np.where(q[chosen] == arm.upper[chosen], 1.0, -1.0)
+        intervals = arm.intervals(pose)
+        away = bench["beside"](arm, bench["Case"](q, pose, q, (), 0.0), intervals)
+        assert away < (1e-5 if 3 in chosen else 1e-6), (away, q.tolist())
+        single += outward.min() < 0.0 < outward.max()
+        for interval in intervals:
+            if interval.width < 1e-9:
+                solution = arm.solve(pose, arm_angle=interval.lower, branch=interval.branch)
+                assert solution, (interval, q.tolist())
+                assert inside(solution.q, arm.lower, arm.upper)
+                reached = arm.forward_kinematics(solution.q).homogeneous
+                assert np.abs(reached - pose).max() < 1e-9
+                asked += 1
+    assert single > 15
+    assert asked > 10

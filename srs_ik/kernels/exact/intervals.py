@@ -13,7 +13,7 @@ import math
 import numpy as np
 
 from srs_ik.kernels.exact.events import PI, TURN, joint_events
-from srs_ik.kernels.exact.gaps import almost_fits, feasible_signs, mark_gaps
+from srs_ik.kernels.exact.gaps import almost_fits, end_of_gap, feasible_signs, mark_gaps
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.answer import MAX_EVENTS, MAX_PIECES
 from srs_ik.kernels.layout.limb import (
@@ -37,6 +37,15 @@ def write_piece(pieces, sign, n, lower, upper):
     pieces[sign, n, 0] = lower
     pieces[sign, n, 1] = upper
     return n + 1
+
+
+@kernel
+def may_touch(P, apart):
+    """Whether two joints of a limb whose arm angles are known only nearly may meet their limits at the same one.
+
+    The two solutions of a spherical joint meet equal limits of the middle one at the same arm angle anyhow.
+    """
+    return TOUCHING < P[SLACK_JOIN] > apart > SAME
 
 
 @kernel
@@ -68,11 +77,15 @@ def sign_pieces(P, k, motion, wanted, events, marks, n, sign, pieces):
         last = (start + i) % n + length
         count = write_piece(pieces, sign, count, events[(start + i) % n], events[last % n] + TURN * (last // n))
         i += length
-    # Single arm angles at which a joint just touches a limit from outside.
+    # Single arm angles at which a joint just touches a limit from outside, or may.
     for i in range(n):
         before = marks[i - 1 if i > 0 else n - 1]
-        if wanted & bit and (before | marks[i]) & bit == 0 and feasible_signs(P, k, motion, events[i], bit):
-            count = write_piece(pieces, sign, count, events[i], events[i])
+        if wanted & bit and (before | marks[i]) & bit == 0:
+            end = end_of_gap(events, n, i)
+            if may_touch(P, end - events[i]):
+                count = write_piece(pieces, sign, count, events[i], end)
+            elif feasible_signs(P, k, motion, events[i], bit):
+                count = write_piece(pieces, sign, count, events[i], events[i])
     return count
 
 
@@ -166,9 +179,11 @@ def intersect(P, motions, a, b, branch, out, n):
                     upper = min(of_a[i, 1], of_b[j, 1] + turns * TURN)
                     if lower <= upper:
                         n = write_interval(out, first, n, branch, lower, upper)
-                    elif lower <= upper + TOUCHING:
+                    elif lower <= upper + max(TOUCHING, P[SLACK_JOIN]):
                         psi, met = touch(P, motions, (a[2], b[2]), lower, upper)
-                        if met or lower <= upper + P[SLACK_JOIN]:
+                        if may_touch(P, lower - upper):
+                            n = write_interval(out, first, n, branch, upper, lower)
+                        elif met or lower <= upper + P[SLACK_JOIN]:
                             n = write_interval(out, first, n, branch, psi, psi)
     return join_touching(out, first, n) if n > first else n
 

@@ -28,7 +28,7 @@ SIN_UPPER = 111  # 7
 SLACK_SINGULAR = 118  # sine of the angle between axes 1 and 3 of a spherical joint under which they count as parallel
 SLACK_REACH = 119  # how far R a3 may lie outside the reach of oblique axes, rad
 SLACK_LIMIT = 120  # how far an angle may lie outside a limit to be put on it, rad
-SLACK_JOIN = 121  # gap that two intervals may leave where they should touch, rad
+SLACK_JOIN = 121  # gap that two intervals may leave where they should touch, rad; wide where it is known only nearly
 
 # Centres and the arm-angle reference, base frame.
 SHOULDER_CENTRE = 122  # 3

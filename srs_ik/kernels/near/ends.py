@@ -10,7 +10,7 @@ from srs_ik.kernels.chain.newton import STEPS
 from srs_ik.kernels.chain.newton_eight import ALL
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.limb.poses import read7
-from srs_ik.kernels.near.scan import POINT_PSI, in_branches, put_certain
+from srs_ik.kernels.near.scan import in_branches, put_certain
 
 MARGINS = 1e-9
 SPARE = 0.5
@@ -49,9 +49,8 @@ def put_end(ends, n, q, branch, at):
 
 
 @kernel
-def put_fixed(point, branch, ends, n):
-    """Append an end at the arm angle of a point, which is inside the limits."""
-    psi = point[POINT_PSI]
+def put_fixed_at(point, psi, branch, ends, n):
+    """Append an end at an arm angle that is inside the limits, that of a point or one next to it."""
     return put_end(ends, n, read7(point), branch, (psi, 0.0, psi, psi))
 
 

@@ -21,7 +21,7 @@ from srs_ik.kernels.exact.intervals import SAME, find_intervals, join_touching, 
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.answer import MAX_PIECES
 from srs_ik.kernels.layout.asked import Setting
-from srs_ik.kernels.layout.limb import SIZE
+from srs_ik.kernels.layout.limb import SIZE, SLACK_JOIN
 from srs_ik.kernels.layout.search import MAX_RUNS, RUN
 from srs_ik.kernels.limb.limits import beyond, turn_to_middle
 from srs_ik.kernels.limb.poses import read7
@@ -54,13 +54,25 @@ from srs_ik.kernels.near.ends import (
     MAX_ENDS,
     correct_ends,
     put_end,
-    put_fixed,
+    put_fixed_at,
 )
-from srs_ik.kernels.near.scan import LAST, POINT_BRANCH, POINT_NEXT, POINT_OFF, POINT_PSI, scan, view_of
+from srs_ik.kernels.near.scan import (
+    LAST,
+    POINT_BRANCH,
+    POINT_NEXT,
+    POINT_OFF,
+    POINT_PSI,
+    inside_between,
+    scan,
+    view_of,
+)
 
 AT_END = 1e-10
 END_SHARE = 1e-3
 """What is followed on an arc begins and ends with it, up to this, rad, of a narrow one to this part of its width."""
+
+TOGETHER = 3.0
+"""Where one joint is on its limit and the others are outside by no more than so many bands, all may keep them."""
 
 BARELY = 1e-3
 """With an almost vanishing band, no end is expected farther from that of the nearest exact limb, rad."""
@@ -81,7 +93,7 @@ def put_scanned(P, view, branch, stretch, states, ends, n):
     if states[1] != ANY and ends_inside != (states[1] == INSIDE):
         return -1
     if states[0] == ANY and starts_inside:
-        n = put_fixed(points[0], branch, ends, n)
+        n = put_fixed_at(points[0], points[0, POINT_PSI], branch, ends, n)
     a = 0
     while a != LAST:
         b = int(points[a, POINT_NEXT])
@@ -90,9 +102,14 @@ def put_scanned(P, view, branch, stretch, states, ends, n):
             k = b if inside else a
             at = (points[k, POINT_PSI], -1.0 if inside else 1.0, points[a, POINT_PSI], points[b, POINT_PSI])
             n = put_end(ends, n, read7(points[k]), branch, at)
+        elif not inside:
+            first, last = inside_between(P, view.target, points[a], points[b])
+            if first <= last:
+                n = put_fixed_at(points[a], first, branch, ends, n)
+                n = put_fixed_at(points[a], last, branch, ends, n)
         a = b
     if states[1] == ANY and ends_inside:
-        n = put_fixed(points[LAST], branch, ends, n)
+        n = put_fixed_at(points[LAST], points[LAST, POINT_PSI], branch, ends, n)
     return n
 
 
@@ -210,6 +227,18 @@ def is_elbow_unsure(P, view):
 
 
 @kernel
+def may_meet_limits(P, view, branch, psi):
+    """Whether the true chain may keep its limits next to an arm angle."""
+    q = certain_posture(P, view.sides[branch >> 2], branch, psi)
+    s2, s6 = sines_of_middles(P, q)
+    within = True
+    for j in range(7):
+        off = share_of(j, s2, s6) * beyond(P, j, turn_to_middle(P, j, q[j]))
+        within = within and off < TOGETHER * view.band[j]
+    return within
+
+
+@kernel
 def shifted_intervals(P, view, out):
     """`predicted_intervals` where the band is as good as nothing: the intervals of the nearest exact limb, shifted.
 
@@ -219,7 +248,14 @@ def shifted_intervals(P, view, out):
         return -1
     found = np.empty((8 * MAX_PIECES, 3))
     ends = np.empty((MAX_ENDS + 8, END))
-    n_found = find_intervals(P, view.target.place, -1, found)
+    boxes = np.empty((1, SIZE))
+    box = row(boxes, 0)
+    for i in range(SIZE):
+        box[i] = P[i]
+    # Joints that come to their limits so closely one behind the other may leave an arm angle between them, or none.
+    box[SLACK_JOIN] = BARELY
+    n_found = find_intervals(box, view.target.place, -1, found)
+    keep(boxes)
     arcs = np.empty((MOST_ARCS, ARC))
     n_arcs = find_arcs(P, view, arcs)
     if n_arcs < 0 or mark_needed(arcs, n_arcs, found, n_found):
@@ -230,7 +266,9 @@ def shifted_intervals(P, view, out):
         branch = int(found[i, 0])
         lower, upper = found[i, 1], found[i, 2]
         if upper - lower < BARELY:
-            return -1
+            if may_meet_limits(P, view, branch, lower) or may_meet_limits(P, view, branch, upper):
+                return -1
+            continue
         if upper - lower >= TURN - MARGINS:
             n = write_whole(out, n, branch)
             continue

@@ -7,15 +7,16 @@ import numpy as np
 from srs_ik.kernels.algebra.joint_vectors import short_way
 from srs_ik.kernels.algebra.lane_trig import turn
 from srs_ik.kernels.algebra.lanes import as_bits, gather, one_of, scatter, where, whole_number
-from srs_ik.kernels.algebra.pointers import row
+from srs_ik.kernels.algebra.pointers import keep, row
 from srs_ik.kernels.chain.eight import put_eight, sines_of_eight, take_eight
-from srs_ik.kernels.chain.newton import STEPS
+from srs_ik.kernels.chain.newton import STEPS, close_at_angle
 from srs_ik.kernels.chain.newton_eight import ALL, PROBED, close_in_planes, half_planes, larger
 from srs_ik.kernels.exact.events import PI, TURN
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.asked import View
 from srs_ik.kernels.layout.limb import INVERSE_HALF_RANGE, LOWER, MIDDLE, SLACK_LIMIT, UPPER
 from srs_ik.kernels.limb.limits import PER_TURN, beyond, turn_to_middle
+from srs_ik.kernels.limb.poses import read7
 from srs_ik.kernels.limb.postures_eight import eight_postures
 from srs_ik.kernels.limb.triangle import elbow_side
 from srs_ik.kernels.near.band import ALMOST_NOTHING, band_with, certain_posture, least_bend, widest
@@ -42,6 +43,12 @@ MAX_POINTS = 1024
 LARGEST_GAP = 0.3
 SMALLEST_GAP = 1e-9
 """Between points farther apart than the first, rad, there may be anything; closer than the second, nothing."""
+
+UNSURE = 2.0 * PROBED
+"""Points tell no more closely than this, rad, how far a joint is outside its limits."""
+
+TOUCHING = 5e-13
+"""Where joints are outside their limits by less than this, rad, rounding alone keeps them there."""
 
 CLOSER = 0.7
 """Gaps are narrower than this part of how far shoulder and wrist are from singular, rad: there joints turn fast."""
@@ -144,6 +151,20 @@ def is_narrow(a, b):
 
 
 @kernel
+def may_bulge(P, a, b, joint):
+    """Whether a joint inside its limits at two points may be outside between them: goes out at one, comes back."""
+    at_a, at_b = turn_to_middle(P, joint, a[joint]), turn_to_middle(P, joint, b[joint])
+    f, next_f = beyond(P, joint, at_a), beyond(P, joint, at_b)
+    sign = 1.0 if at_a > P[MIDDLE + joint] else -1.0
+    out, back = sign * a[POINT_RATES + joint], -sign * b[POINT_RATES + joint]
+    if max(f, next_f) > 0.0 or min(out, back) <= 0.0:
+        return False
+    # Where the tangents meet.
+    width = b[POINT_PSI] - a[POINT_PSI]
+    return f + out * (next_f - f + back * width) / (out + back) > 0.0
+
+
+@kernel
 def is_decided(P, a, b):
     """Whether all postures between two points are inside the limits, or all outside, or one limit is between them."""
     width = b[POINT_PSI] - a[POINT_PSI]
@@ -164,8 +185,47 @@ def is_decided(P, a, b):
         least = max(least, 0.5 * (both - way))
         most = max(most, 0.5 * (both + way))
     if inside_a != inside_b:
-        return fastest < LONGEST_CROSSING
-    return most <= 0.0 if inside_a else least > 0.0
+        decided = fastest < LONGEST_CROSSING
+        for j in range(7 if decided else 0):
+            decided = decided and not may_bulge(P, a, b, j)
+        return decided
+    return most <= -UNSURE if inside_a else least > UNSURE
+
+
+@kernel
+def inside_between(P, target, a, b):
+    """First and last arm angle inside the limits between two points outside them that are as close as gaps become.
+
+    The first is larger than the last if there is none. Where joints meet their limits at one arm angle from opposite
+    sides, that arm angle is both.
+    """
+    start, width = a[POINT_PSI], b[POINT_PSI] - a[POINT_PSI]
+    if width >= SMALLEST_GAP:
+        return 1.0, 0.0
+    R, p, place_ = target
+    A = np.empty((16, 9))
+    q, met = close_at_angle(P, read7(a), R, p, place_[0], place_[1], start, STEPS, A)
+    keep(A)
+    first, last, touching_first, touching_last = 0.0, width, 0.0, width
+    for j in range(7):
+        angle, rate = turn_to_middle(P, j, q[j]), a[POINT_RATES + j]
+        for end in range(2):
+            off, leaving = (angle - P[UPPER + j], rate) if end == 1 else (P[LOWER + j] - angle, -rate)
+            if off + max(leaving * width, 0.0) <= 0.0:
+                continue
+            if leaving > 0.0:
+                last, touching_last = min(last, -off / leaving), min(touching_last, (TOUCHING - off) / leaving)
+            elif leaving < 0.0:
+                first, touching_first = max(first, -off / leaving), max(touching_first, (TOUCHING - off) / leaving)
+            elif off > TOUCHING:
+                met = False
+    if first > last:
+        # Not but for rounding.
+        first = 0.5 * (max(touching_first, 0.0) + min(touching_last, width))
+        last = first
+    if not met or touching_first > touching_last:
+        return 1.0, 0.0
+    return start + first, start + last
 
 
 @kernel
