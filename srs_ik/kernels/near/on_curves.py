@@ -7,10 +7,9 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from srs_ik.kernels.algebra.joint_vectors import difference, dot7, short_way
+from srs_ik.kernels.algebra.joint_vectors import along7, difference, dot7, short_way
 from srs_ik.kernels.chain.newton import STEPS, close_at_angle
 from srs_ik.kernels.chain.starts import best_row
-from srs_ik.kernels.curves.best import cost_of_turn
 from srs_ik.kernels.curves.changes import (
     CHANGE,
     CHANGE_AT,
@@ -19,8 +18,9 @@ from srs_ik.kernels.curves.changes import (
     find_changes,
     posture_beside,
 )
-from srs_ik.kernels.curves.follow import between
+from srs_ik.kernels.curves.follow import between, is_passed, share_of_chord
 from srs_ik.kernels.curves.in_step import SAMPLE, load_sample, put_sample
+from srs_ik.kernels.curves.lowest import cost_of_turn
 from srs_ik.kernels.curves.runs import SPARE_ROWS, near_runs, samples_of
 from srs_ik.kernels.curves.spans import JUST_OUTSIDE
 from srs_ik.kernels.curves.surface import has_surface
@@ -32,8 +32,8 @@ from srs_ik.kernels.curves.told import (
     angle_at,
     tell_one,
     tell_samples,
+    turning_between,
 )
-from srs_ik.kernels.curves.turning import turning_between
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.answer import ROW_COST
 from srs_ik.kernels.layout.asked import Goal, Samples, Setting
@@ -142,6 +142,13 @@ def passing(P, by, psi, a, b):
     """
     q_a, ahead_a = a
     q_b, ahead_b = b
+    R, p, place_ = by.target
+    share = ahead_a / (ahead_a - ahead_b)
+    start = along7(q_a, share, difference(q_a, q_b))
+    q, met = close_at_angle(P, start, R, p, place_[0], place_[1], psi, STEPS, by.A)
+    share = share_of_chord(q_a, q_b, q) if met else 2.0
+    if 0.0 <= share <= 1.0 and is_passed(P, by, q_a, q_b, share, q):
+        return q, True
     low = 0.0
     high = 1.0
     q = q_a
@@ -158,7 +165,6 @@ def passing(P, by, psi, a, b):
             low, ahead_a = share, ahead
         else:
             high, ahead_b = share, ahead
-    R, p, place_ = by.target
     exact, met = close_at_angle(P, q, R, p, place_[0], place_[1], psi, STEPS, by.A)
     moved = difference(q, exact)
     if met and dot7(moved, moved) < CLOSE_BY:
