@@ -157,7 +157,10 @@ def edge_on_limit(P, by, curve, x, y):
 
 @kernel
 def edge(P, by, branch, curve, inside, outside):
-    """The last feasible parameter, and its posture, from a feasible one to one that is not; each has an infeasibility."""
+    """The last feasible parameter from a feasible one towards one that is not, each with its infeasibility.
+
+    Its posture too.
+    """
     x, fx = inside
     y, fy = outside
     if not is_exact(P):

@@ -10,20 +10,19 @@ from __future__ import annotations
 
 import math
 
-from srs_ik.kernels.algebra.joint_vectors import along7, difference, dot7, short_way
-from srs_ik.kernels.curves.follow import between, meet, put
+from srs_ik.kernels.algebra.joint_vectors import difference, dot7, short_way
+from srs_ik.kernels.algebra.roots import has_settled, next_parameter, start_crossing, tell_figure
+from srs_ik.kernels.curves.follow import between, put
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.limb import LOWER, MIDDLE, RANGE_KIND, UPPER
 from srs_ik.kernels.limb.limits import beyond, turn_to_middle
 
 HALVINGS = 45
+CROSSING_STEPS = 60
 
 BULGE = 0.25
 """A joint is off the straight way between two samples by no more than this part of their distance squared: curves turn
 by less than the angle whose cosine is `SMALLEST_COSINE` in the longest step."""
-
-FLAT = 0.5
-"""The top of a way is no higher than that of its parabola but for this part of what its middle is off the straight."""
 
 WELL_INSIDE = 0.5
 """A sample in a gap need not lie closer to its middle than this part of half its width."""
@@ -149,8 +148,6 @@ def bulge_between(P, by, a, b, bulge):
                 return a, 0.0, False
         q, share, middle = half, 0.5, joint_beyond(P, j, half)
         bent = at_a + at_b - 2.0 * middle
-        if bent < 0.0 and middle - 0.125 * (at_b - at_a) ** 2 / bent < FLAT * bent:
-            continue
         if middle <= 0.0 and bent < 0.0:
             # The top of a parabola.
             share = min(max(0.5 - 0.25 * (at_b - at_a) / bent, 0.05), 0.95)
@@ -200,12 +197,21 @@ def put_crossings(P, by, start, end, bulge, line, n):
         at_b = joint_beyond(P, j, b)
         if (at_a > 0.0) == (at_b > 0.0):
             continue
-        # The limit on the way out.
-        inside, outside = (a, b) if at_b > 0.0 else (b, a)
-        way = short_way(outside[j] - inside[j])
-        off = (P[UPPER + j] if way > 0.0 else P[LOWER + j]) - turn_to_middle(P, j, inside[j])
-        near = along7(inside, off / way, difference(inside, outside))
-        q, share, met = meet(P, by, (a, b), near, j, inside[j] + off)
-        if met and 0.0 < share < 1.0:
-            n = insert(line, first, n, x_a + share * (x_b - x_a), q)
+        # Shares of the way at which the joint is inside, and outside.
+        crossing = start_crossing(0.0, at_a, 1.0, at_b) if at_b > 0.0 else start_crossing(1.0, at_b, 0.0, at_a)
+        inside_q = a if at_b > 0.0 else b
+        for _ in range(CROSSING_STEPS):
+            if has_settled(crossing):
+                break
+            share = next_parameter(crossing)
+            q, met = between(P, by, a, b, share)
+            if not met:
+                break
+            f = joint_beyond(P, j, q)
+            crossing = tell_figure(crossing, share, f)
+            if f <= 0.0:
+                inside_q = q
+        inside = crossing[0]
+        if 0.0 < inside < 1.0:
+            n = insert(line, first, n, x_a + inside * (x_b - x_a), inside_q)
     return n

@@ -11,7 +11,7 @@ from srs_ik.kernels.algebra.lanes import gather, one_of
 from srs_ik.kernels.algebra.minimum import lowest_of_cubic
 from srs_ik.kernels.algebra.pointers import keep, row
 from srs_ik.kernels.curves.ends import infeasibility, on_curve, sample_before
-from srs_ik.kernels.curves.follow import tangent_at
+from srs_ik.kernels.curves.follow import between, tangent_at
 from srs_ik.kernels.curves.in_step import ARC, between_eight, load_sample, one_of_seven
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.asked import Best, Goal
@@ -98,9 +98,14 @@ def look_between(P, by, ends, looks, goal, best):
     speed = dot7(chord, chord) / dot7(t, chord)
     for i in range(LOOKS):
         looks[i, LOOK_COST], looks[i, LOOK_RATE] = NO_BRANCH, 0.0
-        if (met >> i) & 1 == 1:
-            own, value = cost_of_turn(P, one_of_seven(q, i), goal)
-            way = along7(NO_SEED, one_of(speed, i), one_of_seven(t, i))
+        own, way, there = one_of_seven(q, i), along7(NO_SEED, one_of(speed, i), one_of_seven(t, i)), (met >> i) & 1 == 1
+        if not there:
+            # In step it divides by what axes 5 to 7 span.
+            own, there = between(P, by, a, b, looks[i, LOOK_SHARE])
+            way, _ = tangent_at(P, by, own)
+            way = along7(NO_SEED, dot7(chord, chord) / dot7(way, chord), way)
+        if there:
+            own, value = cost_of_turn(P, own, goal)
             looks[i, LOOK_COST], looks[i, LOOK_RATE] = value, rate_at(P, own, way, goal)
             if value < best[0].cost:
                 best = Best(own, value), looks[i, LOOK_SHARE]

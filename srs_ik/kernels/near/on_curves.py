@@ -18,7 +18,7 @@ from srs_ik.kernels.curves.changes import (
     find_changes,
     posture_beside,
 )
-from srs_ik.kernels.curves.follow import between, is_passed, share_of_chord
+from srs_ik.kernels.curves.follow import between, share_of_chord
 from srs_ik.kernels.curves.in_step import SAMPLE, load_sample, put_sample
 from srs_ik.kernels.curves.lowest import cost_of_turn
 from srs_ik.kernels.curves.runs import SPARE_ROWS, near_runs, samples_of
@@ -62,6 +62,9 @@ CLOSE_CALL = 1e-4
 
 CLOSE_BY = 1e-4
 """Newton's method moves a posture no farther than this, rad, squared."""
+
+SAME_CURVE = 1e-18
+"""A posture that it leads to at once is this close to the curve, rad squared: others may cross it nearby."""
 
 
 class Followed(NamedTuple):
@@ -147,8 +150,11 @@ def passing(P, by, psi, a, b):
     start = along7(q_a, share, difference(q_a, q_b))
     q, met = close_at_angle(P, start, R, p, place_[0], place_[1], psi, STEPS, by.A)
     share = share_of_chord(q_a, q_b, q) if met else 2.0
-    if 0.0 <= share <= 1.0 and is_passed(P, by, q_a, q_b, share, q):
-        return q, True
+    if 0.0 <= share <= 1.0:
+        there, met = between(P, by, q_a, q_b, share)
+        moved = difference(there, q)
+        if met and dot7(moved, moved) < SAME_CURVE:
+            return q, True
     low = 0.0
     high = 1.0
     q = q_a
