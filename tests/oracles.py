@@ -184,6 +184,42 @@ class RandomLimb:
         return random_angles(self.rng, self.lower, self.upper)
 
 
+def closed_by_newton(arm, pose: pin.SE3, q: np.ndarray, t: np.ndarray, place: float) -> np.ndarray | None:
+    """The posture for a pose with t'q = place, by Pinocchio's Jacobian; None where steps do not settle."""
+    for _ in range(8):
+        here = arm.forward_kinematics(q)
+        off = np.r_[pose.translation - here.translation, pin.log3(pose.rotation @ here.rotation.T), place - t @ q]
+        step = np.linalg.solve(np.vstack([arm.jacobian(q), t]), off)
+        q = q + step
+        if np.abs(step).max() < 1e-9:
+            return q
+    return None
+
+
+def way_of_curve(arm, q: np.ndarray, near: np.ndarray) -> tuple[np.ndarray, float]:
+    """The unit vector along the curve through a posture, on the side of a vector, and its orientation."""
+    t = np.linalg.solve(np.vstack([arm.jacobian(q), near]), np.eye(7)[6])
+    return t / np.linalg.norm(t), np.sign(np.linalg.det(np.vstack([arm.jacobian(q), t])))
+
+
+def postures_by_steps(arm, pose: pin.SE3, q: np.ndarray) -> tuple[list[np.ndarray], list[np.ndarray]]:
+    """The closed curve through a posture, followed in steps of at most 0.01 rad: postures, and ways there."""
+    start, (t, side) = q, way_of_curve(arm, q, np.linalg.svd(arm.jacobian(q))[2][6])
+    postures, ways, step = [q], [t], 1e-3
+    while len(postures) < 10 or np.linalg.norm(wrapped(q - start)) > 0.8 * step or t @ ways[0] < 0.0:
+        there = closed_by_newton(arm, pose, q + step * t, t, t @ q + step)
+        if there is not None:
+            next_t, next_side = way_of_curve(arm, there, t)
+            if next_t @ t > 0.995 and next_side == side and np.linalg.norm(there - q) < 1.05 * step:
+                q, t, step = there, next_t, min(1.4 * step, 0.01)
+                postures.append(q)
+                ways.append(t)
+                continue
+        step *= 0.5
+        assert step > 1e-10
+    return postures, ways
+
+
 def random_angles(rng: np.random.Generator, lower: np.ndarray, upper: np.ndarray) -> np.ndarray:
     """Angles inside limits; where there is none, anywhere within a turn."""
     return rng.uniform(np.where(np.isfinite(lower), lower, -np.pi), np.where(np.isfinite(upper), upper, np.pi))

@@ -9,9 +9,8 @@ from pathlib import Path
 import arms
 import numba
 import numpy as np
-import pinocchio as pin
 import pytest
-from oracles import random_limb
+from oracles import postures_by_steps, random_limb
 
 import srs_ik
 from srs_ik.kernels.algebra.pointers import row
@@ -123,34 +122,7 @@ def test_a_curve_that_comes_back_beside_itself_is_followed_to_both_ends(respect)
 
 def ends_by_steps(arm, pose, q):
     """Least and greatest arm angle of the closed curve through a posture, followed in steps of at most 0.01 rad."""
-
-    def closed(q, t, place):
-        for _ in range(8):
-            here = arm.forward_kinematics(q)
-            off = np.r_[pose.translation - here.translation, pin.log3(pose.rotation @ here.rotation.T), place - t @ q]
-            step = np.linalg.solve(np.vstack([arm.jacobian(q), t]), off)
-            q = q + step
-            if np.abs(step).max() < 1e-9:
-                return q
-        return None
-
-    def way(q, near):
-        t = np.linalg.solve(np.vstack([arm.jacobian(q), near]), np.eye(7)[6])
-        return t / np.linalg.norm(t), np.sign(np.linalg.det(np.vstack([arm.jacobian(q), t])))
-
-    start, (t, side) = q, way(q, np.linalg.svd(arm.jacobian(q))[2][6])
-    first, angles, step = t, [arm.arm_angle(q)], 1e-3
-    while len(angles) < 10 or np.linalg.norm(away(q - start)) > 0.8 * step or t @ first < 0.0:
-        there = closed(q + step * t, t, t @ q + step)
-        if there is not None:
-            next_t, next_side = way(there, t)
-            if next_t @ t > 0.995 and next_side == side and np.linalg.norm(there - q) < 1.05 * step:
-                q, t, step = there, next_t, min(1.4 * step, 0.01)
-                angles.append(arm.arm_angle(q))
-                continue
-        step *= 0.5
-        assert step > 1e-10
-    angles = np.unwrap(angles)
+    angles = np.unwrap([arm.arm_angle(each) for each in postures_by_steps(arm, pose, q)[0]])
     # Around the curve once, and back.
     assert abs(angles[-1] - angles[0]) < 0.1
     return angles.min(), angles.max()

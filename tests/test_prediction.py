@@ -10,7 +10,8 @@ from itertools import pairwise
 import arms
 import numpy as np
 import pytest
-from oracles import random_limb
+from oracles import closed_by_newton, postures_by_steps, random_limb
+from scipy.optimize import minimize_scalar
 from test_intervals import assert_well_formed, disagreements
 
 import srs_ik
@@ -313,3 +314,23 @@ def test_the_curves_of_a_pose_are_followed_once_for_many_arm_angles():
         "arm.solve_batch(poses, [0.1, 0.2, 0.3], all_branches=True, threads=1)"
     )
     assert curves_followed(call) == 1
+
+
+@pytest.mark.parametrize("name", arms.here("gen3", "j2s7s300"))
+def test_no_posture_of_a_curve_is_farther_from_the_limits_than_the_best_one(name):
+    arm = arms.load(name)
+    straight = arm.packed.family[0, at.STRAIGHT]
+    for number, q in enumerate(arms.configurations(name, 4, 93)):
+        # So little bent that no prediction holds, and the curves are followed.
+        q[3] = straight + (0.02 + 0.01 * number) * (1.0 if straight + 0.1 < arm.upper[3] else -1.0)
+        pose = arm.forward_kinematics(q)
+        postures, ways = postures_by_steps(arm, pose, q)
+        best = max(range(len(postures)), key=lambda i: margin(arm, postures[i]))
+        here, t = postures[best], ways[best]
+
+        def lost(along, here=here, t=t, pose=pose):
+            there = closed_by_newton(arm, pose, here + along * t, t, t @ here + along)
+            return np.inf if there is None else -margin(arm, there)
+
+        found = minimize_scalar(lost, bounds=(-0.01, 0.01), method="bounded", options={"xatol": 1e-12})
+        assert margin(arm, arm.solve(pose).q) > -found.fun - 1e-9

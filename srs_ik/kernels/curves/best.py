@@ -5,57 +5,20 @@ A run is a feasible piece of a curve (`survey`); a span is a part of a run on wh
 
 from __future__ import annotations
 
-import math
-
 import numpy as np
 
-from srs_ik.kernels.algebra.minimum import propose, start_search, tell
-from srs_ik.kernels.curves.ends import on_curve
-from srs_ik.kernels.curves.in_step import ARC, load_sample
+from srs_ik.kernels.curves.in_step import load_sample
+from srs_ik.kernels.curves.lowest import close_in_on, cost_at, cost_of_turn, hope, rate_of_cost
 from srs_ik.kernels.curves.runs import near_runs, samples_of
 from srs_ik.kernels.curves.spans import MAX_SPANS, SPAN, find_spans
 from srs_ik.kernels.exact.free_splits import closed_better
 from srs_ik.kernels.exact.nearest import slid
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.asked import Best, Setting
-from srs_ik.kernels.layout.limb import INVERSE_HALF_RANGE
-from srs_ik.kernels.layout.search import BEST, F_BEST, HIGH, LOW, MAX_RUNS, RUN, SHARP, STATE
+from srs_ik.kernels.layout.search import MAX_RUNS, RUN
 from srs_ik.kernels.limb.branches import NO_BRANCH, branch_of
-from srs_ik.kernels.limb.goal import OUTSIDE, cost, turned
+from srs_ik.kernels.limb.goal import OUTSIDE
 from srs_ik.kernels.limb.triangle import elbow_side
-
-
-@kernel
-def rate_of_cost(P):
-    """How fast a cost that is no distance may change with the way along a curve."""
-    fastest = 1.0
-    for j in range(7):
-        fastest = max(fastest, P[INVERSE_HALF_RANGE + j])
-    return fastest
-
-
-@kernel
-def hope(value, gap, seeded, rate):
-    """A cost below any within a way `gap` of a posture with this cost."""
-    if seeded and value < OUTSIDE:
-        return max(math.sqrt(value) - ARC * gap, 0.0) ** 2
-    return value - rate * ARC * gap
-
-
-@kernel
-def cost_of_turn(P, q, goal):
-    """A posture in the turn that suits the goal, and its cost."""
-    q = turned(P, q, goal.seeded, goal.seed, goal.respect)
-    return q, cost(P, q, goal.seeded, goal.seed, goal.respect)
-
-
-@kernel
-def cost_at(P, by, curve, x, goal):
-    """Posture of a run at a parameter, in the turn that suits the goal, and its cost."""
-    q, off = on_curve(P, by, 0, curve, x)
-    if off >= NO_BRANCH:
-        return q, NO_BRANCH
-    return cost_of_turn(P, q, goal)
 
 
 @kernel
@@ -80,31 +43,11 @@ def best_on(P, by, curve, ends, goal, best):
         if fb < best.cost:
             best = Best(q, fb)
         if fx <= fa and fx <= fb and hope(fx, max(x - a, b - x), goal.seeded, rate) < best.cost:
-            best = close_in_on(P, by, curve, ((a, fa), (x, fx), (b, fb)), goal, best)
+            best, _ = close_in_on(P, by, curve, (a, x, b), goal, best)
         if b == upper and fb <= fx and hope(fb, b - x, goal.seeded, rate) < best.cost:
-            best = close_in_on(P, by, curve, ((x, fx), (b, fb), (b, fb)), goal, best)
+            best, _ = close_in_on(P, by, curve, (x, b, b), goal, best)
         a, fa = x, fx
         x, fx = b, fb
-    return best
-
-
-@kernel
-def close_in_on(P, by, curve, bracket, goal, best):
-    """Close in on a minimum between the outer of three parameters with their costs: the best posture so far."""
-    (a, fa), (x, fx), (b, fb) = bracket
-    S = np.empty(STATE)
-    start_search(S, a, x, b, fa, fx, fb, SHARP)
-    while True:
-        wanted, more = propose(S)
-        if not more:
-            break
-        _, f = cost_at(P, by, curve, wanted, goal)
-        tell(S, f)
-        if hope(S[F_BEST], S[HIGH] - S[LOW], goal.seeded, rate_of_cost(P)) >= best.cost:
-            return best
-    if S[F_BEST] < best.cost:
-        q, f = cost_at(P, by, curve, S[BEST], goal)
-        return Best(q, f)
     return best
 
 

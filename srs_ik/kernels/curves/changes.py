@@ -8,8 +8,8 @@ from srs_ik.kernels.algebra.joint_vectors import along7, difference, dot7, short
 from srs_ik.kernels.algebra.minimum import lowest_of_cubic
 from srs_ik.kernels.algebra.pointers import row
 from srs_ik.kernels.algebra.roots import has_settled, next_parameter, start_crossing, tell_figure
-from srs_ik.kernels.curves.ends import meet, on_chord, on_curve, sample_before
-from srs_ik.kernels.curves.follow import null_vector
+from srs_ik.kernels.curves.ends import on_chord, on_curve, sample_before
+from srs_ik.kernels.curves.follow import meet, null_vector
 from srs_ik.kernels.curves.in_step import ARC, load_sample
 from srs_ik.kernels.curves.told import TOLD_MIDDLES, TOLD_SINES
 from srs_ik.kernels.jit import kernel
@@ -81,7 +81,9 @@ def met_change(P, by, curve, middle, x, y):
     share = at_a / (at_a - at_b)
     turned = a[joint] + share * short_way(b[joint] - a[joint])
     angle = phase + math.pi * math.floor((turned - phase) / math.pi + 0.5)
-    q, found, met = meet(P, by, rows, low, along7(a, share, difference(a, b)), joint, angle)
+    ends = load_sample(rows[low]), load_sample(rows[low + 1])
+    q, share, met = meet(P, by, ends, along7(a, share, difference(a, b)), joint, angle)
+    found = rows[low, 0] + share * (rows[low + 1, 0] - rows[low, 0])
     return (found, q), met and x < found < y
 
 

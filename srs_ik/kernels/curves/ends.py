@@ -8,14 +8,14 @@ from __future__ import annotations
 
 import math
 
-from srs_ik.kernels.algebra.joint_vectors import along7, difference, dot7, short_way
+from srs_ik.kernels.algebra.joint_vectors import along7, difference, short_way
 from srs_ik.kernels.algebra.lanes import scatter, where, whole_number
 from srs_ik.kernels.algebra.minimum import GOLDEN
 from srs_ik.kernels.algebra.pointers import row
 from srs_ik.kernels.algebra.roots import has_settled, next_parameter, start_crossing, tell_figure
 from srs_ik.kernels.chain.eight import take_ways
 from srs_ik.kernels.chain.newton_eight import larger
-from srs_ik.kernels.curves.follow import between, correct
+from srs_ik.kernels.curves.follow import between, meet
 from srs_ik.kernels.curves.in_step import SAMPLE, load_sample
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.limb import IS_CLOSED, LOWER, MIDDLE, SLACK_LIMIT, UPPER
@@ -29,9 +29,7 @@ DIP_STEPS = 40
 
 LIMITS_IN_TURN = 3
 ON_LIMIT = 1e-12
-ASTRAY = 0.1
-"""An edge is looked for on so many limits, one after the other; a posture on one, rad, keeps it; and it is no farther
-from the way between two samples, squared and in parts of it."""
+"""An edge is looked for on so many limits, one after the other; a posture on one, rad, keeps it."""
 
 
 @kernel
@@ -123,36 +121,6 @@ def first_limit(P, a, b):
 
 
 @kernel
-def only(joint, x):
-    """A vector whose one figure is x."""
-    return (
-        x if joint == 0 else 0.0,
-        x if joint == 1 else 0.0,
-        x if joint == 2 else 0.0,
-        x if joint == 3 else 0.0,
-        x if joint == 4 else 0.0,
-        x if joint == 5 else 0.0,
-        x if joint == 6 else 0.0,
-    )
-
-
-@kernel
-def meet(P, by, rows, low, q, joint, angle):
-    """The posture of a curve with a joint at an angle, by Newton's method from q: posture, parameter, whether met.
-
-    It lies between the samples in rows low and low + 1.
-    """
-    q, met = correct(P, by, q, only(joint, 1.0), angle)
-    start = load_sample(rows[low])
-    chord = difference(start, load_sample(rows[low + 1]))
-    to_q = difference(start, q)
-    share = dot7(to_q, chord) / dot7(chord, chord)
-    off = along7(to_q, -share, chord)
-    x = rows[low, 0] + share * (rows[low + 1, 0] - rows[low, 0])
-    return q, x, met and dot7(off, off) <= ASTRAY * dot7(chord, chord)
-
-
-@kernel
 def on_chord(rows, low, x):
     """The point at a parameter of the straight way between two samples."""
     start = load_sample(rows[low])
@@ -165,28 +133,34 @@ def edge_on_limit(P, by, curve, x, y):
     """`edge` by Newton's method for the pose and the limit together, and whether that is met between two samples."""
     rows = curve.rows
     low = sample_before(curve, 0.5 * (x + y))
+    none = (x, NO_SEED)
     if min(x, y) < rows[low, 0] or max(x, y) > rows[low + 1, 0]:
-        return x, False
+        return none, False
     a, b = on_chord(rows, low, x), on_chord(rows, low, y)
+    start, end = load_sample(rows[low]), load_sample(rows[low + 1])
     for _ in range(LIMITS_IN_TURN):
         joint, limit, share = first_limit(P, a, b)
         if joint < 0:
-            return x, False
+            return none, False
         q = along7(a, share, difference(a, b))
         # The same limit, a whole turn away or not.
         limit = q[joint] + short_way(limit - q[joint])
-        q, found, met = meet(P, by, rows, low, q, joint, limit)
+        q, share, met = meet(P, by, (start, end), q, joint, limit)
+        found = rows[low, 0] + share * (rows[low + 1, 0] - rows[low, 0])
         if not met or (found - x) * (found - y) > 0.0:
-            return x, False
+            return none, False
         if infeasibility(P, turned(P, q, False, NO_SEED, True), True) < ON_LIMIT:
-            return found, True
+            return (found, q), True
         b = q
-    return x, False
+    return none, False
 
 
 @kernel
 def edge(P, by, branch, curve, inside, outside):
-    """The last feasible parameter from a feasible one towards one that is not, each with its infeasibility."""
+    """The last feasible parameter from a feasible one towards one that is not, each with its infeasibility.
+
+    Its posture too.
+    """
     x, fx = inside
     y, fy = outside
     if not is_exact(P):
@@ -200,7 +174,8 @@ def edge(P, by, branch, curve, inside, outside):
         m = next_parameter(crossing)
         _, f = on_curve(P, by, branch, curve, m)
         crossing = tell_figure(crossing, m, f)
-    return crossing[0]
+    q, _ = on_curve(P, by, branch, curve, crossing[0])
+    return crossing[0], q
 
 
 @kernel

@@ -60,6 +60,9 @@ curve ahead, it is not."""
 SHRUNK = 0.5
 """Steps back to the curve that shrink by less, where the pose is met, are rounding."""
 
+ASTRAY = 0.1
+"""What is looked for between two samples is no farther from the way between them, squared and in parts of it."""
+
 SAME_CURVE = 4e-6
 """A posture this close to a curve, rad squared, lies on it."""
 
@@ -156,6 +159,35 @@ def between(P, by, a, b, share):
     d = along7(NO_SEED, 1.0 / length, chord)
     start = along7(a, share, chord)
     return correct(P, by, start, d, dot7(d, start))
+
+
+@kernel
+def only(joint, x):
+    """A vector whose one figure is x."""
+    return (
+        x if joint == 0 else 0.0,
+        x if joint == 1 else 0.0,
+        x if joint == 2 else 0.0,
+        x if joint == 3 else 0.0,
+        x if joint == 4 else 0.0,
+        x if joint == 5 else 0.0,
+        x if joint == 6 else 0.0,
+    )
+
+
+@kernel
+def meet(P, by, chord, q, joint, angle):
+    """The posture of a curve with a joint at an angle, by Newton from q: it, its share of a chord, whether met.
+
+    The chord is given as its ends.
+    """
+    start, end = chord
+    q, met = correct(P, by, q, only(joint, 1.0), angle)
+    way, to_q = difference(start, end), difference(start, q)
+    length2 = dot7(way, way)
+    share = dot7(to_q, way) / length2
+    off = along7(to_q, -share, way)
+    return q, share, met and dot7(off, off) <= ASTRAY * length2
 
 
 @kernel

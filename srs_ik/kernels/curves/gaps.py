@@ -134,6 +134,7 @@ def bulge_between(P, by, a, b, bulge):
 
     Returns the posture, its share of the way, and whether there is one.
     """
+    half, met = a, False
     for j in range(7):
         if P[RANGE_KIND + j] == 0.0:
             continue
@@ -141,17 +142,17 @@ def bulge_between(P, by, a, b, bulge):
         at_b = joint_beyond(P, j, b)
         if max(at_a, at_b) < -bulge or max(at_a, at_b) > 0.0:
             continue
-        q, met = between(P, by, a, b, 0.5)
         if not met:
-            continue
-        middle = joint_beyond(P, j, q)
-        share = 0.5
+            half, met = between(P, by, a, b, 0.5)
+            if not met:
+                return a, 0.0, False
+        q, share, middle = half, 0.5, joint_beyond(P, j, half)
         bent = at_a + at_b - 2.0 * middle
         if middle <= 0.0 and bent < 0.0:
             # The top of a parabola.
             share = min(max(0.5 - 0.25 * (at_b - at_a) / bent, 0.05), 0.95)
-            q, met = between(P, by, a, b, share)
-            middle = joint_beyond(P, j, q) if met else middle
+            q, there = between(P, by, a, b, share)
+            middle = joint_beyond(P, j, q) if there else middle
         if middle > 0.0:
             return q, share, True
     return a, 0.0, False

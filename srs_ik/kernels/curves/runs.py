@@ -18,6 +18,7 @@ from srs_ik.kernels.curves.ends import dip, edge, is_exact, on_curve, put_infeas
 from srs_ik.kernels.curves.follow import CURVE, put, tangent_at
 from srs_ik.kernels.curves.gaps import put_bounds, put_gaps
 from srs_ik.kernels.curves.in_step import ARC, SAMPLE, load_sample
+from srs_ik.kernels.curves.lowest import dip_near
 from srs_ik.kernels.exact.samples import take_samples
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.asked import Runs, Samples, Setting
@@ -54,12 +55,11 @@ CUTS = 4
 
 
 @kernel
-def put_run(P, by, branch, curve, ends, out, used):
-    """Write the run between two feasible parameters of a sampled curve, its samples and ends: rows and runs in use."""
+def put_run(P, respect, branch, curve, ends, out, used):
+    """Write the run between two ends of a sampled curve, parameters and postures: rows and runs in use."""
     line, first, last = curve
-    lower, upper = ends
+    (lower, q_lower), (upper, q_upper) = ends
     n, k = used
-    respect = by.respect
     runs = out.runs
     if k >= runs.shape[0]:
         return n, k
@@ -68,13 +68,13 @@ def put_run(P, by, branch, curve, ends, out, used):
     runs[k, 2] = upper
     runs[k, 3] = n
     # The ends are on a limit up to rounding: on it, so that they count as inside.
-    q, _ = on_curve(P, by, branch, curve, lower)
+    q = turned(P, q_lower, False, NO_SEED, respect)
     n = put(out.rows, n, lower, clipped(P, q) if respect else q)
     for i in range(first, last):
         if lower < line[i, 0] < upper:
             n = put(out.rows, n, line[i, 0], turned(P, load_sample(line[i]), False, NO_SEED, respect))
     if upper > lower:
-        q, _ = on_curve(P, by, branch, curve, upper)
+        q = turned(P, q_upper, False, NO_SEED, respect)
         n = put(out.rows, n, upper, clipped(P, q) if respect else q)
     runs[k, 4] = n
     return n, (k + 1 if n > runs[k, 3] else k)
@@ -126,38 +126,41 @@ def cut(P, by, branch, curve, out, used):
     line, first, last = curve
     off = np.empty((line.shape[0], 1))
     put_infeasibilities(P, curve, by.respect, off)
-    lower = line[first, 0]
+    begin = end = (line[first, 0], load_sample(line[first]))
     f_before = -1.0  # infeasibility of the sample before the last one, as long as neither is feasible
-    x0 = lower
+    x0 = begin[0]
     f0 = off[first, 0]
     for i in range(first + 1, last):
         x1 = line[i, 0]
         f1 = off[i, 0]
-        upper = lower - 1.0
+        ends = False
         if f0 > 0.0 and f1 <= 0.0:
-            lower = edge(P, by, branch, curve, (x1, f1), (x0, f0))
+            begin = edge(P, by, branch, curve, (x1, f1), (x0, f0))
         elif f0 <= 0.0 and f1 > 0.0:
-            upper = edge(P, by, branch, curve, (x0, f0), (x1, f1))
+            end, ends = edge(P, by, branch, curve, (x0, f0), (x1, f1)), True
         elif 0.0 < f0 < f_before and f0 <= f1 and f0 < SHALLOW:
             x_before, f = line[i - 2, 0], 1.0
             if may_dip(P, x_before, f_before, x0, f0) or may_dip(P, x0, f0, x1, f1):
-                x, f = dip(P, by, branch, curve, x_before, x1)
+                if is_exact(P):
+                    x, f = dip(P, by, branch, curve, x_before, x1)
+                else:
+                    x, f = dip_near(P, by, curve, (x_before, x0, x1))
             if f <= 0.0:
-                lower = edge(P, by, branch, curve, (x, f), (x_before, f_before))
-                upper = edge(P, by, branch, curve, (x, f), (x1, f1))
+                begin = edge(P, by, branch, curve, (x, f), (x_before, f_before))
+                end, ends = edge(P, by, branch, curve, (x, f), (x1, f1)), True
         elif f0 > 0.0 and i in (first + 1, last - 1) and may_dip_at_end(P, by, curve, (i - 1, f0), (i, f1)):
             x, f = dip(P, by, branch, curve, x0, x1)
             if f <= 0.0:
-                lower = edge(P, by, branch, curve, (x, f), (x0, f0))
-                upper = edge(P, by, branch, curve, (x, f), (x1, f1))
+                begin = edge(P, by, branch, curve, (x, f), (x0, f0))
+                end, ends = edge(P, by, branch, curve, (x, f), (x1, f1)), True
         if i == last - 1 and f1 <= 0.0:
-            upper = x1
-        if upper >= lower:
-            used = put_run(P, by, branch, curve, (lower, upper), out, used)
+            end, ends = (x1, load_sample(line[i])), True
+        if ends and end[0] >= begin[0]:
+            used = put_run(P, by.respect, branch, curve, (begin, end), out, used)
         f_before = f0 if f0 > 0.0 else -1.0
         x0, f0 = x1, f1
     if last - first == 1 and f0 <= 0.0:
-        used = put_run(P, by, branch, curve, (x0, x0), out, used)
+        used = put_run(P, by.respect, branch, curve, (begin, begin), out, used)
     return used
 
 

@@ -26,8 +26,8 @@ from srs_ik.kernels.curves.told import (
     angle_at,
     tell_samples,
     turn_at,
+    turning_between,
 )
-from srs_ik.kernels.curves.turning import turning_between
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.asked import Samples
 from srs_ik.kernels.layout.search import MAX_RUNS

@@ -1,11 +1,13 @@
-"""What the samples of a curve tell: branch, arm angle, and how fast that and middle joints change."""
+"""What the samples of a curve tell: branch, arm angle, and how fast that and middle joints change; where it turns."""
 
 from __future__ import annotations
 
 import math
 
+from srs_ik.kernels.algebra.joint_vectors import difference, dot7
 from srs_ik.kernels.algebra.lane_trig import angle_of, turn, turns_of
-from srs_ik.kernels.algebra.lanes import as_bits, root, scatter
+from srs_ik.kernels.algebra.lanes import as_bits, eight_of, one_of, root, scatter
+from srs_ik.kernels.algebra.minimum import lowest_of_cubic
 from srs_ik.kernels.algebra.pointers import row
 from srs_ik.kernels.algebra.vectors import along, cross, dot, load3, rotate, sub
 from srs_ik.kernels.chain.eight import branches_of, sines_of_eight, take_ways
@@ -13,7 +15,7 @@ from srs_ik.kernels.chain.kinematics import turn_about_line
 from srs_ik.kernels.chain.newton import arm_angle
 from srs_ik.kernels.chain.newton_eight import curve_step
 from srs_ik.kernels.curves.follow import tangent_at
-from srs_ik.kernels.curves.in_step import SAMPLE, load_sample
+from srs_ik.kernels.curves.in_step import SAMPLE, between_eight, load_sample, short_ways
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.limb import AXES, ELBOW_CENTRE, POINTS, SHOULDER_CENTRE
 from srs_ik.kernels.limb.branches import sine_of
@@ -26,6 +28,16 @@ sines of these joints from their phases on."""
 
 TURNING_WRIST = 1e-4
 """Sine of q6 below which a way along a curve is asked for alone: in step it divides by what axes 5 to 7 span."""
+
+ROUNDS = 16
+TURNED = 1e-12
+"""Rounds of eight looks, at most, and how well an arm angle is to be foretold, rad."""
+
+CLOSER = 7.0 / 24.0
+"""The looks of a round are spread over this part of what is between two of the round before."""
+
+FINEST = 1e-9
+"""The turn is between two postures this close together, as a part of the chord."""
 
 
 @kernel
@@ -117,3 +129,64 @@ def tell_samples(P, by, curve, told):
         for m in range(k, min(k + 8, last)):
             if (sure >> (m - k)) & 1 == 0:
                 tell_one(P, by, load_sample(rows[m]), told[m])
+
+
+@kernel
+def lowest_of_eight(heights, met):
+    """The lowest of eight heights that are met (bits); -1 where none is."""
+    best = -1
+    for i in range(8):
+        if (met >> i) & 1 == 1 and (best < 0 or one_of(heights, i) < one_of(heights, best)):
+            best = i
+    return best
+
+
+@kernel
+def turning_between(P, by, a, b, rise):
+    """Where the arm angle, from one posture of a curve to another close by, is farthest to one side, and how far ahead.
+
+    Eight postures at a time tell the arm angle and its rate; the cubic around the farthest one foretells the turn, and
+    tells where to look next. `rise` is the sign of the side. Returns the share of the chord, and the angle from that
+    of the first posture.
+    """
+    chord = difference(a, b)
+    length2 = dot7(chord, chord)
+    psi = angle_at(P, by, a)
+    share, height = 0.0, 0.0
+    low, high = 0.0, 1.0
+    begin, apart = 0.0, 1.0 / 7.0
+    # A cubic's error is of the fourth order.
+    less = 1.0
+    steps = eight_of(0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0)
+    for _ in range(ROUNDS):
+        q, t, met = between_eight(P, by, a, chord, begin + apart * steps)
+        angles, rates = arm_angles(P, by.target.place, q, t)
+        heights = -rise * short_ways(angles - psi)
+        slopes = -rise * rates * length2 / dot7(t, chord)
+        best = lowest_of_eight(heights, met)
+        if best < 0:
+            break
+        other = best + 1 if one_of(slopes, best) < 0.0 else best - 1
+        if other < 0:
+            high = begin
+        elif other > 7:
+            low = begin + 7.0 * apart
+        else:
+            i, j = min(best, other), max(best, other)
+            low, high = begin + apart * i, begin + apart * j
+            fall, rises = one_of(slopes, i), one_of(slopes, j)
+            if (met >> i) & (met >> j) & 1 == 1 and fall < 0.0 < rises:
+                before, behind = (low, one_of(heights, i), fall), (high, one_of(heights, j), rises)
+                share, foretold = lowest_of_cubic(before, behind, 0.0)
+                change, height = abs(foretold - height), foretold
+                if change * less < TURNED:
+                    break
+                less = CLOSER**4 / 7.0**4
+                apart = CLOSER / 7.0 * (high - low)
+                begin = min(max(share - 3.5 * apart, low), high - 7.0 * apart)
+                continue
+        share, height = begin + apart * best, one_of(heights, best)
+        if high - low < FINEST:
+            break
+        begin, apart, less = low, (high - low) / 7.0, 1.0
+    return share, -rise * height

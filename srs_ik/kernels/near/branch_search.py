@@ -13,7 +13,7 @@ from srs_ik.kernels.algebra.pointers import row
 from srs_ik.kernels.chain.eight import put_eight, take_eight
 from srs_ik.kernels.chain.newton_eight import close_eight
 from srs_ik.kernels.chain.starts import FIRST, WIDTH
-from srs_ik.kernels.curves.best import cost_of_turn
+from srs_ik.kernels.curves.lowest import cost_of_turn
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.asked import Best
 from srs_ik.kernels.layout.limb import COSINE_OFF, FAR, MISS, PHASE, SHOULDER, STRAIGHT, WRIST

@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
-from srs_ik.kernels.algebra.lanes import as_bits, gather, one_of
-from srs_ik.kernels.algebra.pointers import row
+import numpy as np
+
+from srs_ik.kernels.algebra.lanes import as_bits, gather, one_of, scatter
+from srs_ik.kernels.algebra.pointers import keep, row
 from srs_ik.kernels.chain.eight import put_eight, sines_of_eight, take_eight
 from srs_ik.kernels.chain.limit_ends import to_limits
 from srs_ik.kernels.chain.newton import STEPS
 from srs_ik.kernels.chain.newton_eight import ALL
+from srs_ik.kernels.curves.ends import beyond_limits
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.limb.poses import read7
 from srs_ik.kernels.near.scan import in_branches, put_certain
@@ -31,6 +34,33 @@ BY_CLOSED_FORM = (UNTOLD, UNTOLD, UNTOLD, UNTOLD, UNTOLD, UNTOLD, UNTOLD)
 """Joint angles of an end whose search begins at the closed form's posture: it is asked for eight at a time."""
 
 MAX_ENDS = 256
+
+CUT = 19
+CUT_SLACKS = 5
+"""A row of `arcs.without_arcs`, and behind it how far each joint is outside its limits, as a band counts it, at the
+lower end and at the upper one."""
+
+
+@kernel
+def put_slacks(P, view, cuts):
+    """Tell how far the joints are outside their limits at both ends of some intervals, eight at a time."""
+    n = cuts.shape[0]
+    rows = np.empty((8, 9))
+    for i in range(0, 2 * n, 8):
+        for k in range(8):
+            m = min(i + k, 2 * n - 1)
+            rows[k, 7], rows[k, 8] = cuts[m // 2, 1 + m % 2], cuts[m // 2, 0]
+        eight = row(rows, 0)
+        put_certain(P, view, eight, 9, (7, 8))
+        s2, _, s6 = sines_of_eight(P, take_eight(eight, 9))
+        for j in range(7):
+            off = beyond_limits(P, j, gather(eight, j, 9))
+            scatter(eight, j, 9, off if j % 2 == 1 else off * abs(s2 if j < 3 else s6))
+        for k in range(min(8, 2 * n - i)):
+            m = i + k
+            for j in range(7):
+                cuts[m // 2, CUT_SLACKS + 7 * (m % 2) + j] = rows[k, j]
+    keep(rows)
 
 
 @kernel

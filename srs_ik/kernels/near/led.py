@@ -9,7 +9,7 @@ from __future__ import annotations
 from srs_ik.kernels.algebra.joint_vectors import difference, dot7
 from srs_ik.kernels.chain.answer import measure_row_at
 from srs_ik.kernels.chain.newton import STEPS, close_at_angle
-from srs_ik.kernels.curves.best import cost_of_turn
+from srs_ik.kernels.curves.lowest import cost_of_turn
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.answer import OK, ROW_STATUS
 from srs_ik.kernels.limb.branches import branch_of

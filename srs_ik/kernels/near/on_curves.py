@@ -7,10 +7,9 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from srs_ik.kernels.algebra.joint_vectors import difference, dot7, short_way
+from srs_ik.kernels.algebra.joint_vectors import along7, difference, dot7, short_way
 from srs_ik.kernels.chain.newton import STEPS, close_at_angle
 from srs_ik.kernels.chain.starts import best_row
-from srs_ik.kernels.curves.best import cost_of_turn
 from srs_ik.kernels.curves.changes import (
     CHANGE,
     CHANGE_AT,
@@ -19,8 +18,9 @@ from srs_ik.kernels.curves.changes import (
     find_changes,
     posture_beside,
 )
-from srs_ik.kernels.curves.follow import between
+from srs_ik.kernels.curves.follow import between, share_of_chord
 from srs_ik.kernels.curves.in_step import SAMPLE, load_sample, put_sample
+from srs_ik.kernels.curves.lowest import cost_of_turn
 from srs_ik.kernels.curves.runs import SPARE_ROWS, near_runs, samples_of
 from srs_ik.kernels.curves.spans import JUST_OUTSIDE
 from srs_ik.kernels.curves.surface import has_surface
@@ -32,8 +32,8 @@ from srs_ik.kernels.curves.told import (
     angle_at,
     tell_one,
     tell_samples,
+    turning_between,
 )
-from srs_ik.kernels.curves.turning import turning_between
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.answer import ROW_COST
 from srs_ik.kernels.layout.asked import Goal, Samples, Setting
@@ -62,6 +62,9 @@ CLOSE_CALL = 1e-4
 
 CLOSE_BY = 1e-4
 """Newton's method moves a posture no farther than this, rad, squared."""
+
+SAME_CURVE = 1e-18
+"""A posture that it leads to at once is this close to the curve, rad squared: others may cross it nearby."""
 
 
 class Followed(NamedTuple):
@@ -142,6 +145,16 @@ def passing(P, by, psi, a, b):
     """
     q_a, ahead_a = a
     q_b, ahead_b = b
+    R, p, place_ = by.target
+    share = ahead_a / (ahead_a - ahead_b)
+    start = along7(q_a, share, difference(q_a, q_b))
+    q, met = close_at_angle(P, start, R, p, place_[0], place_[1], psi, STEPS, by.A)
+    share = share_of_chord(q_a, q_b, q) if met else 2.0
+    if 0.0 <= share <= 1.0:
+        there, met = between(P, by, q_a, q_b, share)
+        moved = difference(there, q)
+        if met and dot7(moved, moved) < SAME_CURVE:
+            return q, True
     low = 0.0
     high = 1.0
     q = q_a
@@ -158,7 +171,6 @@ def passing(P, by, psi, a, b):
             low, ahead_a = share, ahead
         else:
             high, ahead_b = share, ahead
-    R, p, place_ = by.target
     exact, met = close_at_angle(P, q, R, p, place_[0], place_[1], psi, STEPS, by.A)
     moved = difference(q, exact)
     if met and dot7(moved, moved) < CLOSE_BY:

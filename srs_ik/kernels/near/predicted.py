@@ -45,6 +45,8 @@ from srs_ik.kernels.near.band import (
 )
 from srs_ik.kernels.near.ends import (
     BY_CLOSED_FORM,
+    CUT,
+    CUT_SLACKS,
     END,
     END_BRANCH,
     END_FIRST,
@@ -55,6 +57,7 @@ from srs_ik.kernels.near.ends import (
     correct_ends,
     put_end,
     put_fixed_at,
+    put_slacks,
 )
 from srs_ik.kernels.near.scan import (
     LAST,
@@ -114,29 +117,17 @@ def put_scanned(P, view, branch, stretch, states, ends, n):
 
 
 @kernel
-def is_simple(P, q, width, band):
+def is_simple(cut, first, width, band):
     """Whether one joint alone is on its way out where limits drawn out by a band end, over a width of arm angles.
 
     No direction turns faster than the arm, so a joint well inside at one end of the width stays inside by the band.
+    `cut` tells from a column on how far the joints are outside at that end.
     """
-    s2, s6 = sines_of_middles(P, q)
     leaving = 0
     for j in range(7):
-        if share_of(j, s2, s6) * beyond(P, j, turn_to_middle(P, j, q[j])) > -band[j] - width:
+        if cut[first + j] > -band[j] - width:
             leaving += 1 if width * width < band[j] else 2
     return leaving == 1
-
-
-@kernel
-def put_edge(P, view, branch, inside, outside, ends, n):
-    """Append the ends between arm angles that are feasible for certain and such as cannot be; their number."""
-    side = view.sides[branch >> 2]
-    way = 1.0 if outside > inside else -1.0
-    first, last = min(inside, outside), max(inside, outside)
-    if is_simple(P, certain_posture(P, side, branch, outside), last - first, view.band):
-        return put_end(ends, n, BY_CLOSED_FORM, branch, (inside, way, first, last))
-    states = (INSIDE, OUTSIDE) if way > 0.0 else (OUTSIDE, INSIDE)
-    return put_scanned(P, view, branch, (first, last), states, ends, n)
 
 
 @kernel
@@ -160,15 +151,20 @@ def parts_inside(certain, n, branch, lower, upper, parts):
 
 
 @kernel
-def put_outer(P, view, branch, inside, outer, ends, n):
-    """Append the ends between what is feasible for certain and an outer end, as it is and the arc it is at (or -1)."""
-    outside, arc = outer
-    if arc < 0.0:
-        return put_edge(P, view, branch, inside, outside, ends, n)
-    if abs(outside - inside) < MARGINS:
+def put_outer(P, view, cut, end, inside, ends, n):
+    """Append the ends between what is feasible for certain and an outer end (0, 1), that of an arc or of what may be.
+
+    `cut` is a row of `without_arcs`.
+    """
+    branch, outside = int(cut[0]), cut[1 + end]
+    first, last = min(inside, outside), max(inside, outside)
+    on_arc = cut[3 + end] >= 0.0
+    if on_arc and last - first < MARGINS:
         return put_end(ends, n, BY_CLOSED_FORM, branch, (inside, 0.0, inside, inside))
-    stretch = (min(inside, outside), max(inside, outside))
-    return put_scanned(P, view, branch, stretch, (INSIDE, ANY) if outside > inside else (ANY, INSIDE), ends, n)
+    if not on_arc and is_simple(cut, CUT_SLACKS + 7 * end, last - first, view.band):
+        return put_end(ends, n, BY_CLOSED_FORM, branch, (inside, 2.0 * end - 1.0, first, last))
+    state = ANY if on_arc else OUTSIDE
+    return put_scanned(P, view, branch, (first, last), (INSIDE, state) if end == 1 else (state, INSIDE), ends, n)
 
 
 @kernel
@@ -185,7 +181,7 @@ def put_ends(P, view, cut, parts, ends, n):
         return put_scanned(P, view, branch, (lower, upper), states, ends, n)
     start = n
     if not whole:
-        n = put_outer(P, view, branch, parts[0, 0], (lower, cut[3]), ends, n)
+        n = put_outer(P, view, cut, 0, parts[0, 0], ends, n)
     for i in range(count if whole else count - 1):
         if n < 0:
             return n
@@ -194,7 +190,7 @@ def put_ends(P, view, cut, parts, ends, n):
     if n < 0 or n >= MAX_ENDS:
         return -1
     if not whole:
-        return put_outer(P, view, branch, parts[count - 1, 1], (upper, cut[4]), ends, n)
+        return put_outer(P, view, cut, 1, parts[count - 1, 1], ends, n)
     if n > start:
         # On a circle, the first of the ends is an upper one: it comes last, a turn later.
         for j in range(END):
@@ -343,10 +339,11 @@ def predicted_intervals(P, target, out, J, A):
     if n_arcs < 0:
         return -1
     needed = mark_needed(arcs, n_arcs, possible, n_possible)
-    cuts = np.empty((16 * MAX_PIECES, 5))
+    cuts = np.empty((16 * MAX_PIECES, CUT))
     certain_cuts = np.empty((16 * MAX_PIECES, 5))
     n_possible = without_arcs(possible, n_possible, arcs, n_arcs, cuts)
     n_certain = without_arcs(certain, n_certain, arcs, n_arcs, certain_cuts)
+    put_slacks(P, view, cuts[:n_possible])
     ends = np.empty((MAX_ENDS + 8, END))
     parts = np.empty((MAX_PIECES, 2))
     n_ends = 0

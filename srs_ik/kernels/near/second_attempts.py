@@ -20,8 +20,8 @@ from srs_ik.kernels.chain.newton import (
     elbow_position,
     pose_step,
 )
-from srs_ik.kernels.curves.best import cost_of_turn
 from srs_ik.kernels.curves.follow import correct
+from srs_ik.kernels.curves.lowest import cost_of_turn
 from srs_ik.kernels.curves.surface import is_flat, level_place, put_starts
 from srs_ik.kernels.exact.free_splits import close_gently
 from srs_ik.kernels.jit import kernel
