@@ -397,6 +397,24 @@ def test_velocity_limits_are_kept_where_a_motion_that_keeps_them_is_known(name, 
     assert (path.steps**2).sum() <= (np.diff(known, axis=0) ** 2).sum()
 
 
+@pytest.mark.parametrize("name", ["iiwa14", "gen3"])
+@pytest.mark.parametrize("count", [5, 43])
+def test_nothing_is_left_to_gain_by_moving_all_postures(name, count):
+    """Eight go in step, also the last ones of a path whose length is no multiple of that, or less."""
+    arm = load(name)
+    path = arm.solve_path(poses_of(arm, motion_of_benchmark(arm, name, "aside", 31)[:count]))
+    steps = np.vstack([np.zeros(7), path.steps, np.zeros(7)])
+    free = ((path.q > arm.lower + 1e-6) & (path.q < arm.upper - 1e-6)).all(axis=1)
+    assert free.sum() > 2
+    ways = np.array([np.linalg.svd(arm.jacobian(q))[2][-1] for q in path.q]) * free[:, None]
+    slope = 2.0 * np.einsum("ij,ij->i", steps[:-1] - steps[1:], ways)
+    ends = np.r_[1.0, np.full(count - 2, 2.0), 1.0]
+    bend = np.diag(2.0 * ends * np.einsum("ij,ij->i", ways, ways) + 1e-9)
+    beside = -2.0 * np.einsum("ij,ij->i", ways[1:], ways[:-1])
+    bend += np.diag(beside, 1) + np.diag(beside, -1)
+    assert 0.5 * slope @ np.linalg.solve(bend, slope) < 1e-4 * (path.steps**2).sum()
+
+
 @pytest.mark.files
 def test_a_path_is_moved_to_within_velocity_limits_no_farther_than_it_has_to_be():
     """From one as slow as can be, the best one near by is another: 0.941 times the known sum."""
