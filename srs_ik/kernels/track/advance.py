@@ -58,7 +58,7 @@ from srs_ik.kernels.layout.track import (
 from srs_ik.kernels.limb.goal import NO_SEED
 from srs_ik.kernels.limb.poses import read7
 from srs_ik.kernels.limb.triangle import place
-from srs_ik.kernels.track.catch_up import CLOSE_BY, LEVER, catch_up, way_left
+from srs_ik.kernels.track.catch_up import CLOSE_BY, LEVER, STAYS, catch_up, way_left
 from srs_ik.kernels.track.closest import DAMPING, approach, error_at, minus
 from srs_ik.kernels.track.elsewhere import look_elsewhere, look_nearer, out_of_reach
 from srs_ik.kernels.track.foresight import busyness, foresee, planned_step
@@ -325,7 +325,7 @@ def advance(P, S, C, given, work, out):
     place_ = place(P, shown_at(P, C, read7(row(S, GOAL)), R_target), p_target)
     size, on, near = 0.0, False, False
     left = way_left(P, S, C)
-    close_by = S[PLANNED] == 1.0 or left[3] < CLOSE_BY
+    close_by = left[3] < (STAYS if S[PLANNED] == 1.0 else CLOSE_BY)
     if S[COAST] < COAST_FOR and (S[ON] == 1.0 or (close_by and not arriving(P, S))):
         own = own_motion(P, S, C, work)
         if S[ON] == 1.0:

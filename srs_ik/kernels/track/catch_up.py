@@ -20,8 +20,11 @@ from srs_ik.kernels.track.limits import stopping_speed
 from srs_ik.kernels.track.target import load_pace, load_pose, part_of_way
 
 CLOSE_BY = 0.05
-"""A tip this close to its target, m and, by the reach, rad, comes back on the straight way, as does one that was on it
-and has not seen it jump, however far away: joints that go to a posture each for itself swing the tip aside."""
+"""A tip this close to its target, m and, by the reach, rad, comes back on the straight way."""
+
+STAYS = 0.6
+"""One that is on that way keeps to it up to so far away, unless the target jumps: joints that go to a posture each for
+itself swing the tip aside. Farther away, the way has led into a dead end."""
 
 LEVER = 0.1
 """Turning by a radian counts as much as moving by this, m, where joints cannot bring all of the tip back at once: 1 mm
