@@ -82,8 +82,11 @@ def closed_next_to(known: Known, case: Case) -> Iterator[np.ndarray | None]:
     arm, long, rng = known.arm, np.longdouble, np.random.default_rng(0)
     sizes = np.concatenate([[0.0], 10.0 ** np.linspace(NEAREST, FARTHEST, STARTS - 1)])
     lower, upper = arm.lower - LIMIT_SLACK, arm.upper + LIMIT_SLACK
-    for i in range(HIDDEN_POSES):
-        turn, shift = HIDING * (i > 0) * rng.uniform(-1.0, 1.0, (2, 3))
+    # The pose itself, then those to either side of it in the direction in which the tip moves least, and others.
+    off = rng.uniform(-1.0, 1.0, (HIDDEN_POSES, 6))
+    least = np.sign(np.linalg.svd(known.errors_of_one(case.q, case.pose)[1])[0][:, -1])
+    off[0], off[1], off[2] = 0.0, least, -least
+    for shift, turn in HIDING * off.reshape(-1, 2, 3):
         pose = case.pose.astype(long)
         pose[:3, :3] += np.cross(np.eye(3), -turn).astype(long) @ pose[:3, :3]
         pose[:3, 3] += shift

@@ -533,3 +533,31 @@ def test_arm_angles_at_which_joints_leave_no_room_are_intervals(bench, name):
                 asked += 1
     assert single > 15
     assert asked > 10
+
+
+TOUCHED_BETWEEN = [
+    [3.1, 2.268, 2.9606091816515847, -0.8569429252995913, -1.302831015266397, -1e-10, -2.855223645242845],
+    [3.1, -0.4445539495400668, 2.603139700407328, 0.8790503211897698, -2.9750260302734706, 1e-11, -6.28],
+    [-2.399233784138461, -1.5387995103873868, 3.1, 0.5353757763065787, 0.005483281420487263, 0.0, 6.28],
+]
+"""Wrist singular, two joints on limits that they touch where q6 passes zero, between the only two samples of an arc."""
+
+ALONE = [-0.2711505841443289, 0.0, 1.405866915567667, 1.7764747463181174, 2.835471058004974, 0.0, -0.34598129010373313]
+"""Shoulder and wrist singular at once: a posture on no curve of its pose."""
+
+
+@pytest.mark.skipif("rm75" not in arms.here("rm75"), reason="its file is not here")
+@pytest.mark.parametrize("q", TOUCHED_BETWEEN)
+def test_limits_that_are_touched_between_two_samples_leave_an_interval(bench, q):
+    assert_is_inside(bench, "rm75", np.array(q))
+
+
+@pytest.mark.skipif("rm75" not in arms.here("rm75"), reason="its file is not here")
+def test_known_postures_are_lost_hidden_or_found(bench):
+    """The judge: what no pose loses by rounding is lost if no interval has it, a posture on no curve is hidden."""
+    arm = arms.load("rm75")
+    known = bench["Known"](arm)
+    for q, answer in ((np.array(ALONE), None), (np.array([0.3, 0.7, -0.4, -1.1, 0.5, 0.8, -0.2]), False)):
+        pose = arm.forward_kinematics(q).homogeneous
+        assert bench["is_found"](known, bench["Case"](q, pose, q, (), 0.0), []) is answer
+    assert bench["is_found"](known, bench["Case"](q, pose, q, (), 0.0), arm.intervals(pose)) is True

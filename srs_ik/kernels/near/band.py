@@ -36,7 +36,7 @@ from srs_ik.kernels.layout.limb import (
 )
 from srs_ik.kernels.limb.branches import branch_of, side_posture
 from srs_ik.kernels.limb.goal import NO_SEED
-from srs_ik.kernels.limb.limits import set_joint_limits, set_limit
+from srs_ik.kernels.limb.limits import beyond, set_joint_limits, set_limit, turn_to_middle
 from srs_ik.kernels.limb.triangle import elbow_side, place, shoulder_to_wrist
 
 WIDEST_BAND = 0.3
@@ -60,6 +60,9 @@ SPREAD = 1.15
 REST = 0.03
 """The elbow's cosine at a pose is looked at at so many straight elbows a branch of shoulder and wrist; it is off by no
 more than the most that is found, but for the first factor, and this part of the most that it is off at any pose."""
+
+TOGETHER = 3.0
+"""Where one joint is on its limit and the others are outside by no more than so many bands, all may keep them."""
 
 ALMOST_NOTHING = 1e-4
 """With a narrower band, rad, there are as many intervals as the nearest exact limb has, each end close to its own."""
@@ -111,6 +114,18 @@ def put_shift(P, q, out):
 def share_of(j, s2, s6):
     """What a band counts of the angle of joint j: of joints 1, 3, 5 and 7 the part that turns something."""
     return s2 if j in (0, 2) else (s6 if j in (4, 6) else 1.0)
+
+
+@kernel
+def may_meet_limits(P, view, branch, psi):
+    """Whether the true chain may keep its limits next to an arm angle."""
+    q = certain_posture(P, view.sides[branch >> 2], branch, psi)
+    s2, s6 = sines_of_middles(P, q)
+    within = True
+    for j in range(7):
+        off = share_of(j, s2, s6) * beyond(P, j, turn_to_middle(P, j, q[j]))
+        within = within and off < TOGETHER * view.band[j]
+    return within
 
 
 @kernel

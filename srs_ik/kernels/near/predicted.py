@@ -37,6 +37,7 @@ from srs_ik.kernels.near.arcs import (
 from srs_ik.kernels.near.band import (
     ALMOST_NOTHING,
     certain_posture,
+    may_meet_limits,
     may_predict_limits,
     share_of,
     sines_of_middles,
@@ -73,9 +74,6 @@ from srs_ik.kernels.near.scan import (
 AT_END = 1e-10
 END_SHARE = 1e-3
 """What is followed on an arc begins and ends with it, up to this, rad, of a narrow one to this part of its width."""
-
-TOGETHER = 3.0
-"""Where one joint is on its limit and the others are outside by no more than so many bands, all may keep them."""
 
 BARELY = 1e-3
 """With an almost vanishing band, no end is expected farther from that of the nearest exact limb, rad."""
@@ -220,18 +218,6 @@ def is_elbow_unsure(P, view):
     for elbow in range(2):
         unsure = unsure or abs(beyond(P, 3, turn_to_middle(P, 3, view.sides[elbow][0]))) < view.band[3] + MARGINS
     return unsure
-
-
-@kernel
-def may_meet_limits(P, view, branch, psi):
-    """Whether the true chain may keep its limits next to an arm angle."""
-    q = certain_posture(P, view.sides[branch >> 2], branch, psi)
-    s2, s6 = sines_of_middles(P, q)
-    within = True
-    for j in range(7):
-        off = share_of(j, s2, s6) * beyond(P, j, turn_to_middle(P, j, q[j]))
-        within = within and off < TOGETHER * view.band[j]
-    return within
 
 
 @kernel
