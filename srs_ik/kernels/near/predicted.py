@@ -36,11 +36,8 @@ from srs_ik.kernels.near.arcs import (
 )
 from srs_ik.kernels.near.band import (
     ALMOST_NOTHING,
-    certain_posture,
     may_meet_limits,
     may_predict_limits,
-    share_of,
-    sines_of_middles,
     widen,
     widest,
 )
