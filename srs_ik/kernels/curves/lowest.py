@@ -10,7 +10,7 @@ from srs_ik.kernels.algebra.joint_vectors import along7, difference, dot7
 from srs_ik.kernels.algebra.lanes import gather, one_of
 from srs_ik.kernels.algebra.minimum import lowest_of_cubic
 from srs_ik.kernels.algebra.pointers import keep, row
-from srs_ik.kernels.curves.ends import infeasibility, on_curve, sample_before
+from srs_ik.kernels.curves.ends import dip, on_curve, sample_before
 from srs_ik.kernels.curves.follow import between, tangent_at
 from srs_ik.kernels.curves.in_step import ARC, between_eight, load_sample, one_of_seven
 from srs_ik.kernels.jit import kernel
@@ -200,6 +200,12 @@ def close_in_on(P, by, curve, bracket, goal, best):
 
 @kernel
 def dip_near(P, by, curve, bracket):
-    """Any feasible parameter between the outer of three that are not, on a near limb: it, and its infeasibility."""
+    """Any feasible parameter between the outer of three that are not, on a near limb: it, and its infeasibility.
+
+    Where another curve crosses this one, a look may be on that: what counts is the posture of the curve itself.
+    """
     best, x = close_in_on(P, by, curve, bracket, Goal(False, NO_SEED, True), Best(NO_SEED, OUTSIDE))
-    return x, (infeasibility(P, best.q, True) if best.cost < OUTSIDE else 1.0)
+    if best.cost >= OUTSIDE:
+        return x, 1.0
+    _, off = on_curve(P, by, 0, curve, x)
+    return (x, off) if off <= 0.0 else dip(P, by, 0, curve, bracket[0], bracket[2])
