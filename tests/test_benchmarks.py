@@ -91,7 +91,7 @@ def test_the_benchmark_of_the_redundancy_prints_what_does_not_hold(monkeypatch, 
     ("name", "figures"),
     [
         ("singular", "4 seeds, 0 farther than a known posture (1e-6 rad), the worst by "),
-        ("known", "4 known postures (singular), 0 in no interval; "),
+        ("known", "4 known postures (singular), 0 in no interval, 0 hidden by rounding; "),
         ("closest", "4 far targets, 0 bettered in both errors (1e-4 m and rad), at most by "),
         ("free_axis", "8 questions with a free axis, 0 missed, off by "),
     ],
