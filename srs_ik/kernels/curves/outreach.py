@@ -26,9 +26,8 @@ TURNS = 12
 STEPS = 8
 """Newton's steps to the best bend at a turn, at most ..."""
 
-SETTLED = 1e-6
-ROUGHLY = 1e-3
-"""... and the step, rad, that is the last one; the second where turns are only looked through."""
+SETTLED = 1e-5
+"""... and the step, rad, that is the last one."""
 
 CUTS = 12
 """Steps to a greatest reach between two turns, at most."""
@@ -75,10 +74,10 @@ def answer(A, column, turn, bend):
 
 
 @kernel
-def best_bend(P, by, q, curvature, last):
+def best_bend(P, by, q, curvature):
     """The posture at a turn whose bend reaches farthest along S-W: how far past the pose, and how that goes on.
 
-    `last` is the step that is the last one. Returned are the posture, the reach past the pose, its rise with the turn, the ways of the joints with the turn and
+    Returned are the posture, the reach past the pose, its rise with the turn, the ways of the joints with the turn and
     with the bend, and whether there is one.
     """
     R, p, place_ = by.target
@@ -95,7 +94,7 @@ def best_bend(P, by, q, curvature, last):
         if not (good and size < LONGEST_STEP):
             return q, past, 0.0, NO_SEED, bending, False
         q = along7(q, 1.0, step)
-        if size < last:
+        if size < SETTLED:
             break
     good = answer_to(J, t, (-J[0, 2], -J[1, 2], -J[2, 2], -J[3, 2], -J[4, 2], -J[5, 2]), by.A)
     turning, rise = answer(by.A, 6, 1.0, 0.0)
@@ -121,13 +120,13 @@ def put_outermost(P, by, which, starts, n):
         if not which >> signs & 1:
             continue
         q, _, _ = side_posture(P, side, 0.0, signs >> 1, signs & 1, False, NO_SEED, False)
-        q, past, rise, turning, _, good = best_bend(P, by, q, curvature, ROUGHLY)
+        q, past, rise, turning, _, good = best_bend(P, by, q, curvature)
         for _ in range(TURNS):
             if not good:
                 break
             begin, past_before = (q, rise, turning), past
             q = along7(q, 2.0 * math.pi / TURNS, turning)
-            q, past, rise, turning, _, good = best_bend(P, by, q, curvature, ROUGHLY)
+            q, past, rise, turning, _, good = best_bend(P, by, q, curvature)
             top = min(past_before * away + width * abs(begin[1]), past * away + width * abs(rise))
             between = away * begin[1] > 0.0 and away * rise <= 0.0 and top > -HIGHER * P[FAR]
             if good and between and n + 2 <= starts.shape[0]:
@@ -147,7 +146,7 @@ def put_pair(P, by, before, behind, curvature, starts, n):
     for _ in range(CUTS):
         part = begin + (end - begin) * low / (low - high)
         there = along7(best, part - best[2], turning)
-        best, past, rise, turning, bending, good = best_bend(P, by, there, curvature, SETTLED)
+        best, past, rise, turning, bending, good = best_bend(P, by, there, curvature)
         enough = past * curvature < -0.5 * (ROOM * curvature) ** 2
         if not good or enough or abs(rise) < LEVEL or end - begin < NARROWEST:
             break
