@@ -323,6 +323,24 @@ def test_curves_that_almost_meet_are_told_apart(bench, robot, number):
         assert not list(bench["missed"](arm, [case], [intervals]))
 
 
+WIDE = {
+    0: "1.2908703028725057 -0.8624504872642724 -1.953645526299448 0.04305278008699093 -1.2568981027573767 "
+    "-1.0725374870650524 -2.830081973127222",
+    1: "0.5576461086257041 -1.4227713871444712 1.1020431089348863 -0.09165756061137117 0.12261893497800491 "
+    "1.4455493758609217 -2.250764773754148",
+}
+"""Postures of arms whose axes miss by up to 12 mm, by their number: at a greatest reach, where the elbow of the nearest
+exact limb is bent by 0.3 to 0.5 rad."""
+
+
+@pytest.mark.parametrize("number", WIDE)
+def test_greatest_reaches_are_found_where_the_nearest_exact_limb_is_well_bent(bench, number):
+    """Next to one, a closed curve of a few tenths of a radian passes a posture."""
+    arm = next(islice(subjects()["random_arms"](np.random.default_rng(21), 0.012, 0.0), number, None))
+    for bend in (-1e-3, 1e-3):
+        assert_is_whole(bench, arm, np.array(WIDE[number].split(), float) + bend * np.eye(7)[3])
+
+
 STRAIGHT_UP = [
     [0.5 * np.pi, -0.5 * np.pi, 0.0, 0.0, 0.0, 0.0, 0.5 * np.pi],
     [0.0, -0.5 * np.pi, 0.0, 0.0, 0.0, -0.5 * np.pi, 0.5 * np.pi],

@@ -29,13 +29,19 @@ WIDTH = 9
 
 
 @kernel
+def almost_straight(P):
+    """Up to this bend of the elbow, rad, the true chain may have it straight."""
+    return math.sqrt(2.0 * P[COSINE_OFF])
+
+
+@kernel
 def bent_place(P, place_):
     """A place whose elbow is not almost straight: there the bend depends on the square root of what its cosine is off.
 
     The bends of the true chain at a pose are so different that Newton's method starts better from a wider one.
     """
     t, h0, c, s, hand, miss = place_
-    bend = min(MOST_BENT, math.sqrt(2.0 * P[COSINE_OFF]))
+    bend = min(MOST_BENT, almost_straight(P))
     if s >= bend:
         return place_
     return t, h0, math.copysign(math.sqrt(1.0 - bend * bend), c), bend, hand, miss

@@ -12,7 +12,7 @@ import math
 from srs_ik.kernels.algebra.joint_vectors import along7, largest
 from srs_ik.kernels.algebra.linear import solve_linear
 from srs_ik.kernels.chain.newton import pose_step
-from srs_ik.kernels.chain.starts import bent_place
+from srs_ik.kernels.chain.starts import almost_straight
 from srs_ik.kernels.curves.surface import level_place
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.limb import FAR, NEAR
@@ -26,7 +26,7 @@ TURNS = 12
 STEPS = 8
 """Newton's steps to the best bend at a turn, at most ..."""
 
-SETTLED = 1e-6
+SETTLED = 1e-5
 """... and the step, rad, that is the last one."""
 
 CUTS = 12
@@ -39,7 +39,15 @@ NARROWEST = 1e-9
 """Two turns closer than this, rad, are one."""
 
 LEAST_BEND = 5e-5
-"""Where the best bend leaves less room than this, rad, to both sides, Newton's method closes no posture for certain."""
+ROOM = 1e-2
+"""Where the best bend leaves less room than this, rad, to both sides, Newton's method closes no posture for certain;
+with the second one, it does without the very greatest reach."""
+
+HIGHEST = 2.0
+"""Between two turns reaches are no greater than either goes on to rise, so many times, and parts of the reach ..."""
+
+HIGHER = 1e-3
+"""... above that."""
 
 LONGEST_STEP = 0.5
 """A longer step, rad, leads to no posture nearby."""
@@ -100,25 +108,28 @@ def put_outermost(P, by, which, starts, n):
     `which` are, as bits, the signs of shoulder and wrist with which the pose is not reached all around.
     """
     place_ = by.target.place
-    if bent_place(P, place_)[3] == place_[3] or P[NEAR] < NARROWEST:
+    if place_[3] >= almost_straight(P) or P[NEAR] < NARROWEST:
         return n
     level = level_place(place_)
     reach = P[FAR] if level[2] > 0.0 else -P[NEAR]
     curvature = (P[NEAR] - P[FAR]) * (P[NEAR] + P[FAR]) / (2.0 * reach)
     away = math.copysign(1.0, reach)
+    width = HIGHEST * 2.0 * math.pi / TURNS
     side = elbow_side(P, level, 0)
     for signs in range(4):
         if not which >> signs & 1:
             continue
         q, _, _ = side_posture(P, side, 0.0, signs >> 1, signs & 1, False, NO_SEED, False)
-        q, _, rise, turning, _, good = best_bend(P, by, q, curvature)
+        q, past, rise, turning, _, good = best_bend(P, by, q, curvature)
         for _ in range(TURNS):
             if not good:
                 break
-            begin = (q, rise, turning)
+            begin, past_before = (q, rise, turning), past
             q = along7(q, 2.0 * math.pi / TURNS, turning)
-            q, _, rise, turning, _, good = best_bend(P, by, q, curvature)
-            if good and away * begin[1] > 0.0 and away * rise <= 0.0 and n + 2 <= starts.shape[0]:
+            q, past, rise, turning, _, good = best_bend(P, by, q, curvature)
+            top = min(past_before * away + width * abs(begin[1]), past * away + width * abs(rise))
+            between = away * begin[1] > 0.0 and away * rise <= 0.0 and top > -HIGHER * P[FAR]
+            if good and between and n + 2 <= starts.shape[0]:
                 n = put_pair(P, by, begin, (q[2], rise), curvature, starts, n)
     return n
 
@@ -134,8 +145,10 @@ def put_pair(P, by, before, behind, curvature, starts, n):
     past, bending, good = 0.0, NO_SEED, False
     for _ in range(CUTS):
         part = begin + (end - begin) * low / (low - high)
-        best, past, rise, turning, bending, good = best_bend(P, by, along7(best, part - best[2], turning), curvature)
-        if not good or abs(rise) < LEVEL or end - begin < NARROWEST:
+        there = along7(best, part - best[2], turning)
+        best, past, rise, turning, bending, good = best_bend(P, by, there, curvature)
+        enough = past * curvature < -0.5 * (ROOM * curvature) ** 2
+        if not good or enough or abs(rise) < LEVEL or end - begin < NARROWEST:
             break
         if (rise > 0.0) == (low > 0.0):
             begin, low, high = part, rise, 0.5 * high
