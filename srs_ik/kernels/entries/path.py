@@ -9,10 +9,11 @@ import math
 
 import numpy as np
 
+from srs_ik.kernels.algebra.joint_vectors import along7, largest
 from srs_ik.kernels.algebra.pointers import keep, row, scratch
 from srs_ik.kernels.chain.answer import measure_row
 from srs_ik.kernels.chain.kinematics import pose_error
-from srs_ik.kernels.chain.newton import CLOSED, STEPS, clipped, close_free
+from srs_ik.kernels.chain.newton import CLOSED, LEFT, STEPS, clipped, close_free
 from srs_ik.kernels.exact.samples import MAX_SAMPLES
 from srs_ik.kernels.jit import entry
 from srs_ik.kernels.layout.answer import GOOD_POSE, MAX_PIECES, ROW_ARM_ANGLE
@@ -67,6 +68,9 @@ KEY_CHANGE = 0.03
 
 FARTHEST_KEY = 8
 """And at one of so many at least."""
+
+CLOSES_WITHIN = 1e-6
+"""A posture whose joints would move farther than this, rad, keeps the error of rounding that a limit left it with."""
 
 
 @entry
@@ -381,9 +385,11 @@ def finish(family, poses, chain, q, psi, branch, out):
         place_ = place(P, R, p)
         here = clipped(P, read7(row(q, i)))
         if P[IS_NEAR] != 0.0:
-            position, orientation = pose_error(P, here, R, p)
-            if max(position, orientation) > CLOSED:
-                here, _ = close_free(P, here, R, p, True, 2 * STEPS, J, A)
+            error = max(*pose_error(P, here, R, p))
+            if error > CLOSED:
+                closed, _ = close_free(P, here, R, p, True, 2 * STEPS, J, A)
+                if error > LEFT or largest(along7(closed, -1.0, here)) < CLOSES_WITHIN:
+                    here = closed
         number = branch[i] if branch[i] >= 0 else branch_of(P, here)
         measure_row(P, Target(R, p, place_), here, number, 0.0, True, row(out, i))
         if P[IS_CLOSED] == 1.0 and branch[i] >= 0:

@@ -29,13 +29,13 @@ from srs_ik.kernels.layout.path import (
     Span,
 )
 from srs_ik.kernels.limb.poses import read7
-from srs_ik.kernels.path.cells import SLACK, put_cell
+from srs_ik.kernels.path.cells import BOX, GROUP, MOST_CORNERS, SLACK, put_cell, reach_pose
 from srs_ik.kernels.path.corridor import spot_of
 from srs_ik.kernels.path.cover import cover_pose, cut_cell
 from srs_ik.kernels.path.followed import along_cell
 from srs_ik.kernels.path.programme import advance, first_costs, leave_out
-from srs_ik.kernels.path.relaxed import GROUP, advance_cell, write_groups
-from srs_ik.kernels.path.steps import MOST_CORNERS, reach_cell, rules_for
+from srs_ik.kernels.path.relaxed import advance_cell, write_groups
+from srs_ik.kernels.path.steps import rules_for
 from srs_ik.kernels.path.strips import DEEPEST
 
 
@@ -226,40 +226,32 @@ def net_of(cells, longest, all_turns):
 
 
 @entry
-def reach(cells, ends, backward, limit, settings, spans):
-    """Write which part (M, 2) of each cell a path reaches whose steps stay below a limit, from the first pose on.
+def reach(cells, ends, backward, limits, settings, spans):
+    """Write which part (M, 2) of each cell a path reaches, joints stepping no farther than their limits (7,).
 
-    What is reached of the first pose (backward: of the last one) is there already. A pose without cells is passed, and
-    the pose behind it reached everywhere. An end below its begin says that no part is reached.
+    It begins at the first pose (backward: at the last one), of which what is reached is there already. A pose without
+    cells is passed, and the pose behind it reached everywhere. An end below its begin says that no part is reached.
 
     Returns:
         Whether the path goes through.
     """
-    count = ends.shape[0] - 1
-    work = np.empty((2, MOST_CORNERS, 2))
+    count, most = ends.shape[0] - 1, 1
+    for i in range(count):
+        most = max(most, ends[i + 1] - ends[i])
+    work, boxes = np.empty((2, MOST_CORNERS, 2)), np.empty(((most + GROUP - 1) // GROUP, BOX))
     last = -1
     some = True
     for step in range(count):
         i = count - 1 - step if backward else step
         if ends[i] == ends[i + 1]:
             continue
-        if last >= 0:
-            some = False
+        if abs(i - last) == 1 and last >= 0:
+            before, now = (ends[last], ends[last + 1]), (ends[i], ends[i + 1])
+            some = reach_pose(cells, spans, before, now, row(limits, 0), row(settings, 0), boxes, work)
+        elif last >= 0:
             for j in range(ends[i], ends[i + 1]):
-                begin, end = 1.0, 0.0
-                if abs(i - last) > 1:
-                    begin, end = 0.0, 1.0
-                else:
-                    for k in range(ends[last], ends[last + 1]):
-                        if spans[k, 0] > spans[k, 1] or (begin == 0.0 and end == 1.0):
-                            continue
-                        part = (spans[k, 0], spans[k, 1])
-                        first, behind = reach_cell(cells, k, part, j, limit, row(settings, 0), work)
-                        if first <= behind:
-                            begin, end = (min(begin, first), max(end, behind)) if begin <= end else (first, behind)
-                spans[j, 0], spans[j, 1] = begin, end
-                some = some or begin <= end
-            if not some:
-                break
+                spans[j, 0], spans[j, 1] = 0.0, 1.0
+        if not some:
+            break
         last = i
     return some

@@ -105,8 +105,8 @@ path_bound.cut(family, poses, coarse: float[c, CELL], coarse_ends: int[k], longe
 path_bound.relax(cells: float[M, CELL], ends: int[e], backward: bool, settings, worth: float[M, WORTH]&)
 path_bound.costs_to_end(keys: int[k], first, count: int, behind: int, most: float, stop: byte[1], settings, limited,
     nodes: float[N, NODE]&, cost: float[N], strips: float[M, STRIP]&, ends: int[e, 4], after: float[N]&) -> int
-path_bound.reach(cells: float[M, CELL], ends: int[e], backward: bool, limit: float, settings, spans: float[M, 2]&) ->
-    bool
+path_bound.reach(cells: float[M, CELL], ends: int[e], backward: bool, limits: float[7], settings,
+    spans: float[M, 2]&) -> bool
 path.bridge(family, poses, starts: float[n, 7]&, met: bool[n]&)
 task.read_tasks(raw: float[n, TASK], given, out: float[n, TASK]&) -> (int, int)
 task.posture(family, H, x: float[TASK], given, side, tie, out: float[POSTURE]&)

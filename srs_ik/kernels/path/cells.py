@@ -7,6 +7,10 @@ largest second derivative, which for a spherical joint the least volume of its t
     w = q1' b1 + q2' b2 + q3' b3  and  b1 q1'' + b2 q2'' + b3 q3'' = -q1' q2' b1 x b2 - q3' w x b3
 
 On the true chain of a near limb, where the curve is followed, the bound is what is measured in the middle of each part.
+
+And what a path can reach of them with joint steps below their limits. From a part s0 to s1 of one cell, the places s
+and t between which no joint steps farther are a convex polygon: seven strips cut out of a rectangle. Its extent in t is
+what can be reached of the other cell.
 """
 
 from __future__ import annotations
@@ -14,6 +18,7 @@ from __future__ import annotations
 import math
 
 from srs_ik.kernels.algebra.joint_vectors import along7, dot7
+from srs_ik.kernels.algebra.pointers import row
 from srs_ik.kernels.algebra.vectors import cross, dot, load3, norm, swing
 from srs_ik.kernels.curves.follow import between
 from srs_ik.kernels.jit import kernel
@@ -34,6 +39,7 @@ from srs_ik.kernels.limb.limits import TURN
 from srs_ik.kernels.limb.spherical import middle_angle
 from srs_ik.kernels.path.followed import along_cell, posture_of
 from srs_ik.kernels.path.near_strips import setting_of
+from srs_ik.kernels.path.steps import step_of, steps_between
 
 PARTS = 4
 """A cell is looked at in so many parts."""
@@ -46,6 +52,15 @@ FLAT = 1e-9
 
 FREE = 2.0 * TURN
 """What joints may stray from a cell whose spherical joint may turn on the spot, rad."""
+
+GROUP = 8
+"""Cells in a row that are left out together where they are too far away."""
+
+MOST_CORNERS = 40
+"""Corners of a polygon, at most."""
+
+BOX = 15
+"""The middle of a box (7), half its edges (7), and whether a path reaches anything in it."""
 
 MEASURED = 2.0
 """On a near limb a curve strays at most so many times as far as is measured."""
@@ -214,3 +229,110 @@ def put_turns(P, cells, n, a, b, off, told):
 def cell_chord(cells, i):
     """From the first posture of a cell to its last."""
     return (cells[i, 7], cells[i, 8], cells[i, 9], cells[i, 10], cells[i, 11], cells[i, 12], cells[i, 13])
+
+
+@kernel
+def cut_polygon(corners, n, a, b, most, spare):
+    """Cut off what lies beyond a s + b t = most from a convex polygon of n corners (s, t); how many are left."""
+    m = 0
+    for i in range(n):
+        k = i + 1 if i + 1 < n else 0
+        here = most - (a * corners[i, 0] + b * corners[i, 1])
+        there = most - (a * corners[k, 0] + b * corners[k, 1])
+        if here >= 0.0:
+            spare[m, 0], spare[m, 1] = corners[i, 0], corners[i, 1]
+            m += 1
+        if (here > 0.0 and there < 0.0) or (here < 0.0 and there > 0.0):
+            x = here / (here - there)
+            spare[m, 0] = corners[i, 0] + x * (corners[k, 0] - corners[i, 0])
+            spare[m, 1] = corners[i, 1] + x * (corners[k, 1] - corners[i, 1])
+            m += 1
+    for i in range(m):
+        corners[i, 0], corners[i, 1] = spare[i, 0], spare[i, 1]
+    return m
+
+
+@kernel
+def reach_cell(cells, i, part, j, limits, settings, work):
+    """What is reached of cell j from the part (s0, s1) of cell i: begin and end, the end below the begin if nothing is.
+
+    `work` (2, MOST_CORNERS, 2) is work space.
+    """
+    e = steps_between(settings, row(cells, i), row(cells, j))
+    d, chord = cell_chord(cells, i), cell_chord(cells, j)
+    off = cells[i, CELL_OFF] + cells[j, CELL_OFF]
+    for k in range(7):
+        if abs(e[k]) > limits[k] + off + abs(d[k]) + abs(chord[k]):
+            return 1.0, 0.0
+    corners, spare = work[0], work[1]
+    for k in range(4):
+        corners[k, 0] = part[0] if k in (0, 3) else part[1]
+        corners[k, 1] = 0.0 if k < 2 else 1.0
+    n = 4
+    for k in range(7):
+        most = limits[k] + off
+        if abs(e[k]) + abs(d[k]) + abs(chord[k]) <= most:
+            continue
+        n = cut_polygon(corners, n, -d[k], chord[k], most - e[k], spare)
+        n = cut_polygon(corners, n, d[k], -chord[k], most + e[k], spare)
+        if n == 0:
+            return 1.0, 0.0
+    first, last = math.inf, -math.inf
+    for k in range(n):
+        first, last = min(first, corners[k, 1]), max(last, corners[k, 1])
+    return first, last
+
+
+@kernel
+def write_boxes(cells, spans, first, last, boxes):
+    """Write the boxes about what is reached of the cells first to last - 1, `GROUP` in a row; how many there are."""
+    count = (last - first + GROUP - 1) // GROUP
+    for g in range(count):
+        boxes[g, 14] = 0.0
+        for k in range(7):
+            low, high = math.inf, -math.inf
+            for i in range(first + g * GROUP, min(first + (g + 1) * GROUP, last)):
+                if spans[i, 0] <= spans[i, 1]:
+                    a, d = cells[i, k], cells[i, 7 + k]
+                    one, other = a + spans[i, 0] * d, a + spans[i, 1] * d
+                    low = min(low, min(one, other) - cells[i, CELL_OFF])
+                    high = max(high, max(one, other) + cells[i, CELL_OFF])
+                    boxes[g, 14] = 1.0
+            boxes[g, k], boxes[g, 7 + k] = 0.5 * (low + high), 0.5 * (high - low)
+    return count
+
+
+@kernel
+def is_out_of_reach(box, cell, limits, settings):
+    """Whether no step from inside a box, as short as the limits, leads to a cell."""
+    for k in (3, 1, 5, 0, 2, 4, 6):
+        chord = cell[7 + k]
+        apart = abs(step_of(settings, k, box[k], cell[k] + 0.5 * chord))
+        if apart > limits[k] + box[7 + k] + 0.5 * abs(chord) + cell[CELL_OFF]:
+            return True
+    return False
+
+
+@kernel
+def reach_pose(cells, spans, before, now, limits, settings, boxes, work):
+    """Write what is reached of the cells of a pose from those of the pose before; whether anything is.
+
+    `before` and `now` are first and last rows, `boxes` (b, BOX) and `work` (2, MOST_CORNERS, 2) work space.
+    """
+    count = write_boxes(cells, spans, before[0], before[1], boxes)
+    some = False
+    for j in range(now[0], now[1]):
+        begin, end = 1.0, 0.0
+        for g in range(count):
+            if boxes[g, 14] == 0.0 or is_out_of_reach(row(boxes, g), row(cells, j), limits, settings):
+                continue
+            first = before[0] + g * GROUP
+            for i in range(first, min(first + GROUP, before[1])):
+                if spans[i, 0] > spans[i, 1] or (begin == 0.0 and end == 1.0):
+                    continue
+                low, high = reach_cell(cells, i, (spans[i, 0], spans[i, 1]), j, limits, settings, work)
+                if low <= high:
+                    begin, end = (min(begin, low), max(end, high)) if begin <= end else (low, high)
+        spans[j, 0], spans[j, 1] = begin, end
+        some = some or begin <= end
+    return some

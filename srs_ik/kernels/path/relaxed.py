@@ -24,7 +24,7 @@ from srs_ik.kernels.layout.path import (
     WORTH_END,
     WORTH_SAG,
 )
-from srs_ik.kernels.path.cells import cell_chord
+from srs_ik.kernels.path.cells import GROUP, cell_chord
 from srs_ik.kernels.path.steps import moved_on, steps_between
 
 FAR = 1.0
@@ -34,9 +34,6 @@ ROOT_7 = math.sqrt(7.0)
 
 TURNS = 6
 """How often the shortest step between two cells is looked for along one and the other."""
-
-GROUP = 8
-"""Cells that are left out together where they are too far away."""
 
 
 @kernel

@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from srs_ik.kernels.entries import path_bound as entries
 from srs_ik.kernels.layout.path import BY_CONTINUITY, CELL, WORTH, WORTH_BEGIN, WORTH_END, WORTH_SAG
 from srs_ik.solve.path.problem import TIME, Problem
+from srs_ik.solve.path.reach import Cells, after, least_through, passed, posture_cell
 
 Array = NDArray[np.float64]
 
@@ -42,14 +43,6 @@ MOST_FOR_LARGEST = 600
 
 ROUNDING = 1e-9
 """Relative."""
-
-
-@dataclass
-class Cells:
-    """Cells (m, CELL) of some poses: those of pose i are in rows ends[i] to ends[i + 1] - 1."""
-
-    rows: Array
-    ends: NDArray[np.int64]
 
 
 MOST_ROOM = 1 << 19
@@ -105,7 +98,7 @@ def least_sum(problem: Problem, q: Array, value: float, may_leap: bool) -> float
 def _round(problem: Problem, source: Source, settings: Array, value: float, keep: bool) -> tuple[float, Cells]:
     """What a path costs at least by cells, and those cells through which one may lead that is as good as a value."""
     n = len(problem.T)
-    front = None if problem.seed is None else _one(problem.seed)
+    front = None if problem.seed is None else Front(posture_cell(problem.seed), np.zeros((1, WORTH)))
     firsts, forth, first = [], [], 0
     while first < n:
         cells = _some(source, first)
@@ -140,17 +133,12 @@ def least_largest(problem: Problem, q: Array, value: float) -> float:
             cells = _all_of(_source(problem, q, kept, longest), len(problem.T))
         except TooManyCells:
             break
-        if problem.seed is not None:
-            cells = Cells(np.vstack([_one(problem.seed).rows, cells.rows]), np.append(0, cells.ends + 1))
-        bound = _least_through(cells, bound, value, problem.settings)
+        whole = after(problem.seed, cells)
+        until, most = BISECTED * CLOSE * value, problem.settings[BY_CONTINUITY]
+        bound = least_through(whole, bound, value, until, problem.settings, most)
         if value - bound < CLOSE * value:
             break
-        forth, back = (_reached(cells, backward, above, problem.settings)[1] for backward in (False, True))
-        both = np.maximum(forth[:, 0], back[:, 0]) <= np.minimum(forth[:, 1], back[:, 1]) + ROUNDING
-        ends = np.append(0, np.cumsum(both))[cells.ends]
-        kept = Cells(np.ascontiguousarray(cells.rows[both]), ends)
-        if problem.seed is not None:
-            kept = Cells(kept.rows[1:], kept.ends[1:] - 1)
+        kept = cells.where(passed(whole, np.full(7, above), problem.settings)[-len(cells.rows) :])
         if _are_too_many(kept, longest, finer, MOST_FOR_LARGEST):
             break
     return min(max(bound * (1.0 - ROUNDING), 0.0), value)
@@ -159,16 +147,6 @@ def least_largest(problem: Problem, q: Array, value: float) -> float:
 def _are_too_many(cells: Cells, longest: float, finer: float, most: int) -> bool:
     """Whether cells so long would be more than `most` a pose at a finer length; at length zero they are."""
     return finer * most * (len(cells.ends) - 1) <= longest * len(cells.rows)
-
-
-def _least_through(cells: Cells, low: float, high: float, settings: Array) -> float:
-    """What no path through cells has a smaller largest step than, from two bounds between which that is."""
-    until = BISECTED * CLOSE * high
-    while high - low > until:
-        middle = 0.5 * (low + high)
-        through, _ = _reached(cells, False, middle, settings)
-        low, high = (low, middle) if through else (middle, high)
-    return low
 
 
 def _all_of(source: Source, n: int) -> Cells:
@@ -180,13 +158,6 @@ def _all_of(source: Source, n: int) -> Cells:
         counts.append(np.diff(cells.ends))
         first += len(cells.ends) - 1
     return Cells(np.vstack(rows), np.append(0, np.cumsum(np.concatenate(counts))))
-
-
-def _reached(cells: Cells, backward: bool, limit: float, settings: Array) -> tuple[bool, Array]:
-    """Whether a path goes through with steps below a limit, and what it reaches of each cell."""
-    spans = np.tile([0.0, 1.0], (len(cells.rows), 1))
-    through = entries.reach(cells.rows, cells.ends, backward, limit, settings, spans)
-    return through, spans
 
 
 def _some(source: Source, first: int) -> Cells:
@@ -204,13 +175,6 @@ def _lowest(worth: Array) -> Array:
     inside = sag > np.abs(b - a)
     t = np.where(inside, 0.5 * (1.0 - (b - a) / np.where(inside, sag, 1.0)), 0.0)
     return np.where(inside, a + t * (b - a) - sag * t * (1.0 - t), np.minimum(a, b))
-
-
-def _one(q: Array) -> Front:
-    """One posture that costs nothing."""
-    row = np.zeros((1, CELL))
-    row[0, :7] = q
-    return Front(row, np.zeros((1, WORTH)))
 
 
 def _relaxed(cells: Cells, front: Front | None, backward: bool, settings: Array) -> tuple[Array, Front | None]:

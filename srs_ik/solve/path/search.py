@@ -49,7 +49,7 @@ MOST_PLANNED = 0.6
 AS_PLANNED = 1.006
 """Between planned poses steps are straight, so that a plan costs less than any path: one so close to it is the best."""
 
-CLOSE = 1.002
+CLOSE = 1.001
 """On an exact limb, a path that costs less than so many times its plan is not looked at any closer."""
 
 AS_LITTLE = 0.9999

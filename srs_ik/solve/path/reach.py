@@ -1,0 +1,77 @@
+"""Which cells a path can pass whose joint steps all stay below limits, and the least limit with which one goes through.
+
+A cell is a straight piece of joint space, beside which postures of a pose lie. What of each is reached from the first
+pose on, and from the last one back, is exact for cells.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from srs_ik.kernels.entries import path_bound as entries
+from srs_ik.kernels.layout.path import CELL
+
+Array = NDArray[np.float64]
+
+ROUNDING = 1e-9
+"""Of a part of a cell."""
+
+
+@dataclass
+class Cells:
+    """Cells (m, CELL) of some poses: those of pose i are in rows ends[i] to ends[i + 1] - 1."""
+
+    rows: Array
+    ends: NDArray[np.int64]
+
+    def where(self, some: NDArray[np.bool_]) -> Cells:
+        """Some of them, (m,)."""
+        return Cells(np.ascontiguousarray(self.rows[some]), np.append(0, np.cumsum(some))[self.ends])
+
+
+def posture_cell(q: Array) -> Array:
+    """The cell of one posture, (1, CELL)."""
+    row = np.zeros((1, CELL))
+    row[0, :7] = q
+    return row
+
+
+def after(seed: Array | None, cells: Cells) -> Cells:
+    """The cells of a path, with the posture before the first one if there is one."""
+    if seed is None:
+        return cells
+    return Cells(np.vstack([posture_cell(seed), cells.rows]), np.append(0, cells.ends + 1))
+
+
+def reached(cells: Cells, limits: Array, settings: Array, backward: bool = False) -> tuple[bool, Array]:
+    """Whether a path goes through with steps below limits (7,), and what (m, 2) it reaches of each cell."""
+    spans = np.tile([0.0, 1.0], (len(cells.rows), 1))
+    through = entries.reach(cells.rows, cells.ends, backward, limits, settings, spans)
+    return through, spans
+
+
+def passed(cells: Cells, limits: Array, settings: Array) -> NDArray[np.bool_]:
+    """(m,) which cells may be on a path with steps below limits (7,)."""
+    found = np.zeros(len(cells.rows), np.bool_)
+    through, forth = reached(cells, limits, settings)
+    if through:
+        live = forth[:, 0] <= forth[:, 1]
+        _, back = reached(cells.where(live), limits, settings, backward=True)
+        forth = forth[live]
+        found[live] = np.maximum(forth[:, 0], back[:, 0]) <= np.minimum(forth[:, 1], back[:, 1]) + ROUNDING
+    return found
+
+
+def least_through(cells: Cells, low: float, high: float, until: float, settings: Array, most: Array) -> float:
+    """What no path through cells has a smaller largest step than, from two bounds of it, as exact as asked for.
+
+    No joint steps farther than `most` (7,).
+    """
+    while high - low > until:
+        middle = 0.5 * (low + high)
+        through, _ = reached(cells, np.minimum(middle, most), settings)
+        low, high = (low, middle) if through else (middle, high)
+    return low
