@@ -39,7 +39,7 @@ sys.path.insert(0, str(HERE.parent / "tests"))
 import arms  # noqa: E402
 from bounded import bound_line  # noqa: E402
 from motions import KINDS, Motion, motion  # noqa: E402
-from tracked import limits_line, losses_line, recovery_line  # noqa: E402
+from tracked import SMOOTHING, limits_line, losses_line, recovery_line  # noqa: E402
 
 ROBOTS = ("iiwa14", "gen3")
 OF_THEIR_OWN = ("ssik", "mink")
@@ -55,17 +55,18 @@ FLIP = 0.2
 Update = Callable[[np.ndarray | None], np.ndarray]
 """What a tracker is here: from a target to joint angles."""
 
-
-def ours(arm: srs_ik.Arm, q0: np.ndarray, dt: float, acceleration: np.ndarray) -> Update:
-    """`Arm.tracker`."""
-    tracker = arm.tracker(q0, dt, acceleration=acceleration)
-    return lambda T: tracker.update(T).q
+Make = Callable[[srs_ik.Arm, np.ndarray, float, np.ndarray], Update]
+"""Makes one for an arm, from where its joints are, the period and the limits of acceleration."""
 
 
-def ours_by_velocity(arm: srs_ik.Arm, q0: np.ndarray, dt: float, acceleration: np.ndarray) -> Update:
-    """The same without limits of acceleration, which ssik and Mink do not know."""
-    tracker = arm.tracker(q0, dt, acceleration=np.inf)
-    return lambda T: tracker.update(T).q
+def ours(both: bool, smoothing: float = 0.0) -> Make:
+    """`Arm.tracker`, with limits of acceleration or, as ssik's and Mink, without."""
+
+    def make(arm: srs_ik.Arm, q0: np.ndarray, dt: float, acceleration: np.ndarray) -> Update:
+        tracker = arm.tracker(q0, dt, acceleration=acceleration if both else np.inf, smoothing=smoothing)
+        return lambda T: tracker.update(T).q
+
+    return make
 
 
 def ssik(arm: srs_ik.Arm, q0: np.ndarray, dt: float, acceleration: np.ndarray) -> Update:
@@ -138,12 +139,23 @@ def mink(arm: srs_ik.Arm, q0: np.ndarray, dt: float, acceleration: np.ndarray) -
     return update
 
 
-TRACKERS = {"srs_ik": ours, "pin-pink": pink, "srs_ik, velocity": ours_by_velocity, "ssik": ssik, "mink": mink}
-WITH_ACCELERATIONS = ("srs_ik", "pin-pink")
+TRACKERS: dict[str, Make] = {
+    "srs_ik": ours(True),
+    "srs_ik, smoothing": ours(True, SMOOTHING),
+    "pin-pink": pink,
+    "srs_ik, velocity": ours(False),
+    "srs_ik, velocity, smoothing": ours(False, SMOOTHING),
+    "ssik": ssik,
+    "mink": mink,
+}
+WITH_ACCELERATIONS = ("srs_ik", "srs_ik, smoothing", "pin-pink")
 """Trackers that are given limits of acceleration."""
 
+FOR_JITTER = ("srs_ik, smoothing", "srs_ik, velocity, smoothing")
+"""Trackers that run only where targets have jitter, if no others are asked for."""
 
-def run(make: Any, arm: srs_ik.Arm, given: Motion, dt: float) -> tuple[np.ndarray, np.ndarray]:
+
+def run(make: Make, arm: srs_ik.Arm, given: Motion, dt: float) -> tuple[np.ndarray, np.ndarray]:
     """Joint angles (n, 7) and microseconds of the processor (n,) of a motion."""
     update = make(arm, given.q0, dt, HARDEST * arm.velocity_limit)
     if given.given[0] is None:
@@ -235,7 +247,7 @@ def main(words: list[str] | None = None) -> None:
     """Run the trackers and print a table."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--robots", nargs="+", default=list(ROBOTS), help="built in, or of tests/arms.py")
-    parser.add_argument("--trackers", nargs="+", default=list(TRACKERS), choices=list(TRACKERS))
+    parser.add_argument("--trackers", nargs="+", choices=list(TRACKERS), help="all; those that smooth with --trouble")
     parser.add_argument("--kinds", nargs="+", default=list(KINDS), choices=KINDS)
     parser.add_argument("--motions", type=int, default=2, help="of each kind")
     parser.add_argument("--seconds", type=float, default=5.0)
@@ -251,6 +263,7 @@ def main(words: list[str] | None = None) -> None:
     parser.add_argument("--count", type=int, default=200, help="motions, or jumps")
     parser.add_argument("--seed", type=int, default=0, help="of the first of them")
     given = parser.parse_args(words)
+    given.trackers = given.trackers or [t for t in TRACKERS if given.trouble or t not in FOR_JITTER]
     dt = 1.0 / given.rate
     if given.bound:
         print(bound_line(arms.load(given.robot), arms.forward(given.robot), given.robot, given.count, given.seed, dt))

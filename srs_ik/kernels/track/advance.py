@@ -17,7 +17,6 @@ from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.limb import FAR, LOWER, UPPER
 from srs_ik.kernels.layout.track import (
     BAD_TARGET,
-    BEHIND,
     COAST,
     DETOUR,
     DETOUR_END,
@@ -26,14 +25,12 @@ from srs_ik.kernels.layout.track import (
     GOAL,
     GOAL_RATE,
     HELD,
-    LIMITED,
     LOST,
     LOST_TARGET,
     MISS,
     NO_TARGET_YET,
     NOWHERE,
     ON,
-    OUT_OF_REACH,
     PERIOD,
     PLANNED,
     ROTATION,
@@ -51,7 +48,6 @@ from srs_ik.kernels.layout.track import (
     STUCK,
     TICK,
     UNKNOWN,
-    UNREACHABLE,
     Q,
     V,
 )
@@ -66,7 +62,7 @@ from srs_ik.kernels.track.freedom import error_left, other_turn, shown_at, wante
 from srs_ik.kernels.track.limits import bounds, toward
 from srs_ik.kernels.track.target import keep_pace, load_pose, lose_target, take_target
 from srs_ik.kernels.track.trend import learn
-from srs_ik.kernels.track.verdict import CLOSE, hardest, verdict
+from srs_ik.kernels.track.verdict import CLOSE, on_the_way, verdict
 
 FASTER = 3.0
 """The goal may move so many times as fast as the joints."""
@@ -352,9 +348,8 @@ def advance(P, S, C, given, work, out):
         if size < CLOSE:
             S[COAST] = 0.0
     S[ON] = 1.0 if on else 0.0
-    if near and not on:
-        status, reason = (UNREACHABLE, OUT_OF_REACH) if out_of_reach(P, place_) else (LIMITED, BEHIND)
-        said = status, reason, hardest(S, C, v)
+    if near and size >= CLOSE:
+        said = on_the_way(P, S, C, v, place_)
     else:
         watch(P, S, C, after, size, place_, pose, (J, A))
         said = verdict(P, S, C, after, size, place_)

@@ -35,8 +35,9 @@ ALL_OF_IT = 5e-4
 
 GENTLE = 0.05
 GENTLY = 1e-4
-"""Weight of the step that is planned, m^2, where the tip is farther away than this, m: it comes back, but not at any
-price."""
+USUAL = 0.002
+"""Weight of the step that is planned, m^2, where the tip is farther away than this, m, at a period of this, s: it comes
+back, but not at any price. What steps differ by is accelerations times the square of the period."""
 
 BRAKING = 0.4
 """The tip brakes with so much of what the slowest joint can do at the end of the stretched arm."""
@@ -78,7 +79,7 @@ def catch_up(P, S, C, left, own, box, work):
     share = min(period * speed / max(size, 1e-15), 1.0)
     step = along((period * v[0], period * v[1], period * v[2]), share, behind)
     turn = along((period * w[0], period * w[1], period * w[2]), share, turned)
-    care = max(DAMPING, GENTLE * min(size / GENTLY, 1.0))
+    care = max(DAMPING, GENTLE * (USUAL / period) ** 2 * min(size / GENTLY, 1.0))
     low, high = along7(NO_SEED, period, box[0]), along7(NO_SEED, period, box[1])
     lever = LEVER + (P[FAR] - LEVER) * max(1.0 - size / ALL_OF_IT, 0.0)
     choice = (between(along7(NO_SEED, period, read7(row(S, V))), low, high), own, (lever, 0.0, care), low, high)

@@ -1,4 +1,4 @@
-"""Where the joints go in the next half second: postures that lie ahead on the way of the target.
+"""Where the joints go in the next second: postures that lie ahead on the way of the target.
 
 They are chosen together. A posture costs what it misses of the pose that is expected at its time, how far a joint is
 into the zone at the end of its range, and what velocities and accelerations lead there, by the limits of each joint. So
@@ -41,14 +41,14 @@ from srs_ik.kernels.track.freedom import shown_at
 from srs_ik.kernels.track.target import load_pace
 from srs_ik.kernels.track.trend import foretold
 
-LINEAR, SQUARE = 0.012, 0.0075
-"""Knot k of a plan is k LINEAR + k^2 SQUARE seconds ahead: the near future in detail, 0.45 s in all."""
+LINEAR, SQUARE = 0.012, 0.021
+"""Knot k of a plan is k LINEAR + k^2 SQUARE seconds ahead: the near future in detail, 1.1 s in all."""
 
 UNIT = 0.07
 """Costs of velocities and accelerations are for so many seconds."""
 
-FINE = 1.5e-4
-COARSE = 0.0165
+FINE = 2.5e-4
+COARSE = 0.01
 """A pose missed by FINE + COARSE t^2, metres, t seconds ahead, costs 1: the future is known less and less."""
 
 TURNING = 2.0
@@ -57,7 +57,7 @@ TURNING = 2.0
 FAR_OFF = 5e-3
 """Misses larger than this, m, cost in proportion, not by their square: a jump is no reason to hurry."""
 
-SLOW = 8.0
+SLOW = 3.0
 ASKED_SLOW = 0.05
 """Cost of the largest velocity, the second while something is asked of the elbow; that of the largest acceleration
 is 1."""
@@ -79,6 +79,9 @@ PRICE = 0.3
 VERGE = 0.1
 STEEP = 25.0
 """The same for the last stretch, at rest too."""
+
+ASKED = 4
+"""The knot at which something is asked of the elbow, 0.38 s ahead: at the end of the plan it would take its time."""
 
 LONGEST = 0.3
 """A joint of a plan changes by no more than this from one plan to the next, rad."""
@@ -197,15 +200,15 @@ def add_poses(P, S, C, J, B):
 
 @kernel
 def add_wish(P, S, C, task, J, B):
-    """Add what is asked of the elbow at the end of the plan."""
-    q = read7(row(S, KNOT + 7 * (KNOTS - 1)))
-    R, p = foretold(S, when(KNOTS))
+    """Add what is asked of the elbow."""
+    q = read7(row(S, KNOT + 7 * (ASKED - 1)))
+    R, p = foretold(S, when(ASKED))
     way, pull = wish(P, C, task, q, (shown_at(P, C, q, R), p), J)
     if pull == 0.0:
         return
     rise = slope(P, q, (shown_at(P, C, q, R), p))
     for a in range(7):
-        i = 7 * (KNOTS - 1) + a
+        i = 7 * (ASKED - 1) + a
         B[i, BAND + 1] += pull * rise[a] * way
         for b in range(a + 1):
             B[i, BAND - a + b] += pull * rise[a] * rise[b]

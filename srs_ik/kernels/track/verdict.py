@@ -30,7 +30,10 @@ from srs_ik.kernels.limb.poses import read7
 from srs_ik.kernels.track.elsewhere import out_of_reach
 
 CLOSE = 1e-6
-"""A goal that misses its target by less than this (m, rad) is said to be on it."""
+"""A goal or a tip that misses its target by less than this (m, rad) is said to be on it."""
+
+USED_UP = 0.99
+"""A joint that uses more than this share of its velocity or acceleration cannot move faster."""
 
 
 @kernel
@@ -46,14 +49,23 @@ def most_behind(S, C, q):
 
 @kernel
 def hardest(S, C, v):
-    """The joint (1 to 7) that uses most of its velocity or acceleration."""
+    """The joint (1 to 7) that uses most of its velocity or acceleration, and its share of it."""
     worst, most = 0, -1.0
     for j in range(7):
         change = abs(v[j] - S[V + j]) / (C[ACCELERATION + j] * C[PERIOD])
         used = max(abs(v[j]) / C[SPEED + j], change)
         if used > most:
             worst, most = j + 1, used
-    return worst
+    return worst, most
+
+
+@kernel
+def on_the_way(P, S, C, v, place_):
+    """Status, reason, and the joint that uses most of its limits, of a tip that comes back to its target."""
+    joint, used = hardest(S, C, v)
+    if out_of_reach(P, place_):
+        return UNREACHABLE, OUT_OF_REACH, joint
+    return LIMITED, BEHIND if used > USED_UP else ON_THE_WAY, joint
 
 
 @kernel

@@ -63,7 +63,7 @@ class TrackerStatus(StrEnum):
     OK = "OK"
     """The tip is on the target."""
     LIMITED = "LIMITED"
-    """The arm is on its way to the target, as fast as its limits allow."""
+    """The arm is on its way to the target, within its limits."""
     HELD = "HELD"
     """There is no target to follow, or only another configuration reaches it."""
     UNREACHABLE = "UNREACHABLE"
