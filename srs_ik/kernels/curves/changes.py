@@ -13,7 +13,7 @@ from srs_ik.kernels.curves.follow import meet, null_vector
 from srs_ik.kernels.curves.in_step import ARC, load_sample
 from srs_ik.kernels.curves.told import TOLD_MIDDLES, TOLD_SINES
 from srs_ik.kernels.jit import kernel
-from srs_ik.kernels.limb.branches import phase_of, sine_of
+from srs_ik.kernels.limb.branches import NO_BRANCH, phase_of, sine_of
 from srs_ik.kernels.limb.poses import read7
 
 ELBOW = 1
@@ -58,11 +58,12 @@ def put_change(changes, n, there, middle):
 def posture_beside(P, by, curve, change, x):
     """The posture next to a change of branch, at a parameter: that of the change, unless the elbow is almost straight.
 
-    There the arm angle changes fast: it is that of the parameter alone.
+    There the arm angle changes fast: it is that of the parameter alone, if that has one.
     """
     q = read7(row(change, CHANGE_POSTURE))
     if abs(sine_of(P, q, ELBOW)) < STRAIGHT:
-        q, _ = on_curve(P, by, 0, curve, x)
+        there, off = on_curve(P, by, 0, curve, x)
+        q = there if off < NO_BRANCH else q
     return q
 
 
@@ -100,8 +101,9 @@ def change_between(P, by, curve, middle, a, b):
         if has_settled(crossing):
             break
         wanted = next_parameter(crossing)
-        q, _ = on_curve(P, by, 0, curve, wanted)
-        crossing = tell_figure(crossing, wanted, side * sine_of(P, q, middle))
+        # A posture that does not meet its pose tells nothing: the change is before it.
+        q, off = on_curve(P, by, 0, curve, wanted)
+        crossing = tell_figure(crossing, wanted, side * sine_of(P, q, middle) if off < NO_BRANCH else NO_BRANCH)
     q, _ = on_curve(P, by, 0, curve, crossing[0])
     return crossing[0], q
 
@@ -128,7 +130,9 @@ def dip_between(P, by, curve, middle, a, b):
         if first[2] >= 0.0 or last[2] <= 0.0:
             break
         x, foretold = lowest_of_cubic(first, last, FROM_ENDS)
-        q, _ = on_curve(P, by, 0, curve, x)
+        q, off = on_curve(P, by, 0, curve, x)
+        if off >= NO_BRANCH:
+            break
         height = side * sine_of(P, q, middle)
         if height < 0.0:
             return x, side * height, True

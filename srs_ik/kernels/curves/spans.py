@@ -27,11 +27,12 @@ from srs_ik.kernels.curves.told import (
     tell_samples,
     turn_at,
     turning_between,
+    turns_back,
 )
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.asked import Samples
 from srs_ik.kernels.layout.search import MAX_RUNS
-from srs_ik.kernels.limb.branches import bit_of
+from srs_ik.kernels.limb.branches import NO_BRANCH, bit_of
 
 SPAN = 6
 """A span: its run, branch, first and last parameter, least and greatest arm angle on it, rad (not wrapped)."""
@@ -110,6 +111,22 @@ def take_turn(P, by, curve, span, passed, x, to):
 
 
 @kernel
+def take_back(P, by, curve, span, passed, i, told):
+    """Let a span reach to where the arm angle goes back between samples i - 1 and i, if it does; where it has come."""
+    x, next_x = curve.rows[i - 1, 0], curve.rows[i, 0]
+    share, found = turns_back(told, i, next_x - x)
+    if found:
+        x += share * (next_x - x)
+        there, off = on_curve(P, by, 0, curve, x)
+        if off < NO_BRANCH:
+            change, behind = short_way(angle_at(P, by, there) - passed.psi), turn_at(P, by, there)
+            take_turn(P, by, curve, span, passed, x, (change, behind))
+            passed = Passed(passed.psi + change, behind)
+            extend(span, x, passed.psi)
+    return passed
+
+
+@kernel
 def drop_span(spans, i, n):
     """Take a span out of n; their number."""
     for k in range(i, n - 1):
@@ -154,7 +171,10 @@ def spans_of_run(P, by, rows, runs, index, room, n):
     n = open_span(spans, n, index, branch, x, psi)
     rise = math.copysign(1.0, told[first, TOLD_RATE])
     for i in range(first + 1, last):
-        for c in range(find_changes(P, by, curve, i, told, changes)):
+        n_changes = find_changes(P, by, curve, i, told, changes)
+        if n_changes == 0:
+            psi, rise = take_back(P, by, curve, spans[n - 1], Passed(psi, rise), i, told)
+        for c in range(n_changes):
             inside = max(changes[c, CHANGE_AT] - JUST_OUTSIDE, x)
             outside = max(min(changes[c, CHANGE_AT] + JUST_OUTSIDE, rows[i, 0]), inside)
             there = posture_beside(P, by, curve, changes[c], inside)

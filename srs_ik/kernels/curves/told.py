@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from srs_ik.kernels.algebra.joint_vectors import difference, dot7
+from srs_ik.kernels.algebra.joint_vectors import difference, dot7, short_way
 from srs_ik.kernels.algebra.lane_trig import angle_of, turn, turns_of
 from srs_ik.kernels.algebra.lanes import as_bits, eight_of, one_of, root, scatter
 from srs_ik.kernels.algebra.minimum import lowest_of_cubic
@@ -35,6 +35,9 @@ TURNED = 1e-12
 
 CLOSER = 7.0 / 24.0
 """The looks of a round are spread over this part of what is between two of the round before."""
+
+SHORTEST = 1e-6
+"""On a way between samples that is shorter than this, rad, no arm angle turns around twice."""
 
 FINEST = 1e-9
 """The turn is between two postures this close together, as a part of the chord."""
@@ -129,6 +132,21 @@ def tell_samples(P, by, curve, told):
         for m in range(k, min(k + 8, last)):
             if (sure >> (m - k)) & 1 == 0:
                 tell_one(P, by, load_sample(rows[m]), told[m])
+
+
+@kernel
+def turns_back(told, i, length):
+    """Whether the arm angle turns around twice between rows i - 1 and i, some length apart, as a cubic foretells it.
+
+    Returns the share of the way at which it goes back fastest, too.
+    """
+    begins, ends = length * told[i - 1, TOLD_RATE], length * told[i, TOLD_RATE]
+    change = short_way(told[i, TOLD_PSI] - told[i - 1, TOLD_PSI])
+    half, third = 2.0 * begins + ends - 3.0 * change, begins + ends - 2.0 * change
+    if begins * ends <= 0.0 or third == 0.0 or length < SHORTEST:
+        return 0.0, False
+    share = half / (3.0 * third)
+    return share, 0.0 < share < 1.0 and (begins - half * share) * begins < 0.0
 
 
 @kernel

@@ -18,6 +18,7 @@ from srs_ik.kernels.curves.changes import (
     find_changes,
     posture_beside,
 )
+from srs_ik.kernels.curves.ends import on_curve
 from srs_ik.kernels.curves.follow import between, share_of_chord
 from srs_ik.kernels.curves.in_step import SAMPLE, load_sample, put_sample
 from srs_ik.kernels.curves.lowest import cost_of_turn
@@ -33,6 +34,7 @@ from srs_ik.kernels.curves.told import (
     tell_one,
     tell_samples,
     turning_between,
+    turns_back,
 )
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.answer import ROW_COST
@@ -90,7 +92,7 @@ def no_curves():
 
 @kernel
 def put_beside(P, by, x, q, branch, n, followed):
-    """Append a posture next to a change of branch, at a parameter, and what it tells; the number of rows."""
+    """Append a posture of a branch at a parameter, and what it tells; the number of rows."""
     if n >= followed.rows.shape[0]:
         return n
     q = turned(P, q, False, NO_SEED, by.respect)
@@ -98,6 +100,19 @@ def put_beside(P, by, x, q, branch, n, followed):
     tell_one(P, by, q, followed.told[n])
     followed.told[n, TOLD_BRANCH] = branch
     return n + 1
+
+
+@kernel
+def put_back(P, by, curve, i, told, n, followed):
+    """Append a posture where the arm angle goes back between samples i - 1 and i, if it does; the number of rows."""
+    x, next_x = curve.rows[i - 1, 0], curve.rows[i, 0]
+    share, found = turns_back(told, i, next_x - x)
+    if found:
+        x += share * (next_x - x)
+        q, off = on_curve(P, by, 0, curve, x)
+        if off < NO_BRANCH:
+            n = put_beside(P, by, x, q, int(told[i, TOLD_BRANCH]), n, followed)
+    return n
 
 
 @kernel
@@ -114,7 +129,10 @@ def told_runs(P, by, samples, n_samples, runs, certain):
         runs[index, 3] = n
         branch = int(told[curve.first, TOLD_BRANCH])
         for i in range(curve.first, curve.last):
-            for c in range(find_changes(P, by, curve, i, told, changes) if i > curve.first else 0):
+            n_changes = find_changes(P, by, curve, i, told, changes) if i > curve.first else 0
+            if n_changes == 0 and i > curve.first:
+                n = put_back(P, by, curve, i, told, n, out)
+            for c in range(n_changes):
                 x = changes[c, CHANGE_AT]
                 inside, outside = max(x - JUST_OUTSIDE, samples[i - 1, 0]), min(x + JUST_OUTSIDE, samples[i, 0])
                 n = put_beside(P, by, inside, posture_beside(P, by, curve, changes[c], inside), branch, n, out)
