@@ -17,6 +17,7 @@ from srs_ik.kernels.algebra.pointers import row
 from srs_ik.kernels.curves.all_curves import MAX_CURVES, follow_all
 from srs_ik.kernels.curves.follow import CURVE
 from srs_ik.kernels.curves.in_step import SAMPLE
+from srs_ik.kernels.curves.told import TOLD, TOLD_PSI, TOLD_RATE, turns_back
 from srs_ik.kernels.layout.asked import Setting, Target
 from srs_ik.kernels.limb.poses import read_pose
 from srs_ik.kernels.limb.triangle import elbow_side, place
@@ -126,3 +127,20 @@ def ends_by_steps(arm, pose, q):
     # Around the curve once, and back.
     assert abs(angles[-1] - angles[0]) < 0.1
     return angles.min(), angles.max()
+
+
+@pytest.mark.parametrize("turns", [(0.2, 0.7), (0.45, 0.55), (-0.4, 0.5), (0.3, 1.6)])
+def test_an_arm_angle_that_turns_around_twice_between_samples_is_foretold(turns):
+    """Of a cubic with these places of its turns: only with both between, and then in the middle."""
+    first, last = turns
+    length, scale = 0.3, 0.4
+    rate = np.polynomial.Polynomial.fromroots(turns) * scale
+    angle = rate.integ()
+    told = np.zeros((2, TOLD))
+    told[:, TOLD_RATE] = rate(0.0) / length, rate(1.0) / length
+    told[:, TOLD_PSI] = 0.0, angle(1.0) - angle(0.0)
+    share, found = turns_back(told, 1, length)
+    both = 0.0 < first < last < 1.0
+    assert found == both
+    if both:
+        assert share == pytest.approx(0.5 * (first + last))
