@@ -32,22 +32,14 @@ MET = 1e-6
 USED_UP = 0.98
 
 
-@pytest.mark.parametrize(("name", "kind", "seed"), [case for case in SEEN if case[0] in arms.here(case[0])])
-def test_what_lies_a_second_ahead_is_prepared_for(name, kind, seed):
-    arm = arms.load(name)
-    moving = motion(arm, seed, 10.0, DT, kind, trouble=False)
-    tracker = arm.tracker(moving.q0, DT)
-    q = np.array([tracker.update(T).q for T in moving.true])
-    position, angle = off_target(arms.forward(name), q, moving.true)
-    assert position.max() < NEAR_TARGET[0]
-    assert angle.max() < NEAR_TARGET[1]
+MOTIONS = [(DT, *case) for case in SEEN] + [(SLOWLY, *case) for case in AT_SLOW_RATES]
 
 
-@pytest.mark.parametrize(("name", "kind", "seed"), [case for case in AT_SLOW_RATES if case[0] in arms.here(case[0])])
-def test_a_tip_comes_back_at_slow_rates_too(name, kind, seed):
+@pytest.mark.parametrize(("dt", "name", "kind", "seed"), [case for case in MOTIONS if case[1] in arms.here(case[1])])
+def test_what_lies_a_second_ahead_is_prepared_for_at_slow_rates_too(dt, name, kind, seed):
     arm = arms.load(name)
-    moving = motion(arm, seed, 10.0, SLOWLY, kind, trouble=False)
-    tracker = arm.tracker(moving.q0, SLOWLY)
+    moving = motion(arm, seed, 10.0, dt, kind, trouble=False)
+    tracker = arm.tracker(moving.q0, dt)
     q = np.array([tracker.update(T).q for T in moving.true])
     position, angle = off_target(arms.forward(name), q, moving.true)
     assert position.max() < NEAR_TARGET[0]

@@ -33,7 +33,6 @@ from srs_ik.solve.path.reach import Cells, after, least_through, passed, reached
 from srs_ik.solve.path.search import THIRDS, finer
 
 Array = NDArray[np.float64]
-Marks = NDArray[np.bool_]
 
 LEVELS = 3
 """Cells are made finer one time less at most."""
@@ -109,9 +108,12 @@ def least_largest_step(problem: Problem) -> Way:
         return way
     polish(problem, way)
     loose = replace(problem, limited=False, objective=SUM_OF_SQUARES)
-    strips = whole = strips_of(loose)
+    whole = strips_of(loose)
+    if whole is None:
+        return way
+    strips = whole
     for _ in range(LEVELS):
-        if strips is None or whole is None or not len(strips.rows):
+        if not len(strips.rows):
             break
         strips = strips.below(problem, (1.0 - GAIN) * worth(problem, way)[1])
         other = path_through(problem, strips, way)
