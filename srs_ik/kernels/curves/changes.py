@@ -11,7 +11,7 @@ from srs_ik.kernels.algebra.roots import has_settled, next_parameter, start_cros
 from srs_ik.kernels.curves.ends import on_chord, on_curve, sample_before
 from srs_ik.kernels.curves.follow import meet, null_vector
 from srs_ik.kernels.curves.in_step import ARC, load_sample
-from srs_ik.kernels.curves.told import TOLD_MIDDLES, TOLD_SINES
+from srs_ik.kernels.curves.told import TOLD_MIDDLES, TOLD_SINES, turns_back
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.limb.branches import NO_BRANCH, phase_of, sine_of
 from srs_ik.kernels.limb.poses import read7
@@ -86,6 +86,18 @@ def met_change(P, by, curve, middle, x, y):
     q, share, met = meet(P, by, ends, along7(a, share, difference(a, b)), joint, angle)
     found = rows[low, 0] + share * (rows[low + 1, 0] - rows[low, 0])
     return (found, q), met and x < found < y
+
+
+@kernel
+def turned_back(P, by, curve, i, told):
+    """Where the arm angle goes back fastest between samples i - 1 and i: parameter, posture, and whether it does."""
+    x, next_x = curve.rows[i - 1, 0], curve.rows[i, 0]
+    share, found = turns_back(told, i, next_x - x)
+    x += share * (next_x - x)
+    q, off = load_sample(curve.rows[i - 1]), 0.0
+    if found:
+        q, off = on_curve(P, by, 0, curve, x)
+    return x, q, found and off < NO_BRANCH
 
 
 @kernel

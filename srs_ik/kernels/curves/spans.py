@@ -15,6 +15,7 @@ from srs_ik.kernels.curves.changes import (
     MOST_CHANGES,
     find_changes,
     posture_beside,
+    turned_back,
 )
 from srs_ik.kernels.curves.ends import on_curve, sample_before
 from srs_ik.kernels.curves.runs import samples_of
@@ -27,12 +28,11 @@ from srs_ik.kernels.curves.told import (
     tell_samples,
     turn_at,
     turning_between,
-    turns_back,
 )
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.asked import Samples
 from srs_ik.kernels.layout.search import MAX_RUNS
-from srs_ik.kernels.limb.branches import NO_BRANCH, bit_of
+from srs_ik.kernels.limb.branches import bit_of
 
 SPAN = 6
 """A span: its run, branch, first and last parameter, least and greatest arm angle on it, rad (not wrapped)."""
@@ -113,16 +113,12 @@ def take_turn(P, by, curve, span, passed, x, to):
 @kernel
 def take_back(P, by, curve, span, passed, i, told):
     """Let a span reach to where the arm angle goes back between samples i - 1 and i, if it does; where it has come."""
-    x, next_x = curve.rows[i - 1, 0], curve.rows[i, 0]
-    share, found = turns_back(told, i, next_x - x)
+    x, there, found = turned_back(P, by, curve, i, told)
     if found:
-        x += share * (next_x - x)
-        there, off = on_curve(P, by, 0, curve, x)
-        if off < NO_BRANCH:
-            change, behind = short_way(angle_at(P, by, there) - passed.psi), turn_at(P, by, there)
-            take_turn(P, by, curve, span, passed, x, (change, behind))
-            passed = Passed(passed.psi + change, behind)
-            extend(span, x, passed.psi)
+        change, behind = short_way(angle_at(P, by, there) - passed.psi), turn_at(P, by, there)
+        take_turn(P, by, curve, span, passed, x, (change, behind))
+        passed = Passed(passed.psi + change, behind)
+        extend(span, x, passed.psi)
     return passed
 
 

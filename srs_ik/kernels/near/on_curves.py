@@ -17,8 +17,8 @@ from srs_ik.kernels.curves.changes import (
     MOST_CHANGES,
     find_changes,
     posture_beside,
+    turned_back,
 )
-from srs_ik.kernels.curves.ends import on_curve
 from srs_ik.kernels.curves.follow import between, share_of_chord
 from srs_ik.kernels.curves.in_step import SAMPLE, load_sample, put_sample
 from srs_ik.kernels.curves.lowest import cost_of_turn
@@ -34,7 +34,6 @@ from srs_ik.kernels.curves.told import (
     tell_one,
     tell_samples,
     turning_between,
-    turns_back,
 )
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.answer import ROW_COST
@@ -105,14 +104,8 @@ def put_beside(P, by, x, q, branch, n, followed):
 @kernel
 def put_back(P, by, curve, i, told, n, followed):
     """Append a posture where the arm angle goes back between samples i - 1 and i, if it does; the number of rows."""
-    x, next_x = curve.rows[i - 1, 0], curve.rows[i, 0]
-    share, found = turns_back(told, i, next_x - x)
-    if found:
-        x += share * (next_x - x)
-        q, off = on_curve(P, by, 0, curve, x)
-        if off < NO_BRANCH:
-            n = put_beside(P, by, x, q, int(told[i, TOLD_BRANCH]), n, followed)
-    return n
+    x, q, found = turned_back(P, by, curve, i, told)
+    return put_beside(P, by, x, q, int(told[i, TOLD_BRANCH]), n, followed) if found else n
 
 
 @kernel
