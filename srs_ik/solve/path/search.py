@@ -204,7 +204,10 @@ def in_closed_form(problem: Problem, plan: Problem, marks: NDArray[np.bool_]) ->
     improve(problem, best, FINE)
     narrow = is_in_slivers(best) and not stands_in
     if narrow and (torn or (missed and best.cost >= CLOSE * least)):
-        best = min(best, planned_in_fine(problem), key=lambda each: each.cost)
+        rest = costs_to_end(told, blocks, FAR_ABOVE * best.cost)
+        other, _ = find_narrow(problem, keys, blocks, rest, ~np.isin(np.arange(len(problem.T)), keys))
+        improve(problem, other, FINE)
+        best = min(best, other, key=lambda each: each.cost)
     if best.cost < (CLOSE if narrow else AS_PLANNED) * least:
         return search_around(problem, best) if torn else best, None
     if stands_in:
@@ -221,14 +224,6 @@ def is_whole(way: Way, keys: NDArray[np.int64]) -> bool:
 def is_in_slivers(way: Way) -> bool:
     """Whether a path leads through intervals so narrow that joints turn fast in them: coarse strips tell little."""
     return bool((way.bounds[:, 1] - way.bounds[:, 0] < SLIVER).any())
-
-
-def planned_in_fine(problem: Problem) -> Way:
-    """A path planned at every pose, in strips that are fine everywhere."""
-    keys = np.arange(len(problem.T))
-    way = find_way(fine_everywhere(problem, keys), keys, False)
-    improve(problem, way, FINE)
-    return way
 
 
 def filled(problem: Problem, way: Way, keys: NDArray[np.int64], stands_in: bool) -> Way | None:
