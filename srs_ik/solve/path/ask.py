@@ -51,6 +51,9 @@ SHORT = 200
 MOVED = 1e-3
 """Where a posture has to be moved farther than this to meet its pose, rad, a path may be better elsewhere."""
 
+CLOSING_ROOM = 0.0, 1e-6, 1e-4
+"""Parts of the velocity limits that are left, one after the other, to what takes postures to their poses."""
+
 ON_POSE = 1e-6
 """A posture that is given may miss its pose by so much, m and rad."""
 
@@ -159,10 +162,13 @@ def _found(find: Callable[[Problem], Way], problem: Problem) -> tuple[Way, Array
     free, planned = way.branch >= 0, way.q.copy()
     rows = rows_of(problem, way)
     # Taken to their poses, postures next to limits may have moved, farther even than was left of the velocity limits;
-    # they stay now, and those beside them make room.
+    # they stay now, and those beside them make room. Near limbs move again then, so that limits are drawn in for them.
     if slow and not keeps_limits(problem, way):
-        keep_limits(problem, way, copy(way))
-        rows = rows_of(problem, way)
+        for room in CLOSING_ROOM:
+            keep_limits(within(problem, 1.0 - room), way, copy(way))
+            rows = rows_of(problem, way)
+            if keeps_limits(problem, way):
+                break
     elif problem.even and (free & (way.branch < 0)).any():
         moved = way.reached & (np.abs(way.q - planned).max(axis=1) > MOVED)
         if moved.any() and way.reached.all() and not problem.is_near:
@@ -170,6 +176,13 @@ def _found(find: Callable[[Problem], Way], problem: Problem) -> tuple[Way, Array
         improve(problem, way, FINE)
         rows = rows_of(problem, way)
     return way, rows
+
+
+def within(problem: Problem, part: float) -> Problem:
+    """The problem with velocity limits that are a part of what they are."""
+    settings = problem.settings.copy()
+    settings[BY_VELOCITY] *= part
+    return replace(problem, settings=settings)
 
 
 def _with_held_splits(problem: Problem) -> Problem | None:
