@@ -384,6 +384,7 @@ def test_a_path_beside_the_chords_of_coarse_strips_is_found(name, motion, count)
         ("gen3", "cross", 38004, False),
         ("gen3", "limits", 740005, False),
         pytest.param("rm75", "limits", 740010, False, marks=pytest.mark.files),
+        pytest.param("rm75", "singular", 745009, True, marks=pytest.mark.files),
         pytest.param("rm75", "limits", 32001, True, marks=pytest.mark.files),
         pytest.param("human_left", "limits", 38000, True, marks=pytest.mark.files),
     ],

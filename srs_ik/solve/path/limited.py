@@ -91,7 +91,9 @@ def found_below(problem: Problem, way: Way, most: float) -> Way:
         way = better(problem, way, other)
         if keeps_limits(problem, way):
             most = min(most, way.cost)
-            if number + 1 >= ONCE_WITHIN or (kept and not before - way.cost > LEAST_GAIN * before):
+            # What does not keep the limits itself tells nothing of what is to be gained.
+            told = kept and keeps_limits(problem, other)
+            if number + 1 >= ONCE_WITHIN or (told and not before - way.cost > LEAST_GAIN * before):
                 break
         if not near:
             break
