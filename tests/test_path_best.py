@@ -490,6 +490,17 @@ def test_no_known_motion_of_a_near_arm_has_a_smaller_largest_step(name, kind, mo
     assert path.value <= np.abs(np.diff(known, axis=0)).max()
 
 
+@pytest.mark.parametrize("seeded", [True, False])
+def test_a_path_is_the_least_where_nothing_with_smaller_steps_is_left(seeded):
+    """The first path found has so small a largest step that no strip is left to be made finer."""
+    arm = load("human_arm")
+    known = motion_of_benchmark(arm, "human_arm", "limits", 116, 60)
+    poses = poses_of(arm, known)
+    path = arm.solve_path(poses, seed=known[0] if seeded else None, objective="largest_step")
+    assert_on_poses("human_arm", arm, poses, path)
+    assert path.lower_bound <= path.value <= np.abs(np.diff(known, axis=0)).max()
+
+
 @pytest.mark.files
 def test_a_path_close_to_its_plan_may_be_bettered():
     """Coarse strips cost 0.2 % too much on the best path: the wrist passes its singular posture five poses earlier."""

@@ -113,8 +113,6 @@ def least_largest_step(problem: Problem) -> Way:
         return way
     strips = whole
     for _ in range(LEVELS):
-        if not len(strips.rows):
-            break
         strips = strips.below(problem, (1.0 - GAIN) * worth(problem, way)[1])
         other = path_through(problem, strips, way)
         if other is not None:
@@ -125,7 +123,7 @@ def least_largest_step(problem: Problem) -> Way:
             if worth(problem, other) < worth(problem, way):
                 way = other
                 strips = strips.below(problem, (1.0 - GAIN) * worth(problem, way)[1])
-        if len(strips.rows) > MOST_CELLS * len(problem.T):
+        if not 0 < len(strips.rows) <= MOST_CELLS * len(problem.T):
             break
         strips = strips.finer(loose)
     return way

@@ -154,7 +154,7 @@ def planned_at_some(problem: Problem) -> tuple[Way | None, Problem | None]:
         way, rest = in_closed_form(problem, as_exact(problem), thinned(marks, problem.has_known, KEYS))
         if rest is None:
             return way, None
-    return sparse(problem, thinned(marks, problem.has_known, NEAR_KEYS)), None
+    return sparse(problem, marks), None
 
 
 def in_closed_form(problem: Problem, plan: Problem, marks: NDArray[np.bool_]) -> tuple[Way | None, Problem | None]:
@@ -253,13 +253,15 @@ def filled(problem: Problem, way: Way, keys: NDArray[np.int64], stands_in: bool)
     return way
 
 
-def sparse(problem: Problem, marks: NDArray[np.bool_]) -> Way | None:
-    """A path planned on the true chain at the poses that are marked, filled in between; None where it breaks.
+def sparse(problem: Problem, apart: NDArray[np.bool_]) -> Way | None:
+    """A path planned on the true chain at some of the poses `apart` (n,), filled in between; None where it breaks.
 
-    Poses near which it costs more than planned are planned then too, in the end all; what is known of the strips of
-    the others is kept.
+    More of these near which it costs more than planned are planned then too, in the end all; what is known of the
+    strips of the others is kept. Poses between them come so close one after the other that chords of strips tell
+    nothing of a path: they are planned only where no posture is near the straight line.
     """
-    plan, best = problem, None
+    plan, best, marks = problem, None, thinned(apart, problem.has_known, NEAR_KEYS)
+    apart = apart if apart.mean() < MOST_PLANNED else np.ones_like(apart)
     while True:
         keys = np.flatnonzero(marks)
         way, blocks = through(far(plan, keys), keys, False)
@@ -268,10 +270,14 @@ def sparse(problem: Problem, marks: NDArray[np.bool_]) -> Way | None:
             return None if best is None else search_around(problem, best)
         least, q = way.cost, way.q[keys]
         missed = fill(problem, way, keys)
-        if not missed.any():
+        is_filled = not missed.any()
+        if is_filled:
             improve(problem, way)
             best = way if best is None or way.cost < best.cost else best
-            if best.cost < AS_PLANNED * least or marks.all():
+            if best.cost < AS_PLANNED * least:
+                return search_around(problem, best)
+            if marks[apart].all():
+                best = best if apart.all() else in_finer(problem, best, keys, blocks)
                 return search_around(problem, best)
             missed = worse(problem, way, keys, q)
         if best is None:
@@ -280,8 +286,23 @@ def sparse(problem: Problem, marks: NDArray[np.bool_]) -> Way | None:
             told = far(problem, keys)
             rest = costs_to_end(told, blocks, best.cost)
             plan = replace(held_about(told, keys, blocks, rest), settings=problem.settings)
-        more = wider(missed) & ~marks
-        marks = marks | more if more.any() and marks.mean() < MOST_PLANNED else np.ones_like(marks)
+        more = np.zeros_like(marks)
+        more[apart] = wider(missed[apart])
+        if (more & ~marks).any() and marks[apart].mean() < MOST_PLANNED:
+            marks = marks | more
+        else:
+            marks = np.ones_like(marks) if marks[apart].all() else marks | apart
+
+
+def in_finer(problem: Problem, best: Way, keys: NDArray[np.int64], blocks: list[Block]) -> Way:
+    """A path planned at key poses, or a better one in finer strips of what costs no more."""
+    told = far(problem, keys)
+    fine = finer(held_below(told, keys, blocks, costs_to_end(told, blocks, best.cost), best.cost))
+    way = find_way(fine, keys, False)
+    if not is_whole(way, keys) or fill(problem, way, keys).any():
+        return best
+    improve(problem, way)
+    return min(best, way, key=lambda each: each.cost)
 
 
 def far(problem: Problem, keys: NDArray[np.int64]) -> Problem:
