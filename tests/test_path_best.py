@@ -490,6 +490,23 @@ def test_no_known_motion_of_a_near_arm_has_a_smaller_largest_step(name, kind, mo
     assert path.value <= np.abs(np.diff(known, axis=0)).max()
 
 
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("name", "motion", "seeded", "value"),
+    [
+        ("gen3", 800000, False, 0.12011),
+        pytest.param("j2s7s300", 800001, True, 0.08730, marks=pytest.mark.files),
+    ],
+)
+def test_a_slow_path_of_a_near_arm_is_looked_for_in_finer_strips(name, motion, seeded, value):
+    """Steps of 2,000 poses are much shorter than chords of coarse strips are off: paths of these values are known."""
+    arm = load(name)
+    known = motion_of_benchmark(arm, name, "cross", motion, 2000)
+    path = arm.solve_path(poses_of(arm, known), seed=known[0] if seeded else None)
+    assert path
+    assert total(path, known[0] if seeded else None) <= value
+
+
 @pytest.mark.parametrize("seeded", [True, False])
 def test_a_path_is_the_least_where_nothing_with_smaller_steps_is_left(seeded):
     """The first path found has so small a largest step that no strip is left to be made finer."""
