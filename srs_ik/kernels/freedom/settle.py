@@ -47,7 +47,7 @@ STUCK = 0.05
 """A step shorter than so much of what a pose is missed by, rad by m or rad, meets none: limits stand in the way."""
 
 LEFT = 1.5
-"""Where the pose is almost met, a search comes nearer to the seed by no more than so many times its last step."""
+"""Where the pose is almost met, a search comes nearer to the seed by at most so many times its step, uncut."""
 
 SAME = 0.01
 """A step that leads so close to a posture that is known, rad, and is longer than that, leads there."""
@@ -309,8 +309,9 @@ def settle(P, q, pose, freedom, liking, desk):
         size, share = 0.0, 1.0
         for j in range(7):
             size = max(size, abs(step[j]))
-        if MET < error and size < STUCK * error:
+        if error > MET and size < STUCK * error:
             break
+        way = LEFT * size
         if size > radius:
             share = radius / size
             step = along7(NO_SEED, share, step)
@@ -319,7 +320,7 @@ def settle(P, q, pose, freedom, liking, desk):
         before = q
         q = between(along7(q, 1.0, step), liking.lower, liking.upper)
         held = on & at_limits(q, liking)
-        if near and (beaten(q, LEFT * size, liking) or comes_to_rival(q, size, liking)):
+        if near and (beaten(q, way, liking) or comes_to_rival(q, size, liking)):
             return q, math.inf, math.inf, False
     if not at_rest:
         _, error, _ = equations(P, q, pose, freedom, desk)
