@@ -136,11 +136,17 @@ def in_box(arm: Any, q: np.ndarray, T: np.ndarray, low: np.ndarray, high: np.nda
         turn = pin.log3(tip.rotation.T @ T[:3, :3])
         return np.concatenate([(tip.translation - T[:3, 3]) / NEAR_TARGET[0], turn / NEAR_TARGET[1]])
 
+    def slopes(x: np.ndarray) -> np.ndarray:
+        R, J = arm.forward_kinematics(x).rotation, arm.jacobian(x)
+        turning = pin.Jlog3(T[:3, :3].T @ R) @ R.T @ J[3:]
+        return np.vstack([J[:3] / NEAR_TARGET[0], -turning / NEAR_TARGET[1]])
+
     for k in np.argsort(outside)[:STARTS]:
         if outside[k] > STEP_BETWEEN:
             break
         wide = np.maximum(high, low + 1e-9)
-        found = least_squares(off, np.clip(near[k], low, wide), bounds=(low - 1e-12, wide + 1e-12), xtol=1e-10)
+        ends = low - 1e-12, wide + 1e-12
+        found = least_squares(off, np.clip(near[k], low, wide), slopes, bounds=ends, xtol=1e-10)
         if max(np.linalg.norm(found.fun[:3]), np.linalg.norm(found.fun[3:])) < 1.0:
             return True
     return False

@@ -53,10 +53,10 @@ def beside(P, pose, freedom, liking, desk):
 @kernel
 def nearest(P, pose, freedom, liking, sizes, found, desk):
     """The nearest posture that searches from so many starts in `desk` lead to, or the one that is known."""
-    attempts, taken = 0, 0
+    attempts, taken, failed = 0, 0, 0
     count, enough = sizes
     line_up(desk.starts, count)
-    while attempts < MOST_ATTEMPTS and taken < MOST_TAKEN and not (found.met and attempts >= enough):
+    while attempts + failed < MOST_ATTEMPTS and taken < MOST_TAKEN and not (found.met and attempts >= enough):
         start, least, count = take_next(desk.starts, count, taken)
         reached = math.sqrt(found.cost)
         if least >= NONE_LEFT or is_of_no_use(least, found, True):
@@ -68,6 +68,9 @@ def nearest(P, pose, freedom, liking, sizes, found, desk):
         attempts += 1
         rival = Liking(liking.posture, liking.weights, liking.lower, liking.upper, found.cost, found.q)
         there, cost, error, _ = settle(P, start, pose, freedom, rival, desk)
-        if error < SOLVED and cost < found.cost:
+        if SOLVED <= error < math.inf:
+            # Limits stand in its way; not in that of a start beside it.
+            taken, attempts, failed = taken - 1, attempts - 1, failed + 1
+        elif cost < found.cost:
             found = Found(there, cost, True)
     return found

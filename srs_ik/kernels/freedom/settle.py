@@ -29,7 +29,8 @@ MET = 1e-11
 """Errors of the pose, m and rad, that need no step."""
 
 ALMOST = 0.1
-"""Bends count where the pose is met so far: multipliers of a first guess say nothing."""
+"""Where the pose is missed by more, m and rad, a step goes the shortest way to it: a far seed would pull away from it.
+Bends count only nearer: multipliers of a first guess say nothing."""
 
 STIFFER = 4.0
 STIFFEST = 256.0
@@ -42,9 +43,11 @@ SHORTER = 0.3
 CLOSE_BY = 0.1
 """Steps longer than this, rad, have to be worth it, and are cut by that factor where not."""
 
+STUCK = 0.05
+"""A step shorter than so much of what a pose is missed by, rad by m or rad, meets none: limits stand in the way."""
 
 LEFT = 1.5
-"""Where the pose is almost met, a search comes nearer to the seed by no more than so many times its last step."""
+"""Where the pose is almost met, a search comes nearer to the seed by at most so many times its step, uncut."""
 
 SAME = 0.01
 """A step that leads so close to a posture that is known, rad, and is longer than that, leads there."""
@@ -140,9 +143,9 @@ def bends(m, forces, turns, cone):
 def fill(J, K, q, liking, bend, shares):
     """Write second derivatives of the Lagrangian into rows 0 to 6 of the system, and the slope of the distance.
 
-    The bends of the equations, and those of the distance, count by a share each.
+    The bends of the equations, those of the distance, and its slope count by a share each.
     """
-    share, plain = shares
+    share, plain, pull = shares
     point, axis, u = bend
     for i in range(7):
         z = axis_of(J, i)
@@ -152,7 +155,7 @@ def fill(J, K, q, liking, bend, shares):
             K[i, j] = h
             K[j, i] = h
         K[i, i] += plain * liking.weights[i]
-        K[i, RHS] = -liking.weights[i] * (q[i] - liking.posture[i])
+        K[i, RHS] = -pull * liking.weights[i] * (q[i] - liking.posture[i])
 
 
 @kernel
@@ -287,24 +290,28 @@ def settle(P, q, pose, freedom, liking, desk):
             continue
         radius = min(2.0 * radius, MAX_STEP)
         curve = bends(m, forces, turns, freedom.cone)
-        curved = error < ALMOST and known == m
-        plain = 1.0
-        fill(J, K, q, liking, curve, (1.0 if curved else 0.0, plain))
+        near = error < ALMOST
+        curved = near and known == m
+        pull, plain = 1.0 if near else 0.0, 1.0
+        fill(J, K, q, liking, curve, (1.0 if curved else 0.0, plain, pull))
         step, asked, on, down = bounded_step(K, M, m, q, held, liking)
         while curved and plain < STIFFEST and not down:
             # Not towards a minimum: stiffer, it is downhill along the equations, and no farther than they bend.
             plain = STIFFER * plain
-            fill(J, K, q, liking, curve, (1.0, plain))
+            fill(J, K, q, liking, curve, (1.0, plain, pull))
             step, asked, on, down = bounded_step(K, M, m, q, held, liking)
         if m == 3 and leaves_cone(K, freedom, step):
             m = 4
             step, asked, on, down = bounded_step(K, M, m, q, held, liking)
         last = forces if known == m else asked
-        known = m
-        worth = distance(q, liking) + price(asked) * error
+        known = m if near else 0
+        worth = distance(q, liking) + price(asked) * error if near else math.inf
         size, share = 0.0, 1.0
         for j in range(7):
             size = max(size, abs(step[j]))
+        if error > MET and size < STUCK * error:
+            break
+        way = LEFT * size
         if size > radius:
             share = radius / size
             step = along7(NO_SEED, share, step)
@@ -313,7 +320,7 @@ def settle(P, q, pose, freedom, liking, desk):
         before = q
         q = between(along7(q, 1.0, step), liking.lower, liking.upper)
         held = on & at_limits(q, liking)
-        if error < ALMOST and (beaten(q, LEFT * size, liking) or comes_to_rival(q, size, liking)):
+        if near and (beaten(q, way, liking) or comes_to_rival(q, size, liking)):
             return q, math.inf, math.inf, False
     if not at_rest:
         _, error, _ = equations(P, q, pose, freedom, desk)

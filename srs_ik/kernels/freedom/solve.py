@@ -26,6 +26,9 @@ from srs_ik.kernels.limb.triangle import place
 NEAREST, NEAREST_IN_CONE = 32, 12
 """Local searches at least: with the roll alone free, and then so many more with the cone free."""
 
+THIN = 1e-3
+"""In a cone up to this, rad, postures are those of its roll but for about as much: it is searched where these fail."""
+
 ROUNDING = 1e-13
 """Errors of a pose, m and rad, that need no step any more."""
 
@@ -76,11 +79,13 @@ def nearest_of_all(P, pose, given, liking, desk):
     found = nearest(P, pose, roll, held, (count, NEAREST), found, desk)
     if freedom.cone == 0.0:
         return found
-    count = starts_of_turns(P, pose, turns, (True, liking.posture, found), desk, count)
     if found.met:
         q, cost, error, _ = settle(P, found.q, pose, freedom, liking, desk)
         if error < SOLVED and cost < found.cost:
             found = Found(q, cost, True)
+        if freedom.cone <= THIN:
+            return found
+    count = starts_of_turns(P, pose, turns, (True, liking.posture, found), desk, count)
     return nearest(P, pose, freedom, liking, (count, NEAREST_IN_CONE), found, desk)
 
 

@@ -99,7 +99,7 @@ def widen(P, q, pose, freedom, rival, desk):
         curve = bends(m, forces, turns, freedom.cone)
         curved = error < ALMOST and known == m
         own = Liking(q, EVEN, NO_SEED, NO_SEED, 0.0, NO_SEED)
-        fill(J, K, q, own, curve, (1.0 if curved else 0.0, STIFF if curved else STIFFER))
+        fill(J, K, q, own, curve, (1.0 if curved else 0.0, STIFF if curved else STIFFER, 1.0))
         basic, rank = solve_equations(K, M, m, 0, NO_SEED)
         if basic < 0:
             return q, share, math.inf
