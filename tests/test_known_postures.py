@@ -643,3 +643,21 @@ def test_arm_angles_that_turn_around_twice_between_two_samples_are_noticed(bench
     limits = [(-3.14, 1.57), (-0.35, 2.09), (-1.57, 1.57), (-2.62, 0.0), (-1.57, 1.57), (-1.31, 0.7), (-0.7, 0.7)]
     arm = written(tmp_path, points, axes, limits, 17)
     assert_is_whole(bench, arm, np.array(given.split(), float))
+
+
+TURNS_AT_A_WRIST = [
+    "-2.189770744802907 0.3628493669517554 2.064840811317306 1.4223168909717425 2.8750828518166625 1e-08 "
+    "-1.032650000580929",
+    "-1.043476998423674 1e-08 -2.482980007276918 -1.3893622786981619 -0.8930288102865793 -1e-08 -0.4456549610419316",
+    "-2.867364662673771 1e-06 1.7016283224065 1.926683407027618 1.3303162467361318 -1e-06 2.230457508285685",
+    "2.6522177019952817 1e-12 -2.2591021581811805 -2.5699999999989998 0.6501265266946574 -1e-12 2.371237694350879",
+    "1.7226723159481656 1e-05 -3.041713888327156 -2.38643098287384 2.317357335359385 1e-05 1.0916638037034927",
+    "1.2897725205847346 -1e-10 -0.8127792361460888 2.5274024591967534 2.230294521065412 1e-10 0.022333631963843636",
+]
+"""Of a gen3: the arm angle turns around 1e-4 rad beside a singular wrist, where postures in step are 1e-9 rad off."""
+
+
+@pytest.mark.parametrize("given", TURNS_AT_A_WRIST)
+def test_no_interval_ends_beyond_where_its_arm_angle_turns_around(given):
+    """Such ends lay up to 6e-9 rad beyond it; arm angles are met to 1e-9 rad."""
+    assert assert_all_is_met("gen3", arms.forward("gen3")(np.array(given.split(), float)), 3) > 10
