@@ -661,3 +661,18 @@ TURNS_AT_A_WRIST = [
 def test_no_interval_ends_beyond_where_its_arm_angle_turns_around(given):
     """Such ends lay up to 6e-9 rad beyond it; arm angles are met to 1e-9 rad."""
     assert assert_all_is_met("gen3", arms.forward("gen3")(np.array(given.split(), float)), 3) > 10
+
+
+TOUCHED_AT_A_WRIST = [
+    "-0.7179199084875543 1e-07 -2.6452166102108987 2.5699999989999998 2.350226128770295 -1e-07 1.7709998928651656",
+    "-2.777908546853088 1e-09 -1.58286656762695 -2.57 -0.46244313936385195 1e-09 -2.4036207798561597",
+    "-1.078862100163997 -1e-12 -2.4825758397302997 2.5699999989999998 2.3011035449614488 -1e-12 0.03888198077085914",
+    "0.1890625672475088 -1e-08 -1.5991306673211898 2.57 -0.8689518206356719 -1e-08 1.539124392647457",
+    "-0.7912837967921491 1e-12 -1.6291445608380042 -2.57 -0.5772305248603362 1e-12 1.1953437654529484",
+]
+"""Of a gen3: the elbow comes back to its limit, by up to 1e-9 rad, where shoulder and wrist are singular."""
+
+
+@pytest.mark.parametrize("given", TOUCHED_AT_A_WRIST)
+def test_limits_that_are_touched_where_postures_in_step_are_off_leave_an_interval(bench, given):
+    assert_is_whole(bench, arms.load("gen3"), np.array(given.split(), float))
