@@ -127,7 +127,7 @@ def missed(
         _, _, tip, R = known.moved(found.q)
         wanted = poses[of_case[at]]
         off = np.linalg.norm(tip - wanted[:, :3, 3], axis=1)
-        turned = np.linalg.norm(R - wanted[:, :3, :3], axis=(1, 2))  # at least the angle, where it is small
+        turned = np.sqrt(0.5) * np.linalg.norm(R - wanted[:, :3, :3], axis=(1, 2))  # the angle, where it is small
         bad = ~found.ok | (off > MET) | (turned > MET) | ((found.q < arm.lower) | (found.q > arm.upper)).any(axis=1)
         for i in np.flatnonzero(bad):
             yield some[of_case[at[i]]], branch, float(angles[at[i]]), str(found[int(i)].status)

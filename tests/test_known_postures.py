@@ -9,10 +9,14 @@ from itertools import islice
 from pathlib import Path
 
 import arms
+import chains
 import numpy as np
+import pinocchio as pin
 import pytest
 from oracles import distance, inside, phases
 from scipy.optimize import minimize
+
+import srs_ik
 
 TIGHT = {"xatol": 1e-12, "fatol": 1e-14, "maxiter": 600}
 BENCHMARKS = Path(__file__).resolve().parents[1] / "benchmarks"
@@ -585,3 +589,90 @@ def test_known_postures_are_lost_hidden_or_found(bench):
         pose = arm.forward_kinematics(q).homogeneous
         assert bench["is_found"](known, bench["Case"](q, pose, q, (), 0.0), []) is answer
     assert bench["is_found"](known, bench["Case"](q, pose, q, (), 0.0), arm.intervals(pose)) is True
+
+
+def written(folder, points, axes, limits, digits):
+    """An arm of parallel or right-angled axes (points in mm), whose file gives angles with so many digits."""
+    lines = [chains.Line(*line) for line in zip(axes, points, limits, strict=True)]
+    tip = pin.SE3(np.eye(3), 1e-3 * np.array(points[-1], float))
+    path = folder / "arm.urdf"
+    path.write_text(f'<robot name="arm">{chains.arm(lines, tip, digits=digits)}</robot>')
+    return srs_ik.load(path, base="link_0", tip="tool")
+
+
+SHORT_ANGLES = [
+    "0.4674543860880025 0.8582610183761994 -2.095296552521161 -9.880263290563675e-08 1.9062070329446814 "
+    "-0.2108383926915578 -0.9536365605046244",
+    "-3.14 0.3085621787753734 1.1387290176197342 1.0011973670943632e-06 -3.14 -1e-06 3.14",
+    "0.47526153644019775 -1.2891064162146084 2.5848461197672266 1.0973670943632441e-09 -1.687591364649572 "
+    "2.4090369220439087 1.8376169426176703",
+    "2.953191628215707 1.3107713078583267 -1.7441133742741244 1.1973670943632442e-09 -1.5831944206921804 "
+    "0.6612660989037495 -2.9440120452922387",
+]
+"""Elbows almost straight, where some parameters of a curve have no posture: one off its pose is no change of branch."""
+
+
+@pytest.mark.parametrize("given", SHORT_ANGLES)
+def test_postures_off_their_pose_tell_no_change_of_branch(bench, tmp_path, given):
+    """Joint places of the URDF of Kinova's Movo, whose right angles have nine decimals: axes miss by some 1e-10 m."""
+    heights = (62.5, 181.25, 386.25, 591.25, 798.55, 902.3, 1006.05)
+    points = [(0.0, -11.4 if k > 3 else 0.0, z) for k, z in enumerate(heights)]
+    up, across = (0.0, 0.0, -1.0), chains.Y
+    axes = (up, across, up, (0.0, -1.0, 0.0), up, across, up)
+    limits = [(-x, x) for x in (3.14, 2.24, 3.14, 2.81, 3.14, 2.78, 3.14)]
+    assert_is_whole(bench, written(tmp_path, points, axes, limits, 9), np.array(given.split(), float))
+
+
+TURNED_TWICE = [
+    "-2.791197118434844 0.7148180894905051 -0.2704456048006314 -0.14802277164140568 -1.543100929776156 "
+    "0.5999354305645681 -0.6060510859664663",
+    "-0.29232117108347966 1.8377639250202176 1.5006321897390464 -0.14802387164140568 1.5654944728200528 "
+    "0.5761750243371522 -0.6549966623181456",
+    "-1.303833917625282 -0.35 -0.4323219153595499 -0.14802378164140567 1.57 0.4592510668949743 0.3199649083371847",
+]
+"""Arm angles that go forth, back and forth between two samples of a curve: postures that no branch was given."""
+
+
+@pytest.mark.parametrize("given", TURNED_TWICE)
+def test_arm_angles_that_turn_around_twice_between_two_samples_are_noticed(bench, tmp_path, given):
+    """Joint places of the URDF of Leju's Kuavo, left arm, to 0.1 mm: axes of the wrist miss by up to 10.5 mm."""
+    across = [-17.5, -17.5, -17.5, 2.5, -17.5, -17.3, -17.3]
+    heights = [424.5, 424.5, 424.5, 140.8, 13.8, -92.7, -113.7]
+    points = [(x, 292.7, z) for x, z in zip(across, heights, strict=True)]
+    axes = (chains.Y, chains.X, chains.Z, chains.Y, chains.Z, chains.X, chains.Y)
+    limits = [(-3.14, 1.57), (-0.35, 2.09), (-1.57, 1.57), (-2.62, 0.0), (-1.57, 1.57), (-1.31, 0.7), (-0.7, 0.7)]
+    arm = written(tmp_path, points, axes, limits, 17)
+    assert_is_whole(bench, arm, np.array(given.split(), float))
+
+
+TURNS_AT_A_WRIST = [
+    "-2.189770744802907 0.3628493669517554 2.064840811317306 1.4223168909717425 2.8750828518166625 1e-08 "
+    "-1.032650000580929",
+    "-1.043476998423674 1e-08 -2.482980007276918 -1.3893622786981619 -0.8930288102865793 -1e-08 -0.4456549610419316",
+    "-2.867364662673771 1e-06 1.7016283224065 1.926683407027618 1.3303162467361318 -1e-06 2.230457508285685",
+    "2.6522177019952817 1e-12 -2.2591021581811805 -2.5699999999989998 0.6501265266946574 -1e-12 2.371237694350879",
+    "1.7226723159481656 1e-05 -3.041713888327156 -2.38643098287384 2.317357335359385 1e-05 1.0916638037034927",
+    "1.2897725205847346 -1e-10 -0.8127792361460888 2.5274024591967534 2.230294521065412 1e-10 0.022333631963843636",
+]
+"""Of a gen3: the arm angle turns around 1e-4 rad beside a singular wrist, where postures in step are 1e-9 rad off."""
+
+
+@pytest.mark.parametrize("given", TURNS_AT_A_WRIST)
+def test_no_interval_ends_beyond_where_its_arm_angle_turns_around(given):
+    """Such ends lay up to 6e-9 rad beyond it; arm angles are met to 1e-9 rad."""
+    assert assert_all_is_met("gen3", arms.forward("gen3")(np.array(given.split(), float)), 3) > 10
+
+
+TOUCHED_AT_A_WRIST = [
+    "-0.7179199084875543 1e-07 -2.6452166102108987 2.5699999989999998 2.350226128770295 -1e-07 1.7709998928651656",
+    "-2.777908546853088 1e-09 -1.58286656762695 -2.57 -0.46244313936385195 1e-09 -2.4036207798561597",
+    "-1.078862100163997 -1e-12 -2.4825758397302997 2.5699999989999998 2.3011035449614488 -1e-12 0.03888198077085914",
+    "0.1890625672475088 -1e-08 -1.5991306673211898 2.57 -0.8689518206356719 -1e-08 1.539124392647457",
+    "-0.7912837967921491 1e-12 -1.6291445608380042 -2.57 -0.5772305248603362 1e-12 1.1953437654529484",
+]
+"""Of a gen3: the elbow comes back to its limit, by up to 1e-9 rad, where shoulder and wrist are singular."""
+
+
+@pytest.mark.parametrize("given", TOUCHED_AT_A_WRIST)
+def test_limits_that_are_touched_where_postures_in_step_are_off_leave_an_interval(bench, given):
+    assert_is_whole(bench, arms.load("gen3"), np.array(given.split(), float))

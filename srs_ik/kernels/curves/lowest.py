@@ -35,6 +35,9 @@ far from the ends at least, in parts of the way between two."""
 BENT = 16.0
 """A squared distance is above the lines that foretell it but for so many times the square of the way between two."""
 
+UNSURE = 1e-8
+"""Looks this far outside the limits, rad, may be inside: postures in step are off by so much at a singular wrist."""
+
 
 @kernel
 def rate_of_cost(P):
@@ -204,8 +207,8 @@ def dip_near(P, by, curve, bracket):
 
     Where another curve crosses this one, a look may be on that: what counts is the posture of the curve itself.
     """
-    best, x = close_in_on(P, by, curve, bracket, Goal(False, NO_SEED, True), Best(NO_SEED, OUTSIDE))
-    if best.cost >= OUTSIDE:
+    best, x = close_in_on(P, by, curve, bracket, Goal(False, NO_SEED, True), Best(NO_SEED, OUTSIDE + UNSURE))
+    if best.cost >= OUTSIDE + UNSURE:
         return x, 1.0
     _, off = on_curve(P, by, 0, curve, x)
     return (x, off) if off <= 0.0 else dip(P, by, 0, curve, bracket[0], bracket[2])

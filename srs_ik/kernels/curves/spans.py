@@ -56,8 +56,7 @@ def turning_angle(P, by, curve, ends, psi, sign):
     """The farthest arm angle, in the direction of a sign, between two parameters; psi is close by."""
     a, _ = on_curve(P, by, 0, curve, ends[0])
     b, _ = on_curve(P, by, 0, curve, ends[1])
-    _, ahead = turning_between(P, by, a, b, sign)
-    return psi + short_way(angle_at(P, by, a) + ahead - psi)
+    return psi + short_way(angle_at(P, by, turning_between(P, by, a, b, sign)) - psi)
 
 
 @kernel

@@ -14,7 +14,7 @@ from srs_ik.kernels.chain.eight import branches_of, sines_of_eight, take_ways
 from srs_ik.kernels.chain.kinematics import turn_about_line
 from srs_ik.kernels.chain.newton import arm_angle
 from srs_ik.kernels.chain.newton_eight import curve_step
-from srs_ik.kernels.curves.follow import tangent_at
+from srs_ik.kernels.curves.follow import between, tangent_at
 from srs_ik.kernels.curves.in_step import SAMPLE, between_eight, load_sample, short_ways
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.limb import AXES, ELBOW_CENTRE, POINTS, SHOULDER_CENTRE
@@ -161,11 +161,10 @@ def lowest_of_eight(heights, met):
 
 @kernel
 def turning_between(P, by, a, b, rise):
-    """Where the arm angle, from one posture of a curve to another close by, is farthest to one side, and how far ahead.
+    """The posture of a curve, from one to another close by, whose arm angle is farthest to one side.
 
     Eight postures at a time tell the arm angle and its rate; the cubic around the farthest one foretells the turn, and
-    tells where to look next. `rise` is the sign of the side. Returns the share of the chord, and the angle from that
-    of the first posture.
+    tells where to look next. `rise` is the sign of the side.
     """
     chord = difference(a, b)
     length2 = dot7(chord, chord)
@@ -207,4 +206,6 @@ def turning_between(P, by, a, b, rise):
         if high - low < FINEST:
             break
         begin, apart, less = low, (high - low) / 7.0, 1.0
-    return share, -rise * height
+    # Postures in step are off by what their singularities make of rounding; and one that is given stays as it is.
+    q, met = between(P, by, a, b, share)
+    return q if met and share > 0.0 else a

@@ -235,9 +235,8 @@ def look_between(P, by, followed, i, psi, goal, out):
     if abs(ahead_b) < SAME_ANGLE:
         keep_found(P, b, next_branch, goal, out)
     if turns:
-        share, to_turn = turning_between(P, by, a, b, 1.0 if rate_a > 0.0 else -1.0)
-        turning, met = between(P, by, a, b, share)
-        turning, ahead = (turning, ahead_a + to_turn) if met else (a, ahead_a)
+        turning = turning_between(P, by, a, b, 1.0 if rate_a > 0.0 else -1.0)
+        ahead = ahead_a + short_way(angle_at(P, by, turning) - at_a)
         put_passing(P, by, psi, branch, ((a, ahead_a), (turning, ahead)), goal, out)
         put_passing(P, by, psi, branch, ((turning, ahead), (b, ahead_b)), goal, out)
         if abs(ahead) < SAME_ANGLE:
