@@ -490,6 +490,18 @@ def test_no_known_motion_of_a_near_arm_has_a_smaller_largest_step(name, kind, mo
     assert path.value <= np.abs(np.diff(known, axis=0)).max()
 
 
+@pytest.mark.files
+@pytest.mark.parametrize("seeded", [True, False])
+def test_postures_that_no_strip_holds_are_passed_by_the_others(seeded):
+    """Two poses have a posture that rounding leaves alone: steps to it and from it count as well."""
+    arm = load("human_left")
+    known = motion_of_benchmark(arm, "human_left", "limits", 785018)
+    poses = poses_of(arm, known)
+    path = arm.solve_path(poses, seed=known[0] if seeded else None, objective="largest_step")
+    assert_on_poses("human_left", arm, poses, path)
+    assert path.value <= np.abs(np.diff(known, axis=0)).max()
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize(
     ("name", "motion", "seeded", "value"),

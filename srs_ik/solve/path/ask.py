@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from srs_ik.errors import InvalidConfiguration, MissingLimits, quoted
 from srs_ik.inputs.poses import as_joint_vector, as_matrices, as_positive, as_seed
-from srs_ik.kernels.layout.answer import ROW
+from srs_ik.kernels.layout.answer import ROW, ROW_STATUS
 from srs_ik.kernels.layout.path import (
     BY_CONTINUITY,
     BY_VELOCITY,
@@ -34,6 +34,7 @@ from srs_ik.solve.path.rows import off_poses, on_straight_lines, rows_of
 from srs_ik.solve.path.solution import PathSolution
 from srs_ik.solve.path.turns import unwound
 from srs_ik.solve.pose import solve
+from srs_ik.solve.solution import Status
 from srs_ik.solve.threads import interruptible
 
 if TYPE_CHECKING:
@@ -161,6 +162,12 @@ def _found(find: Callable[[Problem], Way], problem: Problem) -> tuple[Way, Array
     slow = problem.limited and problem.even and keeps_limits(problem, way)
     free, planned = way.branch >= 0, way.q.copy()
     rows = rows_of(problem, way)
+    alone = ~way.reached & (rows[:, ROW_STATUS] == Status.OK)
+    if alone.any() and not problem.has_known[alone].any():
+        # Postures that no strip holds, as rounding leaves them alone, are where the others have to pass.
+        known, has_known = problem.known.copy(), problem.has_known | alone
+        known[alone] = rows[alone, :7]
+        return _found(find, replace(problem, known=known, has_known=has_known))
     # Taken to their poses, postures next to limits may have moved, farther even than was left of the velocity limits;
     # they stay now, and those beside them make room. Near limbs move again then, so that limits are drawn in for them.
     if slow and not keeps_limits(problem, way):
