@@ -199,6 +199,32 @@ def test_a_closed_path_has_the_least_largest_step():
     assert gentle.largest_step <= even.largest_step + 1e-12
 
 
+@pytest.mark.parametrize("dt", [None, 0.2])
+@pytest.mark.parametrize("number", range(4, 9))
+def test_a_closed_path_along_limits_stays_closed(number, dt):
+    """Postures on limits are taken to their poses once more, and those beside them make room: not the two ends."""
+    arm, rng = load("human_arm"), np.random.default_rng(number)
+    middle = rng.uniform(np.maximum(arm.lower, -3.0), np.minimum(arm.upper, 3.0))
+    turn, sides = np.linspace(0.0, 2.0 * np.pi, 40)[:, None], rng.uniform(-0.2, 0.2, (2, 7))
+    known = np.clip(middle + sides[0] * (np.cos(turn) - 1.0) + sides[1] * np.sin(turn), arm.lower, arm.upper)
+    known[-1] = known[0]
+    poses = poses_of(arm, known)
+    path = arm.solve_path(poses, closed=True, dt=dt)
+    assert_on_poses("human_arm", arm, poses, path)
+    np.testing.assert_array_equal(path.q[0], path.q[-1])
+
+
+@pytest.mark.parametrize("objective", ["sum_of_squares", "largest_step", "time"])
+@pytest.mark.parametrize("count", [1, 3, 40])
+def test_a_path_out_of_reach_from_a_start_is_an_answer(objective, count):
+    arm = load("iiwa14")
+    poses = np.repeat(np.eye(4)[None], count, 0)
+    poses[:, 0, 3] = 5.0
+    path = arm.solve_path(poses, seed=np.zeros(7), objective=objective)
+    assert not path
+    assert [each.sample for each in path.breaks] == list(range(count))
+
+
 def motion_of_benchmark(arm, name, kind, motion, count=200):
     """(count, 7) a motion of `benchmarks/known_motions.py`."""
     benchmark = runpy.run_path(

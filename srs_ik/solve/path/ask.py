@@ -165,9 +165,11 @@ def _found(find: Callable[[Problem], Way], problem: Problem) -> tuple[Way, Array
     alone = ~way.reached & (rows[:, ROW_STATUS] == Status.OK)
     if alone.any() and not problem.has_known[alone].any():
         # Postures that no strip holds, as rounding leaves them alone, are where the others have to pass.
-        known, has_known = problem.known.copy(), problem.has_known | alone
-        known[alone] = rows[alone, :7]
-        return _found(find, replace(problem, known=known, has_known=has_known))
+        return _found(find, held_at(problem, alone, rows[:, :7]))
+    if find is closed_way and way.reached[[0, -1]].all():
+        ends = np.zeros(len(problem.T), np.bool_)
+        ends[[0, -1]] = True
+        problem = held_at(problem, ends, way.q)
     # Taken to their poses, postures next to limits may have moved, farther even than was left of the velocity limits;
     # they stay now, and those beside them make room. Near limbs move again then, so that limits are drawn in for them.
     if slow and not keeps_limits(problem, way):
@@ -183,6 +185,13 @@ def _found(find: Callable[[Problem], Way], problem: Problem) -> tuple[Way, Array
         improve(problem, way, FINE)
         rows = rows_of(problem, way)
     return way, rows
+
+
+def held_at(problem: Problem, some: NDArray[np.bool_], q: Array) -> Problem:
+    """The problem with some postures of a path (n, 7) given."""
+    known = problem.known.copy()
+    known[some] = q[some]
+    return replace(problem, known=known, has_known=problem.has_known | some)
 
 
 def within(problem: Problem, part: float) -> Problem:

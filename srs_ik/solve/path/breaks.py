@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from srs_ik.kernels.layout.path import BY_CONTINUITY
 from srs_ik.solve.path.blocks import find_way
-from srs_ik.solve.path.problem import Problem, Wall, Way
+from srs_ik.solve.path.problem import JUST_ABOVE, Problem, Wall, Way
 from srs_ik.solve.pose import solve
 from srs_ik.solve.solution import BatchSolution
 
@@ -52,7 +52,7 @@ def breaks_of(problem: Problem, way: Way, rows: Array, steps: Array) -> list[Pat
     longest = problem.settings[BY_CONTINUITY]
     hits = {} if problem.around is None else problem.around.hits_of(problem.T, rows)
     answers = BatchSolution(rows, arm.joint_names, arm.elbow, hits)
-    jumps = np.append(False, (np.abs(steps) > longest).any(axis=1))
+    jumps = np.append(False, (np.abs(steps) > JUST_ABOVE * longest).any(axis=1))
     after_gap = np.append(False, ~answers.ok[:-1])
     inner = np.flatnonzero(jumps & answers.ok & ~after_gap).tolist()
     windows = _windows(problem, way, len(inner))

@@ -113,6 +113,8 @@ def least_largest_step(problem: Problem) -> Way:
         return way
     strips = whole
     for _ in range(LEVELS):
+        if not len(strips.rows):
+            break
         strips = strips.below(problem, (1.0 - GAIN) * worth(problem, way)[1])
         other = path_through(problem, strips, way)
         if other is not None:

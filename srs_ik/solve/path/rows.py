@@ -41,9 +41,9 @@ def rows_of(problem: Problem, way: Way) -> Array:
             q[k], met[k] = nearest_of_all(problem, int(off[k]), way.q[off[k]])
         way.q[off[met]], way.branch[off[met]] = q[met], -1
         entries.finish(arm.family, T, off[met], way.q, way.psi, way.branch, rows)
-    closed = rows[:, ROW_STATUS] == Status.OK
-    way.q[closed] = rows[closed, :7]
-    for i in np.flatnonzero(~way.reached | ~closed).tolist():
+    on_pose = rows[:, ROW_STATUS] == Status.OK
+    way.q[on_pose] = rows[on_pose, :7]
+    for i in np.flatnonzero(~way.reached | ~on_pose).tolist():
         rows[i] = problem.solve(i, rows[i - 1, :7] if i else problem.seed)._row
     return rows
 

@@ -258,7 +258,7 @@ def sparse(problem: Problem, apart: NDArray[np.bool_]) -> Way | None:
 
     More of these near which it costs more than planned are planned then too, in the end all; what is known of the
     strips of the others is kept. Poses between them come so close one after the other that chords of strips tell
-    nothing of a path: they are planned only where no posture is near the straight line.
+    nothing of a path: they are planned, all of them, where a path through the others does not fit between these alone.
     """
     plan, best, marks = problem, None, thinned(apart, problem.has_known, NEAR_KEYS)
     apart = apart if apart.mean() < MOST_PLANNED else np.ones_like(apart)
@@ -270,8 +270,7 @@ def sparse(problem: Problem, apart: NDArray[np.bool_]) -> Way | None:
             return None if best is None else search_around(problem, best)
         least, q = way.cost, way.q[keys]
         missed = fill(problem, way, keys)
-        is_filled = not missed.any()
-        if is_filled:
+        if not missed.any():
             improve(problem, way)
             best = way if best is None or way.cost < best.cost else best
             if best.cost < AS_PLANNED * least:
