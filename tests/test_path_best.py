@@ -426,6 +426,19 @@ def test_velocity_limits_are_kept_where_a_motion_that_keeps_them_is_known(name, 
     assert (path.steps**2).sum() <= (np.diff(known, axis=0) ** 2).sum()
 
 
+@pytest.mark.parametrize(("kind", "motion"), [("limits", 6), ("cross", 1)])
+def test_the_least_time_is_within_velocity_limits_that_a_known_motion_keeps(kind, motion):
+    """A step beyond a limit is not worth what time it saves elsewhere."""
+    arm = load("iiwa14")
+    known = motion_of_benchmark(arm, "iiwa14", kind, motion)
+    shares = np.abs(np.diff(known, axis=0)) / arm.velocity_limit
+    dt = 1.1 * float(shares.max())
+    path = arm.solve_path(poses_of(arm, known), seed=known[0], objective="time", dt=dt)
+    assert path
+    assert (np.abs(path.steps) <= arm.velocity_limit * dt * (1.0 + 1e-9)).all()
+    assert (np.abs(path.steps) / arm.velocity_limit).max(axis=1).sum() <= shares.max(axis=1).sum()
+
+
 @pytest.mark.parametrize("name", ["iiwa14", "gen3"])
 @pytest.mark.parametrize("count", [5, 43])
 def test_nothing_is_left_to_gain_by_moving_all_postures(name, count):

@@ -61,16 +61,17 @@ def nearest(P, pose, freedom, liking, sizes, found, desk):
         reached = math.sqrt(found.cost)
         if least >= NONE_LEFT or is_of_no_use(least, found, True):
             break
-        taken += 1
         start = between(start, liking.lower, liking.upper)
         if found.met and math.sqrt(distance(start, liking)) > reached + NO_SHORTER:
+            taken += 1
             continue
-        attempts += 1
         rival = Liking(liking.posture, liking.weights, liking.lower, liking.upper, found.cost, found.q)
         there, cost, error, _ = settle(P, start, pose, freedom, rival, desk)
         if SOLVED <= error < math.inf:
             # Limits stand in its way; not in that of a start beside it.
-            taken, attempts, failed = taken - 1, attempts - 1, failed + 1
-        elif cost < found.cost:
+            failed += 1
+            continue
+        taken, attempts = taken + 1, attempts + 1
+        if cost < found.cost:
             found = Found(there, cost, True)
     return found

@@ -7,10 +7,9 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from srs_ik.kernels.layout.path import INVERSE_SPEED, LEAST_INVERSE
 from srs_ik.solve.path.least_step import least_largest_step
 from srs_ik.solve.path.limited import search
-from srs_ik.solve.path.problem import LARGEST_STEP, SUM_OF_SQUARES, Problem, Way, steps_of, worth
+from srs_ik.solve.path.problem import LARGEST_STEP, Problem, Way, evenly, steps_of, worth
 from srs_ik.solve.path.timing import passing_times
 
 Array = NDArray[np.float64]
@@ -39,10 +38,7 @@ def quickest(problem: Problem, acceleration: Array) -> Way:
         steps = steps_of(problem, way.q[way.reached])
         return worth(problem, way)[0], float(passing_times(steps, problem.arm.velocity_limit, acceleration)[-1])
 
-    even = replace(problem, acceleration=None, objective=SUM_OF_SQUARES)
-    even.settings = problem.settings.copy()
-    even.settings[[INVERSE_SPEED, LEAST_INVERSE]] = 0.0
-    ways = [best(replace(even, objective=SUM_OF_SQUARES)), best(replace(problem, acceleration=None))]
+    ways = [best(replace(each, acceleration=None)) for each in (evenly(problem), problem)]
     return min(ways, key=lasts)
 
 

@@ -26,11 +26,11 @@ from srs_ik.kernels.layout.path import (
     PERIOD,
 )
 from srs_ik.solve.path.blocks import KEPT, through
+from srs_ik.solve.path.finer import THIRDS, finer
 from srs_ik.solve.path.limited import search
 from srs_ik.solve.path.polish import FINE, polish, refine
 from srs_ik.solve.path.problem import EVERYWHERE, FINE_SPACING, SUM_OF_SQUARES, Problem, Way, copy, worth
 from srs_ik.solve.path.reach import Cells, after, least_through, passed, reached
-from srs_ik.solve.path.search import THIRDS, finer
 
 Array = NDArray[np.float64]
 

@@ -14,10 +14,11 @@ import numpy as np
 
 from srs_ik.kernels.layout.path import BREAK
 from srs_ik.solve.path.blocks import KEPT, find_way, through
+from srs_ik.solve.path.finer import finer
 from srs_ik.solve.path.narrow import costs_to_end, find_narrow, held_below
 from srs_ik.solve.path.polish import FINE, improve, keep_limits
-from srs_ik.solve.path.problem import EVERYWHERE, FINE_SPACING, JUST_ABOVE, Problem, Way, copy, too_fast, worth
-from srs_ik.solve.path.search import finer, found
+from srs_ik.solve.path.problem import EVERYWHERE, FINE_SPACING, JUST_ABOVE, Problem, Way, copy, evenly, too_fast, worth
+from srs_ik.solve.path.search import found
 
 DEAR = 1.02
 """A path that costs so many times what the best one does without velocity limits may not be the best with them."""
@@ -33,10 +34,18 @@ LEAST_GAIN = 1e-3
 
 
 def search(problem: Problem) -> Way:
-    """The best path; with velocity limits and the sum of squares to be least, the best one within them."""
-    if not (problem.limited and problem.even):
+    """The best path; with velocity limits and the sum of squares to be least, the best one within them.
+
+    With the time to be least, the one without limits where that keeps them, else one that does.
+    """
+    if not problem.limited:
         return found(problem)
     way = found(replace(problem, limited=False))
+    if not problem.even:
+        for find, asked in ((found, problem), (search, evenly(problem))):
+            if not keeps_limits(problem, way):
+                way = better(problem, way, find(asked))
+        return way
     least = way.cost
     if not keeps_limits(problem, way):
         keep_limits(problem, way, copy(way))

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import lru_cache
 from typing import TYPE_CHECKING
 
@@ -17,6 +17,8 @@ from srs_ik.kernels.layout.path import (
     BY_VELOCITY,
     HELD,
     INVERSE_PERIOD,
+    INVERSE_SPEED,
+    LEAST_INVERSE,
     PERIOD,
     ROOMIEST,
     ROOMY,
@@ -215,6 +217,13 @@ def copy(way: Way) -> Way:
     other.q, other.psi, other.branch = way.q.copy(), way.psi.copy(), way.branch.copy()
     other.bounds, other.reached, other.cost = way.bounds.copy(), way.reached.copy(), way.cost
     return other
+
+
+def evenly(problem: Problem) -> Problem:
+    """The same path with the sum of squares to be least."""
+    settings = problem.settings.copy()
+    settings[[INVERSE_SPEED, LEAST_INVERSE]] = 0.0
+    return replace(problem, settings=settings, objective=SUM_OF_SQUARES)
 
 
 def steps_of(problem: Problem, q: Array) -> Array:

@@ -11,28 +11,20 @@ from srs_ik.inputs.poses import refuse_bad_poses
 from srs_ik.kernels.entries import path as entries
 from srs_ik.kernels.entries.pose import pack_limits
 from srs_ik.kernels.layout.limb import LIMITED, LOOSE, SHIFT
-from srs_ik.kernels.layout.path import BREAK, BY_CONTINUITY, HELD_LINKED
+from srs_ik.kernels.layout.path import BREAK, BY_CONTINUITY
 from srs_ik.solve.path.around import BESIDE, find_at, search_around, wider
 from srs_ik.solve.path.blocks import Block, find_way, gone_back, held_in, through
 from srs_ik.solve.path.bridges import bridged
+from srs_ik.solve.path.finer import fine_everywhere, finer, is_whole
 from srs_ik.solve.path.narrow import costs_to_end, dear, find_narrow, held_about, held_below, held_between, worse
 from srs_ik.solve.path.odd import is_odd, smoothed_leaps, turned_at_flat
 from srs_ik.solve.path.polish import FINE, ROUGHLY, WIDTHS, improve
-from srs_ik.solve.path.problem import EVERYWHERE, FINE_SPACING, Problem, Way, copy, worth
+from srs_ik.solve.path.problem import Problem, Way, copy, worth
 
 Array = NDArray[np.float64]
 
 SHORT = 32
 """A path of so many poses at most is planned at each of them, and with strips that are fine everywhere."""
-
-FINE_POSES = 256
-"""The same where a path with smaller steps is looked for."""
-
-PARTS = np.array([0.25, 0.5, 0.75])
-THIRDS = np.array([1.0, 2.0]) / 3.0
-FARTHEST, MOST_HELD = 0.1, 4096
-"""Where strips of a near limb are fine, postures at these parts of the way are put between two, so far off it, rad, if
-a pose has no more than so many then."""
 
 ROUNDED = 1e-4
 """Joints of a near limb that are off those of its nearest exact one by less than this, rad, are so by rounding."""
@@ -55,12 +47,6 @@ CLOSE = 1.001
 AS_LITTLE = 0.9999
 """A path that costs less than so much of its plan says that strips miss what it does."""
 
-COARSE = 1.5
-"""Off the curves of a near limb, chords of coarse strips may tell of paths that cost more than they do, by less ..."""
-
-LONGER = 1.2
-"""... and that take longer steps."""
-
 FAR_ABOVE = 1.02
 """A path that costs so many times its plan is bettered first by poses between planned ones, in coarse strips."""
 
@@ -73,13 +59,11 @@ LEFT = 0.002
 OTHER_ENDS = 8
 """So many strips of the last pose at most are tried as ends of a path beside the one that seems best."""
 
+LET_IN = 1.02
+"""Through slivers, fine strips hold what costs up to so many times the path at hand."""
+
 SLIVER = 1e-4
 """An interval of arm angles that is narrower than this, rad, lies between a limit and a singular posture."""
-
-
-def may_be_fine(problem: Problem) -> bool:
-    """Whether strips may be fine everywhere: a short path, of an arm in closed form."""
-    return len(problem.T) <= FINE_POSES and not problem.is_near
 
 
 def found(problem: Problem) -> Way:
@@ -204,7 +188,7 @@ def in_closed_form(problem: Problem, plan: Problem, marks: NDArray[np.bool_]) ->
     improve(problem, best, FINE)
     narrow = is_in_slivers(best) and not stands_in
     if narrow and (torn or (missed and best.cost >= CLOSE * least)):
-        rest = costs_to_end(told, blocks, FAR_ABOVE * best.cost)
+        rest = costs_to_end(told, blocks, LET_IN * best.cost)
         other, _ = find_narrow(problem, keys, blocks, rest, ~np.isin(np.arange(len(problem.T)), keys))
         improve(problem, other, FINE)
         best = min(best, other, key=lambda each: each.cost)
@@ -214,11 +198,6 @@ def in_closed_form(problem: Problem, plan: Problem, marks: NDArray[np.bool_]) ->
         return best, problem
     rest = costs_to_end(told, blocks, best.cost)
     return best, replace(held_between(told, keys, blocks, rest), settings=problem.settings)
-
-
-def is_whole(way: Way, keys: NDArray[np.int64]) -> bool:
-    """Whether a path is planned at all of some poses, without a break."""
-    return way.cost < 0.5 * BREAK and bool(way.reached[keys].all())
 
 
 def is_in_slivers(way: Way) -> bool:
@@ -375,40 +354,3 @@ def with_other_end(problem: Problem, way: Way, keys: NDArray[np.int64], blocks: 
         improve(problem, other)
         way = min(way, other, key=lambda each: worth(problem, each))
     return way
-
-
-def fine_everywhere(problem: Problem, keys: NDArray[np.int64], parts: Array = PARTS) -> Problem:
-    """The problem with fine strips at all key poses; those of a near limb get postures at parts of the way."""
-    if not problem.is_near:
-        return replace(problem, radius=EVERYWHERE, spacing=FINE_SPACING)
-    settings = problem.settings.copy()
-    # Chords of coarse strips may be too long where steps of a path are not.
-    settings[BY_CONTINUITY] *= LONGER
-    told = replace(problem, settings=settings)
-    way, blocks = through(told, keys, False)
-    whole, least = is_whole(way, keys), way.cost
-    if whole:
-        improve(problem, way)
-    if not whole or worth(problem, way)[0]:
-        return finer(held_in(problem, keys, blocks), parts)
-    # Where no path leads that costs about as little as one at hand, or its plan, postures would be put between in vain.
-    most = COARSE * max(least, way.cost)
-    few = held_below(told, keys, blocks, costs_to_end(told, blocks, most), most)
-    return finer(replace(few, settings=problem.settings), parts)
-
-
-def finer(problem: Problem, parts: Array = PARTS) -> Problem:
-    """The problem with strips of a near limb that are known, others of their postures put between each two."""
-    rows, poses = problem.held, problem.held_of
-    first = np.flatnonzero(rows[:, HELD_LINKED])
-    straight = rows[first, None, :7] + parts[:, None] * (rows[first + 1, :7] - rows[first, :7])[:, None]
-    q = straight.reshape(-1, 7).copy()
-    met, where = np.zeros(len(q), np.bool_), np.repeat(poses[first], len(parts))
-    entries.bridge(problem.arm.family, problem.T[where], q, met)
-    good = met & (np.abs(q - straight.reshape(-1, 7)).max(axis=1) < FARTHEST)
-    between = np.repeat(rows[first], len(parts), axis=0)
-    between[:, :7] = q
-    places = np.append(np.arange(len(rows)), (first[:, None] + parts).ravel()[good])
-    order = np.argsort(places, kind="stable")
-    held, held_of = np.vstack([rows, between[good]])[order], np.append(poses, where[good])[order]
-    return problem if np.bincount(held_of).max(initial=0) > MOST_HELD else replace(problem, held=held, held_of=held_of)
