@@ -169,19 +169,21 @@ def close_in_on(P, by, curve, bracket, goal, best):
     """
     a, x, b = bracket
     rows = curve.rows
-    q, _ = cost_at(P, by, curve, x, goal)
+    q, value = cost_at(P, by, curve, x, goal)
     t, _ = tangent_at(P, by, q)
     low = min(sample_before(curve, x), curve.last - 2)
     forward = dot7(t, difference(load_sample(rows[low]), load_sample(rows[low + 1]))) > 0.0
-    falls = rate_at(P, q, t if forward else along7(NO_SEED, -1.0, t), goal) < 0.0
-    lower, upper = (x, b) if falls else (a, x)
+    rate = rate_at(P, q, t if forward else along7(NO_SEED, -1.0, t), goal)
+    lower, upper = (x, b) if rate < 0.0 else (a, x)
     if lower == upper:
         return best, x
     low = sample_before(curve, 0.5 * (lower + upper))
     ends = load_sample(rows[low]), load_sample(rows[low + 1])
     way = rows[low + 1, 0] - rows[low, 0]
-    first = (lower - rows[low, 0]) / way, math.inf, 0.0
-    last = (upper - rows[low, 0]) / way, math.inf, 0.0
+    # Where the cost jumps to another turn next to the middle one, no look may be as low.
+    known = (x - rows[low, 0]) / way, value, rate * way
+    first = known if rate < 0.0 else ((lower - rows[low, 0]) / way, math.inf, 0.0)
+    last = known if rate >= 0.0 else ((upper - rows[low, 0]) / way, math.inf, 0.0)
     looks = np.empty((LOOKS, LOOK))
     corner = first[0]
     bent_by = BENT if goal.seeded else rate_of_cost(P)
@@ -192,8 +194,10 @@ def close_in_on(P, by, curve, bracket, goal, best):
         first, last = closer(looks, first, last)
         width = last[0] - first[0]
         corner, lowest = first[0], hope(min(first[1], last[1]), way * width, goal.seeded, rate_of_cost(P))
-        if first[2] < 0.0 < last[2]:
-            corner += (first[1] - last[1] + last[2] * width) / (last[2] - first[2])
+        rise = last[1] - first[1]
+        # A cost that jumps to another turn between the two is foretold by no lines.
+        if first[2] < 0.0 < last[2] and first[2] * width < rise + TIE and rise - TIE < last[2] * width:
+            corner += (last[2] * width - rise) / (last[2] - first[2])
             lowest = first[1] + first[2] * (corner - first[0]) - bent_by * (way * width) ** 2
         if width * way < SHARP or lowest > found[0].cost - TIE:
             break

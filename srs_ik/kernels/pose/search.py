@@ -10,6 +10,7 @@ from srs_ik.kernels.algebra.pointers import keep, row
 from srs_ik.kernels.chain.kinematics import pose_error
 from srs_ik.kernels.chain.newton import CLOSED, arm_angle, close_free
 from srs_ik.kernels.curves.best import search_followed
+from srs_ik.kernels.curves.surface import has_surface
 from srs_ik.kernels.exact.farthest import branch_at, copy_interval, farthest, farthest_of_all, whole_circles
 from srs_ik.kernels.exact.free_splits import settled_split, with_splits
 from srs_ik.kernels.exact.intervals import find_intervals
@@ -27,7 +28,7 @@ from srs_ik.kernels.exact.nearest import (
 from srs_ik.kernels.exact.nearest_within import nearest_within, way_between
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.answer import MAX_PIECES
-from srs_ik.kernels.layout.limb import FAR, FREE, IS_NEAR, LIMITED, LOOSE, MISS, SIZE
+from srs_ik.kernels.layout.limb import FAR, FREE, IS_NEAR, LIMITED, LOOSE, MISS, PHASE, SHOULDER, SIZE, WRIST
 from srs_ik.kernels.limb.branches import NO_BRANCH, branch_of, is_unsure
 from srs_ik.kernels.limb.goal import OUTSIDE
 from srs_ik.kernels.limb.limits import tighten
@@ -115,6 +116,18 @@ def search_hardly_near(P, target, found, known, goal, J, A):
 
 
 @kernel
+def may_be_singular(P, place_, seed, distance):
+    """Whether outer axes of a near limb may come into line no farther than some distance from a seed.
+
+    There the exact limb's postures, along which sums of joints are split, are far from those of the true chain.
+    """
+    s2 = abs(math.sin(seed[1] - P[SHOULDER + PHASE]))
+    s6 = abs(math.sin(seed[5] - P[WRIST + PHASE]))
+    within = distance + between_limbs(P)
+    return max(s2, s6) < within and has_surface(P, place_)
+
+
+@kernel
 def search_near_seed(family, target, goal, J, A):
     """The posture nearest to a seed over all branches and arm angles: q, branch, cost (OUTSIDE if none was found)."""
     P, F = row(family, LIMITED), row(family, LIMITED if goal.respect else FREE)
@@ -129,11 +142,13 @@ def search_near_seed(family, target, goal, J, A):
         known = nearest_among_splits(P, target, goal, known)
     if known[2] >= OUTSIDE:
         return known
-    if P[IS_NEAR] != 0.0 and math.sqrt(known[2]) < CLOSE:
+    distance = math.sqrt(known[2])
+    told = P[IS_NEAR] == 0.0 or not may_be_singular(P, place_, goal.seed, distance)
+    if P[IS_NEAR] != 0.0 and told and distance < CLOSE:
         known, sure = look_across(P, target, known, minimum, goal, J, A)
         if sure:
             return known
-    distance = math.sqrt(known[2])
+        distance = math.sqrt(known[2])
     boxes = np.empty((1, SIZE))
     box = row(boxes, 0)
     tighten(F, goal.seed, distance * (1.0 + 1e-9), between_limbs(P), box)
@@ -144,7 +159,7 @@ def search_near_seed(family, target, goal, J, A):
     if minimum and distance < 3.0:
         n = without(P, place_, found[:n], (guessed, branch), psi, goal)
     # The true chain may reach a pose, and bend its elbow, where the closed form does not.
-    told = P[IS_NEAR] == 0.0 or is_well_bent(P, place_)
+    told = told and (P[IS_NEAR] == 0.0 or is_well_bent(P, place_))
     if n == 0 and told:
         return known
     if P[IS_NEAR] == 0.0:
