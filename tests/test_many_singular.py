@@ -8,6 +8,7 @@ from pathlib import Path
 
 import arms
 import numpy as np
+import pinocchio as pin
 import pytest
 from oracles import inside
 
@@ -40,6 +41,24 @@ WRIST_ON_LIMIT = (
 """One with a singular wrist, and joints 1 and 5 on limits but for 1e-7 rad."""
 
 
+SMALL_CURVE = (
+    (3.1273534513657184, 1e-08, 0.4942473691486926, -1.8131530949631356, 1.0149030700177688, 1e-08,
+     -2.8257378564871733),
+    (3.1791732725426263, 0.0782338395867388, 0.5770636685856487, -1.8441502337628881, 1.0516558476957099,
+     0.0905117144796707, -2.8959834055313474),
+    (3.13185, 0.000124, 0.48971, -1.81324, 1.06521, -0.0000535, -2.876),
+)  # fmt: skip
+ANOTHER_TURN = (
+    (-4.843234605999712, 2.1798118856162088, 1.3081877125158732, -1.5214931010743458, -1.4536207031511634, -1e-12,
+     -2.705600594172021),
+    (1.9732028411968594, 3.119851737826802, 1.0974394498804712, 4.818332457873422, -4.222058597326704,
+     -1.4173591305161102, -4.883011497657262),
+    (-0.04402, 2.33414, -1.09368, 4.75985, -4.02027, -1.05739, -5.03822),
+)  # fmt: skip
+"""A posture whose pose is asked for, a seed, and about where another posture is that is nearer to that: on the other
+side of a small closed curve; and where joint 7 is on a limit, beyond which it goes on a turn away."""
+
+
 @pytest.fixture(scope="module")
 def judges():
     """The scripts that try many more: their arms, seeded answers, and intervals."""
@@ -70,6 +89,26 @@ def test_known_postures_bound_the_distance_from_any_seed(judges, name, joints):
         assert inside(solution.q, arm.lower, arm.upper)
         farther += np.linalg.norm(solution.q - seed) > np.linalg.norm(case.q - seed) + 1e-9
     assert farther == 0
+
+
+@pytest.mark.parametrize("case", [SMALL_CURVE, ANOTHER_TURN], ids=["small curve", "another turn"])
+def test_postures_that_are_nearer_elsewhere_on_a_curve_are_found(judges, case):
+    """The other one is closed by Newton's method on Pinocchio's Jacobian: no answer may be farther than that."""
+    q, seed, nearer = np.array(case)
+    if case is SMALL_CURVE:
+        arm = arms.load("gen3")
+    else:
+        arm = next(judges["subjects"]["random_arms"](np.random.default_rng([6500000, len("random_near")]), 2e-4, 0.0))
+    pose = arm.forward_kinematics(q)
+    for _ in range(10):
+        here = arm.forward_kinematics(nearer)
+        turn = here.rotation @ pin.log3(here.rotation.T @ pose.rotation)
+        nearer = nearer + np.linalg.pinv(arm.jacobian(nearer)) @ np.r_[pose.translation - here.translation, turn]
+    assert max(arm.verify(pose, nearer)) < SOLVED
+    assert inside(nearer, arm.lower, arm.upper)
+    solution = arm.solve(pose, seed=seed)
+    assert max(arm.verify(pose, solution.q)) < SOLVED
+    assert np.linalg.norm(solution.q - seed) < np.linalg.norm(nearer - seed) + 1e-9
 
 
 @pytest.mark.parametrize("name", NAMES)
