@@ -39,13 +39,18 @@ IN_A_ROW = 213  # targets that came one after the other, as far as they count
 WINDOW_AT = 214  # which sample of noise is the oldest
 WINDOW = 215  # 2 by WINDOWED samples of noise: linear (m^2), angular (rad^2), in their order
 SORTED = 279  # the same by their size
-STATE = 343
+NOISE = 343  # 2, standard deviation of the target's noise: linear (m), angular (rad)
+SMOOTHED = 345  # time constant of the filter in the last update, seconds
+STATE = 346
 
 WINDOWED = 32
 """Samples of which the noise of a target is the median."""
 
 KNOTS = 7
 """Postures of a plan."""
+
+SOFT_START = 10.0
+"""Accelerations cost as if the largest were at most so many times the largest velocity, 1/s."""
 
 BAND = 14
 """Unknowns of a plan farther apart than this have no term in common."""

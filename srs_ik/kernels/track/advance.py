@@ -306,7 +306,7 @@ def advance(P, S, C, given, work, out):
     if has == 1:
         take_target(P, S, C, (wanted(P, S, C, R), p))
     elif known:
-        lose_target(P, S, C)
+        lose_target(S, C)
     else:
         after, v = step_to(P, S, C, brake(S, C, box))
         store7(S, GOAL, after)

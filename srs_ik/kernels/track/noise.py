@@ -17,8 +17,11 @@ from srs_ik.kernels.layout.track import (
     CHANGES,
     GIVEN,
     IN_A_ROW,
+    NOISE,
     PERIOD,
+    SOFT_START,
     SORTED,
+    SPEED,
     WINDOW,
     WINDOW_AT,
     WINDOWED,
@@ -29,17 +32,21 @@ ENOUGH = 5
 """Targets in a row that make two third differences."""
 
 PER_VARIANCE = 3.0 * 15.0 * 0.79
-"""The median of 32 products of third differences of three axes, over the variance of one: 15 is the mean of the product, and
-0.79 the median over the mean, by 10,000 windows of white noise."""
+"""The median of `WINDOWED` samples, of three axes, over the variance of one: 15 is the mean, and 0.79 the median of as
+many over the mean, by 12,500 windows of white noise."""
 
 ARM = 0.5
 """The lever of accelerations of the tip, by the reach."""
 
-SHARE = 0.05
-"""Noise may ask for so much of the acceleration of the slowest joint, without a filter."""
+NEGLIGIBLE = 0.01
+"""Noise that, as it is, asks for less than this share of the acceleration of the slowest joint is followed."""
 
-POWER = 0.4
-"""Accelerations of a filtered pose fall with the time constant to the power of 2.5."""
+USUAL = 0.02
+ASKS_FOR = 0.125
+STEEP = 1.0 / 3.0
+"""A filter with the first of these time constants, seconds, is for noise that then asks for this share of that
+acceleration. By accelerations alone, it would be longer with the noise to the power of 0.4; with a lag as large as what
+is left of the noise, to the power of 2/9. Between them, it is good for noise from 5 um to 2 mm."""
 
 
 @kernel
@@ -91,10 +98,11 @@ def measure(S, R, p):
         note(S, 0, products[0])
         note(S, 1, products[1])
         S[WINDOW_AT] = (S[WINDOW_AT] + 1.0) % WINDOWED
+        S[NOISE], S[NOISE + 1] = deviation(S, 0), deviation(S, 1)
 
 
 @kernel
-def noise(S, i):
+def deviation(S, i):
     """Standard deviation of the linear (0) or the angular noise (1), m or rad an axis."""
     k = SORTED + WINDOWED * i + WINDOWED // 2
     return math.sqrt(max(0.5 * (S[k - 1] + S[k]), 0.0) / PER_VARIANCE)
@@ -102,12 +110,15 @@ def noise(S, i):
 
 @kernel
 def asked_for(P, S, C):
-    """The time constant with which the noise asks for no more acceleration than it may, seconds."""
-    most = C[ACCELERATION]
+    """The time constant of the filter that the noise asks for, seconds."""
+    most = math.inf
     for j in range(7):
-        most = min(most, C[ACCELERATION + j])
+        most = min(most, C[ACCELERATION + j], SOFT_START * C[SPEED + j])
     period = C[PERIOD]
-    shaken = math.hypot(noise(S, 0) / (ARM * P[FAR]), noise(S, 1))
+    shaken = math.hypot(S[NOISE] / (ARM * P[FAR]), S[NOISE + 1])
     # A second difference of white noise is sqrt(6) times as large as the noise.
-    over = math.sqrt(6.0) * shaken / (period * period * SHARE * most)
-    return period * (over**POWER - 1.0) if over > 1.0 else 0.0
+    share = math.sqrt(6.0) * shaken / (period * period * most)
+    if share <= NEGLIGIBLE:
+        return 0.0
+    filtered = shaken * math.sqrt(period) / (most * USUAL**2.5)
+    return USUAL * (filtered / ASKS_FOR) ** STEEP * (1.0 - NEGLIGIBLE / share)

@@ -19,6 +19,7 @@ from srs_ik.kernels.layout.track import (
     PERIOD,
     PLANNED,
     ROTATION,
+    SMOOTHED,
     SMOOTHING,
     STARTED,
     TREND_PUSH,
@@ -34,20 +35,14 @@ MEMORY = 0.03
 TRENDED = 1.5
 ESTIMATED = 3.0
 FOLLOWED = 0.5
-"""What the trend keeps in mind longer, the memory of the estimate, and the time constant of what comes after it, by that
-of the smoothing. Chosen together: as long as that, each leaves the tip as far off a target that moves fast."""
+"""By the time constant of the smoothing: what is added to the memory of the trend, the memory of the estimate, and the
+time constant of what follows it. Chosen together, by time on target and accelerations with jitter."""
 
 
 @kernel
 def kept_for(period, seconds):
     """The share that is kept over a period."""
     return math.exp(-period / seconds) if seconds > 0.0 else 0.0
-
-
-@kernel
-def smoothing(P, S, C):
-    """The time constant of the filter, seconds."""
-    return asked_for(P, S, C) if C[SMOOTHING] == MEASURED else C[SMOOTHING]
 
 
 @kernel
@@ -90,7 +85,8 @@ def take_target(P, S, C, pose):
     """
     S[LOST] = 0.0
     t, still = C[PERIOD], (0.0, 0.0, 0.0)
-    seconds = smoothing(P, S, C)
+    seconds = asked_for(P, S, C) if C[SMOOTHING] == MEASURED else C[SMOOTHING]
+    S[SMOOTHED] = seconds
     v, w = next_pace(S, t)
     if S[STARTED] == 0.0 or not learn(S, t, kept_for(t, MEMORY + TRENDED * seconds), pose):
         S[STARTED], S[PLANNED] = 1.0, 0.0
@@ -113,7 +109,7 @@ def take_target(P, S, C, pose):
 
 
 @kernel
-def lose_target(P, S, C):
+def lose_target(S, C):
     """No target: it is expected to go on by its trend, at first as it was, then more and more slowly."""
     t = C[PERIOD]
     slower = math.exp(-t / C[PATIENCE] * min(t * S[LOST] / C[PATIENCE], 1.0))
@@ -123,5 +119,5 @@ def lose_target(P, S, C):
     R, p = load_pose(S, ESTIMATE)
     R, p = moved_on(R, p, v, w, t)
     store_pose(S, ESTIMATE, R, p)
-    go_after(S, t, kept_for(t, FOLLOWED * smoothing(P, S, C)))
+    go_after(S, t, kept_for(t, FOLLOWED * S[SMOOTHED]))
     S[LOST] += 1.0

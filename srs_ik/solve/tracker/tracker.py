@@ -231,10 +231,21 @@ class Tracker:
     def smoothing(self, seconds: float | None) -> None:
         self._smoothing = None if seconds is None else real_number(seconds)
         if self._smoothing is not None and not 0.0 <= self._smoothing < math.inf:
-            raise InvalidConfiguration(
-                f"smoothing must be a number of seconds from 0 on, or None, not {seconds!r:.40}"
-            )
+            raise InvalidConfiguration(f"smoothing must be a number of seconds from 0 on, or None, not {seconds!r:.40}")
         self._settings[at.SMOOTHING] = at.MEASURED if self._smoothing is None else self._smoothing
+
+    @property
+    def smoothed(self) -> float:
+        """Time constant of that filter in the last update, seconds; 0.0 where the target was taken as it came."""
+        return float(self._state[at.SMOOTHED])
+
+    @property
+    def noise(self) -> tuple[float, float]:
+        """Standard deviation of the target's jitter along an axis, m, and about one, rad, as measured on its way.
+
+        From the last 36 targets, if they came one after the other.
+        """
+        return float(self._state[at.NOISE]), float(self._state[at.NOISE + 1])
 
     def reset(self, q0: ArrayLike) -> None:
         """Begin anew, at rest.
