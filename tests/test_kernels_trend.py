@@ -9,7 +9,7 @@ from scipy.integrate import solve_ivp
 from srs_ik.kernels.algebra.pointers import keep, row
 from srs_ik.kernels.layout.track import ROTATION, STATE
 from srs_ik.kernels.track.target import store_pose
-from srs_ik.kernels.track.trend import LASTS, forget, foretold, learn
+from srs_ik.kernels.track.trend import LASTS, foretold, forget, learn
 
 DT = 0.002
 SEEN = 1.2
