@@ -16,7 +16,7 @@ BEYOND = 1e-9
 NEAR_TARGET = (1e-3, 1e-2)
 SECONDS = 10.0
 SMOOTHING = 0.02
-"""Of every other motion, s."""
+"""Of every other motion, s; of the others, what their noise asks for."""
 
 PATIENCE = 5.0
 
@@ -60,7 +60,7 @@ def limits_line(arm: Any, name: str, count: int, seed: int, dt: float) -> str:
     worst, nan, mute, updates, on = np.full(3, -np.inf), 0, 0, 0, 0.0
     for k in range(seed, seed + count):
         moving = motion(arm, k, SECONDS, dt, KINDS[k % len(KINDS)], trouble=True)
-        tracker = arm.tracker(moving.q0, dt, velocities(arm), smoothing=SMOOTHING * (k % 2))
+        tracker = arm.tracker(moving.q0, dt, velocities(arm), smoothing=SMOOTHING if k % 2 else None)
         steps = [tracker.update(T) for T in moving.given]
         q = np.array([step.q for step in steps])
         nan += int((~np.isfinite(q)).any(axis=1).sum())
