@@ -59,7 +59,7 @@ Make = Callable[[srs_ik.Arm, np.ndarray, float, np.ndarray], Update]
 """Makes one for an arm, from where its joints are, the period and the limits of acceleration."""
 
 
-def ours(both: bool, smoothing: float = 0.0) -> Make:
+def ours(both: bool, smoothing: float | None = None) -> Make:
     """`Arm.tracker`, with limits of acceleration or, as ssik's and Mink, without."""
 
     def make(arm: srs_ik.Arm, q0: np.ndarray, dt: float, acceleration: np.ndarray) -> Update:

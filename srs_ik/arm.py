@@ -266,7 +266,7 @@ class Arm(BodyOwner):
         velocity: ArrayLike | None = None,
         acceleration: ArrayLike | None = None,
         elbow: Any = "keep",
-        smoothing: float = 0.0,
+        smoothing: float | None = None,
         jerk: ArrayLike | None = None,
         *,
         free_axis: ArrayLike | FreeAxis | str | None = None,
@@ -282,8 +282,8 @@ class Arm(BodyOwner):
             elbow: "keep" (it moves as little as the target and the limits allow), an arm angle, rad, an `Objective` or
                 its name ("limit_margin" for farthest from the limits) that it follows downhill, a `Task`, whose force
                 and velocity it serves, or a `Scene`, from whose bodies it keeps away.
-            smoothing: time constant of a filter that takes jitter from the target, seconds; a target at constant
-                velocity is followed without a lag.
+            smoothing: time constant of a filter that takes jitter from the target, seconds, 0 for none; if not given,
+                as long as the noise of the target asks for, which is measured: none where there is none.
             jerk: the largest, one for all joints, or (7,), rad/s^3; by Ruckig (extra `jerk`), which follows what comes
                 out without it.
             free_axis: what of the targets' rotation is free, as for `solve`.

@@ -20,7 +20,7 @@ from motions import joint_motion, minimum_jerk
 from scipy import sparse
 from scipy.interpolate import CubicSpline
 from scipy.optimize import linprog
-from tracked import BEYOND, EVERY, GONE_FOR, LOST, NEAR_TARGET, SECONDS, SMOOTHING, box_after, velocities, ways_to
+from tracked import BEYOND, EVERY, GONE_FOR, LOST, NEAR_TARGET, SECONDS, box_after, velocities, ways_to
 
 KINDS = ("joints", "limits", "singular")
 """Motions whose joint angles are known."""
@@ -133,7 +133,7 @@ class Run:
 def run(arm: Any, forward: Any, known: Known, dt: float) -> tuple[Run, Bounds]:
     """A motion through a tracker, whose user allows another configuration where only such a one reaches the target."""
     q0 = known.q[0]
-    tracker = arm.tracker(q0, dt, velocities(arm), smoothing=SMOOTHING if known.shaken else 0.0)
+    tracker = arm.tracker(q0, dt, velocities(arm))
     bounds = tracker.velocity_limit, tracker.acceleration_limit
     q, v = np.empty((len(known.q) + 1, 7)), np.zeros((len(known.q) + 1, 7))
     q[0] = q0

@@ -54,6 +54,7 @@ NUMBA = {
     "test_kernels_eight",
     "test_kernels_jit",
     "test_kernels_newton",
+    "test_kernels_noise",
     "test_kernels_trend",
     "test_lanes",
 }

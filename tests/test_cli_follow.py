@@ -28,6 +28,13 @@ def targets(path, count=60, lost=(20, 21)):
     return str(path), poses
 
 
+def quaternion(T):
+    """x, y, z, w of a pose's rotation."""
+    import pinocchio as pin
+
+    return pin.Quaternion(T[:3, :3]).coeffs()
+
+
 def test_the_steps_of_a_file_are_those_of_a_tracker(tmp_path):
     file, poses = targets(tmp_path / "poses.csv")
     out = tmp_path / "joints.csv"
@@ -51,6 +58,23 @@ def test_accelerations_may_be_without_a_limit(tmp_path):
     assert got["acceleration_limit"] == [None] * 7
     tracker = srs_ik.load("iiwa14").tracker(Q, 0.002, acceleration=np.inf)
     np.testing.assert_allclose(got["q"], [tracker.update(T).q for T in poses], atol=1e-7)
+
+
+def test_jitter_is_taken_from_poses_unless_they_are_wanted_as_they_are(tmp_path):
+    _, poses = targets(tmp_path / "poses.csv", 300)
+    rng = np.random.default_rng(0)
+    file = tmp_path / "shaken.csv"
+    with file.open("w", newline="") as out:
+        writer = csv.writer(out)
+        writer.writerow(["x", "y", "z", "qx", "qy", "qz", "qw"])
+        for k, T in enumerate([*poses, *poses[-1:] * 300]):
+            # None in the end: the tip is on the last target then.
+            noise = rng.normal(0.0, 2e-4 * (k < 300), 3)
+            writer.writerow(["nan"] * 7 if T is None else [*(T[:3, 3] + noise), *quaternion(T)])
+    words = ("follow", "iiwa14", str(file), "--dt", "0.002", "--q", *map(str, Q))
+    got = [answer(*words, *more) for more in ((), ("--smoothing", "0"))]
+    shakes = [np.abs(np.diff(steps["q"], n=2, axis=0)[100:298]).mean() for steps in got]
+    assert shakes[0] < 0.3 * shakes[1]
 
 
 def test_the_table_shows_limits_and_statuses(tmp_path):

@@ -190,7 +190,7 @@ CALLS = {
             "free_axis": None,
         },
         {"elbow": ""},
-        {"velocity": "None", "acceleration": "None", "jerk": "None", "free_axis": "None"},
+        {"velocity": "None", "acceleration": "None", "smoothing": "None", "jerk": "None", "free_axis": "None"},
     ),
     "tracker.reset": (lambda: tracker().reset, {"q0": HOME}, {}, {}),
     "tracker.elbow": (lambda: set_elbow, {"elbow": "keep"}, {"elbow": ""}, {}),

@@ -7,9 +7,9 @@ from numba import njit
 from scipy.integrate import solve_ivp
 
 from srs_ik.kernels.algebra.pointers import keep, row
-from srs_ik.kernels.layout.track import KEPT, PERIOD, ROTATION, SETTINGS, STATE
+from srs_ik.kernels.layout.track import ROTATION, STATE
 from srs_ik.kernels.track.target import store_pose
-from srs_ik.kernels.track.trend import LASTS, foretold, learn
+from srs_ik.kernels.track.trend import LASTS, foretold, forget, learn
 
 DT = 0.002
 SEEN = 1.2
@@ -17,13 +17,17 @@ SEEN = 1.2
 
 
 @njit
-def seen(state, settings, R, p):
+def seen(state, kept, R, p):
     """Let a trend learn from poses, one a period."""
     S = row(state, 0)
     for k in range(len(R)):
         a, b = R[k], p[k]
-        store_pose(S, ROTATION, (a[0], a[1], a[2], a[3], a[4], a[5], a[6], a[7], a[8]), (b[0], b[1], b[2]))
-        learn(S, settings, k > 0)
+        pose = (a[0], a[1], a[2], a[3], a[4], a[5], a[6], a[7], a[8]), (b[0], b[1], b[2])
+        store_pose(S, ROTATION, pose[0], pose[1])
+        if k == 0:
+            forget(S, pose[0], pose[1])
+        else:
+            learn(S, DT, kept, pose)
     keep(state)
 
 
@@ -57,9 +61,8 @@ def test_a_target_of_constant_jolt_is_foretold_without_a_lag(seed):
     t = np.arange(-SEEN, DT / 2.0, DT)
     angles = cubic(t, spin[:, None])[:, 0]
     R = np.array([pin.exp3(angle * axis).ravel() for angle in angles])
-    state, settings = np.zeros((1, STATE)), np.zeros(SETTINGS)
-    settings[PERIOD], settings[KEPT] = DT, np.exp(-DT / 0.03)
-    seen(state, settings, R, cubic(t, move))
+    state = np.zeros((1, STATE))
+    seen(state, np.exp(-DT / 0.03), R, cubic(t, move))
     for seconds in (0.02, 0.1, 0.25, 0.45):
         rotation, p = expected(state, seconds)
         np.testing.assert_allclose(p, dying(seconds, move), atol=1e-8)

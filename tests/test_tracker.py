@@ -227,7 +227,7 @@ def test_another_configuration_is_taken_only_when_allowed():
         ({"velocity": np.inf}, InvalidConfiguration, "velocity must be a positive"),
         ({"velocity": 1e307, "acceleration": np.inf}, InvalidConfiguration, "1e\\+06 at most"),
         ({"dt": 1e300}, InvalidConfiguration, "100 s at most"),
-        ({"smoothing": -1.0}, InvalidConfiguration, "smoothing must be"),
+        ({"smoothing": -1.0}, InvalidConfiguration, "smoothing must be a number of seconds from 0 on, or None"),
         ({"elbow": "best"}, InvalidTask, "there is no objective 'best'"),
         ({"elbow": np.inf}, InvalidConfiguration, "arm angle must be a finite"),
     ],

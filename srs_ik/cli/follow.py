@@ -53,8 +53,12 @@ def follow(
         typer.Option(metavar="RAD/S2", help="Largest acceleration, inf: none; to full velocity in 0.1 s if not given."),
     ] = None,
     smoothing: Annotated[
-        str, typer.Option(metavar="SECONDS", help="Time constant of a filter that takes jitter from the poses.")
-    ] = "0",
+        str | None,
+        typer.Option(
+            metavar="SECONDS",
+            help="Time constant of a filter that takes jitter from the poses, 0: none; by their noise if not given.",
+        ),
+    ] = None,
     out: Annotated[
         Path | None, typer.Option(metavar="FILE.csv", help="Write time, joint angles (rad), status and errors here.")
     ] = None,
@@ -69,10 +73,12 @@ def follow(
     """
     unit = unit_of(degrees)
     (period,) = numbers("--dt", [dt])
-    options: dict[str, Any] = {"elbow": _elbow(elbow, unit), "smoothing": numbers("--smoothing", [smoothing])[0]}
+    options: dict[str, Any] = {"elbow": _elbow(elbow, unit)}
     free = freedom.read(free_axis, cone, unit)
     if free is not None:
         options["free_axis"] = free
+    if smoothing is not None:
+        options["smoothing"] = numbers("--smoothing", [smoothing])[0]
     if velocity is not None:
         options["velocity"] = numbers("--velocity", [velocity])[0]
     if acceleration is not None:

@@ -7,9 +7,9 @@ Q = 0  # 7, joint angles
 V = 7  # 7, their velocities in the step that led there
 GOAL = 14  # 7, the posture that the joints make for, on the target's pose where that can be reached
 GOAL_RATE = 21  # 7, how fast it moves, rad/s
-ROTATION = 28  # 9, the target, smoothed
+ROTATION = 28  # 9, what is followed of the target: all of it, or what is left of jitter
 POSITION = 37  # 3
-TWIST = 40  # 6, how fast it moves: linear, angular
+TWIST = 40  # 6, how fast that moved in the last period: linear, angular
 LOST = 46  # updates since the last target
 ON = 47  # 1.0 if the tip was on the target after the last update
 STUCK = 48  # updates in which the goal has come no closer
@@ -19,9 +19,9 @@ MISS = 57  # how far the goal's pose is from the target: metres, turns by the re
 TICK = 58  # updates so far
 ELSEWHERE = 59  # what is known of postures that reach the target: `UNKNOWN` ...
 STARTED = 60  # 1.0 once there was a target
-ESTIMATE = 61  # 12, the target before the last stage of smoothing: rotation, position
+ESTIMATE = 61  # 12, where the target itself is taken to be: rotation, position
 COAST = 73  # updates in which the tip was off the target, close to it, and came no closer
-PACE = 74  # 6, how fast the smoothed target itself moves: linear, angular
+PACE = 74  # 6, how fast what is followed moves, averaged: linear, angular
 PLANNED = 80  # 1.0 while there is a plan
 PLAN_AGE = 81  # seconds since it was made
 PLAN_Q = 82  # 7, where the joints were then
@@ -33,10 +33,24 @@ TREND_PACE = 164  # 6, its velocity: linear, angular
 TREND_PUSH = 170  # 6, its acceleration
 TREND_JOLT = 176  # 6, and how fast that changes
 GAP = 182  # how far the joints were behind the goal when that was looked at last, rad
-STATE = 183
+GIVEN = 183  # 12, the last target as it came: rotation, position
+CHANGES = 195  # 18, its first, second and third differences: linear, angular
+IN_A_ROW = 213  # targets that came one after the other, as far as they count
+WINDOW_AT = 214  # which sample of noise is the oldest
+WINDOW = 215  # 2 by WINDOWED samples of noise: linear (m^2), angular (rad^2), in their order
+SORTED = 279  # the same by their size
+NOISE = 343  # 2, standard deviation of the target's noise: linear (m), angular (rad)
+SMOOTHED = 345  # time constant of the filter in the last update, seconds
+STATE = 346
+
+WINDOWED = 32
+"""Samples of which the noise of a target is the median."""
 
 KNOTS = 7
 """Postures of a plan."""
+
+SOFT_START = 10.0
+"""Accelerations cost as if the largest were at most so many times the largest velocity, 1/s."""
 
 BAND = 14
 """Unknowns of a plan farther apart than this have no term in common."""
@@ -50,16 +64,16 @@ RECONFIGURE = 2.0
 PERIOD = 0  # seconds between updates
 SPEED = 1  # 7, largest joint velocities, rad/s
 ACCELERATION = 8  # 7, rad/s^2
-ALPHA = 15  # share of a new target in position
-BETA = 16  # and in velocity
-ELBOW = 17  # `KEEP`, `ANGLE`, or an objective from `OBJECTIVE` on
-ANGLE_WANTED = 18  # rad
-PATIENCE = 19  # time constant in which a target that is lost slows down, seconds
-GAMMA = 20  # share of the estimate that the target takes over
-KEPT = 21  # share of the trend of the target that is kept from one update to the next
-HAS_FREE = 22  # 1.0 where the target leaves a turn free
-FREE = 23  # 4, that freedom
-SETTINGS = 27
+SMOOTHING = 15  # time constant of the filter that takes jitter from the target, seconds, or `MEASURED`
+ELBOW = 16  # `KEEP`, `ANGLE`, or an objective from `OBJECTIVE` on
+ANGLE_WANTED = 17  # rad
+PATIENCE = 18  # time constant in which a target that is lost slows down, seconds
+HAS_FREE = 19  # 1.0 where the target leaves a turn free
+FREE = 20  # 4, that freedom
+SETTINGS = 24
+
+MEASURED = -1.0
+"""Smoothing by as much as the noise of the target asks for."""
 
 # Elbow policies.
 KEEP = -1.0

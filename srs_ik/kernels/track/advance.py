@@ -60,8 +60,8 @@ from srs_ik.kernels.track.elsewhere import look_elsewhere, look_nearer, out_of_r
 from srs_ik.kernels.track.foresight import busyness, foresee, planned_step
 from srs_ik.kernels.track.freedom import error_left, other_turn, shown_at, wanted
 from srs_ik.kernels.track.limits import bounds, toward
-from srs_ik.kernels.track.target import keep_pace, load_pose, lose_target, take_target
-from srs_ik.kernels.track.trend import learn
+from srs_ik.kernels.track.smoothing import lose_target, take_target
+from srs_ik.kernels.track.target import keep_pace, load_pose
 from srs_ik.kernels.track.verdict import CLOSE, on_the_way, verdict
 
 FASTER = 3.0
@@ -304,8 +304,8 @@ def advance(P, S, C, given, work, out):
     known = S[STARTED] == 1.0
     shown = load_pose(S, ROTATION)
     if has == 1:
-        take_target(S, C, wanted(P, S, C, R), p)
-    elif S[STARTED] == 1.0:
+        take_target(P, S, C, (wanted(P, S, C, R), p))
+    elif known:
         lose_target(S, C)
     else:
         after, v = step_to(P, S, C, brake(S, C, box))
@@ -315,7 +315,6 @@ def advance(P, S, C, given, work, out):
         return
     if known:
         keep_pace(S, C, shown)
-    learn(S, C, known)
     R_target, p_target = load_pose(S, ROTATION)
     pose = R_target, p_target
     place_ = place(P, shown_at(P, C, read7(row(S, GOAL)), R_target), p_target)

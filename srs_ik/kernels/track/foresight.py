@@ -29,6 +29,7 @@ from srs_ik.kernels.layout.track import (
     PLAN_Q,
     PLAN_V,
     PLANNED,
+    SOFT_START,
     SPEED,
     Q,
     V,
@@ -68,9 +69,6 @@ BUSY = 0.05
 FAST = 0.4
 TOO_FAST = 60.0
 """What a joint uses of its velocity beyond this share costs so much more."""
-
-SOFT_START = 10.0
-"""Accelerations cost as if the largest were at most so many times the largest velocity, 1/s."""
 
 ROOM = 0.3
 PRICE = 0.3

@@ -13,7 +13,7 @@ import math
 
 from srs_ik.kernels.algebra.vectors import along, load3, norm
 from srs_ik.kernels.jit import kernel
-from srs_ik.kernels.layout.track import KEPT, PERIOD, PLANNED, ROTATION, TREND, TREND_JOLT, TREND_PACE, TREND_PUSH
+from srs_ik.kernels.layout.track import ROTATION, TREND, TREND_JOLT, TREND_PACE, TREND_PUSH
 from srs_ik.kernels.track.target import JUMP, JUMP_TURN, load_pose, moved_on, part_of_way, store_pose, way_to
 
 LASTS = 0.3
@@ -35,36 +35,62 @@ def mean_pace(S, i, push, jolt):
 
 
 @kernel
-def learn(S, C, known):
-    """Take in where the smoothed target is now; one that has jumped, or was not known before, is at rest.
+def next_pace(S, t):
+    """Mean linear and angular velocity in the period to come."""
+    return mean_pace(S, 0, t / 2.0, t * t / 6.0), mean_pace(S, 3, t / 2.0, t * t / 6.0)
 
-    A jump ends the plan: the shortest way to a target that is far away is that of the joints, not of the tip.
-    """
-    R, p = load_pose(S, ROTATION)
-    t = C[PERIOD]
-    before = load_pose(S, TREND)
-    v, w = mean_pace(S, 0, t / 2.0, t * t / 6.0), mean_pace(S, 3, t / 2.0, t * t / 6.0)
-    expected = moved_on(before[0], before[1], v, w, t)
-    linear, angular = way_to(expected, (R, p))
-    if not known or norm(linear) > JUMP or norm(angular) > JUMP_TURN:
-        forget(S, R, p)
-        S[PLANNED] = 0.0
-        return
-    kept, left = C[KEPT], 1.0 - C[KEPT]
-    R, p = part_of_way(expected, 1.0 - kept**4, linear, angular)
+
+@kernel
+def last_pace(S, t):
+    """Mean linear and angular velocity in the last period."""
+    return mean_pace(S, 0, -t / 2.0, t * t / 6.0), mean_pace(S, 3, -t / 2.0, t * t / 6.0)
+
+
+@kernel
+def go_on(S, R, p, t):
+    """A period later, at a pose."""
     store_pose(S, TREND, R, p)
+    for i in range(6):
+        S[TREND_PACE + i] += t * (S[TREND_PUSH + i] + 0.5 * t * S[TREND_JOLT + i])
+        S[TREND_PUSH + i] += t * S[TREND_JOLT + i]
+
+
+@kernel
+def learn(S, t, kept, pose):
+    """Take in a target, with a share of the trend kept: whether it is where it can be expected, or has jumped."""
+    before = load_pose(S, TREND)
+    v, w = next_pace(S, t)
+    expected = moved_on(before[0], before[1], v, w, t)
+    linear, angular = way_to(expected, pose)
+    if norm(linear) > JUMP or norm(angular) > JUMP_TURN:
+        return False
+    R, p = part_of_way(expected, 1.0 - kept**4, linear, angular)
+    go_on(S, R, p, t)
+    left = 1.0 - kept
     pace = left**2 * (11.0 + 14.0 * kept + 11.0 * kept**2) / (6.0 * t)
     push, jolt = 2.0 * left**3 * (1.0 + kept) / t**2, left**4 / t**3
     for i in range(6):
         missed = linear[i] if i < 3 else angular[i - 3]
-        S[TREND_PACE + i] += t * (S[TREND_PUSH + i] + 0.5 * t * S[TREND_JOLT + i]) + pace * missed
-        S[TREND_PUSH + i] += t * S[TREND_JOLT + i] + push * missed
+        S[TREND_PACE + i] += pace * missed
+        S[TREND_PUSH + i] += push * missed
         S[TREND_JOLT + i] += jolt * missed
+    return True
+
+
+@kernel
+def coast(S, t, slower):
+    """No target: it goes on by its trend, more slowly."""
+    for i in range(18):
+        S[TREND_PACE + i] *= slower
+    before = load_pose(S, TREND)
+    v, w = next_pace(S, t)
+    R, p = moved_on(before[0], before[1], v, w, t)
+    go_on(S, R, p, t)
 
 
 @kernel
 def foretold(S, seconds):
-    """The pose of the target after a while."""
+    """What is followed of the target, after a while."""
     R, p = load_pose(S, ROTATION)
     # The mean velocity on the way, from a jolt that dies away.
     gone = LASTS * (1.0 - math.exp(-seconds / LASTS)) / seconds

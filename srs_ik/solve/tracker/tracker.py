@@ -40,12 +40,6 @@ SOON = 0.05
 """A joint without a limit of acceleration comes to its largest velocity in so many seconds at the least: more than that
 brings targets back no sooner, and shakes the arm."""
 
-AVERAGED = 0.006
-"""Seconds over which the velocity of a target is averaged, at least."""
-
-MEMORY = 0.03
-"""Time constant, seconds, with which the trend of the target is forgotten; that of the smoothing comes on top of it."""
-
 CHOSEN_EVERY = 10
 """Updates from one look at the bodies of a scene to the next."""
 
@@ -175,7 +169,7 @@ class Tracker:
         dt: float,
         bounds: tuple[ArrayLike | None, ArrayLike | None, ArrayLike | None],
         elbow: Any,
-        smoothing: float,
+        smoothing: float | None,
         free_axis: Any,
     ) -> None:
         packed, owner = arm
@@ -193,7 +187,7 @@ class Tracker:
         self._settings[at.PERIOD] = self.dt
         self._settings[at.SPEED : at.ACCELERATION] = self.velocity_limit
         at_will = np.minimum(self.velocity_limit / SOON, self.velocity_limit / self.dt)
-        self._settings[at.ACCELERATION : at.ALPHA] = np.where(
+        self._settings[at.ACCELERATION : at.SMOOTHING] = np.where(
             np.isinf(self.acceleration_limit), at_will, self.acceleration_limit
         )
         self._settings[at.PATIENCE] = PATIENCE
@@ -226,21 +220,32 @@ class Tracker:
         self._elbow = elbow
 
     @property
-    def smoothing(self) -> float:
-        """Time constant of the filter that takes jitter from the target, seconds; may be set between updates."""
+    def smoothing(self) -> float | None:
+        """Time constant of the filter that takes jitter from the target, seconds; None for what its noise asks for.
+
+        It may be set between updates.
+        """
         return self._smoothing
 
     @smoothing.setter
-    def smoothing(self, seconds: float) -> None:
-        self._smoothing = real_number(seconds)
-        if not 0.0 <= self._smoothing < math.inf:
-            raise InvalidConfiguration(f"smoothing must be a number of seconds from 0 on, not {seconds!r:.40}")
-        kept = math.exp(-self.dt / self._smoothing) if self._smoothing > 0.0 else 0.0
-        self._settings[at.KEPT] = math.exp(-self.dt / (MEMORY + self._smoothing))
-        # Critically damped: position and velocity forget at the same rate.
-        self._settings[at.ALPHA] = 1.0 - kept**2
-        self._settings[at.GAMMA] = 1.0 - kept
-        self._settings[at.BETA] = (1.0 - kept) ** 2 if kept else 1.0 - math.exp(-self.dt / AVERAGED)
+    def smoothing(self, seconds: float | None) -> None:
+        self._smoothing = None if seconds is None else real_number(seconds)
+        if self._smoothing is not None and not 0.0 <= self._smoothing < math.inf:
+            raise InvalidConfiguration(f"smoothing must be a number of seconds from 0 on, or None, not {seconds!r:.40}")
+        self._settings[at.SMOOTHING] = at.MEASURED if self._smoothing is None else self._smoothing
+
+    @property
+    def smoothed(self) -> float:
+        """Time constant of that filter in the last update, seconds; 0.0 where the target was taken as it came."""
+        return float(self._state[at.SMOOTHED])
+
+    @property
+    def noise(self) -> tuple[float, float]:
+        """Standard deviation of the target's jitter along an axis, m, and about one, rad, as measured on its way.
+
+        From the last 36 targets, if they came one after the other.
+        """
+        return float(self._state[at.NOISE]), float(self._state[at.NOISE + 1])
 
     def reset(self, q0: ArrayLike) -> None:
         """Begin anew, at rest.
@@ -266,7 +271,7 @@ class Tracker:
         self._state[at.GAP] = np.inf
         self._jerk: JerkFilter | None = None
         if self.jerk_limit is not None:
-            pushes = self._settings[at.ACCELERATION : at.ALPHA].copy()
+            pushes = self._settings[at.ACCELERATION : at.SMOOTHING].copy()
             bounds = self.velocity_limit, pushes, self.jerk_limit
             self._jerk = JerkFilter(q, self.dt, (self._packed.lower, self._packed.upper), bounds)
             self._sent = np.array([q, q])

@@ -1,0 +1,123 @@
+"""What is followed of a target: all of it, or what a filter leaves of its jitter.
+
+The filter has two stages. An estimate goes on with the velocity of the trend and takes a share of what it misses of
+each target; what is followed comes after the estimate by its accelerations alone, critically damped. Both know the
+velocity and acceleration of the trend, so at constant acceleration neither lags.
+"""
+
+from __future__ import annotations
+
+import math
+
+from srs_ik.kernels.algebra.vectors import add, along, load3, scale, sub
+from srs_ik.kernels.jit import kernel
+from srs_ik.kernels.layout.track import (
+    ESTIMATE,
+    LOST,
+    MEASURED,
+    PATIENCE,
+    PERIOD,
+    PLANNED,
+    ROTATION,
+    SMOOTHED,
+    SMOOTHING,
+    STARTED,
+    TREND_PUSH,
+    TWIST,
+)
+from srs_ik.kernels.track.noise import asked_for, measure, skip
+from srs_ik.kernels.track.target import load_pose, moved_on, part_of_way, store_pose, way_to
+from srs_ik.kernels.track.trend import coast, forget, last_pace, learn, next_pace
+
+MEMORY = 0.03
+"""Time constant with which the trend of a target without noise is forgotten, seconds."""
+
+TRENDED = 1.5
+ESTIMATED = 3.0
+FOLLOWED = 0.5
+"""By the time constant of the smoothing: what is added to the memory of the trend, the memory of the estimate, and the
+time constant of what follows it. Chosen together, by time on target and accelerations with jitter."""
+
+
+@kernel
+def kept_for(period, seconds):
+    """The share that is kept over a period."""
+    return math.exp(-period / seconds) if seconds > 0.0 else 0.0
+
+
+@kernel
+def store_twist(S, v, w):
+    """Keep how fast what is followed moved in the last period."""
+    for i in range(3):
+        S[TWIST + i] = v[i]
+        S[TWIST + 3 + i] = w[i]
+
+
+@kernel
+def show(S, pose, v, w):
+    """Follow a pose as it is, at a velocity."""
+    store_pose(S, ESTIMATE, pose[0], pose[1])
+    store_pose(S, ROTATION, pose[0], pose[1])
+    store_twist(S, v, w)
+
+
+@kernel
+def go_after(S, t, kept):
+    """Bring what is followed closer to the estimate: by changes of its velocity, with two equal roots."""
+    was_v, was_w = load3(S, TWIST), load3(S, TWIST + 3)
+    v, w = along(was_v, t, load3(S, TREND_PUSH)), along(was_w, t, load3(S, TREND_PUSH + 3))
+    R, p = load_pose(S, ROTATION)
+    linear, angular = way_to(moved_on(R, p, v, w, t), load_pose(S, ESTIMATE))
+    goal_v, goal_w = last_pace(S, t)
+    of_way, of_pace = (1.0 - kept) ** 2 / t, 2.0 * kept * (1.0 - kept)
+    v = add(v, add(scale(of_way, linear), scale(of_pace, sub(goal_v, v))))
+    w = add(w, add(scale(of_way, angular), scale(of_pace, sub(goal_w, w))))
+    R, p = moved_on(R, p, v, w, t)
+    store_pose(S, ROTATION, R, p)
+    store_twist(S, v, w)
+
+
+@kernel
+def take_target(P, S, C, pose):
+    """A new target; the first one, and one that jumped, as it is, at rest.
+
+    A jump ends the plan: the shortest way to a target that is far away is that of the joints, not of the tip.
+    """
+    S[LOST] = 0.0
+    t, still = C[PERIOD], (0.0, 0.0, 0.0)
+    seconds = asked_for(P, S, C) if C[SMOOTHING] == MEASURED else C[SMOOTHING]
+    S[SMOOTHED] = seconds
+    v, w = next_pace(S, t)
+    if S[STARTED] == 0.0 or not learn(S, t, kept_for(t, MEMORY + TRENDED * seconds), pose):
+        S[STARTED], S[PLANNED] = 1.0, 0.0
+        forget(S, pose[0], pose[1])
+        show(S, pose, still, still)
+        skip(S)
+        measure(S, pose[0], pose[1])
+        return
+    measure(S, pose[0], pose[1])
+    if seconds == 0.0:
+        v, w = last_pace(S, t)
+        show(S, pose, v, w)
+        return
+    R, p = load_pose(S, ESTIMATE)
+    expected = moved_on(R, p, v, w, t)
+    linear, angular = way_to(expected, pose)
+    R, p = part_of_way(expected, 1.0 - kept_for(t, ESTIMATED * seconds) ** 4, linear, angular)
+    store_pose(S, ESTIMATE, R, p)
+    go_after(S, t, kept_for(t, FOLLOWED * seconds))
+
+
+@kernel
+def lose_target(S, C):
+    """No target: it is expected to go on by its trend, at first as it was, then more and more slowly."""
+    t = C[PERIOD]
+    slower = math.exp(-t / C[PATIENCE] * min(t * S[LOST] / C[PATIENCE], 1.0))
+    skip(S)
+    coast(S, t, slower)
+    v, w = last_pace(S, t)
+    R, p = load_pose(S, ESTIMATE)
+    R, p = moved_on(R, p, v, w, t)
+    store_pose(S, ESTIMATE, R, p)
+    go_after(S, t, kept_for(t, FOLLOWED * S[SMOOTHED]))
+    S[LOST] += 1.0
