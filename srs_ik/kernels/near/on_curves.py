@@ -26,6 +26,7 @@ from srs_ik.kernels.curves.runs import SPARE_ROWS, near_runs, samples_of
 from srs_ik.kernels.curves.spans import JUST_OUTSIDE
 from srs_ik.kernels.curves.surface import has_surface
 from srs_ik.kernels.curves.told import (
+    ARM_ANGLE,
     TOLD,
     TOLD_BRANCH,
     TOLD_PSI,
@@ -63,6 +64,10 @@ CLOSE_CALL = 1e-4
 
 CLOSE_BY = 1e-4
 """Newton's method moves a posture no farther than this, rad, squared."""
+
+SAME_POSTURE = 1e-12
+"""Where a curve goes over into another branch, rounding may leave its arm angle this far open, rad squared, in terms of
+its posture: one this close to a sample is the curve's."""
 
 SAME_CURVE = 1e-18
 """A posture that it leads to at once is this close to the curve, rad squared: others may cross it nearby."""
@@ -160,6 +165,9 @@ def passing(P, by, psi, a, b):
     share = ahead_a / (ahead_a - ahead_b)
     start = along7(q_a, share, difference(q_a, q_b))
     q, met = close_at_angle(P, start, R, p, place_[0], place_[1], psi, STEPS, by.A)
+    moved = difference(q_a, q)
+    if met and dot7(moved, moved) < SAME_POSTURE:
+        return q, True
     share = share_of_chord(q_a, q_b, q) if met else 2.0
     if 0.0 <= share <= 1.0:
         there, met = between(P, by, q_a, q_b, share)
@@ -235,7 +243,7 @@ def look_between(P, by, followed, i, psi, goal, out):
     if abs(ahead_b) < SAME_ANGLE:
         keep_found(P, b, next_branch, goal, out)
     if turns:
-        turning = turning_between(P, by, a, b, 1.0 if rate_a > 0.0 else -1.0)
+        turning = turning_between(P, by, a, b, 1.0 if rate_a > 0.0 else -1.0, ARM_ANGLE)
         ahead = ahead_a + short_way(angle_at(P, by, turning) - at_a)
         put_passing(P, by, psi, branch, ((a, ahead_a), (turning, ahead)), goal, out)
         put_passing(P, by, psi, branch, ((turning, ahead), (b, ahead_b)), goal, out)
