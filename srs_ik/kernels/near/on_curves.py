@@ -66,8 +66,8 @@ CLOSE_BY = 1e-4
 """Newton's method moves a posture no farther than this, rad, squared."""
 
 SAME_POSTURE = 1e-12
-"""Where a curve goes over into another branch, rounding may leave its arm angle this far open, rad squared, in terms of
-its posture: one this close to a sample is the curve's."""
+"""Postures this close together, rad squared, are one where rounding decides: samples on either side of a change of
+branch, and what Newton's method makes of an arm angle that is met."""
 
 SAME_CURVE = 1e-18
 """A posture that it leads to at once is this close to the curve, rad squared: others may cross it nearby."""
@@ -163,10 +163,11 @@ def passing(P, by, psi, a, b):
     q_b, ahead_b = b
     R, p, place_ = by.target
     share = ahead_a / (ahead_a - ahead_b)
-    start = along7(q_a, share, difference(q_a, q_b))
+    chord = difference(q_a, q_b)
+    start = along7(q_a, share, chord)
     q, met = close_at_angle(P, start, R, p, place_[0], place_[1], psi, STEPS, by.A)
     moved = difference(q_a, q)
-    if met and dot7(moved, moved) < SAME_POSTURE:
+    if met and dot7(chord, chord) < SAME_POSTURE and dot7(moved, moved) < SAME_POSTURE:
         return q, True
     share = share_of_chord(q_a, q_b, q) if met else 2.0
     if 0.0 <= share <= 1.0:
@@ -192,7 +193,7 @@ def passing(P, by, psi, a, b):
             high, ahead_b = share, ahead
     exact, met = close_at_angle(P, q, R, p, place_[0], place_[1], psi, STEPS, by.A)
     moved = difference(q, exact)
-    if met and dot7(moved, moved) < CLOSE_BY:
+    if met and dot7(moved, moved) < (SAME_POSTURE if abs(ahead) < SAME_ANGLE else CLOSE_BY):
         return exact, True
     return q, abs(ahead) < SAME_ANGLE
 
