@@ -14,12 +14,13 @@ from srs_ik.kernels.curves.changes import (
     CHANGE,
     CHANGE_AT,
     CHANGE_MIDDLE,
+    ELBOW,
     MOST_CHANGES,
     find_changes,
     posture_beside,
     turned_back,
 )
-from srs_ik.kernels.curves.follow import between, share_of_chord
+from srs_ik.kernels.curves.follow import between, share_of_chord, tangent_at, vagueness
 from srs_ik.kernels.curves.in_step import SAMPLE, load_sample, put_sample
 from srs_ik.kernels.curves.lowest import cost_of_turn
 from srs_ik.kernels.curves.runs import SPARE_ROWS, near_runs, samples_of
@@ -40,7 +41,7 @@ from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.answer import ROW_COST
 from srs_ik.kernels.layout.asked import Goal, Samples, Setting
 from srs_ik.kernels.layout.search import MAX_RUNS, RUN
-from srs_ik.kernels.limb.branches import NO_BRANCH, bit_of, branch_of, is_on_border
+from srs_ik.kernels.limb.branches import NO_BRANCH, bit_of, branch_of, is_on_border, sine_of
 from srs_ik.kernels.limb.goal import NO_SEED, turned
 from srs_ik.kernels.limb.poses import read7
 from srs_ik.kernels.limb.triangle import elbow_side
@@ -58,6 +59,9 @@ SAME_ANGLE = 1e-9
 """An arm angle that turns around is looked for this close to the one that is wanted, rad, if that is no farther than it
 comes at so many times its rate, where the elbow's bend has no smaller sine; there it is the one, up to the last:
 rounding decides about limits and branches within it."""
+
+UNTOLD = 1e-3
+"""Rounding moves the arm angle of an almost straight elbow by this at most, rad, where it is still told at all."""
 
 CLOSE_CALL = 1e-4
 """Where a curve turns around or goes over into another branch so close to an arm angle, rad, rounding may decide."""
@@ -154,6 +158,18 @@ def followed_curves(P, by):
 
 
 @kernel
+def is_here(P, by, q, ahead):
+    """Whether an arm angle that is so far ahead of that of a posture is the same as well as floats tell, rad.
+
+    Next to a straight elbow a posture is told as badly as its bend is small, and its arm angle as much worse.
+    """
+    if abs(ahead) < SAME_ANGLE or abs(ahead) > UNTOLD:
+        return abs(ahead) < SAME_ANGLE
+    t, sign = tangent_at(P, by, q)
+    return sign == 0.0 or abs(ahead) * abs(sine_of(P, q, ELBOW)) < vagueness(by.J, t, by.A)
+
+
+@kernel
 def passing(P, by, psi, a, b):
     """The posture between two of a curve at an arm angle that lies between theirs, and whether it is met.
 
@@ -195,7 +211,7 @@ def passing(P, by, psi, a, b):
     moved = difference(q, exact)
     if met and dot7(moved, moved) < (SAME_POSTURE if abs(ahead) < SAME_ANGLE else CLOSE_BY):
         return exact, True
-    return q, abs(ahead) < SAME_ANGLE
+    return q, is_here(P, by, q, ahead)
 
 
 @kernel
@@ -236,19 +252,19 @@ def look_between(P, by, followed, i, psi, goal, out):
     if turns and by.target.place[3] > WELL_BENT:
         way = difference(a, b)
         turns = nearest < FASTER * max(abs(rate_a), abs(rate_b)) * math.sqrt(dot7(way, way))
-    if not turns and ahead_a * ahead_b > 0.0 and nearest > SAME_ANGLE:
+    if not turns and ahead_a * ahead_b > 0.0 and nearest > UNTOLD:
         return nearest
     branch, next_branch = int(told[i - 1, TOLD_BRANCH]), int(told[i, TOLD_BRANCH])
-    if abs(ahead_a) < SAME_ANGLE:
+    if is_here(P, by, a, ahead_a):
         keep_found(P, a, branch, goal, out)
-    if abs(ahead_b) < SAME_ANGLE:
+    if is_here(P, by, b, ahead_b):
         keep_found(P, b, next_branch, goal, out)
     if turns:
         turning = turning_between(P, by, a, b, 1.0 if rate_a > 0.0 else -1.0, ARM_ANGLE)
         ahead = ahead_a + short_way(angle_at(P, by, turning) - at_a)
         put_passing(P, by, psi, branch, ((a, ahead_a), (turning, ahead)), goal, out)
         put_passing(P, by, psi, branch, ((turning, ahead), (b, ahead_b)), goal, out)
-        if abs(ahead) < SAME_ANGLE:
+        if is_here(P, by, turning, ahead):
             keep_found(P, turning, branch, goal, out)
         return min(nearest, abs(ahead))
     put_passing(P, by, psi, branch, ((a, ahead_a), (b, ahead_b)), goal, out)
