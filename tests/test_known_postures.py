@@ -147,8 +147,21 @@ CLOSE_BY = {
     ("gen3", 0): [
         "0.5984155073749924 -1e-09 1.0558592894443484 1.0682243919726542 1.4738365173376193 "
         "-0.03458205774042922 2.9557103813982746",
+        # Joints that turn around by parts of a micrometre next to a straight elbow: on a limit, or just beyond it.
+        "-2.598120688336936 2.24 1.8749718191262694 -1e-06 1.58993253260663 2.09 -0.048783035227106364",
+        "2.9696909492466697 -2.24 -0.09508061066057838 1e-07 -3.1352929057160126 "
+        "-1.7880309357999353 -0.7684797621927713",
+        "-2.7914221406867425 -2.24 1.7134028517349718 0.0001 1.176483091279187 1.4828913444474545 0.19676563732605867",
     ],
     ("j2s7s300", 0): [
+        # Where an elbow is straight its arm angle is told to 1e-8 rad, and so is that of the change of branch there.
+        "2.130995984019207 3.141592753589793 2.991763013114899 3.141592753589793 2.2258989958073725 "
+        "5.148721293383272 1.0117910136232453",
+        "2.5304756717241936 0.8203047484383349 3.0014638961368485 3.141592643589793 2.9105184002872706 "
+        "5.1487212933822715 -1.7351726641859466",
+        # Curves that tell an arm angle only as they are cut by limits.
+        "1.6063872127742451 3.141592653599793 0.2709376523238758 3.141592653599793 0.8220862257798358 "
+        "1.1344640237963142 -2.3917267436155405",
         "1.0450881073363352 3.141592753589793 -1.5635617605249936 0.8579251355384148 2.3873548256653363 "
         "3.1415925535897933 0.9016508196793804",
     ],
@@ -281,9 +294,21 @@ HIDDEN = {
 """Postures of such arms next to the end of a reach, with an elbow almost flat: some arm angles are met at one bend."""
 
 
-@pytest.mark.parametrize(("seed", "cases"), [(101, TOUCHING), (8802, HIDDEN)])
-def test_postures_of_oblique_axes_at_the_end_of_their_reach_are_whole(bench, seed, cases):
-    made = [arm for arm, _ in islice(subjects()["arms_of"]("random_oblique", 10000, seed), max(cases) + 1)]
+LEANING = {
+    3: "1.3011081325280989 -1.1066910033438636e-06 -5.626543744199689 -3.141592643589793 "
+    "-1.3007985309728343 2.079599561982651 0.9568731280582519",
+    34: "-3.5720377572285975 1.9194848684808212 1.939865594206303 -3.141592653489793 "
+    "-2.907206716244333 1.9153729679798372 -1.9464673310588845",
+}
+"""Postures of arms whose axes lean by up to 1e-6 rad, with a folded elbow: its bend turns the arm about S-W."""
+
+
+@pytest.mark.parametrize(
+    ("kind", "seed", "cases"),
+    [("random_oblique", 101, TOUCHING), ("random_oblique", 8802, HIDDEN), ("random_leaning", 6410000, LEANING)],
+)
+def test_postures_of_oblique_axes_at_the_end_of_their_reach_are_whole(bench, kind, seed, cases):
+    made = [arm for arm, _ in islice(subjects()["arms_of"](kind, 10000, seed), max(cases) + 1)]
     for number, given in cases.items():
         assert_is_whole(bench, made[number], np.array(given.split(), float))
 

@@ -12,7 +12,9 @@ import math
 
 from srs_ik.kernels.algebra.joint_vectors import difference, dot7, short_way
 from srs_ik.kernels.algebra.roots import has_settled, next_parameter, start_crossing, tell_figure
-from srs_ik.kernels.curves.follow import between, put
+from srs_ik.kernels.curves.follow import between, put, share_of_chord
+from srs_ik.kernels.curves.in_step import load_sample
+from srs_ik.kernels.curves.told import turning_between
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.limb import LOWER, MIDDLE, RANGE_KIND, UPPER
 from srs_ik.kernels.limb.limits import beyond, turn_to_middle
@@ -129,56 +131,56 @@ def may_be_inside(P, a, b, bulge):
 
 
 @kernel
-def bulge_between(P, by, a, b, bulge):
-    """The posture farthest outside a limit between two that keep it, if the way is bent out of it.
-
-    Returns the posture, its share of the way, and whether there is one.
-    """
-    half, met = a, False
-    for j in range(7):
-        if P[RANGE_KIND + j] == 0.0:
-            continue
-        at_a = joint_beyond(P, j, a)
-        at_b = joint_beyond(P, j, b)
-        if max(at_a, at_b) < -bulge or max(at_a, at_b) > 0.0:
-            continue
-        if not met:
-            half, met = between(P, by, a, b, 0.5)
-            if not met:
-                return a, 0.0, False
-        q, share, middle = half, 0.5, joint_beyond(P, j, half)
-        bent = at_a + at_b - 2.0 * middle
-        if middle <= 0.0 and bent < 0.0:
-            # The top of a parabola.
-            share = min(max(0.5 - 0.25 * (at_b - at_a) / bent, 0.05), 0.95)
-            q, there = between(P, by, a, b, share)
-            middle = joint_beyond(P, j, q) if there else middle
-        if middle > 0.0:
-            return q, share, True
-    return a, 0.0, False
+def may_cross(away, next_away, bulge):
+    """Whether a parabola so high may come from a distance to zero and go back to the next one, both positive."""
+    drop = next_away - away
+    return abs(drop) < 4.0 * bulge and 0.5 * (away + next_away) <= bulge + drop * drop / (16.0 * bulge)
 
 
 @kernel
-def put_bounds(P, by, start, end, line, n):
+def turn_across(P, by, a, b, j, bulge):
+    """The posture between two on one side of a limit of joint j where that turns around on the other side.
+
+    Returns the posture, and whether there is one. Next to a straight elbow a joint may turn around by parts of a
+    micrometre on its way, and limits are as narrow as the known postures there are.
+    """
+    at_a, at_b = joint_beyond(P, j, a), joint_beyond(P, j, b)
+    outside = at_a > 0.0
+    if P[RANGE_KIND + j] == 0.0 or (at_b > 0.0) != outside or not may_cross(abs(at_a), abs(at_b), bulge):
+        return a, False
+    upwards = (turn_to_middle(P, j, a[j]) > P[MIDDLE + j]) != outside
+    q = turning_between(P, by, a, b, 1.0 if upwards else -1.0, j)
+    return q, (joint_beyond(P, j, q) > 0.0) != outside
+
+
+@kernel
+def put_bounds(P, by, start, end, turns, line, n):
     """Append samples between two postures of a curve, so that nothing hides between them; return the rows in use.
 
-    Where both break limits, one where each joint passes a limit; else one that breaks a limit that both keep.
+    One where each joint turns around across a limit, and where both of two break limits, one where each joint passes a
+    limit. `turns` is room for seven samples.
     """
     x_a, a = start
     x_b, b = end
     chord = difference(a, b)
     bulge = BULGE * dot7(chord, chord)
-    outside_a, outside_b = any_outside(P, a), any_outside(P, b)
-    if outside_a and outside_b:
-        return put_crossings(P, by, start, end, bulge, line, n)
-    q, share, found = bulge_between(P, by, a, b, bulge)
-    if found:
-        x = x_a + share * (x_b - x_a)
-        if outside_a:
-            n = put_crossings(P, by, start, (x, q), bulge, line, n)
-        n = put(line, n, x, q)
-        if outside_b:
-            n = put_crossings(P, by, (x, q), end, bulge, line, n)
+    outside = any_outside(P, a)
+    if outside and any_outside(P, b) and not may_be_inside(P, a, b, bulge):
+        return n
+    n_turns = 0
+    for j in range(7):
+        q, found = turn_across(P, by, a, b, j, bulge)
+        if found:
+            n_turns = insert(turns, 0, n_turns, x_a + share_of_chord(a, b, q) * (x_b - x_a), q)
+    before = start
+    for i in range(n_turns + 1):
+        behind = (turns[i, 0], load_sample(turns[i])) if i < n_turns else end
+        outside_behind = any_outside(P, behind[1])
+        if outside and outside_behind:
+            n = put_crossings(P, by, before, behind, bulge, line, n)
+        if i < n_turns:
+            n = put(line, n, behind[0], behind[1])
+        before, outside = behind, outside_behind
     return n
 
 

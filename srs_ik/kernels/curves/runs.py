@@ -215,7 +215,7 @@ def unroll(P, by, rows, curve, line):
             if off[first + i, 0] > worst:
                 start, worst = i, off[first + i, 0]
     length = rows[first + count - 1, 0]
-    gaps = np.empty((MOST_GAPS, SAMPLE))
+    gaps, turns = np.empty((MOST_GAPS, SAMPLE)), np.empty((7, SAMPLE))
     n = 0
     x = 0.0
     q = NO_SEED
@@ -232,10 +232,10 @@ def unroll(P, by, rows, curve, line):
         if by.respect and i > 0 and may_meet(f, next_f, ARC * (next_x - x)):
             for k in range(put_gaps(P, by, (x, q), (next_x, next_q), gaps, 0)):
                 gap_x, gap_q = gaps[k, 0], load_sample(gaps[k])
-                n = put_bounds(P, by, (x, q), (gap_x, gap_q), line, n)
+                n = put_bounds(P, by, (x, q), (gap_x, gap_q), turns, line, n)
                 n = put(line, n, gap_x, gap_q)
                 x, q = gap_x, gap_q
-            n = put_bounds(P, by, (x, q), (next_x, next_q), line, n)
+            n = put_bounds(P, by, (x, q), (next_x, next_q), turns, line, n)
         n = put(line, n, next_x, next_q)
         x, q, f = next_x, next_q, next_f
     return n

@@ -20,6 +20,7 @@ from srs_ik.kernels.curves.changes import (
 from srs_ik.kernels.curves.ends import on_curve, sample_before
 from srs_ik.kernels.curves.runs import samples_of
 from srs_ik.kernels.curves.told import (
+    ARM_ANGLE,
     TOLD,
     TOLD_BRANCH,
     TOLD_PSI,
@@ -56,7 +57,7 @@ def turning_angle(P, by, curve, ends, psi, sign):
     """The farthest arm angle, in the direction of a sign, between two parameters; psi is close by."""
     a, _ = on_curve(P, by, 0, curve, ends[0])
     b, _ = on_curve(P, by, 0, curve, ends[1])
-    return psi + short_way(angle_at(P, by, turning_between(P, by, a, b, sign)) - psi)
+    return psi + short_way(angle_at(P, by, turning_between(P, by, a, b, sign, ARM_ANGLE)) - psi)
 
 
 @kernel

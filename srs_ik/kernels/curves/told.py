@@ -29,6 +29,9 @@ sines of these joints from their phases on."""
 TURNING_WRIST = 1e-4
 """Sine of q6 below which a way along a curve is asked for alone: in step it divides by what axes 5 to 7 span."""
 
+ARM_ANGLE = -1
+"""The arm angle, where joints are numbered from 0 on."""
+
 ROUNDS = 16
 TURNED = 1e-12
 """Rounds of eight looks, at most, and how well an arm angle is to be foretold, rad."""
@@ -160,15 +163,15 @@ def lowest_of_eight(heights, met):
 
 
 @kernel
-def turning_between(P, by, a, b, rise):
-    """The posture of a curve, from one to another close by, whose arm angle is farthest to one side.
+def turning_between(P, by, a, b, rise, joint):
+    """The posture of a curve, from one to another close by, whose arm angle or joint is farthest to one side.
 
-    Eight postures at a time tell the arm angle and its rate; the cubic around the farthest one foretells the turn, and
-    tells where to look next. `rise` is the sign of the side.
+    Eight postures at a time tell the angle and its rate; the cubic around the farthest one foretells the turn, and
+    tells where to look next. `rise` is the sign of the side (joint `ARM_ANGLE`: the arm angle).
     """
     chord = difference(a, b)
     length2 = dot7(chord, chord)
-    psi = angle_at(P, by, a)
+    start = angle_at(P, by, a) if joint == ARM_ANGLE else a[joint]
     share, height = 0.0, 0.0
     low, high = 0.0, 1.0
     begin, apart = 0.0, 1.0 / 7.0
@@ -177,8 +180,8 @@ def turning_between(P, by, a, b, rise):
     steps = eight_of(0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0)
     for _ in range(ROUNDS):
         q, t, met = between_eight(P, by, a, chord, begin + apart * steps)
-        angles, rates = arm_angles(P, by.target.place, q, t)
-        heights = -rise * short_ways(angles - psi)
+        angles, rates = arm_angles(P, by.target.place, q, t) if joint == ARM_ANGLE else (q[joint], t[joint])
+        heights = -rise * short_ways(angles - start)
         slopes = -rise * rates * length2 / dot7(t, chord)
         best = lowest_of_eight(heights, met)
         if best < 0:
@@ -206,6 +209,8 @@ def turning_between(P, by, a, b, rise):
         if high - low < FINEST:
             break
         begin, apart, less = low, (high - low) / 7.0, 1.0
-    # Postures in step are off by what their singularities make of rounding; and one that is given stays as it is.
-    q, met = between(P, by, a, b, share)
-    return q if met and share > 0.0 else a
+    if share == 0.0:
+        return a
+    # Postures in step are off by what their singularities make of rounding.
+    there, is_there = between(P, by, a, b, share)
+    return there if is_there else a

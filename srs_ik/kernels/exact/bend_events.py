@@ -10,6 +10,8 @@ from __future__ import annotations
 
 import math
 
+import numpy as np
+
 from srs_ik.kernels.algebra.vectors import (
     across,
     add,
@@ -24,7 +26,7 @@ from srs_ik.kernels.algebra.vectors import (
     sub,
 )
 from srs_ik.kernels.exact.bends import bent_place
-from srs_ik.kernels.exact.events import NEXT_TO_END, beyond_middle, end_of_middle, end_of_reach, insert, short_of_end
+from srs_ik.kernels.exact.events import NEXT_TO_END, end_of_middle, end_of_reach, insert, short_of_end
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.limb import (
     A1,
@@ -38,6 +40,7 @@ from srs_ik.kernels.layout.limb import (
     BOUND_3_LOWER,
     FIRST_JOINT,
     LOWER,
+    NORMAL_KIND,
     RANGE_KIND,
     SHOULDER,
     SLACK_LIMIT,
@@ -49,23 +52,24 @@ from srs_ik.kernels.layout.limb import (
 from srs_ik.kernels.limb.limits import turn_to_middle
 from srs_ik.kernels.limb.triangle import (
     elbow_at,
-    elbow_side,
     shoulder_columns,
     side_frames,
     turned_frame,
     wrist_columns,
 )
 
-MOST_EVENTS = 38
-"""Most bends at which anything changes at an arm angle: 17 each of shoulder and wrist, two of the elbow, two ends."""
+MOST_EVENTS = 128
+"""Room for bends at which anything changes at an arm angle: 17 each of shoulder and wrist, two of the elbow, two ends,
+and some more where oblique axes turn the arm with its bend."""
 
 LIMITS = 6
 ENDS = LIMITS + 2
 """Limits of a spherical joint; with them, both ends of the reach of oblique axes."""
 
-MOST_CURVES = 64
-MOST_CROSSINGS = 512
-"""Curves of limits in the plane of bend and arm angle, and bends at which two of them cross, at most."""
+TURNED = 0.1
+FINE = 1e-2
+"""A bend that turns the arm about the line S-W by more than this, rad, is no parabola to limits: then shorter ways are
+looked at, and once more as much to both sides of what is found on them, in parts of each."""
 
 SECANTS = 3
 """Steps towards a bend that brings outer axes into line."""
@@ -85,7 +89,8 @@ def to_be_turned(P, place_, elbow, cos_psi, sin_psi):
 @kernel
 def add_bend(x, span, bends, n):
     """Insert a bend into the sorted first n, if it lies between both of a span; return how many they are then."""
-    return insert(x, bends, n) if span[0] < x < span[1] else n
+    # Both ends of the span come behind these.
+    return insert(x, bends, n) if span[0] < x < span[1] and n + 2 < bends.shape[0] else n
 
 
 @kernel
@@ -200,6 +205,58 @@ def curve(start, middle, end):
 
 
 @kernel
+def angle_between(a, b):
+    """Angle between two vectors, rad, with all digits where it is small."""
+    return math.atan2(norm(cross(a, b)), dot(a, b))
+
+
+@kernel
+def add_joints(P, place_, at, span, bends, n):
+    """Insert the bends in a span at which shoulder or wrist change at an arm angle, to the first n: their number.
+
+    On the way from the smallest bend to the largest, all that is turned goes along parabolas. `at` holds the side of
+    the elbow, cosine and sine of the arm angle.
+    """
+    elbow, c, s = at
+    s_0, w_0 = to_be_turned(P, bent_place(place_, span[0]), elbow, c, s)
+    s_1, w_1 = to_be_turned(P, bent_place(place_, along_span(span, 0.5)), elbow, c, s)
+    s_2, w_2 = to_be_turned(P, bent_place(place_, span[1]), elbow, c, s)
+    n = add_joint(P, SHOULDER, curve(s_0[0], s_1[0], s_2[0]), curve(s_0[1], s_1[1], s_2[1]), span, bends, n)
+    return add_joint(P, WRIST, curve(w_0[0], w_1[0], w_2[0]), curve(w_0[1], w_1[1], w_2[1]), span, bends, n)
+
+
+@kernel
+def turned_by(P, place_, elbow, span):
+    """By how much the arm turns about the line S-W from one bend to another, rad."""
+    _, _, (_, _, first) = elbow_at(P, bent_place(place_, span[0]), elbow)
+    _, _, (_, _, last) = elbow_at(P, bent_place(place_, span[1]), elbow)
+    return angle_between(first, last)
+
+
+@kernel
+def around_in(span, low, high, more):
+    """What lies between two bends of a span, and some more of it to both sides."""
+    return max(low - more, span[0]), min(high + more, span[1])
+
+
+@kernel
+def add_turned(P, place_, at, span, bends):
+    """Fill in the bends of `add_joints` where the arm turns far with its bend; their number."""
+    coarse = np.empty(MOST_EVENTS)
+    n, low = 0, span[0]
+    while low < span[1]:
+        high = span[1]
+        while turned_by(P, place_, at[0], (low, high)) > TURNED:
+            high = 0.5 * (low + high)
+        around = FINE * (high - low)
+        m = add_joints(P, place_, at, around_in(span, low, high, around), coarse, 0)
+        for i in range(m):
+            n = add_joints(P, place_, at, around_in(span, coarse[i], coarse[i], around), bends, n)
+        low = high
+    return n
+
+
+@kernel
 def bends_at(P, place_, psi, elbow, span, bends):
     """Fill in the sorted bends at which anything changes at one arm angle, those of the span included; their number.
 
@@ -211,20 +268,13 @@ def bends_at(P, place_, psi, elbow, span, bends):
         span: sines of the smallest and the largest bend.
         bends: (MOST_EVENTS,) output.
     """
-    c, s = math.cos(psi), math.sin(psi)
-    s_0, w_0 = to_be_turned(P, bent_place(place_, span[0]), elbow, c, s)
-    s_1, w_1 = to_be_turned(P, bent_place(place_, along_span(span, 0.5)), elbow, c, s)
-    s_2, w_2 = to_be_turned(P, bent_place(place_, span[1]), elbow, c, s)
-    n = add_joint(P, SHOULDER, curve(s_0[0], s_1[0], s_2[0]), curve(s_0[1], s_1[1], s_2[1]), span, bends, 0)
-    n = add_joint(P, WRIST, curve(w_0[0], w_1[0], w_2[0]), curve(w_0[1], w_1[1], w_2[1]), span, bends, n)
+    at = (elbow, math.cos(psi), math.sin(psi))
+    if P[NORMAL_KIND] != 0.0 and turned_by(P, place_, elbow, span) > TURNED:
+        n = add_turned(P, place_, at, span, bends)
+    else:
+        n = add_joints(P, place_, at, span, bends, 0)
     n = add_elbow(P, place_, elbow, span, bends, n)
     return insert(span[1], bends, insert(span[0], bends, n))
-
-
-@kernel
-def angle_between(a, b):
-    """Angle between two vectors, rad, with all digits where it is small."""
-    return math.atan2(norm(cross(a, b)), dot(a, b))
 
 
 @kernel
@@ -266,110 +316,3 @@ def bend_in_line(P, place_, k, elbow, end, span):
         if abs(y1) < least:
             best, least = x1, abs(y1)
     return best
-
-
-@kernel
-def beyond_on(P, k, i, form, value, circle):
-    """By how much the spherical joint at block k is beyond a limit on a circle of arm angles, in the mean over them."""
-    square = dot(circle[1], circle[1])
-    if i // 2 == 1:
-        return beyond_middle(P, k, i % 2, circle[0], square)
-    if i >= LIMITS:
-        return short_of_end(form, end_of_reach(P, k, i % 2)[1], circle[0], square)
-    return dot(form, circle[0]) - value
-
-
-@kernel
-def put_curve(square, c, s, rest, curves, n):
-    """Append a curve square (u^2 + v^2) + c u + s v + rest = 0; how many there are then."""
-    curves[n, 0], curves[n, 1], curves[n, 2], curves[n, 3] = square, c, s, rest
-    return n + 1
-
-
-@kernel
-def read_curve(curves, i):
-    """Row i of some curves as a tuple."""
-    return curves[i, 0], curves[i, 1], curves[i, 2], curves[i, 3]
-
-
-@kernel
-def add_curves(P, k, motions, elbow, curves, n):
-    """Append the curves on which a spherical joint is on a limit to the first n; how many they are then.
-
-    They are lines and circles in the plane of points (u, v) at the distance of the bend, as a part of the largest, and
-    in the direction of the arm angle. `motions` are those with no bend and with the largest.
-    """
-    for i in range(ENDS):
-        form, value, of_r, there = limit_form(P, k, i)
-        flat, circle = (motions[0][2], motions[1][2]) if of_r else (motions[0][0], motions[1][0])
-        c, s = dot(form, circle[1]), dot(form, circle[2])
-        size = math.sqrt(c * c + s * s)
-        c_0, s_0 = dot(form, flat[1]), dot(form, flat[2])
-        size_0 = math.sqrt(c_0 * c_0 + s_0 * s_0)
-        rest = beyond_on(P, k, i, form, value, flat)
-        square = beyond_on(P, k, i, form, value, circle) - rest
-        if not there or abs(rest) > size + abs(square) + P[SLACK_LIMIT]:
-            continue
-        if size_0 <= 0.5 * size:
-            # The circle of the arm angle shrinks with the bend, the same way on either side of the elbow.
-            if elbow == 0:
-                n = put_curve(square, c, s, rest, curves, n)
-        else:
-            # An arm angle of its own, from which the bend leads away in proportion.
-            away = math.acos(max(min(-rest / size_0, 1.0), -1.0))
-            for side in range(2):
-                psi = math.atan2(s_0, c_0) + (away if side == 0 else -away)
-                u, v = math.cos(psi), math.sin(psi)
-                slope, change = s_0 * u - c_0 * v, rest + square + c * u + s * v
-                turn = change / slope if abs(slope) > abs(change) else 0.0
-                n = put_curve(turn, -v, u, 0.0, curves, n)
-    return n
-
-
-@kernel
-def add_meetings(curve_, line, most, span, bends, n):
-    """Insert the bends of the points that a curve shares with a line, each a row of such figures, to the first n."""
-    c, s, rest = line
-    size = math.sqrt(c * c + s * s)
-    # Both ends of the span come behind these.
-    if size == 0.0 or n + 4 > bends.shape[0]:
-        return n
-    c, s, away = c / size, s / size, -rest / size
-    # Along the line, from its foot: square x^2 + slope x + start.
-    square, slope = curve_[0], curve_[2] * c - curve_[1] * s
-    start = square * away * away + (curve_[1] * c + curve_[2] * s) * away + curve_[3]
-    under = slope * slope - 4.0 * square * start
-    if under < 0.0:
-        return n
-    sum_ = -0.5 * (slope + math.copysign(math.sqrt(under), slope))
-    if sum_ != 0.0:
-        n = add_bend(most * math.hypot(away, start / sum_), span, bends, n)
-    if square != 0.0:
-        n = add_bend(most * math.hypot(away, sum_ / square), span, bends, n)
-    return n
-
-
-@kernel
-def bends_of_crossings(P, place_, span, curves, bends):
-    """Fill in the sorted bends at which limits cross, begin or end, those of the span included; their number.
-
-    Between two neighbours of them no interval of arm angles appears, parts or goes.
-    """
-    m, n, most = 0, 0, span[1]
-    for elbow in range(2):
-        n = add_elbow(P, place_, elbow, span, bends, n)
-        flat, bent = elbow_side(P, bent_place(place_, 0.0), elbow), elbow_side(P, bent_place(place_, most), elbow)
-        m = add_curves(P, SHOULDER, (flat[1], bent[1]), elbow, curves, m)
-        m = add_curves(P, WRIST, (flat[2], bent[2]), elbow, curves, m)
-    for i in range(m):
-        a = read_curve(curves, i)
-        # The points of a curve closest to the origin and farthest from it are on the line through that and its centre.
-        n = add_meetings(a, (-a[2], a[1], 0.0), most, span, bends, n)
-        for j in range(i + 1, m):
-            b = read_curve(curves, j)
-            if a[0] == 0.0 and b[0] == 0.0:
-                n = add_meetings(a, (b[1], b[2], b[3]), most, span, bends, n)
-            else:
-                line = b[0] * a[1] - a[0] * b[1], b[0] * a[2] - a[0] * b[2], b[0] * a[3] - a[0] * b[3]
-                n = add_meetings(a if a[0] != 0.0 else b, line, most, span, bends, n)
-    return insert(span[1], bends, insert(span[0], bends, n))

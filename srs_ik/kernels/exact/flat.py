@@ -12,14 +12,8 @@ import math
 import numpy as np
 
 from srs_ik.kernels.algebra.pointers import keep, row
-from srs_ik.kernels.exact.bend_events import (
-    MOST_CROSSINGS,
-    MOST_CURVES,
-    MOST_EVENTS,
-    bend_in_line,
-    bends_at,
-    bends_of_crossings,
-)
+from srs_ik.kernels.exact.bend_crossings import MOST_CROSSINGS, MOST_CURVES, bends_of_crossings
+from srs_ik.kernels.exact.bend_events import MOST_EVENTS, bend_in_line, bends_at
 from srs_ik.kernels.exact.bends import bent_place
 from srs_ik.kernels.exact.events import TURN
 from srs_ik.kernels.exact.gaps import ROUNDING, can_be

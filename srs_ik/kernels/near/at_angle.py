@@ -13,7 +13,7 @@ from srs_ik.kernels.chain.starts import FIRST, best_of_all, close_all
 from srs_ik.kernels.curves.surface import has_surface
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.answer import ROW_COST
-from srs_ik.kernels.layout.asked import Best, Goal
+from srs_ik.kernels.layout.asked import Best, Goal, Setting
 from srs_ik.kernels.layout.limb import COSINE_OFF, FAR, IS_NEAR, MISS, NEAR, SHIFT
 from srs_ik.kernels.limb.branches import NO_BRANCH, best_branch, branch_of, is_on_border, is_unsure
 from srs_ik.kernels.limb.goal import NO_SEED, OUTSIDE
@@ -27,6 +27,7 @@ from srs_ik.kernels.near.on_curves import (
     best_on_curves,
     curves_around,
     find_at_angle,
+    followed_curves,
     no_curves,
     setting_of,
 )
@@ -273,6 +274,12 @@ def solve_at_angle(P, target, psi, wanted, goal, J, A):
     q, best, lowest = from_curves(P, by, followed, psi, wanted, goal, (q, best, lowest))
     if lowest < OUTSIDE or followed.certain:
         return q, best, lowest
+    if respect:
+        # As they are cut for intervals, curves pass what next to several singularities floats hardly tell apart.
+        within = Setting(target, by.side, True, J, A)
+        q, best, lowest = from_curves(P, within, followed_curves(P, within), psi, wanted, goal, (q, best, lowest))
+        if lowest < OUTSIDE:
+            return q, best, lowest
     if lowest >= NO_BRANCH:
         found = np.full((8, 8), 2.0 * NO_BRANCH)
         put_searched(P, target, psi, wanted, goal, found, A)

@@ -14,18 +14,20 @@ from srs_ik.kernels.curves.changes import (
     CHANGE,
     CHANGE_AT,
     CHANGE_MIDDLE,
+    ELBOW,
     MOST_CHANGES,
     find_changes,
     posture_beside,
     turned_back,
 )
-from srs_ik.kernels.curves.follow import between, share_of_chord
+from srs_ik.kernels.curves.follow import between, share_of_chord, tangent_at, vagueness
 from srs_ik.kernels.curves.in_step import SAMPLE, load_sample, put_sample
 from srs_ik.kernels.curves.lowest import cost_of_turn
 from srs_ik.kernels.curves.runs import SPARE_ROWS, near_runs, samples_of
 from srs_ik.kernels.curves.spans import JUST_OUTSIDE
 from srs_ik.kernels.curves.surface import has_surface
 from srs_ik.kernels.curves.told import (
+    ARM_ANGLE,
     TOLD,
     TOLD_BRANCH,
     TOLD_PSI,
@@ -39,7 +41,7 @@ from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.answer import ROW_COST
 from srs_ik.kernels.layout.asked import Goal, Samples, Setting
 from srs_ik.kernels.layout.search import MAX_RUNS, RUN
-from srs_ik.kernels.limb.branches import NO_BRANCH, bit_of, branch_of, is_on_border
+from srs_ik.kernels.limb.branches import NO_BRANCH, bit_of, branch_of, is_on_border, sine_of
 from srs_ik.kernels.limb.goal import NO_SEED, turned
 from srs_ik.kernels.limb.poses import read7
 from srs_ik.kernels.limb.triangle import elbow_side
@@ -58,11 +60,18 @@ SAME_ANGLE = 1e-9
 comes at so many times its rate, where the elbow's bend has no smaller sine; there it is the one, up to the last:
 rounding decides about limits and branches within it."""
 
+UNTOLD = 1e-3
+"""Rounding moves the arm angle of an almost straight elbow by this at most, rad, where it is still told at all."""
+
 CLOSE_CALL = 1e-4
 """Where a curve turns around or goes over into another branch so close to an arm angle, rad, rounding may decide."""
 
 CLOSE_BY = 1e-4
 """Newton's method moves a posture no farther than this, rad, squared."""
+
+SAME_POSTURE = 1e-12
+"""Postures this close together, rad squared, are one where rounding decides: samples on either side of a change of
+branch, and what Newton's method makes of an arm angle that is met."""
 
 SAME_CURVE = 1e-18
 """A posture that it leads to at once is this close to the curve, rad squared: others may cross it nearby."""
@@ -149,6 +158,18 @@ def followed_curves(P, by):
 
 
 @kernel
+def is_here(P, by, q, ahead):
+    """Whether an arm angle that is so far ahead of that of a posture is the same as well as floats tell, rad.
+
+    Next to a straight elbow a posture is told as badly as its bend is small, and its arm angle as much worse.
+    """
+    if abs(ahead) < SAME_ANGLE or abs(ahead) > UNTOLD:
+        return abs(ahead) < SAME_ANGLE
+    t, sign = tangent_at(P, by, q)
+    return sign == 0.0 or abs(ahead) * abs(sine_of(P, q, ELBOW)) < vagueness(by.J, t, by.A)
+
+
+@kernel
 def passing(P, by, psi, a, b):
     """The posture between two of a curve at an arm angle that lies between theirs, and whether it is met.
 
@@ -158,8 +179,12 @@ def passing(P, by, psi, a, b):
     q_b, ahead_b = b
     R, p, place_ = by.target
     share = ahead_a / (ahead_a - ahead_b)
-    start = along7(q_a, share, difference(q_a, q_b))
+    chord = difference(q_a, q_b)
+    start = along7(q_a, share, chord)
     q, met = close_at_angle(P, start, R, p, place_[0], place_[1], psi, STEPS, by.A)
+    moved = difference(q_a, q)
+    if met and dot7(chord, chord) < SAME_POSTURE and dot7(moved, moved) < SAME_POSTURE:
+        return q, True
     share = share_of_chord(q_a, q_b, q) if met else 2.0
     if 0.0 <= share <= 1.0:
         there, met = between(P, by, q_a, q_b, share)
@@ -184,9 +209,9 @@ def passing(P, by, psi, a, b):
             high, ahead_b = share, ahead
     exact, met = close_at_angle(P, q, R, p, place_[0], place_[1], psi, STEPS, by.A)
     moved = difference(q, exact)
-    if met and dot7(moved, moved) < CLOSE_BY:
+    if met and dot7(moved, moved) < (SAME_POSTURE if abs(ahead) < SAME_ANGLE else CLOSE_BY):
         return exact, True
-    return q, abs(ahead) < SAME_ANGLE
+    return q, is_here(P, by, q, ahead)
 
 
 @kernel
@@ -227,19 +252,19 @@ def look_between(P, by, followed, i, psi, goal, out):
     if turns and by.target.place[3] > WELL_BENT:
         way = difference(a, b)
         turns = nearest < FASTER * max(abs(rate_a), abs(rate_b)) * math.sqrt(dot7(way, way))
-    if not turns and ahead_a * ahead_b > 0.0 and nearest > SAME_ANGLE:
+    if not turns and ahead_a * ahead_b > 0.0 and nearest > UNTOLD:
         return nearest
     branch, next_branch = int(told[i - 1, TOLD_BRANCH]), int(told[i, TOLD_BRANCH])
-    if abs(ahead_a) < SAME_ANGLE:
+    if is_here(P, by, a, ahead_a):
         keep_found(P, a, branch, goal, out)
-    if abs(ahead_b) < SAME_ANGLE:
+    if is_here(P, by, b, ahead_b):
         keep_found(P, b, next_branch, goal, out)
     if turns:
-        turning = turning_between(P, by, a, b, 1.0 if rate_a > 0.0 else -1.0)
+        turning = turning_between(P, by, a, b, 1.0 if rate_a > 0.0 else -1.0, ARM_ANGLE)
         ahead = ahead_a + short_way(angle_at(P, by, turning) - at_a)
         put_passing(P, by, psi, branch, ((a, ahead_a), (turning, ahead)), goal, out)
         put_passing(P, by, psi, branch, ((turning, ahead), (b, ahead_b)), goal, out)
-        if abs(ahead) < SAME_ANGLE:
+        if is_here(P, by, turning, ahead):
             keep_found(P, turning, branch, goal, out)
         return min(nearest, abs(ahead))
     put_passing(P, by, psi, branch, ((a, ahead_a), (b, ahead_b)), goal, out)
