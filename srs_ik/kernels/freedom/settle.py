@@ -32,6 +32,9 @@ ALMOST = 0.1
 """Where the pose is missed by more, m and rad, a step goes the shortest way to it: a far seed would pull away from it.
 Bends count only nearer: multipliers of a first guess say nothing."""
 
+PATIENCE, LATE = 12, 0.03
+"""A search whose pose is missed by more, m and rad, after so many steps, meets none: limits stand in the way."""
+
 STIFFER = 4.0
 STIFFEST = 256.0
 """Where a step is none to a minimum, the bend of the distance counts so many times more, and at most so many times."""
@@ -288,14 +291,16 @@ def settle(P, q, pose, freedom, liking, desk):
     known = 0
     before, step, worth = q, NO_SEED, math.inf
     last, asked, share = NO_FORCE, NO_FORCE, 1.0
-    radius = MAX_STEP
-    for _ in range(STEPS):
+    radius, restoring = MAX_STEP, False
+    for k in range(STEPS):
         m, error, turns = equations(P, q, pose, freedom, forces, desk)
         m = on_edge(m, known, forces)
         if size < SETTLED and error < MET:
             at_rest = True
             break
-        value = distance(q, liking) + price(forces) * error
+        if k > PATIENCE and error > LATE:
+            break
+        value = error if restoring else distance(q, liking) + price(forces) * error
         if value > worth and size > CLOSE_BY:
             # Too far for what is known of the bends.
             step = along7(NO_SEED, SHORTER, step)
@@ -322,7 +327,8 @@ def settle(P, q, pose, freedom, liking, desk):
             step, asked, on, down = bounded_step(K, M, m, q, held, liking)
         last = forces if known == m else asked
         known = m if near else 0
-        worth = distance(q, liking) + price(asked) * error if near else math.inf
+        restoring = not near
+        worth = distance(q, liking) + price(asked) * error if near else error
         size, share = 0.0, 1.0
         for j in range(7):
             size = max(size, abs(step[j]))
