@@ -9,7 +9,7 @@ from srs_ik.kernels.chain.freedom import as_rotation, free_error
 from srs_ik.kernels.chain.kinematics import forward_kinematics
 from srs_ik.kernels.chain.newton import arm_angle
 from srs_ik.kernels.freedom.nearest import beside, nearest
-from srs_ik.kernels.freedom.queue import NONE_LEFT
+from srs_ik.kernels.freedom.queue import MOST_ATTEMPTS, NONE_LEFT
 from srs_ik.kernels.freedom.settle import EVEN, THIN, onto_pose, settle
 from srs_ik.kernels.freedom.starts import starts_of_roll, starts_of_turns
 from srs_ik.kernels.freedom.turns import held_straight
@@ -25,6 +25,9 @@ from srs_ik.kernels.limb.triangle import place
 
 NEAREST, NEAREST_IN_CONE = 32, 12
 """Local searches at least: with the roll alone free, and then so many more with the cone free."""
+
+OF_ROLL = 16
+"""Local searches at most, with the roll alone free, where the cone is free too: no posture of its middle may be left."""
 
 ROUNDING = 1e-13
 """Errors of a pose, m and rad, that need no step any more."""
@@ -74,7 +77,8 @@ def nearest_of_all(P, pose, given, liking, desk):
     found = Found(liking.posture, NONE_LEFT, False)
     count = starts_of_roll(P, pose, freedom, (True, liking.posture, found), desk)
     held = held_straight(P, pose, freedom.axis, liking)
-    found = nearest(P, pose, roll, held, (count, NEAREST), found, desk)
+    most = MOST_ATTEMPTS if freedom.cone <= THIN else OF_ROLL
+    found = nearest(P, pose, roll, held, (count, NEAREST, most), found, desk)
     if freedom.cone == 0.0 or (found.met and freedom.cone <= THIN):
         return found
     if found.met:
@@ -82,7 +86,7 @@ def nearest_of_all(P, pose, given, liking, desk):
         if error < SOLVED and cost < found.cost:
             found = Found(q, cost, True)
     count = starts_of_turns(P, pose, turns, (True, liking.posture, found), desk, count)
-    return nearest(P, pose, freedom, liking, (count, NEAREST_IN_CONE), found, desk)
+    return nearest(P, pose, freedom, liking, (count, NEAREST_IN_CONE, MOST_ATTEMPTS), found, desk)
 
 
 @kernel
