@@ -142,9 +142,10 @@ def add_strip(P, pose, freedom, given, goal, desk, n):
     """Write the starts of a strip of rolls on one side of the elbow; return how many there are."""
     elbow, (lower, upper) = given
     R, p = pose
+    # At its ends, the elbow is on a limit or straight: there may be more postures than beside them.
     count = strip_count(lower, upper)
     for k in range(count):
-        roll = lower + (upper - lower) * (k + 0.5) / count
+        roll = lower + (upper - lower) * k / (count - 1)
         turn = rotation(freedom.axis, math.cos(roll), math.sin(roll))
         n = add_turn(P, (times(R, turn), p), k, elbow, goal, desk, n)
     return n
