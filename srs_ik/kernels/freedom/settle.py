@@ -370,11 +370,11 @@ def at_limits(q, liking):
 
 @kernel
 def on_edge(m, known, forces):
-    """The number of equations, one more than m where the axis has come in from the edge of its cone, but wants out.
+    """The number of equations: one more with the axis held at the edge of its cone, as long as it presses on that.
 
-    Else steps would lead to and fro across the edge.
+    Else steps would lead to and fro across the edge, or end there where the axis wants in.
     """
-    return 4 if m == 3 and known == 4 and forces[3] < 0.0 else m
+    return m if known != 4 else 4 if forces[3] < 0.0 else 3
 
 
 @kernel

@@ -23,7 +23,7 @@ from srs_ik.kernels.limb.limits import middles
 from srs_ik.kernels.limb.poses import read_pose
 from srs_ik.kernels.limb.triangle import place
 
-NEAREST, NEAREST_IN_CONE = 32, 12
+NEAREST, NEAREST_IN_CONE = 32, 24
 """Local searches at least: with the roll alone free, and then so many more with the cone free."""
 
 OF_ROLL = 16
@@ -78,7 +78,8 @@ def nearest_of_all(P, pose, given, liking, desk):
     count = starts_of_roll(P, pose, freedom, (True, liking.posture, found), desk)
     held = held_straight(P, pose, freedom.axis, liking)
     most = MOST_ATTEMPTS if freedom.cone <= THIN else OF_ROLL
-    found = nearest(P, pose, roll, held, (count, NEAREST, most), found, desk)
+    if freedom.cone <= THIN:
+      found = nearest(P, pose, roll, held, (count, NEAREST, most), found, desk)
     if freedom.cone == 0.0 or (found.met and freedom.cone <= THIN):
         return found
     if found.met:
