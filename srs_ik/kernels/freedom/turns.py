@@ -14,7 +14,7 @@ from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.freedom import Liking
 from srs_ik.kernels.layout.limb import FAR, IS_CLOSED, LOWER, NEAR, SHOULDER_CENTRE, STRAIGHT, UPPER, WRIST_IN_TIP
 
-ROLLS = 16
+ROLLS = 24
 """Rolls that are looked at, of a turn."""
 
 FEWEST = 3

@@ -24,7 +24,7 @@ START = 9
 """A start: seven joint angles, their cost, and whether its turn is more than a roll."""
 
 
-ARM_ANGLES = 16
+ARM_ANGLES = 24
 """Arm angles at which postures are looked at, all around; a multiple of `LANES`."""
 
 HALF = 4
