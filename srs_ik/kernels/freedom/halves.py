@@ -8,7 +8,7 @@ from __future__ import annotations
 import math
 
 from srs_ik.kernels.algebra.lane_trig import TINY, rough_angle, turn
-from srs_ik.kernels.algebra.lanes import LANES, eight_of, gather, root, scatter, where, whole_number
+from srs_ik.kernels.algebra.lanes import LANES, as_bits, eight_of, gather, root, scatter, where, whole_number
 from srs_ik.kernels.algebra.vectors import add, dot, load3, sub, swing
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.freedom import ARM_ANGLES, BRANCH_COST, ELBOW_COST, HALF, HALF_COST
@@ -139,4 +139,14 @@ def write_costs(table, halves, seeded):
         a = gather(table, (halves[0] * HALF + HALF_COST) * ARM_ANGLES + i, 1)
         b = gather(table, (halves[1] * HALF + HALF_COST) * ARM_ANGLES + i, 1)
         e = table[ELBOW_COST]
-        scatter(table, BRANCH_COST + i, 1, a + b + e if seeded else more_of(more_of(a, b), e))
+        scatter(table, BRANCH_COST + 1 + i, 1, a + b + e if seeded else more_of(more_of(a, b), e))
+    table[BRANCH_COST] = table[BRANCH_COST + ARM_ANGLES]
+    table[BRANCH_COST + ARM_ANGLES + 1] = table[BRANCH_COST + 1]
+
+
+@kernel
+def dips(table, i, useless):
+    """Which of eight arm angles cost no more than those beside them, as bits, but for useless costs between two."""
+    here = gather(table, BRANCH_COST + 1 + i, 1)
+    high = (here > gather(table, BRANCH_COST + i, 1)) | (here > gather(table, BRANCH_COST + 2 + i, 1))
+    return as_bits(here < NO_BRANCH) & ~as_bits(high | ((here > useless[0]) & (here < useless[1])))
