@@ -27,8 +27,9 @@ CLEAR = 2.0
 SPREAD = math.sqrt(7.0)
 """Seven joints that turn by one together, each by the same, turn the tip by at most so much."""
 
-NO_SHORTER = 1.0
-"""A search does not come so much nearer to the seed than its start is once it is inside the limits, rad."""
+NO_SHORTER, FEW = 1.0, 8
+"""A search does not come so much nearer to the seed than its start is once it is inside the limits, rad: of more
+searches than a few, those from such starts are left out."""
 
 
 @kernel
@@ -56,13 +57,13 @@ def nearest(P, pose, freedom, liking, sizes, found, desk):
     attempts, taken, failed = 0, 0, 0
     count, enough, most = sizes
     line_up(desk.starts, count)
-    while attempts + failed < most and taken < MOST_TAKEN and not (found.met and attempts >= enough):
+    while attempts + failed < most and taken < MOST_TAKEN and not (found.met and attempts + failed >= enough):
         start, least, count = take_next(desk.starts, count, taken)
         reached = math.sqrt(found.cost)
         if least >= NONE_LEFT or is_of_no_use(least, found, True):
             break
         start = between(start, liking.lower, liking.upper)
-        if found.met and math.sqrt(distance(start, liking)) > reached + NO_SHORTER:
+        if found.met and attempts >= FEW and math.sqrt(distance(start, liking)) > reached + NO_SHORTER:
             taken += 1
             continue
         rival = Liking(liking.posture, liking.weights, liking.lower, liking.upper, found.cost, found.q)
