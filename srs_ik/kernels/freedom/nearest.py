@@ -13,7 +13,7 @@ from srs_ik.kernels.algebra.vectors import load3, norm
 from srs_ik.kernels.chain.freedom import free_error
 from srs_ik.kernels.exact.nearest import between_limbs
 from srs_ik.kernels.freedom.queue import NONE_LEFT, line_up, take_next
-from srs_ik.kernels.freedom.settle import distance, settle
+from srs_ik.kernels.freedom.settle import distance, onto_pose, settle
 from srs_ik.kernels.freedom.starts import is_of_no_use
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.answer import SOLVED
@@ -26,6 +26,9 @@ CLEAR = 2.0
 
 SPREAD = math.sqrt(7.0)
 """Seven joints that turn by one together, each by the same, turn the tip by at most so much."""
+
+ALMOST = 1e-3
+"""A search that ends this close to its pose, m and rad, goes on, or is brought onto it."""
 
 NO_SHORTER, FEW = 1.0, 8
 """A search does not come so much nearer to the seed than its start is once it is inside the limits, rad: of more
@@ -52,6 +55,18 @@ def beside(P, pose, freedom, liking, desk):
 
 
 @kernel
+def searched(P, start, pose, freedom, rival, desk):
+    """`settle`, and once more where it ends close to its pose; from there at least onto that."""
+    there, cost, error, at_rest = settle(P, start, pose, freedom, rival, desk)
+    if SOLVED <= error < ALMOST:
+        there, cost, error, at_rest = settle(P, there, pose, freedom, rival, desk)
+    if SOLVED <= error < ALMOST:
+        there, error = onto_pose(P, there, pose, freedom, rival, desk)
+        cost = distance(there, rival)
+    return there, cost, error, at_rest
+
+
+@kernel
 def nearest(P, pose, freedom, liking, sizes, found, desk):
     """The nearest posture that searches from so many starts in `desk` lead to, or the one that is known."""
     attempts, taken, failed = 0, 0, 0
@@ -67,12 +82,12 @@ def nearest(P, pose, freedom, liking, sizes, found, desk):
             taken += 1
             continue
         rival = Liking(liking.posture, liking.weights, liking.lower, liking.upper, found.cost, found.q)
-        there, cost, error, _ = settle(P, start, pose, freedom, rival, desk)
-        if SOLVED <= error < math.inf:
+        there, cost, error, at_rest = searched(P, start, pose, freedom, rival, desk)
+        if error < SOLVED and cost < found.cost:
+            found = Found(there, cost, True)
+        if error < math.inf and not at_rest:
             # Limits stand in its way; not in that of a start beside it.
             failed += 1
-            continue
-        taken, attempts = taken + 1, attempts + 1
-        if cost < found.cost:
-            found = Found(there, cost, True)
+        else:
+            taken, attempts = taken + 1, attempts + 1
     return found
