@@ -149,7 +149,7 @@ def add_strip(P, pose, freedom, given, goal, desk, n):
     elbow, (lower, upper) = given
     R, p = pose
     # At its ends, the elbow is on a limit or straight: there may be more postures than beside them.
-    count = strip_count(lower, upper)
+    count = strip_count(lower, upper, goal[0])
     for k in range(count):
         roll = lower + (upper - lower) * k / (count - 1)
         turn = rotation(freedom.axis, math.cos(roll), math.sin(roll))
