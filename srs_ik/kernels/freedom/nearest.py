@@ -12,7 +12,7 @@ from srs_ik.kernels.algebra.joint_vectors import between
 from srs_ik.kernels.algebra.vectors import load3, norm
 from srs_ik.kernels.chain.freedom import free_error
 from srs_ik.kernels.exact.nearest import between_limbs
-from srs_ik.kernels.freedom.queue import NONE_LEFT, line_up, take_next
+from srs_ik.kernels.freedom.queue import MOST_ATTEMPTS, NONE_LEFT, line_up, take_next
 from srs_ik.kernels.freedom.settle import distance, onto_pose, settle
 from srs_ik.kernels.freedom.starts import is_of_no_use
 from srs_ik.kernels.jit import kernel
@@ -70,9 +70,9 @@ def searched(P, start, pose, freedom, rival, desk):
 def nearest(P, pose, freedom, liking, sizes, found, desk):
     """The nearest posture that searches from so many starts in `desk` lead to, or the one that is known."""
     attempts, taken, failed = 0, 0, 0
-    count, enough, most = sizes
+    count, enough = sizes
     line_up(desk.starts, count)
-    while attempts + failed < most and taken < MOST_TAKEN and not (found.met and attempts + failed >= enough):
+    while attempts + failed < MOST_ATTEMPTS and taken < MOST_TAKEN and not (found.met and attempts + failed >= enough):
         start, least, count = take_next(desk.starts, count, taken)
         reached = math.sqrt(found.cost)
         if least >= NONE_LEFT or is_of_no_use(least, found, True):

@@ -298,7 +298,7 @@ def settle(P, q, pose, freedom, liking, desk):
         if size < SETTLED and error < MET:
             at_rest = True
             break
-        if k > PATIENCE and error > LATE or restoring and error > worth and size <= CLOSE_BY:
+        if (k > PATIENCE and error > LATE) or (restoring and error > worth and size <= CLOSE_BY):
             break
         value = error if restoring else distance(q, liking) + price(forces) * error
         if value > worth and size > CLOSE_BY:
