@@ -23,7 +23,7 @@ from srs_ik.kernels.limb.limits import middles
 from srs_ik.kernels.limb.poses import read_pose
 from srs_ik.kernels.limb.triangle import place
 
-NEAREST, NEAREST_IN_CONE = 28, 20
+NEAREST, NEAREST_IN_CONE = 24, 16
 """Local searches at most once a posture is known: with the roll alone free, and with the cone free."""
 
 ROUNDING = 1e-13
