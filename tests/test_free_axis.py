@@ -6,6 +6,7 @@ import arms
 import numpy as np
 import pinocchio as pin
 import pytest
+from pockets import POCKETS
 from scipy.optimize import minimize
 
 from srs_ik import FreeAxis, InvalidConfiguration, InvalidTask
@@ -166,40 +167,14 @@ def test_in_cones_the_nearest_posture_is_that_of_a_dense_grid(name, cone):
         assert ((q - seed) ** 2).sum() <= best + NEAREST
 
 
-POCKETS = {
-    "iiwa14": (
-        FreeAxis([0.6142601497848165, 0.7869680636198917, -0.05801495693950937], cone=0.3),
-        [
-            [-0.5288210030934463, -0.8078506286782372, -0.26024163470017236, 0.3968944350749114],
-            [0.5364379461585609, -0.08052661542765176, -0.8400891584403123, -0.7037443163023112],
-            [0.6577101767560135, -0.5838602794778419, 0.47594589759722666, 0.4335617356868405],
-            [0.0, 0.0, 0.0, 1.0],
-        ],
-        [2.8779734883, 0.5175459524, 1.7545010005, -1.8140368955, 0.8194372035, 1.8549032328, 2.0922404770],
-        [2.44825395, -1.23294742, 2.43055812, -0.66865649, 2.10024777, -1.16419818, 1.99053437],
-    ),
-    "gen3": (
-        FreeAxis([0.6464581931992817, 0.5201951157879998, -0.5581118579244035], cone=0.3),
-        [
-            [-0.912475787997, 0.401093161264, -0.080698279452, -0.262258247315],
-            [0.283755207844, 0.762515238073, 0.581423678334, 0.276739157903],
-            [0.294738728945, 0.50763647199, -0.80958896606, 0.841399897673],
-            [0.0, 0.0, 0.0, 1.0],
-        ],
-        [-0.737088, -1.676999, 0.904164, 1.996632, 0.163479, -1.143193, -2.788683],
-        [0.5822, -0.63052, 0.10612, 0.4438, 0.90247, -2.09, -5.2952],
-    ),
-}
-"""What is free, a pose, a seed, and about the nearest posture: 3 rad and more from the seed, close to limits."""
-
-
-@pytest.mark.parametrize("name", POCKETS)
-def test_searches_from_far_seeds_come_to_the_nearest_posture(name):
-    free, T, seed, near = POCKETS[name]
-    T, seed = np.array(T), np.array(seed)
-    q = arms.load(name).solve(T, seed=seed, free_axis=free).q
-    assert_met(name, free, q, T)
-    best = polished(name, free, T, seed, np.array(near))
+@pytest.mark.parametrize("pocket", POCKETS, ids=lambda pocket: f"{pocket.robot} {pocket.where}")
+def test_searches_from_far_seeds_come_to_the_nearest_posture(pocket):
+    if pocket.robot not in arms.here(pocket.robot):
+        pytest.skip(f"no {pocket.robot} here")
+    T, seed = np.array(pocket.pose), np.array(pocket.seed)
+    q = arms.load(pocket.robot).solve(T, seed=seed, free_axis=pocket.free).q
+    assert_met(pocket.robot, pocket.free, q, T)
+    best = polished(pocket.robot, pocket.free, T, seed, np.array(pocket.near))
     assert np.isfinite(best)
     assert ((q - seed) ** 2).sum() <= best + NEAREST
 

@@ -21,6 +21,9 @@ ANY = "any"
 RINGS_APART, ROLLS = 1.05, 3
 """Directions of a cone at which searches for a posture start are this far apart, rad; turns about each of them."""
 
+NARROW, NARROW_ROLLS = 0.5, 6
+"""Turns about each of them in cones up to this, rad: these have few directions."""
+
 WRITTEN_PI = 1e-4
 """Cones larger than pi by less, rad, are those of a pi with few digits, such as 3.1416."""
 
@@ -77,7 +80,8 @@ class FreeAxis:
         """(n, 9) rotations of the tip, all over what is free; none of the roll, of which kernels know."""
         if self.cone == 0.0:
             return np.empty((0, 9))
-        return self._spread(WIDE_APART if self.cone >= WIDE else RINGS_APART, ROLLS)[ROLLS:]
+        rolls = NARROW_ROLLS if self.cone <= NARROW else ROLLS
+        return self._spread(WIDE_APART if self.cone >= WIDE else RINGS_APART, rolls)[rolls:]
 
     def _spread(self, apart: float, rolls: int) -> Array:
         return _turns_of(tuple(self.axis.tolist()), self.cone, apart, rolls)

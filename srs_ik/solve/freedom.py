@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -33,24 +34,34 @@ Array = NDArray[np.float64]
 BESIDE = 0.2
 """A posture that misses its pose by less, m and rad, may lead onto it."""
 
+_OK = float(Status.OK)
+
 CLOSEST_OF = 24
 """Turns at which the closest posture is looked for where none meets the pose."""
 
 
 def solve(arm: PackedArm, wanted: PoseLike, free_axis: Any, seed: ArrayLike | None, respect: bool) -> Solution:
     """See `Arm.solve`."""
-    rows, verdicts = _rows(arm, as_matrix(wanted)[None], free_axis, seed, respect, 1)
-    if verdicts[0]:
-        raise invalid_pose(int(verdicts[0]))
-    return Solution(rows[0], arm.joint_names, arm.elbow)
+    free, T = as_free_axis(free_axis), as_matrix(wanted)
+    seeds = as_seeds(seed, 1, arm.lower, arm.upper)
+    row, verdict = _searched_once(arm, T, free, seeds, respect)
+    if verdict:
+        raise invalid_pose(verdict)
+    if row[ROW_STATUS] != _OK:
+        row = _found_otherwise(arm, T, free, seed_of(seeds, 0), respect)
+    return Solution(row, arm.joint_names, arm.elbow)
 
 
 def solve_batch(
     arm: PackedArm, poses: Any, free_axis: Any, seed: ArrayLike | None, respect: bool, threads: int | None
 ) -> BatchSolution:
     """See `Arm.solve_batch`."""
-    rows, verdicts = _rows(arm, as_matrices(poses), free_axis, seed, respect, threads)
+    free, T = as_free_axis(free_axis), as_matrices(poses)
+    seeds = as_seeds(seed, len(T), arm.lower, arm.upper)
+    rows, verdicts = _searched(arm, T, free, seeds, respect, threads)
     refuse_bad_poses(verdicts)
+    for i in np.flatnonzero(rows[:, ROW_STATUS] != _OK).tolist():
+        rows[i] = _found_otherwise(arm, T[i], free, seed_of(seeds, i), respect)
     return BatchSolution(rows, arm.joint_names, arm.elbow)
 
 
@@ -60,7 +71,7 @@ def met_batch(arm: PackedArm, T: Array, free: FreeAxis, seeds: Array) -> tuple[A
     `solve_batch` looks on where these meet nothing, which takes milliseconds.
     """
     rows, _ = _searched(arm, T, free, seeds, True, 1)
-    return rows[:, :7], rows[:, ROW_STATUS] == Status.OK
+    return rows[:, :7], rows[:, ROW_STATUS] == _OK
 
 
 def refuse_beside(free_axis: Any, **others: Any) -> None:
@@ -74,19 +85,6 @@ def refuse_beside(free_axis: Any, **others: Any) -> None:
         raise InvalidTask(f"free_axis leaves {given[0]} to be chosen, or knows nothing of it: give one of the two")
 
 
-def _rows(
-    arm: PackedArm, T: Array, free_axis: Any, seed: ArrayLike | None, respect: bool, threads: int | None
-) -> tuple[Array, NDArray[np.int8]]:
-    free = as_free_axis(free_axis)
-    n = len(T)
-    seeds = as_seeds(seed, n, arm.lower, arm.upper)
-    out, verdicts = _searched(arm, T, free, seeds, respect, threads)
-    for i in np.flatnonzero((out[:, ROW_STATUS] != Status.OK) & (verdicts == 0)).tolist():
-        near = seed_of(seeds, i)
-        out[i] = _found_otherwise(arm, T[i], free, near, respect)
-    return out, verdicts
-
-
 def _found_otherwise(arm: PackedArm, T: Array, free: FreeAxis, near: Array | None, respect: bool) -> Array:
     """The answer where searches from starts that are good by their costs have all led beside the pose.
 
@@ -96,7 +94,7 @@ def _found_otherwise(arm: PackedArm, T: Array, free: FreeAxis, near: Array | Non
     if met is not None:
         return met
     closest = _closest(arm, T, free, near, respect)
-    if closest[ROW_STATUS] != Status.OK and max(closest[ROW_POSITION_ERROR], closest[ROW_ORIENTATION_ERROR]) < BESIDE:
+    if closest[ROW_STATUS] != _OK and max(closest[ROW_POSITION_ERROR], closest[ROW_ORIENTATION_ERROR]) < BESIDE:
         met = _met_at_all(arm, T, free, closest[None, :ROW_POSITION_ERROR], near, respect)
     return closest if met is None else met
 
@@ -105,29 +103,44 @@ def _searched(
     arm: PackedArm, T: Array, free: FreeAxis, seeds: Array, respect: bool, threads: int | None
 ) -> tuple[Array, NDArray[np.int8]]:
     """What searches find for poses, and what is said of these."""
-    n = len(T)
-    out, verdicts = np.empty((n, ROW)), np.zeros(n, np.int8)
-
-    def work(first: int, last: int) -> None:
-        space = np.empty(WORK), np.empty((MOST_STARTS, START))
-        given = arm.family, T, first, last, free.packed, free.turns, seeds, respect
-        entries.solve_range(*given, *space, out, verdicts)
-
-    run_in_threads(work, n, threads)
+    out, verdicts = np.empty((len(T), ROW)), np.zeros(len(T), np.int8)
+    run_in_threads(partial(_search, arm, T, free, seeds, respect, out, verdicts), len(T), threads)
     return out, verdicts
+
+
+def _searched_once(arm: PackedArm, T: Array, free: FreeAxis, seeds: Array, respect: bool) -> tuple[Array, int]:
+    """What searches find for one pose, and what is said of it: without what a batch needs, which takes as long."""
+    out, verdicts = np.empty((1, ROW)), np.zeros(1, np.int8)
+    _search(arm, T[None], free, seeds, respect, out, verdicts, 0, 1)
+    return out[0], int(verdicts[0])
+
+
+def _search(
+    arm: PackedArm,
+    T: Array,
+    free: FreeAxis,
+    seeds: Array,
+    respect: bool,
+    out: Array,
+    verdicts: NDArray[np.int8],
+    first: int,
+    last: int,
+) -> None:
+    space = np.empty(WORK), np.empty((MOST_STARTS, START))
+    entries.solve_range(arm.family, T, first, last, free.packed, free.turns, seeds, respect, *space, out, verdicts)
 
 
 def _met_at_all(
     arm: PackedArm, T: Array, free: FreeAxis, starts: Array, seed: Array | None, respect: bool
 ) -> Array | None:
     """The answer nearest to a seed at the turn that searches from a start, or from none, lead to; None without one."""
-    rows, _ = _searched(arm, T[None], free, starts, respect, 1)
-    if rows[0, ROW_STATUS] != Status.OK or seed is None:
-        return rows[0] if rows[0, ROW_STATUS] == Status.OK else None
+    row, _ = _searched_once(arm, T, free, starts, respect)
+    if row[ROW_STATUS] != _OK or seed is None:
+        return row if row[ROW_STATUS] == _OK else None
     turned = T.copy()
-    turned[:3, :3] = forward_kinematics_batch(arm, rows[:, :ROW_POSITION_ERROR], 1)[0, :3, :3]
+    turned[:3, :3] = forward_kinematics_batch(arm, row[None, :ROW_POSITION_ERROR], 1)[0, :3, :3]
     nearest = pose.solve(arm, turned, seed=seed, respect_limits=respect)
-    return nearest._row.copy() if nearest else rows[0]
+    return nearest._row.copy() if nearest else row
 
 
 def _closest(arm: PackedArm, T: Array, free: FreeAxis, seed: Array | None, respect: bool) -> Array:

@@ -8,7 +8,7 @@ from __future__ import annotations
 import math
 
 from srs_ik.kernels.algebra.lane_trig import TINY, rough_angle, turn
-from srs_ik.kernels.algebra.lanes import LANES, eight_of, gather, root, scatter, where, whole_number
+from srs_ik.kernels.algebra.lanes import LANES, as_bits, eight_of, gather, root, scatter, where, whole_number
 from srs_ik.kernels.algebra.vectors import add, dot, load3, sub, swing
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.freedom import ARM_ANGLES, BRANCH_COST, ELBOW_COST, HALF, HALF_COST
@@ -67,20 +67,30 @@ def more_of(a, b):
 
 
 @kernel
-def to_limits(P, joint, q, seeded, wish):
-    """The turns of angles nearest to a wish, inside the limits if there are any; how far they are outside.
+def outside(P, joint, q):
+    """How far eight angles are outside the limits."""
+    return more_of(more_of(P[LOWER + joint] - q, q - P[UPPER + joint]), 0.0)
 
-    Without a seed the wish is the middle between the limits: a turn inside them is the nearest one to it.
+
+@kernel
+def to_limits(P, joint, q, seeded, wish):
+    """The turns of angles that are best to search from, and how far they are outside the limits.
+
+    With a seed that is the one nearest to it, inside the limits if there are any, or a little outside where the other
+    one is a turn away. Without one, the wish is the middle between the limits: a turn inside them is nearest to it.
     """
     lower, upper = P[LOWER + joint], P[UPPER + joint]
     near = q + TURN * whole_number((wish - q) * PER_TURN)
+    out = outside(P, joint, near)
     if not seeded:
-        return near, more_of(more_of(lower - near, near - upper), 0.0)
-    near = where(near > upper, near - TURN * whole_number((near - upper) * PER_TURN + 0.5), near)
-    near = where(near < lower, near + TURN * whole_number((lower - near) * PER_TURN + 0.5), near)
+        return near, out
+    other = where(near > upper, near - TURN * whole_number((near - upper) * PER_TURN + 0.5), near)
+    other = where(other < lower, other + TURN * whole_number((lower - other) * PER_TURN + 0.5), other)
     amid = q + TURN * whole_number((P[MIDDLE + joint] - q) * PER_TURN)
-    near = where(near > upper, amid, near)
-    return near, more_of(more_of(lower - near, near - upper), 0.0)
+    other = where(other > upper, amid, other)
+    others = outside(P, joint, other)
+    worse = (near - wish) * (near - wish) + STEEP * out > (other - wish) * (other - wish) + STEEP * others
+    return where(worse, other, near), where(worse, others, out)
 
 
 @kernel
@@ -101,11 +111,11 @@ def write_eight(P, first, q, reached, goal, table, at):
     of_a = cost_of(P, first, a, seeded, wish[0])
     of_b = cost_of(P, first + 1, b, seeded, wish[1])
     of_c = cost_of(P, first + 2, c, seeded, wish[2])
-    outside = STEEP * more_of(more_of(out_a, out_b), out_c)
+    out = STEEP * more_of(more_of(out_a, out_b), out_c)
     if seeded:  # noqa: SIM108
-        cost = of_a + of_b + of_c + outside
+        cost = of_a + of_b + of_c + out
     else:
-        cost = where(outside > 0.0, outside, more_of(more_of(of_a, of_b), of_c))
+        cost = where(out > 0.0, out, more_of(more_of(of_a, of_b), of_c))
     scatter(table, at, 1, a)
     scatter(table, at + ARM_ANGLES, 1, b)
     scatter(table, at + 2 * ARM_ANGLES, 1, c)
@@ -139,4 +149,14 @@ def write_costs(table, halves, seeded):
         a = gather(table, (halves[0] * HALF + HALF_COST) * ARM_ANGLES + i, 1)
         b = gather(table, (halves[1] * HALF + HALF_COST) * ARM_ANGLES + i, 1)
         e = table[ELBOW_COST]
-        scatter(table, BRANCH_COST + i, 1, a + b + e if seeded else more_of(more_of(a, b), e))
+        scatter(table, BRANCH_COST + 1 + i, 1, a + b + e if seeded else more_of(more_of(a, b), e))
+    table[BRANCH_COST] = table[BRANCH_COST + ARM_ANGLES]
+    table[BRANCH_COST + ARM_ANGLES + 1] = table[BRANCH_COST + 1]
+
+
+@kernel
+def dips(table, i, useless):
+    """Which of eight arm angles cost no more than those beside them, as bits, but for useless costs between two."""
+    here = gather(table, BRANCH_COST + 1 + i, 1)
+    high = (here > gather(table, BRANCH_COST + i, 1)) | (here > gather(table, BRANCH_COST + 2 + i, 1))
+    return as_bits(here < NO_BRANCH) & ~as_bits(high | ((here > useless[0]) & (here < useless[1])))

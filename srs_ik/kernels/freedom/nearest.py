@@ -13,7 +13,7 @@ from srs_ik.kernels.algebra.vectors import load3, norm
 from srs_ik.kernels.chain.freedom import free_error
 from srs_ik.kernels.exact.nearest import between_limbs
 from srs_ik.kernels.freedom.queue import MOST_ATTEMPTS, NONE_LEFT, line_up, take_next
-from srs_ik.kernels.freedom.settle import distance, settle
+from srs_ik.kernels.freedom.settle import distance, onto_pose, settle
 from srs_ik.kernels.freedom.starts import is_of_no_use
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.answer import SOLVED
@@ -27,8 +27,15 @@ CLEAR = 2.0
 SPREAD = math.sqrt(7.0)
 """Seven joints that turn by one together, each by the same, turn the tip by at most so much."""
 
-NO_SHORTER = 1.0
-"""A search does not come so much nearer to the seed than its start is once it is inside the limits, rad."""
+ALMOST = 1e-3
+"""A search that ends this close to its pose, m and rad, goes on, or is brought onto it."""
+
+MANY = 16
+"""Once so many searches have failed, starts next to one whose search fails are left out, too."""
+
+NO_SHORTER, FEW = 1.0, 8
+"""A search does not come so much nearer to the seed than its start is once it is inside the limits, rad: of more
+searches than a few, those from such starts are left out."""
 
 
 @kernel
@@ -51,27 +58,40 @@ def beside(P, pose, freedom, liking, desk):
 
 
 @kernel
+def searched(P, start, pose, freedom, rival, desk):
+    """`settle`, and once more where it ends close to its pose; from there at least onto that."""
+    there, cost, error, at_rest = settle(P, start, pose, freedom, rival, desk)
+    if SOLVED <= error < ALMOST:
+        there, cost, error, at_rest = settle(P, there, pose, freedom, rival, desk)
+    if SOLVED <= error < ALMOST:
+        there, error = onto_pose(P, there, pose, freedom, rival, desk)
+        cost = distance(there, rival)
+    return there, cost, error, at_rest
+
+
+@kernel
 def nearest(P, pose, freedom, liking, sizes, found, desk):
     """The nearest posture that searches from so many starts in `desk` lead to, or the one that is known."""
     attempts, taken, failed = 0, 0, 0
     count, enough = sizes
     line_up(desk.starts, count)
-    while attempts + failed < MOST_ATTEMPTS and taken < MOST_TAKEN and not (found.met and attempts >= enough):
+    while attempts + failed < MOST_ATTEMPTS and taken < MOST_TAKEN and not (found.met and attempts + failed >= enough):
         start, least, count = take_next(desk.starts, count, taken)
         reached = math.sqrt(found.cost)
         if least >= NONE_LEFT or is_of_no_use(least, found, True):
             break
         start = between(start, liking.lower, liking.upper)
-        if found.met and math.sqrt(distance(start, liking)) > reached + NO_SHORTER:
+        if found.met and attempts >= FEW and math.sqrt(distance(start, liking)) > reached + NO_SHORTER:
             taken += 1
             continue
         rival = Liking(liking.posture, liking.weights, liking.lower, liking.upper, found.cost, found.q)
-        there, cost, error, _ = settle(P, start, pose, freedom, rival, desk)
-        if SOLVED <= error < math.inf:
-            # Limits stand in its way; not in that of a start beside it.
-            failed += 1
-            continue
-        taken, attempts = taken + 1, attempts + 1
-        if cost < found.cost:
+        there, cost, error, at_rest = searched(P, start, pose, freedom, rival, desk)
+        if error < SOLVED and cost < found.cost:
             found = Found(there, cost, True)
+        if error < math.inf and not at_rest:
+            # Limits stand in its way; not in that of a start beside it, unless many have failed.
+            failed += 1
+            taken += 1 if failed > MANY else 0
+        else:
+            taken, attempts = taken + 1, attempts + 1
     return found

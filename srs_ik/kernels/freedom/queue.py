@@ -12,7 +12,7 @@ from srs_ik.kernels.layout.freedom import MOST_STARTS, START, START_COST
 from srs_ik.kernels.limb.goal import NO_SEED
 from srs_ik.kernels.limb.poses import read7
 
-APART = 0.5
+APART = 0.4
 """Starts this close to each other, rad in every joint, lead to the same posture."""
 
 MOST_ATTEMPTS = 60

@@ -11,7 +11,7 @@ import math
 
 from srs_ik.kernels.algebra.joint_vectors import along7, between, with_joint
 from srs_ik.kernels.algebra.vectors import add, along, apply, cross, dot, norm, scale, sub
-from srs_ik.kernels.chain.freedom import any_across, turn_left
+from srs_ik.kernels.chain.freedom import any_across, lean, pointing
 from srs_ik.kernels.chain.kinematics import joint_lines
 from srs_ik.kernels.freedom.system import RHS, solve_held
 from srs_ik.kernels.jit import kernel
@@ -32,9 +32,18 @@ ALMOST = 0.1
 """Where the pose is missed by more, m and rad, a step goes the shortest way to it: a far seed would pull away from it.
 Bends count only nearer: multipliers of a first guess say nothing."""
 
+PATIENCE, LATE = 12, 0.03
+"""A search whose pose is missed by more, m and rad, after so many steps, meets none: limits stand in the way."""
+
 STIFFER = 4.0
 STIFFEST = 256.0
 """Where a step is none to a minimum, the bend of the distance counts so many times more, and at most so many times."""
+
+THIN = 1e-3
+"""In a cone up to this, rad, the axis is as good as fixed: it is told where to point, which is where it presses."""
+
+SOFTEST = 30.0
+"""Where the axis of a thin cone presses by less than so many times the cone, it may rest inside."""
 
 ON_LIMIT = 1e-12
 """A joint this close to a limit, rad, is on it."""
@@ -46,10 +55,10 @@ CLOSE_BY = 0.1
 STUCK = 0.05
 """A step shorter than so much of what a pose is missed by, rad by m or rad, meets none: limits stand in the way."""
 
-LEFT = 1.5
+LEFT = 1.2
 """Where the pose is almost met, a search comes nearer to the seed by at most so many times its step, uncut."""
 
-SAME = 0.01
+SAME = 0.05
 """A step that leads so close to a posture that is known, rad, and is longer than that, leads there."""
 
 NO_RIVAL = 1e300
@@ -85,8 +94,19 @@ def axis_of(J, j):
 
 
 @kernel
-def equations(P, q, pose, freedom, desk):
+def within_thin(cone, a, b, turn, forces):
+    """A turn that brings an axis into a thin cone, and there to where it presses: its parts about a and b."""
+    x, y = forces[3] / SOFTEST - dot(a, turn), forces[4] / SOFTEST - dot(b, turn)
+    far = math.sqrt(x * x + y * y)
+    share = cone / far if far > cone else 1.0
+    return dot(a, turn) + share * x, dot(b, turn) + share * y
+
+
+@kernel
+def equations(P, q, pose, freedom, forces, desk):
     """Fill J with the Jacobian of the tip, and rows 7 on of the system with the equations of the pose.
+
+    The multipliers of the last step, `forces`, tell where the axis of a thin cone is to point.
 
     Returns:
         Their number; the error of the pose; the direction to which the axis should come, where it points, and the
@@ -98,8 +118,9 @@ def equations(P, q, pose, freedom, desk):
     for j in range(7):
         put_column(J, j, add(velocity(J, j), cross(axis_of(J, j), position)))
     miss = sub(p, position)
-    n, angle, u = turn_left(freedom, (x, y, z), R)
-    t = apply(R, freedom.axis)
+    u, t = pointing(freedom.axis, x, y, z), apply(R, freedom.axis)
+    n, turn = lean(u, t)
+    angle = max(turn - freedom.cone, 0.0)
     for i in range(3):
         for j in range(7):
             K[7 + i, j] = J[i, j]
@@ -107,15 +128,14 @@ def equations(P, q, pose, freedom, desk):
     error = max(norm(miss), angle)
     if freedom.cone >= math.pi:
         return 3, error, (t, u, NONE, NONE)
-    if freedom.cone > 0.0:
-        room = angle if angle > 0.0 else math.atan2(norm(cross(u, t)), dot(u, t)) - freedom.cone
-        write_turn(J, K, 10, n, room)
-        return (3 if room < 0.0 else 4), error, (t, u, n, NONE)
+    if freedom.cone > THIN:
+        write_turn(J, K, 10, n, turn - freedom.cone)
+        return (3 if turn < freedom.cone else 4), error, (t, u, n, NONE)
     a = any_across(u)
     b = cross(u, a)
-    w = scale(angle, n)
-    write_turn(J, K, 10, a, dot(a, w))
-    write_turn(J, K, 11, b, dot(b, w))
+    about_a, about_b = within_thin(freedom.cone, a, b, scale(turn, n), forces)
+    write_turn(J, K, 10, a, about_a)
+    write_turn(J, K, 11, b, about_b)
     return 5, error, (t, u, a, b)
 
 
@@ -271,14 +291,16 @@ def settle(P, q, pose, freedom, liking, desk):
     known = 0
     before, step, worth = q, NO_SEED, math.inf
     last, asked, share = NO_FORCE, NO_FORCE, 1.0
-    radius = MAX_STEP
-    for _ in range(STEPS):
-        m, error, turns = equations(P, q, pose, freedom, desk)
+    radius, restoring = MAX_STEP, False
+    for k in range(STEPS):
+        m, error, turns = equations(P, q, pose, freedom, forces, desk)
         m = on_edge(m, known, forces)
         if size < SETTLED and error < MET:
             at_rest = True
             break
-        value = distance(q, liking) + price(forces) * error
+        if (k > PATIENCE and error > LATE) or (restoring and error > worth and size <= CLOSE_BY):
+            break
+        value = error if restoring else distance(q, liking) + price(forces) * error
         if value > worth and size > CLOSE_BY:
             # Too far for what is known of the bends.
             step = along7(NO_SEED, SHORTER, step)
@@ -305,7 +327,8 @@ def settle(P, q, pose, freedom, liking, desk):
             step, asked, on, down = bounded_step(K, M, m, q, held, liking)
         last = forces if known == m else asked
         known = m if near else 0
-        worth = distance(q, liking) + price(asked) * error if near else math.inf
+        restoring = not near
+        worth = distance(q, liking) + price(asked) * error if near else error
         size, share = 0.0, 1.0
         for j in range(7):
             size = max(size, abs(step[j]))
@@ -323,7 +346,7 @@ def settle(P, q, pose, freedom, liking, desk):
         if near and (beaten(q, way, liking) or comes_to_rival(q, size, liking)):
             return q, math.inf, math.inf, False
     if not at_rest:
-        _, error, _ = equations(P, q, pose, freedom, desk)
+        _, error, _ = equations(P, q, pose, freedom, forces, desk)
     return q, distance(q, liking), error, at_rest
 
 
@@ -347,11 +370,11 @@ def at_limits(q, liking):
 
 @kernel
 def on_edge(m, known, forces):
-    """The number of equations, one more than m where the axis has come in from the edge of its cone, but wants out.
+    """The number of equations: one more with the axis held at the edge of its cone, as long as it presses on that.
 
-    Else steps would lead to and fro across the edge.
+    Else steps would lead to and fro across the edge, or end there where the axis wants in.
     """
-    return 4 if m == 3 and known == 4 and forces[3] < 0.0 else m
+    return m if known != 4 else 4 if forces[3] < 0.0 else 3
 
 
 @kernel

@@ -10,24 +10,21 @@ from srs_ik.kernels.chain.kinematics import forward_kinematics
 from srs_ik.kernels.chain.newton import arm_angle
 from srs_ik.kernels.freedom.nearest import beside, nearest
 from srs_ik.kernels.freedom.queue import NONE_LEFT
-from srs_ik.kernels.freedom.settle import EVEN, onto_pose, settle
+from srs_ik.kernels.freedom.settle import EVEN, THIN, onto_pose
 from srs_ik.kernels.freedom.starts import starts_of_roll, starts_of_turns
 from srs_ik.kernels.freedom.turns import held_straight
 from srs_ik.kernels.freedom.widest import any_limited, weights, widest_of_all
 from srs_ik.kernels.jit import kernel
-from srs_ik.kernels.layout.answer import GOOD_POSE, ROW_STATUS, SOLVED, UNREACHABLE
-from srs_ik.kernels.layout.freedom import Found, Freedom, Liking
+from srs_ik.kernels.layout.answer import GOOD_POSE, ROW_STATUS, UNREACHABLE
+from srs_ik.kernels.layout.freedom import Found, Liking
 from srs_ik.kernels.layout.limb import FREE, LIMITED, LOWER, UPPER
 from srs_ik.kernels.limb.branches import branch_of
 from srs_ik.kernels.limb.limits import middles
 from srs_ik.kernels.limb.poses import read_pose
 from srs_ik.kernels.limb.triangle import place
 
-NEAREST, NEAREST_IN_CONE = 32, 12
-"""Local searches at least: with the roll alone free, and then so many more with the cone free."""
-
-THIN = 1e-3
-"""In a cone up to this, rad, postures are those of its roll but for about as much: it is searched where these fail."""
+NEAREST, NEAREST_IN_CONE = 24, 16
+"""Local searches at most once a posture is known: with the roll alone free, and with the cone free."""
 
 ROUNDING = 1e-13
 """Errors of a pose, m and rad, that need no step any more."""
@@ -69,22 +66,16 @@ def found_posture(P, pose, given, goal, liking, desk):
 def nearest_of_all(P, pose, given, liking, desk):
     """The nearest posture that searches lead to, from starts all over what is free.
 
-    In a cone the roll alone comes first, too: what is found there leads to a posture that is no worse.
+    A thin cone is searched as a roll: that of the way to which its axis presses.
     """
     freedom, turns = given
-    roll = Freedom(freedom.axis, 0.0)
     found = Found(liking.posture, NONE_LEFT, False)
     count = starts_of_roll(P, pose, freedom, (True, liking.posture, found), desk)
-    held = held_straight(P, pose, freedom.axis, liking)
-    found = nearest(P, pose, roll, held, (count, NEAREST), found, desk)
-    if freedom.cone == 0.0:
+    if freedom.cone <= THIN:
+        held = held_straight(P, pose, freedom.axis, liking)
+        found = nearest(P, pose, freedom, held, (count, NEAREST), found, desk)
+    if freedom.cone == 0.0 or found.met:
         return found
-    if found.met:
-        q, cost, error, _ = settle(P, found.q, pose, freedom, liking, desk)
-        if error < SOLVED and cost < found.cost:
-            found = Found(q, cost, True)
-        if freedom.cone <= THIN:
-            return found
     count = starts_of_turns(P, pose, turns, (True, liking.posture, found), desk, count)
     return nearest(P, pose, freedom, liking, (count, NEAREST_IN_CONE), found, desk)
 

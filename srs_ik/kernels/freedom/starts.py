@@ -8,10 +8,11 @@ from __future__ import annotations
 
 import math
 
+from srs_ik.kernels.algebra.lanes import LANES
 from srs_ik.kernels.algebra.pointers import row
 from srs_ik.kernels.algebra.vectors import load3, load9, norm, rotation, sub, times
 from srs_ik.kernels.chain.starts import bent_place
-from srs_ik.kernels.freedom.halves import STEEP, write_costs, write_halves
+from srs_ik.kernels.freedom.halves import STEEP, dips, write_costs, write_halves
 from srs_ik.kernels.freedom.turns import strip, strip_count
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.freedom import (
@@ -28,7 +29,6 @@ from srs_ik.kernels.layout.freedom import (
     STRIPS,
 )
 from srs_ik.kernels.layout.limb import FAR, IS_CLOSED, SHOULDER, WRIST
-from srs_ik.kernels.limb.branches import NO_BRANCH
 from srs_ik.kernels.limb.goal import OUTSIDE, elbow_part
 from srs_ik.kernels.limb.triangle import elbow_side, place
 
@@ -52,11 +52,18 @@ MOST_OUTSIDE = 0.3
 
 
 @kernel
+def costs_of_no_use(found, seeded):
+    """Between which costs of starts no search is better than the posture that is known."""
+    if seeded:
+        return (math.sqrt(found.cost) + NO_NEARER) ** 2 if found.met else math.inf, math.inf
+    return found.cost + NO_WIDER, 0.0
+
+
+@kernel
 def is_of_no_use(cost, found, seeded):
     """Whether no search from a start of such a cost is better than the posture that is known."""
-    if seeded:
-        return found.met and math.sqrt(cost) > math.sqrt(found.cost) + NO_NEARER
-    return found.cost + NO_WIDER < cost < 0.0
+    least, most = costs_of_no_use(found, seeded)
+    return least < cost < most
 
 
 @kernel
@@ -107,24 +114,23 @@ def write_minima(table, k, branch, goal, starts, n):
     seeded, _, known = goal
     halves = branch >> 1, 2 + (branch & 1)
     write_costs(table, halves, seeded)
-    before, cost = table[BRANCH_COST + ARM_ANGLES - 2], table[BRANCH_COST + ARM_ANGLES - 1]
-    for i in range(ARM_ANGLES):
-        at = (i if i > 0 else ARM_ANGLES) - 1
-        behind = table[BRANCH_COST + i]
-        here, before, cost = (before, cost, behind), cost, behind
-        if here[1] > here[0] or here[1] > behind or here[1] >= NO_BRANCH or n >= MOST_STARTS - MOST_TAKEN:
-            continue
-        # Where the elbow is the tightest joint, many arm angles may cost the same: then one is taken.
-        if here[1] == behind and (here[1] < here[0] or at != SCATTERED * k % ARM_ANGLES):
-            continue
-        if is_of_no_use(here[1], known, seeded):
-            continue
-        for j in range(3):
-            starts[n, j] = table[(halves[0] * HALF + j) * ARM_ANGLES + at]
-            starts[n, 4 + j] = table[(halves[1] * HALF + j) * ARM_ANGLES + at]
-        starts[n, 3] = table[ELBOW_ANGLE]
-        starts[n, START_COST] = here[1]
-        n += 1
+    useless = costs_of_no_use(known, seeded)
+    for first in range(0, ARM_ANGLES, LANES):
+        low = dips(table, first, useless)
+        for lane in range(LANES):
+            at = first + lane
+            if (low >> lane) & 1 == 0 or n >= MOST_STARTS - MOST_TAKEN:
+                continue
+            before, cost, behind = table[BRANCH_COST + at], table[BRANCH_COST + 1 + at], table[BRANCH_COST + 2 + at]
+            # Where the elbow is the tightest joint, many arm angles may cost the same: then one is taken.
+            if cost == behind and (cost < before or at != SCATTERED * k % ARM_ANGLES):
+                continue
+            for j in range(3):
+                starts[n, j] = table[(halves[0] * HALF + j) * ARM_ANGLES + at]
+                starts[n, 4 + j] = table[(halves[1] * HALF + j) * ARM_ANGLES + at]
+            starts[n, 3] = table[ELBOW_ANGLE]
+            starts[n, START_COST] = cost
+            n += 1
     return n
 
 
@@ -142,9 +148,10 @@ def add_strip(P, pose, freedom, given, goal, desk, n):
     """Write the starts of a strip of rolls on one side of the elbow; return how many there are."""
     elbow, (lower, upper) = given
     R, p = pose
-    count = strip_count(lower, upper)
+    # At its ends, the elbow is on a limit or straight: there may be more postures than beside them.
+    count = strip_count(lower, upper, goal[0])
     for k in range(count):
-        roll = lower + (upper - lower) * (k + 0.5) / count
+        roll = lower + (upper - lower) * k / (count - 1)
         turn = rotation(freedom.axis, math.cos(roll), math.sin(roll))
         n = add_turn(P, (times(R, turn), p), k, elbow, goal, desk, n)
     return n

@@ -14,8 +14,8 @@ from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.freedom import Liking
 from srs_ik.kernels.layout.limb import FAR, IS_CLOSED, LOWER, NEAR, SHOULDER_CENTRE, STRAIGHT, UPPER, WRIST_IN_TIP
 
-ROLLS = 16
-"""Rolls that are looked at, of a turn."""
+ROLLS, ROLLS_WITHOUT_SEED = 24, 16
+"""Rolls that are looked at, of a turn: with a seed small sets of postures on limits count, without one wide ones."""
 
 FEWEST = 3
 """The same, in each strip of them."""
@@ -45,9 +45,10 @@ def square_at(P, bend):
 
 
 @kernel
-def strip_count(lower, upper):
+def strip_count(lower, upper, seeded):
     """How many rolls of a strip are looked at."""
-    return int(max(math.ceil(ROLLS * (upper - lower) / TURN), FEWEST))
+    rolls = ROLLS if seeded else ROLLS_WITHOUT_SEED
+    return int(max(math.ceil(rolls * (upper - lower) / TURN), FEWEST))
 
 
 @kernel

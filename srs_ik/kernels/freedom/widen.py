@@ -74,7 +74,7 @@ def widen(P, q, pose, freedom, rival, desk):
     error, size, worth, best = math.inf, math.inf, math.inf, math.inf
     mended, curved = False, False
     for _ in range(STEPS):
-        m, error, turns = equations(P, q, pose, freedom, desk)
+        m, error, turns = equations(P, q, pose, freedom, forces, desk)
         m = on_edge(m, known, forces)
         share = largest_share(P, q)
         if error < MET and (size < SETTLED or abs(best - share) < GAINED):

@@ -24,7 +24,7 @@ START = 9
 """A start: seven joint angles, their cost, and whether its turn is more than a roll."""
 
 
-ARM_ANGLES = 16
+ARM_ANGLES = 24
 """Arm angles at which postures are looked at, all around; a multiple of `LANES`."""
 
 HALF = 4
@@ -35,9 +35,10 @@ ELBOW_ANGLE = 4 * HALF * ARM_ANGLES
 ELBOW_COST = ELBOW_ANGLE + 1
 LINE = ELBOW_ANGLE + 2
 BRANCH_COST = LINE + 3
-TABLE = BRANCH_COST + ARM_ANGLES
+TABLE = BRANCH_COST + ARM_ANGLES + 2
 """Postures at a turn: both solutions of the shoulder, both of the wrist, and the elbow; the direction from shoulder to
-wrist, for which they were written; what a branch costs at all arm angles."""
+wrist, for which they were written; what a branch costs at all arm angles, the last before the first and the first
+behind the last."""
 
 WORK = 42 + 3 * SYSTEM * SYSTEM + TABLE
 """Work space of a search."""
