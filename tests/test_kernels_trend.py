@@ -9,25 +9,27 @@ from scipy.integrate import solve_ivp
 from srs_ik.kernels.algebra.pointers import keep, row
 from srs_ik.kernels.layout.track import ROTATION, STATE
 from srs_ik.kernels.track.target import store_pose
-from srs_ik.kernels.track.trend import LASTS, foretold, forget, learn
+from srs_ik.kernels.track.trend import LASTS, coast, foretold, forget, learn
 
 DT = 0.002
+MEMORY = 0.03
 SEEN = 1.2
-"""Seconds for which the target is seen: all of the beginning is forgotten."""
+"""Time constant of the trend, and for how long the target is seen: all of the beginning is forgotten; seconds."""
 
 
 @njit
-def seen(state, kept, R, p):
-    """Let a trend learn from poses, one a period."""
+def seen(state, every, R, p):
+    """Let a trend learn from poses, one in so many periods."""
     S = row(state, 0)
     for k in range(len(R)):
         a, b = R[k], p[k]
         pose = (a[0], a[1], a[2], a[3], a[4], a[5], a[6], a[7], a[8]), (b[0], b[1], b[2])
         store_pose(S, ROTATION, pose[0], pose[1])
-        if k == 0:
+        if k > 0:
+            for _ in range(every - 1):
+                coast(S, DT, 1.0)
+        if k == 0 or not learn(S, DT, every * DT, MEMORY, pose):
             forget(S, pose[0], pose[1])
-        else:
-            learn(S, DT, kept, pose)
     keep(state)
 
 
@@ -53,16 +55,17 @@ def dying(seconds, powers):
     return powers[0] * seconds + powers[1] * seconds**2 / 2.0 + powers[2] * rise
 
 
+@pytest.mark.parametrize("every", [1, 5])
 @pytest.mark.parametrize("seed", range(4))
-def test_a_target_of_constant_jolt_is_foretold_without_a_lag(seed):
+def test_a_target_of_constant_jolt_is_foretold_without_a_lag(seed, every):
     rng = np.random.default_rng(seed)
     move, spin = rng.normal(size=(3, 3)) * [[0.3], [1.0], [4.0]], rng.normal(size=3) * [0.5, 1.0, 4.0]
     axis = pin.exp3(rng.normal(size=3))[:, 0]
-    t = np.arange(-SEEN, DT / 2.0, DT)
+    t = DT * np.arange(-round(SEEN / DT), 1)
     angles = cubic(t, spin[:, None])[:, 0]
     R = np.array([pin.exp3(angle * axis).ravel() for angle in angles])
     state = np.zeros((1, STATE))
-    seen(state, np.exp(-DT / 0.03), R, cubic(t, move))
+    seen(state, every, R[::every], cubic(t, move)[::every])
     for seconds in (0.02, 0.1, 0.25, 0.45):
         rotation, p = expected(state, seconds)
         np.testing.assert_allclose(p, dying(seconds, move), atol=1e-8)

@@ -135,3 +135,22 @@ def test_a_filter_does_not_lag_at_constant_acceleration():
     position, _ = off_target(arms.forward("iiwa14"), q[-10:], poses[-10:])
     # What is left of the beginning.
     assert position.max() < 1e-5
+
+
+@pytest.mark.parametrize("name", ROBOTS)
+def test_targets_that_come_every_tenth_update_are_followed_and_those_repeated_twice_or_thrice_are_smoothed(name):
+    """A camera has fewer targets a second than the loop of the joints: None between them, or the last one again."""
+    arm = arms.load(name)
+    moving = motion(arm, 5331, 4.0, DT, "hand", trouble=False)
+
+    def share(targets):
+        q, _, smoothed = followed(name, moving.q0, targets)
+        position, angle = off_target(arms.forward(name), q, moving.true)
+        return ((position < NEAR_TARGET[0]) & (angle < NEAR_TARGET[1])).mean(), smoothed
+
+    rarely, _ = share([None if k % 10 else T for k, T in enumerate(moving.true)])
+    assert rarely > 0.9
+    for times in (2, 3):
+        again, smoothed = share([moving.true[k - k % times] for k in range(len(moving.true))])
+        assert again > 0.9
+        assert np.median(smoothed) > 0.01

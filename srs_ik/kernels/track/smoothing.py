@@ -83,12 +83,13 @@ def take_target(P, S, C, pose):
 
     A jump ends the plan: the shortest way to a target that is far away is that of the joints, not of the tip.
     """
-    S[LOST] = 0.0
     t, still = C[PERIOD], (0.0, 0.0, 0.0)
+    since = t * (S[LOST] + 1.0)
+    S[LOST] = 0.0
     seconds = asked_for(P, S, C) if C[SMOOTHING] == MEASURED else C[SMOOTHING]
     S[SMOOTHED] = seconds
     v, w = next_pace(S, t)
-    if S[STARTED] == 0.0 or not learn(S, t, kept_for(t, MEMORY + TRENDED * seconds), pose):
+    if S[STARTED] == 0.0 or not learn(S, t, since, MEMORY + TRENDED * seconds, pose):
         S[STARTED], S[PLANNED] = 1.0, 0.0
         forget(S, pose[0], pose[1])
         show(S, pose, still, still)
@@ -103,7 +104,7 @@ def take_target(P, S, C, pose):
     R, p = load_pose(S, ESTIMATE)
     expected = moved_on(R, p, v, w, t)
     linear, angular = way_to(expected, pose)
-    R, p = part_of_way(expected, 1.0 - kept_for(t, ESTIMATED * seconds) ** 4, linear, angular)
+    R, p = part_of_way(expected, 1.0 - kept_for(since, ESTIMATED * seconds) ** 4, linear, angular)
     store_pose(S, ESTIMATE, R, p)
     go_after(S, t, kept_for(t, FOLLOWED * seconds))
 

@@ -56,19 +56,20 @@ def go_on(S, R, p, t):
 
 
 @kernel
-def learn(S, t, kept, pose):
-    """Take in a target, with a share of the trend kept: whether it is where it can be expected, or has jumped."""
+def learn(S, t, since, memory, pose):
+    """Take in a target so long after the last one: whether it is where it can be expected, or has jumped."""
     before = load_pose(S, TREND)
     v, w = next_pace(S, t)
     expected = moved_on(before[0], before[1], v, w, t)
     linear, angular = way_to(expected, pose)
     if norm(linear) > JUMP or norm(angular) > JUMP_TURN:
         return False
+    kept = math.exp(-since / memory)
     R, p = part_of_way(expected, 1.0 - kept**4, linear, angular)
     go_on(S, R, p, t)
     left = 1.0 - kept
-    pace = left**2 * (11.0 + 14.0 * kept + 11.0 * kept**2) / (6.0 * t)
-    push, jolt = 2.0 * left**3 * (1.0 + kept) / t**2, left**4 / t**3
+    pace = left**2 * (11.0 + 14.0 * kept + 11.0 * kept**2) / (6.0 * since)
+    push, jolt = 2.0 * left**3 * (1.0 + kept) / since**2, left**4 / since**3
     for i in range(6):
         missed = linear[i] if i < 3 else angular[i - 3]
         S[TREND_PACE + i] += pace * missed
