@@ -1,7 +1,10 @@
 """The eight branches at an arm angle, their numbers, and the arm angle itself."""
 
+from itertools import product
+
 import arms
 import numpy as np
+import pinocchio as pin
 import pytest
 from hypothesis import given
 from oracles import (
@@ -15,6 +18,7 @@ from oracles import (
     phases,
     wrapped,
 )
+from scipy.optimize import least_squares
 
 import srs_ik
 
@@ -211,3 +215,55 @@ def test_with_limits_solve_all_keeps_exactly_the_branches_inside(name):
 def any_turn_fits(q, arm):
     turned = wrapped(q)[:, None] + 2.0 * np.pi * np.arange(-2, 3)
     return bool(((turned >= arm.lower[:, None]) & (turned <= arm.upper[:, None])).any(axis=1).all())
+
+
+def postures_by_search(forward, limb, q, psi):
+    """Postures for the pose of one with an almost straight elbow, at an arm angle, by least squares from all over."""
+    pose, phase = forward(q), phases(limb)
+
+    def off(x):
+        way = pin.log6(pose.actInv(forward(x))).vector
+        return np.append(way, wrapped(np.array(arm_angle(forward, limb, x) - psi)))
+
+    for s, e, w in product((1.0, -1.0), repeat=3):
+        flip = np.pi * np.array([s < 0.0, 0.0, s < 0.0, 0.0, w < 0.0, 0.0, w < 0.0])
+        start = q + flip
+        start[1], start[5] = phase[1] + s * (q[1] - phase[1]), phase[5] + w * (q[5] - phase[5])
+        for bend, turn, sense in product((0.03, 0.2), np.arange(3.0) * 2.0 * np.pi / 3.0, (1.0, -1.0)):
+            there = start.copy()
+            there[3], there[2], there[4] = phase[3] + e * bend, start[2] + turn, start[4] + sense * turn
+            found = least_squares(off, there, xtol=1e-15, ftol=1e-15, gtol=1e-15, max_nfev=15)
+            if np.abs(found.fun).max() < 1e-9:
+                yield found.x
+
+
+def side_of(limb, q):
+    """Branch of a posture, and the least sine that tells it."""
+    sines = [np.sin(q[joint] - phases(limb)[joint]) for joint in (3, 1, 5)]
+    return sum(bit * (sine < 0.0) for bit, sine in zip((4, 2, 1), sines, strict=True)), np.abs(sines).min()
+
+
+@pytest.mark.parametrize("name", arms.here("gen3", "j2s7s300"))
+def test_a_branch_asked_for_with_an_almost_straight_elbow_is_there_or_not(name):
+    """What a search by least squares finds is there, what is there meets the pose, and some branches are not there."""
+    arm, forward = arms.load(name), arms.forward(name)
+    rng = arms.generator(name, 14)
+    denied = searched = 0
+    for q in arms.configurations(name, 3, 14):
+        phase = phases(arm.limb)
+        q[1], q[5] = phase[1] + rng.uniform(0.7, 1.4), phase[5] + rng.uniform(0.7, 1.4)
+        q[3] = phase[3] + rng.uniform(0.0, 0.003)
+        psi, pose = rng.uniform(-np.pi, np.pi), forward(q)
+        answers = [arm.solve(pose, arm_angle=psi, branch=b, respect_limits=False) for b in range(8)]
+        for branch, answer in enumerate(answers):
+            denied += not answer
+            if answer:
+                assert max(distance(pose, forward(answer.q))) < 1e-9
+                assert abs(wrapped(arm_angle(forward, arm.limb, answer.q) - psi)) < 1e-6
+                assert side_of(arm.limb, answer.q)[0] == branch
+        for found in postures_by_search(forward, arm.limb, q, psi):
+            searched += 1
+            branch, least = side_of(arm.limb, found)
+            assert answers[branch] or least < 1e-6, (q.tolist(), psi, branch)
+    assert denied
+    assert searched
