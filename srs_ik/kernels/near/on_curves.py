@@ -62,7 +62,9 @@ comes at so many times its rate, where the elbow's bend has no smaller sine; the
 rounding decides about limits and branches within it."""
 
 UNTOLD = 1e-3
-"""Rounding moves the arm angle of an almost straight elbow by this at most, rad, where it is still told at all."""
+OF_ROUNDING = 0.025
+"""Rounding moves the arm angle of an almost straight elbow by the first at most, rad, where it is still told at all, and
+by this part of what all roundings make of a posture together."""
 
 CLOSE_CALL = 1e-4
 """Where a curve turns around or goes over into another branch so close to an arm angle, rad, rounding may decide."""
@@ -168,7 +170,7 @@ def is_here(P, by, q, ahead):
         return abs(ahead) < SAME_ANGLE
     t, sign = tangent_at(P, by, q)
     off_line = norm(across(sub(elbow_position(P, q), load3(P, SHOULDER_CENTRE)), by.target.place[0]))
-    return sign != 0.0 and abs(ahead) * off_line < P[FAR] * vagueness(by.J, t, by.A)
+    return sign != 0.0 and abs(ahead) * off_line < OF_ROUNDING * P[FAR] * vagueness(by.J, t, by.A)
 
 
 @kernel
