@@ -8,13 +8,13 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from srs_ik.kernels.algebra.joint_vectors import along7, difference, dot7, short_way
-from srs_ik.kernels.chain.newton import STEPS, close_at_angle
+from srs_ik.kernels.algebra.vectors import across, load3, norm, sub
+from srs_ik.kernels.chain.newton import STEPS, close_at_angle, elbow_position
 from srs_ik.kernels.chain.starts import best_row
 from srs_ik.kernels.curves.changes import (
     CHANGE,
     CHANGE_AT,
     CHANGE_MIDDLE,
-    ELBOW,
     MOST_CHANGES,
     find_changes,
     posture_beside,
@@ -40,8 +40,9 @@ from srs_ik.kernels.curves.told import (
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.answer import ROW_COST
 from srs_ik.kernels.layout.asked import Goal, Samples, Setting
+from srs_ik.kernels.layout.limb import FAR, SHOULDER_CENTRE
 from srs_ik.kernels.layout.search import MAX_RUNS, RUN
-from srs_ik.kernels.limb.branches import NO_BRANCH, bit_of, branch_of, is_on_border, sine_of
+from srs_ik.kernels.limb.branches import NO_BRANCH, bit_of, branch_of, is_on_border
 from srs_ik.kernels.limb.goal import NO_SEED, turned
 from srs_ik.kernels.limb.poses import read7
 from srs_ik.kernels.limb.triangle import elbow_side
@@ -61,7 +62,9 @@ comes at so many times its rate, where the elbow's bend has no smaller sine; the
 rounding decides about limits and branches within it."""
 
 UNTOLD = 1e-3
-"""Rounding moves the arm angle of an almost straight elbow by this at most, rad, where it is still told at all."""
+OF_ROUNDING = 0.025
+"""Rounding moves the arm angle of an almost straight elbow by the first at most, rad, where it is still told at all, and
+by this part of what all roundings make of a posture together."""
 
 CLOSE_CALL = 1e-4
 """Where a curve turns around or goes over into another branch so close to an arm angle, rad, rounding may decide."""
@@ -161,12 +164,13 @@ def followed_curves(P, by):
 def is_here(P, by, q, ahead):
     """Whether an arm angle that is so far ahead of that of a posture is the same as well as floats tell, rad.
 
-    Next to a straight elbow a posture is told as badly as its bend is small, and its arm angle as much worse.
+    It is told the worse the closer the elbow is to the line S-W, and the posture itself next to a straight elbow.
     """
     if abs(ahead) < SAME_ANGLE or abs(ahead) > UNTOLD:
         return abs(ahead) < SAME_ANGLE
     t, sign = tangent_at(P, by, q)
-    return sign == 0.0 or abs(ahead) * abs(sine_of(P, q, ELBOW)) < vagueness(by.J, t, by.A)
+    off_line = norm(across(sub(elbow_position(P, q), load3(P, SHOULDER_CENTRE)), by.target.place[0]))
+    return sign != 0.0 and abs(ahead) * off_line < OF_ROUNDING * P[FAR] * vagueness(by.J, t, by.A)
 
 
 @kernel
