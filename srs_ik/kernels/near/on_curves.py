@@ -63,8 +63,8 @@ rounding decides about limits and branches within it."""
 
 UNTOLD = 1e-3
 OF_ROUNDING = 0.025
-"""Rounding moves the arm angle of an almost straight elbow by the first at most, rad, where it is still told at all, and
-by this part of what all roundings make of a posture together."""
+"""Rounding moves the arm angle of an almost straight elbow by the first at most, rad, where that is still told at all,
+and by the second of what all roundings make of a posture together."""
 
 CLOSE_CALL = 1e-4
 """Where a curve turns around or goes over into another branch so close to an arm angle, rad, rounding may decide."""
