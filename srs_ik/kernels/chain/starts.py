@@ -13,7 +13,7 @@ from srs_ik.kernels.chain.newton import STEPS, close_at_angle
 from srs_ik.kernels.chain.newton_eight import close_eight
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.answer import ROW_COST
-from srs_ik.kernels.layout.limb import BOTTOM_GAP, COSINE_OFF, SHOULDER, TOP_GAP, WRIST
+from srs_ik.kernels.layout.limb import COSINE_OFF
 from srs_ik.kernels.limb.branches import NO_BRANCH, branch_of, elbow_starts, side_posture
 from srs_ik.kernels.limb.goal import cost, turned
 from srs_ik.kernels.limb.poses import read7
@@ -22,13 +22,6 @@ from srs_ik.kernels.limb.triangle import elbow_side
 
 MOST_BENT = 0.3
 """Widest bend of the elbow, rad, that counts as almost straight."""
-
-CLEAR = 4.0
-"""Where the sines of shoulder and wrist are so many times that bend, the elbow alone decides: Newton's method leads to
-a posture, or there is none."""
-
-OBLIQUE = 1e-3
-"""Axes are oblique where this part of all directions, as a cosine, is beyond the reach of a shoulder or wrist."""
 
 FIRST = 8
 WIDTH = 9
@@ -39,19 +32,6 @@ WIDTH = 9
 def almost_straight(P):
     """Up to this bend of the elbow, rad, the true chain may have it straight."""
     return math.sqrt(2.0 * P[COSINE_OFF])
-
-
-@kernel
-def has_gaps(P):
-    """Whether some directions are beyond the reach of shoulder or wrist, whose axes are oblique."""
-    return P[SHOULDER + TOP_GAP] + P[SHOULDER + BOTTOM_GAP] + P[WRIST + TOP_GAP] + P[WRIST + BOTTOM_GAP] > OBLIQUE
-
-
-@kernel
-def are_clear(P, s2, s6):
-    """Whether shoulder and wrist are clear of singularities, by the sines of their middle angles (or of eight)."""
-    least = math.inf if has_gaps(P) else CLEAR * almost_straight(P)
-    return (abs(s2) > least) & (abs(s6) > least)
 
 
 @kernel

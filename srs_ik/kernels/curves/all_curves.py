@@ -7,12 +7,12 @@ import math
 import numpy as np
 
 from srs_ik.kernels.algebra.joint_vectors import dot7
-from srs_ik.kernels.algebra.lanes import as_bits, scatter
+from srs_ik.kernels.algebra.lanes import scatter
 from srs_ik.kernels.algebra.pointers import row
-from srs_ik.kernels.chain.eight import ALL, put_eight, sines_of_eight, take_eight
+from srs_ik.kernels.chain.eight import ALL, put_eight, take_eight
 from srs_ik.kernels.chain.newton import CLOSED, LEFT, STEPS
 from srs_ik.kernels.chain.newton_eight import close_eight
-from srs_ik.kernels.chain.starts import FIRST, WIDTH, are_clear, bent_place, has_gaps, start_all
+from srs_ik.kernels.chain.starts import FIRST, WIDTH, bent_place, start_all
 from srs_ik.kernels.curves.follow import CURVE, correct, extend_back, follow_through, is_known, tangent_at
 from srs_ik.kernels.curves.in_step import CORRECTIONS, SAMPLE, load_sample, one_of_seven, to_curves
 from srs_ik.kernels.curves.marks import MARK, MARK_NEXT, MARK_WAY, follow_marks, join_pieces, put_mark
@@ -20,6 +20,7 @@ from srs_ik.kernels.curves.outreach import put_outermost
 from srs_ik.kernels.curves.surface import put_starts
 from srs_ik.kernels.exact.free_splits import close_gently
 from srs_ik.kernels.jit import kernel
+from srs_ik.kernels.layout.limb import BOTTOM_GAP, SHOULDER, TOP_GAP, WRIST
 from srs_ik.kernels.limb.branches import branch_of
 from srs_ik.kernels.limb.goal import NO_SEED
 from srs_ik.kernels.limb.limits import turn_to_middle, violation
@@ -35,6 +36,9 @@ second one, m and rad: they are led about where no posture is, and so are most l
 
 MORE_STARTS = 512
 """Room for starts where several parts of a limb are singular."""
+
+OBLIQUE = 1e-3
+"""Axes are oblique where this part of all directions, as a cosine, is beyond the reach of a shoulder or wrist."""
 
 CLOSING_STEPS = 16
 """Newton's steps from a start to a curve, at most."""
@@ -63,10 +67,7 @@ def put_marks(P, by, angles, marks, missed):
     for i in range(angles):
         psi = (2.0 * i / angles - 1.0) * math.pi
         exist = start_all(P, bent_place(P, place_), psi, False, NO_SEED, False, A)
-        start = take_eight(starts, WIDTH)
-        s2, _, s6 = sines_of_eight(P, start)
-        clear = as_bits(are_clear(P, s2, s6))
-        closed, met = close_eight(P, start, R, p, place_[0], place_[1], psi, STEPS)
+        closed, met = close_eight(P, take_eight(starts, WIDTH), R, p, place_[0], place_[1], psi, STEPS)
         put_eight(starts, WIDTH, met, closed)
         # Where a branch has no posture at the arm angle, there may be one next to it.
         closed, t, met = to_curves(P, R, p, take_eight(starts, WIDTH), ALL if oblique else exist, CORRECTIONS)
@@ -79,12 +80,11 @@ def put_marks(P, by, angles, marks, missed):
                 continue
             if (met >> branch) & 1 == 1:
                 count = put_mark(marks, 0, count, q, one_of_seven(t, branch))
-                continue
-            signs |= 1 << (branch & 3)
-            if (clear >> branch) & 1 == 0:
+            else:
                 for j in range(7):
                     missed[n_missed, j] = q[j]
                 n_missed += 1
+                signs |= 1 << (branch & 3)
     return count, n_missed, signs
 
 
@@ -128,7 +128,7 @@ def extend_open(P, by, rows, curves, n, count):
 def follow_all(P, by, rows, curves):
     """Follow every curve of a pose that the closed form of the nearest exact limb leads to; the number of curves."""
     R, p, _ = by.target
-    oblique = has_gaps(P)
+    oblique = P[SHOULDER + TOP_GAP] + P[SHOULDER + BOTTOM_GAP] + P[WRIST + TOP_GAP] + P[WRIST + BOTTOM_GAP] > OBLIQUE
     angles = STARTS_OBLIQUE if oblique else STARTS
     marks = np.empty((8 * angles, MARK))
     missed = np.zeros((8 * angles + MORE_STARTS, MARK))

@@ -9,28 +9,17 @@ from __future__ import annotations
 import numpy as np
 
 from srs_ik.kernels.algebra.pointers import row
-from srs_ik.kernels.chain.kinematics import pose_error
-from srs_ik.kernels.chain.newton import STEPS, close_at_angle
-from srs_ik.kernels.chain.starts import FIRST, almost_straight, are_clear, bent_place, best_of_all, close_all
+from srs_ik.kernels.chain.starts import FIRST, best_of_all, close_all
 from srs_ik.kernels.curves.surface import has_surface
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.answer import ROW_COST
 from srs_ik.kernels.layout.asked import Best, Goal, Setting
 from srs_ik.kernels.layout.limb import COSINE_OFF, FAR, IS_NEAR, MISS, NEAR, SHIFT
-from srs_ik.kernels.limb.branches import (
-    NO_BRANCH,
-    best_branch,
-    branch_of,
-    is_on_border,
-    is_unsure,
-    out_of_branch,
-    sine_of,
-)
+from srs_ik.kernels.limb.branches import NO_BRANCH, best_branch, branch_of, is_on_border, is_unsure
 from srs_ik.kernels.limb.goal import NO_SEED, OUTSIDE
 from srs_ik.kernels.limb.in_line import ROUNDED
 from srs_ik.kernels.limb.poses import read7
-from srs_ik.kernels.limb.triangle import elbow_side
-from srs_ik.kernels.near.band import ALMOST_NOTHING, ANY_ELBOW, certain_posture, is_oblique, is_told, untold_elbows
+from srs_ik.kernels.near.band import ALMOST_NOTHING, ANY_ELBOW, is_oblique, is_told, untold_elbows
 from srs_ik.kernels.near.branch_search import search_branch
 from srs_ik.kernels.near.on_curves import (
     SAME_ANGLE,
@@ -67,9 +56,6 @@ BESIDE = (0.0, 0.5 * SAME_ANGLE, -0.5 * SAME_ANGLE)
 BARELY = 1e-3
 """Where else a branch is looked for that ends at an arm angle, rad; where no curve turns around or goes over into
 another branch next to it, only if a posture is no farther outside its limits than the last."""
-
-ASTRAY = 1e-3
-"""Where Newton's method ends so far (m, rad) from a pose, or in another branch by such a sine, no posture is close."""
 
 ON_LINE = 1e-3
 """The elbow of a limb that misses by more than this part of its reach does not come to lie on the line S-W."""
@@ -262,21 +248,6 @@ def elbows_in_question(P, target, psi, wanted, goal, best, A):
 
 
 @kernel
-def is_none(P, target, psi, branch, A):
-    """Whether a branch whose shoulder and wrist are clear of singularities has no posture at an arm angle for certain.
-
-    The elbow has two bends there, or none: from a wider one Newton's method leads to the wider of both.
-    """
-    R, p, place_ = target
-    side = elbow_side(P, bent_place(P, place_), branch >> 2)
-    start = certain_posture(P, side, branch, psi)
-    if not are_clear(P, sine_of(P, start, 0), sine_of(P, start, 2)):
-        return False
-    q, met = close_at_angle(P, start, R, p, place_[0], place_[1], psi, STEPS, A)
-    return out_of_branch(P, q, branch) > ASTRAY if met else pose_error(P, q, R, p)[0] > ASTRAY
-
-
-@kernel
 def solve_at_angle(P, target, psi, wanted, goal, J, A):
     """Best posture at an arm angle over all branches, or in one (0 to 7), by all means there are: q, branch, cost.
 
@@ -298,11 +269,10 @@ def solve_at_angle(P, target, psi, wanted, goal, J, A):
         if on_line[2] < OUTSIDE:
             return on_line
     ends = wanted >= 0 and lowest >= NO_BRANCH
-    none = ends and is_none(P, target, psi, wanted, A)
     by = setting_of(P, target, J, A)
     followed = curves_around(P, by, psi, elbows, no_curves())
     q, best, lowest = from_curves(P, by, followed, psi, wanted, goal, (q, best, lowest))
-    if lowest < OUTSIDE or followed.certain or (lowest >= NO_BRANCH and none):
+    if lowest < OUTSIDE or followed.certain:
         return q, best, lowest
     if respect:
         # As they are cut for intervals, curves pass what next to several singularities floats hardly tell apart.
@@ -316,7 +286,7 @@ def solve_at_angle(P, target, psi, wanted, goal, J, A):
         q, best, lowest = best_found(found, wanted, seed)
         if lowest < OUTSIDE:
             return q, best, lowest
-    attempts = ATTEMPTS if lowest >= NO_BRANCH and place_[3] < almost_straight(P) else 1
+    attempts = ATTEMPTS if lowest >= NO_BRANCH else 1
     for side in range(3 if ends and is_near_line(P, target, psi, wanted) else 1):
         other, value = evaluate_again(P, target, psi + BESIDE[side], wanted, goal, attempts, A)
         if value < lowest:
