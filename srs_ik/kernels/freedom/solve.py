@@ -10,13 +10,13 @@ from srs_ik.kernels.chain.kinematics import forward_kinematics
 from srs_ik.kernels.chain.newton import arm_angle
 from srs_ik.kernels.freedom.nearest import beside, nearest
 from srs_ik.kernels.freedom.queue import NONE_LEFT
-from srs_ik.kernels.freedom.settle import EVEN, THIN, onto_pose
+from srs_ik.kernels.freedom.settle import EVEN, THIN, onto_pose, settle
 from srs_ik.kernels.freedom.starts import starts_of_roll, starts_of_turns
 from srs_ik.kernels.freedom.turns import held_straight
 from srs_ik.kernels.freedom.widest import any_limited, weights, widest_of_all
 from srs_ik.kernels.jit import kernel
-from srs_ik.kernels.layout.answer import GOOD_POSE, ROW_STATUS, UNREACHABLE
-from srs_ik.kernels.layout.freedom import Found, Liking
+from srs_ik.kernels.layout.answer import GOOD_POSE, ROW_STATUS, SOLVED, UNREACHABLE
+from srs_ik.kernels.layout.freedom import Found, Freedom, Liking
 from srs_ik.kernels.layout.limb import FREE, LIMITED, LOWER, UPPER
 from srs_ik.kernels.limb.branches import branch_of
 from srs_ik.kernels.limb.limits import middles
@@ -25,6 +25,9 @@ from srs_ik.kernels.limb.triangle import place
 
 NEAREST, NEAREST_IN_CONE = 24, 16
 """Local searches at most once a posture is known: with the roll alone free, and with the cone free."""
+
+NARROW = 0.3
+"""In a cone up to this, rad, the roll alone is searched first: it may be all that is near."""
 
 ROUNDING = 1e-13
 """Errors of a pose, m and rad, that need no step any more."""
@@ -66,15 +69,21 @@ def found_posture(P, pose, given, goal, liking, desk):
 def nearest_of_all(P, pose, given, liking, desk):
     """The nearest posture that searches lead to, from starts all over what is free.
 
-    A thin cone is searched as a roll: that of the way to which its axis presses.
+    A thin cone is searched as a roll: that of the way to which its axis presses. In a narrow one the roll alone comes
+    first, too: what is found there leads to a posture that is no worse.
     """
     freedom, turns = given
     found = Found(liking.posture, NONE_LEFT, False)
     count = starts_of_roll(P, pose, freedom, (True, liking.posture, found), desk)
-    if freedom.cone <= THIN:
+    if freedom.cone <= NARROW:
         held = held_straight(P, pose, freedom.axis, liking)
-        found = nearest(P, pose, freedom, held, (count, NEAREST), found, desk)
-    if freedom.cone == 0.0 or found.met:
+        first = freedom if freedom.cone <= THIN else Freedom(freedom.axis, 0.0)
+        found = nearest(P, pose, first, held, (count, NEAREST), found, desk)
+    if found.met and freedom.cone > THIN:
+        q, cost, error, _ = settle(P, found.q, pose, freedom, liking, desk)
+        if error < SOLVED and cost < found.cost:
+            found = Found(q, cost, True)
+    elif freedom.cone == 0.0 or found.met:
         return found
     count = starts_of_turns(P, pose, turns, (True, liking.posture, found), desk, count)
     return nearest(P, pose, freedom, liking, (count, NEAREST_IN_CONE), found, desk)
