@@ -39,7 +39,7 @@ STIFFER = 4.0
 STIFFEST = 256.0
 """Where a step is none to a minimum, the bend of the distance counts so many times more, and at most so many times."""
 
-THIN = 1e-3
+THIN = 3e-4
 """In a cone up to this, rad, the axis is as good as fixed: it is told where to point, which is where it presses."""
 
 SOFTEST = 30.0

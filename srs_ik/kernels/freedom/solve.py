@@ -23,8 +23,8 @@ from srs_ik.kernels.limb.limits import middles
 from srs_ik.kernels.limb.poses import read_pose
 from srs_ik.kernels.limb.triangle import place
 
-NEAREST, NEAREST_IN_CONE = 24, 16
-"""Local searches at most once a posture is known: with the roll alone free, and with the cone free."""
+NEAREST, NEAREST_IN_NARROW, NEAREST_IN_CONE = 24, 10, 16
+"""Local searches at most once a posture is known: with the roll alone free, then in a narrow cone, and in a wider one."""
 
 NARROW = 0.3
 """In a cone up to this, rad, the roll alone is searched first: it may be all that is near."""
@@ -86,7 +86,8 @@ def nearest_of_all(P, pose, given, liking, desk):
     elif freedom.cone == 0.0 or found.met:
         return found
     count = starts_of_turns(P, pose, turns, (True, liking.posture, found), desk, count)
-    return nearest(P, pose, freedom, liking, (count, NEAREST_IN_CONE), found, desk)
+    enough = NEAREST_IN_NARROW if freedom.cone <= NARROW else NEAREST_IN_CONE
+    return nearest(P, pose, freedom, liking, (count, enough), found, desk)
 
 
 @kernel
