@@ -111,6 +111,16 @@ def test_postures_that_are_nearer_elsewhere_on_a_curve_are_found(judges, case):
     assert np.linalg.norm(solution.q - seed) < np.linalg.norm(nearer - seed) + 1e-9
 
 
+@pytest.mark.parametrize("shift", [0.02, -0.02, 0.001])
+def test_a_posture_of_round_numbers_is_found_again_from_a_seed_beside_it(shift):
+    """Shoulder and wrist are singular at once, and so is the true chain: steps that are not damped end short of it."""
+    arm, q = arms.load("gen3"), np.array([0.3, 0.0, 0.4, 1.0, 0.0, 0.0, 0.2])
+    pose = arm.forward_kinematics(q)
+    solution = arm.solve(pose, seed=q + shift)
+    assert max(arm.verify(pose, solution.q)) < SOLVED
+    assert np.linalg.norm(solution.q - q - shift) < abs(shift) * np.sqrt(7.0) + 1e-9
+
+
 @pytest.mark.parametrize("name", NAMES)
 def test_known_postures_lie_in_an_interval(judges, name):
     arm, known = load(judges, name), judges["known"]

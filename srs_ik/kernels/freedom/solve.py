@@ -24,7 +24,7 @@ from srs_ik.kernels.limb.poses import read_pose
 from srs_ik.kernels.limb.triangle import place
 
 NEAREST, NEAREST_IN_NARROW, NEAREST_IN_CONE = 24, 10, 16
-"""Local searches at most once a posture is known: with the roll alone free, then in a narrow cone, and in a wider one."""
+"""Local searches at most once a posture is known: with the roll alone free, in a narrow cone, and in a wider one."""
 
 NARROW = 0.3
 """In a cone up to this, rad, the roll alone is searched first: it may be all that is near."""
