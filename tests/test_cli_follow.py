@@ -1,6 +1,7 @@
 """`srs-ik follow` prints and writes what a tracker answers; wrong input is one line."""
 
 import csv
+import json
 
 import numpy as np
 import pytest
@@ -75,6 +76,23 @@ def test_jitter_is_taken_from_poses_unless_they_are_wanted_as_they_are(tmp_path)
     got = [answer(*words, *more) for more in ((), ("--smoothing", "0"))]
     shakes = [np.abs(np.diff(steps["q"], n=2, axis=0)[100:298]).mean() for steps in got]
     assert shakes[0] < 0.3 * shakes[1]
+
+
+def test_the_noise_of_poses_is_told(tmp_path):
+    _, poses = targets(tmp_path / "poses.csv", 300, ())
+    rng = np.random.default_rng(5)
+    file = tmp_path / "shaken.csv"
+    with file.open("w", newline="") as out:
+        writer = csv.writer(out)
+        writer.writerow(["x", "y", "z", "qx", "qy", "qz", "qw"])
+        writer.writerows([*(T[:3, 3] + rng.normal(0.0, 2e-4, 3)), *quaternion(T)] for T in poses)
+    words = ("follow", "iiwa14", str(file), "--dt", "0.002", "--q", *map(str, Q))
+    done = run(*words, "--json")
+    got = json.loads(done.stdout)
+    assert got["noise"][0] == pytest.approx(2e-4, rel=0.5)
+    assert 0.005 < got["smoothed"] < 0.05
+    assert f"smoothed by {1e3 * got['smoothed']:.3g} ms" in run(*words).stdout
+    assert json.loads(run(*words, "--smoothing", "0", "--json").stdout)["smoothed"] == 0.0
 
 
 def test_the_table_shows_limits_and_statuses(tmp_path):

@@ -163,6 +163,8 @@ def _print_json(arm: Arm, tracker: Tracker, steps: list[TrackerStep]) -> None:
             "velocity_limit": tracker.velocity_limit,
             "largest_acceleration": acceleration,
             "acceleration_limit": tracker.acceleration_limit,
+            "noise": tracker.noise,
+            "smoothed": tracker.smoothed,
         }
     )
 
@@ -180,3 +182,6 @@ def _print_table(arm: Arm, tracker: Tracker, steps: list[TrackerStep]) -> None:
     screen.print(table(columns, [(name, *(fixed(x, 4) for x in rest)) for name, *rest in figures]))
     counts = Counter(str(step.status) for step in steps)
     screen.print(", ".join(f"{status} {100.0 * count / len(steps):.1f} %" for status, count in counts.most_common()))
+    if tracker.smoothed > 0.0:
+        along, about = (f"{1e3 * x:.3g}" for x in tracker.noise)
+        screen.print(f"noise of the last poses {along} mm, {about} mrad; smoothed by {1e3 * tracker.smoothed:.3g} ms")
