@@ -28,6 +28,13 @@ def along7(a, s, b):
 
 
 @kernel
+def store7(S, k, a):
+    """Write seven figures."""
+    for j in range(7):
+        S[k + j] = a[j]
+
+
+@kernel
 def largest(d):
     """Largest magnitude."""
     return max(max(max(abs(d[0]), abs(d[1])), max(abs(d[2]), abs(d[3]))), max(max(abs(d[4]), abs(d[5])), abs(d[6])))

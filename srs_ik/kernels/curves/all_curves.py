@@ -12,8 +12,9 @@ from srs_ik.kernels.algebra.pointers import row
 from srs_ik.kernels.chain.eight import ALL, put_eight, take_eight
 from srs_ik.kernels.chain.newton import CLOSED, LEFT, STEPS
 from srs_ik.kernels.chain.newton_eight import close_eight
+from srs_ik.kernels.chain.rank_five import put_amid
 from srs_ik.kernels.chain.starts import FIRST, WIDTH, bent_place, start_all
-from srs_ik.kernels.curves.follow import CURVE, correct, extend_back, follow_through, is_known, tangent_at
+from srs_ik.kernels.curves.follow import CURVE, correct, extend_back, follow_through, is_known, put, tangent_at
 from srs_ik.kernels.curves.in_step import CORRECTIONS, SAMPLE, load_sample, one_of_seven, to_curves
 from srs_ik.kernels.curves.marks import MARK, MARK_NEXT, MARK_WAY, follow_marks, join_pieces, put_mark
 from srs_ik.kernels.curves.outreach import put_outermost
@@ -46,6 +47,9 @@ CLOSING_STEPS = 16
 MAX_CURVES = 32
 MOST_LEFT = 8
 """Curves of a pose, and those on which an error is left (`LEFT`), at most."""
+
+POINT = 1e-12
+"""Length of a curve that is one posture, rad."""
 
 ELBOW_SPARE = 0.5
 """By so much, rad, q4 of a start may be outside its limits where limits count."""
@@ -136,7 +140,10 @@ def follow_all(P, by, rows, curves):
     n = 0
     count = 0
     n_marks, n_off, signs = put_marks(P, by, angles, marks, missed)
-    n_missed = put_outermost(P, by, signs, missed, put_starts(P, by.target.place, missed, n_off))
+    n_surface = put_starts(P, by.target.place, missed, n_off)
+    alone = np.empty((MOST_LEFT, SAMPLE))
+    n_amid, n_alone = put_amid(P, by.target, missed, n_off, n_surface, alone, (by.J, by.A))
+    n_missed = put_outermost(P, by, signs, missed, n_amid)
     if n_marks > 0:
         follow_marks(P, by.target, marks[:n_marks], n_marks, pieces)
         n, count = join_pieces(marks, n_marks, pieces, rows, curves)
@@ -171,4 +178,10 @@ def follow_all(P, by, rows, curves):
         curves[count, 0], curves[count, 1], curves[count, 2] = first, n, 1.0 if closed else 0.0
         count += 1
         vague += 1 if error > CLOSED else 0
+    for i in range(n_alone if n + 2 * n_alone <= rows.shape[0] else 0):
+        if count < curves.shape[0]:
+            curves[count, 0], curves[count, 1], curves[count, 2] = n, n + 2, 0.0
+            for x in range(2):
+                n = put(rows, n, x * POINT, read7(row(alone, i)))
+            count += 1
     return count

@@ -9,8 +9,9 @@ from __future__ import annotations
 
 import math
 
-from srs_ik.kernels.algebra.joint_vectors import along7, largest
+from srs_ik.kernels.algebra.joint_vectors import along7, largest, store7
 from srs_ik.kernels.algebra.linear import solve_linear
+from srs_ik.kernels.algebra.pointers import row
 from srs_ik.kernels.chain.newton import pose_step
 from srs_ik.kernels.chain.starts import almost_straight
 from srs_ik.kernels.curves.surface import level_place
@@ -158,7 +159,6 @@ def put_pair(P, by, before, behind, curvature, starts, n):
         bend = math.sqrt(-2.0 * past / curvature)
         for sign in range(2):
             there = along7(best, bend if sign == 0 else -bend, bending)
-            for j in range(7):
-                starts[n, j] = there[j]
+            store7(row(starts, n), 0, there)
             n += 1
     return n

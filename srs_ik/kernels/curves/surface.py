@@ -10,6 +10,7 @@ import math
 
 import numpy as np
 
+from srs_ik.kernels.algebra.joint_vectors import store7
 from srs_ik.kernels.algebra.pointers import keep, row
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.asked import Goal
@@ -290,8 +291,7 @@ def put_starts(P, place_, starts, n):
         for i in range(STARTS if ways_of(part) > 1 else 0):
             if n < starts.shape[0]:
                 q = posture_on((P, wide), place_, part, i, goal)
-                for j in range(7):
-                    starts[n, j] = q[j]
+                store7(row(starts, n), 0, q)
                 n += 1
     keep(boxes)
     keep(parts)

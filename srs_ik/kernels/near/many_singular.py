@@ -12,10 +12,11 @@ import math
 
 import numpy as np
 
-from srs_ik.kernels.algebra.joint_vectors import dot7
+from srs_ik.kernels.algebra.joint_vectors import along7, dot7
 from srs_ik.kernels.algebra.pointers import keep, row
 from srs_ik.kernels.algebra.vectors import along
 from srs_ik.kernels.chain.newton import LEFT, clipped, moved, pose_step, shortest_step
+from srs_ik.kernels.chain.rank_five import ALONE, to_rank_five
 from srs_ik.kernels.curves.surface import (
     MOST_PARTS,
     PART,
@@ -24,6 +25,7 @@ from srs_ik.kernels.curves.surface import (
     may_have_surface,
     posture_on,
     ways_of,
+    width_for_curves,
 )
 from srs_ik.kernels.exact.free_splits import close_gently
 from srs_ik.kernels.exact.nearest import read_step, slid
@@ -141,17 +143,36 @@ def try_from(P, q, target, goal, best, work):
 
 
 @kernel
+def try_rank_five(P, target, goal, best, work):
+    """The better of the best posture so far and those at or next to the posture of rank five that is next to a seed."""
+    met, q, past, ways, bends = to_rank_five(P, goal.seed, target, work[0], work[1])
+    if met and abs(past) < ALONE:
+        q = turned(P, q, True, goal.seed, goal.respect)
+        value = cost(P, q, True, goal.seed, goal.respect)
+        return (q, branch_of(P, q), value) if value < best[2] else best
+    for i in range(4 if met else 0):
+        way, square = ways[i // 2], -2.0 * past / bends[i // 2]
+        if 0.0 < square < AROUND * AROUND:
+            there = along7(q, math.sqrt(square) if i % 2 == 0 else -math.sqrt(square), way)
+            best = try_from(P, there, target, goal, best, work)
+    return best
+
+
+@kernel
 def nearest_among_splits(P, target, goal, known):
     """The posture nearest to a seed as known so far, or a nearer one where outer axes are in line: q, branch, cost."""
+    if not may_have_surface(P, target.place, width_for_curves(P)):
+        return known
+    work = (np.empty((6, 7)), np.empty((16, 9)))
+    best = try_rank_five(P, target, goal, known, work)
     width = in_line_width(P)
     if not may_have_surface(P, target.place, width):
-        return known
+        return best
     boxes = np.empty((1, SIZE))
     wide = row(boxes, 0)
     parts = np.empty((MOST_PARTS, PART))
     n = find_parts(P, wide, target.place, width, parts)
-    work = (np.empty((6, 7)), np.empty((16, 9)))
-    best = try_from(P, goal.seed, target, goal, known, work)
+    best = try_from(P, goal.seed, target, goal, best, work)
     for k in range(n):
         part = row(parts, k)
         for i in range(TRIES[ways_of(part) - 1]):

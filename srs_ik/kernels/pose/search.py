@@ -34,7 +34,7 @@ from srs_ik.kernels.limb.goal import OUTSIDE
 from srs_ik.kernels.limb.limits import tighten
 from srs_ik.kernels.limb.triangle import elbow_side
 from srs_ik.kernels.near.band import is_well_bent
-from srs_ik.kernels.near.many_singular import nearest_among_splits, try_from
+from srs_ik.kernels.near.many_singular import nearest_among_splits
 from srs_ik.kernels.pose.any_bend import best_at_any_bend, hides_some, nearest_alone
 
 MOST_LEVERAGE = 4.0
@@ -142,10 +142,6 @@ def search_near_seed(family, target, goal, J, A):
         known = nearest_among_splits(P, target, goal, known)
     distance = math.sqrt(known[2])
     told = P[IS_NEAR] == 0.0 or not may_be_singular(P, place_, goal.seed, distance)
-    if not told:
-        # The true chain itself may be singular there: steps towards its postures have to be damped.
-        known = try_from(P, goal.seed, target, goal, known, (J, A))
-        distance = math.sqrt(known[2])
     if known[2] >= OUTSIDE:
         return known
     if P[IS_NEAR] != 0.0 and told and distance < CLOSE:

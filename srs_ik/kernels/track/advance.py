@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import math
 
-from srs_ik.kernels.algebra.joint_vectors import along7, apart, between
+from srs_ik.kernels.algebra.joint_vectors import along7, apart, between, store7
 from srs_ik.kernels.algebra.pointers import row
 from srs_ik.kernels.chain.newton import clipped
 from srs_ik.kernels.jit import kernel
@@ -109,13 +109,6 @@ COMING = 0.01
 def scaled(s, a):
     """A multiple of seven figures."""
     return along7(NO_SEED, s, a)
-
-
-@kernel
-def store7(S, k, a):
-    """Write seven figures."""
-    for j in range(7):
-        S[k + j] = a[j]
 
 
 @kernel
