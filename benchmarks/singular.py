@@ -1,12 +1,13 @@
-"""Whether seeded answers at and next to singular poses are the nearest: against a dense sweep that SciPy polishes.
+"""Whether seeded answers at and next to singular poses are the nearest: against descents from all around the seed.
 
 python benchmarks/singular.py [--count 1000] [--seed 0] [--robot iiwa14] [--joints all] [--limits 0.3]
 
 A pose is that of a random configuration whose shoulder, elbow or wrist is singular, or almost, and whose other joints
-may be on limits. Its postures are known by construction: any split of the sum of the outer joints is one, as far as
-Newton's method closes it on Pinocchio's own figures; and so are those of a sweep over arm angles. The nearest of them
-to a seed, polished by SciPy, is what an answer must not be farther than. Where floats do not tell postures apart, both
-are closed with more bits first.
+may be on limits. What is nearer to a seed than an answer lies in the ball around the seed through that answer. Starts
+all over this ball, the known configuration, the splits of its sums and the seed lead to curves of the pose's postures,
+and starts from a dense sweep along these to the minima of the distance inside the limits (`in_ball`), polished by
+SciPy: an answer must not be farther than these. Where floats do not tell postures apart, both are closed with more bits
+first.
 """
 
 from __future__ import annotations
@@ -14,6 +15,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
+import in_ball
 import numpy as np
 import pinocchio as pin
 from extended import ExtendedChain
@@ -39,16 +41,19 @@ ON_LIMITS = 0.3
 AROUND = 0.5
 """Part of the cases with other joints on limits, and with a seed around their posture."""
 
-SWEPT = 360
+STARTS = 256
 SPLITS = 240
 BOTH = 48
-POLISHED = 4
-"""Arm angles, splits of one sum and of each of two; postures that are polished."""
+MOST_SPLITS = 400
+"""Starts all over the ball; splits of one sum, of each of two, and of all at most."""
 
-POLISH = 0.1
+POLISHED = 4
+RESTS = 1e-7
+"""Postures that are polished at most, and how far their own minimum has to be for that, rad."""
+
 GIVE = 0.1
-"""Postures farther from the seed than the answer by more than this, rad, are not polished; and before they are closed,
-splits farther by the other more are left out."""
+BEYOND = 0.5
+"""Starts outside the ball, or the limits, by more than the one, and postures by more than the other, are left out."""
 
 
 @dataclass(frozen=True)
@@ -152,6 +157,9 @@ class Known:
         self.data = arm.model.createData()
         self.frames = [arm.model.getFrameId(name) for name in (arm.base, arm.tip)]
         self.extended = ExtendedChain(self.chain.axes, self.chain.points, self.chain.tip, self.R_tip)
+        squares = np.array([K @ K for K in self.crosses])
+        parts = (self.chain.axes, self.chain.points, squares, self.chain.tip, self.R_tip)
+        self.parts = tuple(np.ascontiguousarray(part) for part in parts)
 
     def moved(self, Q: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
         """Axes (n, 7, 3), points on them (n, 7, 3), tips (n, 3) and tip rotations (n, 3, 3) at postures (n, 7)."""
@@ -166,52 +174,14 @@ class Known:
             shift = points[:, j] - R @ self.chain.points[j]
         return axes, points, R @ self.chain.tip + shift, (R.reshape(-1, 3) @ self.R_tip).reshape(-1, 3, 3)
 
-    def errors(self, Q: np.ndarray, pose: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """(n, 6) twists that lead to the pose, (n, 6, 7) Jacobians."""
-        axes, points, tip, R = self.moved(Q)
-        arms = tip[:, None] - points
-        J = np.empty((len(Q), 6, 7))
-        for i, (k, m) in enumerate(((1, 2), (2, 0), (0, 1))):
-            J[:, i] = axes[..., k] * arms[..., m] - axes[..., m] * arms[..., k]
-        J[:, 3:] = axes.transpose(0, 2, 1)
-        D = pose[:3, :3] @ R.transpose(0, 2, 1)
-        skew = 0.5 * np.stack([D[:, 2, 1] - D[:, 1, 2], D[:, 0, 2] - D[:, 2, 0], D[:, 1, 0] - D[:, 0, 1]], axis=1)
-        sine = np.linalg.norm(skew, axis=1)
-        angle = np.arctan2(sine, 0.5 * (np.trace(D, axis1=1, axis2=2) - 1.0))
-        turn = skew * np.where(sine > 1e-9, angle / np.maximum(sine, 1e-9), 1.0)[:, None]
-        turn[angle > np.pi - 1e-8, 2] = np.pi  # about whichever axis: a half turn is no zero
-        return np.concatenate([pose[:3, 3] - tip, turn], axis=1), J
-
     def errors_of_one(self, q: np.ndarray, pose: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """The same of a single posture (7,), by Pinocchio itself, in a tenth of the time: (6,), (6, 7)."""
+        """The twist that leads from a posture (7,) to a pose, by Pinocchio, and the Jacobian: (6,), (6, 7)."""
         model, data = self.arm.model, self.data
         J = pin.computeFrameJacobian(model, data, self.arm.configuration(q), self.frames[1], pin.LOCAL_WORLD_ALIGNED)
         base, tip = (pin.updateFramePlacement(model, data, frame) for frame in self.frames)
         tip, R = base.actInv(tip), base.rotation
         J = np.concatenate([R.T @ J[:3], R.T @ J[3:]])
         return np.concatenate([pose[:3, 3] - tip.translation, pin.log3(pose[:3, :3] @ tip.rotation.T)]), J
-
-    def closed(self, Q: np.ndarray, pose: np.ndarray, steps: int = 25) -> tuple[np.ndarray, np.ndarray]:
-        """Postures by shortest Newton steps from some that almost meet a pose, and whether they meet it."""
-        Q = Q.copy()
-        errors = np.full(len(Q), np.inf)
-        open_ = np.arange(len(Q))
-        for _ in range(steps):
-            e, J = self.errors(Q[open_], pose)
-            errors[open_] = np.abs(e).max(axis=1)
-            bad = errors[open_] > 1e-14
-            open_, e, J = open_[bad], e[bad], J[bad]
-            if not len(open_):
-                break
-            JJ = J @ J.transpose(0, 2, 1)
-            square = (e**2).sum(axis=1)
-            JJ += (1e-14 + np.minimum(1e-4, 1e-2 * square))[:, None, None] * np.eye(6)
-            step = np.einsum("nij,ni->nj", J, np.linalg.solve(JJ, e[..., None])[..., 0])
-            size = np.abs(step).max(axis=1, keepdims=True)
-            Q[open_] += step * np.minimum(1.0, 0.3 / np.maximum(size, 1e-300))
-        if len(open_):
-            errors[open_] = np.abs(self.errors(Q[open_], pose)[0]).max(axis=1)
-        return Q, errors < CLOSED
 
     def toward(self, q: np.ndarray, joint: int) -> float:
         """1.0 where the outer axes around a singular middle joint (1 or 5) point the same way, else -1.0."""
@@ -242,37 +212,44 @@ class Known:
         turns = np.linspace(-np.pi, np.pi, 24, endpoint=False)
         return [q + turn * np.array([0.0, 0.0, 1.0, 0.0, -np.sign(along), 0.0, 0.0]) for turn in turns]
 
-    def postures(self, case: Case, within: float) -> np.ndarray:
-        """Postures of a case's pose that keep the limits and are no farther from its seed than a distance, rad.
+    def starts(self, case: Case, within: float, rng: np.random.Generator) -> np.ndarray:
+        """Starts all over the ball around a case's seed, some of whose joints are where the case has them; the seed."""
+        arm = self.arm
+        ways = rng.normal(size=(STARTS, 7))
+        Q = case.seed + ways * (within * rng.random(STARTS) / np.linalg.norm(ways, axis=1))[:, None]
+        Q[::2, 3] = case.q[3]
+        Q[::4, 3] = 2.0 * self.singular[3] - case.q[3]
+        for j in case.on_limits:
+            Q[rng.random(STARTS) < 0.5, j] = case.q[j]
+        return np.clip(np.concatenate([case.seed[None], Q]), arm.lower, arm.upper)
 
-        Of a sweep of arm angles, and of splits of all that is singular; each joint in the turn nearest to the seed.
-        """
-        angles = wrapped(np.linspace(-np.pi, np.pi, SWEPT, endpoint=False) + 1e-4)
-        here = self.arm.arm_angle(case.q)
-        angles = np.concatenate([angles, [here], here + np.outer([-1, 1], np.logspace(-12, -2, 21)).ravel()])
-        poses = np.broadcast_to(case.pose, (len(angles), 4, 4))
-        batch = self.arm.solve_batch(poses, arm_angle=wrapped(angles), all_branches=True, respect_limits=False)
-        at_angles = batch.q[batch.ok]
-        starts = [case.q]
+    def splits_of(self, Q: Sequence[np.ndarray], case: Case, within: float, rng: np.random.Generator) -> np.ndarray:
+        """Splits of some postures that are close enough to a case's seed, or some of them if there are many."""
+        splits = self.close_enough(np.concatenate([self.splits(q) for q in Q]), case, within + GIVE)
+        return splits[rng.permutation(len(splits))[:MOST_SPLITS]]
+
+    def postures(self, case: Case, within: float) -> np.ndarray:
+        """Postures of a case's pose that keep the limits and are about as close to its seed as a distance, rad."""
+        rng, ball = np.random.default_rng(0), (self.parts, case.pose, self.arm.lower, self.arm.upper, case.seed)
+        also = [case.q]
         if 3 in case.joints and (self.is_singular(case.q, 1) or self.is_singular(case.q, 5)):
-            starts += self.swung(case.q)
-        near = np.zeros(len(at_angles), bool)
-        for joint in (1, 5):
-            near |= self.is_singular(at_angles, joint)
-        others = at_angles[near]
+            also += self.swung(case.q)
+        splits = self.splits_of(also, case, within, rng)
+        starts = np.concatenate([case.q[None], splits, self.starts(case, within, rng)])
+        Q = in_ball.settled(*ball, np.concatenate([starts, in_ball.swept(*ball, starts)]), within + BEYOND)
+        others = Q[self.is_singular(Q, 1) | self.is_singular(Q, 5)]
         if len(others):
             # One of each branch's is enough: those next to it lie on the same segment.
-            keys = np.round(np.exp(1j * others[:, [1, 3, 5]]), 3)
-            _, first = np.unique(keys, axis=0, return_index=True)
-            starts += list(others[first[:16]])
-        around = self.close_enough(np.concatenate([self.splits(q) for q in starts]), case, within + GIVE, GIVE)
-        around, met = self.closed(around, case.pose)
-        return self.close_enough(np.concatenate([case.q[None], at_angles, around[met]]), case, within, 0.0)
+            _, first = np.unique(np.round(np.exp(1j * others[:, [1, 3, 5]]), 3), axis=0, return_index=True)
+            starts = self.splits_of(others[first[:16]], case, within, rng)
+            starts = np.concatenate([starts, in_ball.swept(*ball, starts)])
+            Q = np.concatenate([Q, in_ball.settled(*ball, starts, within + BEYOND)])
+        return Q[np.argsort(np.linalg.norm(Q - case.seed, axis=1))]
 
-    def close_enough(self, Q: np.ndarray, case: Case, within: float, beyond: float) -> np.ndarray:
-        """Postures within a distance from a case's seed, rad, and no farther than another one outside a limit."""
+    def close_enough(self, Q: np.ndarray, case: Case, within: float) -> np.ndarray:
+        """Postures within a distance from a case's seed, rad, and no farther than `GIVE` outside a limit."""
         turns = Q[..., None] + 2.0 * np.pi * np.arange(-3, 4)
-        lower, upper = self.arm.lower[:, None] - beyond, self.arm.upper[:, None] + beyond
+        lower, upper = self.arm.lower[:, None] - GIVE, self.arm.upper[:, None] + GIVE
         away = np.where((turns >= lower) & (turns <= upper), np.abs(turns - case.seed[:, None]), np.inf)
         Q = np.take_along_axis(turns, away.argmin(-1)[..., None], -1)[..., 0]
         return Q[np.sqrt((away.min(-1) ** 2).sum(-1)) <= within]
@@ -301,20 +278,19 @@ class Known:
         ).x
         if not np.isfinite(found).all():
             return q
-        found, closed = self.closed(found[None], case.pose)
-        found = found[0]
-        inside = ((found >= arm.lower) & (found <= arm.upper)).all()
-        return found if closed[0] and inside and np.linalg.norm(found - seed) < np.linalg.norm(q - seed) else q
+        found = np.clip(found, arm.lower, arm.upper)
+        error = in_ball.close(self.parts, case.pose, arm.lower, arm.upper, found, in_ball.CLOSING)
+        return found if error < CLOSED and np.linalg.norm(found - seed) < np.linalg.norm(q - seed) else q
 
     def nearest(self, case: Case, within: float) -> np.ndarray | None:
-        """The known posture nearest to the seed, inside the limits, if any is within a distance."""
-        Q = self.postures(case, within + POLISH)
-        Q = Q[np.argsort(np.linalg.norm(Q - case.seed, axis=1))]
-        chosen: list[np.ndarray] = []
-        while len(Q) and len(chosen) < POLISHED:
-            chosen.append(self.polish(case, Q[0]))
-            Q = Q[np.abs(Q - Q[0]).max(axis=1) > 0.2]
-        return min(chosen, key=lambda q: float(np.linalg.norm(q - case.seed)), default=None)
+        """The nearest posture to the seed inside the limits that is found from within a distance."""
+        ball = (self.parts, case.pose, self.arm.lower, self.arm.upper, case.seed)
+        Q, figures = in_ball.minima(*ball, self.postures(case, within))
+        order = np.argsort(figures[:, 0])
+        unsure = [i for i in order if figures[i, 1] > RESTS][:POLISHED]
+        chosen = [*Q[order[:1]], *[self.polish(case, Q[i]) for i in unsure if figures[i, 0] < within + GIVE]]
+        met = [q for q in chosen if np.abs(self.errors_of_one(q, case.pose)[0]).max() < 2.0 * CLOSED]
+        return min(met, key=lambda q: float(np.linalg.norm(q - case.seed)), default=None)
 
     def exactly(self, case: Case, q: np.ndarray) -> float:
         """The distance from the seed of a posture that is closed with more bits; inf where it closes nowhere."""
@@ -323,18 +299,17 @@ class Known:
 
 
 def farther(arm: srs_ik.Arm, known: Known, case: Case) -> float:
-    """By how much the answer is farther from the seed than the nearest known posture, rad; inf if it is none.
-
-    Below zero it is a bound: what is known farther away than `POLISH` is not looked at.
-    """
+    """By how much the answer is farther from the seed than the nearest known posture, rad; inf if it is none."""
     solution = arm.solve(case.pose, seed=case.seed)
     if not solution:
         return np.inf
     away = float(np.linalg.norm(solution.q - case.seed))
     nearest = known.nearest(case, away)
-    least = away + POLISH if nearest is None else float(np.linalg.norm(nearest - case.seed))
-    if nearest is None or case.offset == 0.0 or away - least <= WORSE:
-        return away - min(least, away + POLISH)
+    if nearest is None:
+        return -np.inf
+    least = float(np.linalg.norm(nearest - case.seed))
+    if case.offset == 0.0 or away - least <= WORSE:
+        return away - least
     exact = known.exactly(case, solution.q)
     return (exact if np.isfinite(exact) else away) - known.exactly(case, nearest)
 

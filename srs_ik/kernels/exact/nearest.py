@@ -239,13 +239,15 @@ def settle_inside(P, target, q, goal, J, A):
 @kernel
 def settled(P, target, q, goal, free_minimum, J, A):
     """A posture of the true chain in its best turn, or one inside the limits: q, cost, and whether it is a minimum."""
-    q = turned(P, q, True, goal.seed, goal.respect)
+    q = turned(P, q, True, goal.seed, False)
     value = cost(P, q, True, goal.seed, goal.respect)
     if value < OUTSIDE:
         return q, value, free_minimum
-    # The free minimum breaks a limit: any posture inside still bounds the distance.
-    q, value = settle_inside(P, target, q, goal, J, A)
-    return q, value, False
+    # The free minimum breaks a limit: any posture inside still bounds the distance, next to it or in another turn.
+    other, value = settle_inside(P, target, q, goal, J, A)
+    q = turned(P, q, True, goal.seed, True)
+    elsewhere = cost(P, q, True, goal.seed, True)
+    return (q, elsewhere, False) if elsewhere < value else (other, value, False)
 
 
 @kernel
@@ -384,7 +386,7 @@ def look_beside(P, target, found, known, goal, J, A):
             other, minimum = slide(P, target, start, Goal(True, seed, False), J, A)
             if error > CLOSED or not minimum:
                 return (q, best, lowest), False
-            other = turned(P, other, True, seed, respect)
+            other = turned(P, other, True, seed, False)
             if cost(P, other, True, seed, False) >= lowest:
                 continue
             value = cost(P, other, True, seed, respect)

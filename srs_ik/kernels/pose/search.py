@@ -31,6 +31,7 @@ from srs_ik.kernels.layout.answer import MAX_PIECES
 from srs_ik.kernels.layout.limb import FAR, FREE, IS_NEAR, LIMITED, LOOSE, MISS, PHASE, SHOULDER, SIZE, WRIST
 from srs_ik.kernels.limb.branches import NO_BRANCH, branch_of, is_unsure
 from srs_ik.kernels.limb.goal import OUTSIDE
+from srs_ik.kernels.limb.in_line import may_line_up
 from srs_ik.kernels.limb.limits import tighten
 from srs_ik.kernels.limb.triangle import elbow_side
 from srs_ik.kernels.near.band import is_well_bent
@@ -128,6 +129,18 @@ def may_be_singular(P, place_, seed, distance):
 
 
 @kernel
+def may_be_in_line(P, place_, seed, distance):
+    """Whether outer axes of a near limb alone may come into line at a pose, no farther than a distance from a seed.
+
+    There the true chain has postures where the nearest exact limb has none.
+    """
+    s2 = abs(math.sin(seed[1] - P[SHOULDER + PHASE]))
+    s6 = abs(math.sin(seed[5] - P[WRIST + PHASE]))
+    within = between_limbs(P)
+    return P[IS_NEAR] != 0.0 and min(s2, s6) < distance + within and may_line_up(P, place_, within)
+
+
+@kernel
 def search_near_seed(family, target, goal, J, A):
     """The posture nearest to a seed over all branches and arm angles: q, branch, cost (OUTSIDE if none was found)."""
     P, F = row(family, LIMITED), row(family, LIMITED if goal.respect else FREE)
@@ -160,8 +173,10 @@ def search_near_seed(family, target, goal, J, A):
         n = without(P, place_, found[:n], (guessed, branch), psi, goal)
     # The true chain may reach a pose, and bend its elbow, where the closed form does not.
     told = told and (P[IS_NEAR] == 0.0 or is_well_bent(P, place_))
-    if n == 0 and told:
-        return known
+    if n == 0:
+        told = told and not may_be_in_line(P, place_, goal.seed, distance)
+        if told:
+            return known
     if P[IS_NEAR] == 0.0:
         nearer = nearest_within(P, place_, found[:n], -1, goal, known[2])
         if nearer[2] < known[2]:
