@@ -15,7 +15,7 @@ from srs_ik.kernels.algebra.lane_trig import turned_by, turns_of
 from srs_ik.kernels.algebra.lanes import as_bits, root, where
 from srs_ik.kernels.algebra.vectors import add, along, apply, cross, dot, load3, load9, scale, sub, swing
 from srs_ik.kernels.chain.kinematics import first_line, joint_line, turn_between
-from srs_ik.kernels.chain.newton import CLOSED, LAST_STEP, MAX_STEP, ON_LINE
+from srs_ik.kernels.chain.newton import BOUNCES, CLOSED, LAST_STEP, MAX_STEP, ON_LINE
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.limb import ELBOW_CENTRE, SHOULDER_CENTRE, TIP_POSITION, TIP_ROTATION
 
@@ -269,7 +269,8 @@ def close_in_planes(P, q, R, p, planes, until):
     met = 0
     steps, short = until
     last = 0.0 * q[0] + EXPECTED * math.sqrt(short)
-    for _ in range(steps):
+    checkpoint = least = last + math.inf
+    for step in range(steps):
         d, rates, off2, right = newton_step(P, turns, R, p, h, b)
         size = largest(d)
         # Next to a singularity, rounding may make steps long.
@@ -282,5 +283,10 @@ def close_in_planes(P, q, R, p, planes, until):
         met = as_bits(settled & right)
         if as_bits(settled) == ALL:
             break
+        least = where(off2 < least, off2, least)
+        if step % BOUNCES == BOUNCES - 1:
+            if as_bits(settled | (least > 0.25 * checkpoint)) == ALL:
+                break
+            checkpoint = least
         turns = turned_by_all(turns, d)
     return q, rates, met

@@ -82,6 +82,15 @@ def put_start(A, i, a, q4, b):
 
 
 @kernel
+def better_of_branch(P, q, branch, goal, best):
+    """A posture, if it is in a branch (-1: any) and better than the best so far; else that one."""
+    if branch >= 0 and branch_of(P, q) != branch:
+        return best
+    q, value = cost_of_turn(P, q, goal)
+    return Best(q, value) if value < best.cost else best
+
+
+@kernel
 def close_starts(P, target, psi, branch, goal, best, A):
     """Newton's method from eight postures in A: the best one in a branch, if it is better than the best so far."""
     R, p, place_ = target
@@ -90,11 +99,7 @@ def close_starts(P, target, psi, branch, goal, best, A):
     put_eight(rows, WIDTH, met, q)
     for i in range(8):
         if (met >> i) & 1 == 1:
-            found = read7(row(A, FIRST + i))
-            if branch_of(P, found) == branch:
-                found, value = cost_of_turn(P, found, goal)
-                if value < best.cost:
-                    best = Best(found, value)
+            best = better_of_branch(P, read7(row(A, FIRST + i)), branch, goal, best)
     return best
 
 

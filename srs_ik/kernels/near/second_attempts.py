@@ -6,8 +6,10 @@ import math
 
 import numpy as np
 
+from srs_ik.kernels.algebra.lanes import one_of
 from srs_ik.kernels.algebra.pointers import keep, row
 from srs_ik.kernels.algebra.vectors import across, load3, norm, sub
+from srs_ik.kernels.chain.eight import ALL, put_eight, take_eight, tip_errors
 from srs_ik.kernels.chain.kinematics import pose_error
 from srs_ik.kernels.chain.newton import (
     CLOSED,
@@ -20,6 +22,8 @@ from srs_ik.kernels.chain.newton import (
     elbow_position,
     pose_step,
 )
+from srs_ik.kernels.chain.newton_eight import close_eight
+from srs_ik.kernels.chain.starts import FIRST, WIDTH
 from srs_ik.kernels.curves.follow import correct
 from srs_ik.kernels.curves.lowest import cost_of_turn
 from srs_ik.kernels.curves.surface import is_flat, level_place, put_starts
@@ -45,6 +49,7 @@ from srs_ik.kernels.limb.in_line import ROUNDED
 from srs_ik.kernels.limb.limits import turn_to_middle, violation
 from srs_ik.kernels.limb.poses import read7
 from srs_ik.kernels.limb.triangle import elbow_side
+from srs_ik.kernels.near.branch_search import better_of_branch, put_start
 
 MORE_STEPS = 80
 """Steps of Newton's method, which halves the error at best next to a singularity."""
@@ -74,6 +79,9 @@ ELBOW_ALONE = (0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0)
 
 ON_LIMIT = 1e-6
 """An elbow so close to a limit, rad, is on it where it is on the line S-W."""
+
+ALMOST_CLOSED = 1e-4
+"""What steps in eight leave of an error, m or rad, where the posture may be there."""
 
 NEAR_SINGULAR = 0.05
 """Sine of a middle angle under which a spherical joint or the elbow is close to singular, for a second attempt."""
@@ -111,30 +119,42 @@ def is_near_line(P, target, psi, branch):
 
 
 @kernel
-def from_turned(P, target, psi, q0, sides, goal, A):
-    """Postures at an arm angle by Newton's method from one that is bent to the sides of a branch: the best one.
+def put_turned(P, q, b, i, A, k):
+    """Write the i-th start next to a posture that is bent to the sides of branch b into row k of A; how many there are.
 
     Near a singular shoulder or wrist the closed form fixes two joint angles of which the true chain knows little more
-    than their sum. So the starts turn one against the other, and bend what is straight. `sides` holds that branch, and
-    the one that is wanted.
+    than their sum. So the starts turn one against the other, and bend what is straight.
+    """
+    s = bend(P, q, b)
+    turns_s = 6 if s[1] != q[1] else 1
+    turns_w = 6 if s[5] != q[5] else 1
+    against_s = -1.0 if math.cos(s[1] - P[SHOULDER + PHASE]) > 0.0 else 1.0
+    against_w = -1.0 if math.cos(s[5] - P[WRIST + PHASE]) > 0.0 else 1.0
+    ds = (i % turns_s) * math.pi / 3.0
+    dw = (i // turns_s) * math.pi / 3.0
+    put_start(A, k, (s[0] + ds, s[1], s[2] + against_s * ds), s[3], (s[4] + dw, s[5], s[6] + against_w * dw))
+    return turns_s * turns_w
+
+
+@kernel
+def close_turned(P, target, psi, branch, goal, best, A):
+    """Newton's method from eight postures in A, with many steps: the best one in a branch (-1: any), if it is better.
+
+    Steps in eight divide by almost nothing next to a singularity: what comes almost there goes on alone, with pivots.
     """
     R, p, place_ = target
-    b, branch = sides
-    best = Best(q0, 2.0 * NO_BRANCH)
-    q = bend(P, q0, b)
-    turns_s = 6 if q[1] != q0[1] else 1
-    turns_w = 6 if q[5] != q0[5] else 1
-    against_s = -1.0 if math.cos(q[1] - P[SHOULDER + PHASE]) > 0.0 else 1.0
-    against_w = -1.0 if math.cos(q[5] - P[WRIST + PHASE]) > 0.0 else 1.0
-    for i in range(turns_s * turns_w):
-        ds = (i % turns_s) * math.pi / 3.0
-        dw = (i // turns_s) * math.pi / 3.0
-        start = (q[0] + ds, q[1], q[2] + against_s * ds, q[3], q[4] + dw, q[5], q[6] + against_w * dw)
-        closed_q, closed = close_at_angle(P, start, R, p, place_[0], place_[1], psi, MORE_STEPS, A)
-        if closed and (branch < 0 or branch_of(P, closed_q) == branch):
-            closed_q, value = cost_of_turn(P, closed_q, goal)
-            if value < best.cost:
-                best = Best(closed_q, value)
+    rows = row(A, FIRST)
+    q, met = close_eight(P, take_eight(rows, WIDTH), R, p, place_[0], place_[1], psi, MORE_STEPS)
+    position, orientation, _ = tip_errors(P, q, R, p)
+    put_eight(rows, WIDTH, ALL, q)
+    for i in range(8):
+        error = max(one_of(position, i), one_of(orientation, i))
+        found = read7(row(A, FIRST + i))
+        closed = (met >> i) & 1 == 1
+        if not closed and 0.1 * CLOSED < error < ALMOST_CLOSED:
+            found, closed = close_at_angle(P, found, R, p, place_[0], place_[1], psi, MORE_STEPS, A)
+        if closed:
+            best = better_of_branch(P, found, branch, goal, best)
     return best
 
 
@@ -146,11 +166,15 @@ def evaluate_again(P, target, psi, branch, goal, attempts, A):
     for attempt in range(attempts):
         # At the arm angle itself, then from either side of it, farther and farther.
         from_psi = psi + (0.0 if attempt == 0 else (0.25 if attempt % 2 == 0 else -0.25) * ((attempt + 1) // 2))
+        n = 0
         for b in range(8):
             q0, _, _ = best_branch(P, target.place, from_psi, b, False, goal.seed, False)
-            other = from_turned(P, target, psi, q0, (b, branch), goal, A)
-            if other.cost < best.cost:
-                best = other
+            i, starts = 0, 1
+            while i < starts:
+                starts = put_turned(P, q0, b, i, A, n % 8)
+                i, n = i + 1, n + 1
+                if n % 8 == 0 or (b == 7 and i == starts):
+                    best = close_turned(P, target, psi, branch, goal, best, A)
         if best.cost < OUTSIDE:
             break
     return best
