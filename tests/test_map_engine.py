@@ -14,7 +14,7 @@ import numpy as np
 import pytest
 
 import srs_ik
-from srs_ik.maps import build_map
+from srs_ik.maps import build_map, tasks
 from srs_ik.maps.store import Store
 
 pytest.importorskip("zarr")
@@ -116,6 +116,29 @@ def test_a_cluster_that_loses_a_process_is_resumed_to_the_same_store(undisturbed
                 each.wait()
         build_map(srs_ik.load("human_arm"), 0.04, path, orientations=576)
         assert digests(path) == digests(undisturbed)
+
+
+def test_an_interruption_does_not_wait_for_tasks_to_end(tmp_path, monkeypatch):
+    arm, threads, cells_after = srs_ik.load("gen3"), 2, []
+    some = tasks.measures_at
+
+    def measured(job, points, rotations):
+        if interrupted:
+            cells_after.append(len(points) * len(rotations))
+        return some(job, points, rotations)
+
+    def interrupt(done, cells):
+        if done > 0:
+            interrupted.append(done)
+            raise KeyboardInterrupt
+
+    interrupted = []
+    monkeypatch.setattr(tasks, "measures_at", measured)
+    with pytest.raises(KeyboardInterrupt):
+        build_map(arm, 0.1, tmp_path / "map.zarr", orientations=576, threads=threads, progress=interrupt)
+    # Each thread may be about to begin a part when it is told.
+    assert len(cells_after) <= threads
+    assert sum(cells_after) <= threads * tasks.AT_ONCE
 
 
 def test_threads_give_the_same_checksums(undisturbed, tmp_path):

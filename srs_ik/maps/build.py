@@ -8,6 +8,7 @@ from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import FIRST_COMPLETED, ThreadPoolExecutor, wait
 from dataclasses import dataclass
 from pathlib import Path
+from threading import Event
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -231,11 +232,11 @@ def _by_threads(job: Job, folder: Path, left: list[int], threads: int | None) ->
     if threads is not None and (isinstance(threads, bool) or not isinstance(threads, int) or threads < 1):
         raise SrsIkError(f"threads must be a positive integer, not {threads!r}")
     count = min(threads or processors(), processors())
-    tasks, running = iter(left), set()
+    tasks, running, stop = iter(left), set(), Event()
     pool = ThreadPoolExecutor(count)
     try:
         for task in tasks:
-            running.add(pool.submit(run_task, job, str(folder), task))
+            running.add(pool.submit(run_task, job, str(folder), task, stop))
             if len(running) > count:
                 finished, running = wait(running, return_when=FIRST_COMPLETED)
                 yield from (future.result()[0] for future in finished)
@@ -243,6 +244,7 @@ def _by_threads(job: Job, folder: Path, left: list[int], threads: int | None) ->
             finished, running = wait(running, return_when=FIRST_COMPLETED)
             yield from (future.result()[0] for future in finished)
     finally:
+        stop.set()
         pool.shutdown(wait=True, cancel_futures=True)
 
 

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+from concurrent.futures import CancelledError
 from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
+from threading import Event
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -25,8 +27,8 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 
-AT_ONCE = 20_000
-"""Cells whose figures are held in full precision."""
+AT_ONCE = 2_000
+"""Cells whose figures are held in full precision, and after which a task can be stopped."""
 
 _COLUMNS = {
     "reached": at.CELL_PIECES,
@@ -58,10 +60,14 @@ def job_of(arm: Arm, plan: Plan, scene: Scene | None = None) -> Job:
     return Job(arm.packed, plan, around_of(arm, scene))
 
 
-def run_task(job: Job, path: str, task: int) -> tuple[int, int]:
-    """Compute a task and write it; the task and its record. Done twice, it writes the same."""
+def run_task(job: Job, path: str, task: int, stop: Event | None = None) -> tuple[int, int]:
+    """Compute a task and write it; the task and its record. Done twice, it writes the same.
+
+    Raises:
+        CancelledError: it was told to stop before it was done; nothing is written then.
+    """
     block = job.plan.blocks[task]
-    return task, _opened(path).write(task, block, compute(job, block))
+    return task, _opened(path).write(task, block, compute(job, block, stop))
 
 
 @lru_cache(maxsize=4)
@@ -74,14 +80,16 @@ def _rotations(orientations: Orientations) -> Array:
     return np.ascontiguousarray(orientations.matrices().reshape(-1, 9))
 
 
-def compute(job: Job, block: tuple[slice, ...]) -> dict[str, NDArray]:
-    """The measures of all cells of a block of positions, by name."""
+def compute(job: Job, block: tuple[slice, ...], stop: Event | None = None) -> dict[str, NDArray]:
+    """The measures of all cells of a block of positions, by name; `CancelledError` once it is told to stop."""
     points, rotations = job.plan.grid.points(block), in_base(job.plan)
     n = len(rotations)
     shape = (*(part.stop - part.start for part in block), n)
     values = _room(job.plan, len(points) * n)
     some = max(1, AT_ONCE // n)
     for first in range(0, len(points), some):
+        if stop is not None and stop.is_set():
+            raise CancelledError
         for name, each in measures_at(job, points[first : first + some], rotations).items():
             values[name][first * n : first * n + len(each)] = each
     return {name: each.reshape(*shape, *each.shape[1:]) for name, each in values.items()}
