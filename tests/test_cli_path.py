@@ -127,6 +127,13 @@ def test_the_picture_of_the_strips_is_drawn(tmp_path):
         ("x,y,z,roll,pitch,yaw\n.5,.1,.6,0,1.5,0\n\n.5,.1,up,0,1.5,0\n", "line 4: z must be a finite number, not 'up'"),
         ("x,y,z,roll,pitch,yaw\n.5,.1,.6,0,nan,0\n", "line 2: pitch must be a finite number, not 'nan'"),
         ("x,y,z,roll,pitch,yaw\n.5,.1,.6\n", "line 2: there is no roll; the line ends after 3 columns"),
+        (
+            "x,y,z,roll,pitch,yaw\n0,5,0,1,0,6,0,1,5,0,0\n",
+            "line 2: there are 11 columns and names for 6",
+        ),
+        ("x,y,z,roll,pitch,yaw\n1_0,.1,.6,0,0,0\n", "line 2: x must be a finite number, not '1_0'"),
+        ("x;y;z;roll;pitch;yaw\n.5;.1;.6;0;0;0\n", "line 1: columns are separated by commas, not by semicolons"),
+        ("x\ty\tz\troll\tpitch\tyaw\n", "line 1: columns are separated by commas, not by tabs"),
         ("x,y,z,qx,qy,qz,qw\n.5,.1,.6,0,0,0,2\n", "line 2: a quaternion is a rotation only if its length is 1, not 2"),
     ],
 )
@@ -142,8 +149,37 @@ def test_a_wrong_file_is_one_line_with_its_place(tmp_path, text, named):
 
 
 @pytest.mark.parametrize(
+    "words",
+    [
+        ("path", "iiwa14", "FILE", "--out", "LINK"),
+        ("solve", "iiwa14", "--file", "FILE", "--out", "FILE"),
+        ("follow", "iiwa14", "FILE", "--dt", "0.01", "--out", "FILE"),
+        ("place", "iiwa14", "FILE", "--grid", "0", "1", "2", "0", "1", "2", "--out", "FILE"),
+        ("place", "iiwa14", "OTHER", "--candidates", "FILE", "--out", "FILE"),
+    ],
+)
+def test_poses_are_not_written_over(tmp_path, words):
+    file = write(tmp_path / "poses.csv", line_of_poses(3))
+    other = write(tmp_path / "other.csv", line_of_poses(2))
+    (tmp_path / "link.csv").symlink_to(file)
+    before = (tmp_path / "poses.csv").read_bytes()
+    names = {"FILE": file, "OTHER": other, "LINK": str(tmp_path / "link.csv")}
+    result = run(*(names.get(word, word) for word in words))
+    assert result.exit_code == 2, result.exception
+    assert "give the answers a file of their own" in result.stderr
+    assert (tmp_path / "poses.csv").read_bytes() == before
+
+
+def test_empty_cells_behind_a_line_are_nothing(tmp_path):
+    file = tmp_path / "poses.csv"
+    file.write_text("x,y,z,roll,pitch,yaw\n.5,.1,.6,0,1.5,0,,\n")
+    assert run("path", "iiwa14", str(file)).exit_code == 0
+
+
+@pytest.mark.parametrize(
     ("words", "named"),
     [
+        (["--dt", "1_0"], "--dt takes a number, not '1_0'"),
         (["--dt", "0"], "--dt takes a positive number"),
         (["--longest-step", "-1"], "--longest-step"),
         (["--seed", "1", "2"], "--seed takes 7 numbers, not 2"),

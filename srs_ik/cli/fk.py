@@ -9,7 +9,7 @@ import typer
 
 from srs_ik.cli.joint_file import read_joints
 from srs_ik.cli.options import AsJson, Base, Limb, Seven, Source, Tip, WrongInput
-from srs_ik.cli.pose_file import POSITION, QUATERNION, write_table
+from srs_ik.cli.pose_file import POSITION, QUATERNION, refuse_onto, write_table
 from srs_ik.cli.poses import JOINTS, angles, unit_of
 
 if TYPE_CHECKING:
@@ -44,6 +44,7 @@ def fk(
     if (q is None) == (file is None):
         raise WrongInput(f"give the joint angles: --q {JOINTS}, or --file JOINTS.csv")
     unit = unit_of(degrees)
+    refuse_onto(out, file)
     given = None if q is None else angles("--q", q, unit)
 
     import numpy as np

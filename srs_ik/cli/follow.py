@@ -11,7 +11,7 @@ import typer
 
 from srs_ik.cli import freedom
 from srs_ik.cli.options import AllowXacro, AsJson, Base, Limb, Seven, Source, Tip, WrongInput, numbers
-from srs_ik.cli.pose_file import read_targets, write_table
+from srs_ik.cli.pose_file import read_targets, refuse_onto, write_table
 from srs_ik.cli.poses import JOINTS, angles, unit_of
 from srs_ik.cli.waiting import counted
 
@@ -86,6 +86,7 @@ def follow(
             math.inf if acceleration.lower() in ("inf", "+inf") else numbers("--acceleration", [acceleration])[0]
         )
     q0 = None if start is None else angles("--q", start, unit)
+    refuse_onto(out, poses)
     targets = read_targets(poses, unit)
 
     from srs_ik.loading import load

@@ -10,7 +10,7 @@ import typer
 
 from srs_ik.cli.map import map_app as map_app
 from srs_ik.cli.options import AsJson, ExampleCommand, Source, WrongInput, numbers
-from srs_ik.cli.pose_file import read_poses, write_table
+from srs_ik.cli.pose_file import read_poses, refuse_onto, write_table
 from srs_ik.cli.poses import unit_of
 from srs_ik.cli.scenes import SceneFile, read
 
@@ -66,6 +66,7 @@ def query(
     """Say which poses of a file a map calls reached, and how well. Exit status 1 where one is not."""
     from srs_ik.cli.render import console, fixed, print_json, table
 
+    refuse_onto(out, poses)
     T, lines = read_poses(poses, unit_of(degrees))
 
     from srs_ik.maps.reader import open_map

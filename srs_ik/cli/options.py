@@ -77,7 +77,7 @@ class NumbersCommand(ExampleCommand):
 
 
 def _check_count(option: str, count: int, following: list[str]) -> None:
-    given = list(itertools.takewhile(_is_number, following))
+    given = list(itertools.takewhile(is_number, following))
     if len(given) == count:
         return
     culprit = following[len(given)] if len(given) < min(count, len(following)) else "--"
@@ -86,12 +86,13 @@ def _check_count(option: str, count: int, following: list[str]) -> None:
     raise WrongInput(f"{option} takes {count} numbers, and {culprit!r} is not a number")
 
 
-def _is_number(word: str) -> bool:
+def is_number(word: str) -> bool:
+    """Whether a word is a number as people write it: Python takes 1_0 for ten, too."""
     try:
         float(word)
     except ValueError:
         return False
-    return True
+    return "_" not in word
 
 
 def numbers(option: str, words: Sequence[str]) -> list[float]:
@@ -101,7 +102,7 @@ def numbers(option: str, words: Sequence[str]) -> list[float]:
         WrongInput: if a word is no finite number.
     """
     for word in words:
-        if not _is_number(word):
+        if not is_number(word):
             raise WrongInput(f"{option} takes a number, not {word!r}")
         if not math.isfinite(float(word)):
             raise WrongInput(f"{option} takes finite numbers, not {word}")

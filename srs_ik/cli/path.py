@@ -12,7 +12,7 @@ import typer
 from srs_ik.cli import freedom
 from srs_ik.cli.options import AllowXacro, AsJson, Base, Limb, Seven, Source, Tip, WrongInput, numbers
 from srs_ik.cli.picture import check
-from srs_ik.cli.pose_file import read_poses, write_path
+from srs_ik.cli.pose_file import read_poses, refuse_onto, write_path
 from srs_ik.cli.poses import JOINTS, angles, unit_of
 from srs_ik.cli.scenes import Exact, Margin, SceneFile, read
 from srs_ik.cli.waiting import at_work
@@ -105,6 +105,7 @@ def path(
         options["longest_step"] = unit * _positive("--longest-step", longest_step)
     if acceleration is not None:
         options["acceleration_limit"] = _accelerations(acceleration, objective)
+    refuse_onto(out, poses)
     T_base_tip, lines = read_poses(poses, unit)
     options.update(read(scene, margin, exact))
 

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from srs_ik.cli.options import AllowXacro, AsJson, Base, Limb, Source, Tip, WrongInput, numbers
-from srs_ik.cli.pose_file import read_poses, write_table
+from srs_ik.cli.pose_file import read_poses, refuse_onto, write_table
 from srs_ik.cli.poses import unit_of
 from srs_ik.cli.waiting import at_work
 
@@ -71,6 +71,7 @@ def place(
     Exit status 1 where no candidate reaches any pose.
     """
     unit = unit_of(degrees)
+    refuse_onto(out, poses, candidates)
     T_room_tip, _ = read_poses(poses, unit)
     if (candidates is None) == (grid is None):
         raise WrongInput("give the places for the base: either --candidates FILE.csv or --grid X0 X1 NX Y0 Y1 NY")

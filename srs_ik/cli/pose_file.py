@@ -9,7 +9,7 @@ from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from srs_ik.cli.options import WrongInput
+from srs_ik.cli.options import WrongInput, is_number
 from srs_ik.cli.poses import warn_of_degrees
 from srs_ik.system.writing import write_whole
 
@@ -22,6 +22,21 @@ if TYPE_CHECKING:
 POSITION = ("x", "y", "z")
 RPY = ("roll", "pitch", "yaw")
 QUATERNION = ("qx", "qy", "qz", "qw")
+
+
+DELIMITERS = {";": "semicolons", "\t": "tabs", "|": "bars"}
+"""What else tables are separated by, and its name."""
+
+
+def refuse_onto(out: Path | None, *read: Path | None) -> None:
+    """Refuse to write answers onto a file that is read.
+
+    Raises:
+        WrongInput: it is one of those that are read, under whatever name.
+    """
+    for path in read:
+        if out is not None and path is not None and out.is_file() and path.is_file() and out.samefile(path):
+            raise WrongInput(f"{out} is read: give the answers a file of their own")
 
 
 def read_poses(path: Path, unit: float) -> tuple[np.ndarray, list[int]]:
@@ -119,6 +134,16 @@ def read_table(path: Path, columns: Sequence[str]) -> list[tuple[int, list[str]]
         raise WrongInput(f"{path}, line {reader.line_num}: {error}") from None
     if not table:
         raise WrongInput(f"{path} is empty: its first line names the columns {', '.join(columns)}")
+    first, header = table[0]
+    for sign, name in DELIMITERS.items():
+        if len(header) == 1 and sign in header[0]:
+            raise WrongInput(f"{path}, line {first}: columns are separated by commas, not by {name}")
+    for line, row in table[1:]:
+        if any(cell.strip() for cell in row[len(header) :]):
+            raise WrongInput(
+                f"{path}, line {line}: there are {len(row)} columns and names for {len(header)}; "
+                "decimals have points, not commas"
+            )
     return table
 
 
@@ -151,13 +176,9 @@ def figures(where: str, row: Sequence[str], columns: dict[str, int]) -> Iterator
     for name, index in columns.items():
         if index >= len(row):
             raise WrongInput(f"{where}: there is no {name}; the line ends after {len(row)} columns")
-        try:
-            figure = float(row[index])
-        except ValueError:
-            figure = math.nan
-        if not math.isfinite(figure):
+        if not is_number(row[index]) or not math.isfinite(float(row[index])):
             raise WrongInput(f"{where}: {name} must be a finite number, not {row[index].strip()!r}")
-        yield figure
+        yield float(row[index])
 
 
 def write_path(path: Path, arm: Arm, found: PathSolution, times: Sequence[float] | None) -> None:

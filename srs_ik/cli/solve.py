@@ -11,7 +11,7 @@ import typer
 from srs_ik.cli import freedom
 from srs_ik.cli import objective as objectives
 from srs_ik.cli.options import AllowXacro, AsJson, Base, Limb, Seven, Source, Tip, WrongInput
-from srs_ik.cli.pose_file import read_poses
+from srs_ik.cli.pose_file import read_poses, refuse_onto
 from srs_ik.cli.poses import JOINTS, NoLimits, PoseOfQ, Quat, Rpy, Xyz, angles, read_pose, unit_of
 from srs_ik.cli.scenes import Exact, Margin, SceneFile, read
 from srs_ik.cli.solve_file import report
@@ -98,6 +98,7 @@ def solve(
     if out is not None and file is None:
         raise WrongInput("--out writes what becomes of the poses of --file; for one pose there is --json")
     if file is not None:
+        refuse_onto(out, file)
         poses, lines = read_poses(file, unit)
     else:
         pose, configuration = read_pose(xyz, rpy, quat, q, unit)
