@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from srs_ik.collision.owner import BodyOwner, BodyPlan
 from srs_ik.errors import NotAnSrsLimb
-from srs_ik.inputs.poses import PoseLike, as_bounded_joint_vector, as_rigid_matrix
+from srs_ik.inputs.poses import PoseLike, as_bounded_joint_vector, as_gravity, as_rigid_matrix
 from srs_ik.kernels.entries import kinematics as entries
 from srs_ik.robot import changes
 from srs_ik.robot.chain import Chain
@@ -63,6 +63,8 @@ class Arm(BodyOwner):
         plan: how its bodies are found.
         packed: what the kernels know of the arm.
     """
+
+    _instead = "with_tool and with_base give another arm, and an adapter corrects its limits"
 
     def __init__(
         self,
@@ -635,7 +637,7 @@ class Arm(BodyOwner):
         hand = self.hand and Hand(*(tuple((T[:3, :3].T @ axis).tolist()) for axis in self.hand))
         return self._again(changes.with_tool(self._chain, T, name), self.limb.reference, hand)
 
-    def with_base(self, T_newbase_base: PoseLike, name: str | None = None) -> Self:
+    def with_base(self, T_newbase_base: PoseLike, name: str | None = None, gravity: ArrayLike | None = None) -> Self:
         """This arm in other surroundings: poses are given in their frame from then on. The arm itself stays as it is.
 
         The reference of the arm angle turns with the arm, so that every posture keeps its arm angle.
@@ -643,13 +645,17 @@ class Arm(BodyOwner):
         Args:
             T_newbase_base: pose of the base frame in the new base frame, such as that of a table or a room.
             name: name of the new base frame; by default "world", numbered where that is taken.
+            gravity: (3,) its acceleration in the new base frame, m/s^2. If not given, it turns with the arm: for one
+                that hangs from the ceiling of a room, it is [0, 0, -9.81].
 
         Raises:
             InvalidPose: no finite rigid transform.
             InvalidRobot: the robot has a frame of that name already.
+            InvalidConfiguration: gravity is not 3 finite numbers.
         """
         T = as_rigid_matrix(T_newbase_base)
-        return self._again(changes.on_base(self._chain, T, name), T[:3, :3] @ self.limb.reference, self.hand)
+        g = None if gravity is None else as_gravity(gravity)
+        return self._again(changes.on_base(self._chain, T, name, g), T[:3, :3] @ self.limb.reference, self.hand)
 
     def _again(self, chain: Chain, reference: Array, hand: Hand | None) -> Self:
         """This arm, made anew from a chain with the same joints."""

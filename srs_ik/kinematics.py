@@ -13,6 +13,7 @@ import pinocchio as pin
 from numpy.typing import ArrayLike, NDArray
 
 from srs_ik.errors import InvalidConfiguration, did_you_mean
+from srs_ik.inputs.fixed import Fixed
 from srs_ik.inputs.messages import picked, positions_by_name
 from srs_ik.inputs.numbers import real_array
 from srs_ik.inputs.poses import PoseError, PoseLike, as_joint_vector, as_rigid_matrix
@@ -22,7 +23,7 @@ from srs_ik.robot.skeleton import is_revolute
 Array = NDArray[np.float64]
 
 
-class ChainKinematics:
+class ChainKinematics(Fixed):
     """The 7 joints between two frames, as Pinocchio computes them; nothing here knows of a shoulder or a wrist.
 
     Attributes:

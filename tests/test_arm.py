@@ -10,6 +10,7 @@ import pytest
 from oracles import TURN, distance, random_angles, wrapped
 
 import srs_ik
+from srs_ik.control import TorqueController
 
 
 @pytest.mark.parametrize("name", arms.EVERY)
@@ -131,6 +132,20 @@ def test_limits_cannot_be_changed_behind_the_solver():
     for figures in (arm.lower, arm.upper, arm.velocity_limit, arm.effort_limit):
         with pytest.raises(ValueError, match="read-only"):
             figures[0] = 9.0
+    for name in ("lower", "joint_names", "model", "limb", "tip"):
+        with pytest.raises(AttributeError, match=f"Arm.{name} cannot be changed: with_tool and with_base give another"):
+            setattr(arm, name, None)
+
+
+def test_only_what_a_tracker_looks_at_can_be_set():
+    tracker = arms.load("iiwa14").tracker(np.full(7, 0.1), 0.01)
+    for name in ("dt", "velocity_limit", "acceleration_limit", "jerk_limit", "free_axis"):
+        with pytest.raises(AttributeError, match=f"Tracker.{name} cannot be changed: only elbow and smoothing can"):
+            setattr(tracker, name, 0.1)
+    for figures in (tracker.velocity_limit, tracker.acceleration_limit):
+        with pytest.raises(ValueError, match="read-only"):
+            figures[0] = 9.0
+    tracker.smoothing = tracker.elbow = 0.5
 
 
 @pytest.mark.parametrize("tool", [((0.0, 0.0, 0.1), (0.0, 0.0, 0.0)), ((0.2, -0.1, 0.3), (0.4, -1.2, 2.0))])
@@ -165,6 +180,25 @@ def test_another_base_moves_the_poses_and_nothing_else():
         assert max(distance(T_base_other.inverse() * arm.forward_kinematics(q), other.forward_kinematics(q))) < 1e-12
         assert abs(wrapped(other.arm_angle(q) - arm.arm_angle(q))) < 1e-9
         assert np.abs(other.solve(other.forward_kinematics(q), seed=q).q - q).max() < 1e-6
+
+
+def test_gravity_turns_with_the_arm_or_is_that_of_the_room():
+    arm, rng = srs_ik.load("gen3"), np.random.default_rng(89)
+    T_room_base = pin.SE3.Random()
+    model = arm.model.copy()
+    base = model.frames[model.getFrameId(arm.base)].placement
+    model.gravity.linear = (base * T_room_base.inverse()).rotation @ np.array([0.0, 0.0, -9.81])
+    hung, turned = arm.with_base(T_room_base, gravity=[0, 0, -9.81]), arm.with_base(T_room_base)
+    for _ in range(5):
+        q = random_angles(rng, arm.lower, arm.upper)
+        weight = pin.computeGeneralizedGravity(model, model.createData(), arm.configuration(q))
+        held = [TorqueController(each, [], max_torque=1e3).torque(q, np.zeros(7)) for each in (hung, turned, arm)]
+        assert np.abs(held[0] - weight).max() < 1e-9
+        assert np.abs(held[1] - held[2]).max() < 1e-9
+        assert np.abs(held[0] - held[1]).max() > 0.1
+    for wrong in ([0, 0], [0, 0, np.nan], "down", 9.81):
+        with pytest.raises(srs_ik.InvalidConfiguration, match="gravity must be 3 numbers"):
+            arm.with_base(T_room_base, gravity=wrong)
 
 
 def test_the_name_of_an_arm_says_what_it_is():

@@ -3,9 +3,6 @@
 Limits are checked on differences of the joint angles that come out, and tips by Pinocchio on the robot's own file.
 """
 
-import copy
-import dataclasses
-
 import arms
 import numpy as np
 import pinocchio as pin
@@ -239,8 +236,9 @@ def test_wrong_arguments_are_named(options, error, words):
 
 
 def test_an_arm_without_velocity_limits_needs_them():
-    arm = copy.copy(arms.load("iiwa14"))
-    arm.packed = dataclasses.replace(arm.packed, velocity_limit=np.full(7, np.inf))
+    model = arms.load("iiwa14").model.copy()
+    model.velocityLimit = np.full(7, np.inf)
+    arm = srs_ik.load(model, base=arms.load("iiwa14").base, tip=arms.load("iiwa14").tip)
     with pytest.raises(MissingLimits, match="velocity"):
         arm.tracker(np.zeros(7), DT)
     assert arm.tracker(np.zeros(7), DT, velocity=2.0).acceleration_limit == pytest.approx(np.full(7, 20.0))

@@ -291,6 +291,21 @@ def as_positive(value: Any, what: str, unit: str, error: type[SrsIkError] = Inva
     return number
 
 
+def as_gravity(gravity: ArrayLike) -> Array:
+    """The acceleration of gravity as a (3,) array of floats.
+
+    Raises:
+        InvalidConfiguration: not three finite numbers.
+    """
+    try:
+        array = real_array(gravity)
+    except (TypeError, ValueError):
+        array = np.empty(0)
+    if array.shape != (3,) or not np.isfinite(array).all():
+        raise InvalidConfiguration(f"gravity must be 3 numbers, m/s^2, such as [0, 0, -9.81], not {gravity!r:.40}")
+    return array
+
+
 def as_arm_angle(arm_angle: float) -> float:
     """A finite arm angle.
 

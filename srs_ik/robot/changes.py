@@ -39,13 +39,14 @@ def with_tool(chain: Chain, T_tip_tool: Array, name: str | None = None) -> Chain
     return replace(chain, model=model, tip=name, tip_id=index, T_base_tip_zero=chain.T_base_tip_zero @ T_tip_tool)
 
 
-def on_base(chain: Chain, T_newbase_base: Array, name: str | None = None) -> Chain:
+def on_base(chain: Chain, T_newbase_base: Array, name: str | None = None, gravity: Array | None = None) -> Chain:
     """The chain with a frame of its surroundings for its base.
 
     Args:
         chain: the chain, which stays as it is.
         T_newbase_base: (4, 4) pose of the present base frame in the new one.
         name: name of the new base frame; by default "world", numbered where that is taken.
+        gravity: (3,) its acceleration in that frame, m/s^2; as it is in the chain if not given.
 
     Raises:
         InvalidRobot: a frame of that name exists, or the name is no text.
@@ -55,6 +56,8 @@ def on_base(chain: Chain, T_newbase_base: Array, name: str | None = None) -> Cha
     base = model.frames[chain.base_id]
     placement = base.placement * _se3(T_newbase_base).inverse()
     name, index = _add_frame(model, base.parentJoint, chain.base_id, placement, name, "world")
+    if gravity is not None:
+        model.gravity.linear = placement.rotation @ gravity
     R, p = T_newbase_base[:3, :3], T_newbase_base[:3, 3]
     return replace(
         chain,

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from srs_ik.errors import InvalidConfiguration, MissingLimits
+from srs_ik.inputs.fixed import Fixed
 from srs_ik.inputs.freedom import as_free_axis
 from srs_ik.inputs.numbers import real_array, real_number
 from srs_ik.inputs.poses import PoseLike, as_joint_vector, as_matrix, as_positive, as_rigid_matrix
@@ -147,7 +148,7 @@ class TrackerStep:
         return f"TrackerStep({self.status}, q={np.array2string(self.q, precision=6)}, {self.message!r})"
 
 
-class Tracker:
+class Tracker(Fixed):
     """Follows a target pose, one joint step an update, and passes no limit; made by `Arm.tracker`.
 
     The limits hold for the joint angles as they come out: the difference of two, over the period, is within the
@@ -161,6 +162,8 @@ class Tracker:
         jerk_limit: (7,) rad/s^3, or None.
         free_axis: what of a target's rotation is free, or None.
     """
+
+    _instead = "only elbow and smoothing can; make another tracker by Arm.tracker"
 
     def __init__(
         self,
@@ -378,7 +381,7 @@ def _limits(given: ArrayLike | None, packed: PackedArm, what: str, default: Arra
         if missing.any():
             names = [packed.joint_names[j] for j in np.flatnonzero(missing)]
             raise MissingLimits("velocity", names, packed.name)
-        return np.minimum(default, MOST[what])
+        return _kept(np.minimum(default, MOST[what]))
     try:
         values = real_array(given)
     except (TypeError, ValueError):
@@ -390,4 +393,10 @@ def _limits(given: ArrayLike | None, packed: PackedArm, what: str, default: Arra
         raise InvalidConfiguration(
             f"{what} must be a positive number{none}, or 7 of them, one a joint; {MOST[what]:g} at most"
         )
-    return np.full(7, values)
+    return _kept(np.full(7, values))
+
+
+def _kept(figures: Array) -> Array:
+    """Figures that nobody can change."""
+    figures.setflags(write=False)
+    return figures
