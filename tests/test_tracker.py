@@ -21,6 +21,7 @@ from srs_ik import (
     Scene,
     Task,
     force_velocity_ratio,
+    load,
 )
 
 DT = 0.002
@@ -238,7 +239,7 @@ def test_wrong_arguments_are_named(options, error, words):
 def test_an_arm_without_velocity_limits_needs_them():
     model = arms.load("iiwa14").model.copy()
     model.velocityLimit = np.full(7, np.inf)
-    arm = srs_ik.load(model, base=arms.load("iiwa14").base, tip=arms.load("iiwa14").tip)
+    arm = load(model, base=arms.load("iiwa14").base, tip=arms.load("iiwa14").tip)
     with pytest.raises(MissingLimits, match="velocity"):
         arm.tracker(np.zeros(7), DT)
     assert arm.tracker(np.zeros(7), DT, velocity=2.0).acceleration_limit == pytest.approx(np.full(7, 20.0))
