@@ -701,3 +701,44 @@ TOUCHED_AT_A_WRIST = [
 @pytest.mark.parametrize("given", TOUCHED_AT_A_WRIST)
 def test_limits_that_are_touched_where_postures_in_step_are_off_leave_an_interval(bench, given):
     assert_is_whole(bench, arms.load("gen3"), np.array(given.split(), float))
+
+
+OFF_CURVES = [
+    "-0.12 0.0 -0.92 -1.89 0.0 0.0 -0.28",
+    "1.14 0.0 -1.03 -1.38 0.0 0.0 1.42",
+    "-0.99 0.0 0.0 0.58 -0.16 0.0 1.16",
+    "1.36 0.0 0.0 -0.35 0.47 0.0 -1.54",
+    "1.27 1e-08 0.0 1.18 0.0 -1e-08 0.25",
+    "0.65 1e-06 -1.03 -0.39 0.0 -1e-06 1.75",
+    "0.2324145940381439 1e-08 1.4202001010477803 -2.5699999999 0.0033949994884356904 -1e-08 -3.0924542376499318",
+]
+"""Of a gen3, shoulder and wrist singular: no other posture of the pose is around, or a closed curve of 1e-3 rad."""
+
+
+@pytest.mark.parametrize("given", OFF_CURVES)
+def test_postures_that_no_curve_leads_to_are_in_an_interval(bench, given):
+    """They were up to 11 mrad beside the intervals of the curves around."""
+    assert_is_whole(bench, arms.load("gen3"), np.array(given.split(), float))
+
+
+def test_all_of_a_small_closed_curve_is_in_an_interval(bench):
+    """Followed all around on Pinocchio's Jacobian, in steps of a thousandth of its length."""
+    arm, first = arms.load("gen3"), np.array(OFF_CURVES[-1].split(), float)
+    pose = arm.forward_kinematics(first)
+    intervals, q, way, seen = arm.intervals(pose), first, np.zeros(7), 0
+    for step in range(2000):
+        to = np.linalg.svd(arm.jacobian(q))[2][6]
+        way = to if to @ way >= 0.0 else -to
+        q = q + 5e-6 * way
+        for _ in range(4):
+            here = arm.forward_kinematics(q)
+            turn = here.rotation @ pin.log3(here.rotation.T @ pose.rotation)
+            q = q + np.linalg.pinv(arm.jacobian(q)) @ np.r_[pose.translation - here.translation, turn]
+        if step % 20 == 0:
+            case = bench["Case"](q, pose.homogeneous, q, (), 0.0)
+            assert bench["beside"](arm, case, intervals) < bench["BESIDE"], (step, q.tolist())
+            seen += 1
+        if step > 100 and np.abs(q - first).max() < 5e-6:
+            break
+    assert np.abs(q - first).max() < 5e-6
+    assert seen > 20

@@ -111,14 +111,25 @@ def test_postures_that_are_nearer_elsewhere_on_a_curve_are_found(judges, case):
     assert np.linalg.norm(solution.q - seed) < np.linalg.norm(nearer - seed) + 1e-9
 
 
+ROUND = [
+    (0.3, 0.0, 0.4, 1.0, 0.0, 0.0, 0.2),
+    (1.14, 0.0, -1.03, -1.38, 0.0, 0.0, 1.42),
+    (-0.16, 0.0, 1.07, 0.44, 0.0, 0.0, -1.07),
+    (0.66, 0.0, -1.1, -1.02, 0.0, 0.0, -1.75),
+    (-1.52, 0.0, -1.17, -0.62, 0.0, 0.0, -0.21),
+]
+
+
 @pytest.mark.parametrize("shift", [0.02, -0.02, 0.001])
-def test_a_posture_of_round_numbers_is_found_again_from_a_seed_beside_it(shift):
-    """Shoulder and wrist are singular at once, and so is the true chain: steps that are not damped end short of it."""
-    arm, q = arms.load("gen3"), np.array([0.3, 0.0, 0.4, 1.0, 0.0, 0.0, 0.2])
-    pose = arm.forward_kinematics(q)
-    solution = arm.solve(pose, seed=q + shift)
+@pytest.mark.parametrize("given", ROUND)
+@pytest.mark.parametrize("along", [1.0, -1.0], ids=["alike", "to and fro"])
+def test_a_posture_of_round_numbers_is_found_again_from_a_seed_beside_it(given, shift, along):
+    """Shoulder and wrist are singular at once, and so is the true chain: plain steps end short of it, or far away."""
+    arm, q = arms.load("gen3"), np.array(given)
+    pose, seed = arm.forward_kinematics(q), q + shift * along ** np.arange(7)
+    solution = arm.solve(pose, seed=seed)
     assert max(arm.verify(pose, solution.q)) < SOLVED
-    assert np.linalg.norm(solution.q - q - shift) < abs(shift) * np.sqrt(7.0) + 1e-9
+    assert np.linalg.norm(solution.q - seed) < abs(shift) * np.sqrt(7.0) + 1e-9
 
 
 @pytest.mark.parametrize("name", NAMES)

@@ -269,8 +269,8 @@ def with_zeros(a, which):
 
 
 @kernel
-def shortest_step(J, linear, angular, blocked, damping, A):
-    """Write into column 7 of A the shortest joint step for a twist, joints in the bit set `blocked` held still."""
+def load_square(J, blocked, damping, A):
+    """Write J times its transpose into A, damped, joints in the bit set `blocked` left out."""
     for i in range(6):
         free = read7(row(J, i))
         if blocked != 0:
@@ -279,6 +279,12 @@ def shortest_step(J, linear, angular, blocked, damping, A):
             A[i, k] = dot7(free, row(J, k))
             A[k, i] = A[i, k]
         A[i, i] += damping + 1e-16
+
+
+@kernel
+def shortest_step(J, linear, angular, blocked, damping, A):
+    """Write into column 7 of A the shortest joint step for a twist, joints in the bit set `blocked` held still."""
+    load_square(J, blocked, damping, A)
     for i in range(3):
         A[i, 6] = linear[i]
         A[i + 3, 6] = angular[i]

@@ -13,9 +13,10 @@ import math
 import numpy as np
 
 from srs_ik.kernels.algebra.joint_vectors import along7, difference, dot7, largest, store7
+from srs_ik.kernels.algebra.linear import solve_linear
 from srs_ik.kernels.algebra.pointers import keep, row
 from srs_ik.kernels.algebra.vectors import add, along, cross, dot, norm, scale
-from srs_ik.kernels.chain.newton import MAX_STEP, moved, pose_step, shortest_step
+from srs_ik.kernels.chain.newton import MAX_STEP, load_square, moved, pose_step, shortest_step
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.limb.goal import NO_SEED
 from srs_ik.kernels.limb.poses import read7
@@ -31,14 +32,11 @@ ANY_WAYS = ((0.35, -0.25, 0.45, 0.15, 0.5, -0.4, 0.3), (0.3, 0.4, -0.5, 0.25, 0.
 ANY_TWIST = ((0.35, -0.25, 0.45), (0.15, 0.5, -0.4))
 """Any ways of the joints, and any twist: what is wanted of them is left of them."""
 
-ASTRAY, ASTRAY_STEPS = 1e-2, 3
-"""Where so many steps leave more of an error of the pose, m or rad, the others lead nowhere."""
+ASTRAY = (math.inf, math.inf, 2e-2, 1e-2, 5e-3, 2e-3)
+"""Where so many steps leave a larger error of the pose, m or rad, the others lead nowhere; the last is for more."""
 
 SMALLEST = 1e-12
 """A form that is flatter than this along a way, m or rad, has no posture that its slope tells."""
-
-EVERY = 2
-"""One of so many postures of a surface leads on to those of rank five."""
 
 ALONE = 1e-14
 """A tip that is no farther past its pose than this, m or rad, meets it: rounding is some part of that."""
@@ -78,21 +76,10 @@ def lost_twist(J, u, A):
 
 
 @kernel
-def step_but_for(J, u, linear, angular, A):
-    """The shortest way of the joints for a twist but for what of it is along another one."""
+def but_for(u, linear, angular):
+    """A twist but for what of it is along another one."""
     share = dot(u[0], linear) + dot(u[1], angular)
-    shortest_step(J, along(linear, -share, u[0]), along(angular, -share, u[1]), 0, DAMPING, A)
-    return moved(NO_SEED, A, 1.0)
-
-
-@kernel
-def part_that_keeps(J, u, x, A):
-    """The part of a way of the joints that moves the tip along a twist alone."""
-    linear = angular = (0.0, 0.0, 0.0)
-    for j in range(7):
-        linear = along(linear, x[j], (J[0, j], J[1, j], J[2, j]))
-        angular = along(angular, x[j], (J[3, j], J[4, j], J[5, j]))
-    return along7(x, -1.0, step_but_for(J, u, linear, angular, A))
+    return along(linear, -share, u[0]), along(angular, -share, u[1])
 
 
 @kernel
@@ -101,9 +88,23 @@ def own_ways(J, u, A):
 
     Returned with how much the form bends along each.
     """
-    x = part_that_keeps(J, u, ANY_WAYS[0], A)
+    load_square(J, 0, DAMPING, A)
+    for k in range(2):
+        linear = angular = (0.0, 0.0, 0.0)
+        for j in range(7):
+            linear = along(linear, ANY_WAYS[k][j], (J[0, j], J[1, j], J[2, j]))
+            angular = along(angular, ANY_WAYS[k][j], (J[3, j], J[4, j], J[5, j]))
+        linear, angular = but_for(u, linear, angular)
+        for i in range(3):
+            A[i, 6 + k], A[i + 3, 6 + k] = linear[i], angular[i]
+    solve_linear(A, 6)
+    # What is left of any two ways.
+    for k in range(2):
+        answer = (A[0, 6 + k], A[1, 6 + k], A[2, 6 + k]), (A[3, 6 + k], A[4, 6 + k], A[5, 6 + k])
+        for j in range(7):
+            A[8 + k, j] = ANY_WAYS[k][j] - times_twist(J, answer, j)
+    x, y = read7(row(A, 8)), read7(row(A, 9))
     x = along7(NO_SEED, 1.0 / math.sqrt(dot7(x, x)), x)
-    y = part_that_keeps(J, u, ANY_WAYS[1], A)
     y = along7(y, -dot7(x, y), x)
     y = along7(NO_SEED, 1.0 / math.sqrt(dot7(y, y)), y)
     xx, xy, yy = second_order(J, u, x, x), second_order(J, u, x, y), second_order(J, u, y, y)
@@ -124,13 +125,16 @@ def to_rank_five(P, q, target, J, A):
     ways, bends = ANY_WAYS, (0.0, 0.0)
     for i in range(STEPS):
         linear, angular = pose_step(P, q, target.R, target.p, J)
+        if max(norm(linear), norm(angular)) > ASTRAY[min(i, len(ASTRAY) - 1)]:
+            break
         for _ in range(2 if i == 0 else 1):
             u = lost_twist(J, u, A)
         ways, bends = own_ways(J, u, A)
-        astray = i >= ASTRAY_STEPS and max(norm(linear), norm(angular)) > ASTRAY
-        if astray or not min(abs(bends[0]), abs(bends[1])) > SMALLEST:
+        if not min(abs(bends[0]), abs(bends[1])) > SMALLEST:
             break
-        step = step_but_for(J, u, linear, angular, A)
+        rest = but_for(u, linear, angular)
+        shortest_step(J, rest[0], rest[1], 0, DAMPING, A)
+        step = moved(NO_SEED, A, 1.0)
         past = 0.5 * second_order(J, u, step, step) - dot(u[0], linear) - dot(u[1], angular)
         slopes = second_order(J, u, step, ways[0]), second_order(J, u, step, ways[1])
         for j in range(7):
@@ -162,7 +166,7 @@ def put_amid(P, target, starts, first, n, alone, work):
     J, A = work
     centres = np.empty((MOST_CENTRES, 7))
     used, found, n_alone = n, 0, 0
-    for i in range(first, n, EVERY):
+    for i in range(first, n):
         met, q, past, ways, bends = to_rank_five(P, read7(row(starts, i)), target, J, A)
         definite = bends[0] * bends[1] > 0.0
         if not met or not definite or past * bends[0] > ALONE * abs(bends[0]) or is_among(q, centres, found):

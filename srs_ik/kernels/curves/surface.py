@@ -53,7 +53,7 @@ IN_LINE = 1e-9
 FIRST = 24
 """So many postures are as they come, at arm angles all around; the others have other splits."""
 
-STARTS = 80
+STARTS = 40
 """So many postures of a part are where curves may be found."""
 
 MOST_PARTS = 32

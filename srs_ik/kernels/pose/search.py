@@ -137,59 +137,85 @@ def may_be_in_line(P, place_, seed, distance):
     s2 = abs(math.sin(seed[1] - P[SHOULDER + PHASE]))
     s6 = abs(math.sin(seed[5] - P[WRIST + PHASE]))
     within = between_limbs(P)
-    return P[IS_NEAR] != 0.0 and min(s2, s6) < distance + within and may_line_up(P, place_, within)
+    return min(s2, s6) < distance + within and may_line_up(P, place_, within)
+
+
+@kernel
+def intervals_within(family, target, guessed, known, goal, found):
+    """Write the intervals of arm angles at which a posture may be nearer than the best one so far; their number.
+
+    `guessed` is what `guess` returns.
+    """
+    place_ = target.place
+    psi, q, branch, _, minimum = guessed
+    distance = math.sqrt(known[2])
+    boxes = np.empty((1, SIZE))
+    box = row(boxes, 0)
+    P = row(family, LIMITED if goal.respect else FREE)
+    tighten(P, goal.seed, distance * (1.0 + 1e-9), between_limbs(P), box)
+    n = find_intervals(box, place_, -1, found)
+    keep(boxes)
+    # In a box of less than a turn, no joint has two turns to choose from.
+    if minimum and distance < 3.0:
+        n = without(row(family, LIMITED), place_, found[:n], (q, branch), psi, goal)
+    return n
+
+
+@kernel
+def search_near_seed_true(family, target, guessed, known, goal, J, A):
+    """The posture of a near limb nearest to a seed, or the best one so far: q, branch, cost.
+
+    `guessed` is what `guess` returns.
+    """
+    P = row(family, LIMITED)
+    known = nearest_among_splits(P, target, goal, known)
+    if known[2] >= OUTSIDE:
+        return known
+    told = not may_be_singular(P, target.place, goal.seed, math.sqrt(known[2]))
+    sure = False
+    if told and math.sqrt(known[2]) < CLOSE:
+        known, sure = look_across(P, target, known, guessed[4], goal, J, A)
+    if sure:
+        return known
+    found = np.empty((8 * MAX_PIECES, 3))
+    n = intervals_within(family, target, guessed, known, goal, found)
+    # The true chain may reach a pose, and bend its elbow, where the closed form does not.
+    told = told and is_well_bent(P, target.place)
+    if n == 0:
+        told = told and not may_be_in_line(P, target.place, goal.seed, math.sqrt(known[2]))
+        if told:
+            return known
+    if P[MISS] < HARDLY * P[FAR]:
+        return search_hardly_near(P, target, found[:n], known, goal, J, A)
+    if told:
+        known, sure = look_beside(P, target, found[:n], known, goal, J, A)
+    nearer = known if sure else search_followed(P, target, -1, goal, goal.respect, J, A)
+    return nearer if nearer[2] < known[2] else known
 
 
 @kernel
 def search_near_seed(family, target, goal, J, A):
     """The posture nearest to a seed over all branches and arm angles: q, branch, cost (OUTSIDE if none was found)."""
-    P, F = row(family, LIMITED), row(family, LIMITED if goal.respect else FREE)
-    place_ = target.place
-    psi, guessed, branch, lowest, minimum = guess(P, target, goal, J, A)
-    known = (guessed, branch, lowest)
+    P = row(family, LIMITED)
+    guessed = guess(P, target, goal, J, A)
+    _, q, branch, lowest, minimum = guessed
+    known = (q, branch, lowest)
     if minimum and is_alone(P, goal.seed, lowest):
         return known
     if lowest < OUTSIDE:
         known = with_splits(P, target, -1, goal, known)
     if P[IS_NEAR] != 0.0:
-        known = nearest_among_splits(P, target, goal, known)
-    distance = math.sqrt(known[2])
-    told = P[IS_NEAR] == 0.0 or not may_be_singular(P, place_, goal.seed, distance)
+        return search_near_seed_true(family, target, guessed, known, goal, J, A)
     if known[2] >= OUTSIDE:
         return known
-    if P[IS_NEAR] != 0.0 and told and distance < CLOSE:
-        known, sure = look_across(P, target, known, minimum, goal, J, A)
-        if sure:
-            return known
-        distance = math.sqrt(known[2])
-    boxes = np.empty((1, SIZE))
-    box = row(boxes, 0)
-    tighten(F, goal.seed, distance * (1.0 + 1e-9), between_limbs(P), box)
     found = np.empty((8 * MAX_PIECES, 3))
-    n = find_intervals(box, place_, -1, found)
-    keep(boxes)
-    # In a box of less than a turn, no joint has two turns to choose from.
-    if minimum and distance < 3.0:
-        n = without(P, place_, found[:n], (guessed, branch), psi, goal)
-    # The true chain may reach a pose, and bend its elbow, where the closed form does not.
-    told = told and (P[IS_NEAR] == 0.0 or is_well_bent(P, place_))
+    n = intervals_within(family, target, guessed, known, goal, found)
     if n == 0:
-        told = told and not may_be_in_line(P, place_, goal.seed, distance)
-        if told:
-            return known
-    if P[IS_NEAR] == 0.0:
-        nearer = nearest_within(P, place_, found[:n], -1, goal, known[2])
-        if nearer[2] < known[2]:
-            nearer = settled_split(P, target, nearer, goal)
-        nearer = nearest_alone(family, target, found[:n], goal, nearer if nearer[2] < known[2] else known)
-    elif P[MISS] < HARDLY * P[FAR]:
-        return search_hardly_near(P, target, found[:n], known, goal, J, A)
-    else:
-        if told:
-            known, sure = look_beside(P, target, found[:n], known, goal, J, A)
-            if sure:
-                return known
-        nearer = search_followed(P, target, -1, goal, goal.respect, J, A)
+        return known
+    nearer = nearest_within(P, target.place, found[:n], -1, goal, known[2])
+    if nearer[2] < known[2]:
+        nearer = settled_split(P, target, nearer, goal)
+    nearer = nearest_alone(family, target, found[:n], goal, nearer if nearer[2] < known[2] else known)
     return nearer if nearer[2] < known[2] else known
 
 
