@@ -308,10 +308,13 @@ def farther(arm: srs_ik.Arm, known: Known, case: Case) -> float:
     if nearest is None:
         return -np.inf
     least = float(np.linalg.norm(nearest - case.seed))
-    if case.offset == 0.0 or away - least <= WORSE:
+    if away - least <= WORSE:
         return away - least
-    exact = known.exactly(case, solution.q)
-    return (exact if np.isfinite(exact) else away) - known.exactly(case, nearest)
+    answer, posture = known.exactly(case, solution.q), known.exactly(case, nearest)
+    if case.offset == 0.0 and not np.isfinite(posture):
+        # At an exactly singular pose steps with more bits end nowhere; floats tell its postures apart.
+        return away - least
+    return (answer if np.isfinite(answer) else away) - posture
 
 
 def told(arm: srs_ik.Arm, case: Case) -> str:

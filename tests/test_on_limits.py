@@ -3,12 +3,22 @@
 The postures are known by construction. `benchmarks/singular.py` tries many more.
 """
 
+import runpy
+import sys
+from itertools import islice
+from pathlib import Path
+
 import arms
 import numpy as np
 import pytest
 from oracles import distance, inside, phases
 
 NAMES = arms.here("iiwa14", "human_arm", "med7")
+BENCHMARKS = Path(__file__).resolve().parents[1] / "benchmarks"
+
+POLISHED = 2e-5
+"""Along a wrist that is singular on an almost exact arm, postures this close to the nearest one, rad, may be all that
+floats tell apart."""
 
 
 def bent_little(name, count, salt, least, most):
@@ -103,3 +113,62 @@ def test_a_joint_on_its_limit_is_so_in_batches_too(name):
     assert [each.status for each in one] == list(many.status[0])
     assert one[2]
     assert np.abs(many.q[0, 2] - one[2].q).max() < 1e-12
+
+
+NEAR = (
+    ("random_near_42", 3, 0.0,
+     (-3.0603284020249446, -1.4218605221034495, 0.0015276846778244924, -0.00021687876384346438,
+     -4.657584187855765, -2.9750621561140247, 3.0278291521439633),
+     (-3.0604505632798014, -1.421647994713406, 0.0013789997847955765, -0.00011605930333550948,
+     -4.65764115632824, -2.9749034172114914, 3.0278291621439632)),
+    ("random_near_46", 1, 1e-11,
+     (-2.3896606242768126, 1e-11, 4.856063941920057, 3.9937626998174336,
+     -3.0473222145407495, -0.7157671705027748, 1.7873703952799511),
+     (-2.351139743297364, 0.009718153945414698, 4.817413621194028, 3.9581999164119135,
+     -3.0210902265752266, -0.7395110439280209, 1.780451745918556)),
+    ("rm75", 5, 1e-10,
+     (1.596313952477597, -1.4140596821735003, -3.1, -2.355,
+     3.1, -1e-10, -0.8055834399418185),
+     (-1.9636546563364703, 1.2367892578066506, -1.0590667312747222, 1.539584636303461,
+     -1.1611525628597155, 0.6068567139970917, -1.004595878523097)),
+    ("rm75", 5, 0.0,
+     (3.1, 2.268, 1.696211096776365, -1.603023261811656,
+     0.1282753747379397, 0.0, 5.581769793579672),
+     (3.0313401178787416, 2.152658732052544, 1.776150451376251, -1.4545374233677888,
+     0.17633302569246087, 0.15281240288805617, 5.604308222489581)),
+)  # fmt: skip
+"""An arm, which joint is how far from singular, a posture of the pose, and a seed.
+
+A joint's nearer turn lies outside its limits, and the posture on the limit is nearer than that in the farther turn; a
+shoulder comes into line where the nearest exact limb has no posture; and two where what an arm misses, a micrometre,
+puts postures of the nearest exact limb outside the limits.
+"""
+
+
+@pytest.fixture(scope="module")
+def judges():
+    """The scripts that try many more: their arms, and what is nearest by descent from all around a seed."""
+    sys.path.insert(0, str(BENCHMARKS))
+    yield {name: runpy.run_path(str(BENCHMARKS / f"{name}.py"), run_name=name) for name in ("subjects", "singular")}
+    sys.path.remove(str(BENCHMARKS))
+
+
+def near_arm(judges, name):
+    """A real arm, or one of the made ones."""
+    kind, _, number = name.rpartition("_")
+    if kind != "random_near":
+        return arms.load(name)
+    made = judges["subjects"]["random_arms"](np.random.default_rng([6710000, len(kind)]), 2e-4, 0.0)
+    return next(islice(made, int(number), None))
+
+
+@pytest.mark.parametrize("given", [case for case in NEAR if case[0] in arms.here("rm75") or "random" in case[0]])
+def test_no_posture_of_a_near_arm_on_its_limits_is_nearer(judges, given):
+    name, joint, offset, q, seed = given
+    arm, judge, q, seed = near_arm(judges, name), judges["singular"], np.array(q), np.array(seed)
+    case = judge["Case"](q, arm.forward_kinematics(q).homogeneous, seed, (joint,), offset)
+    solution = arm.solve(case.pose, seed=seed)
+    assert max(arm.verify(case.pose, solution.q)) < 1e-9
+    assert inside(solution.q, arm.lower, arm.upper)
+    assert np.linalg.norm(solution.q - seed) < np.linalg.norm(q - seed) + 1e-9
+    assert judge["farther"](arm, judge["Known"](arm), case) < POLISHED

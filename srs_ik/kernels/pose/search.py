@@ -99,10 +99,15 @@ def search_hardly_near(P, target, found, known, goal, J, A):
     """The nearest posture in intervals of a limb that hardly differs from its nearest exact limb: q, branch, cost.
 
     That limb's own nearest posture, settled on the true chain; only next to a singularity are the curves followed.
-    `known` is the best posture so far, its branch and cost.
+    `known` is the best posture so far, its branch and cost. Where the limits leave points or little more, one of the
+    two limbs may have postures alone; so they are as far apart wider for that limb as its postures may be from these.
     """
     q, _, lowest = known
-    start, _, value = nearest_within(P, target.place, found, -1, goal, 4.0 * NO_BRANCH)
+    boxes = np.empty((1, SIZE))
+    wide = row(boxes, 0)
+    tighten(P, goal.seed, math.inf, between_limbs(P), wide)
+    start, _, value = nearest_within(wide, target.place, found, -1, goal, 4.0 * NO_BRANCH)
+    keep(boxes)
     if value >= OUTSIDE and not is_unsure(P, q):
         return known
     if value < OUTSIDE and not is_unsure(P, start) and not is_unsure(P, q):
