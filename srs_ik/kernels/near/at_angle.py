@@ -36,7 +36,6 @@ from srs_ik.kernels.near.second_attempts import (
     STRETCHED,
     evaluate_again,
     hides_turns,
-    is_near_line,
     may_be_on_line,
     stretched,
 )
@@ -268,7 +267,6 @@ def solve_at_angle(P, target, psi, wanted, goal, J, A):
         on_line = stretched(P, target, psi, wanted, goal, J, A)
         if on_line[2] < OUTSIDE:
             return on_line
-    ends = wanted >= 0 and lowest >= NO_BRANCH
     by = setting_of(P, target, J, A)
     followed = curves_around(P, by, psi, elbows, no_curves())
     q, best, lowest = from_curves(P, by, followed, psi, wanted, goal, (q, best, lowest))
@@ -287,12 +285,9 @@ def solve_at_angle(P, target, psi, wanted, goal, J, A):
         if lowest < OUTSIDE:
             return q, best, lowest
     attempts = ATTEMPTS if lowest >= NO_BRANCH else 1
-    for side in range(3 if ends and is_near_line(P, target, psi, wanted) else 1):
-        other, value = evaluate_again(P, target, psi + BESIDE[side], wanted, goal, attempts, A)
-        if value < lowest:
-            q, best, lowest = other, branch_of(P, other), value
-        if lowest < OUTSIDE:
-            break
+    other, value = evaluate_again(P, target, psi, wanted, goal, attempts, A)
+    if value < lowest:
+        q, best, lowest = other, branch_of(P, other), value
     if lowest >= OUTSIDE and abs(place_[3]) < STRETCHED and P[MISS] < ON_LINE * P[FAR]:
         other, b, value = stretched(P, target, psi, wanted, goal, J, A)
         if value < lowest:

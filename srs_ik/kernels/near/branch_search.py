@@ -9,8 +9,10 @@ from __future__ import annotations
 
 import math
 
+from srs_ik.kernels.algebra.lanes import one_of
 from srs_ik.kernels.algebra.pointers import row
-from srs_ik.kernels.chain.eight import put_eight, take_eight
+from srs_ik.kernels.chain.eight import ALL, put_eight, take_eight, tip_errors
+from srs_ik.kernels.chain.newton import CLOSED, close_at_angle
 from srs_ik.kernels.chain.newton_eight import close_eight
 from srs_ik.kernels.chain.starts import FIRST, WIDTH
 from srs_ik.kernels.curves.lowest import cost_of_turn
@@ -33,6 +35,9 @@ WIDEST = 0.7
 
 STEPS = 16
 """Steps of Newton's method, which halves the error at best next to a singularity."""
+
+ALMOST_CLOSED = 1e-4
+"""What steps in eight leave of an error, m or rad, where the posture may be there."""
 
 TURNS = 8
 """Turns of joint 1 against 3, or 5 against 7."""
@@ -82,24 +87,26 @@ def put_start(A, i, a, q4, b):
 
 
 @kernel
-def better_of_branch(P, q, branch, goal, best):
-    """A posture, if it is in a branch (-1: any) and better than the best so far; else that one."""
-    if branch >= 0 and branch_of(P, q) != branch:
-        return best
-    q, value = cost_of_turn(P, q, goal)
-    return Best(q, value) if value < best.cost else best
+def close_starts(P, target, psi, branch, goal, best, steps, A):
+    """Newton's method from eight postures in A: the best one in a branch (-1: any), if it is better than one so far.
 
-
-@kernel
-def close_starts(P, target, psi, branch, goal, best, A):
-    """Newton's method from eight postures in A: the best one in a branch, if it is better than the best so far."""
+    Steps in eight divide by almost nothing next to a singularity: what comes almost there goes on alone, with pivots.
+    """
     R, p, place_ = target
     rows = row(A, FIRST)
-    q, met = close_eight(P, take_eight(rows, WIDTH), R, p, place_[0], place_[1], psi, STEPS)
-    put_eight(rows, WIDTH, met, q)
+    q, met = close_eight(P, take_eight(rows, WIDTH), R, p, place_[0], place_[1], psi, steps)
+    position, orientation, _ = tip_errors(P, q, R, p)
+    put_eight(rows, WIDTH, ALL, q)
     for i in range(8):
-        if (met >> i) & 1 == 1:
-            best = better_of_branch(P, read7(row(A, FIRST + i)), branch, goal, best)
+        error = max(one_of(position, i), one_of(orientation, i))
+        found = read7(row(A, FIRST + i))
+        closed = (met >> i) & 1 == 1
+        if not closed and 0.1 * CLOSED < error < ALMOST_CLOSED:
+            found, closed = close_at_angle(P, found, R, p, place_[0], place_[1], psi, steps, A)
+        if closed and (branch < 0 or branch_of(P, found) == branch):
+            found, value = cost_of_turn(P, found, goal)
+            if value < best.cost:
+                best = Best(found, value)
     return best
 
 
@@ -136,7 +143,7 @@ def search_branch(P, target, psi, branch, goal, A):
         b = turn_and_bend((q[4], q[5], q[6]), i % starts // starts_s, phase_w, branch & 1, near)
         put_start(A, i % 8, a, q[3], b)
         if i % 8 == 7 or i == total - 1:
-            best = close_starts(P, target, psi, branch, goal, best, A)
+            best = close_starts(P, target, psi, branch, goal, best, STEPS, A)
             if best.cost < OUTSIDE and not goal.seeded:
                 break
     return best

@@ -6,10 +6,8 @@ import math
 
 import numpy as np
 
-from srs_ik.kernels.algebra.lanes import one_of
 from srs_ik.kernels.algebra.pointers import keep, row
 from srs_ik.kernels.algebra.vectors import across, load3, norm, sub
-from srs_ik.kernels.chain.eight import ALL, put_eight, take_eight, tip_errors
 from srs_ik.kernels.chain.kinematics import pose_error
 from srs_ik.kernels.chain.newton import (
     CLOSED,
@@ -22,8 +20,6 @@ from srs_ik.kernels.chain.newton import (
     elbow_position,
     pose_step,
 )
-from srs_ik.kernels.chain.newton_eight import close_eight
-from srs_ik.kernels.chain.starts import FIRST, WIDTH
 from srs_ik.kernels.curves.follow import correct
 from srs_ik.kernels.curves.lowest import cost_of_turn
 from srs_ik.kernels.curves.surface import is_flat, level_place, put_starts
@@ -44,12 +40,12 @@ from srs_ik.kernels.layout.limb import (
     WRIST,
 )
 from srs_ik.kernels.limb.branches import NO_BRANCH, best_branch, branch_of, is_on_border
-from srs_ik.kernels.limb.goal import NO_SEED, OUTSIDE
+from srs_ik.kernels.limb.goal import OUTSIDE
 from srs_ik.kernels.limb.in_line import ROUNDED
 from srs_ik.kernels.limb.limits import turn_to_middle, violation
 from srs_ik.kernels.limb.poses import read7
 from srs_ik.kernels.limb.triangle import elbow_side
-from srs_ik.kernels.near.branch_search import better_of_branch, put_start
+from srs_ik.kernels.near.branch_search import close_starts, put_start
 
 MORE_STEPS = 80
 """Steps of Newton's method, which halves the error at best next to a singularity."""
@@ -80,9 +76,6 @@ ELBOW_ALONE = (0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0)
 ON_LIMIT = 1e-6
 """An elbow so close to a limit, rad, is on it where it is on the line S-W."""
 
-ALMOST_CLOSED = 1e-4
-"""What steps in eight leave of an error, m or rad, where the posture may be there."""
-
 NEAR_SINGULAR = 0.05
 """Sine of a middle angle under which a spherical joint or the elbow is close to singular, for a second attempt."""
 
@@ -111,14 +104,6 @@ def bend(P, q, branch):
 
 
 @kernel
-def is_near_line(P, target, psi, branch):
-    """Whether outer axes of shoulder or wrist are close to one line at an arm angle, in the closed form."""
-    q, _, _ = best_branch(P, target.place, psi, branch, False, NO_SEED, False)
-    bent_q = bend(P, q, branch)
-    return bent_q[1] != q[1] or bent_q[5] != q[5]
-
-
-@kernel
 def put_turned(P, q, b, i, A, k):
     """Write the i-th start next to a posture that is bent to the sides of branch b into row k of A; how many there are.
 
@@ -137,28 +122,6 @@ def put_turned(P, q, b, i, A, k):
 
 
 @kernel
-def close_turned(P, target, psi, branch, goal, best, A):
-    """Newton's method from eight postures in A, with many steps: the best one in a branch (-1: any), if it is better.
-
-    Steps in eight divide by almost nothing next to a singularity: what comes almost there goes on alone, with pivots.
-    """
-    R, p, place_ = target
-    rows = row(A, FIRST)
-    q, met = close_eight(P, take_eight(rows, WIDTH), R, p, place_[0], place_[1], psi, MORE_STEPS)
-    position, orientation, _ = tip_errors(P, q, R, p)
-    put_eight(rows, WIDTH, ALL, q)
-    for i in range(8):
-        error = max(one_of(position, i), one_of(orientation, i))
-        found = read7(row(A, FIRST + i))
-        closed = (met >> i) & 1 == 1
-        if not closed and 0.1 * CLOSED < error < ALMOST_CLOSED:
-            found, closed = close_at_angle(P, found, R, p, place_[0], place_[1], psi, MORE_STEPS, A)
-        if closed:
-            best = better_of_branch(P, found, branch, goal, best)
-    return best
-
-
-@kernel
 def evaluate_again(P, target, psi, branch, goal, attempts, A):
     """Second attempt at an arm angle on a near limb, where Newton's method did not close: from many postures."""
     q, _, _ = best_branch(P, target.place, psi, branch, goal.seeded, goal.seed, goal.respect)
@@ -174,7 +137,7 @@ def evaluate_again(P, target, psi, branch, goal, attempts, A):
                 starts = put_turned(P, q0, b, i, A, n % 8)
                 i, n = i + 1, n + 1
                 if n % 8 == 0 or (b == 7 and i == starts):
-                    best = close_turned(P, target, psi, branch, goal, best, A)
+                    best = close_starts(P, target, psi, branch, goal, best, MORE_STEPS, A)
         if best.cost < OUTSIDE:
             break
     return best
