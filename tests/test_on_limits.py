@@ -146,7 +146,7 @@ NEAR = (
 
 A joint's nearer turn lies outside its limits, and the posture on the limit is nearer than that in the farther turn; a
 shoulder comes into line where the nearest exact limb has no posture; two where what an arm misses, a micrometre, puts
-postures of the nearest exact limb outside the limits; and a curve that turns around at a straight elbow next to its seed.
+postures of the nearest exact limb outside the limits; and a curve that turns around at a straight elbow.
 """
 
 
@@ -167,7 +167,9 @@ def near_arm(judges, name):
     return next(islice(made, int(number), None))
 
 
-@pytest.mark.parametrize("given", [case for case in NEAR if case[0] in arms.here("rm75", "h1_2_left") or "random" in case[0]])
+@pytest.mark.parametrize(
+    "given", [case for case in NEAR if case[0] in arms.here("rm75", "h1_2_left") or "random" in case[0]]
+)
 def test_no_posture_of_a_near_arm_is_nearer(judges, given):
     name, joint, offset, q, seed = given
     arm, judge, q, seed = near_arm(judges, name), judges["singular"], np.array(q), np.array(seed)
