@@ -58,6 +58,9 @@ NEARNESS = 10.0
 """A near limb's joints are no farther from those of its nearest exact limb, rad, away from singularities: the former at
 most, the latter for each part of its reach by which it misses."""
 
+TURNS_AROUND = 2e-3
+"""Where a curve turns around at a straight elbow, closer than this, rad, local searches may all end on one side."""
+
 CLOSE = 0.1
 """The search across singularities is for seeds no farther than this from a posture, rad."""
 
@@ -324,7 +327,7 @@ def look_across(P, target, found, minimum, goal, J, A):
     """Local searches on the true chain from a close seed, mirrored at the singularities that it is close to.
 
     `found` is the best posture so far, its branch and cost. Returns them, and whether all searches ended in minima:
-    then they tell all.
+    then they tell all, but for an elbow as good as straight.
     """
     q, best, lowest = found
     seed = goal.seed
@@ -353,7 +356,7 @@ def look_across(P, target, found, minimum, goal, J, A):
         other, value, _ = settle_near(P, target, start, goal, J, A)
         if value < lowest:
             q, best, lowest = other, branch_of(P, other), value
-    return (q, best, lowest), sure
+    return (q, best, lowest), sure and s4 >= min(math.sqrt(lowest), TURNS_AROUND)
 
 
 @kernel
