@@ -74,6 +74,7 @@ def nearest(P, pose, freedom, liking, sizes, found, desk):
     """The nearest posture that searches from so many starts in `desk` lead to, or the one that is known."""
     attempts, taken, failed = 0, 0, 0
     count, enough = sizes
+    known = liking.rival_posture
     line_up(desk.starts, count)
     while attempts + failed < MOST_ATTEMPTS and taken < MOST_TAKEN and not (found.met and attempts + failed >= enough):
         start, least, count = take_next(desk.starts, count, taken)
@@ -84,10 +85,10 @@ def nearest(P, pose, freedom, liking, sizes, found, desk):
         if found.met and attempts >= FEW and math.sqrt(distance(start, liking)) > reached + NO_SHORTER:
             taken += 1
             continue
-        rival = Liking(liking.posture, liking.weights, liking.lower, liking.upper, found.cost, found.q)
+        rival = Liking(liking.posture, liking.weights, liking.lower, liking.upper, found.cost, known)
         there, cost, error, at_rest = searched(P, start, pose, freedom, rival, desk)
         if error < SOLVED and cost < found.cost:
-            found = Found(there, cost, True)
+            found, known = Found(there, cost, True), there
         if error < math.inf and not at_rest:
             # Limits stand in its way; not in that of a start beside it, unless many have failed.
             failed += 1

@@ -237,6 +237,12 @@ def bounded_step(K, M, m, q, held, liking):
 
 
 @kernel
+def led_to(liking, q):
+    """The same liking, where searches have come to rest at a posture, or at none yet: the seed itself."""
+    return Liking(liking.posture, liking.weights, liking.lower, liking.upper, liking.rival, q)
+
+
+@kernel
 def distance(q, liking):
     """Weighted sum of squared differences."""
     total = 0.0

@@ -10,7 +10,7 @@ from srs_ik.kernels.chain.kinematics import forward_kinematics
 from srs_ik.kernels.chain.newton import arm_angle
 from srs_ik.kernels.freedom.nearest import beside, nearest
 from srs_ik.kernels.freedom.queue import NONE_LEFT
-from srs_ik.kernels.freedom.settle import EVEN, THIN, onto_pose, settle
+from srs_ik.kernels.freedom.settle import EVEN, THIN, led_to, onto_pose, settle
 from srs_ik.kernels.freedom.starts import starts_of_roll, starts_of_turns
 from srs_ik.kernels.freedom.turns import held_straight
 from srs_ik.kernels.freedom.widest import any_limited, weights, widest_of_all
@@ -80,9 +80,10 @@ def nearest_of_all(P, pose, given, liking, desk):
         first = freedom if freedom.cone <= THIN else Freedom(freedom.axis, 0.0)
         found = nearest(P, pose, first, held, (count, NEAREST), found, desk)
     if found.met and freedom.cone > THIN:
-        q, cost, error, _ = settle(P, found.q, pose, freedom, liking, desk)
+        q, cost, error, at_rest = settle(P, found.q, pose, freedom, liking, desk)
         if error < SOLVED and cost < found.cost:
             found = Found(q, cost, True)
+        liking = led_to(liking, q if at_rest else liking.posture)
     elif freedom.cone == 0.0 or found.met:
         return found
     count = starts_of_turns(P, pose, turns, (True, liking.posture, found), desk, count)
