@@ -65,6 +65,20 @@ class Liking(NamedTuple):
     rival_posture: Any
 
 
+class Sought(NamedTuple):
+    """What starts of searches are for: seven angles of a seed or of the middles, and the best posture that is known.
+
+    Joint 7 is loose where it turns the tip about the free axis: then it is as it is wanted. Arm angles that are looked
+    at begin at a shift, rad.
+    """
+
+    seeded: bool
+    wish: Any
+    known: Any
+    loose: bool
+    shift: float
+
+
 class Found(NamedTuple):
     """A posture, its cost, and whether it meets its pose inside the limits."""
 
