@@ -21,7 +21,7 @@ ANY = "any"
 RINGS_APART, ROLLS = 1.05, 3
 """Directions of a cone at which searches for a posture start are this far apart, rad; turns about each of them."""
 
-NARROW, NARROW_ROLLS = 0.5, 6
+NARROW, NARROW_APART, NARROW_ROLLS = 0.5, 2.2, 6
 """Turns about each of them in cones up to this, rad: these have few directions."""
 
 WRITTEN_PI = 1e-4
@@ -80,8 +80,9 @@ class FreeAxis:
         """(n, 9) rotations of the tip, all over what is free; none of the roll, of which kernels know."""
         if self.cone == 0.0:
             return np.empty((0, 9))
-        rolls = NARROW_ROLLS if self.cone <= NARROW else ROLLS
-        return self._spread(WIDE_APART if self.cone >= WIDE else RINGS_APART, rolls)[rolls:]
+        if self.cone <= NARROW:
+            return self._spread(NARROW_APART*self.cone, NARROW_ROLLS)[NARROW_ROLLS:]
+        return self._spread(WIDE_APART if self.cone >= WIDE else RINGS_APART, ROLLS)[ROLLS:]
 
     def _spread(self, apart: float, rolls: int) -> Array:
         return _turns_of(tuple(self.axis.tolist()), self.cone, apart, rolls)
@@ -139,7 +140,6 @@ def _turns_of(axis: tuple[float, float, float], cone: float, apart: float, each:
     """(n, 9) turns into directions of a cone so far apart, and about each of them, read-only."""
     along = np.array(axis)
     across = np.linalg.svd(along[None])[2][1:]
-    rolls = [_rotation(along, 2.0 * math.pi * roll / each) for roll in range(each)]
     found = []
     rings = max(math.ceil(cone / apart), 1)
     for ring in range(rings + 1):
@@ -148,7 +148,9 @@ def _turns_of(axis: tuple[float, float, float], cone: float, apart: float, each:
         for k in range(count):
             azimuth = 2.0 * math.pi * (k + 0.5 * (ring % 2)) / count
             tilt = _rotation(math.cos(azimuth) * across[0] + math.sin(azimuth) * across[1], lean)
-            found += [tilt @ roll for roll in rolls]
+            # The few directions of a narrow cone have their rolls between those beside them.
+            shift = 0.5 * (k % 2) if cone <= NARROW else 0.0
+            found += [tilt @ _rotation(along, 2.0 * math.pi * (roll + shift) / each) for roll in range(each)]
     turns = np.array(found).reshape(-1, 9)
     turns.flags.writeable = False
     return turns

@@ -13,11 +13,11 @@ from srs_ik.kernels.algebra.vectors import load3, norm
 from srs_ik.kernels.chain.freedom import free_error
 from srs_ik.kernels.exact.nearest import between_limbs
 from srs_ik.kernels.freedom.queue import MOST_ATTEMPTS, NONE_LEFT, line_up, take_next
-from srs_ik.kernels.freedom.settle import distance, onto_pose, settle
+from srs_ik.kernels.freedom.settle import THIN, distance, onto_pose, settle
 from srs_ik.kernels.freedom.starts import is_of_no_use
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.answer import SOLVED
-from srs_ik.kernels.layout.freedom import MOST_TAKEN, Found, Liking
+from srs_ik.kernels.layout.freedom import MOST_TAKEN, Found, Freedom, Liking
 from srs_ik.kernels.layout.limb import FAR, MISS, PHASE, SHOULDER, STRAIGHT, WRIST, WRIST_IN_TIP
 
 CLOSE = 0.15
@@ -59,11 +59,13 @@ def beside(P, pose, freedom, liking, desk):
 
 @kernel
 def searched(P, start, pose, freedom, rival, desk):
-    """`settle`, and once more where it ends close to its pose; from there at least onto that."""
+    """`settle`, and once more where it ends close to its pose; from there at least onto that, or onto a roll in it."""
     there, cost, error, at_rest = settle(P, start, pose, freedom, rival, desk)
     if SOLVED <= error < ALMOST:
         there, cost, error, at_rest = settle(P, there, pose, freedom, rival, desk)
     if SOLVED <= error < ALMOST:
+        if freedom.cone <= THIN:
+            return settle(P, there, pose, Freedom(freedom.axis, 0.0), rival, desk)
         there, error = onto_pose(P, there, pose, freedom, rival, desk)
         cost = distance(there, rival)
     return there, cost, error, at_rest

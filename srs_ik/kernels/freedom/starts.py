@@ -8,10 +8,12 @@ from __future__ import annotations
 
 import math
 
+from srs_ik.kernels.algebra.joint_vectors import with_joint
 from srs_ik.kernels.algebra.lanes import LANES
 from srs_ik.kernels.algebra.pointers import row
 from srs_ik.kernels.algebra.vectors import apply, cross, load3, load9, norm, rotation, sub, times
 from srs_ik.kernels.chain.starts import bent_place
+from srs_ik.kernels.freedom.both_singular import add_both_singular
 from srs_ik.kernels.freedom.halves import STEEP, dips, write_costs, write_halves
 from srs_ik.kernels.freedom.turns import strip, strip_count
 from srs_ik.kernels.jit import kernel
@@ -53,6 +55,10 @@ CLOSER = 3
 
 LOOSE = 1e-3
 """Joint 7 turns the tip about the free axis where that is no farther from its own, rad and parts of the reach."""
+
+OFF = 0.9
+"""On a limb that is almost exact, joint 7 starts so far to either side of where it is wanted, rad, too: with the elbow on
+a limit the equations depend on each other almost, and a search from elsewhere ends elsewhere."""
 
 NOWHERE = (0.0, 0.0, 0.0)
 TURN = 2.0 * math.pi
@@ -167,7 +173,9 @@ def add_shifted(P, pose, elbow, sought, desk, n):
     for k in range(CLOSER):
         shift = k * TURN / (ARM_ANGLES * CLOSER)
         desk.table[ELBOW_ANGLE] = math.inf
-        n = add_turn(P, pose, k, elbow, Sought(sought.seeded, sought.wish, sought.known, True, shift), desk, n)
+        off = 0.0 if P[IS_CLOSED] == 1.0 else OFF * (k - 1)
+        wish = with_joint(sought.wish, 6, sought.wish[6] + off)
+        n = add_turn(P, pose, k, elbow, Sought(sought.seeded, wish, sought.known, True, shift), desk, n)
     return n
 
 
@@ -199,6 +207,7 @@ def starts_of_roll(P, pose, freedom, sought, desk):
             found, ends = strip(P, pose, freedom.axis, elbow, i)
             if found:
                 n = add_strip(P, pose, freedom, (elbow, ends), sought, desk, n)
+    n = add_both_singular(P, pose, freedom.axis, sought, desk.starts, n)
     for i in range(n):
         desk.starts[i, START_LEANS] = 0.0
     return n
