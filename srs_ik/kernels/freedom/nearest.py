@@ -30,8 +30,8 @@ SPREAD = math.sqrt(7.0)
 ALMOST = 1e-3
 """A search that ends this close to its pose, m and rad, goes on, or is brought onto it."""
 
-MANY = 16
-"""Once so many searches have failed, starts next to one whose search fails are left out, too."""
+MANY = 0.4
+"""Once this part of the searches has failed, starts next to one whose search fails are left out, too."""
 
 NO_SHORTER, FEW = 1.0, 8
 """A search does not come so much nearer to the seed than its start is once it is inside the limits, rad: of more
@@ -94,7 +94,7 @@ def nearest(P, pose, freedom, liking, sizes, found, desk):
         if error < math.inf and not at_rest:
             # Limits stand in its way; not in that of a start beside it, unless many have failed.
             failed += 1
-            taken += 1 if failed > MANY else 0
+            taken += 1 if failed > MANY * enough else 0
         else:
             taken, attempts = taken + 1, attempts + 1
     return found
