@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import math
 
+from srs_ik.kernels.algebra.lanes import LANES, as_mask, eight_of, gather, one_of, scatter, where
 from srs_ik.kernels.algebra.pointers import row
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.freedom import SYSTEM
@@ -123,44 +124,70 @@ def solve_together(K, M, m, held, d):
 
 
 @kernel
+def write_equations(K, M, m, held, d):
+    """Write the equations for the joints that are not held, the identity and what the steps of the others leave."""
+    free = as_mask(~held & 0b1111111)
+    for r in range(m):
+        rest = K[7 + r, RHS]
+        if held != 0:
+            for j in range(7):
+                if (held >> j) & 1 == 1:
+                    rest -= K[7 + r, j] * d[j]
+        joints = where(free, gather(row(K, 7 + r), 0, 1), 0.0)
+        # The identity begins in the last of the first eight columns.
+        scatter(row(M, r), 0, 1, where(as_mask(0b10000000 if r == 0 else 0), 1.0, joints))
+        others = rest * eight_of(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0)
+        scatter(row(M, r), LANES, 1, where(as_mask((1 << r) >> 1), 1.0, others))
+
+
+@kernel
+def pivot_of(M, m, done):
+    """The largest figure of the equations that are not solved yet: its row, or -1 where they are dependent; its joint.
+
+    All joints at once.
+    """
+    most = DEPENDENT + 0.0 * eight_of(0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0)
+    lines = 0.0 * most - 1.0
+    for r in range(m):
+        if (done >> r) & 1 == 0:
+            size = abs(gather(row(M, r), 0, 1))
+            more = size > most
+            lines, most = where(more, float(r), lines), where(more, size, most)
+    line, column, largest = -1.0, -1, DEPENDENT
+    for j in range(7):
+        if one_of(most, j) > largest:
+            line, column, largest = one_of(lines, j), j, one_of(most, j)
+    return int(line), column
+
+
+@kernel
 def solve_equations(K, M, m, held, d):
     """Solve the equations for m of the joints that are not held, by elimination with pivots of all rows and columns.
 
-    Rows 0 on of M come to hold the equations in terms of the others, the inverse and the right-hand sides.
+    Rows 0 on of M come to hold the equations in terms of the others, the inverse and the right-hand sides; in a column
+    that is solved for, there is anything.
 
     Returns:
         The bit set of these joints, or -1 where there are not so many; how many equations do not depend on others: they
         come to stand first.
     """
-    for r in range(m):
-        rest = K[7 + r, RHS]
-        for j in range(7):
-            is_held = (held >> j) & 1 == 1
-            M[r, j] = 0.0 if is_held else K[7 + r, j]
-            if is_held:
-                rest -= K[7 + r, j] * d[j]
-        for i in range(INVERSE, RHS):
-            M[r, i] = 1.0 if i == INVERSE + r else 0.0
-        M[r, RHS] = rest
+    write_equations(K, M, m, held, d)
     done, basic, rank = 0, 0, 0
     while rank < m:
-        line, column, most = -1, -1, DEPENDENT
-        for r in range(m):
-            if (done >> r) & 1 == 0:
-                for j in range(7):
-                    if abs(M[r, j]) > most:
-                        line, column, most = r, j, abs(M[r, j])
+        line, column = pivot_of(M, m, done)
         if line < 0:
             break
+        here = row(M, line)
         share = 1.0 / M[line, column]
-        for j in range(SYSTEM):
-            M[line, j] *= share
+        joints, others = share * gather(here, 0, 1), share * gather(here, LANES, 1)
         for r in range(m):
+            there = row(M, r)
+            factor = M[r, column]
             if r != line:
-                factor = M[r, column]
-                for j in range(SYSTEM):
-                    M[r, j] -= factor * M[line, j]
-                M[r, column] = 0.0
+                scatter(there, 0, 1, gather(there, 0, 1) - factor * joints)
+                scatter(there, LANES, 1, gather(there, LANES, 1) - factor * others)
+        scatter(here, 0, 1, joints)
+        scatter(here, LANES, 1, others)
         M[BASIC_ROW, line] = column
         done |= 1 << line
         basic |= 1 << column
@@ -193,14 +220,25 @@ def multipliers(M, rank):
 
 
 @kernel
+def bent(K, M, i):
+    """The bends of the Lagrangian along row i of M, for all joints at once."""
+    a = M[i, 0] * gather(row(K, 0), 0, 1) + M[i, 1] * gather(row(K, 1), 0, 1)
+    b = M[i, 2] * gather(row(K, 2), 0, 1) + M[i, 3] * gather(row(K, 3), 0, 1)
+    c = M[i, 4] * gather(row(K, 4), 0, 1) + M[i, 5] * gather(row(K, 5), 0, 1)
+    return (a + b) + (c + M[i, 6] * gather(row(K, 6), 0, 1))
+
+
+@kernel
 def write_ways(K, M, m, taken, held, d):
     """Write a step that meets the equations, what is left of the slope, and ways along the equations: how many."""
     for j in range(7):
         M[STEP_ROW, j] = d[j] if (held >> j) & 1 == 1 else 0.0
     for r in range(m):
         M[STEP_ROW, int(M[BASIC_ROW, r])] = M[r, RHS]
-    for i in range(7):
-        M[REST_ROW, i] = K[i, RHS] - dot7(K, i, M, STEP_ROW, 0)
+    slopes = eight_of(
+        K[0, RHS], K[1, RHS], K[2, RHS], K[3, RHS], K[4, RHS], K[5, RHS], K[6, RHS], 0.0
+    )
+    scatter(row(M, REST_ROW), 0, 1, slopes - bent(K, M, STEP_ROW))
     n = 0
     for c in range(7):
         if (taken >> c) & 1 == 1:
@@ -209,8 +247,7 @@ def write_ways(K, M, m, taken, held, d):
             M[WAYS + n, j] = 1.0 if j == c else 0.0
         for r in range(m):
             M[WAYS + n, int(M[BASIC_ROW, r])] = -M[r, c]
-        for i in range(7):
-            M[WAYS + n, 7 + i] = dot7(K, i, M, WAYS + n, 0)
+        scatter(row(M, WAYS + n), 7, 1, bent(K, M, WAYS + n))
         n += 1
     return n
 
