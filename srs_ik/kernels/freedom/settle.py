@@ -10,6 +10,8 @@ from __future__ import annotations
 import math
 
 from srs_ik.kernels.algebra.joint_vectors import along7, between, with_joint
+from srs_ik.kernels.algebra.lanes import as_mask, gather, scatter, where
+from srs_ik.kernels.algebra.pointers import row
 from srs_ik.kernels.algebra.vectors import add, along, apply, cross, dot, norm, scale, sub
 from srs_ik.kernels.chain.freedom import any_across, lean, pointing
 from srs_ik.kernels.chain.kinematics import joint_lines
@@ -17,6 +19,9 @@ from srs_ik.kernels.freedom.system import RHS, solve_held
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.freedom import Liking
 from srs_ik.kernels.limb.goal import NO_SEED
+
+ALL_JOINTS = 0b1111111
+"""Seven of eight figures."""
 
 STEPS = 30
 MAX_STEP = 0.5
@@ -75,16 +80,10 @@ NO_FORCE = (0.0, 0.0, 0.0, 0.0, 0.0)
 
 
 @kernel
-def put_column(J, j, v):
-    """Write three figures into rows 0 to 2 of a column."""
-    for i in range(3):
-        J[i, j] = v[i]
-
-
-@kernel
-def velocity(J, j):
-    """Velocity of the tip point with a joint."""
-    return (J[0, j], J[1, j], J[2, j])
+def rows_of(J, first):
+    """Three rows of J, all joints at once; the eighth figure of each is the first of the next row."""
+    lines = row(J, first)
+    return gather(lines, 0, 1), gather(lines, 7, 1), gather(lines, 14, 1)
 
 
 @kernel
@@ -115,35 +114,34 @@ def equations(P, q, pose, freedom, forces, desk):
     R, p = pose
     J, K = desk.J, desk.system
     x, y, z, position = joint_lines(P, q, J)
-    for j in range(7):
-        put_column(J, j, add(velocity(J, j), cross(axis_of(J, j), position)))
+    moments, axes = rows_of(J, 0), rows_of(J, 3)
+    velocities = add(moments, cross(axes, position))
     miss = sub(p, position)
     u, t = pointing(freedom.axis, x, y, z), apply(R, freedom.axis)
     n, turn = lean(u, t)
     angle = max(turn - freedom.cone, 0.0)
     for i in range(3):
-        for j in range(7):
-            K[7 + i, j] = J[i, j]
+        scatter(row(K, 7 + i), 0, 1, velocities[i])
+        scatter(row(J, 0), 7 * i, 1, velocities[i] if i < 2 else where(as_mask(ALL_JOINTS), velocities[2], moments[2]))
         K[7 + i, RHS] = miss[i]
     error = max(norm(miss), angle)
     if freedom.cone >= math.pi:
         return 3, error, (t, u, NONE, NONE)
     if freedom.cone > THIN:
-        write_turn(J, K, 10, n, turn - freedom.cone)
+        write_turn(axes, K, 10, n, turn - freedom.cone)
         return (3 if turn < freedom.cone else 4), error, (t, u, n, NONE)
     a = any_across(u)
     b = cross(u, a)
     about_a, about_b = within_thin(freedom.cone, a, b, scale(turn, n), forces)
-    write_turn(J, K, 10, a, about_a)
-    write_turn(J, K, 11, b, about_b)
+    write_turn(axes, K, 10, a, about_a)
+    write_turn(axes, K, 11, b, about_b)
     return 5, error, (t, u, a, b)
 
 
 @kernel
-def write_turn(J, K, r, n, rest):
+def write_turn(axes, K, r, n, rest):
     """Write the equation of a turn about a direction into row r."""
-    for j in range(7):
-        K[r, j] = dot(n, axis_of(J, j))
+    scatter(row(K, r), 0, 1, dot(axes, n))
     K[r, RHS] = rest
 
 
@@ -167,13 +165,14 @@ def fill(J, K, q, liking, bend, shares):
     """
     share, plain, pull = shares
     point, axis, u = bend
+    velocities, turns = rows_of(J, 0), cross(rows_of(J, 3), u)
     for i in range(7):
         z = axis_of(J, i)
-        along_point, along_axis = cross(point, z), cross(axis, z)
-        for j in range(i, 7):
-            h = share * (dot(along_point, velocity(J, j)) + dot(along_axis, cross(axis_of(J, j), u)))
-            K[i, j] = h
-            K[j, i] = h
+        along_point, along_axis = scale(share, cross(point, z)), scale(share, cross(axis, z))
+        # Right for joints from this one on; those before it have written what is right for them.
+        scatter(row(K, i), 0, 1, dot(velocities, along_point) + dot(turns, along_axis))
+        for j in range(i):
+            K[i, j] = K[j, i]
         K[i, i] += plain * liking.weights[i]
         K[i, RHS] = -pull * liking.weights[i] * (q[i] - liking.posture[i])
 

@@ -40,7 +40,7 @@ TABLE = BRANCH_COST + ARM_ANGLES + 2
 wrist, for which they were written; what a branch costs at all arm angles, the last before the first and the first
 behind the last."""
 
-WORK = 42 + 3 * SYSTEM * SYSTEM + TABLE
+WORK = 49 + 3 * SYSTEM * SYSTEM + TABLE
 """Work space of a search."""
 
 
@@ -88,7 +88,7 @@ class Found(NamedTuple):
 
 
 class Desk(NamedTuple):
-    """Work space: J (6, 7), a system of equations (SYSTEM, SYSTEM), a copy to be solved, one for shares, and tables.
+    """Work space: J (6, 7) and a row to spare, a system of equations (SYSTEM, SYSTEM), a copy, one for shares, tables.
 
     These are postures at a turn (TABLE,) and starts (MOST_STARTS, START).
     """
