@@ -26,6 +26,7 @@ from srs_ik.kernels.layout.freedom import (
     LINE,
     MOST_STARTS,
     MOST_TAKEN,
+    SHIFT,
     START_COST,
     START_LEANS,
     STRIPS,
@@ -112,10 +113,11 @@ def fill_row(P, pose, elbow, sought, table):
     if is_of_no_use(cost, sought.known, seeded):
         return False
     line = place_[0]
-    moved = max(abs(table[ELBOW_ANGLE] - e), norm(sub(load3(table, LINE), line)))
+    moved = max(abs(table[ELBOW_ANGLE] - e), norm(sub(load3(table, LINE), line)), abs(table[SHIFT] - sought.shift))
     if not moved < SAME_PLACE:
         write_halves(P, SHOULDER, side[1], sought, table)
         table[ELBOW_ANGLE], table[LINE], table[LINE + 1], table[LINE + 2] = e, line[0], line[1], line[2]
+        table[SHIFT] = sought.shift
     table[ELBOW_COST] = cost
     write_halves(P, WRIST, side[2], sought, table)
     return True
@@ -168,14 +170,19 @@ def add_turn(P, pose, k, elbow, sought, desk, n):
 
 
 @kernel
+def shifted(sought, part):
+    """The same at arm angles that begin at a part of the way between two: those of the next roll are between these."""
+    return Sought(sought.seeded, sought.wish, sought.known, sought.loose, part * TURN / ARM_ANGLES)
+
+
+@kernel
 def add_shifted(P, pose, elbow, sought, desk, n):
     """Write the starts of a turn at closer arm angles, where joint 7 makes all its rolls; return how many there are."""
     for k in range(CLOSER):
-        shift = k * TURN / (ARM_ANGLES * CLOSER)
-        desk.table[ELBOW_ANGLE] = math.inf
         off = 0.0 if P[IS_CLOSED] == 1.0 else OFF * (k - 1)
         wish = with_joint(sought.wish, 6, sought.wish[6] + off)
-        n = add_turn(P, pose, k, elbow, Sought(sought.seeded, wish, sought.known, True, shift), desk, n)
+        here = Sought(sought.seeded, wish, sought.known, True, 0.0)
+        n = add_turn(P, pose, k, elbow, shifted(here, k / CLOSER), desk, n)
     return n
 
 
@@ -193,7 +200,7 @@ def add_strip(P, pose, freedom, given, sought, desk, n):
     for k in range(count):
         roll = lower + (upper - lower) * k / (count - 1)
         turn = rotation(freedom.axis, math.cos(roll), math.sin(roll))
-        n = add_turn(P, (times(R, turn), p), k, elbow, sought, desk, n)
+        n = add_turn(P, (times(R, turn), p), k, elbow, shifted(sought, 0.5 * (k % 2)), desk, n)
     return n
 
 

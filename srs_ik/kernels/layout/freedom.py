@@ -34,10 +34,11 @@ HALF_COST = 3
 ELBOW_ANGLE = 4 * HALF * ARM_ANGLES
 ELBOW_COST = ELBOW_ANGLE + 1
 LINE = ELBOW_ANGLE + 2
-BRANCH_COST = LINE + 3
+SHIFT = LINE + 3
+BRANCH_COST = SHIFT + 1
 TABLE = BRANCH_COST + ARM_ANGLES + 2
 """Postures at a turn: both solutions of the shoulder, both of the wrist, and the elbow; the direction from shoulder to
-wrist, for which they were written; what a branch costs at all arm angles, the last before the first and the first
+wrist and the shift of the arm angles, for which they were written; what a branch costs at all arm angles, the last before the first and the first
 behind the last."""
 
 WORK = 49 + 3 * SYSTEM * SYSTEM + TABLE
