@@ -22,7 +22,7 @@ RINGS_APART, ROLLS = 1.05, 3
 """Directions of a cone at which searches for a posture start are this far apart, rad; turns about each of them."""
 
 NARROW, NARROW_APART, NARROW_ROLLS = 0.5, 2.2, 6
-"""Turns about each of them in cones up to this, rad: these have few directions."""
+"""In cones up to this, rad: how far apart directions are, by the cone, which makes three; turns about each of them."""
 
 WRITTEN_PI = 1e-4
 """Cones larger than pi by less, rad, are those of a pi with few digits, such as 3.1416."""
@@ -56,10 +56,12 @@ class FreeAxis:
             direction = real_array(axis)
         except (TypeError, ValueError):
             direction = np.zeros(0)
-        length = float(np.linalg.norm(direction)) if direction.shape == (3,) else math.nan
-        if not 0.0 < length < math.inf:
+        largest = float(np.abs(direction).max()) if direction.shape == (3,) else math.nan
+        if not 0.0 < largest < math.inf:
             raise InvalidTask("free_axis must be a direction in the tip frame, 3 finite numbers that are not all zero")
-        self.axis = direction / length
+        # Squares of very large or small numbers are no floats. A power of two takes no digits off.
+        scaled = np.ldexp(direction, -math.frexp(largest)[1])
+        self.axis = scaled / np.linalg.norm(scaled)
         self.axis.flags.writeable = False
         self.cone = real_number(cone)
         if math.pi < self.cone < math.pi + WRITTEN_PI:
@@ -81,7 +83,7 @@ class FreeAxis:
         if self.cone == 0.0:
             return np.empty((0, 9))
         if self.cone <= NARROW:
-            return self._spread(NARROW_APART*self.cone, NARROW_ROLLS)[NARROW_ROLLS:]
+            return self._spread(NARROW_APART * self.cone, NARROW_ROLLS)[NARROW_ROLLS:]
         return self._spread(WIDE_APART if self.cone >= WIDE else RINGS_APART, ROLLS)[ROLLS:]
 
     def _spread(self, apart: float, rolls: int) -> Array:

@@ -58,8 +58,8 @@ LOOSE = 1e-3
 """Joint 7 turns the tip about the free axis where that is no farther from its own, rad and parts of the reach."""
 
 OFF = 0.9
-"""On a limb that is almost exact, joint 7 starts so far to either side of where it is wanted, rad, too. With the elbow on
-a limit the equations almost depend on each other there, and where a search ends depends on where it starts."""
+"""On a limb that is almost exact, joint 7 starts so far to either side of where it is wanted, too, rad. With the elbow
+on a limit, equations almost depend on each other there: a search may fail from one start, and not from another."""
 
 NOWHERE = (0.0, 0.0, 0.0)
 TURN = 2.0 * math.pi

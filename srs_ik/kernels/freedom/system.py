@@ -235,9 +235,7 @@ def write_ways(K, M, m, taken, held, d):
         M[STEP_ROW, j] = d[j] if (held >> j) & 1 == 1 else 0.0
     for r in range(m):
         M[STEP_ROW, int(M[BASIC_ROW, r])] = M[r, RHS]
-    slopes = eight_of(
-        K[0, RHS], K[1, RHS], K[2, RHS], K[3, RHS], K[4, RHS], K[5, RHS], K[6, RHS], 0.0
-    )
+    slopes = eight_of(K[0, RHS], K[1, RHS], K[2, RHS], K[3, RHS], K[4, RHS], K[5, RHS], K[6, RHS], 0.0)
     scatter(row(M, REST_ROW), 0, 1, slopes - bent(K, M, STEP_ROW))
     n = 0
     for c in range(7):

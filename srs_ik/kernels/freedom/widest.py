@@ -11,7 +11,7 @@ from srs_ik.kernels.algebra.pointers import row
 from srs_ik.kernels.chain.freedom import free_error
 from srs_ik.kernels.exact.farthest import farthest_of_all
 from srs_ik.kernels.freedom.queue import MOST_ATTEMPTS, NONE_LEFT, line_up, take_next
-from srs_ik.kernels.freedom.settle import onto_pose
+from srs_ik.kernels.freedom.settle import THIN, onto_pose
 from srs_ik.kernels.freedom.shares import largest_share, share_of
 from srs_ik.kernels.freedom.starts import OUT_OF_REACH, is_loose, is_of_no_use, starts_of_roll, starts_of_turns
 from srs_ik.kernels.freedom.widen import widen
@@ -149,6 +149,8 @@ def widest_of_all(P, pose, given, liking, desk):
         found = in_roll(P, pose, (roll, count), liking, start, found, desk)
     if freedom.cone == 0.0:
         return found
+    if freedom.cone <= THIN and found.met:
+        return widened(P, found.q, pose, freedom, liking, found, desk)
     count = starts_of_turns(P, pose, given, Sought(False, liking.posture, found, loose, 0.0), desk, count)
     if not wide and found.met:
         found = widened(P, found.q, pose, freedom, liking, found, desk)

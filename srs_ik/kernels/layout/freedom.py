@@ -38,8 +38,8 @@ SHIFT = LINE + 3
 BRANCH_COST = SHIFT + 1
 TABLE = BRANCH_COST + ARM_ANGLES + 2
 """Postures at a turn: both solutions of the shoulder, both of the wrist, and the elbow; the direction from shoulder to
-wrist and the shift of the arm angles, for which they were written; what a branch costs at all arm angles, the last before the first and the first
-behind the last."""
+wrist and the shift of the arm angles, for which they were written; what a branch costs at all arm angles, the last
+before the first and the first behind the last."""
 
 WORK = 49 + 3 * SYSTEM * SYSTEM + TABLE
 """Work space of a search."""
