@@ -15,7 +15,8 @@ from srs_ik.kernels.algebra.pointers import row
 from srs_ik.kernels.algebra.vectors import add, along, apply, cross, dot, norm, scale, sub
 from srs_ik.kernels.chain.freedom import any_across, lean, pointing
 from srs_ik.kernels.chain.kinematics import joint_lines
-from srs_ik.kernels.freedom.system import RHS, solve_held
+from srs_ik.kernels.freedom.elimination import RHS
+from srs_ik.kernels.freedom.system import solve_held
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.freedom import Liking
 from srs_ik.kernels.limb.goal import NO_SEED
