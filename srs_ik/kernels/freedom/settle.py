@@ -21,9 +21,6 @@ from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.freedom import Liking
 from srs_ik.kernels.limb.goal import NO_SEED
 
-ALL_JOINTS = 0b1111111
-"""Seven of eight figures."""
-
 STEPS = 30
 MAX_STEP = 0.5
 """Longest change of a joint in one step, rad."""
@@ -121,9 +118,11 @@ def equations(P, q, pose, freedom, forces, desk):
     u, t = pointing(freedom.axis, x, y, z), apply(R, freedom.axis)
     n, turn = lean(u, t)
     angle = max(turn - freedom.cone, 0.0)
+    # The eighth figure of the last row is the first of the axes.
+    last = where(as_mask(0b1111111), velocities[2], moments[2])
     for i in range(3):
         scatter(row(K, 7 + i), 0, 1, velocities[i])
-        scatter(row(J, 0), 7 * i, 1, velocities[i] if i < 2 else where(as_mask(ALL_JOINTS), velocities[2], moments[2]))
+        scatter(row(J, 0), 7 * i, 1, velocities[i] if i < 2 else last)
         K[7 + i, RHS] = miss[i]
     error = max(norm(miss), angle)
     if freedom.cone >= math.pi:

@@ -12,7 +12,6 @@ from srs_ik.kernels.algebra.lanes import eight_of, gather, scatter
 from srs_ik.kernels.algebra.pointers import row
 from srs_ik.kernels.freedom.elimination import BASIC_ROW, INVERSE, RHS, solve_equations
 from srs_ik.kernels.jit import kernel
-from srs_ik.kernels.layout.freedom import SYSTEM
 from srs_ik.kernels.limb.poses import read7
 
 STEP_ROW, REST_ROW, WAYS = 8, 9, 10
