@@ -83,11 +83,11 @@ class FreeAxis:
         if self.cone == 0.0:
             return np.empty((0, 9))
         if self.cone <= NARROW:
-            return self._spread(NARROW_APART * self.cone, NARROW_ROLLS)[NARROW_ROLLS:]
+            return self._spread(NARROW_APART * self.cone, NARROW_ROLLS, 0.5)[NARROW_ROLLS:]
         return self._spread(WIDE_APART if self.cone >= WIDE else RINGS_APART, ROLLS)[ROLLS:]
 
-    def _spread(self, apart: float, rolls: int) -> Array:
-        return _turns_of(tuple(self.axis.tolist()), self.cone, apart, rolls)
+    def _spread(self, apart: float, rolls: int, shift: float = 0.0) -> Array:
+        return _turns_of(tuple(self.axis.tolist()), self.cone, apart, rolls, shift)
 
     def sampled(self, most: int) -> Array:
         """(most, 3, 3) turns that are free, in the tip frame, evenly chosen; the first one is none."""
@@ -138,8 +138,11 @@ def _position_alone() -> FreeAxis:
 
 
 @lru_cache(maxsize=16)
-def _turns_of(axis: tuple[float, float, float], cone: float, apart: float, each: int) -> Array:
-    """(n, 9) turns into directions of a cone so far apart, and about each of them, read-only."""
+def _turns_of(axis: tuple[float, float, float], cone: float, apart: float, each: int, shift: float) -> Array:
+    """(n, 9) turns into directions of a cone so far apart, and about each of them, read-only.
+
+    Those about every other direction of a ring are shifted by a part of what is between two.
+    """
     along = np.array(axis)
     across = np.linalg.svd(along[None])[2][1:]
     found = []
@@ -150,9 +153,8 @@ def _turns_of(axis: tuple[float, float, float], cone: float, apart: float, each:
         for k in range(count):
             azimuth = 2.0 * math.pi * (k + 0.5 * (ring % 2)) / count
             tilt = _rotation(math.cos(azimuth) * across[0] + math.sin(azimuth) * across[1], lean)
-            # The few directions of a narrow cone have their rolls between those beside them.
-            shift = 0.5 * (k % 2) if cone <= NARROW else 0.0
-            found += [tilt @ _rotation(along, 2.0 * math.pi * (roll + shift) / each) for roll in range(each)]
+            begin = shift * (k % 2)
+            found += [tilt @ _rotation(along, 2.0 * math.pi * (roll + begin) / each) for roll in range(each)]
     turns = np.array(found).reshape(-1, 9)
     turns.flags.writeable = False
     return turns

@@ -292,14 +292,14 @@ def settle(P, q, pose, freedom, liking, desk):
     K, M, J = desk.system, desk.copy, desk.J
     q = between(q, liking.lower, liking.upper)
     forces, held = NO_FORCE, 0
-    error, size, at_rest = math.inf, math.inf, False
+    error, size, at_rest, leads = math.inf, math.inf, False, False
     known = 0
     before, step, worth = q, NO_SEED, math.inf
-    last, asked, share = NO_FORCE, NO_FORCE, 1.0
-    radius, restoring = MAX_STEP, False
+    last, asked, share, radius, restoring = NO_FORCE, NO_FORCE, 1.0, MAX_STEP, False
     for k in range(STEPS):
         m, error, turns = equations(P, q, pose, freedom, forces, desk)
         m = on_edge(m, known, forces)
+        leads = (k == 0 and error < MET and distance(q, liking) < liking.rival) or (k > 0 and leads)
         if size < SETTLED and error < MET:
             at_rest = True
             break
@@ -348,7 +348,7 @@ def settle(P, q, pose, freedom, liking, desk):
         before = q
         q = between(along7(q, 1.0, step), liking.lower, liking.upper)
         held = on & at_limits(q, liking)
-        if near and (beaten(q, way, liking) or comes_to_rival(q, size, liking)):
+        if near and (beaten(q, way, liking) or (not leads and comes_to_rival(q, size, liking))):
             return q, math.inf, math.inf, False
     if not at_rest:
         _, error, _ = equations(P, q, pose, freedom, forces, desk)

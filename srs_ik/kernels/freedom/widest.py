@@ -18,7 +18,7 @@ from srs_ik.kernels.freedom.widen import widen
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.answer import SOLVED
 from srs_ik.kernels.layout.freedom import MOST_STARTS, START_LEANS, Found, Freedom, Sought
-from srs_ik.kernels.layout.limb import FAR, INVERSE_HALF_RANGE
+from srs_ik.kernels.layout.limb import FAR, INVERSE_HALF_RANGE, IS_CLOSED
 from srs_ik.kernels.limb.triangle import place
 
 ALMOST = 1e-3
@@ -143,7 +143,8 @@ def widest_of_all(P, pose, given, liking, desk):
     wide = freedom.cone > NARROW
     if wide and start.cost < 0.0:
         found = widened(P, start.q, pose, freedom, liking, found, desk)
-    loose = is_loose(P, freedom.axis)
+    # Almost exact limbs need more starts.
+    loose = P[IS_CLOSED] == 1.0 and is_loose(P, freedom.axis)
     count = starts_of_roll(P, pose, freedom, Sought(False, liking.posture, found, loose, 0.0), desk)
     if not wide:
         found = in_roll(P, pose, (roll, count), liking, start, found, desk)
