@@ -274,6 +274,12 @@ def test_the_angle_of_a_cone_is_checked():
         arms.load("iiwa14").solve(np.eye(4), seed=[0.0], free_axis=[0, 0, 1])
 
 
+@pytest.mark.parametrize("length", [5e-324, 1e-200, 1.0, 1e200, 1e308])
+def test_an_axis_may_have_any_length(length):
+    np.testing.assert_array_equal(FreeAxis([0.0, -length, 0.0]).axis, [0.0, -1.0, 0.0])
+    np.testing.assert_allclose(FreeAxis([length, 0.0, length]).axis, [0.5**0.5, 0.0, 0.5**0.5], rtol=1e-15)
+
+
 @pytest.mark.parametrize("name", arms.here("iiwa14", "gen3"))
 def test_a_path_takes_the_turns_that_serve_it_best(name):
     arm, free = arms.load(name), FreeAxis([0, 0, 1])

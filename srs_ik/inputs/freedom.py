@@ -21,8 +21,8 @@ ANY = "any"
 RINGS_APART, ROLLS = 1.05, 3
 """Directions of a cone at which searches for a posture start are this far apart, rad; turns about each of them."""
 
-NARROW, NARROW_ROLLS = 0.5, 6
-"""Turns about each of them in cones up to this, rad: these have few directions."""
+NARROW, NARROW_APART, NARROW_ROLLS = 0.5, 2.2, 6
+"""In cones up to this, rad: how far apart directions are, by the cone, which makes three; turns about each of them."""
 
 WRITTEN_PI = 1e-4
 """Cones larger than pi by less, rad, are those of a pi with few digits, such as 3.1416."""
@@ -56,10 +56,12 @@ class FreeAxis:
             direction = real_array(axis)
         except (TypeError, ValueError):
             direction = np.zeros(0)
-        length = float(np.linalg.norm(direction)) if direction.shape == (3,) else math.nan
-        if not 0.0 < length < math.inf:
+        largest = float(np.abs(direction).max()) if direction.shape == (3,) else math.nan
+        if not 0.0 < largest < math.inf:
             raise InvalidTask("free_axis must be a direction in the tip frame, 3 finite numbers that are not all zero")
-        self.axis = direction / length
+        # Squares of very large or small numbers are no floats. A power of two takes no digits off.
+        scaled = np.ldexp(direction, -math.frexp(largest)[1])
+        self.axis = scaled / np.linalg.norm(scaled)
         self.axis.flags.writeable = False
         self.cone = real_number(cone)
         if math.pi < self.cone < math.pi + WRITTEN_PI:
@@ -80,11 +82,12 @@ class FreeAxis:
         """(n, 9) rotations of the tip, all over what is free; none of the roll, of which kernels know."""
         if self.cone == 0.0:
             return np.empty((0, 9))
-        rolls = NARROW_ROLLS if self.cone <= NARROW else ROLLS
-        return self._spread(WIDE_APART if self.cone >= WIDE else RINGS_APART, rolls)[rolls:]
+        if self.cone <= NARROW:
+            return self._spread(NARROW_APART * self.cone, NARROW_ROLLS, 0.5)[NARROW_ROLLS:]
+        return self._spread(WIDE_APART if self.cone >= WIDE else RINGS_APART, ROLLS)[ROLLS:]
 
-    def _spread(self, apart: float, rolls: int) -> Array:
-        return _turns_of(tuple(self.axis.tolist()), self.cone, apart, rolls)
+    def _spread(self, apart: float, rolls: int, shift: float = 0.0) -> Array:
+        return _turns_of(tuple(self.axis.tolist()), self.cone, apart, rolls, shift)
 
     def sampled(self, most: int) -> Array:
         """(most, 3, 3) turns that are free, in the tip frame, evenly chosen; the first one is none."""
@@ -135,11 +138,13 @@ def _position_alone() -> FreeAxis:
 
 
 @lru_cache(maxsize=16)
-def _turns_of(axis: tuple[float, float, float], cone: float, apart: float, each: int) -> Array:
-    """(n, 9) turns into directions of a cone so far apart, and about each of them, read-only."""
+def _turns_of(axis: tuple[float, float, float], cone: float, apart: float, each: int, shift: float) -> Array:
+    """(n, 9) turns into directions of a cone so far apart, and about each of them, read-only.
+
+    Those about every other direction of a ring are shifted by a part of what is between two.
+    """
     along = np.array(axis)
     across = np.linalg.svd(along[None])[2][1:]
-    rolls = [_rotation(along, 2.0 * math.pi * roll / each) for roll in range(each)]
     found = []
     rings = max(math.ceil(cone / apart), 1)
     for ring in range(rings + 1):
@@ -148,7 +153,8 @@ def _turns_of(axis: tuple[float, float, float], cone: float, apart: float, each:
         for k in range(count):
             azimuth = 2.0 * math.pi * (k + 0.5 * (ring % 2)) / count
             tilt = _rotation(math.cos(azimuth) * across[0] + math.sin(azimuth) * across[1], lean)
-            found += [tilt @ roll for roll in rolls]
+            begin = shift * (k % 2)
+            found += [tilt @ _rotation(along, 2.0 * math.pi * (roll + begin) / each) for roll in range(each)]
     turns = np.array(found).reshape(-1, 9)
     turns.flags.writeable = False
     return turns

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from functools import partial
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -40,11 +40,21 @@ CLOSEST_OF = 24
 """Turns at which the closest posture is looked for where none meets the pose."""
 
 
+class _Question(NamedTuple):
+    """Poses, what they leave free, and near which seeds their postures should be, inside the limits or anywhere."""
+
+    arm: PackedArm
+    poses: Array
+    free: FreeAxis
+    seeds: Array
+    respect: bool
+
+
 def solve(arm: PackedArm, wanted: PoseLike, free_axis: Any, seed: ArrayLike | None, respect: bool) -> Solution:
     """See `Arm.solve`."""
     free, T = as_free_axis(free_axis), as_matrix(wanted)
     seeds = as_seeds(seed, 1, arm.lower, arm.upper)
-    row, verdict = _searched_once(arm, T, free, seeds, respect)
+    row, verdict = _searched_once(_Question(arm, T[None], free, seeds, respect))
     if verdict:
         raise invalid_pose(verdict)
     if row[ROW_STATUS] != _OK:
@@ -58,7 +68,7 @@ def solve_batch(
     """See `Arm.solve_batch`."""
     free, T = as_free_axis(free_axis), as_matrices(poses)
     seeds = as_seeds(seed, len(T), arm.lower, arm.upper)
-    rows, verdicts = _searched(arm, T, free, seeds, respect, threads)
+    rows, verdicts = _searched(_Question(arm, T, free, seeds, respect), threads)
     refuse_bad_poses(verdicts)
     for i in np.flatnonzero(rows[:, ROW_STATUS] != _OK).tolist():
         rows[i] = _found_otherwise(arm, T[i], free, seed_of(seeds, i), respect)
@@ -70,7 +80,7 @@ def met_batch(arm: PackedArm, T: Array, free: FreeAxis, seeds: Array) -> tuple[A
 
     `solve_batch` looks on where these meet nothing, which takes milliseconds.
     """
-    rows, _ = _searched(arm, T, free, seeds, True, 1)
+    rows, _ = _searched(_Question(arm, T, free, seeds, True), 1)
     return rows[:, :7], rows[:, ROW_STATUS] == _OK
 
 
@@ -99,42 +109,32 @@ def _found_otherwise(arm: PackedArm, T: Array, free: FreeAxis, near: Array | Non
     return closest if met is None else met
 
 
-def _searched(
-    arm: PackedArm, T: Array, free: FreeAxis, seeds: Array, respect: bool, threads: int | None
-) -> tuple[Array, NDArray[np.int8]]:
+def _searched(asked: _Question, threads: int | None) -> tuple[Array, NDArray[np.int8]]:
     """What searches find for poses, and what is said of these."""
-    out, verdicts = np.empty((len(T), ROW)), np.zeros(len(T), np.int8)
-    run_in_threads(partial(_search, arm, T, free, seeds, respect, out, verdicts), len(T), threads)
+    n = len(asked.poses)
+    out, verdicts = np.empty((n, ROW)), np.zeros(n, np.int8)
+    run_in_threads(partial(_search, asked, out, verdicts), n, threads)
     return out, verdicts
 
 
-def _searched_once(arm: PackedArm, T: Array, free: FreeAxis, seeds: Array, respect: bool) -> tuple[Array, int]:
+def _searched_once(asked: _Question) -> tuple[Array, int]:
     """What searches find for one pose, and what is said of it: without what a batch needs, which takes as long."""
     out, verdicts = np.empty((1, ROW)), np.zeros(1, np.int8)
-    _search(arm, T[None], free, seeds, respect, out, verdicts, 0, 1)
+    _search(asked, out, verdicts, 0, 1)
     return out[0], int(verdicts[0])
 
 
-def _search(
-    arm: PackedArm,
-    T: Array,
-    free: FreeAxis,
-    seeds: Array,
-    respect: bool,
-    out: Array,
-    verdicts: NDArray[np.int8],
-    first: int,
-    last: int,
-) -> None:
+def _search(asked: _Question, out: Array, verdicts: NDArray[np.int8], first: int, last: int) -> None:
+    arm, poses, free, seeds, respect = asked
     space = np.empty(WORK), np.empty((MOST_STARTS, START))
-    entries.solve_range(arm.family, T, first, last, free.packed, free.turns, seeds, respect, *space, out, verdicts)
+    entries.solve_range(arm.family, poses, first, last, free.packed, free.turns, seeds, respect, *space, out, verdicts)
 
 
 def _met_at_all(
     arm: PackedArm, T: Array, free: FreeAxis, starts: Array, seed: Array | None, respect: bool
 ) -> Array | None:
     """The answer nearest to a seed at the turn that searches from a start, or from none, lead to; None without one."""
-    row, _ = _searched_once(arm, T, free, starts, respect)
+    row, _ = _searched_once(_Question(arm, T[None], free, starts, respect))
     if row[ROW_STATUS] != _OK or seed is None:
         return row if row[ROW_STATUS] == _OK else None
     turned = T.copy()

@@ -28,12 +28,12 @@ def solve_range(family, poses, first, last, freedom, turns, seeds, respect, work
         out: (n, ROW) output.
         verdicts: (n,) verdicts on the poses.
     """
-    equations = 42 + SYSTEM * SYSTEM
+    equations = 49 + SYSTEM * SYSTEM
     solved = equations + SYSTEM * SYSTEM
     shares = solved + SYSTEM * SYSTEM
     desk = Desk(
-        work[:42].reshape((6, 7)),
-        work[42:equations].reshape((SYSTEM, SYSTEM)),
+        work[:49].reshape((7, 7)),
+        work[49:equations].reshape((SYSTEM, SYSTEM)),
         work[equations:solved].reshape((SYSTEM, SYSTEM)),
         work[solved:shares].reshape((SYSTEM, SYSTEM)),
         row(work[shares:].reshape((1, TABLE)), 0),

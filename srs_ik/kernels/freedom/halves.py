@@ -123,22 +123,28 @@ def write_eight(P, first, q, reached, goal, table, at):
 
 
 @kernel
-def write_halves(P, k, circles, goal, table):
+def write_halves(P, k, circles, sought, table):
     """Write both solutions of a spherical joint, and their costs, at arm angles all around."""
     first, half = (0, 0) if k == SHOULDER else (4, 2)
-    wish = goal[1]
-    here = goal[0], (wish[first], wish[first + 1], wish[first + 2])
+    wish = sought.wish
+    here = sought.seeded, (wish[first], wish[first + 1], wish[first + 2])
+    loose = sought.loose and k != SHOULDER
     v0, y0, _ = circles
     for i in range(0, ARM_ANGLES, LANES):
-        c, s = turn((float(i) + eight_of(0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0)) * (TURN / ARM_ANGLES))
+        steps = float(i) + eight_of(0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0)
+        c, s = turn(sought.shift + steps * (TURN / ARM_ANGLES))
         v, y = swing(v0[0], v0[1], v0[2], c, s), swing(y0[0], y0[1], y0[2], c, s)
         c, s, reached = middle_eight(P, k, v)
         q = angles_eight(P, k, v, y, c, s)
+        if loose:
+            q = q[0], q[1], where(reached, wish[6], wish[6])
         write_eight(P, first, q, reached, here, table, half * HALF * ARM_ANGLES + i)
         if max(abs(P[k + A1_A2]), abs(P[k + A2_A3])) < ALMOST_ACROSS:
             q = q[0] + math.pi, 2.0 * P[k + PHASE] - q[1], q[2] + math.pi
         else:
             q = angles_eight(P, k, v, y, c, -s)
+        if loose:
+            q = q[0], q[1], where(reached, wish[6], wish[6])
         write_eight(P, first, q, reached, here, table, (half + 1) * HALF * ARM_ANGLES + i)
 
 

@@ -13,11 +13,11 @@ from srs_ik.kernels.algebra.vectors import load3, norm
 from srs_ik.kernels.chain.freedom import free_error
 from srs_ik.kernels.exact.nearest import between_limbs
 from srs_ik.kernels.freedom.queue import MOST_ATTEMPTS, NONE_LEFT, line_up, take_next
-from srs_ik.kernels.freedom.settle import distance, onto_pose, settle
+from srs_ik.kernels.freedom.settle import THIN, distance, onto_pose, settle
 from srs_ik.kernels.freedom.starts import is_of_no_use
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.answer import SOLVED
-from srs_ik.kernels.layout.freedom import MOST_TAKEN, Found, Liking
+from srs_ik.kernels.layout.freedom import MOST_TAKEN, Found, Freedom, Liking
 from srs_ik.kernels.layout.limb import FAR, MISS, PHASE, SHOULDER, STRAIGHT, WRIST, WRIST_IN_TIP
 
 CLOSE = 0.15
@@ -30,8 +30,8 @@ SPREAD = math.sqrt(7.0)
 ALMOST = 1e-3
 """A search that ends this close to its pose, m and rad, goes on, or is brought onto it."""
 
-MANY = 16
-"""Once so many searches have failed, starts next to one whose search fails are left out, too."""
+MANY = 0.4
+"""Once this part of the searches has failed, starts next to one whose search fails are left out, too."""
 
 NO_SHORTER, FEW = 1.0, 8
 """A search does not come so much nearer to the seed than its start is once it is inside the limits, rad: of more
@@ -59,11 +59,13 @@ def beside(P, pose, freedom, liking, desk):
 
 @kernel
 def searched(P, start, pose, freedom, rival, desk):
-    """`settle`, and once more where it ends close to its pose; from there at least onto that."""
+    """`settle`, and once more where it ends close to its pose; from there at least onto that, or onto a roll in it."""
     there, cost, error, at_rest = settle(P, start, pose, freedom, rival, desk)
     if SOLVED <= error < ALMOST:
         there, cost, error, at_rest = settle(P, there, pose, freedom, rival, desk)
     if SOLVED <= error < ALMOST:
+        if freedom.cone <= THIN:
+            return settle(P, there, pose, Freedom(freedom.axis, 0.0), rival, desk)
         there, error = onto_pose(P, there, pose, freedom, rival, desk)
         cost = distance(there, rival)
     return there, cost, error, at_rest
@@ -74,6 +76,7 @@ def nearest(P, pose, freedom, liking, sizes, found, desk):
     """The nearest posture that searches from so many starts in `desk` lead to, or the one that is known."""
     attempts, taken, failed = 0, 0, 0
     count, enough = sizes
+    known = liking.rival_posture
     line_up(desk.starts, count)
     while attempts + failed < MOST_ATTEMPTS and taken < MOST_TAKEN and not (found.met and attempts + failed >= enough):
         start, least, count = take_next(desk.starts, count, taken)
@@ -84,14 +87,14 @@ def nearest(P, pose, freedom, liking, sizes, found, desk):
         if found.met and attempts >= FEW and math.sqrt(distance(start, liking)) > reached + NO_SHORTER:
             taken += 1
             continue
-        rival = Liking(liking.posture, liking.weights, liking.lower, liking.upper, found.cost, found.q)
+        rival = Liking(liking.posture, liking.weights, liking.lower, liking.upper, found.cost, known)
         there, cost, error, at_rest = searched(P, start, pose, freedom, rival, desk)
         if error < SOLVED and cost < found.cost:
-            found = Found(there, cost, True)
+            found, known = Found(there, cost, True), there
         if error < math.inf and not at_rest:
             # Limits stand in its way; not in that of a start beside it, unless many have failed.
             failed += 1
-            taken += 1 if failed > MANY else 0
+            taken += 1 if failed > MANY * enough else 0
         else:
             taken, attempts = taken + 1, attempts + 1
     return found

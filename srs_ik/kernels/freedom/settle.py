@@ -10,10 +10,13 @@ from __future__ import annotations
 import math
 
 from srs_ik.kernels.algebra.joint_vectors import along7, between, with_joint
+from srs_ik.kernels.algebra.lanes import as_mask, gather, scatter, where
+from srs_ik.kernels.algebra.pointers import row
 from srs_ik.kernels.algebra.vectors import add, along, apply, cross, dot, norm, scale, sub
 from srs_ik.kernels.chain.freedom import any_across, lean, pointing
 from srs_ik.kernels.chain.kinematics import joint_lines
-from srs_ik.kernels.freedom.system import RHS, solve_held
+from srs_ik.kernels.freedom.elimination import RHS
+from srs_ik.kernels.freedom.system import solve_held
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.freedom import Liking
 from srs_ik.kernels.limb.goal import NO_SEED
@@ -75,16 +78,10 @@ NO_FORCE = (0.0, 0.0, 0.0, 0.0, 0.0)
 
 
 @kernel
-def put_column(J, j, v):
-    """Write three figures into rows 0 to 2 of a column."""
-    for i in range(3):
-        J[i, j] = v[i]
-
-
-@kernel
-def velocity(J, j):
-    """Velocity of the tip point with a joint."""
-    return (J[0, j], J[1, j], J[2, j])
+def rows_of(J, first):
+    """Three rows of J, all joints at once; the eighth figure of each is the first of the next row."""
+    lines = row(J, first)
+    return gather(lines, 0, 1), gather(lines, 7, 1), gather(lines, 14, 1)
 
 
 @kernel
@@ -115,35 +112,36 @@ def equations(P, q, pose, freedom, forces, desk):
     R, p = pose
     J, K = desk.J, desk.system
     x, y, z, position = joint_lines(P, q, J)
-    for j in range(7):
-        put_column(J, j, add(velocity(J, j), cross(axis_of(J, j), position)))
+    moments, axes = rows_of(J, 0), rows_of(J, 3)
+    velocities = add(moments, cross(axes, position))
     miss = sub(p, position)
     u, t = pointing(freedom.axis, x, y, z), apply(R, freedom.axis)
     n, turn = lean(u, t)
     angle = max(turn - freedom.cone, 0.0)
+    # The eighth figure of the last row is the first of the axes.
+    last = where(as_mask(0b1111111), velocities[2], moments[2])
     for i in range(3):
-        for j in range(7):
-            K[7 + i, j] = J[i, j]
+        scatter(row(K, 7 + i), 0, 1, velocities[i])
+        scatter(row(J, 0), 7 * i, 1, velocities[i] if i < 2 else last)
         K[7 + i, RHS] = miss[i]
     error = max(norm(miss), angle)
     if freedom.cone >= math.pi:
         return 3, error, (t, u, NONE, NONE)
     if freedom.cone > THIN:
-        write_turn(J, K, 10, n, turn - freedom.cone)
+        write_turn(axes, K, 10, n, turn - freedom.cone)
         return (3 if turn < freedom.cone else 4), error, (t, u, n, NONE)
     a = any_across(u)
     b = cross(u, a)
     about_a, about_b = within_thin(freedom.cone, a, b, scale(turn, n), forces)
-    write_turn(J, K, 10, a, about_a)
-    write_turn(J, K, 11, b, about_b)
+    write_turn(axes, K, 10, a, about_a)
+    write_turn(axes, K, 11, b, about_b)
     return 5, error, (t, u, a, b)
 
 
 @kernel
-def write_turn(J, K, r, n, rest):
+def write_turn(axes, K, r, n, rest):
     """Write the equation of a turn about a direction into row r."""
-    for j in range(7):
-        K[r, j] = dot(n, axis_of(J, j))
+    scatter(row(K, r), 0, 1, dot(axes, n))
     K[r, RHS] = rest
 
 
@@ -167,13 +165,14 @@ def fill(J, K, q, liking, bend, shares):
     """
     share, plain, pull = shares
     point, axis, u = bend
+    velocities, turns = rows_of(J, 0), cross(rows_of(J, 3), u)
     for i in range(7):
         z = axis_of(J, i)
-        along_point, along_axis = cross(point, z), cross(axis, z)
-        for j in range(i, 7):
-            h = share * (dot(along_point, velocity(J, j)) + dot(along_axis, cross(axis_of(J, j), u)))
-            K[i, j] = h
-            K[j, i] = h
+        along_point, along_axis = scale(share, cross(point, z)), scale(share, cross(axis, z))
+        # Right for joints from this one on; those before it have written what is right for them.
+        scatter(row(K, i), 0, 1, dot(velocities, along_point) + dot(turns, along_axis))
+        for j in range(i):
+            K[i, j] = K[j, i]
         K[i, i] += plain * liking.weights[i]
         K[i, RHS] = -pull * liking.weights[i] * (q[i] - liking.posture[i])
 
@@ -237,6 +236,12 @@ def bounded_step(K, M, m, q, held, liking):
 
 
 @kernel
+def led_to(liking, q):
+    """The same liking, where searches have come to rest at a posture, or at none yet: the seed itself."""
+    return Liking(liking.posture, liking.weights, liking.lower, liking.upper, liking.rival, q)
+
+
+@kernel
 def distance(q, liking):
     """Weighted sum of squared differences."""
     total = 0.0
@@ -287,14 +292,14 @@ def settle(P, q, pose, freedom, liking, desk):
     K, M, J = desk.system, desk.copy, desk.J
     q = between(q, liking.lower, liking.upper)
     forces, held = NO_FORCE, 0
-    error, size, at_rest = math.inf, math.inf, False
+    error, size, at_rest, leads = math.inf, math.inf, False, False
     known = 0
     before, step, worth = q, NO_SEED, math.inf
-    last, asked, share = NO_FORCE, NO_FORCE, 1.0
-    radius, restoring = MAX_STEP, False
+    last, asked, share, radius, restoring = NO_FORCE, NO_FORCE, 1.0, MAX_STEP, False
     for k in range(STEPS):
         m, error, turns = equations(P, q, pose, freedom, forces, desk)
         m = on_edge(m, known, forces)
+        leads = (k == 0 and error < MET and distance(q, liking) < liking.rival) or (k > 0 and leads)
         if size < SETTLED and error < MET:
             at_rest = True
             break
@@ -343,7 +348,7 @@ def settle(P, q, pose, freedom, liking, desk):
         before = q
         q = between(along7(q, 1.0, step), liking.lower, liking.upper)
         held = on & at_limits(q, liking)
-        if near and (beaten(q, way, liking) or comes_to_rival(q, size, liking)):
+        if near and (beaten(q, way, liking) or (not leads and comes_to_rival(q, size, liking))):
             return q, math.inf, math.inf, False
     if not at_rest:
         _, error, _ = equations(P, q, pose, freedom, forces, desk)

@@ -9,12 +9,10 @@ from __future__ import annotations
 import math
 
 from srs_ik.kernels.algebra.pointers import row
+from srs_ik.kernels.freedom.elimination import BASIC_ROW, INVERSE, RHS
 from srs_ik.kernels.freedom.system import (
     ASIDE,
-    BASIC_ROW,
-    INVERSE,
     REST_ROW,
-    RHS,
     STEP_ROW,
     WAYS,
     bends_up,

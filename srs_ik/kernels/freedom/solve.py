@@ -10,13 +10,13 @@ from srs_ik.kernels.chain.kinematics import forward_kinematics
 from srs_ik.kernels.chain.newton import arm_angle
 from srs_ik.kernels.freedom.nearest import beside, nearest
 from srs_ik.kernels.freedom.queue import NONE_LEFT
-from srs_ik.kernels.freedom.settle import EVEN, THIN, onto_pose, settle
-from srs_ik.kernels.freedom.starts import starts_of_roll, starts_of_turns
+from srs_ik.kernels.freedom.settle import EVEN, THIN, led_to, onto_pose, settle
+from srs_ik.kernels.freedom.starts import is_loose, starts_of_roll, starts_of_turns
 from srs_ik.kernels.freedom.turns import held_straight
 from srs_ik.kernels.freedom.widest import any_limited, weights, widest_of_all
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.answer import GOOD_POSE, ROW_STATUS, SOLVED, UNREACHABLE
-from srs_ik.kernels.layout.freedom import Found, Freedom, Liking
+from srs_ik.kernels.layout.freedom import Found, Freedom, Liking, Sought
 from srs_ik.kernels.layout.limb import FREE, LIMITED, LOWER, UPPER
 from srs_ik.kernels.limb.branches import branch_of
 from srs_ik.kernels.limb.limits import middles
@@ -72,20 +72,22 @@ def nearest_of_all(P, pose, given, liking, desk):
     A thin cone is searched as a roll: that of the way to which its axis presses. In a narrow one the roll alone comes
     first, too: what is found there leads to a posture that is no worse.
     """
-    freedom, turns = given
+    freedom = given[0]
     found = Found(liking.posture, NONE_LEFT, False)
-    count = starts_of_roll(P, pose, freedom, (True, liking.posture, found), desk)
+    loose = is_loose(P, freedom.axis)
+    count = starts_of_roll(P, pose, freedom, Sought(True, liking.posture, found, loose, 0.0), desk)
     if freedom.cone <= NARROW:
         held = held_straight(P, pose, freedom.axis, liking)
         first = freedom if freedom.cone <= THIN else Freedom(freedom.axis, 0.0)
         found = nearest(P, pose, first, held, (count, NEAREST), found, desk)
     if found.met and freedom.cone > THIN:
-        q, cost, error, _ = settle(P, found.q, pose, freedom, liking, desk)
+        q, cost, error, at_rest = settle(P, found.q, pose, freedom, liking, desk)
         if error < SOLVED and cost < found.cost:
             found = Found(q, cost, True)
+        liking = led_to(liking, q if at_rest else liking.posture)
     elif freedom.cone == 0.0 or found.met:
         return found
-    count = starts_of_turns(P, pose, turns, (True, liking.posture, found), desk, count)
+    count = starts_of_turns(P, pose, given, Sought(True, liking.posture, found, loose, 0.0), desk, count)
     enough = NEAREST_IN_NARROW if freedom.cone <= NARROW else NEAREST_IN_CONE
     return nearest(P, pose, freedom, liking, (count, enough), found, desk)
 

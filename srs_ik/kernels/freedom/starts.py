@@ -8,10 +8,12 @@ from __future__ import annotations
 
 import math
 
+from srs_ik.kernels.algebra.joint_vectors import with_joint
 from srs_ik.kernels.algebra.lanes import LANES
 from srs_ik.kernels.algebra.pointers import row
-from srs_ik.kernels.algebra.vectors import load3, load9, norm, rotation, sub, times
+from srs_ik.kernels.algebra.vectors import apply, cross, load3, load9, norm, rotation, sub, times
 from srs_ik.kernels.chain.starts import bent_place
+from srs_ik.kernels.freedom.both_singular import add_both_singular
 from srs_ik.kernels.freedom.halves import STEEP, dips, write_costs, write_halves
 from srs_ik.kernels.freedom.turns import strip, strip_count
 from srs_ik.kernels.jit import kernel
@@ -24,11 +26,13 @@ from srs_ik.kernels.layout.freedom import (
     LINE,
     MOST_STARTS,
     MOST_TAKEN,
+    SHIFT,
     START_COST,
     START_LEANS,
     STRIPS,
+    Sought,
 )
-from srs_ik.kernels.layout.limb import FAR, IS_CLOSED, SHOULDER, WRIST
+from srs_ik.kernels.layout.limb import AXES, FAR, IS_CLOSED, POINTS, SHOULDER, TIP_POSITION, TIP_ROTATION, WRIST
 from srs_ik.kernels.limb.goal import OUTSIDE, elbow_part
 from srs_ik.kernels.limb.triangle import elbow_side, place
 
@@ -46,6 +50,19 @@ SCATTERED = 7
 
 SAME_PLACE = 1e-6
 """Elbow and direction of the wrist that differ by less, rad, are the same."""
+
+CLOSER = 3
+"""So many times as many arm angles are looked at where a turn stands for all its rolls."""
+
+LOOSE = 1e-3
+"""Joint 7 turns the tip about the free axis where that is no farther from its own, rad and parts of the reach."""
+
+OFF = 0.9
+"""On a limb that is almost exact, joint 7 starts so far to either side of where it is wanted, too, rad. With the elbow
+on a limit, equations almost depend on each other there: a search may fail from one start, and not from another."""
+
+NOWHERE = (0.0, 0.0, 0.0)
+TURN = 2.0 * math.pi
 
 MOST_OUTSIDE = 0.3
 """An elbow farther outside its limits, rad, is no start."""
@@ -67,38 +84,47 @@ def is_of_no_use(cost, found, seeded):
 
 
 @kernel
-def fill_row(P, pose, elbow, goal, table):
+def is_loose(P, axis):
+    """Whether joint 7 turns the tip about the free axis: then the roll fixes that joint alone."""
+    joint = load3(P, AXES + 18)
+    off = norm(cross(joint, sub(load3(P, TIP_POSITION), load3(P, POINTS + 18))))
+    return norm(cross(joint, apply(load9(P, TIP_ROTATION), axis))) < LOOSE and off < LOOSE * P[FAR]
+
+
+@kernel
+def fill_row(P, pose, elbow, sought, table):
     """Write what postures of a pose on one side of the elbow are and cost, if they may be of use; whether they may.
 
     The shoulder has written its part already where the wrist's place is that of the turn before.
     """
-    seeded, seed, known = goal
+    seeded, wish = sought.seeded, sought.wish
     place_ = place(P, pose[0], pose[1])
     if P[IS_CLOSED] != 1.0:
         place_ = bent_place(P, place_)
     if abs(place_[5]) > OUT_OF_REACH * P[FAR]:
         return False
     side = elbow_side(P, place_, elbow)
-    e, cost = elbow_part(P, side[0], seeded, seed[3], True)
+    e, cost = elbow_part(P, side[0], seeded, wish[3], True)
     if cost >= OUTSIDE:
         outside = cost - OUTSIDE
         if outside > MOST_OUTSIDE:
             return False
-        cost = STEEP * outside + ((e - seed[3]) ** 2 if seeded else 0.0)
-    if is_of_no_use(cost, known, seeded):
+        cost = STEEP * outside + ((e - wish[3]) ** 2 if seeded else 0.0)
+    if is_of_no_use(cost, sought.known, seeded):
         return False
     line = place_[0]
-    moved = max(abs(table[ELBOW_ANGLE] - e), norm(sub(load3(table, LINE), line)))
+    moved = max(abs(table[ELBOW_ANGLE] - e), norm(sub(load3(table, LINE), line)), abs(table[SHIFT] - sought.shift))
     if not moved < SAME_PLACE:
-        write_halves(P, SHOULDER, side[1], (seeded, seed), table)
+        write_halves(P, SHOULDER, side[1], sought, table)
         table[ELBOW_ANGLE], table[LINE], table[LINE + 1], table[LINE + 2] = e, line[0], line[1], line[2]
+        table[SHIFT] = sought.shift
     table[ELBOW_COST] = cost
-    write_halves(P, WRIST, side[2], (seeded, seed), table)
+    write_halves(P, WRIST, side[2], sought, table)
     return True
 
 
 @kernel
-def write_minima(table, k, branch, goal, starts, n):
+def write_minima(table, k, branch, sought, starts, n):
     """Write the postures of a branch that cost less than those beside them in arm angle; return how many there are.
 
     Not in roll, too: where a valley lies across the grid, its ends are no dips of the grid.
@@ -107,14 +133,14 @@ def write_minima(table, k, branch, goal, starts, n):
         table: (TABLE,) from `fill_row`.
         k: number of the turn.
         branch: 2 for the other shoulder, plus 1 for the other wrist.
-        goal: whether costs are distances from a seed, the seed, and the best posture that is known.
+        sought: what starts are for.
         starts: (MOST_STARTS, START) output, n of them written.
         n: see above.
     """
-    seeded, _, known = goal
+    seeded = sought.seeded
     halves = branch >> 1, 2 + (branch & 1)
     write_costs(table, halves, seeded)
-    useless = costs_of_no_use(known, seeded)
+    useless = costs_of_no_use(sought.known, seeded)
     for first in range(0, ARM_ANGLES, LANES):
         low = dips(table, first, useless)
         for lane in range(LANES):
@@ -135,30 +161,51 @@ def write_minima(table, k, branch, goal, starts, n):
 
 
 @kernel
-def add_turn(P, pose, k, elbow, goal, desk, n):
+def add_turn(P, pose, k, elbow, sought, desk, n):
     """Write the starts of turn k on one side of the elbow; return how many there are."""
-    if fill_row(P, pose, elbow, goal, desk.table):
+    if fill_row(P, pose, elbow, sought, desk.table):
         for branch in range(4):
-            n = write_minima(desk.table, k, branch, goal, desk.starts, n)
+            n = write_minima(desk.table, k, branch, sought, desk.starts, n)
     return n
 
 
 @kernel
-def add_strip(P, pose, freedom, given, goal, desk, n):
+def shifted(sought, part):
+    """The same at arm angles that begin at a part of the way between two: those of the next roll are between these."""
+    return Sought(sought.seeded, sought.wish, sought.known, sought.loose, part * TURN / ARM_ANGLES)
+
+
+@kernel
+def add_shifted(P, pose, elbow, sought, desk, n):
+    """Write the starts of a turn at closer arm angles, where joint 7 makes all its rolls; return how many there are."""
+    for k in range(CLOSER):
+        off = 0.0 if P[IS_CLOSED] == 1.0 else OFF * (k - 1)
+        wish = with_joint(sought.wish, 6, sought.wish[6] + off)
+        here = Sought(sought.seeded, wish, sought.known, True, 0.0)
+        n = add_turn(P, pose, k, elbow, shifted(here, k / CLOSER), desk, n)
+    return n
+
+
+@kernel
+def add_strip(P, pose, freedom, given, sought, desk, n):
     """Write the starts of a strip of rolls on one side of the elbow; return how many there are."""
     elbow, (lower, upper) = given
     R, p = pose
+    if sought.loose:
+        roll = 0.5 * (lower + upper)
+        turn = rotation(freedom.axis, math.cos(roll), math.sin(roll))
+        return add_shifted(P, (times(R, turn), p), elbow, sought, desk, n)
     # At its ends, the elbow is on a limit or straight: there may be more postures than beside them.
-    count = strip_count(lower, upper, goal[0])
+    count = strip_count(lower, upper, sought.seeded)
     for k in range(count):
         roll = lower + (upper - lower) * k / (count - 1)
         turn = rotation(freedom.axis, math.cos(roll), math.sin(roll))
-        n = add_turn(P, (times(R, turn), p), k, elbow, goal, desk, n)
+        n = add_turn(P, (times(R, turn), p), k, elbow, shifted(sought, 0.5 * (k % 2)), desk, n)
     return n
 
 
 @kernel
-def starts_of_roll(P, pose, freedom, goal, desk):
+def starts_of_roll(P, pose, freedom, sought, desk):
     """Write a start for every dip of the cost over arm angles at rolls, of all branches; return their number."""
     n = 0
     desk.table[ELBOW_ANGLE] = math.inf
@@ -166,20 +213,31 @@ def starts_of_roll(P, pose, freedom, goal, desk):
         for i in range(STRIPS):
             found, ends = strip(P, pose, freedom.axis, elbow, i)
             if found:
-                n = add_strip(P, pose, freedom, (elbow, ends), goal, desk, n)
+                n = add_strip(P, pose, freedom, (elbow, ends), sought, desk, n)
+    n = add_both_singular(P, pose, freedom.axis, sought, desk.starts, n)
     for i in range(n):
         desk.starts[i, START_LEANS] = 0.0
     return n
 
 
 @kernel
-def starts_of_turns(P, pose, turns, goal, desk, n):
+def starts_of_turns(P, pose, given, sought, desk, n):
     """Write starts as `starts_of_roll` at turns, behind n others; return the number of all."""
     R, p = pose
+    freedom, turns = given
     first = n
     for elbow in range(2):
+        before = NOWHERE
         for k in range(turns.shape[0]):
-            n = add_turn(P, (times(R, load9(row(turns, k), 0)), p), 0, elbow, goal, desk, n)
+            turn = load9(row(turns, k), 0)
+            if not sought.loose:
+                n = add_turn(P, (times(R, turn), p), 0, elbow, sought, desk, n)
+                continue
+            # Of those that only roll the tip about its axis, one is enough.
+            axis = apply(turn, freedom.axis)
+            if norm(sub(axis, before)) > SAME_PLACE:
+                n = add_shifted(P, (times(R, turn), p), elbow, sought, desk, n)
+            before = axis
     for i in range(first, n):
         desk.starts[i, START_LEANS] = 1.0
     return n

@@ -8,20 +8,15 @@ from __future__ import annotations
 
 import math
 
+from srs_ik.kernels.algebra.lanes import eight_of, gather, scatter
 from srs_ik.kernels.algebra.pointers import row
+from srs_ik.kernels.freedom.elimination import BASIC_ROW, INVERSE, RHS, solve_equations
 from srs_ik.kernels.jit import kernel
-from srs_ik.kernels.layout.freedom import SYSTEM
 from srs_ik.kernels.limb.poses import read7
 
-RHS = SYSTEM - 1
-"""Column of the right-hand side."""
-
-INVERSE = 7
-"""First column of the inverse, behind the seven of the joints."""
-
-STEP_ROW, REST_ROW, WAYS, FREE_ROW, BASIC_ROW = 8, 9, 10, 14, 15
-"""Rows of work space: a step that meets the equations, what is left of the slope there, up to four ways along the
-equations (and behind them what they are bent by), the joints that are free, and those that equations are solved for."""
+STEP_ROW, REST_ROW, WAYS = 8, 9, 10
+"""Rows of work space: a step that meets the equations, what is left of the slope there, and up to four ways along the
+equations, with what they are bent by behind them."""
 
 ASIDE, UPWARDS = 7, 11
 """Columns behind bends: a triangle or main directions, and how far up these are bent."""
@@ -31,16 +26,6 @@ SWEEPS, SPLIT = 4, 1e-4
 
 FLAT = 0.01
 """Least bend along a way, by the largest, where steps are turned downhill."""
-
-FEWEST = 3
-"""Independent equations at least: there is room for four ways along them."""
-
-DEPENDENT = 1e-7
-"""Pivots smaller than this, m and rad by rad, are none."""
-
-CONTRADICTION = 1e-3
-"""An equation that depends on others is left out where these leave no more than so much of it, m and rad: along a
-straight arm, what is left of a pose depends on the square of what is left across it."""
 
 SOFT = 1e-15
 """Weight by which equations that contradict each other give way."""
@@ -123,64 +108,6 @@ def solve_together(K, M, m, held, d):
 
 
 @kernel
-def solve_equations(K, M, m, held, d):
-    """Solve the equations for m of the joints that are not held, by elimination with pivots of all rows and columns.
-
-    Rows 0 on of M come to hold the equations in terms of the others, the inverse and the right-hand sides.
-
-    Returns:
-        The bit set of these joints, or -1 where there are not so many; how many equations do not depend on others: they
-        come to stand first.
-    """
-    for r in range(m):
-        rest = K[7 + r, RHS]
-        for j in range(7):
-            is_held = (held >> j) & 1 == 1
-            M[r, j] = 0.0 if is_held else K[7 + r, j]
-            if is_held:
-                rest -= K[7 + r, j] * d[j]
-        for i in range(INVERSE, RHS):
-            M[r, i] = 1.0 if i == INVERSE + r else 0.0
-        M[r, RHS] = rest
-    done, basic, rank = 0, 0, 0
-    while rank < m:
-        line, column, most = -1, -1, DEPENDENT
-        for r in range(m):
-            if (done >> r) & 1 == 0:
-                for j in range(7):
-                    if abs(M[r, j]) > most:
-                        line, column, most = r, j, abs(M[r, j])
-        if line < 0:
-            break
-        share = 1.0 / M[line, column]
-        for j in range(SYSTEM):
-            M[line, j] *= share
-        for r in range(m):
-            if r != line:
-                factor = M[r, column]
-                for j in range(SYSTEM):
-                    M[r, j] -= factor * M[line, j]
-                M[r, column] = 0.0
-        M[BASIC_ROW, line] = column
-        done |= 1 << line
-        basic |= 1 << column
-        rank += 1
-    if rank < m:
-        place = 0
-        for r in range(m):
-            if (done >> r) & 1 == 1:
-                for j in range(SYSTEM):
-                    M[place, j] = M[r, j]
-                M[BASIC_ROW, place] = M[BASIC_ROW, r]
-                place += 1
-            elif abs(M[r, RHS]) > CONTRADICTION:
-                return -1, rank
-        if rank < FEWEST:
-            return -1, rank
-    return basic, rank
-
-
-@kernel
 def multipliers(M, rank):
     """Multipliers of five equations, of which so many count."""
     return (
@@ -193,14 +120,23 @@ def multipliers(M, rank):
 
 
 @kernel
+def bent(K, M, i):
+    """The bends of the Lagrangian along row i of M, for all joints at once."""
+    a = M[i, 0] * gather(row(K, 0), 0, 1) + M[i, 1] * gather(row(K, 1), 0, 1)
+    b = M[i, 2] * gather(row(K, 2), 0, 1) + M[i, 3] * gather(row(K, 3), 0, 1)
+    c = M[i, 4] * gather(row(K, 4), 0, 1) + M[i, 5] * gather(row(K, 5), 0, 1)
+    return (a + b) + (c + M[i, 6] * gather(row(K, 6), 0, 1))
+
+
+@kernel
 def write_ways(K, M, m, taken, held, d):
     """Write a step that meets the equations, what is left of the slope, and ways along the equations: how many."""
     for j in range(7):
         M[STEP_ROW, j] = d[j] if (held >> j) & 1 == 1 else 0.0
     for r in range(m):
         M[STEP_ROW, int(M[BASIC_ROW, r])] = M[r, RHS]
-    for i in range(7):
-        M[REST_ROW, i] = K[i, RHS] - dot7(K, i, M, STEP_ROW, 0)
+    slopes = eight_of(K[0, RHS], K[1, RHS], K[2, RHS], K[3, RHS], K[4, RHS], K[5, RHS], K[6, RHS], 0.0)
+    scatter(row(M, REST_ROW), 0, 1, slopes - bent(K, M, STEP_ROW))
     n = 0
     for c in range(7):
         if (taken >> c) & 1 == 1:
@@ -209,8 +145,7 @@ def write_ways(K, M, m, taken, held, d):
             M[WAYS + n, j] = 1.0 if j == c else 0.0
         for r in range(m):
             M[WAYS + n, int(M[BASIC_ROW, r])] = -M[r, c]
-        for i in range(7):
-            M[WAYS + n, 7 + i] = dot7(K, i, M, WAYS + n, 0)
+        scatter(row(M, WAYS + n), 7, 1, bent(K, M, WAYS + n))
         n += 1
     return n
 

@@ -9,6 +9,7 @@ from __future__ import annotations
 import math
 
 from srs_ik.kernels.algebra.joint_vectors import along7
+from srs_ik.kernels.freedom.elimination import solve_equations
 from srs_ik.kernels.freedom.settle import (
     ALMOST,
     CLOSE_BY,
@@ -27,7 +28,7 @@ from srs_ik.kernels.freedom.settle import (
     price,
 )
 from srs_ik.kernels.freedom.shares import largest_share, mend, press
-from srs_ik.kernels.freedom.system import solve_equations, write_ways
+from srs_ik.kernels.freedom.system import write_ways
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.freedom import Liking
 from srs_ik.kernels.limb.goal import NO_SEED

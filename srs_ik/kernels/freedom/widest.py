@@ -11,14 +11,14 @@ from srs_ik.kernels.algebra.pointers import row
 from srs_ik.kernels.chain.freedom import free_error
 from srs_ik.kernels.exact.farthest import farthest_of_all
 from srs_ik.kernels.freedom.queue import MOST_ATTEMPTS, NONE_LEFT, line_up, take_next
-from srs_ik.kernels.freedom.settle import onto_pose
+from srs_ik.kernels.freedom.settle import THIN, onto_pose
 from srs_ik.kernels.freedom.shares import largest_share, share_of
-from srs_ik.kernels.freedom.starts import OUT_OF_REACH, is_of_no_use, starts_of_roll, starts_of_turns
+from srs_ik.kernels.freedom.starts import OUT_OF_REACH, is_loose, is_of_no_use, starts_of_roll, starts_of_turns
 from srs_ik.kernels.freedom.widen import widen
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.answer import SOLVED
-from srs_ik.kernels.layout.freedom import MOST_STARTS, START_LEANS, Found, Freedom
-from srs_ik.kernels.layout.limb import FAR, INVERSE_HALF_RANGE
+from srs_ik.kernels.layout.freedom import MOST_STARTS, START_LEANS, Found, Freedom, Sought
+from srs_ik.kernels.layout.limb import FAR, INVERSE_HALF_RANGE, IS_CLOSED
 from srs_ik.kernels.limb.triangle import place
 
 ALMOST = 1e-3
@@ -136,19 +136,23 @@ def widest_of_all(P, pose, given, liking, desk):
     No cone is answered worse than the roll that it contains. In a wide one the roll alone comes last: its searches then
     end as soon as they promise less than what the cone has.
     """
-    freedom, turns = given
+    freedom = given[0]
     roll = Freedom(freedom.axis, 0.0)
     start = as_given(P, pose, roll, liking)
     found = Found(start.q, start.cost if start.met else NONE_LEFT, start.met)
     wide = freedom.cone > NARROW
     if wide and start.cost < 0.0:
         found = widened(P, start.q, pose, freedom, liking, found, desk)
-    count = starts_of_roll(P, pose, freedom, (False, liking.posture, found), desk)
+    # Almost exact limbs need more starts.
+    loose = P[IS_CLOSED] == 1.0 and is_loose(P, freedom.axis)
+    count = starts_of_roll(P, pose, freedom, Sought(False, liking.posture, found, loose, 0.0), desk)
     if not wide:
         found = in_roll(P, pose, (roll, count), liking, start, found, desk)
     if freedom.cone == 0.0:
         return found
-    count = starts_of_turns(P, pose, turns, (False, liking.posture, found), desk, count)
+    if freedom.cone <= THIN and found.met:
+        return widened(P, found.q, pose, freedom, liking, found, desk)
+    count = starts_of_turns(P, pose, given, Sought(False, liking.posture, found, loose, 0.0), desk, count)
     if not wide and found.met:
         found = widened(P, found.q, pose, freedom, liking, found, desk)
     found = widest(P, pose, freedom, liking, (count, WIDEST_IN_CONE), found, desk)

@@ -34,13 +34,14 @@ HALF_COST = 3
 ELBOW_ANGLE = 4 * HALF * ARM_ANGLES
 ELBOW_COST = ELBOW_ANGLE + 1
 LINE = ELBOW_ANGLE + 2
-BRANCH_COST = LINE + 3
+SHIFT = LINE + 3
+BRANCH_COST = SHIFT + 1
 TABLE = BRANCH_COST + ARM_ANGLES + 2
 """Postures at a turn: both solutions of the shoulder, both of the wrist, and the elbow; the direction from shoulder to
-wrist, for which they were written; what a branch costs at all arm angles, the last before the first and the first
-behind the last."""
+wrist and the shift of the arm angles, for which they were written; what a branch costs at all arm angles, the last
+before the first and the first behind the last."""
 
-WORK = 42 + 3 * SYSTEM * SYSTEM + TABLE
+WORK = 49 + 3 * SYSTEM * SYSTEM + TABLE
 """Work space of a search."""
 
 
@@ -65,6 +66,20 @@ class Liking(NamedTuple):
     rival_posture: Any
 
 
+class Sought(NamedTuple):
+    """What starts of searches are for: seven angles of a seed or of the middles, and the best posture that is known.
+
+    Joint 7 is loose where it turns the tip about the free axis: then it is as it is wanted. Arm angles that are looked
+    at begin at a shift, rad.
+    """
+
+    seeded: bool
+    wish: Any
+    known: Any
+    loose: bool
+    shift: float
+
+
 class Found(NamedTuple):
     """A posture, its cost, and whether it meets its pose inside the limits."""
 
@@ -74,7 +89,7 @@ class Found(NamedTuple):
 
 
 class Desk(NamedTuple):
-    """Work space: J (6, 7), a system of equations (SYSTEM, SYSTEM), a copy to be solved, one for shares, and tables.
+    """Work space: J (6, 7) and a row to spare, a system of equations (SYSTEM, SYSTEM), a copy, one for shares, tables.
 
     These are postures at a turn (TABLE,) and starts (MOST_STARTS, START).
     """

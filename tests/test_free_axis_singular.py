@@ -1,0 +1,55 @@
+"""A pose with shoulder and wrist singular at once: all splits of both sums meet it, and the answer is none farther."""
+
+import math
+
+import arms
+import numpy as np
+import pytest
+
+from srs_ik import FreeAxis
+
+STEP = 2e-3
+"""Splits are swept so finely, rad."""
+
+AXES = ([0.0, 0.0, 1.0], [1.0, 0.0, 0.0], [0.6, -0.3, 0.8], [-0.5, -0.9, -0.4])
+
+
+def opposite(name, q, first):
+    """Which way joint `first + 2` has to turn as joint `first` does, for the tip to stay: by the robot's file."""
+    for way in (-1.0, 1.0):
+        other = q.copy()
+        other[[first, first + 2]] += 0.1, 0.1 * way
+        if np.abs(arms.forward(name)(other).homogeneous - arms.forward(name)(q).homogeneous).max() < 1e-9:
+            return way
+    raise AssertionError("the joint is not singular")
+
+
+def least_split(name, q, seed, first):
+    """The least squared distance of two joints from a seed over a fine sweep of their splits, inside the limits."""
+    arm, way = arms.load(name), opposite(name, q, first)
+    t = np.arange(-7.0, 7.0, STEP)
+    best = math.inf
+    for turn in 2.0 * np.pi * np.arange(-2, 3):
+        both = np.stack([q[first] + t, q[first + 2] + way * t + turn], axis=1)
+        joints = [first, first + 2]
+        inside = ((both >= arm.lower[joints]) & (both <= arm.upper[joints])).all(axis=1)
+        away = ((both - seed[joints]) ** 2).sum(axis=1)
+        best = min(best, away[inside].min(initial=math.inf))
+    return best
+
+
+@pytest.mark.parametrize("cone", [0.0, 1e-6])
+@pytest.mark.parametrize("axis", AXES)
+@pytest.mark.parametrize("name", arms.here("iiwa14", "med7", "sia10f"))
+def test_no_split_is_nearer_to_the_seed(name, axis, cone):
+    arm, rng = arms.load(name), arms.generator(name, 170)
+    lower, upper = np.maximum(arm.lower, -np.pi), np.minimum(arm.upper, np.pi)
+    for _ in range(60):
+        q, seed = rng.uniform(lower, upper, (2, 7))
+        q[[1, 5]] = 0.0
+        rest = ((q - seed)[[1, 3, 5]] ** 2).sum()
+        known = rest + least_split(name, q, seed, 0) + least_split(name, q, seed, 4)
+        pose = arms.forward(name)(q).homogeneous
+        found = arm.solve(pose, seed=seed, free_axis=FreeAxis(axis, cone=cone))
+        assert found, found.message
+        assert np.linalg.norm(found.q - seed) <= math.sqrt(known) + 1e-6
