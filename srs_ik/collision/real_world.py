@@ -104,10 +104,13 @@ class RealWorld:
         self.solids = Solids(Carried(self.joints, self.parts, spins, reaches), zero, limb)
         self._couples: tuple[Any, Any] = None, None
 
+    def ranged(self, margin: float) -> list[tuple[int, int]]:
+        """Those pairs that ranges of joints watch which may come within a margin, m."""
+        return [(r.first, r.second) for r in self._ranges if r.bounds.min() <= margin]
+
     def watched(self, margin: float) -> list[tuple[int, int]]:
         """Pairs of bodies that may come within a margin, m: some of those that never meet, too."""
-        near = [(r.first, r.second) for r in self._ranges if r.bounds.min() <= margin]
-        return [*self.pairs, *(pair for pair in near if pair not in self.pairs)]
+        return [*self.pairs, *(pair for pair in self.ranged(margin) if pair not in self.pairs)]
 
     def couples(self, tables: Tables, margin: float) -> tuple[NDArray[np.int64], list[tuple[int, int]]]:
         """The pairs of bodies that may come within a margin, m: see `Solids.couples`; found once for a margin."""
@@ -149,9 +152,8 @@ class RealWorld:
         axis = SPINNING[self.joints[k]]
         return self.before[k] if axis == self.joints[k] - 1 else self.behind[k]
 
-    def nearest(self, q: Array, margin: float) -> tuple[str, str, float] | None:
-        """The two that are nearest to each other, no farther than a margin, at a posture, and how near, m."""
-        pairs = self.watched(margin)
+    def nearest(self, q: Array, margin: float, pairs: Sequence[tuple[int, int]]) -> tuple[str, str, float] | None:
+        """Of some pairs the two that are nearest, no farther than a margin, at a posture, and how near, m."""
         places, centres = self._placed(self._frames(q))
         first, second = np.array(pairs, np.int64).reshape(-1, 2).T
         apart = np.linalg.norm(centres[first] - centres[second], axis=1)
@@ -177,19 +179,20 @@ class RealWorld:
         while waiting:
             lower, upper = waiting.pop()
             middle, half = 0.5 * (lower + upper), 0.5 * (upper - lower)
-            doubtful = self._doubtful(self._frames(start + middle * (end - start)), half * turns, margin, pairs)
-            if doubtful is None:
+            nearest = self.doubtful(start + middle * (end - start), half * turns, margin, pairs)
+            if nearest is None:
                 continue
-            a, b, distance = doubtful
+            a, b, distance = nearest
             if distance <= margin or half < _SHORTEST:
                 return middle, self.names[a], self.names[b], distance
             waiting += [(middle, upper), (lower, middle)]
         return 0.0, "", "", math.inf
 
-    def _doubtful(
-        self, frames: Array, turns: Array, margin: float, pairs: Sequence[tuple[int, int]]
+    def doubtful(
+        self, q: Array, turns: Array, margin: float, pairs: Sequence[tuple[int, int]]
     ) -> tuple[int, int, float] | None:
         """The nearest pair that may come within a margin while joints turn so far from a posture; None for none."""
+        frames = self._frames(q)
         places, centres = self._placed(frames)
         at: dict[int, Any] = {}
         worst = None
