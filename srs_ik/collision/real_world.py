@@ -154,20 +154,34 @@ class RealWorld:
 
     def nearest(self, q: Array, margin: float, pairs: Sequence[tuple[int, int]]) -> tuple[str, str, float] | None:
         """Of some pairs the two that are nearest, no farther than a margin, at a posture, and how near, m."""
-        places, centres = self._placed(self._frames(q))
-        first, second = np.array(pairs, np.int64).reshape(-1, 2).T
-        apart = np.linalg.norm(centres[first] - centres[second], axis=1)
-        close = np.flatnonzero(apart - self._balls[first, 3] - self._balls[second, 3] <= margin)
-        at = {k: transform(places[k]) for k in {*first[close].tolist(), *second[close].tolist()}}
-        found = [(self._distance(at, *pairs[k]), pairs[k]) for k in close.tolist()]
-        distance, (a, b) = min(found, default=(math.inf, (0, 0)))
-        return (self.names[a], self.names[b], distance) if distance <= margin else None
+        apart = self.rooms(self._frames(q), pairs, np.full(len(pairs), margin))
+        k = int(np.argmin(apart)) if len(pairs) else -1
+        if k < 0 or apart[k] > margin:
+            return None
+        return self.names[pairs[k][0]], self.names[pairs[k][1]], float(apart[k])
 
     def _placed(self, frames: Array) -> tuple[list[Array], Array]:
         """Where bodies are, and (n, 3) the centres of the balls around them, by the frames of the joints."""
         places = [frames[joint] if joint >= 0 else _STILL for joint in self.joints]
         stacked = np.array(places)
         return places, np.einsum("nij,nj->ni", stacked[:, :3, :3], self._balls[:, :3]) + stacked[:, :3, 3]
+
+    def ball(self, k: int) -> Array:
+        """(4,) a sphere around a body, in the frame of the joint that carries it."""
+        ball: Array = self._balls[k]
+        return ball
+
+    def rooms(self, frames: Array, pairs: Sequence[tuple[int, int]], enough: Array) -> Array:
+        """(n,) how far each of some pairs is apart, or a bound below it that is more than enough (n,), m."""
+        places, centres = self._placed(frames)
+        first, second = np.array(pairs, np.int64).reshape(-1, 2).T
+        found = np.linalg.norm(centres[first] - centres[second], axis=1)
+        found -= self._balls[first, 3] + self._balls[second, 3]
+        close = np.flatnonzero(found <= enough)
+        at = {k: transform(places[k]) for k in {*first[close].tolist(), *second[close].tolist()}}
+        for k in close.tolist():
+            found[k] = self._distance(at, *pairs[k])
+        return found
 
     def along(self, start: Array, end: Array, margin: float) -> tuple[float, str, str, float]:
         """What comes within a margin on a straight line of joint angles: where (0 to 1), which two, how near, m.
@@ -179,20 +193,19 @@ class RealWorld:
         while waiting:
             lower, upper = waiting.pop()
             middle, half = 0.5 * (lower + upper), 0.5 * (upper - lower)
-            nearest = self.doubtful(start + middle * (end - start), half * turns, margin, pairs)
-            if nearest is None:
+            doubtful = self._doubtful(self._frames(start + middle * (end - start)), half * turns, margin, pairs)
+            if doubtful is None:
                 continue
-            a, b, distance = nearest
+            a, b, distance = doubtful
             if distance <= margin or half < _SHORTEST:
                 return middle, self.names[a], self.names[b], distance
             waiting += [(middle, upper), (lower, middle)]
         return 0.0, "", "", math.inf
 
-    def doubtful(
-        self, q: Array, turns: Array, margin: float, pairs: Sequence[tuple[int, int]]
+    def _doubtful(
+        self, frames: Array, turns: Array, margin: float, pairs: Sequence[tuple[int, int]]
     ) -> tuple[int, int, float] | None:
         """The nearest pair that may come within a margin while joints turn so far from a posture; None for none."""
-        frames = self._frames(q)
         places, centres = self._placed(frames)
         at: dict[int, Any] = {}
         worst = None
