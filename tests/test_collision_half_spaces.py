@@ -122,7 +122,7 @@ def test_a_half_space_moves_and_is_seen_along_a_path():
     assert not path.breaks
 
 
-def test_a_hollow_mesh_in_the_hand_is_as_low_as_its_lowest_vertex(tmp_path):
+def test_a_hollow_mesh_in_the_hand_is_as_near_to_a_wall_as_its_nearest_vertex(tmp_path):
     ring = trimesh.creation.annulus(r_min=0.1, r_max=0.12, height=0.03)
     ring.export(tmp_path / "ring.stl")
     at_tip = srs_ik.pose_from_xyz_rpy([0.05, 0.0, 0.1], [0.4, 0.9, 0.0]).homogeneous
@@ -132,14 +132,16 @@ def test_a_hollow_mesh_in_the_hand_is_as_low_as_its_lowest_vertex(tmp_path):
     for q in rng.uniform([-1, 0.3, -1, -1.6, -1, 0.3, -1], [1, 1, 1, -0.8, 1, 1.2, 1], (30, 7)):
         T = arm.forward_kinematics(q).homogeneous
         placed = T @ at_tip
-        low = (ring.vertices @ placed[2, :3]).min() + placed[2, 3]
+        # A wall beyond the ring, seen from the shoulder.
+        n = (arm.limb.shoulder - placed[:3, 3]) / np.linalg.norm(arm.limb.shoulder - placed[:3, 3])
+        near = ((ring.vertices @ placed[:3, :3].T + placed[:3, 3]) @ n).min()
         for missing in (-1e-4, rng.uniform(0.0, 0.03)):
             scene = srs_ik.Scene(exact=True)
-            scene.add_half_space("floor", [0, 0, low + missing], [0, 0, 1])
+            scene.add_half_space("wall", (near + missing) * n, n)
             answer = arm.solve(T, scene=scene)
             free += bool(answer) and missing < 0.0
             assert answer.status == "COLLISION" or missing < 0.0
-            if answer.status == "COLLISION" and answer.collision[:2] == ("ring", "floor"):
+            if answer.status == "COLLISION" and answer.collision[:2] == ("ring", "wall"):
                 assert abs(answer.collision.depth - missing) < 1e-6
                 told += 1
     assert told > 20

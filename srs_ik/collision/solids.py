@@ -89,10 +89,10 @@ class Solids:
 
     def _in_order(self, a: int, b: int, ranged: bool = False) -> tuple[int, int]:
         """What turns comes first; of bodies whose chain counts, the one nearer to the base, and objects last."""
-        (_, _, joint_a, place_a, spins_a), (_, _, joint_b, _, spins_b) = self.of_body[[a, b]].tolist()
+        (_, _, joint_a, place_a, spins_a), (_, _, joint_b, place_b, spins_b) = self.of_body[[a, b]].tolist()
         if spins_a or spins_b or ranged:
             return (a, b) if joint_b == 0 or 0 < joint_a <= joint_b else (b, a)
-        return (a, b) if place_a >= UPPER else (b, a)
+        return (a, b) if place_a >= UPPER or place_b < UPPER else (b, a)
 
 
 _SIGNS = np.array([(x, y, z) for x in (-1.0, 1.0) for y in (-1.0, 1.0) for z in (-1.0, 1.0)])
