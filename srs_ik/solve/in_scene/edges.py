@@ -37,7 +37,8 @@ class Edges:
         found = around.along(q[lines], q[lines + 1], np.full(len(lines), around.margin))
         self.hits: list[EdgeHit] = []
         for line, edge in zip(lines.tolist(), found, strict=True):
-            if edge[at.EDGE_PAIR] < 0.0:
+            # Where no limits do it, the shapes have to say that bodies keep apart which ranges of joints watch.
+            if edge[at.EDGE_PAIR] < 0.0 and not (around.is_exact and around.jammed is not None):
                 continue
             hit: tuple[float, Collision | None] = float(edge[at.EDGE_AT]), around.collision_of(edge)
             if around.is_exact:
