@@ -7,6 +7,7 @@ from arms import generator
 from collision_oracle import Truth, file_of_and
 
 import srs_ik
+from srs_ik.solve.in_scene.surroundings import Surroundings
 
 
 class Distances:
@@ -99,3 +100,19 @@ def test_what_is_missing_to_a_margin_is_told_as_it_is(name):
             assert abs(found[frozenset((first, second))] - (0.08 - depth)) < 1e-5
             assert min(found.values()) > 0.08 - depth - 1e-5
     assert told > 4
+
+
+def test_paths_keep_a_margin_that_no_range_of_a_joint_keeps(distances):
+    arm, scene, checked = distances.arm, srs_ik.Scene(), 0
+    q = np.array([0.3, 0.9, -0.4, -1.3, 0.5, 0.9, -0.2])
+    path = [arm.forward_kinematics(q + 0.05 * k * np.ones(7)).homogeneous for k in range(4)]
+    assert Surroundings(arm, arm.packed, scene, 0.06).jammed is not None
+    found = arm.solve_path(path, seed=q, scene=scene, margin=0.06)
+    assert set(found.status) == {srs_ik.Status.OK}
+    between = {each.sample for each in found.breaks}
+    for i in set(range(1, 4)) - between:
+        for share in np.linspace(0.0, 1.0, 9):
+            checked += 1
+            at = (1.0 - share) * found.q[i - 1] + share * found.q[i]
+            assert min(distances.at(at).values()) > 0.06 - 2e-5
+    assert checked >= 18

@@ -36,6 +36,9 @@ _LITTLE = 1e-3
 """Where links of a near limb are no farther from those of its nearest exact limb, m, spheres grown by it will do."""
 
 
+_ROUNDING = 1e-9
+"""A joint angle may be out of a range so far, rad."""
+
 _MOST_MARGINS = 16
 """For so many margins at most, tightened limits are kept."""
 
@@ -86,6 +89,13 @@ class Surroundings:
         """(n, 3) intervals outside of which some of these bodies are nearer than the margin for certain."""
         loose, jammed = _limits(self.arm, self.packed, self.tables.ranges, loosened, self.margin)
         return self._within(loose[bool(respect)], jammed, T, found)
+
+    def keeps_range(self, q: Array) -> bool:
+        """Whether a posture is in the ranges of joints that keep apart the bodies which they watch."""
+        tight = self.tight[True]
+        if tight is None or self.jammed is not None:
+            return tight is None
+        return bool((q >= tight.lower - _ROUNDING).all() and (q <= tight.upper + _ROUNDING).all())
 
     def _within(self, limits: TightLimits | None, jammed: JointRange | None, T: Array, found: Array) -> Array:
         if limits is None:
