@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any, Self
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from srs_ik.collision.figures import refuse_margin
 from srs_ik.collision.owner import BodyOwner, BodyPlan
 from srs_ik.errors import NotAnSrsLimb
 from srs_ik.inputs.poses import PoseLike, as_bounded_joint_vector, as_gravity, as_rigid_matrix
@@ -115,7 +116,7 @@ class Arm(BodyOwner):
                 seed or without, and with neither arm angle nor branch. With a scene, the best of a sample of turns is
                 closed in on wherever the best posture of all hits something.
             scene: what must not be touched, the arm's own bodies included; nothing is looked at if not given.
-            margin: what is to be left between any two bodies, m.
+            margin: what is to be left between any two bodies, m; it goes with a scene.
 
         Raises:
             InvalidPose: the pose is no finite rigid transform, or farther away than 1e300 m.
@@ -147,7 +148,7 @@ class Arm(BodyOwner):
             arm_angle: rad; without it, each posture is the one farthest from the limits in its interval.
             respect_limits: whether to leave out postures outside the joint limits.
             scene: what must not be touched, the arm's own bodies included; nothing is looked at if not given.
-            margin: what is to be left between any two bodies, m.
+            margin: what is to be left between any two bodies, m; it goes with a scene.
 
         Returns:
             The solutions, in the order of branches; empty if there is none, with a message that says why.
@@ -187,7 +188,7 @@ class Arm(BodyOwner):
             threads: at most so many; all processors if not given.
             free_axis: as for `solve`, for all.
             scene: what must not be touched, the arm's own bodies included; nothing is looked at if not given.
-            margin: what is to be left between any two bodies, m.
+            margin: what is to be left between any two bodies, m; it goes with a scene.
 
         Raises:
             InvalidPose: a pose is no finite rigid transform; the message names the first one.
@@ -248,7 +249,7 @@ class Arm(BodyOwner):
             free_axis: what of the rotation is free, as for `solve`; turns are chosen on samples, along the whole path,
                 and then each for its neighbours. It goes with neither known postures nor a closed path nor a scene.
             scene: what must not be touched, the arm's own bodies included; nothing is looked at if not given.
-            margin: what is to be left between any two bodies, m.
+            margin: what is to be left between any two bodies, m; it goes with a scene.
 
         Raises:
             InvalidPose: a pose is no finite rigid transform; the message names the first one.
@@ -317,7 +318,7 @@ class Arm(BodyOwner):
             pose: wanted pose of the tip frame in the base frame.
             respect_limits: whether the joint limits have to be kept.
             scene: what must not be touched, the arm's own bodies included; nothing is looked at if not given.
-            margin: what is to be left between any two bodies, m.
+            margin: what is to be left between any two bodies, m; it goes with a scene.
 
         Raises:
             InvalidPose: the pose is no finite rigid transform.
@@ -342,7 +343,7 @@ class Arm(BodyOwner):
             respect_limits: whether the joint limits have to be kept.
             threads: at most so many; all processors if not given.
             scene: what must not be touched, the arm's own bodies included; nothing is looked at if not given.
-            margin: what is to be left between any two bodies, m.
+            margin: what is to be left between any two bodies, m; it goes with a scene.
 
         Returns:
             The intervals of all poses in flat arrays; `[i]` lists those of one pose.
@@ -433,7 +434,7 @@ class Arm(BodyOwner):
                 least distance of all bodies that are watched, m, by the spheres, which is maximised.
             respect_limits: whether q has to keep the joint limits.
             scene: what must not be touched, the arm's own bodies included; nothing is looked at if not given.
-            margin: what is to be left between any two bodies, m.
+            margin: what is to be left between any two bodies, m; it goes with a scene.
             **parameters: what the objective takes, such as force=, velocity=, twist=, wrench=, reference=, tolerance=.
 
         Returns:
@@ -505,7 +506,7 @@ class Arm(BodyOwner):
             free_axis: what of the hand's rotation is free, as for `solve`, if the task has grasp and pronosupination:
                 the turn at which the plane of the arm comes closest to that of the task, `angle_lost` on top.
             scene: what must not be touched, the arm's own bodies included; nothing is looked at if not given.
-            margin: what is to be left between any two bodies, m.
+            margin: what is to be left between any two bodies, m; it goes with a scene.
 
         Raises:
             InvalidTask: no `Task`, another side or tie, an arm whose hand is not known (see `load`), or a free axis and
@@ -670,6 +671,8 @@ class Arm(BodyOwner):
     def _asked(self, scene: Scene | None, margin: float) -> InLimits | InScene:
         """Who answers questions: within the limits alone, or in a scene."""
         if scene is None:
+            if type(margin) is not float or margin != 0.0:
+                refuse_margin(margin)
             return self._in_limits
         from srs_ik.solve.in_scene.questions import in_scene
 

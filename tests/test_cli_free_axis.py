@@ -1,6 +1,7 @@
 """`--free-axis` and `--cone` of `srs-ik solve`, `path` and `follow`; wrong input is one line."""
 
 import csv
+import json
 
 import numpy as np
 import pinocchio as pin
@@ -56,6 +57,7 @@ def test_files_of_poses_take_it_too(tmp_path):
         (("--cone", "0.2"), "give that too"),
         (("--free-axis", "0", "0", "0"), "3 finite numbers that are not all zero"),
         (("--free-axis", "0", "0", "1", "--cone", "7"), "from 0 to pi"),
+        (("--free-axis", "0", "0", "1", "--cone", "200", "--degrees"), "from 0 to 180 degrees, not 200"),
         (("--free-axis", "0", "0", "1", "--branch", "0"), "--free-axis goes with none of"),
         (("--free-axis", "0", "0"), "takes 3 numbers, not 2"),
     ],
@@ -65,3 +67,20 @@ def test_wrong_input_is_one_line(words, said):
     assert done.exit_code == 2
     assert said in done.stderr
     assert done.stderr.count("\n") == 1
+
+
+def test_a_free_roll_in_a_scene_is_that_of_python(tmp_path):
+    file = tmp_path / "scene.json"
+    # Where the elbow of the posture nearest to the seed would be.
+    elbow = srs_ik.load("iiwa14").joint_frames([float(x) for x in Q])[4, :3, 3]
+    file.write_text(
+        json.dumps({"objects": [{"name": "ball", "sphere": 0.1, "xyz": [elbow[0], elbow[1] + 0.1, elbow[2]]}]})
+    )
+    arm = srs_ik.load("iiwa14")
+    T = arm.forward_kinematics([float(x) for x in Q])
+    asked = ("solve", "iiwa14", "--q", *Q, "--free-axis", "1", "0", "0")
+    found = answer(*asked, "--scene", str(file), "--margin", "0.005")
+    wanted = arm.solve(T, scene=srs_ik.Scene.from_file(file), margin=0.005, free_axis=[1, 0, 0])
+    assert found["status"] == "OK"
+    np.testing.assert_allclose(found["q"], wanted.q, atol=1e-9)
+    assert np.abs(wanted.q - answer(*asked)["q"]).max() > 1e-3

@@ -41,6 +41,18 @@ def test_solve_in_a_scene(file, tmp_path):
     assert told.exit_code == 1
 
 
+def test_the_largest_clearance_needs_a_scene(file):
+    found = answer("solve", "iiwa14", *POSE, "--objective", "clearance", "--scene", str(file))
+    arm = srs_ik.load("iiwa14")
+    T = srs_ik.pose_from_xyz_rpy([0.5, 0.1, 0.6], [0, 1.5707963, 0])
+    wanted = arm.optimise(T, "clearance", scene=srs_ik.Scene.from_file(file))
+    assert np.allclose(found["q"], wanted.q, atol=1e-6)
+    bare = run("solve", "iiwa14", *POSE, "--objective", "clearance")
+    assert bare.exit_code == 2
+    assert "needs a scene" in bare.stderr
+    assert bare.stderr.count("\n") == 1
+
+
 @pytest.mark.parametrize("words", [("--margin", "0.1"), ("--exact",)])
 def test_a_margin_needs_a_scene(words):
     result = run("solve", "iiwa14", *POSE, *words)

@@ -79,6 +79,38 @@ def test_wrong_questions(arm, pose):
         scene.add_box("apple", np.eye(4), [1, 1, 1]) or scene.remove("aple")
 
 
+@pytest.mark.parametrize("ask", ["solve", "solve_all", "intervals", "solve_batch", "intervals_batch", "solve_path"])
+def test_a_margin_needs_a_scene(arm, pose, ask):
+    one = ask in ("solve", "solve_all", "intervals")
+    asked = pose if one else np.array([pose, pose])
+    for margin in (0.05, 1, -0.1, "wide"):
+        with pytest.raises(InvalidScene, match="margin"):
+            getattr(arm, ask)(asked, margin=margin)
+    with pytest.raises(InvalidScene, match=r"scene=srs_ik.Scene\(\) is the arm alone"):
+        getattr(arm, ask)(asked, margin=0.05)
+    for nothing in (0.0, 0, np.float64(0.0)):
+        getattr(arm, ask)(asked, margin=nothing)
+
+
+def test_clearance_needs_a_scene(arm, pose):
+    for asked in (lambda: arm.optimise(pose, "clearance"), lambda: srs_ik.Objective("clearance")):
+        with pytest.raises(srs_ik.InvalidTask, match="'clearance' needs a scene"):
+            asked()
+    with pytest.raises(InvalidScene, match="goes with scene="):
+        arm.optimise(pose, "clearance", margin=0.01)
+
+
+def test_no_object_has_the_name_of_a_link(arm, pose):
+    scene = srs_ik.Scene()
+    scene.add_sphere("iiwa_link_3", [0.0, 0.0, 3.0], 0.1)
+    for ask in (arm.solve, arm.intervals):
+        with pytest.raises(InvalidScene, match="'iiwa_link_3' is a body of the arm"):
+            ask(pose, scene=scene)
+    scene.remove("iiwa_link_3")
+    scene.add_arm("iiwa_link_3", arm, np.zeros(7), srs_ik.pose_from_xyz_rpy([3.0, 0.0, 0.0], [0.0, 0.0, 0.0]))
+    assert arm.solve(pose, scene=scene)
+
+
 def test_an_object_around_the_whole_arm_leaves_nothing(arm, pose):
     for add in (
         lambda s: s.add_sphere("world", [0, 0, 0.5], 3.0),

@@ -25,7 +25,8 @@ def read(axis: Three | None, cone: str | None, unit: float) -> FreeAxis | None:
     """What is free.
 
     Raises:
-        WrongInput: a cone about no axis.
+        WrongInput: a cone about no axis, or none in degrees.
+        InvalidTask: no direction, or no cone.
     """
     if axis is None:
         if cone is not None:
@@ -33,4 +34,10 @@ def read(axis: Three | None, cone: str | None, unit: float) -> FreeAxis | None:
         return None
     from srs_ik.inputs.freedom import FreeAxis
 
-    return FreeAxis(numbers("--free-axis", axis), unit * numbers("--cone", [cone])[0] if cone is not None else 0.0)
+    lean = 0.0 if cone is None else numbers("--cone", [cone])[0]
+    if unit != 1.0 and not 0.0 <= lean <= _HALF_TURN:
+        raise WrongInput(f"--cone must be an angle from 0 to 180 degrees, not {cone}")
+    return FreeAxis(numbers("--free-axis", axis), unit * lean)
+
+
+_HALF_TURN = 180.0

@@ -42,8 +42,8 @@ def read_objective(
     reference: Seven | None,
     tolerance: str | None,
     unit: float,
-) -> Objective | None:
-    """The objective that the options give, or None.
+) -> Objective | str | None:
+    """The objective that the options give, the name of one that a scene has to tell, or None.
 
     Raises:
         WrongInput: a parameter without an objective, or words that are no finite numbers.
@@ -58,8 +58,10 @@ def read_objective(
             raise WrongInput(f"--{next(iter(given))} is a parameter of an objective: give --objective NAME")
         return None
 
-    from srs_ik.solve.objectives import Objective
+    from srs_ik.solve.objectives import CLEARANCE, Objective
 
+    if name == CLEARANCE and not given:
+        return name
     if reference is not None:
         given["reference"] = angles("--reference", reference, unit)
     return Objective(name, **given)

@@ -91,8 +91,8 @@ def solve(
     angle = None if arm_angle is None else angles("--arm-angle", [arm_angle], unit)[0]
     start = None if seed is None else angles("--seed", seed, unit)
     free = freedom.read(free_axis, cone, unit)
-    if free is not None and (every or judged or any(x is not None for x in (arm_angle, branch, scene))):
-        raise WrongInput("--free-axis goes with none of --arm-angle, --branch, --objective, --all and --scene")
+    if free is not None and (every or judged or any(x is not None for x in (arm_angle, branch))):
+        raise WrongInput("--free-axis goes with none of --arm-angle, --branch, --objective and --all")
     if file is not None and (every or judged or xyz or rpy or quat or q):
         raise WrongInput("--file has the poses: it goes with none of --xyz, --rpy, --quat, --q, --all and --objective")
     if out is not None and file is None:

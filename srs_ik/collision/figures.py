@@ -32,6 +32,16 @@ def as_margin(value: Any) -> float:
     return margin
 
 
+def refuse_margin(value: Any) -> None:
+    """Refuse a margin that has no scene; zero is none.
+
+    Raises:
+        InvalidScene: no number from 0 to 1e4, or not zero.
+    """
+    if as_margin(value) != 0.0:
+        raise InvalidScene("margin= goes with scene=; scene=srs_ik.Scene() is the arm alone")
+
+
 def as_name(name: Any) -> str:
     """A name of an object."""
     if not isinstance(name, str) or not name.strip() or len(name) > 200:

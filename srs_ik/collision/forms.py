@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
-Kind = Literal["box", "cylinder", "sphere", "capsule", "mesh"]
+Kind = Literal["box", "cylinder", "sphere", "capsule", "mesh", "half_space"]
 
 _SECTIONS = 24
 """Sides of the prism around a cylinder."""
@@ -25,8 +25,8 @@ class Form:
     """A form in the frame of what carries it.
 
     Attributes:
-        kind: a cylinder or capsule has its axis along z, and its centre in the origin.
-        size: box: 3 edges; cylinder and capsule: radius and length (of its cylinder); sphere: radius, m; mesh: none.
+        kind: a cylinder or capsule has its axis along z, and its centre in the origin; a half-space is all below z = 0.
+        size: box: 3 edges; cylinder and capsule: radius and length (of its cylinder); sphere: radius, m; others: none.
         T: (4, 4) where it is.
         vertices: (n, 3) of a mesh, m.
         faces: (m, 3) of a mesh.
@@ -41,6 +41,20 @@ class Form:
     def moved(self, T: Array) -> Form:
         """The form in another frame."""
         return Form(self.kind, self.size, T @ self.T, self.vertices, self.faces)
+
+
+def least_along(form: Form, direction: Array) -> float:
+    """The least that a form reaches along a unit vector, both in its own frame and not in that of its carrier, m."""
+    if form.kind == "mesh":
+        assert form.vertices is not None
+        return float((form.vertices @ direction).min())
+    if form.kind == "box":
+        return -0.5 * float(np.abs(direction) @ np.array(form.size))
+    if form.kind == "sphere":
+        return -form.size[0]
+    radius, length = form.size
+    across = 1.0 if form.kind == "capsule" else math.hypot(direction[0], direction[1])
+    return -radius * across - 0.5 * length * abs(float(direction[2]))
 
 
 def surface(form: Form) -> tuple[Array, NDArray[np.int64]]:
@@ -152,7 +166,9 @@ def ball_around(form: Form) -> Array:
         points = form.vertices @ form.T[:3, :3].T + form.T[:3, 3]
         centre = 0.5 * (points.min(axis=0) + points.max(axis=0))
         return np.array([*centre, float(np.linalg.norm(points - centre, axis=1).max())])
-    if form.kind == "box":
+    if form.kind == "half_space":
+        radius = math.inf
+    elif form.kind == "box":
         radius = 0.5 * float(np.linalg.norm(form.size))
     elif form.kind == "cylinder":
         radius = math.hypot(form.size[0], 0.5 * form.size[1])

@@ -10,7 +10,7 @@ import coal
 import numpy as np
 from numpy.typing import NDArray
 
-from srs_ik.collision.forms import Form, ball_around, surface
+from srs_ik.collision.forms import Form, ball_around, least_along, surface
 
 Array = NDArray[np.float64]
 
@@ -33,6 +33,8 @@ def geometry(form: Form) -> tuple[Any, Any]:
         shape = coal.Sphere(*form.size)
     elif form.kind == "capsule":
         shape = coal.Capsule(*form.size)
+    elif form.kind == "half_space":
+        shape = coal.Halfspace(0.0, 0.0, 1.0, 0.0)
     else:
         assert form.vertices is not None
         assert form.faces is not None
@@ -117,8 +119,13 @@ def _is_convex(form: Form) -> bool:
 def apart(first: Part, at_first: Any, second: Part, at_second: Any, enough: float = FAR_APART) -> float:
     """Distance of two parts, or a bound below it that is more than enough, m; not positive where they meet.
 
-    Where both are convex, it is minus the depth then.
+    Where both are convex, it is minus the depth then. A half-space is the second one; no hull is nearer to it than what
+    it goes around.
     """
+    if second.form.kind == "half_space":
+        out, T = at_second.getRotation()[:, 2], at_first.getRotation()
+        level = float(out @ (at_first.getTranslation() - at_second.getTranslation()))
+        return level + least_along(first.form, T.T @ out)
     if is_convex(first, second):
         return _distance(first.shape, at_first, second.shape, at_second)
     hulls = _distance(first.cover or first.shape, at_first, second.cover or second.shape, at_second)
@@ -131,7 +138,9 @@ def _distance(first: Any, at_first: Any, second: Any, at_second: Any) -> float:
 
 
 def is_convex(first: Part, second: Part) -> bool:
-    """Whether two parts are convex, so that minus their distance is how deep they are in each other."""
+    """Whether minus the distance of two parts is how deep they are in each other."""
+    if second.form.kind == "half_space":
+        return True
     return first.cover is None and second.cover is None
 
 

@@ -104,10 +104,13 @@ class RealWorld:
         self.solids = Solids(Carried(self.joints, self.parts, spins, reaches), zero, limb)
         self._couples: tuple[Any, Any] = None, None
 
+    def ranged(self, margin: float) -> list[tuple[int, int]]:
+        """Those pairs that ranges of joints watch which may come within a margin, m."""
+        return [(r.first, r.second) for r in self._ranges if r.bounds.min() <= margin]
+
     def watched(self, margin: float) -> list[tuple[int, int]]:
         """Pairs of bodies that may come within a margin, m: some of those that never meet, too."""
-        near = [(r.first, r.second) for r in self._ranges if r.bounds.min() <= margin]
-        return [*self.pairs, *(pair for pair in near if pair not in self.pairs)]
+        return [*self.pairs, *(pair for pair in self.ranged(margin) if pair not in self.pairs)]
 
     def couples(self, tables: Tables, margin: float) -> tuple[NDArray[np.int64], list[tuple[int, int]]]:
         """The pairs of bodies that may come within a margin, m: see `Solids.couples`; found once for a margin."""
@@ -149,23 +152,36 @@ class RealWorld:
         axis = SPINNING[self.joints[k]]
         return self.before[k] if axis == self.joints[k] - 1 else self.behind[k]
 
-    def nearest(self, q: Array, margin: float) -> tuple[str, str, float] | None:
-        """The two that are nearest to each other, no farther than a margin, at a posture, and how near, m."""
-        pairs = self.watched(margin)
-        places, centres = self._placed(self._frames(q))
-        first, second = np.array(pairs, np.int64).reshape(-1, 2).T
-        apart = np.linalg.norm(centres[first] - centres[second], axis=1)
-        close = np.flatnonzero(apart - self._balls[first, 3] - self._balls[second, 3] <= margin)
-        at = {k: transform(places[k]) for k in {*first[close].tolist(), *second[close].tolist()}}
-        found = [(self._distance(at, *pairs[k]), pairs[k]) for k in close.tolist()]
-        distance, (a, b) = min(found, default=(math.inf, (0, 0)))
-        return (self.names[a], self.names[b], distance) if distance <= margin else None
+    def nearest(self, q: Array, margin: float, pairs: Sequence[tuple[int, int]]) -> tuple[str, str, float] | None:
+        """Of some pairs the two that are nearest, no farther than a margin, at a posture, and how near, m."""
+        apart = self.rooms(self._frames(q), pairs, np.full(len(pairs), margin))
+        k = int(np.argmin(apart)) if len(pairs) else -1
+        if k < 0 or apart[k] > margin:
+            return None
+        return self.names[pairs[k][0]], self.names[pairs[k][1]], float(apart[k])
 
     def _placed(self, frames: Array) -> tuple[list[Array], Array]:
         """Where bodies are, and (n, 3) the centres of the balls around them, by the frames of the joints."""
         places = [frames[joint] if joint >= 0 else _STILL for joint in self.joints]
         stacked = np.array(places)
         return places, np.einsum("nij,nj->ni", stacked[:, :3, :3], self._balls[:, :3]) + stacked[:, :3, 3]
+
+    def ball(self, k: int) -> Array:
+        """(4,) a sphere around a body, in the frame of the joint that carries it."""
+        ball: Array = self._balls[k]
+        return ball
+
+    def rooms(self, frames: Array, pairs: Sequence[tuple[int, int]], enough: Array) -> Array:
+        """(n,) how far each of some pairs is apart, or a bound below it that is more than enough (n,), m."""
+        places, centres = self._placed(frames)
+        first, second = np.array(pairs, np.int64).reshape(-1, 2).T
+        found = np.linalg.norm(centres[first] - centres[second], axis=1)
+        found -= self._balls[first, 3] + self._balls[second, 3]
+        close = np.flatnonzero(found <= enough)
+        at = {k: transform(places[k]) for k in {*first[close].tolist(), *second[close].tolist()}}
+        for k in close.tolist():
+            found[k] = self._distance(at, *pairs[k])
+        return found
 
     def along(self, start: Array, end: Array, margin: float) -> tuple[float, str, str, float]:
         """What comes within a margin on a straight line of joint angles: where (0 to 1), which two, how near, m.

@@ -208,8 +208,11 @@ class Scene:
         length = float(np.linalg.norm(direction))
         if length < 1e-9:
             raise InvalidScene(f"normal of {quoted(name)} must not be zero: it gives a direction")
-        thing = Thing(as_name(name), np.eye(4))
         unit = direction / length
+        T = np.eye(4)
+        across = np.linalg.svd(unit[None])[2][1]
+        T[:3] = np.column_stack([across, np.cross(unit, across), unit, origin])
+        thing = Thing(as_name(name), np.eye(4), (Form("half_space", (), T),))
         thing.add(at.PLANES, np.array([[*unit, unit @ origin]]), np.array([*origin, np.inf]))
         self._put(thing)
 

@@ -89,10 +89,10 @@ class Solids:
 
     def _in_order(self, a: int, b: int, ranged: bool = False) -> tuple[int, int]:
         """What turns comes first; of bodies whose chain counts, the one nearer to the base, and objects last."""
-        (_, _, joint_a, place_a, spins_a), (_, _, joint_b, _, spins_b) = self.of_body[[a, b]].tolist()
+        (_, _, joint_a, place_a, spins_a), (_, _, joint_b, place_b, spins_b) = self.of_body[[a, b]].tolist()
         if spins_a or spins_b or ranged:
             return (a, b) if joint_b == 0 or 0 < joint_a <= joint_b else (b, a)
-        return (a, b) if place_a >= UPPER else (b, a)
+        return (a, b) if place_a >= UPPER or place_b < UPPER else (b, a)
 
 
 _SIGNS = np.array([(x, y, z) for x in (-1.0, 1.0) for y in (-1.0, 1.0) for z in (-1.0, 1.0)])
@@ -116,6 +116,10 @@ def _solid(part: Part, T: Array) -> tuple[Array, list[int], Array]:
         half = 0.5 * form.size[1] if form.kind == "capsule" else 0.0
         ends = [form.T[:3, 3] - half * form.T[:3, 2], form.T[:3, 3] + half * form.T[:3, 2]]
         points = np.array(ends[: 2 if half else 1])
+    elif form.kind == "half_space":
+        kind = at.HALF_SPACE
+        row[at.AXIS : at.AXIS + 3] = form.T[:3, 2]
+        points = form.T[None, :3, 3]
     elif form.kind == "box":
         points = form.T[:3, 3] + 0.5 * _SIGNS * np.array(form.size) @ form.T[:3, :3].T
     else:
@@ -127,6 +131,8 @@ def _solid(part: Part, T: Array) -> tuple[Array, list[int], Array]:
 def _within(form: Form, points: Array, row: Array) -> tuple[float, Array]:
     """Radius and half the segment of a capsule within a form, about its centre; minus one for none."""
     axes = form.T[:3, :3]
+    if form.kind == "half_space":
+        return -1.0, np.zeros(3)
     if form.kind == "mesh":
         return inner_radius(points, row[at.CENTRE : at.CENTRE + 3]), np.zeros(3)
     if form.kind == "box":

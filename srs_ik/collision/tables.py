@@ -14,6 +14,7 @@ from srs_ik.collision.pairs import Pair
 from srs_ik.collision.ranges import JointRange
 from srs_ik.collision.scene import Scene
 from srs_ik.collision.thing import ball_of
+from srs_ik.errors import InvalidScene, quoted
 from srs_ik.kernels.layout import collision as at
 
 if TYPE_CHECKING:
@@ -37,7 +38,7 @@ class Tables:
         bodies: (rows, BODY_ROW).
         groups: (G, GROUP).
         pairs: (n, 2).
-        formless: (m, 2) those with clouds and half-spaces.
+        formless: (m, 2) those with clouds.
         slack: (SLACK,) with a margin of zero.
         names: of each group.
     """
@@ -49,7 +50,10 @@ class Tables:
         placed = [thing.placed() for thing in things]
         kinds = [kind for thing in things for kind in thing.kinds]
         sizes = [len(rows) for thing in things for rows in thing.rows]
-        self.names = own.names + [label for thing in things for label in thing.labels]
+        labels = [label for thing in things for label in thing.labels]
+        for taken in sorted(set(labels) & set(own.names)):
+            raise InvalidScene(f"{quoted(taken)} is a body of the arm: an object of the scene needs another name")
+        self.names = own.names + labels
         g, n = len(own.names), len(kinds)
         rows = np.concatenate([own.rows, *(rows for _, rows in placed)])
         balls = np.concatenate([own.balls, *(balls for balls, _ in placed)])

@@ -21,7 +21,7 @@ class Thing:
 
     Attributes:
         name: of the object.
-        forms: its real forms, in its own frame; empty for half-spaces and clouds.
+        forms: its real forms, in its own frame; empty for clouds.
         T: (4, 4) pose in the base frame.
         labels: of each group, the name that messages give.
         replaces: links of the arm's own robot that this object stands for.

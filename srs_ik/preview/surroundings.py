@@ -37,7 +37,8 @@ def object_solids(scene: Scene) -> dict[str, list[Solid]]:
     drawn: dict[str, list[Solid]] = {}
     for thing in scene:
         forms = [*thing.forms, *(form for _, part in thing.parts for form in part)]
-        meshes = [trimesh.Trimesh(*surface(form.moved(thing.T)), process=False) for form in forms]
+        finite = [form.moved(thing.T) for form in forms if form.kind != "half_space"]
+        meshes = [trimesh.Trimesh(*surface(form), process=False) for form in finite]
         if not forms:
             clouds = [rows for rows, kind in zip(thing.rows, thing.kinds, strict=True) if kind == at.SPHERES]
             rows = np.concatenate([np.empty((0, 4)), *clouds])

@@ -58,6 +58,10 @@ OBJECTIVES = tuple(_DEFINITIONS)
 """Names of the built-in objectives."""
 
 
+CLEARANCE = "clearance"
+"""An objective of `Arm.optimise` that is asked of a scene, and not of a posture alone."""
+
+
 class Objective:
     """What a posture is judged by; given to `Arm.optimise`.
 
@@ -115,6 +119,11 @@ class Objective:
         if not isinstance(objective, str):
             raise InvalidTask(
                 f"an objective is a name, a function of 7 joint angles or an Objective, not {type(objective).__name__}"
+            )
+        if objective == CLEARANCE:
+            raise InvalidTask(
+                "objective 'clearance' needs a scene, and is given to optimise by its name: "
+                "scene=srs_ik.Scene() is the arm alone"
             )
         if objective not in _DEFINITIONS:
             raise InvalidTask(

@@ -15,7 +15,6 @@ from srs_ik.kernels.algebra.vectors import (
     add,
     along,
     apply,
-    apply_transposed,
     cross,
     dot,
     load3,
@@ -24,7 +23,6 @@ from srs_ik.kernels.algebra.vectors import (
     sub,
     times,
 )
-from srs_ik.kernels.collision.convex import farthest_point, roundness
 from srs_ik.kernels.collision.march import ANYWHERE, posture_on
 from srs_ik.kernels.collision.rates import fastest, rate_of, times_rate, turns
 from srs_ik.kernels.collision.seen import frame_at
@@ -33,6 +31,7 @@ from srs_ik.kernels.collision.shapes import (
     body_from_line,
     frame_of_joint,
     gap,
+    least_along,
     put_frames,
     reach_from_line,
     turned_about_line,
@@ -230,14 +229,6 @@ def room_beside(spins, angle):
 def around(angle):
     """An angle in the turn from zero on."""
     return angle - TURN * math.floor(angle / TURN)
-
-
-@kernel
-def least_along(shapes, i, frame, d):
-    """The least that a solid reaches along a direction, both seen from the line."""
-    M, b = frame
-    point = farthest_point(shapes, i, apply_transposed(M, scale(-1.0, d)))
-    return dot(d, add(apply(M, point), b)) - roundness(shapes, i) * norm(d)
 
 
 @kernel

@@ -6,9 +6,9 @@ import math
 from typing import NamedTuple
 
 from srs_ik.kernels.algebra.lane_trig import seven_turns
-from srs_ik.kernels.algebra.vectors import add, apply, apply_transposed, dot, norm, sub, times
+from srs_ik.kernels.algebra.vectors import add, apply, apply_transposed, dot, norm, scale, sub, times
 from srs_ik.kernels.chain.kinematics import first_line, joint_line
-from srs_ik.kernels.collision.convex import apart
+from srs_ik.kernels.collision.convex import apart, farthest_point, roundness
 from srs_ik.kernels.collision.seen import frame_at
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.shapes import (
@@ -19,6 +19,7 @@ from srs_ik.kernels.layout.shapes import (
     FIRST,
     FIRST_SOLID,
     HALF,
+    HALF_SPACE,
     INNER,
     IS_WHOLE,
     KIND,
@@ -190,6 +191,14 @@ def depth_within(shapes, i, j, M, centre):
     return inner + other - math.sqrt(x * x + y * y + z * z)
 
 
+@kernel
+def least_along(shapes, i, frame, d):
+    """The least that a solid reaches along a direction, where the frame takes it."""
+    M, b = frame
+    point = farthest_point(shapes, i, apply_transposed(M, scale(-1.0, d)))
+    return dot(d, add(apply(M, point), b)) - roundness(shapes, i) * norm(d)
+
+
 START = (1.0, 0.0, 0.0)
 """A direction to begin with where none is nearer at hand."""
 
@@ -198,6 +207,9 @@ START = (1.0, 0.0, 0.0)
 def gap(shapes, i, j, frame, slot, needed):
     """Distance of two solids as far as it matters, see `convex.apart`, beginning where the last search ended."""
     M, b = frame
+    if shapes.of_solid[j, KIND] == HALF_SPACE:
+        out = (shapes.solids[j, AXIS], shapes.solids[j, AXIS + 1], shapes.solids[j, AXIS + 2])
+        return least_along(shapes, i, frame, out) - dot(out, centre_of(shapes, j)), out
     centre = sub(add(apply(M, centre_of(shapes, i)), b), centre_of(shapes, j))
     length = norm(centre)
     balls = shapes.solids[i, BALL] + shapes.solids[j, BALL]
@@ -218,7 +230,9 @@ def gap(shapes, i, j, frame, slot, needed):
 
 @kernel
 def is_whole(shapes, a, b):
-    """Whether two bodies are nothing but their solids."""
+    """Whether two bodies are nothing but their solids; to a half-space, a shape is as near as its hull."""
+    if shapes.of_solid[shapes.of_body[b, FIRST_SOLID], KIND] == HALF_SPACE:
+        return True
     for body in (a, b):
         for i in range(shapes.of_body[body, FIRST_SOLID], shapes.of_body[body, LAST_SOLID]):
             if shapes.of_solid[i, IS_WHOLE] == 0:

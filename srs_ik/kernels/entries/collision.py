@@ -56,7 +56,7 @@ from srs_ik.kernels.pose.intervals import exact_intervals
 from srs_ik.kernels.pose.solve import best_posture, own_goal
 
 NO_COUPLE = -1
-"""No shapes belong to a pair: it is one with a cloud or a half-space."""
+"""No shapes belong to a pair: it is one with a cloud."""
 
 ROUNDING = 1e-12
 """An arm angle may be off its interval so far, rad."""

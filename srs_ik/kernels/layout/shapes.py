@@ -6,7 +6,8 @@ Solids are in the base frame, at the zero configuration of the arm, like the sph
 from __future__ import annotations
 
 # A solid: a ball around it, and what it is. Points are the corners of their convex hull, grown by a radius all around;
-# a cylinder has an axis from its centre, half a length and a radius.
+# a cylinder has an axis from its centre, half a length and a radius. A half-space lies behind a point, seen along an
+# axis that points out of it; it stands still, and is the second of its pairs.
 CENTRE = 0  # 3
 BALL = 3
 AXIS = 4  # 3
@@ -25,6 +26,7 @@ OF_SOLID = 4
 
 POINTS = 0
 CYLINDER = 1
+HALF_SPACE = 2
 
 # A body, integers.
 FIRST_SOLID = 0

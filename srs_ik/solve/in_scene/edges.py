@@ -37,10 +37,12 @@ class Edges:
         found = around.along(q[lines], q[lines + 1], np.full(len(lines), around.margin))
         self.hits: list[EdgeHit] = []
         for line, edge in zip(lines.tolist(), found, strict=True):
-            if edge[at.EDGE_PAIR] < 0.0:
+            is_clear = edge[at.EDGE_PAIR] < 0.0
+            # Bodies that ranges of joints watch keep apart between two postures in these; else the shapes have to say.
+            if is_clear and around.keeps_range(q[line]) and around.keeps_range(q[line + 1]):
                 continue
             hit: tuple[float, Collision | None] = float(edge[at.EDGE_AT]), around.collision_of(edge)
-            if around.is_exact:
+            if around.is_exact or is_clear:
                 hit = _by_shapes(around, q[line], q[line + 1])
             if hit[1] is not None:
                 self.hits.append(EdgeHit(line, hit[0], hit[1]))

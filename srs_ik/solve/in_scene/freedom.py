@@ -117,8 +117,10 @@ def _least_deep(
     if hitting:
         return answers[min(hitting)[1]]
     # None of these turns has a posture, but one between them has.
-    alone._row[ROW_STATUS] = Status.COLLISION
-    alone.collision = around.deepest_at(alone.q) or around.hit_at(alone.q)
+    hit = around.deepest_at(alone.q)
+    if hit is not None:
+        alone._row[ROW_STATUS] = Status.COLLISION
+        alone.collision = hit
     return alone
 
 

@@ -14,7 +14,7 @@ from srs_ik.solve import pose as pose_solver
 from srs_ik.solve.goals import Search
 from srs_ik.solve.in_scene.pose import free_intervals, solve
 from srs_ik.solve.in_scene.surroundings import narrowed
-from srs_ik.solve.objectives import Objective
+from srs_ik.solve.objectives import CLEARANCE, Objective
 from srs_ik.solve.optimise import Optimum
 from srs_ik.solve.solution import Interval, Solution
 
@@ -72,8 +72,6 @@ def _second(
 
 TOO_BAD = 1e5
 """Cost of a posture whose first value is not near enough to the best one."""
-
-CLEARANCE = "clearance"
 
 
 def _widest(around: Surroundings, T: Array, free: Array, respect: bool) -> Optimum:

@@ -42,7 +42,7 @@ def keep_clear(problem: Problem, find: Callable[[Problem], Way]) -> PathSolution
     _refuse_hits(problem)
     tight = around.tight[True]
     arm = problem.arm
-    if tight is not None:
+    if tight is not None and around.jammed is None:
         # So that no line between two postures leaves the ranges of joints that keep bodies apart.
         arm = replace(arm, family=tight.family, lower=tight.lower, upper=tight.upper)
     room = _Room(problem)

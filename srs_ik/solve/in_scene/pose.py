@@ -132,7 +132,7 @@ def best(
 
 
 def _hitting(around: Surroundings, T: Array, found: Array, psi: float | None, respect: bool) -> Solution:
-    """The posture with the largest clearance of those that all hit something."""
+    """The posture with the largest clearance of those that all hit something; or one that hits nothing after all."""
     in_range = around.in_range(T, found, respect)
     if psi is not None:
         in_range = narrowed(in_range, psi)
@@ -141,11 +141,9 @@ def _hitting(around: Surroundings, T: Array, found: Array, psi: float | None, re
     branch = int(wide[at.WIDE_BRANCH]) if psi is None else int(among[0, 0])
     solution = pose_solver.solve(around.packed, T, float(wide[at.WIDE_ARM_ANGLE]), None, branch, respect)
     hit = around.deepest_at(solution.q)
-    if hit is None and len(in_range):
+    if hit is None:
         # Too narrow a set of free angles to be found, and yet this posture is in it.
         return solution
-    if hit is None:
-        hit = around.jam(solution.q)
     solution._row[ROW_STATUS] = Status.COLLISION
     solution.collision = hit
     return solution

@@ -19,6 +19,7 @@ from srs_ik.kernels.layout import collision as at
 from srs_ik.kernels.layout.answer import MOST_INTERVALS, ROW_STATUS
 from srs_ik.solve import pose as pose_solver
 from srs_ik.solve.in_scene.certified import Shapes, certified_free, marched
+from srs_ik.solve.in_scene.ranged import kept_apart
 from srs_ik.solve.packed import pack_family
 from srs_ik.solve.solution import Collision, Status
 
@@ -34,6 +35,9 @@ Array = NDArray[np.float64]
 _LITTLE = 1e-3
 """Where links of a near limb are no farther from those of its nearest exact limb, m, spheres grown by it will do."""
 
+
+_ROUNDING = 1e-9
+"""A joint angle may be out of a range so far, rad."""
 
 _MOST_MARGINS = 16
 """For so many margins at most, tightened limits are kept."""
@@ -86,6 +90,13 @@ class Surroundings:
         loose, jammed = _limits(self.arm, self.packed, self.tables.ranges, loosened, self.margin)
         return self._within(loose[bool(respect)], jammed, T, found)
 
+    def keeps_range(self, q: Array) -> bool:
+        """Whether a posture is in the ranges of joints that keep apart the bodies which they watch."""
+        tight = self.tight[True]
+        if tight is None or self.jammed is not None:
+            return tight is None
+        return bool((q >= tight.lower - _ROUNDING).all() and (q <= tight.upper + _ROUNDING).all())
+
     def _within(self, limits: TightLimits | None, jammed: JointRange | None, T: Array, found: Array) -> Array:
         if limits is None:
             return found
@@ -120,8 +131,11 @@ class Surroundings:
         found = self.feasible(T, respect)
         shapes = Shapes(self.arm, self.packed, self.real_world(), self.tables, self.margin + more)
         if not self.packed.closed:
-            free = marched(shapes, T, chosen(self.in_range(T, found, respect), branch, None))
-            return chosen(free, branch, psi), 0.0
+            possible, in_range = (find(T, found, respect) for find in (self.not_out_of_range, self.in_range))
+            free = marched(shapes, T, chosen(possible, branch, None))
+            if in_range is not possible:
+                free = kept_apart(shapes, T, free, in_range)
+            return chosen(free, -1, psi), 0.0
         possible = chosen(self.not_out_of_range(T, found, respect), branch, psi)
         possible = self.clear_of_formless(T, possible, more)
         return certified_free(shapes, T, possible, self.in_range(T, found, respect))
@@ -196,7 +210,7 @@ class Surroundings:
         return self._cut(T, found, self.tables.pairs, more)
 
     def clear_of_formless(self, T: Array, found: Array, more: float = 0.0) -> Array:
-        """(n, 3) what clouds and half-spaces leave of some intervals."""
+        """(n, 3) what clouds leave of some intervals."""
         return self._cut(T, found, self.tables.formless, more)
 
     def _intervals(self, family: Array, T: Array, respect: bool) -> Array:
@@ -264,17 +278,14 @@ class Surroundings:
         return Collision(first, second, max(self.margin - float(edge[at.EDGE_CLEARANCE]), 0.0))
 
     def hit_at(self, q: Array) -> Collision | None:
-        """Which bodies are too close at a posture; None for none."""
+        """Which bodies are too close at a posture, by spheres, and those that ranges watch by shapes; None for none."""
         hit = self.collision_of(self.along(q[None], q[None], np.array([self.margin]))[0])
-        return hit if hit is not None else self.jam(q)
+        return hit if hit is not None else self._hit_by_range(q)
 
     def deepest_at(self, q: Array) -> Collision | None:
         """Which bodies are too close at a posture, the closest of them, by their real shapes; None for none."""
-        hits = []
-        near = self.real_world().nearest(q, self.margin)
-        if near is not None:
-            first, second, distance = near
-            hits.append(Collision(first, second, max(self.margin - distance, 0.0)))
+        hit = self._nearest(q, self.real_world().watched(self.margin))
+        hits = [] if hit is None else [hit]
         formless = self.tables.formless
         if len(formless):
             edge = self.along(q[None], q[None], np.array([self.margin]), formless)[0]
@@ -301,19 +312,22 @@ class Surroundings:
                     return hit
         return None
 
-    def jam(self, q: Array) -> Collision | None:
-        """Which bodies meet that the range of a joint watches, and how deep by the bound on their distance."""
-        worst = None
-        names = self.tables.names
-        for each in self.tables.ranges:
-            bound = each.bound_at(float(q[each.joint]))
-            if bound > self.margin:
-                continue
-            # Of a pair that is proved apart elsewhere, no depth is known.
-            missing = self.margin - max(bound, -1.0)
-            if worst is None or missing > worst.depth:
-                worst = Collision(names[each.first], names[each.second], missing)
-        return worst
+    def _hit_by_range(self, q: Array) -> Collision | None:
+        """Which bodies are too close of those that ranges of joints watch, the closest by their real shapes."""
+        doubtful = [
+            (each.first, each.second)
+            for each in self.tables.ranges
+            if each.bound_at(float(q[each.joint])) <= self.margin
+        ]
+        return self._nearest(q, doubtful) if doubtful else None
+
+    def _nearest(self, q: Array, pairs: Sequence[tuple[int, int]]) -> Collision | None:
+        """Which of some pairs of bodies are too close at a posture, the closest of them by their real shapes."""
+        near = self.real_world().nearest(q, self.margin, pairs)
+        if near is None:
+            return None
+        first, second, distance = near
+        return Collision(first, second, max(self.margin - distance, 0.0))
 
     def collision(self, wide: Array) -> Collision | None:
         """Who is nearest to whom at an arm angle, and how much is missing to the margin."""
