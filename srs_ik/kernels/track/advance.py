@@ -58,7 +58,7 @@ from srs_ik.kernels.track.catch_up import CLOSE_BY, LEVER, STAYS, catch_up, way_
 from srs_ik.kernels.track.closest import DAMPING, approach, error_at, minus
 from srs_ik.kernels.track.elsewhere import look_elsewhere, look_nearer, out_of_reach
 from srs_ik.kernels.track.foresight import busyness, foresee, planned_step
-from srs_ik.kernels.track.freedom import error_left, other_turn, shown_at, wanted
+from srs_ik.kernels.track.freedom import error_left, other_turn, whole_rotation, wanted
 from srs_ik.kernels.track.limits import bounds, toward
 from srs_ik.kernels.track.smoothing import lose_target, take_target
 from srs_ik.kernels.track.target import keep_pace, load_pose
@@ -310,7 +310,7 @@ def advance(P, S, C, given, work, out):
         keep_pace(S, C, shown)
     R_target, p_target = load_pose(S, ROTATION)
     pose = R_target, p_target
-    place_ = place(P, shown_at(P, C, read7(row(S, GOAL)), R_target), p_target)
+    place_ = place(P, whole_rotation(P, C, read7(row(S, GOAL)), R_target), p_target)
     size, on, near = 0.0, False, False
     left = way_left(P, S, C)
     close_by = left[3] < (STAYS if S[PLANNED] == 1.0 else CLOSE_BY)

@@ -6,7 +6,7 @@ import math
 
 from srs_ik.kernels.algebra.pointers import row
 from srs_ik.kernels.algebra.vectors import rotation, times
-from srs_ik.kernels.chain.freedom import allowed, as_rotation, free_error, read_freedom
+from srs_ik.kernels.chain.freedom import allowed, as_rotation, free_error, read_freedom, turn_left
 from srs_ik.kernels.chain.kinematics import forward_kinematics, pose_error
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.freedom import Freedom
@@ -26,12 +26,22 @@ def columns(R):
 
 
 @kernel
-def shown_at(P, C, q, R):
-    """The rotation that a target allows and that is nearest to the tip's at a posture."""
+def whole_rotation(P, C, q, R):
+    """The rotation that a target allows and that is nearest to the tip's, for what knows of no freedom.
+
+    It lies on the edge of a cone. `error_at` takes the target itself: there the cone counts, and nowhere else.
+    """
     if C[HAS_FREE] == 0.0:
         return R
     x, y, z, _ = forward_kinematics(P, q)
     return allowed(read_freedom(row(C, FREE)), (x, y, z), R)
+
+
+@kernel
+def free_way(C, T, R):
+    """The shortest turn from a rotation of the tip, T, to what a target allows: unit axis, angle."""
+    axis, angle, _ = turn_left(read_freedom(row(C, FREE)), columns(T), R)
+    return axis, angle
 
 
 @kernel
@@ -71,4 +81,4 @@ def other_turn(P, S, C, place_):
     if C[HAS_FREE] == 0.0:
         return place_
     R, p = load_pose(S, ROTATION)
-    return place(P, turned_about(C, shown_at(P, C, read7(row(S, GOAL)), R), TURNED * (S[STUCK] // 25.0)), p)
+    return place(P, turned_about(C, whole_rotation(P, C, read7(row(S, GOAL)), R), TURNED * (S[STUCK] // 25.0)), p)
