@@ -25,11 +25,11 @@ from srs_ik.kernels.layout.track import (
     GOAL,
     GOAL_RATE,
     HELD,
+    LOOKS,
     LOST,
     LOST_TARGET,
     MISS,
     NO_TARGET_YET,
-    NOWHERE,
     ON,
     PERIOD,
     PLANNED,
@@ -53,15 +53,14 @@ from srs_ik.kernels.layout.track import (
 )
 from srs_ik.kernels.limb.goal import NO_SEED
 from srs_ik.kernels.limb.poses import read7
-from srs_ik.kernels.limb.triangle import place
 from srs_ik.kernels.track.catch_up import CLOSE_BY, LEVER, STAYS, catch_up, way_left
 from srs_ik.kernels.track.closest import DAMPING, approach, error_at, minus
-from srs_ik.kernels.track.elsewhere import look_elsewhere, look_nearer, out_of_reach
+from srs_ik.kernels.track.elsewhere import end_search, keep_detour, look_elsewhere, look_nearer
 from srs_ik.kernels.track.foresight import busyness, foresee, planned_step
-from srs_ik.kernels.track.freedom import error_left, other_turn, whole_rotation, wanted
+from srs_ik.kernels.track.freedom import error_left, out_of_reach, wanted
 from srs_ik.kernels.track.limits import bounds, toward
 from srs_ik.kernels.track.smoothing import lose_target, take_target
-from srs_ik.kernels.track.target import keep_pace, load_pose
+from srs_ik.kernels.track.target import JUMP, keep_pace, load_pose
 from srs_ik.kernels.track.verdict import CLOSE, on_the_way, verdict
 
 FASTER = 3.0
@@ -89,14 +88,9 @@ CLOSER = 0.99
 
 STUCK_FOR = 10
 AGAIN = 25
-"""Other postures are looked for when the goal has been off the target for so many updates, and after so many more."""
-
-REFINED = 8
-"""Steps in which the end of a detour is taken to the true chain."""
-
-ALL_UP = (math.inf, math.inf, math.inf, math.inf, math.inf, math.inf, math.inf)
-ALL_DOWN = (-math.inf, -math.inf, -math.inf, -math.inf, -math.inf, -math.inf, -math.inf)
-"""Beyond the limits of all joints."""
+AT_ONCE = 2
+"""Other postures are looked for when the goal has been off the target for so many updates, and after so many more;
+within a search, there is a look every so many."""
 
 SETTLING = 0.01
 """Seconds over which the velocity of the goal is averaged."""
@@ -210,42 +204,32 @@ def most_used(C, v):
 
 
 @kernel
-def watch(P, S, C, q, size, place_, pose, work):
+def watch(P, S, C, q, size, pose, work):
     """Keep account of how long the goal has been off the target, or gone from the joints, and look elsewhere then."""
-    closer = size < CLOSER * S[MISS]
+    closer, jumped = size < CLOSER * S[MISS], size > S[MISS] + JUMP
     S[MISS] = size
     if size < CLOSE:
         S[STUCK] = 0.0
-        S[ELSEWHERE] = UNKNOWN
-        if S[TICK] % AGAIN != 0.0:
-            return
-        look_nearer(P, S, q, place_)
-    elif closer:
+        end_search(S, UNKNOWN)
+        if S[TICK] % AGAIN == 0.0:
+            if S[DETOUR] == 1.0:
+                keep_detour(P, S, C, pose, work)
+            look_nearer(P, S, C, q, pose, work)
         return
-    else:
-        S[STUCK] += 1.0
-        if S[STUCK] < STUCK_FOR or (S[STUCK] - STUCK_FOR) % AGAIN != 0.0 or out_of_reach(P, place_):
-            return
+    if jumped:
+        end_search(S, UNKNOWN)
+    elif closer:
         S[ELSEWHERE] = UNKNOWN
-        look_elsewhere(P, S, other_turn(P, S, C, place_))
-    if S[DETOUR] == 1.0 and not on_true_chain(P, S, C, pose, work):
-        S[DETOUR] = 0.0
-        if size >= CLOSE:
-            S[ELSEWHERE] = NOWHERE
-
-
-@kernel
-def on_true_chain(P, S, C, pose, work):
-    """Take the end of a detour, a posture of the nearest exact limb, to the true chain; whether it is on the pose.
-
-    Where the pose is just out of reach, it does not, and the goal would go there and back for ever.
-    """
-    end = read7(row(S, DETOUR_END))
-    low, high = minus(clipped(P, ALL_DOWN), end), minus(clipped(P, ALL_UP), end)
-    choice = (NO_SEED, NO_SEED, (P[FAR], 0.0, DAMPING), low, high)
-    d, size = approach(P, C, pose, end, choice, REFINED, work)
-    store7(S, DETOUR_END, clipped(P, along7(end, 1.0, d)))
-    return size < CLOSE
+        return
+    S[STUCK] += 1.0
+    if S[STUCK] < STUCK_FOR or out_of_reach(P, C, pose):
+        return
+    if (S[STUCK] - STUCK_FOR) % (AGAIN if S[LOOKS] == 0.0 else AT_ONCE) != 0.0:
+        return
+    if S[DETOUR] == 1.0:
+        keep_detour(P, S, C, pose, work)
+    else:
+        look_elsewhere(P, S, C, pose, work)
 
 
 @kernel
@@ -310,7 +294,6 @@ def advance(P, S, C, given, work, out):
         keep_pace(S, C, shown)
     R_target, p_target = load_pose(S, ROTATION)
     pose = R_target, p_target
-    place_ = place(P, whole_rotation(P, C, read7(row(S, GOAL)), R_target), p_target)
     size, on, near = 0.0, False, False
     left = way_left(P, S, C)
     close_by = left[3] < (STAYS if S[PLANNED] == 1.0 else CLOSE_BY)
@@ -341,10 +324,10 @@ def advance(P, S, C, given, work, out):
             S[COAST] = 0.0
     S[ON] = 1.0 if on else 0.0
     if near and size >= CLOSE:
-        said = on_the_way(P, S, C, v, place_)
+        said = on_the_way(P, S, C, v, pose)
     else:
-        watch(P, S, C, after, size, place_, pose, (J, A))
-        said = verdict(P, S, C, after, size, place_)
+        watch(P, S, C, after, size, pose, (J, A))
+        said = verdict(P, S, C, after, size, pose)
     if has != 1:
         said = HELD, LOST_TARGET if has == 0 else BAD_TARGET, said[2]
         R, p = R_target, p_target
