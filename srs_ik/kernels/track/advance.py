@@ -17,6 +17,7 @@ from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.limb import FAR, LOWER, UPPER
 from srs_ik.kernels.layout.track import (
     BAD_TARGET,
+    CLOSEST,
     COAST,
     DETOUR,
     DETOUR_END,
@@ -74,8 +75,8 @@ TOGETHER = 1e-12
 
 COAST_FOR = 250
 AT_REST = 0.02
-"""Updates in which no joint uses this share of its velocity, after which a tip close to its target does not come closer
-on the straight way: then other ways are looked for."""
+"""A tip close to its target that comes no closer in so many updates does not on the straight way: then other ways are
+looked for. Behind a target that moves on, updates count in which no joint uses this share of its velocity."""
 
 RESTING = 0.1
 """A target less busy than this rests."""
@@ -84,7 +85,7 @@ PLAN_EVERY = 0.008
 """Seconds from one plan to the next."""
 
 CLOSER = 0.99
-"""A goal whose miss shrinks to this share in an update is on its way."""
+"""A goal, or a tip, whose miss shrinks to this share in an update is on its way."""
 
 STUCK_FOR = 10
 AGAIN = 25
@@ -204,6 +205,18 @@ def most_used(C, v):
 
 
 @kernel
+def comes_closer(P, S, C, v, size):
+    """Whether a tip close to its target comes closer, or may yet: to one that moves on, while a joint moves."""
+    if busyness(P, S) >= RESTING:
+        S[CLOSEST] = math.inf
+        return most_used(C, v) > AT_REST
+    closer = size < CLOSER * S[CLOSEST]
+    if closer:
+        S[CLOSEST] = size
+    return closer
+
+
+@kernel
 def watch(P, S, C, q, size, pose, work):
     """Keep account of how long the goal has been off the target, or gone from the joints, and look elsewhere then."""
     closer, jumped = size < CLOSER * S[MISS], size > S[MISS] + JUMP
@@ -229,7 +242,7 @@ def watch(P, S, C, q, size, pose, work):
     if S[DETOUR] == 1.0:
         keep_detour(P, S, C, pose, work)
     else:
-        look_elsewhere(P, S, C, pose, work)
+        look_elsewhere(P, S, C, pose, size, work)
 
 
 @kernel
@@ -298,6 +311,8 @@ def advance(P, S, C, given, work, out):
     left = way_left(P, S, C)
     close_by = left[3] < (STAYS if S[PLANNED] == 1.0 else CLOSE_BY)
     if S[COAST] < COAST_FOR and (S[ON] == 1.0 or (close_by and not arriving(P, S))):
+        if S[PLANNED] == 0.0:
+            S[CLOSEST] = math.inf
         own = own_motion(P, S, C, work)
         if S[ON] == 1.0:
             d, on = stay_on(P, S, C, pose, own, box, (J, A))
@@ -315,7 +330,7 @@ def advance(P, S, C, given, work, out):
         if near:
             _, size = error_at(P, C, after, pose, P[FAR], J)
             on = size < MET
-        S[COAST] = 0.0 if on or most_used(C, v) > AT_REST else S[COAST] + 1.0
+        S[COAST] = 0.0 if on or comes_closer(P, S, C, v, size) else S[COAST] + 1.0
     else:
         size = move_goal(P, S, C, pose, (J, A))
         after, v = step_to(P, S, C, follow_goal(S, C, box[0], box[1]))

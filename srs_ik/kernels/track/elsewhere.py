@@ -17,7 +17,7 @@ from srs_ik.kernels.exact.farthest import branch_at
 from srs_ik.kernels.exact.intervals import find_intervals
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.answer import MOST_INTERVALS
-from srs_ik.kernels.layout.limb import FAR, IS_CLOSED
+from srs_ik.kernels.layout.limb import FAR, IS_CLOSED, MISS
 from srs_ik.kernels.layout.track import (
     DETOUR,
     DETOUR_END,
@@ -132,11 +132,12 @@ def end_search(S, known):
 
 
 @kernel
-def look_elsewhere(P, S, C, pose, work):
+def look_elsewhere(P, S, C, pose, size, work):
     """One look of a search for a posture on the target that the goal can be sent to; where none is near, for any.
 
     Of the nearest exact limb, a posture is known at a time; one that does not lead onto the target on the true chain
-    was tried in vain, and the next is that farther away. Where a turn is free, each look is at another one.
+    was tried in vain, and the next is that farther away. Where a turn is free, each look is at another one. Nothing is
+    said of a target that the goal misses by `size` if that is within what the nearest exact limb can tell.
     """
     goal = read7(row(S, GOAL))
     place_ = place(P, allowed_turn(P, C, goal, pose[0], S[LOOKS]), pose[1])
@@ -164,7 +165,8 @@ def look_elsewhere(P, S, C, pose, work):
             S[TRIED] = max(way, SHORTEST)
             return
     if S[LOOKS] >= turns_to_look_at(C):
-        end_search(S, RECONFIGURE if S[SEEN] == RECONFIGURE else NOWHERE)
+        nowhere = NOWHERE if size > P[MISS] else UNKNOWN
+        end_search(S, RECONFIGURE if S[SEEN] == RECONFIGURE else nowhere)
 
 
 @kernel
