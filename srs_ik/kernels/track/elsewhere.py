@@ -11,13 +11,14 @@ import math
 import numpy as np
 
 from srs_ik.kernels.algebra.joint_vectors import along7, apart, store7
-from srs_ik.kernels.algebra.pointers import row
+from srs_ik.kernels.algebra.pointers import keep, row
 from srs_ik.kernels.chain.newton import clipped
 from srs_ik.kernels.exact.farthest import branch_at
 from srs_ik.kernels.exact.intervals import find_intervals
+from srs_ik.kernels.exact.nearest import between_limbs
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.answer import MOST_INTERVALS
-from srs_ik.kernels.layout.limb import FAR, IS_CLOSED, MISS
+from srs_ik.kernels.layout.limb import FAR, IS_CLOSED, MISS, SIZE
 from srs_ik.kernels.layout.track import (
     DETOUR,
     DETOUR_END,
@@ -34,6 +35,7 @@ from srs_ik.kernels.layout.track import (
 )
 from srs_ik.kernels.limb.branches import branch_of
 from srs_ik.kernels.limb.goal import NO_SEED, OUTSIDE
+from srs_ik.kernels.limb.limits import tighten
 from srs_ik.kernels.limb.poses import read7
 from srs_ik.kernels.limb.triangle import elbow_side, place
 from srs_ik.kernels.track.closest import DAMPING, approach, minus
@@ -60,6 +62,9 @@ NEARER = 0.9
 
 SHORTEST = 1e-3
 """A posture this close, rad, is where the goal is stuck."""
+
+NO_OTHER = 0.03
+"""A posture so little farther away, rad, than one that was tried in vain may be the same: the goal creeps."""
 
 REFINED = 8
 """Steps in which a posture is taken to the true chain."""
@@ -124,6 +129,19 @@ def nearest_postures(P, start, place_, share):
 
 
 @kernel
+def postures_to_try(P, start, place_):
+    """`nearest_postures` of the nearest exact limb: within what a near limb's limits may be for that."""
+    if P[IS_CLOSED] == 1.0:
+        return nearest_postures(P, start, place_, RELUCTANT)
+    boxes = np.empty((1, SIZE))
+    box = row(boxes, 0)
+    tighten(P, NO_SEED, math.inf, between_limbs(P), box)
+    found = nearest_postures(box, start, place_, RELUCTANT)
+    keep(boxes)
+    return found
+
+
+@kernel
 def end_search(S, known):
     """Write what is known of postures that reach the target; the next look begins anew."""
     S[ELSEWHERE] = known
@@ -141,7 +159,7 @@ def look_elsewhere(P, S, C, pose, size, work):
     """
     goal = read7(row(S, GOAL))
     place_ = place(P, allowed_turn(P, C, goal, pose[0], S[LOOKS]), pose[1])
-    own, way, other, farther = nearest_postures(P, (goal, S[TRIED]), place_, RELUCTANT)
+    own, way, other, farther = postures_to_try(P, (goal, S[TRIED]), place_)
     whole = C[HAS_FREE] == 0.0
     if whole and P[IS_CLOSED] == 1.0 and way <= SHORTEST:
         S[ELSEWHERE] = UNKNOWN
@@ -162,7 +180,7 @@ def look_elsewhere(P, S, C, pose, size, work):
         if met:
             S[SEEN] = RECONFIGURE
         elif whole:
-            S[TRIED] = max(way, SHORTEST)
+            S[TRIED] = way + NO_OTHER
             return
     if S[LOOKS] >= turns_to_look_at(C):
         nowhere = NOWHERE if size > P[MISS] else UNKNOWN
