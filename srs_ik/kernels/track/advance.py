@@ -192,7 +192,8 @@ def own_motion(P, S, C, work):
 @kernel
 def arriving(P, S):
     """Whether the joints are on their way to a posture on a target that rests: they brake in time by themselves."""
-    return S[ON] == 0.0 and S[PLANNED] == 0.0 and S[MISS] < MET and busyness(P, S) < RESTING
+    known = S[MISS] < CLOSE or S[DETOUR] == 1.0
+    return S[ON] == 0.0 and S[PLANNED] == 0.0 and known and busyness(P, S) < RESTING
 
 
 @kernel

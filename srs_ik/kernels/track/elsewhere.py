@@ -66,6 +66,9 @@ SHORTEST = 1e-3
 NO_OTHER = 0.03
 """A posture so little farther away, rad, than one that was tried in vain may be the same: the goal creeps."""
 
+SPARE = 4.0
+"""Next to singularities a near limb's postures are farther from those of its exact limb, by so much."""
+
 REFINED = 8
 """Steps in which a posture is taken to the true chain."""
 
@@ -135,7 +138,7 @@ def postures_to_try(P, start, place_):
         return nearest_postures(P, start, place_, RELUCTANT)
     boxes = np.empty((1, SIZE))
     box = row(boxes, 0)
-    tighten(P, NO_SEED, math.inf, between_limbs(P), box)
+    tighten(P, NO_SEED, math.inf, SPARE * between_limbs(P), box)
     found = nearest_postures(box, start, place_, RELUCTANT)
     keep(boxes)
     return found
