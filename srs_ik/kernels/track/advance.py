@@ -206,9 +206,9 @@ def most_used(C, v):
 
 
 @kernel
-def comes_closer(P, S, C, v, size):
-    """Whether a tip close to its target comes closer, or may yet: to one that moves on, while a joint moves."""
-    if busyness(P, S) >= RESTING:
+def comes_closer(P, S, C, v, size, pose):
+    """Whether a tip close to its target comes closer, or may: while a joint moves, unless the target rests in reach."""
+    if busyness(P, S) >= RESTING or out_of_reach(P, C, pose):
         S[CLOSEST] = math.inf
         return most_used(C, v) > AT_REST
     closer = size < CLOSER * S[CLOSEST]
@@ -331,7 +331,7 @@ def advance(P, S, C, given, work, out):
         if near:
             _, size = error_at(P, C, after, pose, P[FAR], J)
             on = size < MET
-        S[COAST] = 0.0 if on or comes_closer(P, S, C, v, size) else S[COAST] + 1.0
+        S[COAST] = 0.0 if on or comes_closer(P, S, C, v, size, pose) else S[COAST] + 1.0
     else:
         size = move_goal(P, S, C, pose, (J, A))
         after, v = step_to(P, S, C, follow_goal(S, C, box[0], box[1]))
