@@ -311,6 +311,9 @@ def advance(P, S, C, given, work, out):
     size, on, near = 0.0, False, False
     left = way_left(P, S, C)
     close_by = left[3] < (STAYS if S[PLANNED] == 1.0 else CLOSE_BY)
+    if S[CLOSEST] < math.inf and busyness(P, S) >= RESTING:
+        # The target rested and moves on: the straight way may be one again.
+        S[CLOSEST], S[COAST] = math.inf, 0.0
     if S[COAST] < COAST_FOR and (S[ON] == 1.0 or (close_by and not arriving(P, S))):
         if S[PLANNED] == 0.0:
             S[CLOSEST] = math.inf
