@@ -41,7 +41,11 @@ WINDOW = 215  # 2 by WINDOWED samples of noise: linear (m^2), angular (rad^2), i
 SORTED = 279  # the same by their size
 NOISE = 343  # 2, standard deviation of the target's noise: linear (m), angular (rad)
 SMOOTHED = 345  # time constant of the filter in the last update, seconds
-STATE = 346
+LOOKS = 346  # looks of a search for other postures so far, 0 while there is none
+TRIED = 347  # postures no farther than this from the goal have been tried in vain at the present turn, rad
+SEEN = 348  # what the search knows: `UNKNOWN`, `RECONFIGURE`, or `NOWHERE` where postures that are near are all tried
+CLOSEST = 349  # how close the tip has come to a target that rests, as `MISS`
+STATE = 350
 
 WINDOWED = 32
 """Samples of which the noise of a target is the median."""

@@ -17,6 +17,7 @@ from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.limb import FAR, LOWER, UPPER
 from srs_ik.kernels.layout.track import (
     BAD_TARGET,
+    CLOSEST,
     COAST,
     DETOUR,
     DETOUR_END,
@@ -25,11 +26,11 @@ from srs_ik.kernels.layout.track import (
     GOAL,
     GOAL_RATE,
     HELD,
+    LOOKS,
     LOST,
     LOST_TARGET,
     MISS,
     NO_TARGET_YET,
-    NOWHERE,
     ON,
     PERIOD,
     PLANNED,
@@ -53,15 +54,14 @@ from srs_ik.kernels.layout.track import (
 )
 from srs_ik.kernels.limb.goal import NO_SEED
 from srs_ik.kernels.limb.poses import read7
-from srs_ik.kernels.limb.triangle import place
 from srs_ik.kernels.track.catch_up import CLOSE_BY, LEVER, STAYS, catch_up, way_left
 from srs_ik.kernels.track.closest import DAMPING, approach, error_at, minus
-from srs_ik.kernels.track.elsewhere import look_elsewhere, look_nearer, out_of_reach
+from srs_ik.kernels.track.elsewhere import end_search, keep_detour, look_elsewhere, look_nearer
 from srs_ik.kernels.track.foresight import busyness, foresee, planned_step
-from srs_ik.kernels.track.freedom import error_left, other_turn, shown_at, wanted
+from srs_ik.kernels.track.freedom import error_left, out_of_reach, wanted
 from srs_ik.kernels.track.limits import bounds, toward
 from srs_ik.kernels.track.smoothing import lose_target, take_target
-from srs_ik.kernels.track.target import keep_pace, load_pose
+from srs_ik.kernels.track.target import JUMP, keep_pace, load_pose
 from srs_ik.kernels.track.verdict import CLOSE, on_the_way, verdict
 
 FASTER = 3.0
@@ -75,8 +75,8 @@ TOGETHER = 1e-12
 
 COAST_FOR = 250
 AT_REST = 0.02
-"""Updates in which no joint uses this share of its velocity, after which a tip close to its target does not come closer
-on the straight way: then other ways are looked for."""
+"""A tip close to its target that comes no closer in so many updates does not on the straight way: then other ways are
+looked for. Behind a target that moves on, updates count in which no joint uses this share of its velocity."""
 
 RESTING = 0.1
 """A target less busy than this rests."""
@@ -85,18 +85,13 @@ PLAN_EVERY = 0.008
 """Seconds from one plan to the next."""
 
 CLOSER = 0.99
-"""A goal whose miss shrinks to this share in an update is on its way."""
+"""A goal, or a tip, whose miss shrinks to this share in an update is on its way."""
 
 STUCK_FOR = 10
 AGAIN = 25
-"""Other postures are looked for when the goal has been off the target for so many updates, and after so many more."""
-
-REFINED = 8
-"""Steps in which the end of a detour is taken to the true chain."""
-
-ALL_UP = (math.inf, math.inf, math.inf, math.inf, math.inf, math.inf, math.inf)
-ALL_DOWN = (-math.inf, -math.inf, -math.inf, -math.inf, -math.inf, -math.inf, -math.inf)
-"""Beyond the limits of all joints."""
+AT_ONCE = 2
+"""Other postures are looked for when the goal has been off the target for so many updates, and after so many more;
+within a search, there is a look every so many."""
 
 SETTLING = 0.01
 """Seconds over which the velocity of the goal is averaged."""
@@ -197,7 +192,8 @@ def own_motion(P, S, C, work):
 @kernel
 def arriving(P, S):
     """Whether the joints are on their way to a posture on a target that rests: they brake in time by themselves."""
-    return S[ON] == 0.0 and S[PLANNED] == 0.0 and S[MISS] < MET and busyness(P, S) < RESTING
+    known = S[MISS] < CLOSE or S[DETOUR] == 1.0
+    return S[ON] == 0.0 and S[PLANNED] == 0.0 and known and busyness(P, S) < RESTING
 
 
 @kernel
@@ -210,42 +206,44 @@ def most_used(C, v):
 
 
 @kernel
-def watch(P, S, C, q, size, place_, pose, work):
-    """Keep account of how long the goal has been off the target, or gone from the joints, and look elsewhere then."""
-    closer = size < CLOSER * S[MISS]
-    S[MISS] = size
-    if size < CLOSE:
-        S[STUCK] = 0.0
-        S[ELSEWHERE] = UNKNOWN
-        if S[TICK] % AGAIN != 0.0:
-            return
-        look_nearer(P, S, q, place_)
-    elif closer:
-        return
-    else:
-        S[STUCK] += 1.0
-        if S[STUCK] < STUCK_FOR or (S[STUCK] - STUCK_FOR) % AGAIN != 0.0 or out_of_reach(P, place_):
-            return
-        S[ELSEWHERE] = UNKNOWN
-        look_elsewhere(P, S, other_turn(P, S, C, place_))
-    if S[DETOUR] == 1.0 and not on_true_chain(P, S, C, pose, work):
-        S[DETOUR] = 0.0
-        if size >= CLOSE:
-            S[ELSEWHERE] = NOWHERE
+def comes_closer(P, S, C, v, size, pose):
+    """Whether a tip close to its target comes closer, or may: while a joint moves, unless the target rests in reach."""
+    if busyness(P, S) >= RESTING or out_of_reach(P, C, pose):
+        S[CLOSEST] = math.inf
+        return most_used(C, v) > AT_REST
+    closer = size < CLOSER * S[CLOSEST]
+    if closer:
+        S[CLOSEST] = size
+    return closer
 
 
 @kernel
-def on_true_chain(P, S, C, pose, work):
-    """Take the end of a detour, a posture of the nearest exact limb, to the true chain; whether it is on the pose.
-
-    Where the pose is just out of reach, it does not, and the goal would go there and back for ever.
-    """
-    end = read7(row(S, DETOUR_END))
-    low, high = minus(clipped(P, ALL_DOWN), end), minus(clipped(P, ALL_UP), end)
-    choice = (NO_SEED, NO_SEED, (P[FAR], 0.0, DAMPING), low, high)
-    d, size = approach(P, C, pose, end, choice, REFINED, work)
-    store7(S, DETOUR_END, clipped(P, along7(end, 1.0, d)))
-    return size < CLOSE
+def watch(P, S, C, q, size, pose, work):
+    """Keep account of how long the goal has been off the target, or gone from the joints, and look elsewhere then."""
+    closer, jumped = size < CLOSER * S[MISS], size > S[MISS] + JUMP
+    S[MISS] = size
+    if size < CLOSE:
+        S[STUCK] = 0.0
+        end_search(S, UNKNOWN)
+        if S[TICK] % AGAIN == 0.0:
+            if S[DETOUR] == 1.0:
+                keep_detour(P, S, C, pose, work)
+            look_nearer(P, S, C, q, pose, work)
+        return
+    if jumped:
+        end_search(S, UNKNOWN)
+    elif closer:
+        S[ELSEWHERE] = UNKNOWN
+        return
+    S[STUCK] += 1.0
+    if S[STUCK] < STUCK_FOR or out_of_reach(P, C, pose):
+        return
+    if (S[STUCK] - STUCK_FOR) % (AGAIN if S[LOOKS] == 0.0 else AT_ONCE) != 0.0:
+        return
+    if S[DETOUR] == 1.0:
+        keep_detour(P, S, C, pose, work)
+    else:
+        look_elsewhere(P, S, C, pose, size, work)
 
 
 @kernel
@@ -310,11 +308,15 @@ def advance(P, S, C, given, work, out):
         keep_pace(S, C, shown)
     R_target, p_target = load_pose(S, ROTATION)
     pose = R_target, p_target
-    place_ = place(P, shown_at(P, C, read7(row(S, GOAL)), R_target), p_target)
     size, on, near = 0.0, False, False
     left = way_left(P, S, C)
     close_by = left[3] < (STAYS if S[PLANNED] == 1.0 else CLOSE_BY)
+    if S[CLOSEST] < math.inf and busyness(P, S) >= RESTING:
+        # The target rested and moves on: the straight way may be one again.
+        S[CLOSEST], S[COAST] = math.inf, 0.0
     if S[COAST] < COAST_FOR and (S[ON] == 1.0 or (close_by and not arriving(P, S))):
+        if S[PLANNED] == 0.0:
+            S[CLOSEST] = math.inf
         own = own_motion(P, S, C, work)
         if S[ON] == 1.0:
             d, on = stay_on(P, S, C, pose, own, box, (J, A))
@@ -332,7 +334,7 @@ def advance(P, S, C, given, work, out):
         if near:
             _, size = error_at(P, C, after, pose, P[FAR], J)
             on = size < MET
-        S[COAST] = 0.0 if on or most_used(C, v) > AT_REST else S[COAST] + 1.0
+        S[COAST] = 0.0 if on or comes_closer(P, S, C, v, size, pose) else S[COAST] + 1.0
     else:
         size = move_goal(P, S, C, pose, (J, A))
         after, v = step_to(P, S, C, follow_goal(S, C, box[0], box[1]))
@@ -341,10 +343,10 @@ def advance(P, S, C, given, work, out):
             S[COAST] = 0.0
     S[ON] = 1.0 if on else 0.0
     if near and size >= CLOSE:
-        said = on_the_way(P, S, C, v, place_)
+        said = on_the_way(P, S, C, v, pose)
     else:
-        watch(P, S, C, after, size, place_, pose, (J, A))
-        said = verdict(P, S, C, after, size, place_)
+        watch(P, S, C, after, size, pose, (J, A))
+        said = verdict(P, S, C, after, size, pose)
     if has != 1:
         said = HELD, LOST_TARGET if has == 0 else BAD_TARGET, said[2]
         R, p = R_target, p_target

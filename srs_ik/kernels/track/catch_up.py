@@ -6,18 +6,18 @@ import math
 
 from srs_ik.kernels.algebra.joint_vectors import along7, between
 from srs_ik.kernels.algebra.pointers import row
-from srs_ik.kernels.algebra.vectors import along, dot
+from srs_ik.kernels.algebra.vectors import add, along, dot, scale
 from srs_ik.kernels.chain.kinematics import forward_kinematics
-from srs_ik.kernels.chain.newton import twist_to
 from srs_ik.kernels.jit import kernel
+from srs_ik.kernels.layout.freedom import FREE_CONE
 from srs_ik.kernels.layout.limb import FAR
-from srs_ik.kernels.layout.track import ACCELERATION, PERIOD, ROTATION, Q, V
+from srs_ik.kernels.layout.track import ACCELERATION, FREE, HAS_FREE, PERIOD, ROTATION, Q, V
 from srs_ik.kernels.limb.goal import NO_SEED
 from srs_ik.kernels.limb.poses import read7
 from srs_ik.kernels.track.closest import DAMPING, approach
-from srs_ik.kernels.track.freedom import shown_at
+from srs_ik.kernels.track.freedom import free_way
 from srs_ik.kernels.track.limits import stopping_speed
-from srs_ik.kernels.track.target import load_pace, load_pose, part_of_way
+from srs_ik.kernels.track.target import load_pace, load_pose, part_of_way, way_to
 
 CLOSE_BY = 0.05
 """A tip this close to its target, m and, by the reach, rad, comes back on the straight way."""
@@ -52,15 +52,27 @@ def tip_pose(P, q):
 
 @kernel
 def way_left(P, S, C):
-    """The way of the tip to the target, linear and angular, and its size: metres, turns by the reach."""
-    R, p = load_pose(S, ROTATION)
-    q = read7(row(S, Q))
-    tip = tip_pose(P, q)
-    R = shown_at(P, C, q, R)
-    T = tip[0]
-    linear, angular = twist_to((T[0], T[3], T[6]), (T[1], T[4], T[7]), (T[2], T[5], T[8]), tip[1], R, p)
+    """The way of the tip to what the target allows, linear and angular, and its size: metres, turns by the reach."""
+    tip = tip_pose(P, read7(row(S, Q)))
+    linear, angular = way_to(tip, load_pose(S, ROTATION))
+    if C[HAS_FREE] == 1.0:
+        axis, angle = free_way(C, tip[0], load_pose(S, ROTATION)[0])
+        angular = scale(angle, axis)
     size = math.sqrt(dot(linear, linear) + P[FAR] ** 2 * dot(angular, angular))
     return tip, linear, angular, size
+
+
+@kernel
+def one_sided(S, C, T, w):
+    """What counts of a target's turning, and the way on from the edge of a cone to its middle; T is the tip's rotation.
+
+    A cone presses along one line alone, and not at all within.
+    """
+    if C[HAS_FREE] == 0.0 or C[FREE + FREE_CONE] == 0.0:
+        return w, (0.0, 0.0, 0.0)
+    axis, angle = free_way(C, T, load_pose(S, ROTATION)[0])
+    outside = 1.0 if angle > 0.0 else 0.0
+    return scale(outside * dot(axis, w), axis), scale(outside * C[FREE + FREE_CONE], axis)
 
 
 @kernel
@@ -69,6 +81,7 @@ def catch_up(P, S, C, left, own, box, work):
     period = C[PERIOD]
     tip, linear, angular, _ = left
     v, w = load_pace(S)
+    w, to_middle = one_sided(S, C, tip[0], w)
     # The way relative to a target that moves on.
     behind, turned = along(linear, -period, v), along(angular, -period, w)
     size = math.sqrt(dot(behind, behind) + P[FAR] ** 2 * dot(turned, turned))
@@ -83,5 +96,6 @@ def catch_up(P, S, C, left, own, box, work):
     low, high = along7(NO_SEED, period, box[0]), along7(NO_SEED, period, box[1])
     lever = LEVER + (P[FAR] - LEVER) * max(1.0 - size / ALL_OF_IT, 0.0)
     choice = (between(along7(NO_SEED, period, read7(row(S, V))), low, high), own, (lever, 0.0, care), low, high)
-    d, _ = approach(P, C, part_of_way(tip, 1.0, step, turn), read7(row(S, Q)), choice, 2, work)
+    there = part_of_way(tip, 1.0, step, add(turn, to_middle))
+    d, _ = approach(P, C, there, read7(row(S, Q)), choice, 2, work)
     return d

@@ -31,7 +31,8 @@ ROUNDS = 7
 def error_at(P, C, q, pose, lever, J):
     """Fill J (6, 7) with the Jacobian of the tip, turns by the lever: the way to the pose, and its size by the reach.
 
-    What the target leaves free is no way, and no motion of the joints leads along it.
+    What the target leaves free is no way, and no motion of the joints leads along it. A cone counts here: the axis of
+    the pose is its middle.
     """
     R, p = pose
     linear, angular = pose_step(P, q, R, p, J)

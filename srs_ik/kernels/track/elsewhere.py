@@ -10,18 +10,37 @@ import math
 
 import numpy as np
 
-from srs_ik.kernels.algebra.joint_vectors import apart
-from srs_ik.kernels.algebra.pointers import row
+from srs_ik.kernels.algebra.joint_vectors import along7, apart, store7
+from srs_ik.kernels.algebra.pointers import keep, row
+from srs_ik.kernels.chain.newton import clipped
 from srs_ik.kernels.exact.farthest import branch_at
 from srs_ik.kernels.exact.intervals import find_intervals
+from srs_ik.kernels.exact.nearest import between_limbs
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.answer import MOST_INTERVALS
-from srs_ik.kernels.layout.limb import FAR, MISS
-from srs_ik.kernels.layout.track import DETOUR, DETOUR_END, ELSEWHERE, GAP, GOAL, NOWHERE, RECONFIGURE
+from srs_ik.kernels.layout.limb import FAR, IS_CLOSED, MISS, SIZE
+from srs_ik.kernels.layout.track import (
+    DETOUR,
+    DETOUR_END,
+    ELSEWHERE,
+    GAP,
+    GOAL,
+    HAS_FREE,
+    LOOKS,
+    NOWHERE,
+    RECONFIGURE,
+    SEEN,
+    TRIED,
+    UNKNOWN,
+)
 from srs_ik.kernels.limb.branches import branch_of
-from srs_ik.kernels.limb.goal import OUTSIDE
+from srs_ik.kernels.limb.goal import NO_SEED, OUTSIDE
+from srs_ik.kernels.limb.limits import tighten
 from srs_ik.kernels.limb.poses import read7
-from srs_ik.kernels.limb.triangle import elbow_side
+from srs_ik.kernels.limb.triangle import elbow_side, place
+from srs_ik.kernels.track.closest import DAMPING, approach, minus
+from srs_ik.kernels.track.freedom import allowed_turn, turns_to_look_at, whole_rotation
+from srs_ik.kernels.track.verdict import CLOSE
 
 INSIDE = 0.02
 """A posture is looked for this far inside of an interval, rad."""
@@ -44,16 +63,33 @@ NEARER = 0.9
 SHORTEST = 1e-3
 """A posture this close, rad, is where the goal is stuck."""
 
+NO_OTHER = 0.03
+"""A posture so little farther away, rad, than one that was tried in vain may be the same: the goal creeps."""
+
+SPARE = 4.0
+"""Next to singularities a near limb's postures are farther from those of its exact limb, by so much."""
+
+REFINED = 8
+"""Steps in which a posture is taken to the true chain."""
+
+ALL_UP = (math.inf, math.inf, math.inf, math.inf, math.inf, math.inf, math.inf)
+ALL_DOWN = (-math.inf, -math.inf, -math.inf, -math.inf, -math.inf, -math.inf, -math.inf)
+"""Beyond the limits of all joints."""
+
 
 @kernel
-def out_of_reach(P, place_):
-    """Whether the wrist of a pose is farther from the shoulder than the arm is long, or too close."""
-    return abs(place_[5]) > 8.0 * P[MISS] + 1e-9 * P[FAR]
+def nearest_in(P, side, interval, start, best, least):
+    """The posture of an interval that is nearest to another, of those looked at, if it is nearer than the best.
 
-
-@kernel
-def nearest_in(P, side, interval, goal, best, least):
-    """The posture of an interval that is nearest to the goal, of those looked at, if it is nearer than another."""
+    Args:
+        P: packed limb.
+        side: `elbow_side` of the interval.
+        interval: (3,).
+        start: the other posture, and how far from it, rad, postures have been tried in vain.
+        best: the nearest posture so far.
+        least: how far that is, rad.
+    """
+    goal, tried = start
     branch = int(interval[0])
     middle, half = 0.5 * (interval[1] + interval[2]), 0.5 * (interval[2] - interval[1])
     half -= min(INSIDE, 0.5 * half)
@@ -62,18 +98,19 @@ def nearest_in(P, side, interval, goal, best, least):
         psi = middle - half + (2.0 * half * i / pieces if pieces > 0 else 0.0)
         q, value = branch_at(P, side, psi, branch, True, goal, True)
         way = apart(q, goal)
-        if value < OUTSIDE and way < least:
+        if value < OUTSIDE and tried < way < least:
             best, least = q, way
     return best, least
 
 
 @kernel
-def nearest_posture(P, q, place_, share):
-    """A posture on the target that is near another, and how far it is, rad; how many intervals there are.
+def nearest_postures(P, start, place_, share):
+    """The posture of a pose that is nearest to another in its branch, and that of all: each and how far it is, rad.
 
-    Of other branches, only postures that are next to it are near, and nearer than a share of what its own has: else
-    the arm would flip.
+    Of other branches, postures that are next to it count as its own, if they are nearer than a share of what that has:
+    else the arm would flip. `start` is as in `nearest_in`.
     """
+    q, _ = start
     branch = branch_of(P, q)
     found = np.empty((MOST_INTERVALS, 3))
     n = find_intervals(P, place_, -1, found)
@@ -84,40 +121,109 @@ def nearest_posture(P, q, place_, share):
             if int(found[i, 0]) >> 2 != elbow:
                 continue
             if int(found[i, 0]) == branch:
-                best, least = nearest_in(P, side, row(found, i), q, best, least)
+                best, least = nearest_in(P, side, row(found, i), start, best, least)
             else:
-                other, nearest = nearest_in(P, side, row(found, i), q, other, nearest)
+                other, nearest = nearest_in(P, side, row(found, i), start, other, nearest)
     if nearest < LONGEST_FLIP and nearest < share * least:
         best, least = other, nearest
-    return best, least, n
+    if least < nearest:
+        other, nearest = best, least
+    return best, least, other, nearest
 
 
 @kernel
-def look_elsewhere(P, S, place_):
-    """Send the goal to the nearest posture on the target; where none is near, write what there is.
+def postures_to_try(P, start, place_):
+    """`nearest_postures` of the nearest exact limb: within what a near limb's limits may be for that."""
+    if P[IS_CLOSED] == 1.0:
+        return nearest_postures(P, start, place_, RELUCTANT)
+    boxes = np.empty((1, SIZE))
+    box = row(boxes, 0)
+    tighten(P, NO_SEED, math.inf, SPARE * between_limbs(P), box)
+    found = nearest_postures(box, start, place_, RELUCTANT)
+    keep(boxes)
+    return found
 
-    A goal that is on its way to a posture stays on it, and goes to where that has come to with the target.
+
+@kernel
+def end_search(S, known):
+    """Write what is known of postures that reach the target; the next look begins anew."""
+    S[ELSEWHERE] = known
+    S[LOOKS] = S[TRIED] = 0.0
+    S[SEEN] = UNKNOWN
+
+
+@kernel
+def look_elsewhere(P, S, C, pose, size, work):
+    """One look of a search for a posture on the target that the goal can be sent to; where none is near, for any.
+
+    Of the nearest exact limb, a posture is known at a time; one that does not lead onto the target on the true chain
+    was tried in vain, and the next is that farther away. Where a turn is free, each look is at another one. Nothing is
+    said of a target that the goal misses by `size` if that is within what the nearest exact limb can tell.
     """
-    best, least, n = nearest_posture(P, read7(row(S, DETOUR_END if S[DETOUR] == 1.0 else GOAL)), place_, RELUCTANT)
-    if SHORTEST < least < LONGEST:
-        send(S, best)
-    elif S[DETOUR] == 0.0 and n == 0:
-        S[ELSEWHERE] = NOWHERE
-    elif S[DETOUR] == 0.0 and least >= LONGEST:
-        S[ELSEWHERE] = RECONFIGURE
+    goal = read7(row(S, GOAL))
+    place_ = place(P, allowed_turn(P, C, goal, pose[0], S[LOOKS]), pose[1])
+    own, way, other, farther = postures_to_try(P, (goal, S[TRIED]), place_)
+    whole = C[HAS_FREE] == 0.0
+    if whole and P[IS_CLOSED] == 1.0 and way <= SHORTEST:
+        S[ELSEWHERE] = UNKNOWN
+        return
+    S[LOOKS] += 1.0
+    near = way < LONGEST and not (whole and S[SEEN] == NOWHERE)
+    if whole and not near and S[SEEN] == UNKNOWN and S[TRIED] > 0.0:
+        S[SEEN], S[TRIED] = NOWHERE, 0.0
+        return
+    if not near:
+        own, way = other, farther
+    if way < math.inf:
+        there, met = on_true_chain(P, C, own, pose, work)
+        if met and near:
+            send(S, there)
+            end_search(S, UNKNOWN)
+            return
+        if met:
+            S[SEEN] = RECONFIGURE
+        elif whole:
+            S[TRIED] = way + NO_OTHER
+            return
+    if S[LOOKS] >= turns_to_look_at(C):
+        nowhere = NOWHERE if size > P[MISS] else UNKNOWN
+        end_search(S, RECONFIGURE if S[SEEN] == RECONFIGURE else nowhere)
 
 
 @kernel
-def look_nearer(P, S, q, place_):
+def on_true_chain(P, C, q, pose, work):
+    """A posture that is nearly on a pose, taken onto it on the true chain; whether it is there."""
+    low, high = minus(clipped(P, ALL_DOWN), q), minus(clipped(P, ALL_UP), q)
+    choice = (NO_SEED, NO_SEED, (P[FAR], 0.0, DAMPING), low, high)
+    d, size = approach(P, C, pose, q, choice, REFINED, work)
+    return clipped(P, along7(q, 1.0, d)), size < CLOSE
+
+
+@kernel
+def keep_detour(P, S, C, pose, work):
+    """Let the end of a detour go with the target; where it cannot, end the detour."""
+    there, met = on_true_chain(P, C, read7(row(S, DETOUR_END)), pose, work)
+    if met:
+        send(S, there)
+    else:
+        S[DETOUR] = 0.0
+
+
+@kernel
+def look_nearer(P, S, C, q, pose, work):
     """Where the joints fall behind a goal on its target, send it to a posture that is nearer to them.
 
     The goal knows no inertia: it goes around a singular posture in whose midst joints are too slow, and then away.
     """
-    gap = apart(q, read7(row(S, GOAL)))
+    goal = read7(row(S, GOAL))
+    gap = apart(q, goal)
     if gap > S[GAP]:
-        best, least, _ = nearest_posture(P, q, place_, 1.0)
+        place_ = place(P, whole_rotation(P, C, goal, pose[0]), pose[1])
+        best, least, _, _ = nearest_postures(P, (q, -1.0), place_, 1.0)
         if least < NEARER * gap:
-            send(S, best)
+            there, met = on_true_chain(P, C, best, pose, work)
+            if met:
+                send(S, there)
     S[GAP] = gap
 
 
@@ -125,5 +231,4 @@ def look_nearer(P, S, q, place_):
 def send(S, q):
     """Let the goal go to a posture."""
     S[DETOUR] = 1.0
-    for j in range(7):
-        S[DETOUR_END + j] = q[j]
+    store7(S, DETOUR_END, q)

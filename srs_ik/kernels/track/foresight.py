@@ -38,7 +38,7 @@ from srs_ik.kernels.limb.goal import NO_SEED
 from srs_ik.kernels.limb.poses import read7
 from srs_ik.kernels.track.closest import column, dot6, error_at
 from srs_ik.kernels.track.elbow import slope, wish
-from srs_ik.kernels.track.freedom import shown_at
+from srs_ik.kernels.track.freedom import whole_rotation
 from srs_ik.kernels.track.target import load_pace
 from srs_ik.kernels.track.trend import foretold
 
@@ -185,7 +185,7 @@ def add_poses(P, S, C, J, B):
         q = read7(row(S, KNOT + 7 * k))
         t = when(k + 1)
         R, p = foretold(S, t)
-        e, size = error_at(P, C, q, (shown_at(P, C, q, R), p), TURNING * P[FAR], J)
+        e, size = error_at(P, C, q, (R, p), TURNING * P[FAR], J)
         fine = FINE + COARSE * t * t
         price = 1.0 / (fine * fine * max(1.0, size / max(FAR_OFF, 2.0 * fine)))
         for a in range(7):
@@ -201,10 +201,11 @@ def add_wish(P, S, C, task, J, B):
     """Add what is asked of the elbow."""
     q = read7(row(S, KNOT + 7 * (ASKED - 1)))
     R, p = foretold(S, when(ASKED))
-    way, pull = wish(P, C, task, q, (shown_at(P, C, q, R), p), J)
+    pose = whole_rotation(P, C, q, R), p
+    way, pull = wish(P, C, task, q, pose, J)
     if pull == 0.0:
         return
-    rise = slope(P, q, (shown_at(P, C, q, R), p))
+    rise = slope(P, q, pose)
     for a in range(7):
         i = 7 * (ASKED - 1) + a
         B[i, BAND + 1] += pull * rise[a] * way

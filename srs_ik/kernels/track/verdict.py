@@ -27,7 +27,7 @@ from srs_ik.kernels.layout.track import (
     V,
 )
 from srs_ik.kernels.limb.poses import read7
-from srs_ik.kernels.track.elsewhere import out_of_reach
+from srs_ik.kernels.track.freedom import out_of_reach
 
 CLOSE = 1e-6
 """A goal or a tip that misses its target by less than this (m, rad) is said to be on it."""
@@ -60,23 +60,23 @@ def hardest(S, C, v):
 
 
 @kernel
-def on_the_way(P, S, C, v, place_):
+def on_the_way(P, S, C, v, pose):
     """Status, reason, and the joint that uses most of its limits, of a tip that comes back to its target."""
     joint, used = hardest(S, C, v)
-    if out_of_reach(P, place_):
+    if out_of_reach(P, C, pose):
         return UNREACHABLE, OUT_OF_REACH, joint
     return LIMITED, BEHIND if used > USED_UP else ON_THE_WAY, joint
 
 
 @kernel
-def verdict(P, S, C, q, size, place_):
+def verdict(P, S, C, q, size, pose):
     """Status, reason, and the joint that is farthest behind."""
     if S[ON] == 1.0 or (size < CLOSE and apart(q, read7(row(S, GOAL))) < CLOSE):
         return OK, NO_REASON, 0
     joint = most_behind(S, C, q)
     if size < CLOSE:
         return LIMITED, BEHIND, joint
-    if out_of_reach(P, place_):
+    if out_of_reach(P, C, pose):
         return UNREACHABLE, OUT_OF_REACH, joint
     if S[ELSEWHERE] == UNKNOWN:
         return LIMITED, ON_THE_WAY, joint

@@ -359,7 +359,7 @@ class Tracker(Fixed):
             found = solve_free(self._packed, T, self.free_axis, self.q, True)
         if found:
             self._state[at.DETOUR_END : at.MISS] = found.q
-            self._state[at.DETOUR], self._state[at.ON] = 1.0, 0.0
+            self._state[at.DETOUR], self._state[at.ON], self._state[at.ELSEWHERE] = 1.0, 0.0, at.UNKNOWN
         return found
 
     def _target(self) -> Array:

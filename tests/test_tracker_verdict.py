@@ -1,0 +1,153 @@
+"""What a tracker makes of targets that rest, with a free turn and without, and what it says of them.
+
+Errors are Pinocchio's, on the robot's own file; what no turn reaches is found by a dense sweep of them.
+"""
+
+import arms
+import numpy as np
+import pinocchio as pin
+import pytest
+from tracked import velocities
+
+from srs_ik import FreeAxis
+
+DT = 0.01
+MET = 1e-6
+"""A tip this close to its target, m and rad, is on it."""
+
+HERE = arms.here("made_oblique", "made_folded", "h1_2_left")
+
+ROLL = FreeAxis([0, 0, 1])
+ANY = FreeAxis(cone=np.pi)
+
+
+def inside(arm, share=1.0):
+    """Limits, at most half a turn away from zero; a share of them."""
+    return share * np.maximum(arm.lower, -np.pi), share * np.minimum(arm.upper, np.pi)
+
+
+def tracker_of(name, q0, free=None):
+    return arms.load(name).tracker(q0, DT, velocities(arms.load(name)), free_axis=free, smoothing=0.0)
+
+
+def off(tip, wanted, free=None):
+    """Metres, and radians between two poses but for what is free."""
+    if free is None:
+        turned = np.linalg.norm(pin.log3(tip.rotation.T @ wanted.rotation))
+    else:
+        a, b = tip.rotation @ free.axis, wanted.rotation @ free.axis
+        turned = max(np.arctan2(np.linalg.norm(np.cross(a, b)), a @ b) - free.cone, 0.0)
+    return np.linalg.norm(tip.translation - wanted.translation), turned
+
+
+def far_apart(name, rng):
+    """Two postures at random, inside the limits."""
+    lower, upper = inside(arms.load(name))
+    return rng.uniform(lower, upper), rng.uniform(lower, upper)
+
+
+def rest_on(name, tracker, target, seconds, free=None):
+    """The statuses until the tip is on a target that rests, and the last step; a tip said to be there is."""
+    said = []
+    for _ in range(round(seconds / DT)):
+        step = tracker.update(target)
+        said.append(str(step.status))
+        if step:
+            assert max(off(arms.forward(name)(step.q), target, free)) < MET
+            break
+    return said, step
+
+
+def assert_true(name, tracker, target, seconds, free=None):
+    """A target that some posture reaches is come to, or `reconfigure` leads there; it is never called unreachable."""
+    said, step = rest_on(name, tracker, target, seconds, free)
+    assert "UNREACHABLE" not in said
+    if not step:
+        assert step.status == "HELD"
+        assert "reconfigure()" in step.message
+        assert tracker.reconfigure()
+        said, step = rest_on(name, tracker, target, seconds, free)
+    assert step
+    return len(said)
+
+
+@pytest.mark.parametrize("cone", [0.05, 0.3])
+@pytest.mark.parametrize("name", ["iiwa14", "gen3"])
+def test_a_target_at_rest_is_met_with_a_cone_no_later_than_with_the_roll_alone(name, cone):
+    """A cone that counted twice left half of the tips outside of it, at rest or for seconds."""
+    arm, forward, rng = arms.load(name), arms.forward(name), np.random.default_rng(21)
+    lower, upper = inside(arm, 0.8)
+    for _ in range(20):
+        q0 = rng.uniform(lower, upper)
+        target = forward(np.clip(q0 + rng.normal(0.0, 0.25, 7), *inside(arm)))
+        updates = []
+        for free in (FreeAxis([0, 0, 1], cone=cone), ROLL):
+            said, step = rest_on(name, tracker_of(name, q0, free), target, 3.0, free)
+            assert step
+            updates.append(len(said))
+        # The ways differ; by no more than 0.2 s.
+        assert updates[0] <= updates[1] + 20
+
+
+@pytest.mark.parametrize(("cone", "most"), [(0.05, 2e-3), (0.2, MET)])
+def test_a_slow_target_is_not_trailed_outside_of_a_cone(cone, most):
+    """The roll alone, which the cone contains, was followed all the time; with the cone the tip was outside of it."""
+    arm, forward, rng = arms.load("iiwa14"), arms.forward("iiwa14"), np.random.default_rng(3)
+    free = FreeAxis([0, 0, 1], cone=cone)
+    for _ in range(5):
+        q0, way = rng.uniform(*inside(arm, 0.6)), rng.normal(0.0, 0.2, 7)
+        tracker = arm.tracker(q0, 0.002, free_axis=free)
+        for k in range(2000):
+            target = forward(q0 + way * np.sin(0.003 * k))
+            q = tracker.update(target).q
+            if k > 500 and k % 10 == 0:
+                position, turned = off(forward(q), target, free)
+                assert position < 1e-3
+                assert turned < most
+
+
+@pytest.mark.parametrize(("name", "free"), [("iiwa14", ROLL), ("iiwa14", ANY), ("human_arm", ROLL)])
+def test_what_some_turn_reaches_is_not_said_to_be_unreachable(name, free):
+    """One turn was taken for all: up to 4 of 30 targets that `solve` has a posture for ended as unreachable."""
+    rng = np.random.default_rng(3)
+    for _ in range(30):
+        q0, q1 = far_apart(name, rng)
+        assert_true(name, tracker_of(name, q0, free), arms.forward(name)(q1), 12.0, free)
+
+
+@pytest.mark.parametrize("axis", [[1, 0, 0], [1, 0, 1], [0, 0, 1]])
+def test_out_of_reach_means_at_all_turns(axis):
+    """Targets around the end of the reach, where some turns are inside of it for part of them."""
+    arm, free, rng = arms.load("iiwa14"), FreeAxis(axis), np.random.default_rng(5)
+    rolls = np.array([pin.exp3(angle * free.axis) for angle in np.linspace(0.0, 2.0 * np.pi, 180, endpoint=False)])
+    reached = []
+    for _ in range(20):
+        target = arm.forward_kinematics(rng.uniform(*inside(arm))).homogeneous
+        centre = np.array([0.0, 0.0, 0.36])
+        way = target[:3, 3] - centre
+        target[:3, 3] = centre + rng.uniform(0.78, 1.02) * way / np.linalg.norm(way)
+        poses = np.repeat(target[None], len(rolls), axis=0)
+        poses[:, :3, :3] = target[:3, :3] @ rolls
+        reached.append(bool(arm.solve_batch(poses, respect_limits=False).ok.any()))
+        tracker = tracker_of("iiwa14", np.array([0.3, 0.7, -0.4, -1.1, 0.5, 0.8, -0.2]), free)
+        said = ["out of reach" in tracker.update(target).message for _ in range(300)]
+        assert said[-1] == (not reached[-1])
+        assert said[-1] or not any(said)
+    assert 3 < sum(reached) < 17
+
+
+def near_ones():
+    """Postures to start from and to reach."""
+    gen3 = [
+        [-0.4196, -1.6455, 3.089, 0.2552, -2.5207, 1.4696, -0.4393],
+        [0.8495, -1.5355, -0.656, -0.0103, -0.0173, 1.3366, -0.0265],
+    ]
+    seeds = {"made_oblique": (12, 105, 188, 340), "made_folded": (351,), "h1_2_left": (12, 89)}
+    drawn = [(name, *far_apart(name, np.random.default_rng(k))) for name in seeds if name in HERE for k in seeds[name]]
+    return [("gen3", *np.array(gen3)), *drawn]
+
+
+@pytest.mark.parametrize(("name", "q0", "q1"), near_ones())
+def test_a_near_arm_tries_more_than_the_nearest_posture_of_its_exact_limb(name, q0, q1):
+    """That one did not lead onto the target on the true chain, and the target counted as unreachable."""
+    assert_true(name, tracker_of(name, q0), arms.forward(name)(q1), 8.0)
