@@ -65,6 +65,7 @@ class Arm(BodyOwner):
         packed: what the kernels know of the arm.
     """
 
+    _fixed = BodyOwner._fixed | {"limb", "hand", "drawing", "plan", "packed"}
     _instead = "with_tool and with_base give another arm, and an adapter corrects its limits"
 
     def __init__(

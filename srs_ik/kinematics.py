@@ -37,6 +37,10 @@ class ChainKinematics(Fixed):
         model: `pinocchio.Model` of the 7 joints.
     """
 
+    _fixed = frozenset(
+        ("name", "base", "tip", "joint_names", "lower", "upper", "velocity_limit", "effort_limit", "model")
+    )
+
     def __init__(self, chain: Chain, name: str) -> None:
         self.name = name
         self.base = chain.base

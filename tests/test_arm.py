@@ -135,6 +135,8 @@ def test_limits_cannot_be_changed_behind_the_solver():
     for name in ("lower", "joint_names", "model", "limb", "tip"):
         with pytest.raises(AttributeError, match=f"Arm.{name} cannot be changed: with_tool and with_base give another"):
             setattr(arm, name, None)
+    for note in ("mine", "mine still"):
+        arm.note = note
 
 
 def test_only_what_a_tracker_looks_at_can_be_set():

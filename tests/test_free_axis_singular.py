@@ -38,6 +38,25 @@ def least_split(name, q, seed, first):
     return best
 
 
+@pytest.mark.parametrize("cone", [0.0, 1e-5, 0.1])
+@pytest.mark.parametrize(
+    ("name", "singular"),
+    [(name, joints) for name in arms.here("iiwa14", "sia10f") for joints in ([5], [1], [1, 5])]
+    + [("gen3", [5]), ("gen3", [1])],
+)
+def test_a_posture_next_to_the_seed_is_not_passed_over(name, singular, cone):
+    arm, rng = arms.load(name), arms.generator(name, 171)
+    q0 = np.full(7, 0.3)
+    own = arms.forward(name)(q0).rotation.T @ arm.jacobian(q0)[3:, 6]
+    for _ in range(30):
+        q = rng.uniform(np.maximum(arm.lower, -3.0), np.minimum(arm.upper, 3.0))
+        q[singular] = 0.0
+        seed = np.clip(q + 1e-4 * rng.normal(size=7), arm.lower, arm.upper)
+        found = arm.solve(arms.forward(name)(q).homogeneous, seed=seed, free_axis=FreeAxis(own, cone=cone))
+        assert found, found.message
+        assert np.linalg.norm(found.q - seed) <= np.linalg.norm(q - seed) + 1e-6
+
+
 @pytest.mark.parametrize("cone", [0.0, 1e-6])
 @pytest.mark.parametrize("axis", AXES)
 @pytest.mark.parametrize("name", arms.here("iiwa14", "med7", "sia10f"))

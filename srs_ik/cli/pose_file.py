@@ -142,7 +142,7 @@ def read_table(path: Path, columns: Sequence[str]) -> list[tuple[int, list[str]]
         if any(cell.strip() for cell in row[len(header) :]):
             raise WrongInput(
                 f"{path}, line {line}: there are {len(row)} columns and names for {len(header)}; "
-                "decimals have points, not commas"
+                "decimals have points, not commas, and text with commas stands in quotes"
             )
     return table
 

@@ -2,7 +2,7 @@
 
 What the tip does there in the one direction that is lost is a quadratic form of the two ways. If that is definite, the
 posture is the only one of its pose around, or amid a small closed curve of them; else two curves cross, or almost.
-Steps towards a pose halve what is left at best next to such a posture. To the posture itself Newton's method leads in a
+Steps towards a pose halve what is left at best next to one. To the posture itself Newton's method leads in a
 few steps: five equations of the pose, and two that make the form's slope zero.
 """
 
@@ -54,7 +54,7 @@ def times_twist(J, u, joint):
 
 @kernel
 def second_order(J, u, x, y):
-    """What two ways of the joints make together of the tip along a twist, beside what each makes: a bilinear form."""
+    """What two ways of the joints make together of the tip along a twist, but for what each makes: a bilinear form."""
     before_x = before_y = (0.0, 0.0, 0.0)
     linear = angular = (0.0, 0.0, 0.0)
     for j in range(7):

@@ -13,7 +13,7 @@ from srs_ik.kernels.algebra.vectors import load3, norm
 from srs_ik.kernels.chain.freedom import free_error
 from srs_ik.kernels.exact.nearest import between_limbs
 from srs_ik.kernels.freedom.queue import MOST_ATTEMPTS, NONE_LEFT, line_up, take_next
-from srs_ik.kernels.freedom.settle import THIN, distance, onto_pose, settle
+from srs_ik.kernels.freedom.settle import NO_POSTURE, THIN, distance, onto_pose, settle
 from srs_ik.kernels.freedom.starts import is_of_no_use
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.answer import SOLVED
@@ -40,21 +40,26 @@ searches than a few, those from such starts are left out."""
 
 @kernel
 def beside(P, pose, freedom, liking, desk):
-    """The posture that a search from the seed itself leads to; met where it is so close that there is no nearer one."""
+    """The posture that a search from the seed leads to, if any; and whether it is so close that none is nearer."""
     off, turned = free_error(P, liking.posture, pose[0], pose[1], freedom)
     if max(off, turned) < SOLVED and between(liking.posture, liking.lower, liking.upper) == liking.posture:
-        return Found(liking.posture, 0.0, True)
+        return Found(liking.posture, 0.0, True), True
     tip = norm(load3(P, WRIST_IN_TIP))
     if turned > SPREAD * CLOSE or off > SPREAD * CLOSE * (P[FAR] + tip + P[MISS]):
-        return Found(liking.posture, NONE_LEFT, False)
-    rival = Liking(liking.posture, liking.weights, liking.lower, liking.upper, CLOSE * CLOSE, liking.posture)
+        return Found(liking.posture, NONE_LEFT, False), False
+    rival = Liking(liking.posture, liking.weights, liking.lower, liking.upper, CLOSE * CLOSE, NO_POSTURE)
     there, cost, error, at_rest = settle(P, liking.posture, pose, freedom, rival, desk)
+    met = at_rest and error < SOLVED
+    if not met and freedom.cone <= THIN:
+        there, cost, error, at_rest = settle(P, liking.posture, pose, Freedom(freedom.axis, 0.0), rival, desk)
+        met = at_rest and error < SOLVED
+        return Found(there, cost if met else NONE_LEFT, met), False
     q, distance = liking.posture, math.sqrt(cost)
     s2 = abs(math.sin(q[1] - P[SHOULDER + PHASE]))
     s4 = abs(math.sin(q[3] - P[STRAIGHT]))
     s6 = abs(math.sin(q[5] - P[WRIST + PHASE]))
     alone = distance < CLOSE and min(s2, s4, s6) > CLEAR * distance + between_limbs(P)
-    return Found(there, cost, at_rest and error < SOLVED and alone)
+    return Found(there, cost if met else NONE_LEFT, met), met and alone
 
 
 @kernel

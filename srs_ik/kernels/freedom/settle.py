@@ -65,7 +65,8 @@ SAME = 0.05
 """A step that leads so close to a posture that is known, rad, and is longer than that, leads there."""
 
 NO_RIVAL = 1e300
-"""Cost of a rival where there is none."""
+NO_POSTURE = (math.inf, math.inf, math.inf, math.inf, math.inf, math.inf, math.inf)
+"""Cost of a rival, and its posture, where there is none."""
 
 ROUNDS = 12
 """Most changes of the set of joints that are held, in a step."""

@@ -10,7 +10,7 @@ from srs_ik.kernels.chain.kinematics import forward_kinematics
 from srs_ik.kernels.chain.newton import arm_angle
 from srs_ik.kernels.freedom.nearest import beside, nearest
 from srs_ik.kernels.freedom.queue import NONE_LEFT
-from srs_ik.kernels.freedom.settle import EVEN, THIN, led_to, onto_pose, settle
+from srs_ik.kernels.freedom.settle import EVEN, NO_POSTURE, THIN, led_to, onto_pose, settle
 from srs_ik.kernels.freedom.starts import is_loose, starts_of_roll, starts_of_turns
 from srs_ik.kernels.freedom.turns import held_straight
 from srs_ik.kernels.freedom.widest import any_limited, weights, widest_of_all
@@ -44,36 +44,36 @@ def liking_of(family, P, goal):
     """What is nearest: the seed, or without one the middles of the ranges."""
     lower, upper = limits(P, LOWER), limits(P, UPPER)
     if goal.seeded:
-        return Liking(goal.seed, EVEN, lower, upper, NONE_LEFT, goal.seed)
+        return Liking(goal.seed, EVEN, lower, upper, NONE_LEFT, NO_POSTURE)
     limited = row(family, LIMITED)
     wish = middles(limited)
-    return Liking(wish, weights(limited), lower, upper, NONE_LEFT, wish)
+    return Liking(wish, weights(limited), lower, upper, NONE_LEFT, NO_POSTURE)
 
 
 @kernel
 def found_posture(P, pose, given, goal, liking, desk):
     """The posture nearest to a seed, or without one farthest from the limits."""
+    known = Found(liking.posture, NONE_LEFT, False)
     if goal.seeded:
-        close = beside(P, pose, given[0], liking, desk)
-        if close.met:
-            return close
+        known, alone = beside(P, pose, given[0], liking, desk)
+        if alone:
+            return known
     elif goal.respect and any_limited(P):
         found = widest_of_all(P, pose, given, liking, desk)
         if found.met:
             return found
     # Without a seed other starts, from distances and not margins, may yet lead to a posture.
-    return nearest_of_all(P, pose, given, liking, desk)
+    return nearest_of_all(P, pose, given, liking, known, desk)
 
 
 @kernel
-def nearest_of_all(P, pose, given, liking, desk):
-    """The nearest posture that searches lead to, from starts all over what is free.
+def nearest_of_all(P, pose, given, liking, found, desk):
+    """The nearest posture that searches lead to, from starts all over what is free, or the one that is known.
 
     A thin cone is searched as a roll: that of the way to which its axis presses. In a narrow one the roll alone comes
     first, too: what is found there leads to a posture that is no worse.
     """
     freedom = given[0]
-    found = Found(liking.posture, NONE_LEFT, False)
     loose = is_loose(P, freedom.axis)
     count = starts_of_roll(P, pose, freedom, Sought(True, liking.posture, found, loose, 0.0), desk)
     if freedom.cone <= NARROW:
@@ -84,7 +84,7 @@ def nearest_of_all(P, pose, given, liking, desk):
         q, cost, error, at_rest = settle(P, found.q, pose, freedom, liking, desk)
         if error < SOLVED and cost < found.cost:
             found = Found(q, cost, True)
-        liking = led_to(liking, q if at_rest else liking.posture)
+        liking = led_to(liking, q if at_rest else NO_POSTURE)
     elif freedom.cone == 0.0 or found.met:
         return found
     count = starts_of_turns(P, pose, given, Sought(True, liking.posture, found, loose, 0.0), desk, count)

@@ -34,7 +34,7 @@ _LEAST = 1e-9
 
 
 def kept_apart(shapes: Shapes, T: Array, free: Array, in_range: Array) -> Array:
-    """(n, 3) where such bodies keep the margin, of free intervals of a pose, sorted by branch.
+    """(n, 3) where these bodies keep the margin, of free intervals of a pose, sorted by branch.
 
     Args:
         shapes: the arm in its scene.
@@ -64,7 +64,7 @@ class _Spot(NamedTuple):
 
 
 class _Curve:
-    """The postures of a branch, and how far such bodies are apart at them."""
+    """The postures of a branch, and how far these bodies are apart at them."""
 
     def __init__(self, shapes: Shapes, T: Array, branch: int) -> None:
         self._shapes, self._T, self._branch = shapes, T, branch

@@ -163,6 +163,7 @@ class Tracker(Fixed):
         free_axis: what of a target's rotation is free, or None.
     """
 
+    _fixed = frozenset(("dt", "velocity_limit", "acceleration_limit", "jerk_limit", "free_axis"))
     _instead = "only elbow and smoothing can; make another tracker by Arm.tracker"
 
     def __init__(
