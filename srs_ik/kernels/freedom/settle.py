@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 
-from srs_ik.kernels.algebra.joint_vectors import along7, between, with_joint
+from srs_ik.kernels.algebra.joint_vectors import along7, apart, between, with_joint
 from srs_ik.kernels.algebra.lanes import as_mask, gather, scatter, where
 from srs_ik.kernels.algebra.pointers import row
 from srs_ik.kernels.algebra.vectors import add, along, apply, cross, dot, norm, scale, sub
@@ -272,9 +272,7 @@ def beaten(q, way, liking):
 @kernel
 def comes_to_rival(q, size, liking):
     """Whether a search whose last step was so short comes to the posture that is known."""
-    off = 0.0
-    for j in range(7):
-        off = max(off, abs(q[j] - liking.rival_posture[j]))
+    off = apart(q, liking.rival_posture)
     return liking.rival < NO_RIVAL and size > off and off < SAME
 
 
