@@ -108,12 +108,15 @@ def test_gravity_torques_need_masses():
 def test_gravity_torques_are_absolute_where_an_effort_limit_is_missing():
     arm = srs_ik.load("iiwa14")
     q = arms.configurations("iiwa14", 1, 43)[0]
-    limits = arm.effort_limit.copy()
     relative = Objective("gravity_torque").value(arm, q)
-    arm.effort_limit = np.full(7, 10.0)
-    tenth = Objective("gravity_torque").value(arm, q)
-    arm.effort_limit = np.where(np.arange(7) == 2, np.inf, limits)
-    assert Objective("gravity_torque").value(arm, q) == pytest.approx(100.0 * tenth)
+
+    def with_efforts(limits):
+        model = arm.model.copy()
+        model.effortLimit = limits
+        return Objective("gravity_torque").value(srs_ik.load(model, base=arm.base, tip=arm.tip), q)
+
+    tenth = with_efforts(np.full(7, 10.0))
+    assert with_efforts(np.where(np.arange(7) == 2, np.inf, arm.effort_limit)) == pytest.approx(100.0 * tenth)
     assert relative < tenth
 
 
