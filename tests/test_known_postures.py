@@ -698,11 +698,6 @@ TOUCHED_AT_A_WRIST = [
 """Of a gen3: the elbow comes back to its limit, by up to 1e-9 rad, where shoulder and wrist are singular."""
 
 
-@pytest.mark.parametrize("given", TOUCHED_AT_A_WRIST)
-def test_limits_that_are_touched_where_postures_in_step_are_off_leave_an_interval(bench, given):
-    assert_is_whole(bench, arms.load("gen3"), np.array(given.split(), float))
-
-
 OFF_CURVES = [
     "-0.12 0.0 -0.92 -1.89 0.0 0.0 -0.28",
     "1.14 0.0 -1.03 -1.38 0.0 0.0 1.42",
@@ -715,9 +710,9 @@ OFF_CURVES = [
 """Of a gen3, shoulder and wrist singular: no other posture of the pose is around, or a closed curve of 1e-3 rad."""
 
 
-@pytest.mark.parametrize("given", OFF_CURVES)
-def test_postures_that_no_curve_leads_to_are_in_an_interval(bench, given):
-    """They were up to 11 mrad beside the intervals of the curves around."""
+@pytest.mark.parametrize("given", TOUCHED_AT_A_WRIST + OFF_CURVES)
+def test_where_the_wrist_is_singular_postures_are_in_an_interval(bench, given):
+    """Limits that are touched left none; what no curve led to lay up to 11 mrad beside the curves around."""
     assert_is_whole(bench, arms.load("gen3"), np.array(given.split(), float))
 
 

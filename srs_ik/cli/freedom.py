@@ -35,9 +35,6 @@ def read(axis: Three | None, cone: str | None, unit: float) -> FreeAxis | None:
     from srs_ik.inputs.freedom import FreeAxis
 
     lean = 0.0 if cone is None else numbers("--cone", [cone])[0]
-    if unit != 1.0 and not 0.0 <= lean <= _HALF_TURN:
+    if unit != 1.0 and not 0.0 <= lean <= 180.0:
         raise WrongInput(f"--cone must be an angle from 0 to 180 degrees, not {cone}")
     return FreeAxis(numbers("--free-axis", axis), unit * lean)
-
-
-_HALF_TURN = 180.0
