@@ -308,8 +308,8 @@ class Arm(BodyOwner):
     ) -> list[Interval]:
         """Feasible arm angles of every branch, exactly, in the order of branches.
 
-        They are the roots of linear forms in cosine and sine of the arm angle, not samples. On a near limb, where there
-        are no such forms, each branch is followed around the circle and every end bisected on the true chain.
+        They are the roots of linear forms in cosine and sine of the arm angle, not samples. On a near limb those of its
+        nearest exact limb are corrected on the true chain, and its curves followed next to singular postures.
 
         With a scene, they are what bodies leave of that: arcs that spheres forbid, exactly (see `Scene`); where spheres
         leave nothing, by the real shapes. The list then has an attribute `undecided`: with real shapes, the width of

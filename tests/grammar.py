@@ -373,7 +373,7 @@ class _Grammar:
             "arm_angle": {"reference": "[1.0, 0.0, 0.0]"},
             "hand": {"grasp": "[0.0, 0.0, 1.0]", "pronosupination": "[1.0, 0.0, 0.0]"},
             "tool": {"xyz": "[0.0, 0.0, 0.1]", "rpy": "[0.0, 0.5, 0.0]", "name": '"tool"'},
-            "mount": {"xyz": "[0.0, 0.0, 0.1]", "name": '"room"'},
+            "mount": {"xyz": "[0.0, 0.0, 0.1]", "name": '"room"', "gravity": "[0.0, 0.0, -9.81]"},
             "limits": {"j1": "{ lower = -1.0, upper = 1.0 }", "j2": "{ velocity = inf }"},
             "xacro": {"a": '"b"'},
             "sources.a": {"figures": '"f"', "title": '"t"', "year": "2020"},

@@ -66,6 +66,21 @@ def test_limits_tool_and_mount_of_an_adapter(arm_file, tmp_path):
     np.testing.assert_allclose(arm.forward_kinematics(np.zeros(7)).translation, expected, atol=1e-14)
 
 
+def test_gravity_of_the_room_an_arm_is_mounted_in(arm_file, tmp_path):
+    adapter = tmp_path / "robot.toml"
+    write_adapter(adapter, arm_file, srs_ik.load(arm_file))
+    text = adapter.read_text()
+    for line in ("[mount]", "gravity = [0.0, 0.0, -9.81]"):
+        assert f"# {line}" in text
+        text = text.replace(f"# {line}", line, 1)
+    adapter.write_text(text.replace("[mount]\n", "[mount]\nrpy = [2.5, 0.0, 0.0]\n", 1))
+    arm = srs_ik.load(adapter)
+    assert arm.base == "world"
+    room = arm.model.frames[arm.model.getFrameId("world")].placement.rotation
+    np.testing.assert_allclose(room.T @ arm.model.gravity.linear, [0.0, 0.0, -9.81], atol=1e-12)
+    assert np.abs(arm.model.gravity.linear - srs_ik.load(arm_file).model.gravity.linear).max() > 1.0
+
+
 def test_the_commands_take_what_inspect_writes(arm_file, tmp_path):
     adapter = tmp_path / "robot.toml"
     result = run("inspect", str(arm_file), "--write", str(adapter))

@@ -198,7 +198,7 @@ def test_gravity_turns_with_the_arm_or_is_that_of_the_room():
         assert np.abs(held[0] - weight).max() < 1e-9
         assert np.abs(held[1] - held[2]).max() < 1e-9
         assert np.abs(held[0] - held[1]).max() > 0.1
-    for wrong in ([0, 0], [0, 0, np.nan], "down", 9.81):
+    for wrong in ([0, 0], [0, 0, np.nan], [0, 0, 1e300], "down", 9.81):
         with pytest.raises(srs_ik.InvalidConfiguration, match="gravity must be 3 numbers"):
             arm.with_base(T_room_base, gravity=wrong)
 

@@ -25,6 +25,9 @@ _FLOAT = np.dtype(np.float64)
 LARGEST_ANGLE = 1e6
 """Largest arm angle, and joint angle of a seed, rad: beyond it, rounding alone passes what an answer may be off."""
 
+LARGEST_GRAVITY = 1e6
+"""m/s^2; torques of larger ones are no figures of an arm."""
+
 FARTHEST_SEED = 300.0
 """So far outside its limits a joint of a seed may be, rad; one that is farther was hardly meant in radians."""
 
@@ -295,14 +298,15 @@ def as_gravity(gravity: ArrayLike) -> Array:
     """The acceleration of gravity as a (3,) array of floats.
 
     Raises:
-        InvalidConfiguration: not three finite numbers.
+        InvalidConfiguration: not three finite numbers, or one beyond `LARGEST_GRAVITY`.
     """
     try:
         array = real_array(gravity)
     except (TypeError, ValueError):
         array = np.empty(0)
-    if array.shape != (3,) or not np.isfinite(array).all():
-        raise InvalidConfiguration(f"gravity must be 3 numbers, m/s^2, such as [0, 0, -9.81], not {gravity!r:.40}")
+    if array.shape != (3,) or not np.abs(array).max() <= LARGEST_GRAVITY:
+        usual = f"m/s^2, up to {LARGEST_GRAVITY:g}, such as [0, 0, -9.81]"
+        raise InvalidConfiguration(f"gravity must be 3 numbers, {usual}, not {gravity!r:.40}")
     return array
 
 

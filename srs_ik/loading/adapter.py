@@ -128,6 +128,7 @@ def _text(arm: Arm, places: list[str], xacro_args: Mapping[str, str]) -> str:
     lines += ["# [tool]", "# xyz = [0.0, 0.0, 0.1]", "# rpy = [0.0, 0.0, 0.0]"]
     lines += ["", "# Where the base frame stands in the room:"]
     lines += ["# [mount]", "# xyz = [0.0, 0.0, 0.0]", "# rpy = [0.0, 0.0, 0.0]"]
+    lines += ["# gravity = [0.0, 0.0, -9.81]  # in the room, m/s^2; without it, gravity turns with the arm"]
     lines += ["", "# Limits as they are read, to be corrected (rad, rad/s, N m; inf for none):", "# [limits]"]
     for k, joint in enumerate(arm.joint_names):
         figures = zip(

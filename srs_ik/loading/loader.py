@@ -106,7 +106,8 @@ def load(
         axes = None if axes is None else axes @ T_tip_tool[:3, :3]
     if description.mount is not None and base == description.base:
         T_mount_base = _matrix(description.mount)
-        chain = changes.on_base(chain, T_mount_base, description.mount.name)
+        gravity = None if description.mount.gravity is None else np.array(description.mount.gravity)
+        chain = changes.on_base(chain, T_mount_base, description.mount.name, gravity)
         reference = T_mount_base[:3, :3] @ reference
     found = recognise(chain.axes, chain.points, chain.T_base_tip_zero, reference)
     if found.limb is None:

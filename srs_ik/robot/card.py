@@ -62,11 +62,13 @@ class Placement:
         xyz: metres.
         rpy: angles about the fixed x, then y, then z axis, rad.
         name: name of the frame that it places.
+        gravity: its acceleration in the frame around a mount, m/s^2; as it is in the description if None.
     """
 
     xyz: Vector
     rpy: Vector
     name: str
+    gravity: Vector | None = None
 
 
 @dataclass(frozen=True)
@@ -173,7 +175,7 @@ class _Reader:
             limits=self._limits(content),
             xacro=self._xacro(content),
             tool=self._placement(content, "tool", "tool"),
-            mount=self._placement(content, "mount", "world"),
+            mount=self._placement(content, "mount", "world", ("gravity",)),
             sources=self._sources(content),
         )
         if card.grasp and card.pronosupination:
@@ -210,14 +212,17 @@ class _Reader:
         arguments = self._group(content, "xacro")
         return MappingProxyType({key: self._text(arguments, key, "xacro") for key in arguments})
 
-    def _placement(self, content: dict[str, Any], key: str, name: str) -> Placement | None:
+    def _placement(self, content: dict[str, Any], key: str, name: str, more: tuple[str, ...] = ()) -> Placement | None:
         if key not in content:
             return None
-        table = self._table(content, key, (), ("xyz", "rpy", "name"))
+        table = self._table(content, key, (), ("xyz", "rpy", "name", *more))
         xyz, rpy = (self._three(table[k], f"{k!r} in [{key}]") if k in table else (0.0,) * 3 for k in ("xyz", "rpy"))
         if max(map(abs, xyz + rpy)) > bounds.FARTHEST:
             raise self._error(f"'xyz' and 'rpy' in [{key}] are metres and rad, and none is beyond {bounds.FARTHEST:g}")
-        return Placement(xyz, rpy, self._text(table, "name", key) if "name" in table else name)
+        gravity = self._three(table["gravity"], f"'gravity' in [{key}]") if "gravity" in table else None
+        if gravity is not None and max(map(abs, gravity)) > bounds.FARTHEST:
+            raise self._error(f"'gravity' in [{key}] is in m/s^2, and none of it is beyond {bounds.FARTHEST:g}")
+        return Placement(xyz, rpy, self._text(table, "name", key) if "name" in table else name, gravity)
 
     def _sources(self, content: dict[str, Any]) -> Mapping[str, Source]:
         groups = self._group(content, "sources")
