@@ -118,21 +118,26 @@ def out_of_reach(P, target, psi, branch, respect):
 
 
 @kernel
+def is_beyond(P, place_):
+    """Whether a wrist is beyond the reach of a near limb, whatever its arm angle.
+
+    It may be beyond that of the nearest exact limb, and some arm angles meet it on the true chain all the same.
+    """
+    return P[IS_NEAR] != 0.0 and not may_reach(P, place_)
+
+
+@kernel
 def in_branch(P, target, psi, branch, goal, J, A):
     """Best posture at an arm angle, of a branch (-1: of all): q, branch, cost.
 
-    Where a near limb does not reach, nothing closes on its true chain: there it lies as its nearest exact limb would.
+    Where a near limb cannot reach, nothing closes on its true chain: there it lies as its nearest exact limb would.
     """
     place_, respect = target.place, goal.respect
-    is_near = P[IS_NEAR] != 0.0
-    if not is_near and branch < 0 and not goal.seeded:
+    if P[IS_NEAR] == 0.0 and branch < 0 and not goal.seeded:
         return steady_branch(P, place_, math.cos(psi), math.sin(psi), respect)
-    if is_near and not may_reach(P, place_):
+    if is_beyond(P, place_):
         return out_of_reach(P, target, psi, branch, respect)
-    q, b, cost = solve_at_angle(P, target, psi, branch, goal, J, A)
-    if is_near and cost >= OUTSIDE and place_[5] != 0.0:
-        return out_of_reach(P, target, psi, branch, respect)
-    return q, b, cost
+    return solve_at_angle(P, target, psi, branch, goal, J, A)
 
 
 @kernel
@@ -152,8 +157,9 @@ def nearest_feasible(family, target, psi, branch, goal, J, A):
         q, branch, cost; of the best posture of any kind where none is feasible.
     """
     place_, respect = target.place, goal.respect
+    is_near, beyond = family[LIMITED, IS_NEAR] != 0.0, is_beyond(row(family, LIMITED), place_)
     found = np.empty((8 * MAX_PIECES, 3))
-    if place_[5] != 0.0:
+    if beyond or (not is_near and place_[5] != 0.0):
         n = find_intervals(row(family, LIMITED if respect else FREE), place_, -1, found)
     else:
         n = all_intervals(family, target, respect, J, A, found)
@@ -179,11 +185,13 @@ def nearest_feasible(family, target, psi, branch, goal, J, A):
             nudge = max(SMALLEST_NUDGE, 8.0 * nudge)
         found[best, 0] = -1.0
     P = row(family, LIMITED)
-    if P[IS_NEAR] == 0.0:
+    if not is_near:
         return search_exact(family, target, -1, goal)
-    if place_[5] != 0.0:
-        return out_of_reach(P, target, psi, -1, respect)
-    return search_true(P, target, -1, goal, J, A)
+    if not beyond:
+        q, b, cost = search_true(P, target, -1, goal, J, A)
+        if cost < OUTSIDE or place_[5] == 0.0:
+            return q, b, cost
+    return out_of_reach(P, target, psi, -1, respect)
 
 
 @kernel
@@ -204,7 +212,7 @@ def solve_posed(family, pose, m, branch, goal, work, out):
         return 0.0
     q, b, cost = nearest_feasible(family, target, psi, branch, goal, J, A)
     measure_row(P, target, q, b, cost, goal.respect, out)
-    if P[IS_NEAR] != 0.0 and goal.respect and out[ROW_STATUS] == UNREACHABLE and place_[5] == 0.0:
+    if P[IS_NEAR] != 0.0 and goal.respect and out[ROW_STATUS] == UNREACHABLE and not is_beyond(P, place_):
         # On a near limb, only an attempt without limits tells what they forbid from what is out of reach.
         free, _, value = at_angle(P, target, psi, -1, Goal(goal.seeded, goal.seed, False), J, A)
         if value < OUTSIDE:
