@@ -52,7 +52,7 @@ def solve_task(arm: PackedArm, ask: Ask, task: Task, free_axis: Any, seed: Array
         raise InvalidTask("free_axis turns a hand whose rotation is known: give the task grasp and pronosupination")
     count = 1 if task.count is None else task.count
     seeds = as_seeds(seed, count, arm.lower, arm.upper)
-    found = [_best(arm, ask, one, free, seed_of(seeds, i)) for i, one in enumerate(_single(task))]
+    found = [best_turn(arm, ask, one_of(task, i), free, seed_of(seeds, i)) for i in range(count)]
     if task.count is None:
         return found[0]
     rows = np.array([each._row for each in found])
@@ -61,16 +61,16 @@ def solve_task(arm: PackedArm, ask: Ask, task: Task, free_axis: Any, seed: Array
     return whole
 
 
-def _single(task: Task) -> list[Task]:
-    """The tasks one by one."""
+def one_of(task: Task, i: int) -> Task:
+    """One of several tasks, or the only one."""
     fields = (task.position, task.velocity, task.force, task.grasp, task.pronosupination)
     if task.count is None:
-        return [task]
-    return [Task(*(None if f is None else f[i] for f in fields)) for i in range(task.count)]  # type: ignore[arg-type]
+        return task
+    return Task(*(None if f is None else f[i] for f in fields))  # type: ignore[arg-type]
 
 
-def _best(arm: PackedArm, ask: Ask, task: Task, free: FreeAxis, seed: Array | None) -> TaskSolution:
-    """The answer to one task at the turn that is best for it."""
+def best_turn(arm: PackedArm, ask: Ask, task: Task, free: FreeAxis, seed: Array | None) -> TaskSolution:
+    """The answer to one task, which gives grasp and pronosupination, at the turn that is best for it."""
     R = ask(task, seed).T_base_tip[:3, :3]
     grasp, across = R.T @ np.asarray(task.grasp), R.T @ np.asarray(task.pronosupination)
 

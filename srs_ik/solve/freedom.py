@@ -75,12 +75,14 @@ def solve_batch(
     return BatchSolution(rows, arm.joint_names, arm.elbow)
 
 
-def met_batch(arm: PackedArm, T: Array, free: FreeAxis, seeds: Array) -> tuple[Array, NDArray[np.bool_]]:
+def met_batch(
+    arm: PackedArm, T: Array, free: FreeAxis, seeds: Array, respect: bool = True, threads: int | None = 1
+) -> tuple[Array, NDArray[np.bool_]]:
     """(n, 7) postures near seeds and (n,) which poses these meet, by searches from the seeds alone.
 
     `solve_batch` looks on where these meet nothing, which takes milliseconds.
     """
-    rows, _ = _searched(_Question(arm, T, free, seeds, True), 1)
+    rows, _ = _searched(_Question(arm, T, free, seeds, respect), threads)
     return rows[:, :7], rows[:, ROW_STATUS] == _OK
 
 

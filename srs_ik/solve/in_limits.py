@@ -66,7 +66,7 @@ class InLimits:
 
     def solve_task(self, task: Task, *question: Any) -> TaskSolution | BatchTaskSolution:
         """See `Arm.solve_task`."""
-        from srs_ik.solve.task import solve_task
+        from srs_ik.solve.rolled_task import solve_task
 
         return solve_task(self.packed, task, *question)
 

@@ -16,11 +16,11 @@ from scipy.spatial.transform import Rotation
 from srs_ik.inputs.poses import as_seeds, seed_of
 from srs_ik.kernels.layout import task as at
 from srs_ik.kernels.layout.answer import ROW, ROW_STATUS
-from srs_ik.solve import task as task_solver
+from srs_ik.solve import rolled_task
 from srs_ik.solve.in_scene.pose import best, solve
 from srs_ik.solve.in_scene.surroundings import narrowed
 from srs_ik.solve.solution import Collision, Solution, Status
-from srs_ik.solve.task import BatchTaskSolution, TaskSolution
+from srs_ik.solve.task import BatchTaskSolution, TaskSolution, poses_of
 
 if TYPE_CHECKING:
     from srs_ik.inputs.task import Task
@@ -50,7 +50,7 @@ def solve_task(
 ) -> TaskSolution | BatchTaskSolution:
     """See `Arm.solve_task`."""
     arm = around.packed
-    wanted = task_solver.solve_task(arm, task, side, respect, tie, threads, seed)
+    wanted = rolled_task.solve_task(arm, task, side, respect, tie, threads, seed)
     rows = np.atleast_2d(wanted._row if isinstance(wanted, TaskSolution) else wanted._rows)
     seeds = as_seeds(seed, len(rows), arm.lower, arm.upper)
     rolls = not task._given & at.PRONOSUPINATION
@@ -72,7 +72,7 @@ def _keep_clear(around: Surroundings, row: Array, near: Array | None, respect: b
     if row[ROW_STATUS] != Status.OK:
         return None
     psi = float(row[at.TASK_POSTURE + at.ARM_ANGLE])
-    T = task_solver.poses_of(row)
+    T = poses_of(row)
     found = _nearest(around, T, psi, near, respect)
     if found is None and rolls:
         direction = row[at.TASK_POSTURE + at.DIRECTION : at.TASK_POSTURE + at.DIRECTION + 3]
