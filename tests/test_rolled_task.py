@@ -1,4 +1,4 @@
-"""Tasks that some posture meets are met: rolls that move the wrist, and wrists beyond the nearest exact limb's reach."""
+"""Tasks that some posture meets are met: rolls that move the wrist, wrists beyond the nearest exact limb's reach."""
 
 import arms
 import numpy as np
@@ -36,7 +36,8 @@ def test_a_roll_that_moves_the_wrist_is_found(name):
         tip = arms.forward(name)(one.q) * pin.SE3(TOOL)
         assert np.abs(tip.translation - goal[0]).max() < MET
         assert np.abs(tip.rotation @ grasp - goal[1]).max() < MET
-        assert (one.q >= arm.lower - 1e-9).all() and (one.q <= arm.upper + 1e-9).all()
+        assert (one.q >= arm.lower - 1e-9).all()
+        assert (one.q <= arm.upper + 1e-9).all()
         if i < 10:
             assert (arm.solve_task(Task(goal[0], v[i], f[i], goal[1])).q == one.q).all()
 

@@ -1,4 +1,4 @@
-"""Tasks whose hand may roll about its grasp: where the roll that is chosen for a fixed wrist fails, the best of all rolls.
+"""Tasks whose hand may roll about its grasp: where the roll chosen for a fixed wrist fails, the best of all rolls.
 
 A roll moves a wrist that is not on the line through the tip along the grasp, and with it the whole arm. Whether any
 roll meets such a task is asked of the search for free axes, and from its roll and others the best one is closed in on.
@@ -48,7 +48,7 @@ def solve_task(
     if task.grasp is None or task.pronosupination is not None:
         return found
     rows = np.atleast_2d(found._row if isinstance(found, TaskSolution) else found._rows)
-    missed = np.flatnonzero((rows[:, ROW_STATUS] != Status.OK) & may_reach(arm, task))
+    missed = np.flatnonzero((rows[:, ROW_STATUS] != Status.OK) & may_reach(arm, task.position, task.grasp))
     if not len(missed):
         return found
     seeds = as_seeds(seed, len(rows), arm.lower, arm.upper)
@@ -70,15 +70,15 @@ def solve_task(
     return found
 
 
-def may_reach(arm: PackedArm, task: Task) -> NDArray[np.bool_]:
+def may_reach(arm: PackedArm, position: Array, direction: Array) -> NDArray[np.bool_]:
     """(n,) whether some roll about the grasp brings the wrist to where the limb reaches; (1,) for a single task."""
     grasp, to_wrist = (arm.hand[k : k + 3] for k in (at.HAND_GRASP, at.HAND_WRIST))
-    g = np.atleast_2d(task.grasp)
+    g = np.atleast_2d(direction)
     g = g / np.linalg.norm(g, axis=1, keepdims=True)
     # The wrist moves on a circle about the grasp.
     along = to_wrist @ grasp
     radius = np.linalg.norm(to_wrist - along * grasp)
-    centre = np.atleast_2d(task.position) - arm.shoulder + along * g
+    centre = np.atleast_2d(position) - arm.shoulder + along * g
     ahead = (centre * g).sum(axis=1)
     beside = np.linalg.norm(centre - ahead[:, None] * g, axis=1)
     nearest, farthest = np.hypot(ahead, beside - radius), np.hypot(ahead, beside + radius)
