@@ -45,7 +45,9 @@ LOOKS = 346  # looks of a search for other postures so far, 0 while there is non
 TRIED = 347  # postures no farther than this from the goal have been tried in vain at the present turn, rad
 SEEN = 348  # what the search knows: `UNKNOWN`, `RECONFIGURE`, or `NOWHERE` where postures that are near are all tried
 CLOSEST = 349  # how close the tip has come to a target that rests, as `MISS`
-STATE = 350
+ASKED = 350  # what a search of the whole redundancy said of a target that rests: `UNKNOWN` if not asked, or `MOVES`
+ASK_FROM = 351  # the update from which on that may be asked again
+STATE = 352
 
 WINDOWED = 32
 """Samples of which the noise of a target is the median."""
@@ -63,6 +65,7 @@ BAND = 14
 UNKNOWN = 0.0
 NOWHERE = 1.0
 RECONFIGURE = 2.0
+MOVES = -1.0
 
 # The settings.
 PERIOD = 0  # seconds between updates

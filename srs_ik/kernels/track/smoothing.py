@@ -12,6 +12,7 @@ import math
 from srs_ik.kernels.algebra.vectors import add, along, load3, scale, sub
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.track import (
+    ASK_FROM,
     ESTIMATE,
     LOST,
     MEASURED,
@@ -95,6 +96,7 @@ def take_target(P, S, C, pose):
         show(S, pose, still, still)
         skip(S)
         measure(S, pose[0], pose[1])
+        S[ASK_FROM] = 0.0
         return
     measure(S, pose[0], pose[1])
     if seconds == 0.0:

@@ -44,6 +44,12 @@ brings targets back no sooner, and shakes the arm."""
 CHOSEN_EVERY = 10
 """Updates from one look at the bodies of a scene to the next."""
 
+ASK_AGAIN = 2000
+"""Updates from one search of the whole redundancy to the next at least: that takes up to some milliseconds."""
+
+CLOSE_BY = 1.0
+"""A posture this close, rad, that is found where none was, is gone to by itself."""
+
 PATIENCE = 0.05
 """Time constant, seconds, in which a target that is lost is expected to slow down."""
 
@@ -298,6 +304,8 @@ class Tracker(Fixed):
         else:
             T = as_matrix(pose)
             update(self._packed.family, self._state, self._settings, T, 1, self._work, out)
+            if out[at.STEP_REASON] == at.FORBIDDEN and self._state[at.ASKED] == at.UNKNOWN:
+                self._ask(out)
         if self._jerk is not None:
             self._send(self._jerk, out, None if pose is None else T)
         return TrackerStep(out, self._packed.joint_names)
@@ -311,6 +319,30 @@ class Tracker(Fixed):
         if on:
             q = self._state[at.Q : at.V]
             self._settings[at.ANGLE_WANTED] = choose(self._arm.forward_kinematics(q).homogeneous, q)
+
+    def _ask(self, out: Array) -> None:
+        """Before a target that rests is said to be out of reach, once: search its whole redundancy, as `solve` does."""
+        found = self._nearest(self._target())
+        self._state[at.ASKED] = at.RECONFIGURE if found else at.NOWHERE
+        self._state[at.ASK_FROM] = self._state[at.TICK] + ASK_AGAIN
+        if not found:
+            return
+        self._state[at.ELSEWHERE] = at.RECONFIGURE
+        out[at.STEP_STATUS], out[at.STEP_REASON] = at.HELD, at.OTHER_POSTURE
+        if np.abs(found.q - self._state[at.GOAL : at.GOAL_RATE]).max() < CLOSE_BY:
+            self._go_to(found)
+            out[at.STEP_STATUS], out[at.STEP_REASON] = at.LIMITED, at.ON_THE_WAY
+
+    def _nearest(self, T: Array) -> Solution:
+        """The posture of a pose that is nearest to the present one."""
+        if self.free_axis is None:
+            return solve(self._packed, T, seed=self.q)
+        return solve_free(self._packed, T, self.free_axis, self.q, True)
+
+    def _go_to(self, found: Solution) -> None:
+        """Send the arm to a posture."""
+        self._state[at.DETOUR_END : at.MISS] = found.q
+        self._state[at.DETOUR], self._state[at.ON], self._state[at.ELSEWHERE] = 1.0, 0.0, at.UNKNOWN
 
     def _send(self, jerk: JerkFilter, out: Array, T: Array | None) -> None:
         """Limit the jerk of a step, and write what comes of it."""
@@ -354,13 +386,9 @@ class Tracker(Fixed):
             InvalidPose: no finite rigid transform, or none given and no target yet.
         """
         T = self._target() if pose is None else as_rigid_matrix(pose)
-        if self.free_axis is None:
-            found = solve(self._packed, T, seed=self.q)
-        else:
-            found = solve_free(self._packed, T, self.free_axis, self.q, True)
+        found = self._nearest(T)
         if found:
-            self._state[at.DETOUR_END : at.MISS] = found.q
-            self._state[at.DETOUR], self._state[at.ON], self._state[at.ELSEWHERE] = 1.0, 0.0, at.UNKNOWN
+            self._go_to(found)
         return found
 
     def _target(self) -> Array:
@@ -370,6 +398,13 @@ class Tracker(Fixed):
         T[:3, :3] = self._state[at.ROTATION : at.POSITION].reshape(3, 3)
         T[:3, 3] = self._state[at.POSITION : at.TWIST]
         return T
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        """A copy's limits are fixed, too: NumPy forgets that of arrays that are copied."""
+        self.__dict__.update(state)
+        for limits in (self.velocity_limit, self.acceleration_limit, self.jerk_limit):
+            if limits is not None:
+                _kept(limits)
 
     def __repr__(self) -> str:
         return f"<Tracker of {self._packed.name}, {self.dt:g} s, elbow {self._elbow!r}>"
