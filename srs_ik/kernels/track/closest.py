@@ -23,7 +23,7 @@ DAMPING = 1e-9
 ENOUGH = 1e-11
 """A pose this close is met, m and, by the reach, rad."""
 
-ROUNDS = 14
+ROUNDS = 20
 """Joints are held on their bounds, and set free again, one after the other, at most so often."""
 
 ROUNDING = 1e-15

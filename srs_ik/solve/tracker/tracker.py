@@ -18,6 +18,7 @@ from srs_ik.inputs.poses import PoseLike, as_joint_vector, as_matrix, as_positiv
 from srs_ik.kernels.entries.track import update
 from srs_ik.kernels.layout import track as at
 from srs_ik.kernels.layout.objectives import PARAMS
+from srs_ik.solve.freedom import met_batch
 from srs_ik.solve.freedom import solve as solve_free
 from srs_ik.solve.pose import solve
 from srs_ik.solve.solution import Solution
@@ -322,26 +323,27 @@ class Tracker(Fixed):
 
     def _ask(self, out: Array) -> None:
         """Before a target that rests is said to be out of reach, once: search its whole redundancy, as `solve` does."""
-        found = self._nearest(self._target())
-        self._state[at.ASKED] = at.RECONFIGURE if found else at.NOWHERE
+        T = self._target()
+        if self.free_axis is None:
+            found = solve(self._packed, T, seed=self.q)
+            q, met = found.q, bool(found)
+        else:
+            # To look on where this meets nothing takes a tenth of a second.
+            postures, all_met = met_batch(self._packed, T[None], self.free_axis, self.q[None])
+            q, met = postures[0], bool(all_met[0])
+        self._state[at.ASKED] = at.RECONFIGURE if met else at.NOWHERE
         self._state[at.ASK_FROM] = self._state[at.TICK] + ASK_AGAIN
-        if not found:
+        if not met:
             return
         self._state[at.ELSEWHERE] = at.RECONFIGURE
         out[at.STEP_STATUS], out[at.STEP_REASON] = at.HELD, at.OTHER_POSTURE
-        if np.abs(found.q - self._state[at.GOAL : at.GOAL_RATE]).max() < CLOSE_BY:
-            self._go_to(found)
+        if np.abs(q - self._state[at.GOAL : at.GOAL_RATE]).max() < CLOSE_BY:
+            self._go_to(q)
             out[at.STEP_STATUS], out[at.STEP_REASON] = at.LIMITED, at.ON_THE_WAY
 
-    def _nearest(self, T: Array) -> Solution:
-        """The posture of a pose that is nearest to the present one."""
-        if self.free_axis is None:
-            return solve(self._packed, T, seed=self.q)
-        return solve_free(self._packed, T, self.free_axis, self.q, True)
-
-    def _go_to(self, found: Solution) -> None:
+    def _go_to(self, q: Array) -> None:
         """Send the arm to a posture."""
-        self._state[at.DETOUR_END : at.MISS] = found.q
+        self._state[at.DETOUR_END : at.MISS] = q
         self._state[at.DETOUR], self._state[at.ON], self._state[at.ELSEWHERE] = 1.0, 0.0, at.UNKNOWN
 
     def _send(self, jerk: JerkFilter, out: Array, T: Array | None) -> None:
@@ -386,9 +388,12 @@ class Tracker(Fixed):
             InvalidPose: no finite rigid transform, or none given and no target yet.
         """
         T = self._target() if pose is None else as_rigid_matrix(pose)
-        found = self._nearest(T)
+        if self.free_axis is None:
+            found = solve(self._packed, T, seed=self.q)
+        else:
+            found = solve_free(self._packed, T, self.free_axis, self.q, True)
         if found:
-            self._go_to(found)
+            self._go_to(found.q)
         return found
 
     def _target(self) -> Array:
