@@ -20,7 +20,7 @@ def cost(J, e, d, liked, damping, care):
 
 @pytest.mark.parametrize("damping", [0.0, 0.1])
 def test_a_bounded_step_is_the_best_within_its_bounds(damping):
-    """With joints that were held once for all, one in three steps was not, and a goal went around in circles."""
+    """With joints that were held once for all, steps were not, and a goal went around in circles."""
     rng = np.random.default_rng(4)
     C = np.zeros(SETTINGS)
     C[SPEED : SPEED + 7] = 1.0

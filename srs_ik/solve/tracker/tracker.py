@@ -254,7 +254,7 @@ class Tracker(Fixed):
     def noise(self) -> tuple[float, float]:
         """Standard deviation of the target's jitter along an axis, m, and about one, rad, as measured on its way.
 
-        From the last 36 targets, if they came one after the other.
+        From the last 36 targets that came.
         """
         return float(self._state[at.NOISE]), float(self._state[at.NOISE + 1])
 
