@@ -50,6 +50,7 @@ NUMBA = {
     "test_crossing",
     "test_curves",
     "test_kernels_algebra",
+    "test_kernels_bounded",
     "test_kernels_disk",
     "test_kernels_eight",
     "test_kernels_jit",

@@ -144,9 +144,10 @@ def test_only_what_a_tracker_looks_at_can_be_set():
     for name in ("dt", "velocity_limit", "acceleration_limit", "jerk_limit", "free_axis"):
         with pytest.raises(AttributeError, match=f"Tracker.{name} cannot be changed: only elbow and smoothing can"):
             setattr(tracker, name, 0.1)
-    for figures in (tracker.velocity_limit, tracker.acceleration_limit):
-        with pytest.raises(ValueError, match="read-only"):
-            figures[0] = 9.0
+    for each in (tracker, copy.deepcopy(tracker), pickle.loads(pickle.dumps(tracker))):
+        for figures in (each.velocity_limit, each.acceleration_limit):
+            with pytest.raises(ValueError, match="read-only"):
+                figures[0] = 9.0
     tracker.smoothing = tracker.elbow = 0.5
 
 

@@ -75,6 +75,53 @@ def test_white_noise_is_measured_also_between_jumps_and_lost_targets(trouble, dt
     assert np.median(noise[100:], axis=0) == pytest.approx(deviations, rel=0.1, abs=1e-9)
 
 
+def rarely(targets, every):
+    """None between targets that come every so many updates, by turns."""
+    out, at, turn = [None] * len(targets), 0, 0
+    while at < len(targets):
+        out[at] = targets[at]
+        at += every[turn % len(every)]
+        turn += 1
+    return out
+
+
+UNEVEN = [(10,), (9, 11), (1, 1, 1, 2), (1, 2)]
+"""A camera, one that is not quite on time, every fifth target lost, every third."""
+
+
+@pytest.mark.parametrize("every", UNEVEN)
+@pytest.mark.parametrize("deviations", [SHAKEN, (5e-6, 0.0), (0.0, 2e-5)])
+def test_noise_is_measured_where_targets_are_lost_between_others(every, deviations):
+    moving = motion(arms.load("iiwa14"), 5301, 4000 * DT, DT, "joints", trouble=False)
+    targets = rarely(shaken(moving.true, deviations, 2), every)
+    _, noise, _ = followed("iiwa14", moving.q0, targets)
+    # The median of 32 samples varies by a third; of the camera, there are 12 independent ones.
+    assert np.median(noise[400:], axis=0) == pytest.approx(deviations, rel=0.2, abs=1e-9)
+
+
+@pytest.mark.parametrize("every", UNEVEN)
+def test_without_noise_none_is_measured_where_targets_are_lost_between_others(every):
+    for kind in ("joints", "limits", "singular", "hand"):
+        moving = motion(arms.load("iiwa14"), 5302, 4000 * DT, DT, kind, trouble=False)
+        _, noise, smoothed = followed("iiwa14", moving.q0, rarely(moving.true, every))
+        assert noise.max() < 1e-12
+        assert (smoothed == 0.0).all()
+
+
+@pytest.mark.parametrize("every", UNEVEN)
+def test_with_jitter_and_lost_targets_a_tracker_by_default_is_on_target_longer_and_shakes_less(every):
+    moving = motion(arms.load("iiwa14"), 5301, 3000 * DT, DT, "joints", trouble=False)
+    targets = rarely(shaken(moving.true, SHAKEN, 2), every)
+    shares, pushes = [], []
+    for options in ({}, {"smoothing": 0.0}):
+        q, _, _ = followed("iiwa14", moving.q0, targets, **options)
+        position, angle = off_target(arms.forward("iiwa14"), q, moving.true)
+        shares.append(((position < NEAR_TARGET[0]) & (angle < NEAR_TARGET[1])).mean())
+        pushes.append(np.abs(np.diff(q, n=2, axis=0)).mean())
+    assert shares[0] > 1.2 * shares[1]
+    assert pushes[0] < 0.6 * pushes[1]
+
+
 @pytest.mark.parametrize("name", ROBOTS)
 @pytest.mark.parametrize("acceleration", [None, np.inf])
 def test_with_jitter_a_tracker_by_default_is_on_target_longer_and_shakes_less(name, acceleration):

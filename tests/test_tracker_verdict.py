@@ -7,6 +7,7 @@ import arms
 import numpy as np
 import pinocchio as pin
 import pytest
+from scipy.optimize import least_squares
 from tracked import velocities
 
 from srs_ik import FreeAxis
@@ -145,6 +146,63 @@ def near_ones():
     seeds = {"made_oblique": (12, 105, 188, 340), "made_folded": (351,), "h1_2_left": (12, 89)}
     drawn = [(name, *far_apart(name, np.random.default_rng(k))) for name in seeds if name in HERE for k in seeds[name]]
     return [("gen3", *np.array(gen3)), *drawn]
+
+
+ALL_SEARCHED = [
+    ("iiwa14", None, 201),
+    ("gen3", None, 12),
+    ("made_oblique", None, 114),
+    ("made_oblique", None, 124),
+    ("h1_2_left", None, 86),
+    ("iiwa14", ROLL, 40),
+    ("made_oblique", ROLL, 59),
+    ("made_oblique", ROLL, 76),
+    ("made_folded", ROLL, 70),
+    ("h1_2_left", ROLL, 12),
+    ("h1_2_left", ROLL, 59),
+    ("h1_2_left", ROLL, 60),
+]
+
+
+@pytest.mark.parametrize(("name", "free", "seed"), [case for case in ALL_SEARCHED if case[0] in arms.here(case[0])])
+def test_what_the_whole_redundancy_has_is_not_said_to_be_unreachable(name, free, seed):
+    """Postures that no step leads to from those of the exact limb, and goals that went around in circles for ever."""
+    q0, q1 = far_apart(name, np.random.default_rng(seed))
+    assert_true(name, tracker_of(name, q0, free), arms.forward(name)(q1), 8.0, free)
+
+
+@pytest.mark.parametrize("name", arms.here("h1_2_left"))
+def test_a_goal_on_its_target_is_not_drawn_off_it_by_the_joints(name):
+    """It was, and the tip rested 0.034 mm off a target for ever."""
+    q0, q1 = far_apart(name, np.random.default_rng(208))
+    _, step = rest_on(name, tracker_of(name, q0), arms.forward(name)(q1), 8.0)
+    assert step
+
+
+def misses(name, target):
+    """How far SciPy's closest posture inside the limits, of many starts, is from a target: m and rad together."""
+    forward, (lower, upper) = arms.forward(name), inside(arms.load(name))
+    rng = np.random.default_rng(0)
+
+    def left(q):
+        tip = forward(q)
+        return np.concatenate([tip.translation - target.translation, pin.log3(tip.rotation.T @ target.rotation)])
+
+    starts = rng.uniform(lower, upper, (40, 7))
+    return min(np.linalg.norm(least_squares(left, q, bounds=(lower, upper), max_nfev=60).fun) for q in starts)
+
+
+@pytest.mark.parametrize(("name", "seed"), [("gen3", 53), ("gen3", 87), ("gen3", 13), ("made_oblique", 31)])
+def test_a_target_at_rest_beside_the_limits_is_said_to_be_unreachable(name, seed):
+    """It was on its way for ever, where it missed by no more than the nearest exact limb can tell."""
+    rng = np.random.default_rng(77000 + seed)
+    q0, q1 = far_apart(name, rng)
+    target = arms.forward(name)(q1)
+    target = pin.SE3(target.rotation @ pin.exp3(rng.normal(0.0, 1.0, 3)), target.translation)
+    assert misses(name, target) > 100.0 * MET
+    said, step = rest_on(name, tracker_of(name, q0), target, 8.0)
+    assert step.status == "UNREACHABLE"
+    assert set(said[-100:]) == {"UNREACHABLE"}
 
 
 @pytest.mark.parametrize(("name", "q0", "q1"), near_ones())

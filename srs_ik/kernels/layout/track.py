@@ -34,7 +34,7 @@ TREND_PUSH = 170  # 6, its acceleration
 TREND_JOLT = 176  # 6, and how fast that changes
 GAP = 182  # how far the joints were behind the goal when that was looked at last, rad
 GIVEN = 183  # 12, the last target as it came: rotation, position
-CHANGES = 195  # 18, its first, second and third differences: linear, angular
+CHANGES = 195  # 18, its first, second and third divided differences: linear, angular
 IN_A_ROW = 213  # targets that came one after the other, as far as they count
 WINDOW_AT = 214  # which sample of noise is the oldest
 WINDOW = 215  # 2 by WINDOWED samples of noise: linear (m^2), angular (rad^2), in their order
@@ -45,7 +45,11 @@ LOOKS = 346  # looks of a search for other postures so far, 0 while there is non
 TRIED = 347  # postures no farther than this from the goal have been tried in vain at the present turn, rad
 SEEN = 348  # what the search knows: `UNKNOWN`, `RECONFIGURE`, or `NOWHERE` where postures that are near are all tried
 CLOSEST = 349  # how close the tip has come to a target that rests, as `MISS`
-STATE = 350
+ASKED = 350  # what a search of the whole redundancy said of a target that rests: `UNKNOWN` if not asked, or `MOVES`
+ASK_FROM = 351  # the update from which on that may be asked again
+SPACING = 352  # 4, periods between the last targets, the newest first
+EVERY = 356  # mean of these when noise was measured last
+STATE = 357
 
 WINDOWED = 32
 """Samples of which the noise of a target is the median."""
@@ -63,6 +67,7 @@ BAND = 14
 UNKNOWN = 0.0
 NOWHERE = 1.0
 RECONFIGURE = 2.0
+MOVES = -1.0
 
 # The settings.
 PERIOD = 0  # seconds between updates

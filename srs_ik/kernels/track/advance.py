@@ -16,6 +16,8 @@ from srs_ik.kernels.chain.newton import clipped
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.limb import FAR, LOWER, UPPER
 from srs_ik.kernels.layout.track import (
+    ASK_FROM,
+    ASKED,
     BAD_TARGET,
     CLOSEST,
     COAST,
@@ -30,6 +32,7 @@ from srs_ik.kernels.layout.track import (
     LOST,
     LOST_TARGET,
     MISS,
+    MOVES,
     NO_TARGET_YET,
     ON,
     PERIOD,
@@ -142,9 +145,12 @@ def move_goal(P, S, C, pose, work):
             S[DETOUR] = 0.0
         _, size = error_at(P, C, goal, pose, P[FAR], work[0])
     else:
-        liked = scaled(min(C[PERIOD] / COMING, 1.0), minus(q, goal))
-        choice = (NO_SEED, between(liked, low, high), (P[FAR], 0.5 * P[FAR] * S[MISS], DAMPING), low, high)
-        d, size = approach(P, C, pose, goal, choice, 2, work)
+        rule = P[FAR], 0.5 * P[FAR] * S[MISS], DAMPING
+        liked = between(scaled(min(C[PERIOD] / COMING, 1.0), minus(q, goal)), low, high)
+        d, size = approach(P, C, pose, goal, (NO_SEED, liked, rule, low, high), 2, work)
+        if S[MISS] < CLOSE < size:
+            # Nearer to the joints, the pose may not be met.
+            d, size = approach(P, C, pose, goal, (NO_SEED, NO_SEED, rule, low, high), 2, work)
         goal = clipped(P, along7(goal, 1.0, d))
     share = C[PERIOD] / (C[PERIOD] + SETTLING)
     for j in range(7):
@@ -306,6 +312,10 @@ def advance(P, S, C, given, work, out):
         return
     if known:
         keep_pace(S, C, shown)
+        if busyness(P, S) >= RESTING:
+            S[ASKED] = MOVES
+        elif S[TICK] >= S[ASK_FROM]:
+            S[ASKED] = UNKNOWN
     R_target, p_target = load_pose(S, ROTATION)
     pose = R_target, p_target
     size, on, near = 0.0, False, False

@@ -20,6 +20,7 @@ from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.answer import MOST_INTERVALS
 from srs_ik.kernels.layout.limb import FAR, IS_CLOSED, MISS, SIZE
 from srs_ik.kernels.layout.track import (
+    ASKED,
     DETOUR,
     DETOUR_END,
     ELSEWHERE,
@@ -27,6 +28,7 @@ from srs_ik.kernels.layout.track import (
     GOAL,
     HAS_FREE,
     LOOKS,
+    MOVES,
     NOWHERE,
     RECONFIGURE,
     SEEN,
@@ -158,7 +160,8 @@ def look_elsewhere(P, S, C, pose, size, work):
 
     Of the nearest exact limb, a posture is known at a time; one that does not lead onto the target on the true chain
     was tried in vain, and the next is that farther away. Where a turn is free, each look is at another one. Nothing is
-    said of a target that the goal misses by `size` if that is within what the nearest exact limb can tell.
+    said of a target that moves and that the goal misses by `size` if that is within what the nearest exact limb can
+    tell; of one that rests, the search of the whole redundancy has the last word.
     """
     goal = read7(row(S, GOAL))
     place_ = place(P, allowed_turn(P, C, goal, pose[0], S[LOOKS]), pose[1])
@@ -186,8 +189,8 @@ def look_elsewhere(P, S, C, pose, size, work):
             S[TRIED] = way + NO_OTHER
             return
     if S[LOOKS] >= turns_to_look_at(C):
-        nowhere = NOWHERE if size > P[MISS] else UNKNOWN
-        end_search(S, RECONFIGURE if S[SEEN] == RECONFIGURE else nowhere)
+        nowhere = NOWHERE if size > P[MISS] or S[ASKED] != MOVES else UNKNOWN
+        end_search(S, RECONFIGURE if S[SEEN] == RECONFIGURE or S[ASKED] == RECONFIGURE else nowhere)
 
 
 @kernel

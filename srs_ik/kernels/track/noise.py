@@ -2,7 +2,8 @@
 
 What moves smoothly has third differences that hardly change from one to the next; those of white noise change their
 sign. So minus the product of two in a row is the noise, 15 times its variance in the mean, and less than nothing where
-there is none. Its median over a window does not see jumps: they are a few samples. Lost targets are none.
+there is none. Its median over a window does not see jumps: they are a few samples. Differences are divided by times:
+between targets some may be lost, or be expected at every tenth update alone.
 """
 
 from __future__ import annotations
@@ -15,12 +16,14 @@ from srs_ik.kernels.layout.limb import FAR
 from srs_ik.kernels.layout.track import (
     ACCELERATION,
     CHANGES,
+    EVERY,
     GIVEN,
     IN_A_ROW,
     NOISE,
     PERIOD,
     SOFT_START,
     SORTED,
+    SPACING,
     SPEED,
     WINDOW,
     WINDOW_AT,
@@ -30,6 +33,9 @@ from srs_ik.kernels.track.target import load_pose, store_pose, way_to
 
 ENOUGH = 5
 """Targets in a row that make two third differences."""
+
+LONGER = 3.0
+"""A target so many times later than the one before was after its own is the first one again."""
 
 PER_VARIANCE = 3.0 * 15.0 * 0.79
 """The median of `WINDOWED` samples, of three axes, over the variance of one: 15 is the mean, and 0.79 the median of as
@@ -74,29 +80,47 @@ def note(S, i, product):
 
 @kernel
 def skip(S):
-    """A target that was lost, or has jumped: no difference spans it."""
+    """A target that has jumped: no difference spans it."""
     S[IN_A_ROW] = 0.0
 
 
 @kernel
-def measure(S, R, p):
-    """Take in a target as it came."""
+def common(h1, h2, h3, h4):
+    """Minus the covariance of two third divided differences in a row, of white noise, over its variance.
+
+    They have three samples in common; between all five are these times. For times of 1, it is 15 / 36.
+    """
+    a = h2 + h3
+    first = 1.0 / (h1 * (h2 * a) ** 2 * (a + h4))
+    second = 1.0 / ((h1 + h2) * (h2 * h3) ** 2 * (h3 + h4))
+    return first + second + 1.0 / ((h1 + a) * (a * h3) ** 2 * h4)
+
+
+@kernel
+def measure(S, gap, R, p):
+    """Take in a target as it came, so many periods after the one before."""
     linear, angular = way_to(load_pose(S, GIVEN), (R, p))
     store_pose(S, GIVEN, R, p)
+    if gap > LONGER * S[SPACING]:
+        skip(S)
+    h1, h2, h3, h4 = gap, S[SPACING], S[SPACING + 1], S[SPACING + 2]
+    S[SPACING], S[SPACING + 1], S[SPACING + 2], S[SPACING + 3] = h1, h2, h3, h4
     S[IN_A_ROW] = min(S[IN_A_ROW] + 1.0, ENOUGH)
     if S[IN_A_ROW] == 1.0:
         return
     products = (0.0, 0.0)
     for i in range(6):
-        first = linear[i] if i < 3 else angular[i - 3]
-        second = first - S[CHANGES + i]
-        third = second - S[CHANGES + 6 + i]
+        first = (linear[i] if i < 3 else angular[i - 3]) / h1
+        second = (first - S[CHANGES + i]) / (h1 + h2)
+        third = (second - S[CHANGES + 6 + i]) / (h1 + h2 + h3)
         product = third * S[CHANGES + 12 + i]
         products = (products[0] + product, products[1]) if i < 3 else (products[0], products[1] + product)
         S[CHANGES + i], S[CHANGES + 6 + i], S[CHANGES + 12 + i] = first, second, third
     if S[IN_A_ROW] == ENOUGH:
-        note(S, 0, products[0])
-        note(S, 1, products[1])
+        evenly = 15.0 / common(h1, h2, h3, h4)
+        note(S, 0, evenly * products[0])
+        note(S, 1, evenly * products[1])
+        S[EVERY] = 0.25 * (h1 + h2 + h3 + h4)
         S[WINDOW_AT] = (S[WINDOW_AT] + 1.0) % WINDOWED
         S[NOISE], S[NOISE + 1] = deviation(S, 0), deviation(S, 1)
 
@@ -120,5 +144,5 @@ def asked_for(P, S, C):
     share = math.sqrt(6.0) * shaken / (period * period * most)
     if share <= NEGLIGIBLE:
         return 0.0
-    filtered = shaken * math.sqrt(period) / (most * USUAL**2.5)
+    filtered = shaken * math.sqrt(S[EVERY] * period) / (most * USUAL**2.5)
     return USUAL * (filtered / ASKS_FOR) ** STEEP * (1.0 - NEGLIGIBLE / share)

@@ -12,6 +12,7 @@ import math
 from srs_ik.kernels.algebra.vectors import add, along, load3, scale, sub
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.track import (
+    ASK_FROM,
     ESTIMATE,
     LOST,
     MEASURED,
@@ -83,8 +84,8 @@ def take_target(P, S, C, pose):
 
     A jump ends the plan: the shortest way to a target that is far away is that of the joints, not of the tip.
     """
-    t, still = C[PERIOD], (0.0, 0.0, 0.0)
-    since = t * (S[LOST] + 1.0)
+    t, still, gap = C[PERIOD], (0.0, 0.0, 0.0), S[LOST] + 1.0
+    since = t * gap
     S[LOST] = 0.0
     seconds = asked_for(P, S, C) if C[SMOOTHING] == MEASURED else C[SMOOTHING]
     S[SMOOTHED] = seconds
@@ -94,9 +95,10 @@ def take_target(P, S, C, pose):
         forget(S, pose[0], pose[1])
         show(S, pose, still, still)
         skip(S)
-        measure(S, pose[0], pose[1])
+        measure(S, gap, pose[0], pose[1])
+        S[ASK_FROM] = 0.0
         return
-    measure(S, pose[0], pose[1])
+    measure(S, gap, pose[0], pose[1])
     if seconds == 0.0:
         v, w = last_pace(S, t)
         show(S, pose, v, w)
@@ -114,7 +116,6 @@ def lose_target(S, C):
     """No target: it is expected to go on by its trend, at first as it was, then more and more slowly."""
     t = C[PERIOD]
     slower = math.exp(-t / C[PATIENCE] * min(t * S[LOST] / C[PATIENCE], 1.0))
-    skip(S)
     coast(S, t, slower)
     v, w = last_pace(S, t)
     R, p = load_pose(S, ESTIMATE)

@@ -7,6 +7,7 @@ from srs_ik.kernels.algebra.pointers import row
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.track import (
     ACCELERATION,
+    ASKED,
     BEHIND,
     ELSEWHERE,
     FORBIDDEN,
@@ -14,6 +15,7 @@ from srs_ik.kernels.layout.track import (
     HELD,
     LIMITED,
     NO_REASON,
+    NOWHERE,
     OK,
     ON,
     ON_THE_WAY,
@@ -65,6 +67,8 @@ def on_the_way(P, S, C, v, pose):
     joint, used = hardest(S, C, v)
     if out_of_reach(P, C, pose):
         return UNREACHABLE, OUT_OF_REACH, joint
+    if S[ASKED] == NOWHERE:
+        return UNREACHABLE, FORBIDDEN, joint
     return LIMITED, BEHIND if used > USED_UP else ON_THE_WAY, joint
 
 

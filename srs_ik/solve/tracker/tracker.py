@@ -18,6 +18,7 @@ from srs_ik.inputs.poses import PoseLike, as_joint_vector, as_matrix, as_positiv
 from srs_ik.kernels.entries.track import update
 from srs_ik.kernels.layout import track as at
 from srs_ik.kernels.layout.objectives import PARAMS
+from srs_ik.solve.freedom import met_batch
 from srs_ik.solve.freedom import solve as solve_free
 from srs_ik.solve.pose import solve
 from srs_ik.solve.solution import Solution
@@ -43,6 +44,12 @@ brings targets back no sooner, and shakes the arm."""
 
 CHOSEN_EVERY = 10
 """Updates from one look at the bodies of a scene to the next."""
+
+ASK_AGAIN = 2000
+"""Updates from one search of the whole redundancy to the next at least: that takes up to some milliseconds."""
+
+CLOSE_BY = 1.0
+"""A posture this close, rad, that is found where none was, is gone to by itself."""
 
 PATIENCE = 0.05
 """Time constant, seconds, in which a target that is lost is expected to slow down."""
@@ -247,7 +254,7 @@ class Tracker(Fixed):
     def noise(self) -> tuple[float, float]:
         """Standard deviation of the target's jitter along an axis, m, and about one, rad, as measured on its way.
 
-        From the last 36 targets, if they came one after the other.
+        From the last 36 targets that came.
         """
         return float(self._state[at.NOISE]), float(self._state[at.NOISE + 1])
 
@@ -298,6 +305,8 @@ class Tracker(Fixed):
         else:
             T = as_matrix(pose)
             update(self._packed.family, self._state, self._settings, T, 1, self._work, out)
+            if out[at.STEP_REASON] == at.FORBIDDEN and self._state[at.ASKED] == at.UNKNOWN:
+                self._ask(out)
         if self._jerk is not None:
             self._send(self._jerk, out, None if pose is None else T)
         return TrackerStep(out, self._packed.joint_names)
@@ -311,6 +320,31 @@ class Tracker(Fixed):
         if on:
             q = self._state[at.Q : at.V]
             self._settings[at.ANGLE_WANTED] = choose(self._arm.forward_kinematics(q).homogeneous, q)
+
+    def _ask(self, out: Array) -> None:
+        """Before a target that rests is said to be out of reach, once: search its whole redundancy, as `solve` does."""
+        T = self._target()
+        if self.free_axis is None:
+            found = solve(self._packed, T, seed=self.q)
+            q, met = found.q, bool(found)
+        else:
+            # To look on where this meets nothing takes a tenth of a second.
+            postures, all_met = met_batch(self._packed, T[None], self.free_axis, self.q[None])
+            q, met = postures[0], bool(all_met[0])
+        self._state[at.ASKED] = at.RECONFIGURE if met else at.NOWHERE
+        self._state[at.ASK_FROM] = self._state[at.TICK] + ASK_AGAIN
+        if not met:
+            return
+        self._state[at.ELSEWHERE] = at.RECONFIGURE
+        out[at.STEP_STATUS], out[at.STEP_REASON] = at.HELD, at.OTHER_POSTURE
+        if np.abs(q - self._state[at.GOAL : at.GOAL_RATE]).max() < CLOSE_BY:
+            self._go_to(q)
+            out[at.STEP_STATUS], out[at.STEP_REASON] = at.LIMITED, at.ON_THE_WAY
+
+    def _go_to(self, q: Array) -> None:
+        """Send the arm to a posture."""
+        self._state[at.DETOUR_END : at.MISS] = q
+        self._state[at.DETOUR], self._state[at.ON], self._state[at.ELSEWHERE] = 1.0, 0.0, at.UNKNOWN
 
     def _send(self, jerk: JerkFilter, out: Array, T: Array | None) -> None:
         """Limit the jerk of a step, and write what comes of it."""
@@ -359,8 +393,7 @@ class Tracker(Fixed):
         else:
             found = solve_free(self._packed, T, self.free_axis, self.q, True)
         if found:
-            self._state[at.DETOUR_END : at.MISS] = found.q
-            self._state[at.DETOUR], self._state[at.ON], self._state[at.ELSEWHERE] = 1.0, 0.0, at.UNKNOWN
+            self._go_to(found.q)
         return found
 
     def _target(self) -> Array:
@@ -370,6 +403,13 @@ class Tracker(Fixed):
         T[:3, :3] = self._state[at.ROTATION : at.POSITION].reshape(3, 3)
         T[:3, 3] = self._state[at.POSITION : at.TWIST]
         return T
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        """A copy's limits are fixed, too: NumPy forgets that of arrays that are copied."""
+        self.__dict__.update(state)
+        for limits in (self.velocity_limit, self.acceleration_limit, self.jerk_limit):
+            if limits is not None:
+                _kept(limits)
 
     def __repr__(self) -> str:
         return f"<Tracker of {self._packed.name}, {self.dt:g} s, elbow {self._elbow!r}>"
