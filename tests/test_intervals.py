@@ -13,6 +13,7 @@ from oracles import (
     limbs,
     middle_phase,
     other_elbow_reaches,
+    postures_by_steps,
     random_limb,
     room,
     wrapped,
@@ -277,6 +278,26 @@ def test_solve_all_gives_one_posture_an_interval(name):
             assert inside(solution.q, arm.lower, arm.upper)
             psi = solution.arm_angle
             assert psi in interval or min(abs(wrapped(psi - e)) for e in (interval.lower, interval.upper)) < 1e-9
+
+
+ABOUT_A_GREATEST_REACH = (
+    [-2.7257, 0.8142, 0.2224, 0.0002, 1.0581, 0.9424, 0.8889],
+    [1.3087, -1.6232, -0.1016, -0.0054, -1.3177, 1.5217, 2.7712],
+    [-1.9001, 1.6214, -0.2335, -0.0064, -1.1897, -1.5841, -0.3475],
+    [0.0232, 0.7205, -0.2265, -0.0084, 2.3569, -1.4222, 0.347],
+)
+"""Configurations of gen3 whose poses it reaches, with an elbow almost straight, at some arm angles alone."""
+
+
+@pytest.mark.parametrize("q", ABOUT_A_GREATEST_REACH)
+def test_curves_about_a_greatest_reach_are_in_intervals(q):
+    arm = arms.load("gen3")
+    pose = arm.forward_kinematics(q)
+    intervals = arm.intervals(pose, respect_limits=False)
+    for posture in postures_by_steps(arm, pose, np.array(q))[0][::5]:
+        psi, branch = arm.arm_angle(posture), arm.branch(posture)
+        # Where the arm angle turns around, an interval is as long as its end is known.
+        assert any(i.branch == branch and psi in Interval(branch, i.lower - 1e-6, i.upper + 1e-6) for i in intervals)
 
 
 def test_out_of_reach_has_no_interval():

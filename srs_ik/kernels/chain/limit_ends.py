@@ -12,8 +12,6 @@ from srs_ik.kernels.algebra.lanes import as_bits, where
 from srs_ik.kernels.chain.newton import LAST_STEP, MAX_STEP
 from srs_ik.kernels.chain.newton_eight import (
     ALL,
-    NOTHING,
-    SMALLEST,
     all_times,
     half_planes,
     is_foreseen,
@@ -28,15 +26,16 @@ from srs_ik.kernels.layout.limb import LOWER, UPPER
 FARTHEST = 1.0
 """Of an arm angle at which no limit is met within reach, the next one is this far, rad."""
 
+HARDLY = 1e-11
+"""A step foreseen to be this short, rad, is not taken: it would be shorter still, by the square of the last one."""
+
 
 @kernel
 def way_to_limit(P, joint, q, rate, way, least):
     """How much farther in arm angle, in the direction `way` (1.0, -1.0), a joint is on a limit, if before `least`."""
     ahead = way * rate
-    up = (P[UPPER + joint] - q) / ahead
-    down = (P[LOWER + joint] - q) / ahead
-    least = where((ahead > 0.0) & (up < least), up, least)
-    return where((ahead < 0.0) & (down < least), down, least)
+    there = (where(ahead > 0.0, P[UPPER + joint] + 0.0 * q, P[LOWER + joint] + 0.0 * q) - q) / ahead
+    return where((there < least) & (abs(ahead) > 0.0), there, least)
 
 
 @kernel
@@ -75,11 +74,11 @@ def to_limits(P, q, psi, way, target, steps):
     last = 0.0 * psi
     for _ in range(steps):
         h, b = half_planes(t, h0, around)
-        d, rates, off2, right = newton_step(P, turns, R, p, h, b)
+        d, rates, _, right = newton_step(P, turns, R, p, h, b)
         ahead = way * way_to_limits(P, along7(q, 1.0, d), rates, way)
         d = along7(d, ahead, rates)
         size = larger(largest(d), abs(ahead))
-        settled = (size < LAST_STEP) | (is_foreseen(size, last, NOTHING) & (off2 < SMALLEST))
+        settled = (size < LAST_STEP) | is_foreseen(size, last, HARDLY)
         f = MAX_STEP / larger(size, MAX_STEP + 0.0 * size)
         d = all_times(f, d)
         q = along7(q, 1.0, d)

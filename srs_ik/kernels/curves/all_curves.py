@@ -143,7 +143,7 @@ def follow_all(P, by, rows, curves):
     n_surface = put_starts(P, by.target.place, missed, n_off)
     alone = np.empty((MOST_LEFT, SAMPLE))
     n_amid, n_alone = put_amid(P, by.target, missed, n_off, n_surface, alone, (by.J, by.A))
-    n_missed = put_outermost(P, by, signs, missed, n_amid)
+    n_missed, told = put_outermost(P, by, signs, missed, n_amid)
     if n_marks > 0:
         follow_marks(P, by.target, marks[:n_marks], n_marks, pieces)
         n, count = join_pieces(marks, n_marks, pieces, rows, curves)
@@ -159,7 +159,7 @@ def follow_all(P, by, rows, curves):
         if brought and is_known(P, by, q, t, rows, curves, count):
             continue
         own = branch_of(P, q) & 3
-        if not brought and i < n_off and bounced[own] >= MOST_BOUNCED:
+        if not brought and i < n_off and (bounced[own] >= MOST_BOUNCED or (told >> own) & 1 == 1):
             continue
         q, error = close_gently(P, q, R, p, False, by.J, by.A)
         bounced[own] = bounced[own] + 1 if error > BOUNCED else 0

@@ -18,6 +18,7 @@ from srs_ik.kernels.chain.newton_eight import (
 )
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.limb import FAR, MISS, PHASE, SHOULDER, STRAIGHT, WRIST
+from srs_ik.kernels.limb.goal import NO_SEED
 
 SAMPLE = 8
 """A sample of a curve: its parameter, and seven joint angles."""
@@ -62,8 +63,10 @@ VAGUE = 1e-6
 SETTLED = 1e-14
 """A step that has settled is on a curve up to this, rad squared."""
 
+FARTHEST = 0.25
 SHRINKING = 0.4
-"""Steps back to the curve that shrink by less do not lead there."""
+"""Steps back to the curve do not lead there where the first is longer than the first part of the step along it, since
+that has turned too far, or where they shrink by less than the second."""
 
 BESIDE = 0.08
 """A posture this close to the chord of a step, as a part of its length, is on the curve."""
@@ -144,7 +147,8 @@ def is_along(made, way, cosine, vague):
 def step_in_step(P, R, p, rows, alive):
     """Take eight curves a step on: postures, ways of the curves, which are there (bits), cosines of their turns.
 
-    Only those that are named by the bits `alive` count; one whose steps do not shrink well is not there.
+    Only those that are named by the bits `alive` count; one whose steps do not shrink well is not there, and not waited
+    for.
     """
     before = take_eight(rows, LANE)
     way = take_ways(rows, 7, LANE)
@@ -156,14 +160,16 @@ def step_in_step(P, R, p, rows, alive):
     turns = turns_of(q)
     none = 0.0 * step
     met = 0
-    last = none + MAX_STEP / SHRINKING
+    left = alive
+    last = FARTHEST / SHRINKING * step
     for _ in range(CORRECTIONS):
         d, t, _, right = curve_step(P, turns, R, p, way, none)
         size = largest(d)
         settled = size < LAST_STEP
         q = along7(q, 1.0, d)
         met = as_bits(settled & right)
-        if alive & ~as_bits(settled | (size > SHRINKING * last)) == 0:
+        left &= as_bits(size < SHRINKING * last)
+        if left & ~as_bits(settled) == 0:
             break
         last = size
         turns = turned_by_all(turns, d)
@@ -197,25 +203,51 @@ def to_curves(P, R, p, q, which, steps):
 
 
 @kernel
-def between_eight(P, by, a, chord, shares):
-    """The postures of a curve at eight shares of the way along a chord from one of them, as `follow.between`.
+def on_way(a, chord, shares):
+    """Eight postures at shares of the straight way along a chord from one posture."""
+    none = 0.0 * shares
+    return along7(along7((none, none, none, none, none, none, none), 1.0, a), shares, chord)
+
+
+@kernel
+def on_cubic(before, behind, chord, shares):
+    """Eight postures of a curve at shares of a chord, by the cubic through two postures.
+
+    These are given each as its share, itself, and the way of the curve there.
+    """
+    (low, a, way_a), (high, b, way_b) = before, behind
+    width = high - low
+    more = width * dot7(chord, chord)
+    rate_a = along7(NO_SEED, more / dot7(chord, way_a), way_a)
+    rate_b = along7(NO_SEED, more / dot7(chord, way_b), way_b)
+    change = along7(b, -1.0, a)
+    third = along7(along7(rate_a, 1.0, rate_b), -2.0, change)
+    second = along7(along7(change, -1.0, rate_a), -1.0, third)
+    u = (shares - low) / width
+    return along7(along7(on_way(a, rate_a, u), u * u, second), u * u * u, third)
+
+
+@kernel
+def between_eight(P, by, start, chord):
+    """The postures of a curve at eight shares of a chord, those of postures to start from, as `follow.between`.
 
     Returns postures, the unit vectors along the curve, and which are met, as bits.
     """
     R, p, _ = by.target
-    none = 0.0 * shares
-    start = along7(along7((none, none, none, none, none, none, none), 1.0, a), shares, chord)
     q, t = start, start
     turns = turns_of(q)
     met = 0
+    last = before = 0.0 * q[0] + math.inf
     for _ in range(CORRECTIONS):
         d, t, _, right = curve_step(P, turns, R, p, chord, dot7(chord, along7(start, -1.0, q)))
         size = largest(d)
         settled = size < LAST_STEP
         q = along7(q, 1.0, d)
         met = as_bits(settled & right)
-        if as_bits(settled) == ALL:
+        # Next to a singularity, a longer step may come first.
+        if as_bits(settled | (size > SHRINKING * before)) == ALL:
             break
+        before, last = last, size
         turns = turned_by_all(turns, d)
     return q, t, met
 

@@ -12,7 +12,7 @@ from srs_ik.kernels.algebra.minimum import lowest_of_cubic
 from srs_ik.kernels.algebra.pointers import keep, row
 from srs_ik.kernels.curves.ends import dip, on_curve, sample_before
 from srs_ik.kernels.curves.follow import between, tangent_at
-from srs_ik.kernels.curves.in_step import ARC, between_eight, load_sample, one_of_seven
+from srs_ik.kernels.curves.in_step import ARC, between_eight, load_sample, on_way, one_of_seven
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.asked import Best, Goal
 from srs_ik.kernels.layout.limb import INVERSE_HALF_RANGE, MIDDLE
@@ -97,7 +97,7 @@ def look_between(P, by, ends, looks, goal, best):
     """
     a, b = ends
     chord = difference(a, b)
-    q, t, met = between_eight(P, by, a, chord, gather(row(looks, 0), LOOK_SHARE, LOOK))
+    q, t, met = between_eight(P, by, on_way(a, chord, gather(row(looks, 0), LOOK_SHARE, LOOK)), chord)
     speed = dot7(chord, chord) / dot7(t, chord)
     for i in range(LOOKS):
         looks[i, LOOK_COST], looks[i, LOOK_RATE] = NO_BRANCH, 0.0

@@ -17,7 +17,7 @@ from srs_ik.kernels.chain.starts import almost_straight
 from srs_ik.kernels.curves.surface import level_place
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.limb import FAR, NEAR
-from srs_ik.kernels.limb.branches import side_posture
+from srs_ik.kernels.limb.branches import side_posture, sine_of
 from srs_ik.kernels.limb.goal import NO_SEED
 from srs_ik.kernels.limb.triangle import elbow_side
 
@@ -49,6 +49,9 @@ HIGHEST = 2.0
 
 HIGHER = 1e-3
 """... above that."""
+
+CLEAR = 2.0
+"""Where the elbow is almost straight, shoulder and wrist are clear of singularities that are so many bends away."""
 
 LONGEST_STEP = 0.5
 """A longer step, rad, leads to no posture nearby."""
@@ -106,11 +109,14 @@ def best_bend(P, by, q, curvature):
 def put_outermost(P, by, which, starts, n):
     """Append postures of the curves about the greatest reaches that are past a pose; their number.
 
-    `which` are, as bits, the signs of shoulder and wrist with which the pose is not reached all around.
+    `which` are, as bits, the signs of shoulder and wrist with which the pose is not reached all around. Returned too
+    are those of them that have no other curves: away from other singularities a pose is reached with the turns at which
+    the reach is past it, about these greatest ones.
     """
     place_ = by.target.place
+    told = 0
     if place_[3] >= almost_straight(P) or P[NEAR] < NARROWEST:
-        return n
+        return n, told
     level = level_place(place_)
     reach = P[FAR] if level[2] > 0.0 else -P[NEAR]
     curvature = (P[NEAR] - P[FAR]) * (P[NEAR] + P[FAR]) / (2.0 * reach)
@@ -121,18 +127,25 @@ def put_outermost(P, by, which, starts, n):
         if not which >> signs & 1:
             continue
         q, _, _ = side_posture(P, side, 0.0, signs >> 1, signs & 1, False, NO_SEED, False)
+        # The sines of shoulder and wrist change with the turn by no more than the bend.
+        clear = min(abs(sine_of(P, q, 0)), abs(sine_of(P, q, 2))) > CLEAR * almost_straight(P)
         q, past, rise, turning, _, good = best_bend(P, by, q, curvature)
+        first, parts, reached = n, 0, 0
         for _ in range(TURNS):
             if not good:
                 break
-            begin, past_before = (q, rise, turning), past
+            begin, past_before = (q, rise, turning), past * away
             q = along7(q, 2.0 * math.pi / TURNS, turning)
             q, past, rise, turning, _, good = best_bend(P, by, q, curvature)
-            top = min(past_before * away + width * abs(begin[1]), past * away + width * abs(rise))
+            parts += 1 if past_before <= 0.0 < past * away else 0
+            reached += 1 if past * away > 0.0 else 0
+            top = min(past_before + width * abs(begin[1]), past * away + width * abs(rise))
             between = away * begin[1] > 0.0 and away * rise <= 0.0 and top > -HIGHER * P[FAR]
             if good and between and n + 2 <= starts.shape[0]:
                 n = put_pair(P, by, begin, (q[2], rise), curvature, starts, n)
-    return n
+        if good and clear and reached < TURNS and n - first >= 2 * parts:
+            told |= 1 << signs
+    return n, told
 
 
 @kernel

@@ -15,7 +15,7 @@ from srs_ik.kernels.chain.kinematics import turn_about_line
 from srs_ik.kernels.chain.newton import arm_angle
 from srs_ik.kernels.chain.newton_eight import curve_step
 from srs_ik.kernels.curves.follow import between, tangent_at
-from srs_ik.kernels.curves.in_step import SAMPLE, between_eight, load_sample, short_ways
+from srs_ik.kernels.curves.in_step import SAMPLE, between_eight, load_sample, on_cubic, on_way, one_of_seven, short_ways
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.limb import AXES, ELBOW_CENTRE, POINTS, SHOULDER_CENTRE
 from srs_ik.kernels.limb.branches import sine_of
@@ -178,8 +178,9 @@ def turning_between(P, by, a, b, rise, joint):
     # A cubic's error is of the fourth order.
     less = 1.0
     steps = eight_of(0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0)
+    there = on_way(a, chord, apart * steps)
     for _ in range(ROUNDS):
-        q, t, met = between_eight(P, by, a, chord, begin + apart * steps)
+        q, t, met = between_eight(P, by, there, chord)
         angles, rates = arm_angles(P, by.target.place, q, t) if joint == ARM_ANGLE else (q[joint], t[joint])
         heights = -rise * short_ways(angles - start)
         slopes = -rise * rates * length2 / dot7(t, chord)
@@ -196,21 +197,27 @@ def turning_between(P, by, a, b, rise, joint):
             low, high = begin + apart * i, begin + apart * j
             fall, rises = one_of(slopes, i), one_of(slopes, j)
             if (met >> i) & (met >> j) & 1 == 1 and fall < 0.0 < rises:
-                before, behind = (low, one_of(heights, i), fall), (high, one_of(heights, j), rises)
-                share, foretold = lowest_of_cubic(before, behind, 0.0)
+                first, last = (low, one_of(heights, i), fall), (high, one_of(heights, j), rises)
+                share, foretold = lowest_of_cubic(first, last, 0.0)
                 change, height = abs(foretold - height), foretold
                 if change * less < TURNED:
                     break
                 less = CLOSER**4 / 7.0**4
                 apart = CLOSER / 7.0 * (high - low)
                 begin = min(max(share - 3.5 * apart, low), high - 7.0 * apart)
+                before = low, one_of_seven(q, i), one_of_seven(t, i)
+                behind = high, one_of_seven(q, j), one_of_seven(t, j)
+                there = on_way(a, chord, begin + apart * steps)
+                if min(abs(sine_of(P, before[1], 2)), abs(sine_of(P, behind[1], 2))) > TURNING_WRIST:
+                    there = on_cubic(before, behind, chord, begin + apart * steps)
                 continue
         share, height = begin + apart * best, one_of(heights, best)
         if high - low < FINEST:
             break
         begin, apart, less = low, (high - low) / 7.0, 1.0
+        there = on_way(a, chord, begin + apart * steps)
     if share == 0.0:
         return a
     # Postures in step are off by what their singularities make of rounding.
-    there, is_there = between(P, by, a, b, share)
-    return there if is_there else a
+    turning, is_there = between(P, by, a, b, share)
+    return turning if is_there else a

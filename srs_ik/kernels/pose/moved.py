@@ -7,7 +7,7 @@ from srs_ik.kernels.algebra.lane_trig import turns_of
 from srs_ik.kernels.algebra.lanes import as_bits, gather, where
 from srs_ik.kernels.algebra.vectors import load3, load9, store3
 from srs_ik.kernels.chain.newton_eight import curve_step, largest
-from srs_ik.kernels.curves.in_step import between_eight
+from srs_ik.kernels.curves.in_step import between_eight, on_way
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.asked import Setting, Target
 from srs_ik.kernels.layout.limb import LOWER, UPPER
@@ -61,7 +61,7 @@ def moved_eight(P, poses, q, moves):
         moves: the directions, and how far along them.
     """
     by = Setting(Target(poses[0], poses[1], 0.0), 0.0, True, 0.0, 0.0)
-    there, _, met = between_eight(P, by, q, moves[0], moves[1])
+    there, _, met = between_eight(P, by, on_way(q, moves[0], moves[1]), moves[0])
     return there, met
 
 
