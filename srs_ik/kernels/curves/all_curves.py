@@ -8,13 +8,35 @@ import numpy as np
 
 from srs_ik.kernels.algebra.joint_vectors import dot7
 from srs_ik.kernels.algebra.lanes import scatter
+from srs_ik.kernels.algebra.linear import solve_linear
 from srs_ik.kernels.algebra.pointers import row
+from srs_ik.kernels.algebra.vectors import norm
 from srs_ik.kernels.chain.eight import ALL, put_eight, take_eight
-from srs_ik.kernels.chain.newton import CLOSED, LEFT, STEPS
+from srs_ik.kernels.chain.newton import (
+    CLOSED,
+    LEFT,
+    MAX_STEP,
+    STEPS,
+    load_system,
+    longest,
+    moved,
+    pose_step,
+)
 from srs_ik.kernels.chain.newton_eight import close_eight
 from srs_ik.kernels.chain.rank_five import put_amid
 from srs_ik.kernels.chain.starts import FIRST, WIDTH, bent_place, start_all
-from srs_ik.kernels.curves.follow import CURVE, correct, extend_back, follow_through, is_known, put, tangent_at
+from srs_ik.kernels.curves.follow import (
+    CURVE,
+    FIRST_GUESS,
+    correct,
+    extend_back,
+    follow_through,
+    is_known,
+    null_vector,
+    put,
+    tangent_at,
+    vagueness,
+)
 from srs_ik.kernels.curves.in_step import CORRECTIONS, SAMPLE, load_sample, one_of_seven, to_curves
 from srs_ik.kernels.curves.marks import MARK, MARK_NEXT, MARK_WAY, follow_marks, join_pieces, put_mark
 from srs_ik.kernels.curves.outreach import put_outermost
@@ -44,9 +66,16 @@ OBLIQUE = 1e-3
 CLOSING_STEPS = 16
 """Newton's steps from a start to a curve, at most."""
 
+LEADING_STEPS = 32
+LED = 1e-14
+"""Those with pivots, and the error, m and rad, that they leave."""
+
 MAX_CURVES = 32
 MOST_LEFT = 8
 """Curves of a pose, and those on which an error is left (`LEFT`), at most."""
+
+LONGER = 4.0
+"""Curves are longer by this than what rounding makes of their postures."""
 
 POINT = 1e-12
 """Length of a curve that is one posture, rad."""
@@ -90,6 +119,28 @@ def put_marks(P, by, angles, marks, missed):
                 n_missed += 1
                 signs |= 1 << (branch & 3)
     return count, n_missed, signs
+
+
+@kernel
+def lead_to_curve(P, by, q):
+    """The shortest way from a posture to a curve, by Newton's method with pivots: the posture, and whether it is met.
+
+    Where several joints are singular at once, all that tells a posture of the surface from one of the true chain is the
+    square of what axes miss: too little for steps in eight, and for steps that are damped.
+    """
+    for _ in range(LEADING_STEPS):
+        linear, angular = pose_step(P, q, by.target.R, by.target.p, by.J)
+        if max(norm(linear), norm(angular)) < LED:
+            return q, True
+        t, sign = null_vector(by.J, FIRST_GUESS, by.A)
+        load_system(by.J, t, by.A)
+        for i in range(3):
+            by.A[i, 7], by.A[i + 3, 7] = linear[i], angular[i]
+        if sign == 0.0 or solve_linear(by.A, 7) == 0.0:
+            break
+        size = longest(by.A)
+        q = moved(q, by.A, 1.0 if size < MAX_STEP else MAX_STEP / size)
+    return q, False
 
 
 @kernel
@@ -142,8 +193,8 @@ def follow_all(P, by, rows, curves):
     n_marks, n_off, signs = put_marks(P, by, angles, marks, missed)
     n_surface = put_starts(P, by.target.place, missed, n_off)
     alone = np.empty((MOST_LEFT, SAMPLE))
-    n_amid, n_alone = put_amid(P, by.target, missed, n_off, n_surface, alone, (by.J, by.A))
-    n_missed, told = put_outermost(P, by, signs, missed, n_amid)
+    n_outer, told = put_outermost(P, by, signs, missed, n_surface)
+    n_missed, n_alone = put_amid(P, by.target, missed, n_off, n_outer, alone, (by.J, by.A))
     if n_marks > 0:
         follow_marks(P, by.target, marks[:n_marks], n_marks, pieces)
         n, count = join_pieces(marks, n_marks, pieces, rows, curves)
@@ -161,7 +212,8 @@ def follow_all(P, by, rows, curves):
         own = branch_of(P, q) & 3
         if not brought and i < n_off and (bounced[own] >= MOST_BOUNCED or (told >> own) & 1 == 1):
             continue
-        q, error = close_gently(P, q, R, p, False, by.J, by.A)
+        there, met = lead_to_curve(P, by, q) if i >= n_off else (q, False)
+        q, error = (there, 0.0) if met else close_gently(P, q, R, p, False, by.J, by.A)
         bounced[own] = bounced[own] + 1 if error > BOUNCED else 0
         if error > LEFT or (error > CLOSED and vague >= MOST_LEFT):
             continue
@@ -171,8 +223,9 @@ def follow_all(P, by, rows, curves):
         if sign == 0.0 or not met or (not brought and is_known(P, by, q, t, rows, curves, count)):
             continue
         first = n
+        shortest = LONGER * vagueness(by.J, t, by.A)
         n, closed = follow_through(P, by, q, t, rows, n)
-        if n - first < 2:
+        if n - first < 2 or rows[n - 1, 0] < shortest:
             n = first
             continue
         curves[count, 0], curves[count, 1], curves[count, 2] = first, n, 1.0 if closed else 0.0

@@ -54,8 +54,11 @@ LONGEST_CORRECTION = 1.0
 """A longer step, rad, leads to no curve nearby."""
 
 SHRUNK_AT_LAST = 64.0
-"""Where joints are singular at once, steps to a curve halve: the last is shorter by this than one was; if there is no
-curve ahead, it is not."""
+"""Where joints are singular at once, steps to a curve halve: the last is shorter by this than one was, or no longer
+than rounding makes it; if there is no curve ahead, it is not."""
+
+BLURRED = 1e-2
+"""By more than this, rad, no posture may be off by rounding."""
 
 SHRUNK = 0.5
 """Steps back to the curve that shrink by less, where the pose is met, are rounding."""
@@ -119,6 +122,18 @@ def tangent_at(P, by, q):
 
 
 @kernel
+def vagueness(J, t, A):
+    """How far aside of a curve, rad, a posture may be that meets its pose as well as floats tell."""
+    load_system(J, t, A)
+    for i in range(6):
+        A[i, 7] = ROUNDING if i % 2 == 0 else -ROUNDING
+    if solve_linear(A, 7) == 0.0:
+        return math.inf
+    d = moved(NO_SEED, A, 1.0)
+    return math.sqrt(dot7(d, d))
+
+
+@kernel
 def correct(P, by, q, d, place):
     """Newton's method to the posture for the pose with d'q = place: q, whether it is met; J is left for it."""
     R, p, _ = by.target
@@ -146,7 +161,7 @@ def correct(P, by, q, d, place):
         last = size
         if size < LAST_STEP and error < LEFT:
             return q, True
-    return q, error < LEFT and last * SHRUNK_AT_LAST < longest_yet
+    return q, error < LEFT and (last * SHRUNK_AT_LAST < longest_yet or last < min(BLURRED, vagueness(J, d, A)))
 
 
 @kernel
@@ -238,18 +253,6 @@ def passes_two(P, a, b):
     passed += abs(side_of_one(a[3], P[STRAIGHT]) - side_of_one(b[3], P[STRAIGHT]))
     passed += abs(side_of_one(a[5], P[WRIST + PHASE]) - side_of_one(b[5], P[WRIST + PHASE]))
     return passed > 1
-
-
-@kernel
-def vagueness(J, t, A):
-    """How far aside of a curve, rad, a posture may be that meets its pose as well as floats tell."""
-    load_system(J, t, A)
-    for i in range(6):
-        A[i, 7] = ROUNDING if i % 2 == 0 else -ROUNDING
-    if solve_linear(A, 7) == 0.0:
-        return math.inf
-    d = moved(NO_SEED, A, 1.0)
-    return math.sqrt(dot7(d, d))
 
 
 @kernel

@@ -41,8 +41,9 @@ NARROWEST = 1e-9
 
 LEAST_BEND = 5e-5
 ROOM = 1e-2
-"""Where the best bend leaves less room than this, rad, to both sides, Newton's method closes no posture for certain;
-with the second one, it does without the very greatest reach."""
+"""Where the best bend leaves less room than this, rad, to both sides, Newton's method closes no posture for certain: the
+greatest reach tells then by itself what there is around it (`rank_five`). With the second one, it does without the
+very greatest reach."""
 
 HIGHEST = 2.0
 """Between two turns reaches are no greater than either goes on to rise, so many times, and parts of the reach ..."""
@@ -107,7 +108,7 @@ def best_bend(P, by, q, curvature):
 
 @kernel
 def put_outermost(P, by, which, starts, n):
-    """Append postures of the curves about the greatest reaches that are past a pose; their number.
+    """Append postures of the curves about the greatest reaches that are past a pose, or those of these; their number.
 
     `which` are, as bits, the signs of shoulder and wrist with which the pose is not reached all around. Returned too
     are those of them that have no other curves: away from other singularities a pose is reached with the turns at which
@@ -150,7 +151,7 @@ def put_outermost(P, by, which, starts, n):
 
 @kernel
 def put_pair(P, by, before, behind, curvature, starts, n):
-    """Append both bends of the greatest reach between two turns, if it is past the pose.
+    """Append both bends of the greatest reach between two turns, if it is past the pose; if it just is, or just not, it.
 
     The first is given by its best posture, rise and way with the turn, the second by joint 3 and its rise.
     """
@@ -168,8 +169,12 @@ def put_pair(P, by, before, behind, curvature, starts, n):
             begin, low, high = part, rise, 0.5 * high
         else:
             end, high, low = part, rise, 0.5 * low
-    if good and past * curvature < -0.5 * (LEAST_BEND * curvature) ** 2:
-        bend = math.sqrt(-2.0 * past / curvature)
+    room = -2.0 * past / curvature
+    if good and abs(room) < LEAST_BEND**2:
+        store7(row(starts, n), 0, best)
+        n += 1
+    elif good and room > 0.0:
+        bend = math.sqrt(room)
         for sign in range(2):
             there = along7(best, bend if sign == 0 else -bend, bending)
             store7(row(starts, n), 0, there)
