@@ -10,7 +10,7 @@ from srs_ik.kernels.algebra.joint_vectors import dot7
 from srs_ik.kernels.algebra.lanes import scatter
 from srs_ik.kernels.algebra.pointers import row
 from srs_ik.kernels.chain.eight import ALL, put_eight, take_eight
-from srs_ik.kernels.chain.newton import CLOSED, LEFT, STEPS
+from srs_ik.kernels.chain.newton import CLOSED, LEFT, STEPS, close_gently
 from srs_ik.kernels.chain.newton_eight import close_eight
 from srs_ik.kernels.chain.rank_five import put_amid
 from srs_ik.kernels.chain.starts import FIRST, WIDTH, bent_place, start_all
@@ -19,7 +19,6 @@ from srs_ik.kernels.curves.in_step import CORRECTIONS, SAMPLE, load_sample, one_
 from srs_ik.kernels.curves.marks import MARK, MARK_NEXT, MARK_WAY, follow_marks, join_pieces, put_mark
 from srs_ik.kernels.curves.outreach import put_outermost
 from srs_ik.kernels.curves.surface import put_starts
-from srs_ik.kernels.exact.free_splits import close_gently
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.limb import BOTTOM_GAP, SHOULDER, TOP_GAP, WRIST
 from srs_ik.kernels.limb.branches import branch_of
