@@ -14,6 +14,7 @@ from oracles import inside
 
 BENCHMARKS = Path(__file__).resolve().parents[1] / "benchmarks"
 NAMES = (*arms.here("rm75"), "random_0", "random_1")
+RM75 = tuple(name for name in arms.here("rm75") if name == "rm75")
 TOGETHER = ((1, 3), (3, 5), (1, 5), (1, 3, 5))
 MISS = 1e-6
 
@@ -57,6 +58,37 @@ ANOTHER_TURN = (
 )  # fmt: skip
 """A posture whose pose is asked for, a seed, and about where another posture is that is nearer to that: on the other
 side of a small closed curve; and where joint 7 is on a limit, beyond which it goes on a turn away."""
+
+
+NEEDLES = [
+    ((0.7019016130668634, -1.7236701894459932, 0.2898864677704913, 0.0, -2.2743501762442575, 2.2329999000000003,
+      -2.374146819526991),
+     (-1.3885517645949348, -0.9119924128597396, -1.8264850425205206, 1.1373623620063045, 2.526986025352469,
+      2.0693276048329223, -3.0800165551337866)),
+    ((-0.4757429334853458, 1.4951542290643167, 1.4000546224068233, 0.0, 0.6506225425067758, -1.2446782157311456,
+      -0.8713688884260948),
+     (-1.5831290023323585, -0.5156150747312698, 2.8502077141572406, 1.2049635982686047, -0.08940117615869791,
+      -1.1070741583871453, -3.839918949656922)),
+]  # fmt: skip
+"""Postures of a straight elbow whose pose is asked for, and seeds: the curve turns around in a needle."""
+
+ON_TWO_LIMITS = (
+    (-3.1, -1.6878948150353028, -0.36410796686015257, -1e-09, -1.516886136210061, 2.233, 1.6292694241087338),
+    (-2.9510526716141197, -1.574769084270125, -0.3567986103621665, -0.1445866694622516, -1.5553774866238377, 2.233,
+     1.5098949637371857),
+)  # fmt: skip
+NEXT_TO_A_LIMIT = (
+    (-2.028584903632845, 2.175343791663945, -2.7610408098257815, 0.0016538253736340931, -0.7795206342430285,
+     -5.318485514746554, -2.573048350979516),
+    (-1.99943536499732, 2.248202307671621, -3.170342895977315, -0.06253038983277907, -0.4082551840034092,
+     -5.318495514746553, -2.573058350979516),
+)  # fmt: skip
+"""The same where rounding decides at which postures the elbow's turn leaves the limits; there, about 2e-5 rad of a turn
+are left."""
+
+STRIDE = 1e-3
+AS_WELL = 2e-13
+"""A step beside an answer, rad, and the error (m, rad) with which it is no worse a posture."""
 
 
 @pytest.fixture(scope="module")
@@ -111,12 +143,58 @@ def test_postures_that_are_nearer_elsewhere_on_a_curve_are_found(judges, case):
     assert np.linalg.norm(solution.q - seed) < np.linalg.norm(nearer - seed) + 1e-9
 
 
+def beside(arm, q, pose, seed, stride):
+    """The posture a stride along the self-motion from one, towards a seed, by Pinocchio's Jacobian: it, and its error.
+
+    What is as good as lost of the pose is left out of the steps.
+    """
+    way = np.linalg.svd(arm.jacobian(q))[2][6]
+    q = q + stride * np.sign(way @ (seed - q)) * way
+    for _ in range(5):
+        here = arm.forward_kinematics(q)
+        turn = here.rotation @ pin.log3(here.rotation.T @ pose.rotation)
+        q = q + np.linalg.pinv(arm.jacobian(q), rcond=1e-7) @ np.r_[pose.translation - here.translation, turn]
+    return q, max(arm.verify(pose, q))
+
+
+@pytest.mark.parametrize("case", NEEDLES)
+@pytest.mark.parametrize("name", RM75)
+def test_needles_of_straight_elbows_are_gone_along_to_their_tips(name, case):
+    arm, (q, seed) = arms.load(name), np.array(case)
+    pose = arm.forward_kinematics(q)
+    solution = arm.solve(pose, seed=seed)
+    assert max(arm.verify(pose, solution.q)) < LEFT
+    other, error = beside(arm, solution.q, pose, seed, STRIDE)
+    nearer = np.linalg.norm(other - seed) < np.linalg.norm(solution.q - seed) - 1e-6
+    assert not (nearer and error < AS_WELL and inside(other, arm.lower, arm.upper))
+
+
+@pytest.mark.parametrize("name", RM75)
+def test_an_elbow_turns_as_far_as_limits_let_it_but_for_rounding(name):
+    arm, (q, seed) = arms.load(name), np.array(ON_TWO_LIMITS)
+    solution = arm.solve(arm.forward_kinematics(q), seed=seed)
+    assert np.linalg.norm(solution.q - seed) < np.linalg.norm(q - seed) + 1e-6
+
+
+def test_an_elbow_turns_until_a_joint_is_on_its_limit(judges):
+    made = judges["subjects"]["random_arms"](np.random.default_rng([6840000, len("random_near")]), 2e-4, 0.0)
+    arm, (q, seed) = next(islice(made, 19, None)), np.array(NEXT_TO_A_LIMIT)
+    pose = arm.forward_kinematics(q)
+    solution = arm.solve(pose, seed=seed)
+    other, error = beside(arm, solution.q, pose, seed, 1e-5)
+    assert error < AS_WELL
+    assert not inside(other, arm.lower, arm.upper)
+
+
 ROUND = [
     (0.3, 0.0, 0.4, 1.0, 0.0, 0.0, 0.2),
     (1.14, 0.0, -1.03, -1.38, 0.0, 0.0, 1.42),
     (-0.16, 0.0, 1.07, 0.44, 0.0, 0.0, -1.07),
     (0.66, 0.0, -1.1, -1.02, 0.0, 0.0, -1.75),
     (-1.52, 0.0, -1.17, -0.62, 0.0, 0.0, -0.21),
+    (1.887, 0.0, 0.0, -0.016, 0.388, 0.0, 0.759),
+    (1.454, 0.0, 0.0, 0.017, -0.907, 0.0, 1.974),
+    (0.588, 0.0, 0.0, -0.081, 1.52, 0.0, -1.926),
 ]
 
 
@@ -159,7 +237,7 @@ def test_an_elbow_almost_on_its_limit_leaves_intervals(judges):
         assert judges["known"]["beside"](arm, case, arm.intervals(case.pose)) < 1e-6
 
 
-@pytest.mark.parametrize("name", [name for name in arms.here("rm75") if name == "rm75"])
+@pytest.mark.parametrize("name", RM75)
 def test_an_interval_that_is_one_arm_angle_next_to_a_singular_wrist_is_met(judges, name):
     """Where two branches meet at a wrist on its limit: 1e-9 rad of arm angle are 0.02 rad of joint 5 there."""
     arm, q = arms.load(name), np.array(WRIST_ON_LIMIT)
@@ -167,7 +245,7 @@ def test_an_interval_that_is_one_arm_angle_next_to_a_singular_wrist_is_met(judge
     assert not list(judges["known"]["missed"](arm, [case], [arm.intervals(case.pose)]))
 
 
-@pytest.mark.parametrize("name", ["gen3", *WHOLE, *(name for name in arms.here("rm75") if name == "rm75")])
+@pytest.mark.parametrize("name", ["gen3", *WHOLE, *RM75])
 def test_all_arm_angles_of_intervals_are_met_in_both_kinds_of_call(judges, name):
     """A branch by itself, and all of them at once: the same postures exist, on the borders between branches too."""
     arm = load(judges, name)

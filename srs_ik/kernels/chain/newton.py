@@ -46,6 +46,11 @@ STALL = 10
 LAST_STEP = 3e-8
 """A Newton step this short, rad, leaves an error of the order of its square: nothing."""
 
+CLOSING_STEPS = 30
+GENTLE = 1e-13
+STALLED = 0.9
+"""Gentle steps to close a posture, their least damping, and the part of an error that a step leaves where it ends."""
+
 MAX_STEP = 0.5
 """Longest change of a joint in one step, rad."""
 
@@ -252,6 +257,43 @@ def close_free(P, q, R, p, respect, steps, J, A):
         if max(position, orientation) >= CLOSED:
             return kept, least
     return q, error
+
+
+@kernel
+def close_gently(P, q, R, p, respect, J, A):
+    """Damped steps from a posture to one that meets its pose: q, and the larger of its errors (m, rad).
+
+    Where more than one joint is singular some directions are as good as lost, and rounding alone would lead far along
+    them; the damping leaves them out, as long as the error has no part in them. What is `LEFT` is left where no step
+    makes it less.
+    """
+    blocked = 0
+    last = math.inf
+    for _ in range(CLOSING_STEPS):
+        linear, angular = pose_step(P, q, R, p, J)
+        error = max(norm(linear), norm(angular))
+        if error < 0.1 * CLOSED or STALLED * last < error < LEFT:
+            return q, error
+        last = error
+        shortest_step(J, linear, angular, blocked, max(GENTLE, 1e-2 * error * error), A)
+        q = moved(q, A, 1.0)
+        if respect:
+            for j in range(7):
+                if q[j] < P[LOWER + j] or q[j] > P[UPPER + j]:
+                    blocked |= 1 << j
+            q = clipped(P, q)
+    q, _ = close_free(P, q, R, p, respect, CLOSING_STEPS, J, A)
+    # Next to several singularities its last step may have led away.
+    position, orientation = pose_error(P, q, R, p)
+    return q, max(position, orientation)
+
+
+@kernel
+def closed_better(P, q, target, respect, J, A):
+    """A posture, or the one that closes to less of an error."""
+    position, orientation = pose_error(P, q, target.R, target.p)
+    closed, error = close_gently(P, q, target.R, target.p, respect, J, A)
+    return closed if error < max(position, orientation) else q
 
 
 @kernel

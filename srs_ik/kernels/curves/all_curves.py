@@ -17,6 +17,7 @@ from srs_ik.kernels.chain.newton import (
     LEFT,
     MAX_STEP,
     STEPS,
+    close_gently,
     load_system,
     longest,
     moved,
@@ -41,7 +42,6 @@ from srs_ik.kernels.curves.in_step import CORRECTIONS, SAMPLE, load_sample, one_
 from srs_ik.kernels.curves.marks import MARK, MARK_NEXT, MARK_WAY, follow_marks, join_pieces, put_mark
 from srs_ik.kernels.curves.outreach import put_outermost
 from srs_ik.kernels.curves.surface import put_starts
-from srs_ik.kernels.exact.free_splits import close_gently
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.limb import BOTTOM_GAP, SHOULDER, TOP_GAP, WRIST
 from srs_ik.kernels.limb.branches import branch_of

@@ -7,12 +7,12 @@ from __future__ import annotations
 
 import numpy as np
 
+from srs_ik.kernels.chain.descent import slid
+from srs_ik.kernels.chain.newton import closed_better
 from srs_ik.kernels.curves.in_step import load_sample
 from srs_ik.kernels.curves.lowest import close_in_on, cost_at, cost_of_turn, hope, rate_of_cost
 from srs_ik.kernels.curves.runs import near_runs, samples_of
 from srs_ik.kernels.curves.spans import MAX_SPANS, SPAN, find_spans
-from srs_ik.kernels.exact.free_splits import closed_better
-from srs_ik.kernels.exact.nearest import slid
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.asked import Best, Setting
 from srs_ik.kernels.layout.search import MAX_RUNS, RUN

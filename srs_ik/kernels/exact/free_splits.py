@@ -13,30 +13,18 @@ import math
 import numpy as np
 
 from srs_ik.kernels.algebra.pointers import keep, row
-from srs_ik.kernels.algebra.vectors import norm
+from srs_ik.kernels.chain.descent import slid
 from srs_ik.kernels.chain.kinematics import pose_error
-from srs_ik.kernels.chain.newton import CLOSED, LEFT, clipped, close_free, moved, pose_step, shortest_step
+from srs_ik.kernels.chain.newton import CLOSED, LEFT, close_gently
 from srs_ik.kernels.exact.bends import best_of_bends, best_on_circles
 from srs_ik.kernels.exact.flat import is_as_good_as_flat, level
-from srs_ik.kernels.exact.nearest import slid
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.asked import Target
-from srs_ik.kernels.layout.limb import (
-    LOWER,
-    SHOULDER,
-    SIZE,
-    UPPER,
-    WRIST,
-)
+from srs_ik.kernels.layout.limb import SHOULDER, SIZE, WRIST
 from srs_ik.kernels.limb.branches import branch_of, side_posture
 from srs_ik.kernels.limb.goal import NO_SEED, OUTSIDE, cost, turned
 from srs_ik.kernels.limb.in_line import NEARLY_IN_LINE, closest, comes_in_line, may_split, wide_limb
 from srs_ik.kernels.limb.triangle import elbow_side
-
-CLOSING_STEPS = 30
-GENTLE = 1e-13
-STALLED = 0.9
-"""Steps to close a posture, their least damping, and the part of an error that a step leaves where it ends."""
 
 LOOSELY = 3e-11
 """A split whose posture cannot be closed is one all the same if it meets its pose within this, m and rad."""
@@ -52,43 +40,6 @@ FAR_SPLIT = 1e3
 def worse_by(value, lowest, seeded):
     """By how much one cost is worse than another: as distances from a seed, rad, or as margins."""
     return math.sqrt(value) - math.sqrt(lowest) if seeded else value - lowest
-
-
-@kernel
-def close_gently(P, q, R, p, respect, J, A):
-    """Damped steps from a posture to one that meets its pose: q, and the larger of its errors (m, rad).
-
-    Where more than one joint is singular some directions are as good as lost, and rounding alone would lead far along
-    them; the damping leaves them out, as long as the error has no part in them. What is `LEFT` is left where no step
-    makes it less.
-    """
-    blocked = 0
-    last = math.inf
-    for _ in range(CLOSING_STEPS):
-        linear, angular = pose_step(P, q, R, p, J)
-        error = max(norm(linear), norm(angular))
-        if error < 0.1 * CLOSED or STALLED * last < error < LEFT:
-            return q, error
-        last = error
-        shortest_step(J, linear, angular, blocked, max(GENTLE, 1e-2 * error * error), A)
-        q = moved(q, A, 1.0)
-        if respect:
-            for j in range(7):
-                if q[j] < P[LOWER + j] or q[j] > P[UPPER + j]:
-                    blocked |= 1 << j
-            q = clipped(P, q)
-    q, _ = close_free(P, q, R, p, respect, CLOSING_STEPS, J, A)
-    # Next to several singularities its last step may have led away.
-    position, orientation = pose_error(P, q, R, p)
-    return q, max(position, orientation)
-
-
-@kernel
-def closed_better(P, q, target, respect, J, A):
-    """A posture, or the one that closes to less of an error."""
-    position, orientation = pose_error(P, q, target.R, target.p)
-    closed, error = close_gently(P, q, target.R, target.p, respect, J, A)
-    return closed if error < max(position, orientation) else q
 
 
 @kernel

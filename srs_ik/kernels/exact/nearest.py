@@ -8,19 +8,9 @@ from __future__ import annotations
 
 import math
 
-from srs_ik.kernels.algebra.joint_vectors import dot7
-from srs_ik.kernels.algebra.vectors import along, dot, load3, norm, rotate, sub
-from srs_ik.kernels.chain.newton import (
-    CLOSED,
-    MAX_STEP,
-    arm_angle,
-    clipped,
-    close_free,
-    longest,
-    moved,
-    pose_step,
-    shortest_step,
-)
+from srs_ik.kernels.algebra.vectors import dot, load3, rotate
+from srs_ik.kernels.chain.descent import slid, slide
+from srs_ik.kernels.chain.newton import CLOSED, arm_angle, clipped, close_free
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.asked import Goal
 from srs_ik.kernels.layout.limb import (
@@ -30,28 +20,19 @@ from srs_ik.kernels.layout.limb import (
     ACROSS_3,
     FAR,
     IS_CLOSED,
-    LOWER,
     MISS,
     PHASE,
     SHOULDER,
     STRAIGHT,
-    UPPER,
     WRIST,
 )
 from srs_ik.kernels.limb.branches import NO_BRANCH, branch_of, is_unsure, side_posture
-from srs_ik.kernels.limb.goal import NO_SEED, OUTSIDE, cost, turned
+from srs_ik.kernels.limb.goal import OUTSIDE, cost, turned
 from srs_ik.kernels.limb.self_motion import rates
 from srs_ik.kernels.limb.triangle import elbow_side
 
 NEWTON_STEPS = 12
-
-SLIDE_STEPS = 30
-SLID = 1e-11
-"""Steps on the true chain, and the size of the last one, rad."""
-
-STRAIGHT_ON = 1e-3
-MOST_SHARE = 2.0
-"""Below this error of the pose (m, rad) the steps are corrected, and by this factor at most."""
+"""Steps of a local search, at most."""
 
 BETWEEN_LIMBS = 0.05
 NEARNESS = 10.0
@@ -159,74 +140,6 @@ def first_guess(P, place_, seed, respect):
             lowest = value
             minimum = converged
     return best_psi, best_q, best, lowest, minimum
-
-
-@kernel
-def read_step(A):
-    """Column 7 of A as a tuple."""
-    return (A[0, 7], A[1, 7], A[2, 7], A[3, 7], A[4, 7], A[5, 7], A[6, 7])
-
-
-@kernel
-def slide(P, target, q, goal, J, A):
-    """Gauss-Newton on the true chain to the posture nearest to a seed, from one close to it: q, converged.
-
-    Each step closes the pose to first order and goes towards the seed as far as the pose allows; a joint that would
-    leave its limits stays on the limit. How far to go is corrected by the last two steps (a secant): where the curve of
-    postures is bent as much as the seed is far, the plain steps would swing around the nearest posture.
-    """
-    R, p, _ = target
-    seed = goal.seed
-    blocked = 0
-    size = 1.0
-    share = 1.0
-    way = NO_SEED
-    square = 0.0
-    for _ in range(SLIDE_STEPS):
-        linear, angular = pose_step(P, q, R, p, J)
-        error = max(norm(linear), norm(angular))
-        if size < SLID and error < CLOSED:
-            return q, True
-        wish = (0.0, 0.0, 0.0)
-        turn_wish = (0.0, 0.0, 0.0)
-        for j in range(7):
-            d = 0.0 if (blocked >> j) & 1 else seed[j] - q[j]
-            wish = along(wish, d, (J[0, j], J[1, j], J[2, j]))
-            turn_wish = along(turn_wish, d, (J[3, j], J[4, j], J[5, j]))
-        shortest_step(J, sub(linear, wish), sub(angular, turn_wish), blocked, 0.0, A)
-        for j in range(7):
-            if not (blocked >> j) & 1:
-                A[j, 7] += seed[j] - q[j]
-        size = longest(A)
-        if size > MAX_STEP:
-            return q, False
-        step = read_step(A)
-        change = square - dot7(way, step)
-        share = min(share * square / change, MOST_SHARE) if error < STRAIGHT_ON and change > 0.0 else 1.0
-        way, square = step, dot7(step, step)
-        q = moved(q, A, share)
-        if goal.respect:
-            for j in range(7):
-                if q[j] < P[LOWER + j] or q[j] > P[UPPER + j]:
-                    blocked |= 1 << j
-                    square = 0.0
-            q = clipped(P, q)
-    return q, False
-
-
-@kernel
-def slid(P, target, q, goal, J, A):
-    """A posture, or the nearer one that it slides to on the true chain: q, cost, and whether that is a minimum."""
-    lowest = cost(P, q, True, goal.seed, goal.respect)
-    nearer, converged = slide(P, target, q, goal, J, A)
-    if not converged:
-        nearer, error = close_free(P, nearer, target.R, target.p, goal.respect, NEWTON_STEPS, J, A)
-        if error > CLOSED:
-            return q, lowest, False
-    value = cost(P, nearer, True, goal.seed, goal.respect)
-    if value < lowest:
-        return nearer, value, converged
-    return q, lowest, False
 
 
 @kernel

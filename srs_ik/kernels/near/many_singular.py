@@ -12,10 +12,10 @@ import math
 
 import numpy as np
 
-from srs_ik.kernels.algebra.joint_vectors import along7, dot7
+from srs_ik.kernels.algebra.joint_vectors import along7
 from srs_ik.kernels.algebra.pointers import keep, row
-from srs_ik.kernels.algebra.vectors import along
-from srs_ik.kernels.chain.newton import LEFT, clipped, moved, pose_step, shortest_step
+from srs_ik.kernels.chain.descent import QUICK, THOROUGH, descend, slid
+from srs_ik.kernels.chain.newton import LEFT, clipped, close_gently
 from srs_ik.kernels.chain.rank_five import ALONE, to_rank_five
 from srs_ik.kernels.curves.surface import (
     MOST_PARTS,
@@ -27,10 +27,8 @@ from srs_ik.kernels.curves.surface import (
     ways_of,
     width_for_curves,
 )
-from srs_ik.kernels.exact.free_splits import close_gently
-from srs_ik.kernels.exact.nearest import read_step, slid
 from srs_ik.kernels.jit import kernel
-from srs_ik.kernels.layout.limb import LOWER, SIZE, UPPER
+from srs_ik.kernels.layout.limb import SIZE
 from srs_ik.kernels.limb.branches import branch_of
 from srs_ik.kernels.limb.goal import cost, turned
 
@@ -45,80 +43,6 @@ AROUND = 0.3
 
 NEARLY = 1e-3
 """What comes so close to the nearest so far, as a part of the squared distance or in squared rad, is closed in on."""
-
-DESCENT_STEPS = 24
-HALVINGS = 10
-GAIN = 1e-5
-"""Steps along a curve, how often one is halved, and the part of the squared distance that it is to gain ..."""
-
-LAST_STEPS = 100
-LAST_GAIN = 1e-10
-"""... and the same from the nearest posture of all."""
-
-
-@kernel
-def toward_seed(P, q, target, goal, work):
-    """The way from a posture to the seed, as far as it leads along the curve inside the limits, in column 7 of A."""
-    J, A = work
-    seed = goal.seed
-    pose_step(P, q, target.R, target.p, J)
-    blocked = 0
-    for _ in range(7):
-        wish, turn_wish = (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)
-        for j in range(7):
-            d = 0.0 if (blocked >> j) & 1 else q[j] - seed[j]
-            wish = along(wish, d, (J[0, j], J[1, j], J[2, j]))
-            turn_wish = along(turn_wish, d, (J[3, j], J[4, j], J[5, j]))
-        shortest_step(J, wish, turn_wish, blocked, 0.0, A)
-        again = blocked
-        for j in range(7):
-            if (blocked >> j) & 1:
-                A[j, 7] = 0.0
-                continue
-            A[j, 7] += seed[j] - q[j]
-            if goal.respect:
-                out_low = q[j] <= P[LOWER + j] and A[j, 7] < 0.0
-                if out_low or (q[j] >= P[UPPER + j] and A[j, 7] > 0.0):
-                    again |= 1 << j
-        if again == blocked:
-            break
-        blocked = again
-    return read_step(A)
-
-
-@kernel
-def descend(P, q, target, goal, least, work):
-    """Steps along a curve from a posture on it to the one nearest to a seed around: q, cost.
-
-    `least` is the number of steps and the part of the squared distance that each is to gain.
-    """
-    J, A = work
-    steps, gain = least
-    lowest = cost(P, q, True, goal.seed, goal.respect)
-    size = 1.0
-    for _ in range(steps):
-        way = toward_seed(P, q, target, goal, work)
-        long = dot7(way, way)
-        gained = 0.0
-        for _ in range(HALVINGS):
-            if size * long < gain * lowest:
-                break
-            for j in range(7):
-                A[j, 7] = way[j]
-            there = moved(q, A, size)
-            if goal.respect:
-                there = clipped(P, there)
-            there, error = close_gently(P, there, target.R, target.p, goal.respect, J, A)
-            value = cost(P, there, True, goal.seed, goal.respect)
-            if error < LEFT and value < (1.0 - gain) * lowest:
-                gained = lowest - value
-                q, lowest = there, value
-                break
-            size *= 0.5
-        if gained == 0.0:
-            break
-        size = min(2.0 * size, 1.0)
-    return q, lowest
 
 
 @kernel
@@ -136,7 +60,7 @@ def try_from(P, q, target, goal, best, work):
     q = turned(P, q, True, goal.seed, goal.respect)
     if math.sqrt(cost(P, q, True, goal.seed, False)) > math.sqrt(best[2]) + AROUND:
         return best
-    q, value = descend(P, q, target, goal, (DESCENT_STEPS, GAIN), work)
+    q, value = descend(P, q, target, goal, QUICK, LEFT, work)
     if value < best[2] * (1.0 + NEARLY) + NEARLY:
         q, value, _ = slid(P, target, q, goal, J, A)
     return (q, branch_of(P, q), value) if value < best[2] else best
@@ -144,12 +68,14 @@ def try_from(P, q, target, goal, best, work):
 
 @kernel
 def try_rank_five(P, target, goal, best, work):
-    """The better of the best posture so far and those at or next to the posture of rank five that is next to a seed."""
-    met, q, past, ways, bends = to_rank_five(P, goal.seed, target, work[0], work[1])
+    """The better of the best posture so far and those at or next to the posture of rank five that is next to a seed.
+
+    Gentle steps from the seed end short of it, but where Newton's method knows it from others.
+    """
+    q, _ = close_gently(P, goal.seed, target.R, target.p, False, work[0], work[1])
+    met, q, past, ways, bends = to_rank_five(P, q, target, work[0], work[1])
     if met and abs(past) < ALONE:
-        q = turned(P, q, True, goal.seed, goal.respect)
-        value = cost(P, q, True, goal.seed, goal.respect)
-        return (q, branch_of(P, q), value) if value < best[2] else best
+        return try_from(P, q, target, goal, best, work)
     for i in range(4 if met else 0):
         way, square = ways[i // 2], -2.0 * past / bends[i // 2]
         if 0.0 < square < AROUND * AROUND:
@@ -180,6 +106,6 @@ def nearest_among_splits(P, target, goal, known):
     keep(boxes)
     keep(parts)
     if best[2] < known[2]:
-        q, value = descend(P, best[0], target, goal, (LAST_STEPS, LAST_GAIN), work)
+        q, value = descend(P, best[0], target, goal, THOROUGH, LEFT, work)
         best = (q, branch_of(P, q), value)
     return best

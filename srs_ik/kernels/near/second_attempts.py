@@ -17,13 +17,13 @@ from srs_ik.kernels.chain.newton import (
     clipped,
     close_at_angle,
     close_free,
+    close_gently,
     elbow_position,
     pose_step,
 )
 from srs_ik.kernels.curves.follow import correct
 from srs_ik.kernels.curves.lowest import cost_of_turn
 from srs_ik.kernels.curves.surface import is_flat, level_place, put_starts
-from srs_ik.kernels.exact.free_splits import close_gently
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.asked import Best, Setting
 from srs_ik.kernels.layout.limb import (

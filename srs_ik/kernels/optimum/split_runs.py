@@ -13,10 +13,9 @@ import numpy as np
 
 from srs_ik.kernels.algebra.pointers import keep, row
 from srs_ik.kernels.algebra.vectors import dot, load3, rotate
-from srs_ik.kernels.chain.newton import CLOSED
+from srs_ik.kernels.chain.newton import CLOSED, close_gently
 from srs_ik.kernels.curves.follow import put
 from srs_ik.kernels.curves.runs import cut
-from srs_ik.kernels.exact.free_splits import close_gently
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.asked import Samples, Setting
 from srs_ik.kernels.layout.limb import (

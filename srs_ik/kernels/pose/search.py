@@ -7,6 +7,7 @@ import math
 import numpy as np
 
 from srs_ik.kernels.algebra.pointers import keep, row
+from srs_ik.kernels.chain.descent import THOROUGH, descend, slid
 from srs_ik.kernels.chain.kinematics import pose_error
 from srs_ik.kernels.chain.newton import CLOSED, arm_angle, close_free
 from srs_ik.kernels.curves.best import search_followed
@@ -23,7 +24,6 @@ from srs_ik.kernels.exact.nearest import (
     look_across,
     look_beside,
     settle_near,
-    slid,
 )
 from srs_ik.kernels.exact.nearest_within import nearest_within, way_between
 from srs_ik.kernels.jit import kernel
@@ -167,6 +167,20 @@ def intervals_within(family, target, guessed, known, goal, found):
 
 
 @kernel
+def going_on(P, target, wanted, goal, found, J, A):
+    """What a search has found, or what is nearer to a seed around it (in one branch, if it is wanted): q, branch, cost.
+
+    Rounding decides where a curve leaves the limits, and turns around at an elbow as good as straight: searches end
+    short of there, steps that each gain something do not.
+    """
+    if not goal.seeded or found[2] >= OUTSIDE:
+        return found
+    q, value = descend(P, found[0], target, goal, THOROUGH, CLOSED, (J, A))
+    own = branch_of(P, q)
+    return (q, own, value) if wanted in (-1, own) else found
+
+
+@kernel
 def search_near_seed_true(family, target, guessed, known, goal, J, A):
     """The posture of a near limb nearest to a seed, or the best one so far: q, branch, cost.
 
@@ -189,13 +203,16 @@ def search_near_seed_true(family, target, guessed, known, goal, J, A):
     if n == 0:
         told = told and not may_be_in_line(P, target.place, goal.seed, math.sqrt(known[2]))
         if told:
-            return known
+            return known if guessed[4] else going_on(P, target, -1, goal, known, J, A)
     if P[MISS] < HARDLY * P[FAR]:
-        return search_hardly_near(P, target, found[:n], known, goal, J, A)
+        known = search_hardly_near(P, target, found[:n], known, goal, J, A)
+        return going_on(P, target, -1, goal, known, J, A)
     if told:
         known, sure = look_beside(P, target, found[:n], known, goal, J, A)
-    nearer = known if sure else search_followed(P, target, -1, goal, goal.respect, J, A)
-    return nearer if nearer[2] < known[2] else known
+    if sure:
+        return known
+    nearer = search_followed(P, target, -1, goal, goal.respect, J, A)
+    return going_on(P, target, -1, goal, nearer if nearer[2] < known[2] else known, J, A)
 
 
 @kernel

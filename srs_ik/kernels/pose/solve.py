@@ -37,7 +37,7 @@ from srs_ik.kernels.near.at_angle import may_reach, solve_all_at_angle, solve_at
 from srs_ik.kernels.near.predicted_best import search_true
 from srs_ik.kernels.pose.any_bend import at_any_bend, best_at_any_bend, hides_some
 from srs_ik.kernels.pose.on_limits import BARELY, put_on_limits
-from srs_ik.kernels.pose.search import search_exact, search_near_seed
+from srs_ik.kernels.pose.search import going_on, search_exact, search_near_seed
 
 LOOKS = 16
 """Arm angles from which a near limb is bent towards a pose out of reach, each in another branch than the one before."""
@@ -95,7 +95,7 @@ def best_posture(family, target, branch, goal, J, A):
     if found[2] < OUTSIDE:
         return found
     if P[IS_NEAR] != 0.0 and may_reach(P, target.place):
-        return search_true(P, target, branch, goal, J, A)
+        return going_on(P, target, branch, goal, search_true(P, target, branch, goal, J, A), J, A)
     return search_exact(family, target, branch, goal)
 
 
