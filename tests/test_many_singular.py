@@ -86,6 +86,12 @@ NEXT_TO_A_LIMIT = (
 """The same where rounding decides at which postures the elbow's turn leaves the limits; there, about 2e-5 rad of a turn
 are left."""
 
+SHORT_STRETCH = (
+    (-3.594031126, -0.752451305, -3.4692, 3.155265985, 0.120646726, 0.20893254, 0.968746602),
+    (-0.958259371, -1.538617541, -3.413798827, 2.211201141, -0.862576396, 3.33861573, 0.875111793),
+)
+"""A posture and a seed: joints 1 and 3 are in these turns on a short stretch of the curve alone."""
+
 STRIDE = 1e-3
 AS_WELL = 2e-13
 """A step beside an answer, rad, and the error (m, rad) with which it is no worse a posture."""
@@ -184,6 +190,14 @@ def test_an_elbow_turns_until_a_joint_is_on_its_limit(judges):
     other, error = beside(arm, solution.q, pose, seed, 1e-5)
     assert error < AS_WELL
     assert not inside(other, arm.lower, arm.upper)
+
+
+def test_turns_that_joints_have_on_a_short_stretch_alone_are_found(judges):
+    made = judges["subjects"]["random_arms"](np.random.default_rng([9110000, len("random_near")]), 2e-4, 0.0)
+    arm, (q, seed) = next(islice(made, 43, None)), np.array(SHORT_STRETCH)
+    assert inside(q, arm.lower, arm.upper)
+    solution = arm.solve(arm.forward_kinematics(q), seed=seed)
+    assert np.linalg.norm(solution.q - seed) < np.linalg.norm(q - seed) + 1e-9
 
 
 ROUND = [

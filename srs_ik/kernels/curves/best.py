@@ -5,20 +5,48 @@ A run is a feasible piece of a curve (`survey`); a span is a part of a run on wh
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 
+from srs_ik.kernels.algebra.joint_vectors import short_way, with_joint
 from srs_ik.kernels.chain.descent import slid
 from srs_ik.kernels.chain.newton import closed_better
+from srs_ik.kernels.curves.follow import meet
 from srs_ik.kernels.curves.in_step import load_sample
 from srs_ik.kernels.curves.lowest import close_in_on, cost_at, cost_of_turn, hope, rate_of_cost
 from srs_ik.kernels.curves.runs import near_runs, samples_of
 from srs_ik.kernels.curves.spans import MAX_SPANS, SPAN, find_spans
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.asked import Best, Setting
+from srs_ik.kernels.layout.limb import LOWER, RANGE_KIND, UPPER
 from srs_ik.kernels.layout.search import MAX_RUNS, RUN
 from srs_ik.kernels.limb.branches import NO_BRANCH, branch_of
 from srs_ik.kernels.limb.goal import OUTSIDE
 from srs_ik.kernels.limb.triangle import elbow_side
+
+
+@kernel
+def best_at_bounds(P, by, ends, goal, best):
+    """The better of the best posture so far and those between two samples where another turn of a joint begins or ends.
+
+    A joint of more than a turn passes a limit there a turn away, and the distance from a seed jumps: where two such
+    passes are close together, no sample may be between them.
+    """
+    a, b = ends
+    for k in range(14):
+        j = k % 7
+        bound = P[(LOWER if k < 7 else UPPER) + j]
+        if P[RANGE_KIND + j] != 0.0 or not abs(bound) < math.inf:
+            continue
+        way, ahead = short_way(b[j] - a[j]), short_way(bound - a[j])
+        if ahead * way > 0.0 and abs(ahead) < abs(way):
+            q, _, met = meet(P, by, (a, b), a, j, a[j] + ahead)
+            if met:
+                q, value = cost_of_turn(P, with_joint(q, j, bound), goal)
+                if value < best.cost:
+                    best = Best(q, value)
+    return best
 
 
 @kernel
@@ -36,10 +64,13 @@ def best_on(P, by, curve, ends, goal, best):
         while i < last - 1 and rows[i, 0] <= x:
             i += 1
         b = min(rows[i, 0], upper) if rows[i, 0] > x else upper
+        before = q
         if b < upper:
             q, fb = cost_of_turn(P, load_sample(rows[i]), goal)
         else:
             q, fb = cost_at(P, by, curve, b, goal)
+        if goal.seeded and goal.respect and max(fx, fb) < OUTSIDE:
+            best = best_at_bounds(P, by, (before, q), goal, best)
         if fb < best.cost:
             best = Best(q, fb)
         if fx <= fa and fx <= fb and hope(fx, max(x - a, b - x), goal.seeded, rate) < best.cost:
