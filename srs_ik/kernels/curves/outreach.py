@@ -41,8 +41,8 @@ NARROWEST = 1e-9
 
 LEAST_BEND = 5e-5
 ROOM = 1e-2
-"""Where the best bend leaves less room than this, rad, to both sides, Newton's method closes no posture for certain: the
-greatest reach tells then by itself what there is around it (`rank_five`). With the second one, it does without the
+"""Where the best bend leaves less room than this, rad, to both sides, Newton's method closes no posture for certain:
+the greatest reach tells then by itself what there is around it (`rank_five`). With the second one, it does without the
 very greatest reach."""
 
 HIGHEST = 2.0
@@ -151,7 +151,7 @@ def put_outermost(P, by, which, starts, n):
 
 @kernel
 def put_pair(P, by, before, behind, curvature, starts, n):
-    """Append both bends of the greatest reach between two turns, if it is past the pose; if it just is, or just not, it.
+    """Append both bends of the greatest reach between two turns, if it is past the pose; if only just, itself.
 
     The first is given by its best posture, rise and way with the turn, the second by joint 3 and its rise.
     """
