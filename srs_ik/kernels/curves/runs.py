@@ -45,6 +45,7 @@ SHALLOW = 0.5
 SAME = 1e-9
 """Of samples closer than this, one is left: nothing can be told of what is beside it from the other."""
 
+
 SPARE_ROWS = 1024
 CURVE_ROWS = 8192
 """Room for samples: beside those of each interval of an exact limb, and for all curves of a near limb."""

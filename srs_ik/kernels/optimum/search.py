@@ -242,7 +242,7 @@ def span_end(P, by, rows, run, known, end, wanted):
 
 @kernel
 def put_span(P, by, sampled, start, wanted, line, out, used):
-    """Sample the postures around one of a run for which an objective stays below its cap, unless that has been done.
+    """Sample the postures around one of a run as far as an objective stays below its cap, unless that has been done.
 
     `sampled` holds samples and runs; `start` is the run, the parameter and the value. `out` takes the samples, the
     parts of runs, and the run that each is a part of; how many samples and parts are in use is given and returned.
@@ -251,7 +251,7 @@ def put_span(P, by, sampled, start, wanted, line, out, used):
     index, x, value = start
     samples, spans, origin = out
     n, k = used
-    if value > wanted.cap or k >= spans.shape[0]:
+    if k >= spans.shape[0]:
         return used
     for j in range(k):
         if origin[j] == index and spans[j, 1] <= x <= spans[j, 2]:
@@ -283,8 +283,11 @@ def survey_best(P, by, sampled, known, wanted, line, out):
     brackets, values, count = known
     used = (0, 0)
     for i in range(brackets.shape[0]):
-        used = put_span(P, by, sampled, (int(brackets[i, 1]), brackets[i, 3], brackets[i, 0]), wanted, line, out, used)
+        if brackets[i, 0] <= wanted.cap:
+            start = (int(brackets[i, 1]), brackets[i, 3], brackets[i, 0])
+            used = put_span(P, by, sampled, start, wanted, line, out, used)
     for index in range(count):
         for i in range(int(runs[index, 3]), int(runs[index, 4])):
-            used = put_span(P, by, sampled, (index, rows[i, 0], values[i]), wanted, line, out, used)
+            if values[i] <= wanted.cap:
+                used = put_span(P, by, sampled, (index, rows[i, 0], values[i]), wanted, line, out, used)
     return used
