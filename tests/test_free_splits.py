@@ -207,6 +207,26 @@ def test_no_split_is_better_by_an_objective(joint):
                 assert optimum.value <= min(values) + give * max(1.0, abs(min(values)))
 
 
+@pytest.mark.parametrize("name", ["iiwa14", "human_arm", "openarm_left"])
+def test_splits_are_searched_to_their_ends_while_another_joint_stands_on_its_limit(name):
+    arm, forward, rng = arms.load(name), arms.forward(name), arms.generator(name, 70)
+    for joint in (1, 5):
+        for _ in range(25):
+            case = singular(arm, rng, ((joint,),))
+            if case is None:
+                continue
+            q = case[0]
+            still = rng.choice([j for j in range(7) if abs(j - joint) > 1])
+            q[still] = rng.choice([arm.lower[still], arm.upper[still]])
+            pose = forward(q)
+            twist = rng.normal(size=6)
+            splits = np.vstack([q, other_splits(arm, q, joint)])
+            values = [np.sum((twist / np.linalg.norm(twist) @ arm.jacobian(s)) ** 2) for s in splits]
+            optimum = arm.optimise(pose, "twist", twist=twist)
+            assert max(distance(pose, forward(optimum.q))) < 1e-11
+            assert optimum.value >= max(values) * (1.0 - 1e-9)
+
+
 def test_no_pair_of_splits_is_better_by_an_objective():
     """Shoulder and wrist singular at once leave a surface of postures."""
     arm, forward, rng = arms.load("iiwa14"), arms.forward("iiwa14"), arms.generator("iiwa14", 67)

@@ -3,14 +3,19 @@
 from itertools import pairwise
 
 import arms
+import chains
 import numpy as np
+import pinocchio as pin
 import pytest
 from hypothesis import given, settings
 from objective_parameters import NAMES, PARAMETERS
-from oracles import distance, inside, limbs
+from oracles import distance, inside, limbs, random_limb
+from scipy.optimize import minimize_scalar
 
 import srs_ik
 from srs_ik import Interval, InvalidPose, InvalidTask, Objective, Optimum, Solution, Status
+from srs_ik.kernels.entries import optimum as entries
+from srs_ik.kernels.layout import search as at
 
 JACOBIAN = ("force_velocity_ratio", "twist", "wrench", "manipulability")
 COUNT = 720
@@ -129,6 +134,75 @@ def test_lexicographic_tolerance_trades_the_first_value_for_the_second():
             assert all(b >= a - 1e-9 * abs(a) for a, b in pairwise(seconds))
             for optimum in found:
                 assert sign * optimum.value <= sign * best + (optimum.objective.tolerance + 1e-9) * abs(best)
+
+
+RISING = (
+    chains.Line((-0.6401, 0.49095, -0.59097), (-380.32, 261.88, 52.22), chains.CONTINUOUS),
+    chains.Line((0.71959, 0.11361, -0.68504), (-380.32, 261.88, 52.22), (-2.577, 1.8661)),
+    chains.Line((-0.26918, -0.86375, -0.426), (-380.32, 261.88, 52.22), (-2.3202, 2.8082)),
+    chains.Line((-0.07219, 0.35189, -0.93325), (-649.48, 427.16, 67.07), (-1.4119, 2.0711)),
+    chains.Line((-0.83107, 0.06655, -0.55217), (-429.72, 542.95, 162.02), chains.CONTINUOUS),
+    chains.Line((-0.14279, -0.98507, 0.09619), (-429.72, 542.95, 162.02), (-2.469, 1.6776)),
+    chains.Line((-0.53752, 0.15878, 0.82816), (-429.72, 542.95, 162.02), chains.CONTINUOUS),
+)
+"""A limb with a pose whose best postures by a first objective lie in two stretches, parted by a low rise."""
+
+
+@pytest.mark.parametrize("tolerance", [0.0102, 0.0106, 0.011, 0.0116])
+def test_the_second_objective_is_looked_for_in_every_stretch_that_the_first_leaves(tolerance):
+    tip = pin.SE3(np.eye(3), np.array([-0.43722, 0.70572, 0.40594]))
+    arm = srs_ik.load(f'<robot name="rising">{chains.arm(RISING, tip)}</robot>', tip="tool")
+    pose = arm.forward_kinematics([0.38259, -1.59427, 1.57307, 1.18024, -0.27816, 0.84577, 0.07415])
+    parameters = {"force": [-0.6477, 1.5199, 1.0315], "velocity": [0.3191, -0.5022, 0.8599]}
+    optimum = arm.optimise(pose, "force_then_velocity", **parameters, tolerance=tolerance)
+    values = swept_values(arm, optimum.objective, sweep(arm, pose))
+    kept = values[:, 0] <= (1.0 + tolerance) * values[:, 0].min()
+    assert values[kept, 1].max() > 1.1 * values[values[:, 0] <= 1.001 * values[:, 0].min(), 1].max()
+    assert_as_good_as(arm, optimum, values)
+
+
+def test_a_dip_beside_samples_that_lie_close_is_bracketed():
+    """Next to a singularity values may go on falling over a hair's breadth, and hide that they have risen before."""
+    width = 1e-8
+
+    def value(x):
+        return 0.52 * (x + 0.0095) ** 2 + 1e-9 * (0.5 * np.pi - np.arctan(x / width))
+
+    close = width * np.tan(np.arange(-4, 5) * np.pi / 10.0)
+    for sign in (1.0, -1.0):
+        x = np.sort(sign * np.concatenate([np.linspace(-0.6, -0.1, 5), close, np.linspace(0.03, 0.6, 5)]))
+        rows = np.zeros((len(x), entries.SAMPLE))
+        rows[:, 0] = x
+        runs, found = np.empty((at.MOST_RUNS, at.RUN)), np.empty((at.MAX_BRACKETS, at.BRACKET))
+        runs[0] = 0.0, x[0], x[-1], 0.0, len(x)
+        count = entries.brackets(rows, value(sign * x), runs, 1, found)
+        best = minimize_scalar(value, bounds=(-0.1, -1e-5), method="bounded", options={"xatol": 1e-10})
+        assert best.fun < value(x).min()
+        wide = [b for b in found[:count] if b[2] < sign * best.x < b[4]]
+        assert wide
+        assert all(b[7] <= best.fun for b in wide)
+
+
+@pytest.mark.parametrize(("seed", "which"), [(34, 7), (121, 5), (245, 2), (372, 7), (385, 3)])
+def test_a_near_limb_has_the_margin_that_solve_finds(seed, which):
+    style = ("usual", "narrow")[seed // 2 % 2]
+    limb = random_limb(seed, "tilted", ("straight", "offset")[seed % 2], style, miss=1e-3)
+    arm = srs_ik.load(limb.model, base="base", tip="tool")
+    rng = np.random.default_rng(seed)
+    for _ in range(which + 1):
+        known = rng.uniform(arm.lower, arm.upper)
+        joint = rng.integers(7)
+        known[joint] = (arm.lower, arm.upper)[rng.integers(2)][joint]
+    pose = arm.forward_kinematics(known)
+    optimum = arm.optimise(pose, "limit_margin")
+    Q = np.vstack([sweep(arm, pose), arm.solve(pose).q, known])
+    half = 0.5 * (arm.upper - arm.lower)
+    margins = np.min(1.0 - np.abs(Q - 0.5 * (arm.lower + arm.upper)) / half, axis=1)
+    assert arm.limb.kind == "near"
+    assert optimum.value >= margins.max() - 1e-12
+    # Not by that posture alone: runs of two ends on limits are searched too.
+    own = arm.optimise(pose, lambda q: float(np.min(np.minimum(q - arm.lower, arm.upper - q) / half)), maximise=True)
+    assert own.value >= margins.max() - 1e-7
 
 
 def test_a_function_is_optimised_like_the_built_in_objective_of_the_same_formula():

@@ -85,13 +85,17 @@ def optimise(
     respect_limits = bool(respect_limits)
     if objective.kind is None:
         return _by_function(arm, chain, T, objective, respect_limits)
-    if objective.kind in (kinds.LIMIT_MARGIN, kinds.REFERENCE) and arm.closed:
-        # What `solve` is made for, on an exact limb.
-        seed = objective.parameters.get("reference")
-        return _judged(
-            arm, chain, solve(arm, T, seed=seed, respect_limits=respect_limits), T, objective, respect_limits
-        )
-    return _by_kernel(arm, chain, T, objective, respect_limits)
+    if objective.kind not in (kinds.LIMIT_MARGIN, kinds.REFERENCE):
+        return _by_kernel(arm, chain, T, objective, respect_limits)
+    # What `solve` is made for: alone on an exact limb. On a near one each may find what the other does not.
+    seed = objective.parameters.get("reference")
+    solution = solve(arm, T, seed=seed, respect_limits=respect_limits)
+    if solution and not arm.closed:
+        optimum = _by_kernel(arm, chain, T, objective, respect_limits)
+        sign = -1.0 if objective.maximise else 1.0
+        if optimum and sign * optimum.value <= sign * objective.values(chain, solution.q)[0]:
+            return optimum
+    return _judged(arm, chain, solution, T, objective, respect_limits)
 
 
 def _judged(

@@ -12,7 +12,7 @@ from srs_ik.kernels.algebra.joint_vectors import along7, difference, short_way
 from srs_ik.kernels.algebra.lanes import scatter, where, whole_number
 from srs_ik.kernels.algebra.minimum import GOLDEN
 from srs_ik.kernels.algebra.pointers import row
-from srs_ik.kernels.algebra.roots import has_settled, next_parameter, start_crossing, tell_figure
+from srs_ik.kernels.algebra.roots import SETTLED, has_settled, next_parameter, start_crossing, tell_figure
 from srs_ik.kernels.chain.eight import take_ways
 from srs_ik.kernels.chain.newton_eight import larger
 from srs_ik.kernels.curves.follow import between, meet
@@ -167,12 +167,16 @@ def edge(P, by, branch, curve, inside, outside):
         found, met = edge_on_limit(P, by, curve, x, y)
         if met:
             return found
-    crossing = start_crossing(x, fx, y, fy)
+    # Behind a joint that stands on its limit all along, figures hide how far another is from its own.
+    hidden = fx > -SETTLED
+    crossing = start_crossing(x, -1.0, y, 1.0) if hidden else start_crossing(x, fx, y, fy)
     for _ in range(EDGE_STEPS):
         if has_settled(crossing):
             break
         m = next_parameter(crossing)
         _, f = on_curve(P, by, branch, curve, m)
+        if hidden:
+            f = 1.0 if f > 0.0 else -1.0
         crossing = tell_figure(crossing, m, f)
     q, _ = on_curve(P, by, branch, curve, crossing[0])
     return crossing[0], q

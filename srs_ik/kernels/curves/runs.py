@@ -42,6 +42,10 @@ SHALLOW = 0.5
 """A sample this far outside the limits, rad, may have feasible postures beside it."""
 
 
+SAME = 1e-9
+"""Of samples closer than this, one is left: nothing can be told of what is beside it from the other."""
+
+
 SPARE_ROWS = 1024
 CURVE_ROWS = 8192
 """Room for samples: beside those of each interval of an exact limb, and for all curves of a near limb."""
@@ -70,9 +74,11 @@ def put_run(P, respect, branch, curve, ends, out, used):
     # The ends are on a limit up to rounding: on it, so that they count as inside.
     q = turned(P, q_lower, False, NO_SEED, respect)
     n = put(out.rows, n, lower, clipped(P, q) if respect else q)
+    x = lower
     for i in range(first, last):
-        if lower < line[i, 0] < upper:
-            n = put(out.rows, n, line[i, 0], turned(P, load_sample(line[i]), False, NO_SEED, respect))
+        if x + SAME < line[i, 0] < upper - SAME:
+            x = line[i, 0]
+            n = put(out.rows, n, x, turned(P, load_sample(line[i]), False, NO_SEED, respect))
     if upper > lower:
         q = turned(P, q_upper, False, NO_SEED, respect)
         n = put(out.rows, n, upper, clipped(P, q) if respect else q)

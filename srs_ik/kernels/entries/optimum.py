@@ -145,11 +145,12 @@ def optimise(family, T, kind, second, tolerance, resolution, params, respect, so
     if second >= 0:
         lowest = brackets[best, 0]
         cap = lowest + (tolerance + ROUNDING) * abs(lowest)
-        spans = np.empty((MAX_BRACKETS, RUN))
-        origin = np.empty(MAX_BRACKETS, np.int64)
-        near = np.empty((4 * n + SPARE_ROWS, SAMPLE))
+        spans = np.empty((k + MAX_BRACKETS, RUN))
+        origin = np.empty(k + MAX_BRACKETS, np.int64)
+        near = np.empty((4 * n + 4 * k + SPARE_ROWS, SAMPLE))
         under = Objective(kind, params, -1, cap)
-        n, k = survey_best(P, by, Runs(rows, runs), brackets[:count], under, line, (near, spans, origin))
+        known = (brackets[:count], values, k)
+        n, k = survey_best(P, by, Runs(rows, runs), known, under, line, (near, spans, origin))
         values = np.empty(n)
         other = Objective(second, params, kind, cap)
         value_rows(P, other, near, n, values, by.J)

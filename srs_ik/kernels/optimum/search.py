@@ -61,6 +61,22 @@ def promise(rows, values, first, last, i):
 
 
 @kernel
+def dips_beside(rows, values, first, last, i, way):
+    """Whether values fall and rise again between sample i of a run and the next one before (way -1) or behind it (1).
+
+    A parabola through the next two tells. Sample i need not show it: beside a singularity samples lie close, and there
+    values may fall a little further for another reason.
+    """
+    j, k = i + way, i + 2 * way
+    if k < first or k >= last or values[j] < values[i] or max(values[j], values[k]) >= REFUSED:
+        return False
+    width = abs(rows[j, 0] - rows[i, 0])
+    slope = (values[j] - values[i]) / width
+    next_slope = (values[k] - values[j]) / abs(rows[k, 0] - rows[j, 0])
+    return (next_slope - slope) * width > slope * abs(rows[k, 0] - rows[i, 0])
+
+
+@kernel
 def find_brackets(rows, values, runs, k, out):
     """Write a bracket for every local minimum of the samples' values, lowest first, into rows of out; their number.
 
@@ -75,7 +91,12 @@ def find_brackets(rows, values, runs, k, out):
             before = max(i - 1, first)
             behind = min(i + 1, last - 1)
             if value > values[before] or value > values[behind]:
-                continue
+                if dips_beside(rows, values, first, last, i, -1):
+                    behind = i
+                elif dips_beside(rows, values, first, last, i, 1):
+                    before = i
+                else:
+                    continue
             if count == out.shape[0] and value >= out[count - 1, 0]:
                 continue
             place = min(count, out.shape[0] - 1)
@@ -220,40 +241,53 @@ def span_end(P, by, rows, run, known, end, wanted):
 
 
 @kernel
-def survey_best(P, by, sampled, brackets, wanted, line, out):
-    """Sample the postures around the minima in brackets for which an objective stays below its cap.
+def put_span(P, by, sampled, start, wanted, line, out, used):
+    """Sample the postures around one of a run as far as an objective stays below its cap, unless that has been done.
 
-    `sampled` holds samples and runs; `out` takes the samples, the parts of runs, and the run that each is a part of.
-    Returns the number of samples and of parts.
+    `sampled` holds samples and runs; `start` is the run, the parameter and the value. `out` takes the samples, the
+    parts of runs, and the run that each is a part of; how many samples and parts are in use is given and returned.
     """
     rows, runs = sampled
+    index, x, value = start
     samples, spans, origin = out
-    n = 0
-    k = 0
+    n, k = used
+    if k >= spans.shape[0]:
+        return used
+    for j in range(k):
+        if origin[j] == index and spans[j, 1] <= x <= spans[j, 2]:
+            return used
+    run = runs[index]
+    by = on_side(P, by, int(run[0]))
+    a = span_end(P, by, rows, run, (x, value), run[1], wanted)
+    b = span_end(P, by, rows, run, (x, value), run[2], wanted)
+    count = sample_again(P, by, rows, run, (a, b), line)
+    spans[k, 0] = run[0]
+    spans[k, 1] = a
+    spans[k, 2] = b
+    spans[k, 3] = n
+    for j in range(count):
+        n = put(samples, n, line[j, 0], load_sample(line[j]))
+    spans[k, 4] = n
+    origin[k] = index
+    return n, (k + 1 if n > spans[k, 3] else k)
+
+
+@kernel
+def survey_best(P, by, sampled, known, wanted, line, out):
+    """Sample all postures for which an objective stays below its cap: the number of samples and of parts of runs.
+
+    They lie around minima and around samples, for two stretches may be parted by a rise that no sample shows. `known`
+    holds the brackets of the minima, the values of the samples and the number of runs; the rest is as for `put_span`.
+    """
+    rows, runs = sampled
+    brackets, values, count = known
+    used = (0, 0)
     for i in range(brackets.shape[0]):
-        if brackets[i, 0] > wanted.cap or k >= spans.shape[0]:
-            continue
-        index = int(brackets[i, 1])
-        run = runs[index]
-        x = brackets[i, 3]
-        known = False
-        for j in range(k):
-            if origin[j] == index and spans[j, 1] <= x <= spans[j, 2]:
-                known = True
-        if known:
-            continue
-        by = on_side(P, by, int(run[0]))
-        a = span_end(P, by, rows, run, (x, brackets[i, 0]), run[1], wanted)
-        b = span_end(P, by, rows, run, (x, brackets[i, 0]), run[2], wanted)
-        count_line = sample_again(P, by, rows, run, (a, b), line)
-        spans[k, 0] = run[0]
-        spans[k, 1] = a
-        spans[k, 2] = b
-        spans[k, 3] = n
-        for j in range(count_line):
-            n = put(samples, n, line[j, 0], load_sample(line[j]))
-        spans[k, 4] = n
-        if n > spans[k, 3]:
-            origin[k] = index
-            k += 1
-    return n, k
+        if brackets[i, 0] <= wanted.cap:
+            start = (int(brackets[i, 1]), brackets[i, 3], brackets[i, 0])
+            used = put_span(P, by, sampled, start, wanted, line, out, used)
+    for index in range(count):
+        for i in range(int(runs[index, 3]), int(runs[index, 4])):
+            if values[i] <= wanted.cap:
+                used = put_span(P, by, sampled, (index, rows[i, 0], values[i]), wanted, line, out, used)
+    return used
