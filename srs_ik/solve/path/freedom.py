@@ -3,7 +3,7 @@
 Frames of the poses are turned along with the path as little as can be, so that a turn that stays is as good on samples
 as it is. At some poses, the strips of all sampled turns are those of one pose, and the best way through them is found
 as for whole poses, on the nearest exact limb. It begins paths on the true chain, which Newton's method moves to the
-best ones near them, all postures at once.
+best ones near them, all postures at once. What breaks so is looked for once more among postures all over what is free.
 """
 
 from __future__ import annotations

@@ -85,9 +85,9 @@ class PathSolution(BatchSolution):
 
     @cached_property
     def velocity_use(self) -> Array | None:
-        """(N - 1,) what part of its velocity limit a joint takes in each step at most, breaks included; None without dt.
+        """(N - 1,) what part of its velocity limit a joint takes in each step at most; None without dt.
 
-        Above 1 a limit is passed, since no path was found that keeps it.
+        Above 1 a limit is passed, as in breaks, or since no path was found that keeps it.
         """
         problem = self._problem
         if problem is None or not problem.limited:
