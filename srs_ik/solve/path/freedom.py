@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from srs_ik.inputs.freedom import FreeAxis
+from srs_ik.kernels.layout.answer import ROW_STATUS
 from srs_ik.kernels.layout.limb import FAR, LIMITED
 from srs_ik.kernels.layout.path import BY_CONTINUITY, INVERSE_PERIOD, PERIOD
 from srs_ik.solve.freedom import met_batch, solve, solve_batch
@@ -25,6 +26,7 @@ from srs_ik.solve.path.breaks import breaks_of
 from srs_ik.solve.path.frontier import wandered
 from srs_ik.solve.path.problem import JUST_ABOVE, Problem, objective_of, steps_of
 from srs_ik.solve.path.relaxed import relaxed
+from srs_ik.solve.solution import Status
 from srs_ik.solve.threads import tell
 
 if TYPE_CHECKING:
@@ -84,11 +86,15 @@ def solve_free_path(problem: Problem, free: FreeAxis, find: Callable[[Array], Pa
     best = best_of(problem, free, first, ways, moved)
     if best and keeps_limits(problem, best.q):
         return best
-    q, met = wandered_way(problem, free, best)
-    if met.any():
+    # What is not reached is not for good, unless no posture of its own meets it.
+    rows = best._rows.copy()
+    rows[~best.ok] = solve_batch(arm, T[~best.ok], free, best.q[~best.ok], True, 1)._rows
+    can_be = rows[:, ROW_STATUS] == Status.OK
+    if can_be.any():
+        q, met = wandered_way(problem, free, rows[:, :7], can_be)
         ways = [best, find(eased(problem, free, q, met))]
         best = best_of(problem, free, first, ways, [q] if met.all() else [])
-    return with_breaks(problem, free, best)
+    return best or with_breaks(problem, free, best, rows)
 
 
 def eased(problem: Problem, free: FreeAxis, q: Array, met: NDArray[np.bool_]) -> Array:
@@ -143,28 +149,36 @@ def best_of(
     return type(best)(found._rows, arm.joint_names, np.diff(found.q, axis=0), [], arm.elbow)
 
 
-def wandered_way(problem: Problem, free: FreeAxis, known: PathSolution) -> tuple[Array, NDArray[np.bool_]]:
-    """(n, 7) postures of a path of which one that is known is no sure sign that there is none, and which are met."""
-    arm, T = problem.arm, problem.T
-    q, can_be = known.q.copy(), known.ok | solve_batch(arm, T, free, known.q, True, 1).ok
+def wandered_way(
+    problem: Problem, free: FreeAxis, known: Array, can_be: NDArray[np.bool_]
+) -> tuple[Array, NDArray[np.bool_]]:
+    """(n, 7) a path by postures all over what poses leave free, and (n,) which of these are met.
+
+    Args:
+        problem: the path that is asked for.
+        free: what its poses leave free.
+        known: (n, 7) postures where nothing meets the pose.
+        can_be: (n,) where something does.
+    """
+    arm, T, q = problem.arm, problem.T, known.copy()
     ways = change_of(turned_along(T, free), float(arm.family[LIMITED, FAR]))
-    every = keys_of(ways, int(np.ceil(ways[-1] / WANDER_CHANGE)) + 1)
-    keys = every[can_be[every]]
-    if len(keys):
-        told, some = wandered(problem, free, keys), np.flatnonzero(can_be)
-        wanted = np.column_stack([np.interp(some, keys, told[:, j]) for j in range(7)])
-        found = solve_batch(arm, T[some], free, np.clip(wanted, arm.lower, arm.upper), True, 1)
-        q[some], can_be[some] = found.q, found.ok
-    return q, can_be
+    keys, some = keys_of(ways, int(np.ceil(ways[-1] / WANDER_CHANGE)) + 1), np.flatnonzero(can_be)
+    keys = np.union1d(keys[can_be[keys]], some[[0, -1]])
+    told = wandered(problem, free, keys)
+    wanted = np.column_stack([np.interp(some, keys, told[:, j]) for j in range(7)])
+    found = solve_batch(arm, T[some], free, np.clip(wanted, arm.lower, arm.upper), True, 1)
+    q[some], met = found.q, can_be.copy()
+    met[some] = found.ok
+    return q, met
 
 
-def with_breaks(problem: Problem, free: FreeAxis, found: PathSolution) -> PathSolution:
-    """A path with its breaks as they are where a turn is free; poses that a posture of their own meets are met."""
-    if found:
-        return found
+def with_breaks(problem: Problem, free: FreeAxis, found: PathSolution, alone: Array) -> PathSolution:
+    """A path with its breaks as they are where a turn is free; poses that postures (n, ROW) meet alone are met."""
     arm, rows = problem.arm, found._rows.copy()
-    missed = np.flatnonzero(~found.ok)
-    rows[missed] = solve_batch(arm, problem.T[missed], free, found.q[missed], True, 1)._rows
+    missed = ~found.ok
+    rows[missed] = alone[missed]
+    again = np.flatnonzero(missed & (alone[:, ROW_STATUS] == Status.OK))
+    rows[again] = solve_batch(arm, problem.T[again], free, rows[again - 1, :7], True, 1)._rows
     # A break goes the shorter way round.
     turns = np.round(np.diff(rows[:, :7], axis=0) * problem.settings[INVERSE_PERIOD])
     rows[1:, :7] -= problem.settings[PERIOD] * np.cumsum(turns, axis=0)

@@ -29,6 +29,9 @@ KEPT, SEARCHED = 64, 256
 ASIDE, LEAST_ASIDE = 0.4, 0.2
 """So far joints move aside from one pose to the next, rad, if limits let them, and no less than this part of it."""
 
+LONGEST = 1.0
+"""Where poses between two are left out, joints may step so far, rad."""
+
 TURN = 2.0 * np.pi
 
 SAME = 1e-3
@@ -92,7 +95,8 @@ def _followed(
     """The postures of a pose that continue those of the one before; if none does, postures from anywhere."""
     arm, (last, key) = problem.arm, keys
     passed = abs(key - last)
-    longest = problem.settings[BY_CONTINUITY] * passed
+    longest = problem.settings[BY_CONTINUITY]
+    longest = np.minimum(longest * passed, np.maximum(longest, LONGEST))
     within = problem.settings[: BY_CONTINUITY + 1].min(axis=0) * passed
     T = problem.T[[last, key]]
     ways = ways_of(arm, np.repeat(T[:1], len(before.q), axis=0), free, before.q)[0]
