@@ -235,7 +235,8 @@ class Arm(BodyOwner):
         Args:
             poses: (N, 4, 4) array, or a list of poses.
             seed: (7,) posture to start from, rad.
-            dt: time between two poses, seconds; with it, velocity limits are kept where a path is found that does.
+            dt: time between two poses, seconds; with it, velocity limits are kept where a path is found that does, and
+                else `velocity_use` of the answer is above 1.
             longest_step: a joint step beyond this, rad, is a break.
             objective: what is least among the paths with the fewest breaks: "sum_of_squares" of the joint steps, the
                 "largest_step" of a joint, or the "time" at the velocity limits.

@@ -265,3 +265,30 @@ def test_a_wrong_objective_is_one_line(words, named):
     assert result.stdout == ""
     assert result.stderr.count("\n") == 1
     assert named in result.stderr
+
+
+def test_velocity_limits_that_are_passed_are_told(tmp_path):
+    poses = line_of_poses(30)
+    file = write(tmp_path / "poses.csv", poses)
+    result = run("path", "iiwa14", file, "--dt", "0.001")
+    assert result.exit_code == 0
+    arm = srs_ik.load("iiwa14")
+    path = arm.solve_path(poses, dt=0.001)
+    share = np.abs(path.steps) / (0.001 * arm.velocity_limit)
+    step, joint = np.unravel_index(share.argmax(), share.shape)
+    assert result.stderr.count("\n") == 1
+    assert f"line {step + 3}: no path was found that keeps the velocity limits" in result.stderr
+    assert f"joint {arm.joint_names[joint]} takes {share.max():.4g} times" in result.stderr
+    np.testing.assert_allclose(answer("path", "iiwa14", file, "--dt", "0.001")["velocity_use"], share.max(axis=1))
+    assert run("path", "iiwa14", file, "--dt", "0.5").stderr == ""
+    assert answer("path", "iiwa14", file)["velocity_use"] is None
+
+
+def test_times_by_accelerations_are_told_where_dt_is_given_too(tmp_path):
+    file = write(tmp_path / "poses.csv", line_of_poses(10))
+    words = ["--dt", "0.1", "--objective", "time", "--acceleration", "5"]
+    told = run("path", "iiwa14", file, *words, "--out", str(tmp_path / "joints.csv"))
+    assert told.exit_code == 0
+    assert told.stderr.count("\n") == 1
+    assert "--acceleration, not --dt" in told.stderr
+    assert run("path", "iiwa14", file, *words).stderr == ""

@@ -700,3 +700,30 @@ def test_a_near_arm_stays_where_it_is_known_to_be_if_its_pose_stays(given):
     # Up to whole turns of joints without end.
     np.testing.assert_allclose(np.cos(path.q - q), 1.0, atol=1e-15)
     assert path.largest_step < 1e-9
+
+
+def straight_line(count=40):
+    """Postures of iiwa14 on a straight line of joint angles, well inside the limits."""
+    q = np.array([0.3, 0.7, -0.4, -1.1, 0.5, 0.8, -0.2])
+    return q + np.linspace(0.0, 1.0, count)[:, None] * [0.5, 0.2, 0.3, -0.3, 0.2, 0.1, 0.9]
+
+
+def test_where_only_the_longest_step_stops_a_path_no_limit_is_blamed():
+    """Without limits, steps would be too long as well."""
+    arm = load("iiwa14")
+    poses = poses_of(arm, straight_line())
+    first = arm.solve_path(poses, longest_step=0.01).breaks[0]
+    assert first.sample == 1
+    assert "in one step" in first.message
+    assert "limit by" not in first.message
+
+
+def test_how_much_of_the_velocity_limits_a_path_takes_is_told():
+    arm = load("iiwa14")
+    poses = poses_of(arm, straight_line())
+    assert arm.solve_path(poses).velocity_use is None
+    for dt, free_axis in ((1e-4, None), (0.1, None), (1e-4, [0.0, 0.0, 1.0])):
+        path = arm.solve_path(poses, dt=dt, free_axis=free_axis)
+        expected = (np.abs(np.diff(path.q, axis=0)) / (dt * arm.velocity_limit)).max(axis=1)
+        np.testing.assert_allclose(path.velocity_use, expected, rtol=1e-9)
+        assert ("times the velocity limits" in repr(path)) == bool((expected > 1.0 + 1e-9).any())

@@ -151,3 +151,13 @@ def test_paths_with_a_free_axis_are_followed_from_the_seed_too():
     found = arm.solve_path(winding_path(begin, end, 9, free), seed=seed, objective="time", free_axis=free)
     assert found
     assert np.abs(found.q[0] - seed).max() < 0.5
+
+
+def test_poses_are_named_by_whatever_is_an_index():
+    arm, q = load("iiwa14"), Q + np.linspace(0.0, 1.0, 8)[:, None] * 0.1 * WAY
+    poses = poses_of("iiwa14", q)
+    found = arm.solve_path(poses, known={np.int64(3): q[3], np.uint8(7): q[7]})
+    np.testing.assert_array_equal(found.q, arm.solve_path(poses, known={3: q[3], -1: q[7]}).q)
+    for bad in (True, 3.0, "3", np.float64(3.0), 8, -9, None):
+        with pytest.raises(srs_ik.InvalidConfiguration, match="there is no pose"):
+            arm.solve_path(poses, known={bad: q[3]})

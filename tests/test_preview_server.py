@@ -92,6 +92,13 @@ def test_a_port_can_be_chosen_and_is_free_again(arm, kind):
             assert port_of(view) == port
 
 
+@KINDS
+@pytest.mark.parametrize("port", [70000, -5, 7.5, "7000", True, None])
+def test_a_port_that_is_none_is_refused(arm, kind, port):
+    with pytest.raises(srs_ik.PreviewError, match="from 0 to 65535"):
+        make(arm, kind, port=port).close()
+
+
 def test_after_close_every_call_is_one_clear_error(arm, tmp_path):
     view = Preview(arm)
     view.close()

@@ -51,7 +51,9 @@ def path(
     cone: freedom.Cone = None,
     dt: Annotated[
         str | None,
-        typer.Option(metavar="SECONDS", help="Time between two poses: keep the velocity limits where possible."),
+        typer.Option(
+            metavar="SECONDS", help="Time between two poses: keep the velocity limits where a path is found so."
+        ),
     ] = None,
     longest_step: Annotated[
         str | None, typer.Option(metavar="ANGLE", help="A joint step beyond this is a break; 0.5 rad if not given.")
@@ -63,7 +65,8 @@ def path(
         str | None,
         typer.Option(
             metavar="RAD/S2",
-            help="With --objective time: largest acceleration of every joint, or seven with commas between them.",
+            help="With --objective time: largest acceleration of every joint, or seven with commas between them. "
+            "Times in --out and --json are then its own, whatever --dt.",
         ),
     ] = None,
     closed: Annotated[
@@ -88,7 +91,8 @@ def path(
     """Find a continuous joint path through many poses, inside the joint limits, chosen as a whole.
 
     With a scene, the straight lines of joint angles between the postures hit nothing either, for certain. Exit status 1
-    where the path has to break; a line on standard error says at which pose, and why.
+    where the path has to break; a line on standard error says at which pose, and why, and another one where velocity
+    limits are passed within --dt.
     """
     unit = unit_of(degrees)
     if plot is not None:
@@ -129,6 +133,23 @@ def path(
         more = f" ({others} more)" if others else ""
         typer.echo(f"srs-ik: {poses}, line {lines[first.sample]}: {first.message}{more}", err=True)
         raise typer.Exit(1)
+    if found.velocity_use is not None and (found.velocity_use > 1.0).any():
+        _tell_passed(arm, found, f"{poses}, line {lines[int(found.velocity_use.argmax()) + 1]}")
+    if out is not None and dt is not None and acceleration is not None:
+        typer.echo(f"srs-ik: the times in {out} are those of --acceleration, not --dt apart", err=True)
+
+
+def _tell_passed(arm: Arm, found: PathSolution, place: str) -> None:
+    """Say which joint passes its velocity limit most."""
+    use = found.velocity_use
+    assert use is not None
+    step = int(use.argmax())
+    joint = arm.joint_names[int((abs(found.steps[step]) / arm.velocity_limit).argmax())]
+    typer.echo(
+        f"srs-ik: {place}: no path was found that keeps the velocity limits within --dt: "
+        f"joint {joint} takes {use[step]:.4g} times its own",
+        err=True,
+    )
 
 
 def _positive(option: str, word: str) -> float:
@@ -172,6 +193,7 @@ def _print_json(arm: Arm, found: PathSolution, lines: list[int]) -> None:
             "largest_step": found.largest_step,
             "value": found.value,
             "times": found.times,
+            "velocity_use": found.velocity_use,
             "breaks": [
                 {
                     "sample": b.sample,

@@ -2,8 +2,12 @@
 
 from __future__ import annotations
 
+import operator
 import secrets
 from collections.abc import Sequence
+from typing import Any
+
+from srs_ik.errors import PreviewError, quoted
 
 HOST = "127.0.0.1"
 
@@ -15,6 +19,25 @@ HEADERS = {"Cache-Control": "no-store", "Referrer-Policy": "no-referrer", "X-Con
 
 _TOKEN_BYTES = 24
 """Too many to guess: 192 bits."""
+
+
+MOST = 65535
+"""Number of the last port."""
+
+
+def as_port(value: Any) -> int:
+    """The port of a page, 0 for any that is free.
+
+    Raises:
+        PreviewError: there is no such port.
+    """
+    try:
+        port = -1 if isinstance(value, bool) else operator.index(value)
+    except TypeError:
+        port = -1
+    if not 0 <= port <= MOST:
+        raise PreviewError(f"the port of a preview is a whole number from 0 to {MOST}, not {quoted(value)}")
+    return port
 
 
 class Door:

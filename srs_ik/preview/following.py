@@ -57,7 +57,7 @@ class FollowingPreview(LivePage):
         InvalidRobot: the file that the arm was loaded from is gone, or is no URDF any more.
         MissingExtra: viser is not installed.
         MissingLimits: a joint has no velocity limit.
-        PreviewError: the port is taken.
+        PreviewError: the port is taken, or there is none of this number.
     """
 
     def __init__(

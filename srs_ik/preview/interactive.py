@@ -50,7 +50,7 @@ class InteractivePreview(LivePage):
         InvalidConfiguration: q is not 7 finite angles.
         InvalidRobot: the file that the arm was loaded from is gone, or is no URDF any more.
         MissingExtra: viser is not installed.
-        PreviewError: the port is taken.
+        PreviewError: the port is taken, or there is none of this number.
     """
 
     def __init__(

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 from srs_ik.errors import MissingExtra, PreviewError
-from srs_ik.preview.door import HOST, Door
+from srs_ik.preview.door import HOST, Door, as_port
 from srs_ik.preview.extent import Extent
 from srs_ik.preview.solids import Solid
 
@@ -41,8 +41,9 @@ def serve(port: int, label: str) -> Served:
 
     Raises:
         MissingExtra: viser is not installed.
-        PreviewError: the port is taken, or this version of viser cannot be guarded.
+        PreviewError: the port is taken, there is none of this number, or this version of viser cannot be guarded.
     """
+    port = as_port(port)
     try:
         import viser
 

@@ -26,7 +26,7 @@ from meshcat.visualizer import ViewerWindow
 from srs_ik.errors import PreviewError
 from srs_ik.preview import document
 from srs_ik.preview.document import Caption
-from srs_ik.preview.door import HEADERS, HOST, Door
+from srs_ik.preview.door import HEADERS, HOST, Door, as_port
 
 _SCRIPT = Path(VIEWER_ROOT, "main.min.js")
 
@@ -152,10 +152,11 @@ class Window(ViewerWindow):
         port: of the page; 0 for any that is free.
 
     Raises:
-        PreviewError: the port is taken.
+        PreviewError: the port is taken, or there is none of this number.
     """
 
     def __init__(self, port: int = 0) -> None:
+        port = as_port(port)
         self.context = zmq.Context()
         self.closed = False
         self._caption = _UNTITLED

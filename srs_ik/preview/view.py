@@ -57,7 +57,7 @@ class Preview:
 
     Raises:
         InvalidRobot: the file that the arm was loaded from is gone, or is no URDF any more.
-        PreviewError: the port is taken.
+        PreviewError: the port is taken, or there is none of this number.
     """
 
     def __init__(self, arm: Arm, package_dirs: Sequence[str | Path] = (), port: int = 0) -> None:

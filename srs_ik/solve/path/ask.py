@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import operator
 from collections.abc import Callable, Mapping
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
@@ -75,16 +76,16 @@ def solve_path(
 ) -> PathSolution:
     """See `Arm.solve_path`; `around` is what must not be touched."""
     T = as_matrices(poses)
-    if free_axis is not None and len(T):
+    if free_axis is not None:
         from srs_ik.solve.freedom import refuse_beside
 
         refuse_beside(free_axis, known=known, closed=closed, scene=around)
         return _free(arm, T, free_axis, (seed, dt, longest_step, objective, acceleration_limit))
     n = len(T)
     problem = problem_of(arm, T, seed, dt, longest_step, objective, acceleration_limit)
-    if not n:
-        return PathSolution(np.empty((0, ROW)), arm.joint_names, np.empty((0, 7)), [])
     given, has_given = _known(arm, T, {} if known is None else known)
+    if not n:
+        return _of_no_poses(arm)
     problem.known, problem.has_known = given, has_given
     if closed and np.abs(T[0] - T[-1]).max() > ON_POSE:
         raise InvalidConfiguration("a closed path ends at its first pose, and the last pose is another one")
@@ -142,15 +143,21 @@ def _free(arm: PackedArm, T: Array, free_axis: Any, asked: tuple[Any, ...]) -> P
     from srs_ik.inputs.freedom import as_free_axis
     from srs_ik.solve.path.freedom import solve_free_path
 
-    problem = problem_of(arm, T, *asked)
+    problem, free = problem_of(arm, T, *asked), as_free_axis(free_axis)
+    if not len(T):
+        return _of_no_poses(arm)
     seed, dt, longest_step, objective, acceleration = asked
 
     def find(whole: Array) -> PathSolution:
         return solve_path(arm, whole, seed, dt, longest_step, objective, None, False, acceleration)
 
-    found = solve_free_path(problem, as_free_axis(free_axis), find)
+    found = solve_free_path(problem, free, find)
     told = found._rows, arm.joint_names, found.steps, found.breaks, arm.elbow
     return PathSolution(*told, problem=problem, bounded=False)
+
+
+def _of_no_poses(arm: PackedArm) -> PathSolution:
+    return PathSolution(np.empty((0, ROW)), arm.joint_names, np.empty((0, 7)), [])
 
 
 def _found(find: Callable[[Problem], Way], problem: Problem) -> tuple[Way, Array]:
@@ -226,9 +233,8 @@ def _known(arm: PackedArm, T: Array, known: Mapping[int, ArrayLike]) -> tuple[Ar
     given, has_given = np.zeros((len(T), 7)), np.zeros(len(T), np.bool_)
     if not isinstance(known, Mapping):
         raise InvalidConfiguration(f"known must be a mapping from poses to their postures, not {quoted(known)}")
-    for index, posture in known.items():
-        if isinstance(index, bool) or not isinstance(index, int) or not -len(T) <= index < len(T):
-            raise InvalidConfiguration(f"known: there is no pose {index}; the path has {len(T)}")
+    for named, posture in known.items():
+        index = _index(named, len(T))
         q = as_joint_vector(posture, f"the posture of pose {index}")
         if (q < arm.lower).any() or (q > arm.upper).any():
             raise InvalidConfiguration(f"known: the posture of pose {index} is outside the joint limits")
@@ -236,6 +242,17 @@ def _known(arm: PackedArm, T: Array, known: Mapping[int, ArrayLike]) -> tuple[Ar
             raise InvalidConfiguration(f"known: the posture given for pose {index} does not meet it")
         given[index], has_given[index] = q, True
     return given, has_given
+
+
+def _index(named: Any, count: int) -> int:
+    """The index of a pose by which a posture is given, from 0 on."""
+    try:
+        index = count if isinstance(named, bool) else operator.index(named)
+    except TypeError:
+        index = count
+    if not -count <= index < count:
+        raise InvalidConfiguration(f"known: there is no pose {quoted(named)}; the path has {count}")
+    return index % count
 
 
 def _settings(arm: PackedArm, dt: float | None, longest_step: float, objective: str) -> Array:

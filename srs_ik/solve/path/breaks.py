@@ -46,8 +46,11 @@ class PathBreak:
     bodies: tuple[str, str] | None = None
 
 
-def breaks_of(problem: Problem, way: Way, rows: Array, steps: Array) -> list[PathBreak]:
-    """The breaks of a path, from the rows of its postures and its joint steps."""
+def breaks_of(problem: Problem, way: Way | None, rows: Array, steps: Array) -> list[PathBreak]:
+    """The breaks of a path, from the rows of its postures and its joint steps.
+
+    Without a way, by which strips tell what cannot be, no more is said than that no other path was found.
+    """
     arm = problem.arm
     longest = problem.settings[BY_CONTINUITY]
     hits = {} if problem.around is None else problem.around.hits_of(problem.T, rows)
@@ -55,7 +58,8 @@ def breaks_of(problem: Problem, way: Way, rows: Array, steps: Array) -> list[Pat
     jumps = np.append(False, (np.abs(steps) > JUST_ABOVE * longest).any(axis=1))
     after_gap = np.append(False, ~answers.ok[:-1])
     inner = np.flatnonzero(jumps & answers.ok & ~after_gap).tolist()
-    windows = _windows(problem, way, len(inner))
+    windows = [] if way is None else _windows(problem, way, len(inner))
+    none = "No path was found that goes on" if way is None else "No posture inside the limits continues the path"
     breaks = []
     for i in np.flatnonzero(jumps | ~answers.ok).tolist():
         if not answers.ok[i]:
@@ -65,9 +69,7 @@ def breaks_of(problem: Problem, way: Way, rows: Array, steps: Array) -> list[Pat
             continue
         joint = int(np.abs(steps[i - 1]).argmax())
         jump, name = float(abs(steps[i - 1, joint])), arm.joint_names[joint]
-        message = (
-            f"No posture inside the limits continues the path at pose {i}: joint {name} has to jump {jump:.3f} rad."
-        )
+        message = f"{none} at pose {i}: joint {name} has to jump {jump:.3f} rad."
         earliest = latest = None
         if i in inner and windows:
             earliest, latest, why = windows[inner.index(i)]
@@ -104,22 +106,31 @@ def _windows(problem: Problem, way: Way, count: int) -> list[tuple[int, int, str
 
 def _reason(problem: Problem, wall: Wall) -> str:
     """What stops the postures before a wall: a joint's limit, a step that is too long, or the reach."""
-    arm: PackedArm = problem.arm
+    arm = problem.arm
     chosen = wall.before[np.linspace(0, len(wall.before) - 1, min(len(wall.before), LOOKED_AT)).astype(int)]
     pose = problem.T[wall.sample]
     if problem.around is not None:
         hit = problem.around.in_the_way(pose, chosen, float(problem.settings[BY_CONTINUITY, 0]))
         if hit is not None:
             return f"{hit.first} would meet {hit.second}"
-    free = [(solve(arm, pose, seed=q, respect_limits=False), q) for q in chosen]
-    met = [(float(np.abs(s.q - q).max()), s.q, q) for s, q in free if s]
-    if not met:
+    longest = JUST_ABOVE * problem.settings[BY_CONTINUITY]
+    anywhere = _nearest(arm, pose, chosen, False)
+    if not anywhere:
         return "no posture reaches the pose"
-    step, q, before = min(met, key=lambda each: each[0])
-    beyond = np.maximum(arm.lower - q, q - arm.upper)
-    joint = int(beyond.argmax())
-    if beyond[joint] > 0.0:
+    # A limit stops a posture that could go on without it; the others would have to leap all the same.
+    near = [
+        (float(np.maximum(arm.lower - q, q - arm.upper).max()), q) for step, q in anywhere if (step <= longest).all()
+    ]
+    beyond, q = min(near, key=lambda each: each[0], default=(0.0, chosen[0]))
+    if beyond > 0.0:
+        joint = int(np.maximum(arm.lower - q, q - arm.upper).argmax())
         side = "lower" if q[joint] < arm.lower[joint] else "upper"
-        return f"joint {arm.joint_names[joint]} would have to pass its {side} limit by {beyond[joint]:.3f} rad"
-    joint = int(np.abs(q - before).argmax())
-    return f"joint {arm.joint_names[joint]} would have to move by {step:.3f} rad in one step"
+        return f"joint {arm.joint_names[joint]} would have to pass its {side} limit by {beyond:.3f} rad"
+    step = min((step for step, _ in _nearest(arm, pose, chosen, True) or anywhere), key=lambda step: float(step.max()))
+    return f"joint {arm.joint_names[int(step.argmax())]} would have to move by {step.max():.3f} rad in one step"
+
+
+def _nearest(arm: PackedArm, pose: Array, postures: Array, respect_limits: bool) -> list[tuple[Array, Array]]:
+    """Joint steps (7,) from postures to the nearest ones that meet a pose, and these."""
+    found = [(solve(arm, pose, seed=q, respect_limits=respect_limits), q) for q in postures]
+    return [(np.abs(each.q - q), each.q) for each, q in found if each]

@@ -3,7 +3,7 @@
 Frames of the poses are turned along with the path as little as can be, so that a turn that stays is as good on samples
 as it is. At some poses, the strips of all sampled turns are those of one pose, and the best way through them is found
 as for whole poses, on the nearest exact limb. It begins paths on the true chain, which Newton's method moves to the
-best ones near them, all postures at once.
+best ones near them, all postures at once. What breaks so is looked for once more among postures all over what is free.
 """
 
 from __future__ import annotations
@@ -16,13 +16,17 @@ import numpy as np
 from numpy.typing import NDArray
 
 from srs_ik.inputs.freedom import FreeAxis
+from srs_ik.kernels.layout.answer import ROW_STATUS
 from srs_ik.kernels.layout.limb import FAR, LIMITED
-from srs_ik.kernels.layout.path import BY_CONTINUITY
+from srs_ik.kernels.layout.path import BY_CONTINUITY, INVERSE_PERIOD, PERIOD
 from srs_ik.solve.freedom import met_batch, solve, solve_batch
 from srs_ik.solve.kinematics import forward_kinematics_batch
 from srs_ik.solve.path.blocks import Block, through
-from srs_ik.solve.path.problem import Problem, objective_of, steps_of
+from srs_ik.solve.path.breaks import breaks_of
+from srs_ik.solve.path.frontier import wandered
+from srs_ik.solve.path.problem import JUST_ABOVE, Problem, objective_of, steps_of
 from srs_ik.solve.path.relaxed import relaxed
+from srs_ik.solve.solution import Status
 from srs_ik.solve.threads import tell
 
 if TYPE_CHECKING:
@@ -40,6 +44,9 @@ LITTLE = 0.5
 BESIDE = np.linspace(-0.3, 0.3, 5)
 RADIUS = 0.5
 """Turns beside those of a way, and how far around it postures are looked at, rad."""
+
+WANDER_CHANGE = 0.05
+"""Postures all over what poses leave free are looked for at poses this far apart, rad and reaches of the arm."""
 
 KEY_CHANGE = 0.25
 """Turns are sampled at poses this far apart, rad and reaches of the arm."""
@@ -69,31 +76,114 @@ def solve_free_path(problem: Problem, free: FreeAxis, find: Callable[[Array], Pa
     # The first pose as the arm may meet it from where it is.
     nearest = None if start is None else solve(arm, T[0], free, start, True)
     first = nearest.q if nearest else None
-    most = within = problem.settings[: BY_CONTINUITY + 1].min(axis=0)
     ways, moved = [find(T)], []
     for q in sampled_ways(problem, free, first):
         # Poses that are not reached stay as they are, and the others close the gap.
-        met, turned = met_batch(arm, T, free, q)[1], T.copy()
+        met = met_batch(arm, T, free, q)[1]
         if met.any():
-            q[met] = relaxed(arm, T[met], free, in_turns_of(arm, q[met], start), start, most)
-            turned[met] = turned_as(arm, T[met], free, q[met])
-            ways.append(find(turned))
+            ways.append(find(eased(problem, free, q, met)))
         moved += [q] if met.all() else []
-    best = min(ways, key=lambda way: (len(way.breaks), not way, way.value))
+    best = best_of(problem, free, first, ways, moved)
+    if best and keeps_limits(problem, best.q):
+        return best
+    # What is not reached is not for good, unless no posture of its own meets it.
+    rows = best._rows.copy()
+    rows[~best.ok] = solve_batch(arm, T[~best.ok], free, best.q[~best.ok], True, 1)._rows
+    can_be = rows[:, ROW_STATUS] == Status.OK
+    if can_be.any():
+        q, met = wandered_way(problem, free, rows[:, :7], can_be)
+        ways = [best, find(eased(problem, free, q, met))]
+        best = best_of(problem, free, first, ways, [q] if met.all() else [])
+    return best or with_breaks(problem, free, best, rows)
+
+
+def eased(problem: Problem, free: FreeAxis, q: Array, met: NDArray[np.bool_]) -> Array:
+    """(n, 4, 4) the poses turned as in a path (n, 7), which is changed in place to the best one near it where met."""
+    arm, turned = problem.arm, problem.T.copy()
+    some = turned[met]
+    q[met] = relaxed(arm, some, free, in_turns_of(arm, q[met], problem.seed), problem.seed, fastest(problem))
+    turned[met] = turned_as(arm, some, free, q[met])
+    return turned
+
+
+def fastest(problem: Problem) -> Array:
+    """(7,) the longest joint steps that are continuous and within the velocity limits."""
+    return np.asarray(problem.settings[: BY_CONTINUITY + 1].min(axis=0))
+
+
+def keeps_limits(problem: Problem, q: Array) -> bool:
+    """Whether the steps of a path are continuous and within the velocity limits."""
+    return bool((np.abs(np.diff(q, axis=0)) <= JUST_ABOVE * fastest(problem)).all())
+
+
+def best_of(
+    problem: Problem, free: FreeAxis, first: Array | None, ways: list[PathSolution], moved: list[Array]
+) -> PathSolution:
+    """The best one of some paths, of those that go on from their ends, and of those near all of these.
+
+    Args:
+        problem: the path that is asked for.
+        free: what its poses leave free.
+        first: (7,) posture of the first pose from which one goes on, or None.
+        ways: paths.
+        moved: (n, 7) postures of paths on all poses.
+    """
+    arm, T, start = problem.arm, problem.T, problem.seed
+    best = min(ways, key=lambda way: (int((~way.ok).sum()), len(way.breaks), _value(problem, way.q)))
+    most = fastest(problem)
     begins = [] if first is None else [followed(arm, T, free, first)]
     if best:
         most = np.maximum(most, np.abs(best.steps).max(axis=0, initial=0.0))
-        moved += [relaxed(arm, T, free, way.q, start, most) for way in ways if way] + [best.q]
+        moved = moved + [relaxed(arm, T, free, way.q, start, most) for way in ways if way] + [best.q]
         begins += [followed(arm, T, free, best.q[0]), followed(arm, T[::-1], free, best.q[-1])[::-1]]
-    moved += [relaxed(arm, T, free, q, start, most) for q in begins if np.isfinite(q).all()]
+    moved = moved + [relaxed(arm, T, free, q, start, most) for q in begins if np.isfinite(q).all()]
     moved = [q for q in moved if (np.abs(np.diff(q, axis=0)) <= most).all()]
     if not moved:
         return best
-    q = min(moved, key=lambda q: ((np.abs(np.diff(q, axis=0)) > within).any(), _value(problem, q)))
+    if not any(keeps_limits(problem, q) for q in moved):
+        moved = moved + [relaxed(arm, T, free, q, start, fastest(problem)) for q in moved]
+    q = min(moved, key=lambda q: (not keeps_limits(problem, q), _value(problem, q)))
     found = solve_batch(arm, T, free, q, True, 1)
     if not found.ok.all() or np.abs(found.q - q).max() > SAME:
         return best
     return type(best)(found._rows, arm.joint_names, np.diff(found.q, axis=0), [], arm.elbow)
+
+
+def wandered_way(
+    problem: Problem, free: FreeAxis, known: Array, can_be: NDArray[np.bool_]
+) -> tuple[Array, NDArray[np.bool_]]:
+    """(n, 7) a path by postures all over what poses leave free, and (n,) which of these are met.
+
+    Args:
+        problem: the path that is asked for.
+        free: what its poses leave free.
+        known: (n, 7) postures where nothing meets the pose.
+        can_be: (n,) where something does.
+    """
+    arm, T, q = problem.arm, problem.T, known.copy()
+    ways = change_of(turned_along(T, free), float(arm.family[LIMITED, FAR]))
+    keys, some = keys_of(ways, int(np.ceil(ways[-1] / WANDER_CHANGE)) + 1), np.flatnonzero(can_be)
+    keys = np.union1d(keys[can_be[keys]], some[[0, -1]])
+    told = wandered(problem, free, keys)
+    wanted = np.column_stack([np.interp(some, keys, told[:, j]) for j in range(7)])
+    found = solve_batch(arm, T[some], free, np.clip(wanted, arm.lower, arm.upper), True, 1)
+    q[some], met = found.q, can_be.copy()
+    met[some] = found.ok
+    return q, met
+
+
+def with_breaks(problem: Problem, free: FreeAxis, found: PathSolution, alone: Array) -> PathSolution:
+    """A path with its breaks as they are where a turn is free; poses that postures (n, ROW) meet alone are met."""
+    arm, rows = problem.arm, found._rows.copy()
+    missed = ~found.ok
+    rows[missed] = alone[missed]
+    again = np.flatnonzero(missed & (alone[:, ROW_STATUS] == Status.OK))
+    rows[again] = solve_batch(arm, problem.T[again], free, rows[again - 1, :7], True, 1)._rows
+    # A break goes the shorter way round.
+    turns = np.round(np.diff(rows[:, :7], axis=0) * problem.settings[INVERSE_PERIOD])
+    rows[1:, :7] -= problem.settings[PERIOD] * np.cumsum(turns, axis=0)
+    steps = np.diff(rows[:, :7], axis=0)
+    return type(found)(rows, arm.joint_names, steps, breaks_of(problem, None, rows, steps), arm.elbow)
 
 
 def in_turns_of(arm: PackedArm, q: Array, start: Array | None) -> Array:

@@ -35,8 +35,11 @@ HELD = 1e6
 STILL = 1e-9
 """Weight of moves that nothing asks for."""
 
-TOO_LONG = 1e3
-"""Cost of a joint step beyond its limit, in squared rad by rad."""
+TOO_LONG = 1e4
+"""Weight of what a joint step is beyond its limit."""
+
+JUST_WITHIN = 0.998
+"""Joint steps are too long from this part of their limit on: that weight leaves a little beyond."""
 
 
 def relaxed(arm: PackedArm, T: Array, free: FreeAxis, q: Array, start: Array | None, longest: Array) -> Array:
@@ -50,11 +53,13 @@ def relaxed(arm: PackedArm, T: Array, free: FreeAxis, q: Array, start: Array | N
         start: (7,) posture before the first one, or None.
         longest: (7,) longest joint steps, rad: longer ones become shorter where that goes.
     """
+    longest = JUST_WITHIN * longest
     value = _cost(q, start, longest)
     for _ in range(ROUNDS):
         before = value
         for _ in range(STEPS):
-            q, value, gain = _moved(arm, T, free, q, (start, longest, value), _step(arm, T, free, q, start), HALVINGS)
+            step = _step(arm, T, free, q, start, longest)
+            q, value, gain = _moved(arm, T, free, q, (start, longest, value), step, HALVINGS)
             if gain <= ENOUGH * value:
                 break
         for parity in (0, 1):
@@ -112,48 +117,54 @@ def _alone(q: Array, start: Array | None, parity: int) -> Array:
 
 def _cost(q: Array, start: Array | None, longest: Array) -> float:
     steps = np.diff(q, axis=0)
-    over = np.maximum(np.abs(steps) - longest, 0.0).max(initial=0.0)
+    over = np.maximum(np.abs(steps) - longest, 0.0)
     first = 0.0 if start is None else ((q[0] - start) ** 2).sum()
-    return float((steps**2).sum() + first + TOO_LONG * over)
+    return float((steps**2).sum() + first + TOO_LONG * (over**2).sum())
 
 
-def _step(arm: PackedArm, T: Array, free: FreeAxis, q: Array, start: Array | None) -> Array:
+def _step(arm: PackedArm, T: Array, free: FreeAxis, q: Array, start: Array | None, longest: Array) -> Array:
     """(n, 7) how the postures move in a step."""
-    ways, edge, room = _ways(arm, T, free, q)
+    ways, edge, room = ways_of(arm, T, free, q)
     n, _, m = ways.shape
-    # Half the slope of the sum of squares, and half its second derivatives.
     d = np.diff(q, axis=0)
-    slope = np.zeros((n, 7))
-    slope[1:] += d
-    slope[:-1] -= d
-    count = np.full(n, 2.0)
-    count[[0, -1]] = 1.0 if n > 1 else 0.0
-    if start is not None:
-        slope[0] += q[0] - start
-        count[0] += 1.0
-    own = np.einsum("kji,kjl->kil", ways, ways) * count[:, None, None] + STILL * np.eye(m)
-    next_to = -np.einsum("kji,kjl->kil", ways[:-1], ways[1:])
-    right = -np.einsum("kji,kj->ki", ways, slope)
     # Rows of what may not be passed: joints, and the axis at the edge of its cone; by how far each is from it.
     rows = np.concatenate([ways, edge[:, None]], axis=1)
     low = np.column_stack([arm.lower - q, np.full(n, -np.inf)])
     high = np.column_stack([arm.upper - q, room])
     weights, to = np.zeros((n, 8)), np.zeros((n, 8))
+    steps, long = d, np.zeros(d.shape, np.bool_)
     x = np.zeros((n, m))
     for _ in range(HOLDS):
-        held = own + np.einsum("kji,kj,kjl->kil", rows, weights, rows)
-        x = _solved(held, next_to, right + np.einsum("kji,kj->ki", rows, weights * to))
+        more = np.abs(steps) > longest + STILL
+        long |= more
+        # Half the slope of the sum of squares, and half its second derivatives.
+        heavy = np.where(long, 1.0 + TOO_LONG, 1.0)
+        pull = d + np.where(long, TOO_LONG * (d - np.copysign(longest, steps)), 0.0)
+        slope, own = np.zeros((n, 7)), np.zeros((n, 7))
+        slope[1:] += pull
+        slope[:-1] -= pull
+        own[1:] += heavy
+        own[:-1] += heavy
+        if start is not None:
+            slope[0] += q[0] - start
+            own[0] += 1.0
+        held = np.einsum("kji,kj,kjl->kil", ways, own, ways) + STILL * np.eye(m)
+        held += np.einsum("kji,kj,kjl->kil", rows, weights, rows)
+        next_to = -np.einsum("kji,kj,kjl->kil", ways[:-1], heavy, ways[1:])
+        right = np.einsum("kji,kj->ki", rows, weights * to) - np.einsum("kji,kj->ki", ways, slope)
+        x = _solved(held, next_to, right)
+        move = np.einsum("kji,ki->kj", ways, x)
         reached = np.einsum("kji,ki->kj", rows, x)
+        steps = d + np.diff(move, axis=0)
         over = ((reached < low - STILL) | (reached > high + STILL)) & (weights == 0.0)
-        if not over.any():
+        if not (over.any() or ((np.abs(steps) > longest + STILL) & ~long).any()):
             break
         weights[over], to[over] = HELD, np.where(reached < low, low, high)[over]
-    move = np.einsum("kji,ki->kj", ways, x)
     part = np.abs(move).max(axis=1, initial=0.0)
     return np.asarray(move * min(1.0, LONGEST_MOVE / max(float(part.max()), LONGEST_MOVE)))
 
 
-def _ways(arm: PackedArm, T: Array, free: FreeAxis, q: Array) -> tuple[Array, Array, Array]:
+def ways_of(arm: PackedArm, T: Array, free: FreeAxis, q: Array) -> tuple[Array, Array, Array]:
     """Of each posture: (7, m) the ways its pose leaves, (m,) how the axis leans out along them, and its room, rad."""
     jacobians, tips = jacobian_batch(arm, q, 1), forward_kinematics_batch(arm, q, 1)
     is_axis, ought = tips[:, :3, :3] @ free.axis, T[:, :3, :3] @ free.axis

@@ -9,9 +9,10 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from srs_ik.kernels.layout.path import BY_VELOCITY
 from srs_ik.solve.path.bound import least_largest, least_sum
 from srs_ik.solve.path.breaks import PathBreak
-from srs_ik.solve.path.problem import LARGEST_STEP, Problem, objective_of, steps_of
+from srs_ik.solve.path.problem import JUST_ABOVE, LARGEST_STEP, Problem, objective_of, steps_of
 from srs_ik.solve.path.timing import passing_times
 from srs_ik.solve.solution import BatchSolution, Collision, ElbowRange
 
@@ -82,6 +83,22 @@ class PathSolution(BatchSolution):
             return least_largest(problem, q, value)
         return least_sum(problem, q, value, bool(self.breaks))
 
+    @cached_property
+    def velocity_use(self) -> Array | None:
+        """(N - 1,) what part of its velocity limit a joint takes in each step at most; None without dt.
+
+        Above 1 a limit is passed, as in breaks, or since no path was found that keeps it.
+        """
+        problem = self._problem
+        if problem is None or not problem.limited:
+            return None
+        moved = np.abs(self.steps)
+        shares = np.zeros_like(moved)
+        with np.errstate(divide="ignore"):
+            np.divide(moved, problem.settings[BY_VELOCITY], out=shares, where=moved > 0.0)
+        use = shares.max(axis=1, initial=0.0)
+        return np.where((use > 1.0) & (use <= JUST_ABOVE), 1.0, use)
+
     @property
     def largest_step(self) -> float:
         """Largest joint step of the path, breaks included, rad."""
@@ -91,7 +108,9 @@ class PathSolution(BatchSolution):
         return not self.breaks and bool(self.ok.all())
 
     def __repr__(self) -> str:
-        return f"PathSolution({self.solved} of {len(self)} solved, {len(self.breaks)} breaks)"
+        most = 0.0 if self.velocity_use is None else float(self.velocity_use.max(initial=0.0))
+        passed = f", up to {most:.4g} times the velocity limits" if most > 1.0 else ""
+        return f"PathSolution({self.solved} of {len(self)} solved, {len(self.breaks)} breaks{passed})"
 
 
 def value_of(problem: Problem, q: Array, steps: Array) -> float:
