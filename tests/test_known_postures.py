@@ -788,3 +788,41 @@ def test_all_of_a_small_closed_curve_is_in_an_interval(bench):
             break
     assert np.abs(q - first).max() < 5e-6
     assert seen > 20
+
+
+STRAIGHT = {
+    "rm75": (
+        [1.1123280540383447, 1.9821440314516856, 0.07755995006912952, 1e-9, -1.8650065862553113, -0.4617920758379215,
+         -6.044231983032412],
+        [-0.7916038318313059, -0.4364553631638728, -0.06954912923565537, 1e-9, 1.3372344131400369,
+         -0.8086425105614214, -2.705635080089331],
+    )
+}  # fmt: skip
+"""Postures whose elbow is straight by less than their axes miss: whether they reach a pose is a matter of rounding."""
+
+
+@pytest.mark.parametrize("name", arms.here("rm75", "gen3", "h1_2_left"))
+def test_all_branches_of_a_straight_elbow_are_found(name):
+    arm, rng = arms.load(name), arms.generator(name, 77)
+    q = arms.configurations(name, 60, 77)
+    q[:, 3] = rng.choice([0.0, 1e-12, 1e-9, 1e-7, 1e-6], len(q)) * rng.choice([-1.0, 1.0], len(q))
+    for each in [*STRAIGHT.get(name, ()), *q]:
+        psi = arm.arm_angle(each)
+        found = arm.intervals(arms.forward(name)(each), respect_limits=False)
+        turns = psi + 2.0 * np.pi * np.array([-1.0, 0.0, 1.0])
+        assert any(((one.lower - 1e-6 <= turns) & (turns <= one.upper + 1e-6)).any() for one in found)
+        if name == "rm75":
+            assert {one.branch for one in found} == set(range(8))
+
+
+@pytest.mark.parametrize("name", arms.here("rm75", "gen3"))
+def test_the_branch_of_an_answer_has_nothing_farther_when_it_is_asked_for(name):
+    arm, rng = arms.load(name), arms.generator(name, 78)
+    for q in arms.configurations(name, 40, 78):
+        some = rng.random(3) < 0.6
+        q[[1, 3, 5]] = np.where(some, rng.choice([0.0, 1e-12, 1e-9, 1e-6]), q[[1, 3, 5]])
+        seed = np.clip(q + rng.normal(size=7) * rng.choice([1e-3, 0.05, 0.3]), arm.lower, arm.upper)
+        pose = arms.forward(name)(q)
+        nearest = arm.solve(pose, seed=seed)
+        asked = arm.solve(pose, seed=seed, branch=nearest.branch)
+        assert np.linalg.norm(asked.q - seed) < np.linalg.norm(nearest.q - seed) + 1e-6

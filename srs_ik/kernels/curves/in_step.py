@@ -147,8 +147,7 @@ def is_along(made, way, cosine, vague):
 def step_in_step(P, R, p, rows, alive):
     """Take eight curves a step on: postures, ways of the curves, which are there (bits), cosines of their turns.
 
-    Only those that are named by the bits `alive` count; one whose steps do not shrink well is not there, and not waited
-    for.
+    Only those that are named by the bits `alive` count; one whose steps do not shrink well is not waited for.
     """
     before = take_eight(rows, LANE)
     way = take_ways(rows, 7, LANE)

@@ -112,7 +112,7 @@ def put_outermost(P, by, which, starts, n):
 
     `which` are, as bits, the signs of shoulder and wrist with which the pose is not reached all around. Returned too
     are those of them that have no other curves: away from other singularities a pose is reached with the turns at which
-    the reach is past it, about these greatest ones.
+    the reach is past it, about these greatest ones. Where it is past it, or not, by rounding, nothing is told.
     """
     place_ = by.target.place
     told = 0
@@ -138,6 +138,7 @@ def put_outermost(P, by, which, starts, n):
             begin, past_before = (q, rise, turning), past * away
             q = along7(q, 2.0 * math.pi / TURNS, turning)
             q, past, rise, turning, _, good = best_bend(P, by, q, curvature)
+            clear = clear and abs(2.0 * past / curvature) > LEAST_BEND**2
             parts += 1 if past_before <= 0.0 < past * away else 0
             reached += 1 if past * away > 0.0 else 0
             top = min(past_before + width * abs(begin[1]), past * away + width * abs(rise))

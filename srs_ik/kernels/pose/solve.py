@@ -88,11 +88,11 @@ def best_posture(family, target, branch, goal, J, A):
     """The best posture of all arm angles: q, branch, cost."""
     P = row(family, LIMITED)
     found = (goal.seed, 0, 4.0 * NO_BRANCH)
-    if goal.seeded and branch < 0:
+    if goal.seeded and (branch < 0 or P[IS_NEAR] != 0.0):
         found = search_near_seed(family, target, goal, J, A)
         if P[IS_NEAR] == 0.0 and goal.respect and found[2] < OUTSIDE and hides_some(P, target.place):
             found = best_at_any_bend(family, target, -1, goal, found)
-    if found[2] < OUTSIDE:
+    if found[2] < OUTSIDE and (branch < 0 or found[1] == branch):
         return found
     if P[IS_NEAR] != 0.0 and may_reach(P, target.place):
         return going_on(P, target, branch, goal, search_true(P, target, branch, goal, J, A), J, A)
