@@ -9,7 +9,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
 from srs_ik.inputs.freedom import FreeAxis
 from srs_ik.inputs.poses import as_seeds, seed_of
@@ -26,7 +26,6 @@ from srs_ik.solve.threads import tell
 
 if TYPE_CHECKING:
     from srs_ik.solve.packed import PackedArm
-    from srs_ik.solve.posture import Side, Tie
 
 Array = NDArray[np.float64]
 
@@ -34,23 +33,16 @@ BESIDE = 0.05
 """So much of its length, the reach of a near limb may differ from that of the nearest exact one at most."""
 
 
-def solve_task(
-    arm: PackedArm,
-    task: Task,
-    side: Side,
-    respect_limits: bool,
-    tie: Tie,
-    threads: int | None,
-    seed: ArrayLike | None,
-) -> TaskSolution | BatchTaskSolution:
-    """See `Arm.solve_task`."""
-    found = task_solver.solve_task(arm, task, side, respect_limits, tie, threads, seed)
+def solve_task(arm: PackedArm, task: Task, *question: Any) -> TaskSolution | BatchTaskSolution:
+    """See `Arm.solve_task`; the question is that of `task.solve_task`."""
+    found = task_solver.solve_task(arm, task, *question)
     if task.grasp is None or task.pronosupination is not None:
         return found
     rows = np.atleast_2d(found._row if isinstance(found, TaskSolution) else found._rows)
     missed = np.flatnonzero((rows[:, ROW_STATUS] != Status.OK) & may_reach(arm, task.position, task.grasp))
     if not len(missed):
         return found
+    side, respect_limits, tie, threads, seed = question
     seeds = as_seeds(seed, len(rows), arm.lower, arm.upper)
     free = FreeAxis(arm.hand[at.HAND_GRASP : at.HAND_GRASP + 3])
     T = task_solver.poses_of(rows[missed])

@@ -178,7 +178,7 @@ def with_breaks(problem: Problem, free: FreeAxis, found: PathSolution, alone: Ar
     missed = ~found.ok
     rows[missed] = alone[missed]
     again = np.flatnonzero(missed & (alone[:, ROW_STATUS] == Status.OK))
-    rows[again] = solve_batch(arm, problem.T[again], free, rows[again - 1, :7], True, 1)._rows
+    rows[again] = solve_batch(arm, problem.T[again], free, rows[np.maximum(again - 1, 0), :7], True, 1)._rows
     # A break goes the shorter way round.
     turns = np.round(np.diff(rows[:, :7], axis=0) * problem.settings[INVERSE_PERIOD])
     rows[1:, :7] -= problem.settings[PERIOD] * np.cumsum(turns, axis=0)
