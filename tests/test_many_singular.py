@@ -129,6 +129,21 @@ def test_known_postures_bound_the_distance_from_any_seed(judges, name, joints):
     assert farther == 0
 
 
+@pytest.mark.parametrize("joints", TOGETHER)
+@pytest.mark.parametrize("name", NAMES)
+def test_known_postures_bound_the_distance_from_any_seed_in_their_branch(judges, name, joints):
+    """The branch of a posture next to a border is asked for: what rounding does not tell from it counts as in it."""
+    arm, rng = load(judges, name), np.random.default_rng(79)
+    farther = 0
+    for case in judges["singular"]["cases"](arm, 25, rng, (joints,), 0.3):
+        seed = np.clip(case.q + rng.uniform(-1.0, 1.0, 7) * 10.0 ** rng.uniform(-3.0, 0.0), arm.lower, arm.upper)
+        solution = arm.solve(case.pose, seed=seed, branch=arm.branch(case.q))
+        assert max(arm.verify(case.pose, solution.q)) < LEFT
+        assert inside(solution.q, arm.lower, arm.upper)
+        farther += np.linalg.norm(solution.q - seed) > np.linalg.norm(case.q - seed) + 1e-6
+    assert farther == 0
+
+
 @pytest.mark.parametrize("case", [SMALL_CURVE, ANOTHER_TURN], ids=["small curve", "another turn"])
 def test_postures_that_are_nearer_elsewhere_on_a_curve_are_found(judges, case):
     """The other one is closed by Newton's method on Pinocchio's Jacobian: no answer may be farther than that."""
@@ -222,6 +237,48 @@ def test_a_posture_of_round_numbers_is_found_again_from_a_seed_beside_it(given, 
     solution = arm.solve(pose, seed=seed)
     assert max(arm.verify(pose, solution.q)) < SOLVED
     assert np.linalg.norm(solution.q - seed) < abs(shift) * np.sqrt(7.0) + 1e-9
+
+
+ALONE = [
+    ((-0.406, 0.0, 0.0, 0.0026584, -0.127, 0.0, 0.452),
+     (-0.32555465159163544, -0.008534020296394653, -0.09453130295624741, 0.05665930629738171,
+      -0.1352924131019052, 0.057171848740261155, 0.5235347850059132)),
+    ((-0.292, 0.0, 0.0, -0.066, 0.0, 0.0, 0.085),
+     (-0.27315151674565336, 0.02752851503453984, -0.04843113438070477, -0.0003495911468678059,
+      0.014975552464331824, -0.03425621694735881, 0.14675687719327313)),
+    ((-1.872, 0.0, 0.0, 0.0030871, 0.0, 0.0, -1.347),
+     (-1.8531138344380602, -0.01694942819954742, 0.011520409027079799, 0.011165312153405254,
+      0.022482840406249045, -0.002751250962701657, -1.3461461955597254)),
+    ((-1.889, 0.0, 0.0, 0.0042129, 0.0, 0.0, -1.069),
+     (-1.8821425587444645, -0.005116797978428016, -0.007279060830457468, -0.0022312593540740906,
+      -0.0062207551328326595, -0.004986079999769367, -1.076529313642849)),
+]  # fmt: skip
+"""Postures that are the only ones of their poses around, almost, and seeds."""
+
+
+@pytest.mark.parametrize("case", ALONE)
+def test_a_posture_of_round_numbers_that_is_alone_is_found_from_a_seed(case):
+    arm, (q, seed) = arms.load("gen3"), map(np.array, case)
+    pose = arm.forward_kinematics(q)
+    solution = arm.solve(pose, seed=seed)
+    assert max(arm.verify(pose, solution.q)) < SOLVED
+    assert np.linalg.norm(solution.q - seed) < np.linalg.norm(q - seed) + 1e-6
+
+
+IN_BLUR = [
+    (-3.1, -1e-11, -0.2953852413418505, 2.355, 1.8054287173167824, 1e-11, -6.28),
+    (-3.1, -1e-11, 0.4925909091867542, 2.355, 3.1, 1e-11, -3.0875698927019446),
+]
+"""Of an rm75: shoulder and wrist singular, alone for their poses but for rounding, which is 1e-4 rad wide there."""
+
+
+@pytest.mark.parametrize("q", IN_BLUR if RM75 else [])
+def test_a_posture_on_limits_that_is_alone_but_for_rounding_is_in_an_interval(judges, q):
+    arm, q, known = arms.load("rm75"), np.array(q), judges["known"]
+    case = known["Case"](q, arm.forward_kinematics(q).homogeneous, q, (), 0.0)
+    intervals = arm.intervals(case.pose)
+    assert known["beside"](arm, case, intervals) < known["BESIDE"]
+    assert not list(known["missed"](arm, [case], [intervals]))
 
 
 @pytest.mark.parametrize("name", NAMES)

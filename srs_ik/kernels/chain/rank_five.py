@@ -16,7 +16,7 @@ from srs_ik.kernels.algebra.joint_vectors import along7, difference, dot7, large
 from srs_ik.kernels.algebra.linear import solve_linear
 from srs_ik.kernels.algebra.pointers import keep, row
 from srs_ik.kernels.algebra.vectors import add, along, cross, dot, norm, scale
-from srs_ik.kernels.chain.newton import MAX_STEP, load_square, moved, pose_step, shortest_step
+from srs_ik.kernels.chain.newton import MAX_STEP, load_square, longest, moved, pose_step, shortest_step
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.limb.goal import NO_SEED
 from srs_ik.kernels.limb.poses import read7
@@ -26,7 +26,17 @@ SETTLED = 1e-8
 """Newton's steps, at most, and the size of the last one, rad."""
 
 DAMPING = 1e-14
-"""What is lost is left out of steps by so much of damping."""
+FIRST_DAMPING = 1e-4
+"""What is lost is left out of steps by so much of damping; of the first one, which only comes closer to the pose, all
+in which the tip moves little."""
+
+STEADY_STEPS = 120
+NEXT_TO = 1e-10
+"""Steps, each of which leaves less of the error, at most, and the error (m, rad) that they leave: half of the way to a
+posture of rank five each, they end next to it."""
+
+STEADY_DAMPING, GENTLER, STIFFER = 1e-2, 0.25, 4.0
+"""The first one's damping, and by how much a step that comes closer makes less of it, one that does not more."""
 
 ANY_WAYS = ((0.35, -0.25, 0.45, 0.15, 0.5, -0.4, 0.3), (0.3, 0.4, -0.5, 0.25, 0.15, 0.45, -0.35))
 ANY_TWIST = ((0.35, -0.25, 0.45), (0.15, 0.5, -0.4))
@@ -44,6 +54,10 @@ ALONE = 1e-14
 SAME = 1e-5
 MOST_CENTRES = 16
 """Two postures of rank five are one if they are this close, rad; and how many are kept."""
+
+CENTRE = 8
+BLUR = 7
+"""A posture of rank five, and how far around it, rad, postures meet its pose as well as floats tell, if it is alone."""
 
 
 @kernel
@@ -115,6 +129,35 @@ def own_ways(J, u, A):
 
 
 @kernel
+def squared_error(twist):
+    """What is left to a pose, squared, m and rad alike."""
+    return dot(twist[0], twist[0]) + dot(twist[1], twist[1])
+
+
+@kernel
+def steadily_closer(P, q, target, J, A):
+    """Steps from a posture, each of which leaves less of the error, to one that meets its pose or next to it.
+
+    Where several directions are as good as lost, others lead to farther postures of the pose, past a single one.
+    """
+    damping = STEADY_DAMPING
+    twist = pose_step(P, q, target.R, target.p, J)
+    for _ in range(STEADY_STEPS):
+        if squared_error(twist) < NEXT_TO * NEXT_TO:
+            break
+        shortest_step(J, twist[0], twist[1], 0, damping, A)
+        there = moved(q, A, 1.0)
+        left = pose_step(P, there, target.R, target.p, J)
+        if squared_error(left) < squared_error(twist):
+            q, twist = there, left
+            damping *= GENTLER
+        else:
+            damping *= STIFFER
+            twist = pose_step(P, q, target.R, target.p, J)
+    return q
+
+
+@kernel
 def to_rank_five(P, q, target, J, A):
     """Newton's method to the posture of rank five next to one: whether there is one, it, and its form.
 
@@ -123,6 +166,10 @@ def to_rank_five(P, q, target, J, A):
     u = ANY_TWIST
     past = 0.0
     ways, bends = ANY_WAYS, (0.0, 0.0)
+    linear, angular = pose_step(P, q, target.R, target.p, J)
+    shortest_step(J, linear, angular, 0, FIRST_DAMPING, A)
+    size = longest(A)
+    q = moved(q, A, 1.0 if size < MAX_STEP else MAX_STEP / size)
     for i in range(STEPS):
         linear, angular = pose_step(P, q, target.R, target.p, J)
         if max(norm(linear), norm(angular)) > ASTRAY[min(i, len(ASTRAY) - 1)]:
@@ -153,7 +200,7 @@ def is_among(q, postures, n):
     """Whether a posture is one of the first n rows, but for whole turns."""
     found = False
     for i in range(n):
-        found = found or largest(difference(q, read7(row(postures, i)))) < SAME
+        found = found or largest(difference(q, read7(row(postures, i)))) < max(SAME, postures[i, BLUR])
     return found
 
 
@@ -161,10 +208,10 @@ def is_among(q, postures, n):
 def put_amid(P, target, starts, first, n, alone, work):
     """Append postures of small closed curves next to those in rows first to n - 1; how many rows are in use then.
 
-    And how many postures that are the only ones around are put into the rows of `alone`.
+    And how many postures that are the only ones around are put into the rows of `alone`, with their blur.
     """
     J, A = work
-    centres = np.empty((MOST_CENTRES, 7))
+    centres = np.zeros((MOST_CENTRES, CENTRE))
     used, found, n_alone = n, 0, 0
     for i in range(first, n):
         met, q, past, ways, bends = to_rank_five(P, read7(row(starts, i)), target, J, A)
@@ -177,6 +224,7 @@ def put_amid(P, target, starts, first, n, alone, work):
         if abs(past) < ALONE:
             if n_alone < alone.shape[0]:
                 store7(row(alone, n_alone), 0, q)
+                alone[n_alone, BLUR] = math.sqrt(2.0 * ALONE / min(abs(bends[0]), abs(bends[1])))
                 n_alone += 1
         elif used < starts.shape[0]:
             # Where the curve is closest it bends least.

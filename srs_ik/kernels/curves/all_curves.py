@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 
-from srs_ik.kernels.algebra.joint_vectors import dot7
+from srs_ik.kernels.algebra.joint_vectors import difference, dot7, largest
 from srs_ik.kernels.algebra.lanes import scatter
 from srs_ik.kernels.algebra.linear import solve_linear
 from srs_ik.kernels.algebra.pointers import row
@@ -17,6 +17,7 @@ from srs_ik.kernels.chain.newton import (
     LEFT,
     MAX_STEP,
     STEPS,
+    clipped,
     close_gently,
     load_system,
     longest,
@@ -24,7 +25,7 @@ from srs_ik.kernels.chain.newton import (
     pose_step,
 )
 from srs_ik.kernels.chain.newton_eight import close_eight
-from srs_ik.kernels.chain.rank_five import put_amid
+from srs_ik.kernels.chain.rank_five import BLUR, CENTRE, is_among, put_amid
 from srs_ik.kernels.chain.starts import FIRST, WIDTH, bent_place, start_all
 from srs_ik.kernels.curves.follow import (
     CURVE,
@@ -45,7 +46,7 @@ from srs_ik.kernels.curves.surface import put_starts
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.limb import BOTTOM_GAP, SHOULDER, TOP_GAP, WRIST
 from srs_ik.kernels.limb.branches import branch_of
-from srs_ik.kernels.limb.goal import NO_SEED
+from srs_ik.kernels.limb.goal import NO_SEED, turned
 from srs_ik.kernels.limb.limits import turn_to_middle, violation
 from srs_ik.kernels.limb.poses import read7
 
@@ -180,6 +181,16 @@ def extend_open(P, by, rows, curves, n, count):
 
 
 @kernel
+def inside_of_blur(P, by, q, blur):
+    """A posture that is alone, or one inside the limits that rounding does not tell from it, where limits count."""
+    if not by.respect:
+        return q
+    q = turned(P, q, False, NO_SEED, True)
+    inside, error = close_gently(P, clipped(P, q), by.target.R, by.target.p, True, by.J, by.A)
+    return inside if error < LEFT and largest(difference(q, inside)) < blur else q
+
+
+@kernel
 def follow_all(P, by, rows, curves):
     """Follow every curve of a pose that the closed form of the nearest exact limb leads to; the number of curves."""
     R, p, _ = by.target
@@ -192,7 +203,7 @@ def follow_all(P, by, rows, curves):
     count = 0
     n_marks, n_off, signs = put_marks(P, by, angles, marks, missed)
     n_surface = put_starts(P, by.target.place, missed, n_off)
-    alone = np.empty((MOST_LEFT, SAMPLE))
+    alone = np.empty((MOST_LEFT, CENTRE))
     n_outer, told = put_outermost(P, by, signs, missed, n_surface)
     n_missed, n_alone = put_amid(P, by.target, missed, n_off, n_outer, alone, (by.J, by.A))
     if n_marks > 0:
@@ -220,7 +231,9 @@ def follow_all(P, by, rows, curves):
         t, sign = tangent_at(P, by, q)
         # As close to the curve as floats tell, so that it is known where the curve closes.
         q, met = correct(P, by, q, t, dot7(t, q))
-        if sign == 0.0 or not met or (not brought and is_known(P, by, q, t, rows, curves, count)):
+        if sign == 0.0 or not met or is_among(q, alone, n_alone):
+            continue
+        if not brought and is_known(P, by, q, t, rows, curves, count):
             continue
         first = n
         shortest = LONGER * vagueness(by.J, t, by.A)
@@ -234,7 +247,8 @@ def follow_all(P, by, rows, curves):
     for i in range(n_alone if n + 2 * n_alone <= rows.shape[0] else 0):
         if count < curves.shape[0]:
             curves[count, 0], curves[count, 1], curves[count, 2] = n, n + 2, 0.0
+            q = inside_of_blur(P, by, read7(row(alone, i)), alone[i, BLUR])
             for x in range(2):
-                n = put(rows, n, x * POINT, read7(row(alone, i)))
+                n = put(rows, n, x * POINT, q)
             count += 1
     return count

@@ -181,7 +181,7 @@ def lines_up_with_shoulder(P, side, line, width):
 def put_parts(P, wide, place_, level, parts, n):
     """Append the parts of the surface with the elbow as it is, or flat; their number."""
     width = wide[SLACK_SINGULAR]
-    for elbow in range(1 if level else 2):
+    for elbow in range(1 if level or place_[3] == 0.0 else 2):
         side = elbow_side(P, place_, elbow)
         for i in range(4):
             k = SHOULDER if i < 2 else WRIST

@@ -11,8 +11,9 @@ import math
 from srs_ik.kernels.algebra.vectors import swing
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.answer import ROW_COST
-from srs_ik.kernels.layout.limb import A1_A2, A2_A3, PHASE, SHIFT, SHOULDER, STRAIGHT, WRIST
+from srs_ik.kernels.layout.limb import A1_A2, A2_A3, LOWER, PHASE, SHIFT, SHOULDER, SIZE, STRAIGHT, UPPER, WRIST
 from srs_ik.kernels.limb.goal import NO_SEED, elbow_part, join, part
+from srs_ik.kernels.limb.limits import TURN, set_joint_limits, set_limit
 from srs_ik.kernels.limb.spherical import angles, middle_angle, mirrored
 from srs_ik.kernels.limb.triangle import shoulder_columns, side_frames, wrist_columns
 
@@ -23,7 +24,9 @@ NEARLY_SINGULAR = 1e-6
 """Sine of a middle angle under which each solution of a spherical joint is computed for itself."""
 
 ON_BORDER = 1e-5
-"""A posture with a middle joint this close to its singularity, as a sine, is of the branches on either side."""
+WITHIN_BORDER = 0.99
+"""A posture with a middle joint this close to its singularity, as a sine, is of the branches on either side; searches
+in a branch go to this part of it."""
 
 UNSURE = 3.0
 """Branches are unsure within so many times the shift of a limb."""
@@ -69,6 +72,30 @@ def out_of_branch(P, q, branch):
 def is_on_border(P, q, branch):
     """Whether a posture is in a branch, or next to it on the other side of a singularity."""
     return out_of_branch(P, q, branch) < ON_BORDER
+
+
+@kernel
+def draw_to_branch(P, branch, q, box):
+    """Copy the packed limb to `box` with limits of joints 2, 4 and 6 that keep a branch, its borders included.
+
+    Of several turns of a joint in the branch, they keep the one closest to a configuration. Returns False where the
+    limits leave none.
+    """
+    for i in range(SIZE):
+        box[i] = P[i]
+    for middle in range(3):
+        j = 1 + 2 * middle
+        centre = phase_of(P, middle) + (-0.5 if branch & bit_of(middle) else 0.5) * math.pi
+        inside = min(max(q[j], P[LOWER + j]), P[UPPER + j])
+        centre += TURN * math.floor((inside - centre) / TURN + 0.5)
+        half = 0.5 * math.pi + WITHIN_BORDER * ON_BORDER
+        lower, upper = max(P[LOWER + j], centre - half), min(P[UPPER + j], centre + half)
+        if lower > upper:
+            return False
+        set_limit(box, j, lower, upper)
+    set_joint_limits(box, SHOULDER, 0)
+    set_joint_limits(box, WRIST, 4)
+    return True
 
 
 @kernel

@@ -16,7 +16,7 @@ from srs_ik.kernels.algebra.joint_vectors import along7
 from srs_ik.kernels.algebra.pointers import keep, row
 from srs_ik.kernels.chain.descent import QUICK, THOROUGH, descend, slid
 from srs_ik.kernels.chain.newton import LEFT, clipped, close_gently
-from srs_ik.kernels.chain.rank_five import ALONE, to_rank_five
+from srs_ik.kernels.chain.rank_five import ALONE, steadily_closer, to_rank_five
 from srs_ik.kernels.curves.surface import (
     MOST_PARTS,
     PART,
@@ -68,11 +68,8 @@ def try_from(P, q, target, goal, best, work):
 
 @kernel
 def try_rank_five(P, target, goal, best, work):
-    """The better of the best posture so far and those at or next to the posture of rank five that is next to a seed.
-
-    Gentle steps from the seed end short of it, but where Newton's method knows it from others.
-    """
-    q, _ = close_gently(P, goal.seed, target.R, target.p, False, work[0], work[1])
+    """The better of the best posture so far and those at or next to the posture of rank five that is next to a seed."""
+    q = steadily_closer(P, goal.seed, target, work[0], work[1])
     met, q, past, ways, bends = to_rank_five(P, q, target, work[0], work[1])
     if met and abs(past) < ALONE:
         return try_from(P, q, target, goal, best, work)

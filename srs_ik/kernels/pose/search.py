@@ -28,8 +28,9 @@ from srs_ik.kernels.exact.nearest import (
 from srs_ik.kernels.exact.nearest_within import nearest_within, way_between
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.answer import MAX_PIECES
+from srs_ik.kernels.layout.asked import Goal
 from srs_ik.kernels.layout.limb import FAR, FREE, IS_NEAR, LIMITED, LOOSE, MISS, PHASE, SHOULDER, SIZE, WRIST
-from srs_ik.kernels.limb.branches import NO_BRANCH, branch_of, is_unsure
+from srs_ik.kernels.limb.branches import NO_BRANCH, branch_of, draw_to_branch, is_unsure
 from srs_ik.kernels.limb.goal import OUTSIDE
 from srs_ik.kernels.limb.in_line import may_line_up
 from srs_ik.kernels.limb.limits import tighten
@@ -167,8 +168,8 @@ def intervals_within(family, target, guessed, known, goal, found):
 
 
 @kernel
-def going_on(P, target, wanted, goal, found, J, A):
-    """What a search has found, or what is nearer to a seed around it (in one branch, if it is wanted): q, branch, cost.
+def going_on(P, target, goal, found, J, A):
+    """What a search has found, or what is nearer to a seed around it: q, branch, cost.
 
     Rounding decides where a curve leaves the limits, and turns around at an elbow as good as straight: searches end
     short of there, steps that each gain something do not.
@@ -176,8 +177,26 @@ def going_on(P, target, wanted, goal, found, J, A):
     if not goal.seeded or found[2] >= OUTSIDE:
         return found
     q, value = descend(P, found[0], target, goal, THOROUGH, CLOSED, (J, A))
-    own = branch_of(P, q)
-    return (q, own, value) if wanted in (-1, own) else found
+    return q, branch_of(P, q), value
+
+
+@kernel
+def going_on_in_branch(family, target, branch, goal, found, J, A):
+    """What a search in a branch has found, or what is nearer to a seed in it: q, branch, cost.
+
+    Curves are divided where they leave a branch, to rounding; what rounding does not tell to be on one side of a border
+    or on the other is of either branch. So a branch is what limits of joints 2, 4 and 6 keep that reach past its
+    borders by as much.
+    """
+    boxes = np.empty((1, SIZE))
+    box = row(boxes, 0)
+    around = found[0] if found[2] < OUTSIDE else goal.seed
+    if draw_to_branch(row(family, LIMITED if goal.respect else FREE), branch, around, box):
+        within = Goal(True, goal.seed, True)
+        q, _, value = going_on(box, target, within, nearest_among_splits(box, target, within, found), J, A)
+        found = (q, branch, value)
+    keep(boxes)
+    return found
 
 
 @kernel
@@ -203,16 +222,16 @@ def search_near_seed_true(family, target, guessed, known, goal, J, A):
     if n == 0:
         told = told and not may_be_in_line(P, target.place, goal.seed, math.sqrt(known[2]))
         if told:
-            return known if guessed[4] else going_on(P, target, -1, goal, known, J, A)
+            return known if guessed[4] else going_on(P, target, goal, known, J, A)
     if P[MISS] < HARDLY * P[FAR]:
         known = search_hardly_near(P, target, found[:n], known, goal, J, A)
-        return going_on(P, target, -1, goal, known, J, A)
+        return going_on(P, target, goal, known, J, A)
     if told:
         known, sure = look_beside(P, target, found[:n], known, goal, J, A)
     if sure:
         return known
     nearer = search_followed(P, target, -1, goal, goal.respect, J, A)
-    return going_on(P, target, -1, goal, nearer if nearer[2] < known[2] else known, J, A)
+    return going_on(P, target, goal, nearer if nearer[2] < known[2] else known, J, A)
 
 
 @kernel

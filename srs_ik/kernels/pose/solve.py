@@ -29,7 +29,7 @@ from srs_ik.kernels.layout.answer import (
 )
 from srs_ik.kernels.layout.asked import Goal, Target
 from srs_ik.kernels.layout.limb import FREE, IS_NEAR, LIMITED
-from srs_ik.kernels.limb.branches import NO_BRANCH, best_branch, branch_of, elbow_branches
+from srs_ik.kernels.limb.branches import NO_BRANCH, best_branch, branch_of, elbow_branches, is_on_border
 from srs_ik.kernels.limb.goal import NO_SEED, OUTSIDE, UNMET, tightest_joint, turned
 from srs_ik.kernels.limb.poses import read7, read_pose
 from srs_ik.kernels.limb.triangle import place
@@ -37,7 +37,7 @@ from srs_ik.kernels.near.at_angle import may_reach, solve_all_at_angle, solve_at
 from srs_ik.kernels.near.predicted_best import search_true
 from srs_ik.kernels.pose.any_bend import at_any_bend, best_at_any_bend, hides_some
 from srs_ik.kernels.pose.on_limits import BARELY, put_on_limits
-from srs_ik.kernels.pose.search import going_on, search_exact, search_near_seed
+from srs_ik.kernels.pose.search import going_on, going_on_in_branch, search_exact, search_near_seed
 
 LOOKS = 16
 """Arm angles from which a near limb is bent towards a pose out of reach, each in another branch than the one before."""
@@ -92,10 +92,13 @@ def best_posture(family, target, branch, goal, J, A):
         found = search_near_seed(family, target, goal, J, A)
         if P[IS_NEAR] == 0.0 and goal.respect and found[2] < OUTSIDE and hides_some(P, target.place):
             found = best_at_any_bend(family, target, -1, goal, found)
-    if found[2] < OUTSIDE and (branch < 0 or found[1] == branch):
-        return found
+    if found[2] < OUTSIDE and (branch < 0 or is_on_border(P, found[0], branch)):
+        return found[0], found[1] if branch < 0 else branch, found[2]
     if P[IS_NEAR] != 0.0 and may_reach(P, target.place):
-        return going_on(P, target, branch, goal, search_true(P, target, branch, goal, J, A), J, A)
+        found = search_true(P, target, branch, goal, J, A)
+        if goal.seeded and branch >= 0:
+            return going_on_in_branch(family, target, branch, goal, found, J, A)
+        return going_on(P, target, goal, found, J, A)
     return search_exact(family, target, branch, goal)
 
 
