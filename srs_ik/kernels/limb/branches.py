@@ -75,11 +75,17 @@ def is_on_border(P, q, branch):
 
 
 @kernel
+def reaches(P, joint, centre, half):
+    """Whether angles on either side of a centre reach into the limits of a joint."""
+    return centre - half <= P[UPPER + joint] and centre + half >= P[LOWER + joint]
+
+
+@kernel
 def draw_to_branch(P, branch, q, box):
     """Copy the packed limb to `box` with limits of joints 2, 4 and 6 that keep a branch, its borders included.
 
-    Of several turns of a joint in the branch, they keep the one closest to a configuration. Returns False where the
-    limits leave none.
+    Of several turns of a joint in the branch, they keep the one inside the limits that is closest to a configuration.
+    Returns False where there is none.
     """
     for i in range(SIZE):
         box[i] = P[i]
@@ -89,9 +95,11 @@ def draw_to_branch(P, branch, q, box):
         inside = min(max(q[j], P[LOWER + j]), P[UPPER + j])
         centre += TURN * math.floor((inside - centre) / TURN + 0.5)
         half = 0.5 * math.pi + WITHIN_BORDER * ON_BORDER
-        lower, upper = max(P[LOWER + j], centre - half), min(P[UPPER + j], centre + half)
-        if lower > upper:
+        if not reaches(P, j, centre, half):
+            centre += TURN if inside > centre else -TURN
+        if not reaches(P, j, centre, half):
             return False
+        lower, upper = max(P[LOWER + j], centre - half), min(P[UPPER + j], centre + half)
         set_limit(box, j, lower, upper)
     set_joint_limits(box, SHOULDER, 0)
     set_joint_limits(box, WRIST, 4)

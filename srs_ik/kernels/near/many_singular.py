@@ -87,7 +87,7 @@ def nearest_among_splits(P, target, goal, known):
     if not may_have_surface(P, target.place, width_for_curves(P)):
         return known
     work = (np.empty((6, 7)), np.empty((16, 9)))
-    best = try_rank_five(P, target, goal, known, work)
+    best = try_from(P, goal.seed, target, goal, try_rank_five(P, target, goal, known, work), work)
     width = in_line_width(P)
     if not may_have_surface(P, target.place, width):
         return best
@@ -95,7 +95,6 @@ def nearest_among_splits(P, target, goal, known):
     wide = row(boxes, 0)
     parts = np.empty((MOST_PARTS, PART))
     n = find_parts(P, wide, target.place, width, parts)
-    best = try_from(P, goal.seed, target, goal, best, work)
     for k in range(n):
         part = row(parts, k)
         for i in range(TRIES[ways_of(part) - 1]):
