@@ -176,3 +176,13 @@ def test_a_base_and_a_tool_leave_what_was_found_of_the_links(monkeypatch):
         # Arm angles are told from a direction that no base changes.
         for a, b in zip(found, expected, strict=True):
             assert abs(a.upper - a.lower - (b.upper - b.lower)) < 1e-9
+
+
+@pytest.mark.parametrize("name", ["iiwa14", "gen3"])
+def test_an_arm_on_another_base_has_the_same_spheres(name):
+    arm, T = srs_ik.load(name), srs_ik.pose_from_xyz_rpy([0.3, -0.2, 0.5], [1.0, -0.7, 2.0]).homogeneous
+    here, there = (each.tables(srs_ik.Scene()) for each in (arm, arm.with_base(T)))
+    # The balls around them come first; these depend on the axes of the base.
+    own, moved = (tables.bodies[tables.groups[0, 0] :] for tables in (here, there))
+    np.testing.assert_allclose(moved[:, :3], own[:, :3] @ T[:3, :3].T + T[:3, 3], atol=1e-9)
+    np.testing.assert_allclose(moved[:, 3], own[:, 3], atol=1e-12)

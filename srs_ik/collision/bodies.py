@@ -192,15 +192,17 @@ def revolved(arm: ChainKinematics, body: Body, axis: int, lines: tuple[Array, Ar
     """
     T = arm.joint_frames(np.zeros(7))[body.joint]
     direction, point = lines[0][axis], lines[1][axis]
-    # In the frame of the joint and without the last digits: what is kept on disk is found again on any base.
-    own_direction, own_point = (direction @ T[:3, :3]).round(_DIGITS), ((point - T[:3, 3]) @ T[:3, :3]).round(_DIGITS)
+    # In the frame of the joint and without the last digits: on any base it is the same, and found again on the disk.
+    own_direction, own_point = (
+        given.round(_DIGITS) + 0.0 for given in (direction @ T[:3, :3], (point - T[:3, 3]) @ T[:3, :3])
+    )
     vertices, faces = _lathe(*_profile(body, own_direction, own_point).T)
     rows, _ = covered_mesh(vertices, faces, SPHERES)
-    side = np.linalg.svd(direction[None])[2][1:]
-    if np.linalg.det(np.vstack([side, direction])) < 0.0:
+    side = np.linalg.svd(own_direction[None])[2][1:]
+    if np.linalg.det(np.vstack([side, own_direction])) < 0.0:
         side = side[::-1]
-    centres = rows[:, :3] @ np.vstack([side, direction]) + point
-    return np.column_stack([centres, rows[:, 3]])
+    centres = rows[:, :3] @ np.vstack([side, own_direction]) + own_point
+    return np.column_stack([centres @ T[:3, :3].T + T[:3, 3], rows[:, 3]])
 
 
 _SLICES = 20

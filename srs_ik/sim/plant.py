@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from srs_ik.arm import Arm
+from srs_ik.errors import InvalidController
 from srs_ik.inputs.control import flag, one_of, positive, seven_not_negative, thing, torques, vector
 from srs_ik.inputs.poses import as_joint_vector
 from srs_ik.robot.limb import Vector
@@ -93,6 +95,9 @@ class Plant:
         self.friction = np.array(self.model.dof_frictionloss[self._at])
         self._tip_body, self._elbow_body = (int(self.model.joint(arm.joint_names[k]).bodyid[0]) for k in (6, 2))
         self._push = np.zeros(self.model.nv)
+        # MuJoCo counts here what it found to be no number, or too large, in a motion: position, speed and so on.
+        self._warned, first = self.data.warning.number, int(mujoco.mjtWarning.mjWARN_BADQPOS)
+        self._bad = range(first, len(self._warned))
         self.reset(np.zeros(7))
 
     # State ------------------------------------------------------------------------------------------------------
@@ -122,10 +127,17 @@ class Plant:
         """One time step with torques (7,), N m, which the effort limits clamp.
 
         Raises:
-            InvalidController: not 7 finite torques.
+            InvalidController: not 7 finite torques, or a motion that is unstable: MuJoCo begins anew then.
         """
         self.data.ctrl[:] = torques(torque)
+        begun = self.data.time
         self._mujoco.mj_step(self.model, self.data)
+        for what in self._bad:
+            if self._warned[what]:
+                raise InvalidController(
+                    f"the motion is unstable at {begun:.4g} s: figures of it are infinite to MuJoCo; take a softer "
+                    f"controller, a higher rate, or time steps shorter than {self.timestep:g} s"
+                )
 
     def push(self, on: str, force: ArrayLike) -> None:
         """Push the tip or the elbow with a force (3,) in base axes, N, until the next call of this function.
@@ -133,17 +145,26 @@ class Plant:
         Raises:
             InvalidController: another place, or not a force.
         """
-        one_of(on, PLACES, "a push is on")
-        h = self.R_root_base @ vector(force, "force of a push")
+        self.push_all([(on, force)])
+
+    def push_all(self, pushes: Iterable[tuple[str, ArrayLike]]) -> None:
+        """Push by several forces at once, each with its place, until the next push; those on one place add up.
+
+        Raises:
+            InvalidController: another place, or not a force.
+        """
         self._push[:] = 0.0
-        body, point = (self._tip_body, self._tip_site) if on == "tip" else (self._elbow_body, self._elbow_site)
-        where = self.data.xpos[body] + self.data.xmat[body].reshape(3, 3) @ point
-        self._mujoco.mj_applyFT(self.model, self.data, h, np.zeros(3), where, body, self._push)
+        for on, force in pushes:
+            one_of(on, PLACES, "a push is on")
+            h = self.R_root_base @ vector(force, "force of a push")
+            body, point = (self._tip_body, self._tip_site) if on == "tip" else (self._elbow_body, self._elbow_site)
+            where = self.data.xpos[body] + self.data.xmat[body].reshape(3, 3) @ point
+            self._mujoco.mj_applyFT(self.model, self.data, h, np.zeros(3), where, body, self._push)
         self.data.qfrc_applied[:] = self._push
 
     def release(self) -> None:
         """Push no more."""
-        self.data.qfrc_applied[:] = 0.0
+        self.push_all(())
 
     def fall_exactly(self) -> None:
         """Integrate by the method of Runge and Kutta of order 4 from now on, for comparison with other programs."""

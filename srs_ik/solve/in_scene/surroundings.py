@@ -71,6 +71,9 @@ class Surroundings:
         self.slack = self.tables.with_margin(self.margin)
         self.tight, self.jammed = _limits(arm, packed, self.tables.ranges, tightened, self.margin)
 
+    def __reduce__(self) -> tuple[Any, ...]:
+        return Surroundings, (self.arm, self.packed, self.scene, self.margin - self.scene.margin)
+
     # Intervals ----------------------------------------------------------------------------------------------------
 
     def feasible(self, T: Array, respect: bool) -> Array:
