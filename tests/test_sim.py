@@ -286,3 +286,26 @@ def test_a_simulation_has_one_time_step_at_least():
     assert len(simulate(plant, TorqueController(plant.arm, []), 2e-4).t) == 1
     with pytest.raises(srs_ik.InvalidController, match=r"1 to 1,000,000,000 time steps of 0\.00025 s, not 0\.4"):
         simulate(plant, TorqueController(plant.arm, []), 1e-4)
+
+
+@pytest.mark.parametrize("side", ["lower", "upper"])
+def test_a_joint_with_one_limit_ends_there(side):
+    sign = 1.0 if side == "upper" else -1.0
+    limits = {"lower": -np.inf, "upper": np.inf, side: sign * 0.2}
+    arm = srs_ik.load("iiwa14", limits={"iiwa_joint_1": limits})
+    plant = Plant(arm, damping=0.5)
+    plant.reset(HOME)
+    for _ in range(4000):
+        plant.step(sign * np.array([20.0, 0, 0, 0, 0, 0, 0]))
+    assert sign * plant.q[0] == pytest.approx(0.2, abs=0.02)
+
+
+@pytest.mark.parametrize("make", [OperationalSpace, LinearImpedance, JointImpedance])
+def test_baselines_take_the_short_way_round(make):
+    arm = srs_ik.load("gen3")
+    baseline, v = make(arm), np.full(7, 0.1)
+    baseline.set_posture([3.0, 0.4, -3.0, 1.2, 0.2, -0.6, 0.3])
+    q = np.array([-3.0, 0.3, 3.0, 1.0, 0.2, -0.5, 0.3])
+    turns = np.array([1, 0, -1, 0, 2, 0, -3])
+    torque = baseline.torque(q, v)
+    np.testing.assert_allclose(baseline.torque(q + 2.0 * np.pi * turns, v), torque, atol=1e-9)

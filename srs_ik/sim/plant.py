@@ -26,6 +26,9 @@ PLACES = ("tip", "elbow")
 LIMIT_TIME = 0.004
 """Time constant of the joint limits, s: soft constraints, but stiff ones."""
 
+NEVER = 1e6
+"""A joint angle, rad, that stands for a limit that is not there, of a joint with one limit alone."""
+
 
 class Plant:
     """An arm in MuJoCo: a program that knows nothing of this package moves it.
@@ -208,10 +211,10 @@ class Plant:
 
     def _set_joint(self, spec: Any, k: int, name: str, limited: bool, clamped: bool) -> None:
         mujoco, arm, joint = self._mujoco, self.arm, spec.joint(name)
-        bounded = limited and np.isfinite(arm.lower[k]) and np.isfinite(arm.upper[k])
+        bounded = limited and (np.isfinite(arm.lower[k]) or np.isfinite(arm.upper[k]))
         joint.limited = mujoco.mjtLimited.mjLIMITED_TRUE if bounded else mujoco.mjtLimited.mjLIMITED_FALSE
         if bounded:
-            joint.range = [arm.lower[k], arm.upper[k]]
+            joint.range = [max(arm.lower[k], -NEVER), min(arm.upper[k], NEVER)]
             joint.solref_limit = [LIMIT_TIME, 1.0]
         joint.actfrclimited = mujoco.mjtLimited.mjLIMITED_FALSE
         motor = spec.add_actuator(name=f"motor of {name}", trntype=mujoco.mjtTrn.mjTRN_JOINT, target=name)
