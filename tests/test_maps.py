@@ -376,3 +376,19 @@ def test_what_is_left_of_a_half_made_map_is_not_inside(tmp_path):
     np.testing.assert_array_equal(before.reached[before.inside], whole.reached[before.inside])
     assert not before.reached[~before.inside].any()
     np.testing.assert_array_equal(half.query(poses).inside, whole.inside)
+
+
+@pytest.mark.parametrize("step", [0.0, -0.1, np.nan, "x", True, 1e-9, 2e-4, 900.0])
+def test_points_too_close_and_too_far_are_refused_before_they_are_made(made, step, tmp_path):
+    chart = made[0]
+    for ask in (cloud, lambda chart, step: to_vtk(chart, tmp_path / "m.vti", step)):
+        with pytest.raises(srs_ik.InvalidMap, match=r"length from 0\.0001 to 1000 m|there may be 1 to 20,000,000"):
+            ask(chart, step)
+    assert not (tmp_path / "m.vti").exists()
+
+
+@pytest.mark.parametrize("points", [np.zeros((3, 4)), np.zeros(6), "abc", [[np.nan, 0, 0]], 3.0])
+def test_points_are_three_figures_each(made, points):
+    chart = made[0]
+    with pytest.raises(srs_ik.InvalidPose):
+        chart.share(points)

@@ -11,7 +11,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from srs_ik.errors import InvalidMap
+from srs_ik.errors import InvalidMap, InvalidPose
+from srs_ik.inputs.numbers import real_array
 from srs_ik.inputs.poses import as_matrices
 from srs_ik.maps.extras import scene_digest
 from srs_ik.maps.placement import refuse_no_poses
@@ -246,8 +247,18 @@ class Map:
     # Positions --------------------------------------------------------------------------------------------------
 
     def share(self, points: Any) -> Array:
-        """(N,) share of the orientations that are reached at points (N, 3) of the base frame, metres, 0 to 1."""
-        points = np.ascontiguousarray(points, dtype=float).reshape(-1, 3)
+        """(N,) share of the orientations that are reached at points (N, 3) of the base frame, metres, 0 to 1.
+
+        Raises:
+            InvalidPose: a point is not three finite numbers.
+        """
+        try:
+            points = real_array(points)
+        except (TypeError, ValueError):
+            raise InvalidPose("points are an (N, 3) array of metres") from None
+        if points.shape[-1:] != (3,):
+            raise InvalidPose(f"points are an (N, 3) array of metres, not an array of shape {points.shape}")
+        points = points.reshape(-1, 3)
         T = np.tile(np.eye(4), (len(points), 1, 1))
         T[:, :3, 3] = points
         at, yaw, inside = self.cells_of(T)
