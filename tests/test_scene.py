@@ -414,3 +414,8 @@ def test_messages_are_read_as_moveit_reads_them(arm, pose):
     ):
         with pytest.raises(InvalidScene, match=said):
             read(**{"primitive_poses": there, **wrong})
+    seen = Message(collision_objects=[], octomap=Message(octomap=Message(data=[1, 2])))
+    with pytest.raises(InvalidScene, match="octomap"):
+        srs_ik.Scene().add_message(Message(world=seen))
+    seen.octomap.octomap.data = []
+    srs_ik.Scene().add_message(Message(world=seen))

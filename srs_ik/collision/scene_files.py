@@ -155,6 +155,8 @@ def of_message(message: Any) -> Iterator[Given]:
     """The objects that a message describes: see `Scene.add_message`."""
     world = getattr(message, "world", message)
     objects = getattr(world, "collision_objects", None)
+    if len(getattr(getattr(getattr(world, "octomap", None), "octomap", None), "data", ())):
+        raise InvalidScene("the message has an octomap, which nothing reads; see Scene.add_points")
     if objects is not None:
         for each in objects:
             yield from of_message(each)
