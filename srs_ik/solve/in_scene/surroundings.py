@@ -88,6 +88,11 @@ class Surroundings:
         """(n, 3) intervals in which bodies that ranges of joints watch do not meet; `found` are those in the limits."""
         return self._within(self.tight[bool(respect)], self.jammed, T, found)
 
+    def not_meeting(self, T: Array, found: Array, respect: bool) -> Array:
+        """(n, 3) the same where the margin is too much to ask of them, and they need only not meet."""
+        tight, jammed = _limits(self.arm, self.packed, self.tables.ranges, tightened, 0.0)
+        return self._within(tight[bool(respect)], jammed, T, found)
+
     def not_out_of_range(self, T: Array, found: Array, respect: bool) -> Array:
         """(n, 3) intervals outside of which some of these bodies are nearer than the margin for certain."""
         loose, jammed = _limits(self.arm, self.packed, self.tables.ranges, loosened, self.margin)
