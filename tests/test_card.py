@@ -193,3 +193,18 @@ def test_files_that_are_no_cards(tmp_path: Path):
     for name in ("nul\0.toml", "x" * 5000 + ".toml", "."):
         with pytest.raises(InvalidRobot, match=r"cannot read|is not a regular file"):
             read_card(tmp_path / name)
+
+
+def test_a_mark_of_the_encoding_is_no_part_of_a_card(toy):
+    path = toy()
+    card = read_card(path)
+    path.write_text(path.read_text(encoding="utf-8"), encoding="utf-8-sig")
+    assert read_card(path) == card
+
+
+@pytest.mark.parametrize("place", ["tool", "mount"])
+def test_degrees_of_a_place_are_noticed(toy, place):
+    path = toy("[sources", f"[{place}]\nrpy = [0, -90, 0]\n[sources")
+    said = rf"'rpy' in \[{place}\] is in radians, and -90 rad is more than a turn: are these degrees"
+    with pytest.warns(UserWarning, match=said):
+        read_card(path)

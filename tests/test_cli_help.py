@@ -1,10 +1,12 @@
 """What the commands say of themselves: help, examples, likely slips, and closed streams."""
 
+import inspect
 import os
 import shlex
 import subprocess
 import sys
 import tomllib
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -13,6 +15,7 @@ from command_line import POSE, Q, answer, run, run_apart
 import srs_ik
 from srs_ik.cli.app import app
 from srs_ik.cli.examples import EXAMPLES
+from srs_ik.cli.map_use import map_app
 from srs_ik.robot import zoo
 
 COMMANDS = sorted(command.name for command in app.registered_commands)
@@ -61,6 +64,14 @@ def test_the_list_of_commands_is_cut_nowhere(group):
     assert all(len(line) <= 80 and line.endswith((".", ")")) and not line.endswith("...") for line in listed if line)
 
 
+def test_every_command_that_takes_a_robot_can_be_allowed_its_xacro_file():
+    asked = [command for command in app.registered_commands + map_app.registered_commands if command.name != "bench"]
+    taking = [each for each in asked if {"source", "robot", "exact"} & set(inspect.signature(each.callback).parameters)]
+    assert len(taking) >= 14
+    lacking = [each.name for each in taking if "allow_xacro" not in inspect.signature(each.callback).parameters]
+    assert lacking == []
+
+
 @pytest.mark.parametrize("command", ["solve", "intervals", "ellipsoids"])
 def test_the_former_name_of_q_is_understood_and_not_shown(command):
     assert answer(command, "iiwa14", "--from-q", *Q) == answer(command, "iiwa14", "--q", *Q)
@@ -81,9 +92,15 @@ def said(*words: str) -> str:
         (["solve", "iiwa14", *POSE, "--arm-angle", "-45"], "--arm-angle"),
         (["ellipsoids", "iiwa14", "--q", "0", "20", "0", "-80", "0", "10", "0"], "--q"),
         (["intervals", "iiwa14", "--q", "0", "20", "0", "-80", "0", "10", "0"], "--q"),
+        (["path", "iiwa14", "poses.csv", "--longest-step", "30"], "--longest-step"),
+        (["follow", "iiwa14", "poses.csv", "--dt", "0.1", "--elbow", "30"], "--elbow"),
+        (["fk", "iiwa14", "--file", "joints.csv"], "joints.csv"),
     ],
 )
-def test_degrees_where_radians_belong_are_noticed(words, option):
+def test_degrees_where_radians_belong_are_noticed(words, option, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    Path("poses.csv").write_text("x,y,z,qx,qy,qz,qw\n0.5,0.1,0.6,0,0.6,0,0.8\n")
+    Path("joints.csv").write_text("q1,q2,q3,q4,q5,q6,q7\n0,20,0,-80,0,10,0\n")
     lines = [line for line in said(*words).splitlines() if "degrees?" in line]
     assert len(lines) == 1
     assert lines[0].startswith(f"srs-ik: {option} is in radians")

@@ -4,7 +4,7 @@ import json
 
 import numpy as np
 import pytest
-from command_line import answer, run
+from command_line import Q, answer, run
 
 import srs_ik
 from srs_ik.maps import open_map
@@ -121,3 +121,47 @@ def test_two_maps_are_compared_and_combined(tmp_path):
     both = str(tmp_path / "both.zarr")
     assert run("map", "combine", *paths, "--out", both).exit_code == 0
     np.testing.assert_array_equal(open_map(both).measure("reached") > 0, a | b)
+
+
+def test_a_map_of_an_arm_with_a_tool_and_a_mount_is_asked_with_its_adapter(tmp_path):
+    adapter = tmp_path / "welder.toml"
+    adapter.write_text(
+        f'name = "welder"\nurdf = "{srs_ik.load("iiwa14").drawing.file}"\n'
+        '[frames]\nbase = "iiwa_link_0"\ntip = "iiwa_link_ee"\n'
+        '[tool]\nxyz = [0.0, 0.0, 0.1]\n[mount]\nxyz = [0.0, 0.0, 0.7]\nname = "table"\n'
+    )
+    path, poses = str(tmp_path / "welder.zarr"), tmp_path / "poses.csv"
+    assert run("fk", str(adapter), "--q", *Q, "--out", str(poses)).exit_code == 0
+    assert run("map", "make", str(adapter), "--out", path, "--step", "0.3", "--orientations", "12").exit_code == 0
+    assert answer("map", "verify", path, str(adapter), "--count", "50")["right"]
+    assert answer("map", "query", path, str(poses), "--exact", str(adapter))[0]["reached"] == 1
+    page = tmp_path / "welder.html"
+    assert run("map", "preview", path, str(adapter), "--save", str(page)).exit_code == 0
+    other = run("map", "verify", path, "gen3")
+    assert other.exit_code == 2
+    assert "is a map of welder, base table, tip tool: gen3 has no such frames" in other.stderr
+
+
+def test_counts_are_whole_numbers(folder, tmp_path):
+    poses = tmp_path / "poses.csv"
+    poses.write_text("x,y,z,roll,pitch,yaw\n" + 41 * "0.5,0.1,0.6,0,1.5707963,0\n")
+    said = answer("map", "query", folder, str(poses))
+    assert [type(said[0][name]) for name in ("reached", "branches", "pieces", "width")] == [int, int, int, float]
+    lines = run("map", "query", folder, str(poses)).stdout.splitlines()
+    assert lines[2].split()[:4] == ["2", "1", str(said[0]["branches"]), str(said[0]["pieces"])]
+    assert lines[-1] == "1 lines are not shown"
+
+
+def test_what_is_left_to_make_is_said(tmp_path):
+    def stop(done, total):
+        if done < total:
+            raise KeyboardInterrupt
+
+    path, poses = tmp_path / "half.zarr", tmp_path / "poses.csv"
+    with pytest.raises(KeyboardInterrupt):
+        srs_ik.build_map(srs_ik.load("iiwa14"), 0.1, path, orientations=12, box=True, threads=1, progress=stop)
+    poses.write_text("x,y,z,roll,pitch,yaw\n0.5,0.1,0.6,0,1.5707963,0\n")
+    assert "left to make count as not reached" in run("map", "info", str(path)).stdout
+    asked = run("map", "query", str(path), str(poses))
+    assert asked.exit_code == 1
+    assert f"{path} is {100 * open_map(path).done:.0f} % done" in asked.stderr

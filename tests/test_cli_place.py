@@ -80,3 +80,15 @@ def test_wrong_input_is_one_line(poses, words, said):
     assert found.exit_code == 2
     assert said in found.stderr
     assert len(found.stderr.splitlines()) == 1
+
+
+def test_no_column_is_written_twice(poses, tmp_path):
+    out = tmp_path / "places.csv"
+    for by in ("share", "width"):
+        said = run("place", "iiwa14", poses[0], "--grid", "0", "0.4", "2", "0", "0", "1", "--by", by, "--out", str(out))
+        with out.open(newline="") as file:
+            header = next(csv.reader(file))
+        assert len(set(header)) == len(header)
+        assert {"share", by, "x", "qw"} <= set(header)
+        words = said.stdout.splitlines()[1].replace("reached (%)", "share").split()
+        assert words == header

@@ -1,6 +1,7 @@
 """Spheres that cover links: coverage by sampled surfaces, solids of revolution by turned samples, files of spheres."""
 
 import json
+import re
 
 import numpy as np
 import pytest
@@ -133,6 +134,14 @@ def test_an_arm_without_shapes_says_so():
         bare.intervals(np.eye(4), scene=srs_ik.Scene())
 
 
+def test_an_arm_with_shapes_of_its_base_alone_says_so():
+    base, rest = srs_ik.load("iiwa14").drawing.file.read_text().split("</link>", 1)
+    rest = re.sub(r"<(collision|visual)\b.*?</\1>", "", rest, flags=re.DOTALL)
+    arm = srs_ik.load(f"{base}</link>{rest}", tip="iiwa_link_ee")
+    with pytest.raises(NoBodies, match="no shapes of links that move"):
+        arm.intervals(np.eye(4), scene=srs_ik.Scene())
+
+
 def test_what_the_hand_holds_counts():
     arm = srs_ik.load("iiwa14")
     holding = arm.with_object("stick", srs_ik.pose_from_xyz_rpy([0.2, 0, 0], [0, 0, 0]), size=[0.3, 0.02, 0.02])
@@ -176,3 +185,29 @@ def test_a_base_and_a_tool_leave_what_was_found_of_the_links(monkeypatch):
         # Arm angles are told from a direction that no base changes.
         for a, b in zip(found, expected, strict=True):
             assert abs(a.upper - a.lower - (b.upper - b.lower)) < 1e-9
+
+
+@pytest.mark.parametrize("name", ["iiwa14", "gen3"])
+def test_an_arm_on_another_base_has_the_same_spheres(name):
+    arm, T = srs_ik.load(name), srs_ik.pose_from_xyz_rpy([0.3, -0.2, 0.5], [1.0, -0.7, 2.0]).homogeneous
+    here, there = (each.tables(srs_ik.Scene()) for each in (arm, arm.with_base(T)))
+    # The balls around them come first; these depend on the axes of the base.
+    own, moved = (tables.bodies[tables.groups[0, 0] :] for tables in (here, there))
+    np.testing.assert_allclose(moved[:, :3], own[:, :3] @ T[:3, :3].T + T[:3, 3], atol=1e-9)
+    np.testing.assert_allclose(moved[:, 3], own[:, 3], atol=1e-12)
+
+
+def test_spheres_of_links_that_are_not_there_are_refused(tmp_path):
+    arm, one = srs_ik.load("iiwa14"), [{"center": [0, 0, 0.1], "radius": 0.1}]
+
+    def with_spheres(links):
+        (tmp_path / "a.json").write_text(json.dumps(links))
+        return arm.with_bodies(spheres=tmp_path / "a.json")
+
+    with pytest.raises(InvalidScene, match=r"given for 'iiwa_lnk_2' \(did you mean 'iiwa_link_2'"):
+        with_spheres({"iiwa_link_1": one, "iiwa_lnk_2": one}).intervals(np.eye(4), scene=srs_ik.Scene())
+    with pytest.raises(NoBodies, match="no link that moves"):
+        with_spheres({"iiwa_link_0": one}).bodies  # noqa: B018
+    # As cuRobo writes of an object that is not held yet.
+    held = {"attached_object": [{"center": [0, 0, 0], "radius": -10.0}]}
+    assert [body.name for body in with_spheres({"iiwa_link_1": one, **held}).bodies] == ["iiwa_link_1"]

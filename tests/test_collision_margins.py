@@ -116,3 +116,15 @@ def test_paths_keep_a_margin_that_no_range_of_a_joint_keeps(distances):
             at = (1.0 - share) * found.q[i - 1] + share * found.q[i]
             assert min(distances.at(at).values()) > 0.06 - 2e-5
     assert checked >= 18
+
+
+def test_where_a_margin_is_too_much_the_posture_given_does_not_collide():
+    arm, scene = srs_ik.load("iiwa14"), srs_ik.Scene()
+    truth, asked = Truth(*file_of_and(arm)), 0
+    for T in poses(arm, 100, 58):
+        answer = arm.solve(T, scene=scene, margin=0.02)
+        if answer.status is srs_ik.Status.COLLISION and arm.solve(T, scene=scene):
+            asked += 1
+            assert not truth.collides(answer.q)
+            assert 0.0 < answer.collision.depth <= 0.02
+    assert asked > 10

@@ -189,3 +189,22 @@ def test_a_scene_that_has_changed_is_looked_at_anew(arm):
     scene.margin, scene.exact = 0.0, False
     assert arm.intervals(T, scene=srs_ik.Scene()) == plain == arm.intervals(T, scene=scene)
     assert arm.with_object("box", np.eye(4), [0.3, 0.3, 0.3]).intervals(T, scene=scene) != plain
+
+
+def test_the_clearance_of_an_answer_is_a_function_of_any_posture(arm):
+    T, scene = arm.forward_kinematics(Q), srs_ik.Scene()
+    scene.add_sphere("ball", [0.6, 0.2, 0.8], 0.1)
+    best = arm.optimise(T, "clearance", scene=scene)
+    assert (best.objective.name, best.objective.unit) == ("clearance", "m")
+    for q in (best.q, Q, np.array([-0.5, 0.4, 0.9, -1.6, 0.2, 0.5, 1.0])):
+        assert best.objective.value(arm, q) == pytest.approx(clearance(arm, arm.tables(scene), q), abs=1e-9)
+
+
+def test_where_no_posture_keeps_clear_the_largest_clearance_names_the_bodies(arm):
+    T, scene = arm.forward_kinematics(Q), srs_ik.Scene()
+    scene.add_sphere("ball", T.translation, 0.1)
+    best = arm.optimise(T, "clearance", scene=scene)
+    assert best.status is srs_ik.Status.COLLISION
+    assert best.collision == arm.solve(T, scene=scene).collision
+    assert "ball" in best.message
+    assert best.value < 0.0

@@ -219,3 +219,11 @@ def test_limits_that_a_person_switches_off_are_off():
         made = TorqueController(arm(), [], limits=off, speeds=off)
         assert made.limits is None
         assert made.speeds is None
+
+
+@pytest.mark.parametrize("wrong", [np.zeros(7, complex), np.array(list("abcdefg")), np.array([10**400] * 7, object)])
+def test_arrays_of_other_things_than_figures_are_no_joint_angles(wrong):
+    controller = TorqueController(arms.load("iiwa14"), [])
+    for given in ((wrong, np.zeros(7)), (np.zeros(7), wrong)):
+        with pytest.raises(srs_ik.InvalidConfiguration):
+            controller.torque(*given)

@@ -115,6 +115,7 @@ def test_answers_can_be_copied(how):
         arm.solve_path([pose, pose]),
         arm.optimise(pose, "manipulability"),
         arm.solve_task(TASK),
+        arm.optimise(pose, "clearance", scene=srs_ik.Scene()),
     ]
     for answer in answers:
         other = COPIES[how](answer)
@@ -126,6 +127,8 @@ def test_answers_can_be_copied(how):
             assert other.message == answer.message
     batch = COPIES[how](answers[4])
     assert [batch.message(i) for i in range(2)] == [answers[4].message(i) for i in range(2)]
+    widest = COPIES[how](answers[-1])
+    assert widest.objective.value(arm, q) == answers[-1].objective.value(arm, q)
     intervals = arm.intervals(pose)
     assert COPIES[how](intervals) == intervals
     assert COPIES[how](TASK).position.tolist() == TASK.position.tolist()

@@ -148,3 +148,17 @@ def test_what_is_missing_is_said():
         build_map(arm, 0.2, "x.zarr", box=BOX, scene="shelf")
     found = estimate(arm, 0.2, orientations=12, box=BOX, velocity=VELOCITY, force=FORCE)
     assert found.rate < 50_000.0  # each pose that is reached is searched
+
+
+def test_the_ratio_between_positions_is_that_of_those_that_are_reached(made):
+    chart, _, _ = made
+    ratio, reached = chart.measure("ratio"), chart.measure("reached") > 0
+    partly = list(np.argwhere(reached[:-1] & ~reached[1:]))
+    assert partly
+    for at in partly:
+        T = pose_of(chart, tuple(at))
+        # Half-way to the next position, which is not reached, and whose 0 is no ratio.
+        T[0, 3] += 0.45 * chart.plan.grid.step
+        found = chart.query([T])
+        assert found.reached.all()
+        assert found.measures["ratio"][0] == pytest.approx(ratio[tuple(at)], rel=1e-6)

@@ -357,3 +357,38 @@ def test_pictures_and_previews_show_the_arcs(made):
         np.testing.assert_array_equal(show_yaw_arcs(view, pose), arcs)
         assert show_map(view, chart, cut=False) == len(cloud(chart)[0])
         assert "turned about axis 1" in view.html()
+
+
+def test_what_is_left_of_a_half_made_map_is_not_inside(tmp_path):
+    def stop(done, total):
+        if done > 0.4 * total:
+            raise KeyboardInterrupt
+
+    arm, path = arms.load("iiwa14"), tmp_path / "map.zarr"
+    rest = {"orientations": 12, "box": [[-0.8, 0.8], [-0.8, 0.8], [0.0, 1.2]]}
+    with pytest.raises(KeyboardInterrupt):
+        build_map(arm, 0.1, path, progress=stop, threads=1, **rest)
+    poses = np.array([arm.forward_kinematics(q).homogeneous for q in arms.configurations("iiwa14", 200, 5)])
+    half = open_map(path)
+    before = half.query(poses)
+    whole = build_map(arm, 0.1, path, **rest).query(poses)
+    assert 0.0 < before.inside.mean() < whole.inside.mean()
+    np.testing.assert_array_equal(before.reached[before.inside], whole.reached[before.inside])
+    assert not before.reached[~before.inside].any()
+    np.testing.assert_array_equal(half.query(poses).inside, whole.inside)
+
+
+@pytest.mark.parametrize("step", [0.0, -0.1, np.nan, "x", True, 1e-9, 2e-4, 900.0])
+def test_points_too_close_and_too_far_are_refused_before_they_are_made(made, step, tmp_path):
+    chart = made[0]
+    for ask in (cloud, lambda chart, step: to_vtk(chart, tmp_path / "m.vti", step)):
+        with pytest.raises(srs_ik.InvalidMap, match=r"length from 0\.0001 to 1000 m|there may be 1 to 20,000,000"):
+            ask(chart, step)
+    assert not (tmp_path / "m.vti").exists()
+
+
+@pytest.mark.parametrize("points", [np.zeros((3, 4)), np.zeros(6), "abc", [[np.nan, 0, 0]], 3.0])
+def test_points_are_three_figures_each(made, points):
+    chart = made[0]
+    with pytest.raises(srs_ik.InvalidPose):
+        chart.share(points)

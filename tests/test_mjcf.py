@@ -3,6 +3,7 @@
 import os
 
 import numpy as np
+import pinocchio as pin
 import pytest
 from robot_files import serial_arm
 
@@ -45,7 +46,6 @@ def test_variants_agree_with_mujoco_or_are_refused(tmp_path):
 def test_a_file_read_wrongly_would_be_noticed(tmp_path, monkeypatch):
     """The comparison fails where Pinocchio's own reader of MJCF stands for this one."""
     import mjcf_variants
-    import pinocchio as pin
 
     from srs_ik.robot.description.model import RobotModel
 
@@ -196,3 +196,57 @@ def test_bounds(inside, says, tmp_path):
         load_model(path)
     assert says in str(raised.value)
     assert len(str(raised.value)) < 500
+
+
+@pytest.mark.parametrize(
+    "options",
+    [
+        "",
+        '<option gravity="0.1 0 -3"/>',
+        '<option gravity="0 0 -3"/><option timestep="0.01"/><option gravity="0 1 0"/>',
+        '<option gravity="0 0 -3"><flag gravity="disable"/></option>',
+    ],
+)
+def test_gravity_losses_and_rotors_are_those_of_mujoco(tmp_path, options):
+    losses = 'range="-2 2" damping="0.3" frictionloss="0.2"'
+    defaults = '<default><joint armature="0.05"/></default>'
+    path = write({"main.xml": arm(losses, before=options + defaults)}, tmp_path)
+    mine, theirs = srs_ik.load(path), mujoco.MjModel.from_xml_path(str(path))
+    data, q = mujoco.MjData(theirs), np.array([0.3, 0.7, -0.4, 1.1, 0.5, 0.8, -0.2])
+    data.qpos[:] = q
+    mujoco.mj_forward(theirs, data)
+    model = mine.model
+    weight = pin.computeGeneralizedGravity(model, model.createData(), mine.configuration(q))
+    np.testing.assert_allclose(weight, data.qfrc_bias, atol=1e-12)
+    M = np.zeros((7, 7))
+    mujoco.mj_fullM(theirs, data, M)
+    np.testing.assert_allclose(
+        np.triu(pin.crba(model, model.createData(), mine.configuration(q))), np.triu(M), atol=1e-12
+    )
+    np.testing.assert_allclose(model.damping, theirs.dof_damping)
+    np.testing.assert_allclose(model.friction, theirs.dof_frictionloss)
+
+
+def test_a_plant_of_an_mjcf_file_has_its_losses_and_rotors(tmp_path):
+    pytest.importorskip("mujoco", "3.14")
+    from srs_ik.sim import Plant
+
+    path = write({"main.xml": arm('range="-2 2" damping="0.3" frictionloss="0.2" armature="0.05"')}, tmp_path)
+    plant, theirs = Plant(srs_ik.load(path), armature=0.01), mujoco.MjModel.from_xml_path(str(path))
+    np.testing.assert_allclose(plant.damping, theirs.dof_damping)
+    np.testing.assert_allclose(plant.friction, theirs.dof_frictionloss)
+    np.testing.assert_allclose(plant.model.dof_armature, theirs.dof_armature + 0.01)
+
+
+@pytest.mark.parametrize(
+    ("joint", "before", "said"),
+    [
+        ('range="-2 2" armature="-1"', "", "armature -1"),
+        ('range="-2 2" damping="x"', "", "damping of joint 'j1'"),
+        ('range="-2 2"', '<option gravity="0 0"/>', "gravity of <option>"),
+        ('range="-2 2"', '<option><flag gravity="off"/></option>', "gravity that makes no sense"),
+    ],
+)
+def test_losses_and_gravity_that_make_no_sense_are_refused(tmp_path, joint, before, said):
+    with pytest.raises(InvalidRobot, match=said):
+        srs_ik.load(write({"main.xml": arm(joint, before=before)}, tmp_path))

@@ -129,6 +129,7 @@ def test_joints_are_picked_by_name_in_any_order():
         ({}, "lacks 'iiwa_joint_1'; it has no joint"),
         ({"iiwa_joint1": 0.0}, r"lacks 'iiwa_joint_1' \(did you mean 'iiwa_joint1'\?\)"),
         (Message(name=["a"], position=[1, 2]), "1 names and 2 positions"),
+        (Message(name=["a", "b", "a"], position=[1.0, 2.0, 3.0]), "two positions of 'a': 1.0 and 3.0"),
         (Message(name=["a"]), "unlike a SimpleNamespace"),
         ([0.0] * 7, "unlike a list"),
         (dict.fromkeys([f"iiwa_joint_{k}" for k in range(1, 8)], np.nan), "not finite"),

@@ -360,3 +360,62 @@ def test_copies_keep_their_plan(arm, pose):
         assert np.array_equal(
             ends(other.intervals(pose, scene=srs_ik.Scene())), ends(changed.intervals(pose, scene=srs_ik.Scene()))
         )
+
+
+@pytest.mark.parametrize(
+    ("more", "said"),
+    [
+        ({"margn": 0.1}, "'margn' .*margin"),
+        ({"exact": "false"}, "exact is true or false, not 'false'"),
+        ({"objects": [{"name": "a", "box": [1, 1, 1], "radius": 0.1}]}, "'a' has 'radius'"),
+        ({"objects": [{"name": "a", "sphere": 1, "scale": 2}]}, "'a' has 'scale'"),
+        ({"objects": [{"name": "a", "box": [1, 1, 1], "rpy": [0, 0, 1], "quat": [0, 0, 0, 1]}]}, "rpy and quat"),
+    ],
+)
+def test_what_a_file_says_in_vain_is_refused(tmp_path, more, said):
+    (tmp_path / "scene.json").write_text(json.dumps({"objects": [], **more}))
+    with pytest.raises(InvalidScene, match=said):
+        srs_ik.Scene.from_file(tmp_path / "scene.json")
+
+
+def test_degrees_in_a_file_are_noticed(tmp_path):
+    turned = {"name": "a", "box": [1, 1, 1], "rpy": [0, 0, 90]}
+    (tmp_path / "scene.json").write_text(json.dumps({"objects": [turned]}))
+    with pytest.warns(UserWarning, match="rpy of 'a' is in radians, and 90 rad is more than a turn: are these degrees"):
+        srs_ik.Scene.from_file(tmp_path / "scene.json")
+
+
+def test_messages_are_read_as_moveit_reads_them(arm, pose):
+    def at(x, y, z, w):
+        return Message(position=Message(x=x, y=y, z=z), orientation=Message(x=0.0, y=0.0, z=0.0, w=w))
+
+    boxes = [Message(type=1, dimensions=[0.2, 0.2, 0.2]), Message(type=2, dimensions=[0.1])]
+
+    def read(**fields):
+        scene = srs_ik.Scene()
+        scene.add_message(Message(id="a", primitives=boxes, **fields))
+        return scene
+
+    made = srs_ik.Scene()
+    made.add_box("a/0", AT([0.5, 0.2, 0.5], [0, 0, 0]), [0.2, 0.2, 0.2])
+    made.add_sphere("a/1", [0.5, 0.2, 0.3], 0.1)
+    # Nobody has turned the object, its second shape has no pose, and bytes are numbers.
+    scene = read(pose=at(0.5, 0.2, 0.3, 0.0), primitive_poses=[at(0, 0, 0.2, 1.0)], operation=b"\x00")
+    assert scene.names == made.names
+    assert np.array_equal(ends(arm.intervals(pose, scene=scene)), ends(arm.intervals(pose, scene=made)))
+    there = [at(0, 0, 0.2, 1.0), at(0, 0, 0, 1.0)]
+    for wrong, said in (
+        ({"operation": 1}, "does not add it"),
+        ({"operation": b"\x01"}, "does not add it"),
+        ({"planes": [Message(coef=[0, 0, 1, 0])]}, "planes"),
+        ({"primitive_poses": [*there, there[0]]}, "2 primitives and 3 primitive_poses"),
+        ({"pose": at(0, 0, 0, 0.5)}, "pose of 'a': a quaternion"),
+        ({"pose": 3}, "no pose of geometry_msgs"),
+    ):
+        with pytest.raises(InvalidScene, match=said):
+            read(**{"primitive_poses": there, **wrong})
+    seen = Message(collision_objects=[], octomap=Message(octomap=Message(data=[1, 2])))
+    with pytest.raises(InvalidScene, match="octomap"):
+        srs_ik.Scene().add_message(Message(world=seen))
+    seen.octomap.octomap.data = []
+    srs_ik.Scene().add_message(Message(world=seen))

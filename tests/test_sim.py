@@ -246,3 +246,66 @@ def test_ten_seconds_at_4_kHz_take_three_of_the_processor_at_most():
     assert len(record.t) == 40_000
     # Static: within 0.1 mm of the target.
     assert record.errors(arm.forward_kinematics(HOME + 0.1).homogeneous)[0][-1] < 1e-4
+
+
+def test_pushes_that_overlap_add_up():
+    arm = arms.load("iiwa14")
+    there = [Push("tip", [0.0, 30.0, 0.0], 0.0, 0.02), Push("elbow", [0.0, 0.0, 20.0], 0.0, 0.02)]
+
+    def ends(*pushes):
+        plant = Plant(arm, damping=0.5)
+        plant.reset(HOME)
+        return simulate(plant, TorqueController(arm, []), 0.02, pushes=pushes).v[-1]
+
+    rest, both = ends(), ends(*there)
+    alone = [ends(push) - rest for push in there]
+    # After so short a time, speeds are those of the forces one by one, but for what these have moved.
+    assert np.linalg.norm(both - rest - sum(alone)) < 0.01 * min(map(np.linalg.norm, alone))
+    twice = ends(there[0], Push("tip", [0.0, 0.0, 0.0], 0.01, 0.005))
+    np.testing.assert_allclose(twice, alone[0] + rest, rtol=1e-12, atol=1e-12)
+
+
+def test_an_unstable_motion_is_an_error_and_not_another_beginning():
+    class Wild:
+        def torque(self, q, v):
+            return 1e5 * v - 1e5 * q
+
+    plant = Plant(arms.load("iiwa14"), effort_limits=False, joint_limits=False, damping=0.0)
+    plant.reset(HOME)
+    with pytest.raises(srs_ik.InvalidController, match=r"unstable at .* s.*time steps shorter than 0.00025 s"):
+        simulate(plant, Wild(), 0.2)
+    plant.reset(HOME)
+    with pytest.raises(srs_ik.InvalidController, match="unstable"):
+        plant.step(np.full(7, 1e30))
+    plant.reset(HOME)
+    plant.step(np.zeros(7))
+
+
+def test_a_simulation_has_one_time_step_at_least():
+    plant = Plant(arms.load("iiwa14"))
+    assert len(simulate(plant, TorqueController(plant.arm, []), 2e-4).t) == 1
+    with pytest.raises(srs_ik.InvalidController, match=r"1 to 1,000,000,000 time steps of 0\.00025 s, not 0\.4"):
+        simulate(plant, TorqueController(plant.arm, []), 1e-4)
+
+
+@pytest.mark.parametrize("side", ["lower", "upper"])
+def test_a_joint_with_one_limit_ends_there(side):
+    sign = 1.0 if side == "upper" else -1.0
+    limits = {"lower": -np.inf, "upper": np.inf, side: sign * 0.2}
+    arm = srs_ik.load("iiwa14", limits={"iiwa_joint_1": limits})
+    plant = Plant(arm, damping=0.5)
+    plant.reset(HOME)
+    for _ in range(4000):
+        plant.step(sign * np.array([20.0, 0, 0, 0, 0, 0, 0]))
+    assert sign * plant.q[0] == pytest.approx(0.2, abs=0.02)
+
+
+@pytest.mark.parametrize("make", [OperationalSpace, LinearImpedance, JointImpedance])
+def test_baselines_take_the_short_way_round(make):
+    arm = srs_ik.load("gen3")
+    baseline, v = make(arm), np.full(7, 0.1)
+    baseline.set_posture([3.0, 0.4, -3.0, 1.2, 0.2, -0.6, 0.3])
+    q = np.array([-3.0, 0.3, 3.0, 1.0, 0.2, -0.5, 0.3])
+    turns = np.array([1, 0, -1, 0, 2, 0, -3])
+    torque = baseline.torque(q, v)
+    np.testing.assert_allclose(baseline.torque(q + 2.0 * np.pi * turns, v), torque, atol=1e-9)

@@ -257,6 +257,11 @@ def test_chains_of_an_srdf_choose_the_limb(tmp_path):
         (SRDF, None, "several chains, name one of them as the limb: left_arm, right_arm"),
         (SRDF, "lef_arm", r"no chain 'lef_arm' \(did you mean 'left_arm'"),
         ('<robot name="x"/>', None, "no group that is given as a chain"),
+        (
+            SRDF.replace('</group>\n  <group name="right_arm">', ""),
+            "left_arm",
+            "no group that is given as a chain; name base and tip",
+        ),
         (SRDF.replace('base_link="left_l0" ', ""), None, "chain of group 'left_arm' lacks base_link or tip_link"),
         ("<robot", None, "not well-formed"),
         ("nowhere.srdf", None, "there is no file nowhere.srdf"),

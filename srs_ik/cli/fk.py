@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from srs_ik.cli.joint_file import read_joints
-from srs_ik.cli.options import AsJson, Base, Limb, Seven, Source, Tip, WrongInput
+from srs_ik.cli.options import AllowXacro, AsJson, Base, Limb, Seven, Source, Tip, WrongInput
 from srs_ik.cli.pose_file import POSITION, QUATERNION, refuse_onto, write_table
 from srs_ik.cli.poses import JOINTS, angles, unit_of
 
@@ -35,6 +35,7 @@ def fk(
         typer.Option(metavar="POSES.csv", help="Write the poses here, as 'srs-ik path' and 'solve --file' read them."),
     ] = None,
     degrees: Annotated[bool, typer.Option("--degrees", help="Joint angles are given in degrees.")] = False,
+    allow_xacro: AllowXacro = False,
     as_json: AsJson = False,
 ) -> None:
     """Show the pose of the tip of an arm, in its base frame, for given joint angles.
@@ -51,8 +52,8 @@ def fk(
 
     from srs_ik.loading import load
 
-    arm = load(source, base=base, tip=tip, limb=limb)
-    configurations = unit * read_joints(file, arm.joint_names) if file is not None else np.array([given])
+    arm = load(source, base=base, tip=tip, limb=limb, allow_xacro=allow_xacro)
+    configurations = read_joints(file, arm.joint_names, unit) if file is not None else np.array([given])
     poses = arm.forward_kinematics_batch(configurations)
     if out is not None:
         write_table(out, (*POSITION, *QUATERNION), ([*xyz, *quaternion] for xyz, quaternion in map(_parts, poses)))

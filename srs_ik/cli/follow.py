@@ -10,7 +10,18 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from srs_ik.cli import freedom
-from srs_ik.cli.options import AllowXacro, AsJson, Base, Limb, Seven, Source, Tip, WrongInput, numbers
+from srs_ik.cli.options import (
+    AllowXacro,
+    AsJson,
+    Base,
+    Limb,
+    Seven,
+    Source,
+    Tip,
+    WrongInput,
+    is_number,
+    numbers,
+)
 from srs_ik.cli.pose_file import read_targets, refuse_onto, write_table
 from srs_ik.cli.poses import JOINTS, angles, unit_of
 from srs_ik.cli.waiting import counted
@@ -106,10 +117,7 @@ def follow(
 
 
 def _elbow(word: str, unit: float) -> str | float:
-    try:
-        return unit * float(word)
-    except ValueError:
-        return word
+    return angles("--elbow", [word], unit)[0] if is_number(word) else word
 
 
 def _start(arm: Arm, targets: list[Any], free: FreeAxis | None) -> Any:

@@ -8,15 +8,22 @@ from typing import TYPE_CHECKING
 
 from srs_ik.cli.options import WrongInput
 from srs_ik.cli.pose_file import figures, read_table
+from srs_ik.cli.poses import warn_of_degrees
 
 if TYPE_CHECKING:
     import numpy as np
 
 
-def read_joints(path: Path, joint_names: Sequence[str]) -> np.ndarray:
-    """The joint angles of a CSV file whose header names the joints, (N, 7), in the unit of the file.
+def read_joints(path: Path, joint_names: Sequence[str], unit: float) -> np.ndarray:
+    """The joint angles of a CSV file whose header names the joints, (N, 7), rad.
 
-    The columns are the names of the joints, or q1 to q7, in any order. Other columns and empty lines are left out.
+    The columns are the names of the joints, or q1 to q7, in any order. Other columns and empty lines are left out. A
+    line on standard error says where angles in radians look like degrees.
+
+    Args:
+        path: the file.
+        joint_names: of the arm.
+        unit: radians in the unit of the file.
 
     Raises:
         WrongInput: the header lacks a joint, or a line a number; the message says which line.
@@ -39,4 +46,7 @@ def read_joints(path: Path, joint_names: Sequence[str]) -> np.ndarray:
     columns = {name: names.index(name) for name in wanted}
     if not rows:
         raise WrongInput(f"{path} has a header and no joint angles below it")
-    return np.array([list(figures(f"{path}, line {at}", row, columns)) for at, row in rows])
+    given = np.array([list(figures(f"{path}, line {at}", row, columns)) for at, row in rows])
+    if unit == 1.0:
+        warn_of_degrees(str(path), given.ravel().tolist(), " Then add --degrees.")
+    return unit * given

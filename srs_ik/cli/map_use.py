@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 from enum import StrEnum
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -9,10 +10,11 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from srs_ik.cli.map import map_app as map_app
-from srs_ik.cli.options import AsJson, ExampleCommand, Source, WrongInput, numbers
+from srs_ik.cli.options import AllowXacro, AsJson, ExampleCommand, Source, WrongInput, numbers, warn
 from srs_ik.cli.pose_file import read_poses, refuse_onto, write_table
 from srs_ik.cli.poses import unit_of
 from srs_ik.cli.scenes import SceneFile, read
+from srs_ik.cli.solve_file import MOST_LINES
 
 if TYPE_CHECKING:
     from srs_ik.arm import Arm
@@ -46,6 +48,8 @@ def info(folder: Folder, as_json: AsJson = False) -> None:
     typer.echo(repr(chart))
     typer.echo(f"base {robot['base']}, tip {robot['tip']}, fingerprint {robot['fingerprint'][:16]}")
     typer.echo(f"{plan.cells:,} cells, {100.0 * reached:.2f} % reached; measures {', '.join(chart.store.names)}")
+    if chart.done < 1.0:
+        typer.echo("cells that are left to make count as not reached; the same 'srs-ik map make' goes on with it")
 
 
 @map_app.command("query", cls=ExampleCommand, short_help="Say which poses of a file are reached, and how well.")
@@ -61,20 +65,21 @@ def query(
     scene: SceneFile = None,
     out: Annotated[Path | None, typer.Option(metavar="FILE.csv", help="Write the answers here.")] = None,
     degrees: Annotated[bool, typer.Option("--degrees", help="Angles in the file are given in degrees.")] = False,
+    allow_xacro: AllowXacro = False,
     as_json: AsJson = False,
 ) -> None:
     """Say which poses of a file a map calls reached, and how well. Exit status 1 where one is not."""
-    from srs_ik.cli.render import console, fixed, print_json, table
+    from srs_ik.cli.render import console, print_json, table
 
     refuse_onto(out, poses)
     T, lines = read_poses(poses, unit_of(degrees))
 
     from srs_ik.maps.reader import open_map
 
-    chart = open_map(folder) if exact is None else _with_arm(exact, folder, scene)
+    chart = open_map(folder) if exact is None else _with_arm(exact, folder, scene, allow_xacro)
     found = chart.query(T, exact=exact is not None)
     names = tuple(found.measures)
-    rows = [[float(found.measures[name][i]) for name in names] for i in range(len(found))]
+    rows = [[found.measures[name][i].item() for name in names] for i in range(len(found))]
     if out is not None:
         write_table(out, ("line", *names), ([line, *row] for line, row in zip(lines, rows, strict=True)))
     if as_json:
@@ -82,28 +87,51 @@ def query(
             [{"line": line, **dict(zip(names, row, strict=True))} for line, row in zip(lines, rows, strict=True)]
         )
     else:
-        shown = [[str(line), *(fixed(x, 4) for x in row)] for line, row in zip(lines[:40], rows, strict=False)]
+        shown = [[str(line), *map(_figure, row)] for line, row in zip(lines[:MOST_LINES], rows, strict=False)]
         console().print(table(("line", *names), shown, left=0))
+        if len(lines) > MOST_LINES:
+            typer.echo(f"{len(lines) - MOST_LINES} lines are not shown")
+    if exact is None and chart.done < 1.0 and not found.inside.all():
+        warn(f"{folder} is {100.0 * chart.done:.0f} % done: poses in what is left of it count as not reached")
     missed = int((~found.reached).sum())
     if missed:
         typer.echo(f"srs-ik: {missed} of {len(found)} poses are not reached", err=True)
         raise typer.Exit(1)
 
 
-def _arm(source: str, folder: Path) -> Arm:
-    """The arm of a map, found by the frames that the map names."""
+def _figure(value: int | float) -> str:
+    """A measure: whole numbers, counts and branches, as these."""
+    from srs_ik.cli.render import fixed
+
+    return str(value) if isinstance(value, int) else fixed(value, 4)
+
+
+def _arm(source: str, folder: Path, allow_xacro: bool) -> Arm:
+    """The arm of a map: the one arm of the source, or that between the frames that the map names."""
+    from srs_ik.errors import AmbiguousLimb, FrameNotFound
     from srs_ik.loading import load
     from srs_ik.maps.reader import open_map
 
     robot = open_map(folder).plan.robot
-    return load(source, base=robot["base"], tip=robot["tip"])
+    base, tip = robot["base"], robot["tip"]
+    # An adapter with a tool or a mount names frames that its robot file does not have.
+    with contextlib.suppress(AmbiguousLimb):
+        arm = load(source, allow_xacro=allow_xacro)
+        if (arm.base, arm.tip) == (base, tip):
+            return arm
+    try:
+        return load(source, base=base, tip=tip, allow_xacro=allow_xacro)
+    except FrameNotFound:
+        raise WrongInput(
+            f"{folder} is a map of {robot['name']}, base {base}, tip {tip}: {source} has no such frames"
+        ) from None
 
 
-def _with_arm(source: str, folder: Path, scene: Path | None) -> Map:
+def _with_arm(source: str, folder: Path, scene: Path | None, allow_xacro: bool) -> Map:
     """A map with its arm, and its scene if it is of one."""
     from srs_ik.maps.reader import open_map
 
-    return open_map(folder, _arm(source, folder), read(scene, None).get("scene"))
+    return open_map(folder, _arm(source, folder, allow_xacro), read(scene, None).get("scene"))
 
 
 @map_app.command("verify", cls=ExampleCommand, short_help="Check the sums of a map, and some of its cells again.")
@@ -113,6 +141,7 @@ def verify(
     count: Annotated[int, typer.Option(metavar="N", min=1, help="Cells to compute again.")] = 1000,
     seed: Annotated[int, typer.Option(metavar="N", min=0, help="Of the random choice of cells.")] = 0,
     scene: SceneFile = None,
+    allow_xacro: AllowXacro = False,
     as_json: AsJson = False,
 ) -> None:
     """Check a map: its checksums, some of its cells, and postures rebuilt from them. Exit status 1 if it is wrong."""
@@ -120,7 +149,7 @@ def verify(
 
     from srs_ik.cli.render import print_json
 
-    found = _with_arm(source, folder, scene).verify(count, seed)
+    found = _with_arm(source, folder, scene, allow_xacro).verify(count, seed)
     if as_json:
         print_json({**asdict(found), "right": bool(found)})
     else:
@@ -194,12 +223,13 @@ def preview(
     out: Annotated[Path, typer.Option("--save", metavar="FILE.html", help="Page to write; it needs no server.")],
     step: Annotated[str | None, typer.Option(metavar="METRES", help="Distance between points.")] = None,
     whole: Annotated[bool, typer.Option("--whole", help="Show the half in front (y < 0) too.")] = False,
+    allow_xacro: AllowXacro = False,
 ) -> None:
     """Write a page of the arm in the coloured cloud of what it reaches."""
     from srs_ik.maps.reader import open_map
     from srs_ik.preview import Preview, show_map
 
-    arm = _arm(source, folder)
+    arm = _arm(source, folder, allow_xacro)
     with Preview(arm) as view:
         apart = None if step is None else numbers("--step", [step])[0]
         count = show_map(view, open_map(folder, arm), apart, cut=not whole)

@@ -106,7 +106,8 @@ def path(
     if dt is not None:
         options["dt"] = _positive("--dt", dt)
     if longest_step is not None:
-        options["longest_step"] = unit * _positive("--longest-step", longest_step)
+        _positive("--longest-step", longest_step)
+        (options["longest_step"],) = angles("--longest-step", [longest_step], unit)
     if acceleration is not None:
         options["acceleration_limit"] = _accelerations(acceleration, objective)
     refuse_onto(out, poses)

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import math
 from enum import StrEnum
+from itertools import islice
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from srs_ik.cli.options import AllowXacro, AsJson, Base, Limb, Source, Tip, WrongInput, numbers
-from srs_ik.cli.pose_file import read_poses, refuse_onto, write_table
+from srs_ik.cli.pose_file import POSITION, QUATERNION, read_poses, refuse_onto, write_table
 from srs_ik.cli.poses import unit_of
 from srs_ik.cli.waiting import at_work
 
@@ -89,8 +90,8 @@ def place(
     with at_work(f"{len(T_room_base)} places for {len(T_room_tip)} poses"):
         found = base_placement(arm, T_room_tip, T_room_base, by.value)
     if out is not None:
-        columns = ("rank", "candidate", "share", by.value, "x", "y", "z", "qx", "qy", "qz", "qw")
-        write_table(out, columns, _rows(found, len(found)))
+        rows = _rows(found, len(found))
+        write_table(out, tuple(rows[0]), (list(row.values()) for row in rows))
     if as_json:
         _print_json(arm, found, top)
     else:
@@ -124,24 +125,31 @@ def _on_grid(grid: Six, height: str | None, yaws: int) -> np.ndarray:
     return T
 
 
-def _rows(found: Placement, count: int) -> list[list[object]]:
+def _rows(found: Placement, count: int) -> list[dict[str, float]]:
+    """The best candidates, column by column; the measure that they are ranked by may be the share itself."""
     from srs_ik.inputs.poses import xyz_quaternion
 
-    rows: list[list[object]] = []
-    for rank, each in enumerate(found, 1):
-        if rank > count:
-            break
+    rows = []
+    for rank, each in enumerate(islice(found, count), 1):
         xyz, quaternion = xyz_quaternion(found.candidates[each.candidate], order="xyzw")
-        rows.append([rank, each.candidate, each.share, each.value, *xyz.tolist(), *quaternion.tolist()])
+        figures = {"rank": rank, "candidate": each.candidate, "share": each.share, found.by: each.value}
+        rows.append(
+            {**figures, **dict(zip((*POSITION, *QUATERNION), (*xyz.tolist(), *quaternion.tolist()), strict=True))}
+        )
     return rows
 
 
 def _print_json(arm: Arm, found: Placement, top: int) -> None:
     from srs_ik.cli.render import print_json
 
-    names = ("rank", "candidate", "share", "value")
-    ranked = [
-        {**dict(zip(names, row[:4], strict=True)), "xyz": row[4:7], "quaternion": row[7:]} for row in _rows(found, top)
+    best = [
+        {
+            **{name: row[name] for name in ("rank", "candidate", "share")},
+            "value": row[found.by],
+            "xyz": [row[name] for name in POSITION],
+            "quaternion": [row[name] for name in QUATERNION],
+        }
+        for row in _rows(found, top)
     ]
     print_json(
         {
@@ -151,19 +159,24 @@ def _print_json(arm: Arm, found: Placement, top: int) -> None:
             "poses": found.reached.shape[1],
             "candidates": len(found),
             "by": found.by,
-            "best": ranked,
+            "best": best,
         }
     )
 
 
 def _print_table(arm: Arm, found: Placement, top: int) -> None:
-    from srs_ik.cli.render import console, fixed, table
+    from srs_ik.cli.render import console, table
 
-    rows = [
-        [str(row[0]), str(row[1]), fixed(100.0 * float(str(row[2])), 1), *(fixed(float(str(v)), 4) for v in row[3:])]
-        for row in _rows(found, top)
-    ]
-    columns = ("rank", "candidate", "reached (%)", found.by, "x", "y", "z", "qx", "qy", "qz", "qw")
+    rows = _rows(found, top)
+    names = ("reached (%)" if name == "share" else name for name in rows[0])
     out = console()
     out.print(f"{arm.name}: places of {arm.base} for {found.reached.shape[1]} poses of {arm.tip}")
-    out.print(table(columns, rows, left=0))
+    out.print(table(tuple(names), [[_shown(*item) for item in row.items()] for row in rows], left=0))
+
+
+def _shown(name: str, value: float) -> str:
+    from srs_ik.cli.render import fixed
+
+    if name == "share":
+        return fixed(100.0 * value, 1)
+    return str(value) if isinstance(value, int) else fixed(value, 4)

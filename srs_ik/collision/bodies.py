@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from srs_ik.collision import store
 from srs_ik.collision.cover import cover
 from srs_ik.collision.forms import Form, ball_around, row_of_spheres, surface
-from srs_ik.errors import NoBodies
+from srs_ik.errors import InvalidScene, NoBodies, did_you_mean, listed, quoted
 from srs_ik.meshes.files import MeshFinder, MeshMissing, MeshShelf
 from srs_ik.robot.description.shapes import Shape, read_shapes
 from srs_ik.robot.limb import ReadOnlyArrays
@@ -79,22 +79,41 @@ def link_bodies(
         spheres: (n, 4) of links whose spheres are given, in the frames of these links; all of them, if of any.
 
     Raises:
-        NoBodies: there are no shapes, or meshes of a link are not at hand.
+        NoBodies: there are no shapes, or meshes of a link are not at hand; or no spheres of a link that moves.
+        InvalidScene: spheres are given for a link that the robot does not have.
         InvalidRobot: the file that the arm was loaded from is gone, or is no URDF any more.
     """
     frames = {f.name: f for f in arm.model.frames if f.type == pin.FrameType.BODY}
-    shapes = [shape for shape in read_shapes(drawing)[0] if shape.link in frames]
     if spheres is not None:
-        return [_given(name, frames[name], rows) for name, rows in spheres.items() if len(rows) and name in frames]
-    if not shapes:
+        return _all_given(arm.name, frames, spheres)
+    shapes = [shape for shape in read_shapes(drawing)[0] if shape.link in frames]
+    if not any(frames[shape.link].parentJoint for shape in shapes):
         raise NoBodies(
-            f"{arm.name}: its description has no shapes; give spheres of its links: arm.with_bodies(spheres=FILE)"
+            f"{arm.name}: its description has no shapes of links that move; give spheres of them: "
+            "arm.with_bodies(spheres=FILE)"
         )
     shelf = MeshShelf(MeshFinder(drawing.file if drawing else None, folders))
     by_link: dict[str, list[Shape]] = {}
     for shape in shapes:
         by_link.setdefault(shape.link, []).append(shape)
     return [_of_link(arm, name, frames[name], own, shelf) for name, own in by_link.items()]
+
+
+def _all_given(robot: str, frames: Mapping[str, Any], spheres: Mapping[str, Array]) -> list[Body]:
+    """The links whose spheres are given; with none of one that moves, nothing would ever be hit."""
+    found = []
+    for name, rows in spheres.items():
+        if not len(rows):
+            continue
+        if name not in frames:
+            hint = did_you_mean(name, frames)
+            raise InvalidScene(
+                f"spheres are given for {quoted(name)}{hint}; the links of {robot} are {listed(list(frames))}"
+            )
+        found.append(_given(name, frames[name], rows))
+    if not any(body.joint for body in found):
+        raise NoBodies(f"{robot}: no link that moves has one of the spheres that are given")
+    return found
 
 
 def _given(name: str, frame: Any, rows: Array) -> Body:
@@ -192,15 +211,17 @@ def revolved(arm: ChainKinematics, body: Body, axis: int, lines: tuple[Array, Ar
     """
     T = arm.joint_frames(np.zeros(7))[body.joint]
     direction, point = lines[0][axis], lines[1][axis]
-    # In the frame of the joint and without the last digits: what is kept on disk is found again on any base.
-    own_direction, own_point = (direction @ T[:3, :3]).round(_DIGITS), ((point - T[:3, 3]) @ T[:3, :3]).round(_DIGITS)
+    # In the frame of the joint and without the last digits: on any base it is the same, and found again on the disk.
+    own_direction, own_point = (
+        given.round(_DIGITS) + 0.0 for given in (direction @ T[:3, :3], (point - T[:3, 3]) @ T[:3, :3])
+    )
     vertices, faces = _lathe(*_profile(body, own_direction, own_point).T)
     rows, _ = covered_mesh(vertices, faces, SPHERES)
-    side = np.linalg.svd(direction[None])[2][1:]
-    if np.linalg.det(np.vstack([side, direction])) < 0.0:
+    side = np.linalg.svd(own_direction[None])[2][1:]
+    if np.linalg.det(np.vstack([side, own_direction])) < 0.0:
         side = side[::-1]
-    centres = rows[:, :3] @ np.vstack([side, direction]) + point
-    return np.column_stack([centres, rows[:, 3]])
+    centres = rows[:, :3] @ np.vstack([side, own_direction]) + own_point
+    return np.column_stack([centres @ T[:3, :3].T + T[:3, 3], rows[:, 3]])
 
 
 _SLICES = 20

@@ -65,6 +65,7 @@ class BodyOwner(ChainKinematics):
         Raises:
             NoBodies: there are no shapes, or meshes of a link are not at hand.
             InvalidRobot: a file is gone, or is no URDF or SRDF any more.
+            InvalidScene: a file of spheres holds none, or some of a link that the robot does not have.
         """
         return list(self._found[0])
 

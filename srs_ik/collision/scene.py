@@ -256,14 +256,16 @@ class Scene:
         Args:
             message: a CollisionObject of moveit_msgs (id, pose, primitives, meshes), or what has a list of them as
                 `collision_objects`, perhaps in a `world`. Frames in headers are not looked at: poses have to be in the
-                base frame.
+                base frame. As in MoveIt, a shape without a pose is where its object is, and a quaternion of four zeros
+                is no turn.
 
         Raises:
-            InvalidScene: it is none of these, a name is taken, or figures make no sense.
+            InvalidScene: it is none of these, it has an octomap, an object is not to be added or has planes, a name is
+                taken, or figures make no sense.
         """
         from srs_ik.collision.scene_files import of_message
 
-        for given in of_message(message):
+        for given in list(of_message(message)):
             self._add_given(given)
 
     @classmethod

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
+from itertools import zip_longest
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -12,7 +13,7 @@ from numpy.typing import NDArray
 from srs_ik.collision.sphere_files import read_tree_of
 from srs_ik.errors import InvalidPose, InvalidScene, did_you_mean, listed, quoted
 from srs_ik.inputs.messages import pose_matrix
-from srs_ik.inputs.rotations import pose_from_xyz_quaternion, pose_from_xyz_rpy
+from srs_ik.inputs.rotations import pose_from_xyz_quaternion, pose_from_xyz_rpy, warn_of_degrees
 from srs_ik.robot.description.files import label_of
 from srs_ik.system import bounds
 
@@ -20,10 +21,17 @@ Array = NDArray[np.float64]
 
 KINDS = ("sphere", "box", "cylinder", "capsule", "mesh", "points", "half_space")
 
+_PLACE = ("name", "xyz", "rpy", "quat")
+_MORE = {"points": ("radius",), "mesh": ("scale",)}
+"""What any object may have, and those of a kind."""
+
 _ORIGIN = (0.0, 0.0, 0.0)
 
 _BOX, _SPHERE, _CYLINDER = 1, 2, 3
 """Types of shape_msgs/SolidPrimitive."""
+
+_ADD = 0
+"""Operation of a moveit_msgs/CollisionObject; a byte in Python's messages of ROS 2."""
 
 
 class Given(NamedTuple):
@@ -67,21 +75,30 @@ def read_scene(file: str | Path) -> SceneFile:
     where = label_of(path)
     if not isinstance(content, Mapping) or not isinstance(content.get("objects"), Sequence):
         raise InvalidScene(f"{where} holds no scene: objects must be a list")
+    _expect(content, ("objects", "margin", "exact"), where)
     if len(content["objects"]) > bounds.OBJECTS:
         raise InvalidScene(f"{where} has more than the {bounds.OBJECTS:,} objects that are read")
+    exact = content.get("exact", False)
+    if not isinstance(exact, bool):
+        raise InvalidScene(f"{where}: exact is true or false, not {quoted(exact)}")
     objects = (_given(each, f"object {k + 1}", path.parent) for k, each in enumerate(content["objects"]))
-    return SceneFile(where, bool(content.get("exact", False)), content.get("margin", 0.0), objects)
+    return SceneFile(where, exact, content.get("margin", 0.0), objects)
+
+
+def _expect(given: Mapping[str, Any], known: Collection[str], where: str) -> None:
+    """Refuse a key that nothing reads: it may be another one, misspelt."""
+    for key in given:
+        if key not in known:
+            raise InvalidScene(f"{where} has {quoted(key)}{did_you_mean(str(key), known)}, which nothing reads")
 
 
 def _given(each: Any, where: str, folder: Path) -> Given:
     if not isinstance(each, Mapping):
         raise InvalidScene(f"{where} is no mapping with a name")
     name = each.get("name", where)
-    known = {"name", "xyz", "rpy", "quat", "radius", "scale", *KINDS}
-    for key in each:
-        if key not in known:
-            raise InvalidScene(f"{quoted(name)} has {quoted(key)}{did_you_mean(str(key), known)}, which nothing reads")
     kinds = [kind for kind in KINDS if kind in each]
+    more = [key for kind in kinds for key in _MORE.get(kind, ())]
+    _expect(each, [*_PLACE, *more, *(kinds or KINDS)], quoted(name))
     if len(kinds) != 1:
         raise InvalidScene(f"{quoted(name)} must be one of {listed(KINDS)}")
     (kind,) = kinds
@@ -101,11 +118,15 @@ def _given(each: Any, where: str, folder: Path) -> Given:
 
 
 def _pose(each: Mapping[str, Any], name: Any) -> Array:
+    if "rpy" in each and "quat" in each:
+        raise InvalidScene(f"{quoted(name)} has rpy and quat, two ways to give its orientation: give one")
     try:
         if "quat" in each:
             T: Array = pose_from_xyz_quaternion(each.get("xyz", _ORIGIN), each["quat"], order="xyzw").homogeneous
         else:
-            T = pose_from_xyz_rpy(each.get("xyz", _ORIGIN), each.get("rpy", _ORIGIN)).homogeneous
+            rpy = each.get("rpy", _ORIGIN)
+            T = pose_from_xyz_rpy(each.get("xyz", _ORIGIN), rpy).homogeneous
+            warn_of_degrees(f"rpy of {quoted(name)}", rpy)
     except InvalidPose as error:
         raise InvalidScene(f"place of {quoted(name)}: {error}") from None
     return T
@@ -134,6 +155,8 @@ def of_message(message: Any) -> Iterator[Given]:
     """The objects that a message describes: see `Scene.add_message`."""
     world = getattr(message, "world", message)
     objects = getattr(world, "collision_objects", None)
+    if len(getattr(getattr(getattr(world, "octomap", None), "octomap", None), "data", ())):
+        raise InvalidScene("the message has an octomap, which nothing reads; see Scene.add_points")
     if objects is not None:
         for each in objects:
             yield from of_message(each)
@@ -141,25 +164,48 @@ def of_message(message: Any) -> Iterator[Given]:
     name = getattr(message, "id", None)
     if not isinstance(name, str):
         raise InvalidScene(f"a message of objects has an id, or collision_objects, unlike a {type(message).__name__}")
-    outer = np.eye(4) if getattr(message, "pose", None) is None else _of(message.pose, name)
-    primitives = list(zip(*(getattr(message, f, ()) for f in ("primitives", "primitive_poses")), strict=False))
-    meshes = list(zip(*(getattr(message, f, ()) for f in ("meshes", "mesh_poses")), strict=False))
+    if getattr(message, "operation", _ADD) not in (_ADD, bytes([_ADD])):
+        raise InvalidScene(f"the message of {quoted(name)} does not add it; see Scene.remove and Scene.move")
+    if len(getattr(message, "planes", ())):
+        raise InvalidScene(f"{quoted(name)} has planes, which nothing reads; see Scene.add_half_space")
+    outer = _of(getattr(message, "pose", None), name)
+    primitives = _shapes(message, "primitives", "primitive_poses", name)
+    meshes = _shapes(message, "meshes", "mesh_poses", name)
     several = len(primitives) + len(meshes) > 1
     if not primitives and not meshes:
         raise InvalidScene(f"{quoted(name)} has neither primitives nor meshes")
-    for k, (primitive, pose) in enumerate(primitives):
-        yield _primitive(f"{name}/{k}" if several else name, outer @ _of(pose, name), primitive)
-    for k, (mesh, pose) in enumerate(meshes, len(primitives)):
+    for k, (primitive, T) in enumerate(primitives):
+        yield _primitive(f"{name}/{k}" if several else name, outer @ T, primitive)
+    for k, (mesh, T) in enumerate(meshes, len(primitives)):
         vertices = [(v.x, v.y, v.z) for v in mesh.vertices]
         faces = np.array([tuple(t.vertex_indices) for t in mesh.triangles], dtype=np.int64)
-        yield Given("triangles", (f"{name}/{k}" if several else name, outer @ _of(pose, name), vertices, faces))
+        yield Given("triangles", (f"{name}/{k}" if several else name, outer @ T, vertices, faces))
+
+
+def _shapes(message: Any, what: str, places: str, name: str) -> list[tuple[Any, Array]]:
+    """Shapes with their poses in the object; as in MoveIt, one without a pose is where the object is."""
+    shapes, poses = list(getattr(message, what, ())), list(getattr(message, places, ()))
+    if len(poses) > len(shapes):
+        raise InvalidScene(f"{quoted(name)} has {len(shapes)} {what} and {len(poses)} {places}")
+    return [(shape, _of(pose, name)) for shape, pose in zip_longest(shapes, poses)]
 
 
 def _of(pose: Any, name: str) -> Array:
-    T = pose_matrix(pose)
-    if T is None:
+    """(4, 4) of a pose of an object; as in MoveIt, one that nobody has set is the identity, and so is a turn."""
+    if pose is None:
+        return np.eye(4)
+    turn, place = getattr(pose, "orientation", None), getattr(pose, "position", None)
+    try:
+        if all(getattr(turn, axis, None) == 0.0 for axis in "xyzw"):
+            xyz = [getattr(place, axis, np.nan) for axis in "xyz"]
+            found: Array | None = pose_from_xyz_rpy(xyz, _ORIGIN).homogeneous
+        else:
+            found = pose_matrix(pose)
+    except InvalidPose as error:
+        raise InvalidScene(f"pose of {quoted(name)}: {error}") from None
+    if found is None:
         raise InvalidScene(f"pose of {quoted(name)} is no pose of geometry_msgs")
-    return T
+    return found
 
 
 def _primitive(name: str, T: Array, primitive: Any) -> Given:

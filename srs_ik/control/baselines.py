@@ -68,6 +68,7 @@ class _Baseline:
         self.gains = usual if gains is None else thing(gains, Gains, "set of gains")
         require_masses(arm, "load a description with inertias")
         self._data = arm.model.createData()
+        self._endless = np.isinf(arm.lower) & np.isinf(arm.upper)
         self._T = np.eye(4)
         self._q = np.zeros(7)
         self.gravity_torque = np.zeros(7)
@@ -111,6 +112,11 @@ class _Baseline:
         turn = pin.log3(self._T[:3, :3] @ T.rotation.T)
         return np.append(self._T[:3, 3] - T.translation, turn), self.arm.jacobian(q)
 
+    def _way(self, q: Array) -> Array:
+        """(7,) from joint angles to those of the target, rad; the short way round where a joint has no limits."""
+        way = self._q - q
+        return np.where(self._endless, np.remainder(way + np.pi, 2.0 * np.pi) - np.pi, way)
+
     def _dynamics(self, q: Array, v: Array) -> tuple[Array, Array]:
         """Mass matrix (7, 7) and bias torques (7,); notes those of gravity."""
         configuration = self.arm.configuration(q)
@@ -152,7 +158,7 @@ class OperationalSpace(_Baseline):
         inertia = _inverse(mobility) if self.inverse == "pinv" else _faded_inverse(mobility)
         wanted = kp * error - 2.0 * g.ratio * np.sqrt(kp) * (J @ v)
         null = np.eye(7) - J.T @ inertia @ J @ M_inverse
-        posture = g.joints * (self._q - q) - 2.0 * g.ratio * np.sqrt(g.joints) * v
+        posture = g.joints * self._way(q) - 2.0 * g.ratio * np.sqrt(g.joints) * v
         return J.T @ (inertia @ wanted) + null @ (M @ posture) + h
 
 
@@ -176,7 +182,7 @@ class LinearImpedance(_Baseline):
         g = self.gains
         kp = np.repeat([g.point, g.turn], 3)
         kd = 2.0 * g.ratio * np.sqrt(kp * np.repeat(self.masses, 3))
-        posture = g.joints * (self._q - q) - 2.0 * g.ratio * np.sqrt(0.1 * g.joints) * v
+        posture = g.joints * self._way(q) - 2.0 * g.ratio * np.sqrt(0.1 * g.joints) * v
         return J.T @ (kp * error - kd * (J @ v)) + posture + self.gravity_torque
 
 
@@ -194,7 +200,7 @@ class JointImpedance(_Baseline):
     def _torque(self, q: Array, v: Array) -> Array:
         M, h = self._dynamics(q, v)
         k = self.gains.joints
-        return M @ (k * (self._q - q) - 2.0 * self.gains.ratio * np.sqrt(k) * v) + h
+        return M @ (k * self._way(q) - 2.0 * self.gains.ratio * np.sqrt(k) * v) + h
 
 
 def _inverse(A: Array) -> Array:

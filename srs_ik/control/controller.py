@@ -209,7 +209,7 @@ class TorqueController:
             InvalidConfiguration: not 7 finite figures each, or one beyond these bounds.
         """
         motion = self._motion
-        if type(q) is np.ndarray and q.shape == (7,) and type(v) is np.ndarray and v.shape == (7,):
+        if _is_seven(q) and _is_seven(v):
             motion[0] = q
             motion[1] = v
         else:
@@ -277,6 +277,10 @@ class TorqueController:
             if target is not None:
                 port[at.TARGET : at.TARGET + target.size] = target
                 state[at.MOVED] = 1.0
+
+
+def _is_seven(values: Any) -> bool:
+    return type(values) is np.ndarray and values.dtype.char == "d" and values.shape == (7,)
 
 
 def _resting(arm: Arm) -> Array:

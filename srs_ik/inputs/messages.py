@@ -47,7 +47,7 @@ def positions_by_name(state: Any) -> dict[str, Any]:
     """Joint positions by name, of a mapping or of an object with `name` and `position`.
 
     Raises:
-        InvalidConfiguration: it is neither, or its names and positions differ in number.
+        InvalidConfiguration: it is neither, its names and positions differ in number, or a joint has two positions.
     """
     if isinstance(state, Mapping):
         return dict(state)
@@ -58,7 +58,12 @@ def positions_by_name(state: Any) -> dict[str, Any]:
     names, positions = list(names), list(positions)
     if len(names) != len(positions):
         raise InvalidConfiguration(f"the joint state has {len(names)} names and {len(positions)} positions")
-    return dict(zip(names, positions, strict=True))
+    found = dict(zip(names, positions, strict=True))
+    for name, position in zip(names, positions, strict=True):
+        # By what they look like: NaN is not equal to itself, and anything may stand there.
+        if repr(found[name]) != repr(position):
+            raise InvalidConfiguration(f"the joint state has two positions of {name!r}: {position} and {found[name]}")
+    return found
 
 
 def picked(positions: Mapping[str, Any], joint_names: Iterable[str]) -> list[Any]:

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import math
+import warnings
+from collections.abc import Iterable
 from typing import Any, Literal, cast
 
 import numpy as np
@@ -53,6 +56,14 @@ def pose_from_xyz_rpy(xyz: ArrayLike, rpy: ArrayLike) -> pin.SE3:
     """
     position, angles = _numbers(xyz, 3, "a position"), _numbers(rpy, 3, "roll, pitch and yaw")
     return pin.SE3(pin.rpy.rpyToMatrix(*angles), position)
+
+
+def warn_of_degrees(what: str, rpy: Iterable[float]) -> None:
+    """Warn, naming what they belong to, where angles of a file, which are in radians, are more than a turn."""
+    largest = max(rpy, key=abs)
+    if abs(largest) > 2.0 * math.pi:
+        said = f"{what} is in radians, and {largest:g} rad is more than a turn: are these degrees?"
+        warnings.warn(said, UserWarning, stacklevel=2)
 
 
 def checked_order(order: Any) -> Order:

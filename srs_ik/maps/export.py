@@ -8,6 +8,8 @@ with an index from 0 to 100, and the poses reached in each, which name the spher
 from __future__ import annotations
 
 import base64
+import io
+import math
 import os
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -16,6 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from srs_ik.errors import InvalidMap, MissingExtra
+from srs_ik.maps.grid import checked_step
 from srs_ik.maps.plan import YAW
 from srs_ik.system.writing import write_whole
 
@@ -23,6 +26,12 @@ if TYPE_CHECKING:
     from srs_ik.maps.reader import Map
 
 Array = NDArray[np.float64]
+
+MOST_POINTS = 20_000_000
+"""Points of an even grid at most."""
+
+AT_ONCE = 500_000
+"""Points that are looked up at once, some 300 bytes each."""
 
 MOST_POSES = 50_000_000
 """Poses that a file of Reuleaux may hold, 80 bytes each."""
@@ -37,10 +46,22 @@ def cloud(chart: Map, step: float | None = None) -> tuple[Array, Array]:
 
     Returns:
         (N, 3) metres and (N,) 0 to 1, of the points at which something is reached.
+
+    Raises:
+        InvalidMap: the step is none, or there would be too many points.
     """
     points, share, _ = _voxels(chart, step)
     some = share > 0.0
     return points[some], share[some]
+
+
+def spacing(chart: Map, step: float | None) -> float:
+    """Distance between points, m: that of the map if not given.
+
+    Raises:
+        InvalidMap: it is none.
+    """
+    return chart.plan.grid.step if step is None else checked_step(step, "the distance between points")
 
 
 def _voxels(chart: Map, step: float | None = None) -> tuple[Array, Array, tuple[int, ...]]:
@@ -49,33 +70,48 @@ def _voxels(chart: Map, step: float | None = None) -> tuple[Array, Array, tuple[
     if grid.kind == "box" and step is None:
         points = grid.points(tuple(slice(0, n) for n in grid.shape))
         return points, chart.mean("reached").ravel(), grid.shape
-    step = step or grid.step
+    step = spacing(chart, step)
     if grid.kind == "box":
         lower, upper = np.array(grid.lower), np.array(grid.lower) + grid.step * np.array(grid.shape)
     else:
         reach = grid.step * grid.shape[0]
         lower, upper = grid.pose[:3, 3] - reach, grid.pose[:3, 3] + reach
+    count = math.prod(np.maximum(np.ceil((upper - lower) / step - 0.5), 0.0).tolist())
+    if not 1 <= count <= MOST_POINTS:
+        raise InvalidMap(f"{step:g} m apart the map has {count:,.0f} points; there may be 1 to {MOST_POINTS:,}")
     lines = [np.arange(a + 0.5 * step, b, step) for a, b in zip(lower, upper, strict=True)]
     points = np.stack([each.ravel() for each in np.meshgrid(*lines, indexing="ij")], axis=1)
-    return points, chart.share(points), tuple(len(line) for line in lines)
+    parts = [points[first : first + AT_ONCE] for first in range(0, len(points), AT_ONCE)]
+    share = np.concatenate([np.empty(0), *(chart.share(part) for part in parts)])
+    return points, share, tuple(len(line) for line in lines)
 
 
 def to_numpy(chart: Map, path: str | os.PathLike[str]) -> None:
-    """Write all measures, coordinates and rotations as one compressed ``.npz`` file."""
+    """Write all measures, coordinates and rotations as one compressed ``.npz`` file.
+
+    Raises:
+        OSError: it cannot be written.
+    """
     arrays = {name: chart.measure(name) for name in chart.store.names}
     grid = chart.plan.grid
     for k, name in enumerate(grid.names):
         arrays[name] = grid.centres(k)
     arrays["T_base_map"] = grid.pose
     arrays["rotation"] = chart.plan.orientations.matrices()
-    with Path(path).open("wb") as file:
-        np.savez_compressed(file, **arrays)  # type: ignore[arg-type]
+    content = io.BytesIO()
+    np.savez_compressed(content, **arrays)  # type: ignore[arg-type]
+    write_whole(Path(path), content.getvalue())
 
 
 def to_vtk(chart: Map, path: str | os.PathLike[str], step: float | None = None) -> None:
-    """Write the share of orientations reached at every point as a VTK image (``.vti``), in the base frame."""
+    """Write the share of orientations reached at every point as a VTK image (``.vti``), in the base frame.
+
+    Raises:
+        InvalidMap: the step is none, or there would be too many points.
+        OSError: it cannot be written.
+    """
     points, share, shape = _voxels(chart, step)
-    spacing = step or chart.plan.grid.step
+    apart = spacing(chart, step)
     # VTK counts x fastest.
     values = share.reshape(shape).transpose(2, 1, 0).astype("<f4").tobytes()
     data = base64.b64encode(np.uint64(len(values)).tobytes() + values).decode()
@@ -85,7 +121,7 @@ def to_vtk(chart: Map, path: str | os.PathLike[str], step: float | None = None) 
         Path(path),
         f"""<?xml version="1.0"?>
 <VTKFile type="ImageData" version="1.0" byte_order="LittleEndian" header_type="UInt64">
-<ImageData WholeExtent="{extent}" Origin="{origin}" Spacing="{spacing!r} {spacing!r} {spacing!r}">
+<ImageData WholeExtent="{extent}" Origin="{origin}" Spacing="{apart!r} {apart!r} {apart!r}">
 <Piece Extent="{extent}"><PointData Scalars="share">
 <DataArray type="Float32" Name="share" format="binary">{data}</DataArray>
 </PointData></Piece></ImageData></VTKFile>
@@ -103,7 +139,8 @@ def to_reuleaux(chart: Map, path: str | os.PathLike[str], step: float | None = N
 
     Raises:
         MissingExtra: h5py is not installed.
-        InvalidMap: there would be too many poses.
+        InvalidMap: the step is none, or there would be too many points or poses.
+        OSError: it cannot be written.
     """
     try:
         import h5py
@@ -114,11 +151,13 @@ def to_reuleaux(chart: Map, path: str | os.PathLike[str], step: float | None = N
     points, share = points[some], share[some]
     if share.sum() * len(chart.plan.orientations) > MOST_POSES:
         raise InvalidMap(f"the file would hold more than {MOST_POSES:,} poses; make the step larger")
-    with h5py.File(path, "w") as file:
+    content = io.BytesIO()
+    with h5py.File(content, "w") as file:
         spheres = file.create_group("Spheres")
         table = spheres.create_dataset("sphere_dataset", data=np.column_stack([points, 100.0 * share]))
-        table.attrs["Resolution"] = np.array([step or chart.plan.grid.step], "f4")
+        table.attrs["Resolution"] = np.array([spacing(chart, step)], "f4")
         file.create_group("Poses").create_dataset("poses_dataset", data=_poses(chart, points))
+    write_whole(Path(path), content.getvalue())
 
 
 def _poses(chart: Map, points: Array) -> Array:

@@ -11,7 +11,8 @@ from typing import TYPE_CHECKING, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from srs_ik.errors import InvalidMap
+from srs_ik.errors import InvalidMap, quoted
+from srs_ik.inputs.numbers import real_number
 
 if TYPE_CHECKING:
     from srs_ik.arm import Arm
@@ -85,7 +86,7 @@ class Grid:
 
 def half_plane(arm: Arm, step: float) -> Grid:
     """All that the arm can reach, in the half-plane on one side of its axis 1."""
-    step = _checked(step)
+    step = checked_step(step)
     a1, reach = arm.limb.axes[0], reach_of(arm)
     on_axis = arm.limb.points[0]
     origin = on_axis + a1 * (a1 @ (arm.limb.shoulder - on_axis))
@@ -110,7 +111,7 @@ def box(arm: Arm, step: float, bounds: object = None) -> Grid:
     Raises:
         InvalidMap: the step or the bounds are none.
     """
-    step = _checked(step)
+    step = checked_step(step)
     if bounds is None:
         centre, reach = arm.limb.shoulder, reach_of(arm)
         limits = np.stack([centre - reach, centre + reach], axis=1)
@@ -132,10 +133,16 @@ def reach_of(arm: Arm) -> float:
     return limb.upper_arm + limb.forearm + limb.hand + 2.0 * float(np.sum(limb.offsets))
 
 
-def _checked(step: float) -> float:
-    if isinstance(step, bool) or not isinstance(step, (int, float)) or not 1e-4 <= step <= 1e3:
-        raise InvalidMap(f"the step of a map is a length from 0.0001 to 1000 m, not {step!r:.40}")
-    return float(step)
+def checked_step(step: float, what: str = "the step of a map") -> float:
+    """A distance between positions, m.
+
+    Raises:
+        InvalidMap: it is none.
+    """
+    metres = math.nan if isinstance(step, bool) else real_number(step)
+    if not 1e-4 <= metres <= 1e3:
+        raise InvalidMap(f"{what} is a length from 0.0001 to 1000 m, not {quoted(step)}")
+    return metres
 
 
 def _of_size(grid: Grid) -> Grid:

@@ -90,6 +90,12 @@ class Plan:
         """The positions of each task."""
         return self.grid.blocks(len(self.orientations))
 
+    def tasks_of(self, at: NDArray[np.int64]) -> NDArray[np.int64]:
+        """(N,) the task of each position, by its (N, d) places along each direction."""
+        shape, side = np.array(self.grid.shape), self.grid.side(len(self.orientations))
+        parts = tuple((-(-shape // side)).tolist())
+        return np.ravel_multi_index(tuple((at // side).T), parts)
+
     @property
     def bytes_a_cell(self) -> int:
         """Bytes of a cell before they are compressed."""

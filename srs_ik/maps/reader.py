@@ -11,12 +11,13 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from srs_ik.errors import InvalidMap
+from srs_ik.errors import InvalidMap, InvalidPose
+from srs_ik.inputs.numbers import real_array
 from srs_ik.inputs.poses import as_matrices
 from srs_ik.maps.extras import scene_digest
 from srs_ik.maps.placement import refuse_no_poses
 from srs_ik.maps.plan import FREE, OF_SCENE, OF_TASK, RATIO, YAW, fingerprint
-from srs_ik.maps.store import Store, checksum
+from srs_ik.maps.store import DONE, Store, checksum
 from srs_ik.maps.tasks import compute, job_of
 
 if TYPE_CHECKING:
@@ -41,7 +42,7 @@ class MapAnswer:
     Attributes:
         reached: (N,) whether the arm reaches them.
         measures: (N,) of each measure of the map, by name; 0 outside the map and where a pose is not reached.
-        inside: (N,) whether they lie inside the map.
+        inside: (N,) whether they lie inside the map, and in a part of it that is made.
     """
 
     reached: NDArray[np.bool_]
@@ -103,6 +104,7 @@ class Map:
 
     def __init__(self, store: Store, arm: Arm | None = None, scene: Scene | None = None) -> None:
         self.store, self.plan, self.path, self.arm, self.scene = store, store.plan, store.path, arm, scene
+        self._made = np.zeros(len(self.plan.blocks), bool)
         if arm is not None and fingerprint(arm) != self.plan.robot["fingerprint"]:
             robot = self.plan.robot
             raise InvalidMap(
@@ -138,7 +140,7 @@ class Map:
 
         Returns:
             (N, d + 1) places along each direction and among the orientations, (N,) yaw of each pose, rad (0 in a box),
-            and (N,) whether it lies inside the map.
+            and (N,) whether it lies inside the map, and in a part of it that is made.
         """
         T = as_matrices(poses)
         refuse_no_poses(T)
@@ -146,8 +148,16 @@ class Map:
         at = np.floor(where).astype(np.int64)
         shape = np.array(self.plan.grid.shape)
         inside: NDArray[np.bool_] = np.asarray(np.logical_and(at >= 0, at < shape).all(axis=1))
-        k = self.plan.orientations.index(rotation)
-        return np.column_stack([np.clip(at, 0, shape - 1), k]), yaw, inside
+        at = np.clip(at, 0, shape - 1)
+        inside &= self._is_made(self.plan.tasks_of(at))
+        return np.column_stack([at, self.plan.orientations.index(rotation)]), yaw, inside
+
+    def _is_made(self, tasks: Indices) -> NDArray[np.bool_]:
+        """Whether tasks are done; each is looked up until it is."""
+        open_ones = np.unique(tasks[~self._made[tasks]])
+        if len(open_ones):
+            self._made[open_ones] = self.store.array(DONE).vindex[open_ones] > 0
+        return self._made[tasks]
 
     def _in_map(self, T: Array) -> tuple[Array, Array, Array]:
         """Places (N, d) in cells, rotations (N, 3, 3) with the yaw taken off, and the yaw (N,)."""
@@ -168,8 +178,8 @@ class Map:
         """What the map says of poses, or, exactly, what the arm answers.
 
         From the map, whether a pose is reached, its branches and its pieces are those of the cell in which it lies, at
-        its own yaw; widths and margins are interpolated between the positions around. In a half-plane they set the
-        limits of joint 1 aside.
+        its own yaw; widths and margins are interpolated between the positions around, ratios between those that are
+        reached. In a half-plane they set the limits of joint 1 aside.
 
         Args:
             poses: (N, 4, 4) array or list of poses of the tip in the base frame.
@@ -207,12 +217,16 @@ class Map:
         shape = np.array(self.plan.grid.shape)
         low = np.clip(np.floor(where).astype(np.int64), 0, np.maximum(shape - 2, 0))
         share = np.clip(where - low, 0.0, 1.0)
-        total = np.zeros(len(T))
+        total, weights = np.zeros(len(T)), np.zeros(len(T))
         for corner in np.ndindex(*(2,) * len(shape)):
             weight = np.where(corner, share, 1.0 - share).prod(axis=1)
-            index = np.minimum(low + corner, shape - 1)
-            total += weight * self.store.array(name).vindex[(*index.T, at[:, -1])]
-        return total
+            cells = (*np.minimum(low + corner, shape - 1).T, at[:, -1])
+            if name == RATIO:
+                # Smaller ratios are better ones: the 0 of a cell that is not reached is none.
+                weight = weight * (self.store.array("reached").vindex[cells] > 0)
+            total += weight * self.store.array(name).vindex[cells]
+            weights += weight
+        return np.divide(total, weights, out=total, where=weights > 0.0)
 
     def _exact(self, T: Array, inside: NDArray[np.bool_]) -> MapAnswer:
         from srs_ik.maps.live import measures_of
@@ -233,8 +247,18 @@ class Map:
     # Positions --------------------------------------------------------------------------------------------------
 
     def share(self, points: Any) -> Array:
-        """(N,) share of the orientations that are reached at points (N, 3) of the base frame, metres, 0 to 1."""
-        points = np.ascontiguousarray(points, dtype=float).reshape(-1, 3)
+        """(N,) share of the orientations that are reached at points (N, 3) of the base frame, metres, 0 to 1.
+
+        Raises:
+            InvalidPose: a point is not three finite numbers.
+        """
+        try:
+            points = real_array(points)
+        except (TypeError, ValueError):
+            raise InvalidPose("points are an (N, 3) array of metres") from None
+        if points.shape[-1:] != (3,):
+            raise InvalidPose(f"points are an (N, 3) array of metres, not an array of shape {points.shape}")
+        points = points.reshape(-1, 3)
         T = np.tile(np.eye(4), (len(points), 1, 1))
         T[:, :3, 3] = points
         at, yaw, inside = self.cells_of(T)

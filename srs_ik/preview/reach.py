@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from srs_ik.errors import InvalidMap
 from srs_ik.inputs.poses import PoseLike, as_rigid_matrix
-from srs_ik.maps.export import cloud
+from srs_ik.maps.export import cloud, spacing
 from srs_ik.maps.live import yaw_arcs
 from srs_ik.preview import palette, solids
 from srs_ik.preview.palette import Rgb
@@ -58,7 +58,7 @@ def show_map(view: Preview, chart: Map, step: float | None = None, cut: bool = T
         raise InvalidMap(
             f"the cloud would have {len(points):,} points, more than {MOST_POINTS:,}; make the step larger"
         )
-    size = 0.3 * (step or chart.plan.grid.step)
+    size = 0.3 * spacing(chart, step)
     shade = np.minimum((share * len(SHADES)).astype(int), len(SHADES) - 1)
     shown = [
         Solid(_crystals(points[shade == k], size), SHADES[k], 0.8) for k in range(len(SHADES)) if (shade == k).any()

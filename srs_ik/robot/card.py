@@ -12,6 +12,7 @@ from types import MappingProxyType
 from typing import Any, Literal
 
 from srs_ik.errors import InvalidRobot, did_you_mean, listed, quoted
+from srs_ik.inputs.rotations import warn_of_degrees
 from srs_ik.system import bounds
 
 CARD_FILE = "robot.toml"
@@ -140,7 +141,8 @@ def _parse(path: Path) -> dict[str, Any]:
     if len(content) > bounds.CARD_BYTES:
         raise InvalidRobot(f"{path} is larger than {bounds.CARD_BYTES // 2**10} KiB, too large for a card", source=path)
     try:
-        text = content.decode()
+        # Some editors begin a file with a mark of its encoding.
+        text = content.decode("utf-8-sig")
         if _TOO_DOTTED.search(_TEXTS.sub("t", text)):
             message = f"{path} has a key of more than {bounds.CARD_KEYS} parts; those of a card have two"
             raise InvalidRobot(message, source=path)
@@ -219,6 +221,7 @@ class _Reader:
         xyz, rpy = (self._three(table[k], f"{k!r} in [{key}]") if k in table else (0.0,) * 3 for k in ("xyz", "rpy"))
         if max(map(abs, xyz + rpy)) > bounds.FARTHEST:
             raise self._error(f"'xyz' and 'rpy' in [{key}] are metres and rad, and none is beyond {bounds.FARTHEST:g}")
+        warn_of_degrees(f"{self._path}: 'rpy' in [{key}]", rpy)
         gravity = self._three(table["gravity"], f"'gravity' in [{key}]") if "gravity" in table else None
         if gravity is not None and max(map(abs, gravity)) > bounds.FARTHEST:
             raise self._error(f"'gravity' in [{key}] is in m/s^2, and none of it is beyond {bounds.FARTHEST:g}")

@@ -118,6 +118,7 @@ def _from_pinocchio(mujoco: Any, model: Any) -> Any:
         joint = body.add_joint(name=model.names[k], type=mujoco.mjtJoint.mjJNT_HINGE, axis=_axis(model, k))
         joint.damping = [model.damping[model.joints[k].idx_v], 0.0, 0.0]
         joint.frictionloss = model.friction[model.joints[k].idx_v]
+        joint.armature = model.armature[model.joints[k].idx_v]
     return spec
 
 

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from srs_ik.arm import Arm
+from srs_ik.errors import InvalidController
 from srs_ik.inputs.control import flag, one_of, positive, seven_not_negative, thing, torques, vector
 from srs_ik.inputs.poses import as_joint_vector
 from srs_ik.robot.limb import Vector
@@ -23,6 +25,9 @@ PLACES = ("tip", "elbow")
 
 LIMIT_TIME = 0.004
 """Time constant of the joint limits, s: soft constraints, but stiff ones."""
+
+NEVER = 1e6
+"""A joint angle, rad, that stands for a limit that is not there, of a joint with one limit alone."""
 
 
 class Plant:
@@ -93,6 +98,9 @@ class Plant:
         self.friction = np.array(self.model.dof_frictionloss[self._at])
         self._tip_body, self._elbow_body = (int(self.model.joint(arm.joint_names[k]).bodyid[0]) for k in (6, 2))
         self._push = np.zeros(self.model.nv)
+        # MuJoCo counts here what it found to be no number, or too large, in a motion: position, speed and so on.
+        self._warned, first = self.data.warning.number, int(mujoco.mjtWarning.mjWARN_BADQPOS)
+        self._bad = range(first, len(self._warned))
         self.reset(np.zeros(7))
 
     # State ------------------------------------------------------------------------------------------------------
@@ -122,10 +130,17 @@ class Plant:
         """One time step with torques (7,), N m, which the effort limits clamp.
 
         Raises:
-            InvalidController: not 7 finite torques.
+            InvalidController: not 7 finite torques, or a motion that is unstable: MuJoCo begins anew then.
         """
         self.data.ctrl[:] = torques(torque)
+        begun = self.data.time
         self._mujoco.mj_step(self.model, self.data)
+        for what in self._bad:
+            if self._warned[what]:
+                raise InvalidController(
+                    f"the motion is unstable at {begun:.4g} s: figures of it are infinite to MuJoCo; take a softer "
+                    f"controller, a higher rate, or time steps shorter than {self.timestep:g} s"
+                )
 
     def push(self, on: str, force: ArrayLike) -> None:
         """Push the tip or the elbow with a force (3,) in base axes, N, until the next call of this function.
@@ -133,17 +148,26 @@ class Plant:
         Raises:
             InvalidController: another place, or not a force.
         """
-        one_of(on, PLACES, "a push is on")
-        h = self.R_root_base @ vector(force, "force of a push")
+        self.push_all([(on, force)])
+
+    def push_all(self, pushes: Iterable[tuple[str, ArrayLike]]) -> None:
+        """Push by several forces at once, each with its place, until the next push; those on one place add up.
+
+        Raises:
+            InvalidController: another place, or not a force.
+        """
         self._push[:] = 0.0
-        body, point = (self._tip_body, self._tip_site) if on == "tip" else (self._elbow_body, self._elbow_site)
-        where = self.data.xpos[body] + self.data.xmat[body].reshape(3, 3) @ point
-        self._mujoco.mj_applyFT(self.model, self.data, h, np.zeros(3), where, body, self._push)
+        for on, force in pushes:
+            one_of(on, PLACES, "a push is on")
+            h = self.R_root_base @ vector(force, "force of a push")
+            body, point = (self._tip_body, self._tip_site) if on == "tip" else (self._elbow_body, self._elbow_site)
+            where = self.data.xpos[body] + self.data.xmat[body].reshape(3, 3) @ point
+            self._mujoco.mj_applyFT(self.model, self.data, h, np.zeros(3), where, body, self._push)
         self.data.qfrc_applied[:] = self._push
 
     def release(self) -> None:
         """Push no more."""
-        self.data.qfrc_applied[:] = 0.0
+        self.push_all(())
 
     def fall_exactly(self) -> None:
         """Integrate by the method of Runge and Kutta of order 4 from now on, for comparison with other programs."""
@@ -187,10 +211,10 @@ class Plant:
 
     def _set_joint(self, spec: Any, k: int, name: str, limited: bool, clamped: bool) -> None:
         mujoco, arm, joint = self._mujoco, self.arm, spec.joint(name)
-        bounded = limited and np.isfinite(arm.lower[k]) and np.isfinite(arm.upper[k])
+        bounded = limited and (np.isfinite(arm.lower[k]) or np.isfinite(arm.upper[k]))
         joint.limited = mujoco.mjtLimited.mjLIMITED_TRUE if bounded else mujoco.mjtLimited.mjLIMITED_FALSE
         if bounded:
-            joint.range = [arm.lower[k], arm.upper[k]]
+            joint.range = [max(arm.lower[k], -NEVER), min(arm.upper[k], NEVER)]
             joint.solref_limit = [LIMIT_TIME, 1.0]
         joint.actfrclimited = mujoco.mjtLimited.mjLIMITED_FALSE
         motor = spec.add_actuator(name=f"motor of {name}", trntype=mujoco.mjtTrn.mjTRN_JOINT, target=name)

@@ -60,14 +60,14 @@ def simulate(
         duration: s.
         rate: how often the controller is asked, Hz; a period is a whole number of time steps.
         delay: from a sample to the torque that follows from it, s; rounded to time steps.
-        pushes: forces on tip or elbow.
+        pushes: forces on tip or elbow; those that act at one time add up.
         target: called before each tick with the time, to move the controller's target.
         every: record one of so many ticks.
         stop: ends the motion where it is true, asked once a tick.
 
     Raises:
         InvalidController: a thing of another class, a rate, delay or duration that is none, a period that is no whole
-            number of time steps, or a controller whose torques are not 7 finite figures.
+            number of time steps, a controller whose torques are not 7 finite figures, or a motion that is unstable.
     """
     dt = thing(plant, Plant, "plant").timestep
     pushes = _checked(pushes)
@@ -81,8 +81,8 @@ def simulate(
     period = round(1.0 / (rate * dt))
     if period < 1 or abs(period * dt * rate - 1.0) > 1e-6:
         raise InvalidController(f"a period is a whole number of time steps of {dt:g} s, unlike that of {rate:g} Hz")
-    if steps > MOST_STEPS:
-        raise InvalidController(f"a simulation has at most {MOST_STEPS:,} time steps, not {steps:.3g}")
+    if not 0.5 < steps <= MOST_STEPS:
+        raise InvalidController(f"a simulation has 1 to {MOST_STEPS:,} time steps of {dt:g} s, not {steps:.3g}")
     log = _Log(plant, controller, math.ceil(steps / (period * every)))
     # Torques on their way, each with the step at which it arrives.
     coming: deque[tuple[int, Vector]] = deque()
@@ -123,14 +123,11 @@ def _checked(pushes: Any) -> tuple[Push, ...]:
 
 
 def _press(plant: Plant, pushes: Sequence[Push], t: float, acting: bool) -> bool:
-    """Apply the push of a moment, if there is one; whether there is."""
-    for push in pushes:
-        if push.start <= t < push.start + push.duration:
-            plant.push(push.on, push.force)
-            return True
-    if acting:
-        plant.release()
-    return False
+    """Apply the pushes of a moment; whether there are any, as there were (`acting`) in the last one."""
+    now = [(push.on, push.force) for push in pushes if push.start <= t < push.start + push.duration]
+    if now or acting:
+        plant.push_all(now)
+    return bool(now)
 
 
 class _Log:

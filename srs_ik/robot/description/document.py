@@ -37,7 +37,7 @@ KEPT: Kept = {
 }
 """What motion and mass depend on; of several elements where one is meant, the first counts."""
 
-_SEVERAL = frozenset({"disable_collisions", "link", "joint", "group", "material", "visual", "collision"})
+_SEVERAL = frozenset({"disable_collisions", "link", "joint", "group", "chain", "material", "visual", "collision"})
 
 
 def parse(text: str | bytes, source: str, kept: Kept = KEPT) -> Element:

@@ -27,9 +27,11 @@ def chains(source: str | Path) -> dict[str, tuple[str, str]]:
     text, label = _text(source)
     found = {}
     for group in document.parse(text, label, _KEPT).findall("group"):
-        chain = group.find("chain")
-        if chain is None or not group.get("name"):
+        inside = group.findall("chain")
+        # A group of two chains is two arms.
+        if len(inside) != 1 or not group.get("name"):
             continue
+        (chain,) = inside
         base, tip = chain.get("base_link"), chain.get("tip_link")
         if not base or not tip:
             raise InvalidRobot(f"{label}: the chain of group {group.get('name')!r} lacks base_link or tip_link", label)

@@ -74,17 +74,28 @@ TOO_BAD = 1e5
 """Cost of a posture whose first value is not near enough to the best one."""
 
 
+class Clearance:
+    """Least distance, m, of what an arm must not let meet, by the spheres: a function of joint angles."""
+
+    __name__ = CLEARANCE
+
+    def __init__(self, around: Surroundings) -> None:
+        self._around = around
+
+    def __call__(self, q: Array) -> float:
+        """Clearance at (7,) joint angles, rad."""
+        arm = self._around.arm
+        elbow, psi = arm.branch(q) >> 2, arm.arm_angle(q)  # type: ignore[attr-defined]
+        return float(self._around.clearance(arm.forward_kinematics(q).homogeneous, elbow, psi)[at.WIDE_CLEARANCE])
+
+
 def _widest(around: Surroundings, T: Array, free: Array, respect: bool) -> Optimum:
     """The posture of largest clearance, within a micrometre, by the spheres."""
-
-    def clearance(q: Array) -> float:
-        elbow, psi = around.arm.branch(q) >> 2, around.arm.arm_angle(q)  # type: ignore[attr-defined]
-        return float(around.clearance(T, elbow, psi)[at.WIDE_CLEARANCE])
-
-    goal = Objective(clearance, maximise=True)
+    goal = Objective(Clearance(around), maximise=True)
+    goal.unit = "m"
     if not len(free):
         solution = solve(around, T, None, None, -1, respect)
-        return Optimum(solution._row, around.packed.joint_names, goal, [clearance(solution.q)], None)
+        return _optimum(solution, goal, goal.values(around.arm, solution.q), free, around.packed)
     wide = around.widest(T, free)
     branch = int(wide[at.WIDE_BRANCH])
     solution = pose_solver.solve(around.packed, T, float(wide[at.WIDE_ARM_ANGLE]), None, branch, respect)

@@ -133,10 +133,14 @@ def best(
 
 def _hitting(around: Surroundings, T: Array, found: Array, psi: float | None, respect: bool) -> Solution:
     """The posture with the largest clearance of those that all hit something; or one that hits nothing after all."""
-    in_range = around.in_range(T, found, respect)
-    if psi is not None:
-        in_range = narrowed(in_range, psi)
-    among = in_range if len(in_range) else found
+    among = found
+    for kept in (around.in_range, around.not_meeting):
+        in_range = kept(T, found, respect)
+        if psi is not None:
+            in_range = narrowed(in_range, psi)
+        if len(in_range):
+            among = in_range
+            break
     wide = around.widest(T, among, _WIDE_ENOUGH) if psi is None else around.clearance(T, int(among[0, 0]) >> 2, psi)
     branch = int(wide[at.WIDE_BRANCH]) if psi is None else int(among[0, 0])
     solution = pose_solver.solve(around.packed, T, float(wide[at.WIDE_ARM_ANGLE]), None, branch, respect)

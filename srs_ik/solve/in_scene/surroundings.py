@@ -71,6 +71,9 @@ class Surroundings:
         self.slack = self.tables.with_margin(self.margin)
         self.tight, self.jammed = _limits(arm, packed, self.tables.ranges, tightened, self.margin)
 
+    def __reduce__(self) -> tuple[Any, ...]:
+        return Surroundings, (self.arm, self.packed, self.scene, self.margin - self.scene.margin)
+
     # Intervals ----------------------------------------------------------------------------------------------------
 
     def feasible(self, T: Array, respect: bool) -> Array:
@@ -84,6 +87,11 @@ class Surroundings:
     def in_range(self, T: Array, found: Array, respect: bool) -> Array:
         """(n, 3) intervals in which bodies that ranges of joints watch do not meet; `found` are those in the limits."""
         return self._within(self.tight[bool(respect)], self.jammed, T, found)
+
+    def not_meeting(self, T: Array, found: Array, respect: bool) -> Array:
+        """(n, 3) the same where the margin is too much to ask of them, and they need only not meet."""
+        tight, jammed = _limits(self.arm, self.packed, self.tables.ranges, tightened, 0.0)
+        return self._within(tight[bool(respect)], jammed, T, found)
 
     def not_out_of_range(self, T: Array, found: Array, respect: bool) -> Array:
         """(n, 3) intervals outside of which some of these bodies are nearer than the margin for certain."""

@@ -48,6 +48,9 @@ class Joint:
         upper: upper limit; inf where there is none.
         effort: largest force or torque of the actuators on it, N or N m; inf where there is none.
         ref: position at which the body lies as the file places it, rad or metres.
+        damping: force or torque over speed, N s/m or N m s/rad.
+        friction: dry friction, N or N m.
+        armature: inertia of its rotor, kg or kg m^2.
     """
 
     name: str
@@ -58,6 +61,9 @@ class Joint:
     upper: float
     effort: float
     ref: float
+    damping: float = 0.0
+    friction: float = 0.0
+    armature: float = 0.0
 
 
 @dataclass(eq=False)
@@ -208,7 +214,16 @@ class _Tree:
         if abs(ref) > bounds.FARTHEST or lower >= bounds.FARTHEST or upper <= -bounds.FARTHEST:
             raise read.fail(f"{where} has limits or a ref that are out of any reach")
         effort = min(-least, most) if least < 0.0 < most else math.inf
-        self._add(body, Joint(name, kind, anchor if moves else np.zeros(3), axis, lower, upper, effort, ref))
+        losses = [self._loss(attributes, key, where) for key in ("damping", "frictionloss", "armature")]
+        self._add(body, Joint(name, kind, anchor if moves else np.zeros(3), axis, lower, upper, effort, ref, *losses))
+
+    def _loss(self, attributes: Attributes, key: str, where: str) -> float:
+        """A figure from 0 on; of a damping that depends on the speed, the part that does not, which comes first."""
+        word = attributes.get(key, "0")
+        loss = self._read.figure(word.split()[0] if key == "damping" and word.split() else word, f"{key} of {where}")
+        if not 0.0 <= loss <= bounds.FARTHEST:
+            raise self._read.fail(f"{where} has the {key} {loss:g}, which is negative or beyond any reach")
+        return loss
 
     def _range(self, attributes: Attributes, limited: str, key: str, kind: Kind, where: str) -> tuple[float, float]:
         """A range where it counts, infinite otherwise."""

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from pathlib import Path
+from xml.etree.ElementTree import Element
 
 import numpy as np
 import pinocchio as pin
@@ -52,8 +53,22 @@ def build(path: Path, content: bytes, label: str) -> tuple[pin.Model, frozenset[
     assembly.add_sites(bodies[0])
     for body, inertia in zip(bodies[1:], inertias[1:], strict=True):
         assembly.add(body, inertia if masses_known else pin.Inertia.Zero())
+    assembly.model.gravity.linear = _gravity(root, read)
     _check(assembly.model, label)
     return assembly.model, tied
+
+
+def _gravity(root: Element, read: Reader) -> np.ndarray:
+    """(3,) acceleration of gravity, m/s^2; of several settings the last one counts."""
+    gravity, works = np.array([0.0, 0.0, -9.81]), "enable"
+    for option in root.iterfind("option"):
+        if "gravity" in option.attrib:
+            gravity = read.vector(option.attrib["gravity"], 3, "gravity of <option>")
+        for flag in option.iterfind("flag"):
+            works = flag.get("gravity", works)
+    if works not in ("enable", "disable") or np.abs(gravity).max() > bounds.FARTHEST:
+        raise read.fail("<option> has a gravity that makes no sense")
+    return gravity if works == "enable" else np.zeros(3)
 
 
 class _Assembly:
@@ -101,6 +116,10 @@ class _Assembly:
         else:
             kind = pin.JointModelSpherical() if joint.kind == "ball" else pin.JointModelFreeFlyer()
             index = self.model.addJoint(parent, kind, place, joint.name)
+        first = self.model.joints[index].idx_v
+        for k in range(first, first + self.model.joints[index].nv):
+            self.model.damping[k], self.model.armature[k] = joint.damping, joint.armature
+            self.model.friction[k] = joint.friction
         return index, anchor.inverse()
 
 
