@@ -22,6 +22,12 @@ def store3(P, k, v):
 
 
 @kernel
+def angle_between(a, b):
+    """Angle between two vectors, rad, with all digits where it is small."""
+    return math.atan2(norm(cross(a, b)), dot(a, b))
+
+
+@kernel
 def load9(P, k):
     """Nine consecutive figures of the packed limb, a matrix."""
     return (P[k], P[k + 1], P[k + 2], P[k + 3], P[k + 4], P[k + 5], P[k + 6], P[k + 7], P[k + 8])

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 
-from srs_ik.kernels.algebra.joint_vectors import dot7
+from srs_ik.kernels.algebra.joint_vectors import along7, dot7
 from srs_ik.kernels.algebra.linear import solve_linear
 from srs_ik.kernels.algebra.pointers import row
 from srs_ik.kernels.algebra.vectors import across, add, along, cross, dot, load3, norm, rotate, scale, sub
@@ -115,15 +115,7 @@ def arm_angle(P, q, t, h0):
 @kernel
 def moved(q, A, factor):
     """The posture q plus a multiple of column 7 of A."""
-    return (
-        q[0] + factor * A[0, 7],
-        q[1] + factor * A[1, 7],
-        q[2] + factor * A[2, 7],
-        q[3] + factor * A[3, 7],
-        q[4] + factor * A[4, 7],
-        q[5] + factor * A[5, 7],
-        q[6] + factor * A[6, 7],
-    )
+    return along7(q, factor, (A[0, 7], A[1, 7], A[2, 7], A[3, 7], A[4, 7], A[5, 7], A[6, 7]))
 
 
 @kernel

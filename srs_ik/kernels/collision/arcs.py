@@ -146,22 +146,11 @@ def cut(found, n, arcs, counts, out):
 
 
 @kernel
-def angles_of(found, n, elbow, arcs):
-    """Write the arm angles of the first n intervals of an elbow, of all its branches, as one set: number of pieces."""
+def angles_of(found, n, branches, arcs):
+    """Write the arm angles of the first n intervals of some branches (bits) as one set: number of pieces."""
     count = 0
     for i in range(n):
-        if int(found[i, 0]) >> 2 == elbow:
-            half = 0.5 * (found[i, 2] - found[i, 1])
-            count = add_arc(arcs, count, found[i, 1] + half, half)
-    return count
-
-
-@kernel
-def angles_of_branch(found, n, branch, arcs):
-    """The same of the intervals of one branch."""
-    count = 0
-    for i in range(n):
-        if int(found[i, 0]) == branch:
+        if (branches >> int(found[i, 0])) & 1 == 1:
             half = 0.5 * (found[i, 2] - found[i, 1])
             count = add_arc(arcs, count, found[i, 1] + half, half)
     return count

@@ -11,7 +11,7 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-from srs_ik.kernels.collision.arcs import PI, add_complement, add_piece, angles_of, angles_of_branch, cut_one, shared
+from srs_ik.kernels.collision.arcs import PI, add_complement, add_piece, angles_of, cut_one, shared
 from srs_ik.kernels.collision.forbidden import forbid_pair
 from srs_ik.kernels.collision.looks import (
     ABOUT_LINE,
@@ -270,21 +270,21 @@ def free_by_shapes(P, spot, world, shapes, found, ranges, margins, space, room, 
         for k in range(shapes.pairs.shape[0]):
             room.spin_counts[k] = UNLOOKED
         wanted, blocked = room.arcs[0], room.arcs[1]
-        m = angles_of(found, found.shape[0], elbow, wanted)
+        m = angles_of(found, found.shape[0], 0b1111 << 4 * elbow, wanted)
         if m == 0:
             continue
         asked = (P, spot, world, frames, shapes, space, margins)
         n, undecided, rest = of_elbow(elbow, asked, (wanted, m), blocked, room, (0.0, totals[1]))
         totals = (totals[0] + undecided * branches_of(found, elbow), rest)
         for branch in range(4 * elbow, 4 * elbow + 4):
-            m = angles_of_branch(found, found.shape[0], branch, wanted)
+            m = angles_of(found, found.shape[0], 1 << branch, wanted)
             if m == 0:
                 continue
             own = room.arcs[5]
             for i in range(n):
                 own[i, 0], own[i, 1] = blocked[i, 0], blocked[i, 1]
             outside = room.arcs[7]
-            inside = angles_of_branch(ranges, ranges.shape[0], branch, room.arcs[3])
+            inside = angles_of(ranges, ranges.shape[0], 1 << branch, room.arcs[3])
             outer = add_complement(outside, 0, room.arcs[3], inside)
             taken, undecided, rest = of_branch(branch, asked, (wanted, m), (outside, outer), (own, n), room, totals)
             totals = (undecided, rest)

@@ -6,7 +6,8 @@ import math
 from typing import NamedTuple
 
 from srs_ik.kernels.algebra.lane_trig import seven_turns
-from srs_ik.kernels.algebra.vectors import add, apply, apply_transposed, dot, norm, scale, sub, times
+from srs_ik.kernels.algebra.pointers import row
+from srs_ik.kernels.algebra.vectors import add, apply, apply_transposed, dot, load3, load9, norm, scale, sub, times
 from srs_ik.kernels.chain.kinematics import first_line, joint_line
 from srs_ik.kernels.collision.convex import apart, farthest_point, roundness
 from srs_ik.kernels.collision.seen import frame_at
@@ -273,15 +274,5 @@ def put_frames(P, q, frames):
 @kernel
 def frame_of_joint(frames, joint):
     """What has been written for a joint."""
-    M = (
-        frames[joint, 0],
-        frames[joint, 1],
-        frames[joint, 2],
-        frames[joint, 3],
-        frames[joint, 4],
-        frames[joint, 5],
-        frames[joint, 6],
-        frames[joint, 7],
-        frames[joint, 8],
-    )
-    return M, (frames[joint, 9], frames[joint, 10], frames[joint, 11])
+    frame = row(frames, joint)
+    return load9(frame, 0), load3(frame, 9)

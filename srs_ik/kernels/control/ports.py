@@ -8,6 +8,7 @@ from __future__ import annotations
 import math
 from typing import Any, NamedTuple
 
+from srs_ik.kernels.algebra.joint_vectors import short_way
 from srs_ik.kernels.algebra.vectors import add, dot, load3, load9, scale, sub
 from srs_ik.kernels.chain.arm_angle_rates import gradient, point_velocity
 from srs_ik.kernels.chain.newton import arm_angle, elbow_position, twist_to
@@ -29,7 +30,6 @@ from srs_ik.kernels.layout.control import (
     TIP,
     TORQUE,
 )
-from srs_ik.kernels.limb.spherical import wrap
 from srs_ik.kernels.limb.triangle import shoulder_to_wrist, target_frame
 
 STEEPEST = 20.0
@@ -96,7 +96,7 @@ def turn_elbow(P, port, state, motion, work):
     for joint in range(7):
         derivatives[joint] *= share
         rate += derivatives[joint] * motion.v[joint]
-    error = wrap(port[TARGET] - angle_at(P, motion)) if exists else 0.0
+    error = short_way(port[TARGET] - angle_at(P, motion)) if exists else 0.0
     h = pull_angle(port, state, error, rate)
     for joint in range(7):
         work[TORQUE, joint] += derivatives[joint] * h

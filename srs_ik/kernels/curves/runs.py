@@ -11,22 +11,20 @@ import math
 
 import numpy as np
 
-from srs_ik.kernels.algebra.joint_vectors import difference, dot7
+from srs_ik.kernels.algebra.joint_vectors import difference, largest
 from srs_ik.kernels.chain.newton import arm_angle, clipped
 from srs_ik.kernels.curves.all_curves import MAX_CURVES, follow_all
 from srs_ik.kernels.curves.ends import dip, edge, is_exact, on_curve, put_infeasibilities
-from srs_ik.kernels.curves.follow import CURVE, put, tangent_at
+from srs_ik.kernels.curves.follow import CURVE, put
 from srs_ik.kernels.curves.gaps import put_bounds, put_gaps
 from srs_ik.kernels.curves.in_step import ARC, SAMPLE, load_sample
 from srs_ik.kernels.curves.lowest import dip_near
 from srs_ik.kernels.exact.samples import take_samples
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.asked import Runs, Samples, Setting
-from srs_ik.kernels.layout.limb import UPPER
 from srs_ik.kernels.layout.search import SPLIT
 from srs_ik.kernels.limb.branches import NO_BRANCH
 from srs_ik.kernels.limb.goal import NO_SEED, turned
-from srs_ik.kernels.limb.limits import beyond, turn_to_middle
 from srs_ik.kernels.limb.triangle import elbow_side
 
 LARGEST_MOTION = 0.5
@@ -99,34 +97,6 @@ def may_dip(P, x, f, next_x, next_f):
 
 
 @kernel
-def falls(P, by, a, b):
-    """Whether the joint farthest outside its limits at a posture goes back to them on the curve to another one."""
-    way, _ = tangent_at(P, by, a)
-    ahead = 1.0 if dot7(way, difference(a, b)) > 0.0 else -1.0
-    most, rate = 0.0, 0.0
-    for j in range(7):
-        angle = turn_to_middle(P, j, a[j])
-        off = beyond(P, j, angle)
-        if off > most:
-            most, rate = off, (way[j] if angle > P[UPPER + j] else -way[j])
-    return ahead * rate < 0.0
-
-
-@kernel
-def may_dip_at_end(P, by, curve, start, end):
-    """Whether there may be feasible postures between two samples outside the limits, the first or last ones of a curve.
-
-    Each is given as its row and how far it is outside.
-    """
-    rows = curve.rows
-    (i, f), (j, next_f) = start, end
-    if is_exact(P) or min(f, next_f) > SHALLOW or not may_meet(f, next_f, ARC * (rows[j, 0] - rows[i, 0])):
-        return False
-    a, b = load_sample(rows[i]), load_sample(rows[j])
-    return falls(P, by, a, b) and falls(P, by, b, a)
-
-
-@kernel
 def cut(P, by, branch, curve, out, used):
     """Cut a sampled curve into its feasible runs, behind the rows and runs in use; how many are in use then."""
     line, first, last = curve
@@ -154,11 +124,6 @@ def cut(P, by, branch, curve, out, used):
             if f <= 0.0:
                 begin = edge(P, by, branch, curve, (x, f), (x_before, f_before))
                 end, ends = edge(P, by, branch, curve, (x, f), (x1, f1)), True
-        elif f0 > 0.0 and i in (first + 1, last - 1) and may_dip_at_end(P, by, curve, (i - 1, f0), (i, f1)):
-            x, f = dip(P, by, branch, curve, x0, x1)
-            if f <= 0.0:
-                begin = edge(P, by, branch, curve, (x, f), (x0, f0))
-                end, ends = edge(P, by, branch, curve, (x, f), (x1, f1)), True
         if i == last - 1 and f1 <= 0.0:
             end, ends = (x1, load_sample(line[i])), True
         if ends and end[0] >= begin[0]:
@@ -173,9 +138,7 @@ def cut(P, by, branch, curve, out, used):
 @kernel
 def far_apart(a, b):
     """Whether a joint moves too far between two samples."""
-    d = difference(a, b)
-    largest = max(abs(d[0]), abs(d[1]), abs(d[2]), abs(d[3]), abs(d[4]), abs(d[5]), abs(d[6]))
-    return largest > LARGEST_MOTION
+    return largest(difference(a, b)) > LARGEST_MOTION
 
 
 @kernel

@@ -181,7 +181,7 @@ def widest(family, T, bodies, groups, pairs, local, ready, found, n, tolerance, 
         resting, other = resting_clearance(world, elbow, frames, math.inf)
         psi, turning = 0.0, -math.inf
         # All branches of an elbow are as clear as each other.
-        for i in range(angles_of(found, n, elbow, arcs)):
+        for i in range(angles_of(found, n, 0b1111 << 4 * elbow, arcs)):
             ends = (arcs[i, 0], arcs[i, 1])
             psi, turning = widest_within(world, elbow, frames, ends, (psi, turning), tolerance, parts)
         branch = branch_at(found, n, elbow, psi)

@@ -15,12 +15,11 @@ import numpy as np
 from srs_ik.kernels.algebra.vectors import (
     across,
     add,
+    angle_between,
     apply,
     apply_transposed,
-    cross,
     dot,
     load3,
-    norm,
     rotate,
     scale,
     sub,
@@ -202,12 +201,6 @@ def curve(start, middle, end):
     """A parabola through three vectors, as a constant, a linear and a square part of 0 to 1."""
     bow = add(add(start, end), scale(-2.0, middle))
     return start, sub(sub(end, start), scale(2.0, bow)), scale(2.0, bow)
-
-
-@kernel
-def angle_between(a, b):
-    """Angle between two vectors, rad, with all digits where it is small."""
-    return math.atan2(norm(cross(a, b)), dot(a, b))
 
 
 @kernel

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 
+from srs_ik.kernels.algebra.joint_vectors import short_way
 from srs_ik.kernels.algebra.vectors import along, dot, load3, norm, scale, sub
 from srs_ik.kernels.exact.gaps import turned_with
 from srs_ik.kernels.jit import kernel
@@ -27,7 +28,7 @@ from srs_ik.kernels.layout.limb import (
     TOP_GAP,
     UPPER,
 )
-from srs_ik.kernels.limb.spherical import middle_angle, sines, wrap
+from srs_ik.kernels.limb.spherical import middle_angle, sines
 
 TOUCH = 1e-12
 """A linear form that misses its value by less than this, relative to its swing, touches it."""
@@ -188,7 +189,7 @@ def add_split_ends(P, k, motion, psi, away, events, n):
     step = min(0.5 * away, 0.5)
     total, toward = sum_at(P, k, motion, psi)
     other, _ = sum_at(P, k, motion, psi + step)
-    way = 1.0 if wrap(other - total) > 0.0 else -1.0
+    way = 1.0 if short_way(other - total) > 0.0 else -1.0
     for end in range(2):
         low, high = P[LOWER + first], P[UPPER + first]
         limit = (high if toward > 0.0 else -low) if end == 1 else (low if toward > 0.0 else -high)

@@ -10,6 +10,7 @@ import math
 from srs_ik.kernels.algebra.lane_trig import rough_angle
 from srs_ik.kernels.algebra.lanes import eight_of, one_of, where, whole_number
 from srs_ik.kernels.algebra.vectors import swing
+from srs_ik.kernels.chain.newton_eight import larger
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.limb import (
     A1_A2,
@@ -43,16 +44,10 @@ def joint_costs(P, joint, q):
 
 
 @kernel
-def highest(a, b):
-    """The larger of eight pairs."""
-    return where(a > b, a, b)
-
-
-@kernel
 def costs_of(P, first, q):
     """Minus the margins of three joints together."""
-    both = highest(joint_costs(P, first, q[0]), joint_costs(P, first + 1, q[1]))
-    return highest(both, joint_costs(P, first + 2, q[2]))
+    both = larger(joint_costs(P, first, q[0]), joint_costs(P, first + 1, q[1]))
+    return larger(both, joint_costs(P, first + 2, q[2]))
 
 
 @kernel
@@ -92,7 +87,7 @@ def eight_costs(P, side, c, s, signs):
     """About the costs of shoulder and wrist together at eight arm angles, of the wanted solutions (-1: any)."""
     shoulder = wanted_half(eight_halves(P, SHOULDER, side[1], c, s), signs[0])
     wrist = wanted_half(eight_halves(P, WRIST, side[2], c, s), signs[1])
-    return highest(shoulder, wrist)
+    return larger(shoulder, wrist)
 
 
 @kernel

@@ -33,12 +33,6 @@ from srs_ik.kernels.limb.splits import nearest_split, rest_of, widest_split
 
 
 @kernel
-def wrap(angle):
-    """The angle in [-pi, pi]."""
-    return angle - 2.0 * math.pi * math.floor(angle / (2.0 * math.pi) + 0.5)
-
-
-@kernel
 def middle_angle(P, k, v):
     """Cosine and sine of x = |q2 - PHASE|, and whether v can be reached at all (else x is the nearest)."""
     a1 = load3(P, k + A1)

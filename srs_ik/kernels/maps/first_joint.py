@@ -11,6 +11,7 @@ import math
 
 from srs_ik.kernels.algebra.vectors import across, cross, dot, load3, rotate, swing
 from srs_ik.kernels.exact.events import TOUCH
+from srs_ik.kernels.exact.gaps import turned_with
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.limb import A1, A1_A2, A2, A2_A3, BOTTOM_GAP, SHOULDER, TOP_GAP
 from srs_ik.kernels.limb.spherical import middle_angle, sines
@@ -30,17 +31,9 @@ HALVINGS = 50
 
 
 @kernel
-def motion_at(motion, psi):
-    """The two columns that the shoulder has to make at an arm angle."""
-    c, s = math.cos(psi), math.sin(psi)
-    v, y, _ = motion
-    return swing(v[0], v[1], v[2], c, s), swing(y[0], y[1], y[2], c, s)
-
-
-@kernel
 def first_angle(P, motion, psi, sign):
     """Joint 1 at an arm angle in one solution of the shoulder, and the direction b of axis 2 there."""
-    v, y = motion_at(motion, psi)
+    v, y = turned_with(motion, psi)
     c, s, _ = middle_angle(P, SHOULDER, v)
     (c1, s1), _, _, _ = sines(P, SHOULDER, v, y, c, s if sign == 0 else -s)
     return math.atan2(s1, c1), rotate(load3(P, SHOULDER + A1), c1, s1, load3(P, SHOULDER + A2))
@@ -197,7 +190,7 @@ def singular_angle(P, motion, end):
 @kernel
 def split_angles(P, motion, psi, end):
     """The lowest and highest angle of joint 1 with joint 3 inside its limits, where only their sum is fixed."""
-    v, y = motion_at(motion, psi)
+    v, y = turned_with(motion, psi)
     c, s, _ = middle_angle(P, SHOULDER, v)
     _, _, (c3, s3), length = sines(P, SHOULDER, v, y, c, s)
     toward = 1.0 if end == 0 else -1.0

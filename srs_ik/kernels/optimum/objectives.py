@@ -26,6 +26,7 @@ from srs_ik.kernels.layout.objectives import (
     WRENCH,
 )
 from srs_ik.kernels.limb.goal import NO_SEED, cost, turned
+from srs_ik.kernels.limb.poses import read7
 from srs_ik.kernels.optimum.gravity import squared_torque
 
 
@@ -78,15 +79,9 @@ def volume(J):
 
 
 @kernel
-def reference(params):
-    """The reference posture."""
-    return (params[0], params[1], params[2], params[3], params[4], params[5], params[6])
-
-
-@kernel
 def toward_reference(P, params, q):
     """The posture with every joint in the turn nearest to the reference, inside its limits where they are respected."""
-    return turned(P, q, True, reference(params), params[RESPECT] == 1.0)
+    return turned(P, q, True, read7(params), params[RESPECT] == 1.0)
 
 
 @kernel
@@ -111,7 +106,7 @@ def objective(P, kind, params, q, J):
     if kind == LIMIT_MARGIN:
         return cost(P, q, False, NO_SEED, False)
     if kind == REFERENCE:
-        return cost(P, toward_reference(P, params, q), True, reference(params), False)
+        return cost(P, toward_reference(P, params, q), True, read7(params), False)
     if kind == GRAVITY:
         return squared_torque(P, params[WEIGHT:], q, J)
     tip_jacobian(P, q, J)

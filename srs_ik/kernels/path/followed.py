@@ -12,6 +12,7 @@ from srs_ik.kernels.algebra.lanes import as_bits, gather, where, whole_number
 from srs_ik.kernels.algebra.pointers import row
 from srs_ik.kernels.algebra.vectors import load3, scale, store3, swing
 from srs_ik.kernels.chain.eight import sines_of_eight
+from srs_ik.kernels.chain.newton import clipped
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.limb import LOWER, RANGE_KIND, SHOULDER, UPPER, WRIST
 from srs_ik.kernels.layout.path import SIDE, SIDE_ELBOW, SIDE_FOREARM, SIDE_LINE, SIDE_SHOULDER, SIDE_WRIST
@@ -76,15 +77,7 @@ def settled(P, q, slack):
     inside = True
     for j in range(7):
         inside = inside and q[j] <= P[UPPER + j] + slack and q[j] >= P[LOWER + j] - slack
-    return (
-        min(max(q[0], P[LOWER + 0]), P[UPPER + 0]),
-        min(max(q[1], P[LOWER + 1]), P[UPPER + 1]),
-        min(max(q[2], P[LOWER + 2]), P[UPPER + 2]),
-        min(max(q[3], P[LOWER + 3]), P[UPPER + 3]),
-        min(max(q[4], P[LOWER + 4]), P[UPPER + 4]),
-        min(max(q[5], P[LOWER + 5]), P[UPPER + 5]),
-        min(max(q[6], P[LOWER + 6]), P[UPPER + 6]),
-    ), inside
+    return clipped(P, q), inside
 
 
 @kernel

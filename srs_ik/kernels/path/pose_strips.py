@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from srs_ik.kernels.algebra.joint_vectors import along7
+from srs_ik.kernels.algebra.joint_vectors import along7, short_way
 from srs_ik.kernels.algebra.pointers import row
 from srs_ik.kernels.chain.newton import arm_angle
 from srs_ik.kernels.exact.flat import is_as_good_as_flat
@@ -26,7 +26,6 @@ from srs_ik.kernels.layout.path import (
 from srs_ik.kernels.limb.in_line import closest, may_split
 from srs_ik.kernels.limb.limits import TURN
 from srs_ik.kernels.limb.poses import read7, read_pose
-from srs_ik.kernels.limb.spherical import wrap
 from srs_ik.kernels.limb.triangle import elbow_side, place
 from srs_ik.kernels.path.followed import along_cell, settled
 from srs_ik.kernels.path.near_strips import take_line, take_runs
@@ -123,7 +122,7 @@ def next_to_singular(P, side, psi):
         if P[k + (TOP_GAP if i % 2 == 0 else BOTTOM_GAP)] == 0.0:
             there, least, most = closest(P, k, side[1] if i < 2 else side[2], i % 2)
             if least < SPLIT and most > NEXT_TO:
-                off = wrap(there - psi)
+                off = short_way(there - psi)
                 if abs(off) < NEXT_TO:
                     return psi + off
     return psi
@@ -144,7 +143,7 @@ def window(P, place_, side, around):
 
     The upper arm turns with the arm angle, and no farther than its three joints together.
     """
-    if around.radius == 0.0 or 3.0 * around.radius > math.pi or abs(wrap(side[0] - around.q[3])) > SAME_ELBOW:
+    if around.radius == 0.0 or 3.0 * around.radius > math.pi or abs(short_way(side[0] - around.q[3])) > SAME_ELBOW:
         return 0.0, math.inf
     if not place_[3] > BENT:
         return 0.0, math.inf
@@ -154,7 +153,7 @@ def window(P, place_, side, around):
 @kernel
 def may_be_near(P, side, branch, around):
     """Whether a branch may have postures about a given one: joints 2, 4 and 6 lie to its side, or close."""
-    if abs(wrap(side[0] - around.q[3])) > around.radius:
+    if abs(short_way(side[0] - around.q[3])) > around.radius:
         return False
     return is_on_side(P[SHOULDER + PHASE], around.q[1], (branch >> 1) & 1, around.radius) and is_on_side(
         P[WRIST + PHASE], around.q[5], branch & 1, around.radius
@@ -164,7 +163,7 @@ def may_be_near(P, side, branch, around):
 @kernel
 def is_on_side(phase, angle, sign, radius):
     """Whether a joint angle is above its phase (sign 0) or below it (1), or that close to it."""
-    x = wrap(angle - phase)
+    x = short_way(angle - phase)
     return min(abs(x), math.pi - abs(x)) < radius or (x < 0.0) == (sign == 1)
 
 

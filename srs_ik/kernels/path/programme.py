@@ -12,7 +12,7 @@ import math
 
 import numpy as np
 
-from srs_ik.kernels.algebra.joint_vectors import largest
+from srs_ik.kernels.algebra.joint_vectors import along7, largest
 from srs_ik.kernels.algebra.lanes import LANES, as_bits, as_mask, one_of, where
 from srs_ik.kernels.algebra.pointers import row
 from srs_ik.kernels.chain.eight import highest, postures_of, rows_of
@@ -41,7 +41,6 @@ from srs_ik.kernels.path.steps import (
     eight_steps,
     kept,
     least_of_eight,
-    moved_on,
     product,
     step_cost,
     step_of,
@@ -165,11 +164,11 @@ def try_eight(q, pages, i, last, rules, found):
         good = value < best
         # Squares of steps are at least those of the longest joint's.
         if rules.limited or as_bits(good & (value > lowest(ends) + rules.share * longest * longest)):
-            good = good & are_short(moved_on(e, d, t), rules.settings, rules.limited, 0.0)
+            good = good & are_short(along7(e, -t, d), rules.settings, rules.limited, 0.0)
         best, place = where(good, value, best), where(good, t + float(i), place)
         better &= ~as_bits(good)
     if better:
-        better &= as_bits(are_short(moved_on(e, d, 0.5), rules.settings, False, 0.5 * largest(d) + ROUNDING))
+        better &= as_bits(are_short(along7(e, -0.5, d), rules.settings, False, 0.5 * largest(d) + ROUNDING))
     for k in range(LANES):
         if better >> k & 1:
             cost, at = try_cell(one_of_seven(e, k), d, ends, rules, (one_of(best, k), one_of(place, k)), float(i))
@@ -235,7 +234,7 @@ def origin_step(nodes, settings, i, place):
     e = steps_between(settings, row(nodes, k), row(nodes, i))
     if place == k:
         return e
-    return moved_on(e, along_cell(row(nodes, k), row(nodes, k + 1)), place - k)
+    return along7(e, k - place, along_cell(row(nodes, k), row(nodes, k + 1)))
 
 
 @kernel

@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import math
 
-from srs_ik.kernels.algebra.joint_vectors import dot7
+from srs_ik.kernels.algebra.joint_vectors import along7, dot7
 from srs_ik.kernels.algebra.pointers import row
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.path import (
@@ -25,7 +25,7 @@ from srs_ik.kernels.layout.path import (
     WORTH_SAG,
 )
 from srs_ik.kernels.path.cells import GROUP, cell_chord
-from srs_ik.kernels.path.steps import moved_on, steps_between
+from srs_ik.kernels.path.steps import steps_between
 
 FAR = 1.0
 """Cells farther apart, rad, count their distance alone."""
@@ -58,7 +58,7 @@ def least_along(e, d, worth, i, gain):
     elif slope > 0.0:
         s = 1.0
     t = min(max(s, 0.0), 1.0)
-    off = moved_on(e, d, t)
+    off = along7(e, -t, d)
     return a + t * (b - a) - sag * t * (1.0 - t) + gain * dot7(off, off), t == s
 
 
@@ -67,7 +67,7 @@ def step_between(cells, i, worth, here, j, settings):
     """The parabola of what a step from cell i to cell j of `here` costs, with what cell i does: begin, end and sag."""
     d, chord = cell_chord(cells, i), cell_chord(here, j)
     e = steps_between(settings, row(cells, i), row(here, j))
-    middle = moved_on(moved_on(e, chord, -0.5), d, 0.5)
+    middle = along7(along7(e, 0.5, chord), -0.5, d)
     apart = math.sqrt(dot7(middle, middle))
     off = cells[i, CELL_OFF] + here[j, CELL_OFF]
     if apart <= off:
@@ -82,7 +82,7 @@ def step_between(cells, i, worth, here, j, settings):
     gain = 1.0 - off / apart
     less = off * apart * gain
     begin, inside0 = least_along(e, d, worth, i, gain)
-    end, inside1 = least_along(moved_on(e, chord, -1.0), d, worth, i, gain)
+    end, inside1 = least_along(along7(e, 1.0, chord), d, worth, i, gain)
     sag = gain * dot7(chord, chord)
     if inside0 and inside1:
         across = gain * dot7(d, chord)
@@ -125,7 +125,7 @@ def quickest_between(cells, i, here, j, settings):
     d, chord = cell_chord(cells, i), cell_chord(here, j)
     e = steps_between(settings, row(cells, i), row(here, j))
     off = cells[i, CELL_OFF] + here[j, CELL_OFF]
-    middle = moved_on(moved_on(e, chord, -0.5), d, 0.5)
+    middle = along7(along7(e, 0.5, chord), -0.5, d)
     long = 0.5 * (math.sqrt(dot7(d, d)) + math.sqrt(dot7(chord, chord)))
     if math.sqrt(dot7(middle, middle)) - off - long > FAR:
         middle = steps_between(settings, (0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0), middle)

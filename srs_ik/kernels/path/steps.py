@@ -218,17 +218,3 @@ def quickest(e, d, va, vb, t0, t1, settings):
         else:
             t1, f1, g1 = t, f, g
     return va + f, t
-
-
-@kernel
-def moved_on(e, d, t):
-    """The steps e - t d."""
-    return (
-        e[0] - t * d[0],
-        e[1] - t * d[1],
-        e[2] - t * d[2],
-        e[3] - t * d[3],
-        e[4] - t * d[4],
-        e[5] - t * d[5],
-        e[6] - t * d[6],
-    )

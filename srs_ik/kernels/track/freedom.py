@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 
 from srs_ik.kernels.algebra.pointers import row
-from srs_ik.kernels.algebra.vectors import apply, cross, dot, load3, norm, rotate, rotation, sub, times
+from srs_ik.kernels.algebra.vectors import angle_between, apply, load3, norm, rotate, rotation, sub, times
 from srs_ik.kernels.chain.freedom import allowed, any_across, as_rotation, free_error, read_freedom, turn_left
 from srs_ik.kernels.chain.kinematics import forward_kinematics, pose_error
 from srs_ik.kernels.jit import kernel
@@ -100,12 +100,6 @@ def turns_to_look_at(C):
     if C[HAS_FREE] == 0.0:
         return 1.0
     return ROLLS if C[FREE + FREE_CONE] == 0.0 else LEANS
-
-
-@kernel
-def angle_between(a, b):
-    """Angle between two vectors, 0 where one has no length."""
-    return math.atan2(norm(cross(a, b)), dot(a, b))
 
 
 @kernel
