@@ -10,7 +10,6 @@ import numpy as np
 
 from srs_ik.kernels.algebra.pointers import row
 from srs_ik.kernels.chain.starts import FIRST, best_of_all, close_all
-from srs_ik.kernels.curves.surface import has_surface
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.answer import ROW_COST
 from srs_ik.kernels.layout.asked import Best, Goal, Setting
@@ -19,6 +18,7 @@ from srs_ik.kernels.limb.branches import NO_BRANCH, best_branch, branch_of, is_o
 from srs_ik.kernels.limb.goal import NO_SEED, OUTSIDE
 from srs_ik.kernels.limb.in_line import ROUNDED
 from srs_ik.kernels.limb.poses import read7
+from srs_ik.kernels.limb.surface import has_surface
 from srs_ik.kernels.near.band import ALMOST_NOTHING, ANY_ELBOW, is_oblique, is_told, untold_elbows
 from srs_ik.kernels.near.branch_search import search_branch
 from srs_ik.kernels.near.on_curves import (

@@ -25,7 +25,6 @@ from srs_ik.kernels.curves.in_step import SAMPLE, load_sample, put_sample
 from srs_ik.kernels.curves.lowest import cost_of_turn
 from srs_ik.kernels.curves.runs import SPARE_ROWS, near_runs, samples_of
 from srs_ik.kernels.curves.spans import JUST_OUTSIDE
-from srs_ik.kernels.curves.surface import has_surface
 from srs_ik.kernels.curves.told import (
     ARM_ANGLE,
     TOLD,
@@ -45,6 +44,7 @@ from srs_ik.kernels.layout.search import MAX_RUNS, RUN
 from srs_ik.kernels.limb.branches import NO_BRANCH, bit_of, branch_of, is_on_border
 from srs_ik.kernels.limb.goal import NO_SEED, turned
 from srs_ik.kernels.limb.poses import read7
+from srs_ik.kernels.limb.surface import has_surface
 from srs_ik.kernels.limb.triangle import elbow_side
 from srs_ik.kernels.near.arcs import ARC, MOST_ARCS, find_arcs, follow_arcs, mark_around, put_ends_of_arcs
 from srs_ik.kernels.near.band import band_of, may_predict
