@@ -272,7 +272,10 @@ def put_pair(P, by, turns, curvature, starts, n):
 
 @kernel
 def follow_all(P, by, rows, curves):
-    """Follow every curve of a pose that the closed form of the nearest exact limb leads to; the number of curves."""
+    """Follow every curve of a pose that the closed form of the nearest exact limb leads to.
+
+    Returns the number of curves, and whether they are all there are for certain: they are laid out, not followed.
+    """
     R, p, _ = by.target
     oblique = P[SHOULDER + TOP_GAP] + P[SHOULDER + BOTTOM_GAP] + P[WRIST + TOP_GAP] + P[WRIST + BOTTOM_GAP] > OBLIQUE
     around = np.empty((4 * MOST_TURNS, REACH)), np.full(4, TURNS)
@@ -282,7 +285,7 @@ def follow_all(P, by, rows, curves):
         if clear == 0b1111 and not oblique:
             count = lay_curves(P, by, around, rows, curves)
             if count >= 0:
-                return count
+                return count, True
     angles = STARTS_OBLIQUE if oblique else STARTS
     marks = np.empty((8 * angles, MARK))
     missed = np.zeros((8 * angles + MORE_STARTS, MARK))
@@ -336,4 +339,4 @@ def follow_all(P, by, rows, curves):
             for x in range(2):
                 n = put(rows, n, x * POINT, read7(row(alone, i)))
             count += 1
-    return count
+    return count, False
