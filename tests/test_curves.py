@@ -34,7 +34,8 @@ def curves_of(family, T, J, A, rows, curves):
     R, p, _ = read_pose(row(T, 0))
     P = row(family, 0)
     place_ = place(P, R, p)
-    return follow_all(P, Setting(Target(R, p, place_), elbow_side(P, place_, 0), False, J, A), rows, curves)
+    count, _ = follow_all(P, Setting(Target(R, p, place_), elbow_side(P, place_, 0), False, J, A), rows, curves)
+    return count
 
 
 def followed(arm, pose):

@@ -6,8 +6,8 @@ import math
 
 import numpy as np
 
-from srs_ik.kernels.algebra.joint_vectors import difference, dot7, largest
-from srs_ik.kernels.algebra.lanes import scatter
+from srs_ik.kernels.algebra.joint_vectors import along7, difference, dot7, largest, short_way, store7
+from srs_ik.kernels.algebra.lanes import eight_of, one_of, scatter
 from srs_ik.kernels.algebra.linear import solve_linear
 from srs_ik.kernels.algebra.pointers import row
 from srs_ik.kernels.algebra.vectors import norm
@@ -39,16 +39,31 @@ from srs_ik.kernels.curves.follow import (
     tangent_at,
     vagueness,
 )
-from srs_ik.kernels.curves.in_step import CORRECTIONS, SAMPLE, load_sample, one_of_seven, to_curves
+from srs_ik.kernels.curves.in_step import CORRECTIONS, SAMPLE, load_sample, on_way, one_of_seven, to_curves
+from srs_ik.kernels.curves.laid import lay_curves
 from srs_ik.kernels.curves.marks import MARK, MARK_NEXT, MARK_WAY, follow_marks, join_pieces, put_mark
-from srs_ik.kernels.curves.outreach import put_outermost
-from srs_ik.kernels.curves.surface import put_starts
+from srs_ik.kernels.curves.outreach import (
+    LEAST_BEND,
+    MOST_TURNS,
+    REACH,
+    REACH_RISE,
+    REACH_ROOM,
+    REACH_TURNING,
+    TURNS,
+    best_bends,
+    curvature_of,
+    may_be_straight,
+    next_turn,
+    put_reaches,
+    way_of,
+)
 from srs_ik.kernels.jit import kernel
-from srs_ik.kernels.layout.limb import BOTTOM_GAP, SHOULDER, TOP_GAP, WRIST
+from srs_ik.kernels.layout.limb import BOTTOM_GAP, FAR, SHOULDER, TOP_GAP, WRIST
 from srs_ik.kernels.limb.branches import branch_of
 from srs_ik.kernels.limb.goal import NO_SEED, turned
 from srs_ik.kernels.limb.limits import turn_to_middle, violation
 from srs_ik.kernels.limb.poses import read7
+from srs_ik.kernels.limb.surface import level_place, put_starts
 
 STARTS = 8
 STARTS_OBLIQUE = 48
@@ -83,6 +98,25 @@ POINT = 1e-12
 
 ELBOW_SPARE = 0.5
 """By so much, rad, q4 of a start may be outside its limits where limits count."""
+
+
+CUTS = 12
+"""Steps to a greatest reach between two turns, at most."""
+
+LEVEL = 1e-10
+"""The rise of the room with a turn, rad, that is none."""
+
+NARROWEST_TURN = 1e-9
+"""Two turns closer than this, rad, are one."""
+
+HIGHEST = 2.0
+"""Between two turns reaches are no greater than either goes on to rise, so many times, and parts of the reach ..."""
+
+HIGHER = 1e-3
+"""... above that."""
+
+ROOM = 1e-2
+"""Where the best bend leaves so much room, rad, to both sides, Newton's method does without the very greatest reach."""
 
 
 @kernel
@@ -191,10 +225,78 @@ def inside_of_blur(P, by, q, blur):
 
 
 @kernel
+def put_outermost(P, by, which, around, starts, n):
+    """Append postures of the curves about the greatest reaches that are past a pose, or those of these; their number.
+
+    `which` are, as bits, the signs of shoulder and wrist with which the pose is not reached all around; `around` is
+    what is known at all turns, and how many these are for each pair of signs.
+    """
+    reaches, turns = around
+    curvature = curvature_of(P, level_place(by.target.place))
+    width = HIGHEST * 2.0 * math.pi / TURNS
+    lowest = -2.0 * HIGHER * P[FAR] / abs(curvature)
+    for signs in range(4):
+        for k in range(turns[signs] if (which >> signs) & 1 == 1 else 0):
+            i = MOST_TURNS * signs + k
+            a, b = reaches[i], reaches[next_turn(turns, i)]
+            ahead = short_way(b[2] - a[2])
+            rises = ahead * a[REACH_RISE] > 0.0 and ahead * b[REACH_RISE] <= 0.0
+            top = min(a[REACH_ROOM] + width * abs(a[REACH_RISE]), b[REACH_ROOM] + width * abs(b[REACH_RISE]))
+            if rises and top > lowest and n + 2 <= starts.shape[0]:
+                n = put_pair(P, by, (a, a[2] + ahead, b[REACH_RISE]), curvature, starts, n)
+    return n
+
+
+@kernel
+def put_pair(P, by, turns, curvature, starts, n):
+    """Append both bends of the greatest reach between two turns, if it is past the pose; if only just, itself.
+
+    The first is given by what is known there, the second by joint 3 and its rise.
+    """
+    before, end, high = turns
+    begin, low = before[2], before[REACH_RISE]
+    best, room, turning, bending = read7(before), 0.0, way_of(before, REACH_TURNING), NO_SEED
+    none = eight_of(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+    met = 0
+    for _ in range(CUTS):
+        part = begin + (end - begin) * low / (low - high)
+        there = on_way(best, turning, none + (part - best[2]))
+        q, rooms, rises, turnings, bendings, met = best_bends(P, by.target, there, curvature, False)
+        best, room, rise = one_of_seven(q, 0), one_of(rooms, 0), one_of(rises, 0)
+        turning, bending = one_of_seven(turnings, 0), one_of_seven(bendings, 0)
+        if met != ALL or room > ROOM**2 or abs(rise) < LEVEL or abs(end - begin) < NARROWEST_TURN:
+            break
+        if (rise > 0.0) == (low > 0.0):
+            begin, low, high = part, rise, 0.5 * high
+        else:
+            end, high, low = part, rise, 0.5 * low
+    if met == ALL and abs(room) < LEAST_BEND**2:
+        store7(row(starts, n), 0, best)
+        n += 1
+    elif met == ALL and room > 0.0:
+        bend = math.sqrt(room)
+        for sign in range(2):
+            store7(row(starts, n), 0, along7(best, bend if sign == 0 else -bend, bending))
+            n += 1
+    return n
+
+
+@kernel
 def follow_all(P, by, rows, curves):
-    """Follow every curve of a pose that the closed form of the nearest exact limb leads to; the number of curves."""
+    """Follow every curve of a pose that the closed form of the nearest exact limb leads to.
+
+    Returns the number of curves, and whether they are all there are for certain: they are laid out, not followed.
+    """
     R, p, _ = by.target
     oblique = P[SHOULDER + TOP_GAP] + P[SHOULDER + BOTTOM_GAP] + P[WRIST + TOP_GAP] + P[WRIST + BOTTOM_GAP] > OBLIQUE
+    around = np.empty((4 * MOST_TURNS, REACH)), np.full(4, TURNS)
+    known = 0
+    if may_be_straight(P, by.target.place):
+        known, clear = put_reaches(P, by.target, around[0])
+        if clear == 0b1111 and not oblique:
+            count = lay_curves(P, by, around, rows, curves)
+            if count >= 0:
+                return count, True
     angles = STARTS_OBLIQUE if oblique else STARTS
     marks = np.empty((8 * angles, MARK))
     missed = np.zeros((8 * angles + MORE_STARTS, MARK))
@@ -204,7 +306,7 @@ def follow_all(P, by, rows, curves):
     n_marks, n_off, signs = put_marks(P, by, angles, marks, missed)
     n_surface = put_starts(P, by.target.place, missed, n_off)
     alone = np.empty((MOST_LEFT, CENTRE))
-    n_outer, told = put_outermost(P, by, signs, missed, n_surface)
+    n_outer = put_outermost(P, by, signs & known, around, missed, n_surface)
     n_missed, n_alone = put_amid(P, by.target, missed, n_off, n_outer, alone, (by.J, by.A))
     if n_marks > 0:
         follow_marks(P, by.target, marks[:n_marks], n_marks, pieces)
@@ -221,7 +323,7 @@ def follow_all(P, by, rows, curves):
         if brought and is_known(P, by, q, t, rows, curves, count):
             continue
         own = branch_of(P, q) & 3
-        if not brought and i < n_off and (bounced[own] >= MOST_BOUNCED or (told >> own) & 1 == 1):
+        if not brought and i < n_off and bounced[own] >= MOST_BOUNCED:
             continue
         there, met = lead_to_curve(P, by, q) if i >= n_off else (q, False)
         q, error = (there, 0.0) if met else close_gently(P, q, R, p, False, by.J, by.A)
@@ -251,4 +353,4 @@ def follow_all(P, by, rows, curves):
             for x in range(2):
                 n = put(rows, n, x * POINT, q)
             count += 1
-    return count
+    return count, False

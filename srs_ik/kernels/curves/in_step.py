@@ -12,6 +12,7 @@ from srs_ik.kernels.chain.newton import LAST_STEP, MAX_STEP
 from srs_ik.kernels.chain.newton_eight import (
     all_times,
     curve_step,
+    is_foreseen,
     larger,
     largest,
     turned_by_all,
@@ -59,6 +60,9 @@ the step has led to another curve."""
 
 VAGUE = 1e-6
 """Where several joints are singular at once, floats tell whether a posture is on a curve no better, rad squared."""
+
+HARDLY = 1e-12
+"""A step to a curve that is foreseen to be this short, rad, is not taken."""
 
 SETTLED = 1e-14
 """A step that has settled is on a curve up to this, rad squared."""
@@ -164,7 +168,7 @@ def step_in_step(P, R, p, rows, alive):
     for _ in range(CORRECTIONS):
         d, t, _, right = curve_step(P, turns, R, p, way, none)
         size = largest(d)
-        settled = size < LAST_STEP
+        settled = (size < LAST_STEP) | is_foreseen(size, last, HARDLY)
         q = along7(q, 1.0, d)
         met = as_bits(settled & right)
         left &= as_bits(size < SHRINKING * last)
@@ -187,16 +191,18 @@ def to_curves(P, R, p, q, which, steps):
     turns = turns_of(q)
     t = q
     met = 0
+    last = 0.0 * q[0] + MAX_STEP
     for _ in range(steps):
         d, t, _, right = curve_step(P, turns, R, p, q, 0.0 * q[0])
         d = along7(d, -dot7(t, d), t)
         size = largest(d)
-        settled = size < LAST_STEP
+        settled = (size < LAST_STEP) | is_foreseen(size, last, HARDLY)
         d = all_times(MAX_STEP / larger(size, MAX_STEP + 0.0 * size), d)
         q = along7(q, 1.0, d)
         met = as_bits(settled & right)
         if which & ~as_bits(settled) == 0:
             break
+        last = size
         turns = turned_by_all(turns, d)
     return q, t, met
 

@@ -1,28 +1,42 @@
-"""Small closed curves of a pose next to the end of the reach, which arm angles all around pass by.
+"""How far a limb reaches with an almost straight or folded elbow, at each turn of it about the line S-W.
 
-With the elbow almost straight or folded, how far the true chain reaches differs from one turn of the elbow about the
-line S-W to another, by what the axes miss. Close to the farthest it reaches a pose at some of these turns alone: about
-a turn at which its reach, with the best bend of the elbow, is greater than at all others near it.
+At each turn there is a best bend, with which the wrist is farthest out. How far it is past the pose then tells the
+bends, to both sides of the best one, with which the pose is reached: their square is the room at that turn. That
+differs from turn to turn by what the axes miss, so that close to the farthest it reaches a pose at some turns alone:
+about one at which the room is greater than at all others near it.
 """
 
 from __future__ import annotations
 
 import math
 
-from srs_ik.kernels.algebra.joint_vectors import along7, largest, store7
-from srs_ik.kernels.algebra.linear import solve_linear
+import numpy as np
+
+from srs_ik.kernels.algebra.joint_vectors import along7, difference, dot7, short_way, store7
+from srs_ik.kernels.algebra.lane_trig import turn, turns_of
+from srs_ik.kernels.algebra.lanes import as_bits, eight_of, scatter
+from srs_ik.kernels.algebra.minimum import lowest_of_cubic
 from srs_ik.kernels.algebra.pointers import row
-from srs_ik.kernels.chain.newton import pose_step
+from srs_ik.kernels.algebra.vectors import along, cross, dot, scale
+from srs_ik.kernels.chain.eight import ALL, put_eight, sines_of_eight, take_eight
+from srs_ik.kernels.chain.newton_eight import largest, reduced, turned_by_all, with_wrist
 from srs_ik.kernels.chain.starts import almost_straight
-from srs_ik.kernels.curves.surface import level_place
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.limb import FAR, NEAR
-from srs_ik.kernels.limb.branches import side_posture, sine_of
 from srs_ik.kernels.limb.goal import NO_SEED
+from srs_ik.kernels.limb.poses import read7
+from srs_ik.kernels.limb.postures_eight import eight_postures
+from srs_ik.kernels.limb.surface import level_place
 from srs_ik.kernels.limb.triangle import elbow_side
 
-TURNS = 12
-"""Turns, all around, between which the greatest reaches are looked for."""
+TURNS = 16
+MOST_TURNS = TURNS + 2
+"""Turns, all around, at which reaches are looked at, and room for others between them."""
+
+REACH = 23
+REACH_ROOM, REACH_RISE, REACH_TURNING, REACH_BENDING = 7, 8, 9, 16
+"""What is known at a turn: the joint angles of the best bend; the room, rad squared, and its rise with the turn; the
+ways of the joints with the turn, which is that of joint 3, and with the bend, which is that of joint 4."""
 
 STEPS = 8
 """Newton's steps to the best bend at a turn, at most ..."""
@@ -30,154 +44,296 @@ STEPS = 8
 SETTLED = 1e-5
 """... and the step, rad, that is the last one."""
 
-CUTS = 12
-"""Steps to a greatest reach between two turns, at most."""
-
-LEVEL = 1e-10
-"""The rise with a turn, m/rad, that is none."""
-
-NARROWEST = 1e-9
-"""Two turns closer than this, rad, are one."""
-
 LEAST_BEND = 5e-5
-ROOM = 1e-2
 """Where the best bend leaves less room than this, rad, to both sides, Newton's method closes no posture for certain:
-the greatest reach tells then by itself what there is around it (`rank_five`). With the second one, it does without the
-very greatest reach."""
-
-HIGHEST = 2.0
-"""Between two turns reaches are no greater than either goes on to rise, so many times, and parts of the reach ..."""
-
-HIGHER = 1e-3
-"""... above that."""
+the greatest reach tells then by itself what there is around it (`rank_five`)."""
 
 CLEAR = 2.0
 """Where the elbow is almost straight, shoulder and wrist are clear of singularities that are so many bends away."""
+
+ALMOST = 1.2
+"""A bend wider by this than what may be straight is clear of it."""
+
+SHORTEST = 1e-9
+"""A limb that can be folded to less than this, m, has no line S-W there."""
 
 LONGEST_STEP = 0.5
 """A longer step, rad, leads to no posture nearby."""
 
 
-@kernel
-def answer_to(J, t, right, A):
-    """Steps of joints 1, 2, 5, 6 and 7 that make up for a twist `right`, but for a way along S-W, and for the bend's.
+MOST_ENDS = 8
+"""Turns without room that are told, at most: two for each of the signs of shoulder and wrist."""
 
-    They end in columns 6 and 7, the ways along S-W below them (`answer`). Returns whether there are any.
+SHARPEST = 1e-5
+"""A curve that turns around on a shorter way, rad, is followed."""
+
+HALVINGS = 16
+"""Steps to where cubics tell that room ends, from which Newton's method goes on."""
+
+AWAY = 0.1
+"""Where room ends between two turns, it goes the other way at none, but for this part of its change."""
+
+
+@kernel
+def may_be_straight(P, place_):
+    """Whether the elbow at a pose may be straight or folded on the true chain, as a limb that can be folded alone."""
+    return place_[3] < ALMOST * almost_straight(P) and P[NEAR] >= SHORTEST
+
+
+@kernel
+def by_two(made, n, size2, rest):
+    """The figures of joints 1 and 2 that make up a moment in the plane of theirs."""
+    s1, s2, _, _ = made.s
+    return dot(cross(rest, s2), n) / size2, dot(cross(s1, rest), n) / size2
+
+
+@kernel
+def reach_step(P, turns, target, curvature):
+    """The step of eight postures to their best bends at their turns: it, room, rise, and both ways (`REACH`)."""
+    made = reduced(P, turns, target.R, target.p)
+    t = target.place[0]
+    s1, s2, s3, s4 = made.s
+    n = cross(s1, s2)
+    size2 = dot(n, n)
+    share = 1.0 / dot(n, t)
+    past, rise, slope = -share * dot(n, made.rest), share * dot(n, s3), share * dot(n, s4)
+    none = 0.0 * past
+    a, b = by_two(made, n, size2, along(scale(slope, t), -1.0, s4))
+    bending = with_wrist(made, (0.0, 0.0, 0.0), a, b, none, none + 1.0)
+    a, b = by_two(made, n, size2, along(scale(rise, t), -1.0, s3))
+    turning = with_wrist(made, (0.0, 0.0, 0.0), a, b, none + 1.0, none)
+    a, b = by_two(made, n, size2, along(made.rest, past, t))
+    step = along7(with_wrist(made, made.angular, a, b, none, none), -slope / curvature, bending)
+    per_room = -2.0 / curvature
+    return step, per_room * past, per_room * rise, turning, bending
+
+
+@kernel
+def best_bends(P, target, q, curvature, to_ends):
+    """The best bends at the turns of eight postures, or at turns next to them without room (`to_ends`).
+
+    Returns the postures, the room, its rise, the ways with the turn and with the bend, and which there are, as bits.
     """
-    for i in range(6):
-        A[i, 0], A[i, 1] = J[i, 0], J[i, 1]
-        A[i, 2], A[i, 3], A[i, 4] = J[i, 4], J[i, 5], J[i, 6]
-        A[i, 5] = -t[i] if i < 3 else 0.0
-        A[i, 6], A[i, 7] = right[i], -J[i, 3]
-    return solve_linear(A, 6) != 0.0
-
-
-@kernel
-def answer(A, column, turn, bend):
-    """The steps in a column, with those of joints 3 and 4 given, and the way along S-W."""
-    return (A[0, column], A[1, column], turn, bend, A[2, column], A[3, column], A[4, column]), A[5, column]
-
-
-@kernel
-def best_bend(P, by, q, curvature):
-    """The posture at a turn whose bend reaches farthest along S-W: how far past the pose, and how that goes on.
-
-    Returned are the posture, the reach past the pose, its rise with the turn, the ways of the joints with the turn and
-    with the bend, and whether there is one.
-    """
-    R, p, place_ = by.target
-    J, t = by.J, place_[0]
-    bending = NO_SEED
-    past = 0.0
+    turns = turns_of(q)
+    turning = bending = q
+    room = rise = 0.0 * q[0]
+    met = 0
     for _ in range(STEPS):
-        linear, angular = pose_step(P, q, R, p, J)
-        good = answer_to(J, t, (linear[0], linear[1], linear[2], angular[0], angular[1], angular[2]), by.A)
-        step, past = answer(by.A, 6, 0.0, 0.0)
-        bending, slope = answer(by.A, 7, 0.0, 1.0)
-        step = along7(step, -slope / curvature, bending)
+        step, room, rise, turning, bending = reach_step(P, turns, target, curvature)
+        if to_ends:
+            step = along7(step, -room / rise, turning)
         size = largest(step)
-        if not (good and size < LONGEST_STEP):
-            return q, past, 0.0, NO_SEED, bending, False
         q = along7(q, 1.0, step)
-        if size < SETTLED:
+        met = as_bits(size < SETTLED)
+        if met == ALL or as_bits(size < LONGEST_STEP) != ALL:
             break
-    good = answer_to(J, t, (-J[0, 2], -J[1, 2], -J[2, 2], -J[3, 2], -J[4, 2], -J[5, 2]), by.A)
-    turning, rise = answer(by.A, 6, 1.0, 0.0)
-    return q, past, rise, turning, bending, good
+        turns = turned_by_all(turns, step)
+    return q, room, rise, turning, bending, met
 
 
 @kernel
-def put_outermost(P, by, which, starts, n):
-    """Append postures of the curves about the greatest reaches that are past a pose, or those of these; their number.
-
-    `which` are, as bits, the signs of shoulder and wrist with which the pose is not reached all around. Returned too
-    are those of them that have no other curves: away from other singularities a pose is reached with the turns at which
-    the reach is past it, about these greatest ones. Where it is past it, or not, by rounding, nothing is told.
-    """
-    place_ = by.target.place
-    told = 0
-    if place_[3] >= almost_straight(P) or P[NEAR] < NARROWEST:
-        return n, told
-    level = level_place(place_)
+def curvature_of(P, level):
+    """How the reach curves with the bend where the elbow is flat, m/rad squared; negative if it is straight."""
     reach = P[FAR] if level[2] > 0.0 else -P[NEAR]
-    curvature = (P[NEAR] - P[FAR]) * (P[NEAR] + P[FAR]) / (2.0 * reach)
-    away = math.copysign(1.0, reach)
-    width = HIGHEST * 2.0 * math.pi / TURNS
-    side = elbow_side(P, level, 0)
-    for signs in range(4):
-        if not which >> signs & 1:
-            continue
-        q, _, _ = side_posture(P, side, 0.0, signs >> 1, signs & 1, False, NO_SEED, False)
-        # The sines of shoulder and wrist change with the turn by no more than the bend.
-        clear = min(abs(sine_of(P, q, 0)), abs(sine_of(P, q, 2))) > CLEAR * almost_straight(P)
-        q, past, rise, turning, _, good = best_bend(P, by, q, curvature)
-        first, parts, reached = n, 0, 0
-        for _ in range(TURNS):
-            if not good:
-                break
-            begin, past_before = (q, rise, turning), past * away
-            q = along7(q, 2.0 * math.pi / TURNS, turning)
-            q, past, rise, turning, _, good = best_bend(P, by, q, curvature)
-            clear = clear and abs(2.0 * past / curvature) > LEAST_BEND**2
-            parts += 1 if past_before <= 0.0 < past * away else 0
-            reached += 1 if past * away > 0.0 else 0
-            top = min(past_before + width * abs(begin[1]), past * away + width * abs(rise))
-            between = away * begin[1] > 0.0 and away * rise <= 0.0 and top > -HIGHER * P[FAR]
-            if good and between and n + 2 <= starts.shape[0]:
-                n = put_pair(P, by, begin, (q[2], rise), curvature, starts, n)
-        if good and clear and reached < TURNS and n - first >= 2 * parts:
-            told |= 1 << signs
-    return n, told
+    return (P[NEAR] - P[FAR]) * (P[NEAR] + P[FAR]) / (4.0 * reach)
 
 
 @kernel
-def put_pair(P, by, before, behind, curvature, starts, n):
-    """Append both bends of the greatest reach between two turns, if it is past the pose; if only just, itself.
+def put_reaches(P, target, reaches):
+    """Write what is known at all turns (`REACH`), for each pair of signs of shoulder and wrist one turn after another.
 
-    The first is given by its best posture, rise and way with the turn, the second by joint 3 and its rise.
+    Each pair has MOST_TURNS rows, of which TURNS are written. Returns as bits the pairs for which it is known, and
+    those whose shoulder and wrist are away from singular.
     """
-    best, low, turning = before
-    begin, (end, high) = best[2], behind
-    past, bending, good = 0.0, NO_SEED, False
-    for _ in range(CUTS):
-        part = begin + (end - begin) * low / (low - high)
-        there = along7(best, part - best[2], turning)
-        best, past, rise, turning, bending, good = best_bend(P, by, there, curvature)
-        enough = past * curvature < -0.5 * (ROOM * curvature) ** 2
-        if not good or enough or abs(rise) < LEVEL or end - begin < NARROWEST:
-            break
-        if (rise > 0.0) == (low > 0.0):
-            begin, low, high = part, rise, 0.5 * high
+    level = level_place(target.place)
+    curvature = curvature_of(P, level)
+    sides = elbow_side(P, level, 0), elbow_side(P, level, 1)
+    near = CLEAR * almost_straight(P)
+    eight = eight_of(0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0)
+    known = clear = 0b1111
+    for signs in range(4):
+        for first in range(0, TURNS, 8):
+            c, s = turn(2.0 * math.pi / TURNS * (eight + first))
+            q, sure = eight_postures(P, sides, 0.0 * eight + signs, c, s)
+            q, room, rise, turning, bending, met = best_bends(P, target, q, curvature, False)
+            put_best(row(reaches, MOST_TURNS * signs + first), (q, room, rise, turning, bending))
+            s2, _, s6 = sines_of_eight(P, q)
+            if sure & met != ALL:
+                known &= ~(1 << signs)
+            if as_bits((abs(s2) > near) & (abs(s6) > near)) != ALL:
+                clear &= ~(1 << signs)
+    return known, known & clear
+
+
+@kernel
+def put_best(rows, found):
+    """Write what `best_bends` tells into eight rows."""
+    q, room, rise, turning, bending = found
+    put_eight(rows, REACH, ALL, q)
+    scatter(rows, REACH_ROOM, REACH, room)
+    scatter(rows, REACH_RISE, REACH, rise)
+    put_eight(row(rows, REACH_TURNING), REACH, ALL, turning)
+    put_eight(row(rows, REACH_BENDING), REACH, ALL, bending)
+
+
+@kernel
+def next_turn(turns, i):
+    """The row of the turn behind that in row i, where each pair of signs has some turns."""
+    signs, k = i // MOST_TURNS, i % MOST_TURNS
+    return i + 1 if k + 1 < turns[signs] else i - k
+
+
+@kernel
+def way_of(reach, first):
+    """One of the ways of a row of `REACH`."""
+    return read7(row(reach, first))
+
+
+@kernel
+def length2_of(reach, first):
+    """The square of the length of one of the ways of a row of `REACH`."""
+    way = way_of(reach, first)
+    return dot7(way, way)
+
+
+@kernel
+def across2_of(reach):
+    """The square of the way with the bend, as far as it is across that with the turn."""
+    along_turning = dot7(way_of(reach, REACH_TURNING), way_of(reach, REACH_BENDING))
+    return length2_of(reach, REACH_BENDING) - along_turning * along_turning / length2_of(reach, REACH_TURNING)
+
+
+@kernel
+def room_between(a, b):
+    """Whether there is room between two turns (1), none (0), an end of it (2), or what cannot be told (-1)."""
+    width = short_way(b[2] - a[2])
+    at_a, at_b = a[REACH_ROOM], b[REACH_ROOM]
+    rise_a, rise_b = width * a[REACH_RISE], width * b[REACH_RISE]
+    if min(abs(at_a), abs(at_b)) < LEAST_BEND**2:
+        return -1
+    if (at_a > 0.0) != (at_b > 0.0):
+        change = at_b - at_a
+        return 2 if min(rise_a * change, rise_b * change) > -AWAY * change * change else -1
+    side = math.copysign(1.0, at_a)
+    fall, back = -side * rise_a, side * rise_b
+    # Where the tangents meet.
+    if min(fall, back) > 0.0 and side * at_a <= fall * (side * (at_a - at_b) + back) / (fall + back):
+        return -1
+    return 1 if side > 0.0 else 0
+
+
+@kernel
+def shares_of(share, width):
+    """What counts of the way to the second of two turns, and of the rates at both, on a cubic at a share of the way."""
+    rest = 1.0 - share
+    return share * share * (3.0 - 2.0 * share), width * share * rest * rest, -width * share * share * rest
+
+
+@kernel
+def room_at(a, b, share):
+    """The room between two turns, by the cubic through both."""
+    to_b, from_a, from_b = shares_of(share, short_way(b[2] - a[2]))
+    change = b[REACH_ROOM] - a[REACH_ROOM]
+    return a[REACH_ROOM] + to_b * change + from_a * a[REACH_RISE] + from_b * b[REACH_RISE]
+
+
+@kernel
+def best_at(a, b, share):
+    """The best bend between two turns, by the cubic through both: posture, way with the bend."""
+    to_b, from_a, from_b = shares_of(share, short_way(b[2] - a[2]))
+    q = along7(along7(read7(a), to_b, difference(read7(a), read7(b))), from_a, way_of(a, REACH_TURNING))
+    q = along7(q, from_b, way_of(b, REACH_TURNING))
+    return q, along7(along7(NO_SEED, 1.0 - share, way_of(a, REACH_BENDING)), share, way_of(b, REACH_BENDING))
+
+
+@kernel
+def share_of_end(a, b):
+    """The share of the way between two turns at which room ends."""
+    low, high = 0.0, 1.0
+    for _ in range(HALVINGS):
+        share = 0.5 * (low + high)
+        if (room_at(a, b, share) > 0.0) == (a[REACH_ROOM] > 0.0):
+            low = share
         else:
-            end, high, low = part, rise, 0.5 * low
-    room = -2.0 * past / curvature
-    if good and abs(room) < LEAST_BEND**2:
-        store7(row(starts, n), 0, best)
-        n += 1
-    elif good and room > 0.0:
-        bend = math.sqrt(room)
-        for sign in range(2):
-            there = along7(best, bend if sign == 0 else -bend, bending)
-            store7(row(starts, n), 0, there)
+            high = share
+    return 0.5 * (low + high)
+
+
+@kernel
+def insert_turns(P, by, around):
+    """Look at turns at which room is greatest or least, between others where this keeps from telling what there is."""
+    reaches, turns = around
+    dips, gaps = np.empty((MOST_ENDS, REACH)), np.empty(MOST_ENDS)
+    n = 0
+    for i in range(4 * MOST_TURNS):
+        if i % MOST_TURNS >= turns[i // MOST_TURNS]:
+            continue
+        a, b = reaches[i], reaches[next_turn(turns, i)]
+        if room_between(a, b) < 0 and a[REACH_RISE] * b[REACH_RISE] < 0.0 and n < MOST_ENDS:
+            width = short_way(b[2] - a[2])
+            side = -math.copysign(1.0, width * a[REACH_RISE])
+            first = 0.0, side * a[REACH_ROOM], side * width * a[REACH_RISE]
+            last = 1.0, side * b[REACH_ROOM], side * width * b[REACH_RISE]
+            share, _ = lowest_of_cubic(first, last, 0.0)
+            q, _ = best_at(a, b, share)
+            store7(row(dips, n), 0, q)
+            gaps[n] = i
             n += 1
+    if n == 0:
+        return
+    put_bests(P, by, dips, n, False)
+    for m in range(n - 1, -1, -1):
+        i = int(gaps[m])
+        signs = i // MOST_TURNS
+        if turns[signs] >= MOST_TURNS:
+            continue
+        for k in range(MOST_TURNS * signs + turns[signs], i + 1, -1):
+            copy_reach(reaches, k - 1, reaches, k)
+        copy_reach(dips, m, reaches, i + 1)
+        turns[signs] += 1
+
+
+@kernel
+def copy_reach(source, i, target, k):
+    """Copy a row of `REACH`."""
+    for c in range(REACH):
+        target[k, c] = source[i, c]
+
+
+@kernel
+def put_bests(P, by, rows, n, to_ends):
+    """Write what is known at the turns of up to eight postures, or at ends of the room next to these; whether all."""
+    for i in range(n, 8):
+        store7(row(rows, i), 0, read7(rows[n - 1]))
+    curvature = curvature_of(P, level_place(by.target.place))
+    q, room, rise, turning, bending, met = best_bends(P, by.target, take_eight(row(rows, 0), REACH), curvature, to_ends)
+    put_best(row(rows, 0), (q, 0.0 * room if to_ends else room, rise, turning, bending))
+    return met == ALL
+
+
+@kernel
+def find_ends(P, by, around, ends, gaps):
+    """Write the turns at which room ends (`REACH`), and behind which turns these are; their number, -1: not told."""
+    reaches, turns = around
+    n = 0
+    for i in range(4 * MOST_TURNS):
+        if i % MOST_TURNS >= turns[i // MOST_TURNS]:
+            continue
+        a, b = reaches[i], reaches[next_turn(turns, i)]
+        kind = room_between(a, b)
+        if kind < 0 or (kind == 2 and n >= MOST_ENDS):
+            return -1
+        if kind == 2:
+            q, _ = best_at(a, b, share_of_end(a, b))
+            store7(row(ends, n), 0, q)
+            gaps[n] = i
+            n += 1
+    if n > 0 and not put_bests(P, by, ends, n, True):
+        return -1
+    for i in range(n):
+        a, b = reaches[int(gaps[i])], reaches[next_turn(turns, int(gaps[i]))]
+        sharp2 = ends[i, REACH_RISE] ** 2 * across2_of(ends[i]) / length2_of(ends[i], REACH_TURNING)
+        share = short_way(ends[i, 2] - a[2]) / short_way(b[2] - a[2])
+        if sharp2 < (2.0 * SHARPEST) ** 2 or not 0.0 < share < 1.0:
+            return -1
     return n

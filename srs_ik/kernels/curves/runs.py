@@ -233,15 +233,22 @@ def survey_curves(P, by, rows, curves, line, out):
 
 
 @kernel
-def near_runs(P, by, runs):
-    """Sample all feasible postures of a near limb: samples, rows and runs in use, and spare rows for one curve."""
+def certain_runs(P, by, runs):
+    """`near_runs`, and whether these are all there are for certain."""
     curves = np.empty((MAX_CURVES, CURVE))
     followed = np.empty((CURVE_ROWS, SAMPLE))
     rows = np.empty((CURVE_ROWS + SPARE_ROWS, SAMPLE))
     line = np.empty((CURVE_ROWS, SAMPLE))
-    count = follow_all(P, by, followed, curves)
+    count, certain = follow_all(P, by, followed, curves)
     n, k = survey_curves(P, by, followed, curves[:count], line, Runs(rows, runs))
-    return rows, n, k, line
+    return (rows, n, k, line), certain
+
+
+@kernel
+def near_runs(P, by, runs):
+    """Sample all feasible postures of a near limb: samples, rows and runs in use, and spare rows for one curve."""
+    sampled, _ = certain_runs(P, by, runs)
+    return sampled
 
 
 @kernel

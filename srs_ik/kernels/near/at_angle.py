@@ -10,7 +10,6 @@ import numpy as np
 
 from srs_ik.kernels.algebra.pointers import row
 from srs_ik.kernels.chain.starts import FIRST, best_of_all, close_all
-from srs_ik.kernels.curves.surface import has_surface
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.answer import ROW_COST
 from srs_ik.kernels.layout.asked import Best, Goal, Setting
@@ -19,9 +18,11 @@ from srs_ik.kernels.limb.branches import NO_BRANCH, best_branch, branch_of, is_o
 from srs_ik.kernels.limb.goal import NO_SEED, OUTSIDE
 from srs_ik.kernels.limb.in_line import ROUNDED
 from srs_ik.kernels.limb.poses import read7
+from srs_ik.kernels.limb.surface import has_surface
 from srs_ik.kernels.near.band import ALMOST_NOTHING, ANY_ELBOW, is_oblique, is_told, untold_elbows
 from srs_ik.kernels.near.branch_search import search_branch
 from srs_ik.kernels.near.on_curves import (
+    AROUND,
     SAME_ANGLE,
     best_found,
     best_on_curves,
@@ -194,7 +195,7 @@ def solve_all_at_angle(P, target, psi, work, found, kept):
         other = np.empty((8, 8))
         by = setting_of(P, target, J, A)
         followed = curves_around(P, by, psi, elbows, kept)
-        kept = kept if followed.certain else followed
+        kept = kept if followed.extent == AROUND else followed
         for side in range(3):
             find_at_angle(P, by, followed, psi + BESIDE[side], -1, goal, other)
             put_better(other, found)

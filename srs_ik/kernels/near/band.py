@@ -8,7 +8,6 @@ from srs_ik.kernels.algebra.joint_vectors import difference
 from srs_ik.kernels.algebra.vectors import dot, load3
 from srs_ik.kernels.chain.kinematics import forward_kinematics
 from srs_ik.kernels.chain.newton import arm_angle
-from srs_ik.kernels.curves.surface import level_place
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.limb import (
     A1,
@@ -37,6 +36,7 @@ from srs_ik.kernels.layout.limb import (
 from srs_ik.kernels.limb.branches import branch_of, side_posture
 from srs_ik.kernels.limb.goal import NO_SEED
 from srs_ik.kernels.limb.limits import beyond, set_joint_limits, set_limit, turn_to_middle
+from srs_ik.kernels.limb.surface import level_place
 from srs_ik.kernels.limb.triangle import elbow_side, place, shoulder_to_wrist
 
 WIDEST_BAND = 0.3

@@ -17,7 +17,11 @@ from srs_ik.kernels.algebra.pointers import keep, row
 from srs_ik.kernels.chain.descent import QUICK, THOROUGH, descend, slid
 from srs_ik.kernels.chain.newton import LEFT, clipped, close_gently
 from srs_ik.kernels.chain.rank_five import ALONE, steadily_closer, to_rank_five
-from srs_ik.kernels.curves.surface import (
+from srs_ik.kernels.jit import kernel
+from srs_ik.kernels.layout.limb import SIZE
+from srs_ik.kernels.limb.branches import branch_of
+from srs_ik.kernels.limb.goal import cost, turned
+from srs_ik.kernels.limb.surface import (
     MOST_PARTS,
     PART,
     find_parts,
@@ -27,10 +31,6 @@ from srs_ik.kernels.curves.surface import (
     ways_of,
     width_for_curves,
 )
-from srs_ik.kernels.jit import kernel
-from srs_ik.kernels.layout.limb import SIZE
-from srs_ik.kernels.limb.branches import branch_of
-from srs_ik.kernels.limb.goal import cost, turned
 
 TRIES = (64, 384, 768)
 """Postures of the surface that are looked at, by how many ways there are on it."""

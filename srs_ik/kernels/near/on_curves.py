@@ -23,9 +23,8 @@ from srs_ik.kernels.curves.changes import (
 from srs_ik.kernels.curves.follow import between, share_of_chord, tangent_at, vagueness
 from srs_ik.kernels.curves.in_step import SAMPLE, load_sample, put_sample
 from srs_ik.kernels.curves.lowest import cost_of_turn
-from srs_ik.kernels.curves.runs import SPARE_ROWS, near_runs, samples_of
+from srs_ik.kernels.curves.runs import SPARE_ROWS, certain_runs, samples_of
 from srs_ik.kernels.curves.spans import JUST_OUTSIDE
-from srs_ik.kernels.curves.surface import has_surface
 from srs_ik.kernels.curves.told import (
     ARM_ANGLE,
     TOLD,
@@ -45,6 +44,7 @@ from srs_ik.kernels.layout.search import MAX_RUNS, RUN
 from srs_ik.kernels.limb.branches import NO_BRANCH, bit_of, branch_of, is_on_border
 from srs_ik.kernels.limb.goal import NO_SEED, turned
 from srs_ik.kernels.limb.poses import read7
+from srs_ik.kernels.limb.surface import has_surface
 from srs_ik.kernels.limb.triangle import elbow_side
 from srs_ik.kernels.near.arcs import ARC, MOST_ARCS, find_arcs, follow_arcs, mark_around, put_ends_of_arcs
 from srs_ik.kernels.near.band import band_of, may_predict
@@ -80,13 +80,18 @@ SAME_CURVE = 1e-18
 """A posture that it leads to at once is this close to the curve, rad squared: others may cross it nearby."""
 
 
+AROUND, WHOLE, ALL_THERE_ARE = range(3)
+"""Curves next to an arm angle, all of a pose to which starts have led, and all there are for certain."""
+
+
 class Followed(NamedTuple):
     """Curves of a pose, whatever the limits."""
 
     rows: Any  # their samples
     runs: Any  # the rows of each
     told: Any  # (n, TOLD), of every sample
-    certain: Any  # whether they are all there can be: those of arcs, outside which the band tells the others
+    certain: Any  # whether there can be no others at the arm angle that is asked for
+    extent: Any  # of them: AROUND, WHOLE or ALL_THERE_ARE
 
 
 @kernel
@@ -98,7 +103,7 @@ def setting_of(P, target, J, A):
 @kernel
 def no_curves():
     """No curves, as long as none have been followed."""
-    return Followed(np.empty((0, SAMPLE)), np.empty((0, RUN)), np.empty((0, TOLD)), False)
+    return Followed(np.empty((0, SAMPLE)), np.empty((0, RUN)), np.empty((0, TOLD)), False, WHOLE)
 
 
 @kernel
@@ -121,13 +126,13 @@ def put_back(P, by, curve, i, told, n, followed):
 
 
 @kernel
-def told_runs(P, by, samples, n_samples, runs, certain):
+def told_runs(P, by, samples, n_samples, runs, extent):
     """What the samples of runs of curves tell, with more of them where these go from branch to branch."""
     told = np.empty((samples.shape[0], TOLD))
     tell_samples(P, by, Samples(samples, 0, n_samples), told)
     changes = np.empty((MOST_CHANGES, CHANGE))
     room = n_samples + SPARE_ROWS
-    out = Followed(np.empty((room, SAMPLE)), runs, np.empty((room, TOLD)), certain)
+    out = Followed(np.empty((room, SAMPLE)), runs, np.empty((room, TOLD)), False, extent)
     n = 0
     for index in range(runs.shape[0]):
         curve = samples_of(samples, runs[index])
@@ -156,8 +161,16 @@ def told_runs(P, by, samples, n_samples, runs, certain):
 def followed_curves(P, by):
     """Follow all curves of a pose, and look where they go from branch to branch."""
     runs = np.empty((MAX_RUNS, RUN))
-    samples, n_samples, k, _ = near_runs(P, by, runs)
-    return told_runs(P, by, samples, n_samples, runs[:k], False)
+    (samples, n_samples, k, _), certain = certain_runs(P, by, runs)
+    return told_runs(P, by, samples, n_samples, runs[:k], ALL_THERE_ARE if certain else WHOLE)
+
+
+@kernel
+def with_certainty(P, by, followed, psi):
+    """Curves of which none is left out, and whether no other can pass an arm angle: none turns around close to it."""
+    out = np.empty((8, 8))
+    sure = find_at_angle(P, by, followed, psi, -1, Goal(False, NO_SEED, False), out) > CLOSE_CALL
+    return Followed(followed.rows, followed.runs, followed.told, sure, followed.extent)
 
 
 @kernel
@@ -334,8 +347,9 @@ def curves_around(P, by, psi, elbows, kept):
                 runs = np.empty((MAX_RUNS, RUN))
                 samples, k = follow_arcs(P, by, view.points, count, runs)
                 if k > 0:
-                    followed = told_runs(P, by, samples, int(runs[k - 1, 4]), runs[:k], True)
-                    out = np.empty((8, 8))
-                    if find_at_angle(P, by, followed, psi, -1, Goal(False, NO_SEED, False), out) > CLOSE_CALL:
+                    followed = told_runs(P, by, samples, int(runs[k - 1, 4]), runs[:k], AROUND)
+                    followed = with_certainty(P, by, followed, psi)
+                    if followed.certain:
                         return followed
-    return kept if kept.runs.shape[0] > 0 else followed_curves(P, by)
+    followed = kept if kept.runs.shape[0] > 0 else followed_curves(P, by)
+    return with_certainty(P, by, followed, psi) if followed.extent == ALL_THERE_ARE else followed

@@ -15,7 +15,6 @@ import numpy as np
 from srs_ik.kernels.algebra.joint_vectors import short_way
 from srs_ik.kernels.algebra.pointers import keep, row
 from srs_ik.kernels.curves.spans import MAX_SPANS, SPAN, find_spans
-from srs_ik.kernels.curves.surface import has_surface
 from srs_ik.kernels.exact.events import PI, TURN
 from srs_ik.kernels.exact.intervals import SAME, find_intervals, join_touching, write_interval
 from srs_ik.kernels.jit import kernel
@@ -25,6 +24,7 @@ from srs_ik.kernels.layout.limb import SIZE, SLACK_JOIN
 from srs_ik.kernels.layout.search import MAX_RUNS, RUN
 from srs_ik.kernels.limb.limits import beyond, turn_to_middle
 from srs_ik.kernels.limb.poses import read7
+from srs_ik.kernels.limb.surface import has_surface
 from srs_ik.kernels.near.arcs import (
     ARC,
     MOST_ARCS,

@@ -23,7 +23,6 @@ from srs_ik.kernels.chain.newton import (
 )
 from srs_ik.kernels.curves.follow import correct
 from srs_ik.kernels.curves.lowest import cost_of_turn
-from srs_ik.kernels.curves.surface import is_flat, level_place, put_starts
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.asked import Best, Setting
 from srs_ik.kernels.layout.limb import (
@@ -44,6 +43,7 @@ from srs_ik.kernels.limb.goal import OUTSIDE
 from srs_ik.kernels.limb.in_line import ROUNDED
 from srs_ik.kernels.limb.limits import turn_to_middle, violation
 from srs_ik.kernels.limb.poses import read7
+from srs_ik.kernels.limb.surface import is_flat, level_place, put_starts
 from srs_ik.kernels.limb.triangle import elbow_side
 from srs_ik.kernels.near.branch_search import close_starts, put_start
 

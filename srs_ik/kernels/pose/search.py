@@ -10,7 +10,6 @@ from srs_ik.kernels.algebra.pointers import keep, row
 from srs_ik.kernels.chain.descent import THOROUGH, descend, slid
 from srs_ik.kernels.chain.newton import CLOSED, close_free
 from srs_ik.kernels.curves.best import search_followed
-from srs_ik.kernels.curves.surface import has_surface
 from srs_ik.kernels.exact.farthest import farthest, farthest_of_all, whole_circles
 from srs_ik.kernels.exact.free_splits import settled_split, with_splits
 from srs_ik.kernels.exact.intervals import find_intervals
@@ -32,6 +31,7 @@ from srs_ik.kernels.limb.branches import NO_BRANCH, branch_of, draw_to_branch, i
 from srs_ik.kernels.limb.goal import OUTSIDE
 from srs_ik.kernels.limb.in_line import may_line_up
 from srs_ik.kernels.limb.limits import tighten
+from srs_ik.kernels.limb.surface import has_surface
 from srs_ik.kernels.near.band import is_well_bent
 from srs_ik.kernels.near.many_singular import nearest_among_splits
 from srs_ik.kernels.pose.any_bend import best_at_any_bend, hides_some, nearest_alone
