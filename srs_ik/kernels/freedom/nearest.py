@@ -9,6 +9,7 @@ from __future__ import annotations
 import math
 
 from srs_ik.kernels.algebra.joint_vectors import between
+from srs_ik.kernels.algebra.lanes import eight_of, gather, one_of, where
 from srs_ik.kernels.algebra.pointers import row
 from srs_ik.kernels.algebra.vectors import load3, norm
 from srs_ik.kernels.chain.freedom import free_error
@@ -21,7 +22,6 @@ from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.answer import SOLVED
 from srs_ik.kernels.layout.freedom import MOST_TAKEN, START_COST, START_LATE, Found, Freedom, Liking
 from srs_ik.kernels.layout.limb import FAR, MISS, PHASE, SHOULDER, STRAIGHT, WRIST, WRIST_IN_TIP
-from srs_ik.kernels.limb.poses import read7
 
 CLOSE = 0.15
 CLEAR = 2.0
@@ -85,15 +85,24 @@ def searched(P, start, pose, freedom, rival, desk):
 
 
 @kernel
+def as_eight(q, last):
+    """Seven figures as eight lanes."""
+    return eight_of(q[0], q[1], q[2], q[3], q[4], q[5], q[6], last)
+
+
+@kernel
 def write_late(starts, n, liking, most):
     """Write what n starts cost late searches, those of a cost up to `most` first; return how many these are."""
+    wish, weights = as_eight(liking.posture, 0.0), as_eight(liking.weights, 0.0)
+    low, high = as_eight(liking.lower, -math.inf), as_eight(liking.upper, math.inf)
     kept = 0
     for i in range(n):
-        q = read7(row(starts, i))
-        there = between(q, liking.lower, liking.upper)
-        cost = distance(there, liking)
+        q = gather(row(starts, i), 0, 1)
+        there = where(q < low, low, where(q > high, high, q))
+        each = weights * (there - wish) * (there - wish) + OUTSIDE * abs(q - there)
+        cost = 0.0
         for j in range(7):
-            cost += OUTSIDE * abs(q[j] - there[j])
+            cost += one_of(each, j)
         if cost < most:
             change_places(starts, kept, i)
             starts[kept, START_LATE] = cost

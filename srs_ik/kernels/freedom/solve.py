@@ -24,7 +24,7 @@ from srs_ik.kernels.limb.limits import middles
 from srs_ik.kernels.limb.poses import read_pose
 from srs_ik.kernels.limb.triangle import place
 
-NEAREST, NEAREST_IN_NARROW, NEAREST_IN_CONE = 24, 10, 24
+NEAREST, NEAREST_IN_NARROW, NEAREST_IN_CONE = 24, 10, 20
 """Local searches at most once a posture is known: with the roll alone free, in a narrow cone, and in a wider one."""
 
 NARROW = 0.3
