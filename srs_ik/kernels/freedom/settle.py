@@ -53,11 +53,11 @@ CLOSE_BY = 0.1
 STUCK = 0.05
 """A step shorter than so much of what a pose is missed by, rad by m or rad, meets none: limits stand in the way."""
 
-LEFT = 0.8
+LEFT = 1.2
 """Where the pose is almost met, a search comes nearer to the seed by at most so many times its step, uncut."""
 
-SAME, PER_SQUARE = 0.05, 0.6
-"""A step that leads so close to a posture that is known, rad, or that times its square, and is longer, leads there."""
+SAME = 0.05
+"""A step that leads so close to a posture that is known, rad, and is longer than that, leads there."""
 
 NO_RIVAL = 1e300
 NO_POSTURE = (math.inf, math.inf, math.inf, math.inf, math.inf, math.inf, math.inf)
@@ -179,7 +179,7 @@ def beaten(q, way, liking):
 def comes_to_rival(q, size, liking):
     """Whether a search whose last step was so short comes to the posture that is known."""
     off = apart(q, liking.rival_posture)
-    return liking.rival < NO_RIVAL and size > off and off < max(SAME, PER_SQUARE * size * size)
+    return liking.rival < NO_RIVAL and size > off and off < SAME
 
 
 @kernel
