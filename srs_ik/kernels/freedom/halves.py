@@ -73,44 +73,41 @@ def outside(P, joint, q):
 
 
 @kernel
-def to_limits(P, joint, q, seeded, wish):
-    """The turns of angles that are best to search from, and how far they are outside the limits.
+def within(P, joint, q, seeded, wish):
+    """The turns of angles that are best to search from, what they cost, and how far they are outside the limits.
 
     With a seed that is the one nearest to it, inside the limits if there are any, or a little outside where the other
-    one is a turn away. Without one, the wish is the middle between the limits: a turn inside them is nearest to it.
+    one is a turn away; its cost is the squared distance. Without one, the wish is the middle between the limits: a turn
+    inside them is nearest to it, and costs minus its margin.
     """
     lower, upper = P[LOWER + joint], P[UPPER + joint]
     near = q + TURN * whole_number((wish - q) * PER_TURN)
-    out = outside(P, joint, near)
     if not seeded:
-        return near, out
-    other = where(near > upper, near - TURN * whole_number((near - upper) * PER_TURN + 0.5), near)
-    other = where(other < lower, other + TURN * whole_number((lower - other) * PER_TURN + 0.5), other)
-    amid = q + TURN * whole_number((P[MIDDLE + joint] - q) * PER_TURN)
-    other = where(other > upper, amid, other)
-    others = outside(P, joint, other)
-    worse = (near - wish) * (near - wish) + STEEP * out > (other - wish) * (other - wish) + STEEP * others
-    return where(worse, other, near), where(worse, others, out)
-
-
-@kernel
-def cost_of(P, joint, q, seeded, wish):
-    """What eight angles cost: their squared distances from the seed, or minus their margins."""
-    if seeded:
-        return (q - wish) * (q - wish)
-    return abs(q - P[MIDDLE + joint]) * P[INVERSE_HALF_RANGE + joint] - 1.0
+        return near, abs(near - wish) * P[INVERSE_HALF_RANGE + joint] - 1.0, outside(P, joint, near)
+    away = near - wish
+    cost = away * away
+    if lower == -math.inf and upper == math.inf:
+        return near, cost, 0.0 * near
+    out = outside(P, joint, near)
+    if upper - lower > TURN:
+        other = near - TURN * whole_number(more_of(near - upper, 0.0) * PER_TURN + 0.5)
+        other = other + TURN * whole_number(more_of(lower - near, 0.0) * PER_TURN + 0.5)
+    else:
+        # Inside the limits is at most the turn nearest to the middle of the range.
+        other = q + TURN * whole_number((P[MIDDLE + joint] - q) * PER_TURN)
+    away = other - wish
+    others, outs = away * away, outside(P, joint, other)
+    worse = cost + STEEP * out > others + STEEP * outs
+    return where(worse, other, near), where(worse, others, cost), where(worse, outs, out)
 
 
 @kernel
 def write_eight(P, first, q, reached, goal, table, at):
     """Write three angles and their cost at eight arm angles, from column `at` on; limits are passed at a price."""
     seeded, wish = goal
-    a, out_a = to_limits(P, first, q[0], seeded, wish[0])
-    b, out_b = to_limits(P, first + 1, q[1], seeded, wish[1])
-    c, out_c = to_limits(P, first + 2, q[2], seeded, wish[2])
-    of_a = cost_of(P, first, a, seeded, wish[0])
-    of_b = cost_of(P, first + 1, b, seeded, wish[1])
-    of_c = cost_of(P, first + 2, c, seeded, wish[2])
+    a, of_a, out_a = within(P, first, q[0], seeded, wish[0])
+    b, of_b, out_b = within(P, first + 1, q[1], seeded, wish[1])
+    c, of_c, out_c = within(P, first + 2, q[2], seeded, wish[2])
     out = STEEP * more_of(more_of(out_a, out_b), out_c)
     if seeded:  # noqa: SIM108
         cost = of_a + of_b + of_c + out

@@ -9,15 +9,18 @@ from __future__ import annotations
 import math
 
 from srs_ik.kernels.algebra.joint_vectors import between
+from srs_ik.kernels.algebra.lanes import eight_of, gather, one_of, where
+from srs_ik.kernels.algebra.pointers import row
 from srs_ik.kernels.algebra.vectors import load3, norm
 from srs_ik.kernels.chain.freedom import free_error
 from srs_ik.kernels.exact.nearest import between_limbs
-from srs_ik.kernels.freedom.queue import MOST_ATTEMPTS, NONE_LEFT, line_up, take_next
-from srs_ik.kernels.freedom.settle import NO_POSTURE, THIN, distance, onto_pose, settle
-from srs_ik.kernels.freedom.starts import is_of_no_use
+from srs_ik.kernels.freedom.constraints import THIN
+from srs_ik.kernels.freedom.queue import APART, MOST_ATTEMPTS, NONE_LEFT, change_places, line_up, take_next
+from srs_ik.kernels.freedom.settle import NO_POSTURE, distance, led_to, onto_pose, settle
+from srs_ik.kernels.freedom.starts import NO_NEARER
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.answer import SOLVED
-from srs_ik.kernels.layout.freedom import MOST_TAKEN, Found, Freedom, Liking
+from srs_ik.kernels.layout.freedom import MOST_TAKEN, START_COST, START_LATE, Found, Freedom, Liking
 from srs_ik.kernels.layout.limb import FAR, MISS, PHASE, SHOULDER, STRAIGHT, WRIST, WRIST_IN_TIP
 
 CLOSE = 0.15
@@ -36,6 +39,11 @@ MANY = 0.4
 NO_SHORTER, FEW = 1.0, 8
 """A search does not come so much nearer to the seed than its start is once it is inside the limits, rad: of more
 searches than a few, those from such starts are left out."""
+
+LATE, OUTSIDE, WIDELY = 4, 3.0, 1.0
+"""Searches that come last. Postures that are pressed between limits may have starts outside these alone: a radian
+outside costs no more than it may take to come inside, and what lies within so much, rad, of starts that were taken is
+left out."""
 
 
 @kernel
@@ -77,29 +85,82 @@ def searched(P, start, pose, freedom, rival, desk):
 
 
 @kernel
-def nearest(P, pose, freedom, liking, sizes, found, desk):
-    """The nearest posture that searches from so many starts in `desk` lead to, or the one that is known."""
-    attempts, taken, failed = 0, 0, 0
-    count, enough = sizes
-    known = liking.rival_posture
-    line_up(desk.starts, count)
+def as_eight(q, last):
+    """Seven figures as eight lanes."""
+    return eight_of(q[0], q[1], q[2], q[3], q[4], q[5], q[6], last)
+
+
+@kernel
+def write_late(starts, n, liking, most):
+    """Write what n starts cost late searches, those of a cost up to `most` first; return how many these are."""
+    wish, weights = as_eight(liking.posture, 0.0), as_eight(liking.weights, 0.0)
+    low, high = as_eight(liking.lower, -math.inf), as_eight(liking.upper, math.inf)
+    kept = 0
+    for i in range(n):
+        q = gather(row(starts, i), 0, 1)
+        there = where(q < low, low, where(q > high, high, q))
+        each = weights * (there - wish) * (there - wish) + OUTSIDE * abs(q - there)
+        cost = 0.0
+        for j in range(7):
+            cost += one_of(each, j)
+        if cost < most:
+            change_places(starts, kept, i)
+            starts[kept, START_LATE] = cost
+            kept += 1
+    return kept
+
+
+@kernel
+def search(P, pose, freedom, liking, sizes, order, found, desk):
+    """The nearest posture that searches from so many starts lead to, or a known one.
+
+    Args:
+        P: packed limb.
+        pose: rotation and position.
+        freedom: what the pose leaves free.
+        liking: what is nearest, and the limits.
+        sizes: how many starts there are, searches at most once a posture is known, and starts that are taken already.
+        order: column of the costs of starts, how far starts are apart, and how much nearer than those searches come.
+        found: the posture that is known.
+        desk: work space.
+
+    Returns:
+        It; what is nearest, with that as a rival of later searches; how many starts were taken.
+    """
+    count, enough, taken = sizes
+    column, width, shorter = order
+    attempts, failed = 0, 0
+    line_up(desk.starts, count, column)
     while attempts + failed < MOST_ATTEMPTS and taken < MOST_TAKEN and not (found.met and attempts + failed >= enough):
-        start, least, count = take_next(desk.starts, count, taken)
+        start, least, count = take_next(desk.starts, count, taken, column, width)
         reached = math.sqrt(found.cost)
-        if least >= NONE_LEFT or is_of_no_use(least, found, True):
+        if least >= NONE_LEFT or math.sqrt(least) > reached + shorter:
             break
         start = between(start, liking.lower, liking.upper)
         if found.met and attempts >= FEW and math.sqrt(distance(start, liking)) > reached + NO_SHORTER:
             taken += 1
             continue
-        rival = Liking(liking.posture, liking.weights, liking.lower, liking.upper, found.cost, known)
+        rival = Liking(liking.posture, liking.weights, liking.lower, liking.upper, found.cost, liking.rival_posture)
         there, cost, error, at_rest = searched(P, start, pose, freedom, rival, desk)
         if error < SOLVED and cost < found.cost:
-            found, known = Found(there, cost, True), there
+            found, liking = Found(there, cost, True), led_to(liking, there)
         if error < math.inf and not at_rest:
             # Limits stand in its way; not in that of a start beside it, unless many have failed.
             failed += 1
             taken += 1 if failed > MANY * enough else 0
         else:
             taken, attempts = taken + 1, attempts + 1
+    return found, liking, taken
+
+
+@kernel
+def nearest(P, pose, freedom, liking, sizes, found, desk):
+    """The nearest posture that searches from so many starts in `desk` lead to, or the one that is known."""
+    count, enough = sizes
+    first = START_COST, APART, NO_NEARER
+    found, liking, taken = search(P, pose, freedom, liking, (count, enough, 0), first, found, desk)
+    if found.met:
+        count = write_late(desk.starts, count, liking, (math.sqrt(found.cost) + NO_SHORTER) ** 2)
+        late = START_LATE, WIDELY, NO_SHORTER
+        found, _, _ = search(P, pose, freedom, liking, (count, LATE, taken), late, found, desk)
     return found

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from srs_ik.kernels.algebra.pointers import row
 from srs_ik.kernels.jit import kernel
-from srs_ik.kernels.layout.freedom import MOST_STARTS, START, START_COST
+from srs_ik.kernels.layout.freedom import MOST_STARTS, START
 from srs_ik.kernels.limb.goal import NO_SEED
 from srs_ik.kernels.limb.poses import read7
 
@@ -23,10 +23,10 @@ NONE_LEFT = 1e300
 
 
 @kernel
-def are_close(a, b):
-    """Whether two starts lead to the same posture."""
+def are_close(a, b, width):
+    """Whether two starts are this close to each other in every joint, rad."""
     j = 0
-    while j < 7 and abs(a[j] - b[j]) < APART:
+    while j < 7 and abs(a[j] - b[j]) < width:
         j += 1
     return j == 7
 
@@ -39,41 +39,41 @@ def change_places(starts, i, k):
 
 
 @kernel
-def sink(starts, i, n):
-    """Move a start of n down, until none below it costs less."""
+def sink(starts, i, n, cost):
+    """Move a start of n down, until none below it costs less, by that column."""
     while 2 * i + 1 < n:
         k = 2 * i + 1
-        if k + 1 < n and starts[k + 1, START_COST] < starts[k, START_COST]:
+        if k + 1 < n and starts[k + 1, cost] < starts[k, cost]:
             k += 1
-        if starts[i, START_COST] <= starts[k, START_COST]:
+        if starts[i, cost] <= starts[k, cost]:
             break
         change_places(starts, i, k)
         i = k
 
 
 @kernel
-def line_up(starts, n):
-    """Make a heap of n starts."""
+def line_up(starts, n, cost):
+    """Make a heap of n starts, by their costs in that column."""
     for i in range(n // 2 - 1, -1, -1):
-        sink(starts, i, n)
+        sink(starts, i, n, cost)
 
 
 @kernel
-def take_next(starts, n, taken):
-    """The start of least cost that is not next to one of those that were taken: it, its cost, how many are left.
+def take_next(starts, n, taken, cost, width):
+    """The start of least cost that is so far from those that were taken: it, its cost, how many are left.
 
     Those that were taken are kept in the last rows; this one too. The cost is `NONE_LEFT` where there is none.
     """
     while n > 0:
         n -= 1
         change_places(starts, 0, n)
-        sink(starts, 0, n)
+        sink(starts, 0, n, cost)
         here = row(starts, n)
         k = 0
-        while k < taken and not are_close(here, row(starts, MOST_STARTS - 1 - k)):
+        while k < taken and not are_close(here, row(starts, MOST_STARTS - 1 - k), width):
             k += 1
         if k == taken:
             for j in range(START):
                 starts[MOST_STARTS - 1 - k, j] = here[j]
-            return read7(here), here[START_COST], n
+            return read7(here), here[cost], n
     return NO_SEED, NONE_LEFT, 0

@@ -10,11 +10,7 @@ from __future__ import annotations
 import math
 
 from srs_ik.kernels.algebra.joint_vectors import along7, apart, between, with_joint
-from srs_ik.kernels.algebra.lanes import as_mask, gather, scatter, where
-from srs_ik.kernels.algebra.pointers import row
-from srs_ik.kernels.algebra.vectors import add, along, apply, cross, dot, norm, scale, sub
-from srs_ik.kernels.chain.freedom import any_across, lean, pointing
-from srs_ik.kernels.chain.kinematics import joint_lines
+from srs_ik.kernels.freedom.constraints import bends, equations, fill, leaves_cone, on_edge, price
 from srs_ik.kernels.freedom.elimination import RHS
 from srs_ik.kernels.freedom.system import solve_held
 from srs_ik.kernels.jit import kernel
@@ -35,18 +31,17 @@ ALMOST = 0.1
 """Where the pose is missed by more, m and rad, a step goes the shortest way to it: a far seed would pull away from it.
 Bends count only nearer: multipliers of a first guess say nothing."""
 
-PATIENCE, LATE = 12, 0.03
-"""A search whose pose is missed by more, m and rad, after so many steps, meets none: limits stand in the way."""
+FAR, SLOWLY, PATIENCE = 0.03, 0.7, 9
+"""A search whose pose is missed by more, m and rad, and after more steps than so many by more than that part of what it
+was before, meets none."""
+
+BLOCKED = 0.5
+"""A step that leaves more than so much of what a pose is missed by, to first order, is kept from it by limits. A search
+with two of them meets none."""
 
 STIFFER = 4.0
 STIFFEST = 256.0
 """Where a step is none to a minimum, the bend of the distance counts so many times more, and at most so many times."""
-
-THIN = 3e-4
-"""In a cone up to this, rad, the axis is as good as fixed: it is told where to point, which is where it presses."""
-
-SOFTEST = 30.0
-"""Where the axis of a thin cone presses by less than so many times the cone, it may rest inside."""
 
 ON_LIMIT = 1e-12
 """A joint this close to a limit, rad, is on it."""
@@ -74,108 +69,7 @@ ROUNDS = 12
 EVEN = (1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0)
 """Weights by which all joints count the same."""
 
-NONE = (0.0, 0.0, 0.0)
 NO_FORCE = (0.0, 0.0, 0.0, 0.0, 0.0)
-
-
-@kernel
-def rows_of(J, first):
-    """Three rows of J, all joints at once; the eighth figure of each is the first of the next row."""
-    lines = row(J, first)
-    return gather(lines, 0, 1), gather(lines, 7, 1), gather(lines, 14, 1)
-
-
-@kernel
-def axis_of(J, j):
-    """Direction of a joint."""
-    return (J[3, j], J[4, j], J[5, j])
-
-
-@kernel
-def within_thin(cone, a, b, turn, forces):
-    """A turn that brings an axis into a thin cone, and there to where it presses: its parts about a and b."""
-    x, y = forces[3] / SOFTEST - dot(a, turn), forces[4] / SOFTEST - dot(b, turn)
-    far = math.sqrt(x * x + y * y)
-    share = cone / far if far > cone else 1.0
-    return dot(a, turn) + share * x, dot(b, turn) + share * y
-
-
-@kernel
-def equations(P, q, pose, freedom, forces, desk):
-    """Fill J with the Jacobian of the tip, and rows 7 on of the system with the equations of the pose.
-
-    The multipliers of the last step, `forces`, tell where the axis of a thin cone is to point.
-
-    Returns:
-        Their number; the error of the pose; the direction to which the axis should come, where it points, and the
-        rows of turns: two directions across it, or the one in which the cone is left and nothing.
-    """
-    R, p = pose
-    J, K = desk.J, desk.system
-    x, y, z, position = joint_lines(P, q, J)
-    moments, axes = rows_of(J, 0), rows_of(J, 3)
-    velocities = add(moments, cross(axes, position))
-    miss = sub(p, position)
-    u, t = pointing(freedom.axis, x, y, z), apply(R, freedom.axis)
-    n, turn = lean(u, t)
-    angle = max(turn - freedom.cone, 0.0)
-    # The eighth figure of the last row is the first of the axes.
-    last = where(as_mask(0b1111111), velocities[2], moments[2])
-    for i in range(3):
-        scatter(row(K, 7 + i), 0, 1, velocities[i])
-        scatter(row(J, 0), 7 * i, 1, velocities[i] if i < 2 else last)
-        K[7 + i, RHS] = miss[i]
-    error = max(norm(miss), angle)
-    if freedom.cone >= math.pi:
-        return 3, error, (t, u, NONE, NONE)
-    if freedom.cone > THIN:
-        write_turn(axes, K, 10, n, turn - freedom.cone)
-        return (3 if turn < freedom.cone else 4), error, (t, u, n, NONE)
-    a = any_across(u)
-    b = cross(u, a)
-    about_a, about_b = within_thin(freedom.cone, a, b, scale(turn, n), forces)
-    write_turn(axes, K, 10, a, about_a)
-    write_turn(axes, K, 11, b, about_b)
-    return 5, error, (t, u, a, b)
-
-
-@kernel
-def write_turn(axes, K, r, n, rest):
-    """Write the equation of a turn about a direction into row r."""
-    scatter(row(K, r), 0, 1, dot(axes, n))
-    K[r, RHS] = rest
-
-
-@kernel
-def bends(m, forces, turns, cone):
-    """What multiplies second derivatives of the tip point and of its axis, from the multipliers of the last step."""
-    t, u, a, b = turns
-    point = (forces[0], forces[1], forces[2])
-    if m == 3:
-        return point, NONE, u
-    if m == 4:
-        return point, scale(forces[3] / math.sin(cone), t), u
-    return point, cross(along(scale(forces[3], a), forces[4], b), t), u
-
-
-@kernel
-def fill(J, K, q, liking, bend, shares):
-    """Write second derivatives of the Lagrangian into rows 0 to 6 of the system, and the slope of the distance.
-
-    The bends of the equations, those of the distance, and its slope count by a share each.
-    """
-    share, plain, pull = shares
-    point, axis, u = bend
-    velocities, turns = rows_of(J, 0), cross(rows_of(J, 3), u)
-    for i in range(7):
-        z = axis_of(J, i)
-        along_point, along_axis = scale(share, cross(point, z)), scale(share, cross(axis, z))
-        # Right for joints from this one on; those before it have written what is right for them.
-        scatter(row(K, i), 0, 1, dot(velocities, along_point) + dot(turns, along_axis))
-        for j in range(i):
-            K[i, j] = K[j, i]
-        K[i, i] += plain * liking.weights[i]
-        K[i, RHS] = -pull * liking.weights[i] * (q[i] - liking.posture[i])
 
 
 @kernel
@@ -187,6 +81,18 @@ def pull(K, m, d, forces, j):
     for r in range(m):
         s += K[7 + r, j] * forces[r]
     return s
+
+
+@kernel
+def left_by(K, m, d):
+    """How far a step misses the equations, to first order."""
+    most = 0.0
+    for r in range(m):
+        left = -K[7 + r, RHS]
+        for j in range(7):
+            left += K[7 + r, j] * d[j]
+        most = max(most, abs(left))
+    return most
 
 
 @kernel
@@ -292,7 +198,7 @@ def settle(P, q, pose, freedom, liking, desk):
     q = between(q, liking.lower, liking.upper)
     forces, held = NO_FORCE, 0
     error, size, at_rest, leads = math.inf, math.inf, False, False
-    known = 0
+    known, slow, blocked, missed = 0, 0, 0, math.inf
     before, step, worth = q, NO_SEED, math.inf
     last, asked, share, radius, restoring = NO_FORCE, NO_FORCE, 1.0, MAX_STEP, False
     for k in range(STEPS):
@@ -302,7 +208,9 @@ def settle(P, q, pose, freedom, liking, desk):
         if size < SETTLED and error < MET:
             at_rest = True
             break
-        if (k > PATIENCE and error > LATE) or (restoring and error > worth and size <= CLOSE_BY):
+        slow += 1 if error > max(FAR, SLOWLY * missed) else 0
+        missed = error
+        if slow > PATIENCE or (restoring and error > worth and size <= CLOSE_BY):
             break
         value = error if restoring else distance(q, liking) + price(forces) * error
         if value > worth and size > CLOSE_BY:
@@ -329,6 +237,9 @@ def settle(P, q, pose, freedom, liking, desk):
         if m == 3 and leaves_cone(K, freedom, step):
             m = 4
             step, asked, on, down = bounded_step(K, M, m, q, held, liking)
+        blocked += 1 if error > FAR and left_by(K, m, step) > BLOCKED * error else 0
+        if blocked > 1:
+            break
         last = forces if known == m else asked
         known = m if near else 0
         restoring = not near
@@ -370,30 +281,3 @@ def at_limits(q, liking):
         if q[j] <= liking.lower[j] + ON_LIMIT or q[j] >= liking.upper[j] - ON_LIMIT:
             bits |= 1 << j
     return bits
-
-
-@kernel
-def on_edge(m, known, forces):
-    """The number of equations: one more with the axis held at the edge of its cone, as long as it presses on that.
-
-    Else steps would lead to and fro across the edge, or end there where the axis wants in.
-    """
-    return m if known != 4 else 4 if forces[3] < 0.0 else 3
-
-
-@kernel
-def leaves_cone(K, freedom, step):
-    """Whether a step would take the axis out of its cone."""
-    if not 0.0 < freedom.cone < math.pi:
-        return False
-    inward = 0.0
-    for j in range(7):
-        inward += K[10, j] * step[j]
-    return inward < K[10, RHS]
-
-
-@kernel
-def price(forces):
-    """What an error of the pose counts, against distance: more than can be gained by it."""
-    point = forces[0] * forces[0] + forces[1] * forces[1] + forces[2] * forces[2]
-    return 1.1 * (math.sqrt(point) + math.sqrt(forces[3] * forces[3] + forces[4] * forces[4]))

@@ -8,9 +8,10 @@ from srs_ik.kernels.chain.answer import write_row
 from srs_ik.kernels.chain.freedom import as_rotation, free_error
 from srs_ik.kernels.chain.kinematics import forward_kinematics
 from srs_ik.kernels.chain.newton import arm_angle
+from srs_ik.kernels.freedom.constraints import THIN
 from srs_ik.kernels.freedom.nearest import beside, nearest
 from srs_ik.kernels.freedom.queue import NONE_LEFT
-from srs_ik.kernels.freedom.settle import EVEN, NO_POSTURE, THIN, led_to, onto_pose, settle
+from srs_ik.kernels.freedom.settle import EVEN, NO_POSTURE, led_to, onto_pose, settle
 from srs_ik.kernels.freedom.starts import is_loose, starts_of_roll, starts_of_turns
 from srs_ik.kernels.freedom.turns import held_straight
 from srs_ik.kernels.freedom.widest import any_limited, weights, widest_of_all
@@ -23,7 +24,7 @@ from srs_ik.kernels.limb.limits import middles
 from srs_ik.kernels.limb.poses import read_pose
 from srs_ik.kernels.limb.triangle import place
 
-NEAREST, NEAREST_IN_NARROW, NEAREST_IN_CONE = 24, 10, 16
+NEAREST, NEAREST_IN_NARROW, NEAREST_IN_CONE = 24, 10, 20
 """Local searches at most once a posture is known: with the roll alone free, in a narrow cone, and in a wider one."""
 
 NARROW = 0.3

@@ -23,6 +23,7 @@ from srs_ik.kernels.layout.freedom import (
     ELBOW_ANGLE,
     ELBOW_COST,
     HALF,
+    INSIDE,
     LINE,
     MOST_STARTS,
     MOST_TAKEN,
@@ -32,7 +33,18 @@ from srs_ik.kernels.layout.freedom import (
     STRIPS,
     Sought,
 )
-from srs_ik.kernels.layout.limb import AXES, FAR, IS_CLOSED, POINTS, SHOULDER, TIP_POSITION, TIP_ROTATION, WRIST
+from srs_ik.kernels.layout.limb import (
+    AXES,
+    FAR,
+    IS_CLOSED,
+    LOWER,
+    POINTS,
+    SHOULDER,
+    TIP_POSITION,
+    TIP_ROTATION,
+    UPPER,
+    WRIST,
+)
 from srs_ik.kernels.limb.goal import OUTSIDE, elbow_part
 from srs_ik.kernels.limb.triangle import elbow_side, place
 
@@ -41,6 +53,12 @@ OUT_OF_REACH = 0.1
 
 NO_NEARER = 2.0
 """A search does not come so much nearer to the seed than what its start costs, rad."""
+
+NO_START = 2.5
+"""A start that costs so much more than one inside the limits, rad, is of no use, neither first nor late."""
+
+ROOM, ROOM_OF_NEAR = 1e-3, 0.1
+"""A start so far inside the limits, rad, is a posture, or next to one on a limb that is almost exact."""
 
 NO_WIDER = 0.25
 """A search from inside the limits does not widen the margin that its start has by so much."""
@@ -69,18 +87,21 @@ MOST_OUTSIDE = 0.3
 
 
 @kernel
-def costs_of_no_use(found, seeded):
-    """Between which costs of starts no search is better than the posture that is known."""
-    if seeded:
-        return (math.sqrt(found.cost) + NO_NEARER) ** 2 if found.met else math.inf, math.inf
-    return found.cost + NO_WIDER, 0.0
+def costs_of_no_use(sought, table):
+    """Between which costs of starts no search is better than the posture that is known, or the best start inside."""
+    if sought.seeded:
+        return (math.sqrt(table[INSIDE]) + NO_START) ** 2, math.inf
+    return sought.known.cost + NO_WIDER, 0.0
 
 
 @kernel
-def is_of_no_use(cost, found, seeded):
-    """Whether no search from a start of such a cost is better than the posture that is known."""
-    least, most = costs_of_no_use(found, seeded)
-    return least < cost < most
+def is_inside(P, q):
+    """Whether a start is so far inside the limits that a posture of the limb itself is."""
+    room = ROOM if P[IS_CLOSED] == 1.0 else ROOM_OF_NEAR
+    j = 0
+    while j < 7 and P[LOWER + j] + room < q[j] < P[UPPER + j] - room:
+        j += 1
+    return j == 7
 
 
 @kernel
@@ -110,7 +131,8 @@ def fill_row(P, pose, elbow, sought, table):
         if outside > MOST_OUTSIDE:
             return False
         cost = STEEP * outside + ((e - wish[3]) ** 2 if seeded else 0.0)
-    if is_of_no_use(cost, sought.known, seeded):
+    useless = costs_of_no_use(sought, table)
+    if useless[0] < cost < useless[1]:
         return False
     line = place_[0]
     moved = max(abs(table[ELBOW_ANGLE] - e), norm(sub(load3(table, LINE), line)), abs(table[SHIFT] - sought.shift))
@@ -124,23 +146,23 @@ def fill_row(P, pose, elbow, sought, table):
 
 
 @kernel
-def write_minima(table, k, branch, sought, starts, n):
+def write_minima(P, table, at_turn, sought, starts, n):
     """Write the postures of a branch that cost less than those beside them in arm angle; return how many there are.
 
     Not in roll, too: where a valley lies across the grid, its ends are no dips of the grid.
 
     Args:
+        P: packed limb.
         table: (TABLE,) from `fill_row`.
-        k: number of the turn.
-        branch: 2 for the other shoulder, plus 1 for the other wrist.
+        at_turn: number of the turn, and the branch: 2 for the other shoulder, plus 1 for the other wrist.
         sought: what starts are for.
         starts: (MOST_STARTS, START) output, n of them written.
         n: see above.
     """
-    seeded = sought.seeded
+    k, branch = at_turn
     halves = branch >> 1, 2 + (branch & 1)
-    write_costs(table, halves, seeded)
-    useless = costs_of_no_use(sought.known, seeded)
+    write_costs(table, halves, sought.seeded)
+    useless = costs_of_no_use(sought, table)
     for first in range(0, ARM_ANGLES, LANES):
         low = dips(table, first, useless)
         for lane in range(LANES):
@@ -156,6 +178,8 @@ def write_minima(table, k, branch, sought, starts, n):
                 starts[n, 4 + j] = table[(halves[1] * HALF + j) * ARM_ANGLES + at]
             starts[n, 3] = table[ELBOW_ANGLE]
             starts[n, START_COST] = cost
+            if cost < table[INSIDE] and is_inside(P, row(starts, n)):
+                table[INSIDE] = cost
             n += 1
     return n
 
@@ -165,7 +189,7 @@ def add_turn(P, pose, k, elbow, sought, desk, n):
     """Write the starts of turn k on one side of the elbow; return how many there are."""
     if fill_row(P, pose, elbow, sought, desk.table):
         for branch in range(4):
-            n = write_minima(desk.table, k, branch, sought, desk.starts, n)
+            n = write_minima(P, desk.table, (k, branch), sought, desk.starts, n)
     return n
 
 
@@ -209,6 +233,7 @@ def starts_of_roll(P, pose, freedom, sought, desk):
     """Write a start for every dip of the cost over arm angles at rolls, of all branches; return their number."""
     n = 0
     desk.table[ELBOW_ANGLE] = math.inf
+    desk.table[INSIDE] = sought.known.cost
     for elbow in range(2):
         for i in range(STRIPS):
             found, ends = strip(P, pose, freedom.axis, elbow, i)
@@ -226,6 +251,7 @@ def starts_of_turns(P, pose, given, sought, desk, n):
     R, p = pose
     freedom, turns = given
     first = n
+    desk.table[INSIDE] = min(desk.table[INSIDE], sought.known.cost)
     for elbow in range(2):
         before = NOWHERE
         for k in range(turns.shape[0]):

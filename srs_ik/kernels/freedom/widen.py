@@ -9,6 +9,7 @@ from __future__ import annotations
 import math
 
 from srs_ik.kernels.algebra.joint_vectors import along7
+from srs_ik.kernels.freedom.constraints import bends, equations, fill, leaves_cone, on_edge, price
 from srs_ik.kernels.freedom.elimination import solve_equations
 from srs_ik.kernels.freedom.settle import (
     ALMOST,
@@ -19,13 +20,7 @@ from srs_ik.kernels.freedom.settle import (
     NO_FORCE,
     SETTLED,
     SHORTER,
-    bends,
-    equations,
-    fill,
-    leaves_cone,
-    on_edge,
     part_way,
-    price,
 )
 from srs_ik.kernels.freedom.shares import largest_share, mend, press
 from srs_ik.kernels.freedom.system import write_ways

@@ -10,14 +10,15 @@ import math
 from srs_ik.kernels.algebra.pointers import row
 from srs_ik.kernels.chain.freedom import free_error
 from srs_ik.kernels.exact.farthest import farthest_of_all
-from srs_ik.kernels.freedom.queue import MOST_ATTEMPTS, NONE_LEFT, line_up, take_next
-from srs_ik.kernels.freedom.settle import THIN, onto_pose
+from srs_ik.kernels.freedom.constraints import THIN
+from srs_ik.kernels.freedom.queue import APART, MOST_ATTEMPTS, NONE_LEFT, line_up, take_next
+from srs_ik.kernels.freedom.settle import onto_pose
 from srs_ik.kernels.freedom.shares import largest_share, share_of
-from srs_ik.kernels.freedom.starts import OUT_OF_REACH, is_loose, is_of_no_use, starts_of_roll, starts_of_turns
+from srs_ik.kernels.freedom.starts import NO_WIDER, OUT_OF_REACH, is_loose, starts_of_roll, starts_of_turns
 from srs_ik.kernels.freedom.widen import widen
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.answer import SOLVED
-from srs_ik.kernels.layout.freedom import MOST_STARTS, START_LEANS, Found, Freedom, Sought
+from srs_ik.kernels.layout.freedom import MOST_STARTS, START_COST, START_LEANS, Found, Freedom, Sought
 from srs_ik.kernels.layout.limb import FAR, INVERSE_HALF_RANGE, IS_CLOSED
 from srs_ik.kernels.limb.triangle import place
 
@@ -106,10 +107,10 @@ def widest(P, pose, freedom, liking, sizes, found, desk):
     """The posture of the widest margin that searches from so many starts in `desk` lead to, or a known one."""
     attempts = 0
     count, enough = sizes
-    line_up(desk.starts, count)
+    line_up(desk.starts, count, START_COST)
     while attempts < MOST_ATTEMPTS and not (found.met and attempts >= enough):
-        start, least, count = take_next(desk.starts, count, attempts)
-        if least >= NONE_LEFT or is_of_no_use(least, found, False):
+        start, least, count = take_next(desk.starts, count, attempts, START_COST, APART)
+        if least >= NONE_LEFT or found.cost + NO_WIDER < least < 0.0:
             break
         if freedom.cone == 0.0 and desk.starts[MOST_STARTS - 1 - attempts, START_LEANS] > 0.0:
             continue

@@ -20,9 +20,9 @@ STRIPS = 6
 
 START_COST = 7
 START_LEANS = 8
-START = 9
-"""A start: seven joint angles, their cost, and whether its turn is more than a roll."""
-
+START_LATE = 9
+START = 10
+"""A start: seven joint angles, their cost, whether its turn is more than a roll, and its cost to late searches."""
 
 ARM_ANGLES = 24
 """Arm angles at which postures are looked at, all around; a multiple of `LANES`."""
@@ -36,10 +36,11 @@ ELBOW_COST = ELBOW_ANGLE + 1
 LINE = ELBOW_ANGLE + 2
 SHIFT = LINE + 3
 BRANCH_COST = SHIFT + 1
-TABLE = BRANCH_COST + ARM_ANGLES + 2
+INSIDE = BRANCH_COST + ARM_ANGLES + 2
+TABLE = INSIDE + 1
 """Postures at a turn: both solutions of the shoulder, both of the wrist, and the elbow; the direction from shoulder to
 wrist and the shift of the arm angles, for which they were written; what a branch costs at all arm angles, the last
-before the first and the first behind the last."""
+before the first and the first behind the last; what the best start inside the limits costs."""
 
 WORK = 49 + 3 * SYSTEM * SYSTEM + TABLE
 """Work space of a search."""
