@@ -77,13 +77,6 @@ def is_almost_flat(place_):
 
 
 @kernel
-def level(place_):
-    """A place with a flat elbow."""
-    t, h0, c, _, hand, miss = place_
-    return t, h0, math.copysign(1.0, c), 0.0, hand, miss
-
-
-@kernel
 def joined(a, n, b, m, out):
     """Write the union of two lists of intervals into rows of out, branch after branch and sorted; their number."""
     count = 0

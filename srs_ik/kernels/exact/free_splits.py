@@ -17,13 +17,14 @@ from srs_ik.kernels.chain.descent import slid
 from srs_ik.kernels.chain.kinematics import pose_error
 from srs_ik.kernels.chain.newton import CLOSED, LEFT, close_gently
 from srs_ik.kernels.exact.bends import best_of_bends, best_on_circles
-from srs_ik.kernels.exact.flat import is_as_good_as_flat, level
+from srs_ik.kernels.exact.flat import is_as_good_as_flat
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.asked import Target
 from srs_ik.kernels.layout.limb import SHOULDER, SIZE, WRIST
 from srs_ik.kernels.limb.branches import branch_of, side_posture
 from srs_ik.kernels.limb.goal import NO_SEED, OUTSIDE, cost, turned
 from srs_ik.kernels.limb.in_line import NEARLY_IN_LINE, closest, comes_in_line, may_split, wide_limb
+from srs_ik.kernels.limb.surface import level_place
 from srs_ik.kernels.limb.triangle import elbow_side
 
 LOOSELY = 3e-11
@@ -138,7 +139,7 @@ def with_splits(P, target, wanted, goal, best):
     limbs = (P, wide)
     best, along = search_near_line(limbs, target, wanted, goal, best, work)
     if is_as_good_as_flat(target.place):
-        flat = Target(target.R, target.p, level(target.place))
+        flat = Target(target.R, target.p, level_place(target.place))
         best, alike = search_near_line(limbs, flat, wanted, goal, best, work)
         along = along or alike
     if along:

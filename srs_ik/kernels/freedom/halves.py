@@ -7,9 +7,11 @@ from __future__ import annotations
 
 import math
 
-from srs_ik.kernels.algebra.lane_trig import TINY, rough_angle, turn
+from srs_ik.kernels.algebra.lane_trig import TINY, turn
 from srs_ik.kernels.algebra.lanes import LANES, as_bits, eight_of, gather, root, scatter, where, whole_number
 from srs_ik.kernels.algebra.vectors import add, dot, load3, sub, swing
+from srs_ik.kernels.chain.newton_eight import larger
+from srs_ik.kernels.exact.glance import eight_angles
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.freedom import ARM_ANGLES, BRANCH_COST, ELBOW_COST, HALF, HALF_COST
 from srs_ik.kernels.layout.limb import (
@@ -27,7 +29,6 @@ from srs_ik.kernels.layout.limb import (
     UPPER,
 )
 from srs_ik.kernels.limb.branches import NO_BRANCH
-from srs_ik.kernels.limb.spherical import sines
 
 STEEP = 30.0
 """Cost of a radian outside the limits."""
@@ -54,22 +55,9 @@ def middle_eight(P, k, v):
 
 
 @kernel
-def angles_eight(P, k, v, y, c, s):
-    """About `spherical.angles` of eight rotations, for cosine and sine of how far joint 2 is from its phase."""
-    q1, q2, q3, _ = sines(P, k, v, y, c, s)
-    return rough_angle(q1[0], q1[1]), rough_angle(q2[0], q2[1]), rough_angle(q3[0], q3[1])
-
-
-@kernel
-def more_of(a, b):
-    """The larger ones."""
-    return where(a > b, a, b)
-
-
-@kernel
 def outside(P, joint, q):
     """How far eight angles are outside the limits."""
-    return more_of(more_of(P[LOWER + joint] - q, q - P[UPPER + joint]), 0.0)
+    return larger(larger(P[LOWER + joint] - q, q - P[UPPER + joint]), 0.0)
 
 
 @kernel
@@ -90,8 +78,8 @@ def within(P, joint, q, seeded, wish):
         return near, cost, 0.0 * near
     out = outside(P, joint, near)
     if upper - lower > TURN:
-        other = near - TURN * whole_number(more_of(near - upper, 0.0) * PER_TURN + 0.5)
-        other = other + TURN * whole_number(more_of(lower - near, 0.0) * PER_TURN + 0.5)
+        other = near - TURN * whole_number(larger(near - upper, 0.0) * PER_TURN + 0.5)
+        other = other + TURN * whole_number(larger(lower - near, 0.0) * PER_TURN + 0.5)
     else:
         # Inside the limits is at most the turn nearest to the middle of the range.
         other = q + TURN * whole_number((P[MIDDLE + joint] - q) * PER_TURN)
@@ -108,11 +96,11 @@ def write_eight(P, first, q, reached, goal, table, at):
     a, of_a, out_a = within(P, first, q[0], seeded, wish[0])
     b, of_b, out_b = within(P, first + 1, q[1], seeded, wish[1])
     c, of_c, out_c = within(P, first + 2, q[2], seeded, wish[2])
-    out = STEEP * more_of(more_of(out_a, out_b), out_c)
+    out = STEEP * larger(larger(out_a, out_b), out_c)
     if seeded:  # noqa: SIM108
         cost = of_a + of_b + of_c + out
     else:
-        cost = where(out > 0.0, out, more_of(more_of(of_a, of_b), of_c))
+        cost = where(out > 0.0, out, larger(larger(of_a, of_b), of_c))
     scatter(table, at, 1, a)
     scatter(table, at + ARM_ANGLES, 1, b)
     scatter(table, at + 2 * ARM_ANGLES, 1, c)
@@ -132,14 +120,14 @@ def write_halves(P, k, circles, sought, table):
         c, s = turn(sought.shift + steps * (TURN / ARM_ANGLES))
         v, y = swing(v0[0], v0[1], v0[2], c, s), swing(y0[0], y0[1], y0[2], c, s)
         c, s, reached = middle_eight(P, k, v)
-        q = angles_eight(P, k, v, y, c, s)
+        q = eight_angles(P, k, v, y, c, s)
         if loose:
             q = q[0], q[1], where(reached, wish[6], wish[6])
         write_eight(P, first, q, reached, here, table, half * HALF * ARM_ANGLES + i)
         if max(abs(P[k + A1_A2]), abs(P[k + A2_A3])) < ALMOST_ACROSS:
             q = q[0] + math.pi, 2.0 * P[k + PHASE] - q[1], q[2] + math.pi
         else:
-            q = angles_eight(P, k, v, y, c, -s)
+            q = eight_angles(P, k, v, y, c, -s)
         if loose:
             q = q[0], q[1], where(reached, wish[6], wish[6])
         write_eight(P, first, q, reached, here, table, (half + 1) * HALF * ARM_ANGLES + i)
@@ -152,7 +140,7 @@ def write_costs(table, halves, seeded):
         a = gather(table, (halves[0] * HALF + HALF_COST) * ARM_ANGLES + i, 1)
         b = gather(table, (halves[1] * HALF + HALF_COST) * ARM_ANGLES + i, 1)
         e = table[ELBOW_COST]
-        scatter(table, BRANCH_COST + 1 + i, 1, a + b + e if seeded else more_of(more_of(a, b), e))
+        scatter(table, BRANCH_COST + 1 + i, 1, a + b + e if seeded else larger(larger(a, b), e))
     table[BRANCH_COST] = table[BRANCH_COST + ARM_ANGLES]
     table[BRANCH_COST + ARM_ANGLES + 1] = table[BRANCH_COST + 1]
 
