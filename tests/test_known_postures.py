@@ -13,7 +13,7 @@ import chains
 import numpy as np
 import pinocchio as pin
 import pytest
-from oracles import distance, inside, phases
+from oracles import distance, inside, phases, random_limb
 from scipy.optimize import minimize
 
 import srs_ik
@@ -826,3 +826,39 @@ def test_the_branch_of_an_answer_has_nothing_farther_when_it_is_asked_for(name):
         nearest = arm.solve(pose, seed=seed)
         asked = arm.solve(pose, seed=seed, branch=nearest.branch)
         assert np.linalg.norm(asked.q - seed) < np.linalg.norm(nearest.q - seed) + 1e-6
+
+
+@pytest.mark.parametrize(
+    ("seed", "miss", "q"),
+    [
+        (4000, 0.002, [0.44779495, 0.74806712, 0.0872653, -0.88268985, 1.91135153, -1.38404507, 2.14363242]),
+        (4003, 0.0005, [-1.21216406, -0.1112644, 0.49229373, 0.84896609, 1.27153143, 1.03958507, 0.36212286]),
+    ],
+)
+def test_postures_with_an_almost_straight_elbow_that_steps_find_lie_in_intervals(seed, miss, q):
+    """Some lie on small closed curves, between the arm angles at which curves were looked for."""
+    limb = random_limb(seed, "coordinate", "offset", "usual", miss)
+    arm, model = srs_ik.load(limb.model, base="base", tip="tool"), limb.model
+    data, base, tool = model.createData(), model.getFrameId("base"), model.getFrameId("tool")
+
+    def forward(x):
+        pin.framesForwardKinematics(model, data, x)
+        return data.oMf[base].actInv(data.oMf[tool])
+
+    pose, rng, found = forward(np.array(q)), np.random.default_rng(0), set()
+    intervals = arm.intervals(pose, respect_limits=False)
+    for _ in range(300):
+        x = rng.uniform(-np.pi, np.pi, 7)
+        x[3] = q[3] + rng.uniform(-0.05, 0.05)
+        for _ in range(40):
+            left = pin.log6(forward(x).actInv(pose)).vector
+            step = np.linalg.lstsq(pin.computeFrameJacobian(model, data, x, tool, pin.LOCAL), left, rcond=1e-12)[0]
+            x = x + step * min(1.0, 0.5 / np.abs(step).max())
+        if np.linalg.norm(left) > 1e-12:
+            continue
+        branch, psi = arm.branch(x), arm.arm_angle(x)
+        # Next to an end, by what is left of the pose.
+        near = (i for i in intervals if i.branch == branch)
+        assert any(psi in i or min(abs(psi - i.lower), abs(psi - i.upper)) < 1e-6 for i in near), (branch, psi)
+        found.add(branch)
+    assert len(found) > 3, found

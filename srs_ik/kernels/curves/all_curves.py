@@ -138,7 +138,8 @@ def put_marks(P, by, angles, marks, missed):
         closed, met = close_eight(P, take_eight(starts, WIDTH), R, p, place_[0], place_[1], psi, STEPS)
         put_eight(starts, WIDTH, met, closed)
         # Where a branch has no posture at the arm angle, there may be one next to it.
-        closed, t, met = to_curves(P, R, p, take_eight(starts, WIDTH), ALL if oblique else exist, CORRECTIONS)
+        which = ALL if oblique else exist
+        closed, t, met = to_curves(P, R, p, take_eight(starts, WIDTH), which, (CORRECTIONS, 0.0))
         put_eight(starts, WIDTH, met, closed)
         for branch in range(8):
             q = read7(row(A, FIRST + branch))
@@ -186,7 +187,8 @@ def bring_to_curves(P, by, starts, first, n):
         # The last eight rows there are may begin before.
         k = min(i, starts.shape[0] - 8)
         rows = row(starts, k)
-        q, t, met = to_curves(P, R, p, take_eight(rows, MARK), (1 << min(n - k, 8)) - 1, CLOSING_STEPS)
+        which = (1 << min(n - k, 8)) - 1
+        q, t, met = to_curves(P, R, p, take_eight(rows, MARK), which, (CLOSING_STEPS, 0.0))
         put_eight(rows, MARK, met, q)
         for j in range(7):
             scatter(rows, MARK_WAY + j, MARK, t[j])

@@ -9,7 +9,7 @@ from srs_ik.kernels.algebra.minimum import lowest_of_cubic
 from srs_ik.kernels.algebra.pointers import row
 from srs_ik.kernels.algebra.roots import has_settled, next_parameter, start_crossing, tell_figure
 from srs_ik.kernels.curves.ends import on_chord, on_curve, sample_before
-from srs_ik.kernels.curves.follow import meet, null_vector, tangent_at
+from srs_ik.kernels.curves.follow import meet, null_vector
 from srs_ik.kernels.curves.in_step import ARC, load_sample
 from srs_ik.kernels.curves.told import TOLD_MIDDLES, TOLD_SINES, turns_back
 from srs_ik.kernels.jit import kernel
@@ -58,14 +58,12 @@ def put_change(changes, n, there, middle):
 def posture_beside(P, by, curve, change, x):
     """The posture next to a change of branch, at a parameter: that of the change, unless the elbow is almost straight.
 
-    There the arm angle changes fast: the curve is gone along, as much as the parameter differs.
+    There the arm angle changes fast: it is that of the parameter alone, if that has one.
     """
     q = read7(row(change, CHANGE_POSTURE))
     if abs(sine_of(P, q, ELBOW)) < STRAIGHT:
-        low = sample_before(curve, x)
-        chord = difference(load_sample(curve.rows[low]), load_sample(curve.rows[low + 1]))
-        t, sign = tangent_at(P, by, q)
-        q = along7(q, math.copysign(x - change[CHANGE_AT], dot7(t, chord) * (x - change[CHANGE_AT])) * abs(sign), t)
+        there, off = on_curve(P, by, 0, curve, x)
+        q = there if off < NO_BRANCH else q
     return q
 
 

@@ -61,9 +61,6 @@ the step has led to another curve."""
 VAGUE = 1e-6
 """Where several joints are singular at once, floats tell whether a posture is on a curve no better, rad squared."""
 
-HARDLY = 1e-12
-"""A step to a curve that is foreseen to be this short, rad, is not taken."""
-
 SETTLED = 1e-14
 """A step that has settled is on a curve up to this, rad squared."""
 
@@ -168,7 +165,7 @@ def step_in_step(P, R, p, rows, alive):
     for _ in range(CORRECTIONS):
         d, t, _, right = curve_step(P, turns, R, p, way, none)
         size = largest(d)
-        settled = (size < LAST_STEP) | is_foreseen(size, last, HARDLY)
+        settled = size < LAST_STEP
         q = along7(q, 1.0, d)
         met = as_bits(settled & right)
         left &= as_bits(size < SHRINKING * last)
@@ -183,20 +180,23 @@ def step_in_step(P, R, p, rows, alive):
 
 
 @kernel
-def to_curves(P, R, p, q, which, steps):
-    """The shortest way from eight postures to curves of a pose, those that are named by bits, in some steps at most.
+def to_curves(P, R, p, q, which, until):
+    """The shortest way from eight postures to curves of a pose, those that are named by bits.
+
+    `until` holds the largest number of steps, and how short one need not be taken that is foreseen, rad.
 
     Returns postures, the unit vectors along their curves, and which are met, as bits.
     """
     turns = turns_of(q)
     t = q
     met = 0
+    steps, short = until
     last = 0.0 * q[0] + MAX_STEP
     for _ in range(steps):
         d, t, _, right = curve_step(P, turns, R, p, q, 0.0 * q[0])
         d = along7(d, -dot7(t, d), t)
         size = largest(d)
-        settled = (size < LAST_STEP) | is_foreseen(size, last, HARDLY)
+        settled = (size < LAST_STEP) | is_foreseen(size, last, short)
         d = all_times(MAX_STEP / larger(size, MAX_STEP + 0.0 * size), d)
         q = along7(q, 1.0, d)
         met = as_bits(settled & right)

@@ -50,6 +50,9 @@ MOST_STATIONS = 160
 CORRECTIONS = 8
 """Turns at which samples of a curve are laid out, and Newton's steps to the curve, at most."""
 
+HARDLY = 1e-12
+"""A step to a curve that is foreseen to be this short, rad, is not taken: there are no singularities nearby."""
+
 ALONG = 0.95
 LEAST_TURNED = 0.9
 """Cosines of the largest angles between a curve and the way to its next sample, and between it at both."""
@@ -235,11 +238,10 @@ def lay_curves(P, by, around, rows, curves):
     if n <= 0:
         return n
     ways = np.empty((n + 8, 7))
-    R, p, _ = by.target
     for i in range(0, n, 8):
         eight = row(rows, i)
         which = (1 << min(n - i, 8)) - 1
-        q, t, met = to_curves(P, R, p, take_ways(eight, 1, SAMPLE), which, CORRECTIONS)
+        q, t, met = to_curves(P, by.target.R, by.target.p, take_ways(eight, 1, SAMPLE), which, (CORRECTIONS, HARDLY))
         if which & ~met != 0:
             return -1
         put_eight(row(eight, 1), SAMPLE, which, q)

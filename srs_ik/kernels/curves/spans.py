@@ -18,7 +18,6 @@ from srs_ik.kernels.curves.changes import (
     turned_back,
 )
 from srs_ik.kernels.curves.ends import on_curve, sample_before
-from srs_ik.kernels.curves.in_step import load_sample
 from srs_ik.kernels.curves.runs import samples_of
 from srs_ik.kernels.curves.told import (
     ARM_ANGLE,
@@ -54,9 +53,10 @@ TURNING = 1e-9
 
 
 @kernel
-def turning_angle(P, by, ends, psi, sign):
-    """The farthest arm angle, in the direction of a sign, between two postures of a curve; psi is close by."""
-    a, b = ends
+def turning_angle(P, by, curve, ends, psi, sign):
+    """The farthest arm angle, in the direction of a sign, between two parameters; psi is close by."""
+    a, _ = on_curve(P, by, 0, curve, ends[0])
+    b, _ = on_curve(P, by, 0, curve, ends[1])
     return psi + short_way(angle_at(P, by, turning_between(P, by, a, b, sign, ARM_ANGLE)) - psi)
 
 
@@ -87,28 +87,27 @@ class Passed(NamedTuple):
 
     psi: Any  # arm angle, not wrapped
     rise: Any  # how it has changed on the way there: its sign tells whether it rises
-    q: Any  # the posture there
 
 
 @kernel
 def take_turn(P, by, curve, span, passed, x, to):
     """Let a span reach to where the arm angle turns around before parameter x, if it does.
 
-    `to` holds by how much the arm angle changes until x, how it goes on from there, and the posture there.
+    `to` holds by how much the arm angle changes until x, and how it goes on from there.
     """
-    psi, rise, q = passed
-    change, behind, next_q = to
+    psi, rise = passed
+    change, behind = to
     if abs(change) > TURNING and change * rise < 0.0 and abs(rise) > TURNING:
         # Somewhere between the samples before and behind the last one.
+        before = max(sample_before(curve, span[3]) - 1, curve.first)
         sign = math.copysign(1.0, rise)
-        a, b = q, next_q
-        if turn_at(P, by, q) * sign <= 0.0:
-            before = max(sample_before(curve, span[3]) - 1, curve.first)
-            a, _ = on_curve(P, by, 0, curve, max(span[2], curve.rows[before, 0]))
-            b = q
-        extend(span, span[3], turning_angle(P, by, (a, b), psi, sign))
+        there, _ = on_curve(P, by, 0, curve, span[3])
+        rises = turn_at(P, by, there) * sign > 0.0
+        ends = (span[3], x) if rises else (max(span[2], curve.rows[before, 0]), span[3])
+        extend(span, span[3], turning_angle(P, by, curve, ends, psi, sign))
     elif abs(change) > TURNING and change * behind < 0.0:
-        extend(span, x, turning_angle(P, by, (q, next_q), psi, math.copysign(1.0, change)))
+        sign = math.copysign(1.0, change)
+        extend(span, x, turning_angle(P, by, curve, (span[3], x), psi, sign))
 
 
 @kernel
@@ -117,8 +116,8 @@ def take_back(P, by, curve, span, passed, i, told):
     x, there, found = turned_back(P, by, curve, i, told)
     if found:
         change, behind = short_way(angle_at(P, by, there) - passed.psi), turn_at(P, by, there)
-        take_turn(P, by, curve, span, passed, x, (change, behind, there))
-        passed = Passed(passed.psi + change, behind, there)
+        take_turn(P, by, curve, span, passed, x, (change, behind))
+        passed = Passed(passed.psi + change, behind)
         extend(span, x, passed.psi)
     return passed
 
@@ -167,31 +166,29 @@ def spans_of_run(P, by, rows, runs, index, room, n):
     psi = told[first, TOLD_PSI]
     n = open_span(spans, n, index, branch, x, psi)
     rise = math.copysign(1.0, told[first, TOLD_RATE])
-    q = load_sample(rows[first])
     for i in range(first + 1, last):
         n_changes = find_changes(P, by, curve, i, told, changes)
         if n_changes == 0:
-            psi, rise, q = take_back(P, by, curve, spans[n - 1], Passed(psi, rise, q), i, told)
+            psi, rise = take_back(P, by, curve, spans[n - 1], Passed(psi, rise), i, told)
         for c in range(n_changes):
             inside = max(changes[c, CHANGE_AT] - JUST_OUTSIDE, x)
             outside = max(min(changes[c, CHANGE_AT] + JUST_OUTSIDE, rows[i, 0]), inside)
             there = posture_beside(P, by, curve, changes[c], inside)
             change = short_way(angle_at(P, by, there) - psi)
             behind = turn_at(P, by, there)
-            take_turn(P, by, curve, spans[n - 1], Passed(psi, rise, q), inside, (change, behind, there))
+            take_turn(P, by, curve, spans[n - 1], Passed(psi, rise), inside, (change, behind))
             psi += change
             extend(spans[n - 1], inside, psi)
-            q = posture_beside(P, by, curve, changes[c], outside)
-            psi += short_way(angle_at(P, by, q) - psi)
+            there = posture_beside(P, by, curve, changes[c], outside)
+            psi += short_way(angle_at(P, by, there) - psi)
             branch ^= bit_of(int(changes[c, CHANGE_MIDDLE]))
             n = open_span(spans, n, index, branch, outside, psi)
             x = outside
             rise = behind
         change = short_way(told[i, TOLD_PSI] - psi)
         behind = math.copysign(1.0, told[i, TOLD_RATE]) if i == last - 1 else change
-        next_q = load_sample(rows[i])
-        take_turn(P, by, curve, spans[n - 1], Passed(psi, rise, q), rows[i, 0], (change, behind, next_q))
-        rise, q = change, next_q
+        take_turn(P, by, curve, spans[n - 1], Passed(psi, rise), rows[i, 0], (change, behind))
+        rise = change
         psi += change
         x = rows[i, 0]
         extend(spans[n - 1], x, psi)

@@ -55,7 +55,7 @@ def bridge_all(P, poses, starts, met, J, A):
         if i + 8 <= count and of_one_pose(poses, i):
             together = 8
             start = take_eight(row(starts, i), 7)
-            q, _, there = to_curves(P, R, p, start, ALL, STEPS_IN_STEP)
+            q, _, there = to_curves(P, R, p, start, ALL, (STEPS_IN_STEP, 0.0))
             there &= inside_limits(P, q) & as_bits(largest(along7(q, -1.0, start)) < FARTHEST)
             put_eight(row(starts, i), 7, there, q)
         for k in range(together):
