@@ -59,7 +59,7 @@ def positions_by_name(state: Any) -> dict[str, Any]:
     if len(names) != len(positions):
         raise InvalidConfiguration(f"the joint state has {len(names)} names and {len(positions)} positions")
     found = dict(zip(names, positions, strict=True))
-    for name, position in zip(names, positions, strict=True):
+    for name, position in zip(names, positions, strict=True) if len(found) < len(names) else ():
         # By what they look like: NaN is not equal to itself, and anything may stand there.
         if repr(found[name]) != repr(position):
             raise InvalidConfiguration(f"the joint state has two positions of {name!r}: {position} and {found[name]}")

@@ -339,7 +339,7 @@ def follow(P, by, q, t, way, rows, n):
 
 @kernel
 def reverse(rows, first, n):
-    """Turn the samples of an open curve around, in the rows first to n - 1."""
+    """Turn the samples of a curve around, in the rows first to n - 1."""
     length = rows[n - 1, 0]
     for i in range(first, n):
         rows[i, 0] = length - rows[i, 0]

@@ -279,9 +279,8 @@ def insert_turns(P, by, around):
             store7(row(dips, n), 0, q)
             gaps[n] = i
             n += 1
-    if n == 0:
+    if n == 0 or not put_bests(P, by, dips, n, False):
         return
-    put_bests(P, by, dips, n, False)
     for m in range(n - 1, -1, -1):
         i = int(gaps[m])
         signs = i // MOST_TURNS
