@@ -179,3 +179,33 @@ def test_no_posture_of_a_near_arm_is_nearer(judges, given):
     assert inside(solution.q, arm.lower, arm.upper)
     assert np.linalg.norm(solution.q - seed) < np.linalg.norm(q - seed) + 1e-9
     assert judge["farther"](arm, judge["Known"](arm), case) < POLISHED
+
+
+@pytest.mark.parametrize("kind", ["random", "random_leaning", "random_oblique"])
+def test_postures_in_corners_of_the_limits_are_found_from_seeds_around_them(judges, kind):
+    """Two to four joints are on limits, and what leads there from a seed is steps along these: a few are missed."""
+    missed, checked = [], 0
+    for number, (arm, count) in enumerate(judges["subjects"]["arms_of"](kind, 120, 880004)):
+        rng = np.random.default_rng([880004, number])
+        for _ in range(count):
+            q = rng.uniform(arm.lower, arm.upper)
+            corner = rng.choice(7, rng.integers(2, 5), replace=False)
+            q[corner] = np.where(rng.random(len(corner)) < 0.5, arm.lower[corner], arm.upper[corner])
+            seed = q + rng.uniform(-0.6, 0.6, 7)
+            solution = arm.solve(arm.forward_kinematics(q), seed=seed)
+            if not solution or np.linalg.norm(solution.q - seed) > np.linalg.norm(q - seed) + 1e-7:
+                missed.append((number, q.tolist(), seed.tolist()))
+            checked += 1
+    assert checked == 120
+    assert len(missed) < 5, missed
+
+
+@pytest.mark.parametrize("name", arms.here("med7", "sia10f"))
+def test_a_folded_arm_of_equal_links_is_where_its_seed_is(name):
+    """Its wrist is in its shoulder, and which way to go around is anyone's choice: the seed is not left."""
+    arm = arms.load(name)
+    for q in arms.configurations(name, 60, 97):
+        q[3] = phases(arm.limb)[3] + np.pi
+        q[5] = phases(arm.limb)[5] if q[0] > 0.0 else q[5]
+        solution = arm.solve(arm.forward_kinematics(q), seed=q, respect_limits=False)
+        assert np.linalg.norm(solution.q - q) < 1e-6, q.tolist()
