@@ -73,7 +73,10 @@ def add_swings(P, k, motion, lower, upper, samples, n):
 
 @kernel
 def add_changes(P, k, motion, joint, angle, lower, upper, samples, n):
-    """Samples on both sides of where a joint of the spherical joint at block k passes an angle."""
+    """Samples where a joint of the spherical joint at block k passes an angle, and on both sides of there.
+
+    Where another joint passes one at once, both may keep their limits there alone.
+    """
     a1 = load3(P, k + A1)
     a2 = load3(P, k + A2)
     a3 = load3(P, k + A3)
@@ -95,8 +98,8 @@ def add_changes(P, k, motion, joint, angle, lower, upper, samples, n):
         for turns in range(-1, 2):
             middle = math.atan2(s, c) + 2.0 * math.pi * turns
             for change in (middle + apart, middle - apart):
-                n = add_sample(samples, n, change - BESIDE, lower, upper)
-                n = add_sample(samples, n, change + BESIDE, lower, upper)
+                for i in range(-1, 2):
+                    n = add_sample(samples, n, change + i * BESIDE, lower, upper)
     return n
 
 
