@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from srs_ik.collision.figures import as_margin
-from srs_ik.collision.ranges import JointRange, loosened, tightened
+from srs_ik.collision.ranges import loosened, tightened
 from srs_ik.collision.scene import Scene
 from srs_ik.errors import InvalidScene
 from srs_ik.inputs.poses import invalid_pose
@@ -19,8 +19,8 @@ from srs_ik.kernels.layout import collision as at
 from srs_ik.kernels.layout.answer import MOST_INTERVALS, ROW_STATUS
 from srs_ik.solve import pose as pose_solver
 from srs_ik.solve.in_scene.certified import Shapes, certified_free, marched
+from srs_ik.solve.in_scene.limits import Cut, Limits, cut_limits
 from srs_ik.solve.in_scene.ranged import kept_apart
-from srs_ik.solve.packed import pack_family
 from srs_ik.solve.solution import Collision, Status
 
 if TYPE_CHECKING:
@@ -38,9 +38,6 @@ _LITTLE = 1e-3
 
 _ROUNDING = 1e-9
 """A joint angle may be out of a range so far, rad."""
-
-_MOST_MARGINS = 16
-"""For so many margins at most, tightened limits are kept."""
 
 
 class Surroundings:
@@ -69,7 +66,7 @@ class Surroundings:
         self.margin = scene.margin + as_margin(margin)
         self.tables: Tables = arm.tables(scene)
         self.slack = self.tables.with_margin(self.margin)
-        self.tight, self.jammed = _limits(arm, packed, self.tables.ranges, tightened, self.margin)
+        self.tight, self.jammed = self._cut_limits(tightened, self.margin)
 
     def __reduce__(self) -> tuple[Any, ...]:
         return Surroundings, (self.arm, self.packed, self.scene, self.margin - self.scene.margin)
@@ -86,17 +83,15 @@ class Surroundings:
 
     def in_range(self, T: Array, found: Array, respect: bool) -> Array:
         """(n, 3) intervals in which bodies that ranges of joints watch do not meet; `found` are those in the limits."""
-        return self._within(self.tight[bool(respect)], self.jammed, T, found)
+        return self._within((self.tight, self.jammed), T, found, respect)
 
     def not_meeting(self, T: Array, found: Array, respect: bool) -> Array:
         """(n, 3) the same where the margin is too much to ask of them, and they need only not meet."""
-        tight, jammed = _limits(self.arm, self.packed, self.tables.ranges, tightened, 0.0)
-        return self._within(tight[bool(respect)], jammed, T, found)
+        return self._within(self._cut_limits(tightened, 0.0), T, found, respect)
 
     def not_out_of_range(self, T: Array, found: Array, respect: bool) -> Array:
         """(n, 3) intervals outside of which some of these bodies are nearer than the margin for certain."""
-        loose, jammed = _limits(self.arm, self.packed, self.tables.ranges, loosened, self.margin)
-        return self._within(loose[bool(respect)], jammed, T, found)
+        return self._within(self._cut_limits(loosened, self.margin), T, found, respect)
 
     def keeps_range(self, q: Array) -> bool:
         """Whether a posture is in the ranges of joints that keep apart the bodies which they watch."""
@@ -105,7 +100,12 @@ class Surroundings:
             return tight is None
         return bool((q >= tight.lower - _ROUNDING).all() and (q <= tight.upper + _ROUNDING).all())
 
-    def _within(self, limits: TightLimits | None, jammed: JointRange | None, T: Array, found: Array) -> Array:
+    def _cut_limits(self, cut: Cut, margin: float) -> Limits:
+        return cut_limits(self.arm, self.packed, self.tables.ranges, cut, margin)
+
+    def _within(self, cut: Limits, T: Array, found: Array, respect: bool) -> Array:
+        both, jammed = cut
+        limits = both[bool(respect)]
         if limits is None:
             return found
         if jammed is not None or not len(found):
@@ -360,48 +360,3 @@ def narrowed(found: Array, psi: float) -> Array:
     point = found[inside]
     point[:, 1:] = psi
     return point
-
-
-class TightLimits:
-    """Joint limits in which no two bodies meet that the range of a joint watches.
-
-    Attributes:
-        lower: (7,) rad.
-        upper: (7,) rad.
-        family: the limb packed with them.
-    """
-
-    def __init__(self, arm: BodyOwner, lower: Array, upper: Array) -> None:
-        self.lower, self.upper = lower, np.maximum(lower, upper)
-        self.family = pack_family(arm.limb, self.lower, self.upper)
-
-
-Tight = tuple[TightLimits | None, TightLimits | None]
-
-Cut = Callable[..., tuple[Array, Array, JointRange | None]]
-"""How ranges of joints cut limits: `ranges.tightened` or `ranges.loosened`."""
-
-
-def _limits(
-    arm: BodyOwner, packed: PackedArm, ranges: list[JointRange], cut: Cut, margin: float
-) -> tuple[Tight, JointRange | None]:
-    """Limits cut by ranges of joints, see `Surroundings.tight`; None where these need none; who leaves no range."""
-    if not ranges:
-        return (None, None), None
-    known: dict[Any, tuple[Tight, JointRange | None]] = arm.__dict__.setdefault("_limits_in_scene", {})
-    key = cut, margin, tuple((each.first, each.second) for each in ranges)
-    if key not in known:
-        if len(known) >= _MOST_MARGINS:
-            known.clear()
-        limits: list[TightLimits | None] = []
-        jammed = None
-        given: Sequence[tuple[Array, Array]] = (
-            (np.full(7, -np.inf), np.full(7, np.inf)),
-            (packed.lower, packed.upper),
-        )
-        for lower, upper in given:
-            low, high, jammed = cut(ranges, lower, upper, margin)
-            same = np.array_equal(low, lower) and np.array_equal(high, upper) and jammed is None
-            limits.append(None if same else TightLimits(arm, low, high))
-        known[key] = (limits[0], limits[1]), jammed
-    return known[key]
