@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 from srs_ik.collision.figures import refuse_margin
 from srs_ik.collision.owner import BodyOwner, BodyPlan
 from srs_ik.errors import NotAnSrsLimb
+from srs_ik.inputs.numbers import as_flag
 from srs_ik.inputs.poses import PoseLike, as_bounded_joint_vector, as_gravity, as_rigid_matrix
 from srs_ik.kernels.entries import kinematics as entries
 from srs_ik.robot import changes
@@ -126,12 +127,13 @@ class Arm(BodyOwner):
             InvalidScene: no `Scene`, or no margin.
             NoBodies: no shapes of the arm are at hand.
         """
+        respect = as_flag(respect_limits, "respect_limits")
         if free_axis is not None:
             from srs_ik.solve import freedom
 
             freedom.refuse_beside(free_axis, arm_angle=arm_angle, branch=branch)
-            return self._asked(scene, margin).solve_free(pose, free_axis, seed, bool(respect_limits))
-        return self._asked(scene, margin).solve(pose, arm_angle, seed, branch, bool(respect_limits))
+            return self._asked(scene, margin).solve_free(pose, free_axis, seed, respect)
+        return self._asked(scene, margin).solve(pose, arm_angle, seed, branch, respect)
 
     def solve_all(
         self,
@@ -160,7 +162,7 @@ class Arm(BodyOwner):
             InvalidScene: no `Scene`, or no margin.
             NoBodies: no shapes of the arm are at hand.
         """
-        return self._asked(scene, margin).solve_all(pose, arm_angle, bool(respect_limits))
+        return self._asked(scene, margin).solve_all(pose, arm_angle, as_flag(respect_limits, "respect_limits"))
 
     def solve_batch(
         self,
@@ -199,14 +201,13 @@ class Arm(BodyOwner):
             InvalidScene: no `Scene`, or no margin.
             NoBodies: no shapes of the arm are at hand.
         """
+        respect, every = as_flag(respect_limits, "respect_limits"), as_flag(all_branches, "all_branches")
         if free_axis is not None:
             from srs_ik.solve import freedom
 
-            freedom.refuse_beside(free_axis, arm_angle=arm_angle, branch=branch, all_branches=all_branches)
-            return self._asked(scene, margin).solve_free_batch(poses, free_axis, seed, bool(respect_limits), threads)
-        return self._asked(scene, margin).solve_batch(
-            poses, arm_angle, seed, branch, all_branches, bool(respect_limits), threads
-        )
+            freedom.refuse_beside(free_axis, arm_angle=arm_angle, branch=branch, all_branches=every)
+            return self._asked(scene, margin).solve_free_batch(poses, free_axis, seed, respect, threads)
+        return self._asked(scene, margin).solve_batch(poses, arm_angle, seed, branch, every, respect, threads)
 
     def solve_path(
         self,
@@ -261,7 +262,8 @@ class Arm(BodyOwner):
             InvalidScene: no `Scene`, or no margin.
             NoBodies: no shapes of the arm are at hand.
         """
-        question = seed, dt, longest_step, objective, known, closed, acceleration_limit, free_axis
+        round_trip = as_flag(closed, "closed")
+        question = seed, dt, longest_step, objective, known, round_trip, acceleration_limit, free_axis
         return self._asked(scene, margin).solve_path(poses, *question)
 
     def tracker(
@@ -327,7 +329,7 @@ class Arm(BodyOwner):
             InvalidScene: no `Scene`, or no margin.
             NoBodies: no shapes of the arm are at hand.
         """
-        return self._asked(scene, margin).intervals(pose, bool(respect_limits))
+        return self._asked(scene, margin).intervals(pose, as_flag(respect_limits, "respect_limits"))
 
     def intervals_batch(
         self,
@@ -355,7 +357,7 @@ class Arm(BodyOwner):
             InvalidScene: no `Scene`, or no margin.
             NoBodies: no shapes of the arm are at hand.
         """
-        return self._asked(scene, margin).intervals_batch(poses, bool(respect_limits), threads)
+        return self._asked(scene, margin).intervals_batch(poses, as_flag(respect_limits, "respect_limits"), threads)
 
     def reachable_batch(self, poses: Any, threads: int | None = None) -> NDArray[np.bool_]:
         """Whether a posture inside the joint limits meets each of N poses: `intervals_batch` cut short at the first.
@@ -394,7 +396,7 @@ class Arm(BodyOwner):
         """
         from srs_ik.solve.self_motion import self_motion
 
-        return self_motion(self.packed, pose, branch, count, bool(respect_limits))
+        return self_motion(self.packed, pose, branch, count, as_flag(respect_limits, "respect_limits"))
 
     def free_splits(self, pose: PoseLike, respect_limits: bool = True) -> list[FreeSplit]:
         """Where a singular pose fixes only the sum or the difference of two joints: the segments of postures there.
@@ -415,7 +417,7 @@ class Arm(BodyOwner):
         """
         from srs_ik.solve.free_splits import free_splits
 
-        return free_splits(self.packed, pose, bool(respect_limits))
+        return free_splits(self.packed, pose, as_flag(respect_limits, "respect_limits"))
 
     def optimise(
         self,
@@ -449,7 +451,8 @@ class Arm(BodyOwner):
             InvalidScene: no `Scene`, or no margin.
             NoBodies: no shapes of the arm are at hand.
         """
-        return self._asked(scene, margin).optimise(pose, objective, bool(respect_limits), **parameters)
+        respect = as_flag(respect_limits, "respect_limits")
+        return self._asked(scene, margin).optimise(pose, objective, respect, **parameters)
 
     # Tasks ------------------------------------------------------------------------------------------------------
 
@@ -517,13 +520,13 @@ class Arm(BodyOwner):
             InvalidScene: no `Scene`, or no margin.
             NoBodies: no shapes of the arm are at hand.
         """
-        asked = self._asked(scene, margin)
+        asked, respect = self._asked(scene, margin), as_flag(respect_limits, "respect_limits")
         if free_axis is None:
-            return asked.solve_task(task, side, bool(respect_limits), tie, threads, seed)
+            return asked.solve_task(task, side, respect, tie, threads, seed)
         from srs_ik.solve import free_task
 
         def ask(each: Task, near: Any) -> Any:
-            return asked.solve_task(each, side, bool(respect_limits), tie, threads, near)
+            return asked.solve_task(each, side, respect, tie, threads, near)
 
         return free_task.solve_task(self.packed, ask, task, free_axis, seed)
 
@@ -634,7 +637,7 @@ class Arm(BodyOwner):
 
         Raises:
             InvalidPose: no finite rigid transform.
-            InvalidRobot: the robot has a frame of that name already.
+            InvalidRobot: the robot has a frame of that name already, or the transform leads farther away than 1e6 m.
         """
         T = as_rigid_matrix(T_tip_tool)
         hand = self.hand and Hand(*(tuple((T[:3, :3].T @ axis).tolist()) for axis in self.hand))
@@ -653,7 +656,7 @@ class Arm(BodyOwner):
 
         Raises:
             InvalidPose: no finite rigid transform.
-            InvalidRobot: the robot has a frame of that name already.
+            InvalidRobot: the robot has a frame of that name already, or the transform leads farther away than 1e6 m.
             InvalidConfiguration: gravity is not 3 finite numbers.
         """
         T = as_rigid_matrix(T_newbase_base)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import os
 import threading
 from collections.abc import Iterable
 from functools import cached_property
@@ -12,7 +13,7 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import ArrayLike, NDArray
 
-from srs_ik.errors import InvalidConfiguration, did_you_mean
+from srs_ik.errors import InvalidConfiguration, InvalidRobot, SrsIkError, did_you_mean, quoted
 from srs_ik.inputs.fixed import Fixed
 from srs_ik.inputs.messages import picked, positions_by_name
 from srs_ik.inputs.numbers import real_array
@@ -21,6 +22,17 @@ from srs_ik.robot.chain import Chain
 from srs_ik.robot.skeleton import is_revolute
 
 Array = NDArray[np.float64]
+
+
+def check_arm(arm: Any, error: type[SrsIkError] = InvalidRobot) -> None:
+    """Refuse what is no arm, such as its name or its file, before anything is asked of it.
+
+    Raises:
+        error: it is none.
+    """
+    if not isinstance(arm, ChainKinematics):
+        hint = "; load it first" if isinstance(arm, str | os.PathLike) else ""
+        raise error(f"an arm is what srs_ik.load gives, not {quoted(arm)}{hint}")
 
 
 class ChainKinematics(Fixed):

@@ -350,3 +350,25 @@ def test_units_and_shape_are_said():
     assert P.unit == "m/s"
     assert srs_ik.force_polytope(arms.load("iiwa14"), Q, "angular").unit == "N m"
     assert repr(P) == f"<Polytope of linear velocity: {len(P.vertices)} vertices, {len(P.faces)} faces>"
+
+
+@pytest.mark.parametrize(("least", "most"), [(0.0, 100.0), (-100.0, 0.0), (99.0, 100.0), (-1e-3, 100.0)])
+@pytest.mark.parametrize("part", ["linear", "angular"])
+def test_torques_of_one_sign_leave_what_they_hold(least, most, part):
+    """Joint 7 bears no force at a tip on its axis: its limit is a plane without a normal, at zero a shaky one."""
+    arm = arms.load("iiwa14")
+    lower, upper = np.full(7, least), np.full(7, most)
+    P = srs_ik.force_polytope(arm, Q, part, lower, upper)
+    J = arm.jacobian(Q)[:3] if part == "linear" else arm.jacobian(Q)[3:]
+    weight = pin.computeGeneralizedGravity(arm.model, arm.model.createData(), Q)
+    torques = P.vertices @ J + weight
+    assert (torques >= lower - 1e-9).all()
+    assert (torques <= upper + 1e-9).all()
+    # A corner of three dimensions is where three joints are at their limits; an empty one is told by SciPy too.
+    ends = (np.abs(torques - lower) < 1e-9) | (np.abs(torques - upper) < 1e-9)
+    assert (ends.sum(axis=1) >= 3).all()
+    asked = linprog(np.zeros(3), np.vstack([J.T, -J.T]), np.r_[upper - weight, weight - lower], bounds=(None, None))
+    if not P.empty:
+        assert asked.status == 0
+    if asked.status == 2:
+        assert P.empty

@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any, Literal
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from srs_ik.errors import InvalidTask, MissingLimits
+from srs_ik.errors import InvalidTask, MissingLimits, quoted
 from srs_ik.inputs.numbers import real_array
 
 if TYPE_CHECKING:
@@ -268,7 +268,7 @@ def rows_of(part: str) -> slice:
         InvalidTask: there is no such part.
     """
     if not isinstance(part, str) or part not in _ROWS:
-        raise InvalidTask(f"part is 'linear', 'angular' or 'full', not {part!r}")
+        raise InvalidTask(f"part is 'linear', 'angular' or 'full', not {quoted(part)}")
     return _ROWS[part]
 
 

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from itertools import pairwise
-from typing import TYPE_CHECKING, Any, Literal
+from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -18,11 +18,9 @@ from numpy.typing import ArrayLike, NDArray
 from srs_ik.analysis.ellipsoids import RANK_TOLERANCE, UNITS, limits_of, rows_of
 from srs_ik.analysis.gravity import gravity_torque
 from srs_ik.errors import InvalidConfiguration, InvalidTask, MissingExtra
-from srs_ik.inputs.numbers import real_array
+from srs_ik.inputs.numbers import as_flag, real_array
 from srs_ik.inputs.poses import as_joint_vector, as_positive
-
-if TYPE_CHECKING:
-    from srs_ik.kinematics import ChainKinematics
+from srs_ik.kinematics import ChainKinematics, check_arm
 
 Array = NDArray[np.float64]
 
@@ -124,6 +122,7 @@ def velocity_polytope(
         InvalidTask: part, limits or horizon are malformed.
         MissingExtra: pycapacity is not installed.
     """
+    check_arm(arm)
     q = as_joint_vector(q)
     least, most = _bounds(arm, "velocity", lower, upper)
     if horizon is not None:
@@ -158,13 +157,14 @@ def force_polytope(
         InvalidConfiguration: not 7 finite angles.
         InvalidTask: part or limits are malformed, the description has no masses, or the arm cannot hold itself up
             whatever the force.
-        MissingExtra: pycapacity is not installed.
     """
+    check_arm(arm)
     q = as_joint_vector(q)
     least, most = _bounds(arm, "effort", lower, upper)
     if (least == most).any():
         raise InvalidTask("a force polytope needs lower torque limits that are below the upper ones")
-    load = gravity_torque(arm, "gravity=False leaves its weight out")(q) if gravity else np.zeros(7)
+    weighs = as_flag(gravity, "gravity", InvalidTask)
+    load = gravity_torque(arm, "gravity=False leaves its weight out")(q) if weighs else np.zeros(7)
     J = arm.jacobian(q)[_rows_of(part)]
     middle, half = 0.5 * (most + least), 0.5 * (most - least)
     U, stretch, V, rank = _principal(J / half)
@@ -192,17 +192,21 @@ def _image_of_the_cube(V: Array) -> tuple[Array, Array]:
 def _corners(H: Array, d: Array) -> Array:
     """Corners (n, r) of the bounded set H y <= d; none if it is empty."""
     size = H.shape[1]
+    # A joint that no direction loads, as joint 7 by a force on its axis, is kept everywhere or nowhere.
+    idle = np.linalg.norm(H, axis=1) < SAME
+    if (d[idle] < -SAME).any():
+        return np.empty((0, size))
+    H, d = H[~idle], d[~idle]
     if size == 0:
-        return np.zeros((1 if (d >= 0.0).all() else 0, 0))
+        return np.zeros((1, 0))
     if size == 1:
-        ends = d / np.where(H[:, 0] == 0.0, np.inf, H[:, 0])
+        ends = d / H[:, 0]
         first, last = ends[H[:, 0] < 0.0].max(), ends[H[:, 0] > 0.0].min()
-        fits = last - first > SAME and (d[H[:, 0] == 0.0] >= 0.0).all()
-        return np.array([[first], [last]]) if fits else np.empty((0, 1))
+        return np.array([[first], [last]]) if last - first > SAME else np.empty((0, 1))
     from scipy.spatial import HalfspaceIntersection, QhullError
 
-    inside, radius = _pycapacity().chebyshev_ball(H, d[:, None])
-    if radius[0] < SAME:
+    inside = _middle(H, d)
+    if inside is None:
         return np.empty((0, size))
     half_spaces = np.column_stack([H, -d])
     try:
@@ -213,6 +217,21 @@ def _corners(H: Array, d: Array) -> Array:
     # Where more faces than necessary meet in a corner, it comes several times.
     distance = np.linalg.norm(found[:, None] - found[None], axis=-1)
     return found[np.unique((distance < SAME).argmax(axis=1))]
+
+
+def _middle(H: Array, d: Array) -> Array | None:
+    """(r,) the centre of the largest ball in the bounded set H y <= d; None if there is none, or a tiny one."""
+    from scipy.optimize import linprog
+
+    size = H.shape[1]
+    lengths = np.linalg.norm(H, axis=1)
+    cost = np.r_[np.zeros(size), -1.0]
+    found = linprog(cost, np.column_stack([H, lengths]), d, bounds=[(None, None)] * (size + 1), method="highs")
+    if found.x is None:
+        return None
+    centre: Array = found.x[:size]
+    # The radius as it is, not as the solver has it: that may be off by its tolerance.
+    return centre if ((d - H @ centre) / lengths).min() > SAME else None
 
 
 def _lifted(
@@ -281,9 +300,10 @@ def _within_horizon(arm: ChainKinematics, q: Array, least: Array, most: Array, h
 
 
 def _rows_of(part: str) -> slice:
+    rows = rows_of(part)
     if part == "full":
         raise InvalidTask("part of a polytope is 'linear' or 'angular'; 'full' is for ellipsoids")
-    return rows_of(part)
+    return rows
 
 
 def _pycapacity() -> Any:

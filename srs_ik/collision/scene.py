@@ -14,9 +14,10 @@ from srs_ik.collision.figures import LARGEST, as_margin, as_name, as_points, as_
 from srs_ik.collision.forms import Form, ball_around, planes, row_of_spheres
 from srs_ik.collision.thing import CELL, Thing, ball_of, cells_of
 from srs_ik.errors import InvalidScene, did_you_mean, listed, quoted
-from srs_ik.inputs.numbers import real_array, real_number
+from srs_ik.inputs.numbers import as_flag, real_array, real_number
 from srs_ik.inputs.poses import PoseLike
 from srs_ik.kernels.layout import collision as at
+from srs_ik.kinematics import check_arm
 
 if TYPE_CHECKING:
     from srs_ik.collision.bodies import Body
@@ -28,6 +29,16 @@ MESH_SPHERES = 96
 """Spheres that cover a mesh, about."""
 
 MOST_TRIANGLES = 1_000_000
+
+
+def check_scene(scene: Any) -> None:
+    """Refuse what is no scene.
+
+    Raises:
+        InvalidScene: it is something else.
+    """
+    if not isinstance(scene, Scene):
+        raise InvalidScene(f"a scene is a srs_ik.Scene, not {quoted(scene)}")
 
 
 class Bodied(Protocol):
@@ -64,7 +75,7 @@ class Scene:
     """
 
     def __init__(self, exact: bool = False, margin: float = 0.0) -> None:
-        self.exact = bool(exact)
+        self.exact = as_flag(exact, "exact", InvalidScene)
         self.margin = as_margin(margin)
         self._things: dict[str, Thing] = {}
         self.version = 0
@@ -237,6 +248,8 @@ class Scene:
             raise InvalidScene(
                 f"where {quoted(name)} stands is given by a pose, or by an arm of the same robot: beside="
             )
+        for each in (other,) if beside is None else (other, beside):
+            check_arm(each, InvalidScene)
         frames = other.joint_frames(q)
         T = as_pose(pose, name) if beside is None else beside.joint_frames(np.zeros(7))[0] @ np.linalg.inv(frames[0])
         thing = Thing(as_name(name), T)
@@ -281,7 +294,7 @@ class Scene:
 
         content = read_scene(file)
         try:
-            scene = cls(exact or content.exact, content.margin)
+            scene = cls(as_flag(exact, "exact", InvalidScene) or content.exact, content.margin)
             for given in content.objects:
                 scene._add_given(given)
         except InvalidScene as error:

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from srs_ik.errors import InvalidController, listed, quoted
-from srs_ik.inputs.numbers import real_array, real_number
+from srs_ik.inputs.numbers import as_flag, real_array, real_number
 
 Array = NDArray[np.float64]
 Thing = TypeVar("Thing")
@@ -71,9 +71,7 @@ def flag(value: Any, what: str) -> bool:
     Raises:
         InvalidController: it is neither; `what` names it.
     """
-    if not isinstance(value, bool | np.bool_):
-        raise InvalidController(f"{what} has to be True or False, not {quoted(value)}")
-    return bool(value)
+    return as_flag(value, what, InvalidController)
 
 
 def one_of(value: Any, names: Iterable[str], what: str) -> str:

@@ -1,4 +1,4 @@
-"""Numbers as callers give them, alone and in arrays: complex ones, text and integers beyond floats are none."""
+"""Numbers and flags as callers give them: complex ones, text and integers beyond floats are no numbers."""
 
 from __future__ import annotations
 
@@ -8,22 +8,29 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from srs_ik.errors import InvalidConfiguration, SrsIkError, quoted
+
 Array = NDArray[np.float64]
+
+_REAL = "biufO"
+"""Kinds of arrays that hold numbers, or objects that may be some; text and records would be read as figures."""
 
 
 def real_array(values: Any) -> Array:
     """A new C-ordered array of floats.
 
     Raises:
-        TypeError: complex numbers, whose imaginary part NumPy would drop.
-        ValueError: not numbers, or integers that no float can hold.
+        TypeError: not numbers, or complex ones, whose imaginary part NumPy would drop.
+        ValueError: lists of different lengths, or integers that no float can hold.
     """
-    raw = np.asarray(values)
-    if raw.dtype.kind == "c":
-        raise TypeError("complex numbers")
     try:
+        raw = np.asarray(values)
+        if raw.dtype.kind not in _REAL:
+            raise TypeError(f"not real numbers, but {raw.dtype}")
         return np.array(raw, dtype=np.float64, order="C")
-    except OverflowError as error:
+    except (TypeError, ValueError):
+        raise
+    except Exception as error:  # OverflowError, and those of the object's own making
         raise ValueError(str(error)) from None
 
 
@@ -38,3 +45,16 @@ def real_number(value: Any) -> float:
         return math.nan if np.iscomplexobj(value) else float(value)
     except Exception:  # of the object's own making
         return math.nan
+
+
+def as_flag(value: Any, what: str, error: type[SrsIkError] = InvalidConfiguration) -> bool:
+    """True or False, of Python or NumPy: text such as "no" would be true.
+
+    Raises:
+        error: it is neither; `what` names it.
+    """
+    if value is True or value is False:
+        return value
+    if isinstance(value, np.bool_):
+        return bool(value)
+    raise error(f"{what} must be True or False, not {quoted(value)}")

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable
 from typing import Any, NamedTuple, TypeGuard
 
 import numpy as np
 import pinocchio as pin
 from numpy.typing import ArrayLike, NDArray
 
-from srs_ik.errors import InvalidConfiguration, InvalidPose, SrsIkError
+from srs_ik.errors import InvalidConfiguration, InvalidPose, SrsIkError, quoted
 from srs_ik.inputs.messages import pose_matrix
 from srs_ik.inputs.numbers import real_array, real_number
 from srs_ik.inputs.rotations import Order, checked_order, quaternion_of
@@ -77,10 +78,10 @@ def as_matrices(poses: Any) -> Array:
         InvalidPose: not N x 4 x 4, or not numbers.
     """
     if not isinstance(poses, np.ndarray) and not isinstance(poses, pin.SE3):
-        try:
-            poses = list(getattr(poses, "poses", poses))
-        except TypeError:
-            raise InvalidPose(f"poses are an (N, 4, 4) array or a list of poses, not {type(poses).__name__}") from None
+        listed = getattr(poses, "poses", poses)
+        if isinstance(listed, str | bytes) or not isinstance(listed, Iterable):
+            raise InvalidPose(f"poses are an (N, 4, 4) array or a list of poses, not {type(poses).__name__}")
+        poses = list(listed)
         if any(isinstance(pose, pin.SE3) or _is_message(pose) for pose in poses):
             poses = np.stack([as_matrix(pose) for pose in poses])
         elif not poses:
@@ -333,8 +334,8 @@ def as_branch(branch: int | None) -> int:
     """
     if branch is None:
         return -1
-    if isinstance(branch, bool) or not isinstance(branch, (int, np.integer)) or not 0 <= branch <= 7:
-        raise InvalidConfiguration(f"a branch is an integer from 0 to 7, not {branch!r}")
+    if isinstance(branch, bool | np.timedelta64) or not isinstance(branch, int | np.integer) or not 0 <= branch <= 7:
+        raise InvalidConfiguration(f"a branch is an integer from 0 to 7, not {quoted(branch)}")
     return int(branch)
 
 

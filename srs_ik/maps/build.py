@@ -14,14 +14,15 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from srs_ik.errors import InvalidMap, MissingExtra, SrsIkError
+from srs_ik.errors import InvalidMap, MissingExtra
+from srs_ik.kinematics import check_arm
 from srs_ik.maps.extras import around_of, task_of
 from srs_ik.maps.grid import Grid, box, half_plane
 from srs_ik.maps.orientations import orientations_of
 from srs_ik.maps.plan import Plan, arcs_of, checked_measures, robot_of
 from srs_ik.maps.store import Store, clear_leftovers, create, refuse_other
 from srs_ik.maps.tasks import Job, in_base, job_of, measures_at, run_task
-from srs_ik.solve.threads import processors
+from srs_ik.solve.threads import checked_threads, processors
 
 if TYPE_CHECKING:
     from srs_ik.arm import Arm
@@ -84,6 +85,7 @@ def plan_map(
     Raises:
         InvalidMap: they fit no map.
     """
+    check_arm(arm)
     chosen = orientations_of(orientations)
     task = task_of(velocity, force)
     if box_bounds is False and (scene is not None or task is not None):
@@ -229,9 +231,7 @@ def _warm(job: Job) -> None:
 
 
 def _by_threads(job: Job, folder: Path, left: list[int], threads: int | None) -> Iterator[int]:
-    if threads is not None and (isinstance(threads, bool) or not isinstance(threads, int) or threads < 1):
-        raise SrsIkError(f"threads must be a positive integer, not {threads!r}")
-    count = min(threads or processors(), processors())
+    count = checked_threads(threads)
     tasks, running, stop = iter(left), set(), Event()
     pool = ThreadPoolExecutor(count)
     try:

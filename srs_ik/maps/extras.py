@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from srs_ik.collision.scene import check_scene
 from srs_ik.errors import InvalidMap
 from srs_ik.maps.plan import FREE, OF_SCENE, OF_TASK, RATIO, RATIO_ANGLE, RATIO_BRANCH, Task
 from srs_ik.solve.objectives import Objective
@@ -85,7 +86,12 @@ def around_of(arm: Arm, scene: Scene | None) -> Around | None:
 
 
 def scene_digest(arm: Arm, scene: Scene) -> str:
-    """SHA-256 of all that collisions depend on: the objects and where they are, the arm's bodies, the margin."""
+    """SHA-256 of all that collisions depend on: the objects and where they are, the arm's bodies, the margin.
+
+    Raises:
+        InvalidScene: this is no scene.
+    """
+    check_scene(scene)
     digest = hashlib.sha256(f"{scene.exact} {scene.margin!r}".encode())
     for thing in scene:
         digest.update(repr((thing.name, thing.kinds, sorted(thing.replaces))).encode())

@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from srs_ik.inputs.poses import as_matrices
 from srs_ik.kernels.layout import maps as at
+from srs_ik.kinematics import check_arm
 from srs_ik.maps.extras import Asked, around_of, needs_postures, of_postures, task_of
 from srs_ik.maps.placement import refuse_no_poses
 from srs_ik.maps.plan import MEASURES, YAW, Plan, arcs_of, checked_measures
@@ -54,6 +55,7 @@ def measures_of(
         InvalidMap: there is no measure of that name, or its scene or task is missing.
         InvalidScene: this is no scene.
     """
+    check_arm(arm)
     T = as_matrices(poses)
     refuse_no_poses(T)
     task = task_of(velocity, force)
@@ -93,6 +95,7 @@ def yaw_arcs(arm: Arm, poses: Any, threads: int | None = None) -> list[Array]:
         InvalidPose: a pose is no finite rigid transform.
         InvalidMap: joint 1 has so narrow a range that there may be more than 16 arcs.
     """
+    check_arm(arm)
     T = as_matrices(poses)
     refuse_no_poses(T)
     most = arcs_of(arm)

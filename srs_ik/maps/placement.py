@@ -13,6 +13,7 @@ from srs_ik.errors import InvalidTask, did_you_mean, quoted
 from srs_ik.inputs.poses import as_matrices, refuse_bad_poses
 from srs_ik.kernels.entries.pose import check_pose
 from srs_ik.kernels.layout.maps import CELL_WIDTH
+from srs_ik.kinematics import check_arm
 from srs_ik.solve.reachable import largest_margins, measured, reachable_batch
 
 if TYPE_CHECKING:
@@ -94,6 +95,7 @@ def base_placement(
         InvalidPose: a pose or candidate is no finite rigid transform.
         InvalidTask: there is no pose or no candidate, or another measure.
     """
+    check_arm(arm)
     if not isinstance(by, str) or by not in get_args(Measure):
         known = get_args(Measure)
         raise InvalidTask(

@@ -11,9 +11,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from srs_ik.errors import InvalidMap, InvalidPose
-from srs_ik.inputs.numbers import real_array
+from srs_ik.errors import InvalidMap, InvalidPose, quoted
+from srs_ik.inputs.numbers import as_flag, real_array
 from srs_ik.inputs.poses import as_matrices
+from srs_ik.kinematics import check_arm
 from srs_ik.maps.extras import scene_digest
 from srs_ik.maps.placement import refuse_no_poses
 from srs_ik.maps.plan import FREE, OF_SCENE, OF_TASK, RATIO, YAW, fingerprint
@@ -87,9 +88,24 @@ def open_map(path: str | os.PathLike[str], arm: Arm | None = None, scene: Scene 
 
     Raises:
         InvalidMap: there is none, or it is that of another robot or scene.
+        InvalidRobot: this is no arm.
+        InvalidScene: this is no scene.
         MissingExtra: Zarr is not installed.
     """
+    if arm is not None:
+        check_arm(arm)
     return Map(Store(Path(path)), arm, scene)
+
+
+def _whole(value: Any, what: str) -> int:
+    """A whole number from 0 on.
+
+    Raises:
+        InvalidMap: it is none; `what` names it.
+    """
+    if isinstance(value, bool) or not isinstance(value, int | np.integer) or value < 0:
+        raise InvalidMap(f"{what} must be a whole number from 0 on, not {quoted(value)}")
+    return int(value)
 
 
 class Map:
@@ -190,7 +206,7 @@ class Map:
             InvalidMap: exact answers are asked for, and the map was opened without its arm.
         """
         at, yaw, inside = self.cells_of(poses)
-        if exact:
+        if as_flag(exact, "exact", InvalidMap):
             return self._exact(as_matrices(poses), inside)
         index = tuple(at.T)
         reached = inside & (self.store.array("reached").vindex[index] > 0)
@@ -304,11 +320,12 @@ class Map:
             seed: of the random choice of cells.
 
         Raises:
-            InvalidMap: the map was opened without its arm.
+            InvalidMap: the map was opened without its arm, or count or seed is no whole number.
         """
         from srs_ik.maps.live import rebuild
 
         arm = self._own_arm("checks")
+        count, seed = (_whole(given, what) for given, what in ((count, "count"), (seed, "seed")))
         records = self.store.records()
         done = np.flatnonzero(records)
         damaged = tuple(int(task) for task in done if not self._is_whole(int(task), int(records[task])))

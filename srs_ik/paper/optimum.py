@@ -18,6 +18,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from srs_ik.errors import InvalidTask
 from srs_ik.inputs.poses import PoseLike, as_joint_vector, as_positive, as_rigid_matrix
+from srs_ik.kinematics import check_arm
 from srs_ik.solve.objectives import Objective
 
 if TYPE_CHECKING:
@@ -104,6 +105,7 @@ def printed_optimum(
     Source: C. Tiseo, S. R. Charitos, M. Mistry, Geometrical Postural Optimisation of 7-DoF Limb-Like Manipulators,
     equations NumOptimisation, NumOptimisationB, TwistOptimisation and WrenchOptimisation.
     """
+    check_arm(arm)
     if not isinstance(objective, Objective):
         objective = Objective(objective, **parameters)
     if constraint not in ("pose", "position"):

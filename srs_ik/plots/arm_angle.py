@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from srs_ik.analysis.ellipsoids import manipulability
 from srs_ik.inputs.poses import as_branch, as_matrix
+from srs_ik.kinematics import check_arm
 from srs_ik.plots.figure import EMPTY, FORCE, JOINT, VELOCITY, new_figure
 from srs_ik.plots.intervals import bars, whole_circle
 from srs_ik.solve.objectives import Objective
@@ -54,6 +55,7 @@ def plot_arm_angle(arm: Arm, pose: PoseLike, branch: int | None = None) -> Figur
         InvalidConfiguration: branch is not an integer from 0 to 7.
         MissingExtra: Matplotlib is not installed.
     """
+    check_arm(arm)
     figure = new_figure(8.0, 7.2)
     T = as_matrix(pose)
     chosen = arm.solve(T).branch if branch is None else as_branch(branch)

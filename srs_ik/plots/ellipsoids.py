@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 from srs_ik.analysis.ellipsoids import Ellipsoid, force_ellipsoid, limits_of, velocity_ellipsoid
 from srs_ik.errors import InvalidTask
 from srs_ik.inputs.poses import as_joint_vector
+from srs_ik.kinematics import check_arm
 from srs_ik.plots.figure import FORCE, VELOCITY, new_figure
 from srs_ik.plots.solids import Skeleton, Solid, arm_solids, collection, ellipsoid, skeleton
 
@@ -50,6 +51,7 @@ def plot_ellipsoids(
         MissingLimits: the arm's description does not give the limits.
         MissingExtra: Matplotlib is not installed.
     """
+    check_arm(arm)
     if part not in ("linear", "angular"):
         raise InvalidTask(f"part of a picture is 'linear' or 'angular', not {part!r}")
     figure = new_figure(9.0, 5.0)

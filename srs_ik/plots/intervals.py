@@ -6,6 +6,7 @@ import math
 from collections.abc import Iterable
 from typing import TYPE_CHECKING, Any
 
+from srs_ik.kinematics import check_arm
 from srs_ik.plots.figure import EMPTY, VELOCITY, new_figure
 
 if TYPE_CHECKING:
@@ -33,6 +34,7 @@ def plot_intervals(arm: Arm, pose: PoseLike, respect_limits: bool = True) -> Fig
         InvalidPose: the pose is no finite rigid transform.
         MissingExtra: Matplotlib is not installed.
     """
+    check_arm(arm)
     figure = new_figure(8.0, 3.6)
     draw_intervals(figure.add_subplot(), arm.intervals(pose, respect_limits))
     figure.axes[0].set_title(f"{arm.name}: arm angles at which {arm.tip} meets the pose")

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from srs_ik.inputs.poses import as_matrices
+from srs_ik.kinematics import check_arm
 from srs_ik.plots.figure import EMPTY, FORCE, VELOCITY, new_figure
 from srs_ik.plots.intervals import BRANCHES
 
@@ -36,6 +37,7 @@ def plot_path(arm: Arm, poses: Any, path: PathSolution) -> Figure:
         InvalidPose: a pose is no finite rigid transform.
         MissingExtra: Matplotlib is not installed.
     """
+    check_arm(arm)
     T = as_matrices(poses)
     figure = new_figure(9.0, 7.0)
     grid = figure.subplots(BRANCHES // 2, 2, sharex=True, sharey=True)

@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from srs_ik.inputs.poses import PoseLike, as_positive, as_rigid_matrix
+from srs_ik.kinematics import check_arm
 from srs_ik.preview import palette
 from srs_ik.preview.live import LivePage
 from srs_ik.preview.page import wxyz
@@ -69,6 +70,7 @@ class FollowingPreview(LivePage):
         port: int = 0,
         **options: Any,
     ) -> None:
+        check_arm(arm)
         start = _resting(arm) if q is None else q
         as_positive(dt, "dt", "seconds")
         self.tracker: Tracker = arm.tracker(start, dt, **options)

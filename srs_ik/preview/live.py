@@ -14,6 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from srs_ik.errors import PreviewError
 from srs_ik.inputs.poses import as_joint_vector
+from srs_ik.kinematics import check_arm
 from srs_ik.preview import solids
 from srs_ik.preview.page import PageCanvas, rotation, serve, stop
 from srs_ik.preview.robot import Stage, limb, look, reach, resting
@@ -38,6 +39,7 @@ class LivePage:
     """
 
     def __init__(self, arm: Arm, package_dirs: Sequence[str | Path], port: int) -> None:
+        check_arm(arm)
         self.arm = arm
         parts, self.missing = look(arm, package_dirs)
         self._lock = threading.RLock()

@@ -14,6 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from srs_ik.errors import PreviewError
 from srs_ik.inputs.poses import PoseLike, as_joint_vector, as_rigid_matrix
+from srs_ik.kinematics import check_arm
 from srs_ik.preview import marks, palette, solids, words
 from srs_ik.preview.canvas import Canvas
 from srs_ik.preview.circle import arc_solids, circle_solids
@@ -61,6 +62,7 @@ class Preview:
     """
 
     def __init__(self, arm: Arm, package_dirs: Sequence[str | Path] = (), port: int = 0) -> None:
+        check_arm(arm)
         self.arm = arm
         self._size = reach(arm)
         parts, self.missing = look(arm, package_dirs)
@@ -289,7 +291,7 @@ class Preview:
         """
         T = as_rigid_matrix(pose)
         intervals = self.show_intervals(T, respect_limits)
-        found = self_motion(self.arm, T, intervals, branch, bool(respect_limits))
+        found = self_motion(self.arm, T, intervals, branch, respect_limits)
         if found is None:
             return False
         frames, widest = found

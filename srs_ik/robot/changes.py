@@ -14,6 +14,7 @@ from srs_ik.errors import InvalidRobot, did_you_mean, listed, quoted
 from srs_ik.inputs.numbers import real_number
 from srs_ik.robot.chain import Chain, unlimited_if_huge
 from srs_ik.robot.limb import Vector
+from srs_ik.system import bounds
 
 _LIMITS = {"lower": "lower", "upper": "upper", "velocity": "velocity_limit", "effort": "effort_limit"}
 """What a limit is called in an adapter, and in a chain."""
@@ -145,7 +146,13 @@ def _se3(T: Array) -> Any:
 
 
 def _rigid(T: Array) -> Array:
-    """The transform with the rotation that is nearest to its own, which may be one to a millionth only."""
+    """The transform with the rotation that is nearest to its own, which may be one to a millionth only.
+
+    Raises:
+        InvalidRobot: it leads beyond `bounds.FARTHEST`.
+    """
+    if np.abs(T[:3, 3]).max() > bounds.FARTHEST:
+        raise InvalidRobot(f"a tool or base is no farther away than {bounds.FARTHEST:g} m, and xyz is in metres")
     U, _, V = np.linalg.svd(T[:3, :3])
     rigid = np.eye(4)
     rigid[:3, :3], rigid[:3, 3] = U @ V, T[:3, 3]

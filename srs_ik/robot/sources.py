@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 
 from srs_ik.errors import InvalidRobot, did_you_mean, listed, quoted
+from srs_ik.inputs.numbers import as_flag
 from srs_ik.robot import zoo
 from srs_ik.robot.arguments import check_path, check_xacro_args
 from srs_ik.robot.card import Placement, RobotCard, read_card
@@ -119,9 +120,10 @@ def describe(
         MissingExtra: the name needs a package that is not installed.
     """
     check_xacro_args(xacro_args)
+    may_run = as_flag(allow_xacro, "allow_xacro", InvalidRobot)
     card = _card(source)
     if card is not None:
-        return _of_card(card, urdf, xacro_args, allow_xacro or _is_known(source))
+        return _of_card(card, urdf, xacro_args, may_run or _is_known(source))
     if urdf is not None:
         raise InvalidRobot("urdf= is the description of a robot that is given by its name or by an adapter")
     if isinstance(source, str) and not is_xml(source):

@@ -10,10 +10,11 @@ from numpy.typing import ArrayLike, NDArray
 
 from srs_ik.analysis.gravity import gravity_torque, require_masses, torque_scales
 from srs_ik.errors import InvalidTask, did_you_mean, listed
-from srs_ik.inputs.numbers import real_array, real_number
+from srs_ik.inputs.numbers import as_flag, real_array, real_number
 from srs_ik.inputs.poses import as_joint_vector, refuse_bad_angles
 from srs_ik.kernels.layout import objectives as kinds
 from srs_ik.kernels.layout.limb import SMALLEST_RANGE
+from srs_ik.kinematics import check_arm
 
 if TYPE_CHECKING:
     from srs_ik.kinematics import ChainKinematics
@@ -107,12 +108,13 @@ class Objective:
         self.function: Callable[[Array], float] | None = None
         self.parameters: dict[str, Array] = {}
         self.tolerance = DEFAULT_TOLERANCE
+        sense = None if maximise is None else as_flag(maximise, "maximise", InvalidTask)
         if callable(objective):
             if parameters:
                 raise InvalidTask(f"an objective of one's own takes no parameter {next(iter(parameters))!r}")
             self.function = objective
             self.name = str(getattr(objective, "__name__", "function"))
-            self.maximise = bool(maximise)
+            self.maximise = sense or False
             self.unit = ""
             self._definition = None
             return
@@ -131,7 +133,7 @@ class Objective:
                 f"known are {listed(OBJECTIVES)}"
             )
         definition = _DEFINITIONS[objective]
-        if maximise is not None and bool(maximise) != definition.maximise:
+        if sense is not None and sense != definition.maximise:
             raise InvalidTask(f"objective {objective!r} is always {_sense(definition.maximise)}")
         self.name = objective
         self.maximise = definition.maximise
@@ -201,6 +203,7 @@ class Objective:
 
     def values(self, arm: ChainKinematics, q: ArrayLike) -> tuple[float, ...]:
         """The value, and for a lexicographic objective that of the second one too; see `value`."""
+        check_arm(arm)
         q = as_joint_vector(q)
         if self.kind in (None, kinds.LIMIT_MARGIN, kinds.REFERENCE, kinds.GRAVITY):
             return (self.evaluator(arm)(q),)

@@ -12,7 +12,7 @@ from srs_ik.inputs.task import Task
 from srs_ik.kernels.entries import task as entries
 from srs_ik.kernels.layout import task as at
 from srs_ik.solve.packed import PackedArm
-from srs_ik.solve.threads import run_in_threads
+from srs_ik.solve.threads import checked_threads, run_in_threads
 
 Array = NDArray[np.float64]
 Side = Literal["left", "right"]
@@ -132,6 +132,8 @@ def posture(arm: PackedArm, task: Task, side: Side, tie: Tie, threads: int | Non
     """See `Arm.posture`."""
     sides, ties = signs(task, side, tie)
     rows, given = task._rows, task._given
+    if threads is not None:
+        checked_threads(threads)
     if task.count is None:
         out = np.empty(at.POSTURE)
         entries.posture(arm.family, arm.hand, rows[0], given, sides, ties, out)

@@ -16,7 +16,7 @@ from srs_ik.kernels.layout import task as at
 from srs_ik.solve.packed import PackedArm
 from srs_ik.solve.posture import Posture, Side, Tie, signs
 from srs_ik.solve.solution import BatchSolution, ElbowRange, Solution, Status
-from srs_ik.solve.threads import run_in_threads
+from srs_ik.solve.threads import checked_threads, run_in_threads
 
 Array = NDArray[np.float64]
 
@@ -128,6 +128,8 @@ def solve_task(
     def work(first: int, last: int) -> None:
         entries.solve_tasks(arm.family, arm.hand, rows, first, last, given, sides, ties, seeds, respect_limits, out)
 
+    if threads is not None:
+        checked_threads(threads)
     if task.count is None:
         work(0, 1)
         return TaskSolution(out[0], arm.joint_names, arm.elbow, arm.shoulder, side)

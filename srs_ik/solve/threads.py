@@ -15,7 +15,7 @@ from typing import TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from srs_ik.errors import SrsIkError
+from srs_ik.errors import SrsIkError, quoted
 
 Stop = NDArray[np.int8]
 Result = TypeVar("Result")
@@ -70,6 +70,19 @@ def processors() -> int:
     return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
 
+def checked_threads(threads: int | None) -> int:
+    """How many threads to work on: no more than processors, all of these if it is not said.
+
+    Raises:
+        SrsIkError: `threads` is not a positive integer.
+    """
+    if threads is None:
+        return processors()
+    if isinstance(threads, bool) or not isinstance(threads, (int, np.integer)) or threads < 1:
+        raise SrsIkError(f"threads must be a positive integer, not {quoted(threads)}")
+    return min(int(threads), processors())
+
+
 def run_in_threads(work: Callable[[int, int], None], count: int, threads: int | None) -> None:
     """Call work(first, last) on ranges that cover 0 to count, at the same time on up to `threads` threads.
 
@@ -79,11 +92,7 @@ def run_in_threads(work: Callable[[int, int], None], count: int, threads: int | 
     Raises:
         SrsIkError: `threads` is not a positive integer.
     """
-    if threads is None:
-        threads = processors()
-    elif isinstance(threads, bool) or not isinstance(threads, (int, np.integer)) or threads < 1:
-        raise SrsIkError(f"threads must be a positive integer, not {threads!r}")
-    helpers = min(threads, processors(), count // SMALLEST_RANGE) - 1
+    helpers = min(checked_threads(threads), count // SMALLEST_RANGE) - 1
     if helpers < 1 and count <= FIRST_RANGE:
         work(0, count)
         return

@@ -10,8 +10,7 @@ from numpy.typing import NDArray
 
 from srs_ik.collision.figures import as_margin
 from srs_ik.collision.ranges import loosened, tightened
-from srs_ik.collision.scene import Scene
-from srs_ik.errors import InvalidScene
+from srs_ik.collision.scene import Scene, check_scene
 from srs_ik.inputs.poses import invalid_pose
 from srs_ik.kernels.entries import collision as entries
 from srs_ik.kernels.entries import pose as pose_entries
@@ -58,18 +57,18 @@ class Surroundings:
     """
 
     def __init__(self, arm: BodyOwner, packed: PackedArm, scene: Scene, margin: Any) -> None:
-        if not isinstance(scene, Scene):
-            raise InvalidScene(f"a scene is a srs_ik.Scene, not {type(scene).__name__}")
+        check_scene(scene)
         self.arm = arm
         self.packed = packed
         self.scene = scene
-        self.margin = scene.margin + as_margin(margin)
+        self.asked_margin = as_margin(margin)
+        self.margin = scene.margin + self.asked_margin
         self.tables: Tables = arm.tables(scene)
         self.slack = self.tables.with_margin(self.margin)
         self.tight, self.jammed = self._cut_limits(tightened, self.margin)
 
     def __reduce__(self) -> tuple[Any, ...]:
-        return Surroundings, (self.arm, self.packed, self.scene, self.margin - self.scene.margin)
+        return Surroundings, (self.arm, self.packed, self.scene, self.asked_margin)
 
     # Intervals ----------------------------------------------------------------------------------------------------
 

@@ -1,0 +1,183 @@
+"""Things of the wrong kind are refused in one sentence, wherever arguments of that kind are taken."""
+
+import warnings
+
+import arms
+import numpy as np
+import pytest
+from wrong_things import Odd
+
+import srs_ik
+from srs_ik import maps, paper, plots, preview
+
+Q = np.array([0.3, 0.7, -0.4, -1.1, 0.5, 0.8, -0.2])
+
+
+class Refusing:
+    """An object that fails on being made a number or an array."""
+
+    def __float__(self):
+        raise RuntimeError("no number")
+
+    def __array__(self, *_, **__):
+        raise RuntimeError("no array")
+
+
+@pytest.fixture(scope="module")
+def arm():
+    return arms.load("iiwa14")
+
+
+@pytest.fixture(scope="module")
+def pose(arm):
+    return arm.forward_kinematics(Q)
+
+
+NO_FLAGS = ("no", "", "False", None, 0, 1, 1.0, [True], np.array([True, False]), Odd())
+TASK = srs_ik.Task([0.45, 0.1, 0.5], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0])
+FLAGS = {
+    "solve": ("respect_limits", lambda arm, pose, flag: arm.solve(pose, respect_limits=flag)),
+    "solve_all": ("respect_limits", lambda arm, pose, flag: arm.solve_all(pose, respect_limits=flag)),
+    "solve_batch": ("respect_limits", lambda arm, pose, flag: arm.solve_batch([pose], respect_limits=flag)),
+    "all branches": ("all_branches", lambda arm, pose, flag: arm.solve_batch([pose], 0.1, all_branches=flag)),
+    "free axis": ("respect_limits", lambda arm, pose, flag: arm.solve(pose, respect_limits=flag, free_axis=[0, 0, 1])),
+    "intervals": ("respect_limits", lambda arm, pose, flag: arm.intervals(pose, flag)),
+    "intervals_batch": ("respect_limits", lambda arm, pose, flag: arm.intervals_batch([pose], flag)),
+    "optimise": ("respect_limits", lambda arm, pose, flag: arm.optimise(pose, "manipulability", flag)),
+    "self_motion": ("respect_limits", lambda arm, pose, flag: arm.self_motion(pose, respect_limits=flag)),
+    "free_splits": ("respect_limits", lambda arm, pose, flag: arm.free_splits(pose, flag)),
+    "solve_task": ("respect_limits", lambda arm, pose, flag: arm.solve_task(TASK, respect_limits=flag)),
+    "solve_path": ("closed", lambda arm, pose, flag: arm.solve_path([pose, pose], closed=flag)),
+    "Scene": ("exact", lambda arm, pose, flag: srs_ik.Scene(exact=flag)),
+    "force_polytope": ("gravity", lambda arm, pose, flag: srs_ik.force_polytope(arm, Q, gravity=flag)),
+    "load": ("allow_xacro", lambda arm, pose, flag: srs_ik.load("iiwa14", allow_xacro=flag)),
+}
+
+
+@pytest.mark.parametrize("case", FLAGS)
+def test_a_flag_is_true_or_false(case, arm, pose):
+    name, call = FLAGS[case]
+    for wrong in NO_FLAGS:
+        with pytest.raises(srs_ik.SrsIkError, match=f"{name} must be True or False, not ") as caught:
+            call(arm, pose, wrong)
+        assert "\n" not in str(caught.value)
+
+
+def test_flags_of_numpy_are_flags(arm, pose):
+    for flag in (True, False):
+        assert repr(arm.solve(pose, respect_limits=np.bool_(flag))) == repr(arm.solve(pose, respect_limits=flag))
+
+
+def test_the_sense_of_a_function_is_true_or_false_or_not_said(arm, pose):
+    with pytest.raises(srs_ik.InvalidTask, match="maximise must be True or False, not 'no'"):
+        arm.optimise(pose, lambda q: q[0], maximise="no")
+    least, most = (arm.optimise(pose, lambda q: q[0], maximise=sense).value for sense in (None, True))
+    assert least < most
+
+
+ARMS = {
+    "velocity_polytope": lambda arm: srs_ik.velocity_polytope(arm, Q),
+    "force_polytope": lambda arm: srs_ik.force_polytope(arm, Q),
+    "Objective.value": lambda arm: srs_ik.Objective("manipulability").value(arm, Q),
+    "base_placement": lambda arm: srs_ik.base_placement(arm, [np.eye(4)], [np.eye(4)]),
+    "build_map": lambda arm: srs_ik.build_map(arm, path="never.zarr"),
+    "estimate": lambda arm: maps.estimate(arm),
+    "measures_of": lambda arm: maps.measures_of(arm, [np.eye(4)]),
+    "yaw_arcs": lambda arm: maps.yaw_arcs(arm, [np.eye(4)]),
+    "printed_optimum": lambda arm: paper.printed_optimum(arm, np.eye(4), "manipulability"),
+    "plot_arm_angle": lambda arm: plots.plot_arm_angle(arm, np.eye(4)),
+    "plot_ellipsoids": lambda arm: plots.plot_ellipsoids(arm, Q),
+    "plot_intervals": lambda arm: plots.plot_intervals(arm, np.eye(4)),
+    "plot_yaw_arcs": lambda arm: plots.plot_yaw_arcs(arm, np.eye(4)),
+    "Preview": lambda arm: srs_ik.Preview(arm),
+    "InteractivePreview": lambda arm: preview.InteractivePreview(arm),
+    "FollowingPreview": lambda arm: preview.FollowingPreview(arm),
+    "add_arm": lambda arm: srs_ik.Scene().add_arm("other", arm, Q, pose=np.eye(4)),
+    "beside": lambda arm: srs_ik.Scene().add_arm("other", arms.load("iiwa14"), Q, beside=arm or "None"),
+}
+
+
+@pytest.mark.parametrize("case", ARMS)
+def test_a_name_is_no_arm(case):
+    if case.startswith(("plot", "Interactive", "Following")):
+        pytest.importorskip("matplotlib" if case.startswith("plot") else "viser")
+    for wrong in ("iiwa14", None, Odd(), 7):
+        with pytest.raises(srs_ik.SrsIkError, match="an arm is what srs_ik.load gives, not ") as caught:
+            ARMS[case](wrong)
+        assert ("load it first" in str(caught.value)) == isinstance(wrong, str) or case == "beside"
+
+
+def test_an_opened_map_takes_an_arm_and_a_scene_or_none(tmp_path, arm):
+    pytest.importorskip("zarr")
+    srs_ik.build_map(arm, 0.4, tmp_path / "map.zarr", orientations=24)
+    with pytest.raises(srs_ik.InvalidRobot, match="an arm is what srs_ik.load gives, not 'iiwa14'; load it first"):
+        srs_ik.open_map(tmp_path / "map.zarr", "iiwa14")
+    with pytest.raises(srs_ik.InvalidScene, match="a scene is a srs_ik.Scene, not 'scene.json'"):
+        srs_ik.open_map(tmp_path / "map.zarr", arm, "scene.json")
+    chart = srs_ik.open_map(tmp_path / "map.zarr", arm)
+    with pytest.raises(srs_ik.InvalidMap, match="exact must be True or False, not 'no'"):
+        chart.query([np.eye(4)], exact="no")
+    for wrong in (10.5, None, -1, "10", np.nan, True):
+        for name in ("count", "seed"):
+            with pytest.raises(srs_ik.InvalidMap, match=f"{name} must be a whole number from 0 on, not "):
+                chart.verify(**{name: wrong})
+    assert chart.verify(count=np.int64(3))
+
+
+@pytest.mark.parametrize(
+    "wrong",
+    [Refusing(), ["1"] * 7, np.zeros(7, dtype=[("a", float)]), np.array(["2026"] * 7, "datetime64"), "1", [b"1"] * 7],
+    ids=["refusing", "digits", "records", "dates", "text", "bytes"],
+)
+def test_what_only_looks_like_numbers_is_refused(wrong, arm, pose):
+    for call in (
+        lambda: arm.solve(pose, seed=wrong),
+        lambda: arm.solve_batch([pose], seed=wrong),
+        lambda: arm.forward_kinematics(wrong),
+        lambda: arm.tracker(Q, 0.01, velocity=wrong),
+        lambda: arm.solve(wrong),
+        lambda: arm.intervals_batch(wrong),
+        lambda: srs_ik.velocity_ellipsoid(arm.jacobian(Q), limit=wrong),
+        lambda: arm.solve(pose, free_axis=wrong),
+        lambda: srs_ik.Scene().add_sphere("ball", wrong, 0.1),
+    ):
+        with pytest.raises(srs_ik.SrsIkError):
+            call()
+
+
+def test_threads_are_checked_where_one_is_enough(arm):
+    for ask in (arm.posture, arm.solve_task):
+        for wrong in ("two", 0, 1.5):
+            with pytest.raises(srs_ik.SrsIkError, match="threads must be a positive integer, not"):
+                ask(TASK, threads=wrong)
+
+
+def test_texts_are_no_poses(arm):
+    for ask in (arm.solve_batch, arm.intervals_batch, arm.reachable_batch, arm.solve_path):
+        with pytest.raises(srs_ik.InvalidPose, match="or a list of poses, not str"):
+            ask("")
+
+
+def test_branches_of_any_size_are_named_briefly(arm, pose):
+    for wrong in (10**4000, np.timedelta64(1, "s"), "a" * 5000):
+        with pytest.raises(srs_ik.InvalidConfiguration, match="a branch is an integer from 0 to 7") as caught:
+            arm.solve(pose, branch=wrong)
+        assert len(str(caught.value)) < 400
+
+
+def test_tools_out_of_any_reach_are_refused(arm):
+    far = np.eye(4)
+    far[0, 3] = 1e200
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        for change in (arm.with_tool, arm.with_base):
+            with pytest.raises(srs_ik.InvalidRobot, match="no farther away than 1e[+]06 m"):
+                change(far)
+
+
+def test_parts_are_texts(arm):
+    for wrong in (np.zeros(7), None, 10**4000, ["linear", "angular"]):
+        for call in (srs_ik.velocity_polytope, srs_ik.force_polytope):
+            with pytest.raises(srs_ik.InvalidTask, match="part is 'linear', 'angular' or 'full'") as caught:
+                call(arm, Q, part=wrong)
+            assert len(str(caught.value)) < 400
