@@ -434,7 +434,8 @@ class Arm(BodyOwner):
         Args:
             pose: wanted pose of the tip frame in the base frame.
             objective: name of a built-in objective (see `Objective`), an `Objective`, or a function of 7 joint
-                angles, rad, to be minimised (with `maximise=True`, maximised). With a scene also "clearance", the
+                angles, rad, to be minimised (with `maximise=True`, maximised), in every turn of joints that have
+                several between their limits. With a scene also "clearance", the
                 least distance of all bodies that are watched, m, by the spheres, which is maximised.
             respect_limits: whether q has to keep the joint limits.
             scene: what must not be touched, the arm's own bodies included; nothing is looked at if not given.

@@ -102,7 +102,7 @@ def test_a_name_is_no_arm(case):
     if case.startswith(("plot", "Interactive", "Following")):
         pytest.importorskip("matplotlib" if case.startswith("plot") else "viser")
     for wrong in ("iiwa14", None, Odd(), 7):
-        with pytest.raises(srs_ik.SrsIkError, match="an arm is what srs_ik.load gives, not ") as caught:
+        with pytest.raises(srs_ik.SrsIkError, match=r"an arm is what srs_ik\.load gives, not ") as caught:
             ARMS[case](wrong)
         assert ("load it first" in str(caught.value)) == isinstance(wrong, str) or case == "beside"
 
@@ -110,9 +110,9 @@ def test_a_name_is_no_arm(case):
 def test_an_opened_map_takes_an_arm_and_a_scene_or_none(tmp_path, arm):
     pytest.importorskip("zarr")
     srs_ik.build_map(arm, 0.4, tmp_path / "map.zarr", orientations=24)
-    with pytest.raises(srs_ik.InvalidRobot, match="an arm is what srs_ik.load gives, not 'iiwa14'; load it first"):
+    with pytest.raises(srs_ik.InvalidRobot, match=r"an arm is what srs_ik\.load gives, not 'iiwa14'; load it first"):
         srs_ik.open_map(tmp_path / "map.zarr", "iiwa14")
-    with pytest.raises(srs_ik.InvalidScene, match="a scene is a srs_ik.Scene, not 'scene.json'"):
+    with pytest.raises(srs_ik.InvalidScene, match=r"a scene is a srs_ik\.Scene, not 'scene.json'"):
         srs_ik.open_map(tmp_path / "map.zarr", arm, "scene.json")
     chart = srs_ik.open_map(tmp_path / "map.zarr", arm)
     with pytest.raises(srs_ik.InvalidMap, match="exact must be True or False, not 'no'"):
@@ -171,7 +171,7 @@ def test_tools_out_of_any_reach_are_refused(arm):
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         for change in (arm.with_tool, arm.with_base):
-            with pytest.raises(srs_ik.InvalidRobot, match="no farther away than 1e[+]06 m"):
+            with pytest.raises(srs_ik.InvalidRobot, match=r"no farther away than 1e\+06 m"):
                 change(far)
 
 

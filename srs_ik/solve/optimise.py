@@ -18,6 +18,7 @@ from srs_ik.solve import intervals as feasible
 from srs_ik.solve.objectives import Objective
 from srs_ik.solve.pose import solve
 from srs_ik.solve.solution import ElbowRange, Interval, Solution
+from srs_ik.solve.turns import OverTurns
 
 if TYPE_CHECKING:
     from srs_ik.kinematics import ChainKinematics
@@ -149,8 +150,8 @@ def _by_function(
     arm: PackedArm, chain: ChainKinematics, T: Array, objective: Objective, respect_limits: bool
 ) -> Optimum:
     """The optimum of an objective that is a Python function, by the same search."""
-    evaluate = objective.evaluator(chain)
-    sign = -1.0 if objective.maximise else 1.0
+    evaluate, sign = objective.evaluator(chain), -1.0 if objective.maximise else 1.0
+    cost = OverTurns(lambda q: sign * evaluate(q), arm.lower, arm.upper, respect_limits)
     runs = np.empty((at.MOST_RUNS, at.RUN))
     rows = np.empty((_USUAL_ROWS, entries.SAMPLE))
     n, k, verdict = entries.sample(arm.family, T, respect_limits, runs, rows)
@@ -163,7 +164,7 @@ def _by_function(
 
     def search(rows: Array, k: int, best: float) -> tuple[float, int, Array]:
         """Value, run and row of the best posture of some runs; run -1 where none is below `best`."""
-        values = np.array([sign * evaluate(row[1:]) for row in rows])
+        values = np.array([cost(row[1:]) for row in rows])
         brackets = np.empty((at.MAX_BRACKETS, at.BRACKET))
         count = entries.brackets(rows, values, runs, k, brackets)
         best_run = -1
@@ -179,7 +180,7 @@ def _by_function(
                     break
                 value = at.REFUSED
                 if entries.posture(arm.family, T, rows, runs[run], x, respect_limits, row):
-                    value = sign * evaluate(row[:7])
+                    value = cost(row[:7])
                 entries.answer(state, value)
             if state[at.F_BEST] >= best:
                 continue
@@ -202,4 +203,5 @@ def _by_function(
             best, best_row = value, row
         lower = upper = best_row[ROW_ARM_ANGLE]
     interval = Interval(int(best_row[ROW_BRANCH]), float(lower), float(upper))
+    best_row[:7] = cost.turned(best_row[:7])
     return Optimum(best_row, arm.joint_names, objective, [sign * best], interval)

@@ -17,6 +17,7 @@ from srs_ik.solve.in_scene.surroundings import narrowed
 from srs_ik.solve.objectives import CLEARANCE, Objective
 from srs_ik.solve.optimise import Optimum
 from srs_ik.solve.solution import Interval, Solution
+from srs_ik.solve.turns import OverTurns
 
 if TYPE_CHECKING:
     from srs_ik.solve.in_scene.surroundings import Surroundings
@@ -46,9 +47,12 @@ def optimise(
         )
     sign = -1.0 if objective.maximise else 1.0
     value = objective.evaluator(around.arm)
-    found = Search(around.packed, lambda q: sign * value(q)).over(T, free, respect)
+    cost = OverTurns(lambda q: sign * value(q), around.packed.lower, around.packed.upper, respect)
+    found = Search(around.packed, cost, objective.parameters.get("reference")).over(T, free, respect)
     if objective.second >= 0 and found is not None:
         found = _second(around, T, free, respect, objective, sign * value(found.q)) or found
+    if found is not None:
+        found.q[:] = cost.turned(found.q)
     solution = found or solve(around, T, None, None, -1, respect)
     values = objective.values(around.arm, solution.q)
     return _optimum(solution, objective, values, free, around.packed)
