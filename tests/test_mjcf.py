@@ -250,3 +250,63 @@ def test_a_plant_of_an_mjcf_file_has_its_losses_and_rotors(tmp_path):
 def test_losses_and_gravity_that_make_no_sense_are_refused(tmp_path, joint, before, said):
     with pytest.raises(InvalidRobot, match=said):
         srs_ik.load(write({"main.xml": arm(joint, before=before)}, tmp_path))
+
+
+def random_actuators(rng: np.random.Generator) -> tuple[str, str]:
+    """Default classes, and actuators of the joints of `arm`; those with a law of their own have a force limit."""
+
+    def figures(forced: bool = False) -> str:
+        def ends(name: str) -> str:
+            return f' {name}range="{-rng.uniform(1.0, 9.0):.3f} {rng.uniform(1.0, 9.0):.3f}"'
+
+        text = ends("force") if forced or rng.random() < 0.5 else ""
+        text += ends("ctrl") if rng.random() < 0.5 else ""
+        text += f' gear="{rng.uniform(-60.0, 60.0):.3f}{rng.choice(["", " 0 0 0 0 0"])}"' if rng.random() < 0.5 else ""
+        return text + (f' ctrllimited="{rng.choice(["true", "false"])}"' if "ctrlrange" in text else "")
+
+    kinds = ("general", "motor")
+    inner = f'<default class="b"><{rng.choice(kinds)}{figures()}/></default>'
+    classes = (
+        f'<default><motor{figures()}/><default class="a"><{rng.choice(kinds)}{figures()}/>{inner}</default></default>'
+    )
+    actuators = ""
+    for k in range(1, 8):
+        for _ in range(int(rng.integers(0, 3))):
+            kind = str(rng.choice((*kinds, "position")))
+            law = figures(forced=True) + ' kp="100"' if kind == "position" else figures()
+            of = str(rng.choice(["", ' class="a"', ' class="b"']))
+            actuators += f'<{kind} joint="j{k}"{of}{law}/>'
+    return classes, f"<actuator>{actuators}</actuator>"
+
+
+@pytest.mark.parametrize("seed", range(12))
+def test_effort_limits_are_what_actuators_reach(seed, tmp_path):
+    rng = np.random.default_rng(seed)
+    classes, actuators = random_actuators(rng)
+    path = write({"main.xml": arm(before=classes, after=actuators)}, tmp_path)
+    model = mujoco.MjModel.from_xml_path(str(path))
+    data = mujoco.MjData(model)
+    reached = []
+    for sign in (1.0, -1.0):
+        data.ctrl[:] = sign * np.sign(model.actuator_gear[:, 0]) * 1e9
+        mujoco.mj_forward(model, data)
+        reached.append(sign * data.qfrc_actuator)
+    expected = np.min(reached, axis=0)
+    unlimited = (expected > 1e6) | (expected == 0.0)
+    np.testing.assert_allclose(srs_ik.load(path).effort_limit, np.where(unlimited, np.inf, expected), rtol=1e-9)
+
+
+def test_the_lesser_of_joint_and_actuators_limits_the_effort(tmp_path):
+    def efforts(joint: str, actuator: str) -> set[float]:
+        actuators = "".join(f'<{actuator.split()[0]} joint="j{k}" {actuator.partition(" ")[2]}/>' for k in range(1, 8))
+        text = arm(f'range="-2 2" {joint}', after=f"<actuator>{actuators}</actuator>")
+        return set(srs_ik.load(write({"main.xml": text}, tmp_path)).effort_limit.tolist())
+
+    assert efforts('actuatorfrcrange="-30 30"', 'motor gear="10" forcerange="-2 2"') == {20.0}
+    assert efforts('actuatorfrcrange="-15 18"', 'motor gear="10" forcerange="-2 2"') == {15.0}
+    assert efforts("", 'motor gear="-10" ctrlrange="-2 3"') == {20.0}
+    assert efforts("", 'position kp="100" ctrlrange="-2 2" forcerange="-39 39"') == {39.0}
+    assert efforts("", 'position kp="100" ctrlrange="-2 2"') == {np.inf}
+    assert efforts("", 'general forcerange="-39 39" forcelimited="false"') == {np.inf}
+    with pytest.raises(InvalidRobot, match="forcerange of <motor> '' is '1', not 2 numbers"):
+        efforts("", 'motor forcerange="1"')

@@ -34,10 +34,11 @@ _COMPILER = words(
 )
 _MAIN = "main"
 _WITH_DEFAULTS = ("joint", "site", "geom")
-_OTHER_DEFAULTS = words(
-    "default mesh material camera light pair equality tendon general motor position velocity intvelocity "
-    "orientation pid damper cylinder muscle adhesion dcmotor"
-)
+ACTUATORS = words("general motor position velocity intvelocity damper cylinder muscle")
+"""Actuators that a joint may have; in a default class, one of any kind stands for all."""
+
+_ANY_ACTUATOR = "actuator"
+_OTHER_DEFAULTS = words("default mesh material camera light pair equality tendon orientation pid adhesion dcmotor")
 CHOICES = {
     "type": ("hinge", "slide", "ball", "free"),
     "limited": ("true", "false", "auto"),
@@ -80,7 +81,9 @@ class Reader:
     def __init__(self, root: Element, label: str) -> None:
         self.label = label
         self.compiler = self._compiler(root)
-        self._classes: dict[str, dict[str, dict[str, str]]] = {_MAIN: {tag: {} for tag in _WITH_DEFAULTS}}
+        self._classes: dict[str, dict[str, dict[str, str]]] = {
+            _MAIN: {tag: {} for tag in (*_WITH_DEFAULTS, _ANY_ACTUATOR)}
+        }
         for section in root.iterfind("default"):
             self._default(section, None)
 
@@ -107,6 +110,11 @@ class Reader:
         self.one_orientation(element.attrib, where)
         usual = self._classes[self.class_named(element.get("class", childclass), where)][element.tag]
         return _over(usual, element.attrib)
+
+    def merged_actuator(self, element: Element, where: str) -> dict[str, str]:
+        """Attributes of an actuator over those of its default class, whatever actuator gives them there."""
+        usual = self._classes[self.class_named(element.get("class", _MAIN), where)][_ANY_ACTUATOR]
+        return {**usual, **element.attrib}
 
     def figure(self, text: str, what: str) -> float:
         """One finite number."""
@@ -224,6 +232,8 @@ class Reader:
                     if element.tag == "joint":
                         self.joint_choices(element.attrib, where)
                     self._classes[name][element.tag] = _over(self._classes[name][element.tag], element.attrib)
+                elif element.tag in ACTUATORS:
+                    self._classes[name][_ANY_ACTUATOR] = {**self._classes[name][_ANY_ACTUATOR], **element.attrib}
                 elif element.tag not in _OTHER_DEFAULTS:
                     raise self.fail(
                         f"the default class {quoted(name)} has a <{element.tag[:60]}>, which is not understood"

@@ -46,7 +46,7 @@ class Joint:
         axis: (3,) unit vector, in the same frame.
         lower: lower limit, rad or metres; -inf where there is none.
         upper: upper limit; inf where there is none.
-        effort: largest force or torque of the actuators on it, N or N m; inf where there is none.
+        effort: largest force or torque of all actuators on it together, N or N m; inf where the joint says none.
         ref: position at which the body lies as the file places it, rad or metres.
         damping: force or torque over speed, N s/m or N m s/rad.
         friction: dry friction, N or N m.

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from pathlib import Path
 from xml.etree.ElementTree import Element
 
@@ -10,6 +11,7 @@ import numpy as np
 import pinocchio as pin
 
 from srs_ik.errors import InvalidRobot, quoted
+from srs_ik.robot.description.mjcf.actuators import joint_efforts
 from srs_ik.robot.description.mjcf.attributes import Reader
 from srs_ik.robot.description.mjcf.bodies import Body, Joint, read_bodies
 from srs_ik.robot.description.mjcf.text import whole
@@ -46,7 +48,8 @@ def build(path: Path, content: bytes, label: str) -> tuple[pin.Model, frozenset[
     bodies = read_bodies(root, read)
     tied = tied_joints(root, bodies, read)
     name = root.get("model", "")
-    assembly = _Assembly(name if name.isprintable() and 0 < len(name) <= bounds.NAME else "robot")
+    known_name = name if name.isprintable() and 0 < len(name) <= bounds.NAME else "robot"
+    assembly = _Assembly(known_name, joint_efforts(root, read))
     _check_depth(bodies, read)
     inertias = [body.masses.inertia for body in bodies]
     masses_known = all(inertia is not None for inertia in inertias[1:])
@@ -74,8 +77,9 @@ def _gravity(root: Element, read: Reader) -> np.ndarray:
 class _Assembly:
     """A model that grows by bodies, parents first."""
 
-    def __init__(self, name: str) -> None:
+    def __init__(self, name: str, efforts: Mapping[str, float]) -> None:
         self.model = pin.Model()
+        self._efforts = efforts
         self.model.name = name
         # For each body: the joint that carries it, its frame on this joint, and the index of its frame.
         self._placed: list[tuple[int, pin.SE3, int]] = [(0, pin.SE3.Identity(), 0)]
@@ -110,7 +114,8 @@ class _Assembly:
         elif joint.kind == "slide":
             place = place * pin.SE3(np.eye(3), -joint.ref * joint.axis)
         if joint.kind in ("hinge", "slide"):
-            figures = (joint.effort, math.inf, joint.lower, joint.upper)
+            effort = min(joint.effort, self._efforts.get(joint.name, math.inf))
+            figures = (effort, math.inf, joint.lower, joint.upper)
             limits = [np.array([figure]) for figure in figures]
             index = self.model.addJoint(parent, _sliding_or_turning(joint), place, joint.name, *limits)
         else:
