@@ -1,6 +1,7 @@
 """Scenes: what they take and refuse, moving, files and messages, answers in them, and two arms."""
 
 import json
+import threading
 from types import SimpleNamespace as Message
 
 import numpy as np
@@ -419,3 +420,50 @@ def test_messages_are_read_as_moveit_reads_them(arm, pose):
         srs_ik.Scene().add_message(Message(world=seen))
     seen.octomap.octomap.data = []
     srs_ik.Scene().add_message(Message(world=seen))
+
+
+def test_a_question_sees_objects_where_they_stood_when_it_was_asked():
+    """Objects are moved by one thread, while another one asks for many poses."""
+    arm, scene = srs_ik.load("iiwa14"), srs_ik.Scene()
+    scene.add_box("box", np.eye(4), [0.3, 0.3, 0.3])
+    here, there = np.eye(4), np.eye(4)
+    here[:3, 3], there[:3, 3] = [0.5, 0.0, 0.5], [0.5, 0.4, 0.3]
+    rng = np.random.default_rng(1)
+    poses = arm.forward_kinematics_batch(rng.uniform(arm.lower, arm.upper, (3000, 7)))
+
+    def ask():
+        found = arm.intervals_batch(poses, scene=scene, threads=1)
+        return [[(i.branch, i.lower, i.upper) for i in found[k]] for k in range(len(poses))]
+
+    expected = []
+    for place in (here, there):
+        scene.move("box", place)
+        expected.append(ask())
+    assert expected[0] != expected[1]
+    answers = []
+    for _ in range(3):
+        scene.move("box", here)
+        asking = threading.Thread(target=lambda: answers.append(ask()))
+        asking.start()
+        count = 0
+        while asking.is_alive():
+            count += 1
+            scene.move("box", (there, here)[count % 2])
+            arm.intervals(poses[0], scene=scene)
+        asking.join()
+        assert count > 10
+    assert all(answer in expected for answer in answers)
+
+
+def test_tables_that_a_question_has_stay_as_they_are():
+    arm, scene = srs_ik.load("iiwa14"), srs_ik.Scene()
+    scene.add_sphere("ball", [0.5, 0.0, 0.5], 0.1)
+    before = arm.tables(scene)
+    rows = before.bodies.copy()
+    T = np.eye(4)
+    T[2, 3] = 1.0
+    scene.move("ball", T)
+    after = arm.tables(scene)
+    assert (before.bodies == rows).all()
+    assert (after.bodies != rows).any()
+    assert arm.tables(scene) is after

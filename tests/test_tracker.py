@@ -421,3 +421,22 @@ def test_behind_a_target_that_starts_at_once_the_tip_is_no_farther_than_the_limi
     bound = lever * rate**2 / (2.0 * tracker.acceleration_limit[0])
     assert position.max() < 1.1 * bound
     assert position[200:].max() < 1e-3
+
+
+def test_the_elbow_keeps_away_from_an_object_where_it_is_now():
+    """An object that was moved stood for the tracker where it had been, until another question was asked."""
+    arm = arms.load("iiwa14")
+    q = np.array([0.3, 0.7, -0.4, -1.1, 0.5, 0.8, -0.2])
+    pose, scene = arm.forward_kinematics(q), Scene()
+    scene.add_sphere("ball", [3.0, 3.0, 3.0], 0.1)
+    tracker = arm.tracker(q, 0.01, elbow=scene)
+    for _ in range(50):
+        step = tracker.update(pose)
+    elbow = arm.joint_frames(step.q)[4, :3, 3]
+    beside = np.cross(elbow - arm.limb.shoulder, pose.translation - elbow)
+    there = np.eye(4)
+    there[:3, 3] = elbow + 0.22 * beside / np.linalg.norm(beside)
+    scene.move("ball", there)
+    for _ in range(200):
+        step = tracker.update(pose)
+    assert np.linalg.norm(arm.joint_frames(step.q)[4, :3, 3] - there[:3, 3]) > 0.35

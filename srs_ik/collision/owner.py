@@ -148,12 +148,14 @@ class BodyOwner(ChainKinematics):
         from srs_ik.collision.tables import OwnTables, Tables
 
         state = self.__dict__
-        tables: Tables | None = state.get("_tables")
-        if tables is None or not tables.fits(scene):
+        known: Tables | None = state.get("_tables")
+        tables = None if known is None else known.of(scene)
+        if tables is None:
             own: OwnTables | None = state.get("_own")
             if own is None:
                 own = state["_own"] = OwnTables(self, self.limb, *self._found)
-            tables = state["_tables"] = Tables(own, scene)
+            tables = Tables(own, scene)
+        state["_tables"] = tables
         return tables
 
     @property

@@ -53,7 +53,6 @@ class RealWorld:
     """
 
     def __init__(self, arm: BodyOwner, scene: Scene, ranges: Sequence[JointRange]) -> None:
-        self.version = scene.version, scene.moves
         self.scene = scene
         self._frames, self._places = arm.joint_frames, arm.joint_places
         bodies = arm.bodies

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import copy
 from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Protocol
@@ -304,13 +305,13 @@ class Scene:
     def move(self, name: str, pose: PoseLike) -> None:
         """Put an object somewhere else, by the pose of its own frame in the base frame.
 
-        That of a cloud or a half-space, whose figures were given in the base frame, is the identity at first.
+        That of a cloud or a half-space, whose figures were given in the base frame, is the identity at first. Another
+        thread may be at a question meanwhile: that sees the object where it was.
 
         Raises:
             InvalidScene: there is no such object, or the pose is none.
         """
-        thing = self._find(name)
-        thing.T = as_pose(pose, name)
+        self._things[name] = self._find(name).moved(as_pose(pose, name))
         self.moves += 1
 
     def remove(self, name: str) -> None:
@@ -322,6 +323,12 @@ class Scene:
         self._find(name)
         del self._things[name]
         self.version += 1
+
+    def still(self) -> Scene:
+        """A copy that stays as it is while objects of this one are moved, added and removed."""
+        other = copy.copy(self)
+        other._things = dict(self._things)
+        return other
 
     def _add_given(self, given: Given) -> None:
         getattr(self, f"add_{given.kind}")(*given.arguments)

@@ -1,9 +1,11 @@
-"""Bodies, pairs and a scene as the flat tables that kernels read; made once, and patched where objects move."""
+"""Bodies, pairs and a scene as the flat tables that kernels read: made once, and copied where objects move."""
 
 from __future__ import annotations
 
+import copy
 import threading
 from collections.abc import Sequence
+from itertools import pairwise
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -41,11 +43,13 @@ class Tables:
         formless: (m, 2) those with clouds.
         slack: (SLACK,) with a margin of zero.
         names: of each group.
+        scene: as it stands in them.
     """
 
     def __init__(self, own: OwnTables, scene: Scene) -> None:
         self._scene, self._version, self._moves = scene, scene.version, scene.moves
-        things = list(scene)
+        self.scene = scene.still()
+        things = list(self.scene)
         replaced = frozenset().union(*(thing.replaces for thing in things))
         placed = [thing.placed() for thing in things]
         kinds = [kind for thing in things for kind in thing.kinds]
@@ -58,8 +62,12 @@ class Tables:
         rows = np.concatenate([own.rows, *(rows for _, rows in placed)])
         balls = np.concatenate([own.balls, *(balls for balls, _ in placed)])
         self.bodies = np.ascontiguousarray(np.concatenate([balls, rows]))
-        self._scene_balls = slice(g, g + n)
-        self._scene_rows = slice(g + n + len(own.rows), None)
+        ball_ends = g + np.cumsum([0, *(len(balls) for balls, _ in placed)])
+        row_ends = g + n + len(own.rows) + np.cumsum([0, *(len(rows) for _, rows in placed)])
+        self._slots = [
+            (slice(*balls), slice(*rows))
+            for balls, rows in zip(pairwise(ball_ends.tolist()), pairwise(row_ends.tolist()), strict=True)
+        ]
         starts = g + n + np.cumsum([0, *own.sizes, *sizes])
         self.groups = np.zeros((g + n, at.GROUP), np.int64)
         self.groups[:, at.FIRST], self.groups[:, at.LAST] = starts[:-1], starts[1:]
@@ -74,16 +82,25 @@ class Tables:
         self.ranges = [r for r in own.ranges if not {own.names[r.first], own.names[r.second]} & replaced]
         self._local = threading.local()
 
-    def fits(self, scene: Scene) -> bool:
-        """Whether these are the tables of a scene as it is, objects put where they are now."""
+    def of(self, scene: Scene) -> Tables | None:
+        """The tables of a scene as it is now, these if nothing has moved; None where there are other objects.
+
+        Those of a question that another thread is at stay as they are.
+        """
         if self._scene is not scene or self._version != scene.version:
-            return False
-        if self._moves != scene.moves:
-            placed = [thing.placed() for thing in scene]
-            self.bodies[self._scene_balls] = np.concatenate([balls for balls, _ in placed])
-            self.bodies[self._scene_rows] = np.concatenate([rows for _, rows in placed])
-            self._moves = scene.moves
-        return True
+            return None
+        moves = scene.moves
+        if self._moves == moves:
+            return self
+        still = scene.still()
+        if len(still) != len(self.scene):  # another thread is just adding one, or taking one away
+            return None
+        moved = copy.copy(self)
+        moved.scene, moved._moves, moved.bodies = still, moves, self.bodies.copy()
+        for before, thing, (balls, rows) in zip(self.scene, moved.scene, self._slots, strict=True):
+            if thing is not before:
+                moved.bodies[balls], moved.bodies[rows] = thing.placed()
+        return moved
 
     def work(self) -> tuple[Array, Integers]:
         """Work space of this thread: rows as they are seen, and which are."""

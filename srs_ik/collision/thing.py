@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import copy
 from collections.abc import Sequence
 
 import numpy as np
@@ -44,6 +45,12 @@ class Thing:
         self.rows.append(np.ascontiguousarray(rows, dtype=float))
         self.balls.append(np.asarray(ball, dtype=float))
         self.labels.append(label or self.name)
+
+    def moved(self, T: Array) -> Thing:
+        """This object somewhere else; itself it stays, for a question that another thread is at."""
+        other = copy.copy(self)
+        other.T = T
+        return other
 
     def placed(self) -> tuple[Array, Array]:
         """Balls (G, 4) and rows (n, 4) in the base frame."""

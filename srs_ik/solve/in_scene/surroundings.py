@@ -246,9 +246,9 @@ class Surroundings:
 
         state = self.arm.__dict__
         world: RealWorld | None = state.get("_real_world")
-        now = self.scene.version, self.scene.moves
-        if world is None or world.scene is not self.scene or world.version != now:
-            world = state["_real_world"] = RealWorld(self.arm, self.scene, self.tables.ranges)
+        still = self.tables.scene
+        if world is None or world.scene is not still:
+            world = state["_real_world"] = RealWorld(self.arm, still, self.tables.ranges)
         return world
 
     def widest(self, T: Array, found: Array, tolerance: float = 1e-6) -> Array:

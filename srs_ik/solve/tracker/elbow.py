@@ -75,12 +75,10 @@ def _clearance(packed: PackedArm, owner: BodyOwner, scene: Any) -> Callable[[Arr
     """The arm angle near the present one at which bodies are farthest from each other."""
     from srs_ik.solve.in_scene.surroundings import Surroundings
 
-    around, version = Surroundings(owner, packed, scene, 0.0), scene.version
+    around = Surroundings(owner, packed, scene, 0.0)
 
     def angle(T: Array, q: Array) -> float:
-        nonlocal around, version
-        if scene.version != version:
-            around, version = Surroundings(owner, packed, scene, 0.0), scene.version
+        around.tables = owner.tables(scene)  # as they stand now
         here, branch = configuration_arm_angle(packed.family, q.copy())
         clear = [float(around.clearance(T, int(branch) >> 2, here + ahead)[WIDE_CLEARANCE]) for ahead in LOOK]
         best = int(np.argmax(clear))
