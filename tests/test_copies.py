@@ -134,3 +134,18 @@ def test_answers_can_be_copied(how):
     assert COPIES[how](TASK).position.tolist() == TASK.position.tolist()
     with pytest.raises(ValueError, match="read-only"):
         COPIES[how](TASK).position[0] = 1.0
+
+
+@pytest.mark.parametrize("how", [how for how in COPIES if how != "copied"])
+def test_trackers_can_be_copied_whatever_the_elbow_does(how):
+    arm = arms.load("iiwa14")
+    q = np.array([0.3, 0.7, -0.4, -1.1, 0.5, 0.8, -0.2])
+    scene = srs_ik.Scene()
+    scene.add_sphere("ball", [0.4, 0.3, 0.8], 0.1)
+    for elbow in ("keep", 0.2, "manipulability", TASK, scene):
+        tracker = arm.tracker(q, 0.01, elbow=elbow)
+        tracker.update(arm.forward_kinematics(q + 0.02))
+        other = COPIES[how](tracker)
+        for k in range(5):
+            pose = arm.forward_kinematics(q + 0.01 * k)
+            assert tracker.update(pose).q.tobytes() == other.update(pose).q.tobytes()

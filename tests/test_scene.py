@@ -1,5 +1,6 @@
 """Scenes: what they take and refuse, moving, files and messages, answers in them, and two arms."""
 
+import copy
 import json
 import threading
 from types import SimpleNamespace as Message
@@ -467,3 +468,20 @@ def test_tables_that_a_question_has_stay_as_they_are():
     assert (before.bodies == rows).all()
     assert (after.bodies != rows).any()
     assert arm.tables(scene) is after
+
+
+def test_a_copied_scene_is_another_one():
+    """A shallow copy shared the objects, and moved them in the first scene without its knowing."""
+    arm, scene = srs_ik.load("iiwa14"), srs_ik.Scene(margin=0.01)
+    scene.add_sphere("ball", [0.4, 0.1, 0.7], 0.1)
+    pose = arm.forward_kinematics(Q)
+    before = ends(arm.intervals(pose, scene=scene))
+    other = copy.copy(scene)
+    T = np.eye(4)
+    T[2, 3] = 5.0
+    other.move("ball", T)
+    other.add_sphere("another", [0.0, 0.0, 3.0], 0.1)
+    assert scene.names == ("ball",)
+    assert other.names == ("ball", "another")
+    assert (ends(srs_ik.load("iiwa14").intervals(pose, scene=scene)) == before).all()
+    assert ends(arm.intervals(pose, scene=other)).shape != before.shape

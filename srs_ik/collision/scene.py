@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 import contextlib
-import copy
 from collections.abc import Iterator
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import TYPE_CHECKING, Any, Protocol, Self
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -324,9 +323,10 @@ class Scene:
         del self._things[name]
         self.version += 1
 
-    def still(self) -> Scene:
-        """A copy that stays as it is while objects of this one are moved, added and removed."""
-        other = copy.copy(self)
+    def __copy__(self) -> Self:
+        # It stays as it is while objects of this one are moved, added and removed, and the other way about.
+        other = type(self).__new__(type(self))
+        other.__dict__.update(self.__dict__)
         other._things = dict(self._things)
         return other
 

@@ -48,7 +48,7 @@ class Tables:
 
     def __init__(self, own: OwnTables, scene: Scene) -> None:
         self._scene, self._version, self._moves = scene, scene.version, scene.moves
-        self.scene = scene.still()
+        self.scene = copy.copy(scene)
         things = list(self.scene)
         replaced = frozenset().union(*(thing.replaces for thing in things))
         placed = [thing.placed() for thing in things]
@@ -92,7 +92,7 @@ class Tables:
         moves = scene.moves
         if self._moves == moves:
             return self
-        still = scene.still()
+        still = copy.copy(scene)
         if len(still) != len(self.scene):  # another thread is just adding one, or taking one away
             return None
         moved = copy.copy(self)

@@ -53,7 +53,7 @@ def chosen(elbow: Any, packed: PackedArm, owner: BodyOwner) -> tuple[Chosen, Cal
             raise InvalidTask(f"a tracker follows objectives that kernels compute, one at a time, not {elbow.name!r}")
         return (float(elbow.kind), 0.0, elbow.packed(owner, packed.weights, True)), None
     if _is_scene(elbow):
-        return (at.KEEP, 0.0, none), _clearance(packed, owner, elbow)
+        return (at.KEEP, 0.0, none), _Clearance(packed, owner, elbow)
     return (at.ANGLE, as_arm_angle(elbow), none), None
 
 
@@ -71,17 +71,18 @@ def _is_scene(elbow: Any) -> bool:
     return isinstance(elbow, Scene)
 
 
-def _clearance(packed: PackedArm, owner: BodyOwner, scene: Any) -> Callable[[Array, Array], float]:
+class _Clearance:
     """The arm angle near the present one at which bodies are farthest from each other."""
-    from srs_ik.solve.in_scene.surroundings import Surroundings
 
-    around = Surroundings(owner, packed, scene, 0.0)
+    def __init__(self, packed: PackedArm, owner: BodyOwner, scene: Any) -> None:
+        from srs_ik.solve.in_scene.surroundings import Surroundings
 
-    def angle(T: Array, q: Array) -> float:
-        around.tables = owner.tables(scene)  # as they stand now
-        here, branch = configuration_arm_angle(packed.family, q.copy())
+        self._around = Surroundings(owner, packed, scene, 0.0)
+
+    def __call__(self, T: Array, q: Array) -> float:
+        around = self._around
+        around.tables = around.arm.tables(around.scene)  # objects where they are now
+        here, branch = configuration_arm_angle(around.packed.family, q.copy())
         clear = [float(around.clearance(T, int(branch) >> 2, here + ahead)[WIDE_CLEARANCE]) for ahead in LOOK]
         best = int(np.argmax(clear))
         return here + (LOOK[best] if clear[best] > clear[len(LOOK) // 2] + GAIN else 0.0)
-
-    return angle
