@@ -117,11 +117,24 @@ def test_an_opened_map_takes_an_arm_and_a_scene_or_none(tmp_path, arm):
     chart = srs_ik.open_map(tmp_path / "map.zarr", arm)
     with pytest.raises(srs_ik.InvalidMap, match="exact must be True or False, not 'no'"):
         chart.query([np.eye(4)], exact="no")
-    for wrong in (10.5, None, -1, "10", np.nan, True):
+    for wrong in (10.5, None, -1, "10", np.nan, np.inf, True, 10**400):
         for name in ("count", "seed"):
-            with pytest.raises(srs_ik.InvalidMap, match=f"{name} must be a whole number from 0 on, not "):
+            with pytest.raises(srs_ik.InvalidMap, match=f"{name} must be a whole number from 0 to 1e[+]12, not "):
                 chart.verify(**{name: wrong})
     assert chart.verify(count=np.int64(3))
+    for wrong in (None, 7, Odd(), b"map.zarr"):
+        with pytest.raises(srs_ik.InvalidMap, match="the folder of a map is a path or text, not"):
+            srs_ik.open_map(wrong)
+        with pytest.raises(srs_ik.InvalidMap, match="a map is what build_map or open_map gives, not"):
+            maps.compare(chart, wrong)
+    for name, wrong in (("progress", 7), ("client", "local"), ("measures", 7), ("measures", [["margin"]])):
+        with pytest.raises(srs_ik.InvalidMap, match=f"^{name} (is|are) "):
+            srs_ik.build_map(arm, 0.4, tmp_path / "other.zarr", orientations=24, **{name: wrong})
+    for name in (["reached"], np.zeros(3)):
+        with pytest.raises(srs_ik.InvalidMap, match="has no measure"):
+            chart.measure(name)
+    with pytest.raises(srs_ik.InvalidMap, match="workers must be a whole number from 1 to"):
+        maps.estimate(arm, 0.4, orientations=24, workers="two")
 
 
 @pytest.mark.parametrize(

@@ -14,13 +14,13 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from srs_ik.errors import InvalidMap, MissingExtra
+from srs_ik.errors import InvalidMap, MissingExtra, quoted
 from srs_ik.kinematics import check_arm
 from srs_ik.maps.extras import around_of, task_of
 from srs_ik.maps.grid import Grid, box, half_plane
 from srs_ik.maps.orientations import orientations_of
-from srs_ik.maps.plan import Plan, arcs_of, checked_measures, robot_of
-from srs_ik.maps.store import Store, clear_leftovers, create, refuse_other
+from srs_ik.maps.plan import Plan, arcs_of, checked_measures, robot_of, whole
+from srs_ik.maps.store import Store, clear_leftovers, create, folder_of, refuse_other
 from srs_ik.maps.tasks import Job, in_base, job_of, measures_at, run_task
 from srs_ik.solve.threads import checked_threads, processors
 
@@ -142,7 +142,11 @@ def build_map(
     """
     from srs_ik.maps.reader import open_map
 
-    folder = Path(path)
+    folder = folder_of(path)
+    if progress is not None and not callable(progress):
+        raise InvalidMap(f"progress is a function of two numbers, not {quoted(progress)}")
+    if client is not None and not hasattr(client, "nthreads"):
+        raise InvalidMap(f"client is a dask.distributed.Client, not {quoted(client)}")
     more: dict[str, Any] = {"measures": measures, "scene": scene, "velocity": velocity, "force": force}
     plan = plan_map(arm, step, orientations=orientations, box_bounds=box, **more)
     if folder.exists():
@@ -197,7 +201,7 @@ def estimate(
         if time.perf_counter() - begin > PROBE_TIME:
             break
     rate = count / (time.perf_counter() - begin)
-    workers = workers or processors()
+    workers = processors() if workers is None else whole(workers, "workers", 1)
     largest = max(_size(block) for block in plan.blocks) * len(plan.orientations)
     return Estimate(
         positions=plan.cells // len(plan.orientations),

@@ -4,15 +4,14 @@ from __future__ import annotations
 
 import os
 from dataclasses import dataclass
-from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
-from srs_ik.errors import InvalidMap
+from srs_ik.errors import InvalidMap, quoted
 from srs_ik.maps.plan import OF_SCENE, OF_TASK, Plan
-from srs_ik.maps.store import Store, create
+from srs_ik.maps.store import Store, create, folder_of
 
 if TYPE_CHECKING:
     from srs_ik.maps.reader import Map
@@ -73,7 +72,7 @@ def combine(first: Map, second: Map, path: str | os.PathLike[str]) -> Map:
     _check_alike(first, second)
     if first.plan.arcs or second.plan.arcs:
         raise InvalidMap("two arms turn about different axes: combine boxes, not half-planes")
-    folder = Path(path)
+    folder = folder_of(path)
     if folder.exists():
         raise FileExistsError(17, "there is something already", str(folder))
     own = (*OF_SCENE, *OF_TASK)
@@ -100,6 +99,9 @@ def _both(first: Plan, second: Plan) -> dict[str, object]:
 
 
 def _check_alike(first: Map, second: Map) -> None:
+    for each in (first, second):
+        if not hasattr(each, "plan"):
+            raise InvalidMap(f"a map is what build_map or open_map gives, not {quoted(each)}")
     a, b = first.plan, second.plan
     if a.grid != b.grid or a.orientations != b.orientations:
         raise InvalidMap(f"{first.path} and {second.path} have different cells: make both with the same step and box")

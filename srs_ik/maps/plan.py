@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from srs_ik.errors import InvalidMap, did_you_mean
+from srs_ik.errors import InvalidMap, did_you_mean, quoted
 from srs_ik.kernels.layout.maps import MOST_ARCS
 from srs_ik.maps.grid import MOST_POSITIONS, SIDE, Grid
 from srs_ik.maps.orientations import MOST as MOST_ORIENTATIONS
@@ -45,6 +45,9 @@ MEASURES = {
     "ratio_branch": ("u1", "branch of that posture"),
 }
 """Type and meaning of every measure. Those of a half-plane set the limits of joint 1 aside: `yaw` holds these."""
+
+LARGEST = 10**12
+"""Count of anything."""
 
 FREE = "free"
 RATIO, RATIO_ANGLE, RATIO_BRANCH = "ratio", "ratio_arm_angle", "ratio_branch"
@@ -168,13 +171,27 @@ def _task(task: Any) -> Task | None:
     return (a, b, c), (x, y, z)
 
 
+def whole(value: Any, what: str, least: int = 0) -> int:
+    """A whole number.
+
+    Raises:
+        InvalidMap: it is none, less than `least`, or above `LARGEST`; `what` names it.
+    """
+    if isinstance(value, bool) or not isinstance(value, int | np.integer) or not least <= value <= LARGEST:
+        raise InvalidMap(f"{what} must be a whole number from {least} to {LARGEST:g}, not {quoted(value)}")
+    return int(value)
+
+
 def checked_measures(measures: Any, scene: bool = False, task: bool = False) -> tuple[str, ...]:
     """Names of measures, each once, in their usual order; a scene and a task bring their own.
 
     Raises:
         InvalidMap: one is unknown, or its scene or its task is missing.
     """
-    wanted = {*USUAL, *([measures] if isinstance(measures, str) else measures)}
+    try:
+        wanted = {*USUAL, *([measures] if isinstance(measures, str) else measures)}
+    except TypeError:
+        raise InvalidMap(f"measures are a list of names, not {quoted(measures)}") from None
     if not scene and wanted & set(OF_SCENE):
         raise InvalidMap("measure 'free' is for a scene: give one")
     if not task and wanted & set(OF_TASK):

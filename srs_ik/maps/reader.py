@@ -5,20 +5,19 @@ from __future__ import annotations
 import math
 import os
 from dataclasses import dataclass
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from srs_ik.errors import InvalidMap, InvalidPose, quoted
+from srs_ik.errors import InvalidMap, InvalidPose
 from srs_ik.inputs.numbers import as_flag, real_array
 from srs_ik.inputs.poses import as_matrices
 from srs_ik.kinematics import check_arm
 from srs_ik.maps.extras import scene_digest
 from srs_ik.maps.placement import refuse_no_poses
-from srs_ik.maps.plan import FREE, OF_SCENE, OF_TASK, RATIO, YAW, fingerprint
-from srs_ik.maps.store import DONE, Store, checksum
+from srs_ik.maps.plan import FREE, OF_SCENE, OF_TASK, RATIO, YAW, fingerprint, whole
+from srs_ik.maps.store import DONE, Store, checksum, folder_of
 from srs_ik.maps.tasks import compute, job_of
 
 if TYPE_CHECKING:
@@ -94,18 +93,7 @@ def open_map(path: str | os.PathLike[str], arm: Arm | None = None, scene: Scene 
     """
     if arm is not None:
         check_arm(arm)
-    return Map(Store(Path(path)), arm, scene)
-
-
-def _whole(value: Any, what: str) -> int:
-    """A whole number from 0 on.
-
-    Raises:
-        InvalidMap: it is none; `what` names it.
-    """
-    if isinstance(value, bool) or not isinstance(value, int | np.integer) or value < 0:
-        raise InvalidMap(f"{what} must be a whole number from 0 on, not {quoted(value)}")
-    return int(value)
+    return Map(Store(folder_of(path)), arm, scene)
 
 
 class Map:
@@ -146,7 +134,7 @@ class Map:
         return values
 
     def _check(self, name: str) -> None:
-        if name not in self.store.names:
+        if not isinstance(name, str) or name not in self.store.names:
             raise InvalidMap(f"{self.path} has no measure {name!r:.40}; it has {', '.join(self.store.names)}")
 
     # Poses ------------------------------------------------------------------------------------------------------
@@ -325,7 +313,7 @@ class Map:
         from srs_ik.maps.live import rebuild
 
         arm = self._own_arm("checks")
-        count, seed = (_whole(given, what) for given, what in ((count, "count"), (seed, "seed")))
+        count, seed = (whole(given, what) for given, what in ((count, "count"), (seed, "seed")))
         records = self.store.records()
         done = np.flatnonzero(records)
         damaged = tuple(int(task) for task in done if not self._is_whole(int(task), int(records[task])))

@@ -8,6 +8,7 @@ then renamed.
 from __future__ import annotations
 
 import contextlib
+import os
 import shutil
 import uuid
 import zlib
@@ -18,7 +19,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from srs_ik.errors import InvalidMap, MissingExtra
+from srs_ik.errors import InvalidMap, MissingExtra, quoted
 from srs_ik.maps.plan import MEASURES, YAW, Plan, plan_of, refuse_senseless
 
 DONE = "done"
@@ -68,6 +69,17 @@ class Cells:
     def vindex(self) -> Cells:
         """Cells by arrays of places."""
         return Cells(self._array.vindex, self._damaged)
+
+
+def folder_of(path: Any) -> Path:
+    """The folder of a store.
+
+    Raises:
+        InvalidMap: this is no path.
+    """
+    if not isinstance(path, str | os.PathLike) or isinstance(os.fspath(path), bytes):
+        raise InvalidMap(f"the folder of a map is a path or text, not {quoted(path)}")
+    return Path(path)
 
 
 class Store:
