@@ -153,6 +153,8 @@ def test_what_only_looks_like_numbers_is_refused(wrong, arm, pose):
         lambda: srs_ik.velocity_ellipsoid(arm.jacobian(Q), limit=wrong),
         lambda: arm.solve(pose, free_axis=wrong),
         lambda: srs_ik.Scene().add_sphere("ball", wrong, 0.1),
+        lambda: srs_ik.Task(wrong, [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]),
+        lambda: arm.forward_kinematics_batch("" if isinstance(wrong, str) else wrong),
     ):
         with pytest.raises(srs_ik.SrsIkError):
             call()

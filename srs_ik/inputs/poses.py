@@ -209,7 +209,7 @@ def as_joint_vectors(q: Any, what: str = "q") -> Array:
         InvalidConfiguration: not N x 7, not numbers, not finite, or beyond `LARGEST_ANGLE`.
     """
     try:
-        array = q if _is_plain(q) else real_array(q if isinstance(q, np.ndarray) else list(q))
+        array = q if _is_plain(q) else real_array(q if isinstance(q, np.ndarray | str) else list(q))
     except (TypeError, ValueError):
         raise InvalidConfiguration(f"{what} must be N times 7 joint angles, not {type(q).__name__}") from None
     if array.shape == (0,):

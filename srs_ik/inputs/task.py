@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from srs_ik.errors import InvalidTask
+from srs_ik.inputs.numbers import real_array
 from srs_ik.kernels.entries import task as entries
 from srs_ik.kernels.layout import task as at
 
@@ -119,12 +120,8 @@ class Task:
 def _vectors(name: str, values: Any) -> Array:
     """One vector (3,) or N of them (N, 3)."""
     try:
-        array = np.asarray(values)
-        if array.dtype is not _FLOAT:
-            if array.dtype.kind == "c":
-                raise TypeError
-            array = array.astype(np.float64)
-    except (TypeError, ValueError, OverflowError):
+        array = values if type(values) is np.ndarray and values.dtype is _FLOAT else real_array(values)
+    except (TypeError, ValueError):
         raise InvalidTask(f"{name} of a task is 3 numbers, or an (N, 3) array, not {type(values).__name__}") from None
     if array.ndim not in (1, 2) or array.shape[-1] != 3:
         raise InvalidTask(f"{name} of a task is 3 numbers, or an (N, 3) array, not an array of shape {array.shape}")
