@@ -235,17 +235,20 @@ def linear_programme(start: Start, q: np.ndarray, targets: list[Any], step: floa
     return found.x[:n].reshape(-1, 7) if found.status == 0 else None
 
 
-def best_motion(start: Start, targets: list[Any], pushes: np.ndarray) -> tuple[np.ndarray, np.ndarray, float]:
+def best_motion(
+    start: Start, targets: list[Any], pushes: np.ndarray, rounds: int = ROUNDS
+) -> tuple[np.ndarray, np.ndarray, float]:
     """Joint angles and velocities of a motion within limits that keeps to its targets, and its worst error.
 
     Args:
         start: where the joints are.
         targets: one a period, a whole number of blocks.
         pushes: accelerations to begin with, one row a block.
+        rounds: linear programmes at most.
     """
     q, v = start.motion(np.clip(pushes, -start.bounds[1], start.bounds[1]))
     worst, step = start.worst(q, targets), STEP
-    for _ in range(ROUNDS):
+    for _ in range(rounds):
         if worst <= 1.0:
             break
         better = linear_programme(start, q, targets, step)
@@ -310,28 +313,3 @@ def late(arm: Any, found: Run, bounds: Bounds, dt: float) -> np.ndarray:
         out[k + nobody(arm, (found.q[k], found.v[k]), found.targets[k:end], bounds, dt) : end] = True
         k = end
     return out
-
-
-def bound_line(arm: Any, forward: Any, name: str, count: int, seed: int, dt: float) -> str:
-    """One line on motions against what the limits imply."""
-    counted, on, behind = 0, 0, 0
-    close: dict[float, list[float]] = {BEFORE: [], FORESEEN: []}
-    for k in range(seed, seed + count):
-        found, bounds = run(arm, forward, known_motion(arm, k, dt), dt)
-        samples = ~found.known.lost
-        counted += int(samples.sum())
-        on += int((found.on & samples).sum())
-        behind += int((late(arm, found, bounds, dt) & samples).sum())
-        for before, said in close.items():
-            said += [kept_to(arm, forward, found, at, before, bounds, dt) for at in leaves(found, before, dt)]
-    loose = NEAR_TARGET[0] / FOLLOWED[0]
-    left = "; ".join(
-        f"{len(said)} targets left on which it was for {before:g} s, of which a motion stays on "
-        f"{sum(np.array(said) <= 1.0)} ({sum(np.array(said) <= loose)} to 1 mm and 10 mrad)"
-        for before, said in close.items()
-    )
-    return (
-        f"{name}: seeds {seed} to {seed + count - 1}, {count} motions, {counted} samples: on target "
-        f"{100.0 * on / counted:.2f} %, nobody could {100.0 * (counted - on - behind) / counted:.2f} %, somebody might "
-        f"{100.0 * behind / counted:.2f} %; {left}"
-    )

@@ -4,10 +4,14 @@ from dataclasses import replace
 
 import arms
 import numpy as np
+import pinocchio as pin
 import pytest
 from bounded import (
     BEFORE,
     FOLLOWED,
+    FORESEEN,
+    Known,
+    Run,
     Start,
     begins_anew,
     best_motion,
@@ -20,12 +24,20 @@ from bounded import (
     off_by,
     run,
 )
+from causal import beyond_the_step_at_hand, expected, followed_without_foresight, least_error
 from motions import joint_motion, motion, off_target, within
 from tracked import NEAR_TARGET, box_after, passed, velocities, ways_to
+
+from srs_ik.kernels.layout import track as at
+from srs_ik.kernels.track.foresight import when
 
 DT = 0.002
 ROUNDING = 1e-9
 """Limits are kept to this, rad, rad/s and rad/s^2."""
+
+CORNER = 0.1
+"""A tip that leaves its target may be farther off than the step at hand by this share of what counts as on it: steps
+serve place and turn together, and not the worse of both."""
 
 ARMS = arms.here("iiwa14", "gen3")
 
@@ -150,9 +162,73 @@ def test_a_target_that_could_have_been_followed_is_not_left(name, seed):
     at = leaves(found, BEFORE, DT)
     assert not [k for k in at if kept_to(arm, forward, found, k, BEFORE, bounds, DT) <= 1.0]
     assert found.on.mean() > 0.7
+    assert beyond_the_step_at_hand(arm, forward, found, bounds, DT).max(initial=0.0) < CORNER
     # What counts is checked by Pinocchio on a sample.
     assert off_by(forward, found.q[1], forward(found.known.q[0])) == pytest.approx(found.off[0], abs=1e-12)
     assert found.on[0] == (found.off[0] <= NEAR_TARGET + found.noise).all()
+
+
+@pytest.mark.parametrize("name", ARMS)
+def test_no_step_at_hand_is_closer_than_the_least_error(name):
+    start, targets = on_the_way(name, 2, 1000, 1)
+    T = targets[0] * pin.SE3(pin.exp3(np.array([0.01, -0.02, 0.03])), np.array([2e-3, -1e-3, 3e-3]))
+    least = least_error(start, T, np.zeros(2))
+    rng, (fastest, hardest) = np.random.default_rng(0), start.bounds
+    pushes = np.vstack([rng.uniform(-1.0, 1.0, (2000, 7)), rng.choice([-1.0, 1.0], (2000, 7))]) * hardest
+    steps = start.q + DT * np.clip(start.v + DT * pushes, -fastest, fastest)
+    errors = np.array([(off_by(start.forward, x, T) / np.array(NEAR_TARGET)).max() for x in steps])
+    # The corners of the steps come close to it, and none passes it.
+    assert least - 1e-6 < errors.min() < 1.01 * least
+
+
+def test_a_target_that_goes_on_by_its_jolt_is_expected_where_it_goes():
+    T = arms.forward("iiwa14")(np.full(7, 0.5))
+    v, a, j = np.random.default_rng(0).normal(0.0, 1.0, (3, 3))
+    t = DT * np.arange(-20, 100)
+    way = v * t[:, None] + a * t[:, None] ** 2 + j * t[:, None] ** 3
+    axis = np.array([0.6, 0.0, 0.8])
+    poses = [pin.SE3(pin.exp3(axis * x[0]) @ T.rotation, T.translation + x) for x in way]
+    for pose, foretold in zip(poses[21:], expected(poses[:21], 99, DT), strict=True):
+        # 0.2 s ahead, from 32 ms: rounding grows by some 1e5.
+        np.testing.assert_allclose(foretold.homogeneous, pose.homogeneous, atol=1e-9)
+
+
+@pytest.mark.parametrize(("fast", "stays"), [(1, True), (5, False)])
+def test_a_follower_without_foresight_stays_on_what_joints_can_follow_and_on_nothing_else(fast, stays):
+    arm, forward = arms.load("iiwa14"), arms.forward("iiwa14")
+    q = joint_motion(arm, np.random.default_rng(1), 1200, DT, "joints", 0.5, 0.5)[800:][::fast]
+    v = np.diff(np.vstack([q[:1], q]), axis=0) / DT / fast
+    targets, nothing = [forward(each) for each in q[1:]], np.zeros(0)
+    found = Run(Known(q, q, nothing, False), q, v, targets, nothing, nothing, np.zeros(2))
+    worst = followed_without_foresight(arm, forward, found, slice(20, 60), limits(arm), DT)
+    assert worst <= 1.0 if stays else worst > 10.0
+
+
+@pytest.mark.parametrize("name", ARMS)
+def test_plans_have_no_posture_that_a_joint_is_too_slow_for(name):
+    """Up to 9 times as fast as the joints may, in 40 % of the plans on `iiwa14`, they led to another branch."""
+    arm = arms.load(name)
+    known = known_motion(arm, 5600000, DT)
+    tracker = arm.tracker(known.q[0], DT, velocities(arm))
+    gaps, plans, ahead = np.diff([when(k) for k in range(at.KNOTS + 1)])[:, None], 0, 0.0
+    for q, lost in zip(known.given, known.lost, strict=True):
+        tracker.update(None if lost else arm.forward_kinematics(q))
+        S = tracker._state
+        if S[at.PLANNED] == 1.0 and S[at.PLAN_AGE] == DT:
+            knots = np.vstack([S[at.PLAN_Q : at.PLAN_V], S[at.KNOT : at.TREND].reshape(at.KNOTS, 7)])
+            ahead = max(ahead, float((np.abs(np.diff(knots, axis=0) / gaps) / tracker.velocity_limit).max()))
+            plans += 1
+    assert plans > 500
+    assert ahead <= 1.0 + ROUNDING
+
+
+def test_a_target_that_is_followed_with_foresight_of_others_is_not_left_by_a_plan_in_another_branch():
+    """It was left for a third of the motion: joint 7 of the plan went 5 times as fast as it may."""
+    arm, forward = arms.load("iiwa14"), arms.forward("iiwa14")
+    found, bounds = run(arm, forward, known_motion(arm, 2040013, DT), DT)
+    left = leaves(found, FORESEEN, DT)
+    assert not [k for k in left if kept_to(arm, forward, found, k, FORESEEN, bounds, DT) <= 1.0]
+    assert found.on.mean() > 0.85
 
 
 @pytest.mark.parametrize(

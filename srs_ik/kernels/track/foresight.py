@@ -236,10 +236,15 @@ def foresee(P, S, C, task, work):
     solve_band(B, 7 * KNOTS, BAND)
     first = when(1)
     for j in range(7):
+        before = S[PLAN_Q + j]
         for k in range(KNOTS):
             i = 7 * k + j
             there = S[KNOT + i] + min(max(B[i, BAND + 1], -LONGEST), LONGEST)
-            S[KNOT + i] = min(max(there, P[LOWER + j]), P[UPPER + j])
+            # A posture that the joint is too slow for, as one in another branch, would draw those before it there.
+            far = (when(k + 1) - when(k)) * C[SPEED + j]
+            there = min(max(there, before - far), before + far)
+            before = min(max(there, P[LOWER + j]), P[UPPER + j])
+            S[KNOT + i] = before
         S[PLAN_A + j] = 2.0 * (S[KNOT + j] - S[PLAN_Q + j] - first * S[PLAN_V + j]) / first**2
 
 
