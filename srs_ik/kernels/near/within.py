@@ -36,7 +36,7 @@ from srs_ik.kernels.near.scan import (
 GAIN = 1e-12
 """Costs closer than this are equal."""
 
-SPACING = 0.6
+SPACING = 0.3
 """Widest spacing of the arm angles that are looked at first, rad."""
 
 AT_ONCE = 160
