@@ -112,6 +112,20 @@ def test_both_bends_of_an_almost_straight_elbow_have_intervals(bench, name):
 
 
 @pytest.mark.parametrize("name", arms.here("iiwa14_experimental"))
+def test_small_curves_about_a_greatest_reach_have_intervals_where_rounding_decides(bench, name):
+    """How far the limb reaches tells what starts of a straight elbow lead to, but not within rounding."""
+    for q in (
+        [2.8378766872454815, 0.12927798863992973, -1.0581080018381885, -0.0010340114436732668, 1.891047453117289,
+         -1.1091486540319835, -0.4079414894517277],
+        [-1.0556709500505725, -1.7071509724411085, 2.7498386472571266, -0.0010401585646910968, 1.0553554147314541,
+         -1.8413548297134958, 1.3145614556600194],
+        [-0.942343124455089, -1.6895466036658515, -1.636255585055987, -0.001029508667387744, -1.5683744914105693,
+         -0.21026069673635414, 1.8772476949019659],
+    ):  # fmt: skip
+        assert_is_inside(bench, name, np.array(q))
+
+
+@pytest.mark.parametrize("name", arms.here("iiwa14_experimental"))
 def test_curves_that_pass_two_singularities_at_once_are_not_left_for_others(bench, name):
     """There a jump to the curve beside turns the orientation around twice, and is not noticed by it."""
     q = [-0.06701729400825007, -0.0001, -2.429632585369881, 0.2983243203429651, 1.9475864157432952, 0.0001]

@@ -89,6 +89,12 @@ def elbow_position(P, q):
 
 
 @kernel
+def elbow_across(P, q, t):
+    """The vector from the line S-W, with direction t, to the elbow centre."""
+    return across(sub(elbow_position(P, q), load3(P, SHOULDER_CENTRE)), t)
+
+
+@kernel
 def upper_arm_rotation(P, q, v):
     """A vector of the upper arm's frame in the base frame."""
     for k in range(3):
@@ -109,7 +115,7 @@ def arm_angle(P, q, t, h0):
         x = straight_offset(P, q[3])
         _, h, _ = arm_frame(P, math.cos(x), math.sin(x))
         return arm_angle_of_direction(t, h0, upper_arm_rotation(P, q, h))
-    return arm_angle_of_direction(t, h0, across(sub(elbow_position(P, q), load3(P, SHOULDER_CENTRE)), t))
+    return arm_angle_of_direction(t, h0, elbow_across(P, q, t))
 
 
 @kernel

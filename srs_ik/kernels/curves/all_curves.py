@@ -115,6 +115,9 @@ HIGHEST = 2.0
 HIGHER = 1e-3
 """... above that."""
 
+WELL_TOLD = 1e-3
+"""Where the greatest room is within the square of this, rad, of none, rounding decides what there is."""
+
 ROOM = 1e-2
 """Where the best bend leaves so much room, rad, to both sides, Newton's method does without the very greatest reach."""
 
@@ -235,18 +238,40 @@ def put_outermost(P, by, which, around, starts, n):
     """
     reaches, turns = around
     curvature = curvature_of(P, level_place(by.target.place))
-    width = HIGHEST * 2.0 * math.pi / TURNS
     lowest = -2.0 * HIGHER * P[FAR] / abs(curvature)
     for signs in range(4):
         for k in range(turns[signs] if (which >> signs) & 1 == 1 else 0):
             i = MOST_TURNS * signs + k
             a, b = reaches[i], reaches[next_turn(turns, i)]
-            ahead = short_way(b[2] - a[2])
-            rises = ahead * a[REACH_RISE] > 0.0 and ahead * b[REACH_RISE] <= 0.0
-            top = min(a[REACH_ROOM] + width * abs(a[REACH_RISE]), b[REACH_ROOM] + width * abs(b[REACH_RISE]))
-            if rises and top > lowest and n + 2 <= starts.shape[0]:
-                n = put_pair(P, by, (a, a[2] + ahead, b[REACH_RISE]), curvature, starts, n)
+            if greatest_between(a, b) > lowest and n + 2 <= starts.shape[0]:
+                n = put_pair(P, by, (a, a[2] + short_way(b[2] - a[2]), b[REACH_RISE]), curvature, starts, n)
     return n
+
+
+@kernel
+def greatest_between(a, b):
+    """What no room between two turns exceeds, if it is greatest between them; minus infinity where it is not."""
+    width = HIGHEST * 2.0 * math.pi / TURNS
+    ahead = short_way(b[2] - a[2])
+    rises = ahead * a[REACH_RISE] > 0.0 and ahead * b[REACH_RISE] <= 0.0
+    top = min(a[REACH_ROOM] + width * abs(a[REACH_RISE]), b[REACH_ROOM] + width * abs(b[REACH_RISE]))
+    return top if rises else -math.inf
+
+
+@kernel
+def well_told(around, known):
+    """Of the known pairs of signs, as bits, those whose greatest room is well above nothing, or well below."""
+    reaches, turns = around
+    told = known
+    for signs in range(4):
+        most = top = -math.inf
+        for k in range(turns[signs]):
+            i = MOST_TURNS * signs + k
+            most = max(most, reaches[i, REACH_ROOM])
+            top = max(top, greatest_between(reaches[i], reaches[next_turn(turns, i)]))
+        if most < WELL_TOLD**2 and max(most, top) > -(WELL_TOLD**2):
+            told &= ~(1 << signs)
+    return told
 
 
 @kernel
@@ -287,7 +312,8 @@ def put_pair(P, by, turns, curvature, starts, n):
 def follow_all(P, by, rows, curves):
     """Follow every curve of a pose that the closed form of the nearest exact limb leads to.
 
-    Returns the number of curves, and whether they are all there are for certain: they are laid out, not followed.
+    Returns the number of curves, and whether they are all there are for certain: reaches of an almost straight elbow
+    are known all around.
     """
     R, p, _ = by.target
     oblique = P[SHOULDER + TOP_GAP] + P[SHOULDER + BOTTOM_GAP] + P[WRIST + TOP_GAP] + P[WRIST + BOTTOM_GAP] > OBLIQUE
@@ -299,6 +325,7 @@ def follow_all(P, by, rows, curves):
             count = lay_curves(P, by, around, rows, curves)
             if count >= 0:
                 return count, True
+    told = 0 if oblique else well_told(around, known)
     angles = STARTS_OBLIQUE if oblique else STARTS
     marks = np.empty((8 * angles, MARK))
     missed = np.zeros((8 * angles + MORE_STARTS, MARK))
@@ -325,7 +352,8 @@ def follow_all(P, by, rows, curves):
         if brought and is_known(P, by, q, t, rows, curves, count):
             continue
         own = branch_of(P, q) & 3
-        if not brought and i < n_off and bounced[own] >= MOST_BOUNCED:
+        # Where all reaches are known, they tell what these starts might lead to.
+        if not brought and i < n_off and (bounced[own] >= MOST_BOUNCED or (told >> own) & 1 == 1):
             continue
         there, met = lead_to_curve(P, by, q) if i >= n_off else (q, False)
         q, error = (there, 0.0) if met else close_gently(P, q, R, p, False, by.J, by.A)
@@ -355,4 +383,4 @@ def follow_all(P, by, rows, curves):
             for x in range(2):
                 n = put(rows, n, x * POINT, q)
             count += 1
-    return count, False
+    return count, told == 0b1111

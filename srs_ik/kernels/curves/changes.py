@@ -8,17 +8,20 @@ from srs_ik.kernels.algebra.joint_vectors import along7, difference, dot7, short
 from srs_ik.kernels.algebra.minimum import lowest_of_cubic
 from srs_ik.kernels.algebra.pointers import row
 from srs_ik.kernels.algebra.roots import has_settled, next_parameter, start_crossing, tell_figure
+from srs_ik.kernels.algebra.vectors import norm
+from srs_ik.kernels.chain.newton import elbow_across
 from srs_ik.kernels.curves.ends import on_chord, on_curve, sample_before
 from srs_ik.kernels.curves.follow import meet, null_vector
 from srs_ik.kernels.curves.in_step import ARC, load_sample
 from srs_ik.kernels.curves.told import TOLD_MIDDLES, TOLD_SINES, turns_back
 from srs_ik.kernels.jit import kernel
+from srs_ik.kernels.layout.limb import FAR
 from srs_ik.kernels.limb.branches import NO_BRANCH, phase_of, sine_of
 from srs_ik.kernels.limb.poses import read7
 
-ELBOW = 1
-STRAIGHT = 1e-2
-"""The elbow among middle angles, and the sine of its bend below which it is almost straight."""
+HARDLY_OFF = 2e-3
+"""With the elbow farther off the line S-W than this part of the reach, the arm angle changes by less than 1e-9 rad as a
+curve goes on by `spans.JUST_OUTSIDE`."""
 
 CHANGE = 9
 CHANGE_AT, CHANGE_MIDDLE, CHANGE_POSTURE = range(3)
@@ -56,12 +59,12 @@ def put_change(changes, n, there, middle):
 
 @kernel
 def posture_beside(P, by, curve, change, x):
-    """The posture next to a change of branch, at a parameter: that of the change, unless the elbow is almost straight.
+    """The posture next to a change of branch, at a parameter: that of the change, unless its elbow is almost on S-W.
 
     There the arm angle changes fast: it is that of the parameter alone, if that has one.
     """
     q = read7(row(change, CHANGE_POSTURE))
-    if abs(sine_of(P, q, ELBOW)) < STRAIGHT:
+    if norm(elbow_across(P, q, by.target.place[0])) < HARDLY_OFF * P[FAR]:
         there, off = on_curve(P, by, 0, curve, x)
         q = there if off < NO_BRANCH else q
     return q

@@ -8,8 +8,8 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from srs_ik.kernels.algebra.joint_vectors import along7, difference, dot7, short_way
-from srs_ik.kernels.algebra.vectors import across, load3, norm, sub
-from srs_ik.kernels.chain.newton import STEPS, close_at_angle, elbow_position
+from srs_ik.kernels.algebra.vectors import norm
+from srs_ik.kernels.chain.newton import STEPS, close_at_angle, elbow_across
 from srs_ik.kernels.chain.starts import best_row
 from srs_ik.kernels.curves.changes import (
     CHANGE,
@@ -39,7 +39,7 @@ from srs_ik.kernels.curves.told import (
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.answer import ROW_COST
 from srs_ik.kernels.layout.asked import Goal, Samples, Setting
-from srs_ik.kernels.layout.limb import FAR, SHOULDER_CENTRE
+from srs_ik.kernels.layout.limb import FAR
 from srs_ik.kernels.layout.search import MAX_RUNS, RUN
 from srs_ik.kernels.limb.branches import NO_BRANCH, bit_of, branch_of, is_on_border
 from srs_ik.kernels.limb.goal import NO_SEED, turned
@@ -182,7 +182,7 @@ def is_here(P, by, q, ahead):
     if abs(ahead) < SAME_ANGLE or abs(ahead) > UNTOLD:
         return abs(ahead) < SAME_ANGLE
     t, sign = tangent_at(P, by, q)
-    off_line = norm(across(sub(elbow_position(P, q), load3(P, SHOULDER_CENTRE)), by.target.place[0]))
+    off_line = norm(elbow_across(P, q, by.target.place[0]))
     return sign != 0.0 and abs(ahead) * off_line < OF_ROUNDING * P[FAR] * vagueness(by.J, t, by.A)
 
 

@@ -7,7 +7,7 @@ import math
 import numpy as np
 
 from srs_ik.kernels.algebra.pointers import keep, row
-from srs_ik.kernels.algebra.vectors import across, load3, norm, sub
+from srs_ik.kernels.algebra.vectors import norm
 from srs_ik.kernels.chain.kinematics import pose_error
 from srs_ik.kernels.chain.newton import (
     CLOSED,
@@ -18,7 +18,7 @@ from srs_ik.kernels.chain.newton import (
     close_at_angle,
     close_free,
     close_gently,
-    elbow_position,
+    elbow_across,
     pose_step,
 )
 from srs_ik.kernels.curves.follow import correct
@@ -32,7 +32,6 @@ from srs_ik.kernels.layout.limb import (
     MISS,
     PHASE,
     SHOULDER,
-    SHOULDER_CENTRE,
     SIZE,
     STRAIGHT,
     UPPER,
@@ -260,7 +259,7 @@ def found_again(P, target, branch, goal, J, A):
 @kernel
 def is_on_line(P, q, place_):
     """Whether the elbow of a posture is on the line S-W of its pose, and so at every arm angle at once."""
-    return norm(across(sub(elbow_position(P, q), load3(P, SHOULDER_CENTRE)), place_[0])) < 3.0 * ON_LINE
+    return norm(elbow_across(P, q, place_[0])) < 3.0 * ON_LINE
 
 
 @kernel
