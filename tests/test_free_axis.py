@@ -355,6 +355,40 @@ def test_a_pose_met_in_few_turns_is_met_from_a_far_seed():
     assert_met("human_arm", free, solution.q, T)
 
 
+AT_THE_END = (
+    (
+        "made_bent",
+        [0.867865, -0.433344, -0.242949],
+        [-1.6250856, -0.8250838, 0.3305372, 1.0454985, -1.06088, 0.1647852, -1.12444],
+        [2.405776, -1.712819, -0.297054],
+    ),
+    (
+        "made_rounded",
+        [-0.879221, 0.449855, 0.156848],
+        [1.2847082, 1.3872765, 0.8035515, -1e-06, 2.8890406, 0.001, -2.4390039],
+        [2.105098, -2.176996, 0.266129],
+    ),
+    (
+        "made_rounded",
+        [0.993813, -0.110825, 0.007252],
+        [2.6732527, -0.2073239, -0.6327048, 1e-06, -1.7695721, -0.001, -0.5578557],
+        [2.99079, -0.802105, 0.507565],
+    ),
+)
+"""Arms that are stretched out, axes that lean by up to 1 rad from a pose, and how that is turned."""
+
+
+@pytest.mark.parametrize(("name", "axis", "q", "turned"), AT_THE_END)
+def test_at_the_end_of_the_reach_few_directions_of_a_cone_meet_a_pose(name, axis, q, turned):
+    free = FreeAxis(axis, cone=1.0)
+    T = arms.forward(name)(np.array(q)).homogeneous
+    T[:3, :3] = T[:3, :3] @ pin.exp3(np.array(turned))
+    for seed in (None, np.zeros(7), q):
+        solution = arms.load(name).solve(T, seed=seed, free_axis=free)
+        assert solution, solution.message
+        assert_met(name, free, solution.q, T)
+
+
 @pytest.mark.parametrize("cone", [1e-6, 1e-3, 0.05, 0.3, 1.0, 2.0, math.pi])
 @pytest.mark.parametrize("name", ["iiwa14", "human_arm", "gen3"])
 def test_no_cone_is_answered_worse_than_the_roll_alone(name, cone):

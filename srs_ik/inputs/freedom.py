@@ -35,6 +35,9 @@ FINE_APART, FINE_ROLLS = 0.55, 6
 FINE_WIDE_APART, FINE_WIDE_ROLLS = 0.9, 4
 """The same where turns are looked at and not searched from; in wide cones."""
 
+MANY_APART, MANY_ROLLS = 0.7, 12
+"""The same where no search from those has met a pose: how far apart directions are at most, by the cone."""
+
 
 class FreeAxis:
     """A rotation that is not wanted in full: the roll about an axis of the tip is free, and the axis may lean.
@@ -85,6 +88,13 @@ class FreeAxis:
         if self.cone <= NARROW:
             return self._spread(NARROW_APART * self.cone, NARROW_ROLLS, 0.5)[NARROW_ROLLS:]
         return self._spread(WIDE_APART if self.cone >= WIDE else RINGS_APART, ROLLS)[ROLLS:]
+
+    @cached_property
+    def many_turns(self) -> Array:
+        """More of them, where few meet a pose: at the end of the reach, above all."""
+        if self.cone == 0.0:
+            return self.turns
+        return self._spread(min(FINE_APART, MANY_APART * self.cone), MANY_ROLLS)
 
     def _spread(self, apart: float, rolls: int, shift: float = 0.0) -> Array:
         return _turns_of(tuple(self.axis.tolist()), self.cone, apart, rolls, shift)

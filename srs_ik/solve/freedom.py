@@ -15,6 +15,7 @@ from srs_ik.inputs.poses import (
     PoseLike,
     as_matrices,
     as_matrix,
+    as_seed,
     as_seeds,
     invalid_pose,
     refuse_bad_poses,
@@ -41,20 +42,21 @@ CLOSEST_OF = 24
 
 
 class _Question(NamedTuple):
-    """Poses, what they leave free, and near which seeds their postures should be, inside the limits or anywhere."""
+    """Poses, what they leave free, near which seeds postures should be, inside the limits or anywhere; turns tried."""
 
     arm: PackedArm
     poses: Array
     free: FreeAxis
     seeds: Array
     respect: bool
+    turns: Array
 
 
 def solve(arm: PackedArm, wanted: PoseLike, free_axis: Any, seed: ArrayLike | None, respect: bool) -> Solution:
     """See `Arm.solve`."""
     free, T = as_free_axis(free_axis), as_matrix(wanted)
-    seeds = as_seeds(seed, 1, arm.lower, arm.upper)
-    row, verdict = _searched_once(_Question(arm, T[None], free, seeds, respect))
+    seeds = NO_SEEDS if seed is None else as_seed(seed, arm.lower, arm.upper)[None]
+    row, verdict = _searched_once(_Question(arm, T[None], free, seeds, respect, free.turns))
     if verdict:
         raise invalid_pose(verdict)
     if row[ROW_STATUS] != _OK:
@@ -68,7 +70,7 @@ def solve_batch(
     """See `Arm.solve_batch`."""
     free, T = as_free_axis(free_axis), as_matrices(poses)
     seeds = as_seeds(seed, len(T), arm.lower, arm.upper)
-    rows, verdicts = _searched(_Question(arm, T, free, seeds, respect), threads)
+    rows, verdicts = _searched(_Question(arm, T, free, seeds, respect, free.turns), threads)
     refuse_bad_poses(verdicts)
     for i in np.flatnonzero(rows[:, ROW_STATUS] != _OK).tolist():
         rows[i] = _found_otherwise(arm, T[i], free, seed_of(seeds, i), respect)
@@ -82,7 +84,7 @@ def met_batch(
 
     `solve_batch` looks on where these meet nothing, which takes milliseconds.
     """
-    rows, _ = _searched(_Question(arm, T, free, seeds, respect), threads)
+    rows, _ = _searched(_Question(arm, T, free, seeds, respect, free.turns), threads)
     return rows[:, :7], rows[:, ROW_STATUS] == _OK
 
 
@@ -100,9 +102,9 @@ def refuse_beside(free_axis: Any, **others: Any) -> None:
 def _found_otherwise(arm: PackedArm, T: Array, free: FreeAxis, near: Array | None, respect: bool) -> Array:
     """The answer where searches from starts that are good by their costs have all led beside the pose.
 
-    Few turns may meet it. So others are tried: without the seed, and from the closest posture of all.
+    Few turns may meet it. So more are tried: without the seed, and from the closest posture of all.
     """
-    met = None if near is None else _met_at_all(arm, T, free, NO_SEEDS, near, respect)
+    met = _met_at_all(arm, T, free, NO_SEEDS, near, respect)
     if met is not None:
         return met
     closest = _closest(arm, T, free, near, respect)
@@ -127,16 +129,16 @@ def _searched_once(asked: _Question) -> tuple[Array, int]:
 
 
 def _search(asked: _Question, out: Array, verdicts: NDArray[np.int8], first: int, last: int) -> None:
-    arm, poses, free, seeds, respect = asked
+    arm, poses, free, seeds, respect, turns = asked
     space = np.empty(WORK), np.empty((MOST_STARTS, START))
-    entries.solve_range(arm.family, poses, first, last, free.packed, free.turns, seeds, respect, *space, out, verdicts)
+    entries.solve_range(arm.family, poses, first, last, free.packed, turns, seeds, respect, *space, out, verdicts)
 
 
 def _met_at_all(
     arm: PackedArm, T: Array, free: FreeAxis, starts: Array, seed: Array | None, respect: bool
 ) -> Array | None:
     """The answer nearest to a seed at the turn that searches from a start, or from none, lead to; None without one."""
-    row, _ = _searched_once(_Question(arm, T[None], free, starts, respect))
+    row, _ = _searched_once(_Question(arm, T[None], free, starts, respect, free.many_turns))
     if row[ROW_STATUS] != _OK or seed is None:
         return row if row[ROW_STATUS] == _OK else None
     turned = T.copy()

@@ -15,7 +15,7 @@ from srs_ik.kernels.algebra.vectors import load3, norm
 from srs_ik.kernels.chain.freedom import free_error
 from srs_ik.kernels.exact.nearest import between_limbs
 from srs_ik.kernels.freedom.constraints import THIN
-from srs_ik.kernels.freedom.queue import APART, MOST_ATTEMPTS, NONE_LEFT, change_places, line_up, take_next
+from srs_ik.kernels.freedom.queue import APART, NONE_LEFT, change_places, line_up, take_next
 from srs_ik.kernels.freedom.settle import NO_POSTURE, distance, led_to, onto_pose, settle
 from srs_ik.kernels.freedom.starts import NO_NEARER
 from srs_ik.kernels.jit import kernel
@@ -119,7 +119,8 @@ def search(P, pose, freedom, liking, sizes, order, found, desk):
         pose: rotation and position.
         freedom: what the pose leaves free.
         liking: what is nearest, and the limits.
-        sizes: how many starts there are, searches at most once a posture is known, and starts that are taken already.
+        sizes: how many starts there are, searches at most once a posture is known and where none is, and starts that
+            are taken already.
         order: column of the costs of starts, how far starts are apart, and how much nearer than those searches come.
         found: the posture that is known.
         desk: work space.
@@ -127,11 +128,11 @@ def search(P, pose, freedom, liking, sizes, order, found, desk):
     Returns:
         It; what is nearest, with that as a rival of later searches; how many starts were taken.
     """
-    count, enough, taken = sizes
+    count, enough, most, taken = sizes
     column, width, shorter = order
     attempts, failed = 0, 0
     line_up(desk.starts, count, column)
-    while attempts + failed < MOST_ATTEMPTS and taken < MOST_TAKEN and not (found.met and attempts + failed >= enough):
+    while attempts + failed < (enough if found.met else most) and taken < MOST_TAKEN:
         start, least, count = take_next(desk.starts, count, taken, column, width)
         reached = math.sqrt(found.cost)
         if least >= NONE_LEFT or math.sqrt(least) > reached + shorter:
@@ -155,12 +156,15 @@ def search(P, pose, freedom, liking, sizes, order, found, desk):
 
 @kernel
 def nearest(P, pose, freedom, liking, sizes, found, desk):
-    """The nearest posture that searches from so many starts in `desk` lead to, or the one that is known."""
-    count, enough = sizes
+    """The nearest posture that searches from starts in `desk` lead to, or the one that is known.
+
+    Sizes are how many starts there are, and searches at most once a posture is known, and where none is.
+    """
+    count, enough, most = sizes
     first = START_COST, APART, NO_NEARER
-    found, liking, taken = search(P, pose, freedom, liking, (count, enough, 0), first, found, desk)
+    found, liking, taken = search(P, pose, freedom, liking, (count, enough, most, 0), first, found, desk)
     if found.met:
         count = write_late(desk.starts, count, liking, (math.sqrt(found.cost) + NO_SHORTER) ** 2)
         late = START_LATE, WIDELY, NO_SHORTER
-        found, _, _ = search(P, pose, freedom, liking, (count, LATE, taken), late, found, desk)
+        found, _, _ = search(P, pose, freedom, liking, (count, LATE, LATE, taken), late, found, desk)
     return found

@@ -6,6 +6,7 @@ them, so that none is lost and another search can go through all of them again.
 
 from __future__ import annotations
 
+from srs_ik.kernels.algebra.lanes import LANES, as_bits, gather, scatter
 from srs_ik.kernels.algebra.pointers import row
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.freedom import MOST_STARTS, START
@@ -25,30 +26,45 @@ NONE_LEFT = 1e300
 @kernel
 def are_close(a, b, width):
     """Whether two starts are this close to each other in every joint, rad."""
-    j = 0
-    while j < 7 and abs(a[j] - b[j]) < width:
-        j += 1
-    return j == 7
+    return as_bits(abs(gather(a, 0, 1) - gather(b, 0, 1)) < width) & 0b1111111 == 0b1111111
+
+
+@kernel
+def figures(starts, i):
+    """All figures of a start, as two times eight of which some are in both."""
+    here = row(starts, i)
+    return gather(here, 0, 1), gather(here, START - LANES, 1)
+
+
+@kernel
+def put(starts, i, start):
+    """Write the figures of a start."""
+    here = row(starts, i)
+    scatter(here, 0, 1, start[0])
+    scatter(here, START - LANES, 1, start[1])
 
 
 @kernel
 def change_places(starts, i, k):
     """Let two starts change places."""
-    for j in range(START):
-        starts[i, j], starts[k, j] = starts[k, j], starts[i, j]
+    one = figures(starts, i)
+    put(starts, i, figures(starts, k))
+    put(starts, k, one)
 
 
 @kernel
 def sink(starts, i, n, cost):
     """Move a start of n down, until none below it costs less, by that column."""
+    start, own = figures(starts, i), starts[i, cost]
     while 2 * i + 1 < n:
         k = 2 * i + 1
         if k + 1 < n and starts[k + 1, cost] < starts[k, cost]:
             k += 1
-        if starts[i, cost] <= starts[k, cost]:
+        if own <= starts[k, cost]:
             break
-        change_places(starts, i, k)
+        put(starts, i, figures(starts, k))
         i = k
+    put(starts, i, start)
 
 
 @kernel
@@ -73,7 +89,6 @@ def take_next(starts, n, taken, cost, width):
         while k < taken and not are_close(here, row(starts, MOST_STARTS - 1 - k), width):
             k += 1
         if k == taken:
-            for j in range(START):
-                starts[MOST_STARTS - 1 - k, j] = here[j]
+            put(starts, MOST_STARTS - 1 - k, figures(starts, n))
             return read7(here), here[cost], n
     return NO_SEED, NONE_LEFT, 0

@@ -10,7 +10,7 @@ from srs_ik.kernels.chain.kinematics import forward_kinematics
 from srs_ik.kernels.chain.newton import arm_angle
 from srs_ik.kernels.freedom.constraints import THIN
 from srs_ik.kernels.freedom.nearest import beside, nearest
-from srs_ik.kernels.freedom.queue import NONE_LEFT
+from srs_ik.kernels.freedom.queue import MOST_ATTEMPTS, NONE_LEFT
 from srs_ik.kernels.freedom.settle import EVEN, NO_POSTURE, led_to, onto_pose, settle
 from srs_ik.kernels.freedom.starts import is_loose, starts_of_roll, starts_of_turns
 from srs_ik.kernels.freedom.turns import held_straight
@@ -72,7 +72,7 @@ def nearest_of_all(P, pose, given, liking, found, desk):
     """The nearest posture that searches lead to, from starts all over what is free, or the one that is known.
 
     A thin cone is searched as a roll: that of the way to which its axis presses. In a narrow one the roll alone comes
-    first, too: what is found there leads to a posture that is no worse.
+    first, too: what is found there leads to a posture that is no worse. A few searches tell whether there is one.
     """
     freedom = given[0]
     loose = is_loose(P, freedom.axis)
@@ -80,7 +80,8 @@ def nearest_of_all(P, pose, given, liking, found, desk):
     if freedom.cone <= NARROW:
         held = held_straight(P, pose, freedom.axis, liking)
         first = freedom if freedom.cone <= THIN else Freedom(freedom.axis, 0.0)
-        found = nearest(P, pose, first, held, (count, NEAREST), found, desk)
+        most = MOST_ATTEMPTS if freedom.cone == 0.0 else NEAREST_IN_NARROW
+        found = nearest(P, pose, first, held, (count, NEAREST, most), found, desk)
     if found.met and freedom.cone > THIN:
         q, cost, error, at_rest = settle(P, found.q, pose, freedom, liking, desk)
         if error < SOLVED and cost < found.cost:
@@ -90,7 +91,7 @@ def nearest_of_all(P, pose, given, liking, found, desk):
         return found
     count = starts_of_turns(P, pose, given, Sought(True, liking.posture, found, loose, 0.0), desk, count)
     enough = NEAREST_IN_NARROW if freedom.cone <= NARROW else NEAREST_IN_CONE
-    return nearest(P, pose, freedom, liking, (count, enough), found, desk)
+    return nearest(P, pose, freedom, liking, (count, enough, MOST_ATTEMPTS), found, desk)
 
 
 @kernel

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 
-from srs_ik.kernels.algebra.lanes import eight_of, gather, scatter
+from srs_ik.kernels.algebra.lanes import LANES, as_mask, eight_of, gather, scatter, where
 from srs_ik.kernels.algebra.pointers import row
 from srs_ik.kernels.freedom.elimination import BASIC_ROW, INVERSE, RHS, solve_equations
 from srs_ik.kernels.jit import kernel
@@ -43,11 +43,26 @@ def dot7(A, i, B, k, at):
 
 
 @kernel
+def halves(M, i):
+    """Row i, eight figures each."""
+    return gather(row(M, i), 0, 1), gather(row(M, i), LANES, 1)
+
+
+@kernel
+def put_halves(M, i, columns, figures):
+    """Write row i in some columns, eight figures each."""
+    low, high = halves(M, i)
+    scatter(row(M, i), 0, 1, where(columns[0], figures[0], low))
+    scatter(row(M, i), LANES, 1, where(columns[1], figures[1], high))
+
+
+@kernel
 def eliminate(M, n):
     """Solve the n x n system in M, right-hand side in column RHS, by elimination with pivoting, in place.
 
     Returns the sign of the determinant.
     """
+    columns = as_mask((1 << n) - 1), as_mask(((1 << n) - 1 >> LANES) | 1 << (RHS - LANES))
     sign = 1.0
     for k in range(n):
         pivot = k
@@ -58,17 +73,16 @@ def eliminate(M, n):
             M[pivot, k] = 1e-300
         if M[pivot, k] < 0.0:
             sign = -sign
+        low, high = halves(M, pivot)
         if pivot != k:
             sign = -sign
-            for j in range(k, n):
-                M[k, j], M[pivot, j] = M[pivot, j], M[k, j]
-            M[k, RHS], M[pivot, RHS] = M[pivot, RHS], M[k, RHS]
+            put_halves(M, pivot, columns, halves(M, k))
+            put_halves(M, k, columns, (low, high))
         for i in range(k + 1, n):
             f = M[i, k] / M[k, k]
             if f != 0.0:
-                for j in range(k + 1, n):
-                    M[i, j] -= f * M[k, j]
-                M[i, RHS] -= f * M[k, RHS]
+                first, last = halves(M, i)
+                put_halves(M, i, columns, (first - f * low, last - f * high))
     for k in range(n - 1, -1, -1):
         s = M[k, RHS]
         for j in range(k + 1, n):
