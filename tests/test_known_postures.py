@@ -405,6 +405,23 @@ def test_closed_curves_of_which_little_tells_are_found(bench, name):
         assert_is_whole(bench, arm, np.array(given.split(), float))
 
 
+BETWEEN = [
+    "-1.7871225237392168 -0.08601570662656677 -1.857695883456233 -1.520620603427328 1.8945262529017572 1e-06 "
+    "-0.7152140719500606",
+    "2.3390830163487335 0.07826994082306565 -1.1066889079325866 -0.8892229174351649 1.0566799195304837 "
+    "-0.0005441520322508546 -1.3618452937166914",
+    "0.4564281541353754 -0.10078870046539105 -1.8524682658578584 2.0534140388412596 2.1750268634584016 "
+    "-0.0003460479104536603 0.3894752740907519",
+]
+"""Postures of a gen3 on closed curves of a tenth of a radian of arm angles, from a singular shoulder to a singular
+wrist."""
+
+
+@pytest.mark.parametrize("given", BETWEEN)
+def test_closed_curves_between_a_singular_shoulder_and_a_singular_wrist_are_found(bench, given):
+    assert_is_whole(bench, arms.load("gen3"), np.array(given.split(), float))
+
+
 VAGUE = [
     [3.1, 1.1575796185553155, -3.1, -1e-12, 1.0266969931846712, -1e-12, -6.28],
     [-3.1, -2.069514261920832, -3.1, -1e-9, 0.7770343259540753, -1e-9, -6.28],
