@@ -92,7 +92,7 @@ def put_arcs_of(P, k, circle, band, arcs, first, n):
 
 @kernel
 def find_arcs(P, view, arcs):
-    """Write the arcs of both sides of the elbow into rows of arcs; their number, -1 where they do not tell all there is.
+    """Write the arcs of both sides of the elbow into rows of arcs; their number, -1 where they do not tell all.
 
     That is where one is a whole circle, or where an arc of the shoulder and one of the wrist touch: between the two the
     true chain may have closed curves that come to no end of an arc.
