@@ -184,6 +184,9 @@ CLOSE_BY = {
         "2.110092102903869 1e-10 3.027496196872853 1.864686943095451 0.9865729218642731 -1e-10 0.5531856599955551",
         "2.677896433128184 -1e-09 -0.04033112868530386 1e-09 -1.024909238279215 1.5400094450368562 2.734962829322787",
         "-1.5912577351362547 0.0001 1.0575820629139305 -0.0001 1.3318739326404896 0.0001 2.6378742708935645",
+        # The end of an interval on a limit, where a bend of 1e-4 rad tells arm angles to some 1e-9 rad.
+        "-1.2222047747577167 -0.7418318199171408 0.5070213725527615 0.0001 -2.532735179841688 "
+        "-0.16379695475083977 -1.134034149092435",
     ],
     ("random_near", 2): [
         "-0.7213337438396126 1e-08 -0.7240650453358386 0.0011407598631242803 1.0211663508107796 "
@@ -417,6 +420,40 @@ def test_closed_curves_of_which_little_tells_are_found(bench, name):
     arm = arms.load(name) if isinstance(name, str) else next(islice(made, name[1], None))[0]
     for given in LITTLE_MORE_THAN_FLAT[name]:
         assert_is_whole(bench, arm, np.array(given.split(), float))
+
+
+IN_ANOTHER_TURN = [
+    "2.8678307946983885 0.01439782813373487 -0.24906101299832573 -1.0166241802240372 0.14959519499428486 "
+    "-0.00745458719158799 -0.32771464163351594",
+    "-1.0014838570735332 0.6018730577803297 -2.3830167270522793 0.5718856757746291 0.7540285074927628 "
+    "-0.019269298622843902 -0.8279243280994448",
+    "0.4392339047356524 0.012792937177646716 -1.5484239796154329 -0.7933626159001597 0.11886304334155007 "
+    "0.004951235264810171 2.9330732133714275",
+]
+"""Postures of an arm whose joint 7 turns by almost a turn: of some of their pose, at the end of an interval, it is more
+than half a turn from zero where the closed form of the nearest exact limb tells it."""
+
+
+@pytest.mark.parametrize("given", IN_ANOTHER_TURN if "iiwa14_experimental" in arms.here("iiwa14_experimental") else [])
+def test_a_joint_in_another_turn_than_its_limits_ends_an_interval(bench, given):
+    assert_is_whole(bench, arms.load("iiwa14_experimental"), np.array(given.split(), float))
+
+
+BETWEEN = [
+    "-1.7871225237392168 -0.08601570662656677 -1.857695883456233 -1.520620603427328 1.8945262529017572 1e-06 "
+    "-0.7152140719500606",
+    "2.3390830163487335 0.07826994082306565 -1.1066889079325866 -0.8892229174351649 1.0566799195304837 "
+    "-0.0005441520322508546 -1.3618452937166914",
+    "0.4564281541353754 -0.10078870046539105 -1.8524682658578584 2.0534140388412596 2.1750268634584016 "
+    "-0.0003460479104536603 0.3894752740907519",
+]
+"""Postures of a gen3 on closed curves of a tenth of a radian of arm angles, from a singular shoulder to a singular
+wrist."""
+
+
+@pytest.mark.parametrize("given", BETWEEN)
+def test_closed_curves_between_a_singular_shoulder_and_a_singular_wrist_are_found(bench, given):
+    assert_is_whole(bench, arms.load("gen3"), np.array(given.split(), float))
 
 
 VAGUE = [

@@ -63,11 +63,14 @@ from srs_ik.kernels.limb.branches import branch_of
 from srs_ik.kernels.limb.goal import NO_SEED, turned
 from srs_ik.kernels.limb.limits import turn_to_middle, violation
 from srs_ik.kernels.limb.poses import read7
-from srs_ik.kernels.limb.surface import level_place, put_starts
+from srs_ik.kernels.limb.surface import level_place, put_between, put_starts
 
 STARTS = 8
 STARTS_OBLIQUE = 48
 """Arm angles, all around, at which the closed form gives starts; a branch of oblique axes may be a short arc."""
+
+MOST_ANGLES = STARTS_OBLIQUE + 8
+"""And others between these."""
 
 MOST_BOUNCED, BOUNCED = 6, 1e-2
 """Of starts with the same signs of shoulder and wrist, so many one after the other may end with an error above the
@@ -123,8 +126,16 @@ ROOM = 1e-2
 
 
 @kernel
-def put_marks(P, by, angles, marks, missed):
-    """Marks on all curves, from the closed form at arm angles all around; how many, and how many starts are missed.
+def put_angles(P, place_, around, angles):
+    """Write the arm angles at which the closed form gives starts: some all around, and others; their number."""
+    for i in range(around):
+        angles[i] = (2.0 * i / around - 1.0) * math.pi
+    return put_between(P, place_, 2.0 * math.pi / around, angles, around)
+
+
+@kernel
+def put_marks(P, by, angles, oblique, marks, missed):
+    """Marks on all curves, from the closed form at some arm angles; how many, and how many starts are missed.
 
     `missed` takes the postures from which Newton's method in step does not reach the pose. Returned last are, as bits,
     the signs of shoulder and wrist of which some are.
@@ -134,9 +145,8 @@ def put_marks(P, by, angles, marks, missed):
     starts = row(A, FIRST)
     count = 0
     n_missed, signs = 0, 0
-    oblique = angles > STARTS
-    for i in range(angles):
-        psi = (2.0 * i / angles - 1.0) * math.pi
+    for i in range(angles.shape[0]):
+        psi = angles[i]
         exist = start_all(P, bent_place(P, place_), psi, False, NO_SEED, False, A)
         closed, met = close_eight(P, take_eight(starts, WIDTH), R, p, place_[0], place_[1], psi, STEPS)
         put_eight(starts, WIDTH, met, closed)
@@ -326,13 +336,14 @@ def follow_all(P, by, rows, curves):
             if count >= 0:
                 return count, True
     told = 0 if oblique else well_told(around, known)
-    angles = STARTS_OBLIQUE if oblique else STARTS
-    marks = np.empty((8 * angles, MARK))
-    missed = np.zeros((8 * angles + MORE_STARTS, MARK))
+    angles = np.empty(MOST_ANGLES)
+    n_angles = put_angles(P, by.target.place, STARTS_OBLIQUE if oblique else STARTS, angles)
+    marks = np.empty((8 * n_angles, MARK))
+    missed = np.zeros((8 * n_angles + MORE_STARTS, MARK))
     pieces = np.empty((rows.shape[0], SAMPLE))
     n = 0
     count = 0
-    n_marks, n_off, signs = put_marks(P, by, angles, marks, missed)
+    n_marks, n_off, signs = put_marks(P, by, angles[:n_angles], oblique, marks, missed)
     n_surface = put_starts(P, by.target.place, missed, n_off)
     alone = np.empty((MOST_LEFT, CENTRE))
     n_outer = put_outermost(P, by, signs & known, around, missed, n_surface)

@@ -10,7 +10,7 @@ import math
 
 import numpy as np
 
-from srs_ik.kernels.algebra.joint_vectors import store7
+from srs_ik.kernels.algebra.joint_vectors import short_way, store7
 from srs_ik.kernels.algebra.pointers import keep, row
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.asked import Goal
@@ -164,6 +164,24 @@ def where_equal(a, b):
     middle, half = math.atan2(s, c), math.acos(rest / size)
     first, second = middle - half, middle + half
     return (first if from_line(a, first) < from_line(a, second) else second), True
+
+
+@kernel
+def put_between(P, place_, apart, angles, n):
+    """Append arm angles midway between those at which shoulder and wrist come closest to singular; their number.
+
+    Closer together than `apart`, rad, the true chain may have closed curves of its own between the two.
+    """
+    width = width_for_curves(P)
+    for elbow in range(2 if may_line_up(P, place_, width) else 0):
+        side = elbow_side(P, place_, elbow)
+        for i in range(4):
+            s, w = closest(P, SHOULDER, side[1], i >> 1), closest(P, WRIST, side[2], i & 1)
+            ahead = short_way(w[0] - s[0])
+            if max(s[1], w[1]) < width and abs(ahead) < apart and n < angles.shape[0]:
+                angles[n] = s[0] + 0.5 * ahead
+                n += 1
+    return n
 
 
 @kernel

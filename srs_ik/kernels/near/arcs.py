@@ -92,15 +92,23 @@ def put_arcs_of(P, k, circle, band, arcs, first, n):
 
 @kernel
 def find_arcs(P, view, arcs):
-    """Write the arcs of both sides of the elbow into rows of arcs; their number, -1 where one is a whole circle."""
+    """Write the arcs of both sides of the elbow into rows of arcs; their number, -1 where they do not tell all.
+
+    That is where one is a whole circle, or where an arc of the shoulder and one of the wrist touch: between the two the
+    true chain may have closed curves that come to no end of an arc.
+    """
     n = 0
     for elbow in range(2):
         first = n
-        n = put_arcs_of(P, SHOULDER, view.sides[elbow][1][0], nearness(SHOULDER, view.band), arcs, first, n)
+        n = middle = put_arcs_of(P, SHOULDER, view.sides[elbow][1][0], nearness(SHOULDER, view.band), arcs, first, n)
         if n >= 0:
-            n = put_arcs_of(P, WRIST, view.sides[elbow][2][0], nearness(WRIST, view.band), arcs, first, n)
+            n = put_arcs_of(P, WRIST, view.sides[elbow][2][0], nearness(WRIST, view.band), arcs, middle, n)
         if n < 0:
             return -1
+        for i in range(first, middle):
+            for k in range(middle, n):
+                if touches(arcs, i, arcs, k):
+                    return -1
         for i in range(first, n):
             arcs[i, ARC_ELBOW] = elbow
             arcs[i, ARC_NEEDED] = 0.0

@@ -22,6 +22,7 @@ from srs_ik.kernels.layout.answer import MAX_PIECES
 from srs_ik.kernels.layout.asked import Setting
 from srs_ik.kernels.layout.limb import SIZE, SLACK_JOIN
 from srs_ik.kernels.layout.search import MAX_RUNS, RUN
+from srs_ik.kernels.limb.goal import NO_SEED, turned
 from srs_ik.kernels.limb.limits import beyond, turn_to_middle
 from srs_ik.kernels.limb.poses import read7
 from srs_ik.kernels.limb.surface import has_surface
@@ -99,7 +100,8 @@ def put_scanned(P, view, branch, stretch, states, ends, n):
         if inside != (points[a, POINT_OFF] <= 0.0):
             k = b if inside else a
             at = (points[k, POINT_PSI], -1.0 if inside else 1.0, points[a, POINT_PSI], points[b, POINT_PSI])
-            n = put_end(ends, n, read7(points[k]), branch, at)
+            # In another turn a joint would be on no limit on its way.
+            n = put_end(ends, n, turned(P, read7(points[k]), False, NO_SEED, True), branch, at)
         elif not inside:
             first, last = inside_between(P, view.target, points[a], points[b])
             if first <= last:

@@ -33,6 +33,9 @@ BARELY = 1e-3
 
 CLOSING_STEPS = 12
 
+APART = 4.0
+"""An answer, the end of an interval and the posture inside are each off by what is vague, and rounding by any signs."""
+
 
 @kernel
 def meets(P, q, target):
@@ -90,6 +93,6 @@ def put_on_limits(P, target, psi, found, goal):
     J, A = np.empty((6, 7)), np.empty((16, 9))
     q, error = close_free(P, clipped(P, q), R, p, True, CLOSING_STEPS, J, A)
     away = short_way(arm_angle(P, q, place_[0], place_[1]) - psi)
-    if error > CLOSED or not abs(away) <= SAME_ANGLE + vagueness(P, q, target, psi, A):
+    if error > CLOSED or not abs(away) <= SAME_ANGLE + APART * vagueness(P, q, target, psi, A):
         return found
     return q, branch, cost(P, q, goal.seeded, goal.seed, True)
