@@ -26,7 +26,7 @@ from srs_ik.kernels.chain.newton import (
 )
 from srs_ik.kernels.chain.newton_eight import close_eight
 from srs_ik.kernels.chain.rank_five import BLUR, CENTRE, is_among, put_amid
-from srs_ik.kernels.chain.starts import FIRST, WIDTH, bent_place, start_all
+from srs_ik.kernels.chain.starts import FIRST, WIDTH, bent_place, put_splits, start_all
 from srs_ik.kernels.curves.follow import (
     CURVE,
     FIRST_GUESS,
@@ -306,7 +306,7 @@ def follow_all(P, by, rows, curves):
     n = 0
     count = 0
     n_marks, n_off, signs = put_marks(P, by, angles, marks, missed)
-    n_surface = put_starts(P, by.target.place, missed, n_off)
+    n_surface = put_starts(P, by.target.place, missed, put_splits(P, by.target, by.J, missed, n_off))
     alone = np.empty((MOST_LEFT, CENTRE))
     n_outer = put_outermost(P, by, signs & known, around, missed, n_surface)
     n_missed, n_alone = put_amid(P, by.target, missed, n_off, n_outer, alone, (by.J, by.A))

@@ -243,7 +243,7 @@ def search_near_seed(family, target, goal, J, A):
     known = (q, branch, lowest)
     if minimum and is_alone(P, goal.seed, lowest):
         return known
-    if lowest < OUTSIDE:
+    if lowest < OUTSIDE or P[IS_NEAR] != 0.0:
         known = with_splits(P, target, -1, goal, known)
     if P[IS_NEAR] != 0.0:
         return search_near_seed_true(family, target, guessed, known, goal, J, A)
