@@ -10,8 +10,10 @@ import math
 import numpy as np
 
 from srs_ik.kernels.algebra.joint_vectors import short_way, with_joint
+from srs_ik.kernels.algebra.pointers import row
 from srs_ik.kernels.chain.descent import slid
 from srs_ik.kernels.chain.newton import closed_better
+from srs_ik.kernels.curves.ends import on_curve
 from srs_ik.kernels.curves.follow import meet
 from srs_ik.kernels.curves.in_step import load_sample
 from srs_ik.kernels.curves.lowest import close_in_on, cost_at, cost_of_turn, hope, rate_of_cost
@@ -21,7 +23,7 @@ from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.asked import Best, Setting
 from srs_ik.kernels.layout.limb import LOWER, RANGE_KIND, UPPER
 from srs_ik.kernels.layout.search import MAX_RUNS, RUN
-from srs_ik.kernels.limb.branches import NO_BRANCH, branch_of
+from srs_ik.kernels.limb.branches import NO_BRANCH, branch_of, is_on_border
 from srs_ik.kernels.limb.goal import OUTSIDE
 from srs_ik.kernels.limb.triangle import elbow_side
 
@@ -83,6 +85,15 @@ def best_on(P, by, curve, ends, goal, best):
 
 
 @kernel
+def is_in_branch(P, by, curve, span, branch):
+    """Whether a span is of a branch, or on its border: along a free split, rounding decides which it is."""
+    if int(span[1]) == branch:
+        return True
+    middle, _ = on_curve(P, by, 0, curve, 0.5 * (span[2] + span[3]))
+    return is_on_border(P, middle, branch)
+
+
+@kernel
 def best_of_runs(P, by, rows, runs, branch, goal, best):
     """Best posture of runs (in one branch, if it is wanted), if it is better than the best so far."""
     if branch < 0:
@@ -92,8 +103,8 @@ def best_of_runs(P, by, rows, runs, branch, goal, best):
         return best
     spans = np.empty((MAX_SPANS, SPAN))
     for i in range(find_spans(P, by, rows, runs, spans)):
-        if int(spans[i, 1]) == branch:
-            curve = samples_of(rows, runs[int(spans[i, 0])])
+        curve = samples_of(rows, runs[int(spans[i, 0])])
+        if is_in_branch(P, by, curve, row(spans, i), branch):
             best = best_on(P, by, curve, (spans[i, 2], spans[i, 3]), goal, best)
     return best
 
@@ -111,9 +122,9 @@ def search_followed(P, target, branch, goal, inside, J, A):
     q, lowest = best_of_runs(P, by, rows, runs[:k], branch, goal, Best(goal.seed, 4.0 * NO_BRANCH))
     if goal.seeded and lowest < OUTSIDE:
         nearer, value, _ = slid(P, target, q, goal, J, A)
-        if value < lowest and (branch < 0 or branch_of(P, nearer) == branch):
+        if value < lowest and (branch < 0 or is_on_border(P, nearer, branch)):
             q, lowest = nearer, value
     if lowest < OUTSIDE:
         # A joint that was a rounding outside its limits has been put on them; the others make up for it.
         q = closed_better(P, q, target, goal.respect, J, A)
-    return q, branch_of(P, q), lowest
+    return q, branch if branch >= 0 else branch_of(P, q), lowest

@@ -10,6 +10,7 @@ from srs_ik.kernels.algebra.pointers import keep, row
 from srs_ik.kernels.chain.descent import THOROUGH, descend, slid
 from srs_ik.kernels.chain.kinematics import pose_error
 from srs_ik.kernels.chain.newton import CLOSED, arm_angle, close_free
+from srs_ik.kernels.chain.starts import SPLITS, put_splits
 from srs_ik.kernels.curves.best import search_followed
 from srs_ik.kernels.exact.farthest import branch_at, copy_interval, farthest, farthest_of_all, whole_circles
 from srs_ik.kernels.exact.free_splits import settled_split, with_splits
@@ -99,7 +100,7 @@ def guess(P, target, goal, J, A):
 def search_hardly_near(P, target, found, known, goal, J, A):
     """The nearest posture in intervals of a limb that hardly differs from its nearest exact limb: q, branch, cost.
 
-    That limb's own nearest posture, settled on the true chain; only next to a singularity are the curves followed.
+    That limb's own nearest posture, settled on the true chain, and whether it is told: not next to a singularity.
     `known` is the best posture so far, its branch and cost. Where the limits leave points or little more, one of the
     two limbs may have postures alone; so they are as far apart wider for that limb as its postures may be from these.
     """
@@ -110,28 +111,30 @@ def search_hardly_near(P, target, found, known, goal, J, A):
     start, _, value = nearest_within(wide, target.place, found, -1, goal, 4.0 * NO_BRANCH)
     keep(boxes)
     if value >= OUTSIDE and not is_unsure(P, q):
-        return known
+        return known, True
     if value < OUTSIDE and not is_unsure(P, start) and not is_unsure(P, q):
         if value >= lowest:
-            return known
+            return known, True
         start, error = close_free(P, start, target.R, target.p, goal.respect, FEW_STEPS, J, A)
         settled, there, _ = slid(P, target, start, goal, J, A)
         if error < CLOSED and there < value + HARDLY_FARTHER:
-            return (settled, branch_of(P, settled), there) if there < lowest else known
-    other = search_followed(P, target, -1, goal, goal.respect, J, A)
-    return other if other[2] < lowest else known
+            return ((settled, branch_of(P, settled), there) if there < lowest else known), True
+    return known, False
 
 
 @kernel
-def may_be_singular(P, place_, seed, distance):
+def may_be_singular(P, target, seed, distance, J):
     """Whether outer axes of a near limb may come into line no farther than some distance from a seed.
 
-    There the exact limb's postures, along which sums of joints are split, are far from those of the true chain.
+    There the exact limb's postures, along which sums of joints are split, are far from those of the true chain; where
+    this splits sums too, it has a curve of postures at a single arm angle of that limb.
     """
     s2 = abs(math.sin(seed[1] - P[SHOULDER + PHASE]))
     s6 = abs(math.sin(seed[5] - P[WRIST + PHASE]))
     within = distance + between_limbs(P)
-    return max(s2, s6) < within and has_surface(P, place_)
+    if max(s2, s6) < within and has_surface(P, target.place):
+        return True
+    return min(s2, s6) < within and put_splits(P, target, J, np.empty((SPLITS, 7)), 0) > 0
 
 
 @kernel
@@ -200,64 +203,65 @@ def going_on_in_branch(family, target, branch, goal, found, J, A):
 
 
 @kernel
-def search_near_seed_true(family, target, guessed, known, goal, J, A):
-    """The posture of a near limb nearest to a seed, or the best one so far: q, branch, cost.
+def search_beside(family, target, guessed, known, goal, J, A):
+    """The posture of a near limb nearest to a seed as far as local searches tell, or the best one so far.
 
-    `guessed` is what `guess` returns.
+    `guessed` is what `guess` returns. Returns q, branch, cost, and whether this is told, or only curves tell.
     """
     P = row(family, LIMITED)
     known = nearest_among_splits(P, target, goal, known)
     if known[2] >= OUTSIDE:
-        return known
-    told = not may_be_singular(P, target.place, goal.seed, math.sqrt(known[2]))
-    sure = False
+        return known, True
+    told = not may_be_singular(P, target, goal.seed, math.sqrt(known[2]), J)
     if told and math.sqrt(known[2]) < CLOSE:
         known, sure = look_across(P, target, known, guessed[4], goal, J, A)
-    if sure:
-        return known
+        if sure:
+            return known, True
     found = np.empty((8 * MAX_PIECES, 3))
     n = intervals_within(family, target, guessed, known, goal, found)
     # The true chain may reach a pose, and bend its elbow, where the closed form does not.
     told = told and is_well_bent(P, target.place)
-    if n == 0:
-        told = told and not may_be_in_line(P, target.place, goal.seed, math.sqrt(known[2]))
-        if told:
-            return known if guessed[4] else going_on(P, target, goal, known, J, A)
+    if n == 0 and told and not may_be_in_line(P, target.place, goal.seed, math.sqrt(known[2])):
+        return (known if guessed[4] else going_on(P, target, goal, known, J, A)), True
     if P[MISS] < HARDLY * P[FAR]:
-        known = search_hardly_near(P, target, found[:n], known, goal, J, A)
-        return going_on(P, target, goal, known, J, A)
-    if told:
-        known, sure = look_beside(P, target, found[:n], known, goal, J, A)
-    if sure:
-        return known
-    nearer = search_followed(P, target, -1, goal, goal.respect, J, A)
-    return going_on(P, target, goal, nearer if nearer[2] < known[2] else known, J, A)
+        known, sure = search_hardly_near(P, target, found[:n], known, goal, J, A)
+        return (going_on(P, target, goal, known, J, A) if sure else known), sure
+    if told and n > 0:
+        return look_beside(P, target, found[:n], known, goal, J, A)
+    return known, False
 
 
 @kernel
-def search_near_seed(family, target, goal, J, A):
-    """The posture nearest to a seed over all branches and arm angles: q, branch, cost (OUTSIDE if none was found)."""
+def search_near_seed(family, target, branch, goal, J, A):
+    """The posture nearest to a seed over all branches and arm angles: q, branch, cost (OUTSIDE if none was found).
+
+    And whether it is told: where a branch is wanted, curves that tell more are not followed yet.
+    """
     P = row(family, LIMITED)
     guessed = guess(P, target, goal, J, A)
-    _, q, branch, lowest, minimum = guessed
-    known = (q, branch, lowest)
+    _, q, own, lowest, minimum = guessed
+    known = (q, own, lowest)
     if minimum and is_alone(P, goal.seed, lowest):
-        return known
-    if lowest < OUTSIDE or P[IS_NEAR] != 0.0:
+        return known, True
+    if lowest < OUTSIDE:
         known = with_splits(P, target, -1, goal, known)
     if P[IS_NEAR] != 0.0:
-        return search_near_seed_true(family, target, guessed, known, goal, J, A)
+        known, sure = search_beside(family, target, guessed, known, goal, J, A)
+        if sure or branch >= 0:
+            return known, sure
+        nearer = search_followed(P, target, -1, goal, goal.respect, J, A)
+        return going_on(P, target, goal, nearer if nearer[2] < known[2] else known, J, A), True
     if known[2] >= OUTSIDE:
-        return known
+        return known, True
     found = np.empty((8 * MAX_PIECES, 3))
     n = intervals_within(family, target, guessed, known, goal, found)
     if n == 0:
-        return known
+        return known, True
     nearer = nearest_within(P, target.place, found[:n], -1, goal, known[2])
     if nearer[2] < known[2]:
         nearer = settled_split(P, target, nearer, goal)
     nearer = nearest_alone(family, target, found[:n], goal, nearer if nearer[2] < known[2] else known)
-    return nearer if nearer[2] < known[2] else known
+    return (nearer if nearer[2] < known[2] else known), True
 
 
 @kernel
