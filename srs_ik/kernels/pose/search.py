@@ -28,7 +28,7 @@ from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.answer import MAX_PIECES
 from srs_ik.kernels.layout.asked import Goal
 from srs_ik.kernels.layout.limb import FAR, FREE, IS_NEAR, LIMITED, LOOSE, MISS, PHASE, SHOULDER, SIZE, WRIST
-from srs_ik.kernels.limb.branches import NO_BRANCH, branch_of, draw_to_branch, is_unsure
+from srs_ik.kernels.limb.branches import NO_BRANCH, branch_of, draw_to_branch, is_on_border, is_unsure
 from srs_ik.kernels.limb.goal import OUTSIDE
 from srs_ik.kernels.limb.in_line import may_line_up
 from srs_ik.kernels.limb.limits import tighten
@@ -172,7 +172,7 @@ def search_beside(family, target, minimum, known, goal, J, A):
 def search_near_seed(family, target, branch, goal, J, A):
     """The posture nearest to a seed over all branches and arm angles: q, branch, cost (OUTSIDE if none was found).
 
-    And whether it is told: where a branch is wanted, curves that tell more are not followed yet.
+    And whether it is told: where the best so far is not in a branch that is wanted, curves are not followed yet.
     """
     P = row(family, LIMITED)
     q, lowest, minimum = guess(P, target, goal, J, A)
@@ -183,7 +183,7 @@ def search_near_seed(family, target, branch, goal, J, A):
         known = with_splits(P, target, -1, goal, known)
     if P[IS_NEAR] != 0.0:
         known, sure = search_beside(family, target, minimum, known, goal, J, A)
-        if sure or branch >= 0:
+        if sure or (branch >= 0 and not is_on_border(P, known[0], branch)):
             return known, sure
         nearer = search_followed(P, target, -1, goal, goal.respect, J, A)
         return going_on(P, target, goal, nearer if nearer[2] < known[2] else known, J, A), True
