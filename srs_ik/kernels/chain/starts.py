@@ -144,13 +144,19 @@ def is_one_line(P, q, target, first, J):
 
 
 @kernel
+def width_of_splits(P, place_):
+    """How close to one line outer axes of the nearest exact limb are, rad, where those of the true chain may be one."""
+    return max(width_for_curves(P), UNSURE * P[SHIFT] / max(place_[3], almost_straight(P)))
+
+
+@kernel
 def put_splits(P, target, J, starts, n):
     """Append postures along which a sum of two joints alone is fixed, on the true chain too, or almost; their number.
 
     They are a curve of their own, or where others cross it almost, a part of these: rounding decides which way those
     are followed on.
     """
-    width = max(width_for_curves(P), UNSURE * P[SHIFT] / max(target.place[3], almost_straight(P)))
+    width = width_of_splits(P, target.place)
     if not may_line_up(P, target.place, width):
         return n
     for i in range(16):

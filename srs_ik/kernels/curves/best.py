@@ -10,9 +10,9 @@ import math
 import numpy as np
 
 from srs_ik.kernels.algebra.joint_vectors import short_way, with_joint
-from srs_ik.kernels.algebra.pointers import row
 from srs_ik.kernels.chain.descent import slid
 from srs_ik.kernels.chain.newton import closed_better
+from srs_ik.kernels.chain.starts import width_of_splits
 from srs_ik.kernels.curves.ends import on_curve
 from srs_ik.kernels.curves.follow import meet
 from srs_ik.kernels.curves.in_step import load_sample
@@ -25,6 +25,7 @@ from srs_ik.kernels.layout.limb import LOWER, RANGE_KIND, UPPER
 from srs_ik.kernels.layout.search import MAX_RUNS, RUN
 from srs_ik.kernels.limb.branches import NO_BRANCH, branch_of, is_on_border
 from srs_ik.kernels.limb.goal import OUTSIDE
+from srs_ik.kernels.limb.in_line import may_line_up
 from srs_ik.kernels.limb.triangle import elbow_side
 
 
@@ -85,12 +86,24 @@ def best_on(P, by, curve, ends, goal, best):
 
 
 @kernel
-def is_in_branch(P, by, curve, span, branch):
-    """Whether a span is of a branch, or on its border: along a free split, rounding decides which it is."""
-    if int(span[1]) == branch:
-        return True
-    middle, _ = on_curve(P, by, 0, curve, 0.5 * (span[2] + span[3]))
-    return is_on_border(P, middle, branch)
+def best_on_border(P, by, curve, ends, branch, goal, best):
+    """The better of the best posture so far and those of a span of another branch that are on the border of a branch.
+
+    Along a free split, rounding tells of which branch postures are.
+    """
+    rows, first, last = curve
+    x, upper = ends
+    q, _ = on_curve(P, by, 0, curve, x)
+    before = is_on_border(P, q, branch)
+    for i in range(first, last):
+        if x < min(rows[i, 0], upper):
+            after = min(rows[i, 0], upper)
+            q, _ = on_curve(P, by, 0, curve, after)
+            here = is_on_border(P, q, branch)
+            if before and here:
+                best = best_on(P, by, curve, (x, after), goal, best)
+            x, before = after, here
+    return best
 
 
 @kernel
@@ -102,10 +115,13 @@ def best_of_runs(P, by, rows, runs, branch, goal, best):
             best = best_on(P, by, samples_of(rows, runs[index]), ends, goal, best)
         return best
     spans = np.empty((MAX_SPANS, SPAN))
+    split = may_line_up(P, by.target.place, width_of_splits(P, by.target.place))
     for i in range(find_spans(P, by, rows, runs, spans)):
-        curve = samples_of(rows, runs[int(spans[i, 0])])
-        if is_in_branch(P, by, curve, row(spans, i), branch):
-            best = best_on(P, by, curve, (spans[i, 2], spans[i, 3]), goal, best)
+        curve, ends = samples_of(rows, runs[int(spans[i, 0])]), (spans[i, 2], spans[i, 3])
+        if int(spans[i, 1]) == branch:
+            best = best_on(P, by, curve, ends, goal, best)
+        elif split:
+            best = best_on_border(P, by, curve, ends, branch, goal, best)
     return best
 
 
