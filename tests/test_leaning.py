@@ -93,3 +93,16 @@ def test_the_elbow_is_on_the_line_of_the_arm_stretched_out(lean):
         # Stretched out, the parts along axis 4 are to those across it as on one straight line.
         assert abs(inner_along / sides[0] - outer_along / sides[1]) < 1e-14
         assert np.linalg.norm(np.cross(limb.elbow - limb.points[3], across)) < 1e-15
+
+
+def test_where_all_is_singular_a_branch_has_the_splits_on_its_border(bench):
+    """Rounding alone tells of which branches such postures are."""
+    rng = np.random.default_rng(17)
+    for arm in leaning(1e-6, 20):
+        cases = bench["cases"](arm, 100, rng, ((1, 3, 5),), 0.0, 1.0)
+        for case in islice((case for case in cases if case.offset == 0.0), 5):
+            found = arm.solve(case.pose, seed=case.seed, branch=arm.branch(case.q))
+            assert found
+            assert inside(found.q, arm.lower, arm.upper)
+            farther = np.linalg.norm(found.q - case.seed) - np.linalg.norm(case.q - case.seed)
+            assert farther < 1e-6, (farther, case.q.tolist(), case.seed.tolist())

@@ -252,3 +252,31 @@ def test_singular_postures_of_random_limbs(seed, pattern, elbow, offset, joints,
 def test_singular_postures_of_random_limbs_are_found_again_from_their_seed(seed, pattern, elbow, offset, joints, miss):
     arm, q = singular_case(seed, pattern, elbow, offset, joints, miss)
     assert np.abs(arm.solve(arm.forward_kinematics(q), seed=q).q - q).max() < 1e-6
+
+
+def nearest_split(arm, q, seed):
+    """The posture of a singular wrist, joints 5 and 7 with the same sum, inside the limits and nearest to a seed."""
+    best = q
+    for turns in np.ndindex(5, 5):
+        a, b = q[[4, 6]] + 2.0 * np.pi * (np.array(turns) - 2)
+        low, high = max(arm.lower[4] - a, b - arm.upper[6]), min(arm.upper[4] - a, b - arm.lower[6])
+        if low <= high:
+            t = np.clip(0.5 * (seed[4] - a - (seed[6] - b)), low, high)
+            best = min(best, np.array([*q[:4], a + t, q[5], b - t]), key=lambda x: np.linalg.norm(x - seed))
+    return best
+
+
+@pytest.mark.parametrize("name", arms.here("iiwa14_experimental", "j2s7s300"))
+def test_splits_of_a_singular_wrist_are_found_from_any_seed_and_in_their_branch(name):
+    """Axes 5 and 7 of these near arms are one line there, and rounding decides which curve is followed on."""
+    arm, forward = arms.load(name), arms.forward(name)
+    singular = phases(arm.limb)[5] + (0.0 if arm.lower[5] <= phases(arm.limb)[5] else 2.0 * np.pi)
+    for q, seed in zip(arms.configurations(name, 250, 41), arms.configurations(name, 250, 42), strict=True):
+        q[5] = singular
+        known, pose = nearest_split(arm, q, seed), forward(q)
+        assert max(distance(pose, forward(known))) < 1e-12
+        for branch in (None, arm.branch(known)):
+            solution = arm.solve(pose, seed=seed, branch=branch)
+            assert_met(arm, forward, pose, solution)
+            farther = np.linalg.norm(solution.q - seed) - np.linalg.norm(known - seed)
+            assert farther < 1e-6, (farther, branch, known.tolist(), seed.tolist())

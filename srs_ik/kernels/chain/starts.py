@@ -7,21 +7,27 @@ from __future__ import annotations
 
 import math
 
+from srs_ik.kernels.algebra.joint_vectors import store7, with_joint
 from srs_ik.kernels.algebra.pointers import row
 from srs_ik.kernels.chain.eight import ALL, in_own_branch, put_eight, take_eight
-from srs_ik.kernels.chain.newton import STEPS, close_at_angle
+from srs_ik.kernels.chain.newton import STEPS, close_at_angle, pose_step
 from srs_ik.kernels.chain.newton_eight import close_eight
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.answer import ROW_COST
-from srs_ik.kernels.layout.limb import COSINE_OFF
-from srs_ik.kernels.limb.branches import NO_BRANCH, branch_of, elbow_starts, side_posture
-from srs_ik.kernels.limb.goal import cost, turned
+from srs_ik.kernels.layout.limb import COSINE_OFF, FAR, PHASE, SHIFT, SHOULDER, WRIST
+from srs_ik.kernels.limb.branches import NO_BRANCH, UNSURE, branch_of, elbow_starts, side_posture
+from srs_ik.kernels.limb.goal import NO_SEED, cost, turned
+from srs_ik.kernels.limb.in_line import ROUNDED, closest, may_line_up, toward_of
 from srs_ik.kernels.limb.poses import read7
 from srs_ik.kernels.limb.postures_eight import eight_branches
+from srs_ik.kernels.limb.surface import split, width_for_curves
 from srs_ik.kernels.limb.triangle import elbow_side
 
 MOST_BENT = 0.3
 """Widest bend of the elbow, rad, that counts as almost straight."""
+
+SPLITS = 4
+"""Postures along a free split from which a curve of postures may be found."""
 
 FIRST = 8
 WIDTH = 9
@@ -124,3 +130,45 @@ def best_of_all(P, target, psi, wanted, goal, A):
     close_all(P, target, psi, wanted, goal, A)
     best = best_row(A, FIRST, wanted)
     return read7(row(A, FIRST + best)), best, A[FIRST + best, ROW_COST]
+
+
+@kernel
+def is_one_line(P, q, target, first, J):
+    """Whether the outer axes of a spherical joint, in line by their directions, are one line of the true chain too."""
+    pose_step(P, q, target.R, target.p, J)
+    toward = toward_of(P, SHOULDER if first == 0 else WRIST, q[first + 1])
+    off = 0.0
+    for i in range(3):
+        off = max(off, abs(J[i, first] - toward * J[i, first + 2]))
+    return off < ROUNDED * P[FAR]
+
+
+@kernel
+def width_of_splits(P, place_):
+    """How close to one line outer axes of the nearest exact limb are, rad, where those of the true chain may be one."""
+    return max(width_for_curves(P), UNSURE * P[SHIFT] / max(place_[3], almost_straight(P)))
+
+
+@kernel
+def put_splits(P, target, J, starts, n):
+    """Append postures along which a sum of two joints alone is fixed, on the true chain too, or almost; their number.
+
+    They are a curve of their own, or where others cross it almost, a part of these: rounding decides which way those
+    are followed on.
+    """
+    width = width_of_splits(P, target.place)
+    if not may_line_up(P, target.place, width):
+        return n
+    for i in range(16):
+        k, first, end = (SHOULDER, 0, i & 1) if i & 2 == 0 else (WRIST, 4, i & 1)
+        side = elbow_side(P, target.place, i >> 3)
+        psi, off, _ = closest(P, k, side[1] if first == 0 else side[2], end)
+        if off > width:
+            continue
+        other = (i >> 2) & 1
+        q, _, _ = side_posture(P, side, psi, other, other, False, NO_SEED, False)
+        q = with_joint(q, first + 1, P[k + PHASE] + end * math.pi)
+        for m in range(SPLITS if n + SPLITS <= starts.shape[0] and is_one_line(P, q, target, first, J) else 0):
+            store7(row(starts, n), 0, split(P, q, first, k, 2.0 * math.pi * m / SPLITS))
+            n += 1
+    return n

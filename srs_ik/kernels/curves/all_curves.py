@@ -26,7 +26,7 @@ from srs_ik.kernels.chain.newton import (
 )
 from srs_ik.kernels.chain.newton_eight import close_eight
 from srs_ik.kernels.chain.rank_five import BLUR, CENTRE, is_among, put_amid
-from srs_ik.kernels.chain.starts import FIRST, WIDTH, bent_place, start_all
+from srs_ik.kernels.chain.starts import FIRST, WIDTH, bent_place, put_splits, start_all
 from srs_ik.kernels.curves.follow import (
     CURVE,
     FIRST_GUESS,
@@ -63,7 +63,7 @@ from srs_ik.kernels.limb.branches import branch_of
 from srs_ik.kernels.limb.goal import NO_SEED, turned
 from srs_ik.kernels.limb.limits import turn_to_middle, violation
 from srs_ik.kernels.limb.poses import read7
-from srs_ik.kernels.limb.surface import level_place, put_between, put_starts
+from srs_ik.kernels.limb.surface import level_place, put_midway, put_starts
 
 STARTS = 8
 STARTS_OBLIQUE = 48
@@ -130,7 +130,7 @@ def put_angles(P, place_, around, angles):
     """Write the arm angles at which the closed form gives starts: some all around, and others; their number."""
     for i in range(around):
         angles[i] = (2.0 * i / around - 1.0) * math.pi
-    return put_between(P, place_, 2.0 * math.pi / around, angles, around)
+    return put_midway(P, place_, 2.0 * math.pi / around, angles, around)
 
 
 @kernel
@@ -344,7 +344,7 @@ def follow_all(P, by, rows, curves):
     n = 0
     count = 0
     n_marks, n_off, signs = put_marks(P, by, angles[:n_angles], oblique, marks, missed)
-    n_surface = put_starts(P, by.target.place, missed, n_off)
+    n_surface = put_starts(P, by.target.place, missed, put_splits(P, by.target, by.J, missed, n_off))
     alone = np.empty((MOST_LEFT, CENTRE))
     n_outer = put_outermost(P, by, signs & known, around, missed, n_surface)
     n_missed, n_alone = put_amid(P, by.target, missed, n_off, n_outer, alone, (by.J, by.A))

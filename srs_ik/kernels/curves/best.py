@@ -12,6 +12,8 @@ import numpy as np
 from srs_ik.kernels.algebra.joint_vectors import short_way, with_joint
 from srs_ik.kernels.chain.descent import slid
 from srs_ik.kernels.chain.newton import closed_better
+from srs_ik.kernels.chain.starts import width_of_splits
+from srs_ik.kernels.curves.ends import on_curve
 from srs_ik.kernels.curves.follow import meet
 from srs_ik.kernels.curves.in_step import load_sample
 from srs_ik.kernels.curves.lowest import close_in_on, cost_at, cost_of_turn, hope, rate_of_cost
@@ -21,8 +23,9 @@ from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.asked import Best, Setting
 from srs_ik.kernels.layout.limb import LOWER, RANGE_KIND, UPPER
 from srs_ik.kernels.layout.search import MAX_RUNS, RUN
-from srs_ik.kernels.limb.branches import NO_BRANCH, branch_of
+from srs_ik.kernels.limb.branches import NO_BRANCH, branch_of, is_on_border
 from srs_ik.kernels.limb.goal import OUTSIDE
+from srs_ik.kernels.limb.in_line import may_line_up
 from srs_ik.kernels.limb.triangle import elbow_side
 
 
@@ -83,6 +86,27 @@ def best_on(P, by, curve, ends, goal, best):
 
 
 @kernel
+def best_on_border(P, by, curve, ends, branch, goal, best):
+    """The better of the best posture so far and those of a span of another branch that are on the border of a branch.
+
+    Along a free split, rounding tells of which branch postures are.
+    """
+    rows, first, last = curve
+    x, upper = ends
+    q, _ = on_curve(P, by, 0, curve, x)
+    before = is_on_border(P, q, branch)
+    for i in range(first, last):
+        if x < min(rows[i, 0], upper):
+            after = min(rows[i, 0], upper)
+            q, _ = on_curve(P, by, 0, curve, after)
+            here = is_on_border(P, q, branch)
+            if before and here:
+                best = best_on(P, by, curve, (x, after), goal, best)
+            x, before = after, here
+    return best
+
+
+@kernel
 def best_of_runs(P, by, rows, runs, branch, goal, best):
     """Best posture of runs (in one branch, if it is wanted), if it is better than the best so far."""
     if branch < 0:
@@ -91,10 +115,13 @@ def best_of_runs(P, by, rows, runs, branch, goal, best):
             best = best_on(P, by, samples_of(rows, runs[index]), ends, goal, best)
         return best
     spans = np.empty((MAX_SPANS, SPAN))
+    split = may_line_up(P, by.target.place, width_of_splits(P, by.target.place))
     for i in range(find_spans(P, by, rows, runs, spans)):
+        curve, ends = samples_of(rows, runs[int(spans[i, 0])]), (spans[i, 2], spans[i, 3])
         if int(spans[i, 1]) == branch:
-            curve = samples_of(rows, runs[int(spans[i, 0])])
-            best = best_on(P, by, curve, (spans[i, 2], spans[i, 3]), goal, best)
+            best = best_on(P, by, curve, ends, goal, best)
+        elif split:
+            best = best_on_border(P, by, curve, ends, branch, goal, best)
     return best
 
 
@@ -111,9 +138,9 @@ def search_followed(P, target, branch, goal, inside, J, A):
     q, lowest = best_of_runs(P, by, rows, runs[:k], branch, goal, Best(goal.seed, 4.0 * NO_BRANCH))
     if goal.seeded and lowest < OUTSIDE:
         nearer, value, _ = slid(P, target, q, goal, J, A)
-        if value < lowest and (branch < 0 or branch_of(P, nearer) == branch):
+        if value < lowest and (branch < 0 or is_on_border(P, nearer, branch)):
             q, lowest = nearer, value
     if lowest < OUTSIDE:
         # A joint that was a rounding outside its limits has been put on them; the others make up for it.
         q = closed_better(P, q, target, goal.respect, J, A)
-    return q, branch_of(P, q), lowest
+    return q, branch if branch >= 0 else branch_of(P, q), lowest

@@ -21,7 +21,7 @@ from srs_ik.kernels.exact.flat import is_as_good_as_flat
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.asked import Target
 from srs_ik.kernels.layout.limb import SHOULDER, SIZE, WRIST
-from srs_ik.kernels.limb.branches import branch_of, side_posture
+from srs_ik.kernels.limb.branches import branch_of, is_on_border, side_posture
 from srs_ik.kernels.limb.goal import NO_SEED, OUTSIDE, cost, turned
 from srs_ik.kernels.limb.in_line import NEARLY_IN_LINE, closest, comes_in_line, may_split, wide_limb
 from srs_ik.kernels.limb.surface import level_place
@@ -46,7 +46,7 @@ def worse_by(value, lowest, seeded):
 @kernel
 def keep_better(P, target, split, wanted, goal, best, work):
     """The better of a split, closed on the true chain, and the best posture so far, each a posture, branch and cost."""
-    start, branch, value = split
+    start, _, value = split
     lowest = best[2]
     position, orientation = pose_error(P, start, target.R, target.p)
     off = max(position, orientation)
@@ -64,9 +64,8 @@ def keep_better(P, target, split, wanted, goal, best, work):
         closed, value, _ = slid(P, target, closed, goal, J, A)
     else:
         value = cost(P, closed, goal.seeded, goal.seed, goal.respect)
-    branch = branch_of(P, closed)
-    if value < lowest and (wanted < 0 or branch == wanted):
-        return closed, branch, value
+    if value < lowest and (wanted < 0 or is_on_border(P, closed, wanted)):
+        return closed, branch_of(P, closed) if wanted < 0 else wanted, value
     return best
 
 

@@ -10,7 +10,8 @@ import math
 
 from srs_ik.kernels.algebra.vectors import dot, load3, rotate
 from srs_ik.kernels.chain.descent import slid, slide
-from srs_ik.kernels.chain.newton import CLOSED, arm_angle, clipped, close_free
+from srs_ik.kernels.chain.kinematics import pose_error
+from srs_ik.kernels.chain.newton import CLOSED, clipped, close_free
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.asked import Goal
 from srs_ik.kernels.layout.limb import (
@@ -28,7 +29,6 @@ from srs_ik.kernels.layout.limb import (
 )
 from srs_ik.kernels.limb.branches import NO_BRANCH, branch_of, is_unsure, side_posture
 from srs_ik.kernels.limb.goal import OUTSIDE, cost, turned
-from srs_ik.kernels.limb.self_motion import rates
 from srs_ik.kernels.limb.triangle import elbow_side
 
 NEWTON_STEPS = 12
@@ -49,8 +49,11 @@ VALLEY = 0.3
 MOST_STARTS = 24
 """Local searches start this far apart in arm angle, rad; more of them than this are no better than to follow curves."""
 
-CONVERGED = 1e-11
-"""A step of the arm angle below this, rad, ends the local search."""
+MOST_LEVERAGE = 4.0
+"""A seed farther from its nearest posture than so many times the pose error asks for a closer look."""
+
+HARDLY = 1e-5
+"""A limb that misses by less than this part of its reach is one with rounded figures."""
 
 
 @kernel
@@ -79,67 +82,15 @@ def seed_angle(P, side, seed):
 
 
 @kernel
-def descend(P, place_, side, psi, branch, seed, respect):
-    """Gauss-Newton steps from an arm angle to the nearest posture of its branch: psi, q, cost, converged."""
-    t = place_[0]
-    w = side[3]
-    shoulder = (branch >> 1) & 1
-    wrist = branch & 1
-    q, _, lowest = side_posture(P, side, psi, shoulder, wrist, True, seed, respect)
-    for _ in range(NEWTON_STEPS):
-        if lowest >= OUTSIDE:
-            return psi, q, lowest, False
-        rate, good = rates(P, q, t, w)
-        if not good:
-            return psi, q, lowest, False
-        slope = 0.0
-        curvature = 0.0
-        for j in range(7):
-            slope += (q[j] - seed[j]) * rate[j]
-            curvature += rate[j] * rate[j]
-        step = -slope / curvature
-        if abs(step) < CONVERGED:
-            return psi, q, lowest, True
-        better_q, _, value = side_posture(P, side, psi + step, shoulder, wrist, True, seed, respect)
-        halvings = 0
-        while value > lowest and halvings < 4:
-            step *= 0.5
-            halvings += 1
-            better_q, _, value = side_posture(P, side, psi + step, shoulder, wrist, True, seed, respect)
-        if value >= lowest:
-            return psi, q, lowest, abs(step) < 1e-8
-        psi += step
-        q = better_q
-        lowest = value
-    return psi, q, lowest, False
-
-
-@kernel
-def first_guess(P, place_, seed, respect):
-    """A posture near the seed by local search: psi, q, branch, cost, and whether it is a local minimum."""
-    best_psi = 0.0
-    best_q = seed
-    best = 0
-    lowest = 4.0 * NO_BRANCH
-    minimum = False
+def most_like(P, place_, seed, respect):
+    """The posture of the exact limb whose shoulder and wrist are turned most like a seed's: q, cost."""
+    best, lowest = seed, 4.0 * NO_BRANCH
     for elbow in range(2):
         side = elbow_side(P, place_, elbow)
-        across = side[0] - seed[3]
-        across -= 2.0 * math.pi * math.floor(across / (2.0 * math.pi) + 0.5)
-        if across * across >= lowest:
-            continue
-        psi = seed_angle(P, side, seed)
-        _, b, value = side_posture(P, side, psi, -1, -1, True, seed, respect)
-        if value >= OUTSIDE:
-            continue
-        psi, q, value, converged = descend(P, place_, side, psi, b, seed, respect)
+        q, _, value = side_posture(P, side, seed_angle(P, side, seed), -1, -1, True, seed, respect)
         if value < lowest:
-            best_psi = psi
-            best_q = q
-            best = 4 * elbow + b
-            lowest = value
-            minimum = converged
-    return best_psi, best_q, best, lowest, minimum
+            best, lowest = q, value
+    return best, lowest
 
 
 @kernel
@@ -209,23 +160,36 @@ def is_alone(P, seed, lowest):
 
 
 @kernel
-def first_guess_near(P, target, goal, J, A):
-    """`first_guess` on a near limb, on the true chain: from the seed itself, and from the guess on the exact limb."""
-    place_, seed = target.place, goal.seed
-    q, lowest, minimum = settle_near(P, target, seed, goal, J, A)
-    if minimum and is_alone(P, seed, lowest):
-        return arm_angle(P, q, place_[0], place_[1]), q, branch_of(P, q), lowest, minimum
+def guess(P, target, goal, J, A):
+    """A posture near a seed by local search on the true chain: q, cost, and whether it is a local minimum.
+
+    From the seed itself, where that is close enough; else from the posture most like it. Next to a singularity the
+    seed's own neighbourhood may hold a nearer one all the same, and where limits matter the seed put inside them.
+    """
+    seed = goal.seed
+    q, minimum = slide(P, target, seed, Goal(True, seed, False), J, A)
+    if minimum:
+        q, lowest, minimum = settled(P, target, q, goal, True, J, A)
+        if minimum:
+            return q, lowest, True
+    elif P[IS_CLOSED] == 1.0:
+        q, lowest = most_like(P, target.place, seed, goal.respect)
+        position, orientation = pose_error(P, seed, target.R, target.p)
+        if lowest < (MOST_LEVERAGE * max(position / P[FAR], orientation)) ** 2:
+            return q, lowest, False
+        other, value, minimum = settle_slowly(P, target, seed, goal, J, A)
+        if value < lowest:
+            q, lowest = other, value
+        else:
+            minimum = False
+    else:
+        start = most_like(P, target.place, seed, False)[0] if P[MISS] < HARDLY * P[FAR] else seed
+        q, lowest, minimum = settle_slowly(P, target, start, goal, J, A)
     if goal.respect and not minimum:
-        # Next to a singularity, the free minimum may be far from where the limits leave a posture near the seed.
         other, value = settle_inside(P, target, seed, goal, J, A)
         if value < lowest:
             q, lowest = other, value
-    psi, start, branch, guess, _ = first_guess(P, place_, seed, False)
-    if guess < OUTSIDE:
-        other, value, other_minimum = settle_near(P, target, start, goal, J, A)
-        if value < lowest:
-            return psi, other, branch, value, other_minimum
-    return psi, q, branch_of(P, q), lowest, minimum
+    return q, lowest, minimum
 
 
 @kernel

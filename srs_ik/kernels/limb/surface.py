@@ -167,7 +167,7 @@ def where_equal(a, b):
 
 
 @kernel
-def put_between(P, place_, apart, angles, n):
+def put_midway(P, place_, apart, angles, n):
     """Append arm angles midway between those at which shoulder and wrist come closest to singular; their number.
 
     Closer together than `apart`, rad, the true chain may have closed curves of its own between the two.

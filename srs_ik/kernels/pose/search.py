@@ -8,98 +8,45 @@ import numpy as np
 
 from srs_ik.kernels.algebra.pointers import keep, row
 from srs_ik.kernels.chain.descent import THOROUGH, descend, slid
-from srs_ik.kernels.chain.kinematics import pose_error
-from srs_ik.kernels.chain.newton import CLOSED, arm_angle, close_free
+from srs_ik.kernels.chain.newton import CLOSED, close_free
+from srs_ik.kernels.chain.starts import SPLITS, put_splits
 from srs_ik.kernels.curves.best import search_followed
-from srs_ik.kernels.exact.farthest import branch_at, copy_interval, farthest, farthest_of_all, whole_circles
+from srs_ik.kernels.exact.farthest import farthest, farthest_of_all, whole_circles
 from srs_ik.kernels.exact.free_splits import settled_split, with_splits
 from srs_ik.kernels.exact.intervals import find_intervals
 from srs_ik.kernels.exact.nearest import (
     CLOSE,
+    HARDLY,
     between_limbs,
-    first_guess,
-    first_guess_near,
+    guess,
     is_alone,
     look_across,
     look_beside,
-    settle_near,
 )
-from srs_ik.kernels.exact.nearest_within import nearest_within, way_between
+from srs_ik.kernels.exact.nearest_within import nearest_within
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.answer import MAX_PIECES
 from srs_ik.kernels.layout.asked import Goal
 from srs_ik.kernels.layout.limb import FAR, FREE, IS_NEAR, LIMITED, LOOSE, MISS, PHASE, SHOULDER, SIZE, WRIST
-from srs_ik.kernels.limb.branches import NO_BRANCH, branch_of, draw_to_branch, is_unsure
+from srs_ik.kernels.limb.branches import NO_BRANCH, branch_of, draw_to_branch, is_on_border, is_unsure
 from srs_ik.kernels.limb.goal import OUTSIDE
 from srs_ik.kernels.limb.in_line import may_line_up
 from srs_ik.kernels.limb.limits import tighten
 from srs_ik.kernels.limb.surface import has_surface
-from srs_ik.kernels.limb.triangle import elbow_side
 from srs_ik.kernels.near.band import is_well_bent
 from srs_ik.kernels.near.many_singular import nearest_among_splits
 from srs_ik.kernels.pose.any_bend import best_at_any_bend, hides_some, nearest_alone
 
-MOST_LEVERAGE = 4.0
-"""A seed farther from its nearest posture than so many times the pose error asks for a closer look."""
-
-HARDLY = 1e-5
-"""A limb that misses by less than this part of its reach is one with rounded figures."""
-
 HARDLY_FARTHER = 1e-4
 FEW_STEPS = 12
 """Its nearest posture is found in a few steps, and no farther from a seed, in squared rad, than this."""
-
-ONE_VALLEY = 0.3
-"""An interval shorter than this, rad, whose ends are close to a minimum in it, has no other one."""
-
-
-@kernel
-def is_short(P, place_, q, interval, goal):
-    """Whether the postures at both ends of an interval are close to one in it."""
-    branch = int(interval[0])
-    side = elbow_side(P, place_, branch >> 2)
-    a, _ = branch_at(P, side, interval[1], branch, True, goal.seed, goal.respect)
-    b, _ = branch_at(P, side, interval[2], branch, True, goal.seed, goal.respect)
-    return max(way_between(a, q), way_between(q, b)) < ONE_VALLEY
-
-
-@kernel
-def without(P, place_, found, known, psi, goal):
-    """Drop the short interval around a known minimum, a posture and its branch; the number of intervals left."""
-    q, branch = known
-    left = 0
-    for i in range(found.shape[0]):
-        ahead = (psi - found[i, 1]) - 2.0 * math.pi * math.floor((psi - found[i, 1]) / (2.0 * math.pi))
-        width = found[i, 2] - found[i, 1]
-        if int(found[i, 0]) == branch and width < ONE_VALLEY and ahead <= width:
-            if is_short(P, place_, q, found[i], goal):
-                continue
-        copy_interval(found, i, found, left)
-        left += 1
-    return left
-
-
-@kernel
-def guess(P, target, goal, J, A):
-    """A posture near a seed by local search: psi, q, branch, cost, and whether it is a local minimum."""
-    if P[IS_NEAR] == 0.0:
-        place_, seed = target.place, goal.seed
-        psi, q, branch, lowest, minimum = first_guess(P, place_, seed, goal.respect)
-        position, orientation = pose_error(P, seed, target.R, target.p)
-        if lowest > (MOST_LEVERAGE * max(position / P[FAR], orientation)) ** 2:
-            # Suspiciously far: next to a singularity, the seed's own neighbourhood may hold a nearer posture.
-            other, value, still = settle_near(P, target, seed, goal, np.empty((6, 7)), np.empty((16, 9)))
-            if value < lowest:
-                return arm_angle(P, other, place_[0], place_[1]), other, branch_of(P, other), value, still
-        return psi, q, branch, lowest, minimum
-    return first_guess_near(P, target, goal, J, A)
 
 
 @kernel
 def search_hardly_near(P, target, found, known, goal, J, A):
     """The nearest posture in intervals of a limb that hardly differs from its nearest exact limb: q, branch, cost.
 
-    That limb's own nearest posture, settled on the true chain; only next to a singularity are the curves followed.
+    That limb's own nearest posture, settled on the true chain, and whether it is told: not next to a singularity.
     `known` is the best posture so far, its branch and cost. Where the limits leave points or little more, one of the
     two limbs may have postures alone; so they are as far apart wider for that limb as its postures may be from these.
     """
@@ -110,28 +57,30 @@ def search_hardly_near(P, target, found, known, goal, J, A):
     start, _, value = nearest_within(wide, target.place, found, -1, goal, 4.0 * NO_BRANCH)
     keep(boxes)
     if value >= OUTSIDE and not is_unsure(P, q):
-        return known
+        return known, True
     if value < OUTSIDE and not is_unsure(P, start) and not is_unsure(P, q):
         if value >= lowest:
-            return known
+            return known, True
         start, error = close_free(P, start, target.R, target.p, goal.respect, FEW_STEPS, J, A)
         settled, there, _ = slid(P, target, start, goal, J, A)
         if error < CLOSED and there < value + HARDLY_FARTHER:
-            return (settled, branch_of(P, settled), there) if there < lowest else known
-    other = search_followed(P, target, -1, goal, goal.respect, J, A)
-    return other if other[2] < lowest else known
+            return ((settled, branch_of(P, settled), there) if there < lowest else known), True
+    return known, False
 
 
 @kernel
-def may_be_singular(P, place_, seed, distance):
+def may_be_singular(P, target, seed, distance, J):
     """Whether outer axes of a near limb may come into line no farther than some distance from a seed.
 
-    There the exact limb's postures, along which sums of joints are split, are far from those of the true chain.
+    There the exact limb's postures, along which sums of joints are split, are far from those of the true chain; where
+    this splits sums too, it has a curve of postures at a single arm angle of that limb.
     """
     s2 = abs(math.sin(seed[1] - P[SHOULDER + PHASE]))
     s6 = abs(math.sin(seed[5] - P[WRIST + PHASE]))
     within = distance + between_limbs(P)
-    return max(s2, s6) < within and has_surface(P, place_)
+    if max(s2, s6) < within and has_surface(P, target.place):
+        return True
+    return min(s2, s6) < within and put_splits(P, target, J, np.empty((SPLITS, 7)), 0) > 0
 
 
 @kernel
@@ -147,23 +96,14 @@ def may_be_in_line(P, place_, seed, distance):
 
 
 @kernel
-def intervals_within(family, target, guessed, known, goal, found):
-    """Write the intervals of arm angles at which a posture may be nearer than the best one so far; their number.
-
-    `guessed` is what `guess` returns.
-    """
-    place_ = target.place
-    psi, q, branch, _, minimum = guessed
-    distance = math.sqrt(known[2])
+def intervals_within(family, target, known, goal, found):
+    """Write the intervals of arm angles at which a posture may be nearer than the best one so far; their number."""
     boxes = np.empty((1, SIZE))
     box = row(boxes, 0)
     P = row(family, LIMITED if goal.respect else FREE)
-    tighten(P, goal.seed, distance * (1.0 + 1e-9), between_limbs(P), box)
-    n = find_intervals(box, place_, -1, found)
+    tighten(P, goal.seed, math.sqrt(known[2]) * (1.0 + 1e-9), between_limbs(P), box)
+    n = find_intervals(box, target.place, -1, found)
     keep(boxes)
-    # In a box of less than a turn, no joint has two turns to choose from.
-    if minimum and distance < 3.0:
-        n = without(row(family, LIMITED), place_, found[:n], (q, branch), psi, goal)
     return n
 
 
@@ -200,64 +140,64 @@ def going_on_in_branch(family, target, branch, goal, found, J, A):
 
 
 @kernel
-def search_near_seed_true(family, target, guessed, known, goal, J, A):
-    """The posture of a near limb nearest to a seed, or the best one so far: q, branch, cost.
+def search_beside(family, target, minimum, known, goal, J, A):
+    """The posture of a near limb nearest to a seed as far as local searches tell, or the best one so far.
 
-    `guessed` is what `guess` returns.
+    `minimum` tells whether that is a local one. Returns q, branch, cost, and whether this is told, or only curves tell.
     """
     P = row(family, LIMITED)
     known = nearest_among_splits(P, target, goal, known)
     if known[2] >= OUTSIDE:
-        return known
-    told = not may_be_singular(P, target.place, goal.seed, math.sqrt(known[2]))
-    sure = False
+        return known, True
+    told = not may_be_singular(P, target, goal.seed, math.sqrt(known[2]), J)
     if told and math.sqrt(known[2]) < CLOSE:
-        known, sure = look_across(P, target, known, guessed[4], goal, J, A)
-    if sure:
-        return known
+        known, sure = look_across(P, target, known, minimum, goal, J, A)
+        if sure:
+            return known, True
     found = np.empty((8 * MAX_PIECES, 3))
-    n = intervals_within(family, target, guessed, known, goal, found)
+    n = intervals_within(family, target, known, goal, found)
     # The true chain may reach a pose, and bend its elbow, where the closed form does not.
     told = told and is_well_bent(P, target.place)
-    if n == 0:
-        told = told and not may_be_in_line(P, target.place, goal.seed, math.sqrt(known[2]))
-        if told:
-            return known if guessed[4] else going_on(P, target, goal, known, J, A)
+    if n == 0 and told and not may_be_in_line(P, target.place, goal.seed, math.sqrt(known[2])):
+        return (known if minimum else going_on(P, target, goal, known, J, A)), True
     if P[MISS] < HARDLY * P[FAR]:
-        known = search_hardly_near(P, target, found[:n], known, goal, J, A)
-        return going_on(P, target, goal, known, J, A)
-    if told:
-        known, sure = look_beside(P, target, found[:n], known, goal, J, A)
-    if sure:
-        return known
-    nearer = search_followed(P, target, -1, goal, goal.respect, J, A)
-    return going_on(P, target, goal, nearer if nearer[2] < known[2] else known, J, A)
+        known, sure = search_hardly_near(P, target, found[:n], known, goal, J, A)
+        return (going_on(P, target, goal, known, J, A) if sure else known), sure
+    if told and n > 0:
+        return look_beside(P, target, found[:n], known, goal, J, A)
+    return known, False
 
 
 @kernel
-def search_near_seed(family, target, goal, J, A):
-    """The posture nearest to a seed over all branches and arm angles: q, branch, cost (OUTSIDE if none was found)."""
+def search_near_seed(family, target, branch, goal, J, A):
+    """The posture nearest to a seed over all branches and arm angles: q, branch, cost (OUTSIDE if none was found).
+
+    And whether it is told: where the best so far is not in a branch that is wanted, curves are not followed yet.
+    """
     P = row(family, LIMITED)
-    guessed = guess(P, target, goal, J, A)
-    _, q, branch, lowest, minimum = guessed
-    known = (q, branch, lowest)
+    q, lowest, minimum = guess(P, target, goal, J, A)
+    known = (q, branch_of(P, q), lowest)
     if minimum and is_alone(P, goal.seed, lowest):
-        return known
+        return known, True
     if lowest < OUTSIDE:
         known = with_splits(P, target, -1, goal, known)
     if P[IS_NEAR] != 0.0:
-        return search_near_seed_true(family, target, guessed, known, goal, J, A)
+        known, sure = search_beside(family, target, minimum, known, goal, J, A)
+        if sure or (branch >= 0 and not is_on_border(P, known[0], branch)):
+            return known, sure
+        nearer = search_followed(P, target, -1, goal, goal.respect, J, A)
+        return going_on(P, target, goal, nearer if nearer[2] < known[2] else known, J, A), True
     if known[2] >= OUTSIDE:
-        return known
+        return known, True
     found = np.empty((8 * MAX_PIECES, 3))
-    n = intervals_within(family, target, guessed, known, goal, found)
+    n = intervals_within(family, target, known, goal, found)
     if n == 0:
-        return known
+        return known, True
     nearer = nearest_within(P, target.place, found[:n], -1, goal, known[2])
     if nearer[2] < known[2]:
         nearer = settled_split(P, target, nearer, goal)
     nearer = nearest_alone(family, target, found[:n], goal, nearer if nearer[2] < known[2] else known)
-    return nearer if nearer[2] < known[2] else known
+    return (nearer if nearer[2] < known[2] else known), True
 
 
 @kernel

@@ -87,18 +87,20 @@ def stretch_true(family, target, goal, J, A, out):
 def best_posture(family, target, branch, goal, J, A):
     """The best posture of all arm angles: q, branch, cost."""
     P = row(family, LIMITED)
-    found = (goal.seed, 0, 4.0 * NO_BRANCH)
+    found, told = (goal.seed, 0, 4.0 * NO_BRANCH), False
     if goal.seeded and (branch < 0 or P[IS_NEAR] != 0.0):
-        found = search_near_seed(family, target, goal, J, A)
+        found, told = search_near_seed(family, target, branch, goal, J, A)
         if P[IS_NEAR] == 0.0 and goal.respect and found[2] < OUTSIDE and hides_some(P, target.place):
             found = best_at_any_bend(family, target, -1, goal, found)
-    if found[2] < OUTSIDE and (branch < 0 or is_on_border(P, found[0], branch)):
+    in_branch = found[2] < OUTSIDE and (branch < 0 or is_on_border(P, found[0], branch))
+    if told and in_branch:
         return found[0], found[1] if branch < 0 else branch, found[2]
     if P[IS_NEAR] != 0.0 and may_reach(P, target.place):
-        found = search_true(P, target, branch, goal, J, A)
+        other = search_true(P, target, branch, goal, J, A)
         if goal.seeded and branch >= 0:
-            return going_on_in_branch(family, target, branch, goal, found, J, A)
-        return going_on(P, target, goal, found, J, A)
+            nearer = found if in_branch and found[2] < other[2] else other
+            return going_on_in_branch(family, target, branch, goal, nearer, J, A)
+        return going_on(P, target, goal, other, J, A)
     return search_exact(family, target, branch, goal)
 
 
