@@ -58,13 +58,16 @@ def search_hardly_near(P, target, found, known, goal, J, A):
     keep(boxes)
     if value >= OUTSIDE and not is_unsure(P, q):
         return known, True
-    if value < OUTSIDE and not is_unsure(P, start) and not is_unsure(P, q):
-        if value >= lowest:
+    if value < OUTSIDE:
+        told = not is_unsure(P, start) and not is_unsure(P, q)
+        if told and value >= lowest:
             return known, True
         start, error = close_free(P, start, target.R, target.p, goal.respect, FEW_STEPS, J, A)
         settled, there, _ = slid(P, target, start, goal, J, A)
-        if error < CLOSED and there < value + HARDLY_FARTHER:
-            return ((settled, branch_of(P, settled), there) if there < lowest else known), True
+        if error < CLOSED and there < lowest:
+            known = (settled, branch_of(P, settled), there)
+        if told and error < CLOSED and there < value + HARDLY_FARTHER:
+            return known, True
     return known, False
 
 
