@@ -280,3 +280,37 @@ def test_splits_of_a_singular_wrist_are_found_from_any_seed_and_in_their_branch(
             assert_met(arm, forward, pose, solution)
             farther = np.linalg.norm(solution.q - seed) - np.linalg.norm(known - seed)
             assert farther < 1e-6, (farther, branch, known.tolist(), seed.tolist())
+
+
+@pytest.mark.skipif(not arms.here("j2s7s300"), reason="robot_descriptions has no j2s7s300 here")
+def test_a_stretch_that_leaves_the_border_of_a_branch_is_followed_no_farther():
+    arm = arms.load("j2s7s300")
+    first = [1.376426129722046, np.pi, 2.8968404481064987, 0.5235987765982988]
+    q = [*first, -2.97131796074464, np.pi, 0.6003611774875495]
+    first = [1.7093883319442362, 3.386397716338933, -1.358709739880667, np.pi]
+    seed = [*first, -0.764972823421759, 1.2397473572586561, 2.3579648040164676]
+    for respect in (True, False):
+        solution = arm.solve(
+            arm.forward_kinematics(q), seed=[*seed, 2.3579648040164676], branch=5, respect_limits=respect
+        )
+        assert (solution.status, solution.branch) == ("OK", 5)
+
+
+@pytest.mark.skipif(not arms.here("iiwa14_experimental"), reason="its file is not here")
+def test_branches_that_rounding_changes_along_a_split_leave_room_for_intervals():
+    """There were more changes than room, and what came behind them was taken for a part of the last interval."""
+    arm = arms.load("iiwa14_experimental")
+    q = [
+        -1.4896685615791747,
+        0.0,
+        -0.645357176481407,
+        0.41050553226362085,
+        -0.07331769680660871,
+        0.0,
+        1.5523250938825166,
+    ]
+    pose = arm.forward_kinematics(q)
+    found = [each for each in arm.intervals(pose) if each.branch == 2]
+    for psi in np.linspace(-3.1, 3.1, 63):
+        inside = any(each.lower <= psi <= each.upper for each in found)
+        assert inside == (arm.solve(pose, arm_angle=psi, branch=2).status == "OK"), psi

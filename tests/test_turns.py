@@ -54,6 +54,14 @@ def test_without_limits_and_without_end_joints_come_in_the_first_turn():
     assert (np.abs(free.q) <= np.pi).all()
 
 
+def test_a_joint_with_many_turns_is_as_one_without_end():
+    arm, calls = wide(-1e5, 1e5), []
+    pose = arm.forward_kinematics([0.3, 0.7, -0.4, -1.1, 0.5, 0.8, -0.2])
+    found = arm.optimise(pose, lambda q: calls.append(1) or float(q[0]), maximise=True)
+    assert abs(found.q[0]) <= np.pi
+    assert len(calls) < 10_000
+
+
 @pytest.mark.parametrize("name", ["gen3", "wide"])
 def test_a_reference_is_in_the_turns_in_which_it_is_given_among_bodies_too(name):
     """On gen3 a reference of its own pose, with joint 1 at 5 rad, had a value of 25 rad^2 in an empty scene."""

@@ -173,6 +173,17 @@ def test_texts_are_no_poses(arm):
             ask("")
 
 
+def test_what_has_a_length_and_items_is_a_list_of_poses(arm, pose):
+    class Poses:
+        def __len__(self):
+            return 2
+
+        def __getitem__(self, i):
+            return (pose, pose)[i]
+
+    assert arm.solve_batch(Poses()).q.shape == (2, 7)
+
+
 def test_branches_of_any_size_are_named_briefly(arm, pose):
     for wrong in (10**4000, np.timedelta64(1, "s"), "a" * 5000):
         with pytest.raises(srs_ik.InvalidConfiguration, match="a branch is an integer from 0 to 7") as caught:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
 from typing import Any, NamedTuple, TypeGuard
 
 import numpy as np
@@ -79,9 +78,13 @@ def as_matrices(poses: Any) -> Array:
     """
     if not isinstance(poses, np.ndarray) and not isinstance(poses, pin.SE3):
         listed = getattr(poses, "poses", poses)
-        if isinstance(listed, str | bytes) or not isinstance(listed, Iterable):
-            raise InvalidPose(f"poses are an (N, 4, 4) array or a list of poses, not {type(poses).__name__}")
-        poses = list(listed)
+        try:
+            if isinstance(listed, str | bytes):
+                raise TypeError
+            each = iter(listed)
+        except TypeError:
+            raise InvalidPose(f"poses are an (N, 4, 4) array or a list of poses, not {type(poses).__name__}") from None
+        poses = list(each)
         if any(isinstance(pose, pin.SE3) or _is_message(pose) for pose in poses):
             poses = np.stack([as_matrix(pose) for pose in poses])
         elif not poses:

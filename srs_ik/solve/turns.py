@@ -12,11 +12,15 @@ Array = NDArray[np.float64]
 
 TURN = 2.0 * math.pi
 
+MOST_TURNS = 16
+"""A joint with more turns between its limits is as one without end."""
+
 
 class OverTurns:
     """A cost of postures as the least in all turns that their joints have between the limits.
 
-    Joints are turned one after another, until that makes nothing less. Joints without end stay as they are.
+    Joints are turned one after another, until that makes nothing less. Joints without end, or with more turns than
+    `MOST_TURNS`, stay as they are.
 
     Args:
         cost: of seven joint angles, rad; lower is better.
@@ -28,7 +32,7 @@ class OverTurns:
     def __init__(self, cost: Callable[[Array], float], lower: Array, upper: Array, respect: bool) -> None:
         self._cost = cost
         self._lower, self._upper = lower, upper
-        wide = np.isfinite(lower) & np.isfinite(upper) & (upper - lower >= TURN)
+        wide = (upper - lower >= TURN) & (upper - lower <= MOST_TURNS * TURN)
         self._wide = np.flatnonzero(wide).tolist() if respect else []
 
     def __call__(self, q: Array) -> float:

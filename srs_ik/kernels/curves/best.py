@@ -101,7 +101,8 @@ def best_on_border(P, by, curve, ends, branch, goal, best):
             q, _ = on_curve(P, by, 0, curve, after)
             here = is_on_border(P, q, branch)
             if before and here:
-                best = best_on(P, by, curve, (x, after), goal, best)
+                found = best_on(P, by, curve, (x, after), goal, best)
+                best = found if is_on_border(P, found.q, branch) else best
             x, before = after, here
     return best
 

@@ -38,7 +38,8 @@ from srs_ik.kernels.limb.branches import bit_of
 SPAN = 6
 """A span: its run, branch, first and last parameter, least and greatest arm angle on it, rad (not wrapped)."""
 
-MAX_SPANS = 2 * MAX_RUNS
+MAX_SPANS = 4 * MAX_RUNS
+"""Along a free split, rounding may change the branch a thousand times."""
 
 JUST_OUTSIDE = 1e-12
 """Spans on either side of a change of branch end this close to it, in the parameter of the curve."""
@@ -62,9 +63,8 @@ def turning_angle(P, by, curve, ends, psi, sign):
 
 @kernel
 def open_span(spans, n, index, branch, x, psi):
-    """Begin a span; return the number of spans."""
-    if n >= spans.shape[0]:
-        return n
+    """Begin a span; return the number of spans. Without room the last one makes way: it must not go on as this one."""
+    n = min(n, spans.shape[0] - 1)
     spans[n, 0] = index
     spans[n, 1] = branch
     spans[n, 2] = x

@@ -57,7 +57,10 @@ def _is_gain(attributes: Attributes) -> bool:
 def _limited(attributes: Attributes, kind: str, gain: float, read: Reader, where: str) -> tuple[float, float]:
     """The range of force or control where it counts, times a gain; infinite otherwise."""
     least, most = read.vector(attributes.get(f"{kind}range", "0 0"), 2, f"{kind}range of {where}")
-    if attributes.get(f"{kind}limited", "auto") == "false" or not least < most or gain == 0.0:
+    counts = attributes.get(f"{kind}limited", "auto")
+    if counts == "auto" and least < most and not read.compiler.autolimits:
+        raise read.fail(f"{where} has a {kind}range but no {kind}limited, and <compiler> says autolimits='false'")
+    if counts == "false" or not least < most or gain == 0.0:
         return -math.inf, math.inf
     ends = float(gain * least), float(gain * most)
     return min(ends), max(ends)
