@@ -310,7 +310,7 @@ def test_the_lesser_of_joint_and_actuators_limits_the_effort(tmp_path):
     assert efforts("", 'general forcerange="-39 39" forcelimited="false"') == {np.inf}
     with pytest.raises(InvalidRobot, match="forcerange of <motor> '' is '1', not 2 numbers"):
         efforts("", 'motor forcerange="1"')
-    text = arm('limited="true" range="-2 2"', after='<actuator><motor joint="j1" ctrlrange="-2 2"/></actuator>')
-    text = text.replace("<mujoco>", '<mujoco><compiler autolimits="false"/>', 1)
+    motor, never = '<motor joint="j1" ctrlrange="-2 2"/>', '<compiler autolimits="false"/>'
+    text = arm('limited="true" range="-2 2"', before=never, after=f"<actuator>{motor}</actuator>")
     with pytest.raises(InvalidRobot, match="has a ctrlrange but no ctrllimited"):
         load_model(write({"main.xml": text}, tmp_path))

@@ -290,9 +290,7 @@ def test_a_stretch_that_leaves_the_border_of_a_branch_is_followed_no_farther():
     first = [1.7093883319442362, 3.386397716338933, -1.358709739880667, np.pi]
     seed = [*first, -0.764972823421759, 1.2397473572586561, 2.3579648040164676]
     for respect in (True, False):
-        solution = arm.solve(
-            arm.forward_kinematics(q), seed=[*seed, 2.3579648040164676], branch=5, respect_limits=respect
-        )
+        solution = arm.solve(arm.forward_kinematics(q), seed=seed, branch=5, respect_limits=respect)
         assert (solution.status, solution.branch) == ("OK", 5)
 
 
