@@ -434,9 +434,9 @@ class Arm(BodyOwner):
         Args:
             pose: wanted pose of the tip frame in the base frame.
             objective: name of a built-in objective (see `Objective`), an `Objective`, or a function of 7 joint
-                angles, rad, to be minimised (with `maximise=True`, maximised), in every turn of joints that have
-                several between their limits. With a scene also "clearance", the
-                least distance of all bodies that are watched, m, by the spheres, which is maximised.
+                angles, rad, to be minimised (with `maximise=True`, maximised); joints that have several turns
+                between their limits, 16 at most, are turned one after another to the best. With a scene also
+                "clearance", the least distance of all bodies that are watched, m, by the spheres, which is maximised.
             respect_limits: whether q has to keep the joint limits.
             scene: what must not be touched, the arm's own bodies included; nothing is looked at if not given.
             margin: what is to be left between any two bodies, m; it goes with a scene.
