@@ -1,8 +1,11 @@
 """How all tests run: profiles of Hypothesis, and the marks that follow from what a test needs."""
 
 import os
+import random
 
 import arms
+import numpy as np
+import pinocchio as pin
 import pytest
 from hypothesis import HealthCheck, settings
 from robot_files import REAL
@@ -77,3 +80,11 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
             item.add_marker(pytest.mark.numba)
         if jit.AHEAD and item.get_closest_marker("numba"):
             item.add_marker(pytest.mark.skip(reason="kernels are compiled ahead: SRS_IK_JIT=1 pytest -m numba"))
+
+
+@pytest.fixture(autouse=True)
+def _same_random_numbers() -> None:
+    """A test draws the same numbers alone, in the whole suite and on each of its processes."""
+    pin.seed(0)
+    random.seed(0)
+    np.random.seed(0)  # noqa: NPY002
