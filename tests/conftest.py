@@ -68,6 +68,7 @@ _REAL = {*REAL, *arms.REAL}
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    met = set()
     for item in items:
         parameters = item.callspec.params.values() if hasattr(item, "callspec") else ()
         if any(isinstance(value, str) and value in _REAL for value in parameters):
@@ -76,6 +77,10 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
             item.add_marker(pytest.mark.browser)
         if item.path.stem in SLOW or "installed" in item.fixturenames:
             item.add_marker(pytest.mark.slow)
+        test = item.path, getattr(item, "originalname", item.name)
+        if test not in met and not item.get_closest_marker("slow"):
+            item.add_marker(pytest.mark.fast)
+        met.add(test)
         if item.path.stem in NUMBA:
             item.add_marker(pytest.mark.numba)
         if jit.AHEAD and item.get_closest_marker("numba"):

@@ -20,6 +20,7 @@ def placement(xyz, rpy) -> pin.SE3:
     return pin.SE3(pin.rpy.rpyToMatrix(*rpy), np.array(xyz))
 
 
+@pytest.mark.slow
 @given(st.sampled_from(NAMES), vectors, vectors, vectors, vectors, st.integers(0, 99))
 @settings(deadline=None, max_examples=60)
 def test_a_moved_arm_reaches_what_the_plain_arm_reaches(name, xyz, rpy, tool_xyz, tool_rpy, k):

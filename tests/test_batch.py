@@ -360,6 +360,7 @@ atexit.register(lambda: print("left", (time.perf_counter() - ended) / pressed[1]
 """
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("call", "count", "threads"),
     [

@@ -77,6 +77,7 @@ def test_made_up_files_are_refused_or_solved(first, tmp_path):
         assert verdict_of(made(seed), tmp_path) in ("refused", "no limb", "solved", "read"), f"seed {seed}"
 
 
+@pytest.mark.slow
 def test_made_up_files_come_far_and_depend_on_the_number_alone(tmp_path):
     files = [made(seed) for seed in range(200)]
     assert files == [made(seed) for seed in range(200)]

@@ -243,6 +243,7 @@ def side_of(limb, q):
     return sum(bit * (sine < 0.0) for bit, sine in zip((4, 2, 1), sines, strict=True)), np.abs(sines).min()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", arms.here("gen3", "j2s7s300"))
 def test_a_branch_asked_for_with_an_almost_straight_elbow_is_there_or_not(name):
     """What a search by least squares finds is there, what is there meets the pose, and some branches are not there."""

@@ -246,6 +246,7 @@ def test_faults_of_the_program_are_not_hidden(monkeypatch):
 # in a process of its own
 
 
+@pytest.mark.slow
 def test_an_error_in_a_process_of_its_own_is_one_line_and_no_traceback():
     result = run_apart(["solve", "no/such/file.urdf", *POSE])
     assert result.returncode == 2
@@ -254,6 +255,7 @@ def test_an_error_in_a_process_of_its_own_is_one_line_and_no_traceback():
     assert result.stderr.startswith("srs-ik: ")
 
 
+@pytest.mark.slow
 def test_json_stands_alone_on_standard_output_of_a_process():
     result = run_apart(["solve", "human_arm", "--q", *Q, "--no-limits", "--json"])
     assert result.returncode == 0, result.stderr
@@ -262,6 +264,7 @@ def test_json_stands_alone_on_standard_output_of_a_process():
     assert np.allclose(pose_by_pinocchio("human_arm", found["q"]), found["T_base_tip"], rtol=0.0, atol=1e-11)
 
 
+@pytest.mark.slow
 def test_names_that_the_terminal_cannot_write_are_escaped(tmp_path):
     card = zoo.card("iiwa14")
     path = tmp_path / "umlaut.urdf"
@@ -271,6 +274,7 @@ def test_names_that_the_terminal_cannot_write_are_escaped(tmp_path):
     assert r"gelenk_f\xfcr_[eins]" in result.stdout
 
 
+@pytest.mark.slow
 def test_a_reader_that_leaves_early_is_no_error():
     command = f"{sys.executable} -c 'from srs_ik.cli import main; main()' robots --json"
     result = subprocess.run(
@@ -280,6 +284,7 @@ def test_a_reader_that_leaves_early_is_no_error():
     assert result.stdout.strip() in {"0", "1"}
 
 
+@pytest.mark.slow
 def test_a_full_disk_is_one_line():
     if not Path("/dev/full").exists():
         pytest.skip("/dev/full is not here")
@@ -304,6 +309,7 @@ def test_an_interruption_is_quiet(monkeypatch, capsys):
     assert capsys.readouterr().err == ""
 
 
+@pytest.mark.slow
 def test_help_and_version_load_no_heavy_library():
     code = """
 import sys

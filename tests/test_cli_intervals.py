@@ -52,6 +52,7 @@ def test_every_interval_holds_arm_angles_that_solve():
         assert arm.solve(pose, arm_angle=middle, branch=interval["branch"])
 
 
+@pytest.mark.slow
 def test_no_interval_is_exit_status_1_with_one_line(tmp_path):
     picture = tmp_path / "none.png"
     result = run("iiwa14", *BLOCKED, "--plot", str(picture))

@@ -55,6 +55,7 @@ def test_query_verify_and_estimate(folder, tmp_path):
     assert answer("map", "estimate", "iiwa14", *GRID)["cells"] == 3600
 
 
+@pytest.mark.slow
 def test_export_plot_and_preview(folder, tmp_path):
     for name in ("m.npz", "m.vti", "m.h5"):
         assert run("map", "export", folder, str(tmp_path / name)).exit_code == 0
@@ -71,6 +72,7 @@ def test_export_plot_and_preview(folder, tmp_path):
     assert page.stat().st_size > 100_000
 
 
+@pytest.mark.slow
 def test_a_scene_and_a_task_bring_their_measures(tmp_path):
     scene = tmp_path / "scene.json"
     scene.write_text(json.dumps({"objects": [{"name": "shelf", "box": [0.6, 0.1, 1.0], "xyz": [0.5, 0.35, 0.5]}]}))
@@ -123,6 +125,7 @@ def test_two_maps_are_compared_and_combined(tmp_path):
     np.testing.assert_array_equal(open_map(both).measure("reached") > 0, a | b)
 
 
+@pytest.mark.slow
 def test_a_map_of_an_arm_with_a_tool_and_a_mount_is_asked_with_its_adapter(tmp_path):
     adapter = tmp_path / "welder.toml"
     adapter.write_text(

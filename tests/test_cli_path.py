@@ -99,6 +99,7 @@ def test_limits_of_acceleration_give_the_times_at_which_poses_are_passed(tmp_pat
     assert f"{got['times'][-1]:.4g} s from rest to rest" in run("path", "iiwa14", file, *words).stdout
 
 
+@pytest.mark.slow
 def test_the_picture_of_the_strips_is_drawn(tmp_path):
     picture = tmp_path / "strips.png"
     poses = line_of_poses(12)
@@ -267,6 +268,7 @@ def test_a_wrong_objective_is_one_line(words, named):
     assert named in result.stderr
 
 
+@pytest.mark.slow
 def test_velocity_limits_that_are_passed_are_told(tmp_path):
     poses = line_of_poses(30)
     file = write(tmp_path / "poses.csv", poses)

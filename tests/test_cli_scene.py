@@ -29,6 +29,7 @@ def test_intervals_in_a_scene(file):
     assert np.allclose([i["lower"] for i in found], [i.lower for i in wanted], atol=1e-9)
 
 
+@pytest.mark.slow
 def test_solve_in_a_scene(file, tmp_path):
     found = answer("solve", "iiwa14", *POSE, "--scene", str(file))
     assert found["status"] == "OK"

@@ -35,6 +35,7 @@ def errors(arm, pose, q):
     return np.array([error.position, error.orientation])
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", NAMES)
 def test_no_other_posture_betters_both_errors(name):
     tried = 0

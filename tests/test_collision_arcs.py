@@ -97,6 +97,7 @@ sphere = st.tuples(unit, unit, unit, st.floats(0.0, 0.4))
 angle = st.floats(-2.0, 2.0)
 
 
+@pytest.mark.slow
 @given(
     st.tuples(angle, angle, angle, st.floats(-2.0, -0.05) | st.floats(0.05, 2.0), angle, angle, angle),
     st.lists(sphere, min_size=1, max_size=3),
@@ -119,6 +120,7 @@ def test_arcs_are_those_of_brute_force(q, upper, fore, room, hand, margin):
     check(made, margin)
 
 
+@pytest.mark.slow
 @given(st.integers(0, 10_000), st.sampled_from(["human_arm", "iiwa14"]))
 def test_arcs_of_other_limbs(number, name):
     arm, rng = srs_ik.load(name), generator(name, number)

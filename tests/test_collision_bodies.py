@@ -48,6 +48,7 @@ def test_every_point_of_the_shapes_is_in_a_sphere(name):
             assert outside(sampled(form), body.spheres) < 1e-9, body
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "make", [lambda: trimesh.creation.torus(0.2, 0.03), lambda: trimesh.creation.icosphere(radius=0.1)]
 )
@@ -164,6 +165,7 @@ def test_what_the_hand_holds_counts():
     assert "stick" in [body.name for body in tool.bodies]
 
 
+@pytest.mark.slow
 def test_a_base_and_a_tool_leave_what_was_found_of_the_links(monkeypatch):
     arm = srs_ik.load("iiwa14")
     scene = srs_ik.Scene()

@@ -67,6 +67,7 @@ def postures(arm, T, rng, each_has=4):
                 yield each.branch, psi, answer.q
 
 
+@pytest.mark.slow
 def test_real_shapes_are_free_of_a_half_space_where_they_are(truth):
     arm, rng = truth.arm, generator(truth.arm.name, 52)
     free = called = 0
@@ -82,6 +83,7 @@ def test_real_shapes_are_free_of_a_half_space_where_they_are(truth):
     assert called >= 0.98 * free
 
 
+@pytest.mark.slow
 def test_what_is_deepest_in_a_half_space_is_told_as_it_is(truth):
     arm, rng = truth.arm, generator(truth.arm.name, 54)
     told = 0

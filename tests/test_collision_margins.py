@@ -75,6 +75,7 @@ def test_a_margin_is_refused_only_where_no_posture_keeps_it(distances, margin):
     assert kept > 5
 
 
+@pytest.mark.slow
 def test_free_arm_angles_keep_the_margin(distances):
     arm, rng, looked, least = distances.arm, generator("gen3", 63), 0, np.inf
     for T in poses(arm, 8, 64):
@@ -87,6 +88,7 @@ def test_free_arm_angles_keep_the_margin(distances):
     assert 0.04 - 1e-5 < least < 0.06
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["gen3", "iiwa14"])
 def test_what_is_missing_to_a_margin_is_told_as_it_is(name):
     distances = Distances(srs_ik.load(name))
@@ -102,6 +104,7 @@ def test_what_is_missing_to_a_margin_is_told_as_it_is(name):
     assert told > 4
 
 
+@pytest.mark.slow
 def test_paths_keep_a_margin_that_no_range_of_a_joint_keeps(distances):
     arm, scene, checked = distances.arm, srs_ik.Scene(), 0
     q = np.array([0.3, 0.9, -0.4, -1.3, 0.5, 0.9, -0.2])

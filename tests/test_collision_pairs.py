@@ -122,6 +122,7 @@ def test_pairs_are_kept_and_dropped_on_the_callers_word():
         arm.with_bodies(drop=[("iiwa_link_1", "nobody")]).pairs  # noqa: B018
 
 
+@pytest.mark.slow
 def test_a_pair_of_which_spheres_tell_nothing_is_left_out_and_named():
     if not at_hand("romeo"):
         pytest.skip("example-robot-data is not here")

@@ -97,6 +97,7 @@ def near_elbow(arm, path, radius=0.07):
     return scene
 
 
+@pytest.mark.slow
 def test_a_path_goes_around_what_the_best_one_would_hit(arm):
     poses = line_of(arm, 50)
     through = arm.solve_path(poses)

@@ -89,6 +89,7 @@ print(len(codes), set(codes))
 """
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("program", "count"), [(LOADING, 100), (STARTING, 8), (COMPILING, 20)], ids=["loading", "starting", "compiling"]
 )

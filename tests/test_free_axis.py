@@ -280,6 +280,7 @@ def test_an_axis_may_have_any_length(length):
     np.testing.assert_allclose(FreeAxis([length, 0.0, length]).axis, [0.5**0.5, 0.0, 0.5**0.5], rtol=1e-15)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", arms.here("iiwa14", "gen3"))
 def test_a_path_takes_the_turns_that_serve_it_best(name):
     arm, free = arms.load(name), FreeAxis([0, 0, 1])

@@ -72,6 +72,7 @@ def test_the_answer_meets_the_pose_and_hits_nothing(arm, free):
     assert tried >= 6
 
 
+@pytest.mark.slow
 def test_no_turn_of_a_dense_sample_has_a_nearer_posture(arm):
     better = 0
     for q in postures(5, 8):

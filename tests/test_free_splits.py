@@ -70,6 +70,7 @@ def test_the_nearest_split_of_a_wrist():
     assert (batch.q[0] == solution.q).all()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ARMS)
 def test_no_split_is_nearer_to_the_seed_or_farther_from_the_limits(name):
     arm, forward, rng = arms.load(name), arms.forward(name), arms.generator(name, 61)
@@ -97,6 +98,7 @@ def test_no_split_is_nearer_to_the_seed_or_farther_from_the_limits(name):
         assert margin.min() > margins.min(axis=1).max() - 1e-9
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["iiwa14", "med7", "rm75"])
 def test_seeded_answers_against_a_sweep_that_scipy_polishes(judge, name):
     arm = arms.load(name)
@@ -105,6 +107,7 @@ def test_seeded_answers_against_a_sweep_that_scipy_polishes(judge, name):
         assert judge["farther"](arm, known, case) < 1e-6, case
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("name", "joints"), [("iiwa14", (1, 3, 5)), ("iiwa14", (1, 3)), ("human_arm", (1, 3))])
 def test_seeded_answers_with_an_elbow_as_good_as_flat(judge, name, joints):
     """The pose does not tell its bend: each has a curve of postures of its own."""
@@ -207,6 +210,7 @@ def test_no_split_is_better_by_an_objective(joint):
                 assert optimum.value <= min(values) + give * max(1.0, abs(min(values)))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["iiwa14", "human_arm", "openarm_left"])
 def test_splits_are_searched_to_their_ends_while_another_joint_stands_on_its_limit(name):
     arm, forward, rng = arms.load(name), arms.forward(name), arms.generator(name, 70)

@@ -78,6 +78,7 @@ def test_hostile_scenes_are_refused_in_one_line_and_in_time(case, tmp_path, monk
     assert not (tmp_path / "pwned").exists()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "text",
     [

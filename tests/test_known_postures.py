@@ -412,6 +412,7 @@ LITTLE_MORE_THAN_FLAT = {
 is greater than the pose asks for by parts of a nanometre; the last of an arm by its number."""
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "name", [name for name in LITTLE_MORE_THAN_FLAT if isinstance(name, tuple) or name in arms.here(name)]
 )
@@ -567,6 +568,7 @@ def test_elbows_of_rounded_arms_on_the_line_from_shoulder_to_wrist_lose_nothing(
     assert_is_whole(bench, rounded[number], np.array(ROUNDED[number].split(), float))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("number", [0, 7])
 def test_an_elbow_on_the_line_is_at_every_arm_angle_in_all_kinds_of_call(rounded, number):
     arm, q = rounded[number], np.array(ROUNDED[number].split(), float)
@@ -866,6 +868,7 @@ def test_all_branches_of_a_straight_elbow_are_found(name):
             assert {one.branch for one in found} == set(range(8))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", arms.here("rm75", "gen3"))
 def test_the_branch_of_an_answer_has_nothing_farther_when_it_is_asked_for(name):
     arm, rng = arms.load(name), arms.generator(name, 78)

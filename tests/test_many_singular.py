@@ -297,6 +297,7 @@ def test_a_posture_on_limits_that_is_alone_but_for_rounding_is_in_an_interval(ju
     assert not list(known["missed"](arm, [case], [intervals]))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", NAMES)
 def test_known_postures_lie_in_an_interval(judges, name):
     arm, known = load(judges, name), judges["known"]

@@ -48,6 +48,7 @@ def ratio_by_pinocchio(arm, q):
     return srs_ik.force_velocity_ratio(arm.jacobian(q), FORCE, VELOCITY)
 
 
+@pytest.mark.slow
 def test_the_ratio_is_the_smallest_of_all_postures_and_its_posture_is_rebuilt(made):
     chart, arm, _ = made
     ratio, angle, branch = (chart.measure(name) for name in ("ratio", "ratio_arm_angle", "ratio_branch"))
@@ -75,6 +76,7 @@ def _rows(values):
     return values.reshape(-1, values.shape[-1]).astype(float)
 
 
+@pytest.mark.slow
 def test_the_free_width_is_that_of_arm_angles_that_clear_the_scene(made):
     chart, arm, scene = made
     free, width = chart.measure("free"), chart.measure("width")

@@ -139,6 +139,7 @@ def made(tmp_path_factory):
     return build_map(arm, 0.15, path, orientations=144, measures=["margin"]), arm
 
 
+@pytest.mark.slow
 def test_cells_are_what_the_arm_answers_at_their_poses(made):
     chart, arm = made
     rng, plan = np.random.default_rng(34), chart.plan
@@ -319,6 +320,7 @@ def test_a_file_of_reuleaux_is_read_as_its_programs_read_it(made, tmp_path):
     assert np.mean(reached) > 0.8
 
 
+@pytest.mark.slow
 def test_xarray_opens_a_map_as_it_is(made):
     xarray = pytest.importorskip("xarray")
     chart, _ = made

@@ -32,6 +32,7 @@ def arm(joint: str = 'range="-2 2"', body: str = "", before: str = "", after: st
     return f'<mujoco model="small"><compiler angle="{angle}"/>{before}{world}{after}</mujoco>'
 
 
+@pytest.mark.slow
 def test_variants_agree_with_mujoco_or_are_refused(tmp_path):
     verdicts = []
     for seed in range(200):

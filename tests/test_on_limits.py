@@ -167,6 +167,7 @@ def near_arm(judges, name):
     return next(islice(made, int(number), None))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "given", [case for case in NEAR if case[0] in arms.here("rm75", "h1_2_left") or "random" in case[0]]
 )

@@ -67,6 +67,7 @@ def assert_as_good_as(arm, optimum, values):
         assert -sign * optimum.second_value <= rivals.min() + 1e-9 * np.abs(rivals).min()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("robot", arms.here("iiwa14", "gen3", "human_arm", "sia5d", "romeo_left", "j2s7s300"))
 @pytest.mark.parametrize("name", NAMES)
 def test_no_posture_of_a_sweep_is_better(robot, name):
@@ -99,6 +100,7 @@ def test_without_limits_no_posture_of_a_sweep_is_better(robot, name):
             assert_as_good_as(arm, optimum, values)
 
 
+@pytest.mark.slow
 @settings(max_examples=15)
 @given(limbs())
 def test_on_random_limbs_no_posture_of_a_sweep_is_better(limb):

@@ -87,6 +87,7 @@ def broken(arm, rng):
     return poses_of(arm, np.vstack([known_motion(arm, rng, 30, 0.1), known_motion(arm, rng, 30, 0.1)]))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["iiwa14", "human_left"])
 def test_a_break_says_between_which_poses_it_cannot_be_avoided(name):
     arm, rng = load(name), generator(name, 33)
@@ -718,6 +719,7 @@ def test_where_only_the_longest_step_stops_a_path_no_limit_is_blamed():
     assert "limit by" not in first.message
 
 
+@pytest.mark.slow
 def test_how_much_of_the_velocity_limits_a_path_takes_is_told():
     arm = load("iiwa14")
     poses = poses_of(arm, straight_line())

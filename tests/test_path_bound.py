@@ -92,6 +92,7 @@ def test_the_bound_is_below_a_known_motion_and_close_below_the_path(name, seeded
         assert path.lower_bound > (0.97 if arm.packed.closed else 0.94) * path.value
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["iiwa14", "human_left"])
 @pytest.mark.parametrize("case", ["free", "seeded", "broken"])
 def test_brute_force_finds_nothing_below_the_bound(name, case):
@@ -118,6 +119,7 @@ def test_the_bound_of_the_largest_step(name):
         assert 0.95 * path.value < path.lower_bound <= min(path.value, np.abs(np.diff(known, axis=0)).max())
 
 
+@pytest.mark.slow
 def test_postures_that_are_given_and_poses_out_of_reach():
     arm, rng = load("iiwa14"), generator("iiwa14", 55)
     known = known_motion(arm, rng, 40, 0.1)

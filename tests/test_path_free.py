@@ -62,6 +62,7 @@ def test_velocity_limits_are_kept_where_a_motion_keeps_them(name, salt):
     assert (path.velocity_use <= 1.0).all()
 
 
+@pytest.mark.slow
 def test_what_breaks_for_good_says_no_more_than_that_no_path_was_found():
     """Poses that jump, and one out of reach: what is not reached is what no posture meets alone."""
     name = "iiwa14"

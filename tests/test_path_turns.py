@@ -17,6 +17,7 @@ def arm():
     return next(islice(made["random_arms"](np.random.default_rng([98000, 6]), 0.0, 0.0), 37, None))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("kind", "number"), [("limits", 98003), ("cross", 98003), ("limits", 98001)])
 def test_a_known_motion_in_many_turns_is_never_better(arm, kind, number, monkeypatch):
     monkeypatch.setattr(sys, "path", [str(BENCHMARKS), *sys.path])

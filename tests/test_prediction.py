@@ -303,10 +303,12 @@ SLIVERS = (
 """The best posture is where the costs of two joints cross: none is better past it, though one of both falls."""
 
 
+@pytest.mark.slow
 def test_no_curves_are_followed_where_two_joints_decide():
     assert curves_followed(f"for q in {SLIVERS}: arm.solve(arm.forward_kinematics(q))") == 0
 
 
+@pytest.mark.slow
 def test_the_curves_of_a_pose_are_followed_once_for_many_arm_angles():
     call = (
         "q = np.array([0.3, 0.9, -0.5, arm.packed.family[0, STRAIGHT] + 0.02, 0.4, 1e-3, 0.2]);"
@@ -316,6 +318,7 @@ def test_the_curves_of_a_pose_are_followed_once_for_many_arm_angles():
     assert curves_followed(call) == 1
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", arms.here("gen3", "j2s7s300"))
 def test_no_posture_of_a_curve_is_farther_from_the_limits_than_the_best_one(name):
     arm = arms.load(name)

@@ -193,6 +193,7 @@ def test_ghosts_are_the_other_branches(view, arm):
         assert np.abs(Scene(view).transform(f"ghosts/{name}/joint 7") - flange).max() < 1e-9
 
 
+@pytest.mark.slow
 def test_a_self_motion_keeps_the_tip_and_moves_the_elbow(view, arm):
     pose = arm.forward_kinematics(Q)
     assert view.show_self_motion(pose)
@@ -298,6 +299,7 @@ def test_a_bare_model_is_a_skeleton():
         assert view.missing == []
 
 
+@pytest.mark.slow
 def test_loading_reads_no_shapes_and_imports_nothing_for_them():
     code = (
         "import sys, srs_ik; arm = srs_ik.load('iiwa14');"

@@ -42,6 +42,7 @@ def sparse_stl(path: Path, size: int) -> None:
         file.truncate(84 + 50 * count)
 
 
+@pytest.mark.slow
 def test_a_sparse_mesh_of_a_gigabyte_is_not_read(tmp_path):
     sparse_stl(tmp_path / "huge.stl", 10**9)
     arm_with(tmp_path, mesh("huge.stl"))
@@ -69,6 +70,7 @@ def test_a_mesh_that_is_named_3000_times_is_read_once(tmp_path, monkeypatch):
     assert missing == ["2219 shapes, the first of link l7: 5,000 shapes with 1,000,000 triangles are drawn of a robot"]
 
 
+@pytest.mark.slow
 def test_no_more_shapes_are_drawn_than_a_browser_takes(tmp_path):
     parts, missing = look(arm_with(tmp_path, 6000 * visual('<box size="0.1 0.1 0.1"/>')))
     assert len(parts) == bounds.PIECES

@@ -110,6 +110,7 @@ def origins(port: int) -> dict[str, list[str]]:
     return refused | {"two": [f"Origin: {own}", "Origin: http://elsewhere.example"]}
 
 
+@pytest.mark.slow
 @KINDS
 def test_a_raw_request_is_refused_for_each_reason_alone(view, kind):
     port, path = split(view.url)
@@ -144,6 +145,7 @@ def test_a_raw_request_is_refused_for_each_reason_alone(view, kind):
         assert all(token.encode() not in answer and len(answer) < 1000 for _, answer in refused.values())
 
 
+@pytest.mark.slow
 @KINDS
 def test_what_is_not_there_is_refused_without_the_address_too(view, kind):
     port, path = split(view.url)
@@ -242,6 +244,7 @@ def foreign_page(folder, origin: str):
         server.shutdown()
 
 
+@pytest.mark.slow
 @KINDS
 @pytest.mark.parametrize("origin", ["port", "file"])
 @pytest.mark.parametrize("address", ["unknown", "known"])
@@ -265,6 +268,7 @@ def test_a_page_of_another_origin_reads_and_writes_nothing(browser, view, kind, 
     assert len(seen) == 3 * len(pages) + len(sockets)
 
 
+@pytest.mark.slow
 @KINDS
 def test_a_name_that_resolves_to_this_machine_opens_nothing(browser, view, kind):
     """What a page does whose own name is made to point to this machine after it was loaded."""
@@ -280,6 +284,7 @@ def test_a_name_that_resolves_to_this_machine_opens_nothing(browser, view, kind)
         page.close()
 
 
+@pytest.mark.slow
 @KINDS
 def test_the_right_address_opens_under_both_names(browser, view, kind):
     port, path = split(view.url)
@@ -406,6 +411,7 @@ def hostile(view) -> dict[str, object]:
     return found
 
 
+@pytest.mark.slow
 def test_a_senseless_message_ends_its_connection_and_moves_nothing(arm, capfd):
     pytest.importorskip("viser")
     with interactive(arm) as view:
@@ -432,6 +438,7 @@ def test_a_senseless_message_ends_its_connection_and_moves_nothing(arm, capfd):
     assert capfd.readouterr() == ("", "")
 
 
+@pytest.mark.slow
 def test_no_made_message_is_taken_that_is_not_finite(arm):
     """50,000 messages: whatever is taken can be read by viser, and holds numbers of a reasonable size alone."""
     viser = pytest.importorskip("viser")

@@ -206,6 +206,7 @@ def test_faulty_shapes_are_left_out_and_said():
         assert len(Scene(view).solids("robot")) == 1
 
 
+@pytest.mark.slow
 def test_a_yourdfpy_robot_is_drawn_like_its_file():
     yourdfpy = pytest.importorskip("yourdfpy")
     path = str(zoo.card("iiwa14").urdf)
@@ -216,6 +217,7 @@ def test_a_yourdfpy_robot_is_drawn_like_its_file():
     assert np.abs(drawn[0] - drawn[1]).max() < 1e-5
 
 
+@pytest.mark.slow
 def test_the_meshes_of_a_real_robot_are_found():
     example_urdf("human")
     with Preview(srs_ik.load("human_left")) as view:

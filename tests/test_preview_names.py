@@ -114,6 +114,7 @@ def nothing_ran(page) -> None:
     assert page.locator("script").evaluate_all("all => all.filter(x => /^window.xss/.test(x.textContent)).length") == 0
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("batch", [0, NAMES])
 def test_a_file_of_hostile_names_is_text_to_the_page_with_sliders(page, tmp_path, batch):
     pytest.importorskip("viser")
@@ -134,6 +135,7 @@ def test_a_file_of_hostile_names_is_text_to_the_page_with_sliders(page, tmp_path
         nothing_ran(page)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", ["served", "saved"])
 @pytest.mark.parametrize("batch", [0, NAMES])
 def test_a_file_of_hostile_names_is_text_to_meshcats_page(page, tmp_path, batch, kind):
@@ -148,6 +150,7 @@ def test_a_file_of_hostile_names_is_text_to_meshcats_page(page, tmp_path, batch,
         nothing_ran(page)
 
 
+@pytest.mark.slow
 def test_200_names_are_text_to_the_page_with_sliders(page):
     """In its own browser page, in the words that it would show for as many robots."""
     pytest.importorskip("viser")
@@ -174,6 +177,7 @@ class Posture:
         return dict.fromkeys(self.texts, 0.5)
 
 
+@pytest.mark.slow
 def test_200_names_are_text_to_meshcats_page(page):
     with Preview(srs_ik.load("iiwa14")) as view:
         page.goto(view.url)

@@ -31,6 +31,7 @@ def scene(arm):
     return made
 
 
+@pytest.mark.slow
 def test_objects_are_drawn_where_they_are(arm, scene):
     with Preview(arm) as view:
         view.show(Q)
@@ -77,6 +78,7 @@ def test_forbidden_arcs_and_free_ones_make_up_the_limits(arm, scene):
         assert arcs == len(free) + len(taken)
 
 
+@pytest.mark.slow
 def test_the_command_saves_a_page(tmp_path):
     (tmp_path / "scene.json").write_text(
         json.dumps({"objects": [{"name": "lamp", "sphere": 0.1, "xyz": [0.4, 0.4, 0.8]}]})
@@ -89,6 +91,7 @@ def test_the_command_saves_a_page(tmp_path):
     assert run("preview", "iiwa14", "--margin", "0.1").exit_code == 2
 
 
+@pytest.mark.slow
 @pytest.mark.browser
 def test_the_picture_shows_red_where_bodies_meet(arm, scene):
     near = srs_ik.Scene()

@@ -77,6 +77,7 @@ def test_limbs_with_any_axes_and_limits(seed):
     assert arm.reachable_batch(poses).all()
 
 
+@pytest.mark.slow
 def test_what_is_not_reached_no_other_solver_finds():
     arm, rng = srs_ik.load("iiwa14"), np.random.default_rng(23)
     poses = poses_around(arm, 60, rng, size=0.6)

@@ -148,6 +148,7 @@ def test_reach_and_limits_come_first(arm, pose):
     pytest.fail("no pose outside the limits was found")
 
 
+@pytest.mark.slow
 def test_answers_keep_the_margin(arm):
     rng, scene = generator("iiwa14", 1), srs_ik.Scene()
     scene.add_sphere("ball", [0.45, 0.25, 0.5], 0.1)
@@ -265,6 +266,7 @@ def test_clouds_are_their_points(arm, pose):
     assert np.allclose(ends(a), ends(b), atol=1e-9)
 
 
+@pytest.mark.slow
 def test_a_million_points(arm, pose):
     scene = srs_ik.Scene()
     points = generator("iiwa14", 7).uniform(-2, 2, (1_000_000, 3))
@@ -423,6 +425,7 @@ def test_messages_are_read_as_moveit_reads_them(arm, pose):
     srs_ik.Scene().add_message(Message(world=seen))
 
 
+@pytest.mark.slow
 def test_a_question_sees_objects_where_they_stood_when_it_was_asked():
     """Objects are moved by one thread, while another one asks for many poses."""
     arm, scene = srs_ik.load("iiwa14"), srs_ik.Scene()

@@ -214,6 +214,7 @@ def test_rate_and_delay_are_those_that_were_asked_for():
         simulate(plant, watch, 0.1, delay=-1.0)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "make",
     [
@@ -235,6 +236,7 @@ def test_baselines_reach_their_target(make):
     assert np.rad2deg(turned[-1]) < 0.5
 
 
+@pytest.mark.slow
 def test_ten_seconds_at_4_kHz_take_three_of_the_processor_at_most():
     arm = arms.load("iiwa14")
     plant, c = Plant(arm), controller(arm, False, limits=True, speeds=True)

@@ -266,6 +266,7 @@ def nearest_split(arm, q, seed):
     return best
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", arms.here("iiwa14_experimental", "j2s7s300"))
 def test_splits_of_a_singular_wrist_are_found_from_any_seed_and_in_their_branch(name):
     """Axes 5 and 7 of these near arms are one line there, and rounding decides which curve is followed on."""

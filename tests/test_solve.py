@@ -96,6 +96,7 @@ def test_random_limbs_are_solved(limb):
     check_random(limb, 1e-10)
 
 
+@pytest.mark.slow
 @given(limbs(miss=0.01))
 def test_random_limbs_whose_axes_miss_their_centres_are_solved(limb):
     """A branch of such a limb may have two postures at an arm angle, of which a given one finds only the first."""

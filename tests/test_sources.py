@@ -171,6 +171,7 @@ def expanded(monkeypatch):
     return seen
 
 
+@pytest.mark.slow
 def test_a_xacro_file_that_an_adapter_names_is_run_only_when_allowed(package, tmp_path, expanded):
     adapter = tmp_path / "robot.toml"
     source = package / "urdf" / "grown.urdf.xacro"

@@ -118,6 +118,7 @@ def test_the_angle_lost_is_the_least(name):
     assert lost >= 10
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", arms.here("gen3", "gen3_upstream", "j2s7s300"))
 def test_on_the_true_chain_no_elbow_is_aligned_better(name):
     """The elbow axis, against a sweep of the true self-motion by Pinocchio: all branches and arm angles."""

@@ -91,6 +91,7 @@ def test_a_motion_that_stays_on_a_target_is_found_and_keeps_the_limits(name, see
     assert (off <= FOLLOWED).all()
 
 
+@pytest.mark.slow
 def test_no_motion_stays_on_a_target_that_is_faster_than_the_arm():
     start, targets = on_the_way("iiwa14", 0, 1000, 100)
     _, _, worst = best_motion(start, targets[::2] + targets[::-2], np.zeros((20, 7)))
@@ -193,6 +194,7 @@ def test_a_target_that_goes_on_by_its_jolt_is_expected_where_it_goes():
         np.testing.assert_allclose(foretold.homogeneous, pose.homogeneous, atol=1e-9)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("fast", "stays"), [(1, True), (5, False)])
 def test_a_follower_without_foresight_stays_on_what_joints_can_follow_and_on_nothing_else(fast, stays):
     arm, forward = arms.load("iiwa14"), arms.forward("iiwa14")
@@ -251,6 +253,7 @@ def test_a_tip_that_falls_behind_stays_near_its_target(name, kind, seed):
     assert position.max() < 0.04
 
 
+@pytest.mark.slow
 def test_along_limits_the_arm_is_ahead_of_what_comes():
     """A target foretold by velocity and acceleration alone was met for 75.6 % of the time."""
     arm, met = arms.load("human_left"), []

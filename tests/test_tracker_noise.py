@@ -122,6 +122,7 @@ def test_with_jitter_and_lost_targets_a_tracker_by_default_is_on_target_longer_a
     assert pushes[0] < 0.6 * pushes[1]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ROBOTS)
 @pytest.mark.parametrize("acceleration", [None, np.inf])
 def test_with_jitter_a_tracker_by_default_is_on_target_longer_and_shakes_less(name, acceleration):

@@ -192,6 +192,7 @@ def misses(name, target):
     return min(np.linalg.norm(least_squares(left, q, bounds=(lower, upper), max_nfev=60).fun) for q in starts)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("name", "seed"), [("gen3", 53), ("gen3", 87), ("gen3", 13), ("made_oblique", 31)])
 def test_a_target_at_rest_beside_the_limits_is_said_to_be_unreachable(name, seed):
     """It was on its way for ever, where it missed by no more than the nearest exact limb can tell."""

@@ -62,6 +62,7 @@ def test_a_joint_with_many_turns_is_as_one_without_end():
     assert len(calls) < 10_000
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["gen3", "wide"])
 def test_a_reference_is_in_the_turns_in_which_it_is_given_among_bodies_too(name):
     """On gen3 a reference of its own pose, with joint 1 at 5 rad, had a value of 25 rad^2 in an empty scene."""

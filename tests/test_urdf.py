@@ -398,6 +398,7 @@ def test_threads_load_at_once_and_leave_standard_error_as_it_was(capfd):
 # Anything at all
 
 
+@pytest.mark.slow
 @given(st.data())
 @settings(max_examples=300, deadline=None)
 def test_damaged_files_load_or_are_refused_but_never_anything_else(data):

@@ -99,6 +99,7 @@ def poses(tmp_path):
     return path
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("before", [None, "as it was"])
 @pytest.mark.parametrize("command", ["path", "plot", "intervals", "preview", "reproduce"])
 def test_commands_on_a_full_disk_leave_what_was_there(tmp_path, poses, command, before):
@@ -129,6 +130,7 @@ def test_commands_on_a_full_disk_leave_what_was_there(tmp_path, poses, command, 
     assert before is None or out.read_text() == before
 
 
+@pytest.mark.slow
 def test_a_full_file_system(tmp_path, poses):
     tiny = tmp_path / "tiny"
     tiny.mkdir()
