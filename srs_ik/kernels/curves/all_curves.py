@@ -27,6 +27,7 @@ from srs_ik.kernels.chain.newton import (
 from srs_ik.kernels.chain.newton_eight import close_eight
 from srs_ik.kernels.chain.rank_five import BLUR, CENTRE, is_among, put_amid
 from srs_ik.kernels.chain.starts import FIRST, WIDTH, bent_place, put_splits, start_all
+from srs_ik.kernels.curves.ends import inside_of_blur
 from srs_ik.kernels.curves.follow import (
     CURVE,
     FIRST_GUESS,
@@ -227,16 +228,6 @@ def extend_open(P, by, rows, curves, n, count):
             curves[left, c] = curves[k, c]
         left += 1
     return n, left
-
-
-@kernel
-def inside_of_blur(P, by, q, blur):
-    """A posture that is alone, or one inside the limits that rounding does not tell from it, where limits count."""
-    if not by.respect:
-        return q
-    q = turned(P, q, False, NO_SEED, True)
-    inside, error = close_gently(P, clipped(P, q), by.target.R, by.target.p, True, by.J, by.A)
-    return inside if error < LEFT and largest(difference(q, inside)) < blur else q
 
 
 @kernel

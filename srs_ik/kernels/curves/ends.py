@@ -8,12 +8,13 @@ from __future__ import annotations
 
 import math
 
-from srs_ik.kernels.algebra.joint_vectors import along7, difference, short_way
+from srs_ik.kernels.algebra.joint_vectors import along7, difference, largest, short_way
 from srs_ik.kernels.algebra.lanes import scatter, where, whole_number
 from srs_ik.kernels.algebra.minimum import GOLDEN
 from srs_ik.kernels.algebra.pointers import row
 from srs_ik.kernels.algebra.roots import SETTLED, has_settled, next_parameter, start_crossing, tell_figure
 from srs_ik.kernels.chain.eight import take_ways
+from srs_ik.kernels.chain.newton import LEFT, clipped, close_gently
 from srs_ik.kernels.chain.newton_eight import larger
 from srs_ik.kernels.curves.follow import between, meet
 from srs_ik.kernels.curves.in_step import SAMPLE, load_sample
@@ -42,6 +43,18 @@ def is_exact(P):
 def infeasibility(P, q, respect):
     """By how much a posture is not feasible, rad: 0 or less where it is."""
     return beyond_any(P, q) if respect else -1.0
+
+
+@kernel
+def inside_of_blur(P, by, q, blur):
+    """A posture, or one inside the limits that rounding does not tell from it, rad, where limits count."""
+    if not by.respect:
+        return q
+    q = turned(P, q, False, NO_SEED, True)
+    if beyond_any(P, q) <= 0.0:
+        return q
+    inside, error = close_gently(P, clipped(P, q), by.target.R, by.target.p, True, by.J, by.A)
+    return inside if error < LEFT and largest(difference(q, inside)) < blur else q
 
 
 @kernel

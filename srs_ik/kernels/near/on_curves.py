@@ -23,8 +23,8 @@ from srs_ik.kernels.curves.changes import (
 from srs_ik.kernels.curves.follow import between, share_of_chord, tangent_at, vagueness
 from srs_ik.kernels.curves.in_step import SAMPLE, load_sample, put_sample
 from srs_ik.kernels.curves.lowest import cost_of_turn
-from srs_ik.kernels.curves.runs import SPARE_ROWS, certain_runs, samples_of
-from srs_ik.kernels.curves.spans import JUST_OUTSIDE
+from srs_ik.kernels.curves.runs import certain_runs, samples_of
+from srs_ik.kernels.curves.spans import JUST_OUTSIDE, MAX_SPANS
 from srs_ik.kernels.curves.told import (
     ARM_ANGLE,
     TOLD,
@@ -131,7 +131,7 @@ def told_runs(P, by, samples, n_samples, runs, extent):
     told = np.empty((samples.shape[0], TOLD))
     tell_samples(P, by, Samples(samples, 0, n_samples), told)
     changes = np.empty((MOST_CHANGES, CHANGE))
-    room = n_samples + SPARE_ROWS
+    room = n_samples + 2 * MAX_SPANS
     out = Followed(np.empty((room, SAMPLE)), runs, np.empty((room, TOLD)), False, extent)
     n = 0
     for index in range(runs.shape[0]):
@@ -174,12 +174,21 @@ def with_certainty(P, by, followed, psi):
 
 
 @kernel
+def blur_of(by):
+    """Arm angles that floats do not tell apart are the same up to so much, rad.
+
+    Where limits cut curves, as intervals have them, none are left to be told: those are looked at last.
+    """
+    return math.pi if by.respect else UNTOLD
+
+
+@kernel
 def is_here(P, by, q, ahead):
     """Whether an arm angle that is so far ahead of that of a posture is the same as well as floats tell, rad.
 
     It is told the worse the closer the elbow is to the line S-W, and the posture itself next to a straight elbow.
     """
-    if abs(ahead) < SAME_ANGLE or abs(ahead) > UNTOLD:
+    if abs(ahead) < SAME_ANGLE or abs(ahead) > blur_of(by):
         return abs(ahead) < SAME_ANGLE
     t, sign = tangent_at(P, by, q)
     off_line = norm(elbow_across(P, q, by.target.place[0]))
@@ -269,7 +278,7 @@ def look_between(P, by, followed, i, psi, goal, out):
     if turns and by.target.place[3] > WELL_BENT:
         way = difference(a, b)
         turns = nearest < FASTER * max(abs(rate_a), abs(rate_b)) * math.sqrt(dot7(way, way))
-    if not turns and ahead_a * ahead_b > 0.0 and nearest > UNTOLD:
+    if not turns and ahead_a * ahead_b > 0.0 and nearest > blur_of(by):
         return nearest
     branch, next_branch = int(told[i - 1, TOLD_BRANCH]), int(told[i, TOLD_BRANCH])
     if is_here(P, by, a, ahead_a):
@@ -301,7 +310,11 @@ def find_at_angle(P, by, followed, psi, wanted, goal, out):
     runs, told = followed.runs, followed.told
     for index in range(runs.shape[0]):
         first = int(runs[index, 3])
-        for i in range(first + 1, int(runs[index, 4])):
+        last = int(runs[index, 4])
+        q, ahead = load_sample(followed.rows[first]), short_way(told[first, TOLD_PSI] - psi)
+        if last == first + 1 and is_here(P, by, q, ahead):
+            keep_found(P, q, int(told[first, TOLD_BRANCH]), goal, out)
+        for i in range(first + 1, last):
             if wanted < 0 or wanted in (int(told[i - 1, TOLD_BRANCH]), int(told[i, TOLD_BRANCH])):
                 nearest = min(nearest, look_between(P, by, followed, i, psi, goal, out))
     return nearest
