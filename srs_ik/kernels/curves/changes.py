@@ -101,7 +101,7 @@ def turned_back(P, by, curve, i, told):
     q, off = load_sample(curve.rows[i - 1]), 0.0
     if found:
         q, off = on_curve(P, by, 0, curve, x)
-    return x, q, found and off < NO_BRANCH
+    return x, inside_of_blur(P, by, q, BLURRED), found and off < NO_BRANCH
 
 
 @kernel
