@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 
-from srs_ik.kernels.algebra.joint_vectors import along7, difference, dot7, largest, short_way, store7
+from srs_ik.kernels.algebra.joint_vectors import along7, dot7, short_way, store7
 from srs_ik.kernels.algebra.lanes import eight_of, one_of, scatter
 from srs_ik.kernels.algebra.linear import solve_linear
 from srs_ik.kernels.algebra.pointers import row
@@ -17,7 +17,6 @@ from srs_ik.kernels.chain.newton import (
     LEFT,
     MAX_STEP,
     STEPS,
-    clipped,
     close_gently,
     load_system,
     longest,
@@ -61,7 +60,7 @@ from srs_ik.kernels.curves.outreach import (
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.limb import BOTTOM_GAP, FAR, SHOULDER, TOP_GAP, WRIST
 from srs_ik.kernels.limb.branches import branch_of
-from srs_ik.kernels.limb.goal import NO_SEED, turned
+from srs_ik.kernels.limb.goal import NO_SEED
 from srs_ik.kernels.limb.limits import turn_to_middle, violation
 from srs_ik.kernels.limb.poses import read7
 from srs_ik.kernels.limb.surface import level_place, put_midway, put_starts

@@ -66,17 +66,22 @@ def beyond_limits(P, joint, q):
 
 
 @kernel
+def beyond_any_of_eight(P, q):
+    """How far eight postures lie outside their limits, rad; negative inside, at least minus half a turn."""
+    worst = larger(beyond_limits(P, 0, q[0]), beyond_limits(P, 1, q[1]))
+    worst = larger(worst, larger(beyond_limits(P, 2, q[2]), beyond_limits(P, 3, q[3])))
+    worst = larger(worst, larger(beyond_limits(P, 4, q[4]), beyond_limits(P, 5, q[5])))
+    return larger(larger(worst, beyond_limits(P, 6, q[6])), 0.0 * q[0] - math.pi)
+
+
+@kernel
 def put_infeasibilities(P, curve, respect, out):
     """Write the infeasibility of the samples of a curve, eight at a time, each where its row is."""
     rows, first, last = curve
     for i in range(first, last, 8):
         # The last eight rows there are may begin before.
         k = min(i, rows.shape[0] - 8)
-        q = take_ways(row(rows, k), 1, SAMPLE)
-        worst = larger(beyond_limits(P, 0, q[0]), beyond_limits(P, 1, q[1]))
-        worst = larger(worst, larger(beyond_limits(P, 2, q[2]), beyond_limits(P, 3, q[3])))
-        worst = larger(worst, larger(beyond_limits(P, 4, q[4]), beyond_limits(P, 5, q[5])))
-        worst = larger(larger(worst, beyond_limits(P, 6, q[6])), 0.0 * q[0] - math.pi)
+        worst = beyond_any_of_eight(P, take_ways(row(rows, k), 1, SAMPLE))
         scatter(row(out, k), 0, 1, worst if respect else 0.0 * worst - 1.0)
 
 
