@@ -916,3 +916,79 @@ def test_postures_with_an_almost_straight_elbow_that_steps_find_lie_in_intervals
         assert any(psi in i or min(abs(psi - i.lower), abs(psi - i.upper)) < 1e-6 for i in near), (branch, psi)
         found.add(branch)
     assert len(found) > 3, found
+
+
+TOLD = [
+    ("j2s7s300", "-0.34815778847792167 pi 1.6118526914877807 pi -2.058045636543095 pi -3.0259357247741994"),
+    (
+        "j2s7s300",
+        "2.7181557936702214 3.141592653579793 -2.9433369395848747 3.141592653599793 -1.601112355090459 "
+        "1.1344640137963142 0.8933070470649085",
+    ),
+    (
+        "rm75",
+        "-1.9845086727543024 2.0228377457287534 -0.20125357871684768 1e-12 -0.22414282516487516 -2.2329999000000003 "
+        "-5.076125179119171",
+    ),
+    (
+        "rm75",
+        "-2.385217687755319 -0.4322062268339961 0.026613559909296036 1e-08 1.2346039905984676 -0.00726089153539089 "
+        "-4.966001938605286",
+    ),
+    ("rm75", "3.1 2.2006294957665 -3.1 -1e-08 0.6829449921549822 1e-08 3.400456544696307"),
+    ("rm75", "-3.1 2.268 -0.049611990700210384 -1e-11 0.058824423863540254 2.233 5.178761609380408"),
+    (
+        "gen3",
+        "2.8363562556204815 -1e-11 -2.8684388322922394 -1e-11 -1.4638641188189088 -1e-11 -1.3893313555606839",
+    ),
+]
+"""Branches that change a thousand times; a posture on a limit; arm angles of flat elbows that floats do not tell, or
+told by postures that do not meet their pose, or break a limit."""
+
+
+def assert_intervals_are_met(bench, arm, q):
+    case = bench["Case"](q, arm.forward_kinematics(q).homogeneous, q, (), 0.0)
+    intervals = arm.intervals(case.pose)
+    assert intervals
+    assert not list(bench["missed"](arm, [case], [intervals]))
+
+
+@pytest.mark.parametrize(("name", "given"), [at for at in TOLD if at[0] in arms.here(at[0])])
+def test_what_intervals_tell_of_singular_poses_is_met(bench, name, given):
+    assert_intervals_are_met(bench, arms.load(name), np.array(given.replace("pi", repr(np.pi)).split(), float))
+
+
+TOLD_OF_ROUNDED = [
+    (
+        9800001,
+        1,
+        "4.922304501818642 -2.907909619601477 2.379452007482026 3.141592559985721 -1.6650737225224714 -1e-08 "
+        "3.0619130327872677",
+    ),
+    (
+        9800001,
+        5,
+        "-5.3729537940802015 -2.012002378205056 -1.1224491949915114 -5.2270053085751694e-08 -5.818256276382846 "
+        "3.676568641279833 -5.6253597342523936",
+    ),
+    (
+        9800000,
+        15,
+        "-1.1300807844442224 -2.4848474976736563 -6.341517258832912 -1.4740938522553416e-07 0.28604130607485834 "
+        "3.0522766952644105 -2.7764065947771286",
+    ),
+    (
+        9800000,
+        33,
+        "1.69514176303691 -0.0001 0.3587506294152263 1.9656787014923798 1.8688951710653159 1.641665343878124 "
+        "-1.560645606411029",
+    ),
+]
+"""Seed and number of an arm whose axes miss by 1e-8 m: flat elbows, and an end where another joint is outside."""
+
+
+@pytest.mark.parametrize(("seed", "number", "given"), TOLD_OF_ROUNDED)
+def test_what_intervals_of_rounded_arms_tell_is_met(bench, seed, number, given):
+    made = subjects()["arms_of"]("random_rounded", 10000, seed)
+    arm, _ = next(islice(made, number, None))
+    assert_intervals_are_met(bench, arm, np.array(given.split(), float))

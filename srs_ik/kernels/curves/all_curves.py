@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 
-from srs_ik.kernels.algebra.joint_vectors import along7, difference, dot7, largest, short_way, store7
+from srs_ik.kernels.algebra.joint_vectors import along7, dot7, short_way, store7
 from srs_ik.kernels.algebra.lanes import eight_of, one_of, scatter
 from srs_ik.kernels.algebra.linear import solve_linear
 from srs_ik.kernels.algebra.pointers import row
@@ -17,7 +17,6 @@ from srs_ik.kernels.chain.newton import (
     LEFT,
     MAX_STEP,
     STEPS,
-    clipped,
     close_gently,
     load_system,
     longest,
@@ -27,6 +26,7 @@ from srs_ik.kernels.chain.newton import (
 from srs_ik.kernels.chain.newton_eight import close_eight
 from srs_ik.kernels.chain.rank_five import BLUR, CENTRE, is_among, put_amid
 from srs_ik.kernels.chain.starts import FIRST, WIDTH, bent_place, put_splits, start_all
+from srs_ik.kernels.curves.ends import inside_of_blur
 from srs_ik.kernels.curves.follow import (
     CURVE,
     FIRST_GUESS,
@@ -60,7 +60,7 @@ from srs_ik.kernels.curves.outreach import (
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.limb import BOTTOM_GAP, FAR, SHOULDER, TOP_GAP, WRIST
 from srs_ik.kernels.limb.branches import branch_of
-from srs_ik.kernels.limb.goal import NO_SEED, turned
+from srs_ik.kernels.limb.goal import NO_SEED
 from srs_ik.kernels.limb.limits import turn_to_middle, violation
 from srs_ik.kernels.limb.poses import read7
 from srs_ik.kernels.limb.surface import level_place, put_midway, put_starts
@@ -227,16 +227,6 @@ def extend_open(P, by, rows, curves, n, count):
             curves[left, c] = curves[k, c]
         left += 1
     return n, left
-
-
-@kernel
-def inside_of_blur(P, by, q, blur):
-    """A posture that is alone, or one inside the limits that rounding does not tell from it, where limits count."""
-    if not by.respect:
-        return q
-    q = turned(P, q, False, NO_SEED, True)
-    inside, error = close_gently(P, clipped(P, q), by.target.R, by.target.p, True, by.J, by.A)
-    return inside if error < LEFT and largest(difference(q, inside)) < blur else q
 
 
 @kernel

@@ -10,8 +10,8 @@ from srs_ik.kernels.algebra.pointers import row
 from srs_ik.kernels.algebra.roots import has_settled, next_parameter, start_crossing, tell_figure
 from srs_ik.kernels.algebra.vectors import norm
 from srs_ik.kernels.chain.newton import elbow_across
-from srs_ik.kernels.curves.ends import on_chord, on_curve, sample_before
-from srs_ik.kernels.curves.follow import meet, null_vector
+from srs_ik.kernels.curves.ends import inside_of_blur, on_chord, on_curve, sample_before
+from srs_ik.kernels.curves.follow import BLURRED, meet, null_vector
 from srs_ik.kernels.curves.in_step import ARC, load_sample
 from srs_ik.kernels.curves.told import TOLD_MIDDLES, TOLD_SINES, turns_back
 from srs_ik.kernels.jit import kernel
@@ -61,13 +61,14 @@ def put_change(changes, n, there, middle):
 def posture_beside(P, by, curve, change, x):
     """The posture next to a change of branch, at a parameter: that of the change, unless its elbow is almost on S-W.
 
-    There the arm angle changes fast: it is that of the parameter alone, if that has one.
+    There the arm angle changes fast: it is that of the parameter alone, if that has one. Where limits count it keeps
+    them, if rounding alone leaves it outside.
     """
     q = read7(row(change, CHANGE_POSTURE))
     if norm(elbow_across(P, q, by.target.place[0])) < HARDLY_OFF * P[FAR]:
         there, off = on_curve(P, by, 0, curve, x)
         q = there if off < NO_BRANCH else q
-    return q
+    return inside_of_blur(P, by, q, BLURRED)
 
 
 @kernel
@@ -100,7 +101,7 @@ def turned_back(P, by, curve, i, told):
     q, off = load_sample(curve.rows[i - 1]), 0.0
     if found:
         q, off = on_curve(P, by, 0, curve, x)
-    return x, q, found and off < NO_BRANCH
+    return x, inside_of_blur(P, by, q, BLURRED), found and off < NO_BRANCH
 
 
 @kernel

@@ -8,12 +8,13 @@ from __future__ import annotations
 
 import math
 
-from srs_ik.kernels.algebra.joint_vectors import along7, difference, short_way
+from srs_ik.kernels.algebra.joint_vectors import along7, difference, largest, short_way
 from srs_ik.kernels.algebra.lanes import scatter, where, whole_number
 from srs_ik.kernels.algebra.minimum import GOLDEN
 from srs_ik.kernels.algebra.pointers import row
 from srs_ik.kernels.algebra.roots import SETTLED, has_settled, next_parameter, start_crossing, tell_figure
 from srs_ik.kernels.chain.eight import take_ways
+from srs_ik.kernels.chain.newton import LEFT, clipped, close_gently
 from srs_ik.kernels.chain.newton_eight import larger
 from srs_ik.kernels.curves.follow import between, meet
 from srs_ik.kernels.curves.in_step import SAMPLE, load_sample
@@ -45,11 +46,32 @@ def infeasibility(P, q, respect):
 
 
 @kernel
+def inside_of_blur(P, by, q, blur):
+    """A posture, or one inside the limits that rounding does not tell from it, rad, where limits count."""
+    if not by.respect:
+        return q
+    q = turned(P, q, False, NO_SEED, True)
+    if beyond_any(P, q) <= 0.0:
+        return q
+    inside, error = close_gently(P, clipped(P, q), by.target.R, by.target.p, True, by.J, by.A)
+    return inside if error < LEFT and largest(difference(q, inside)) < blur else q
+
+
+@kernel
 def beyond_limits(P, joint, q):
     """How far eight angles of a joint lie outside its limits in the best turns, rad; negative inside."""
     q = q + TURN * whole_number((P[MIDDLE + joint] - q) * PER_TURN)
     off = larger(P[LOWER + joint] - q, q - P[UPPER + joint])
     return where((off > 0.0) & (off < P[SLACK_LIMIT]), 0.0 * q, off)
+
+
+@kernel
+def beyond_any_of_eight(P, q):
+    """How far eight postures lie outside their limits, rad; negative inside, at least minus half a turn."""
+    worst = larger(beyond_limits(P, 0, q[0]), beyond_limits(P, 1, q[1]))
+    worst = larger(worst, larger(beyond_limits(P, 2, q[2]), beyond_limits(P, 3, q[3])))
+    worst = larger(worst, larger(beyond_limits(P, 4, q[4]), beyond_limits(P, 5, q[5])))
+    return larger(larger(worst, beyond_limits(P, 6, q[6])), 0.0 * q[0] - math.pi)
 
 
 @kernel
@@ -59,11 +81,7 @@ def put_infeasibilities(P, curve, respect, out):
     for i in range(first, last, 8):
         # The last eight rows there are may begin before.
         k = min(i, rows.shape[0] - 8)
-        q = take_ways(row(rows, k), 1, SAMPLE)
-        worst = larger(beyond_limits(P, 0, q[0]), beyond_limits(P, 1, q[1]))
-        worst = larger(worst, larger(beyond_limits(P, 2, q[2]), beyond_limits(P, 3, q[3])))
-        worst = larger(worst, larger(beyond_limits(P, 4, q[4]), beyond_limits(P, 5, q[5])))
-        worst = larger(larger(worst, beyond_limits(P, 6, q[6])), 0.0 * q[0] - math.pi)
+        worst = beyond_any_of_eight(P, take_ways(row(rows, k), 1, SAMPLE))
         scatter(row(out, k), 0, 1, worst if respect else 0.0 * worst - 1.0)
 
 

@@ -17,6 +17,7 @@ import math
 from srs_ik.kernels.algebra.joint_vectors import along7, difference, dot7, short_way
 from srs_ik.kernels.algebra.linear import solve_linear
 from srs_ik.kernels.algebra.vectors import norm
+from srs_ik.kernels.chain.kinematics import pose_error
 from srs_ik.kernels.chain.newton import (
     CLOSED,
     LAST_STEP,
@@ -140,6 +141,7 @@ def correct(P, by, q, d, place):
     J, A = by.J, by.A
     error = 1.0
     last, longest_yet = math.inf, 0.0
+    before = q
     for _ in range(CORRECTIONS):
         linear, angular = pose_step(P, q, R, p, J)
         off = place - dot7(d, q)
@@ -157,11 +159,16 @@ def correct(P, by, q, d, place):
         longest_yet = max(longest_yet, size)
         if not size < LONGEST_CORRECTION:
             return q, False
+        before = q
         q = moved(q, A, 1.0)
         last = size
         if size < LAST_STEP and error < LEFT:
             return q, True
-    return q, error < LEFT and (last * SHRUNK_AT_LAST < longest_yet or last < min(BLURRED, vagueness(J, d, A)))
+    if error < LEFT and (last * SHRUNK_AT_LAST < longest_yet or last < min(BLURRED, vagueness(J, d, A))):
+        # Its last step may have led away.
+        position, orientation = pose_error(P, q, R, p)
+        return (q, True) if max(position, orientation) < LEFT else (before, True)
+    return q, False
 
 
 @kernel

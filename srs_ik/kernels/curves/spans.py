@@ -17,7 +17,8 @@ from srs_ik.kernels.curves.changes import (
     posture_beside,
     turned_back,
 )
-from srs_ik.kernels.curves.ends import on_curve, sample_before
+from srs_ik.kernels.curves.ends import inside_of_blur, on_curve, sample_before
+from srs_ik.kernels.curves.follow import BLURRED
 from srs_ik.kernels.curves.runs import samples_of
 from srs_ik.kernels.curves.told import (
     ARM_ANGLE,
@@ -58,7 +59,8 @@ def turning_angle(P, by, curve, ends, psi, sign):
     """The farthest arm angle, in the direction of a sign, between two parameters; psi is close by."""
     a, _ = on_curve(P, by, 0, curve, ends[0])
     b, _ = on_curve(P, by, 0, curve, ends[1])
-    return psi + short_way(angle_at(P, by, turning_between(P, by, a, b, sign, ARM_ANGLE)) - psi)
+    turning = inside_of_blur(P, by, turning_between(P, by, a, b, sign, ARM_ANGLE), BLURRED)
+    return psi + short_way(angle_at(P, by, turning) - psi)
 
 
 @kernel

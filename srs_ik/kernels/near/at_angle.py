@@ -271,13 +271,13 @@ def solve_at_angle(P, target, psi, wanted, goal, J, A):
     by = setting_of(P, target, J, A)
     followed = curves_around(P, by, psi, elbows, no_curves())
     q, best, lowest = from_curves(P, by, followed, psi, wanted, goal, (q, best, lowest))
-    if lowest < OUTSIDE or followed.certain:
+    if lowest < OUTSIDE or (followed.certain and not OUTSIDE <= lowest < OUTSIDE + BARELY):
         return q, best, lowest
     if respect:
         # As they are cut for intervals, curves pass what next to several singularities floats hardly tell apart.
         within = Setting(target, by.side, True, J, A)
         q, best, lowest = from_curves(P, within, followed_curves(P, within), psi, wanted, goal, (q, best, lowest))
-        if lowest < OUTSIDE:
+        if lowest < OUTSIDE or followed.certain:
             return q, best, lowest
     if lowest >= NO_BRANCH:
         found = np.full((8, 8), 2.0 * NO_BRANCH)

@@ -10,15 +10,17 @@ from srs_ik.kernels.chain.eight import put_eight, sines_of_eight, take_eight
 from srs_ik.kernels.chain.limit_ends import to_limits
 from srs_ik.kernels.chain.newton import STEPS
 from srs_ik.kernels.chain.newton_eight import ALL
-from srs_ik.kernels.curves.ends import beyond_limits
+from srs_ik.kernels.curves.ends import beyond_any_of_eight, beyond_limits
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.limb.poses import read7
 from srs_ik.kernels.near.scan import in_branches, put_certain
 
 MARGINS = 1e-9
 SPARE = 0.5
+OUTSIDE = 1e-6
 """Ends may be this far, rad, outside the arm angles between which they are expected, and by this part of what is
-between these: the band is not for every joint at every posture."""
+between these: the band is not for every joint at every posture. No joint is farther outside its limits there than the
+last, rad."""
 
 END = 12
 END_PSI = 7
@@ -106,6 +108,8 @@ def correct_ends(P, view, ends, n):
         way = gather(rows, END_WAY, END)
         q, psi, met = to_limits(P, take_eight(rows, END), gather(rows, END_PSI, END), way, view.target, STEPS)
         met &= in_branches(sines_of_eight(P, q), gather(rows, END_BRANCH, END))
+        # Next to a singularity another joint, on its way back inside, may still be outside there.
+        met &= as_bits(beyond_any_of_eight(P, q) < OUTSIDE)
         first_psi, last_psi = gather(rows, END_FIRST, END), gather(rows, END_LAST, END)
         more = SPARE * (last_psi - first_psi) + MARGINS
         met &= as_bits((psi > first_psi - more) & (psi < last_psi + more))

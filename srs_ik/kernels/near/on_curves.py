@@ -9,7 +9,7 @@ import numpy as np
 
 from srs_ik.kernels.algebra.joint_vectors import along7, difference, dot7, short_way
 from srs_ik.kernels.algebra.vectors import norm
-from srs_ik.kernels.chain.newton import STEPS, close_at_angle, elbow_across
+from srs_ik.kernels.chain.newton import STEPS, close_at_angle, elbow_across, moved
 from srs_ik.kernels.chain.starts import best_row
 from srs_ik.kernels.curves.changes import (
     CHANGE,
@@ -20,11 +20,12 @@ from srs_ik.kernels.curves.changes import (
     posture_beside,
     turned_back,
 )
-from srs_ik.kernels.curves.follow import between, share_of_chord, tangent_at, vagueness
+from srs_ik.kernels.curves.ends import inside_of_blur
+from srs_ik.kernels.curves.follow import BLURRED, between, share_of_chord, tangent_at, vagueness
 from srs_ik.kernels.curves.in_step import SAMPLE, load_sample, put_sample
 from srs_ik.kernels.curves.lowest import cost_of_turn
-from srs_ik.kernels.curves.runs import SPARE_ROWS, certain_runs, samples_of
-from srs_ik.kernels.curves.spans import JUST_OUTSIDE
+from srs_ik.kernels.curves.runs import certain_runs, samples_of
+from srs_ik.kernels.curves.spans import JUST_OUTSIDE, MAX_SPANS
 from srs_ik.kernels.curves.told import (
     ARM_ANGLE,
     TOLD,
@@ -32,6 +33,7 @@ from srs_ik.kernels.curves.told import (
     TOLD_PSI,
     TOLD_RATE,
     angle_at,
+    rate_along,
     tell_one,
     tell_samples,
     turning_between,
@@ -63,8 +65,10 @@ rounding decides about limits and branches within it."""
 
 UNTOLD = 1e-3
 OF_ROUNDING = 0.025
+APART = 4.0
 """Rounding moves the arm angle of an almost straight elbow by the first at most, rad, where that is still told at all,
-and by the second of what all roundings make of a posture together."""
+and by the second of what all roundings make of a posture together; where limits cut the curves,
+by the third of what it does if it has alternate signs."""
 
 CLOSE_CALL = 1e-4
 """Where a curve turns around or goes over into another branch so close to an arm angle, rad, rounding may decide."""
@@ -131,7 +135,7 @@ def told_runs(P, by, samples, n_samples, runs, extent):
     told = np.empty((samples.shape[0], TOLD))
     tell_samples(P, by, Samples(samples, 0, n_samples), told)
     changes = np.empty((MOST_CHANGES, CHANGE))
-    room = n_samples + SPARE_ROWS
+    room = n_samples + 2 * MAX_SPANS
     out = Followed(np.empty((room, SAMPLE)), runs, np.empty((room, TOLD)), False, extent)
     n = 0
     for index in range(runs.shape[0]):
@@ -174,16 +178,30 @@ def with_certainty(P, by, followed, psi):
 
 
 @kernel
+def blur_of(by):
+    """How far apart, rad, arm angles may be that are the same as well as floats tell.
+
+    Any, where limits cut the curves: these are looked at last, and intervals have such arm angles.
+    """
+    return math.pi if by.respect else UNTOLD
+
+
+@kernel
 def is_here(P, by, q, ahead):
     """Whether an arm angle that is so far ahead of that of a posture is the same as well as floats tell, rad.
 
     It is told the worse the closer the elbow is to the line S-W, and the posture itself next to a straight elbow.
     """
-    if abs(ahead) < SAME_ANGLE or abs(ahead) > UNTOLD:
+    if abs(ahead) < SAME_ANGLE or abs(ahead) > blur_of(by):
         return abs(ahead) < SAME_ANGLE
     t, sign = tangent_at(P, by, q)
     off_line = norm(elbow_across(P, q, by.target.place[0]))
-    return sign != 0.0 and abs(ahead) * off_line < OF_ROUNDING * P[FAR] * vagueness(by.J, t, by.A)
+    vague = vagueness(by.J, t, by.A)
+    if sign != 0.0 and abs(ahead) < UNTOLD and abs(ahead) * off_line < OF_ROUNDING * P[FAR] * vague:
+        return True
+    # The way on which rounding moves the posture is left.
+    told = sign != 0.0 and vague < math.inf and by.respect
+    return told and abs(ahead) < APART * abs(rate_along(P, by, q, moved(NO_SEED, by.A, 1.0)))
 
 
 @kernel
@@ -199,14 +217,14 @@ def passing(P, by, psi, a, b):
     chord = difference(q_a, q_b)
     start = along7(q_a, share, chord)
     q, met = close_at_angle(P, start, R, p, place_[0], place_[1], psi, STEPS, by.A)
-    moved = difference(q_a, q)
-    if met and dot7(chord, chord) < SAME_POSTURE and dot7(moved, moved) < SAME_POSTURE:
+    off = difference(q_a, q)
+    if met and dot7(chord, chord) < SAME_POSTURE and dot7(off, off) < SAME_POSTURE:
         return q, True
     share = share_of_chord(q_a, q_b, q) if met else 2.0
     if 0.0 <= share <= 1.0:
         there, met = between(P, by, q_a, q_b, share)
-        moved = difference(there, q)
-        if met and dot7(moved, moved) < SAME_CURVE:
+        off = difference(there, q)
+        if met and dot7(off, off) < SAME_CURVE:
             return q, True
     low = 0.0
     high = 1.0
@@ -225,8 +243,8 @@ def passing(P, by, psi, a, b):
         else:
             high, ahead_b = share, ahead
     exact, met = close_at_angle(P, q, R, p, place_[0], place_[1], psi, STEPS, by.A)
-    moved = difference(q, exact)
-    if met and dot7(moved, moved) < (SAME_POSTURE if abs(ahead) < SAME_ANGLE else CLOSE_BY):
+    off = difference(q, exact)
+    if met and dot7(off, off) < (SAME_POSTURE if abs(ahead) < SAME_ANGLE else CLOSE_BY):
         return exact, True
     return q, is_here(P, by, q, ahead)
 
@@ -248,6 +266,9 @@ def put_passing(P, by, psi, branch, ends, goal, out):
     a, b = ends
     if a[1] * b[1] <= 0.0 and a[1] != b[1]:
         q, met = passing(P, by, psi, a, b)
+        if met and by.respect:
+            inside = inside_of_blur(P, by, q, BLURRED)
+            q = inside if is_here(P, by, inside, short_way(angle_at(P, by, inside) - psi)) else q
         if met:
             keep_found(P, q, branch, goal, out)
 
@@ -269,7 +290,7 @@ def look_between(P, by, followed, i, psi, goal, out):
     if turns and by.target.place[3] > WELL_BENT:
         way = difference(a, b)
         turns = nearest < FASTER * max(abs(rate_a), abs(rate_b)) * math.sqrt(dot7(way, way))
-    if not turns and ahead_a * ahead_b > 0.0 and nearest > UNTOLD:
+    if not turns and ahead_a * ahead_b > 0.0 and nearest > blur_of(by):
         return nearest
     branch, next_branch = int(told[i - 1, TOLD_BRANCH]), int(told[i, TOLD_BRANCH])
     if is_here(P, by, a, ahead_a):
@@ -278,6 +299,7 @@ def look_between(P, by, followed, i, psi, goal, out):
         keep_found(P, b, next_branch, goal, out)
     if turns:
         turning = turning_between(P, by, a, b, 1.0 if rate_a > 0.0 else -1.0, ARM_ANGLE)
+        turning = inside_of_blur(P, by, turning, BLURRED)
         ahead = ahead_a + short_way(angle_at(P, by, turning) - at_a)
         put_passing(P, by, psi, branch, ((a, ahead_a), (turning, ahead)), goal, out)
         put_passing(P, by, psi, branch, ((turning, ahead), (b, ahead_b)), goal, out)
@@ -301,7 +323,11 @@ def find_at_angle(P, by, followed, psi, wanted, goal, out):
     runs, told = followed.runs, followed.told
     for index in range(runs.shape[0]):
         first = int(runs[index, 3])
-        for i in range(first + 1, int(runs[index, 4])):
+        last = int(runs[index, 4])
+        q, ahead = load_sample(followed.rows[first]), short_way(told[first, TOLD_PSI] - psi)
+        if last == first + 1 and is_here(P, by, q, ahead):
+            keep_found(P, q, int(told[first, TOLD_BRANCH]), goal, out)
+        for i in range(first + 1, last):
             if wanted < 0 or wanted in (int(told[i - 1, TOLD_BRANCH]), int(told[i, TOLD_BRANCH])):
                 nearest = min(nearest, look_between(P, by, followed, i, psi, goal, out))
     return nearest
