@@ -454,6 +454,23 @@ def test_no_pose_of_a_posture_on_its_limits_is_missed(name, axis):
 
 
 @pytest.mark.skipif("human_arm" not in LIMBS, reason="no human_arm here")
+def test_what_the_middle_of_a_thin_cone_misses_is_met_beside_it():
+    """With three joints on limits, one direction in the cone meets the pose: its middle misses it by 1e-7 m."""
+    arm, free = arms.load("human_arm"), FreeAxis([1.0, 0.0, 0.0], cone=1e-6)
+    T = np.eye(4)
+    T[:3] = [
+        [-0.28626638067324095, -0.23362127287670253, -0.929232296121757, -0.3312757407170786],
+        [0.9147298118042995, -0.3552771823859648, -0.19247725858490677, -0.13894188699736537],
+        [-0.28516824979775407, -0.9050962515309404, 0.31540425610940387, -0.161546879218307],
+    ]
+    far = [-0.48911615, -0.03252466, -1.17369758, -2.57077103, -0.46283175, 0.70657113, -0.25573152]
+    for seed in (None, np.zeros(7), far):
+        solution = arm.solve(T, seed=seed, free_axis=free)
+        assert solution, solution.message
+        assert_met("human_arm", free, solution.q, T)
+
+
+@pytest.mark.skipif("human_arm" not in LIMBS, reason="no human_arm here")
 @pytest.mark.parametrize("wrist", [-1.3962634015954636, -1.0, 1.2217304763960306])
 def test_a_straight_elbow_is_met_with_the_axis_through_the_wrist(wrist):
     arm = arms.load("human_arm")

@@ -78,9 +78,24 @@ def searched(P, start, pose, freedom, rival, desk):
         there, cost, error, at_rest = settle(P, there, pose, freedom, rival, desk)
     if SOLVED <= error < ALMOST:
         if freedom.cone <= THIN:
-            return settle(P, there, pose, Freedom(freedom.axis, 0.0), rival, desk)
+            return within_thin_cone(P, there, pose, freedom, rival, desk)
         there, error = onto_pose(P, there, pose, freedom, rival, desk)
         cost = distance(there, rival)
+    return there, cost, error, at_rest
+
+
+@kernel
+def within_thin_cone(P, q, pose, freedom, rival, desk):
+    """`settle` with the axis at the middle of a thin cone, or, where limits allow that nowhere, wherever it is in it.
+
+    From almost on the pose, the least way onto its place alone turns the axis by hardly more than what was missed.
+    """
+    there, cost, error, at_rest = settle(P, q, pose, Freedom(freedom.axis, 0.0), rival, desk)
+    if SOLVED <= error < ALMOST:
+        placed, _ = onto_pose(P, there, pose, Freedom(freedom.axis, math.pi), rival, desk)
+        off, turned = free_error(P, placed, pose[0], pose[1], freedom)
+        if max(off, turned) < SOLVED:
+            return placed, distance(placed, rival), max(off, turned), at_rest
     return there, cost, error, at_rest
 
 
