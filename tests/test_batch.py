@@ -89,6 +89,7 @@ def test_all_branches_equal_solve_all(name):
             assert batch.q[i][batch.ok[i]].tobytes() == every.q.tobytes()
 
 
+@pytest.mark.slow
 def test_many_python_threads_at_once():
     arm = arms.load("gen3")
     q, poses = poses_of("gen3")

@@ -58,6 +58,7 @@ GREEDY = {
 }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("case", GREEDY)
 def test_greedy_files_are_refused_in_time_and_memory(case, tmp_path):
     text, says = GREEDY[case]
@@ -87,6 +88,7 @@ def test_made_up_files_come_far_and_depend_on_the_number_alone(tmp_path):
     assert verdicts.count("refused") > 15
 
 
+@pytest.mark.slow
 def test_the_end_of_the_watched_process_would_be_noticed():
     watched = Watched(0, 5)
     assert watched.line(600.0).startswith("0 ")

@@ -171,6 +171,7 @@ def test_inspect_says_where_a_known_hand_points():
 COMMAND = f"{shlex.quote(sys.executable)} -c 'from srs_ik.cli import main; main()'"
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("closed", [">&-", "2>&-", "<&-", ">&- 2>&-", ">&- 2>&- <&-"])
 @pytest.mark.parametrize(
     ("words", "code"),
@@ -191,6 +192,7 @@ def test_closed_streams_are_no_error(closed, words, code):
     assert done.stderr.count("\n") <= 1
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("words", ["robots", "inspect iiwa14", "solve --help", "solve no/such/file"])
 def test_a_broken_pipe_is_no_traceback(words):
     script = f"{{ {COMMAND} {words} 2>&1; echo $? >&3; }} 3>&2 | true"

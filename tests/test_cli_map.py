@@ -112,6 +112,7 @@ def test_wrong_input_is_one_line(words, said):
     assert len(found.stderr.splitlines()) == 1
 
 
+@pytest.mark.slow
 def test_two_maps_are_compared_and_combined(tmp_path):
     box = ("--bounds", "-0.4", "0.4", "-0.4", "0.4", "0.2", "0.8")
     paths = [str(tmp_path / name) for name in ("a.zarr", "b.zarr")]

@@ -171,6 +171,7 @@ def test_poses_are_not_written_over(tmp_path, words):
     assert (tmp_path / "poses.csv").read_bytes() == before
 
 
+@pytest.mark.slow
 def test_empty_cells_behind_a_line_are_nothing(tmp_path):
     file = tmp_path / "poses.csv"
     file.write_text("x,y,z,roll,pitch,yaw\n.5,.1,.6,0,1.5,0,,\n")

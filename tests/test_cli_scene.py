@@ -20,6 +20,7 @@ def file(tmp_path):
     return path
 
 
+@pytest.mark.slow
 def test_intervals_in_a_scene(file):
     found = answer("intervals", "iiwa14", "--q", *Q, "--scene", str(file), "--margin", "0.01")["intervals"]
     arm = srs_ik.load("iiwa14")
@@ -42,6 +43,7 @@ def test_solve_in_a_scene(file, tmp_path):
     assert told.exit_code == 1
 
 
+@pytest.mark.slow
 def test_the_largest_clearance_needs_a_scene(file):
     found = answer("solve", "iiwa14", *POSE, "--objective", "clearance", "--scene", str(file))
     arm = srs_ik.load("iiwa14")

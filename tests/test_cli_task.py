@@ -75,6 +75,7 @@ def test_out_of_reach_is_exit_status_1_and_still_an_answer():
     assert result.stderr.count("\n") == 1
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", arms.here("med7"))
 def test_a_hand_can_be_given(name):
     _, base, tip = arms.PLACES[name]

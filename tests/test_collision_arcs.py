@@ -147,6 +147,7 @@ def test_a_sphere_on_the_line_forbids_all_or_nothing(arm):
         assert np.array_equal(made.forbidden(off + 1e-9)[side], [[-np.pi, np.pi]])
 
 
+@pytest.mark.slow
 def test_spheres_that_touch_leave_a_point_or_nothing(arm):
     q = np.array([0.3, 0.7, -0.4, -1.1, 0.5, 0.8, -0.2])
     made = Made(arm, q, [(at.BASE, [0.5, 0.3, 0.5, 0.05]), (at.UPPER, [0.0, 0.0, 0.7, 0.05])])

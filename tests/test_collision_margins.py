@@ -58,6 +58,7 @@ def test_a_margin_that_a_posture_keeps_is_kept(distances, exact):
     assert min(distances.at(answer.q).values()) > 0.05 - 1e-5
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("margin", [0.03, 0.05])
 def test_a_margin_is_refused_only_where_no_posture_keeps_it(distances, margin):
     arm, refused, kept = distances.arm, 0, 0

@@ -110,6 +110,7 @@ def test_real_shapes_say_what_is_undecided(arm):
     assert 0.0 <= found.undecided < 0.05 * sum(each.width for each in found)
 
 
+@pytest.mark.slow
 def test_a_near_arm_is_followed_on_its_true_chain():
     arm = srs_ik.load("gen3")
     scene = scene_of(made("cage", arm, generator("gen3", 4)))

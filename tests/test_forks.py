@@ -118,6 +118,7 @@ print(inner())
     assert (done.stdout, done.stderr) == ("7\n", "")
 
 
+@pytest.mark.slow
 def test_locks_are_free_after_a_fork():
     program = """
 import numba

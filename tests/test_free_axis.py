@@ -191,6 +191,7 @@ def test_close_to_the_seed_it_is_the_nearest_too(name):
         assert ((each - seed) ** 2).sum() <= best + 1e-9
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", arms.here("iiwa14", "gen3"))
 def test_without_a_seed_the_margin_is_that_of_the_best_roll(name):
     arm = arms.load(name)

@@ -53,6 +53,7 @@ def hindered(arm, q, axis):
     return scene, rolled(pose, axis, -0.4)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("free", [FreeAxis(AXIS), FreeAxis(AXIS, cone=0.2)])
 def test_the_answer_meets_the_pose_and_hits_nothing(arm, free):
     tried = 0

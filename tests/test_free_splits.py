@@ -184,6 +184,7 @@ def test_free_splits_of_ordinary_poses_and_of_limits_left_aside():
         arm.free_splits(np.full((4, 4), np.nan))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("joint", [1, 5])
 def test_no_split_is_better_by_an_objective(joint):
     arm, forward, rng = arms.load("iiwa14"), arms.forward("iiwa14"), arms.generator("iiwa14", 66)

@@ -54,6 +54,7 @@ SCENES = {
 }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("case", SCENES)
 def test_hostile_scenes_are_refused_in_one_line_and_in_time(case, tmp_path, monkeypatch):
     if case.endswith(".yaml"):

@@ -117,6 +117,7 @@ def test_intervals_of_arms_whose_axes_miss_their_centres(name):
             assert within[0] == is_feasible(arm, forward, pose, branch, psi)
 
 
+@pytest.mark.slow
 @given(limbs(limits=("usual", "narrow", "wide", "beyond", "mixed")))
 def test_intervals_of_random_limbs(limb):
     arm = srs_ik.load(limb.model, base="base", tip="tool")

@@ -73,6 +73,7 @@ def test_answers_are_no_farther_from_a_seed_than_a_known_posture(bench, lean):
         assert_none_is_farther_than_known(bench["cases"](arm, 8, rng, SINGULAR, 0.0), arm, rng, 8)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("lean", "number"), [(0.0, 12), (0.0, 13), (0.0, 14), (0.0, 15), (1e-6, 14), (1e-6, 15), (1e-7, 14)]
 )

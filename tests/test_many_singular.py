@@ -207,6 +207,7 @@ def test_an_elbow_turns_until_a_joint_is_on_its_limit(judges):
     assert not inside(other, arm.lower, arm.upper)
 
 
+@pytest.mark.slow
 def test_turns_that_joints_have_on_a_short_stretch_alone_are_found(judges):
     made = judges["subjects"]["random_arms"](np.random.default_rng([9110000, len("random_near")]), 2e-4, 0.0)
     arm, (q, seed) = next(islice(made, 43, None)), np.array(SHORT_STRETCH)
@@ -333,6 +334,7 @@ def test_an_interval_that_is_one_arm_angle_next_to_a_singular_wrist_is_met(judge
     assert not list(judges["known"]["missed"](arm, [case], [arm.intervals(case.pose)]))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["gen3", *WHOLE, *RM75])
 def test_all_arm_angles_of_intervals_are_met_in_both_kinds_of_call(judges, name):
     """A branch by itself, and all of them at once: the same postures exist, on the borders between branches too."""

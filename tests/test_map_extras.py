@@ -134,6 +134,7 @@ def test_it_is_resumed_checked_and_refused_to_others(made, tmp_path):
         assert found[name][0] == pytest.approx(chart.measure(name)[at], rel=1e-6)
 
 
+@pytest.mark.slow
 def test_what_is_missing_is_said():
     arm = srs_ik.load("iiwa14")
     with pytest.raises(srs_ik.InvalidMap, match="map a box"):

@@ -342,6 +342,7 @@ def test_an_estimate_counts_the_cells_that_are_made(made):
     assert 0.0 < found.seconds < 100.0
 
 
+@pytest.mark.slow
 def test_pictures_and_previews_show_the_arcs(made):
     from srs_ik.plots import plot_map, plot_yaw_arcs
     from srs_ik.preview import Preview, show_map, show_yaw_arcs
@@ -361,6 +362,7 @@ def test_pictures_and_previews_show_the_arcs(made):
         assert "turned about axis 1" in view.html()
 
 
+@pytest.mark.slow
 def test_what_is_left_of_a_half_made_map_is_not_inside(tmp_path):
     def stop(done, total):
         if done > 0.4 * total:

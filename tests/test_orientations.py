@@ -8,6 +8,7 @@ import srs_ik
 from srs_ik.maps.orientations import Orientations, directions, orientations_of, pixels
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("nside", [1, 2, 4, 8, 64])
 def test_directions_are_those_of_healpix(nside):
     healpix = pytest.importorskip("astropy_healpix")

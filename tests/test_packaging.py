@@ -92,6 +92,7 @@ def test_nothing_else_lies_at_the_top_level():
     assert {name for name in names - ignored if not name.startswith(".")} <= TOP
 
 
+@pytest.mark.slow
 def test_a_wheel_is_compiled_where_this_checkout_is_installed_as_editable(monkeypatch, tmp_path):
     # An isolated build drops from the search path what the environment around it has added to it: such a checkout, too.
     interface = SimpleNamespace(BuildHookInterface=type("BuildHookInterface", (), {"root": str(ROOT)}))

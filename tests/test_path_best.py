@@ -601,6 +601,7 @@ def test_oblique_axes_that_are_not_in_line_do_not_turn_on_the_spot():
     np.testing.assert_allclose(poses_of(arm, path.q), poses, atol=1e-9)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("straight", [True, False])
 def test_joints_share_a_turn_along_a_limit_that_is_singular(straight):
     """Joints 1 and 3 turn about one axis where joint 2 of the human arm is on its lower limit."""
@@ -680,6 +681,7 @@ LONG_STEPS = (
 """Some joints step farther than is continuous; beside these postures are others whose steps are just short enough."""
 
 
+@pytest.mark.slow
 def test_a_short_path_of_a_near_arm_whose_steps_are_just_short_enough_is_found():
     """Chords of coarse strips are too long there: finer ones must not be left out for that."""
     arm = load("gen3")

@@ -80,6 +80,7 @@ def test_cells_hold_all_postures_of_random_limbs(limb, longest):
     assert_covered(arm, arm.forward_kinematics(q).homogeneous, longest, 60)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", [*ARMS, "gen3"])
 @pytest.mark.parametrize("seeded", [True, False])
 def test_the_bound_is_below_a_known_motion_and_close_below_the_path(name, seeded):
@@ -108,6 +109,7 @@ def test_brute_force_finds_nothing_below_the_bound(name, case):
         assert 0.9 * path.value < path.lower_bound <= min(path.value, least) * (1.0 + 1e-9)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["iiwa14", "human_left"])
 def test_the_bound_of_the_largest_step(name):
     arm, rng = load(name), generator(name, 54)

@@ -47,6 +47,7 @@ def assert_goes_through(name, path, poses, free, longest):
         assert np.arctan2(np.linalg.norm(np.cross(a, b)), a @ b) < free.cone + 1e-9
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("name", "salt"), [("iiwa14", 92), ("gen3", 63)])
 def test_a_path_is_found_where_a_motion_is_known(name, salt):
     _, poses, free = known_motion(name, salt)

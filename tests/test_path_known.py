@@ -100,6 +100,7 @@ def test_postures_of_poses_beyond_the_limits_do_not_turn_to_and_fro(free_axis):
     assert np.abs(between[:, endless]).max() <= np.pi + 1e-9
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["gen3", "iiwa14"])
 @pytest.mark.parametrize("cone", [0.0, 0.3, np.pi])
 def test_paths_with_a_free_axis_of_poses_out_of_reach_are_broken_everywhere(name, cone):
@@ -128,6 +129,7 @@ def winding_path(begin, end, count, free):
     return poses
 
 
+@pytest.mark.slow
 def test_paths_with_a_free_axis_begin_in_the_turns_of_the_seed():
     """Whole turns of the seed change nothing but the turns in which the path begins."""
     arm, free = load("gen3"), srs_ik.FreeAxis([0.261298, -0.820744, -0.508038], cone=0.3)

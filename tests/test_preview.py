@@ -113,6 +113,7 @@ def test_the_circle_passes_every_elbow_of_the_pose(view, arm):
         assert distance < 8e-3
 
 
+@pytest.mark.slow
 def test_arcs_are_on_the_rays_of_feasible_elbows(view, arm):
     pose = arm.forward_kinematics(Q)
     intervals = view.show_intervals(pose)
@@ -161,6 +162,7 @@ def test_singular_ellipsoids_are_flat_and_finite(view):
     assert thickness < 0.02
 
 
+@pytest.mark.slow
 def test_a_task_is_shown_at_its_place():
     human = srs_ik.load("human_arm")
     task = srs_ik.Task([0.35, 0.15, -0.2], [1, 0, 0], [0, 0, -1], grasp=[1, 0, 0])

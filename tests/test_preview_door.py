@@ -352,6 +352,7 @@ def ends(connection, seconds: float = 300.0) -> int:
         return closed.rcvd.code
 
 
+@pytest.mark.slow
 def test_the_pages_own_messages_move_the_target(arm):
     pytest.importorskip("viser")
     with interactive(arm) as view, connected(view) as connection:
@@ -491,6 +492,7 @@ def test_a_page_whose_guard_does_not_stand_is_not_served(arm, monkeypatch):
     wait_until(lambda: threading.active_count() <= before)
 
 
+@pytest.mark.slow
 def test_another_server_of_viser_is_left_as_it_is(arm):
     viser = pytest.importorskip("viser")
     with interactive(arm) as view:

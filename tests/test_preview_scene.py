@@ -60,6 +60,7 @@ def test_bodies_have_the_colour_of_their_clearance(arm, scene):
     assert (found[: len(arm.bodies)] <= least[: len(arm.bodies)] + 1e-12).all()
 
 
+@pytest.mark.slow
 def test_forbidden_arcs_and_free_ones_make_up_the_limits(arm, scene):
     T = arm.forward_kinematics(Q)
     all_of_them, free = arm.intervals(T), arm.intervals(T, scene=scene)

@@ -23,6 +23,7 @@ def with_hand(name):
     return arm, np.array(arm.hand.grasp), np.array(arm.hand.pronosupination)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", arms.here("iiwa14", "human_arm", "gen3"))
 def test_a_roll_that_moves_the_wrist_is_found(name):
     arm, rng = arms.load(name).with_tool(TOOL), arms.generator(name, 71)

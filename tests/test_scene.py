@@ -187,6 +187,7 @@ def test_the_nearest_free_posture_is_nearest(arm, pose):
     assert np.sum((answer.q - Q) ** 2) <= least + 1e-6
 
 
+@pytest.mark.slow
 def test_the_largest_clearance_is_that_of_a_sweep(arm, pose):
     scene = srs_ik.Scene()
     scene.add_sphere("ball", [0.3, 0.3, 0.5], 0.08)
@@ -355,6 +356,7 @@ def test_two_arms_keep_clear_of_each_other(arm):
         scene.add_arm("third", arm, Q)
 
 
+@pytest.mark.slow
 def test_copies_keep_their_plan(arm, pose):
     import copy
     import pickle
@@ -473,6 +475,7 @@ def test_tables_that_a_question_has_stay_as_they_are():
     assert arm.tables(scene) is after
 
 
+@pytest.mark.slow
 def test_a_copied_scene_is_another_one():
     """A shallow copy shared the objects, and moved them in the first scene without its knowing."""
     arm, scene = srs_ik.load("iiwa14"), srs_ik.Scene(margin=0.01)

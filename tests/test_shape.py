@@ -6,6 +6,8 @@ import ast
 from collections import Counter
 from pathlib import Path
 
+import pytest
+
 import srs_ik
 
 PACKAGE = Path(srs_ik.__file__).parent
@@ -26,6 +28,7 @@ MOST_ROOMS = 20
 """So many files and folders stand side by side at the top of the package at most."""
 
 
+@pytest.mark.slow
 def test_few_functions_have_many_arguments():
     counts = {
         f"{path.relative_to(KERNELS)}:{node.name}": len(node.args.args)
@@ -54,6 +57,7 @@ def test_the_package_has_few_rooms():
     assert len(rooms - {"__init__"}) <= MOST_ROOMS, sorted(rooms)
 
 
+@pytest.mark.slow
 def test_nothing_is_named_twice():
     twice = [
         f"{path.relative_to(PACKAGE)}: {name}"
@@ -64,6 +68,7 @@ def test_nothing_is_named_twice():
     assert twice == []
 
 
+@pytest.mark.slow
 def test_files_do_not_import_each_other_in_circles():
     files = {path: ast.parse(path.read_text()) for path in PACKAGE.rglob("*.py")}
     names = {module_of(path): path for path in files}

@@ -177,6 +177,7 @@ def test_energy_is_what_the_ports_put_in():
     assert record.stored[0] > record.stored[-1]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("per_axis", "damping"), [(True, 0.5), (False, 0.5), (False, 0.0)])
 def test_pushed_the_arm_comes_back(per_axis, damping):
     arm = arms.load("iiwa14")

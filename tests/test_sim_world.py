@@ -57,6 +57,7 @@ def test_a_wall_bears_the_force_of_the_profile():
     assert np.abs(record.contact[-1, :2]).max() < 30.0
 
 
+@pytest.mark.slow
 def test_a_peg_stops_the_forearm_and_a_payload_lowers_the_hand():
     arm = arms.load("iiwa14")
     record = {}

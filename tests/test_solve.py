@@ -143,6 +143,7 @@ def test_the_seeded_posture_is_the_nearest(name, spread):
         assert not found > np.nanmin(swept, initial=np.inf) + 1e-9
 
 
+@pytest.mark.slow
 @given(limbs())
 def test_on_random_limbs_the_seeded_posture_is_the_nearest(limb):
     arm = srs_ik.load(limb.model, base="base", tip="tool")
@@ -267,6 +268,7 @@ def test_no_arm_angle_next_to_the_farthest_posture_has_more_margin(name, respect
         assert margin(arm, solution.q) >= best_around(arm, pose, solution) - 1e-10
 
 
+@pytest.mark.slow
 @given(limbs(limits=("usual", "wide", "beyond", "mixed")))
 def test_each_interval_has_its_posture_farthest_from_the_limits(limb):
     arm = srs_ik.load(limb.model, base="base", tip="tool")

@@ -14,6 +14,7 @@ LEVEL = 1e-9
 SIDES = {"left": 1.0, "right": -1.0}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("side", SIDES)
 @pytest.mark.parametrize("kind", ["none", "grasp", "grasp and roll"])
 @pytest.mark.parametrize("name", arms.BUILT_IN)

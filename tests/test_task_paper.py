@@ -44,6 +44,7 @@ def test_postures(grasped, left):
     assert compared > 500
 
 
+@pytest.mark.slow
 def test_joint_angles():
     """The paper's joint angles are among the eight branches at the posture's arm angle, to 1e-12."""
     arm = arms.load("human_arm")

@@ -152,6 +152,7 @@ def with_hand(name, hand):
     return srs_ik.load(arms.file_of(name), base=base, tip=tip, hand=hand)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", ["grasp", "none"])
 @pytest.mark.parametrize("name", ["iiwa14", "human_arm", "humanoid_left", "romeo_left"])
 def test_a_free_roll_is_the_most_comfortable(name, kind):

@@ -98,6 +98,7 @@ def test_no_motion_stays_on_a_target_that_is_faster_than_the_arm():
     assert worst > 10.0
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ARMS)
 def test_a_tracker_that_leaves_its_target_without_need_is_found_out(name):
     arm, forward = arms.load(name), arms.forward(name)
@@ -156,6 +157,7 @@ def test_no_tracker_can_follow_every_target_that_joints_within_the_limits_make()
     assert np.max(beyond, axis=0).min() > 0.2
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("name", "seed"), [("iiwa14", 1301), ("iiwa14", 1306), ("gen3", 1300), ("gen3", 1303)])
 def test_a_target_that_could_have_been_followed_is_not_left(name, seed):
     arm, forward = arms.load(name), arms.forward(name)
@@ -224,6 +226,7 @@ def test_plans_have_no_posture_that_a_joint_is_too_slow_for(name):
     assert ahead <= 1.0 + ROUNDING
 
 
+@pytest.mark.slow
 def test_a_target_that_is_followed_with_foresight_of_others_is_not_left_by_a_plan_in_another_branch():
     """It was left for a third of the motion: joint 7 of the plan went 5 times as fast as it may."""
     arm, forward = arms.load("iiwa14"), arms.forward("iiwa14")

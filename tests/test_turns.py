@@ -22,6 +22,7 @@ def postures(arm, count: int) -> np.ndarray:
     return np.random.default_rng(3).uniform(lower, upper, (count, 7))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("limits", [(-7.0, 7.0), (-TURN, TURN), (1.0, 8.0), (-12.0, 1.0)])
 def test_a_function_of_joint_angles_has_its_optimum_in_any_turn(limits):
     arm = wide(*limits)

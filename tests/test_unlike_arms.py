@@ -73,6 +73,7 @@ def load(tmp_path_factory):
     return loaded
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ARMS)
 def test_known_postures_are_in_intervals_and_all_of_these_is_met(bench, load, name):
     some = list(bench["cases"](load(name), 30, np.random.default_rng(5), bench["TOGETHER"], 0.3))
