@@ -17,7 +17,7 @@ from srs_ik.kernels.near.scan import in_branches, put_certain
 
 MARGINS = 1e-9
 SPARE = 0.5
-OUTSIDE = 1e-6
+JOINT_OUTSIDE = 1e-6
 """Ends may be this far, rad, outside the arm angles between which they are expected, and by this part of what is
 between these: the band is not for every joint at every posture. No joint is farther outside its limits there than the
 last, rad."""
@@ -109,7 +109,7 @@ def correct_ends(P, view, ends, n):
         q, psi, met = to_limits(P, take_eight(rows, END), gather(rows, END_PSI, END), way, view.target, STEPS)
         met &= in_branches(sines_of_eight(P, q), gather(rows, END_BRANCH, END))
         # Next to a singularity another joint, on its way back inside, may still be outside there.
-        met &= as_bits(beyond_any_of_eight(P, q) < OUTSIDE)
+        met &= as_bits(beyond_any_of_eight(P, q) < JOINT_OUTSIDE)
         first_psi, last_psi = gather(rows, END_FIRST, END), gather(rows, END_LAST, END)
         more = SPARE * (last_psi - first_psi) + MARGINS
         met &= as_bits((psi > first_psi - more) & (psi < last_psi + more))

@@ -67,8 +67,8 @@ UNTOLD = 1e-3
 OF_ROUNDING = 0.025
 APART = 4.0
 """Rounding moves the arm angle of an almost straight elbow by the first at most, rad, where that is still told at all,
-and by the second of what all roundings make of a posture together; where limits cut the curves,
-by the third of what it does if it has alternate signs."""
+and by the second of what all roundings make of a posture together. Where limits cut the curves it may move it farther:
+by the third times what it does by the step that `vagueness` takes, of errors of alternate signs."""
 
 CLOSE_CALL = 1e-4
 """Where a curve turns around or goes over into another branch so close to an arm angle, rad, rounding may decide."""
