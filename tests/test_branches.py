@@ -190,6 +190,39 @@ def test_random_limbs_whose_axes_miss_their_centres_hold_the_configuration(limb)
         check_met(forward, pose, every)
 
 
+SINGULAR_ALL_OVER = (
+    [
+        -2.0063285123593966,
+        3.1415925535897933,
+        -3.141592653588793,
+        3.141592653589793,
+        -3.141592643589791,
+        1.9882552717898179,
+        -3.094774303084184,
+    ],
+    [
+        -3.141592653489793,
+        3.141592753589793,
+        3.141592653589793,
+        3.141592653588793,
+        -1.4896533148178233,
+        1.1344640137963142,
+        -3.141592653489793,
+    ],
+)
+"""Postures of `j2s7s300` at an arm angle that no curve from the closed form's postures passes in all branches."""
+
+
+@pytest.mark.skipif("j2s7s300" not in arms.here("j2s7s300"), reason="needs the file of the robot")
+@pytest.mark.parametrize("q", SINGULAR_ALL_OVER)
+def test_branches_that_no_curve_leads_to_are_met(q):
+    arm, forward = arms.load("j2s7s300"), arms.forward("j2s7s300")
+    pose = forward(np.array(q))
+    every = arm.solve_all(pose, arm_angle=arm.arm_angle(q))
+    assert every.branch.tolist() == list(range(8))
+    check_met(forward, pose, every)
+
+
 def check_met(forward, pose, every):
     for solution in every:
         assert max(distance(pose, forward(solution.q))) < 1e-9

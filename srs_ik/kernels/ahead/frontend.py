@@ -26,7 +26,6 @@ from srs_ik.kernels import entries
 from srs_ik.kernels.ahead.borrow import make_borrow
 from srs_ik.kernels.ahead.lean import make_lean
 from srs_ik.kernels.ahead.passes import Halves
-from srs_ik.kernels.ahead.passing import make_parts, make_passing
 from srs_ik.kernels.ahead.quick import make_finding, make_quick
 from srs_ik.kernels.ahead.signatures import Argument, Entry
 
@@ -102,8 +101,6 @@ class Frontend:
         make_finding()
         make_lean()
         make_borrow()
-        make_passing()
-        make_parts()
         self._found = found
         self._waiting: list[Callable[[], str]] = []
         self._halves = Halves(self._wait)
