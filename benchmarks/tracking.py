@@ -12,10 +12,11 @@ Each gets the joint limits that it knows, which stand beside its name: v for pos
 too. Pink has both, as ours has; ssik and Mink have velocities alone, and are to be compared with ours without limits of
 acceleration. A target that is lost is None for ours and the last one for the
 others. On target is a tip within 1 mm and 10 mrad of where the target truly is, by Pinocchio; within is the share of
-updates that are so inside the limits that were given, by 1 %; mean and rms are of the accelerations by
-those of ours, and jerk is the mean of how fast these change, 1/s; a freeze is 50 ms without a motion while the
-tip is off a target; a flip a joint that moves by more than 0.2 rad in a period; back the time from the end of
-a loss until the tip is on its target again, 95 % of them. Times are those of the processor; with --runs, each motion
+updates that are so inside the limits that were given, by 1 %; driven is the share of a drive that is sent these joint
+angles and has limits of velocity and acceleration, whatever its tracker knows of them; mean and rms are of the
+accelerations by those of ours, and jerk is the mean of how fast these change, 1/s; a freeze is 50 ms without a motion
+while the tip is off a target; a flip a joint that moves by more than 0.2 rad in a period; back the time from the end
+of a loss until the tip is on its target again, 95 % of them. Times are those of the processor; with --runs, each motion
 runs so often, and an update counts by its shortest time: what it takes by itself, without what other processes cost it.
 """
 
@@ -39,7 +40,8 @@ sys.path.insert(0, str(HERE.parent / "tests"))
 
 import arms  # noqa: E402
 from causal import bound_line  # noqa: E402
-from motions import KINDS, Motion, motion  # noqa: E402
+from drive import driven  # noqa: E402
+from motions import KINDS, Motion, motion, off_target  # noqa: E402
 from tracked import SMOOTHING, limits_line, losses_line, recovery_line  # noqa: E402
 
 ROBOTS = ("iiwa14", "gen3")
@@ -172,18 +174,15 @@ def run(make: Make, arm: srs_ik.Arm, given: Motion, dt: float, runs: int = 1) ->
 
 def account(arm: srs_ik.Arm, given: Motion, q: np.ndarray, dt: float, both: bool = True) -> dict[str, Any]:
     """What a tracker made of a motion; both: whether it was given limits of acceleration, too."""
-    tips = [arm.forward_kinematics(each) for each in q]
-    off = np.array([np.linalg.norm(tip.translation - T[:3, 3]) for tip, T in zip(tips, given.true, strict=True)])
-    turned = np.array(
-        [np.linalg.norm(pin.log3(tip.rotation.T @ T[:3, :3])) for tip, T in zip(tips, given.true, strict=True)]
-    )
-    on = (off < NEAR_TARGET[0]) & (turned < NEAR_TARGET[1])
+    on = _on(arm, given, q)
+    bounds = arm.velocity_limit, HARDEST * arm.velocity_limit
     steps = np.diff(np.vstack([given.q0, given.q0, q]), axis=0)
     steps = np.where(np.isinf(arm.upper), (steps + np.pi) % (2.0 * np.pi) - np.pi, steps)
     velocity, acceleration = steps / dt, np.diff(steps, axis=0) / dt**2
     still = (np.abs(steps[1:]).max(axis=1) < 1e-9) & ~on
     return {
         "on": float(on.mean()),
+        "driven": float(_on(arm, given, driven(arm, given.q0, q, bounds, dt)).mean()),
         "within": float((on & _within(velocity[1:], acceleration, arm, both)).mean()),
         "velocity": float((np.abs(velocity) / arm.velocity_limit).max()),
         "acceleration": float((np.abs(acceleration) / (HARDEST * arm.velocity_limit)).max()),
@@ -194,6 +193,12 @@ def account(arm: srs_ik.Arm, given: Motion, q: np.ndarray, dt: float, both: bool
         "recovery": _recovery(given, on, dt),
         "flips": float((np.abs(steps).max(axis=1) > FLIP).sum()),
     }
+
+
+def _on(arm: srs_ik.Arm, given: Motion, q: np.ndarray) -> np.ndarray:
+    """On which updates the tip is on its target."""
+    off, turned = off_target(arm.forward_kinematics, q, given.true)
+    return np.asarray((off < NEAR_TARGET[0]) & (turned < NEAR_TARGET[1]))
 
 
 def _within(velocity: np.ndarray, acceleration: np.ndarray, arm: srs_ik.Arm, both: bool) -> np.ndarray:
@@ -279,6 +284,7 @@ def main(words: list[str] | None = None) -> None:
     columns = [
         "on target",
         "and within",
+        "driven",
         "velocity",
         "acceleration",
         "mean",
@@ -311,6 +317,7 @@ def main(words: list[str] | None = None) -> None:
                     f"| `{robot}` | {kind} | {name} | {'v, a' if both else 'v'} "
                     f"| {100.0 * np.mean([s['on'] for s in said]):.1f} % "
                     f"| {100.0 * np.mean([s['within'] for s in said]):.1f} % "
+                    f"| {100.0 * np.mean([s['driven'] for s in said]):.1f} % "
                     f"| {max(s['velocity'] for s in said):.2f} | {max(s['acceleration'] for s in said):.3g} "
                     f"| {np.mean([s['push'] for s in said]):.3f} "
                     f"| {np.sqrt(np.mean([s['rms'] ** 2 for s in said])):.3f} "

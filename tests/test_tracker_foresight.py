@@ -16,6 +16,9 @@ SEEN = (
 )
 """Motions of 10 s that a plan of half a second leaves for 2 to 4 s."""
 
+IN_TWO_STEPS = (("iiwa14", "joints", 8200022), ("iiwa14", "singular", 8200019))
+"""Motions of 10 s that are left, by 2 and 22 mm, where plans are one step of Gauss and Newton from the plan before."""
+
 SLOWLY = 0.02
 AT_SLOW_RATES = (
     ("iiwa14", "singular", 3400001),
@@ -32,7 +35,7 @@ MET = 1e-6
 USED_UP = 0.98
 
 
-MOTIONS = [(DT, *case) for case in SEEN] + [(SLOWLY, *case) for case in AT_SLOW_RATES]
+MOTIONS = [(DT, *case) for case in SEEN + IN_TWO_STEPS] + [(SLOWLY, *case) for case in AT_SLOW_RATES]
 
 
 @pytest.mark.parametrize(("dt", "name", "kind", "seed"), [case for case in MOTIONS if case[1] in arms.here(case[1])])

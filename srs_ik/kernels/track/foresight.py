@@ -3,7 +3,7 @@
 They are chosen together. A posture costs what it misses of the pose that is expected at its time, how far a joint is
 into the zone at the end of its range, and what velocities and accelerations lead there, by the limits of each joint. So
 the arm goes straight through a singular posture in its way or early around it, and the elbow slides before a limit
-comes. A plan is one step of Gauss and Newton from the plan before, on the true chain.
+comes. A plan is two steps of Gauss and Newton from the plan before, on the true chain.
 """
 
 from __future__ import annotations
@@ -81,8 +81,12 @@ STEEP = 25.0
 ASKED = 4
 """The knot at which something is asked of the elbow, 0.38 s ahead: at the end of the plan it would take its time."""
 
+STEPS = 2
+"""Steps from one plan to the next. With one, plans swing about the best one where the arm is nearly singular, and the
+joints with them; with three they are no better."""
+
 LONGEST = 0.3
-"""A joint of a plan changes by no more than this from one plan to the next, rad."""
+"""A joint of a plan changes by no more than this in a step, rad."""
 
 
 @kernel
@@ -214,18 +218,9 @@ def add_wish(P, S, C, task, J, B):
 
 
 @kernel
-def foresee(P, S, C, task, work):
-    """Plan anew, a step from the plan before.
-
-    Args:
-        P: packed limb.
-        S: state.
-        C: settings.
-        task: parameters of the elbow's objective.
-        work: J (6, 7), A (16, 9), B (7 KNOTS, BAND + 2).
-    """
+def improve(P, S, C, task, work):
+    """A step of Gauss and Newton of the plan; arguments as in `foresee`."""
     J, _, B = work
-    begin(S)
     for i in range(7 * KNOTS):
         for k in range(BAND + 2):
             B[i, k] = 0.0
@@ -234,7 +229,6 @@ def foresee(P, S, C, task, work):
     add_poses(P, S, C, J, B)
     add_wish(P, S, C, task, J, B)
     solve_band(B, 7 * KNOTS, BAND)
-    first = when(1)
     for j in range(7):
         before = S[PLAN_Q + j]
         for k in range(KNOTS):
@@ -245,6 +239,24 @@ def foresee(P, S, C, task, work):
             there = min(max(there, before - far), before + far)
             before = min(max(there, P[LOWER + j]), P[UPPER + j])
             S[KNOT + i] = before
+
+
+@kernel
+def foresee(P, S, C, task, work):
+    """Plan anew, from the plan before.
+
+    Args:
+        P: packed limb.
+        S: state.
+        C: settings.
+        task: parameters of the elbow's objective.
+        work: J (6, 7), A (16, 9), B (7 KNOTS, BAND + 2).
+    """
+    begin(S)
+    for _ in range(STEPS):
+        improve(P, S, C, task, work)
+    first = when(1)
+    for j in range(7):
         S[PLAN_A + j] = 2.0 * (S[KNOT + j] - S[PLAN_Q + j] - first * S[PLAN_V + j]) / first**2
 
 
