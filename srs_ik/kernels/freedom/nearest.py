@@ -20,7 +20,7 @@ from srs_ik.kernels.freedom.settle import NO_POSTURE, distance, led_to, onto_pos
 from srs_ik.kernels.freedom.starts import NO_NEARER
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.answer import SOLVED
-from srs_ik.kernels.layout.freedom import MOST_TAKEN, START_COST, START_LATE, Found, Freedom, Liking
+from srs_ik.kernels.layout.freedom import MOST_STARTS, MOST_TAKEN, START_COST, START_LATE, Found, Freedom, Liking
 from srs_ik.kernels.layout.limb import FAR, MISS, PHASE, SHOULDER, STRAIGHT, WRIST, WRIST_IN_TIP
 
 CLOSE = 0.15
@@ -35,6 +35,9 @@ ALMOST = 1e-3
 
 MANY = 0.4
 """Once this part of the searches has failed, starts next to one whose search fails are left out, too."""
+
+AGAIN = 0.1
+"""A start so much closer to one whose search failed than what is left out beside others is left out, too."""
 
 NO_SHORTER, FEW = 1.0, 8
 """A search does not come so much nearer to the seed than its start is once it is inside the limits, rad: of more
@@ -163,9 +166,10 @@ def search(P, pose, freedom, liking, sizes, order, found, desk):
         if error < math.inf and not at_rest:
             # Limits stand in its way; not in that of a start beside it, unless many have failed.
             failed += 1
-            taken += 1 if failed > MANY * enough else 0
+            desk.starts[MOST_STARTS - 1 - taken, START_LATE] = 1.0 if failed > MANY * enough else AGAIN
         else:
-            taken, attempts = taken + 1, attempts + 1
+            attempts += 1
+        taken += 1
     return found, liking, taken
 
 

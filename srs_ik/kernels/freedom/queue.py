@@ -9,7 +9,7 @@ from __future__ import annotations
 from srs_ik.kernels.algebra.lanes import LANES, as_bits, gather, scatter
 from srs_ik.kernels.algebra.pointers import row
 from srs_ik.kernels.jit import kernel
-from srs_ik.kernels.layout.freedom import MOST_STARTS, START
+from srs_ik.kernels.layout.freedom import MOST_STARTS, START, START_LATE
 from srs_ik.kernels.limb.goal import NO_SEED
 from srs_ik.kernels.limb.poses import read7
 
@@ -86,9 +86,12 @@ def take_next(starts, n, taken, cost, width):
         sink(starts, 0, n, cost)
         here = row(starts, n)
         k = 0
-        while k < taken and not are_close(here, row(starts, MOST_STARTS - 1 - k), width):
+        while k < taken and not are_close(
+            here, row(starts, MOST_STARTS - 1 - k), width * starts[MOST_STARTS - 1 - k, START_LATE]
+        ):
             k += 1
         if k == taken:
             put(starts, MOST_STARTS - 1 - k, figures(starts, n))
+            starts[MOST_STARTS - 1 - k, START_LATE] = 1.0
             return read7(here), here[cost], n
     return NO_SEED, NONE_LEFT, 0
