@@ -94,8 +94,9 @@ def best_posture(family, target, branch, goal, J, A):
     found, told = (goal.seed, 0, 4.0 * NO_BRANCH), False
     if goal.seeded and (branch < 0 or P[IS_NEAR] != 0.0):
         found, told = search_near_seed(family, target, branch, goal, J, A)
-        if P[IS_NEAR] == 0.0 and goal.respect and found[2] < OUTSIDE and hides_some(P, target.place):
-            found = best_at_any_bend(family, target, -1, goal, found)
+        if P[IS_NEAR] == 0.0 and found[2] < OUTSIDE and hides_some(P, target.place):
+            found = best_at_any_bend(family, target, -1, goal, found) if goal.respect else found
+            found = going_on(P, target, goal, found, J, A) if may_reach(P, target.place) else found
     in_branch = found[2] < OUTSIDE and (branch < 0 or is_on_border(P, found[0], branch))
     if told and in_branch:
         return found[0], found[1] if branch < 0 else branch, found[2]
