@@ -353,3 +353,19 @@ def test_an_arm_angle_without_limits_is_met_near_a_seed_with_a_straight_elbow():
     solution = arm.solve(forward(q), arm_angle=arm.arm_angle(q), seed=seed, respect_limits=False)
     assert_met(arm, forward, forward(q), solution, respect_limits=False)
     assert np.linalg.norm(solution.q - seed) < np.linalg.norm(q - seed) + 1e-6
+
+
+def test_a_straight_elbow_is_found_in_each_turn_of_a_joint_that_is_on_a_limit_there():
+    """Joint 1 goes on a turn away beyond its limit, and rounding decides at which arm angles it is on that limit."""
+    names = arms.load("iiwa14").joint_names
+    lower, upper = (-3.3, -2.1) * 3 + (-3.3,), (4.5, 2.1) * 3 + (4.5,)
+    limits = {name: {"lower": lower[j], "upper": upper[j]} for j, name in enumerate(names)}
+    arm, rng = srs_ik.load("iiwa14", limits=limits), np.random.default_rng(4)
+    for _ in range(400):
+        q = rng.uniform(lower, upper)
+        q[0], q[3] = lower[0], 10.0 ** rng.uniform(-9.0, -5.0) * rng.choice([-1.0, 1.0])
+        q[6] = rng.choice([lower[6], q[6], upper[6]])
+        seed = np.clip(q + 10.0 ** rng.uniform(-2.0, 0.2) * rng.normal(size=7), lower, upper)
+        solution = arm.solve(arm.forward_kinematics(q), seed=seed)
+        assert solution.status is Status.OK
+        assert np.linalg.norm(solution.q - seed) < np.linalg.norm(q - seed) + 1e-6, (q.tolist(), seed.tolist())
