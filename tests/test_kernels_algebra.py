@@ -10,7 +10,7 @@ from numba import njit
 from scipy.optimize import minimize_scalar
 
 from srs_ik.kernels.algebra.joint_vectors import along7, difference, dot7, short_way
-from srs_ik.kernels.algebra.linear import solve_linear
+from srs_ik.kernels.algebra.linear import solve_definite, solve_linear
 from srs_ik.kernels.algebra.minimum import propose, start_search, tell
 from srs_ik.kernels.algebra.pointers import row, scratch
 from srs_ik.kernels.layout.search import BEST, F_BEST, SHARP, SMOOTH, STATE
@@ -22,6 +22,11 @@ SEVEN = st.tuples(*[ANGLE] * 7)
 @njit
 def solved(A, n):
     return solve_linear(A, n)
+
+
+@njit
+def solve_as_definite(A, least):
+    solve_definite(A, least)
 
 
 @njit
@@ -73,6 +78,22 @@ def test_a_singular_system_is_told(n):
     A[:, : n - 1] = np.eye(n)[:, : n - 1]
     A[:, n] = 1.0
     assert solved(A, n) == 0.0
+
+
+@settings(deadline=None)  # the first example compiles
+@given(st.integers(0, 2**32 - 1), st.integers(0, 6), st.sampled_from([0.0, 1e-12, 1e-8, 1e-4]))
+def test_definite_systems_are_solved_however_many_directions_are_as_good_as_lost(seed, lost, left):
+    rng, least = np.random.default_rng(seed), 1e-16
+    J = rng.normal(size=(6, 7))
+    J[6 - lost :] = left * J[6 - lost :] + J[6 - lost - 1] if lost < 6 else left * J
+    M, b = J @ J.T + least * np.eye(6), J @ rng.normal(size=7)
+    A = np.zeros((6, 9))
+    A[:, :6], A[:, 6] = M, b
+    solve_as_definite(A, least)
+    x = A[:, 6]
+    assert np.isfinite(x).all()
+    # What elimination leaves of the equations is rounding of the numbers in them.
+    assert np.abs(M @ x - b).max() <= 1e-13 * (np.abs(M) @ np.abs(x) + np.abs(b)).max()
 
 
 @settings(deadline=None)  # the first example compiles

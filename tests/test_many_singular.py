@@ -77,6 +77,7 @@ ON_TWO_LIMITS = (
     (-2.9510526716141197, -1.574769084270125, -0.3567986103621665, -0.1445866694622516, -1.5553774866238377, 2.233,
      1.5098949637371857),
 )  # fmt: skip
+
 NEXT_TO_A_LIMIT = (
     (-2.028584903632845, 2.175343791663945, -2.7610408098257815, 0.0016538253736340931, -0.7795206342430285,
      -5.318485514746554, -2.573048350979516),
@@ -85,6 +86,13 @@ NEXT_TO_A_LIMIT = (
 )  # fmt: skip
 """The same where rounding decides at which postures the elbow's turn leaves the limits; there, about 2e-5 rad of a turn
 are left."""
+
+BETWEEN_LIMITS = (
+    (-3.1, 2.268, -2.625771845570208, 0.0, -3.1, 0.0, 4.188100740587639),
+    (-3.0553982212749737, 2.231617837360167, -2.56914801519736, -0.0514688735371348, -3.1, -0.012459638176236014,
+     4.191457425813439),
+)  # fmt: skip
+"""Shoulder and wrist of the posture keep the limits by less than the pose tells; the seed is 0.1 rad beside it."""
 
 SHORT_STRETCH = (
     (-3.594031126, -0.752451305, -3.4692, 3.155265985, 0.120646726, 0.20893254, 0.968746602),
@@ -194,6 +202,15 @@ def test_needles_of_straight_elbows_are_gone_along_to_their_tips(name, case):
 def test_an_elbow_turns_as_far_as_limits_let_it_but_for_rounding(name):
     arm, (q, seed) = arms.load(name), np.array(ON_TWO_LIMITS)
     solution = arm.solve(arm.forward_kinematics(q), seed=seed)
+    assert np.linalg.norm(solution.q - seed) < np.linalg.norm(q - seed) + 1e-6
+
+
+@pytest.mark.parametrize("branch", [None, 0, 4])
+@pytest.mark.parametrize("name", RM75)
+def test_a_straight_elbow_between_joints_on_limits_is_found_from_a_seed_beside_it(name, branch):
+    arm, (q, seed) = arms.load(name), np.array(BETWEEN_LIMITS)
+    solution = arm.solve(arm.forward_kinematics(q), seed=seed, branch=branch)
+    assert solution.status == "OK"
     assert np.linalg.norm(solution.q - seed) < np.linalg.norm(q - seed) + 1e-6
 
 

@@ -313,3 +313,59 @@ def test_branches_that_rounding_changes_along_a_split_leave_room_for_intervals()
     for psi in np.linspace(-3.1, 3.1, 63):
         inside = any(each.lower <= psi <= each.upper for each in found)
         assert inside == (arm.solve(pose, arm_angle=psi, branch=2).status == "OK"), psi
+
+
+HIDDEN = [
+    ("iiwa14", [-2.9670597273903603, 1e-11, 1.5061014553562915, 1e-11, -0.2836358516811335, -2.094395101393195,
+                -0.9625342674937389],
+               [-2.9670597283903604, 6.816643320655542e-4, 1.5054736801666038, 5.779644021504125e-4, -0.28337072862,
+                -2.0943951023931953, -0.9630121579092455]),
+    ("iiwa14", [-0.35305329288388654, -2.0943951023931953, 0.6724999700534271, -1e-4, 2.430811215281609,
+                2.0943951023931953, -3.0543261909900767],
+               [-0.2915948901253378, -2.085521095671002, 0.7279686721002474, -0.017927884763384163, 2.5208053760010127,
+                2.0943951023931953, -2.9656187124068385]),
+    ("human_arm", [1.5707963257948965, -1.5707963257948965, 0.06488687630606149, -1e-9, 0.951222781708575,
+                   1.2217304753960305, 0.18869870930247962],
+                  [1.5707963267948966, -1.5692573808220216, 0.059478807890544425, 0.0, 0.9475403962418941,
+                   1.2167436904735314, 0.191790993773696]),
+]  # fmt: skip
+"""Postures with an almost straight elbow and joints on limits, or next to them, and seeds beside them."""
+
+
+@pytest.mark.parametrize("case", HIDDEN)
+def test_a_posture_on_limits_that_rounding_hides_at_an_arm_angle_is_near_a_seed(case):
+    """Others at the same arm angle, half a radian to six away, keep the limits to the last bit."""
+    name, q, seed = case
+    arm, forward = arms.load(name), arms.forward(name)
+    pose, psi = forward(np.array(q)), arm.arm_angle(q)
+    for branch in (None, arm.branch(q)):
+        solution = arm.solve(pose, arm_angle=psi, seed=seed, branch=branch)
+        assert_met(arm, forward, pose, solution)
+        assert np.linalg.norm(solution.q - seed) < np.linalg.norm(np.subtract(q, seed)) + 1e-6
+
+
+def test_an_arm_angle_without_limits_is_met_near_a_seed_with_a_straight_elbow():
+    """A straight elbow tells no bend below 1e-8 rad, and another bend turns the wrist about its singular axes."""
+    arm, forward = arms.load("iiwa14"), arms.forward("iiwa14")
+    first = [1.6409242106651574, 2.0121996211657156, 1.4802994919847299, -1e-11, -1.6399602332106615]
+    q = np.array([*first, 1e-11, -1.2186517932986822])
+    seed = q + np.array([7.2e-5, -4.4e-4, 3.1e-4, -7.7e-4, 1e-3, 3.9e-4, 1e-4])
+    solution = arm.solve(forward(q), arm_angle=arm.arm_angle(q), seed=seed, respect_limits=False)
+    assert_met(arm, forward, forward(q), solution, respect_limits=False)
+    assert np.linalg.norm(solution.q - seed) < np.linalg.norm(q - seed) + 1e-6
+
+
+def test_a_straight_elbow_is_found_in_each_turn_of_a_joint_that_is_on_a_limit_there():
+    """Joint 1 goes on a turn away beyond its limit, and rounding decides at which arm angles it is on that limit."""
+    names = arms.load("iiwa14").joint_names
+    lower, upper = (-3.3, -2.1) * 3 + (-3.3,), (4.5, 2.1) * 3 + (4.5,)
+    limits = {name: {"lower": lower[j], "upper": upper[j]} for j, name in enumerate(names)}
+    arm, rng = srs_ik.load("iiwa14", limits=limits), np.random.default_rng(4)
+    for _ in range(400):
+        q = rng.uniform(lower, upper)
+        q[0], q[3] = lower[0], 10.0 ** rng.uniform(-9.0, -5.0) * rng.choice([-1.0, 1.0])
+        q[6] = rng.choice([lower[6], q[6], upper[6]])
+        seed = np.clip(q + 10.0 ** rng.uniform(-2.0, 0.2) * rng.normal(size=7), lower, upper)
+        solution = arm.solve(arm.forward_kinematics(q), seed=seed)
+        assert solution.status is Status.OK
+        assert np.linalg.norm(solution.q - seed) < np.linalg.norm(q - seed) + 1e-6, (q.tolist(), seed.tolist())

@@ -33,3 +33,27 @@ def solve_linear(A, n):
                 scatter(row(A, i), 0, 1, gather(row(A, i), 0, 1) - A[i, k] * chosen)
         scatter(row(A, k), 0, 1, chosen)
     return sign
+
+
+@kernel
+def solve_definite(A, least):
+    """Solve the 6 x 6 system of a symmetric matrix in A (n, 9), no eigenvalue of which is below `least` > 0.
+
+    The solution ends in column 6; elimination needs no exchange of rows. No pivot is below `least` but by rounding: one
+    that is counts as that, so there is always a solution.
+    """
+    for k in range(6):
+        inverse = 1.0 / max(A[k, k], least)
+        for i in range(k + 1, 6):
+            entry = A[i, k]
+            for m in range(k + 1, i):
+                A[i, m] -= entry * A[m, k]
+            A[i, k] = entry * inverse
+            A[i, i] -= entry * A[i, k]
+            A[i, 6] -= A[i, k] * A[k, 6]
+        A[k, k] = inverse
+    for n in range(6):
+        k = 5 - n
+        A[k, 6] *= A[k, k]
+        for i in range(k + 1, 6):
+            A[k, 6] -= A[i, k] * A[i, 6]

@@ -12,6 +12,7 @@ import math
 from srs_ik.kernels.algebra.joint_vectors import along7, dot7, store7
 from srs_ik.kernels.algebra.pointers import row
 from srs_ik.kernels.algebra.vectors import along, norm, sub
+from srs_ik.kernels.chain.kinematics import pose_error
 from srs_ik.kernels.chain.newton import (
     CLOSED,
     MAX_STEP,
@@ -25,7 +26,7 @@ from srs_ik.kernels.chain.newton import (
     with_zeros,
 )
 from srs_ik.kernels.jit import kernel
-from srs_ik.kernels.layout.limb import LOWER, UPPER
+from srs_ik.kernels.layout.limb import IS_NEAR, LOWER, UPPER
 from srs_ik.kernels.limb.goal import NO_SEED, cost
 from srs_ik.kernels.limb.poses import read7
 
@@ -38,8 +39,8 @@ STRAIGHT_ON = 1e-3
 MOST_SHARE = 2.0
 """Below this error of the pose (m, rad) the steps are corrected, and by this factor at most."""
 
-HALVINGS = 10
-"""How often a step that has to gain is halved."""
+TRIALS, SHORTER = 16, 0.25
+"""How often a step that has to gain is made shorter, and by how much."""
 
 LOST = (1e-8, 1e-14)
 """Directions of the tip that other joints leave less of than this count as lost: first those in which floats hardly
@@ -159,14 +160,16 @@ def toward_seed(P, q, target, goal, lost, J):
 
 
 @kernel
-def descend(P, q, target, goal, least, most, work):
+def descend(P, q, target, goal, least, work):
     """Steps from a posture to the one nearest to a seed around: q, cost.
 
-    `least` is the number of steps and the part of the squared distance that each has to gain, `most` the error (m, rad)
-    that a posture may be left with.
+    `least` is the number of steps and the part of the squared distance that each has to gain. None leaves more of an
+    error than the posture has itself, but for what is closed: an exact limb's own postures leave less than others.
     """
     J, A = work
     steps, gain = least
+    position, orientation = pose_error(P, q, target.R, target.p)
+    most = max(CLOSED if P[IS_NEAR] != 0.0 else 0.1 * CLOSED, position, orientation)
     lowest = cost(P, q, True, goal.seed, goal.respect)
     size = 1.0
     kind = 0
@@ -174,7 +177,7 @@ def descend(P, q, target, goal, least, most, work):
         way = toward_seed(P, q, target, goal, LOST[kind], J)
         long = dot7(way, way)
         gained = 0.0
-        for _ in range(HALVINGS):
+        for _ in range(TRIALS):
             if size * long < gain * lowest:
                 break
             there = along7(q, size, way)
@@ -182,11 +185,11 @@ def descend(P, q, target, goal, least, most, work):
                 there = clipped(P, there)
             there, error = close_gently(P, there, target.R, target.p, goal.respect, J, A)
             value = cost(P, there, True, goal.seed, goal.respect)
-            if error < most and value < (1.0 - gain) * lowest:
+            if error <= most and value < (1.0 - gain) * lowest:
                 gained = lowest - value
                 q, lowest = there, value
                 break
-            size *= 0.5
+            size *= SHORTER
         size = min(2.0 * size, 1.0)
         if gained == 0.0:
             kind, size = kind + 1, 1.0

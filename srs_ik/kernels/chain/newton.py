@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 
 from srs_ik.kernels.algebra.joint_vectors import along7, dot7
-from srs_ik.kernels.algebra.linear import solve_linear
+from srs_ik.kernels.algebra.linear import solve_definite, solve_linear
 from srs_ik.kernels.algebra.pointers import row
 from srs_ik.kernels.algebra.vectors import across, add, along, cross, dot, load3, norm, rotate, scale, sub
 from srs_ik.kernels.chain.kinematics import joint_lines, pose_error, turn_about_line, turn_between
@@ -328,11 +328,11 @@ def shortest_step(J, linear, angular, blocked, damping, A):
     for i in range(3):
         A[i, 6] = linear[i]
         A[i + 3, 6] = angular[i]
-    solved = solve_linear(A, 6) != 0.0
+    solve_definite(A, damping + 1e-16)
     y0, y1, y2, y3, y4, y5 = A[0, 6], A[1, 6], A[2, 6], A[3, 6], A[4, 6], A[5, 6]
     for j in range(7):
         s = J[0, j] * y0 + J[1, j] * y1 + J[2, j] * y2 + J[3, j] * y3 + J[4, j] * y4 + J[5, j] * y5
-        A[j, 7] = s if solved and (blocked >> j) & 1 == 0 else 0.0
+        A[j, 7] = s if (blocked >> j) & 1 == 0 else 0.0
 
 
 @kernel

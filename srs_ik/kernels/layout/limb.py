@@ -102,6 +102,7 @@ WELL_CLEAR = 1.25
 LIMITED = 0
 FREE = 1
 LOOSE = 2
+FAMILY = 4
 
 SMALLEST_RANGE = 1e-9
 """A joint with a smaller range, rad, counts as one with this range where margins are compared."""

@@ -60,7 +60,7 @@ def try_from(P, q, target, goal, best, work):
     q = turned(P, q, True, goal.seed, goal.respect)
     if math.sqrt(cost(P, q, True, goal.seed, False)) > math.sqrt(best[2]) + AROUND:
         return best
-    q, value = descend(P, q, target, goal, QUICK, LEFT, work)
+    q, value = descend(P, q, target, goal, QUICK, work)
     if value < best[2] * (1.0 + NEARLY) + NEARLY:
         q, value, _ = slid(P, target, q, goal, J, A)
     return (q, branch_of(P, q), value) if value < best[2] else best
@@ -102,6 +102,6 @@ def nearest_among_splits(P, target, goal, known):
     keep(boxes)
     keep(parts)
     if best[2] < known[2]:
-        q, value = descend(P, best[0], target, goal, THOROUGH, LEFT, work)
+        q, value = descend(P, best[0], target, goal, THOROUGH, work)
         best = (q, branch_of(P, q), value)
     return best

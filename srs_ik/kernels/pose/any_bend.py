@@ -22,7 +22,17 @@ from srs_ik.kernels.exact.free_splits import keep_better, worse_by
 from srs_ik.kernels.exact.nearest_within import nearest_within
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.answer import MAX_PIECES
-from srs_ik.kernels.layout.limb import FREE, LIMITED, LOOSE, SIZE, SLACK_SINGULAR
+from srs_ik.kernels.layout.limb import (
+    FAMILY,
+    FREE,
+    LIMITED,
+    LOOSE,
+    LOWER,
+    RANGE_KIND,
+    SIZE,
+    SLACK_SINGULAR,
+    UPPER,
+)
 from srs_ik.kernels.limb.branches import NO_BRANCH, best_branch, is_on_border
 from srs_ik.kernels.limb.goal import NO_SEED, OUTSIDE
 from srs_ik.kernels.limb.in_line import NEARLY_IN_LINE, may_split
@@ -171,11 +181,35 @@ def best_of(family, target, found, branch, goal):
 
 
 @kernel
-def best_at_any_bend(family, target, wanted, goal, best):
-    """The best posture of a pose as known so far, or a better one of a branch (-1: of all), at any bend."""
+def best_in_intervals(family, target, wanted, goal, best):
+    """The best posture as known so far, or a better one of a branch (-1: of all), in the intervals of a pose."""
     found = np.empty((8 * MAX_PIECES, 3))
     n = exact_intervals(family, target, goal.respect, found)
     for i in range(n):
         if wanted < 0 or int(found[i, 0]) == wanted:
             best = best_in_interval(family, target, found[i : i + 1], wanted, goal, best)
+    return best
+
+
+@kernel
+def has_turns(P):
+    """Whether a joint has limits that are more than a turn apart."""
+    several = False
+    for j in range(7):
+        several = several or (P[RANGE_KIND + j] == 0.0 and P[UPPER + j] - P[LOWER + j] < math.inf)
+    return several
+
+
+@kernel
+def best_at_any_bend(family, target, wanted, goal, best):
+    """The best posture of a pose as known so far, or a better one of a branch (-1: of all), at any bend."""
+    best = best_in_intervals(family, target, wanted, goal, best)
+    if not (goal.seeded and best[2] < OUTSIDE and has_turns(row(family, LIMITED))):
+        return best
+    # Nearer to a seed all joints are within a distance of it: of several turns that leaves one, which ends intervals.
+    boxes = np.empty((FAMILY, SIZE))
+    for k in range(FAMILY):
+        tighten(row(family, k), goal.seed, math.sqrt(best[2]), 0.0, row(boxes, k))
+    best = best_in_intervals(boxes, target, wanted, goal, best)
+    keep(boxes)
     return best

@@ -22,6 +22,7 @@ from srs_ik.kernels.exact.nearest import (
     is_alone,
     look_across,
     look_beside,
+    settle_inside,
 )
 from srs_ik.kernels.exact.nearest_within import nearest_within
 from srs_ik.kernels.jit import kernel
@@ -119,7 +120,7 @@ def going_on(P, target, goal, found, J, A):
     """
     if not goal.seeded or found[2] >= OUTSIDE:
         return found
-    q, value = descend(P, found[0], target, goal, THOROUGH, CLOSED, (J, A))
+    q, value = descend(P, found[0], target, goal, THOROUGH, (J, A))
     return q, branch_of(P, q), value
 
 
@@ -136,7 +137,9 @@ def going_on_in_branch(family, target, branch, goal, found, J, A):
     around = found[0] if found[2] < OUTSIDE else goal.seed
     if draw_to_branch(row(family, LIMITED if goal.respect else FREE), branch, around, box):
         within = Goal(True, goal.seed, True)
-        q, _, value = going_on(box, target, within, nearest_among_splits(box, target, within, found), J, A)
+        found = nearest_among_splits(box, target, within, found)
+        q, value = settle_inside(box, target, goal.seed, within, J, A)
+        q, _, value = going_on(box, target, within, (q, branch, value) if value < found[2] else found, J, A)
         found = (q, branch, value)
     keep(boxes)
     return found

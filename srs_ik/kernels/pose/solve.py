@@ -16,6 +16,7 @@ from srs_ik.kernels.chain.answer import measure_row, measure_row_at, write_row
 from srs_ik.kernels.chain.closest import closer_upright, closest, is_closer, is_too_far, put_upright
 from srs_ik.kernels.chain.eight import ALL, take_eight, tip_errors
 from srs_ik.kernels.chain.newton import clipped
+from srs_ik.kernels.exact.free_splits import worse_by
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.answer import (
     GOOD_POSE,
@@ -38,6 +39,9 @@ from srs_ik.kernels.near.predicted_best import search_true
 from srs_ik.kernels.pose.any_bend import at_any_bend, best_at_any_bend, hides_some
 from srs_ik.kernels.pose.on_limits import BARELY, put_on_limits
 from srs_ik.kernels.pose.search import going_on, going_on_in_branch, search_exact, search_near_seed
+
+WORTH = 1e-4
+"""Next to a singularity, a posture that meets its pose less well has to be nearer to a seed by this, rad."""
 
 LOOKS = 16
 """Arm angles from which a near limb is bent towards a pose out of reach, each in another branch than the one before."""
@@ -90,8 +94,9 @@ def best_posture(family, target, branch, goal, J, A):
     found, told = (goal.seed, 0, 4.0 * NO_BRANCH), False
     if goal.seeded and (branch < 0 or P[IS_NEAR] != 0.0):
         found, told = search_near_seed(family, target, branch, goal, J, A)
-        if P[IS_NEAR] == 0.0 and goal.respect and found[2] < OUTSIDE and hides_some(P, target.place):
-            found = best_at_any_bend(family, target, -1, goal, found)
+        if P[IS_NEAR] == 0.0 and found[2] < OUTSIDE and hides_some(P, target.place):
+            found = best_at_any_bend(family, target, -1, goal, found) if goal.respect else found
+            found = going_on(P, target, goal, found, J, A) if may_reach(P, target.place) else found
     in_branch = found[2] < OUTSIDE and (branch < 0 or is_on_border(P, found[0], branch))
     if told and in_branch:
         return found[0], found[1] if branch < 0 else branch, found[2]
@@ -131,10 +136,12 @@ def solve_row(family, T, branch, goal, J, A, out):
 def put_inside(family, target, psi, branch, found, goal):
     """A posture at an arm angle, in a branch (-1: any), or one inside that rounding hides: q, branch, cost."""
     P = row(family, LIMITED)
-    found = put_on_limits(P, target, psi, found, goal)
-    if P[IS_NEAR] == 0.0 and found[2] >= OUTSIDE and hides_some(P, target.place):
-        found = at_any_bend(family, target, psi, branch, goal, found)
-    return found
+    inside = put_on_limits(P, target, psi, found, goal)
+    if P[IS_NEAR] == 0.0 and (goal.seeded or inside[2] >= OUTSIDE) and hides_some(P, target.place):
+        hidden = at_any_bend(family, target, psi, branch, goal, inside)
+        if inside[2] >= OUTSIDE or worse_by(hidden[2], inside[2], True) < -WORTH:
+            return hidden
+    return inside
 
 
 @kernel
