@@ -68,8 +68,7 @@ OF_ROUNDING = 0.025
 APART = 4.0
 """Rounding moves the arm angle of an almost straight elbow by the first at most, rad, where that is still told at all,
 and by the second of what all roundings make of a posture together. Where limits cut the curves it may move it farther:
-by the third times what it does by the step that `vagueness` takes, of errors of alternate signs, and between two
-samples that an arm angle lies between by any angle: intervals have it then."""
+by the third times what it does by the step that `vagueness` takes, of errors of alternate signs."""
 
 CLOSE_CALL = 1e-4
 """Where a curve turns around or goes over into another branch so close to an arm angle, rad, rounding may decide."""
@@ -179,12 +178,21 @@ def with_certainty(P, by, followed, psi):
 
 
 @kernel
+def blur_of(by):
+    """How far apart, rad, arm angles may be that are the same as well as floats tell.
+
+    Any, where limits cut the curves: these are looked at last, and intervals have such arm angles.
+    """
+    return math.pi if by.respect else UNTOLD
+
+
+@kernel
 def is_here(P, by, q, ahead):
     """Whether an arm angle that is so far ahead of that of a posture is the same as well as floats tell, rad.
 
     It is told the worse the closer the elbow is to the line S-W, and the posture itself next to a straight elbow.
     """
-    if abs(ahead) < SAME_ANGLE or (abs(ahead) > UNTOLD and not by.respect):
+    if abs(ahead) < SAME_ANGLE or abs(ahead) > blur_of(by):
         return abs(ahead) < SAME_ANGLE
     t, sign = tangent_at(P, by, q)
     off_line = norm(elbow_across(P, q, by.target.place[0]))
@@ -282,7 +290,7 @@ def look_between(P, by, followed, i, psi, goal, out):
     if turns and by.target.place[3] > WELL_BENT:
         way = difference(a, b)
         turns = nearest < FASTER * max(abs(rate_a), abs(rate_b)) * math.sqrt(dot7(way, way))
-    if not turns and ahead_a * ahead_b > 0.0 and nearest > UNTOLD:
+    if not turns and ahead_a * ahead_b > 0.0 and nearest > blur_of(by):
         return nearest
     branch, next_branch = int(told[i - 1, TOLD_BRANCH]), int(told[i, TOLD_BRANCH])
     if is_here(P, by, a, ahead_a):
@@ -317,7 +325,7 @@ def find_at_angle(P, by, followed, psi, wanted, goal, out):
         first = int(runs[index, 3])
         last = int(runs[index, 4])
         q, ahead = load_sample(followed.rows[first]), short_way(told[first, TOLD_PSI] - psi)
-        if last == first + 1 and abs(ahead) < UNTOLD and is_here(P, by, q, ahead):
+        if last == first + 1 and is_here(P, by, q, ahead):
             keep_found(P, q, int(told[first, TOLD_BRANCH]), goal, out)
         for i in range(first + 1, last):
             if wanted < 0 or wanted in (int(told[i - 1, TOLD_BRANCH]), int(told[i, TOLD_BRANCH])):
