@@ -992,3 +992,21 @@ def test_what_intervals_of_rounded_arms_tell_is_met(bench, seed, number, given):
     made = subjects()["arms_of"]("random_rounded", 10000, seed)
     arm, _ = next(islice(made, number, None))
     assert_intervals_are_met(bench, arm, np.array(given.split(), float))
+
+
+MEETING_LIMITS = [
+    # Both outer joints of an almost singular shoulder on limits, which leave one posture between them.
+    ("rm75", "-3.1 1e-08 -3.1 2.355 -0.43731310752139807 -1e-08 -3.6440121822395137"),
+    # A piece between two corners at which its curve almost crosses another one, and steps end.
+    (
+        "iiwa14_experimental",
+        "-2.7854245335726118 -2.0941999999 1.7650668865708674 1e-11 1.4334861570178442 1e-11 -3.0540999999",
+    ),
+]
+
+
+@pytest.mark.parametrize(("name", "given"), [at for at in MEETING_LIMITS if at[0] in arms.here(at[0])])
+def test_postures_on_limits_of_almost_singular_joints_are_in_intervals_that_are_met(bench, name, given):
+    q = np.array(given.split(), float)
+    assert_is_inside(bench, name, q)
+    assert_intervals_are_met(bench, arms.load(name), q)

@@ -95,3 +95,17 @@ def with_joint(q, j, angle):
         angle if j == 5 else q[5],
         angle if j == 6 else q[6],
     )
+
+
+@kernel
+def only(joint, x):
+    """A vector whose one figure is x."""
+    return (
+        x if joint == 0 else 0.0,
+        x if joint == 1 else 0.0,
+        x if joint == 2 else 0.0,
+        x if joint == 3 else 0.0,
+        x if joint == 4 else 0.0,
+        x if joint == 5 else 0.0,
+        x if joint == 6 else 0.0,
+    )

@@ -14,9 +14,9 @@ from srs_ik.kernels.algebra.minimum import GOLDEN
 from srs_ik.kernels.algebra.pointers import row
 from srs_ik.kernels.algebra.roots import SETTLED, has_settled, next_parameter, start_crossing, tell_figure
 from srs_ik.kernels.chain.eight import take_ways
-from srs_ik.kernels.chain.newton import LEFT, clipped, close_gently
+from srs_ik.kernels.chain.newton import CLOSED, LEFT, clipped, close_gently
 from srs_ik.kernels.chain.newton_eight import larger
-from srs_ik.kernels.curves.follow import between, meet
+from srs_ik.kernels.curves.follow import between, meet, tangent_at, vagueness
 from srs_ik.kernels.curves.in_step import SAMPLE, load_sample
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.limb import IS_CLOSED, LOWER, MIDDLE, SLACK_LIMIT, UPPER
@@ -40,6 +40,12 @@ def is_exact(P):
 
 
 @kernel
+def joint_beyond(P, j, q):
+    """How far a joint of a posture lies outside its limits in the best turn, rad; negative inside."""
+    return beyond(P, j, turn_to_middle(P, j, q[j]))
+
+
+@kernel
 def infeasibility(P, q, respect):
     """By how much a posture is not feasible, rad: 0 or less where it is."""
     return beyond_any(P, q) if respect else -1.0
@@ -55,6 +61,33 @@ def inside_of_blur(P, by, q, blur):
         return q
     inside, error = close_gently(P, clipped(P, q), by.target.R, by.target.p, True, by.J, by.A)
     return inside if error < LEFT and largest(difference(q, inside)) < blur else q
+
+
+@kernel
+def farthest_out(P, q):
+    """The joint of a posture that is farthest outside its limits, or closest to them."""
+    worst = 0
+    for j in range(1, 7):
+        if joint_beyond(P, j, q) > joint_beyond(P, worst, q):
+            worst = j
+    return worst
+
+
+@kernel
+def corner(P, by, q, off):
+    """The posture inside the limits where one joint comes in as another goes out, and whether there is one.
+
+    It may be the only one. Rounding turns the outer joints of a shoulder or wrist that is almost singular against each
+    other, and so puts the posture of a curve that is closest to it so far outside, rad.
+    """
+    if farthest_out(P, q) & 1 == 1:
+        return q, False
+    t, sign = tangent_at(P, by, q)
+    if sign != 0.0 and off > vagueness(by.J, t, by.A):
+        return q, False
+    q = clipped(P, turned(P, q, False, NO_SEED, True))
+    q, error = close_gently(P, q, by.target.R, by.target.p, True, by.J, by.A)
+    return q, error < CLOSED
 
 
 @kernel

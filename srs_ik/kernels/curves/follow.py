@@ -14,7 +14,7 @@ from __future__ import annotations
 
 import math
 
-from srs_ik.kernels.algebra.joint_vectors import along7, difference, dot7, short_way
+from srs_ik.kernels.algebra.joint_vectors import along7, difference, dot7, only, short_way
 from srs_ik.kernels.algebra.linear import solve_linear
 from srs_ik.kernels.algebra.vectors import norm
 from srs_ik.kernels.chain.kinematics import pose_error
@@ -184,20 +184,6 @@ def between(P, by, a, b, share):
 
 
 @kernel
-def only(joint, x):
-    """A vector whose one figure is x."""
-    return (
-        x if joint == 0 else 0.0,
-        x if joint == 1 else 0.0,
-        x if joint == 2 else 0.0,
-        x if joint == 3 else 0.0,
-        x if joint == 4 else 0.0,
-        x if joint == 5 else 0.0,
-        x if joint == 6 else 0.0,
-    )
-
-
-@kernel
 def meet(P, by, chord, q, joint, angle):
     """The posture of a curve with a joint at an angle, by Newton from q: it, its share of a chord, whether met.
 
@@ -272,25 +258,37 @@ def strays(by, q, next_q, t, step, cosine):
 
 
 @kernel
+def way_across(P, by, q, t):
+    """The way across a null vector that floats tell worst, and by how much it is told worse than others; 0: none."""
+    pose_step(P, q, by.target.R, by.target.p, by.J)
+    load_system(by.J, t, by.A)
+    for i in range(6):
+        by.A[i, 7] = 1.0 if i % 2 == 0 else -1.0
+    if solve_linear(by.A, 7) == 0.0:
+        return t, 0.0
+    s = moved(NO_SEED, by.A, 1.0)
+    size = math.sqrt(dot7(s, s))
+    return along7(NO_SEED, 1.0 / size, s), size
+
+
+@kernel
+def go_along(P, by, q, s, way):
+    """The posture so far along a unit way from one, rad, and whether it is met."""
+    return correct(P, by, along7(q, way, s), s, dot7(s, q) + way)
+
+
+@kernel
 def around_corner(P, by, q, t, way, turned_by):
     """Go on behind the corner of a curve that almost crosses another one: posture, null vector, whether it is there.
 
     At the corner the pose is kept to first order by the way t so far and by one across it, s: along s the curve goes on
     to the side to which it has turned on the last step, by `turned_by`.
     """
-    pose_step(P, q, by.target.R, by.target.p, by.J)
-    load_system(by.J, t, by.A)
-    for i in range(6):
-        by.A[i, 7] = 1.0 if i % 2 == 0 else -1.0
-    if solve_linear(by.A, 7) == 0.0:
-        return q, t, False
-    s = moved(NO_SEED, by.A, 1.0)
-    size = math.sqrt(dot7(s, s))
-    side = dot7(turned_by, s) / size
+    s, size = way_across(P, by, q, t)
+    side = dot7(turned_by, s)
     if size * ALMOST_CROSSED < 1.0 or abs(side) < SHARP:
         return q, t, False
-    s = along7(NO_SEED, math.copysign(1.0 / size, way * side), s)
-    there, met = correct(P, by, along7(q, CORNER, s), s, dot7(s, q) + CORNER)
+    there, met = go_along(P, by, q, s, math.copysign(CORNER, way * side))
     made = difference(q, there)
     next_t, sign = null_vector(by.J, along7(NO_SEED, way, made), by.A)
     return there, next_t, met and sign > 0.0 and dot7(made, made) < (MOST_OBLIQUE * CORNER) ** 2

@@ -12,12 +12,13 @@ import math
 
 from srs_ik.kernels.algebra.joint_vectors import difference, dot7, short_way
 from srs_ik.kernels.algebra.roots import has_settled, next_parameter, start_crossing, tell_figure
+from srs_ik.kernels.curves.ends import joint_beyond
 from srs_ik.kernels.curves.follow import between, put, share_of_chord
 from srs_ik.kernels.curves.in_step import load_sample
 from srs_ik.kernels.curves.told import turning_between
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.limb import LOWER, MIDDLE, RANGE_KIND, UPPER
-from srs_ik.kernels.limb.limits import beyond, turn_to_middle
+from srs_ik.kernels.limb.limits import turn_to_middle
 
 HALVINGS = 45
 CROSSING_STEPS = 60
@@ -94,12 +95,6 @@ def put_gaps(P, by, start, end, line, n):
             if met:
                 n = insert(line, first, n, x_a + share * (x_b - x_a), q)
     return n
-
-
-@kernel
-def joint_beyond(P, j, q):
-    """How far a joint of a posture lies outside its limits in the best turn, rad; negative inside."""
-    return beyond(P, j, turn_to_middle(P, j, q[j]))
 
 
 @kernel

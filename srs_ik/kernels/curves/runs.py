@@ -14,8 +14,8 @@ import numpy as np
 from srs_ik.kernels.algebra.joint_vectors import difference, largest
 from srs_ik.kernels.chain.newton import arm_angle, clipped
 from srs_ik.kernels.curves.all_curves import MAX_CURVES, follow_all
-from srs_ik.kernels.curves.ends import dip, edge, is_exact, on_curve, put_infeasibilities
-from srs_ik.kernels.curves.follow import CURVE, put
+from srs_ik.kernels.curves.ends import corner, dip, edge, is_exact, on_curve, put_infeasibilities
+from srs_ik.kernels.curves.follow import BLURRED, CURVE, put
 from srs_ik.kernels.curves.gaps import put_bounds, put_gaps
 from srs_ik.kernels.curves.in_step import ARC, SAMPLE, load_sample
 from srs_ik.kernels.curves.lowest import dip_near
@@ -38,7 +38,6 @@ DEPTH = 32
 
 SHALLOW = 0.5
 """A sample this far outside the limits, rad, may have feasible postures beside it."""
-
 
 SAME = 1e-9
 """Of samples closer than this, one is left: nothing can be told of what is beside it from the other."""
@@ -124,6 +123,9 @@ def cut(P, by, branch, curve, out, used):
             if f <= 0.0:
                 begin = edge(P, by, branch, curve, (x, f), (x_before, f_before))
                 end, ends = edge(P, by, branch, curve, (x, f), (x1, f1)), True
+            elif f0 < BLURRED and not is_exact(P):
+                q, ends = corner(P, by, load_sample(line[i - 1]), f0)
+                begin = end = (x0, q)
         if i == last - 1 and f1 <= 0.0:
             end, ends = (x1, load_sample(line[i])), True
         if ends and end[0] >= begin[0]:
