@@ -80,7 +80,7 @@ def corner(P, by, q, off):
     It may be the only one. Rounding turns the outer joints of a shoulder or wrist that is almost singular against each
     other, and so puts the posture of a curve that is closest to it so far outside, rad.
     """
-    if farthest_out(P, q) & 1 == 1:
+    if farthest_out(P, q) & 1 == 1:  # a middle joint, or the elbow: not what rounding turns
         return q, False
     t, sign = tangent_at(P, by, q)
     if sign != 0.0 and off > vagueness(by.J, t, by.A):

@@ -272,8 +272,10 @@ def put_behind_ends(P, by, rows, curves, count, starts, n):
             q = load_sample(rows[int(curves[k, i >> 1]) - (i >> 1)])
             t, sign = tangent_at(P, by, q)
             s, size = way_across(P, by, q, t)
+            if sign == 0.0 or size * ALMOST_CROSSED < 1.0 or n == starts.shape[0]:
+                continue
             there, met = go_along(P, by, q, s, BEHIND_END if i & 1 == 0 else -BEHIND_END)
-            if sign != 0.0 and size * ALMOST_CROSSED > 1.0 and met and n < starts.shape[0]:
+            if met:
                 store7(row(starts, n), 0, there)
                 n += 1
     return n

@@ -36,8 +36,8 @@ ALMOST = 1e-3
 MANY = 0.4
 """Once this part of the searches has failed, starts next to one whose search fails are left out, too."""
 
-AGAIN = 0.1
-"""A start so much closer to one whose search failed than what is left out beside others is left out, too."""
+AGAIN = 1e-5
+"""A start that is as good as one whose search failed is left out, too: within this part of the usual width."""
 
 NO_SHORTER, FEW = 1.0, 8
 """A search does not come so much nearer to the seed than its start is once it is inside the limits, rad: of more

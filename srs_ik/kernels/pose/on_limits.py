@@ -8,7 +8,7 @@ import numpy as np
 
 from srs_ik.kernels.algebra.joint_vectors import short_way
 from srs_ik.kernels.algebra.linear import solve_linear
-from srs_ik.kernels.algebra.vectors import along, cross, scale
+from srs_ik.kernels.algebra.vectors import along, cross, norm, scale
 from srs_ik.kernels.chain.kinematics import pose_error
 from srs_ik.kernels.chain.newton import (
     CLOSED,
@@ -17,6 +17,7 @@ from srs_ik.kernels.chain.newton import (
     arm_angle,
     clipped,
     close_free,
+    elbow_across,
     equations_at_angle,
     longest,
 )
@@ -32,6 +33,9 @@ BARELY = 1e-3
 """A posture farther outside its limits than this, rad, is not so by rounding."""
 
 CLOSING_STEPS = 12
+
+ELBOW_OFF = 1e-6
+"""Where arm angles are vague, an elbow this far from where one that is asked for has it, by the reach, is not there."""
 
 APART = 4.0
 """An answer, the end of an interval and the posture inside are each off by what is vague, and rounding by any signs."""
@@ -94,5 +98,7 @@ def put_on_limits(P, target, psi, found, goal):
     q, error = close_free(P, clipped(P, q), R, p, True, CLOSING_STEPS, J, A)
     away = short_way(arm_angle(P, q, place_[0], place_[1]) - psi)
     if error > CLOSED or not abs(away) <= SAME_ANGLE + APART * vagueness(P, q, target, psi, A):
+        return found
+    if abs(away) > SAME_ANGLE and abs(away) * norm(elbow_across(P, q, place_[0])) > ELBOW_OFF * P[FAR]:
         return found
     return q, branch, cost(P, q, goal.seeded, goal.seed, True)

@@ -15,7 +15,8 @@ from srs_ik.kernels.algebra.pointers import row
 from srs_ik.kernels.chain.answer import measure_row, measure_row_at, write_row
 from srs_ik.kernels.chain.closest import closer_upright, closest, is_closer, is_too_far, put_upright
 from srs_ik.kernels.chain.eight import ALL, take_eight, tip_errors
-from srs_ik.kernels.chain.newton import clipped
+from srs_ik.kernels.chain.kinematics import pose_error
+from srs_ik.kernels.chain.newton import CLOSED, clipped
 from srs_ik.kernels.exact.free_splits import worse_by
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.answer import (
@@ -41,7 +42,7 @@ from srs_ik.kernels.pose.on_limits import BARELY, put_on_limits
 from srs_ik.kernels.pose.search import going_on, going_on_in_branch, search_exact, search_near_seed
 
 WORTH = 1e-4
-"""Next to a singularity, a posture that meets its pose less well has to be nearer to a seed by this, rad."""
+"""A posture that rounding hides next to a singularity has to be nearer to a seed by this, rad, and as good as exact."""
 
 LOOKS = 16
 """Arm angles from which a near limb is bent towards a pose out of reach, each in another branch than the one before."""
@@ -139,7 +140,8 @@ def put_inside(family, target, psi, branch, found, goal):
     inside = put_on_limits(P, target, psi, found, goal)
     if P[IS_NEAR] == 0.0 and (goal.seeded or inside[2] >= OUTSIDE) and hides_some(P, target.place):
         hidden = at_any_bend(family, target, psi, branch, goal, inside)
-        if inside[2] >= OUTSIDE or worse_by(hidden[2], inside[2], True) < -WORTH:
+        nearer = worse_by(hidden[2], inside[2], True) < -WORTH
+        if inside[2] >= OUTSIDE or (nearer and max(*pose_error(P, hidden[0], target.R, target.p)) < CLOSED):
             return hidden
     return inside
 
