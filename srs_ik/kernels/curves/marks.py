@@ -268,14 +268,15 @@ def join_pieces(marks, count, pieces, rows, curves):
 def put_behind_ends(P, by, rows, curves, count, starts, n):
     """Append starts to both sides of the ends of open curves that almost cross others there; their number."""
     for k in range(count):
-        for i in range(4 if curves[k, 2] == 0.0 else 0):
-            q = load_sample(rows[int(curves[k, i >> 1]) - (i >> 1)])
+        for end in range(2 if curves[k, 2] == 0.0 else 0):
+            q = load_sample(rows[int(curves[k, end]) - end])
             t, sign = tangent_at(P, by, q)
             s, size = way_across(P, by, q, t)
-            if sign == 0.0 or size * ALMOST_CROSSED < 1.0 or n == starts.shape[0]:
+            if sign == 0.0 or size * ALMOST_CROSSED < 1.0:
                 continue
-            there, met = go_along(P, by, q, s, BEHIND_END if i & 1 == 0 else -BEHIND_END)
-            if met:
-                store7(row(starts, n), 0, there)
-                n += 1
+            for side in range(2):
+                there, met = go_along(P, by, q, s, BEHIND_END if side == 0 else -BEHIND_END)
+                if met and n < starts.shape[0]:
+                    store7(row(starts, n), 0, there)
+                    n += 1
     return n
