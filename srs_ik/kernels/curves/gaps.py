@@ -27,6 +27,9 @@ BULGE = 0.25
 """A joint is off the straight way between two samples by no more than this part of their distance squared: curves turn
 by less than the angle whose cosine is `SMALLEST_COSINE` in the longest step."""
 
+MOST_TURNS = 42
+"""On a way between two samples a joint turns around once, across a limit or two, with a sample on either side."""
+
 WELL_INSIDE = 0.5
 """A sample in a gap need not lie closer to its middle than this part of half its width."""
 
@@ -133,40 +136,69 @@ def may_cross(away, next_away, bulge):
 
 
 @kernel
-def turn_across(P, by, a, b, j, bulge):
-    """The posture between two on one side of a limit of joint j where that turns around on the other side.
+def outside_of(P, j, end, angle):
+    """How far an angle of joint j, in the best turn, lies outside its lower limit (end 0) or its upper one, rad."""
+    return angle - P[UPPER + j] if end == 1 else P[LOWER + j] - angle
+
+
+@kernel
+def turn_across(P, by, a, b, joint_end, bulge):
+    """The posture between two on one side of a limit, of joint j at an end, where that turns around on the other side.
 
     Returns the posture, and whether there is one. Next to a straight elbow a joint may turn around by parts of a
     micrometre on its way, and limits are as narrow as the known postures there are.
     """
-    at_a, at_b = joint_beyond(P, j, a), joint_beyond(P, j, b)
+    j, end = joint_end
+    at_a = outside_of(P, j, end, turn_to_middle(P, j, a[j]))
+    at_b = outside_of(P, j, end, turn_to_middle(P, j, b[j]))
     outside = at_a > 0.0
-    if P[RANGE_KIND + j] == 0.0 or (at_b > 0.0) != outside or not may_cross(abs(at_a), abs(at_b), bulge):
+    if (at_b > 0.0) != outside or not may_cross(abs(at_a), abs(at_b), bulge):
         return a, False
-    upwards = (turn_to_middle(P, j, a[j]) > P[MIDDLE + j]) != outside
-    q = turning_between(P, by, a, b, 1.0 if upwards else -1.0, j)
-    return q, (joint_beyond(P, j, q) > 0.0) != outside
+    q = turning_between(P, by, a, b, 1.0 if (end == 1) != outside else -1.0, j)
+    return q, (outside_of(P, j, end, turn_to_middle(P, j, q[j])) > 0.0) != outside
+
+
+@kernel
+def put_turns(P, by, start, end, bulge, turns):
+    """Write, in their order, samples where joints turn around across a limit on the way between two; their number.
+
+    Where a joint goes on through a narrow range, there and back, samples in the range stand on either side.
+    """
+    x_a, a = start
+    x_b, b = end
+    n = 0
+    for k in range(14):
+        j = k // 2
+        if P[RANGE_KIND + j] == 0.0:
+            continue
+        q, found = turn_across(P, by, a, b, (j, k % 2), bulge)
+        if not found:
+            continue
+        x = x_a + share_of_chord(a, b, q) * (x_b - x_a)
+        n = insert(turns, 0, n, x, q)
+        if joint_beyond(P, j, a) > 0.0 and joint_beyond(P, j, q) > 0.0:
+            inside = P[MIDDLE + j], WELL_INSIDE * 0.5 * (P[UPPER + j] - P[LOWER + j])
+            for x_, q_ in ((x_a, a), (x_b, b)):
+                passing, share, met = pass_at(P, by, q_, q, j, inside)
+                if met:
+                    n = insert(turns, 0, n, x_ + share * (x - x_), passing)
+    return n
 
 
 @kernel
 def put_bounds(P, by, start, end, turns, line, n):
     """Append samples between two postures of a curve, so that nothing hides between them; return the rows in use.
 
-    One where each joint turns around across a limit, and where both of two break limits, one where each joint passes a
-    limit. `turns` is room for seven samples.
+    Where each joint turns around across a limit, and where both of two break limits, where each joint passes a limit.
+    `turns` is room for `MOST_TURNS` samples.
     """
-    x_a, a = start
-    x_b, b = end
+    a, b = start[1], end[1]
     chord = difference(a, b)
     bulge = BULGE * dot7(chord, chord)
     outside = any_outside(P, a)
     if outside and any_outside(P, b) and not may_be_inside(P, a, b, bulge):
         return n
-    n_turns = 0
-    for j in range(7):
-        q, found = turn_across(P, by, a, b, j, bulge)
-        if found:
-            n_turns = insert(turns, 0, n_turns, x_a + share_of_chord(a, b, q) * (x_b - x_a), q)
+    n_turns = put_turns(P, by, start, end, bulge, turns)
     before = start
     for i in range(n_turns + 1):
         behind = (turns[i, 0], load_sample(turns[i])) if i < n_turns else end

@@ -16,7 +16,7 @@ from srs_ik.kernels.chain.newton import arm_angle, clipped
 from srs_ik.kernels.curves.all_curves import MAX_CURVES, follow_all
 from srs_ik.kernels.curves.ends import corner, dip, edge, is_exact, on_curve, put_infeasibilities
 from srs_ik.kernels.curves.follow import BLURRED, CURVE, put
-from srs_ik.kernels.curves.gaps import put_bounds, put_gaps
+from srs_ik.kernels.curves.gaps import MOST_TURNS, put_bounds, put_gaps
 from srs_ik.kernels.curves.in_step import ARC, SAMPLE, load_sample
 from srs_ik.kernels.curves.lowest import dip_near
 from srs_ik.kernels.exact.samples import take_samples
@@ -186,7 +186,7 @@ def unroll(P, by, rows, curve, line):
             if off[first + i, 0] > worst:
                 start, worst = i, off[first + i, 0]
     length = rows[first + count - 1, 0]
-    gaps, turns = np.empty((MOST_GAPS, SAMPLE)), np.empty((7, SAMPLE))
+    gaps, turns = np.empty((MOST_GAPS, SAMPLE)), np.empty((MOST_TURNS, SAMPLE))
     n = 0
     x = 0.0
     q = NO_SEED
