@@ -23,9 +23,9 @@ from srs_ik.kernels.limb.limits import turn_to_middle
 HALVINGS = 45
 CROSSING_STEPS = 60
 
-BULGE = 0.25
-"""A joint is off the straight way between two samples by no more than this part of their distance squared: curves turn
-by less than the angle whose cosine is `SMALLEST_COSINE` in the longest step."""
+BULGE = 0.075
+"""A joint is off the straight way between two samples by no more than this part of their distance: curves turn by less
+than the angle whose cosine is `SMALLEST_COSINE` in a step, however short."""
 
 MOST_TURNS = 42
 """On a way between two samples a joint turns around once, across a limit or two, with a sample on either side."""
@@ -176,12 +176,12 @@ def put_turns(P, by, start, end, bulge, turns):
             continue
         x = x_a + share_of_chord(a, b, q) * (x_b - x_a)
         n = insert(turns, 0, n, x, q)
-        if joint_beyond(P, j, a) > 0.0 and joint_beyond(P, j, q) > 0.0:
-            inside = P[MIDDLE + j], WELL_INSIDE * 0.5 * (P[UPPER + j] - P[LOWER + j])
-            for x_, q_ in ((x_a, a), (x_b, b)):
-                passing, share, met = pass_at(P, by, q_, q, j, inside)
+        inside = P[MIDDLE + j], WELL_INSIDE * 0.5 * (P[UPPER + j] - P[LOWER + j])
+        for from_x, from_q in (start, end):
+            if joint_beyond(P, j, from_q) > 0.0 and joint_beyond(P, j, q) > 0.0:
+                passing, share, met = pass_at(P, by, from_q, q, j, inside)
                 if met:
-                    n = insert(turns, 0, n, x_ + share * (x - x_), passing)
+                    n = insert(turns, 0, n, from_x + share * (x - from_x), passing)
     return n
 
 
@@ -194,7 +194,7 @@ def put_bounds(P, by, start, end, turns, line, n):
     """
     a, b = start[1], end[1]
     chord = difference(a, b)
-    bulge = BULGE * dot7(chord, chord)
+    bulge = BULGE * math.sqrt(dot7(chord, chord))
     outside = any_outside(P, a)
     if outside and any_outside(P, b) and not may_be_inside(P, a, b, bulge):
         return n

@@ -107,8 +107,8 @@ def take_turn(P, by, curve, span, passed, x, to):
         rises = turn_at(P, by, there) * sign > 0.0
         ends = (span[3], x) if rises else (max(span[2], curve.rows[before, 0]), span[3])
         extend(span, span[3], turning_angle(P, by, curve, ends, psi, sign))
-    elif abs(change) > TURNING and change * behind < 0.0:
-        sign = math.copysign(1.0, change)
+    elif (change if abs(change) > TURNING else rise) * behind < 0.0:
+        sign = math.copysign(1.0, change if abs(change) > TURNING else rise)
         extend(span, x, turning_angle(P, by, curve, (span[3], x), psi, sign))
 
 
@@ -188,7 +188,10 @@ def spans_of_run(P, by, rows, runs, index, room, n):
             x = outside
             rise = behind
         change = short_way(told[i, TOLD_PSI] - psi)
-        behind = math.copysign(1.0, told[i, TOLD_RATE]) if i == last - 1 else change
+        # Two samples with one arm angle have its turn between them, if it rises at one of them alone.
+        stays = abs(change) <= TURNING
+        rise = told[i - 1, TOLD_RATE] if stays and n_changes == 0 else rise
+        behind = math.copysign(1.0, told[i, TOLD_RATE]) if stays or i == last - 1 else change
         take_turn(P, by, curve, spans[n - 1], Passed(psi, rise), rows[i, 0], (change, behind))
         rise = change
         psi += change
