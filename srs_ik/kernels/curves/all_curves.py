@@ -69,7 +69,7 @@ STARTS = 8
 STARTS_OBLIQUE = 48
 """Arm angles, all around, at which the closed form gives starts; a branch of oblique axes may be a short arc."""
 
-MOST_ANGLES = STARTS_OBLIQUE + 8
+MOST_ANGLES = STARTS_OBLIQUE + 16
 """And others between these."""
 
 MOST_BOUNCED, BOUNCED = 6, 1e-2

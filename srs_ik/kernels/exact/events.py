@@ -19,10 +19,14 @@ from srs_ik.kernels.layout.limb import (
     BOUND_2_LOWER,
     BOUND_3_LOWER,
     BOUND_3_UPPER,
+    COS_LOWER,
+    COS_UPPER,
     FIRST_JOINT,
     LOWER,
     PHASE,
     RANGE_KIND,
+    SIN_LOWER,
+    SIN_UPPER,
     SLACK_LIMIT,
     SLACK_SINGULAR,
     TOP_GAP,
@@ -171,6 +175,18 @@ def add_limit(P, x, circle, value, events, n):
 
 
 @kernel
+def add_joined(P, k, circle, joint, events, n):
+    """Insert the arm angles at which a band joins what is ahead of a narrow range and what is behind it."""
+    x, y = P[COS_LOWER + joint] + P[COS_UPPER + joint], P[SIN_LOWER + joint] + P[SIN_UPPER + joint]
+    sine2, size2 = 4.0 * P[BAND] * P[BAND], x * x + y * y
+    if P[BAND] <= 0.0 or P[RANGE_KIND + joint] != 1.0 or sine2 >= size2:
+        return n
+    gap = 1.0 - math.sqrt(1.0 - sine2 / size2)
+    n = add_approach(load3(P, k + A1), gap, circle, P[SLACK_LIMIT], events, n)
+    return add_approach(scale(-1.0, load3(P, k + A1)), gap, circle, P[SLACK_LIMIT], events, n)
+
+
+@kernel
 def sum_at(P, k, motion, psi):
     """At an arm angle, the sum of the outer joints of a spherical joint that is singular there, and the sign of q1."""
     v, y = turned_with(motion, psi)
@@ -244,6 +260,9 @@ def joint_events(P, k, motion, events):
     if P[RANGE_KIND + first + 2] != 0.0:
         n = add_limit(P, load3(P, k + BOUND_3_LOWER), r, P[k + A1_A2], events, n)
         n = add_limit(P, load3(P, k + BOUND_3_UPPER), r, P[k + A1_A2], events, n)
+    if P[BAND] > 0.0:
+        n = add_joined(P, k, v, first, events, n)
+        n = add_joined(P, k, v, first + 2, events, n)
     for end in range(2):
         if P[k + (TOP_GAP if end == 0 else BOTTOM_GAP)] == 0.0:
             n = add_singular(P, k, motion, end, events, n)

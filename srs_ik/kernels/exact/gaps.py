@@ -127,8 +127,9 @@ def eight_outside(P, joint, turn_, slack):
     cu, su = P[COS_UPPER + joint], P[SIN_UPPER + joint]
     low, high = cl * s - sl * c < -slack, su * c - cu * s < -slack
     if kind == 1.0:
-        ahead = (cl + cu) * c + (sl + su) * s
-        return as_bits(low | high | (ahead < -2.0 * where(slack > 0.0, slack, 0.0)))
+        x, y = cl + cu, sl + su
+        apart = (slack < 0.0) | (4.0 * slack * slack < x * x + y * y)
+        return as_bits(low | high | (apart & (x * c + y * s < 0.0)))
     return as_bits(low & high)
 
 

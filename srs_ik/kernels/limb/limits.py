@@ -142,8 +142,10 @@ def is_inside(P, joint, c, s, slack):
     above_lower = cl * s - sl * c
     below_upper = su * c - cu * s
     if kind == 1.0:
-        ahead = (cl + cu) * c + (sl + su) * s
-        return above_lower >= -slack and below_upper >= -slack and ahead >= -2.0 * max(slack, 0.0)
+        x, y = cl + cu, sl + su
+        # What is behind has sines like those of what is ahead, and counts where the slack joins both.
+        ahead = x * c + y * s >= 0.0 or (slack >= 0.0 and 4.0 * slack * slack >= x * x + y * y)
+        return above_lower >= -slack and below_upper >= -slack and ahead
     return not (above_lower < -slack and below_upper < -slack)
 
 

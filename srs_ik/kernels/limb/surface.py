@@ -39,6 +39,9 @@ WIDTH_OF_CURVES = 3.0
 MOST_WIDTH_OF_CURVES = 0.08
 """... but small closed ones where shoulder and wrist are so many misses from singular at once, rad, at most."""
 
+ASIDE = 2.0
+"""Where one comes within so many of these widths, there may be such curves, too."""
+
 LEAST_WIDTH = 3e-4
 MOST_WIDTH = 5e-3
 WIDTH = 20.0
@@ -168,13 +171,18 @@ def where_equal(a, b):
 
 @kernel
 def put_midway(P, place_, apart, angles, n):
-    """Append arm angles midway between those at which shoulder and wrist come closest to singular; their number.
+    """Append arm angles at which shoulder or wrist come closest to singular, and midway between both; their number.
 
-    Closer together than `apart`, rad, the true chain may have closed curves of its own between the two.
+    There, and between two that are closer together than `apart`, rad, the true chain may have closed curves of its own.
     """
     width = width_for_curves(P)
-    for elbow in range(2 if may_line_up(P, place_, width) else 0):
+    for elbow in range(2 if may_line_up(P, place_, ASIDE * width) else 0):
         side = elbow_side(P, place_, elbow)
+        for i in range(4):
+            psi, off, _ = closest(P, SHOULDER if i < 2 else WRIST, side[1] if i < 2 else side[2], i & 1)
+            if off < ASIDE * width and n < angles.shape[0]:
+                angles[n] = psi
+                n += 1
         for i in range(4):
             s, w = closest(P, SHOULDER, side[1], i >> 1), closest(P, WRIST, side[2], i & 1)
             ahead = short_way(w[0] - s[0])
