@@ -23,9 +23,9 @@ from srs_ik.kernels.limb.limits import turn_to_middle
 HALVINGS = 45
 CROSSING_STEPS = 60
 
-BULGE = 0.25
-"""A joint is off the straight way between two samples by no more than this part of their distance squared: curves turn
-by less than the angle whose cosine is `SMALLEST_COSINE` in the longest step."""
+BULGE = 0.1
+"""A joint is off the straight way between two samples by no more than this part of their distance: on each step, curves
+turn by less than the angle whose cosine is `SMALLEST_COSINE`."""
 
 WELL_INSIDE = 0.5
 """A sample in a gap need not lie closer to its middle than this part of half its width."""
@@ -158,7 +158,7 @@ def put_bounds(P, by, start, end, turns, line, n):
     x_a, a = start
     x_b, b = end
     chord = difference(a, b)
-    bulge = BULGE * dot7(chord, chord)
+    bulge = BULGE * math.sqrt(dot7(chord, chord))
     outside = any_outside(P, a)
     if outside and any_outside(P, b) and not may_be_inside(P, a, b, bulge):
         return n
