@@ -720,6 +720,16 @@ def test_known_postures_are_lost_hidden_or_found(bench):
     assert bench["is_found"](known, bench["Case"](q, pose, q, (), 0.0), arm.intervals(pose)) is True
 
 
+def test_an_answer_with_another_arm_angle_is_told_by_its_elbow(bench):
+    arm = arms.load("iiwa14")
+    known, pose = bench["Known"](arm), arms.forward("iiwa14")(np.array([0.3, 0.7, -0.4, -1.1, 0.5, 0.8, -0.2]))
+    found, psi = arm.solve_batch(np.array([pose, pose]), arm_angle=np.array([0.2, 0.3])), np.array([0.2, 0.3001])
+    told = bench["elbows_elsewhere"](known, found, psi)
+    assert found.ok.all()
+    assert told[0] < 1e-12
+    assert bench["ELSEWHERE"] < told[1] < 1e-4
+
+
 def written(folder, points, axes, limits, digits):
     """An arm of parallel or right-angled axes (points in mm), whose file gives angles with so many digits."""
     lines = [chains.Line(*line) for line in zip(axes, points, limits, strict=True)]
@@ -941,9 +951,32 @@ TOLD = [
         "gen3",
         "2.8363562556204815 -1e-11 -2.8684388322922394 -1e-11 -1.4638641188189088 -1e-11 -1.3893313555606839",
     ),
+    (
+        "gen3",
+        "-0.1358092581349255 -1e-10 -2.5089347846339 1.2733100002660267 -0.39711058444617153 -1e-10 "
+        "-0.19881647308128025",
+    ),
+    (
+        "h1_2_left",
+        "-2.6685388085771256 -0.033765104852954864 1.7751334824583411 1.5045986785507044 -3.00999999 "
+        "-0.06575398324299742 1.0346940548181793",
+    ),
+    (
+        "h1_2_left",
+        "-2.906212859690736 3.399999999999 -2.0316024643912893 1.5045987785407045 1.9789389182980477 "
+        "0.46249999999900004 -0.7285572213873732",
+    ),
+    (
+        "rm75",
+        "1.324362861585532 1e-11 2.573302824988582 0.4067256839047406 -2.4241045442121325 -1e-11 -5.516415725377344",
+    ),
+    (
+        "rm75",
+        "-0.2601701512757275 1e-11 2.919934325306851 -1.2152273788585037 1.0787849556981022 1e-11 -5.744178592616479",
+    ),
 ]
 """Branches that change a thousand times; a posture on a limit; arm angles of flat elbows that floats do not tell, or
-told by postures that do not meet their pose, or break a limit."""
+told by postures that do not meet their pose, or break a limit; far turns, sharp bulges, and elbows elsewhere."""
 
 
 def assert_intervals_are_met(bench, arm, q):

@@ -23,9 +23,14 @@ from srs_ik.kernels.limb.limits import turn_to_middle
 HALVINGS = 45
 CROSSING_STEPS = 60
 
-BULGE = 0.1
-"""A joint is off the straight way between two samples by no more than this part of their distance: on each step, curves
-turn by less than the angle whose cosine is `SMALLEST_COSINE`."""
+BULGE = 0.25
+"""A joint is off the straight way between two samples by no more than this part of their distance squared: curves turn
+by less than the angle whose cosine is `SMALLEST_COSINE` in the longest step ..."""
+
+SHARPER = 4.0
+SHARPEST = 0.1
+"""... but where one turns around by so many times more, and by no more than this part of their distance: shorter steps
+turn by as much."""
 
 WELL_INSIDE = 0.5
 """A sample in a gap need not lie closer to its middle than this part of half its width."""
@@ -158,13 +163,14 @@ def put_bounds(P, by, start, end, turns, line, n):
     x_a, a = start
     x_b, b = end
     chord = difference(a, b)
-    bulge = BULGE * math.sqrt(dot7(chord, chord))
+    bulge = BULGE * dot7(chord, chord)
+    bulge_of_turn = min(SHARPER * bulge, SHARPEST * math.sqrt(dot7(chord, chord)))
     outside = any_outside(P, a)
     if outside and any_outside(P, b) and not may_be_inside(P, a, b, bulge):
         return n
     n_turns = 0
     for j in range(7):
-        q, found = turn_across(P, by, a, b, j, bulge)
+        q, found = turn_across(P, by, a, b, j, bulge_of_turn)
         if found:
             n_turns = insert(turns, 0, n_turns, x_a + share_of_chord(a, b, q) * (x_b - x_a), q)
     before = start
