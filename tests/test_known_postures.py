@@ -1043,3 +1043,54 @@ def test_postures_on_limits_of_almost_singular_joints_are_in_intervals_that_are_
     q = np.array(given.split(), float)
     assert_is_inside(bench, name, q)
     assert_intervals_are_met(bench, arms.load(name), q)
+
+
+def asked_of(arm, q, rng):
+    """Arm angles: that of a posture, any, and some in intervals, at their ends and beside them."""
+    yield arm.arm_angle(q)
+    yield rng.uniform(-np.pi, np.pi)
+    intervals = arm.intervals(arm.forward_kinematics(q))
+    for i in rng.permutation(len(intervals))[:3]:
+        interval = intervals[i]
+        yield from (interval.lower + interval.width * rng.random(), interval.upper)
+        yield interval.upper + 10.0 ** rng.uniform(-4.0, -2.0)
+
+
+def told_of(bench, arm, pose, psi, intervals):
+    """Each branch: how far an arm angle is outside its intervals (negative inside), met alone, and among all."""
+    every = {solution.branch for solution in arm.solve_all(pose, arm_angle=psi)}
+    for branch in range(8):
+        own = [i for i in intervals if i.branch == branch]
+        away = (abs(bench["wrapped"](psi - 0.5 * (i.lower + i.upper))) - 0.5 * i.width for i in own)
+        alone = bool(arm.solve(pose, arm_angle=psi, branch=branch))
+        yield min(away, default=np.inf), alone, branch in every, (psi, branch)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", [n for n in ("iiwa14", "j2s7s300", "made_rounded") if n in arms.here(n)])
+def test_one_branch_and_all_branches_tell_the_same_of_an_arm_angle(bench, name):
+    """Rounding decides within 1e-4 rad of the ends of intervals; inside of them both have a posture."""
+    arm, rng, met = arms.load(name), np.random.default_rng(77), 0
+    for case in islice(bench["cases"](arm, 12, rng, limits=0.3), 12):
+        intervals = arm.intervals(case.pose)
+        for psi in asked_of(arm, case.q, rng):
+            for off, alone, among, what in told_of(bench, arm, case.pose, psi, intervals):
+                assert off > -1e-6 or (alone and among), (case.q.tolist(), *what, off)
+                assert off < 1e-4 or alone == among, (case.q.tolist(), *what, off)
+                met += alone and among
+    assert met > 200
+
+
+@pytest.mark.skipif("rm75" not in arms.here("rm75"), reason="its file is not here")
+def test_all_branches_are_looked_for_on_curves_as_limits_cut_them(bench):
+    arm = arms.load("rm75")
+    q = [-0.4393116295395152, -0.32173026967329954, -0.10958696455916073, -1e-12, -2.9427393973244245]
+    pose = arms.forward("rm75")(np.array([*q, 2.159199925009793, -1.2400329971430715]))
+    intervals, inside_of = arm.intervals(pose), 0
+    for psi in (-0.7483253082831713, -0.7416817105059118, -0.7400025940146062):
+        for off, alone, among, what in told_of(bench, arm, pose, psi, intervals):
+            if off < -1e-6:
+                assert alone, what
+                assert among, what
+                inside_of += 1
+    assert inside_of > 3
