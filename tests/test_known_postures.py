@@ -720,6 +720,16 @@ def test_known_postures_are_lost_hidden_or_found(bench):
     assert bench["is_found"](known, bench["Case"](q, pose, q, (), 0.0), arm.intervals(pose)) is True
 
 
+def test_an_answer_with_another_arm_angle_is_told_by_its_elbow(bench):
+    arm = arms.load("iiwa14")
+    known, pose = bench["Known"](arm), arms.forward("iiwa14")(np.array([0.3, 0.7, -0.4, -1.1, 0.5, 0.8, -0.2]))
+    found, psi = arm.solve_batch(np.array([pose, pose]), arm_angle=np.array([0.2, 0.3])), np.array([0.2, 0.3001])
+    told = bench["elbows_elsewhere"](known, found, psi)
+    assert found.ok.all()
+    assert told[0] < 1e-12
+    assert bench["ELSEWHERE"] < told[1] < 1e-4
+
+
 def written(folder, points, axes, limits, digits):
     """An arm of parallel or right-angled axes (points in mm), whose file gives angles with so many digits."""
     lines = [chains.Line(*line) for line in zip(axes, points, limits, strict=True)]
@@ -941,9 +951,32 @@ TOLD = [
         "gen3",
         "2.8363562556204815 -1e-11 -2.8684388322922394 -1e-11 -1.4638641188189088 -1e-11 -1.3893313555606839",
     ),
+    (
+        "gen3",
+        "-0.1358092581349255 -1e-10 -2.5089347846339 1.2733100002660267 -0.39711058444617153 -1e-10 "
+        "-0.19881647308128025",
+    ),
+    (
+        "h1_2_left",
+        "-2.6685388085771256 -0.033765104852954864 1.7751334824583411 1.5045986785507044 -3.00999999 "
+        "-0.06575398324299742 1.0346940548181793",
+    ),
+    (
+        "h1_2_left",
+        "-2.906212859690736 3.399999999999 -2.0316024643912893 1.5045987785407045 1.9789389182980477 "
+        "0.46249999999900004 -0.7285572213873732",
+    ),
+    (
+        "rm75",
+        "1.324362861585532 1e-11 2.573302824988582 0.4067256839047406 -2.4241045442121325 -1e-11 -5.516415725377344",
+    ),
+    (
+        "rm75",
+        "-0.2601701512757275 1e-11 2.919934325306851 -1.2152273788585037 1.0787849556981022 1e-11 -5.744178592616479",
+    ),
 ]
 """Branches that change a thousand times; a posture on a limit; arm angles of flat elbows that floats do not tell, or
-told by postures that do not meet their pose, or break a limit."""
+told by postures that do not meet their pose, or break a limit; far turns, sharp bulges, and elbows elsewhere."""
 
 
 def assert_intervals_are_met(bench, arm, q):
@@ -1010,3 +1043,54 @@ def test_postures_on_limits_of_almost_singular_joints_are_in_intervals_that_are_
     q = np.array(given.split(), float)
     assert_is_inside(bench, name, q)
     assert_intervals_are_met(bench, arms.load(name), q)
+
+
+def asked_of(arm, q, rng):
+    """Arm angles: that of a posture, any, and some in intervals, at their ends and beside them."""
+    yield arm.arm_angle(q)
+    yield rng.uniform(-np.pi, np.pi)
+    intervals = arm.intervals(arm.forward_kinematics(q))
+    for i in rng.permutation(len(intervals))[:3]:
+        interval = intervals[i]
+        yield from (interval.lower + interval.width * rng.random(), interval.upper)
+        yield interval.upper + 10.0 ** rng.uniform(-4.0, -2.0)
+
+
+def told_of(bench, arm, pose, psi, intervals):
+    """Each branch: how far an arm angle is outside its intervals (negative inside), met alone, and among all."""
+    every = {solution.branch for solution in arm.solve_all(pose, arm_angle=psi)}
+    for branch in range(8):
+        own = [i for i in intervals if i.branch == branch]
+        away = (abs(bench["wrapped"](psi - 0.5 * (i.lower + i.upper))) - 0.5 * i.width for i in own)
+        alone = bool(arm.solve(pose, arm_angle=psi, branch=branch))
+        yield min(away, default=np.inf), alone, branch in every, (psi, branch)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", [n for n in ("iiwa14", "j2s7s300", "made_rounded") if n in arms.here(n)])
+def test_one_branch_and_all_branches_tell_the_same_of_an_arm_angle(bench, name):
+    """Rounding decides within 1e-4 rad of the ends of intervals; inside of them both have a posture."""
+    arm, rng, met = arms.load(name), np.random.default_rng(77), 0
+    for case in islice(bench["cases"](arm, 12, rng, limits=0.3), 12):
+        intervals = arm.intervals(case.pose)
+        for psi in asked_of(arm, case.q, rng):
+            for off, alone, among, what in told_of(bench, arm, case.pose, psi, intervals):
+                assert off > -1e-6 or (alone and among), (case.q.tolist(), *what, off)
+                assert off < 1e-4 or alone == among, (case.q.tolist(), *what, off)
+                met += alone and among
+    assert met > 200
+
+
+@pytest.mark.skipif("rm75" not in arms.here("rm75"), reason="its file is not here")
+def test_all_branches_are_looked_for_on_curves_as_limits_cut_them(bench):
+    arm = arms.load("rm75")
+    q = [-0.4393116295395152, -0.32173026967329954, -0.10958696455916073, -1e-12, -2.9427393973244245]
+    pose = arms.forward("rm75")(np.array([*q, 2.159199925009793, -1.2400329971430715]))
+    intervals, inside_of = arm.intervals(pose), 0
+    for psi in (-0.7483253082831713, -0.7416817105059118, -0.7400025940146062):
+        for off, alone, among, what in told_of(bench, arm, pose, psi, intervals):
+            if off < -1e-6:
+                assert alone, what
+                assert among, what
+                inside_of += 1
+    assert inside_of > 3

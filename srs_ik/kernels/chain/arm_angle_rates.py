@@ -13,6 +13,7 @@ from srs_ik.kernels.chain.newton import ON_LINE, elbow_position, load_system, lo
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.limb import (
     AXES,
+    FAR,
     IS_CLOSED,
     NORMAL_0,
     NORMAL_C,
@@ -76,8 +77,9 @@ def gradient(P, q, J, g):
     wrist = along(along(along(p, inner[0], x), inner[1], y), inner[2], z)
     sw = sub(wrist, load3(P, SHOULDER_CENTRE))
     d = norm(sw)
-    t = scale(1.0 / max(d, ON_LINE), sw)
-    if d < ON_LINE:
+    least = ON_LINE * P[FAR]
+    t = scale(1.0 / max(d, least), sw)
+    if d < least:
         return p, t, False
     reference = load3(P, REFERENCE)
     h0 = across(reference, t)
@@ -99,7 +101,7 @@ def gradient(P, q, J, g):
     reach = sub(elbow, load3(P, SHOULDER_CENTRE))
     h = across(reach, t)
     r = norm(h)
-    if r < ON_LINE:
+    if r < least:
         return p, t, False
     b = scale(1.0 / (r * r), cross(t, h))
     turn = along(turn, -dot(t, reach) / d, b)

@@ -14,7 +14,7 @@ from srs_ik.kernels.algebra.pointers import row
 from srs_ik.kernels.algebra.vectors import across, add, along, cross, dot, load3, norm, rotate, scale, sub
 from srs_ik.kernels.chain.kinematics import joint_lines, pose_error, turn_about_line, turn_between
 from srs_ik.kernels.jit import kernel
-from srs_ik.kernels.layout.limb import AXES, ELBOW_CENTRE, IS_CLOSED, LOWER, SHOULDER_CENTRE, UPPER
+from srs_ik.kernels.layout.limb import AXES, ELBOW_CENTRE, FAR, IS_CLOSED, LOWER, SHOULDER_CENTRE, UPPER
 from srs_ik.kernels.limb.poses import read7
 from srs_ik.kernels.limb.triangle import arm_angle_of_direction, arm_frame, straight_offset
 
@@ -29,7 +29,7 @@ ROUNDING = 4e-15
 """What rounding makes of the errors of a pose (m, rad)."""
 
 ON_LINE = 1e-6
-"""An elbow this close to the line S-W, metres, is on either side of it."""
+"""An elbow this close to the line S-W, as a part of the reach, is at every arm angle."""
 
 STEPS = 12
 """Steps of Newton's method at an arm angle, from the closed form."""
@@ -181,7 +181,7 @@ def close_at_angle(P, q, R, p, t, h0, psi, steps, A):
     for step in range(steps):
         error, reach = equations_at_angle(P, q, R, p, b, A)
         if error < 0.1 * CLOSED and abs(A[6, 7]) < CLOSED:
-            return q, dot(h, reach) > -ON_LINE
+            return q, dot(h, reach) > -ON_LINE * P[FAR]
         least = min(least, error)
         if step % BOUNCES == BOUNCES - 1:
             if least > 0.5 * checkpoint:
@@ -192,10 +192,10 @@ def close_at_angle(P, q, R, p, t, h0, psi, steps, A):
         size = longest(A)
         q = moved(q, A, 1.0 if size < MAX_STEP else MAX_STEP / size)
         if size < LAST_STEP:
-            return q, dot(h, reach) > -ON_LINE
+            return q, dot(h, reach) > -ON_LINE * P[FAR]
     error, reach = equations_at_angle(P, q, R, p, b, A)
     most = LEFT if steps >= MANY_STEPS else CLOSED
-    return q, error < most and abs(A[6, 7]) < 1e3 * CLOSED and dot(h, reach) > -ON_LINE
+    return q, error < most and abs(A[6, 7]) < 1e3 * CLOSED and dot(h, reach) > -ON_LINE * P[FAR]
 
 
 @kernel

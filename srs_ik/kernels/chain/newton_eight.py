@@ -17,7 +17,7 @@ from srs_ik.kernels.algebra.vectors import add, along, apply, cross, dot, load3,
 from srs_ik.kernels.chain.kinematics import first_line, joint_line, turn_between
 from srs_ik.kernels.chain.newton import BOUNCES, CLOSED, LAST_STEP, MAX_STEP, ON_LINE
 from srs_ik.kernels.jit import kernel
-from srs_ik.kernels.layout.limb import ELBOW_CENTRE, SHOULDER_CENTRE, TIP_POSITION, TIP_ROTATION
+from srs_ik.kernels.layout.limb import ELBOW_CENTRE, FAR, SHOULDER_CENTRE, TIP_POSITION, TIP_ROTATION
 
 ALL = 0b11111111
 
@@ -172,7 +172,7 @@ def newton_step(P, turns, R, p, h, b):
     turning = along(along(scale(-r1, s1), -r2, s2), -r3, s3)
     rates = with_wrist(made, (0.0, 0.0, 0.0), r1, r2, r3, dot(turning, s4) / dot(s4, s4))
     off2 = dot(made.to_position, made.to_position) + dot(made.angular, made.angular) + e * e
-    right = (dot(h, reach) > -ON_LINE) & (made.forward > 0.0)
+    right = (dot(h, reach) > -ON_LINE * P[FAR]) & (made.forward > 0.0)
     return d, rates, off2, right
 
 

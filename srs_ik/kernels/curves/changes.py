@@ -10,7 +10,7 @@ from srs_ik.kernels.algebra.pointers import row
 from srs_ik.kernels.algebra.roots import has_settled, next_parameter, start_crossing, tell_figure
 from srs_ik.kernels.algebra.vectors import norm
 from srs_ik.kernels.chain.newton import elbow_across
-from srs_ik.kernels.curves.ends import inside_of_blur, on_chord, on_curve, sample_before
+from srs_ik.kernels.curves.ends import ON_LIMIT, infeasibility, inside_of_blur, on_chord, on_curve, sample_before
 from srs_ik.kernels.curves.follow import BLURRED, meet, null_vector
 from srs_ik.kernels.curves.in_step import ARC, load_sample
 from srs_ik.kernels.curves.told import TOLD_MIDDLES, TOLD_SINES, turns_back
@@ -101,7 +101,9 @@ def turned_back(P, by, curve, i, told):
     q, off = load_sample(curve.rows[i - 1]), 0.0
     if found:
         q, off = on_curve(P, by, 0, curve, x)
-    return x, inside_of_blur(P, by, q, BLURRED), found and off < NO_BRANCH
+    q = inside_of_blur(P, by, q, BLURRED)
+    # Where limits cut it off, it is not there.
+    return x, q, found and off < NO_BRANCH and infeasibility(P, q, by.respect) < ON_LIMIT
 
 
 @kernel

@@ -23,7 +23,7 @@ from srs_ik.kernels.limb.limits import turn_to_middle
 HALVINGS = 45
 CROSSING_STEPS = 60
 
-BULGE = 0.075
+BULGE = 0.1
 """A joint is off the straight way between two samples by no more than this part of their distance: curves turn by less
 than the angle whose cosine is `SMALLEST_COSINE` in a step, however short."""
 

@@ -174,6 +174,17 @@ def put_searched(P, target, psi, wanted, goal, found, A):
 
 
 @kernel
+def put_passed(P, by, followed, psi, goal, found):
+    """Take over what is better where curves pass an arm angle, or barely beside it, in rows of found (8, 8)."""
+    other = np.empty((8, 8))
+    for side in range(3):
+        find_at_angle(P, by, followed, psi + BESIDE[side], -1, goal, other)
+        put_better(other, found)
+        if followed.certain and not is_any_barely(found):
+            break
+
+
+@kernel
 def solve_all_at_angle(P, target, psi, work, found, kept):
     """The posture of every branch at an arm angle, and its cost, into the rows of found (8, 8).
 
@@ -192,15 +203,14 @@ def solve_all_at_angle(P, target, psi, work, found, kept):
     elbows = ANY_ELBOW if many else elbows_to_look_at(P, target, psi, -1, A)
     if elbows != 0:
         on_line = hides_turns(P, target.place) or (many and may_be_on_line(P, target.place))
-        other = np.empty((8, 8))
         by = setting_of(P, target, J, A)
         followed = curves_around(P, by, psi, elbows, kept)
         kept = kept if followed.extent == AROUND else followed
-        for side in range(3):
-            find_at_angle(P, by, followed, psi + BESIDE[side], -1, goal, other)
-            put_better(other, found)
-            if followed.certain and not is_any_barely(found):
-                break
+        put_passed(P, by, followed, psi, goal, found)
+        unsure = is_any_barely(found) or (abs(target.place[3]) < STRETCHED and highest_cost(found) >= OUTSIDE)
+        if respect and not followed.certain and unsure:
+            within = Setting(target, by.side, True, J, A)
+            put_passed(P, within, followed_curves(P, within), psi, goal, found)
         if not followed.certain:
             put_searched(P, target, psi, -1, goal, found, A)
         put_borders(P, goal, found)
@@ -285,6 +295,11 @@ def solve_at_angle(P, target, psi, wanted, goal, J, A):
         q, best, lowest = best_found(found, wanted, seed)
         if lowest < OUTSIDE:
             return q, best, lowest
+    if wanted >= 0:
+        close_all(P, target, psi, -1, goal, A)
+        other, _, value = on_border(P, A[FIRST:], wanted, goal)
+        if value < OUTSIDE:
+            return other, wanted, value
     attempts = ATTEMPTS if lowest >= NO_BRANCH else 1
     other, value = evaluate_again(P, target, psi, wanted, goal, attempts, A)
     if value < lowest:

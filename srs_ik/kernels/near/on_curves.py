@@ -9,7 +9,8 @@ import numpy as np
 
 from srs_ik.kernels.algebra.joint_vectors import along7, difference, dot7, short_way
 from srs_ik.kernels.algebra.vectors import norm
-from srs_ik.kernels.chain.newton import STEPS, close_at_angle, elbow_across, moved
+from srs_ik.kernels.chain.kinematics import pose_error
+from srs_ik.kernels.chain.newton import ON_LINE, STEPS, close_at_angle, elbow_across, moved
 from srs_ik.kernels.chain.starts import best_row
 from srs_ik.kernels.curves.changes import (
     CHANGE,
@@ -39,7 +40,7 @@ from srs_ik.kernels.curves.told import (
     turning_between,
 )
 from srs_ik.kernels.jit import kernel
-from srs_ik.kernels.layout.answer import ROW_COST
+from srs_ik.kernels.layout.answer import ROW_COST, SOLVED
 from srs_ik.kernels.layout.asked import Goal, Samples, Setting
 from srs_ik.kernels.layout.limb import FAR
 from srs_ik.kernels.layout.search import MAX_RUNS, RUN
@@ -59,9 +60,9 @@ NEAR_TURN = 0.5
 FASTER = 4.0
 WELL_BENT = 0.2
 SAME_ANGLE = 1e-9
-"""An arm angle that turns around is looked for this close to the one that is wanted, rad, if that is no farther than it
-comes at so many times its rate, where the elbow's bend has no smaller sine; there it is the one, up to the last:
-rounding decides about limits and branches within it."""
+"""An arm angle that turns around is looked for this close to the one that is wanted, rad; farther away, and where the
+elbow's bend has no smaller sine, only if it may come there at so many times its rate. There it is the one, up to the
+last: rounding decides about limits and branches within it."""
 
 UNTOLD = 1e-3
 OF_ROUNDING = 0.025
@@ -190,12 +191,14 @@ def blur_of(by):
 def is_here(P, by, q, ahead):
     """Whether an arm angle that is so far ahead of that of a posture is the same as well as floats tell, rad.
 
-    It is told the worse the closer the elbow is to the line S-W, and the posture itself next to a straight elbow.
+    It is told the worse the closer the elbow is to the line S-W, and the posture itself next to a straight elbow; but
+    where the elbow is elsewhere, by more than on the other side of that line, so is the arm angle.
     """
-    if abs(ahead) < SAME_ANGLE or abs(ahead) > blur_of(by):
+    off_line = norm(elbow_across(P, q, by.target.place[0]))
+    elsewhere = off_line * abs(math.sin(0.5 * ahead)) > ON_LINE * P[FAR]
+    if abs(ahead) < SAME_ANGLE or abs(ahead) > blur_of(by) or elsewhere:
         return abs(ahead) < SAME_ANGLE
     t, sign = tangent_at(P, by, q)
-    off_line = norm(elbow_across(P, q, by.target.place[0]))
     vague = vagueness(by.J, t, by.A)
     if sign != 0.0 and abs(ahead) < UNTOLD and abs(ahead) * off_line < OF_ROUNDING * P[FAR] * vague:
         return True
@@ -250,8 +253,13 @@ def passing(P, by, psi, a, b):
 
 
 @kernel
-def keep_found(P, q, branch, goal, out):
-    """Keep a posture in the row of the branch that it is told to be of, if it is the best one there."""
+def keep_found(P, by, q, branch, goal, out):
+    """Keep a posture in the row of the branch that it is told to be of, if it is the best one there.
+
+    Next to several singularities a sample may be one to which no step comes closer, and yet miss its pose.
+    """
+    if max(*pose_error(P, q, by.target.R, by.target.p)) > SOLVED:
+        return
     branch = branch if is_on_border(P, q, branch) else branch_of(P, q)
     q, value = cost_of_turn(P, q, goal)
     if value < out[branch, ROW_COST]:
@@ -270,7 +278,7 @@ def put_passing(P, by, psi, branch, ends, goal, out):
             inside = inside_of_blur(P, by, q, BLURRED)
             q = inside if is_here(P, by, inside, short_way(angle_at(P, by, inside) - psi)) else q
         if met:
-            keep_found(P, q, branch, goal, out)
+            keep_found(P, by, q, branch, goal, out)
 
 
 @kernel
@@ -286,17 +294,17 @@ def look_between(P, by, followed, i, psi, goal, out):
     a, b = load_sample(followed.rows[i - 1]), load_sample(followed.rows[i])
     rate_a, rate_b = told[i - 1, TOLD_RATE], told[i, TOLD_RATE]
     nearest = min(abs(ahead_a), abs(ahead_b))
-    turns = rate_a * rate_b <= 0.0 and nearest < NEAR_TURN
-    if turns and by.target.place[3] > WELL_BENT:
+    turns = rate_a * rate_b <= 0.0
+    if turns and (nearest > NEAR_TURN or by.target.place[3] > WELL_BENT):
         way = difference(a, b)
         turns = nearest < FASTER * max(abs(rate_a), abs(rate_b)) * math.sqrt(dot7(way, way))
     if not turns and ahead_a * ahead_b > 0.0 and nearest > blur_of(by):
         return nearest
     branch, next_branch = int(told[i - 1, TOLD_BRANCH]), int(told[i, TOLD_BRANCH])
     if is_here(P, by, a, ahead_a):
-        keep_found(P, a, branch, goal, out)
+        keep_found(P, by, a, branch, goal, out)
     if is_here(P, by, b, ahead_b):
-        keep_found(P, b, next_branch, goal, out)
+        keep_found(P, by, b, next_branch, goal, out)
     if turns:
         turning = turning_between(P, by, a, b, 1.0 if rate_a > 0.0 else -1.0, ARM_ANGLE)
         turning = inside_of_blur(P, by, turning, BLURRED)
@@ -304,7 +312,7 @@ def look_between(P, by, followed, i, psi, goal, out):
         put_passing(P, by, psi, branch, ((a, ahead_a), (turning, ahead)), goal, out)
         put_passing(P, by, psi, branch, ((turning, ahead), (b, ahead_b)), goal, out)
         if is_here(P, by, turning, ahead):
-            keep_found(P, turning, branch, goal, out)
+            keep_found(P, by, turning, branch, goal, out)
         return min(nearest, abs(ahead))
     put_passing(P, by, psi, branch, ((a, ahead_a), (b, ahead_b)), goal, out)
     return nearest
@@ -326,7 +334,7 @@ def find_at_angle(P, by, followed, psi, wanted, goal, out):
         last = int(runs[index, 4])
         q, ahead = load_sample(followed.rows[first]), short_way(told[first, TOLD_PSI] - psi)
         if last == first + 1 and is_here(P, by, q, ahead):
-            keep_found(P, q, int(told[first, TOLD_BRANCH]), goal, out)
+            keep_found(P, by, q, int(told[first, TOLD_BRANCH]), goal, out)
         for i in range(first + 1, last):
             if wanted < 0 or wanted in (int(told[i - 1, TOLD_BRANCH]), int(told[i, TOLD_BRANCH])):
                 nearest = min(nearest, look_between(P, by, followed, i, psi, goal, out))

@@ -259,7 +259,7 @@ def found_again(P, target, branch, goal, J, A):
 @kernel
 def is_on_line(P, q, place_):
     """Whether the elbow of a posture is on the line S-W of its pose, and so at every arm angle at once."""
-    return norm(elbow_across(P, q, place_[0])) < 3.0 * ON_LINE
+    return norm(elbow_across(P, q, place_[0])) < ON_LINE * P[FAR]
 
 
 @kernel

@@ -13,6 +13,7 @@ from srs_ik.kernels.chain.kinematics import pose_error
 from srs_ik.kernels.chain.newton import (
     CLOSED,
     LEFT,
+    ON_LINE,
     ROUNDING,
     arm_angle,
     clipped,
@@ -33,9 +34,6 @@ BARELY = 1e-3
 """A posture farther outside its limits than this, rad, is not so by rounding."""
 
 CLOSING_STEPS = 12
-
-ELBOW_OFF = 1e-6
-"""Where arm angles are vague, an elbow this far from where one that is asked for has it, by the reach, is not there."""
 
 APART = 4.0
 """An answer, the end of an interval and the posture inside are each off by what is vague, and rounding by any signs."""
@@ -99,6 +97,6 @@ def put_on_limits(P, target, psi, found, goal):
     away = short_way(arm_angle(P, q, place_[0], place_[1]) - psi)
     if error > CLOSED or not abs(away) <= SAME_ANGLE + APART * vagueness(P, q, target, psi, A):
         return found
-    if abs(away) > SAME_ANGLE and abs(away) * norm(elbow_across(P, q, place_[0])) > ELBOW_OFF * P[FAR]:
+    if abs(away) > SAME_ANGLE and abs(away) * norm(elbow_across(P, q, place_[0])) > ON_LINE * P[FAR]:
         return found
     return q, branch, cost(P, q, goal.seeded, goal.seed, True)
