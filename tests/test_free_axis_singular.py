@@ -72,3 +72,37 @@ def test_no_split_is_nearer_to_the_seed(name, axis, cone):
         found = arm.solve(pose, seed=seed, free_axis=FreeAxis(axis, cone=cone))
         assert found, found.message
         assert np.linalg.norm(found.q - seed) <= math.sqrt(known) + 1e-6
+
+
+@pytest.mark.skipif("human_arm" not in arms.here("human_arm"), reason="no human_arm here")
+def test_a_sum_of_three_joints_is_shared_evenly_though_a_search_begins_with_one_on_its_limit():
+    # Axes 1, 3 and 5 are one line, and joints 2, 4 and 7 stay on their limits: only the sum of 1, 3 and 5 is fixed.
+    T = np.array(
+        [
+            [0.3119195339079067, -0.2686459307124264, -0.9113372417927013, -0.0665369086090305],
+            [-0.7113483120085297, 0.5698225090956629, -0.411443662158671, -0.029053321673804665],
+            [0.6298331393069831, 0.7766155239496424, -0.0133620578928917, 0.7587658657509084],
+            [0.0, 0.0, 0.0, 1.0],
+        ]
+    )
+    seed = np.array(
+        [
+            -0.634509628192854,
+            0.7730596292050476,
+            -1.0667675122861149,
+            -1.631301212358049,
+            0.22082423939205165,
+            0.2838724425873138,
+            0.36041093018112663,
+        ]
+    )
+    free, arm = FreeAxis([-0.026878954658698904, 0.7841365633209078, -0.6200059450196679]), arms.load("human_arm")
+    sixth = 0.7498500705533365
+    known = np.array([0.0, arm.lower[1], 0.0, arm.upper[3], 0.0, sixth, arm.lower[6]])
+    known[[0, 2, 4]] = seed[[0, 2, 4]] + 0.4672115728454571
+    tip = arms.forward("human_arm")(known)
+    assert np.linalg.norm(tip.translation - T[:3, 3]) < 1e-9
+    assert free.lean(tip.rotation, T[:3, :3]) < 1e-9
+    found = arm.solve(T, seed=seed, free_axis=free)
+    assert found, found.message
+    assert np.linalg.norm(found.q - seed) <= np.linalg.norm(known - seed) + 1e-6

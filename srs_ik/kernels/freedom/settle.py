@@ -96,8 +96,14 @@ def left_by(K, m, d):
 
 
 @kernel
+def moves(d):
+    """Whether a step is not the last one."""
+    return max(max(abs(d[0]), abs(d[1]), abs(d[2])), max(abs(d[3]), abs(d[4]), abs(d[5]), abs(d[6]))) >= SETTLED
+
+
+@kernel
 def freed(K, m, q, d, forces, held, liking):
-    """The held joint that wants most to leave its limit, or -1."""
+    """The joint of those that want most to leave its limit, or -1."""
     best, most = -1, 1e-12
     for j in range(7):
         if (held >> j) & 1 == 1 and liking.upper[j] > liking.lower[j]:
@@ -120,7 +126,7 @@ def bounded_step(K, M, m, q, held, liking):
     forces = NO_FORCE
     low, high = along7(liking.lower, -1.0, q), along7(liking.upper, -1.0, q)
     bound = between(NO_SEED, low, high)
-    let_go, down = False, True
+    let_go, down = 0, True
     for _ in range(ROUNDS):
         d, forces, down = solve_held(K, M, m, held, bound)
         worst, most = -1, 1e-14
@@ -132,13 +138,14 @@ def bounded_step(K, M, m, q, held, liking):
             bound = with_joint(bound, worst, low[worst] if d[worst] < low[worst] else high[worst])
             held |= 1 << worst
             continue
-        if let_go:
+        if let_go and moves(d):
             break
-        j = freed(K, m, q, d, forces, held, liking)
+        # One joint that may leave its limit may not move all the same, where equations depend on each other.
+        j = freed(K, m, q, d, forces, held & ~let_go, liking)
         if j < 0:
             break
         held &= ~(1 << j)
-        let_go = True
+        let_go |= 1 << j
     return between(d, low, high), forces, held, down
 
 
