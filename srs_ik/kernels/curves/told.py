@@ -29,6 +29,12 @@ sines of these joints from their phases on."""
 TURNING_WRIST = 1e-4
 """Sine of q6 below which a way along a curve is asked for alone: in step it divides by what axes 5 to 7 span."""
 
+NEAR_TURN = 0.5
+FASTER = 4.0
+WELL_BENT = 0.2
+"""An arm angle that turns around is looked for this close to the one that is wanted, rad, if that is no farther than it
+comes at so many times its rate, where the elbow's bend has no smaller sine."""
+
 ARM_ANGLE = -1
 """The arm angle, where joints are numbered from 0 on."""
 
@@ -150,6 +156,39 @@ def turns_back(told, i, length):
         return 0.0, False
     share = half / (3.0 * third)
     return share, 0.0 < share < 1.0 and (begins - half * share) * begins < 0.0
+
+
+@kernel
+def aheads(told, i, psi):
+    """How far the samples i - 1 and i are ahead of an arm angle, rad."""
+    ahead = short_way(told[i - 1, TOLD_PSI] - psi)
+    return ahead, ahead + short_way(told[i, TOLD_PSI] - told[i - 1, TOLD_PSI])
+
+
+@kernel
+def may_turn(by, rows, told, i, nearest):
+    """Whether the arm angle may turn around between samples i - 1 and i, next to one so far from both, rad."""
+    rate_a, rate_b = told[i - 1, TOLD_RATE], told[i, TOLD_RATE]
+    turns = rate_a * rate_b <= 0.0 and nearest < NEAR_TURN
+    if turns and by.target.place[3] > WELL_BENT:
+        way = difference(load_sample(rows[i - 1]), load_sample(rows[i]))
+        turns = nearest < FASTER * max(abs(rate_a), abs(rate_b)) * math.sqrt(dot7(way, way))
+    return turns
+
+
+@kernel
+def may_pass(by, rows, runs, told, at):
+    """Whether curves may pass an arm angle, or come so close to it, rad: a quick look at their samples."""
+    psi, close = at
+    for index in range(runs.shape[0]):
+        for i in range(int(runs[index, 3]) + 1, int(runs[index, 4])):
+            ahead_a, ahead_b = aheads(told, i, psi)
+            nearest = min(abs(ahead_a), abs(ahead_b))
+            if ahead_a * ahead_b <= 0.0 or nearest < close or may_turn(by, rows, told, i, nearest):
+                return True
+            if turns_back(told, i, rows[i, 0] - rows[i - 1, 0])[1]:
+                return True
+    return False
 
 
 @kernel

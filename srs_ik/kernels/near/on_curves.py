@@ -32,7 +32,10 @@ from srs_ik.kernels.curves.told import (
     TOLD_BRANCH,
     TOLD_PSI,
     TOLD_RATE,
+    aheads,
     angle_at,
+    may_pass,
+    may_turn,
     rate_along,
     tell_one,
     tell_samples,
@@ -55,13 +58,9 @@ from srs_ik.kernels.near.scan import view_with
 HALVINGS = 30
 """Steps that close in on an arm angle between two samples, before Newton's method takes over."""
 
-NEAR_TURN = 0.5
-FASTER = 4.0
-WELL_BENT = 0.2
 SAME_ANGLE = 1e-9
-"""An arm angle that turns around is looked for this close to the one that is wanted, rad, if that is no farther than it
-comes at so many times its rate, where the elbow's bend has no smaller sine; there it is the one, up to the last:
-rounding decides about limits and branches within it."""
+"""Where an arm angle turns around, it is the one that is wanted up to this, rad: rounding decides about limits and
+branches within it."""
 
 UNTOLD = 1e-3
 OF_ROUNDING = 0.025
@@ -130,10 +129,17 @@ def put_back(P, by, curve, i, told, n, followed):
 
 
 @kernel
-def told_runs(P, by, samples, n_samples, runs, extent):
-    """What the samples of runs of curves tell, with more of them where these go from branch to branch."""
+def tell_first(P, by, samples, n):
+    """What the first samples of curves tell."""
     told = np.empty((samples.shape[0], TOLD))
-    tell_samples(P, by, Samples(samples, 0, n_samples), told)
+    tell_samples(P, by, Samples(samples, 0, n), told)
+    return told
+
+
+@kernel
+def told_runs(P, by, samples, told, runs, extent):
+    """What the samples of runs of curves tell, with more of them where these go from branch to branch."""
+    n_samples = int(runs[runs.shape[0] - 1, 4]) if runs.shape[0] > 0 else 0
     changes = np.empty((MOST_CHANGES, CHANGE))
     room = n_samples + 2 * MAX_SPANS
     out = Followed(np.empty((room, SAMPLE)), runs, np.empty((room, TOLD)), False, extent)
@@ -166,7 +172,8 @@ def followed_curves(P, by):
     """Follow all curves of a pose, and look where they go from branch to branch."""
     runs = np.empty((MAX_RUNS, RUN))
     (samples, n_samples, k, _), certain = certain_runs(P, by, runs)
-    return told_runs(P, by, samples, n_samples, runs[:k], ALL_THERE_ARE if certain else WHOLE)
+    told = tell_first(P, by, samples, n_samples)
+    return told_runs(P, by, samples, told, runs[:k], ALL_THERE_ARE if certain else WHOLE)
 
 
 @kernel
@@ -280,16 +287,10 @@ def look_between(P, by, followed, i, psi, goal, out):
     Returns how far these are from it, or the turning point between them if that is closer, rad.
     """
     told = followed.told
-    at_a, at_b = told[i - 1, TOLD_PSI], told[i, TOLD_PSI]
-    ahead_a = short_way(at_a - psi)
-    ahead_b = ahead_a + short_way(at_b - at_a)
+    ahead_a, ahead_b = aheads(told, i, psi)
     a, b = load_sample(followed.rows[i - 1]), load_sample(followed.rows[i])
-    rate_a, rate_b = told[i - 1, TOLD_RATE], told[i, TOLD_RATE]
     nearest = min(abs(ahead_a), abs(ahead_b))
-    turns = rate_a * rate_b <= 0.0 and nearest < NEAR_TURN
-    if turns and by.target.place[3] > WELL_BENT:
-        way = difference(a, b)
-        turns = nearest < FASTER * max(abs(rate_a), abs(rate_b)) * math.sqrt(dot7(way, way))
+    turns = may_turn(by, followed.rows, told, i, nearest)
     if not turns and ahead_a * ahead_b > 0.0 and nearest > blur_of(by):
         return nearest
     branch, next_branch = int(told[i - 1, TOLD_BRANCH]), int(told[i, TOLD_BRANCH])
@@ -298,9 +299,9 @@ def look_between(P, by, followed, i, psi, goal, out):
     if is_here(P, by, b, ahead_b):
         keep_found(P, b, next_branch, goal, out)
     if turns:
-        turning = turning_between(P, by, a, b, 1.0 if rate_a > 0.0 else -1.0, ARM_ANGLE)
+        turning = turning_between(P, by, a, b, 1.0 if told[i - 1, TOLD_RATE] > 0.0 else -1.0, ARM_ANGLE)
         turning = inside_of_blur(P, by, turning, BLURRED)
-        ahead = ahead_a + short_way(angle_at(P, by, turning) - at_a)
+        ahead = ahead_a + short_way(angle_at(P, by, turning) - told[i - 1, TOLD_PSI])
         put_passing(P, by, psi, branch, ((a, ahead_a), (turning, ahead)), goal, out)
         put_passing(P, by, psi, branch, ((turning, ahead), (b, ahead_b)), goal, out)
         if is_here(P, by, turning, ahead):
@@ -373,7 +374,10 @@ def curves_around(P, by, psi, elbows, kept):
                 runs = np.empty((MAX_RUNS, RUN))
                 samples, k = follow_arcs(P, by, view.points, count, runs)
                 if k > 0:
-                    followed = told_runs(P, by, samples, int(runs[k - 1, 4]), runs[:k], AROUND)
+                    told = tell_first(P, by, samples, int(runs[k - 1, 4]))
+                    if not may_pass(by, samples, runs[:k], told, (psi, UNTOLD)):
+                        return Followed(samples, runs[:0], told, True, AROUND)
+                    followed = told_runs(P, by, samples, told, runs[:k], AROUND)
                     followed = with_certainty(P, by, followed, psi)
                     if followed.certain:
                         return followed
