@@ -90,11 +90,11 @@ def start_all(P, place_, psi, seeded, seed, respect, A):
 
 
 @kernel
-def close_all(P, target, psi, wanted, goal, A):
+def close_all(P, target, psi, wanted, goal, each, A):
     """The postures of all branches at an arm angle (or of one, 0 to 7) into A, and their costs.
 
-    A cost is NO_BRANCH where there is no posture. From the same start, steps with pivots lead where those in step do,
-    but next to a singular wrist.
+    A cost is NO_BRANCH where there is no posture. Where each one that is missed will be looked for on curves (`each`),
+    steps with pivots are left out: from the same start, they seldom lead elsewhere, but next to a singular wrist.
     """
     R, p, place_ = target
     seeded, seed, respect = goal
@@ -103,7 +103,7 @@ def close_all(P, target, psi, wanted, goal, A):
     rows = row(A, FIRST)
     closed, met = close_eight(P, take_eight(rows, WIDTH), R, p, place_[0], place_[1], psi, STEPS)
     _, _, s6 = sines_of_eight(P, closed)
-    again = exist & ~as_bits(abs(s6) > SINGULAR_WRIST) if bent[3] == place_[3] else exist
+    again = exist & ~as_bits(abs(s6) > SINGULAR_WRIST) if each and bent[3] == place_[3] else exist
     met &= exist & in_own_branch(P, closed)
     put_eight(rows, WIDTH, met, closed)
     for b in range(8):
@@ -134,7 +134,7 @@ def best_row(rows, first, wanted):
 @kernel
 def best_of_all(P, target, psi, wanted, goal, A):
     """Best posture at an arm angle over all branches, or in one (0 to 7): q, branch, cost."""
-    close_all(P, target, psi, wanted, goal, A)
+    close_all(P, target, psi, wanted, goal, wanted >= 0, A)
     best = best_row(A, FIRST, wanted)
     return read7(row(A, FIRST + best)), best, A[FIRST + best, ROW_COST]
 

@@ -8,7 +8,7 @@ from srs_ik.kernels.algebra.joint_vectors import along7, dot7
 from srs_ik.kernels.algebra.lane_trig import turns_of
 from srs_ik.kernels.algebra.lanes import as_bits, gather, one_of, whole_number
 from srs_ik.kernels.chain.eight import ALL, take_eight, take_ways
-from srs_ik.kernels.chain.newton import LAST_STEP, LEFT, MAX_STEP
+from srs_ik.kernels.chain.newton import LAST_STEP, MAX_STEP
 from srs_ik.kernels.chain.newton_eight import (
     all_times,
     curve_step,
@@ -165,7 +165,7 @@ def step_in_step(P, R, p, rows, alive):
     for _ in range(CORRECTIONS):
         d, t, _, right = curve_step(P, turns, R, p, way, none)
         size = largest(d)
-        settled = (size < LAST_STEP) | is_foreseen(size, last, LEFT)
+        settled = size < LAST_STEP
         q = along7(q, 1.0, d)
         met = as_bits(settled & right)
         left &= as_bits(size < SHRINKING * last)

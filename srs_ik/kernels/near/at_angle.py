@@ -182,7 +182,7 @@ def solve_all_at_angle(P, target, psi, work, found, kept):
     """
     respect, J, A = work
     goal = Goal(False, NO_SEED, respect)
-    close_all(P, target, psi, -1, goal, A)
+    close_all(P, target, psi, -1, goal, True, A)
     for branch in range(8):
         for i in range(8):
             found[branch, i] = A[FIRST + branch, i]
