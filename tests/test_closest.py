@@ -152,3 +152,19 @@ def test_at_an_arm_angle_that_no_posture_has_the_closer_one_is_answered():
     assert solution.status == Status.UNREACHABLE
     assert solution.position_error < 0.07
     assert solution.orientation_error < 0.5
+
+
+@pytest.mark.parametrize("name", arms.here("gen3", "h1_2_left", "rm75"))
+def test_what_no_posture_reaches_is_unreachable_with_limits_too(name):
+    arm, rng = arms.load(name), np.random.default_rng(3)
+    span = np.linalg.norm(arm.limb.elbow - arm.limb.shoulder) + np.linalg.norm(arm.limb.wrist - arm.limb.elbow)
+    tried = 0
+    for _ in range(200):
+        way = rng.normal(size=3)
+        way *= span * rng.uniform(0.9, 1.1) / np.linalg.norm(way)
+        turn = pin.Quaternion(*rng.normal(size=4)).normalized().matrix()
+        pose = pin.SE3(turn, arm.limb.shoulder + way)
+        if arm.solve(pose, respect_limits=False).status == Status.UNREACHABLE:
+            tried += 1
+            assert arm.solve(pose).status == Status.UNREACHABLE
+    assert tried > 50

@@ -12,7 +12,7 @@ from scipy.optimize import minimize_scalar
 from srs_ik.kernels.algebra.joint_vectors import along7, difference, dot7, short_way
 from srs_ik.kernels.algebra.linear import solve_definite, solve_linear
 from srs_ik.kernels.algebra.minimum import propose, start_search, tell
-from srs_ik.kernels.algebra.pointers import row, scratch
+from srs_ik.kernels.algebra.pointers import copy, row, scratch
 from srs_ik.kernels.layout.search import BEST, F_BEST, SHARP, SMOOTH, STATE
 
 ANGLE = st.floats(-20.0, 20.0)
@@ -48,6 +48,20 @@ def product_on_stack(a, b):
         for j in range(3):
             A[i, j], second[3 * i + j] = a[i, j], b[i, j]
     return A @ B, A.shape, A.strides
+
+
+@njit
+def moved_down(a, i, count):
+    copy(row(a, i), a[i + 1], count)
+    return a
+
+
+def test_so_many_figures_of_a_row_are_copied_and_others_stay():
+    a = np.arange(15.0).reshape(3, 5)
+    expected = a.copy()
+    expected[2, :3] = a[1, :3]
+    np.testing.assert_array_equal(moved_down(a.copy(), 1, 3), expected)
+    np.testing.assert_array_equal(moved_down(a.copy(), 1, 0), a)
 
 
 def test_arrays_on_the_stack_are_arrays_and_lie_apart():

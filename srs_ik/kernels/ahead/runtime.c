@@ -15,7 +15,7 @@ typedef struct {
 
 /* Large blocks go back to the system when they are freed, and each page of the next one is asked for and cleared anew:
    that would be a fifth of a search. So each thread keeps some for its next calls. */
-enum { LARGE = 1 << 15, LARGEST = 1 << 20, KEPT = 8 };
+enum { LARGE = 1 << 12, LARGEST = 1 << 20, KEPT = 16 };
 
 static pthread_key_t key;
 static pthread_once_t once = PTHREAD_ONCE_INIT;

@@ -29,6 +29,20 @@ def typed_row(typing_context: Any, array: Any, index: Any) -> Any:
     return types.CPointer(array.dtype)(array, types.intp), generate
 
 
+def typed_copy(typing_context: Any, source: Any, target: Any, count: Any) -> Any:
+    """Type and code of `pointers.copy`."""
+
+    def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+        a, b = (
+            data if isinstance(kind, types.CPointer) else make_array(kind)(context, builder, data).data
+            for data, kind in zip(arguments, (source, target), strict=False)
+        )
+        cgutils.raw_memmove(builder, b, a, arguments[2], itemsize=8)
+        return context.get_dummy_value()
+
+    return types.none(source, target, types.intp), generate
+
+
 def typed_scratch(typing_context: Any, rows: Any, columns: Any) -> Any:
     """Type and code of `pointers.scratch`."""
     if not isinstance(rows, types.IntegerLiteral) or not isinstance(columns, types.IntegerLiteral):

@@ -17,7 +17,7 @@ from srs_ik.kernels.jit import BY_NUMBA, kernel
 if BY_NUMBA:
     from numba.extending import intrinsic
 
-    from srs_ik.kernels.algebra.pointer_types import typed_row, typed_scratch
+    from srs_ik.kernels.algebra.pointer_types import typed_copy, typed_row, typed_scratch
 
 
 @kernel
@@ -35,6 +35,14 @@ row = intrinsic(typed_row) if BY_NUMBA else _row
 
 The row 0 of a pointer is the pointer itself.
 """
+
+
+def _copy(source: Any, target: Any, count: int) -> None:
+    target.reshape(-1)[:count] = source.reshape(-1)[:count]
+
+
+copy = intrinsic(typed_copy) if BY_NUMBA else _copy
+"""copy(source, target, count): so many figures of one row written to another, at once."""
 
 
 def _scratch(rows: int, columns: int) -> Any:

@@ -8,8 +8,9 @@ from __future__ import annotations
 import math
 
 from srs_ik.kernels.algebra.joint_vectors import store7, with_joint
+from srs_ik.kernels.algebra.lanes import as_bits
 from srs_ik.kernels.algebra.pointers import row
-from srs_ik.kernels.chain.eight import ALL, in_own_branch, put_eight, take_eight
+from srs_ik.kernels.chain.eight import ALL, in_own_branch, put_eight, sines_of_eight, take_eight
 from srs_ik.kernels.chain.newton import STEPS, close_at_angle, pose_step
 from srs_ik.kernels.chain.newton_eight import close_eight
 from srs_ik.kernels.jit import kernel
@@ -28,6 +29,10 @@ MOST_BENT = 0.3
 
 SPLITS = 4
 """Postures along a free split from which a curve of postures may be found."""
+
+SINGULAR_WRIST = 1e-2
+"""Sine of q6 below which steps in eight, which divide by what axes 5 to 7 span, may lead elsewhere than steps with
+pivots."""
 
 FIRST = 8
 WIDTH = 9
@@ -85,27 +90,29 @@ def start_all(P, place_, psi, seeded, seed, respect, A):
 
 
 @kernel
-def close_all(P, target, psi, wanted, goal, A):
+def close_all(P, target, psi, wanted, goal, each, A):
     """The postures of all branches at an arm angle (or of one, 0 to 7) into A, and their costs.
 
-    A cost is NO_BRANCH where there is no posture.
+    A cost is NO_BRANCH where there is no posture. Where each one that is missed will be looked for on curves (`each`),
+    steps with pivots are left out: from the same start, they seldom lead elsewhere, but next to a singular wrist.
     """
     R, p, place_ = target
     seeded, seed, respect = goal
-    exist = start_all(P, bent_place(P, place_), psi, seeded, seed, respect, A)
+    bent = bent_place(P, place_)
+    exist = start_all(P, bent, psi, seeded, seed, respect, A)
     rows = row(A, FIRST)
     closed, met = close_eight(P, take_eight(rows, WIDTH), R, p, place_[0], place_[1], psi, STEPS)
+    _, _, s6 = sines_of_eight(P, closed)
+    again = exist & ~as_bits(abs(s6) > SINGULAR_WRIST) if each and bent[3] == place_[3] else exist
     met &= exist & in_own_branch(P, closed)
     put_eight(rows, WIDTH, met, closed)
     for b in range(8):
         if wanted >= 0 and b != wanted:
             continue
-        q = read7(row(A, FIRST + b))
-        lowest = NO_BRANCH
+        q, lowest = turned(P, read7(row(A, FIRST + b)), seeded, seed, respect), NO_BRANCH
         if (met >> b) & 1 == 1:
-            q = turned(P, q, seeded, seed, respect)
             lowest = cost(P, q, seeded, seed, respect)
-        elif (exist >> b) & 1 == 1:
+        elif (again >> b) & 1 == 1:
             q, lowest = evaluate_branch(P, target, psi, b, goal, A)
         for j in range(7):
             A[FIRST + b, j] = q[j]
@@ -127,7 +134,7 @@ def best_row(rows, first, wanted):
 @kernel
 def best_of_all(P, target, psi, wanted, goal, A):
     """Best posture at an arm angle over all branches, or in one (0 to 7): q, branch, cost."""
-    close_all(P, target, psi, wanted, goal, A)
+    close_all(P, target, psi, wanted, goal, wanted >= 0, A)
     best = best_row(A, FIRST, wanted)
     return read7(row(A, FIRST + best)), best, A[FIRST + best, ROW_COST]
 

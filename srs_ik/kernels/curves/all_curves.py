@@ -9,7 +9,7 @@ import numpy as np
 from srs_ik.kernels.algebra.joint_vectors import along7, dot7, short_way, store7
 from srs_ik.kernels.algebra.lanes import eight_of, one_of, scatter
 from srs_ik.kernels.algebra.linear import solve_linear
-from srs_ik.kernels.algebra.pointers import row
+from srs_ik.kernels.algebra.pointers import copy, row
 from srs_ik.kernels.algebra.vectors import norm
 from srs_ik.kernels.chain.eight import ALL, put_eight, take_eight
 from srs_ik.kernels.chain.newton import (
@@ -223,8 +223,7 @@ def extend_open(P, by, rows, curves, n, count):
             if is_known(P, by, q, t, rows, curves, left):
                 continue
             n = extend_back(P, by, rows, curves, k, n)
-        for c in range(CURVE):
-            curves[left, c] = curves[k, c]
+        copy(row(curves, k), row(curves, left), CURVE)
         left += 1
     return n, left
 

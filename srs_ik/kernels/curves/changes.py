@@ -6,7 +6,7 @@ import math
 
 from srs_ik.kernels.algebra.joint_vectors import along7, difference, dot7, short_way
 from srs_ik.kernels.algebra.minimum import lowest_of_cubic
-from srs_ik.kernels.algebra.pointers import row
+from srs_ik.kernels.algebra.pointers import copy, row
 from srs_ik.kernels.algebra.roots import has_settled, next_parameter, start_crossing, tell_figure
 from srs_ik.kernels.algebra.vectors import norm
 from srs_ik.kernels.chain.newton import elbow_across
@@ -17,6 +17,7 @@ from srs_ik.kernels.curves.told import TOLD_MIDDLES, TOLD_SINES, turns_back
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.limb import FAR
 from srs_ik.kernels.limb.branches import NO_BRANCH, phase_of, sine_of
+from srs_ik.kernels.limb.goal import NO_SEED
 from srs_ik.kernels.limb.poses import read7
 
 HARDLY_OFF = 2e-3
@@ -48,8 +49,7 @@ def put_change(changes, n, there, middle):
     x, q = there
     i = n
     while i > 0 and changes[i - 1, CHANGE_AT] > x:
-        for c in range(CHANGE):
-            changes[i, c] = changes[i - 1, c]
+        copy(row(changes, i - 1), row(changes, i), CHANGE)
         i -= 1
     changes[i, CHANGE_AT], changes[i, CHANGE_MIDDLE] = x, middle
     for j in range(7):
@@ -98,12 +98,12 @@ def turned_back(P, by, curve, i, told):
     x, next_x = curve.rows[i - 1, 0], curve.rows[i, 0]
     share, found = turns_back(told, i, next_x - x)
     x += share * (next_x - x)
-    q, off = load_sample(curve.rows[i - 1]), 0.0
-    if found:
-        q, off = on_curve(P, by, 0, curve, x)
+    if not found:
+        return x, NO_SEED, False
+    q, off = on_curve(P, by, 0, curve, x)
     q = inside_of_blur(P, by, q, BLURRED)
     # Where limits cut it off, it is not there.
-    return x, q, found and off < NO_BRANCH and infeasibility(P, q, by.respect) < ON_LIMIT
+    return x, q, off < NO_BRANCH and infeasibility(P, q, by.respect) < ON_LIMIT
 
 
 @kernel

@@ -12,7 +12,7 @@ import math
 import numpy as np
 
 from srs_ik.kernels.algebra.joint_vectors import along7, difference, dot7, short_way
-from srs_ik.kernels.algebra.pointers import keep, row
+from srs_ik.kernels.algebra.pointers import copy, keep, row
 from srs_ik.kernels.chain.eight import put_eight, take_ways
 from srs_ik.kernels.curves.follow import reverse
 from srs_ik.kernels.curves.in_step import SAMPLE, load_sample, put_sample, to_curves
@@ -68,8 +68,7 @@ def put_node(nodes, n, reach, at_end):
         if not at_end or n == 1:
             return n
         n -= 1
-    for c in range(REACH):
-        nodes[n, c] = reach[c]
+    copy(reach, row(nodes, n), REACH)
     return n + 1
 
 

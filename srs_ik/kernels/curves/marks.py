@@ -10,7 +10,7 @@ import numpy as np
 
 from srs_ik.kernels.algebra.joint_vectors import along7, difference, dot7, short_way, store7
 from srs_ik.kernels.algebra.lanes import as_bits, one_of, root, scatter, where
-from srs_ik.kernels.algebra.pointers import keep, row
+from srs_ik.kernels.algebra.pointers import copy, keep, row
 from srs_ik.kernels.chain.eight import ALL, put_eight, take_eight, take_ways
 from srs_ik.kernels.curves.follow import ALMOST_CROSSED, go_along, tangent_at, way_across
 from srs_ik.kernels.curves.in_step import (
@@ -123,8 +123,7 @@ def find_passed(P, before, after, which, marks, count):
 @kernel
 def load_lane(lanes, i, mark):
     """Begin to follow a curve at a mark."""
-    for c in range(14):
-        lanes[i, c] = mark[c]
+    copy(mark, row(lanes, i), 14)
     for c in range(LANE_BEND, LANE_STEP):
         lanes[i, c] = 0.0
     lanes[i, LANE_STEP] = LONGEST_STEP
@@ -137,8 +136,7 @@ def keep_piece(line, first, n, pieces, used, mark, following):
     mark[MARK_FIRST] = used
     for i in range(n):
         if used < pieces.shape[0]:
-            for c in range(SAMPLE):
-                pieces[used, c] = line[first + i, c]
+            copy(row(line, first + i), row(pieces, used), SAMPLE)
             used += 1
     mark[MARK_LAST] = used
     return used
@@ -191,8 +189,7 @@ def follow_marks(P, target, marks, starts, pieces):
                     put_sample(line, first + n, x + step, read7(row(after, i)))
                     for j in range(7):
                         lanes[i, LANE_BEND + j] = (after[i, 7 + j] - lanes[i, 7 + j]) / step
-                    for c in range(14):
-                        lanes[i, c] = after[i, c]
+                    copy(row(after, i), row(lanes, i), 14)
                     lanes[i, LANE_STEP] = step_after(step, one_of(cosine, i))
                     done = n + 2 >= LONGEST_PIECE
                 length[i] = n + 1

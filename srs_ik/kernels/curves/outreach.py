@@ -16,7 +16,7 @@ from srs_ik.kernels.algebra.joint_vectors import along7, difference, dot7, short
 from srs_ik.kernels.algebra.lane_trig import turn, turns_of
 from srs_ik.kernels.algebra.lanes import as_bits, eight_of, scatter
 from srs_ik.kernels.algebra.minimum import lowest_of_cubic
-from srs_ik.kernels.algebra.pointers import row
+from srs_ik.kernels.algebra.pointers import copy, row
 from srs_ik.kernels.algebra.vectors import along, cross, dot, scale
 from srs_ik.kernels.chain.eight import ALL, put_eight, sines_of_eight, take_eight
 from srs_ik.kernels.chain.newton_eight import largest, reduced, turned_by_all, with_wrist
@@ -295,8 +295,7 @@ def insert_turns(P, by, around):
 @kernel
 def copy_reach(source, i, target, k):
     """Copy a row of `REACH`."""
-    for c in range(REACH):
-        target[k, c] = source[i, c]
+    copy(row(source, i), row(target, k), REACH)
 
 
 @kernel

@@ -8,6 +8,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from srs_ik.kernels.algebra.joint_vectors import short_way
+from srs_ik.kernels.algebra.pointers import copy, row
 from srs_ik.kernels.curves.changes import (
     CHANGE,
     CHANGE_AT,
@@ -128,8 +129,7 @@ def take_back(P, by, curve, span, passed, i, told):
 def drop_span(spans, i, n):
     """Take a span out of n; their number."""
     for k in range(i, n - 1):
-        for c in range(SPAN):
-            spans[k, c] = spans[k + 1, c]
+        copy(row(spans, k + 1), row(spans, k), SPAN)
     return n - 1
 
 

@@ -12,7 +12,7 @@ import math
 import numpy as np
 
 from srs_ik.kernels.algebra.minimum import propose, start_search, tell
-from srs_ik.kernels.algebra.pointers import keep, row
+from srs_ik.kernels.algebra.pointers import copy, keep, row
 from srs_ik.kernels.exact.farthest import farthest, whole_circles
 from srs_ik.kernels.exact.intervals import find_intervals
 from srs_ik.kernels.exact.nearest_within import height, nearest_within
@@ -84,8 +84,7 @@ def best_on_circles(P, place_, branch, goal):
 @kernel
 def draw_around(P, goal, distance, box):
     """Copy the packed limb to `box`, with limits around a seed and, if they are respected, inside its own."""
-    for i in range(SIZE):
-        box[i] = P[i]
+    copy(P, box, SIZE)
     for j in range(7):
         lower, upper = goal.seed[j] - distance, goal.seed[j] + distance
         if goal.respect:

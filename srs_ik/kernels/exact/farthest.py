@@ -12,7 +12,7 @@ import math
 import numpy as np
 
 from srs_ik.kernels.algebra.minimum import propose, start_search, tell
-from srs_ik.kernels.algebra.pointers import keep, row
+from srs_ik.kernels.algebra.pointers import copy, keep, row
 from srs_ik.kernels.exact.events import TURN
 from srs_ik.kernels.exact.glance import NEXT_GLANCE, glance
 from srs_ik.kernels.exact.intervals import find_intervals
@@ -52,8 +52,7 @@ def draw_in(P, lowest, respect, box):
 
     Returns False where no posture can keep them.
     """
-    for i in range(SIZE):
-        box[i] = P[i]
+    copy(P, box, SIZE)
     for j in range(7):
         lower = P[LOWER + j]
         upper = P[UPPER + j]

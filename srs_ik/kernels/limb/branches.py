@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import math
 
+from srs_ik.kernels.algebra.pointers import copy
 from srs_ik.kernels.algebra.vectors import swing
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.answer import ROW_COST
@@ -87,8 +88,7 @@ def draw_to_branch(P, branch, q, box):
     Of several turns of a joint in the branch, they keep the one inside the limits that is closest to a configuration.
     Returns False where there is none.
     """
-    for i in range(SIZE):
-        box[i] = P[i]
+    copy(P, box, SIZE)
     for middle in range(3):
         j = 1 + 2 * middle
         centre = phase_of(P, middle) + (-0.5 if branch & bit_of(middle) else 0.5) * math.pi

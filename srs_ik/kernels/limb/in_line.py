@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 
+from srs_ik.kernels.algebra.pointers import copy
 from srs_ik.kernels.algebra.vectors import add, apply, dot, load3, norm, rotate
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.limb import (
@@ -117,6 +118,5 @@ def is_in_line(P, k, q2, width):
 @kernel
 def wide_limb(P, wide):
     """Copy the packed limb to `wide`, which takes axes for parallel that are almost so."""
-    for i in range(SIZE):
-        wide[i] = P[i]
+    copy(P, wide, SIZE)
     wide[SLACK_SINGULAR] = NEARLY_IN_LINE

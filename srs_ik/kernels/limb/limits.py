@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 
+from srs_ik.kernels.algebra.pointers import copy
 from srs_ik.kernels.algebra.vectors import dot, load3, rotate, store3
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.limb import (
@@ -115,8 +116,7 @@ def set_limits(P, lower, upper):
 @kernel
 def tighten(P, seed, distance, slack, box):
     """Copy the packed limb to `box` with its limits tightened to seed +- distance, then widened by some slack."""
-    for i in range(SIZE):
-        box[i] = P[i]
+    copy(P, box, SIZE)
     for j in range(7):
         lower = max(P[LOWER + j], seed[j] - distance) - slack
         upper = min(P[UPPER + j], seed[j] + distance) + slack

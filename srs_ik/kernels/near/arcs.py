@@ -13,7 +13,7 @@ import numpy as np
 
 from srs_ik.kernels.algebra.joint_vectors import dot7
 from srs_ik.kernels.algebra.lane_trig import turns_of
-from srs_ik.kernels.algebra.pointers import row
+from srs_ik.kernels.algebra.pointers import copy, row
 from srs_ik.kernels.algebra.vectors import dot, load3
 from srs_ik.kernels.chain.eight import take_eight
 from srs_ik.kernels.chain.newton_eight import curve_step
@@ -60,8 +60,7 @@ def put_arc(arcs, first, n, lower, upper):
         if a <= arcs[i, ARC_UPPER] and arcs[i, ARC_LOWER] <= b:
             lower, upper = min(a, arcs[i, ARC_LOWER]), max(b, arcs[i, ARC_UPPER])
             n -= 1
-            for c in range(ARC):
-                arcs[i, c] = arcs[n, c]
+            copy(row(arcs, n), row(arcs, i), ARC)
             i = first
         else:
             i += 1
@@ -277,7 +276,6 @@ def pack_rows(out, first, n):
     left = first
     for i in range(first, n):
         if out[i, 1] <= out[i, 2]:
-            for c in range(5):
-                out[left, c] = out[i, c]
+            copy(row(out, i), row(out, left), 5)
             left += 1
     return left

@@ -193,7 +193,7 @@ def solve_all_at_angle(P, target, psi, work, found, kept):
     """
     respect, J, A = work
     goal = Goal(False, NO_SEED, respect)
-    close_all(P, target, psi, -1, goal, A)
+    close_all(P, target, psi, -1, goal, True, A)
     for branch in range(8):
         for i in range(8):
             found[branch, i] = A[FIRST + branch, i]
@@ -296,7 +296,7 @@ def solve_at_angle(P, target, psi, wanted, goal, J, A):
         if lowest < OUTSIDE:
             return q, best, lowest
     if wanted >= 0:
-        close_all(P, target, psi, -1, goal, A)
+        close_all(P, target, psi, -1, goal, True, A)
         other, _, value = on_border(P, A[FIRST:], wanted, goal)
         if value < OUTSIDE:
             return other, wanted, value

@@ -5,8 +5,12 @@ from __future__ import annotations
 import math
 
 from srs_ik.kernels.algebra.joint_vectors import difference
+from srs_ik.kernels.algebra.lane_trig import turn, turns_of
+from srs_ik.kernels.algebra.lanes import eight_of
+from srs_ik.kernels.algebra.pointers import copy
 from srs_ik.kernels.algebra.vectors import dot, load3
-from srs_ik.kernels.chain.kinematics import forward_kinematics
+from srs_ik.kernels.chain.eight import ALL, highest
+from srs_ik.kernels.chain.kinematics import forward_kinematics, tip_frame
 from srs_ik.kernels.chain.newton import arm_angle
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.limb import (
@@ -36,6 +40,7 @@ from srs_ik.kernels.layout.limb import (
 from srs_ik.kernels.limb.branches import branch_of, side_posture
 from srs_ik.kernels.limb.goal import NO_SEED
 from srs_ik.kernels.limb.limits import beyond, set_joint_limits, set_limit, turn_to_middle
+from srs_ik.kernels.limb.postures_eight import eight_postures
 from srs_ik.kernels.limb.surface import level_place
 from srs_ik.kernels.limb.triangle import elbow_side, place, shoulder_to_wrist
 
@@ -82,10 +87,13 @@ def certain_posture(P, side, branch, psi):
 
 
 @kernel
-def cosine_off(P, q, sw):
-    """By how much the cosine of the elbow's bend at a configuration differs from that of the closed form."""
+def cosine_off(P, c4, sw):
+    """By how much the cosine of the elbow's bend at a configuration differs from that of the closed form.
+
+    Of one, or of eight: c4 is the cosine, sw the way from shoulder to wrist.
+    """
     near2, far2 = P[NEAR] * P[NEAR], P[FAR] * P[FAR]
-    return (2.0 * dot(sw, sw) - near2 - far2) / (far2 - near2) - math.cos(q[3] - P[STRAIGHT])
+    return (2.0 * dot(sw, sw) - near2 - far2) / (far2 - near2) - c4
 
 
 @kernel
@@ -99,7 +107,7 @@ def put_shift(P, q, out):
     place_ = place(P, R, p)
     branch = branch_of(P, q)
     s2, s6 = sines_of_middles(P, q)
-    out[SHIFT_COSINE] = cosine_off(P, q, shoulder_to_wrist(P, R, p))
+    out[SHIFT_COSINE] = cosine_off(P, math.cos(q[3] - P[STRAIGHT]), shoulder_to_wrist(P, R, p))
     out[SHIFT_CLOSED], out[SHIFT_BEND] = place_[2], 0.0
     if min(s2, s6) < WELL_BENT or place_[5] != 0.0:
         return
@@ -157,16 +165,23 @@ def band_of(P, place_):
 
 @kernel
 def farthest_off(P, place_):
-    """By how much the cosine of the bend may be closer to a flat elbow's than the closed form says, at a pose."""
+    """By how much the cosine of the bend may be closer to a flat elbow's than the closed form says, at a pose.
+
+    Any, where a shoulder or wrist that is looked at is singular.
+    """
     level = level_place(place_)
-    side = elbow_side(P, level, 0)
+    sides = elbow_side(P, level, 0), elbow_side(P, level, 1)
+    branches = eight_of(0.0, 1.0, 2.0, 3.0, 0.0, 1.0, 2.0, 3.0)
+    later = eight_of(0.0, 0.0, 0.0, 0.0, 1.0, 1.0, 1.0, 1.0)
     most = 0.0
-    for i in range(LOOKS):
-        for branch in range(4):
-            q = certain_posture(P, side, branch, 2.0 * math.pi * i / LOOKS)
-            x, y, z, p = forward_kinematics(P, q)
-            R = (x[0], y[0], z[0], x[1], y[1], z[1], x[2], y[2], z[2])
-            most = max(most, -level[2] * cosine_off(P, q, shoulder_to_wrist(P, R, p)))
+    for i in range(0, LOOKS, 2):
+        c, s = turn(2.0 * math.pi / LOOKS * (i + later))
+        q, sure = eight_postures(P, sides, branches, c, s)
+        if sure != ALL:
+            return 2.0
+        x, y, z, p = tip_frame(P, turns_of(q))
+        R = (x[0], y[0], z[0], x[1], y[1], z[1], x[2], y[2], z[2])
+        most = max(most, highest(-level[2] * cosine_off(P, turn(q[3] - P[STRAIGHT])[0], shoulder_to_wrist(P, R, p))))
     return SPREAD * most + REST * P[COSINE_OFF]
 
 
@@ -245,8 +260,7 @@ def may_predict_limits(P, place_, band):
 @kernel
 def widen(P, band, factor, box):
     """Copy a packed limb to `box`, its limits drawn out by a band times a factor; whether it has any room."""
-    for i in range(SIZE):
-        box[i] = P[i]
+    copy(P, box, SIZE)
     box[BAND] = factor * outer_band_of_limits(P, band)
     for j in range(1, 7, 2):
         lower, upper = P[LOWER + j] - factor * band[j], P[UPPER + j] + factor * band[j]

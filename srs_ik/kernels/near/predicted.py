@@ -13,7 +13,7 @@ import math
 import numpy as np
 
 from srs_ik.kernels.algebra.joint_vectors import short_way
-from srs_ik.kernels.algebra.pointers import keep, row
+from srs_ik.kernels.algebra.pointers import copy, keep, row
 from srs_ik.kernels.curves.spans import MAX_SPANS, SPAN, find_spans
 from srs_ik.kernels.exact.events import PI, TURN
 from srs_ik.kernels.exact.intervals import SAME, find_intervals, join_touching, write_interval
@@ -231,8 +231,7 @@ def shifted_intervals(P, view, out):
     ends = np.empty((MAX_ENDS + 8, END))
     boxes = np.empty((1, SIZE))
     box = row(boxes, 0)
-    for i in range(SIZE):
-        box[i] = P[i]
+    copy(P, box, SIZE)
     # Joints that come to their limits so closely one behind the other may leave an arm angle between them, or none.
     box[SLACK_JOIN] = BARELY
     n_found = find_intervals(box, view.target.place, -1, found)

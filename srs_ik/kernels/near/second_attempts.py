@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 
-from srs_ik.kernels.algebra.pointers import keep, row
+from srs_ik.kernels.algebra.pointers import copy, keep, row
 from srs_ik.kernels.algebra.vectors import norm
 from srs_ik.kernels.chain.kinematics import pose_error
 from srs_ik.kernels.chain.newton import (
@@ -277,8 +277,7 @@ def hides_turns(P, place_):
 @kernel
 def hold_elbow(P, place_, respect, box):
     """Copy a limb to `box`, its elbow held straight or folded, and without other limits if they do not count."""
-    for i in range(SIZE):
-        box[i] = P[i]
+    copy(P, box, SIZE)
     for j in range(7 if not respect else 0):
         box[LOWER + j], box[UPPER + j] = -math.inf, math.inf
     flat = turn_to_middle(P, 3, P[STRAIGHT] + (0.0 if place_[2] > 0.0 else math.pi))

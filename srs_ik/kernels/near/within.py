@@ -9,7 +9,7 @@ import math
 
 import numpy as np
 
-from srs_ik.kernels.algebra.pointers import row
+from srs_ik.kernels.algebra.pointers import copy, row
 from srs_ik.kernels.exact.summit import downhill
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.asked import Best
@@ -170,8 +170,7 @@ def halve_gaps(P, view, n, left, best):
 @kernel
 def copy_point(source, i, target, k):
     """Copy a point."""
-    for c in range(POINT):
-        target[k, c] = source[i, c]
+    copy(row(source, i), row(target, k), POINT)
 
 
 @kernel
