@@ -19,7 +19,7 @@ from srs_ik.kernels.limb.goal import NO_SEED, OUTSIDE
 from srs_ik.kernels.limb.in_line import ROUNDED
 from srs_ik.kernels.limb.poses import read7
 from srs_ik.kernels.limb.surface import has_surface
-from srs_ik.kernels.near.band import ALMOST_NOTHING, ANY_ELBOW, is_oblique, is_told, untold_elbows
+from srs_ik.kernels.near.band import ALMOST_NOTHING, ANY_ELBOW, is_oblique, is_told, least_bend, untold_elbows
 from srs_ik.kernels.near.branch_search import search_branch
 from srs_ik.kernels.near.on_curves import (
     AROUND,
@@ -83,8 +83,11 @@ def is_crowded(P):
 
 @kernel
 def may_have_others(P, target, psi, q):
-    """Whether there may be other postures than one at its arm angle, in its branch or next to it."""
-    return is_unsure(P, q) and not is_told(P, target.place, psi)
+    """Whether there may be other postures than one at its arm angle, in its branch or next to it.
+
+    Also where its own elbow is well bent: another posture of the pose may have an almost straight one.
+    """
+    return not is_told(P, target.place, psi) and (is_unsure(P, q) or least_bend(P, target.place) == 0.0)
 
 
 @kernel

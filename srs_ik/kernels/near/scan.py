@@ -152,16 +152,17 @@ def is_narrow(a, b):
 
 @kernel
 def may_bulge(P, a, b, joint):
-    """Whether a joint inside its limits at two points may be outside between them: goes out at one, comes back."""
+    """Whether a joint inside one of its limits at two points may be beyond it between them: goes out, comes back."""
     at_a, at_b = turn_to_middle(P, joint, a[joint]), turn_to_middle(P, joint, b[joint])
-    f, next_f = beyond(P, joint, at_a), beyond(P, joint, at_b)
-    sign = 1.0 if at_a > P[MIDDLE + joint] else -1.0
-    out, back = sign * a[POINT_RATES + joint], -sign * b[POINT_RATES + joint]
-    if max(f, next_f) > 0.0 or min(out, back) <= 0.0:
-        return False
-    # Where the tangents meet.
     width = b[POINT_PSI] - a[POINT_PSI]
-    return f + out * (next_f - f + back * width) / (out + back) > 0.0
+    for end in range(2):
+        sign, limit = (1.0, P[UPPER + joint]) if end == 1 else (-1.0, P[LOWER + joint])
+        f, next_f = sign * (at_a - limit), sign * (at_b - limit)
+        out, back = sign * a[POINT_RATES + joint], -sign * b[POINT_RATES + joint]
+        # Where the tangents meet.
+        if max(f, next_f) <= 0.0 < min(out, back) and f + out * (next_f - f + back * width) / (out + back) > 0.0:
+            return True
+    return False
 
 
 @kernel
