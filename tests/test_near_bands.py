@@ -80,6 +80,9 @@ def test_the_closed_form_is_no_farther_from_the_true_chain_than_the_band(name):
         # Next to a singularity the band joins what is ahead of a narrow range to what is behind it.
         (9014, "tilted", 48),
         (30218, "tilted", 29),
+        # Of two points between which a band tells nothing, one happens to lie inside a narrow range.
+        (50258, "coordinate", 43),
+        (50275, "coordinate", 48),
     ],
 )
 def test_known_postures_are_in_an_interval(seed, pattern, number):
@@ -89,6 +92,46 @@ def test_known_postures_are_in_an_interval(seed, pattern, number):
     psi, branch = arm.arm_angle(q), arm.branch(q)
     found = [i for i in arm.intervals(arm.forward_kinematics(q)) if i.branch == branch]
     assert any((psi - i.lower + CLOSED) % (2.0 * np.pi) <= i.width + 2.0 * CLOSED for i in found)
+
+
+@pytest.mark.parametrize(
+    ("seed", "pattern", "number", "miss"),
+    [(73068, "coordinate", 12, 0.002), (73387, "coordinate", 3, 0.002), (75021, "tilted", 27, 0.0005)],
+)
+def test_closed_curves_next_to_a_singular_wrist_are_found_with_the_elbow_almost_straight(seed, pattern, number, miss):
+    limb, arm = random_arm(seed, pattern, ("usual", "mixed")[seed // 2 % 2], miss)
+    for _ in range(number + 1):
+        q = limb.configuration()
+    psi, branch = arm.arm_angle(q), arm.branch(q)
+    found = [i for i in arm.intervals(arm.forward_kinematics(q)) if i.branch == branch]
+    assert any((psi - i.lower + CLOSED) % (2.0 * np.pi) <= i.width + 2.0 * CLOSED for i in found)
+
+
+@pytest.mark.parametrize(
+    ("seed", "pattern", "number", "miss", "branch"),
+    [
+        (50110, "coordinate", 17, 0.02, 3),
+        (50264, "coordinate", 8, 0.02, 2),
+        (50289, "coordinate", 2, 0.02, 6),
+        (50289, "coordinate", 26, 0.02, 7),
+        (64155, "tilted", 38, 0.005, 4),
+        (64170, "tilted", 22, 0.005, 1),
+    ],
+)
+def test_of_two_postures_of_a_branch_the_one_with_an_almost_straight_elbow_is_found(
+    seed, pattern, number, miss, branch
+):
+    limb, arm = random_arm(seed, pattern, ("usual", "mixed")[seed // 2 % 2], miss)
+    for _ in range(number + 1):
+        q = limb.configuration()
+    pose = arm.forward_kinematics(q)
+    asked = [i for i in arm.intervals(pose) if i.branch == branch]
+    assert asked
+    for interval in asked:
+        for share in np.linspace(0.02, 0.98, 13):
+            solution = arm.solve(pose, arm_angle=interval.lower + share * interval.width, branch=branch)
+            assert solution, (interval, share)
+            assert max(arm.verify(pose, solution.q)) < 1e-9
 
 
 def test_a_branch_of_oblique_axes_with_two_postures_at_an_arm_angle_gives_the_one_inside_the_limits():

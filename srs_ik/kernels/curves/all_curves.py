@@ -25,7 +25,7 @@ from srs_ik.kernels.chain.newton import (
 )
 from srs_ik.kernels.chain.newton_eight import close_eight
 from srs_ik.kernels.chain.rank_five import BLUR, CENTRE, is_among, put_amid
-from srs_ik.kernels.chain.starts import FIRST, WIDTH, bent_place, put_splits, start_all
+from srs_ik.kernels.chain.starts import FIRST, WIDTH, bent_place, put_splits, start_all, width_of_splits
 from srs_ik.kernels.curves.ends import inside_of_blur
 from srs_ik.kernels.curves.follow import (
     CURVE,
@@ -71,6 +71,9 @@ STARTS_OBLIQUE = 48
 
 MOST_ANGLES = STARTS_OBLIQUE + 16
 """And others between these."""
+
+ASIDE = 2.0
+"""Where shoulder or wrist come within so many of the widths at which they count as singular, there are others."""
 
 MOST_BOUNCED, BOUNCED = 6, 1e-2
 """Of starts with the same signs of shoulder and wrist, so many one after the other may end with an error above the
@@ -130,7 +133,8 @@ def put_angles(P, place_, around, angles):
     """Write the arm angles at which the closed form gives starts: some all around, and others; their number."""
     for i in range(around):
         angles[i] = (2.0 * i / around - 1.0) * math.pi
-    return put_midway(P, place_, 2.0 * math.pi / around, angles, around)
+    near = ASIDE * width_of_splits(P, place_), 2.0 * math.pi / around
+    return put_midway(P, place_, near, angles, around)
 
 
 @kernel

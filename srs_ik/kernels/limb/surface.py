@@ -39,9 +39,6 @@ WIDTH_OF_CURVES = 3.0
 MOST_WIDTH_OF_CURVES = 0.08
 """... but small closed ones where shoulder and wrist are so many misses from singular at once, rad, at most."""
 
-ASIDE = 2.0
-"""Where one comes within so many of these widths, there may be such curves, too."""
-
 LEAST_WIDTH = 3e-4
 MOST_WIDTH = 5e-3
 WIDTH = 20.0
@@ -170,17 +167,19 @@ def where_equal(a, b):
 
 
 @kernel
-def put_midway(P, place_, apart, angles, n):
+def put_midway(P, place_, near, angles, n):
     """Append arm angles at which shoulder or wrist come closest to singular, and midway between both; their number.
 
-    There, and between two that are closer together than `apart`, rad, the true chain may have closed curves of its own.
+    Within some width of singular, rad, or between two that are closer together than `apart`, rad (`near` is both), the
+    true chain may have closed curves of its own.
     """
+    aside, apart = near
     width = width_for_curves(P)
-    for elbow in range(2 if may_line_up(P, place_, ASIDE * width) else 0):
+    for elbow in range(2 if may_line_up(P, place_, aside) else 0):
         side = elbow_side(P, place_, elbow)
         for i in range(4):
             psi, off, _ = closest(P, SHOULDER if i < 2 else WRIST, side[1] if i < 2 else side[2], i & 1)
-            if off < ASIDE * width and n < angles.shape[0]:
+            if off < aside and n < angles.shape[0]:
                 angles[n] = psi
                 n += 1
         for i in range(4):
