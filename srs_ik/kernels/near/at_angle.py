@@ -211,7 +211,8 @@ def solve_all_at_angle(P, target, psi, work, found, kept):
         kept = kept if followed.extent == AROUND else followed
         put_passed(P, by, followed, psi, goal, found)
         unsure = is_any_barely(found) or (abs(target.place[3]) < STRETCHED and highest_cost(found) >= OUTSIDE)
-        if respect and not followed.certain and unsure:
+        if respect and not followed.certain and unsure and P[MISS] < ON_LINE * P[FAR]:
+            # As they are cut for intervals, curves pass what next to several singularities floats hardly tell apart.
             within = Setting(target, by.side, True, J, A)
             put_passed(P, within, followed_curves(P, within), psi, goal, found)
         if not followed.certain:
