@@ -315,3 +315,19 @@ def test_interval_of_the_seam():
     assert interval.width == pytest.approx(0.5)
     for psi, expected in ((3.2, True), (3.4 - TURN, True), (2.9, False), (3.6 - TURN, False), (3.5, True)):
         assert (psi in interval) is expected
+
+
+@pytest.mark.parametrize("width", [np.pi, 3.1415926, 3.14159265, 3.141592653, 3.14159265358])
+@pytest.mark.parametrize("name", ["iiwa14", "human_arm"])
+def test_known_postures_on_limits_of_ranges_of_almost_half_a_turn_are_in_an_interval(name, width):
+    half = {joint: {"lower": 0.0, "upper": width} for joint in srs_ik.load(name).joint_names[::2]}
+    arm = srs_ik.load(name, limits=half)
+    rng = np.random.default_rng(5)
+    for _ in range(60):
+        q = rng.uniform(arm.lower, arm.upper)
+        q[::2] = np.where(rng.random(4) < 0.6, rng.choice([0.0, width], 4), q[::2])
+        pose = arm.forward_kinematics(q)
+        assert arm.solve(pose), q.tolist()
+        psi, branch = arm.arm_angle(q), arm.branch(q)
+        own = [i for i in arm.intervals(pose) if i.branch == branch]
+        assert any((psi - i.lower + 1e-7) % (2.0 * np.pi) <= i.width + 2e-7 for i in own), q.tolist()

@@ -21,8 +21,8 @@ from srs_ik.kernels.layout.answer import (
     UNREACHABLE,
 )
 from srs_ik.kernels.layout.limb import IS_CLOSED
-from srs_ik.kernels.limb.branches import branch_of, is_on_border
-from srs_ik.kernels.limb.goal import OUTSIDE, UNMET, tightest_joint
+from srs_ik.kernels.limb.branches import NO_BRANCH, branch_of, is_on_border
+from srs_ik.kernels.limb.goal import OUTSIDE, tightest_joint
 
 
 @kernel
@@ -75,4 +75,4 @@ def measure_row_at(P, target, psi, found, respect, out):
     else:
         solved = max(position, orientation) < SOLVED
         angle = psi if solved else arm_angle(P, q, place_[0], place_[1])
-    write_row(place_, q, branch, angle, (position, orientation), (outside and lowest < UNMET, joint), out)
+    write_row(place_, q, branch, angle, (position, orientation), (outside and lowest < NO_BRANCH, joint), out)

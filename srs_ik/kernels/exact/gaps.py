@@ -21,7 +21,7 @@ from srs_ik.kernels.layout.limb import (
     SLACK_LIMIT,
     TOP_GAP,
 )
-from srs_ik.kernels.limb.limits import TURN, is_inside, turn_to_middle, violation
+from srs_ik.kernels.limb.limits import LEVEL, TURN, is_inside, turn_to_middle, violation
 from srs_ik.kernels.limb.spherical import angles, eight_middles, middle_anchor, middle_angle, sines
 from srs_ik.kernels.limb.splits import nearest_split
 
@@ -129,7 +129,7 @@ def eight_outside(P, joint, turn_, slack):
     if kind == 1.0:
         x, y = cl + cu, sl + su
         apart = (slack < 0.0) | (4.0 * slack * slack < x * x + y * y)
-        return as_bits(low | high | (apart & (x * c + y * s < 0.0)))
+        return as_bits(low | high | (apart & (x * c + y * s < -LEVEL)))
     return as_bits(low & high)
 
 

@@ -36,6 +36,9 @@ from srs_ik.kernels.layout.limb import (
     WRIST,
 )
 
+LEVEL = 1e-12
+"""What is at right angles to the middle of a range counts as ahead of it, but for this: rounding decides."""
+
 TURN = 2.0 * math.pi
 PER_TURN = 1.0 / TURN
 
@@ -144,7 +147,7 @@ def is_inside(P, joint, c, s, slack):
     if kind == 1.0:
         x, y = cl + cu, sl + su
         # What is behind has sines like those of what is ahead, and counts where the slack joins both.
-        ahead = x * c + y * s >= 0.0 or (slack >= 0.0 and 4.0 * slack * slack >= x * x + y * y)
+        ahead = x * c + y * s >= -LEVEL or (slack >= 0.0 and 4.0 * slack * slack >= x * x + y * y)
         return above_lower >= -slack and below_upper >= -slack and ahead
     return not (above_lower < -slack and below_upper < -slack)
 

@@ -302,8 +302,10 @@ def solve_at_angle(P, target, psi, wanted, goal, J, A):
     if wanted >= 0:
         close_all(P, target, psi, -1, goal, True, A)
         other, _, value = on_border(P, A[FIRST:], wanted, goal)
-        if value < OUTSIDE:
+        if value < OUTSIDE and not seeded:
             return other, wanted, value
+        if value < lowest:
+            q, best, lowest = other, wanted, value
     attempts = ATTEMPTS if lowest >= NO_BRANCH else 1
     other, value = evaluate_again(P, target, psi, wanted, goal, attempts, A)
     if value < lowest:

@@ -121,6 +121,9 @@ def solve_row(family, T, branch, goal, J, A, out):
     target = Target(R, p, place_)
     q, best, lowest = best_posture(family, target, branch, goal, J, A)
     measure_row(P, target, q, best, lowest, goal.respect, row(out, 0))
+    if P[IS_NEAR] != 0.0 and branch < 0 and lowest >= UNMET and out[ROW_STATUS] == OUT_OF_LIMITS:
+        # Its nearest exact limb reaches the pose; it does not, limits or not.
+        out[ROW_STATUS] = UNREACHABLE
     if P[IS_NEAR] != 0.0 and goal.respect and out[ROW_STATUS] == UNREACHABLE and may_reach(P, place_):
         # What a near limb reaches, its limits forbid.
         if lowest < UNMET:
