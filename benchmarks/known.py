@@ -53,6 +53,9 @@ ELSEWHERE = 2e-6
 """Largest error of an answer, m and rad, and how far its elbow may be from its place, by the reach: on the one side of
 the line shoulder-wrist instead of the other, where it is as close to that as one that is at every arm angle."""
 
+FLOATS = 1e-14
+"""Error of a position, by the reach, that rounding makes of one that is right."""
+
 ELBOW = "another arm angle, the elbow off by"
 
 BLOCK = 200
@@ -117,14 +120,19 @@ def asked(intervals: Sequence[srs_ik.Interval]) -> np.ndarray:
 
 
 def elbows_elsewhere(known: Known, found: srs_ik.BatchSolution, psi: np.ndarray) -> np.ndarray:
-    """How far the elbows of answers are from where they have the arm angles asked for, as parts of the reach; (n,)."""
+    """How far the elbows of answers are from where they have the arm angles asked for, as parts of the reach; (n,).
+
+    Less what their errors make of the direction shoulder-wrist, where the wrist is back on the shoulder.
+    """
     arm, limb = known.arm, known.arm.limb
     axes, points, tip, R = known.moved(found.q)
     elbow = points[:, 3] + limb.axes[3] @ (limb.elbow - known.chain.points[3]) * axes[:, 3] - limb.shoulder
     line = tip + R @ known.R_tip.T @ (limb.wrist - known.chain.tip) - limb.shoulder
-    off_line = np.linalg.norm(np.cross(elbow, line), axis=1) / np.linalg.norm(line, axis=1)
+    length, reach = np.linalg.norm(line, axis=1), limb.upper_arm + limb.forearm
+    off_line = np.linalg.norm(np.cross(elbow, line), axis=1) / length
     half = 0.5 * (np.array([arm.arm_angle(q) for q in found.q]) - psi)
-    return np.where(found.ok, 2.0 * np.abs(np.sin(half)) * off_line / (limb.upper_arm + limb.forearm), 0.0)
+    vague = (found.position_error + FLOATS * reach) / length
+    return np.where(found.ok, np.maximum(2.0 * np.abs(np.sin(half)) * off_line / reach - vague, 0.0), 0.0)
 
 
 def missed(

@@ -170,8 +170,8 @@ def where_equal(a, b):
 def put_midway(P, place_, near, angles, n):
     """Append arm angles at which shoulder or wrist come closest to singular, and midway between both; their number.
 
-    Within some width of singular, rad, or between two that are closer together than `apart`, rad (`near` is both), the
-    true chain may have closed curves of its own.
+    Not singular, but within `aside` of it, rad, or between two that are closer together than `apart`, rad (`near` is
+    both), the true chain may have closed curves of its own.
     """
     aside, apart = near
     width = width_for_curves(P)
@@ -179,7 +179,7 @@ def put_midway(P, place_, near, angles, n):
         side = elbow_side(P, place_, elbow)
         for i in range(4):
             psi, off, _ = closest(P, SHOULDER if i < 2 else WRIST, side[1] if i < 2 else side[2], i & 1)
-            if off < aside and n < angles.shape[0]:
+            if width <= off < aside and n < angles.shape[0]:
                 angles[n] = psi
                 n += 1
         for i in range(4):
