@@ -34,7 +34,7 @@ BESIDE = 1e-6
 """A posture's arm angle may lie so far beside its interval, rad ..."""
 
 ROUNDING = 1e-14
-"""... and farther where it is told badly: by so much over the bend of the elbow."""
+"""... and farther where it is told badly: by so much over the bend of the elbow, or over S-W, by the reach."""
 
 HIDING = 1e-15
 """What rounding makes of a pose, m and rad: forward kinematics in floats are off by up to so much."""
@@ -52,9 +52,6 @@ MET = 1e-9
 ELSEWHERE = 2e-6
 """Largest error of an answer, m and rad, and how far its elbow may be from its place, by the reach: on the one side of
 the line shoulder-wrist instead of the other, where it is as close to that as one that is at every arm angle."""
-
-FLOATS = 1e-14
-"""Error of a position, by the reach, that rounding makes of one that is right."""
 
 ELBOW = "another arm angle, the elbow off by"
 
@@ -131,7 +128,7 @@ def elbows_elsewhere(known: Known, found: srs_ik.BatchSolution, psi: np.ndarray)
     length, reach = np.linalg.norm(line, axis=1), limb.upper_arm + limb.forearm
     off_line = np.linalg.norm(np.cross(elbow, line), axis=1) / length
     half = 0.5 * (np.array([arm.arm_angle(q) for q in found.q]) - psi)
-    vague = (found.position_error + FLOATS * reach) / length
+    vague = (found.position_error + ROUNDING * reach) / length
     return np.where(found.ok, np.maximum(2.0 * np.abs(np.sin(half)) * off_line / reach - vague, 0.0), 0.0)
 
 
