@@ -12,16 +12,20 @@ from srs_ik import Status
 NAMES = arms.here("iiwa14", "gen3", "human_arm", "sia5d", "openarm_left")
 
 
+def around_reach(arm, rng, nearest, farthest):
+    """200 random poses, so far from the shoulder as parts of the arm's length."""
+    span = np.linalg.norm(arm.limb.elbow - arm.limb.shoulder) + np.linalg.norm(arm.limb.wrist - arm.limb.elbow)
+    for _ in range(200):
+        way = rng.normal(size=3)
+        way *= span * rng.uniform(nearest, farthest) / np.linalg.norm(way)
+        yield pin.SE3(pin.Quaternion(*rng.normal(size=4)).normalized().matrix(), arm.limb.shoulder + way)
+
+
 def out_of_reach(name, count):
     """Poses whose answer is UNREACHABLE and does not keep the orientation: limits are in the way as well."""
     arm, rng = arms.load(name), arms.generator(name, 77)
-    span = np.linalg.norm(arm.limb.elbow - arm.limb.shoulder) + np.linalg.norm(arm.limb.wrist - arm.limb.elbow)
     found = 0
-    for _ in range(200):
-        way = rng.normal(size=3)
-        way *= span * rng.uniform(0.9, 3.0) / np.linalg.norm(way)
-        turn = pin.Quaternion(*rng.normal(size=4)).normalized().matrix()
-        pose = pin.SE3(turn, arm.limb.shoulder + way)
+    for pose in around_reach(arm, rng, 0.9, 3.0):
         solution = arm.solve(pose)
         if solution.status == Status.UNREACHABLE and solution.orientation_error > 1e-6:
             found += 1
@@ -156,14 +160,8 @@ def test_at_an_arm_angle_that_no_posture_has_the_closer_one_is_answered():
 
 @pytest.mark.parametrize("name", arms.here("gen3", "h1_2_left", "rm75"))
 def test_what_no_posture_reaches_is_unreachable_with_limits_too(name):
-    arm, rng = arms.load(name), np.random.default_rng(3)
-    span = np.linalg.norm(arm.limb.elbow - arm.limb.shoulder) + np.linalg.norm(arm.limb.wrist - arm.limb.elbow)
-    tried = 0
-    for _ in range(200):
-        way = rng.normal(size=3)
-        way *= span * rng.uniform(0.9, 1.1) / np.linalg.norm(way)
-        turn = pin.Quaternion(*rng.normal(size=4)).normalized().matrix()
-        pose = pin.SE3(turn, arm.limb.shoulder + way)
+    arm, tried = arms.load(name), 0
+    for pose in around_reach(arm, np.random.default_rng(3), 0.9, 1.1):
         if arm.solve(pose, respect_limits=False).status == Status.UNREACHABLE:
             tried += 1
             assert arm.solve(pose).status == Status.UNREACHABLE

@@ -34,7 +34,7 @@ NOT_RIGID = 2
 TOO_FAR = 3
 """Verdicts on a pose."""
 
-MAX_EVENTS = 36
+MAX_EVENTS = 40
 """Most arm angles at which one spherical joint can start or stop to be feasible."""
 
 MAX_PIECES = 2 * MAX_EVENTS
