@@ -5,7 +5,7 @@
 
 import runpy
 import sys
-from itertools import islice
+from itertools import islice, product
 from pathlib import Path
 
 import arms
@@ -1094,3 +1094,23 @@ def test_all_branches_are_looked_for_on_curves_as_limits_cut_them(bench):
                 assert among, what
                 inside_of += 1
     assert inside_of > 3
+
+
+ON_THE_LINE = [
+    "-1.6905982145188356 -1e-06 2.262444538424402 -1e-06 -1.3497831175688073 0.04101666741545218 0.5626755074916785",
+    "-0.4319744407004902 1.566606791939765 -0.0416011289077689 -1e-08 -2.3730955126194675 -1e-08 -4.943029627884295",
+    "1.4442931598429962 0.0001 -2.2733104746952493 0.0 -1.6647015142007213 0.01 -1.837746181287348",
+]
+
+
+@pytest.mark.skipif("rm75" not in arms.here("rm75"), reason="its file is not here")
+@pytest.mark.parametrize("given", ON_THE_LINE)
+def test_what_is_met_all_around_the_line_from_shoulder_to_wrist_is_one_interval(bench, given):
+    """Curves of a rounded arm turn around there within less than their steps: intervals had gaps that were none."""
+    arm, q = arms.load("rm75"), np.array(given.split(), float)
+    assert_is_inside(bench, "rm75", q)
+    pose = arm.forward_kinematics(q)
+    whole = [interval.branch for interval in arm.intervals(pose) if interval.width > 2.0 * np.pi - 1e-9]
+    assert whole == list(range(8))
+    for branch, psi in product(range(8), np.linspace(-3.0, 3.0, 9)):
+        assert arm.solve(pose, arm_angle=psi, branch=branch)

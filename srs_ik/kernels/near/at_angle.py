@@ -36,7 +36,6 @@ from srs_ik.kernels.near.second_attempts import (
     ATTEMPTS,
     STRETCHED,
     evaluate_again,
-    hides_turns,
     may_be_on_line,
     stretched,
 )
@@ -202,10 +201,9 @@ def solve_all_at_angle(P, target, psi, work, found, kept):
             found[branch, i] = A[FIRST + branch, i]
     if highest_cost(found) < OUTSIDE or not may_reach(P, target.place):
         return kept
-    many = has_surface(P, target.place)
-    elbows = ANY_ELBOW if many else elbows_to_look_at(P, target, psi, -1, A)
+    elbows = ANY_ELBOW if has_surface(P, target.place) else elbows_to_look_at(P, target, psi, -1, A)
     if elbows != 0:
-        on_line = hides_turns(P, target.place) or (many and may_be_on_line(P, target.place))
+        on_line = may_be_on_line(P, target.place)
         by = setting_of(P, target, J, A)
         followed = curves_around(P, by, psi, elbows, kept)
         kept = kept if followed.extent == AROUND else followed
@@ -278,7 +276,7 @@ def solve_at_angle(P, target, psi, wanted, goal, J, A):
     elbows = elbows_in_question(P, target, psi, wanted, goal, (q, lowest), A)
     if elbows == 0:
         return q, best, lowest
-    if lowest >= OUTSIDE and hides_turns(P, place_):
+    if lowest >= OUTSIDE and may_be_on_line(P, place_):
         on_line = stretched(P, target, psi, wanted, goal, J, A)
         if on_line[2] < OUTSIDE:
             return on_line

@@ -39,7 +39,7 @@ from srs_ik.kernels.near.arcs import (
 from srs_ik.kernels.near.band import may_predict_limits, widen
 from srs_ik.kernels.near.predicted import predicted_intervals
 from srs_ik.kernels.near.scan import POINT_BRANCH, POINT_PSI, put_points, view_of
-from srs_ik.kernels.near.second_attempts import found_again, hides_turns
+from srs_ik.kernels.near.second_attempts import found_again, may_be_on_line
 from srs_ik.kernels.near.within import best_within, measure_points
 
 
@@ -132,7 +132,7 @@ def predicted_best_of_intervals(P, target, respect, out, J, A):
         J: (6, 7) work space.
         A: (16, 9) work space.
     """
-    if not respect or hides_turns(P, target.place):
+    if not respect or may_be_on_line(P, target.place):
         return -1
     found = np.empty((8 * MAX_PIECES, 3))
     n = predicted_intervals(P, target, found, J, A)

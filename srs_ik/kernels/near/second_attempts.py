@@ -62,9 +62,6 @@ JITTERS = 100
 STRETCHED = 1e-4
 """Sine of the bend of the elbow under which it may be on the line S-W."""
 
-HIDDEN = 1e-13
-"""What misses may take off the reach of a straight arm, m, for its curves to turn around too sharply to be followed."""
-
 LINE_LOOKS = 25
 LINE_STARTS = 320
 """Arm angles at which a posture with its elbow on the line S-W is looked for, and room for postures that are singular
@@ -264,14 +261,8 @@ def is_on_line(P, q, place_):
 
 @kernel
 def may_be_on_line(P, place_):
-    """Whether the elbow of an almost exact limb may lie on the line S-W at a pose."""
+    """Whether the elbow of an almost exact limb may lie on the line S-W at a pose: its curves turn too sharply there."""
     return P[IS_NEAR] != 0.0 and P[MISS] < ROUNDED * P[FAR] and is_flat(P, place_)
-
-
-@kernel
-def hides_turns(P, place_):
-    """Whether it may, and what its axes miss is less than steps are long: its curves turn around there within that."""
-    return P[MISS] * P[MISS] < HIDDEN * P[FAR] and may_be_on_line(P, place_)
 
 
 @kernel

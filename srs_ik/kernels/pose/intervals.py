@@ -20,7 +20,7 @@ from srs_ik.kernels.near.at_angle import may_reach
 from srs_ik.kernels.near.intervals import intervals_through, true_intervals, with_on_line
 from srs_ik.kernels.near.predicted import predicted_intervals
 from srs_ik.kernels.near.predicted_best import search_true
-from srs_ik.kernels.near.second_attempts import hides_turns, may_be_on_line
+from srs_ik.kernels.near.second_attempts import may_be_on_line
 
 WIDER = 1e-9
 """Limits that are so much farther out, rad, tell postures that rounding hides."""
@@ -72,7 +72,7 @@ def all_intervals(family, target, respect, J, A, out):
     n = predicted_intervals(F, target, out, J, A)
     if n < 0:
         n = true_intervals(P, target, respect, out, J, A)
-    if hides_turns(P, target.place) or (n == 0 and may_be_on_line(P, target.place)):
+    if may_be_on_line(P, target.place):
         n = with_on_line(P, target, respect, J, A, out, n)
     if n == 0 and may_be_hidden(F, target, J, A):
         q, _, lowest = search_true(P, target, -1, Goal(False, NO_SEED, respect), J, A)
