@@ -184,6 +184,27 @@ def next_turn(turns, i):
 
 
 @kernel
+def pairs_on_line(P, target):
+    """The pairs of signs of shoulder and wrist, as bits, with which the elbow at a pose may lie on the line S-W.
+
+    That is where room ends; next to a singular shoulder or wrist, reaches do not tell.
+    """
+    if P[NEAR] < SHORTEST:
+        return 0b1111
+    reaches = np.empty((4 * MOST_TURNS, REACH))
+    _, told = put_reaches(P, target, reaches)
+    pairs = 0b1111
+    for signs in range(4):
+        first = MOST_TURNS * signs
+        away = (told >> signs) & 1 == 1
+        for k in range(TURNS):
+            kind = room_between(reaches[first + k], reaches[first + (k + 1) % TURNS])
+            away = away and kind in (0, 1)
+        pairs ^= (1 << signs) if away else 0
+    return pairs
+
+
+@kernel
 def way_of(reach, first):
     """One of the ways of a row of `REACH`."""
     return read7(row(reach, first))

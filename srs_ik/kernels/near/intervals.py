@@ -16,6 +16,7 @@ from srs_ik.kernels.chain.newton import arm_angle
 from srs_ik.kernels.curves.best import best_on
 from srs_ik.kernels.curves.follow import CURVE, follow_through, tangent_at
 from srs_ik.kernels.curves.in_step import SAMPLE
+from srs_ik.kernels.curves.outreach import pairs_on_line
 from srs_ik.kernels.curves.runs import CURVE_ROWS, SPARE_ROWS, near_runs, samples_of, survey_curves
 from srs_ik.kernels.curves.spans import MAX_SPANS, SPAN, find_spans
 from srs_ik.kernels.exact.events import TURN
@@ -101,8 +102,9 @@ def with_on_line(P, target, respect, J, A, out, n):
         copy_interval(out, i, found, i)
     goal = Goal(False, NO_SEED, respect)
     on_line = 0
+    pairs = pairs_on_line(P, target)
     for signs in range(4):
-        if stretched(P, target, 0.0, signs, goal, J, A)[2] < OUTSIDE:
+        if (pairs >> signs) & 1 == 1 and stretched(P, target, 0.0, signs, goal, J, A)[2] < OUTSIDE:
             on_line |= 0b10001 << signs
     count = 0
     for branch in range(8):

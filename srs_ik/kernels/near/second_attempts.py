@@ -21,8 +21,10 @@ from srs_ik.kernels.chain.newton import (
     elbow_across,
     pose_step,
 )
+from srs_ik.kernels.chain.starts import almost_straight
 from srs_ik.kernels.curves.follow import correct
 from srs_ik.kernels.curves.lowest import cost_of_turn
+from srs_ik.kernels.curves.outreach import ALMOST as ALMOST_STRAIGHT
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.asked import Best, Setting
 from srs_ik.kernels.layout.limb import (
@@ -42,7 +44,7 @@ from srs_ik.kernels.limb.goal import OUTSIDE
 from srs_ik.kernels.limb.in_line import ROUNDED
 from srs_ik.kernels.limb.limits import turn_to_middle, violation
 from srs_ik.kernels.limb.poses import read7
-from srs_ik.kernels.limb.surface import is_flat, level_place, put_starts
+from srs_ik.kernels.limb.surface import level_place, put_starts
 from srs_ik.kernels.limb.triangle import elbow_side
 from srs_ik.kernels.near.branch_search import close_starts, put_start
 
@@ -261,8 +263,8 @@ def is_on_line(P, q, place_):
 
 @kernel
 def may_be_on_line(P, place_):
-    """Whether the elbow of an almost exact limb may lie on the line S-W at a pose: its curves turn too sharply there."""
-    return P[IS_NEAR] != 0.0 and P[MISS] < ROUNDED * P[FAR] and is_flat(P, place_)
+    """Whether the elbow of an almost exact limb may lie on the line S-W, where its curves turn too sharply."""
+    return P[IS_NEAR] != 0.0 and P[MISS] < ROUNDED * P[FAR] and place_[3] < ALMOST_STRAIGHT * almost_straight(P)
 
 
 @kernel
