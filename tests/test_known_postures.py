@@ -447,9 +447,10 @@ BETWEEN = [
     "-0.0005441520322508546 -1.3618452937166914",
     "0.4564281541353754 -0.10078870046539105 -1.8524682658578584 2.0534140388412596 2.1750268634584016 "
     "-0.0003460479104536603 0.3894752740907519",
+    "-1.989141867671505 0.0 1.515894513721963 2.036837463754163 3.10110207639255 0.0 0.6599879216960378",
 ]
 """Postures of a gen3 on closed curves of a tenth of a radian of arm angles, from a singular shoulder to a singular
-wrist."""
+wrist; the last is on one of 7e-6 rad where both are singular, between postures at which other curves almost cross."""
 
 
 @pytest.mark.parametrize("given", BETWEEN)

@@ -52,8 +52,11 @@ ALONE = 1e-14
 """A tip that is no farther past its pose than this, m or rad, meets it: rounding is some part of that."""
 
 SAME = 1e-5
-MOST_CENTRES = 16
+MOST_CENTRES = 32
 """Two postures of rank five are one if they are this close, rad; and how many are kept."""
+
+MORE_TRIALS = 48
+"""So many times what lies between two of them is tried."""
 
 CENTRE = 8
 BLUR = 7
@@ -212,15 +215,25 @@ def put_amid(P, target, starts, first, n, alone, work):
     """
     J, A = work
     centres = np.zeros((MOST_CENTRES, CENTRE))
-    used, found, n_alone = n, 0, 0
-    for i in range(first, n):
-        met, q, past, ways, bends = to_rank_five(P, read7(row(starts, i)), target, J, A)
-        definite = bends[0] * bends[1] > 0.0
-        if not met or not definite or past * bends[0] > ALONE * abs(bends[0]) or is_among(q, centres, found):
+    trials = np.empty((n - first + MORE_TRIALS, CENTRE))
+    for i in range(n - first):
+        store7(row(trials, i), 0, read7(row(starts, first + i)))
+    used, found, n_alone, last = n, 0, 0, n - first
+    for i in range(trials.shape[0]):
+        if i >= last:
+            break
+        met, q, past, ways, bends = to_rank_five(P, read7(row(trials, i)), target, J, A)
+        if not met or is_among(q, centres, found):
             continue
         if found < MOST_CENTRES:
+            for k in range(min(found, trials.shape[0] - last)):
+                # Few steps lead to a small closed curve; it lies between two postures at which curves cross, or almost.
+                store7(row(trials, last), 0, along7(q, 0.5, difference(q, read7(row(centres, k)))))
+                last += 1
             store7(row(centres, found), 0, q)
             found += 1
+        if not bends[0] * bends[1] > 0.0 or past * bends[0] > ALONE * abs(bends[0]):
+            continue
         if abs(past) < ALONE:
             if n_alone < alone.shape[0]:
                 store7(row(alone, n_alone), 0, q)
@@ -233,4 +246,5 @@ def put_amid(P, target, starts, first, n, alone, work):
             store7(row(starts, used), 0, there)
             used += 1
     keep(centres)
+    keep(trials)
     return used, n_alone
