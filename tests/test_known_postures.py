@@ -1097,6 +1097,18 @@ def test_all_branches_are_looked_for_on_curves_as_limits_cut_them(bench):
     assert inside_of > 3
 
 
+BY_THE_LINE = (
+    "1.05560754014479 0.8122907677080996 1.4280073527123909 1.5045997785507044 -0.6547039916547166 0.1930547181736849 "
+    "-0.9453279473790397"
+)
+
+
+@pytest.mark.skipif("h1_2_left" not in arms.here("h1_2_left"), reason="its file is not here")
+def test_arm_angles_next_to_where_the_elbow_passes_by_the_line_are_met(bench):
+    """Between two samples the arm angle turns around, goes on by almost half a turn, and turns around again."""
+    assert_intervals_are_met(bench, arms.load("h1_2_left"), np.array(BY_THE_LINE.split(), float))
+
+
 ON_THE_LINE = [
     "-1.6905982145188356 -1e-06 2.262444538424402 -1e-06 -1.3497831175688073 0.04101666741545218 0.5626755074916785",
     "-0.4319744407004902 1.566606791939765 -0.0416011289077689 -1e-08 -2.3730955126194675 -1e-08 -4.943029627884295",

@@ -294,27 +294,28 @@ def look_between(P, by, followed, i, psi, goal, out):
     a, b = load_sample(followed.rows[i - 1]), load_sample(followed.rows[i])
     rate_a, rate_b = told[i - 1, TOLD_RATE], told[i, TOLD_RATE]
     nearest = min(abs(ahead_a), abs(ahead_b))
-    turns = rate_a * rate_b <= 0.0
-    if turns and (nearest > NEAR_TURN or by.target.place[3] > WELL_BENT):
+    # Where the elbow passes close by the line S-W, the arm angle turns around before it and behind it.
+    turns = 1 if rate_a * rate_b <= 0.0 else (2 if rate_a * (ahead_b - ahead_a) < 0.0 else 0)
+    if turns == 1 and (nearest > NEAR_TURN or by.target.place[3] > WELL_BENT):
         way = difference(a, b)
-        turns = nearest < FASTER * max(abs(rate_a), abs(rate_b)) * math.sqrt(dot7(way, way))
-    if not turns and ahead_a * ahead_b > 0.0 and nearest > blur_of(by):
+        turns = 1 if nearest < FASTER * max(abs(rate_a), abs(rate_b)) * math.sqrt(dot7(way, way)) else 0
+    if turns == 0 and ahead_a * ahead_b > 0.0 and nearest > blur_of(by):
         return nearest
     branch, next_branch = int(told[i - 1, TOLD_BRANCH]), int(told[i, TOLD_BRANCH])
     if is_here(P, by, a, ahead_a):
         keep_found(P, by, a, branch, goal, out)
     if is_here(P, by, b, ahead_b):
         keep_found(P, by, b, next_branch, goal, out)
-    if turns:
-        turning = turning_between(P, by, a, b, 1.0 if rate_a > 0.0 else -1.0, ARM_ANGLE)
+    last, side = (a, ahead_a), 1.0 if rate_a > 0.0 else -1.0
+    for _ in range(turns):
+        turning = turning_between(P, by, a, b, side, ARM_ANGLE)
         turning = inside_of_blur(P, by, turning, BLURRED)
         ahead = ahead_a + short_way(angle_at(P, by, turning) - at_a)
-        put_passing(P, by, psi, branch, ((a, ahead_a), (turning, ahead)), goal, out)
-        put_passing(P, by, psi, branch, ((turning, ahead), (b, ahead_b)), goal, out)
+        put_passing(P, by, psi, branch, (last, (turning, ahead)), goal, out)
         if is_here(P, by, turning, ahead):
             keep_found(P, by, turning, branch, goal, out)
-        return min(nearest, abs(ahead))
-    put_passing(P, by, psi, branch, ((a, ahead_a), (b, ahead_b)), goal, out)
+        last, side, nearest = (turning, ahead), -side, min(nearest, abs(ahead))
+    put_passing(P, by, psi, branch, (last, (b, ahead_b)), goal, out)
     return nearest
 
 
