@@ -537,3 +537,28 @@ def test_a_posture_next_to_a_seed_is_found_from_the_seed(limb, free, q, seed):
     solution = arm.solve(arm.forward_kinematics(q), seed=seed, free_axis=free)
     assert solution, solution.message
     assert np.linalg.norm(solution.q - seed) <= np.linalg.norm(np.subtract(q, seed)) + 1e-6
+
+
+ELBOWS_ON_LIMITS = (
+    (
+        0.0,
+        [2.533, -0.014, 2.489, -2.1, 1.759, -0.081, -1.847],
+        [2.591, -0.086, 2.532, -2.082, 1.779, -0.113, -1.902],
+    ),
+    (
+        1e-6,
+        [-1.21, -0.996, 1.835, 2.1, 3.0, -0.909, -2.266],
+        [-1.212, -0.954, 1.92, 2.049, 3.003, -0.881, -2.292],
+    ),
+)
+"""Cones about the axis of joint 7, postures whose elbow comes to lie on its limit, and seeds."""
+
+
+@pytest.mark.parametrize(("cone", "q", "seed"), ELBOWS_ON_LIMITS)
+def test_elbows_stay_on_their_limit_where_the_axis_is_that_of_joint_7(cone, q, seed):
+    arm = arms.load("iiwa14")
+    q = np.clip(q, arm.lower, arm.upper)
+    free = FreeAxis([0.0, 0.0, 1.0], cone=cone)
+    solution = arm.solve(arms.forward("iiwa14")(q), seed=seed, free_axis=free)
+    assert solution, solution.message
+    assert np.linalg.norm(solution.q - seed) <= np.linalg.norm(q - seed) + 1e-6
