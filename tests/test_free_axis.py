@@ -6,9 +6,11 @@ import arms
 import numpy as np
 import pinocchio as pin
 import pytest
+from oracles import random_limb
 from pockets import POCKETS
 from scipy.optimize import minimize
 
+import srs_ik
 from srs_ik import FreeAxis, InvalidConfiguration, InvalidTask
 
 AXES = ([0.0, 0.0, 1.0], [0.6, -0.3, 0.8])
@@ -484,3 +486,79 @@ def test_a_straight_elbow_is_met_with_the_axis_through_the_wrist(wrist):
             solution = arm.solve(T, seed=seed, free_axis=[1, 0, 0])
             assert solution, solution.message
             assert_met("human_arm", FreeAxis([1, 0, 0]), solution.q, T)
+
+
+@pytest.mark.skipif("human_arm" not in LIMBS, reason="no human_arm here")
+def test_a_thin_cone_that_limits_leave_at_its_edge_alone_is_met():
+    """With four joints on limits, neither the middle of the cone meets the pose, nor the shortest way beside it."""
+    arm, free = arms.load("human_arm"), FreeAxis([0.0, 1.0, 0.0], cone=1e-6)
+    T = np.eye(4)
+    T[:3] = [
+        [0.431147934773847, -0.8413135580092076, -0.32604134009375896, 0.15604018841407674],
+        [-0.5514146668558578, -0.5317051268397589, 0.6428308667671138, -0.3260763354937565],
+        [-0.7141801758075407, -0.0973712236864856, -0.6931562026565922, 0.41790497406983795],
+    ]
+    far = [
+        0.24558348927977225,
+        1.81484245911,
+        -1.66146506467,
+        -1.76424624752,
+        0.306872471174,
+        -0.3585054674,
+        -0.2182070934,
+    ]
+    for seed in (None, np.zeros(7), far):
+        solution = arm.solve(T, seed=seed, free_axis=free)
+        assert solution, solution.message
+        assert_met("human_arm", free, solution.q, T)
+
+
+NEXT_TO_SEEDS = (
+    (
+        (1135, "tilted", "straight", "wide"),
+        FreeAxis([0.057, 0.528, -0.847], cone=1e-6),
+        [-4.547, -3.519, -3.769, 3.527, 1.431, -3.277, 4.873],
+        [-4.543, -3.485, -3.799, 3.571, 1.284, -3.298, 4.862],
+    ),
+    (
+        (1174, "tilted", "offset", "wide"),
+        FreeAxis([0.4, 0.771, 0.496]),
+        [3.859, 3.772, -4.335, -5.871, 5.276, -1.361, 5.294],
+        [3.817, 3.719, -4.391, -5.854, 5.344, -1.456, 5.213],
+    ),
+)
+"""Random limbs, what is free, postures, and seeds next to them that searches from elsewhere answered by others."""
+
+
+@pytest.mark.parametrize(("limb", "free", "q", "seed"), NEXT_TO_SEEDS)
+def test_a_posture_next_to_a_seed_is_found_from_the_seed(limb, free, q, seed):
+    arm = srs_ik.load(random_limb(*limb).model, base="base", tip="tool")
+    q = np.clip(q, arm.lower, arm.upper)
+    solution = arm.solve(arm.forward_kinematics(q), seed=seed, free_axis=free)
+    assert solution, solution.message
+    assert np.linalg.norm(solution.q - seed) <= np.linalg.norm(np.subtract(q, seed)) + 1e-6
+
+
+ELBOWS_ON_LIMITS = (
+    (
+        0.0,
+        [2.533, -0.014, 2.489, -2.1, 1.759, -0.081, -1.847],
+        [2.591, -0.086, 2.532, -2.082, 1.779, -0.113, -1.902],
+    ),
+    (
+        1e-6,
+        [-1.21, -0.996, 1.835, 2.1, 3.0, -0.909, -2.266],
+        [-1.212, -0.954, 1.92, 2.049, 3.003, -0.881, -2.292],
+    ),
+)
+"""Cones about the axis of joint 7, postures whose elbow comes to lie on its limit, and seeds."""
+
+
+@pytest.mark.parametrize(("cone", "q", "seed"), ELBOWS_ON_LIMITS)
+def test_elbows_stay_on_their_limit_where_the_axis_is_that_of_joint_7(cone, q, seed):
+    arm = arms.load("iiwa14")
+    q = np.clip(q, arm.lower, arm.upper)
+    free = FreeAxis([0.0, 0.0, 1.0], cone=cone)
+    solution = arm.solve(arms.forward("iiwa14")(q), seed=seed, free_axis=free)
+    assert solution, solution.message
+    assert np.linalg.norm(solution.q - seed) <= np.linalg.norm(q - seed) + 1e-6

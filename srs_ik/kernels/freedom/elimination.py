@@ -26,8 +26,9 @@ CONTRADICTION = 1e-3
 """An equation that depends on others is left out where these leave no more than so much of it, m and rad: along a
 straight arm, what is left of a pose depends on the square of what is left across it."""
 
-HELD_BACK = 1e-10
-"""The same with joints on limits: a limit may be what keeps the pose apart, and the multipliers tell which."""
+ROOM_ROW = 12
+"""Row of the system whose right-hand side says the same with joints on limits: a limit may be what keeps the pose
+apart, and the multipliers tell which."""
 
 
 @kernel
@@ -107,7 +108,7 @@ def solve_equations(K, M, m, held, d):
                     M[place, j] = M[r, j]
                 M[BASIC_ROW, place] = M[BASIC_ROW, r]
                 place += 1
-            elif abs(M[r, RHS]) > (CONTRADICTION if held == 0 else HELD_BACK):
+            elif abs(M[r, RHS]) > (CONTRADICTION if held == 0 else K[ROOM_ROW, RHS]):
                 return -1, rank
         if rank < FEWEST:
             return -1, rank

@@ -8,30 +8,31 @@ from __future__ import annotations
 
 import math
 
-from srs_ik.kernels.algebra.joint_vectors import between
+from srs_ik.kernels.algebra.joint_vectors import along7, between
 from srs_ik.kernels.algebra.lanes import eight_of, gather, one_of, where
 from srs_ik.kernels.algebra.pointers import row
-from srs_ik.kernels.algebra.vectors import load3, norm
-from srs_ik.kernels.chain.freedom import free_error
+from srs_ik.kernels.chain.freedom import as_rotation, free_error
+from srs_ik.kernels.chain.kinematics import forward_kinematics
 from srs_ik.kernels.exact.nearest import between_limbs
-from srs_ik.kernels.freedom.constraints import THIN
+from srs_ik.kernels.freedom.constraints import THIN, equations
+from srs_ik.kernels.freedom.elimination import RHS, ROOM_ROW
 from srs_ik.kernels.freedom.queue import APART, NONE_LEFT, change_places, line_up, take_next
-from srs_ik.kernels.freedom.settle import NO_POSTURE, distance, led_to, onto_pose, settle
+from srs_ik.kernels.freedom.settle import HELD_BACK, NO_FORCE, bounded_step, distance, led_to, onto_pose, settle
 from srs_ik.kernels.freedom.starts import NO_NEARER
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.answer import SOLVED
 from srs_ik.kernels.layout.freedom import MOST_STARTS, MOST_TAKEN, START_COST, START_LATE, Found, Freedom, Liking
-from srs_ik.kernels.layout.limb import FAR, MISS, PHASE, SHOULDER, STRAIGHT, WRIST, WRIST_IN_TIP
+from srs_ik.kernels.layout.limb import PHASE, SHOULDER, STRAIGHT, WRIST
 
 CLOSE = 0.15
 CLEAR = 2.0
 """A posture this close to a seed, rad, is the nearest one if no joint is singular within so many times its distance."""
 
-SPREAD = math.sqrt(7.0)
-"""Seven joints that turn by one together, each by the same, turn the tip by at most so much."""
-
-ALMOST = 1e-3
+ALMOST = 0.01
 """A search that ends this close to its pose, m and rad, goes on, or is brought onto it."""
+
+STRAIGHTER, SLUGGISH = 8, 1e-6
+"""Steps that turn an axis to the middle of its cone, and what motions cost there, by the square of what it leans."""
 
 MANY = 0.4
 """Once this part of the searches has failed, starts next to one whose search fails are left out, too."""
@@ -55,22 +56,21 @@ def beside(P, pose, freedom, liking, desk):
     off, turned = free_error(P, liking.posture, pose[0], pose[1], freedom)
     if max(off, turned) < SOLVED and between(liking.posture, liking.lower, liking.upper) == liking.posture:
         return Found(liking.posture, 0.0, True), True
-    tip = norm(load3(P, WRIST_IN_TIP))
-    if turned > SPREAD * CLOSE or off > SPREAD * CLOSE * (P[FAR] + tip + P[MISS]):
-        return Found(liking.posture, NONE_LEFT, False), False
-    rival = Liking(liking.posture, liking.weights, liking.lower, liking.upper, CLOSE * CLOSE, NO_POSTURE)
-    there, cost, error, at_rest = settle(P, liking.posture, pose, freedom, rival, desk)
-    met = at_rest and error < SOLVED
-    if not met and freedom.cone <= THIN:
-        there, cost, error, at_rest = settle(P, liking.posture, pose, Freedom(freedom.axis, 0.0), rival, desk)
-        met = at_rest and error < SOLVED
-        return Found(there, cost if met else NONE_LEFT, met), False
+    there, cost, error, at_rest = settle(P, liking.posture, pose, freedom, liking, desk)
+    alone = at_rest and error < SOLVED
+    if not alone and 0.0 < freedom.cone <= THIN:
+        rolled, least, left, _ = settle(P, liking.posture, pose, Freedom(freedom.axis, 0.0), liking, desk)
+        if left < SOLVED and (error >= SOLVED or least < cost):
+            there, cost, error = rolled, least, left
+    if SOLVED <= error < ALMOST:
+        there, cost, error, _ = searched(P, there, pose, freedom, liking, desk)
     q, distance = liking.posture, math.sqrt(cost)
     s2 = abs(math.sin(q[1] - P[SHOULDER + PHASE]))
     s4 = abs(math.sin(q[3] - P[STRAIGHT]))
     s6 = abs(math.sin(q[5] - P[WRIST + PHASE]))
-    alone = distance < CLOSE and min(s2, s4, s6) > CLEAR * distance + between_limbs(P)
-    return Found(there, cost if met else NONE_LEFT, met), met and alone
+    alone = alone and distance < CLOSE and min(s2, s4, s6) > CLEAR * distance + between_limbs(P)
+    met = error < SOLVED
+    return Found(there, cost if met else NONE_LEFT, met), alone
 
 
 @kernel
@@ -88,16 +88,35 @@ def searched(P, start, pose, freedom, rival, desk):
 
 
 @kernel
-def within_thin_cone(P, q, pose, freedom, rival, desk):
-    """`settle` with the axis at the middle of a thin cone, or, where limits allow that nowhere, wherever it is in it.
+def straightened(P, q, pose, freedom, liking, desk):
+    """The posture around one, on the place of its pose, whose axis leans least that limits allow."""
+    K = desk.system
+    K[ROOM_ROW, RHS] = HELD_BACK
+    for _ in range(STRAIGHTER):
+        equations(P, q, pose, Freedom(freedom.axis, 0.0), NO_FORCE, desk)
+        for i in range(7):
+            for j in range(7):
+                K[i, j] = K[10, i] * K[10, j] + K[11, i] * K[11, j]
+            K[i, i] += SLUGGISH
+            K[i, RHS] = K[10, i] * K[10, RHS] + K[11, i] * K[11, RHS]
+        step, _, _, _ = bounded_step(K, desk.copy, 3, q, 0, liking)
+        q = between(along7(q, 1.0, step), liking.lower, liking.upper)
+    return q
 
-    From almost on the pose, the least way onto its place alone turns the axis by hardly more than what was missed.
-    """
+
+@kernel
+def within_thin_cone(P, q, pose, freedom, rival, desk):
+    """`settle` with the axis at the middle of a thin cone, or, where limits keep it from that, where it leans least."""
     there, cost, error, at_rest = settle(P, q, pose, Freedom(freedom.axis, 0.0), rival, desk)
     if SOLVED <= error < ALMOST:
-        placed, _ = onto_pose(P, there, pose, Freedom(freedom.axis, math.pi), rival, desk)
+        placed = straightened(P, there, pose, freedom, rival, desk)
         off, turned = free_error(P, placed, pose[0], pose[1], freedom)
         if max(off, turned) < SOLVED:
+            x, y, z, _ = forward_kinematics(P, placed)
+            turned_there = as_rotation((x, y, z)), pose[1]
+            there, cost, error, at_rest = settle(P, placed, turned_there, Freedom(freedom.axis, 0.0), rival, desk)
+            if error < SOLVED:
+                return there, cost, error, at_rest
             return placed, distance(placed, rival), max(off, turned), at_rest
     return there, cost, error, at_rest
 

@@ -11,7 +11,7 @@ import math
 
 from srs_ik.kernels.algebra.joint_vectors import along7, apart, between, with_joint
 from srs_ik.kernels.freedom.constraints import bends, equations, fill, leaves_cone, on_edge, price
-from srs_ik.kernels.freedom.elimination import RHS
+from srs_ik.kernels.freedom.elimination import CONTRADICTION, RHS, ROOM_ROW
 from srs_ik.kernels.freedom.system import solve_held
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.freedom import Liking
@@ -42,6 +42,10 @@ with two of them meets none."""
 STIFFER = 4.0
 STIFFEST = 256.0
 """Where a step is none to a minimum, the bend of the distance counts so many times more, and at most so many times."""
+
+HELD_BACK, BENT = 1e-10, 3.0
+"""With joints on limits, an equation that depends on others is left out where these leave no more than so much of it, m
+and rad, or what the bends of the last step may leave: so many times its square."""
 
 ON_LIMIT = 1e-12
 """A joint this close to a limit, rad, is on it."""
@@ -230,6 +234,7 @@ def settle(P, q, pose, freedom, liking, desk):
             q = along7(before, 1.0, step)
             continue
         radius = min(2.0 * radius, MAX_STEP)
+        K[ROOM_ROW, RHS] = min(max(HELD_BACK, BENT * size * size), CONTRADICTION)
         curve = bends(m, forces, turns, freedom.cone)
         near = error < ALMOST
         curved = near and known == m

@@ -9,7 +9,7 @@ from srs_ik.kernels.chain.freedom import as_rotation, free_error
 from srs_ik.kernels.chain.kinematics import forward_kinematics
 from srs_ik.kernels.chain.newton import arm_angle
 from srs_ik.kernels.freedom.constraints import THIN
-from srs_ik.kernels.freedom.nearest import beside, nearest
+from srs_ik.kernels.freedom.nearest import CLOSE, beside, nearest
 from srs_ik.kernels.freedom.queue import MOST_ATTEMPTS, NONE_LEFT
 from srs_ik.kernels.freedom.settle import EVEN, NO_POSTURE, led_to, onto_pose, settle
 from srs_ik.kernels.freedom.starts import is_loose, starts_of_roll, starts_of_turns
@@ -54,17 +54,20 @@ def liking_of(family, P, goal):
 @kernel
 def found_posture(P, pose, given, goal, liking, desk):
     """The posture nearest to a seed, or without one farthest from the limits."""
-    known = Found(liking.posture, NONE_LEFT, False)
+    none = Found(liking.posture, NONE_LEFT, False)
     if goal.seeded:
         known, alone = beside(P, pose, given[0], liking, desk)
         if alone:
             return known
-    elif goal.respect and any_limited(P):
+        # One that is farther ends no other search: at singular shoulders and wrists these go a long way round.
+        found = nearest_of_all(P, pose, given, liking, known if known.cost < CLOSE * CLOSE else none, desk)
+        return known if known.cost < found.cost else found
+    if goal.respect and any_limited(P):
         found = widest_of_all(P, pose, given, liking, desk)
         if found.met:
             return found
     # Without a seed other starts, from distances and not margins, may yet lead to a posture.
-    return nearest_of_all(P, pose, given, liking, known, desk)
+    return nearest_of_all(P, pose, given, liking, none, desk)
 
 
 @kernel

@@ -46,6 +46,7 @@ from srs_ik.kernels.layout.limb import (
     WRIST,
 )
 from srs_ik.kernels.limb.goal import OUTSIDE, elbow_part
+from srs_ik.kernels.limb.limits import violation
 from srs_ik.kernels.limb.triangle import elbow_side, place
 
 OUT_OF_REACH = 0.1
@@ -131,6 +132,13 @@ def fill_row(P, pose, elbow, sought, table):
         if outside > MOST_OUTSIDE:
             return False
         cost = STEEP * outside + ((e - wish[3]) ** 2 if seeded else 0.0)
+    if seeded:
+        # A turn that is a little outside its limits may be much nearer.
+        near = e + TURN * math.floor((wish[3] - e) / TURN + 0.5)
+        outside = violation(P, 3, near)
+        nearer = STEEP * outside + (near - wish[3]) ** 2
+        if outside <= MOST_OUTSIDE and nearer < cost:
+            e, cost = near, nearer
     useless = costs_of_no_use(sought, table)
     if useless[0] < cost < useless[1]:
         return False
@@ -236,7 +244,7 @@ def starts_of_roll(P, pose, freedom, sought, desk):
     desk.table[INSIDE] = sought.known.cost
     for elbow in range(2):
         for i in range(STRIPS):
-            found, ends = strip(P, pose, freedom.axis, elbow, i)
+            found, ends = strip(P, pose, freedom, elbow, i)
             if found:
                 n = add_strip(P, pose, freedom, (elbow, ends), sought, desk, n)
     n = add_both_singular(P, pose, freedom.axis, sought, desk.starts, n)

@@ -9,7 +9,8 @@ from __future__ import annotations
 import math
 
 from srs_ik.kernels.algebra.joint_vectors import with_joint
-from srs_ik.kernels.algebra.vectors import along, apply, cross, dot, load3, scale, sub
+from srs_ik.kernels.algebra.vectors import along, apply, cross, dot, load3, norm, scale, sub
+from srs_ik.kernels.freedom.constraints import THIN
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.freedom import Liking
 from srs_ik.kernels.layout.limb import FAR, IS_CLOSED, LOWER, NEAR, SHOULDER_CENTRE, STRAIGHT, UPPER, WRIST_IN_TIP
@@ -91,16 +92,19 @@ def held_straight(P, pose, axis, liking):
 
 
 @kernel
-def strip(P, pose, axis, elbow, i):
+def strip(P, pose, freedom, elbow, i):
     """Rolls about an axis of the tip at which one side of the elbow keeps its limits: strip i of at most `STRIPS`.
+
+    A thin cone is searched as its roll; that its axis leans puts the wrist elsewhere.
 
     Returns:
         Whether there is such a strip; its first and last roll.
     """
-    constant, swing, middle = circle_of_wrist(P, pose, axis)
+    constant, swing, middle = circle_of_wrist(P, pose, freedom.axis)
     sign = 1.0 if elbow == 0 else -1.0
     slack, spare = (0.0, HARDLY) if P[IS_CLOSED] == 1.0 else (SLACK, SPARE)
-    spare *= P[FAR] * P[FAR]
+    leant = freedom.cone * norm(load3(P, WRIST_IN_TIP)) if freedom.cone <= THIN else 0.0
+    spare = (spare * P[FAR] + 2.0 * leant) * P[FAR]
     turns, side = i // 2 - 1, i % 2
     low = P[LOWER + 3] - P[STRAIGHT] + TURN * turns - slack
     high = P[UPPER + 3] - P[STRAIGHT] + TURN * turns + slack
