@@ -26,6 +26,8 @@ POSTURES = {
            -2.0260375459760382, 0.5909387999962032, 0.9651174694789351),
     2021: (2.49986631755291, 0.5457164666398127, 0.6671385825974561, 1.2159632756830399,
            -0.593643308871497, -2.4050397840187494, -0.7954133877130967),
+    3079: (1.2863306121767257, 0.4341396006073279, 1.354908269323678, -0.9188474836684024,
+           -1.0070389586465551, -0.7243448397020888, 1.1515372189414825),
 }
 SEEDS_AT_BORDERS = (
     (True, (2.07139039687152, 1.1575146683617301, -0.6658532072189701, 0.7957574658314077,
@@ -65,7 +67,7 @@ def test_a_seed_at_an_arm_angle_finds_the_branch_that_newton_missed(number, arou
 
 @pytest.mark.parametrize(
     ("number", "kind", "branch", "psi", "margin"),
-    [(1009, "mixed", 7, -2.51, 0.22), (1041, "pinched", 4, 0.4943, 0.156)],
+    [(1009, "mixed", 7, -2.51, 0.22), (1041, "pinched", 4, 0.4943, 0.156), (3079, "pinched", 3, -0.74983075, 0.2088)],
 )
 def test_a_joint_that_passes_its_narrow_range_and_turns_back_hides_no_better_posture(number, kind, branch, psi, margin):
     (arm, q), objective = known(number, kind, 0.005), srs_ik.Objective("limit_margin")
