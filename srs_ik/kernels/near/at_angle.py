@@ -6,6 +6,8 @@ that `follow` follows pass the arm angle.
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 
 from srs_ik.kernels.algebra.pointers import row
@@ -14,12 +16,21 @@ from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.answer import ROW_COST
 from srs_ik.kernels.layout.asked import Best, Goal, Setting
 from srs_ik.kernels.layout.limb import COSINE_OFF, FAR, IS_NEAR, MISS, NEAR, SHIFT
-from srs_ik.kernels.limb.branches import NO_BRANCH, best_branch, branch_of, is_on_border, is_unsure
+from srs_ik.kernels.limb.branches import NO_BRANCH, UNSURE, best_branch, branch_of, is_on_border, is_unsure
 from srs_ik.kernels.limb.goal import NO_SEED, OUTSIDE
 from srs_ik.kernels.limb.in_line import ROUNDED
 from srs_ik.kernels.limb.poses import read7
 from srs_ik.kernels.limb.surface import has_surface
-from srs_ik.kernels.near.band import ALMOST_NOTHING, ANY_ELBOW, is_oblique, is_told, least_bend, untold_elbows
+from srs_ik.kernels.near.band import (
+    ALMOST_NOTHING,
+    ANY_ELBOW,
+    is_oblique,
+    is_told,
+    is_well_bent,
+    least_bend,
+    sines_of_middles,
+    untold_elbows,
+)
 from srs_ik.kernels.near.branch_search import search_branch
 from srs_ik.kernels.near.on_curves import (
     AROUND,
@@ -113,6 +124,27 @@ def elbows_to_look_at(P, target, psi, wanted, A):
         if value >= NO_BRANCH or is_crowded(P) or may_have_others(P, target, psi, q):
             elbows |= 1 << (branch >> 2)
     return elbows
+
+
+@kernel
+def is_any_unsure(P, wanted, A):
+    """Whether a branch (or the wanted one, 0 to 7) has no posture in A, or one next to a singularity."""
+    unsure = False
+    for branch in range(8):
+        if wanted in (-1, branch):
+            unsure = unsure or A[FIRST + branch, ROW_COST] >= NO_BRANCH
+            unsure = unsure or is_unsure(P, read7(row(A, FIRST + branch)))
+    return unsure
+
+
+@kernel
+def may_be_unsure_within(P, place_, seed, distance):
+    """Whether a posture no farther than this from a seed may be so close to a singularity: see `is_unsure`."""
+    if not is_well_bent(P, place_):
+        return True
+    s2, s6 = sines_of_middles(P, seed)
+    width = UNSURE * P[SHIFT] / place_[3]
+    return min(s2, s6) < distance + width or place_[3] < width
 
 
 @kernel
@@ -247,13 +279,13 @@ def from_curves(P, by, followed, psi, wanted, goal, best):
 
 
 @kernel
-def elbows_in_question(P, target, psi, wanted, goal, best, A):
-    """Sides of the elbow, as bits, on which curves may pass an arm angle at better postures than one (q, cost)."""
+def elbows_in_question(P, target, psi, wanted, goal, lowest, A):
+    """Sides of the elbow, as bits, on which curves may pass an arm angle at better postures than one of a cost."""
     asked = ANY_ELBOW if wanted < 0 else 1 << (wanted >> 2)
-    q, lowest = best
     if lowest < OUTSIDE:
-        # Next to a singularity, Newton's method may have missed the branch that is nearest to a seed.
-        if goal.seeded and lowest > AT_SEED and is_unsure(P, q):
+        # Next to a singularity, Newton's method may have missed the posture that is nearest to a seed.
+        missed = goal.seeded and lowest > AT_SEED and is_any_unsure(P, wanted, A)
+        if missed and may_be_unsure_within(P, target.place, goal.seed, math.sqrt(lowest)):
             return asked & untold_elbows(P, target.place, psi)
         return 0
     return elbows_to_look_at(P, target, psi, wanted, A)
@@ -273,7 +305,7 @@ def solve_at_angle(P, target, psi, wanted, goal, J, A):
     q, best, lowest = best_of_all(P, target, psi, wanted, goal, A)
     if not may_reach(P, place_):
         return q, best, lowest
-    elbows = elbows_in_question(P, target, psi, wanted, goal, (q, lowest), A)
+    elbows = elbows_in_question(P, target, psi, wanted, goal, lowest, A)
     if elbows == 0:
         return q, best, lowest
     if lowest >= OUTSIDE and may_be_on_line(P, place_):

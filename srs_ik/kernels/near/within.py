@@ -69,15 +69,28 @@ def least_cost(a, b):
 
 
 @kernel
-def is_valley(a, b, least):
-    """Whether the cost between two points that are narrow, no less than a known one, rises nowhere before it falls.
+def has_maximum(a, b, joint):
+    """Whether the cost of a joint, which turns around once at most between two points, may rise there before it falls.
 
-    No joint's cost has more than one minimum or maximum there. So none that may be the largest has a maximum.
+    It rises behind the middle of the range: of a joint that was on its way there, or is on its way back, or goes there
+    and comes back.
     """
+    slope_a, slope_b = a[POINT_SLOPES + joint], b[POINT_SLOPES + joint]
+    passes = slope_a * a[POINT_RATES + joint] * slope_b * b[POINT_RATES + joint] < 0.0
+    if passes or not slope_a < 0.0 < slope_b:
+        return slope_a > 0.0 > slope_b or (passes and (slope_a > 0.0 or slope_b < 0.0))
+    # Where the tangents meet, behind the middle?
+    off_a, off_b, width = 1.0 + a[POINT_COSTS + joint], 1.0 + b[POINT_COSTS + joint], b[POINT_PSI] - a[POINT_PSI]
+    return off_a + slope_a * (off_a - off_b + slope_b * width) / (slope_b - slope_a) < 0.0
+
+
+@kernel
+def is_valley(a, b, least):
+    """Whether the cost between two points that are narrow, no less than a known one, rises nowhere before it falls."""
+    valley = True
     for j in range(7):
-        if joint_between(a, b, j)[1] >= least and a[POINT_SLOPES + j] > 0.0 > b[POINT_SLOPES + j]:
-            return False
-    return True
+        valley = valley and not (has_maximum(a, b, j) and joint_between(a, b, j)[1] >= least)
+    return valley
 
 
 @kernel

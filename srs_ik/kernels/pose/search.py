@@ -34,6 +34,7 @@ from srs_ik.kernels.limb.goal import OUTSIDE
 from srs_ik.kernels.limb.in_line import may_line_up
 from srs_ik.kernels.limb.limits import tighten
 from srs_ik.kernels.limb.surface import has_surface
+from srs_ik.kernels.near.at_angle import is_crowded, may_be_unsure_within
 from srs_ik.kernels.near.band import is_well_bent
 from srs_ik.kernels.near.many_singular import nearest_among_splits
 from srs_ik.kernels.pose.any_bend import best_at_any_bend, hides_some, nearest_alone
@@ -162,8 +163,9 @@ def search_beside(family, target, minimum, known, goal, J, A):
             return known, True
     found = np.empty((8 * MAX_PIECES, 3))
     n = intervals_within(family, target, known, goal, found)
-    # The true chain may reach a pose, and bend its elbow, where the closed form does not.
+    # The true chain may reach a pose, and bend its elbow, where the closed form does not; and so may oblique axes.
     told = told and is_well_bent(P, target.place)
+    told = told and not (is_crowded(P) and may_be_unsure_within(P, target.place, goal.seed, math.sqrt(known[2])))
     if n == 0 and told and not may_be_in_line(P, target.place, goal.seed, math.sqrt(known[2])):
         return (known if minimum else going_on(P, target, goal, known, J, A)), True
     if P[MISS] < HARDLY * P[FAR]:
@@ -223,7 +225,7 @@ def search_exact(family, target, branch, goal):
         best = farthest_of_all(P, F, place_, branch, goal.respect)
     best = with_splits(P, target, branch, goal, best)
     # What rounding hides may be nearer.
-    if best[2] >= OUTSIDE or (goal.seeded and goal.respect and hides_some(P, place_)):
+    if best[2] >= OUTSIDE or (goal.seeded and hides_some(P, place_)):
         best = best_at_any_bend(family, target, branch, goal, best)
     if best[2] >= OUTSIDE:
         whole_circles(found)

@@ -96,7 +96,7 @@ def best_posture(family, target, branch, goal, J, A):
     if goal.seeded and (branch < 0 or P[IS_NEAR] != 0.0):
         found, told = search_near_seed(family, target, branch, goal, J, A)
         if P[IS_NEAR] == 0.0 and found[2] < OUTSIDE and hides_some(P, target.place):
-            found = best_at_any_bend(family, target, -1, goal, found) if goal.respect else found
+            found = best_at_any_bend(family, target, -1, goal, found)
             found = going_on(P, target, goal, found, J, A) if may_reach(P, target.place) else found
     in_branch = found[2] < OUTSIDE and (branch < 0 or is_on_border(P, found[0], branch))
     if told and in_branch:
@@ -107,7 +107,13 @@ def best_posture(family, target, branch, goal, J, A):
             nearer = found if in_branch and found[2] < other[2] else other
             return going_on_in_branch(family, target, branch, goal, nearer, J, A)
         return going_on(P, target, goal, other, J, A)
-    return search_exact(family, target, branch, goal)
+    found = search_exact(family, target, branch, goal)
+    if goal.seeded and branch >= 0 and found[2] >= OUTSIDE:
+        # What locked joints leave next to a singularity is no interval, and met from the seed alone.
+        other, _ = search_near_seed(family, target, -1, goal, J, A)
+        if other[2] < OUTSIDE and is_on_border(P, other[0], branch):
+            return other[0], branch, other[2]
+    return found
 
 
 @kernel
