@@ -53,8 +53,8 @@ IN_LINE = 1e-9
 FIRST = 24
 """So many postures are as they come, at arm angles all around; the others have other splits."""
 
-STARTS = 40
-"""So many postures of a part are where curves may be found."""
+STARTS, STARTS_ONE = 40, 16
+"""So many postures of a part are where curves may be found, and of one with a flat elbow and a single way."""
 
 MOST_PARTS = 32
 PART = 7
@@ -340,7 +340,8 @@ def put_starts(P, place_, starts, n):
     goal = Goal(False, NO_SEED, False)
     for k in range(find_parts(P, wide, place_, widths, parts)):
         part = row(parts, k)
-        for i in range(STARTS if part[PART_LEVEL] == 1.0 or ways_of(part) > 1 else 0):
+        few = STARTS_ONE if part[PART_LEVEL] == 1.0 else 0
+        for i in range(STARTS if ways_of(part) > 1 else few):
             if n < starts.shape[0]:
                 q = posture_on((P, wide), place_, part, i, goal)
                 store7(row(starts, n), 0, q)
