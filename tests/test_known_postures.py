@@ -1127,3 +1127,26 @@ def test_what_is_met_all_around_the_line_from_shoulder_to_wrist_is_one_interval(
     assert whole == list(range(8))
     for branch, psi in product(range(8), np.linspace(-3.0, 3.0, 9)):
         assert arm.solve(pose, arm_angle=psi, branch=branch)
+
+
+NEXT_TO_SPLITS = [
+    (70395, "coordinate", "offset", "mixed", 0.01, [1.3145426936650446, -1.5532381740301044, -1.3026693903051993,
+     1.4522685571566245, 4.452225829066514, 1.4485193356004684, 2.9245010612433955]),
+    (311043, "coordinate", "straight", "wide", 0.02, [3.3204711293105973, 1.573489703188206, 2.2268185748280804,
+     0.013027555837399844, -0.5386823283212911, -0.6935802989394526, -2.197158346218642]),
+    (206009, "coordinate", "offset", "usual", 0.005, [0.12788870833630456, -0.5344870300631738, 1.2294407555970257,
+     1.2410742471897953, 1.9885936884225757, -1.6908131442784524, 0.6622384603181031]),
+    (207014, "tilted", "straight", "mixed", 0.0001, [0.6832519083391366, -1.5912785210486362, -0.27521500456905634,
+     -0.005397939028201989, -0.4555169239790726, 1.9269391073420123, 1.9666991393645312]),
+    (207014, "tilted", "straight", "mixed", 0.0001, [0.6581807242035094, -1.584830680259096, -0.26755883770950706,
+     0.0031275757686729374, -0.4584104551510193, 1.9268852359315833, 1.939075546733265]),
+]  # fmt: skip
+"""Random limbs, and postures on closed curves next to an almost straight elbow whose shoulder or wrist is almost
+singular: as close to it as the upper arm turns with the bend. Some are 0.05 rad long."""
+
+
+@pytest.mark.parametrize(("seed", "pattern", "elbow", "limits", "miss", "q"), NEXT_TO_SPLITS)
+def test_closed_curves_next_to_free_splits_of_straight_elbows_are_found(seed, pattern, elbow, limits, miss, q):
+    arm = srs_ik.load(random_limb(seed, pattern, elbow, limits, miss).model, base="base", tip="tool")
+    found = arm.intervals(arm.forward_kinematics(q), respect_limits=False)
+    assert any(arm.arm_angle(q) in each for each in found if each.branch == arm.branch(q))

@@ -53,8 +53,8 @@ IN_LINE = 1e-9
 FIRST = 24
 """So many postures are as they come, at arm angles all around; the others have other splits."""
 
-STARTS = 40
-"""So many postures of a part are where curves may be found."""
+STARTS, STARTS_ONE = 40, 16
+"""So many postures of a part are where curves may be found, and of one with a flat elbow and a single way."""
 
 MOST_PARTS = 32
 PART = 7
@@ -64,11 +64,16 @@ shoulder and the wrist; whether the sum of joints 1 and 3 may be split anyhow, a
 
 
 @kernel
+def flat_bend(P, place_):
+    """By how much an elbow may be bent, rad, if a pose may be one of a straight or folded one by the limb's misses."""
+    reach = P[FAR] if place_[2] > 0.0 else P[NEAR]
+    return math.sqrt(8.0 * BENDS * P[MISS] * reach / ((P[FAR] - P[NEAR]) * (P[FAR] + P[NEAR])))
+
+
+@kernel
 def is_flat(P, place_):
     """Whether a pose may be one of a straight or folded elbow, as far as the limb's misses let it tell."""
-    reach = P[FAR] if place_[2] > 0.0 else P[NEAR]
-    spread = 8.0 * BENDS * P[MISS] * reach / ((P[FAR] - P[NEAR]) * (P[FAR] + P[NEAR]))
-    return place_[3] * place_[3] < spread
+    return place_[3] < flat_bend(P, place_)
 
 
 @kernel
@@ -138,7 +143,7 @@ def put_parts_at(P, wide, side, at, parts, n):
         part[PART_EVERYWHERE] = 1.0 if everywhere else 0.0
         part[PART_SHOULDER] = 1.0 if free_s else 0.0
         part[PART_WRIST] = 1.0 if free_w else 0.0
-        if ways_of(part) > 1 or P[MISS] < ROUNDED * P[FAR]:
+        if level or ways_of(part) > 1 or P[MISS] < ROUNDED * P[FAR]:
             n += 1
     return n
 
@@ -237,27 +242,46 @@ def counts_as_flat(P, place_):
 
 
 @kernel
-def may_have_surface(P, place_, width):
-    """Whether outer axes may come within some width of one line at a pose: a quick test, mostly false."""
-    if width == 0.0:
-        return False
-    return may_line_up(P, place_, width) or (counts_as_flat(P, place_) and may_line_up(P, level_place(place_), width))
+def same_widths(P, place_, width):
+    """The width for an elbow that is bent, and for one that may be flat: 0.0 where it may not."""
+    return width, (width if counts_as_flat(P, place_) else 0.0)
 
 
 @kernel
-def find_parts(P, wide, place_, width, parts):
+def widths_for_curves(P, place_):
+    """`width_for_curves` with the elbow bent, and where it may be flat (0.0 where it may not).
+
+    With a bend in place of a flat elbow, the upper arm is half of it off S-W, and outer axes closer to one line.
+    """
+    width = width_for_curves(P)
+    flat = min(0.5 * flat_bend(P, place_), MOST_WIDTH_OF_CURVES)
+    return width, (max(width, flat) if is_flat(P, place_) else 0.0)
+
+
+@kernel
+def may_have_surface(P, place_, widths):
+    """Whether outer axes may come within some width of one line at a pose: a quick test, mostly false."""
+    bent, flat = widths
+    if bent == 0.0:
+        return False
+    return may_line_up(P, place_, bent) or (flat > 0.0 and may_line_up(P, level_place(place_), flat))
+
+
+@kernel
+def find_parts(P, wide, place_, widths, parts):
     """Write the parts of the surface of a pose into rows of parts; their number.
 
     `wide` is room for a limb, which takes axes that are within some width of one line for being in it. An elbow that
-    may be flat is taken for flat, and if it is bent by more than that width, as it is, too.
+    may be flat is taken for flat, and if it is bent by more than the width for that, as it is, too.
     """
     wide_limb(P, wide)
-    wide[SLACK_SINGULAR] = width
+    bent, flat = widths
     n = 0
-    level = counts_as_flat(P, place_)
-    if level:
+    if flat > 0.0:
+        wide[SLACK_SINGULAR] = flat
         n = put_parts(P, wide, level_place(place_), True, parts, n)
-    if not level or place_[3] > width:
+    if flat == 0.0 or place_[3] > bent:
+        wide[SLACK_SINGULAR] = bent
         n = put_parts(P, wide, place_, False, parts, n)
     return n
 
@@ -290,12 +314,12 @@ def posture_on(limbs, place_, part, i, goal):
 @kernel
 def has_surface(P, place_):
     """Whether several parts of a limb are singular at once, or so close to it that their curves connect anyhow."""
-    width = width_for_curves(P)
-    if not may_have_surface(P, place_, width):
+    widths = same_widths(P, place_, width_for_curves(P))
+    if not may_have_surface(P, place_, widths):
         return False
     boxes, parts = np.empty((1, SIZE)), np.empty((MOST_PARTS, PART))
     most = 0
-    for i in range(find_parts(P, row(boxes, 0), place_, width, parts)):
+    for i in range(find_parts(P, row(boxes, 0), place_, widths, parts)):
         most = max(most, ways_of(row(parts, i)))
     keep(boxes)
     keep(parts)
@@ -304,16 +328,20 @@ def has_surface(P, place_):
 
 @kernel
 def put_starts(P, place_, starts, n):
-    """Append postures of the surface, from which curves may be found; their number."""
-    width = width_for_curves(P)
-    if not may_have_surface(P, place_, width):
+    """Append postures of the surface, from which curves may be found; their number.
+
+    With a flat elbow, two curves come together all around, and one more way is enough to connect others.
+    """
+    widths = widths_for_curves(P, place_)
+    if not may_have_surface(P, place_, widths):
         return n
     boxes, parts = np.empty((1, SIZE)), np.empty((MOST_PARTS, PART))
     wide = row(boxes, 0)
     goal = Goal(False, NO_SEED, False)
-    for k in range(find_parts(P, wide, place_, width, parts)):
+    for k in range(find_parts(P, wide, place_, widths, parts)):
         part = row(parts, k)
-        for i in range(STARTS if ways_of(part) > 1 else 0):
+        few = STARTS_ONE if part[PART_LEVEL] == 1.0 else 0
+        for i in range(STARTS if ways_of(part) > 1 else few):
             if n < starts.shape[0]:
                 q = posture_on((P, wide), place_, part, i, goal)
                 store7(row(starts, n), 0, q)

@@ -28,6 +28,7 @@ from srs_ik.kernels.limb.surface import (
     in_line_width,
     may_have_surface,
     posture_on,
+    same_widths,
     ways_of,
     width_for_curves,
 )
@@ -84,17 +85,17 @@ def try_rank_five(P, target, goal, best, work):
 @kernel
 def nearest_among_splits(P, target, goal, known):
     """The posture nearest to a seed as known so far, or a nearer one where outer axes are in line: q, branch, cost."""
-    if not may_have_surface(P, target.place, width_for_curves(P)):
+    if not may_have_surface(P, target.place, same_widths(P, target.place, width_for_curves(P))):
         return known
     work = (np.empty((6, 7)), np.empty((16, 9)))
     best = try_from(P, goal.seed, target, goal, try_rank_five(P, target, goal, known, work), work)
-    width = in_line_width(P)
-    if not may_have_surface(P, target.place, width):
+    widths = same_widths(P, target.place, in_line_width(P))
+    if not may_have_surface(P, target.place, widths):
         return best
     boxes = np.empty((1, SIZE))
     wide = row(boxes, 0)
     parts = np.empty((MOST_PARTS, PART))
-    n = find_parts(P, wide, target.place, width, parts)
+    n = find_parts(P, wide, target.place, widths, parts)
     for k in range(n):
         part = row(parts, k)
         for i in range(TRIES[ways_of(part) - 1]):

@@ -34,6 +34,7 @@ from srs_ik.solve.path.problem import OBJECTIVES, TIME, Problem, Way, copy, wort
 from srs_ik.solve.path.rows import off_poses, on_straight_lines, rows_of
 from srs_ik.solve.path.solution import PathSolution
 from srs_ik.solve.path.turns import unwound
+from srs_ik.solve.path.wide import in_fewest_turns
 from srs_ik.solve.pose import solve
 from srs_ik.solve.solution import Status
 from srs_ik.solve.threads import interruptible
@@ -99,10 +100,13 @@ def solve_path(
         # What has to be compiled is compiled here: in another thread nobody could interrupt it.
         one = replace(problem, T=T[:1], known=given[:1], has_known=has_given[:1], near=problem.near[:1])
         rows_of(one, find(one))
-    way, rows = interruptible(lambda stop: _found(find, replace(asked, stop=stop)), worth_it=n > SHORT)
+    way, rows, planned = interruptible(
+        lambda stop: in_fewest_turns(replace(asked, stop=stop), lambda each: _found(find, each), closed),
+        worth_it=n > SHORT,
+    )
     rows[:, :7] = unwound(problem, rows)
     steps = np.diff(rows[:, :7], axis=0)
-    return PathSolution(rows, arm.joint_names, steps, breaks_of(asked, way, rows, steps), arm.elbow, problem=asked)
+    return PathSolution(rows, arm.joint_names, steps, breaks_of(planned, way, rows, steps), arm.elbow, problem=planned)
 
 
 def _acceleration(limit: ArrayLike | None, objective: str) -> Array | None:

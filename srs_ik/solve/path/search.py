@@ -252,11 +252,8 @@ def sparse(problem: Problem, apart: NDArray[np.bool_]) -> Way | None:
         if not missed.any():
             improve(problem, way)
             best = way if best is None or way.cost < best.cost else best
-            if best.cost < AS_PLANNED * least:
-                return search_around(problem, best)
-            if marks[apart].all():
-                best = best if apart.all() else in_finer(problem, best, keys, blocks)
-                return search_around(problem, best)
+            if best.cost < AS_PLANNED * least or marks[apart].all():
+                return search_around(problem, in_finer(problem, best, keys, blocks))
             missed = worse(problem, way, keys, q)
         if best is None:
             plan = held_in(problem, keys, blocks)
