@@ -15,7 +15,7 @@ from srs_ik.kernels.algebra.minimum import propose, start_search, tell
 from srs_ik.kernels.algebra.pointers import copy, keep, row
 from srs_ik.kernels.exact.events import TURN
 from srs_ik.kernels.exact.glance import NEXT_GLANCE, glance
-from srs_ik.kernels.exact.intervals import find_intervals
+from srs_ik.kernels.exact.intervals import intervals_of
 from srs_ik.kernels.exact.summit import summit, turning_axes
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.answer import MAX_PIECES
@@ -254,7 +254,7 @@ def farthest_from(P, place_, sides, given, asked, best):
         lowest = best[2]
         if lowest <= least + gain_of(lowest) or not draw_in(P, lowest - gain_of(lowest), respect, box):
             break
-        n = common_parts(found, find_intervals(box, place_, branch, found), given, left)
+        n = common_parts(found, intervals_of(box, sides, branch, found), given, left)
         if n == 0:
             break
     keep(boxes)
@@ -317,5 +317,5 @@ def farthest_of_all(P, F, place_, branch, respect):
     if best[2] < OUTSIDE:
         whole_circles(given)
         return farthest_from(P, place_, sides, given[:8], (branch, respect), best)
-    n = find_intervals(F, place_, branch, given)
+    n = intervals_of(F, sides, branch, given)
     return farthest_from(P, place_, sides, given[:n], (branch, respect), (NO_SEED, 0, 4.0 * NO_BRANCH))

@@ -189,26 +189,30 @@ def intersect(P, motions, a, b, branch, out, n):
 
 
 @kernel
-def feasible_intervals(P, place_, branch, events, marks, shoulder, wrist, out):
+def find_intervals(P, place_, branch, out):
+    """Feasible intervals of one pose, as `intervals_of` writes them; their number."""
+    return intervals_of(P, (elbow_side(P, place_, 0), elbow_side(P, place_, 1)), branch, out)
+
+
+@kernel
+def intervals_of(P, sides, branch, out):
     """Write (branch, lower, upper) of every feasible interval of arm angles into the rows of out; return their number.
 
     Args:
         P: packed limb; packed without limits where they are not to count (the reach of oblique axes always does).
-        place_: the pose, from `triangle.place`.
+        sides: both sides of the elbow at a pose, from `triangle.elbow_side`.
         branch: the only one that is wanted; -1: all.
-        events: (MAX_EVENTS,) work space.
-        marks: (MAX_EVENTS,) integer work space.
-        shoulder: (2, MAX_PIECES, 2) work space.
-        wrist: (2, MAX_PIECES, 2) work space.
         out: (n, 3) output, branch after branch and sorted; 8 x MAX_PIECES rows always suffice.
     """
+    events, marks = np.empty(MAX_EVENTS), np.empty(MAX_EVENTS, np.int64)
+    shoulder, wrist = np.empty((2, MAX_PIECES, 2)), np.empty((2, MAX_PIECES, 2))
     n = 0
     wanted_s = 3 if branch < 0 else 1 << ((branch >> 1) & 1)
     wanted_w = 3 if branch < 0 else 1 << (branch & 1)
     for elbow in range(2):
         if branch >= 0 and branch >> 2 != elbow:
             continue
-        q4, motion_s, motion_w, _ = elbow_side(P, place_, elbow)
+        q4, motion_s, motion_w, _ = sides[elbow]
         if violation(P, 3, turn_to_middle(P, 3, q4)) > 0.0:
             continue
         s = joint_pieces(P, SHOULDER, motion_s, wanted_s, events, marks, shoulder)
@@ -220,18 +224,3 @@ def feasible_intervals(P, place_, branch, events, marks, shoulder, wrist, out):
                 number = 4 * elbow + 2 * i + j
                 n = intersect(P, (motion_s, motion_w), (shoulder, s[i], i), (wrist, w[j], j), number, out, n)
     return n
-
-
-@kernel
-def find_intervals(P, place_, branch, out):
-    """Feasible intervals of one pose (in one branch, if it is wanted), with work space of their own."""
-    return feasible_intervals(
-        P,
-        place_,
-        branch,
-        np.empty(MAX_EVENTS),
-        np.empty(MAX_EVENTS, np.int64),
-        np.empty((2, MAX_PIECES, 2)),
-        np.empty((2, MAX_PIECES, 2)),
-        out,
-    )

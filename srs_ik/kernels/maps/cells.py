@@ -9,6 +9,7 @@ import numpy as np
 from srs_ik.kernels.algebra.pointers import row
 from srs_ik.kernels.exact.events import TOUCH, TURN
 from srs_ik.kernels.exact.farthest import farthest, farthest_of_all
+from srs_ik.kernels.exact.intervals import find_intervals
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.answer import GOOD_POSE, SOLVED
 from srs_ik.kernels.layout.limb import LIMITED, LOOSE
@@ -26,7 +27,7 @@ from srs_ik.kernels.limb.poses import read_pose
 from srs_ik.kernels.limb.triangle import elbow_side, place
 from srs_ik.kernels.maps.arcs import put_arc, write_arcs
 from srs_ik.kernels.maps.first_joint import ahead, first_range, singular_angle, split_angles, turning_points
-from srs_ik.kernels.maps.reach import room, write_intervals
+from srs_ik.kernels.maps.reach import room
 
 STEP_ASIDE = 1e-9
 """Joint 1 is looked at so far, rad, beside the arm angle of a singularity, at which it jumps."""
@@ -114,11 +115,11 @@ def write_cell(family, place_, limits, asked, space, out):
         clear(most, out)
         return
     P = row(family, LIMITED)
-    n = write_intervals(P, place_, space)
+    n = find_intervals(P, place_, -1, space.found)
     if n == 0:
         # A pose whose postures all lie on limits leaves room by rounding alone.
         P = row(family, LOOSE)
-        n = write_intervals(P, place_, space)
+        n = find_intervals(P, place_, -1, space.found)
     if n == 0:
         clear(most, out)
         return

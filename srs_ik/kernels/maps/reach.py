@@ -16,7 +16,7 @@ from srs_ik.kernels.algebra.vectors import dot, load3, swing
 from srs_ik.kernels.exact.events import TURN
 from srs_ik.kernels.exact.flat import is_as_good_as_flat
 from srs_ik.kernels.exact.gaps import fits
-from srs_ik.kernels.exact.intervals import feasible_intervals, joint_pieces
+from srs_ik.kernels.exact.intervals import joint_pieces
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.answer import GOOD_POSE, MAX_EVENTS, MAX_PIECES, MOST_INTERVALS, SOLVED
 from srs_ik.kernels.layout.limb import (
@@ -71,7 +71,7 @@ def widened(family, box):
 
 @kernel
 def room(family):
-    """Work space for `reach` and `write_intervals`."""
+    """Work space for `reach`."""
     wide = np.empty((1, SIZE))
     widened(family, row(wide, 0))
     return Room(
@@ -82,12 +82,6 @@ def room(family):
         np.empty((MOST_INTERVALS, 3)),
         wide,
     )
-
-
-@kernel
-def write_intervals(P, place_, space):
-    """Write the feasible intervals of all branches into `space.found`; return their number."""
-    return feasible_intervals(P, place_, -1, space.events, space.marks, space.shoulder, space.wrist, space.found)
 
 
 @kernel

@@ -16,7 +16,7 @@ from srs_ik.kernels.algebra.joint_vectors import short_way
 from srs_ik.kernels.algebra.pointers import copy, keep, row
 from srs_ik.kernels.curves.spans import MAX_SPANS, SPAN, find_spans
 from srs_ik.kernels.exact.events import PI, TURN
-from srs_ik.kernels.exact.intervals import SAME, find_intervals, join_touching, write_interval
+from srs_ik.kernels.exact.intervals import SAME, intervals_of, join_touching, write_interval
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.answer import MAX_PIECES
 from srs_ik.kernels.layout.asked import Setting
@@ -234,7 +234,7 @@ def shifted_intervals(P, view, out):
     copy(P, box, SIZE)
     # Joints that come to their limits so closely one behind the other may leave an arm angle between them, or none.
     box[SLACK_JOIN] = BARELY
-    n_found = find_intervals(box, view.target.place, -1, found)
+    n_found = intervals_of(box, view.sides, -1, found)
     keep(boxes)
     arcs = np.empty((MOST_ARCS, ARC))
     n_arcs = find_arcs(P, view, arcs)
@@ -314,9 +314,9 @@ def predicted_intervals(P, target, out, J, A):
     box = row(boxes, 0)
     certain = np.empty((8 * MAX_PIECES, 3))
     possible = np.empty((8 * MAX_PIECES, 3))
-    n_certain = find_intervals(box, place_, -1, certain) if widen(P, band, -1.0, box) else 0
+    n_certain = intervals_of(box, view.sides, -1, certain) if widen(P, band, -1.0, box) else 0
     widen(P, band, 1.0, box)
-    n_possible = find_intervals(box, place_, -1, possible)
+    n_possible = intervals_of(box, view.sides, -1, possible)
     keep(boxes)
     arcs = np.empty((MOST_ARCS, ARC))
     n_arcs = find_arcs(P, view, arcs)

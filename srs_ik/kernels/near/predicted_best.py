@@ -17,7 +17,7 @@ from srs_ik.kernels.chain.newton_eight import ALL, all_times, close_eight
 from srs_ik.kernels.curves.best import best_of_runs, search_followed
 from srs_ik.kernels.curves.in_step import one_of_seven
 from srs_ik.kernels.exact.farthest import best_glance, copy_interval, draw_in, farthest_of_all
-from srs_ik.kernels.exact.intervals import find_intervals
+from srs_ik.kernels.exact.intervals import intervals_of
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.answer import MAX_PIECES
 from srs_ik.kernels.layout.asked import Best, Goal, Setting
@@ -98,7 +98,7 @@ def predicted_best(P, target, branch, J, A):
         return best, False
     widen(box, view.band, 1.0, row(boxes, 1))
     found = np.empty((8 * MAX_PIECES, 3))
-    n = find_intervals(row(boxes, 1), target.place, branch, found)
+    n = intervals_of(row(boxes, 1), view.sides, branch, found)
     arcs = np.empty((MOST_ARCS, ARC))
     n_arcs = find_arcs(P, view, arcs)
     if n_arcs < 0:
