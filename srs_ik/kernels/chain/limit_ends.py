@@ -6,6 +6,8 @@ pose to first order and goes with the arm angle, one way or the other, until the
 
 from __future__ import annotations
 
+import math
+
 from srs_ik.kernels.algebra.joint_vectors import along7
 from srs_ik.kernels.algebra.lane_trig import turn, turned_by, turns_of
 from srs_ik.kernels.algebra.lanes import as_bits, where
@@ -28,6 +30,10 @@ FARTHEST = 1.0
 
 HARDLY = 1e-11
 """A step foreseen to be this short, rad, is not taken: it would be shorter still, by the square of the last one."""
+
+CLOSE_BY = 1e-5
+"""A first step this short, rad, times the root of the sine of the elbow's bend, is the last: what it leaves is its
+square over that sine, 1e-10 rad. The postures that almost exact limbs start from are that close."""
 
 
 @kernel
@@ -72,18 +78,20 @@ def to_limits(P, q, psi, way, target, steps):
     around = turn(psi)
     met = 0
     last = 0.0 * psi
+    short = CLOSE_BY * math.sqrt(place_[3])
     for _ in range(steps):
         h, b = half_planes(t, h0, around)
         d, rates, _, right = newton_step(P, turns, R, p, h, b)
         ahead = way * way_to_limits(P, along7(q, 1.0, d), rates, way)
         d = along7(d, ahead, rates)
         size = larger(largest(d), abs(ahead))
-        settled = (size < LAST_STEP) | is_foreseen(size, last, HARDLY)
+        settled = (size < short) | is_foreseen(size, last, HARDLY)
         f = MAX_STEP / larger(size, MAX_STEP + 0.0 * size)
         d = all_times(f, d)
         q = along7(q, 1.0, d)
         psi = psi + f * ahead
         last = size
+        short = LAST_STEP
         met = as_bits(settled & right)
         if as_bits(settled) == ALL:
             break
