@@ -1150,3 +1150,28 @@ def test_closed_curves_next_to_free_splits_of_straight_elbows_are_found(seed, pa
     arm = srs_ik.load(random_limb(seed, pattern, elbow, limits, miss).model, base="base", tip="tool")
     found = arm.intervals(arm.forward_kinematics(q), respect_limits=False)
     assert any(arm.arm_angle(q) in each for each in found if each.branch == arm.branch(q))
+
+
+FROM_A_SEED = [
+    (
+        "-3.099999999999 -1e-10 2.4321488624254894 1e-05 0.6714517476427377 1e-12 2.302254177997985",
+        "-3.1 -0.14992571093748872 2.656040253502294 -0.1436866409425179 0.8366958984281264 -0.023205944019279823 "
+        "2.3351765460535434",
+    ),
+    (
+        "-1.2240901230524037 -1e-08 1.8422792701953186 -1e-05 2.6272727058063468 1e-09 -5.409149574229435",
+        "-1.2076019778705482 -0.005127024862106787 1.8381622697274822 -0.0022660501786562347 2.641038620128045 "
+        "0.014098619619983094 -5.397916313974166",
+    ),
+]
+
+
+@pytest.mark.skipif("rm75" not in arms.here("rm75"), reason="its file is not here")
+@pytest.mark.parametrize(("given", "seed"), FROM_A_SEED)
+def test_an_elbow_on_the_line_keeps_no_nearer_posture_at_its_arm_angle_from_a_seed(given, seed):
+    """The one that is at every arm angle is up to 7 rad away."""
+    arm, q, seed = arms.load("rm75"), np.array(given.split(), float), np.array(seed.split(), float)
+    pose, psi = arm.forward_kinematics(q), arm.arm_angle(q)
+    for branch in (None, arm.branch(q)):
+        found = arm.solve(pose, arm_angle=psi, branch=branch, seed=seed)
+        assert np.linalg.norm(found.q - seed) < np.linalg.norm(q - seed) + 1e-6

@@ -75,9 +75,15 @@ AWAY = 0.1
 
 
 @kernel
+def is_almost_straight(P, place_):
+    """Whether the elbow at a pose may be straight or folded on the true chain."""
+    return place_[3] < ALMOST * almost_straight(P)
+
+
+@kernel
 def may_be_straight(P, place_):
-    """Whether the elbow at a pose may be straight or folded on the true chain, as a limb that can be folded alone."""
-    return place_[3] < ALMOST * almost_straight(P) and P[NEAR] >= SHORTEST
+    """Whether it may be that of a limb that cannot be folded to a point, where the line S-W would be lost."""
+    return is_almost_straight(P, place_) and P[NEAR] >= SHORTEST
 
 
 @kernel

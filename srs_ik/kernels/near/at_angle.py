@@ -293,7 +293,17 @@ def elbows_in_question(P, target, psi, wanted, goal, lowest, A):
 
 @kernel
 def solve_at_angle(P, target, psi, wanted, goal, J, A):
-    """Best posture at an arm angle over all branches, or in one (0 to 7), by all means there are: q, branch, cost.
+    """Best posture at an arm angle over all branches, or in one (0 to 7), by all means there are: q, branch, cost."""
+    found = look_at_angle(P, target, psi, wanted, goal, J, A)
+    if found[2] < OUTSIDE or not goal.seeded or not may_be_on_line(P, target.place):
+        return found
+    other = stretched(P, target, psi, wanted, goal, J, A)
+    return other if other[2] < found[2] else found
+
+
+@kernel
+def look_at_angle(P, target, psi, wanted, goal, J, A):
+    """`solve_at_angle`, but for a seed that an elbow on the line S-W alone answers: others may be nearer.
 
     A branch of a near limb ends where its curve turns around or goes over into another one, and rounding decides about
     postures there: one at an arm angle that is the same with it is as good, and so is one of the other branch there.
@@ -308,7 +318,7 @@ def solve_at_angle(P, target, psi, wanted, goal, J, A):
     elbows = elbows_in_question(P, target, psi, wanted, goal, lowest, A)
     if elbows == 0:
         return q, best, lowest
-    if lowest >= OUTSIDE and may_be_on_line(P, place_):
+    if lowest >= OUTSIDE and not seeded and may_be_on_line(P, place_):
         on_line = stretched(P, target, psi, wanted, goal, J, A)
         if on_line[2] < OUTSIDE:
             return on_line

@@ -21,10 +21,9 @@ from srs_ik.kernels.chain.newton import (
     elbow_across,
     pose_step,
 )
-from srs_ik.kernels.chain.starts import almost_straight
 from srs_ik.kernels.curves.follow import correct
 from srs_ik.kernels.curves.lowest import cost_of_turn
-from srs_ik.kernels.curves.outreach import ALMOST as ALMOST_STRAIGHT
+from srs_ik.kernels.curves.outreach import is_almost_straight
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.asked import Best, Setting
 from srs_ik.kernels.layout.limb import (
@@ -264,7 +263,7 @@ def is_on_line(P, q, place_):
 @kernel
 def may_be_on_line(P, place_):
     """Whether the elbow of an almost exact limb may lie on the line S-W, where its curves turn too sharply."""
-    return P[IS_NEAR] != 0.0 and P[MISS] < ROUNDED * P[FAR] and place_[3] < ALMOST_STRAIGHT * almost_straight(P)
+    return P[IS_NEAR] != 0.0 and P[MISS] < ROUNDED * P[FAR] and is_almost_straight(P, place_)
 
 
 @kernel
