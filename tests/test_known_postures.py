@@ -1175,3 +1175,17 @@ def test_an_elbow_on_the_line_keeps_no_nearer_posture_at_its_arm_angle_from_a_se
     for branch in (None, arm.branch(q)):
         found = arm.solve(pose, arm_angle=psi, branch=branch, seed=seed)
         assert np.linalg.norm(found.q - seed) < np.linalg.norm(q - seed) + 1e-6
+
+
+@pytest.mark.parametrize("robot", ["random limb", *arms.here("j2s7s300")])
+def test_no_interval_goes_on_as_that_of_another_curve(bench, robot):
+    """With an almost straight elbow two curves pass within 0.02 rad; a limit that one meets was taken for the other's."""
+    if robot == "j2s7s300":
+        arm = arms.load(robot)
+        q = "1.641662899580692 4.316536560302829 2.9046307905275217 3.141592653589793 1.3650318563322656 "
+        q = np.array(f"{q} 3.141592653589793 -0.44597528959482613".split(), float)
+    else:
+        limb = random_limb(120025, "tilted", "offset", "usual", 0.0001)
+        arm = srs_ik.load(limb.model, base="base", tip="tool")
+        q = [limb.configuration() for _ in range(30)][-1]
+    assert_intervals_are_met(bench, arm, q)

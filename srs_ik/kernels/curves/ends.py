@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 
-from srs_ik.kernels.algebra.joint_vectors import along7, difference, largest, short_way
+from srs_ik.kernels.algebra.joint_vectors import along7, difference, dot7, largest, short_way
 from srs_ik.kernels.algebra.lanes import scatter, where, whole_number
 from srs_ik.kernels.algebra.minimum import GOLDEN
 from srs_ik.kernels.algebra.pointers import row
@@ -16,7 +16,7 @@ from srs_ik.kernels.algebra.roots import SETTLED, has_settled, next_parameter, s
 from srs_ik.kernels.chain.eight import take_ways
 from srs_ik.kernels.chain.newton import CLOSED, LEFT, clipped, close_gently
 from srs_ik.kernels.chain.newton_eight import larger
-from srs_ik.kernels.curves.follow import between, meet, tangent_at, vagueness
+from srs_ik.kernels.curves.follow import arc_between, between, meet, tangent_at, vagueness
 from srs_ik.kernels.curves.in_step import SAMPLE, load_sample
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.limb import IS_CLOSED, LOWER, MIDDLE, SLACK_LIMIT, UPPER
@@ -194,6 +194,8 @@ def edge_on_limit(P, by, curve, x, y):
         if joint < 0:
             return none, False
         q = along7(a, share, difference(a, b))
+        way = difference(start, end)
+        q = arc_between(P, by, start, end, dot7(difference(start, q), way) / dot7(way, way))
         # The same limit, a whole turn away or not.
         limit = q[joint] + short_way(limit - q[joint])
         q, share, met = meet(P, by, (start, end), q, joint, limit)

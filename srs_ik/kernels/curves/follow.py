@@ -18,16 +18,7 @@ from srs_ik.kernels.algebra.joint_vectors import along7, difference, dot7, only,
 from srs_ik.kernels.algebra.linear import solve_linear
 from srs_ik.kernels.algebra.vectors import norm
 from srs_ik.kernels.chain.kinematics import pose_error
-from srs_ik.kernels.chain.newton import (
-    CLOSED,
-    LAST_STEP,
-    LEFT,
-    ROUNDING,
-    load_system,
-    longest,
-    moved,
-    pose_step,
-)
+from srs_ik.kernels.chain.newton import CLOSED, LAST_STEP, LEFT, ROUNDING, load_system, longest, moved, pose_step
 from srs_ik.kernels.curves.in_step import (
     BESIDE,
     BEYOND,
@@ -88,6 +79,10 @@ ALMOST_CROSSED = 1e-4
 
 FIRST_GUESS = (0.35, -0.25, 0.45, 0.15, 0.5, -0.4, 0.3)
 """Any direction: the null vector at a start is oriented afterwards."""
+
+
+STRAIGHT_ON = 0.5
+"""Squared cosine between a curve and the chord of a step: less, and the chord is taken."""
 
 
 @kernel
@@ -172,6 +167,20 @@ def correct(P, by, q, d, place):
 
 
 @kernel
+def arc_between(P, by, a, b, share):
+    """The point at a share of the way from sample a to b on a parabola that leaves a along the curve.
+
+    A chord is as far off as another curve may be that passes by.
+    """
+    chord, (t, sign) = difference(a, b), tangent_at(P, by, a)
+    ahead, length2 = dot7(t, chord), dot7(chord, chord)
+    start = along7(a, share, chord)
+    if sign == 0.0 or not ahead * ahead > STRAIGHT_ON * length2:
+        return start
+    return along7(start, share * (1.0 - share), along7(along7(NO_SEED, length2 / ahead, t), -1.0, chord))
+
+
+@kernel
 def between(P, by, a, b, share):
     """The posture of a curve between samples a and b, at a share of the way along their chord: q, whether it is met."""
     chord = difference(a, b)
@@ -179,8 +188,7 @@ def between(P, by, a, b, share):
     if length == 0.0:
         return a, True
     d = along7(NO_SEED, 1.0 / length, chord)
-    start = along7(a, share, chord)
-    return correct(P, by, start, d, dot7(d, start))
+    return correct(P, by, arc_between(P, by, a, b, share), d, dot7(d, a) + share * length)
 
 
 @kernel
