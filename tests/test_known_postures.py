@@ -1169,12 +1169,12 @@ FROM_A_SEED = [
 @pytest.mark.skipif("rm75" not in arms.here("rm75"), reason="its file is not here")
 @pytest.mark.parametrize(("given", "seed"), FROM_A_SEED)
 def test_an_elbow_on_the_line_keeps_no_nearer_posture_at_its_arm_angle_from_a_seed(given, seed):
-    """The one that is at every arm angle is up to 7 rad away."""
+    """The one that is at every arm angle is up to 7 rad away; rounding moves others along their curve by 1e-4 rad."""
     arm, q, seed = arms.load("rm75"), np.array(given.split(), float), np.array(seed.split(), float)
     pose, psi = arm.forward_kinematics(q), arm.arm_angle(q)
     for branch in (None, arm.branch(q)):
         found = arm.solve(pose, arm_angle=psi, branch=branch, seed=seed)
-        assert np.linalg.norm(found.q - seed) < np.linalg.norm(q - seed) + 1e-6
+        assert np.linalg.norm(found.q - seed) < np.linalg.norm(q - seed) + 1e-4
 
 
 @pytest.mark.parametrize("robot", ["random limb"] + ["j2s7s300"] * ("j2s7s300" in arms.here("j2s7s300")))
