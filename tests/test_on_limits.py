@@ -141,12 +141,33 @@ NEAR = (
      1.9735535590372146, -0.1957236582369959, 0.4832100804014199),
      (1.0334510202844671, 3.117127867748884, 2.1871567035107065, 1.5041589961841981,
      1.9751111774513985, -0.19585783625703104, 0.4814272803528506)),
+    ("gen3", 3, 1e-9,
+     (1.0289832666111538, -0.64850693524459, 1.4617864648012526, -1e-09,
+     0.42884285351416995, -1.6123210232021743, 2.5793605168933347),
+     (1.0759996194821106, -0.6776520724856135, 1.5185989309486185, 0.0227996477678842,
+     0.37391652518643315, -1.62255042822217, 2.5709289212701982)),
+    ("h1_2_left", 3, 1e-3,
+     (-2.068192200910961, 2.6508210964299725, -2.301525162630201, 1.5036035025872982,
+     -2.5767218731792982, 0.14199141241901803, 1.141446027072191),
+     (-2.0664440880467234, 2.6543436777072396, -2.3001099252096853, 1.5012107505021333,
+     -2.5784640445736176, 0.13966744041474172, 1.1394819661901596)),
+    ("h1_2_left", 3, 1e-10,
+     (-2.5119230529179486, 2.828986134580972, 0.9885700284276142, 1.5045987785507045,
+     0.15167231080089127, 0.20123050847191726, 0.5276071102222109),
+     (-2.5173199512377282, 2.8472466784335864, 0.9771232463841889, 1.5020119470729862,
+     0.13870886696779142, 0.2219188273365756, 0.5216059738568918)),
+    ("j2s7s300", 3, 6e-3,
+     (3.0427262783052376, 2.5118768082093705, -1.6374896639442797, 3.14741171906515,
+     -0.7483856717520956, 3.8819034915978743, -0.4730119408530893),
+     (3.0416945283066044, 2.515916232403528, -1.6332241045021318, 3.1438198687980248,
+     -0.7522280927080078, 3.887234109866741, -0.4749171159521545)),
 )  # fmt: skip
 """An arm, which joint is how far from singular, a posture of the pose, and a seed.
 
 A joint's nearer turn lies outside its limits, and the posture on the limit is nearer than that in the farther turn; a
 shoulder comes into line where the nearest exact limb has no posture; two where what an arm misses, a micrometre, puts
-postures of the nearest exact limb outside the limits; and a curve that turns around at a straight elbow.
+postures of the nearest exact limb outside the limits; a curve that turns around at a straight elbow; and two bends
+of an elbow on one side of where it is straight in the nearest exact limb.
 """
 
 
@@ -169,7 +190,7 @@ def near_arm(judges, name):
 
 @pytest.mark.slow
 @pytest.mark.parametrize(
-    "given", [case for case in NEAR if case[0] in arms.here("rm75", "h1_2_left") or "random" in case[0]]
+    "given", [case for case in NEAR if case[0] in arms.here("gen3", "rm75", "h1_2_left", "j2s7s300") or "random" in case[0]]
 )
 def test_no_posture_of_a_near_arm_is_nearer(judges, given):
     name, joint, offset, q, seed = given

@@ -203,6 +203,8 @@ def mirrored_angle(q, phase):
 def look_across(P, target, found, minimum, goal, J, A):
     """Local searches on the true chain from a close seed, mirrored at the singularities that it is close to.
 
+    Where the true chain's elbow is straight depends on all its joints. Two bends that are as close as what is known
+    have it between them: so from either end of what is close, searches lead to either of them.
     `found` is the best posture so far, its branch and cost. Returns them, and whether all searches ended in minima:
     then they tell all, but for an elbow as good as straight.
     """
@@ -217,11 +219,14 @@ def look_across(P, target, found, minimum, goal, J, A):
         across_2, across_4, across_6 = sides & 1, sides & 2, sides & 4
         if (across_2 and s2 >= reach) or (across_4 and s4 >= reach) or (across_6 and s6 >= reach):
             continue
+        bend = seed[3]
+        if s4 < reach:
+            bend += reach if across_4 else -reach
         start = (
             seed[0],
             mirrored_angle(seed[1], P[SHOULDER + PHASE]) if across_2 else seed[1],
             seed[2],
-            mirrored_angle(seed[3], P[STRAIGHT]) if across_4 else seed[3],
+            bend,
             seed[4],
             mirrored_angle(seed[5], P[WRIST + PHASE]) if across_6 else seed[5],
             seed[6],
