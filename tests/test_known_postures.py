@@ -1189,3 +1189,13 @@ def test_no_interval_goes_on_as_that_of_another_curve(bench, robot):
         arm = srs_ik.load(limb.model, base="base", tip="tool")
         q = [limb.configuration() for _ in range(30)][-1]
     assert_intervals_are_met(bench, arm, q)
+
+
+@pytest.mark.parametrize("name", arms.here("rm75"))
+def test_no_interval_spans_what_a_shoulder_and_a_wrist_forbid_together(bench, name):
+    """Next to where both are singular, each is outside its limits for less than 1e-3 rad of arm angles: these overlap."""
+    arm, rng = arms.load(name), np.random.default_rng(31)
+    for _ in range(60):
+        q = rng.uniform(arm.lower, arm.upper)
+        q[[1, 5]] = 10.0 ** rng.uniform(-3.3, -2.3) * rng.choice([-1.0, 1.0], 2)
+        assert_intervals_are_met(bench, arm, q)

@@ -30,6 +30,9 @@ SAME = 1e-12
 TOUCHING = 1e-7
 """Arm angles that two joints keep apart by less than this, rad, may be one for both; whether it is, is looked at."""
 
+ALONE = 0.01
+"""What may be one arm angle ends short of its neighbours by this part of its width."""
+
 
 @kernel
 def write_piece(pieces, sign, n, lower, upper):
@@ -182,7 +185,9 @@ def intersect(P, motions, a, b, branch, out, n):
                     elif lower <= upper + max(TOUCHING, P[SLACK_JOIN]):
                         psi, met = touch(P, motions, (a[2], b[2]), lower, upper)
                         if may_touch(P, lower - upper):
-                            n = write_interval(out, first, n, branch, upper, lower)
+                            # Alone, so that it does not join what two gaps keep apart.
+                            spare = ALONE * (lower - upper)
+                            n = write_interval(out, first, n, branch, upper + spare, lower - spare)
                         elif met or lower <= upper + P[SLACK_JOIN]:
                             n = write_interval(out, first, n, branch, psi, psi)
     return join_touching(out, first, n) if n > first else n
