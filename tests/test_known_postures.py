@@ -1193,7 +1193,7 @@ def test_no_interval_goes_on_as_that_of_another_curve(bench, robot):
 
 @pytest.mark.parametrize("name", arms.here("rm75"))
 def test_no_interval_spans_what_a_shoulder_and_a_wrist_forbid_together(bench, name):
-    """Next to where both are singular, each is outside its limits for less than 1e-3 rad of arm angles: these overlap."""
+    """Next to where both are singular, each is outside its limits for less than 1e-3 rad, and these overlap."""
     arm, rng = arms.load(name), np.random.default_rng(31)
     for _ in range(60):
         q = rng.uniform(arm.lower, arm.upper)

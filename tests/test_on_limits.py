@@ -190,7 +190,8 @@ def near_arm(judges, name):
 
 @pytest.mark.slow
 @pytest.mark.parametrize(
-    "given", [case for case in NEAR if case[0] in arms.here("gen3", "rm75", "h1_2_left", "j2s7s300") or "random" in case[0]]
+    "given",
+    [case for case in NEAR if case[0] in arms.here("gen3", "rm75", "h1_2_left", "j2s7s300") or "random" in case[0]],
 )
 def test_no_posture_of_a_near_arm_is_nearer(judges, given):
     name, joint, offset, q, seed = given
