@@ -56,11 +56,7 @@ def sampled_response(
 
 
 def _rows(number: float) -> int:
-    """A number of samples.
-
-    Raises:
-        InvalidController: there would be too many.
-    """
+    """A number of samples; raises InvalidController where there would be too many."""
     if number > given.MOST:
         raise InvalidController(f"a response has at most {given.MOST:,} samples, not {number:.3g}")
     return round(number)

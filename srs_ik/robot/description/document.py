@@ -159,11 +159,7 @@ class Guardian:
         self._depth = 0
 
     def start(self, tag: str, attributes: dict[str, str]) -> None:
-        """An element begins.
-
-        Raises:
-            InvalidRobot: it is one too many, or too deep.
-        """
+        """An element begins; raises InvalidRobot where it is one too many, or too deep."""
         self._count += 1
         self._depth += 1
         if self._count > bounds.XML_ELEMENTS:
@@ -178,11 +174,7 @@ class Guardian:
         self._depth -= 1
 
     def doctype(self, *declaration: object) -> None:
-        """A document type is declared.
-
-        Raises:
-            InvalidRobot: always.
-        """
+        """A document type is declared, which is always refused."""
         message = f"{self.source} has a <!DOCTYPE> declaration, which no robot needs and which is not read for safety"
         raise InvalidRobot(message, self.source)
 
