@@ -69,11 +69,7 @@ def own_kind() -> tuple[str, str]:
 
 
 def is_portable() -> bool:
-    """Whether SRS_IK_BUILD asks for all kinds of processors.
-
-    Raises:
-        ValueError: it asks for something else.
-    """
+    """Whether SRS_IK_BUILD asks for all kinds of processors; raises ValueError for anything else."""
     asked = os.environ.get("SRS_IK_BUILD", "")
     if asked not in ("", "portable"):
         raise ValueError(f"SRS_IK_BUILD is portable or pure, not {asked}")
@@ -161,16 +157,10 @@ def _object(unit: Unit, machine: str, kind: str) -> bytes:
 
 
 def build(folder: Path, entries: tuple[Entry, ...], kinds: Targets, machine: str = HERE) -> None:
-    """Put the compiled kernels, the extension and the header into a folder.
+    """Put the compiled kernels, the extension and the header into a folder, for some kinds of processors of a machine.
 
-    Args:
-        folder: the folder.
-        entries: what to compile.
-        kinds: kinds of processors to compile for.
-        machine: kind of machine to compile for; for another than this one, CC has to name a compiler for it.
-
-    Raises:
-        NoCompiler: the glue cannot be compiled.
+    For another machine than this one, CC has to name a compiler for it; raises NoCompiler where the glue cannot be
+    compiled.
     """
     linking.c_compiler()
     begin = time.monotonic()

@@ -171,16 +171,9 @@ def on_simplex(a, b, c, d, n):
 def apart(shapes, i, j, frame, start, enough):
     """How far two solids are apart at least, m, and the unit normal of a plane between them, pointing from j to i.
 
-    Args:
-        shapes: the solids.
-        i: one of them.
-        j: another one; everything is told in its frame.
-        frame: matrix and shift of where the first is for the second.
-        start: a direction to begin with: the normal that was found before.
-        enough: whatever is at least so much is far enough, m.
-
-    Returns:
-        The distance, minus a depth that they have at least where they meet; and the normal.
+    All is told in the frame of j; `frame` is where i is for it, matrix and shift. The search begins at `start`, the
+    normal that was found before, and ends where it is `enough`, m. Where they meet, it is minus a depth that they have
+    at least.
     """
     round_ = roundness(shapes, i) + roundness(shapes, j)
     v, normal = start, start

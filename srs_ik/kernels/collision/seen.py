@@ -47,14 +47,13 @@ STILL = 3
 
 
 @kernel
-def still_frames(P, place_, R, p):
+def still_frames(P, target):
     """How rows at the base and at the tip are seen: matrix and shift of each."""
-    t, h0 = place_[0], place_[1]
+    t, h0, _, _, hand, _ = target.place
     b0 = cross(t, h0)
     M = (t[0], t[1], t[2], h0[0], h0[1], h0[2], b0[0], b0[1], b0[2])
     shoulder = load3(P, SHOULDER_CENTRE)
-    hand = place_[4]
-    moved = sub(sub(p, apply(hand, load3(P, TIP_POSITION))), shoulder)
+    moved = sub(sub(target.p, apply(hand, load3(P, TIP_POSITION))), shoulder)
     return (M, scale(-1.0, apply(M, shoulder))), (times(M, hand), apply(M, moved))
 
 
@@ -72,7 +71,7 @@ def turning_frames(P, place_, elbow):
 
 
 @kernel
-def see(world, i, frame, shift):
+def see(world, i, frame):
     """Look at one row of spheres."""
     bodies, local = world.bodies, world.local
     M, b = frame
@@ -81,7 +80,7 @@ def see(world, i, frame, shift):
     local[i, X] = v[1] + b[1]
     local[i, Y] = v[2] + b[2]
     local[i, RHO] = math.sqrt(local[i, X] * local[i, X] + local[i, Y] * local[i, Y])
-    local[i, EXTENT] = bodies[i, 3] + shift
+    local[i, EXTENT] = bodies[i, 3]
 
 
 @kernel
@@ -106,7 +105,7 @@ def see_rows(world, g, stamp, frame):
         if planes:
             see_plane(world, i, frame)
         else:
-            see(world, i, frame, 0.0)
+            see(world, i, frame)
 
 
 @kernel
@@ -145,4 +144,20 @@ def see_balls(world, elbow, still, turning):
         if elbow == 0:
             world.ready[g] = 0
         if elbow == 0 or is_turning(world, g):
-            see(world, g, frame_of(world, g, still, turning), 0.0)
+            see(world, g, frame_of(world, g, still, turning))
+
+
+@kernel
+def frames_of_elbow(P, target, world, still, elbow):
+    """How rows are seen with an elbow, that still and turning, once the balls around the groups are looked at."""
+    turning = turning_frames(P, target.place, elbow)
+    see_balls(world, elbow, still, turning)
+    return still, turning
+
+
+@kernel
+def frames_of_either(P, target, world, elbow):
+    """The same with one elbow alone: what stands still is seen with the first one."""
+    still = still_frames(P, target)
+    frames = frames_of_elbow(P, target, world, still, 0)
+    return frames_of_elbow(P, target, world, still, 1) if elbow == 1 else frames

@@ -6,6 +6,7 @@ import math
 
 import numpy as np
 
+from srs_ik.kernels.algebra.joint_vectors import store7
 from srs_ik.kernels.algebra.pointers import keep, row
 from srs_ik.kernels.jit import entry, kernel
 from srs_ik.kernels.layout.answer import GOOD_POSE, SOLVED
@@ -55,13 +56,6 @@ def with_outer(q, first, q1, q3):
     if first == 0:
         return (q1, q[1], q3, q[3], q[4], q[5], q[6])
     return (q[0], q[1], q[2], q[3], q1, q[5], q3)
-
-
-@kernel
-def write_end(q, out, k):
-    """Write a posture from place k on."""
-    for j in range(7):
-        out[k + j] = q[j]
 
 
 @kernel
@@ -117,7 +111,7 @@ def write_segments(P, q, k, first, respect, branch, both, psi, everywhere, out, 
             if respect:
                 q1 = min(max(q1, P[LOWER + first]), P[UPPER + first])
                 q3 = min(max(q3, P[LOWER + first + 2]), P[UPPER + first + 2])
-            write_end(with_outer(q, first, q1, q3), r, SPLIT_LOWER if end == 0 else SPLIT_UPPER)
+            store7(r, SPLIT_LOWER if end == 0 else SPLIT_UPPER, with_outer(q, first, q1, q3))
         n += 1
     return n
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from srs_ik.kernels.algebra.joint_vectors import store7
 from srs_ik.kernels.algebra.pointers import row
 from srs_ik.kernels.algebra.vectors import add, cross
 from srs_ik.kernels.chain.arm_angle_rates import gradient, tangent
@@ -55,8 +56,7 @@ def arm_angle_jacobian(family, q, g):
 def self_motion_tangent(family, q, out):
     """Write dq/d(arm angle) at rest of the tip into out (7,); returns whether it exists, else out is zero."""
     v, exists = tangent(row(family, LIMITED), read7(q))
-    for joint in range(7):
-        out[joint] = v[joint]
+    store7(out, 0, v)
     return exists
 
 

@@ -38,7 +38,7 @@ from srs_ik.kernels.limb.branches import branch_of
 from srs_ik.kernels.limb.goal import NO_SEED, cost
 from srs_ik.kernels.limb.in_line import may_split
 from srs_ik.kernels.limb.poses import read7, read_pose
-from srs_ik.kernels.limb.triangle import elbow_side, place
+from srs_ik.kernels.limb.triangle import elbow_side, place, target_of
 from srs_ik.kernels.optimum.objectives import objective, toward_reference
 from srs_ik.kernels.optimum.search import ROUNDING, Objective, close_in, find_brackets, survey_best, value_rows
 from srs_ik.kernels.optimum.split_runs import MOST_ROWS, put_star, survey_splits
@@ -192,9 +192,8 @@ def sample(family, T, respect, runs, rows):
 @entry
 def star(family, T, q, respect, runs, rows):
     """Samples of the postures around one on a surface, in `rows` (SPARE_ROWS, SAMPLE): the number of rows and runs."""
-    R, p, _ = read_pose(row(T, 0))
     P = row(family, LIMITED)
-    by = setting_of(P, Target(R, p, place(P, R, p)), 0, respect)
+    by = setting_of(P, target_of(P, row(T, 0)), 0, respect)
     line = np.empty((SPARE_ROWS, SAMPLE))
     return put_star(P, by, read7(q), line, Runs(rows, runs))
 
@@ -226,9 +225,8 @@ def begin(S, bracket, resolution):
 @entry
 def posture(family, T, rows, run, x, respect, solution):
     """Posture of a run at a parameter into a row; whether it is a solution."""
-    R, p, _ = read_pose(row(T, 0))
     P = row(family, LIMITED)
-    target = Target(R, p, place(P, R, p))
+    target = target_of(P, row(T, 0))
     branch = int(run[0])
     by = setting_of(P, target, branch, respect)
     q, off = on_curve(P, by, branch, samples_of(rows, run), x)
@@ -238,6 +236,5 @@ def posture(family, T, rows, run, x, respect, solution):
 @entry
 def interval(family, T, rows, run):
     """First and last arm angle of a run."""
-    R, p, _ = read_pose(row(T, 0))
     P = row(family, LIMITED)
-    return arm_angles_of_run(P, place(P, R, p), rows, run)
+    return arm_angles_of_run(P, target_of(P, row(T, 0)).place, rows, run)

@@ -17,7 +17,6 @@ from srs_ik.kernels.chain.newton import CLOSED, LEFT, STEPS, clipped, close_free
 from srs_ik.kernels.exact.samples import MAX_SAMPLES
 from srs_ik.kernels.jit import entry
 from srs_ik.kernels.layout.answer import GOOD_POSE, MAX_PIECES, ROW_ARM_ANGLE
-from srs_ik.kernels.layout.asked import Target
 from srs_ik.kernels.layout.limb import IS_CLOSED, IS_NEAR, LIMITED
 from srs_ik.kernels.layout.path import (
     HELD_BRANCH,
@@ -45,7 +44,7 @@ from srs_ik.kernels.layout.path import (
 from srs_ik.kernels.limb.branches import branch_of
 from srs_ik.kernels.limb.limits import TURN
 from srs_ik.kernels.limb.poses import read7, read_pose
-from srs_ik.kernels.limb.triangle import place
+from srs_ik.kernels.limb.triangle import place, target_of
 from srs_ik.kernels.path.between import between_two, follow_on, pose_change, write_own_bounds
 from srs_ik.kernels.path.corridor import corridor, course_of, put_on_poses
 from srs_ik.kernels.path.edges import most_of, path_cost, write_steps
@@ -381,16 +380,15 @@ def finish(family, poses, chain, q, psi, branch, out):
     P, J, A = row(family, LIMITED), scratch(6, 7), scratch(16, 9)
     for c in range(chain.shape[0]):
         i = chain[c]
-        R, p, _ = read_pose(row(poses, i))
-        place_ = place(P, R, p)
+        target = target_of(P, row(poses, i))
         here = clipped(P, read7(row(q, i)))
         if P[IS_NEAR] != 0.0:
-            error = max(*pose_error(P, here, R, p))
+            error = max(*pose_error(P, here, target.R, target.p))
             if error > CLOSED:
-                closed, _ = close_free(P, here, R, p, True, 2 * STEPS, J, A)
+                closed, _ = close_free(P, here, target.R, target.p, True, 2 * STEPS, J, A)
                 if error > LEFT or largest(along7(closed, -1.0, here)) < CLOSES_WITHIN:
                     here = closed
         number = branch[i] if branch[i] >= 0 else branch_of(P, here)
-        measure_row(P, Target(R, p, place_), here, number, 0.0, True, row(out, i))
+        measure_row(P, target, here, number, 0.0, True, row(out, i))
         if P[IS_CLOSED] == 1.0 and branch[i] >= 0:
             out[i, ROW_ARM_ANGLE] = psi[i] - TURN * math.floor((psi[i] + math.pi) / TURN)

@@ -29,8 +29,8 @@ from srs_ik.kernels.layout.path import (
     Span,
 )
 from srs_ik.kernels.limb.poses import read7
+from srs_ik.kernels.limb.triangle import target_of
 from srs_ik.kernels.path.cells import BOX, GROUP, MOST_CORNERS, SLACK, put_cell, reach_pose
-from srs_ik.kernels.path.corridor import spot_of
 from srs_ik.kernels.path.cover import cover_pose, cut_cell
 from srs_ik.kernels.path.followed import along_cell
 from srs_ik.kernels.path.programme import advance, first_costs, leave_out
@@ -93,10 +93,10 @@ def cut(family, poses, coarse, coarse_ends, longest, cells, ends):
     ends[0] = 0
     for i in range(poses.shape[0]):
         n = ends[i]
-        spot = spot_of(row(family, LIMITED), row(poses, i))
+        target = target_of(row(family, LIMITED), row(poses, i))
         for k in range(coarse_ends[i], coarse_ends[i + 1]):
             if n < cells.shape[0]:
-                n = cut_cell(family, spot, row(coarse, k), net, n, J, A)
+                n = cut_cell(family, target, row(coarse, k), net, n, J, A)
         if n >= cells.shape[0]:
             return i
         ends[i + 1] = n

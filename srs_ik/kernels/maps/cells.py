@@ -100,15 +100,10 @@ def write_yaws(P, place_, found, n, limits, most, out):
 
 @kernel
 def write_cell(family, place_, limits, asked, space, out):
-    """Write what a map tells of a pose of an exact limb into a cell.
+    """Write what a map tells of a pose of an exact limb into a cell, as in `layout.maps`; for arcs, joint 1 is free.
 
-    Args:
-        family: packed limbs; for arcs of yaw, with joint 1 free.
-        place_: the pose, from `triangle.place`.
-        limits: lower and upper limit of joint 1, rad, for arcs of yaw.
-        asked: how many arcs there is room for (0: none are wanted), and whether the margin is wanted.
-        space: work space, from `reach.room`.
-        out: the row of the cell, as in `layout.maps`.
+    `limits` are those of joint 1, rad; `asked` how many arcs there is room for (0: none are wanted), and whether the
+    margin is wanted; `space` is that of `reach.room`.
     """
     most, margin = asked
     if abs(place_[5]) >= SOLVED:

@@ -7,7 +7,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from srs_ik.kernels.algebra.joint_vectors import along7, difference, dot7, short_way
+from srs_ik.kernels.algebra.joint_vectors import along7, difference, dot7, short_way, store7
+from srs_ik.kernels.algebra.pointers import row
 from srs_ik.kernels.algebra.vectors import norm
 from srs_ik.kernels.chain.kinematics import pose_error
 from srs_ik.kernels.chain.newton import ON_LINE, STEPS, close_at_angle, elbow_across, moved
@@ -263,8 +264,7 @@ def keep_found(P, by, q, branch, goal, out):
     branch = branch if is_on_border(P, q, branch) else branch_of(P, q)
     q, value = cost_of_turn(P, q, goal)
     if value < out[branch, ROW_COST]:
-        for j in range(7):
-            out[branch, j] = q[j]
+        store7(row(out, branch), 0, q)
         out[branch, ROW_COST] = value
 
 

@@ -17,7 +17,7 @@ from __future__ import annotations
 
 import math
 
-from srs_ik.kernels.algebra.joint_vectors import along7, dot7
+from srs_ik.kernels.algebra.joint_vectors import along7, dot7, store7
 from srs_ik.kernels.algebra.pointers import row
 from srs_ik.kernels.algebra.vectors import cross, dot, load3, norm, swing
 from srs_ik.kernels.curves.follow import between
@@ -143,10 +143,10 @@ def stray(P, side, angles, branch, a, b):
 
 
 @kernel
-def stray_near(P, spot, a, b, J, A):
+def stray_near(P, target, a, b, J, A):
     """The same of a piece of a curve of a near limb, as it is measured."""
     d = along_cell(a, b)
-    by = setting_of(P, spot, J, A)
+    by = setting_of(P, target, J, A)
     most = 0.0
     for part in range(1, PARTS):
         q, met = between(P, by, a, b, part / PARTS)
@@ -172,9 +172,8 @@ def turned(angle):
 @kernel
 def put_cell(cells, n, a, b, off, told):
     """Write a cell from posture a to b; `told` are its arm angles and its branch."""
-    for j in range(7):
-        cells[n, j] = a[j]
-        cells[n, 7 + j] = b[j] - a[j]
+    store7(row(cells, n), 0, a)
+    store7(row(cells, n), 7, along_cell(a, b))
     cells[n, CELL_OFF] = off
     cells[n, CELL_FROM] = told[0]
     cells[n, CELL_TO] = told[1]

@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 
-from srs_ik.kernels.algebra.joint_vectors import along7, apart, largest
+from srs_ik.kernels.algebra.joint_vectors import along7, apart, largest, store7
 from srs_ik.kernels.algebra.lanes import as_bits, eight_of
 from srs_ik.kernels.algebra.pointers import keep, row
 from srs_ik.kernels.algebra.vectors import load3
@@ -29,12 +29,11 @@ from srs_ik.kernels.layout.path import (
     Posture,
     Sheet,
     Span,
-    Spot,
     Stop,
 )
-from srs_ik.kernels.limb.poses import read7, read_pose
+from srs_ik.kernels.limb.poses import read7
 from srs_ik.kernels.limb.self_motion import rates
-from srs_ik.kernels.limb.triangle import place
+from srs_ik.kernels.limb.triangle import target_of
 from srs_ik.kernels.path.followed import ON_LIMIT, along_cell, posture_of, read_side, settled, write_sides
 from srs_ik.kernels.path.near_strips import direction, moved_along, setting_of
 from srs_ik.kernels.path.pose_strips import list_strips
@@ -60,13 +59,6 @@ SHORTENED = 3
 
 FARTHEST = 0.5
 """A posture of a strip is no farther, rad, from the straight line between its neighbours."""
-
-
-@kernel
-def spot_of(P, T):
-    """What all configurations of a pose share."""
-    R, p, _ = read_pose(T)
-    return Spot(R, p, place(P, R, p))
 
 
 @kernel
@@ -109,7 +101,7 @@ def stop_of(course, i):
 def moving_rates(P, stop, here, J, A):
     """Joint rates with the arm angle, on a near limb along its curve, and whether there are any."""
     if P[IS_NEAR] != 0.0:
-        return direction(P, setting_of(P, spot_of(P, stop.pose), J, A), here.q)
+        return direction(P, setting_of(P, target_of(P, stop.pose), J, A), here.q)
     return rates(P, here.q, load3(stop.side, SIDE_LINE), load3(stop.side, SIDE_FOREARM))
 
 
@@ -118,7 +110,7 @@ def moved_by(P, stop, here, motion, J, A):
     """The posture with its arm angle moved, on a near limb so far along its curve."""
     v, move = motion
     if P[IS_NEAR] != 0.0:
-        return moved_along(P, setting_of(P, spot_of(P, stop.pose), J, A), here.q, v, move)
+        return moved_along(P, setting_of(P, target_of(P, stop.pose), J, A), here.q, v, move)
     return posture_of(P, read_side(stop.side), here.psi + move, here.branch, here.q, True)
 
 
@@ -126,13 +118,7 @@ def moved_by(P, stop, here, motion, J, A):
 def beside(P, stop, here, motion, J, A):
     """The posture moved on, or half as far, or a quarter: posture, arm angle, whether there is one.
 
-    Args:
-        P: packed limb.
-        stop: its pose, and what is known of that.
-        here: the posture.
-        motion: the direction of its curve, how far it is to be moved, and the longest joint step.
-        J: (6, 7) work space.
-        A: (16, 9) work space.
+    `motion` is the direction of its curve, how far it is to be moved, and the longest joint step.
     """
     v, move, longest = motion
     for _ in range(SHORTENED):
@@ -211,14 +197,8 @@ def put_across(P, course, line, at, sheet, n, space):
 def corridor(family, course, line, width, start, rules, space):
     """Move the postures of a path, in place, to the best way through the corridor around them.
 
-    Args:
-        family: packed limb.
-        course: the poses, and what is known of them.
-        line: the postures.
-        width: joint step from one posture of the corridor to the next, rad.
-        start: (k, 7) the posture before the first one, or none.
-        rules: what a step over one pose counts.
-        space: work space of a near limb.
+    `width` is the joint step from one posture of the corridor to the next, rad, `start` (k, 7) the posture before the
+    first one, or none; `rules` are those of a step over one pose.
     """
     P = row(family, LIMITED)
     chain = course.chain
@@ -254,14 +234,14 @@ def corridor(family, course, line, width, start, rules, space):
 def on_pose(P, stop, here, J, A):
     """The posture at an arm angle next to one that almost meets its pose, on a near limb the nearest one."""
     if P[IS_NEAR] != 0.0:
-        spot = spot_of(P, stop.pose)
-        v, good = direction(P, setting_of(P, spot, J, A), here.q)
+        target = target_of(P, stop.pose)
+        v, good = direction(P, setting_of(P, target, J, A), here.q)
         if good:
-            q, good = moved_along(P, setting_of(P, spot, J, A), here.q, v, 0.0)
+            q, good = moved_along(P, setting_of(P, target, J, A), here.q, v, 0.0)
             _, inside = put_inside(P, q)
             if good and inside:
                 return q, True
-        q, error = close_free(P, here.q, spot.R, spot.p, True, 2 * STEPS, J, A)
+        q, error = close_free(P, here.q, target.R, target.p, True, 2 * STEPS, J, A)
         return q, error < CLOSED
     return posture_of(P, read_side(stop.side), here.psi, here.branch, here.q, True)
 
@@ -288,8 +268,7 @@ def settle_on(P, course, line, i, nodes, at, space):
             if good and inside and apart(found, between) < apart(a, b) + 0.1:
                 nearer, angle = found, there
     line.psi[i] = angle
-    for j in range(7):
-        line.q[i, j] = nearer[j]
+    store7(row(line.q, i), 0, nearer)
 
 
 @kernel
@@ -308,6 +287,5 @@ def put_on_poses(family, course, line, space):
         good = good and inside and apart(found, here.q) < FARTHEST
         all_good = all_good and good
         if good:
-            for j in range(7):
-                line.q[i, j] = found[j]
+            store7(row(line.q, i), 0, found)
     return all_good

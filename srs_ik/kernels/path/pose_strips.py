@@ -21,12 +21,11 @@ from srs_ik.kernels.layout.path import (
     STRIP_FIRST,
     STRIP_LAST,
     STRIP_LEAST,
-    Spot,
 )
 from srs_ik.kernels.limb.in_line import closest, may_split
 from srs_ik.kernels.limb.limits import TURN
-from srs_ik.kernels.limb.poses import read7, read_pose
-from srs_ik.kernels.limb.triangle import elbow_side, place
+from srs_ik.kernels.limb.poses import read7
+from srs_ik.kernels.limb.triangle import elbow_side, target_of
 from srs_ik.kernels.path.followed import along_cell, settled
 from srs_ik.kernels.path.near_strips import take_line, take_runs
 from srs_ik.kernels.path.splits import SPLIT, put_splits
@@ -49,14 +48,14 @@ def pose_strips(family, T, around, sheet, n, desk, J, A):
     Loose tolerances find also the arm angles that two joints on their limits leave alone.
     """
     P = row(family, LIMITED)
-    R, p, _ = read_pose(T)
-    place_ = place(P, R, p)
+    target = target_of(P, T)
+    place_ = target.place
     if P[IS_NEAR] != 0.0:
         first = n
         if around.radius > 0.0:
-            n = take_line(P, Spot(R, p, place_), around, sheet, n, J, A)
+            n = take_line(P, target, around, sheet, n, J, A)
         else:
-            n = take_runs(P, Spot(R, p, place_), sheet, n, J, A)
+            n = take_runs(P, target, sheet, n, J, A)
         return within_limits(P, sheet, first, n, desk)
     if not abs(place_[5]) < SOLVED:
         return n

@@ -13,7 +13,7 @@ import math
 
 import numpy as np
 
-from srs_ik.kernels.algebra.joint_vectors import apart
+from srs_ik.kernels.algebra.joint_vectors import apart, store7
 from srs_ik.kernels.algebra.lane_trig import angle_of, turn
 from srs_ik.kernels.algebra.lanes import LANES, as_bits, as_mask, eight_of, gather, scatter, where
 from srs_ik.kernels.algebra.pointers import row
@@ -65,8 +65,7 @@ DEEPEST = 60
 @kernel
 def put_node(nodes, n, q, psi, branch):
     """Write a posture of a strip."""
-    for j in range(7):
-        nodes[n, j] = q[j]
+    store7(row(nodes, n), 0, q)
     nodes[n, NODE_PSI] = psi
     nodes[n, NODE_BRANCH] = branch
 
