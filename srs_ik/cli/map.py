@@ -37,8 +37,7 @@ Turns = Annotated[
 ]
 InBox = Annotated[bool, typer.Option("--box", help="Map a box around all that is reached, not the half-plane.")]
 Bounds = Annotated[
-    Six | None,
-    typer.Option(metavar="X0 X1 Y0 Y1 Z0 Z1", help="Map this box of the base frame, metres."),
+    Six | None, typer.Option(metavar="X0 X1 Y0 Y1 Z0 Z1", help="Map this box of the base frame, metres.")
 ]
 More = Annotated[
     list[str] | None,

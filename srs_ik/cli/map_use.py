@@ -163,11 +163,7 @@ def verify(
 
 
 @map_app.command("compare", cls=ExampleCommand, short_help="Compare two maps on the same cells.")
-def compare(
-    first: Folder,
-    second: Second,
-    as_json: AsJson = False,
-) -> None:
+def compare(first: Folder, second: Second, as_json: AsJson = False) -> None:
     """Compare two maps on the same cells: of two arms or tools, or with other limits."""
     from srs_ik.cli.render import print_json
     from srs_ik.maps.pairs import compare as compared
@@ -185,9 +181,7 @@ def compare(
 
 @map_app.command("combine", cls=ExampleCommand, short_help="Make the map of what either of two arms reaches.")
 def combine(
-    first: Folder,
-    second: Second,
-    out: Annotated[Path, typer.Option(metavar="MAP", help="Folder for the map of both.")],
+    first: Folder, second: Second, out: Annotated[Path, typer.Option(metavar="MAP", help="Folder for the map of both.")]
 ) -> None:
     """Make the map of what either of two arms reaches, of two boxes with the same cells."""
     from srs_ik.maps.pairs import combine as combined

@@ -30,13 +30,7 @@ def free_response(profile: ForceProfile, mass: float, start: float, dt: float, c
 
 
 def sampled_response(
-    profile: ForceProfile,
-    mass: float,
-    start: float,
-    period: float,
-    delay: float,
-    duration: float,
-    law: Law = "A",
+    profile: ForceProfile, mass: float, start: float, period: float, delay: float, duration: float, law: Law = "A"
 ) -> Array:
     """Position (m), speed (m/s) and force (N), (n, 3), of a mass under a controller that samples and acts late.
 

@@ -35,11 +35,7 @@ HERE = platform.machine()
 Targets = tuple[tuple[str, str], ...]
 """Kinds of processors, the best last, and how C asks for them."""
 
-X86: Targets = (
-    ("x86-64-v2", "has_x86_64_v2()"),
-    ("x86-64-v3", "has_x86_64_v3()"),
-    ("x86-64-v4", "has_x86_64_v4()"),
-)
+X86: Targets = (("x86-64-v2", "has_x86_64_v2()"), ("x86-64-v3", "has_x86_64_v3()"), ("x86-64-v4", "has_x86_64_v4()"))
 
 NEEDED = {
     "x86-64-v3": {"avx2", "bmi", "bmi2", "f16c", "fma", "lzcnt", "movbe"},

@@ -11,18 +11,7 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
-from srs_ik.kernels.algebra.vectors import (
-    add,
-    along,
-    apply,
-    cross,
-    dot,
-    load3,
-    norm,
-    scale,
-    sub,
-    times,
-)
+from srs_ik.kernels.algebra.vectors import add, along, apply, cross, dot, load3, norm, scale, sub, times
 from srs_ik.kernels.collision.march import ANYWHERE, posture_on
 from srs_ik.kernels.collision.rates import fastest, rate_of, times_rate, turns
 from srs_ik.kernels.collision.seen import frame_at
@@ -39,17 +28,7 @@ from srs_ik.kernels.collision.shapes import (
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.collision import UPPER
 from srs_ik.kernels.layout.limb import AXES, POINTS
-from srs_ik.kernels.layout.shapes import (
-    AROUND,
-    BEFORE,
-    BEHIND,
-    FIRST_SOLID,
-    JOINT,
-    LAST_SOLID,
-    PLACE,
-    SPIN,
-    SPINS,
-)
+from srs_ik.kernels.layout.shapes import AROUND, BEFORE, BEHIND, FIRST_SOLID, JOINT, LAST_SOLID, PLACE, SPIN, SPINS
 from srs_ik.kernels.limb.limits import TURN
 
 NARROW = 1e-6

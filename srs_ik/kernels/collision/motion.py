@@ -19,20 +19,7 @@ from srs_ik.kernels.chain.kinematics import first_line, joint_line
 from srs_ik.kernels.collision.forbidden import distance_of, fixed_clearance
 from srs_ik.kernels.collision.seen import see_balls, see_group
 from srs_ik.kernels.jit import kernel
-from srs_ik.kernels.layout.collision import (
-    BASE,
-    DRIFT,
-    EXTENT,
-    FORE,
-    MARGIN,
-    NO_GROUP,
-    PLACE,
-    TIP,
-    UPPER,
-    U,
-    X,
-    Y,
-)
+from srs_ik.kernels.layout.collision import BASE, DRIFT, EXTENT, FORE, MARGIN, NO_GROUP, PLACE, TIP, UPPER, U, X, Y
 from srs_ik.kernels.layout.limb import ELBOW_CENTRE, SHOULDER_CENTRE, TIP_POSITION, TIP_ROTATION, WRIST_IN_TIP
 
 CLEAR = 0

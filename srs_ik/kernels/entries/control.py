@@ -12,15 +12,7 @@ from srs_ik.kernels.control.impedance import along_axis, response
 from srs_ik.kernels.control.ports import Motion, act
 from srs_ik.kernels.control.profile import energy, force
 from srs_ik.kernels.jit import entry
-from srs_ik.kernels.layout.control import (
-    GRAVITY,
-    LARGEST_SPEED,
-    LINES,
-    MAX_TORQUE,
-    TORQUE,
-    TURNED,
-    WEIGHT,
-)
+from srs_ik.kernels.layout.control import GRAVITY, LARGEST_SPEED, LINES, MAX_TORQUE, TORQUE, TURNED, WEIGHT
 from srs_ik.kernels.layout.limb import LIMITED
 from srs_ik.kernels.limb.poses import read7
 

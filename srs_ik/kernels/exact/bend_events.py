@@ -49,13 +49,7 @@ from srs_ik.kernels.layout.limb import (
     WRIST,
 )
 from srs_ik.kernels.limb.limits import turn_to_middle
-from srs_ik.kernels.limb.triangle import (
-    elbow_at,
-    shoulder_columns,
-    side_frames,
-    turned_frame,
-    wrist_columns,
-)
+from srs_ik.kernels.limb.triangle import elbow_at, shoulder_columns, side_frames, turned_frame, wrist_columns
 
 MOST_EVENTS = 128
 """Room for bends at which anything changes at an arm angle: 17 each of shoulder and wrist, two of the elbow, two ends,

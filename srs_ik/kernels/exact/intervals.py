@@ -16,11 +16,7 @@ from srs_ik.kernels.exact.events import PI, TURN, joint_events
 from srs_ik.kernels.exact.gaps import almost_fits, end_of_gap, feasible_signs, mark_gaps
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.answer import MAX_EVENTS, MAX_PIECES
-from srs_ik.kernels.layout.limb import (
-    SHOULDER,
-    SLACK_JOIN,
-    WRIST,
-)
+from srs_ik.kernels.layout.limb import SHOULDER, SLACK_JOIN, WRIST
 from srs_ik.kernels.limb.limits import turn_to_middle, violation
 from srs_ik.kernels.limb.triangle import elbow_side
 

@@ -14,19 +14,7 @@ from srs_ik.kernels.chain.kinematics import pose_error
 from srs_ik.kernels.chain.newton import CLOSED, clipped, close_free
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.asked import Goal
-from srs_ik.kernels.layout.limb import (
-    A1,
-    A2,
-    A3,
-    ACROSS_3,
-    FAR,
-    IS_CLOSED,
-    MISS,
-    PHASE,
-    SHOULDER,
-    STRAIGHT,
-    WRIST,
-)
+from srs_ik.kernels.layout.limb import A1, A2, A3, ACROSS_3, FAR, IS_CLOSED, MISS, PHASE, SHOULDER, STRAIGHT, WRIST
 from srs_ik.kernels.limb.branches import NO_BRANCH, branch_of, is_unsure, side_posture
 from srs_ik.kernels.limb.goal import OUTSIDE, cost, turned
 from srs_ik.kernels.limb.triangle import elbow_side

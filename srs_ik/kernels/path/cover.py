@@ -11,29 +11,11 @@ from srs_ik.kernels.exact.intervals import find_intervals
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.answer import SOLVED
 from srs_ik.kernels.layout.limb import IS_NEAR, LIMITED
-from srs_ik.kernels.layout.path import (
-    CELL_BRANCH,
-    CELL_FROM,
-    CELL_OFF,
-    CELL_TO,
-    CURVE,
-    NODE_PSI,
-    POINT,
-    Around,
-)
+from srs_ik.kernels.layout.path import CELL_BRANCH, CELL_FROM, CELL_OFF, CELL_TO, CURVE, NODE_PSI, POINT, Around
 from srs_ik.kernels.limb.goal import NO_SEED
 from srs_ik.kernels.limb.poses import read7
 from srs_ik.kernels.limb.triangle import elbow_side, target_of
-from srs_ik.kernels.path.cells import (
-    FREE,
-    SLACK,
-    may_be_inside,
-    put_cell,
-    put_turns,
-    short,
-    stray,
-    stray_near,
-)
+from srs_ik.kernels.path.cells import FREE, SLACK, may_be_inside, put_cell, put_turns, short, stray, stray_near
 from srs_ik.kernels.path.followed import along_cell, posture_of
 from srs_ik.kernels.path.near_strips import setting_of
 from srs_ik.kernels.path.pose_strips import pose_strips, roomy

@@ -21,15 +21,7 @@ from srs_ik.kernels.algebra.vectors import load3, swing
 from srs_ik.kernels.chain.eight import put_eight
 from srs_ik.kernels.exact.samples import add_changes
 from srs_ik.kernels.jit import kernel
-from srs_ik.kernels.layout.limb import (
-    FIRST_JOINT,
-    INVERSE_HALF_RANGE,
-    LOWER,
-    RANGE_KIND,
-    SHOULDER,
-    UPPER,
-    WRIST,
-)
+from srs_ik.kernels.layout.limb import FIRST_JOINT, INVERSE_HALF_RANGE, LOWER, RANGE_KIND, SHOULDER, UPPER, WRIST
 from srs_ik.kernels.layout.path import MEMO, MEMO_CLEAR, MEMO_SHOULDER, MEMO_STAMP, MEMO_WRIST, NODE_BRANCH, NODE_PSI
 from srs_ik.kernels.limb.goal import NO_SEED
 from srs_ik.kernels.limb.limits import TURN, turn_to_middle
