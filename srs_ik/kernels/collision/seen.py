@@ -7,22 +7,7 @@ from typing import NamedTuple
 
 from srs_ik.kernels.algebra.vectors import apply, cross, dot, load3, rotation, scale, sub, times
 from srs_ik.kernels.jit import kernel
-from srs_ik.kernels.layout.collision import (
-    BASE,
-    EXTENT,
-    FIRST,
-    FORE,
-    KIND,
-    LAST,
-    PLACE,
-    PLANES,
-    RHO,
-    TIP,
-    UPPER,
-    U,
-    X,
-    Y,
-)
+from srs_ik.kernels.layout import collision as at
 from srs_ik.kernels.layout.limb import AXES, ELBOW_CENTRE, SHOULDER_CENTRE, TIP_POSITION
 from srs_ik.kernels.limb.triangle import elbow_at
 
@@ -76,11 +61,11 @@ def see(world, i, frame):
     bodies, local = world.bodies, world.local
     M, b = frame
     v = apply(M, (bodies[i, 0], bodies[i, 1], bodies[i, 2]))
-    local[i, U] = v[0] + b[0]
-    local[i, X] = v[1] + b[1]
-    local[i, Y] = v[2] + b[2]
-    local[i, RHO] = math.sqrt(local[i, X] * local[i, X] + local[i, Y] * local[i, Y])
-    local[i, EXTENT] = bodies[i, 3]
+    local[i, at.U] = v[0] + b[0]
+    local[i, at.X] = v[1] + b[1]
+    local[i, at.Y] = v[2] + b[2]
+    local[i, at.RHO] = math.sqrt(local[i, at.X] * local[i, at.X] + local[i, at.Y] * local[i, at.Y])
+    local[i, at.EXTENT] = bodies[i, 3]
 
 
 @kernel
@@ -89,9 +74,9 @@ def see_plane(world, i, frame):
     bodies, local = world.bodies, world.local
     M, b = frame
     v = apply(M, (bodies[i, 0], bodies[i, 1], bodies[i, 2]))
-    local[i, U], local[i, X], local[i, Y] = v
-    local[i, RHO] = math.sqrt(v[1] * v[1] + v[2] * v[2])
-    local[i, EXTENT] = bodies[i, 3] + dot(v, b)
+    local[i, at.U], local[i, at.X], local[i, at.Y] = v
+    local[i, at.RHO] = math.sqrt(v[1] * v[1] + v[2] * v[2])
+    local[i, at.EXTENT] = bodies[i, 3] + dot(v, b)
 
 
 @kernel
@@ -100,8 +85,8 @@ def see_rows(world, g, stamp, frame):
     if world.ready[g] == stamp:
         return
     world.ready[g] = stamp
-    planes = world.groups[g, KIND] == PLANES
-    for i in range(world.groups[g, FIRST], world.groups[g, LAST]):
+    planes = world.groups[g, at.KIND] == at.PLANES
+    for i in range(world.groups[g, at.FIRST], world.groups[g, at.LAST]):
         if planes:
             see_plane(world, i, frame)
         else:
@@ -111,23 +96,23 @@ def see_rows(world, g, stamp, frame):
 @kernel
 def is_turning(world, g):
     """Whether a group turns with the arm angle."""
-    return world.groups[g, PLACE] >= UPPER
+    return world.groups[g, at.PLACE] >= at.UPPER
 
 
 @kernel
 def frame_at(place, still, turning):
     """How rows of a place are seen."""
-    if place == BASE:
+    if place == at.BASE:
         return still[0]
-    if place == TIP:
+    if place == at.TIP:
         return still[1]
-    return turning[1] if place == FORE else turning[0]
+    return turning[1] if place == at.FORE else turning[0]
 
 
 @kernel
 def frame_of(world, g, still, turning):
     """How the rows of a group are seen."""
-    return frame_at(world.groups[g, PLACE], still, turning)
+    return frame_at(world.groups[g, at.PLACE], still, turning)
 
 
 @kernel

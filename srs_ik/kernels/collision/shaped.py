@@ -28,19 +28,7 @@ from srs_ik.kernels.collision.looks import (
 from srs_ik.kernels.collision.seen import frames_of_elbow, still_frames
 from srs_ik.kernels.collision.shapes import UNKNOWN, forget, is_whole
 from srs_ik.kernels.jit import kernel
-from srs_ik.kernels.layout.shapes import (
-    JOINT,
-    MOST_WAITING,
-    ONE,
-    OTHER,
-    RANGED,
-    REST_BRANCH,
-    REST_LOWER,
-    REST_PAIR,
-    REST_UPPER,
-    SPINS,
-    WATCHED,
-)
+from srs_ik.kernels.layout import shapes as at
 
 FINEST = 5e-4
 """Between what is free and what is not, so much is left undecided, rad."""
@@ -89,7 +77,7 @@ def certify(question, lower, upper, blocked, n, waiting):
     while count > 0:
         count -= 1
         a, b, before, behind = waiting[count, 0], waiting[count, 1], waiting[count, 2], waiting[count, 3]
-        if (looks > 0 and b - a < FINEST) or looks >= MOST_LOOKS or count + 2 >= MOST_WAITING:
+        if (looks > 0 and b - a < FINEST) or looks >= MOST_LOOKS or count + 2 >= at.MOST_WAITING:
             n = block(blocked, n, a, b)
             undecided += b - a
             continue
@@ -130,8 +118,8 @@ def closed_up(pieces, n):
 def put_rest(rest, count, pair, branch, piece):
     """Append a row for whoever knows the shapes themselves; return how many there are, those without room too."""
     if count < rest.shape[0]:
-        rest[count, REST_PAIR], rest[count, REST_BRANCH] = pair, branch
-        rest[count, REST_LOWER], rest[count, REST_UPPER] = piece
+        rest[count, at.REST_PAIR], rest[count, at.REST_BRANCH] = pair, branch
+        rest[count, at.REST_LOWER], rest[count, at.REST_UPPER] = piece
     return count + 1
 
 
@@ -169,7 +157,7 @@ def no_spins(room):
 def spins_that_hit(asked, pair, k, room):
     """The spins of the first of two bodies at which it meets the other one; found once for an elbow."""
     P, target, _, frames, shapes, space, margin = asked
-    joint, sign = spin_axis(shapes.of_body[pair[0], JOINT])
+    joint, sign = spin_axis(shapes.of_body[pair[0], at.JOINT])
     if room.spin_counts[k] < 0:
         forget(shapes)
         way = way_of_spin(P, shapes, pair, frames)
@@ -184,9 +172,9 @@ def of_elbow(elbow, asked, wanted, blocked, room, totals):
     P, target, world, frames, shapes, space, margin = asked
     n = 0
     for k in range(shapes.pairs.shape[0]):
-        pair = (shapes.pairs[k, ONE], shapes.pairs[k, OTHER])
-        row = shapes.pairs[k, WATCHED]
-        if row == RANGED or shapes.of_body[pair[0], SPINS] or shapes.of_body[pair[1], SPINS]:
+        pair = (shapes.pairs[k, at.ONE], shapes.pairs[k, at.OTHER])
+        row = shapes.pairs[k, at.WATCHED]
+        if row == at.RANGED or shapes.of_body[pair[0], at.SPINS] or shapes.of_body[pair[1], at.SPINS]:
             continue
         arcs, gaps = room.arcs[2], room.arcs[4]
         count = forbid_pair(world, row, elbow, frames, margin[1], arcs, 0, room.arcs[3])
@@ -208,12 +196,12 @@ def of_branch(branch, asked, wanted, ranged, blocked, room, totals):
     P, target, world, frames, shapes, space, margin = asked
     pieces, n = blocked
     for k in range(shapes.pairs.shape[0]):
-        pair = (shapes.pairs[k, ONE], shapes.pairs[k, OTHER])
-        row = shapes.pairs[k, WATCHED]
+        pair = (shapes.pairs[k, at.ONE], shapes.pairs[k, at.OTHER])
+        row = shapes.pairs[k, at.WATCHED]
         arcs, gaps = room.arcs[2], room.arcs[4]
-        if row == RANGED:
+        if row == at.RANGED:
             m = shared(ranged, wanted, (pieces, n), gaps)
-        elif shapes.of_body[pair[0], SPINS] or shapes.of_body[pair[1], SPINS]:
+        elif shapes.of_body[pair[0], at.SPINS] or shapes.of_body[pair[1], at.SPINS]:
             count = forbid_pair(world, row, branch >> 2, frames, margin[1], arcs, 0, room.arcs[3])
             m = shared((arcs, count), wanted, (pieces, n), gaps) if count > 0 else 0
         else:

@@ -27,23 +27,9 @@ from srs_ik.kernels.collision.shaped import Room, free_by_shapes
 from srs_ik.kernels.collision.shapes import NORMALS, Along, Shapes
 from srs_ik.kernels.exact.farthest import keep_branch
 from srs_ik.kernels.jit import entry, kernel
+from srs_ik.kernels.layout import collision as at
 from srs_ik.kernels.layout.answer import GOOD_POSE, MOST_INTERVALS, ROW_STATUS
 from srs_ik.kernels.layout.asked import Goal, Target
-from srs_ik.kernels.layout.collision import (
-    DRIFT,
-    EDGE_AT,
-    EDGE_CLEARANCE,
-    EDGE_PAIR,
-    MARGIN,
-    MOST_ARCS,
-    NO_GROUP,
-    NOTHING_FREE,
-    WIDE_ARM_ANGLE,
-    WIDE_BRANCH,
-    WIDE_CLEARANCE,
-    WIDE_FIRST,
-    WIDE_SECOND,
-)
 from srs_ik.kernels.layout.limb import LIMITED, LOWER, UPPER
 from srs_ik.kernels.layout.path import Space
 from srs_ik.kernels.layout.shapes import MOST_SPINS, MOST_WAITING, RANGED, WATCHED
@@ -73,7 +59,7 @@ def forbidden(family, T, bodies, groups, pairs, slack, local, ready, arcs, count
     """
     world = World(bodies, groups, pairs, local, ready)
     P = row(family, LIMITED)
-    forbidden_arcs(P, target_of(P, row(T, 0)), world, slack, arcs, counts, np.empty((MOST_ARCS, 2)))
+    forbidden_arcs(P, target_of(P, row(T, 0)), world, slack, arcs, counts, np.empty((at.MOST_ARCS, 2)))
 
 
 @entry
@@ -132,9 +118,9 @@ def clearance(family, T, bodies, groups, pairs, local, ready, elbow, psi, out):
 @kernel
 def put_wide(world, psi, branch, value, pair, out):
     """Write an arm angle with its clearance and the two groups that are nearest there."""
-    out[WIDE_ARM_ANGLE], out[WIDE_BRANCH], out[WIDE_CLEARANCE] = psi, branch, value
-    out[WIDE_FIRST] = world.pairs[pair, 0] if pair != NO_GROUP else NO_GROUP
-    out[WIDE_SECOND] = world.pairs[pair, 1] if pair != NO_GROUP else NO_GROUP
+    out[at.WIDE_ARM_ANGLE], out[at.WIDE_BRANCH], out[at.WIDE_CLEARANCE] = psi, branch, value
+    out[at.WIDE_FIRST] = world.pairs[pair, 0] if pair != at.NO_GROUP else at.NO_GROUP
+    out[at.WIDE_SECOND] = world.pairs[pair, 1] if pair != at.NO_GROUP else at.NO_GROUP
 
 
 @kernel
@@ -158,9 +144,9 @@ def widest(family, T, bodies, groups, pairs, local, ready, found, n, tolerance, 
     P = row(family, LIMITED)
     target = target_of(P, row(T, 0))
     still = still_frames(P, target)
-    parts, arcs = np.empty((MOST_PARTS, 4)), np.empty((MOST_ARCS, 2))
+    parts, arcs = np.empty((MOST_PARTS, 4)), np.empty((at.MOST_ARCS, 2))
     best = -math.inf
-    out[WIDE_CLEARANCE] = -math.inf
+    out[at.WIDE_CLEARANCE] = -math.inf
     for elbow in range(2):
         frames = frames_of_elbow(P, target, world, still, elbow)
         resting, other = resting_clearance(world, elbow, frames, math.inf)
@@ -170,7 +156,7 @@ def widest(family, T, bodies, groups, pairs, local, ready, found, n, tolerance, 
             ends = (arcs[i, 0], arcs[i, 1])
             psi, turning = widest_within(world, elbow, frames, ends, (psi, turning), tolerance, parts)
         branch = branch_at(found, n, elbow, psi)
-        if branch < 0 or (min(turning, resting), turning) <= (out[WIDE_CLEARANCE], best):
+        if branch < 0 or (min(turning, resting), turning) <= (out[at.WIDE_CLEARANCE], best):
             continue
         best = turning
         _, pair = turning_clearance(world, elbow, frames, psi, 0, (-math.inf, math.inf))
@@ -203,9 +189,9 @@ def is_within(limits, limited, q):
 @kernel
 def is_clear(P, target, q, branch, world, slack):
     """Whether a posture of an exact limb certainly keeps the margin between all bodies."""
-    if slack[DRIFT] != 0.0:
+    if slack[at.DRIFT] != 0.0:
         return False
-    wanted = slack[MARGIN] + SAFE
+    wanted = slack[at.MARGIN] + SAFE
     elbow = branch >> 2
     frames = frames_of_either(P, target, world, elbow)
     psi = arm_angle(P, q, target.place[0], target.place[1])
@@ -249,7 +235,7 @@ def solve_range(
     J, A = scratch(6, 7), scratch(16, 9)
     for i in range(first, last):
         R, p, verdicts[i] = read_pose(row(poses, i))
-        out[i, ROW_STATUS] = NOTHING_FREE
+        out[i, ROW_STATUS] = at.NOTHING_FREE
         if verdicts[i] == GOOD_POSE:
             goal, target = own_goal(seeds, i, respect), Target(R, p, place(P, R, p))
             q, best, lowest = best_posture(family, target, branch, goal, J, A)
@@ -277,8 +263,8 @@ def edges(family, starts, ends, bodies, groups, pairs, slack, local, ready, out)
     for i in range(starts.shape[0]):
         start = read7(row(starts, i))
         step = along7(read7(row(ends, i)), -1.0, start)
-        verdict, out[i, EDGE_AT], pair, out[i, EDGE_CLEARANCE] = look_along(P, start, step, world, row(slack, i))
-        out[i, EDGE_PAIR] = pair
+        verdict, out[i, at.EDGE_AT], pair, out[i, at.EDGE_CLEARANCE] = look_along(P, start, step, world, row(slack, i))
+        out[i, at.EDGE_PAIR] = pair
         hits += verdict != CLEAR
     return hits
 
@@ -322,11 +308,11 @@ def free_by_solids(
     )
     count = couples.shape[0]
     spins, spin_counts = np.empty((count, MOST_SPINS, 2)), np.empty(count, np.int64)
-    room = Room(np.empty((8, MOST_ARCS, 2)), np.empty((MOST_WAITING, 4)), spins, spin_counts, rest)
+    room = Room(np.empty((8, at.MOST_ARCS, 2)), np.empty((MOST_WAITING, 4)), spins, spin_counts, rest)
     world = World(bodies, groups, pairs, local, ready)
     space = Space(scratch(6, 7), scratch(16, 9))
     return free_by_shapes(
-        P, target_of(P, row(T, 0)), world, shapes, found, ranges, (margin, slack[MARGIN]), space, room, out
+        P, target_of(P, row(T, 0)), world, shapes, found, ranges, (margin, slack[at.MARGIN]), space, room, out
     )
 
 

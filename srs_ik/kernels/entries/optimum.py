@@ -14,26 +14,11 @@ from srs_ik.kernels.curves.runs import SPARE_ROWS, arm_angles_of_run, near_runs,
 from srs_ik.kernels.exact.intervals import find_intervals
 from srs_ik.kernels.exact.samples import MAX_SAMPLES
 from srs_ik.kernels.jit import entry, kernel
+from srs_ik.kernels.layout import search as at
 from srs_ik.kernels.layout.answer import GOOD_POSE, MAX_PIECES, ROW_STATUS
 from srs_ik.kernels.layout.asked import Runs, Setting, Target
 from srs_ik.kernels.layout.limb import FREE, LIMITED
 from srs_ik.kernels.layout.objectives import REFERENCE
-from srs_ik.kernels.layout.search import (
-    BRACKET,
-    FOUND,
-    MAX_BRACKETS,
-    MOST_RUNS,
-    NO_POSTURE,
-    OUT_LOWER,
-    OUT_SECOND,
-    OUT_UPPER,
-    OUT_VALUE,
-    ROUNDS,
-    RUN,
-    SPLIT,
-    SURFACE,
-    TIE,
-)
 from srs_ik.kernels.limb.branches import branch_of
 from srs_ik.kernels.limb.goal import NO_SEED, cost
 from srs_ik.kernels.limb.in_line import may_split
@@ -79,7 +64,7 @@ def survey(family, by, runs):
 @kernel
 def write_posture(P, target, q, branch, respect, solution):
     """Measure a feasible posture and write its row; whether it is a solution."""
-    if not is_exact(P) or branch >= SPLIT:
+    if not is_exact(P) or branch >= at.SPLIT:
         branch = branch_of(P, q)
     measure_row(P, target, q, branch, cost(P, q, False, NO_SEED, respect), respect, solution)
     return solution[ROW_STATUS] == 0.0
@@ -91,15 +76,15 @@ def best_of_surface(P, by, q, wanted, resolution, line, out):
 
     Overwrites rows and runs.
     """
-    brackets = np.empty((MAX_BRACKETS, BRACKET))
+    brackets = np.empty((at.MAX_BRACKETS, at.BRACKET))
     lowest = objective(P, wanted.kind, wanted.params, q, by.J)
-    for _ in range(ROUNDS):
+    for _ in range(at.ROUNDS):
         n, k = put_star(P, by, q, line, out)
         values = np.empty(n)
         value_rows(P, wanted, out.rows, n, values, by.J)
         count = find_brackets(out.rows, values, out.runs, k, brackets)
         best, better = close_in(P, by, out, brackets[:count], 0.0, wanted, resolution)
-        if best < 0 or brackets[best, 0] >= lowest - TIE * abs(lowest):
+        if best < 0 or brackets[best, 0] >= lowest - at.TIE * abs(lowest):
             break
         q, lowest = better, brackets[best, 0]
     return q
@@ -130,23 +115,23 @@ def optimise(family, T, kind, second, tolerance, resolution, params, respect, so
     P = row(family, LIMITED)
     target = Target(R, p, place(P, R, p))
     by = setting_of(P, target, 0, respect)
-    runs = np.empty((MOST_RUNS, RUN))
+    runs = np.empty((at.MOST_RUNS, at.RUN))
     rows, n, k, line = survey(family, by, runs)
     values = np.empty(n)
     wanted = Objective(kind, params, -1, 0.0)
     value_rows(P, wanted, rows, n, values, by.J)
-    brackets = np.empty((MAX_BRACKETS, BRACKET))
+    brackets = np.empty((at.MAX_BRACKETS, at.BRACKET))
     count = find_brackets(rows, values, runs, k, brackets)
     spread = 0.0 if second < 0 else tolerance
     best, q = close_in(P, by, Runs(rows, runs), brackets[:count], spread, wanted, resolution)
     if best < 0:
-        return NO_POSTURE
+        return at.NO_POSTURE
     run = int(brackets[best, 1])
     if second >= 0:
         lowest = brackets[best, 0]
         cap = lowest + (tolerance + ROUNDING) * abs(lowest)
-        spans = np.empty((k + MAX_BRACKETS, RUN))
-        origin = np.empty(k + MAX_BRACKETS, np.int64)
+        spans = np.empty((k + at.MAX_BRACKETS, at.RUN))
+        origin = np.empty(k + at.MAX_BRACKETS, np.int64)
         near = np.empty((4 * n + 4 * k + SPARE_ROWS, SAMPLE))
         under = Objective(kind, params, -1, cap)
         known = (brackets[:count], values, k)
@@ -161,16 +146,16 @@ def optimise(family, T, kind, second, tolerance, resolution, params, respect, so
             run = origin[int(brackets[best, 1])]
     branch = int(runs[run, 0])
     lower, upper = arm_angles_of_run(P, target.place, rows, runs[run])
-    if second < 0 and branch >= SURFACE:
+    if second < 0 and branch >= at.SURFACE:
         q = best_of_surface(P, by, q, wanted, resolution, line, Runs(rows, runs))
         lower = arm_angle(P, q, target.place[0], target.place[1])
         upper = lower
     if kind == REFERENCE:
         q = toward_reference(P, params, q)
-    out[OUT_VALUE] = objective(P, kind, params, q, by.J)
-    out[OUT_SECOND] = objective(P, second, params, q, by.J) if second >= 0 else 0.0
-    out[OUT_LOWER], out[OUT_UPPER] = lower, upper
-    return FOUND if write_posture(P, target, q, branch, respect, solution) else NO_POSTURE
+    out[at.OUT_VALUE] = objective(P, kind, params, q, by.J)
+    out[at.OUT_SECOND] = objective(P, second, params, q, by.J) if second >= 0 else 0.0
+    out[at.OUT_LOWER], out[at.OUT_UPPER] = lower, upper
+    return at.FOUND if write_posture(P, target, q, branch, respect, solution) else at.NO_POSTURE
 
 
 @entry

@@ -19,19 +19,8 @@ from srs_ik.kernels.exact.events import TURN
 from srs_ik.kernels.exact.gaps import ROUNDING, can_be
 from srs_ik.kernels.exact.intervals import find_intervals, join_touching, write_interval
 from srs_ik.kernels.jit import kernel
+from srs_ik.kernels.layout import limb as at
 from srs_ik.kernels.layout.answer import MAX_PIECES
-from srs_ik.kernels.layout.limb import (
-    FAR,
-    FREE,
-    INVERSE_HALF_RANGE,
-    LIMITED,
-    LOOSE,
-    NEAR,
-    SHOULDER,
-    SIZE,
-    SLACK_LIMIT,
-    WRIST,
-)
 from srs_ik.kernels.limb.branches import best_branch
 from srs_ik.kernels.limb.goal import NO_SEED, OUTSIDE
 from srs_ik.kernels.limb.limits import is_inside, tighten
@@ -105,8 +94,8 @@ def merge(P, place_, x, found, both, out, n):
 @kernel
 def span_of_bends(P, place_):
     """The smallest and the largest bend that are tried of a pose whose elbow is as good as flat, as sines."""
-    reach, own = P[FAR] if place_[2] > 0.0 else P[NEAR], place_[3]
-    untold = math.sqrt(8.0 * UNTOLD_REACH * reach / ((P[FAR] - P[NEAR]) * (P[FAR] + P[NEAR])))
+    reach, own = P[at.FAR] if place_[2] > 0.0 else P[at.NEAR], place_[3]
+    untold = math.sqrt(8.0 * UNTOLD_REACH * reach / ((P[at.FAR] - P[at.NEAR]) * (P[at.FAR] + P[at.NEAR])))
     untold = max(min(LARGEST_BEND, untold), SMALLEST_BEND)
     return math.sqrt(max(own * own - untold * untold, 0.0)), math.sqrt(own * own + untold * untold)
 
@@ -116,7 +105,7 @@ def take_centres(P, place_, span, centres):
     """Fill in the bends at which outer axes come into line, each once; their number."""
     n = 0
     for i in range(8):
-        x = bend_in_line(P, place_, SHOULDER if i < 4 else WRIST, (i >> 1) & 1, i & 1, span)
+        x = bend_in_line(P, place_, at.SHOULDER if i < 4 else at.WRIST, (i >> 1) & 1, i & 1, span)
         known = x < 0.0
         for j in range(n):
             known = known or abs(x - centres[j]) <= SAME_BEND * x
@@ -130,7 +119,8 @@ def take_centres(P, place_, span, centres):
 def is_pinned(P):
     """Whether limits leave an outer joint less room than rounding takes of it at the smallest bends."""
     narrowest = max(
-        max(P[INVERSE_HALF_RANGE], P[INVERSE_HALF_RANGE + 2]), max(P[INVERSE_HALF_RANGE + 4], P[INVERSE_HALF_RANGE + 6])
+        max(P[at.INVERSE_HALF_RANGE], P[at.INVERSE_HALF_RANGE + 2]),
+        max(P[at.INVERSE_HALF_RANGE + 4], P[at.INVERSE_HALF_RANGE + 6]),
     )
     return narrowest > 2.0 * SMALLEST_BEND / ROUNDING
 
@@ -139,13 +129,13 @@ def is_pinned(P):
 def keeps_limits(P, place_, c, s, branch):
     """Whether a branch keeps the limits at an arm angle, given by cosine and sine, but for rounding."""
     base, arm, c4, s4 = side_frames(P, place_, branch >> 2, c, s)
-    if not is_inside(P, 3, c4, s4, P[SLACK_LIMIT]):
+    if not is_inside(P, 3, c4, s4, P[at.SLACK_LIMIT]):
         return False
     v, y = shoulder_columns(P, base, arm)
-    if not can_be(P, SHOULDER, v, y, (branch >> 1) & 1):
+    if not can_be(P, at.SHOULDER, v, y, (branch >> 1) & 1):
         return False
     v, y = wrist_columns(P, place_, base, arm, c4, s4)
-    return can_be(P, WRIST, v, y, branch & 1)
+    return can_be(P, at.WRIST, v, y, branch & 1)
 
 
 @kernel
@@ -271,7 +261,7 @@ def ease(P, box):
 
     Where limits of several joints meet in one point, rounding leaves no room between them.
     """
-    tighten(P, NO_SEED, math.inf, 0.5 * P[SLACK_LIMIT], box)
+    tighten(P, NO_SEED, math.inf, 0.5 * P[at.SLACK_LIMIT], box)
 
 
 @kernel
@@ -283,8 +273,8 @@ def intervals_of_bends(family, place_, respect, out, n):
     """
     found, both = np.empty((8 * MAX_PIECES, 3)), np.empty((16 * MAX_PIECES, 3))
     centres = np.empty(8)
-    P = row(family, LOOSE + (LIMITED if respect else FREE))
-    boxes = np.empty((1, SIZE))
+    P = row(family, at.LOOSE + (at.LIMITED if respect else at.FREE))
+    boxes = np.empty((1, at.SIZE))
     eased = row(boxes, 0)
     ease(P, eased)
     span = span_of_bends(P, place_)

@@ -15,20 +15,9 @@ from srs_ik.kernels.algebra.pointers import row
 from srs_ik.kernels.algebra.vectors import across, add, apply, load3, load9, norm, sub
 from srs_ik.kernels.exact.events import TOUCH, TURN
 from srs_ik.kernels.jit import kernel
+from srs_ik.kernels.layout import limb as at
 from srs_ik.kernels.layout.answer import GOOD_POSE, MOST_INTERVALS, OK, ROW, ROW_Q, ROW_STATUS
 from srs_ik.kernels.layout.asked import Goal, Target
-from srs_ik.kernels.layout.limb import (
-    AXES,
-    ELBOW_CENTRE,
-    FAR,
-    LIMITED,
-    POINTS,
-    SHOULDER_CENTRE,
-    SIZE,
-    TIP_POSITION,
-    TIP_ROTATION,
-    WRIST_IN_TIP,
-)
 from srs_ik.kernels.layout.maps import MOST_ARCS, NOT_REACHED, REACHED
 from srs_ik.kernels.limb.goal import NO_SEED, OUTSIDE
 from srs_ik.kernels.limb.poses import read_pose
@@ -74,14 +63,14 @@ Posed = namedtuple("Posed", ("T", "place_", "R", "p"))
 @kernel
 def near_room(family, J, A):
     """Work space for near limbs."""
-    slack = farther(row(family, LIMITED))
-    return Near(J, A, np.empty((MOST_INTERVALS, 3)), np.empty((1, ROW)), np.empty((1, SIZE)), room(family), slack)
+    slack = farther(row(family, at.LIMITED))
+    return Near(J, A, np.empty((MOST_INTERVALS, 3)), np.empty((1, ROW)), np.empty((1, at.SIZE)), room(family), slack)
 
 
 @kernel
 def from_line(P, joint, centre):
     """How far the axis of a joint passes by a centre."""
-    return norm(across(sub(centre, load3(P, POINTS + 3 * joint)), load3(P, AXES + 3 * joint)))
+    return norm(across(sub(centre, load3(P, at.POINTS + 3 * joint)), load3(P, at.AXES + 3 * joint)))
 
 
 @kernel
@@ -90,11 +79,11 @@ def farther(P):
 
     A point turns about an axis by no more than twice its distance from it, and the centres are such points.
     """
-    wrist = add(load3(P, TIP_POSITION), apply(load9(P, TIP_ROTATION), load3(P, WRIST_IN_TIP)))
-    total = from_line(P, 3, load3(P, ELBOW_CENTRE))
+    wrist = add(load3(P, at.TIP_POSITION), apply(load9(P, at.TIP_ROTATION), load3(P, at.WRIST_IN_TIP)))
+    total = from_line(P, 3, load3(P, at.ELBOW_CENTRE))
     for joint in range(3):
-        total += from_line(P, joint, load3(P, SHOULDER_CENTRE)) + from_line(P, 4 + joint, wrist)
-    return 2.0 * total + ROUNDING * P[FAR]
+        total += from_line(P, joint, load3(P, at.SHOULDER_CENTRE)) + from_line(P, 4 + joint, wrist)
+    return 2.0 * total + ROUNDING * P[at.FAR]
 
 
 @kernel
@@ -169,7 +158,7 @@ def reach_near(family, pose, space):
     Most poses are told by its nearest exact limb and the band around it, in which the true chain lies. Next to
     singularities a search may find what the curves have passed by.
     """
-    P = row(family, LIMITED)
+    P = row(family, at.LIMITED)
     if is_too_far(P, pose, space):
         return NOT_REACHED
     target = Target(pose.R, pose.p, pose.place_)
@@ -272,7 +261,7 @@ def write_yaws_near(family, pose, found, wanted, space, out):
 def write_cell_near(family, pose, limits, most, space, out):
     """`cells.write_cell` of a near limb, without its margin."""
     clear(most, out)
-    P, target = row(family, LIMITED), Target(pose.R, pose.p, pose.place_)
+    P, target = row(family, at.LIMITED), Target(pose.R, pose.p, pose.place_)
     if is_too_far(P, pose, space):
         return
     n = intervals_near(family, pose, space)
@@ -298,7 +287,7 @@ def reach_near_poses(family, poses, first, last, J, A, out):
         if verdict != GOOD_POSE:
             out[i] = -verdict
         else:
-            out[i] = reach_near(family, Posed(T, place(row(family, LIMITED), R, p), R, p), space)
+            out[i] = reach_near(family, Posed(T, place(row(family, at.LIMITED), R, p), R, p), space)
 
 
 @kernel
@@ -308,7 +297,7 @@ def measure_near_poses(family, poses, first, last, limits, most, space, out):
         T = row(poses, i)
         R, p, verdict = read_pose(T)
         if verdict == GOOD_POSE:
-            pose = Posed(T, place(row(family, LIMITED), R, p), R, p)
+            pose = Posed(T, place(row(family, at.LIMITED), R, p), R, p)
             write_cell_near(family, pose, limits, most, space, row(out, i))
         else:
             clear(most, row(out, i))

@@ -10,18 +10,9 @@ from srs_ik.kernels.chain.newton import arm_angle
 from srs_ik.kernels.exact.flat import is_as_good_as_flat
 from srs_ik.kernels.exact.intervals import find_intervals
 from srs_ik.kernels.jit import kernel
+from srs_ik.kernels.layout import path as at
 from srs_ik.kernels.layout.answer import SOLVED
 from srs_ik.kernels.layout.limb import BOTTOM_GAP, IS_NEAR, LIMITED, LOWER, PHASE, SHOULDER, TOP_GAP, UPPER, WRIST
-from srs_ik.kernels.layout.path import (
-    NODE,
-    NODE_BRANCH,
-    NODE_PSI,
-    ROOMIEST,
-    ROOMY,
-    STRIP_FIRST,
-    STRIP_LAST,
-    STRIP_LEAST,
-)
 from srs_ik.kernels.limb.in_line import closest, may_split
 from srs_ik.kernels.limb.limits import TURN
 from srs_ik.kernels.limb.poses import read7
@@ -66,7 +57,7 @@ def pose_strips(family, T, around, sheet, n, desk, J, A):
 @kernel
 def roomy(family, place_):
     """The limb with limits drawn out by what rounding does to a pose: two joints on limits leave no room else."""
-    return row(family, ROOMIEST if is_as_good_as_flat(place_) else ROOMY)
+    return row(family, at.ROOMIEST if is_as_good_as_flat(place_) else at.ROOMY)
 
 
 @kernel
@@ -185,7 +176,7 @@ def keep_inside(P, nodes, linked, first, last):
             if n > first:
                 linked[n - 1] = False
             continue
-        put_node(nodes, n, q, nodes[i, NODE_PSI], nodes[i, NODE_BRANCH])
+        put_node(nodes, n, q, nodes[i, at.NODE_PSI], nodes[i, at.NODE_BRANCH])
         linked[n] = linked[i]
         n += 1
     return n
@@ -226,8 +217,8 @@ def put_end(P, inner, outer, sheet, n, follows):
     if n >= nodes.shape[0] or t == 0.0:
         return n
     q, _ = settled(P, along7(a, t, along_cell(a, b)), ROUNDING)
-    put_node(nodes, n, q, nodes[inner, NODE_PSI] + t * (nodes[outer, NODE_PSI] - nodes[inner, NODE_PSI]), 0.0)
-    nodes[n, NODE_BRANCH] = nodes[inner, NODE_BRANCH]
+    put_node(nodes, n, q, nodes[inner, at.NODE_PSI] + t * (nodes[outer, at.NODE_PSI] - nodes[inner, at.NODE_PSI]), 0.0)
+    nodes[n, at.NODE_BRANCH] = nodes[inner, at.NODE_BRANCH]
     sheet.linked[n] = False
     if follows:
         sheet.linked[n - 1] = True
@@ -253,10 +244,10 @@ def put_turned(P, sheet, first, last, turns, n):
                 nodes,
                 room,
                 along7(read7(row(nodes, i - 1)), TURN, turns),
-                nodes[i - 1, NODE_PSI],
-                nodes[i, NODE_BRANCH],
+                nodes[i - 1, at.NODE_PSI],
+                nodes[i, at.NODE_BRANCH],
             )
-            put_node(nodes, room + 1, turned, nodes[i, NODE_PSI], nodes[i, NODE_BRANCH])
+            put_node(nodes, room + 1, turned, nodes[i, at.NODE_PSI], nodes[i, at.NODE_BRANCH])
             n0 = n
             if inside:
                 n = put_end(P, room + 1, room, sheet, n, False)
@@ -264,7 +255,7 @@ def put_turned(P, sheet, first, last, turns, n):
             else:
                 n = put_end(P, room, room + 1, sheet, n, True)
         if inside and n < room:
-            put_node(nodes, n, q, nodes[i, NODE_PSI], nodes[i, NODE_BRANCH])
+            put_node(nodes, n, q, nodes[i, at.NODE_PSI], nodes[i, at.NODE_BRANCH])
             linked[n] = False
             if before and follows:
                 linked[n - 1] = True
@@ -298,7 +289,7 @@ def turn_strips(P, sheet, first, last, turns):
             rest //= count
         n = put_turned(P, sheet, first, last, row(turns, 0), n)
     for i in range(last, n):
-        for j in range(NODE):
+        for j in range(at.NODE):
             nodes[first + i - last, j] = nodes[i, j]
         linked[first + i - last] = linked[i]
     return first + n - last
@@ -321,9 +312,9 @@ def list_strips(sheet, first, last, count):
                     most = max(most, nodes[k, j])
                 strips[count, j] = least
                 strips[count, 7 + j] = most
-            strips[count, STRIP_FIRST] = start
-            strips[count, STRIP_LAST] = i
-            strips[count, STRIP_LEAST] = 0.0
+            strips[count, at.STRIP_FIRST] = start
+            strips[count, at.STRIP_LAST] = i
+            strips[count, at.STRIP_LEAST] = 0.0
             count += 1
         start = i + 1
     return count
