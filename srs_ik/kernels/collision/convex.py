@@ -12,7 +12,8 @@ from __future__ import annotations
 
 import math
 
-from srs_ik.kernels.algebra.vectors import add, along, apply, apply_transposed, cross, dot, norm, scale, sub
+from srs_ik.kernels.algebra.pointers import row
+from srs_ik.kernels.algebra.vectors import add, along, apply, apply_transposed, cross, dot, load3, norm, scale, sub
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.shapes import AXIS, CENTRE, CYLINDER, FIRST, HALF, KIND, LAST, RADIUS
 
@@ -30,9 +31,8 @@ def farthest_point(shapes, i, d):
     """The point of a solid, without its radius where it has points, that lies farthest in a direction."""
     solids = shapes.solids
     if shapes.of_solid[i, KIND] == CYLINDER:
-        axis = (solids[i, AXIS], solids[i, AXIS + 1], solids[i, AXIS + 2])
+        axis, centre = load3(row(solids, i), AXIS), load3(row(solids, i), CENTRE)
         level = dot(axis, d)
-        centre = (solids[i, CENTRE], solids[i, CENTRE + 1], solids[i, CENTRE + 2])
         point = along(centre, solids[i, HALF] if level > 0.0 else -solids[i, HALF], axis)
         beside = along(d, -level, axis)
         length = norm(beside)
@@ -154,8 +154,9 @@ def on_tetrahedron(a, b, c, d):
 
 
 @kernel
-def on_simplex(a, b, c, d, n):
+def on_simplex(corners, n):
     """The point of the first n of four corners' hull that is nearest to the origin, the corners it needs, and depth."""
+    a, b, c, d = corners
     if n == 1:
         return a, 1, 0.0
     if n == 2:
@@ -165,6 +166,13 @@ def on_simplex(a, b, c, d, n):
         point, used = on_triangle(a, b, c)
         return point, used, 0.0
     return on_tetrahedron(a, b, c, d)
+
+
+@kernel
+def with_corner(corners, k, w):
+    """Four corners with number k replaced."""
+    a, b, c, d = corners
+    return (w if k == 0 else a, w if k == 1 else b, w if k == 2 else c, w if k == 3 else d)
 
 
 @kernel
@@ -178,8 +186,7 @@ def apart(shapes, i, j, frame, start, enough):
     round_ = roundness(shapes, i) + roundness(shapes, j)
     v, normal = start, start
     best, nearest = -math.inf, math.inf
-    a, b, c, d = NOWHERE, NOWHERE, NOWHERE, NOWHERE
-    n = 0
+    corners, n = (NOWHERE, NOWHERE, NOWHERE, NOWHERE), 0
     for _ in range(MOST_STEPS):
         length = norm(v)
         if length <= 1e-12:
@@ -190,15 +197,8 @@ def apart(shapes, i, j, frame, start, enough):
             best, normal = level, scale(1.0 / length, v)
         if best >= enough or nearest - round_ - best <= CLOSE:
             break
-        if n == 0:
-            a = w
-        elif n == 1:
-            b = w
-        elif n == 2:
-            c = w
-        else:
-            d = w
-        v, used, depth = on_simplex(a, b, c, d, n + 1)
+        corners = with_corner(corners, n, w)
+        v, used, depth = on_simplex(corners, n + 1)
         if depth > 0.0:
             return -depth - round_, normal
         reached = norm(v)
@@ -207,32 +207,10 @@ def apart(shapes, i, j, frame, start, enough):
             break
         nearest = reached
         # Corners that the nearest point needs, first.
-        n = 0
-        a2, b2, c2, d2 = a, b, c, d
-        if used & 1:
-            a, n = a2, 1
-        if used & 2:
-            if n == 0:
-                a = b2
-            else:
-                b = b2
-            n += 1
-        if used & 4:
-            if n == 0:
-                a = c2
-            elif n == 1:
-                b = c2
-            else:
-                c = c2
-            n += 1
-        if used & 8:
-            if n == 0:
-                a = d2
-            elif n == 1:
-                b = d2
-            else:
-                c = d2
-            n += 1
+        known, n = corners, 0
+        for k in range(4):
+            if used >> k & 1:
+                corners, n = with_corner(corners, n, known[k]), n + 1
         if n == 4:
             return -round_, normal
     # They meet within their radii, or rounding hides whether they do.

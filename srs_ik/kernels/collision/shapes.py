@@ -7,7 +7,19 @@ from typing import NamedTuple
 
 from srs_ik.kernels.algebra.lane_trig import seven_turns
 from srs_ik.kernels.algebra.pointers import row
-from srs_ik.kernels.algebra.vectors import add, apply, apply_transposed, dot, load3, load9, norm, scale, sub, times
+from srs_ik.kernels.algebra.vectors import (
+    add,
+    along,
+    apply,
+    apply_transposed,
+    dot,
+    load3,
+    load9,
+    norm,
+    scale,
+    sub,
+    times,
+)
 from srs_ik.kernels.chain.kinematics import first_line, joint_line
 from srs_ik.kernels.collision.convex import apart, farthest_point, roundness
 from srs_ik.kernels.collision.seen import frame_at
@@ -61,7 +73,7 @@ class Along(NamedTuple):
 @kernel
 def centre_of(shapes, i):
     """Centre of the ball around a solid."""
-    return shapes.solids[i, at.CENTRE], shapes.solids[i, at.CENTRE + 1], shapes.solids[i, at.CENTRE + 2]
+    return load3(row(shapes.solids, i), at.CENTRE)
 
 
 @kernel
@@ -109,17 +121,11 @@ def reach_from_line(shapes, i, frame):
     largest = 0.0
     if shapes.of_solid[i, at.KIND] == at.CYLINDER:
         for sign in (-1.0, 1.0):
-            h = sign * solids[i, at.HALF]
-            end = (
-                solids[i, at.CENTRE] + h * solids[i, at.AXIS],
-                solids[i, at.CENTRE + 1] + h * solids[i, at.AXIS + 1],
-                solids[i, at.CENTRE + 2] + h * solids[i, at.AXIS + 2],
-            )
+            end = along(centre_of(shapes, i), sign * solids[i, at.HALF], load3(row(solids, i), at.AXIS))
             largest = max(largest, off_line(frame, end))
     else:
         for k in range(shapes.of_solid[i, at.FIRST], shapes.of_solid[i, at.LAST]):
-            point = (shapes.points[k, 0], shapes.points[k, 1], shapes.points[k, 2])
-            largest = max(largest, off_line(frame, point))
+            largest = max(largest, off_line(frame, load3(row(shapes.points, k), 0)))
     largest += solids[i, at.RADIUS]
     shapes.from_line[i] = largest
     return largest
@@ -143,12 +149,6 @@ def forget(shapes):
 
 
 @kernel
-def segment_of(shapes, i):
-    """From the centre of a solid to one end of the segment within it."""
-    return shapes.solids[i, at.SEGMENT], shapes.solids[i, at.SEGMENT + 1], shapes.solids[i, at.SEGMENT + 2]
-
-
-@kernel
 def limited(x):
     """The nearest figure between -1 and 1."""
     return min(max(x, -1.0), 1.0)
@@ -160,7 +160,8 @@ def depth_within(shapes, i, j, M, centre):
     inner, other = shapes.solids[i, at.INNER], shapes.solids[j, at.INNER]
     if inner < 0.0 or other < 0.0:
         return -1.0
-    a, b = apply(M, segment_of(shapes, i)), segment_of(shapes, j)
+    # From the centre of each to one end of the segment within it.
+    a, b = apply(M, load3(row(shapes.solids, i), at.SEGMENT)), load3(row(shapes.solids, j), at.SEGMENT)
     aa, ab, bb = dot(a, a), dot(a, b), dot(b, b)
     ca, cb = dot(centre, a), dot(centre, b)
     # The nearest points are centre + s a and t b.
@@ -192,7 +193,7 @@ def gap(shapes, i, j, frame, slot, needed):
     """Distance of two solids as far as it matters, see `convex.apart`, beginning where the last search ended."""
     M, b = frame
     if shapes.of_solid[j, at.KIND] == at.HALF_SPACE:
-        out = (shapes.solids[j, at.AXIS], shapes.solids[j, at.AXIS + 1], shapes.solids[j, at.AXIS + 2])
+        out = load3(row(shapes.solids, j), at.AXIS)
         return least_along(shapes, i, frame, out) - dot(out, centre_of(shapes, j)), out
     centre = sub(add(apply(M, centre_of(shapes, i)), b), centre_of(shapes, j))
     length = norm(centre)
@@ -240,18 +241,9 @@ def put_frames(P, q, frames):
     put_frame(frames, 0, (1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0), (0.0, 0.0, 0.0))
     _, _, M, b = first_line(P, turns[0])
     put_frame(frames, 1, M, b)
-    _, _, M, b = joint_line(P, 1, turns[1], M, b)
-    put_frame(frames, 2, M, b)
-    _, _, M, b = joint_line(P, 2, turns[2], M, b)
-    put_frame(frames, 3, M, b)
-    _, _, M, b = joint_line(P, 3, turns[3], M, b)
-    put_frame(frames, 4, M, b)
-    _, _, M, b = joint_line(P, 4, turns[4], M, b)
-    put_frame(frames, 5, M, b)
-    _, _, M, b = joint_line(P, 5, turns[5], M, b)
-    put_frame(frames, 6, M, b)
-    _, _, M, b = joint_line(P, 6, turns[6], M, b)
-    put_frame(frames, 7, M, b)
+    for joint in range(1, 7):
+        _, _, M, b = joint_line(P, joint, turns[joint], M, b)
+        put_frame(frames, joint + 1, M, b)
 
 
 @kernel

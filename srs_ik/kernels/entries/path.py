@@ -16,31 +16,10 @@ from srs_ik.kernels.chain.kinematics import pose_error
 from srs_ik.kernels.chain.newton import CLOSED, LEFT, STEPS, clipped, close_free
 from srs_ik.kernels.exact.samples import MAX_SAMPLES
 from srs_ik.kernels.jit import entry
+from srs_ik.kernels.layout import path as at
 from srs_ik.kernels.layout.answer import GOOD_POSE, MAX_PIECES, ROW_ARM_ANGLE
 from srs_ik.kernels.layout.limb import IS_CLOSED, IS_NEAR, LIMITED
-from srs_ik.kernels.layout.path import (
-    HELD_BRANCH,
-    HELD_LINKED,
-    HELD_PSI,
-    LARGEST,
-    MEMO,
-    NODE,
-    NODE_BRANCH,
-    NODE_PSI,
-    SIDE,
-    SQUARES,
-    STRIP_FIRST,
-    STRIP_LAST,
-    Aim,
-    Around,
-    Course,
-    Desk,
-    Line,
-    Rules,
-    Sheet,
-    Space,
-    Span,
-)
+from srs_ik.kernels.layout.path import Aim, Around, Course, Desk, Line, Rules, Sheet, Space, Span
 from srs_ik.kernels.limb.branches import branch_of
 from srs_ik.kernels.limb.limits import TURN
 from srs_ik.kernels.limb.poses import read7, read_pose
@@ -162,7 +141,12 @@ def sweep(
     J, A = scratch(6, 7), scratch(16, 9)
     sheet = Sheet(nodes, np.zeros(nodes.shape[0], np.bool_), cost, strips)
     found, given = np.empty((8 * MAX_PIECES, 3)), np.full(2, -1)
-    on_hold, turns, memo, stamp = np.empty((DEEPEST, NODE)), np.zeros((3, 7)), np.zeros((2 * GRID, MEMO)), np.zeros(1)
+    on_hold, turns, memo, stamp = (
+        np.empty((DEEPEST, at.NODE)),
+        np.zeros((3, 7)),
+        np.zeros((2 * GRID, at.MEMO)),
+        np.zeros(1),
+    )
     desk = Desk(found, np.empty(MAX_SAMPLES), on_hold, turns, allowed, given, memo, stamp, room_for_ends(found))
     scales, told = settings.copy(), row(settings, 0)
     scaled = row(scales, 0)
@@ -170,14 +154,14 @@ def sweep(
     n, m = ends[0, 1], ends[0, 3]
     i = first
     while i < keys.shape[0] and n + MOST_NODES <= nodes.shape[0] and m + MOST_STRIPS <= strips.shape[0]:
-        at = i - first + 1
-        if at >= ends.shape[0] or stop[0]:
+        slot = i - first + 1
+        if slot >= ends.shape[0] or stop[0]:
             break
         pose = keys[i]
         if allowed_ends.shape[0] > 0:
             given[0], given[1] = allowed_ends[pose, 0], allowed_ends[pose, 1]
-        ends[at, 0] = n
-        ends[at, 2] = m
+        ends[slot, 0] = n
+        ends[slot, 2] = m
         if has_known[pose]:
             put_node(nodes, n, read7(row(known, pose)), 0.0, -1)
             n += 1
@@ -189,16 +173,16 @@ def sweep(
             for k in range(held_ends[pose], held_ends[pose + 1]):
                 if n >= nodes.shape[0]:
                     break
-                put_node(nodes, n, read7(row(held, k)), held[k, HELD_PSI], int(held[k, HELD_BRANCH]))
-                sheet.linked[n] = held[k, HELD_LINKED] != 0.0
+                put_node(nodes, n, read7(row(held, k)), held[k, at.HELD_PSI], int(held[k, at.HELD_BRANCH]))
+                sheet.linked[n] = held[k, at.HELD_LINKED] != 0.0
                 n += 1
                 if not held_alone[pose]:
                     n = put_split(row(family, LIMITED), sheet, n - 1, SPACING, n)
-        m = list_strips(sheet, ends[at, 0], n, m)
-        ends[at, 1] = n
-        ends[at, 3] = m
-        if n > ends[at, 0]:
-            now = Span(ends[at, 0], n, ends[at, 2], m)
+        m = list_strips(sheet, ends[slot, 0], n, m)
+        ends[slot, 1] = n
+        ends[slot, 3] = m
+        if n > ends[slot, 0]:
+            now = Span(ends[slot, 0], n, ends[slot, 2], m)
             if carried < 0:
                 first_costs(sheet, now, start, told)
             else:
@@ -206,7 +190,7 @@ def sweep(
                 unbounded(cost, now)
                 advance(sheet, before, now, rules_for(told, scaled, pose - carried, limited), exact)
             carried = pose
-            last = at
+            last = slot
         i += 1
     keep(scales)
     return i, last
@@ -245,20 +229,23 @@ def go_back(keys, first, count, following, settings, limited, nodes, cost, strip
         pose = keys[first + j - 1]
         span = Span(ends[j, 0], ends[j, 1], ends[j, 2], ends[j, 3])
         if following < 0:
-            at = float(cheapest(cost, span.first, span.last))
-            least = cost[int(at)]
+            best = float(cheapest(cost, span.first, span.last))
+            least = cost[int(best)]
         else:
-            _, at = step_back(row(q, following), sheet, span, rules_for(told, scaled, following - pose, limited))
-        k = math.floor(at)
-        t = at - k
+            _, best = step_back(row(q, following), sheet, span, rules_for(told, scaled, following - pose, limited))
+        k = math.floor(best)
+        t = best - k
         next_row = k + 1 if t > 0.0 else k
         for i in range(7):
             q[pose, i] = nodes[k, i] + t * (nodes[next_row, i] - nodes[k, i])
-        psi[pose] = nodes[k, NODE_PSI] + t * (nodes[next_row, NODE_PSI] - nodes[k, NODE_PSI])
-        branch[pose] = int(nodes[k, NODE_BRANCH])
+        psi[pose] = nodes[k, at.NODE_PSI] + t * (nodes[next_row, at.NODE_PSI] - nodes[k, at.NODE_PSI])
+        branch[pose] = int(nodes[k, at.NODE_BRANCH])
         for s in range(span.first_strip, span.last_strip):
-            if strips[s, STRIP_FIRST] <= k <= strips[s, STRIP_LAST]:
-                low, high = nodes[int(strips[s, STRIP_FIRST]), NODE_PSI], nodes[int(strips[s, STRIP_LAST]), NODE_PSI]
+            if strips[s, at.STRIP_FIRST] <= k <= strips[s, at.STRIP_LAST]:
+                low, high = (
+                    nodes[int(strips[s, at.STRIP_FIRST]), at.NODE_PSI],
+                    nodes[int(strips[s, at.STRIP_LAST]), at.NODE_PSI],
+                )
                 # The whole circle has no ends.
                 bounds[pose, 0] = low if low > -math.pi else -math.inf
                 bounds[pose, 1] = high if abs(high) != math.pi else math.inf
@@ -275,7 +262,7 @@ def fill_between(family, poses, keys, reached, settings, q, psi, branch, bounds,
     there is none, and writes the point of that line; other arguments as in `go_back`.
     """
     P, J, A = row(family, LIMITED), scratch(6, 7), scratch(16, 9)
-    course = Course(poses, keys, reached, bounds, np.empty((0, SIDE)))
+    course = Course(poses, keys, reached, bounds, np.empty((0, at.SIDE)))
     line = Line(q, psi, branch)
     last = -1
     for number in range(keys.shape[0]):
@@ -325,7 +312,7 @@ def refine(family, poses, chain, fixed, bounds, widths, enough, start, settings,
         else:
             lowest = total
     if enough > 0.0:
-        lowest = smooth(family, course, line, start, Aim(SQUARES, told, enough, np.empty(0, np.bool_)), told, space)
+        lowest = smooth(family, course, line, start, Aim(at.SQUARES, told, enough, np.empty(0, np.bool_)), told, space)
         lowest = path_cost(chain, start, told, False, q)
     return lowest
 
@@ -363,7 +350,7 @@ def polish(family, poses, chain, fixed, loose, bounds, start, settings, kind, sc
         aim = Aim(kind, row(scale, 0), weight, loose)
         lowest = smooth(family, course, line, start, aim, row(settings, 0), space)
         write_steps(chain, start, row(settings, 0), q, steps)
-        if kind == LARGEST and most_of(aim, steps, first, chain.shape[0]) <= enough:
+        if kind == at.LARGEST and most_of(aim, steps, first, chain.shape[0]) <= enough:
             break
     return lowest
 

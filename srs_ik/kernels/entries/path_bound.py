@@ -9,25 +9,10 @@ from srs_ik.kernels.algebra.pointers import keep, row, scratch
 from srs_ik.kernels.entries.path import MOST_NODES, MOST_STRIPS
 from srs_ik.kernels.exact.samples import MAX_SAMPLES
 from srs_ik.kernels.jit import entry, kernel
+from srs_ik.kernels.layout import path as at
 from srs_ik.kernels.layout.answer import MAX_PIECES
 from srs_ik.kernels.layout.limb import LIMITED
-from srs_ik.kernels.layout.path import (
-    IMPOSSIBLE,
-    MEMO,
-    NODE,
-    NODE_SAG,
-    POINT,
-    STRIP,
-    STRIP_FIRST,
-    STRIP_LAST,
-    WORTH_BEGIN,
-    WORTH_END,
-    WORTH_SAG,
-    Desk,
-    Net,
-    Sheet,
-    Span,
-)
+from srs_ik.kernels.layout.path import Desk, Net, Sheet, Span
 from srs_ik.kernels.limb.poses import read7
 from srs_ik.kernels.limb.triangle import target_of
 from srs_ik.kernels.path.cells import BOX, GROUP, MOST_CORNERS, SLACK, put_cell, reach_pose
@@ -67,13 +52,13 @@ def cover(family, poses, first, known, has_known, extra, longest, cells, ends):
         if has_known[i]:
             if n < cells.shape[0]:
                 q = read7(row(known, i))
-                put_cell(cells, n, q, q, SLACK, (0.0, 0.0, float(POINT)))
+                put_cell(cells, n, q, q, SLACK, (0.0, 0.0, float(at.POINT)))
             n += 1
         else:
             n = cover_pose(family, row(poses, i), net, n, J, A)
             if n < cells.shape[0] and extra[i, 0] == extra[i, 0]:
                 q = read7(row(extra, i))
-                put_cell(cells, n, q, q, SLACK, (0.0, 0.0, float(POINT)))
+                put_cell(cells, n, q, q, SLACK, (0.0, 0.0, float(at.POINT)))
                 n += 1
         if n >= cells.shape[0]:
             break
@@ -130,7 +115,7 @@ def relax(cells, ends, backward, settings, worth):
         if last >= 0:
             gap = abs(i - last) > 1
             least = write_groups(cells, ends[last], ends[last + 1], worth, groups)
-            lowest_of_all = IMPOSSIBLE
+            lowest_of_all = at.IMPOSSIBLE
             for g in range(least):
                 lowest_of_all = min(lowest_of_all, groups[g, 8])
             for j in range(ends[i], ends[i + 1]):
@@ -139,9 +124,9 @@ def relax(cells, ends, backward, settings, worth):
                 else:
                     before = (cells, ends[last], ends[last + 1], worth)
                     begin, end, sag = advance_cell(before, groups, cells, j, row(settings, 0), tried)
-                worth[j, WORTH_BEGIN] = begin
-                worth[j, WORTH_END] = end
-                worth[j, WORTH_SAG] = sag
+                worth[j, at.WORTH_BEGIN] = begin
+                worth[j, at.WORTH_END] = end
+                worth[j, at.WORTH_SAG] = sag
         last = i
 
 
@@ -153,10 +138,10 @@ def write_rooms(sheet, span, most, rooms, rules, after):
     """
     nodes = sheet.nodes
     for b in range(span.first_strip, span.last_strip):
-        first, last = int(sheet.strips[b, STRIP_FIRST]), int(sheet.strips[b, STRIP_LAST])
+        first, last = int(sheet.strips[b, at.STRIP_FIRST]), int(sheet.strips[b, at.STRIP_LAST])
         for i in range(first, last + 1):
             sheet.linked[i] = i < last
-            sag = max(nodes[i, NODE_SAG], nodes[i - 1, NODE_SAG] if i > first else 0.0)
+            sag = max(nodes[i, at.NODE_SAG], nodes[i - 1, at.NODE_SAG] if i > first else 0.0)
             rooms[i] = most - sheet.cost[i] + 0.25 * sag
             sag = 0.0
             for k in range(max(i - 1, first), min(i, last - 1) + 1):
@@ -195,11 +180,11 @@ def costs_to_end(keys, first, count, behind, most, stop, settings, limited, node
     scales, told = settings.copy(), row(settings, 0)
     scaled = row(scales, 0)
     last, carried = count + 1, behind
-    for at in range(count, 0, -1):
-        if ends[at, 0] == ends[at, 1] or stop[0]:
+    for slot in range(count, 0, -1):
+        if ends[slot, 0] == ends[slot, 1] or stop[0]:
             continue
-        now = Span(ends[at, 0], ends[at, 1], ends[at, 2], ends[at, 3])
-        pose = keys[first + at - 1]
+        now = Span(ends[slot, 0], ends[slot, 1], ends[slot, 2], ends[slot, 3])
+        pose = keys[first + slot - 1]
         rules = rules_for(told, scaled, max(carried - pose, 1), limited)
         write_rooms(forth, now, most, rooms, rules, after)
         if carried < 0:
@@ -208,7 +193,7 @@ def costs_to_end(keys, first, count, behind, most, stop, settings, limited, node
             before = Span(ends[last, 0], ends[last, 1], ends[last, 2], ends[last, 3])
             advance(sheet, before, now, rules, False)
         leave_out(sheet, now, rooms)
-        last, carried = at, pose
+        last, carried = slot, pose
     keep(scales)
     return last
 
@@ -217,10 +202,10 @@ def costs_to_end(keys, first, count, behind, most, stop, settings, limited, node
 def net_of(cells, longest, all_turns):
     """Cells to be made, with work space."""
     sheet = Sheet(
-        np.empty((MOST_NODES, NODE)), np.zeros(MOST_NODES, np.bool_), np.empty(1), np.empty((MOST_STRIPS, STRIP))
+        np.empty((MOST_NODES, at.NODE)), np.zeros(MOST_NODES, np.bool_), np.empty(1), np.empty((MOST_STRIPS, at.STRIP))
     )
     found, given = np.empty((8 * MAX_PIECES, 3)), np.full(2, -1)
-    held, turns, memo = np.empty((DEEPEST, NODE)), np.zeros((3, 7)), np.empty((0, MEMO))
+    held, turns, memo = np.empty((DEEPEST, at.NODE)), np.zeros((3, 7)), np.empty((0, at.MEMO))
     desk = Desk(found, np.empty(MAX_SAMPLES), held, turns, np.empty((0, 3)), given, memo, np.zeros(1), memo)
     return Net(cells, longest, all_turns, desk, sheet)
 

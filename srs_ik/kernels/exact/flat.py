@@ -118,10 +118,8 @@ def take_centres(P, place_, span, centres):
 @kernel
 def is_pinned(P):
     """Whether limits leave an outer joint less room than rounding takes of it at the smallest bends."""
-    narrowest = max(
-        max(P[at.INVERSE_HALF_RANGE], P[at.INVERSE_HALF_RANGE + 2]),
-        max(P[at.INVERSE_HALF_RANGE + 4], P[at.INVERSE_HALF_RANGE + 6]),
-    )
+    k = at.INVERSE_HALF_RANGE
+    narrowest = max(max(P[k], P[k + 2]), max(P[k + 4], P[k + 6]))
     return narrowest > 2.0 * SMALLEST_BEND / ROUNDING
 
 

@@ -56,8 +56,8 @@ Near = namedtuple("Near", ("J", "A", "found", "answers", "boxes", "exact", "slac
 """Work space of one thread: (6, 7), (16, 9), (MOST_INTERVALS, 3), (1, ROW), (1, SIZE), and that of an exact limb; and
 how much farther than this the true chain may reach, m."""
 
-Posed = namedtuple("Posed", ("T", "place_", "R", "p"))
-"""A pose: its 16 figures, what its postures share (`triangle.place`), rotation and position."""
+Posed = namedtuple("Posed", ("T", "target"))
+"""A pose: its 16 figures, and these as they are read."""
 
 
 @kernel
@@ -89,13 +89,13 @@ def farther(P):
 @kernel
 def is_too_far(P, pose, space):
     """Whether the true chain cannot bring the wrist to where the pose wants it."""
-    return abs(pose.place_[5]) > space.slack or not may_reach(P, pose.place_)
+    return abs(pose.target.place[5]) > space.slack or not may_reach(P, pose.target.place)
 
 
 @kernel
 def intervals_near(family, pose, space):
     """Write the feasible intervals on the true chain into `space.found`; return their number."""
-    return all_intervals(family, Target(pose.R, pose.p, pose.place_), True, space.J, space.A, space.found)
+    return all_intervals(family, pose.target, True, space.J, space.A, space.found)
 
 
 @kernel
@@ -111,9 +111,9 @@ def is_met_near(P, pose, band, family, space):
     if not widen(P, band, -1.0, box):
         return False
     for elbow in range(2):
-        if not is_bent_right(box, pose.place_, elbow):
+        if not is_bent_right(box, pose.target.place, elbow):
             continue
-        side = elbow_side(P, pose.place_, elbow)
+        side = elbow_side(P, pose.target.place, elbow)
         for i in range(PROBED):
             psi = TURN * i / PROBED
             if is_met_at(box, side, math.cos(psi), math.sin(psi)) and is_clear(P, side, psi, band):
@@ -129,8 +129,9 @@ def is_out_of_band(P, pose, band, space):
     """Whether no posture keeps limits that are drawn out by more than the band: there is none on the true chain."""
     box = row(space.boxes, 0)
     widen(P, band, SAFE, box)
+    place_ = pose.target.place
     for elbow in range(2):
-        if is_bent_right(box, pose.place_, elbow) and any_overlap(box, elbow_side(P, pose.place_, elbow), space.exact):
+        if is_bent_right(box, place_, elbow) and any_overlap(box, elbow_side(P, place_, elbow), space.exact):
             return False
     return True
 
@@ -138,8 +139,8 @@ def is_out_of_band(P, pose, band, space):
 @kernel
 def is_surely_out(P, pose, space):
     """`is_out_of_band`, where the band tells enough."""
-    band = band_of(P, pose.place_)
-    if not may_predict(P, pose.place_, band) or SAFE * widest(band) >= WIDEST_BAND:
+    band = band_of(P, pose.target.place)
+    if not may_predict(P, pose.target.place, band) or SAFE * widest(band) >= WIDEST_BAND:
         return False
     return is_out_of_band(P, pose, band, space)
 
@@ -161,17 +162,16 @@ def reach_near(family, pose, space):
     P = row(family, at.LIMITED)
     if is_too_far(P, pose, space):
         return NOT_REACHED
-    target = Target(pose.R, pose.p, pose.place_)
-    band = band_of(P, pose.place_)
-    if may_predict(P, pose.place_, band):
+    band = band_of(P, pose.target.place)
+    if may_predict(P, pose.target.place, band):
         if is_met_near(P, pose, band, family, space):
             return REACHED
         if is_surely_out(P, pose, space):
             return NOT_REACHED
-    n = predicted_intervals(P, target, space.found, space.J, space.A)
+    n = predicted_intervals(P, pose.target, space.found, space.J, space.A)
     if n < 0:
-        n = true_intervals(P, target, True, space.found, space.J, space.A)
-    return REACHED if n > 0 or was_missed(P, target, space)[1] else NOT_REACHED
+        n = true_intervals(P, pose.target, True, space.found, space.J, space.A)
+    return REACHED if n > 0 or was_missed(P, pose.target, space)[1] else NOT_REACHED
 
 
 @kernel
@@ -261,15 +261,15 @@ def write_yaws_near(family, pose, found, wanted, space, out):
 def write_cell_near(family, pose, limits, most, space, out):
     """`cells.write_cell` of a near limb, without its margin."""
     clear(most, out)
-    P, target = row(family, at.LIMITED), Target(pose.R, pose.p, pose.place_)
+    P = row(family, at.LIMITED)
     if is_too_far(P, pose, space):
         return
     n = intervals_near(family, pose, space)
     q, again = NO_SEED, False
     if n == 0 and not is_surely_out(P, pose, space):
-        q, again = was_missed(P, target, space)
+        q, again = was_missed(P, pose.target, space)
         if again:
-            n = intervals_through(P, target, q, True, space.found, space.J, space.A)
+            n = intervals_through(P, pose.target, q, True, space.found, space.J, space.A)
     if n == 0:
         return
     write_measures(space.found, n, out)
@@ -287,7 +287,7 @@ def reach_near_poses(family, poses, first, last, J, A, out):
         if verdict != GOOD_POSE:
             out[i] = -verdict
         else:
-            out[i] = reach_near(family, Posed(T, place(row(family, at.LIMITED), R, p), R, p), space)
+            out[i] = reach_near(family, Posed(T, Target(R, p, place(row(family, at.LIMITED), R, p))), space)
 
 
 @kernel
@@ -297,7 +297,7 @@ def measure_near_poses(family, poses, first, last, limits, most, space, out):
         T = row(poses, i)
         R, p, verdict = read_pose(T)
         if verdict == GOOD_POSE:
-            pose = Posed(T, place(row(family, at.LIMITED), R, p), R, p)
+            pose = Posed(T, Target(R, p, place(row(family, at.LIMITED), R, p)))
             write_cell_near(family, pose, limits, most, space, row(out, i))
         else:
             clear(most, row(out, i))

@@ -14,23 +14,9 @@ from srs_ik.kernels.chain.newton import CLOSED, STEPS, close_free
 from srs_ik.kernels.chain.newton_eight import largest as largest_of
 from srs_ik.kernels.curves.in_step import one_of_seven
 from srs_ik.kernels.jit import kernel
+from srs_ik.kernels.layout import path as at
 from srs_ik.kernels.layout.limb import IS_NEAR, LIMITED
-from srs_ik.kernels.layout.path import (
-    IMPOSSIBLE,
-    NODE,
-    NODE_PSI,
-    SETTINGS,
-    SIDE,
-    SIDE_FOREARM,
-    SIDE_LINE,
-    STRIP,
-    TIP,
-    Course,
-    Posture,
-    Sheet,
-    Span,
-    Stop,
-)
+from srs_ik.kernels.layout.path import Course, Posture, Sheet, Span, Stop
 from srs_ik.kernels.limb.poses import read7
 from srs_ik.kernels.limb.self_motion import rates
 from srs_ik.kernels.limb.triangle import target_of
@@ -76,7 +62,7 @@ def put_inside(P, q):
 def course_of(P, poses, chain, fixed, bounds, branch):
     """A course with the sides of its postures, or on a near limb with its poses as they are read."""
     is_near = P[IS_NEAR] != 0.0
-    course = Course(poses, chain, fixed, bounds, np.empty((poses.shape[0], TIP if is_near else SIDE)))
+    course = Course(poses, chain, fixed, bounds, np.empty((poses.shape[0], at.TIP if is_near else at.SIDE)))
     if not is_near:
         write_sides(P, course, branch)
         return course
@@ -102,7 +88,7 @@ def moving_rates(P, stop, here, J, A):
     """Joint rates with the arm angle, on a near limb along its curve, and whether there are any."""
     if P[IS_NEAR] != 0.0:
         return direction(P, setting_of(P, target_of(P, stop.pose), J, A), here.q)
-    return rates(P, here.q, load3(stop.side, SIDE_LINE), load3(stop.side, SIDE_FOREARM))
+    return rates(P, here.q, load3(stop.side, at.SIDE_LINE), load3(stop.side, at.SIDE_FOREARM))
 
 
 @kernel
@@ -158,12 +144,12 @@ def put_along_curve(P, stop, here, motion, sheet, n, space):
 
 
 @kernel
-def put_across(P, course, line, at, sheet, n, space):
+def put_across(P, course, line, asked, sheet, n, space):
     """Write the postures of a corridor at a pose, that of the path in the middle; the next free row.
 
     `at` are the number of the pose and the joint step from one posture of the corridor to the next.
     """
-    i, width = at
+    i, width = asked
     here = posture_at(line, i)
     nodes = sheet.nodes
     if course.fixed[i]:
@@ -204,9 +190,11 @@ def corridor(family, course, line, width, start, rules, space):
     chain = course.chain
     count = chain.shape[0]
     room = count * ACROSS
-    sheet = Sheet(np.empty((room, NODE)), np.ones(room, np.bool_), np.full(room, IMPOSSIBLE), np.empty((count, STRIP)))
+    sheet = Sheet(
+        np.empty((room, at.NODE)), np.ones(room, np.bool_), np.full(room, at.IMPOSSIBLE), np.empty((count, at.STRIP))
+    )
     ends = np.zeros(count + 1, np.int64)
-    scales = np.empty(7 * SETTINGS)
+    scales = np.empty(7 * at.SETTINGS)
     scaled = copied(rules.settings, row(scales, 0))
     for c in range(count):
         i = chain[c]
@@ -221,12 +209,12 @@ def corridor(family, course, line, width, start, rules, space):
     for c in range(count - 1, -1, -1):
         i = chain[c]
         if c == count - 1:
-            at = float(cheapest(sheet.cost, ends[c], ends[c + 1]))
+            best = float(cheapest(sheet.cost, ends[c], ends[c + 1]))
         else:
             stepped = rules_for(rules.settings, scaled, chain[c + 1] - i, rules.limited)
-            _, at = step_back(row(line.q, chain[c + 1]), sheet, Span(ends[c], ends[c + 1], c, c + 1), stepped)
+            _, best = step_back(row(line.q, chain[c + 1]), sheet, Span(ends[c], ends[c + 1], c, c + 1), stepped)
         if not course.fixed[i]:
-            settle_on(P, course, line, i, sheet.nodes, at, space)
+            settle_on(P, course, line, i, sheet.nodes, best, space)
     keep(scales)
 
 
@@ -247,19 +235,19 @@ def on_pose(P, stop, here, J, A):
 
 
 @kernel
-def settle_on(P, course, line, i, nodes, at, space):
+def settle_on(P, course, line, i, nodes, best, space):
     """Take the posture at a place between two of a corridor, or the nearer one of them."""
-    k = math.floor(at)
-    t = at - k
+    k = math.floor(best)
+    t = best - k
     following = k + 1 if t > 0.0 else k
     nearer = read7(row(nodes, k if t < 0.5 else following))
-    angle = nodes[k if t < 0.5 else following, NODE_PSI]
+    angle = nodes[k if t < 0.5 else following, at.NODE_PSI]
     if t > 0.0:
         a, b = read7(row(nodes, k)), read7(row(nodes, following))
         between = along7(a, t, along_cell(a, b))
-        there = nodes[k, NODE_PSI] + t * (nodes[following, NODE_PSI] - nodes[k, NODE_PSI])
+        there = nodes[k, at.NODE_PSI] + t * (nodes[following, at.NODE_PSI] - nodes[k, at.NODE_PSI])
         _, is_singular = split_of(P, between)
-        if is_singular and nodes[k, NODE_PSI] == nodes[following, NODE_PSI]:
+        if is_singular and nodes[k, at.NODE_PSI] == nodes[following, at.NODE_PSI]:
             nearer = between
         else:
             wanted = Posture(between, there, line.branch[i])

@@ -15,7 +15,7 @@ from __future__ import annotations
 
 import math
 
-from srs_ik.kernels.algebra.vectors import add, along, cross, dot, load3, norm, scale, sub
+from srs_ik.kernels.algebra.vectors import add, along, cross, dot, load3, norm, scale, store3, sub
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout import task as at
 from srs_ik.kernels.layout.limb import REFERENCE_2, SHOULDER_CENTRE
@@ -47,15 +47,13 @@ def read_task(raw, given, out):
     for i in range(at.TASK):
         if not math.isfinite(raw[i]):
             return at.NOT_FINITE
-    for i in range(3):
-        out[i] = raw[i]
+    store3(out, 0, load3(raw, 0))
     for k in range(1, 5):
         v = unit(load3(raw, 3 * k))
         asked = k < 3 or (k == 3 and given & at.GRASP != 0) or (k == 4 and given & at.PRONOSUPINATION != 0)
         if asked and v == (0.0, 0.0, 0.0):
             return at.NO_DIRECTION
-        for i in range(3):
-            out[3 * k + i] = v[i]
+        store3(out, 3 * k, v)
     if given == at.GRASP | at.PRONOSUPINATION:
         if norm(cross(load3(out, at.TASK_GRASP), load3(out, at.TASK_PRONOSUPINATION))) < PARALLEL:
             return at.ROLL_OPEN
@@ -198,15 +196,11 @@ def write_posture(P, found, out):
     S = load3(P, SHOULDER_CENTRE)
     normal = m if dot(m, n) >= 0.0 else scale(-1.0, m)
     _, t, h0 = target_frame(P, wrist)
-    e = add(S, elbow)
-    w = add(S, wrist)
-    p = add(S, tip)
-    for i in range(3):
-        out[at.ELBOW + i] = e[i]
-        out[at.WRIST + i] = w[i]
-        out[at.TIP + i] = p[i]
-        out[at.NORMAL + i] = normal[i]
-        out[at.TASK_NORMAL + i] = n[i]
-        out[at.DIRECTION + i] = direction[i]
+    store3(out, at.ELBOW, add(S, elbow))
+    store3(out, at.WRIST, add(S, wrist))
+    store3(out, at.TIP, add(S, tip))
+    store3(out, at.NORMAL, normal)
+    store3(out, at.TASK_NORMAL, n)
+    store3(out, at.DIRECTION, direction)
     out[at.ARM_ANGLE] = planned_arm_angle(t, h0, m)
     out[at.MISS] = miss

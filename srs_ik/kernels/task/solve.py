@@ -13,7 +13,7 @@ import math
 import numpy as np
 
 from srs_ik.kernels.algebra.pointers import row
-from srs_ik.kernels.algebra.vectors import add, along, cross, load3, norm, scale, sub, swing, times_transposed
+from srs_ik.kernels.algebra.vectors import add, along, cross, load3, norm, scale, store3, sub, swing, times_transposed
 from srs_ik.kernels.chain.answer import measure_row, write_row
 from srs_ik.kernels.chain.kinematics import forward_kinematics, pose_error
 from srs_ik.kernels.exact.intervals import find_intervals
@@ -307,5 +307,4 @@ def solve_task_one(family, H, x, given, side, tie, goal, J, A, out):
     write_posture(P, found, row(out, at.TASK_POSTURE))
     for k in range(9):
         out[at.TASK_ROTATION + k] = R[k]
-    for k in range(3):
-        out[at.TASK_TIP + k] = p[k]
+    store3(out, at.TASK_TIP, p)
