@@ -71,12 +71,7 @@ def folder_of(path: Any) -> Path:
 
 
 class Store:
-    """A map on disk.
-
-    Attributes:
-        path: its folder.
-        plan: what it holds.
-    """
+    """A map on disk: the folder at `path`, and the `plan` of what it holds."""
 
     def __init__(self, path: Path, *, writable: bool = False) -> None:
         zarr = zarr_module()

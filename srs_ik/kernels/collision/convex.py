@@ -25,6 +25,9 @@ CLOSE = 1e-7
 
 NOWHERE = (0.0, 0.0, 0.0)
 
+FACES = ((0, 1, 2), (0, 1, 3), (0, 2, 3), (1, 2, 3))
+"""Corners of each face of a tetrahedron."""
+
 
 @kernel
 def farthest_point(shapes, i, d):
@@ -133,23 +136,15 @@ def on_tetrahedron(a, b, c, d):
     outside = max(max(faces[0], faces[1]), max(faces[2], faces[3]))
     if outside < 0.0:
         return NOWHERE, 15, -outside
+    corners = (a, b, c, d)
     best, used, least = a, 1, math.inf
-    if faces[0] >= 0.0:
-        point, bits = on_triangle(a, b, c)
-        if dot(point, point) < least:
-            best, used, least = point, bits, dot(point, point)
-    if faces[1] >= 0.0:
-        point, bits = on_triangle(a, b, d)
-        if dot(point, point) < least:
-            best, used, least = point, (bits & 3) | ((bits & 4) << 1), dot(point, point)
-    if faces[2] >= 0.0:
-        point, bits = on_triangle(a, c, d)
-        if dot(point, point) < least:
-            best, used, least = point, (bits & 1) | ((bits & 6) << 1), dot(point, point)
-    if faces[3] >= 0.0:
-        point, bits = on_triangle(b, c, d)
-        if dot(point, point) < least:
-            best, used, least = point, bits << 1, dot(point, point)
+    for face in range(4):
+        if faces[face] >= 0.0:
+            i, j, k = FACES[face]
+            point, bits = on_triangle(corners[i], corners[j], corners[k])
+            if dot(point, point) < least:
+                best, least = point, dot(point, point)
+                used = (bits & 1) << i | (bits >> 1 & 1) << j | (bits >> 2) << k
     return best, used, 0.0
 
 

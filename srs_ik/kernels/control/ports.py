@@ -74,8 +74,7 @@ def turn_elbow(P, port, state, motion, work):
     """Turn the elbow about the line from shoulder to wrist, to the arm angle of a port."""
     derivatives = work[at.DERIVATIVES]
     exists = gradient(P, motion.q, motion.J, derivatives)[2]
-    rate = 0.0
-    steepness = 0.0
+    rate, steepness = 0.0, 0.0
     for joint in range(7):
         steepness = math.hypot(steepness, derivatives[joint])
     share = min(1.0, STEEPEST / steepness) if steepness > 0.0 else 0.0

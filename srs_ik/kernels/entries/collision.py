@@ -89,8 +89,7 @@ def free_range(
     world = World(bodies, groups, pairs, local, ready)
     P = row(family, LIMITED)
     found = np.empty((MOST_INTERVALS, 3))
-    used = 0
-    i = first
+    used, i = 0, first
     while i < last and used + MOST_INTERVALS <= rows.shape[0]:
         R, p, verdicts[i] = read_pose(row(poses, i))
         counts[i] = 0

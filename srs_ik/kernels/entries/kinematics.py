@@ -24,10 +24,7 @@ def forward_range(family, q, first, last, out):
     for i in range(first, last):
         x, y, z, p = forward_kinematics(P, read7(row(q, i)))
         for k in range(3):
-            out[i, k, 0] = x[k]
-            out[i, k, 1] = y[k]
-            out[i, k, 2] = z[k]
-            out[i, k, 3] = p[k]
+            out[i, k, 0], out[i, k, 1], out[i, k, 2], out[i, k, 3] = x[k], y[k], z[k], p[k]
             out[i, 3, k] = 0.0
         out[i, 3, 3] = 1.0
 

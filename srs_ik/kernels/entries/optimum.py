@@ -92,22 +92,11 @@ def best_of_surface(P, by, q, wanted, resolution, line, out):
 
 @entry
 def optimise(family, T, kind, second, tolerance, resolution, params, respect, solution, out):
-    """The best posture for a built-in objective, into a row and `out`.
+    """The best posture for a built-in objective, into a row and `out`: FOUND, NO_POSTURE or minus a verdict.
 
-    Returns FOUND, NO_POSTURE or minus the verdict on the pose.
-
-    Args:
-        family: packed limbs.
-        T: (4, 4) pose.
-        kind: objective, a number of `objectives`.
-        second: the objective that decides among the postures which are best by the first one within the tolerance;
-            -1: none.
-        tolerance: relative to the best value of the first objective.
-        resolution: of the line searches.
-        params: (PARAMS,) figures that belong to the objective.
-        respect: whether the limits have to be kept.
-        solution: (ROW,) output.
-        out: (OUT,) output.
+    Objectives are numbers of `layout.objectives`, with figures `params` (PARAMS,). The second one (-1: none) decides
+    among the postures which are best by the first one within the tolerance, relative to its best value; `resolution` is
+    that of the line searches.
     """
     R, p, verdict = read_pose(row(T, 0))
     if verdict != GOOD_POSE:

@@ -1,6 +1,10 @@
 """Entry points for joint paths: the strips of all poses, the best way through them, and its refinement.
 
-They take plain arrays, whatever their number; behind them, what travels together goes as one.
+They take plain arrays, whatever their number; behind them, what travels together goes as one. All over, `poses` are
+(n, 4, 4), `keys` (k,) those of them that count, `settings` (SETTINGS, 7), `limited` says whether there are velocity
+limits, and `start` (k, 7) is the posture before the first one, or none. A path is `q` (n, 7), its arm angles `psi`
+(n,), `branch` (n,), the least and largest arm angle of each, `bounds` (n, 2), the poses that it reaches, `chain` (k,),
+and whether a posture has to stay, `fixed` (n,).
 """
 
 from __future__ import annotations
@@ -108,32 +112,17 @@ def sweep(
 ):
     """Costs of all postures of the key poses from number `first` on, until the arrays are full.
 
-    Args:
-        family: packed limb.
-        poses: (n, 4, 4).
-        keys: (k,) the poses that count.
-        first: number of the first key pose.
-        carried: the pose before it that is reached, as the arrays hold it already, at `ends[0]`; -1: none.
-        stop: (1,) set by another thread where nobody wants the answer any more; the arrays are then left as they are.
-        known: (n, 7) postures that are given.
-        has_known: (n,) where they are.
-        held: (h, HELD) postures that are known, one pose after the other, to the others of its strips.
-        held_ends: (n + 1,) the first of each pose.
-        held_alone: (n,) where they are all there are.
-        allowed: (m, 3) the only intervals that strips may have, one pose after the other: branch, lower and upper end.
-        allowed_ends: (n, 2) the first of each pose and one behind its last, -1: it may have all; (0, 2): all may.
-        near: (n, 7) postures around which strips are finer.
-        radius: (n,) how far around, rad; 0: nowhere.
-        spacing: (n,) how far joints move there from one posture of a strip to the next at most, rad.
-        start: (k, 7) the posture before the first one, or none.
-        settings: (SETTINGS, 7).
-        limited: whether there are velocity limits.
-        exact: whether breaks are to be the shortest.
-        nodes: (N, NODE) output.
-        cost: (N,) output.
-        strips: (M, STRIP) output.
-        ends: (K, 4) output: of each pose from number `first` on, behind the one that is carried, the first row in
-            `nodes`, one behind its last, and the same in `strips`.
+    `carried` is the pose before it that is reached, as the arrays hold it already, at `ends[0]`; -1: none. In `ends` is
+    then, of each pose from number `first` on, behind the one that is carried, the first row in `nodes`, one behind its
+    last, and the same in `strips`. Another thread sets `stop` (1,) where nobody wants the answer any more; the arrays
+    are then left as they are.
+
+    Postures `known` (n, 7) are given where `has_known` (n,); `held` (h, HELD) are known, one pose after the other from
+    `held_ends` (n + 1,) on, to the others of its strips, or where `held_alone` (n,) they are all there are. Strips have
+    only the intervals `allowed` (m, 3), branch, lower and upper end, one pose after the other, of each from
+    `allowed_ends` (n, 2) on to one behind its last, where that is not -1; (0, 2): all may be. They are finer around
+    postures `near` (n, 7), so far as `radius` (n,), rad, 0: nowhere; joints move there by `spacing` (n,), rad, from one
+    posture of a strip to the next at most. With `exact`, breaks are to be the shortest.
 
     Returns:
         The number of the next key pose, and the row in `ends` of the last one that is reached (0: none).
@@ -160,8 +149,7 @@ def sweep(
         pose = keys[i]
         if allowed_ends.shape[0] > 0:
             given[0], given[1] = allowed_ends[pose, 0], allowed_ends[pose, 1]
-        ends[slot, 0] = n
-        ends[slot, 2] = m
+        ends[slot, 0], ends[slot, 2] = n, m
         if has_known[pose]:
             put_node(nodes, n, read7(row(known, pose)), 0.0, -1)
             n += 1
@@ -179,8 +167,7 @@ def sweep(
                 if not held_alone[pose]:
                     n = put_split(row(family, LIMITED), sheet, n - 1, SPACING, n)
         m = list_strips(sheet, ends[slot, 0], n, m)
-        ends[slot, 1] = n
-        ends[slot, 3] = m
+        ends[slot, 1], ends[slot, 3] = n, m
         if n > ends[slot, 0]:
             now = Span(ends[slot, 0], n, ends[slot, 2], m)
             if carried < 0:
@@ -189,8 +176,7 @@ def sweep(
                 before = Span(ends[last, 0], ends[last, 1], ends[last, 2], ends[last, 3])
                 unbounded(cost, now)
                 advance(sheet, before, now, rules_for(told, scaled, pose - carried, limited), exact)
-            carried = pose
-            last = slot
+            carried, last = pose, slot
         i += 1
     keep(scales)
     return i, last
@@ -200,21 +186,8 @@ def sweep(
 def go_back(keys, first, count, following, settings, limited, nodes, cost, strips, ends, q, psi, branch, bounds):
     """Write the best way's postures of `count` key poses from number `first` on, from the last one to the first.
 
-    Args:
-        keys: (k,) the poses that count.
-        first: number of the first key pose.
-        count: how many of them.
-        following: the pose behind these whose posture is known already; -1: none, the cheapest last posture is taken.
-        settings: (SETTINGS, 7).
-        limited: whether there are velocity limits.
-        nodes: (N, NODE) postures, from `sweep`, as the next three.
-        cost: (N,).
-        strips: (M, STRIP).
-        ends: (K, 4).
-        q: (n, 7) output.
-        psi: (n,) output: arm angles.
-        branch: (n,) output: branches, -1 where a posture was given.
-        bounds: (n, 2) output: arm angles of the ends of the strip.
+    Nodes, costs, strips and their ends are those of `sweep`. The posture of the pose `following` behind these is known
+    already; -1: the cheapest last posture is taken. Branches are -1 where a posture was given.
 
     Returns:
         The first pose of these that is reached, or `following`; and the least cost if there was none behind these.
@@ -321,22 +294,9 @@ def refine(family, poses, chain, fixed, bounds, widths, enough, start, settings,
 def polish(family, poses, chain, fixed, loose, bounds, start, settings, kind, scale, weights, enough, q, psi, branch):
     """Move all postures of a path at once, in place, to what makes a kind of sum least, by barriers less and less wide.
 
-    Args:
-        family: packed limb.
-        poses: (n, 4, 4).
-        chain: (k,) the poses that the path reaches.
-        fixed: (n,) whether a posture has to stay.
-        loose: (k,) whether the step to each of the chain is a break, for which no limits hold.
-        bounds: (n, 2) least and largest arm angle of each.
-        start: (k, 7) the posture before the first one, or none.
-        settings: (SETTINGS, 7).
-        kind: `WITHIN`, `LARGEST` or `SLOWEST`.
-        scale: (7,) by which joint steps are multiplied.
-        weights: (w,) of the barriers, one after the other.
-        enough: no other barrier follows once the largest step counts no more than this.
-        q: (n, 7).
-        psi: (n,).
-        branch: (n,).
+    The kind is `WITHIN`, `LARGEST` or `SLOWEST`, of joint steps multiplied by `scale` (7,); steps to poses that are
+    `loose` (k,) are breaks, for which no limits hold. Barriers have `weights` (w,), one after the other; none follows
+    once the largest step counts no more than `enough`.
 
     Returns:
         The value with the last barrier; 1e300 where the path begins beyond its limits.

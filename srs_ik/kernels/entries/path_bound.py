@@ -28,16 +28,9 @@ from srs_ik.kernels.path.strips import DEEPEST
 def cover(family, poses, first, known, has_known, extra, longest, cells, ends):
     """Write cells that hold all postures of the poses from number `first` on, until the arrays are full.
 
-    Args:
-        family: packed limb.
-        poses: (n, 4, 4).
-        first: number of the first pose.
-        known: (n, 7) postures that are given.
-        has_known: (n,) where they are.
-        extra: (n, 7) a posture of each pose beside those of the intervals, or NaN.
-        longest: length of a cell, rad.
-        cells: (M, CELL) output.
-        ends: (K + 1,) output: the first row of each pose and one behind its last.
+    Postures `known` (n, 7) are given where `has_known` (n,); `extra` (n, 7) is one of each pose beside those of the
+    intervals, or NaN. Cells are up to `longest` long, rad; `ends` (K + 1,) are the first row of each pose and one
+    behind its last.
 
     Returns:
         How many poses are done.
@@ -92,14 +85,9 @@ def cut(family, poses, coarse, coarse_ends, longest, cells, ends):
 def relax(cells, ends, backward, settings, worth):
     """Write what the cells of some poses cost at least, from those of the first pose on, which are there already.
 
-    Args:
-        cells: (M, CELL).
-        ends: (k + 1,) the first row of each pose and one behind its last; the array may end behind them.
-        backward: whether from those of the last pose back.
-        settings: (SETTINGS, 7); with an infinite step of continuity, a path may leap.
-        worth: (M, WORTH) in place.
-
-    A pose without cells is passed for nothing, and so is the step over it.
+    Or from those of the last pose back. `ends` (k + 1,) are as in `cover`; the array may end behind them. With an
+    infinite step of continuity in the settings, a path may leap. A pose without cells is passed for nothing, and so is
+    the step over it.
     """
     count = ends.shape[0] - 1
     most = 1
@@ -124,9 +112,7 @@ def relax(cells, ends, backward, settings, worth):
                 else:
                     before = (cells, ends[last], ends[last + 1], worth)
                     begin, end, sag = advance_cell(before, groups, cells, j, row(settings, 0), tried)
-                worth[j, at.WORTH_BEGIN] = begin
-                worth[j, at.WORTH_END] = end
-                worth[j, at.WORTH_SAG] = sag
+                worth[j, at.WORTH_BEGIN], worth[j, at.WORTH_END], worth[j, at.WORTH_SAG] = begin, end, sag
         last = i
 
 
@@ -152,24 +138,13 @@ def write_rooms(sheet, span, most, rooms, rules, after):
 
 @entry
 def costs_to_end(keys, first, count, behind, most, stop, settings, limited, nodes, cost, strips, ends, after):
-    """Write what the best path costs from each posture of key poses on, from the last one of them back.
+    """Write what the best path costs from each posture of `count` key poses from number `first` on, from the last back.
 
-    Postures through which no path leads that costs at most so much are left out on the way.
-
-    Args:
-        keys: (k,) the poses that count.
-        first: number of the first one of these.
-        count: how many of them.
-        behind: the next pose behind them that is reached; -1: none.
-        most: what a path may cost, from its begin to its end.
-        stop: (1,) set by another thread where nobody wants the answer any more.
-        settings: (SETTINGS, 7).
-        limited: whether there are velocity limits.
-        nodes: (N, NODE) postures, from `sweep`; how far costs sag is written anew.
-        cost: (N,) what the best path costs up to each.
-        strips: (M, STRIP), from `sweep`; what each costs at least is written anew.
-        ends: (count + 2, 4) of each pose; the last row is that of the pose behind them.
-        after: (N,) output; what is behind them is known.
+    Postures through which no path leads that costs at most `most` from its begin to its end are left out on the way.
+    `behind` is the next pose behind them that is reached; -1: none. Nodes, costs, strips and their ends are those of
+    `sweep`, the last row of `ends` that of the pose behind; how far costs sag, and what strips cost at least, is
+    written anew. `after` (N,) is the output; what is behind them is known. Another thread sets `stop` (1,) where nobody
+    wants the answer.
 
     Returns:
         The row in `ends` of the first pose that is reached; count + 1: none of these is.
@@ -224,8 +199,7 @@ def reach(cells, ends, backward, limits, settings, spans):
     for i in range(count):
         most = max(most, ends[i + 1] - ends[i])
     work, boxes = np.empty((2, MOST_CORNERS, 2)), np.empty(((most + GROUP - 1) // GROUP, BOX))
-    last = -1
-    some = True
+    last, some = -1, True
     for step in range(count):
         i = count - 1 - step if backward else step
         if ends[i] == ends[i + 1]:

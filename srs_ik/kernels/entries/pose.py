@@ -122,8 +122,7 @@ def intervals_range(family, poses, first, last, respect, rows, counts, verdicts)
     take how many each pose has, verdicts those on the poses.
     """
     J, A = scratch(6, 7), scratch(16, 9)
-    used = 0
-    i = first
+    used, i = 0, first
     while i < last and used + MOST_INTERVALS <= rows.shape[0]:
         R, p, verdicts[i] = read_pose(row(poses, i))
         counts[i] = 0

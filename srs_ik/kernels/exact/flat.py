@@ -11,7 +11,7 @@ import math
 
 import numpy as np
 
-from srs_ik.kernels.algebra.pointers import keep, row
+from srs_ik.kernels.algebra.pointers import copy, keep, row
 from srs_ik.kernels.exact.bend_crossings import MOST_CROSSINGS, MOST_CURVES, bends_of_crossings
 from srs_ik.kernels.exact.bend_events import MOST_EVENTS, bend_in_line, bends_at
 from srs_ik.kernels.exact.bends import bent_place
@@ -85,9 +85,7 @@ def merge(P, place_, x, found, both, out, n):
     """Join the intervals at a bend to the first n in rows of out; their number."""
     m = find_intervals(P, bent_place(place_, x), -1, found)
     n = min(joined(out, n, found, m, both), out.shape[0])
-    for i in range(n):
-        for c in range(3):
-            out[i, c] = both[i, c]
+    copy(row(both, 0), row(out, 0), 3 * n)
     return n
 
 
@@ -293,9 +291,7 @@ def intervals_of_bends(family, place_, respect, out, n):
                 n = merge(eased, place_, centres[i] - away, found, both, out, n)
             if centres[i] + away < span[1]:
                 n = merge(eased, place_, centres[i] + away, found, both, out, n)
-    for i in range(n):
-        for c in range(3):
-            both[i, c] = out[i, c]
+    copy(row(out, 0), row(both, 0), 3 * n)
     n = stretch((P, eased), place_, span, both[:n], out)
     keep(boxes)
     return n

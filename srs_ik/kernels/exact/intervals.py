@@ -30,8 +30,7 @@ TOUCHING = 1e-7
 @kernel
 def write_piece(pieces, sign, n, lower, upper):
     """Append an interval to the pieces of a solution."""
-    pieces[sign, n, 0] = lower
-    pieces[sign, n, 1] = upper
+    pieces[sign, n, 0], pieces[sign, n, 1] = lower, upper
     return n + 1
 
 
@@ -51,8 +50,7 @@ def sign_pieces(P, k, motion, wanted, events, marks, n, sign, pieces):
     A full circle is the single piece (-pi, pi).
     """
     bit = 1 << sign
-    start = -1
-    some = False
+    start, some = -1, False
     for i in range(n):
         if marks[i] & bit:
             some = True
@@ -61,8 +59,7 @@ def sign_pieces(P, k, motion, wanted, events, marks, n, sign, pieces):
                 break
     if some and start < 0:
         return write_piece(pieces, sign, 0, -PI, PI)
-    count = 0
-    i = 0
+    count, i = 0, 0
     while start >= 0 and i < n:
         length = 0
         while i + length < n and marks[(start + i + length) % n] & bit:

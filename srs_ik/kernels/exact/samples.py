@@ -39,8 +39,7 @@ def add_swings(P, k, motion, lower, upper, samples, n):
     circle = motion[0]
     a1 = load3(P, k + at.A1)
     constant = dot(a1, circle[0])
-    c = dot(a1, circle[1])
-    s = dot(a1, circle[2])
+    c, s = dot(a1, circle[1]), dot(a1, circle[2])
     r = math.sqrt(c * c + s * s)
     if r < 1e-9:
         return n
@@ -63,11 +62,8 @@ def add_changes(P, k, motion, joint, angle, lower, upper, samples, n):
 
     Where another joint passes one at once, both may keep their limits there alone.
     """
-    a1 = load3(P, k + at.A1)
-    a2 = load3(P, k + at.A2)
-    a3 = load3(P, k + at.A3)
-    c = math.cos(angle)
-    s = math.sin(angle)
+    a1, a2, a3 = load3(P, k + at.A1), load3(P, k + at.A2), load3(P, k + at.A3)
+    c, s = math.cos(angle), math.sin(angle)
     place = joint - int(P[k + at.FIRST_JOINT])
     if place == 0:
         x, circle, value = rotate(a1, c, s, a2), motion[0], P[k + at.A2_A3]
@@ -75,8 +71,7 @@ def add_changes(P, k, motion, joint, angle, lower, upper, samples, n):
         x, circle, value = a1, motion[0], dot(a1, rotate(a2, c, s, a3))
     else:
         x, circle, value = rotate(a3, c, -s, a2), motion[2], P[k + at.A1_A2]
-    c = dot(x, circle[1])
-    s = dot(x, circle[2])
+    c, s = dot(x, circle[1]), dot(x, circle[2])
     rest = value - dot(x, circle[0])
     r = math.sqrt(c * c + s * s)
     if abs(rest) < r:

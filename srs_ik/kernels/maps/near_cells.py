@@ -93,12 +93,6 @@ def is_too_far(P, pose, space):
 
 
 @kernel
-def intervals_near(family, pose, space):
-    """Write the feasible intervals on the true chain into `space.found`; return their number."""
-    return all_intervals(family, pose.target, True, space.J, space.A, space.found)
-
-
-@kernel
 def is_clear(P, side, psi, band):
     """Whether shoulder and wrist are so far from singular at an arm angle that a band tells something there."""
     return not is_near_singularity(P, side, psi, band, 1.0)
@@ -264,7 +258,7 @@ def write_cell_near(family, pose, limits, most, space, out):
     P = row(family, at.LIMITED)
     if is_too_far(P, pose, space):
         return
-    n = intervals_near(family, pose, space)
+    n = all_intervals(family, pose.target, True, space.J, space.A, space.found)
     q, again = NO_SEED, False
     if n == 0 and not is_surely_out(P, pose, space):
         q, again = was_missed(P, pose.target, space)

@@ -46,16 +46,10 @@ WIDER = 1e-6
 
 
 @kernel
-def widened(family, box):
-    """Copy the packed limb to `box` with limits farther out by `WIDER`."""
-    tighten(row(family, at.LOOSE), NO_SEED, math.inf, WIDER, box)
-
-
-@kernel
 def room(family):
     """Work space for `reach`."""
     wide = np.empty((1, at.SIZE))
-    widened(family, row(wide, 0))
+    tighten(row(family, at.LOOSE), NO_SEED, math.inf, WIDER, row(wide, 0))
     return Room(
         np.empty(MAX_EVENTS),
         np.empty(MAX_EVENTS, np.int64),

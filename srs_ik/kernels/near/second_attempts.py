@@ -26,7 +26,18 @@ from srs_ik.kernels.curves.lowest import cost_of_turn
 from srs_ik.kernels.curves.outreach import is_almost_straight
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout.asked import Best, Setting
-from srs_ik.kernels.layout.limb import FAR, IS_NEAR, LOWER, MISS, PHASE, SHOULDER, SIZE, STRAIGHT, UPPER, WRIST
+from srs_ik.kernels.layout.limb import (
+    FAR,
+    IS_NEAR,
+    LOWER,
+    MISS,
+    PHASE,
+    SHOULDER,
+    SIZE,
+    STRAIGHT,
+    UPPER,
+    WRIST,
+)
 from srs_ik.kernels.limb.branches import NO_BRANCH, best_branch, branch_of, is_on_border
 from srs_ik.kernels.limb.goal import OUTSIDE
 from srs_ik.kernels.limb.in_line import ROUNDED

@@ -98,12 +98,10 @@ def write_own_bounds(family, course, line, i):
 @kernel
 def write_bounds(family, place_, number, angle, bounds):
     """Write the ends of the interval around an arm angle."""
-    bounds[0] = -math.inf
-    bounds[1] = math.inf
+    bounds[0], bounds[1] = -math.inf, math.inf
     found = np.empty((8 * MAX_PIECES, 3))
     for k in range(find_intervals(roomy(family, place_), place_, number, found)):
         low, high = found[k, 1], found[k, 2]
         turns = TURN * math.floor((angle - low + ON_LIMIT) / TURN)
         if angle <= high + turns + ON_LIMIT and high - low < TURN - ON_LIMIT:
-            bounds[0] = low + turns
-            bounds[1] = high + turns
+            bounds[0], bounds[1] = low + turns, high + turns

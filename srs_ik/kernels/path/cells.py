@@ -18,7 +18,7 @@ from __future__ import annotations
 import math
 
 from srs_ik.kernels.algebra.joint_vectors import along7, dot7, store7
-from srs_ik.kernels.algebra.pointers import row
+from srs_ik.kernels.algebra.pointers import copy, row
 from srs_ik.kernels.algebra.vectors import cross, dot, load3, norm, swing
 from srs_ik.kernels.curves.follow import between
 from srs_ik.kernels.jit import kernel
@@ -114,8 +114,7 @@ def stray(P, side, angles, branch, a, b):
     d = along_cell(a, b)
     width = (end - begin) / PARTS
     most, rest = 0.0, 0.0
-    before = a
-    good = True
+    before, good = a, True
     for part in range(1, PARTS + 1):
         psi = begin + part * width
         bend = bend_bound(P, SHOULDER, side[1][0], psi - width, psi)
@@ -164,9 +163,7 @@ def put_cell(cells, n, a, b, off, told):
     store7(row(cells, n), 0, a)
     store7(row(cells, n), 7, along_cell(a, b))
     cells[n, CELL_OFF] = off
-    cells[n, CELL_FROM] = told[0]
-    cells[n, CELL_TO] = told[1]
-    cells[n, CELL_BRANCH] = told[2]
+    cells[n, CELL_FROM], cells[n, CELL_TO], cells[n, CELL_BRANCH] = told
 
 
 @kernel
@@ -202,8 +199,7 @@ def put_turns(P, cells, n, a, b, off, told):
             for i in range(first, last):
                 if n >= cells.shape[0]:
                     return n
-                for c in range(CELL):
-                    cells[n, c] = cells[i, c]
+                copy(row(cells, i), row(cells, n), CELL)
                 cells[n, j] += TURN * turn
                 n += 1
         if least > most:

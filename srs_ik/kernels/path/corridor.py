@@ -147,7 +147,7 @@ def put_along_curve(P, stop, here, motion, sheet, n, space):
 def put_across(P, course, line, asked, sheet, n, space):
     """Write the postures of a corridor at a pose, that of the path in the middle; the next free row.
 
-    `at` are the number of the pose and the joint step from one posture of the corridor to the next.
+    `asked` are the number of the pose and the joint step from one posture of the corridor to the next.
     """
     i, width = asked
     here = posture_at(line, i)

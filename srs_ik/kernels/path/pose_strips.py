@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 
 from srs_ik.kernels.algebra.joint_vectors import along7, short_way
-from srs_ik.kernels.algebra.pointers import row
+from srs_ik.kernels.algebra.pointers import copy, row
 from srs_ik.kernels.chain.newton import arm_angle
 from srs_ik.kernels.exact.flat import is_as_good_as_flat
 from srs_ik.kernels.exact.intervals import find_intervals
@@ -66,9 +66,7 @@ def allowed_intervals(family, place_, desk):
     if desk.given[0] < 0:
         return find_intervals(roomy(family, place_), place_, -1, desk.found)
     count = min(desk.given[1] - desk.given[0], desk.found.shape[0])
-    for i in range(count):
-        for k in range(3):
-            desk.found[i, k] = desk.allowed[desk.given[0] + i, k]
+    copy(row(desk.allowed, desk.given[0]), row(desk.found, 0), 3 * count)
     return count
 
 
@@ -185,8 +183,7 @@ def keep_inside(P, nodes, linked, first, last):
 @kernel
 def turns_inside(P, joint, nodes, n0, n1):
     """First and last whole turn by which a joint of a run of postures may be turned to be inside its limits."""
-    least = nodes[n0, joint]
-    most = least
+    least, most = nodes[n0, joint], nodes[n0, joint]
     for i in range(n0 + 1, n1):
         least = min(least, nodes[i, joint])
         most = max(most, nodes[i, joint])
@@ -240,13 +237,8 @@ def put_turned(P, sheet, first, last, turns, n):
         follows = i > first and linked[i - 1]
         if follows and inside != before and n < room:
             # Rows behind those in use hold the pair as it is turned.
-            put_node(
-                nodes,
-                room,
-                along7(read7(row(nodes, i - 1)), TURN, turns),
-                nodes[i - 1, at.NODE_PSI],
-                nodes[i, at.NODE_BRANCH],
-            )
+            other = along7(read7(row(nodes, i - 1)), TURN, turns)
+            put_node(nodes, room, other, nodes[i - 1, at.NODE_PSI], nodes[i, at.NODE_BRANCH])
             put_node(nodes, room + 1, turned, nodes[i, at.NODE_PSI], nodes[i, at.NODE_BRANCH])
             n0 = n
             if inside:
@@ -288,9 +280,8 @@ def turn_strips(P, sheet, first, last, turns):
             turns[0, joint] = turns[1, joint] + rest % count
             rest //= count
         n = put_turned(P, sheet, first, last, row(turns, 0), n)
+    copy(row(nodes, last), row(nodes, first), at.NODE * (n - last))
     for i in range(last, n):
-        for j in range(at.NODE):
-            nodes[first + i - last, j] = nodes[i, j]
         linked[first + i - last] = linked[i]
     return first + n - last
 
@@ -305,16 +296,12 @@ def list_strips(sheet, first, last, count):
             continue
         if count < strips.shape[0]:
             for j in range(7):
-                least = nodes[start, j]
-                most = least
+                least, most = nodes[start, j], nodes[start, j]
                 for k in range(start + 1, i + 1):
                     least = min(least, nodes[k, j])
                     most = max(most, nodes[k, j])
-                strips[count, j] = least
-                strips[count, 7 + j] = most
-            strips[count, at.STRIP_FIRST] = start
-            strips[count, at.STRIP_LAST] = i
-            strips[count, at.STRIP_LEAST] = 0.0
+                strips[count, j], strips[count, 7 + j] = least, most
+            strips[count, at.STRIP_FIRST], strips[count, at.STRIP_LAST], strips[count, at.STRIP_LEAST] = start, i, 0.0
             count += 1
         start = i + 1
     return count

@@ -12,7 +12,7 @@ from __future__ import annotations
 import math
 
 from srs_ik.kernels.algebra.joint_vectors import along7, dot7
-from srs_ik.kernels.algebra.pointers import row
+from srs_ik.kernels.algebra.pointers import copy, row
 from srs_ik.kernels.jit import kernel
 from srs_ik.kernels.layout import path as at
 from srs_ik.kernels.path.cells import GROUP, cell_chord
@@ -99,10 +99,8 @@ def write_groups(cells, first, last, worth, groups):
                 other += (a + cells[i, 7 + j]) * (a + cells[i, 7 + j])
             reach = max(reach, math.sqrt(max(size, other)) + cells[i, at.CELL_OFF])
             least = min(least, lowest(worth, i))
-        for j in range(7):
-            groups[g, j] = cells[middle, j]
-        groups[g, 7] = reach
-        groups[g, 8] = least
+        copy(row(cells, middle), row(groups, g), 7)
+        groups[g, 7], groups[g, 8] = reach, least
     return count
 
 

@@ -347,8 +347,7 @@ def smooth(family, course, line, start, aim, settings, space):
             total, t_moved = value_of(aim, chain, steps, first)
             if total < lowest:
                 gain = lowest - total
-                lowest = total
-                t = t_moved
+                lowest, t = total, t_moved
                 line.q[:] = moved.q
                 line.psi[:] = moved.psi
                 break

@@ -58,8 +58,7 @@ DEEPEST = 60
 def put_node(nodes, n, q, psi, branch):
     """Write a posture of a strip."""
     store7(row(nodes, n), 0, q)
-    nodes[n, NODE_PSI] = psi
-    nodes[n, NODE_BRANCH] = branch
+    nodes[n, NODE_PSI], nodes[n, NODE_BRANCH] = psi, branch
 
 
 @kernel
@@ -216,10 +215,7 @@ def take_strip(P, side, interval, around, sheet, n, desk):
     targets, stack, loose = desk.targets, desk.stack, has_turns(P)
     known = (row(desk.memo, 0), desk.stamp[0], loose, ends)
     count = first_angles(P, side, lower, upper, targets)
-    q = NO_SEED
-    psi = lower
-    begun = False
-    written = False
+    q, psi, begun, written = NO_SEED, lower, False, False
     for i in range(count):
         if begun and targets[i] <= psi:
             continue

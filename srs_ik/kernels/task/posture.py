@@ -127,11 +127,8 @@ def wrist_from_tip(H, g, phi, rolled):
     """
     if rolled and H[at.HAND_KNOWN] == 1.0:
         axes = tip_axes(g, phi)
-        y = (axes[1], axes[4], axes[7])
-        z = (axes[2], axes[5], axes[8])
-        w = load3(H, at.HAND_WRIST)
-        a = load3(H, at.HAND_GRASP)
-        b = load3(H, at.HAND_ACROSS)
+        y, z = (axes[1], axes[4], axes[7]), (axes[2], axes[5], axes[8])
+        w, a, b = load3(H, at.HAND_WRIST), load3(H, at.HAND_GRASP), load3(H, at.HAND_ACROSS)
         return along(along(scale(dot(w, a), g), dot(w, b), y), dot(w, cross(a, b)), z)
     return scale(-H[at.HAND_ALONG], g)
 

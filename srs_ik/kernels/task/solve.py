@@ -151,15 +151,12 @@ def nearest_feasible(family, target, psi, branch, goal, J, A):
     else:
         n = all_intervals(family, target, respect, J, A, found)
     for _ in range(n):
-        best = -1
-        nearest = 0.0
+        best, nearest = -1, 0.0
         least = 4.0 * math.pi
         for i in range(n):
             x, far = between(psi, found[i, 1], found[i, 2])
             if found[i, 0] >= 0.0 and far < least:
-                best = i
-                nearest = x
-                least = far
+                best, nearest, least = i, x, far
         lower = found[best, 1]
         upper = found[best, 2]
         P = row(family, LOOSE if upper - lower < NARROW else LIMITED)
@@ -250,10 +247,7 @@ def solve_true(family, H, x, grasped, phi, side, tie, found, hand_axes, branch, 
         start, _, _ = best_branch(P, place_, psi, branch, seeded, seed, respect)
     else:
         start, _, _ = steady_branch(P, place_, math.cos(psi), math.sin(psi), respect)
-    q = start
-    lowest = NO_BRANCH
-    lost = 0.0
-    exact = found
+    q, lowest, lost, exact = start, NO_BRANCH, 0.0, found
     # From the closed form; next to a singularity, where that may lead astray, from the seed too; then from any posture.
     for attempt in range(3):
         if attempt == 1 and seeded:

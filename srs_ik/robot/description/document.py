@@ -132,12 +132,7 @@ def _encoding(text: bytes) -> str:
 
 
 class _Prolog:
-    """What comes before the content of an XML text.
-
-    Attributes:
-        has_doctype: whether it declares a document type.
-        tag: tag of the outermost element; "" where there is none.
-    """
+    """What comes before the content of an XML text: any document type, and the tag of the outermost element, if any."""
 
     def __init__(self, text: str) -> None:
         end = _BEFORE.match(text).end()  # type: ignore[union-attr]
